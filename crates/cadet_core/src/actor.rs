@@ -1,0 +1,95 @@
+//! What is labelled: KITTI's classes and the state of an actor.
+
+use crate::error::{Error, Result};
+use crate::math::{DPose3, DVec3};
+
+/// KITTI's object types, in the order of its development kit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum ObjectClass {
+    /// Passenger car.
+    Car,
+    /// Van.
+    Van,
+    /// Truck, bus.
+    Truck,
+    /// A person on foot.
+    Pedestrian,
+    /// A sitting person.
+    PersonSitting,
+    /// A person on a bicycle.
+    Cyclist,
+    /// Tram.
+    Tram,
+    /// Trailers, motorbikes and the like.
+    Misc,
+    /// A region where nothing is scored.
+    DontCare,
+}
+
+impl ObjectClass {
+    /// Every class.
+    pub const ALL: [Self; 9] = [
+        Self::Car,
+        Self::Van,
+        Self::Truck,
+        Self::Pedestrian,
+        Self::PersonSitting,
+        Self::Cyclist,
+        Self::Tram,
+        Self::Misc,
+        Self::DontCare,
+    ];
+
+    /// The name in KITTI's label files.
+    #[must_use]
+    pub fn kitti_name(self) -> &'static str {
+        match self {
+            Self::Car => "Car",
+            Self::Van => "Van",
+            Self::Truck => "Truck",
+            Self::Pedestrian => "Pedestrian",
+            Self::PersonSitting => "Person_sitting",
+            Self::Cyclist => "Cyclist",
+            Self::Tram => "Tram",
+            Self::Misc => "Misc",
+            Self::DontCare => "DontCare",
+        }
+    }
+
+    /// The class of that name, in any letter case.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`], listing the names that exist.
+    pub fn from_name(name: &str) -> Result<Self> {
+        Self::ALL.into_iter().find(|c| c.kitti_name().eq_ignore_ascii_case(name)).ok_or_else(|| Error::Unknown {
+            what: "class",
+            name: name.to_owned(),
+            known: Self::ALL.map(Self::kitti_name).join(", "),
+        })
+    }
+}
+
+/// An actor at one instant: what labels are made of.
+#[derive(Debug, Clone)]
+pub struct ActorState {
+    /// At least 1, stable within an episode.
+    pub id: i32,
+    /// KITTI's class.
+    pub class: ObjectClass,
+    /// The model's name, for example `"saloon/17"`.
+    pub model: String,
+    /// Length, width, height of the actor's box, fixed for its life.
+    pub size_lwh: DVec3,
+    /// The box frame: x forward, y left, z up, origin at the box's **bottom centre**.
+    pub world_from_box: DPose3,
+    /// Velocity of the box's origin, m/s.
+    pub velocity_world: DVec3,
+}
+
+impl ActorState {
+    /// The box's geometric centre.
+    #[must_use]
+    pub fn center_world(&self) -> DVec3 {
+        self.world_from_box.translation + self.world_from_box.rotation * DVec3::new(0.0, 0.0, self.size_lwh.z / 2.0)
+    }
+}

@@ -1,0 +1,5 @@
+//! Parametric shapes: every asset is a pure function of its parameters and a seed.
+
+pub mod person;
+pub mod scenery;
+pub mod vehicle;

@@ -1,0 +1,1 @@
+//! Houses, plants, fences and street furniture.

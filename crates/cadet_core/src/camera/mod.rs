@@ -1,0 +1,1 @@
+//! The camera: model, shading, sky, shadows, noise, PNG.

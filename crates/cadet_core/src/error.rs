@@ -1,0 +1,84 @@
+//! One error type for the core: every variant names the offending value and its limit.
+
+/// The core's result.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// What can be wrong with what a caller gave us. A miss is an `Option`, a bad request is an `Err`.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A number that is not finite where only finite ones make sense.
+    #[error("{what} is not finite: {value}")]
+    NotFinite {
+        /// What the number is, for example `"ego x"`.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+    },
+    /// A value outside its range.
+    #[error("{what} is {value}, expected {expected}")]
+    OutOfRange {
+        /// What the value is.
+        what: &'static str,
+        /// The value given, as text.
+        value: String,
+        /// The range, in words.
+        expected: String,
+    },
+    /// An array of the wrong shape.
+    #[error("{what} has shape {got}, expected {expected}")]
+    Shape {
+        /// What the array is.
+        what: &'static str,
+        /// The shape given.
+        got: String,
+        /// The shape wanted.
+        expected: String,
+    },
+    /// A name that is not in a closed list.
+    #[error("unknown {what} {name:?}; known: {known}")]
+    Unknown {
+        /// What was named, for example `"weather"`.
+        what: &'static str,
+        /// The name given.
+        name: String,
+        /// The names that exist, comma separated.
+        known: String,
+    },
+    /// A map that can't be read or can't be driven.
+    #[error("{map}: {reason}")]
+    Map {
+        /// The map's file name, or `"suburb"` for a generated one.
+        map: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A mesh that can't be used.
+    #[error("{name}: {reason}")]
+    Mesh {
+        /// The mesh's name or file.
+        name: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A scene that can't be built as asked.
+    #[error("scene: {reason}")]
+    Scene {
+        /// What is wrong.
+        reason: String,
+    },
+    /// An image that can't be encoded.
+    #[error("image: {reason}")]
+    Image {
+        /// What is wrong.
+        reason: String,
+    },
+}
+
+/// Refuses NaN and infinity.
+///
+/// # Errors
+/// [`Error::NotFinite`], naming `what`.
+pub fn finite(what: &'static str, value: f64) -> Result<f64> {
+    if value.is_finite() { Ok(value) } else { Err(Error::NotFinite { what, value }) }
+}

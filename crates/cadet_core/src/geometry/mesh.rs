@@ -1,0 +1,110 @@
+//! Triangle meshes, their bounds and their levels of detail.
+
+use std::sync::Arc;
+
+use crate::error::{Error, Result};
+use crate::math::Vec3;
+
+/// An axis-aligned box.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bounds {
+    /// Smallest corner.
+    pub min: Vec3,
+    /// Largest corner.
+    pub max: Vec3,
+}
+
+impl Bounds {
+    /// The bounds of no point at all: `min` above `max`.
+    pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
+
+    /// The bounds of some points.
+    #[must_use]
+    pub fn of(points: impl IntoIterator<Item = Vec3>) -> Self {
+        points.into_iter().fold(Self::EMPTY, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
+    }
+
+    /// The middle.
+    #[must_use]
+    pub fn center(&self) -> Vec3 {
+        (self.min + self.max) * 0.5
+    }
+
+    /// Edge lengths.
+    #[must_use]
+    pub fn size(&self) -> Vec3 {
+        self.max - self.min
+    }
+}
+
+/// A triangle mesh in its own local frame.
+///
+/// Faces are counter-clockwise seen from outside. Vertices are repeated where the shading has a crease.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mesh {
+    /// Local coordinates, metres.
+    pub vertices: Vec<Vec3>,
+    /// Unit shading normals, one a vertex.
+    pub normals: Vec<Vec3>,
+    /// Three vertex indices a face.
+    pub faces: Vec<[u32; 3]>,
+    /// Material slot of each face: an index into the instance's [`crate::material::Palette`].
+    pub slots: Vec<u8>,
+    /// Bounds of the vertices.
+    pub bounds: Bounds,
+}
+
+impl Mesh {
+    /// Checks the arrays and makes a mesh of them.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`]: arrays of unequal length, an index out of range, a coordinate that is not finite, no face.
+    pub fn new(
+        name: &str,
+        vertices: Vec<Vec3>,
+        normals: Vec<Vec3>,
+        faces: Vec<[u32; 3]>,
+        slots: Vec<u8>,
+    ) -> Result<Self> {
+        let fail = |reason: String| Err(Error::Mesh { name: name.to_owned(), reason });
+        if faces.is_empty() {
+            return fail("no faces".to_owned());
+        }
+        if normals.len() != vertices.len() || slots.len() != faces.len() {
+            return fail("arrays of unequal length".to_owned());
+        }
+        if let Some(bad) = faces.iter().flatten().find(|i| **i as usize >= vertices.len()) {
+            return fail(format!("face index {bad} with {} vertices", vertices.len()));
+        }
+        if vertices.iter().chain(&normals).any(|v| !v.is_finite()) {
+            return fail("a coordinate is not finite".to_owned());
+        }
+        let bounds = Bounds::of(vertices.iter().copied());
+        Ok(Self { vertices, normals, faces, slots, bounds })
+    }
+}
+
+/// One shape at several levels of detail, the finest first.
+#[derive(Debug, Clone)]
+pub struct LodSet {
+    /// (used up to this distance from the ego in metres, mesh); the last one is used beyond too.
+    pub levels: Vec<(f32, Arc<Mesh>)>,
+}
+
+impl LodSet {
+    /// A shape with one level.
+    #[must_use]
+    pub fn single(mesh: Mesh) -> Self {
+        Self { levels: vec![(f32::INFINITY, Arc::new(mesh))] }
+    }
+
+    /// The mesh for a distance from the ego.
+    ///
+    /// # Panics
+    /// If there is no level at all, which is a bug in the asset.
+    #[must_use]
+    pub fn select(&self, distance_m: f32) -> &Arc<Mesh> {
+        let last = self.levels.last().expect("a shape has at least one level");
+        &self.levels.iter().find(|(limit, _)| distance_m <= *limit).unwrap_or(last).1
+    }
+}

@@ -1,0 +1,20 @@
+//! A shape placed in the world.
+
+use std::sync::Arc;
+
+use crate::geometry::LodSet;
+use crate::material::Palette;
+use crate::math::DPose3;
+
+/// A shape with its materials and its pose. Shapes and palettes are shared, so an instance is cheap to copy.
+#[derive(Debug, Clone)]
+pub struct Instance {
+    /// The shape.
+    pub shape: Arc<LodSet>,
+    /// Its materials: the mesh's slots index it.
+    pub palette: Arc<Palette>,
+    /// Its pose.
+    pub world_from_local: DPose3,
+    /// 0 for the static world, at least 1 for actors. All parts of an actor share its id.
+    pub actor_id: i32,
+}

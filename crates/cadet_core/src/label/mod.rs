@@ -1,0 +1,1 @@
+//! Labels: boxes, truncation, occlusion.

@@ -1,0 +1,34 @@
+//! The core of cadet: suburb scenes, their physics, the beams of a LIDAR and a camera, and exact labels.
+//!
+//! Data flows one way, and so do the imports (`ARCHITECTURE.md`):
+//! `geometry, material ← assets ← town ← world ← sense ← lidar, camera, label ← scene`.
+//!
+//! # Frames and units
+//!
+//! `_world` is x east, y north, z up; `_velo` x forward, y left, z up; `_cam` x right, y down, z forward.
+//! Metres, radians and seconds everywhere unless a name says otherwise.
+//!
+//! # Determinism
+//!
+//! No clock, no hash-map order, no platform `sin`: everything is a function of the seed. [`math`] holds the
+//! transcendental functions, [`rng`] the random streams; clippy refuses the others.
+
+pub mod actor;
+pub mod assets;
+pub mod camera;
+pub mod error;
+pub mod frames;
+pub mod geometry;
+pub mod instance;
+pub mod label;
+pub mod lidar;
+pub mod material;
+pub mod math;
+pub mod rng;
+pub mod scene;
+pub mod sense;
+pub mod town;
+pub mod weather;
+pub mod world;
+
+pub use error::{Error, Result};

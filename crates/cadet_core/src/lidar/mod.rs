@@ -1,0 +1,1 @@
+//! The LIDAR: sensor specifications, beams and returns.

@@ -1,0 +1,103 @@
+//! Transcendental functions that give the same bits on every machine (`libm`), and small helpers.
+//!
+//! The standard library's `sin`, `exp`, ... call the platform's, whose last bit differs between machines; clippy
+//! refuses them in this workspace (`clippy.toml`). `sqrt`, `floor` and `abs` are exact everywhere.
+
+pub use glamx::{DMat3, DPose3, DQuat, DVec2, DVec3, Mat3, Quat, Vec2, Vec3};
+pub use std::f64::consts::{PI, TAU};
+
+macro_rules! from_libm {
+    ($($name:ident, $f64:path, $f32_name:ident, $f32:path;)*) => {$(
+        #[doc = concat!("`", stringify!($name), "` in double precision, the same bits everywhere.")]
+        #[inline]
+        #[must_use]
+        pub fn $name(x: f64) -> f64 { $f64(x) }
+        #[doc = concat!("`", stringify!($name), "` in single precision, the same bits everywhere.")]
+        #[inline]
+        #[must_use]
+        pub fn $f32_name(x: f32) -> f32 { $f32(x) }
+    )*};
+}
+from_libm! {
+    sin, libm::sin, sinf, libm::sinf;
+    cos, libm::cos, cosf, libm::cosf;
+    tan, libm::tan, tanf, libm::tanf;
+    asin, libm::asin, asinf, libm::asinf;
+    acos, libm::acos, acosf, libm::acosf;
+    atan, libm::atan, atanf, libm::atanf;
+    exp, libm::exp, expf, libm::expf;
+    ln, libm::log, lnf, libm::logf;
+}
+
+/// `atan2(y, x)` in double precision, in [-pi, pi].
+#[inline]
+#[must_use]
+pub fn atan2(y: f64, x: f64) -> f64 {
+    libm::atan2(y, x)
+}
+
+/// `atan2(y, x)` in single precision, in [-pi, pi].
+#[inline]
+#[must_use]
+pub fn atan2f(y: f32, x: f32) -> f32 {
+    libm::atan2f(y, x)
+}
+
+/// `base` to the power `exponent`, in double precision.
+#[inline]
+#[must_use]
+pub fn pow(base: f64, exponent: f64) -> f64 {
+    libm::pow(base, exponent)
+}
+
+/// `base` to the power `exponent`, in single precision.
+#[inline]
+#[must_use]
+pub fn powf(base: f32, exponent: f32) -> f32 {
+    libm::powf(base, exponent)
+}
+
+/// The length of (x, y), without `hypot`'s platform dependence.
+#[inline]
+#[must_use]
+pub fn hypot(x: f64, y: f64) -> f64 {
+    (x * x + y * y).sqrt()
+}
+
+/// Wraps an angle to [-pi, pi).
+#[inline]
+#[must_use]
+pub fn wrap_angle(angle_rad: f64) -> f64 {
+    let wrapped = angle_rad - TAU * ((angle_rad + PI) / TAU).floor();
+    if wrapped >= PI { wrapped - TAU } else { wrapped }
+}
+
+/// `0` below `lo`, `1` above `hi`, a smooth cubic between.
+#[inline]
+#[must_use]
+pub fn smoothstep(lo: f64, hi: f64, x: f64) -> f64 {
+    let t = ((x - lo) / (hi - lo)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// Linear blend from `a` (t = 0) to `b` (t = 1).
+#[inline]
+#[must_use]
+pub fn lerp(a: f64, b: f64, t: f64) -> f64 {
+    a + (b - a) * t
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_wrap_into_the_half_open_interval() {
+        for k in -20..20 {
+            let a = wrap_angle(0.3 + f64::from(k) * TAU);
+            assert!((a - 0.3).abs() < 1e-12, "{a}");
+        }
+        assert_eq!(wrap_angle(PI), -PI);
+        assert_eq!(wrap_angle(-PI), -PI);
+    }
+}

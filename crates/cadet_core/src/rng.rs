@@ -1,0 +1,172 @@
+//! Random streams, derived and never drawn in turn.
+//!
+//! A stream is named by (dataset seed, episode, sample, name): frame 812 can be made alone, and workers, order, kills
+//! and resuming do not change a byte. The generator is ChaCha8, which is portable and has no bad seeds.
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+
+use crate::math::{self, TAU};
+
+/// Where in a dataset we are: what every random stream is derived from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct StreamKey {
+    /// The dataset's seed.
+    pub seed: u64,
+    /// The episode: one reset and its samples.
+    pub episode: u64,
+    /// Redraws of the world inside the episode after views without a labelled object.
+    pub attempt: u64,
+}
+
+impl StreamKey {
+    /// The key of a lone scene: episode 0, first attempt.
+    #[must_use]
+    pub fn scene(seed: u64) -> Self {
+        Self { seed, episode: 0, attempt: 0 }
+    }
+
+    /// The stream `name` of the whole episode.
+    #[must_use]
+    pub fn stream(&self, name: &str) -> Stream {
+        self.indexed(name, u64::MAX)
+    }
+
+    /// The stream `name` of one item of the episode: a sample, a house, a car.
+    #[must_use]
+    pub fn indexed(&self, name: &str, index: u64) -> Stream {
+        let mut seed = [0_u8; 32];
+        seed[..8].copy_from_slice(&self.seed.to_le_bytes());
+        seed[8..16].copy_from_slice(&(self.episode | (self.attempt << 40)).to_le_bytes());
+        seed[16..24].copy_from_slice(&index.to_le_bytes());
+        seed[24..].copy_from_slice(&fnv1a(name.as_bytes()).to_le_bytes());
+        Stream(ChaCha8Rng::from_seed(seed))
+    }
+}
+
+fn fnv1a(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(*b)).wrapping_mul(0x0100_0000_01b3))
+}
+
+/// One random stream, with the few distributions that we need, all portable.
+#[derive(Debug, Clone)]
+pub struct Stream(ChaCha8Rng);
+
+impl Stream {
+    /// A stream from a bare number: for a model's shape, named by its seed.
+    #[must_use]
+    pub fn from_seed(name: &str, seed: u64) -> Self {
+        StreamKey { seed, episode: 0, attempt: 0 }.stream(name)
+    }
+
+    /// A random 64-bit number.
+    pub fn next_u64(&mut self) -> u64 {
+        self.0.next_u64()
+    }
+
+    /// Uniform in [0, 1).
+    pub fn unit(&mut self) -> f64 {
+        (self.0.next_u64() >> 11) as f64 * (1.0 / (1_u64 << 53) as f64)
+    }
+
+    /// Uniform in [lo, hi).
+    pub fn range(&mut self, lo: f64, hi: f64) -> f64 {
+        lo + (hi - lo) * self.unit()
+    }
+
+    /// Uniform in 0..n; 0 where n is 0.
+    pub fn below(&mut self, n: usize) -> usize {
+        ((u128::from(self.0.next_u64()) * n as u128) >> 64) as usize
+    }
+
+    /// True with probability `p`.
+    pub fn chance(&mut self, p: f64) -> bool {
+        self.unit() < p
+    }
+
+    /// Standard normal (Box-Muller; one of the pair is thrown away, so a draw costs the same whoever draws it).
+    pub fn normal(&mut self) -> f64 {
+        let u = 1.0 - self.unit();
+        let v = self.unit();
+        (-2.0 * math::ln(u)).sqrt() * math::cos(TAU * v)
+    }
+
+    /// Normal with mean and standard deviation, redrawn until it lies within 2.5 standard deviations.
+    pub fn clipped_normal(&mut self, mean: f64, sd: f64) -> f64 {
+        loop {
+            let z = self.normal();
+            if z.abs() <= 2.5 {
+                return mean + sd * z;
+            }
+        }
+    }
+
+    /// Poisson with the given mean (Knuth's product; meant for means below 50).
+    pub fn poisson(&mut self, mean: f64) -> usize {
+        let limit = math::exp(-mean);
+        let (mut k, mut product) = (0, self.unit());
+        while product > limit {
+            k += 1;
+            product *= self.unit();
+        }
+        k
+    }
+
+    /// An index drawn with the given weights; 0 where they are empty or all 0.
+    pub fn weighted(&mut self, weights: &[f64]) -> usize {
+        let total: f64 = weights.iter().sum();
+        let mut left = self.unit() * total;
+        for (i, w) in weights.iter().enumerate() {
+            left -= w;
+            if left < 0.0 {
+                return i;
+            }
+        }
+        0
+    }
+
+    /// Puts the items in a random order.
+    pub fn shuffle<T>(&mut self, items: &mut [T]) {
+        for i in (1..items.len()).rev() {
+            items.swap(i, self.below(i + 1));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn streams_differ_by_every_part_of_their_name() {
+        let key = StreamKey { seed: 1, episode: 2, attempt: 0 };
+        let first = |mut s: Stream| s.next_u64();
+        let base = first(key.indexed("lidar", 3));
+        assert_eq!(base, first(key.indexed("lidar", 3)));
+        let others = [
+            first(key.indexed("lidar", 4)),
+            first(key.indexed("camera", 3)),
+            first(StreamKey { seed: 2, ..key }.indexed("lidar", 3)),
+            first(StreamKey { episode: 3, ..key }.indexed("lidar", 3)),
+            first(StreamKey { attempt: 1, ..key }.indexed("lidar", 3)),
+        ];
+        assert!(others.iter().all(|o| *o != base));
+    }
+
+    #[test]
+    fn a_golden_draw_keeps_old_datasets_reproducible() {
+        assert_eq!(StreamKey::scene(7).stream("golden").next_u64(), 7_778_993_811_025_043_724);
+    }
+
+    #[test]
+    fn normal_and_poisson_have_their_moments() {
+        let mut s = Stream::from_seed("moments", 0);
+        let n = 20_000;
+        let z: Vec<f64> = (0..n).map(|_| s.normal()).collect();
+        let mean = z.iter().sum::<f64>() / f64::from(n);
+        let var = z.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / f64::from(n);
+        assert!(mean.abs() < 0.03 && (var - 1.0).abs() < 0.05, "{mean} {var}");
+        let p = (0..n).map(|_| s.poisson(3.0) as f64).sum::<f64>() / f64::from(n);
+        assert!((p - 3.0).abs() < 0.06, "{p}");
+    }
+}

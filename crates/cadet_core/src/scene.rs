@@ -1,0 +1,1 @@
+//! A scene: a town with its traffic and a sensor rig; what Python drives.

@@ -1,0 +1,111 @@
+//! Lanes as polylines, and how they follow each other.
+
+use crate::frames;
+use crate::math::{DPose3, DVec3};
+
+/// Index of a lane in its network.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct LaneId(pub usize);
+
+/// What a lane is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LaneKind {
+    /// Cars drive here.
+    Driving,
+    /// People walk here.
+    Sidewalk,
+    /// Cars stand here.
+    Parking,
+    /// Bicycles.
+    Biking,
+    /// Shoulders, kerbs, borders: paved, but nobody's.
+    Shoulder,
+    /// Medians, verges and the like.
+    Other,
+}
+
+/// A lane between two junctions, or across one.
+#[derive(Debug, Clone)]
+pub struct Lane {
+    /// Its index in [`RoadNetwork::lanes`].
+    pub id: LaneId,
+    /// What it is for.
+    pub kind: LaneKind,
+    /// The middle of the lane in driving direction; at least two points, none repeated, at most 2 m apart.
+    pub center: Vec<DVec3>,
+    /// Width at each point.
+    pub width_m: Vec<f64>,
+    /// Distance along the lane at each point; the first is 0.
+    pub s_m: Vec<f64>,
+    /// Lanes that follow.
+    pub successors: Vec<LaneId>,
+    /// Lanes that lead here.
+    pub predecessors: Vec<LaneId>,
+    /// The junction that the lane crosses, if it does.
+    pub junction: Option<u32>,
+    /// The road that it belongs to.
+    pub road: u32,
+    /// Speed limit.
+    pub speed_limit_mps: f64,
+}
+
+impl Lane {
+    /// Length along the middle.
+    #[must_use]
+    pub fn length_m(&self) -> f64 {
+        self.s_m.last().copied().unwrap_or(0.0)
+    }
+
+    /// The place at distance `s_m` (clamped to the lane), x along the lane, z up from the road.
+    #[must_use]
+    pub fn pose_at(&self, s_m: f64) -> DPose3 {
+        let s = s_m.clamp(0.0, self.length_m());
+        let i = self.s_m.partition_point(|v| *v <= s).clamp(1, self.center.len() - 1);
+        let (a, b) = (self.center[i - 1], self.center[i]);
+        let t = (s - self.s_m[i - 1]) / (self.s_m[i] - self.s_m[i - 1]);
+        frames::facing(a + (b - a) * t, b - a, DVec3::Z)
+    }
+
+    /// Width at distance `s_m` (clamped to the lane).
+    #[must_use]
+    pub fn width_at(&self, s_m: f64) -> f64 {
+        let i = self.s_m.partition_point(|v| *v <= s_m).clamp(1, self.center.len()) - 1;
+        self.width_m[i]
+    }
+
+    /// Distance along the lane of the point nearest to `position` in the plane, and how far away that is.
+    #[must_use]
+    pub fn project(&self, position: DVec3) -> (f64, f64) {
+        let mut best = (0.0, f64::INFINITY);
+        for i in 1..self.center.len() {
+            let (a, b) = (self.center[i - 1].truncate(), self.center[i].truncate());
+            let (p, d) = (position.truncate() - a, b - a);
+            let t = (p.dot(d) / d.length_squared()).clamp(0.0, 1.0);
+            let distance = (p - d * t).length();
+            if distance < best.1 {
+                best = (self.s_m[i - 1] + (self.s_m[i] - self.s_m[i - 1]) * t, distance);
+            }
+        }
+        best
+    }
+}
+
+/// The lanes of a town.
+#[derive(Debug, Clone, Default)]
+pub struct RoadNetwork {
+    /// Every lane; a [`LaneId`] indexes it.
+    pub lanes: Vec<Lane>,
+}
+
+impl RoadNetwork {
+    /// The lane of an id.
+    #[must_use]
+    pub fn lane(&self, id: LaneId) -> &Lane {
+        &self.lanes[id.0]
+    }
+
+    /// The lanes that cars drive on.
+    pub fn driving(&self) -> impl Iterator<Item = &Lane> {
+        self.lanes.iter().filter(|l| l.kind == LaneKind::Driving)
+    }
+}

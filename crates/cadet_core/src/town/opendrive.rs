@@ -1,0 +1,1 @@
+//! Reads OpenDRIVE (crate `xodr`) into our network.

@@ -1,0 +1,1 @@
+//! Makes a suburb: its streets as OpenDRIVE.
