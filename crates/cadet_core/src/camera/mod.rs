@@ -1,1 +1,5 @@
-//! The camera: model, shading, sky, shadows, noise, PNG.
+//! The camera: model and calibration, shading, sky, shadows, noise, PNG.
+
+mod model;
+
+pub use model::{Calibration, CameraModel};
