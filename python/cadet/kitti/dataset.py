@@ -182,7 +182,7 @@ def _read_text(folder: Path, kind: str, frame_id: str) -> tuple[str, str]:
         return data.decode("ascii"), name
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
-        raise KittiFormatError(f"{name}:{line}: byte 0x{data[error.start]:02x} is not ASCII") from None
+        raise KittiFormatError(f"byte 0x{data[error.start]:02x} is not ASCII", name, line) from None
 
 
 def _read_map(
@@ -194,7 +194,7 @@ def _read_map(
     pixels = images.decode_map(data, name, dtype)
     if pixels.shape != image_shape[:2]:
         raise KittiFormatError(
-            f"{name}: {pixels.shape[1]} x {pixels.shape[0]} pixels, the image has {image_shape[1]} x {image_shape[0]}"
+            f"{pixels.shape[1]} x {pixels.shape[0]} pixels, the image has {image_shape[1]} x {image_shape[0]}", name
         )
     return pixels
 
@@ -215,9 +215,9 @@ def _read_meta(folder: Path, frame_id: str) -> dict[str, Any]:
         meta = json.loads(data)
     except (json.JSONDecodeError, UnicodeDecodeError) as error:
         line = getattr(error, "lineno", 1)
-        raise KittiFormatError(f"{name}:{line}: no JSON: {error}") from None
+        raise KittiFormatError(f"no JSON: {error}", name, line) from None
     if not isinstance(meta, dict):
-        raise KittiFormatError(f"{name}:1: expected a JSON object, got {type(meta).__name__}")
+        raise KittiFormatError(f"expected a JSON object, got {type(meta).__name__}", name, 1)
     return meta
 
 
