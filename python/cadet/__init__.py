@@ -1,0 +1,1 @@
+"""KITTI-format driving data from simulated suburbs."""
