@@ -63,6 +63,13 @@ pub struct Frame {
     pub ego_speed_mps: f64,
 }
 
+/// The present instant: poses, triangles and, once asked for, parry's trees over them.
+struct Sensed {
+    snapshot: Snapshot,
+    posed: Arc<PosedScene>,
+    caster: Option<RayCaster>,
+}
+
 /// A town, its traffic, its weather and a rig.
 pub struct Scene {
     key: StreamKey,
@@ -71,7 +78,7 @@ pub struct Scene {
     rig: Rig,
     label: LabelConfig,
     /// The triangles of the present instant; dropped whenever the world moves.
-    sensed: Option<(Snapshot, PosedScene)>,
+    sensed: Option<Sensed>,
 }
 
 /// Physics steps a second.
@@ -183,19 +190,28 @@ impl Scene {
         Ok(())
     }
 
-    /// The snapshot of the present instant and its triangles.
-    pub fn sensed(&mut self) -> &(Snapshot, PosedScene) {
+    fn sensed(&mut self) -> &mut Sensed {
         let world = &self.world;
         self.sensed.get_or_insert_with(|| {
             let snapshot = world.snapshot();
-            let posed = PosedScene::new(&snapshot.instances, snapshot.ego.world_from_ego.translation);
-            (snapshot, posed)
+            let posed = Arc::new(PosedScene::new(&snapshot.instances, snapshot.ego.world_from_ego.translation));
+            Sensed { snapshot, posed, caster: None }
         })
+    }
+
+    /// The world at the present instant.
+    pub fn snapshot(&mut self) -> &Snapshot {
+        &self.sensed().snapshot
+    }
+
+    /// The very triangles that the sensors see at the present instant.
+    pub fn triangles(&mut self) -> Arc<PosedScene> {
+        Arc::clone(&self.sensed().posed)
     }
 
     /// The poses of the LIDAR and of camera 0.
     pub fn sensor_poses(&mut self) -> (DPose3, DPose3) {
-        let world_from_ego = self.sensed().0.ego.world_from_ego;
+        let world_from_ego = self.snapshot().ego.world_from_ego;
         (self.rig.world_from_velo(&world_from_ego), self.rig.world_from_cam(&world_from_ego))
     }
 
@@ -205,18 +221,15 @@ impl Scene {
     /// [`Error::Scene`] where no ground lies ahead of the camera.
     pub fn capture(&mut self, sample: u64) -> Result<Frame> {
         let (world_from_velo, world_from_cam) = self.sensor_poses();
-        let (key, rig, weather) = (self.key, self.rig.clone(), self.weather.clone());
-        let label = self.label.clone();
-        let _ = self.sensed();
-        let Some((snapshot, posed)) = &self.sensed else {
-            return Err(Error::Scene { reason: "no snapshot".to_owned() });
-        };
+        let posed = self.triangles();
+        let snapshot = self.snapshot().clone();
+        let (key, rig, weather) = (self.key, &self.rig, &self.weather);
         let view = View::new(&rig.camera, &world_from_cam);
-        let rendered = render(posed, &view, &weather, &mut key.indexed("camera", sample));
-        let scan = scan(posed, &world_from_velo, &rig.lidar, &weather, &mut key.indexed("lidar", sample));
+        let rendered = render(&posed, &view, weather, &mut key.indexed("camera", sample));
+        let scan = scan(&posed, &world_from_velo, &rig.lidar, weather, &mut key.indexed("lidar", sample));
         let buffers = ImageBuffers { depth: &rendered.depth, super_instance: &rendered.super_instance };
         let labels =
-            label_actors(&label, &snapshot.actors, posed, &rig.camera, &world_from_cam, buffers, &scan.actor_id);
+            label_actors(&self.label, &snapshot.actors, &posed, &rig.camera, &world_from_cam, buffers, &scan.actor_id);
         let ground = &self.world.town().ground;
         let plane = road_plane_cam(
             &world_from_cam,
@@ -238,16 +251,16 @@ impl Scene {
     /// A scan with returns, noise and weather, by `lidar` or by the rig's own.
     pub fn scan(&mut self, lidar: Option<&LidarSpec>, sample: u64) -> Scan {
         let (world_from_velo, _) = self.sensor_poses();
-        let (key, weather) = (self.key, self.weather.clone());
-        let spec = lidar.cloned().unwrap_or_else(|| self.rig.lidar.clone());
-        scan(&self.sensed().1, &world_from_velo, &spec, &weather, &mut key.indexed("lidar", sample))
+        let posed = self.triangles();
+        let spec = lidar.unwrap_or(&self.rig.lidar);
+        scan(&posed, &world_from_velo, spec, &self.weather, &mut self.key.indexed("lidar", sample))
     }
 
     /// One row for each of the LIDAR's rays: every triangle opaque, nothing dropped.
     pub fn ideal_scan(&mut self, lidar: Option<&LidarSpec>) -> IdealScan {
         let (world_from_velo, _) = self.sensor_poses();
-        let spec = lidar.cloned().unwrap_or_else(|| self.rig.lidar.clone());
-        ideal_scan(&self.sensed().1, &world_from_velo, &spec)
+        let posed = self.triangles();
+        ideal_scan(&posed, &world_from_velo, lidar.unwrap_or(&self.rig.lidar))
     }
 
     /// Casts arbitrary rays against the present instant, by parry.
@@ -255,7 +268,8 @@ impl Scene {
     /// # Errors
     /// A ray that is not finite, or a direction of length 0.
     pub fn cast_rays(&mut self, rays_world: &[(DVec3, DVec3)]) -> Result<Vec<Option<RayHit>>> {
-        let caster = RayCaster::new(&self.sensed().1);
+        let sensed = self.sensed();
+        let caster = sensed.caster.get_or_insert_with(|| RayCaster::new(Arc::clone(&sensed.posed)));
         rays_world.iter().map(|(origin, direction)| caster.cast(*origin, *direction)).collect()
     }
 }

@@ -2,6 +2,7 @@
 
 mod arrays;
 mod error;
+mod fields;
 mod frame;
 mod image;
 mod lidar;

@@ -84,12 +84,12 @@ impl Scene {
 
     #[getter]
     fn num_triangles(&mut self, py: Python<'_>) -> usize {
-        py.detach(|| self.inner.sensed().1.num_triangles())
+        py.detach(|| self.inner.triangles().num_triangles())
     }
 
     #[getter]
     fn num_actors(&mut self, py: Python<'_>) -> usize {
-        py.detach(|| self.inner.sensed().0.actors.len())
+        py.detach(|| self.inner.snapshot().actors.len())
     }
 
     fn add(&mut self, py: Python<'_>, kind: &str, x: f64, y: f64, yaw: f64, model_seed: u64) -> Result<i32, BorderError> {
@@ -179,7 +179,7 @@ impl Scene {
     }
 
     fn triangles<'py>(&mut self, py: Python<'py>) -> Triangles<'py> {
-        let posed = &self.inner.sensed().1;
+        let posed = self.inner.triangles();
         let vertices = posed.vertices_world.iter().map(|v| v.to_array()).collect();
         let (mut faces, mut actor_ids) = (Vec::new(), Vec::new());
         for instance in &posed.instances {

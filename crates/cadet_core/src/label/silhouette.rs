@@ -41,26 +41,16 @@ pub(super) fn silhouette(
         return empty;
     }
     let from_sample = |i: usize| (i as f64 + 0.5) / n - 0.5;
-    let [fx, fy, cx, cy] = camera.intrinsics();
-    let grid = PinholeGrid {
-        world_from_cam: optical_pose(camera, world_from_cam),
-        fx,
-        fy,
-        cx,
-        cy,
-        u0: from_sample(c1),
-        v0: from_sample(r1),
-        du: 1.0 / n,
-        dv: 1.0 / n,
-        rows: r2 - r1,
-        columns: c2 - c1,
-    };
-    let mut hits = Hits::new(grid.rows, grid.columns);
+    let (rows, columns) = (r2 - r1, c2 - c1);
+    let window = [from_sample(c1), from_sample(r1), 1.0 / n, 1.0 / n];
+    let grid = PinholeGrid::new(optical_pose(camera, world_from_cam), camera.intrinsics(), window, rows, columns)
+        .expect("a checked camera and a window that is not empty");
+    let mut hits = Hits::new(rows, columns);
     cast(scene, &grid, Layer::All, |i| i.actor_id == actor_id, &mut hits);
     let mut found = empty;
-    for r in 0..grid.rows {
-        for c in 0..grid.columns {
-            if hits.instance[r * grid.columns + c] == u32::MAX {
+    for r in 0..rows {
+        for c in 0..columns {
+            if hits.instance[r * columns + c] == u32::MAX {
                 continue;
             }
             found.samples += 1;
