@@ -8,7 +8,20 @@ class CadetError(Exception):
 
 
 class KittiFormatError(CadetError, ValueError):
-    """A KITTI file that breaks its format."""
+    """A KITTI file that breaks its format.
+
+    Args:
+        reason: what is wrong.
+        file: the file's name, None where there is no file.
+        line: the line's number from 1, None where the file as a whole is meant.
+    """
+
+    def __init__(self, reason: str, file: str | None = None, line: int | None = None) -> None:
+        where = "" if file is None else f"{file}: " if line is None else f"{file}:{line}: "
+        super().__init__(f"{where}{reason}")
+        self.reason = reason
+        self.file = file
+        self.line = line
 
 
 class ShapeError(CadetError, ValueError):

@@ -87,16 +87,16 @@ class Calibration:
         for number, line in enumerate(lines, start=1):
             if not line.strip():
                 continue
-            where = f"{file}:{number}"
+            where = (file, number)
             key, colon, values = line.partition(":")
             if not colon or key not in _SHAPES:
-                raise KittiFormatError(f"{where}: unknown key {key.split(' ')[0]!r}, expected {', '.join(_SHAPES)}")
+                raise KittiFormatError(f"unknown key {key.split(' ')[0]!r}, expected {', '.join(_SHAPES)}", *where)
             if key in matrices:
-                raise KittiFormatError(f"{where}: key {key!r} appears twice")
+                raise KittiFormatError(f"key {key!r} appears twice", *where)
             matrices[key] = _parse_matrix(values.split(), key, where)
         for key in _SHAPES:
             if key not in matrices:
-                raise KittiFormatError(f"{file}: missing key {key!r}")
+                raise KittiFormatError(f"missing key {key!r}", file)
         return cls(**matrices, has_blank_line=lines[-2:] == ["", ""])
 
     def to_text(self) -> str:
@@ -192,16 +192,16 @@ def _transform(matrix: NDArray[np.float64], points: NDArray[Any], name: str) -> 
     return moved
 
 
-def _parse_matrix(values: list[str], key: str, where: str) -> NDArray[np.float64]:
+def _parse_matrix(values: list[str], key: str, where: tuple[str, int]) -> NDArray[np.float64]:
     rows, columns = _SHAPES[key]
     if len(values) != rows * columns:
-        raise KittiFormatError(f"{where}: {key}: expected {rows * columns} numbers, got {len(values)}")
+        raise KittiFormatError(f"{key}: expected {rows * columns} numbers, got {len(values)}", *where)
     try:
         matrix = np.array([float(value) for value in values])
     except ValueError as error:
-        raise KittiFormatError(f"{where}: {key}: {error}") from None
+        raise KittiFormatError(f"{key}: {error}", *where) from None
     if not np.isfinite(matrix).all():
-        raise KittiFormatError(f"{where}: {key}: expected finite numbers")
+        raise KittiFormatError(f"{key}: expected finite numbers", *where)
     return matrix.reshape(rows, columns)
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -71,6 +72,39 @@ def read_calib(root: str | Path, frame_id: str | int) -> Calibration:
         KittiFormatError: a missing key or malformed number.
     """
     return Calibration.from_text(*_read_text(sample_folder(root), "calib", check_id(frame_id)))
+
+
+def check_files(root: str | Path, frame_id: str | int) -> list[tuple[str, CadetError]]:
+    """List what is wrong with each file of a frame: its folder, and the error that reading it raises.
+
+    A label file is read line by line, so it may give several.
+
+    Raises:
+        MissingFileError: no KITTI folder.
+    """
+    folder = sample_folder(root)
+    frame_id = check_id(frame_id)
+    readers: dict[str, Callable[[], object]] = {
+        "image_2": lambda: images.decode_image(*_read_bytes(folder, "image_2", frame_id)),
+        "velodyne": lambda: points_from_bytes(*_read_bytes(folder, "velodyne", frame_id)),
+        "calib": lambda: read_calib(folder, frame_id),
+    }
+    optional: dict[str, Callable[[], object]] = {
+        "planes": lambda: plane_from_text(*_read_text(folder, "planes", frame_id)),
+        "meta": lambda: _read_meta(folder, frame_id),
+    }
+    readers |= {kind: reader for kind, reader in optional.items() if _has(folder, kind, frame_id)}
+    wrong = [(kind, error) for kind, reader in readers.items() if (error := _error_of(reader)) is not None]
+    is_image_read = all(kind != "image_2" for kind, _ in wrong)
+    if is_image_read:
+        shape = images.decode_image(*_read_bytes(folder, "image_2", frame_id)).shape
+        maps: dict[str, Callable[[], object]] = {
+            "depth": lambda: _read_depth(folder, frame_id, shape),
+            "instance": lambda: _read_instance(folder, frame_id, shape),
+            "semantic": lambda: _read_map(folder, "semantic", frame_id, np.uint8, shape),
+        }
+        wrong += [(kind, error) for kind, reader in maps.items() if (error := _error_of(reader)) is not None]
+    return wrong + _label_errors(folder, frame_id)
 
 
 def write_frame(
@@ -164,6 +198,26 @@ class Dataset:
         return f"Dataset({str(self.root)!r}, split={self.split!r}): {len(self)} frames"
 
 
+def _error_of(reader: Callable[[], object]) -> CadetError | None:
+    try:
+        reader()
+    except CadetError as error:
+        return error
+    return None
+
+
+def _label_errors(folder: Path, frame_id: str) -> list[tuple[str, CadetError]]:
+    if not (folder / "label_2").is_dir():
+        return []
+    try:
+        text, name = _read_text(folder, "label_2", frame_id)
+    except CadetError as error:
+        return [("label_2", error)]
+    lines = enumerate(text.removesuffix("\n").split("\n") if text else (), start=1)
+    errors = [_error_of(partial(Label.from_line, line, name, number)) for number, line in lines]
+    return [("label_2", error) for error in errors if error is not None]
+
+
 def _has(folder: Path, kind: str, frame_id: str) -> bool:
     return file_path(folder, kind, frame_id).is_file()
 
@@ -182,7 +236,7 @@ def _read_text(folder: Path, kind: str, frame_id: str) -> tuple[str, str]:
         return data.decode("ascii"), name
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
-        raise KittiFormatError(f"{name}:{line}: byte 0x{data[error.start]:02x} is not ASCII") from None
+        raise KittiFormatError(f"byte 0x{data[error.start]:02x} is not ASCII", name, line) from None
 
 
 def _read_map(
@@ -194,7 +248,7 @@ def _read_map(
     pixels = images.decode_map(data, name, dtype)
     if pixels.shape != image_shape[:2]:
         raise KittiFormatError(
-            f"{name}: {pixels.shape[1]} x {pixels.shape[0]} pixels, the image has {image_shape[1]} x {image_shape[0]}"
+            f"{pixels.shape[1]} x {pixels.shape[0]} pixels, the image has {image_shape[1]} x {image_shape[0]}", name
         )
     return pixels
 
@@ -215,9 +269,9 @@ def _read_meta(folder: Path, frame_id: str) -> dict[str, Any]:
         meta = json.loads(data)
     except (json.JSONDecodeError, UnicodeDecodeError) as error:
         line = getattr(error, "lineno", 1)
-        raise KittiFormatError(f"{name}:{line}: no JSON: {error}") from None
+        raise KittiFormatError(f"no JSON: {error}", name, line) from None
     if not isinstance(meta, dict):
-        raise KittiFormatError(f"{name}:1: expected a JSON object, got {type(meta).__name__}")
+        raise KittiFormatError(f"expected a JSON object, got {type(meta).__name__}", name, 1)
     return meta
 
 

@@ -82,7 +82,7 @@ def _check_ids(ids: tuple[str, ...], file: str) -> None:
     seen: set[str] = set()
     for number, frame_id in enumerate(ids, start=1):
         if not _ID.fullmatch(frame_id):
-            raise KittiFormatError(f"{file}:{number}: expected a six-digit id, got {frame_id!r}")
+            raise KittiFormatError(f"expected a six-digit id, got {frame_id!r}", file, number)
         if frame_id in seen:
-            raise KittiFormatError(f"{file}:{number}: id {frame_id} appears twice")
+            raise KittiFormatError(f"id {frame_id} appears twice", file, number)
         seen.add(frame_id)

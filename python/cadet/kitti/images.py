@@ -71,7 +71,7 @@ def decode_map(data: bytes, file: str, dtype: type[np.generic]) -> NDArray[Any]:
     image = _decode(data, file, cv2.IMREAD_UNCHANGED)
     if image.ndim != _NUM_COLORS - 1 or image.dtype != dtype:
         wanted = np.dtype(dtype).name
-        raise KittiFormatError(f"{file}: expected one channel of {wanted}, got {image.shape} {image.dtype.name}")
+        raise KittiFormatError(f"expected one channel of {wanted}, got {image.shape} {image.dtype.name}", file)
     return image
 
 
@@ -109,5 +109,5 @@ def instance_from_pixels(pixels: NDArray[np.uint16]) -> NDArray[np.int32]:
 def _decode(data: bytes, file: str, flags: int) -> NDArray[Any]:
     image = cv2.imdecode(np.frombuffer(data, np.uint8), flags) if data else None
     if image is None:
-        raise KittiFormatError(f"{file}: no readable image ({len(data)} bytes)")
+        raise KittiFormatError(f"no readable image ({len(data)} bytes)", file)
     return np.asarray(image)

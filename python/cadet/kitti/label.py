@@ -83,14 +83,14 @@ class Label:
         Raises:
             KittiFormatError: wrong number of fields, a field that is no finite number, an unknown type.
         """
-        where = f"{file}:{line_number}"
+        where = (file, line_number)
         fields = line.split()
         if len(fields) not in (_NUM_FIELDS, _NUM_FIELDS + 1):
-            raise KittiFormatError(f"{where}: expected {_NUM_FIELDS} fields, got {len(fields)}")
+            raise KittiFormatError(f"expected {_NUM_FIELDS} fields, got {len(fields)}", *where)
         numbers = [_parse_number(text, name, where) for name, text in zip(_FIELDS, fields[1:], strict=False)]
         occluded = numbers[1]
         if occluded != int(occluded):
-            raise KittiFormatError(f"{where}: occluded: expected a whole number, got {fields[2]!r}")
+            raise KittiFormatError(f"occluded: expected a whole number, got {fields[2]!r}", *where)
         try:
             return cls(
                 type=fields[0],
@@ -104,7 +104,7 @@ class Label:
                 score=numbers[14] if len(numbers) == _NUM_FIELDS else None,
             )
         except KittiFormatError as error:
-            raise KittiFormatError(f"{where}: {error}") from None
+            raise KittiFormatError(error.reason, *where) from None
 
     def to_line(self) -> str:
         """Write the label as KITTI does: two decimals, marks for "unknown" whole, no newline.
@@ -165,13 +165,13 @@ def text_from_labels(labels: Iterable[Label]) -> str:
     return "".join(f"{label.to_line()}\n" for label in labels)
 
 
-def _parse_number(text: str, name: str, where: str) -> float:
+def _parse_number(text: str, name: str, where: tuple[str, int]) -> float:
     try:
-        value = float(text)
+        value = float(text if "_" not in text else "")
     except ValueError:
-        raise KittiFormatError(f"{where}: {name}: expected a number, got {text!r}") from None
+        raise KittiFormatError(f"{name}: expected a number, got {text!r}", *where) from None
     if not math.isfinite(value):
-        raise KittiFormatError(f"{where}: {name}: expected a finite number, got {text!r}")
+        raise KittiFormatError(f"{name}: expected a finite number, got {text!r}", *where)
     return value
 
 

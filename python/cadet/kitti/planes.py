@@ -27,17 +27,16 @@ def plane_from_text(text: str, file: str = "plane") -> NDArray[np.float64]:
     """
     lines = text.rstrip().split("\n")
     if len(lines) != _NUM_LINES:
-        raise KittiFormatError(f"{file}: expected {_NUM_LINES} lines, got {len(lines)}")
+        raise KittiFormatError(f"expected {_NUM_LINES} lines, got {len(lines)}", file)
     fields = lines[-1].split()
-    where = f"{file}:{_NUM_LINES}"
     if len(fields) != _NUM_LINES:
-        raise KittiFormatError(f"{where}: expected 4 numbers, got {len(fields)}")
+        raise KittiFormatError(f"expected 4 numbers, got {len(fields)}", file, _NUM_LINES)
     try:
         plane = np.array([float(field) for field in fields])
     except ValueError as error:
-        raise KittiFormatError(f"{where}: {error}") from None
+        raise KittiFormatError(str(error), file, _NUM_LINES) from None
     if not np.isfinite(plane).all():
-        raise KittiFormatError(f"{where}: expected finite numbers")
+        raise KittiFormatError("expected finite numbers", file, _NUM_LINES)
     return plane
 
 

@@ -28,11 +28,11 @@ def points_from_bytes(data: bytes, file: str = "velodyne") -> NDArray[np.float32
     """
     if len(data) % _BYTES_PER_POINT:
         whole = len(data) // _BYTES_PER_POINT
-        raise KittiFormatError(f"{file}: truncated: {len(data)} bytes are {whole} points and {len(data) % 16} bytes")
+        raise KittiFormatError(f"truncated: {len(data)} bytes are {whole} points and {len(data) % 16} bytes", file)
     points_velo = np.frombuffer(data, "<f4").astype(np.float32).reshape(-1, 4)
     is_finite = np.isfinite(points_velo).all(axis=1)
     if not is_finite.all():
-        raise KittiFormatError(f"{file}: point {int(np.argmin(is_finite))} is not finite")
+        raise KittiFormatError(f"point {int(np.argmin(is_finite))} is not finite", file)
     return points_velo
 
 
