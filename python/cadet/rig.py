@@ -111,7 +111,7 @@ class Camera:
     """Column of the optical axis; (0, 0) is the center of the top-left pixel."""
     cy: float = 172.854
     """Row of the optical axis."""
-    cam2_from_cam0_m: tuple[float, float, float] = (0.0598492648, -0.0003579272, 0.002745884)
+    cam2_from_cam0_m: tuple[float, float, float] = (0.0598492648008258, -0.0003579271504954, 0.002745884)
     """Where camera 0 stands in this camera's frame: the translation behind P2's fourth column."""
 
     def __post_init__(self) -> None:
@@ -147,7 +147,8 @@ class Camera:
     def projection(self, offset_m: tuple[float, float, float]) -> NDArray[np.float64]:
         """Return the (3, 4) projection of a camera with these intrinsics that sees camera 0 at `offset_m`."""
         k = np.array([[self.fx, 0.0, self.cx], [0.0, self.fy, self.cy], [0.0, 0.0, 1.0]])
-        return np.hstack([k, k @ np.array(offset_m)[:, None]])
+        # Rounded to what a calib file's reader would see, so that file and memory agree.
+        return np.round(np.hstack([k, k @ np.array(offset_m)[:, None]]), 9)
 
 
 @dataclass(frozen=True, kw_only=True)

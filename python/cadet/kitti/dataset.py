@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -73,6 +74,80 @@ def read_calib(root: str | Path, frame_id: str | int) -> Calibration:
     return Calibration.from_text(*_read_text(sample_folder(root), "calib", check_id(frame_id)))
 
 
+def check_files(root: str | Path, frame_id: str | int) -> list[tuple[str, CadetError]]:
+    """List what is wrong with each file of a frame: its folder, and the error that reading it raises.
+
+    A label file is read line by line, so it may give several.
+
+    Raises:
+        MissingFileError: no KITTI folder.
+    """
+    folder = sample_folder(root)
+    frame_id = check_id(frame_id)
+    readers: dict[str, Callable[[], object]] = {
+        "image_2": lambda: images.decode_image(*_read_bytes(folder, "image_2", frame_id)),
+        "velodyne": lambda: points_from_bytes(*_read_bytes(folder, "velodyne", frame_id)),
+        "calib": lambda: read_calib(folder, frame_id),
+    }
+    optional: dict[str, Callable[[], object]] = {
+        "planes": lambda: plane_from_text(*_read_text(folder, "planes", frame_id)),
+        "meta": lambda: _read_meta(folder, frame_id),
+    }
+    readers |= {kind: reader for kind, reader in optional.items() if _has(folder, kind, frame_id)}
+    wrong = [(kind, error) for kind, reader in readers.items() if (error := _error_of(reader)) is not None]
+    is_image_read = all(kind != "image_2" for kind, _ in wrong)
+    if is_image_read:
+        shape = images.decode_image(*_read_bytes(folder, "image_2", frame_id)).shape
+        maps: dict[str, Callable[[], object]] = {
+            "depth": lambda: _read_depth(folder, frame_id, shape),
+            "instance": lambda: _read_instance(folder, frame_id, shape),
+            "semantic": lambda: _read_map(folder, "semantic", frame_id, np.uint8, shape),
+        }
+        wrong += [(kind, error) for kind, reader in maps.items() if (error := _error_of(reader)) is not None]
+    return wrong + _label_errors(folder, frame_id)
+
+
+def encode_frame(frame: Frame, *, encode_png: images.EncodePng = images.encode_png) -> dict[str, bytes]:
+    """Return the bytes of a frame's files by folder; what is None has no entry.
+
+    Args:
+        frame: the frame.
+        encode_png: turns an image into a PNG file's bytes.
+
+    Raises:
+        CadetError: what the format cannot hold: an instance id above 65534, a `meta` that is no JSON.
+    """
+    contents = {
+        "image_2": encode_png(frame.image),
+        "velodyne": bytes_from_points(frame.points_velo),
+        "calib": frame.calib.to_text().encode("ascii"),
+        "label_2": text_from_labels(frame.labels).encode("ascii"),
+    }
+    if frame.plane is not None:
+        contents["planes"] = text_from_plane(frame.plane).encode("ascii")
+    if frame.meta is not None:
+        contents["meta"] = encode_meta(frame.meta)
+    if frame.depth is not None:
+        contents["depth"] = encode_png(images.pixels_from_depth(frame.depth))
+    if frame.instance is not None:
+        contents["instance"] = encode_png(images.pixels_from_instance(frame.instance))
+    if frame.semantic is not None:
+        contents["semantic"] = encode_png(frame.semantic)
+    return contents
+
+
+def encode_meta(meta: dict[str, Any]) -> bytes:
+    """Return the bytes of a `meta` file.
+
+    Raises:
+        CadetError: what JSON cannot hold.
+    """
+    try:
+        return (json.dumps(meta, indent=1, allow_nan=False) + "\n").encode("ascii")
+    except (TypeError, ValueError) as error:
+        raise CadetError(f"meta: no JSON: {error}") from None
+
+
 def write_frame(
     root: str | Path,
     frame_id: str | int,
@@ -99,22 +174,7 @@ def write_frame(
     present = [path for kind in SUFFIXES if (path := file_path(folder, kind, frame_id)).exists()]
     if present and not overwrite:
         raise FrameExistsError(f"{present[0]}: frame {frame_id} exists; pass overwrite=True to replace it")
-    contents = {
-        "image_2": encode_png(frame.image),
-        "velodyne": bytes_from_points(frame.points_velo),
-        "calib": frame.calib.to_text().encode("ascii"),
-        "label_2": text_from_labels(frame.labels).encode("ascii"),
-    }
-    if frame.plane is not None:
-        contents["planes"] = text_from_plane(frame.plane).encode("ascii")
-    if frame.meta is not None:
-        contents["meta"] = _bytes_from_meta(frame.meta, frame_id)
-    if frame.depth is not None:
-        contents["depth"] = encode_png(images.pixels_from_depth(frame.depth))
-    if frame.instance is not None:
-        contents["instance"] = encode_png(images.pixels_from_instance(frame.instance))
-    if frame.semantic is not None:
-        contents["semantic"] = encode_png(frame.semantic)
+    contents = encode_frame(frame, encode_png=encode_png)
     paths = {file_path(folder, kind, frame_id): data for kind, data in contents.items()}
     write_whole(paths)
     for path in present:
@@ -162,6 +222,26 @@ class Dataset:
 
     def __repr__(self) -> str:
         return f"Dataset({str(self.root)!r}, split={self.split!r}): {len(self)} frames"
+
+
+def _error_of(reader: Callable[[], object]) -> CadetError | None:
+    try:
+        reader()
+    except CadetError as error:
+        return error
+    return None
+
+
+def _label_errors(folder: Path, frame_id: str) -> list[tuple[str, CadetError]]:
+    if not (folder / "label_2").is_dir():
+        return []
+    try:
+        text, name = _read_text(folder, "label_2", frame_id)
+    except CadetError as error:
+        return [("label_2", error)]
+    lines = enumerate(text.removesuffix("\n").split("\n") if text else (), start=1)
+    errors = [_error_of(partial(Label.from_line, line, name, number)) for number, line in lines]
+    return [("label_2", error) for error in errors if error is not None]
 
 
 def _has(folder: Path, kind: str, frame_id: str) -> bool:
@@ -219,10 +299,3 @@ def _read_meta(folder: Path, frame_id: str) -> dict[str, Any]:
     if not isinstance(meta, dict):
         raise KittiFormatError(f"expected a JSON object, got {type(meta).__name__}", name, 1)
     return meta
-
-
-def _bytes_from_meta(meta: dict[str, Any], frame_id: str) -> bytes:
-    try:
-        return (json.dumps(meta, indent=1, allow_nan=False) + "\n").encode("ascii")
-    except (TypeError, ValueError) as error:
-        raise CadetError(f"meta of frame {frame_id}: no JSON: {error}") from None
