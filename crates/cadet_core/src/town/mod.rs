@@ -1,15 +1,24 @@
 //! A town: a road network from OpenDRIVE, the ground under it, and the dressing that makes a street of it.
 
+mod belt;
 mod dressing;
+mod frontage;
+mod garden;
 mod ground;
 mod network;
+mod occupancy;
 mod opendrive;
+mod placer;
 mod plan_curve;
+mod plots;
 mod relief;
 mod street_plan;
+mod street_style;
+mod streetside;
 mod suburb;
 mod xodr_writer;
 
+pub use dressing::DressingConfig;
 pub use ground::Ground;
 pub use network::{Lane, LaneId, LaneKind, RoadNetwork};
 pub use opendrive::load as load_map;
