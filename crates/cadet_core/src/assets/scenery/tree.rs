@@ -158,10 +158,10 @@ impl TreeDesign {
             volume += v;
         }
         // Blobs overlap, so the area is spread over less than the sum of their volumes.
-        let area = volume * 0.8 * LEAF_AREA_PER_M3;
-        let full = if self.kind == TreeKind::Shrub { 900.0 } else { 3600.0 };
-        let budget: f32 = detail.pick(full, full / 4.5, full / 22.0);
-        let smallest: f32 = if self.kind == TreeKind::Shrub { 0.1 } else { 0.22 };
+        let shrub = self.kind == TreeKind::Shrub;
+        let area = volume * LEAF_AREA_PER_M3 * if shrub { 3.0 } else { 0.8 };
+        let budget: f32 = if shrub { detail.pick(900.0, 200.0, 50.0) } else { detail.pick(5200.0, 1300.0, 190.0) };
+        let smallest: f32 = if shrub { 0.09 } else { 0.2 };
         let size = (2.0 * area / budget).sqrt().max(smallest);
         let count = ((2.0 * area / (size * size)) as usize).min(budget as usize);
         let per_cluster = detail.pick(10, 4, 1);
@@ -189,9 +189,9 @@ impl TreeDesign {
         tube(wood, foot, (Vec3::Z * self.height * 0.95, 0.02), detail.pick(7, 5, 3), slot::BARK);
         let span = self.height - self.crown_base;
         let volume = 1.05 * self.crown_radius * self.crown_radius * span;
-        let area = volume * LEAF_AREA_PER_M3 * 1.15;
-        let budget: f32 = detail.pick(3200.0, 760.0, 160.0);
-        let size = (2.0 * area / budget).sqrt().max(0.16);
+        let area = volume * LEAF_AREA_PER_M3 * 1.9;
+        let budget: f32 = detail.pick(4200.0, 1100.0, 170.0);
+        let size = (2.0 * area / budget).sqrt().max(0.15);
         let count = ((2.0 * area / (size * size)) as usize).min(budget as usize);
         let layers = (span / 0.55).ceil();
         for _ in 0..count {
