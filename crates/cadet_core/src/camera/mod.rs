@@ -1,1 +1,13 @@
-//! The camera: model, shading, sky, shadows, noise, PNG.
+//! The camera: model and calibration, shading, sky, shadows, noise, PNG.
+
+mod ambient;
+mod exposure;
+mod noise;
+mod pattern;
+pub mod png;
+mod render;
+mod shade;
+mod shadow;
+mod sky;
+
+pub use render::{Rendered, View, render};
