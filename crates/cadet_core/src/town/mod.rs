@@ -4,10 +4,16 @@ mod dressing;
 mod ground;
 mod network;
 mod opendrive;
+mod plan_curve;
+mod relief;
+mod street_plan;
 mod suburb;
+mod xodr_writer;
 
 pub use ground::Ground;
 pub use network::{Lane, LaneId, LaneKind, RoadNetwork};
+pub use opendrive::load as load_map;
+pub use suburb::{Suburb, SuburbConfig, generate as generate_suburb};
 
 use crate::instance::Instance;
 use crate::math::{DPose3, DVec3};
