@@ -1,6 +1,7 @@
 //! How much of the sky a place sees: a coarse height map of the scene, probes over it, and the boxes of cars near the
 //! ground.
 
+use crate::material::Semantic;
 use crate::math::{DVec3, Vec3};
 use crate::sense::PosedScene;
 
@@ -14,7 +15,9 @@ const LEVELS_M: [f32; 4] = [0.3, 1.6, 4.0, 9.0];
 const STEPS: [f32; 7] = [1.2, 2.2, 3.5, 5.5, 9.0, 15.0, 26.0];
 const AZIMUTHS: usize = 8;
 /// What still comes through a cover such as a crown.
-const COVER_LEAK: f32 = 0.45;
+const COVER_LEAK: f32 = 0.55;
+/// Crowns are not solid: they stand for lower obstacles.
+const CROWN_SHARE: f32 = 0.6;
 
 /// Openness towards +x, -x, +y, -y, +z, -z, each 0..1.
 pub type Openness = [f32; 6];
@@ -75,10 +78,13 @@ impl SkyView {
                 continue;
             }
             let vertices = &scene.vertices_world[instance.vertices.clone()];
+            let foot_z = c.z - 0.5 * instance.mesh.bounds.size().z;
+            let is_plant = instance.palette.0.iter().any(|m| m.semantic == Semantic::Vegetation);
+            let share = if is_plant { CROWN_SHARE } else { 1.0 };
             let mut mark = |x: usize, y: usize, low: f32, high: f32| {
                 let i = y * CELLS + x;
                 floor[i] = floor[i].min(low);
-                top[i] = top[i].max(high);
+                top[i] = top[i].max(foot_z + (high - foot_z) * share);
             };
             for face in &instance.mesh.faces {
                 let [a, b, c] = face.map(|i| vertices[i as usize]);
@@ -164,7 +170,13 @@ impl SkyView {
                         free[k] = 1.0 / (1.0 + slope * slope);
                     }
                     let zenith: f32 = free.iter().sum::<f32>() / AZIMUTHS as f32;
-                    let cover = if top[cell] > z + 1.2 { COVER_LEAK } else { 1.0 };
+                    let around = |dx: i32, dy: i32| {
+                        let (cx, cy) = ((x + dx).clamp(0, CELLS as i32 - 1), (y + dy).clamp(0, CELLS as i32 - 1));
+                        ((top[cy as usize * CELLS + cx as usize] - z - 0.8) * 0.7).clamp(0.0, 1.0)
+                    };
+                    let covered = 0.4 * around(0, 0)
+                        + 0.15 * (around(1, 0) + around(-1, 0) + around(0, 1) + around(0, -1));
+                    let cover = 1.0 - (1.0 - COVER_LEAK) * covered;
                     let side = |k: usize| {
                         let (a, b) = (free[(k + 7) % 8], free[(k + 1) % 8]);
                         (free[k] + 0.7 * (a + b)) * (1.0 / 2.4)
@@ -219,7 +231,7 @@ impl SkyView {
     #[must_use]
     pub fn openness(&self, point_world: Vec3, normal: Vec3) -> Openness {
         // Off the surface, else a wall would sit in its own house.
-        let p = point_world + normal * (1.2 * CELL_M);
+        let p = point_world + normal * (1.7 * CELL_M);
         let gx = (p.x - self.min[0]) / CELL_M - 0.5;
         let gy = (p.y - self.min[1]) / CELL_M - 0.5;
         let limit = CELLS as f32 - 1.001;

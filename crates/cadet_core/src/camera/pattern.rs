@@ -113,9 +113,9 @@ pub fn albedo(pattern: Pattern, base: Vec3, at: &PatternPoint) -> Vec3 {
     match pattern {
         Pattern::Plain => base,
         Pattern::Asphalt => {
-            let grain = 0.17 * grain(u, v, px, 0.012, 0xA5F1);
+            let grain = 0.20 * grain(u, v, px, 0.010, 0xA5F1);
             let patches = 0.16 * (value_noise(u * 0.45, v * 0.45, 7) - 0.5) * keep(2.2, px)
-                + 0.16 * (value_noise(u * 1.9 + 3.3, v * 1.9, 8) - 0.5) * keep(0.5, px)
+                + 0.09 * (value_noise(u * 1.9 + 3.3, v * 1.9, 8) - 0.5) * keep(0.5, px)
                 + 0.16 * (value_noise(u * 0.06, v * 0.06, 9) - 0.5);
             base * (1.0 + grain + patches)
         }
@@ -166,7 +166,7 @@ pub fn albedo(pattern: Pattern, base: Vec3, at: &PatternPoint) -> Vec3 {
             let spread = 0.45 + 1.15 * leaf * leaf;
             // A card holds many leaves: grain inside of it while it is large in the image.
             let inside = 1.0 + 0.55 * grain(u, v, px, 0.04, at.face_hash | 1);
-            let tint = Vec3::new(0.85 + 0.4 * tree + 1.1 * yellow, 0.95 + 0.3 * yellow, 0.9 + 0.2 * tree);
+            let tint = Vec3::new(0.85 + 0.4 * tree + 0.5 * yellow, 0.95 + 0.25 * yellow, 0.9 + 0.2 * tree);
             base * tint * (spread * inside)
         }
         Pattern::Wood => {

@@ -95,7 +95,7 @@ impl Light {
         };
         // What hides the sky sends some light itself, from sunlit walls and ground.
         let mean_open = open[..5].iter().sum::<f32>() * 0.2;
-        let from_around = self.sky.ground * (0.35 * (1.0 - mean_open));
+        let from_around = self.sky.ground * (0.60 * (1.0 - mean_open));
         let ambient = (self.sky.ambient(s.normal_world, &open) + from_around) * near;
 
         let mut film = 0.0;

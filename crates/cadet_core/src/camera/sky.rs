@@ -43,7 +43,7 @@ impl Sky {
         // Air turns the low sun red: the blue is scattered out first.
         let air = |tau: f32| math::expf(-tau / (sin_e + 0.02));
         let sun = Vec3::new(1.10 * air(0.155), 1.05 * air(0.180), 1.03 * air(0.215)) * (1.0 - overcast);
-        let clear_level = 0.028 + 0.115 * sin_e;
+        let clear_level = 0.034 + 0.145 * sin_e;
         let overcast_level = 0.020 + 0.330 * sin_e;
         let level = math::lerp(f64::from(clear_level), f64::from(overcast_level), f64::from(overcast)) as f32;
         let mut sky = Self {
@@ -51,9 +51,9 @@ impl Sky {
             sun,
             sky_on_level: Vec3::ZERO,
             ground: Vec3::ZERO,
-            zenith: Vec3::new(0.42, 0.80, 1.30),
-            horizon: Vec3::new(1.05, 1.45, 1.75),
-            glow: Vec3::new(9.0, 8.8, 8.3),
+            zenith: Vec3::new(0.52, 0.84, 1.22),
+            horizon: Vec3::new(1.15, 1.50, 1.68),
+            glow: Vec3::new(5.0, 4.9, 4.6),
             overcast,
             cloudiness: weather.cloudiness as f32,
             cube: [Vec3::ZERO; 6],
