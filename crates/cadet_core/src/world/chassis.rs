@@ -103,7 +103,7 @@ impl Chassis {
     /// Casts the wheels' rays and pushes the body; to be followed by the physics step.
     pub fn apply(&mut self, physics: &mut Physics) {
         let world = &mut physics.world;
-        let body = &mut world.bodies[self.body];
+        let body = &world.bodies[self.body];
         let pose = pose_f64(body.position());
         let (forward, left) = (pose.rotation * DVec3::X, pose.rotation * DVec3::Y);
         let on_ground = self.controller.wheels().iter().filter(|w| w.raycast_info().is_in_contact).count();
@@ -111,15 +111,6 @@ impl Chassis {
         if let Some(held) = self.held_at {
             let velocity = body.linvel().as_dvec3();
             accel = (-25.0 * (pose.translation - held).dot(forward) - 10.0 * velocity.dot(forward)).clamp(-6.0, 6.0);
-        }
-        // The tyres carry the slope's pull sideways at once; rapier's friction would let the car creep.
-        if on_ground >= 3 {
-            let mut sideways = left * (GRAVITY_MPS2 * left.z);
-            if let Some(held) = self.held_at {
-                let velocity = body.linvel().as_dvec3();
-                sideways -= left * (25.0 * (pose.translation - held).dot(left) + 4.0 * velocity.dot(left));
-            }
-            body.apply_impulse((sideways * self.mass_kg * DT_S).as_vec3(), false);
         }
         let force = self.mass_kg * (accel + GRAVITY_MPS2 * forward.z) / 4.0;
         for (i, wheel) in self.controller.wheels_mut().iter_mut().enumerate() {
@@ -133,6 +124,17 @@ impl Chassis {
             QueryFilter::exclude_dynamic().groups(ground_only()),
         );
         self.controller.update_vehicle(DT_S as f32, queries);
+        // The tyres carry the slope's pull sideways at once; rapier's friction alone would let the car creep. It goes
+        // last, or that friction would take it for a sideways motion and fight it.
+        let body = &mut world.bodies[self.body];
+        if on_ground >= 3 {
+            let mut sideways = left * (GRAVITY_MPS2 * left.z);
+            if let Some(held) = self.held_at {
+                let velocity = body.linvel().as_dvec3();
+                sideways -= left * (25.0 * (pose.translation - held).dot(left) + 4.0 * velocity.dot(left));
+            }
+            body.apply_impulse((sideways * self.mass_kg * DT_S).as_vec3(), false);
+        }
     }
 
     /// Moves the car to a settled pose, standing still.

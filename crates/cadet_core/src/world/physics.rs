@@ -52,6 +52,8 @@ impl Physics {
         let mut world = PhysicsWorld::new();
         world.gravity = Vector::new(0.0, 0.0, -GRAVITY_MPS2 as f32);
         world.integration_parameters.dt = DT_S as f32;
+        // The springs push once a step; with substeps gravity would be late, and resting cars would seem to fall.
+        world.integration_parameters.num_solver_iterations = 1;
         let collider = ColliderBuilder::new(SharedShape::new(mesh.clone()))
             .collision_groups(InteractionGroups::new(GROUND, Group::ALL, InteractionTestMode::And))
             .friction(0.6);

@@ -98,7 +98,9 @@ fn allowed_speeds(lane: &Lane) -> Vec<f64> {
     lane.s_m
         .iter()
         .map(|&s| {
-            let (a, b, c) = (at(s - 3.0), at(s), at(s + 3.0));
+            let half = 3.0_f64.min(lane.length_m() / 2.0);
+            let s = s.clamp(half, lane.length_m() - half);
+            let (a, b, c) = (at(s - half), at(s), at(s + half));
             let (ab, bc) = (b - a, c - b);
             let span = (ab.length() + bc.length()) / 2.0;
             let turn = math::atan2(ab.perp_dot(bc), ab.dot(bc)).abs();
