@@ -2,12 +2,27 @@
 
 mod dressing;
 mod ground;
+mod ground_mesh;
+mod ground_palette;
+mod ground_region;
+mod height_field;
+mod kerbside;
 mod network;
 mod opendrive;
+mod plan_curve;
+mod relief;
+mod road_marking;
+mod street_plan;
 mod suburb;
+mod walkway;
+mod xodr_writer;
 
-pub use ground::Ground;
+pub use ground::{Ground, GroundKind};
+pub use kerbside::parking_spots;
 pub use network::{Lane, LaneId, LaneKind, RoadNetwork};
+pub use opendrive::load as load_map;
+pub use suburb::{Suburb, SuburbConfig, generate as generate_suburb};
+pub use walkway::walkways;
 
 use crate::instance::Instance;
 use crate::math::{DPose3, DVec3};
