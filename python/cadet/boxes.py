@@ -200,7 +200,7 @@ def points_in_boxes(points_cam: NDArray[Any], boxes_cam: NDArray[Any], margin_m:
     """
     boxes = _check_boxes(boxes_cam, "boxes_cam")
     check_array(points_cam, "points_cam", ("N", "C"))
-    if points_cam.shape[1] < 3:  # noqa: PLR2004
+    if points_cam.shape[1] < 3:
         raise ShapeError(f"points_cam: expected (N, 3) or wider, got {points_cam.shape}")
     points = points_cam[:, :3].astype(np.float64)
     is_inside = np.zeros((len(points), len(boxes)), np.bool_)

@@ -1,7 +1,7 @@
 """KITTI's object data: frozen dataclasses for its files, whole frames, and a lint."""
 
 from cadet.kitti.calib import Calibration, points_in_image
-from cadet.kitti.dataset import Dataset, read_calib, read_frame, read_labels, write_frame
+from cadet.kitti.dataset import Dataset, encode_frame, encode_meta, read_calib, read_frame, read_labels, write_frame
 from cadet.kitti.image_sets import ImageSet, read_image_set, write_image_set
 from cadet.kitti.label import TYPES, Label, boxes_cam_from_labels, labels_from_text, text_from_labels
 from cadet.kitti.lint import Finding, lint, lint_frame
@@ -14,6 +14,8 @@ __all__ = [
     "ImageSet",
     "Label",
     "boxes_cam_from_labels",
+    "encode_frame",
+    "encode_meta",
     "labels_from_text",
     "lint",
     "lint_frame",

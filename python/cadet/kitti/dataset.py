@@ -107,6 +107,47 @@ def check_files(root: str | Path, frame_id: str | int) -> list[tuple[str, CadetE
     return wrong + _label_errors(folder, frame_id)
 
 
+def encode_frame(frame: Frame, *, encode_png: images.EncodePng = images.encode_png) -> dict[str, bytes]:
+    """Return the bytes of a frame's files by folder; what is None has no entry.
+
+    Args:
+        frame: the frame.
+        encode_png: turns an image into a PNG file's bytes.
+
+    Raises:
+        CadetError: what the format cannot hold: an instance id above 65534, a `meta` that is no JSON.
+    """
+    contents = {
+        "image_2": encode_png(frame.image),
+        "velodyne": bytes_from_points(frame.points_velo),
+        "calib": frame.calib.to_text().encode("ascii"),
+        "label_2": text_from_labels(frame.labels).encode("ascii"),
+    }
+    if frame.plane is not None:
+        contents["planes"] = text_from_plane(frame.plane).encode("ascii")
+    if frame.meta is not None:
+        contents["meta"] = encode_meta(frame.meta)
+    if frame.depth is not None:
+        contents["depth"] = encode_png(images.pixels_from_depth(frame.depth))
+    if frame.instance is not None:
+        contents["instance"] = encode_png(images.pixels_from_instance(frame.instance))
+    if frame.semantic is not None:
+        contents["semantic"] = encode_png(frame.semantic)
+    return contents
+
+
+def encode_meta(meta: dict[str, Any]) -> bytes:
+    """Return the bytes of a `meta` file.
+
+    Raises:
+        CadetError: what JSON cannot hold.
+    """
+    try:
+        return (json.dumps(meta, indent=1, allow_nan=False) + "\n").encode("ascii")
+    except (TypeError, ValueError) as error:
+        raise CadetError(f"meta: no JSON: {error}") from None
+
+
 def write_frame(
     root: str | Path,
     frame_id: str | int,
@@ -133,22 +174,7 @@ def write_frame(
     present = [path for kind in SUFFIXES if (path := file_path(folder, kind, frame_id)).exists()]
     if present and not overwrite:
         raise FrameExistsError(f"{present[0]}: frame {frame_id} exists; pass overwrite=True to replace it")
-    contents = {
-        "image_2": encode_png(frame.image),
-        "velodyne": bytes_from_points(frame.points_velo),
-        "calib": frame.calib.to_text().encode("ascii"),
-        "label_2": text_from_labels(frame.labels).encode("ascii"),
-    }
-    if frame.plane is not None:
-        contents["planes"] = text_from_plane(frame.plane).encode("ascii")
-    if frame.meta is not None:
-        contents["meta"] = _bytes_from_meta(frame.meta, frame_id)
-    if frame.depth is not None:
-        contents["depth"] = encode_png(images.pixels_from_depth(frame.depth))
-    if frame.instance is not None:
-        contents["instance"] = encode_png(images.pixels_from_instance(frame.instance))
-    if frame.semantic is not None:
-        contents["semantic"] = encode_png(frame.semantic)
+    contents = encode_frame(frame, encode_png=encode_png)
     paths = {file_path(folder, kind, frame_id): data for kind, data in contents.items()}
     write_whole(paths)
     for path in present:
@@ -273,10 +299,3 @@ def _read_meta(folder: Path, frame_id: str) -> dict[str, Any]:
     if not isinstance(meta, dict):
         raise KittiFormatError(f"expected a JSON object, got {type(meta).__name__}", name, 1)
     return meta
-
-
-def _bytes_from_meta(meta: dict[str, Any], frame_id: str) -> bytes:
-    try:
-        return (json.dumps(meta, indent=1, allow_nan=False) + "\n").encode("ascii")
-    except (TypeError, ValueError) as error:
-        raise CadetError(f"meta of frame {frame_id}: no JSON: {error}") from None
