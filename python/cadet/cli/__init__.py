@@ -16,8 +16,8 @@ def _need(command: str) -> None:
 def run_cadet() -> None:
     """Run `cadet`."""
     _need("cadet")
-    from cadet.cli.tools import cadet
     from cadet.cli.errors import run
+    from cadet.cli.tools import cadet
 
     run(cadet, "cadet")
 

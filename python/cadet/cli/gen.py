@@ -28,14 +28,20 @@ _RIGS = {"kitti": Rig.kitti, "paper": Rig.paper}
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
 @click.argument("out", type=click.Path(path_type=Path, file_okay=False))
-@click.option("-n", "num_frames", type=click.IntRange(1, 1_000_000), default=20, show_default=True, help="Frames to make.")
+@click.option(
+    "-n", "num_frames", type=click.IntRange(1, 1_000_000), default=20, show_default=True, help="Frames to make."
+)
 @click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True, help="Same seed, same bytes.")
 @click.option(
     "--policy", type=click.Choice(list(_POLICIES)), default="kitti", show_default=True, help="How worlds are drawn."
 )
 @click.option("--rig", type=click.Choice(list(_RIGS)), help="The sensors.  [default: the policy's]")
-@click.option("--map", "maps", metavar="FILE", multiple=True, help="An OpenDRIVE map; repeat for more, drawn equally often.")
-@click.option("--weather", "weathers", metavar="NAME", multiple=True, help="A preset; repeat for more, drawn equally often.")
+@click.option(
+    "--map", "maps", metavar="FILE", multiple=True, help="An OpenDRIVE map; repeat for more, drawn equally often."
+)
+@click.option(
+    "--weather", "weathers", metavar="NAME", multiple=True, help="A preset; repeat for more, drawn equally often."
+)
 @click.option("--workers", type=click.IntRange(1, 1024), help="Processes.  [default: one for each processor]")
 @click.option("--image-size", metavar="WxH", help="Scale the image to this size, such as 621x188.")
 @click.option("--write", "write", metavar="LIST", default="", help=f"Write these too: {','.join(EXTRAS)}.")
@@ -61,7 +67,7 @@ def cadet_gen(
     resume: bool,
     val_fraction: float,
 ) -> int:
-    """Write a KITTI-format dataset of made-up suburbs to the folder OUT.
+    r"""Write a KITTI-format dataset of made-up suburbs to the folder OUT.
 
     \b
     cadet-gen out -n 10000 --seed 0
@@ -70,7 +76,7 @@ def cadet_gen(
 
     \b
     Weathers: {weathers}
-    """  # noqa: D301 - \b is click's mark for text to leave as it stands
+    """
     settings = Settings(
         seed=seed,
         num_frames=num_frames,

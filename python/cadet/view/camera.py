@@ -91,7 +91,7 @@ def draw_wire_box(
     """Draw a 3D box: edges of faces that look at the camera bright, the others faint; optionally where it heads."""
     corners = boxes.corners_cam(label.box_cam[None])[0]
     is_seen = _seen_edges(corners, calib)
-    thickness = 2 if label.location_cam[2] < 30.0 else 1  # noqa: PLR2004
+    thickness = 2 if label.location_cam[2] < 30.0 else 1
     if has_heading and (corners[list(boxes.FRONT), 2] >= boxes.NEAR_M).all():
         style.polygon(canvas, calib.project(corners[list(boxes.FRONT)]), color, 0.28)
     for edge, is_bright in sorted(zip(boxes.EDGES, is_seen, strict=True), key=lambda item: item[1]):
@@ -162,7 +162,7 @@ def _draw_dashed(canvas: style.Image, bbox: tuple[float, float, float, float], c
 def _draw_depth_scale(canvas: style.Image) -> None:
     width, height, margin = 220, 8, 12
     left, top = canvas.shape[1] - width - margin - 8, canvas.shape[0] - margin - height
-    if left < margin or top < 40:  # noqa: PLR2004
+    if left < margin or top < 40:
         return
     box = np.array([[-12, -24], [width + 12, -24], [width + 12, height + 6], [-12, height + 6]], np.float64)
     style.polygon(canvas, box + [left, top], style.BACKGROUND, 0.75)
@@ -171,7 +171,7 @@ def _draw_depth_scale(canvas: style.Image) -> None:
     for tick_m in (5, 10, 20, 40, 70):
         x = left + (np.log(tick_m) - np.log(4.0)) / (np.log(70.0) - np.log(4.0)) * (width - 1)
         style.stroke(canvas, (x, top - 3), (x, top), style.TEXT)
-        text = f"{tick_m} m" if tick_m == 70 else str(tick_m)  # noqa: PLR2004
+        text = f"{tick_m} m" if tick_m == 70 else str(tick_m)
         text_width, _ = style.text_size(text, 0.36)
         style.write(canvas, text, min(x - text_width / 2, left + width + 8 - text_width), top - 7, 0.36)
 
