@@ -86,29 +86,23 @@ class LabelConfig:
 
 @dataclass(frozen=True, kw_only=True)
 class SceneConfig:
-    """How full a scene is. Counts are of the whole town; what moves is placed around the ego first.
+    """How full a scene is, and what gets a label.
 
     Raises:
         CadetError: a number outside its range.
     """
 
     num_cars: int = 14
-    """Driving cars."""
-    num_vans: int = 2
-    """Driving vans."""
-    num_trucks: int = 1
-    """Driving trucks and buses."""
-    num_cyclists: int = 4
-    """People riding bicycles."""
-    num_pedestrians: int = 16
-    """People on foot."""
+    """Driving vehicles kept around the ego: cars mostly, vans and trucks among them."""
+    num_pedestrians: int = 24
+    """People kept around the ego: on foot mostly, on bicycles some."""
     parking_occupancy: float = 0.6
     """Share of the parking places that are taken; each street varies around it."""
     label: LabelConfig = field(default_factory=LabelConfig)
     """What gets a label."""
 
     def __post_init__(self) -> None:
-        for name in ("num_cars", "num_vans", "num_trucks", "num_cyclists", "num_pedestrians"):
+        for name in ("num_cars", "num_pedestrians"):
             check_number("SceneConfig", name, getattr(self, name), 0, 500, whole=True)
         check_number("SceneConfig", "parking_occupancy", self.parking_occupancy, 0, 1)
         if not isinstance(self.label, LabelConfig):

@@ -38,18 +38,12 @@ class District:
     parking_occupancy: tuple[float, float]
     """Share of the parking places that are taken."""
     num_cars: tuple[int, int]
-    """Driving cars."""
-    num_vans: tuple[int, int] = (0, 0)
-    """Driving vans."""
-    num_trucks: tuple[int, int] = (0, 0)
-    """Driving trucks and buses."""
-    num_cyclists: tuple[int, int] = (0, 0)
-    """People riding bicycles."""
-    num_pedestrians: tuple[int, int] = (0, 0)
-    """People on foot."""
+    """Driving vehicles kept around the ego."""
+    num_pedestrians: tuple[int, int]
+    """People kept around the ego."""
 
     def __post_init__(self) -> None:
-        for name in ("parking_occupancy", "num_cars", "num_vans", "num_trucks", "num_cyclists", "num_pedestrians"):
+        for name in ("parking_occupancy", "num_cars", "num_pedestrians"):
             bounds = getattr(self, name)
             if not isinstance(bounds, tuple) or len(bounds) != 2 or not bounds[0] <= bounds[1]:
                 raise CadetError(f"District.{name}: expected (low, high), got {bounds!r}")
@@ -149,9 +143,6 @@ class ResetPolicy:
         config = SceneConfig(
             parking_occupancy=counts.between(*district.parking_occupancy),
             num_cars=counts.count(*district.num_cars),
-            num_vans=counts.count(*district.num_vans),
-            num_trucks=counts.count(*district.num_trucks),
-            num_cyclists=counts.count(*district.num_cyclists),
             num_pedestrians=counts.count(*district.num_pedestrians),
             label=self.label,
         )
@@ -193,52 +184,8 @@ _KITTI_WEATHERS = (
 
 # Kinds of street by how often KITTI's object frames show them; streets vary around the town's occupancy.
 _KITTI_DISTRICTS = (
-    (
-        District(
-            name="parked_rows",
-            parking_occupancy=(0.45, 0.9),
-            num_cars=(8, 18),
-            num_vans=(1, 3),
-            num_trucks=(0, 1),
-            num_cyclists=(2, 6),
-            num_pedestrians=(8, 24),
-        ),
-        0.42,
-    ),
-    (
-        District(
-            name="quiet",
-            parking_occupancy=(0.2, 0.4),
-            num_cars=(8, 16),
-            num_vans=(0, 2),
-            num_trucks=(0, 1),
-            num_cyclists=(1, 4),
-            num_pedestrians=(4, 14),
-        ),
-        0.18,
-    ),
-    (
-        District(
-            name="main_road",
-            parking_occupancy=(0.25, 0.55),
-            num_cars=(24, 48),
-            num_vans=(2, 6),
-            num_trucks=(1, 4),
-            num_cyclists=(2, 8),
-            num_pedestrians=(8, 24),
-        ),
-        0.32,
-    ),
-    (
-        District(
-            name="inner_city",
-            parking_occupancy=(0.4, 0.7),
-            num_cars=(12, 28),
-            num_vans=(2, 5),
-            num_trucks=(0, 2),
-            num_cyclists=(8, 20),
-            num_pedestrians=(40, 100),
-        ),
-        0.08,
-    ),
+    (District(name="parked_rows", parking_occupancy=(0.5, 0.9), num_cars=(8, 16), num_pedestrians=(12, 30)), 0.42),
+    (District(name="quiet", parking_occupancy=(0.2, 0.4), num_cars=(8, 14), num_pedestrians=(8, 20)), 0.18),
+    (District(name="main_road", parking_occupancy=(0.3, 0.6), num_cars=(20, 36), num_pedestrians=(12, 30)), 0.32),
+    (District(name="inner_city", parking_occupancy=(0.4, 0.7), num_cars=(12, 24), num_pedestrians=(40, 80)), 0.08),
 )
