@@ -158,13 +158,15 @@ def test_what_is_no_id_is_refused(tmp_path: Path, frame_id: str | int) -> None:
 @pytest.mark.parametrize(
     ("name", "data", "message"),
     [
-        ("image_2/000000.png", b"no", "image_2/000000.png: no readable image (2 bytes)"),
+        ("image_2/000000.png", b"no", "image_2/000000.png: no PNG image (2 bytes)"),
         ("velodyne/000000.bin", bytes(17), "velodyne/000000.bin: truncated: 17 bytes are 1 points and 1 bytes"),
         ("label_2/000000.txt", b"Car 0\n", "label_2/000000.txt:1: expected 15 fields, got 2"),
         ("label_2/000000.txt", b"Car 0\xff\n", "label_2/000000.txt:1: byte 0xff is not ASCII"),
         ("calib/000000.txt", b"", "calib/000000.txt: missing key 'P0'"),
         ("planes/000000.txt", b"", "planes/000000.txt: expected 4 lines, got 1"),
         ("meta/000000.json", b"{\n,", "meta/000000.json:2: no JSON: Expecting property name enclosed in double quotes"),
+        ("meta/000000.json", b'{"a": NaN}', "meta/000000.json: no JSON: NaN is no number"),
+        ("meta/000000.json", b"[" * 100_000, "meta/000000.json: no JSON: "),
         ("meta/000000.json", b"[]", "meta/000000.json:1: expected a JSON object, got list"),
         (
             "depth/000000.png",
