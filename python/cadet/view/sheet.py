@@ -56,11 +56,17 @@ def sheet(frame: Frame, title: str = "") -> style.Image:
     Returns:
         (about 1090, 1920, 3) uint8 RGB; the height follows the camera image's.
     """
-    drawn = figures(_magnified(frame))
+    enlarged = _magnified(frame)
+    is_visible, source = corner_visibility(frame, far_to_near(frame.labels))
+    drawn = {
+        "boxes": boxes_figure(enlarged),
+        "lidar": lidar_figure(enlarged),
+        "corners": corners_figure(enlarged, is_visible),
+    }
     captions = {
         "boxes": "Labels: 2D and 3D boxes, arrows along the heading",
         "lidar": _lidar_caption(frame),
-        "corners": f"Box corners: green visible, red hidden ({corner_visibility(frame, far_to_near(frame.labels))[1]})",
+        "corners": f"Box corners: green visible, red hidden ({source})",
     }
     rows = [_panel(_resized(drawn[name], _CAMERA_WIDTH), caption) for name, caption in captions.items()]
     right_width = SHEET_WIDTH_PX - _CAMERA_WIDTH - 3 * _MARGIN
@@ -195,7 +201,7 @@ def _facts(frame: Frame) -> list[str]:
 
 
 def _magnified(frame: Frame) -> Frame:
-    """Enlarge a small camera image by a whole factor, with all that refers to its pixels, so that strokes stay fine."""
+    """Enlarge a small camera image by a whole factor, with the labels and the projection, so that strokes stay fine."""
     factor = -(-_CAMERA_WIDTH // frame.image.shape[1])
     if factor == 1:
         return frame
@@ -213,7 +219,7 @@ def _magnified(frame: Frame) -> Frame:
         image=_resized(frame.image, factor * frame.image.shape[1]),
         labels=tuple(enlarged(label) for label in frame.labels),
         calib=replace(frame.calib, P2=projection),
-        depth=None if frame.depth is None else frame.depth.repeat(factor, axis=0).repeat(factor, axis=1),
+        depth=None,
         instance=None,
         semantic=None,
     )
