@@ -113,6 +113,9 @@ class _FrameLint:
         self._lint_points(frame.points_velo)
         if frame.plane is not None:
             self._lint_plane(frame.plane)
+        objects = (frame.meta or {}).get("objects")
+        if isinstance(objects, list) and len(objects) != len(frame.labels):
+            self._add("meta", None, f"{len(objects)} objects, label_2 has {len(frame.labels)} lines")
         wanted = (frame.meta or {}).get("image_size")
         if wanted is not None and list(wanted) != list(frame.image_size):
             self._add("image_2", None, f"image is {list(frame.image_size)} pixels, meta says {wanted}")
@@ -245,7 +248,7 @@ class _FrameLint:
 
 def _rounding_px(label: Label, calib: Calibration) -> float:
     """Bound how far rounding every field of a label to 0.01 moves its projected box, in pixels."""
-    height, width, length = label.dimensions_hwl
+    _, width, length = label.dimensions_hwl
     turned = 0.5 * float(np.hypot(length, width))
     moved_m = _ROUNDING * (float(np.sqrt(3.0)) + float(np.sqrt(1.5)) + turned)
     corners = boxes.corners_cam(label.box_cam[None])[0]

@@ -24,6 +24,7 @@ _RING_STEP_M: Final = 10.0
 _HEIGHT_M: Final = (-0.3, 3.0)
 _FLAT_PLANE: Final = np.array([0.0, -1.0, 0.0, 1.65])
 _EGO_SIZE_M: Final = (4.5, 1.8)
+_THICK_PX_PER_M: Final = 8.0
 _GLOW: Final = 3.6
 _HEADING_M: Final = 1.2
 
@@ -46,8 +47,10 @@ def bev_figure(frame: Frame, width: int = 960, *, has_text: bool = True) -> styl
     height = round((AHEAD_M + _BEHIND_M) * scale)
     canvas = style.filled(height, width)
     _draw_view(canvas, frame, scale)
-    _draw_rings(canvas, scale, has_text)
+    _draw_rings(canvas, scale)
     _draw_points(canvas, frame, scale)
+    if has_text:
+        _draw_ranges(canvas, scale)
     for label in frame.labels:
         if not label.is_dont_care:
             _draw_box(canvas, label, frame.calib, scale)
@@ -62,19 +65,25 @@ def _pixels(points_velo: NDArray[np.float64], scale: float) -> NDArray[np.float6
     return np.stack([u, v], axis=1)
 
 
-def _draw_rings(canvas: style.Image, scale: float, has_text: bool) -> None:
+def _draw_rings(canvas: style.Image, scale: float) -> None:
     angles = np.linspace(-np.pi, np.pi, 241)
     circle = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     for range_m in np.arange(_RING_STEP_M, AHEAD_M + 1.0, _RING_STEP_M):
         style.polyline(canvas, _pixels(range_m * circle, scale), style.GRID)
-        if not has_text:
-            continue
-        # To the right, near the edge of what the camera sees, where few returns lie.
-        bearing = np.radians(-36.0)
-        left, baseline = _pixels(range_m * np.array([[np.cos(bearing), np.sin(bearing)]]), scale)[0]
+
+
+def _draw_ranges(canvas: style.Image, scale: float) -> None:
+    """Write the rings' ranges to the right, near the edge of what the camera sees, where few returns lie."""
+    bearing = np.radians(-36.0)
+    ahead = np.array([[np.cos(bearing), np.sin(bearing)]])
+    for range_m in np.arange(_RING_STEP_M, AHEAD_M + 1.0, _RING_STEP_M):
+        left, baseline = _pixels(range_m * ahead, scale)[0]
         text = f"{range_m:.0f} m"
-        if left + style.text_size(text, 0.38)[0] < canvas.shape[1]:
-            style.write(canvas, text, left + 3, baseline - 3, 0.38, style.FAINT_TEXT)
+        width, height = style.text_size(text, 0.38)
+        if left + width + 6 < canvas.shape[1]:
+            plate = np.array([[-3, 3], [width + 3, 3], [width + 3, -height - 4], [-3, -height - 4]], np.float64)
+            style.polygon(canvas, plate + np.array([left + 4, baseline - 4]), style.BACKGROUND, 0.75)
+            style.write(canvas, text, left + 4, baseline - 4, 0.38, style.TEXT)
 
 
 def _draw_view(canvas: style.Image, frame: Frame, scale: float) -> None:
@@ -131,11 +140,12 @@ def _draw_box(canvas: style.Image, label: Label, calib: Calibration, scale: floa
     outline = _pixels(corners, scale)
     color = style.CLASS_COLORS[label.type]
     style.polygon(canvas, outline, color, 0.25)
-    style.polyline(canvas, outline, color, 2)
+    thickness = 2 if scale > _THICK_PX_PER_M else 1
+    style.polyline(canvas, outline, color, thickness)
     front, center = corners[:2].mean(axis=0), corners.mean(axis=0)
     ahead = (front - center) / np.linalg.norm(front - center)
     tick = _pixels(np.stack([center, front + _HEADING_M * ahead]), scale)
-    style.stroke(canvas, tick[0], tick[1], color, 2)
+    style.stroke(canvas, tick[0], tick[1], color, thickness)
 
 
 def _draw_ego(canvas: style.Image, scale: float) -> None:

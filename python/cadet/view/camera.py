@@ -164,8 +164,8 @@ def _draw_depth_scale(canvas: style.Image) -> None:
     left, top = canvas.shape[1] - width - margin - 8, canvas.shape[0] - margin - height
     if left < margin or top < 40:
         return
-    box = np.array([[-12, -24], [width + 12, -24], [width + 12, height + 6], [-12, height + 6]], np.float64)
-    style.polygon(canvas, box + [left, top], style.BACKGROUND, 0.75)
+    plate = np.array([[-12, -24], [width + 12, -24], [width + 12, height + 6], [-12, height + 6]], np.float64)
+    style.polygon(canvas, plate + np.array([left, top]), style.BACKGROUND, 0.75)
     depth_m = np.exp(np.linspace(np.log(4.0), np.log(70.0), width))
     canvas[top : top + height, left : left + width] = style.turbo(style.depth_share(depth_m))[None]
     for tick_m in (5, 10, 20, 40, 70):

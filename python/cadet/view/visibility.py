@@ -30,7 +30,7 @@ def corner_visibility(frame: Frame, labels: list[Label]) -> tuple[NDArray[np.boo
 
     Args:
         frame: the frame.
-        labels: M labels of it.
+        labels: M of its own labels.
 
     Returns:
         (M, 8) bool in the order of `boxes.corners_cam`, and the source in words.
@@ -51,13 +51,13 @@ def corner_visibility(frame: Frame, labels: list[Label]) -> tuple[NDArray[np.boo
 
 
 def _visibility_from_meta(frame: Frame, labels: list[Label]) -> NDArray[np.bool_] | None:
-    entries = (frame.meta or {}).get("labels")
+    entries = (frame.meta or {}).get("objects")
     if not isinstance(entries, list) or len(entries) != len(frame.labels):
         return None
     rows: list[list[Any]] = []
     for label in labels:
-        entry = entries[frame.labels.index(label)]
-        row = entry.get("corners_visible") if isinstance(entry, dict) else None
+        entry = entries[[line is label for line in frame.labels].index(True)]
+        row = entry.get("corner_visible") if isinstance(entry, dict) else None
         if not isinstance(row, list) or len(row) != _NUM_CORNERS:
             return None
         rows.append(row)

@@ -1,1 +1,15 @@
-//! The camera: model, shading, sky, shadows, noise, PNG.
+//! The camera: model and calibration, shading, sky, shadows, noise, PNG.
+
+mod ambient;
+mod exposure;
+mod model;
+mod noise;
+mod pattern;
+pub mod png;
+mod render;
+mod shade;
+mod shadow;
+mod sky;
+
+pub use model::{Calibration, CameraModel, Pixel};
+pub use render::{Rendered, View, render};

@@ -96,6 +96,12 @@ impl MeshBuilder {
         &mut self.positions
     }
 
+    /// The corners so far.
+    #[must_use]
+    pub fn positions(&self) -> &[Vec3] {
+        &self.positions
+    }
+
     /// Number of faces so far.
     #[must_use]
     pub fn num_faces(&self) -> usize {

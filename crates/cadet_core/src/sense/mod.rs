@@ -1,5 +1,17 @@
 //! What a beam meets first: the posed triangles, the visibility kernel over grids of beams, and parry for single rays.
 
+mod edges;
+mod grid;
+mod kernel;
+mod pinhole;
 mod posed;
+mod raycast;
+mod turret;
 
+pub use edges::EdgePlanes;
+pub use grid::{Beam, BeamGrid, LANES, Lanes, Window};
+pub use kernel::{Hits, Layer, NO_HIT, cast};
+pub use pinhole::PinholeGrid;
 pub use posed::{PosedInstance, PosedScene};
+pub use raycast::{RayCaster, RayHit};
+pub use turret::{TurretGrid, TurretRing};

@@ -1,13 +1,37 @@
 //! A town: a road network from OpenDRIVE, the ground under it, and the dressing that makes a street of it.
 
+mod belt;
 mod dressing;
+mod frontage;
+mod garden;
 mod ground;
+mod ground_mesh;
+mod ground_palette;
+mod ground_region;
+mod height_field;
+mod kerbside;
 mod network;
+mod occupancy;
 mod opendrive;
+mod placer;
+mod plan_curve;
+mod plots;
+mod relief;
+mod road_marking;
+mod street_plan;
+mod street_style;
+mod streetside;
 mod suburb;
+mod walkway;
+mod xodr_writer;
 
-pub use ground::Ground;
+pub use dressing::DressingConfig;
+pub use ground::{Ground, GroundKind};
+pub use kerbside::parking_spots;
 pub use network::{Lane, LaneId, LaneKind, RoadNetwork};
+pub use opendrive::load as load_map;
+pub use suburb::{Suburb, SuburbConfig, generate as generate_suburb};
+pub use walkway::walkways;
 
 use crate::instance::Instance;
 use crate::math::{DPose3, DVec3};

@@ -1,1 +1,197 @@
 //! Reads OpenDRIVE (crate `xodr`) into our network.
+//!
+//! `xodr` bakes lanes in single precision along the road's own direction; here they become double-precision polylines
+//! in **driving** direction, rounded to 0.1 mm so that the last bit of a platform's `sin` leaves no trace.
+
+use std::collections::BTreeMap;
+
+use super::network::{Lane, LaneId, LaneKind, RoadNetwork};
+use crate::error::{Error, Result};
+use crate::math::{DVec3, hypot, lerp};
+
+/// Lanes without a speed limit get the one of German towns: 50 km/h.
+const DEFAULT_SPEED_MPS: f64 = 50.0 / 3.6;
+/// Points of a lane are at most this far apart on curves.
+const CURVE_STEP_M: f64 = 1.0;
+/// A segment counts as curved when its ends' directions differ by more than this.
+const CURVED_RAD: f64 = 0.002;
+/// Points nearer than this to the one before are the same point.
+const SAME_POINT_M: f64 = 0.01;
+
+/// Reads the text of an OpenDRIVE map, of any version.
+///
+/// # Errors
+/// [`Error::Map`], naming `map_name` and the reason: not a map, no lanes, no driving lane, coordinates not finite.
+pub fn load(map_name: &str, xodr_text: &str) -> Result<RoadNetwork> {
+    let fail = |reason: String| Error::Map { map: map_name.to_owned(), reason };
+    let map = xodr::load_str(xodr_text).map_err(|e| fail(e.to_string()))?;
+    let baked: Vec<(&xodr::Lane, Option<Polyline>)> = map
+        .lanes()
+        .iter()
+        .filter(|l| l.layer == xodr::Layer::Permanent)
+        .map(|l| Ok((l, polyline(l).map_err(|reason| fail(reason.to_owned()))?)))
+        .collect::<Result<_>>()?;
+    // Lanes too short to have two points are stepped over: their followers become their predecessors' followers.
+    let mut ids = BTreeMap::new();
+    for (lane, line) in &baked {
+        if line.is_some() {
+            ids.insert(lane.id.0, LaneId(ids.len()));
+        }
+    }
+    let by_xodr_id: BTreeMap<usize, &xodr::Lane> = baked.iter().map(|(l, _)| (l.id.0, *l)).collect();
+    let mut lanes: Vec<Lane> = Vec::with_capacity(ids.len());
+    for (lane, line) in &baked {
+        let Some(line) = line else { continue };
+        let place = map.road_lane(lane.id);
+        let road = place.and_then(|p| map.road(p.road));
+        let middle = lane.center.length() / 2.0;
+        let speed_limit_mps = match map.speed_limit_at(lane.id, middle) {
+            Some(xodr::SpeedLimit::Max(v)) if v.is_finite() && v > 0.5 => f64::from(v),
+            _ => DEFAULT_SPEED_MPS,
+        };
+        let mut successors = Vec::new();
+        follow(lane, &by_xodr_id, &ids, 8, &mut successors);
+        lanes.push(Lane {
+            id: LaneId(lanes.len()),
+            kind: kind_of(lane.kind),
+            s_m: line.distances(),
+            center: line.points.clone(),
+            width_m: line.widths.clone(),
+            successors,
+            predecessors: Vec::new(),
+            junction: road.and_then(|r| r.junction()).map(number_of),
+            road: place.map_or(u32::MAX, |p| p.road.0 as u32),
+            speed_limit_mps,
+        });
+    }
+    drop_links_between_kinds(&mut lanes);
+    if lanes.is_empty() {
+        return Err(fail("the map has no lanes".to_owned()));
+    }
+    if !lanes.iter().any(|l| l.kind == LaneKind::Driving) {
+        return Err(fail(format!("none of the map's {} lanes is for driving", lanes.len())));
+    }
+    Ok(RoadNetwork { lanes })
+}
+
+/// A junction's number: its id where that is one, else a number made of its letters.
+fn number_of(id: &str) -> u32 {
+    id.parse().unwrap_or_else(|_| id.bytes().fold(0x811c_9dc5_u32, |h, b| (h ^ u32::from(b)).wrapping_mul(0x0100_0193)))
+}
+
+fn kind_of(kind: xodr::LaneType) -> LaneKind {
+    use xodr::LaneType as T;
+    match kind {
+        k if k.is_drivable() => LaneKind::Driving,
+        T::Sidewalk => LaneKind::Sidewalk,
+        T::Parking | T::Stop => LaneKind::Parking,
+        T::Biking => LaneKind::Biking,
+        T::Shoulder | T::Border | T::Curb | T::Restricted | T::RoadWorks => LaneKind::Shoulder,
+        _ => LaneKind::Other,
+    }
+}
+
+/// The lanes that one reaches off the end of `lane`, stepping over those that were not kept.
+fn follow(
+    lane: &xodr::Lane,
+    by_xodr_id: &BTreeMap<usize, &xodr::Lane>,
+    kept: &BTreeMap<usize, LaneId>,
+    depth: usize,
+    out: &mut Vec<LaneId>,
+) {
+    for next in &lane.successors {
+        if let Some(id) = kept.get(&next.0) {
+            if !out.contains(id) {
+                out.push(*id);
+            }
+        } else if let (true, Some(short)) = (depth > 0, by_xodr_id.get(&next.0)) {
+            follow(short, by_xodr_id, kept, depth - 1, out);
+        }
+    }
+}
+
+/// Keeps only links from a kind to the same kind, sorts them, and adds the way back.
+fn drop_links_between_kinds(lanes: &mut [Lane]) {
+    let kinds: Vec<LaneKind> = lanes.iter().map(|l| l.kind).collect();
+    let mut links = Vec::new();
+    for lane in lanes.iter_mut() {
+        let (id, kind) = (lane.id, lane.kind);
+        lane.successors.retain(|n| kinds[n.0] == kind && *n != id);
+        lane.successors.sort_unstable();
+        links.extend(lane.successors.iter().map(|n| (*n, id)));
+    }
+    for (to, from) in links {
+        lanes[to.0].predecessors.push(from);
+    }
+}
+
+/// A lane's middle in driving direction.
+struct Polyline {
+    points: Vec<DVec3>,
+    widths: Vec<f64>,
+}
+
+impl Polyline {
+    fn distances(&self) -> Vec<f64> {
+        let mut s = vec![0.0];
+        for pair in self.points.windows(2) {
+            s.push(s[s.len() - 1] + (pair[1] - pair[0]).length());
+        }
+        s
+    }
+}
+
+/// The lane's points, denser on curves; `None` where it is too short to have two.
+fn polyline(lane: &xodr::Lane) -> std::result::Result<Option<Polyline>, &'static str> {
+    let points: Vec<DVec3> =
+        lane.center.points().iter().map(|p| DVec3::new(p.x.into(), p.y.into(), p.z.into())).collect();
+    let tangents: Vec<DVec3> =
+        lane.center.tangents().iter().map(|t| DVec3::new(t.x.into(), t.y.into(), t.z.into())).collect();
+    let width = |i: usize| f64::from(lane.widths.get(i).or(lane.widths.last()).copied().unwrap_or(lane.width));
+    if points.iter().any(|p| !p.is_finite() || p.abs().max_element() > 1e6) {
+        return Err("a lane's coordinates are not finite or beyond 1000 km");
+    }
+    let mut line = Polyline { points: Vec::new(), widths: Vec::new() };
+    let mut push = |p: DVec3, w: f64| {
+        let p = (p * 1e4).round() / 1e4;
+        let far = |q: &DVec3| hypot(p.x - q.x, p.y - q.y) > SAME_POINT_M;
+        if line.points.last().is_none_or(far) {
+            line.points.push(p);
+            line.widths.push((w.max(0.0) * 1e4).round() / 1e4);
+        }
+    };
+    for i in 0..points.len() {
+        if i > 0 && tangents.len() == points.len() {
+            let (a, b) = (points[i - 1], points[i]);
+            let length = (b - a).length();
+            let turn = (tangents[i - 1] - tangents[i]).length();
+            let step = if turn > CURVED_RAD { CURVE_STEP_M } else { 2.0 };
+            let pieces = (length / step).ceil().clamp(1.0, 64.0) as usize;
+            for k in 1..pieces {
+                let t = k as f64 / pieces as f64;
+                push(hermite(a, tangents[i - 1] * length, b, tangents[i] * length, t), lerp(width(i - 1), width(i), t));
+            }
+        }
+        push(points[i], width(i));
+    }
+    // The end is where the next lane begins: it replaces a last point that came too near.
+    if let (Some(end), Some(last)) = (points.last(), line.points.last_mut()) {
+        *last = (*end * 1e4).round() / 1e4;
+    }
+    if line.points.len() < 2 || line.widths.iter().all(|w| *w < 0.01) {
+        return Ok(None);
+    }
+    if lane.direction == xodr::Direction::Backward {
+        line.points.reverse();
+        line.widths.reverse();
+    }
+    Ok(Some(line))
+}
+
+fn hermite(a: DVec3, slope_a: DVec3, b: DVec3, slope_b: DVec3, t: f64) -> DVec3 {
+    let (t2, t3) = (t * t, t * t * t);
+    a * (2.0 * t3 - 3.0 * t2 + 1.0)
+        + slope_a * (t3 - 2.0 * t2 + t)
+        + b * (3.0 * t2 - 2.0 * t3)
+        + slope_b * (t3 - t2)
+}

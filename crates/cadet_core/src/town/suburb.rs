@@ -1,1 +1,74 @@
-//! Makes a suburb: its streets as OpenDRIVE.
+//! Makes a suburb: its streets as OpenDRIVE, read back by the same door as any other map.
+
+use super::network::RoadNetwork;
+use super::relief::Relief;
+use super::{opendrive, street_plan, xodr_writer};
+use crate::error::{Error, Result};
+use crate::rng::StreamKey;
+
+/// What kind of suburb to make.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SuburbConfig {
+    /// Number of blocks from side to side, in two directions: 2 to 12.
+    pub blocks: (usize, usize),
+    /// Shortest and longest block, 60 to 250 m.
+    pub block_m: (f64, f64),
+    /// Share of kerbs with parking bays, 0 to 1.
+    pub parking_share: f64,
+    /// Share of suburbs with hill streets, 0 to 1.
+    pub hilly_share: f64,
+    /// Steepest slope of a hilly suburb, 0 to 0.1.
+    pub max_slope: f64,
+}
+
+impl Default for SuburbConfig {
+    fn default() -> Self {
+        Self { blocks: (4, 4), block_m: (80.0, 120.0), parking_share: 0.45, hilly_share: 0.2, max_slope: 0.065 }
+    }
+}
+
+impl SuburbConfig {
+    fn check(&self) -> Result<()> {
+        let out_of_range = |what: &'static str, value: String, expected: &str| {
+            Err(Error::OutOfRange { what, value, expected: expected.to_owned() })
+        };
+        if !(2..=12).contains(&self.blocks.0) || !(2..=12).contains(&self.blocks.1) {
+            return out_of_range("suburb blocks", format!("{:?}", self.blocks), "2 to 12 in each direction");
+        }
+        if !(60.0 <= self.block_m.0 && self.block_m.0 <= self.block_m.1 && self.block_m.1 <= 250.0) {
+            return out_of_range("suburb block_m", format!("{:?}", self.block_m), "60 <= shortest <= longest <= 250");
+        }
+        for (what, value, most) in [
+            ("suburb parking_share", self.parking_share, 1.0),
+            ("suburb hilly_share", self.hilly_share, 1.0),
+            ("suburb max_slope", self.max_slope, 0.1),
+        ] {
+            if !(0.0..=most).contains(&value) {
+                return out_of_range(what, value.to_string(), &format!("0 to {most}"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A generated suburb.
+#[derive(Debug, Clone)]
+pub struct Suburb {
+    /// Its OpenDRIVE 1.7 document.
+    pub xodr: String,
+    /// The same, read by [`super::load_map`].
+    pub network: RoadNetwork,
+}
+
+/// Makes the suburb of a key: the same key gives the same text.
+///
+/// # Errors
+/// [`Error::OutOfRange`] for a configuration outside its documented limits.
+pub fn generate(key: &StreamKey, config: &SuburbConfig) -> Result<Suburb> {
+    config.check()?;
+    let relief = Relief::new(&mut key.stream("suburb/relief"), config.hilly_share, config.max_slope);
+    let plan = street_plan::draw(key, config);
+    let xodr = xodr_writer::write("suburb", &plan, &relief);
+    let network = opendrive::load("suburb", &xodr)?;
+    Ok(Suburb { xodr, network })
+}

@@ -1,1 +1,0 @@
-//! Houses, plants, fences and street furniture.

@@ -1,0 +1,219 @@
+//! Walls with real openings: reveals, frames, panes and the dark rooms behind them.
+
+use super::Detail;
+use super::materials::house_slot as slot;
+use crate::geometry::MeshBuilder;
+use crate::math::Vec3;
+
+/// The plane of a wall: `u` runs to the right seen from outside, z goes up, `u` x z points outside.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct WallPlane {
+    pub origin: Vec3,
+    pub u: Vec3,
+}
+
+impl WallPlane {
+    /// The point at (u, v) on the wall, `depth_m` behind its face.
+    fn at(&self, u: f32, v: f32, depth_m: f32) -> Vec3 {
+        self.origin + self.u * u + Vec3::Z * v - self.u.cross(Vec3::Z) * depth_m
+    }
+
+    /// A rectangle that faces outside.
+    fn rect(&self, b: &mut MeshBuilder, [u0, u1, v0, v1]: [f32; 4], depth_m: f32, slot: u8) {
+        if u1 > u0 && v1 > v0 {
+            b.quad(
+                self.at(u0, v0, depth_m),
+                self.at(u1, v0, depth_m),
+                self.at(u1, v1, depth_m),
+                self.at(u0, v1, depth_m),
+                slot,
+            );
+        }
+    }
+
+    /// The four sides of a rectangular hole, seen from within it, from depth `d0` to `d1`.
+    fn reveal(&self, b: &mut MeshBuilder, [u0, u1, v0, v1]: [f32; 4], d0: f32, d1: f32, slot: u8) {
+        let corners = [(u0, v0), (u1, v0), (u1, v1), (u0, v1)];
+        for i in 0..4 {
+            let ((ua, va), (ub, vb)) = (corners[i], corners[(i + 1) % 4]);
+            b.quad(self.at(ua, va, d0), self.at(ub, vb, d0), self.at(ub, vb, d1), self.at(ua, va, d1), slot);
+        }
+    }
+
+    /// A box on the wall, from depth `back` (positive inside) to `front` (negative outside).
+    pub(super) fn block(&self, b: &mut MeshBuilder, [u0, u1, v0, v1]: [f32; 4], front: f32, back: f32, slot: u8) {
+        self.rect(b, [u0, u1, v0, v1], front, slot);
+        let corners = [(u0, v0), (u1, v0), (u1, v1), (u0, v1)];
+        for i in 0..4 {
+            let ((ua, va), (ub, vb)) = (corners[i], corners[(i + 1) % 4]);
+            b.quad(self.at(ua, va, back), self.at(ub, vb, back), self.at(ub, vb, front), self.at(ua, va, front), slot);
+        }
+    }
+}
+
+/// What fills an opening.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Filling {
+    /// A window of one or two sashes; `shutter` of its height is closed, curtains hang behind where `curtain`.
+    Window { sashes: u8, shutter: f32, curtain: bool },
+    /// A door leaf with a small pane.
+    Door,
+    /// An up-and-over garage door.
+    GarageDoor,
+}
+
+/// A hole in a wall: [u0, u1, v0, v1] in the wall's plane.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Opening {
+    pub rect: [f32; 4],
+    pub filling: Filling,
+}
+
+/// The outline of a wall from `bottom` up to `eaves`, and on to a gable's `apex` in the middle (equal: none).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct WallShape {
+    pub width: f32,
+    pub bottom: f32,
+    pub eaves: f32,
+    pub apex: f32,
+}
+
+/// How deep window frames lie behind the wall's face.
+pub(super) const REVEAL_M: f32 = 0.16;
+const FRAME_M: f32 = 0.08;
+const ROOM_M: f32 = 1.2;
+
+fn breaks(mut values: Vec<f32>) -> Vec<f32> {
+    values.sort_by(f32::total_cmp);
+    values.dedup();
+    values
+}
+
+/// Draws a wall with its openings. Openings above the eaves lie in the gable.
+pub(super) fn wall(b: &mut MeshBuilder, plane: &WallPlane, shape: &WallShape, openings: &[Opening], detail: Detail) {
+    let cut: &[Opening] = if detail == Detail::Far { &[] } else { openings };
+    let half = shape.width / 2.0;
+    let gabled = shape.apex > shape.eaves;
+    let us = breaks(
+        [0.0, shape.width]
+            .into_iter()
+            .chain(gabled.then_some(half))
+            .chain(cut.iter().flat_map(|o| [o.rect[0], o.rect[1]]))
+            .collect(),
+    );
+    let low = |o: &&Opening| o.rect[3] <= shape.eaves;
+    let vs = breaks(
+        [shape.bottom, shape.eaves]
+            .into_iter()
+            .chain(cut.iter().filter(low).flat_map(|o| [o.rect[2], o.rect[3]]))
+            .collect(),
+    );
+    let roofline = |u: f32| shape.eaves + (shape.apex - shape.eaves) * (1.0 - (u - half).abs() / half);
+    for strip in us.windows(2) {
+        let (u0, u1) = (strip[0], strip[1]);
+        let inside = |o: &&Opening| o.rect[0] <= u0 && o.rect[1] >= u1;
+        for row in vs.windows(2) {
+            if !cut.iter().filter(inside).any(|o| o.rect[2] <= row[0] && o.rect[3] >= row[1]) {
+                plane.rect(b, [u0, u1, row[0], row[1]], 0.0, slot::WALL);
+            }
+        }
+        if gabled {
+            let mut from = shape.eaves;
+            if let Some(o) = cut.iter().filter(inside).find(|o| !low(o)) {
+                plane.rect(b, [u0, u1, from, o.rect[2]], 0.0, slot::WALL);
+                from = o.rect[3];
+            }
+            let top = [plane.at(u1, roofline(u1).max(from), 0.0), plane.at(u0, roofline(u0).max(from), 0.0)];
+            b.quad(plane.at(u0, from, 0.0), plane.at(u1, from, 0.0), top[0], top[1], slot::WALL);
+        }
+    }
+    for opening in openings {
+        fill(b, plane, opening, detail);
+    }
+}
+
+fn fill(b: &mut MeshBuilder, plane: &WallPlane, opening: &Opening, detail: Detail) {
+    let [u0, u1, v0, v1] = opening.rect;
+    if detail == Detail::Far {
+        // No hole: a dark panel just proud of the wall.
+        let slot = if matches!(opening.filling, Filling::Window { .. }) { slot::DARK_GLASS } else { slot::DOOR };
+        return plane.rect(b, opening.rect, -0.02, slot);
+    }
+    let sides = if matches!(opening.filling, Filling::GarageDoor) { 0.22 } else { REVEAL_M };
+    plane.reveal(b, opening.rect, 0.0, sides, slot::WALL);
+    match opening.filling {
+        Filling::GarageDoor => {
+            let ribs = detail.pick(12, 1, 1);
+            for i in 0..ribs {
+                let edge = |k: usize| u0 + (u1 - u0) * k as f32 / ribs as f32;
+                let depth = sides + if i % 2 == 0 { 0.0 } else { 0.02 };
+                plane.rect(b, [edge(i), edge(i + 1), v0, v1], depth, slot::DOOR);
+                if i > 0 {
+                    let (front, back) = (sides, sides + 0.02);
+                    // The step between two ribs, facing the recessed one.
+                    let (a, z) = if i % 2 == 1 { (back, front) } else { (front, back) };
+                    let e = edge(i);
+                    let (p, q) = (plane.at(e, v0, a), plane.at(e, v0, z));
+                    b.quad(p, q, plane.at(e, v1, z), plane.at(e, v1, a), slot::DOOR);
+                }
+            }
+            if detail == Detail::Near {
+                let (u, v) = ((u0 + u1) / 2.0, v0 + 1.0);
+                plane.block(b, [u - 0.08, u + 0.08, v, v + 0.04], sides - 0.04, sides, slot::METAL);
+            }
+        }
+        Filling::Door => {
+            frame(b, plane, opening.rect, sides, detail);
+            let inner = [u0 + FRAME_M, u1 - FRAME_M, v0, v1 - FRAME_M];
+            plane.rect(b, inner, sides + 0.03, slot::DOOR);
+            if detail == Detail::Near {
+                let (u, v) = ((u0 + u1) / 2.0, v0 + 1.45);
+                plane.block(b, [u - 0.16, u + 0.16, v, v + 0.38], sides + 0.02, sides + 0.03, slot::FRAME);
+                plane.rect(b, [u - 0.12, u + 0.12, v + 0.04, v + 0.34], sides + 0.015, slot::DARK_GLASS);
+                let (hu, hv) = (u1 - FRAME_M - 0.12, v0 + 1.0);
+                plane.block(b, [hu - 0.07, hu + 0.03, hv, hv + 0.03], sides - 0.04, sides + 0.03, slot::METAL);
+            }
+        }
+        Filling::Window { sashes, shutter, curtain } => {
+            frame(b, plane, opening.rect, sides, detail);
+            let inner = [u0 + FRAME_M, u1 - FRAME_M, v0 + FRAME_M, v1 - FRAME_M];
+            let glass = if detail == Detail::Near { slot::GLASS } else { slot::DARK_GLASS };
+            plane.rect(b, inner, sides + 0.03, glass);
+            if sashes > 1 {
+                let u = (u0 + u1) / 2.0;
+                plane.rect(b, [u - 0.05, u + 0.05, inner[2], inner[3]], sides, slot::FRAME);
+            }
+            let closed = v1 - (v1 - v0) * shutter;
+            if shutter > 0.0 {
+                plane.rect(b, [u0, u1, closed, v1], sides - 0.05, slot::SHUTTER);
+            }
+            if detail == Detail::Near {
+                room(b, plane, inner, sides + 0.05, curtain);
+                plane.block(b, [u0 - 0.04, u1 + 0.04, v0 - 0.04, v0], -0.06, sides, slot::STONE);
+            }
+        }
+    }
+}
+
+/// The frame: four bars with their inner edges.
+fn frame(b: &mut MeshBuilder, plane: &WallPlane, [u0, u1, v0, v1]: [f32; 4], depth: f32, detail: Detail) {
+    let f = FRAME_M;
+    for bar in [[u0, u1, v0, v0 + f], [u0, u1, v1 - f, v1], [u0, u0 + f, v0 + f, v1 - f], [u1 - f, u1, v0 + f, v1 - f]]
+    {
+        plane.rect(b, bar, depth, slot::FRAME);
+    }
+    if detail == Detail::Near {
+        plane.reveal(b, [u0 + f, u1 - f, v0 + f, v1 - f], depth, depth + 0.03, slot::FRAME);
+    }
+}
+
+/// A shallow dark room behind a pane, with curtains at both sides or none.
+fn room(b: &mut MeshBuilder, plane: &WallPlane, [u0, u1, v0, v1]: [f32; 4], front: f32, curtain: bool) {
+    plane.reveal(b, [u0, u1, v0, v1], front, front + ROOM_M, slot::ROOM);
+    plane.rect(b, [u0, u1, v0, v1], front + ROOM_M, slot::ROOM);
+    if curtain {
+        let w = (u1 - u0) * 0.3;
+        plane.rect(b, [u0, u0 + w, v0, v1], front + 0.1, slot::CURTAIN);
+        plane.rect(b, [u1 - w, u1, v0, v1], front + 0.1, slot::CURTAIN);
+    }
+}

@@ -1,0 +1,60 @@
+//! Hedges: an uneven dark core with leaf cards all over it.
+
+use super::draw::{direction, range};
+use super::leaves::Leaves;
+use super::materials::plant_slot as slot;
+use super::{Detail, Mesh};
+use crate::geometry::MeshBuilder;
+use crate::math::Vec3;
+use crate::rng::Stream;
+
+/// (height, depth) of each variant.
+pub(super) const SECTIONS_M: [(f32, f32); 5] = [(0.9, 0.6), (1.2, 0.7), (1.5, 0.8), (1.75, 0.9), (2.1, 1.0)];
+
+/// Draws a piece of hedge from x = 0 to `length`, its depth to both sides of y = 0.
+pub(super) fn mesh(variant: usize, length: f32, detail: Detail) -> Mesh {
+    let (height, depth) = SECTIONS_M[variant % SECTIONS_M.len()];
+    let mut s = Stream::from_seed("hedge", variant as u64 * 1000 + (length * 100.0) as u64);
+    let s = &mut s;
+    let mut core = MeshBuilder::new();
+    let step = detail.pick(0.3, 0.75, f32::INFINITY);
+    let stations = ((length / step).ceil() as usize).max(1);
+    let inset: f32 = detail.pick(0.06, 0.04, 0.0);
+    let half = depth / 2.0 - inset;
+    // Sections follow each other along x and run counter-clockwise seen against it.
+    let rings: Vec<Vec<Vec3>> = (0..=stations)
+        .map(|i| {
+            let x = length * i as f32 / stations as f32;
+            let mut bump = || if i == 0 || i == stations { 0.0 } else { range(s, -0.06, 0.06) };
+            let top = height - inset;
+            vec![
+                Vec3::new(x, half + bump(), -0.3),
+                Vec3::new(x, half + bump(), height * 0.5),
+                Vec3::new(x, half * 0.85 + bump(), top + bump()),
+                Vec3::new(x, -half * 0.85 + bump(), top + bump()),
+                Vec3::new(x, -half + bump(), height * 0.5),
+                Vec3::new(x, -half + bump(), -0.3),
+            ]
+        })
+        .collect();
+    core.loft(&rings, if detail == Detail::Far { slot::LEAF } else { slot::DARK_LEAF }, true);
+    let mut leaves = Leaves::default();
+    let area = length * (2.0 * height + depth);
+    let size: f32 = detail.pick(0.13, 0.27, 0.6);
+    let coverage: f32 = detail.pick(1.0, 0.9, 0.35);
+    for _ in 0..(2.0 * coverage * area / (size * size)) as usize {
+        let x = range(s, 0.0, length);
+        let along = range(s, 0.0, 2.0 * height + depth);
+        let rough = range(s, -0.05, 0.07);
+        let (p, out) = if along < height {
+            (Vec3::new(x, half + rough, along), Vec3::Y)
+        } else if along < height + depth {
+            (Vec3::new(x, (along - height - depth / 2.0) * 0.95, height - inset + rough), Vec3::Z)
+        } else {
+            (Vec3::new(x, -half - rough, along - height - depth), -Vec3::Y)
+        };
+        let facing = (direction(s) + out * 0.7).normalize_or(out);
+        leaves.card(s, p, facing, out + Vec3::Z * 0.2, size);
+    }
+    leaves.build("hedge", &core)
+}

@@ -1,0 +1,255 @@
+//! Colours and reflectances of the scenery, and the palettes that instances of one prototype may wear.
+
+use std::sync::Arc;
+
+use crate::material::{LidarMaterial, Material, Palette, Pattern, Semantic};
+use crate::rng::Stream;
+
+/// Slots of a house's or garage's palette.
+pub mod house_slot {
+    /// Rendered or brick walls.
+    pub const WALL: u8 = 0;
+    /// The darker foot of the walls.
+    pub const PLINTH: u8 = 1;
+    /// Tiles, or felt on flat roofs.
+    pub const ROOF: u8 = 2;
+    /// Window frames.
+    pub const FRAME: u8 = 3;
+    /// Panes that are looked through.
+    pub const GLASS: u8 = 4;
+    /// The dark room behind a pane.
+    pub const ROOM: u8 = 5;
+    /// Curtains behind a pane.
+    pub const CURTAIN: u8 = 6;
+    /// Doors and garage doors.
+    pub const DOOR: u8 = 7;
+    /// Gutters, downpipes, flashings.
+    pub const METAL: u8 = 8;
+    /// Chimneys.
+    pub const CHIMNEY: u8 = 9;
+    /// Roller shutters.
+    pub const SHUTTER: u8 = 10;
+    /// Steps, sills, balcony slabs.
+    pub const STONE: u8 = 11;
+    /// Soffits, verge boards, timbers.
+    pub const WOOD: u8 = 12;
+    /// Far panes: opaque, dark and shiny.
+    pub const DARK_GLASS: u8 = 13;
+    /// Number of slots.
+    pub const COUNT: usize = 14;
+}
+
+/// Slots of a tree's, shrub's or hedge's palette.
+pub mod plant_slot {
+    /// Leaves of the common tint.
+    pub const LEAF: u8 = 0;
+    /// Lighter, yellower leaves.
+    pub const LIGHT_LEAF: u8 = 1;
+    /// Leaves of the crown's inside.
+    pub const DARK_LEAF: u8 = 2;
+    /// Trunk and limbs.
+    pub const BARK: u8 = 3;
+}
+
+/// Slots of a fence's palette.
+pub mod fence_slot {
+    /// Pickets, bars, boards, wires.
+    pub const BODY: u8 = 0;
+    /// Posts and rails.
+    pub const POST: u8 = 1;
+    /// Masonry below or instead of them.
+    pub const MASONRY: u8 = 2;
+}
+
+/// Slots of street furniture: poles, signs, bins.
+pub mod furniture_slot {
+    /// Main body: pole, bin, cabinet.
+    pub const BODY: u8 = 0;
+    /// Second tone: lid, lamp head, seat.
+    pub const ACCENT: u8 = 1;
+    /// White face of a sign.
+    pub const WHITE: u8 = 2;
+    /// Red face of a sign.
+    pub const RED: u8 = 3;
+    /// Blue or black face of a sign.
+    pub const INK: u8 = 4;
+    /// Backs of plates, wheels, dark parts.
+    pub const DARK: u8 = 5;
+}
+
+fn jitter(stream: &mut Stream, rgb: [f32; 3], value: f64, hue: f64) -> [f32; 3] {
+    let v = stream.range(1.0 - value, 1.0 + value) as f32;
+    rgb.map(|c| (c * v * stream.range(1.0 - hue, 1.0 + hue) as f32).clamp(0.004, 0.92))
+}
+
+fn building(albedo: [f32; 3], pattern: Pattern, reflectance: f32) -> Material {
+    Material::matt(Semantic::Building, albedo, pattern, reflectance)
+}
+
+fn pane() -> Material {
+    Material {
+        albedo: [0.03, 0.035, 0.035],
+        roughness: 0.03,
+        specular: 0.04,
+        transmission: 0.55,
+        pattern: Pattern::Plain,
+        semantic: Semantic::Building,
+        lidar: LidarMaterial { reflectance: 0.03, lobe_exponent: 3.0, transmission: 0.72, retro: false },
+    }
+}
+
+/// The colours of one house: walls and roofs by the shares of a South German suburb.
+#[must_use]
+pub fn house_palette(stream: &mut Stream, flat_roof: bool) -> Arc<Palette> {
+    let (wall, wall_pattern, wall_905) = match stream.weighted(&[0.38, 0.17, 0.10, 0.08, 0.07, 0.10, 0.06, 0.04]) {
+        0 => ([0.62, 0.60, 0.56], Pattern::Render, 0.68),
+        1 => ([0.60, 0.54, 0.43], Pattern::Render, 0.64),
+        2 => ([0.58, 0.49, 0.28], Pattern::Render, 0.56),
+        3 => ([0.55, 0.38, 0.31], Pattern::Render, 0.54),
+        4 => ([0.52, 0.38, 0.19], Pattern::Render, 0.50),
+        5 => ([0.34, 0.34, 0.34], Pattern::Render, 0.45),
+        6 => ([0.29, 0.125, 0.085], Pattern::Bricks, 0.35),
+        _ => ([0.33, 0.17, 0.13], Pattern::Blocks, 0.36),
+    };
+    let wall = jitter(stream, wall, 0.12, 0.04);
+    let roof = if flat_roof {
+        [0.12, 0.12, 0.12]
+    } else {
+        match stream.weighted(&[0.65, 0.25, 0.10]) {
+            0 => [0.20, 0.075, 0.048],
+            1 => [0.055, 0.055, 0.06],
+            _ => [0.34, 0.13, 0.06],
+        }
+    };
+    let roof = jitter(stream, roof, 0.25, 0.08);
+    let frame = if stream.chance(0.72) { [0.70, 0.70, 0.68] } else { [0.11, 0.06, 0.035] };
+    let door = match stream.below(5) {
+        0 => [0.16, 0.08, 0.04],
+        1 => [0.55, 0.55, 0.53],
+        2 => [0.10, 0.12, 0.11],
+        3 => [0.22, 0.22, 0.23],
+        _ => [0.07, 0.10, 0.06],
+    };
+    let shutter = if stream.chance(0.6) { [0.52, 0.52, 0.50] } else { [0.20, 0.16, 0.12] };
+    let metal = if stream.chance(0.7) { [0.30, 0.31, 0.32] } else { [0.17, 0.09, 0.06] };
+    let curtain = if stream.chance(0.7) { [0.60, 0.59, 0.55] } else { [0.40, 0.33, 0.24] };
+    let gloss = |mut m: Material, roughness: f32| {
+        m.roughness = roughness;
+        m.specular = 0.04;
+        m
+    };
+    let plain = |c: [f32; 3], r: f32| building(c, Pattern::Plain, r);
+    let plinth = wall.map(|c| c * 0.42 + 0.03);
+    let mut dark_glass = pane();
+    dark_glass.transmission = 0.0;
+    dark_glass.lidar = LidarMaterial { reflectance: 0.05, lobe_exponent: 2.0, transmission: 0.0, retro: false };
+    Arc::new(Palette(vec![
+        building(wall, wall_pattern, wall_905),
+        building(plinth, Pattern::Render, 0.35),
+        gloss(building(roof, if flat_roof { Pattern::Plain } else { Pattern::Tiles }, 0.30), 0.7),
+        gloss(plain(frame, 0.55), 0.4),
+        pane(),
+        plain([0.045, 0.042, 0.038], 0.35),
+        building(curtain, Pattern::Cloth, 0.55),
+        gloss(plain(jitter(stream, door, 0.2, 0.05), 0.40), 0.5),
+        gloss(plain(metal, 0.35), 0.45),
+        building([0.24, 0.11, 0.08], Pattern::Bricks, 0.34),
+        gloss(plain(jitter(stream, shutter, 0.1, 0.03), 0.45), 0.5),
+        plain([0.30, 0.29, 0.27], 0.36),
+        building([0.15, 0.085, 0.05], Pattern::Wood, 0.45),
+        dark_glass,
+    ]))
+}
+
+fn leaf(albedo: [f32; 3], reflectance: f32) -> Material {
+    let mut m = Material::matt(Semantic::Vegetation, albedo, Pattern::Leaves, reflectance);
+    m.roughness = 0.45;
+    m.specular = 0.04;
+    m
+}
+
+/// The colours of one plant: `evergreen` ones are darker and bluer; a few broad-leaved ones are copper or turning.
+#[must_use]
+pub fn plant_palette(stream: &mut Stream, evergreen: bool) -> Arc<Palette> {
+    let base = if evergreen {
+        [0.042, 0.068, 0.034]
+    } else {
+        match stream.weighted(&[0.50, 0.25, 0.13, 0.08, 0.04]) {
+            0 => [0.070, 0.105, 0.038],
+            1 => [0.055, 0.090, 0.042],
+            2 => [0.105, 0.130, 0.045],
+            3 => [0.150, 0.125, 0.040],
+            _ => [0.085, 0.045, 0.038],
+        }
+    };
+    let base = jitter(stream, base, 0.22, 0.07);
+    let reflectance = stream.range(0.45, 0.55) as f32;
+    let bark = jitter(stream, [0.125, 0.105, 0.085], 0.3, 0.06);
+    Arc::new(Palette(vec![
+        leaf(base, reflectance),
+        leaf([base[0] * 1.55, base[1] * 1.42, base[2] * 1.25], reflectance + 0.02),
+        leaf(base.map(|c| c * 0.55), reflectance - 0.05),
+        Material::matt(Semantic::Vegetation, bark, Pattern::Wood, 0.30),
+    ]))
+}
+
+/// The colours of a fence: paint or bare wood, and the masonry below it.
+#[must_use]
+pub fn fence_palette(stream: &mut Stream, metal: bool) -> Arc<Palette> {
+    let body = if metal {
+        match stream.below(3) {
+            0 => [0.045, 0.07, 0.05],
+            1 => [0.05, 0.05, 0.055],
+            _ => [0.30, 0.31, 0.32],
+        }
+    } else {
+        match stream.weighted(&[0.5, 0.3, 0.2]) {
+            0 => [0.17, 0.105, 0.065],
+            1 => [0.24, 0.21, 0.18],
+            _ => [0.62, 0.61, 0.58],
+        }
+    };
+    let body = jitter(stream, body, 0.2, 0.06);
+    let masonry = match stream.weighted(&[0.45, 0.3, 0.25]) {
+        0 => [0.34, 0.33, 0.30],
+        1 => [0.52, 0.49, 0.43],
+        _ => [0.30, 0.17, 0.13],
+    };
+    let masonry = jitter(stream, masonry, 0.15, 0.04);
+    let (pattern, reflectance) = if metal { (Pattern::Plain, 0.25) } else { (Pattern::Wood, 0.48) };
+    let wall = if stream.chance(0.5) { Pattern::Render } else { Pattern::Blocks };
+    Arc::new(Palette(vec![
+        Material::matt(Semantic::Fence, body, pattern, reflectance),
+        Material::matt(Semantic::Fence, body.map(|c| c * 0.85), pattern, reflectance),
+        Material::matt(Semantic::Fence, masonry, wall, 0.38),
+    ]))
+}
+
+fn plate(semantic: Semantic, albedo: [f32; 3]) -> Material {
+    let mut m = Material::matt(semantic, albedo, Pattern::Plain, 0.9);
+    m.roughness = 0.5;
+    m.specular = 0.04;
+    m.lidar.retro = true;
+    m
+}
+
+/// The colours of poles, signs and other furniture; `semantic` is the class of the body, plates are signs.
+#[must_use]
+pub fn furniture_palette(stream: &mut Stream, semantic: Semantic, body: [f32; 3], accent: [f32; 3]) -> Arc<Palette> {
+    let body = jitter(stream, body, 0.15, 0.03);
+    let gloss = |albedo: [f32; 3], reflectance: f32| {
+        let mut m = Material::matt(semantic, albedo, Pattern::Plain, reflectance);
+        m.roughness = 0.45;
+        m.specular = 0.04;
+        m
+    };
+    let sign = if semantic == Semantic::Furniture { Semantic::Furniture } else { Semantic::TrafficSign };
+    Arc::new(Palette(vec![
+        gloss(body, 0.30),
+        gloss(accent, 0.30),
+        plate(sign, [0.70, 0.70, 0.68]),
+        plate(sign, [0.48, 0.03, 0.03]),
+        plate(sign, [0.02, 0.03, 0.05]),
+        gloss([0.06, 0.06, 0.065], 0.08),
+    ]))
+}

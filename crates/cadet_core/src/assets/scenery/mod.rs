@@ -1,0 +1,102 @@
+//! Houses, plants, fences and street furniture: shared prototypes, each a pure function of its kind and variant.
+//!
+//! Every model stands upright in its own frame: z up, z = 0 at the ground, x towards whoever looks at it (the street
+//! for houses, the driver for signs), or along the piece for fences and hedges. Foundations and trunks go on below
+//! z = 0, so that nothing floats on a slope.
+
+mod draw;
+mod facade;
+mod fence;
+mod furniture;
+mod garage;
+mod hedge;
+mod house;
+mod leaves;
+mod library;
+pub mod materials;
+mod pole;
+mod roof;
+mod tree;
+
+use std::sync::Arc;
+
+pub use fence::FenceKind;
+pub use furniture::FurnitureKind;
+pub use house::HouseKind;
+pub use library::{PIECE_LENGTHS_M, fence, furniture, garage, hedge, house, num_variants, paving, pole, tree};
+pub use pole::PoleKind;
+pub use tree::TreeKind;
+
+use crate::geometry::{LodSet, Mesh};
+use crate::instance::Instance;
+use crate::material::Palette;
+use crate::math::{DPose3, DVec2};
+
+/// A piece of scenery in its own frame (see the module's head).
+#[derive(Debug, Clone)]
+pub struct SceneryModel {
+    /// For example `"detached/3"`.
+    pub name: String,
+    /// The shape.
+    pub shape: Arc<LodSet>,
+    /// The materials of the prototype; a placed instance may wear others with the same slots.
+    pub palette: Arc<Palette>,
+    /// What it stands on, overhangs left out: smallest corner, x and y.
+    pub footprint_min: DVec2,
+    /// What it stands on: largest corner, x and y.
+    pub footprint_max: DVec2,
+    /// Height above z = 0.
+    pub height_m: f64,
+}
+
+impl SceneryModel {
+    /// The model placed in the world, in its own colours.
+    #[must_use]
+    pub fn at(&self, world_from_local: DPose3) -> Instance {
+        self.wearing(Arc::clone(&self.palette), world_from_local)
+    }
+
+    /// The model placed in the world, in other colours: `palette` has the prototype's slots.
+    #[must_use]
+    pub fn wearing(&self, palette: Arc<Palette>, world_from_local: DPose3) -> Instance {
+        debug_assert_eq!(palette.0.len(), self.palette.0.len());
+        Instance { shape: Arc::clone(&self.shape), palette, world_from_local, actor_id: 0 }
+    }
+
+    /// Extent of the footprint along x and y.
+    #[must_use]
+    pub fn footprint_size(&self) -> DVec2 {
+        self.footprint_max - self.footprint_min
+    }
+}
+
+/// How much a prototype shows: one mesh is made for each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Detail {
+    Near,
+    Mid,
+    Far,
+}
+
+impl Detail {
+    /// Levels of detail that change at the given distances from the ego.
+    fn levels(near_to_m: f32, mid_to_m: f32, mesh: impl Fn(Self) -> Mesh) -> Arc<LodSet> {
+        let level = |limit, detail| (limit, Arc::new(mesh(detail)));
+        Arc::new(LodSet {
+            levels: vec![
+                level(near_to_m, Self::Near),
+                level(mid_to_m, Self::Mid),
+                level(f32::INFINITY, Self::Far),
+            ],
+        })
+    }
+
+    /// The value for this level.
+    fn pick<T>(self, near: T, mid: T, far: T) -> T {
+        match self {
+            Self::Near => near,
+            Self::Mid => mid,
+            Self::Far => far,
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! Lamps, traffic signs and traffic lights.
+
+use super::draw::{CREASE_RAD, block, disc, path_tube, tube};
+use super::materials::furniture_slot as slot;
+use super::{Detail, Mesh};
+use crate::geometry::MeshBuilder;
+use crate::math::{PI, Vec3};
+
+/// What stands at the pavement's edge. Signs face +x, lamp arms reach out to +x.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum PoleKind {
+    /// A residential lamp: a straight pole with its head on top.
+    Lamp,
+    /// A tall lamp with an arm over the road.
+    ArmLamp,
+    /// A round prohibition sign.
+    RoundSign,
+    /// Give way.
+    TriangleSign,
+    /// The priority road's diamond.
+    DiamondSign,
+    /// The square sign of a 30 km/h zone.
+    ZoneSign,
+    /// The blue parking sign.
+    ParkingSign,
+    /// Street names.
+    NameSign,
+    /// A traffic light.
+    TrafficLight,
+    /// A bollard.
+    Bollard,
+}
+
+impl PoleKind {
+    /// Every kind.
+    pub const ALL: [Self; 10] = [
+        Self::Lamp,
+        Self::ArmLamp,
+        Self::RoundSign,
+        Self::TriangleSign,
+        Self::DiamondSign,
+        Self::ZoneSign,
+        Self::ParkingSign,
+        Self::NameSign,
+        Self::TrafficLight,
+        Self::Bollard,
+    ];
+
+    /// A short name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Lamp => "lamp",
+            Self::ArmLamp => "arm-lamp",
+            Self::RoundSign => "round-sign",
+            Self::TriangleSign => "triangle-sign",
+            Self::DiamondSign => "diamond-sign",
+            Self::ZoneSign => "zone-sign",
+            Self::ParkingSign => "parking-sign",
+            Self::NameSign => "name-sign",
+            Self::TrafficLight => "traffic-light",
+            Self::Bollard => "bollard",
+        }
+    }
+}
+
+fn v(x: f32, y: f32, z: f32) -> Vec3 {
+    Vec3::new(x, y, z)
+}
+
+/// A post from below the ground to `top`.
+fn post(b: &mut MeshBuilder, radii: (f32, f32), top: f32, detail: Detail) {
+    tube(b, (v(0.0, 0.0, -0.4), radii.0), (v(0.0, 0.0, top), radii.1), detail.pick(12, 7, 4), slot::BODY);
+}
+
+/// A regular plate about (0.04, 0, z): a dark back and layers of colour on the front.
+fn plate(b: &mut MeshBuilder, z: f32, sides: usize, turn_rad: f32, layers: &[(f32, u8)]) {
+    let Some((radius, _)) = layers.first() else { return };
+    let ring = |x: f32| -> Vec<Vec3> {
+        (0..sides)
+            .map(|i| turn_rad + std::f32::consts::TAU * i as f32 / sides as f32)
+            .map(|a| v(x, radius * crate::math::cosf(a), z + radius * crate::math::sinf(a)))
+            .collect()
+    };
+    b.loft(&[ring(0.035), ring(0.045)], slot::DARK, true);
+    for (k, (r, s)) in layers.iter().enumerate() {
+        disc(b, v(0.048 + 0.002 * k as f32, 0.0, z), *r, sides, turn_rad, *s);
+    }
+}
+
+/// Strokes of the digits of "30", as (y, z, width, height) in units of the digit's height.
+const THIRTY: [[f32; 4]; 8] = [
+    [-0.45, 0.45, 0.55, 0.13],
+    [-0.45, 0.0, 0.45, 0.13],
+    [-0.45, -0.45, 0.55, 0.13],
+    [-0.22, 0.0, 0.13, 1.0],
+    [0.45, 0.45, 0.55, 0.13],
+    [0.45, -0.45, 0.55, 0.13],
+    [0.23, 0.0, 0.13, 1.0],
+    [0.67, 0.0, 0.13, 1.0],
+];
+
+fn thirty(b: &mut MeshBuilder, z: f32, height: f32) {
+    for [y, up, w, h] in THIRTY {
+        // Seen from +x, y runs to the right.
+        let middle = v(0.056, (y - 0.11) * height, z + up * height * 0.9);
+        block(b, middle, v(0.002, w * height, h * height), slot::INK);
+    }
+}
+
+/// Draws one; variants differ in height.
+pub(super) fn mesh(kind: PoleKind, variant: usize, detail: Detail) -> Mesh {
+    let mut b = MeshBuilder::new();
+    let b_ = &mut b;
+    let third = variant as f32 % 3.0;
+    let right_angle = (PI / 2.0) as f32;
+    match kind {
+        PoleKind::Lamp => {
+            let top = 4.2 + 0.6 * third;
+            tube(b_, (v(0.0, 0.0, -0.4), 0.075), (v(0.0, 0.0, 1.0), 0.07), detail.pick(12, 7, 4), slot::BODY);
+            post(b_, (0.055, 0.035), top, detail);
+            if variant % 2 == 0 {
+                // A mushroom: a shallow cap over a glass body.
+                let stations = [(top - 0.05, 0.09), (top + 0.3, 0.16), (top + 0.32, 0.3), (top + 0.45, 0.1)];
+                let stations = stations.map(|(z, r)| (v(0.0, 0.0, z), r));
+                path_tube(b_, &stations, detail.pick(14, 8, 5), slot::ACCENT);
+            } else {
+                block(b_, v(0.2, 0.0, top + 0.06), v(0.62, 0.24, 0.12), slot::ACCENT);
+            }
+        }
+        PoleKind::ArmLamp => {
+            let top = 7.0 + 0.5 * third;
+            let sides = detail.pick(12, 7, 4);
+            tube(b_, (v(0.0, 0.0, -0.4), 0.11), (v(0.0, 0.0, 1.2), 0.1), sides, slot::BODY);
+            post(b_, (0.08, 0.045), top, detail);
+            path_tube(b_, &[(v(0.0, 0.0, top - 0.05), 0.04), (v(1.5, 0.0, top + 0.25), 0.03)], 6, slot::BODY);
+            block(b_, v(1.75, 0.0, top + 0.26), v(0.7, 0.28, 0.13), slot::ACCENT);
+        }
+        PoleKind::RoundSign => {
+            post(b_, (0.03, 0.03), 2.7, detail);
+            plate(b_, 2.4, detail.pick(24, 14, 8), 0.0, &[(0.3, slot::RED), (0.235, slot::WHITE)]);
+            if variant % 2 == 0 && detail != Detail::Far {
+                thirty(b_, 2.4, 0.24);
+            }
+        }
+        PoleKind::TriangleSign => {
+            post(b_, (0.03, 0.03), 2.75, detail);
+            // Give way stands on its tip.
+            plate(b_, 2.45, 3, -right_angle, &[(0.46, slot::RED), (0.3, slot::WHITE)]);
+        }
+        PoleKind::DiamondSign => {
+            post(b_, (0.03, 0.03), 2.75, detail);
+            plate(b_, 2.4, 4, 0.0, &[(0.42, slot::WHITE), (0.3, slot::ACCENT)]);
+        }
+        PoleKind::ZoneSign => {
+            post(b_, (0.03, 0.03), 2.95, detail);
+            plate(b_, 2.5, 4, right_angle / 2.0, &[(0.594, slot::WHITE)]);
+            let z = 2.56;
+            disc(b_, v(0.052, 0.0, z), 0.27, detail.pick(24, 14, 8), 0.0, slot::RED);
+            disc(b_, v(0.054, 0.0, z), 0.21, detail.pick(24, 14, 8), 0.0, slot::WHITE);
+            if detail != Detail::Far {
+                thirty(b_, z, 0.2);
+                block(b_, v(0.052, 0.0, 2.16), v(0.002, 0.5, 0.1), slot::INK);
+            }
+        }
+        PoleKind::ParkingSign => {
+            post(b_, (0.03, 0.03), 2.7, detail);
+            plate(b_, 2.4, 4, right_angle / 2.0, &[(0.42, slot::WHITE), (0.39, slot::INK)]);
+            if detail != Detail::Far {
+                block(b_, v(0.054, -0.1, 2.4), v(0.002, 0.07, 0.4), slot::WHITE);
+                block(b_, v(0.054, 0.02, 2.56), v(0.002, 0.22, 0.07), slot::WHITE);
+                block(b_, v(0.054, 0.02, 2.39), v(0.002, 0.22, 0.07), slot::WHITE);
+                block(b_, v(0.054, 0.12, 2.475), v(0.002, 0.07, 0.2), slot::WHITE);
+            }
+        }
+        PoleKind::NameSign => {
+            post(b_, (0.03, 0.03), 2.75, detail);
+            block(b_, v(0.04, 0.42, 2.62), v(0.02, 0.8, 0.2), slot::INK);
+            block(b_, v(0.42, 0.04, 2.4), v(0.8, 0.02, 0.2), slot::INK);
+        }
+        PoleKind::TrafficLight => {
+            post(b_, (0.075, 0.065), 3.3, detail);
+            block(b_, v(0.16, 0.0, 2.75), v(0.2, 0.3, 0.95), slot::DARK);
+            for (k, s) in [slot::ACCENT, slot::DARK, slot::RED].into_iter().enumerate() {
+                let z = 2.45 + 0.3 * k as f32;
+                disc(b_, v(0.262, 0.0, z), 0.1, detail.pick(16, 10, 6), 0.0, s);
+                if detail == Detail::Near {
+                    block(b_, v(0.34, 0.0, z + 0.11), v(0.16, 0.22, 0.015), slot::DARK);
+                }
+            }
+        }
+        PoleKind::Bollard => {
+            post(b_, (0.055, 0.055), 0.88, detail);
+            tube(b_, (v(0.0, 0.0, 0.7), 0.058), (v(0.0, 0.0, 0.8), 0.058), detail.pick(12, 7, 4), slot::WHITE);
+        }
+    }
+    b.build(kind.name(), CREASE_RAD)
+}

@@ -1,0 +1,211 @@
+//! Trees and shrubs: trunk, limbs and a crown of leaf clusters with real gaps.
+
+use super::draw::{direction, path_tube, range, tube};
+use super::leaves::Leaves;
+use super::materials::plant_slot as slot;
+use super::{Detail, Mesh};
+use crate::geometry::MeshBuilder;
+use crate::math::{Vec3, cosf, sinf};
+use crate::rng::Stream;
+
+/// What kind of plant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum TreeKind {
+    /// Broad-leaved, 7-14 m, first branch at 2.5 m or more.
+    Street,
+    /// Broad-leaved or fruit tree of a garden, 4-9 m.
+    Garden,
+    /// A spruce or a cypress, 6-16 m.
+    Conifer,
+    /// A large tree of a wood's edge, leaves down to the ground.
+    Wood,
+    /// A shrub, 0.6-2.5 m.
+    Shrub,
+}
+
+impl TreeKind {
+    /// Every kind.
+    pub const ALL: [Self; 5] = [Self::Street, Self::Garden, Self::Conifer, Self::Wood, Self::Shrub];
+
+    /// A short name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Street => "street-tree",
+            Self::Garden => "garden-tree",
+            Self::Conifer => "conifer",
+            Self::Wood => "wood-tree",
+            Self::Shrub => "shrub",
+        }
+    }
+
+    /// True for needles: darker palettes.
+    #[must_use]
+    pub fn is_evergreen(self) -> bool {
+        self == Self::Conifer
+    }
+}
+
+/// A ball of leaves: part of a crown.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Blob {
+    pub center: Vec3,
+    pub radius: f32,
+}
+
+/// The drawn measures of one tree.
+#[derive(Debug, Clone)]
+pub(super) struct TreeDesign {
+    pub kind: TreeKind,
+    pub height: f32,
+    pub crown_radius: f32,
+    pub crown_base: f32,
+    trunk_radius: f32,
+    pub blobs: Vec<Blob>,
+    seed: u64,
+}
+
+/// Leaf area in a crown's cubic metre: with cards turned every way a beam meets half of it, exp(-0.5 x 1.8) = 0.41.
+const LEAF_AREA_PER_M3: f32 = 1.8;
+
+impl TreeDesign {
+    /// Draws the measures of a variant.
+    pub fn new(kind: TreeKind, variant: usize) -> Self {
+        let mut stream = Stream::from_seed(kind.name(), variant as u64);
+        let s = &mut stream;
+        let (height, crown_radius, crown_base) = match kind {
+            TreeKind::Street => {
+                let h = range(s, 7.5, 12.5);
+                (h, range(s, 0.28, 0.36) * h, range(s, 2.5, 3.2))
+            }
+            TreeKind::Garden => {
+                let h = range(s, 4.0, 8.5);
+                (h, range(s, 0.30, 0.40) * h, range(s, 0.25, 0.36) * h)
+            }
+            TreeKind::Conifer => {
+                let h = range(s, 6.0, 15.0);
+                (h, range(s, 0.16, 0.24) * h, range(s, 0.2, 0.9))
+            }
+            TreeKind::Wood => {
+                let h = range(s, 9.0, 15.0);
+                (h, range(s, 0.30, 0.38) * h, range(s, 0.6, 1.4))
+            }
+            TreeKind::Shrub => {
+                let h = range(s, 0.7, 2.4);
+                (h, range(s, 0.45, 0.65) * h, 0.0)
+            }
+        };
+        let trunk_radius = (0.012 * height + 0.03) * range(s, 0.85, 1.3);
+        let mut design =
+            Self { kind, height, crown_radius, crown_base, trunk_radius, blobs: Vec::new(), seed: s.next_u64() };
+        if kind != TreeKind::Conifer {
+            design.blobs = design.draw_blobs(s);
+        }
+        design
+    }
+
+    fn draw_blobs(&self, s: &mut Stream) -> Vec<Blob> {
+        let crown_height = self.height - self.crown_base;
+        let middle = Vec3::Z * (self.crown_base + crown_height * 0.5);
+        let half = Vec3::new(self.crown_radius, self.crown_radius, crown_height * 0.5);
+        let count = if self.kind == TreeKind::Shrub { 4 } else { 8 + s.below(6) };
+        let mut blobs = vec![Blob { center: middle, radius: half.min_element() * 0.62 }];
+        for k in 0..count {
+            let radius = half.min_element() * range(s, 0.34, 0.55);
+            // Spread by the golden angle, so that no side stays bare.
+            let a = 2.399_963 * k as f32 + range(s, -0.4, 0.4);
+            let z = 1.0 - 2.0 * (k as f32 + 0.5) / count as f32;
+            let r = (1.0 - z * z).sqrt();
+            let reach = (half - Vec3::splat(radius * 0.9)).max(Vec3::splat(0.1));
+            blobs.push(Blob { center: middle + Vec3::new(r * cosf(a), r * sinf(a), z) * reach, radius });
+        }
+        blobs
+    }
+
+    /// Draws the tree.
+    pub fn mesh(&self, detail: Detail) -> Mesh {
+        let mut wood = MeshBuilder::new();
+        let mut leaves = Leaves::default();
+        let mut s = Stream::from_seed("crown", self.seed);
+        match self.kind {
+            TreeKind::Conifer => self.conifer(&mut wood, &mut leaves, &mut s, detail),
+            _ => self.broad_leaved(&mut wood, &mut leaves, &mut s, detail),
+        }
+        leaves.build(self.kind.name(), &wood)
+    }
+
+    fn broad_leaved(&self, wood: &mut MeshBuilder, leaves: &mut Leaves, s: &mut Stream, detail: Detail) {
+        let sides = detail.pick(8, 6, 4);
+        let fork = self.crown_base + (self.height - self.crown_base) * 0.35;
+        if self.kind != TreeKind::Shrub {
+            let lean = direction(s) * self.height * 0.02;
+            let bend = |z: f32| Vec3::new(lean.x, lean.y, 0.0) * (z / self.height) + Vec3::Z * z;
+            let r = self.trunk_radius;
+            let stations =
+                [(bend(-0.4), r * 1.35), (bend(0.25), r * 1.08), (bend(fork * 0.6), r * 0.85), (bend(fork), r * 0.6)];
+            path_tube(wood, &stations, sides, slot::BARK);
+            for blob in self.blobs.iter().take(detail.pick(8, 5, 0)) {
+                let start = bend(fork * range(s, 0.72, 0.98));
+                let knee = start.lerp(blob.center, 0.5) + Vec3::Z * 0.25;
+                path_tube(wood, &[(start, r * 0.45), (knee, r * 0.3), (blob.center, r * 0.1)], 5, slot::BARK);
+            }
+        }
+        let mut weights = Vec::new();
+        let mut volume = 0.0;
+        for blob in &self.blobs {
+            let v = blob.radius * blob.radius * blob.radius * 4.19;
+            weights.push(f64::from(v));
+            volume += v;
+        }
+        // Blobs overlap, so the area is spread over less than the sum of their volumes.
+        let shrub = self.kind == TreeKind::Shrub;
+        let area = volume * LEAF_AREA_PER_M3 * if shrub { 3.0 } else { 0.8 };
+        let budget: f32 = if shrub { detail.pick(900.0, 200.0, 50.0) } else { detail.pick(5200.0, 1300.0, 190.0) };
+        let smallest: f32 = if shrub { 0.09 } else { 0.2 };
+        let size = (2.0 * area / budget).sqrt().max(smallest);
+        let count = ((2.0 * area / (size * size)) as usize).min(budget as usize);
+        let per_cluster = detail.pick(10, 4, 1);
+        let middle = Vec3::Z * (self.crown_base + self.height) * 0.5;
+        for _ in 0..count.div_ceil(per_cluster) {
+            let blob = self.blobs[s.weighted(&weights)];
+            // Cubic root for an even fill, a little denser at the outside where the light is.
+            let rho = crate::math::powf(s.unit() as f32, 0.28);
+            let out = direction(s);
+            let cluster = blob.center + out * (blob.radius * rho);
+            let spread = (0.9 * size * (per_cluster as f32).sqrt() * 0.5).min(blob.radius * 0.4);
+            for _ in 0..per_cluster {
+                let p = cluster + direction(s) * (spread * range(s, 0.2, 1.0));
+                let p = p.max(Vec3::new(f32::NEG_INFINITY, f32::NEG_INFINITY, 0.03));
+                let outward = ((p - blob.center).normalize_or(Vec3::Z) + (p - middle).normalize_or(Vec3::Z)) * 0.5
+                    + Vec3::Z * 0.15;
+                let facing = direction(s);
+                leaves.card(s, p, facing, outward, size);
+            }
+        }
+    }
+
+    fn conifer(&self, wood: &mut MeshBuilder, leaves: &mut Leaves, s: &mut Stream, detail: Detail) {
+        let foot = (Vec3::new(0.0, 0.0, -0.4), self.trunk_radius * 1.2);
+        tube(wood, foot, (Vec3::Z * self.height * 0.95, 0.02), detail.pick(7, 5, 3), slot::BARK);
+        let span = self.height - self.crown_base;
+        let volume = 1.05 * self.crown_radius * self.crown_radius * span;
+        let area = volume * LEAF_AREA_PER_M3 * 1.9;
+        let budget: f32 = detail.pick(4200.0, 1100.0, 170.0);
+        let size = (2.0 * area / budget).sqrt().max(0.15);
+        let count = ((2.0 * area / (size * size)) as usize).min(budget as usize);
+        let layers = (span / 0.55).ceil();
+        for _ in 0..count {
+            // A cone has most of its volume low; layers droop outwards.
+            let t = 1.0 - crate::math::powf(s.unit() as f32, 0.45);
+            let t = ((t * layers).floor() + range(s, 0.15, 0.85)) / layers;
+            let reach = self.crown_radius * (1.0 - t) * range(s, 0.82, 1.05);
+            let rho = reach * s.unit().sqrt() as f32;
+            let a = range(s, 0.0, std::f32::consts::TAU);
+            let out = Vec3::new(cosf(a), sinf(a), 0.0);
+            let droop = 0.35 * rho * rho / self.crown_radius.max(0.1);
+            let z = (self.crown_base + t * span - droop).max(0.05);
+            let facing = (direction(s) + Vec3::Z * 0.6 + out * 0.3).normalize_or(Vec3::Z);
+            leaves.card(s, out * rho + Vec3::Z * z, facing, out + Vec3::Z * 0.45, size);
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! The lower body: nose, flanks with wheel arches, tail, floor, bonnet and boot lid.
+
+use super::outline::{Column, Face, Outline};
+use super::paint::slot;
+use super::surface::{Outward, Surface};
+use crate::math::Vec3;
+
+/// What the styling varies on the nose and the tail.
+#[derive(Debug, Clone)]
+pub(super) struct Styling {
+    /// Bumpers of bare plastic.
+    pub black_bumpers: bool,
+    /// A rubbing strip along the doors.
+    pub side_strip: bool,
+    /// Lateral fraction where the head lamps begin.
+    pub lamp_from: f32,
+    /// Half width of the grille as a lateral fraction.
+    pub grille_to: f32,
+    /// Height fraction where the tail lamps begin.
+    pub tail_lamp_from: f32,
+    /// Lateral fraction where the tail lamps begin.
+    pub tail_lamp_side: f32,
+}
+
+/// Adds the lower body.
+pub(super) fn add_lower_body(surface: &mut Surface, o: &Outline, styling: &Styling, level: usize) {
+    let columns = o.columns(level);
+    let fractions = Outline::fractions(level);
+    let grid: Vec<Vec<Vec3>> = columns.iter().map(|c| fractions.iter().map(|v| o.point(c, *v)).collect()).collect();
+    let inside = Vec3::new(0.0, 0.0, 0.5 * o.d.height);
+    // The orientation is the whole ring's; the seams only leave cells open.
+    surface.pair(&grid, Outward::From(inside), |i, j| {
+        let (a, b) = (&columns[i], &columns[i + 1]);
+        (!b.is_seam).then(|| shell_slot(a, b, 0.5 * (fractions[j] + fractions[j + 1]), styling))
+    });
+    add_arches_and_floor(surface, o, &columns);
+    add_decks(surface, o, &columns, level);
+}
+
+fn shell_slot(a: &Column, b: &Column, v: f32, styling: &Styling) -> u8 {
+    let f = 0.5 * (a.face.lateral() + b.face.lateral());
+    let is_nose = matches!(a.face, Face::Nose(_));
+    let is_tail = matches!(b.face, Face::Tail(_));
+    if v < 0.08 {
+        return slot::PLASTIC;
+    }
+    if is_nose {
+        if f > styling.lamp_from && f < 0.97 && v > 0.64 && v < 0.93 {
+            return slot::LAMP;
+        }
+        if f < styling.grille_to && v > 0.64 && v < 0.90 {
+            return slot::GRILLE;
+        }
+        if f < 0.62 && v < 0.36 {
+            return slot::GRILLE;
+        }
+        if styling.black_bumpers && v < 0.50 {
+            return slot::PLASTIC;
+        }
+    } else if is_tail {
+        if f > styling.tail_lamp_side && v > styling.tail_lamp_from && v < 0.97 {
+            return slot::TAIL_LAMP;
+        }
+        if (styling.black_bumpers && v < 0.50) || v < 0.22 {
+            return slot::PLASTIC;
+        }
+    }
+    slot::PAINT
+}
+
+fn add_arches_and_floor(surface: &mut Surface, o: &Outline, columns: &[Column]) {
+    let d = &o.d;
+    let inner_y = d.width / 2.0 - 0.30;
+    let floor_z = d.clearance;
+    let low = |c: &Column| o.point(c, 0.0);
+    let inner = |c: &Column, z: f32| {
+        let p = low(c);
+        Vec3::new(p.x, p.y.min(inner_y), z)
+    };
+    let middle: Vec<Vec<Vec3>> = columns
+        .iter()
+        .map(|c| {
+            let p = inner(c, floor_z);
+            vec![Vec3::new(p.x, 0.0, floor_z), p]
+        })
+        .collect();
+    let down = Outward::Along(Vec3::NEG_Z);
+    surface.pair(&middle, down, |_, _| Some(slot::LINER));
+    for pair in columns.windows(2) {
+        let [a, b] = [&pair[0], &pair[1]];
+        let axle = if a.x > 0.0 { d.axles_x[0] } else { d.axles_x[1] };
+        let hub = Vec3::new(axle, d.width, d.wheel_radius);
+        if b.is_seam {
+            // The upright edge of the arch.
+            let (full, cut) = if a.arch.is_some() { (b, a) } else { (a, b) };
+            let (p, q) = (low(full), low(cut));
+            let wall = vec![vec![p, q], vec![inner(full, p.z), inner(cut, q.z)]];
+            surface.pair(&wall, Outward::Along(Vec3::new(axle - a.x, 0.0, 0.0)), |_, _| Some(slot::LINER));
+        } else if a.arch.is_some() {
+            let (p, q) = (low(a), low(b));
+            let roof = vec![vec![p, q], vec![inner(a, p.z), inner(b, q.z)]];
+            surface.pair(&roof, Outward::Along(hub - p.midpoint(q)), |_, _| Some(slot::LINER));
+            let wall = vec![vec![inner(a, p.z), inner(b, q.z)], vec![inner(a, floor_z), inner(b, floor_z)]];
+            surface.pair(&wall, Outward::Along(Vec3::Y), |_, _| Some(slot::LINER));
+        } else if low(a).y > inner_y || low(b).y > inner_y {
+            let strip = vec![vec![low(a), low(b)], vec![inner(a, floor_z), inner(b, floor_z)]];
+            surface.pair(&strip, down, |_, _| Some(slot::LINER));
+        }
+    }
+}
+
+fn add_decks(surface: &mut Surface, o: &Outline, columns: &[Column], level: usize) {
+    let lateral: &[f32] = [&[0.0, 0.3, 0.6, 0.82, 0.94, 1.0][..], &[0.0, 0.5, 0.85, 1.0], &[0.0, 0.7, 1.0]][level];
+    let row = |c: &Column| -> Vec<Vec3> { lateral.iter().map(|t| o.deck(c, *t)).collect() };
+    let up = Outward::Along(Vec3::Z);
+    let bonnet: Vec<&Column> = columns.iter().filter(|c| c.x >= o.screen_foot_x - 1e-3 && !c.is_seam).collect();
+    let rows: Vec<Vec<Vec3>> = bonnet.iter().map(|c| row(c)).collect();
+    surface.pair(&rows, up, |_, _| Some(slot::PAINT));
+    let first = columns.iter().position(|c| o.point(c, 1.0).x < o.backlight_foot_x).unwrap_or(columns.len() - 1);
+    let rows: Vec<Vec<Vec3>> = columns[first.saturating_sub(1)..].iter().map(row).collect();
+    surface.pair(&rows, up, |i, _| Some(if i == 0 && o.d.boot < 0.1 { slot::DARK } else { slot::PAINT }));
+}

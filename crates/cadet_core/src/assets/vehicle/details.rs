@@ -1,0 +1,230 @@
+//! What is mounted on the shell: mirrors, plates, handles, shut lines, wipers, aerials, rails.
+
+use super::dimensions::Windows;
+use super::glasshouse::Glasshouse;
+use super::outline::Outline;
+use super::paint::slot;
+use super::surface::{Outward, Surface};
+use crate::math::{Mat3, Vec3};
+
+/// What a vehicle has besides its shell.
+#[derive(Debug, Clone)]
+pub(super) struct Fittings {
+    pub painted_mirrors: bool,
+    pub side_strip: bool,
+    pub roof_rails: bool,
+    pub aerial: bool,
+    pub two_line_plate: bool,
+    /// Height of the rear plate's centre, metres.
+    pub rear_plate_z: f32,
+}
+
+/// Adds what lies inside the label's box.
+pub(super) fn add_fittings(surface: &mut Surface, o: &Outline, house: &Glasshouse, fittings: &Fittings, level: usize) {
+    add_plates(surface, o, fittings, level);
+    if level < 2 {
+        add_shut_lines(surface, o, house, level);
+        add_handles(surface, o, house);
+    }
+    if fittings.side_strip {
+        let z = 0.52 * o.d.belt;
+        let (from, to) = (o.d.axles_x[0] - 1.18 * o.d.arch_radius, o.d.axles_x[1] + 1.18 * o.d.arch_radius);
+        flank_strip(surface, o, &[(from, z), (0.5 * (from + to), z), (to, z)], 0.03, 0.004, slot::PLASTIC);
+    }
+    if level == 0 {
+        add_wipers(surface, house);
+    }
+    if fittings.roof_rails && level < 2 {
+        add_rails(surface, house, level);
+    }
+}
+
+/// Adds what sticks out of the label's box.
+pub(super) fn add_mirrors_and_aerial(
+    surface: &mut Surface,
+    o: &Outline,
+    house: &Glasshouse,
+    fittings: &Fittings,
+    level: usize,
+) {
+    let d = &o.d;
+    let x = o.screen_foot_x - if d.is_van { 0.20 } else { 0.30 };
+    let foot = o.glass_foot(x);
+    let size = if d.is_van { Vec3::new(0.055, 0.10, 0.15) } else { Vec3::new(0.06, 0.10, 0.07) };
+    let center = foot + Vec3::new(0.0, 0.045 + size.y, 0.02 + size.z);
+    let shell = if fittings.painted_mirrors { slot::PAINT } else { slot::PLASTIC };
+    surface.block_pair(center, size, Mat3::IDENTITY, [10, 6, 4][level], shell);
+    let back = center.x - size.x - 0.001;
+    let (w, h) = (0.8 * size.y, 0.62 * size.z);
+    let glass = [
+        vec![Vec3::new(back, center.y - w, center.z - h), Vec3::new(back, center.y + w, center.z - h)],
+        vec![Vec3::new(back, center.y - w, center.z + h), Vec3::new(back, center.y + w, center.z + h)],
+    ];
+    if level < 2 {
+        surface.pair(&glass, Outward::Along(Vec3::NEG_X), |_, _| Some(slot::CHROME));
+        surface.cuboid_pair(
+            foot + Vec3::new(-0.04, -0.02, 0.0),
+            Vec3::new(x + 0.04, center.y - 0.5 * size.y, foot.z + 0.05),
+            slot::PLASTIC,
+        );
+    }
+    if fittings.aerial && level == 0 {
+        let root = Vec3::new(house.rear_header_x + 0.15, 0.0, house.roof_z(house.rear_header_x + 0.15) - 0.01);
+        let tip = root + Vec3::new(-0.22, 0.0, 0.30);
+        let ring = |c: Vec3, r: f32| {
+            vec![
+                c + Vec3::new(r, 0.0, 0.0),
+                c + Vec3::new(-0.5 * r, 0.87 * r, 0.0),
+                c + Vec3::new(-0.5 * r, -0.87 * r, 0.0),
+            ]
+        };
+        surface.builder.loft(&[ring(root, 0.006), ring(tip, 0.003)], slot::PLASTIC, true);
+    }
+}
+
+/// A strip of constant width along (x, z) points of the left flank, mirrored too.
+fn flank_strip(surface: &mut Surface, o: &Outline, path: &[(f32, f32)], width: f32, proud: f32, slot: u8) {
+    let n = path.len();
+    let grid: Vec<Vec<Vec3>> = (0..n)
+        .map(|k| {
+            let (a, b) = (path[k.saturating_sub(1)], path[(k + 1).min(n - 1)]);
+            let (dx, dz) = (b.0 - a.0, b.1 - a.1);
+            let length = (dx * dx + dz * dz).sqrt();
+            let (nx, nz) = (-dz / length * width / 2.0, dx / length * width / 2.0);
+            let (x, z) = path[k];
+            [-1.0, 1.0].iter().map(|s| o.flank(x + nx * s, z + nz * s) + Vec3::Y * proud).collect()
+        })
+        .collect();
+    surface.pair(&grid, Outward::Along(Vec3::Y), |_, _| Some(slot));
+}
+
+fn add_shut_lines(surface: &mut Surface, o: &Outline, house: &Glasshouse, level: usize) {
+    let d = &o.d;
+    let low = d.clearance + 0.10;
+    let rows = if level == 0 { 6 } else { 2 };
+    let upright = |surface: &mut Surface, x0: f32, x1: f32, low: f32| {
+        let path: Vec<(f32, f32)> = (0..=rows)
+            .map(|k| {
+                let t = k as f32 / rows as f32;
+                let x = x0 + (x1 - x0) * t;
+                (x, low + (o.top_z(x) - 0.012 - low) * t)
+            })
+            .collect();
+        flank_strip(surface, o, &path, 0.010, 0.0025, slot::LINER);
+    };
+    let front = o.screen_foot_x.min(d.axles_x[0] - 1.12 * d.arch_radius);
+    let middle = house.b_pillar_x;
+    upright(surface, front, front, low);
+    upright(surface, middle, middle, low);
+    let mut last = middle;
+    if matches!(d.windows, Windows::FiveDoor | Windows::Estate) && !d.is_van {
+        // The rear door's edge follows the arch.
+        let edge = d.axles_x[1] + 0.35 * d.arch_radius;
+        let arch_top = d.wheel_radius + 1.12 * d.arch_radius;
+        last = d.axles_x[1] + 1.15 * d.arch_radius;
+        let path = [
+            (last, low),
+            (last, d.wheel_radius + 0.05),
+            (edge + 0.25 * d.arch_radius, arch_top),
+            (edge, o.top_z(edge) - 0.012),
+        ];
+        flank_strip(surface, o, &path, 0.010, 0.0025, slot::LINER);
+    }
+    let path: Vec<(f32, f32)> = (0..=3).map(|k| (front + (last - front) * k as f32 / 3.0, low)).collect();
+    flank_strip(surface, o, &path, 0.010, 0.0025, slot::LINER);
+}
+
+fn add_handles(surface: &mut Surface, o: &Outline, house: &Glasshouse) {
+    let d = &o.d;
+    let mut at = vec![house.b_pillar_x + 0.15];
+    if matches!(d.windows, Windows::FiveDoor | Windows::Estate) && !d.is_van {
+        at.push(d.axles_x[1] + 0.55 * d.arch_radius);
+    }
+    for x in at {
+        let z = o.top_z(x) - 0.13;
+        let p = o.flank(x, z);
+        surface.block_pair(p + Vec3::Y * 0.006, Vec3::new(0.085, 0.011, 0.016), Mat3::IDENTITY, 6, slot::PLASTIC);
+    }
+}
+
+fn add_plates(surface: &mut Surface, o: &Outline, fittings: &Fittings, level: usize) {
+    let d = &o.d;
+    let columns = o.columns(0);
+    let (nose, tail) = (&columns[0], &columns[columns.len() - 1]);
+    for (column, z, is_front) in [(nose, 0.42_f32.max(d.clearance + 0.14), true), (tail, fittings.rear_plate_z, false)]
+    {
+        let is_short = fittings.two_line_plate && !is_front;
+        let (half_w, half_h) = if is_short { (0.17, 0.10) } else { (0.26, 0.055) };
+        let crown = o.top_z(column.x) + o.crown(column.x);
+        let v = (z - d.clearance) / (crown - d.clearance);
+        let dv = half_h / (crown - d.clearance);
+        let out = if is_front { 1.0 } else { -1.0 };
+        let low = o.point(column, v - dv).x;
+        let high = o.point(column, v + dv).x;
+        let outer = if is_front { low.max(high) } else { low.min(high) };
+        // Flat and upright, no further out than the box.
+        let limit = d.length / 2.0 - 0.001;
+        let x = (outer + 0.008 * out).clamp(-limit, limit);
+        let sheet = |half_w: f32, half_h: f32, x: f32| {
+            vec![
+                vec![Vec3::new(x, -half_w, z - half_h), Vec3::new(x, half_w, z - half_h)],
+                vec![Vec3::new(x, -half_w, z + half_h), Vec3::new(x, half_w, z + half_h)],
+            ]
+        };
+        let facing = Outward::Along(Vec3::new(out, 0.0, 0.0));
+        surface.sheet(&sheet(half_w, half_h, x), facing, |_, _| Some(slot::PLATE));
+        if level == 0 {
+            let x = x + 0.0005 * out;
+            for k in 0..7 {
+                let y = half_w * (0.72 - 0.26 * k as f32) + if k > 2 { -0.02 } else { 0.0 };
+                let letter = vec![
+                    vec![Vec3::new(x, y - 0.013, z - 0.55 * half_h), Vec3::new(x, y + 0.013, z - 0.55 * half_h)],
+                    vec![Vec3::new(x, y - 0.013, z + 0.55 * half_h), Vec3::new(x, y + 0.013, z + 0.55 * half_h)],
+                ];
+                if y.abs() < half_w - 0.02 {
+                    surface.sheet(&letter, facing, |_, _| Some(slot::LETTERS));
+                }
+            }
+        }
+    }
+}
+
+fn add_wipers(surface: &mut Surface, house: &Glasshouse) {
+    for (from, to) in [((0.15, 0.02), (0.75, 0.10)), ((-0.55, 0.02), (0.05, 0.10))] {
+        let place = |(t, s): (f32, f32)| {
+            let p = house.on_screen(t.abs(), s);
+            Vec3::new(p.x, p.y * t.signum(), p.z) + Vec3::new(0.006, 0.0, 0.010)
+        };
+        let (a, b) = (place(from), place(to));
+        let up = Vec3::new(-0.012, 0.0, 0.012);
+        surface.sheet(&[vec![a, b], vec![a + up, b + up]], Outward::Along(Vec3::new(1.0, 0.0, 1.0)), |_, _| {
+            Some(slot::PLASTIC)
+        });
+    }
+}
+
+fn add_rails(surface: &mut Surface, house: &Glasshouse, level: usize) {
+    let (from, to) = (house.header_x - 0.20, house.rear_header_x + 0.10);
+    let n = if level == 0 { 6 } else { 3 };
+    let rings: Vec<Vec<Vec3>> = (0..=n)
+        .map(|k| {
+            let x = from + (to - from) * k as f32 / n as f32;
+            let edge = house.cant(x);
+            let lift = if k == 0 || k == n { 0.0 } else { 0.035 };
+            let c = Vec3::new(x, edge.y - 0.06, edge.z + 0.025 + lift);
+            [(0.0, 0.012), (-0.012, 0.0), (0.0, -0.012), (0.012, 0.0)]
+                .iter()
+                .map(|(y, z)| c + Vec3::new(0.0, *y, *z))
+                .collect()
+        })
+        .collect();
+    let closed: Vec<Vec<Vec3>> = rings
+        .into_iter()
+        .map(|mut r: Vec<Vec3>| {
+            r.push(r[0]);
+            r
+        })
+        .collect();
+    let middle = house.cant(0.5 * (from + to)) + Vec3::new(0.0, -0.06, 0.05);
+    surface.pair(&closed, Outward::From(middle), |_, _| Some(slot::PLASTIC));
+}

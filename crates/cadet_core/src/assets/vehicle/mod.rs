@@ -1,0 +1,196 @@
+//! Vehicles: a lofted body with cut wheel arches and true glass over a furnished interior.
+
+mod body;
+mod details;
+mod dimensions;
+mod glasshouse;
+mod interior;
+mod outline;
+mod paint;
+mod surface;
+#[cfg(test)]
+mod tests;
+mod wheels;
+
+use std::sync::Arc;
+
+use crate::actor::ObjectClass;
+use crate::geometry::{Bounds, LodSet};
+use crate::material::Palette;
+use crate::math::{DVec3, Vec3};
+use crate::rng::Stream;
+
+use body::Styling;
+use details::Fittings;
+use dimensions::{Dimensions, Windows};
+use glasshouse::Glasshouse;
+use interior::Seats;
+use outline::Outline;
+use paint::slot;
+use surface::Surface;
+use wheels::Rim;
+
+/// Where the levels of detail end, metres from the ego.
+const LEVEL_LIMITS_M: [f32; 3] = [15.0, 35.0, f32::INFINITY];
+/// Faces that meet at more than this angle show an edge.
+const CREASE_RAD: f32 = 0.55;
+
+/// A vehicle's shape, in its box frame: x forward, y left, z up, origin at the box's bottom centre.
+#[derive(Debug, Clone)]
+pub struct VehicleModel {
+    /// For example `"compact/12345"`.
+    pub name: String,
+    /// KITTI's class.
+    pub class: ObjectClass,
+    /// Length, width, height of the label's box; the body fills it, mirrors and aerials stick out.
+    pub size_lwh: DVec3,
+    /// Everything but the wheels.
+    pub body: Arc<LodSet>,
+    /// The driver, and a passenger in three of ten, in the box frame: shown in moving vehicles.
+    pub driver: Option<Arc<LodSet>>,
+    /// A wheel about its own centre, axle along y, outer face towards +y (the left side).
+    pub wheel: Arc<LodSet>,
+    /// Wheel centres in the box frame: front left, front right, rear left, rear right.
+    pub wheel_centers: [Vec3; 4],
+    /// Tyre radius: also the height of the wheel centres.
+    pub wheel_radius_m: f64,
+    /// The materials of body, driver and wheels.
+    pub palette: Arc<Palette>,
+}
+
+impl VehicleModel {
+    /// The vehicle of a class and a seed.
+    #[must_use]
+    pub fn generate(class: ObjectClass, model_seed: u64) -> Self {
+        let mut s = Stream::from_seed("vehicle", model_seed);
+        let d = Dimensions::draw(class, &mut s);
+        Self::of_dimensions(class, model_seed, d, &mut s)
+    }
+
+    fn of_dimensions(class: ObjectClass, model_seed: u64, d: Dimensions, s: &mut Stream) -> Self {
+        let palette = paint::palette(class, s);
+        let is_old = s.chance(0.2);
+        let styling = Styling {
+            black_bumpers: if d.is_van { s.chance(0.5) } else { is_old },
+            side_strip: is_old || s.chance(0.25),
+            lamp_from: s.range(0.50, 0.72) as f32,
+            grille_to: s.range(0.25, 0.45) as f32,
+            tail_lamp_from: if d.boot > 0.1 { 0.60 } else { s.range(0.45, 0.62) as f32 },
+            tail_lamp_side: if d.boot > 0.1 { s.range(0.55, 0.70) } else { s.range(0.74, 0.84) } as f32,
+        };
+        let is_tall = matches!(d.name, "estate" | "mpv" | "suv");
+        let fittings = Fittings {
+            painted_mirrors: !styling.black_bumpers && s.chance(0.7),
+            side_strip: styling.side_strip,
+            roof_rails: is_tall && s.chance(0.4),
+            aerial: s.chance(0.6),
+            two_line_plate: s.chance(0.05),
+            rear_plate_z: s.range(0.45, 0.78 * f64::from(d.belt)) as f32,
+        };
+        let rim = if s.chance(0.35) {
+            Rim { spokes: 12, fill: 0.62 }
+        } else {
+            Rim { spokes: 5 + s.below(6), fill: s.range(0.30, 0.55) as f32 }
+        };
+        let has_sunroof = !d.is_van && s.chance(0.15);
+        let has_passenger = s.chance(0.3);
+
+        let outline = Outline::new(d.clone());
+        let house = Glasshouse::new(&outline, slot::REAR_SIDE_GLASS);
+        let seats = Seats::new(&outline, &house);
+        let mut wheel_centers = [Vec3::ZERO; 4];
+        let levels = |make: &dyn Fn(usize) -> Surface, crease: f32| {
+            let level = |k: usize| (LEVEL_LIMITS_M[k], Arc::new(make(k).builder.build(d.name, crease)));
+            Arc::new(LodSet { levels: (0..3).map(level).collect() })
+        };
+        let finest = Self::shell(&outline, &house, &styling, &fittings, has_sunroof, 0);
+        let fits: Vec<Fit> = (0..3)
+            .map(|k| {
+                if k == 0 {
+                    Fit::of(&finest, &d)
+                } else {
+                    Fit::of(&Self::shell(&outline, &house, &styling, &fittings, has_sunroof, k), &d)
+                }
+            })
+            .collect();
+        let body = levels(
+            &|k| {
+                let mut surface = Self::shell(&outline, &house, &styling, &fittings, has_sunroof, k);
+                details::add_mirrors_and_aerial(&mut surface, &outline, &house, &fittings, k);
+                interior::add_interior(&mut surface, &outline, &house, &seats, k);
+                fits[k].apply(&mut surface);
+                surface
+            },
+            CREASE_RAD,
+        );
+        let driver = levels(
+            &|k| {
+                let mut surface = interior::occupants(&outline, &seats, has_passenger, k);
+                fits[k].apply(&mut surface);
+                surface
+            },
+            1.2,
+        );
+        let wheel = levels(&|k| wheels::wheel(&d, rim, k), CREASE_RAD);
+        let hub_y = |x: f32| outline.half_width(x, 0.2) - 0.022 - d.tyre_width / 2.0;
+        for (i, c) in wheel_centers.iter_mut().enumerate() {
+            let x = d.axles_x[i / 2];
+            let side = if i % 2 == 0 { 1.0 } else { -1.0 };
+            *c = fits[0].point(Vec3::new(x, side * hub_y(x), d.wheel_radius));
+            c.z = d.wheel_radius;
+        }
+        Self {
+            name: format!("{}/{model_seed}", d.name),
+            class,
+            size_lwh: DVec3::new(f64::from(d.length), f64::from(d.width), f64::from(d.height)),
+            body,
+            driver: Some(driver),
+            wheel,
+            wheel_centers,
+            wheel_radius_m: f64::from(d.wheel_radius),
+            palette: Arc::new(palette),
+        }
+    }
+
+    /// What fills the label's box: body, glasshouse and flat fittings.
+    fn shell(
+        o: &Outline,
+        house: &Glasshouse,
+        styling: &Styling,
+        fittings: &Fittings,
+        has_sunroof: bool,
+        level: usize,
+    ) -> Surface {
+        let mut surface = Surface::default();
+        body::add_lower_body(&mut surface, o, styling, level);
+        house.add(&mut surface, level, has_sunroof);
+        details::add_fittings(&mut surface, o, house, fittings, level);
+        surface
+    }
+}
+
+/// Maps a built shell onto its label box; the numbers are within a percent of the identity.
+#[derive(Debug, Clone, Copy)]
+struct Fit {
+    scale: Vec3,
+    shift_x: f32,
+}
+
+impl Fit {
+    fn of(shell: &Surface, d: &Dimensions) -> Self {
+        let bounds = Bounds::of(shell.builder.positions().iter().copied());
+        let size = bounds.size();
+        let scale = Vec3::new(d.length / size.x, d.width / size.y, d.height / bounds.max.z);
+        Self { scale, shift_x: -bounds.center().x * scale.x }
+    }
+
+    fn point(self, p: Vec3) -> Vec3 {
+        p * self.scale + Vec3::X * self.shift_x
+    }
+
+    fn apply(self, surface: &mut Surface) {
+        for p in surface.builder.positions_mut() {
+            *p = self.point(*p);
+        }
+    }
+}

@@ -1,0 +1,309 @@
+//! How much of the sky a place sees: a coarse height map of the scene, probes over it, and the boxes of cars near the
+//! ground.
+
+use crate::material::Semantic;
+use crate::math::{DVec3, Vec3};
+use crate::sense::PosedScene;
+
+/// Cells along a side of the height map.
+const CELLS: usize = 144;
+/// Side of a cell, metres.
+const CELL_M: f32 = 1.0;
+/// Heights of the probes over the lowest surface of their cell, metres.
+const LEVELS_M: [f32; 4] = [0.3, 1.6, 4.0, 9.0];
+/// Distances at which a probe looks for what stands in the way, in cells.
+const STEPS: [f32; 7] = [1.2, 2.2, 3.5, 5.5, 9.0, 15.0, 26.0];
+const AZIMUTHS: usize = 8;
+/// What still comes through a cover such as a crown.
+const COVER_LEAK: f32 = 0.55;
+/// Crowns are not solid: they stand for lower obstacles.
+const CROWN_SHARE: f32 = 0.6;
+
+/// Openness towards +x, -x, +y, -y, +z, -z, each 0..1.
+pub type Openness = [f32; 6];
+
+/// A box that shades the ground under and beside it: a vehicle's body.
+#[derive(Debug, Clone)]
+struct Blocker {
+    center: Vec3,
+    axis_x: Vec3,
+    axis_y: Vec3,
+    half: [f32; 2],
+    bottom_z: f32,
+    height: f32,
+    reach: f32,
+}
+
+/// The sky's visibility around a camera.
+#[derive(Debug, Clone)]
+pub struct SkyView {
+    min: [f32; 2],
+    /// Lowest surface of each cell.
+    floor: Vec<f32>,
+    /// Per cell and level.
+    probes: Vec<Openness>,
+    blockers: Vec<Blocker>,
+    /// Blockers that reach each cell of a grid of `GRID_M`.
+    grid: Vec<Vec<u16>>,
+}
+
+const GRID_M: f32 = 4.0;
+const GRID: usize = (CELLS as f32 * CELL_M / GRID_M) as usize;
+
+impl SkyView {
+    /// Measures a scene around a camera that looks along `forward_world`.
+    #[must_use]
+    pub fn new(scene: &PosedScene, eye_world: DVec3, forward_world: DVec3) -> Self {
+        let flat = DVec3::new(forward_world.x, forward_world.y, 0.0).normalize_or_zero();
+        let middle = eye_world + flat * 50.0;
+        let half = f64::from(CELLS as f32 * CELL_M) / 2.0;
+        // Whole cells, so that nothing flickers from frame to frame.
+        let min = [(middle.x - half).floor() as f32, (middle.y - half).floor() as f32];
+        let mut view =
+            Self { min, floor: Vec::new(), probes: Vec::new(), blockers: Vec::new(), grid: vec![Vec::new(); GRID * GRID] };
+        let top = view.measure_heights(scene, (eye_world.z - 1.65) as f32);
+        view.place_probes(&top);
+        view.collect_blockers(scene);
+        view
+    }
+
+    /// Fills the floor, and returns the highest surface of each cell.
+    fn measure_heights(&mut self, scene: &PosedScene, default_z: f32) -> Vec<f32> {
+        let mut top = vec![f32::NEG_INFINITY; CELLS * CELLS];
+        let mut floor = vec![f32::INFINITY; CELLS * CELLS];
+        let side = CELLS as f32 * CELL_M;
+        for instance in &scene.instances {
+            let (c, r) = (instance.center_world.as_vec3(), instance.radius_m as f32);
+            if c.x + r < self.min[0] || c.y + r < self.min[1] || c.x - r > self.min[0] + side || c.y - r > self.min[1] + side {
+                continue;
+            }
+            let vertices = &scene.vertices_world[instance.vertices.clone()];
+            let foot_z = c.z - 0.5 * instance.mesh.bounds.size().z;
+            let is_plant = instance.palette.0.iter().any(|m| m.semantic == Semantic::Vegetation);
+            let share = if is_plant { CROWN_SHARE } else { 1.0 };
+            let mut mark = |x: usize, y: usize, low: f32, high: f32| {
+                let i = y * CELLS + x;
+                floor[i] = floor[i].min(low);
+                top[i] = top[i].max(foot_z + (high - foot_z) * share);
+            };
+            for face in &instance.mesh.faces {
+                let [a, b, c] = face.map(|i| vertices[i as usize]);
+                let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+                let cell = |v: f32, min: f32| (v - min) / CELL_M;
+                let (x0, x1) = (cell(low.x, self.min[0]), cell(high.x, self.min[0]));
+                let (y0, y1) = (cell(low.y, self.min[1]), cell(high.y, self.min[1]));
+                let limit = CELLS as f32;
+                if x1 < 0.0 || y1 < 0.0 || x0 >= limit || y0 >= limit {
+                    continue;
+                }
+                let (ix0, iy0) = (x0.max(0.0) as usize, y0.max(0.0) as usize);
+                let (ix1, iy1) = (x1.min(limit - 1.0) as usize, y1.min(limit - 1.0) as usize);
+                if ix1 <= ix0 + 1 && iy1 <= iy0 + 1 {
+                    let middle = (a + b + c) * (1.0 / 3.0);
+                    let x = (cell(middle.x, self.min[0]).max(0.0) as usize).min(CELLS - 1);
+                    let y = (cell(middle.y, self.min[1]).max(0.0) as usize).min(CELLS - 1);
+                    mark(x, y, middle.z, middle.z);
+                    continue;
+                }
+                // Large triangles: the plane's height at each cell's middle inside of the triangle.
+                let normal = (b - a).cross(c - a);
+                let upright = normal.z.abs() < 0.2 * normal.length();
+                for y in iy0..=iy1 {
+                    for x in ix0..=ix1 {
+                        let px = self.min[0] + (x as f32 + 0.5) * CELL_M;
+                        let py = self.min[1] + (y as f32 + 0.5) * CELL_M;
+                        if upright {
+                            // A wall: cells that its line passes.
+                            let along = (normal.x * (px - a.x) + normal.y * (py - a.y)).abs();
+                            if along <= 0.7 * CELL_M * normal.length() {
+                                mark(x, y, low.z, high.z);
+                            }
+                        } else if inside(a, b, c, px, py) {
+                            let z = a.z - (normal.x * (px - a.x) + normal.y * (py - a.y)) / normal.z;
+                            let z = z.clamp(low.z, high.z);
+                            mark(x, y, z, z);
+                        }
+                    }
+                }
+            }
+        }
+        for (f, t) in floor.iter_mut().zip(&mut top) {
+            if !f.is_finite() {
+                (*f, *t) = (default_z, default_z);
+            }
+        }
+        self.floor = floor;
+        top
+    }
+
+    fn place_probes(&mut self, top: &[f32]) {
+        let directions: [(f32, f32); AZIMUTHS] = {
+            let d = std::f32::consts::FRAC_1_SQRT_2;
+            [(1.0, 0.0), (d, d), (0.0, 1.0), (-d, d), (-1.0, 0.0), (-d, -d), (0.0, -1.0), (d, -d)]
+        };
+        let offsets: Vec<Vec<(i32, i32, f32)>> = directions
+            .iter()
+            .map(|(dx, dy)| {
+                STEPS
+                    .iter()
+                    .map(|s| ((dx * s).round() as i32, (dy * s).round() as i32, 1.0 / (s * CELL_M)))
+                    .collect()
+            })
+            .collect();
+        self.probes = vec![[1.0; 6]; CELLS * CELLS * LEVELS_M.len()];
+        for y in 0..CELLS as i32 {
+            for x in 0..CELLS as i32 {
+                let cell = y as usize * CELLS + x as usize;
+                for (level, over) in LEVELS_M.iter().enumerate() {
+                    let z = self.floor[cell] + over;
+                    // Sine of the horizon in each azimuth.
+                    let mut free = [1.0_f32; AZIMUTHS];
+                    for (k, line) in offsets.iter().enumerate() {
+                        let mut slope = 0.0_f32;
+                        for (ox, oy, per_m) in line {
+                            let (cx, cy) = (x + ox, y + oy);
+                            if cx < 0 || cy < 0 || cx >= CELLS as i32 || cy >= CELLS as i32 {
+                                break;
+                            }
+                            slope = slope.max((top[cy as usize * CELLS + cx as usize] - z) * per_m);
+                        }
+                        free[k] = 1.0 / (1.0 + slope * slope);
+                    }
+                    let zenith: f32 = free.iter().sum::<f32>() / AZIMUTHS as f32;
+                    let around = |dx: i32, dy: i32| {
+                        let (cx, cy) = ((x + dx).clamp(0, CELLS as i32 - 1), (y + dy).clamp(0, CELLS as i32 - 1));
+                        ((top[cy as usize * CELLS + cx as usize] - z - 0.8) * 0.7).clamp(0.0, 1.0)
+                    };
+                    let covered = 0.4 * around(0, 0)
+                        + 0.15 * (around(1, 0) + around(-1, 0) + around(0, 1) + around(0, -1));
+                    let cover = 1.0 - (1.0 - COVER_LEAK) * covered;
+                    let side = |k: usize| {
+                        let (a, b) = (free[(k + 7) % 8], free[(k + 1) % 8]);
+                        (free[k] + 0.7 * (a + b)) * (1.0 / 2.4)
+                    };
+                    let sides = [side(0), side(4), side(2), side(6)].map(|s| s * (0.5 + 0.5 * cover));
+                    self.probes[cell * LEVELS_M.len() + level] =
+                        [sides[0], sides[1], sides[2], sides[3], zenith * cover, (0.4 + 0.6 * zenith) * cover];
+                }
+            }
+        }
+    }
+
+    fn collect_blockers(&mut self, scene: &PosedScene) {
+        let side = CELLS as f32 * CELL_M;
+        for instance in scene.instances.iter().filter(|i| i.actor_id >= 1) {
+            let size = instance.mesh.bounds.size();
+            if size.x < 0.25 || size.y < 0.25 || size.z < 0.5 || size.x > 30.0 {
+                continue; // wheels and limbs
+            }
+            let center = instance.center_world.as_vec3();
+            let axis = |v: DVec3| (instance.world_from_local * v).as_vec3();
+            let blocker = Blocker {
+                center,
+                axis_x: axis(DVec3::X),
+                axis_y: axis(DVec3::Y),
+                half: [size.x * 0.47, size.y * 0.47],
+                bottom_z: center.z - size.z / 2.0,
+                height: size.z,
+                reach: 0.5 * (size.x * size.x + size.y * size.y).sqrt() + 1.5 * size.z,
+            };
+            let (dx, dy) = (center.x - self.min[0], center.y - self.min[1]);
+            let r = blocker.reach;
+            if dx + r < 0.0 || dy + r < 0.0 || dx - r >= side || dy - r >= side {
+                continue;
+            }
+            let range = |d: f32| {
+                let lo = ((d - r) / GRID_M).max(0.0) as usize;
+                let hi = (((d + r) / GRID_M).max(0.0) as usize).min(GRID - 1);
+                lo..=hi
+            };
+            let index = self.blockers.len().min(usize::from(u16::MAX)) as u16;
+            for gy in range(dy) {
+                for gx in range(dx) {
+                    self.grid[gy * GRID + gx].push(index);
+                }
+            }
+            self.blockers.push(blocker);
+        }
+    }
+
+    /// Openness of a surface point with the given unit normal.
+    #[must_use]
+    pub fn openness(&self, point_world: Vec3, normal: Vec3) -> Openness {
+        // Off the surface, else a wall would sit in its own house.
+        let p = point_world + normal * (1.7 * CELL_M);
+        let gx = (p.x - self.min[0]) / CELL_M - 0.5;
+        let gy = (p.y - self.min[1]) / CELL_M - 0.5;
+        let limit = CELLS as f32 - 1.001;
+        if !(0.0..limit).contains(&gx) || !(0.0..limit).contains(&gy) {
+            return [0.85; 6];
+        }
+        let (ix, iy) = (gx as usize, gy as usize);
+        let (fx, fy) = (gx - ix as f32, gy - iy as f32);
+        let mut sum = [0.0; 6];
+        for (cell, weight) in [
+            (iy * CELLS + ix, (1.0 - fx) * (1.0 - fy)),
+            (iy * CELLS + ix + 1, fx * (1.0 - fy)),
+            ((iy + 1) * CELLS + ix, (1.0 - fx) * fy),
+            ((iy + 1) * CELLS + ix + 1, fx * fy),
+        ] {
+            let over = point_world.z - self.floor[cell];
+            let upper = LEVELS_M.iter().position(|l| over < *l).unwrap_or(LEVELS_M.len());
+            let (low, high) = (upper.saturating_sub(1), upper.min(LEVELS_M.len() - 1));
+            let t = if high > low { (over - LEVELS_M[low]) / (LEVELS_M[high] - LEVELS_M[low]) } else { 0.0 };
+            let a = &self.probes[cell * LEVELS_M.len() + low];
+            let b = &self.probes[cell * LEVELS_M.len() + high];
+            for k in 0..6 {
+                sum[k] += weight * (a[k] + (b[k] - a[k]) * t);
+            }
+        }
+        sum
+    }
+
+    /// Share of the sky's light that vehicles leave to a point on the ground under or beside them, 0..1.
+    #[must_use]
+    pub fn contact(&self, point_world: Vec3) -> f32 {
+        let gx = (point_world.x - self.min[0]) / GRID_M;
+        let gy = (point_world.y - self.min[1]) / GRID_M;
+        if gx < 0.0 || gy < 0.0 || gx >= GRID as f32 || gy >= GRID as f32 {
+            return 1.0;
+        }
+        let mut left = 1.0;
+        for index in &self.grid[gy as usize * GRID + gx as usize] {
+            left *= self.blockers[usize::from(*index)].leaves(point_world);
+        }
+        left
+    }
+}
+
+impl Blocker {
+    fn leaves(&self, point: Vec3) -> f32 {
+        let d = point - self.center;
+        let over = point.z - self.bottom_z;
+        if !(-0.6..0.45).contains(&over) {
+            return 1.0;
+        }
+        let (x, y) = (d.dot(self.axis_x).abs() - self.half[0], d.dot(self.axis_y).abs() - self.half[1]);
+        if x < 0.0 && y < 0.0 {
+            // Under the body: light comes in flat through the gap at the nearest edges.
+            let gap = 0.22;
+            let lets = |e: f32| gap * gap / (gap * gap + e * e);
+            return 0.03 + 0.42 * lets(x).max(lets(y));
+        }
+        let (ox, oy) = (x.max(0.0), y.max(0.0));
+        let distance = (ox * ox + oy * oy).sqrt();
+        // A wall of the body's height and of finite width hides up to half of the sky.
+        let wall = distance / (distance * distance + self.height * self.height).sqrt();
+        let width = 0.5 * (self.half[0] + self.half[1]);
+        let share = width / (width + distance);
+        // The gap under the body darkens the last decimetres further.
+        let near = 0.18 * (1.0 - distance / 0.35).max(0.0);
+        1.0 - 0.5 * (1.0 - wall) * share - near
+    }
+}
+
+fn inside(a: Vec3, b: Vec3, c: Vec3, x: f32, y: f32) -> bool {
+    let edge = |p: Vec3, q: Vec3| (q.x - p.x) * (y - p.y) - (q.y - p.y) * (x - p.x);
+    let (e0, e1, e2) = (edge(a, b), edge(b, c), edge(c, a));
+    (e0 >= 0.0 && e1 >= 0.0 && e2 >= 0.0) || (e0 <= 0.0 && e1 <= 0.0 && e2 <= 0.0)
+}

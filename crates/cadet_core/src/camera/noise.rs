@@ -1,0 +1,145 @@
+//! The sensor: point spread, Poisson-Gauss noise as measured after demosaicing, rounding to 8 bits.
+
+use crate::math;
+use crate::rng::Stream;
+
+/// Noise variance in squared 8-bit values: constant and per value, for R, G, B.
+const VARIANCE: [(f32, f32); 3] = [(0.5, 0.035), (0.3, 0.018), (0.7, 0.040)];
+/// Neighbour tap of the noise filter: neighbours correlate with 0.35 across and down, as demosaiced noise does.
+const NEIGHBOUR: f32 = 0.187;
+/// Sigma of the point spread in pixels; with the pixel's own width the edges rise over 2.4 px.
+const PSF_SIGMA_PX: f32 = 0.85;
+
+/// Blurs interleaved linear RGB by the lens's point spread. `scratch` is reused.
+pub fn blur(rgb: &mut [f32], width: usize, height: usize, scratch: &mut Vec<f32>) {
+    let tap = |k: f32| math::expf(-0.5 * k * k / (PSF_SIGMA_PX * PSF_SIGMA_PX));
+    let (w1, w2) = (tap(1.0), tap(2.0));
+    let norm = 1.0 / (1.0 + 2.0 * (w1 + w2));
+    let (w0, w1, w2) = (norm, w1 * norm, w2 * norm);
+    let stride = width * 3;
+    scratch.clear();
+    scratch.resize(rgb.len(), 0.0);
+    for row in 0..height {
+        let at = |r: isize| (row as isize + r).clamp(0, height as isize - 1) as usize * stride;
+        let line = |r: isize| &rgb[at(r)..at(r) + stride];
+        let (a, b, c, d, e) = (line(-2), line(-1), line(0), line(1), line(2));
+        let out = &mut scratch[row * stride..(row + 1) * stride];
+        for i in 0..stride {
+            out[i] = w0 * c[i] + w1 * (b[i] + d[i]) + w2 * (a[i] + e[i]);
+        }
+    }
+    let mut padded = vec![0.0_f32; stride + 12];
+    for row in 0..height {
+        let line = &scratch[row * stride..(row + 1) * stride];
+        padded[6..6 + stride].copy_from_slice(line);
+        for i in 0..6 {
+            padded[i] = line[i % 3];
+            padded[6 + stride + i] = line[stride - 3 + i % 3];
+        }
+        let out = &mut rgb[row * stride..(row + 1) * stride];
+        let (a, b, c, d, e) = (&padded[..stride], &padded[3..], &padded[6..], &padded[9..], &padded[12..]);
+        for i in 0..stride {
+            out[i] = w0 * c[i] + w1 * (b[i] + d[i]) + w2 * (a[i] + e[i]);
+        }
+    }
+}
+
+/// Applies the gain, adds the noise and rounds to 8 bits.
+#[must_use]
+pub fn expose(rgb: &[f32], width: usize, height: usize, gain: f32, stream: &mut Stream) -> Vec<u8> {
+    let deviates = normal_table(stream);
+    let mut state = stream.next_u64() | 1;
+    let stride = width * 3;
+    let normal = 1.0 / (1.0 + 2.0 * NEIGHBOUR * NEIGHBOUR);
+    let variance: Vec<[f32; 2]> = (0..stride).map(|i| [VARIANCE[i % 3].0, VARIANCE[i % 3].1]).collect();
+    // White noise with a border of one pixel; three rows of it are alive at a time.
+    let wide = stride + 6;
+    let mut rows = vec![0.0_f32; wide * 3];
+    let mut fill = |row: &mut [f32]| {
+        for four in row.chunks_mut(4) {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            for (k, v) in four.iter_mut().enumerate() {
+                *v = deviates[(state >> (16 * k)) as usize & (TABLE - 1)];
+            }
+        }
+    };
+    fill(&mut rows[..wide]);
+    fill(&mut rows[wide..2 * wide]);
+    let mut down = vec![0.0_f32; wide];
+    let mut image = vec![0_u8; rgb.len()];
+    for row in 0..height {
+        let newest = (row + 2) % 3;
+        fill(&mut rows[newest * wide..(newest + 1) * wide]);
+        let line = |r: usize| &rows[(r % 3) * wide..(r % 3 + 1) * wide];
+        let (above, here, below) = (line(row), line(row + 1), line(row + 2));
+        for i in 0..wide {
+            down[i] = here[i] + NEIGHBOUR * (above[i] + below[i]);
+        }
+        let input = &rgb[row * stride..(row + 1) * stride];
+        let out = &mut image[row * stride..(row + 1) * stride];
+        let (left, middle, right) = (&down[..stride], &down[3..stride + 3], &down[6..stride + 6]);
+        for i in 0..stride {
+            let value = (input[i] * gain).clamp(0.0, 2000.0);
+            let sd = (variance[i][0] + variance[i][1] * value).sqrt();
+            let noise = (middle[i] + NEIGHBOUR * (left[i] + right[i])) * normal;
+            out[i] = (value + sd * noise + 0.5) as u8;
+        }
+    }
+    image
+}
+
+const TABLE: usize = 4096;
+
+/// Standard normal deviates with mean 0 and variance 1 exactly.
+fn normal_table(stream: &mut Stream) -> Vec<f32> {
+    let mut z: Vec<f64> = (0..TABLE).map(|_| stream.normal()).collect();
+    let mean = z.iter().sum::<f64>() / TABLE as f64;
+    let sd = (z.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / TABLE as f64).sqrt();
+    z.iter_mut().for_each(|v| *v = (*v - mean) / sd);
+    z.into_iter().map(|v| v as f32).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_has_the_measured_variance_and_correlation() {
+        let (w, h) = (400, 300);
+        let rgb = vec![120.0_f32; w * h * 3];
+        let image = expose(&rgb, w, h, 1.0, &mut Stream::from_seed("noise", 3));
+        for (channel, (constant, slope)) in VARIANCE.iter().enumerate() {
+            let v: Vec<f64> = image.iter().skip(channel).step_by(3).map(|b| f64::from(*b)).collect();
+            let mean = v.iter().sum::<f64>() / v.len() as f64;
+            let cov = |shift: usize| {
+                (0..v.len() - shift).map(|i| (v[i] - mean) * (v[i + shift] - mean)).sum::<f64>() / (v.len() - shift) as f64
+            };
+            let want = f64::from(constant + slope * 120.0);
+            assert!((mean - 120.0).abs() < 0.1, "{mean}");
+            // Rounding adds 1/12.
+            assert!((cov(0) - want - 1.0 / 12.0).abs() < 0.12 * want, "{channel}: {} {want}", cov(0));
+            for shift in [1, w] {
+                let r = cov(shift) / cov(0);
+                assert!((0.27..0.42).contains(&r), "{channel} {shift}: {r}");
+            }
+        }
+    }
+
+    #[test]
+    fn an_edge_rises_over_the_measured_width_and_light_is_kept() {
+        let (w, h) = (40, 8);
+        let mut rgb: Vec<f32> = (0..w * h * 3).map(|i| f32::from(u8::from((i / 3) % w >= 20))).collect();
+        let before: f32 = rgb.iter().sum();
+        blur(&mut rgb, w, h, &mut Vec::new());
+        assert!((rgb.iter().sum::<f32>() - before).abs() < 1e-2 * before);
+        let row: Vec<f32> = rgb[3 * w * 3..][..w * 3].iter().step_by(3).copied().collect();
+        let at = |level: f32| {
+            let i = row.iter().position(|v| *v > level).unwrap();
+            i as f32 - (row[i] - level) / (row[i] - row[i - 1])
+        };
+        let rise = at(0.9) - at(0.1);
+        assert!((2.0..2.8).contains(&rise), "{rise}");
+    }
+}

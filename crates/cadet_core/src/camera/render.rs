@@ -1,0 +1,281 @@
+//! A picture of a posed scene: colour from four samples a pixel, depth and identity from the pixels' centres.
+
+use super::ambient::SkyView;
+use super::exposure::gain_for_mean_luma;
+use super::noise::{blur, expose};
+use super::pattern::hash2;
+use super::shade::{Light, Surface};
+use super::shadow::Shadows;
+use super::sky::Sky;
+use crate::error::Result;
+use crate::material::Semantic;
+use crate::math::{DPose3, DVec3, Mat3, Vec3};
+use crate::rng::Stream;
+use crate::sense::{Hits, Layer, NO_HIT, PinholeGrid, PosedScene, cast};
+use crate::weather::Weather;
+
+/// A pinhole camera at a place.
+#[derive(Debug, Clone)]
+pub struct View {
+    /// fx, fy, cx, cy in pixels; pixel (0, 0) has its centre at (0, 0).
+    pub intrinsics: [f64; 4],
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// x right, y down, z forward, origin in the optical centre.
+    pub world_from_cam: DPose3,
+}
+
+/// What the camera writes; every array is row-major.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rendered {
+    /// RGB, 8 bits, almost linear in the light.
+    pub image: Vec<u8>,
+    /// z along the optical axis at the pixels' centres, metres; infinite for the sky.
+    pub depth: Vec<f32>,
+    /// -1 sky, 0 static world, actors from 1; panes carry their car's id.
+    pub instance: Vec<i32>,
+    /// [`Semantic`] as a byte.
+    pub semantic: Vec<u8>,
+    /// As `instance`, at twice the width and height: samples at -0.25 and +0.25 px about each centre.
+    pub super_instance: Vec<i32>,
+}
+
+/// Mean luma that the exposure aims at, and its spread from frame to frame.
+const MEAN_LUMA: (f64, f64) = (91.0, 1.8);
+
+/// Renders a scene.
+///
+/// # Determinism
+/// A function of its arguments; one thread. `stream` feeds the exposure and the noise alone.
+///
+/// # Errors
+/// Those of [`PinholeGrid::new`]: a camera that is none.
+pub fn render(scene: &PosedScene, view: &View, weather: &Weather, stream: &mut Stream) -> Result<Rendered> {
+    let (width, height) = (view.width, view.height);
+    let grid = |origin: f64, step: f64, n: usize| {
+        PinholeGrid::new(view.world_from_cam, view.intrinsics, [origin, origin, step, step], height * n, width * n)
+    };
+    let (centers, samples) = (grid(0.0, 1.0, 1)?, grid(-0.25, 0.5, 2)?);
+    let cast_layer = |grid: &PinholeGrid, layer: Layer| {
+        let mut hits = Hits::new(0, 0);
+        cast(scene, grid, layer, |_| true, &mut hits);
+        hits
+    };
+    let opaque = cast_layer(&samples, Layer::Opaque);
+    let glass = cast_layer(&samples, Layer::Glass);
+    let mut nearest = cast_layer(&centers, Layer::Opaque);
+    cast(scene, &centers, Layer::Glass, |_| true, &mut nearest);
+
+    let light = light_of(scene, view, weather);
+    let mut rgb = Painter::new(scene, view, &light).paint(&opaque, &glass);
+    blur(&mut rgb, width, height, &mut Vec::new());
+    let target = stream.clipped_normal(MEAN_LUMA.0, MEAN_LUMA.1) as f32;
+    let gain = gain_for_mean_luma(&rgb, target, 7);
+    let image = expose(&rgb, width, height, gain, stream);
+
+    let id = |instance: u32| if instance == NO_HIT { -1 } else { scene.instances[instance as usize].actor_id };
+    let semantic = nearest.instance.iter().zip(&nearest.face).map(|(instance, face)| match *instance {
+        NO_HIT => Semantic::Sky as u8,
+        i => scene.instances[i as usize].material(*face).semantic as u8,
+    });
+    let super_instance = (0..opaque.depth.len())
+        .map(|i| id(if glass.depth[i] < opaque.depth[i] { glass.instance[i] } else { opaque.instance[i] }));
+    Ok(Rendered {
+        image,
+        instance: nearest.instance.iter().map(|i| id(*i)).collect(),
+        semantic: semantic.collect(),
+        super_instance: super_instance.collect(),
+        depth: nearest.depth,
+    })
+}
+
+/// Sun, sky, shadows and openness around a view.
+fn light_of(scene: &PosedScene, view: &View, weather: &Weather) -> Light {
+    let sky = Sky::new(weather);
+    let eye = view.world_from_cam.translation;
+    let forward = view.world_from_cam.rotation * DVec3::Z;
+    let shadows = sky.has_shadows().then(|| Shadows::new(scene, eye, forward, sky.sun_world));
+    let sky_view = SkyView::new(scene, eye, forward);
+    Light::new(weather, sky, shadows, sky_view)
+}
+
+/// What shading needs of an instance, in single precision.
+struct Placed {
+    world_from_local: Mat3,
+    place_hash: u32,
+}
+
+/// Samples of one pixel that show the same face.
+struct Group {
+    instance: u32,
+    face: u32,
+    count: f32,
+    du: f32,
+    dv: f32,
+    depth: f32,
+}
+
+struct Painter<'a> {
+    scene: &'a PosedScene,
+    light: &'a Light,
+    view: &'a View,
+    eye: Vec3,
+    /// World directions: of a column at row 0, and what a row adds.
+    right: Vec3,
+    down: Vec3,
+    corner: Vec3,
+    placed: Vec<Placed>,
+}
+
+const OFFSETS: [(f32, f32); 4] = [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)];
+
+impl<'a> Painter<'a> {
+    fn new(scene: &'a PosedScene, view: &'a View, light: &'a Light) -> Self {
+        let [fx, fy, cx, cy] = view.intrinsics;
+        let turn = |v: DVec3| (view.world_from_cam.rotation * v).as_vec3();
+        let placed = scene.instances.iter().map(|i| Placed {
+            world_from_local: i.world_from_local.as_mat3(),
+            place_hash: hash2((i.center_world.x * 8.0) as i32, (i.center_world.y * 8.0) as i32, 0x97AC),
+        });
+        Self {
+            scene,
+            light,
+            view,
+            eye: view.world_from_cam.translation.as_vec3(),
+            right: turn(DVec3::X / fx),
+            down: turn(DVec3::Y / fy),
+            corner: turn(DVec3::new(-cx / fx, -cy / fy, 1.0)),
+            placed: placed.collect(),
+        }
+    }
+
+    fn paint(&self, opaque: &Hits, glass: &Hits) -> Vec<f32> {
+        let (width, height) = (self.view.width, self.view.height);
+        let mut rgb = Vec::with_capacity(width * height * 3);
+        for row in 0..height {
+            for column in 0..width {
+                let first = 2 * row * 2 * width + 2 * column;
+                let at = [first, first + 1, first + 2 * width, first + 2 * width + 1];
+                let (u, v) = (column as f32, row as f32);
+                let mut sum = Vec3::ZERO;
+                if at.iter().any(|i| glass.depth[*i] < opaque.depth[*i]) {
+                    for (i, (du, dv)) in at.into_iter().zip(OFFSETS) {
+                        let behind = self.sample(opaque, i, u + du, v + dv);
+                        let seen = if glass.depth[i] < opaque.depth[i] {
+                            self.through_pane(glass, i, u + du, v + dv, behind)
+                        } else {
+                            behind
+                        };
+                        sum += seen * 0.25;
+                    }
+                } else {
+                    for group in groups(opaque, &at).into_iter().flatten() {
+                        let share = 1.0 / group.count;
+                        let (u, v) = (u + group.du * share, v + group.dv * share);
+                        let color = self.color(group.instance, group.face, u, v, group.depth * share);
+                        sum += color * (group.count * 0.25);
+                    }
+                }
+                rgb.extend([sum.x, sum.y, sum.z]);
+            }
+        }
+        rgb
+    }
+
+    fn sample(&self, hits: &Hits, i: usize, u: f32, v: f32) -> Vec3 {
+        self.color(hits.instance[i], hits.face[i], u, v, hits.depth[i])
+    }
+
+    fn color(&self, instance: u32, face: u32, u: f32, v: f32, depth: f32) -> Vec3 {
+        let direction = self.corner + self.right * u + self.down * v;
+        let length = direction.length();
+        let view_world = direction * (1.0 / length);
+        if instance == NO_HIT {
+            let radiance = self.light.sky.visible_radiance(view_world);
+            // Fog hides the sky as it hides what is far.
+            let fog = self.light.extinction_per_m > 0.004;
+            return if fog { self.light.through_air(radiance, view_world, 400.0) } else { radiance };
+        }
+        let surface = self.surface(instance, face, view_world, depth * length, depth);
+        self.light.through_air(self.light.opaque(&surface), view_world, surface.distance_m)
+    }
+
+    fn through_pane(&self, glass: &Hits, i: usize, u: f32, v: f32, behind: Vec3) -> Vec3 {
+        let direction = self.corner + self.right * u + self.down * v;
+        let length = direction.length();
+        let view_world = direction * (1.0 / length);
+        let depth = glass.depth[i];
+        let surface = self.surface(glass.instance[i], glass.face[i], view_world, depth * length, depth);
+        self.light.pane(&surface, behind)
+    }
+
+    fn surface(&self, instance: u32, face: u32, view_world: Vec3, distance_m: f32, depth_m: f32) -> Surface<'a> {
+        let posed = &self.scene.instances[instance as usize];
+        let placed = &self.placed[instance as usize];
+        let mesh = &posed.mesh;
+        let corners = mesh.faces[face as usize].map(|i| i as usize);
+        let [a, b, c] = corners.map(|i| mesh.vertices[i]);
+        let world = &self.scene.vertices_world[posed.vertices.clone()];
+        let point_world = self.eye + view_world * distance_m;
+        // Weights of the corners, from the posed triangle.
+        let (e1, e2) = (world[corners[1]] - world[corners[0]], world[corners[2]] - world[corners[0]]);
+        let d = point_world - world[corners[0]];
+        let (d11, d12, d22) = (e1.dot(e1), e1.dot(e2), e2.dot(e2));
+        let (p1, p2) = (d.dot(e1), d.dot(e2));
+        let inverse = 1.0 / (d11 * d22 - d12 * d12).max(1e-20);
+        let wb = ((d22 * p1 - d12 * p2) * inverse).clamp(0.0, 1.0);
+        let wc = ((d11 * p2 - d12 * p1) * inverse).clamp(0.0, 1.0 - wb);
+        let wa = 1.0 - wb - wc;
+        let face_normal_local = (b - a).cross(c - a).normalize_or_zero();
+        let [na, nb, nc] = corners.map(|i| mesh.normals[i]);
+        let smooth = (na * wa + nb * wb + nc * wc).normalize_or_zero();
+        let mut face_normal_world = e1.cross(e2).normalize_or_zero();
+        let mut normal_world = placed.world_from_local * smooth;
+        if face_normal_world.dot(view_world) > 0.0 {
+            (face_normal_world, normal_world) = (-face_normal_world, -normal_world);
+        }
+        Surface {
+            point_world,
+            point_local: a * wa + b * wb + c * wc,
+            normal_world,
+            face_normal_world,
+            face_normal_local,
+            view_world,
+            distance_m,
+            pixel_m: depth_m / self.view.intrinsics[0] as f32,
+            material: posed.material(face),
+            face_hash: hash2(face as i32, 0, placed.place_hash),
+            place_hash: placed.place_hash,
+        }
+    }
+}
+
+/// Collects a pixel's samples by face: one shading each.
+#[inline]
+fn groups(hits: &Hits, at: &[usize; 4]) -> [Option<Group>; 4] {
+    let mut out = [const { None }; 4];
+    'samples: for (i, (du, dv)) in at.iter().zip(OFFSETS) {
+        let (instance, face, depth) = (hits.instance[*i], hits.face[*i], hits.depth[*i]);
+        for slot in &mut out {
+            match slot {
+                Some(group) => {
+                    let group: &mut Group = group;
+                    if group.instance == instance && group.face == face {
+                        group.count += 1.0;
+                        group.du += du;
+                        group.dv += dv;
+                        group.depth += depth;
+                        continue 'samples;
+                    }
+                }
+                None => {
+                    *slot = Some(Group { instance, face, count: 1.0, du, dv, depth });
+                    continue 'samples;
+                }
+            }
+        }
+    }
+    out
+}

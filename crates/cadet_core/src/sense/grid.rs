@@ -1,0 +1,71 @@
+//! Grids of beams: rows x columns that leave one point, or one vertical axis.
+
+use std::ops::Range;
+
+use super::edges::EdgePlanes;
+use crate::math::{DPose3, DVec3, Vec3};
+
+/// How many vertices are projected together, so that the compiler can use its vector registers.
+pub const LANES: usize = 8;
+
+/// The x, y and z of [`LANES`] points, in the grid's own frame.
+pub type Lanes = [[f32; LANES]; 3];
+
+/// One beam of a grid: the points `origin_world + depth * direction_world` with depth > 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Beam {
+    /// Where the beam starts.
+    pub origin_world: DVec3,
+    /// Its direction, scaled so that the grid's depth counts in multiples of it (not a unit vector for a camera).
+    pub direction_world: DVec3,
+}
+
+/// A rectangle of beams, by the grid's inner row order.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Window {
+    /// Rows, in the order in which the grid keeps them inside.
+    pub rows: Range<usize>,
+    /// Columns.
+    pub columns: Range<usize>,
+}
+
+impl Window {
+    /// True where no beam is inside.
+    #[inline]
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty() || self.columns.is_empty()
+    }
+}
+
+/// Beams in rows and columns, and what the visibility kernel asks of them.
+///
+/// Bounds may be too wide but never too narrow; [`BeamGrid::cover`] decides exactly.
+pub trait BeamGrid {
+    /// Where a vertex falls on the grid.
+    type Footprint: Copy + Default;
+
+    /// Number of rows.
+    fn rows(&self) -> usize;
+
+    /// Number of columns.
+    fn columns(&self) -> usize;
+
+    /// The frame in which the grid works.
+    fn world_from_grid(&self) -> DPose3;
+
+    /// The beam of a row and a column.
+    fn beam(&self, row: usize, column: usize) -> Beam;
+
+    /// False only if no beam meets the sphere.
+    fn sees_sphere(&self, center_grid: DVec3, radius_m: f64) -> bool;
+
+    /// Where points fall on the grid.
+    fn footprints(&self, points_grid: &Lanes, out: &mut [Self::Footprint; LANES]);
+
+    /// The beams that may meet a triangle: two windows, as a triangle may lie across the seam of a turn.
+    fn windows(&self, corners_grid: impl Fn() -> [Vec3; 3], footprints: &[Self::Footprint; 3]) -> [Window; 2];
+
+    /// Calls `visit(row * columns + column, depth)` for every beam of the window that meets the triangle.
+    fn cover(&self, triangle: &EdgePlanes, window: &Window, visit: impl FnMut(usize, f64));
+}

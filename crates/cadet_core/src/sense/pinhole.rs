@@ -1,0 +1,200 @@
+//! The beams of a pinhole camera, at any spacing on the image plane.
+
+use super::edges::EdgePlanes;
+use super::grid::{Beam, BeamGrid, LANES, Lanes, Window};
+use crate::error::{Error, Result, finite};
+use crate::math::{DPose3, DVec3, Vec3};
+
+/// Samples of an image: row r, column c lies at `u = u0 + c * du`, `v = v0 + r * dv`, where the beam's direction is
+/// `((u - cx) / fx, (v - cy) / fy, 1)` in the camera's frame. Depth is z along the optical axis.
+#[derive(Debug, Clone)]
+pub struct PinholeGrid {
+    world_from_cam: DPose3,
+    /// (u - cx) / fx of every column, rising.
+    columns_x: Vec<f64>,
+    /// (v - cy) / fy of every row, rising.
+    rows_y: Vec<f64>,
+    /// Column = x / z * scale + offset, and the same for rows.
+    column_scale: f64,
+    column_offset: f64,
+    row_scale: f64,
+    row_offset: f64,
+}
+
+/// How far the single-precision projection may err, in samples.
+const MARGIN: f32 = 0.02;
+/// Windows wider than this are narrowed row by row.
+const NARROW_ABOVE: usize = 6;
+
+impl PinholeGrid {
+    /// A grid in the image of a camera with focal lengths `fx`, `fy` and principal point `cx`, `cy` (pixels).
+    ///
+    /// `world_from_cam`: x right, y down, z forward, origin in the optical centre.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`], and [`Error::OutOfRange`] for focal lengths or spacings that are not positive or an empty
+    /// grid.
+    pub fn new(
+        world_from_cam: DPose3,
+        [fx, fy, cx, cy]: [f64; 4],
+        [u0, v0, du, dv]: [f64; 4],
+        rows: usize,
+        columns: usize,
+    ) -> Result<Self> {
+        for (what, value) in [("fx", fx), ("fy", fy), ("du", du), ("dv", dv)] {
+            if finite(what, value)? <= 0.0 {
+                return Err(Error::OutOfRange { what, value: value.to_string(), expected: "above 0".to_owned() });
+            }
+        }
+        for (what, value) in [("cx", cx), ("cy", cy), ("u0", u0), ("v0", v0)] {
+            let _ = finite(what, value)?;
+        }
+        if rows == 0 || columns == 0 {
+            return Err(Error::OutOfRange {
+                what: "rows x columns",
+                value: format!("{rows} x {columns}"),
+                expected: "at least 1 x 1".to_owned(),
+            });
+        }
+        Ok(Self {
+            world_from_cam,
+            columns_x: (0..columns).map(|c| (u0 + c as f64 * du - cx) / fx).collect(),
+            rows_y: (0..rows).map(|r| (v0 + r as f64 * dv - cy) / fy).collect(),
+            column_scale: fx / du,
+            column_offset: (cx - u0) / du,
+            row_scale: fy / dv,
+            row_offset: (cy - v0) / dv,
+        })
+    }
+
+    fn edges(&self) -> [f64; 4] {
+        let (w, h) = (self.columns_x.len() - 1, self.rows_y.len() - 1);
+        [self.columns_x[0], self.columns_x[w], self.rows_y[0], self.rows_y[h]]
+    }
+
+    /// A triangle that reaches behind the camera or nearly so: everything, unless one side of the view excludes it.
+    #[cold]
+    fn window_of_crossing(&self, corners_grid: [Vec3; 3]) -> Window {
+        let [left, right, top, bottom] = self.edges();
+        let corners = corners_grid.map(|p| p.as_dvec3());
+        let slack = |p: &DVec3| 1e-6 * (p.x.abs() + p.y.abs() + p.z.abs());
+        let outside = corners.iter().all(|p| p.z < -slack(p))
+            || corners.iter().all(|p| p.x - left * p.z < -slack(p) * (1.0 + left.abs()))
+            || corners.iter().all(|p| p.x - right * p.z > slack(p) * (1.0 + right.abs()))
+            || corners.iter().all(|p| p.y - top * p.z < -slack(p) * (1.0 + top.abs()))
+            || corners.iter().all(|p| p.y - bottom * p.z > slack(p) * (1.0 + bottom.abs()));
+        if outside { Window::default() } else { Window { rows: 0..self.rows(), columns: 0..self.columns() } }
+    }
+}
+
+impl BeamGrid for PinholeGrid {
+    /// Column and row, clamped to just outside the grid; NaN where the point is not clearly in front.
+    type Footprint = [f32; 2];
+
+    fn rows(&self) -> usize {
+        self.rows_y.len()
+    }
+
+    fn columns(&self) -> usize {
+        self.columns_x.len()
+    }
+
+    fn world_from_grid(&self) -> DPose3 {
+        self.world_from_cam
+    }
+
+    fn beam(&self, row: usize, column: usize) -> Beam {
+        Beam {
+            origin_world: self.world_from_cam.translation,
+            direction_world: self.world_from_cam.rotation * DVec3::new(self.columns_x[column], self.rows_y[row], 1.0),
+        }
+    }
+
+    fn sees_sphere(&self, c: DVec3, radius_m: f64) -> bool {
+        let [left, right, top, bottom] = self.edges();
+        let reach = |slope: f64| radius_m * (1.0 + slope * slope).sqrt();
+        c.z > -radius_m
+            && c.x - left * c.z > -reach(left)
+            && c.x - right * c.z < reach(right)
+            && c.y - top * c.z > -reach(top)
+            && c.y - bottom * c.z < reach(bottom)
+    }
+
+    #[inline]
+    fn footprints(&self, [x, y, z]: &Lanes, out: &mut [Self::Footprint; LANES]) {
+        let (cs, co) = (self.column_scale as f32, self.column_offset as f32);
+        let (rs, ro) = (self.row_scale as f32, self.row_offset as f32);
+        let (last_column, last_row) = (self.columns() as f32, self.rows() as f32);
+        for i in 0..LANES {
+            let in_front = z[i] > 0.01 * (x[i].abs() + y[i].abs()) && z[i] > 1e-4;
+            let inverse = if in_front { 1.0 / z[i] } else { f32::NAN };
+            let column = x[i] * inverse * cs + co;
+            let row = y[i] * inverse * rs + ro;
+            // Comparisons that keep NaN.
+            let column = if column < -2.0 { -2.0 } else { column };
+            let row = if row < -2.0 { -2.0 } else { row };
+            out[i] = [
+                if column > last_column + 1.0 { last_column + 1.0 } else { column },
+                if row > last_row + 1.0 { last_row + 1.0 } else { row },
+            ];
+        }
+    }
+
+    #[inline]
+    fn windows(&self, corners_grid: impl Fn() -> [Vec3; 3], [a, b, c]: &[Self::Footprint; 3]) -> [Window; 2] {
+        if (a[0] + b[0] + c[0]).is_nan() {
+            return [self.window_of_crossing(corners_grid()), Window::default()];
+        }
+        let range = |k: usize, n: usize| {
+            let lo = a[k].min(b[k]).min(c[k]) - MARGIN;
+            let hi = a[k].max(b[k]).max(c[k]) + MARGIN;
+            let first = lo.max(0.0).ceil() as usize;
+            let end = ((hi + 1.0).max(0.0) as usize).min(n);
+            first..end
+        };
+        [Window { rows: range(1, self.rows()), columns: range(0, self.columns()) }, Window::default()]
+    }
+
+    #[inline]
+    fn cover(&self, triangle: &EdgePlanes, window: &Window, mut visit: impl FnMut(usize, f64)) {
+        let volume = triangle.volume.abs();
+        if volume == 0.0 {
+            return;
+        }
+        let sign = if triangle.volume > 0.0 { 1.0 } else { -1.0 };
+        let [e0, e1, e2] = triangle.cross.map(|n| n * sign);
+        let n = triangle.normal * sign;
+        for row in window.rows.clone() {
+            let y = self.rows_y[row];
+            let rests = [e0.y * y + e0.z, e1.y * y + e1.z, e2.y * y + e2.z];
+            let rest = n.y * y + n.z;
+            let mut columns = window.columns.clone();
+            if columns.len() > NARROW_ABOVE {
+                for (slope, rest) in [(e0.x, rests[0]), (e1.x, rests[1]), (e2.x, rests[2])] {
+                    narrow(&mut columns, slope, rest, self.column_scale, self.column_offset);
+                }
+            }
+            let base = row * self.columns_x.len();
+            for column in columns {
+                let x = self.columns_x[column];
+                if e0.x * x + rests[0] >= 0.0 && e1.x * x + rests[1] >= 0.0 && e2.x * x + rests[2] >= 0.0 {
+                    let facing = n.x * x + rest;
+                    if facing > 0.0 {
+                        visit(base + column, volume / facing);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Drops columns where `slope * x + rest` is clearly negative.
+#[inline]
+fn narrow(columns: &mut std::ops::Range<usize>, slope: f64, rest: f64, scale: f64, offset: f64) {
+    let root = (-rest / slope) * scale + offset;
+    if slope > 0.0 {
+        columns.start = columns.start.max((root - 1.0).max(0.0) as usize);
+    } else if slope < 0.0 {
+        columns.end = columns.end.min((root + 2.0).max(0.0) as usize);
+    }
+}

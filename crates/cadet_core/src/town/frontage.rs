@@ -1,0 +1,146 @@
+//! Frontages: the outer edges of the streets, along which plots lie.
+
+use super::{Lane, LaneKind, RoadNetwork};
+use crate::math::DVec2;
+
+/// The outer edge of a street's pavement on one side. Points run with the traffic beside it, so that the plots lie to
+/// the **right** of it and the street to its left.
+#[derive(Debug, Clone)]
+pub(super) struct Frontage {
+    /// The road that it belongs to.
+    pub road: u32,
+    /// 0 for the right side of a lane, 1 for the left side of a one-way road.
+    pub side: u64,
+    /// Points about 1 m apart.
+    pub points: Vec<DVec2>,
+    /// Distance from each point to the outer edge of the carriageway.
+    pub pavement_m: Vec<f64>,
+    /// Distance along it at each point.
+    pub s_m: Vec<f64>,
+    /// The lane beside it has a lane to follow it: its end leads into a junction or on.
+    pub speed_limit_mps: f64,
+}
+
+impl Frontage {
+    fn new(lane: &Lane, side: u64, mut edge: Vec<(DVec2, f64)>) -> Self {
+        if side == 1 {
+            edge.reverse();
+        }
+        edge.dedup_by(|b, a| (b.0 - a.0).length() < 0.3);
+        let mut s_m = Vec::with_capacity(edge.len());
+        let mut s = 0.0;
+        for i in 0..edge.len() {
+            if i > 0 {
+                s += (edge[i].0 - edge[i - 1].0).length();
+            }
+            s_m.push(s);
+        }
+        let (points, pavement_m) = edge.into_iter().unzip();
+        Self { road: lane.road, side, points, pavement_m, s_m, speed_limit_mps: lane.speed_limit_mps }
+    }
+
+    /// Length along the edge.
+    pub fn length_m(&self) -> f64 {
+        self.s_m.last().copied().unwrap_or(0.0)
+    }
+
+    fn segment(&self, s: f64) -> (usize, f64) {
+        let i = self.s_m.partition_point(|v| *v <= s).clamp(1, self.points.len() - 1);
+        (i, ((s - self.s_m[i - 1]) / (self.s_m[i] - self.s_m[i - 1])).clamp(0.0, 1.0))
+    }
+
+    /// The point at a distance along the edge.
+    pub fn at(&self, s: f64) -> DVec2 {
+        let (i, t) = self.segment(s);
+        self.points[i - 1].lerp(self.points[i], t)
+    }
+
+    /// The direction of travel at a distance along the edge.
+    pub fn along(&self, s: f64) -> DVec2 {
+        let (i, _) = self.segment(s);
+        (self.points[i] - self.points[i - 1]).normalize()
+    }
+
+    /// Width from the carriageway's edge to this edge.
+    pub fn pavement_at(&self, s: f64) -> f64 {
+        let (i, t) = self.segment(s);
+        self.pavement_m[i - 1] + (self.pavement_m[i] - self.pavement_m[i - 1]) * t
+    }
+
+    /// The points strictly between two distances.
+    pub fn between(&self, from: f64, to: f64) -> &[DVec2] {
+        let (i, j) = (self.s_m.partition_point(|v| *v <= from), self.s_m.partition_point(|v| *v < to));
+        &self.points[i.min(j)..j]
+    }
+}
+
+/// To the right of a direction.
+pub(super) fn right_of(along: DVec2) -> DVec2 {
+    DVec2::new(along.y, -along.x)
+}
+
+/// Signed lateral offset of a lane from a pose (left is positive) and its half width there; `None` where the lane does
+/// not pass beside it.
+fn beside(lane: &Lane, at: DVec2, along: DVec2, guess: &mut usize) -> Option<(f64, f64)> {
+    // Lanes of one road run side by side: walk from the last index to the nearest point.
+    let distance = |i: usize| (lane.center[i].truncate() - at).length_squared();
+    let mut i = (*guess).min(lane.center.len() - 1);
+    while i + 1 < lane.center.len() && distance(i + 1) <= distance(i) {
+        i += 1;
+    }
+    while i > 0 && distance(i - 1) < distance(i) {
+        i -= 1;
+    }
+    *guess = i;
+    let d = lane.center[i].truncate() - at;
+    // More than a sampling step ahead or behind: the lane ends before it comes here.
+    if d.dot(along).abs() > 1.6 {
+        return None;
+    }
+    Some((-d.dot(right_of(along)), lane.width_m[i] / 2.0))
+}
+
+/// The frontages of all streets, junctions left out.
+pub(super) fn frontages(network: &RoadNetwork) -> Vec<Frontage> {
+    let open: Vec<&Lane> = network.lanes.iter().filter(|l| l.junction.is_none()).collect();
+    let mut frontages = Vec::new();
+    for lane in open.iter().filter(|l| l.kind == LaneKind::Driving) {
+        let neighbours: Vec<&Lane> = open.iter().filter(|l| l.road == lane.road && l.id != lane.id).copied().collect();
+        let mut guesses: Vec<usize> = neighbours.iter().map(|l| l.center.len() / 2).collect();
+        let mut sides: [Vec<(DVec2, f64)>; 2] = [Vec::new(), Vec::new()];
+        let mut inner = [0, 0];
+        let count = (lane.length_m().floor() as usize).max(1);
+        for k in 0..=count {
+            let s = lane.length_m() * k as f64 / count as f64;
+            let pose = lane.pose_at(s);
+            let at = pose.translation.truncate();
+            let along = (pose.rotation * crate::math::DVec3::X).truncate().normalize();
+            let own = lane.width_at(s) / 2.0;
+            // (outer edge of all lanes, of the carriageway, another driving lane on this side) right and left.
+            let (mut outer, mut road, mut has_driving) = ([own; 2], [own; 2], [false; 2]);
+            for (other, guess) in neighbours.iter().zip(&mut guesses) {
+                let Some((offset, half)) = beside(other, at, along, guess) else { continue };
+                let side = usize::from(offset > 0.0);
+                outer[side] = outer[side].max(offset.abs() + half);
+                if matches!(other.kind, LaneKind::Driving | LaneKind::Parking | LaneKind::Biking) {
+                    road[side] = road[side].max(offset.abs() + half);
+                }
+                has_driving[side] |= other.kind == LaneKind::Driving && offset.abs() > 0.5;
+            }
+            for side in 0..2 {
+                inner[side] += usize::from(has_driving[side]);
+                let out = right_of(along) * if side == 0 { 1.0 } else { -1.0 };
+                sides[side].push((at + out * outer[side], outer[side] - road[side]));
+            }
+        }
+        for (side, edge) in sides.into_iter().enumerate() {
+            if inner[side] * 2 <= count {
+                let frontage = Frontage::new(lane, side as u64, edge);
+                if frontage.points.len() > 3 {
+                    frontages.push(frontage);
+                }
+            }
+        }
+    }
+    frontages
+}

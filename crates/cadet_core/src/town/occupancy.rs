@@ -1,0 +1,232 @@
+//! What is taken: oriented rectangles in the plane, and the strips of the lanes.
+
+use std::collections::BTreeMap;
+
+use super::{Ground, RoadNetwork};
+use crate::math::{DVec2, DVec3};
+
+/// A rectangle in the plane: `axis` is its unit x direction, `half` its half extents.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct OrientedRect {
+    pub center: DVec2,
+    pub axis: DVec2,
+    pub half: DVec2,
+}
+
+impl OrientedRect {
+    /// The corners, counter-clockwise.
+    pub fn corners(&self) -> [DVec2; 4] {
+        let (x, y) = (self.axis * self.half.x, self.axis.perp() * self.half.y);
+        [self.center - x - y, self.center + x - y, self.center + x + y, self.center - x + y]
+    }
+
+    /// True where the insides meet (separating axes).
+    pub fn overlaps(&self, other: &Self) -> bool {
+        let apart = |axis: DVec2| {
+            let reach = |r: &Self| r.axis.dot(axis).abs() * r.half.x + r.axis.perp().dot(axis).abs() * r.half.y;
+            (other.center - self.center).dot(axis).abs() >= reach(self) + reach(other)
+        };
+        ![self.axis, self.axis.perp(), other.axis, other.axis.perp()].into_iter().any(apart)
+    }
+
+    /// True inside, or within `margin_m` of it along its axes.
+    pub fn contains(&self, point: DVec2, margin_m: f64) -> bool {
+        let d = point - self.center;
+        d.dot(self.axis).abs() <= self.half.x + margin_m && d.dot(self.axis.perp()).abs() <= self.half.y + margin_m
+    }
+
+    /// Points inside, at most `step_m` apart, the corners among them.
+    pub fn samples(&self, step_m: f64) -> impl Iterator<Item = DVec2> + '_ {
+        let count = |half: f64| ((2.0 * half / step_m).ceil() as usize).max(1);
+        let (nx, ny) = (count(self.half.x), count(self.half.y));
+        (0..=nx).flat_map(move |i| {
+            (0..=ny).map(move |j| {
+                let (u, v) = (2.0 * i as f64 / nx as f64 - 1.0, 2.0 * j as f64 / ny as f64 - 1.0);
+                self.center + self.axis * (self.half.x * u) + self.axis.perp() * (self.half.y * v)
+            })
+        })
+    }
+}
+
+const CELL_M: f64 = 16.0;
+
+fn cells(min: DVec2, max: DVec2) -> impl Iterator<Item = (i32, i32)> {
+    let index = |v: f64| (v / CELL_M).floor() as i32;
+    let (x, y) = (index(min.x)..=index(max.x), index(min.y)..=index(max.y));
+    x.flat_map(move |i| y.clone().map(move |j| (i, j)))
+}
+
+fn cell(p: DVec2) -> (i32, i32) {
+    ((p.x / CELL_M).floor() as i32, (p.y / CELL_M).floor() as i32)
+}
+
+/// Rectangles that must stay apart.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Occupancy {
+    rects: Vec<OrientedRect>,
+    grid: BTreeMap<(i32, i32), Vec<usize>>,
+}
+
+impl Occupancy {
+    fn reach(rect: &OrientedRect) -> (DVec2, DVec2) {
+        let corners = rect.corners();
+        corners.iter().fold((corners[0], corners[0]), |(lo, hi), c| (lo.min(*c), hi.max(*c)))
+    }
+
+    /// True where no rectangle is met.
+    pub fn is_free(&self, rect: &OrientedRect) -> bool {
+        let (lo, hi) = Self::reach(rect);
+        cells(lo, hi).all(|c| {
+            self.grid.get(&c).is_none_or(|inside| inside.iter().all(|i| !self.rects[*i].overlaps(rect)))
+        })
+    }
+
+    /// True where no rectangle comes within `margin_m` of the point.
+    pub fn is_free_at(&self, point: DVec2, margin_m: f64) -> bool {
+        let square = OrientedRect { center: point, axis: DVec2::X, half: DVec2::splat(margin_m.max(0.01)) };
+        self.is_free(&square)
+    }
+
+    /// Takes a rectangle.
+    pub fn take(&mut self, rect: OrientedRect) {
+        let (lo, hi) = Self::reach(&rect);
+        for c in cells(lo, hi) {
+            self.grid.entry(c).or_default().push(self.rects.len());
+        }
+        self.rects.push(rect);
+    }
+}
+
+/// Where the streets are, and how high the ground lies.
+#[derive(Debug)]
+pub(super) struct Site<'a> {
+    ground: &'a Ground,
+    /// Smallest corner of all lanes.
+    pub min: DVec2,
+    /// Largest corner of all lanes.
+    pub max: DVec2,
+    origin: DVec2,
+    step_m: f64,
+    columns: usize,
+    rows: usize,
+    /// Distance to the nearest lane's edge at each grid point, negative inside, at most [`MAX_MARGIN_M`].
+    clearance_m: Vec<f32>,
+}
+
+/// The largest margin that [`Site::clearance_m`] can tell.
+pub(super) const MAX_MARGIN_M: f64 = 6.0;
+/// Finest step of the grid of clearances, and how many points it has at most.
+const STEP_M: f64 = 0.75;
+const MAX_POINTS: f64 = 4.0e6;
+
+impl<'a> Site<'a> {
+    /// Surveys the lanes of a network.
+    pub fn new(network: &RoadNetwork, ground: &'a Ground) -> Self {
+        let points = network.lanes.iter().flat_map(|l| &l.center).map(|p| p.truncate());
+        let (min, max) =
+            points.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi): (DVec2, DVec2), p| (lo.min(p), hi.max(p)));
+        let origin = min - DVec2::splat(20.0);
+        let size = max + DVec2::splat(20.0) - origin;
+        let step_m = STEP_M.max((size.x * size.y / MAX_POINTS).sqrt());
+        let (columns, rows) = ((size.x / step_m).ceil() as usize + 1, (size.y / step_m).ceil() as usize + 1);
+        let clearance_m = vec![MAX_MARGIN_M as f32; columns * rows];
+        let mut site = Self { ground, min, max, origin, step_m, columns, rows, clearance_m };
+        for lane in &network.lanes {
+            // Every third point will do: lanes bend little over 6 m, and the last one closes the lane.
+            let last = lane.center.len() - 1;
+            let kept: Vec<usize> = (0..last).step_by(3).chain([last]).collect();
+            for pair in kept.windows(2) {
+                let (i, j) = (pair[0], pair[1]);
+                let half = (lane.width_m[i] / 2.0, lane.width_m[j] / 2.0);
+                site.mark(lane.center[i].truncate(), lane.center[j].truncate(), half);
+            }
+        }
+        site
+    }
+
+    /// Lowers the clearances about a piece of lane from `a` to `b`, `half` its half widths there.
+    fn mark(&mut self, a: DVec2, b: DVec2, half: (f64, f64)) {
+        let reach = DVec2::splat(half.0.max(half.1) + MAX_MARGIN_M);
+        let lo = ((a.min(b) - reach - self.origin) / self.step_m).ceil().max(DVec2::ZERO);
+        let hi = ((a.max(b) + reach - self.origin) / self.step_m).floor();
+        let (d, length_2) = (b - a, (b - a).length_squared());
+        for row in lo.y as usize..=(hi.y as usize).min(self.rows - 1) {
+            for column in lo.x as usize..=(hi.x as usize).min(self.columns - 1) {
+                let p = self.origin + DVec2::new(column as f64, row as f64) * self.step_m - a;
+                let t = (p.dot(d) / length_2).clamp(0.0, 1.0);
+                let clear = (p - d * t).length() - half.0 - (half.1 - half.0) * t;
+                let known = &mut self.clearance_m[row * self.columns + column];
+                *known = known.min(clear as f32);
+            }
+        }
+    }
+
+    /// Distance from a place to the nearest lane's edge, negative inside, at most [`MAX_MARGIN_M`].
+    pub fn clearance_m(&self, p: DVec2) -> f64 {
+        let at = (p - self.origin) / self.step_m;
+        if at.x < 0.0 || at.y < 0.0 || at.x >= (self.columns - 1) as f64 || at.y >= (self.rows - 1) as f64 {
+            return MAX_MARGIN_M;
+        }
+        let (i, j) = (at.x as usize, at.y as usize);
+        let (u, v) = (at.x - i as f64, at.y - j as f64);
+        let value = |i: usize, j: usize| f64::from(self.clearance_m[j * self.columns + i]);
+        let low = value(i, j) * (1.0 - u) + value(i + 1, j) * u;
+        low * (1.0 - v) + (value(i, j + 1) * (1.0 - u) + value(i + 1, j + 1) * u) * v
+    }
+
+    /// The ground at a place.
+    pub fn on_ground(&self, p: DVec2) -> DVec3 {
+        let _ = self.ground;
+        p.extend(0.0)
+    }
+
+    /// True where no lane of any kind comes within `margin_m` of the place and the ground is nobody's way.
+    pub fn is_clear(&self, p: DVec2, margin_m: f64) -> bool {
+        self.clearance_m(p) >= margin_m
+    }
+
+    /// True where a whole rectangle keeps `margin_m` from every lane.
+    pub fn is_rect_clear(&self, rect: &OrientedRect, margin_m: f64) -> bool {
+        rect.corners().into_iter().chain(rect.samples(1.5)).all(|p| self.is_clear(p, margin_m))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{cos, sin};
+    use crate::rng::Stream;
+
+    #[test]
+    fn overlap_agrees_with_dense_samples() {
+        let mut s = Stream::from_seed("rects", 1);
+        for _ in 0..400 {
+            let mut draw = || {
+                let a = s.range(0.0, 6.0);
+                OrientedRect {
+                    center: DVec2::new(s.range(-5.0, 5.0), s.range(-5.0, 5.0)),
+                    axis: DVec2::new(cos(a), sin(a)),
+                    half: DVec2::new(s.range(0.5, 4.0), s.range(0.5, 4.0)),
+                }
+            };
+            let (p, q) = (draw(), draw());
+            let sampled = p.samples(0.1).any(|x| q.contains(x, -0.01)) || q.samples(0.1).any(|x| p.contains(x, -0.01));
+            if sampled {
+                assert!(p.overlaps(&q), "{p:?} {q:?}");
+            } else {
+                let shrunk = |r: OrientedRect| OrientedRect { half: r.half - DVec2::splat(0.12), ..r };
+                assert!(!shrunk(p).overlaps(&shrunk(q)), "{p:?} {q:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn taken_ground_is_not_free_across_cells() {
+        let mut taken = Occupancy::default();
+        let rect = |x: f64, y: f64| OrientedRect { center: DVec2::new(x, y), axis: DVec2::X, half: DVec2::splat(5.0) };
+        taken.take(rect(16.0, -16.0));
+        assert!(!taken.is_free(&rect(24.0, -8.0)));
+        assert!(taken.is_free(&rect(26.1, -16.0)));
+        assert!(!taken.is_free_at(DVec2::new(22.0, -16.0), 1.5) && taken.is_free_at(DVec2::new(22.0, -16.0), 0.5));
+    }
+}

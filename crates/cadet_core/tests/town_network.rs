@@ -1,0 +1,116 @@
+//! Road networks, imported and generated: can one drive on them?
+
+#![allow(clippy::print_stderr)]
+
+use cadet_core::math::{DVec3, atan2, wrap_angle};
+use cadet_core::rng::StreamKey;
+use cadet_core::town::{Lane, LaneKind, RoadNetwork, SuburbConfig, generate_suburb, load_map};
+
+/// The text of a map that is not part of the repository; `None`, with a reason printed, where it is missing.
+fn shared_map(name: &str) -> Option<String> {
+    let path = format!("{}/../../../shared/maps/{name}", env!("CARGO_MANIFEST_DIR"));
+    match std::fs::read_to_string(&path) {
+        Ok(text) => Some(text),
+        Err(e) => {
+            eprintln!("skipped: {path}: {e}");
+            None
+        }
+    }
+}
+
+/// Share of driving lanes from which some way leads on for `distance_m`.
+fn share_that_goes_on(network: &RoadNetwork, distance_m: f64) -> f64 {
+    // The longest way that starts on each lane, grown until it exceeds the distance or stops growing.
+    let length: Vec<f64> = network.lanes.iter().map(Lane::length_m).collect();
+    let mut reach = length.clone();
+    for _ in 0..2000 {
+        let next: Vec<f64> = network
+            .lanes
+            .iter()
+            .map(|l| length[l.id.0] + l.successors.iter().map(|n| reach[n.0]).fold(0.0, f64::max).min(distance_m))
+            .collect();
+        if next == reach {
+            break;
+        }
+        reach = next;
+    }
+    let driving: Vec<f64> = network.driving().map(|l| reach[l.id.0]).collect();
+    driving.iter().filter(|r| **r >= distance_m).count() as f64 / driving.len() as f64
+}
+
+/// The widest gap in metres and the sharpest kink in degrees between driving lanes that follow each other.
+fn worst_joint(network: &RoadNetwork) -> (f64, f64) {
+    let heading = |a: DVec3, b: DVec3| atan2(b.y - a.y, b.x - a.x);
+    let mut worst = (0.0_f64, 0.0_f64);
+    for lane in network.driving() {
+        let n = lane.center.len();
+        let end = heading(lane.center[n - 2], lane.center[n - 1]);
+        for next in lane.successors.iter().map(|n| network.lane(*n)) {
+            let start = heading(next.center[0], next.center[1]);
+            worst.0 = worst.0.max((lane.center[n - 1] - next.center[0]).length());
+            worst.1 = worst.1.max(wrap_angle(end - start).abs().to_degrees());
+        }
+    }
+    worst
+}
+
+fn assert_drivable(name: &str, network: &RoadNetwork) {
+    for lane in &network.lanes {
+        assert!(lane.center.len() >= 2, "{name}: lane {:?}", lane.id);
+        for (i, pair) in lane.center.windows(2).enumerate() {
+            let step = (pair[1] - pair[0]).length();
+            assert!(step > 1e-4 && step <= 2.01, "{name}: lane {:?} has a step of {step} m", lane.id);
+            assert!((lane.s_m[i + 1] - lane.s_m[i] - step).abs() < 1e-9);
+        }
+        for next in &lane.successors {
+            assert!(network.lane(*next).predecessors.contains(&lane.id), "{name}: one-way link from {:?}", lane.id);
+        }
+        assert!(lane.speed_limit_mps > 1.0 && lane.speed_limit_mps < 60.0);
+    }
+    let (gap, kink) = worst_joint(network);
+    assert!(gap < 0.05, "{name}: lanes meet {gap} m apart");
+    assert!(kink < 5.0, "{name}: lanes meet at {kink} degrees");
+    let share = share_that_goes_on(network, 1000.0);
+    assert!(share >= 0.95, "{name}: only {share} of the lanes lead on for 1 km");
+}
+
+#[test]
+fn shared_towns_can_be_driven() {
+    for name in ["Town01.xodr", "Town02.xodr"] {
+        let Some(text) = shared_map(name) else { return };
+        let network = load_map(name, &text).unwrap();
+        assert_drivable(name, &network);
+        assert!(network.lanes.iter().any(|l| l.kind == LaneKind::Sidewalk));
+    }
+}
+
+#[test]
+fn what_is_no_map_is_refused_by_name() {
+    let header = "<OpenDRIVE><header revMajor=\"1\" revMinor=\"7\"/></OpenDRIVE>";
+    let walk = "<OpenDRIVE><header/><road id=\"1\" length=\"9\" junction=\"-1\"><planView><geometry s=\"0\" x=\"0\" y=\"0\" \
+                hdg=\"0\" length=\"9\"><line/></geometry></planView><lanes><laneSection s=\"0\"><right><lane id=\"-1\" \
+                type=\"sidewalk\"><width sOffset=\"0\" a=\"2\" b=\"0\" c=\"0\" d=\"0\"/></lane></right></laneSection>\
+                </lanes></road></OpenDRIVE>";
+    for text in ["", "hello", "<svg/>", header, walk] {
+        let error = load_map("broken.xodr", text).unwrap_err().to_string();
+        assert!(error.starts_with("broken.xodr: "), "{error}");
+    }
+    assert!(load_map("walk.xodr", walk).unwrap_err().to_string().contains("driving"));
+}
+
+#[test]
+fn suburbs_can_be_driven_for_ever() {
+    for seed in 0..20 {
+        let suburb = generate_suburb(&StreamKey::scene(seed), &SuburbConfig::default()).unwrap();
+        assert_drivable(&format!("suburb {seed}"), &suburb.network);
+        let dead_ends = suburb.network.driving().filter(|l| l.successors.is_empty()).count();
+        assert_eq!(dead_ends, 0, "suburb {seed}");
+    }
+}
+
+#[test]
+fn suburbs_differ_by_key_and_by_nothing_else() {
+    let make = |seed| generate_suburb(&StreamKey::scene(seed), &SuburbConfig::default()).unwrap().xodr;
+    assert_eq!(make(3), make(3));
+    assert_ne!(make(3), make(4));
+}
