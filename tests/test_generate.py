@@ -252,16 +252,29 @@ WEATHERS = (
         (["HERE/conftest.py/out"], "HERE/conftest.py/out/run.json: Not a directory"),
         (["/proc/out"], "/proc/out/run.json: No such file or directory"),
         (
-            ["WHOLE", "-n", "45", "--seed", "4", "--resume"],
-            "WHOLE was begun with other settings: rig.camera.P0 was ",
+            ["WHOLE", "-n", "45", "--seed", "3", "--resume"],
+            "WHOLE was begun with other settings: rig.camera.height was 32, now 375; give the same ones, or name a new",
         ),
         (
             ["WHOLE", "-n", "45", "--seed", "4", "--image-size", "64x32", "--resume"],
             "WHOLE was begun with other settings: seed was 3, now 4; give the same ones, or name a new folder",
         ),
         (
-            ["WHOLE", "-n", "45", "--seed", "3", "--image-size", "64x32", "--resume", "--policy", "paper"],
-            "WHOLE was begun with other settings: policy.districts was ",
+            [
+                "WHOLE",
+                "-n",
+                "45",
+                "--seed",
+                "3",
+                "--image-size",
+                "64x32",
+                "--resume",
+                "--policy",
+                "paper",
+                "--rig",
+                "kitti",
+            ],
+            'WHOLE was begun with other settings: policy.name was "kitti", now "paper"; give the same ones, or name',
         ),
         (
             ["WHOLE", "-n", "40", "--seed", "3", "--image-size", "64x32", "--resume"],
