@@ -26,6 +26,14 @@ if not IS_CORE_BUILT:
     # The package can't be imported without a core, so the fake must stand before any test is.
     sys.modules["cadet._cadet"] = fake_native
 
+# Whole folders that look at what the real core makes.
+collect_ignore_glob = [] if IS_CORE_BUILT else ["generated/*"]
+
+
+def pytest_report_header() -> list[str]:
+    """Say which core the tests run on."""
+    return [] if IS_CORE_BUILT else ["the compiled core is not built (`make build`): tests of it are skipped"]
+
 
 @pytest.fixture
 def fake_core(monkeypatch: pytest.MonkeyPatch) -> Any:

@@ -58,6 +58,8 @@ CORE_ROOMS: dict[str, set[str]] = {
     "rig": {"camera", "error", "frames", "lidar", "math"},
 }
 
+CORE_ROOMS["scene"] = set(CORE_ROOMS)
+
 # Nothing but these may be needed to import the package; click and rich serve cadet.cli alone.
 NEEDED = {"cadet", "cv2", "numpy"}
 
@@ -100,6 +102,10 @@ def uses(path: Path) -> set[str]:
 def test_the_table_names_every_room() -> None:
     entries = {path.stem for path in PACKAGE.iterdir() if path.suffix == ".py" or (path / "__init__.py").is_file()}
     assert set(PYTHON_ROOMS) == entries - {"__init__"}
+
+
+def test_the_table_names_every_room_of_the_core() -> None:
+    assert set(CORE_ROOMS) == {path.stem for path in CORE.iterdir()} - {"lib"}
 
 
 @pytest.mark.parametrize("room", PYTHON_ROOMS)
