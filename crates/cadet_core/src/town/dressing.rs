@@ -16,7 +16,7 @@ pub struct DressingConfig {
     pub house_shares: [f64; 6],
     /// How green it is: 1 is a common suburb, 0 has no trees; at most 2.
     pub greenery: f64,
-    /// Depth of the belt of trees about the outermost streets, 0 to 200 m.
+    /// Depth of the belt of trees about the outermost streets, 0 to 150 m.
     pub belt_m: f64,
 }
 
@@ -43,8 +43,8 @@ impl DressingConfig {
         if !(0.0..=2.0).contains(&self.greenery) {
             return out_of_range("dressing greenery", self.greenery.to_string(), "0 to 2");
         }
-        if !(0.0..=200.0).contains(&self.belt_m) {
-            return out_of_range("dressing belt_m", self.belt_m.to_string(), "0 to 200 m");
+        if !(0.0..=150.0).contains(&self.belt_m) {
+            return out_of_range("dressing belt_m", self.belt_m.to_string(), "0 to 150 m");
         }
         Ok(())
     }
@@ -64,11 +64,11 @@ pub(super) struct Dressing {
 
 /// Dresses a network.
 pub(super) fn dress(key: &StreamKey, network: &RoadNetwork, ground: &Ground, config: &DressingConfig) -> Dressing {
-    let site = Site::new(network, ground);
+    let site = Site::new(ground);
     let mut taken = Occupancy::default();
     let mut placer = Placer::new(&site);
     let mut drives = Vec::new();
-    let frontages = frontages(network);
+    let frontages = frontages(network, &site);
     let styles: Vec<StreetStyle> =
         frontages.iter().map(|f| StreetStyle::draw(key, f.road, f.speed_limit_mps, config)).collect();
     let stream = |name: &str, index: usize| key.indexed(name, index as u64);
