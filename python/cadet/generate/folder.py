@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 from cadet.errors import CadetError
-from cadet.generate.settings import Settings, first_difference
+from cadet.generate.settings import Settings, differences
 from cadet.sink import LocalSink
 
 RUN = "run.json"
@@ -40,12 +40,14 @@ def _check_same_run(root: Path, identity: dict[str, object]) -> None:
     except (FileNotFoundError, ValueError):
         raise CadetError(f"{root} holds no run to go on with: there is no {RUN} in it; name a new folder") from None
     # What JSON makes of it, so that tuples and lists compare alike.
-    difference = first_difference(begun, json.loads(json.dumps(identity)))
-    if difference is not None:
-        name, old, new = difference
+    found = [
+        f"{name} was {json.dumps(old)}, now {json.dumps(new)}"
+        for name, old, new in differences(begun, json.loads(json.dumps(identity)))
+    ]
+    if found:
+        # One difference is enough to tell, and the shortest tells most: a number rather than a table.
         raise CadetError(
-            f"{root} was begun with other settings: {name} was {json.dumps(old)}, now {json.dumps(new)}; "
-            "give the same ones, or name a new folder"
+            f"{root} was begun with other settings: {min(found, key=len)}; give the same ones, or name a new folder"
         )
 
 
