@@ -23,7 +23,7 @@ pub struct SuburbConfig {
 
 impl Default for SuburbConfig {
     fn default() -> Self {
-        Self { blocks: (4, 4), block_m: (80.0, 120.0), parking_share: 0.45, hilly_share: 0.2, max_slope: 0.065 }
+        Self { blocks: (4, 4), block_m: (72.0, 112.0), parking_share: 0.45, hilly_share: 0.2, max_slope: 0.065 }
     }
 }
 

@@ -38,7 +38,7 @@ impl Cubic {
 
     fn write(&self, out: &mut String, element: &str, s_name: &str) {
         let Self { s, a, b, c, d } = self;
-        put(out, format_args!("<{element} {s_name}=\"{s:.6}\" a=\"{a:.9}\" b=\"{b:.9}\" c=\"{c:.12}\" d=\"{d:.12}\"/>\n"));
+        put(out, format_args!("<{element} {s_name}=\"{s:.5}\" a=\"{a:.6}\" b=\"{b:.8}\" c=\"{c:.9}\" d=\"{d:.10}\"/>\n"));
     }
 }
 
@@ -273,7 +273,7 @@ fn write_shape(out: &mut String, curve: &PlanCurve, relief: &Relief) {
     }
     out.push_str("</planView>\n");
     let length = curve.length_m();
-    let step = if curve.min_radius_m() < 60.0 { 3.0 } else { 10.0 };
+    let step = if curve.min_radius_m() < 60.0 { 3.0 } else { 15.0 };
     let count = (length / step).ceil().max(1.0) as usize;
     let knots: Vec<f64> = (0..=count).map(|i| length * i as f64 / count as f64).collect();
     let tilt = |s: f64| {
