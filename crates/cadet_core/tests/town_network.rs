@@ -1,6 +1,6 @@
 //! Road networks, imported and generated: can one drive on them?
 
-#![allow(clippy::print_stderr)]
+#![allow(clippy::print_stderr, clippy::unwrap_used)]
 
 use cadet_core::math::{DVec3, atan2, wrap_angle};
 use cadet_core::rng::StreamKey;

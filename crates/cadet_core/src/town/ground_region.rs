@@ -64,7 +64,7 @@ impl Regions {
         let points = || network.lanes.iter().flat_map(|l| &l.center).map(|p| p.truncate());
         let (min, max) = points().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
         let extent = (max - min).max_element();
-        if !(extent < MAX_EXTENT_M) {
+        if extent.is_nan() || extent > MAX_EXTENT_M {
             return Err(fail(format!("the network is {extent} m across, expected less than {MAX_EXTENT_M} m")));
         }
         let frame = Frame { origin: ((min + max) / 2.0).round() };
@@ -134,7 +134,7 @@ impl Frame {
 
 fn union(contours: &[Contour]) -> Shapes {
     let mut overlay = Overlay::new(contours.iter().map(Vec::len).sum());
-    overlay.add_contours(contours, ShapeType::Subject);
+    overlay.add_source(contours, ShapeType::Subject);
     overlay.overlay(OverlayRule::Subject, FillRule::NonZero)
 }
 
@@ -163,9 +163,8 @@ fn clean(shapes: Shapes, crack_m: f64, hole_m2: f64) -> Shapes {
 }
 
 fn area_m2(contour: &[IntPoint<i32>]) -> f64 {
-    let cross = |a: &IntPoint<i32>, b: &IntPoint<i32>| {
-        f64::from(a.x) * f64::from(b.y) - f64::from(a.y) * f64::from(b.x)
-    };
+    let cross =
+        |a: &IntPoint<i32>, b: &IntPoint<i32>| f64::from(a.x) * f64::from(b.y) - f64::from(a.y) * f64::from(b.x);
     let next = contour.iter().cycle().skip(1);
     contour.iter().zip(next).map(|(a, b)| cross(a, b)).sum::<f64>() / (2.0 * UNITS_PER_M * UNITS_PER_M)
 }
@@ -235,7 +234,7 @@ impl Inside {
 
     pub(super) fn contains(&self, p: DVec2) -> bool {
         let row = (p.y - self.min_y) / self.row_m;
-        if !(row >= 0.0) {
+        if row.is_nan() || row < 0.0 {
             return false;
         }
         let Some(row) = self.rows.get(row as usize) else { return false };
