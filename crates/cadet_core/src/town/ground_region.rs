@@ -1,6 +1,6 @@
 //! Where carriageway, kerb and pavement lie in plan: clean rings made from the strips of lanes.
 //!
-//! Boolean operations and offsets run on integers of 0.1 mm (crate `i_overlay`), which makes them exact in topology and
+//! Boolean operations and offsets run on integers of 1 mm (crate `i_overlay`), which makes them exact in topology and
 //! the same on every machine.
 
 use i_overlay::core::fill_rule::FillRule;
@@ -22,8 +22,8 @@ pub(super) type Ring = Vec<DVec2>;
 type Contour = Vec<IntPoint<i32>>;
 type Shapes = Vec<Vec<Contour>>;
 
-const UNITS_PER_M: f64 = 1e4;
-/// Largest extent of a map: what 0.1 mm in 32 bits can hold, with room for the offsets' arithmetic.
+const UNITS_PER_M: f64 = 1e3;
+/// Largest extent of a map: what 1 mm in 32 bits can hold, with room for the offsets' arithmetic.
 const MAX_EXTENT_M: f64 = 40_000.0;
 /// Width of a kerb stone.
 const KERB_WIDTH_M: f64 = 0.15;
@@ -33,7 +33,7 @@ const CRACK_M: (f64, f64) = (0.4, 0.5);
 const SMALL_HOLE_M2: (f64, f64) = (15.0, 60.0);
 /// Corners that stand out less are straightened: in outlines, and between the steps that lead to them.
 const STRAIGHT_M: f64 = 0.015;
-const STRAIGHT_BETWEEN_M: f64 = 0.003;
+const STRAIGHT_BETWEEN_M: f64 = 0.008;
 
 /// The regions of a road network in plan.
 #[derive(Debug, Clone)]
@@ -140,7 +140,8 @@ fn union(contours: &[Contour]) -> Shapes {
 
 /// Moves outlines out by `distance_m` (in where negative), round at the corners.
 fn grow(shapes: &Shapes, distance_m: f64) -> Shapes {
-    let max_step = Angle::from_bits((1_u32 << 31) / 15); // 12 degrees
+    // 20 degrees round small corners, 12 round others: polygons within 1 cm of their arcs.
+    let max_step = Angle::from_bits((1_u32 << 31) / if distance_m.abs() < 0.6 { 9 } else { 15 });
     let join = IntLineJoin::Round(ArcOptions { max_step, ..ArcOptions::default() });
     let style = IntOutlineStyle::new((distance_m * UNITS_PER_M).round() as i32).line_join(join);
     let mut grown = shapes.outline(&style).unwrap_or_default();

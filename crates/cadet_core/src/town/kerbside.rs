@@ -21,8 +21,9 @@ const TYRE_TO_KERB_M: f64 = 0.1;
 /// A kerbside car stands on the pavement with at most this much of its width, and people pass in what is left.
 const MAX_ON_PAVEMENT_M: f64 = 1.3;
 const LEFT_FOR_WALKERS_M: f64 = 0.9;
-/// Kerbside rows need kerbs this straight.
+/// Kerbside rows need kerbs this straight over a car's length, bays this straight.
 const MAX_TURN_RAD: f64 = 0.06;
+const MAX_TURN_IN_BAY_RAD: f64 = 0.16;
 
 /// Where cars may be parked: in the map's bays, and at the kerb of wide lanes without bays.
 #[must_use]
@@ -48,6 +49,9 @@ fn bays(lane: &Lane, ground: &Ground, pitch: f64, spots: &mut Vec<ParkingSpot>) 
     let margin = (to - from - count as f64 * pitch) / 2.0;
     for k in 0..count {
         let s = from + margin + (k as f64 + 0.5) * pitch;
+        if turn_at(lane, s, pitch) > MAX_TURN_IN_BAY_RAD {
+            continue;
+        }
         let pose = lane.pose_at(s);
         let width_m = SPOT_WIDTH_M.min(lane.width_at(s));
         let right = ((lane.width_at(s) - width_m) / 2.0 - TYRE_TO_KERB_M).max(0.0);
@@ -69,10 +73,15 @@ fn kerbside(lane: &Lane, ground: &Ground, pitch: f64, spots: &mut Vec<ParkingSpo
     }
 }
 
+/// By how much a lane turns over the length of a spot.
+fn turn_at(lane: &Lane, s: f64, pitch: f64) -> f64 {
+    lane.pose_at(s - pitch / 2.0).rotation.angle_between(lane.pose_at(s + pitch / 2.0).rotation)
+}
+
 /// How far right of the lane's middle a car may stand, if it may: the kerb must be where half a car fits.
 fn kerbside_offset(lane: &Lane, ground: &Ground, s: f64, pitch: f64) -> Option<f64> {
     let (before, after) = (lane.pose_at(s - pitch / 2.0), lane.pose_at(s + pitch / 2.0));
-    if before.rotation.angle_between(after.rotation) > MAX_TURN_RAD {
+    if turn_at(lane, s, pitch) > MAX_TURN_RAD {
         return None;
     }
     let flank = CLEAR_OF_LANE_M + SPOT_WIDTH_M;

@@ -166,7 +166,8 @@ fn polyline(lane: &xodr::Lane) -> std::result::Result<Option<Polyline>, &'static
             let length = (b - a).length();
             let turn = (tangents[i - 1] - tangents[i]).length();
             let step = if turn > CURVED_RAD { CURVE_STEP_M } else { 2.0 };
-            let pieces = (length / step).ceil().clamp(1.0, 64.0) as usize;
+            // A hair less, so that a length of just one step is one piece on every machine.
+            let pieces = (length / step - 1e-3).ceil().clamp(1.0, 64.0) as usize;
             for k in 1..pieces {
                 let t = k as f64 / pieces as f64;
                 push(hermite(a, tangents[i - 1] * length, b, tangents[i] * length, t), lerp(width(i - 1), width(i), t));

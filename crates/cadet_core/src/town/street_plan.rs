@@ -351,13 +351,15 @@ fn street_curve(start: PlanPose, middle: &[DVec2], end: PlanPose, stream: &mut S
         let next = middle.get(i + 1).copied().unwrap_or(end.at);
         let (before, after) = (heading_of(*bend - at.at), heading_of(next - *bend));
         let turn = wrap_angle(after - before);
-        let radius = stream.range(14.0, 24.0);
+        let shorter = (*bend - at.at).length().min((next - *bend).length());
+        let drawn = stream.range(14.0, 24.0);
         if turn.abs() < 0.4 {
             let pose = PlanPose::new(*bend, before + turn / 2.0);
             curve.extend_to(at, pose);
             at = pose;
         } else {
-            let tangent = radius * math::tan(turn.abs() / 2.0);
+            // Bends leave room for the straights between them, however short the block.
+            let tangent = (drawn * math::tan(turn.abs() / 2.0)).min(0.4 * shorter);
             let into = PlanPose::new(*bend - unit(before) * tangent, before);
             let out = PlanPose::new(*bend + unit(after) * tangent, after);
             curve.extend_to(at, into);
