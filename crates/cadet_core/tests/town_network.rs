@@ -3,7 +3,7 @@
 #![allow(clippy::print_stderr, clippy::unwrap_used)]
 
 use cadet_core::math::{DVec3, atan2, wrap_angle};
-use cadet_core::rng::StreamKey;
+use cadet_core::rng::{Stream, StreamKey};
 use cadet_core::town::{Ground, Lane, LaneKind, RoadNetwork, SuburbConfig, generate_suburb, load_map};
 
 /// The text of a map that is not part of the repository; `None`, with a reason printed, where it is missing.
@@ -158,4 +158,65 @@ fn suburbs_outside_their_limits_are_refused_by_name() {
         let error = generate_suburb(&StreamKey::scene(0), &config).unwrap_err().to_string();
         assert!(error.contains(what), "{error}");
     }
+}
+
+#[test]
+fn traffic_keeps_to_the_right() {
+    let mut networks = vec![generate_suburb(&StreamKey::scene(0), &SuburbConfig::default()).unwrap().network];
+    networks.extend(shared_map("Town01.xodr").map(|text| load_map("Town01.xodr", &text).unwrap()));
+    for network in networks {
+        let streets: Vec<&Lane> = network.driving().filter(|l| l.junction.is_none() && l.length_m() > 10.0).collect();
+        for lane in &streets {
+            let pose = lane.pose_at(lane.length_m() / 2.0);
+            let left = pose.transform_point(DVec3::new(0.0, lane.width_at(lane.length_m() / 2.0), 0.0));
+            let nearest = |o: &&&Lane| o.project(left).1;
+            let beside = streets.iter().filter(|o| o.id != lane.id).min_by(|a, b| nearest(a).total_cmp(&nearest(b)));
+            let oncoming = beside.unwrap().pose_at(beside.unwrap().project(left).0);
+            assert!((oncoming.translation - left).truncate().length() < 0.5);
+            assert!((oncoming.rotation * DVec3::X).dot(pose.rotation * DVec3::X) < -0.95, "{left}");
+        }
+    }
+}
+
+#[test]
+fn damaged_maps_are_refused_or_read_but_never_panic() {
+    let small = SuburbConfig { blocks: (2, 2), ..SuburbConfig::default() };
+    let text = generate_suburb(&StreamKey::scene(0), &small).unwrap().xodr;
+    let mut stream = Stream::from_seed("damage", 0);
+    let mut refused = 0;
+    for round in 0..120 {
+        let mut bytes = text.clone().into_bytes();
+        match round % 4 {
+            0 => bytes.truncate(stream.below(bytes.len())),
+            1 => {
+                for _ in 0..20 {
+                    let at = stream.below(bytes.len());
+                    bytes[at] = b"0123456789-.e<>/\"x"[stream.below(18)];
+                }
+            }
+            _ => {
+                let values = ["NaN", "1e300", "-7", "", "1e-300", "999999"];
+                let quotes: Vec<usize> =
+                    (0..bytes.len() - 1).filter(|i| bytes[*i] == b'=' && bytes[i + 1] == b'"').collect();
+                for _ in 0..3 {
+                    let at = quotes[stream.below(quotes.len())] + 2;
+                    let end = (at..bytes.len()).find(|i| bytes[*i] == b'"').unwrap_or(at);
+                    let value = values[stream.below(values.len())].as_bytes();
+                    // Same length, so that the other places stay where they are.
+                    for i in at..end {
+                        bytes[i] = value.get(i - at).copied().unwrap_or(b' ');
+                    }
+                }
+            }
+        }
+        let damaged = String::from_utf8_lossy(&bytes);
+        match load_map("damaged.xodr", &damaged) {
+            Ok(network) => assert!(network.driving().next().is_some()),
+            Err(error) => {
+                refused += 1;
+                assert!(error.to_string().starts_with("damaged.xodr: "));
+            }
+        }
+    }
+    assert!(refused > 30, "{refused}");
 }

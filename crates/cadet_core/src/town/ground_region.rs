@@ -245,3 +245,46 @@ impl Inside {
         row.iter().filter(|edge| crosses(edge)).count() % 2 == 1
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{DVec3, PI};
+
+    fn area(rings: &[Ring]) -> f64 {
+        let twice = |r: &Ring| (0..r.len()).map(|i| r[i].perp_dot(r[(i + 1) % r.len()])).sum::<f64>();
+        rings.iter().map(|r| twice(r) / 2.0).sum()
+    }
+
+    #[test]
+    fn two_crossing_streets_have_the_areas_of_a_cross() {
+        let (length, lane) = (100.0, 3.0);
+        let mut network = RoadNetwork::straight(length, lane);
+        for mut across in RoadNetwork::straight(length, lane).lanes {
+            across.id.0 += 2;
+            across.center.iter_mut().for_each(|p| *p = DVec3::new(-p.y, p.x, 0.0));
+            network.lanes.push(across);
+        }
+        let regions = Regions::of(&network).unwrap();
+        let width = 2.0 * lane;
+        let rounded_inside = |r: f64| (4.0 - PI) * r * r; // four inner corners of radius r
+        let cross = 2.0 * length * width - width * width + rounded_inside(CRACK_M.0);
+        // Thinning may shift the 400 m of outline by some millimetres.
+        assert!((area(&regions.carriageway) - cross).abs() < 1.0, "{} {cross}", area(&regions.carriageway));
+        // Grown by the default 2 m: a wider cross with rounded outer corners.
+        let (w, l) = (width + 4.0, length + 4.0);
+        let outer = 2.0 * l * w - w * w - 2.0 * rounded_inside(2.0) + rounded_inside(CRACK_M.1);
+        assert!((area(&regions.pavement) - outer).abs() < 1.5, "{} {outer}", area(&regions.pavement));
+        let inside = Inside::new(&regions.pavement);
+        assert!(inside.contains(DVec2::new(0.0, 4.0)) && !inside.contains(DVec2::new(8.0, 8.0)));
+        assert!(inside.contains(DVec2::new(0.0, -51.0)) && !inside.contains(DVec2::new(0.0, -53.0)));
+    }
+
+    #[test]
+    fn thinning_keeps_corners_and_drops_what_is_straight() {
+        let ring: Contour =
+            [(0, 0), (500, 2), (1000, 0), (1000, 900), (0, 1000)].map(|(x, y)| IntPoint::new(x, y)).into();
+        assert_eq!(thin_out(&ring, 0.003).len(), 4);
+        assert_eq!(thin_out(&ring, 0.001).len(), 5);
+    }
+}

@@ -1,6 +1,7 @@
 //! A town: a road network from OpenDRIVE, the ground under it, and the dressing that makes a street of it.
 
 mod dressing;
+mod face_index;
 mod ground;
 mod ground_mesh;
 mod ground_palette;
