@@ -184,7 +184,7 @@ fn damaged_maps_are_refused_or_read_but_never_panic() {
     let text = generate_suburb(&StreamKey::scene(0), &small).unwrap().xodr;
     let mut stream = Stream::from_seed("damage", 0);
     let mut refused = 0;
-    for round in 0..120 {
+    for round in 0..80 {
         let mut bytes = text.clone().into_bytes();
         match round % 4 {
             0 => bytes.truncate(stream.below(bytes.len())),
@@ -211,12 +211,18 @@ fn damaged_maps_are_refused_or_read_but_never_panic() {
         }
         let damaged = String::from_utf8_lossy(&bytes);
         match load_map("damaged.xodr", &damaged) {
-            Ok(network) => assert!(network.driving().next().is_some()),
+            Ok(network) => {
+                assert!(network.driving().next().is_some());
+                // Lanes torn apart still have a ground, or a reason why not.
+                if let Err(error) = Ground::new(&network) {
+                    assert!(error.to_string().contains("network"), "{error}");
+                }
+            }
             Err(error) => {
                 refused += 1;
                 assert!(error.to_string().starts_with("damaged.xodr: "));
             }
         }
     }
-    assert!(refused > 30, "{refused}");
+    assert!(refused > 20, "{refused}");
 }
