@@ -33,7 +33,11 @@ pub(super) fn add_lower_body(surface: &mut Surface, o: &Outline, styling: &Styli
         let (a, b) = (&columns[i], &columns[i + 1]);
         (!b.is_seam).then(|| shell_slot(a, b, 0.5 * (fractions[j] + fractions[j + 1]), styling))
     });
-    add_arches_and_floor(surface, o, &columns);
+    if level < 2 {
+        add_arches_and_floor(surface, o, &columns);
+    } else {
+        add_coarse_floor(surface, o);
+    }
     add_decks(surface, o, &columns, level);
 }
 
@@ -109,11 +113,34 @@ fn add_arches_and_floor(surface: &mut Surface, o: &Outline, columns: &[Column]) 
     }
 }
 
+/// Far away a dark wall behind each arch and one panel below do.
+fn add_coarse_floor(surface: &mut Surface, o: &Outline) {
+    let d = &o.d;
+    let y = d.width / 2.0 - 0.16;
+    let floor: Vec<Vec<Vec3>> = [o.nose_x, o.tail_x]
+        .iter()
+        .map(|x| vec![Vec3::new(*x, 0.0, d.clearance), Vec3::new(*x, y, d.clearance)])
+        .collect();
+    surface.pair(&floor, Outward::Along(Vec3::NEG_Z), |_, _| Some(slot::LINER));
+    for axle in d.axles_x {
+        let top = d.wheel_radius + d.arch_radius + 0.02;
+        let wall: Vec<Vec<Vec3>> = [axle + d.arch_radius, axle - d.arch_radius]
+            .iter()
+            .map(|x| vec![Vec3::new(*x, y, d.clearance), Vec3::new(*x, y, top)])
+            .collect();
+        surface.pair(&wall, Outward::Along(Vec3::Y), |_, _| Some(slot::LINER));
+    }
+}
+
 fn add_decks(surface: &mut Surface, o: &Outline, columns: &[Column], level: usize) {
     let lateral: &[f32] = [&[0.0, 0.3, 0.6, 0.82, 0.94, 1.0][..], &[0.0, 0.5, 0.85, 1.0], &[0.0, 0.7, 1.0]][level];
     let row = |c: &Column| -> Vec<Vec3> { lateral.iter().map(|t| o.deck(c, *t)).collect() };
     let up = Outward::Along(Vec3::Z);
-    let bonnet: Vec<&Column> = columns.iter().filter(|c| c.x >= o.screen_foot_x - 1e-3 && !c.is_seam).collect();
+    let bonnet: Vec<&Column> = columns
+        .iter()
+        .filter(|c| c.x >= o.screen_foot_x - 1e-3 && !c.is_seam)
+        .filter(|c| level < 2 || c.arch.is_none() || (c.x - o.screen_foot_x).abs() < 1e-3)
+        .collect();
     let rows: Vec<Vec<Vec3>> = bonnet.iter().map(|c| row(c)).collect();
     surface.pair(&rows, up, |_, _| Some(slot::PAINT));
     let first = columns.iter().position(|c| o.point(c, 1.0).x < o.backlight_foot_x).unwrap_or(columns.len() - 1);

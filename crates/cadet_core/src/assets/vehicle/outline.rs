@@ -212,24 +212,28 @@ impl Outline {
         Vec3::new(x, self.edge_y(x) - 0.018, self.top_z(x) + 0.006)
     }
 
+    /// The column of nose or tail at a lateral fraction.
+    pub fn end_column(&self, f: f32, is_nose: bool) -> Column {
+        let d = &self.d;
+        let (root, tip, n) = if is_nose {
+            (self.nose_x, d.length / 2.0, d.corner_exponent[0])
+        } else {
+            (self.tail_x, -d.length / 2.0, d.corner_exponent[1])
+        };
+        let x = root + (tip - root) * powf((1.0 - powf(f, n)).max(0.0), 1.0 / n);
+        Column { x, face: if is_nose { Face::Nose(f) } else { Face::Tail(f) }, arch: None, is_seam: false }
+    }
+
     /// The columns of the half ring for a level of detail, 0 the finest.
     pub fn columns(&self, level: usize) -> Vec<Column> {
         const ENDS: [&[f32]; 3] = [
             &[0.0, 0.14, 0.28, 0.42, 0.55, 0.68, 0.79, 0.88, 0.94, 0.98],
             &[0.0, 0.28, 0.55, 0.79, 0.94],
-            &[0.0, 0.55, 0.88],
+            &[0.0, 0.58, 0.90],
         ];
         let d = &self.d;
         let column = |x, face| Column { x, face, arch: None, is_seam: false };
-        let end = |f: f32, is_nose: bool| {
-            let (root, tip, n) = if is_nose {
-                (self.nose_x, d.length / 2.0, d.corner_exponent[0])
-            } else {
-                (self.tail_x, -d.length / 2.0, d.corner_exponent[1])
-            };
-            let x = root + (tip - root) * powf((1.0 - powf(f, n)).max(0.0), 1.0 / n);
-            column(x, if is_nose { Face::Nose(f) } else { Face::Tail(f) })
-        };
+        let end = |f: f32, is_nose: bool| self.end_column(f, is_nose);
         let mut columns: Vec<Column> = ENDS[level].iter().map(|f| end(*f, true)).collect();
         let mut side: Vec<Column> = vec![column(self.nose_x, Face::Side), column(self.tail_x, Face::Side)];
         let segments = [14, 8, 4][level];
@@ -266,7 +270,7 @@ impl Outline {
                 side.push(column(x, Face::Side));
             }
         }
-        let doors = [7, 4, 2][level];
+        let doors = [7, 3, 2][level];
         let (from, to) = (d.axles_x[0] - d.arch_radius, d.axles_x[1] + d.arch_radius);
         for k in 1..doors {
             let x = from + (to - from) * k as f32 / doors as f32;

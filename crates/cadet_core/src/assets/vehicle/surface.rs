@@ -56,8 +56,12 @@ impl Surface {
     }
 
     /// Adds a soft-edged block: a superellipse section swept along the local z axis of `axes`, half extents `half`.
+    /// Four sides make a plain box.
     pub fn block(&mut self, center: Vec3, half: Vec3, axes: Mat3, sides: usize, slot: u8) {
-        let rings: Vec<Vec<Vec3>> = [(-1.0, 0.72), (-0.8, 1.0), (0.8, 1.0), (1.0, 0.72)]
+        let soft = [(-1.0, 0.72), (-0.8, 1.0), (0.8, 1.0), (1.0, 0.72)];
+        let plain = [(-1.0, 0.95), (1.0, 0.95)];
+        let profile: &[(f32, f32)] = if sides > 4 { &soft } else { &plain };
+        let rings: Vec<Vec<Vec3>> = profile
             .iter()
             .map(|(z, scale)| {
                 (0..sides)
