@@ -31,7 +31,7 @@ pub(super) fn add_lower_body(surface: &mut Surface, o: &Outline, styling: &Styli
     // The orientation is the whole ring's; the seams only leave cells open.
     surface.pair(&grid, Outward::From(inside), |i, j| {
         let (a, b) = (&columns[i], &columns[i + 1]);
-        (!b.is_seam).then(|| shell_slot(a, b, 0.5 * (fractions[j] + fractions[j + 1]), styling))
+        (!b.is_seam).then(|| shell_slot(a, b, 0.5 * (fractions[j] + fractions[j + 1]), styling, o.d.length / 2.0))
     });
     if level < 2 {
         add_arches_and_floor(surface, o, &columns);
@@ -41,7 +41,7 @@ pub(super) fn add_lower_body(surface: &mut Surface, o: &Outline, styling: &Styli
     add_decks(surface, o, &columns, level);
 }
 
-fn shell_slot(a: &Column, b: &Column, v: f32, styling: &Styling) -> u8 {
+fn shell_slot(a: &Column, b: &Column, v: f32, styling: &Styling, half_length: f32) -> u8 {
     let f = 0.5 * (a.face.lateral() + b.face.lateral());
     let is_nose = matches!(a.face, Face::Nose(_));
     let is_tail = matches!(b.face, Face::Tail(_));
@@ -49,7 +49,7 @@ fn shell_slot(a: &Column, b: &Column, v: f32, styling: &Styling) -> u8 {
         return slot::PLASTIC;
     }
     if is_nose {
-        if f > styling.lamp_from && f < 0.97 && v > 0.64 && v < 0.93 {
+        if f > styling.lamp_from && f < 0.97 && b.x > half_length - 0.45 && v > 0.64 && v < 0.93 {
             return slot::LAMP;
         }
         if f < styling.grille_to && v > 0.64 && v < 0.90 {
@@ -62,7 +62,7 @@ fn shell_slot(a: &Column, b: &Column, v: f32, styling: &Styling) -> u8 {
             return slot::PLASTIC;
         }
     } else if is_tail {
-        if f > styling.tail_lamp_side && v > styling.tail_lamp_from && v < 0.97 {
+        if f > styling.tail_lamp_side && a.x < -half_length + 0.32 && v > styling.tail_lamp_from && v < 0.97 {
             return slot::TAIL_LAMP;
         }
         if (styling.black_bumpers && v < 0.50) || v < 0.22 {

@@ -147,7 +147,7 @@ fn add_handles(surface: &mut Surface, o: &Outline, house: &Glasshouse) {
     for x in at {
         let z = o.top_z(x) - 0.13;
         let p = o.flank(x, z);
-        surface.block_pair(p + Vec3::Y * 0.006, Vec3::new(0.085, 0.011, 0.016), Mat3::IDENTITY, 6, slot::PLASTIC);
+        surface.block_pair(p - Vec3::Y * 0.0045, Vec3::new(0.085, 0.010, 0.016), Mat3::IDENTITY, 6, slot::PLASTIC);
     }
 }
 
@@ -272,7 +272,7 @@ fn add_rails(surface: &mut Surface, house: &Glasshouse, level: usize) {
         .map(|k| {
             let x = from + (to - from) * k as f32 / n as f32;
             let edge = house.cant(x);
-            let lift = if k == 0 || k == n { 0.0 } else { 0.035 };
+            let lift = if k == 0 || k == n { 0.0 } else { 0.028 };
             let c = Vec3::new(x, edge.y - 0.06, edge.z + 0.025 + lift);
             [(0.0, 0.012), (-0.012, 0.0), (0.0, -0.012), (0.012, 0.0)]
                 .iter()

@@ -344,6 +344,7 @@ impl Dimensions {
 
     /// The first kind of that name, for pictures and tests.
     #[cfg(test)]
+    #[allow(dead_code)]
     pub fn named(name: &str, s: &mut Stream) -> Option<Self> {
         let car = CARS.iter().find(|k| k.name == name).map(|k| (k, false));
         let kind = car.or_else(|| VANS.iter().find(|k| k.name == name).map(|k| (k, true)));

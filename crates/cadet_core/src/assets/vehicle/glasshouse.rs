@@ -305,7 +305,7 @@ impl<'a> Glasshouse<'a> {
             _ if is_blind => Some(slot::PAINT),
             (i, _) if i == border => Some(slot::PAINT),
             (_, 0) => Some(if is_front { slot::PLASTIC } else { slot::PAINT }),
-            (_, j) if j == last => Some(if is_front { slot::PLASTIC } else { slot::PAINT }),
+            (_, j) if j == last => Some(if is_front && s_rows[last] > 0.85 { slot::PLASTIC } else { slot::PAINT }),
             _ => None,
         });
         if is_blind {

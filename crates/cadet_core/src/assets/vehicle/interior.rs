@@ -92,23 +92,34 @@ pub(super) fn add_interior(surface: &mut Surface, o: &Outline, house: &Glasshous
 fn add_tub(surface: &mut Surface, o: &Outline, seats: &Seats, level: usize) {
     let d = &o.d;
     let (front, rear) = (o.screen_foot_x, o.backlight_foot_x);
-    let floor = if level < 2 { seats.floor_z } else { d.belt - 0.38 };
-    let center = Vec3::new(0.5 * (front + rear), 0.0, d.belt);
-    let xs: &[f32] = if level == 0 { &[0.0, 0.2, 0.4, 0.6, 0.8, 1.0] } else { &[0.0, 0.5, 1.0] };
-    let wall: Vec<Vec<Vec3>> = xs
+    let arch_top = d.wheel_radius + d.arch_radius + 0.03;
+    let floor = if level < 2 { seats.floor_z } else { arch_top.max(d.belt - 0.38) };
+    let (near, past) = (d.arch_radius + 0.03, d.arch_radius + 0.10);
+    let mut stations = vec![front, 0.5 * (front + rear), rear];
+    if level < 2 {
+        let edges = d.axles_x.iter().flat_map(|a| [a - past, a - near, a + near, a + past]);
+        stations.extend(edges.filter(|x| *x < front && *x > rear));
+    }
+    stations.sort_by(|a, b| b.total_cmp(a));
+    let wall: Vec<Vec<Vec3>> = stations
         .iter()
-        .map(|t| {
-            let p = o.glass_foot(front + (rear - front) * t);
+        .map(|x| {
+            let p = o.glass_foot(*x);
+            // Wheel houses stand in the cabin.
+            let is_house = level < 2 && d.axles_x.iter().any(|a| (x - a).abs() < near + 1e-4);
+            let low_y = if is_house { d.width / 2.0 - 0.33 } else { p.y - 0.07 };
+            let shelf_z = arch_top.min(p.z - 0.05);
             vec![
                 p - Vec3::new(0.0, 0.012, 0.0),
                 p - Vec3::new(0.0, 0.05, 0.03),
-                Vec3::new(p.x, p.y - 0.07, floor),
+                Vec3::new(p.x, p.y - 0.07, shelf_z),
+                Vec3::new(p.x, low_y, shelf_z),
+                Vec3::new(p.x, low_y, floor),
                 Vec3::new(p.x, 0.0, floor),
             ]
         })
         .collect();
-    let inward = surface_inward(center);
-    surface.pair(&wall, inward, |_, _| Some(slot::DARK));
+    surface.pair(&wall, Outward::Along(Vec3::new(0.0, -1.0, 0.3)), |_, _| Some(slot::DARK));
     // The dashboard is a wedge under the windscreen.
     let dash_x = front - if d.is_van { 0.22 } else { 0.30 };
     let dash: Vec<Vec<Vec3>> = [0.0, 0.55, 0.96]
@@ -145,11 +156,6 @@ fn add_tub(surface: &mut Surface, o: &Outline, seats: &Seats, level: usize) {
             surface.pair(&shelf, Outward::Along(Vec3::Z), |_, _| Some(slot::DARK));
         }
     }
-}
-
-fn surface_inward(center: Vec3) -> Outward {
-    // The tub's walls face the cabin; its sheet is one piece of the left half.
-    Outward::Along(Vec3::new(0.0, -center.z.abs().max(1.0), 0.3))
 }
 
 /// Center and normal of the steering wheel.

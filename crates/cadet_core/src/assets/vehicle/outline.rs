@@ -84,7 +84,8 @@ impl Outline {
         let tail_x = (d.axles_x[1] - d.arch_radius - 0.02).max(-half + 0.12);
         let screen_bow = if d.is_van { 0.10 } else { 0.15 };
         let backlight_bow = if d.is_van { 0.03 } else { 0.08 };
-        let backlight_x = -half + TAIL_SETBACK[9] + 0.02 + d.boot;
+        let tail_top = if d.is_van { 0.4 * TAIL_SETBACK[9] } else { TAIL_SETBACK[9] };
+        let backlight_x = -half + tail_top + 0.02 + d.boot;
         Self {
             nose_x,
             tail_x,
@@ -127,7 +128,10 @@ impl Outline {
 
     /// Half width of the flank at x and a height fraction, without the arches' lips.
     pub fn half_width(&self, x: f32, v: f32) -> f32 {
-        (self.d.width / 2.0 - self.lip) * self.taper(x) - interpolate(|k| SECTION[k], SECTION.len(), v)
+        let tuck = interpolate(|k| SECTION[k], SECTION.len(), v);
+        // Vans carry their full width up to the roof.
+        let tuck = if self.d.is_van && v > 0.64 { 0.4 * tuck } else { tuck };
+        (self.d.width / 2.0 - self.lip) * self.taper(x) - tuck
     }
 
     /// The height fraction of a height at a column's place.
@@ -169,6 +173,7 @@ impl Outline {
                 };
                 let reach = (tip - root).abs();
                 let back = interpolate(|k| (SECTION[k].0, table[k]), SECTION.len(), v).min(0.6 * reach);
+                let back = if self.d.is_van && !is_nose { 0.4 * back } else { back };
                 let scale = (tip - root).signum() * (reach - back);
                 let x = root + scale * powf((1.0 - powf(f, n)).max(0.0), 1.0 / n);
                 Vec3::new(x, f * self.half_width(column.x, v), z)
@@ -194,7 +199,8 @@ impl Outline {
         let f = if x > self.nose_x {
             lateral(self.nose_x, half, NOSE_SETBACK[9].min(0.6 * (half - self.nose_x)), self.d.corner_exponent[0])
         } else if x < self.tail_x {
-            lateral(self.tail_x, -half, TAIL_SETBACK[9].min(0.6 * (half + self.tail_x)), self.d.corner_exponent[1])
+            let back = if self.d.is_van { 0.4 * TAIL_SETBACK[9] } else { TAIL_SETBACK[9] };
+            lateral(self.tail_x, -half, back.min(0.6 * (half + self.tail_x)), self.d.corner_exponent[1])
         } else {
             1.0
         };

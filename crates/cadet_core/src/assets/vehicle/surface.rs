@@ -8,6 +8,8 @@ use crate::math::{Mat3, Vec3, cosf, sinf};
 pub(super) enum Outward {
     /// Away from a point.
     From(Vec3),
+    /// Towards a point: the inside of a hollow.
+    Towards(Vec3),
     /// Along a direction.
     Along(Vec3),
 }
@@ -105,6 +107,7 @@ fn is_flipped(grid: &[Vec<Vec3>], outward: Outward) -> bool {
             let normal = (c - a).cross(d - b);
             sum += match outward {
                 Outward::From(p) => normal.dot((a + b + c + d) * 0.25 - p),
+                Outward::Towards(p) => normal.dot(p - (a + b + c + d) * 0.25),
                 Outward::Along(v) => normal.dot(v),
             };
         }

@@ -54,7 +54,7 @@ pub(super) fn wheel(d: &Dimensions, rim: Rim, level: usize) -> Surface {
         return surface;
     }
     let barrel = [ring(rim_r - lip, face_y), ring(rim_r - lip - 0.006, well_y)];
-    surface.sheet(&barrel, outer, |_, _| Some(slot::LINER));
+    surface.sheet(&barrel, Outward::Towards(Vec3::ZERO), |_, _| Some(slot::LINER));
     if level == 0 {
         let back = [ring(rim_r, -half + 0.005), ring(0.0, -half + 0.03)];
         surface.sheet(&back, Outward::Along(Vec3::NEG_Y), |_, _| Some(slot::LINER));
