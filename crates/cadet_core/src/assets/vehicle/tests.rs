@@ -48,9 +48,9 @@ fn outline(class: ObjectClass, seed: u64) -> Outline {
     Outline::new(Dimensions::draw(class, &mut Stream::from_seed("vehicle", seed)))
 }
 
-/// Bounds without mirrors and aerial: the width below the belt line, the height of paint.
+/// Bounds without mirrors and aerial: the width below the belt line, the height of paint and sunroof.
 fn label_bounds(mesh: &Mesh, belt: f32) -> Bounds {
-    let painted = mesh.faces.iter().zip(&mesh.slots).filter(|(_, s)| **s == slot::PAINT);
+    let painted = mesh.faces.iter().zip(&mesh.slots).filter(|(_, s)| matches!(**s, slot::PAINT | slot::DARK_GLASS));
     let roof = painted.flat_map(|(f, _)| f.map(|i| mesh.vertices[i as usize].z)).fold(0.0, f32::max);
     let low = Bounds::of(mesh.vertices.iter().copied().filter(|v| v.z < 0.85 * belt));
     Bounds { min: low.min, max: Vec3::new(low.max.x, low.max.y, roof) }
