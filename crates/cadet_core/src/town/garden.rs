@@ -155,7 +155,7 @@ fn plants(plot: &Plot, ways: &[Way], boundary: Boundary, style: &StreetStyle, s:
     let area = (plot.length_m * plot.depth_m - house_area).max(0.0);
     let wild = if built.is_none() { 1.6 } else { 1.0 };
     let behind = boundary_depth_m(boundary) + 0.15;
-    let trees = s.poisson((style.trees_per_100_m2 * wild * area / 100.0).min(6.0));
+    let trees = s.poisson((style.trees_per_100_m2 * wild * area / 100.0).min(9.0));
     let shrubs = s.poisson((style.trees_per_100_m2 * wild * (plot.length_m / 7.0).min(6.0)).min(7.0));
     let garage = plot.house.as_ref().filter(|h| h.garage_bays > 0).map(|_| half - 0.15 - 6.5);
     for k in 0..trees + shrubs {

@@ -56,10 +56,6 @@ fn cells(min: DVec2, max: DVec2) -> impl Iterator<Item = (i32, i32)> {
     x.flat_map(move |i| y.clone().map(move |j| (i, j)))
 }
 
-fn cell(p: DVec2) -> (i32, i32) {
-    ((p.x / CELL_M).floor() as i32, (p.y / CELL_M).floor() as i32)
-}
-
 /// Rectangles that must stay apart.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Occupancy {

@@ -80,10 +80,12 @@ pub(super) fn mesh(kind: FenceKind, variant: usize, length: f32, detail: Detail)
     let post_at = |i: usize| length * i as f32 / posts as f32;
     match kind {
         FenceKind::Picket => {
-            let count = (length / 0.14).round().max(1.0);
+            // Far away fewer and wider ones, their share of gaps kept.
+            let pitch = detail.pick(0.14, 0.14, 0.56);
+            let count = (length / pitch).round().max(1.0);
             for i in 0..count as usize {
                 let x = length * i as f32 / count;
-                slat(&mut b, [x + 0.02, x + 0.11, 0.06, top], 0.02, detail);
+                slat(&mut b, [x + pitch * 0.14, x + pitch * 0.78, 0.06, top], 0.02, detail);
             }
             for z in [0.25, top - 0.2] {
                 b.cuboid(v(0.0, -0.05, z), v(length, -0.01, z + 0.08), slot::POST);

@@ -100,3 +100,6 @@ impl Detail {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
