@@ -86,7 +86,7 @@ pub fn tree(kind: TreeKind, variant: usize) -> SceneryModel {
             let name = format!("{}/{variant}", kind.name());
             let palette = plant_palette(&mut Stream::from_seed(&name, 0), kind.is_evergreen());
             let half = DVec2::splat(f64::from(design.crown_radius));
-            let (near, mid) = if kind == TreeKind::Shrub { (25.0, 60.0) } else { (42.0, 88.0) };
+            let (near, mid) = if kind == TreeKind::Shrub { (25.0, 55.0) } else { (40.0, 72.0) };
             let shape = Detail::levels(near, mid, |d| design.mesh(d));
             model(name, shape, palette, half, f64::from(design.height))
         })
@@ -105,7 +105,7 @@ pub fn hedge(variant: usize, piece: usize) -> SceneryModel {
             let (height, depth) = hedges::SECTIONS_M[variant];
             let name = format!("hedge/{variant}/{length_m}");
             let palette = plant_palette(&mut Stream::from_seed("hedge", variant as u64), variant % 2 == 0);
-            let shape = Detail::levels(26.0, 60.0, |d| hedges::mesh(variant, length_m as f32, d));
+            let shape = Detail::levels(26.0, 55.0, |d| hedges::mesh(variant, length_m as f32, d));
             SceneryModel {
                 name,
                 shape,

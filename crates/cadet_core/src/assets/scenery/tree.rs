@@ -135,7 +135,7 @@ impl TreeDesign {
     }
 
     fn broad_leaved(&self, wood: &mut MeshBuilder, leaves: &mut Leaves, s: &mut Stream, detail: Detail) {
-        let sides = detail.pick(8, 6, 4);
+        let sides = detail.pick(8, 6, 3);
         let fork = self.crown_base + (self.height - self.crown_base) * 0.35;
         if self.kind != TreeKind::Shrub {
             let lean = direction(s) * self.height * 0.02;
@@ -143,7 +143,11 @@ impl TreeDesign {
             let r = self.trunk_radius;
             let stations =
                 [(bend(-0.4), r * 1.35), (bend(0.25), r * 1.08), (bend(fork * 0.6), r * 0.85), (bend(fork), r * 0.6)];
-            path_tube(wood, &stations, sides, slot::BARK);
+            if detail == Detail::Far {
+                path_tube(wood, &[stations[0], stations[3]], sides, slot::BARK);
+            } else {
+                path_tube(wood, &stations, sides, slot::BARK);
+            }
             for blob in self.blobs.iter().take(detail.pick(8, 5, 0)) {
                 let start = bend(fork * range(s, 0.72, 0.98));
                 let knee = start.lerp(blob.center, 0.5) + Vec3::Z * 0.25;
