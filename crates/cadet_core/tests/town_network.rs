@@ -1,10 +1,10 @@
 //! Road networks, imported and generated: can one drive on them?
 
-#![allow(clippy::print_stderr)]
+#![allow(clippy::print_stderr, clippy::unwrap_used)]
 
 use cadet_core::math::{DVec3, atan2, wrap_angle};
 use cadet_core::rng::StreamKey;
-use cadet_core::town::{Lane, LaneKind, RoadNetwork, SuburbConfig, generate_suburb, load_map};
+use cadet_core::town::{Ground, Lane, LaneKind, RoadNetwork, SuburbConfig, generate_suburb, load_map};
 
 /// The text of a map that is not part of the repository; `None`, with a reason printed, where it is missing.
 fn shared_map(name: &str) -> Option<String> {
@@ -113,4 +113,49 @@ fn suburbs_differ_by_key_and_by_nothing_else() {
     let make = |seed| generate_suburb(&StreamKey::scene(seed), &SuburbConfig::default()).unwrap().xodr;
     assert_eq!(make(3), make(3));
     assert_ne!(make(3), make(4));
+}
+
+#[test]
+fn every_allowed_suburb_can_be_driven_and_has_a_ground() {
+    let extremes = [
+        SuburbConfig { blocks: (2, 2), block_m: (60.0, 60.0), ..SuburbConfig::default() },
+        SuburbConfig {
+            blocks: (2, 6),
+            block_m: (60.0, 75.0),
+            max_slope: 0.1,
+            hilly_share: 1.0,
+            ..SuburbConfig::default()
+        },
+        SuburbConfig { blocks: (3, 3), block_m: (150.0, 250.0), parking_share: 1.0, ..SuburbConfig::default() },
+        SuburbConfig { blocks: (6, 5), parking_share: 0.0, max_slope: 0.0, ..SuburbConfig::default() },
+    ];
+    for (number, config) in extremes.iter().enumerate() {
+        for seed in 0..5 {
+            let suburb = generate_suburb(&StreamKey::scene(seed), config).unwrap();
+            assert_drivable(&format!("extreme {number}, seed {seed}"), &suburb.network);
+            let ground = Ground::new(&suburb.network).unwrap();
+            for p in suburb.network.driving().flat_map(|l| l.center.iter().step_by(5)) {
+                let z = ground.height_at(p.x, p.y).unwrap();
+                assert!((z - p.z).abs() < 0.025, "extreme {number}, seed {seed}: {z} at {p}");
+            }
+        }
+    }
+}
+
+#[test]
+fn suburbs_outside_their_limits_are_refused_by_name() {
+    let fine = SuburbConfig::default;
+    for (config, what) in [
+        (SuburbConfig { blocks: (1, 4), ..fine() }, "blocks"),
+        (SuburbConfig { blocks: (4, 13), ..fine() }, "blocks"),
+        (SuburbConfig { block_m: (59.0, 80.0), ..fine() }, "block_m"),
+        (SuburbConfig { block_m: (90.0, 80.0), ..fine() }, "block_m"),
+        (SuburbConfig { block_m: (f64::NAN, 80.0), ..fine() }, "block_m"),
+        (SuburbConfig { parking_share: 1.1, ..fine() }, "parking_share"),
+        (SuburbConfig { hilly_share: f64::NAN, ..fine() }, "hilly_share"),
+        (SuburbConfig { max_slope: 0.2, ..fine() }, "max_slope"),
+    ] {
+        let error = generate_suburb(&StreamKey::scene(0), &config).unwrap_err().to_string();
+        assert!(error.contains(what), "{error}");
+    }
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::ground_mesh::{self, Cover, Fineness, PlanMesh};
 use super::ground_region::{Regions, Ring};
 use super::height_field::HeightField;
-use super::network::{LaneKind, RoadNetwork};
+use super::network::{Lane, LaneKind, RoadNetwork};
 use super::xodr_writer::KERB_HEIGHT_M;
 use super::{ground_palette, road_marking};
 use crate::error::Result;
@@ -16,6 +16,8 @@ use crate::math::{DPose3, DQuat, DVec2, DVec3, Vec3};
 
 /// The ground goes on this far beyond the outermost lane.
 const MARGIN_M: f64 = 160.0;
+/// Heights are taken from lanes at least this far apart.
+const SAMPLE_STEP_M: f64 = 1.7;
 /// Side of a tile of visible ground.
 const TILE_M: f64 = 50.0;
 /// Side of a cell of the index of triangles.
@@ -57,8 +59,7 @@ impl Ground {
     pub fn new(network: &RoadNetwork) -> Result<Self> {
         let regions = Regions::of(network)?;
         let paved = |k: LaneKind| matches!(k, LaneKind::Driving | LaneKind::Parking | LaneKind::Biking);
-        let samples: Vec<DVec3> =
-            network.lanes.iter().filter(|l| paved(l.kind)).flat_map(|l| l.center.iter().copied()).collect();
+        let samples: Vec<DVec3> = network.lanes.iter().filter(|l| paved(l.kind)).flat_map(spaced_points).collect();
         let everything = network.lanes.iter().flat_map(|l| &l.center).map(|p| p.truncate());
         let (min, max) = everything.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
         let (min, max) = ((min - MARGIN_M).floor(), (max + MARGIN_M).ceil());
@@ -196,6 +197,17 @@ impl Ground {
             }
         }
     }
+}
+
+/// The lane's points, without those that follow closer than [`SAMPLE_STEP_M`].
+fn spaced_points(lane: &Lane) -> Vec<DVec3> {
+    let mut next_s = 0.0;
+    let spaced = lane.center.iter().zip(&lane.s_m).filter(|(_, s)| {
+        let keep = **s >= next_s;
+        next_s = if keep { **s + SAMPLE_STEP_M } else { next_s };
+        keep
+    });
+    spaced.map(|(p, _)| *p).chain(lane.center.last().copied()).collect()
 }
 
 fn tile_of(p: DVec2) -> (i64, i64) {
