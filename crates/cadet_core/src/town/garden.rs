@@ -174,7 +174,9 @@ fn plants(plot: &Plot, ways: &[Way], boundary: Boundary, style: &StreetStyle, s:
         for _ in 0..5 {
             // Shrubs keep to the front, where they are seen.
             let reach = if kind == TreeKind::Shrub { plot.depth_m.min(8.0) } else { plot.depth_m };
-            let (a, d) = (s.range(-half + 0.5, half - 0.5), s.range(behind, reach));
+            // More of them in front, where they make the street.
+            let back = s.unit();
+            let (a, d) = (s.range(-half + 0.5, half - 0.5), behind + (reach - behind).max(0.1) * back * back.sqrt());
             let room = if low { radius * 0.95 } else { 0.7 };
             let on_way = ways.iter().any(|w| a > w[0] - room && a < w[1] + room) && d < 14.0;
             let at = plot.at(a, d);

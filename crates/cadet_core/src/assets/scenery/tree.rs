@@ -164,7 +164,7 @@ impl TreeDesign {
         // Blobs overlap, so the area is spread over less than the sum of their volumes.
         let shrub = self.kind == TreeKind::Shrub;
         let area = volume * LEAF_AREA_PER_M3 * if shrub { 3.0 } else { 0.8 };
-        let budget: f32 = if shrub { detail.pick(900.0, 220.0, 30.0) } else { detail.pick(5200.0, 1500.0, 96.0) };
+        let budget: f32 = if shrub { detail.pick(900.0, 200.0, 20.0) } else { detail.pick(5200.0, 1250.0, 80.0) };
         let smallest: f32 = if shrub { 0.09 } else { 0.2 };
         let size = (2.0 * area / budget).sqrt().max(smallest);
         let count = ((2.0 * area / (size * size)) as usize).min(budget as usize);
@@ -176,16 +176,14 @@ impl TreeDesign {
             let rho = crate::math::powf(s.unit() as f32, 0.28);
             let out = direction(s);
             let spread = (0.9 * size * (per_cluster as f32).sqrt() * 0.5).min(blob.radius * 0.4);
-            // Large cards keep inside, so that the crown is as large at every level.
-            let reach = (blob.radius - 0.35 * size - 0.3 * spread).max(0.3 * blob.radius);
-            let cluster = blob.center + out * (reach * rho);
+            let cluster = blob.center + out * (blob.radius * rho);
             for _ in 0..per_cluster {
                 let p = cluster + direction(s) * (spread * range(s, 0.2, 1.0));
                 let p = p.max(Vec3::new(f32::NEG_INFINITY, f32::NEG_INFINITY, 0.03));
                 let outward = ((p - blob.center).normalize_or(Vec3::Z) + (p - middle).normalize_or(Vec3::Z)) * 0.5
                     + Vec3::Z * 0.15;
                 let facing = direction(s);
-                leaves.card(s, p, facing, outward, size);
+                leaves.card_within(s, p, facing, outward, size, (blob.center, blob.radius * 1.08));
             }
         }
     }
@@ -196,7 +194,7 @@ impl TreeDesign {
         let span = self.height - self.crown_base;
         let volume = 1.05 * self.crown_radius * self.crown_radius * span;
         let area = volume * LEAF_AREA_PER_M3 * 1.9;
-        let budget: f32 = detail.pick(4200.0, 1200.0, 90.0);
+        let budget: f32 = detail.pick(4200.0, 1000.0, 70.0);
         let size = (2.0 * area / budget).sqrt().max(0.15);
         let count = ((2.0 * area / (size * size)) as usize).min(budget as usize);
         let layers = (span / 0.55).ceil();
@@ -211,7 +209,8 @@ impl TreeDesign {
             let droop = 0.35 * rho * rho / self.crown_radius.max(0.1);
             let z = (self.crown_base + t * span - droop).max(0.05);
             let facing = (direction(s) + Vec3::Z * 0.6 + out * 0.3).normalize_or(Vec3::Z);
-            leaves.card(s, out * rho + Vec3::Z * z, facing, out + Vec3::Z * 0.45, size);
+            let within = (Vec3::Z * z, self.crown_radius * (1.0 - t) * 1.08 + 0.12);
+            leaves.card_within(s, out * rho + Vec3::Z * z, facing, out + Vec3::Z * 0.45, size, within);
         }
     }
 }
