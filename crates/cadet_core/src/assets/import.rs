@@ -220,7 +220,8 @@ mod tests {
             eprintln!("skipped: no ../shared/meshes");
             return;
         }
-        for (file, length_m) in [("hatchback/hatchback.obj", 3.2..5.0), ("suv/suv.obj", 4.0..6.0), ("bus/bus.obj", 7.0..19.0)]
+        for (file, length_m) in
+            [("hatchback/hatchback.obj", 3.2..5.0), ("suv/suv.obj", 4.0..6.0), ("bus/bus.obj", 7.0..19.0)]
         {
             let path = Path::new(folder).join(file);
             let text = std::fs::read_to_string(&path).unwrap();

@@ -132,7 +132,13 @@ pub(super) fn mesh(kind: FenceKind, variant: usize, length: f32, detail: Detail)
         }
         FenceKind::Wire => {
             for i in 0..posts {
-                tube(&mut b, (v(post_at(i), 0.0, -0.4), 0.025), (v(post_at(i), 0.0, top), 0.025), detail.pick(6, 4, 3), slot::POST);
+                tube(
+                    &mut b,
+                    (v(post_at(i), 0.0, -0.4), 0.025),
+                    (v(post_at(i), 0.0, top), 0.025),
+                    detail.pick(6, 4, 3),
+                    slot::POST,
+                );
             }
             let wires = detail.pick(7, 4, 2);
             for k in 0..wires {

@@ -52,11 +52,7 @@ fn every_mesh_is_sound_and_stands_in_the_ground() {
             assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-3), "{name}: normal");
             let tallest = f64::from(mesh.bounds.max.z);
             assert!(tallest <= model.height_m + 1.2 && tallest >= model.height_m * 0.7, "{name}: {tallest}");
-            if model.name.starts_with("shrub") {
-                assert!(mesh.bounds.min.z < 0.2, "{name} floats");
-            } else {
-                assert!(mesh.bounds.min.z < -0.05, "{name} floats");
-            }
+            assert!(mesh.bounds.min.z < -0.05, "{name} floats");
             let out = model.footprint_max.max(-model.footprint_min).as_vec2().max_element() + 2.6;
             assert!(mesh.bounds.max.truncate().max_element() < out, "{name}: sticks out");
         }
@@ -87,7 +83,8 @@ fn windows_are_openings_with_rooms_behind() {
             let corners = face.map(|i| mesh.vertices[i as usize]);
             let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
             let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
-            let seen = hits(mesh, middle + normal * 0.6, -normal, |s| s != house_slot::SHUTTER && s != house_slot::FRAME);
+            let seen =
+                hits(mesh, middle + normal * 0.6, -normal, |s| s != house_slot::SHUTTER && s != house_slot::FRAME);
             if seen.first().is_none_or(|h| h.1 != house_slot::GLASS) {
                 continue; // A downpipe, a step or a balcony before it.
             }

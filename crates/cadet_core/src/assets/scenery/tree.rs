@@ -137,7 +137,10 @@ impl TreeDesign {
     fn broad_leaved(&self, wood: &mut MeshBuilder, leaves: &mut Leaves, s: &mut Stream, detail: Detail) {
         let sides = detail.pick(8, 6, 3);
         let fork = self.crown_base + (self.height - self.crown_base) * 0.35;
-        if self.kind != TreeKind::Shrub {
+        if self.kind == TreeKind::Shrub {
+            let top = Vec3::Z * self.height * 0.6;
+            tube(wood, (Vec3::Z * -0.2, 0.03), (top, 0.015), 3, slot::BARK);
+        } else {
             let lean = direction(s) * self.height * 0.02;
             let bend = |z: f32| Vec3::new(lean.x, lean.y, 0.0) * (z / self.height) + Vec3::Z * z;
             let r = self.trunk_radius;
