@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::edges::EdgePlanes;
-use super::grid::{Beam, BeamGrid, LANES, Lanes, Window};
+use super::grid::{Beam, BeamGrid, LANES, Lanes, Window, tangents_of_circle};
 use crate::error::{Error, Result, finite};
 use crate::math::{self, DPose3, DVec3, TAU, Vec3};
 
@@ -195,6 +195,25 @@ impl Table {
         (first, end)
     }
 
+    /// The rows whose tangents lie between two, about.
+    #[inline]
+    fn rows_between_tangents(&self, lo: f32, hi: f32) -> std::ops::Range<usize> {
+        let slack = |t: f32| 1e-5 * (1.0 + t.abs().min(1e3));
+        let (lo, hi) = (lo.max(-1e4) - slack(lo), hi.min(1e4) + slack(hi));
+        let mut first = self.row_of_tangent.guess(-hi);
+        while first < self.envelope.len() && self.envelope[first][0] > hi {
+            first += 1;
+        }
+        while first > 0 && self.envelope[first - 1][0] <= hi {
+            first -= 1;
+        }
+        let mut end = first;
+        while end < self.envelope.len() && self.envelope[end][0] >= lo {
+            end += 1;
+        }
+        first..end
+    }
+
     /// The columns from one azimuth to another, which may lie up to a turn outside [0, 2 pi).
     fn columns_between(&self, lo: f32, hi: f32) -> [std::ops::Range<usize>; 2] {
         let n = self.azimuths.len();
@@ -311,18 +330,42 @@ impl BeamGrid for TurretGrid {
         }
     }
 
-    fn sees_sphere(&self, center_grid: DVec3, radius_m: f64) -> bool {
-        let [lowest, highest] = self.table.height_span.map(f64::from);
-        let reach = radius_m + (highest - lowest) / 2.0 + 1e-3;
-        let from_middle = center_grid - DVec3::new(0.0, 0.0, (lowest + highest) / 2.0);
-        let distance = from_middle.length();
-        if distance <= reach {
-            return true;
+    #[inline]
+    fn sphere_windows(&self, c: Vec3, radius_m: f32) -> ([Window; 2], f32) {
+        let table = &*self.table;
+        let [lowest, highest] = table.height_span;
+        // One origin in the middle sees a sphere that is larger by half the span.
+        let reach = radius_m + 0.5 * (highest - lowest) + 1e-4;
+        let z = c.z - 0.5 * (lowest + highest);
+        let rho = (c.x * c.x + c.y * c.y).sqrt();
+        let near = (rho * rho + z * z).sqrt() * 0.999_99 - reach;
+        let everywhere = Window { rows: 0..table.rows.len(), columns: 0..table.azimuths.len() };
+        if near <= 0.0 {
+            return ([everywhere, Window::default()], near);
         }
-        let elevation = math::asin((from_middle.z / distance).clamp(-1.0, 1.0));
-        let half = math::asin(reach / distance);
-        let (top, bottom) = (self.table.rows[0].tangent, self.table.rows[self.table.rows.len() - 1].tangent);
-        elevation - half <= math::atan(top) && elevation + half >= math::atan(bottom)
+        let rows = match tangents_of_circle(z, rho, reach) {
+            Some([lo, hi]) => table.rows_between_tangents(lo, hi),
+            None => 0..table.rows.len(),
+        };
+        let share = reach / rho.max(1e-9);
+        if rows.is_empty() {
+            return Default::default();
+        }
+        if share >= 0.999 {
+            return ([Window { rows, columns: everywhere.columns }, Window::default()], near);
+        }
+        // asin x <= x (1 + 0.571 x^2) on 0..1.
+        let half = share * (1.0 + 0.571 * share * share) + AZIMUTH_MARGIN;
+        let azimuth = azimuth_of(c.x, c.y);
+        (
+            table.columns_between(azimuth - half, azimuth + half).map(|columns| Window { rows: rows.clone(), columns }),
+            near,
+        )
+    }
+
+    #[inline]
+    fn row_start(&self, inner_row: usize) -> usize {
+        self.table.ring_of_row[inner_row] as usize * self.table.cos_sin.len()
     }
 
     #[inline]
