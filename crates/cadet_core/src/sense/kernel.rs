@@ -174,7 +174,8 @@ impl<G: BeamGrid> Caster<'_, G> {
         let vertices_world = &self.scene.vertices_world[instance.vertices.clone()];
         self.project(cluster, vertices_world);
         let slots = slots_of_layer(instance, self.layer);
-        let uniform = cluster.slots & !slots == 0;
+        // Bit 63 may stand for several slots.
+        let uniform = cluster.slots & !slots == 0 && cluster.slots >> 63 == 0;
         for (corners, face) in cluster.corners.iter().zip(&cluster.faces) {
             let corners = corners.map(usize::from);
             let (points, footprints) = (&self.scratch.points_grid, &self.scratch.footprints);

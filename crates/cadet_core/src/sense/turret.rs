@@ -299,7 +299,6 @@ fn azimuth_of(x: f32, y: f32) -> f32 {
 pub struct TurretFootprint {
     /// In [0, 2 pi]; NaN near the axis and at the seam, where the slow path decides.
     azimuth_rad: f32,
-    columns: [u16; 2],
     rows: [u16; 2],
 }
 
@@ -384,10 +383,6 @@ impl BeamGrid for TurretGrid {
             let (first, end) = table.rows_at(rho[i].max(1e-6), z[i]);
             out[i] = TurretFootprint {
                 azimuth_rad: if awkward { f32::NAN } else { azimuth[i] },
-                columns: [
-                    table.columns_below(azimuth[i] - AZIMUTH_MARGIN) as u16,
-                    table.columns_below(azimuth[i] + AZIMUTH_MARGIN) as u16,
-                ],
                 rows: [first as u16, end as u16],
             };
         }
@@ -401,10 +396,15 @@ impl BeamGrid for TurretGrid {
         if !narrow {
             return self.table.wide_windows(corners_grid());
         }
-        let lo = |k: fn(&TurretFootprint) -> u16| usize::from(k(a).min(k(b)).min(k(c)));
-        let hi = |k: fn(&TurretFootprint) -> u16| usize::from(k(a).max(k(b)).max(k(c)));
-        let rows = lo(|f| f.rows[0])..hi(|f| f.rows[1]);
-        let columns = lo(|f| f.columns[0])..hi(|f| f.columns[1]);
+        let first = a.rows[0].min(b.rows[0]).min(c.rows[0]);
+        let end = a.rows[1].max(b.rows[1]).max(c.rows[1]);
+        if first >= end {
+            return Default::default();
+        }
+        let rows = usize::from(first)..usize::from(end);
+        // Awkward corners apart, both ends lie inside the turn.
+        let columns = self.table.columns_below(p.min(q).min(r) - AZIMUTH_MARGIN)
+            ..self.table.columns_below(p.max(q).max(r) + AZIMUTH_MARGIN);
         [Window { rows, columns }, Window::default()]
     }
 
