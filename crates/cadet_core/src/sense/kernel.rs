@@ -83,7 +83,7 @@ pub fn cast<G: BeamGrid>(
     });
     let mut caster = Caster { scene, grid, to_grid, layer, scratch: Scratch::default(), hits };
     for item in &near_first {
-        if !caster.is_hidden(item) {
+        if !caster.is_hidden(&item.windows, item.near_depth) {
             caster.cast_cluster(item);
         }
     }
@@ -156,14 +156,14 @@ struct Scratch<F> {
 }
 
 impl<G: BeamGrid> Caster<'_, G> {
-    /// True if all beams that may meet the cluster have met something nearer.
+    /// True if all beams of the windows have met something nearer than `near_depth`.
     #[inline]
-    fn is_hidden(&self, item: &Visible) -> bool {
-        item.windows.iter().filter(|w| !w.is_empty()).all(|window| {
+    fn is_hidden(&self, windows: &[Window; 2], near_depth: f32) -> bool {
+        windows.iter().filter(|w| !w.is_empty()).all(|window| {
             window.rows.clone().all(|row| {
                 let start = self.grid.row_start(row);
                 let depths = &self.hits.depth[start + window.columns.start..start + window.columns.end];
-                depths.iter().all(|d| *d < item.near_depth)
+                depths.iter().all(|d| *d < near_depth)
             })
         })
     }
@@ -177,19 +177,25 @@ impl<G: BeamGrid> Caster<'_, G> {
         // Bit 63 may stand for several slots.
         let uniform = cluster.slots & !slots == 0 && cluster.slots >> 63 == 0;
         for (corners, face) in cluster.corners.iter().zip(&cluster.faces) {
-            let corners = corners.map(usize::from);
+            let [i, j, k] = corners.map(usize::from);
             let (points, footprints) = (&self.scratch.points_grid, &self.scratch.footprints);
-            let windows = self.grid.windows(|| corners.map(|i| points[i]), &corners.map(|i| footprints[i]));
+            let windows =
+                self.grid.windows(|| [points[i], points[j], points[k]], &[footprints[i], footprints[j], footprints[k]]);
             if windows.iter().all(Window::is_empty) {
                 continue;
             }
             if !uniform && !in_layer(instance, *face, self.layer) {
                 continue;
             }
-            let exact = corners.map(|i| {
+            // Most far sides of closed meshes end here.
+            if self.is_hidden(&windows, item.near_depth) {
+                continue;
+            }
+            let exact = |i: usize| {
                 let p = vertices_world[cluster.vertices[i] as usize].as_dvec3();
                 self.to_grid.rotation * (p - self.to_grid.origin_world)
-            });
+            };
+            let exact = [exact(i), exact(j), exact(k)];
             let planes = EdgePlanes::new(exact);
             for window in windows.iter().filter(|w| !w.is_empty()) {
                 self.grid.cover(&planes, window, |at, depth| {

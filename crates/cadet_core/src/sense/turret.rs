@@ -68,9 +68,19 @@ impl Lookup {
     /// About the number of entries below `x`, which is clamped to the table.
     #[inline]
     fn guess(&self, x: f32) -> usize {
-        let bin = (x * self.scale + self.offset).clamp(0.0, (self.counts.len() - 1) as f32);
+        self.guess_in_bin(self.bin(x))
+    }
+
+    #[inline]
+    fn bin(&self, x: f32) -> u32 {
+        let bin = (x * self.scale + self.offset).max(0.0).min((self.counts.len() - 1) as f32);
         // Adding 2^23 rounds to a whole number that stands in the low bits; a plain cast is slower as it saturates.
-        usize::from(self.counts[((bin + 8_388_608.0).to_bits() & 0xf_ffff) as usize])
+        (bin + 8_388_608.0).to_bits() & 0xf_ffff
+    }
+
+    #[inline]
+    fn guess_in_bin(&self, bin: u32) -> usize {
+        usize::from(self.counts[bin as usize])
     }
 }
 
@@ -177,10 +187,21 @@ impl Table {
     /// pass above it, those after it below.
     #[inline]
     fn rows_at(&self, rho: f32, z: f32) -> (usize, usize) {
-        let middle = 0.5 * (self.height_span[0] + self.height_span[1]);
-        let slack = 1e-4 * (z - middle).abs() + 2e-6 * rho + 1e-6;
+        let middle = self.middle_height();
+        self.rows_from_guess(rho, z, self.row_of_tangent.guess((middle - z) / rho))
+    }
+
+    #[inline]
+    fn middle_height(&self) -> f32 {
+        0.5 * (self.height_span[0] + self.height_span[1])
+    }
+
+    /// [`Table::rows_at`], from a first guess of the row.
+    #[inline]
+    fn rows_from_guess(&self, rho: f32, z: f32, guess: usize) -> (usize, usize) {
+        let slack = 1e-4 * (z - self.middle_height()).abs() + 2e-6 * rho + 1e-6;
         let (above, below) = (z + slack, z - slack);
-        let mut first = self.row_of_tangent.guess(-(z - middle) / rho);
+        let mut first = guess;
         let height = |e: &[f32; 3], k: usize| e[k] + rho * e[0];
         while first < self.envelope.len() && height(&self.envelope[first], 1) > above {
             first += 1;
@@ -370,17 +391,19 @@ impl BeamGrid for TurretGrid {
     #[inline]
     fn footprints(&self, [x, y, z]: &Lanes, out: &mut [Self::Footprint; LANES]) {
         let table = &*self.table;
-        let (mut rho, mut azimuth) = ([0.0_f32; LANES], [0.0_f32; LANES]);
+        let (mut rho, mut azimuth, mut bin) = ([0.0_f32; LANES], [0.0_f32; LANES], [0_u32; LANES]);
+        let middle = table.middle_height();
         for i in 0..LANES {
-            rho[i] = (x[i] * x[i] + y[i] * y[i]).sqrt();
+            rho[i] = (x[i] * x[i] + y[i] * y[i]).sqrt().max(1e-6);
             azimuth[i] = azimuth_of(x[i], y[i]);
+            bin[i] = table.row_of_tangent.bin((middle - z[i]) / rho[i]);
         }
         for i in 0..LANES {
             let awkward = rho[i] <= POLAR * (z[i].abs() + rho[i])
                 || rho[i] < 1e-3
                 || azimuth[i] < 2.0 * AZIMUTH_MARGIN
                 || azimuth[i] > TURN - 2.0 * AZIMUTH_MARGIN;
-            let (first, end) = table.rows_at(rho[i].max(1e-6), z[i]);
+            let (first, end) = table.rows_from_guess(rho[i], z[i], table.row_of_tangent.guess_in_bin(bin[i]));
             out[i] = TurretFootprint {
                 azimuth_rad: if awkward { f32::NAN } else { azimuth[i] },
                 rows: [first as u16, end as u16],
