@@ -1,12 +1,15 @@
 //! A picture of a posed scene: colour from four samples a pixel, depth and identity from the pixels' centres.
 
+use std::cell::RefCell;
+
 use super::ambient::SkyView;
-use super::exposure::gain_for_mean_luma;
+use super::exposure::{add_veiling_glare, gain_for_mean_luma};
 use super::noise::{blur, expose};
 use super::pattern::hash2;
 use super::shade::{Light, Surface};
 use super::shadow::Shadows;
 use super::sky::Sky;
+
 use crate::error::Result;
 use crate::material::Semantic;
 use crate::math::{DPose3, DVec3, Mat3, Vec3};
@@ -42,8 +45,24 @@ pub struct Rendered {
     pub super_instance: Vec<i32>,
 }
 
+/// Share of the mean radiance that lens and housing scatter over the image.
+const VEILING_GLARE: f32 = 0.05;
 /// Mean luma that the exposure aims at, and its spread from frame to frame.
 const MEAN_LUMA: (f64, f64) = (91.0, 1.8);
+
+/// Memory that a thread keeps from frame to frame: touching fresh pages costs as much as the casting.
+#[derive(Default)]
+struct Scratch {
+    opaque: Option<Hits>,
+    glass: Option<Hits>,
+    rgb: Vec<f32>,
+    blurred: Vec<f32>,
+    shadows: Vec<Vec<f32>>,
+}
+
+thread_local! {
+    static SCRATCH: RefCell<Scratch> = RefCell::default();
+}
 
 /// Renders a scene.
 ///
@@ -58,19 +77,23 @@ pub fn render(scene: &PosedScene, view: &View, weather: &Weather, stream: &mut S
         PinholeGrid::new(view.world_from_cam, view.intrinsics, [origin, origin, step, step], height * n, width * n)
     };
     let (centers, samples) = (grid(0.0, 1.0, 1)?, grid(-0.25, 0.5, 2)?);
-    let cast_layer = |grid: &PinholeGrid, layer: Layer| {
-        let mut hits = Hits::new(0, 0);
+    let mut scratch = SCRATCH.take();
+    let cast_layer = |grid: &PinholeGrid, layer: Layer, old: Option<Hits>| {
+        let mut hits = old.unwrap_or_else(|| Hits::new(0, 0));
+        hits.clear();
         cast(scene, grid, layer, |_| true, &mut hits);
         hits
     };
-    let opaque = cast_layer(&samples, Layer::Opaque);
-    let glass = cast_layer(&samples, Layer::Glass);
-    let mut nearest = cast_layer(&centers, Layer::Opaque);
+    let opaque = cast_layer(&samples, Layer::Opaque, scratch.opaque.take());
+    let glass = cast_layer(&samples, Layer::Glass, scratch.glass.take());
+    let mut nearest = cast_layer(&centers, Layer::Opaque, None);
     cast(scene, &centers, Layer::Glass, |_| true, &mut nearest);
 
-    let light = light_of(scene, view, weather);
-    let mut rgb = Painter::new(scene, view, &light).paint(&opaque, &glass);
-    blur(&mut rgb, width, height, &mut Vec::new());
+    let light = light_of(scene, view, weather, std::mem::take(&mut scratch.shadows));
+    let mut rgb = std::mem::take(&mut scratch.rgb);
+    Painter::new(scene, view, &light).paint(&opaque, &glass, &mut rgb);
+    blur(&mut rgb, width, height, &mut scratch.blurred);
+    add_veiling_glare(&mut rgb, VEILING_GLARE, 2.0 * light.sky.sky_on_level.y);
     let target = stream.clipped_normal(MEAN_LUMA.0, MEAN_LUMA.1) as f32;
     let gain = gain_for_mean_luma(&rgb, target, 7);
     let image = expose(&rgb, width, height, gain, stream);
@@ -82,21 +105,24 @@ pub fn render(scene: &PosedScene, view: &View, weather: &Weather, stream: &mut S
     });
     let super_instance = (0..opaque.depth.len())
         .map(|i| id(if glass.depth[i] < opaque.depth[i] { glass.instance[i] } else { opaque.instance[i] }));
-    Ok(Rendered {
+    let rendered = Rendered {
         image,
         instance: nearest.instance.iter().map(|i| id(*i)).collect(),
         semantic: semantic.collect(),
         super_instance: super_instance.collect(),
         depth: nearest.depth,
-    })
+    };
+    let shadows = light.shadows.map(Shadows::into_buffers).unwrap_or_default();
+    SCRATCH.set(Scratch { opaque: Some(opaque), glass: Some(glass), rgb, shadows, ..scratch });
+    Ok(rendered)
 }
 
 /// Sun, sky, shadows and openness around a view.
-fn light_of(scene: &PosedScene, view: &View, weather: &Weather) -> Light {
+fn light_of(scene: &PosedScene, view: &View, weather: &Weather, buffers: Vec<Vec<f32>>) -> Light {
     let sky = Sky::new(weather);
     let eye = view.world_from_cam.translation;
     let forward = view.world_from_cam.rotation * DVec3::Z;
-    let shadows = sky.has_shadows().then(|| Shadows::new(scene, eye, forward, sky.sun_world));
+    let shadows = sky.has_shadows().then(|| Shadows::new(scene, eye, forward, sky.sun_world, buffers));
     let sky_view = SkyView::new(scene, eye, forward);
     Light::new(weather, sky, shadows, sky_view)
 }
@@ -151,9 +177,10 @@ impl<'a> Painter<'a> {
         }
     }
 
-    fn paint(&self, opaque: &Hits, glass: &Hits) -> Vec<f32> {
+    fn paint(&self, opaque: &Hits, glass: &Hits, rgb: &mut Vec<f32>) {
         let (width, height) = (self.view.width, self.view.height);
-        let mut rgb = Vec::with_capacity(width * height * 3);
+        rgb.clear();
+        rgb.reserve(width * height * 3);
         for row in 0..height {
             for column in 0..width {
                 let first = 2 * row * 2 * width + 2 * column;
@@ -181,7 +208,6 @@ impl<'a> Painter<'a> {
                 rgb.extend([sum.x, sum.y, sum.z]);
             }
         }
-        rgb
     }
 
     fn sample(&self, hits: &Hits, i: usize, u: f32, v: f32) -> Vec3 {

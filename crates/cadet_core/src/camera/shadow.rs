@@ -4,7 +4,7 @@ use crate::math::{DVec3, Vec3};
 use crate::sense::PosedScene;
 
 /// Texels along a side of each map.
-const SIZE: usize = 2048;
+const SIZE: usize = 1536;
 /// (distance ahead of the camera of the middle, half the side), metres: near, far.
 const CASCADES: [(f64, f64); 2] = [(15.0, 20.0), (58.0, 68.0)];
 
@@ -29,8 +29,16 @@ pub struct Shadows {
 
 impl Shadows {
     /// Rasterises the casters. `sun_world` is the unit vector to the sun, `forward_world` the camera's axis.
+    ///
+    /// `buffers` are the maps of an earlier frame ([`Shadows::into_buffers`]), whose memory is used again.
     #[must_use]
-    pub fn new(scene: &PosedScene, eye_world: DVec3, forward_world: DVec3, sun_world: Vec3) -> Self {
+    pub fn new(
+        scene: &PosedScene,
+        eye_world: DVec3,
+        forward_world: DVec3,
+        sun_world: Vec3,
+        mut buffers: Vec<Vec<f32>>,
+    ) -> Self {
         let helper = if sun_world.z.abs() < 0.95 { Vec3::Z } else { Vec3::X };
         let right = helper.cross(sun_world).normalize();
         let up = sun_world.cross(right);
@@ -41,15 +49,24 @@ impl Shadows {
             let texel_m = (2.0 * half / SIZE as f64) as f32;
             // Whole texels, so that shadow edges do not crawl when the camera moves.
             let snap = |c: f32| ((c - half as f32) / texel_m).floor() * texel_m;
+            let mut height = buffers.pop().unwrap_or_default();
+            height.clear();
+            height.resize(SIZE * SIZE, f32::NEG_INFINITY);
             shadows.maps.push(Map {
                 min: [snap(middle.x), snap(middle.y)],
                 texel_m,
                 texels_per_m: 1.0 / texel_m,
-                height: vec![f32::NEG_INFINITY; SIZE * SIZE],
+                height,
             });
         }
         shadows.draw(scene);
         shadows
+    }
+
+    /// The maps' memory.
+    #[must_use]
+    pub fn into_buffers(self) -> Vec<Vec<f32>> {
+        self.maps.into_iter().map(|m| m.height).collect()
     }
 
     #[inline]
@@ -145,9 +162,8 @@ impl Map {
 
     #[inline]
     fn triangle(&mut self, corners: [Vec3; 3]) {
-        let to_texels = |p: Vec3| {
-            Vec3::new((p.x - self.min[0]) * self.texels_per_m, (p.y - self.min[1]) * self.texels_per_m, p.z)
-        };
+        let to_texels =
+            |p: Vec3| Vec3::new((p.x - self.min[0]) * self.texels_per_m, (p.y - self.min[1]) * self.texels_per_m, p.z);
         let [a, b, c] = corners.map(to_texels);
         let (min_x, max_x) = (a.x.min(b.x).min(c.x), a.x.max(b.x).max(c.x));
         let (min_y, max_y) = (a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y));
