@@ -9,5 +9,7 @@ mod render;
 mod shade;
 mod shadow;
 mod sky;
+#[cfg(test)]
+mod tests;
 
 pub use render::{Rendered, View, render};
