@@ -20,7 +20,7 @@ pub fn gain_for_mean_luma(rgb: &[f32], target: f32, step: usize) -> f32 {
     };
     // Radiances lie around 0.05; the bounds are where a black or a white image would end.
     let (mut low, mut high) = (1.0_f32, 1e6_f32);
-    for _ in 0..24 {
+    for _ in 0..20 {
         let middle = (low * high).sqrt();
         if mean(middle) < target { low = middle } else { high = middle }
     }

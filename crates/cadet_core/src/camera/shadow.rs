@@ -190,6 +190,21 @@ impl Map {
         let (cx, cy) = (-(b.y - a.y) * inverse, (b.x - a.x) * inverse);
         let (zb, zc) = (b.z - a.z, c.z - a.z);
         let (zx, zy) = (zb * bx + zc * cx, zb * by + zc * cy);
+        if (x1 - x0) * (y1 - y0) <= 12 {
+            // Small ones, which are most: three tests a texel cost less than the divisions below.
+            for y in y0..y1 {
+                let dy = y as f32 + 0.5 - a.y;
+                for x in x0..x1 {
+                    let dx = x as f32 + 0.5 - a.x;
+                    let (wb, wc) = (bx * dx + by * dy, cx * dx + cy * dy);
+                    if wb >= 0.0 && wc >= 0.0 && wb + wc <= 1.0 {
+                        let texel = &mut self.height[y * SIZE + x];
+                        *texel = texel.max(a.z + zx * dx + zy * dy);
+                    }
+                }
+            }
+            return;
+        }
         for y in y0..y1 {
             let dy = y as f32 + 0.5 - a.y;
             let row = &mut self.height[y * SIZE..(y + 1) * SIZE];
