@@ -74,7 +74,7 @@ impl Light {
     #[must_use]
     pub fn opaque(&self, s: &Surface) -> Vec3 {
         let m = s.material;
-        let ground = is_ground(m.semantic) && s.face_normal_world.z > 0.5;
+        let ground = m.semantic.is_ground() && s.face_normal_world.z > 0.5;
         let mut albedo = self.albedo(s, ground);
         let leaf = m.pattern == Pattern::Leaves;
         let open = self.sky_view.openness(s.point_world, s.normal_world);
@@ -225,10 +225,6 @@ impl Light {
 fn fifth(x: f32) -> f32 {
     let x2 = x * x;
     x2 * x2 * x
-}
-
-fn is_ground(semantic: Semantic) -> bool {
-    matches!(semantic, Semantic::Road | Semantic::RoadMarking | Semantic::Sidewalk | Semantic::Terrain)
 }
 
 fn is_vehicle(semantic: Semantic) -> bool {

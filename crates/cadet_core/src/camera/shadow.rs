@@ -87,9 +87,17 @@ impl Shadows {
             points.clear();
             points.extend(scene.vertices_world[instance.vertices.clone()].iter().map(|p| self.to_light(*p)));
             let glass: Vec<bool> = instance.palette.0.iter().map(|m| m.is_glass()).collect();
+            let ground: Vec<bool> = instance.palette.0.iter().map(|m| m.semantic.is_ground()).collect();
+            let vertices = &scene.vertices_world[instance.vertices.clone()];
+            let is_level = |face: &[u32; 3]| {
+                let [a, b, c] = face.map(|i| vertices[i as usize]);
+                let normal = (b - a).cross(c - a);
+                normal.z * normal.z > 0.9 * normal.length_squared()
+            };
             for (map, _) in maps.iter_mut().zip(&in_map).filter(|(_, inside)| **inside) {
                 for (face, slot) in instance.mesh.faces.iter().zip(&instance.mesh.slots) {
-                    if !glass[usize::from(*slot)] {
+                    // Level ground fills the maps and shades nothing; kerbs and banks stay.
+                    if !glass[usize::from(*slot)] && !(ground[usize::from(*slot)] && is_level(face)) {
                         map.triangle(face.map(|i| points[i as usize]));
                     }
                 }
