@@ -1,14 +1,12 @@
 """The Rust core. Private: use the wrappers of `cadet`, which are typed, documented and keyword-only."""
 
+from collections.abc import Mapping
 from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
 
 __version__: str
-
-class CadetError(Exception):
-    """Anything wrong with what the user gave: one line naming file, line and reason."""
 
 @final
 class Lidar:
@@ -22,6 +20,7 @@ class Lidar:
     def num_rings(self) -> int: ...
     @property
     def num_columns(self) -> int: ...
+    def single_origin(self) -> Lidar: ...
     def rays(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]: ...
 
 @final
@@ -37,13 +36,12 @@ class Scene:
         map_name: str | None,
         map_xodr: str | None,
         weather: str,
-        rig: dict[str, Any],
-        config: dict[str, Any],
-        assets: list[tuple[str, str, str]],
+        rig: Mapping[str, Any],
+        config: Mapping[str, Any],
     ) -> Scene: ...
     @staticmethod
     def empty(
-        *, map_name: str | None, map_xodr: str | None, weather: str, rig: dict[str, Any], config: dict[str, Any]
+        *, map_name: str | None, map_xodr: str | None, weather: str, rig: Mapping[str, Any], config: Mapping[str, Any]
     ) -> Scene: ...
     @property
     def time_s(self) -> float: ...

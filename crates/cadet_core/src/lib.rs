@@ -24,6 +24,7 @@ pub mod label;
 pub mod lidar;
 pub mod material;
 pub mod math;
+pub mod rig;
 pub mod rng;
 pub mod scene;
 pub mod sense;
@@ -32,3 +33,4 @@ pub mod weather;
 pub mod world;
 
 pub use error::{Error, Result};
+pub use nalgebra;

@@ -1,1 +1,283 @@
-//! A scene: a town with its traffic and a sensor rig; what Python drives.
+//! A scene: a town with its traffic, its weather and a sensor rig. What Python drives.
+
+use std::sync::Arc;
+
+use crate::actor::ObjectClass;
+use crate::camera::{Rendered, View, render};
+use crate::error::{Error, Result, finite};
+use crate::label::{ImageBuffers, LabelConfig, Labeled, label_actors, road_plane_cam};
+use crate::lidar::{IdealScan, LidarSpec, Scan, ideal_scan, scan};
+use crate::math::{DPose3, DVec3};
+use crate::rig::Rig;
+use crate::rng::StreamKey;
+use crate::sense::{PosedScene, RayCaster, RayHit};
+use crate::town::{DressingConfig, GroundKind, SuburbConfig, Town};
+use crate::weather::Weather;
+use crate::world::{Snapshot, TrafficConfig, World};
+
+/// Where a scene's town comes from.
+#[derive(Debug, Clone)]
+pub enum TownSource {
+    /// Generated from the scene's key.
+    Suburb,
+    /// An OpenDRIVE text, dressed from the scene's key.
+    OpenDrive {
+        /// The map's name, for messages and metadata.
+        name: String,
+        /// The whole `.xodr` text.
+        text: String,
+    },
+    /// A plain square with a straight road, for scripted scenes.
+    Flat,
+}
+
+/// Numbers of a scene.
+#[derive(Debug, Clone, Default)]
+pub struct SceneConfig {
+    /// The suburb generator's.
+    pub suburb: SuburbConfig,
+    /// The dressing's.
+    pub dressing: DressingConfig,
+    /// The traffic's.
+    pub traffic: TrafficConfig,
+    /// The labels'.
+    pub label: LabelConfig,
+}
+
+/// Everything that the rig sees at one instant.
+#[derive(Debug, Clone)]
+pub struct Frame {
+    /// Image, depth, instance and semantic maps.
+    pub rendered: Rendered,
+    /// The scan.
+    pub scan: Scan,
+    /// Labels by rising actor id.
+    pub labels: Vec<Labeled>,
+    /// The road's plane in the frame of camera 0.
+    pub plane: [f64; 4],
+    /// Seconds since the scene's start.
+    pub time_s: f64,
+    /// The ego's pose.
+    pub world_from_ego: DPose3,
+    /// The ego's speed.
+    pub ego_speed_mps: f64,
+}
+
+/// The present instant: poses, triangles and, once asked for, parry's trees over them.
+struct Sensed {
+    snapshot: Snapshot,
+    posed: Arc<PosedScene>,
+    caster: Option<RayCaster>,
+}
+
+/// A town, its traffic, its weather and a rig.
+pub struct Scene {
+    key: StreamKey,
+    world: World,
+    weather: Weather,
+    rig: Rig,
+    label: LabelConfig,
+    /// The triangles of the present instant; dropped whenever the world moves.
+    sensed: Option<Sensed>,
+}
+
+/// Physics steps a second.
+const STEPS_PER_S: f64 = 60.0;
+/// How long a random scene settles before the first view.
+const SETTLE_S: f64 = 2.0;
+/// The longest time that one call may simulate.
+const MAX_STEP_S: f64 = 3600.0;
+
+impl Scene {
+    /// A dressed town with traffic, settled for two seconds: a pure function of its arguments.
+    ///
+    /// # Errors
+    /// A map that can't be read or driven, or numbers out of range.
+    pub fn random(
+        key: StreamKey,
+        source: &TownSource,
+        weather: Weather,
+        rig: Rig,
+        config: &SceneConfig,
+    ) -> Result<Self> {
+        let mut scene = Self::bare(key, source, weather, rig, config)?;
+        scene.weather = scene.weather.with_sun_turned(&mut key.stream("sun"));
+        scene.world.spawn_traffic(&config.traffic)?;
+        scene.step(SETTLE_S)?;
+        Ok(scene)
+    }
+
+    /// A town without traffic, the ego at the start of a lane: for scripted scenes.
+    ///
+    /// # Errors
+    /// A map that can't be read or driven, or numbers out of range.
+    pub fn empty(source: &TownSource, weather: Weather, rig: Rig, config: &SceneConfig) -> Result<Self> {
+        Self::bare(StreamKey::scene(0), source, weather, rig, config)
+    }
+
+    fn bare(key: StreamKey, source: &TownSource, weather: Weather, rig: Rig, config: &SceneConfig) -> Result<Self> {
+        let town = match source {
+            TownSource::Suburb => Town::suburb(&key, &config.suburb, &config.dressing)?,
+            TownSource::OpenDrive { name, text } => Town::from_opendrive(&key, name, text, &config.dressing)?,
+            TownSource::Flat => Town::flat()?,
+        };
+        let world = World::new(Arc::new(town), key)?;
+        Ok(Self { key, world, weather, rig, label: config.label.clone().validated()?, sensed: None })
+    }
+
+    /// The map's name.
+    #[must_use]
+    pub fn map_name(&self) -> &str {
+        &self.world.town().name
+    }
+
+    /// The weather.
+    #[must_use]
+    pub fn weather(&self) -> &Weather {
+        &self.weather
+    }
+
+    /// The rig.
+    #[must_use]
+    pub fn rig(&self) -> &Rig {
+        &self.rig
+    }
+
+    /// Seconds since the start.
+    #[must_use]
+    pub fn time_s(&self) -> f64 {
+        self.world.time_s()
+    }
+
+    /// Adds an actor of a class at a place, standing on the ground, and returns its id.
+    ///
+    /// # Errors
+    /// A place that is not finite or off the ground, or a class that has no model.
+    pub fn add(&mut self, class: ObjectClass, x: f64, y: f64, yaw: f64, model_seed: u64) -> Result<i32> {
+        self.sensed = None;
+        self.world.add(class, finite("x", x)?, finite("y", y)?, finite("yaw", yaw)?, model_seed)
+    }
+
+    /// Puts the ego on the ground at a place, at rest.
+    ///
+    /// # Errors
+    /// A place that is not finite or off the ground.
+    pub fn move_ego(&mut self, x: f64, y: f64, yaw: f64) -> Result<()> {
+        self.sensed = None;
+        self.world.move_ego(finite("x", x)?, finite("y", y)?, finite("yaw", yaw)?)
+    }
+
+    /// Lets physics run, in whole steps of 1/60 s.
+    ///
+    /// # Errors
+    /// A time that is negative, not finite or longer than an hour.
+    pub fn step(&mut self, seconds: f64) -> Result<()> {
+        let seconds = in_range("seconds", seconds, 0.0, MAX_STEP_S)?;
+        self.sensed = None;
+        self.world.step((seconds * STEPS_PER_S).round() as u32);
+        Ok(())
+    }
+
+    /// Drives until the ego has gone `distance_m` along its lane, or has stood for `blocked_s`.
+    ///
+    /// # Errors
+    /// Numbers that are negative, not finite or too large.
+    pub fn drive(&mut self, distance_m: f64, blocked_s: f64) -> Result<()> {
+        let distance_m = in_range("distance_m", distance_m, 0.0, 1000.0)?;
+        let blocked_s = in_range("blocked_s", blocked_s, 1.0 / STEPS_PER_S, MAX_STEP_S)?;
+        self.sensed = None;
+        self.world.drive(distance_m, blocked_s);
+        Ok(())
+    }
+
+    fn sensed(&mut self) -> &mut Sensed {
+        let world = &self.world;
+        self.sensed.get_or_insert_with(|| {
+            let snapshot = world.snapshot();
+            let posed = Arc::new(PosedScene::new(&snapshot.instances, snapshot.ego.world_from_ego.translation));
+            Sensed { snapshot, posed, caster: None }
+        })
+    }
+
+    /// The world at the present instant.
+    pub fn snapshot(&mut self) -> &Snapshot {
+        &self.sensed().snapshot
+    }
+
+    /// The very triangles that the sensors see at the present instant.
+    pub fn triangles(&mut self) -> Arc<PosedScene> {
+        Arc::clone(&self.sensed().posed)
+    }
+
+    /// The poses of the LIDAR and of camera 0.
+    pub fn sensor_poses(&mut self) -> (DPose3, DPose3) {
+        let world_from_ego = self.snapshot().ego.world_from_ego;
+        (self.rig.world_from_velo(&world_from_ego), self.rig.world_from_cam(&world_from_ego))
+    }
+
+    /// Everything that the rig sees now. `sample` names the random streams of noise.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] where no ground lies ahead of the camera.
+    pub fn capture(&mut self, sample: u64) -> Result<Frame> {
+        let (world_from_velo, world_from_cam) = self.sensor_poses();
+        let posed = self.triangles();
+        let snapshot = self.snapshot().clone();
+        let (key, rig, weather) = (self.key, &self.rig, &self.weather);
+        let view = View::new(&rig.camera, &world_from_cam);
+        let rendered = render(&posed, &view, weather, &mut key.indexed("camera", sample));
+        let scan = scan(&posed, &world_from_velo, &rig.lidar, weather, &mut key.indexed("lidar", sample));
+        let buffers = ImageBuffers { depth: &rendered.depth, super_instance: &rendered.super_instance };
+        let labels =
+            label_actors(&self.label, &snapshot.actors, &posed, &rig.camera, &world_from_cam, buffers, &scan.actor_id);
+        let ground = &self.world.town().ground;
+        let plane = road_plane_cam(
+            &world_from_cam,
+            |p| ground.height_at(p.x, p.y).filter(|_| ground.kind_at(p.x, p.y) == GroundKind::Road),
+            |p| ground.height_at(p.x, p.y),
+        )
+        .ok_or_else(|| Error::Scene { reason: "no ground ahead of the camera".to_owned() })?;
+        Ok(Frame {
+            labels,
+            plane,
+            time_s: snapshot.time_s,
+            world_from_ego: snapshot.ego.world_from_ego,
+            ego_speed_mps: snapshot.ego.velocity_world.length(),
+            rendered,
+            scan,
+        })
+    }
+
+    /// A scan with returns, noise and weather, by `lidar` or by the rig's own.
+    pub fn scan(&mut self, lidar: Option<&LidarSpec>, sample: u64) -> Scan {
+        let (world_from_velo, _) = self.sensor_poses();
+        let posed = self.triangles();
+        let spec = lidar.unwrap_or(&self.rig.lidar);
+        scan(&posed, &world_from_velo, spec, &self.weather, &mut self.key.indexed("lidar", sample))
+    }
+
+    /// One row for each of the LIDAR's rays: every triangle opaque, nothing dropped.
+    pub fn ideal_scan(&mut self, lidar: Option<&LidarSpec>) -> IdealScan {
+        let (world_from_velo, _) = self.sensor_poses();
+        let posed = self.triangles();
+        ideal_scan(&posed, &world_from_velo, lidar.unwrap_or(&self.rig.lidar))
+    }
+
+    /// Casts arbitrary rays against the present instant, by parry.
+    ///
+    /// # Errors
+    /// A ray that is not finite, or a direction of length 0.
+    pub fn cast_rays(&mut self, rays_world: &[(DVec3, DVec3)]) -> Result<Vec<Option<RayHit>>> {
+        let sensed = self.sensed();
+        let caster = sensed.caster.get_or_insert_with(|| RayCaster::new(Arc::clone(&sensed.posed)));
+        rays_world.iter().map(|(origin, direction)| caster.cast(*origin, *direction)).collect()
+    }
+}
+
+fn in_range(what: &'static str, value: f64, lo: f64, hi: f64) -> Result<f64> {
+    let value = finite(what, value)?;
+    if (lo..=hi).contains(&value) {
+        return Ok(value);
+    }
+    Err(Error::OutOfRange { what, value: value.to_string(), expected: format!("{lo:.3} to {hi}") })
+}

@@ -1,1 +1,24 @@
+//! The PyO3 border: one thin wrapper file a core module, one error mapping, one array conversion.
 
+mod arrays;
+mod error;
+mod fields;
+mod frame;
+mod image;
+mod lidar;
+mod rig;
+mod scene;
+mod settings;
+
+use pyo3::prelude::*;
+
+/// The Rust core of cadet. Private: use the typed wrappers of the package.
+#[pymodule(gil_used = false)]
+fn _cadet(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<lidar::Lidar>()?;
+    module.add_class::<scene::Scene>()?;
+    module.add_function(wrap_pyfunction!(image::encode_png, module)?)?;
+    module.add_function(wrap_pyfunction!(scene::weather_names, module)?)?;
+    Ok(())
+}

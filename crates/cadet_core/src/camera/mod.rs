@@ -2,6 +2,7 @@
 
 mod ambient;
 mod exposure;
+mod model;
 mod noise;
 mod pattern;
 pub mod png;
@@ -12,4 +13,5 @@ mod sky;
 #[cfg(test)]
 mod tests;
 
+pub use model::{Calibration, CameraModel, Pixel};
 pub use render::{Rendered, View, render};

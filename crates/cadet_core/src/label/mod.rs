@@ -1,1 +1,11 @@
-//! Labels: boxes, truncation, occlusion.
+//! Labels: KITTI's boxes, truncation and both occlusion methods, by the definitions of `docs/labels.md`.
+
+mod box_cam;
+mod corners;
+mod labeler;
+mod road_plane;
+mod silhouette;
+
+pub use box_cam::{BoxCam, Rect};
+pub use road_plane::road_plane_cam;
+pub use labeler::{ImageBuffers, Label, LabelConfig, Labeled, ObjectMeta, OcclusionMethod, label_actors};

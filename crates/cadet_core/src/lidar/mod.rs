@@ -1,1 +1,11 @@
 //! The LIDAR: sensor specifications, beams and returns.
+
+mod air;
+mod presets;
+mod returns;
+mod scan;
+mod spec;
+
+pub use presets::PRESETS;
+pub use scan::{IdealScan, Scan, ideal_scan, scan};
+pub use spec::{LidarSpec, Rays};

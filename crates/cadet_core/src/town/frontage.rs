@@ -1,5 +1,6 @@
 //! Frontages: the outer edges of the streets, along which plots lie.
 
+use super::occupancy::Site;
 use super::{Lane, LaneKind, RoadNetwork};
 use crate::math::DVec2;
 
@@ -17,7 +18,7 @@ pub(super) struct Frontage {
     pub pavement_m: Vec<f64>,
     /// Distance along it at each point.
     pub s_m: Vec<f64>,
-    /// The lane beside it has a lane to follow it: its end leads into a junction or on.
+    /// Speed limit of the lane beside it.
     pub speed_limit_mps: f64,
 }
 
@@ -101,7 +102,7 @@ fn beside(lane: &Lane, at: DVec2, along: DVec2, guess: &mut usize) -> Option<(f6
 }
 
 /// The frontages of all streets, junctions left out.
-pub(super) fn frontages(network: &RoadNetwork) -> Vec<Frontage> {
+pub(super) fn frontages(network: &RoadNetwork, site: &Site) -> Vec<Frontage> {
     let open: Vec<&Lane> = network.lanes.iter().filter(|l| l.junction.is_none()).collect();
     let mut frontages = Vec::new();
     for lane in open.iter().filter(|l| l.kind == LaneKind::Driving) {
@@ -130,7 +131,12 @@ pub(super) fn frontages(network: &RoadNetwork) -> Vec<Frontage> {
             for side in 0..2 {
                 inner[side] += usize::from(has_driving[side]);
                 let out = right_of(along) * if side == 0 { 1.0 } else { -1.0 };
-                sides[side].push((at + out * outer[side], outer[side] - road[side]));
+                // Pavements that the map leaves out, but the ground has.
+                let mut reach = outer[side];
+                while reach < outer[side] + 4.0 && site.clearance_m(at + out * reach) < -0.1 {
+                    reach += 0.2;
+                }
+                sides[side].push((at + out * reach, reach - road[side]));
             }
         }
         for (side, edge) in sides.into_iter().enumerate() {

@@ -1,14 +1,411 @@
 //! The ground: one continuous surface of road, pavement and terrain.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::math::Vec3;
+use super::ground_mesh::{self, Cover, Fineness, PlanMesh};
+use super::ground_region::{Regions, Ring};
+use super::height_field::HeightField;
+use super::network::{LaneKind, RoadNetwork};
+use super::xodr_writer::KERB_HEIGHT_M;
+use super::{ground_palette, road_marking};
+use crate::error::Result;
+use crate::geometry::{LodSet, Mesh};
+use crate::instance::Instance;
+use crate::math::{DPose3, DQuat, DVec2, DVec3, Vec3};
+
+/// The ground goes on this far beyond the outermost lane.
+const MARGIN_M: f64 = 160.0;
+/// Side of a tile of visible ground.
+const TILE_M: f64 = 50.0;
+/// Side of a cell of the index of triangles.
+const CELL_M: f64 = 4.0;
+
+/// What the ground is at a place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GroundKind {
+    /// Carriageway, parking bays, cycle lanes.
+    Road,
+    /// Pavement and kerb stones.
+    Pavement,
+    /// Everything else: grass and soil.
+    Terrain,
+}
 
 /// The surface that wheels and feet touch.
 #[derive(Debug, Clone)]
 pub struct Ground {
     /// Corners of the surface, for the physics.
     pub vertices: Arc<Vec<Vec3>>,
-    /// Triangles of the surface, counter-clockwise from above.
+    /// Triangles of the surface, counter-clockwise from above; kerb faces, which stand upright, come last.
     pub faces: Arc<Vec<[u32; 3]>>,
+    /// The same surface to look at, with road markings, in tiles of 50 m; their frames are axis-aligned, moved to the
+    /// tile's corner.
+    pub tiles: Vec<Instance>,
+    /// Width of pavements, kerb stone included, wherever the map does not say more.
+    pub pavement_width_m: f64,
+    kinds: Arc<Vec<GroundKind>>,
+    index: Arc<FaceIndex>,
+    outlines: Arc<Regions>,
+}
+
+impl Ground {
+    /// The ground under and around a network.
+    ///
+    /// # Errors
+    /// [`crate::Error::Map`] where the network has no carriageway or is larger than 40 km.
+    pub fn new(network: &RoadNetwork) -> Result<Self> {
+        let regions = Regions::of(network)?;
+        let paved = |k: LaneKind| matches!(k, LaneKind::Driving | LaneKind::Parking | LaneKind::Biking);
+        let samples: Vec<DVec3> =
+            network.lanes.iter().filter(|l| paved(l.kind)).flat_map(|l| l.center.iter().copied()).collect();
+        let everything = network.lanes.iter().flat_map(|l| &l.center).map(|p| p.truncate());
+        let (min, max) = everything.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
+        let (min, max) = ((min - MARGIN_M).floor(), (max + MARGIN_M).ceil());
+        let height = HeightField::fit(&samples, min, max);
+        let fineness = if height.is_flat() { Fineness::FLAT } else { Fineness::HILLY };
+        let plan = ground_mesh::triangulate(&regions, &samples, (min, max), fineness)?;
+        let mut ground = Self::assemble(&plan, regions, &|p| height.height(p), (min, max));
+        let paint = road_marking::draw(network, &ground);
+        ground.paint(&paint);
+        Ok(ground)
+    }
+
+    /// A flat square of asphalt around the origin, for tests and for scenes without a map.
+    #[must_use]
+    pub fn flat(half_size_m: f64) -> Self {
+        let half = half_size_m.clamp(1.0, 20_000.0);
+        let corners = [[-half, -half], [half, -half], [half, half], [-half, half]].map(DVec2::from);
+        let plan = PlanMesh {
+            points: corners.to_vec(),
+            faces: vec![[0, 1, 2], [0, 2, 3]],
+            kinds: vec![Cover::Carriageway; 2],
+        };
+        let ring = vec![Ring::from(corners)];
+        let regions = Regions {
+            carriageway: ring.clone(),
+            kerb: ring.clone(),
+            pavement: ring,
+            walks: Vec::new(),
+            pavement_width_m: 0.0,
+        };
+        Self::assemble(&plan, regions, &|_| 0.0, (DVec2::splat(-half), DVec2::splat(half)))
+    }
+
+    fn assemble(plan: &PlanMesh, regions: Regions, height: &dyn Fn(DVec2) -> f64, (min, max): (DVec2, DVec2)) -> Self {
+        let surface = Surface::raise(plan, height);
+        let kinds: Vec<GroundKind> = plan.kinds.iter().map(|c| c.kind()).collect();
+        let vertices: Vec<Vec3> = surface.corners.iter().map(|p| p.as_vec3()).collect();
+        let index = FaceIndex::new(&vertices, &surface.faces[..kinds.len()], min, max);
+        Self {
+            tiles: surface.tiles(plan),
+            vertices: Arc::new(vertices),
+            faces: Arc::new(surface.faces),
+            pavement_width_m: regions.pavement_width_m,
+            kinds: Arc::new(kinds),
+            index: Arc::new(index),
+            outlines: Arc::new(regions),
+        }
+    }
+
+    /// Height of the surface at a place, pavements included; `None` beyond its edge.
+    #[must_use]
+    pub fn height_at(&self, x: f64, y: f64) -> Option<f64> {
+        self.top_face(x, y).map(|(_, z)| z)
+    }
+
+    /// Unit normal of the triangle at a place; `None` beyond the edge.
+    #[must_use]
+    pub fn normal_at(&self, x: f64, y: f64) -> Option<DVec3> {
+        let (face, _) = self.top_face(x, y)?;
+        let [a, b, c] = self.corners(face);
+        Some((b - a).cross(c - a).normalize())
+    }
+
+    /// What the ground is at a place; `None` beyond the edge.
+    #[must_use]
+    pub fn kind_at(&self, x: f64, y: f64) -> Option<GroundKind> {
+        self.top_face(x, y).map(|(face, _)| self.kinds[face])
+    }
+
+    /// Outline of the carriageway, where kerbs stand: closed rings, outer ones counter-clockwise, holes clockwise, the
+    /// first point not repeated.
+    #[must_use]
+    pub fn carriageway_outline(&self) -> &[Vec<DVec2>] {
+        &self.outlines.carriageway
+    }
+
+    /// Outline of carriageway and pavements together, where gardens begin; rings as in
+    /// [`Self::carriageway_outline`].
+    #[must_use]
+    pub fn pavement_outline(&self) -> &[Vec<DVec2>] {
+        &self.outlines.pavement
+    }
+
+    pub(super) fn walk_rings(&self) -> &[Ring] {
+        &self.outlines.walks
+    }
+
+    fn corners(&self, face: usize) -> [DVec3; 3] {
+        self.faces[face].map(|i| self.vertices[i as usize].as_dvec3())
+    }
+
+    /// The uppermost of the triangles that hold a place, and the height there.
+    fn top_face(&self, x: f64, y: f64) -> Option<(usize, f64)> {
+        let p = DVec2::new(x, y);
+        let mut best: Option<(usize, f64)> = None;
+        for face in self.index.candidates(p) {
+            let [a, b, c] = self.corners(*face as usize);
+            let (u, v, w) = (b.truncate() - a.truncate(), c.truncate() - a.truncate(), p - a.truncate());
+            let area = u.perp_dot(v);
+            let (s, t) = (w.perp_dot(v) / area, u.perp_dot(w) / area);
+            // A hair's breadth of tolerance, so that no point falls between two triangles.
+            if s < -1e-5 || t < -1e-5 || s + t > 1.0 + 1e-5 {
+                continue;
+            }
+            let z = a.z + (b.z - a.z) * s + (c.z - a.z) * t;
+            if best.is_none_or(|(_, top)| z > top) {
+                best = Some((*face as usize, z));
+            }
+        }
+        best
+    }
+
+    /// Adds painted quadrilaterals to the tiles; they are no part of the surface that wheels touch.
+    fn paint(&mut self, quads: &[[DVec3; 4]]) {
+        let mut by_tile: BTreeMap<(i64, i64), Vec<&[DVec3; 4]>> = BTreeMap::new();
+        for quad in quads {
+            by_tile.entry(tile_of((quad[0] + quad[2]).truncate() / 2.0)).or_default().push(quad);
+        }
+        for tile in &mut self.tiles {
+            let origin = tile.world_from_local.translation;
+            let Some(quads) = by_tile.get(&tile_of(origin.truncate() + TILE_M / 2.0)) else { continue };
+            let Some((_, mesh)) = tile.shape.levels.first() else { continue };
+            let mut parts = TileParts {
+                vertices: mesh.vertices.clone(),
+                normals: mesh.normals.clone(),
+                faces: mesh.faces.clone(),
+                slots: mesh.slots.clone(),
+            };
+            for quad in quads {
+                let normal = (quad[1] - quad[0]).cross(quad[3] - quad[0]).normalize_or_zero();
+                parts.quad(quad.map(|p| p - origin), normal, ground_palette::MARKING);
+            }
+            if let Some(mesh) = parts.mesh() {
+                tile.shape = Arc::new(LodSet::single(mesh));
+            }
+        }
+    }
+}
+
+fn tile_of(p: DVec2) -> (i64, i64) {
+    let cell = (p / TILE_M).floor();
+    (cell.x as i64, cell.y as i64)
+}
+
+/// The surface in space: plan points at road level, plan points at kerb level, and the kerbs' faces between.
+struct Surface {
+    corners: Vec<DVec3>,
+    /// One a plan triangle in the same order, then two a kerb edge.
+    faces: Vec<[u32; 3]>,
+}
+
+impl Surface {
+    fn raise(plan: &PlanMesh, height: &dyn Fn(DVec2) -> f64) -> Self {
+        let n = plan.points.len();
+        let ground: Vec<f64> = plan.points.iter().map(|p| height(*p)).collect();
+        let mut corners = Vec::with_capacity(n + n / 2);
+        let mut low = vec![u32::MAX; n];
+        let mut high = vec![u32::MAX; n];
+        let mut faces: Vec<[u32; 3]> = Vec::with_capacity(plan.faces.len());
+        for (face, cover) in plan.faces.iter().zip(&plan.kinds) {
+            let raised = *cover != Cover::Carriageway;
+            faces.push(face.map(|i| {
+                let (slot, lift) = if raised { (&mut high, KERB_HEIGHT_M) } else { (&mut low, 0.0) };
+                let slot = &mut slot[i as usize];
+                if *slot == u32::MAX {
+                    *slot = corners.len() as u32;
+                    corners.push(plan.points[i as usize].extend(ground[i as usize] + lift));
+                }
+                *slot
+            }));
+        }
+        for [a, b] in kerb_edges(plan) {
+            let ([a0, b0], [a1, b1]) = ([a, b].map(|i| low[i as usize]), [a, b].map(|i| high[i as usize]));
+            faces.push([b0, a0, a1]);
+            faces.push([b0, a1, b1]);
+        }
+        Self { corners, faces }
+    }
+
+    /// The visible surface, cut into tiles.
+    fn tiles(&self, plan: &PlanMesh) -> Vec<Instance> {
+        let mut normals = vec![DVec3::ZERO; self.corners.len()];
+        let num_flat = plan.faces.len();
+        let at = |f: &[u32; 3]| f.map(|i| self.corners[i as usize]);
+        for face in &self.faces[..num_flat] {
+            let [a, b, c] = at(face);
+            for i in face {
+                normals[*i as usize] += (b - a).cross(c - a);
+            }
+        }
+        let mut members: BTreeMap<(i64, i64), Vec<usize>> = BTreeMap::new();
+        for (i, face) in self.faces.iter().enumerate() {
+            let [a, b, c] = at(face);
+            members.entry(tile_of(((a + b + c) / 3.0).truncate())).or_default().push(i);
+        }
+        let palette = Arc::new(ground_palette::palette());
+        let mut local = vec![u32::MAX; self.corners.len()];
+        let mut tiles = Vec::with_capacity(members.len());
+        for ((i, j), members) in members {
+            let corner = DVec2::new(i as f64, j as f64) * TILE_M;
+            let lowest = members.first().map_or(0.0, |m| self.corners[self.faces[*m][0] as usize].z);
+            let origin = corner.extend(lowest.round());
+            let mut parts = TileParts::default();
+            let mut used = Vec::new();
+            let mut upright = members.iter().filter(|m| **m >= num_flat);
+            for m in members.iter().filter(|m| **m < num_flat) {
+                let face = self.faces[*m].map(|v| {
+                    let slot = &mut local[v as usize];
+                    if *slot == u32::MAX {
+                        *slot = parts.vertices.len() as u32;
+                        used.push(v);
+                        parts.vertices.push((self.corners[v as usize] - origin).as_vec3());
+                        parts.normals.push(normals[v as usize].normalize_or(DVec3::Z).as_vec3());
+                    }
+                    *slot
+                });
+                parts.faces.push(face);
+                parts.slots.push(ground_palette::slot(plan.kinds[*m]));
+            }
+            for v in used {
+                local[v as usize] = u32::MAX;
+            }
+            // Kerb faces come in pairs, and both of a pair may fall in different tiles: each is drawn on its own.
+            for m in upright.by_ref() {
+                let [a, b, c] = at(&self.faces[*m]);
+                let normal = (b - a).cross(c - a).normalize_or(DVec3::X);
+                parts.triangle([a - origin, b - origin, c - origin], normal, ground_palette::KERB);
+            }
+            if let Some(mesh) = parts.mesh() {
+                tiles.push(Instance {
+                    shape: Arc::new(LodSet::single(mesh)),
+                    palette: Arc::clone(&palette),
+                    world_from_local: DPose3 { rotation: DQuat::IDENTITY, translation: origin },
+                    actor_id: 0,
+                });
+            }
+        }
+        tiles
+    }
+}
+
+/// Edges with carriageway on the left and something else on the right.
+fn kerb_edges(plan: &PlanMesh) -> Vec<[u32; 2]> {
+    let sides = |f: &[u32; 3]| [[f[0], f[1]], [f[1], f[2]], [f[2], f[0]]];
+    let is_road = |c: &Cover| *c == Cover::Carriageway;
+    let mut raised: Vec<[u32; 2]> = plan
+        .faces
+        .iter()
+        .zip(&plan.kinds)
+        .filter(|(_, c)| !is_road(c))
+        .flat_map(|(f, _)| sides(f))
+        .map(|[a, b]| [b, a])
+        .collect();
+    raised.sort_unstable();
+    plan.faces
+        .iter()
+        .zip(&plan.kinds)
+        .filter(|(_, c)| is_road(c))
+        .flat_map(|(f, _)| sides(f))
+        .filter(|e| raised.binary_search(e).is_ok())
+        .collect()
+}
+
+#[derive(Default)]
+struct TileParts {
+    vertices: Vec<Vec3>,
+    normals: Vec<Vec3>,
+    faces: Vec<[u32; 3]>,
+    slots: Vec<u8>,
+}
+
+impl TileParts {
+    fn triangle(&mut self, corners: [DVec3; 3], normal: DVec3, slot: u8) {
+        let base = self.vertices.len() as u32;
+        self.vertices.extend(corners.map(|p| p.as_vec3()));
+        self.normals.extend([normal.as_vec3(); 3]);
+        self.faces.push([base, base + 1, base + 2]);
+        self.slots.push(slot);
+    }
+
+    fn quad(&mut self, [a, b, c, d]: [DVec3; 4], normal: DVec3, slot: u8) {
+        self.triangle([a, b, c], normal, slot);
+        self.triangle([a, c, d], normal, slot);
+    }
+
+    fn mesh(self) -> Option<Mesh> {
+        Mesh::new("ground", self.vertices, self.normals, self.faces, self.slots).ok()
+    }
+}
+
+/// For each cell of a grid, the triangles whose bounds touch it.
+#[derive(Debug)]
+struct FaceIndex {
+    min: DVec2,
+    cell_m: f64,
+    columns: usize,
+    rows: usize,
+    first: Vec<u32>,
+    faces: Vec<u32>,
+}
+
+impl FaceIndex {
+    fn new(vertices: &[Vec3], faces: &[[u32; 3]], min: DVec2, max: DVec2) -> Self {
+        let cell_m = CELL_M.max((max - min).max_element() / 1500.0);
+        let size = ((max - min) / cell_m).floor() + 1.0;
+        let (columns, rows) = (size.x as usize, size.y as usize);
+        let mut index = Self { min, cell_m, columns, rows, first: vec![0; columns * rows + 1], faces: Vec::new() };
+        let spans: Vec<[usize; 4]> = faces
+            .iter()
+            .map(|f| {
+                let [a, b, c] = f.map(|i| vertices[i as usize].as_dvec3().truncate());
+                let (lo, hi) = (index.cell(a.min(b).min(c) - 1e-3), index.cell(a.max(b).max(c) + 1e-3));
+                [lo.0, lo.1, hi.0, hi.1]
+            })
+            .collect();
+        let cells = |s: &[usize; 4]| {
+            let [i0, j0, i1, j1] = *s;
+            (j0..=j1).flat_map(move |j| (i0..=i1).map(move |i| j * columns + i))
+        };
+        for cell in spans.iter().flat_map(cells) {
+            index.first[cell + 1] += 1;
+        }
+        for i in 1..index.first.len() {
+            index.first[i] += index.first[i - 1];
+        }
+        let mut next = index.first.clone();
+        index.faces = vec![0; next[next.len() - 1] as usize];
+        for (face, span) in spans.iter().enumerate() {
+            for cell in cells(span) {
+                index.faces[next[cell] as usize] = face as u32;
+                next[cell] += 1;
+            }
+        }
+        index
+    }
+
+    fn cell(&self, p: DVec2) -> (usize, usize) {
+        let c = ((p - self.min) / self.cell_m).max(DVec2::ZERO);
+        ((c.x as usize).min(self.columns - 1), (c.y as usize).min(self.rows - 1))
+    }
+
+    fn candidates(&self, p: DVec2) -> &[u32] {
+        if !p.is_finite() {
+            return &[];
+        }
+        let (i, j) = self.cell(p);
+        let cell = j * self.columns + i;
+        &self.faces[self.first[cell] as usize..self.first[cell + 1] as usize]
+    }
 }

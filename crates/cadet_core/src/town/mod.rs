@@ -1,22 +1,42 @@
 //! A town: a road network from OpenDRIVE, the ground under it, and the dressing that makes a street of it.
 
+mod belt;
 mod dressing;
+mod frontage;
+mod garden;
 mod ground;
+mod ground_mesh;
+mod ground_palette;
+mod ground_region;
+mod height_field;
+mod kerbside;
 mod network;
+mod occupancy;
 mod opendrive;
+mod placer;
 mod plan_curve;
+mod plots;
 mod relief;
+mod road_marking;
 mod street_plan;
+mod street_style;
+mod streetside;
 mod suburb;
+mod walkway;
 mod xodr_writer;
 
-pub use ground::Ground;
+pub use dressing::DressingConfig;
+pub use ground::{Ground, GroundKind};
+pub use kerbside::parking_spots;
 pub use network::{Lane, LaneId, LaneKind, RoadNetwork};
 pub use opendrive::load as load_map;
 pub use suburb::{Suburb, SuburbConfig, generate as generate_suburb};
+pub use walkway::walkways;
 
+use crate::error::Result;
 use crate::instance::Instance;
 use crate::math::{DPose3, DVec3};
+use crate::rng::StreamKey;
 
 /// A place where a vehicle may be parked.
 #[derive(Debug, Clone)]
@@ -53,4 +73,50 @@ pub struct Town {
     pub parking: Vec<ParkingSpot>,
     /// Where people walk.
     pub walkways: Vec<Walkway>,
+}
+
+impl Town {
+    /// A made-up suburb with all that stands in it.
+    ///
+    /// # Errors
+    /// [`crate::Error::OutOfRange`] for a configuration outside its documented limits.
+    pub fn suburb(key: &StreamKey, suburb: &SuburbConfig, dressing: &DressingConfig) -> Result<Self> {
+        let Suburb { network, .. } = generate_suburb(key, suburb)?;
+        Self::dressed(key, "suburb", network, dressing)
+    }
+
+    /// An OpenDRIVE map, dressed by a key.
+    ///
+    /// # Errors
+    /// [`crate::Error::Map`] where the text is no map or has no street; [`crate::Error::OutOfRange`] for a dressing
+    /// outside its documented limits.
+    pub fn from_opendrive(key: &StreamKey, map_name: &str, xodr_text: &str, dressing: &DressingConfig) -> Result<Self> {
+        Self::dressed(key, map_name, load_map(map_name, xodr_text)?, dressing)
+    }
+
+    /// A flat square of asphalt of 400 m, with no lanes and nothing on it: for tests and scripted scenes.
+    #[must_use]
+    pub fn flat() -> Self {
+        let ground = Ground::flat(200.0);
+        Self {
+            name: "flat".to_owned(),
+            network: RoadNetwork::default(),
+            scenery: ground.tiles.clone(),
+            ground,
+            parking: Vec::new(),
+            walkways: Vec::new(),
+        }
+    }
+
+    fn dressed(key: &StreamKey, name: &str, network: RoadNetwork, config: &DressingConfig) -> Result<Self> {
+        config.check()?;
+        let ground = Ground::new(&network)?;
+        let mut dressing = dressing::dress(key, &network, &ground, config);
+        let mut scenery = ground.tiles.clone();
+        scenery.append(&mut dressing.instances);
+        let mut parking = parking_spots(&network, &ground, key);
+        parking.append(&mut dressing.drives);
+        let walkways = walkways(&ground);
+        Ok(Self { name: name.to_owned(), network, ground, scenery, parking, walkways })
+    }
 }

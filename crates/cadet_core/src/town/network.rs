@@ -98,6 +98,31 @@ pub struct RoadNetwork {
 }
 
 impl RoadNetwork {
+    /// A straight level road of two lanes along x through the origin, 50 km/h: eastbound at y = -width/2, westbound at
+    /// y = +width/2. The length is at least 1 m.
+    #[must_use]
+    pub fn straight(length_m: f64, lane_width_m: f64) -> Self {
+        let length_m = length_m.max(1.0);
+        let steps = (length_m / 2.0).ceil() as usize;
+        let lane = |id: usize, side: f64| {
+            let s_m: Vec<f64> = (0..=steps).map(|i| length_m * i as f64 / steps as f64).collect();
+            let place = |s: &f64| DVec3::new((s - length_m / 2.0) * -side, side * lane_width_m / 2.0, 0.0);
+            Lane {
+                id: LaneId(id),
+                kind: LaneKind::Driving,
+                center: s_m.iter().map(place).collect(),
+                width_m: vec![lane_width_m; s_m.len()],
+                s_m,
+                successors: Vec::new(),
+                predecessors: Vec::new(),
+                junction: None,
+                road: 0,
+                speed_limit_mps: 50.0 / 3.6,
+            }
+        };
+        Self { lanes: vec![lane(0, -1.0), lane(1, 1.0)] }
+    }
+
     /// The lane of an id.
     #[must_use]
     pub fn lane(&self, id: LaneId) -> &Lane {

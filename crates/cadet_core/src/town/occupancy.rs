@@ -1,8 +1,8 @@
-//! What is taken: oriented rectangles in the plane, and the strips of the lanes.
+//! What is taken: oriented rectangles in the plane, and the streets.
 
 use std::collections::BTreeMap;
 
-use super::{Ground, RoadNetwork};
+use super::Ground;
 use crate::math::{DVec2, DVec3};
 
 /// A rectangle in the plane: `axis` is its unit x direction, `half` its half extents.
@@ -97,66 +97,108 @@ impl Occupancy {
     }
 }
 
-/// A piece of a lane: its middle line from `a` to `b` and half its width at both ends.
-#[derive(Debug, Clone, Copy)]
-struct Strip {
-    a: DVec2,
-    b: DVec2,
-    half: (f64, f64),
-}
-
-/// Where the streets are, and how high the ground lies.
+/// Where the streets are, pavements included, and how high the ground lies.
 #[derive(Debug)]
 pub(super) struct Site<'a> {
     ground: &'a Ground,
-    strips: BTreeMap<(i32, i32), Vec<Strip>>,
-    /// Smallest corner of all lanes.
+    /// Smallest corner of all streets.
     pub min: DVec2,
-    /// Largest corner of all lanes.
+    /// Largest corner of all streets.
     pub max: DVec2,
+    origin: DVec2,
+    step_m: f64,
+    columns: usize,
+    rows: usize,
+    /// Distance to the pavements' outline at each grid point, negative inside, at most [`MAX_MARGIN_M`].
+    clearance_m: Vec<f32>,
 }
 
-/// The largest margin that [`Site::is_clear_of_streets`] can tell.
-const MAX_MARGIN_M: f64 = 8.0;
+/// The largest margin that [`Site::clearance_m`] can tell.
+pub(super) const MAX_MARGIN_M: f64 = 6.0;
+/// Finest step of the grid of clearances, and how many points it has at most.
+const STEP_M: f64 = 0.75;
+const MAX_POINTS: f64 = 4.0e6;
 
 impl<'a> Site<'a> {
-    /// Indexes the lanes of a network.
-    pub fn new(network: &RoadNetwork, ground: &'a Ground) -> Self {
-        let mut strips: BTreeMap<(i32, i32), Vec<Strip>> = BTreeMap::new();
-        let (mut min, mut max) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-        for lane in &network.lanes {
-            for i in 1..lane.center.len() {
-                let (a, b) = (lane.center[i - 1].truncate(), lane.center[i].truncate());
-                let half = (lane.width_m[i - 1] / 2.0, lane.width_m[i] / 2.0);
-                let reach = DVec2::splat(half.0.max(half.1) + MAX_MARGIN_M);
-                min = min.min(a).min(b);
-                max = max.max(a).max(b);
-                for c in cells(a.min(b) - reach, a.max(b) + reach) {
-                    strips.entry(c).or_default().push(Strip { a, b, half });
+    /// Surveys the streets of a town.
+    pub fn new(ground: &'a Ground) -> Self {
+        let points = ground.pavement_outline().iter().flatten();
+        let (min, max) = points
+            .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi): (DVec2, DVec2), p| (lo.min(*p), hi.max(*p)));
+        let origin = min - DVec2::splat(MAX_MARGIN_M + 1.0);
+        let size = max + DVec2::splat(MAX_MARGIN_M + 1.0) - origin;
+        let step_m = STEP_M.max((size.x * size.y / MAX_POINTS).sqrt());
+        let (columns, rows) = ((size.x / step_m).ceil() as usize + 1, (size.y / step_m).ceil() as usize + 1);
+        let clearance_m = vec![MAX_MARGIN_M as f32; columns * rows];
+        let mut site = Self { ground, min, max, origin, step_m, columns, rows, clearance_m };
+        let mut crossings: Vec<Vec<f64>> = vec![Vec::new(); rows];
+        for ring in ground.pavement_outline() {
+            for (i, a) in ring.iter().enumerate() {
+                let b = ring[(i + 1) % ring.len()];
+                site.lower_about(*a, b);
+                let (low, high) = if a.y < b.y { (*a, b) } else { (b, *a) };
+                let row_of = |y: f64| ((y - origin.y) / step_m).ceil() as usize;
+                for (row, list) in crossings.iter_mut().enumerate().take(row_of(high.y)).skip(row_of(low.y)) {
+                    let y = origin.y + row as f64 * step_m;
+                    list.push(low.x + (high.x - low.x) * (y - low.y) / (high.y - low.y));
                 }
             }
         }
-        Self { ground, strips, min, max }
+        for (row, mut list) in crossings.into_iter().enumerate() {
+            list.sort_by(f64::total_cmp);
+            for pair in list.chunks_exact(2) {
+                let column_of = |x: f64| ((x - origin.x) / step_m).ceil() as usize;
+                for column in column_of(pair[0])..column_of(pair[1]) {
+                    let value = &mut site.clearance_m[row * columns + column];
+                    *value = -*value;
+                }
+            }
+        }
+        site
     }
 
-    /// Ground at a place.
+    /// Lowers the (unsigned) clearances about an edge of the outline.
+    fn lower_about(&mut self, a: DVec2, b: DVec2) {
+        let reach = DVec2::splat(MAX_MARGIN_M);
+        let lo = ((a.min(b) - reach - self.origin) / self.step_m).ceil().max(DVec2::ZERO);
+        let hi = ((a.max(b) + reach - self.origin) / self.step_m).floor();
+        let (d, length_2) = (b - a, (b - a).length_squared().max(1e-12));
+        for row in lo.y as usize..=(hi.y as usize).min(self.rows - 1) {
+            for column in lo.x as usize..=(hi.x as usize).min(self.columns - 1) {
+                let p = self.origin + DVec2::new(column as f64, row as f64) * self.step_m - a;
+                let t = (p.dot(d) / length_2).clamp(0.0, 1.0);
+                let known = &mut self.clearance_m[row * self.columns + column];
+                *known = known.min((p - d * t).length() as f32);
+            }
+        }
+    }
+
+/// Distance from a place to the pavements' outline, negative on streets, at most [`MAX_MARGIN_M`].
+    pub fn clearance_m(&self, p: DVec2) -> f64 {
+        let at = (p - self.origin) / self.step_m;
+        if at.x < 0.0 || at.y < 0.0 || at.x >= (self.columns - 1) as f64 || at.y >= (self.rows - 1) as f64 {
+            return MAX_MARGIN_M;
+        }
+        let (i, j) = (at.x as usize, at.y as usize);
+        let (u, v) = (at.x - i as f64, at.y - j as f64);
+        let value = |i: usize, j: usize| f64::from(self.clearance_m[j * self.columns + i]);
+        let low = value(i, j) * (1.0 - u) + value(i + 1, j) * u;
+        low * (1.0 - v) + (value(i, j + 1) * (1.0 - u) + value(i + 1, j + 1) * u) * v
+    }
+
+    /// The ground at a place.
     pub fn on_ground(&self, p: DVec2) -> DVec3 {
-        p.extend(self.ground.height_at(p))
+        p.extend(self.ground.height_at(p.x, p.y).unwrap_or(0.0))
     }
 
-    /// True where no lane of any kind comes within `margin_m` (at most 8 m) of the place.
-    pub fn is_clear_of_streets(&self, p: DVec2, margin_m: f64) -> bool {
-        let near = |s: &Strip| {
-            let d = s.b - s.a;
-            let t = ((p - s.a).dot(d) / d.length_squared()).clamp(0.0, 1.0);
-            (p - s.a - d * t).length() < s.half.0 + (s.half.1 - s.half.0) * t + margin_m
-        };
-        !self.ground.is_street(p) && !self.strips.get(&cell(p)).is_some_and(|strips| strips.iter().any(near))
+    /// True where no street comes within `margin_m` (at most [`MAX_MARGIN_M`]) of the place.
+    pub fn is_clear(&self, p: DVec2, margin_m: f64) -> bool {
+        self.clearance_m(p) >= margin_m
     }
 
-    /// True where a whole rectangle keeps `margin_m` from every lane.
+    /// True where a whole rectangle keeps `margin_m` from every street.
     pub fn is_rect_clear(&self, rect: &OrientedRect, margin_m: f64) -> bool {
-        rect.samples(1.5).all(|p| self.is_clear_of_streets(p, margin_m))
+        rect.corners().into_iter().chain(rect.samples(1.5)).all(|p| self.is_clear(p, margin_m))
     }
 }
 

@@ -1,6 +1,10 @@
 //! The world at one instant, as the sensors see it.
 
-use crate::actor::ActorState;
+use std::sync::Arc;
+
+use super::{SNAPSHOT_RADIUS_M, World};
+use crate::actor::{ActorState, ObjectClass};
+use crate::assets::vehicle::VehicleModel;
 use crate::instance::Instance;
 use crate::math::{DPose3, DVec3};
 
@@ -24,4 +28,85 @@ pub struct Snapshot {
     pub instances: Vec<Instance>,
     /// Every actor but the ego, by rising id.
     pub actors: Vec<ActorState>,
+}
+
+/// An actor with its parts, to be sorted by id.
+struct Posed {
+    state: ActorState,
+    parts: Vec<Instance>,
+}
+
+impl World {
+    /// The world as it is now: the town's scenery, then the actors within 250 m of the ego by rising id.
+    #[must_use]
+    pub fn snapshot(&self) -> Snapshot {
+        let ego = self.ego();
+        let middle = ego.world_from_ego.translation;
+        let is_near = |p: DVec3| (p - middle).length() <= SNAPSHOT_RADIUS_M;
+        let mut posed: Vec<Posed> = Vec::new();
+        for car in &self.cars[1..] {
+            let pose = car.chassis.world_from_box(&self.physics);
+            if is_near(pose.translation) {
+                let velocity = car.chassis.velocity_world(&self.physics);
+                posed.push(vehicle(car.id, car.model(), pose, velocity, &car.chassis.wheels(), true));
+            }
+        }
+        for parked in self.parked.iter().filter(|p| is_near(p.settled.world_from_box.translation)) {
+            let pose = parked.settled.world_from_box;
+            posed.push(vehicle(parked.id, &parked.model, pose, DVec3::ZERO, &parked.wheels(), false));
+        }
+        for walker in self.walkers.iter().filter(|w| is_near(w.position)) {
+            let state = ActorState {
+                id: walker.id,
+                class: ObjectClass::Pedestrian,
+                model: walker.model.name.clone(),
+                size_lwh: walker.model.size_lwh,
+                world_from_box: walker.pose(),
+                velocity_world: walker.velocity,
+            };
+            let body = Instance {
+                shape: Arc::new(walker.model.pose(walker.phase)),
+                palette: Arc::clone(&walker.model.palette),
+                world_from_local: state.world_from_box,
+                actor_id: state.id,
+            };
+            posed.push(Posed { state, parts: vec![body] });
+        }
+        posed.sort_by_key(|p| p.state.id);
+        let mut instances = self.town.scenery.clone();
+        let mut actors = Vec::with_capacity(posed.len());
+        for p in posed {
+            instances.extend(p.parts);
+            actors.push(p.state);
+        }
+        Snapshot { time_s: self.time_s(), ego, instances, actors }
+    }
+}
+
+fn vehicle(
+    id: i32,
+    model: &VehicleModel,
+    world_from_box: DPose3,
+    velocity_world: DVec3,
+    box_from_wheels: &[DPose3; 4],
+    is_driven: bool,
+) -> Posed {
+    let _ = is_driven;
+    let part = |shape, local: DPose3| Instance {
+        shape: Arc::clone(shape),
+        palette: Arc::clone(&model.palette),
+        world_from_local: world_from_box * local,
+        actor_id: id,
+    };
+    let mut parts = vec![part(&model.body, DPose3::IDENTITY)];
+    parts.extend(box_from_wheels.iter().map(|w| part(&model.wheel, *w)));
+    let state = ActorState {
+        id,
+        class: model.class,
+        model: model.name.clone(),
+        size_lwh: model.size_lwh,
+        world_from_box,
+        velocity_world,
+    };
+    Posed { state, parts }
 }

@@ -9,9 +9,9 @@ use super::{
     Detail, FenceKind, FurnitureKind, HouseKind, PoleKind, SceneryModel, TreeKind, fence as fences, furniture as bins,
     garage as garages, hedge as hedges, pole as poles,
 };
-use crate::geometry::LodSet;
-use crate::material::{Palette, Semantic};
-use crate::math::DVec2;
+use crate::geometry::{LodSet, MeshBuilder};
+use crate::material::{Material, Palette, Pattern, Semantic};
+use crate::math::{DVec2, Vec3};
 use crate::rng::Stream;
 
 /// Lengths that hedges and fences come in, the longest first.
@@ -197,4 +197,26 @@ pub fn furniture(kind: FurnitureKind, variant: usize) -> SceneryModel {
             model(name, shape, palette, DVec2::new(size.x, size.y) / 2.0, size.z)
         })
         .clone()
+}
+
+/// A piece of paving along +x, its middle line y = 0, and its length: for a car's width or for a person's.
+#[must_use]
+pub fn paving(for_cars: bool) -> (SceneryModel, f64) {
+    static CELLS: [Cell; 2] = cells!(2);
+    let (length_m, width_m) = if for_cars { (2.5, 3.0) } else { (1.5, 1.2) };
+    let model = CELLS[usize::from(for_cars)].get_or_init(|| {
+        let mut b = MeshBuilder::new();
+        let (length, half) = (length_m as f32, width_m as f32 / 2.0);
+        b.cuboid(Vec3::new(0.0, -half, -0.25), Vec3::new(length, half, 0.025), 0);
+        let blocks = Material::matt(Semantic::Terrain, [0.21, 0.195, 0.18], Pattern::Blocks, 0.28);
+        SceneryModel {
+            name: format!("paving/{length_m}"),
+            shape: Arc::new(LodSet::single(b.build("paving", 0.7))),
+            palette: Arc::new(Palette(vec![blocks])),
+            footprint_min: DVec2::new(0.0, -width_m / 2.0),
+            footprint_max: DVec2::new(length_m, width_m / 2.0),
+            height_m: 0.025,
+        }
+    });
+    (model.clone(), length_m)
 }

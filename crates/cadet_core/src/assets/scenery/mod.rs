@@ -23,7 +23,7 @@ use std::sync::Arc;
 pub use fence::FenceKind;
 pub use furniture::FurnitureKind;
 pub use house::HouseKind;
-pub use library::{PIECE_LENGTHS_M, fence, furniture, garage, hedge, house, num_variants, pole, tree};
+pub use library::{PIECE_LENGTHS_M, fence, furniture, garage, hedge, house, num_variants, paving, pole, tree};
 pub use pole::PoleKind;
 pub use tree::TreeKind;
 

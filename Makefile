@@ -1,0 +1,93 @@
+# `make help` lists the targets. Everything lands in .venv/, target/ and demo/.
+
+SHELL := /bin/bash
+.SHELLFLAGS := -eu -o pipefail -c
+.DEFAULT_GOAL := help
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+DEMO := demo
+DEVELOP = VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/maturin develop --release --locked
+PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
+
+# One interpreter for maturin, clippy and the tests, so that the bindings are compiled once.
+export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
+# The tests and the demo run what stands in this folder, not what another environment has on its path.
+unexport PYTHONPATH
+unexport PYTHONHOME
+
+.PHONY: help check-rust check-python setup build build-dev demo test lint test-rust test-python bench fmt clean
+.NOTPARALLEL:
+
+help: ## List the targets
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+check-rust:
+	@command -v cargo > /dev/null && command -v rustc > /dev/null \
+		|| { echo "cadet needs Rust 1.89 or newer: install it from https://rustup.rs" >&2; exit 1; }
+	@rustc --version | awk '{ split($$2, v, "."); exit !(v[1] > 1 || (v[1] == 1 && v[2] + 0 >= 89)) }' \
+		|| { echo "cadet needs Rust 1.89 or newer, found $$(rustc --version): run 'rustup update'" >&2; exit 1; }
+	@command -v cc > /dev/null || command -v gcc > /dev/null || command -v clang > /dev/null \
+		|| { echo "Rust needs a C linker: install gcc or clang (Debian: apt install gcc libc6-dev)" >&2; exit 1; }
+
+check-python:
+	@command -v $(PYTHON) > /dev/null \
+		|| { echo "cadet needs Python 3.10 or newer: '$(PYTHON)' was not found (make PYTHON=/path/to/python3 names another)" >&2; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' \
+		|| { echo "cadet needs Python 3.10 or newer, found $$($(PYTHON) --version) (make PYTHON=/path/to/python3 names another)" >&2; exit 1; }
+	@$(PYTHON) -c 'import ensurepip, venv' 2> /dev/null \
+		|| { echo "$(PYTHON) cannot make virtual environments: install its venv package (Debian: apt install python3-venv)" >&2; exit 1; }
+
+$(BIN)/python: | check-python
+	@echo "Making $(VENV)"
+	@$(PYTHON) -m venv $(VENV)
+
+$(BIN)/maturin: | $(BIN)/python
+	@echo "Installing maturin into $(VENV)"
+	@$(PIP) install 'maturin>=1.9.4,<2'
+
+$(BIN)/ruff: | $(BIN)/python
+	@$(PIP) install 'ruff>=0.6'
+
+setup: check-rust $(BIN)/maturin ## Make .venv with the build tool
+
+build: setup ## Build the release extension and install it with its dependencies into .venv
+	@echo "Building the Rust core (the first time takes some minutes)"
+	@$(DEVELOP)
+
+build-dev: setup
+	@echo "Building the Rust core and installing the development tools (the first time takes some minutes)"
+	@$(DEVELOP) --extras dev
+
+demo: build ## Write 20 samples and a picture of them to demo/
+	@rm -rf $(DEMO)/training $(DEMO)/ImageSets $(DEMO)/manifest.json $(DEMO)/run.json $(DEMO)/overview.png
+	@$(BIN)/cadet-gen $(DEMO) -n 20 --seed 0
+	@$(BIN)/cadet view $(DEMO) -o $(DEMO)/overview.png
+	@echo "Look at $(DEMO)/overview.png; $(DEMO)/training is the KITTI folder, and 'make help' lists what else there is."
+
+test: lint test-rust test-python ## Check everything: formats, lints, types, Rust and Python tests (what CI runs)
+
+lint: build-dev ## Check formats, clippy, ruff and types
+	cargo fmt --all --check
+	cargo clippy --release --locked --workspace --all-targets -- -D warnings
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+
+test-rust: check-rust
+	cargo test --release --locked --workspace
+
+test-python: build-dev
+	$(BIN)/pytest
+
+bench: check-rust ## Measure the core with criterion
+	cargo bench --locked --workspace
+
+fmt: check-rust $(BIN)/ruff ## Format Rust and Python
+	cargo fmt --all
+	$(BIN)/ruff check --fix --exit-zero --quiet
+	$(BIN)/ruff format
+
+clean: ## Remove .venv, target/ and demo/
+	rm -rf $(VENV) target $(DEMO) python/cadet/_cadet*.so

@@ -1,0 +1,223 @@
+//! Decides what gets a label, what becomes DontCare and what is left out.
+
+use crate::actor::{ActorState, ObjectClass};
+use crate::camera::CameraModel;
+use crate::error::{Error, Result};
+use crate::math::{DPose3, DVec3};
+use crate::sense::PosedScene;
+
+use super::box_cam::{BoxCam, Rect, truncation};
+use super::corners::visible_corners;
+use super::silhouette::{SUPERSAMPLING, silhouette};
+
+/// How occlusion is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OcclusionMethod {
+    /// Visible over silhouette pixels (default).
+    Pixels,
+    /// The 2019 paper's: corners of the box against the depth map.
+    Corners,
+}
+
+/// Every number of the labels' definitions.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LabelConfig {
+    /// How occlusion is measured.
+    pub method: OcclusionMethod,
+    /// A label's box is at least this high.
+    pub min_height_px: f64,
+    /// A label's object shows at least this fraction of its silhouette.
+    pub min_visible_fraction: f64,
+    /// A label's object is at most this deep.
+    pub max_depth_m: f64,
+    /// An object without a label becomes DontCare if it shows at least this many pixels.
+    pub dontcare_min_pixels: f64,
+    /// Visible fractions from which the occlusion level is 0 and 1; below, it is 2.
+    pub occlusion_levels: [f64; 2],
+    /// A corner is hidden by what is nearer than it by more than this.
+    pub corner_tolerance_m: f64,
+    /// With this many hidden corners the object is occluded.
+    pub max_hidden_corners: usize,
+}
+
+impl Default for LabelConfig {
+    fn default() -> Self {
+        Self {
+            method: OcclusionMethod::Pixels,
+            min_height_px: 15.0,
+            min_visible_fraction: 0.1,
+            max_depth_m: 80.0,
+            dontcare_min_pixels: 8.0,
+            occlusion_levels: [0.8, 0.5],
+            corner_tolerance_m: 0.1,
+            max_hidden_corners: 4,
+        }
+    }
+}
+
+impl LabelConfig {
+    /// Refuses numbers that mean nothing.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`], naming the field.
+    pub fn validated(self) -> Result<Self> {
+        let fail = |what, value: f64, expected: &str| {
+            Err(Error::OutOfRange { what, value: value.to_string(), expected: expected.to_owned() })
+        };
+        let fraction = |v: f64| (0.0..=1.0).contains(&v);
+        let not_negative = |v: f64| v.is_finite() && v >= 0.0;
+        for (what, value) in [
+            ("min_height_px", self.min_height_px),
+            ("max_depth_m", self.max_depth_m),
+            ("dontcare_min_pixels", self.dontcare_min_pixels),
+            ("corner_tolerance_m", self.corner_tolerance_m),
+        ] {
+            if !not_negative(value) {
+                return fail(what, value, "a finite number that is not negative");
+            }
+        }
+        let [level0, level1] = self.occlusion_levels;
+        for (what, value) in
+            [("min_visible_fraction", self.min_visible_fraction), ("occlusion level 0", level0), ("level 1", level1)]
+        {
+            if !fraction(value) {
+                return fail(what, value, "0 to 1");
+            }
+        }
+        if level0 < level1 {
+            return fail("occlusion level 0", level0, "at least level 1's threshold");
+        }
+        Ok(self)
+    }
+}
+
+/// What the camera saw, as the labels need it.
+#[derive(Debug, Clone, Copy)]
+pub struct ImageBuffers<'a> {
+    /// Depth along the optical axis at each pixel's centre, row-major, infinite for sky.
+    pub depth: &'a [f32],
+    /// Actor id at each of the 2 x 2 samples of a pixel: (2 height) x (2 width), row-major.
+    pub super_instance: &'a [i32],
+}
+
+/// One line of a label file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Label {
+    /// KITTI's class.
+    pub class: ObjectClass,
+    /// 0 (whole) to 1 (outside the image), -1 for DontCare.
+    pub truncated: f64,
+    /// 0 to 2, -1 for DontCare.
+    pub occluded: i32,
+    /// Observation angle, -10 for DontCare.
+    pub alpha: f64,
+    /// Pixels.
+    pub bbox: Rect,
+    /// The box; `None` for DontCare.
+    pub box_cam: Option<BoxCam>,
+}
+
+/// What is known of a labelled object beyond the label's line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ObjectMeta {
+    /// The actor.
+    pub actor_id: i32,
+    /// Its class, for DontCare too.
+    pub class: ObjectClass,
+    /// Its model.
+    pub model: String,
+    /// Visible samples / samples of the silhouette inside the image.
+    pub visible_fraction: f64,
+    /// Visible pixels (a quarter of the visible samples).
+    pub visible_pixels: f64,
+    /// Returns of the scan from the actor.
+    pub num_points: usize,
+    /// World velocity, m/s.
+    pub velocity_world: DVec3,
+    /// Rectangle round the silhouette inside the image.
+    pub silhouette_bbox: Option<Rect>,
+    /// Whether each corner of the 3D box is in view and not hidden.
+    pub corner_visible: [bool; 8],
+    /// The box, for DontCare too.
+    pub box_cam: BoxCam,
+}
+
+/// A label and what stands behind it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Labeled {
+    /// The line.
+    pub label: Label,
+    /// The sidecar.
+    pub meta: ObjectMeta,
+}
+
+/// Labels every actor that the camera sees, in the order of their ids.
+///
+/// # Frames and units
+/// `world_from_cam` is the pose of the rectified camera 0; `point_actor_ids` names the actor of each LIDAR return.
+#[must_use]
+pub fn label_actors(
+    config: &LabelConfig,
+    actors: &[ActorState],
+    scene: &PosedScene,
+    camera: &CameraModel,
+    world_from_cam: &DPose3,
+    buffers: ImageBuffers<'_>,
+    point_actor_ids: &[i32],
+) -> Vec<Labeled> {
+    let cam_from_world = world_from_cam.inverse();
+    let mut labels = Vec::new();
+    for actor in actors {
+        let box_cam = BoxCam::of(actor, &cam_from_world);
+        let Some(whole) = box_cam.project(camera) else { continue };
+        let Some(bbox) = whole.clipped(camera.width, camera.height) else { continue };
+        let outline = silhouette(scene, actor.id, camera, world_from_cam, buffers.super_instance);
+        let visible_fraction =
+            if outline.samples == 0 { 0.0 } else { outline.visible_samples as f64 / outline.samples as f64 };
+        let visible_pixels = outline.visible_samples as f64 / (SUPERSAMPLING * SUPERSAMPLING) as f64;
+        let corner_visible = visible_corners(&box_cam.corners_cam(), camera, &buffers, config.corner_tolerance_m);
+        let hidden_corners = corner_visible.iter().filter(|v| !**v).count();
+        let in_reach = bbox.v2 - bbox.v1 >= config.min_height_px
+            && box_cam.location_cam.z <= config.max_depth_m
+            && visible_fraction >= config.min_visible_fraction;
+        let occluded = match config.method {
+            OcclusionMethod::Pixels => {
+                Some(config.occlusion_levels.iter().filter(|limit| visible_fraction < **limit).count() as i32)
+            }
+            OcclusionMethod::Corners => (hidden_corners < config.max_hidden_corners).then_some(0),
+        };
+        let label = match occluded {
+            Some(occluded) if in_reach => Label {
+                class: actor.class,
+                truncated: truncation(&whole, &bbox),
+                occluded,
+                alpha: box_cam.alpha(),
+                bbox,
+                box_cam: Some(box_cam),
+            },
+            _ if visible_pixels >= config.dontcare_min_pixels => Label {
+                class: ObjectClass::DontCare,
+                truncated: -1.0,
+                occluded: -1,
+                alpha: -10.0,
+                bbox,
+                box_cam: None,
+            },
+            _ => continue,
+        };
+        let meta = ObjectMeta {
+            actor_id: actor.id,
+            class: actor.class,
+            model: actor.model.clone(),
+            visible_fraction,
+            visible_pixels,
+            num_points: point_actor_ids.iter().filter(|id| **id == actor.id).count(),
+            velocity_world: actor.velocity_world,
+            silhouette_bbox: outline.bounds,
+            corner_visible,
+            box_cam,
+        };
+        labels.push(Labeled { label, meta });
+    }
+    labels
+}

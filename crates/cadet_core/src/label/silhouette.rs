@@ -1,0 +1,103 @@
+//! An actor's outline alone, as the camera would see it with nothing else in the world.
+
+use crate::camera::CameraModel;
+use crate::math::{DPose3, DVec3};
+use crate::sense::{Hits, Layer, PinholeGrid, PosedScene, cast};
+
+use super::box_cam::Rect;
+
+/// Samples a pixel side: 2 x 2 = four samples a pixel.
+pub(super) const SUPERSAMPLING: usize = 2;
+
+/// How much of an actor there is in the image, and how much of it is seen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Silhouette {
+    /// Samples of the outline inside the image.
+    pub samples: usize,
+    /// Those where nothing is in front.
+    pub visible_samples: usize,
+    /// Rectangle round the outline inside the image.
+    pub bounds: Option<Rect>,
+}
+
+/// Casts the actor alone over the part of the supersampled image that its vertices cover.
+pub(super) fn silhouette(
+    scene: &PosedScene,
+    actor_id: i32,
+    camera: &CameraModel,
+    world_from_cam: &DPose3,
+    super_instance: &[i32],
+) -> Silhouette {
+    let empty = Silhouette { samples: 0, visible_samples: 0, bounds: None };
+    let Some([u1, v1, u2, v2]) = vertex_bounds(scene, actor_id, camera, world_from_cam) else { return empty };
+    // Sub-sample (r, c) of pixel (v, u) lies at v + (r + 0.5) / n - 0.5, u + (c + 0.5) / n - 0.5.
+    let n = SUPERSAMPLING as f64;
+    let (width, height) = (camera.width * SUPERSAMPLING, camera.height * SUPERSAMPLING);
+    let to_sample = |p: f64| (p + 0.5) * n - 0.5;
+    let lo = |p: f64| to_sample(p).floor().max(0.0) as usize;
+    let hi = |p: f64, end: usize| (to_sample(p).ceil() + 1.0).clamp(0.0, end as f64) as usize;
+    let (c1, c2, r1, r2) = (lo(u1), hi(u2, width), lo(v1), hi(v2, height));
+    if c1 >= c2 || r1 >= r2 {
+        return empty;
+    }
+    let from_sample = |i: usize| (i as f64 + 0.5) / n - 0.5;
+    let (rows, columns) = (r2 - r1, c2 - c1);
+    let window = [from_sample(c1), from_sample(r1), 1.0 / n, 1.0 / n];
+    let grid = PinholeGrid::new(optical_pose(camera, world_from_cam), camera.intrinsics(), window, rows, columns)
+        .expect("a checked camera and a window that is not empty");
+    let mut hits = Hits::new(rows, columns);
+    cast(scene, &grid, Layer::All, |i| i.actor_id == actor_id, &mut hits);
+    let mut found = empty;
+    for r in 0..rows {
+        for c in 0..columns {
+            if hits.instance[r * columns + c] == u32::MAX {
+                continue;
+            }
+            found.samples += 1;
+            if super_instance[(r1 + r) * width + c1 + c] == actor_id {
+                found.visible_samples += 1;
+            }
+            let (u, v) = (from_sample(c1 + c), from_sample(r1 + r));
+            let b = found.bounds.unwrap_or(Rect { u1: u, v1: v, u2: u, v2: v });
+            found.bounds = Some(Rect { u1: b.u1.min(u), v1: b.v1.min(v), u2: b.u2.max(u), v2: b.v2.max(v) });
+        }
+    }
+    found
+}
+
+/// The pose of P2's optical centre, given that of camera 0.
+pub(super) fn optical_pose(camera: &CameraModel, world_from_cam: &DPose3) -> DPose3 {
+    let offset = world_from_cam.rotation * camera.optical_center_cam();
+    DPose3 { rotation: world_from_cam.rotation, translation: world_from_cam.translation + offset }
+}
+
+/// Pixels that the actor's vertices span; the whole image where some are beside or behind the camera.
+fn vertex_bounds(
+    scene: &PosedScene,
+    actor_id: i32,
+    camera: &CameraModel,
+    world_from_cam: &DPose3,
+) -> Option<[f64; 4]> {
+    let cam_from_world = world_from_cam.inverse();
+    let mut bounds: Option<[f64; 4]> = None;
+    let (mut any_behind, mut any_in_front) = (false, false);
+    for instance in scene.instances.iter().filter(|i| i.actor_id == actor_id) {
+        for vertex in &scene.vertices_world[instance.vertices.clone()] {
+            let p: DVec3 = cam_from_world.rotation * vertex.as_dvec3() + cam_from_world.translation;
+            match camera.project(p).filter(|_| p.z > 0.05) {
+                Some(pixel) => {
+                    any_in_front = true;
+                    let (u, v) = (pixel.uv.x, pixel.uv.y);
+                    let b = bounds.unwrap_or([u, v, u, v]);
+                    bounds = Some([b[0].min(u), b[1].min(v), b[2].max(u), b[3].max(v)]);
+                }
+                None => any_behind = true,
+            }
+        }
+    }
+    match (any_in_front, any_behind) {
+        (false, _) => None,
+        (true, true) => Some([0.0, 0.0, camera.width as f64, camera.height as f64]),
+        (true, false) => bounds,
+    }
+}

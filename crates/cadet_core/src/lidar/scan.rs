@@ -1,0 +1,113 @@
+//! One turn of the LIDAR: exact, or as the sensor reports it.
+
+use super::air::Air;
+use super::returns::{Draws, Surface, receive};
+use super::spec::LidarSpec;
+use crate::error::Result;
+use crate::math::{self, DPose3, DVec3};
+use crate::rng::Stream;
+use crate::sense::{Hits, Layer, NO_HIT, PosedScene, cast};
+use crate::weather::Weather;
+
+/// What every beam meets first, in the order of [`LidarSpec::rays`]: every triangle opaque, no limits, no noise.
+#[derive(Debug, Clone, PartialEq)]
+pub struct IdealScan {
+    /// Range from the beam's own origin, infinite for a miss.
+    pub range_m: Vec<f32>,
+    /// Index into [`PosedScene::instances`], [`NO_HIT`] for a miss.
+    pub instance: Vec<u32>,
+    /// Face of the instance's mesh, [`NO_HIT`] for a miss.
+    pub face: Vec<u32>,
+    /// -1 for a miss, 0 for the static world, at least 1 for actors.
+    pub actor_id: Vec<i32>,
+}
+
+/// The returns of one turn: ring-major, azimuth rising counter-clockwise from forward. All arrays have one length.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Scan {
+    /// x, y, z in metres, rounded to 1 mm, and intensity in 0..=0.99, rounded to 0.01.
+    pub points_velo: Vec<[f32; 4]>,
+    /// Ring of each return.
+    pub ring: Vec<i32>,
+    /// Column of each return.
+    pub column: Vec<i32>,
+    /// 0 for the static world and the air, at least 1 for actors.
+    pub actor_id: Vec<i32>,
+    /// Range from the laser's own origin, before rounding.
+    pub range_m: Vec<f64>,
+}
+
+/// Casts every beam of the sensor at once.
+#[must_use]
+pub fn ideal_scan(scene: &PosedScene, world_from_velo: &DPose3, spec: &LidarSpec) -> IdealScan {
+    let mut hits = Hits::new(spec.rings().len(), spec.azimuths_rad().len());
+    cast(scene, &spec.grid(*world_from_velo), Layer::All, |_| true, &mut hits);
+    let actor_id =
+        hits.instance.iter().map(|i| if *i == NO_HIT { -1 } else { scene.instances[*i as usize].actor_id }).collect();
+    IdealScan { range_m: hits.depth, instance: hits.instance, face: hits.face, actor_id }
+}
+
+/// One turn as the sensor reports it. Every beam draws the same count of numbers from `stream`, whatever it meets.
+///
+/// # Errors
+/// What [`LidarSpec::check`] finds.
+pub fn scan(
+    scene: &PosedScene,
+    world_from_velo: &DPose3,
+    spec: &LidarSpec,
+    weather: &Weather,
+    stream: &mut Stream,
+) -> Result<Scan> {
+    spec.check()?;
+    let grid = spec.grid(*world_from_velo);
+    let (rows, columns) = (spec.rings().len(), spec.azimuths_rad().len());
+    let mut solid = Hits::new(rows, columns);
+    cast(scene, &grid, Layer::Opaque, |_| true, &mut solid);
+    let mut glass = Hits::new(rows, columns);
+    cast(scene, &grid, Layer::Glass, |_| true, &mut glass);
+
+    let air = Air::new(weather);
+    let headings = spec.headings();
+    let mut out = Scan::default();
+    for (ring, laser) in spec.rings().iter().enumerate() {
+        let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
+        let gain = spec.laser_gains[ring];
+        for (column, heading) in headings.iter().enumerate() {
+            let draws = Draws::new(stream);
+            let at = ring * columns + column;
+            let direction_velo = DVec3::new(cos * heading[0], cos * heading[1], sin);
+            let surface = |hits: &Hits| {
+                (hits.instance[at] != NO_HIT)
+                    .then(|| surface_at(scene, hits, at, world_from_velo.rotation * direction_velo))
+            };
+            let Some(found) = receive(surface(&glass), surface(&solid), &air, gain, spec.range_noise_m, &draws) else {
+                continue;
+            };
+            if !(spec.min_range_m..spec.max_range_m).contains(&found.range_m) {
+                continue;
+            }
+            let p = direction_velo * found.range_m + DVec3::new(0.0, 0.0, laser.height_m);
+            let millimetres = |v: f64| ((v * 1e3).round() / 1e3) as f32;
+            let hundredths = |v: f64| ((v * 1e2).round().clamp(0.0, 99.0) / 1e2) as f32;
+            out.points_velo.push([millimetres(p.x), millimetres(p.y), millimetres(p.z), hundredths(found.intensity)]);
+            out.ring.push(ring as i32);
+            out.column.push(column as i32);
+            out.actor_id.push(found.actor_id);
+            out.range_m.push(found.range_m);
+        }
+    }
+    Ok(out)
+}
+
+fn surface_at<'a>(scene: &'a PosedScene, hits: &Hits, at: usize, direction_world: DVec3) -> Surface<'a> {
+    let (instance, face) = (hits.instance[at], hits.face[at]);
+    let posed = &scene.instances[instance as usize];
+    let [a, b, c] = scene.corners(instance, face).map(|p| p.as_dvec3());
+    let normal_world = (b - a).cross(c - a).normalize_or_zero();
+    Surface {
+        range_m: f64::from(hits.depth[at]),
+        cos_incidence: normal_world.dot(direction_world).abs().min(1.0),
+        material: posed.material(face),
+        actor_id: posed.actor_id,
+    }
+}

@@ -1,0 +1,199 @@
+//! Cuts the plane into triangles along the outlines of carriageway, kerb and pavement, fine near streets.
+
+use std::collections::BTreeMap;
+
+use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
+
+use super::ground::GroundKind;
+use super::ground_region::{Inside, Regions, Ring, with_steps};
+use crate::error::{Error, Result};
+use crate::math::{DVec2, DVec3};
+
+/// How finely the plane is cut.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Fineness {
+    /// Longest piece of an outline.
+    pub(super) outline_m: f64,
+    /// Spacing of points within [`NEAR_M`] of a lane; twice that and four times that further out.
+    pub(super) near_m: f64,
+}
+
+impl Fineness {
+    /// Fine enough that triangles follow hills with bends of 400 m radius within 1 cm.
+    pub(super) const HILLY: Self = Self { outline_m: 3.5, near_m: 4.0 };
+    /// Flat ground needs fewer.
+    pub(super) const FLAT: Self = Self { outline_m: 8.0, near_m: 8.0 };
+}
+
+/// Points this near to a lane get the finest spacing, points within [`MIDDLE_M`] the next.
+const NEAR_M: f64 = 10.0;
+const MIDDLE_M: f64 = 40.0;
+/// Inner points keep this distance from outlines.
+const CLEAR_M: f64 = 0.9;
+
+/// Triangles in plan, each of one kind; kerb stones are told from pavements.
+pub(super) struct PlanMesh {
+    pub(super) points: Vec<DVec2>,
+    /// Counter-clockwise.
+    pub(super) faces: Vec<[u32; 3]>,
+    pub(super) kinds: Vec<Cover>,
+}
+
+/// What covers a triangle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Cover {
+    Carriageway,
+    KerbStone,
+    Pavement,
+    Terrain,
+}
+
+impl Cover {
+    pub(super) fn kind(self) -> GroundKind {
+        match self {
+            Self::Carriageway => GroundKind::Road,
+            Self::KerbStone | Self::Pavement => GroundKind::Pavement,
+            Self::Terrain => GroundKind::Terrain,
+        }
+    }
+}
+
+/// Cuts the rectangle from `min` to `max` along the regions' outlines; `lanes` says where fine triangles are needed.
+///
+/// # Errors
+/// [`Error::Map`] where the outlines can't be triangulated.
+pub(super) fn triangulate(
+    regions: &Regions,
+    lanes: &[DVec3],
+    (min, max): (DVec2, DVec2),
+    fineness: Fineness,
+) -> Result<PlanMesh> {
+    let mut cloud = Cloud::default();
+    let mut edges = Vec::new();
+    let mut near_outline = Raster::new(min, max, CLEAR_M);
+    for ring in regions.carriageway.iter().chain(&regions.kerb).chain(&regions.pavement) {
+        let ring = with_steps(ring, fineness.outline_m);
+        with_steps(&ring, CLEAR_M / 2.0).iter().for_each(|p| near_outline.mark(*p));
+        let indices: Vec<usize> = ring.iter().map(|p| cloud.add(*p)).collect();
+        for (i, a) in indices.iter().enumerate() {
+            let b = indices[(i + 1) % indices.len()];
+            if *a != b {
+                edges.push([*a, b]);
+            }
+        }
+    }
+    add_rectangle(&mut cloud, min, max, 4.0 * fineness.near_m);
+    for p in inner_points(lanes, min, max, fineness.near_m) {
+        if !near_outline.is_marked_around(p) {
+            cloud.add(p);
+        }
+    }
+    let vertices: Vec<Point2<f64>> = cloud.points.iter().map(|p| Point2::new(p.x, p.y)).collect();
+    // Outlines never cross, so no edge is refused; were one refused, its neighbours' triangles would only be coarser.
+    let mesh = ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(vertices, edges, |_| {})
+        .map_err(|e| Error::Map { map: "ground".to_owned(), reason: e.to_string() })?;
+    let inside = [&regions.carriageway, &regions.kerb, &regions.pavement].map(|r| Inside::new(r));
+    let points: Vec<DVec2> = mesh.vertices().map(|v| DVec2::new(v.position().x, v.position().y)).collect();
+    let (mut faces, mut kinds) = (Vec::new(), Vec::new());
+    for face in mesh.inner_faces() {
+        let corners = face.vertices().map(|v| v.fix().index() as u32);
+        let [a, b, c] = corners.map(|i| points[i as usize]);
+        if (b - a).perp_dot(c - a) < 1e-7 {
+            continue;
+        }
+        let middle = (a + b + c) / 3.0;
+        let covers = [Cover::Carriageway, Cover::KerbStone, Cover::Pavement];
+        let cover = inside.iter().zip(covers).find(|(i, _)| i.contains(middle)).map_or(Cover::Terrain, |(_, c)| c);
+        faces.push(corners);
+        kinds.push(cover);
+    }
+    Ok(PlanMesh { points, faces, kinds })
+}
+
+/// Points on a grid of 0.1 mm, each once.
+#[derive(Default)]
+struct Cloud {
+    points: Vec<DVec2>,
+    index: BTreeMap<(i64, i64), usize>,
+}
+
+impl Cloud {
+    fn add(&mut self, p: DVec2) -> usize {
+        let q = (p * 1e4).round();
+        *self.index.entry((q.x as i64, q.y as i64)).or_insert_with(|| {
+            self.points.push(q / 1e4);
+            self.points.len() - 1
+        })
+    }
+}
+
+fn add_rectangle(cloud: &mut Cloud, min: DVec2, max: DVec2, step_m: f64) {
+    let corners = [min, DVec2::new(max.x, min.y), max, DVec2::new(min.x, max.y)];
+    for p in with_steps(&Ring::from(corners), step_m) {
+        cloud.add(p);
+    }
+}
+
+/// A square lattice that is dense near lanes and thins out away from them.
+fn inner_points(lanes: &[DVec3], min: DVec2, max: DVec2, step_m: f64) -> Vec<DVec2> {
+    let mut near = Raster::new(min, max, NEAR_M);
+    let mut middle = Raster::new(min, max, MIDDLE_M);
+    for p in lanes {
+        near.mark(p.truncate());
+        middle.mark(p.truncate());
+    }
+    let count = ((max - min) / step_m).floor();
+    let mut out = Vec::new();
+    for j in 1..count.y as usize {
+        for i in 1..count.x as usize {
+            let p = min + DVec2::new(i as f64, j as f64) * step_m;
+            let keep = if near.is_marked_around(p) {
+                true
+            } else if middle.is_marked_around(p) {
+                i % 2 == 0 && j % 2 == 0
+            } else {
+                i % 4 == 0 && j % 4 == 0
+            };
+            if keep {
+                out.push(p);
+            }
+        }
+    }
+    out
+}
+
+/// Square cells that are marked or not.
+struct Raster {
+    min: DVec2,
+    cell_m: f64,
+    columns: usize,
+    rows: usize,
+    marked: Vec<bool>,
+}
+
+impl Raster {
+    fn new(min: DVec2, max: DVec2, cell_m: f64) -> Self {
+        let cell_m = cell_m.max((max - min).max_element() / 4000.0);
+        let size = ((max - min) / cell_m).floor() + 1.0;
+        let (columns, rows) = (size.x as usize, size.y as usize);
+        Self { min, cell_m, columns, rows, marked: vec![false; columns * rows] }
+    }
+
+    fn cell(&self, p: DVec2) -> (usize, usize) {
+        let c = ((p - self.min) / self.cell_m).max(DVec2::ZERO);
+        ((c.x as usize).min(self.columns - 1), (c.y as usize).min(self.rows - 1))
+    }
+
+    fn mark(&mut self, p: DVec2) {
+        let (i, j) = self.cell(p);
+        self.marked[j * self.columns + i] = true;
+    }
+
+    /// True where the cell of `p` or one of its eight neighbours is marked.
+    fn is_marked_around(&self, p: DVec2) -> bool {
+        let (i, j) = self.cell(p);
+        (j.saturating_sub(1)..=(j + 1).min(self.rows - 1)).any(|row| {
+            (i.saturating_sub(1)..=(i + 1).min(self.columns - 1)).any(|column| self.marked[row * self.columns + column])
+        })
+    }
+}

@@ -1,0 +1,243 @@
+//! Where carriageway, kerb and pavement lie in plan: clean rings made from the strips of lanes.
+//!
+//! Boolean operations and offsets run on integers of 0.1 mm (crate `i_overlay`), which makes them exact in topology and
+//! the same on every machine.
+
+use i_overlay::core::fill_rule::FillRule;
+use i_overlay::core::overlay::{Overlay, ShapeType};
+use i_overlay::core::overlay_rule::OverlayRule;
+use i_overlay::i_float::int::angle::Angle;
+use i_overlay::i_float::int::point::IntPoint;
+use i_overlay::mesh::int::arc::ArcOptions;
+use i_overlay::mesh::int::outline::offset::IntOutlineOffset;
+use i_overlay::mesh::int::style::{IntLineJoin, IntOutlineStyle};
+
+use super::network::{Lane, LaneKind, RoadNetwork};
+use crate::error::{Error, Result};
+use crate::math::DVec2;
+
+/// A closed line: outer boundaries run counter-clockwise, holes clockwise; the first point is not repeated.
+pub(super) type Ring = Vec<DVec2>;
+
+type Contour = Vec<IntPoint<i32>>;
+type Shapes = Vec<Vec<Contour>>;
+
+const UNITS_PER_M: f64 = 1e4;
+/// Largest extent of a map: what 0.1 mm in 32 bits can hold, with room for the offsets' arithmetic.
+const MAX_EXTENT_M: f64 = 40_000.0;
+/// Width of a kerb stone.
+const KERB_WIDTH_M: f64 = 0.15;
+/// Cracks up to twice this are closed.
+const CRACK_M: (f64, f64) = (0.4, 0.5);
+/// Smaller islands in a carriageway, and smaller gaps between pavements, are filled.
+const SMALL_HOLE_M2: (f64, f64) = (15.0, 60.0);
+/// Corners that stand out less are straightened.
+const STRAIGHT_M: f64 = 0.006;
+
+/// The regions of a road network in plan.
+#[derive(Debug, Clone)]
+pub(super) struct Regions {
+    /// Outline of the carriageway: the foot of the kerb.
+    pub(super) carriageway: Vec<Ring>,
+    /// Outline of carriageway and kerb stones.
+    pub(super) kerb: Vec<Ring>,
+    /// Outline of carriageway, kerb stones and pavement.
+    pub(super) pavement: Vec<Ring>,
+    /// Lines along the middle of the pavement.
+    pub(super) walks: Vec<Ring>,
+    /// Width of the pavement, kerb stone included, wherever the map does not say more.
+    pub(super) pavement_width_m: f64,
+}
+
+fn is_paved(kind: LaneKind) -> bool {
+    matches!(kind, LaneKind::Driving | LaneKind::Parking | LaneKind::Biking | LaneKind::Shoulder)
+}
+
+impl Regions {
+    /// The regions of a network.
+    ///
+    /// # Errors
+    /// [`Error::Map`] where the network is larger than 40 km, or has no carriageway.
+    pub(super) fn of(network: &RoadNetwork) -> Result<Self> {
+        let fail = |reason: String| Error::Map { map: "ground".to_owned(), reason };
+        let points = || network.lanes.iter().flat_map(|l| &l.center).map(|p| p.truncate());
+        let (min, max) = points().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
+        let extent = (max - min).max_element();
+        if !(extent < MAX_EXTENT_M) {
+            return Err(fail(format!("the network is {extent} m across, expected less than {MAX_EXTENT_M} m")));
+        }
+        let frame = Frame { origin: ((min + max) / 2.0).round() };
+        let strips = |keep: &dyn Fn(LaneKind) -> bool| -> Vec<Contour> {
+            network.lanes.iter().filter(|l| keep(l.kind)).filter_map(|l| frame.strip(l)).collect()
+        };
+        let carriageway = clean(union(&strips(&is_paved)), CRACK_M.0, SMALL_HOLE_M2.0);
+        if carriageway.is_empty() {
+            return Err(fail("the network has no carriageway".to_owned()));
+        }
+        let pavement_width_m = pavement_width(network);
+        let mut pavement = strips(&|k| k == LaneKind::Sidewalk);
+        pavement.extend(grow(&carriageway, pavement_width_m).into_iter().flatten());
+        let pavement = clean(union(&pavement), CRACK_M.1, SMALL_HOLE_M2.1);
+        let rings = |shapes: &Shapes| -> Vec<Ring> {
+            shapes.iter().flatten().map(|c| frame.ring(c)).filter(|r| r.len() >= 3).collect()
+        };
+        Ok(Self {
+            kerb: rings(&grow(&carriageway, KERB_WIDTH_M)),
+            walks: rings(&grow(&carriageway, (KERB_WIDTH_M + pavement_width_m) / 2.0)),
+            carriageway: rings(&carriageway),
+            pavement: rings(&pavement),
+            pavement_width_m,
+        })
+    }
+}
+
+/// The width that three quarters of the map's pavements have; 2 m where it has none.
+fn pavement_width(network: &RoadNetwork) -> f64 {
+    let sidewalks = network.lanes.iter().filter(|l| l.kind == LaneKind::Sidewalk && l.junction.is_none());
+    let mut widths: Vec<f64> = sidewalks.map(|l| l.width_m[l.width_m.len() / 2]).filter(|w| *w > 0.5).collect();
+    widths.sort_by(f64::total_cmp);
+    widths.get(widths.len() / 4).copied().unwrap_or(2.0).clamp(1.2, 4.5)
+}
+
+/// Metres to integers and back.
+struct Frame {
+    origin: DVec2,
+}
+
+impl Frame {
+    fn point(&self, p: DVec2) -> IntPoint<i32> {
+        let q = ((p - self.origin) * UNITS_PER_M).round();
+        IntPoint::new(q.x as i32, q.y as i32)
+    }
+
+    fn strip(&self, lane: &Lane) -> Option<Contour> {
+        let n = lane.center.len();
+        let at = |i: usize| lane.center[i].truncate();
+        let side = |i: usize| {
+            let along = (at((i + 1).min(n - 1)) - at(i.saturating_sub(1))).normalize_or_zero();
+            along.perp() * (lane.width_m[i] / 2.0)
+        };
+        let right = (0..n).map(|i| self.point(at(i) - side(i)));
+        let left = (0..n).rev().map(|i| self.point(at(i) + side(i)));
+        let mut ring: Contour = right.chain(left).collect();
+        ring.dedup();
+        (ring.len() >= 3).then_some(ring)
+    }
+
+    fn ring(&self, contour: &[IntPoint<i32>]) -> Ring {
+        let ring: Ring =
+            contour.iter().map(|p| DVec2::new(p.x.into(), p.y.into()) / UNITS_PER_M + self.origin).collect();
+        straighten(&ring)
+    }
+}
+
+fn union(contours: &[Contour]) -> Shapes {
+    let mut overlay = Overlay::new(contours.iter().map(Vec::len).sum());
+    overlay.add_contours(contours, ShapeType::Subject);
+    overlay.overlay(OverlayRule::Subject, FillRule::NonZero)
+}
+
+/// Moves outlines out by `distance_m` (in where negative), round at the corners.
+fn grow(shapes: &Shapes, distance_m: f64) -> Shapes {
+    let max_step = Angle::from_bits((1_u32 << 31) / 15); // 12 degrees
+    let join = IntLineJoin::Round(ArcOptions { max_step, ..ArcOptions::default() });
+    let style = IntOutlineStyle::new((distance_m * UNITS_PER_M).round() as i32).line_join(join);
+    shapes.outline(&style).unwrap_or_default()
+}
+
+/// Closes cracks narrower than twice `crack_m` and fills holes below `hole_m2`.
+fn clean(shapes: Shapes, crack_m: f64, hole_m2: f64) -> Shapes {
+    let mut closed = grow(&grow(&shapes, crack_m), -crack_m);
+    for shape in &mut closed {
+        let mut index = 0;
+        shape.retain(|contour| {
+            index += 1;
+            index == 1 || area_m2(contour).abs() >= hole_m2
+        });
+    }
+    closed.retain(|shape| shape.first().is_some_and(|outer| area_m2(outer).abs() > 1.0));
+    closed
+}
+
+fn area_m2(contour: &[IntPoint<i32>]) -> f64 {
+    let cross = |a: &IntPoint<i32>, b: &IntPoint<i32>| {
+        f64::from(a.x) * f64::from(b.y) - f64::from(a.y) * f64::from(b.x)
+    };
+    let next = contour.iter().cycle().skip(1);
+    contour.iter().zip(next).map(|(a, b)| cross(a, b)).sum::<f64>() / (2.0 * UNITS_PER_M * UNITS_PER_M)
+}
+
+/// Drops the points of a ring that lie within [`STRAIGHT_M`] of the line without them (Douglas and Peucker).
+fn straighten(ring: &[DVec2]) -> Ring {
+    let n = ring.len();
+    if n < 4 {
+        return ring.to_vec();
+    }
+    let far = (1..n).max_by(|a, b| (ring[*a] - ring[0]).length().total_cmp(&(ring[*b] - ring[0]).length())).unwrap_or(1);
+    let mut keep = vec![false; n + 1];
+    (keep[0], keep[far]) = (true, true);
+    let mut todo = vec![(0, far), (far, n)];
+    while let Some((a, b)) = todo.pop() {
+        let (p, q) = (ring[a], ring[b % n]);
+        let along = (q - p).normalize_or_zero();
+        let off = |i: usize| (ring[i] - p).perp_dot(along).abs();
+        let Some(worst) = (a + 1..b).max_by(|i, j| off(*i).total_cmp(&off(*j))) else { continue };
+        if off(worst) > STRAIGHT_M {
+            keep[worst] = true;
+            todo.push((a, worst));
+            todo.push((worst, b));
+        }
+    }
+    (0..n).filter(|i| keep[*i]).map(|i| ring[i]).collect()
+}
+
+/// The ring with points at most `step_m` apart.
+pub(super) fn with_steps(ring: &[DVec2], step_m: f64) -> Ring {
+    let mut out = Vec::with_capacity(ring.len());
+    for (i, a) in ring.iter().enumerate() {
+        let b = ring[(i + 1) % ring.len()];
+        let pieces = ((b - *a).length() / step_m).ceil().max(1.0) as usize;
+        out.extend((0..pieces).map(|k| *a + (b - *a) * (k as f64 / pieces as f64)));
+    }
+    out
+}
+
+/// Tells what lies inside a set of rings, by the even-odd rule, with the edges sorted into rows.
+pub(super) struct Inside {
+    min_y: f64,
+    row_m: f64,
+    rows: Vec<Vec<(DVec2, DVec2)>>,
+}
+
+impl Inside {
+    pub(super) fn new(rings: &[Ring]) -> Self {
+        let ys = || rings.iter().flatten().map(|p| p.y);
+        let (min_y, max_y) = (ys().fold(f64::INFINITY, f64::min), ys().fold(f64::NEG_INFINITY, f64::max));
+        let span = (max_y - min_y).max(0.0);
+        let row_m = (span / 4000.0).max(1.0);
+        let count = if span.is_finite() { (span / row_m) as usize + 1 } else { 0 };
+        let mut rows = vec![Vec::new(); count];
+        for ring in rings {
+            for (i, a) in ring.iter().enumerate() {
+                let b = ring[(i + 1) % ring.len()];
+                let (lo, hi) = ((a.y.min(b.y) - min_y) / row_m, (a.y.max(b.y) - min_y) / row_m);
+                for row in rows.iter_mut().take(hi as usize + 1).skip(lo as usize) {
+                    row.push((*a, b));
+                }
+            }
+        }
+        Self { min_y, row_m, rows }
+    }
+
+    pub(super) fn contains(&self, p: DVec2) -> bool {
+        let row = (p.y - self.min_y) / self.row_m;
+        if !(row >= 0.0) {
+            return false;
+        }
+        let Some(row) = self.rows.get(row as usize) else { return false };
+        let crosses = |(a, b): &(DVec2, DVec2)| {
+            (a.y > p.y) != (b.y > p.y) && p.x < a.x + (b.x - a.x) * ((p.y - a.y) / (b.y - a.y))
+        };
+        row.iter().filter(|edge| crosses(edge)).count() % 2 == 1
+    }
+}

@@ -1,0 +1,153 @@
+//! A smooth height over the plane, fitted to the heights of lanes.
+//!
+//! Multilevel B-spline approximation (Lee, Wolberg and Shin 1997): bicubic lattices, each half as coarse as the one
+//! before, each fitted to what the others left over. No equations to solve; smooth everywhere; far from all lanes only
+//! the coarse lattices speak, so hills fade out gently.
+
+use crate::math::{DVec2, DVec3};
+
+/// The coarsest and the finest lattice: cells per side of the area, and metres per cell.
+const COARSEST_CELLS: f64 = 3.0;
+const FINEST_CELL_M: f64 = 4.0;
+/// Below this span of heights a map is flat.
+const FLAT_SPAN_M: f64 = 1e-3;
+/// No lattice has more than this many cells to a side.
+const MAX_CELLS: f64 = 2000.0;
+
+/// A smooth height over the plane.
+#[derive(Debug, Clone)]
+pub(super) struct HeightField {
+    base_m: f64,
+    lattices: Vec<Lattice>,
+}
+
+impl HeightField {
+    /// The same height everywhere.
+    pub(super) fn flat(base_m: f64) -> Self {
+        Self { base_m, lattices: Vec::new() }
+    }
+
+    /// Fits the heights of `samples`, all of which lie in the rectangle from `min` to `max`.
+    pub(super) fn fit(samples: &[DVec3], min: DVec2, max: DVec2) -> Self {
+        let (lo, hi) = samples.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p.z), h.max(p.z)));
+        if samples.is_empty() {
+            return Self::flat(0.0);
+        }
+        if hi - lo < FLAT_SPAN_M {
+            return Self::flat((lo + hi) / 2.0);
+        }
+        let base_m = samples.iter().map(|p| p.z).sum::<f64>() / samples.len() as f64;
+        let mut left: Vec<f64> = samples.iter().map(|p| p.z - base_m).collect();
+        let extent = (max - min).max_element();
+        let mut cell = extent / COARSEST_CELLS;
+        let finest = FINEST_CELL_M.max(extent / MAX_CELLS);
+        let mut lattices = Vec::new();
+        loop {
+            let lattice = Lattice::fit(samples, &left, min, max, cell);
+            for (z, p) in left.iter_mut().zip(samples) {
+                *z -= lattice.height(p.truncate());
+            }
+            lattices.push(lattice);
+            if cell <= finest {
+                return Self { base_m, lattices };
+            }
+            cell = (cell / 2.0).max(finest);
+        }
+    }
+
+    pub(super) fn height(&self, p: DVec2) -> f64 {
+        self.lattices.iter().fold(self.base_m, |z, l| z + l.height(p))
+    }
+
+    pub(super) fn is_flat(&self) -> bool {
+        self.lattices.is_empty()
+    }
+}
+
+#[derive(Debug, Clone)]
+struct Lattice {
+    min: DVec2,
+    cell_m: f64,
+    columns: usize,
+    rows: usize,
+    control: Vec<f64>,
+}
+
+/// The four uniform cubic B-spline weights at `t` in 0..1.
+fn weights(t: f64) -> [f64; 4] {
+    let (t2, t3) = (t * t, t * t * t);
+    let u = 1.0 - t;
+    [u * u * u / 6.0, (3.0 * t3 - 6.0 * t2 + 4.0) / 6.0, (-3.0 * t3 + 3.0 * t2 + 3.0 * t + 1.0) / 6.0, t3 / 6.0]
+}
+
+impl Lattice {
+    fn fit(samples: &[DVec3], heights: &[f64], min: DVec2, max: DVec2, cell_m: f64) -> Self {
+        let cells = ((max - min) / cell_m).ceil().max(DVec2::ONE);
+        let (columns, rows) = (cells.x as usize + 3, cells.y as usize + 3);
+        let empty = Self { min, cell_m, columns, rows, control: Vec::new() };
+        let mut sum = vec![(0.0, 0.0); columns * rows];
+        for (p, z) in samples.iter().zip(heights) {
+            let (first, wx, wy) = empty.place(p.truncate());
+            let square = |w: &[f64; 4]| w.iter().map(|v| v * v).sum::<f64>();
+            let total = square(&wx) * square(&wy);
+            for (j, y) in wy.iter().enumerate() {
+                for (i, x) in wx.iter().enumerate() {
+                    let w = x * y;
+                    let s = &mut sum[first + j * columns + i];
+                    s.0 += w * w * (w * z / total);
+                    s.1 += w * w;
+                }
+            }
+        }
+        let control = sum.into_iter().map(|(z, w)| if w > 0.0 { z / w } else { 0.0 }).collect();
+        Self { control, ..empty }
+    }
+
+    /// Index of the first of the 4 x 4 control points, and the weights along x and y; clamped to the rectangle.
+    fn place(&self, p: DVec2) -> (usize, [f64; 4], [f64; 4]) {
+        let u = (p - self.min) / self.cell_m;
+        let axis = |v: f64, n: usize| {
+            let v = v.clamp(0.0, (n - 3) as f64);
+            let i = (v as usize).min(n - 4);
+            (i, weights(v - i as f64))
+        };
+        let ((i, wx), (j, wy)) = (axis(u.x, self.columns), axis(u.y, self.rows));
+        (j * self.columns + i, wx, wy)
+    }
+
+    fn height(&self, p: DVec2) -> f64 {
+        let (first, wx, wy) = self.place(p);
+        let mut z = 0.0;
+        for (j, y) in wy.iter().enumerate() {
+            let row = &self.control[first + j * self.columns..][..4];
+            z += y * (wx[0] * row[0] + wx[1] * row[1] + wx[2] * row[2] + wx[3] * row[3]);
+        }
+        z
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math;
+
+    #[test]
+    fn a_hill_sampled_along_lines_is_met_on_them_and_stays_gentle_between() {
+        let hill = |p: DVec2| 5.0 * math::sin(p.x / 60.0) + 3.0 * math::cos(p.y / 80.0 + 1.0);
+        let mut samples = Vec::new();
+        for line in 0..5 {
+            for i in 0..400 {
+                let (a, b) = (f64::from(line) * 100.0, f64::from(i));
+                samples.push(DVec2::new(a, b).extend(hill(DVec2::new(a, b))));
+                samples.push(DVec2::new(b, a).extend(hill(DVec2::new(b, a))));
+            }
+        }
+        let field = HeightField::fit(&samples, DVec2::splat(-150.0), DVec2::splat(550.0));
+        let worst = samples.iter().map(|p| (field.height(p.truncate()) - p.z).abs()).fold(0.0, f64::max);
+        assert!(worst < 0.01, "{worst}");
+        for i in 0..400 {
+            let p = DVec2::new(50.0, f64::from(i));
+            assert!((field.height(p) - hill(p)).abs() < 1.5, "{p} {} {}", field.height(p), hill(p));
+        }
+    }
+}

@@ -1,0 +1,177 @@
+//! Lays plots along the frontages: which house goes where, without overlaps.
+
+use super::frontage::{Frontage, right_of};
+use super::occupancy::{Occupancy, OrientedRect, Site};
+use super::street_style::StreetStyle;
+use crate::assets::scenery::{HouseKind, SceneryModel, house, num_variants};
+use crate::math::DVec2;
+use crate::rng::Stream;
+
+/// A plot: a rectangle whose front lies along the pavement.
+#[derive(Debug, Clone)]
+pub(super) struct Plot {
+    /// Middle of the front.
+    pub front: DVec2,
+    /// Along the front, with the traffic beside it.
+    pub along: DVec2,
+    /// Extent along the front.
+    pub length_m: f64,
+    /// Extent away from the street.
+    pub depth_m: f64,
+    /// Its house, if it has one.
+    pub house: Option<PlacedHouse>,
+}
+
+/// A house on its plot.
+#[derive(Debug, Clone)]
+pub(super) struct PlacedHouse {
+    /// What kind.
+    pub kind: HouseKind,
+    /// The prototype.
+    pub model: SceneryModel,
+    /// Middle of the house along the front, from the plot's middle.
+    pub along_m: f64,
+    /// Distance of its front wall from the plot's front.
+    pub setback_m: f64,
+    /// Bays of the garage beside it, 0 for none; it stands at the end of the plot where `along` grows.
+    pub garage_bays: usize,
+}
+
+impl Plot {
+    /// Away from the street.
+    pub fn out(&self) -> DVec2 {
+        right_of(self.along)
+    }
+
+    /// The place `a` along the front from its middle and `d` behind it.
+    pub fn at(&self, a: f64, d: f64) -> DVec2 {
+        self.front + self.along * a + self.out() * d
+    }
+
+    /// A rectangle of the plot: from a0 to a1 along the front and from d0 to d1 behind it.
+    pub fn rect(&self, [a0, a1]: [f64; 2], [d0, d1]: [f64; 2]) -> OrientedRect {
+        let center = self.at((a0 + a1) / 2.0, (d0 + d1) / 2.0);
+        OrientedRect { center, axis: self.along, half: DVec2::new((a1 - a0) / 2.0, (d1 - d0) / 2.0) }
+    }
+
+    /// The whole of it.
+    pub fn whole(&self) -> OrientedRect {
+        self.rect([-self.length_m / 2.0, self.length_m / 2.0], [0.0, self.depth_m])
+    }
+
+    /// The walls of its house.
+    pub fn house_rect(&self) -> Option<OrientedRect> {
+        self.house.as_ref().map(|h| {
+            let size = h.model.footprint_size();
+            self.rect(
+                [h.along_m - size.y / 2.0, h.along_m + size.y / 2.0],
+                [h.setback_m, h.setback_m + size.x],
+            )
+        })
+    }
+}
+
+/// Between the pavement's edge and the plot.
+const FRONT_GAP_M: f64 = 0.12;
+const GARAGE_BAY_M: f64 = 3.0;
+
+/// A plot over [s, s + length] of a frontage, its front moved back until the pavement is clear of it.
+fn plot_at(frontage: &Frontage, s: f64, length_m: f64, depth_m: f64) -> Option<Plot> {
+    let (p, q) = (frontage.at(s), frontage.at(s + length_m));
+    let along = (q - p).normalize_or_zero();
+    if along == DVec2::ZERO {
+        return None;
+    }
+    let out = right_of(along);
+    let bulge = frontage.between(s, s + length_m).iter().map(|r| (*r - p).dot(out)).fold(0.0, f64::max);
+    // Where the street bends too much the chord would leave a wedge of nothing.
+    (bulge < 3.5).then(|| Plot {
+        front: (p + q) / 2.0 + out * (bulge + FRONT_GAP_M),
+        along,
+        length_m: (q - p).length(),
+        depth_m,
+        house: None,
+    })
+}
+
+/// A house of a kind that could go here: the plot's length and the house on it.
+fn propose(kind: HouseKind, style: &StreetStyle, s: &mut Stream) -> (f64, f64, PlacedHouse) {
+    let [variants, ..] = num_variants();
+    let model = house(kind, s.below(variants));
+    let width = model.footprint_size().y;
+    let (setback_m, left, mut right, back) = match kind {
+        HouseKind::Detached => (style.setback_m + s.range(-0.6, 0.8), s.range(2.5, 4.5), s.range(2.5, 4.0), 11.0),
+        HouseKind::Semi => (style.setback_m + s.range(-0.3, 0.3), s.range(2.5, 3.5), s.range(2.5, 3.5), 10.0),
+        HouseKind::Terrace => (style.setback_m.min(5.0), 0.6, s.range(0.6, 2.5), 9.0),
+        HouseKind::Village => (s.range(0.0, 0.5), s.range(0.3, 2.0), s.range(0.5, 3.0), 6.0),
+        HouseKind::Block => (s.range(0.0, 0.1), 0.06, 0.06, 5.0),
+        HouseKind::Flats => (s.range(4.5, 10.0), s.range(2.5, 5.0), s.range(2.5, 5.0), 7.0),
+    };
+    let garage_share = match kind {
+        HouseKind::Detached | HouseKind::Semi => 0.7,
+        HouseKind::Village | HouseKind::Flats => 0.25,
+        _ => 0.0,
+    };
+    let garage_bays = if s.chance(garage_share) { 1 + usize::from(s.chance(0.2)) } else { 0 };
+    if garage_bays > 0 {
+        right += GARAGE_BAY_M * garage_bays as f64 + 0.3;
+    }
+    let depth = setback_m + model.footprint_size().x + back;
+    let house = PlacedHouse { kind, model, along_m: (left - right) / 2.0, setback_m, garage_bays };
+    (width + left + right, depth, house)
+}
+
+/// Lays plots along one frontage and takes their ground.
+pub(super) fn lay_out(
+    frontage: &Frontage,
+    style: &StreetStyle,
+    site: &Site,
+    taken: &mut Occupancy,
+    s: &mut Stream,
+) -> Vec<Plot> {
+    let mut plots = Vec::new();
+    let mut from = 0.3;
+    while from < frontage.length_m() - 3.0 {
+        let left = frontage.length_m() - 0.3 - from;
+        let mut next = None;
+        if !s.chance(style.vacant_share) {
+            let first = style.houses[usize::from(!s.chance(style.main_share))];
+            // What does not fit gives way to something smaller.
+            for kind in [first, HouseKind::Detached, HouseKind::Village, HouseKind::Village] {
+                let (length_m, depth_m, house) = propose(kind, style, s);
+                if length_m > left {
+                    continue;
+                }
+                let least = house.setback_m + house.model.footprint_size().x + 1.5;
+                next = [depth_m, (depth_m + least) / 2.0, least].into_iter().find_map(|depth_m| {
+                    let mut plot = plot_at(frontage, from, length_m, depth_m)?;
+                    plot.house = Some(house.clone());
+                    fits(&plot, site, taken).then_some(plot)
+                });
+                if next.is_some() {
+                    break;
+                }
+            }
+        }
+        if next.is_none() {
+            let length_m = s.range(5.0, 9.0).min(left);
+            next = [14.0, 7.0, 3.5].into_iter().find_map(|depth_m| {
+                plot_at(frontage, from, length_m, depth_m).filter(|plot| fits(plot, site, taken))
+            });
+        }
+        match next {
+            Some(plot) => {
+                from += plot.length_m + 0.05;
+                taken.take(plot.whole());
+                plots.push(plot);
+            }
+            None => from += 1.5,
+        }
+    }
+    plots
+}
+
+fn fits(plot: &Plot, site: &Site, taken: &Occupancy) -> bool {
+    let whole = plot.whole();
+    taken.is_free(&whole) && site.is_rect_clear(&whole, 0.03)
+}

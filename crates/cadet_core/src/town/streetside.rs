@@ -1,0 +1,72 @@
+//! What stands along the pavement's edge: lamps, signs, street trees, cabinets.
+
+use std::sync::Arc;
+
+use super::frontage::{Frontage, right_of};
+use super::placer::Placer;
+use super::street_style::StreetStyle;
+use crate::assets::scenery::{FurnitureKind, PoleKind, TreeKind, furniture, pole, tree};
+use crate::rng::Stream;
+
+/// Lamps and signs stand this far inside the pavement's outer edge.
+const POLE_INSET_M: f64 = 0.22;
+
+/// Furnishes one frontage.
+pub(super) fn furnish(frontage: &Frontage, style: &StreetStyle, s: &mut Stream, placer: &mut Placer) {
+    let length = frontage.length_m();
+    let put_pole = |placer: &mut Placer, kind: PoleKind, variant: usize, at_s: f64, against_traffic: bool| {
+        let (along, at) = (frontage.along(at_s), frontage.at(at_s));
+        let place = at - right_of(along) * POLE_INSET_M;
+        // On a narrow or missing pavement the pole goes behind its edge.
+        let place = if frontage.pavement_at(at_s) < 1.0 { at + right_of(along) * 0.12 } else { place };
+        let model = pole(kind, variant);
+        let facing = if against_traffic { -along } else { -right_of(along) };
+        placer.put(&model, Arc::clone(&model.palette), place, facing);
+    };
+    // Lamps on one side of the street: on the side whose stream says so.
+    let (kind, variant, spacing) = style.lamp;
+    let lit = s.chance(0.6);
+    let mut at = s.range(4.0, 12.0);
+    while lit && at < length - 3.0 {
+        put_pole(placer, kind, variant, at, false);
+        at += spacing * s.range(0.93, 1.07);
+    }
+    if length > 25.0 {
+        let fast = frontage.speed_limit_mps > 10.0;
+        if s.chance(0.6) {
+            let kind = if fast { PoleKind::RoundSign } else { PoleKind::ZoneSign };
+            put_pole(placer, kind, s.below(3), 3.0, true);
+        }
+        if s.chance(0.55) {
+            let end = if fast { PoleKind::DiamondSign } else { PoleKind::TriangleSign };
+            put_pole(placer, end, s.below(3), length - 2.5, true);
+        }
+        if s.chance(0.5) {
+            put_pole(placer, PoleKind::NameSign, 0, length - 1.2, true);
+        }
+        for _ in 0..s.poisson(length / 70.0) {
+            let kind = [PoleKind::ParkingSign, PoleKind::RoundSign, PoleKind::Bollard][s.below(3)];
+            put_pole(placer, kind, s.below(6), s.range(8.0, length - 6.0), true);
+        }
+        for _ in 0..s.poisson(length / 110.0) {
+            let kind = [FurnitureKind::Cabinet, FurnitureKind::Cabinet, FurnitureKind::PostBox][s.below(3)];
+            let at = s.range(6.0, length - 6.0);
+            if frontage.pavement_at(at) > 1.4 {
+                let out = right_of(frontage.along(at));
+                let model = furniture(kind, s.below(3));
+                placer.put(&model, Arc::clone(&model.palette), frontage.at(at) - out * 0.25, -out);
+            }
+        }
+    }
+    if let Some((spacing, variant)) = style.street_trees {
+        let mut at = s.range(5.0, 10.0);
+        while at < length - 6.0 {
+            let place = frontage.at(at) + right_of(frontage.along(at)) * s.range(0.5, 0.9);
+            let model = tree(TreeKind::Street, variant + s.below(2));
+            if placer.site.is_clear(place, 0.3) && !placer.is_built(place, 2.2) {
+                let _ = placer.plant_model(TreeKind::Street, &model, s, place);
+            }
+            at += spacing * s.range(0.85, 1.2);
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! Right of way: who crosses a junction when. A lane across a junction is reserved before it is entered; lanes that
+//! come too near to each other exclude one another; the first to come is the first to go.
+
+use super::route::Roads;
+use crate::math::{self, DVec2};
+use crate::town::{Lane, LaneId, LaneKind};
+
+/// Straight lanes nearer than this to each other can't be used at once.
+const CLEARANCE_M: f64 = 2.6;
+/// The same where one of them bends: a car sweeps more than its width there.
+const CLEARANCE_IN_BENDS_M: f64 = 3.3;
+
+/// One car's right to cross.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Reservation {
+    car: usize,
+    lane: LaneId,
+    /// The lane on which it leaves the junction, and the room that it takes there.
+    exit: LaneId,
+    room_m: f64,
+    /// Set once the car's middle has left the lane: the odometer at which its tail has left too.
+    clear_at_m: Option<f64>,
+}
+
+/// A car that waits at a junction.
+#[derive(Debug, Clone, Copy)]
+struct Waiting {
+    car: usize,
+    lane: LaneId,
+    since_step: u64,
+    seen_step: u64,
+}
+
+/// Conflicts between lanes, and who holds and wants which.
+#[derive(Debug, Default)]
+pub(super) struct Junctions {
+    conflicts: Vec<Vec<LaneId>>,
+    held: Vec<Reservation>,
+    waiting: Vec<Waiting>,
+}
+
+impl Junctions {
+    pub fn new(roads: &Roads) -> Self {
+        let lanes = roads.lanes();
+        let crossing: Vec<&Lane> =
+            lanes.iter().filter(|l| l.kind == LaneKind::Driving && l.junction.is_some()).collect();
+        let mut conflicts = vec![Vec::new(); lanes.len()];
+        for (i, a) in crossing.iter().enumerate() {
+            for b in &crossing[i + 1..] {
+                let siblings = a.predecessors.iter().any(|p| b.predecessors.contains(p));
+                if a.junction == b.junction && !siblings && conflict(a, b) {
+                    conflicts[a.id.0].push(b.id);
+                    conflicts[b.id.0].push(a.id);
+                }
+            }
+        }
+        Self { conflicts, held: Vec::new(), waiting: Vec::new() }
+    }
+
+    /// Lanes that can't be used together with this one.
+    #[cfg(test)]
+    pub fn conflicts_of(&self, lane: LaneId) -> &[LaneId] {
+        &self.conflicts[lane.0]
+    }
+
+    pub fn holds(&self, car: usize, lane: LaneId) -> bool {
+        self.held.iter().any(|r| r.car == car && r.lane == lane)
+    }
+
+    /// Room on an exit lane that is promised to others than `car`.
+    pub fn promised_m(&self, car: usize, exit: LaneId) -> f64 {
+        self.held.iter().filter(|r| r.car != car && r.exit == exit).map(|r| r.room_m).sum()
+    }
+
+    /// Asks for a chain of lanes across a junction; `exit_free` says whether the car can leave it again.
+    pub fn request(
+        &mut self,
+        car: usize,
+        lanes: &[LaneId],
+        exit: LaneId,
+        room_m: f64,
+        exit_free: bool,
+        step: u64,
+    ) -> bool {
+        let Some(&first) = lanes.first() else { return true };
+        if !exit_free {
+            self.waiting.retain(|w| w.car != car);
+            return false;
+        }
+        let since_step = match self.waiting.iter_mut().find(|w| w.car == car) {
+            Some(w) => {
+                (w.lane, w.seen_step) = (first, step);
+                w.since_step
+            }
+            None => {
+                self.waiting.push(Waiting { car, lane: first, since_step: step, seen_step: step });
+                step
+            }
+        };
+        // Who came earlier and still asks goes first.
+        let earlier = self.waiting.iter().any(|w| {
+            w.car != car
+                && w.seen_step + 30 > step
+                && (w.since_step, w.car) < (since_step, car)
+                && self.conflicts[first.0].contains(&w.lane)
+        });
+        let taken =
+            lanes.iter().any(|l| self.held.iter().any(|r| r.car != car && self.conflicts[l.0].contains(&r.lane)));
+        if earlier || taken {
+            return false;
+        }
+        self.waiting.retain(|w| w.car != car);
+        self.held.extend(lanes.iter().map(|lane| Reservation { car, lane: *lane, exit, room_m, clear_at_m: None }));
+        true
+    }
+
+    /// The car's middle has left a lane; its tail follows when the odometer reads `clear_at_m`.
+    pub fn leaving(&mut self, car: usize, lane: LaneId, clear_at_m: f64) {
+        for r in self.held.iter_mut().filter(|r| r.car == car && r.lane == lane) {
+            r.clear_at_m = Some(clear_at_m);
+        }
+    }
+
+    /// Gives back what the car has cleared.
+    pub fn release_cleared(&mut self, car: usize, odometer_m: f64) {
+        self.held.retain(|r| r.car != car || r.clear_at_m.is_none_or(|clear| odometer_m < clear));
+    }
+
+    /// Forgets a car: it was moved away.
+    pub fn forget(&mut self, car: usize) {
+        self.held.retain(|r| r.car != car);
+        self.waiting.retain(|w| w.car != car);
+    }
+}
+
+fn bends(lane: &Lane) -> bool {
+    let c = &lane.center;
+    let (a, b) = ((c[1] - c[0]).truncate(), (c[c.len() - 1] - c[c.len() - 2]).truncate());
+    math::atan2(a.perp_dot(b), a.dot(b)).abs() > 0.25
+}
+
+fn conflict(a: &Lane, b: &Lane) -> bool {
+    let limit = if bends(a) || bends(b) { CLEARANCE_IN_BENDS_M } else { CLEARANCE_M };
+    distance_between(a, b) < limit
+}
+
+/// Smallest distance between two polylines in the plane; their points lie at most 2 m apart.
+fn distance_between(a: &Lane, b: &Lane) -> f64 {
+    let point_to_line = |p: DVec2, lane: &Lane| {
+        lane.center.windows(2).fold(f64::INFINITY, |best, w| {
+            let (q, d) = (p - w[0].truncate(), (w[1] - w[0]).truncate());
+            best.min((q - d * (q.dot(d) / d.length_squared()).clamp(0.0, 1.0)).length())
+        })
+    };
+    let crosses = a.center.windows(2).any(|u| {
+        let (p, r) = (u[0].truncate(), (u[1] - u[0]).truncate());
+        b.center.windows(2).any(|v| {
+            let (q, s) = (v[0].truncate(), (v[1] - v[0]).truncate());
+            let denominator = r.perp_dot(s);
+            let (t, w) = ((q - p).perp_dot(s) / denominator, (q - p).perp_dot(r) / denominator);
+            denominator.abs() > 1e-12 && (0.0..=1.0).contains(&t) && (0.0..=1.0).contains(&w)
+        })
+    });
+    if crosses {
+        return 0.0;
+    }
+    let from_a = a.center.iter().map(|p| point_to_line(p.truncate(), b)).fold(f64::INFINITY, f64::min);
+    b.center.iter().map(|p| point_to_line(p.truncate(), a)).fold(from_a, f64::min)
+}

@@ -1,0 +1,462 @@
+//! Who is where at the start, and who comes when others have gone.
+
+use std::sync::Arc;
+
+use super::car::{Car, footprint};
+use super::chassis::Chassis;
+use super::driver::{Habits, Obstacle};
+use super::parked::Parked;
+use super::pedestrian::{Motion, Walker};
+use super::physics::Physics;
+use super::route::{Roads, Route};
+use super::settle::settle;
+use super::{EGO, World, open_lanes};
+use crate::actor::ObjectClass;
+use crate::assets::person::PersonModel;
+use crate::assets::vehicle::VehicleModel;
+use crate::error::{Error, Result};
+use crate::math::{self, DVec2, DVec3};
+use crate::rng::{Stream, StreamKey};
+use crate::town::{LaneId, ParkingSpot, Town};
+
+/// Steps between two looks at who has gone too far away.
+pub(super) const RENEW_EVERY: u64 = 30;
+/// Cars farther from the ego than this give their place to new ones, which appear beyond what the ego can see.
+const CAR_GONE_M: f64 = 190.0;
+const CAR_APPEARS_M: (f64, f64) = (100.0, 170.0);
+const WALKER_GONE_M: f64 = 130.0;
+const WALKER_APPEARS_M: (f64, f64) = (90.0, 125.0);
+/// A car that has stood this long somewhere out of sight is stuck.
+const STUCK_STEPS: u64 = 60 * 45;
+
+/// How much traffic there is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrafficConfig {
+    /// Driven cars kept around the ego.
+    pub num_cars: usize,
+    /// People kept around the ego.
+    pub num_pedestrians: usize,
+    /// Mean fraction of parking places that are taken, in [0, 1]; it varies from street to street.
+    pub parking_occupancy: f64,
+    /// Driven cars start within this distance of the ego, metres.
+    pub car_radius_m: f64,
+    /// People start within this distance of the ego, metres.
+    pub pedestrian_radius_m: f64,
+    /// Distance from the ego within which parking places are filled, metres.
+    pub parking_radius_m: f64,
+    /// Different vehicle models in use; fewer are made faster.
+    pub num_models: usize,
+}
+
+impl Default for TrafficConfig {
+    fn default() -> Self {
+        Self {
+            num_cars: 14,
+            num_pedestrians: 24,
+            parking_occupancy: 0.6,
+            car_radius_m: 110.0,
+            pedestrian_radius_m: 80.0,
+            parking_radius_m: 280.0,
+            num_models: 36,
+        }
+    }
+}
+
+impl TrafficConfig {
+    fn check(&self) -> Result<()> {
+        let bad =
+            |what, value: String, expected: &str| Err(Error::OutOfRange { what, value, expected: expected.to_owned() });
+        if !(0.0..=1.0).contains(&self.parking_occupancy) {
+            return bad("parking occupancy", self.parking_occupancy.to_string(), "0 to 1");
+        }
+        for (what, radius) in [
+            ("car radius", self.car_radius_m),
+            ("pedestrian radius", self.pedestrian_radius_m),
+            ("parking radius", self.parking_radius_m),
+        ] {
+            if !(radius.is_finite() && radius > 0.0) {
+                return bad(what, radius.to_string(), "a positive number of metres");
+            }
+        }
+        for (what, count, most) in
+            [("number of cars", self.num_cars, 500), ("number of pedestrians", self.num_pedestrians, 500)]
+        {
+            if count > most {
+                return bad(what, count.to_string(), "at most 500");
+            }
+        }
+        if self.num_models == 0 {
+            return bad("number of models", "0".to_owned(), "at least 1");
+        }
+        Ok(())
+    }
+}
+
+/// The ego's own shape: a family car.
+pub(super) fn ego_model(key: StreamKey) -> VehicleModel {
+    let mut stream = key.stream("ego model");
+    let draws: Vec<VehicleModel> =
+        (0..6).map(|_| VehicleModel::generate(ObjectClass::Car, stream.next_u64())).collect();
+    // The recording car is a station wagon of 4.77 m: the nearest in length of a few.
+    let far = |m: &VehicleModel| (m.size_lwh.x - 4.77).abs();
+    draws.into_iter().reduce(|a, b| if far(&b) < far(&a) { b } else { a }).expect("six draws")
+}
+
+/// Puts the ego on a lane from which it can drive far.
+pub(super) fn place_ego(
+    physics: &mut Physics,
+    roads: &Roads,
+    town: &Town,
+    model: Arc<VehicleModel>,
+    key: StreamKey,
+) -> Result<Car> {
+    let mut stream = key.stream("ego place");
+    let mut lanes: Vec<LaneId> = open_lanes(roads).filter(|l| l.length_m() > 16.0).map(|l| l.id).collect();
+    let farthest = lanes.iter().map(|l| roads.reach_m(*l)).fold(0.0, f64::max);
+    lanes.retain(|l| roads.reach_m(*l) >= farthest.min(350.0));
+    let weights: Vec<f64> = lanes.iter().map(|l| roads.lane(*l).length_m()).collect();
+    let habits = Habits::draw(&mut key.stream("ego habits"));
+    for _ in 0..50 {
+        if lanes.is_empty() {
+            break;
+        }
+        let lane = roads.lane(lanes[stream.weighted(&weights)]);
+        let s_m = stream.range(4.0, (lane.length_m() - 8.0).max(5.0));
+        let offset_m = stream.clipped_normal(0.0, 0.08);
+        let route = Route::new(lane.id, s_m, offset_m, true, key.stream("ego route"), roads);
+        if let Some(chassis) = on_route(physics, roads, &route, &model, 0.0) {
+            return Ok(Car::new(0, chassis, Some(route), habits));
+        }
+    }
+    let bounds = crate::geometry::Bounds::of(town.ground.vertices.iter().copied());
+    let middle = bounds.center().as_dvec3();
+    let settled =
+        settle(physics, &model, 0.0, 0.0, 0.0).or_else(|_| settle(physics, &model, middle.x, middle.y, 0.0)).map_err(
+            |_| Error::Scene { reason: "the ego finds no place: no drivable lane, no ground in the middle".into() },
+        )?;
+    let chassis = Chassis::new(physics, model, &settled.world_from_box, 0.0);
+    Ok(Car::new(0, chassis, None, habits))
+}
+
+/// A chassis standing at the start of a route, heading along it; `None` beyond the ground's edge.
+fn on_route(
+    physics: &mut Physics,
+    roads: &Roads,
+    route: &Route,
+    model: &Arc<VehicleModel>,
+    speed_mps: f64,
+) -> Option<Chassis> {
+    let here = route.ahead(0.0, roads);
+    let yaw = math::atan2(here.tangent.y, here.tangent.x);
+    let settled = settle(physics, model, here.at.x, here.at.y, yaw).ok()?;
+    Some(Chassis::new(physics, Arc::clone(model), &settled.world_from_box, speed_mps))
+}
+
+impl World {
+    /// Fills the world: parked cars, then driven ones, then people. To be called once, before the first step.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a configuration that makes no sense.
+    pub fn spawn_traffic(&mut self, config: &TrafficConfig) -> Result<()> {
+        config.check()?;
+        self.traffic = Some(config.clone());
+        self.cars[EGO].drives = self.cars[EGO].route.is_some();
+        self.park_cars(config);
+        let mut stream = self.key.stream("driven cars");
+        for _ in 0..config.num_cars {
+            let slot = self.cars.len();
+            if let Some(car) = self.new_car(slot, &mut stream, (9.0, config.car_radius_m), false) {
+                self.cars.push(car);
+            }
+        }
+        let mut stream = self.key.stream("people");
+        for _ in 0..config.num_pedestrians {
+            let slot = self.walkers.len();
+            if let Some(walker) = self.new_walker(slot, &mut stream, (3.0, config.pedestrian_radius_m), false) {
+                self.walkers.push(walker);
+            }
+        }
+        Ok(())
+    }
+
+    fn ego_place(&self) -> (DVec2, DVec2) {
+        let pose = self.cars[EGO].chassis.world_from_box(&self.physics);
+        (pose.translation.truncate(), (pose.rotation * DVec3::X).truncate().normalize())
+    }
+
+    /// A model of the town's fleet; few models, many cars.
+    fn fleet_model(&mut self, stream: &mut Stream, class: ObjectClass) -> Arc<VehicleModel> {
+        let num = self.traffic.as_ref().map_or(1, |t| t.num_models);
+        let num = if class == ObjectClass::Car { num } else { num.div_ceil(6) };
+        let seed = self.key.indexed("fleet", stream.below(num) as u64).next_u64();
+        self.vehicle_model(class, seed)
+    }
+
+    fn park_cars(&mut self, config: &TrafficConfig) {
+        let mut stream = self.key.stream("parked cars");
+        let (ego, _) = self.ego_place();
+        let own = self.cars[EGO].footprint(&self.physics).grown(1.0);
+        let town = Arc::clone(&self.town);
+        for spot in &town.parking {
+            // Every place draws the same numbers whether it is filled or not, so that places don't depend on another.
+            let mut draw = Stream::from_seed("parking place", stream.next_u64());
+            let at = spot.world_from_spot.translation;
+            if (at.truncate() - ego).length() > config.parking_radius_m || !self.is_taken(spot, config, &mut draw) {
+                continue;
+            }
+            let class = if draw.chance(0.08) { ObjectClass::Van } else { ObjectClass::Car };
+            let mut model = self.fleet_model(&mut draw, class);
+            if !fits(spot, &model) {
+                model = self.fleet_model(&mut draw, ObjectClass::Car);
+            }
+            if !fits(spot, &model) {
+                continue;
+            }
+            let outlier = draw.chance(0.05);
+            let yaw_sd_deg: f64 = if outlier { 7.0 } else { 1.6 };
+            let wrong_way = if draw.chance(0.05) { math::PI } else { 0.0 };
+            let slack_m = (spot.length_m - model.size_lwh.x).max(0.0) / 2.0;
+            let along_m = draw.clipped_normal(0.0, 0.35).clamp(-slack_m, slack_m);
+            let aside_m = draw.clipped_normal(0.0, 0.1);
+            let place = spot.world_from_spot.transform_point(DVec3::new(along_m, aside_m, 0.0));
+            let yaw = crate::frames::yaw_of(&spot.world_from_spot)
+                + wrong_way
+                + draw.clipped_normal(0.0, yaw_sd_deg.to_radians());
+            let pose = crate::frames::upright(place, yaw);
+            let rectangle = footprint(&pose, model.size_lwh, DVec2::ZERO);
+            let clear = !rectangle.overlaps(&own)
+                && self.parked.iter().all(|p| !p.footprint.overlaps(&rectangle.grown(0.25)))
+                && self.leaves_lanes_free(&rectangle);
+            if !clear {
+                continue;
+            }
+            let id = self.next_id;
+            if let Ok(parked) = Parked::new(&mut self.physics, id, model, place.x, place.y, yaw) {
+                self.parked.push(parked);
+                self.next_id += 1;
+            }
+        }
+    }
+
+    fn is_taken(&self, spot: &ParkingSpot, config: &TrafficConfig, draw: &mut Stream) -> bool {
+        let at = spot.world_from_spot.translation;
+        // One row: one side of one road; each has its own occupancy.
+        let row = self
+            .roads
+            .nearest(at, None, 12.0)
+            .map_or(u64::MAX, |(lane, _, _)| u64::from(self.roads.lane(lane).road) * 2 + u64::from(lane.0 % 2 == 0));
+        let mut street = self.key.indexed("parking row", row);
+        let mean = config.parking_occupancy;
+        let spread = 0.5 * mean.min(1.0 - mean);
+        draw.chance((mean + spread * street.range(-1.0, 1.0)).clamp(0.0, 1.0))
+    }
+
+    /// Whether cars can pass a parked one in their lanes.
+    fn leaves_lanes_free(&self, rectangle: &Obstacle) -> bool {
+        let reach_m = rectangle.half_length_m + 3.0;
+        self.roads.lanes().iter().filter(|l| l.kind == crate::town::LaneKind::Driving).all(|lane| {
+            lane.center
+                .iter()
+                .map(|p| p.truncate())
+                .filter(|p| (*p - rectangle.center).length() < reach_m)
+                .all(|p| (rectangle.closest_point(p) - p).length() > 1.25)
+        })
+    }
+
+    /// A car at a random free place of a lane, between two distances from the ego; `hidden` keeps it out of its view.
+    fn new_car(&mut self, slot: usize, stream: &mut Stream, ring_m: (f64, f64), hidden: bool) -> Option<Car> {
+        let (ego, view) = self.ego_place();
+        let class = match stream.weighted(&[0.87, 0.09, 0.04]) {
+            0 => ObjectClass::Car,
+            1 => ObjectClass::Van,
+            _ => ObjectClass::Truck,
+        };
+        let model = self.fleet_model(stream, class);
+        let half_m = model.size_lwh.x / 2.0;
+        let mut places: Vec<(LaneId, f64, f64)> = Vec::new();
+        for lane in open_lanes(&self.roads) {
+            let mut s = half_m + 1.0;
+            while s < lane.length_m() - half_m - 6.0 {
+                let p = lane.pose_at(s);
+                let to = p.translation.truncate() - ego;
+                let distance = to.length();
+                let in_view = to.dot(view) > 0.7 * distance && distance < 140.0;
+                if (ring_m.0..ring_m.1).contains(&distance) && !(hidden && in_view) {
+                    // Nearer is likelier, and newcomers head for the ego.
+                    let towards = (p.rotation * DVec3::X).truncate().dot(to) < 0.0;
+                    let weight = if hidden { if towards { 1.0 } else { 0.25 } } else { 40.0 / (distance + 30.0) };
+                    places.push((lane.id, s, weight));
+                }
+                s += 4.0;
+            }
+        }
+        let weights: Vec<f64> = places.iter().map(|p| p.2).collect();
+        let footprints: Vec<Obstacle> = self.cars.iter().map(|c| c.footprint(&self.physics)).collect();
+        for _ in 0..12 {
+            let (lane_id, s_m, _) = *places.get(stream.weighted(&weights))?;
+            let lane = self.roads.lane(lane_id);
+            let s_m = s_m + stream.range(0.0, 3.5);
+            let offset_m = stream.clipped_normal(0.0, 0.1);
+            let seed = self.key.indexed("car route", stream.next_u64());
+            let route = Route::new(lane_id, s_m, offset_m, false, seed, &self.roads);
+            let here = route.ahead(0.0, &self.roads);
+            let rectangle = Obstacle {
+                center: here.at,
+                heading: here.tangent,
+                half_length_m: half_m,
+                half_width_m: model.size_lwh.y / 2.0,
+                velocity: DVec2::ZERO,
+            };
+            // Sideways little room, along the lane a headway.
+            let long =
+                Obstacle { half_length_m: half_m + 8.0, half_width_m: rectangle.half_width_m + 0.2, ..rectangle };
+            let taken = footprints
+                .iter()
+                .enumerate()
+                .any(|(i, f)| i != slot && (long.overlaps(f) || rectangle.grown(0.5).overlaps(f)))
+                || self.parked.iter().any(|p| rectangle.grown(0.1).overlaps(&p.footprint))
+                || self.walkers.iter().filter_map(|w| w.in_the_way(&self.roads)).any(|w| long.overlaps(&w));
+            if taken || route.remaining_m(&self.roads) < 30.0 {
+                continue;
+            }
+            // As fast as still allows a stop before the junction and behind whoever is ahead.
+            let free_m = footprints
+                .iter()
+                .map(|f| (f.center - here.at).dot(here.tangent))
+                .filter(|d| *d > 0.0)
+                .fold(lane.length_m() - s_m, f64::min);
+            let stop = (2.0 * 1.5 * (free_m - half_m - 8.0).max(0.0)).sqrt();
+            let speed = (0.9 * route.speed_for_bends(8.0, 1.5, &self.roads)).min(stop);
+            let habits = Habits::draw(stream);
+            let Some(chassis) = on_route(&mut self.physics, &self.roads, &route, &model, speed) else { continue };
+            let id = self.next_id;
+            self.next_id += 1;
+            return Some(Car::new(id, chassis, Some(route), habits));
+        }
+        None
+    }
+
+    /// Somebody at a random place of a walkway, between two distances from the ego.
+    fn new_walker(&mut self, slot: usize, stream: &mut Stream, ring_m: (f64, f64), hidden: bool) -> Option<Walker> {
+        let (ego, view) = self.ego_place();
+        let model = Arc::new(PersonModel::generate(stream.next_u64()));
+        let walks = model.walking_speed_mps > 0.0;
+        // Two in five have company: beside the one before, if that one walks alone.
+        let company = slot
+            .checked_sub(1)
+            .filter(|b| !hidden && walks && self.walkers[*b].beside.is_none() && !self.walkers[*b].crosser);
+        let chance = stream.chance(0.32);
+        if let Some((beside, Motion::Walks { walkway, s_m, direction })) =
+            company.filter(|_| chance).map(|b| (b, self.walkers[b].motion))
+        {
+            let room = self.pavements.room_m(walkway);
+            let lead = self.walkers[beside].lateral_m;
+            let apart = stream.range(0.56, 0.86);
+            let side = [lead + apart, lead - apart].into_iter().find(|l| l.abs() <= room);
+            if let Some(lateral) = side {
+                let mut walker = self.walker_at(stream, model, walkway, s_m, direction, lateral)?;
+                walker.beside = Some(beside);
+                return Some(walker);
+            }
+            return None;
+        }
+        let mut places: Vec<(usize, f64)> = Vec::new();
+        for walkway in self.pavements.usable() {
+            let mut s = 1.0;
+            while s < self.pavements.length_m(walkway) - 1.0 {
+                let to = self.pavements.spot(walkway, s).at - ego;
+                let distance = to.length();
+                let in_view = to.dot(view) > 0.7 * distance && distance < 110.0;
+                if (ring_m.0..ring_m.1).contains(&distance) && !(hidden && in_view) {
+                    places.push((walkway, s));
+                }
+                s += 3.0;
+            }
+        }
+        for _ in 0..8 {
+            let (walkway, s) = *places.get(stream.below(places.len()))?;
+            let s_m = (s + stream.range(0.0, 2.9)).min(self.pavements.length_m(walkway) - 0.5);
+            let direction = if stream.chance(0.5) { 1.0 } else { -1.0 };
+            let room = self.pavements.room_m(walkway);
+            // A little to the own right.
+            let lateral = stream.clipped_normal(-0.15 * direction, 0.35).clamp(-room, room);
+            let spot = self.pavements.spot(walkway, s_m);
+            let at = spot.at + spot.tangent.perp() * lateral;
+            let near_somebody =
+                self.walkers.iter().enumerate().any(|(i, w)| i != slot && (w.position.truncate() - at).length() < 0.9);
+            let in_a_car = self.parked.iter().any(|p| (p.footprint.closest_point(at) - at).length() < 0.4);
+            if !near_somebody && !in_a_car {
+                let mut walker = self.walker_at(stream, model, walkway, s_m, direction, lateral)?;
+                walker.crosser = walks && stream.chance(0.3);
+                return Some(walker);
+            }
+        }
+        None
+    }
+
+    fn walker_at(
+        &mut self,
+        stream: &mut Stream,
+        model: Arc<PersonModel>,
+        walkway: usize,
+        s_m: f64,
+        direction: f64,
+        lateral_m: f64,
+    ) -> Option<Walker> {
+        let spot = self.pavements.spot(walkway, s_m);
+        let at = spot.at + spot.tangent.perp() * lateral_m;
+        let walks = model.walking_speed_mps > 0.0;
+        let heading = spot.tangent * direction;
+        let yaw = if walks { math::atan2(heading.y, heading.x) } else { stream.range(-math::PI, math::PI) };
+        let id = self.next_id;
+        let mut walker = Walker::posed(&self.physics, id, model, at.x, at.y, yaw, stream.next_u64()).ok()?;
+        walker.is_placed = false;
+        if walks {
+            walker.start(walkway, s_m, direction, lateral_m);
+        }
+        self.next_id += 1;
+        Some(walker)
+    }
+
+    /// Replaces who has gone too far from the ego by newcomers out of its sight.
+    pub(super) fn renew_traffic(&mut self) {
+        if self.traffic.is_none() {
+            return;
+        }
+        let (ego, view) = self.ego_place();
+        for slot in 1..self.cars.len() {
+            let car = &self.cars[slot];
+            let to = car.chassis.world_from_box(&self.physics).translation.truncate() - ego;
+            let hidden = to.length() > 100.0 || (to.length() > 90.0 && to.dot(view) < 0.0);
+            let stuck = hidden && car.standing_steps > STUCK_STEPS;
+            if to.length() < CAR_GONE_M && !stuck {
+                continue;
+            }
+            let mut stream = self.key.indexed("newcomers", self.respawns);
+            self.respawns += 1;
+            if let Some(car) = self.new_car(slot, &mut stream, CAR_APPEARS_M, true) {
+                self.junctions.forget(slot);
+                self.physics.remove(self.cars[slot].chassis.body);
+                self.cars[slot] = car;
+            }
+        }
+        for slot in 0..self.walkers.len() {
+            let walker = &self.walkers[slot];
+            if (walker.position.truncate() - ego).length() < WALKER_GONE_M || walker.is_placed {
+                continue;
+            }
+            let mut stream = self.key.indexed("new people", self.respawns);
+            self.respawns += 1;
+            if let Some(walker) = self.new_walker(slot, &mut stream, WALKER_APPEARS_M, true) {
+                for other in self.walkers.iter_mut().filter(|w| w.beside == Some(slot)) {
+                    other.beside = None;
+                }
+                self.walkers[slot] = walker;
+            }
+        }
+    }
+}
+
+fn fits(spot: &ParkingSpot, model: &VehicleModel) -> bool {
+    model.size_lwh.x + 0.3 <= spot.length_m && model.size_lwh.y <= spot.width_m + 0.3
+}

@@ -1,0 +1,164 @@
+//! Small towns for the tests: a hilly ring, a slope, a crossing.
+
+use std::sync::Arc;
+
+use crate::math::{self, DVec2, DVec3, TAU, Vec3};
+use crate::town::{Ground, Lane, LaneId, LaneKind, RoadNetwork, Town, Walkway};
+
+/// A grid of ground over [-half, half]² with height `z(x, y)`.
+pub(crate) fn ground(half_m: f64, step_m: f64, z: &dyn Fn(f64, f64) -> f64) -> Ground {
+    let n = (2.0 * half_m / step_m).round() as u32;
+    let at = |i: u32| f64::from(i) * step_m - half_m;
+    let mut vertices = Vec::new();
+    for j in 0..=n {
+        for i in 0..=n {
+            vertices.push(Vec3::new(at(i) as f32, at(j) as f32, z(at(i), at(j)) as f32));
+        }
+    }
+    let mut faces = Vec::new();
+    for j in 0..n {
+        for i in 0..n {
+            let a = j * (n + 1) + i;
+            faces.push([a, a + 1, a + n + 2]);
+            faces.push([a, a + n + 2, a + n + 1]);
+        }
+    }
+    let mut made = empty_ground();
+    made.vertices = Arc::new(vertices);
+    made.faces = Arc::new(faces);
+    made
+}
+
+fn empty_ground() -> Ground {
+    Ground { vertices: Arc::new(Vec::new()), faces: Arc::new(Vec::new()) }
+}
+
+/// Adds a driving lane along points of the plane.
+pub(crate) fn lane(
+    network: &mut RoadNetwork,
+    points: &[DVec2],
+    junction: Option<u32>,
+    z: &dyn Fn(f64, f64) -> f64,
+) -> LaneId {
+    let center: Vec<DVec3> = points.iter().map(|p| DVec3::new(p.x, p.y, z(p.x, p.y))).collect();
+    let mut s = 0.0;
+    let mut s_m = vec![0.0];
+    for pair in center.windows(2) {
+        s += (pair[1] - pair[0]).length();
+        s_m.push(s);
+    }
+    let id = LaneId(network.lanes.len());
+    network.lanes.push(Lane {
+        id,
+        kind: LaneKind::Driving,
+        width_m: vec![3.0; center.len()],
+        center,
+        s_m,
+        successors: Vec::new(),
+        predecessors: Vec::new(),
+        junction,
+        road: id.0 as u32,
+        speed_limit_mps: 30.0 / 3.6,
+    });
+    id
+}
+
+pub(crate) fn join(network: &mut RoadNetwork, from: LaneId, to: LaneId) {
+    network.lanes[from.0].successors.push(to);
+    network.lanes[to.0].predecessors.push(from);
+}
+
+/// Points along an arc (counter-clockwise for a positive turn), at most 1.5 m apart.
+pub(crate) fn arc(middle: DVec2, radius_m: f64, from_rad: f64, turn_rad: f64) -> Vec<DVec2> {
+    let n = (radius_m * turn_rad.abs() / 1.5).ceil() as i32;
+    (0..=n)
+        .map(|i| from_rad + turn_rad * f64::from(i) / f64::from(n))
+        .map(|a| middle + DVec2::new(math::cos(a), math::sin(a)) * radius_m)
+        .collect()
+}
+
+pub(crate) fn line(a: DVec2, b: DVec2) -> Vec<DVec2> {
+    let n = ((b - a).length() / 1.5).ceil() as i32;
+    (0..=n).map(|i| a.lerp(b, f64::from(i) / f64::from(n))).collect()
+}
+
+pub(crate) fn town(network: RoadNetwork, ground: Ground, walkways: Vec<Walkway>) -> Arc<Town> {
+    Arc::new(Town { name: "test".to_owned(), network, ground, scenery: Vec::new(), parking: Vec::new(), walkways })
+}
+
+/// A plane of the given slope along x, with one straight lane.
+pub(crate) fn slope(rise_per_m: f64) -> Arc<Town> {
+    let z = move |x: f64, _: f64| rise_per_m * x;
+    let mut network = RoadNetwork::default();
+    lane(&mut network, &line(DVec2::new(-90.0, 0.0), DVec2::new(90.0, 0.0)), None, &z);
+    town(network, ground(100.0, 5.0, &z), Vec::new())
+}
+
+/// Height of the hilly ring's ground: a long and a short wave, up to about 6 %.
+pub(crate) fn hills(x: f64, y: f64) -> f64 {
+    1.5 * math::sin(x / 25.0) + 0.8 * math::cos(y / 18.0)
+}
+
+/// Two lanes round a ring of about 300 m, in both directions, over hills; each in two halves.
+pub(crate) fn hilly_ring() -> Arc<Town> {
+    let mut network = RoadNetwork::default();
+    for (radius, turn) in [(49.5, TAU / 2.0), (46.5, -TAU / 2.0)] {
+        let a = lane(&mut network, &arc(DVec2::ZERO, radius, 0.0, turn), None, &hills);
+        let b = lane(&mut network, &arc(DVec2::ZERO, radius, math::PI, turn), None, &hills);
+        join(&mut network, a, b);
+        join(&mut network, b, a);
+    }
+    let walkways = [54.0, 42.0]
+        .map(|r| {
+            let center = arc(DVec2::ZERO, r, 0.0, TAU).iter().map(|p| p.extend(hills(p.x, p.y))).collect();
+            Walkway { center, width_m: 2.0 }
+        })
+        .to_vec();
+    town(network, ground(80.0, 1.0, &hills), walkways)
+}
+
+/// Four arms of 70 m that meet in one junction, each with a turning loop at its far end.
+pub(crate) fn crossing() -> Arc<Town> {
+    let flat = |_: f64, _: f64| 0.0;
+    let mut network = RoadNetwork::default();
+    let (near, far, half) = (10.0, 80.0, 1.5);
+    let turned = |p: DVec2, quarter: i32| {
+        let a = f64::from(quarter) * math::PI / 2.0;
+        DVec2::new(math::cos(a), math::sin(a)).rotate(p)
+    };
+    let arm = |points: Vec<DVec2>, quarter| points.into_iter().map(|p| turned(p, quarter)).collect::<Vec<_>>();
+    let (mut inward, mut outward) = (Vec::new(), Vec::new());
+    let mut walkways = Vec::new();
+    for q in 0..4 {
+        let out = arm(line(DVec2::new(near, -half), DVec2::new(far, -half)), q);
+        let back = arm(line(DVec2::new(far, half), DVec2::new(near, half)), q);
+        let mut bulb = line(DVec2::new(far, -half), DVec2::new(far + 10.0, -half - 4.5));
+        bulb.pop();
+        bulb.extend(arc(DVec2::new(far + 10.0, 0.0), 6.0, -math::PI / 2.0, math::PI));
+        bulb.pop();
+        bulb.extend(line(DVec2::new(far + 10.0, half + 4.5), DVec2::new(far, half)));
+        let out = lane(&mut network, &out, None, &flat);
+        let turn = lane(&mut network, &arm(bulb, q), None, &flat);
+        let back = lane(&mut network, &back, None, &flat);
+        join(&mut network, out, turn);
+        join(&mut network, turn, back);
+        inward.push(back);
+        outward.push(out);
+        for y in [-4.8, 4.8] {
+            let center = arm(line(DVec2::new(near, y), DVec2::new(far, y)), q).iter().map(|p| p.extend(0.0)).collect();
+            walkways.push(Walkway { center, width_m: 2.0 });
+        }
+    }
+    for q in 0..4_usize {
+        // Coming in along arm 0 towards -x at y = +half: straight on to arm 2, right to arm 1, left to arm 3.
+        let straight = line(DVec2::new(near, half), DVec2::new(-near, half));
+        let right = arc(DVec2::new(near, near), near - half, -math::PI / 2.0, -math::PI / 2.0);
+        let left = arc(DVec2::new(near, -near), near + half, math::PI / 2.0, math::PI / 2.0);
+        for (points, to) in [(straight, 2), (right, 1), (left, 3)] {
+            let id = lane(&mut network, &arm(points, q as i32), Some(1), &flat);
+            join(&mut network, inward[q], id);
+            join(&mut network, id, outward[(q + to) % 4]);
+        }
+    }
+    town(network, ground(110.0, 5.0, &flat), walkways)
+}

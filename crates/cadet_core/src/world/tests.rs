@@ -1,0 +1,149 @@
+//! The world as a whole: slopes, bends, queues, junctions, people, repeatability.
+
+use std::sync::Arc;
+
+use super::testing::{crossing, hilly_ring, slope};
+use super::*;
+use crate::math::{self, DVec2, DVec3};
+use crate::world::spawn::TrafficConfig;
+
+const SECOND: u32 = 60;
+
+fn pitch_rad(world: &World) -> f64 {
+    let x = world.ego().world_from_ego.rotation * DVec3::X;
+    -math::asin(x.z)
+}
+
+#[test]
+fn a_car_on_a_slope_settles_along_it_and_does_not_creep() {
+    let mut world = World::new(slope(0.05), StreamKey::scene(1)).unwrap();
+    for yaw in [0.0, 1.0, math::PI / 2.0, math::PI] {
+        world.move_ego(3.0, 2.0, yaw).unwrap();
+        world.step(2 * SECOND);
+        let before = world.ego();
+        let up = before.world_from_ego.rotation * DVec3::Z;
+        let normal = DVec3::new(-0.05, 0.0, 1.0).normalize();
+        let tilt_deg = math::acos(up.dot(normal).min(1.0)).to_degrees();
+        assert!(tilt_deg < 0.3, "yaw {yaw}: {tilt_deg} degrees off the slope");
+        let p = before.world_from_ego.translation;
+        assert!((p.z - 0.05 * p.x).abs() < 0.01, "yaw {yaw}: the box's bottom is {} above the road", p.z - 0.05 * p.x);
+        world.step(5 * SECOND);
+        let crept = (world.ego().world_from_ego.translation - p).length();
+        assert!(crept < 0.01, "yaw {yaw}: crept {crept} m");
+        let moved = (p.truncate() - DVec2::new(3.0, 2.0)).length();
+        assert!(moved < 0.05, "yaw {yaw}: settled {moved} m away");
+    }
+}
+
+#[test]
+fn a_car_follows_a_hilly_bend_at_its_speed_heading_forwards() {
+    let town = hilly_ring();
+    let mut world = World::new(Arc::clone(&town), StreamKey::scene(2)).unwrap();
+    assert_eq!(world.drive(60.0, 5.0).unwrap().floor(), 60.0);
+    let (mut worst_m, mut time_s) = (0.0_f64, 0);
+    let mut gone_m = 0.0;
+    while gone_m < 300.0 {
+        gone_m += world.drive(5.0, 5.0).unwrap();
+        time_s += 1;
+        let ego = world.ego();
+        let p = ego.world_from_ego.translation;
+        let off_m = town.network.driving().map(|l| l.project(p).1).fold(f64::INFINITY, f64::min);
+        worst_m = worst_m.max(off_m);
+        let forward = ego.world_from_ego.rotation * DVec3::X;
+        assert!(forward.dot(ego.velocity_world) > 0.95 * ego.velocity_world.length());
+        let speed = ego.velocity_world.length();
+        assert!((5.0..10.5).contains(&speed), "{speed} m/s where 8.3 are allowed");
+        assert!((p.z - super::testing::hills(p.x, p.y)).abs() < 0.08, "{}", p.z - super::testing::hills(p.x, p.y));
+        assert!(time_s < 100);
+    }
+    assert!(worst_m < 0.4, "{worst_m} m off the lane");
+    assert!(pitch_rad(&world).abs() < 0.2);
+}
+
+/// Steps for a minute and looks at everything four times a second: nobody overlaps, flies, sinks, tips or loses the
+/// numbers. Returns how far the driven cars went in all.
+fn watch(world: &mut World, seconds: u32, name: &str) -> f64 {
+    let mut gone_m = 0.0;
+    let mut crossings = 0;
+    for tick in 0..seconds * 4 {
+        world.step(SECOND / 4);
+        let rectangles: Vec<(i32, Obstacle)> = world
+            .cars
+            .iter()
+            .map(|c| (c.id, c.footprint(&world.physics)))
+            .chain(world.parked.iter().map(|p| (p.id, p.footprint)))
+            .collect();
+        for (i, (id, a)) in rectangles.iter().enumerate().take(world.cars.len()) {
+            let pose = world.cars[i].chassis.world_from_box(&world.physics);
+            assert!(pose.translation.is_finite() && pose.rotation.is_finite(), "{name}: car {id} is lost");
+            let up = pose.rotation * DVec3::Z;
+            assert!(up.z > 0.9, "{name}: car {id} has tipped over at tick {tick}: {up}");
+            let ground = world.ground_height(pose.translation.x, pose.translation.y).expect("on the ground");
+            let above = pose.translation.z - ground;
+            assert!(above.abs() < 0.25, "{name}: car {id} is {above} m above the ground at tick {tick}");
+            gone_m += a.velocity.length() / 4.0;
+            for (other, b) in &rectangles[i + 1..] {
+                assert!(
+                    !a.overlaps(b),
+                    "{name}: cars {id} and {other} overlap at tick {tick}, {} and {}, speeds {} and {}",
+                    a.center,
+                    b.center,
+                    a.velocity.length(),
+                    b.velocity.length()
+                );
+            }
+            for walker in &world.walkers {
+                let p = walker.position.truncate();
+                let apart = (a.closest_point(p) - p).length();
+                assert!(apart > 0.05, "{name}: car {id} runs into walker {} at tick {tick}", walker.id);
+            }
+        }
+        for walker in &world.walkers {
+            assert!(walker.position.is_finite() && walker.phase.is_finite());
+            let p = walker.position;
+            assert!((p.z - world.ground_height(p.x, p.y).expect("on the ground")).abs() < 1e-6);
+            if matches!(walker.motion, pedestrian::Motion::Crosses { .. }) {
+                crossings += 1;
+            } else {
+                let lane = world.roads.nearest(p, None, 1.4);
+                assert!(lane.is_none(), "{name}: walker {} is on lane {lane:?} at tick {tick}", walker.id);
+            }
+        }
+    }
+    let driven = world.cars.len() as f64 * f64::from(seconds);
+    #[allow(clippy::print_stderr)]
+    {
+        eprintln!(
+            "{name}: {} cars, {} parked, {} walkers, mean speed {:.2} m/s, crossing {:.3}, standing cars {}",
+            world.cars.len(),
+            world.parked.len(),
+            world.walkers.len(),
+            gone_m / driven,
+            f64::from(crossings) / (world.walkers.len().max(1) as f64 * f64::from(seconds * 4)),
+            world.cars.iter().filter(|c| c.standing_steps > 600).count(),
+        );
+    }
+    gone_m
+}
+
+#[test]
+fn cars_share_a_crossing_for_minutes_without_touching() {
+    for seed in 0..5 {
+        let mut world = World::new(crossing(), StreamKey::scene(seed)).unwrap();
+        let config = TrafficConfig { num_cars: 14, num_pedestrians: 20, ..TrafficConfig::default() };
+        world.spawn_traffic(&config).unwrap();
+        assert!(world.cars.len() > 10, "{}", world.cars.len());
+        let gone_m = watch(&mut world, 60, &format!("crossing {seed}"));
+        assert!(gone_m > 14.0 * 60.0, "the traffic jams: {gone_m} m in all");
+    }
+}
+
+#[test]
+fn cars_share_a_hilly_ring() {
+    for seed in 0..5 {
+        let mut world = World::new(hilly_ring(), StreamKey::scene(seed)).unwrap();
+        let config = TrafficConfig { num_cars: 16, num_pedestrians: 20, ..TrafficConfig::default() };
+        world.spawn_traffic(&config).unwrap();
+        watch(&mut world, 60, &format!("ring {seed}"));
+    }
+}

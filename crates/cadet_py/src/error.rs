@@ -1,0 +1,28 @@
+//! The one place where the core's errors become Python's.
+
+use pyo3::import_exception;
+use pyo3::prelude::*;
+
+import_exception!(cadet.errors, CadetError);
+import_exception!(cadet.errors, NonFiniteError);
+import_exception!(cadet.errors, ShapeError);
+
+/// A core error on its way to Python.
+pub(crate) struct BorderError(cadet_core::Error);
+
+impl From<cadet_core::Error> for BorderError {
+    fn from(error: cadet_core::Error) -> Self {
+        Self(error)
+    }
+}
+
+impl From<BorderError> for PyErr {
+    fn from(BorderError(error): BorderError) -> Self {
+        let text = error.to_string();
+        match error {
+            cadet_core::Error::NotFinite { .. } => NonFiniteError::new_err(text),
+            cadet_core::Error::Shape { .. } => ShapeError::new_err(text),
+            _ => CadetError::new_err(text),
+        }
+    }
+}

@@ -1,0 +1,45 @@
+//! A scene's numbers: `cadet.SceneConfig.to_native()`.
+
+use cadet_core::label::{LabelConfig, OcclusionMethod};
+use cadet_core::scene::SceneConfig;
+use cadet_core::world::TrafficConfig;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::error::{BorderError, CadetError};
+use crate::fields::Fields;
+
+/// The configuration of a flat dictionary with a nested `label`.
+pub(crate) fn from_dict(dict: &Bound<'_, PyDict>) -> PyResult<SceneConfig> {
+    let mut fields = Fields::new("config", dict)?;
+    let traffic = TrafficConfig {
+        num_cars: fields.take("num_cars")?,
+        num_pedestrians: fields.take("num_pedestrians")?,
+        parking_occupancy: fields.take("parking_occupancy")?,
+        ..TrafficConfig::default()
+    };
+    let label = label_config(&fields.take::<Bound<'_, PyDict>>("label")?)?;
+    fields.finish()?;
+    Ok(SceneConfig { traffic, label, ..SceneConfig::default() })
+}
+
+fn label_config(dict: &Bound<'_, PyDict>) -> PyResult<LabelConfig> {
+    let mut fields = Fields::new("label", dict)?;
+    let method = match fields.take::<String>("method")?.as_str() {
+        "pixels" => OcclusionMethod::Pixels,
+        "corners" => OcclusionMethod::Corners,
+        other => return Err(CadetError::new_err(format!("label.method: expected pixels or corners, got {other:?}"))),
+    };
+    let config = LabelConfig {
+        method,
+        min_height_px: fields.take("min_height_px")?,
+        min_visible_fraction: fields.take("min_visible_fraction")?,
+        max_depth_m: fields.take("max_depth_m")?,
+        dontcare_min_pixels: fields.take("dontcare_min_pixels")?,
+        occlusion_levels: fields.take("occlusion_levels")?,
+        corner_tolerance_m: fields.take("corner_tolerance_m")?,
+        max_hidden_corners: fields.take("max_hidden_corners")?,
+    };
+    fields.finish()?;
+    Ok(config.validated().map_err(BorderError::from)?)
+}

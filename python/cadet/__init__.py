@@ -1,0 +1,47 @@
+"""KITTI-format driving data from made-up suburbs: images, LIDAR scans and exact 3D labels, with no GPU."""
+
+from cadet import kitti
+from cadet._cadet import __version__
+from cadet.config import LabelConfig, SceneConfig
+from cadet.environment import Environment
+from cadet.errors import (
+    CadetError,
+    FrameExistsError,
+    KittiFormatError,
+    MissingFileError,
+    NonFiniteError,
+    ShapeError,
+)
+from cadet.frame import Frame
+from cadet.policy import District, ResetPolicy
+from cadet.rig import Camera, Lidar, Rig
+from cadet.road_map import RoadMap
+from cadet.scene import RayHits, Scan, Scene
+from cadet.semantic import Semantic
+from cadet.weather import weather_names
+
+__all__ = [
+    "CadetError",
+    "Camera",
+    "District",
+    "Environment",
+    "Frame",
+    "FrameExistsError",
+    "KittiFormatError",
+    "LabelConfig",
+    "Lidar",
+    "MissingFileError",
+    "NonFiniteError",
+    "RayHits",
+    "ResetPolicy",
+    "Rig",
+    "RoadMap",
+    "Scan",
+    "Scene",
+    "SceneConfig",
+    "Semantic",
+    "ShapeError",
+    "__version__",
+    "kitti",
+    "weather_names",
+]

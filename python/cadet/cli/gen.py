@@ -1,0 +1,151 @@
+"""`cadet-gen`: writes a dataset."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import click
+from rich.console import Console
+
+from cadet import _cadet
+from cadet.cli.errors import INTERRUPTED
+from cadet.cli.progress import reporter
+from cadet.errors import CadetError
+from cadet.generate import EXTRAS, Settings, Summary, WorkerError, generate
+from cadet.policy import ResetPolicy
+from cadet.rig import Rig
+from cadet.road_map import RoadMap
+from cadet.weather import check_weather, weather_names
+
+_POLICIES = {"kitti": ResetPolicy.kitti, "paper": ResetPolicy.paper}
+_RIGS = {"kitti": Rig.kitti, "paper": Rig.paper}
+
+
+@click.command(context_settings={"help_option_names": ["-h", "--help"]})
+@click.argument("out", type=click.Path(path_type=Path, file_okay=False))
+@click.option(
+    "-n", "num_frames", type=click.IntRange(1, 1_000_000), default=20, show_default=True, help="Frames to make."
+)
+@click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True, help="Same seed, same bytes.")
+@click.option(
+    "--policy", type=click.Choice(list(_POLICIES)), default="kitti", show_default=True, help="How worlds are drawn."
+)
+@click.option("--rig", type=click.Choice(list(_RIGS)), help="The sensors.  [default: the policy's]")
+@click.option(
+    "--map", "maps", metavar="FILE", multiple=True, help="An OpenDRIVE map; repeat for more, drawn equally often."
+)
+@click.option(
+    "--weather", "weathers", metavar="NAME", multiple=True, help="A preset; repeat for more, drawn equally often."
+)
+@click.option("--workers", type=click.IntRange(1, 1024), help="Processes.  [default: one for each processor]")
+@click.option("--image-size", metavar="WxH", help="Scale the image to this size, such as 621x188.")
+@click.option("--write", "write", metavar="LIST", default="", help=f"Write these too: {','.join(EXTRAS)}.")
+@click.option("--resume", is_flag=True, help="Go on in a folder that the same command has left.")
+@click.option(
+    "--val-fraction",
+    type=click.FloatRange(0.0, 0.5),
+    default=0.2,
+    show_default=True,
+    help="Share of the episodes in val.txt: every round(1/F)-th.",
+)
+def cadet_gen(
+    out: Path,
+    num_frames: int,
+    seed: int,
+    policy: str,
+    rig: str | None,
+    maps: tuple[str, ...],
+    weathers: tuple[str, ...],
+    workers: int | None,
+    image_size: str | None,
+    write: str,
+    resume: bool,
+    val_fraction: float,
+) -> int:
+    r"""Write a KITTI-format dataset of made-up suburbs to the folder OUT.
+
+    \b
+    cadet-gen out -n 10000 --seed 0
+    cadet-gen out -n 20000 --seed 0 --resume          # the first 10000 stay as they are
+    cadet-gen rain -n 500 --weather hard_rain_noon --write depth,instance
+
+    \b
+    Weathers: {weathers}
+    """
+    settings = Settings(
+        seed=seed,
+        num_frames=num_frames,
+        policy=_policy(policy, maps, weathers),
+        rig=_rig(rig or policy, image_size),
+        extras=tuple(name.strip() for name in write.split(",") if name.strip()),
+        val_period=round(1.0 / val_fraction) if val_fraction > 0.0 else 0,
+    )
+    console = Console(stderr=True, highlight=False, soft_wrap=True)
+    start_s = time.monotonic()
+    report = reporter(console, num_frames)
+    num_done = 0
+
+    def on_frame(is_new: bool) -> None:
+        nonlocal num_done
+        num_done += 1
+        report.on_frame(is_new)
+
+    try:
+        with report:
+            summary = generate(out, settings, workers=workers, resume=resume, on_frame=on_frame)
+    except KeyboardInterrupt:
+        console.print(f"interrupted: {num_done} of {num_frames} frames are whole; go on with: {_again()}", markup=False)
+        return INTERRUPTED
+    except WorkerError as error:
+        raise CadetError(f"{error}; {num_done} of {num_frames} frames are whole; go on with: {_again()}") from None
+    console.print(_closing(out, summary, time.monotonic() - start_s), markup=False)
+    return 0
+
+
+cadet_gen.help = (cadet_gen.help or "").replace("{weathers}", ", ".join(weather_names()))
+
+
+def _policy(name: str, maps: tuple[str, ...], weathers: tuple[str, ...]) -> ResetPolicy:
+    policy = _POLICIES[name]()
+    if maps:
+        policy = replace(policy, maps=tuple(RoadMap.read(path) for path in maps))
+        for road_map in policy.maps:
+            _check_drivable(road_map)
+    if weathers:
+        policy = replace(policy, weathers=tuple((check_weather(weather), 1.0) for weather in weathers))
+    return policy
+
+
+def _check_drivable(road_map: RoadMap) -> None:
+    """Build the map once, so that a bad one is refused before anything is written."""
+    native = Rig.kitti().to_native()
+    config = ResetPolicy.kitti().draw(0, 0).config.to_native()
+    _cadet.Scene.empty(map_name=road_map.name, map_xodr=road_map.xodr, weather="clear_noon", rig=native, config=config)
+
+
+def _rig(name: str, image_size: str | None) -> Rig:
+    rig = _RIGS[name]()
+    if image_size is None:
+        return rig
+    match = re.fullmatch(r"(\d{1,5})x(\d{1,5})", image_size)
+    if match is None:
+        raise CadetError(f"--image-size: expected WxH such as 1242x375, got {image_size!r}")
+    return replace(rig, camera=rig.camera.resized(int(match[1]), int(match[2])))
+
+
+def _again() -> str:
+    """Return the command that goes on with this run."""
+    arguments = sys.argv[1:]
+    return shlex.join(["cadet-gen", *arguments, *([] if "--resume" in arguments else ["--resume"])])
+
+
+def _closing(out: Path, summary: Summary, seconds: float) -> str:
+    labels = ", ".join(f"{count} {name}" for name, count in summary.labels.most_common())
+    kept = f" ({summary.num_kept} were there)" if summary.num_kept else ""
+    rate = f" at {summary.num_new / seconds:.1f}/s" if summary.num_new else ""
+    return f"{summary.num_new + summary.num_kept} frames{kept} in {out}{rate}: {labels or 'no labels'}"

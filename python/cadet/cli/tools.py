@@ -1,0 +1,64 @@
+"""`cadet`: looks at datasets, ours or KITTI's."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import click
+
+from cadet import _cadet, kitti
+from cadet.errors import CadetError
+from cadet.kitti.lint import lint
+from cadet.view import overview, view_frame
+
+_OVERVIEW_ROWS = 5
+_FINDINGS_SHOWN = 50
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(_cadet.__version__, prog_name="cadet")
+def cadet() -> None:
+    """Look at KITTI-format datasets, made up or real. `cadet-gen` writes them."""
+
+
+@cadet.command()
+@click.argument("what", metavar="ROOT[/ID]", type=click.Path(path_type=Path))
+@click.option("-o", "--out", type=click.Path(path_type=Path, dir_okay=False), help="The PNG.  [default: ID.png]")
+def view(what: Path, out: Path | None) -> None:
+    r"""Draw a frame, or some frames of a dataset.
+
+    \b
+    cadet view out/000012                   # one frame: boxes, LIDAR returns, the view from above
+    cadet view out -o overview.png          # five frames of the dataset
+    """
+    if what.is_dir() or not re.fullmatch(r"\d{6}", what.name):
+        path = _view_some(what, out or Path("overview.png"))
+    else:
+        path = view_frame(what.parent, what.name, out or Path(f"{what.name}.png"))
+    click.echo(f"wrote {path}")
+
+
+def _view_some(root: Path, out: Path) -> Path:
+    dataset = kitti.Dataset(root)
+    if len(dataset) == 0:
+        raise CadetError(f"{root}: no frames")
+    rows = min(_OVERVIEW_ROWS, len(dataset))
+    # Spread over the set, so that several episodes show.
+    return overview((dataset[index * len(dataset) // rows] for index in range(rows)), out)
+
+
+@cadet.command()
+@click.argument("root", type=click.Path(path_type=Path))
+@click.option("--strict/--loose", default=None, help="Tolerances.  [default: strict for what cadet-gen wrote]")
+def check(root: Path, strict: bool | None) -> int:
+    """Check every file of a dataset against KITTI's definitions; exit 1 if anything is wrong."""
+    findings = lint(root, strict=strict)
+    for finding in findings[:_FINDINGS_SHOWN]:
+        click.echo(str(finding))
+    if len(findings) > _FINDINGS_SHOWN:
+        click.echo(f"... and {len(findings) - _FINDINGS_SHOWN} more")
+    num_errors = sum(finding.severity == "error" for finding in findings)
+    num_frames = len(kitti.Dataset(root))
+    click.echo(f"{num_frames} frames, {num_errors} errors, {len(findings) - num_errors} warnings")
+    return 1 if num_errors else 0

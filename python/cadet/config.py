@@ -1,0 +1,113 @@
+"""What a scene contains and what gets a label: frozen, checked when made, unknown keys refused."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, fields
+from typing import Any, Literal, TypeVar
+
+import numpy as np
+
+from cadet.errors import CadetError
+
+T = TypeVar("T")
+
+
+def check_number(
+    owner: str, name: str, value: object, low: float, high: float = float("inf"), *, whole: bool = False
+) -> None:
+    """Refuse what is no number of the range.
+
+    Raises:
+        CadetError: naming the field, the value and the range.
+    """
+    kinds = (int, np.integer) if whole else (int, float, np.integer, np.floating)
+    wanted = f"{'a whole number' if whole else 'a number'} "
+    wanted += f"of at least {low:g}" if high == float("inf") else f"from {low:g} to {high:g}"
+    if isinstance(value, bool) or not isinstance(value, kinds) or not low <= value <= high or value == float("inf"):
+        raise CadetError(f"{owner}.{name}: expected {wanted}, got {value!r}")
+
+
+def from_dict(cls: type[T], values: Mapping[str, Any]) -> T:
+    """Make a configuration from a dictionary, refusing keys that it does not have.
+
+    Raises:
+        CadetError: an unknown key, or a value that the configuration refuses.
+    """
+    known = [f.name for f in fields(cls)]  # type: ignore[arg-type]
+    unknown = sorted(set(values) - set(known))
+    if unknown:
+        raise CadetError(f"{cls.__name__}: unknown key {unknown[0]!r}; known: {', '.join(known)}")
+    return cls(**values)
+
+
+@dataclass(frozen=True, kw_only=True)
+class LabelConfig:
+    """Every number of the labels' definitions.
+
+    Raises:
+        CadetError: a number outside its range, or an unknown method.
+    """
+
+    method: Literal["pixels", "corners"] = "pixels"
+    """How occlusion is measured: visible over silhouette pixels, or box corners against the depth map (the paper's)."""
+    min_height_px: float = 15.0
+    """A label's 2D box is at least this high."""
+    min_visible_fraction: float = 0.1
+    """A label's object shows at least this fraction of its silhouette."""
+    max_depth_m: float = 80.0
+    """A label's object is at most this deep."""
+    dontcare_min_pixels: float = 8.0
+    """An object without a label becomes DontCare if it shows at least this many pixels."""
+    occlusion_levels: tuple[float, float] = (0.8, 0.5)
+    """Visible fractions from which `occluded` is 0 and 1; below the second it is 2."""
+    corner_tolerance_m: float = 0.1
+    """A corner is hidden by what is nearer than it by more than this."""
+    max_hidden_corners: int = 4
+    """With this many hidden corners an object is occluded (method "corners")."""
+
+    def __post_init__(self) -> None:
+        if self.method not in ("pixels", "corners"):
+            raise CadetError(f"LabelConfig.method: expected 'pixels' or 'corners', got {self.method!r}")
+        check_number("LabelConfig", "min_height_px", self.min_height_px, 0)
+        check_number("LabelConfig", "min_visible_fraction", self.min_visible_fraction, 0, 1)
+        check_number("LabelConfig", "max_depth_m", self.max_depth_m, 0)
+        check_number("LabelConfig", "dontcare_min_pixels", self.dontcare_min_pixels, 0)
+        check_number("LabelConfig", "corner_tolerance_m", self.corner_tolerance_m, 0)
+        check_number("LabelConfig", "max_hidden_corners", self.max_hidden_corners, 1, 8, whole=True)
+        levels = self.occlusion_levels
+        if not isinstance(levels, tuple) or len(levels) != 2:
+            raise CadetError(f"LabelConfig.occlusion_levels: expected two fractions, got {levels!r}")
+        for level in levels:
+            check_number("LabelConfig", "occlusion_levels", level, 0, 1)
+        if levels[0] < levels[1]:
+            raise CadetError(f"LabelConfig.occlusion_levels: expected the first to be the larger, got {levels!r}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class SceneConfig:
+    """How full a scene is, and what gets a label.
+
+    Raises:
+        CadetError: a number outside its range.
+    """
+
+    num_cars: int = 14
+    """Driving vehicles kept around the ego: cars mostly, vans and trucks among them."""
+    num_pedestrians: int = 24
+    """People kept around the ego: on foot mostly, on bicycles some."""
+    parking_occupancy: float = 0.6
+    """Share of the parking places that are taken; each street varies around it."""
+    label: LabelConfig = field(default_factory=LabelConfig)
+    """What gets a label."""
+
+    def __post_init__(self) -> None:
+        for name in ("num_cars", "num_pedestrians"):
+            check_number("SceneConfig", name, getattr(self, name), 0, 500, whole=True)
+        check_number("SceneConfig", "parking_occupancy", self.parking_occupancy, 0, 1)
+        if not isinstance(self.label, LabelConfig):
+            raise CadetError(f"SceneConfig.label: expected a LabelConfig, got {self.label!r}")
+
+    def to_native(self) -> dict[str, Any]:
+        """Return the fields as the core takes them: a flat dictionary whose `label` is a dictionary too."""
+        return asdict(self)

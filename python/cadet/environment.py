@@ -1,0 +1,69 @@
+"""Frame after frame from ever new streets: what `cadet-gen` writes, in memory."""
+
+from __future__ import annotations
+
+from cadet.config import check_number
+from cadet.episode import Episode
+from cadet.errors import CadetError
+from cadet.frame import Frame
+from cadet.policy import ResetPolicy, check_seed
+from cadet.rig import Rig
+
+
+class Environment:
+    """Drives through drawn worlds and captures a frame at set distances.
+
+    The n-th frame after `reset(seed=s)` is the n-th frame of `cadet-gen --seed s` with the same policy and rig.
+
+    Args:
+        policy: how worlds are drawn; `ResetPolicy.kitti()` if None.
+        rig: the sensors; `Rig.kitti()` if None.
+    """
+
+    def __init__(self, *, policy: ResetPolicy | None = None, rig: Rig | None = None) -> None:
+        self.policy = ResetPolicy.kitti() if policy is None else policy
+        self.rig = Rig.kitti() if rig is None else rig
+        if not isinstance(self.policy, ResetPolicy):
+            raise CadetError(f"policy: expected a ResetPolicy, got {policy!r}")
+        if not isinstance(self.rig, Rig):
+            raise CadetError(f"rig: expected a Rig, got {rig!r}")
+        self._current: Episode | None = None
+        self._next_sample = 0
+
+    def reset(self, *, seed: int, episode: int = 0) -> None:
+        """Start a stream of episodes over.
+
+        Args:
+            seed: names every random draw that follows.
+            episode: the episode to begin with.
+
+        Raises:
+            CadetError: a seed or an episode that is no whole number of at least 0.
+        """
+        check_number("reset", "episode", episode, 0, 2**40 - 1, whole=True)
+        self._current = Episode(self.policy, self.rig, check_seed(seed), int(episode))
+        self._next_sample = 0
+
+    def step(self) -> Frame:
+        """Drive the policy's distance and return what the rig sees; the episode's end leads into the next one.
+
+        Raises:
+            CadetError: `reset` was not called, or no world of the episode showed a labelled object.
+        """
+        if self._current is None:
+            raise CadetError("step: call reset(seed=...) first")
+        if self._next_sample == self.policy.samples_per_episode:
+            self.reset(seed=self._current.seed, episode=self._current.number + 1)
+        frame = self._current.next_frame(self._next_sample)
+        self._next_sample += 1
+        return frame
+
+    @property
+    def episode(self) -> int:
+        """The episode of the frame that `step` returned last; after a reset, the one to come."""
+        return 0 if self._current is None else self._current.number
+
+    @property
+    def sample(self) -> int:
+        """The sample within the episode of the frame that `step` returned last; 0 after a reset."""
+        return max(self._next_sample - 1, 0)

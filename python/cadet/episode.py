@@ -1,0 +1,126 @@
+"""One reset and its samples: draws the world, drives, and looks until something labelled is in view."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from cadet import _cadet
+from cadet.errors import CadetError
+from cadet.frame import Frame
+from cadet.kitti import Calibration, Label
+from cadet.policy import EpisodeSpec, ResetPolicy
+from cadet.rig import Rig
+
+
+def build_scene(spec: EpisodeSpec, rig: Rig) -> _cadet.Scene:
+    """Build the core's scene of a draw, settled and ready to sense.
+
+    Raises:
+        CadetError: a map that can't be read or driven.
+    """
+    return _cadet.Scene.random(
+        spec.seed,
+        spec.episode,
+        spec.attempt,
+        map_name=None if spec.road_map is None else spec.road_map.name,
+        map_xodr=None if spec.road_map is None else spec.road_map.xodr,
+        weather=spec.weather,
+        rig=rig.to_native(),
+        config=spec.config.to_native(),
+    )
+
+
+def frame_from_native(captured: dict[str, Any], extra_meta: dict[str, Any]) -> Frame:
+    """Make a frame of what the core captured, its metadata led by `extra_meta`."""
+    return Frame(
+        image=captured["image"],
+        points_velo=captured["points_velo"],
+        labels=tuple(Label(**line) for line in captured["labels"]),
+        calib=Calibration(**captured["calib"]),
+        plane=captured["plane"],
+        depth=captured["depth"],
+        instance=captured["instance"],
+        semantic=captured["semantic"],
+        meta={**extra_meta, **captured["meta"]},
+    )
+
+
+def has_object(frame: Frame) -> bool:
+    """Tell whether a frame has a label other than DontCare."""
+    return any(label.type != "DontCare" for label in frame.labels)
+
+
+class Episode:
+    """The samples of one episode, in order. The same arguments give the same frames.
+
+    Args:
+        policy: draws the world and says how far apart views are.
+        rig: the sensors.
+        seed: the dataset's seed.
+        episode: the episode's number.
+        draw: replaces the policy's own draw.
+    """
+
+    def __init__(
+        self,
+        policy: ResetPolicy,
+        rig: Rig,
+        seed: int,
+        episode: int,
+        draw: Callable[[int, int, int], EpisodeSpec] | None = None,
+    ) -> None:
+        self.policy = policy
+        self.rig = rig
+        self.seed = seed
+        self.number = episode
+        self.scene: _cadet.Scene | None = None
+        self._draw = draw or policy.draw
+        self._attempt = 0
+        self._num_empty = 0
+        self._spec: EpisodeSpec | None = None
+
+    def next_frame(self, sample: int) -> Frame:
+        """Drive on and return the next view with a labelled object as frame `sample` of the episode.
+
+        The first view of a world is taken where the ego stands.
+
+        Raises:
+            CadetError: no world showed a labelled object.
+        """
+        while True:
+            scene, spec = self._advance()
+            captured = scene.capture(sample)
+            origin = {
+                "seed": self.seed,
+                "episode": self.number,
+                "sample": sample,
+                "attempt": self._attempt,
+                "policy": self.policy.name,
+                "district": spec.district,
+            }
+            frame = frame_from_native(captured, origin)
+            if has_object(frame):
+                self._num_empty = 0
+                return frame
+            self._num_empty += 1
+            if self._num_empty >= self.policy.empty_views_limit:
+                self._redraw()
+
+    def _advance(self) -> tuple[_cadet.Scene, EpisodeSpec]:
+        if self.scene is None or self._spec is None:
+            self._spec = self._draw(self.seed, self.number, self._attempt)
+            self.scene = build_scene(self._spec, self.rig)
+        else:
+            self.scene.drive(float(self.policy.distance_m), float(self.policy.blocked_s))
+        return self.scene, self._spec
+
+    def _redraw(self) -> None:
+        self.scene = None
+        self._num_empty = 0
+        self._attempt += 1
+        if self._attempt >= self.policy.attempts_limit:
+            raise CadetError(
+                f"episode {self.number}: no labelled object in sight in {self._attempt} worlds of "
+                f"{self.policy.empty_views_limit} views each; allow more traffic or labels"
+            )

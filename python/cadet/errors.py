@@ -1,0 +1,40 @@
+"""The errors that cadet raises for bad input. Errors of the operating system stay Python's own."""
+
+from __future__ import annotations
+
+
+class CadetError(Exception):
+    """Anything wrong with what the user gave: one line naming the file, the line and the reason."""
+
+
+class KittiFormatError(CadetError, ValueError):
+    """A KITTI file that breaks its format.
+
+    Args:
+        reason: what is wrong.
+        file: the file's name, None where there is no file.
+        line: the line's number from 1, None where the file as a whole is meant.
+    """
+
+    def __init__(self, reason: str, file: str | None = None, line: int | None = None) -> None:
+        where = "" if file is None else f"{file}: " if line is None else f"{file}:{line}: "
+        super().__init__(f"{where}{reason}")
+        self.reason = reason
+        self.file = file
+        self.line = line
+
+
+class ShapeError(CadetError, ValueError):
+    """An array of the wrong shape or dtype."""
+
+
+class NonFiniteError(CadetError, ValueError):
+    """NaN or infinity where a number was needed."""
+
+
+class MissingFileError(CadetError, FileNotFoundError):
+    """A file of a dataset that is not there."""
+
+
+class FrameExistsError(CadetError, FileExistsError):
+    """A frame that would be overwritten without leave to do so."""

@@ -1,0 +1,71 @@
+"""One synchronised sample of the sensors and its ground truth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cadet.arrays import check_array
+from cadet.errors import ShapeError
+
+if TYPE_CHECKING:
+    from cadet.kitti.calib import Calibration
+    from cadet.kitti.label import Label
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """What camera and LIDAR saw at one instant, with labels.
+
+    Frames read from disk have None where nothing was written.
+
+    Attributes:
+        image: (H, W, 3) uint8, RGB.
+        points_velo: (N, 4) float32 [x, y, z, intensity]: metres in the velo frame, intensity 0..1.
+        labels: KITTI's labels, DontCare regions among them.
+        calib: the calibration.
+        plane: (4,) float64 [a, b, c, d]: the ground in the cam frame, unit normal, b < 0, metres.
+        depth: (H, W) float32, metres along the optical axis, inf for sky.
+        instance: (H, W) int32: -1 sky, 0 static world, >= 1 actors.
+        semantic: (H, W) uint8, values of `cadet.Semantic`.
+        meta: what else the generator knows, as it stands in `meta/ID.json`.
+
+    Raises:
+        ShapeError: an array has the wrong shape or dtype.
+        NonFiniteError: NaN or infinity in `points_velo` or `plane`, NaN in `depth`.
+    """
+
+    image: NDArray[np.uint8]
+    points_velo: NDArray[np.float32]
+    labels: tuple[Label, ...]
+    calib: Calibration
+    plane: NDArray[np.float64] | None = None
+    depth: NDArray[np.float32] | None = None
+    instance: NDArray[np.int32] | None = None
+    semantic: NDArray[np.uint8] | None = None
+    meta: dict[str, Any] | None = None
+
+    def __post_init__(self) -> None:
+        check_array(self.image, "image", ("H", "W", 3), np.uint8)
+        check_array(self.points_velo, "points_velo", ("N", 4), np.float32, finite=True)
+        if self.plane is not None:
+            check_array(self.plane, "plane", (4,), np.float64, finite=True)
+        height, width = self.image.shape[:2]
+        if self.depth is not None:
+            check_array(self.depth, "depth", (height, width), np.float32)
+            if np.isnan(self.depth).any():
+                check_array(np.nan_to_num(self.depth, nan=np.nan, posinf=0.0), "depth", ("H", "W"), finite=True)
+        if self.instance is not None:
+            check_array(self.instance, "instance", (height, width), np.int32)
+        if self.semantic is not None:
+            check_array(self.semantic, "semantic", (height, width), np.uint8)
+        if not isinstance(self.labels, tuple):
+            raise ShapeError(f"labels: expected a tuple of Label, got {type(self.labels).__name__}")
+
+    @property
+    def image_size(self) -> tuple[int, int]:
+        """Width and height of the image in pixels."""
+        return self.image.shape[1], self.image.shape[0]

@@ -1,0 +1,7 @@
+"""Writes datasets: `cadet-gen` as a function."""
+
+from cadet.generate.pool import WorkerError
+from cadet.generate.run import Summary, generate
+from cadet.generate.settings import EXTRAS, Settings
+
+__all__ = ["EXTRAS", "Settings", "Summary", "WorkerError", "generate"]

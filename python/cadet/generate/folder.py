@@ -1,0 +1,55 @@
+"""The folder that a run writes to: may it, and does it go on with what is there?"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from cadet.errors import CadetError
+from cadet.generate.settings import Settings, first_difference
+from cadet.sink import LocalSink
+
+RUN = "run.json"
+"""What the run was begun with, for `--resume`."""
+
+
+def open_folder(root: Path, settings: Settings, *, resume: bool) -> LocalSink:
+    """Make a new dataset's folder, or check that an old one's run can go on.
+
+    Raises:
+        CadetError: the folder has something in it and `resume` is not set; it holds no run; or the run was begun with
+            other settings, or had more frames.
+        OSError: the folder can't be made, read or written.
+    """
+    sink = LocalSink(root)
+    identity = settings.identity()
+    if root.exists() and any(path.name != ".partial" for path in root.iterdir()):
+        if not resume:
+            raise CadetError(f"{root} is not empty: name a new folder, or go on with --resume")
+        _check_same_run(root, identity)
+        _check_no_more_frames(root, settings)
+    else:
+        sink.put(RUN, (json.dumps(identity, indent=1) + "\n").encode("ascii"))
+    sink.remove_partial()
+    return sink
+
+
+def _check_same_run(root: Path, identity: dict[str, object]) -> None:
+    try:
+        begun = json.loads((root / RUN).read_bytes())
+    except (FileNotFoundError, ValueError):
+        raise CadetError(f"{root} holds no run to go on with: there is no {RUN} in it; name a new folder") from None
+    # What JSON makes of it, so that tuples and lists compare alike.
+    difference = first_difference(begun, json.loads(json.dumps(identity)))
+    if difference is not None:
+        name, old, new = difference
+        raise CadetError(
+            f"{root} was begun with other settings: {name} was {json.dumps(old)}, now {json.dumps(new)}; "
+            "give the same ones, or name a new folder"
+        )
+
+
+def _check_no_more_frames(root: Path, settings: Settings) -> None:
+    ids = [path.stem for path in (root / "training" / "image_2").glob("[0-9]*.png")]
+    if ids and int(max(ids)) >= settings.num_frames:
+        raise CadetError(f"{root} has frames up to {max(ids)} already: give at least -n {int(max(ids)) + 1}")

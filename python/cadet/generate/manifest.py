@@ -1,0 +1,72 @@
+"""The files that a dataset ends with: `ImageSets` and `manifest.json`."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Iterator
+from hashlib import sha256
+from typing import Any
+
+from cadet.generate.frames import object_name, recorded_hashes
+from cadet.generate.settings import Settings
+from cadet.kitti import ImageSet
+from cadet.sink import Sink
+
+MANIFEST = "manifest.json"
+
+
+def put_manifest(sink: Sink, settings: Settings) -> Counter[str]:
+    """Write the image sets and the manifest of a dataset whose frames are all there.
+
+    The manifest holds no time, host, path or worker count: the same settings give the same bytes.
+
+    Returns:
+        How many labels of each type there are.
+    """
+    hashes: dict[str, str] = {}
+    for split, image_set in _image_sets(settings).items():
+        data = image_set.to_text().encode("ascii")
+        name = f"ImageSets/{split}.txt"
+        sink.put(name, data)
+        hashes[name] = sha256(data).hexdigest()
+    types: Counter[str] = Counter()
+    for frame_id in _frame_ids(settings):
+        lines = sink.read(object_name("label_2", frame_id)).decode("ascii").splitlines()
+        types.update(line.split(" ", 1)[0] for line in lines)
+    head = {
+        **settings.identity(),
+        "counts": {
+            "frames": settings.num_frames,
+            "episodes": settings.num_episodes,
+            "labels": dict(sorted(types.items())),
+        },
+    }
+    sink.put(MANIFEST, _chunks(head, hashes, sink, settings))
+    return types
+
+
+def _chunks(head: dict[str, Any], hashes: dict[str, str], sink: Sink, settings: Settings) -> Iterator[bytes]:
+    """Yield the manifest frame by frame, so that its size does not bound the dataset's."""
+    yield json.dumps(head, indent=1, allow_nan=False)[:-2].encode("ascii") + b',\n "sha256": {\n'
+    yield _lines(hashes)
+    for frame_id in _frame_ids(settings):
+        yield b",\n" + _lines(recorded_hashes(sink, frame_id))
+    yield b"\n }\n}\n"
+
+
+def _lines(hashes: dict[str, str]) -> bytes:
+    return ",\n".join(f'  "{name}": "{digest}"' for name, digest in hashes.items()).encode("ascii")
+
+
+def _frame_ids(settings: Settings) -> Iterator[str]:
+    return (f"{number:06d}" for number in range(settings.num_frames))
+
+
+def _image_sets(settings: Settings) -> dict[str, ImageSet]:
+    ids: dict[str, list[str]] = {"train": [], "val": [], "trainval": []}
+    for episode in range(settings.num_episodes):
+        members = [settings.frame_id(episode, sample) for sample in range(settings.num_samples(episode))]
+        ids["val" if settings.is_val(episode) else "train"] += members
+        ids["trainval"] += members
+    return {split: ImageSet(tuple(members)) for split, members in ids.items()}

@@ -1,0 +1,114 @@
+"""Hands episodes to worker processes and hears of their frames."""
+
+from __future__ import annotations
+
+import contextlib
+import multiprocessing
+import signal
+from collections.abc import Iterator
+from multiprocessing.connection import Connection, wait
+from multiprocessing.context import SpawnProcess
+from pathlib import Path
+
+from cadet.errors import CadetError
+from cadet.generate.settings import Settings
+from cadet.generate.worker import EpisodeDone, Failed, Made, work
+
+
+class WorkerError(CadetError):
+    """A worker died or met a bug; the frames written so far are whole."""
+
+
+@contextlib.contextmanager
+def _interrupts_ignored() -> Iterator[None]:
+    """Let processes that are started inside be born deaf to Ctrl-C, which is the parent's to answer."""
+    try:
+        before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    except ValueError:  # Not the main thread: nobody's Ctrl-C comes here.
+        yield
+        return
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+class Pool:
+    """Worker processes on a dataset's episodes.
+
+    Args:
+        root: the dataset's folder.
+        settings: what to make.
+        num_workers: processes.
+        num_threads: threads of the core in each.
+    """
+
+    def __init__(self, root: Path, settings: Settings, num_workers: int, num_threads: int) -> None:
+        self._episodes = iter(range(settings.num_episodes))
+        self._processes: dict[Connection, SpawnProcess] = {}
+        self._working_on: dict[Connection, int] = {}
+        context = multiprocessing.get_context("spawn")
+        with _interrupts_ignored():
+            for _ in range(min(num_workers, settings.num_episodes)):
+                ours, theirs = context.Pipe()
+                process = context.Process(target=work, args=(theirs, root, settings, num_threads), daemon=True)
+                process.start()
+                theirs.close()
+                self._processes[ours] = process
+
+    def frames(self) -> Iterator[Made]:
+        """Yield as frames get written or are found whole, until all are.
+
+        Raises:
+            CadetError: a worker met what the user can mend.
+            WorkerError: a worker died or met a bug.
+        """
+        for conn in list(self._processes):
+            self._give(conn)
+        while self._working_on:
+            ready = set(wait(list(self._working_on)))
+            for conn in [conn for conn in self._working_on if conn in ready]:
+                yield from self._hear(conn)
+
+    def close(self) -> None:
+        """End the workers: at rest ones leave, busy ones are stopped."""
+        for conn, process in self._processes.items():
+            if conn in self._working_on:
+                process.terminate()
+            conn.close()
+        for process in self._processes.values():
+            process.join(timeout=5.0)
+            if process.is_alive():
+                process.kill()
+                process.join()
+        self._processes.clear()
+
+    def _give(self, conn: Connection) -> None:
+        episode = next(self._episodes, None)
+        if episode is None:
+            self._working_on.pop(conn, None)
+        else:
+            self._working_on[conn] = episode
+        try:
+            conn.send(episode)
+        except ConnectionError:
+            self._report_death(conn)
+
+    def _hear(self, conn: Connection) -> Iterator[Made]:
+        try:
+            message = conn.recv()
+        except (EOFError, ConnectionError):
+            self._report_death(conn)
+        if isinstance(message, Made):
+            yield message
+        elif isinstance(message, EpisodeDone):
+            self._give(conn)
+        elif isinstance(message, Failed):
+            raise CadetError(message.message) if message.is_users else WorkerError(message.message)
+
+    def _report_death(self, conn: Connection) -> None:
+        process = self._processes[conn]
+        process.join(timeout=5.0)
+        code = process.exitcode
+        how = f"by signal {-code}" if code is not None and code < 0 else f"with exit code {code}"
+        raise WorkerError(f"a worker died {how} in episode {self._working_on.get(conn, 0)}")

@@ -1,0 +1,95 @@
+"""What a dataset is made from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from cadet import _cadet
+from cadet.config import check_number
+from cadet.errors import CadetError
+from cadet.policy import ResetPolicy, check_seed
+from cadet.rig import Rig
+
+FORMAT_VERSION = 1
+EXTRAS = ("depth", "instance", "semantic")
+"""Folders that are written on demand."""
+BASE_FOLDERS = ("image_2", "velodyne", "calib", "label_2", "planes")
+"""Folders that every frame has a file in, besides `meta`."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """Everything that decides a dataset's bytes. Workers, order and resuming don't.
+
+    Raises:
+        CadetError: a number outside its range, or an unknown extra.
+    """
+
+    seed: int = 0
+    """Names every random draw."""
+    num_frames: int = 20
+    """Frames 0 to this; a larger number never changes a frame."""
+    policy: ResetPolicy
+    """Draws the worlds."""
+    rig: Rig
+    """The sensors."""
+    extras: tuple[str, ...] = ()
+    """Folders to write besides `BASE_FOLDERS`: some of `EXTRAS`."""
+    val_period: int = 5
+    """Episode e is validation if e % val_period == val_period - 1; 0 for none."""
+
+    def __post_init__(self) -> None:
+        check_seed(self.seed)
+        check_number("Settings", "num_frames", self.num_frames, 1, 1_000_000, whole=True)
+        check_number("Settings", "val_period", self.val_period, 0, 1_000_000, whole=True)
+        for extra in self.extras:
+            if extra not in EXTRAS:
+                raise CadetError(f"cannot write {extra!r}; known: {', '.join(EXTRAS)}")
+
+    @property
+    def folders(self) -> tuple[str, ...]:
+        """The folders that each frame has a file in, besides `meta`."""
+        return BASE_FOLDERS + tuple(extra for extra in EXTRAS if extra in self.extras)
+
+    @property
+    def num_episodes(self) -> int:
+        """Episodes begun."""
+        return -(-self.num_frames // self.policy.samples_per_episode)
+
+    def num_samples(self, episode: int) -> int:
+        """Return how many samples of an episode are wanted: the last one's are cut."""
+        per_episode = self.policy.samples_per_episode
+        return min(per_episode, self.num_frames - episode * per_episode)
+
+    def frame_id(self, episode: int, sample: int) -> str:
+        """Return the id of a sample: six digits."""
+        return f"{episode * self.policy.samples_per_episode + sample:06d}"
+
+    def is_val(self, episode: int) -> bool:
+        """Tell whether an episode is validation."""
+        return self.val_period > 0 and episode % self.val_period == self.val_period - 1
+
+    def identity(self) -> dict[str, Any]:
+        """Return what must not change between a run and its resumption, in plain values: all but `num_frames`."""
+        return {
+            "format": FORMAT_VERSION,
+            "cadet": _cadet.__version__,
+            "seed": self.seed,
+            "write": list(self.folders),
+            "val_period": self.val_period,
+            "policy": self.policy.to_dict(),
+            "rig": self.rig.to_dict(),
+        }
+
+
+def first_difference(old: object, new: object, path: str = "") -> tuple[str, object, object] | None:
+    """Find where two trees of plain values differ first: (path, old, new), or None."""
+    if isinstance(old, Mapping) and isinstance(new, Mapping):
+        for key in sorted({*old, *new}):
+            found = first_difference(old.get(key), new.get(key), f"{path}.{key}" if path else str(key))
+            if found is not None:
+                return found
+        return None
+    return None if old == new else (path, old, new)

@@ -1,0 +1,30 @@
+"""KITTI's object data: frozen dataclasses for its files, whole frames, and a lint."""
+
+from cadet.kitti.calib import Calibration, points_in_image
+from cadet.kitti.dataset import Dataset, encode_frame, encode_meta, read_calib, read_frame, read_labels, write_frame
+from cadet.kitti.image_sets import ImageSet, read_image_set, write_image_set
+from cadet.kitti.label import TYPES, Label, boxes_cam_from_labels, labels_from_text, text_from_labels
+from cadet.kitti.lint import Finding, lint, lint_frame
+
+__all__ = [
+    "TYPES",
+    "Calibration",
+    "Dataset",
+    "Finding",
+    "ImageSet",
+    "Label",
+    "boxes_cam_from_labels",
+    "encode_frame",
+    "encode_meta",
+    "labels_from_text",
+    "lint",
+    "lint_frame",
+    "points_in_image",
+    "read_calib",
+    "read_frame",
+    "read_image_set",
+    "read_labels",
+    "text_from_labels",
+    "write_frame",
+    "write_image_set",
+]

@@ -1,0 +1,209 @@
+"""KITTI's `calib` files."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cadet.arrays import check_array
+from cadet.errors import KittiFormatError, ShapeError
+
+_SHAPES: Final = {
+    "P0": (3, 4),
+    "P1": (3, 4),
+    "P2": (3, 4),
+    "P3": (3, 4),
+    "R0_rect": (3, 3),
+    "Tr_velo_to_cam": (3, 4),
+    "Tr_imu_to_velo": (3, 4),
+}
+_NUM_DECIMALS: Final = 12
+_XYZ: Final = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """The calibration of one frame. All arrays are float64 and read-only.
+
+    The cam frame is the rectified camera 0; the image is camera 2's, so projecting needs the whole of P2.
+
+    Attributes:
+        P0: (3, 4) projection of the cam frame into the left grey camera, pixels.
+        P1: (3, 4) the right grey camera.
+        P2: (3, 4) the left colour camera: the one of `image_2`.
+        P3: (3, 4) the right colour camera.
+        R0_rect: (3, 3) rotation into the rectified frame of camera 0.
+        Tr_velo_to_cam: (3, 4) the velo frame into camera 0 before rectification, metres.
+        Tr_imu_to_velo: (3, 4) the IMU's frame into the velo frame, metres.
+        has_blank_line: whether the file ends with a blank line, as most of KITTI's do; kept so that text round trips.
+
+    Raises:
+        ShapeError: a matrix has the wrong shape or dtype.
+        NonFiniteError: a matrix holds NaN or infinity.
+    """
+
+    P0: NDArray[np.float64]
+    P1: NDArray[np.float64]
+    P2: NDArray[np.float64]
+    P3: NDArray[np.float64]
+    R0_rect: NDArray[np.float64]
+    Tr_velo_to_cam: NDArray[np.float64]
+    Tr_imu_to_velo: NDArray[np.float64]
+    has_blank_line: bool = field(default=True, repr=False)
+
+    def __post_init__(self) -> None:
+        for name, shape in _SHAPES.items():
+            matrix = check_array(getattr(self, name), name, shape, np.float64, finite=True).copy()
+            matrix.setflags(write=False)
+            object.__setattr__(self, name, matrix)
+
+    def __eq__(self, other: object) -> bool:
+        """Tell whether all seven matrices are equal."""
+        if not isinstance(other, Calibration):
+            return NotImplemented
+        return all(np.array_equal(getattr(self, name), getattr(other, name)) for name in _SHAPES)
+
+    def __hash__(self) -> int:
+        """Hash the matrices."""
+        return hash(tuple(np.add(getattr(self, name), 0.0).tobytes() for name in _SHAPES))
+
+    @classmethod
+    def from_text(cls, text: str, file: str = "calib") -> Calibration:
+        """Parse a calibration file; the order of its keys does not matter.
+
+        Args:
+            text: the file's text.
+            file: its name for messages.
+
+        Raises:
+            KittiFormatError: a key is missing, unknown or doubled, or has too few, too many or malformed numbers.
+        """
+        lines = text.split("\n")
+        matrices: dict[str, NDArray[np.float64]] = {}
+        for number, line in enumerate(lines, start=1):
+            if not line.strip():
+                continue
+            where = (file, number)
+            key, colon, values = line.partition(":")
+            if not colon or key not in _SHAPES:
+                raise KittiFormatError(f"unknown key {key.split(' ')[0]!r}, expected {', '.join(_SHAPES)}", *where)
+            if key in matrices:
+                raise KittiFormatError(f"key {key!r} appears twice", *where)
+            matrices[key] = _parse_matrix(values.split(), key, where)
+        for key in _SHAPES:
+            if key not in matrices:
+                raise KittiFormatError(f"missing key {key!r}", file)
+        return cls(**matrices, has_blank_line=lines[-2:] == ["", ""])
+
+    def to_text(self) -> str:
+        """Write the calibration as KITTI does: 12 decimals, more only where a number needs them to come back."""
+        lines = (f"{name}: {' '.join(_scientific(x) for x in getattr(self, name).flat)}\n" for name in _SHAPES)
+        return "".join(lines) + ("\n" if self.has_blank_line else "")
+
+    @cached_property
+    def cam_from_velo(self) -> NDArray[np.float64]:
+        """(4, 4) float64, read-only: R0_rect times Tr_velo_to_cam, the velo frame into the cam frame."""
+        rectified = np.eye(4)
+        rectified[:3, :3] = self.R0_rect
+        matrix: NDArray[np.float64] = rectified @ np.vstack([self.Tr_velo_to_cam, [0.0, 0.0, 0.0, 1.0]])
+        matrix.setflags(write=False)
+        return matrix
+
+    @cached_property
+    def velo_from_cam(self) -> NDArray[np.float64]:
+        """(4, 4) float64, read-only: the inverse of `cam_from_velo`."""
+        matrix = np.linalg.inv(self.cam_from_velo).astype(np.float64)
+        matrix.setflags(write=False)
+        return matrix
+
+    def velo_to_cam(self, points_velo: NDArray[Any]) -> NDArray[np.float64]:
+        """Bring points from the velo frame into the cam frame.
+
+        Args:
+            points_velo: (N, 3) or wider, metres; columns past the third are dropped.
+
+        Returns:
+            (N, 3) float64, metres.
+
+        Raises:
+            ShapeError: fewer than three columns.
+        """
+        return _transform(self.cam_from_velo, points_velo, "points_velo")
+
+    def cam_to_velo(self, points_cam: NDArray[Any]) -> NDArray[np.float64]:
+        """Bring points from the cam frame into the velo frame: (N, 3) or wider to (N, 3) float64, metres.
+
+        Raises:
+            ShapeError: fewer than three columns.
+        """
+        return _transform(self.velo_from_cam, points_cam, "points_cam")
+
+    def project(self, points_cam: NDArray[Any]) -> NDArray[np.float64]:
+        """Project points into the image with the whole of P2.
+
+        Args:
+            points_cam: (N, 3) or wider, metres.
+
+        Returns:
+            (N, 2) float64 [u, v] in pixels, (0, 0) the centre of the top-left pixel; NaN for points in or behind
+            camera 2's own plane, which have no image.
+
+        Raises:
+            ShapeError: fewer than three columns.
+        """
+        homogeneous = _transform(self.P2, points_cam, "points_cam")
+        depth = np.where(homogeneous[:, 2] > 0.0, homogeneous[:, 2], np.nan)
+        points_img: NDArray[np.float64] = homogeneous[:, :2] / depth[:, None]
+        return points_img
+
+
+def points_in_image(points_cam: NDArray[Any], calib: Calibration, image_size: tuple[int, int]) -> NDArray[np.bool_]:
+    """Tell which points the image sees: z > 0, 0 < u < W and 0 < v < H, all strict.
+
+    Args:
+        points_cam: (N, 3) or wider, metres, cam frame. May be empty.
+        calib: the calibration, whose P2 projects.
+        image_size: width and height in pixels.
+
+    Returns:
+        (N,) bool.
+
+    Raises:
+        ShapeError: `points_cam` has fewer than three columns.
+
+    Reference: the point filter of AVOD's KITTI reader.
+    """
+    width, height = image_size
+    points_img = calib.project(points_cam)
+    u, v = points_img[:, 0], points_img[:, 1]
+    inside: NDArray[np.bool_] = (points_cam[:, 2] > 0.0) & (u > 0.0) & (u < width) & (v > 0.0) & (v < height)
+    return inside
+
+
+def _transform(matrix: NDArray[np.float64], points: NDArray[Any], name: str) -> NDArray[np.float64]:
+    check_array(points, name, ("N", "C"))
+    if points.shape[1] < _XYZ:
+        raise ShapeError(f"{name}: expected (N, 3) or wider, got {points.shape}")
+    moved: NDArray[np.float64] = points[:, :3].astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
+    return moved
+
+
+def _parse_matrix(values: list[str], key: str, where: tuple[str, int]) -> NDArray[np.float64]:
+    rows, columns = _SHAPES[key]
+    if len(values) != rows * columns:
+        raise KittiFormatError(f"{key}: expected {rows * columns} numbers, got {len(values)}", *where)
+    try:
+        matrix = np.array([float(value) for value in values])
+    except ValueError as error:
+        raise KittiFormatError(f"{key}: {error}", *where) from None
+    if not np.isfinite(matrix).all():
+        raise KittiFormatError(f"{key}: expected finite numbers", *where)
+    return matrix.reshape(rows, columns)
+
+
+def _scientific(value: float) -> str:
+    return np.format_float_scientific(value, min_digits=_NUM_DECIMALS, exp_digits=2)

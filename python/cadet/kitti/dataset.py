@@ -1,0 +1,301 @@
+"""Whole frames of a KITTI folder: reading, writing, iterating."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cadet.errors import CadetError, FrameExistsError, KittiFormatError, MissingFileError
+from cadet.frame import Frame
+from cadet.kitti import images
+from cadet.kitti.calib import Calibration
+from cadet.kitti.files import SUFFIXES, check_id, display_name, file_path, frame_ids, sample_folder, write_whole
+from cadet.kitti.image_sets import read_image_set
+from cadet.kitti.label import Label, labels_from_text, text_from_labels
+from cadet.kitti.planes import plane_from_text, text_from_plane
+from cadet.kitti.velodyne import bytes_from_points, points_from_bytes
+
+
+def read_frame(root: str | Path, frame_id: str | int) -> Frame:
+    """Read one frame of a KITTI folder, real or ours.
+
+    Args:
+        root: the folder that holds `training`, or one that holds `calib` and its fellows itself.
+        frame_id: six digits, or the number they make.
+
+    Returns:
+        The frame; labels are empty where the set has none, everything else optional is None where nothing was written.
+
+    Raises:
+        MissingFileError: no KITTI folder, no such frame, or a file that its fellows have is missing.
+        KittiFormatError: a damaged file, named with line and reason.
+    """
+    folder = sample_folder(root)
+    frame_id = check_id(frame_id)
+    image = images.decode_image(*_read_bytes(folder, "image_2", frame_id))
+    points_velo = points_from_bytes(*_read_bytes(folder, "velodyne", frame_id))
+    calib = Calibration.from_text(*_read_text(folder, "calib", frame_id))
+    return Frame(
+        image=image,
+        points_velo=points_velo,
+        labels=read_labels(folder, frame_id) if (folder / "label_2").is_dir() else (),
+        calib=calib,
+        plane=plane_from_text(*_read_text(folder, "planes", frame_id)) if _has(folder, "planes", frame_id) else None,
+        depth=_read_depth(folder, frame_id, image.shape),
+        instance=_read_instance(folder, frame_id, image.shape),
+        semantic=_read_map(folder, "semantic", frame_id, np.uint8, image.shape),
+        meta=_read_meta(folder, frame_id) if _has(folder, "meta", frame_id) else None,
+    )
+
+
+def read_labels(root: str | Path, frame_id: str | int) -> tuple[Label, ...]:
+    """Read only the labels of a frame.
+
+    Raises:
+        MissingFileError: there is no label file.
+        KittiFormatError: a malformed line.
+    """
+    return labels_from_text(*_read_text(sample_folder(root), "label_2", check_id(frame_id)))
+
+
+def read_calib(root: str | Path, frame_id: str | int) -> Calibration:
+    """Read only the calibration of a frame.
+
+    Raises:
+        MissingFileError: there is no calibration file.
+        KittiFormatError: a missing key or malformed number.
+    """
+    return Calibration.from_text(*_read_text(sample_folder(root), "calib", check_id(frame_id)))
+
+
+def check_files(root: str | Path, frame_id: str | int) -> list[tuple[str, CadetError]]:
+    """List what is wrong with each file of a frame: its folder, and the error that reading it raises.
+
+    A label file is read line by line, so it may give several.
+
+    Raises:
+        MissingFileError: no KITTI folder.
+    """
+    folder = sample_folder(root)
+    frame_id = check_id(frame_id)
+    readers: dict[str, Callable[[], object]] = {
+        "image_2": lambda: images.decode_image(*_read_bytes(folder, "image_2", frame_id)),
+        "velodyne": lambda: points_from_bytes(*_read_bytes(folder, "velodyne", frame_id)),
+        "calib": lambda: read_calib(folder, frame_id),
+    }
+    optional: dict[str, Callable[[], object]] = {
+        "planes": lambda: plane_from_text(*_read_text(folder, "planes", frame_id)),
+        "meta": lambda: _read_meta(folder, frame_id),
+    }
+    readers |= {kind: reader for kind, reader in optional.items() if _has(folder, kind, frame_id)}
+    wrong = [(kind, error) for kind, reader in readers.items() if (error := _error_of(reader)) is not None]
+    is_image_read = all(kind != "image_2" for kind, _ in wrong)
+    if is_image_read:
+        shape = images.decode_image(*_read_bytes(folder, "image_2", frame_id)).shape
+        maps: dict[str, Callable[[], object]] = {
+            "depth": lambda: _read_depth(folder, frame_id, shape),
+            "instance": lambda: _read_instance(folder, frame_id, shape),
+            "semantic": lambda: _read_map(folder, "semantic", frame_id, np.uint8, shape),
+        }
+        wrong += [(kind, error) for kind, reader in maps.items() if (error := _error_of(reader)) is not None]
+    return wrong + _label_errors(folder, frame_id)
+
+
+def encode_frame(frame: Frame, *, encode_png: images.EncodePng = images.encode_png) -> dict[str, bytes]:
+    """Return the bytes of a frame's files by folder; what is None has no entry.
+
+    Args:
+        frame: the frame.
+        encode_png: turns an image into a PNG file's bytes.
+
+    Raises:
+        CadetError: what the format cannot hold: an instance id above 65534, a `meta` that is no JSON.
+    """
+    contents = {
+        "image_2": encode_png(frame.image),
+        "velodyne": bytes_from_points(frame.points_velo),
+        "calib": frame.calib.to_text().encode("ascii"),
+        "label_2": text_from_labels(frame.labels).encode("ascii"),
+    }
+    if frame.plane is not None:
+        contents["planes"] = text_from_plane(frame.plane).encode("ascii")
+    if frame.meta is not None:
+        contents["meta"] = encode_meta(frame.meta)
+    if frame.depth is not None:
+        contents["depth"] = encode_png(images.pixels_from_depth(frame.depth))
+    if frame.instance is not None:
+        contents["instance"] = encode_png(images.pixels_from_instance(frame.instance))
+    if frame.semantic is not None:
+        contents["semantic"] = encode_png(frame.semantic)
+    return contents
+
+
+def encode_meta(meta: dict[str, Any]) -> bytes:
+    """Return the bytes of a `meta` file.
+
+    Raises:
+        CadetError: what JSON cannot hold.
+    """
+    try:
+        return (json.dumps(meta, indent=1, allow_nan=False) + "\n").encode("ascii")
+    except (TypeError, ValueError) as error:
+        raise CadetError(f"meta: no JSON: {error}") from None
+
+
+def write_frame(
+    root: str | Path,
+    frame_id: str | int,
+    frame: Frame,
+    *,
+    overwrite: bool = False,
+    encode_png: images.EncodePng = images.encode_png,
+) -> None:
+    """Write one frame under `root/training`; what is None is not written. Files appear whole or not at all.
+
+    Args:
+        root: the dataset's folder; missing folders are made.
+        frame_id: six digits, or the number they make.
+        frame: the frame.
+        overwrite: replace a frame that is there; its files that `frame` lacks are removed.
+        encode_png: turns an image into a PNG file's bytes.
+
+    Raises:
+        FrameExistsError: the frame is there and `overwrite` is not set.
+        CadetError: what the format cannot hold: an instance id above 65534, a `meta` that is no JSON.
+    """
+    folder = Path(root) / "training"
+    frame_id = check_id(frame_id)
+    present = [path for kind in SUFFIXES if (path := file_path(folder, kind, frame_id)).exists()]
+    if present and not overwrite:
+        raise FrameExistsError(f"{present[0]}: frame {frame_id} exists; pass overwrite=True to replace it")
+    contents = encode_frame(frame, encode_png=encode_png)
+    paths = {file_path(folder, kind, frame_id): data for kind, data in contents.items()}
+    write_whole(paths)
+    for path in present:
+        if path not in paths:
+            path.unlink()
+
+
+class Dataset:
+    """The frames of a KITTI folder, read when asked for.
+
+    Args:
+        root: the folder that holds `training` and `ImageSets`.
+        split: a list of `ImageSets` such as "train"; None for every frame that is there.
+
+    Raises:
+        MissingFileError: no KITTI folder, or no such split.
+        KittiFormatError: a malformed list.
+    """
+
+    def __init__(self, root: str | Path, split: str | None = None) -> None:
+        self.root = Path(root)
+        self.split = split
+        folder = sample_folder(root)
+        self.ids: tuple[str, ...] = frame_ids(folder) if split is None else read_image_set(root, split).ids
+        self._members = frozenset(self.ids)
+
+    def __len__(self) -> int:
+        return len(self.ids)
+
+    def __iter__(self) -> Iterator[Frame]:
+        return (read_frame(self.root, frame_id) for frame_id in self.ids)
+
+    def __getitem__(self, key: int | str) -> Frame:
+        """Read the frame at an index (int) or with an id (str).
+
+        Raises:
+            IndexError: no such index.
+            KeyError: no such id in this split.
+        """
+        if isinstance(key, str):
+            if key not in self._members:
+                raise KeyError(key)
+            return read_frame(self.root, key)
+        return read_frame(self.root, self.ids[key])
+
+    def __repr__(self) -> str:
+        return f"Dataset({str(self.root)!r}, split={self.split!r}): {len(self)} frames"
+
+
+def _error_of(reader: Callable[[], object]) -> CadetError | None:
+    try:
+        reader()
+    except CadetError as error:
+        return error
+    return None
+
+
+def _label_errors(folder: Path, frame_id: str) -> list[tuple[str, CadetError]]:
+    if not (folder / "label_2").is_dir():
+        return []
+    try:
+        text, name = _read_text(folder, "label_2", frame_id)
+    except CadetError as error:
+        return [("label_2", error)]
+    lines = enumerate(text.removesuffix("\n").split("\n") if text else (), start=1)
+    errors = [_error_of(partial(Label.from_line, line, name, number)) for number, line in lines]
+    return [("label_2", error) for error in errors if error is not None]
+
+
+def _has(folder: Path, kind: str, frame_id: str) -> bool:
+    return file_path(folder, kind, frame_id).is_file()
+
+
+def _read_bytes(folder: Path, kind: str, frame_id: str) -> tuple[bytes, str]:
+    path = file_path(folder, kind, frame_id)
+    try:
+        return path.read_bytes(), display_name(path)
+    except FileNotFoundError:
+        raise MissingFileError(f"{path}: no such file") from None
+
+
+def _read_text(folder: Path, kind: str, frame_id: str) -> tuple[str, str]:
+    data, name = _read_bytes(folder, kind, frame_id)
+    try:
+        return data.decode("ascii"), name
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise KittiFormatError(f"byte 0x{data[error.start]:02x} is not ASCII", name, line) from None
+
+
+def _read_map(
+    folder: Path, kind: str, frame_id: str, dtype: type[np.generic], image_shape: tuple[int, ...]
+) -> NDArray[Any] | None:
+    if not _has(folder, kind, frame_id):
+        return None
+    data, name = _read_bytes(folder, kind, frame_id)
+    pixels = images.decode_map(data, name, dtype)
+    if pixels.shape != image_shape[:2]:
+        raise KittiFormatError(
+            f"{pixels.shape[1]} x {pixels.shape[0]} pixels, the image has {image_shape[1]} x {image_shape[0]}", name
+        )
+    return pixels
+
+
+def _read_depth(folder: Path, frame_id: str, image_shape: tuple[int, ...]) -> NDArray[np.float32] | None:
+    pixels = _read_map(folder, "depth", frame_id, np.uint16, image_shape)
+    return None if pixels is None else images.depth_from_pixels(pixels)
+
+
+def _read_instance(folder: Path, frame_id: str, image_shape: tuple[int, ...]) -> NDArray[np.int32] | None:
+    pixels = _read_map(folder, "instance", frame_id, np.uint16, image_shape)
+    return None if pixels is None else images.instance_from_pixels(pixels)
+
+
+def _read_meta(folder: Path, frame_id: str) -> dict[str, Any]:
+    data, name = _read_bytes(folder, "meta", frame_id)
+    try:
+        meta = json.loads(data)
+    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        line = getattr(error, "lineno", 1)
+        raise KittiFormatError(f"no JSON: {error}", name, line) from None
+    if not isinstance(meta, dict):
+        raise KittiFormatError(f"expected a JSON object, got {type(meta).__name__}", name, 1)
+    return meta

@@ -1,0 +1,93 @@
+"""Where the files of a KITTI folder lie, and how they are written."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Final
+
+from cadet.errors import CadetError, MissingFileError
+
+SUFFIXES: Final = {
+    "image_2": ".png",
+    "velodyne": ".bin",
+    "calib": ".txt",
+    "label_2": ".txt",
+    "planes": ".txt",
+    "meta": ".json",
+    "depth": ".png",
+    "instance": ".png",
+    "semantic": ".png",
+}
+"""Every folder of a training set and the suffix of its files."""
+
+REQUIRED: Final = ("image_2", "velodyne", "calib")
+"""The folders that every frame must have a file in."""
+
+_ID: Final = re.compile(r"\d{6}")
+_MAX_ID: Final = 999_999
+
+
+def check_id(frame_id: str | int) -> str:
+    """Return a frame's id as six digits.
+
+    Raises:
+        CadetError: it is neither six digits nor a number that has them.
+    """
+    text = f"{frame_id:06d}" if isinstance(frame_id, int) and 0 <= frame_id <= _MAX_ID else str(frame_id)
+    if not _ID.fullmatch(text):
+        raise CadetError(f"frame id: expected six digits such as '000012', got {frame_id!r}")
+    return text
+
+
+def sample_folder(root: str | Path) -> Path:
+    """Find the folder that holds `calib` and its fellows: `root/training`, or `root` itself.
+
+    Raises:
+        MissingFileError: neither is a KITTI folder.
+    """
+    root = Path(root)
+    for folder in (root / "training", root):
+        if any((folder / name).is_dir() for name in REQUIRED):
+            return folder
+    raise MissingFileError(f"{root}: no KITTI folder: neither training/calib nor calib lies there")
+
+
+def file_path(folder: Path, kind: str, frame_id: str) -> Path:
+    """Name the file of one kind (a key of `SUFFIXES`) of a frame."""
+    return folder / kind / f"{frame_id}{SUFFIXES[kind]}"
+
+
+def display_name(path: Path) -> str:
+    """Name a file in messages: its folder and name."""
+    return f"{path.parent.name}/{path.name}"
+
+
+def frame_ids(folder: Path) -> tuple[str, ...]:
+    """List the ids that any required folder has, sorted."""
+    ids = {
+        path.stem
+        for kind in REQUIRED
+        for path in (folder / kind).glob(f"*{SUFFIXES[kind]}")
+        if _ID.fullmatch(path.stem)
+    }
+    return tuple(sorted(ids))
+
+
+def write_whole(contents: Mapping[Path, bytes]) -> None:
+    """Write files so that each appears whole or not at all: all are written aside first, then renamed into place.
+
+    Missing folders are made. When a write fails, nothing has been renamed and what lay aside is removed.
+    """
+    aside = {path: path.with_name(f".{path.name}.{os.getpid()}.tmp") for path in contents}
+    try:
+        for path, data in contents.items():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            aside[path].write_bytes(data)
+        for path in contents:
+            aside[path].replace(path)
+    finally:
+        for path in aside.values():
+            path.unlink(missing_ok=True)

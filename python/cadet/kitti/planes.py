@@ -1,0 +1,52 @@
+"""AVOD's `planes` files: three header lines, then the ground plane a b c d in the cam frame."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cadet.arrays import check_array
+from cadet.errors import KittiFormatError
+
+_HEADER: Final = "# Matrix\nWIDTH 4\nHEIGHT 1\n"
+_NUM_LINES: Final = 4
+_NUM_DECIMALS: Final = 6
+
+
+def plane_from_text(text: str, file: str = "plane") -> NDArray[np.float64]:
+    """Parse a plane: (4,) float64 [a, b, c, d] with a x + b y + c z + d = 0 in the cam frame.
+
+    Args:
+        text: the file's text. Its header lines are skipped unread, as AVOD does: they differ between tools.
+        file: its name for messages.
+
+    Raises:
+        KittiFormatError: not four lines, or the last is not four finite numbers.
+    """
+    lines = text.rstrip().split("\n")
+    if len(lines) != _NUM_LINES:
+        raise KittiFormatError(f"expected {_NUM_LINES} lines, got {len(lines)}", file)
+    fields = lines[-1].split()
+    if len(fields) != _NUM_LINES:
+        raise KittiFormatError(f"expected 4 numbers, got {len(fields)}", file, _NUM_LINES)
+    try:
+        plane = np.array([float(field) for field in fields])
+    except ValueError as error:
+        raise KittiFormatError(str(error), file, _NUM_LINES) from None
+    if not np.isfinite(plane).all():
+        raise KittiFormatError("expected finite numbers", file, _NUM_LINES)
+    return plane
+
+
+def text_from_plane(plane: NDArray[np.float64]) -> str:
+    """Write a plane: 6 decimals, more only where a number needs them to come back exactly.
+
+    Raises:
+        ShapeError: not (4,) float64.
+        NonFiniteError: NaN or infinity.
+    """
+    check_array(plane, "plane", (4,), np.float64, finite=True)
+    numbers = (np.format_float_scientific(x, min_digits=_NUM_DECIMALS, exp_digits=2) for x in plane)
+    return f"{_HEADER}{' '.join(numbers)} \n"

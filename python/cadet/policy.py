@@ -1,0 +1,191 @@
+"""What is drawn at each reset: map, weather, how full the streets are."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from cadet.config import LabelConfig, SceneConfig, check_number
+from cadet.draws import Draws
+from cadet.errors import CadetError
+from cadet.road_map import RoadMap
+from cadet.weather import check_weather, weather_names
+
+MAX_SEED = 2**63 - 1
+
+
+def check_seed(seed: object) -> int:
+    """Return `seed` if it is a whole number that streams can be named by.
+
+    Raises:
+        CadetError: it is not.
+    """
+    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= MAX_SEED:
+        raise CadetError(f"seed: expected a whole number from 0 to 2**63 - 1, got {seed!r}")
+    return seed
+
+
+@dataclass(frozen=True, kw_only=True)
+class District:
+    """A kind of neighbourhood: ranges that a scene's numbers are drawn from, both ends included.
+
+    Raises:
+        CadetError: a range that is none.
+    """
+
+    name: str
+    """For the metadata."""
+    parking_occupancy: tuple[float, float]
+    """Share of the parking places that are taken."""
+    num_cars: tuple[int, int]
+    """Driving vehicles kept around the ego."""
+    num_pedestrians: tuple[int, int]
+    """People kept around the ego."""
+
+    def __post_init__(self) -> None:
+        for name in ("parking_occupancy", "num_cars", "num_pedestrians"):
+            bounds = getattr(self, name)
+            if not isinstance(bounds, tuple) or len(bounds) != 2 or not bounds[0] <= bounds[1]:
+                raise CadetError(f"District.{name}: expected (low, high), got {bounds!r}")
+            for bound in bounds:
+                if name == "parking_occupancy":
+                    check_number("District", name, bound, 0, 1)
+                else:
+                    check_number("District", name, bound, 0, 500, whole=True)
+
+
+@dataclass(frozen=True)
+class EpisodeSpec:
+    """One draw of a policy: all that a scene is made from, besides the rig."""
+
+    seed: int
+    """The dataset's seed."""
+    episode: int
+    """The episode: one reset and its samples."""
+    attempt: int
+    """How often the world was redrawn inside the episode."""
+    district: str
+    """The district's name."""
+    road_map: RoadMap | None
+    """The map; None for a generated suburb."""
+    weather: str
+    """The preset."""
+    config: SceneConfig
+    """How full the scene is, and what gets a label."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ResetPolicy:
+    """How the world is drawn at each reset, and how samples follow each other.
+
+    Raises:
+        CadetError: a number outside its range, no district, or an unknown weather.
+    """
+
+    name: str = "custom"
+    """For the metadata."""
+    samples_per_episode: int = 20
+    """Samples between two resets."""
+    distance_m: float = 10.0
+    """How far the ego drives along its lane between two views."""
+    blocked_s: float = 2.0
+    """A view is taken all the same once the ego has stood this long."""
+    empty_views_limit: int = 10
+    """After so many views in a row without a labelled object the world is redrawn inside the episode."""
+    attempts_limit: int = 50
+    """After so many redrawn worlds an episode is given up with an error."""
+    maps: tuple[RoadMap, ...] = ()
+    """One is drawn, all equally likely; none means suburbs generated from the seed."""
+    weathers: tuple[tuple[str, float], ...]
+    """Presets with their weights."""
+    districts: tuple[tuple[District, float], ...]
+    """Districts with their weights."""
+    label: LabelConfig = LabelConfig()
+    """What gets a label."""
+
+    def __post_init__(self) -> None:
+        for name in ("samples_per_episode", "empty_views_limit", "attempts_limit"):
+            check_number("ResetPolicy", name, getattr(self, name), 1, 100_000, whole=True)
+        check_number("ResetPolicy", "distance_m", self.distance_m, 0, 1000)
+        check_number("ResetPolicy", "blocked_s", self.blocked_s, 0.1, 600)
+        for name in ("weathers", "districts"):
+            if not getattr(self, name):
+                raise CadetError(f"ResetPolicy.{name}: expected at least one, got none")
+            for _, weight in getattr(self, name):
+                check_number("ResetPolicy", f"{name} weight", weight, 0)
+            if sum(weight for _, weight in getattr(self, name)) <= 0:
+                raise CadetError(f"ResetPolicy.{name}: expected a weight above 0, got none")
+        for weather, _ in self.weathers:
+            check_weather(weather)
+
+    @classmethod
+    def kitti(cls) -> ResetPolicy:
+        """KITTI's streets and light: sunny to overcast, a tenth of the episodes in bad weather."""
+        return cls(name="kitti", weathers=_KITTI_WEATHERS, districts=_KITTI_DISTRICTS)
+
+    @classmethod
+    def paper(cls) -> ResetPolicy:
+        """The 2019 paper's resets: cars and pedestrians alone, every weather preset equally likely."""
+        return cls(
+            name="paper",
+            weathers=tuple((name, 1.0) for name in weather_names()),
+            districts=(
+                (District(name="town", parking_occupancy=(0.0, 0.3), num_cars=(20, 60), num_pedestrians=(10, 60)), 1.0),
+            ),
+        )
+
+    def draw(self, seed: int, episode: int, attempt: int = 0) -> EpisodeSpec:
+        """Draw the world of an episode: a pure function of the policy and the three numbers."""
+        weather = Draws(seed, episode, attempt, "weather").weighted(self.weathers)
+        district = Draws(seed, episode, attempt, "district").weighted(self.districts)
+        map_index = Draws(seed, episode, attempt, "map").count(0, len(self.maps) - 1) if self.maps else None
+        counts = Draws(seed, episode, attempt, "counts")
+        config = SceneConfig(
+            parking_occupancy=counts.between(*district.parking_occupancy),
+            num_cars=counts.count(*district.num_cars),
+            num_pedestrians=counts.count(*district.num_pedestrians),
+            label=self.label,
+        )
+        return EpisodeSpec(
+            seed=seed,
+            episode=episode,
+            attempt=attempt,
+            district=district.name,
+            road_map=None if map_index is None else self.maps[map_index],
+            weather=weather,
+            config=config,
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the policy in plain values, maps by name and hash, for a manifest."""
+        values = asdict(self)
+        values["maps"] = [{"name": m.name, "sha256": m.sha256} for m in self.maps]
+        values["districts"] = [{**asdict(district), "weight": weight} for district, weight in self.districts]
+        values["weathers"] = dict(self.weathers)
+        return values
+
+
+# Nine tenths dry, a third of them overcast; the rest is what KITTI lacks.
+_KITTI_WEATHERS = (
+    ("clear_noon", 0.56),
+    ("cloudy_noon", 0.20),
+    ("clear_sunset", 0.07),
+    ("cloudy_sunset", 0.07),
+    ("wet_noon", 0.02),
+    ("wet_cloudy_noon", 0.02),
+    ("soft_rain_noon", 0.02),
+    ("mid_rain_noon", 0.01),
+    ("hard_rain_noon", 0.005),
+    ("light_fog", 0.01),
+    ("dense_fog", 0.005),
+    ("snow", 0.005),
+    ("dusk", 0.005),
+)
+
+# Kinds of street by how often KITTI's object frames show them; streets vary around the town's occupancy.
+_KITTI_DISTRICTS = (
+    (District(name="parked_rows", parking_occupancy=(0.5, 0.9), num_cars=(8, 16), num_pedestrians=(12, 30)), 0.42),
+    (District(name="quiet", parking_occupancy=(0.2, 0.4), num_cars=(8, 14), num_pedestrians=(8, 20)), 0.18),
+    (District(name="main_road", parking_occupancy=(0.3, 0.6), num_cars=(20, 36), num_pedestrians=(12, 30)), 0.32),
+    (District(name="inner_city", parking_occupancy=(0.4, 0.7), num_cars=(12, 24), num_pedestrians=(40, 80)), 0.08),
+)

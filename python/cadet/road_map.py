@@ -1,0 +1,43 @@
+"""Road networks from OpenDRIVE files."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from cadet.errors import CadetError, MissingFileError
+
+
+@dataclass(frozen=True)
+class RoadMap:
+    """An OpenDRIVE map, held in memory so that a run reads its file once.
+
+    Attributes:
+        name: the file's name, for metadata and messages.
+        xodr: the whole text.
+    """
+
+    name: str
+    xodr: str = field(repr=False)
+
+    @classmethod
+    def read(cls, path: str | Path) -> RoadMap:
+        """Read an OpenDRIVE file.
+
+        Raises:
+            MissingFileError: there is no such file.
+            CadetError: it is no text. What the text says is checked when a scene is built from it.
+        """
+        path = Path(path)
+        try:
+            return cls(path.name, path.read_text(encoding="utf-8"))
+        except (FileNotFoundError, IsADirectoryError):
+            raise MissingFileError(f"unknown map {str(path)!r}: expected an OpenDRIVE file (.xodr)") from None
+        except UnicodeDecodeError:
+            raise CadetError(f"{path.name}: no OpenDRIVE text: not UTF-8") from None
+
+    @property
+    def sha256(self) -> str:
+        """The hash of the text."""
+        return hashlib.sha256(self.xodr.encode()).hexdigest()

@@ -1,0 +1,277 @@
+"""Scenes: a town, its traffic and a rig, to step, to look at and to cast rays into."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cadet import _cadet
+from cadet.arrays import check_array
+from cadet.config import SceneConfig, check_number
+from cadet.episode import Episode, frame_from_native
+from cadet.errors import CadetError
+from cadet.frame import Frame
+from cadet.policy import EpisodeSpec, ResetPolicy, check_seed
+from cadet.rig import Lidar, Rig
+from cadet.road_map import RoadMap
+from cadet.weather import check_weather
+
+_MAX_PLACE_M = 1e6
+
+
+@dataclass(frozen=True, eq=False)
+class Scan:
+    """One turn of a LIDAR, ring-major, azimuth rising counter-clockwise from forward.
+
+    An ideal scan has one row for each of `Lidar.rays()`, in the same order; a normal one only its returns.
+
+    Attributes:
+        points_velo: (N, 4) float32 [x, y, z, intensity], metres in the velo frame.
+        ring: (N,) int32, 0 at the top.
+        column: (N,) int32, 0 forward.
+        actor_id: (N,) int32, as in `Frame.instance`; -1 for a miss.
+        range_m: (N,) float64 from the laser's origin; inf for a miss.
+    """
+
+    points_velo: NDArray[np.float32]
+    ring: NDArray[np.int32]
+    column: NDArray[np.int32]
+    actor_id: NDArray[np.int32]
+    range_m: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class RayHits:
+    """What rays hit first.
+
+    Attributes:
+        range_m: (N,) float64 along the ray of unit direction; inf for a miss.
+        actor_id: (N,) int32, as in `Frame.instance`; -1 for a miss.
+        normal_world: (N, 3) float64 unit normals facing the ray; NaN for a miss.
+    """
+
+    range_m: NDArray[np.float64]
+    actor_id: NDArray[np.int32]
+    normal_world: NDArray[np.float64]
+
+
+class Scene:
+    """A town with traffic and sensors. Make one with `Scene.random` or `Scene.empty`.
+
+    Frames: world is x east, y north, z up; velo is x forward, y left, z up; cam is the rectified camera 0, x right,
+    y down, z forward. Metres, radians and seconds throughout.
+    """
+
+    def __init__(self, native: _cadet.Scene, first: Frame | None = None) -> None:
+        """Wrap the core's scene; users call `random` or `empty`."""
+        self._native = native
+        self._first = first
+        self._num_moves = 0
+
+    @classmethod
+    def random(
+        cls,
+        *,
+        seed: int,
+        map: str | Path | None = None,
+        weather: str | None = None,
+        rig: Rig | None = None,
+        config: SceneConfig | None = None,
+        policy: ResetPolicy | None = None,
+    ) -> Scene:
+        """Draw a suburb with traffic in which at least one labelled object is in view.
+
+        `Scene.random(seed=s)` is episode 0, sample 0 of `cadet-gen --seed s`.
+
+        Args:
+            seed: names every random draw.
+            map: an OpenDRIVE file; a suburb is generated if None and the policy has no maps.
+            weather: a preset of `weather_names()`; drawn if None.
+            rig: the sensors; `Rig.kitti()` if None.
+            config: how full the scene is; drawn if None.
+            policy: draws what is not given; `ResetPolicy.kitti()` if None.
+
+        Raises:
+            CadetError: a map that can't be read or driven, an unknown weather, or no labelled object to be found.
+            MissingFileError: there is no such map.
+        """
+        policy = ResetPolicy.kitti() if policy is None else policy
+        if map is not None:
+            policy = replace(policy, maps=(RoadMap.read(map),))
+        if weather is not None:
+            policy = replace(policy, weathers=((check_weather(weather), 1.0),))
+        if config is not None and not isinstance(config, SceneConfig):
+            raise CadetError(f"config: expected a SceneConfig, got {config!r}")
+
+        def draw(seed: int, episode: int, attempt: int) -> EpisodeSpec:
+            spec = policy.draw(seed, episode, attempt)
+            return spec if config is None else replace(spec, config=config)
+
+        episode = Episode(policy, _check_rig(rig), check_seed(seed), 0, draw)
+        first = episode.next_frame(0)
+        assert episode.scene is not None
+        return cls(episode.scene, first)
+
+    @classmethod
+    def empty(
+        cls,
+        *,
+        map: str | Path | None = None,
+        weather: str = "clear_noon",
+        rig: Rig | None = None,
+        config: SceneConfig | None = None,
+    ) -> Scene:
+        """Make a scene without traffic, the ego at the start of a lane, to script.
+
+        Args:
+            map: an OpenDRIVE file; None is a plain square with a straight road along x.
+            weather: a preset of `weather_names()`.
+            rig: the sensors; `Rig.kitti()` if None.
+            config: its `label` says what gets a label.
+
+        Raises:
+            CadetError: a map that can't be read or driven, or an unknown weather.
+            MissingFileError: there is no such map.
+        """
+        road_map = None if map is None else RoadMap.read(map)
+        native = _cadet.Scene.empty(
+            map_name=None if road_map is None else road_map.name,
+            map_xodr=None if road_map is None else road_map.xodr,
+            weather=check_weather(weather),
+            rig=_check_rig(rig).to_native(),
+            config=(SceneConfig() if config is None else config).to_native(),
+        )
+        return cls(native)
+
+    @property
+    def time_s(self) -> float:
+        """Seconds of physics since the scene was made."""
+        return self._native.time_s
+
+    @property
+    def num_triangles(self) -> int:
+        """Triangles that the sensors see, the ego's excluded."""
+        return self._native.num_triangles
+
+    @property
+    def num_actors(self) -> int:
+        """Actors besides the ego, parked ones too."""
+        return self._native.num_actors
+
+    def add(self, kind: str, *, x: float, y: float, yaw: float, model_seed: int = 0) -> int:
+        """Put an actor on the ground.
+
+        Args:
+            kind: a KITTI type in any case: "car", "van", "truck", "pedestrian", "cyclist", ...
+            x: metres, world frame: the middle of its box.
+            y: metres, world frame.
+            yaw: radians, counter-clockwise from east.
+            model_seed: draws its shape and color.
+
+        Returns:
+            Its actor id, as in `Frame.instance`.
+
+        Raises:
+            CadetError: an unknown kind, a number that is not finite, or a place off the ground.
+        """
+        self._moved(x=x, y=y, yaw=yaw)
+        check_number("add", "model_seed", model_seed, 0, 2**63 - 1, whole=True)
+        return self._native.add(kind, float(x), float(y), float(yaw), int(model_seed))
+
+    def move_ego(self, *, x: float, y: float, yaw: float) -> None:
+        """Put the ego on the ground at a place, at rest.
+
+        Args:
+            x: metres, world frame: the middle of the car.
+            y: metres, world frame.
+            yaw: radians, counter-clockwise from east.
+
+        Raises:
+            CadetError: a number that is not finite, or a place off the ground.
+        """
+        self._moved(x=x, y=y, yaw=yaw)
+        self._native.move_ego(float(x), float(y), float(yaw))
+
+    def step(self, seconds: float) -> None:
+        """Let physics run, rounded to whole steps of 1/60 s.
+
+        Raises:
+            CadetError: a time that is negative, not finite or longer than an hour.
+        """
+        check_number("step", "seconds", seconds, 0, 3600)
+        self._first = None
+        self._num_moves += 1
+        self._native.step(float(seconds))
+
+    def capture(self) -> Frame:
+        """Return what the rig sees now. At the same instant it returns the same frame, noise included."""
+        if self._first is not None:
+            frame, self._first = self._first, None
+            return frame
+        return frame_from_native(self._native.capture(self._num_moves), {"sample": self._num_moves})
+
+    def scan(self, lidar: Lidar | None = None, *, ideal: bool = False) -> Scan:
+        """Turn a LIDAR once.
+
+        Args:
+            lidar: the rig's own if None.
+            ideal: every triangle opaque, every ray answered, no noise, drop-out, weather or rounding.
+        """
+        if lidar is not None and not isinstance(lidar, Lidar):
+            raise CadetError(f"lidar: expected a Lidar, got {lidar!r}")
+        native = None if lidar is None else lidar.to_native()
+        return Scan(**self._native.scan(native, bool(ideal), self._num_moves))
+
+    def cast_rays(
+        self,
+        origins_world: NDArray[np.float64] | list[list[float]],
+        directions_world: NDArray[np.float64] | list[list[float]],
+    ) -> RayHits:
+        """Cast arbitrary rays at the very triangles that the sensors see.
+
+        Args:
+            origins_world: (N, 3) float64 array, or a list of lists.
+            directions_world: (N, 3) float64 array, or a list of lists; any length but 0.
+
+        Raises:
+            ShapeError: another shape or dtype.
+            NonFiniteError: NaN or infinity.
+            CadetError: a direction of length 0.
+        """
+        origins = _vectors("origins_world", origins_world)
+        directions = _vectors("directions_world", directions_world)
+        return RayHits(*self._native.cast_rays(origins, directions))
+
+    def triangles(self) -> tuple[NDArray[np.float32], NDArray[np.uint32], NDArray[np.int32]]:
+        """Return the very triangles that the sensors see, the ego excluded.
+
+        Returns:
+            vertices_world (V, 3) float32, faces (F, 3) uint32, actor_id (F,) int32 as in `Frame.instance`.
+        """
+        return self._native.triangles()
+
+    def sensor_poses(self) -> dict[str, NDArray[np.float64]]:
+        """Return "world_from_velo" and "world_from_cam" (camera 0), (4, 4) float64 each."""
+        velo, cam = self._native.sensor_poses()
+        return {"world_from_velo": velo, "world_from_cam": cam}
+
+    def _moved(self, **place: float) -> None:
+        for name, value in place.items():
+            check_number("place", name, value, -_MAX_PLACE_M, _MAX_PLACE_M)
+        self._first = None
+        self._num_moves += 1
+
+
+def _check_rig(rig: Rig | None) -> Rig:
+    if rig is not None and not isinstance(rig, Rig):
+        raise CadetError(f"rig: expected a Rig, got {rig!r}")
+    return Rig.kitti() if rig is None else rig
+
+
+def _vectors(name: str, values: NDArray[np.float64] | list[list[float]]) -> NDArray[np.float64]:
+    if isinstance(values, list):
+        values = np.asarray(values, dtype=np.float64).reshape(len(values), -1) if values else np.empty((0, 3))
+    return np.ascontiguousarray(check_array(values, name, ("n", 3), np.float64, finite=True))

@@ -1,0 +1,160 @@
+"""The figure from above: LIDAR returns, boxes, range rings."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from cadet import boxes
+from cadet.frame import Frame
+from cadet.kitti.calib import Calibration
+from cadet.kitti.label import Label
+from cadet.view import style
+
+AHEAD_M: Final = 70.0
+"""How far the figure looks ahead of the LIDAR."""
+ASIDE_M: Final = 40.0
+"""How far the figure looks to either side."""
+
+_BEHIND_M: Final = 3.0
+_RING_STEP_M: Final = 10.0
+_HEIGHT_M: Final = (-0.3, 3.0)
+_FLAT_PLANE: Final = np.array([0.0, -1.0, 0.0, 1.65])
+_EGO_SIZE_M: Final = (4.5, 1.8)
+_THICK_PX_PER_M: Final = 8.0
+_GLOW: Final = 3.6
+_HEADING_M: Final = 1.2
+
+
+def bev_figure(frame: Frame, width: int = 960, *, has_text: bool = True) -> style.Image:
+    """Draw the scan from above, ahead being up: 70 m ahead, 40 m to either side, a ring every 10 m.
+
+    Returns are colored by height over the ground and brighter where they are denser or shine back more. Boxes are
+    outlined in their class's color with a tick along the heading; the faint wedge is what the camera sees.
+
+    Args:
+        frame: the frame.
+        width: of the figure, in pixels; the height follows.
+        has_text: whether the rings carry their range.
+
+    Returns:
+        (round(width * 73 / 80), width, 3) uint8 RGB.
+    """
+    scale = width / (2.0 * ASIDE_M)
+    height = round((AHEAD_M + _BEHIND_M) * scale)
+    canvas = style.filled(height, width)
+    _draw_view(canvas, frame, scale)
+    _draw_rings(canvas, scale)
+    _draw_points(canvas, frame, scale)
+    if has_text:
+        _draw_ranges(canvas, scale)
+    for label in frame.labels:
+        if not label.is_dont_care:
+            _draw_box(canvas, label, frame.calib, scale)
+    _draw_ego(canvas, scale)
+    return canvas
+
+
+def _pixels(points_velo: NDArray[np.float64], scale: float) -> NDArray[np.float64]:
+    """Place points (N, 2+) [x, y] of the velo frame on the canvas: (N, 2) [u, v]."""
+    u = (ASIDE_M - points_velo[:, 1]) * scale - 0.5
+    v = (AHEAD_M - points_velo[:, 0]) * scale - 0.5
+    return np.stack([u, v], axis=1)
+
+
+def _draw_rings(canvas: style.Image, scale: float) -> None:
+    angles = np.linspace(-np.pi, np.pi, 241)
+    circle = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    for range_m in np.arange(_RING_STEP_M, AHEAD_M + 1.0, _RING_STEP_M):
+        style.polyline(canvas, _pixels(range_m * circle, scale), style.GRID)
+
+
+def _draw_ranges(canvas: style.Image, scale: float) -> None:
+    """Write the rings' ranges to the right, near the edge of what the camera sees, where few returns lie."""
+    bearing = np.radians(-36.0)
+    ahead = np.array([[np.cos(bearing), np.sin(bearing)]])
+    for range_m in np.arange(_RING_STEP_M, AHEAD_M + 1.0, _RING_STEP_M):
+        left, baseline = _pixels(range_m * ahead, scale)[0]
+        text = f"{range_m:.0f} m"
+        width, height = style.text_size(text, 0.38)
+        if left + width + 6 < canvas.shape[1]:
+            plate = np.array([[-3, 3], [width + 3, 3], [width + 3, -height - 4], [-3, -height - 4]], np.float64)
+            style.polygon(canvas, plate + np.array([left + 4, baseline - 4]), style.BACKGROUND, 0.75)
+            style.write(canvas, text, left + 4, baseline - 4, 0.38, style.TEXT)
+
+
+def _draw_view(canvas: style.Image, frame: Frame, scale: float) -> None:
+    eye, *rays = _view_rays(frame.calib, frame.image_size[0])
+    wedge = _pixels(np.stack([eye, rays[0], rays[1]]), scale)
+    style.polygon(canvas, wedge, (90, 110, 140), 0.13)
+    for ray in wedge[1:]:
+        style.stroke(canvas, wedge[0], ray, (58, 70, 88))
+
+
+def _view_rays(calib: Calibration, width: int) -> list[NDArray[np.float64]]:
+    eye_cam = -np.linalg.solve(calib.P2[:, :3], calib.P2[:, 3])
+    columns = np.array([[0.0, 0.0, 1.0], [width - 1.0, 0.0, 1.0]])
+    columns[:, 1] = calib.P2[1, 2]
+    directions = np.linalg.solve(calib.P2[:, :3], columns.T).T
+    far_cam = eye_cam + directions * 200.0
+    return list(calib.cam_to_velo(np.concatenate([eye_cam[None], far_cam]))[:, :2])
+
+
+def _draw_points(canvas: style.Image, frame: Frame, scale: float) -> None:
+    """Add up the returns on a grid twice as fine, then shrink it: dense places glow, single returns stay visible."""
+    plane = _FLAT_PLANE if frame.plane is None else frame.plane
+    height_m = frame.calib.velo_to_cam(frame.points_velo) @ plane[:3] + plane[3]
+    fine = (canvas.shape[0] * 2, canvas.shape[1] * 2)
+    pixels = np.floor((_pixels(frame.points_velo.astype(np.float64), scale) + 0.5) * 2.0).astype(np.intp)
+    is_inside = ((pixels >= 0) & (pixels < [fine[1], fine[0]])).all(axis=1)
+    pixels, height_m, intensity = pixels[is_inside], height_m[is_inside], frame.points_velo[is_inside, 3]
+    order = np.argsort(height_m, kind="stable")
+    pixels, height_m, intensity = pixels[order], height_m[order], intensity[order]
+    low, high = _HEIGHT_M
+    share = np.clip((height_m - low) / (high - low), 0.0, 1.0)
+    brightness = 0.7 + 0.3 * np.sqrt(np.clip(intensity, 0.0, 1.0))
+    layer = np.zeros((*fine, 3), np.float32)
+    cover = np.zeros(fine, np.float32)
+    layer[pixels[:, 1], pixels[:, 0]] = height_colors(share) * brightness[:, None]
+    cover[pixels[:, 1], pixels[:, 0]] = 1.0
+    size = (canvas.shape[1], canvas.shape[0])
+    layer = np.asarray(cv2.resize(layer, size, interpolation=cv2.INTER_AREA), np.float32)
+    cover = np.asarray(cv2.resize(cover, size, interpolation=cv2.INTER_AREA), np.float32)
+    gain = np.where(cover > 0.0, np.minimum(_GLOW * cover, 1.0) / np.maximum(cover, 1e-6), 0.0)[..., None]
+    mixed = canvas * (1.0 - np.minimum(_GLOW * cover, 1.0)[..., None]) + layer * gain
+    canvas[:] = np.rint(np.clip(mixed, 0.0, 255.0)).astype(np.uint8)
+
+
+def height_colors(share: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Color heights: the road slate, what stands on it from teal over sand to white; (...) in 0..1 to (..., 3)."""
+    stops = np.array([0.0, 0.14, 0.32, 0.6, 1.0])
+    colors = np.array([[88, 104, 128], [100, 120, 146], [60, 168, 160], [222, 190, 120], [250, 244, 232]], np.float64)
+    return np.stack([np.interp(share, stops, colors[:, channel]) for channel in range(3)], axis=-1)
+
+
+def _draw_box(canvas: style.Image, label: Label, calib: Calibration, scale: float) -> None:
+    corners = calib.cam_to_velo(boxes.corners_cam(label.box_cam[None])[0, :4])
+    outline = _pixels(corners, scale)
+    color = style.CLASS_COLORS[label.type]
+    style.polygon(canvas, outline, color, 0.25)
+    thickness = 2 if scale > _THICK_PX_PER_M else 1
+    style.polyline(canvas, outline, color, thickness)
+    front, center = corners[:2].mean(axis=0), corners.mean(axis=0)
+    ahead = (front - center) / np.linalg.norm(front - center)
+    tick = _pixels(np.stack([center, front + _HEADING_M * ahead]), scale)
+    style.stroke(canvas, tick[0], tick[1], color, thickness)
+
+
+def _draw_ego(canvas: style.Image, scale: float) -> None:
+    length, width = _EGO_SIZE_M
+    corners = np.array(
+        [[length / 2, width / 2], [length / 2, -width / 2], [-length / 2, -width / 2], [-length / 2, width / 2]]
+    )
+    outline = _pixels(corners, scale)
+    style.polygon(canvas, outline, style.GRID, 0.9)
+    style.polyline(canvas, outline, style.FAINT_TEXT)
+    nose = _pixels(np.array([[length / 2, 0.0], [length / 6, width / 3], [length / 6, -width / 3]]), scale)
+    style.polygon(canvas, nose, style.TEXT, 0.9)

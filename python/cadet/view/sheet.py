@@ -1,0 +1,206 @@
+"""All figures of a frame on one sheet, and contact sheets of several frames."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Final
+
+import cv2
+import numpy as np
+
+from cadet.errors import CadetError
+from cadet.frame import Frame
+from cadet.kitti import images
+from cadet.kitti.calib import points_in_image
+from cadet.kitti.dataset import read_frame
+from cadet.kitti.files import check_id, write_whole
+from cadet.view import style
+from cadet.view.bev import bev_figure, height_colors
+from cadet.view.camera import boxes_figure, corners_figure, far_to_near, lidar_figure
+from cadet.view.visibility import corner_visibility
+
+SHEET_WIDTH_PX: Final = 1920
+
+_MARGIN: Final = 20
+_CAPTION: Final = 30
+_CAMERA_WIDTH: Final = 1000
+_LEGEND_COLUMNS: Final = 5
+_OVERVIEW_BEV_SHARE: Final = 0.285
+
+
+def figures(frame: Frame) -> dict[str, style.Image]:
+    """Draw the figures of a frame.
+
+    Returns:
+        "lidar", "boxes" and "corners", (H, W, 3) like the camera image, and "bev", 876 x 960; all uint8 RGB.
+    """
+    return {
+        "lidar": lidar_figure(frame),
+        "boxes": boxes_figure(frame),
+        "corners": corners_figure(frame),
+        "bev": bev_figure(frame),
+    }
+
+
+def sheet(frame: Frame, title: str = "") -> style.Image:
+    """Compose all figures of a frame: the camera's on the left, the one from above on the right, a legend below it.
+
+    Args:
+        frame: the frame.
+        title: printed over the legend, such as the frame's id.
+
+    Returns:
+        (about 1090, 1920, 3) uint8 RGB; the height follows the camera image's.
+    """
+    drawn = figures(frame)
+    captions = {
+        "boxes": "Labels: 2D and 3D boxes, arrows along the heading",
+        "lidar": _lidar_caption(frame),
+        "corners": f"Box corners: green visible, red hidden ({corner_visibility(frame, far_to_near(frame.labels))[1]})",
+    }
+    rows = [_panel(_resized(drawn[name], _CAMERA_WIDTH), caption) for name, caption in captions.items()]
+    right_width = SHEET_WIDTH_PX - _CAMERA_WIDTH - 3 * _MARGIN
+    bev = _panel(bev_figure(frame, right_width), "From above: returns by height over ground, rings every 10 m")
+    left_height = sum(len(row) for row in rows) + (len(rows) - 1) * _MARGIN
+    legend_height = max(left_height - len(bev) - _MARGIN, 190)
+    height = max(left_height, len(bev) + _MARGIN + legend_height) + 2 * _MARGIN
+    page = style.filled(height, SHEET_WIDTH_PX)
+    top = _MARGIN
+    for row in rows:
+        page[top : top + len(row), _MARGIN : _MARGIN + _CAMERA_WIDTH] = row
+        top += len(row) + _MARGIN
+    left = _CAMERA_WIDTH + 2 * _MARGIN
+    page[_MARGIN : _MARGIN + len(bev), left : left + right_width] = bev
+    top = _MARGIN + len(bev) + _MARGIN
+    page[top : top + legend_height, left : left + right_width] = _legend(frame, right_width, legend_height, title)
+    return page
+
+
+def overview(frames: Iterable[Frame], path: str | Path, *, width: int = 1600) -> Path:
+    """Write a contact sheet: a row for each frame, boxes in the image beside the figure from above.
+
+    Args:
+        frames: the frames, best 3 to 6; they must not be none.
+        path: the PNG to write.
+        width: of the sheet in pixels.
+
+    Returns:
+        `path`.
+
+    Raises:
+        CadetError: no frames.
+    """
+    bev_width = round(width * _OVERVIEW_BEV_SHARE)
+    camera_width = width - bev_width - 3 * _MARGIN
+    rows = []
+    for frame in frames:
+        camera = _resized(boxes_figure(frame), camera_width)
+        bev = _fitted(bev_figure(frame, bev_width, has_text=False), len(camera))
+        row = style.filled(len(camera), width)
+        row[:, _MARGIN : _MARGIN + camera_width] = camera
+        row[:, 2 * _MARGIN + camera_width : 2 * _MARGIN + camera_width + bev_width] = bev
+        rows.append(row)
+    if not rows:
+        raise CadetError("overview: no frames")
+    gap = style.filled(_MARGIN, width)
+    page = np.concatenate([part for row in rows for part in (gap, row)] + [gap])
+    path = Path(path)
+    write_whole({path: images.encode_png(page)})
+    return path
+
+
+def view_frame(root: str | Path, frame_id: str | int, out_path: str | Path) -> Path:
+    """Read a frame of a KITTI folder, real or ours, and write its sheet as a PNG.
+
+    Args:
+        root: the folder that holds `training`.
+        frame_id: six digits, or the number they make.
+        out_path: the PNG to write.
+
+    Returns:
+        `out_path`.
+
+    Raises:
+        CadetError: the frame is missing or damaged.
+    """
+    frame_id = check_id(frame_id)
+    page = sheet(read_frame(root, frame_id), title=f"{Path(root).resolve().name} / {frame_id}")
+    path = Path(out_path)
+    write_whole({path: images.encode_png(page)})
+    return path
+
+
+def _lidar_caption(frame: Frame) -> str:
+    points_cam = frame.calib.velo_to_cam(frame.points_velo)
+    num_seen = int(points_in_image(points_cam, frame.calib, frame.image_size).sum())
+    return f"LIDAR: {num_seen:,} of {len(points_cam):,} returns fall into the image, colored by depth"
+
+
+def _panel(figure: style.Image, caption: str) -> style.Image:
+    panel = style.filled(len(figure) + _CAPTION, figure.shape[1], style.PANEL)
+    style.write(panel, caption, 12, 20, 0.48)
+    panel[_CAPTION:] = figure
+    return panel
+
+
+def _legend(frame: Frame, width: int, height: int, title: str) -> style.Image:
+    panel = style.filled(height, width, style.PANEL)
+    left, line = 16, 30
+    if title:
+        style.write(panel, title, left, line, 0.62)
+        line += 30
+    for text in _facts(frame):
+        style.write(panel, text, left, line, 0.45, style.FAINT_TEXT)
+        line += 22
+    line += 8
+    counts = Counter(label.type for label in frame.labels)
+    column_width = (width - 2 * left) // _LEGEND_COLUMNS
+    for index, (name, color) in enumerate(style.CLASS_COLORS.items()):
+        x, y = left + index % _LEGEND_COLUMNS * column_width, line + index // _LEGEND_COLUMNS * 26
+        swatch = np.array([[x, y - 10], [x + 12, y - 10], [x + 12, y + 2], [x, y + 2]])
+        style.polygon(panel, swatch, color, 1.0 if counts[name] else 0.35)
+        text_color = style.TEXT if counts[name] else style.FAINT_TEXT
+        style.write(panel, f"{name} {counts[name] or ''}", x + 20, y, 0.45, text_color)
+    bottom = line + 2 * 26
+    if bottom + 30 <= height:
+        _draw_height_scale(panel, left, bottom, min(260, width - 2 * left))
+    return panel
+
+
+def _draw_height_scale(panel: style.Image, left: int, top: int, width: int) -> None:
+    colors = height_colors(np.linspace(0.0, 1.0, width))
+    panel[top : top + 8, left : left + width] = np.rint(colors).astype(np.uint8)[None]
+    for height_m in (0, 1, 2, 3):
+        x = left + (height_m + 0.3) / 3.3 * (width - 1)
+        style.stroke(panel, (x, top + 8), (x, top + 11), style.TEXT)
+        text = f"{height_m} m" if height_m else "ground"
+        style.write(panel, text, x - style.text_size(text, 0.38)[0] / 2, top + 24, 0.38, style.FAINT_TEXT)
+
+
+def _facts(frame: Frame) -> list[str]:
+    width, height = frame.image_size
+    num_regions = sum(label.is_dont_care for label in frame.labels)
+    facts = [f"{len(frame.labels) - num_regions} objects, {num_regions} DontCare regions, image {width} x {height}"]
+    meta = frame.meta or {}
+    noted = [
+        f"{key} {meta[key]}" for key in ("map", "weather", "episode", "sample") if isinstance(meta.get(key), str | int)
+    ]
+    if noted:
+        facts.append(", ".join(noted))
+    return facts
+
+
+def _resized(image: style.Image, width: int) -> style.Image:
+    height = round(image.shape[0] * width / image.shape[1])
+    method = cv2.INTER_AREA if width < image.shape[1] else cv2.INTER_CUBIC
+    return np.asarray(cv2.resize(image, (width, height), interpolation=method), np.uint8)
+
+
+def _fitted(image: style.Image, height: int) -> style.Image:
+    """Keep the lower rows, which show what is near, or fill up above."""
+    page = style.filled(height, image.shape[1])
+    num_rows = min(height, len(image))
+    page[height - num_rows :] = image[len(image) - num_rows :]
+    return page
