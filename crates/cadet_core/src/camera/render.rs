@@ -2,6 +2,7 @@
 
 use std::cell::RefCell;
 
+use super::CameraModel;
 use super::ambient::SkyView;
 use super::exposure::{add_veiling_glare, gain_for_mean_luma};
 use super::noise::{blur, expose};
@@ -28,6 +29,22 @@ pub struct View {
     pub height: usize,
     /// x right, y down, z forward, origin in the optical centre.
     pub world_from_cam: DPose3,
+}
+
+impl View {
+    /// The view of a camera's P2, whose optical centre lies beside that of camera 0.
+    ///
+    /// `world_from_cam`: the pose of camera 0.
+    #[must_use]
+    pub fn new(camera: &CameraModel, world_from_cam: &DPose3) -> Self {
+        let center_world = world_from_cam.rotation * camera.optical_center_cam() + world_from_cam.translation;
+        Self {
+            intrinsics: camera.intrinsics(),
+            width: camera.width,
+            height: camera.height,
+            world_from_cam: DPose3 { rotation: world_from_cam.rotation, translation: center_world },
+        }
+    }
 }
 
 /// What the camera writes; every array is row-major.
