@@ -42,6 +42,14 @@ pub enum Semantic {
     OtherVehicle = 17,
 }
 
+impl Semantic {
+    /// True for what lies on the ground: carriageway, markings, pavement, terrain.
+    #[must_use]
+    pub fn is_ground(self) -> bool {
+        matches!(self, Self::Road | Self::RoadMarking | Self::Sidewalk | Self::Terrain)
+    }
+}
+
 /// How a surface returns a laser at 905 nm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LidarMaterial {

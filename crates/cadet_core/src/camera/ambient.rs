@@ -59,8 +59,13 @@ impl SkyView {
         let half = f64::from(CELLS as f32 * CELL_M) / 2.0;
         // Whole cells, so that nothing flickers from frame to frame.
         let min = [(middle.x - half).floor() as f32, (middle.y - half).floor() as f32];
-        let mut view =
-            Self { min, floor: Vec::new(), probes: Vec::new(), blockers: Vec::new(), grid: vec![Vec::new(); GRID * GRID] };
+        let mut view = Self {
+            min,
+            floor: Vec::new(),
+            probes: Vec::new(),
+            blockers: Vec::new(),
+            grid: vec![Vec::new(); GRID * GRID],
+        };
         let top = view.measure_heights(scene, (eye_world.z - 1.65) as f32);
         view.place_probes(&top);
         view.collect_blockers(scene);
@@ -74,7 +79,11 @@ impl SkyView {
         let side = CELLS as f32 * CELL_M;
         for instance in &scene.instances {
             let (c, r) = (instance.center_world.as_vec3(), instance.radius_m as f32);
-            if c.x + r < self.min[0] || c.y + r < self.min[1] || c.x - r > self.min[0] + side || c.y - r > self.min[1] + side {
+            if c.x + r < self.min[0]
+                || c.y + r < self.min[1]
+                || c.x - r > self.min[0] + side
+                || c.y - r > self.min[1] + side
+            {
                 continue;
             }
             let vertices = &scene.vertices_world[instance.vertices.clone()];
@@ -144,10 +153,7 @@ impl SkyView {
         let offsets: Vec<Vec<(i32, i32, f32)>> = directions
             .iter()
             .map(|(dx, dy)| {
-                STEPS
-                    .iter()
-                    .map(|s| ((dx * s).round() as i32, (dy * s).round() as i32, 1.0 / (s * CELL_M)))
-                    .collect()
+                STEPS.iter().map(|s| ((dx * s).round() as i32, (dy * s).round() as i32, 1.0 / (s * CELL_M))).collect()
             })
             .collect();
         self.probes = vec![[1.0; 6]; CELLS * CELLS * LEVELS_M.len()];
@@ -174,8 +180,8 @@ impl SkyView {
                         let (cx, cy) = ((x + dx).clamp(0, CELLS as i32 - 1), (y + dy).clamp(0, CELLS as i32 - 1));
                         ((top[cy as usize * CELLS + cx as usize] - z - 0.8) * 0.7).clamp(0.0, 1.0)
                     };
-                    let covered = 0.4 * around(0, 0)
-                        + 0.15 * (around(1, 0) + around(-1, 0) + around(0, 1) + around(0, -1));
+                    let covered =
+                        0.4 * around(0, 0) + 0.15 * (around(1, 0) + around(-1, 0) + around(0, 1) + around(0, -1));
                     let cover = 1.0 - (1.0 - COVER_LEAK) * covered;
                     let side = |k: usize| {
                         let (a, b) = (free[(k + 7) % 8], free[(k + 1) % 8]);

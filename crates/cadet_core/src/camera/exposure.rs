@@ -20,11 +20,29 @@ pub fn gain_for_mean_luma(rgb: &[f32], target: f32, step: usize) -> f32 {
     };
     // Radiances lie around 0.05; the bounds are where a black or a white image would end.
     let (mut low, mut high) = (1.0_f32, 1e6_f32);
-    for _ in 0..24 {
+    for _ in 0..20 {
         let middle = (low * high).sqrt();
         if mean(middle) < target { low = middle } else { high = middle }
     }
     (low * high).sqrt()
+}
+
+/// Adds the light that lens and housing scatter over the whole image: a share of the mean radiance, in which no pixel
+/// counts for more than `ceiling`. Shadows are never fully black.
+pub fn add_veiling_glare(rgb: &mut [f32], share: f32, ceiling: f32) {
+    let mut sum = [0.0_f64; 3];
+    for pixel in rgb.chunks_exact(3) {
+        for (s, c) in sum.iter_mut().zip(pixel) {
+            *s += f64::from(c.min(ceiling));
+        }
+    }
+    let count = (rgb.len() / 3).max(1) as f64;
+    let veil = sum.map(|s| share * (s / count) as f32);
+    for pixel in rgb.chunks_exact_mut(3) {
+        for (c, v) in pixel.iter_mut().zip(veil) {
+            *c += v;
+        }
+    }
 }
 
 #[cfg(test)]
@@ -35,7 +53,9 @@ mod tests {
     fn the_mean_hits_the_target_with_part_of_the_image_clipped() {
         let rgb: Vec<f32> = (0..3000).map(|i| if i < 300 { 9.0 } else { 0.01 + 0.00005 * i as f32 }).collect();
         let gain = gain_for_mean_luma(&rgb, 91.0, 1);
-        let mean: f32 = rgb.chunks(3).map(|p| (0..3).map(|c| LUMA[c] * (p[c] * gain).min(255.0)).sum::<f32>()).sum::<f32>() / 1000.0;
+        let mean: f32 =
+            rgb.chunks(3).map(|p| (0..3).map(|c| LUMA[c] * (p[c] * gain).min(255.0)).sum::<f32>()).sum::<f32>()
+                / 1000.0;
         assert!((mean - 91.0).abs() < 0.5, "{mean}");
     }
 

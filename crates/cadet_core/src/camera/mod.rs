@@ -10,6 +10,8 @@ mod render;
 mod shade;
 mod shadow;
 mod sky;
+#[cfg(test)]
+mod tests;
 
 pub use model::{Calibration, CameraModel, Pixel};
 pub use render::{Rendered, View, render};

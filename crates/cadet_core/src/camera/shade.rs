@@ -74,7 +74,7 @@ impl Light {
     #[must_use]
     pub fn opaque(&self, s: &Surface) -> Vec3 {
         let m = s.material;
-        let ground = is_ground(m.semantic) && s.face_normal_world.z > 0.5;
+        let ground = m.semantic.is_ground() && s.face_normal_world.z > 0.5;
         let mut albedo = self.albedo(s, ground);
         let leaf = m.pattern == Pattern::Leaves;
         let open = self.sky_view.openness(s.point_world, s.normal_world);
@@ -117,7 +117,8 @@ impl Light {
         let cos_view = (-s.view_world.dot(s.normal_world)).clamp(0.0, 1.0);
         let fresnel = f0 + (1.0 - f0) * fifth(1.0 - cos_view) * (1.0 - roughness) * (1.0 - roughness);
         let mirrored = s.view_world + s.normal_world * (2.0 * cos_view);
-        let shine = self.environment(mirrored, &open, roughness) * near.max(0.3) + self.highlight(mirrored, roughness) * lit;
+        let shine =
+            self.environment(mirrored, &open, roughness) * near.max(0.3) + self.highlight(mirrored, roughness) * lit;
         // Metals colour what they reflect.
         let tint = if m.specular > 0.5 { m.albedo.into() } else { Vec3::ONE };
         diffuse * (1.0 - fresnel) + shine * tint * fresnel
@@ -226,13 +227,6 @@ fn fifth(x: f32) -> f32 {
     x2 * x2 * x
 }
 
-fn is_ground(semantic: Semantic) -> bool {
-    matches!(semantic, Semantic::Road | Semantic::RoadMarking | Semantic::Sidewalk | Semantic::Terrain)
-}
-
 fn is_vehicle(semantic: Semantic) -> bool {
-    matches!(
-        semantic,
-        Semantic::Car | Semantic::Van | Semantic::Truck | Semantic::Tram | Semantic::OtherVehicle
-    )
+    matches!(semantic, Semantic::Car | Semantic::Van | Semantic::Truck | Semantic::Tram | Semantic::OtherVehicle)
 }

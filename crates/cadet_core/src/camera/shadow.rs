@@ -4,7 +4,7 @@ use crate::math::{DVec3, Vec3};
 use crate::sense::PosedScene;
 
 /// Texels along a side of each map.
-const SIZE: usize = 2048;
+const SIZE: usize = 1536;
 /// (distance ahead of the camera of the middle, half the side), metres: near, far.
 const CASCADES: [(f64, f64); 2] = [(15.0, 20.0), (58.0, 68.0)];
 
@@ -29,8 +29,16 @@ pub struct Shadows {
 
 impl Shadows {
     /// Rasterises the casters. `sun_world` is the unit vector to the sun, `forward_world` the camera's axis.
+    ///
+    /// `buffers` are the maps of an earlier frame ([`Shadows::into_buffers`]), whose memory is used again.
     #[must_use]
-    pub fn new(scene: &PosedScene, eye_world: DVec3, forward_world: DVec3, sun_world: Vec3) -> Self {
+    pub fn new(
+        scene: &PosedScene,
+        eye_world: DVec3,
+        forward_world: DVec3,
+        sun_world: Vec3,
+        mut buffers: Vec<Vec<f32>>,
+    ) -> Self {
         let helper = if sun_world.z.abs() < 0.95 { Vec3::Z } else { Vec3::X };
         let right = helper.cross(sun_world).normalize();
         let up = sun_world.cross(right);
@@ -41,15 +49,24 @@ impl Shadows {
             let texel_m = (2.0 * half / SIZE as f64) as f32;
             // Whole texels, so that shadow edges do not crawl when the camera moves.
             let snap = |c: f32| ((c - half as f32) / texel_m).floor() * texel_m;
+            let mut height = buffers.pop().unwrap_or_default();
+            height.clear();
+            height.resize(SIZE * SIZE, f32::NEG_INFINITY);
             shadows.maps.push(Map {
                 min: [snap(middle.x), snap(middle.y)],
                 texel_m,
                 texels_per_m: 1.0 / texel_m,
-                height: vec![f32::NEG_INFINITY; SIZE * SIZE],
+                height,
             });
         }
         shadows.draw(scene);
         shadows
+    }
+
+    /// The maps' memory.
+    #[must_use]
+    pub fn into_buffers(self) -> Vec<Vec<f32>> {
+        self.maps.into_iter().map(|m| m.height).collect()
     }
 
     #[inline]
@@ -70,9 +87,17 @@ impl Shadows {
             points.clear();
             points.extend(scene.vertices_world[instance.vertices.clone()].iter().map(|p| self.to_light(*p)));
             let glass: Vec<bool> = instance.palette.0.iter().map(|m| m.is_glass()).collect();
+            let ground: Vec<bool> = instance.palette.0.iter().map(|m| m.semantic.is_ground()).collect();
+            let vertices = &scene.vertices_world[instance.vertices.clone()];
+            let is_level = |face: &[u32; 3]| {
+                let [a, b, c] = face.map(|i| vertices[i as usize]);
+                let normal = (b - a).cross(c - a);
+                normal.z * normal.z > 0.9 * normal.length_squared()
+            };
             for (map, _) in maps.iter_mut().zip(&in_map).filter(|(_, inside)| **inside) {
                 for (face, slot) in instance.mesh.faces.iter().zip(&instance.mesh.slots) {
-                    if !glass[usize::from(*slot)] {
+                    // Level ground fills the maps and shades nothing; kerbs and banks stay.
+                    if !glass[usize::from(*slot)] && !(ground[usize::from(*slot)] && is_level(face)) {
                         map.triangle(face.map(|i| points[i as usize]));
                     }
                 }
@@ -145,9 +170,8 @@ impl Map {
 
     #[inline]
     fn triangle(&mut self, corners: [Vec3; 3]) {
-        let to_texels = |p: Vec3| {
-            Vec3::new((p.x - self.min[0]) * self.texels_per_m, (p.y - self.min[1]) * self.texels_per_m, p.z)
-        };
+        let to_texels =
+            |p: Vec3| Vec3::new((p.x - self.min[0]) * self.texels_per_m, (p.y - self.min[1]) * self.texels_per_m, p.z);
         let [a, b, c] = corners.map(to_texels);
         let (min_x, max_x) = (a.x.min(b.x).min(c.x), a.x.max(b.x).max(c.x));
         let (min_y, max_y) = (a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y));
@@ -174,6 +198,21 @@ impl Map {
         let (cx, cy) = (-(b.y - a.y) * inverse, (b.x - a.x) * inverse);
         let (zb, zc) = (b.z - a.z, c.z - a.z);
         let (zx, zy) = (zb * bx + zc * cx, zb * by + zc * cy);
+        if (x1 - x0) * (y1 - y0) <= 12 {
+            // Small ones, which are most: three tests a texel cost less than the divisions below.
+            for y in y0..y1 {
+                let dy = y as f32 + 0.5 - a.y;
+                for x in x0..x1 {
+                    let dx = x as f32 + 0.5 - a.x;
+                    let (wb, wc) = (bx * dx + by * dy, cx * dx + cy * dy);
+                    if wb >= 0.0 && wc >= 0.0 && wb + wc <= 1.0 {
+                        let texel = &mut self.height[y * SIZE + x];
+                        *texel = texel.max(a.z + zx * dx + zy * dy);
+                    }
+                }
+            }
+            return;
+        }
         for y in y0..y1 {
             let dy = y as f32 + 0.5 - a.y;
             let row = &mut self.height[y * SIZE..(y + 1) * SIZE];

@@ -1,0 +1,256 @@
+//! Pictures of small scenes against closed forms and invariances.
+
+use std::sync::Arc;
+
+use super::shadow::Shadows;
+use super::sky::Sky;
+use super::{Rendered, View, render};
+use crate::frames::{facing, upright};
+use crate::geometry::{LodSet, Mesh, MeshBuilder};
+use crate::instance::Instance;
+use crate::material::{Material, Palette, Pattern, Semantic};
+use crate::math::{self, DMat3, DPose3, DQuat, DVec3, Vec3};
+use crate::rng::Stream;
+use crate::sense::PosedScene;
+use crate::weather::Weather;
+
+const EYE_HEIGHT_M: f64 = 1.65;
+const INTRINSICS: [f64; 4] = [200.0, 210.0, 155.3, 45.2];
+const SIZE: (usize, usize) = (320, 100);
+
+fn instance(mesh: Mesh, material: Material, world_from_local: DPose3, actor_id: i32) -> Instance {
+    let palette = Arc::new(Palette(vec![material]));
+    Instance { shape: Arc::new(LodSet::single(mesh)), palette, world_from_local, actor_id }
+}
+
+fn gray(semantic: Semantic, albedo: f32) -> Material {
+    Material::matt(semantic, [albedo; 3], Pattern::Plain, 0.2)
+}
+
+fn ground() -> Instance {
+    let mut b = MeshBuilder::new();
+    for i in 0..80 {
+        for j in 0..80 {
+            let p = |x: i32, y: i32| Vec3::new((x * 5 - 200) as f32, (y * 5 - 200) as f32, 0.0);
+            b.quad(p(i, j), p(i + 1, j), p(i + 1, j + 1), p(i, j + 1), 0);
+        }
+    }
+    instance(b.build("ground", 0.5), gray(Semantic::Road, 0.12), DPose3::IDENTITY, 0)
+}
+
+fn cuboid(min: Vec3, max: Vec3, material: Material, actor_id: i32) -> Instance {
+    let mut b = MeshBuilder::new();
+    let middle = (min + max) * 0.5;
+    b.cuboid(min - middle, max - middle, 0);
+    instance(b.build("cuboid", 0.5), material, upright(middle.as_dvec3(), 0.0), actor_id)
+}
+
+/// A camera at the eye's height that looks along x.
+fn view() -> View {
+    let axes = DMat3::from_cols(-DVec3::Y, -DVec3::Z, DVec3::X);
+    let world_from_cam = DPose3 { rotation: DQuat::from_mat3(&axes), translation: DVec3::new(0.0, 0.0, EYE_HEIGHT_M) };
+    View { intrinsics: INTRINSICS, width: SIZE.0, height: SIZE.1, world_from_cam }
+}
+
+fn clear_sun_from(azimuth_deg: f64) -> Weather {
+    let mut weather = Weather::preset("clear_noon").unwrap();
+    weather.sun_azimuth_rad = azimuth_deg.to_radians();
+    weather
+}
+
+fn picture(instances: &[Instance], weather: &Weather, seed: u64) -> Rendered {
+    let posed = PosedScene::new(instances, DVec3::new(0.0, 0.0, EYE_HEIGHT_M));
+    render(&posed, &view(), weather, &mut Stream::from_seed("camera", seed)).unwrap()
+}
+
+fn street() -> Vec<Instance> {
+    let mut paint = gray(Semantic::Car, 0.3);
+    (paint.specular, paint.roughness) = (0.05, 0.05);
+    let mut pane = gray(Semantic::Car, 0.9);
+    (pane.specular, pane.roughness, pane.transmission) = (0.04, 0.02, 0.8);
+    vec![
+        ground(),
+        cuboid(Vec3::new(20.0, 6.0, 0.0), Vec3::new(40.0, 16.0, 9.0), gray(Semantic::Building, 0.5), 0),
+        cuboid(Vec3::new(9.0, -3.0, 0.25), Vec3::new(13.0, -1.4, 1.4), paint, 3),
+        cuboid(Vec3::new(8.0, -0.5, 0.2), Vec3::new(8.01, 1.5, 2.0), pane, 4),
+        cuboid(Vec3::new(14.0, 0.5, 0.0), Vec3::new(14.4, 1.0, 1.8), gray(Semantic::Person, 0.2), 5),
+    ]
+}
+
+#[test]
+fn depth_at_pixel_centres_is_the_planes_and_the_sky_has_none() {
+    let r = picture(&[ground()], &clear_sun_from(60.0), 0);
+    let [_, fy, _, cy] = INTRINSICS;
+    for row in 0..SIZE.1 {
+        let down = (row as f64 - cy) / fy;
+        for column in [0, 100, 319] {
+            let at = row * SIZE.0 + column;
+            let z = EYE_HEIGHT_M / down;
+            if (0.0..100.0).contains(&z) {
+                assert!((f64::from(r.depth[at]) - z).abs() < 1e-4 * z, "row {row}: {} {z}", r.depth[at]);
+                assert_eq!((r.instance[at], r.semantic[at]), (0, Semantic::Road as u8));
+            } else if down < 0.0 {
+                assert!(r.depth[at].is_infinite());
+                assert_eq!((r.instance[at], r.semantic[at]), (-1, Semantic::Sky as u8));
+            }
+        }
+    }
+}
+
+#[test]
+fn identity_agrees_between_the_two_samplings_and_panes_carry_their_cars_id() {
+    let r = picture(&street(), &clear_sun_from(60.0), 0);
+    let (w, h) = SIZE;
+    assert_eq!((r.instance.len(), r.super_instance.len(), r.image.len()), (w * h, 4 * w * h, 3 * w * h));
+    for id in [3, 4, 5] {
+        let centers = r.instance.iter().filter(|i| **i == id).count() as f64;
+        let samples = r.super_instance.iter().filter(|i| **i == id).count() as f64;
+        // The man stands behind the pane: only his head shows.
+        assert!(samples > 0.0 || id == 5, "{id}");
+        assert!((samples / 4.0 - centers).abs() <= 0.05 * centers + 12.0, "{id}: {samples} {centers}");
+    }
+    // A point on the pane: u = cx - fx y / x, v = cy + fy (1.65 - z) / x.
+    let [fx, fy, cx, cy] = INTRINSICS;
+    let at = (cy + fy * 0.5 / 8.0).round() as usize * w + (cx - fx * 0.5 / 8.0).round() as usize;
+    assert_eq!((r.instance[at], r.semantic[at]), (4, Semantic::Car as u8));
+    assert!((r.depth[at] - 8.0).abs() < 1e-3);
+}
+
+#[test]
+fn a_plates_shadow_falls_where_the_sun_ray_says() {
+    let plate = cuboid(Vec3::new(8.0, -2.0, 3.0), Vec3::new(12.0, 2.0, 3.1), gray(Semantic::Fence, 0.5), 0);
+    let scene = PosedScene::new(&[ground(), plate], DVec3::ZERO);
+    for azimuth in [0.0, 75.0, 200.0, 310.0] {
+        let sky = Sky::new(&clear_sun_from(azimuth));
+        let s = sky.sun_world;
+        let shadows = Shadows::new(&scene, DVec3::new(0.0, 0.0, EYE_HEIGHT_M), DVec3::X, s, Vec::new());
+        let (mut dark, mut bright) = (0, 0);
+        for i in 0..120 {
+            for j in 0..120 {
+                let p = Vec3::new(i as f32 * 0.15 + 1.0, j as f32 * 0.15 - 9.0, 0.0);
+                let meets = |z: f32| p + s * (z / s.z);
+                let outside = |q: Vec3| (q.x - 10.0).abs().max(q.y.abs()) - 2.0;
+                let (low, high) = (outside(meets(3.0)), outside(meets(3.1)));
+                let lit = shadows.sunlit(p, Vec3::Z, s.z);
+                if low.max(high) < -0.12 {
+                    assert_eq!(lit, 0.0, "{azimuth}: {p}");
+                    dark += 1;
+                } else if low.min(high) > 0.25 {
+                    assert_eq!(lit, 1.0, "{azimuth}: {p}");
+                    bright += 1;
+                }
+            }
+        }
+        assert!(dark > 400 && bright > 5000, "{dark} {bright}");
+    }
+}
+
+#[test]
+fn surfaces_that_face_the_sun_do_not_shade_themselves() {
+    let mut tilted = cuboid(Vec3::new(6.0, -2.0, 1.0), Vec3::new(10.0, 2.0, 2.0), gray(Semantic::Fence, 0.5), 0);
+    tilted.world_from_local = facing(DVec3::new(12.0, 0.0, 2.0), DVec3::new(1.0, 0.4, 0.3), DVec3::Z);
+    let scene = PosedScene::new(&[ground(), tilted], DVec3::ZERO);
+    for (azimuth, elevation) in [(20.0, 12.0_f64), (130.0, 25.0), (250.0, 45.0)] {
+        let mut weather = clear_sun_from(azimuth);
+        weather.sun_elevation_rad = elevation.to_radians();
+        let s = Sky::new(&weather).sun_world;
+        let shadows = Shadows::new(&scene, DVec3::new(0.0, 0.0, EYE_HEIGHT_M), DVec3::X, s, Vec::new());
+        for face in 0..scene.instances[1].mesh.faces.len() as u32 {
+            let [a, b, c] = scene.corners(1, face);
+            let normal = (b - a).cross(c - a).normalize();
+            if normal.dot(s) < 0.08 {
+                continue;
+            }
+            for k in 1..200 {
+                let (u, v) = (0.05 + 0.85 * (k as f32 * 0.618).fract(), 0.05 + 0.85 * (k as f32 * 0.377).fract());
+                if u + v < 0.92 {
+                    let lit = shadows.sunlit(a + (b - a) * u + (c - a) * v, normal, normal.dot(s));
+                    assert_eq!(lit, 1.0, "face {face} at {u} {v} under {azimuth} {elevation}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn lit_and_shaded_ground_differ_as_sun_and_sky_do() {
+    // A small plate high up: its shadow is dark of sun alone, the sky over it stays open.
+    let weather = clear_sun_from(90.0);
+    let sky = Sky::new(&weather);
+    let up = 20.0_f32;
+    let back = sky.sun_world * (up / sky.sun_world.z);
+    let (x, y) = (10.0 + back.x, back.y);
+    let plate =
+        cuboid(Vec3::new(x - 2.0, y - 2.0, up), Vec3::new(x + 2.0, y + 2.0, up + 0.1), gray(Semantic::Fence, 0.1), 0);
+    let r = picture(&[ground(), plate], &weather, 1);
+    let [fx, fy, cx, cy] = INTRINSICS;
+    let mean_around = |x: f64, y: f64| {
+        let (u, v) = ((cx - fx * y / x).round() as usize, (cy + fy * EYE_HEIGHT_M / x).round() as usize);
+        let values = (v - 2..=v + 2).flat_map(|v| (u - 4..=u + 4).map(move |u| (v * SIZE.0 + u) * 3 + 1));
+        values.map(|i| f64::from(r.image[i])).sum::<f64>() / 45.0
+    };
+    let (shaded, lit) = (mean_around(10.0, 0.0), mean_around(10.0, -5.5));
+    // The veil lies over both: take it from the mean of the image, as a camera's maker would.
+    let veil = 0.05 * r.image.iter().skip(1).step_by(3).map(|v| f64::from(*v)).sum::<f64>() / (SIZE.0 * SIZE.1) as f64;
+    let direct = f64::from(sky.sun.y * sky.sun_world.z);
+    let expected = (direct + f64::from(sky.sky_on_level.y)) / f64::from(sky.sky_on_level.y);
+    let measured = (lit - veil) / (shaded - veil);
+    assert!(lit < 250.0, "{lit}");
+    assert!((measured / expected - 1.0).abs() < 0.12, "{measured} {expected}");
+}
+
+#[test]
+fn every_weather_is_exposed_alike() {
+    for name in Weather::NAMES {
+        let r = picture(&street(), &Weather::preset(name).unwrap(), 5);
+        let luma: f64 = r
+            .image
+            .chunks(3)
+            .map(|p| 0.2126 * f64::from(p[0]) + 0.7152 * f64::from(p[1]) + 0.0722 * f64::from(p[2]))
+            .sum::<f64>()
+            / (SIZE.0 * SIZE.1) as f64;
+        assert!((86.0..96.0).contains(&luma), "{name}: {luma}");
+    }
+}
+
+#[test]
+fn the_same_stream_gives_the_same_bytes_and_labels_do_not_show() {
+    let weather = clear_sun_from(200.0);
+    let scene = street();
+    let first = picture(&scene, &weather, 9);
+    assert_eq!(first, picture(&scene, &weather, 9));
+    assert_ne!(first.image, picture(&scene, &weather, 10).image);
+    let mut renamed = scene;
+    for i in renamed.iter_mut().filter(|i| i.actor_id > 0) {
+        i.actor_id = 20 - i.actor_id;
+    }
+    let other = picture(&renamed, &weather, 9);
+    assert_eq!(first.image, other.image);
+    assert_ne!(first.instance, other.instance);
+}
+
+#[test]
+fn the_ground_under_a_car_is_nearly_black_and_overcast_casts_no_shadow() {
+    let car = cuboid(Vec3::new(9.0, -0.9, 0.3), Vec3::new(13.0, 0.9, 1.5), gray(Semantic::Car, 0.3), 1);
+    let [_, fy, cx, cy] = INTRINSICS;
+    let ground_at = |r: &Rendered, x: f64| {
+        let v = (cy + fy * EYE_HEIGHT_M / x).round() as usize;
+        f64::from(r.image[(v * SIZE.0 + cx as usize) * 3 + 1])
+    };
+    for name in ["clear_noon", "soft_rain_noon"] {
+        let mut weather = Weather::preset(name).unwrap();
+        weather.wetness = 0.0;
+        let r = picture(&[ground(), car.clone()], &weather, 2);
+        assert!(ground_at(&r, 9.8) < 0.35 * ground_at(&r, 6.7), "{name}");
+    }
+    // Sun from behind the car: its shadow lies before the camera, but not in the rain.
+    let mut weather = clear_sun_from(0.0);
+    weather.sun_elevation_rad = math::atan(1.0);
+    let in_shadow = |w: &Weather| {
+        let r = picture(&[ground(), car.clone()], w, 2);
+        ground_at(&r, 8.2) / ground_at(&r, 6.7)
+    };
+    assert!(in_shadow(&weather) < 0.6, "{}", in_shadow(&weather));
+    weather.rain_mm_per_h = 5.0;
+    assert!(in_shadow(&weather) > 0.75, "{}", in_shadow(&weather));
+}
