@@ -160,9 +160,8 @@ fn clean(shapes: Shapes, crack_m: f64, hole_m2: f64) -> Shapes {
 }
 
 fn area_m2(contour: &[IntPoint<i32>]) -> f64 {
-    let cross = |a: &IntPoint<i32>, b: &IntPoint<i32>| {
-        f64::from(a.x) * f64::from(b.y) - f64::from(a.y) * f64::from(b.x)
-    };
+    let cross =
+        |a: &IntPoint<i32>, b: &IntPoint<i32>| f64::from(a.x) * f64::from(b.y) - f64::from(a.y) * f64::from(b.x);
     let next = contour.iter().cycle().skip(1);
     contour.iter().zip(next).map(|(a, b)| cross(a, b)).sum::<f64>() / (2.0 * UNITS_PER_M * UNITS_PER_M)
 }
@@ -173,7 +172,8 @@ fn straighten(ring: &[DVec2]) -> Ring {
     if n < 4 {
         return ring.to_vec();
     }
-    let far = (1..n).max_by(|a, b| (ring[*a] - ring[0]).length().total_cmp(&(ring[*b] - ring[0]).length())).unwrap_or(1);
+    let far =
+        (1..n).max_by(|a, b| (ring[*a] - ring[0]).length().total_cmp(&(ring[*b] - ring[0]).length())).unwrap_or(1);
     let mut keep = vec![false; n + 1];
     (keep[0], keep[far]) = (true, true);
     let mut todo = vec![(0, far), (far, n)];

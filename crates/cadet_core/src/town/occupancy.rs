@@ -76,9 +76,8 @@ impl Occupancy {
     /// True where no rectangle is met.
     pub fn is_free(&self, rect: &OrientedRect) -> bool {
         let (lo, hi) = Self::reach(rect);
-        cells(lo, hi).all(|c| {
-            self.grid.get(&c).is_none_or(|inside| inside.iter().all(|i| !self.rects[*i].overlaps(rect)))
-        })
+        cells(lo, hi)
+            .all(|c| self.grid.get(&c).is_none_or(|inside| inside.iter().all(|i| !self.rects[*i].overlaps(rect))))
     }
 
     /// True where no rectangle comes within `margin_m` of the point.

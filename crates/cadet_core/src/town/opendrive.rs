@@ -190,8 +190,5 @@ fn polyline(lane: &xodr::Lane) -> std::result::Result<Option<Polyline>, &'static
 
 fn hermite(a: DVec3, slope_a: DVec3, b: DVec3, slope_b: DVec3, t: f64) -> DVec3 {
     let (t2, t3) = (t * t, t * t * t);
-    a * (2.0 * t3 - 3.0 * t2 + 1.0)
-        + slope_a * (t3 - 2.0 * t2 + t)
-        + b * (3.0 * t2 - 2.0 * t3)
-        + slope_b * (t3 - t2)
+    a * (2.0 * t3 - 3.0 * t2 + 1.0) + slope_a * (t3 - 2.0 * t2 + t) + b * (3.0 * t2 - 2.0 * t3) + slope_b * (t3 - t2)
 }

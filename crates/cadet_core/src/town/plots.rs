@@ -63,10 +63,7 @@ impl Plot {
     pub fn house_rect(&self) -> Option<OrientedRect> {
         self.house.as_ref().map(|h| {
             let size = h.model.footprint_size();
-            self.rect(
-                [h.along_m - size.y / 2.0, h.along_m + size.y / 2.0],
-                [h.setback_m, h.setback_m + size.x],
-            )
+            self.rect([h.along_m - size.y / 2.0, h.along_m + size.y / 2.0], [h.setback_m, h.setback_m + size.x])
         })
     }
 }
@@ -155,9 +152,9 @@ pub(super) fn lay_out(
         }
         if next.is_none() {
             let length_m = s.range(5.0, 9.0).min(left);
-            next = [14.0, 7.0, 3.5].into_iter().find_map(|depth_m| {
-                plot_at(frontage, from, length_m, depth_m).filter(|plot| fits(plot, site, taken))
-            });
+            next = [14.0, 7.0, 3.5]
+                .into_iter()
+                .find_map(|depth_m| plot_at(frontage, from, length_m, depth_m).filter(|plot| fits(plot, site, taken)));
         }
         match next {
             Some(plot) => {

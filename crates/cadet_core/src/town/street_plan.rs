@@ -119,9 +119,10 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
     let mut arms: Vec<Vec<Arm>> = (0..num_junctions).map(|_| Vec::new()).collect();
     for (street, chain) in chains.iter().enumerate() {
         let style = styles[chain.line];
-        for (end, node, direction) in
-            [(End::Start, chain.nodes[0], chain.leaves), (End::Finish, chain.nodes[chain.nodes.len() - 1], chain.arrives)]
-        {
+        for (end, node, direction) in [
+            (End::Start, chain.nodes[0], chain.leaves),
+            (End::Finish, chain.nodes[chain.nodes.len() - 1], chain.arrives),
+        ] {
             arms[junction_of[node]].push(Arm {
                 street,
                 end,

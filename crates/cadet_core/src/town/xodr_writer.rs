@@ -38,7 +38,10 @@ impl Cubic {
 
     fn write(&self, out: &mut String, element: &str, s_name: &str) {
         let Self { s, a, b, c, d } = self;
-        put(out, format_args!("<{element} {s_name}=\"{s:.6}\" a=\"{a:.9}\" b=\"{b:.9}\" c=\"{c:.12}\" d=\"{d:.12}\"/>\n"));
+        put(
+            out,
+            format_args!("<{element} {s_name}=\"{s:.6}\" a=\"{a:.9}\" b=\"{b:.9}\" c=\"{c:.12}\" d=\"{d:.12}\"/>\n"),
+        );
     }
 }
 
@@ -262,7 +265,10 @@ fn write_shape(out: &mut String, curve: &PlanCurve, relief: &Relief) {
     for g in &curve.segments {
         let (x, y, hdg) = (g.start.at.x, g.start.at.y, g.start.heading_rad);
         let length = g.length_m;
-        put(out, format_args!("<geometry s=\"{s:.6}\" x=\"{x:.6}\" y=\"{y:.6}\" hdg=\"{hdg:.10}\" length=\"{length:.6}\">"));
+        put(
+            out,
+            format_args!("<geometry s=\"{s:.6}\" x=\"{x:.6}\" y=\"{y:.6}\" hdg=\"{hdg:.10}\" length=\"{length:.6}\">"),
+        );
         if g.curvature == 0.0 {
             out.push_str("<line/>");
         } else {

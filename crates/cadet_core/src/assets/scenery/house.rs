@@ -28,8 +28,7 @@ pub enum HouseKind {
 
 impl HouseKind {
     /// Every kind.
-    pub const ALL: [Self; 6] =
-        [Self::Detached, Self::Semi, Self::Terrace, Self::Village, Self::Block, Self::Flats];
+    pub const ALL: [Self; 6] = [Self::Detached, Self::Semi, Self::Terrace, Self::Village, Self::Block, Self::Flats];
 
     /// A short name.
     #[must_use]
@@ -300,13 +299,20 @@ impl HouseDesign {
             let shape = WallShape { width: 2.0 * half, bottom: foot - 0.4, eaves: top, apex: top };
             let rect = [half - 0.6, half + 0.6, foot + 0.15, top - 0.12];
             let filling = Filling::Window { sashes: 2, shutter: 0.0, curtain: false };
-            wall(b, &plane, &shape, &[Opening { rect, filling }], if detail == Detail::Near { Detail::Mid } else { detail });
+            wall(
+                b,
+                &plane,
+                &shape,
+                &[Opening { rect, filling }],
+                if detail == Detail::Near { Detail::Mid } else { detail },
+            );
             for s in [-1.0, 1.0] {
                 let w = y + s * half;
                 let [p, q, r] = [Vec3::new(x, w, foot - 0.4), Vec3::new(x, w, top), Vec3::new(back, w, top)];
                 if s > 0.0 { b.triangle(p, r, q, slot::WOOD) } else { b.triangle(p, q, r, slot::WOOD) }
             }
-            let (lo, hi) = (Vec3::new(back - 0.3, y - half - 0.2, top), Vec3::new(x + 0.25, y + half + 0.2, top + 0.13));
+            let (lo, hi) =
+                (Vec3::new(back - 0.3, y - half - 0.2, top), Vec3::new(x + 0.25, y + half + 0.2, top + 0.13));
             b.cuboid(lo, hi, slot::ROOF);
         }
     }
