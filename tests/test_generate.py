@@ -177,6 +177,17 @@ def test_ctrl_c_ends_cleanly_and_says_how_to_go_on(whole: Path, tmp_path: Path) 
     assert tree(out) == tree(whole)
 
 
+def test_two_runs_in_one_folder_do_not_meet(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with start(out, "-n", 40, *SIZE, fault="slow=0.05") as process:
+        wait_for(out / "training" / "meta" / "000002.json", process)
+        second = run(out, "-n", 40, *SIZE, "--resume")
+        assert second.returncode == FAILED
+        assert second.stderr == f"cadet-gen: another cadet-gen is writing to {out}: let it end first\n"
+        process.communicate(timeout=60)
+        assert process.returncode == FINE
+
+
 def test_every_fifth_episode_is_validation(tmp_path: Path) -> None:
     out = tmp_path / "out"
     assert run(out, "-n", 105, *SIZE, "--val-fraction", 0.2).returncode == FINE
