@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 
 from cadet import kitti
+from cadet.cli import run_cadet_gen
 
 HERE = Path(__file__).parent
 SIZE = ("--image-size", "64x32")
@@ -177,6 +178,17 @@ def test_ctrl_c_ends_cleanly_and_says_how_to_go_on(whole: Path, tmp_path: Path) 
     assert tree(out) == tree(whole)
 
 
+def test_two_runs_in_one_folder_do_not_meet(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with start(out, "-n", 40, *SIZE, fault="slow=0.05") as process:
+        wait_for(out / "training" / "meta" / "000002.json", process)
+        second = run(out, "-n", 40, *SIZE, "--resume")
+        assert second.returncode == FAILED
+        assert second.stderr == f"cadet-gen: another cadet-gen is writing to {out}: let it end first\n"
+        process.communicate(timeout=60)
+        assert process.returncode == FINE
+
+
 def test_every_fifth_episode_is_validation(tmp_path: Path) -> None:
     out = tmp_path / "out"
     assert run(out, "-n", 105, *SIZE, "--val-fraction", 0.2).returncode == FINE
@@ -282,19 +294,29 @@ WEATHERS = (
         ),
     ],
 )
+@pytest.mark.usefixtures("fake_core")
 def test_what_the_user_can_mend_costs_one_line_and_no_file(
-    whole: Path, tmp_path: Path, arguments: list[str], message: str
+    whole: Path,
+    tmp_path: Path,
+    arguments: list[str],
+    message: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     places = {"OUT": str(tmp_path / "out"), "HERE": str(HERE), "WHOLE": str(whole)}
     before = tree(whole)
     for name, place in places.items():
         arguments = [argument.replace(name, place) for argument in arguments]
-        message = message.replace(name, place) if name != "OUT" or "'OUT'" not in message else message
-    done = run(*arguments)
-    assert done.returncode == FAILED
-    assert done.stdout == ""
-    assert done.stderr.startswith(f"cadet-gen: {message}"), done.stderr
-    assert done.stderr.count("\n") == 1
+        message = message.replace(name, place) if name != "OUT" else message
+    # All of this is found out before a worker starts, so this process may run it.
+    monkeypatch.setattr(sys, "argv", ["cadet-gen", *arguments])
+    with pytest.raises(SystemExit) as ended:
+        run_cadet_gen()
+    assert ended.value.code == FAILED
+    stdout, stderr = capsys.readouterr()
+    assert stdout == ""
+    assert stderr.startswith(f"cadet-gen: {message}")
+    assert stderr.count("\n") == 1
     assert not (tmp_path / "out").exists()
     assert tree(whole) == before
 

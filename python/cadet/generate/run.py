@@ -56,9 +56,8 @@ def generate(
     """
     workers = num_processors() if workers is None else workers
     check_number("generate", "workers", workers, 1, 1024, whole=True)
-    sink = open_folder(Path(root), settings, resume=resume)
     num_new = num_kept = 0
-    try:
+    with open_folder(Path(root), settings, resume=resume) as sink:
         pool = Pool(Path(root).absolute(), settings, workers, max(1, num_processors() // workers))
         try:
             for made in pool.frames():
@@ -68,5 +67,3 @@ def generate(
         finally:
             pool.close()
         return Summary(num_new, num_kept, put_manifest(sink, settings))
-    finally:
-        sink.remove_partial()
