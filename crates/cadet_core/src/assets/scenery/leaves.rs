@@ -69,7 +69,6 @@ impl Leaves {
             slots.extend(core.slots);
             faces.extend(core.faces.iter().map(|f| f.map(|i| i + base)));
         }
-        let bounds = Bounds::of(vertices.iter().copied());
-        Mesh { vertices, normals, faces, slots, bounds }
+        Mesh::new(name, vertices, normals, faces, slots).expect("an asset's mesh is valid")
     }
 }
