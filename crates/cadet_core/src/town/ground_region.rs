@@ -29,6 +29,9 @@ const MAX_EXTENT_M: f64 = 40_000.0;
 const KERB_WIDTH_M: f64 = 0.15;
 /// Cracks up to twice this are closed.
 const CRACK_M: (f64, f64) = (0.4, 0.5);
+/// Strips are this much too wide to either side until cracks are closed: edges that two lanes share would else cross each
+/// other again and again within their rounding.
+const WIDEN_M: f64 = 0.02;
 /// Smaller islands in a carriageway, and smaller gaps between pavements, are filled.
 const SMALL_HOLE_M2: (f64, f64) = (15.0, 60.0);
 /// Corners that stand out less are straightened: in outlines, and between the steps that lead to them.
@@ -77,7 +80,7 @@ impl Regions {
         }
         let pavement_width_m = pavement_width(network);
         let mut pavement = strips(&|k| k == LaneKind::Sidewalk);
-        pavement.extend(grow(&carriageway, pavement_width_m).into_iter().flatten());
+        pavement.extend(grow(&carriageway, pavement_width_m + WIDEN_M).into_iter().flatten());
         let pavement = clean(union(&pavement), CRACK_M.1, SMALL_HOLE_M2.1);
         let rings = |shapes: &Shapes| -> Vec<Ring> {
             shapes.iter().flatten().map(|c| frame.ring(c)).filter(|r| r.len() >= 3).collect()
@@ -116,7 +119,7 @@ impl Frame {
         let at = |i: usize| lane.center[i].truncate();
         let side = |i: usize| {
             let along = (at((i + 1).min(n - 1)) - at(i.saturating_sub(1))).normalize_or_zero();
-            along.perp() * (lane.width_m[i] / 2.0)
+            along.perp() * (lane.width_m[i] / 2.0 + WIDEN_M)
         };
         let right = (0..n).map(|i| self.point(at(i) - side(i)));
         let left = (0..n).rev().map(|i| self.point(at(i) + side(i)));
@@ -149,9 +152,9 @@ fn grow(shapes: &Shapes, distance_m: f64) -> Shapes {
     grown
 }
 
-/// Closes cracks narrower than twice `crack_m` and fills holes below `hole_m2`.
+/// Closes cracks narrower than twice `crack_m`, takes off what strips are too wide, and fills holes below `hole_m2`.
 fn clean(shapes: Shapes, crack_m: f64, hole_m2: f64) -> Shapes {
-    let mut closed = grow(&grow(&shapes, crack_m), -crack_m);
+    let mut closed = grow(&grow(&shapes, crack_m), -crack_m - WIDEN_M);
     for shape in &mut closed {
         let mut index = 0;
         shape.retain(|contour| {
