@@ -201,8 +201,8 @@ fn add_trunk(tubes: &mut Tubes, p: &Proportions, frame: &Frame, level: usize) {
         ring(0.58, 0.002 + 0.3 * bust, 0.108, 0.152 * chest, slot::TOP, 0),
         ring(0.70, 0.004 + 0.5 * bust, 0.113 + 0.5 * bust, 0.160 * chest, slot::TOP, 2),
         ring(0.85, 0.0, 0.104, 0.167 * chest, slot::TOP, 0),
-        frame.ring(0.95 * t, -0.004, [0.090 * g + loose, sh - 0.012 + loose], slot::TOP, 1),
-        frame.ring(1.03 * t, -0.008, [0.072 * g + loose, 0.70 * sh + 0.5 * loose], slot::TOP, 1),
+        frame.ring(0.95 * t, -0.004, [0.090 * g + loose, sh + 0.016 + 0.6 * loose], slot::TOP, 1),
+        frame.ring(1.03 * t, -0.008, [0.072 * g + loose, 0.74 * sh + 0.5 * loose], slot::TOP, 1),
         frame.ring(1.10 * t, -0.006, [0.058 * g + 0.5 * loose, 0.070 * g + 0.5 * loose], slot::SKIN, 2),
     ];
     tubes.tube(&rings, SIDES[level][0], level, -1.0);
@@ -290,9 +290,9 @@ fn add_arm(tubes: &mut Tubes, p: &Proportions, frame: &Frame, side: f32, arm: Ar
         if c.length_squared() > 1e-4 { c.normalize() } else { left }
     };
     let mut rings = [
-        ring(on_upper(-0.09), upper, 0.036, loose, sleeve, 0),
-        ring(on_upper(0.0), upper, 0.050, loose, sleeve, 2),
-        ring(on_upper(0.22), upper, 0.056, loose, sleeve, 0),
+        ring(on_upper(-0.04), upper, 0.030, 0.5 * loose, sleeve, 0),
+        ring(on_upper(0.03), upper, 0.046, loose, sleeve, 2),
+        ring(on_upper(0.25), upper, 0.052, loose, sleeve, 0),
         ring(on_upper(0.55), upper, 0.049, if short { 0.018 } else { loose }, bare, 1),
         ring(on_upper(0.57), upper, 0.046, low, bare, if short { 0 } else { 9 }),
         ring(on_upper(0.85), upper, 0.043, low, bare, 0),

@@ -124,7 +124,7 @@ pub(super) fn walking(p: &Proportions, phase: f32) -> Posture {
     let arm = |side: f32, pose: ArmPose| match pose {
         ArmPose::Swing => {
             let swing = -22.0_f32.to_radians() * turn * side * scale + 0.05;
-            Arm { swing, lift: 0.13, elbow: p.elbow + 0.20 * swing.max(0.0), inward: 0.25 }
+            Arm { swing, lift: 0.10, elbow: p.elbow + 0.20 * swing.max(0.0), inward: 0.25 }
         }
         held => held_arm(p, held, 0.3 * turn * side),
     };

@@ -49,7 +49,7 @@ fn shell_slot(a: &Column, b: &Column, v: f32, styling: &Styling, half_length: f3
         return slot::PLASTIC;
     }
     if is_nose {
-        if f > styling.lamp_from && f < 0.97 && b.x > half_length - 0.45 && v > 0.64 && v < 0.93 {
+        if f > styling.lamp_from && f < 0.97 && 0.5 * (a.x + b.x) > half_length - 0.38 && v > 0.64 && v < 0.93 {
             return slot::LAMP;
         }
         if f < styling.grille_to && v > 0.64 && v < 0.90 {
@@ -62,7 +62,11 @@ fn shell_slot(a: &Column, b: &Column, v: f32, styling: &Styling, half_length: f3
             return slot::PLASTIC;
         }
     } else if is_tail {
-        if f > styling.tail_lamp_side && a.x < -half_length + 0.32 && v > styling.tail_lamp_from && v < 0.97 {
+        if f > styling.tail_lamp_side
+            && 0.5 * (a.x + b.x) < -half_length + 0.30
+            && v > styling.tail_lamp_from
+            && v < 0.97
+        {
             return slot::TAIL_LAMP;
         }
         if (styling.black_bumpers && v < 0.50) || v < 0.22 {

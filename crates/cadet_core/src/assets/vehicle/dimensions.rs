@@ -342,15 +342,6 @@ impl Dimensions {
         Self::of_kind(kind, class != ObjectClass::Car, s)
     }
 
-    /// The first kind of that name, for pictures and tests.
-    #[cfg(test)]
-    #[allow(dead_code)]
-    pub fn named(name: &str, s: &mut Stream) -> Option<Self> {
-        let car = CARS.iter().find(|k| k.name == name).map(|k| (k, false));
-        let kind = car.or_else(|| VANS.iter().find(|k| k.name == name).map(|k| (k, true)));
-        kind.map(|(k, is_van)| Self::of_kind(k, is_van, s))
-    }
-
     fn of_kind(kind: &Archetype, is_van: bool, s: &mut Stream) -> Self {
         // A longer car of a kind is a wider one: correlation 0.25.
         let z_length = s.clipped_normal(0.0, 1.0);
@@ -364,7 +355,7 @@ impl Dimensions {
         let front_axle = l / 2.0 - (kind.front_overhang_of_l + s.range(-0.008, 0.008)) * l;
         let rear_axle = front_axle - kind.wheelbase_of_l * l;
         let wheel_radius = (kind.wheel_diameter / 2.0 * s.range(0.97, 1.03)).min(0.225 * h);
-        let slope = |deg: f64| math::tan((deg + 0.0).to_radians()) as f32;
+        let slope = |deg: f64| math::tan(deg.to_radians()) as f32;
         let estate = kind.estate && (kind.name != "high_roof" || s.chance(0.8));
         let windows = if is_van && s.chance(if kind.name == "high_van" { 0.75 } else { 0.4 }) {
             Windows::PanelVan
