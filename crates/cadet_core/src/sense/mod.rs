@@ -7,6 +7,7 @@ mod pinhole;
 mod posed;
 mod raycast;
 mod turret;
+mod turret_table;
 
 pub use edges::EdgePlanes;
 pub use grid::{Beam, BeamGrid, LANES, Lanes, Window};
