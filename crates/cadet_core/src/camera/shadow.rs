@@ -120,7 +120,7 @@ impl Shadows {
             let margin = 8.0;
             let inside = margin..SIZE as f32 - margin;
             if inside.contains(&x) && inside.contains(&y) {
-                return map.sunlit(x, y, p.z, if index == 0 { 1.0 } else { 0.6 });
+                return map.sunlit(x, y, p.z, if index == 0 { 1.0 } else { 0.9 });
             }
         }
         1.0
