@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import cadet
 import numpy as np
 from numpy.typing import NDArray
+
+import cadet
 
 
 @dataclass(frozen=True)

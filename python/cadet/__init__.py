@@ -13,6 +13,7 @@ from cadet.errors import (
     ShapeError,
 )
 from cadet.frame import Frame
+from cadet.kitti import Calibration, Label
 from cadet.policy import District, ResetPolicy
 from cadet.rig import Camera, Lidar, Rig
 from cadet.road_map import RoadMap
@@ -22,12 +23,14 @@ from cadet.weather import weather_names
 
 __all__ = [
     "CadetError",
+    "Calibration",
     "Camera",
     "District",
     "Environment",
     "Frame",
     "FrameExistsError",
     "KittiFormatError",
+    "Label",
     "LabelConfig",
     "Lidar",
     "MissingFileError",

@@ -22,10 +22,11 @@ def check_number(
         CadetError: naming the field, the value and the range.
     """
     kinds = (int, np.integer) if whole else (int, float, np.integer, np.floating)
-    wanted = f"{'a whole number' if whole else 'a number'} "
-    wanted += f"of at least {low:g}" if high == float("inf") else f"from {low:g} to {high:g}"
+    low_text, high_text = (str(limit) if whole else f"{limit:g}" for limit in (low, high))
+    limits = f"of at least {low_text}" if high == float("inf") else f"from {low_text} to {high_text}"
     if isinstance(value, bool) or not isinstance(value, kinds) or not low <= value <= high or value == float("inf"):
-        raise CadetError(f"{owner}.{name}: expected {wanted}, got {value!r}")
+        kind = "a whole number" if whole else "a number"
+        raise CadetError(f"{owner}.{name}: expected {kind} {limits}, got {value!r}")
 
 
 def from_dict(cls: type[T], values: Mapping[str, Any]) -> T:

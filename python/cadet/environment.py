@@ -40,7 +40,7 @@ class Environment:
         Raises:
             CadetError: a seed or an episode that is no whole number of at least 0.
         """
-        check_number("reset", "episode", episode, 0, 2**40 - 1, whole=True)
+        check_number("reset", "episode", episode, 0, 10**9, whole=True)
         self._current = Episode(self.policy, self.rig, check_seed(seed), int(episode))
         self._next_sample = 0
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,9 +44,8 @@ class Scan:
     range_m: NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class RayHits:
-    """What rays hit first.
+class RayHits(NamedTuple):
+    """What rays hit first; unpacks into its three arrays.
 
     Attributes:
         range_m: (N,) float64 along the ray of unit direction; inf for a miss.

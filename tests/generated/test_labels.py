@@ -39,7 +39,7 @@ def test_boxes_contain_their_points(street_frames: list[Sensed]) -> None:
             own = points[sensed.scan.actor_id == meta["actor_id"]]
             assert len(own) == meta["num_points"]
             if len(own) >= 20:
-                kept = points_in_boxes(own, box_cam(label), margin=0.05).sum()
+                kept = points_in_boxes(own, box_cam(label), 0.05).sum()
                 inside, total = inside + kept, total + len(own)
                 assert kept >= 0.9 * len(own), (meta["model"], kept, len(own))
     assert total > 5000

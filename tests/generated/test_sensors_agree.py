@@ -38,8 +38,10 @@ def test_an_ideal_scan_agrees_with_parry() -> None:
         directions[every] @ world_from_velo[:3, :3].T,
     )
     ours = scan.range_m[every]
-    both = np.isfinite(ours) & np.isfinite(range_m)
-    agree = (np.isinf(ours) & np.isinf(range_m)) | (both & (np.abs(np.where(both, ours - range_m, 0)) < 1e-3))
+    hit, hit_by_parry = np.isfinite(ours), np.isfinite(range_m)
+    agree = hit == hit_by_parry
+    both = hit & hit_by_parry
+    agree[both] = np.abs(ours[both] - range_m[both]) < 1e-3
     assert agree.mean() >= 0.9999, (~agree).sum()
 
 

@@ -119,7 +119,7 @@ impl Scene {
         let town = match source {
             TownSource::Suburb => Town::suburb(&key, &config.suburb, &config.dressing)?,
             TownSource::OpenDrive { name, text } => Town::from_opendrive(&key, name, text, &config.dressing)?,
-            TownSource::Flat => Town::flat()?,
+            TownSource::Flat => Town::flat(),
         };
         let world = World::new(Arc::new(town), key)?;
         Ok(Self { key, world, weather, rig, label: config.label.clone().validated()?, sensed: None })
@@ -186,7 +186,7 @@ impl Scene {
         let distance_m = in_range("distance_m", distance_m, 0.0, 1000.0)?;
         let blocked_s = in_range("blocked_s", blocked_s, 1.0 / STEPS_PER_S, MAX_STEP_S)?;
         self.sensed = None;
-        self.world.drive(distance_m, blocked_s);
+        let _ = self.world.drive(distance_m, blocked_s)?;
         Ok(())
     }
 
@@ -224,16 +224,21 @@ impl Scene {
         let posed = self.triangles();
         let snapshot = self.snapshot().clone();
         let (key, rig, weather) = (self.key, &self.rig, &self.weather);
-        let view = View::new(&rig.camera, &world_from_cam);
-        let rendered = render(&posed, &view, weather, &mut key.indexed("camera", sample));
-        let scan = scan(&posed, &world_from_velo, &rig.lidar, weather, &mut key.indexed("lidar", sample));
+        let view = View {
+            intrinsics: rig.camera.intrinsics(),
+            width: rig.camera.width,
+            height: rig.camera.height,
+            world_from_cam: rig.camera.optical_pose(&world_from_cam),
+        };
+        let rendered = render(&posed, &view, weather, &mut key.indexed("camera", sample))?;
+        let scan = scan(&posed, &world_from_velo, &rig.lidar, weather, &mut key.indexed("lidar", sample))?;
         let buffers = ImageBuffers { depth: &rendered.depth, super_instance: &rendered.super_instance };
         let labels =
             label_actors(&self.label, &snapshot.actors, &posed, &rig.camera, &world_from_cam, buffers, &scan.actor_id);
         let ground = &self.world.town().ground;
         let plane = road_plane_cam(
             &world_from_cam,
-            |p| ground.height_at(p.x, p.y).filter(|_| ground.kind_at(p.x, p.y) == GroundKind::Road),
+            |p| ground.height_at(p.x, p.y).filter(|_| ground.kind_at(p.x, p.y) == Some(GroundKind::Road)),
             |p| ground.height_at(p.x, p.y),
         )
         .ok_or_else(|| Error::Scene { reason: "no ground ahead of the camera".to_owned() })?;
@@ -249,7 +254,10 @@ impl Scene {
     }
 
     /// A scan with returns, noise and weather, by `lidar` or by the rig's own.
-    pub fn scan(&mut self, lidar: Option<&LidarSpec>, sample: u64) -> Scan {
+    ///
+    /// # Errors
+    /// A LIDAR whose numbers make no sense.
+    pub fn scan(&mut self, lidar: Option<&LidarSpec>, sample: u64) -> Result<Scan> {
         let (world_from_velo, _) = self.sensor_poses();
         let posed = self.triangles();
         let spec = lidar.unwrap_or(&self.rig.lidar);
@@ -270,7 +278,7 @@ impl Scene {
     pub fn cast_rays(&mut self, rays_world: &[(DVec3, DVec3)]) -> Result<Vec<Option<RayHit>>> {
         let sensed = self.sensed();
         let caster = sensed.caster.get_or_insert_with(|| RayCaster::new(Arc::clone(&sensed.posed)));
-        rays_world.iter().map(|(origin, direction)| caster.cast(*origin, *direction)).collect()
+        rays_world.iter().map(|(origin_world, direction_world)| caster.cast(*origin_world, *direction_world)).collect()
     }
 }
 

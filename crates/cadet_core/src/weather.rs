@@ -1,6 +1,8 @@
 //! One weather for both sensors.
 
 use crate::error::{Error, Result};
+use crate::math::TAU;
+use crate::rng::Stream;
 
 /// The state of the air, the sky and the ground.
 ///
@@ -93,6 +95,17 @@ impl Weather {
             }
         }
         Ok(weather)
+    }
+
+    /// The same weather with its sun in a random direction, and a high sun between 20 and 45 degrees (KITTI's hours).
+    #[must_use]
+    pub fn with_sun_turned(mut self, stream: &mut Stream) -> Self {
+        self.sun_azimuth_rad = stream.range(0.0, TAU);
+        let height = stream.unit();
+        if self.sun_elevation_rad > 15_f64.to_radians() {
+            self.sun_elevation_rad = (20.0 + 25.0 * height).to_radians();
+        }
+        self
     }
 }
 

@@ -1,10 +1,10 @@
 //! Road networks, imported and generated: can one drive on them?
 
-#![allow(clippy::print_stderr)]
+#![allow(clippy::print_stderr, clippy::unwrap_used)]
 
 use cadet_core::math::{DVec3, atan2, wrap_angle};
-use cadet_core::rng::StreamKey;
-use cadet_core::town::{Lane, LaneKind, RoadNetwork, SuburbConfig, generate_suburb, load_map};
+use cadet_core::rng::{Stream, StreamKey};
+use cadet_core::town::{Ground, Lane, LaneKind, RoadNetwork, SuburbConfig, generate_suburb, load_map};
 
 /// The text of a map that is not part of the repository; `None`, with a reason printed, where it is missing.
 fn shared_map(name: &str) -> Option<String> {
@@ -113,4 +113,116 @@ fn suburbs_differ_by_key_and_by_nothing_else() {
     let make = |seed| generate_suburb(&StreamKey::scene(seed), &SuburbConfig::default()).unwrap().xodr;
     assert_eq!(make(3), make(3));
     assert_ne!(make(3), make(4));
+}
+
+#[test]
+fn every_allowed_suburb_can_be_driven_and_has_a_ground() {
+    let extremes = [
+        SuburbConfig { blocks: (2, 2), block_m: (60.0, 60.0), ..SuburbConfig::default() },
+        SuburbConfig {
+            blocks: (2, 6),
+            block_m: (60.0, 75.0),
+            max_slope: 0.1,
+            hilly_share: 1.0,
+            ..SuburbConfig::default()
+        },
+        SuburbConfig { blocks: (3, 3), block_m: (150.0, 250.0), parking_share: 1.0, ..SuburbConfig::default() },
+        SuburbConfig { blocks: (6, 5), parking_share: 0.0, max_slope: 0.0, ..SuburbConfig::default() },
+    ];
+    for (number, config) in extremes.iter().enumerate() {
+        for seed in 0..5 {
+            let suburb = generate_suburb(&StreamKey::scene(seed), config).unwrap();
+            assert_drivable(&format!("extreme {number}, seed {seed}"), &suburb.network);
+            let ground = Ground::new(&suburb.network).unwrap();
+            for p in suburb.network.driving().flat_map(|l| l.center.iter().step_by(5)) {
+                let z = ground.height_at(p.x, p.y).unwrap();
+                assert!((z - p.z).abs() < 0.025, "extreme {number}, seed {seed}: {z} at {p}");
+            }
+        }
+    }
+}
+
+#[test]
+fn suburbs_outside_their_limits_are_refused_by_name() {
+    let fine = SuburbConfig::default;
+    for (config, what) in [
+        (SuburbConfig { blocks: (1, 4), ..fine() }, "blocks"),
+        (SuburbConfig { blocks: (4, 13), ..fine() }, "blocks"),
+        (SuburbConfig { block_m: (59.0, 80.0), ..fine() }, "block_m"),
+        (SuburbConfig { block_m: (90.0, 80.0), ..fine() }, "block_m"),
+        (SuburbConfig { block_m: (f64::NAN, 80.0), ..fine() }, "block_m"),
+        (SuburbConfig { parking_share: 1.1, ..fine() }, "parking_share"),
+        (SuburbConfig { hilly_share: f64::NAN, ..fine() }, "hilly_share"),
+        (SuburbConfig { max_slope: 0.2, ..fine() }, "max_slope"),
+    ] {
+        let error = generate_suburb(&StreamKey::scene(0), &config).unwrap_err().to_string();
+        assert!(error.contains(what), "{error}");
+    }
+}
+
+#[test]
+fn traffic_keeps_to_the_right() {
+    let mut networks = vec![generate_suburb(&StreamKey::scene(0), &SuburbConfig::default()).unwrap().network];
+    networks.extend(shared_map("Town01.xodr").map(|text| load_map("Town01.xodr", &text).unwrap()));
+    for network in networks {
+        let streets: Vec<&Lane> = network.driving().filter(|l| l.junction.is_none() && l.length_m() > 10.0).collect();
+        for lane in &streets {
+            let pose = lane.pose_at(lane.length_m() / 2.0);
+            let left = pose.transform_point(DVec3::new(0.0, lane.width_at(lane.length_m() / 2.0), 0.0));
+            let nearest = |o: &&&Lane| o.project(left).1;
+            let beside = streets.iter().filter(|o| o.id != lane.id).min_by(|a, b| nearest(a).total_cmp(&nearest(b)));
+            let oncoming = beside.unwrap().pose_at(beside.unwrap().project(left).0);
+            assert!((oncoming.translation - left).truncate().length() < 0.5);
+            assert!((oncoming.rotation * DVec3::X).dot(pose.rotation * DVec3::X) < -0.95, "{left}");
+        }
+    }
+}
+
+#[test]
+fn damaged_maps_are_refused_or_read_but_never_panic() {
+    let small = SuburbConfig { blocks: (2, 2), ..SuburbConfig::default() };
+    let text = generate_suburb(&StreamKey::scene(0), &small).unwrap().xodr;
+    let mut stream = Stream::from_seed("damage", 0);
+    let mut refused = 0;
+    for round in 0..80 {
+        let mut bytes = text.clone().into_bytes();
+        match round % 4 {
+            0 => bytes.truncate(stream.below(bytes.len())),
+            1 => {
+                for _ in 0..20 {
+                    let at = stream.below(bytes.len());
+                    bytes[at] = b"0123456789-.e<>/\"x"[stream.below(18)];
+                }
+            }
+            _ => {
+                let values = ["NaN", "1e300", "-7", "", "1e-300", "999999"];
+                let quotes: Vec<usize> =
+                    (0..bytes.len() - 1).filter(|i| bytes[*i] == b'=' && bytes[i + 1] == b'"').collect();
+                for _ in 0..3 {
+                    let at = quotes[stream.below(quotes.len())] + 2;
+                    let end = (at..bytes.len()).find(|i| bytes[*i] == b'"').unwrap_or(at);
+                    let value = values[stream.below(values.len())].as_bytes();
+                    // Same length, so that the other places stay where they are.
+                    for i in at..end {
+                        bytes[i] = value.get(i - at).copied().unwrap_or(b' ');
+                    }
+                }
+            }
+        }
+        let damaged = String::from_utf8_lossy(&bytes);
+        match load_map("damaged.xodr", &damaged) {
+            Ok(network) => {
+                assert!(network.driving().next().is_some());
+                // Lanes torn apart still have a ground, or a reason why not.
+                if let Err(error) = Ground::new(&network) {
+                    assert!(error.to_string().contains("network"), "{error}");
+                }
+            }
+            Err(error) => {
+                refused += 1;
+                assert!(error.to_string().starts_with("damaged.xodr: "));
+            }
+        }
+    }
+    assert!(refused > 20, "{refused}");
 }

@@ -144,7 +144,7 @@ fn a_wall_in_the_camera_has_its_depth_and_its_edges() {
         for column in 0..100 {
             let (x, y) = ((column as f64 - 50.0) / 10.0, (row as f64 - 50.0) / 10.0);
             let inside = x > -0.999 && x < 1.999 && y > -2.999 && y < 0.999;
-            let outside = x < -1.001 || x > 2.001 || y < -3.001 || y > 1.001;
+            let outside = !(-1.001..=2.001).contains(&x) || !(-3.001..=1.001).contains(&y);
             let i = row * 100 + column;
             if inside {
                 assert!((hits.depth[i] - 10.0).abs() < 1e-5 && hits.instance[i] == 0);
@@ -165,6 +165,6 @@ fn equal_depths_go_to_the_earlier_instance() {
     let grid = turret(DPose3::IDENTITY, 16, 5.0, -5.0, [0.0, 0.0], 720);
     let mut hits = Hits::new(16, 720);
     cast(&posed(&[at(3), at(2), at(1)]), &grid, Layer::All, |_| true, &mut hits);
-    assert!(hits.instance.iter().any(|i| *i == 0));
+    assert!(hits.instance.contains(&0));
     assert!(hits.instance.iter().all(|i| *i == 0 || *i == NO_HIT));
 }

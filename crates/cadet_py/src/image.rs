@@ -17,14 +17,14 @@ pub(crate) fn encode_png<'py>(py: Python<'py>, image: &Bound<'py, PyAny>) -> PyR
     let bytes = if let Ok(array) = image.extract::<PyReadonlyArrayDyn<'py, u8>>() {
         let data = array.as_slice().map_err(|_| refused())?;
         match *array.shape() {
-            [height, width, 3] => py.detach(|| encode_rgb8(width, height, data)),
-            [height, width] => py.detach(|| encode_gray8(width, height, data)),
+            [height, width, 3] => py.detach(|| encode_rgb8(width as u32, height as u32, data)),
+            [height, width] => py.detach(|| encode_gray8(width as u32, height as u32, data)),
             _ => return Err(refused()),
         }
     } else if let Ok(array) = image.extract::<PyReadonlyArrayDyn<'py, u16>>() {
         let data = array.as_slice().map_err(|_| refused())?;
         match *array.shape() {
-            [height, width] => py.detach(|| encode_gray16(width, height, data)),
+            [height, width] => py.detach(|| encode_gray16(width as u32, height as u32, data)),
             _ => return Err(refused()),
         }
     } else {

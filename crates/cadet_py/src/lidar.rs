@@ -30,22 +30,22 @@ impl Lidar {
 
     /// The same beams, all from one point.
     fn single_origin(&self) -> Self {
-        Self { spec: self.spec.single_origin() }
+        Self { spec: self.spec.clone().single_origin() }
     }
 
     #[getter]
     fn name(&self) -> &str {
-        &self.spec.name
+        self.spec.name()
     }
 
     #[getter]
     fn num_rings(&self) -> usize {
-        self.spec.num_rings()
+        self.spec.rings().len()
     }
 
     #[getter]
     fn num_columns(&self) -> usize {
-        self.spec.num_columns()
+        self.spec.azimuths_rad().len()
     }
 
     /// Origins and directions in the LIDAR's frame, ring and column of every beam.

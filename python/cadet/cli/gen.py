@@ -28,20 +28,14 @@ _RIGS = {"kitti": Rig.kitti, "paper": Rig.paper}
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
 @click.argument("out", type=click.Path(path_type=Path, file_okay=False))
-@click.option(
-    "-n", "num_frames", type=click.IntRange(1, 1_000_000), default=20, show_default=True, help="Frames to make."
-)
+@click.option("-n", "num_frames", type=click.IntRange(1, 1_000_000), default=20, show_default=True, help="Frames.")
 @click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True, help="Same seed, same bytes.")
 @click.option(
     "--policy", type=click.Choice(list(_POLICIES)), default="kitti", show_default=True, help="How worlds are drawn."
 )
 @click.option("--rig", type=click.Choice(list(_RIGS)), help="The sensors.  [default: the policy's]")
-@click.option(
-    "--map", "maps", metavar="FILE", multiple=True, help="An OpenDRIVE map; repeat for more, drawn equally often."
-)
-@click.option(
-    "--weather", "weathers", metavar="NAME", multiple=True, help="A preset; repeat for more, drawn equally often."
-)
+@click.option("--map", "maps", metavar="FILE", multiple=True, help="An OpenDRIVE map; may be repeated.")
+@click.option("--weather", "weathers", metavar="NAME", multiple=True, help="A preset; may be repeated.")
 @click.option("--workers", type=click.IntRange(1, 1024), help="Processes.  [default: one for each processor]")
 @click.option("--image-size", metavar="WxH", help="Scale the image to this size, such as 621x188.")
 @click.option("--write", "write", metavar="LIST", default="", help=f"Write these too: {','.join(EXTRAS)}.")
@@ -67,16 +61,15 @@ def cadet_gen(
     resume: bool,
     val_fraction: float,
 ) -> int:
-    r"""Write a KITTI-format dataset of made-up suburbs to the folder OUT.
+    """Write a KITTI-format dataset of made-up suburbs to the folder OUT.
 
     \b
     cadet-gen out -n 10000 --seed 0
     cadet-gen out -n 20000 --seed 0 --resume          # the first 10000 stay as they are
     cadet-gen rain -n 500 --weather hard_rain_noon --write depth,instance
 
-    \b
     Weathers: {weathers}
-    """
+    """  # noqa: D301 - click reads the backspace
     settings = Settings(
         seed=seed,
         num_frames=num_frames,
@@ -99,10 +92,10 @@ def cadet_gen(
         with report:
             summary = generate(out, settings, workers=workers, resume=resume, on_frame=on_frame)
     except KeyboardInterrupt:
-        console.print(f"interrupted: {num_done} of {num_frames} frames are whole; go on with: {_again()}", markup=False)
+        console.print(f"interrupted; {_how_to_go_on(num_done, num_frames)}", markup=False)
         return INTERRUPTED
     except WorkerError as error:
-        raise CadetError(f"{error}; {num_done} of {num_frames} frames are whole; go on with: {_again()}") from None
+        raise CadetError(f"{error}; {_how_to_go_on(num_done, num_frames)}") from None
     console.print(_closing(out, summary, time.monotonic() - start_s), markup=False)
     return 0
 
@@ -138,10 +131,10 @@ def _rig(name: str, image_size: str | None) -> Rig:
     return replace(rig, camera=rig.camera.resized(int(match[1]), int(match[2])))
 
 
-def _again() -> str:
-    """Return the command that goes on with this run."""
+def _how_to_go_on(num_done: int, num_frames: int) -> str:
     arguments = sys.argv[1:]
-    return shlex.join(["cadet-gen", *arguments, *([] if "--resume" in arguments else ["--resume"])])
+    command = shlex.join(["cadet-gen", *arguments, *([] if "--resume" in arguments else ["--resume"])])
+    return f"at least {num_done} of {num_frames} frames are whole; go on with: {command}"
 
 
 def _closing(out: Path, summary: Summary, seconds: float) -> str:

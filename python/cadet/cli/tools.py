@@ -26,12 +26,12 @@ def cadet() -> None:
 @click.argument("what", metavar="ROOT[/ID]", type=click.Path(path_type=Path))
 @click.option("-o", "--out", type=click.Path(path_type=Path, dir_okay=False), help="The PNG.  [default: ID.png]")
 def view(what: Path, out: Path | None) -> None:
-    r"""Draw a frame, or some frames of a dataset.
+    """Draw a frame, or some frames of a dataset.
 
     \b
     cadet view out/000012                   # one frame: boxes, LIDAR returns, the view from above
     cadet view out -o overview.png          # five frames of the dataset
-    """
+    """  # noqa: D301 - click reads the backspace
     if what.is_dir() or not re.fullmatch(r"\d{6}", what.name):
         path = _view_some(what, out or Path("overview.png"))
     else:

@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
+import contextlib
+import fcntl
 import json
+from collections.abc import Iterator
 from pathlib import Path
 
 from cadet.errors import CadetError
-from cadet.generate.settings import Settings, first_difference
+from cadet.generate.settings import Settings, differences
 from cadet.sink import LocalSink
 
 RUN = "run.json"
 """What the run was begun with, for `--resume`."""
 
 
-def open_folder(root: Path, settings: Settings, *, resume: bool) -> LocalSink:
-    """Make a new dataset's folder, or check that an old one's run can go on.
+@contextlib.contextmanager
+def open_folder(root: Path, settings: Settings, *, resume: bool) -> Iterator[LocalSink]:
+    """Make a new dataset's folder, or check that an old one's run can go on; hold it until the run ends.
 
     Raises:
-        CadetError: the folder has something in it and `resume` is not set; it holds no run; or the run was begun with
-            other settings, or had more frames.
+        CadetError: the folder has something in it and `resume` is not set; it holds no run; the run was begun with
+            other settings, had more frames, or is still going on.
         OSError: the folder can't be made, read or written.
     """
     sink = LocalSink(root)
@@ -30,8 +34,17 @@ def open_folder(root: Path, settings: Settings, *, resume: bool) -> LocalSink:
         _check_no_more_frames(root, settings)
     else:
         sink.put(RUN, (json.dumps(identity, indent=1) + "\n").encode("ascii"))
-    sink.remove_partial()
-    return sink
+    with (root / RUN).open("rb") as run_file:
+        # The lock goes with the process, however that ends.
+        try:
+            fcntl.flock(run_file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise CadetError(f"another cadet-gen is writing to {root}: let it end first") from None
+        sink.remove_partial()
+        try:
+            yield sink
+        finally:
+            sink.remove_partial()
 
 
 def _check_same_run(root: Path, identity: dict[str, object]) -> None:
@@ -40,12 +53,14 @@ def _check_same_run(root: Path, identity: dict[str, object]) -> None:
     except (FileNotFoundError, ValueError):
         raise CadetError(f"{root} holds no run to go on with: there is no {RUN} in it; name a new folder") from None
     # What JSON makes of it, so that tuples and lists compare alike.
-    difference = first_difference(begun, json.loads(json.dumps(identity)))
-    if difference is not None:
-        name, old, new = difference
+    found = [
+        f"{name} was {json.dumps(old)}, now {json.dumps(new)}"
+        for name, old, new in differences(begun, json.loads(json.dumps(identity)))
+    ]
+    if found:
+        # One difference is enough to tell, and the shortest tells most: a number rather than a table.
         raise CadetError(
-            f"{root} was begun with other settings: {name} was {json.dumps(old)}, now {json.dumps(new)}; "
-            "give the same ones, or name a new folder"
+            f"{root} was begun with other settings: {min(found, key=len)}; give the same ones, or name a new folder"
         )
 
 

@@ -56,15 +56,14 @@ def generate(
     """
     workers = num_processors() if workers is None else workers
     check_number("generate", "workers", workers, 1, 1024, whole=True)
-    sink = open_folder(Path(root), settings, resume=resume)
     num_new = num_kept = 0
-    pool = Pool(Path(root).absolute(), settings, workers, max(1, num_processors() // workers))
-    try:
-        for made in pool.frames():
-            num_new += made.is_new
-            num_kept += not made.is_new
-            on_frame(made.is_new)
-    finally:
-        pool.close()
-        sink.remove_partial()
-    return Summary(num_new, num_kept, put_manifest(sink, settings))
+    with open_folder(Path(root), settings, resume=resume) as sink:
+        pool = Pool(Path(root).absolute(), settings, workers, max(1, num_processors() // workers))
+        try:
+            for made in pool.frames():
+                num_new += made.is_new
+                num_kept += not made.is_new
+                on_frame(made.is_new)
+        finally:
+            pool.close()
+        return Summary(num_new, num_kept, put_manifest(sink, settings))

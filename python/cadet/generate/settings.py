@@ -84,12 +84,13 @@ class Settings:
         }
 
 
-def first_difference(old: object, new: object, path: str = "") -> tuple[str, object, object] | None:
-    """Find where two trees of plain values differ first: (path, old, new), or None."""
+def differences(old: object, new: object, path: str = "") -> list[tuple[str, object, object]]:
+    """List where two trees of plain values differ: (path, old, new) each."""
     if isinstance(old, Mapping) and isinstance(new, Mapping):
-        for key in sorted({*old, *new}):
-            found = first_difference(old.get(key), new.get(key), f"{path}.{key}" if path else str(key))
-            if found is not None:
-                return found
-        return None
-    return None if old == new else (path, old, new)
+        keys = sorted({*old, *new})
+        return [
+            difference
+            for key in keys
+            for difference in differences(old.get(key), new.get(key), f"{path}.{key}" if path else str(key))
+        ]
+    return [] if old == new else [(path, old, new)]

@@ -289,12 +289,16 @@ def _read_instance(folder: Path, frame_id: str, image_shape: tuple[int, ...]) ->
     return None if pixels is None else images.instance_from_pixels(pixels)
 
 
+def _refuse_constant(constant: str) -> object:
+    raise ValueError(f"{constant} is no number")
+
+
 def _read_meta(folder: Path, frame_id: str) -> dict[str, Any]:
     data, name = _read_bytes(folder, "meta", frame_id)
     try:
-        meta = json.loads(data)
-    except (json.JSONDecodeError, UnicodeDecodeError) as error:
-        line = getattr(error, "lineno", 1)
+        meta = json.loads(data, parse_constant=_refuse_constant)
+    except (ValueError, RecursionError) as error:
+        line = getattr(error, "lineno", None)
         raise KittiFormatError(f"no JSON: {error}", name, line) from None
     if not isinstance(meta, dict):
         raise KittiFormatError(f"expected a JSON object, got {type(meta).__name__}", name, 1)

@@ -26,6 +26,8 @@ DEPTH_STEPS_PER_M: Final = 256.0
 
 _MAX_UINT16: Final = 65535
 _NUM_COLORS: Final = 3
+_PNG_START: Final = b"\x89PNG\r\n\x1a\n"
+_PNG_END: Final = b"IEND\xaeB`\x82"
 
 
 def encode_png(image: NDArray[Any]) -> bytes:
@@ -56,10 +58,12 @@ def decode_image(data: bytes, file: str = "image") -> NDArray[np.uint8]:
     """Decode a camera image: (H, W, 3) uint8 RGB.
 
     Raises:
-        KittiFormatError: no image, or a damaged one.
+        KittiFormatError: no image, a damaged one, or not three channels of 8 bit.
     """
-    image = cv2.cvtColor(_decode(data, file, cv2.IMREAD_COLOR), cv2.COLOR_BGR2RGB)
-    return np.ascontiguousarray(image, dtype=np.uint8)
+    image = _decode(data, file)
+    if image.ndim != _NUM_COLORS or image.shape[2] != _NUM_COLORS or image.dtype != np.uint8:
+        raise KittiFormatError(f"expected three channels of uint8, got {image.shape} {image.dtype.name}", file)
+    return np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2RGB), np.uint8)
 
 
 def decode_map(data: bytes, file: str, dtype: type[np.generic]) -> NDArray[Any]:
@@ -68,7 +72,7 @@ def decode_map(data: bytes, file: str, dtype: type[np.generic]) -> NDArray[Any]:
     Raises:
         KittiFormatError: no image, more than one channel, or another bit depth.
     """
-    image = _decode(data, file, cv2.IMREAD_UNCHANGED)
+    image = _decode(data, file)
     if image.ndim != _NUM_COLORS - 1 or image.dtype != dtype:
         wanted = np.dtype(dtype).name
         raise KittiFormatError(f"expected one channel of {wanted}, got {image.shape} {image.dtype.name}", file)
@@ -106,8 +110,15 @@ def instance_from_pixels(pixels: NDArray[np.uint16]) -> NDArray[np.int32]:
     return pixels.astype(np.int32) - np.int32(1)
 
 
-def _decode(data: bytes, file: str, flags: int) -> NDArray[Any]:
-    image = cv2.imdecode(np.frombuffer(data, np.uint8), flags) if data else None
+def _decode(data: bytes, file: str) -> NDArray[Any]:
+    if not data.startswith(_PNG_START):
+        raise KittiFormatError(f"no PNG image ({len(data)} bytes)", file)
+    if _PNG_END not in data:
+        raise KittiFormatError(f"truncated PNG image ({len(data)} bytes)", file)
+    try:
+        image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+    except cv2.error as error:
+        raise KittiFormatError(f"damaged PNG image: {error.err}", file) from None
     if image is None:
-        raise KittiFormatError(f"no readable image ({len(data)} bytes)", file)
+        raise KittiFormatError(f"damaged PNG image ({len(data)} bytes)", file)
     return np.asarray(image)

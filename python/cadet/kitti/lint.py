@@ -234,7 +234,9 @@ class _FrameLint:
 
         truncated = float(boxes.truncation(box_cam, calib, image_size)[0])
         width_px, height_px = float(whole[0, 2] - whole[0, 0]), float(whole[0, 3] - whole[0, 1])
-        rounding = _ROUNDING + 2.0 * rounding_px * (1.0 / width_px + 1.0 / height_px)
+        border_px = float(min(*whole[0, :2], image_size[0] - 1 - whole[0, 2], image_size[1] - 1 - whole[0, 3]))
+        is_whole = border_px > rounding_px
+        rounding = _ROUNDING + (0.0 if is_whole else 2.0 * rounding_px * (1.0 / width_px + 1.0 / height_px))
         if abs(truncated - label.truncated) > (rounding if self.strict else _LOOSE_TRUNCATION):
             self._add("label_2", line, f"truncated {label.truncated}, expected {truncated:.2f}", self.soft)
 

@@ -61,17 +61,20 @@ def boxes_figure(frame: Frame) -> style.Image:
     return canvas
 
 
-def corners_figure(frame: Frame) -> style.Image:
+def corners_figure(frame: Frame, is_visible: NDArray[np.bool_] | None = None) -> style.Image:
     """Draw the 3D boxes' corners, red where hidden and green where visible.
 
-    Where the visibility comes from is told by `cadet.view.visibility.corner_visibility`.
+    Args:
+        frame: the frame.
+        is_visible: (M, 8) for the objects from far to near; None asks `cadet.view.visibility.corner_visibility`.
 
     Returns:
         (H, W, 3) uint8 RGB.
     """
     canvas = style.dimmed(frame.image, brightness=0.75, saturation=0.5)
     objects = far_to_near(frame.labels)
-    is_visible, _ = corner_visibility(frame, objects)
+    if is_visible is None:
+        is_visible, _ = corner_visibility(frame, objects)
     for label, is_corner_visible in zip(objects, is_visible, strict=True):
         draw_wire_box(canvas, label, frame.calib, style.TEXT, has_heading=False)
         corners = boxes.corners_cam(label.box_cam[None])[0]

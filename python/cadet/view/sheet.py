@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -16,6 +17,7 @@ from cadet.kitti import images
 from cadet.kitti.calib import points_in_image
 from cadet.kitti.dataset import read_frame
 from cadet.kitti.files import check_id, write_whole
+from cadet.kitti.label import Label
 from cadet.view import style
 from cadet.view.bev import bev_figure, height_colors
 from cadet.view.camera import boxes_figure, corners_figure, far_to_near, lidar_figure
@@ -54,11 +56,17 @@ def sheet(frame: Frame, title: str = "") -> style.Image:
     Returns:
         (about 1090, 1920, 3) uint8 RGB; the height follows the camera image's.
     """
-    drawn = figures(frame)
+    enlarged = _magnified(frame)
+    is_visible, source = corner_visibility(frame, far_to_near(frame.labels))
+    drawn = {
+        "boxes": boxes_figure(enlarged),
+        "lidar": lidar_figure(enlarged),
+        "corners": corners_figure(enlarged, is_visible),
+    }
     captions = {
         "boxes": "Labels: 2D and 3D boxes, arrows along the heading",
         "lidar": _lidar_caption(frame),
-        "corners": f"Box corners: green visible, red hidden ({corner_visibility(frame, far_to_near(frame.labels))[1]})",
+        "corners": f"Box corners: green visible, red hidden ({source})",
     }
     rows = [_panel(_resized(drawn[name], _CAMERA_WIDTH), caption) for name, caption in captions.items()]
     right_width = SHEET_WIDTH_PX - _CAMERA_WIDTH - 3 * _MARGIN
@@ -96,7 +104,7 @@ def overview(frames: Iterable[Frame], path: str | Path, *, width: int = 1600) ->
     camera_width = width - bev_width - 3 * _MARGIN
     rows = []
     for frame in frames:
-        camera = _resized(boxes_figure(frame), camera_width)
+        camera = _resized(boxes_figure(_magnified(frame)), camera_width)
         bev = _fitted(bev_figure(frame, bev_width, has_text=False), len(camera))
         row = style.filled(len(camera), width)
         row[:, _MARGIN : _MARGIN + camera_width] = camera
@@ -190,6 +198,31 @@ def _facts(frame: Frame) -> list[str]:
     if noted:
         facts.append(", ".join(noted))
     return facts
+
+
+def _magnified(frame: Frame) -> Frame:
+    """Enlarge a small camera image by a whole factor, with the labels and the projection, so that strokes stay fine."""
+    factor = -(-_CAMERA_WIDTH // frame.image.shape[1])
+    if factor == 1:
+        return frame
+    # Pixel centers are whole numbers: the first pixel's center moves from 0 to the middle of the pixels it becomes.
+    offset = 0.5 * (factor - 1)
+    projection = frame.calib.P2.copy()
+    projection[:2] = factor * projection[:2] + offset * projection[2]
+
+    def enlarged(label: Label) -> Label:
+        left, top, right, bottom = (factor * x + offset for x in label.bbox)
+        return replace(label, bbox=(left, top, right, bottom))
+
+    return replace(
+        frame,
+        image=_resized(frame.image, factor * frame.image.shape[1]),
+        labels=tuple(enlarged(label) for label in frame.labels),
+        calib=replace(frame.calib, P2=projection),
+        depth=None,
+        instance=None,
+        semantic=None,
+    )
 
 
 def _resized(image: style.Image, width: int) -> style.Image:

@@ -1,5 +1,6 @@
 //! Parametric shapes: every asset is a pure function of its parameters and a seed.
 
+pub mod import;
 pub mod person;
 pub mod scenery;
 pub mod vehicle;

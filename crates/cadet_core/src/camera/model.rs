@@ -114,6 +114,13 @@ impl CameraModel {
         -DVec3::new((p[(0, 3)] - cx * z) / fx, (p[(1, 3)] - cy * z) / fy, z)
     }
 
+    /// The pose of P2's optical centre, given that of camera 0; the axes are the same.
+    #[must_use]
+    pub fn optical_pose(&self, world_from_cam: &DPose3) -> DPose3 {
+        let offset_world = world_from_cam.rotation * self.optical_center_cam();
+        DPose3 { rotation: world_from_cam.rotation, translation: world_from_cam.translation + offset_world }
+    }
+
     /// Projects a point of the frame of camera 0 with the whole P2. `None` at or behind the optical centre.
     #[must_use]
     pub fn project(&self, point_cam: DVec3) -> Option<Pixel> {

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::cluster::{Cluster, clusters_of};
 use crate::error::{Error, Result};
 use crate::math::Vec3;
 
@@ -52,6 +53,8 @@ pub struct Mesh {
     pub slots: Vec<u8>,
     /// Bounds of the vertices.
     pub bounds: Bounds,
+    /// The same faces in small groups.
+    pub clusters: Vec<Cluster>,
 }
 
 impl Mesh {
@@ -80,7 +83,8 @@ impl Mesh {
             return fail("a coordinate is not finite".to_owned());
         }
         let bounds = Bounds::of(vertices.iter().copied());
-        Ok(Self { vertices, normals, faces, slots, bounds })
+        let clusters = clusters_of(&vertices, &faces, &slots, &bounds);
+        Ok(Self { vertices, normals, faces, slots, bounds, clusters })
     }
 }
 

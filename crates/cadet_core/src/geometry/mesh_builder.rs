@@ -1,6 +1,6 @@
 //! Builds meshes face by face; normals come at the end, smooth below a crease angle.
 
-use std::collections::BTreeMap;
+use std::collections::HashMap;
 
 use super::mesh::Mesh;
 use crate::math::{Mat3, Vec3};
@@ -116,8 +116,9 @@ impl MeshBuilder {
     #[must_use]
     pub fn build(&self, name: &str, crease_rad: f32) -> Mesh {
         let cos_crease = crate::math::cosf(crease_rad);
-        let mut welded: BTreeMap<[u32; 3], u32> = BTreeMap::new();
-        let mut points: Vec<Vec3> = Vec::new();
+        // Looked up and never walked through, so its order does not matter.
+        let mut welded: HashMap<[u32; 3], u32> = HashMap::with_capacity(self.positions.len());
+        let mut points: Vec<Vec3> = Vec::with_capacity(self.positions.len());
         // `+ 0.0` makes -0.0 and 0.0 one corner.
         let key = |p: Vec3| [p.x + 0.0, p.y + 0.0, p.z + 0.0].map(f32::to_bits);
         let remap: Vec<u32> = self
@@ -143,6 +144,7 @@ impl MeshBuilder {
             .map(|(f, s)| (f, s, area_normal(&f)))
             .filter(|(_, _, n)| n.length_squared() > 1e-16)
             .collect();
+        let units: Vec<Vec3> = kept.iter().map(|k| k.2.normalize()).collect();
         let mut around: Vec<Vec<u32>> = vec![Vec::new(); points.len()];
         for (i, (f, _, _)) in kept.iter().enumerate() {
             for v in f {
@@ -150,22 +152,25 @@ impl MeshBuilder {
             }
         }
         let (mut vertices, mut normals) = (Vec::new(), Vec::new());
-        let mut split: BTreeMap<(u32, [u32; 3]), u32> = BTreeMap::new();
+        // The copies of each point so far: the normal's bits and the vertex that has it.
+        let mut split: Vec<Vec<([u32; 3], u32)>> = vec![Vec::new(); points.len()];
         let mut faces = Vec::with_capacity(kept.len());
-        for (f, _, own) in &kept {
-            let own_unit = own.normalize();
+        for ((f, _, _), own_unit) in kept.iter().zip(&units) {
             faces.push(f.map(|v| {
                 let sum = around[v as usize]
                     .iter()
+                    .filter(|i| units[**i as usize].dot(*own_unit) >= cos_crease)
                     .map(|i| kept[*i as usize].2)
-                    .filter(|n| n.normalize().dot(own_unit) >= cos_crease)
                     .fold(Vec3::ZERO, |a, n| a + n);
-                let normal = if sum.length_squared() > 0.0 { sum.normalize() } else { own_unit };
-                *split.entry((v, key(normal))).or_insert_with(|| {
-                    vertices.push(points[v as usize]);
-                    normals.push(normal);
-                    (vertices.len() - 1) as u32
-                })
+                let normal = if sum.length_squared() > 0.0 { sum.normalize() } else { *own_unit };
+                let copies = &mut split[v as usize];
+                if let Some((_, index)) = copies.iter().find(|(bits, _)| *bits == key(normal)) {
+                    return *index;
+                }
+                vertices.push(points[v as usize]);
+                normals.push(normal);
+                copies.push((key(normal), (vertices.len() - 1) as u32));
+                (vertices.len() - 1) as u32
             }));
         }
         let slots = kept.iter().map(|k| k.1).collect();

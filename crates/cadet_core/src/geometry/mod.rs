@@ -1,7 +1,9 @@
 //! Meshes and the small geometry that everything shares.
 
+mod cluster;
 mod mesh;
 mod mesh_builder;
 
+pub use cluster::{CLUSTER_FACES, Cluster, clusters_of, slot_bit};
 pub use mesh::{Bounds, LodSet, Mesh};
 pub use mesh_builder::MeshBuilder;

@@ -43,7 +43,7 @@ pub(super) fn silhouette(
     let from_sample = |i: usize| (i as f64 + 0.5) / n - 0.5;
     let (rows, columns) = (r2 - r1, c2 - c1);
     let window = [from_sample(c1), from_sample(r1), 1.0 / n, 1.0 / n];
-    let grid = PinholeGrid::new(optical_pose(camera, world_from_cam), camera.intrinsics(), window, rows, columns)
+    let grid = PinholeGrid::new(camera.optical_pose(world_from_cam), camera.intrinsics(), window, rows, columns)
         .expect("a checked camera and a window that is not empty");
     let mut hits = Hits::new(rows, columns);
     cast(scene, &grid, Layer::All, |i| i.actor_id == actor_id, &mut hits);
@@ -63,12 +63,6 @@ pub(super) fn silhouette(
         }
     }
     found
-}
-
-/// The pose of P2's optical centre, given that of camera 0.
-pub(super) fn optical_pose(camera: &CameraModel, world_from_cam: &DPose3) -> DPose3 {
-    let offset = world_from_cam.rotation * camera.optical_center_cam();
-    DPose3 { rotation: world_from_cam.rotation, translation: world_from_cam.translation + offset }
 }
 
 /// Pixels that the actor's vertices span; the whole image where some are beside or behind the camera.

@@ -70,7 +70,7 @@ impl Air {
 }
 
 /// Fog weaker than this is not heard.
-const SOFT_FLOOR: f64 = 2e-4;
+const SOFT_FLOOR: f64 = 1e-3;
 
 /// A return from a drop, a flake or fog.
 #[derive(Debug, Clone, Copy, PartialEq)]

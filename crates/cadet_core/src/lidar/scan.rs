@@ -63,8 +63,9 @@ pub fn scan(
     let (rows, columns) = (spec.rings().len(), spec.azimuths_rad().len());
     let mut solid = Hits::new(rows, columns);
     cast(scene, &grid, Layer::Opaque, |_| true, &mut solid);
-    let mut glass = Hits::new(rows, columns);
-    cast(scene, &grid, Layer::Glass, |_| true, &mut glass);
+    // Only panes in front of what is solid matter: they alone replace it.
+    let mut first = solid.clone();
+    cast(scene, &grid, Layer::Glass, |_| true, &mut first);
 
     let air = Air::new(weather);
     let headings = spec.headings();
@@ -76,19 +77,19 @@ pub fn scan(
             let draws = Draws::new(stream);
             let at = ring * columns + column;
             let direction_velo = DVec3::new(cos * heading[0], cos * heading[1], sin);
-            let surface = |hits: &Hits| {
-                (hits.instance[at] != NO_HIT)
-                    .then(|| surface_at(scene, hits, at, world_from_velo.rotation * direction_velo))
-            };
-            let Some(found) = receive(surface(&glass), surface(&solid), &air, gain, spec.range_noise_m, &draws) else {
+            let direction_world = world_from_velo.rotation * direction_velo;
+            let behind = surface_at(scene, &solid, at, direction_world);
+            let is_pane = (first.instance[at], first.face[at]) != (solid.instance[at], solid.face[at]);
+            let pane = if is_pane { surface_at(scene, &first, at, direction_world) } else { None };
+            let Some(found) = receive(pane, behind, &air, gain, spec.range_noise_m, &draws) else {
                 continue;
             };
             if !(spec.min_range_m..spec.max_range_m).contains(&found.range_m) {
                 continue;
             }
             let p = direction_velo * found.range_m + DVec3::new(0.0, 0.0, laser.height_m);
-            let millimetres = |v: f64| ((v * 1e3).round() / 1e3) as f32;
-            let hundredths = |v: f64| ((v * 1e2).round().clamp(0.0, 99.0) / 1e2) as f32;
+            let millimetres = |v: f64| (round(v * 1e3) / 1e3) as f32;
+            let hundredths = |v: f64| (round(v * 1e2).clamp(0.0, 99.0) / 1e2) as f32;
             out.points_velo.push([millimetres(p.x), millimetres(p.y), millimetres(p.z), hundredths(found.intensity)]);
             out.ring.push(ring as i32);
             out.column.push(column as i32);
@@ -99,15 +100,25 @@ pub fn scan(
     Ok(out)
 }
 
-fn surface_at<'a>(scene: &'a PosedScene, hits: &Hits, at: usize, direction_world: DVec3) -> Surface<'a> {
+fn surface_at<'a>(scene: &'a PosedScene, hits: &Hits, at: usize, direction_world: DVec3) -> Option<Surface<'a>> {
     let (instance, face) = (hits.instance[at], hits.face[at]);
+    if instance == NO_HIT {
+        return None;
+    }
     let posed = &scene.instances[instance as usize];
     let [a, b, c] = scene.corners(instance, face).map(|p| p.as_dvec3());
     let normal_world = (b - a).cross(c - a).normalize_or_zero();
-    Surface {
+    Some(Surface {
         range_m: f64::from(hits.depth[at]),
         cos_incidence: normal_world.dot(direction_world).abs().min(1.0),
         material: posed.material(face),
         actor_id: posed.actor_id,
-    }
+    })
+}
+
+/// The nearest whole number, for numbers below 2^51: adding 1.5 * 2^52 leaves no place for a fraction. Without SSE 4.1
+/// `round` is a call.
+fn round(x: f64) -> f64 {
+    const NO_FRACTION: f64 = 6_755_399_441_055_744.0;
+    (x + NO_FRACTION) - NO_FRACTION
 }

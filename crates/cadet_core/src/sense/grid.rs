@@ -38,6 +38,22 @@ impl Window {
     }
 }
 
+/// Tangents of the directions in which a circle is seen from the origin of its plane: the middle lies at `across` and
+/// `along > 0` or behind. Infinite where the circle reaches beyond a right angle, None where it lies behind altogether.
+#[inline]
+pub(super) fn tangents_of_circle(across: f32, along: f32, radius_m: f32) -> Option<[f32; 2]> {
+    if along < -radius_m {
+        return None;
+    }
+    // Points (across, along) with slope t touch the circle where |across - t along| = radius sqrt(1 + t^2).
+    let a = along * along - radius_m * radius_m;
+    if along <= 0.0 || a <= 1e-3 * along * along {
+        return Some([f32::NEG_INFINITY, f32::INFINITY]);
+    }
+    let reach = radius_m * (across * across + a).sqrt();
+    Some([(across * along - reach) / a, (across * along + reach) / a])
+}
+
 /// Beams in rows and columns, and what the visibility kernel asks of them.
 ///
 /// Bounds may be too wide but never too narrow; [`BeamGrid::cover`] decides exactly.
@@ -57,8 +73,11 @@ pub trait BeamGrid {
     /// The beam of a row and a column.
     fn beam(&self, row: usize, column: usize) -> Beam;
 
-    /// False only if no beam meets the sphere.
-    fn sees_sphere(&self, center_grid: DVec3, radius_m: f64) -> bool;
+    /// The beams that may meet a sphere, and a depth below that of its every point.
+    fn sphere_windows(&self, center_grid: Vec3, radius_m: f32) -> ([Window; 2], f32);
+
+    /// Where the first beam of an inner row stands in a row-major array.
+    fn row_start(&self, inner_row: usize) -> usize;
 
     /// Where points fall on the grid.
     fn footprints(&self, points_grid: &Lanes, out: &mut [Self::Footprint; LANES]);

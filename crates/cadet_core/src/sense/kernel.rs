@@ -1,8 +1,9 @@
 //! The visibility kernel: which triangle each beam of a grid meets first.
 
 use super::edges::EdgePlanes;
-use super::grid::{BeamGrid, LANES, Lanes};
+use super::grid::{BeamGrid, LANES, Lanes, Window};
 use super::posed::{PosedInstance, PosedScene};
+use crate::geometry::{Cluster, slot_bit};
 use crate::math::{DMat3, Mat3, Vec3};
 
 /// The instance and the face of a beam that meets nothing.
@@ -76,23 +77,160 @@ pub fn cast<G: BeamGrid>(
         *hits = Hits::new(grid.rows(), grid.columns());
     }
     let to_grid = ToGrid::new(grid);
-    let mut near_first: Vec<(f64, usize)> = Vec::with_capacity(scene.instances.len());
-    for (index, instance) in scene.instances.iter().enumerate() {
-        let center_grid = to_grid.rotation * (instance.center_world - to_grid.origin_world);
-        if keep(instance) && grid.sees_sphere(center_grid, instance.radius_m) {
-            near_first.push((center_grid.length() - instance.radius_m, index));
+    let mut near_first = visible_clusters(scene, grid, &to_grid, layer, keep);
+    near_first.sort_unstable_by(|a, b| {
+        a.near_depth.total_cmp(&b.near_depth).then((a.instance, a.cluster).cmp(&(b.instance, b.cluster)))
+    });
+    let mut caster = Caster { scene, grid, to_grid, layer, scratch: Scratch::default(), hits };
+    for item in &near_first {
+        if !caster.is_hidden(&item.windows, item.near_depth) {
+            caster.cast_cluster(item);
         }
-    }
-    near_first.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let mut scratch = Scratch { points_grid: Vec::new(), footprints: Vec::new() };
-    for (_, index) in near_first {
-        cast_instance(scene, index, grid, &to_grid, layer, &mut scratch, hits);
     }
 }
 
+/// A cluster in view.
+struct Visible {
+    near_depth: f32,
+    instance: u32,
+    cluster: u32,
+    windows: [Window; 2],
+}
+
+fn visible_clusters<G: BeamGrid>(
+    scene: &PosedScene,
+    grid: &G,
+    to_grid: &ToGrid,
+    layer: Layer,
+    keep: impl Fn(&PosedInstance) -> bool,
+) -> Vec<Visible> {
+    let mut out = Vec::new();
+    for (index, instance) in scene.instances.iter().enumerate() {
+        if !keep(instance) {
+            continue;
+        }
+        let slots = slots_of_layer(instance, layer);
+        let center_grid = to_grid.rotation * (instance.center_world - to_grid.origin_world);
+        let (windows, _) =
+            grid.sphere_windows(center_grid.as_vec3(), loosened(instance.radius_m as f32, center_grid.as_vec3()));
+        if slots == 0 || windows.iter().all(Window::is_empty) {
+            continue;
+        }
+        let grid_from_local = to_grid.rotation * instance.world_from_local;
+        let origin_grid = center_grid - grid_from_local * instance.mesh.bounds.center().as_dvec3();
+        let (linear, offset) = (grid_from_local.as_mat3(), origin_grid.as_vec3());
+        for (number, cluster) in instance.mesh.clusters.iter().enumerate() {
+            if cluster.slots & slots == 0 {
+                continue;
+            }
+            let center_grid = linear * cluster.center + offset;
+            let (windows, near_depth) = grid.sphere_windows(center_grid, loosened(cluster.radius_m, center_grid));
+            if windows.iter().any(|w| !w.is_empty()) {
+                out.push(Visible { near_depth, instance: index as u32, cluster: number as u32, windows });
+            }
+        }
+    }
+    out
+}
+
+/// A radius that covers the rounding of vertices to single precision, world coordinates of some kilometres included.
+#[inline]
+fn loosened(radius_m: f32, center_grid: Vec3) -> f32 {
+    radius_m * 1.000_01 + 1e-3 + 1e-6 * center_grid.abs().max_element()
+}
+
+struct Caster<'a, G: BeamGrid> {
+    scene: &'a PosedScene,
+    grid: &'a G,
+    to_grid: ToGrid,
+    layer: Layer,
+    scratch: Scratch<G::Footprint>,
+    hits: &'a mut Hits,
+}
+
+/// The vertices of one cluster, in the grid's frame and on the grid.
+#[derive(Default)]
 struct Scratch<F> {
     points_grid: Vec<Vec3>,
     footprints: Vec<F>,
+}
+
+impl<G: BeamGrid> Caster<'_, G> {
+    /// True if all beams of the windows have met something nearer than `near_depth`.
+    #[inline]
+    fn is_hidden(&self, windows: &[Window; 2], near_depth: f32) -> bool {
+        windows.iter().filter(|w| !w.is_empty()).all(|window| {
+            window.rows.clone().all(|row| {
+                let start = self.grid.row_start(row);
+                let depths = &self.hits.depth[start + window.columns.start..start + window.columns.end];
+                depths.iter().all(|d| *d < near_depth)
+            })
+        })
+    }
+
+    fn cast_cluster(&mut self, item: &Visible) {
+        let instance = &self.scene.instances[item.instance as usize];
+        let cluster = &instance.mesh.clusters[item.cluster as usize];
+        let vertices_world = &self.scene.vertices_world[instance.vertices.clone()];
+        self.project(cluster, vertices_world);
+        let slots = slots_of_layer(instance, self.layer);
+        // Bit 63 may stand for several slots.
+        let uniform = cluster.slots & !slots == 0 && cluster.slots >> 63 == 0;
+        for (corners, face) in cluster.corners.iter().zip(&cluster.faces) {
+            let [i, j, k] = corners.map(usize::from);
+            let (points, footprints) = (&self.scratch.points_grid, &self.scratch.footprints);
+            let windows =
+                self.grid.windows(|| [points[i], points[j], points[k]], &[footprints[i], footprints[j], footprints[k]]);
+            if windows.iter().all(Window::is_empty) {
+                continue;
+            }
+            if !uniform && !in_layer(instance, *face, self.layer) {
+                continue;
+            }
+            // Most far sides of closed meshes end here.
+            if self.is_hidden(&windows, item.near_depth) {
+                continue;
+            }
+            let exact = |i: usize| {
+                let p = vertices_world[cluster.vertices[i] as usize].as_dvec3();
+                self.to_grid.rotation * (p - self.to_grid.origin_world)
+            };
+            let exact = [exact(i), exact(j), exact(k)];
+            let planes = EdgePlanes::new(exact);
+            for window in windows.iter().filter(|w| !w.is_empty()) {
+                self.grid.cover(&planes, window, |at, depth| {
+                    self.hits.keep_nearer(at, depth as f32, item.instance, *face);
+                });
+            }
+        }
+    }
+
+    fn project(&mut self, cluster: &Cluster, vertices_world: &[Vec3]) {
+        self.scratch.points_grid.clear();
+        self.scratch.footprints.clear();
+        for chunk in cluster.vertices.chunks(LANES) {
+            // A short last chunk repeats its first vertex; nobody looks at the copies.
+            let gathered = std::array::from_fn(|i| vertices_world[chunk[if i < chunk.len() { i } else { 0 }] as usize]);
+            let lanes = self.to_grid.lanes(&gathered);
+            let mut footprints = [G::Footprint::default(); LANES];
+            self.grid.footprints(&lanes, &mut footprints);
+            self.scratch.footprints.extend_from_slice(&footprints);
+            self.scratch.points_grid.extend((0..LANES).map(|i| Vec3::new(lanes[0][i], lanes[1][i], lanes[2][i])));
+        }
+    }
+}
+
+/// The bits of the material slots that belong to a layer.
+fn slots_of_layer(instance: &PosedInstance, layer: Layer) -> u64 {
+    if layer == Layer::All {
+        return u64::MAX;
+    }
+    let slots = instance.palette.0.iter().zip(0_u8..);
+    slots.filter(|(m, _)| m.is_glass() == (layer == Layer::Glass)).fold(0, |bits, (_, slot)| bits | slot_bit(slot))
+}
+
+fn in_layer(instance: &PosedInstance, face: u32, layer: Layer) -> bool {
+    layer == Layer::All || instance.material(face).is_glass() == (layer == Layer::Glass)
 }
 
 /// World to grid: in double precision for the exact test, in single for the bounds.
@@ -131,90 +269,5 @@ impl ToGrid {
             out[2][i] = cx.z * d[0][i] + cy.z * d[1][i] + cz.z * d[2][i];
         }
         out
-    }
-}
-
-fn cast_instance<G: BeamGrid>(
-    scene: &PosedScene,
-    index: usize,
-    grid: &G,
-    to_grid: &ToGrid,
-    layer: Layer,
-    scratch: &mut Scratch<G::Footprint>,
-    hits: &mut Hits,
-) {
-    let instance = &scene.instances[index];
-    let Some(slots) = SlotFilter::new(instance, layer) else { return };
-    let vertices_world = &scene.vertices_world[instance.vertices.clone()];
-    project(grid, to_grid, vertices_world, scratch);
-    let (points_grid, footprints) = (&scratch.points_grid[..], &scratch.footprints[..]);
-    for (face, corners) in instance.mesh.faces.iter().enumerate() {
-        let corners = corners.map(|i| i as usize);
-        let windows = grid.windows(|| corners.map(|i| points_grid[i]), &corners.map(|i| footprints[i]));
-        if windows[0].is_empty() && windows[1].is_empty() {
-            continue;
-        }
-        if !slots.accepts(instance.mesh.slots[face]) {
-            continue;
-        }
-        let exact = corners.map(|i| to_grid.rotation * (vertices_world[i].as_dvec3() - to_grid.origin_world));
-        let planes = EdgePlanes::new(exact);
-        for window in windows.iter().filter(|w| !w.is_empty()) {
-            grid.cover(&planes, window, |at, depth| {
-                hits.keep_nearer(at, depth as f32, index as u32, face as u32);
-            });
-        }
-    }
-}
-
-/// Fills the scratch with the instance's vertices, in the grid's frame and on the grid.
-fn project<G: BeamGrid>(grid: &G, to_grid: &ToGrid, vertices_world: &[Vec3], scratch: &mut Scratch<G::Footprint>) {
-    scratch.points_grid.clear();
-    scratch.footprints.clear();
-    let mut project_chunk = |chunk: &[Vec3; LANES], n: usize| {
-        let lanes = to_grid.lanes(chunk);
-        let mut footprints = [G::Footprint::default(); LANES];
-        grid.footprints(&lanes, &mut footprints);
-        scratch.footprints.extend_from_slice(&footprints[..n]);
-        scratch.points_grid.extend((0..n).map(|i| Vec3::new(lanes[0][i], lanes[1][i], lanes[2][i])));
-    };
-    let (chunks, rest) = vertices_world.as_chunks::<LANES>();
-    for chunk in chunks {
-        project_chunk(chunk, LANES);
-    }
-    if let Some(first) = rest.first() {
-        let mut padded = [*first; LANES];
-        padded[..rest.len()].copy_from_slice(rest);
-        project_chunk(&padded, rest.len());
-    }
-}
-
-/// Which material slots of an instance belong to the layer.
-enum SlotFilter {
-    Every,
-    Some(Vec<bool>),
-}
-
-impl SlotFilter {
-    /// None where no slot does.
-    fn new(instance: &PosedInstance, layer: Layer) -> Option<Self> {
-        let accepts: Vec<bool> = match layer {
-            Layer::All => return Some(Self::Every),
-            Layer::Opaque => instance.palette.0.iter().map(|m| !m.is_glass()).collect(),
-            Layer::Glass => instance.palette.0.iter().map(crate::material::Material::is_glass).collect(),
-        };
-        match (accepts.iter().any(|a| *a), accepts.iter().all(|a| *a)) {
-            (false, _) => None,
-            (true, true) => Some(Self::Every),
-            (true, false) => Some(Self::Some(accepts)),
-        }
-    }
-
-    #[inline]
-    fn accepts(&self, slot: u8) -> bool {
-        match self {
-            Self::Every => true,
-            Self::Some(accepts) => accepts[usize::from(slot)],
-        }
     }
 }

@@ -1,7 +1,7 @@
 //! The beams of a pinhole camera, at any spacing on the image plane.
 
 use super::edges::EdgePlanes;
-use super::grid::{Beam, BeamGrid, LANES, Lanes, Window};
+use super::grid::{Beam, BeamGrid, LANES, Lanes, Window, tangents_of_circle};
 use crate::error::{Error, Result, finite};
 use crate::math::{DPose3, DVec3, Vec3};
 
@@ -110,14 +110,20 @@ impl BeamGrid for PinholeGrid {
         }
     }
 
-    fn sees_sphere(&self, c: DVec3, radius_m: f64) -> bool {
-        let [left, right, top, bottom] = self.edges();
-        let reach = |slope: f64| radius_m * (1.0 + slope * slope).sqrt();
-        c.z > -radius_m
-            && c.x - left * c.z > -reach(left)
-            && c.x - right * c.z < reach(right)
-            && c.y - top * c.z > -reach(top)
-            && c.y - bottom * c.z < reach(bottom)
+    #[inline]
+    fn sphere_windows(&self, c: Vec3, radius_m: f32) -> ([Window; 2], f32) {
+        let range = |across: f32, scale: f64, offset: f64, n: usize| {
+            let Some([lo, hi]) = tangents_of_circle(across, c.z, radius_m) else { return 0..0 };
+            let (lo, hi) = (lo * scale as f32 + offset as f32, hi * scale as f32 + offset as f32);
+            (lo - 1.0).max(0.0) as usize..((hi + 2.0).max(0.0) as usize).min(n)
+        };
+        let columns = range(c.x, self.column_scale, self.column_offset, self.columns());
+        let rows = range(c.y, self.row_scale, self.row_offset, self.rows());
+        ([Window { rows, columns }, Window::default()], c.z - radius_m)
+    }
+
+    fn row_start(&self, inner_row: usize) -> usize {
+        inner_row * self.columns_x.len()
     }
 
     #[inline]
@@ -148,9 +154,10 @@ impl BeamGrid for PinholeGrid {
         let range = |k: usize, n: usize| {
             let lo = a[k].min(b[k]).min(c[k]) - MARGIN;
             let hi = a[k].max(b[k]).max(c[k]) + MARGIN;
-            let first = lo.max(0.0).ceil() as usize;
-            let end = ((hi + 1.0).max(0.0) as usize).min(n);
-            first..end
+            // Rounded up and down by hand: without SSE 4.1 `ceil` is a call.
+            let below = lo.max(0.0) as u32;
+            let first = below + u32::from((below as f32) < lo);
+            first as usize..((hi + 1.0).max(0.0) as u32 as usize).min(n)
         };
         [Window { rows: range(1, self.rows()), columns: range(0, self.columns()) }, Window::default()]
     }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::edges::EdgePlanes;
-use super::grid::{Beam, BeamGrid, LANES, Lanes, Window};
+use super::grid::{Beam, BeamGrid, LANES, Lanes, Window, tangents_of_circle};
 use crate::error::{Error, Result, finite};
 use crate::math::{self, DPose3, DVec3, TAU, Vec3};
 
@@ -68,9 +68,19 @@ impl Lookup {
     /// About the number of entries below `x`, which is clamped to the table.
     #[inline]
     fn guess(&self, x: f32) -> usize {
-        let bin = (x * self.scale + self.offset).clamp(0.0, (self.counts.len() - 1) as f32);
+        self.guess_in_bin(self.bin(x))
+    }
+
+    #[inline]
+    fn bin(&self, x: f32) -> u32 {
+        let bin = (x * self.scale + self.offset).max(0.0).min((self.counts.len() - 1) as f32);
         // Adding 2^23 rounds to a whole number that stands in the low bits; a plain cast is slower as it saturates.
-        usize::from(self.counts[((bin + 8_388_608.0).to_bits() & 0xf_ffff) as usize])
+        (bin + 8_388_608.0).to_bits() & 0xf_ffff
+    }
+
+    #[inline]
+    fn guess_in_bin(&self, bin: u32) -> usize {
+        usize::from(self.counts[bin as usize])
     }
 }
 
@@ -177,10 +187,21 @@ impl Table {
     /// pass above it, those after it below.
     #[inline]
     fn rows_at(&self, rho: f32, z: f32) -> (usize, usize) {
-        let middle = 0.5 * (self.height_span[0] + self.height_span[1]);
-        let slack = 1e-4 * (z - middle).abs() + 2e-6 * rho + 1e-6;
+        let middle = self.middle_height();
+        self.rows_from_guess(rho, z, self.row_of_tangent.guess((middle - z) / rho))
+    }
+
+    #[inline]
+    fn middle_height(&self) -> f32 {
+        0.5 * (self.height_span[0] + self.height_span[1])
+    }
+
+    /// [`Table::rows_at`], from a first guess of the row.
+    #[inline]
+    fn rows_from_guess(&self, rho: f32, z: f32, guess: usize) -> (usize, usize) {
+        let slack = 1e-4 * (z - self.middle_height()).abs() + 2e-6 * rho + 1e-6;
         let (above, below) = (z + slack, z - slack);
-        let mut first = self.row_of_tangent.guess(-(z - middle) / rho);
+        let mut first = guess;
         let height = |e: &[f32; 3], k: usize| e[k] + rho * e[0];
         while first < self.envelope.len() && height(&self.envelope[first], 1) > above {
             first += 1;
@@ -193,6 +214,25 @@ impl Table {
             end += 1;
         }
         (first, end)
+    }
+
+    /// The rows whose tangents lie between two, about.
+    #[inline]
+    fn rows_between_tangents(&self, lo: f32, hi: f32) -> std::ops::Range<usize> {
+        let slack = |t: f32| 1e-5 * (1.0 + t.abs().min(1e3));
+        let (lo, hi) = (lo.max(-1e4) - slack(lo), hi.min(1e4) + slack(hi));
+        let mut first = self.row_of_tangent.guess(-hi);
+        while first < self.envelope.len() && self.envelope[first][0] > hi {
+            first += 1;
+        }
+        while first > 0 && self.envelope[first - 1][0] <= hi {
+            first -= 1;
+        }
+        let mut end = first;
+        while end < self.envelope.len() && self.envelope[end][0] >= lo {
+            end += 1;
+        }
+        first..end
     }
 
     /// The columns from one azimuth to another, which may lie up to a turn outside [0, 2 pi).
@@ -280,7 +320,6 @@ fn azimuth_of(x: f32, y: f32) -> f32 {
 pub struct TurretFootprint {
     /// In [0, 2 pi]; NaN near the axis and at the seam, where the slow path decides.
     azimuth_rad: f32,
-    columns: [u16; 2],
     rows: [u16; 2],
 }
 
@@ -311,40 +350,62 @@ impl BeamGrid for TurretGrid {
         }
     }
 
-    fn sees_sphere(&self, center_grid: DVec3, radius_m: f64) -> bool {
-        let [lowest, highest] = self.table.height_span.map(f64::from);
-        let reach = radius_m + (highest - lowest) / 2.0 + 1e-3;
-        let from_middle = center_grid - DVec3::new(0.0, 0.0, (lowest + highest) / 2.0);
-        let distance = from_middle.length();
-        if distance <= reach {
-            return true;
+    #[inline]
+    fn sphere_windows(&self, c: Vec3, radius_m: f32) -> ([Window; 2], f32) {
+        let table = &*self.table;
+        let [lowest, highest] = table.height_span;
+        // One origin in the middle sees a sphere that is larger by half the span.
+        let reach = radius_m + 0.5 * (highest - lowest) + 1e-4;
+        let z = c.z - 0.5 * (lowest + highest);
+        let rho = (c.x * c.x + c.y * c.y).sqrt();
+        let near = (rho * rho + z * z).sqrt() * 0.999_99 - reach;
+        let everywhere = Window { rows: 0..table.rows.len(), columns: 0..table.azimuths.len() };
+        if near <= 0.0 {
+            return ([everywhere, Window::default()], near);
         }
-        let elevation = math::asin((from_middle.z / distance).clamp(-1.0, 1.0));
-        let half = math::asin(reach / distance);
-        let (top, bottom) = (self.table.rows[0].tangent, self.table.rows[self.table.rows.len() - 1].tangent);
-        elevation - half <= math::atan(top) && elevation + half >= math::atan(bottom)
+        let rows = match tangents_of_circle(z, rho, reach) {
+            Some([lo, hi]) => table.rows_between_tangents(lo, hi),
+            None => 0..table.rows.len(),
+        };
+        let share = reach / rho.max(1e-9);
+        if rows.is_empty() {
+            return Default::default();
+        }
+        if share >= 0.999 {
+            return ([Window { rows, columns: everywhere.columns }, Window::default()], near);
+        }
+        // asin x <= x (1 + 0.571 x^2) on 0..1.
+        let half = share * (1.0 + 0.571 * share * share) + AZIMUTH_MARGIN;
+        let azimuth = azimuth_of(c.x, c.y);
+        (
+            table.columns_between(azimuth - half, azimuth + half).map(|columns| Window { rows: rows.clone(), columns }),
+            near,
+        )
+    }
+
+    #[inline]
+    fn row_start(&self, inner_row: usize) -> usize {
+        self.table.ring_of_row[inner_row] as usize * self.table.cos_sin.len()
     }
 
     #[inline]
     fn footprints(&self, [x, y, z]: &Lanes, out: &mut [Self::Footprint; LANES]) {
         let table = &*self.table;
-        let (mut rho, mut azimuth) = ([0.0_f32; LANES], [0.0_f32; LANES]);
+        let (mut rho, mut azimuth, mut bin) = ([0.0_f32; LANES], [0.0_f32; LANES], [0_u32; LANES]);
+        let middle = table.middle_height();
         for i in 0..LANES {
-            rho[i] = (x[i] * x[i] + y[i] * y[i]).sqrt();
+            rho[i] = (x[i] * x[i] + y[i] * y[i]).sqrt().max(1e-6);
             azimuth[i] = azimuth_of(x[i], y[i]);
+            bin[i] = table.row_of_tangent.bin((middle - z[i]) / rho[i]);
         }
         for i in 0..LANES {
             let awkward = rho[i] <= POLAR * (z[i].abs() + rho[i])
                 || rho[i] < 1e-3
                 || azimuth[i] < 2.0 * AZIMUTH_MARGIN
                 || azimuth[i] > TURN - 2.0 * AZIMUTH_MARGIN;
-            let (first, end) = table.rows_at(rho[i].max(1e-6), z[i]);
+            let (first, end) = table.rows_from_guess(rho[i], z[i], table.row_of_tangent.guess_in_bin(bin[i]));
             out[i] = TurretFootprint {
                 azimuth_rad: if awkward { f32::NAN } else { azimuth[i] },
-                columns: [
-                    table.columns_below(azimuth[i] - AZIMUTH_MARGIN) as u16,
-                    table.columns_below(azimuth[i] + AZIMUTH_MARGIN) as u16,
-                ],
                 rows: [first as u16, end as u16],
             };
         }
@@ -358,10 +419,15 @@ impl BeamGrid for TurretGrid {
         if !narrow {
             return self.table.wide_windows(corners_grid());
         }
-        let lo = |k: fn(&TurretFootprint) -> u16| usize::from(k(a).min(k(b)).min(k(c)));
-        let hi = |k: fn(&TurretFootprint) -> u16| usize::from(k(a).max(k(b)).max(k(c)));
-        let rows = lo(|f| f.rows[0])..hi(|f| f.rows[1]);
-        let columns = lo(|f| f.columns[0])..hi(|f| f.columns[1]);
+        let first = a.rows[0].min(b.rows[0]).min(c.rows[0]);
+        let end = a.rows[1].max(b.rows[1]).max(c.rows[1]);
+        if first >= end {
+            return Default::default();
+        }
+        let rows = usize::from(first)..usize::from(end);
+        // Awkward corners apart, both ends lie inside the turn.
+        let columns = self.table.columns_below(p.min(q).min(r) - AZIMUTH_MARGIN)
+            ..self.table.columns_below(p.max(q).max(r) + AZIMUTH_MARGIN);
         [Window { rows, columns }, Window::default()]
     }
 

@@ -16,13 +16,13 @@ pub struct DressingConfig {
     pub house_shares: [f64; 6],
     /// How green it is: 1 is a common suburb, 0 has no trees; at most 2.
     pub greenery: f64,
-    /// Depth of the belt of trees about the outermost streets, 0 to 150 m.
+    /// Depth of the belt of trees behind the outermost plots, 0 to 120 m.
     pub belt_m: f64,
 }
 
 impl Default for DressingConfig {
     fn default() -> Self {
-        Self { house_shares: [0.35, 0.15, 0.15, 0.15, 0.08, 0.12], greenery: 1.0, belt_m: 48.0 }
+        Self { house_shares: [0.35, 0.15, 0.15, 0.15, 0.08, 0.12], greenery: 1.0, belt_m: 40.0 }
     }
 }
 
@@ -43,8 +43,8 @@ impl DressingConfig {
         if !(0.0..=2.0).contains(&self.greenery) {
             return out_of_range("dressing greenery", self.greenery.to_string(), "0 to 2");
         }
-        if !(0.0..=150.0).contains(&self.belt_m) {
-            return out_of_range("dressing belt_m", self.belt_m.to_string(), "0 to 150 m");
+        if !(0.0..=120.0).contains(&self.belt_m) {
+            return out_of_range("dressing belt_m", self.belt_m.to_string(), "0 to 120 m");
         }
         Ok(())
     }
@@ -80,6 +80,116 @@ pub(super) fn dress(key: &StreamKey, network: &RoadNetwork, ground: &Ground, con
         }
         streetside::furnish(frontage, style, &mut stream("streetside", i), &mut placer);
     }
-    belt::plant(&mut key.stream("belt"), config.greenery, config.belt_m, &taken, &mut placer);
+    belt::plant(&mut key.stream("belt"), config.greenery, config.belt_m, &frontages, &taken, &mut placer);
     Dressing { instances: placer.instances, drives, standing: placer.standing }
+}
+
+#[cfg(test)]
+#[allow(clippy::print_stderr)]
+mod tests {
+    use super::super::{GroundKind, SuburbConfig, Town, generate_suburb};
+    use super::*;
+    use crate::assets::scenery::HouseKind;
+    use crate::math::DVec3;
+    use crate::sense::PosedScene;
+
+    fn suburb(seed: u64) -> (RoadNetwork, Ground, Dressing) {
+        let key = StreamKey::scene(seed);
+        let network = generate_suburb(&key, &SuburbConfig { blocks: (3, 3), ..Default::default() }).unwrap().network;
+        let ground = Ground::new(&network).unwrap();
+        let dressing = dress(&key, &network, &ground, &DressingConfig::default());
+        (network, ground, dressing)
+    }
+
+    fn is_house(standing: &Standing) -> bool {
+        let kind = standing.name.split('/').next().unwrap();
+        kind == "garage" || HouseKind::ALL.iter().any(|k| k.name() == kind)
+    }
+
+    fn poses_hash(instances: &[Instance]) -> u64 {
+        let numbers = instances.iter().flat_map(|i| {
+            let (t, r) = (i.world_from_local.translation, i.world_from_local.rotation);
+            [t.x, t.y, t.z, r.x, r.y, r.z, r.w, f64::from(i.palette.0[0].albedo[0]), i.shape.levels.len() as f64]
+        });
+        numbers.fold(0xcbf2_9ce4_8422_2325, |h, v| (h ^ v.to_bits()).wrapping_mul(0x0100_0000_01b3))
+    }
+
+    #[test]
+    fn nothing_stands_in_the_way_and_houses_keep_apart() {
+        for seed in [1, 2, 3] {
+            let (_, ground, dressing) = suburb(seed);
+            let mut houses = Vec::new();
+            for standing in &dressing.standing {
+                let kinds: Vec<GroundKind> =
+                    standing.rect.samples(0.5).filter_map(|p| ground.kind_at(p.x, p.y)).collect();
+                assert!(!kinds.contains(&GroundKind::Road), "seed {seed}: {standing:?} on the road");
+                let at_the_edge = standing.rect.half.max_element() < 0.75;
+                let paved = kinds.iter().filter(|k| **k == GroundKind::Pavement).count();
+                assert!(at_the_edge || paved == 0, "seed {seed}: {standing:?} on the pavement");
+                if is_house(standing) {
+                    houses.push(standing);
+                }
+            }
+            assert!(houses.len() > 40, "seed {seed}: {} houses", houses.len());
+            for (i, a) in houses.iter().enumerate() {
+                for b in &houses[..i] {
+                    assert!(!a.rect.overlaps(&b.rect), "seed {seed}: {a:?} and {b:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn houses_face_a_street() {
+        let (_, ground, dressing) = suburb(4);
+        for house in dressing.standing.iter().filter(|s| is_house(s)) {
+            let reach = |axis: crate::math::DVec2| {
+                let paved = |m: &usize| {
+                    let p = house.rect.center + axis * (house.rect.half.x + *m as f64 * 0.5);
+                    ground.kind_at(p.x, p.y).is_some_and(|k| k != GroundKind::Terrain)
+                };
+                (0..60).find(paved)
+            };
+            let front = reach(house.rect.axis).unwrap_or_else(|| panic!("{house:?} faces no street"));
+            assert!(front < 44, "{house:?}: {front} half metres to the pavement");
+        }
+    }
+
+    #[test]
+    fn the_same_key_dresses_the_same_town() {
+        let (network, ground, first) = suburb(5);
+        let key = StreamKey::scene(5);
+        let again = dress(&key, &network, &ground, &DressingConfig::default());
+        assert_eq!(poses_hash(&first.instances), poses_hash(&again.instances));
+        let other = dress(&StreamKey::scene(6), &network, &ground, &DressingConfig::default());
+        assert_ne!(poses_hash(&first.instances), poses_hash(&other.instances));
+    }
+
+    #[test]
+    fn scenes_are_dense_but_not_too_heavy() {
+        let mut near = Vec::new();
+        for seed in 0..2 {
+            let key = StreamKey::scene(seed);
+            let town = Town::suburb(&key, &SuburbConfig::default(), &DressingConfig::default()).unwrap();
+            let lanes: Vec<_> = town.network.driving().filter(|l| l.length_m() > 40.0).collect();
+            for lane in lanes.iter().step_by(lanes.len() / 5) {
+                let viewer = lane.pose_at(lane.length_m() / 2.0).translation + DVec3::Z * 1.7;
+                let scene = PosedScene::new(&town.scenery, viewer);
+                let within = scene.instances.iter().filter(|i| (i.center_world - viewer).length() - i.radius_m < 80.0);
+                near.push(within.map(|i| i.mesh.faces.len()).sum::<usize>());
+                assert!(scene.num_triangles() < 900_000, "{} triangles", scene.num_triangles());
+            }
+        }
+        near.sort_unstable();
+        eprintln!("triangles within 80 m: {near:?}");
+        assert!(near[near.len() / 2] >= 300_000, "{near:?}");
+    }
+
+    #[test]
+    fn a_bad_configuration_names_the_value() {
+        let bad = DressingConfig { greenery: 3.0, ..Default::default() };
+        assert_eq!(bad.check().unwrap_err().to_string(), "dressing greenery is 3, expected 0 to 2");
+        assert!(DressingConfig { house_shares: [0.0; 6], ..Default::default() }.check().is_err());
+        assert!(DressingConfig { belt_m: f64::NAN, ..Default::default() }.check().is_err());
+    }
 }

@@ -10,8 +10,6 @@ use crate::math::DVec2;
 pub(super) struct Frontage {
     /// The road that it belongs to.
     pub road: u32,
-    /// 0 for the right side of a lane, 1 for the left side of a one-way road.
-    pub side: u64,
     /// Points about 1 m apart.
     pub points: Vec<DVec2>,
     /// Distance from each point to the outer edge of the carriageway.
@@ -23,10 +21,7 @@ pub(super) struct Frontage {
 }
 
 impl Frontage {
-    fn new(lane: &Lane, side: u64, mut edge: Vec<(DVec2, f64)>) -> Self {
-        if side == 1 {
-            edge.reverse();
-        }
+    fn new(lane: &Lane, mut edge: Vec<(DVec2, f64)>) -> Self {
         edge.dedup_by(|b, a| (b.0 - a.0).length() < 0.3);
         let mut s_m = Vec::with_capacity(edge.len());
         let mut s = 0.0;
@@ -37,7 +32,7 @@ impl Frontage {
             s_m.push(s);
         }
         let (points, pavement_m) = edge.into_iter().unzip();
-        Self { road: lane.road, side, points, pavement_m, s_m, speed_limit_mps: lane.speed_limit_mps }
+        Self { road: lane.road, points, pavement_m, s_m, speed_limit_mps: lane.speed_limit_mps }
     }
 
     /// Length along the edge.
@@ -139,9 +134,11 @@ pub(super) fn frontages(network: &RoadNetwork, site: &Site) -> Vec<Frontage> {
                 sides[side].push((at + out * reach, reach - road[side]));
             }
         }
+        // Along the left side the plots lie to the right the other way.
+        sides[1].reverse();
         for (side, edge) in sides.into_iter().enumerate() {
             if inner[side] * 2 <= count {
-                let frontage = Frontage::new(lane, side as u64, edge);
+                let frontage = Frontage::new(lane, edge);
                 if frontage.points.len() > 3 {
                     frontages.push(frontage);
                 }

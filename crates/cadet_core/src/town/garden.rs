@@ -155,7 +155,7 @@ fn plants(plot: &Plot, ways: &[Way], boundary: Boundary, style: &StreetStyle, s:
     let area = (plot.length_m * plot.depth_m - house_area).max(0.0);
     let wild = if built.is_none() { 1.6 } else { 1.0 };
     let behind = boundary_depth_m(boundary) + 0.15;
-    let trees = s.poisson((style.trees_per_100_m2 * wild * area / 100.0).min(6.0));
+    let trees = s.poisson((style.trees_per_100_m2 * wild * area / 100.0).min(9.0));
     let shrubs = s.poisson((style.trees_per_100_m2 * wild * (plot.length_m / 7.0).min(6.0)).min(7.0));
     let garage = plot.house.as_ref().filter(|h| h.garage_bays > 0).map(|_| half - 0.15 - 6.5);
     for k in 0..trees + shrubs {
@@ -174,7 +174,9 @@ fn plants(plot: &Plot, ways: &[Way], boundary: Boundary, style: &StreetStyle, s:
         for _ in 0..5 {
             // Shrubs keep to the front, where they are seen.
             let reach = if kind == TreeKind::Shrub { plot.depth_m.min(8.0) } else { plot.depth_m };
-            let (a, d) = (s.range(-half + 0.5, half - 0.5), s.range(behind, reach));
+            // More of them in front, where they make the street.
+            let back = s.unit();
+            let (a, d) = (s.range(-half + 0.5, half - 0.5), behind + (reach - behind).max(0.1) * back * back.sqrt());
             let room = if low { radius * 0.95 } else { 0.7 };
             let on_way = ways.iter().any(|w| a > w[0] - room && a < w[1] + room) && d < 14.0;
             let at = plot.at(a, d);

@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use super::face_index::FaceIndex;
 use super::ground_mesh::{self, Cover, Fineness, PlanMesh};
 use super::ground_region::{Regions, Ring};
 use super::height_field::HeightField;
-use super::network::{LaneKind, RoadNetwork};
+use super::network::{Lane, LaneKind, RoadNetwork};
 use super::xodr_writer::KERB_HEIGHT_M;
 use super::{ground_palette, road_marking};
 use crate::error::Result;
@@ -16,10 +17,10 @@ use crate::math::{DPose3, DQuat, DVec2, DVec3, Vec3};
 
 /// The ground goes on this far beyond the outermost lane.
 const MARGIN_M: f64 = 160.0;
+/// Heights are taken from lanes at least this far apart.
+const SAMPLE_STEP_M: f64 = 1.7;
 /// Side of a tile of visible ground.
 const TILE_M: f64 = 50.0;
-/// Side of a cell of the index of triangles.
-const CELL_M: f64 = 4.0;
 
 /// What the ground is at a place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,8 +58,7 @@ impl Ground {
     pub fn new(network: &RoadNetwork) -> Result<Self> {
         let regions = Regions::of(network)?;
         let paved = |k: LaneKind| matches!(k, LaneKind::Driving | LaneKind::Parking | LaneKind::Biking);
-        let samples: Vec<DVec3> =
-            network.lanes.iter().filter(|l| paved(l.kind)).flat_map(|l| l.center.iter().copied()).collect();
+        let samples: Vec<DVec3> = network.lanes.iter().filter(|l| paved(l.kind)).flat_map(spaced_points).collect();
         let everything = network.lanes.iter().flat_map(|l| &l.center).map(|p| p.truncate());
         let (min, max) = everything.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
         let (min, max) = ((min - MARGIN_M).floor(), (max + MARGIN_M).ceil());
@@ -196,6 +196,17 @@ impl Ground {
             }
         }
     }
+}
+
+/// The lane's points, without those that follow closer than [`SAMPLE_STEP_M`].
+fn spaced_points(lane: &Lane) -> Vec<DVec3> {
+    let mut next_s = 0.0;
+    let spaced = lane.center.iter().zip(&lane.s_m).filter(|(_, s)| {
+        let keep = **s >= next_s;
+        next_s = if keep { **s + SAMPLE_STEP_M } else { next_s };
+        keep
+    });
+    spaced.map(|(p, _)| *p).chain(lane.center.last().copied()).collect()
 }
 
 fn tile_of(p: DVec2) -> (i64, i64) {
@@ -346,66 +357,5 @@ impl TileParts {
 
     fn mesh(self) -> Option<Mesh> {
         Mesh::new("ground", self.vertices, self.normals, self.faces, self.slots).ok()
-    }
-}
-
-/// For each cell of a grid, the triangles whose bounds touch it.
-#[derive(Debug)]
-struct FaceIndex {
-    min: DVec2,
-    cell_m: f64,
-    columns: usize,
-    rows: usize,
-    first: Vec<u32>,
-    faces: Vec<u32>,
-}
-
-impl FaceIndex {
-    fn new(vertices: &[Vec3], faces: &[[u32; 3]], min: DVec2, max: DVec2) -> Self {
-        let cell_m = CELL_M.max((max - min).max_element() / 1500.0);
-        let size = ((max - min) / cell_m).floor() + 1.0;
-        let (columns, rows) = (size.x as usize, size.y as usize);
-        let mut index = Self { min, cell_m, columns, rows, first: vec![0; columns * rows + 1], faces: Vec::new() };
-        let spans: Vec<[usize; 4]> = faces
-            .iter()
-            .map(|f| {
-                let [a, b, c] = f.map(|i| vertices[i as usize].as_dvec3().truncate());
-                let (lo, hi) = (index.cell(a.min(b).min(c) - 1e-3), index.cell(a.max(b).max(c) + 1e-3));
-                [lo.0, lo.1, hi.0, hi.1]
-            })
-            .collect();
-        let cells = |s: &[usize; 4]| {
-            let [i0, j0, i1, j1] = *s;
-            (j0..=j1).flat_map(move |j| (i0..=i1).map(move |i| j * columns + i))
-        };
-        for cell in spans.iter().flat_map(cells) {
-            index.first[cell + 1] += 1;
-        }
-        for i in 1..index.first.len() {
-            index.first[i] += index.first[i - 1];
-        }
-        let mut next = index.first.clone();
-        index.faces = vec![0; next[next.len() - 1] as usize];
-        for (face, span) in spans.iter().enumerate() {
-            for cell in cells(span) {
-                index.faces[next[cell] as usize] = face as u32;
-                next[cell] += 1;
-            }
-        }
-        index
-    }
-
-    fn cell(&self, p: DVec2) -> (usize, usize) {
-        let c = ((p - self.min) / self.cell_m).max(DVec2::ZERO);
-        ((c.x as usize).min(self.columns - 1), (c.y as usize).min(self.rows - 1))
-    }
-
-    fn candidates(&self, p: DVec2) -> &[u32] {
-        if !p.is_finite() {
-            return &[];
-        }
-        let (i, j) = self.cell(p);
-        let cell = j * self.columns + i;
-        &self.faces[self.first[cell] as usize..self.first[cell + 1] as usize]
     }
 }

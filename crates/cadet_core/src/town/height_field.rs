@@ -11,6 +11,9 @@ const COARSEST_CELLS: f64 = 3.0;
 const FINEST_CELL_M: f64 = 4.0;
 /// Below this span of heights a map is flat.
 const FLAT_SPAN_M: f64 = 1e-3;
+/// A lattice is fitted again until no sample is further off than this, but not more often than that.
+const GOOD_FIT_M: f64 = 0.004;
+const MAX_PASSES: usize = 4;
 /// No lattice has more than this many cells to a side.
 const MAX_CELLS: f64 = 2000.0;
 
@@ -43,9 +46,17 @@ impl HeightField {
         let finest = FINEST_CELL_M.max(extent / MAX_CELLS);
         let mut lattices = Vec::new();
         loop {
-            let lattice = Lattice::fit(samples, &left, min, max, cell);
-            for (z, p) in left.iter_mut().zip(samples) {
-                *z -= lattice.height(p.truncate());
+            let mut lattice = Lattice::fit(samples, &left, min, max, cell);
+            let mut worst = lattice.take_from(&mut left, samples);
+            // One pass meets narrow strips of samples only in part. What a lattice could explain and doesn't would turn
+            // up as ripples of the finer ones.
+            for _ in 0..MAX_PASSES {
+                if worst < GOOD_FIT_M {
+                    break;
+                }
+                let again = Lattice::fit(samples, &left, min, max, cell);
+                worst = again.take_from(&mut left, samples);
+                lattice.control.iter_mut().zip(&again.control).for_each(|(a, b)| *a += b);
             }
             lattices.push(lattice);
             if cell <= finest {
@@ -101,6 +112,14 @@ impl Lattice {
         }
         let control = sum.into_iter().map(|(z, w)| if w > 0.0 { z / w } else { 0.0 }).collect();
         Self { control, ..empty }
+    }
+
+    /// Leaves in `heights` what this lattice does not explain; returns the largest of it.
+    fn take_from(&self, heights: &mut [f64], samples: &[DVec3]) -> f64 {
+        heights.iter_mut().zip(samples).fold(0.0, |worst, (z, p)| {
+            *z -= self.height(p.truncate());
+            worst.max(z.abs())
+        })
     }
 
     /// Index of the first of the 4 x 4 control points, and the weights along x and y; clamped to the rectangle.

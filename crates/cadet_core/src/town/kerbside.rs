@@ -15,12 +15,15 @@ const MIN_BAY_M: f64 = 1.8;
 const CLEAR_OF_JUNCTION_M: f64 = 10.0;
 /// Distance of a kerbside car's left flank from the middle of the lane beside it.
 const CLEAR_OF_LANE_M: f64 = 1.65;
-const KERBSIDE_WIDTH_M: f64 = 1.9;
+/// Room for a car in width; in a bay it lies towards the kerb.
+const SPOT_WIDTH_M: f64 = 1.9;
+const TYRE_TO_KERB_M: f64 = 0.1;
 /// A kerbside car stands on the pavement with at most this much of its width, and people pass in what is left.
 const MAX_ON_PAVEMENT_M: f64 = 1.3;
 const LEFT_FOR_WALKERS_M: f64 = 0.9;
-/// Kerbside rows need kerbs this straight.
+/// Kerbside rows need kerbs this straight over a car's length, bays this straight.
 const MAX_TURN_RAD: f64 = 0.06;
+const MAX_TURN_IN_BAY_RAD: f64 = 0.16;
 
 /// Where cars may be parked: in the map's bays, and at the kerb of wide lanes without bays.
 #[must_use]
@@ -46,9 +49,14 @@ fn bays(lane: &Lane, ground: &Ground, pitch: f64, spots: &mut Vec<ParkingSpot>) 
     let margin = (to - from - count as f64 * pitch) / 2.0;
     for k in 0..count {
         let s = from + margin + (k as f64 + 0.5) * pitch;
+        if turn_at(lane, s, pitch) > MAX_TURN_IN_BAY_RAD {
+            continue;
+        }
         let pose = lane.pose_at(s);
-        if let Some(world_from_spot) = stand(ground, &pose, 0.0, pitch, lane.width_at(s)) {
-            spots.push(ParkingSpot { world_from_spot, length_m: pitch, width_m: lane.width_at(s) });
+        let width_m = SPOT_WIDTH_M.min(lane.width_at(s));
+        let right = ((lane.width_at(s) - width_m) / 2.0 - TYRE_TO_KERB_M).max(0.0);
+        if let Some(world_from_spot) = stand(ground, &pose, -right, pitch, width_m) {
+            spots.push(ParkingSpot { world_from_spot, length_m: pitch, width_m });
         }
     }
 }
@@ -57,22 +65,26 @@ fn kerbside(lane: &Lane, ground: &Ground, pitch: f64, spots: &mut Vec<ParkingSpo
     let (mut s, end) = (CLEAR_OF_JUNCTION_M + pitch / 2.0, lane.length_m() - CLEAR_OF_JUNCTION_M - pitch / 2.0);
     while s <= end {
         let pose = lane.pose_at(s);
-        if let Some(offset) = kerbside_offset(lane, ground, s, pitch) {
-            if let Some(world_from_spot) = stand(ground, &pose, -offset, pitch, KERBSIDE_WIDTH_M) {
-                spots.push(ParkingSpot { world_from_spot, length_m: pitch, width_m: KERBSIDE_WIDTH_M });
-            }
+        let right = kerbside_offset(lane, ground, s, pitch);
+        if let Some(world_from_spot) = right.and_then(|r| stand(ground, &pose, -r, pitch, SPOT_WIDTH_M)) {
+            spots.push(ParkingSpot { world_from_spot, length_m: pitch, width_m: SPOT_WIDTH_M });
         }
         s += pitch;
     }
 }
 
+/// By how much a lane turns over the length of a spot.
+fn turn_at(lane: &Lane, s: f64, pitch: f64) -> f64 {
+    lane.pose_at(s - pitch / 2.0).rotation.angle_between(lane.pose_at(s + pitch / 2.0).rotation)
+}
+
 /// How far right of the lane's middle a car may stand, if it may: the kerb must be where half a car fits.
 fn kerbside_offset(lane: &Lane, ground: &Ground, s: f64, pitch: f64) -> Option<f64> {
     let (before, after) = (lane.pose_at(s - pitch / 2.0), lane.pose_at(s + pitch / 2.0));
-    if before.rotation.angle_between(after.rotation) > MAX_TURN_RAD {
+    if turn_at(lane, s, pitch) > MAX_TURN_RAD {
         return None;
     }
-    let flank = CLEAR_OF_LANE_M + KERBSIDE_WIDTH_M;
+    let flank = CLEAR_OF_LANE_M + SPOT_WIDTH_M;
     for pose in [before, lane.pose_at(s), after] {
         let kind = |right: f64| {
             let p = pose.transform_point(DVec3::new(0.0, -right, 0.0));
@@ -84,7 +96,7 @@ fn kerbside_offset(lane: &Lane, ground: &Ground, s: f64, pitch: f64) -> Option<f
             return None;
         }
     }
-    Some(CLEAR_OF_LANE_M + KERBSIDE_WIDTH_M / 2.0)
+    Some(CLEAR_OF_LANE_M + SPOT_WIDTH_M / 2.0)
 }
 
 /// The pose of a car that stands `left_m` left of `lane_pose`, its wheels on the ground (half on a kerb, if need be).

@@ -4,6 +4,7 @@ mod belt;
 mod dressing;
 mod frontage;
 mod garden;
+mod face_index;
 mod ground;
 mod ground_mesh;
 mod ground_palette;

@@ -56,10 +56,6 @@ fn cells(min: DVec2, max: DVec2) -> impl Iterator<Item = (i32, i32)> {
     x.flat_map(move |i| y.clone().map(move |j| (i, j)))
 }
 
-fn cell(p: DVec2) -> (i32, i32) {
-    ((p.x / CELL_M).floor() as i32, (p.y / CELL_M).floor() as i32)
-}
-
 /// Rectangles that must stay apart.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Occupancy {
@@ -76,9 +72,8 @@ impl Occupancy {
     /// True where no rectangle is met.
     pub fn is_free(&self, rect: &OrientedRect) -> bool {
         let (lo, hi) = Self::reach(rect);
-        cells(lo, hi).all(|c| {
-            self.grid.get(&c).is_none_or(|inside| inside.iter().all(|i| !self.rects[*i].overlaps(rect)))
-        })
+        cells(lo, hi)
+            .all(|c| self.grid.get(&c).is_none_or(|inside| inside.iter().all(|i| !self.rects[*i].overlaps(rect))))
     }
 
     /// True where no rectangle comes within `margin_m` of the point.
@@ -123,8 +118,8 @@ impl<'a> Site<'a> {
     /// Surveys the streets of a town.
     pub fn new(ground: &'a Ground) -> Self {
         let points = ground.pavement_outline().iter().flatten();
-        let (min, max) = points
-            .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi): (DVec2, DVec2), p| (lo.min(*p), hi.max(*p)));
+        let (min, max) =
+            points.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi): (DVec2, DVec2), p| (lo.min(*p), hi.max(*p)));
         let origin = min - DVec2::splat(MAX_MARGIN_M + 1.0);
         let size = max + DVec2::splat(MAX_MARGIN_M + 1.0) - origin;
         let step_m = STEP_M.max((size.x * size.y / MAX_POINTS).sqrt());
@@ -173,7 +168,7 @@ impl<'a> Site<'a> {
         }
     }
 
-/// Distance from a place to the pavements' outline, negative on streets, at most [`MAX_MARGIN_M`].
+    /// Distance from a place to the pavements' outline, negative on streets, at most [`MAX_MARGIN_M`].
     pub fn clearance_m(&self, p: DVec2) -> f64 {
         let at = (p - self.origin) / self.step_m;
         if at.x < 0.0 || at.y < 0.0 || at.x >= (self.columns - 1) as f64 || at.y >= (self.rows - 1) as f64 {

@@ -166,7 +166,8 @@ fn polyline(lane: &xodr::Lane) -> std::result::Result<Option<Polyline>, &'static
             let length = (b - a).length();
             let turn = (tangents[i - 1] - tangents[i]).length();
             let step = if turn > CURVED_RAD { CURVE_STEP_M } else { 2.0 };
-            let pieces = (length / step).ceil().clamp(1.0, 64.0) as usize;
+            // A hair less, so that a length of just one step is one piece on every machine.
+            let pieces = (length / step - 1e-3).ceil().clamp(1.0, 64.0) as usize;
             for k in 1..pieces {
                 let t = k as f64 / pieces as f64;
                 push(hermite(a, tangents[i - 1] * length, b, tangents[i] * length, t), lerp(width(i - 1), width(i), t));
@@ -190,8 +191,5 @@ fn polyline(lane: &xodr::Lane) -> std::result::Result<Option<Polyline>, &'static
 
 fn hermite(a: DVec3, slope_a: DVec3, b: DVec3, slope_b: DVec3, t: f64) -> DVec3 {
     let (t2, t3) = (t * t, t * t * t);
-    a * (2.0 * t3 - 3.0 * t2 + 1.0)
-        + slope_a * (t3 - 2.0 * t2 + t)
-        + b * (3.0 * t2 - 2.0 * t3)
-        + slope_b * (t3 - t2)
+    a * (2.0 * t3 - 3.0 * t2 + 1.0) + slope_a * (t3 - 2.0 * t2 + t) + b * (3.0 * t2 - 2.0 * t3) + slope_b * (t3 - t2)
 }

@@ -103,7 +103,8 @@ impl<'a> Placer<'a> {
                 Boundary::Fence(kind, variant) => fence(kind, variant, piece),
                 Boundary::Open => return,
             };
-            let (a, b) = (self.site.on_ground(from + along * start), self.site.on_ground(from + along * (start + step)));
+            let (a, b) =
+                (self.site.on_ground(from + along * start), self.site.on_ground(from + along * (start + step)));
             self.instances.push(model.wearing(Arc::clone(palette), frames::facing(a, b - a, DVec3::Z)));
             let center = from + along * (start + step / 2.0);
             let half = DVec2::new(step / 2.0, model.footprint_max.y);

@@ -63,10 +63,7 @@ impl Plot {
     pub fn house_rect(&self) -> Option<OrientedRect> {
         self.house.as_ref().map(|h| {
             let size = h.model.footprint_size();
-            self.rect(
-                [h.along_m - size.y / 2.0, h.along_m + size.y / 2.0],
-                [h.setback_m, h.setback_m + size.x],
-            )
+            self.rect([h.along_m - size.y / 2.0, h.along_m + size.y / 2.0], [h.setback_m, h.setback_m + size.x])
         })
     }
 }
@@ -103,8 +100,8 @@ fn propose(kind: HouseKind, style: &StreetStyle, s: &mut Stream) -> (f64, f64, P
         HouseKind::Detached => (style.setback_m + s.range(-0.6, 0.8), s.range(2.5, 4.5), s.range(2.5, 4.0), 11.0),
         HouseKind::Semi => (style.setback_m + s.range(-0.3, 0.3), s.range(2.5, 3.5), s.range(2.5, 3.5), 10.0),
         HouseKind::Terrace => (style.setback_m.min(5.0), 0.6, s.range(0.6, 2.5), 9.0),
-        HouseKind::Village => (s.range(0.0, 0.5), s.range(0.3, 2.0), s.range(0.5, 3.0), 6.0),
-        HouseKind::Block => (s.range(0.0, 0.1), 0.06, 0.06, 5.0),
+        HouseKind::Village => (s.range(0.3, 0.75), s.range(0.3, 2.0), s.range(0.5, 3.0), 6.0),
+        HouseKind::Block => (s.range(0.3, 0.4), 0.06, 0.06, 5.0),
         HouseKind::Flats => (s.range(4.5, 10.0), s.range(2.5, 5.0), s.range(2.5, 5.0), 7.0),
     };
     let garage_share = match kind {
@@ -155,9 +152,9 @@ pub(super) fn lay_out(
         }
         if next.is_none() {
             let length_m = s.range(5.0, 9.0).min(left);
-            next = [14.0, 7.0, 3.5].into_iter().find_map(|depth_m| {
-                plot_at(frontage, from, length_m, depth_m).filter(|plot| fits(plot, site, taken))
-            });
+            next = [14.0, 7.0, 3.5]
+                .into_iter()
+                .find_map(|depth_m| plot_at(frontage, from, length_m, depth_m).filter(|plot| fits(plot, site, taken)));
         }
         match next {
             Some(plot) => {

@@ -5,6 +5,8 @@ use crate::rng::Stream;
 
 /// Streets bend over crests and dips with at least this radius, which bounds the sum of all waves' curvatures.
 const MIN_VERTICAL_RADIUS_M: f64 = 420.0;
+/// The slope limit is kept within this distance of the middle, which holds a suburb of default size.
+const REACH_M: f64 = 400.0;
 
 #[derive(Debug, Clone)]
 struct Wave {
@@ -23,7 +25,7 @@ impl Relief {
     /// Draws a relief: gentle for most suburbs (slopes of about 1 %), hilly for some (up to `max_slope`).
     pub(super) fn new(stream: &mut Stream, hilly_share: f64, max_slope: f64) -> Self {
         let hilly = stream.chance(hilly_share);
-        let slope = if hilly { stream.range(0.6, 1.0) * max_slope } else { stream.range(0.15, 0.5) * max_slope };
+        let sum_of_slopes = max_slope * if hilly { stream.range(1.2, 1.8) } else { stream.range(0.35, 0.9) };
         let mut waves: Vec<Wave> = (0..4)
             .map(|i| {
                 let length = stream.range(260.0, 420.0) + 70.0 * f64::from(i);
@@ -33,15 +35,23 @@ impl Relief {
                 Wave { k, phase: stream.range(0.0, TAU), amplitude_m: steepness / k.length() }
             })
             .collect();
-        // The bounds hold where all waves peak at once, which they seldom do: two thirds of the slope bound is seen.
+        // Waves seldom all peak at once: the slope seen along streets has a standard deviation of a quarter of the sum.
         let steepest: f64 = waves.iter().map(|w| w.amplitude_m * w.k.length()).sum();
         let tightest: f64 = waves.iter().map(|w| w.amplitude_m * w.k.length_squared()).sum();
-        let scale = (slope / steepest * 1.5).min(1.0 / (MIN_VERTICAL_RADIUS_M * tightest));
-        let scale = scale.min(max_slope / steepest);
-        for w in &mut waves {
-            w.amplitude_m *= scale;
+        let scale = (sum_of_slopes / steepest).min(1.0 / (MIN_VERTICAL_RADIUS_M * tightest));
+        waves.iter_mut().for_each(|w| w.amplitude_m *= scale);
+        let mut relief = Self { waves };
+        let seen = relief.steepest_within(REACH_M);
+        if seen > max_slope {
+            relief.waves.iter_mut().for_each(|w| w.amplitude_m *= max_slope / seen);
         }
-        Self { waves }
+        relief
+    }
+
+    fn steepest_within(&self, reach_m: f64) -> f64 {
+        let steps = || (-20..=20).map(|i| f64::from(i) * reach_m / 20.0);
+        let places = steps().flat_map(|x| steps().map(move |y| DVec2::new(x, y)));
+        places.map(|p| self.gradient(p).length()).fold(0.0, f64::max)
     }
 
     /// Height at a place.

@@ -39,7 +39,8 @@ pub(super) fn draw(network: &RoadNetwork, ground: &Ground) -> Vec<[DVec3; 4]> {
         let half = lane.width_at(lane.length_m()) / 2.0;
         if fast == arriving.count() {
             paint.across(at, side, (-half + 0.1, half - 0.1), STOP_LINE_M);
-        } else if fast > 0 && !is_fast(lane) {
+        } else if fast > 1 && !is_fast(lane) {
+            // A fast street goes through; where one only ends, nobody has to give way to it.
             let mut t = -half + 0.1;
             while t + GIVE_WAY_M.0 < half {
                 paint.across(at, side, (t, t + GIVE_WAY_M.0), GIVE_WAY_M.2);

@@ -9,6 +9,8 @@ use crate::rng::{Stream, StreamKey};
 const CROSSROADS_SHARE: f64 = 0.3;
 /// Kerb radius at residential corners, and where a collector takes part.
 const CORNER_RADIUS_M: (f64, f64) = (4.5, 7.0);
+/// Narrower lanes have no bays beside them: who drives there would graze the parked cars.
+const MIN_LANE_BESIDE_BAYS_M: f64 = 2.55;
 /// A junction begins at least this far from its middle.
 const MIN_CUT_M: f64 = 6.0;
 
@@ -119,9 +121,10 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
     let mut arms: Vec<Vec<Arm>> = (0..num_junctions).map(|_| Vec::new()).collect();
     for (street, chain) in chains.iter().enumerate() {
         let style = styles[chain.line];
-        for (end, node, direction) in
-            [(End::Start, chain.nodes[0], chain.leaves), (End::Finish, chain.nodes[chain.nodes.len() - 1], chain.arrives)]
-        {
+        for (end, node, direction) in [
+            (End::Start, chain.nodes[0], chain.leaves),
+            (End::Finish, chain.nodes[chain.nodes.len() - 1], chain.arrives),
+        ] {
             arms[junction_of[node]].push(Arm {
                 street,
                 end,
@@ -152,7 +155,7 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
             let margin = (stream.range(5.0, 9.0), stream.range(5.0, 9.0));
             let (right, left) = (stream.chance(config.parking_share), stream.chance(config.parking_share));
             let length = curve.length_m();
-            let fits = length - margin.0 - margin.1 > 20.0;
+            let fits = length - margin.0 - margin.1 > 20.0 && style.lane_width_m >= MIN_LANE_BESIDE_BAYS_M;
             Street {
                 curve,
                 lane_width_m: style.lane_width_m,
@@ -252,10 +255,9 @@ fn thin(grid: &mut Grid, stream: &mut Stream) {
         if (crossroads as f64) <= wanted {
             break;
         }
-        if let Some(other) = grid.links[node][direction] {
-            if grid.degree(node) == 4 && grid.degree(other) == 4 {
-                grid.unlink(node, direction);
-            }
+        let both_cross = |other| grid.degree(node) == 4 && grid.degree(other) == 4;
+        if grid.links[node][direction].is_some_and(both_cross) {
+            grid.unlink(node, direction);
         }
     }
 }
@@ -268,7 +270,7 @@ fn draw_styles(stream: &mut Stream, grid: &Grid) -> Vec<LineStyle> {
     (0..lines)
         .map(|line| {
             let collector = line == collectors[0] || (second && line == collectors[1]);
-            let carriageway = if collector { stream.range(5.8, 6.5) } else { stream.range(4.75, 5.5) };
+            let carriageway = if collector { stream.range(5.8, 6.5) } else { stream.range(4.75, 5.6) };
             LineStyle {
                 lane_width_m: (carriageway * 10.0).round() / 20.0,
                 sidewalk_width_m: (stream.range(1.5, 2.5) * 10.0).round() / 10.0,
@@ -349,13 +351,15 @@ fn street_curve(start: PlanPose, middle: &[DVec2], end: PlanPose, stream: &mut S
         let next = middle.get(i + 1).copied().unwrap_or(end.at);
         let (before, after) = (heading_of(*bend - at.at), heading_of(next - *bend));
         let turn = wrap_angle(after - before);
-        let radius = stream.range(14.0, 24.0);
+        let shorter = (*bend - at.at).length().min((next - *bend).length());
+        let drawn = stream.range(14.0, 24.0);
         if turn.abs() < 0.4 {
             let pose = PlanPose::new(*bend, before + turn / 2.0);
             curve.extend_to(at, pose);
             at = pose;
         } else {
-            let tangent = radius * math::tan(turn.abs() / 2.0);
+            // Bends leave room for the straights between them, however short the block.
+            let tangent = (drawn * math::tan(turn.abs() / 2.0)).min(0.4 * shorter);
             let into = PlanPose::new(*bend - unit(before) * tangent, before);
             let out = PlanPose::new(*bend + unit(after) * tangent, after);
             curve.extend_to(at, into);

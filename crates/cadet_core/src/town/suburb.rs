@@ -13,7 +13,7 @@ pub struct SuburbConfig {
     pub blocks: (usize, usize),
     /// Shortest and longest block, 60 to 250 m.
     pub block_m: (f64, f64),
-    /// Share of kerbs with parking bays, 0 to 1.
+    /// Share of kerbs with parking bays on streets wide enough for them, 0 to 1.
     pub parking_share: f64,
     /// Share of suburbs with hill streets, 0 to 1.
     pub hilly_share: f64,
@@ -23,7 +23,7 @@ pub struct SuburbConfig {
 
 impl Default for SuburbConfig {
     fn default() -> Self {
-        Self { blocks: (4, 4), block_m: (80.0, 120.0), parking_share: 0.45, hilly_share: 0.2, max_slope: 0.065 }
+        Self { blocks: (4, 4), block_m: (72.0, 112.0), parking_share: 0.55, hilly_share: 0.2, max_slope: 0.065 }
     }
 }
 

@@ -7,8 +7,8 @@ use super::relief::Relief;
 use super::street_plan::{End, Street, StreetPlan, Turn};
 use crate::math;
 
-/// Width of a parallel parking bay.
-const BAY_WIDTH_M: f64 = 2.0;
+/// Width of a parallel parking bay, gutter included.
+const BAY_WIDTH_M: f64 = 2.25;
 /// The kerb swings out into the bay over this length.
 const BAY_TAPER_M: f64 = 2.5;
 /// Height of a kerb: a pavement's lane lies this much above the carriageway.
@@ -38,7 +38,10 @@ impl Cubic {
 
     fn write(&self, out: &mut String, element: &str, s_name: &str) {
         let Self { s, a, b, c, d } = self;
-        put(out, format_args!("<{element} {s_name}=\"{s:.6}\" a=\"{a:.9}\" b=\"{b:.9}\" c=\"{c:.12}\" d=\"{d:.12}\"/>\n"));
+        put(
+            out,
+            format_args!("<{element} {s_name}=\"{s:.5}\" a=\"{a:.6}\" b=\"{b:.8}\" c=\"{c:.9}\" d=\"{d:.10}\"/>\n"),
+        );
     }
 }
 
@@ -262,7 +265,10 @@ fn write_shape(out: &mut String, curve: &PlanCurve, relief: &Relief) {
     for g in &curve.segments {
         let (x, y, hdg) = (g.start.at.x, g.start.at.y, g.start.heading_rad);
         let length = g.length_m;
-        put(out, format_args!("<geometry s=\"{s:.6}\" x=\"{x:.6}\" y=\"{y:.6}\" hdg=\"{hdg:.10}\" length=\"{length:.6}\">"));
+        put(
+            out,
+            format_args!("<geometry s=\"{s:.6}\" x=\"{x:.6}\" y=\"{y:.6}\" hdg=\"{hdg:.10}\" length=\"{length:.6}\">"),
+        );
         if g.curvature == 0.0 {
             out.push_str("<line/>");
         } else {
@@ -273,7 +279,7 @@ fn write_shape(out: &mut String, curve: &PlanCurve, relief: &Relief) {
     }
     out.push_str("</planView>\n");
     let length = curve.length_m();
-    let step = if curve.min_radius_m() < 60.0 { 3.0 } else { 10.0 };
+    let step = if curve.min_radius_m() < 60.0 { 3.0 } else { 15.0 };
     let count = (length / step).ceil().max(1.0) as usize;
     let knots: Vec<f64> = (0..=count).map(|i| length * i as f64 / count as f64).collect();
     let tilt = |s: f64| {

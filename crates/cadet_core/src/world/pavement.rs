@@ -15,6 +15,8 @@ pub(super) struct Pavements {
     /// Walkways that go on at the (start, end) of each: (walkway, +1 from its start or -1 from its end).
     onward: Vec<[Vec<(usize, f64)>; 2]>,
     bounds: Vec<(DVec2, DVec2)>,
+    /// Loops, which have no ends.
+    is_closed: Vec<bool>,
 }
 
 /// A place on a walkway.
@@ -68,7 +70,14 @@ impl Pavements {
                 })
             })
             .collect();
-        Self { town, s_m, onward, bounds }
+        let is_closed = lines
+            .iter()
+            .map(|w| match ends(w) {
+                [Some(a), Some(b)] => w.center.len() > 3 && (a - b).length() < 0.05,
+                _ => false,
+            })
+            .collect();
+        Self { town, s_m, onward, bounds, is_closed }
     }
 
     /// Indices of the walkways that can be walked: with a length.
@@ -82,16 +91,27 @@ impl Pavements {
 
     /// The most that a walker keeps off the middle line.
     pub fn room_m(&self, walkway: usize) -> f64 {
-        (self.town.walkways[walkway].width_m / 2.0 - 0.3).max(0.0)
+        (self.town.walkways[walkway].width_m / 2.0 - 0.1).max(0.0)
     }
 
     pub fn onward(&self, walkway: usize, at_end: bool) -> &[(usize, f64)] {
         &self.onward[walkway][usize::from(at_end)]
     }
 
-    /// The place at distance `s_m` along a walkway (clamped to it).
+    /// A distance along a walkway brought back onto it: round and round on a loop, `None` beyond the ends of another.
+    pub fn wrapped(&self, walkway: usize, s_m: f64) -> Option<f64> {
+        let length_m = self.length_m(walkway);
+        if (0.0..=length_m).contains(&s_m) {
+            Some(s_m)
+        } else {
+            self.is_closed[walkway].then(|| s_m - length_m * (s_m / length_m).floor())
+        }
+    }
+
+    /// The place at distance `s_m` along a walkway (clamped to it, unless it is a loop).
     pub fn spot(&self, walkway: usize, s_m: f64) -> Spot {
         let (line, along) = (&self.town.walkways[walkway].center, &self.s_m[walkway]);
+        let s_m = self.wrapped(walkway, s_m).unwrap_or(s_m);
         let i = along.partition_point(|v| *v <= s_m).clamp(1, line.len() - 1);
         let (a, b) = (line[i - 1].truncate(), line[i].truncate());
         let tangent = (b - a).normalize_or(DVec2::X);

@@ -145,12 +145,10 @@ impl Walker {
                 let limit_m = SIDESTEP_MPS * DT_S * self.pace.max(0.3);
                 self.lateral_m += (self.wanted_m - self.lateral_m).clamp(-limit_m, limit_m);
                 let s = s_m + direction * step_m;
-                let length_m = pavements.length_m(walkway);
-                if (0.0..=length_m).contains(&s) {
-                    self.motion = Motion::Walks { walkway, s_m: s, direction };
-                } else {
-                    self.motion = self.turn_corner(pavements, walkway, direction);
-                }
+                self.motion = match pavements.wrapped(walkway, s) {
+                    Some(s_m) => Motion::Walks { walkway, s_m, direction },
+                    None => self.turn_corner(pavements, walkway, direction),
+                };
                 if let Motion::Walks { walkway, s_m, .. } = self.motion {
                     let spot = pavements.spot(walkway, s_m);
                     let target = spot.at + spot.tangent.perp() * self.lateral_m;

@@ -91,7 +91,6 @@ fn vehicle(
     box_from_wheels: &[DPose3; 4],
     is_driven: bool,
 ) -> Posed {
-    let _ = is_driven;
     let part = |shape, local: DPose3| Instance {
         shape: Arc::clone(shape),
         palette: Arc::clone(&model.palette),
@@ -99,6 +98,9 @@ fn vehicle(
         actor_id: id,
     };
     let mut parts = vec![part(&model.body, DPose3::IDENTITY)];
+    if let Some(driver) = model.driver.as_ref().filter(|_| is_driven) {
+        parts.push(part(driver, DPose3::IDENTITY));
+    }
     parts.extend(box_from_wheels.iter().map(|w| part(&model.wheel, *w)));
     let state = ActorState {
         id,

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::math::{self, DVec2, DVec3, TAU, Vec3};
+use crate::rng::StreamKey;
 use crate::town::{Ground, Lane, LaneId, LaneKind, RoadNetwork, Town, Walkway};
 
 /// A grid of ground over [-half, half]² with height `z(x, y)`.
@@ -23,14 +24,10 @@ pub(crate) fn ground(half_m: f64, step_m: f64, z: &dyn Fn(f64, f64) -> f64) -> G
             faces.push([a, a + n + 2, a + n + 1]);
         }
     }
-    let mut made = empty_ground();
+    let mut made = Ground::flat(half_m);
     made.vertices = Arc::new(vertices);
     made.faces = Arc::new(faces);
     made
-}
-
-fn empty_ground() -> Ground {
-    Ground { vertices: Arc::new(Vec::new()), faces: Arc::new(Vec::new()) }
 }
 
 /// Adds a driving lane along points of the plane.
@@ -161,4 +158,27 @@ pub(crate) fn crossing() -> Arc<Town> {
         }
     }
     town(network, ground(110.0, 5.0, &flat), walkways)
+}
+
+/// A generated suburb with ground, parking places and pavements, undressed.
+pub(crate) fn suburb(seed: u64) -> Arc<Town> {
+    let key = StreamKey::scene(seed);
+    let made = crate::town::generate_suburb(&key, &crate::town::SuburbConfig::default()).expect("a suburb");
+    furnished(&key, made.network)
+}
+
+/// One of the shared maps, where they are at hand.
+pub(crate) fn map(name: &str) -> Option<Arc<Town>> {
+    let path = format!("{}/../../../shared/maps/{name}", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(path).ok()?;
+    Some(furnished(&StreamKey::scene(0), crate::town::load_map(name, &text).expect("a map")))
+}
+
+fn furnished(key: &StreamKey, network: RoadNetwork) -> Arc<Town> {
+    let ground = Ground::new(&network).expect("a ground");
+    let parking = crate::town::parking_spots(&network, &ground, key);
+    let walkways = crate::town::walkways(&ground);
+    let mut town = Arc::unwrap_or_clone(town(network, ground, walkways));
+    town.parking = parking;
+    Arc::new(town)
 }

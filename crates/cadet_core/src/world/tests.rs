@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::testing::{crossing, hilly_ring, slope};
+use super::testing::{crossing, hilly_ring, map, slope, suburb};
 use super::*;
 use crate::math::{self, DVec2, DVec3};
 use crate::world::spawn::TrafficConfig;
@@ -145,5 +145,21 @@ fn cars_share_a_hilly_ring() {
         let config = TrafficConfig { num_cars: 16, num_pedestrians: 20, ..TrafficConfig::default() };
         world.spawn_traffic(&config).unwrap();
         watch(&mut world, 60, &format!("ring {seed}"));
+    }
+}
+
+#[test]
+fn traffic_lives_in_suburbs_and_shared_maps() {
+    let maps = ["Town01.xodr", "Town02.xodr"].into_iter().filter_map(map);
+    for (i, town) in (0..5).map(suburb).chain(maps).enumerate() {
+        let name = format!("{} {i}", town.name);
+        let clock = std::time::Instant::now();
+        let mut world = World::new(town, StreamKey::scene(i as u64)).unwrap();
+        let a = clock.elapsed();
+        let config = TrafficConfig { num_cars: 40, num_pedestrians: 40, ..TrafficConfig::default() };
+        world.spawn_traffic(&config).unwrap();
+        let b = clock.elapsed();
+        watch(&mut world, 60, &name);
+        eprintln!("{name}: new {a:?}, spawn {:?}, 60 s in {:?}", b - a, clock.elapsed() - b);
     }
 }

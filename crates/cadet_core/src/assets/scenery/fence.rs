@@ -77,25 +77,28 @@ pub(super) fn mesh(kind: FenceKind, variant: usize, length: f32, detail: Detail)
     let mut b = MeshBuilder::new();
     let top = kind.height_m(variant) as f32;
     let posts = ((length / 2.4).ceil() as usize).max(1);
+    let posts_seen = detail.pick(posts, posts, 1);
     let post_at = |i: usize| length * i as f32 / posts as f32;
     match kind {
         FenceKind::Picket => {
-            let count = (length / 0.14).round().max(1.0);
+            // Far away fewer and wider ones, their share of gaps kept.
+            let pitch = detail.pick(0.14, 0.14, 0.56);
+            let count = (length / pitch).round().max(1.0);
             for i in 0..count as usize {
                 let x = length * i as f32 / count;
-                slat(&mut b, [x + 0.02, x + 0.11, 0.06, top], 0.02, detail);
+                slat(&mut b, [x + pitch * 0.14, x + pitch * 0.78, 0.06, top], 0.02, detail);
             }
             for z in [0.25, top - 0.2] {
                 b.cuboid(v(0.0, -0.05, z), v(length, -0.01, z + 0.08), slot::POST);
             }
-            for i in 0..posts {
+            for i in 0..posts_seen {
                 b.cuboid(v(post_at(i), -0.13, -0.4), v(post_at(i) + 0.09, -0.05, top - 0.05), slot::POST);
             }
         }
         FenceKind::Railing => {
             let plinth: f32 = if variant % 2 == 1 { 0.55 } else { 0.3 };
             b.cuboid(v(0.0, -0.12, -0.5), v(length, 0.12, plinth), slot::MASONRY);
-            let spacing = detail.pick(0.12, 0.12, 0.36);
+            let spacing = detail.pick(0.12, 0.12, 0.6);
             let count = (length / spacing).round().max(1.0);
             for i in 0..count as usize {
                 let x = length * (i as f32 + 0.5) / count;
@@ -123,13 +126,19 @@ pub(super) fn mesh(kind: FenceKind, variant: usize, length: f32, detail: Detail)
                 let y = if i % 2 == 0 { 0.0 } else { 0.02 };
                 b.cuboid(v(x0, y - 0.01, 0.03), v(x1, y + 0.01, top), slot::BODY);
             }
-            for i in 0..posts {
+            for i in 0..posts_seen {
                 b.cuboid(v(post_at(i), -0.1, -0.4), v(post_at(i) + 0.09, -0.01, top + 0.03), slot::POST);
             }
         }
         FenceKind::Wire => {
             for i in 0..posts {
-                tube(&mut b, (v(post_at(i), 0.0, -0.4), 0.025), (v(post_at(i), 0.0, top), 0.025), 6, slot::POST);
+                tube(
+                    &mut b,
+                    (v(post_at(i), 0.0, -0.4), 0.025),
+                    (v(post_at(i), 0.0, top), 0.025),
+                    detail.pick(6, 4, 3),
+                    slot::POST,
+                );
             }
             let wires = detail.pick(7, 4, 2);
             for k in 0..wires {

@@ -27,15 +27,8 @@ pub enum FurnitureKind {
 
 impl FurnitureKind {
     /// Every kind.
-    pub const ALL: [Self; 7] = [
-        Self::SmallBin,
-        Self::LargeBin,
-        Self::Cabinet,
-        Self::PostBox,
-        Self::Bench,
-        Self::GatePost,
-        Self::Planter,
-    ];
+    pub const ALL: [Self; 7] =
+        [Self::SmallBin, Self::LargeBin, Self::Cabinet, Self::PostBox, Self::Bench, Self::GatePost, Self::Planter];
 
     /// A short name.
     #[must_use]

@@ -40,13 +40,18 @@ pub(super) fn mesh(variant: usize, length: f32, detail: Detail) -> Mesh {
     core.loft(&rings, if detail == Detail::Far { slot::LEAF } else { slot::DARK_LEAF }, true);
     let mut leaves = Leaves::default();
     let area = length * (2.0 * height + depth);
-    let size: f32 = detail.pick(0.13, 0.27, 0.6);
-    let coverage: f32 = detail.pick(1.0, 0.9, 0.35);
-    for _ in 0..(2.0 * coverage * area / (size * size)) as usize {
+    let size: f32 = detail.pick(0.13, 0.27, 0.7);
+    let coverage: f32 = detail.pick(1.0, 0.9, 0.2);
+    let ends = height * depth / area;
+    for _ in 0..(2.0 * coverage * area * (1.0 + 2.0 * ends) / (size * size)) as usize {
         let x = range(s, 0.0, length);
         let along = range(s, 0.0, 2.0 * height + depth);
         let rough = range(s, -0.05, 0.07);
-        let (p, out) = if along < height {
+        let (p, out) = if s.chance(f64::from(2.0 * ends / (1.0 + 2.0 * ends))) {
+            let (y, z) = (range(s, -half, half), range(s, 0.0, height - inset));
+            let far = along > height;
+            (Vec3::new(if far { length + rough } else { -rough }, y, z), if far { Vec3::X } else { -Vec3::X })
+        } else if along < height {
             (Vec3::new(x, half + rough, along), Vec3::Y)
         } else if along < height + depth {
             (Vec3::new(x, (along - height - depth / 2.0) * 0.95, height - inset + rough), Vec3::Z)

@@ -28,8 +28,7 @@ pub enum HouseKind {
 
 impl HouseKind {
     /// Every kind.
-    pub const ALL: [Self; 6] =
-        [Self::Detached, Self::Semi, Self::Terrace, Self::Village, Self::Block, Self::Flats];
+    pub const ALL: [Self; 6] = [Self::Detached, Self::Semi, Self::Terrace, Self::Village, Self::Block, Self::Flats];
 
     /// A short name.
     #[must_use]
@@ -92,7 +91,9 @@ impl HouseDesign {
         };
         let storey_height = if kind == HouseKind::Block { range(s, 3.2, 3.7) } else { range(s, 2.65, 2.85) };
         let plinth = match kind {
-            HouseKind::Block | HouseKind::Flats => range(s, 0.5, 0.9),
+            HouseKind::Flats => range(s, 0.5, 0.9),
+            // On the pavement's line there is no room for steps.
+            HouseKind::Village | HouseKind::Block => range(s, 0.14, 0.19),
             _ => range(s, 0.25, 0.7),
         };
         let degrees = match kind {
@@ -139,6 +140,11 @@ impl HouseDesign {
             sashes: 1 + u8::from(s.chance(0.6)),
             seed: s.next_u64(),
         }
+    }
+
+    /// Houses that open onto the pavement.
+    fn on_pavement(&self) -> bool {
+        matches!(self.kind, HouseKind::Village | HouseKind::Block)
     }
 
     /// The roof, its ridge along its own y.
@@ -215,7 +221,7 @@ impl HouseDesign {
             let shape = WallShape { width, bottom: self.plinth - 0.05, eaves: self.eaves, apex: self.eaves + rise };
             wall(&mut b, &plane, &shape, &openings, detail);
             if detail != Detail::Far {
-                self.attach(&mut b, &plane, &openings, i == 0, detail);
+                self.attach(&mut b, &plane, &openings, i == 0);
             }
         }
         let foot = Vec3::new(x + 0.03, y + 0.03, 0.0);
@@ -236,16 +242,16 @@ impl HouseDesign {
     }
 
     /// Steps and canopies at doors, balconies.
-    fn attach(&self, b: &mut MeshBuilder, plane: &WallPlane, openings: &[Opening], front: bool, detail: Detail) {
+    fn attach(&self, b: &mut MeshBuilder, plane: &WallPlane, openings: &[Opening], front: bool) {
         for o in openings.iter().filter(|o| o.filling == Filling::Door) {
             let u = (o.rect[0] + o.rect[1]) / 2.0;
             let steps = ((self.plinth / 0.17).ceil() as usize).max(1);
             for k in 0..steps {
-                let out = 0.35 + 0.28 * (steps - k) as f32;
+                let out = 0.28 * (steps - k) as f32 + if self.on_pavement() { 0.0 } else { 0.35 };
                 let top = self.plinth * (k + 1) as f32 / steps as f32;
                 plane.block(b, [u - 0.8, u + 0.8, -0.6, top], -out, 0.0, slot::STONE);
             }
-            if detail == Detail::Near || self.kind != HouseKind::Block {
+            if !self.on_pavement() {
                 plane.block(b, [u - 0.9, u + 0.9, o.rect[3] + 0.18, o.rect[3] + 0.28], -0.9, 0.0, slot::METAL);
             }
         }
@@ -300,13 +306,20 @@ impl HouseDesign {
             let shape = WallShape { width: 2.0 * half, bottom: foot - 0.4, eaves: top, apex: top };
             let rect = [half - 0.6, half + 0.6, foot + 0.15, top - 0.12];
             let filling = Filling::Window { sashes: 2, shutter: 0.0, curtain: false };
-            wall(b, &plane, &shape, &[Opening { rect, filling }], if detail == Detail::Near { Detail::Mid } else { detail });
+            wall(
+                b,
+                &plane,
+                &shape,
+                &[Opening { rect, filling }],
+                if detail == Detail::Near { Detail::Mid } else { detail },
+            );
             for s in [-1.0, 1.0] {
                 let w = y + s * half;
                 let [p, q, r] = [Vec3::new(x, w, foot - 0.4), Vec3::new(x, w, top), Vec3::new(back, w, top)];
                 if s > 0.0 { b.triangle(p, r, q, slot::WOOD) } else { b.triangle(p, q, r, slot::WOOD) }
             }
-            let (lo, hi) = (Vec3::new(back - 0.3, y - half - 0.2, top), Vec3::new(x + 0.25, y + half + 0.2, top + 0.13));
+            let (lo, hi) =
+                (Vec3::new(back - 0.3, y - half - 0.2, top), Vec3::new(x + 0.25, y + half + 0.2, top + 0.13));
             b.cuboid(lo, hi, slot::ROOF);
         }
     }

@@ -19,6 +19,19 @@ impl Leaves {
     /// Adds a card: a triangle about `middle`, its plane's normal `facing`, its area about `size`^2 / 2; its shading
     /// normal is bent to `outward`.
     pub fn card(&mut self, s: &mut Stream, middle: Vec3, facing: Vec3, outward: Vec3, size: f32) {
+        self.card_within(s, middle, facing, outward, size, (middle, f32::INFINITY));
+    }
+
+    /// Adds a card whose corners keep within a ball (center, radius): large ones do not widen the crown.
+    pub fn card_within(
+        &mut self,
+        s: &mut Stream,
+        middle: Vec3,
+        facing: Vec3,
+        outward: Vec3,
+        size: f32,
+        (center, radius): (Vec3, f32),
+    ) {
         let side = direction(s).cross(facing).normalize_or(Vec3::X);
         let up = facing.cross(side);
         // From squat to slender at the same area.
@@ -29,7 +42,8 @@ impl Leaves {
             middle - side * (w * 0.5) - up * (h * 0.35),
             middle + side * (w * 0.5) - up * (h * 0.3),
             middle + side * (w * skew) + up * (h * 0.65),
-        ];
+        ]
+        .map(|p| if radius.is_finite() { center + (p - center).clamp_length_max(radius) } else { p });
         let normal = (outward + direction(s) * 0.45).normalize_or(Vec3::Z);
         // Counter-clockwise towards the shading normal: a card has two sides, this one counts as its front.
         let flip = (corners[1] - corners[0]).cross(corners[2] - corners[0]).dot(normal) < 0.0;

@@ -15,7 +15,7 @@ use crate::math::{DVec2, Vec3};
 use crate::rng::Stream;
 
 /// Lengths that hedges and fences come in, the longest first.
-pub const PIECE_LENGTHS_M: [f64; 4] = [4.8, 2.4, 1.2, 0.6];
+pub const PIECE_LENGTHS_M: [f64; 5] = [9.6, 4.8, 2.4, 1.2, 0.6];
 
 const HOUSES: usize = 5;
 const TREES: usize = 8;
@@ -53,7 +53,7 @@ pub fn house(kind: HouseKind, variant: usize) -> SceneryModel {
             let name = format!("{}/{variant}", kind.name());
             let palette = house_palette(&mut Stream::from_seed(&name, 0), design.flat_roof);
             let half = DVec2::new(f64::from(design.depth), f64::from(design.width)) / 2.0;
-            let shape = Detail::levels(38.0, 95.0, |d| design.mesh(d));
+            let shape = Detail::levels(42.0, 88.0, |d| design.mesh(d));
             model(name, shape, palette, half, f64::from(design.height()))
         })
         .clone()
@@ -86,7 +86,7 @@ pub fn tree(kind: TreeKind, variant: usize) -> SceneryModel {
             let name = format!("{}/{variant}", kind.name());
             let palette = plant_palette(&mut Stream::from_seed(&name, 0), kind.is_evergreen());
             let half = DVec2::splat(f64::from(design.crown_radius));
-            let (near, mid) = if kind == TreeKind::Shrub { (25.0, 60.0) } else { (38.0, 90.0) };
+            let (near, mid) = if kind == TreeKind::Shrub { (25.0, 55.0) } else { (40.0, 72.0) };
             let shape = Detail::levels(near, mid, |d| design.mesh(d));
             model(name, shape, palette, half, f64::from(design.height))
         })
@@ -105,7 +105,7 @@ pub fn hedge(variant: usize, piece: usize) -> SceneryModel {
             let (height, depth) = hedges::SECTIONS_M[variant];
             let name = format!("hedge/{variant}/{length_m}");
             let palette = plant_palette(&mut Stream::from_seed("hedge", variant as u64), variant % 2 == 0);
-            let shape = Detail::levels(22.0, 55.0, |d| hedges::mesh(variant, length_m as f32, d));
+            let shape = Detail::levels(26.0, 55.0, |d| hedges::mesh(variant, length_m as f32, d));
             SceneryModel {
                 name,
                 shape,

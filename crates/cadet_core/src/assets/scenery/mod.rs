@@ -83,11 +83,7 @@ impl Detail {
     fn levels(near_to_m: f32, mid_to_m: f32, mesh: impl Fn(Self) -> Mesh) -> Arc<LodSet> {
         let level = |limit, detail| (limit, Arc::new(mesh(detail)));
         Arc::new(LodSet {
-            levels: vec![
-                level(near_to_m, Self::Near),
-                level(mid_to_m, Self::Mid),
-                level(f32::INFINITY, Self::Far),
-            ],
+            levels: vec![level(near_to_m, Self::Near), level(mid_to_m, Self::Mid), level(f32::INFINITY, Self::Far)],
         })
     }
 
@@ -100,3 +96,6 @@ impl Detail {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -119,7 +119,7 @@ pub(super) fn mesh(kind: PoleKind, variant: usize, detail: Detail) -> Mesh {
             let top = 4.2 + 0.6 * third;
             tube(b_, (v(0.0, 0.0, -0.4), 0.075), (v(0.0, 0.0, 1.0), 0.07), detail.pick(12, 7, 4), slot::BODY);
             post(b_, (0.055, 0.035), top, detail);
-            if variant % 2 == 0 {
+            if variant.is_multiple_of(2) {
                 // A mushroom: a shallow cap over a glass body.
                 let stations = [(top - 0.05, 0.09), (top + 0.3, 0.16), (top + 0.32, 0.3), (top + 0.45, 0.1)];
                 let stations = stations.map(|(z, r)| (v(0.0, 0.0, z), r));
@@ -139,7 +139,7 @@ pub(super) fn mesh(kind: PoleKind, variant: usize, detail: Detail) -> Mesh {
         PoleKind::RoundSign => {
             post(b_, (0.03, 0.03), 2.7, detail);
             plate(b_, 2.4, detail.pick(24, 14, 8), 0.0, &[(0.3, slot::RED), (0.235, slot::WHITE)]);
-            if variant % 2 == 0 && detail != Detail::Far {
+            if variant.is_multiple_of(2) && detail != Detail::Far {
                 thirty(b_, 2.4, 0.24);
             }
         }

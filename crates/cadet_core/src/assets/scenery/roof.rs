@@ -103,7 +103,13 @@ impl Pitched {
         }
         if self.hipped {
             for s in [-1.0, 1.0] {
-                b.quad(v(s * x, s * y, low), v(-s * x, s * y, low), v(-s * x, s * y, up), v(s * x, s * y, up), slot::WOOD);
+                b.quad(
+                    v(s * x, s * y, low),
+                    v(-s * x, s * y, low),
+                    v(-s * x, s * y, up),
+                    v(s * x, s * y, up),
+                    slot::WOOD,
+                );
             }
             b.quad(v(-x, -y, low), v(-x, y, low), v(x, y, low), v(x, -y, low), slot::WOOD);
             return;

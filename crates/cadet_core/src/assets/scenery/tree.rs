@@ -135,15 +135,22 @@ impl TreeDesign {
     }
 
     fn broad_leaved(&self, wood: &mut MeshBuilder, leaves: &mut Leaves, s: &mut Stream, detail: Detail) {
-        let sides = detail.pick(8, 6, 4);
+        let sides = detail.pick(8, 6, 3);
         let fork = self.crown_base + (self.height - self.crown_base) * 0.35;
-        if self.kind != TreeKind::Shrub {
+        if self.kind == TreeKind::Shrub {
+            let top = Vec3::Z * self.height * 0.6;
+            tube(wood, (Vec3::Z * -0.2, 0.03), (top, 0.015), 3, slot::BARK);
+        } else {
             let lean = direction(s) * self.height * 0.02;
             let bend = |z: f32| Vec3::new(lean.x, lean.y, 0.0) * (z / self.height) + Vec3::Z * z;
             let r = self.trunk_radius;
             let stations =
                 [(bend(-0.4), r * 1.35), (bend(0.25), r * 1.08), (bend(fork * 0.6), r * 0.85), (bend(fork), r * 0.6)];
-            path_tube(wood, &stations, sides, slot::BARK);
+            if detail == Detail::Far {
+                path_tube(wood, &[stations[0], stations[3]], sides, slot::BARK);
+            } else {
+                path_tube(wood, &stations, sides, slot::BARK);
+            }
             for blob in self.blobs.iter().take(detail.pick(8, 5, 0)) {
                 let start = bend(fork * range(s, 0.72, 0.98));
                 let knee = start.lerp(blob.center, 0.5) + Vec3::Z * 0.25;
@@ -160,7 +167,7 @@ impl TreeDesign {
         // Blobs overlap, so the area is spread over less than the sum of their volumes.
         let shrub = self.kind == TreeKind::Shrub;
         let area = volume * LEAF_AREA_PER_M3 * if shrub { 3.0 } else { 0.8 };
-        let budget: f32 = if shrub { detail.pick(900.0, 200.0, 50.0) } else { detail.pick(5200.0, 1300.0, 190.0) };
+        let budget: f32 = if shrub { detail.pick(900.0, 200.0, 20.0) } else { detail.pick(5200.0, 1250.0, 80.0) };
         let smallest: f32 = if shrub { 0.09 } else { 0.2 };
         let size = (2.0 * area / budget).sqrt().max(smallest);
         let count = ((2.0 * area / (size * size)) as usize).min(budget as usize);
@@ -171,15 +178,15 @@ impl TreeDesign {
             // Cubic root for an even fill, a little denser at the outside where the light is.
             let rho = crate::math::powf(s.unit() as f32, 0.28);
             let out = direction(s);
-            let cluster = blob.center + out * (blob.radius * rho);
             let spread = (0.9 * size * (per_cluster as f32).sqrt() * 0.5).min(blob.radius * 0.4);
+            let cluster = blob.center + out * (blob.radius * rho);
             for _ in 0..per_cluster {
                 let p = cluster + direction(s) * (spread * range(s, 0.2, 1.0));
                 let p = p.max(Vec3::new(f32::NEG_INFINITY, f32::NEG_INFINITY, 0.03));
                 let outward = ((p - blob.center).normalize_or(Vec3::Z) + (p - middle).normalize_or(Vec3::Z)) * 0.5
                     + Vec3::Z * 0.15;
                 let facing = direction(s);
-                leaves.card(s, p, facing, outward, size);
+                leaves.card_within(s, p, facing, outward, size, (blob.center, blob.radius * 1.08));
             }
         }
     }
@@ -190,7 +197,7 @@ impl TreeDesign {
         let span = self.height - self.crown_base;
         let volume = 1.05 * self.crown_radius * self.crown_radius * span;
         let area = volume * LEAF_AREA_PER_M3 * 1.9;
-        let budget: f32 = detail.pick(4200.0, 1100.0, 170.0);
+        let budget: f32 = detail.pick(4200.0, 1000.0, 70.0);
         let size = (2.0 * area / budget).sqrt().max(0.15);
         let count = ((2.0 * area / (size * size)) as usize).min(budget as usize);
         let layers = (span / 0.55).ceil();
@@ -205,7 +212,8 @@ impl TreeDesign {
             let droop = 0.35 * rho * rho / self.crown_radius.max(0.1);
             let z = (self.crown_base + t * span - droop).max(0.05);
             let facing = (direction(s) + Vec3::Z * 0.6 + out * 0.3).normalize_or(Vec3::Z);
-            leaves.card(s, out * rho + Vec3::Z * z, facing, out + Vec3::Z * 0.45, size);
+            let within = (Vec3::Z * z, self.crown_radius * (1.0 - t) * 1.08 + 0.12);
+            leaves.card_within(s, out * rho + Vec3::Z * z, facing, out + Vec3::Z * 0.45, size, within);
         }
     }
 }

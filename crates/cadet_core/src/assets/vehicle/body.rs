@@ -31,13 +31,17 @@ pub(super) fn add_lower_body(surface: &mut Surface, o: &Outline, styling: &Styli
     // The orientation is the whole ring's; the seams only leave cells open.
     surface.pair(&grid, Outward::From(inside), |i, j| {
         let (a, b) = (&columns[i], &columns[i + 1]);
-        (!b.is_seam).then(|| shell_slot(a, b, 0.5 * (fractions[j] + fractions[j + 1]), styling))
+        (!b.is_seam).then(|| shell_slot(a, b, 0.5 * (fractions[j] + fractions[j + 1]), styling, o.d.length / 2.0))
     });
-    add_arches_and_floor(surface, o, &columns);
+    if level < 2 {
+        add_arches_and_floor(surface, o, &columns);
+    } else {
+        add_coarse_floor(surface, o);
+    }
     add_decks(surface, o, &columns, level);
 }
 
-fn shell_slot(a: &Column, b: &Column, v: f32, styling: &Styling) -> u8 {
+fn shell_slot(a: &Column, b: &Column, v: f32, styling: &Styling, half_length: f32) -> u8 {
     let f = 0.5 * (a.face.lateral() + b.face.lateral());
     let is_nose = matches!(a.face, Face::Nose(_));
     let is_tail = matches!(b.face, Face::Tail(_));
@@ -45,7 +49,7 @@ fn shell_slot(a: &Column, b: &Column, v: f32, styling: &Styling) -> u8 {
         return slot::PLASTIC;
     }
     if is_nose {
-        if f > styling.lamp_from && f < 0.97 && v > 0.64 && v < 0.93 {
+        if f > styling.lamp_from && f < 0.97 && b.x > half_length - 0.45 && v > 0.64 && v < 0.93 {
             return slot::LAMP;
         }
         if f < styling.grille_to && v > 0.64 && v < 0.90 {
@@ -58,7 +62,7 @@ fn shell_slot(a: &Column, b: &Column, v: f32, styling: &Styling) -> u8 {
             return slot::PLASTIC;
         }
     } else if is_tail {
-        if f > styling.tail_lamp_side && v > styling.tail_lamp_from && v < 0.97 {
+        if f > styling.tail_lamp_side && a.x < -half_length + 0.32 && v > styling.tail_lamp_from && v < 0.97 {
             return slot::TAIL_LAMP;
         }
         if (styling.black_bumpers && v < 0.50) || v < 0.22 {
@@ -109,11 +113,34 @@ fn add_arches_and_floor(surface: &mut Surface, o: &Outline, columns: &[Column]) 
     }
 }
 
+/// Far away a dark wall behind each arch and one panel below do.
+fn add_coarse_floor(surface: &mut Surface, o: &Outline) {
+    let d = &o.d;
+    let y = d.width / 2.0 - 0.16;
+    let floor: Vec<Vec<Vec3>> = [o.nose_x, o.tail_x]
+        .iter()
+        .map(|x| vec![Vec3::new(*x, 0.0, d.clearance), Vec3::new(*x, y, d.clearance)])
+        .collect();
+    surface.pair(&floor, Outward::Along(Vec3::NEG_Z), |_, _| Some(slot::LINER));
+    for axle in d.axles_x {
+        let top = d.wheel_radius + d.arch_radius + 0.02;
+        let wall: Vec<Vec<Vec3>> = [axle + d.arch_radius, axle - d.arch_radius]
+            .iter()
+            .map(|x| vec![Vec3::new(*x, y, d.clearance), Vec3::new(*x, y, top)])
+            .collect();
+        surface.pair(&wall, Outward::Along(Vec3::Y), |_, _| Some(slot::LINER));
+    }
+}
+
 fn add_decks(surface: &mut Surface, o: &Outline, columns: &[Column], level: usize) {
     let lateral: &[f32] = [&[0.0, 0.3, 0.6, 0.82, 0.94, 1.0][..], &[0.0, 0.5, 0.85, 1.0], &[0.0, 0.7, 1.0]][level];
     let row = |c: &Column| -> Vec<Vec3> { lateral.iter().map(|t| o.deck(c, *t)).collect() };
     let up = Outward::Along(Vec3::Z);
-    let bonnet: Vec<&Column> = columns.iter().filter(|c| c.x >= o.screen_foot_x - 1e-3 && !c.is_seam).collect();
+    let bonnet: Vec<&Column> = columns
+        .iter()
+        .filter(|c| c.x >= o.screen_foot_x - 1e-3 && !c.is_seam)
+        .filter(|c| level < 2 || c.arch.is_none() || (c.x - o.screen_foot_x).abs() < 1e-3)
+        .collect();
     let rows: Vec<Vec<Vec3>> = bonnet.iter().map(|c| row(c)).collect();
     surface.pair(&rows, up, |_, _| Some(slot::PAINT));
     let first = columns.iter().position(|c| o.point(c, 1.0).x < o.backlight_foot_x).unwrap_or(columns.len() - 1);

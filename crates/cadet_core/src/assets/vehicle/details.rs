@@ -33,6 +33,10 @@ pub(super) fn add_fittings(surface: &mut Surface, o: &Outline, house: &Glasshous
     }
     if level == 0 {
         add_wipers(surface, house);
+        add_end_lines(surface, o);
+    }
+    if level < 2 {
+        add_tail_fittings(surface, o, house);
     }
     if fittings.roof_rails && level < 2 {
         add_rails(surface, house, level);
@@ -143,7 +147,7 @@ fn add_handles(surface: &mut Surface, o: &Outline, house: &Glasshouse) {
     for x in at {
         let z = o.top_z(x) - 0.13;
         let p = o.flank(x, z);
-        surface.block_pair(p + Vec3::Y * 0.006, Vec3::new(0.085, 0.011, 0.016), Mat3::IDENTITY, 6, slot::PLASTIC);
+        surface.block_pair(p - Vec3::Y * 0.0045, Vec3::new(0.085, 0.010, 0.016), Mat3::IDENTITY, 6, slot::PLASTIC);
     }
 }
 
@@ -189,6 +193,64 @@ fn add_plates(surface: &mut Surface, o: &Outline, fittings: &Fittings, level: us
     }
 }
 
+/// A dark line on nose or tail through (lateral fraction, height fraction) points, and its mirror image.
+fn end_line(surface: &mut Surface, o: &Outline, is_nose: bool, path: &[(f32, f32)]) {
+    let out = if is_nose { 1.0 } else { -1.0 };
+    let is_level = (path[0].1 - path[path.len() - 1].1).abs() < 0.1;
+    let (df, dv) = if is_level { (0.0, 0.006) } else { (0.006, 0.0) };
+    let row = |sign: f32| -> Vec<Vec3> {
+        path.iter()
+            .map(|(f, v)| {
+                let p = o.point(&o.end_column((f + sign * df).clamp(0.0, 1.0), is_nose), v + sign * dv);
+                p + Vec3::new(0.003 * out, 0.002 * f, 0.0)
+            })
+            .collect()
+    };
+    surface.pair(&[row(-1.0), row(1.0)], Outward::Along(Vec3::new(out, 0.0, 0.0)), |_, _| Some(slot::LINER));
+}
+
+/// Gaps of bumpers, bonnet and tailgate.
+fn add_end_lines(surface: &mut Surface, o: &Outline) {
+    let across = |to: f32, v: f32| -> Vec<(f32, f32)> { (0..=6).map(|k| (to * k as f32 / 6.0, v)).collect() };
+    end_line(surface, o, true, &across(0.94, 0.615));
+    end_line(surface, o, true, &across(0.72, 0.945));
+    end_line(surface, o, false, &across(0.94, 0.37));
+    let gate = if o.d.boot > 0.1 { 0.66 } else { 0.80 };
+    let upright: Vec<(f32, f32)> = (0..=4).map(|k| (gate, 0.38 + 0.60 * k as f32 / 4.0)).collect();
+    end_line(surface, o, false, &upright);
+    // The bonnet's edge runs from the lamp to the windscreen.
+    let columns: Vec<_> = o.columns(0).into_iter().filter(|c| c.x > o.screen_foot_x && !c.is_seam).collect();
+    let edge: Vec<Vec<Vec3>> = columns
+        .iter()
+        .filter(|c| c.face.lateral() > 0.75)
+        .map(|c| [0.925, 0.940].iter().map(|t| o.deck(c, *t) + Vec3::Z * 0.0025).collect())
+        .collect();
+    surface.pair(&edge, Outward::Along(Vec3::Z), |_, _| Some(slot::LINER));
+}
+
+/// Third brake light, rear wiper and the maker's badges.
+fn add_tail_fittings(surface: &mut Surface, o: &Outline, house: &Glasshouse) {
+    let back = Vec3::new(-0.005, 0.0, 0.003);
+    let light: Vec<Vec<Vec3>> =
+        [0.90, 0.94].iter().map(|s| [0.0, 0.17].iter().map(|t| house.on_backlight(*t, *s) + back).collect()).collect();
+    surface.pair(&light, Outward::Along(Vec3::NEG_X), |_, _| Some(slot::TAIL_LAMP));
+    if o.d.backlight_slope > 1.0 && o.d.windows != Windows::PanelVan {
+        let (a, b) = (house.on_backlight(0.0, 0.16), house.on_backlight(0.42, 0.22));
+        let (b, up) = (Vec3::new(b.x, -b.y, b.z), Vec3::new(0.0, 0.0, 0.014));
+        let wiper = [vec![a + back, b + back], vec![a + back + up, b + back + up]];
+        surface.sheet(&wiper, Outward::Along(Vec3::NEG_X), |_, _| Some(slot::PLASTIC));
+    }
+    for (is_nose, v) in [(true, 0.78), (false, 0.84)] {
+        let p = o.point(&o.end_column(0.0, is_nose), v);
+        let (out, half) = (if is_nose { 0.006 } else { -0.006 }, 0.04);
+        let badge = [
+            vec![p + Vec3::new(out, 0.0, -half), p + Vec3::new(out, half, -0.4 * half)],
+            vec![p + Vec3::new(out, 0.0, half), p + Vec3::new(out, half, 0.4 * half)],
+        ];
+        surface.pair(&badge, Outward::Along(Vec3::X * out), |_, _| Some(slot::CHROME));
+    }
+}
+
 fn add_wipers(surface: &mut Surface, house: &Glasshouse) {
     for (from, to) in [((0.15, 0.02), (0.75, 0.10)), ((-0.55, 0.02), (0.05, 0.10))] {
         let place = |(t, s): (f32, f32)| {
@@ -210,7 +272,7 @@ fn add_rails(surface: &mut Surface, house: &Glasshouse, level: usize) {
         .map(|k| {
             let x = from + (to - from) * k as f32 / n as f32;
             let edge = house.cant(x);
-            let lift = if k == 0 || k == n { 0.0 } else { 0.035 };
+            let lift = if k == 0 || k == n { 0.0 } else { 0.028 };
             let c = Vec3::new(x, edge.y - 0.06, edge.z + 0.025 + lift);
             [(0.0, 0.012), (-0.012, 0.0), (0.0, -0.012), (0.012, 0.0)]
                 .iter()

@@ -344,6 +344,7 @@ impl Dimensions {
 
     /// The first kind of that name, for pictures and tests.
     #[cfg(test)]
+    #[allow(dead_code)]
     pub fn named(name: &str, s: &mut Stream) -> Option<Self> {
         let car = CARS.iter().find(|k| k.name == name).map(|k| (k, false));
         let kind = car.or_else(|| VANS.iter().find(|k| k.name == name).map(|k| (k, true)));
@@ -365,7 +366,7 @@ impl Dimensions {
         let wheel_radius = (kind.wheel_diameter / 2.0 * s.range(0.97, 1.03)).min(0.225 * h);
         let slope = |deg: f64| math::tan((deg + 0.0).to_radians()) as f32;
         let estate = kind.estate && (kind.name != "high_roof" || s.chance(0.8));
-        let windows = if is_van && s.chance(0.5) {
+        let windows = if is_van && s.chance(if kind.name == "high_van" { 0.75 } else { 0.4 }) {
             Windows::PanelVan
         } else if s.chance(kind.three_door) {
             Windows::ThreeDoor
@@ -398,7 +399,10 @@ impl Dimensions {
                 s.range(0.03, 0.05) as f32,
                 if fast_back { s.range(0.07, 0.11) } else { s.range(0.04, 0.09) } as f32,
             ],
-            corner_exponent: [s.range(2.2, 3.0) as f32, s.range(2.8, 4.2) as f32],
+            corner_exponent: [
+                s.range(2.2, 3.0) as f32,
+                if is_van { s.range(5.0, 7.0) } else { s.range(2.8, 4.2) } as f32,
+            ],
             windows,
             is_van,
         }

@@ -9,6 +9,14 @@ use crate::math::{Vec3, lerp};
 /// How far panes lie inside the shell, metres.
 const PANE_INSET: f32 = 0.006;
 
+/// The rows with the panes' upper edge brought down to a fraction of the way to the roof.
+fn capped(rows: &[f32], limit: f32) -> Vec<f32> {
+    let (low, high) = (rows[1], rows[rows.len() - 2]);
+    let scale = ((limit - low) / (high - low)).min(1.0);
+    let inner = |r: &f32| if *r <= low || *r >= 1.0 { *r } else { low + (r - low) * scale };
+    rows.iter().map(inner).collect()
+}
+
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Cell {
     Pillar(u8),
@@ -137,9 +145,17 @@ impl<'a> Glasshouse<'a> {
     pub fn cant(&self, x: f32) -> Vec3 {
         let d = &self.o.d;
         let z = self.roof_z(x) - self.edge_drop;
-        let (end, narrowing) = if x > self.apex_x { (self.header_x, 0.035) } else { (self.rear_header_x, 0.05) };
+        let (end, narrowing) = if x > self.apex_x {
+            (self.header_x, 0.035)
+        } else {
+            (self.rear_header_x, if d.is_van { 0.01 } else { 0.03 })
+        };
         let t = ((x - self.apex_x) / (end - self.apex_x)).clamp(0.0, 1.2);
-        let foot = self.o.half_width(0.0, 1.0) - 0.018;
+        // Over the foot line's own place: where the tail narrows, the roof does.
+        let along = ((x - self.rear_header_x) / (self.header_x - self.rear_header_x)).clamp(0.0, 1.0);
+        let (o, middle) = (self.o, 0.0);
+        let foot_x = o.backlight_foot_x + (o.screen_foot_x - o.backlight_foot_x) * along;
+        let foot = o.edge_y(foot_x).min(o.half_width(middle, 1.0)) - 0.018;
         Vec3::new(x, foot - (z - d.belt) * d.tumblehome - narrowing * t * t, z)
     }
 
@@ -182,11 +198,12 @@ impl<'a> Glasshouse<'a> {
             [&[0.0, 0.05, 0.22, 0.45, 0.70, 0.91, 1.0][..], &[0.0, 0.05, 0.5, 0.91, 1.0], &[0.0, 0.05, 0.91, 1.0]]
                 [level];
         let lateral: &[f32] = [&[0.0, 0.3, 0.6, 0.8, 0.93, 1.0][..], &[0.0, 0.45, 0.93, 1.0], &[0.0, 0.93, 1.0]][level];
-        self.add_sides(surface, rows, level);
+        // High vans have a panel above panes of the usual height.
+        let rise = self.o.d.height - self.edge_drop - self.o.d.belt;
+        self.add_sides(surface, &capped(rows, 0.70 / rise), level);
         self.add_roof(surface, lateral, level, has_sunroof);
-        for is_front in [true, false] {
-            self.add_screen(surface, rows, lateral, is_front);
-        }
+        self.add_screen(surface, &capped(rows, 0.80 / rise), lateral, true);
+        self.add_screen(surface, &capped(rows, 0.70 / rise), lateral, false);
     }
 
     fn add_sides(&self, surface: &mut Surface, rows: &[f32], level: usize) {
@@ -277,7 +294,7 @@ impl<'a> Glasshouse<'a> {
         if !is_front {
             let n = s_rows.len();
             s_rows[1] = 0.11;
-            s_rows[n - 2] = if self.o.d.backlight_slope > 1.0 { 0.84 } else { 0.92 };
+            s_rows[n - 2] = s_rows[n - 2].min(if self.o.d.backlight_slope > 1.0 { 0.84 } else { 0.92 });
         }
         let (border, last) = (lateral.len() - 2, rows.len() - 2);
         let grid: Vec<Vec<Vec3>> =
@@ -288,7 +305,7 @@ impl<'a> Glasshouse<'a> {
             _ if is_blind => Some(slot::PAINT),
             (i, _) if i == border => Some(slot::PAINT),
             (_, 0) => Some(if is_front { slot::PLASTIC } else { slot::PAINT }),
-            (_, j) if j == last => Some(if is_front { slot::PLASTIC } else { slot::PAINT }),
+            (_, j) if j == last => Some(if is_front && s_rows[last] > 0.85 { slot::PLASTIC } else { slot::PAINT }),
             _ => None,
         });
         if is_blind {
@@ -316,9 +333,9 @@ impl<'a> Glasshouse<'a> {
         surface.pair(&pane, outward, |_, _| Some(glass));
     }
 
-    /// A point of the windscreen's foot, for what is mounted there.
-    pub fn screen_foot(&self, t: f32) -> Vec3 {
-        self.screen(true, t, 0.0)
+    /// A point of the backlight, lateral fraction and height fraction.
+    pub fn on_backlight(&self, t: f32, s: f32) -> Vec3 {
+        self.screen(false, t, s)
     }
 
     /// A point of the windscreen, lateral fraction and height fraction.

@@ -1,6 +1,6 @@
 //! What is seen through the panes: dashboard, seats, steering wheel, and the driver.
 
-use super::dimensions::{Dimensions, Windows};
+use super::dimensions::Windows;
 use super::glasshouse::Glasshouse;
 use super::outline::Outline;
 use super::paint::slot;
@@ -47,7 +47,7 @@ pub(super) fn add_interior(surface: &mut Surface, o: &Outline, house: &Glasshous
     add_tub(surface, o, seats, level);
     let back_half = Vec3::new(0.055, 0.23, 0.30 * seats.scale);
     let lean = leaning(RECLINE_RAD);
-    let sides = [8, 6, 4][level];
+    let sides = [8, 4, 4][level];
     let back_center = |hip: Vec3| hip + Vec3::new(-0.16, 0.0, 0.0) + lean * Vec3::new(0.0, 0.0, 0.26 * seats.scale);
     surface.block_pair(back_center(seats.hip), back_half, lean, sides, slot::CLOTH);
     if level < 2 {
@@ -92,23 +92,34 @@ pub(super) fn add_interior(surface: &mut Surface, o: &Outline, house: &Glasshous
 fn add_tub(surface: &mut Surface, o: &Outline, seats: &Seats, level: usize) {
     let d = &o.d;
     let (front, rear) = (o.screen_foot_x, o.backlight_foot_x);
-    let floor = if level < 2 { seats.floor_z } else { d.belt - 0.38 };
-    let center = Vec3::new(0.5 * (front + rear), 0.0, d.belt);
-    let xs: &[f32] = if level == 0 { &[0.0, 0.2, 0.4, 0.6, 0.8, 1.0] } else { &[0.0, 0.5, 1.0] };
-    let wall: Vec<Vec<Vec3>> = xs
+    let arch_top = d.wheel_radius + d.arch_radius + 0.03;
+    let floor = if level < 2 { seats.floor_z } else { arch_top.max(d.belt - 0.38) };
+    let (near, past) = (d.arch_radius + 0.03, d.arch_radius + 0.10);
+    let mut stations = vec![front, 0.5 * (front + rear), rear];
+    if level < 2 {
+        let edges = d.axles_x.iter().flat_map(|a| [a - past, a - near, a + near, a + past]);
+        stations.extend(edges.filter(|x| *x < front && *x > rear));
+    }
+    stations.sort_by(|a, b| b.total_cmp(a));
+    let wall: Vec<Vec<Vec3>> = stations
         .iter()
-        .map(|t| {
-            let p = o.glass_foot(front + (rear - front) * t);
+        .map(|x| {
+            let p = o.glass_foot(*x);
+            // Wheel houses stand in the cabin.
+            let is_house = level < 2 && d.axles_x.iter().any(|a| (x - a).abs() < near + 1e-4);
+            let low_y = if is_house { d.width / 2.0 - 0.33 } else { p.y - 0.07 };
+            let shelf_z = arch_top.min(p.z - 0.05);
             vec![
                 p - Vec3::new(0.0, 0.012, 0.0),
                 p - Vec3::new(0.0, 0.05, 0.03),
-                Vec3::new(p.x, p.y - 0.07, floor),
+                Vec3::new(p.x, p.y - 0.07, shelf_z),
+                Vec3::new(p.x, low_y, shelf_z),
+                Vec3::new(p.x, low_y, floor),
                 Vec3::new(p.x, 0.0, floor),
             ]
         })
         .collect();
-    let inward = surface_inward(center);
-    surface.pair(&wall, inward, |_, _| Some(slot::DARK));
+    surface.pair(&wall, Outward::Along(Vec3::new(0.0, -1.0, 0.3)), |_, _| Some(slot::DARK));
     // The dashboard is a wedge under the windscreen.
     let dash_x = front - if d.is_van { 0.22 } else { 0.30 };
     let dash: Vec<Vec<Vec3>> = [0.0, 0.55, 0.96]
@@ -147,11 +158,6 @@ fn add_tub(surface: &mut Surface, o: &Outline, seats: &Seats, level: usize) {
     }
 }
 
-fn surface_inward(center: Vec3) -> Outward {
-    // The tub's walls face the cabin; its sheet is one piece of the left half.
-    Outward::Along(Vec3::new(0.0, -center.z.abs().max(1.0), 0.3))
-}
-
 /// Center and normal of the steering wheel.
 fn steering_wheel(o: &Outline, seats: &Seats) -> (Vec3, Mat3) {
     let x = (seats.hip.x + 0.42).min(o.screen_foot_x - 0.33);
@@ -161,7 +167,7 @@ fn steering_wheel(o: &Outline, seats: &Seats) -> (Vec3, Mat3) {
 
 fn add_steering_wheel(surface: &mut Surface, o: &Outline, seats: &Seats, level: usize) {
     let (center, axes) = steering_wheel(o, seats);
-    let (around, tube) = if level == 0 { (14, 5) } else { (8, 3) };
+    let (around, tube) = if level == 0 { (14, 5) } else { (7, 3) };
     let rings: Vec<Vec<Vec3>> = (0..=around)
         .map(|i| {
             let a = (i % around) as f32 / around as f32 * std::f32::consts::TAU;
@@ -181,7 +187,7 @@ fn add_steering_wheel(surface: &mut Surface, o: &Outline, seats: &Seats, level: 
 /// A person in a seat: head, torso and, for the driver, arms on the wheel.
 fn add_occupant(surface: &mut Surface, hip: Vec3, scale: f32, hands: Option<[Vec3; 2]>, level: usize) {
     let lean = leaning(0.30);
-    let n = [12, 8, 6][level];
+    let n = [12, 7, 5][level];
     let ring = |center: Vec3, half_x: f32, half_y: f32| -> Vec<Vec3> {
         (0..n)
             .map(|k| k as f32 / n as f32 * std::f32::consts::TAU)
@@ -207,7 +213,10 @@ fn add_occupant(surface: &mut Surface, hip: Vec3, scale: f32, hands: Option<[Vec
         .map(|(z, a, b)| ring(at(if *z < 0.70 { 0.015 } else { 0.032 }, *z), *a, *b))
         .collect();
     surface.builder.loft(&hair, slot::HAIR, true);
-    let m = if level == 0 { 8 } else { 5 };
+    if level == 2 {
+        return;
+    }
+    let m = if level == 0 { 8 } else { 4 };
     for (k, side) in [1.0_f32, -1.0].into_iter().enumerate() {
         let shoulder = at(0.0, 0.45) + Vec3::Y * (0.195 * side);
         let hand = hands.map_or(hip + Vec3::new(0.22, 0.12 * side, 0.06), |h| h[k]);
@@ -246,10 +255,4 @@ pub(super) fn occupants(o: &Outline, seats: &Seats, has_passenger: bool, level: 
         add_occupant(&mut surface, hip, 0.95 * seats.scale, None, level);
     }
     surface
-}
-
-/// True where heads fit under the roof: a check for tests.
-#[cfg(test)]
-pub(super) fn head_top_z(seats: &Seats, _d: &Dimensions) -> f32 {
-    seats.hip.z + cosf(0.30) * 0.805 * seats.scale
 }

@@ -22,7 +22,7 @@ use crate::rng::Stream;
 
 use body::Styling;
 use details::Fittings;
-use dimensions::{Dimensions, Windows};
+use dimensions::Dimensions;
 use glasshouse::Glasshouse;
 use interior::Seats;
 use outline::Outline;
@@ -98,40 +98,33 @@ impl VehicleModel {
         let outline = Outline::new(d.clone());
         let house = Glasshouse::new(&outline, slot::REAR_SIDE_GLASS);
         let seats = Seats::new(&outline, &house);
-        let mut wheel_centers = [Vec3::ZERO; 4];
-        let levels = |make: &dyn Fn(usize) -> Surface, crease: f32| {
+        let lods = |make: &mut dyn FnMut(usize) -> Surface, crease: f32| {
             let level = |k: usize| (LEVEL_LIMITS_M[k], Arc::new(make(k).builder.build(d.name, crease)));
             Arc::new(LodSet { levels: (0..3).map(level).collect() })
         };
-        let finest = Self::shell(&outline, &house, &styling, &fittings, has_sunroof, 0);
-        let fits: Vec<Fit> = (0..3)
-            .map(|k| {
-                if k == 0 {
-                    Fit::of(&finest, &d)
-                } else {
-                    Fit::of(&Self::shell(&outline, &house, &styling, &fittings, has_sunroof, k), &d)
-                }
-            })
-            .collect();
-        let body = levels(
-            &|k| {
+        let mut fits = Vec::with_capacity(3);
+        let body = lods(
+            &mut |k| {
                 let mut surface = Self::shell(&outline, &house, &styling, &fittings, has_sunroof, k);
+                let fit = Fit::of(&surface, &d);
+                fits.push(fit);
                 details::add_mirrors_and_aerial(&mut surface, &outline, &house, &fittings, k);
                 interior::add_interior(&mut surface, &outline, &house, &seats, k);
-                fits[k].apply(&mut surface);
+                fit.apply(&mut surface);
                 surface
             },
             CREASE_RAD,
         );
-        let driver = levels(
-            &|k| {
+        let driver = lods(
+            &mut |k| {
                 let mut surface = interior::occupants(&outline, &seats, has_passenger, k);
                 fits[k].apply(&mut surface);
                 surface
             },
             1.2,
         );
-        let wheel = levels(&|k| wheels::wheel(&d, rim, k), CREASE_RAD);
+        let mut wheel_centers = [Vec3::ZERO; 4];
+        let wheel = lods(&mut |k| wheels::wheel(&d, rim, k), CREASE_RAD);
         let hub_y = |x: f32| outline.half_width(x, 0.2) - 0.022 - d.tyre_width / 2.0;
         for (i, c) in wheel_centers.iter_mut().enumerate() {
             let x = d.axles_x[i / 2];

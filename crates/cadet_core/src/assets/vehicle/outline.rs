@@ -84,7 +84,8 @@ impl Outline {
         let tail_x = (d.axles_x[1] - d.arch_radius - 0.02).max(-half + 0.12);
         let screen_bow = if d.is_van { 0.10 } else { 0.15 };
         let backlight_bow = if d.is_van { 0.03 } else { 0.08 };
-        let backlight_x = -half + TAIL_SETBACK[9] + 0.02 + d.boot;
+        let tail_top = if d.is_van { 0.4 * TAIL_SETBACK[9] } else { TAIL_SETBACK[9] };
+        let backlight_x = -half + tail_top + 0.02 + d.boot;
         Self {
             nose_x,
             tail_x,
@@ -127,7 +128,10 @@ impl Outline {
 
     /// Half width of the flank at x and a height fraction, without the arches' lips.
     pub fn half_width(&self, x: f32, v: f32) -> f32 {
-        (self.d.width / 2.0 - self.lip) * self.taper(x) - interpolate(|k| SECTION[k], SECTION.len(), v)
+        let tuck = interpolate(|k| SECTION[k], SECTION.len(), v);
+        // Vans carry their full width up to the roof.
+        let tuck = if self.d.is_van && v > 0.64 { 0.4 * tuck } else { tuck };
+        (self.d.width / 2.0 - self.lip) * self.taper(x) - tuck
     }
 
     /// The height fraction of a height at a column's place.
@@ -169,6 +173,7 @@ impl Outline {
                 };
                 let reach = (tip - root).abs();
                 let back = interpolate(|k| (SECTION[k].0, table[k]), SECTION.len(), v).min(0.6 * reach);
+                let back = if self.d.is_van && !is_nose { 0.4 * back } else { back };
                 let scale = (tip - root).signum() * (reach - back);
                 let x = root + scale * powf((1.0 - powf(f, n)).max(0.0), 1.0 / n);
                 Vec3::new(x, f * self.half_width(column.x, v), z)
@@ -194,7 +199,8 @@ impl Outline {
         let f = if x > self.nose_x {
             lateral(self.nose_x, half, NOSE_SETBACK[9].min(0.6 * (half - self.nose_x)), self.d.corner_exponent[0])
         } else if x < self.tail_x {
-            lateral(self.tail_x, -half, TAIL_SETBACK[9].min(0.6 * (half + self.tail_x)), self.d.corner_exponent[1])
+            let back = if self.d.is_van { 0.4 * TAIL_SETBACK[9] } else { TAIL_SETBACK[9] };
+            lateral(self.tail_x, -half, back.min(0.6 * (half + self.tail_x)), self.d.corner_exponent[1])
         } else {
             1.0
         };
@@ -212,24 +218,28 @@ impl Outline {
         Vec3::new(x, self.edge_y(x) - 0.018, self.top_z(x) + 0.006)
     }
 
+    /// The column of nose or tail at a lateral fraction.
+    pub fn end_column(&self, f: f32, is_nose: bool) -> Column {
+        let d = &self.d;
+        let (root, tip, n) = if is_nose {
+            (self.nose_x, d.length / 2.0, d.corner_exponent[0])
+        } else {
+            (self.tail_x, -d.length / 2.0, d.corner_exponent[1])
+        };
+        let x = root + (tip - root) * powf((1.0 - powf(f, n)).max(0.0), 1.0 / n);
+        Column { x, face: if is_nose { Face::Nose(f) } else { Face::Tail(f) }, arch: None, is_seam: false }
+    }
+
     /// The columns of the half ring for a level of detail, 0 the finest.
     pub fn columns(&self, level: usize) -> Vec<Column> {
         const ENDS: [&[f32]; 3] = [
             &[0.0, 0.14, 0.28, 0.42, 0.55, 0.68, 0.79, 0.88, 0.94, 0.98],
             &[0.0, 0.28, 0.55, 0.79, 0.94],
-            &[0.0, 0.55, 0.88],
+            &[0.0, 0.58, 0.90],
         ];
         let d = &self.d;
         let column = |x, face| Column { x, face, arch: None, is_seam: false };
-        let end = |f: f32, is_nose: bool| {
-            let (root, tip, n) = if is_nose {
-                (self.nose_x, d.length / 2.0, d.corner_exponent[0])
-            } else {
-                (self.tail_x, -d.length / 2.0, d.corner_exponent[1])
-            };
-            let x = root + (tip - root) * powf((1.0 - powf(f, n)).max(0.0), 1.0 / n);
-            column(x, if is_nose { Face::Nose(f) } else { Face::Tail(f) })
-        };
+        let end = |f: f32, is_nose: bool| self.end_column(f, is_nose);
         let mut columns: Vec<Column> = ENDS[level].iter().map(|f| end(*f, true)).collect();
         let mut side: Vec<Column> = vec![column(self.nose_x, Face::Side), column(self.tail_x, Face::Side)];
         let segments = [14, 8, 4][level];
@@ -266,7 +276,7 @@ impl Outline {
                 side.push(column(x, Face::Side));
             }
         }
-        let doors = [7, 4, 2][level];
+        let doors = [7, 3, 2][level];
         let (from, to) = (d.axles_x[0] - d.arch_radius, d.axles_x[1] + d.arch_radius);
         for k in 1..doors {
             let x = from + (to - from) * k as f32 / doors as f32;

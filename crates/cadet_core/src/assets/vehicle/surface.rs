@@ -8,6 +8,8 @@ use crate::math::{Mat3, Vec3, cosf, sinf};
 pub(super) enum Outward {
     /// Away from a point.
     From(Vec3),
+    /// Towards a point: the inside of a hollow.
+    Towards(Vec3),
     /// Along a direction.
     Along(Vec3),
 }
@@ -56,8 +58,12 @@ impl Surface {
     }
 
     /// Adds a soft-edged block: a superellipse section swept along the local z axis of `axes`, half extents `half`.
+    /// Four sides make a plain box.
     pub fn block(&mut self, center: Vec3, half: Vec3, axes: Mat3, sides: usize, slot: u8) {
-        let rings: Vec<Vec<Vec3>> = [(-1.0, 0.72), (-0.8, 1.0), (0.8, 1.0), (1.0, 0.72)]
+        let soft = [(-1.0, 0.72), (-0.8, 1.0), (0.8, 1.0), (1.0, 0.72)];
+        let plain = [(-1.0, 0.95), (1.0, 0.95)];
+        let profile: &[(f32, f32)] = if sides > 4 { &soft } else { &plain };
+        let rings: Vec<Vec<Vec3>> = profile
             .iter()
             .map(|(z, scale)| {
                 (0..sides)
@@ -101,6 +107,7 @@ fn is_flipped(grid: &[Vec<Vec3>], outward: Outward) -> bool {
             let normal = (c - a).cross(d - b);
             sum += match outward {
                 Outward::From(p) => normal.dot((a + b + c + d) * 0.25 - p),
+                Outward::Towards(p) => normal.dot(p - (a + b + c + d) * 0.25),
                 Outward::Along(v) => normal.dot(v),
             };
         }

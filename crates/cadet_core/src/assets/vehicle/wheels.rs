@@ -18,7 +18,7 @@ pub(super) struct Rim {
 /// A wheel about its own centre: axle along y, outer face towards +y.
 pub(super) fn wheel(d: &Dimensions, rim: Rim, level: usize) -> Surface {
     let mut surface = Surface::default();
-    let sides = [28, 16, 10][level];
+    let sides = [26, 14, 8][level];
     let (r, half) = (d.wheel_radius, d.tyre_width / 2.0);
     let rim_r = r - 0.10 * r / 0.31;
     let ring = |radius: f32, y: f32| -> Vec<Vec3> {
@@ -38,7 +38,7 @@ pub(super) fn wheel(d: &Dimensions, rim: Rim, level: usize) -> Surface {
             (r - 0.03, half + 0.002),
             (rim_r, half - 0.005),
         ],
-        1 => vec![(rim_r, -half), (r - 0.01, -half), (r, 0.0), (r - 0.01, half), (rim_r, half - 0.005)],
+        1 => vec![(r - 0.006, -half), (r, -0.5 * half), (r, 0.5 * half), (r - 0.02, half), (rim_r, half - 0.005)],
         _ => vec![(r, -half), (r, half), (rim_r, half)],
     };
     let grid: Vec<Vec<Vec3>> = tyre.iter().map(|(radius, y)| ring(*radius, *y)).collect();
@@ -49,15 +49,17 @@ pub(super) fn wheel(d: &Dimensions, rim: Rim, level: usize) -> Surface {
     let outer = Outward::Along(Vec3::Y);
     let lip = 0.020;
     surface.sheet(&[ring(rim_r, half - 0.005), ring(rim_r - lip, face_y)], outer, |_, _| Some(slot::RIM));
-    let well = if level < 2 { well_y } else { face_y - 0.01 };
-    if level < 2 {
-        let barrel = [ring(rim_r - lip, face_y), ring(rim_r - lip - 0.006, well)];
-        surface.sheet(&barrel, outer, |_, _| Some(slot::LINER));
-        surface.sheet(&[ring(rim_r, -half + 0.005), ring(0.0, -half + 0.03)], Outward::Along(Vec3::NEG_Y), |_, _| {
-            Some(slot::LINER)
-        });
+    if level == 2 {
+        surface.sheet(&[ring(rim_r - lip, face_y), ring(0.0, face_y)], outer, |_, _| Some(slot::RIM));
+        return surface;
     }
-    surface.sheet(&[ring(rim_r - lip, well), ring(0.0, well)], outer, |_, _| Some(slot::LINER));
+    let barrel = [ring(rim_r - lip, face_y), ring(rim_r - lip - 0.006, well_y)];
+    surface.sheet(&barrel, Outward::Towards(Vec3::ZERO), |_, _| Some(slot::LINER));
+    if level == 0 {
+        let back = [ring(rim_r, -half + 0.005), ring(0.0, -half + 0.03)];
+        surface.sheet(&back, Outward::Along(Vec3::NEG_Y), |_, _| Some(slot::LINER));
+    }
+    surface.sheet(&[ring(rim_r - lip, well_y), ring(0.0, well_y)], outer, |_, _| Some(slot::LINER));
     let hub_r = 0.24 * rim_r;
     let step = TAU / rim.spokes as f32;
     let tip = rim_r - 0.5 * lip;
@@ -65,10 +67,21 @@ pub(super) fn wheel(d: &Dimensions, rim: Rim, level: usize) -> Surface {
     for k in 0..rim.spokes {
         let a = k as f32 * step + 0.4;
         let (w0, w1) = (0.5 * step * rim.fill.max(0.75), 0.5 * step * rim.fill);
-        let front = vec![
-            vec![at(hub_r, a - w0, face_y - 0.002), at(hub_r, a, face_y + 0.004), at(hub_r, a + w0, face_y - 0.002)],
-            vec![at(tip, a - w1, face_y - 0.006), at(tip, a, face_y), at(tip, a + w1, face_y - 0.006)],
-        ];
+        let front = if level == 0 {
+            vec![
+                vec![
+                    at(hub_r, a - w0, face_y - 0.002),
+                    at(hub_r, a, face_y + 0.004),
+                    at(hub_r, a + w0, face_y - 0.002),
+                ],
+                vec![at(tip, a - w1, face_y - 0.006), at(tip, a, face_y), at(tip, a + w1, face_y - 0.006)],
+            ]
+        } else {
+            vec![
+                vec![at(hub_r, a - w0, face_y), at(hub_r, a + w0, face_y)],
+                vec![at(tip, a - w1, face_y - 0.004), at(tip, a + w1, face_y - 0.004)],
+            ]
+        };
         surface.sheet(&front, outer, |_, _| Some(slot::RIM));
         if level == 0 {
             for (side, w0, w1) in [(-1.0, -w0, -w1), (1.0, w0, w1)] {
@@ -81,7 +94,7 @@ pub(super) fn wheel(d: &Dimensions, rim: Rim, level: usize) -> Surface {
             }
         }
     }
-    if level < 2 {
+    {
         surface.sheet(&[ring(hub_r, face_y - 0.002), ring(0.0, face_y + 0.008)], outer, |_, _| Some(slot::RIM));
     }
     surface

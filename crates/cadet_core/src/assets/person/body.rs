@@ -1,0 +1,452 @@
+//! The body at a posture: tubes around a skeleton.
+
+use super::clothes::slot;
+use super::gait::{Arm, Leg, Posture};
+use super::proportions::{ArmPose, Headwear, Kind, Legwear, Load, Proportions, Top};
+use super::tube::{Ring, Tubes};
+use crate::math::{Vec3, cosf, sinf};
+
+/// Corners a ring at each level of detail: trunk, legs, arms, head.
+const SIDES: [[usize; 4]; 3] = [[24, 20, 16, 20], [12, 10, 8, 10], [6, 4, 4, 5]];
+
+/// Builds the body with the hip joints' middle at the origin's height; the caller puts the soles on the ground.
+pub(super) fn body(p: &Proportions, posture: &Posture, level: usize) -> Tubes {
+    let mut tubes = Tubes::default();
+    let frame = Frame::new(p, posture);
+    let mut knees = [Vec3::ZERO; 2];
+    for (i, side) in [1.0_f32, -1.0].into_iter().enumerate() {
+        knees[i] = add_leg(&mut tubes, p, posture, side, posture.legs[i], level);
+    }
+    add_trunk(&mut tubes, p, &frame, level);
+    add_skirts(&mut tubes, p, &frame, knees, level);
+    let mut wrists = [Vec3::ZERO; 2];
+    for (i, side) in [1.0_f32, -1.0].into_iter().enumerate() {
+        wrists[i] = add_arm(&mut tubes, p, &frame, side, posture.arms[i], level);
+    }
+    add_head(&mut tubes, p, &frame, level);
+    add_load(&mut tubes, p, &frame, wrists, level);
+    tubes
+}
+
+/// Positions on the trunk by height above the hip joints.
+struct Frame<'a> {
+    p: &'a Proportions,
+    posture: &'a Posture,
+    /// Scale of girths.
+    g: f32,
+}
+
+impl<'a> Frame<'a> {
+    fn new(p: &'a Proportions, posture: &'a Posture) -> Self {
+        Self { p, posture, g: p.girth * p.stature / 1.75 }
+    }
+
+    fn up(&self) -> Vec3 {
+        let lean = self.posture.lean;
+        Vec3::new(sinf(lean), 0.0, cosf(lean))
+    }
+
+    fn spine(&self, z: f32) -> Vec3 {
+        // The sway fades towards the head.
+        let sway = self.posture.sway * (1.0 - 0.5 * (z / self.p.trunk).clamp(0.0, 1.0));
+        Vec3::new(0.0, sway, 0.0) + self.up() * z
+    }
+
+    fn forward(&self, z: f32) -> Vec3 {
+        let t = (z / self.p.trunk).clamp(0.0, 1.0);
+        let yaw = self.posture.pelvis_yaw + (self.posture.shoulder_yaw - self.posture.pelvis_yaw) * t;
+        Vec3::new(cosf(yaw), sinf(yaw), 0.0)
+    }
+
+    fn left(&self, z: f32) -> Vec3 {
+        let f = self.forward(z);
+        Vec3::new(-f.y, f.x, 0.0)
+    }
+
+    fn ring(&self, z: f32, dx: f32, half: [f32; 2], slot: u8, level: usize) -> Ring {
+        let forward = self.forward(z);
+        Ring { center: self.spine(z) + forward * dx, along: self.up(), forward, half, slot, level }
+    }
+}
+
+fn down(angle: f32) -> Vec3 {
+    Vec3::new(sinf(angle), 0.0, -cosf(angle))
+}
+
+fn add_leg(tubes: &mut Tubes, p: &Proportions, posture: &Posture, side: f32, leg: Leg, level: usize) -> Vec3 {
+    let g = p.girth * p.stature / 1.75;
+    let yaw = posture.pelvis_yaw;
+    let hip = Vec3::new(-side * sinf(yaw) * p.hip_half, posture.sway + side * cosf(yaw) * p.hip_half, 0.0);
+    // The leg leans in its plane so that the foot lands on its line.
+    let foot_y = side * p.step_half_width.max(if p.speed == 0.0 { 0.10 } else { 0.0 });
+    let slope = (foot_y - hip.y) / (p.thigh + p.shank);
+    let slanted = |v: Vec3| Vec3::new(v.x, v.y - slope * v.z, v.z);
+    let (thigh, shank) = (slanted(down(leg.thigh)), slanted(down(leg.shank)));
+    let knee = hip + thigh * p.thigh;
+    let ankle = knee + shank * p.shank;
+    let bare = matches!(p.legwear, Legwear::Shorts | Legwear::Skirt);
+    let wide = match p.legwear {
+        Legwear::WideTrousers => 0.028,
+        Legwear::Trousers => 0.013,
+        _ => 0.006,
+    };
+    let lower = if bare { slot::SKIN } else { slot::LEGS };
+    let upper = if p.legwear == Legwear::Skirt { slot::SKIN } else { slot::LEGS };
+    let loose = if bare { 0.0 } else { wide };
+    let bend = (thigh + shank).normalize();
+    let forward = Vec3::new(cosf(0.5 * (leg.thigh + leg.shank)), 0.0, sinf(0.5 * (leg.thigh + leg.shank)));
+    let ring = |center: Vec3, along: Vec3, r: f32, extra: f32, slot: u8, level: usize| Ring {
+        center,
+        along: along.normalize(),
+        forward,
+        half: [r * g + extra, 0.95 * r * g + extra],
+        slot,
+        level,
+    };
+    let hem = if p.legwear == Legwear::Shorts { 0.030 } else { wide };
+    let on_thigh = |t: f32| hip + thigh * (p.thigh * t);
+    let on_shank =
+        |t: f32| knee + shank * (p.shank * t) - forward * (0.010 * (1.0 - t) * if t > 0.1 { 1.0 } else { 0.0 });
+    let rings = [
+        ring(on_thigh(-0.06), thigh, 0.080, wide, upper, 0),
+        ring(on_thigh(0.08), thigh, 0.088, wide, upper, 2),
+        ring(on_thigh(0.30), thigh, 0.082, wide, upper, 1),
+        ring(on_thigh(0.58), thigh, 0.072, hem, upper, 0),
+        ring(on_thigh(0.84), thigh, 0.062, hem, lower, if bare { 1 } else { 0 }),
+        ring(on_thigh(0.86), thigh, 0.060, loose, lower, 0),
+        ring(knee, bend, 0.057, loose, lower, 2),
+        ring(on_shank(0.16), shank, 0.054, loose, lower, 0),
+        ring(on_shank(0.32), shank, 0.058, loose, lower, 1),
+        ring(on_shank(0.62), shank, 0.047, loose, lower, 0),
+        ring(on_shank(0.90), shank, 0.036, 1.4 * loose, lower, 1),
+        ring(on_shank(1.0), shank, 0.036, 1.5 * loose, lower, 2),
+    ];
+    tubes.tube(&rings, SIDES[level][1], level, -1.0);
+    add_foot(tubes, p, ankle, leg.sole, side, level);
+    knee
+}
+
+fn add_foot(tubes: &mut Tubes, p: &Proportions, ankle: Vec3, sole: f32, side: f32, level: usize) {
+    // Toes stay on the ground while the heel rises.
+    let toe_pitch = if sole < 0.0 { sole + (-sole).min(0.75) } else { sole };
+    let turned = |pitch: f32| {
+        let out = 0.10 * side;
+        (
+            Vec3::new(cosf(pitch) * cosf(out), cosf(pitch) * sinf(out), sinf(pitch)),
+            Vec3::new(-sinf(pitch), 0.0, cosf(pitch)),
+        )
+    };
+    let (along, up) = turned(sole);
+    let (toe_along, toe_up) = turned(toe_pitch);
+    let ball = ankle + along * p.ball_before_ankle - up * p.ankle_height;
+    const CUT: f32 = -0.80;
+    let scale = p.foot / 0.29;
+    let ring = |x: f32, height: f32, half_width: f32, level: usize| {
+        let half = height * scale / (1.0 - CUT);
+        let past = x * p.foot - p.ball_before_ankle;
+        let (ground, direction, normal) = if past > 0.0 {
+            (ball + toe_along * past, toe_along, toe_up)
+        } else {
+            (ankle + along * (x * p.foot) - up * p.ankle_height, along, up)
+        };
+        Ring {
+            center: ground - normal * (CUT * half),
+            along: direction,
+            forward: normal,
+            half: [half, half_width * scale],
+            slot: slot::SHOES,
+            level,
+        }
+    };
+    let rings = [
+        ring(-0.255, 0.060, 0.022, 1),
+        ring(-0.235, 0.085, 0.032, 2),
+        ring(-0.12, 0.105, 0.038, 0),
+        ring(0.04, 0.105, 0.038, 1),
+        ring(0.22, 0.078, 0.043, 0),
+        ring(0.44, 0.058, 0.050, 2),
+        ring(0.60, 0.048, 0.046, 0),
+        ring(0.70, 0.038, 0.034, 2),
+        ring(0.735, 0.026, 0.020, 0),
+    ];
+    tubes.tube(&rings, SIDES[level][1], level, CUT);
+}
+
+fn add_trunk(tubes: &mut Tubes, p: &Proportions, frame: &Frame, level: usize) {
+    let g = frame.g;
+    let t = p.trunk;
+    let (hips, chest) = match p.kind {
+        Kind::Woman => (1.04, 0.93),
+        _ => (1.0, 1.0),
+    };
+    let loose = match p.top {
+        Top::TShirt | Top::Shirt => 0.010,
+        Top::Jacket => 0.028,
+        Top::Coat => 0.045,
+    };
+    let bottom = slot::LEGS;
+    let sh = p.shoulder_half;
+    let ring = |z: f32, dx: f32, x: f32, y: f32, slot: u8, level: usize| {
+        frame.ring(z * t, dx, [x * g + loose, y * g + loose], slot, level)
+    };
+    let belly = p.belly;
+    let bust = if p.kind == Kind::Woman { 0.022 } else { 0.0 };
+    let rings = [
+        frame.ring(-0.14 * t, 0.0, [0.075 * g, 0.100 * g], bottom, 0),
+        frame.ring(-0.07 * t, -0.005, [0.105 * g, 0.150 * hips * g], bottom, 2),
+        frame.ring(0.06 * t, -0.005, [0.112 * g, 0.168 * hips * g], bottom, 1),
+        ring(0.10, 0.0, 0.112, 0.165 * hips, slot::TOP, 0),
+        ring(0.22, 0.5 * belly, 0.104 + 0.5 * belly, 0.150 * hips, slot::TOP, 1),
+        ring(0.40, 0.5 * belly, 0.100 + 0.5 * belly, 0.142, slot::TOP, 0),
+        ring(0.58, 0.002 + 0.3 * bust, 0.108, 0.152 * chest, slot::TOP, 0),
+        ring(0.70, 0.004 + 0.5 * bust, 0.113 + 0.5 * bust, 0.160 * chest, slot::TOP, 2),
+        ring(0.85, 0.0, 0.104, 0.167 * chest, slot::TOP, 0),
+        frame.ring(0.95 * t, -0.004, [0.090 * g + loose, sh - 0.012 + loose], slot::TOP, 1),
+        frame.ring(1.03 * t, -0.008, [0.072 * g + loose, 0.70 * sh + 0.5 * loose], slot::TOP, 1),
+        frame.ring(1.10 * t, -0.006, [0.058 * g + 0.5 * loose, 0.070 * g + 0.5 * loose], slot::SKIN, 2),
+    ];
+    tubes.tube(&rings, SIDES[level][0], level, -1.0);
+    let neck = [
+        frame.ring(1.02 * t, -0.005, [0.056 * g, 0.058 * g], slot::SKIN, 2),
+        frame.ring(p.chin + 0.25 * p.head, 0.004, [0.053 * g, 0.053 * g], slot::SKIN, 2),
+    ];
+    tubes.tube(&neck, SIDES[level][2], level, -1.0);
+}
+
+/// Skirt and coat tails: cones that the legs push out.
+fn add_skirts(tubes: &mut Tubes, p: &Proportions, frame: &Frame, knees: [Vec3; 2], level: usize) {
+    let coat = p.top == Top::Coat;
+    let skirt = p.legwear == Legwear::Skirt;
+    if !coat && !skirt {
+        return;
+    }
+    let g = frame.g;
+    let (slot, top_half, top_z, reach) = if coat {
+        (slot::TOP, [0.105 * g + 0.05, 0.165 * g + 0.045], 0.22 * p.trunk, 0.72)
+    } else {
+        (slot::LEGS, [0.112 * g + 0.012, 0.160 * g + 0.012], 0.14 * p.trunk, 1.0)
+    };
+    let rings: Vec<Ring> = [(0.0_f32, 2), (0.25, 1), (0.55, 0), (0.8, 1), (1.0, 2)]
+        .iter()
+        .map(|(s, level)| {
+            let s = *s;
+            let along = s * reach;
+            let [a, b] = knees.map(|k| k * along);
+            let (front, back) = (a.x.max(b.x), a.x.min(b.x));
+            let spread = 0.5 * (front - back);
+            let z = top_z * (1.0 - s) + s * reach * (0.5 * (knees[0].z + knees[1].z));
+            let ease = s * (2.0 - s);
+            let half = [top_half[0] + spread + 0.012 * ease, top_half[1] + 0.02 * ease];
+            Ring {
+                center: Vec3::new(0.5 * (front + back), frame.posture.sway * (1.0 - 0.5 * s), z),
+                along: Vec3::NEG_Z,
+                forward: Vec3::X,
+                half,
+                slot,
+                level: *level,
+            }
+        })
+        .collect();
+    tubes.tube(&rings, SIDES[level][0], level, -1.0);
+}
+
+fn add_arm(tubes: &mut Tubes, p: &Proportions, frame: &Frame, side: f32, arm: Arm, level: usize) -> Vec3 {
+    let g = frame.g;
+    let (forward, left) = (frame.forward(p.trunk), frame.left(p.trunk) * side);
+    let shoulder = frame.spine(0.94 * p.trunk) + left * p.shoulder_half;
+    let out = sinf(arm.lift);
+    let upper = (forward * (sinf(arm.swing) * cosf(arm.lift)) + left * out
+        - Vec3::Z * (cosf(arm.swing) * cosf(arm.lift)))
+    .normalize();
+    // The forearm folds forward and inward, square to the upper arm.
+    let fold = forward * cosf(arm.inward) - left * sinf(arm.inward);
+    let fold = (fold - upper * fold.dot(upper)).normalize();
+    let fore = upper * cosf(arm.elbow) + fold * sinf(arm.elbow);
+    let elbow = shoulder + upper * p.upper_arm;
+    let wrist = elbow + fore * p.forearm;
+    let loose = match p.top {
+        Top::TShirt => 0.006,
+        Top::Shirt => 0.009,
+        Top::Jacket => 0.018,
+        Top::Coat => 0.025,
+    };
+    let short = p.top == Top::TShirt;
+    let (sleeve, bare) = (slot::TOP, if short { slot::SKIN } else { slot::TOP });
+    let low = if short { 0.0 } else { loose };
+    let thin = if p.kind == Kind::Woman { 0.90 } else { 1.0 };
+    let ring = |center: Vec3, along: Vec3, r: f32, extra: f32, slot: u8, level: usize| Ring {
+        center,
+        along,
+        forward: if along.z.abs() > 0.7 { forward } else { Vec3::Z },
+        half: [r * g * thin + extra; 2],
+        slot,
+        level,
+    };
+    let on_upper = |t: f32| shoulder + upper * (p.upper_arm * t);
+    let on_fore = |t: f32| elbow + fore * (p.forearm * t);
+    // One reference direction along the whole arm, so that the tube does not twist.
+    let reference = {
+        let c = upper.cross(fore);
+        if c.length_squared() > 1e-4 { c.normalize() } else { left }
+    };
+    let mut rings = [
+        ring(on_upper(-0.09), upper, 0.036, loose, sleeve, 0),
+        ring(on_upper(0.0), upper, 0.050, loose, sleeve, 2),
+        ring(on_upper(0.22), upper, 0.056, loose, sleeve, 0),
+        ring(on_upper(0.55), upper, 0.049, if short { 0.018 } else { loose }, bare, 1),
+        ring(on_upper(0.57), upper, 0.046, low, bare, if short { 0 } else { 9 }),
+        ring(on_upper(0.85), upper, 0.043, low, bare, 0),
+        ring(elbow, (upper + fore).normalize(), 0.042, low, bare, 2),
+        ring(on_fore(0.22), fore, 0.043, low, bare, 0),
+        ring(on_fore(0.60), fore, 0.036, low, bare, 1),
+        ring(on_fore(0.98), fore, 0.028, low, slot::SKIN, 2),
+    ];
+    for r in &mut rings {
+        r.forward = reference;
+        if r.level == 9 {
+            r.level = 0;
+        }
+    }
+    tubes.tube(&rings, SIDES[level][2], level, -1.0);
+    let scale = p.hand / 0.19;
+    let flat = |t: f32, a: f32, b: f32, level: usize| Ring {
+        center: wrist + fore * (t * p.hand),
+        along: fore,
+        forward: if upper.cross(fore).length_squared() > 1e-4 { fold } else { forward },
+        half: [a * scale, b * scale],
+        slot: slot::SKIN,
+        level,
+    };
+    let hand = [
+        flat(-0.05, 0.026, 0.020, 2),
+        flat(0.20, 0.040, 0.020, 0),
+        flat(0.48, 0.045, 0.021, 1),
+        flat(0.75, 0.036, 0.020, 2),
+        flat(0.86, 0.020, 0.013, 0),
+    ];
+    tubes.tube(&hand, SIDES[level][2] / 2 + 2, level, -1.0);
+    wrist + fore * (0.5 * p.hand)
+}
+
+fn add_head(tubes: &mut Tubes, p: &Proportions, frame: &Frame, level: usize) {
+    let k = p.head / 0.223;
+    let forward = Vec3::X;
+    // The head stays upright whatever the trunk does.
+    let chin = frame.spine(p.chin) + Vec3::X * 0.012;
+    let ring = |z: f32, dx: f32, x: f32, y: f32, slot: u8, level: usize| Ring {
+        center: chin + Vec3::new(dx * k, 0.0, z * p.head),
+        along: Vec3::Z,
+        forward,
+        half: [x * k, y * k],
+        slot,
+        level,
+    };
+    let skin = slot::SKIN;
+    let head = [
+        ring(0.0, 0.038, 0.034, 0.032, skin, 0),
+        ring(0.07, 0.028, 0.058, 0.048, skin, 2),
+        ring(0.22, 0.014, 0.078, 0.060, skin, 1),
+        ring(0.38, 0.008, 0.090, 0.068, skin, 0),
+        ring(0.55, 0.002, 0.095, 0.074, skin, 2),
+        ring(0.72, 0.0, 0.095, 0.075, skin, 0),
+        ring(0.88, -0.002, 0.078, 0.062, skin, 1),
+        ring(0.96, -0.004, 0.050, 0.040, skin, 2),
+    ];
+    tubes.tube(&head, SIDES[level][3], level, -1.0);
+    if level == 0 {
+        let nose = [
+            ring(0.34, 0.100, 0.018, 0.016, skin, 0),
+            ring(0.40, 0.100, 0.014, 0.013, skin, 0),
+            ring(0.52, 0.092, 0.008, 0.009, skin, 0),
+        ];
+        tubes.tube(&nose, 6, 0, -1.0);
+    }
+    let h = slot::HAIR;
+    let hair = match p.headwear {
+        Headwear::ShortHair => vec![
+            ring(0.20, -0.040, 0.042, 0.052, h, 0),
+            ring(0.36, -0.034, 0.064, 0.070, h, 1),
+            ring(0.58, -0.022, 0.082, 0.082, h, 2),
+            ring(0.74, -0.012, 0.096, 0.084, h, 1),
+            ring(0.84, -0.004, 0.094, 0.078, h, 0),
+            ring(0.95, -0.006, 0.072, 0.060, h, 2),
+            ring(1.02, -0.010, 0.040, 0.034, h, 1),
+        ],
+        Headwear::LongHair => vec![
+            ring(-0.42, -0.060, 0.022, 0.075, h, 1),
+            ring(-0.22, -0.060, 0.036, 0.088, h, 2),
+            ring(0.10, -0.045, 0.055, 0.090, h, 1),
+            ring(0.36, -0.034, 0.070, 0.088, h, 0),
+            ring(0.58, -0.024, 0.086, 0.089, h, 2),
+            ring(0.74, -0.012, 0.098, 0.087, h, 1),
+            ring(0.86, -0.004, 0.094, 0.078, h, 0),
+            ring(0.96, -0.006, 0.072, 0.060, h, 2),
+            ring(1.03, -0.010, 0.040, 0.034, h, 1),
+        ],
+        Headwear::Hat => vec![
+            ring(0.66, 0.030, 0.138, 0.090, h, 1),
+            ring(0.70, 0.022, 0.132, 0.092, h, 2),
+            ring(0.74, -0.002, 0.106, 0.088, h, 1),
+            ring(0.90, -0.004, 0.098, 0.082, h, 0),
+            ring(1.0, -0.006, 0.078, 0.064, h, 2),
+            ring(1.05, -0.006, 0.040, 0.034, h, 0),
+        ],
+    };
+    tubes.tube(&hair, SIDES[level][3], level, -1.0);
+}
+
+/// An upright soft box.
+fn sack(tubes: &mut Tubes, center: Vec3, forward: Vec3, half: Vec3, level: usize) {
+    let rings: Vec<Ring> = [(-1.0, 0.70, 1), (-0.85, 1.0, 2), (0.0, 1.05, 0), (0.75, 0.92, 2), (1.0, 0.6, 1)]
+        .iter()
+        .map(|(z, s, keep)| Ring {
+            center: center + Vec3::Z * (z * half.z),
+            along: Vec3::Z,
+            forward,
+            half: [half.x * s * 1.12, half.y * s * 1.12],
+            slot: slot::BAG,
+            level: *keep,
+        })
+        .collect();
+    tubes.tube(&rings, SIDES[level][2], level, -1.0);
+}
+
+fn add_load(tubes: &mut Tubes, p: &Proportions, frame: &Frame, wrists: [Vec3; 2], level: usize) {
+    let k = p.stature / 1.75;
+    match p.load {
+        Load::None => {}
+        Load::Backpack => {
+            let z = 0.60 * p.trunk;
+            let (f, loose) = (frame.forward(z), if p.top == Top::Coat { 0.045 } else { 0.02 });
+            let center = frame.spine(z) - f * (0.105 * frame.g + loose + 0.08 * k);
+            sack(tubes, center, f, Vec3::new(0.09, 0.15, 0.22) * k, level);
+        }
+        Load::ShoulderBag => {
+            let z = 0.05 * p.trunk;
+            let (f, left) = (frame.forward(z), frame.left(z));
+            let center = frame.spine(z) + left * (0.168 * frame.g + 0.065) - f * 0.08;
+            sack(tubes, center, f, Vec3::new(0.16, 0.055, 0.14), level);
+            if level < 2 {
+                let strap: Vec<Ring> =
+                    [center + Vec3::Z * 0.12, frame.spine(1.08 * p.trunk) + left * (0.8 * p.shoulder_half)]
+                        .iter()
+                        .map(|c| Ring {
+                            center: *c,
+                            along: Vec3::Z,
+                            forward: f,
+                            half: [0.02, 0.008],
+                            slot: slot::BAG,
+                            level: 2,
+                        })
+                        .collect();
+                tubes.tube(&strap, 4, level, -1.0);
+            }
+        }
+        Load::Shopping => {
+            let hand = usize::from(p.arms[0] != ArmPose::Carry);
+            let room = (wrists[hand].z + p.thigh + p.shank + p.ankle_height - 0.10).clamp(0.15, 0.42);
+            let center = wrists[hand] - Vec3::Z * (0.5 * room + 0.06);
+            sack(tubes, center, Vec3::X, Vec3::new(0.16, 0.075, 0.5 * room), level);
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! People on foot: walkers with a gait cycle, and people who stand.
+
+mod body;
+mod clothes;
+mod gait;
+mod proportions;
+#[cfg(test)]
+mod tests;
+mod tube;
+
+use std::sync::{Arc, OnceLock};
+
+use crate::geometry::{Bounds, LodSet};
+use crate::material::Palette;
+use crate::math::{DVec3, Vec3};
+use crate::rng::Stream;
+
+use proportions::Proportions;
+use tube::Tubes;
+
+/// Phases of the gait cycle that have a shape: 3 cm of way each.
+const NUM_PHASES: usize = 48;
+/// Where the levels of detail end, metres from the ego.
+const LEVEL_LIMITS_M: [f32; 3] = [15.0, 35.0, f32::INFINITY];
+
+/// A person's shape, in the box frame: x forward, y left, z up, origin on the ground.
+#[derive(Debug, Clone)]
+pub struct PersonModel {
+    /// For example `"woman/12345"`.
+    pub name: String,
+    /// Length, width, height of the label's box: the largest over the gait cycle for a walker.
+    pub size_lwh: DVec3,
+    /// Walking speed that the stride fits, m/s; 0 for a person who stands.
+    pub walking_speed_mps: f64,
+    /// Length of a full gait cycle (two steps) on the ground, metres.
+    pub cycle_length_m: f64,
+    /// The materials.
+    pub palette: Arc<Palette>,
+    proportions: Arc<Proportions>,
+    /// From the pelvis' vertical to the middle of the cycle's bounds.
+    offset: Vec3,
+    shapes: Arc<[OnceLock<LodSet>; NUM_PHASES]>,
+}
+
+impl PersonModel {
+    /// The person of a seed; one in four stands.
+    #[must_use]
+    pub fn generate(model_seed: u64) -> Self {
+        let mut s = Stream::from_seed("person", model_seed);
+        let p = Proportions::draw(&mut s);
+        let palette = clothes::palette(p.kind, p.headwear, &mut s);
+        let num_phases = if p.speed > 0.0 { NUM_PHASES / 2 } else { 1 };
+        let bounds = (0..num_phases)
+            .map(|k| 2 * k)
+            .map(|k| Bounds::of(grounded(&p, k, 0).vertices))
+            .fold(Bounds::EMPTY, |a, b| Bounds { min: a.min.min(b.min), max: a.max.max(b.max) });
+        let (size, center) = (bounds.size(), bounds.center());
+        Self {
+            name: format!("{}/{model_seed}", p.kind.name()),
+            size_lwh: DVec3::new(f64::from(size.x), f64::from(size.y), f64::from(bounds.max.z)),
+            walking_speed_mps: f64::from(p.speed),
+            cycle_length_m: f64::from(p.cycle_length),
+            palette: Arc::new(palette),
+            offset: Vec3::new(-center.x, -center.y, 0.0),
+            proportions: Arc::new(p),
+            shapes: Arc::new([const { OnceLock::new() }; NUM_PHASES]),
+        }
+    }
+
+    /// The shape at a phase of the gait cycle in [0, 1), one of 48 that are made once; the left heel strikes at 0.
+    #[must_use]
+    pub fn pose(&self, phase: f64) -> LodSet {
+        let wrapped = phase - phase.floor();
+        let k = if self.proportions.speed > 0.0 { (wrapped * NUM_PHASES as f64) as usize % NUM_PHASES } else { 0 };
+        let shape = self.shapes[k].get_or_init(|| {
+            let level = |i: usize| {
+                let mesh = grounded(&self.proportions, k, i).into_mesh(&self.name, self.offset);
+                (LEVEL_LIMITS_M[i], Arc::new(mesh))
+            };
+            LodSet { levels: (0..3).map(level).collect() }
+        });
+        shape.clone()
+    }
+}
+
+/// The body at a quantised phase with its lower sole on the ground.
+fn grounded(p: &Proportions, phase_index: usize, level: usize) -> Tubes {
+    let posture =
+        if p.speed > 0.0 { gait::walking(p, phase_index as f32 / NUM_PHASES as f32) } else { gait::standing(p) };
+    let mut tubes = body::body(p, &posture, level);
+    let low = tubes.vertices.iter().fold(f32::INFINITY, |a, v| a.min(v.z));
+    for v in &mut tubes.vertices {
+        v.z -= low;
+    }
+    tubes
+}

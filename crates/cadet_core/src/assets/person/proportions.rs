@@ -1,0 +1,252 @@
+//! One person's measures, gait and habits.
+
+use crate::rng::Stream;
+
+/// What an arm does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum ArmPose {
+    /// Swings with the gait.
+    Swing,
+    /// Hangs.
+    Hang,
+    /// Holds a telephone before the chest.
+    Phone,
+    /// Hand in a pocket.
+    Pocket,
+    /// Arms crossed.
+    Crossed,
+    /// Carries a bag.
+    Carry,
+    /// Holds the strap on the shoulder.
+    Strap,
+}
+
+/// Who it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Man,
+    Woman,
+    Child,
+}
+
+impl Kind {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Man => "man",
+            Self::Woman => "woman",
+            Self::Child => "child",
+        }
+    }
+}
+
+/// What covers the legs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Legwear {
+    Trousers,
+    WideTrousers,
+    Shorts,
+    Skirt,
+}
+
+/// What covers the trunk.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Top {
+    /// Short sleeves.
+    TShirt,
+    /// Long sleeves.
+    Shirt,
+    Jacket,
+    /// Reaches to mid-thigh.
+    Coat,
+}
+
+/// What is carried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Load {
+    None,
+    ShoulderBag,
+    Backpack,
+    Shopping,
+}
+
+/// What covers the head.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Headwear {
+    ShortHair,
+    LongHair,
+    Hat,
+}
+
+/// A person's measures in metres, and how the person moves.
+#[derive(Debug, Clone)]
+pub(super) struct Proportions {
+    pub kind: Kind,
+    /// Height with shoes and hair.
+    pub stature: f32,
+    /// Girth relative to a slim adult's, and how far the belly sticks out.
+    pub girth: f32,
+    pub belly: f32,
+    pub thigh: f32,
+    pub shank: f32,
+    pub upper_arm: f32,
+    pub forearm: f32,
+    pub hand: f32,
+    pub foot: f32,
+    /// Ankle joint above the sole, shoes included.
+    pub ankle_height: f32,
+    pub heel_behind_ankle: f32,
+    pub ball_before_ankle: f32,
+    /// Half distance of hip joints, of shoulder joints, of the footprints.
+    pub hip_half: f32,
+    pub shoulder_half: f32,
+    pub step_half_width: f32,
+    /// Shoulder joints above hip joints.
+    pub trunk: f32,
+    /// Chin above hip joints, and the head's height.
+    pub chin: f32,
+    pub head: f32,
+    /// 0 for a person who stands, m/s.
+    pub speed: f32,
+    /// Two steps, metres.
+    pub cycle_length: f32,
+    pub lean: f32,
+    pub elbow: f32,
+    pub arms: [ArmPose; 2],
+    pub weight_on_left: bool,
+    pub legwear: Legwear,
+    pub top: Top,
+    pub load: Load,
+    pub headwear: Headwear,
+}
+
+impl Proportions {
+    /// Draws a person; one in four stands.
+    pub fn draw(s: &mut Stream) -> Self {
+        let kind = if s.chance(0.04) {
+            Kind::Child
+        } else if s.chance(0.55) {
+            Kind::Man
+        } else {
+            Kind::Woman
+        };
+        let stature = match kind {
+            Kind::Man => s.clipped_normal(1.81, 0.08),
+            Kind::Woman => s.clipped_normal(1.68, 0.07),
+            Kind::Child => s.range(1.0, 1.5),
+        };
+        let is_standing = s.chance(0.25);
+        let is_elderly = kind != Kind::Child && s.chance(0.15);
+        let speed = match kind {
+            _ if is_standing => 0.0,
+            Kind::Child => s.range(1.1, 1.5),
+            _ if is_elderly => s.range(0.95, 1.15),
+            _ => s.clipped_normal(1.38, 0.22).clamp(0.85, 1.9),
+        };
+        // Step length grows with the root of speed; short people take shorter steps.
+        let step = (speed * 60.0 * 0.0064 * stature / 1.75).sqrt();
+        let load_draw = s.unit();
+        let load = if kind == Kind::Child {
+            if load_draw < 0.4 { Load::Backpack } else { Load::None }
+        } else if load_draw < 0.25 {
+            Load::ShoulderBag
+        } else if load_draw < 0.40 {
+            Load::Backpack
+        } else if load_draw < 0.50 {
+            Load::Shopping
+        } else {
+            Load::None
+        };
+        let arms = Self::draw_arms(s, is_standing, load);
+        let is_woman = kind == Kind::Woman;
+        let legwear_draw = s.unit();
+        let legwear = if is_woman && legwear_draw < 0.15 {
+            Legwear::Skirt
+        } else if legwear_draw > 0.85 {
+            Legwear::Shorts
+        } else if legwear_draw > 0.65 {
+            Legwear::WideTrousers
+        } else {
+            Legwear::Trousers
+        };
+        let top = match s.weighted(&[0.40, 0.25, 0.25, 0.10]) {
+            0 => Top::TShirt,
+            1 => Top::Shirt,
+            2 => Top::Jacket,
+            _ => Top::Coat,
+        };
+        let headwear = if s.chance(0.12) {
+            Headwear::Hat
+        } else if s.chance(if is_woman { 0.55 } else { 0.04 }) {
+            Headwear::LongHair
+        } else {
+            Headwear::ShortHair
+        };
+        // The measures' fractions are of the naked height; shoes add 2.5 cm and hair 1.5.
+        let h = stature - 0.04;
+        let child = if kind == Kind::Child { ((1.6 - stature) / 0.45).clamp(0.0, 1.0) } else { 0.0 };
+        let leg_fraction = 0.530 - 0.07 * child;
+        let head_fraction = 0.130 + 0.035 * child;
+        let leg = (leg_fraction - 0.039) * h;
+        let wide = if is_woman { 0.92 } else { 1.0 };
+        let foot = 0.152 * h + 0.025;
+        Self {
+            kind,
+            stature: stature as f32,
+            girth: s.clipped_normal(if is_elderly { 1.08 } else { 1.0 }, 0.07) as f32,
+            belly: if kind == Kind::Child { 0.0 } else { (s.range(-0.04, 0.08)).max(0.0) as f32 },
+            thigh: (0.499 * leg) as f32,
+            shank: (0.501 * leg) as f32,
+            upper_arm: (0.186 * h) as f32,
+            forearm: (0.146 * h) as f32,
+            hand: (0.108 * h) as f32,
+            foot: foot as f32,
+            ankle_height: (0.039 * h + 0.025) as f32,
+            heel_behind_ankle: (0.235 * foot) as f32,
+            ball_before_ankle: (0.44 * foot) as f32,
+            hip_half: (0.050 * h * if is_woman { 1.04 } else { 1.0 }) as f32,
+            shoulder_half: ((0.1295 * h - 0.035) * wide) as f32,
+            step_half_width: s.range(0.04, 0.06) as f32,
+            trunk: ((0.818 - leg_fraction - 0.030 * child) * h - 0.02) as f32,
+            chin: ((1.0 - head_fraction - leg_fraction) * h) as f32,
+            head: (head_fraction * h) as f32,
+            speed: speed as f32,
+            cycle_length: (2.0 * step) as f32,
+            lean: if is_elderly { s.range(0.06, 0.16) } else { s.range(0.02, 0.07) } as f32,
+            elbow: s.range(0.26, 0.52) as f32,
+            arms,
+            weight_on_left: s.chance(0.5),
+            legwear,
+            top,
+            load,
+            headwear,
+        }
+    }
+
+    fn draw_arms(s: &mut Stream, is_standing: bool, load: Load) -> [ArmPose; 2] {
+        let free = |s: &mut Stream| {
+            if is_standing {
+                match s.weighted(&[0.45, 0.2, 0.35]) {
+                    0 => ArmPose::Hang,
+                    1 => ArmPose::Phone,
+                    _ => ArmPose::Pocket,
+                }
+            } else if s.chance(0.10) {
+                ArmPose::Pocket
+            } else if s.chance(0.06) {
+                ArmPose::Phone
+            } else {
+                ArmPose::Swing
+            }
+        };
+        let mut arms = [free(s), free(s)];
+        if is_standing && s.chance(0.15) {
+            arms = [ArmPose::Crossed; 2];
+        }
+        match load {
+            Load::Shopping => arms[s.below(2)] = ArmPose::Carry,
+            Load::ShoulderBag if s.chance(0.4) => arms[0] = ArmPose::Strap,
+            _ => {}
+        }
+        arms
+    }
+}

@@ -1,0 +1,159 @@
+//! Properties of the prototypes, checked with plain ray casts.
+
+use super::materials::{fence_slot, house_slot, plant_slot};
+use super::tree::TreeDesign;
+use super::*;
+use crate::math::Vec3;
+use crate::rng::Stream;
+
+/// Distances at which a ray meets the faces of a mesh that a filter lets through, by Moeller and Trumbore.
+fn hits(mesh: &Mesh, origin: Vec3, direction: Vec3, wanted: impl Fn(u8) -> bool) -> Vec<(f32, u8)> {
+    let mut found = Vec::new();
+    for (face, slot) in mesh.faces.iter().zip(&mesh.slots).filter(|(_, s)| wanted(**s)) {
+        let [a, b, c] = face.map(|i| mesh.vertices[i as usize]);
+        let (e1, e2) = (b - a, c - a);
+        let p = direction.cross(e2);
+        let det = e1.dot(p);
+        if det.abs() < 1e-9 {
+            continue;
+        }
+        let t = origin - a;
+        let u = t.dot(p) / det;
+        let q = t.cross(e1);
+        let v = direction.dot(q) / det;
+        let distance = e2.dot(q) / det;
+        if u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0 {
+            found.push((distance, *slot));
+        }
+    }
+    found.sort_by(|x, y| x.0.total_cmp(&y.0));
+    found
+}
+
+fn every_model() -> Vec<SceneryModel> {
+    let [houses, trees, fences, hedges, poles, bins] = num_variants();
+    let mut models = vec![garage(1), garage(2), paving(true).0, paving(false).0];
+    models.extend(HouseKind::ALL.iter().flat_map(|k| (0..houses).map(|v| house(*k, v))));
+    models.extend(TreeKind::ALL.iter().flat_map(|k| (0..trees).map(|v| tree(*k, v))));
+    models.extend(FenceKind::ALL.iter().flat_map(|k| (0..fences).map(|v| fence(*k, v, 1))));
+    models.extend((0..hedges).map(|v| hedge(v, 1)));
+    models.extend(PoleKind::ALL.iter().flat_map(|k| (0..poles).map(|v| pole(*k, v))));
+    models.extend(FurnitureKind::ALL.iter().flat_map(|k| (0..bins).map(|v| furniture(*k, v))));
+    models
+}
+
+#[test]
+fn every_mesh_is_sound_and_stands_in_the_ground() {
+    for model in every_model() {
+        for (_, mesh) in &model.shape.levels {
+            let name = &model.name;
+            assert!(mesh.slots.iter().all(|s| usize::from(*s) < model.palette.0.len()), "{name}: slot");
+            assert!(mesh.vertices.iter().all(|v| v.is_finite()), "{name}: coordinate");
+            assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-3), "{name}: normal");
+            let tallest = f64::from(mesh.bounds.max.z);
+            assert!(tallest <= model.height_m + 1.2 && tallest >= model.height_m * 0.7, "{name}: {tallest}");
+            assert!(mesh.bounds.min.z < -0.05, "{name} floats");
+            let out = model.footprint_max.max(-model.footprint_min).as_vec2().max_element() + 2.6;
+            assert!(mesh.bounds.max.truncate().max_element() < out, "{name}: sticks out");
+        }
+        let counts: Vec<usize> = model.shape.levels.iter().map(|l| l.1.faces.len()).collect();
+        assert!(counts.windows(2).all(|c| c[1] <= c[0]), "{}: {counts:?}", model.name);
+        assert!(counts[0] <= 9000, "{}: {counts:?}", model.name);
+    }
+}
+
+#[test]
+fn levels_of_detail_keep_the_silhouette() {
+    for model in every_model() {
+        let size = |k: usize| model.shape.levels[k].1.bounds.size();
+        for k in 1..model.shape.levels.len() {
+            let change = (size(k) - size(0)).abs().max_element();
+            assert!(change < 0.25 * size(0).max_element() + 0.3, "{}: {} {}", model.name, size(0), size(k));
+        }
+    }
+}
+
+#[test]
+fn windows_are_openings_with_rooms_behind() {
+    for kind in HouseKind::ALL {
+        let model = house(kind, 0);
+        let mesh = model.shape.select(0.0);
+        let mut panes = 0;
+        for (face, _) in mesh.faces.iter().zip(&mesh.slots).filter(|(_, s)| **s == house_slot::GLASS) {
+            let corners = face.map(|i| mesh.vertices[i as usize]);
+            let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+            let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
+            let seen =
+                hits(mesh, middle + normal * 0.6, -normal, |s| s != house_slot::SHUTTER && s != house_slot::FRAME);
+            if seen.first().is_none_or(|h| h.1 != house_slot::GLASS) {
+                continue; // A downpipe, a step or a balcony before it.
+            }
+            panes += 1;
+            let behind = seen.iter().find(|h| h.1 != house_slot::GLASS).unwrap();
+            assert!([house_slot::ROOM, house_slot::CURTAIN].contains(&behind.1), "{kind:?}: slot {}", behind.1);
+            assert!(behind.0 - seen[0].0 > 0.05, "{kind:?}: {seen:?}");
+        }
+        assert!(panes >= 10, "{kind:?}: {panes} panes");
+    }
+}
+
+#[test]
+fn house_walls_have_no_holes_but_windows() {
+    let mut s = Stream::from_seed("walls", 0);
+    for kind in HouseKind::ALL {
+        let model = house(kind, 1);
+        for level in &model.shape.levels {
+            let mesh = &level.1;
+            for _ in 0..150 {
+                let y = (s.range(-0.49, 0.49) * model.footprint_size().y) as f32;
+                let z = s.range(0.05, 0.5 * model.height_m) as f32;
+                assert!(!hits(mesh, Vec3::new(40.0, y, z), -Vec3::X, |_| true).is_empty(), "{kind:?} at {y} {z}");
+            }
+        }
+    }
+}
+
+#[test]
+fn crowns_let_a_third_to_a_half_of_the_beams_through_a_metre() {
+    for kind in [TreeKind::Street, TreeKind::Garden, TreeKind::Wood] {
+        for (detail, level) in [(0, "near"), (1, "mid")] {
+            let (mut open, mut all) = (0_usize, 0_usize);
+            for variant in 0..4 {
+                let design = TreeDesign::new(kind, variant);
+                let model = tree(kind, variant);
+                let mesh = &model.shape.levels[detail].1;
+                let mut s = Stream::from_seed("beams", variant as u64);
+                for _ in 0..250 {
+                    let blob = design.blobs[s.below(design.blobs.len())];
+                    let p = blob.center + draw::direction(&mut s) * (blob.radius * 0.75 * s.unit() as f32);
+                    let d = draw::direction(&mut s);
+                    let near = hits(mesh, p - d * 0.5, d, |slot| slot != plant_slot::BARK);
+                    open += usize::from(near.first().is_none_or(|h| h.0 > 1.0));
+                    all += 1;
+                }
+            }
+            let gap = open as f64 / all as f64;
+            assert!((0.25..0.6).contains(&gap), "{kind:?} {level}: gap fraction {gap:.2} per metre");
+        }
+    }
+}
+
+#[test]
+fn picket_fences_have_gaps_at_every_level() {
+    let model = fence(FenceKind::Picket, 1, 1);
+    for (_, mesh) in &model.shape.levels {
+        let seen = (0..960).map(|i| Vec3::new(0.0025 + 0.005 * i as f32, -2.0, 0.6));
+        let open = seen.filter(|p| hits(mesh, *p, Vec3::Y, |s| s == fence_slot::BODY).is_empty()).count();
+        assert!((0.25..0.5).contains(&(open as f64 / 960.0)), "{open} of 960");
+    }
+}
+
+#[test]
+fn signs_are_retro_reflective_and_face_the_driver() {
+    let model = pole(PoleKind::ZoneSign, 0);
+    let mesh = model.shape.select(0.0);
+    let first = hits(mesh, Vec3::new(20.0, 0.35, 2.2), -Vec3::X, |_| true)[0];
+    assert!(model.palette.0[usize::from(first.1)].lidar.retro);
+    let behind = hits(mesh, Vec3::new(-20.0, 0.35, 2.2), Vec3::X, |_| true)[0];
+    assert!(!model.palette.0[usize::from(behind.1)].lidar.retro);
+}

@@ -1,0 +1,98 @@
+//! Small groups of neighbouring faces, for rejecting many triangles with one question.
+
+use super::mesh::Bounds;
+use crate::math::Vec3;
+
+/// The most faces in a cluster.
+pub const CLUSTER_FACES: usize = 64;
+
+/// Up to [`CLUSTER_FACES`] neighbouring faces of a mesh, with their own short list of vertices.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cluster {
+    /// Middle of the bounding sphere, local coordinates.
+    pub center: Vec3,
+    /// Radius of the bounding sphere, metres.
+    pub radius_m: f32,
+    /// Bit s is set where a face has material slot s; bit 63 stands for 63 and above.
+    pub slots: u64,
+    /// The mesh's vertices that the faces use.
+    pub vertices: Vec<u32>,
+    /// Corners of each face, as indices into `vertices`.
+    pub corners: Vec<[u8; 3]>,
+    /// The mesh's index of each face.
+    pub faces: Vec<u32>,
+}
+
+/// The bit of a material slot in [`Cluster::slots`].
+#[inline]
+#[must_use]
+pub fn slot_bit(slot: u8) -> u64 {
+    1 << slot.min(63)
+}
+
+/// Sorts faces along a space-filling curve and cuts them into clusters. Indices must be valid, coordinates finite.
+#[must_use]
+pub fn clusters_of(vertices: &[Vec3], faces: &[[u32; 3]], slots: &[u8], bounds: &Bounds) -> Vec<Cluster> {
+    let scale = 1023.0 / bounds.size().max_element().max(1e-6);
+    let key = |face: usize| {
+        let [a, b, c] = faces[face].map(|i| vertices[i as usize]);
+        let q = ((a + b + c) * (1.0 / 3.0) - bounds.min) * scale;
+        spread(q.x) | spread(q.y) << 1 | spread(q.z) << 2
+    };
+    let mut order: Vec<(u64, u32)> = (0..faces.len()).map(|f| (key(f), f as u32)).collect();
+    order.sort_unstable();
+    order.chunks(CLUSTER_FACES).map(|chunk| cluster(vertices, faces, slots, chunk)).collect()
+}
+
+/// The low ten bits of a number, two zeros after each.
+fn spread(x: f32) -> u64 {
+    let x = x.clamp(0.0, 1023.0) as u64;
+    (0..10).fold(0, |out, bit| out | (x >> bit & 1) << (3 * bit))
+}
+
+fn cluster(vertices: &[Vec3], faces: &[[u32; 3]], slots: &[u8], chunk: &[(u64, u32)]) -> Cluster {
+    let mut used: Vec<u32> = chunk.iter().flat_map(|(_, f)| faces[*f as usize]).collect();
+    used.sort_unstable();
+    used.dedup();
+    let place = |i: u32| used.partition_point(|u| *u < i) as u8;
+    let bounds = Bounds::of(used.iter().map(|i| vertices[*i as usize]));
+    let center = bounds.center();
+    let radius = used.iter().map(|i| vertices[*i as usize].distance(center)).fold(0.0, f32::max);
+    Cluster {
+        center,
+        radius_m: radius * 1.000_01 + 1e-6,
+        slots: chunk.iter().fold(0, |bits, (_, f)| bits | slot_bit(slots[*f as usize])),
+        corners: chunk.iter().map(|(_, f)| faces[*f as usize].map(place)).collect(),
+        faces: chunk.iter().map(|(_, f)| *f).collect(),
+        vertices: used,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::MeshBuilder;
+
+    #[test]
+    fn clusters_hold_every_face_once_and_within_their_spheres() {
+        let mut b = MeshBuilder::new();
+        for i in 0..40 {
+            let at = Vec3::new((i * 7 % 11) as f32, (i * 5 % 13) as f32, (i % 3) as f32);
+            b.cuboid(at, at + Vec3::splat(0.9), (i % 5) as u8);
+        }
+        let mesh = b.build("boxes", 0.5);
+        let mut seen = vec![0; mesh.faces.len()];
+        for c in &mesh.clusters {
+            assert!(c.faces.len() <= CLUSTER_FACES && c.faces.len() == c.corners.len());
+            for (face, corners) in c.faces.iter().zip(&c.corners) {
+                seen[*face as usize] += 1;
+                assert_eq!(corners.map(|k| c.vertices[usize::from(k)]), mesh.faces[*face as usize]);
+                assert!(c.slots & slot_bit(mesh.slots[*face as usize]) != 0);
+            }
+            for v in &c.vertices {
+                assert!(mesh.vertices[*v as usize].distance(c.center) <= c.radius_m);
+            }
+        }
+        assert!(seen.iter().all(|n| *n == 1));
+    }
+}

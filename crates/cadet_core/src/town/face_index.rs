@@ -1,0 +1,68 @@
+//! Finds the triangles at a place in the plane.
+
+use crate::math::{DVec2, Vec3};
+
+/// Side of a cell.
+const CELL_M: f64 = 4.0;
+
+/// For each cell of a grid, the triangles whose bounds touch it.
+#[derive(Debug)]
+pub(super) struct FaceIndex {
+    min: DVec2,
+    cell_m: f64,
+    columns: usize,
+    rows: usize,
+    first: Vec<u32>,
+    faces: Vec<u32>,
+}
+
+impl FaceIndex {
+    pub(super) fn new(vertices: &[Vec3], faces: &[[u32; 3]], min: DVec2, max: DVec2) -> Self {
+        let cell_m = CELL_M.max((max - min).max_element() / 1500.0);
+        let size = ((max - min) / cell_m).floor() + 1.0;
+        let (columns, rows) = (size.x as usize, size.y as usize);
+        let mut index = Self { min, cell_m, columns, rows, first: vec![0; columns * rows + 1], faces: Vec::new() };
+        let spans: Vec<[usize; 4]> = faces
+            .iter()
+            .map(|f| {
+                let [a, b, c] = f.map(|i| vertices[i as usize].as_dvec3().truncate());
+                let (lo, hi) = (index.cell(a.min(b).min(c) - 1e-3), index.cell(a.max(b).max(c) + 1e-3));
+                [lo.0, lo.1, hi.0, hi.1]
+            })
+            .collect();
+        let cells = |s: &[usize; 4]| {
+            let [i0, j0, i1, j1] = *s;
+            (j0..=j1).flat_map(move |j| (i0..=i1).map(move |i| j * columns + i))
+        };
+        for cell in spans.iter().flat_map(cells) {
+            index.first[cell + 1] += 1;
+        }
+        for i in 1..index.first.len() {
+            index.first[i] += index.first[i - 1];
+        }
+        let mut next = index.first.clone();
+        index.faces = vec![0; next[next.len() - 1] as usize];
+        for (face, span) in spans.iter().enumerate() {
+            for cell in cells(span) {
+                index.faces[next[cell] as usize] = face as u32;
+                next[cell] += 1;
+            }
+        }
+        index
+    }
+
+    fn cell(&self, p: DVec2) -> (usize, usize) {
+        let c = ((p - self.min) / self.cell_m).max(DVec2::ZERO);
+        ((c.x as usize).min(self.columns - 1), (c.y as usize).min(self.rows - 1))
+    }
+
+    /// The triangles that may hold a place; none where it is not finite.
+    pub(super) fn candidates(&self, p: DVec2) -> &[u32] {
+        if !p.is_finite() {
+            return &[];
+        }
+        let (i, j) = self.cell(p);
+        let cell = j * self.columns + i;
+        &self.faces[self.first[cell] as usize..self.first[cell + 1] as usize]
+    }
+}

@@ -1,0 +1,53 @@
+"""Two groups of tests: on a fake core, always; on the real one, where it is built."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import sys
+from importlib.machinery import PathFinder
+from typing import Any
+
+import pytest
+
+import fake_native
+
+_FAKED = ("Scene", "Lidar", "encode_png", "weather_names", "__version__")
+
+
+def _is_core_built() -> bool:
+    package = importlib.util.find_spec("cadet")
+    locations = None if package is None else package.submodule_search_locations
+    return PathFinder.find_spec("cadet._cadet", locations) is not None
+
+
+IS_CORE_BUILT = _is_core_built()
+if not IS_CORE_BUILT:
+    # The package can't be imported without a core, so the fake must stand before any test is.
+    sys.modules["cadet._cadet"] = fake_native
+
+# Whole folders that look at what the real core makes.
+collect_ignore_glob = [] if IS_CORE_BUILT else ["generated/*"]
+
+
+def pytest_report_header() -> list[str]:
+    """Say which core the tests run on."""
+    return [] if IS_CORE_BUILT else ["the compiled core is not built (`make build`): tests of it are skipped"]
+
+
+@pytest.fixture
+def fake_core(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """Put the fake core's parts into the place of the real one's."""
+    core = sys.modules.get("cadet._cadet") or importlib.import_module("cadet._cadet")
+    for name in _FAKED:
+        monkeypatch.setattr(core, name, getattr(fake_native, name))
+    monkeypatch.delenv("CADET_FAKE", raising=False)
+    return fake_native
+
+
+@pytest.fixture(scope="session")
+def core() -> Any:
+    """Skip where the compiled core is missing."""
+    if not IS_CORE_BUILT:
+        pytest.skip("the compiled core is not built: run `make build`")
+    return importlib.import_module("cadet._cadet")

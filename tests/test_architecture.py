@@ -1,0 +1,149 @@
+"""Who may depend on whom, as ARCHITECTURE.md draws it, read from the sources."""
+
+from __future__ import annotations
+
+import ast
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+PACKAGE = ROOT / "python" / "cadet"
+CORE = ROOT / "crates" / "cadet_core" / "src"
+
+# A room of the package and the rooms that it may use; all may use their own files.
+PYTHON_ROOMS: dict[str, set[str]] = {
+    "errors": set(),
+    "semantic": set(),
+    "sink": set(),
+    "arrays": {"errors"},
+    "config": {"errors"},
+    "boxes": {"arrays", "errors", "kitti"},
+    "frame": {"arrays", "errors", "kitti"},
+    "kitti": {"arrays", "boxes", "errors", "frame"},
+    "view": {"arrays", "boxes", "errors", "frame", "kitti"},
+    "draws": set(),
+    "road_map": {"errors"},
+    "weather": {"errors", "_cadet"},
+    "rig": {"config", "errors", "_cadet"},
+    "policy": {"config", "draws", "errors", "road_map", "weather"},
+    "episode": {"errors", "frame", "kitti", "policy", "rig", "_cadet"},
+    "environment": {"config", "episode", "errors", "frame", "policy", "rig"},
+    "scene": {"arrays", "config", "episode", "errors", "frame", "policy", "rig", "road_map", "weather", "_cadet"},
+    "generate": {"config", "episode", "errors", "frame", "kitti", "policy", "rig", "sink", "_cadet"},
+    "cli": {"errors", "generate", "kitti", "policy", "rig", "road_map", "view", "weather", "_cadet"},
+}
+
+# A room of the core and the rooms that it may use.
+CORE_ROOMS: dict[str, set[str]] = {
+    "error": set(),
+    "math": {"error"},
+    "frames": {"error", "math"},
+    "rng": {"error", "math"},
+    "material": {"error", "math"},
+    "geometry": {"error", "frames", "material", "math"},
+    "instance": {"geometry", "material", "math"},
+    "actor": {"error", "math"},
+    "weather": {"error", "math", "rng"},
+    "assets": {"actor", "error", "frames", "geometry", "instance", "material", "math", "rng"},
+    "town": {"assets", "error", "frames", "geometry", "instance", "material", "math", "rng"},
+    "world": {"actor", "assets", "error", "frames", "geometry", "instance", "material", "math", "rng", "town"},
+    "sense": {"error", "frames", "geometry", "instance", "material", "math"},
+    "lidar": {"error", "frames", "geometry", "material", "math", "rng", "sense", "weather"},
+    "camera": {"error", "frames", "geometry", "material", "math", "rng", "sense", "weather"},
+    "label": {"actor", "camera", "error", "frames", "geometry", "math", "sense"},
+    "rig": {"camera", "error", "frames", "lidar", "math"},
+}
+
+CORE_ROOMS["scene"] = set(CORE_ROOMS)
+
+# Nothing but these may be needed to import the package; click and rich serve cadet.cli alone.
+NEEDED = {"cadet", "cv2", "numpy"}
+
+
+def python_files(room: str) -> list[Path]:
+    folder = PACKAGE / room
+    return sorted(folder.rglob("*.py")) if folder.is_dir() else [PACKAGE / f"{room}.py"]
+
+
+def imports(path: Path) -> Iterator[str]:
+    """Yield the dotted names that a file imports, those for type checkers too."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: relative import"
+            assert node.module is not None
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
+def rust_code(path: Path) -> str:
+    """Return a Rust file without comments and unit tests."""
+    code = re.sub(r"//[^\n]*", "", path.read_text())
+    return code.split("#[cfg(test)]\nmod tests")[0]
+
+
+def core_files(folder: Path) -> list[Path]:
+    return sorted(path for path in folder.rglob("*.rs") if path.stem != "tests")
+
+
+def uses(path: Path) -> set[str]:
+    """Return the first names after `crate::` in a Rust file."""
+    code = rust_code(path)
+    found = set(re.findall(r"\bcrate::(\w+)", code))
+    for group in re.findall(r"\buse crate::\{(.*?)\};", code, re.DOTALL):
+        found |= set(re.findall(r"(?:^|,)\s*(\w+)", re.sub(r"\{[^{}]*\}", "", group)))
+    return found
+
+
+def test_the_table_names_every_room() -> None:
+    entries = {path.stem for path in PACKAGE.iterdir() if path.suffix == ".py" or (path / "__init__.py").is_file()}
+    assert set(PYTHON_ROOMS) == entries - {"__init__"}
+
+
+def test_the_table_names_every_room_of_the_core() -> None:
+    assert set(CORE_ROOMS) == {path.stem for path in CORE.iterdir()} - {"lib"}
+
+
+@pytest.mark.parametrize("room", PYTHON_ROOMS)
+def test_a_python_room_uses_only_its_neighbours(room: str) -> None:
+    for path in python_files(room):
+        for name in imports(path):
+            top, _, rest = name.partition(".")
+            if top == "cadet":
+                used = rest.split(".")[0]
+                assert used in PYTHON_ROOMS[room] | {room}, f"{path.relative_to(ROOT)} imports {name}"
+
+
+def test_importing_the_package_needs_numpy_and_opencv_alone() -> None:
+    standard = set(sys.stdlib_module_names)
+    for path in PACKAGE.rglob("*.py"):
+        if path.is_relative_to(PACKAGE / "cli"):
+            continue
+        tops = {name.partition(".")[0] for name in imports(path)}
+        assert tops <= standard | NEEDED, f"{path.relative_to(ROOT)} imports {sorted(tops - standard - NEEDED)}"
+
+
+def test_nothing_imports_torch_or_the_detector() -> None:
+    for path in PACKAGE.rglob("*.py"):
+        tops = {name.partition(".")[0] for name in imports(path)}
+        assert not tops & {"torch", "avod"}, f"{path.relative_to(ROOT)}"
+
+
+@pytest.mark.parametrize("room", CORE_ROOMS)
+def test_a_core_room_uses_only_its_neighbours(room: str) -> None:
+    files = core_files(CORE / room) or [CORE / f"{room}.rs"]
+    for path in files:
+        known = {name for name in uses(path) if (CORE / name).is_dir() or (CORE / f"{name}.rs").is_file()}
+        assert known <= CORE_ROOMS[room] | {room}, f"{path.relative_to(ROOT)} uses {sorted(known - CORE_ROOMS[room])}"
+
+
+def test_the_core_knows_no_python_and_prints_nothing() -> None:
+    manifest = (ROOT / "crates" / "cadet_core" / "Cargo.toml").read_text()
+    assert not re.search(r"^(pyo3|numpy)\b", manifest, re.MULTILINE)
+    for path in core_files(CORE):
+        found = re.findall(r"\b(?:pyo3|println!|eprintln!|std::time|HashMap)", rust_code(path))
+        assert not found, f"{path.relative_to(ROOT)}: {found}"

@@ -1,0 +1,78 @@
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cadet import CadetError, LabelConfig, SceneConfig
+from cadet.config import from_dict
+
+NAN = float("nan")
+
+
+@pytest.mark.parametrize(
+    ("cls", "values", "message"),
+    [
+        (SceneConfig, {"num_cars": -1}, "SceneConfig.num_cars: expected a whole number from 0 to 500, got -1"),
+        (SceneConfig, {"num_cars": 1.5}, "SceneConfig.num_cars: expected a whole number from 0 to 500, got 1.5"),
+        (SceneConfig, {"num_cars": None}, "SceneConfig.num_cars: expected a whole number from 0 to 500, got None"),
+        (SceneConfig, {"num_cars": True}, "SceneConfig.num_cars: expected a whole number from 0 to 500, got True"),
+        (
+            SceneConfig,
+            {"parking_occupancy": NAN},
+            "SceneConfig.parking_occupancy: expected a number from 0 to 1, got nan",
+        ),
+        (SceneConfig, {"label": None}, "SceneConfig.label: expected a LabelConfig, got None"),
+        (
+            SceneConfig,
+            {"num_car": 3},
+            "SceneConfig: unknown key 'num_car'; known: num_cars, num_pedestrians, parking_occupancy, label",
+        ),
+        (LabelConfig, {"method": "area"}, "LabelConfig.method: expected 'pixels' or 'corners', got 'area'"),
+        (
+            LabelConfig,
+            {"min_height_px": float("inf")},
+            "LabelConfig.min_height_px: expected a number of at least 0, got inf",
+        ),
+        (LabelConfig, {"max_depth_m": "80"}, "LabelConfig.max_depth_m: expected a number of at least 0, got '80'"),
+        (
+            LabelConfig,
+            {"occlusion_levels": (0.5, 0.8)},
+            "LabelConfig.occlusion_levels: expected the first to be the larger, got (0.5, 0.8)",
+        ),
+        (
+            LabelConfig,
+            {"occlusion_levels": [0.8]},
+            "LabelConfig.occlusion_levels: expected two fractions, got [0.8]",
+        ),
+        (
+            LabelConfig,
+            {"max_hidden_corners": 9},
+            "LabelConfig.max_hidden_corners: expected a whole number from 1 to 8, got 9",
+        ),
+    ],
+)
+def test_nonsense_is_refused_by_name(cls: type[Any], values: dict[str, Any], message: str) -> None:
+    with pytest.raises(CadetError) as caught:
+        from_dict(cls, values)
+    assert str(caught.value) == message
+
+
+def test_numpy_numbers_are_numbers() -> None:
+    assert SceneConfig(num_cars=int(np.int64(3)), parking_occupancy=float(np.float32(0.5))).num_cars == 3
+
+
+def test_the_core_gets_a_flat_dictionary_with_the_normative_thresholds() -> None:
+    native = SceneConfig(num_cars=3).to_native()
+    assert native["num_cars"] == 3
+    assert native["label"] == {
+        "method": "pixels",
+        "min_height_px": 15.0,
+        "min_visible_fraction": 0.1,
+        "max_depth_m": 80.0,
+        "dontcare_min_pixels": 8.0,
+        "occlusion_levels": (0.8, 0.5),
+        "corner_tolerance_m": 0.1,
+        "max_hidden_corners": 4,
+    }

@@ -1,0 +1,112 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from cadet import CadetError, Camera, Environment, Frame, ResetPolicy, Rig, Scene
+
+pytestmark = pytest.mark.usefixtures("fake_core")
+
+RIG = Rig(camera=Camera.kitti().resized(64, 32))
+
+
+def make(**policy: Any) -> Environment:
+    return Environment(policy=replace(ResetPolicy.kitti(), **policy), rig=RIG)
+
+
+def same(a: Frame, b: Frame) -> bool:
+    return a.meta == b.meta and a.labels == b.labels and np.array_equal(a.image, b.image)
+
+
+def test_samples_and_episodes_are_numbered_and_frames_carry_them() -> None:
+    env = make(samples_per_episode=3)
+    env.reset(seed=1)
+    assert (env.episode, env.sample) == (0, 0)
+    seen = []
+    for _ in range(7):
+        frame = env.step()
+        assert frame.meta is not None
+        assert (frame.meta["episode"], frame.meta["sample"]) == (env.episode, env.sample)
+        seen.append((env.episode, env.sample))
+    assert seen == [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (1, 2), (2, 0)]
+
+
+def test_the_same_seed_gives_the_same_frames_and_another_does_not() -> None:
+    one, two = make(samples_per_episode=2), make(samples_per_episode=2)
+    one.reset(seed=4)
+    first = [one.step() for _ in range(5)]
+    one.reset(seed=4)
+    two.reset(seed=4)
+    assert all(same(a, one.step()) and same(a, two.step()) for a in first)
+    two.reset(seed=5)
+    assert not same(first[0], two.step())
+
+
+def test_a_reset_to_an_episode_skips_those_before() -> None:
+    one, two = make(samples_per_episode=2), make(samples_per_episode=2)
+    one.reset(seed=4)
+    two.reset(seed=4, episode=1)
+    frames = [one.step() for _ in range(3)]
+    assert same(frames[2], two.step())
+
+
+def test_only_views_with_an_object_come_out_and_the_ego_drives_on_past_the_others() -> None:
+    env = make(distance_m=10.0)
+    env.reset(seed=1)
+    frames = [env.step() for _ in range(6)]
+    assert all(any(label.type == "Car" for label in frame.labels) for frame in frames)
+    # The fake shows nothing in every third view: those were driven past, and samples count on.
+    assert [frame.meta and frame.meta["driven_m"] for frame in frames] == [0.0, 10.0, 30.0, 40.0, 60.0, 70.0]
+    assert [frame.meta and frame.meta["sample"] for frame in frames] == [0, 1, 2, 3, 4, 5]
+
+
+def test_after_empty_views_the_world_is_redrawn_inside_the_episode(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CADET_FAKE", "blank=2")
+    env = make(empty_views_limit=10)
+    env.reset(seed=1)
+    frame = env.step()
+    assert frame.meta is not None
+    assert (frame.meta["episode"], frame.meta["sample"], frame.meta["attempt"]) == (0, 0, 2)
+    assert frame.meta["driven_m"] == 0.0
+
+
+def test_an_episode_without_objects_ends_in_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CADET_FAKE", "empty")
+    env = make(empty_views_limit=3, attempts_limit=2)
+    env.reset(seed=1)
+    with pytest.raises(CadetError) as caught:
+        env.step()
+    assert str(caught.value) == (
+        "episode 0: no labelled object in sight in 2 worlds of 3 views each; allow more traffic or labels"
+    )
+
+
+def test_a_random_scene_is_the_first_sample() -> None:
+    env = make()
+    for seed in range(4):
+        env.reset(seed=seed)
+        scene = Scene.random(seed=seed, rig=RIG)
+        assert same(env.step(), scene.capture())
+
+
+@pytest.mark.parametrize(
+    ("use", "message"),
+    [
+        (lambda: make().step(), "step: call reset(seed=...) first"),
+        (lambda: make().reset(seed=-1), "seed: expected a whole number from 0 to 2**63 - 1, got -1"),
+        (lambda: make().reset(seed=cast(int, None)), "seed: expected a whole number from 0 to 2**63 - 1, got None"),
+        (
+            lambda: make().reset(seed=0, episode=cast(int, 1.5)),
+            "reset.episode: expected a whole number from 0 to 1000000000, got 1.5",
+        ),
+        (lambda: Environment(policy=cast(ResetPolicy, "kitti")), "policy: expected a ResetPolicy, got 'kitti'"),
+        (lambda: Environment(rig=cast(Rig, "kitti")), "rig: expected a Rig, got 'kitti'"),
+    ],
+)
+def test_misuse_is_refused_in_one_line(use: Any, message: str) -> None:
+    with pytest.raises(CadetError) as caught:
+        use()
+    assert str(caught.value) == message

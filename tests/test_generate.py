@@ -1,0 +1,343 @@
+"""`cadet-gen` as its own process on the fake core: bytes, kills, resuming, and every way to go wrong."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from cadet import kitti
+from cadet.cli import run_cadet_gen
+
+HERE = Path(__file__).parent
+SIZE = ("--image-size", "64x32")
+# Exit codes: nothing went wrong, the user can mend it, Ctrl-C.
+FINE, FAILED, INTERRUPTED = 0, 2, 130
+
+
+def start(*arguments: object, fault: str = "", preexec: Callable[[], None] | None = None) -> subprocess.Popen[str]:
+    environment = {**os.environ, "PYTHONPATH": f"{HERE.parent / 'python'}:{HERE}", "CADET_FAKE": fault}
+    command = [sys.executable, str(HERE / "fake_cadet_gen.py"), *map(str, arguments)]
+    return subprocess.Popen(
+        command,
+        env=environment,
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+        preexec_fn=preexec,
+    )
+
+
+def run(
+    *arguments: object, fault: str = "", preexec: Callable[[], None] | None = None
+) -> subprocess.CompletedProcess[str]:
+    with start(*arguments, fault=fault, preexec=preexec) as process:
+        stdout, stderr = process.communicate(timeout=60)
+    return subprocess.CompletedProcess(process.args, process.returncode, stdout, stderr)
+
+
+def tree(root: Path) -> dict[str, str]:
+    files = (path for path in root.rglob("*") if path.is_file())
+    return {str(path.relative_to(root)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
+
+
+def wait_for(path: Path, process: subprocess.Popen[str]) -> None:
+    for _ in range(600):
+        if path.exists() or process.poll() is not None:
+            break
+        time.sleep(0.02)
+    assert path.exists(), "the run ended or hung before it wrote the frame"
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A dataset of 45 frames in three episodes, written by one worker in one go."""
+    out = tmp_path_factory.mktemp("whole") / "out"
+    done = run(out, "-n", 45, "--seed", 3, *SIZE, "--workers", 1)
+    assert (done.returncode, done.stdout) == (FINE, "")
+    return out
+
+
+def test_the_layout_is_kittis(whole: Path) -> None:
+    dataset = kitti.Dataset(whole)
+    assert dataset.ids == tuple(f"{number:06d}" for number in range(45))
+    assert sorted(path.name for path in whole.iterdir()) == ["ImageSets", "manifest.json", "run.json", "training"]
+    folders = ["calib", "image_2", "label_2", "meta", "planes", "velodyne"]
+    assert sorted(path.name for path in (whole / "training").iterdir()) == folders
+    frame = kitti.read_frame(whole, 21)
+    assert frame.image.shape == (32, 64, 3)
+    assert frame.meta is not None
+    assert (frame.meta["episode"], frame.meta["sample"]) == (1, 1)
+    assert [label.type for label in frame.labels] == ["DontCare", "Car"]
+
+
+def test_the_manifest_holds_every_files_hash_and_nothing_of_the_machine(whole: Path) -> None:
+    text = (whole / "manifest.json").read_text()
+    manifest = json.loads(text)
+    files = tree(whole)
+    del files["manifest.json"], files["run.json"]
+    assert manifest["sha256"] == files
+    assert manifest["counts"] == {"frames": 45, "episodes": 3, "labels": {"Car": 45, "DontCare": 45}}
+    assert manifest["seed"] == 3
+    assert manifest["policy"]["name"] == manifest["rig"]["name"] == "kitti"
+    assert str(whole) not in text
+    assert os.uname().nodename not in json.dumps({**manifest, "sha256": None})
+
+
+def test_two_workers_write_the_same_bytes(whole: Path, tmp_path: Path) -> None:
+    assert run(tmp_path / "out", "-n", 45, "--seed", 3, *SIZE, "--workers", 2).returncode == FINE
+    assert tree(tmp_path / "out") == tree(whole)
+
+
+def test_another_seed_writes_other_frames(whole: Path, tmp_path: Path) -> None:
+    assert run(tmp_path / "out", "-n", 3, "--seed", 4, *SIZE).returncode == FINE
+    ours, theirs = tree(tmp_path / "out"), tree(whole)
+    names = [f"training/{folder}/00000{k}" for folder in ("image_2", "velodyne") for k in range(3)]
+    assert all(ours[name + suffix(name)] != theirs[name + suffix(name)] for name in names)
+
+
+def suffix(name: str) -> str:
+    return ".png" if "image_2" in name else ".bin"
+
+
+def test_a_larger_n_moves_no_frame(whole: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert run(out, "-n", 27, "--seed", 3, *SIZE).returncode == FINE
+    before = tree(out)
+    done = run(out, "-n", 45, "--seed", 3, *SIZE, "--resume")
+    assert done.returncode == FINE
+    assert "45 frames (27 were there)" in done.stderr
+    after = tree(out)
+    assert after == tree(whole)
+    assert all(after[name] == digest for name, digest in before.items() if name.startswith("training/"))
+
+
+@pytest.mark.parametrize("kill_at", ["000003", "000019", "000024"])
+def test_after_kill_9_resuming_gives_the_same_bytes(whole: Path, tmp_path: Path, kill_at: str) -> None:
+    out = tmp_path / "out"
+    with start(out, "-n", 45, "--seed", 3, *SIZE, "--workers", 2, fault="slow=0.02") as process:
+        wait_for(out / "training" / "velodyne" / f"{kill_at}.bin", process)
+        os.killpg(process.pid, signal.SIGKILL)
+    assert not (out / "manifest.json").exists()
+    assert run(out, "-n", 45, "--seed", 3, *SIZE, "--resume").returncode == FINE
+    assert tree(out) == tree(whole)
+
+
+def test_workers_end_when_their_parent_is_killed(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with start(out, "-n", 2000, *SIZE, "--workers", 2, fault="slow=0.02") as process:
+        wait_for(out / "training" / "meta" / "000002.json", process)
+        process.kill()
+        # stdout and stderr close when the last of the processes that share them is gone.
+        assert process.communicate(timeout=20) == ("", "")
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda training: (training / "velodyne" / "000007.bin").write_bytes(b"short"),
+        lambda training: (training / "image_2" / "000021.png").unlink(),
+        lambda training: (training / "meta" / "000044.json").write_text("{"),
+        lambda training: shutil.rmtree(training / "label_2"),
+        lambda training: (training.parent / ".partial").mkdir(),
+    ],
+)
+def test_resuming_mends_what_is_damaged(whole: Path, tmp_path: Path, damage: Callable[[Path], object]) -> None:
+    out = tmp_path / "out"
+    shutil.copytree(whole, out)
+    damage(out / "training")
+    assert run(out, "-n", 45, "--seed", 3, *SIZE, "--resume").returncode == FINE
+    assert tree(out) == tree(whole)
+
+
+def test_ctrl_c_ends_cleanly_and_says_how_to_go_on(whole: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with start(out, "-n", 45, "--seed", 3, *SIZE, "--workers", 2, fault="slow=0.05") as process:
+        wait_for(out / "training" / "meta" / "000002.json", process)
+        # As a terminal does it: to the whole group, workers included.
+        os.killpg(process.pid, signal.SIGINT)
+        stdout, stderr = process.communicate(timeout=20)
+    assert process.returncode == INTERRUPTED
+    assert stdout == ""
+    assert stderr.count("\n") == 1
+    assert stderr.startswith("interrupted; at least ")
+    assert f"frames are whole; go on with: cadet-gen {out} -n 45 --seed 3" in stderr
+    assert stderr.endswith("--resume\n")
+    assert not (out / ".partial").exists()
+    assert run(out, "-n", 45, "--seed", 3, *SIZE, "--resume").returncode == FINE
+    assert tree(out) == tree(whole)
+
+
+def test_two_runs_in_one_folder_do_not_meet(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with start(out, "-n", 40, *SIZE, fault="slow=0.05") as process:
+        wait_for(out / "training" / "meta" / "000002.json", process)
+        second = run(out, "-n", 40, *SIZE, "--resume")
+        assert second.returncode == FAILED
+        assert second.stderr == f"cadet-gen: another cadet-gen is writing to {out}: let it end first\n"
+        process.communicate(timeout=60)
+        assert process.returncode == FINE
+
+
+def test_every_fifth_episode_is_validation(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert run(out, "-n", 105, *SIZE, "--val-fraction", 0.2).returncode == FINE
+    val = (out / "ImageSets" / "val.txt").read_text().split()
+    train = (out / "ImageSets" / "train.txt").read_text().split()
+    assert val == [f"{number:06d}" for number in range(80, 100)]
+    assert train == [f"{number:06d}" for number in [*range(80), *range(100, 105)]]
+    assert (out / "ImageSets" / "trainval.txt").read_text().split() == sorted(train + val)
+
+
+def test_a_set_of_one_episode_has_an_empty_val_file(tmp_path: Path) -> None:
+    assert run(tmp_path / "out", "-n", 2, *SIZE).returncode == FINE
+    assert (tmp_path / "out" / "ImageSets" / "val.txt").read_text() == ""
+
+
+def test_val_fraction_changes_the_period(tmp_path: Path) -> None:
+    assert run(tmp_path / "out", "-n", 41, *SIZE, "--val-fraction", 0.5).returncode == FINE
+    val = (tmp_path / "out" / "ImageSets" / "val.txt").read_text().split()
+    assert val == [f"{number:06d}" for number in range(20, 40)]
+
+
+def test_extras_are_written_on_demand(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert run(out, "-n", 1, *SIZE, "--write", "depth,semantic").returncode == FINE
+    frame = kitti.read_frame(out, 0)
+    assert frame.depth is not None
+    assert frame.depth[0, 0] == 12.5
+    assert frame.semantic is not None
+    assert frame.instance is None
+
+
+@pytest.mark.parametrize(
+    ("fault", "message"),
+    [
+        ("die=0", "a worker died by signal 9 in episode 0; at least 0 of 4 frames are whole; go on with: "),
+        ("panic=0", "Panic in episode 0: index out of bounds: the len is 3; at least 0 of 4 frames are whole; go on"),
+        ("object=0", "scene: no ground ahead of the camera\n"),
+        ("empty", "episode 0: no labelled object in sight in 50 worlds of 10 views each; allow more traffic or labels"),
+    ],
+)
+def test_a_failing_worker_costs_one_line(tmp_path: Path, fault: str, message: str) -> None:
+    done = run(tmp_path / "out", "-n", 4, *SIZE, fault=fault)
+    assert done.returncode == FAILED
+    assert done.stderr.startswith(f"cadet-gen: {message}")
+    assert done.stderr.count("\n") == 1
+    assert run(tmp_path / "out", "-n", 4, *SIZE, "--resume").returncode == FINE
+
+
+WEATHERS = (
+    "clear_noon, cloudy_noon, wet_noon, wet_cloudy_noon, soft_rain_noon, mid_rain_noon, hard_rain_noon, clear_sunset, "
+    "cloudy_sunset, wet_sunset, wet_cloudy_sunset, soft_rain_sunset, mid_rain_sunset, hard_rain_sunset, light_fog, "
+    "dense_fog, snow, dusk"
+)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([], "Missing argument 'OUT'."),
+        (["OUT", "-n", "0"], "Invalid value for '-n': 0 is not in the range 1<=x<=1000000."),
+        (["OUT", "--seed", "x"], "Invalid value for '--seed': 'x' is not a valid integer range."),
+        (["OUT", "--workers", "0"], "Invalid value for '--workers': 0 is not in the range 1<=x<=1024."),
+        (["OUT", "--policy", "nu"], "Invalid value for '--policy': 'nu' is not one of 'kitti', 'paper'."),
+        (["OUT", "--weather", "hail"], f"unknown weather 'hail'; known: {WEATHERS}"),
+        (["OUT", "--map", "nix.xodr"], "unknown map 'nix.xodr': expected an OpenDRIVE file (.xodr)"),
+        (["OUT", "--map", "HERE/conftest.py"], "conftest.py: no OpenDRIVE"),
+        (["OUT", "--image-size", "0x9"], "Camera.width: expected a whole number from 16 to 8192, got 0"),
+        (["OUT", "--image-size", "wide"], "--image-size: expected WxH such as 1242x375, got 'wide'"),
+        (["OUT", "--write", "flow"], "cannot write 'flow'; known: depth, instance, semantic"),
+        (["HERE"], "HERE is not empty: name a new folder, or go on with --resume"),
+        (["HERE", "--resume"], "HERE holds no run to go on with: there is no run.json in it; name a new folder"),
+        (["HERE/conftest.py"], "Invalid value for 'OUT': Directory 'HERE/conftest.py' is a file."),
+        (["HERE/conftest.py/out"], "HERE/conftest.py/out/run.json: Not a directory"),
+        (["/proc/out"], "/proc/out/run.json: No such file or directory"),
+        (
+            ["WHOLE", "-n", "45", "--seed", "3", "--resume"],
+            "WHOLE was begun with other settings: rig.camera.height was 32, now 375; give the same ones, or name a new",
+        ),
+        (
+            ["WHOLE", "-n", "45", "--seed", "4", "--image-size", "64x32", "--resume"],
+            "WHOLE was begun with other settings: seed was 3, now 4; give the same ones, or name a new folder",
+        ),
+        (
+            [
+                "WHOLE",
+                "-n",
+                "45",
+                "--seed",
+                "3",
+                "--image-size",
+                "64x32",
+                "--resume",
+                "--policy",
+                "paper",
+                "--rig",
+                "kitti",
+            ],
+            'WHOLE was begun with other settings: policy.name was "kitti", now "paper"; give the same ones, or name',
+        ),
+        (
+            ["WHOLE", "-n", "40", "--seed", "3", "--image-size", "64x32", "--resume"],
+            "WHOLE has frames up to 000044 already: give at least -n 45",
+        ),
+    ],
+)
+@pytest.mark.usefixtures("fake_core")
+def test_what_the_user_can_mend_costs_one_line_and_no_file(
+    whole: Path,
+    tmp_path: Path,
+    arguments: list[str],
+    message: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    places = {"OUT": str(tmp_path / "out"), "HERE": str(HERE), "WHOLE": str(whole)}
+    before = tree(whole)
+    for name, place in places.items():
+        arguments = [argument.replace(name, place) for argument in arguments]
+        message = message.replace(name, place) if name != "OUT" else message
+    # All of this is found out before a worker starts, so this process may run it.
+    monkeypatch.setattr(sys, "argv", ["cadet-gen", *arguments])
+    with pytest.raises(SystemExit) as ended:
+        run_cadet_gen()
+    assert ended.value.code == FAILED
+    stdout, stderr = capsys.readouterr()
+    assert stdout == ""
+    assert stderr.startswith(f"cadet-gen: {message}")
+    assert stderr.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+    assert tree(whole) == before
+
+
+def _limit_file_size() -> None:
+    import resource
+
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
+
+
+def test_a_full_disk_costs_one_line_and_leaves_whole_files(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    done = run(out, "-n", 4, *SIZE, preexec=_limit_file_size)
+    assert done.returncode == FAILED
+    assert done.stderr == f"cadet-gen: {out}/training/image_2/000000.png: File too large\n"
+    assert sorted(tree(out)) == ["run.json"]
+    assert run(out, "-n", 4, *SIZE, "--resume").returncode == FINE
+
+
+def test_a_log_gets_plain_lines(tmp_path: Path) -> None:
+    done = run(tmp_path / "out", "-n", 2, *SIZE)
+    assert "\x1b" not in done.stderr
+    assert done.stderr.startswith(f"2 frames in {tmp_path / 'out'} at ")
+    assert done.stderr.endswith("/s: 2 DontCare, 2 Car\n")

@@ -1,0 +1,84 @@
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from cadet import CadetError, District, ResetPolicy, RoadMap, weather_names
+
+pytestmark = pytest.mark.usefixtures("fake_core")
+
+DRY = {"clear_noon", "cloudy_noon", "clear_sunset", "cloudy_sunset"}
+STREET = District(name="street", parking_occupancy=(0.1, 0.2), num_cars=(2, 3), num_pedestrians=(0, 1))
+
+
+def test_a_draw_is_a_pure_function_of_its_numbers() -> None:
+    policy = ResetPolicy.kitti()
+    assert policy.draw(5, 9, 1) == policy.draw(5, 9, 1)
+    draws = {policy.draw(seed, episode, attempt).config for seed, episode, attempt in [(5, 9, 1), (6, 9, 1), (5, 8, 1)]}
+    assert len(draws) == 3
+    assert policy.draw(5, 9, 0).config != policy.draw(5, 9, 1).config
+
+
+def test_kittis_weather_is_bad_in_a_tenth_of_the_episodes() -> None:
+    num = 4000
+    drawn = Counter(ResetPolicy.kitti().draw(0, episode).weather for episode in range(num))
+    bad = sum(count for name, count in drawn.items() if name not in DRY) / num
+    assert abs(bad - 0.1) < 4 * (0.1 * 0.9 / num) ** 0.5
+    assert drawn["clear_noon"] > num / 2
+
+
+def test_the_papers_weather_is_uniform_over_all_presets() -> None:
+    num = 3600
+    drawn = Counter(ResetPolicy.paper().draw(0, episode).weather for episode in range(num))
+    assert set(drawn) == set(weather_names())
+    assert max(abs(count - num / 18) for count in drawn.values()) < 4 * (num / 18) ** 0.5
+
+
+def test_counts_stay_in_the_district_and_maps_are_all_drawn() -> None:
+    maps = (RoadMap("a.xodr", "A"), RoadMap("b.xodr", "B"))
+    policy = replace(ResetPolicy.kitti(), districts=((STREET, 1.0),), maps=maps)
+    specs = [policy.draw(1, episode) for episode in range(200)]
+    assert {spec.road_map for spec in specs} == set(maps)
+    assert {spec.config.num_cars for spec in specs} == {2, 3}
+    assert all(0.1 <= spec.config.parking_occupancy <= 0.2 for spec in specs)
+
+
+def test_a_manifest_names_maps_by_hash() -> None:
+    policy = replace(ResetPolicy.kitti(), maps=(RoadMap("a.xodr", "A"),))
+    assert policy.to_dict()["maps"] == [
+        {"name": "a.xodr", "sha256": "559aead08264d5795d3909718cdd05abd49572e84fe55590eef31a88a08fdffd"}
+    ]
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        (
+            {"samples_per_episode": 0},
+            "ResetPolicy.samples_per_episode: expected a whole number from 1 to 100000, got 0",
+        ),
+        ({"distance_m": -1.0}, "ResetPolicy.distance_m: expected a number from 0 to 1000, got -1.0"),
+        ({"blocked_s": None}, "ResetPolicy.blocked_s: expected a number from 0.1 to 600, got None"),
+        ({"weathers": ()}, "ResetPolicy.weathers: expected at least one, got none"),
+        ({"weathers": (("clear_noon", 0.0),)}, "ResetPolicy.weathers: expected a weight above 0, got none"),
+        ({"districts": ((STREET, -1.0),)}, "ResetPolicy.districts weight: expected a number of at least 0, got -1.0"),
+    ],
+)
+def test_nonsense_is_refused_by_name(values: dict[str, Any], message: str) -> None:
+    with pytest.raises(CadetError) as caught:
+        replace(ResetPolicy.kitti(), **values)
+    assert str(caught.value) == message
+
+
+def test_an_unknown_weather_lists_the_known_ones() -> None:
+    with pytest.raises(CadetError, match=r"^unknown weather 'hail'; known: clear_noon, .*, dusk$"):
+        replace(ResetPolicy.kitti(), weathers=(("hail", 1.0),))
+
+
+def test_a_district_refuses_a_range_the_wrong_way_round() -> None:
+    with pytest.raises(CadetError) as caught:
+        District(name="x", parking_occupancy=(0.5, 0.4), num_cars=(0, 1), num_pedestrians=(0, 1))
+    assert str(caught.value) == "District.parking_occupancy: expected (low, high), got (0.5, 0.4)"

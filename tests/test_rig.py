@@ -1,0 +1,86 @@
+from __future__ import annotations
+
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from cadet import CadetError, Camera, Lidar, Rig
+from cadet.kitti import Calibration
+
+# The published calibration of 26 September 2011.
+KITTI_P2 = [[721.5377, 0.0, 609.5593, 44.85728], [0.0, 721.5377, 172.854, 0.2163791], [0.0, 0.0, 1.0, 0.002745884]]
+
+
+def calibration(rig: Rig) -> Calibration:
+    camera = rig.to_native()["camera"]
+    return Calibration(
+        P0=camera["P0"],
+        P1=camera["P1"],
+        P2=camera["P2"],
+        P3=camera["P3"],
+        R0_rect=camera["R0_rect"],
+        Tr_velo_to_cam=camera["Tr_velo_to_cam"],
+        Tr_imu_to_velo=camera["Tr_imu_to_velo"],
+    )
+
+
+def test_the_kitti_rig_has_kittis_projection_and_mount() -> None:
+    rig = Rig.kitti()
+    calib = calibration(rig)
+    np.testing.assert_array_equal(calib.P2, KITTI_P2)
+    # P1 is 54 cm to the right of camera 0, so its fourth column is -fx times that.
+    assert calib.P1[0, 3] == pytest.approx(-387.5744, abs=1e-4)
+    camera0_velo = calib.velo_from_cam @ [0.0, 0.0, 0.0, 1.0]
+    np.testing.assert_allclose(camera0_velo[:3], [0.27, 0.0, -0.08], atol=1e-12)
+    # Camera 0 is 1.65 m over the road, as KITTI's ground planes say.
+    assert rig.velo_in_ego_m[2] + camera0_velo[2] == pytest.approx(1.65)
+    # What is ahead, left and above is far, left and high in the image.
+    point_cam = calib.cam_from_velo @ [20.0, 3.0, 1.0, 1.0]
+    assert point_cam[2] > 19.0
+    assert point_cam[0] < 0.0 > point_cam[1]
+
+
+def test_the_papers_rig_has_one_origin() -> None:
+    rig = Rig.paper()
+    calib = calibration(rig)
+    np.testing.assert_array_equal(calib.P2[:, 3], 0.0)
+    np.testing.assert_array_equal(calib.cam_from_velo[:3, 3], 0.0)
+    assert rig.to_native()["single_origin"] is True
+    assert rig.lidar.name == "hdl64e_kitti"
+
+
+def test_a_resized_camera_sees_what_a_resized_image_shows() -> None:
+    camera = Camera.kitti()
+    small = camera.resized(621, 125)
+    point = np.array([2.0, 1.0, 9.0, 1.0])
+    u, v, w = camera.projection(camera.cam2_from_cam0_m) @ point
+    us, vs, ws = small.projection(small.cam2_from_cam0_m) @ point
+    # Edges scale: pixel centers lie half a pixel inside.
+    assert us / ws + 0.5 == pytest.approx((u / w + 0.5) * 621 / 1242, abs=1e-6)
+    assert vs / ws + 0.5 == pytest.approx((v / w + 0.5) * 125 / 375, abs=1e-6)
+    assert camera.resized(1242, 375) == camera
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Camera(width=0), "Camera.width: expected a whole number from 16 to 8192, got 0"),
+        (lambda: Camera(fx=-1.0), "Camera.fx: expected a number of at least 1, got -1.0"),
+        (lambda: Camera(cx=float("nan")), "Camera.cx: expected a number from -1e+06 to 1e+06, got nan"),
+        (lambda: Camera().resized(9, 9), "Camera.width: expected a whole number from 16 to 8192, got 9"),
+        (lambda: Lidar("vlp16"), "unknown lidar 'vlp16'; known: hdl64e_kitti, hdl64e_uniform, cadet"),
+        (lambda: Rig(lidar=cast(Lidar, "cadet")), "Rig.lidar: expected a Lidar, got 'cadet'"),
+        (lambda: Rig(camera=cast(Camera, None)), "Rig.camera: expected a Camera, got None"),
+        (lambda: Rig(velo_in_ego_m=cast(Any, (0.0, 1.7))), "Rig.velo_in_ego_m: expected three numbers, got (0.0, 1.7)"),
+    ],
+)
+def test_nonsense_is_refused_by_name(make: Any, message: str) -> None:
+    with pytest.raises(CadetError) as caught:
+        make()
+    assert str(caught.value) == message
+
+
+def test_a_lidars_rays_come_from_the_core(fake_core: Any) -> None:
+    assert Lidar.cadet().rays()[0][0, 2] == 0.2
+    assert Lidar("cadet", single_origin=True).rays()[0][0, 2] == 0.0

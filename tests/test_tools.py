@@ -1,0 +1,86 @@
+"""`cadet view` and `cadet check`, on frames of the fake core."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import cv2
+import pytest
+
+from cadet import Environment, kitti
+from cadet.cli import run_cadet
+
+
+@pytest.fixture
+def dataset(fake_core: object, tmp_path: Path) -> Path:
+    env = Environment()
+    env.reset(seed=0)
+    for number in range(2):
+        kitti.write_frame(tmp_path / "set", number, env.step())
+    return tmp_path / "set"
+
+
+def cadet(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int | str | None:
+    monkeypatch.setattr(sys, "argv", ["cadet", *map(str, arguments)])
+    with pytest.raises(SystemExit) as ended:
+        run_cadet()
+    return ended.value.code
+
+
+def test_view_draws_a_frame(dataset: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    out = dataset.parent / "frame.png"
+    assert cadet(monkeypatch, "view", dataset / "000001", "-o", out) == 0
+    assert capsys.readouterr().out == f"wrote {out}\n"
+    picture = cv2.imread(str(out))
+    assert picture is not None
+    assert picture.shape[1] == 1920
+
+
+def test_view_of_a_dataset_draws_some_of_its_frames(dataset: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    out = dataset.parent / "overview.png"
+    assert cadet(monkeypatch, "view", dataset, "-o", out) == 0
+    two_rows = cv2.imread(str(out))
+    (dataset / "training" / "calib" / "000001.txt").unlink()
+    for folder in ("image_2", "velodyne"):
+        next((dataset / "training" / folder).glob("000001.*")).unlink()
+    assert cadet(monkeypatch, "view", dataset, "-o", out) == 0
+    one_row = cv2.imread(str(out))
+    assert two_rows is not None
+    assert one_row is not None
+    assert two_rows.shape[0] > 1.8 * one_row.shape[0]
+
+
+def test_check_names_file_and_line_and_exits_1(
+    dataset: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    labels = dataset / "training" / "label_2" / "000001.txt"
+    labels.write_text("Car 0.00 0 0.10\n")
+    assert cadet(monkeypatch, "check", dataset) == 1
+    out = capsys.readouterr().out
+    assert "label_2/000001.txt:1: error: " in out
+    assert out.splitlines()[-1].startswith("2 frames, ")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["view", "nothing/000012"], "nothing: no KITTI folder: neither training/calib nor calib lies there"),
+        (["view", "nothing", "-o", "x.png"], "nothing: no KITTI folder: neither training/calib nor calib lies there"),
+        (["check", "nothing"], "nothing: no KITTI folder: neither training/calib nor calib lies there"),
+        (["draw"], "No such command 'draw'."),
+    ],
+)
+def test_what_is_not_there_costs_one_line(
+    arguments: list[str], message: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cadet(monkeypatch, *arguments) == 2
+    assert capsys.readouterr().err == f"cadet: {message}\n"
+
+
+def test_a_command_without_its_libraries_says_what_to_install(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None if name == "rich" else object())
+    assert cadet(monkeypatch, "check", "nothing") == 2
+    assert capsys.readouterr().err == "cadet needs rich: pip install rich\n"
