@@ -97,7 +97,8 @@ impl Shadows {
             for (map, _) in maps.iter_mut().zip(&in_map).filter(|(_, inside)| **inside) {
                 for (face, slot) in instance.mesh.faces.iter().zip(&instance.mesh.slots) {
                     // Level ground fills the maps and shades nothing; kerbs and banks stay.
-                    if !glass[usize::from(*slot)] && !(ground[usize::from(*slot)] && is_level(face)) {
+                    let slot = usize::from(*slot);
+                    if !(glass[slot] || ground[slot] && is_level(face)) {
                         map.triangle(face.map(|i| points[i as usize]));
                     }
                 }
@@ -120,7 +121,7 @@ impl Shadows {
             let margin = 8.0;
             let inside = margin..SIZE as f32 - margin;
             if inside.contains(&x) && inside.contains(&y) {
-                return map.sunlit(x, y, p.z, if index == 0 { 1.0 } else { 0.6 });
+                return map.sunlit(x, y, p.z, if index == 0 { 1.0 } else { 0.9 });
             }
         }
         1.0

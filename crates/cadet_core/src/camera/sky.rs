@@ -51,15 +51,16 @@ impl Sky {
             sun,
             sky_on_level: Vec3::ZERO,
             ground: Vec3::ZERO,
-            zenith: Vec3::new(0.52, 0.84, 1.22),
+            zenith: Vec3::new(0.46, 0.84, 1.36),
             horizon: Vec3::new(1.15, 1.50, 1.68),
             glow: Vec3::new(5.0, 4.9, 4.6),
             overcast,
             cloudiness: weather.cloudiness as f32,
             cube: [Vec3::ZERO; 6],
         };
-        // The shapes above are relative: scale them so that level ground gets `level` (in green).
-        let scale = level / sky.irradiance(Vec3::Z).y;
+        // The shapes above are relative. Measured skies are brighter against lit asphalt than the light that reaches the
+        // ground of a street: what stands about hides their brightest part, the horizon.
+        let scale = (1.7 - 0.5 * overcast) * level / sky.irradiance(Vec3::Z).y;
         for c in [&mut sky.zenith, &mut sky.horizon, &mut sky.glow] {
             *c *= scale;
         }
