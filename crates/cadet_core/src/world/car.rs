@@ -19,8 +19,8 @@ const SAMPLE_M: f64 = 1.25;
 /// Room kept beside what stands, and beside what moves.
 const SIDE_STANDING_M: f64 = 0.12;
 const SIDE_MOVING_M: f64 = 0.25;
-/// Where the front bumper stops before a junction's first point.
-const STOP_LINE_M: f64 = 1.0;
+/// Where the front bumper stops before a junction's first point: out of the sweep of those who turn in.
+const STOP_LINE_M: f64 = 3.3;
 
 /// A driven car.
 pub(super) struct Car {
@@ -93,17 +93,35 @@ impl Car {
         let sight_m = (speed * speed / (2.0 * COMFORTABLE_MPS2) + 2.0 * speed + 12.0).min(SIGHT_M);
         let count = (sight_m / SAMPLE_M) as usize;
         self.ahead.extend((0..count).map(|k| route.ahead(k as f64 * SAMPLE_M, roads)));
+        let (low, high) =
+            self.ahead.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), a| (lo.min(a.at), hi.max(a.at)));
         let mut worst: f64 = 0.0;
         for (kind, group) in obstacles.iter().enumerate() {
             let side = if kind == 0 { SIDE_STANDING_M } else { SIDE_MOVING_M };
             for obstacle in group.iter().filter(|o| {
-                o.center != own.center && (o.center - own.center).length() < sight_m + o.half_length_m + 3.0
+                let reach_m = o.half_length_m + o.half_width_m + own.half_width_m + side;
+                o.center != own.center && (o.center - o.center.clamp(low, high)).length() < reach_m
             }) {
                 if let Some((gap, leader)) =
                     gap_along(&self.ahead, SAMPLE_M, half_length, own.half_width_m + side, obstacle)
                 {
                     worst = worst.min(self.habits.interaction(speed, gap, leader));
                 }
+            }
+        }
+        // In a bend a car sweeps more than its corridor: would its rectangle meet another's a little farther on?
+        for reach_m in [0.8, 1.6, 2.6] {
+            let there = route.ahead(reach_m, roads);
+            let swept = Obstacle { center: there.at, heading: there.tangent, ..*own }.grown(0.1);
+            let meets = |o: &&Obstacle| {
+                (o.center - own.center).length() < 14.0
+                    && o.center != own.center
+                    && (o.center - own.center).dot(own.heading) > 0.0
+                    && swept.overlaps(o)
+            };
+            if obstacles.iter().take(2).flat_map(|g| g.iter()).any(|o| meets(&o)) {
+                worst = worst.min(self.habits.interaction(speed, reach_m - 0.6, 0.0));
+                break;
             }
         }
         // The end of the road.
@@ -140,7 +158,7 @@ impl Car {
         let front_m = start_m - self.half_length_m() - STOP_LINE_M;
         let zone_m = speed_mps * speed_mps / (2.0 * COMFORTABLE_MPS2) + 0.5 * speed_mps.max(0.0) + 6.0;
         // Over the line there is no stopping any more.
-        if k == 0 || front_m > zone_m || front_m < -STOP_LINE_M - 1.5 {
+        if k == 0 || front_m > zone_m || front_m < -STOP_LINE_M - 0.5 {
             return None;
         }
         let chain: Vec<LaneId> =

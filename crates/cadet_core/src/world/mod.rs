@@ -79,7 +79,7 @@ impl World {
         let roads = Roads::new(Arc::clone(&town));
         let junctions = Junctions::new(&roads);
         let pavements = Pavements::new(Arc::clone(&town));
-        let model = Arc::new(spawn::ego_model(key));
+        let model = Arc::new(spawn::ego_model());
         let ego = spawn::place_ego(&mut physics, &roads, &town, model, key)?;
         Ok(Self {
             town,
@@ -126,7 +126,7 @@ impl World {
         match class {
             ObjectClass::Car | ObjectClass::Van | ObjectClass::Truck => {
                 let model = self.vehicle_model(class, model_seed);
-                self.parked.push(Parked::new(&mut self.physics, id, model, x_m, y_m, yaw_rad)?);
+                self.parked.push(Parked::new(&mut self.physics, &self.roads, id, model, x_m, y_m, yaw_rad)?);
             }
             ObjectClass::Pedestrian => {
                 let model = Arc::new(PersonModel::generate(model_seed));
@@ -158,7 +158,7 @@ impl World {
         ego.route = self
             .roads
             .nearest(settled.world_from_box.translation, Some(yaw_rad), 3.0)
-            .map(|(lane, s_m, _)| Route::new(lane, s_m, 0.0, true, choices, &self.roads));
+            .map(|(lane, s_m, _)| Route::new(lane, s_m, 0.0, route::EGO_STRAIGHT, choices, &self.roads));
         Ok(())
     }
 
@@ -236,10 +236,11 @@ impl World {
     fn look(&mut self) {
         let footprints: Vec<Obstacle> = self.cars.iter().map(|c| c.footprint(&self.physics)).collect();
         let standing: Vec<Obstacle> = self.parked.iter().map(|p| p.footprint).collect();
+        let in_lanes: Vec<Obstacle> = self.parked.iter().filter(|p| p.is_in_the_way).map(|p| p.footprint).collect();
         let on_road: Vec<Obstacle> = self.walkers.iter().filter_map(|w| w.in_the_way(&self.roads)).collect();
         let exits = Exits::of(&self.cars, &self.physics);
         for (i, car) in self.cars.iter_mut().enumerate() {
-            let groups: [&[Obstacle]; 3] = [&standing, &footprints, &on_road];
+            let groups: [&[Obstacle]; 3] = [&in_lanes, &footprints, &on_road];
             car.look(i, &footprints[i], &groups, &mut self.junctions, &exits, &self.roads, self.steps);
         }
         pedestrian::look(&mut self.walkers, &self.pavements, &self.roads, &standing, &footprints, &self.cars);

@@ -19,7 +19,7 @@ pub(super) const GRAVITY_MPS2: f64 = 9.81;
 const GROUND: Group = Group::GROUP_1;
 const VEHICLES: Group = Group::GROUP_2;
 
-/// Who meets whom: wheels' rays meet the ground alone, chassis meet each other and the ground.
+/// Who meets whom: wheels' rays meet the ground alone, chassis meet each other.
 pub(super) fn ground_only() -> InteractionGroups {
     InteractionGroups::new(Group::ALL, GROUND, InteractionTestMode::And)
 }
@@ -27,7 +27,7 @@ pub(super) fn ground_only() -> InteractionGroups {
 /// The bodies, and the ground that wheels and feet touch.
 pub(super) struct Physics {
     pub world: PhysicsWorld,
-    ground: TriMesh,
+    ground: SharedShape,
     top_z_m: f32,
     depth_m: f32,
 }
@@ -54,9 +54,13 @@ impl Physics {
         world.integration_parameters.dt = DT_S as f32;
         // The springs push once a step; with substeps gravity would be late, and resting cars would seem to fall.
         world.integration_parameters.num_solver_iterations = 1;
-        let collider = ColliderBuilder::new(SharedShape::new(mesh.clone()))
-            .collision_groups(InteractionGroups::new(GROUND, Group::ALL, InteractionTestMode::And))
-            .friction(0.6);
+        let mesh = SharedShape::new(mesh);
+        // Wheels find the ground by rays; chassis never touch it, and looking for that contact would cost the most.
+        let collider = ColliderBuilder::new(mesh.clone()).collision_groups(InteractionGroups::new(
+            GROUND,
+            GROUND,
+            InteractionTestMode::And,
+        ));
         world.insert_collider(collider, None);
         // Rays find the ground only once the broad phase knows it.
         world.step();
@@ -86,7 +90,7 @@ impl Physics {
             .translation(Vector::new(0.0, 0.0, (clearance_m + height_m / 2.0) as f32))
             .density(0.0)
             .friction(0.3)
-            .collision_groups(InteractionGroups::new(VEHICLES, VEHICLES.union(GROUND), InteractionTestMode::And));
+            .collision_groups(InteractionGroups::new(VEHICLES, VEHICLES, InteractionTestMode::And));
         self.world.insert(body, collider).0
     }
 

@@ -11,6 +11,11 @@ use crate::town::{Lane, LaneId, LaneKind, RoadNetwork, Town};
 const LATERAL_MPS2: f64 = 2.0;
 /// Routes no longer than this count as equally long.
 const REACH_CAP_M: f64 = 600.0;
+/// How much likelier than turning off it is that the ego, or another car, goes straight on; long vehicles keep to
+/// where they fit.
+pub(super) const EGO_STRAIGHT: f64 = 3.0;
+pub(super) const CAR_STRAIGHT: f64 = 1.2;
+pub(super) const LONG_STRAIGHT: f64 = 500.0;
 /// How far ahead a route is always known.
 const ROUTE_AHEAD_M: f64 = 110.0;
 
@@ -58,6 +63,14 @@ impl Roads {
         let lane = self.lane(id);
         let i = lane.s_m.partition_point(|v| *v <= s_m).clamp(1, lane.s_m.len()) - 1;
         self.allowed_mps[id.0][i]
+    }
+
+    /// Driving lanes whose bounds come within `within_m` of a place.
+    pub fn driving_near(&self, at: DVec2, within_m: f64) -> impl Iterator<Item = &Lane> {
+        self.lanes().iter().filter(move |l| {
+            let (lo, hi) = self.bounds[l.id.0];
+            l.kind == LaneKind::Driving && (at - at.clamp(lo, hi)).length() <= within_m
+        })
     }
 
     /// The driving lane nearest to a place within `within_m`: (lane, distance along it, distance from it). With a
@@ -149,13 +162,13 @@ pub(super) struct Route {
     base_m: f64,
     /// Offset to the left of the lane's middle that the driver keeps.
     pub offset_m: f64,
-    /// Whether the driver prefers to go straight on.
-    straight: bool,
+    /// Weight of going straight on against turning off.
+    straight: f64,
     choices: Stream,
 }
 
 impl Route {
-    pub fn new(lane: LaneId, s_m: f64, offset_m: f64, straight: bool, choices: Stream, roads: &Roads) -> Self {
+    pub fn new(lane: LaneId, s_m: f64, offset_m: f64, straight: f64, choices: Stream, roads: &Roads) -> Self {
         let mut route = Self { lanes: VecDeque::from([lane]), s_m, base_m: 0.0, offset_m, straight, choices };
         route.extend(roads);
         route
@@ -206,13 +219,7 @@ impl Route {
                 let out = c[c.len() - 1] - c[c.len() - 2];
                 let turn = math::atan2(end.x * out.y - end.y * out.x, end.x * out.x + end.y * out.y).abs();
                 match (turn < 0.6, turn < 2.5) {
-                    (true, _) => {
-                        if self.straight {
-                            3.0
-                        } else {
-                            1.2
-                        }
-                    }
+                    (true, _) => self.straight,
                     (false, true) => 1.0,
                     // Turning round is for dead ends.
                     (false, false) => 0.02,

@@ -5,17 +5,19 @@ use std::sync::Arc;
 use super::car::{Car, footprint};
 use super::chassis::Chassis;
 use super::driver::{Habits, Obstacle};
-use super::parked::Parked;
+use super::parked::{Parked, keeps_off_lanes};
 use super::pedestrian::{Motion, Walker};
 use super::physics::Physics;
-use super::route::{Roads, Route};
+use super::route::{CAR_STRAIGHT, EGO_STRAIGHT, LONG_STRAIGHT, Roads, Route};
 use super::settle::settle;
 use super::{EGO, World, open_lanes};
 use crate::actor::ObjectClass;
 use crate::assets::person::PersonModel;
 use crate::assets::vehicle::VehicleModel;
 use crate::error::{Error, Result};
-use crate::math::{self, DVec2, DVec3};
+use crate::geometry::{LodSet, MeshBuilder};
+use crate::material::{Material, Palette, Pattern, Semantic};
+use crate::math::{self, DVec2, DVec3, Vec3};
 use crate::rng::{Stream, StreamKey};
 use crate::town::{LaneId, ParkingSpot, Town};
 
@@ -57,7 +59,7 @@ impl Default for TrafficConfig {
             car_radius_m: 110.0,
             pedestrian_radius_m: 80.0,
             parking_radius_m: 280.0,
-            num_models: 36,
+            num_models: 24,
         }
     }
 }
@@ -92,14 +94,28 @@ impl TrafficConfig {
     }
 }
 
-/// The ego's own shape: a family car.
-pub(super) fn ego_model(key: StreamKey) -> VehicleModel {
-    let mut stream = key.stream("ego model");
-    let draws: Vec<VehicleModel> =
-        (0..6).map(|_| VehicleModel::generate(ObjectClass::Car, stream.next_u64())).collect();
-    // The recording car is a station wagon of 4.77 m: the nearest in length of a few.
-    let far = |m: &VehicleModel| (m.size_lwh.x - 4.77).abs();
-    draws.into_iter().reduce(|a, b| if far(&b) < far(&a) { b } else { a }).expect("six draws")
+/// The ego's own measures: an estate car of 2006, like the one that recorded KITTI. Nobody sees it, so it has no shape
+/// but a box.
+pub(super) fn ego_model() -> VehicleModel {
+    let (size_lwh, wheel_radius_m) = (DVec3::new(4.77, 1.82, 1.52), 0.316);
+    let (front, rear, side) = (1.44, -1.27, 0.78);
+    let mut block = MeshBuilder::new();
+    let half = (size_lwh / 2.0).as_vec3();
+    block.cuboid(Vec3::new(-half.x, -half.y, 0.2), Vec3::new(half.x, half.y, size_lwh.z as f32), 0);
+    let shape = Arc::new(LodSet::single(block.build("ego", 0.5)));
+    let paint = Material::matt(Semantic::Car, [0.3; 3], Pattern::Plain, 0.3);
+    VehicleModel {
+        name: "ego".to_owned(),
+        class: ObjectClass::Car,
+        size_lwh,
+        body: Arc::clone(&shape),
+        driver: None,
+        wheel: shape,
+        wheel_centers: [(front, side), (front, -side), (rear, side), (rear, -side)]
+            .map(|(x, y)| Vec3::new(x, y, wheel_radius_m as f32)),
+        wheel_radius_m,
+        palette: Arc::new(Palette(vec![paint])),
+    }
 }
 
 /// Puts the ego on a lane from which it can drive far.
@@ -123,7 +139,7 @@ pub(super) fn place_ego(
         let lane = roads.lane(lanes[stream.weighted(&weights)]);
         let s_m = stream.range(4.0, (lane.length_m() - 8.0).max(5.0));
         let offset_m = stream.clipped_normal(0.0, 0.08);
-        let route = Route::new(lane.id, s_m, offset_m, true, key.stream("ego route"), roads);
+        let route = Route::new(lane.id, s_m, offset_m, EGO_STRAIGHT, key.stream("ego route"), roads);
         if let Some(chassis) = on_route(physics, roads, &route, &model, 0.0) {
             return Ok(Car::new(0, chassis, Some(route), habits));
         }
@@ -226,12 +242,12 @@ impl World {
             let rectangle = footprint(&pose, model.size_lwh, DVec2::ZERO);
             let clear = !rectangle.overlaps(&own)
                 && self.parked.iter().all(|p| !p.footprint.overlaps(&rectangle.grown(0.25)))
-                && self.leaves_lanes_free(&rectangle);
+                && keeps_off_lanes(&self.roads, &rectangle, 1.25);
             if !clear {
                 continue;
             }
             let id = self.next_id;
-            if let Ok(parked) = Parked::new(&mut self.physics, id, model, place.x, place.y, yaw) {
+            if let Ok(parked) = Parked::new(&mut self.physics, &self.roads, id, model, place.x, place.y, yaw) {
                 self.parked.push(parked);
                 self.next_id += 1;
             }
@@ -251,18 +267,6 @@ impl World {
         draw.chance((mean + spread * street.range(-1.0, 1.0)).clamp(0.0, 1.0))
     }
 
-    /// Whether cars can pass a parked one in their lanes.
-    fn leaves_lanes_free(&self, rectangle: &Obstacle) -> bool {
-        let reach_m = rectangle.half_length_m + 3.0;
-        self.roads.lanes().iter().filter(|l| l.kind == crate::town::LaneKind::Driving).all(|lane| {
-            lane.center
-                .iter()
-                .map(|p| p.truncate())
-                .filter(|p| (*p - rectangle.center).length() < reach_m)
-                .all(|p| (rectangle.closest_point(p) - p).length() > 1.25)
-        })
-    }
-
     /// A car at a random free place of a lane, between two distances from the ego; `hidden` keeps it out of its view.
     fn new_car(&mut self, slot: usize, stream: &mut Stream, ring_m: (f64, f64), hidden: bool) -> Option<Car> {
         let (ego, view) = self.ego_place();
@@ -273,6 +277,7 @@ impl World {
         };
         let model = self.fleet_model(stream, class);
         let half_m = model.size_lwh.x / 2.0;
+        let straight = if half_m > 2.7 { LONG_STRAIGHT } else { CAR_STRAIGHT };
         let mut places: Vec<(LaneId, f64, f64)> = Vec::new();
         for lane in open_lanes(&self.roads) {
             let mut s = half_m + 1.0;
@@ -298,7 +303,7 @@ impl World {
             let s_m = s_m + stream.range(0.0, 3.5);
             let offset_m = stream.clipped_normal(0.0, 0.1);
             let seed = self.key.indexed("car route", stream.next_u64());
-            let route = Route::new(lane_id, s_m, offset_m, false, seed, &self.roads);
+            let route = Route::new(lane_id, s_m, offset_m, straight, seed, &self.roads);
             let here = route.ahead(0.0, &self.roads);
             let rectangle = Obstacle {
                 center: here.at,

@@ -163,3 +163,98 @@ fn traffic_lives_in_suburbs_and_shared_maps() {
         eprintln!("{name}: new {a:?}, spawn {:?}, 60 s in {:?}", b - a, clock.elapsed() - b);
     }
 }
+
+#[test]
+fn a_car_keeps_its_distance_to_one_that_stands_in_its_lane() {
+    let town = slope(0.03);
+    for seed in 0..4 {
+        let mut world = World::new(Arc::clone(&town), StreamKey::scene(seed)).unwrap();
+        world.move_ego(-60.0, 0.0, 0.0).unwrap();
+        world.add(ObjectClass::Car, 20.0, 0.1, 0.02, seed).unwrap();
+        let gone_m = world.drive(200.0, 3.0).unwrap();
+        let half_m = world.parked[0].footprint.half_length_m + world.cars[EGO].half_length_m();
+        let gap_m = 80.0 - gone_m - half_m;
+        assert!((1.4..3.5).contains(&gap_m), "stopped {gap_m} m behind");
+    }
+}
+
+#[test]
+fn parked_wheels_touch_sloping_and_bent_ground() {
+    let town = hilly_ring();
+    let mut world = World::new(Arc::clone(&town), StreamKey::scene(0)).unwrap();
+    for k in 0..40 {
+        let a = f64::from(k) * 0.4;
+        let (x, y) = ((20.0 + f64::from(k)) * math::cos(a), (20.0 + f64::from(k)) * math::sin(a));
+        world.add(ObjectClass::Car, x, y, f64::from(k), k as u64).unwrap();
+        let parked = world.parked.last().unwrap();
+        let pose = parked.settled.world_from_box;
+        assert!((pose.translation.truncate() - DVec2::new(x, y)).length() < 1e-9);
+        for wheel in parked.wheels() {
+            let up = pose.rotation * DVec3::Z;
+            let foot = pose.transform_point(wheel.translation) - up * parked.model.wheel_radius_m;
+            let ground = world.ground_height(foot.x, foot.y).unwrap();
+            assert!((foot.z - ground).abs() < 0.01, "a wheel is {} m above the ground", foot.z - ground);
+        }
+    }
+}
+
+#[test]
+fn the_same_calls_give_the_same_bits() {
+    let run = |seed: u64| {
+        let mut world = World::new(crossing(), StreamKey::scene(seed)).unwrap();
+        world.spawn_traffic(&TrafficConfig { num_cars: 8, num_pedestrians: 8, ..TrafficConfig::default() }).unwrap();
+        world.drive(30.0, 2.0).unwrap();
+        world.step(200);
+        let s = world.snapshot();
+        let bits = |p: &crate::math::DPose3| {
+            let (t, r) = (p.translation, p.rotation);
+            [t.x, t.y, t.z, r.x, r.y, r.z, r.w].map(f64::to_bits)
+        };
+        let instances: Vec<_> = s.instances.iter().map(|i| (i.actor_id, bits(&i.world_from_local))).collect();
+        let actors: Vec<_> = s.actors.iter().map(|a| (a.id, a.model.clone(), bits(&a.world_from_box))).collect();
+        assert!(actors.windows(2).all(|w| w[0].0 < w[1].0) && actors.len() > 10);
+        (instances, actors, bits(&s.ego.world_from_ego))
+    };
+    assert_eq!(run(3), run(3));
+    assert_ne!(run(3).2, run(4).2);
+}
+
+#[test]
+fn lanes_that_cross_or_merge_exclude_each_other_and_forks_do_not() {
+    let town = crossing();
+    let roads = Roads::new(Arc::clone(&town));
+    let junctions = Junctions::new(&roads);
+    let connecting: Vec<_> = town.network.driving().filter(|l| l.junction.is_some()).collect();
+    assert_eq!(connecting.len(), 12);
+    for a in &connecting {
+        for b in &connecting {
+            let excluded = junctions.conflicts_of(a.id).contains(&b.id);
+            assert_eq!(excluded, junctions.conflicts_of(b.id).contains(&a.id));
+            if a.id != b.id && a.successors == b.successors {
+                assert!(excluded, "merging lanes {:?} and {:?}", a.id, b.id);
+            }
+            if a.predecessors == b.predecessors {
+                assert!(!excluded, "lanes {:?} and {:?} fork", a.id, b.id);
+            }
+        }
+    }
+    // Oncoming straight lanes pass each other; crossing straight lanes don't.
+    let straight = |k: usize| connecting[3 * k].id;
+    assert!(!junctions.conflicts_of(straight(0)).contains(&straight(2)));
+    assert!(junctions.conflicts_of(straight(0)).contains(&straight(1)));
+}
+
+#[test]
+fn what_makes_no_sense_is_refused() {
+    let mut world = World::new(slope(0.0), StreamKey::scene(0)).unwrap();
+    let is_scene = |r: Result<i32>| matches!(r, Err(Error::Scene { .. }));
+    assert!(is_scene(world.add(ObjectClass::Car, 1e4, 0.0, 0.0, 0)));
+    assert!(is_scene(world.add(ObjectClass::Pedestrian, 1e4, 0.0, 0.0, 0)));
+    assert!(is_scene(world.add(ObjectClass::Tram, 0.0, 0.0, 0.0, 0)));
+    assert!(matches!(world.add(ObjectClass::Car, f64::NAN, 0.0, 0.0, 0), Err(Error::NotFinite { .. })));
+    assert!(world.move_ego(0.0, f64::INFINITY, 0.0).is_err());
+    assert!(world.drive(-1.0, 2.0).is_err());
+    assert!(world.spawn_traffic(&TrafficConfig { parking_occupancy: 1.5, ..TrafficConfig::default() }).is_err());
+    assert_eq!(world.add(ObjectClass::Van, 5.0, 4.0, 1.0, 0).unwrap(), 1);
+    assert_eq!(world.add(ObjectClass::Pedestrian, 5.0, 9.0, 1.0, 0).unwrap(), 2);
+}
