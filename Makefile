@@ -74,6 +74,7 @@ lint: build-dev ## Check formats, clippy, ruff and types
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
+	MYPYPATH=python $(BIN)/stubtest cadet._cadet --mypy-config-file pyproject.toml
 
 test-rust: check-rust
 	cargo test --release --locked --workspace

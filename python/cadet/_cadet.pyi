@@ -6,6 +6,8 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = ["Lidar", "Scene", "__version__", "encode_png", "weather_names"]
+
 __version__: str
 
 @final
