@@ -84,13 +84,15 @@ pub fn scan(
             let Some(found) = receive(pane, behind, &air, gain, spec.range_noise_m, &draws) else {
                 continue;
             };
-            if !(spec.min_range_m..spec.max_range_m).contains(&found.range_m) {
+            let p = direction_velo * found.range_m + DVec3::new(0.0, 0.0, laser.height_m);
+            let [x, y, z] = p.to_array().map(|v| (round(v * 1e3) / 1e3) as f32);
+            // What is kept is judged by the written point, from the frame's origin, as in KITTI's files.
+            let written_m = DVec3::new(x.into(), y.into(), z.into()).length();
+            if !(spec.min_range_m..spec.max_range_m).contains(&written_m) {
                 continue;
             }
-            let p = direction_velo * found.range_m + DVec3::new(0.0, 0.0, laser.height_m);
-            let millimetres = |v: f64| (round(v * 1e3) / 1e3) as f32;
-            let hundredths = |v: f64| (round(v * 1e2).clamp(0.0, 99.0) / 1e2) as f32;
-            out.points_velo.push([millimetres(p.x), millimetres(p.y), millimetres(p.z), hundredths(found.intensity)]);
+            let intensity = (round(found.intensity * 1e2).clamp(0.0, 99.0) / 1e2) as f32;
+            out.points_velo.push([x, y, z, intensity]);
             out.ring.push(ring as i32);
             out.column.push(column as i32);
             out.actor_id.push(found.actor_id);

@@ -11,9 +11,9 @@ pub struct LidarSpec {
     rings: Vec<TurretRing>,
     azimuths_rad: Vec<f64>,
     turret: TurretGrid,
-    /// Nearer returns are not kept.
+    /// Returns nearer than this to the frame's origin are not kept.
     pub min_range_m: f64,
-    /// Returns at this range or beyond are not kept.
+    /// Returns as far from the frame's origin as this, or farther, are not kept.
     pub max_range_m: f64,
     /// Standard deviation of the range.
     pub range_noise_m: f64,

@@ -74,7 +74,7 @@ pub(super) fn add_mirrors_and_aerial(
     }
     if fittings.aerial && level == 0 {
         let root = Vec3::new(house.rear_header_x + 0.15, 0.0, house.roof_z(house.rear_header_x + 0.15) - 0.01);
-        let tip = root + Vec3::new(-0.22, 0.0, 0.30);
+        let tip = root + Vec3::new(-0.10, 0.0, 0.07);
         let ring = |c: Vec3, r: f32| {
             vec![
                 c + Vec3::new(r, 0.0, 0.0),
@@ -82,7 +82,7 @@ pub(super) fn add_mirrors_and_aerial(
                 c + Vec3::new(-0.5 * r, -0.87 * r, 0.0),
             ]
         };
-        surface.builder.loft(&[ring(root, 0.006), ring(tip, 0.003)], slot::PLASTIC, true);
+        surface.builder.loft(&[ring(root, 0.012), ring(tip, 0.004)], slot::PLASTIC, true);
     }
 }
 
