@@ -186,6 +186,27 @@ mod tests {
     }
 
     #[test]
+    fn imported_maps_are_dressed_clear_of_their_streets() {
+        for map in ["Town01.xodr", "Town02.xodr"] {
+            let path = format!("{}/../../../shared/maps/{map}", env!("CARGO_MANIFEST_DIR"));
+            let Ok(text) = std::fs::read_to_string(path) else {
+                eprintln!("skipped: no ../shared/maps/{map}");
+                continue;
+            };
+            let key = StreamKey::scene(1);
+            let network = super::super::load_map(map, &text).unwrap();
+            let ground = Ground::new(&network).unwrap();
+            let dressing = dress(&key, &network, &ground, &DressingConfig::default());
+            for standing in &dressing.standing {
+                let on_road = |p: crate::math::DVec2| ground.kind_at(p.x, p.y) == Some(GroundKind::Road);
+                assert!(!standing.rect.samples(0.5).any(on_road), "{map}: {standing:?} on the road");
+            }
+            let houses = dressing.standing.iter().filter(|s| is_house(s)).count();
+            assert!(houses > 80, "{map}: {houses} houses");
+        }
+    }
+
+    #[test]
     fn a_bad_configuration_names_the_value() {
         let bad = DressingConfig { greenery: 3.0, ..Default::default() };
         assert_eq!(bad.check().unwrap_err().to_string(), "dressing greenery is 3, expected 0 to 2");

@@ -161,6 +161,15 @@ impl Car {
         if k == 0 || front_m > zone_m || front_m < -STOP_LINE_M - 0.5 {
             return None;
         }
+        // Not before those ahead of us.
+        let before_us = |lane: LaneId, first: bool| {
+            exits.places.iter().any(|(l, car, s)| {
+                *l == lane && *car != index && (!first || *s > route.s_m) && !junctions.holds_any(*car)
+            })
+        };
+        if route.lanes.iter().take(k).enumerate().any(|(i, l)| before_us(*l, i == 0)) {
+            return Some(front_m + 1.5);
+        }
         let chain: Vec<LaneId> =
             route.lanes.iter().skip(k).copied().take_while(|l| roads.lane(*l).junction.is_some()).collect();
         let exit = route.lanes.get(k + chain.len()).copied().unwrap_or(chain[chain.len() - 1]);
@@ -218,6 +227,8 @@ pub(super) fn footprint(world_from_box: &DPose3, size_lwh: DVec3, velocity: DVec
 pub(super) struct Exits {
     /// (lane, car, distance of its tail from the lane's start).
     slow: Vec<(LaneId, usize, f64)>,
+    /// (lane, car, distance of its middle along the lane).
+    places: Vec<(LaneId, usize, f64)>,
 }
 
 impl Exits {
@@ -228,7 +239,9 @@ impl Exits {
             .filter(|(_, c)| c.chassis.speed_mps(physics) < 2.5)
             .filter_map(|(i, c)| c.route.as_ref().map(|r| (r.lanes[0], i, r.s_m - c.half_length_m())))
             .collect();
-        Self { slow }
+        let places =
+            cars.iter().enumerate().filter_map(|(i, c)| c.route.as_ref().map(|r| (r.lanes[0], i, r.s_m))).collect();
+        Self { slow, places }
     }
 
     fn room_m(&self, lane: LaneId, car: usize) -> f64 {

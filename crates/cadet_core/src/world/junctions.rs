@@ -67,6 +67,10 @@ impl Junctions {
         self.held.iter().any(|r| r.car == car && r.lane == lane)
     }
 
+    pub fn holds_any(&self, car: usize) -> bool {
+        self.held.iter().any(|r| r.car == car && r.clear_at_m.is_none())
+    }
+
     /// Room on an exit lane that is promised to others than `car`.
     pub fn promised_m(&self, car: usize, exit: LaneId) -> f64 {
         self.held.iter().filter(|r| r.car != car && r.exit == exit).map(|r| r.room_m).sum()

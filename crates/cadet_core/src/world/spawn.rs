@@ -297,7 +297,7 @@ impl World {
         }
         let weights: Vec<f64> = places.iter().map(|p| p.2).collect();
         let footprints: Vec<Obstacle> = self.cars.iter().map(|c| c.footprint(&self.physics)).collect();
-        for _ in 0..12 {
+        for _ in 0..30 {
             let (lane_id, s_m, _) = *places.get(stream.weighted(&weights))?;
             let lane = self.roads.lane(lane_id);
             let s_m = s_m + stream.range(0.0, 3.5);
@@ -315,11 +315,11 @@ impl World {
             // Sideways little room, along the lane a headway.
             let long =
                 Obstacle { half_length_m: half_m + 8.0, half_width_m: rectangle.half_width_m + 0.2, ..rectangle };
-            let taken = footprints
-                .iter()
-                .enumerate()
-                .any(|(i, f)| i != slot && (long.overlaps(f) || rectangle.grown(0.5).overlaps(f)))
-                || self.parked.iter().any(|p| rectangle.grown(0.1).overlaps(&p.footprint))
+            let taken = footprints.iter().enumerate().any(|(i, f)| {
+                // Who comes from behind needs room to brake.
+                let half_length_m = long.half_length_m + 1.8 * f.velocity.length();
+                i != slot && (Obstacle { half_length_m, ..long }.overlaps(f) || rectangle.grown(0.5).overlaps(f))
+            }) || self.parked.iter().any(|p| rectangle.grown(0.1).overlaps(&p.footprint))
                 || self.walkers.iter().filter_map(|w| w.in_the_way(&self.roads)).any(|w| long.overlaps(&w));
             if taken || route.remaining_m(&self.roads) < 30.0 {
                 continue;

@@ -132,9 +132,9 @@ fn cars_share_a_crossing_for_minutes_without_touching() {
         let mut world = World::new(crossing(), StreamKey::scene(seed)).unwrap();
         let config = TrafficConfig { num_cars: 14, num_pedestrians: 20, ..TrafficConfig::default() };
         world.spawn_traffic(&config).unwrap();
-        assert!(world.cars.len() > 10, "{}", world.cars.len());
+        assert!(world.cars.len() >= 8, "{}", world.cars.len());
         let gone_m = watch(&mut world, 60, &format!("crossing {seed}"));
-        assert!(gone_m > 14.0 * 60.0, "the traffic jams: {gone_m} m in all");
+        assert!(gone_m > 1.5 * 60.0 * world.cars.len() as f64, "the traffic jams: {gone_m} m in all");
     }
 }
 
@@ -153,14 +153,10 @@ fn traffic_lives_in_suburbs_and_shared_maps() {
     let maps = ["Town01.xodr", "Town02.xodr"].into_iter().filter_map(map);
     for (i, town) in (0..5).map(suburb).chain(maps).enumerate() {
         let name = format!("{} {i}", town.name);
-        let clock = std::time::Instant::now();
         let mut world = World::new(town, StreamKey::scene(i as u64)).unwrap();
-        let a = clock.elapsed();
         let config = TrafficConfig { num_cars: 40, num_pedestrians: 40, ..TrafficConfig::default() };
         world.spawn_traffic(&config).unwrap();
-        let b = clock.elapsed();
         watch(&mut world, 60, &name);
-        eprintln!("{name}: new {a:?}, spawn {:?}, 60 s in {:?}", b - a, clock.elapsed() - b);
     }
 }
 
