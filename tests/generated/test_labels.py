@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
-import cadet
+from typing import Any
+
 import numpy as np
 import pytest
+from numpy.typing import NDArray
+
+import cadet
 from cadet.boxes import corners_cam, points_in_boxes
-from sensed import Sensed, sense
+from sensed import Sensed, objects_of, sense
 
 ROAD = (cadet.Semantic.ROAD, cadet.Semantic.ROAD_MARKING)
 
 
-def labelled(sensed: Sensed) -> list[tuple[cadet.Label, dict]]:
-    objects = sensed.frame.meta["objects"]
-    assert len(objects) == len(sensed.frame.labels)
-    return [(label, meta) for label, meta in zip(sensed.frame.labels, objects, strict=True) if label.type != "DontCare"]
+def labelled(sensed: Sensed) -> list[tuple[cadet.Label, dict[str, Any]]]:
+    pairs = zip(sensed.frame.labels, objects_of(sensed.frame), strict=True)
+    return [(label, meta) for label, meta in pairs if label.type != "DontCare"]
 
 
-def box_cam(label: cadet.Label) -> np.ndarray:
+def box_cam(label: cadet.Label) -> NDArray[np.float64]:
     h, w, l = label.dimensions_hwl
     return np.array([[*label.location_cam, l, w, h, label.rotation_y]])
 
@@ -75,7 +78,7 @@ def test_boxes_fit_their_silhouettes(street_frames: list[Sensed]) -> None:
     assert np.median(overlaps) > 0.8
 
 
-def test_no_label_through_walls(street_frames: list[Sensed]) -> None:
+def test_no_label_through_walls() -> None:
     """Parry, which knows nothing of the kernel, must meet the labelled actor first along its pixels' rays."""
     scene = cadet.Scene.random(seed=3, weather="clear_noon")
     sensed = sense(scene)
@@ -99,7 +102,7 @@ def test_a_car_behind_a_van_is_occluded_and_one_behind_a_wall_is_not_there() -> 
     scene.move_ego(x=0.0, y=0.0, yaw=0.0)
     near = scene.add("car", x=12.0, y=0.0, yaw=np.pi / 2, model_seed=1)
     far = scene.add("car", x=22.0, y=0.9, yaw=np.pi / 2, model_seed=2)
-    objects = {o["actor_id"]: o for o in scene.capture().meta["objects"]}
+    objects = {o["actor_id"]: o for o in objects_of(scene.capture())}
     assert objects[near]["visible_fraction"] > 0.999
     assert far not in objects or objects[far]["visible_fraction"] < 0.6
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import cadet
 import numpy as np
+
+import cadet
 
 
 def test_lidar_points_fall_on_their_own_pixels_at_the_papers_rig() -> None:
@@ -17,6 +18,7 @@ def test_lidar_points_fall_on_their_own_pixels_at_the_papers_rig() -> None:
         points_cam = points @ cam_from_velo[:3, :3].T + cam_from_velo[:3, 3]
         uvw = points_cam @ frame.calib.P2[:, :3].T + frame.calib.P2[:, 3]
         u, v = np.rint(uvw[:, :2].T / uvw[:, 2]).astype(int) if len(uvw) else np.zeros((2, 0), int)
+        assert frame.instance is not None
         height, width = frame.instance.shape
         inside = (uvw[:, 2] > 0.1) & (u >= 0) & (u < width) & (v >= 0) & (v < height)
         same += (frame.instance[v[inside], u[inside]] == scan.actor_id[hit][inside]).sum()
