@@ -13,5 +13,7 @@ mod sky;
 #[cfg(test)]
 mod tests;
 
+#[cfg(test)]
+pub(crate) use model::tests::kitti_like;
 pub use model::{Calibration, CameraModel, Pixel};
 pub use render::{Rendered, View, render};
