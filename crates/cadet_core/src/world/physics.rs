@@ -1,6 +1,6 @@
 //! The rigid-body world and the ground in it; the one place where rapier's single precision meets our doubles.
 
-use rapier3d::parry::query::{Ray, RayCast};
+use rapier3d::parry::query::Ray;
 use rapier3d::parry::shape::TriMesh;
 use rapier3d::prelude::{
     ColliderBuilder, Group, InteractionGroups, InteractionTestMode, PhysicsWorld, Pose, RigidBodyBuilder,
@@ -36,8 +36,6 @@ pub(super) struct Physics {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct GroundPoint {
     pub z_m: f64,
-    /// Unit normal, upwards.
-    pub normal: DVec3,
 }
 
 impl Physics {
@@ -73,12 +71,8 @@ impl Physics {
         [(0.0, 0.0), (1e-3, 0.7e-3), (-0.8e-3, 1.1e-3)].iter().find_map(|(dx, dy)| {
             let origin = Vector::new((x_m + dx) as f32, (y_m + dy) as f32, self.top_z_m);
             let ray = Ray::new(origin, Vector::new(0.0, 0.0, -1.0));
-            let hit = self.ground.cast_local_ray_and_get_normal(&ray, self.depth_m, false)?;
-            let normal = if hit.normal.z < 0.0 { -hit.normal } else { hit.normal };
-            Some(GroundPoint {
-                z_m: f64::from(self.top_z_m) - f64::from(hit.time_of_impact),
-                normal: normal.as_dvec3(),
-            })
+            let toi = self.ground.cast_local_ray(&ray, self.depth_m, false)?;
+            Some(GroundPoint { z_m: f64::from(self.top_z_m) - f64::from(toi) })
         })
     }
 

@@ -58,13 +58,6 @@ impl Roads {
         self.reach_m[id.0]
     }
 
-    /// Speed that bend and limit allow at a place of a lane.
-    pub fn allowed_at(&self, id: LaneId, s_m: f64) -> f64 {
-        let lane = self.lane(id);
-        let i = lane.s_m.partition_point(|v| *v <= s_m).clamp(1, lane.s_m.len()) - 1;
-        self.allowed_mps[id.0][i]
-    }
-
     /// Driving lanes whose bounds come within `within_m` of a place.
     pub fn driving_near(&self, at: DVec2, within_m: f64) -> impl Iterator<Item = &Lane> {
         self.lanes().iter().filter(move |l| {

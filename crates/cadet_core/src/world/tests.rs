@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::testing::{crossing, hilly_ring, map, slope, suburb};
+use super::testing::{crossing, hills, hilly_ring, map, slope, suburb};
 use super::*;
 use crate::math::{self, DVec2, DVec3};
 use crate::world::spawn::TrafficConfig;
@@ -53,7 +53,7 @@ fn a_car_follows_a_hilly_bend_at_its_speed_heading_forwards() {
         assert!(forward.dot(ego.velocity_world) > 0.95 * ego.velocity_world.length());
         let speed = ego.velocity_world.length();
         assert!((5.0..10.5).contains(&speed), "{speed} m/s where 8.3 are allowed");
-        assert!((p.z - super::testing::hills(p.x, p.y)).abs() < 0.08, "{}", p.z - super::testing::hills(p.x, p.y));
+        assert!((p.z - hills(p.x, p.y)).abs() < 0.08, "{}", p.z - hills(p.x, p.y));
         assert!(time_s < 100);
     }
     assert!(worst_m < 0.4, "{worst_m} m off the lane");
@@ -202,7 +202,7 @@ fn the_same_calls_give_the_same_bits() {
         world.drive(30.0, 2.0).unwrap();
         world.step(200);
         let s = world.snapshot();
-        let bits = |p: &crate::math::DPose3| {
+        let bits = |p: &math::DPose3| {
             let (t, r) = (p.translation, p.rotation);
             [t.x, t.y, t.z, r.x, r.y, r.z, r.w].map(f64::to_bits)
         };
