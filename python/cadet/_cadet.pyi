@@ -1,6 +1,7 @@
 """The Rust core. Private: use the wrappers of `cadet`, which are typed, documented and keyword-only."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from os import PathLike
 from typing import Any, final
 
 import numpy as np
@@ -61,5 +62,23 @@ class Scene:
     def triangles(self) -> tuple[NDArray[np.float32], NDArray[np.uint32], NDArray[np.int32]]: ...
     def sensor_poses(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
 
+def evaluate_folders(
+    truths: str | PathLike[str],
+    detections: str | PathLike[str],
+    *,
+    ids: Sequence[str] | None,
+    is_all_frames: bool,
+    classes: Sequence[tuple[str, Sequence[float]]],
+    levels: Sequence[tuple[float, bool, float, float]],
+) -> dict[str, Any]: ...
+def evaluate_arrays(
+    truths: tuple[Sequence[int], Sequence[str], NDArray[np.float64]],
+    detections: tuple[Sequence[int], Sequence[str], NDArray[np.float64]],
+    *,
+    classes: Sequence[tuple[str, Sequence[float]]],
+    levels: Sequence[tuple[float, bool, float, float]],
+) -> dict[str, Any]: ...
+def box_iou(a: NDArray[np.float64], b: NDArray[np.float64], is_3d: bool) -> NDArray[np.float64]: ...
+def nms_bev(boxes: NDArray[np.float64], scores: NDArray[np.float64], threshold: float) -> NDArray[np.int64]: ...
 def encode_png(image: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes: ...
 def weather_names() -> list[str]: ...

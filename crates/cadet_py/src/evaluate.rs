@@ -1,0 +1,226 @@
+//! KITTI's average precision, overlaps of boxes, and suppression.
+
+use std::path::PathBuf;
+
+use cadet_core::evaluate as core;
+use cadet_core::{Error, Result};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+
+use crate::arrays;
+use crate::error::BorderError;
+
+/// Name and least overlaps of each class.
+type Classes = Vec<(String, [f64; 3])>;
+/// Least height, whether it belongs to the level, most occlusion, most truncation.
+type Levels = Vec<(f64, bool, f64, f64)>;
+/// The frames' objects one after the other: where each frame begins and the end, types, numbers.
+type Packed<'py> = (Vec<usize>, Vec<String>, PyReadonlyArray2<'py, f64>);
+
+fn settings(classes: Classes, levels: Levels) -> core::Settings {
+    core::Settings {
+        classes: classes
+            .into_iter()
+            .map(|(name, min_overlap)| core::ClassLimits { class: core::Kind::from_name(&name), min_overlap })
+            .collect(),
+        levels: levels
+            .into_iter()
+            .map(|(min_height_px, is_inclusive, max_occlusion, max_truncation)| core::Level {
+                min_height_px,
+                is_inclusive,
+                max_occlusion,
+                max_truncation,
+            })
+            .collect(),
+    }
+}
+
+/// Evaluates result files against label files.
+#[pyfunction]
+#[pyo3(signature = (truths, detections, *, ids, is_all_frames, classes, levels))]
+pub(crate) fn evaluate_folders<'py>(
+    py: Python<'py>,
+    truths: PathBuf,
+    detections: PathBuf,
+    ids: Option<Vec<String>>,
+    is_all_frames: bool,
+    classes: Classes,
+    levels: Levels,
+) -> PyResult<Bound<'py, PyDict>> {
+    let rule = if is_all_frames { core::FrameRule::All } else { core::FrameRule::Results };
+    let folders = core::Folders { truths, detections, ids, rule };
+    let settings = settings(classes, levels);
+    let (read, curves) = py
+        .detach(|| {
+            settings.check()?;
+            let read = core::read_folders(&folders)?;
+            let curves = core::evaluate(&read.frames, &settings)?;
+            Ok((read, curves))
+        })
+        .map_err(|error: Error| BorderError::from(error))?;
+    let result = result(py, &read.frames, &curves)?;
+    result.set_item("num_missing", read.num_missing)?;
+    Ok(result)
+}
+
+/// Evaluates frames in memory.
+#[pyfunction]
+#[pyo3(signature = (truths, detections, *, classes, levels))]
+pub(crate) fn evaluate_arrays<'py>(
+    py: Python<'py>,
+    truths: Packed<'py>,
+    detections: Packed<'py>,
+    classes: Classes,
+    levels: Levels,
+) -> PyResult<Bound<'py, PyDict>> {
+    let truths = unpack("truths", &truths, truth).map_err(BorderError::from)?;
+    let detections = unpack("detections", &detections, detection).map_err(BorderError::from)?;
+    if truths.len() != detections.len() {
+        let (got, expected) = (detections.len().to_string(), format!("{} as truths", truths.len()));
+        return Err(BorderError::from(Error::Shape { what: "frames of detections", got, expected }).into());
+    }
+    let frames: Vec<core::FramePair> = truths
+        .into_iter()
+        .zip(detections)
+        .map(|((truths, _), (detections, unknown_names))| core::FramePair { truths, detections, unknown_names })
+        .collect();
+    let settings = settings(classes, levels);
+    let curves = py.detach(|| core::evaluate(&frames, &settings)).map_err(BorderError::from)?;
+    result(py, &frames, &curves)
+}
+
+fn result<'py>(py: Python<'py>, frames: &[core::FramePair], curves: &[core::Curve]) -> PyResult<Bound<'py, PyDict>> {
+    let mut unknown: Vec<&str> = frames.iter().flat_map(|frame| &frame.unknown_names).map(String::as_str).collect();
+    unknown.sort_unstable();
+    unknown.dedup();
+    let result = PyDict::new(py);
+    result.set_item("num_frames", frames.len())?;
+    result.set_item("num_truths", frames.iter().map(|frame| frame.truths.len()).sum::<usize>())?;
+    result.set_item("num_detections", frames.iter().map(|frame| frame.detections.len()).sum::<usize>())?;
+    result.set_item("unknown_names", unknown)?;
+    let list = PyList::empty(py);
+    for curve in curves {
+        list.append(curve_dict(py, curve)?)?;
+    }
+    result.set_item("curves", list)?;
+    Ok(result)
+}
+
+fn curve_dict<'py>(py: Python<'py>, curve: &core::Curve) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("class", curve.class)?;
+    dict.set_item("metric", curve.metric as usize)?;
+    dict.set_item("level", curve.level)?;
+    dict.set_item("num_valid", curve.num_valid)?;
+    dict.set_item("thresholds", &curve.thresholds)?;
+    dict.set_item("num_tp", &curve.num_tp)?;
+    dict.set_item("num_fp", &curve.num_fp)?;
+    dict.set_item("precision", samples(py, &curve.precision)?)?;
+    dict.set_item("heading", curve.heading.as_ref().map(|heading| samples(py, heading)).transpose()?)?;
+    dict.set_item("perfect", samples(py, &core::perfect(curve.num_valid))?)?;
+    Ok(dict)
+}
+
+/// The samples, and their means over 11 and 40 recall positions.
+fn samples<'py>(py: Python<'py>, samples: &core::Samples) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("samples", samples.to_vec())?;
+    dict.set_item("r11", core::average_r11(samples))?;
+    dict.set_item("r40", core::average_r40(samples))?;
+    Ok(dict)
+}
+
+/// Splits packed objects into frames, with the type names that KITTI does not have.
+fn unpack<T, const N: usize>(
+    what: &'static str,
+    (starts, names, numbers): &Packed<'_>,
+    object: fn(core::Kind, [f64; N]) -> T,
+) -> Result<Vec<(Vec<T>, Vec<String>)>> {
+    let rows = numbers.as_array();
+    let is_whole = starts.first() == Some(&0) && starts.last() == Some(&names.len()) && starts.is_sorted();
+    if rows.ncols() != N || rows.nrows() != names.len() || !is_whole {
+        let got = format!("({}, {}) for {} names", rows.nrows(), rows.ncols(), names.len());
+        return Err(Error::Shape {
+            what,
+            got,
+            expected: format!("a row of {N} for each name, split by rising starts"),
+        });
+    }
+    let frame = |from: usize, to: usize| {
+        let mut unknown = Vec::new();
+        let objects = (from..to).map(|index| {
+            let kind = core::Kind::from_name(&names[index]);
+            if kind == core::Kind::Unknown {
+                unknown.push(names[index].clone());
+            }
+            object(kind, std::array::from_fn(|column| rows[[index, column]]))
+        });
+        (objects.collect(), unknown)
+    };
+    Ok(starts.windows(2).map(|pair| frame(pair[0], pair[1])).collect())
+}
+
+fn box_img(n: &[f64]) -> core::BoxImg {
+    core::BoxImg { x1: n[0], y1: n[1], x2: n[2], y2: n[3] }
+}
+
+fn box_cam(n: &[f64]) -> core::BoxCam {
+    core::BoxCam::from_array(std::array::from_fn(|i| n[i]))
+}
+
+fn truth(kind: core::Kind, n: [f64; 14]) -> core::Truth {
+    core::Truth {
+        kind,
+        truncated: n[0],
+        occluded: n[1],
+        alpha: n[2],
+        box_img: box_img(&n[3..7]),
+        box_cam: box_cam(&n[7..14]),
+    }
+}
+
+fn detection(kind: core::Kind, n: [f64; 13]) -> core::Detection {
+    core::Detection { kind, alpha: n[0], box_img: box_img(&n[1..5]), box_cam: box_cam(&n[5..12]), score: n[12] }
+}
+
+fn boxes_cam(what: &'static str, array: &PyReadonlyArray2<'_, f64>) -> Result<Vec<core::BoxCam>> {
+    let view = array.as_array();
+    if view.ncols() != 7 {
+        let got = format!("({}, {})", view.nrows(), view.ncols());
+        return Err(Error::Shape { what, got, expected: "(n, 7)".to_owned() });
+    }
+    Ok(view.rows().into_iter().map(|row| core::BoxCam::from_array(std::array::from_fn(|i| row[i]))).collect())
+}
+
+/// The IoU of each box of `a` with each box of `b`, from above or of volumes.
+#[pyfunction]
+pub(crate) fn box_iou<'py>(
+    py: Python<'py>,
+    a: PyReadonlyArray2<'py, f64>,
+    b: PyReadonlyArray2<'py, f64>,
+    is_3d: bool,
+) -> std::result::Result<Bound<'py, PyArray2<f64>>, BorderError> {
+    let (a, b) = (boxes_cam("a", &a)?, boxes_cam("b", &b)?);
+    let iou = if is_3d { core::iou_3d } else { core::iou_bev };
+    let matrix = py.detach(|| core::iou_matrix(&a, &b, iou));
+    Ok(arrays::plane(py, matrix, a.len(), b.len()))
+}
+
+/// The indices of the boxes that no better kept one overlaps by more than the threshold.
+#[pyfunction]
+pub(crate) fn nms_bev<'py>(
+    py: Python<'py>,
+    boxes: PyReadonlyArray2<'py, f64>,
+    scores: PyReadonlyArray1<'py, f64>,
+    threshold: f64,
+) -> std::result::Result<Bound<'py, PyArray1<i64>>, BorderError> {
+    let boxes = boxes_cam("boxes", &boxes)?;
+    let scores: Vec<f64> = scores.as_array().to_vec();
+    if scores.len() != boxes.len() {
+        let (got, expected) = (format!("({},)", scores.len()), format!("({},)", boxes.len()));
+        return Err(Error::Shape { what: "scores", got, expected }.into());
+    }
+    let kept = py.detach(|| core::nms_bev(&boxes, &scores, threshold));
+    Ok(PyArray1::from_vec(py, kept.into_iter().map(|index| index as i64).collect()))
+}
