@@ -2,12 +2,17 @@
 
 from collections.abc import Mapping, Sequence
 from os import PathLike
-from typing import Any, final
+from typing import Any, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
 
 __version__: str
+
+# A folder and each frame's id, or packed objects: where each frame begins and the end, type names, numbers.
+_EvaluationSource: TypeAlias = (
+    tuple[str | PathLike[str], Sequence[str | None]] | tuple[Sequence[int], Sequence[str], NDArray[np.float64]]
+)
 
 @final
 class Lidar:
@@ -62,18 +67,9 @@ class Scene:
     def triangles(self) -> tuple[NDArray[np.float32], NDArray[np.uint32], NDArray[np.int32]]: ...
     def sensor_poses(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
 
-def evaluate_folders(
-    truths: str | PathLike[str],
-    detections: str | PathLike[str],
-    *,
-    ids: Sequence[str] | None,
-    is_all_frames: bool,
-    classes: Sequence[tuple[str, Sequence[float]]],
-    levels: Sequence[tuple[float, bool, float, float]],
-) -> dict[str, Any]: ...
-def evaluate_arrays(
-    truths: tuple[Sequence[int], Sequence[str], NDArray[np.float64]],
-    detections: tuple[Sequence[int], Sequence[str], NDArray[np.float64]],
+def evaluate(
+    truths: _EvaluationSource,
+    detections: _EvaluationSource,
     *,
     classes: Sequence[tuple[str, Sequence[float]]],
     levels: Sequence[tuple[float, bool, float, float]],

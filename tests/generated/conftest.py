@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import cadet
 import pytest
+
+import cadet
 from sensed import Sensed, sense
 
 

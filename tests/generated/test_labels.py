@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import cadet
 import numpy as np
 import pytest
+
+import cadet
 from cadet.boxes import corners_cam, points_in_boxes
 from sensed import Sensed, sense
 

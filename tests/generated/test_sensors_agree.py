@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import cadet
 import numpy as np
+
+import cadet
 
 
 def test_lidar_points_fall_on_their_own_pixels_at_the_papers_rig() -> None:

@@ -18,6 +18,15 @@ type Levels = Vec<(f64, bool, f64, f64)>;
 /// The frames' objects one after the other: where each frame begins and the end, types, numbers.
 type Packed<'py> = (Vec<usize>, Vec<String>, PyReadonlyArray2<'py, f64>);
 
+/// Where one side of the comparison comes from.
+#[derive(FromPyObject)]
+pub(crate) enum Source<'py> {
+    /// A folder and each frame's id, None where the frame has no file.
+    Files((PathBuf, Vec<Option<String>>)),
+    /// Memory.
+    Packed(Packed<'py>),
+}
+
 fn settings(classes: Classes, levels: Levels) -> core::Settings {
     core::Settings {
         classes: classes
@@ -36,75 +45,70 @@ fn settings(classes: Classes, levels: Levels) -> core::Settings {
     }
 }
 
-/// Evaluates result files against label files.
-#[pyfunction]
-#[pyo3(signature = (truths, detections, *, ids, is_all_frames, classes, levels))]
-pub(crate) fn evaluate_folders<'py>(
-    py: Python<'py>,
-    truths: PathBuf,
-    detections: PathBuf,
-    ids: Option<Vec<String>>,
-    is_all_frames: bool,
-    classes: Classes,
-    levels: Levels,
-) -> PyResult<Bound<'py, PyDict>> {
-    let rule = if is_all_frames { core::FrameRule::All } else { core::FrameRule::Results };
-    let folders = core::Folders { truths, detections, ids, rule };
-    let settings = settings(classes, levels);
-    let (read, curves) = py
-        .detach(|| {
-            settings.check()?;
-            let read = core::read_folders(&folders)?;
-            let curves = core::evaluate(&read.frames, &settings)?;
-            Ok((read, curves))
-        })
-        .map_err(|error: Error| BorderError::from(error))?;
-    let result = result(py, &read.frames, &curves)?;
-    result.set_item("num_missing", read.num_missing)?;
-    Ok(result)
-}
-
-/// Evaluates frames in memory.
+/// Evaluates detections against ground truth, each from files or from memory.
 #[pyfunction]
 #[pyo3(signature = (truths, detections, *, classes, levels))]
-pub(crate) fn evaluate_arrays<'py>(
+pub(crate) fn evaluate<'py>(
     py: Python<'py>,
-    truths: Packed<'py>,
-    detections: Packed<'py>,
+    truths: Source<'py>,
+    detections: Source<'py>,
     classes: Classes,
     levels: Levels,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let truths = unpack("truths", &truths, truth).map_err(BorderError::from)?;
-    let detections = unpack("detections", &detections, detection).map_err(BorderError::from)?;
-    if truths.len() != detections.len() {
-        let (got, expected) = (detections.len().to_string(), format!("{} as truths", truths.len()));
-        return Err(BorderError::from(Error::Shape { what: "frames of detections", got, expected }).into());
-    }
-    let frames: Vec<core::FramePair> = truths
-        .into_iter()
-        .zip(detections)
-        .map(|((truths, _), (detections, unknown_names))| core::FramePair { truths, detections, unknown_names })
-        .collect();
     let settings = settings(classes, levels);
+    settings.check().map_err(BorderError::from)?;
+    let (truths, detections) = read(py, truths, detections).map_err(BorderError::from)?;
+    let mut unknown: Vec<String> = Vec::new();
+    let pair = |(truths, parsed): (Vec<core::Truth>, core::ParsedDetections)| {
+        unknown.extend(parsed.unknown_names);
+        core::FramePair { truths, detections: parsed.detections }
+    };
+    let frames: Vec<core::FramePair> = truths.into_iter().zip(detections).map(pair).collect();
     let curves = py.detach(|| core::evaluate(&frames, &settings)).map_err(BorderError::from)?;
-    result(py, &frames, &curves)
-}
-
-fn result<'py>(py: Python<'py>, frames: &[core::FramePair], curves: &[core::Curve]) -> PyResult<Bound<'py, PyDict>> {
-    let mut unknown: Vec<&str> = frames.iter().flat_map(|frame| &frame.unknown_names).map(String::as_str).collect();
     unknown.sort_unstable();
     unknown.dedup();
     let result = PyDict::new(py);
-    result.set_item("num_frames", frames.len())?;
     result.set_item("num_truths", frames.iter().map(|frame| frame.truths.len()).sum::<usize>())?;
     result.set_item("num_detections", frames.iter().map(|frame| frame.detections.len()).sum::<usize>())?;
     result.set_item("unknown_names", unknown)?;
     let list = PyList::empty(py);
-    for curve in curves {
+    for curve in &curves {
         list.append(curve_dict(py, curve)?)?;
     }
     result.set_item("curves", list)?;
     Ok(result)
+}
+
+type Sides = (Vec<Vec<core::Truth>>, Vec<core::ParsedDetections>);
+
+fn read(py: Python<'_>, truths: Source<'_>, detections: Source<'_>) -> Result<Sides> {
+    let truths = match truths {
+        Source::Files((folder, ids)) => py.detach(|| core::read_files(&folder, &ids, core::parse_truths))?,
+        Source::Packed(packed) => unpack("truths", &packed, truth)?,
+    };
+    let detections = match detections {
+        Source::Files((folder, ids)) => py.detach(|| core::read_files(&folder, &ids, core::parse_detections))?,
+        Source::Packed(packed) => {
+            let names = unknown_names(&packed);
+            let mut parsed: Vec<_> = unpack("detections", &packed, detection)?
+                .into_iter()
+                .map(|detections| core::ParsedDetections { detections, unknown_names: Vec::new() })
+                .collect();
+            if let Some(first) = parsed.first_mut() {
+                first.unknown_names = names;
+            }
+            parsed
+        }
+    };
+    if truths.len() == detections.len() {
+        return Ok((truths, detections));
+    }
+    let (got, expected) = (detections.len().to_string(), format!("{} as truths", truths.len()));
+    Err(Error::Shape { what: "frames of detections", got, expected })
+}
+
+fn unknown_names((_, names, _): &Packed<'_>) -> Vec<String> {
+    names.iter().filter(|name| core::Kind::from_name(name) == core::Kind::Unknown).cloned().collect()
 }
 
 fn curve_dict<'py>(py: Python<'py>, curve: &core::Curve) -> PyResult<Bound<'py, PyDict>> {
@@ -131,12 +135,12 @@ fn samples<'py>(py: Python<'py>, samples: &core::Samples) -> PyResult<Bound<'py,
     Ok(dict)
 }
 
-/// Splits packed objects into frames, with the type names that KITTI does not have.
+/// Splits packed objects into frames.
 fn unpack<T, const N: usize>(
     what: &'static str,
     (starts, names, numbers): &Packed<'_>,
     object: fn(core::Kind, [f64; N]) -> T,
-) -> Result<Vec<(Vec<T>, Vec<String>)>> {
+) -> Result<Vec<Vec<T>>> {
     let rows = numbers.as_array();
     let is_whole = starts.first() == Some(&0) && starts.last() == Some(&names.len()) && starts.is_sorted();
     if rows.ncols() != N || rows.nrows() != names.len() || !is_whole {
@@ -147,18 +151,10 @@ fn unpack<T, const N: usize>(
             expected: format!("a row of {N} for each name, split by rising starts"),
         });
     }
-    let frame = |from: usize, to: usize| {
-        let mut unknown = Vec::new();
-        let objects = (from..to).map(|index| {
-            let kind = core::Kind::from_name(&names[index]);
-            if kind == core::Kind::Unknown {
-                unknown.push(names[index].clone());
-            }
-            object(kind, std::array::from_fn(|column| rows[[index, column]]))
-        });
-        (objects.collect(), unknown)
+    let row = |index: usize| {
+        object(core::Kind::from_name(&names[index]), std::array::from_fn(|column| rows[[index, column]]))
     };
-    Ok(starts.windows(2).map(|pair| frame(pair[0], pair[1])).collect())
+    Ok(starts.windows(2).map(|pair| (pair[0]..pair[1]).map(row).collect()).collect())
 }
 
 fn box_img(n: &[f64]) -> core::BoxImg {

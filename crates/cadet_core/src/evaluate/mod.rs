@@ -1,6 +1,6 @@
 //! KITTI's average precision: the rules of the official program, decision by decision, in double precision.
 //!
-//! `read_folders` reads label and result files; [`evaluate`] compares. Overlaps are computed once for each frame;
+//! [`read_files`] reads label and result files; [`evaluate`] compares. Overlaps are computed once for each frame;
 //! frames, classes, levels and metrics run in parallel.
 //!
 //! # Determinism
@@ -9,7 +9,7 @@
 //! whole numbers. Within a frame the order of lines breaks ties, as in KITTI's program.
 
 mod curves;
-mod folders;
+mod files;
 mod matching;
 mod metric;
 mod nms;
@@ -21,11 +21,11 @@ mod rotated_iou;
 use rayon::prelude::*;
 
 pub use curves::{MAX_THRESHOLDS, Samples, average_r11, average_r40, choose_thresholds, perfect};
-pub use folders::{Folders, FrameRule, ReadFrames, read_folders};
+pub use files::read_files;
 pub use metric::{ClassLimits, Level, Metric, Settings};
 pub use nms::{iou_matrix, nms_bev};
 pub use objects::{BoxImg, Detection, FramePair, Kind, MIN_SCORE, Truth};
-pub use parse::{parse_detections, parse_truths};
+pub use parse::{ParsedDetections, parse_detections, parse_truths};
 pub use rotated_iou::{BoxCam, intersection_bev, iou_3d, iou_bev};
 
 use crate::error::Result;

@@ -142,6 +142,4 @@ pub struct FramePair {
     pub truths: Vec<Truth>,
     /// The detections.
     pub detections: Vec<Detection>,
-    /// Type names of detections that KITTI does not have; usually empty.
-    pub unknown_names: Vec<String>,
 }

@@ -43,26 +43,34 @@ pub fn parse_truths(text: &[u8], file: &str) -> Result<Vec<Truth>> {
     Ok(truths)
 }
 
-/// Reads the text of a result file; `file` names it in errors. Type names that KITTI does not have go to
-/// `unknown_names`.
+/// What a result file holds.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ParsedDetections {
+    /// The detections, in file order.
+    pub detections: Vec<Detection>,
+    /// Type names that KITTI does not have, each once; usually none.
+    pub unknown_names: Vec<String>,
+}
+
+/// Reads the text of a result file; `file` names it in errors.
 ///
 /// # Errors
 /// [`Error::Format`] as for labels, and for a score of -1e7 or less, which KITTI's program would not match.
-pub fn parse_detections(text: &[u8], file: &str, unknown_names: &mut Vec<String>) -> Result<Vec<Detection>> {
-    let mut detections = Vec::new();
+pub fn parse_detections(text: &[u8], file: &str) -> Result<ParsedDetections> {
+    let mut parsed = ParsedDetections::default();
     for line in lines(text, file)? {
         let (name, n) = line.columns::<16>()?;
         let kind = Kind::from_name(name);
-        if kind == Kind::Unknown && !unknown_names.iter().any(|known| known == name) {
-            unknown_names.push(name.to_owned());
+        if kind == Kind::Unknown && !parsed.unknown_names.iter().any(|known| known == name) {
+            parsed.unknown_names.push(name.to_owned());
         }
         let (box_img, box_cam) = boxes(&n);
         if n[SCORE] <= MIN_SCORE {
             return Err(line.error(SCORE, format!("expected a score above {MIN_SCORE:e}, got {}", n[SCORE])));
         }
-        detections.push(Detection { kind, alpha: n[3], box_img, box_cam, score: n[SCORE] });
+        parsed.detections.push(Detection { kind, alpha: n[3], box_img, box_cam, score: n[SCORE] });
     }
-    Ok(detections)
+    Ok(parsed)
 }
 
 fn boxes(n: &[f64]) -> (BoxImg, BoxCam) {
@@ -167,11 +175,10 @@ mod tests {
         assert_eq!((truth.kind, truth.truncated, truth.occluded, truth.alpha), (Kind::Car, 0.10, 1.0, 1.85));
         assert_eq!(truth.box_img, BoxImg { x1: 387.63, y1: 181.54, x2: 423.81, y2: 203.12 });
         assert_eq!(truth.box_cam.to_array(), [-16.53, 2.39, 58.49, 3.69, 1.87, 1.67, 1.57]);
-        let mut unknown = Vec::new();
         let text = format!("{CAR} -3.5e0\n{} 1", CAR.replace("Car", "Bus"));
-        let found = parse_detections(text.as_bytes(), "", &mut unknown).unwrap();
-        assert_eq!((found[0].score, found[1].kind), (-3.5, Kind::Unknown));
-        assert_eq!(unknown, ["Bus"]);
+        let found = parse_detections(text.as_bytes(), "").unwrap();
+        assert_eq!((found.detections[0].score, found.detections[1].kind), (-3.5, Kind::Unknown));
+        assert_eq!(found.unknown_names, ["Bus"]);
     }
 
     #[test]
@@ -193,7 +200,7 @@ mod tests {
         assert_eq!(second(" 1.57", ""), (2, 15, "rotation_y: expected 15 columns, got 14".to_owned()));
         assert_eq!(second("1.57", "1.57 0.9"), (2, 16, "score: expected 15 columns, got 16".to_owned()));
         assert_eq!(second("Car ", ""), (2, 1, "type: expected a name, got \"0.10\"".to_owned()));
-        let detection = |text: String| parse_detections(text.as_bytes(), "", &mut Vec::new()).unwrap_err().to_string();
+        let detection = |text: String| parse_detections(text.as_bytes(), "").unwrap_err().to_string();
         assert_eq!(detection(format!("\n{CAR}")), ":2: column 16: score: expected 16 columns, got 15");
         assert_eq!(detection(format!("{CAR} 1 2")), ":1: column 17: expected 16 columns, got 17");
         assert!(detection(format!("{CAR} -1e7")).contains("above -1e7"));
