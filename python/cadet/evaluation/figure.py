@@ -18,8 +18,9 @@ from cadet.view import style
 if TYPE_CHECKING:
     from cadet.evaluation.report import Curve, Report
 
-_WIDTH, _HEIGHT = 520, 380
-_LEFT, _TOP, _RIGHT, _BOTTOM = 58, 52, 18, 44
+_WIDTH: Final = 520
+_LEFT, _TOP, _RIGHT, _BOTTOM = 58, 52, 502, 336
+_BELOW: Final = 60
 _HEADER: Final = 70
 _TICKS: Final = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 _COLORS: Final[tuple[style.Color, ...]] = (
@@ -54,7 +55,7 @@ def figure(report: Report) -> style.Image:
     """Draw a report's curves.
 
     Returns:
-        (70 + 380 x classes, 1560, 3) uint8 RGB.
+        (70 + 462 x classes, 1560, 3) uint8 RGB with three levels.
 
     Raises:
         CadetError: no class was evaluated.
@@ -62,36 +63,36 @@ def figure(report: Report) -> style.Image:
     names = [name for name, metrics in report.curves.items() if metrics]
     if not names:
         raise CadetError("nothing to plot: no class was evaluated")
-    image = style.filled(_HEADER + _HEIGHT * len(names), _WIDTH * len(METRICS))
+    height = _BOTTOM + _BELOW + _LEGEND_STEP * len(report.levels)
+    image = style.filled(_HEADER + height * len(names), _WIDTH * len(METRICS))
     style.write(image, report.title(), 22, 32, 0.7)
     style.write(image, report.subtitle(), 22, 56, 0.45, style.FAINT_TEXT)
     for row, name in enumerate(names):
         for column, metric in enumerate(METRICS):
-            top = _HEADER + row * _HEIGHT
-            panel = image[top : top + _HEIGHT, column * _WIDTH : (column + 1) * _WIDTH]
+            top = _HEADER + row * height
+            panel = image[top : top + height, column * _WIDTH : (column + 1) * _WIDTH]
             _draw_panel(panel, report, name, metric)
     return image
 
 
 def _draw_panel(panel: style.Image, report: Report, name: str, metric: str) -> None:
-    right, bottom = _WIDTH - _RIGHT, _HEIGHT - _BOTTOM
-    panel[_TOP:bottom, _LEFT:right] = style.PANEL
+    panel[_TOP:_BOTTOM, _LEFT:_RIGHT] = style.PANEL
     limit = report.min_overlap[name][metric]
     style.write(panel, f"{name}, {_TITLES[metric]}", _LEFT, _TOP - 14, 0.52)
     note = f"overlap > {limit:.2f}"
-    style.write(panel, note, right - style.text_size(note, 0.4)[0], _TOP - 14, 0.4, style.FAINT_TEXT)
+    style.write(panel, note, _RIGHT - style.text_size(note, 0.4)[0], _TOP - 14, 0.4, style.FAINT_TEXT)
     for tick in _TICKS:
         (x, y), text = _place(tick, tick), f"{tick:.1f}"
-        style.stroke(panel, (x, _TOP), (x, bottom), style.GRID)
-        style.stroke(panel, (_LEFT, y), (right, y), style.GRID)
+        style.stroke(panel, (x, _TOP), (x, _BOTTOM), style.GRID)
+        style.stroke(panel, (_LEFT, y), (_RIGHT, y), style.GRID)
         width, height = style.text_size(text, 0.36)
         style.write(panel, text, _LEFT - width - 7, y + height / 2, 0.36, style.FAINT_TEXT)
-        style.write(panel, text, x - width / 2, bottom + 16, 0.36, style.FAINT_TEXT)
-    style.write(panel, "recall", (_LEFT + right) / 2 - 18, bottom + 34, 0.4, style.FAINT_TEXT)
+        style.write(panel, text, x - width / 2, _BOTTOM + 16, 0.36, style.FAINT_TEXT)
+    style.write(panel, "recall", (_LEFT + _RIGHT) / 2 - 18, _BOTTOM + 33, 0.4, style.FAINT_TEXT)
     style.write(panel, "precision", 6, _TOP - 14, 0.4, style.FAINT_TEXT)
     metrics = report.curves[name]
     if metric not in metrics:
-        style.write(panel, "not evaluated: no usable detection", _LEFT + 70, (_TOP + bottom) / 2, 0.45)
+        style.write(panel, "not evaluated: no usable detection", _LEFT + 70, (_TOP + _BOTTOM) / 2, 0.45)
         return
     heading = metrics.get(HEADING[metric], {})
     for index, (level, curve) in enumerate(metrics[metric].items()):
@@ -105,15 +106,15 @@ def _draw_panel(panel: style.Image, report: Report, name: str, metric: str) -> N
 def _draw_legend(
     panel: style.Image, report: Report, curves: Mapping[str, Curve], heading: Mapping[str, Curve], metric: str
 ) -> None:
-    left, bottom = _LEFT + 14, _HEIGHT - _BOTTOM - 12
+    column = _LEFT + 44 + max(72, *(style.text_size(level, 0.42)[0] for level in curves))
     for index, (level, curve) in enumerate(curves.items()):
-        base = bottom - (len(curves) - 1 - index) * _LEGEND_STEP
-        style.stroke(panel, (left, base - 5), (left + 24, base - 5), _COLORS[index % len(_COLORS)], 2)
-        style.write(panel, level, left + 32, base, 0.42)
-        style.write(panel, f"AP {getattr(curve, report.recall):.2f}", left + 116, base, 0.42)
+        base = _BOTTOM + _BELOW - 4 + index * _LEGEND_STEP
+        style.stroke(panel, (_LEFT, base - 5), (_LEFT + 24, base - 5), _COLORS[index % len(_COLORS)], 2)
+        style.write(panel, level, _LEFT + 32, base, 0.42)
+        style.write(panel, f"AP {getattr(curve, report.recall):.2f}", column, base, 0.42)
         if level in heading:
             text = f"{_HEADING_TITLES[metric]} {getattr(heading[level], report.recall):.2f} (dashed)"
-            style.write(panel, text, left + 200, base, 0.42, style.FAINT_TEXT)
+            style.write(panel, text, column + 90, base, 0.42, style.FAINT_TEXT)
 
 
 def _draw_dashed(panel: style.Image, points: NDArray[np.float64], color: style.Color) -> None:
@@ -135,5 +136,4 @@ def _points(curve: Curve) -> NDArray[np.float64]:
 
 
 def _place(recall: float, precision: float) -> tuple[float, float]:
-    width, height = _WIDTH - _LEFT - _RIGHT, _HEIGHT - _TOP - _BOTTOM
-    return _LEFT + recall * width, _TOP + (1.0 - precision) * height
+    return _LEFT + recall * (_RIGHT - _LEFT), _TOP + (1.0 - precision) * (_BOTTOM - _TOP)

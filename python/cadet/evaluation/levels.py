@@ -19,8 +19,8 @@ class Level:
         min_height_px: least height of the 2D box in pixels.
         inclusive: whether an object of exactly the least height belongs to the level. In KITTI it does not; a detection
             of exactly the least height always counts.
-        max_occlusion: the largest occlusion level, infinite or None for no limit.
-        max_truncation: the largest truncation, infinite or None for no limit.
+        max_occlusion: the largest occlusion level; None, which infinity becomes, for no limit.
+        max_truncation: the largest truncation, None likewise.
 
     Raises:
         CadetError: an empty name, a negative or infinite height, NaN.
@@ -41,6 +41,8 @@ class Level:
             value = getattr(self, name)
             if value is not None and math.isnan(value):
                 raise CadetError(f"level {self.name}: {name} is NaN")
+            if value == math.inf:
+                object.__setattr__(self, name, None)
 
     def limits(self) -> tuple[float, bool, float, float]:
         """Return the limits as the core takes them."""

@@ -47,15 +47,15 @@ impl BoxCam {
     /// Volume in cubic metres.
     #[must_use]
     pub fn volume(&self) -> f64 {
-        self.height * self.width * self.length
+        self.height * self.area_bev()
     }
 
     /// The height shared with another box in metres, 0 where they only touch.
     #[must_use]
     pub fn shared_height(&self, other: &Self) -> f64 {
-        let bottom = self.y.min(other.y);
-        let top = (self.y - self.height).max(other.y - other.height);
-        (bottom - top).max(0.0)
+        // The least of bottom - top over both boxes, written so that equal boxes share exactly their height.
+        let lower = self.y - other.y;
+        self.height.min(other.height).min(self.height - lower).min(other.height + lower).max(0.0)
     }
 
     fn is_before(&self, other: &Self) -> bool {
@@ -151,13 +151,13 @@ impl Polygon {
     }
 
     fn area(&self) -> f64 {
-        let twice: f64 = (0..self.count)
-            .map(|i| {
-                let (from, to) = (self.corners[i], self.corners[(i + 1) % self.count]);
-                from[0] * to[1] - to[0] * from[1]
-            })
-            .sum();
-        0.5 * twice.abs()
+        // Two sums, so that those of a rectangle are exact.
+        let mut twice = [0.0; 2];
+        for i in 0..self.count {
+            let (from, to) = (self.corners[i], self.corners[(i + 1) % self.count]);
+            twice[i % 2] += from[0] * to[1] - to[0] * from[1];
+        }
+        0.5 * (twice[0] + twice[1]).abs()
     }
 }
 
