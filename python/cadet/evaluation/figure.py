@@ -60,7 +60,7 @@ def figure(report: Report) -> style.Image:
     Raises:
         CadetError: no class was evaluated.
     """
-    names = [name for name, metrics in report.curves.items() if metrics]
+    names = list(report.curves)
     if not names:
         raise CadetError("nothing to plot: no class was evaluated")
     height = _BOTTOM + _BELOW + _LEGEND_STEP * len(report.levels)

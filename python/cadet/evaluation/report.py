@@ -58,7 +58,7 @@ class Curve:
 class Report:
     """Average precision by class, metric and level, and all that stands behind it.
 
-    Metrics are "2d", "bev", "3d", "aos", "ahs_bev" and "ahs_3d". What was not evaluated has no key.
+    Metrics are "2d", "bev", "3d", "aos", "ahs_bev" and "ahs_3d". A class or metric that was not evaluated has no key.
 
     Attributes:
         ap: AP in percent, by class, metric and level.
@@ -127,9 +127,8 @@ class Report:
                 limit = self.min_overlap[name][_OVERLAP_OF.get(metric, metric)]
                 values = [f"{row[level]:.2f}" for level in names]
                 rows.append([name, METRIC_TITLES[metric], f"{limit:.2f}", *values])
-            if metrics:
-                counts = next(iter(self.n_gt[name].values()))
-                rows.append([name, "objects", "", *(str(counts[level]) for level in names)])
+            counts = next(iter(self.n_gt[name].values()))
+            rows.append([name, "objects", "", *(str(counts[level]) for level in names)])
         return rows
 
     def plot(self, path: str | Path) -> Path:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
 
 from cadet import _cadet
 from cadet.errors import CadetError
@@ -12,7 +12,9 @@ from cadet.evaluation.limits import CLASSES, HEADING, METRICS, MinOverlap, resol
 from cadet.evaluation.report import METRIC_TITLES, RECALLS, ByLevel, Curve, Report, by_level
 from cadet.evaluation.sources import Chosen, DetectionSource, GroundTruthSource, Split, choose
 
-_NAMES_SHOWN = 5
+_NAMES_SHOWN: Final = 5
+# A full curve's mean may round below 100.
+_FULL: Final = 100.0 - 1e-9
 
 
 def evaluate(
@@ -62,9 +64,9 @@ def evaluate(
         levels=[level.limits() for level in chosen_levels],
     )
     curves = _curves(result["curves"], tuple(limits), chosen_levels)
-    best: dict[str, dict[str, float]] = {name: {} for name in limits}
+    best: dict[str, dict[str, float]] = {}
     for raw in result["curves"]:
-        best[tuple(limits)[raw["class"]]][chosen_levels[raw["level"]].name] = raw["perfect"][recall]
+        best.setdefault(tuple(limits)[raw["class"]], {})[chosen_levels[raw["level"]].name] = raw["perfect"][recall]
     return Report(
         recall=recall,
         min_overlap={name: dict(zip(METRICS, limit, strict=True)) for name, limit in limits.items()},
@@ -79,7 +81,7 @@ def evaluate(
         n_gt=by_level(curves, lambda curve: curve.n_gt),
         n_thresholds=by_level(curves, lambda curve: len(curve.scores)),
         best_ap=best,
-        warnings=_warnings(curves, best, recall, result["unknown_names"], chosen),
+        warnings=_warnings(tuple(limits), curves, best, recall, result["unknown_names"], chosen),
     )
 
 
@@ -102,25 +104,24 @@ def _curves(raw_curves: list[dict[str, Any]], classes: tuple[str, ...], levels: 
     return {
         name: {metric: metrics[metric] for metric in METRIC_TITLES if metric in metrics}
         for name, metrics in found.items()
+        if metrics
     }
 
 
 def _warnings(
-    curves: ByLevel[Curve], best: dict[str, dict[str, float]], recall: str, unknown_names: list[str], chosen: Chosen
+    classes: tuple[str, ...],
+    curves: ByLevel[Curve],
+    best: dict[str, dict[str, float]],
+    recall: str,
+    unknown_names: list[str],
+    chosen: Chosen,
 ) -> tuple[str, ...]:
     warnings = []
-    for name, metrics in curves.items():
-        if not metrics:
+    for name in classes:
+        if name in curves:
+            warnings += _class_warnings(name, curves[name], best[name], recall)
+        else:
             warnings.append(f"{name}: no usable detection in {chosen.num_frames} frames, so it is left out.")
-        for metric in METRICS if metrics else ():
-            if metric not in metrics:
-                warnings.append(f"{name}: no detection has what {METRIC_TITLES[metric]} needs, so that is left out.")
-        for level, most in best[name].items():
-            count = next(iter(metrics.values()))[level].n_gt
-            if most < 100.0:
-                warnings.append(
-                    f"{name} {level}: only {count} objects; a perfect result has AP|{recall.upper()} {most:.2f}."
-                )
     measured = [metrics for metrics in curves.values() if "2d" in metrics]
     if measured and not any("aos" in metrics for metrics in measured):
         warnings.append("AOS is left out: a detection has alpha -10, unknown.")
@@ -128,3 +129,20 @@ def _warnings(
         names = ", ".join(unknown_names[:_NAMES_SHOWN]) + (", ..." if len(unknown_names) > _NAMES_SHOWN else "")
         warnings.append(f"Detections of types that KITTI does not have: {names}.")
     return tuple(warnings)
+
+
+def _class_warnings(
+    name: str, metrics: Mapping[str, Mapping[str, Curve]], best: dict[str, float], recall: str
+) -> list[str]:
+    counts = {level: curve.n_gt for level, curve in next(iter(metrics.values())).items()}
+    few = [
+        f"{name} {level}: only {counts[level]} objects; a perfect result has AP|{recall.upper()} {most:.2f}."
+        for level, most in best.items()
+        if most < _FULL
+    ]
+    unmeasured = [
+        f"{name}: no detection has what {METRIC_TITLES[metric]} needs, so that is left out."
+        for metric in METRICS
+        if metric not in metrics
+    ]
+    return few + unmeasured
