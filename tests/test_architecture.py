@@ -25,6 +25,7 @@ PYTHON_ROOMS: dict[str, set[str]] = {
     "frame": {"arrays", "errors", "kitti"},
     "kitti": {"arrays", "boxes", "errors", "frame", "_cadet"},
     "view": {"arrays", "boxes", "errors", "frame", "kitti"},
+    "evaluation": {"arrays", "errors", "kitti", "view", "_cadet"},
     "draws": set(),
     "road_map": {"errors"},
     "weather": {"errors", "_cadet"},
@@ -34,7 +35,7 @@ PYTHON_ROOMS: dict[str, set[str]] = {
     "environment": {"config", "episode", "errors", "frame", "policy", "rig"},
     "scene": {"arrays", "config", "episode", "errors", "frame", "policy", "rig", "road_map", "weather", "_cadet"},
     "generate": {"config", "episode", "errors", "frame", "kitti", "policy", "rig", "sink", "_cadet"},
-    "cli": {"errors", "generate", "kitti", "policy", "rig", "road_map", "view", "weather", "_cadet"},
+    "cli": {"errors", "evaluation", "generate", "kitti", "policy", "rig", "road_map", "view", "weather", "_cadet"},
 }
 
 # A room of the core and the rooms that it may use.
@@ -43,6 +44,7 @@ CORE_ROOMS: dict[str, set[str]] = {
     "math": {"error"},
     "frames": {"error", "math"},
     "rng": {"error", "math"},
+    "evaluate": {"error", "math"},
     "material": {"error", "math"},
     "geometry": {"error", "frames", "material", "math"},
     "instance": {"geometry", "material", "math"},

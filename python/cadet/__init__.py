@@ -12,6 +12,7 @@ from cadet.errors import (
     NonFiniteError,
     ShapeError,
 )
+from cadet.evaluation import Detections, GroundTruth, Level, Report, box_iou_3d, box_iou_bev, evaluate, nms_bev
 from cadet.frame import Frame
 from cadet.kitti import Calibration, Label
 from cadet.policy import District, ResetPolicy
@@ -25,17 +26,21 @@ __all__ = [
     "CadetError",
     "Calibration",
     "Camera",
+    "Detections",
     "District",
     "Environment",
     "Frame",
     "FrameExistsError",
+    "GroundTruth",
     "KittiFormatError",
     "Label",
     "LabelConfig",
+    "Level",
     "Lidar",
     "MissingFileError",
     "NonFiniteError",
     "RayHits",
+    "Report",
     "ResetPolicy",
     "Rig",
     "RoadMap",
@@ -45,6 +50,10 @@ __all__ = [
     "Semantic",
     "ShapeError",
     "__version__",
+    "box_iou_3d",
+    "box_iou_bev",
+    "evaluate",
     "kitti",
+    "nms_bev",
     "weather_names",
 ]

@@ -1,7 +1,8 @@
 """The Rust core. Private: use the wrappers of `cadet`, which are typed, documented and keyword-only."""
 
-from collections.abc import Mapping
-from typing import Any, final
+from collections.abc import Mapping, Sequence
+from os import PathLike
+from typing import Any, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +10,11 @@ from numpy.typing import NDArray
 __all__ = ["Lidar", "Scene", "__version__", "encode_png", "weather_names"]
 
 __version__: str
+
+# A folder and each frame's id, or packed objects: where each frame begins and the end, type names, numbers.
+_EvaluationSource: TypeAlias = (
+    tuple[str | PathLike[str], Sequence[str | None]] | tuple[Sequence[int], Sequence[str], NDArray[np.float64]]
+)
 
 @final
 class Lidar:
@@ -63,5 +69,14 @@ class Scene:
     def triangles(self) -> tuple[NDArray[np.float32], NDArray[np.uint32], NDArray[np.int32]]: ...
     def sensor_poses(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
 
+def evaluate(
+    truths: _EvaluationSource,
+    detections: _EvaluationSource,
+    *,
+    classes: Sequence[tuple[str, Sequence[float]]],
+    levels: Sequence[tuple[float, bool, float, float]],
+) -> dict[str, Any]: ...
+def box_iou(a: NDArray[np.float64], b: NDArray[np.float64], is_3d: bool) -> NDArray[np.float64]: ...
+def nms_bev(boxes: NDArray[np.float64], scores: NDArray[np.float64], threshold: float) -> NDArray[np.int64]: ...
 def encode_png(image: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes: ...
 def weather_names() -> list[str]: ...

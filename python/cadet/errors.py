@@ -14,14 +14,18 @@ class KittiFormatError(CadetError, ValueError):
         reason: what is wrong.
         file: the file's name, None where there is no file.
         line: the line's number from 1, None where the file as a whole is meant.
+        column: the column's number from 1, as KITTI counts them: fields, not letters; None where the line is meant.
     """
 
-    def __init__(self, reason: str, file: str | None = None, line: int | None = None) -> None:
+    def __init__(
+        self, reason: str, file: str | None = None, line: int | None = None, column: int | None = None
+    ) -> None:
         where = "" if file is None else f"{file}: " if line is None else f"{file}:{line}: "
-        super().__init__(f"{where}{reason}")
+        super().__init__(f"{where}{'' if column is None else f'column {column}: '}{reason}")
         self.reason = reason
         self.file = file
         self.line = line
+        self.column = column
 
 
 class ShapeError(CadetError, ValueError):

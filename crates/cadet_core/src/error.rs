@@ -73,6 +73,34 @@ pub enum Error {
         /// What is wrong.
         reason: String,
     },
+    /// A line of a KITTI file that breaks its format.
+    #[error("{file}:{line}: column {column}: {reason}")]
+    Format {
+        /// The file's folder and name.
+        file: String,
+        /// The line, from 1.
+        line: usize,
+        /// The column, from 1 as KITTI counts them: the type is column 1.
+        column: usize,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A file or folder that is not there.
+    #[error("{path}: {reason}")]
+    Missing {
+        /// Its path.
+        path: String,
+        /// What was expected.
+        reason: String,
+    },
+    /// A file or folder that is there but can't be read.
+    #[error("{path}: {reason}")]
+    Unreadable {
+        /// Its path.
+        path: String,
+        /// What the system says.
+        reason: String,
+    },
 }
 
 /// Refuses NaN and infinity.

@@ -17,6 +17,7 @@ pub mod actor;
 pub mod assets;
 pub mod camera;
 pub mod error;
+pub mod evaluate;
 pub mod frames;
 pub mod geometry;
 pub mod instance;

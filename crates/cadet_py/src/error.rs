@@ -4,6 +4,8 @@ use pyo3::import_exception;
 use pyo3::prelude::*;
 
 import_exception!(cadet.errors, CadetError);
+import_exception!(cadet.errors, KittiFormatError);
+import_exception!(cadet.errors, MissingFileError);
 import_exception!(cadet.errors, NonFiniteError);
 import_exception!(cadet.errors, ShapeError);
 
@@ -22,6 +24,10 @@ impl From<BorderError> for PyErr {
         match error {
             cadet_core::Error::NotFinite { .. } => NonFiniteError::new_err(text),
             cadet_core::Error::Shape { .. } => ShapeError::new_err(text),
+            cadet_core::Error::Format { file, line, column, reason } => {
+                KittiFormatError::new_err((reason, file, line, column))
+            }
+            cadet_core::Error::Missing { .. } => MissingFileError::new_err(text),
             _ => CadetError::new_err(text),
         }
     }

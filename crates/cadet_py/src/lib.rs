@@ -2,6 +2,7 @@
 
 mod arrays;
 mod error;
+mod evaluate;
 mod fields;
 mod frame;
 mod image;
@@ -18,6 +19,9 @@ fn _cadet(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<lidar::Lidar>()?;
     module.add_class::<scene::Scene>()?;
+    module.add_function(wrap_pyfunction!(evaluate::evaluate, module)?)?;
+    module.add_function(wrap_pyfunction!(evaluate::box_iou, module)?)?;
+    module.add_function(wrap_pyfunction!(evaluate::nms_bev, module)?)?;
     module.add_function(wrap_pyfunction!(image::encode_png, module)?)?;
     module.add_function(wrap_pyfunction!(scene::weather_names, module)?)?;
     Ok(())

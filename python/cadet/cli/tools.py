@@ -1,4 +1,4 @@
-"""`cadet`: looks at datasets, ours or KITTI's."""
+"""`cadet`: looks at datasets and results, ours or KITTI's."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from cadet import _cadet, kitti
+from cadet.cli.eval import evaluate_command
 from cadet.errors import CadetError
 from cadet.kitti.lint import lint
 from cadet.view import overview, view_frame
@@ -62,3 +63,6 @@ def check(root: Path, strict: bool | None) -> int:
     num_frames = len(kitti.Dataset(root))
     click.echo(f"{num_frames} frames, {num_errors} errors, {len(findings) - num_errors} warnings")
     return 1 if num_errors else 0
+
+
+cadet.add_command(evaluate_command)

@@ -1,0 +1,259 @@
+//! KITTI's two greedy passes over a frame, for one class, level and metric.
+//!
+//! Both go over the objects in file order and never over the detections. The first collects the scores of the true
+//! positives without a threshold and prefers high scores; the second counts at each threshold and prefers large
+//! overlaps. The second is not run once a threshold: its answer changes only where a detection that overlaps something
+//! comes in, so it is run there and the differences are noted.
+
+use super::curves::{MAX_THRESHOLDS, Tally};
+use super::metric::{Level, Metric};
+use super::objects::{Detection, FramePair, Kind, Truth};
+use super::overlaps::FrameOverlaps;
+use crate::math;
+
+/// A class at a level in a metric.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Contest<'a> {
+    pub class: Kind,
+    pub level: &'a Level,
+    pub metric: Metric,
+    pub min_overlap: f64,
+}
+
+/// What finding an object is worth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Mark {
+    /// It must be found.
+    Valid,
+    /// It may be found: too hard for the level, or of the neighbour class.
+    Ignored,
+    /// It takes no part.
+    Unrelated,
+}
+
+impl Contest<'_> {
+    fn mark(&self, truth: &Truth) -> Mark {
+        if truth.kind != self.class {
+            return if self.class.neighbour() == Some(truth.kind) { Mark::Ignored } else { Mark::Unrelated };
+        }
+        let level = self.level;
+        let height = truth.box_img.y2 - truth.box_img.y1;
+        let is_high = height > level.min_height_px || (level.is_inclusive && height == level.min_height_px);
+        let is_seen = truth.occluded <= level.max_occlusion && truth.truncated <= level.max_truncation;
+        if is_high && is_seen { Mark::Valid } else { Mark::Ignored }
+    }
+
+    /// Whether a detection of any class is too low to be right or wrong.
+    fn is_small(&self, detection: &Detection) -> bool {
+        (detection.box_img.y2 - detection.box_img.y1).abs() < self.level.min_height_px
+    }
+
+    /// Whether a detection is right or wrong.
+    fn is_active(&self, detection: &Detection) -> bool {
+        detection.kind == self.class && !self.is_small(detection)
+    }
+
+    /// (1 + cos d) / 2 of the headings' difference: of observation angles in the image, else of headings in space.
+    fn similarity(&self, truth: &Truth, detection: &Detection) -> f64 {
+        let difference = match self.metric {
+            Metric::Image => truth.alpha - detection.alpha,
+            Metric::Bev | Metric::Volume => truth.box_cam.rotation_y - detection.box_cam.rotation_y,
+        };
+        (1.0 + math::cos(difference)) / 2.0
+    }
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Candidate {
+    detection: usize,
+    iou: f64,
+    score: f64,
+    is_active: bool,
+    /// The first threshold that lets it in.
+    enters: usize,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Object {
+    truth: usize,
+    is_valid: bool,
+    start: usize,
+    end: usize,
+}
+
+/// The objects of a frame that some detection overlaps, and those detections. Kept from frame to frame for its memory.
+#[derive(Debug, Default)]
+pub(super) struct Matcher {
+    objects: Vec<Object>,
+    candidates: Vec<Candidate>,
+    is_taken: Vec<bool>,
+    steps: Vec<usize>,
+}
+
+/// What the first pass finds.
+#[derive(Debug, Default)]
+pub(super) struct FirstPass {
+    /// Objects that must be found.
+    pub num_valid: u64,
+    /// Scores of the true positives.
+    pub scores: Vec<f64>,
+}
+
+impl FirstPass {
+    pub(super) fn joined(mut self, mut other: Self) -> Self {
+        self.num_valid += other.num_valid;
+        self.scores.append(&mut other.scores);
+        self
+    }
+}
+
+/// What the matched pairs of a frame add up to at a threshold.
+#[derive(Debug, Default, Clone, Copy)]
+struct Outcome {
+    num_tp: i64,
+    /// Taken detections that would be false positives otherwise.
+    num_spared: i64,
+    similarity: i128,
+}
+
+impl Matcher {
+    /// Adds a frame to the first pass.
+    pub(super) fn collect_scores(
+        &mut self,
+        contest: &Contest<'_>,
+        frame: &FramePair,
+        overlaps: &FrameOverlaps,
+        found: &mut FirstPass,
+    ) {
+        found.num_valid += frame.truths.iter().filter(|truth| contest.mark(truth) == Mark::Valid).count() as u64;
+        self.gather(contest, frame, overlaps, &[]);
+        for object in &self.objects {
+            let mut best: Option<&Candidate> = None;
+            for candidate in &self.candidates[object.start..object.end] {
+                if !self.is_taken[candidate.detection] && best.is_none_or(|best| candidate.score > best.score) {
+                    best = Some(candidate);
+                }
+            }
+            if let Some(best) = best {
+                self.is_taken[best.detection] = true;
+                if object.is_valid && best.is_active {
+                    found.scores.push(best.score);
+                }
+            }
+        }
+    }
+
+    /// Adds a frame to the second pass at all thresholds, which fall.
+    pub(super) fn count(
+        &mut self,
+        contest: &Contest<'_>,
+        frame: &FramePair,
+        overlaps: &FrameOverlaps,
+        thresholds: &[f64],
+        tally: &mut Tally,
+    ) {
+        let is_stuff = |index: usize| overlaps.covered(contest.metric, index) > contest.min_overlap;
+        for (index, detection) in frame.detections.iter().enumerate() {
+            if contest.is_active(detection) && !is_stuff(index) {
+                let enters = first_threshold(thresholds, detection.score);
+                if enters < thresholds.len() {
+                    tally.num_fp[enters] += 1;
+                }
+            }
+        }
+        self.gather(contest, frame, overlaps, thresholds);
+        self.steps.clear();
+        self.steps.extend(self.candidates.iter().map(|candidate| candidate.enters));
+        self.steps.sort_unstable();
+        self.steps.dedup();
+        let mut before = Outcome::default();
+        for step in 0..self.steps.len() {
+            let threshold = self.steps[step];
+            if threshold >= thresholds.len() {
+                break;
+            }
+            let now = self.match_at(contest, frame, threshold, is_stuff);
+            tally.num_tp[threshold] += now.num_tp - before.num_tp;
+            tally.num_fp[threshold] -= now.num_spared - before.num_spared;
+            tally.similarity[threshold] += now.similarity - before.similarity;
+            before = now;
+        }
+    }
+
+    /// Lists the objects that may be found and the detections that may find them.
+    fn gather(&mut self, contest: &Contest<'_>, frame: &FramePair, overlaps: &FrameOverlaps, thresholds: &[f64]) {
+        self.objects.clear();
+        self.candidates.clear();
+        self.is_taken.clear();
+        self.is_taken.resize(frame.detections.len(), false);
+        for (index, truth) in frame.truths.iter().enumerate() {
+            let mark = contest.mark(truth);
+            if mark == Mark::Unrelated {
+                continue;
+            }
+            let start = self.candidates.len();
+            for overlap in overlaps.of(contest.metric, index) {
+                let detection = &frame.detections[overlap.detection as usize];
+                let is_active = contest.is_active(detection);
+                if overlap.iou > contest.min_overlap && (is_active || contest.is_small(detection)) {
+                    self.candidates.push(Candidate {
+                        detection: overlap.detection as usize,
+                        iou: overlap.iou,
+                        score: detection.score,
+                        is_active,
+                        enters: first_threshold(thresholds, detection.score),
+                    });
+                }
+            }
+            let end = self.candidates.len();
+            if end > start {
+                self.objects.push(Object { truth: index, is_valid: mark == Mark::Valid, start, end });
+            }
+        }
+    }
+
+    fn match_at(
+        &mut self,
+        contest: &Contest<'_>,
+        frame: &FramePair,
+        threshold: usize,
+        is_stuff: impl Fn(usize) -> bool,
+    ) -> Outcome {
+        let mut outcome = Outcome::default();
+        self.is_taken.fill(false);
+        for object in &self.objects {
+            let mut chosen: Option<&Candidate> = None;
+            for candidate in &self.candidates[object.start..object.end] {
+                if candidate.enters > threshold || self.is_taken[candidate.detection] {
+                    continue;
+                }
+                let is_better = match chosen {
+                    None => true,
+                    Some(other) if candidate.is_active => !other.is_active || candidate.iou > other.iou,
+                    Some(_) => false,
+                };
+                if is_better {
+                    chosen = Some(candidate);
+                }
+            }
+            let Some(chosen) = chosen else { continue };
+            self.is_taken[chosen.detection] = true;
+            if !chosen.is_active {
+                continue;
+            }
+            outcome.num_spared += i64::from(!is_stuff(chosen.detection));
+            if object.is_valid {
+                outcome.num_tp += 1;
+                let (truth, detection) = (&frame.truths[object.truth], &frame.detections[chosen.detection]);
+                outcome.similarity += Tally::fixed_point(contest.similarity(truth, detection));
+            }
+        }
+        outcome
+    }
+}
+
+/// The index of the first of the falling thresholds that a score reaches; their number if it reaches none.
+fn first_threshold(thresholds: &[f64], score: f64) -> usize {
+    debug_assert!(thresholds.len() <= MAX_THRESHOLDS, "{} thresholds", thresholds.len());
+    thresholds.partition_point(|&threshold| threshold > score)
+}

@@ -1,0 +1,95 @@
+//! The overlaps of a frame's objects and detections: computed once, read by every class, level and threshold.
+
+use super::metric::Metric;
+use super::objects::{Detection, FramePair, Kind, Truth};
+use super::rotated_iou::{intersection_bev, iou_3d_from, iou_bev_from};
+
+/// A detection that overlaps an object.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Overlap {
+    /// Index of the detection in its frame.
+    pub detection: u32,
+    /// Intersection over union, above the lowest limit that any class asks for.
+    pub iou: f64,
+}
+
+/// The overlaps of one frame in one metric.
+#[derive(Debug, Clone, Default)]
+struct Table {
+    overlaps: Vec<Overlap>,
+    /// Where the overlaps of each object begin, and the end.
+    starts: Vec<u32>,
+    /// The largest share of each detection in one DontCare region; empty if the frame has none.
+    covered: Vec<f64>,
+}
+
+/// The overlaps of one frame.
+#[derive(Debug, Clone, Default)]
+pub(super) struct FrameOverlaps {
+    tables: [Table; 3],
+}
+
+impl FrameOverlaps {
+    /// Computes the overlaps above `floors` (one a metric) of objects whose kind `is_wanted`.
+    pub(super) fn new(frame: &FramePair, floors: [f64; 3], is_wanted: impl Fn(Kind) -> bool) -> Self {
+        let mut tables: [Table; 3] = Default::default();
+        for truth in &frame.truths {
+            for table in &mut tables {
+                table.starts.push(table.overlaps.len() as u32);
+            }
+            if !is_wanted(truth.kind) {
+                continue;
+            }
+            for (index, detection) in frame.detections.iter().enumerate() {
+                for (metric, iou) in ious(truth, detection).into_iter().enumerate() {
+                    if iou > floors[metric] {
+                        tables[metric].overlaps.push(Overlap { detection: index as u32, iou });
+                    }
+                }
+            }
+        }
+        for table in &mut tables {
+            table.starts.push(table.overlaps.len() as u32);
+        }
+        for region in frame.truths.iter().filter(|truth| truth.kind == Kind::DontCare) {
+            for (metric, table) in tables.iter_mut().enumerate() {
+                table.covered.resize(frame.detections.len(), 0.0);
+                for (most, detection) in table.covered.iter_mut().zip(&frame.detections) {
+                    *most = most.max(covered_share(region, detection)[metric]);
+                }
+            }
+        }
+        Self { tables }
+    }
+
+    /// The overlaps of an object, in the order of the detections.
+    pub(super) fn of(&self, metric: Metric, truth: usize) -> &[Overlap] {
+        let table = &self.tables[metric as usize];
+        &table.overlaps[table.starts[truth] as usize..table.starts[truth + 1] as usize]
+    }
+
+    /// The largest share of a detection that lies in one DontCare region.
+    pub(super) fn covered(&self, metric: Metric, detection: usize) -> f64 {
+        self.tables[metric as usize].covered.get(detection).copied().unwrap_or(0.0)
+    }
+}
+
+/// Intersection over union in the image, from above, and of volumes.
+fn ious(truth: &Truth, detection: &Detection) -> [f64; 3] {
+    let (a, b) = (&truth.box_cam, &detection.box_cam);
+    let image = truth.box_img.iou(&detection.box_img);
+    let shared = intersection_bev(a, b);
+    if shared > 0.0 { [image, iou_bev_from(shared, a, b), iou_3d_from(shared, a, b)] } else { [image, 0.0, 0.0] }
+}
+
+/// Intersection over the detection's own size, in the image, from above, and of volumes.
+///
+/// A region has no place in space, but KITTI's program builds the box of its marks all the same, -1 x -1 m at
+/// (-1000, -1000): it covers, from above, a detection that carries the same marks.
+fn covered_share(region: &Truth, detection: &Detection) -> [f64; 3] {
+    let (a, b) = (&region.box_cam, &detection.box_cam);
+    let share = |shared: f64, own: f64| if shared > 0.0 { shared / own } else { 0.0 };
+    let image = share(region.box_img.intersection(&detection.box_img), detection.box_img.area());
+    let shared = intersection_bev(a, b);
+    [image, share(shared, b.area_bev()), share(shared * a.shared_height(b), b.volume())]
+}

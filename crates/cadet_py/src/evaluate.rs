@@ -1,0 +1,222 @@
+//! KITTI's average precision, overlaps of boxes, and suppression.
+
+use std::path::PathBuf;
+
+use cadet_core::evaluate as core;
+use cadet_core::{Error, Result};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+
+use crate::arrays;
+use crate::error::BorderError;
+
+/// Name and least overlaps of each class.
+type Classes = Vec<(String, [f64; 3])>;
+/// Least height, whether it belongs to the level, most occlusion, most truncation.
+type Levels = Vec<(f64, bool, f64, f64)>;
+/// The frames' objects one after the other: where each frame begins and the end, types, numbers.
+type Packed<'py> = (Vec<usize>, Vec<String>, PyReadonlyArray2<'py, f64>);
+
+/// Where one side of the comparison comes from.
+#[derive(FromPyObject)]
+pub(crate) enum Source<'py> {
+    /// A folder and each frame's id, None where the frame has no file.
+    Files((PathBuf, Vec<Option<String>>)),
+    /// Memory.
+    Packed(Packed<'py>),
+}
+
+fn settings(classes: Classes, levels: Levels) -> core::Settings {
+    core::Settings {
+        classes: classes
+            .into_iter()
+            .map(|(name, min_overlap)| core::ClassLimits { class: core::Kind::from_name(&name), min_overlap })
+            .collect(),
+        levels: levels
+            .into_iter()
+            .map(|(min_height_px, is_inclusive, max_occlusion, max_truncation)| core::Level {
+                min_height_px,
+                is_inclusive,
+                max_occlusion,
+                max_truncation,
+            })
+            .collect(),
+    }
+}
+
+/// Evaluates detections against ground truth, each from files or from memory.
+#[pyfunction]
+#[pyo3(signature = (truths, detections, *, classes, levels))]
+pub(crate) fn evaluate<'py>(
+    py: Python<'py>,
+    truths: Source<'py>,
+    detections: Source<'py>,
+    classes: Classes,
+    levels: Levels,
+) -> PyResult<Bound<'py, PyDict>> {
+    let settings = settings(classes, levels);
+    settings.check().map_err(BorderError::from)?;
+    let (truths, detections) = read(py, truths, detections).map_err(BorderError::from)?;
+    let mut unknown: Vec<String> = Vec::new();
+    let pair = |(truths, parsed): (Vec<core::Truth>, core::ParsedDetections)| {
+        unknown.extend(parsed.unknown_names);
+        core::FramePair { truths, detections: parsed.detections }
+    };
+    let frames: Vec<core::FramePair> = truths.into_iter().zip(detections).map(pair).collect();
+    let curves = py.detach(|| core::evaluate(&frames, &settings)).map_err(BorderError::from)?;
+    unknown.sort_unstable();
+    unknown.dedup();
+    let result = PyDict::new(py);
+    result.set_item("num_truths", frames.iter().map(|frame| frame.truths.len()).sum::<usize>())?;
+    result.set_item("num_detections", frames.iter().map(|frame| frame.detections.len()).sum::<usize>())?;
+    result.set_item("unknown_names", unknown)?;
+    let list = PyList::empty(py);
+    for curve in &curves {
+        list.append(curve_dict(py, curve)?)?;
+    }
+    result.set_item("curves", list)?;
+    Ok(result)
+}
+
+type Sides = (Vec<Vec<core::Truth>>, Vec<core::ParsedDetections>);
+
+fn read(py: Python<'_>, truths: Source<'_>, detections: Source<'_>) -> Result<Sides> {
+    let truths = match truths {
+        Source::Files((folder, ids)) => py.detach(|| core::read_files(&folder, &ids, core::parse_truths))?,
+        Source::Packed(packed) => unpack("truths", &packed, truth)?,
+    };
+    let detections = match detections {
+        Source::Files((folder, ids)) => py.detach(|| core::read_files(&folder, &ids, core::parse_detections))?,
+        Source::Packed(packed) => {
+            let names = unknown_names(&packed);
+            let mut parsed: Vec<_> = unpack("detections", &packed, detection)?
+                .into_iter()
+                .map(|detections| core::ParsedDetections { detections, unknown_names: Vec::new() })
+                .collect();
+            if let Some(first) = parsed.first_mut() {
+                first.unknown_names = names;
+            }
+            parsed
+        }
+    };
+    if truths.len() == detections.len() {
+        return Ok((truths, detections));
+    }
+    let (got, expected) = (detections.len().to_string(), format!("{} as truths", truths.len()));
+    Err(Error::Shape { what: "frames of detections", got, expected })
+}
+
+fn unknown_names((_, names, _): &Packed<'_>) -> Vec<String> {
+    names.iter().filter(|name| core::Kind::from_name(name) == core::Kind::Unknown).cloned().collect()
+}
+
+fn curve_dict<'py>(py: Python<'py>, curve: &core::Curve) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("class", curve.class)?;
+    dict.set_item("metric", curve.metric as usize)?;
+    dict.set_item("level", curve.level)?;
+    dict.set_item("num_valid", curve.num_valid)?;
+    dict.set_item("thresholds", &curve.thresholds)?;
+    dict.set_item("num_tp", &curve.num_tp)?;
+    dict.set_item("num_fp", &curve.num_fp)?;
+    dict.set_item("precision", samples(py, &curve.precision)?)?;
+    dict.set_item("heading", curve.heading.as_ref().map(|heading| samples(py, heading)).transpose()?)?;
+    dict.set_item("perfect", samples(py, &core::perfect(curve.num_valid))?)?;
+    Ok(dict)
+}
+
+/// The samples, and their means over 11 and 40 recall positions.
+fn samples<'py>(py: Python<'py>, samples: &core::Samples) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("samples", samples.to_vec())?;
+    dict.set_item("r11", core::average_r11(samples))?;
+    dict.set_item("r40", core::average_r40(samples))?;
+    Ok(dict)
+}
+
+/// Splits packed objects into frames.
+fn unpack<T, const N: usize>(
+    what: &'static str,
+    (starts, names, numbers): &Packed<'_>,
+    object: fn(core::Kind, [f64; N]) -> T,
+) -> Result<Vec<Vec<T>>> {
+    let rows = numbers.as_array();
+    let is_whole = starts.first() == Some(&0) && starts.last() == Some(&names.len()) && starts.is_sorted();
+    if rows.ncols() != N || rows.nrows() != names.len() || !is_whole {
+        let got = format!("({}, {}) for {} names", rows.nrows(), rows.ncols(), names.len());
+        return Err(Error::Shape {
+            what,
+            got,
+            expected: format!("a row of {N} for each name, split by rising starts"),
+        });
+    }
+    let row = |index: usize| {
+        object(core::Kind::from_name(&names[index]), std::array::from_fn(|column| rows[[index, column]]))
+    };
+    Ok(starts.windows(2).map(|pair| (pair[0]..pair[1]).map(row).collect()).collect())
+}
+
+fn box_img(n: &[f64]) -> core::BoxImg {
+    core::BoxImg { x1: n[0], y1: n[1], x2: n[2], y2: n[3] }
+}
+
+fn box_cam(n: &[f64]) -> core::BoxCam {
+    core::BoxCam::from_array(std::array::from_fn(|i| n[i]))
+}
+
+fn truth(kind: core::Kind, n: [f64; 14]) -> core::Truth {
+    core::Truth {
+        kind,
+        truncated: n[0],
+        occluded: n[1],
+        alpha: n[2],
+        box_img: box_img(&n[3..7]),
+        box_cam: box_cam(&n[7..14]),
+    }
+}
+
+fn detection(kind: core::Kind, n: [f64; 13]) -> core::Detection {
+    core::Detection { kind, alpha: n[0], box_img: box_img(&n[1..5]), box_cam: box_cam(&n[5..12]), score: n[12] }
+}
+
+fn boxes_cam(what: &'static str, array: &PyReadonlyArray2<'_, f64>) -> Result<Vec<core::BoxCam>> {
+    let view = array.as_array();
+    if view.ncols() != 7 {
+        let got = format!("({}, {})", view.nrows(), view.ncols());
+        return Err(Error::Shape { what, got, expected: "(n, 7)".to_owned() });
+    }
+    Ok(view.rows().into_iter().map(|row| core::BoxCam::from_array(std::array::from_fn(|i| row[i]))).collect())
+}
+
+/// The IoU of each box of `a` with each box of `b`, from above or of volumes.
+#[pyfunction]
+pub(crate) fn box_iou<'py>(
+    py: Python<'py>,
+    a: PyReadonlyArray2<'py, f64>,
+    b: PyReadonlyArray2<'py, f64>,
+    is_3d: bool,
+) -> std::result::Result<Bound<'py, PyArray2<f64>>, BorderError> {
+    let (a, b) = (boxes_cam("a", &a)?, boxes_cam("b", &b)?);
+    let iou = if is_3d { core::iou_3d } else { core::iou_bev };
+    let matrix = py.detach(|| core::iou_matrix(&a, &b, iou));
+    Ok(arrays::plane(py, matrix, a.len(), b.len()))
+}
+
+/// The indices of the boxes that no better kept one overlaps by more than the threshold.
+#[pyfunction]
+pub(crate) fn nms_bev<'py>(
+    py: Python<'py>,
+    boxes: PyReadonlyArray2<'py, f64>,
+    scores: PyReadonlyArray1<'py, f64>,
+    threshold: f64,
+) -> std::result::Result<Bound<'py, PyArray1<i64>>, BorderError> {
+    let boxes = boxes_cam("boxes", &boxes)?;
+    let scores: Vec<f64> = scores.as_array().to_vec();
+    if scores.len() != boxes.len() {
+        let (got, expected) = (format!("({},)", scores.len()), format!("({},)", boxes.len()));
+        return Err(Error::Shape { what: "scores", got, expected }.into());
+    }
+    let kept = py.detach(|| core::nms_bev(&boxes, &scores, threshold));
+    Ok(PyArray1::from_vec(py, kept.into_iter().map(|index| index as i64).collect()))
+}

@@ -1,0 +1,82 @@
+"""Levels of difficulty: which objects must be found."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from cadet.errors import CadetError
+
+
+@dataclass(frozen=True)
+class Level:
+    """Limits of what must be found. Finding a harder object is neither right nor wrong, nor is a lower detection.
+
+    Attributes:
+        name: the level's name in reports.
+        min_height_px: least height of the 2D box in pixels.
+        inclusive: whether an object of exactly the least height belongs to the level. In KITTI it does not; a detection
+            of exactly the least height always counts.
+        max_occlusion: the largest occlusion level; None, which infinity becomes, for no limit.
+        max_truncation: the largest truncation, None likewise.
+
+    Raises:
+        CadetError: an empty name, a negative or infinite height, NaN.
+    """
+
+    name: str
+    min_height_px: float
+    inclusive: bool = False
+    max_occlusion: float | None = None
+    max_truncation: float | None = None
+
+    def __post_init__(self) -> None:
+        if not self.name:
+            raise CadetError("level: its name is empty")
+        if not 0.0 <= self.min_height_px < math.inf:
+            raise CadetError(f"level {self.name}: min_height_px is {self.min_height_px}, expected at least 0")
+        for name in ("max_occlusion", "max_truncation"):
+            value = getattr(self, name)
+            if value is not None and math.isnan(value):
+                raise CadetError(f"level {self.name}: {name} is NaN")
+            if value == math.inf:
+                object.__setattr__(self, name, None)
+
+    def limits(self) -> tuple[float, bool, float, float]:
+        """Return the limits as the core takes them."""
+        occlusion = math.inf if self.max_occlusion is None else float(self.max_occlusion)
+        truncation = math.inf if self.max_truncation is None else float(self.max_truncation)
+        return float(self.min_height_px), bool(self.inclusive), occlusion, truncation
+
+
+LEVELS: Final[Mapping[str, tuple[Level, ...]]] = {
+    "kitti": (
+        Level("Easy", 40.0, max_occlusion=0, max_truncation=0.15),
+        Level("Moderate", 25.0, max_occlusion=1, max_truncation=0.30),
+        Level("Hard", 25.0, max_occlusion=2, max_truncation=0.50),
+    ),
+    "large_small": (Level("Large", 40.0, inclusive=True), Level("Small", 25.0, inclusive=True)),
+}
+"""The sets of levels by name: KITTI's, and that of labels without occlusion and truncation, "Small" with the large."""
+
+
+def resolve_levels(levels: str | Sequence[Level]) -> tuple[Level, ...]:
+    """Return the levels that a name stands for, or those given.
+
+    Raises:
+        CadetError: an unknown name, no level, a name twice, something that is no `Level`.
+    """
+    if isinstance(levels, str):
+        if levels not in LEVELS:
+            raise CadetError(f"levels: unknown set {levels!r}, expected one of {', '.join(LEVELS)}, or Level objects")
+        return LEVELS[levels]
+    chosen = tuple(levels)
+    for level in chosen:
+        if not isinstance(level, Level):
+            raise CadetError(f"levels: expected Level objects, got {type(level).__name__}")
+    names = [level.name for level in chosen]
+    if not names or len(set(names)) < len(names):
+        raise CadetError(f"levels: expected at least one, each name once, got {names}")
+    return chosen

@@ -1,0 +1,94 @@
+"""Classes, and how far a detection must overlap an object to find it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Final, TypeAlias
+
+from cadet.errors import CadetError
+
+METRICS: Final = ("2d", "bev", "3d")
+"""How overlap is measured: boxes in the image, seen from above, volumes."""
+
+HEADING: Final[Mapping[str, str]] = {"2d": "aos", "bev": "ahs_bev", "3d": "ahs_3d"}
+"""The heading similarity that goes with each metric."""
+
+CLASSES: Final = ("Car", "Pedestrian", "Cyclist")
+"""The classes that KITTI evaluates."""
+
+KNOWN_CLASSES: Final = ("Car", "Van", "Truck", "Pedestrian", "Person_sitting", "Cyclist", "Tram", "Misc")
+
+MIN_OVERLAP: Final[Mapping[str, Mapping[str, tuple[float, float, float]]]] = {
+    "strict": {"Car": (0.7, 0.7, 0.7), "Pedestrian": (0.5, 0.5, 0.5), "Cyclist": (0.5, 0.5, 0.5)},
+    "loose": {"Car": (0.7, 0.5, 0.5), "Pedestrian": (0.5, 0.25, 0.25), "Cyclist": (0.5, 0.25, 0.25)},
+}
+"""Sets of limits by name: 2D, BEV and 3D of each class. "strict" is KITTI's own."""
+
+ClassOverlap: TypeAlias = float | Sequence[float] | Mapping[str, float]
+MinOverlap: TypeAlias = str | Mapping[str, ClassOverlap]
+
+
+def resolve_limits(classes: Sequence[str], min_overlap: MinOverlap) -> dict[str, tuple[float, float, float]]:
+    """Find the limits of each class.
+
+    Args:
+        classes: names as in KITTI's labels.
+        min_overlap: "strict", "loose", or a dictionary that gives a class one limit, three (2D, BEV, 3D), or a
+            dictionary by metric; classes and metrics that it leaves out take the strict limits.
+
+    Returns:
+        2D, BEV and 3D limit of each class.
+
+    Raises:
+        CadetError: an unknown class or set, a class without limits, a limit outside 0 <= limit < 1.
+    """
+    chosen = _check_classes(classes)
+    if isinstance(min_overlap, str):
+        if min_overlap not in MIN_OVERLAP:
+            names = ", ".join(MIN_OVERLAP)
+            raise CadetError(f"min_overlap: unknown set {min_overlap!r}, expected one of {names}, or a dictionary")
+        given: Mapping[str, ClassOverlap] = MIN_OVERLAP[min_overlap]
+    else:
+        given = min_overlap
+        for name in given:
+            if name not in KNOWN_CLASSES:
+                raise CadetError(f"min_overlap: unknown class {name!r}, expected one of {', '.join(KNOWN_CLASSES)}")
+    return {name: _class_limits(name, given.get(name, {})) for name in chosen}
+
+
+def _check_classes(classes: Sequence[str]) -> tuple[str, ...]:
+    chosen = (classes,) if isinstance(classes, str) else tuple(classes)
+    for name in chosen:
+        if name not in KNOWN_CLASSES:
+            raise CadetError(f"classes: unknown class {name!r}, expected some of {', '.join(KNOWN_CLASSES)}")
+    if not chosen or len(set(chosen)) < len(chosen):
+        raise CadetError(f"classes: expected at least one, each once, got {list(chosen)}")
+    return chosen
+
+
+def _class_limits(name: str, given: ClassOverlap) -> tuple[float, float, float]:
+    if isinstance(given, Mapping):
+        values = _by_metric(name, given)
+    elif isinstance(given, Sequence):
+        values = [float(value) for value in given]
+        if len(values) != len(METRICS):
+            raise CadetError(f"min_overlap[{name!r}]: expected 3 limits (2D, BEV, 3D), got {len(values)}")
+    else:
+        values = [float(given)] * len(METRICS)
+    for value in values:
+        if not 0.0 <= value < 1.0:
+            raise CadetError(f"min_overlap[{name!r}]: {value} is no limit, expected 0 <= limit < 1")
+    return values[0], values[1], values[2]
+
+
+def _by_metric(name: str, given: Mapping[str, float]) -> list[float]:
+    unknown = [metric for metric in given if metric not in METRICS]
+    if unknown:
+        raise CadetError(f"min_overlap[{name!r}]: unknown metric {unknown[0]!r}, expected some of {', '.join(METRICS)}")
+    strict = MIN_OVERLAP["strict"].get(name)
+    missing = [metric for metric in METRICS if metric not in given]
+    if missing and strict is None:
+        raise CadetError(f"min_overlap: KITTI sets no limit for {name}; give it one, such as {{{name!r}: 0.7}}")
+    return [
+        float(given[metric]) if strict is None or metric in given else strict[i] for i, metric in enumerate(METRICS)
+    ]

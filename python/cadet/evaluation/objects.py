@@ -1,0 +1,125 @@
+"""The objects of a frame as arrays: what a detector holds in memory."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cadet.arrays import check_array
+from cadet.errors import CadetError, ShapeError
+from cadet.kitti import Label
+
+MIN_SCORE = -1e7
+"""KITTI's program never matches a detection whose score is not above this."""
+
+
+@dataclass(frozen=True, eq=False)
+class GroundTruth:
+    """The labelled objects of a frame, in the order of its label file.
+
+    Attributes:
+        types: n names; their letter case does not matter, names that KITTI lacks take no part.
+        boxes_img: (n, 4) [left, top, right, bottom] in pixels.
+        boxes_cam: (n, 7) [x, y, z, l, w, h, rotation_y], bottom centre in the cam frame.
+        alphas: (n,) observation angles in radians.
+        truncated: (n,) 0 (whole) .. 1 (outside the image).
+        occluded: (n,) levels 0 visible .. 3 unknown.
+
+    Raises:
+        ShapeError: an array of another length.
+        NonFiniteError: NaN or infinity.
+    """
+
+    types: tuple[str, ...]
+    boxes_img: NDArray[Any]
+    boxes_cam: NDArray[Any]
+    alphas: NDArray[Any]
+    truncated: NDArray[Any]
+    occluded: NDArray[Any]
+
+    def __post_init__(self) -> None:
+        _check(self, ("alphas", "truncated", "occluded"))
+
+    @classmethod
+    def from_labels(cls, labels: Iterable[Label]) -> GroundTruth:
+        """Gather labels, DontCare regions too."""
+        labels = tuple(labels)
+        return cls(
+            truncated=np.array([label.truncated for label in labels], np.float64),
+            occluded=np.array([label.occluded for label in labels], np.float64),
+            **_from_labels(labels),
+        )
+
+    def rows(self) -> NDArray[np.float64]:
+        """Return (n, 14) as the core takes them."""
+        first = (self.truncated, self.occluded, self.alphas)
+        return np.column_stack([*(a.astype(np.float64) for a in first), self.boxes_img, self.boxes_cam])
+
+
+@dataclass(frozen=True, eq=False)
+class Detections:
+    """The detections of a frame; their order breaks ties between equal scores.
+
+    Attributes:
+        types: n names; their letter case does not matter.
+        boxes_img: (n, 4) [left, top, right, bottom] in pixels. They decide about height in all metrics.
+        boxes_cam: (n, 7) [x, y, z, l, w, h, rotation_y], bottom centre in the cam frame.
+        alphas: (n,) observation angles in radians; a single -10 switches AOS off.
+        scores: (n,) any numbers above -1e7, higher is surer.
+
+    Raises:
+        ShapeError: an array of another length.
+        NonFiniteError: NaN or infinity.
+        CadetError: a score of -1e7 or less.
+    """
+
+    types: tuple[str, ...]
+    boxes_img: NDArray[Any]
+    boxes_cam: NDArray[Any]
+    alphas: NDArray[Any]
+    scores: NDArray[Any]
+
+    def __post_init__(self) -> None:
+        _check(self, ("alphas", "scores"))
+        if (self.scores <= MIN_SCORE).any():
+            raise CadetError(f"scores: expected numbers above {MIN_SCORE:g}, got {self.scores.min():g}")
+
+    @classmethod
+    def from_labels(cls, labels: Iterable[Label]) -> Detections:
+        """Gather labels that carry scores.
+
+        Raises:
+            ShapeError: one has no score.
+        """
+        labels = tuple(labels)
+        scores = [label.score for label in labels if label.score is not None]
+        if len(scores) < len(labels):
+            raise ShapeError(f"detections: {len(labels) - len(scores)} of {len(labels)} labels have no score")
+        return cls(scores=np.array(scores, np.float64), **_from_labels(labels))
+
+    def rows(self) -> NDArray[np.float64]:
+        """Return (n, 13) as the core takes them."""
+        first, last = self.alphas.astype(np.float64), self.scores.astype(np.float64)
+        return np.column_stack([first, self.boxes_img, self.boxes_cam, last])
+
+
+def _from_labels(labels: tuple[Label, ...]) -> dict[str, Any]:
+    return {
+        "types": tuple(label.type for label in labels),
+        "boxes_img": np.array([label.bbox for label in labels], np.float64).reshape(-1, 4),
+        "boxes_cam": np.array([label.box_cam for label in labels], np.float64).reshape(-1, 7),
+        "alphas": np.array([label.alpha for label in labels], np.float64),
+    }
+
+
+def _check(objects: GroundTruth | Detections, columns: tuple[str, ...]) -> None:
+    if not isinstance(objects.types, tuple):
+        raise ShapeError(f"types: expected a tuple of names, got {type(objects.types).__name__}")
+    count = len(objects.types)
+    shapes: dict[str, tuple[int, ...]] = {"boxes_img": (count, 4), "boxes_cam": (count, 7)}
+    for name in ("boxes_img", "boxes_cam", *columns):
+        check_array(getattr(objects, name), name, shapes.get(name, (count,)), finite=True)

@@ -1,0 +1,159 @@
+"""What an evaluation finds."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Final, TypeVar
+
+from cadet.evaluation.levels import Level
+
+RECALLS: Final[Mapping[str, str]] = {
+    "r40": "mean over recall 1/40, 2/40, ..., 1",
+    "r11": "mean over recall 0, 0.1, ..., 1",
+}
+"""How a curve becomes one number."""
+
+METRIC_TITLES: Final[Mapping[str, str]] = {
+    "2d": "2D",
+    "bev": "BEV",
+    "3d": "3D",
+    "aos": "AOS",
+    "ahs_bev": "AHS BEV",
+    "ahs_3d": "AHS 3D",
+}
+"""The metrics in the order of reports, and what they are called there."""
+
+Value = TypeVar("Value")
+ByLevel = Mapping[str, Mapping[str, Mapping[str, Value]]]
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Precision over recall of one class, metric and level.
+
+    Attributes:
+        precision: 41 values at recall 0, 1/40, ..., 1 made to fall, 0 beyond what was found; for AOS and AHS each true
+            positive is worth (1 + cos d) / 2 of its heading's error d. Nothing over nothing is 0.
+        scores: the thresholds, falling, at most 41; the last is the lowest score of a true positive.
+        num_tp: true positives at each threshold.
+        num_fp: false positives at each threshold.
+        n_gt: objects that must be found.
+        r11: the mean over recall 0, 0.1, ..., 1 in percent.
+        r40: the mean over recall 1/40, ..., 1 in percent.
+    """
+
+    precision: tuple[float, ...]
+    scores: tuple[float, ...]
+    num_tp: tuple[int, ...]
+    num_fp: tuple[int, ...]
+    n_gt: int
+    r11: float
+    r40: float
+
+
+@dataclass(frozen=True)
+class Report:
+    """Average precision by class, metric and level, and all that stands behind it.
+
+    Metrics are "2d", "bev", "3d", "aos", "ahs_bev" and "ahs_3d". A class or metric that was not evaluated has no key.
+
+    Attributes:
+        ap: AP in percent, by class, metric and level.
+        n_gt: objects that must be found, alike.
+        n_thresholds: how many of the 41 recall positions are reached, alike.
+        curves: whole curves, alike.
+        best_ap: what a perfect result would get, by class and level: less than 100 for 40 objects or fewer.
+        recall: "r40" or "r11".
+        min_overlap: the limits by class and metric "2d", "bev" and "3d".
+        levels: the levels.
+        frames: the frame rule, "results" or "all".
+        num_frames: frames that were evaluated.
+        num_missing: frames without results: left out by the rule "results", without detections by the rule "all".
+        num_gt: lines of ground truth in these frames.
+        num_detections: detections in these frames.
+        warnings: what a reader should know before comparing numbers.
+    """
+
+    ap: ByLevel[float]
+    n_gt: ByLevel[int]
+    n_thresholds: ByLevel[int]
+    curves: ByLevel[Curve]
+    best_ap: Mapping[str, Mapping[str, float]]
+    recall: str
+    min_overlap: Mapping[str, Mapping[str, float]]
+    levels: tuple[Level, ...]
+    frames: str
+    num_frames: int
+    num_missing: int
+    num_gt: int
+    num_detections: int
+    warnings: tuple[str, ...]
+
+    def to_json(self) -> str:
+        """Return everything, whole curves too, as JSON; no limit is null."""
+        return json.dumps(asdict(self), indent=1, allow_nan=False) + "\n"
+
+    def to_markdown(self) -> str:
+        """Return the title, a table and the warnings as Markdown."""
+        rows = self.table()
+        lines = [f"**{self.title()}**", "", self.subtitle(), ""]
+        lines += ["| " + " | ".join(cells) + " |" for cells in (rows[0], ["---"] * 3 + ["---:"] * len(self.levels))]
+        lines += ["| " + " | ".join(cells) + " |" for cells in rows[1:]]
+        lines += ["", *(f"* {warning}" for warning in self.warnings)] if self.warnings else []
+        return "\n".join(lines) + "\n"
+
+    def title(self) -> str:
+        """Name what the numbers are."""
+        return f"KITTI AP|{self.recall.upper()} in percent ({RECALLS[self.recall]})"
+
+    def subtitle(self) -> str:
+        """Name the frame rule, and what was compared."""
+        if self.frames == "all":
+            rule = f'frames="all": {self.num_frames} frames, {self.num_missing} of them without a result file'
+        else:
+            rule = f'frames="results": the {self.num_frames} frames that have a result file'
+            rule += f", {self.num_missing} others left out" if self.num_missing else ""
+        return f"{rule}; {self.num_gt} lines of ground truth, {self.num_detections} detections."
+
+    def table(self) -> list[list[str]]:
+        """Return the rows of the table of AP, its header first."""
+        names = [level.name for level in self.levels]
+        rows = [["Class", "Metric", "Overlap >", *names]]
+        for name, metrics in self.ap.items():
+            for metric, row in metrics.items():
+                limit = self.min_overlap[name][_OVERLAP_OF.get(metric, metric)]
+                values = [f"{row[level]:.2f}" for level in names]
+                rows.append([name, METRIC_TITLES[metric], f"{limit:.2f}", *values])
+            counts = next(iter(self.n_gt[name].values()))
+            rows.append([name, "objects", "", *(str(counts[level]) for level in names)])
+        return rows
+
+    def plot(self, path: str | Path) -> Path:
+        """Draw the curves, a row for each class and a column for each metric.
+
+        Args:
+            path: a PNG file.
+
+        Returns:
+            The path.
+
+        Raises:
+            CadetError: there is nothing to draw, or the path names no PNG file.
+        """
+        from cadet.evaluation.figure import write_figure
+
+        return write_figure(self, Path(path))
+
+
+_OVERLAP_OF: Final = {"aos": "2d", "ahs_bev": "bev", "ahs_3d": "3d"}
+
+
+def by_level(curves: ByLevel[Curve], value: Callable[[Curve], Value]) -> ByLevel[Value]:
+    """Take a value out of each curve."""
+    return {
+        name: {metric: {level: value(curve) for level, curve in row.items()} for metric, row in metrics.items()}
+        for name, metrics in curves.items()
+    }

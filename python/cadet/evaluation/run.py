@@ -1,0 +1,148 @@
+"""The evaluation: from folders or memory to a report."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
+
+from cadet import _cadet
+from cadet.errors import CadetError
+from cadet.evaluation.levels import Level, resolve_levels
+from cadet.evaluation.limits import CLASSES, HEADING, METRICS, MinOverlap, resolve_limits
+from cadet.evaluation.report import METRIC_TITLES, RECALLS, ByLevel, Curve, Report, by_level
+from cadet.evaluation.sources import Chosen, DetectionSource, GroundTruthSource, Split, choose
+
+_NAMES_SHOWN: Final = 5
+# A full curve's mean may round below 100.
+_FULL: Final = 100.0 - 1e-9
+
+
+def evaluate(
+    gt: GroundTruthSource,
+    det: DetectionSource,
+    *,
+    classes: Sequence[str] = CLASSES,
+    recall: str = "r40",
+    min_overlap: MinOverlap = "strict",
+    levels: str | Sequence[Level] = "kitti",
+    split: Split | None = None,
+    frames: str = "results",
+) -> Report:
+    """Compute KITTI's average precision as the official program does, decision by decision.
+
+    Args:
+        gt: a folder of label files, or one that holds `label_2` or `training/label_2`; or, in memory, a dictionary from
+            frame ids to `GroundTruth` or labels, or a sequence of them.
+        det: a folder of result files, or one that holds `data`; or `Detections` or labels with scores alike.
+        classes: names as in KITTI's labels.
+        recall: "r40", the mean over recall 1/40, ..., 1 (KITTI's since October 2019), or "r11" over 0, 0.1, ..., 1.
+        min_overlap: "strict" (KITTI's), "loose", or a dictionary that gives a class one limit, three (2D, BEV, 3D), or
+            a dictionary by metric. An overlap must exceed it.
+        levels: "kitti", "large_small", or `Level` objects.
+        split: a list of `ImageSets` beside the labels, a file that holds one, or ids; None for every frame.
+        frames: "results" evaluates the frames that have a result file, be it empty, as KITTI's offline program does;
+            "all" counts a missing result file as a frame without detections.
+
+    Returns:
+        The report. What KITTI leaves out, it lacks: a class without a detection that is usable in a metric has no such
+        key, and AOS is absent for all classes if any detection of any class has alpha -10.
+
+    Raises:
+        KittiFormatError: a malformed line, named with file, line and column.
+        MissingFileError: a folder, split or label file that is not there; no frame at all.
+        CadetError: an unknown class, set or rule.
+    """
+    if recall not in RECALLS:
+        raise CadetError(f"recall: unknown rule {recall!r}, expected one of {', '.join(RECALLS)}")
+    limits = resolve_limits(classes, min_overlap)
+    chosen_levels = resolve_levels(levels)
+    chosen = choose(gt, det, split, frames)
+    result = _cadet.evaluate(
+        chosen.truths,
+        chosen.detections,
+        classes=list(limits.items()),
+        levels=[level.limits() for level in chosen_levels],
+    )
+    curves = _curves(result["curves"], tuple(limits), chosen_levels)
+    best: dict[str, dict[str, float]] = {}
+    for raw in result["curves"]:
+        best.setdefault(tuple(limits)[raw["class"]], {})[chosen_levels[raw["level"]].name] = raw["perfect"][recall]
+    return Report(
+        recall=recall,
+        min_overlap={name: dict(zip(METRICS, limit, strict=True)) for name, limit in limits.items()},
+        levels=chosen_levels,
+        frames=frames,
+        num_frames=chosen.num_frames,
+        num_missing=chosen.num_missing,
+        num_gt=result["num_truths"],
+        num_detections=result["num_detections"],
+        curves=curves,
+        ap=by_level(curves, lambda curve: curve.r40 if recall == "r40" else curve.r11),
+        n_gt=by_level(curves, lambda curve: curve.n_gt),
+        n_thresholds=by_level(curves, lambda curve: len(curve.scores)),
+        best_ap=best,
+        warnings=_warnings(tuple(limits), curves, best, recall, result["unknown_names"], chosen),
+    )
+
+
+def _curves(raw_curves: list[dict[str, Any]], classes: tuple[str, ...], levels: tuple[Level, ...]) -> ByLevel[Curve]:
+    found: dict[str, dict[str, dict[str, Curve]]] = {name: {} for name in classes}
+    for raw in raw_curves:
+        metrics = found[classes[raw["class"]]]
+        metric, level = METRICS[raw["metric"]], levels[raw["level"]].name
+        for key, values in ((metric, raw["precision"]), (HEADING[metric], raw["heading"])):
+            if values is not None:
+                metrics.setdefault(key, {})[level] = Curve(
+                    precision=tuple(values["samples"]),
+                    scores=tuple(raw["thresholds"]),
+                    num_tp=tuple(raw["num_tp"]),
+                    num_fp=tuple(raw["num_fp"]),
+                    n_gt=raw["num_valid"],
+                    r11=values["r11"],
+                    r40=values["r40"],
+                )
+    return {
+        name: {metric: metrics[metric] for metric in METRIC_TITLES if metric in metrics}
+        for name, metrics in found.items()
+        if metrics
+    }
+
+
+def _warnings(
+    classes: tuple[str, ...],
+    curves: ByLevel[Curve],
+    best: dict[str, dict[str, float]],
+    recall: str,
+    unknown_names: list[str],
+    chosen: Chosen,
+) -> tuple[str, ...]:
+    warnings = []
+    for name in classes:
+        if name in curves:
+            warnings += _class_warnings(name, curves[name], best[name], recall)
+        else:
+            warnings.append(f"{name}: no usable detection in {chosen.num_frames} frames, so it is left out.")
+    measured = [metrics for metrics in curves.values() if "2d" in metrics]
+    if measured and not any("aos" in metrics for metrics in measured):
+        warnings.append("AOS is left out: a detection has alpha -10, unknown.")
+    if unknown_names:
+        names = ", ".join(unknown_names[:_NAMES_SHOWN]) + (", ..." if len(unknown_names) > _NAMES_SHOWN else "")
+        warnings.append(f"Detections of types that KITTI does not have: {names}.")
+    return tuple(warnings)
+
+
+def _class_warnings(
+    name: str, metrics: Mapping[str, Mapping[str, Curve]], best: dict[str, float], recall: str
+) -> list[str]:
+    counts = {level: curve.n_gt for level, curve in next(iter(metrics.values())).items()}
+    few = [
+        f"{name} {level}: only {counts[level]} objects; a perfect result has AP|{recall.upper()} {most:.2f}."
+        for level, most in best.items()
+        if most < _FULL
+    ]
+    unmeasured = [
+        f"{name}: no detection has what {METRIC_TITLES[metric]} needs, so that is left out."
+        for metric in METRICS
+        if metric not in metrics
+    ]
+    return few + unmeasured

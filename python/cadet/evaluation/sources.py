@@ -1,0 +1,147 @@
+"""Where ground truth and detections come from: folders or memory; and which frames count."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final, TypeAlias, TypeVar
+
+import numpy as np
+
+from cadet.errors import CadetError, MissingFileError
+from cadet.evaluation.objects import Detections, GroundTruth
+from cadet.kitti import ImageSet, Label, read_image_set
+
+Objects = TypeVar("Objects", GroundTruth, Detections)
+Frames: TypeAlias = "Mapping[str, Objects | Sequence[Label]] | Sequence[Objects | Sequence[Label]]"
+GroundTruthSource: TypeAlias = "str | Path | Frames[GroundTruth]"
+DetectionSource: TypeAlias = "str | Path | Frames[Detections]"
+Split: TypeAlias = str | Path | Sequence[str]
+
+FRAME_RULES: Final = ("results", "all")
+
+_FILE: Final = re.compile(r"(\d{6})\.txt")
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """The frames that count, as the core takes them.
+
+    Attributes:
+        truths: a folder and ids, or packed objects.
+        detections: likewise; a frame without results has the id None.
+        num_frames: how many count.
+        num_missing: how many of the split, or of all, have no results.
+    """
+
+    truths: Any
+    detections: Any
+    num_frames: int
+    num_missing: int
+
+
+def choose(gt: GroundTruthSource, det: DetectionSource, split: Split | None, frames: str) -> Chosen:
+    """Apply the frame rule.
+
+    Raises:
+        CadetError: an unknown rule, no frame, a frame with results but no ground truth, sequences of unequal length.
+        MissingFileError: a folder or split that is not there.
+    """
+    if frames not in FRAME_RULES:
+        raise CadetError(f"frames: unknown rule {frames!r}, expected one of {', '.join(FRAME_RULES)}")
+    truths = _folder(gt, "label_2") if isinstance(gt, str | Path) else _by_id(gt)
+    detections = _folder(det, "data") if isinstance(det, str | Path) else _by_id(det)
+    _check_pairing(gt, det)
+    labelled, found = _ids(truths), set(_ids(detections))
+    if split is not None:
+        known = _split_ids(split, truths if isinstance(truths, Path) else None)
+    else:
+        # A frame with results but no ground truth is an error, so it must not be left out here.
+        known = tuple(sorted(found.union(labelled)))
+    ids = known if frames == "all" else tuple(frame_id for frame_id in known if frame_id in found)
+    if not ids:
+        raise MissingFileError(f"{_name(det if known else gt)}: no frames: expected files such as 000000.txt")
+    _check_labelled(ids, set(labelled), gt)
+    results = [frame_id if frame_id in found else None for frame_id in ids]
+    return Chosen(
+        truths=_side(truths, ids, GroundTruth),
+        detections=_side(detections, results, Detections),
+        num_frames=len(ids),
+        num_missing=len(known) - sum(frame_id in found for frame_id in known),
+    )
+
+
+def _folder(path: str | Path, inner: str) -> Path:
+    """Find the files of KITTI's usual layouts: the folder itself, or one inside."""
+    path = Path(path)
+    for folder in (path / inner, path / "training" / inner):
+        if folder.is_dir():
+            return folder
+    if not path.is_dir():
+        raise MissingFileError(f"{path}: no such folder")
+    return path
+
+
+def _by_id(frames: Frames[Any]) -> Mapping[str, Any]:
+    if isinstance(frames, Mapping):
+        return {str(frame_id): objects for frame_id, objects in frames.items()}
+    return {f"{index:06d}": objects for index, objects in enumerate(frames)}
+
+
+def _check_pairing(gt: object, det: object) -> None:
+    kinds = ["folder" if isinstance(side, str | Path | Mapping) else "sequence" for side in (gt, det)]
+    if kinds[0] != kinds[1]:
+        raise CadetError("a sequence of frames has no ids to pair with a folder's or a dictionary's: use a dictionary")
+    if isinstance(gt, Sequence) and isinstance(det, Sequence) and kinds[0] == "sequence" and len(gt) != len(det):
+        raise CadetError(f"detections: expected {len(gt)} frames as the ground truth has, got {len(det)}")
+
+
+def _ids(side: Path | Mapping[str, Any]) -> tuple[str, ...]:
+    if isinstance(side, Path):
+        return tuple(sorted(match[1] for name in os.listdir(side) if (match := _FILE.fullmatch(name))))  # noqa: PTH208
+    return tuple(sorted(side))
+
+
+def _split_ids(split: Split, truths: Path | None) -> tuple[str, ...]:
+    if isinstance(split, str | Path) and Path(split).suffix == ".txt":
+        path = Path(split)
+        if not path.is_file():
+            raise MissingFileError(f"{path}: no such split")
+        return ImageSet.from_text(path.read_text(encoding="ascii", errors="replace"), path.name).ids
+    if isinstance(split, str | Path):
+        if truths is None:
+            raise CadetError(f"split: {split!r} is looked for beside the labels' folder; in memory, give the ids")
+        roots = (truths, *truths.resolve().parents[:2])
+        root = next((root for root in roots if (root / "ImageSets").is_dir()), roots[-1])
+        return read_image_set(root, str(split)).ids
+    return tuple(dict.fromkeys(split))
+
+
+def _check_labelled(ids: Iterable[str], labelled: set[str], gt: object) -> None:
+    for frame_id in ids:
+        if frame_id not in labelled:
+            raise MissingFileError(f"{_name(gt)}: frame {frame_id} has no ground truth")
+
+
+def _name(source: object) -> str:
+    return str(source) if isinstance(source, str | Path) else "in memory"
+
+
+def _side(side: Path | Mapping[str, Any], ids: Sequence[str | None], kind: type[GroundTruth] | type[Detections]) -> Any:
+    if isinstance(side, Path):
+        return side, list(ids)
+    objects = [_objects(() if frame_id is None else side[frame_id], kind, frame_id) for frame_id in ids]
+    starts = np.cumsum([0, *(len(frame.types) for frame in objects)]).tolist()
+    names = [name for frame in objects for name in frame.types]
+    return starts, names, np.ascontiguousarray(np.concatenate([frame.rows() for frame in objects]))
+
+
+def _objects(given: Any, kind: type[GroundTruth] | type[Detections], frame_id: str | None) -> GroundTruth | Detections:
+    if isinstance(given, kind):
+        return given
+    if isinstance(given, Sequence) and all(isinstance(label, Label) for label in given):
+        return kind.from_labels(given)
+    raise CadetError(f"frame {frame_id}: expected {kind.__name__} or labels, got {type(given).__name__}")

@@ -1,0 +1,205 @@
+"""Folders, memory, splits, frame rules, and what is wrong with files."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import cadet
+from cadet import CadetError, Detections, GroundTruth, KittiFormatError, MissingFileError, NonFiniteError, ShapeError
+from cadet.kitti import Label
+from evaluation_helpers import detected, make_object, write
+
+pytestmark = pytest.mark.usefixtures("core")
+
+CAR = make_object()
+GT: list[list[Label]] = [[CAR, make_object("Cyclist", 1)] for _ in range(50)]
+DET = [[detected(CAR, 0.5 + index / 100), detected(GT[0][1], 0.7)][: 1 + index % 2] for index in range(50)]
+
+
+@pytest.fixture
+def folders(tmp_path: Path) -> tuple[Path, Path]:
+    return write(tmp_path / "training" / "label_2", GT), write(tmp_path / "results" / "data", DET)
+
+
+def test_memory_gives_what_folders_give(folders: tuple[Path, Path]) -> None:
+    gt, det = folders
+    report = cadet.evaluate(gt, det)
+    by_id = {f"{index:06d}": labels for index, labels in enumerate(DET)}
+    truths = [GroundTruth.from_labels(labels) for labels in GT]
+    assert cadet.evaluate(GT, DET) == report
+    assert cadet.evaluate(truths, [Detections.from_labels(labels) for labels in DET]) == report
+    assert cadet.evaluate(gt, by_id) == report
+    assert cadet.evaluate({f"{index:06d}": truth for index, truth in enumerate(truths)}, det) == report
+
+
+def test_usual_layouts_are_found(folders: tuple[Path, Path], tmp_path: Path) -> None:
+    report = cadet.evaluate(*folders)
+    assert cadet.evaluate(tmp_path, tmp_path / "results") == report
+    assert cadet.evaluate(str(tmp_path / "training"), str(folders[1])) == report
+
+
+def test_only_frames_with_a_result_file_count_unless_all_are_asked_for(folders: tuple[Path, Path]) -> None:
+    gt, det = folders
+    for index in range(40, 50):
+        (det / f"{index:06d}.txt").unlink()
+    (det / "000039.txt").write_text("")
+    results, all_frames = cadet.evaluate(gt, det), cadet.evaluate(gt, det, frames="all")
+    assert (results.num_frames, results.num_missing, results.n_gt["Car"]["3d"]["Easy"]) == (40, 10, 40)
+    assert (all_frames.num_frames, all_frames.num_missing, all_frames.n_gt["Car"]["3d"]["Easy"]) == (50, 10, 50)
+    assert 'frames="results": the 40 frames that have a result file, 10 others left out' in results.to_markdown()
+    assert 'frames="all": 50 frames, 10 of them without a result file' in all_frames.to_markdown()
+    padded = [DET[index] if index < 39 else [] for index in range(50)]
+    assert cadet.evaluate(GT, padded).ap == all_frames.ap
+
+
+def test_splits_choose_frames(folders: tuple[Path, Path], tmp_path: Path) -> None:
+    gt, det = folders
+    ids = [f"{index:06d}" for index in range(0, 50, 2)]
+    lists = tmp_path / "ImageSets"
+    lists.mkdir()
+    (lists / "val.txt").write_text("\n".join(ids))
+    (det / "000004.txt").unlink()
+    expected = cadet.evaluate({i: GT[int(i)] for i in ids}, {i: DET[int(i)] for i in ids if i != "000004"})
+    assert expected.num_frames == 24
+    for split in ("val", lists / "val.txt", ids):
+        assert cadet.evaluate(gt, det, split=split) == expected
+    with pytest.raises(MissingFileError, match=r"test\.txt"):
+        cadet.evaluate(gt, det, split="test")
+
+
+def test_a_result_without_labels_is_refused(folders: tuple[Path, Path]) -> None:
+    gt, det = folders
+    (gt / "000007.txt").unlink()
+    for rule in ("results", "all"):
+        with pytest.raises(MissingFileError, match="frame 000007 has no ground truth"):
+            cadet.evaluate(gt, det, frames=rule)
+
+
+def test_no_frames_are_refused(folders: tuple[Path, Path], tmp_path: Path) -> None:
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(MissingFileError, match="empty: no frames"):
+        cadet.evaluate(folders[0], tmp_path / "empty")
+    with pytest.raises(MissingFileError, match="nowhere: no such folder"):
+        cadet.evaluate(folders[0], tmp_path / "nowhere")
+
+
+@pytest.mark.parametrize(
+    ("line", "column", "reason"),
+    [
+        ("Car -1 -1 0 1 2 3 4 1 1 1 1 1 1", 15, "rotation_y: expected 16 columns, got 14"),
+        ("Car -1 -1 0 1 2 3 4 1 1 1 1 1 1 0", 16, "score: expected 16 columns, got 15"),
+        ("Car -1 -1 0 1 2 3 4 1 1 1 1 1 1 0 0.5 0.5", 17, "expected 16 columns, got 17"),
+        ("Car -1 -1 0 1 two 3 4 1 1 1 1 1 1 0 0.5", 6, 'bbox_top: expected a finite number, got "two"'),
+        ("Car -1 -1 0 1 2 3 4 1 1 1 1 1 1 0 nan", 16, 'score: expected a finite number, got "nan"'),
+        ("-1 -1 0 1 2 3 4 1 1 1 1 1 1 0 0.5", 1, "type: expected a name"),
+    ],
+)
+def test_malformed_lines_are_named_by_file_line_and_column(
+    folders: tuple[Path, Path], line: str, column: int, reason: str
+) -> None:
+    path = folders[1] / "000011.txt"
+    path.write_text(path.read_text() + "\n" + line + "\n")
+    with pytest.raises(KittiFormatError) as caught:
+        cadet.evaluate(*folders)
+    error = caught.value
+    number = path.read_text().split("\n").index(line) + 1
+    assert (error.file, error.line, error.column) == ("data/000011.txt", number, column)
+    assert error.reason.startswith(reason)
+    assert str(error) == f"data/000011.txt:{number}: column {column}: {error.reason}"
+
+
+def test_labels_need_whole_occlusion_and_no_score(folders: tuple[Path, Path]) -> None:
+    path = folders[0] / "000003.txt"
+    good = path.read_text()
+    path.write_text(good.replace("Car 0.00 0 ", "Car 0.00 0.0 "))
+    with pytest.raises(KittiFormatError, match=r"label_2/000003.txt:1: column 3: occluded: expected a whole number"):
+        cadet.evaluate(*folders)
+    path.write_text(good.replace("\n", " 0.9\n", 1))
+    with pytest.raises(KittiFormatError, match=r"column 16: score: expected 15 columns"):
+        cadet.evaluate(*folders)
+
+
+def test_white_space_of_any_kind_separates(folders: tuple[Path, Path]) -> None:
+    report = cadet.evaluate(*folders)
+    for path in [*folders[0].iterdir(), *folders[1].iterdir()]:
+        path.write_bytes(b"\r\n \t\r\n" + path.read_bytes().replace(b" ", b" \t ").replace(b"\n", b"\r\n").rstrip())
+    assert cadet.evaluate(*folders) == report
+
+
+def test_arrays_are_checked() -> None:
+    fine = Detections.from_labels(DET[1])
+    fields = {name: getattr(fine, name) for name in ("types", "boxes_img", "boxes_cam", "alphas", "scores")}
+    with pytest.raises(ShapeError, match="boxes_cam"):
+        Detections(**{**fields, "boxes_cam": fine.boxes_cam[:, :6]})
+    with pytest.raises(ShapeError, match="scores"):
+        Detections(**{**fields, "scores": fine.scores[:1]})
+    with pytest.raises(NonFiniteError, match="alphas"):
+        Detections(**{**fields, "alphas": np.array([0.0, np.nan])})
+    with pytest.raises(CadetError, match="above -1e"):
+        Detections(**{**fields, "scores": np.array([0.0, -1e7])})
+    with pytest.raises(ShapeError, match="no score"):
+        Detections.from_labels(GT[0])
+    half = Detections(**{**fields, "boxes_cam": fine.boxes_cam.astype(np.float32)})
+    assert half.rows().dtype == np.float64
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"classes": ["Cars"]},
+        {"classes": []},
+        {"classes": ["Car", "Car"]},
+        {"classes": ["DontCare"]},
+        {"classes": ["Van"]},
+        {"recall": "R41"},
+        {"min_overlap": "lax"},
+        {"min_overlap": {"Car": 1.0}},
+        {"min_overlap": {"Car": (0.5, 0.5)}},
+        {"min_overlap": {"Car": {"4d": 0.5}}},
+        {"min_overlap": {"Cars": 0.5}},
+        {"levels": "nuscenes"},
+        {"levels": []},
+        {"frames": "some"},
+        {"split": "val"},
+    ],
+)
+def test_settings_that_make_no_sense_are_refused(settings: dict[str, object]) -> None:
+    with pytest.raises(CadetError):
+        cadet.evaluate(GT, DET, **settings)  # type: ignore[arg-type]
+
+
+def test_frames_that_do_not_pair_are_refused(folders: tuple[Path, Path]) -> None:
+    with pytest.raises(CadetError, match="no ids to pair"):
+        cadet.evaluate(folders[0], DET)
+    with pytest.raises(CadetError, match="expected 50 frames"):
+        cadet.evaluate(GT, DET[1:])
+
+
+def test_limits_can_be_set_by_class_and_metric() -> None:
+    report = cadet.evaluate(GT, DET, classes=["Car", "Van"], min_overlap={"Car": {"bev": 0.5}, "Van": (0.7, 0.5, 0.25)})
+    assert report.min_overlap == {
+        "Car": {"2d": 0.7, "bev": 0.5, "3d": 0.7},
+        "Van": {"2d": 0.7, "bev": 0.5, "3d": 0.25},
+    }
+
+
+def test_the_number_of_threads_changes_nothing(folders: tuple[Path, Path]) -> None:
+    code = "import sys, cadet; sys.stdout.write(cadet.evaluate(*sys.argv[1:]).to_json())"
+    outputs = [
+        subprocess.run(
+            [sys.executable, "-c", code, *map(str, folders)],
+            env={**os.environ, "RAYON_NUM_THREADS": str(count)},
+            capture_output=True,
+            check=True,
+            timeout=60,
+        ).stdout
+        for count in (1, 7)
+    ]
+    assert outputs[0] == outputs[1]
+    assert outputs[0].decode() == cadet.evaluate(*folders).to_json()
