@@ -1,6 +1,7 @@
 //! How much of the sky a place sees: a coarse height map of the scene, probes over it, and the boxes of cars near the
 //! ground.
 
+use crate::geometry::Cluster;
 use crate::material::Semantic;
 use crate::math::{DVec3, Vec3};
 use crate::sense::PosedScene;
@@ -51,9 +52,9 @@ const GRID_M: f32 = 4.0;
 const GRID: usize = (CELLS as f32 * CELL_M / GRID_M) as usize;
 
 impl SkyView {
-    /// Measures a scene around a camera that looks along `forward_world`.
+    /// Measures a scene around a camera that looks along `forward_world`, where `seen_world` has points.
     #[must_use]
-    pub fn new(scene: &PosedScene, eye_world: DVec3, forward_world: DVec3) -> Self {
+    pub fn new(scene: &PosedScene, eye_world: DVec3, forward_world: DVec3, seen_world: &[Vec3]) -> Self {
         let flat = DVec3::new(forward_world.x, forward_world.y, 0.0).normalize_or_zero();
         let middle = eye_world + flat * 50.0;
         let half = f64::from(CELLS as f32 * CELL_M) / 2.0;
@@ -67,7 +68,8 @@ impl SkyView {
             grid: vec![Vec::new(); GRID * GRID],
         };
         let top = view.measure_heights(scene, (eye_world.z - 1.65) as f32);
-        view.place_probes(&top);
+        let asked = view.asked_blocks(seen_world);
+        view.place_probes(&top, &asked);
         view.collect_blockers(scene);
         view
     }
@@ -95,7 +97,17 @@ impl SkyView {
                 floor[i] = floor[i].min(low);
                 top[i] = top[i].max(foot_z + (high - foot_z) * share);
             };
-            for face in &instance.mesh.faces {
+            let mesh = &instance.mesh;
+            let linear = instance.world_from_local.as_mat3();
+            let is_outside = |cluster: &Cluster| {
+                let c = instance.center_world.as_vec3() + linear * (cluster.center - mesh.bounds.center());
+                let (dx, dy, r) = (c.x - self.min[0], c.y - self.min[1], cluster.radius_m + 0.01);
+                dx + r < 0.0 || dy + r < 0.0 || dx - r > side || dy - r > side
+            };
+            // Of a cluster smaller than a cell, a part of the faces tells enough.
+            let step = |cluster: &Cluster| if cluster.radius_m < 0.5 * CELL_M { 4 } else { 1 };
+            let clusters = mesh.clusters.iter().filter(|c| !is_outside(c));
+            for face in clusters.flat_map(|c| c.faces.iter().step_by(step(c))).map(|f| &mesh.faces[*f as usize]) {
                 let [a, b, c] = face.map(|i| vertices[i as usize]);
                 let (low, high) = (a.min(b).min(c), a.max(b).max(c));
                 let cell = |v: f32, min: f32| (v - min) / CELL_M;
@@ -145,7 +157,23 @@ impl SkyView {
         top
     }
 
-    fn place_probes(&mut self, top: &[f32]) {
+    /// Blocks of `GRID_M` in which some probe may be asked for: those of the points and their neighbours, as
+    /// [`SkyView::openness`] looks up to 2.7 m aside.
+    fn asked_blocks(&self, seen_world: &[Vec3]) -> Vec<bool> {
+        let mut seen = vec![false; GRID * GRID];
+        for p in seen_world {
+            let (x, y) = ((p.x - self.min[0]) / GRID_M, (p.y - self.min[1]) / GRID_M);
+            if x >= 0.0 && y >= 0.0 && x < GRID as f32 && y < GRID as f32 {
+                seen[y as usize * GRID + x as usize] = true;
+            }
+        }
+        let near = |i: usize| i.saturating_sub(1)..(i + 2).min(GRID);
+        let asked = |i: usize| near(i / GRID).any(|y| near(i % GRID).any(|x| seen[y * GRID + x]));
+        (0..GRID * GRID).map(asked).collect()
+    }
+
+    fn place_probes(&mut self, top: &[f32], asked_blocks: &[bool]) {
+        const CELLS_PER_BLOCK: i32 = (CELLS / GRID) as i32;
         let directions: [(f32, f32); AZIMUTHS] = {
             let d = std::f32::consts::FRAC_1_SQRT_2;
             [(1.0, 0.0), (d, d), (0.0, 1.0), (-d, d), (-1.0, 0.0), (-d, -d), (0.0, -1.0), (d, -d)]
@@ -159,6 +187,9 @@ impl SkyView {
         self.probes = vec![[1.0; 6]; CELLS * CELLS * LEVELS_M.len()];
         for y in 0..CELLS as i32 {
             for x in 0..CELLS as i32 {
+                if !asked_blocks[(y / CELLS_PER_BLOCK) as usize * GRID + (x / CELLS_PER_BLOCK) as usize] {
+                    continue;
+                }
                 let cell = y as usize * CELLS + x as usize;
                 for (level, over) in LEVELS_M.iter().enumerate() {
                     let z = self.floor[cell] + over;

@@ -3,28 +3,36 @@
 /// Weights of R, G, B in the luma.
 pub const LUMA: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
-/// The gain from linear radiance to 8-bit values at which the mean luma is `target`, found by bisection on every
-/// `step`-th pixel; `rgb` is interleaved.
+/// The gain from linear radiance to 8-bit values at which the mean luma is `target`, found on every `step`-th pixel;
+/// `rgb` is interleaved.
 #[must_use]
 pub fn gain_for_mean_luma(rgb: &[f32], target: f32, step: usize) -> f32 {
     let pixels: Vec<[f32; 3]> = rgb.chunks_exact(3).step_by(step.max(1)).map(|p| [p[0], p[1], p[2]]).collect();
-    let mean = |gain: f32| {
-        let sum: f64 = pixels
-            .iter()
-            .map(|p| {
-                let luma: f32 = p.iter().zip(LUMA).map(|(c, w)| w * (c * gain).clamp(0.0, 255.0)).sum();
-                f64::from(luma)
-            })
-            .sum();
-        (sum / pixels.len().max(1) as f64) as f32
-    };
-    // Radiances lie around 0.05; the bounds are where a black or a white image would end.
-    let (mut low, mut high) = (1.0_f32, 1e6_f32);
-    for _ in 0..20 {
-        let middle = (low * high).sqrt();
-        if mean(middle) < target { low = middle } else { high = middle }
+    // Where nothing clips, the mean is proportional to the gain. Clipping bends it downwards, so that Newton's steps
+    // from there come up to the root and never pass it.
+    let mut gain = 0.0_f32;
+    for _ in 0..40 {
+        let (mut mean, mut slope) = ([0.0_f64; 3], [0.0_f64; 3]);
+        for pixel in &pixels {
+            for k in 0..3 {
+                let open = if pixel[k] * gain < 255.0 { pixel[k] } else { 0.0 };
+                slope[k] += f64::from(open);
+                mean[k] += f64::from((pixel[k] * gain).min(255.0));
+            }
+        }
+        let luma = |v: [f64; 3]| v.iter().zip(LUMA).map(|(c, w)| c * f64::from(w)).sum::<f64>() / pixels.len() as f64;
+        let (missing, slope) = (f64::from(target) - luma(mean), luma(slope));
+        let next = gain + (missing / slope) as f32;
+        // Black or empty images have no slope.
+        if !(slope > 1e-9 && next < 1e6) {
+            return gain.max(1.0);
+        }
+        gain = next;
+        if missing < 0.01 {
+            break;
+        }
     }
-    (low * high).sqrt()
+    gain
 }
 
 /// Adds the light that lens and housing scatter over the whole image: a share of the mean radiance, in which no pixel

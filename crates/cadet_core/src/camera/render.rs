@@ -72,6 +72,7 @@ const MEAN_LUMA: (f64, f64) = (91.0, 1.8);
 struct Scratch {
     opaque: Option<Hits>,
     glass: Option<Hits>,
+    seen_world: Vec<Vec3>,
     rgb: Vec<f32>,
     blurred: Vec<f32>,
     shadows: Vec<Vec<f32>>,
@@ -106,7 +107,9 @@ pub fn render(scene: &PosedScene, view: &View, weather: &Weather, stream: &mut S
     let mut nearest = cast_layer(&centers, Layer::Opaque, None);
     cast(scene, &centers, Layer::Glass, |_| true, &mut nearest);
 
-    let light = light_of(scene, view, weather, std::mem::take(&mut scratch.shadows));
+    let rays = Rays::new(view);
+    seen_points(&rays, &opaque, &glass, &mut scratch.seen_world);
+    let light = light_of(scene, view, weather, &scratch.seen_world, std::mem::take(&mut scratch.shadows));
     let mut rgb = std::mem::take(&mut scratch.rgb);
     Painter::new(scene, view, &light).paint(&opaque, &glass, &mut rgb);
     blur(&mut rgb, width, height, &mut scratch.blurred);
@@ -135,13 +138,59 @@ pub fn render(scene: &PosedScene, view: &View, weather: &Weather, stream: &mut S
 }
 
 /// Sun, sky, shadows and openness around a view.
-fn light_of(scene: &PosedScene, view: &View, weather: &Weather, buffers: Vec<Vec<f32>>) -> Light {
+fn light_of(scene: &PosedScene, view: &View, weather: &Weather, seen_world: &[Vec3], buffers: Vec<Vec<f32>>) -> Light {
     let sky = Sky::new(weather);
     let eye = view.world_from_cam.translation;
     let forward = view.world_from_cam.rotation * DVec3::Z;
-    let shadows = sky.has_shadows().then(|| Shadows::new(scene, eye, forward, sky.sun_world, buffers));
-    let sky_view = SkyView::new(scene, eye, forward);
+    let shadows =
+        sky.has_shadows().then(|| Shadows::new(scene, eye, forward, sky.sun_world, Some(seen_world), buffers));
+    let sky_view = SkyView::new(scene, eye, forward, seen_world);
     Light::new(weather, sky, shadows, sky_view)
+}
+
+/// World directions of the image's points, of length 1 along the optical axis.
+struct Rays {
+    eye: Vec3,
+    right: Vec3,
+    down: Vec3,
+    corner: Vec3,
+}
+
+impl Rays {
+    fn new(view: &View) -> Self {
+        let [fx, fy, cx, cy] = view.intrinsics;
+        let turn = |v: DVec3| (view.world_from_cam.rotation * v).as_vec3();
+        Self {
+            eye: view.world_from_cam.translation.as_vec3(),
+            right: turn(DVec3::X / fx),
+            down: turn(DVec3::Y / fy),
+            corner: turn(DVec3::new(-cx / fx, -cy / fy, 1.0)),
+        }
+    }
+
+    #[inline]
+    fn direction(&self, u: f32, v: f32) -> Vec3 {
+        self.corner + self.right * u + self.down * v
+    }
+}
+
+/// Points all over what the camera sees, one for every other pixel; panes apart from what stands behind.
+fn seen_points(rays: &Rays, opaque: &Hits, glass: &Hits, out: &mut Vec<Vec3>) {
+    out.clear();
+    for row in (0..opaque.rows).step_by(2) {
+        let start = row * opaque.columns;
+        // Like the squares of one colour on a chessboard.
+        for column in (row & 2..opaque.columns).step_by(4) {
+            let (solid, pane) = (opaque.depth[start + column], glass.depth[start + column]);
+            let direction = rays.direction(column as f32 * 0.5 - 0.25, row as f32 * 0.5 - 0.25);
+            if solid < f32::INFINITY {
+                out.push(rays.eye + direction * solid);
+            }
+            if pane < solid {
+                out.push(rays.eye + direction * pane);
+            }
+        }
+    }
 }
 
 /// What shading needs of an instance, in single precision.

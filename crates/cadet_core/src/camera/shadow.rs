@@ -1,10 +1,15 @@
 //! Shadow maps: the scene's triangles seen from the sun, fine near the camera and coarser beyond.
 
-use crate::math::{DVec3, Vec3};
-use crate::sense::PosedScene;
+use crate::geometry::Cluster;
+use crate::material::Material;
+use crate::math::{DVec3, Mat3, Vec3};
+use crate::sense::{PosedInstance, PosedScene};
 
 /// Texels along a side of each map.
 const SIZE: usize = 1536;
+/// Texels along a side of a tile: what shades no tile that the camera sees is not drawn.
+const TILE: usize = 16;
+const TILES: usize = SIZE / TILE;
 /// (distance ahead of the camera of the middle, half the side), metres: near, far.
 const CASCADES: [(f64, f64); 2] = [(15.0, 20.0), (58.0, 68.0)];
 
@@ -16,6 +21,37 @@ struct Map {
     texel_m: f32,
     texels_per_m: f32,
     height: Vec<f32>,
+    seen: SeenTiles,
+}
+
+/// The tiles of a map on which the camera sees something, as sums over all tiles before a row and a column.
+#[derive(Debug, Clone)]
+struct SeenTiles(Vec<u16>);
+
+impl SeenTiles {
+    /// Counts the marked tiles and those around them.
+    fn around(marked: &[bool]) -> Self {
+        let mut sums = vec![0_u16; (TILES + 1) * (TILES + 1)];
+        for y in 0..TILES {
+            let mut row = 0;
+            for x in 0..TILES {
+                let (from, to) = (x.saturating_sub(1), (x + 2).min(TILES));
+                let near = (y.saturating_sub(1)..(y + 2).min(TILES))
+                    .any(|y| marked[y * TILES + from..y * TILES + to].contains(&true));
+                row += u16::from(near);
+                sums[(y + 1) * (TILES + 1) + x + 1] = sums[y * (TILES + 1) + x + 1] + row;
+            }
+        }
+        Self(sums)
+    }
+
+    /// True if some tile between two texels (both included) is seen.
+    #[inline]
+    fn any(&self, [x0, y0]: [usize; 2], [x1, y1]: [usize; 2]) -> bool {
+        let (x0, y0, x1, y1) = (x0 / TILE, y0 / TILE, x1 / TILE + 1, y1 / TILE + 1);
+        let at = |x: usize, y: usize| self.0[y * (TILES + 1) + x];
+        at(x1, y1).wrapping_add(at(x0, y0)) != at(x1, y0).wrapping_add(at(x0, y1))
+    }
 }
 
 /// The sun's view of a scene around a camera.
@@ -30,6 +66,7 @@ pub struct Shadows {
 impl Shadows {
     /// Rasterises the casters. `sun_world` is the unit vector to the sun, `forward_world` the camera's axis.
     ///
+    /// `seen_world`: points all over what the camera sees; only there are shadows known. Without them, everywhere.
     /// `buffers` are the maps of an earlier frame ([`Shadows::into_buffers`]), whose memory is used again.
     #[must_use]
     pub fn new(
@@ -37,6 +74,7 @@ impl Shadows {
         eye_world: DVec3,
         forward_world: DVec3,
         sun_world: Vec3,
+        seen_world: Option<&[Vec3]>,
         mut buffers: Vec<Vec<f32>>,
     ) -> Self {
         let helper = if sun_world.z.abs() < 0.95 { Vec3::Z } else { Vec3::X };
@@ -57,10 +95,33 @@ impl Shadows {
                 texel_m,
                 texels_per_m: 1.0 / texel_m,
                 height,
+                seen: SeenTiles(Vec::new()),
             });
         }
+        shadows.mark_seen(seen_world);
         shadows.draw(scene);
         shadows
+    }
+
+    fn mark_seen(&mut self, seen_world: Option<&[Vec3]>) {
+        let mut marked = [vec![seen_world.is_none(); TILES * TILES], vec![seen_world.is_none(); TILES * TILES]];
+        for p in seen_world.unwrap_or_default() {
+            let (x, y) = (self.right.dot(*p), self.up.dot(*p));
+            for (map, marked) in self.maps.iter().zip(&mut marked) {
+                let (x, y) = ((x - map.min[0]) * map.texels_per_m, (y - map.min[1]) * map.texels_per_m);
+                let (size, rim) = (SIZE as f32, 2.0 * MARGIN);
+                if x < 0.0 || y < 0.0 || x >= size || y >= size {
+                    continue;
+                }
+                marked[y as usize / TILE * TILES + x as usize / TILE] = true;
+                if x > rim && y > rim && x < size - rim && y < size - rim {
+                    break; // the coarser map is not asked there
+                }
+            }
+        }
+        for (map, marked) in self.maps.iter_mut().zip(&marked) {
+            map.seen = SeenTiles::around(marked);
+        }
     }
 
     /// The maps' memory.
@@ -76,35 +137,37 @@ impl Shadows {
 
     fn draw(&mut self, scene: &PosedScene) {
         let mut maps = std::mem::take(&mut self.maps);
+        let light_from_world = Mat3::from_cols(self.right, self.up, self.sun).transpose();
         let mut points: Vec<Vec3> = Vec::new();
         for instance in &scene.instances {
             let center = self.to_light(instance.center_world.as_vec3());
-            let radius = instance.radius_m as f32;
-            let in_map: Vec<bool> = maps.iter().map(|m| m.touches(center, radius)).collect();
-            if !in_map.contains(&true) {
+            if !maps.iter().any(|m| m.is_asked_in(center, instance.radius_m as f32)) {
                 continue;
             }
-            points.clear();
-            points.extend(scene.vertices_world[instance.vertices.clone()].iter().map(|p| self.to_light(*p)));
-            let glass: Vec<bool> = instance.palette.0.iter().map(|m| m.is_glass()).collect();
-            let ground: Vec<bool> = instance.palette.0.iter().map(|m| m.semantic.is_ground()).collect();
-            let vertices = &scene.vertices_world[instance.vertices.clone()];
-            let is_level = |face: &[u32; 3]| {
-                let [a, b, c] = face.map(|i| vertices[i as usize]);
-                let normal = (b - a).cross(c - a);
-                normal.z * normal.z > 0.9 * normal.length_squared()
-            };
-            for (map, _) in maps.iter_mut().zip(&in_map).filter(|(_, inside)| **inside) {
-                for (face, slot) in instance.mesh.faces.iter().zip(&instance.mesh.slots) {
-                    // Level ground fills the maps and shades nothing; kerbs and banks stay.
-                    let slot = usize::from(*slot);
-                    if !(glass[slot] || ground[slot] && is_level(face)) {
-                        map.triangle(face.map(|i| points[i as usize]));
-                    }
+            let kinds: Vec<Caster> = instance.palette.0.iter().map(Caster::of).collect();
+            let light_from_local = light_from_world * instance.world_from_local.as_mat3();
+            let origin = center - light_from_local * instance.mesh.bounds.center();
+            let vertices_world = &scene.vertices_world[instance.vertices.clone()];
+            for cluster in &instance.mesh.clusters {
+                let center = light_from_local * cluster.center + origin;
+                // Far from the world's origin, single precision errs by millimetres.
+                let radius = cluster.radius_m + 0.01;
+                if !maps.iter().any(|m| m.is_asked_in(center, radius)) {
+                    continue;
+                }
+                points.clear();
+                points.extend(cluster.vertices.iter().map(|i| self.to_light(vertices_world[*i as usize])));
+                for map in maps.iter_mut().filter(|m| m.is_asked_in(center, radius)) {
+                    map.draw_cluster(instance, cluster, &kinds, &points, self.sun_up());
                 }
             }
         }
         self.maps = maps;
+    }
+
+    /// The world's z axis in light coordinates.
+    fn sun_up(&self) -> Vec3 {
+        Vec3::new(self.right.z, self.up.z, self.sun.z)
     }
 
     /// Share of the sun that reaches a point, 0..1: `normal` is the unit geometric normal towards the viewer's side,
@@ -118,13 +181,34 @@ impl Shadows {
             let p = self.to_light(point_world + normal * (offset * if cos_sun < 0.0 { -1.0 } else { 1.0 }));
             let x = (p.x - map.min[0]) * map.texels_per_m;
             let y = (p.y - map.min[1]) * map.texels_per_m;
-            let margin = 8.0;
-            let inside = margin..SIZE as f32 - margin;
+            let inside = MARGIN..SIZE as f32 - MARGIN;
             if inside.contains(&x) && inside.contains(&y) {
                 return map.sunlit(x, y, p.z, if index == 0 { 1.0 } else { 0.9 });
             }
         }
         1.0
+    }
+}
+
+/// Texels along a map's rim that are not asked: the next map knows them.
+const MARGIN: f32 = 8.0;
+
+/// How the faces of a material cast shadows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Caster {
+    Always,
+    /// Level ground fills the maps and shades nothing; kerbs and banks do.
+    UnlessLevel,
+    Never,
+}
+
+impl Caster {
+    fn of(material: &Material) -> Self {
+        match () {
+            () if material.is_glass() => Self::Never,
+            () if material.semantic.is_ground() => Self::UnlessLevel,
+            () => Self::Always,
+        }
     }
 }
 
@@ -145,10 +229,39 @@ const TAPS: [(f32, f32); 12] = [
 ];
 
 impl Map {
-    fn touches(&self, center: Vec3, radius: f32) -> bool {
-        let side = SIZE as f32 * self.texel_m;
-        let hit = |c: f32, min: f32| c + radius > min && c - radius < min + side;
-        hit(center.x, self.min[0]) && hit(center.y, self.min[1])
+    /// True if a sphere in light coordinates may shade something that the camera sees.
+    #[inline]
+    fn is_asked_in(&self, center: Vec3, radius: f32) -> bool {
+        let (x, y) = ((center.x - self.min[0]) * self.texels_per_m, (center.y - self.min[1]) * self.texels_per_m);
+        let (r, size) = (radius * self.texels_per_m, SIZE as f32);
+        if x + r < 0.0 || y + r < 0.0 || x - r >= size || y - r >= size {
+            return false;
+        }
+        let texel = |v: f32| (v.max(0.0) as usize).min(SIZE - 1);
+        self.seen.any([texel(x - r), texel(y - r)], [texel(x + r), texel(y + r)])
+    }
+
+    fn draw_cluster(
+        &mut self,
+        instance: &PosedInstance,
+        cluster: &Cluster,
+        kinds: &[Caster],
+        points: &[Vec3],
+        up: Vec3,
+    ) {
+        for (corners, face) in cluster.corners.iter().zip(&cluster.faces) {
+            let corners = corners.map(|i| points[usize::from(i)]);
+            let kind = kinds[usize::from(instance.mesh.slots[*face as usize])];
+            let is_level = || {
+                let [a, b, c] = corners;
+                let normal = (b - a).cross(c - a);
+                let rise = normal.dot(up);
+                rise * rise > 0.9 * normal.length_squared()
+            };
+            if kind == Caster::Always || kind == Caster::UnlessLevel && !is_level() {
+                self.triangle(corners);
+            }
+        }
     }
 
     #[inline]
@@ -185,7 +298,7 @@ impl Map {
         let y0 = (min_y + 0.5).max(0.0) as usize;
         let x1 = ((max_x + 0.5).min(size)) as usize;
         let y1 = ((max_y + 0.5).min(size)) as usize;
-        if x0 >= x1 || y0 >= y1 {
+        if x0 >= x1 || y0 >= y1 || !self.seen.any([x0, y0], [x1 - 1, y1 - 1]) {
             return;
         }
         let area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);

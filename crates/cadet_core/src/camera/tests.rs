@@ -123,7 +123,7 @@ fn a_plates_shadow_falls_where_the_sun_ray_says() {
     for azimuth in [0.0, 75.0, 200.0, 310.0] {
         let sky = Sky::new(&clear_sun_from(azimuth));
         let s = sky.sun_world;
-        let shadows = Shadows::new(&scene, DVec3::new(0.0, 0.0, EYE_HEIGHT_M), DVec3::X, s, Vec::new());
+        let shadows = Shadows::new(&scene, DVec3::new(0.0, 0.0, EYE_HEIGHT_M), DVec3::X, s, None, Vec::new());
         let (mut dark, mut bright) = (0, 0);
         for i in 0..120 {
             for j in 0..120 {
@@ -154,7 +154,7 @@ fn surfaces_that_face_the_sun_do_not_shade_themselves() {
         let mut weather = clear_sun_from(azimuth);
         weather.sun_elevation_rad = elevation.to_radians();
         let s = Sky::new(&weather).sun_world;
-        let shadows = Shadows::new(&scene, DVec3::new(0.0, 0.0, EYE_HEIGHT_M), DVec3::X, s, Vec::new());
+        let shadows = Shadows::new(&scene, DVec3::new(0.0, 0.0, EYE_HEIGHT_M), DVec3::X, s, None, Vec::new());
         for face in 0..scene.instances[1].mesh.faces.len() as u32 {
             let [a, b, c] = scene.corners(1, face);
             let normal = (b - a).cross(c - a).normalize();
