@@ -91,7 +91,7 @@ impl Mesh {
 /// One shape at several levels of detail, the finest first.
 #[derive(Debug, Clone)]
 pub struct LodSet {
-    /// (used up to this distance from the ego in metres, mesh); the last one is used beyond too.
+    /// (used up to this distance from the ego in metres, mesh); beyond the last limit the shape is left out.
     pub levels: Vec<(f32, Arc<Mesh>)>,
 }
 
@@ -102,13 +102,18 @@ impl LodSet {
         Self { levels: vec![(f32::INFINITY, Arc::new(mesh))] }
     }
 
-    /// The mesh for a distance from the ego.
+    /// The finest mesh.
     ///
     /// # Panics
     /// If there is no level at all, which is a bug in the asset.
     #[must_use]
-    pub fn select(&self, distance_m: f32) -> &Arc<Mesh> {
-        let last = self.levels.last().expect("a shape has at least one level");
-        &self.levels.iter().find(|(limit, _)| distance_m <= *limit).unwrap_or(last).1
+    pub fn finest(&self) -> &Arc<Mesh> {
+        &self.levels.first().expect("a shape has at least one level").1
+    }
+
+    /// The mesh for a distance from the ego; `None` where the shape is too far to matter.
+    #[must_use]
+    pub fn select(&self, distance_m: f32) -> Option<&Arc<Mesh>> {
+        self.levels.iter().find(|(limit, _)| distance_m <= *limit).map(|(_, mesh)| mesh)
     }
 }

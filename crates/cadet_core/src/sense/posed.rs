@@ -40,23 +40,23 @@ impl PosedInstance {
 pub struct PosedScene {
     /// All vertices, instance after instance, in single precision: no sensor sees anything finer.
     pub vertices_world: Vec<Vec3>,
-    /// The instances, in the snapshot's order.
+    /// The instances, in the snapshot's order, without those that are too far to matter.
     pub instances: Vec<PosedInstance>,
 }
 
 impl PosedScene {
-    /// Chooses levels of detail by the distance to `viewer_world` (the ego) and poses every vertex.
+    /// Chooses levels of detail by the distance to `viewer_world` (the ego), leaves out what is too small at its
+    /// distance, and poses every vertex.
     #[must_use]
     pub fn new(instances: &[Instance], viewer_world: DVec3) -> Self {
-        let mut scene = Self { vertices_world: Vec::new(), instances: Vec::with_capacity(instances.len()) };
-        for instance in instances {
+        let chosen: Vec<(&Instance, &Arc<Mesh>)> =
+            instances.iter().filter_map(|i| Some((i, level_for(i, viewer_world)?))).collect();
+        let num_vertices = chosen.iter().map(|(_, mesh)| mesh.vertices.len()).sum();
+        let mut scene =
+            Self { vertices_world: Vec::with_capacity(num_vertices), instances: Vec::with_capacity(chosen.len()) };
+        for (instance, mesh) in chosen {
             let rotation = DMat3::from_quat(instance.world_from_local.rotation);
             let translation = instance.world_from_local.translation;
-            // Distance to the bounds of the finest level, so that the choice does not depend on the choice.
-            let finest = &instance.shape.select(0.0).bounds;
-            let middle = rotation * finest.center().as_dvec3() + translation;
-            let distance_m = ((middle - viewer_world).length() - f64::from(finest.size().length()) / 2.0).max(0.0);
-            let mesh = Arc::clone(instance.shape.select(distance_m as f32));
             let start = scene.vertices_world.len();
             scene
                 .vertices_world
@@ -68,7 +68,7 @@ impl PosedScene {
                 world_from_local: rotation,
                 vertices: start..scene.vertices_world.len(),
                 actor_id: instance.actor_id,
-                mesh,
+                mesh: Arc::clone(mesh),
                 center_world,
                 radius_m,
             });
@@ -89,4 +89,13 @@ impl PosedScene {
     pub fn num_triangles(&self) -> usize {
         self.instances.iter().map(|i| i.mesh.faces.len()).sum()
     }
+}
+
+/// The level of detail of an instance, by the distance from the viewer to the bounds of its finest level, so that the
+/// choice does not depend on the choice.
+fn level_for(instance: &Instance, viewer_world: DVec3) -> Option<&Arc<Mesh>> {
+    let bounds = &instance.shape.finest().bounds;
+    let middle = instance.world_from_local.transform_point(bounds.center().as_dvec3());
+    let distance_m = ((middle - viewer_world).length() - f64::from(bounds.size().length()) / 2.0).max(0.0);
+    instance.shape.select(distance_m as f32)
 }

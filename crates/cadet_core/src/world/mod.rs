@@ -61,7 +61,10 @@ pub struct World {
     cars: Vec<Car>,
     parked: Vec<Parked>,
     walkers: Vec<Walker>,
+    /// Models by class and the seed that somebody named.
     models: BTreeMap<(ObjectClass, u64), Arc<VehicleModel>>,
+    /// The town's own vehicles by class and number.
+    fleet: BTreeMap<(ObjectClass, u64), Arc<VehicleModel>>,
     traffic: Option<TrafficConfig>,
     steps: u64,
     next_id: i32,
@@ -92,6 +95,7 @@ impl World {
             parked: Vec::new(),
             walkers: Vec::new(),
             models: BTreeMap::new(),
+            fleet: BTreeMap::new(),
             traffic: None,
             steps: 0,
             next_id: 1,

@@ -13,7 +13,7 @@ use super::settle::settle;
 use super::{EGO, World, open_lanes};
 use crate::actor::ObjectClass;
 use crate::assets::person::PersonModel;
-use crate::assets::vehicle::VehicleModel;
+use crate::assets::vehicle::{self, VehicleModel};
 use crate::error::{Error, Result};
 use crate::geometry::{LodSet, MeshBuilder};
 use crate::material::{Material, Palette, Pattern, Semantic};
@@ -204,8 +204,11 @@ impl World {
     fn fleet_model(&mut self, stream: &mut Stream, class: ObjectClass) -> Arc<VehicleModel> {
         let num = self.traffic.as_ref().map_or(1, |t| t.num_models);
         let num = if class == ObjectClass::Car { num } else { num.div_ceil(6) };
-        let seed = self.key.indexed("fleet", stream.below(num) as u64).next_u64();
-        self.vehicle_model(class, seed)
+        let number = stream.below(num) as u64;
+        let mut fleet = self.key.indexed("fleet", number);
+        let (shape, paint_seed) = (fleet.below(vehicle::num_designs(class)), fleet.next_u64());
+        let make = || Arc::new(vehicle::design(class, shape).painted(paint_seed));
+        Arc::clone(self.fleet.entry((class, number)).or_insert_with(make))
     }
 
     fn park_cars(&mut self, config: &TrafficConfig) {

@@ -43,7 +43,8 @@ pub(super) fn mesh(variant: usize, length: f32, detail: Detail) -> Mesh {
     let size: f32 = detail.pick(0.13, 0.27, 0.7);
     let coverage: f32 = detail.pick(1.0, 0.9, 0.2);
     let ends = height * depth / area;
-    for _ in 0..(2.0 * coverage * area * (1.0 + 2.0 * ends) / (size * size)) as usize {
+    // A card is two triangles of size^2 / 2.
+    for _ in 0..(coverage * area * (1.0 + 2.0 * ends) / (size * size)) as usize {
         let x = range(s, 0.0, length);
         let along = range(s, 0.0, 2.0 * height + depth);
         let rough = range(s, -0.05, 0.07);

@@ -1,4 +1,4 @@
-//! Leaf cards: many small triangles about a crown, shaded as if the crown were soft.
+//! Leaf cards: many small folded leaves about a crown, shaded as if the crown were soft.
 
 use super::Mesh;
 use super::draw::direction;
@@ -12,12 +12,13 @@ use crate::rng::Stream;
 pub(super) struct Leaves {
     vertices: Vec<Vec3>,
     normals: Vec<Vec3>,
+    faces: Vec<[u32; 3]>,
     slots: Vec<u8>,
 }
 
 impl Leaves {
-    /// Adds a card: a triangle about `middle`, its plane's normal `facing`, its area about `size`^2 / 2; its shading
-    /// normal is bent to `outward`.
+    /// Adds a card: a kite about `middle`, folded along its longer diagonal, its area about `size`^2, its two triangles
+    /// facing about `facing`; its shading normal is bent to `outward`.
     pub fn card(&mut self, s: &mut Stream, middle: Vec3, facing: Vec3, outward: Vec3, size: f32) {
         self.card_within(s, middle, facing, outward, size, (middle, f32::INFINITY));
     }
@@ -35,32 +36,34 @@ impl Leaves {
         let side = direction(s).cross(facing).normalize_or(Vec3::X);
         let up = facing.cross(side);
         // From squat to slender at the same area.
-        let stretch = s.range(0.8, 1.35) as f32;
-        let (w, h) = (size / stretch, size * stretch);
-        let skew = s.range(-0.35, 0.35) as f32;
+        let stretch = s.range(0.85, 1.35) as f32 * std::f32::consts::FRAC_1_SQRT_2;
+        let (w, h) = (0.5 * size / stretch, size * stretch);
+        let (skew, fold) = (s.range(-0.5, 0.5) as f32, s.range(-0.8, 0.8) as f32);
         let corners = [
-            middle - side * (w * 0.5) - up * (h * 0.35),
-            middle + side * (w * 0.5) - up * (h * 0.3),
-            middle + side * (w * skew) + up * (h * 0.65),
+            middle - up * h,
+            middle + side * w + up * (h * skew) + facing * (w * fold),
+            middle + up * h,
+            middle - side * w - up * (h * skew) + facing * (w * fold),
         ]
         .map(|p| if radius.is_finite() { center + (p - center).clamp_length_max(radius) } else { p });
         let normal = (outward + direction(s) * 0.45).normalize_or(Vec3::Z);
         // Counter-clockwise towards the shading normal: a card has two sides, this one counts as its front.
-        let flip = (corners[1] - corners[0]).cross(corners[2] - corners[0]).dot(normal) < 0.0;
-        self.vertices.extend(if flip { [corners[0], corners[2], corners[1]] } else { corners });
-        self.normals.extend([normal; 3]);
+        let flip = (corners[2] - corners[0]).cross(corners[3] - corners[1]).dot(normal) < 0.0;
+        let base = self.vertices.len() as u32;
+        self.faces.extend(if flip { [[0, 2, 1], [0, 3, 2]] } else { [[0, 1, 2], [0, 2, 3]] }.map(|f| f.map(|i| base + i)));
+        self.vertices.extend(corners);
+        self.normals.extend([normal; 4]);
         let slot = match s.weighted(&[0.55, 0.25, 0.20]) {
             0 => slot::LEAF,
             1 => slot::LIGHT_LEAF,
             _ => slot::DARK_LEAF,
         };
-        self.slots.push(slot);
+        self.slots.extend([slot; 2]);
     }
 
     /// Joins the cards with what a builder holds (wood, a hedge's core), if it holds anything.
     pub fn build(self, name: &str, wood: &MeshBuilder) -> Mesh {
-        let Self { mut vertices, mut normals, mut slots } = self;
-        let mut faces: Vec<[u32; 3]> = (0..slots.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let Self { mut vertices, mut normals, mut faces, mut slots } = self;
         if wood.num_faces() > 0 {
             let core = wood.build(name, 1.2);
             let base = vertices.len() as u32;

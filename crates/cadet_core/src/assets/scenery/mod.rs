@@ -76,15 +76,15 @@ enum Detail {
     Near,
     Mid,
     Far,
+    /// Of trees alone: what closes the horizon.
+    Distant,
 }
 
 impl Detail {
-    /// Levels of detail that change at the given distances from the ego.
-    fn levels(near_to_m: f32, mid_to_m: f32, mesh: impl Fn(Self) -> Mesh) -> Arc<LodSet> {
+    /// Levels of detail that change at the given distances from the ego; beyond the last one nothing is seen.
+    fn levels([near, mid, far]: [f32; 3], mesh: impl Fn(Self) -> Mesh) -> Arc<LodSet> {
         let level = |limit, detail| (limit, Arc::new(mesh(detail)));
-        Arc::new(LodSet {
-            levels: vec![level(near_to_m, Self::Near), level(mid_to_m, Self::Mid), level(f32::INFINITY, Self::Far)],
-        })
+        Arc::new(LodSet { levels: vec![level(near, Self::Near), level(mid, Self::Mid), level(far, Self::Far)] })
     }
 
     /// The value for this level.
@@ -92,7 +92,7 @@ impl Detail {
         match self {
             Self::Near => near,
             Self::Mid => mid,
-            Self::Far => far,
+            Self::Far | Self::Distant => far,
         }
     }
 }

@@ -146,7 +146,7 @@ impl TreeDesign {
             let r = self.trunk_radius;
             let stations =
                 [(bend(-0.4), r * 1.35), (bend(0.25), r * 1.08), (bend(fork * 0.6), r * 0.85), (bend(fork), r * 0.6)];
-            if detail == Detail::Far {
+            if detail >= Detail::Far {
                 path_tube(wood, &[stations[0], stations[3]], sides, slot::BARK);
             } else {
                 path_tube(wood, &stations, sides, slot::BARK);
@@ -167,13 +167,18 @@ impl TreeDesign {
         // Blobs overlap, so the area is spread over less than the sum of their volumes.
         let shrub = self.kind == TreeKind::Shrub;
         let area = volume * LEAF_AREA_PER_M3 * if shrub { 3.0 } else { 0.8 };
-        let budget: f32 = if shrub { detail.pick(900.0, 200.0, 20.0) } else { detail.pick(5200.0, 1250.0, 80.0) };
+        let budget: f32 = match detail {
+            Detail::Distant => 30.0,
+            _ if shrub => detail.pick(800.0, 200.0, 20.0),
+            _ => detail.pick(4000.0, 900.0, 80.0),
+        };
         let smallest: f32 = if shrub { 0.09 } else { 0.2 };
         let size = (2.0 * area / budget).sqrt().max(smallest);
         let count = ((2.0 * area / (size * size)) as usize).min(budget as usize);
         let per_cluster = detail.pick(10, 4, 1);
         let middle = Vec3::Z * (self.crown_base + self.height) * 0.5;
-        for _ in 0..count.div_ceil(per_cluster) {
+        // A card is two triangles.
+        for _ in 0..(count / 2).div_ceil(per_cluster) {
             let blob = self.blobs[s.weighted(&weights)];
             // Cubic root for an even fill, a little denser at the outside where the light is.
             let rho = crate::math::powf(s.unit() as f32, 0.28);
@@ -197,11 +202,11 @@ impl TreeDesign {
         let span = self.height - self.crown_base;
         let volume = 1.05 * self.crown_radius * self.crown_radius * span;
         let area = volume * LEAF_AREA_PER_M3 * 1.9;
-        let budget: f32 = detail.pick(4200.0, 1000.0, 70.0);
+        let budget: f32 = if detail == Detail::Distant { 30.0 } else { detail.pick(3200.0, 800.0, 70.0) };
         let size = (2.0 * area / budget).sqrt().max(0.15);
         let count = ((2.0 * area / (size * size)) as usize).min(budget as usize);
         let layers = (span / 0.55).ceil();
-        for _ in 0..count {
+        for _ in 0..count / 2 {
             // A cone has most of its volume low; layers droop outwards.
             let t = 1.0 - crate::math::powf(s.unit() as f32, 0.45);
             let t = ((t * layers).floor() + range(s, 0.15, 0.85)) / layers;

@@ -5,6 +5,7 @@ mod details;
 mod dimensions;
 mod glasshouse;
 mod interior;
+mod library;
 mod outline;
 mod paint;
 mod surface;
@@ -20,6 +21,8 @@ use crate::material::Palette;
 use crate::math::{DVec3, Vec3};
 use crate::rng::Stream;
 
+pub use library::{design, num_designs};
+
 use body::Styling;
 use details::Fittings;
 use dimensions::Dimensions;
@@ -31,7 +34,11 @@ use surface::Surface;
 use wheels::Rim;
 
 /// Where the levels of detail end, metres from the ego.
-const LEVEL_LIMITS_M: [f32; 3] = [15.0, 35.0, f32::INFINITY];
+const LEVEL_LIMITS_M: [f32; 3] = [15.0, 32.0, f32::INFINITY];
+/// Nobody sees wheels beyond this distance (a wheel is 3 pixels tall there), metres.
+const WHEELS_TO_M: f32 = 150.0;
+/// Nobody sees who sits inside beyond this distance, metres.
+const OCCUPANTS_TO_M: f32 = 70.0;
 /// Faces that meet at more than this angle show an edge.
 const CREASE_RAD: f32 = 0.55;
 
@@ -67,6 +74,13 @@ impl VehicleModel {
         Self::of_dimensions(class, model_seed, d, &mut s)
     }
 
+    /// The same vehicle in the colours of another.
+    #[must_use]
+    pub fn painted(&self, paint_seed: u64) -> Self {
+        let palette = paint::palette(self.class, &mut Stream::from_seed("vehicle paint", paint_seed));
+        Self { palette: Arc::new(palette), ..self.clone() }
+    }
+
     fn of_dimensions(class: ObjectClass, model_seed: u64, d: Dimensions, s: &mut Stream) -> Self {
         let palette = paint::palette(class, s);
         let is_old = s.chance(0.2);
@@ -98,8 +112,8 @@ impl VehicleModel {
         let outline = Outline::new(d.clone());
         let house = Glasshouse::new(&outline, slot::REAR_SIDE_GLASS);
         let seats = Seats::new(&outline, &house);
-        let lods = |make: &mut dyn FnMut(usize) -> Surface, crease: f32| {
-            let level = |k: usize| (LEVEL_LIMITS_M[k], Arc::new(make(k).builder.build(d.name, crease)));
+        let lods = |make: &mut dyn FnMut(usize) -> Surface, crease: f32, to_m: f32| {
+            let level = |k: usize| (LEVEL_LIMITS_M[k].min(to_m), Arc::new(make(k).builder.build(d.name, crease)));
             Arc::new(LodSet { levels: (0..3).map(level).collect() })
         };
         let mut fits = Vec::with_capacity(3);
@@ -114,6 +128,7 @@ impl VehicleModel {
                 surface
             },
             CREASE_RAD,
+            f32::INFINITY,
         );
         let driver = lods(
             &mut |k| {
@@ -122,9 +137,10 @@ impl VehicleModel {
                 surface
             },
             1.2,
+            OCCUPANTS_TO_M,
         );
         let mut wheel_centers = [Vec3::ZERO; 4];
-        let wheel = lods(&mut |k| wheels::wheel(&d, rim, k), CREASE_RAD);
+        let wheel = lods(&mut |k| wheels::wheel(&d, rim, k), CREASE_RAD, WHEELS_TO_M);
         let hub_y = |x: f32| outline.half_width(x, 0.2) - 0.022 - d.tyre_width / 2.0;
         for (i, c) in wheel_centers.iter_mut().enumerate() {
             let x = d.axles_x[i / 2];
