@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::EGO;
 use super::chassis::Chassis;
 use super::driver::{COMFORTABLE_MPS2, Habits, Obstacle, gap_along, pedals, pursue};
 use super::junctions::Junctions;
@@ -21,6 +22,8 @@ const SIDE_STANDING_M: f64 = 0.12;
 const SIDE_MOVING_M: f64 = 0.25;
 /// Where the front bumper stops before a junction's first point: out of the sweep of those who turn in.
 const STOP_LINE_M: f64 = 3.3;
+/// The ego asks for its way across a junction this much earlier than others do.
+const EGO_ASKS_EARLIER_M: f64 = 20.0;
 
 /// A driven car.
 pub(super) struct Car {
@@ -156,7 +159,8 @@ impl Car {
             start_m += roads.lane(*id).length_m();
         }
         let front_m = start_m - self.half_length_m() - STOP_LINE_M;
-        let zone_m = speed_mps * speed_mps / (2.0 * COMFORTABLE_MPS2) + 0.5 * speed_mps.max(0.0) + 6.0;
+        let early_m = if index == EGO { EGO_ASKS_EARLIER_M } else { 0.0 };
+        let zone_m = speed_mps * speed_mps / (2.0 * COMFORTABLE_MPS2) + 0.5 * speed_mps.max(0.0) + 6.0 + early_m;
         // Over the line there is no stopping any more.
         if k == 0 || front_m > zone_m || front_m < -STOP_LINE_M - 0.5 {
             return None;
@@ -205,6 +209,7 @@ impl Car {
         if let Some(route) = &mut self.route {
             let position = self.chassis.world_from_box(physics).translation;
             route.track(position, roads, |lane, end_m| junctions.leaving(index, lane, end_m + tail_m));
+            junctions.advance(index, route.lanes[0], route.s_m - tail_m);
             junctions.release_cleared(index, route.odometer_m());
         }
         let standing = self.chassis.speed_mps(physics).abs() < 0.1;

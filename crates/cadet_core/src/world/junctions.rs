@@ -1,8 +1,9 @@
 //! Right of way: who crosses a junction when. A lane across a junction is reserved before it is entered; lanes that
 //! come too near to each other exclude one another; the first to come is the first to go.
 
+use super::EGO;
 use super::route::Roads;
-use crate::math::{self, DVec2};
+use crate::math::{self, DVec3};
 use crate::town::{Lane, LaneId, LaneKind};
 
 /// Straight lanes nearer than this to each other can't be used at once.
@@ -18,6 +19,8 @@ struct Reservation {
     /// The lane on which it leaves the junction, and the room that it takes there.
     exit: LaneId,
     room_m: f64,
+    /// How far the car's tail has come along the lane.
+    tail_m: f64,
     /// Set once the car's middle has left the lane: the odometer at which its tail has left too.
     clear_at_m: Option<f64>,
 }
@@ -34,7 +37,8 @@ struct Waiting {
 /// Conflicts between lanes, and who holds and wants which.
 #[derive(Debug, Default)]
 pub(super) struct Junctions {
-    conflicts: Vec<Vec<LaneId>>,
+    /// For each lane the lanes that can't be used with it, and how far along it they come too near.
+    conflicts: Vec<Vec<(LaneId, f64)>>,
     held: Vec<Reservation>,
     waiting: Vec<Waiting>,
 }
@@ -48,9 +52,12 @@ impl Junctions {
         for (i, a) in crossing.iter().enumerate() {
             for b in &crossing[i + 1..] {
                 let siblings = a.predecessors.iter().any(|p| b.predecessors.contains(p));
-                if a.junction == b.junction && !siblings && conflict(a, b) {
-                    conflicts[a.id.0].push(b.id);
-                    conflicts[b.id.0].push(a.id);
+                if a.junction == b.junction
+                    && !siblings
+                    && let (Some(until_a_m), Some(until_b_m)) = (conflict_until_m(a, b), conflict_until_m(b, a))
+                {
+                    conflicts[a.id.0].push((b.id, until_a_m));
+                    conflicts[b.id.0].push((a.id, until_b_m));
                 }
             }
         }
@@ -59,8 +66,8 @@ impl Junctions {
 
     /// Lanes that can't be used together with this one.
     #[cfg(test)]
-    pub fn conflicts_of(&self, lane: LaneId) -> &[LaneId] {
-        &self.conflicts[lane.0]
+    pub fn conflicts_of(&self, lane: LaneId) -> Vec<LaneId> {
+        self.conflicts[lane.0].iter().map(|c| c.0).collect()
     }
 
     pub fn holds(&self, car: usize, lane: LaneId) -> bool {
@@ -101,21 +108,36 @@ impl Junctions {
                 step
             }
         };
-        // Who came earlier and still asks goes first.
+        // The ego is let go first, then who came earlier and still asks.
         let earlier = self.waiting.iter().any(|w| {
             w.car != car
                 && w.seen_step + 30 > step
-                && (w.since_step, w.car) < (since_step, car)
-                && self.conflicts[first.0].contains(&w.lane)
+                && (w.car != EGO, w.since_step, w.car) < (car != EGO, since_step, car)
+                && self.conflicts[first.0].iter().any(|c| c.0 == w.lane)
         });
-        let taken =
-            lanes.iter().any(|l| self.held.iter().any(|r| r.car != car && self.conflicts[l.0].contains(&r.lane)));
+        let taken = self.held.iter().any(|r| {
+            r.car != car && self.conflicts[r.lane.0].iter().any(|(l, until_m)| r.tail_m < *until_m && lanes.contains(l))
+        });
         if earlier || taken {
             return false;
         }
         self.waiting.retain(|w| w.car != car);
-        self.held.extend(lanes.iter().map(|lane| Reservation { car, lane: *lane, exit, room_m, clear_at_m: None }));
+        self.held.extend(lanes.iter().map(|lane| Reservation {
+            car,
+            lane: *lane,
+            exit,
+            room_m,
+            tail_m: f64::NEG_INFINITY,
+            clear_at_m: None,
+        }));
         true
+    }
+
+    /// The car's tail has come this far along the lane that its middle is on.
+    pub fn advance(&mut self, car: usize, lane: LaneId, tail_m: f64) {
+        for r in self.held.iter_mut().filter(|r| r.car == car && r.lane == lane) {
+            r.tail_m = tail_m;
+        }
     }
 
     /// The car's middle has left a lane; its tail follows when the odometer reads `clear_at_m`.
@@ -143,31 +165,17 @@ fn bends(lane: &Lane) -> bool {
     math::atan2(a.perp_dot(b), a.dot(b)).abs() > 0.25
 }
 
-fn conflict(a: &Lane, b: &Lane) -> bool {
-    let limit = if bends(a) || bends(b) { CLEARANCE_IN_BENDS_M } else { CLEARANCE_M };
-    distance_between(a, b) < limit
-}
-
-/// Smallest distance between two polylines in the plane; their points lie at most 2 m apart.
-fn distance_between(a: &Lane, b: &Lane) -> f64 {
-    let point_to_line = |p: DVec2, lane: &Lane| {
-        lane.center.windows(2).fold(f64::INFINITY, |best, w| {
+/// How far along lane `a` a car has to be before another may use lane `b`; `None` if they never come too near.
+fn conflict_until_m(a: &Lane, b: &Lane) -> Option<f64> {
+    let limit_m = if bends(a) || bends(b) { CLEARANCE_IN_BENDS_M } else { CLEARANCE_M };
+    let near = |p: &DVec3| {
+        let p = p.truncate();
+        b.center.windows(2).any(|w| {
             let (q, d) = (p - w[0].truncate(), (w[1] - w[0]).truncate());
-            best.min((q - d * (q.dot(d) / d.length_squared()).clamp(0.0, 1.0)).length())
+            (q - d * (q.dot(d) / d.length_squared()).clamp(0.0, 1.0)).length() < limit_m
         })
     };
-    let crosses = a.center.windows(2).any(|u| {
-        let (p, r) = (u[0].truncate(), (u[1] - u[0]).truncate());
-        b.center.windows(2).any(|v| {
-            let (q, s) = (v[0].truncate(), (v[1] - v[0]).truncate());
-            let denominator = r.perp_dot(s);
-            let (t, w) = ((q - p).perp_dot(s) / denominator, (q - p).perp_dot(r) / denominator);
-            denominator.abs() > 1e-12 && (0.0..=1.0).contains(&t) && (0.0..=1.0).contains(&w)
-        })
-    });
-    if crosses {
-        return 0.0;
-    }
-    let from_a = a.center.iter().map(|p| point_to_line(p.truncate(), b)).fold(f64::INFINITY, f64::min);
-    b.center.iter().map(|p| point_to_line(p.truncate(), a)).fold(from_a, f64::min)
+    // Points lie at most 2 m apart, less than the limit: no crossing slips between two of them.
+    let last = a.center.iter().rposition(near)?;
+    Some(a.s_m.get(last + 1).copied().unwrap_or(f64::INFINITY))
 }

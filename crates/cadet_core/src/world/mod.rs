@@ -3,6 +3,8 @@
 mod car;
 mod chassis;
 mod driver;
+#[cfg(test)]
+mod flow_tests;
 mod junctions;
 mod parked;
 mod pavement;

@@ -1,0 +1,44 @@
+//! That traffic flows: how often the ego stands where views are taken, and for how long.
+
+use super::testing::suburb;
+use super::*;
+use crate::world::spawn::TrafficConfig;
+
+/// Views at which the ego stands, and the longest run of them, over `views` views of a drive.
+fn standing_views(world: &mut World, views: u32) -> (u32, u32) {
+    let (mut standing, mut run, mut longest) = (0, 0, 0);
+    world.step(120);
+    for view in 0..views {
+        if view > 0 {
+            world.drive(10.0, 2.0).unwrap();
+        }
+        let stands = world.ego().velocity_world.length() < 0.1;
+        run = if stands { run + 1 } else { 0 };
+        standing += u32::from(stands);
+        longest = longest.max(run);
+    }
+    (standing, longest)
+}
+
+#[test]
+fn the_ego_seldom_stands_where_views_are_taken() {
+    let (mut standing, mut longest) = (0, 0);
+    let (num_suburbs, num_views) = (10, 20);
+    for seed in 0..num_suburbs {
+        let mut world = World::new(suburb(seed), StreamKey::scene(seed)).unwrap();
+        // From quiet streets to main roads.
+        let num_cars = [8, 14, 20, 28][seed as usize % 4];
+        let config = TrafficConfig { num_cars, num_pedestrians: 24, ..TrafficConfig::default() };
+        world.spawn_traffic(&config).unwrap();
+        let (views, run) = standing_views(&mut world, num_views);
+        standing += views;
+        longest = longest.max(run);
+    }
+    let share = f64::from(standing) / (num_suburbs as f64 * f64::from(num_views));
+    #[allow(clippy::print_stderr)]
+    {
+        eprintln!("standing {share:.3} longest {longest}");
+    }
+    assert!(share <= 0.12, "the ego stands at {share:.3} of the views");
+    assert!(longest <= 4, "the ego stands for {longest} views in a row");
+}
