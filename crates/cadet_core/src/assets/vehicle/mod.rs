@@ -4,6 +4,8 @@ mod body;
 mod details;
 mod dimensions;
 mod glasshouse;
+mod imported;
+mod imported_materials;
 mod interior;
 mod outline;
 mod paint;
@@ -19,6 +21,9 @@ use crate::geometry::{Bounds, LodSet};
 use crate::material::Palette;
 use crate::math::{DVec3, Vec3};
 use crate::rng::Stream;
+
+pub use imported::{UserVehicles, VehicleAsset};
+pub use imported_materials::{MaterialRules, Role};
 
 use body::Styling;
 use details::Fittings;
@@ -48,8 +53,9 @@ pub struct VehicleModel {
     pub body: Arc<LodSet>,
     /// The driver, and a passenger in three of ten, in the box frame: shown in moving vehicles.
     pub driver: Option<Arc<LodSet>>,
-    /// A wheel about its own centre, axle along y, outer face towards +y (the left side).
-    pub wheel: Arc<LodSet>,
+    /// A wheel about its own centre, axle along y, outer face towards +y (the left side); `None` where the wheels are
+    /// part of the body.
+    pub wheel: Option<Arc<LodSet>>,
     /// Wheel centres in the box frame: front left, front right, rear left, rear right.
     pub wheel_centers: [Vec3; 4],
     /// Tyre radius: also the height of the wheel centres.
@@ -138,7 +144,7 @@ impl VehicleModel {
             size_lwh: DVec3::new(f64::from(d.length), f64::from(d.width), f64::from(d.height)),
             body,
             driver: Some(driver),
-            wheel,
+            wheel: Some(wheel),
             wheel_centers,
             wheel_radius_m: f64::from(d.wheel_radius),
             palette: Arc::new(palette),
