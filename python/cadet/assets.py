@@ -187,9 +187,7 @@ def _read_config(root: Path) -> dict[str, Any]:
         raise CadetError(f"{CONFIG}: {error}") from None
 
 
-def _check_keys(
-    owner: str, values: Mapping[str, Any], *, required: tuple[str, ...], optional: tuple[str, ...]
-) -> None:
+def _check_keys(owner: str, values: Mapping[str, Any], *, required: tuple[str, ...], optional: tuple[str, ...]) -> None:
     for key in required:
         if key not in values:
             raise CadetError(f"{owner}: missing key {key!r}")
@@ -206,12 +204,13 @@ def _vehicle(root: Path, number: int, table: Mapping[str, Any]) -> VehicleMesh:
         raise CadetError(f"{owner}.materials: expected a table, got {materials!r}")
     path = _inside(root, table["mesh"], owner)
     obj = _read_text(path, f"{owner}: no mesh {table['mesh']!r}")
+    libraries = tuple((name, _read_library(path, name, owner)) for name in _library_names(obj))
     try:
         return VehicleMesh(
             name=table["name"],
             type=table["class"],
             obj=obj,
-            libraries=tuple((name, _read_library(path, name, owner)) for name in _library_names(obj)),
+            libraries=libraries,
             file=table["mesh"],
             scale=table.get("scale", 1.0),
             yaw_deg=table.get("yaw_deg", 0.0),

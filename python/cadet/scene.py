@@ -171,9 +171,7 @@ class Scene:
         """Actors besides the ego, parked ones too."""
         return self._native.num_actors
 
-    def add(
-        self, kind: str, *, x: float, y: float, yaw: float, model_seed: int = 0, model: str | None = None
-    ) -> int:
+    def add(self, kind: str, *, x: float, y: float, yaw: float, model_seed: int = 0, model: str | None = None) -> int:
         """Put an actor on the ground.
 
         Args:

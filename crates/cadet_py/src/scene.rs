@@ -95,7 +95,15 @@ impl Scene {
         py.detach(|| self.inner.snapshot().actors.len())
     }
 
-    fn add(&mut self, py: Python<'_>, kind: &str, x: f64, y: f64, yaw: f64, model_seed: u64) -> Result<i32, BorderError> {
+    fn add(
+        &mut self,
+        py: Python<'_>,
+        kind: &str,
+        x: f64,
+        y: f64,
+        yaw: f64,
+        model_seed: u64,
+    ) -> Result<i32, BorderError> {
         let class = ObjectClass::from_name(kind)?;
         Ok(py.detach(|| self.inner.add(class, x, y, yaw, model_seed))?)
     }
@@ -194,10 +202,8 @@ impl Scene {
         let hits = py.detach(|| self.inner.cast_rays(&rays)).map_err(BorderError::from)?;
         let range = hits.iter().map(|h| h.as_ref().map_or(f64::INFINITY, |h| h.range_m)).collect();
         let actor = hits.iter().map(|h| h.as_ref().map_or(-1, |h| h.actor_id)).collect();
-        let normals: Vec<_> = hits
-            .iter()
-            .map(|h| h.as_ref().map_or([f64::NAN; 3], |h| h.normal_world.to_array()))
-            .collect();
+        let normals: Vec<_> =
+            hits.iter().map(|h| h.as_ref().map_or([f64::NAN; 3], |h| h.normal_world.to_array())).collect();
         Ok((PyArray1::from_vec(py, range), PyArray1::from_vec(py, actor), arrays::rows(py, normals)))
     }
 

@@ -168,6 +168,9 @@ pub(super) fn triangles(
             }
         }
     }
+    if models.iter().all(|m| m.mesh.indices.is_empty()) {
+        return Err(fail("no faces: is it a Wavefront OBJ file?".to_owned()));
+    }
     if triangles.is_empty() {
         return Err(fail("no triangle with an area".to_owned()));
     }
@@ -232,7 +235,7 @@ mod tests {
             assert!(matches!(&error, Error::Mesh { name, .. } if name == "bad.obj"), "{error}");
             error.to_string()
         };
-        assert_eq!(refuse(""), "bad.obj: no triangle with an area");
+        assert_eq!(refuse(""), "bad.obj: no faces: is it a Wavefront OBJ file?");
         assert_eq!(refuse("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), "bad.obj: no triangle with an area");
         assert_eq!(refuse(TETRAHEDRON), "bad.obj: material library two.mtl: not found");
         assert!(refuse("v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").contains("not finite"));

@@ -62,13 +62,8 @@ impl VehicleModel {
                 return Err(Error::Scene { reason });
             }
         };
-        let options = ImportOptions {
-            scale: asset.scale,
-            y_up: asset.y_up,
-            yaw_rad: asset.yaw_rad,
-            on_ground: false,
-            semantic,
-        };
+        let options =
+            ImportOptions { scale: asset.scale, y_up: asset.y_up, yaw_rad: asset.yaw_rad, on_ground: false, semantic };
         let read = triangles(&asset.file, &asset.obj, &options, |library| {
             let known = asset.libraries.iter().find(|(name, _)| name == library);
             known.map(|(_, text)| text.clone()).ok_or_else(|| "no such file".to_owned())
@@ -126,7 +121,7 @@ impl Fit {
         let found = bounds.size();
         let is_flat = found.min_element() < 1e-4 * found.max_element();
         if !found.is_finite() || is_flat {
-            return Err(format!("no body: its bounds are {} x {} x {}", found.x, found.y, found.z));
+            return Err(format!("no body: its bounds are {:.3} x {:.3} x {:.3}", found.x, found.y, found.z));
         }
         let size = wanted.unwrap_or(found.as_dvec3());
         for ((side, lo, hi), value) in LIMITS_M.iter().zip(size.to_array()) {

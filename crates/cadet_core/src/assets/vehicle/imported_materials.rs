@@ -70,8 +70,7 @@ impl MaterialRules {
     pub fn role(&self, name: &str, opacity: f32) -> Option<Role> {
         let own = |role: &Role| self.0.iter().find(|(r, _)| r == role).map(|(_, patterns)| patterns);
         let is_own = |role: &Role| own(role).is_some_and(|patterns| patterns.iter().any(|p| matches(p, name)));
-        let is_default =
-            |role: &Role| own(role).is_none() && role.default_patterns().iter().any(|p| matches(p, name));
+        let is_default = |role: &Role| own(role).is_none() && role.default_patterns().iter().any(|p| matches(p, name));
         let by_name = || Role::ALL.into_iter().find(is_default);
         Role::ALL.into_iter().find(is_own).or_else(|| if opacity < 0.99 { Some(Role::Glass) } else { by_name() })
     }

@@ -133,7 +133,13 @@ fn paint(class: ObjectClass, semantic: Semantic, s: &mut Stream) -> Material {
     }
 }
 
-pub(super) fn coated(semantic: Semantic, albedo: [f32; 3], roughness: f32, specular: f32, reflectance: f32) -> Material {
+pub(super) fn coated(
+    semantic: Semantic,
+    albedo: [f32; 3],
+    roughness: f32,
+    specular: f32,
+    reflectance: f32,
+) -> Material {
     Material { roughness, specular, ..Material::matt(semantic, albedo, Pattern::Plain, reflectance) }
 }
 
