@@ -23,7 +23,7 @@ PYTHON_ROOMS: dict[str, set[str]] = {
     "config": {"errors"},
     "boxes": {"arrays", "errors", "kitti"},
     "frame": {"arrays", "errors", "kitti"},
-    "kitti": {"arrays", "boxes", "errors", "frame"},
+    "kitti": {"arrays", "boxes", "errors", "frame", "_cadet"},
     "view": {"arrays", "boxes", "errors", "frame", "kitti"},
     "draws": set(),
     "road_map": {"errors"},

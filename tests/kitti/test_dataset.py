@@ -89,16 +89,18 @@ def test_a_frame_is_not_overwritten_unasked(tmp_path: Path) -> None:
     assert read_frame(tmp_path, 0).depth is None
 
 
-def test_a_failed_write_leaves_nothing(tmp_path: Path) -> None:
-    counter = itertools.count()
+def test_a_failed_write_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    encode_png, counter = images.encode_png, itertools.count()
 
     def fail_at_the_second(image: NDArray[Any]) -> bytes:
         if next(counter):
             raise CadetError("no room")
-        return images.encode_png(image)
+        return encode_png(image)
 
-    with pytest.raises(CadetError, match="no room"):
-        write_frame(tmp_path, 0, make_frame(has_maps=True), encode_png=fail_at_the_second)
+    with monkeypatch.context() as patched:
+        patched.setattr(images, "encode_png", fail_at_the_second)
+        with pytest.raises(CadetError, match="no room"):
+            write_frame(tmp_path, 0, make_frame(has_maps=True))
     with pytest.raises(CadetError, match=r"^meta: no JSON: "):
         write_frame(tmp_path, 0, make_frame(meta={"speed": float("nan")}))
     assert all_files(tmp_path) == {}

@@ -17,12 +17,7 @@ pub(crate) fn rows<'py, T: Element + Copy, const N: usize>(
 }
 
 /// A row-major image plane of (height, width).
-pub(crate) fn plane<T: Element>(
-    py: Python<'_>,
-    data: Vec<T>,
-    height: usize,
-    width: usize,
-) -> Bound<'_, PyArray2<T>> {
+pub(crate) fn plane<T: Element>(py: Python<'_>, data: Vec<T>, height: usize, width: usize) -> Bound<'_, PyArray2<T>> {
     PyArray1::from_vec(py, data).reshape_rows(height, width)
 }
 

@@ -11,9 +11,8 @@ use crate::error::BorderError;
 /// Encodes an image as PNG: uint8 (H, W, 3) RGB, uint8 (H, W) or uint16 (H, W), C-contiguous.
 #[pyfunction]
 pub(crate) fn encode_png<'py>(py: Python<'py>, image: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyBytes>> {
-    let refused = || {
-        PyTypeError::new_err("image must be a C-contiguous array: uint8 (H, W, 3), uint8 (H, W) or uint16 (H, W)")
-    };
+    let refused =
+        || PyTypeError::new_err("image must be a C-contiguous array: uint8 (H, W, 3), uint8 (H, W) or uint16 (H, W)");
     let bytes = if let Ok(array) = image.extract::<PyReadonlyArrayDyn<'py, u8>>() {
         let data = array.as_slice().map_err(|_| refused())?;
         match *array.shape() {

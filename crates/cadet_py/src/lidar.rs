@@ -7,12 +7,8 @@ use pyo3::prelude::*;
 use crate::arrays;
 use crate::error::BorderError;
 
-type Rays<'py> = (
-    Bound<'py, PyArray2<f64>>,
-    Bound<'py, PyArray2<f64>>,
-    Bound<'py, PyArray1<i32>>,
-    Bound<'py, PyArray1<i32>>,
-);
+type Rays<'py> =
+    (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<i32>>, Bound<'py, PyArray1<i32>>);
 
 /// A LIDAR's beams and returns.
 #[pyclass(frozen, module = "cadet._cadet")]

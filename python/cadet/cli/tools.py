@@ -12,7 +12,7 @@ from cadet.errors import CadetError
 from cadet.kitti.lint import lint
 from cadet.view import overview, view_frame
 
-_OVERVIEW_ROWS = 5
+_OVERVIEW_ROWS = 4
 _FINDINGS_SHOWN = 50
 
 

@@ -10,7 +10,6 @@ import json
 from dataclasses import replace
 from hashlib import sha256
 
-from cadet import _cadet
 from cadet.errors import CadetError
 from cadet.frame import Frame
 from cadet.generate.settings import Settings
@@ -35,7 +34,7 @@ def put_frame(sink: Sink, settings: Settings, frame_id: str, frame: Frame) -> No
         instance=frame.instance if "instance" in settings.extras else None,
         semantic=frame.semantic if "semantic" in settings.extras else None,
     )
-    files = encode_frame(wanted, encode_png=_cadet.encode_png)
+    files = encode_frame(wanted)
     hashes = {folder: sha256(data).hexdigest() for folder, data in files.items()}
     for folder, data in files.items():
         sink.put(object_name(folder, frame_id), data)

@@ -107,18 +107,17 @@ def check_files(root: str | Path, frame_id: str | int) -> list[tuple[str, CadetE
     return wrong + _label_errors(folder, frame_id)
 
 
-def encode_frame(frame: Frame, *, encode_png: images.EncodePng = images.encode_png) -> dict[str, bytes]:
+def encode_frame(frame: Frame) -> dict[str, bytes]:
     """Return the bytes of a frame's files by folder; what is None has no entry.
 
     Args:
         frame: the frame.
-        encode_png: turns an image into a PNG file's bytes.
 
     Raises:
         CadetError: what the format cannot hold: an instance id above 65534, a `meta` that is no JSON.
     """
     contents = {
-        "image_2": encode_png(frame.image),
+        "image_2": images.encode_png(frame.image),
         "velodyne": bytes_from_points(frame.points_velo),
         "calib": frame.calib.to_text().encode("ascii"),
         "label_2": text_from_labels(frame.labels).encode("ascii"),
@@ -128,11 +127,11 @@ def encode_frame(frame: Frame, *, encode_png: images.EncodePng = images.encode_p
     if frame.meta is not None:
         contents["meta"] = encode_meta(frame.meta)
     if frame.depth is not None:
-        contents["depth"] = encode_png(images.pixels_from_depth(frame.depth))
+        contents["depth"] = images.encode_png(images.pixels_from_depth(frame.depth))
     if frame.instance is not None:
-        contents["instance"] = encode_png(images.pixels_from_instance(frame.instance))
+        contents["instance"] = images.encode_png(images.pixels_from_instance(frame.instance))
     if frame.semantic is not None:
-        contents["semantic"] = encode_png(frame.semantic)
+        contents["semantic"] = images.encode_png(frame.semantic)
     return contents
 
 
@@ -154,7 +153,6 @@ def write_frame(
     frame: Frame,
     *,
     overwrite: bool = False,
-    encode_png: images.EncodePng = images.encode_png,
 ) -> None:
     """Write one frame under `root/training`; what is None is not written. Files appear whole or not at all.
 
@@ -163,7 +161,6 @@ def write_frame(
         frame_id: six digits, or the number they make.
         frame: the frame.
         overwrite: replace a frame that is there; its files that `frame` lacks are removed.
-        encode_png: turns an image into a PNG file's bytes.
 
     Raises:
         FrameExistsError: the frame is there and `overwrite` is not set.
@@ -174,7 +171,7 @@ def write_frame(
     present = [path for kind in SUFFIXES if (path := file_path(folder, kind, frame_id)).exists()]
     if present and not overwrite:
         raise FrameExistsError(f"{present[0]}: frame {frame_id} exists; pass overwrite=True to replace it")
-    contents = encode_frame(frame, encode_png=encode_png)
+    contents = encode_frame(frame)
     paths = {file_path(folder, kind, frame_id): data for kind, data in contents.items()}
     write_whole(paths)
     for path in present:

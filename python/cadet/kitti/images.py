@@ -8,18 +8,15 @@ semantic: 8 bit, the values themselves.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, Final
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from cadet import _cadet
 from cadet.arrays import check_array
 from cadet.errors import CadetError, KittiFormatError, ShapeError
-
-EncodePng = Callable[[NDArray[Any]], bytes]
-"""Encodes (H, W, 3) uint8 RGB, (H, W) uint8 or (H, W) uint16 as a PNG file."""
 
 DEPTH_STEPS_PER_M: Final = 256.0
 """16-bit depth values a metre."""
@@ -38,7 +35,6 @@ def encode_png(image: NDArray[Any]) -> bytes:
 
     Raises:
         ShapeError: another shape or dtype, or no pixels.
-        CadetError: the encoder failed.
     """
     is_color = isinstance(image, np.ndarray) and image.ndim == _NUM_COLORS
     if is_color:
@@ -47,11 +43,7 @@ def encode_png(image: NDArray[Any]) -> bytes:
         check_array(image, "image", ("H", "W"), np.uint16 if getattr(image, "dtype", None) == np.uint16 else np.uint8)
     if image.size == 0:
         raise ShapeError(f"image: no pixels: {image.shape}")
-    stored = cv2.cvtColor(image, cv2.COLOR_RGB2BGR) if is_color else image
-    is_encoded, data = cv2.imencode(".png", stored, [cv2.IMWRITE_PNG_COMPRESSION, 1])
-    if not is_encoded:
-        raise CadetError(f"image: cannot encode {image.shape} {image.dtype.name} as PNG")
-    return data.tobytes()
+    return _cadet.encode_png(np.ascontiguousarray(image))
 
 
 def decode_image(data: bytes, file: str = "image") -> NDArray[np.uint8]:

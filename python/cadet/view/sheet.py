@@ -29,7 +29,7 @@ _MARGIN: Final = 20
 _CAPTION: Final = 30
 _CAMERA_WIDTH: Final = 1000
 _LEGEND_COLUMNS: Final = 5
-_OVERVIEW_BEV_SHARE: Final = 0.285
+_OVERVIEW_BEV_SHARE: Final = 0.4
 
 
 def figures(frame: Frame) -> dict[str, style.Image]:
@@ -87,7 +87,7 @@ def sheet(frame: Frame, title: str = "") -> style.Image:
 
 
 def overview(frames: Iterable[Frame], path: str | Path, *, width: int = 1600) -> Path:
-    """Write a contact sheet: a row for each frame, boxes in the image beside the figure from above.
+    """Write a contact sheet: for each frame its boxes above its LIDAR in the image, beside the figure from above.
 
     Args:
         frames: the frames, best 3 to 6; they must not be none.
@@ -104,7 +104,9 @@ def overview(frames: Iterable[Frame], path: str | Path, *, width: int = 1600) ->
     camera_width = width - bev_width - 3 * _MARGIN
     rows = []
     for frame in frames:
-        camera = _resized(boxes_figure(_magnified(frame)), camera_width)
+        large = _magnified(frame)
+        figures = [_resized(figure(large), camera_width) for figure in (boxes_figure, lidar_figure)]
+        camera = np.concatenate([figures[0], style.filled(_MARGIN // 2, camera_width), figures[1]])
         bev = _fitted(bev_figure(frame, bev_width, has_text=False), len(camera))
         row = style.filled(len(camera), width)
         row[:, _MARGIN : _MARGIN + camera_width] = camera

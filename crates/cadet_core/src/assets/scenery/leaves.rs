@@ -3,7 +3,7 @@
 use super::Mesh;
 use super::draw::direction;
 use super::materials::plant_slot as slot;
-use crate::geometry::{Bounds, MeshBuilder};
+use crate::geometry::MeshBuilder;
 use crate::math::Vec3;
 use crate::rng::Stream;
 
