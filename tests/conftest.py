@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import sys
+from collections.abc import Iterator
 from importlib.machinery import PathFinder
 from typing import Any
 
@@ -12,7 +13,7 @@ import pytest
 
 import fake_native
 
-_FAKED = ("Scene", "Lidar", "encode_png", "weather_names", "__version__")
+_FAKED = ("Assets", "Scene", "Lidar", "encode_png", "weather_names", "__version__")
 
 
 def _is_core_built() -> bool:
@@ -36,13 +37,17 @@ def pytest_report_header() -> list[str]:
 
 
 @pytest.fixture
-def fake_core(monkeypatch: pytest.MonkeyPatch) -> Any:
+def fake_core(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
     """Put the fake core's parts into the place of the real one's."""
     core = sys.modules.get("cadet._cadet") or importlib.import_module("cadet._cadet")
     for name in _FAKED:
         monkeypatch.setattr(core, name, getattr(fake_native, name))
     monkeypatch.delenv("CADET_FAKE", raising=False)
-    return fake_native
+    # What one core has built is nothing to the other.
+    built = importlib.import_module("cadet.assets")._native
+    built.cache_clear()
+    yield fake_native
+    built.cache_clear()
 
 
 @pytest.fixture(scope="session")

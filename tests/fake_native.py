@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 import signal
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 from zlib import crc32
 
@@ -65,6 +65,17 @@ class Lidar:
         return np.full((6, 3), [0.0, 0.0, self._height_m]), np.eye(3)[column], ring, column
 
 
+class Assets:
+    def __init__(self, share: float, vehicles: Sequence[Mapping[str, Any]]) -> None:
+        for vehicle in vehicles:
+            if "\nf " not in vehicle["obj"]:
+                raise _error(f"{vehicle['file']}: no faces: is it a Wavefront OBJ file?")
+        self.names = [vehicle["name"] for vehicle in vehicles]
+
+    def models(self) -> list[tuple[str, str, list[float]]]:
+        return [(name, "Car", [4.0, 1.8, 1.5]) for name in self.names]
+
+
 class Scene:
     def __init__(self, key: tuple[int, int, int], rig: Mapping[str, Any], weather: str, map_name: str | None) -> None:
         self.key, self.rig, self.weather, self.map_name = key, rig, weather, map_name
@@ -85,6 +96,7 @@ class Scene:
         weather: str,
         rig: Mapping[str, Any],
         config: Mapping[str, Any],
+        assets: Assets | None,
     ) -> Scene:
         _check_map(map_name, map_xodr)
         assert set(config) == {"num_cars", "num_pedestrians", "parking_occupancy", "label"}
@@ -92,13 +104,23 @@ class Scene:
 
     @staticmethod
     def empty(
-        *, map_name: str | None, map_xodr: str | None, weather: str, rig: Mapping[str, Any], config: Mapping[str, Any]
+        *,
+        map_name: str | None,
+        map_xodr: str | None,
+        weather: str,
+        rig: Mapping[str, Any],
+        config: Mapping[str, Any],
+        assets: Assets | None,
     ) -> Scene:
         _check_map(map_name, map_xodr)
         return Scene((0, 0, 0), rig, weather, map_name)
 
     def add(self, kind: str, x: float, y: float, yaw: float, model_seed: int) -> int:
         self.calls.append(f"add {kind} {x} {y} {yaw} {model_seed}")
+        return len(self.calls)
+
+    def add_model(self, kind: str, model: str, x: float, y: float, yaw: float) -> int:
+        self.calls.append(f"add_model {kind} {model} {x} {y} {yaw}")
         return len(self.calls)
 
     def move_ego(self, x: float, y: float, yaw: float) -> None:

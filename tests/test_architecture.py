@@ -30,12 +30,37 @@ PYTHON_ROOMS: dict[str, set[str]] = {
     "road_map": {"errors"},
     "weather": {"errors", "_cadet"},
     "rig": {"config", "errors", "_cadet"},
-    "policy": {"config", "draws", "errors", "road_map", "weather"},
+    "assets": {"config", "errors", "_cadet"},
+    "policy": {"assets", "config", "draws", "errors", "road_map", "weather"},
     "episode": {"errors", "frame", "kitti", "policy", "rig", "_cadet"},
-    "environment": {"config", "episode", "errors", "frame", "policy", "rig"},
-    "scene": {"arrays", "config", "episode", "errors", "frame", "policy", "rig", "road_map", "weather", "_cadet"},
+    "environment": {"assets", "config", "episode", "errors", "frame", "policy", "rig"},
+    "scene": {
+        "arrays",
+        "assets",
+        "config",
+        "episode",
+        "errors",
+        "frame",
+        "policy",
+        "rig",
+        "road_map",
+        "weather",
+        "_cadet",
+    },
     "generate": {"config", "episode", "errors", "frame", "kitti", "policy", "rig", "sink", "_cadet"},
-    "cli": {"errors", "evaluation", "generate", "kitti", "policy", "rig", "road_map", "view", "weather", "_cadet"},
+    "cli": {
+        "assets",
+        "errors",
+        "evaluation",
+        "generate",
+        "kitti",
+        "policy",
+        "rig",
+        "road_map",
+        "view",
+        "weather",
+        "_cadet",
+    },
 }
 
 # A room of the core and the rooms that it may use.
@@ -63,7 +88,8 @@ CORE_ROOMS: dict[str, set[str]] = {
 CORE_ROOMS["scene"] = set(CORE_ROOMS)
 
 # Nothing but these may be needed to import the package; click and rich serve cadet.cli alone.
-NEEDED = {"cadet", "cv2", "numpy"}
+# tomli is the standard library's tomllib for Python 3.10.
+NEEDED = {"cadet", "cv2", "numpy", "tomli"}
 
 
 def python_files(room: str) -> list[Path]:

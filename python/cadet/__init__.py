@@ -2,6 +2,7 @@
 
 from cadet import kitti
 from cadet._cadet import __version__
+from cadet.assets import Assets, VehicleMesh
 from cadet.config import LabelConfig, SceneConfig
 from cadet.environment import Environment
 from cadet.errors import (
@@ -23,6 +24,7 @@ from cadet.semantic import Semantic
 from cadet.weather import weather_names
 
 __all__ = [
+    "Assets",
     "CadetError",
     "Calibration",
     "Camera",
@@ -49,6 +51,7 @@ __all__ = [
     "SceneConfig",
     "Semantic",
     "ShapeError",
+    "VehicleMesh",
     "__version__",
     "box_iou_3d",
     "box_iou_bev",

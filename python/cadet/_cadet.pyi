@@ -7,7 +7,17 @@ from typing import Any, TypeAlias, final
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Lidar", "Scene", "__version__", "encode_png", "weather_names"]
+__all__ = [
+    "Assets",
+    "Lidar",
+    "Scene",
+    "__version__",
+    "box_iou",
+    "encode_png",
+    "evaluate",
+    "nms_bev",
+    "weather_names",
+]
 
 __version__: str
 
@@ -15,6 +25,13 @@ __version__: str
 _EvaluationSource: TypeAlias = (
     tuple[str | PathLike[str], Sequence[str | None]] | tuple[Sequence[int], Sequence[str], NDArray[np.float64]]
 )
+
+@final
+class Assets:
+    """Vehicles built from a user's meshes (see `cadet.Assets`)."""
+
+    def __new__(cls, share: float, vehicles: Sequence[Mapping[str, Any]]) -> Assets: ...
+    def models(self) -> list[tuple[str, str, list[float]]]: ...
 
 @final
 class Lidar:
@@ -46,10 +63,17 @@ class Scene:
         weather: str,
         rig: Mapping[str, Any],
         config: Mapping[str, Any],
+        assets: Assets | None,
     ) -> Scene: ...
     @staticmethod
     def empty(
-        *, map_name: str | None, map_xodr: str | None, weather: str, rig: Mapping[str, Any], config: Mapping[str, Any]
+        *,
+        map_name: str | None,
+        map_xodr: str | None,
+        weather: str,
+        rig: Mapping[str, Any],
+        config: Mapping[str, Any],
+        assets: Assets | None,
     ) -> Scene: ...
     @property
     def time_s(self) -> float: ...
@@ -58,6 +82,7 @@ class Scene:
     @property
     def num_actors(self) -> int: ...
     def add(self, kind: str, x: float, y: float, yaw: float, model_seed: int) -> int: ...
+    def add_model(self, kind: str, model: str, x: float, y: float, yaw: float) -> int: ...
     def move_ego(self, x: float, y: float, yaw: float) -> None: ...
     def step(self, seconds: float) -> None: ...
     def drive(self, distance_m: float, blocked_s: float) -> None: ...

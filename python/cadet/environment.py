@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
+
+from cadet.assets import Assets, as_assets
 from cadet.config import check_number
 from cadet.episode import Episode
 from cadet.errors import CadetError
@@ -18,15 +22,20 @@ class Environment:
     Args:
         policy: how worlds are drawn; `ResetPolicy.kitti()` if None.
         rig: the sensors; `Rig.kitti()` if None.
+        assets: the user's own vehicles, or their folder; the policy's if None.
     """
 
-    def __init__(self, *, policy: ResetPolicy | None = None, rig: Rig | None = None) -> None:
+    def __init__(
+        self, *, policy: ResetPolicy | None = None, rig: Rig | None = None, assets: Assets | str | Path | None = None
+    ) -> None:
         self.policy = ResetPolicy.kitti() if policy is None else policy
         self.rig = Rig.kitti() if rig is None else rig
         if not isinstance(self.policy, ResetPolicy):
             raise CadetError(f"policy: expected a ResetPolicy, got {policy!r}")
         if not isinstance(self.rig, Rig):
             raise CadetError(f"rig: expected a Rig, got {rig!r}")
+        if assets is not None:
+            self.policy = replace(self.policy, assets=as_assets(assets))
         self._current: Episode | None = None
         self._next_sample = 0
 

@@ -28,6 +28,7 @@ def build_scene(spec: EpisodeSpec, rig: Rig) -> _cadet.Scene:
         weather=spec.weather,
         rig=rig.to_native(),
         config=spec.config.to_native(),
+        assets=None if spec.assets is None else spec.assets.to_native(),
     )
 
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
+from cadet.assets import Assets
 from cadet.config import LabelConfig, SceneConfig, check_number
 from cadet.draws import Draws
 from cadet.errors import CadetError
@@ -72,6 +73,8 @@ class EpisodeSpec:
     """The preset."""
     config: SceneConfig
     """How full the scene is, and what gets a label."""
+    assets: Assets | None = None
+    """The user's own vehicles."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,8 +105,12 @@ class ResetPolicy:
     """Districts with their weights."""
     label: LabelConfig = LabelConfig()
     """What gets a label."""
+    assets: Assets | None = None
+    """The user's own vehicles, to be mixed into the traffic."""
 
     def __post_init__(self) -> None:
+        if self.assets is not None and not isinstance(self.assets, Assets):
+            raise CadetError(f"ResetPolicy.assets: expected cadet.Assets, got {self.assets!r}")
         for name in ("samples_per_episode", "empty_views_limit", "attempts_limit"):
             check_number("ResetPolicy", name, getattr(self, name), 1, 100_000, whole=True)
         check_number("ResetPolicy", "distance_m", self.distance_m, 0, 1000)
@@ -154,11 +161,16 @@ class ResetPolicy:
             road_map=None if map_index is None else self.maps[map_index],
             weather=weather,
             config=config,
+            assets=self.assets,
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the policy in plain values, maps by name and hash, for a manifest."""
-        values = asdict(self)
+        """Return the policy in plain values, maps and assets by name and hash, for a manifest."""
+        values = asdict(replace(self, assets=None))
+        if self.assets is None:
+            del values["assets"]
+        else:
+            values["assets"] = self.assets.to_dict()
         values["maps"] = [{"name": m.name, "sha256": m.sha256} for m in self.maps]
         values["districts"] = [{**asdict(district), "weight": weight} for district, weight in self.districts]
         values["weathers"] = dict(self.weathers)

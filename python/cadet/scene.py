@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cadet import _cadet
 from cadet.arrays import check_array
+from cadet.assets import Assets, as_assets
 from cadet.config import SceneConfig, check_number
 from cadet.episode import Episode, frame_from_native
 from cadet.errors import CadetError
@@ -81,6 +82,7 @@ class Scene:
         rig: Rig | None = None,
         config: SceneConfig | None = None,
         policy: ResetPolicy | None = None,
+        assets: Assets | str | Path | None = None,
     ) -> Scene:
         """Draw a suburb with traffic in which at least one labelled object is in view.
 
@@ -93,16 +95,20 @@ class Scene:
             rig: the sensors; `Rig.kitti()` if None.
             config: how full the scene is; drawn if None.
             policy: draws what is not given; `ResetPolicy.kitti()` if None.
+            assets: the user's own vehicles, or their folder; the policy's if None.
 
         Raises:
-            CadetError: a map that can't be read or driven, an unknown weather, or no labelled object to be found.
-            MissingFileError: there is no such map.
+            CadetError: a map that can't be read or driven, an unknown weather, bad assets, or no labelled object to be
+                found.
+            MissingFileError: there is no such map, or no such assets.
         """
         policy = ResetPolicy.kitti() if policy is None else policy
         if map is not None:
             policy = replace(policy, maps=(RoadMap.read(map),))
         if weather is not None:
             policy = replace(policy, weathers=((check_weather(weather), 1.0),))
+        if assets is not None:
+            policy = replace(policy, assets=as_assets(assets))
         if config is not None and not isinstance(config, SceneConfig):
             raise CadetError(f"config: expected a SceneConfig, got {config!r}")
 
@@ -123,6 +129,7 @@ class Scene:
         weather: str = "clear_noon",
         rig: Rig | None = None,
         config: SceneConfig | None = None,
+        assets: Assets | str | Path | None = None,
     ) -> Scene:
         """Make a scene without traffic, the ego at the start of a lane, to script.
 
@@ -131,11 +138,13 @@ class Scene:
             weather: a preset of `weather_names()`.
             rig: the sensors; `Rig.kitti()` if None.
             config: its `label` says what gets a label.
+            assets: the user's own vehicles, or their folder, for `add`.
 
         Raises:
-            CadetError: a map that can't be read or driven, or an unknown weather.
-            MissingFileError: there is no such map.
+            CadetError: a map that can't be read or driven, an unknown weather, or bad assets.
+            MissingFileError: there is no such map, or no such assets.
         """
+        own = as_assets(assets)
         road_map = None if map is None else RoadMap.read(map)
         native = _cadet.Scene.empty(
             map_name=None if road_map is None else road_map.name,
@@ -143,6 +152,7 @@ class Scene:
             weather=check_weather(weather),
             rig=_check_rig(rig).to_native(),
             config=(SceneConfig() if config is None else config).to_native(),
+            assets=None if own is None else own.to_native(),
         )
         return cls(native)
 
@@ -161,7 +171,7 @@ class Scene:
         """Actors besides the ego, parked ones too."""
         return self._native.num_actors
 
-    def add(self, kind: str, *, x: float, y: float, yaw: float, model_seed: int = 0) -> int:
+    def add(self, kind: str, *, x: float, y: float, yaw: float, model_seed: int = 0, model: str | None = None) -> int:
         """Put an actor on the ground.
 
         Args:
@@ -170,14 +180,17 @@ class Scene:
             y: metres, world frame.
             yaw: radians, counter-clockwise from east.
             model_seed: draws its shape and color.
+            model: the name of one of the scene's own vehicles (`assets`), in place of a drawn shape.
 
         Returns:
             Its actor id, as in `Frame.instance`.
 
         Raises:
-            CadetError: an unknown kind, a number that is not finite, or a place off the ground.
+            CadetError: an unknown kind or model, a number that is not finite, or a place off the ground.
         """
         self._moved(x=x, y=y, yaw=yaw)
+        if model is not None:
+            return self._native.add_model(kind, str(model), float(x), float(y), float(yaw))
         check_number("add", "model_seed", model_seed, 0, 2**63 - 1, whole=True)
         return self._native.add(kind, float(x), float(y), float(yaw), int(model_seed))
 

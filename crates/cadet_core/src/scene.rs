@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::actor::ObjectClass;
+use crate::assets::vehicle::UserVehicles;
 use crate::camera::{Rendered, View, render};
 use crate::error::{Error, Result, finite};
 use crate::label::{ImageBuffers, LabelConfig, Labeled, label_actors, road_plane_cam};
@@ -42,6 +43,8 @@ pub struct SceneConfig {
     pub traffic: TrafficConfig,
     /// The labels'.
     pub label: LabelConfig,
+    /// A user's own vehicles.
+    pub user_vehicles: UserVehicles,
 }
 
 /// Everything that the rig sees at one instant.
@@ -121,7 +124,7 @@ impl Scene {
             TownSource::OpenDrive { name, text } => Town::from_opendrive(&key, name, text, &config.dressing)?,
             TownSource::Flat => Town::flat(),
         };
-        let world = World::new(Arc::new(town), key)?;
+        let world = World::new(Arc::new(town), key)?.with_user_vehicles(config.user_vehicles.clone());
         Ok(Self { key, world, weather, rig, label: config.label.clone().validated()?, sensed: None })
     }
 
@@ -156,6 +159,15 @@ impl Scene {
     pub fn add(&mut self, class: ObjectClass, x: f64, y: f64, yaw: f64, model_seed: u64) -> Result<i32> {
         self.sensed = None;
         self.world.add(class, finite("x", x)?, finite("y", y)?, finite("yaw", yaw)?, model_seed)
+    }
+
+    /// Adds a user's vehicle by the name of its model, standing on the ground, and returns its id.
+    ///
+    /// # Errors
+    /// A place that is not finite or off the ground, a name that no model has, or a model of another class.
+    pub fn add_user_vehicle(&mut self, class: ObjectClass, name: &str, x: f64, y: f64, yaw: f64) -> Result<i32> {
+        self.sensed = None;
+        self.world.add_user_vehicle(class, name, finite("x", x)?, finite("y", y)?, finite("yaw", yaw)?)
     }
 
     /// Puts the ego on the ground at a place, at rest.

@@ -1,6 +1,7 @@
 //! The PyO3 border: one thin wrapper file a core module, one error mapping, one array conversion.
 
 mod arrays;
+mod assets;
 mod error;
 mod evaluate;
 mod fields;
@@ -17,6 +18,7 @@ use pyo3::prelude::*;
 #[pymodule(gil_used = false)]
 fn _cadet(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<assets::Assets>()?;
     module.add_class::<lidar::Lidar>()?;
     module.add_class::<scene::Scene>()?;
     module.add_function(wrap_pyfunction!(evaluate::evaluate, module)?)?;

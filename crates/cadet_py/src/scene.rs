@@ -9,6 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arrays;
+use crate::assets::Assets;
 use crate::error::BorderError;
 use crate::frame;
 use crate::lidar::Lidar;
@@ -40,7 +41,7 @@ fn town_source(map_name: Option<String>, map_xodr: Option<String>, default: core
 #[pymethods]
 impl Scene {
     #[staticmethod]
-    #[pyo3(signature = (seed, episode, attempt, *, map_name, map_xodr, weather, rig, config))]
+    #[pyo3(signature = (seed, episode, attempt, *, map_name, map_xodr, weather, rig, config, assets))]
     fn random(
         py: Python<'_>,
         seed: u64,
@@ -51,17 +52,18 @@ impl Scene {
         weather: &str,
         rig: &Bound<'_, PyDict>,
         config: &Bound<'_, PyDict>,
+        assets: Option<&Assets>,
     ) -> PyResult<Self> {
         let source = town_source(map_name, map_xodr, core::TownSource::Suburb);
         let weather = Weather::preset(weather).map_err(BorderError::from)?;
-        let (rig, config) = (rig::from_dict(rig)?, settings::from_dict(config)?);
+        let (rig, config) = (rig::from_dict(rig)?, settings::from_dict(config, assets)?);
         let key = StreamKey { seed, episode, attempt };
         let inner = py.detach(|| core::Scene::random(key, &source, weather, rig, &config));
         Ok(Self { inner: inner.map_err(BorderError::from)? })
     }
 
     #[staticmethod]
-    #[pyo3(signature = (*, map_name, map_xodr, weather, rig, config))]
+    #[pyo3(signature = (*, map_name, map_xodr, weather, rig, config, assets))]
     fn empty(
         py: Python<'_>,
         map_name: Option<String>,
@@ -69,10 +71,11 @@ impl Scene {
         weather: &str,
         rig: &Bound<'_, PyDict>,
         config: &Bound<'_, PyDict>,
+        assets: Option<&Assets>,
     ) -> PyResult<Self> {
         let source = town_source(map_name, map_xodr, core::TownSource::Flat);
         let weather = Weather::preset(weather).map_err(BorderError::from)?;
-        let (rig, config) = (rig::from_dict(rig)?, settings::from_dict(config)?);
+        let (rig, config) = (rig::from_dict(rig)?, settings::from_dict(config, assets)?);
         let inner = py.detach(|| core::Scene::empty(&source, weather, rig, &config));
         Ok(Self { inner: inner.map_err(BorderError::from)? })
     }
@@ -103,6 +106,19 @@ impl Scene {
     ) -> Result<i32, BorderError> {
         let class = ObjectClass::from_name(kind)?;
         Ok(py.detach(|| self.inner.add(class, x, y, yaw, model_seed))?)
+    }
+
+    fn add_model(
+        &mut self,
+        py: Python<'_>,
+        kind: &str,
+        model: &str,
+        x: f64,
+        y: f64,
+        yaw: f64,
+    ) -> Result<i32, BorderError> {
+        let class = ObjectClass::from_name(kind)?;
+        Ok(py.detach(|| self.inner.add_user_vehicle(class, model, x, y, yaw))?)
     }
 
     fn move_ego(&mut self, py: Python<'_>, x: f64, y: f64, yaw: f64) -> Result<(), BorderError> {

@@ -6,11 +6,12 @@ use cadet_core::world::TrafficConfig;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::assets::Assets;
 use crate::error::{BorderError, CadetError};
 use crate::fields::Fields;
 
-/// The configuration of a flat dictionary with a nested `label`.
-pub(crate) fn from_dict(dict: &Bound<'_, PyDict>) -> PyResult<SceneConfig> {
+/// The configuration of a flat dictionary with a nested `label`, and the user's vehicles.
+pub(crate) fn from_dict(dict: &Bound<'_, PyDict>, assets: Option<&Assets>) -> PyResult<SceneConfig> {
     let mut fields = Fields::new("config", dict)?;
     let traffic = TrafficConfig {
         num_cars: fields.take("num_cars")?,
@@ -20,7 +21,8 @@ pub(crate) fn from_dict(dict: &Bound<'_, PyDict>) -> PyResult<SceneConfig> {
     };
     let label = label_config(&fields.take::<Bound<'_, PyDict>>("label")?)?;
     fields.finish()?;
-    Ok(SceneConfig { traffic, label, ..SceneConfig::default() })
+    let user_vehicles = assets.map_or_else(Default::default, |a| a.vehicles.clone());
+    Ok(SceneConfig { traffic, label, user_vehicles, ..SceneConfig::default() })
 }
 
 fn label_config(dict: &Bound<'_, PyDict>) -> PyResult<LabelConfig> {

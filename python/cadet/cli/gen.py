@@ -13,6 +13,7 @@ import click
 from rich.console import Console
 
 from cadet import _cadet
+from cadet.assets import Assets
 from cadet.cli.errors import INTERRUPTED
 from cadet.cli.progress import reporter
 from cadet.errors import CadetError
@@ -36,6 +37,12 @@ _RIGS = {"kitti": Rig.kitti, "paper": Rig.paper}
 @click.option("--rig", type=click.Choice(list(_RIGS)), help="The sensors.  [default: the policy's]")
 @click.option("--map", "maps", metavar="FILE", multiple=True, help="An OpenDRIVE map; may be repeated.")
 @click.option("--weather", "weathers", metavar="NAME", multiple=True, help="A preset; may be repeated.")
+@click.option(
+    "--assets",
+    metavar="DIR",
+    type=click.Path(path_type=Path),
+    help="Own vehicle meshes: a folder with an assets.toml (docs/assets.md).",
+)
 @click.option("--workers", type=click.IntRange(1, 1024), help="Processes.  [default: one for each processor]")
 @click.option("--image-size", metavar="WxH", help="Scale the image to this size, such as 621x188.")
 @click.option("--write", "write", metavar="LIST", default="", help=f"Write these too: {','.join(EXTRAS)}.")
@@ -55,6 +62,7 @@ def cadet_gen(
     rig: str | None,
     maps: tuple[str, ...],
     weathers: tuple[str, ...],
+    assets: Path | None,
     workers: int | None,
     image_size: str | None,
     write: str,
@@ -73,7 +81,7 @@ def cadet_gen(
     settings = Settings(
         seed=seed,
         num_frames=num_frames,
-        policy=_policy(policy, maps, weathers),
+        policy=_policy(policy, maps, weathers, assets),
         rig=_rig(rig or policy, image_size),
         extras=tuple(name.strip() for name in write.split(",") if name.strip()),
         val_period=round(1.0 / val_fraction) if val_fraction > 0.0 else 0,
@@ -103,7 +111,7 @@ def cadet_gen(
 cadet_gen.help = (cadet_gen.help or "").replace("{weathers}", ", ".join(weather_names()))
 
 
-def _policy(name: str, maps: tuple[str, ...], weathers: tuple[str, ...]) -> ResetPolicy:
+def _policy(name: str, maps: tuple[str, ...], weathers: tuple[str, ...], assets: Path | None) -> ResetPolicy:
     policy = _POLICIES[name]()
     if maps:
         policy = replace(policy, maps=tuple(RoadMap.read(path) for path in maps))
@@ -111,6 +119,8 @@ def _policy(name: str, maps: tuple[str, ...], weathers: tuple[str, ...]) -> Rese
             _check_drivable(road_map)
     if weathers:
         policy = replace(policy, weathers=tuple((check_weather(weather), 1.0) for weather in weathers))
+    if assets is not None:
+        policy = replace(policy, assets=Assets.read(assets))
     return policy
 
 
@@ -118,7 +128,9 @@ def _check_drivable(road_map: RoadMap) -> None:
     """Build the map once, so that a bad one is refused before anything is written."""
     native = Rig.kitti().to_native()
     config = ResetPolicy.kitti().draw(0, 0).config.to_native()
-    _cadet.Scene.empty(map_name=road_map.name, map_xodr=road_map.xodr, weather="clear_noon", rig=native, config=config)
+    _cadet.Scene.empty(
+        map_name=road_map.name, map_xodr=road_map.xodr, weather="clear_noon", rig=native, config=config, assets=None
+    )
 
 
 def _rig(name: str, image_size: str | None) -> Rig:

@@ -69,6 +69,55 @@ pub fn obj(
     options: &ImportOptions,
     library: impl Fn(&str) -> std::result::Result<String, String>,
 ) -> Result<ImportedMesh> {
+    let Triangles { triangles, materials } = triangles(name, text, options, library)?;
+    let mut palette: Vec<Material> = materials.iter().map(|m| material(m, options.semantic)).collect();
+    if triangles.iter().any(|(_, slot)| *slot == palette.len()) {
+        palette.push(Material::matt(options.semantic, GREY, Pattern::Plain, 0.3));
+    }
+    check_num_materials(name, palette.len())?;
+    let foot = if options.on_ground {
+        let bounds = Bounds::of(triangles.iter().flat_map(|(corners, _)| *corners));
+        Vec3::new(bounds.center().x, bounds.center().y, bounds.min.z)
+    } else {
+        Vec3::ZERO
+    };
+    let mut builder = MeshBuilder::new();
+    for ([a, b, c], slot) in triangles {
+        builder.triangle(a - foot, b - foot, c - foot, slot as u8);
+    }
+    Ok(ImportedMesh { mesh: builder.build(name, CREASE_RAD), palette: Palette(palette) })
+}
+
+/// Refuses more materials than a mesh's slots can name.
+///
+/// # Errors
+/// [`Error::Mesh`].
+pub(super) fn check_num_materials(name: &str, num_materials: usize) -> Result<()> {
+    if num_materials <= MAX_MATERIALS {
+        return Ok(());
+    }
+    let reason = format!("{num_materials} materials, at most {MAX_MATERIALS}");
+    Err(Error::Mesh { name: name.to_owned(), reason })
+}
+
+/// A file's triangles in our axes and its materials as it states them.
+pub(super) struct Triangles {
+    /// Corners and material: an index into `materials`, or one past its end where the file names none.
+    pub triangles: Vec<([Vec3; 3], usize)>,
+    /// The materials of all libraries.
+    pub materials: Vec<tobj::Material>,
+}
+
+/// Reads the triangles that have an area, scaled, turned upright and by the yaw, at least one.
+///
+/// # Errors
+/// As [`read_obj`].
+pub(super) fn triangles(
+    name: &str,
+    text: &str,
+    options: &ImportOptions,
+    library: impl Fn(&str) -> std::result::Result<String, String>,
+) -> Result<Triangles> {
     let fail = |reason: String| Error::Mesh { name: name.to_owned(), reason };
     if !(options.scale.is_finite() && options.scale > 0.0) {
         let (value, expected) = (options.scale.to_string(), "above 0 and finite".to_owned());
@@ -93,25 +142,17 @@ pub fn obj(
     }
     let (models, materials) = loaded.map_err(|e| fail(e.to_string()))?;
     let materials = materials.map_err(|e| fail(format!("material library: {e}")))?;
-    let mut palette: Vec<Material> = materials.iter().map(|m| material(m, options.semantic)).collect();
-    if models.iter().any(|m| m.mesh.material_id.is_none()) {
-        palette.push(Material::matt(options.semantic, GREY, Pattern::Plain, 0.3));
-    }
-    if palette.len() > MAX_MATERIALS {
-        return Err(fail(format!("{} materials, at most {MAX_MATERIALS}", palette.len())));
-    }
     let (sin, cos) = (sinf(options.yaw_rad as f32), cosf(options.yaw_rad as f32));
     let place = |p: &[f32]| {
         let p = Vec3::new(p[0], p[1], p[2]) * options.scale as f32;
         let p = if options.y_up { Vec3::new(p.x, -p.z, p.y) } else { p };
         Vec3::new(cos * p.x - sin * p.y, sin * p.x + cos * p.y, p.z)
     };
-    let mut builder = MeshBuilder::new();
-    let mut num_kept = 0;
+    let mut triangles = Vec::new();
     for model in &models {
-        let slot = model.mesh.material_id.unwrap_or(palette.len() - 1);
-        if slot >= palette.len() {
-            return Err(fail(format!("material {slot} of {}", palette.len())));
+        let slot = model.mesh.material_id.unwrap_or(materials.len());
+        if slot > materials.len() {
+            return Err(fail(format!("material {slot} of {}", materials.len())));
         }
         let corners: Vec<Vec3> = model.mesh.positions.chunks_exact(3).map(place).collect();
         if let Some(bad) = corners.iter().find(|c| !c.is_finite()) {
@@ -123,22 +164,17 @@ pub fn obj(
                 return Err(fail(format!("a face names corner {:?} of {}", face.iter().max(), corners.len())));
             };
             if (b - a).cross(c - a).length_squared() > 1e-15 {
-                builder.triangle(a, b, c, slot as u8);
-                num_kept += 1;
+                triangles.push(([a, b, c], slot));
             }
         }
     }
-    if num_kept == 0 {
+    if models.iter().all(|m| m.mesh.indices.is_empty()) {
+        return Err(fail("no faces: is it a Wavefront OBJ file?".to_owned()));
+    }
+    if triangles.is_empty() {
         return Err(fail("no triangle with an area".to_owned()));
     }
-    if options.on_ground {
-        let bounds = Bounds::of(builder.positions_mut().iter().copied());
-        let foot = Vec3::new(bounds.center().x, bounds.center().y, bounds.min.z);
-        for p in builder.positions_mut() {
-            *p -= foot;
-        }
-    }
-    Ok(ImportedMesh { mesh: builder.build(name, CREASE_RAD), palette: Palette(palette) })
+    Ok(Triangles { triangles, materials })
 }
 
 /// The diffuse colour as albedo; what is dissolved is glass.
@@ -199,7 +235,7 @@ mod tests {
             assert!(matches!(&error, Error::Mesh { name, .. } if name == "bad.obj"), "{error}");
             error.to_string()
         };
-        assert_eq!(refuse(""), "bad.obj: no triangle with an area");
+        assert_eq!(refuse(""), "bad.obj: no faces: is it a Wavefront OBJ file?");
         assert_eq!(refuse("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), "bad.obj: no triangle with an area");
         assert_eq!(refuse(TETRAHEDRON), "bad.obj: material library two.mtl: not found");
         assert!(refuse("v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").contains("not finite"));

@@ -38,7 +38,7 @@ use settle::settle;
 
 use crate::actor::ObjectClass;
 use crate::assets::person::PersonModel;
-use crate::assets::vehicle::VehicleModel;
+use crate::assets::vehicle::{UserVehicles, VehicleModel};
 use crate::error::{Error, Result};
 use crate::rng::StreamKey;
 use crate::town::{LaneId, LaneKind, Town};
@@ -67,6 +67,7 @@ pub struct World {
     models: BTreeMap<(ObjectClass, u64), Arc<VehicleModel>>,
     /// The town's own vehicles by class and number.
     fleet: BTreeMap<(ObjectClass, u64), Arc<VehicleModel>>,
+    user_vehicles: UserVehicles,
     traffic: Option<TrafficConfig>,
     steps: u64,
     next_id: i32,
@@ -98,11 +99,19 @@ impl World {
             walkers: Vec::new(),
             models: BTreeMap::new(),
             fleet: BTreeMap::new(),
+            user_vehicles: UserVehicles::default(),
             traffic: None,
             steps: 0,
             next_id: 1,
             respawns: 0,
         })
+    }
+
+    /// The same world with a user's vehicles among those that are spawned or added from now on.
+    #[must_use]
+    pub fn with_user_vehicles(mut self, user_vehicles: UserVehicles) -> Self {
+        self.user_vehicles = user_vehicles;
+        self
     }
 
     /// The town around.
@@ -145,6 +154,30 @@ impl World {
                 });
             }
         }
+        self.next_id += 1;
+        Ok(id)
+    }
+
+    /// Adds a user's vehicle by its name, standing settled on the ground; returns the actor's id.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`] for a name that none has, [`Error::Scene`] for one of another class or a place beyond the
+    /// ground's edge, [`Error::NotFinite`].
+    pub fn add_user_vehicle(
+        &mut self,
+        class: ObjectClass,
+        name: &str,
+        x_m: f64,
+        y_m: f64,
+        yaw_rad: f64,
+    ) -> Result<i32> {
+        let model = Arc::clone(self.user_vehicles.by_name(name)?);
+        if model.class != class {
+            let (found, wanted) = (model.class.kitti_name(), class.kitti_name());
+            return Err(Error::Scene { reason: format!("model {name:?} is a {found}, not a {wanted}") });
+        }
+        let id = self.next_id;
+        self.parked.push(Parked::new(&mut self.physics, &self.roads, id, model, x_m, y_m, yaw_rad)?);
         self.next_id += 1;
         Ok(id)
     }

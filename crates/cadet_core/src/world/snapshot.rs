@@ -101,7 +101,9 @@ fn vehicle(
     if let Some(driver) = model.driver.as_ref().filter(|_| is_driven) {
         parts.push(part(driver, DPose3::IDENTITY));
     }
-    parts.extend(box_from_wheels.iter().map(|w| part(&model.wheel, *w)));
+    if let Some(wheel) = &model.wheel {
+        parts.extend(box_from_wheels.iter().map(|w| part(wheel, *w)));
+    }
     let state = ActorState {
         id,
         class: model.class,

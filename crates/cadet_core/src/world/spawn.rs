@@ -28,6 +28,11 @@ const CAR_GONE_M: f64 = 190.0;
 const CAR_APPEARS_M: (f64, f64) = (100.0, 170.0);
 const WALKER_GONE_M: f64 = 130.0;
 const WALKER_APPEARS_M: (f64, f64) = (90.0, 125.0);
+/// Shares of the classes among driven vehicles.
+const DRIVEN_MIX: [(ObjectClass, f64); 3] =
+    [(ObjectClass::Car, 0.87), (ObjectClass::Van, 0.09), (ObjectClass::Truck, 0.04)];
+/// Shares of the classes among parked vehicles.
+const PARKED_MIX: [(ObjectClass, f64); 2] = [(ObjectClass::Car, 0.92), (ObjectClass::Van, 0.08)];
 /// A car that has stood this long somewhere out of sight is stuck.
 const STUCK_STEPS: u64 = 60 * 45;
 
@@ -110,7 +115,7 @@ pub(super) fn ego_model() -> VehicleModel {
         size_lwh,
         body: Arc::clone(&shape),
         driver: None,
-        wheel: shape,
+        wheel: Some(shape),
         wheel_centers: [(front, side), (front, -side), (rear, side), (rear, -side)]
             .map(|(x, y)| Vec3::new(x, y, wheel_radius_m as f32)),
         wheel_radius_m,
@@ -211,6 +216,13 @@ impl World {
         Arc::clone(self.fleet.entry((class, number)).or_insert_with(make))
     }
 
+    /// A model for a parking place: a car where a van would not fit.
+    fn parked_model(&mut self, spot: &ParkingSpot, draw: &mut Stream) -> Arc<VehicleModel> {
+        let class = if draw.chance(PARKED_MIX[1].1) { ObjectClass::Van } else { ObjectClass::Car };
+        let model = self.fleet_model(draw, class);
+        if fits(spot, &model) { model } else { self.fleet_model(draw, ObjectClass::Car) }
+    }
+
     fn park_cars(&mut self, config: &TrafficConfig) {
         let mut stream = self.key.stream("parked cars");
         let (ego, _) = self.ego_place();
@@ -223,11 +235,10 @@ impl World {
             if (at.truncate() - ego).length() > config.parking_radius_m || !self.is_taken(spot, config, &mut draw) {
                 continue;
             }
-            let class = if draw.chance(0.08) { ObjectClass::Van } else { ObjectClass::Car };
-            let mut model = self.fleet_model(&mut draw, class);
-            if !fits(spot, &model) {
-                model = self.fleet_model(&mut draw, ObjectClass::Car);
-            }
+            let model = match self.user_vehicles.draw(&mut draw, &PARKED_MIX, |m| fits(spot, m)) {
+                Some(model) => model,
+                None => self.parked_model(spot, &mut draw),
+            };
             if !fits(spot, &model) {
                 continue;
             }
@@ -273,12 +284,13 @@ impl World {
     /// A car at a random free place of a lane, between two distances from the ego; `hidden` keeps it out of its view.
     fn new_car(&mut self, slot: usize, stream: &mut Stream, ring_m: (f64, f64), hidden: bool) -> Option<Car> {
         let (ego, view) = self.ego_place();
-        let class = match stream.weighted(&[0.87, 0.09, 0.04]) {
-            0 => ObjectClass::Car,
-            1 => ObjectClass::Van,
-            _ => ObjectClass::Truck,
+        let model = match self.user_vehicles.draw(stream, &DRIVEN_MIX, |_| true) {
+            Some(model) => model,
+            None => {
+                let (class, _) = DRIVEN_MIX[stream.weighted(&DRIVEN_MIX.map(|(_, weight)| weight))];
+                self.fleet_model(stream, class)
+            }
         };
-        let model = self.fleet_model(stream, class);
         let half_m = model.size_lwh.x / 2.0;
         let straight = if half_m > 2.7 { LONG_STRAIGHT } else { CAR_STRAIGHT };
         let mut places: Vec<(LaneId, f64, f64)> = Vec::new();

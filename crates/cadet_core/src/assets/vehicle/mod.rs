@@ -4,6 +4,8 @@ mod body;
 mod details;
 mod dimensions;
 mod glasshouse;
+mod imported;
+mod imported_materials;
 mod interior;
 mod library;
 mod outline;
@@ -21,6 +23,8 @@ use crate::material::Palette;
 use crate::math::{DVec3, Vec3};
 use crate::rng::Stream;
 
+pub use imported::{UserVehicles, VehicleAsset};
+pub use imported_materials::{MaterialRules, Role};
 pub use library::{design, num_designs};
 
 use body::Styling;
@@ -55,8 +59,9 @@ pub struct VehicleModel {
     pub body: Arc<LodSet>,
     /// The driver, and a passenger in three of ten, in the box frame: shown in moving vehicles.
     pub driver: Option<Arc<LodSet>>,
-    /// A wheel about its own centre, axle along y, outer face towards +y (the left side).
-    pub wheel: Arc<LodSet>,
+    /// A wheel about its own centre, axle along y, outer face towards +y (the left side); `None` where the wheels are
+    /// part of the body.
+    pub wheel: Option<Arc<LodSet>>,
     /// Wheel centres in the box frame: front left, front right, rear left, rear right.
     pub wheel_centers: [Vec3; 4],
     /// Tyre radius: also the height of the wheel centres.
@@ -154,7 +159,7 @@ impl VehicleModel {
             size_lwh: DVec3::new(f64::from(d.length), f64::from(d.width), f64::from(d.height)),
             body,
             driver: Some(driver),
-            wheel,
+            wheel: Some(wheel),
             wheel_centers,
             wheel_radius_m: f64::from(d.wheel_radius),
             palette: Arc::new(palette),

@@ -133,11 +133,17 @@ fn paint(class: ObjectClass, semantic: Semantic, s: &mut Stream) -> Material {
     }
 }
 
-fn coated(semantic: Semantic, albedo: [f32; 3], roughness: f32, specular: f32, reflectance: f32) -> Material {
+pub(super) fn coated(
+    semantic: Semantic,
+    albedo: [f32; 3],
+    roughness: f32,
+    specular: f32,
+    reflectance: f32,
+) -> Material {
     Material { roughness, specular, ..Material::matt(semantic, albedo, Pattern::Plain, reflectance) }
 }
 
-fn glass(semantic: Semantic, tint: [f32; 3], eye: f32, laser: f32) -> Material {
+pub(super) fn glass(semantic: Semantic, tint: [f32; 3], eye: f32, laser: f32) -> Material {
     Material {
         albedo: tint,
         roughness: 0.02,

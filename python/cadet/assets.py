@@ -1,0 +1,254 @@
+"""A user's own vehicle meshes: a folder with Wavefront OBJ files and an `assets.toml` that says what they are."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import re
+import sys
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+from cadet import _cadet
+from cadet.config import check_number
+from cadet.errors import CadetError, MissingFileError
+
+CONFIG = "assets.toml"
+"""The file of a folder of assets that lists them."""
+CLASSES = ("Car", "Van", "Truck")
+ROLES = ("glass", "tyre", "plate", "lamp", "interior")
+UPS = ("z", "y")
+
+_REQUIRED = ("name", "class", "mesh")
+_OPTIONAL = ("scale", "yaw_deg", "up", "size_lwh", "materials")
+
+
+@dataclass(frozen=True, kw_only=True)
+class VehicleMesh:
+    """A vehicle's mesh, held in memory so that a run reads its files once.
+
+    Raises:
+        CadetError: a field that makes no sense. The mesh itself is checked by `Assets`.
+    """
+
+    name: str
+    """The model's name in metadata: letters, digits, `_`, `.` and `-`."""
+    type: str
+    """KITTI's type: one of `CLASSES`."""
+    obj: str = field(repr=False)
+    """The text of the Wavefront OBJ file."""
+    libraries: tuple[tuple[str, str], ...] = field(default=(), repr=False)
+    """Material libraries: the name that the OBJ file uses, and the text."""
+    file: str = "mesh"
+    """The file's name, for messages."""
+    scale: float = 1.0
+    """Metres per unit of the file."""
+    yaw_deg: float = 0.0
+    """Turns the mesh about the vertical, counter-clockwise seen from above, so that its front looks along +x."""
+    up: str = "z"
+    """The file's axis that points up: one of `UPS`."""
+    size_lwh: tuple[float, float, float] | None = None
+    """Stretches the mesh to this length, width and height, metres."""
+    materials: tuple[tuple[str, tuple[str, ...]], ...] = ()
+    """For some of `ROLES`: patterns of the names of their materials, in place of the usual ones."""
+
+    def __post_init__(self) -> None:
+        owner = f"vehicle {self.name!r}"
+        if not isinstance(self.name, str) or not re.fullmatch(r"[A-Za-z0-9_.-]{1,64}", self.name):
+            raise CadetError(f"{owner}.name: expected 1 to 64 letters, digits, '_', '.' or '-'")
+        if self.type not in CLASSES:
+            raise CadetError(f"{owner}.class: expected one of {', '.join(CLASSES)}, got {self.type!r}")
+        if self.up not in UPS:
+            raise CadetError(f"{owner}.up: expected 'z' or 'y', got {self.up!r}")
+        check_number(owner, "scale", self.scale, 1e-9, 1e9)
+        check_number(owner, "yaw_deg", self.yaw_deg, -360, 360)
+        if self.size_lwh is not None:
+            if not isinstance(self.size_lwh, tuple) or len(self.size_lwh) != 3:
+                raise CadetError(f"{owner}.size_lwh: expected [length, width, height], got {self.size_lwh!r}")
+            for side in self.size_lwh:
+                check_number(owner, "size_lwh", side, 0, 1e3)
+        for role, patterns in self.materials:
+            if role not in ROLES:
+                raise CadetError(f"{owner}.materials: unknown key {role!r}; known: {', '.join(ROLES)}")
+            if not isinstance(patterns, tuple) or not all(isinstance(pattern, str) for pattern in patterns):
+                raise CadetError(f"{owner}.materials.{role}: expected a list of names, got {patterns!r}")
+
+    @property
+    def sha256(self) -> str:
+        """The hash of all that decides its looks: files and numbers, but not where they lay."""
+        values = asdict(self)
+        del values["file"]
+        return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()
+
+    def to_native(self) -> dict[str, Any]:
+        """Return the fields as the core takes them."""
+        return {
+            "name": self.name,
+            "class": self.type,
+            "file": self.file,
+            "obj": self.obj,
+            "libraries": list(self.libraries),
+            "scale": float(self.scale),
+            "yaw_rad": math.radians(self.yaw_deg),
+            "y_up": self.up == "y",
+            "size_lwh": None if self.size_lwh is None else [float(side) for side in self.size_lwh],
+            "materials": [(role, list(patterns)) for role, patterns in self.materials],
+        }
+
+
+@dataclass(frozen=True)
+class Assets:
+    """A user's vehicles. `Assets.read` reads them from a folder.
+
+    Args:
+        vehicles: at least one, no name twice.
+        share: the fraction of driven and parked vehicles that are drawn from them.
+
+    Raises:
+        CadetError: a mesh that makes no vehicle, or a share that is none.
+    """
+
+    vehicles: tuple[VehicleMesh, ...]
+    share: float = 0.5
+
+    def __post_init__(self) -> None:
+        check_number("assets", "share", self.share, 0, 1)
+        if not self.vehicles:
+            raise CadetError("assets: expected at least one vehicle, got none")
+        names = [vehicle.name for vehicle in self.vehicles]
+        for name in names:
+            if names.count(name) > 1:
+                raise CadetError(f"assets: two vehicles are named {name!r}")
+        # Bad meshes are refused here rather than in the middle of a run.
+        self.to_native()
+
+    @classmethod
+    def read(cls, folder: str | Path) -> Assets:
+        """Read a folder with an `assets.toml`.
+
+        Raises:
+            MissingFileError: there is no `assets.toml`, or a mesh or a material library that it names is missing.
+            CadetError: anything else that is wrong with them, in one line.
+        """
+        root = Path(folder)
+        values = _read_config(root)
+        _check_keys(CONFIG, values, required=("vehicle",), optional=("share",))
+        tables = values["vehicle"]
+        if not isinstance(tables, list) or not all(isinstance(table, Mapping) for table in tables):
+            raise CadetError(f"{CONFIG}: vehicle: expected [[vehicle]] tables, got {tables!r}")
+        vehicles = tuple(_vehicle(root, number, table) for number, table in enumerate(tables, 1))
+        return cls(vehicles, values.get("share", 0.5))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what a manifest says of them: names and hashes, no paths."""
+        return {
+            "share": float(self.share),
+            "vehicles": [{"name": vehicle.name, "sha256": vehicle.sha256} for vehicle in self.vehicles],
+        }
+
+    def to_native(self) -> _cadet.Assets:
+        """Return the core's own; the meshes are built once a process."""
+        return _native(self)
+
+
+@lru_cache(maxsize=4)
+def _native(assets: Assets) -> _cadet.Assets:
+    return _cadet.Assets(float(assets.share), [vehicle.to_native() for vehicle in assets.vehicles])
+
+
+def as_assets(assets: Assets | str | Path | None) -> Assets | None:
+    """Read a folder; return what has been read already, and None, as they are.
+
+    Raises:
+        CadetError: as `Assets.read`, or neither assets nor a path.
+    """
+    if assets is None or isinstance(assets, Assets):
+        return assets
+    if not isinstance(assets, (str, Path)):
+        raise CadetError(f"assets: expected a folder or cadet.Assets, got {assets!r}")
+    return Assets.read(assets)
+
+
+def _read_config(root: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads((root / CONFIG).read_text(encoding="utf-8"))
+    except (FileNotFoundError, NotADirectoryError):
+        raise MissingFileError(f"{str(root)!r}: no {CONFIG} in it") from None
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise CadetError(f"{CONFIG}: {error}") from None
+
+
+def _check_keys(owner: str, values: Mapping[str, Any], *, required: tuple[str, ...], optional: tuple[str, ...]) -> None:
+    for key in required:
+        if key not in values:
+            raise CadetError(f"{owner}: missing key {key!r}")
+    for key in values:
+        if key not in (*required, *optional):
+            raise CadetError(f"{owner}: unknown key {key!r}; known: {', '.join((*required, *optional))}")
+
+
+def _vehicle(root: Path, number: int, table: Mapping[str, Any]) -> VehicleMesh:
+    owner = f"{CONFIG}: vehicle {number}"
+    _check_keys(owner, table, required=_REQUIRED, optional=_OPTIONAL)
+    materials = table.get("materials", {})
+    if not isinstance(materials, Mapping):
+        raise CadetError(f"{owner}.materials: expected a table, got {materials!r}")
+    path = _inside(root, table["mesh"], owner)
+    obj = _read_text(path, f"{owner}: no mesh {table['mesh']!r}")
+    libraries = tuple((name, _read_library(path, name, owner)) for name in _library_names(obj))
+    try:
+        return VehicleMesh(
+            name=table["name"],
+            type=table["class"],
+            obj=obj,
+            libraries=libraries,
+            file=table["mesh"],
+            scale=table.get("scale", 1.0),
+            yaw_deg=table.get("yaw_deg", 0.0),
+            up=table.get("up", "z"),
+            size_lwh=_as_tuple(table.get("size_lwh")),
+            materials=tuple((role, _as_tuple(patterns)) for role, patterns in materials.items()),
+        )
+    except CadetError as error:
+        raise CadetError(f"{CONFIG}: {error}") from None
+
+
+def _as_tuple(values: Any) -> Any:
+    return tuple(values) if isinstance(values, list) else values
+
+
+def _inside(root: Path, name: object, owner: str) -> Path:
+    if not isinstance(name, str):
+        raise CadetError(f"{owner}.mesh: expected the path of an OBJ file, got {name!r}")
+    path = root / name
+    if not path.resolve().is_relative_to(root.resolve()):
+        raise CadetError(f"{owner}.mesh: {name!r} leads out of the folder")
+    return path
+
+
+def _read_text(path: Path, missing: str) -> str:
+    try:
+        # Comments in any encoding do no harm; numbers and keywords are ASCII.
+        return path.read_bytes().decode("utf-8", errors="replace")
+    except (FileNotFoundError, IsADirectoryError, NotADirectoryError):
+        raise MissingFileError(missing) from None
+
+
+def _library_names(obj: str) -> list[str]:
+    names = [line.strip().partition(" ")[2].strip() for line in obj.splitlines() if line.strip().startswith("mtllib ")]
+    return list(dict.fromkeys(names))
+
+
+def _read_library(mesh: Path, name: str, owner: str) -> str:
+    # Exporters write the paths of their own machine: the library lies beside the mesh.
+    beside = mesh.with_name(re.split(r"[/\\]", name)[-1] or "unnamed")
+    return _read_text(beside, f"{owner}: no material library {beside.name!r} beside {mesh.name!r}")
