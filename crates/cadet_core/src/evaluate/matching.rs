@@ -9,6 +9,7 @@ use super::curves::{MAX_THRESHOLDS, Tally};
 use super::metric::{Level, Metric};
 use super::objects::{Detection, FramePair, Kind, Truth};
 use super::overlaps::FrameOverlaps;
+use super::roster::{Claim, Entrant};
 use crate::math;
 
 /// A class at a level in a metric.
@@ -20,37 +21,36 @@ pub(super) struct Contest<'a> {
     pub min_overlap: f64,
 }
 
-/// What finding an object is worth.
+/// A frame as a class sees it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct View<'a> {
+    pub frame: &'a FramePair,
+    pub overlaps: &'a FrameOverlaps,
+    pub entrants: &'a [Entrant],
+    pub claims: &'a [Claim],
+}
+
+/// What finding an object that takes part is worth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Mark {
     /// It must be found.
     Valid,
     /// It may be found: too hard for the level, or of the neighbour class.
     Ignored,
-    /// It takes no part.
-    Unrelated,
 }
 
 impl Contest<'_> {
-    fn mark(&self, truth: &Truth) -> Mark {
-        if truth.kind != self.class {
-            return if self.class.neighbour() == Some(truth.kind) { Mark::Ignored } else { Mark::Unrelated };
-        }
+    fn mark(&self, entrant: &Entrant) -> Mark {
         let level = self.level;
-        let height = truth.box_img.y2 - truth.box_img.y1;
+        let height = entrant.height_px;
         let is_high = height > level.min_height_px || (level.is_inclusive && height == level.min_height_px);
-        let is_seen = truth.occluded <= level.max_occlusion && truth.truncated <= level.max_truncation;
-        if is_high && is_seen { Mark::Valid } else { Mark::Ignored }
+        let is_seen = entrant.occluded <= level.max_occlusion && entrant.truncated <= level.max_truncation;
+        if entrant.is_own_class && is_high && is_seen { Mark::Valid } else { Mark::Ignored }
     }
 
-    /// Whether a detection of any class is too low to be right or wrong.
-    fn is_small(&self, detection: &Detection) -> bool {
-        (detection.box_img.y2 - detection.box_img.y1).abs() < self.level.min_height_px
-    }
-
-    /// Whether a detection is right or wrong.
-    fn is_active(&self, detection: &Detection) -> bool {
-        detection.kind == self.class && !self.is_small(detection)
+    /// Whether a detection, of any class, is too low to be right or wrong.
+    fn is_small(&self, height_px: f64) -> bool {
+        height_px < self.level.min_height_px
     }
 
     /// (1 + cos d) / 2 of the headings' difference: of observation angles in the image, else of headings in space.
@@ -118,15 +118,10 @@ struct Outcome {
 
 impl Matcher {
     /// Adds a frame to the first pass.
-    pub(super) fn collect_scores(
-        &mut self,
-        contest: &Contest<'_>,
-        frame: &FramePair,
-        overlaps: &FrameOverlaps,
-        found: &mut FirstPass,
-    ) {
-        found.num_valid += frame.truths.iter().filter(|truth| contest.mark(truth) == Mark::Valid).count() as u64;
-        self.gather(contest, frame, overlaps, &[]);
+    pub(super) fn collect_scores(&mut self, contest: &Contest<'_>, view: &View<'_>, found: &mut FirstPass) {
+        let is_valid = |entrant: &&Entrant| contest.mark(entrant) == Mark::Valid;
+        found.num_valid += view.entrants.iter().filter(is_valid).count() as u64;
+        self.gather(contest, view, &[]);
         for object in &self.objects {
             let mut best: Option<&Candidate> = None;
             for candidate in &self.candidates[object.start..object.end] {
@@ -144,24 +139,16 @@ impl Matcher {
     }
 
     /// Adds a frame to the second pass at all thresholds, which fall.
-    pub(super) fn count(
-        &mut self,
-        contest: &Contest<'_>,
-        frame: &FramePair,
-        overlaps: &FrameOverlaps,
-        thresholds: &[f64],
-        tally: &mut Tally,
-    ) {
-        let is_stuff = |index: usize| overlaps.covered(contest.metric, index) > contest.min_overlap;
-        for (index, detection) in frame.detections.iter().enumerate() {
-            if contest.is_active(detection) && !is_stuff(index) {
-                let enters = first_threshold(thresholds, detection.score);
+    pub(super) fn count(&mut self, contest: &Contest<'_>, view: &View<'_>, thresholds: &[f64], tally: &mut Tally) {
+        for claim in view.claims {
+            if !contest.is_small(claim.height_px) && claim.covered[contest.metric as usize] <= contest.min_overlap {
+                let enters = first_threshold(thresholds, claim.score);
                 if enters < thresholds.len() {
                     tally.num_fp[enters] += 1;
                 }
             }
         }
-        self.gather(contest, frame, overlaps, thresholds);
+        self.gather(contest, view, thresholds);
         self.steps.clear();
         self.steps.extend(self.candidates.iter().map(|candidate| candidate.enters));
         self.steps.sort_unstable();
@@ -172,7 +159,7 @@ impl Matcher {
             if threshold >= thresholds.len() {
                 break;
             }
-            let now = self.match_at(contest, frame, threshold, is_stuff);
+            let now = self.match_at(contest, view, threshold);
             tally.num_tp[threshold] += now.num_tp - before.num_tp;
             tally.num_fp[threshold] -= now.num_spared - before.num_spared;
             tally.similarity[threshold] += now.similarity - before.similarity;
@@ -181,44 +168,40 @@ impl Matcher {
     }
 
     /// Lists the objects that may be found and the detections that may find them.
-    fn gather(&mut self, contest: &Contest<'_>, frame: &FramePair, overlaps: &FrameOverlaps, thresholds: &[f64]) {
+    fn gather(&mut self, contest: &Contest<'_>, view: &View<'_>, thresholds: &[f64]) {
         self.objects.clear();
         self.candidates.clear();
-        self.is_taken.clear();
-        self.is_taken.resize(frame.detections.len(), false);
-        for (index, truth) in frame.truths.iter().enumerate() {
-            let mark = contest.mark(truth);
-            if mark == Mark::Unrelated {
-                continue;
-            }
+        for entrant in view.entrants {
             let start = self.candidates.len();
-            for overlap in overlaps.of(contest.metric, index) {
-                let detection = &frame.detections[overlap.detection as usize];
-                let is_active = contest.is_active(detection);
-                if overlap.iou > contest.min_overlap && (is_active || contest.is_small(detection)) {
+            for overlap in view.overlaps.of(contest.metric, entrant.truth as usize) {
+                if overlap.iou <= contest.min_overlap {
+                    continue;
+                }
+                let detection = &view.frame.detections[overlap.detection as usize];
+                let is_small = contest.is_small(detection.height_px());
+                if is_small || detection.kind == contest.class {
                     self.candidates.push(Candidate {
                         detection: overlap.detection as usize,
                         iou: overlap.iou,
                         score: detection.score,
-                        is_active,
+                        is_active: !is_small,
                         enters: first_threshold(thresholds, detection.score),
                     });
                 }
             }
             let end = self.candidates.len();
             if end > start {
-                self.objects.push(Object { truth: index, is_valid: mark == Mark::Valid, start, end });
+                let is_valid = contest.mark(entrant) == Mark::Valid;
+                self.objects.push(Object { truth: entrant.truth as usize, is_valid, start, end });
             }
+        }
+        if !self.objects.is_empty() {
+            self.is_taken.clear();
+            self.is_taken.resize(view.frame.detections.len(), false);
         }
     }
 
-    fn match_at(
-        &mut self,
-        contest: &Contest<'_>,
-        frame: &FramePair,
-        threshold: usize,
-        is_stuff: impl Fn(usize) -> bool,
-    ) -> Outcome {
+    fn match_at(&mut self, contest: &Contest<'_>, view: &View<'_>, threshold: usize) -> Outcome {
         let mut outcome = Outcome::default();
         self.is_taken.fill(false);
         for object in &self.objects {
@@ -241,10 +224,11 @@ impl Matcher {
             if !chosen.is_active {
                 continue;
             }
-            outcome.num_spared += i64::from(!is_stuff(chosen.detection));
+            let is_stuff = view.overlaps.covered(contest.metric, chosen.detection) > contest.min_overlap;
+            outcome.num_spared += i64::from(!is_stuff);
             if object.is_valid {
                 outcome.num_tp += 1;
-                let (truth, detection) = (&frame.truths[object.truth], &frame.detections[chosen.detection]);
+                let (truth, detection) = (&view.frame.truths[object.truth], &view.frame.detections[chosen.detection]);
                 outcome.similarity += Tally::fixed_point(contest.similarity(truth, detection));
             }
         }

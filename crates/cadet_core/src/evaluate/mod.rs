@@ -16,6 +16,7 @@ mod nms;
 mod objects;
 mod overlaps;
 mod parse;
+mod roster;
 mod rotated_iou;
 
 use rayon::prelude::*;
@@ -30,15 +31,16 @@ pub use rotated_iou::{BoxCam, intersection_bev, iou_3d, iou_bev};
 
 use crate::error::Result;
 use curves::Tally;
-use matching::{Contest, FirstPass, Matcher};
+use matching::{Contest, FirstPass, Matcher, View};
 use overlaps::FrameOverlaps;
+use roster::Roster;
 
 /// The mark of an observation angle that a detector does not estimate.
 const UNKNOWN_ALPHA: f64 = -10.0;
 /// The mark of a place that a detector does not estimate.
 const UNKNOWN_PLACE: f64 = -1000.0;
 
-/// The most frames that one thread takes at a time.
+/// The fewest frames that are worth a thread.
 const FRAMES_A_TASK: usize = 256;
 
 /// The result for one class, metric and level.
@@ -77,6 +79,8 @@ pub fn evaluate(frames: &[FramePair], settings: &Settings) -> Result<Vec<Curve>>
     let overlaps: Vec<FrameOverlaps> =
         frames.par_iter().map(|frame| FrameOverlaps::new(frame, floors, |kind| settings.wants(kind))).collect();
     let has_alpha = frames.iter().flat_map(|frame| &frame.detections).all(|d| d.alpha != UNKNOWN_ALPHA);
+    let rosters: Vec<Roster> =
+        settings.classes.par_iter().map(|limits| Roster::new(limits.class, frames, &overlaps)).collect();
     let mut tasks = Vec::new();
     for (class, limits) in settings.classes.iter().enumerate() {
         for metric in Metric::ALL {
@@ -93,7 +97,7 @@ pub fn evaluate(frames: &[FramePair], settings: &Settings) -> Result<Vec<Curve>>
             metric,
             min_overlap: limits.min_overlap[metric as usize],
         };
-        let (found, thresholds, tally) = run(&contest, frames, &overlaps);
+        let (found, thresholds, tally) = run(&contest, frames, &overlaps, &rosters[class]);
         let count = thresholds.len();
         Curve {
             class,
@@ -123,27 +127,34 @@ fn is_measured(frames: &[FramePair], class: Kind, metric: Metric) -> bool {
     })
 }
 
-fn run(contest: &Contest<'_>, frames: &[FramePair], overlaps: &[FrameOverlaps]) -> (FirstPass, Vec<f64>, Tally) {
-    let chunks = || frames.par_chunks(FRAMES_A_TASK).zip(overlaps.par_chunks(FRAMES_A_TASK));
-    let mut found = chunks()
-        .map(|(frames, overlaps)| {
-            let (mut matcher, mut found) = (Matcher::default(), FirstPass::default());
-            for (frame, overlaps) in frames.iter().zip(overlaps) {
-                matcher.collect_scores(contest, frame, overlaps, &mut found);
-            }
-            found
+fn run(
+    contest: &Contest<'_>,
+    frames: &[FramePair],
+    overlaps: &[FrameOverlaps],
+    roster: &Roster,
+) -> (FirstPass, Vec<f64>, Tally) {
+    let view = |index: usize| View {
+        frame: &frames[index],
+        overlaps: &overlaps[index],
+        entrants: roster.entrants(index),
+        claims: roster.claims(index),
+    };
+    let indices = || (0..frames.len()).into_par_iter().with_min_len(FRAMES_A_TASK);
+    let mut found = indices()
+        .fold(Default::default, |(mut matcher, mut found): (Matcher, FirstPass), index| {
+            matcher.collect_scores(contest, &view(index), &mut found);
+            (matcher, found)
         })
+        .map(|(_, found)| found)
         .reduce(FirstPass::default, FirstPass::joined);
     found.scores.sort_unstable_by(|a, b| b.total_cmp(a));
     let thresholds = choose_thresholds(&found.scores, found.num_valid);
-    let tally = chunks()
-        .map(|(frames, overlaps)| {
-            let (mut matcher, mut tally) = (Matcher::default(), Tally::default());
-            for (frame, overlaps) in frames.iter().zip(overlaps) {
-                matcher.count(contest, frame, overlaps, &thresholds, &mut tally);
-            }
-            tally
+    let tally = indices()
+        .fold(Default::default, |(mut matcher, mut tally): (Matcher, Tally), index| {
+            matcher.count(contest, &view(index), &thresholds, &mut tally);
+            (matcher, tally)
         })
+        .map(|(_, tally)| tally)
         .reduce(Tally::default, |a, b| a.plus(&b))
         .accumulate();
     (found, thresholds, tally)

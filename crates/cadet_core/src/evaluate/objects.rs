@@ -132,6 +132,14 @@ pub struct Detection {
     pub score: f64,
 }
 
+impl Detection {
+    /// Height of the rectangle in the image, in pixels, also of one that stands on its head.
+    #[must_use]
+    pub fn height_px(&self) -> f64 {
+        (self.box_img.y2 - self.box_img.y1).abs()
+    }
+}
+
 /// KITTI's program never matches a detection whose score is not above this.
 pub const MIN_SCORE: f64 = -1e7;
 

@@ -1,0 +1,91 @@
+//! The objects and detections of one class, packed frame by frame: what is read for each level, metric and pass.
+//!
+//! The frames themselves are several megabytes, too many to go through dozens of times.
+
+use super::metric::Metric;
+use super::objects::{FramePair, Kind};
+use super::overlaps::FrameOverlaps;
+
+/// An object of the class or of its neighbour.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Entrant {
+    /// Its index in the frame.
+    pub truth: u32,
+    pub is_own_class: bool,
+    pub height_px: f64,
+    pub occluded: f64,
+    pub truncated: f64,
+}
+
+/// A detection of the class.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Claim {
+    pub score: f64,
+    pub height_px: f64,
+    /// Its largest share in one DontCare region, by metric.
+    pub covered: [f64; 3],
+}
+
+/// Rows of all frames one after the other.
+#[derive(Debug)]
+struct Rows<T> {
+    rows: Vec<T>,
+    starts: Vec<u32>,
+}
+
+impl<T> Rows<T> {
+    fn collect<I: Iterator<Item = T>>(frames: impl Iterator<Item = I>) -> Self {
+        let (mut rows, mut starts) = (Vec::new(), vec![0]);
+        for frame in frames {
+            rows.extend(frame);
+            starts.push(rows.len() as u32);
+        }
+        Self { rows, starts }
+    }
+
+    fn of(&self, frame: usize) -> &[T] {
+        &self.rows[self.starts[frame] as usize..self.starts[frame + 1] as usize]
+    }
+}
+
+/// A class in all frames.
+#[derive(Debug)]
+pub(super) struct Roster {
+    entrants: Rows<Entrant>,
+    claims: Rows<Claim>,
+}
+
+impl Roster {
+    pub(super) fn new(class: Kind, frames: &[FramePair], overlaps: &[FrameOverlaps]) -> Self {
+        let entrants = Rows::collect(frames.iter().map(|frame| {
+            let all = frame.truths.iter().enumerate();
+            let taking_part = all.filter(|(_, t)| t.kind == class || class.neighbour() == Some(t.kind));
+            taking_part.map(|(index, t)| Entrant {
+                truth: index as u32,
+                is_own_class: t.kind == class,
+                height_px: t.box_img.y2 - t.box_img.y1,
+                occluded: t.occluded,
+                truncated: t.truncated,
+            })
+        }));
+        let claims = Rows::collect(frames.iter().zip(overlaps).map(|(frame, overlaps)| {
+            let own = frame.detections.iter().enumerate().filter(|(_, d)| d.kind == class);
+            own.map(|(index, d)| Claim {
+                score: d.score,
+                height_px: d.height_px(),
+                covered: Metric::ALL.map(|metric| overlaps.covered(metric, index)),
+            })
+        }));
+        Self { entrants, claims }
+    }
+
+    /// The objects of a frame, in file order.
+    pub(super) fn entrants(&self, frame: usize) -> &[Entrant] {
+        self.entrants.of(frame)
+    }
+
+    /// The detections of a frame, in file order.
+    pub(super) fn claims(&self, frame: usize) -> &[Claim] {
+        self.claims.of(frame)
+    }
+}
