@@ -74,6 +74,10 @@ impl SkyView {
         view
     }
 
+    fn cell_center(&self, x: usize, y: usize) -> Vec3 {
+        Vec3::new(self.min[0] + (x as f32 + 0.5) * CELL_M, self.min[1] + (y as f32 + 0.5) * CELL_M, 0.0)
+    }
+
     /// Fills the floor, and returns the highest surface of each cell.
     fn measure_heights(&mut self, scene: &PosedScene, default_z: f32) -> Vec<f32> {
         let mut top = vec![f32::NEG_INFINITY; CELLS * CELLS];
@@ -99,52 +103,22 @@ impl SkyView {
             };
             let mesh = &instance.mesh;
             let linear = instance.world_from_local.as_mat3();
-            let is_outside = |cluster: &Cluster| {
+            for cluster in &mesh.clusters {
                 let c = instance.center_world.as_vec3() + linear * (cluster.center - mesh.bounds.center());
-                let (dx, dy, r) = (c.x - self.min[0], c.y - self.min[1], cluster.radius_m + 0.01);
-                dx + r < 0.0 || dy + r < 0.0 || dx - r > side || dy - r > side
-            };
-            // Of a cluster smaller than a cell, a part of the faces tells enough.
-            let step = |cluster: &Cluster| if cluster.radius_m < 0.5 * CELL_M { 4 } else { 1 };
-            let clusters = mesh.clusters.iter().filter(|c| !is_outside(c));
-            for face in clusters.flat_map(|c| c.faces.iter().step_by(step(c))).map(|f| &mesh.faces[*f as usize]) {
-                let [a, b, c] = face.map(|i| vertices[i as usize]);
-                let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-                let cell = |v: f32, min: f32| (v - min) / CELL_M;
-                let (x0, x1) = (cell(low.x, self.min[0]), cell(high.x, self.min[0]));
-                let (y0, y1) = (cell(low.y, self.min[1]), cell(high.y, self.min[1]));
-                let limit = CELLS as f32;
-                if x1 < 0.0 || y1 < 0.0 || x0 >= limit || y0 >= limit {
+                let (dx, dy, r) = (c.x - self.min[0], c.y - self.min[1], cluster.radius_m);
+                if dx + r < 0.0 || dy + r < 0.0 || dx - r > side || dy - r > side {
                     continue;
                 }
-                let (ix0, iy0) = (x0.max(0.0) as usize, y0.max(0.0) as usize);
-                let (ix1, iy1) = (x1.min(limit - 1.0) as usize, y1.min(limit - 1.0) as usize);
-                if ix1 <= ix0 + 1 && iy1 <= iy0 + 1 {
-                    let middle = (a + b + c) * (1.0 / 3.0);
-                    let x = (cell(middle.x, self.min[0]).max(0.0) as usize).min(CELLS - 1);
-                    let y = (cell(middle.y, self.min[1]).max(0.0) as usize).min(CELLS - 1);
-                    mark(x, y, middle.z, middle.z);
+                if r < 0.4 * CELL_M {
+                    // Smaller than a cell: no need to look at the faces.
+                    let cell = |d: f32| ((d / CELL_M).max(0.0) as usize).min(CELLS - 1);
+                    mark(cell(dx), cell(dy), c.z - 0.5 * r, c.z + 0.5 * r);
                     continue;
                 }
-                // Large triangles: the plane's height at each cell's middle inside of the triangle.
-                let normal = (b - a).cross(c - a);
-                let upright = normal.z.abs() < 0.2 * normal.length();
-                for y in iy0..=iy1 {
-                    for x in ix0..=ix1 {
-                        let px = self.min[0] + (x as f32 + 0.5) * CELL_M;
-                        let py = self.min[1] + (y as f32 + 0.5) * CELL_M;
-                        if upright {
-                            // A wall: cells that its line passes.
-                            let along = (normal.x * (px - a.x) + normal.y * (py - a.y)).abs();
-                            if along <= 0.7 * CELL_M * normal.length() {
-                                mark(x, y, low.z, high.z);
-                            }
-                        } else if inside(a, b, c, px, py) {
-                            let z = a.z - (normal.x * (px - a.x) + normal.y * (py - a.y)) / normal.z;
-                            let z = z.clamp(low.z, high.z);
-                            mark(x, y, z, z);
-                        }
-                    }
+                // Of a few cells, a part of the faces tells enough.
+                let step = if r < CELL_M { 4 } else { 1 };
+                for face in cluster.faces.iter().step_by(step).map(|f| mesh.faces[*f as usize]) {
+                    self.mark_face(face.map(|i| vertices[i as usize]), &mut mark);
                 }
             }
         }
@@ -155,6 +129,53 @@ impl SkyView {
         }
         self.floor = floor;
         top
+    }
+
+    /// Calls `mark(x, y, low, high)` for the cells that a face covers.
+    #[inline]
+    fn mark_face(&self, [a, b, c]: [Vec3; 3], mark: &mut impl FnMut(usize, usize, f32, f32)) {
+        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+        let cell = |v: f32, min: f32| (v - min) / CELL_M;
+        let (x0, x1) = (cell(low.x, self.min[0]), cell(high.x, self.min[0]));
+        let (y0, y1) = (cell(low.y, self.min[1]), cell(high.y, self.min[1]));
+        let limit = CELLS as f32;
+        if x1 < 0.0 || y1 < 0.0 || x0 >= limit || y0 >= limit {
+            return;
+        }
+        let (ix0, iy0) = (x0.max(0.0) as usize, y0.max(0.0) as usize);
+        let (ix1, iy1) = (x1.min(limit - 1.0) as usize, y1.min(limit - 1.0) as usize);
+        if ix1 <= ix0 + 1 && iy1 <= iy0 + 1 {
+            let middle = (a + b + c) * (1.0 / 3.0);
+            let x = (cell(middle.x, self.min[0]).max(0.0) as usize).min(CELLS - 1);
+            let y = (cell(middle.y, self.min[1]).max(0.0) as usize).min(CELLS - 1);
+            return mark(x, y, middle.z, middle.z);
+        }
+        // Large triangles.
+        let normal = (b - a).cross(c - a);
+        let flat_normal = Vec3::new(normal.x, normal.y, 0.0);
+        if normal.z.abs() < 0.2 * normal.length() {
+            // A wall: cells that its line passes.
+            let reach = 0.7 * CELL_M * normal.length();
+            for y in iy0..=iy1 {
+                for x in ix0..=ix1 {
+                    if flat_normal.dot(self.cell_center(x, y) - a).abs() <= reach {
+                        mark(x, y, low.z, high.z);
+                    }
+                }
+            }
+            return;
+        }
+        // The plane's height at the middle of each cell inside of the triangle.
+        for y in iy0..=iy1 {
+            let Some([from, to]) = span_at(&[a, b, c], self.cell_center(0, y).y) else { continue };
+            let first = (cell(from, self.min[0]) + 0.5).max(0.0) as usize;
+            let end = ((cell(to, self.min[0]) + 0.5).max(0.0) as usize).min(CELLS);
+            for x in first..end {
+                let rise = -flat_normal.dot(self.cell_center(x, y) - a) / normal.z;
+                let z = (a.z + rise).clamp(low.z, high.z);
+                mark(x, y, z, z);
+            }
+        }
     }
 
     /// Blocks of `GRID_M` in which some probe may be asked for: those of the points and their neighbours, as
@@ -339,8 +360,14 @@ impl Blocker {
     }
 }
 
-fn inside(a: Vec3, b: Vec3, c: Vec3, x: f32, y: f32) -> bool {
-    let edge = |p: Vec3, q: Vec3| (q.x - p.x) * (y - p.y) - (q.y - p.y) * (x - p.x);
-    let (e0, e1, e2) = (edge(a, b), edge(b, c), edge(c, a));
-    (e0 >= 0.0 && e1 >= 0.0 && e2 >= 0.0) || (e0 <= 0.0 && e1 <= 0.0 && e2 <= 0.0)
+/// Where a level line of the given y enters and leaves a triangle seen from above.
+fn span_at(corners: &[Vec3; 3], y: f32) -> Option<[f32; 2]> {
+    let mut span = [f32::INFINITY, f32::NEG_INFINITY];
+    for (p, q) in [(corners[0], corners[1]), (corners[1], corners[2]), (corners[2], corners[0])] {
+        if (p.y <= y) != (q.y <= y) {
+            let x = p.x + (y - p.y) * (q.x - p.x) / (q.y - p.y);
+            span = [span[0].min(x), span[1].max(x)];
+        }
+    }
+    (span[0] <= span[1]).then_some(span)
 }

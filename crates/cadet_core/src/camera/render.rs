@@ -7,7 +7,7 @@ use super::ambient::SkyView;
 use super::exposure::{add_veiling_glare, gain_for_mean_luma};
 use super::noise::{blur, expose};
 use super::pattern::hash2;
-use super::shade::{Light, Surface};
+use super::shade::{Around, Light, Surface};
 use super::shadow::Shadows;
 use super::sky::Sky;
 
@@ -111,7 +111,7 @@ pub fn render(scene: &PosedScene, view: &View, weather: &Weather, stream: &mut S
     seen_points(&rays, &opaque, &glass, &mut scratch.seen_world);
     let light = light_of(scene, view, weather, &scratch.seen_world, std::mem::take(&mut scratch.shadows));
     let mut rgb = std::mem::take(&mut scratch.rgb);
-    Painter::new(scene, view, &light).paint(&opaque, &glass, &mut rgb);
+    Painter::new(scene, view, &rays, &light).paint(&opaque, &glass, &mut rgb);
     blur(&mut rgb, width, height, &mut scratch.blurred);
     add_veiling_glare(&mut rgb, VEILING_GLARE, 2.0 * light.sky.sky_on_level.y);
     let target = stream.clipped_normal(MEAN_LUMA.0, MEAN_LUMA.1) as f32;
@@ -213,6 +213,69 @@ struct Face<'a> {
     material: &'a Material,
     face_hash: u32,
     place_hash: u32,
+    /// As it was found for this image point.
+    around: Option<(f32, f32, Around)>,
+}
+
+/// Faces that were just seen: most will be seen again a pixel further or a row below.
+struct FaceCache<'a>(Vec<Option<Face<'a>>>);
+
+impl<'a> FaceCache<'a> {
+    const SIZE: usize = 256;
+
+    fn new() -> Self {
+        Self((0..Self::SIZE).map(|_| None).collect())
+    }
+
+    #[inline]
+    fn get(&mut self, instance: u32, face: u32, make: impl FnOnce() -> Face<'a>) -> &mut Face<'a> {
+        let slot = &mut self.0[(face ^ instance.wrapping_mul(97)) as usize % Self::SIZE];
+        if slot.as_ref().is_none_or(|f| f.key != (instance, face)) {
+            *slot = Some(make());
+        }
+        slot.get_or_insert_with(|| unreachable!("just filled"))
+    }
+}
+
+/// The sky's radiance on a coarse lattice of the image, filled where it is asked for.
+struct SkyLattice {
+    columns: usize,
+    /// NaN where nobody has asked.
+    radiance: Vec<Vec3>,
+}
+
+impl SkyLattice {
+    /// Pixels between its points; clouds are smooth over so few.
+    const STEP: f32 = 4.0;
+
+    fn new(width: usize, height: usize) -> Self {
+        let points = |n: usize| n / Self::STEP as usize + 3;
+        Self { columns: points(width), radiance: vec![Vec3::NAN; points(width) * points(height)] }
+    }
+
+    /// The radiance at an image point no further than a pixel outside of the image.
+    #[inline]
+    fn at(&mut self, u: f32, v: f32, exact: impl Fn(f32, f32) -> Vec3) -> Vec3 {
+        let (x, y) = ((u + Self::STEP) * (1.0 / Self::STEP), (v + Self::STEP) * (1.0 / Self::STEP));
+        let (ix, iy) = (x as usize, y as usize);
+        let (fx, fy) = (x - ix as f32, y - iy as f32);
+        let mut corner = |ix: usize, iy: usize| {
+            let radiance = &mut self.radiance[iy * self.columns + ix];
+            if radiance.x.is_nan() {
+                *radiance = exact((ix as f32 - 1.0) * Self::STEP, (iy as f32 - 1.0) * Self::STEP);
+            }
+            *radiance
+        };
+        let (a, b, c, d) = (corner(ix, iy), corner(ix + 1, iy), corner(ix, iy + 1), corner(ix + 1, iy + 1));
+        let (top, bottom) = (a + (b - a) * fx, c + (d - c) * fx);
+        top + (bottom - top) * fy
+    }
+}
+
+/// What painting remembers from pixel to pixel.
+struct Memory<'a> {
+    faces: FaceCache<'a>,
+    sky: SkyLattice,
 }
 
 /// Samples of one pixel that show the same face.
@@ -229,42 +292,29 @@ struct Painter<'a> {
     scene: &'a PosedScene,
     light: &'a Light,
     view: &'a View,
-    eye: Vec3,
-    /// World directions: of a column at row 0, and what a row adds.
-    right: Vec3,
-    down: Vec3,
-    corner: Vec3,
+    rays: &'a Rays,
     placed: Vec<Placed>,
     /// Size of a pixel at 1 m.
     pixel_per_m: f32,
 }
 
+/// Pixels of a face so close together share what changes slowly.
+const SHARED_PX: f32 = 4.0;
 const OFFSETS: [(f32, f32); 4] = [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)];
 
 impl<'a> Painter<'a> {
-    fn new(scene: &'a PosedScene, view: &'a View, light: &'a Light) -> Self {
-        let [fx, fy, cx, cy] = view.intrinsics;
-        let turn = |v: DVec3| (view.world_from_cam.rotation * v).as_vec3();
+    fn new(scene: &'a PosedScene, view: &'a View, rays: &'a Rays, light: &'a Light) -> Self {
         let placed = scene.instances.iter().map(|i| Placed {
             world_from_local: i.world_from_local.as_mat3(),
             place_hash: hash2((i.center_world.x * 8.0) as i32, (i.center_world.y * 8.0) as i32, 0x97AC),
         });
-        Self {
-            scene,
-            light,
-            view,
-            eye: view.world_from_cam.translation.as_vec3(),
-            right: turn(DVec3::X / fx),
-            down: turn(DVec3::Y / fy),
-            corner: turn(DVec3::new(-cx / fx, -cy / fy, 1.0)),
-            placed: placed.collect(),
-            pixel_per_m: 1.0 / fx as f32,
-        }
+        let pixel_per_m = 1.0 / view.intrinsics[0] as f32;
+        Self { scene, light, view, rays, placed: placed.collect(), pixel_per_m }
     }
 
     fn paint(&self, opaque: &Hits, glass: &Hits, rgb: &mut Vec<f32>) {
         let (width, height) = (self.view.width, self.view.height);
-        let mut cache = None;
+        let mut memory = Memory { faces: FaceCache::new(), sky: SkyLattice::new(width, height) };
         rgb.clear();
         rgb.reserve(width * height * 3);
         for row in 0..height {
@@ -276,7 +326,7 @@ impl<'a> Painter<'a> {
                 if at.iter().any(|i| glass.depth[*i] < opaque.depth[*i]) {
                     for (i, (du, dv)) in at.into_iter().zip(OFFSETS) {
                         let (instance, face, depth) = (opaque.instance[i], opaque.face[i], opaque.depth[i]);
-                        let behind = self.color(&mut cache, instance, face, u + du, v + dv, depth);
+                        let behind = self.color(&mut memory, instance, face, u + du, v + dv, depth);
                         let seen = if glass.depth[i] < opaque.depth[i] {
                             self.through_pane(glass, i, u + du, v + dv, behind)
                         } else {
@@ -284,11 +334,13 @@ impl<'a> Painter<'a> {
                         };
                         sum += seen * 0.25;
                     }
+                } else if let Some(group) = one_group(opaque, &at) {
+                    sum = self.color(&mut memory, group.instance, group.face, u, v, group.depth * 0.25);
                 } else {
                     for group in groups(opaque, &at).into_iter().flatten() {
                         let share = 1.0 / group.count;
                         let (u, v) = (u + group.du * share, v + group.dv * share);
-                        let color = self.color(&mut cache, group.instance, group.face, u, v, group.depth * share);
+                        let color = self.color(&mut memory, group.instance, group.face, u, v, group.depth * share);
                         sum += color * (group.count * 0.25);
                     }
                 }
@@ -297,26 +349,38 @@ impl<'a> Painter<'a> {
         }
     }
 
-    fn color(&self, cache: &mut Option<Face<'a>>, instance: u32, face: u32, u: f32, v: f32, depth: f32) -> Vec3 {
-        let direction = self.corner + self.right * u + self.down * v;
+    fn color(&self, memory: &mut Memory<'a>, instance: u32, face: u32, u: f32, v: f32, depth: f32) -> Vec3 {
+        if instance == NO_HIT {
+            // The lattice is too coarse for the edge at the horizon.
+            let is_low = self.rays.direction(u, v).z < 0.015;
+            return if is_low { self.sky(u, v) } else { memory.sky.at(u, v, |u, v| self.sky(u, v)) };
+        }
+        let direction = self.rays.direction(u, v);
         let length = direction.length();
         let view_world = direction * (1.0 / length);
-        if instance == NO_HIT {
-            let radiance = self.light.sky.visible_radiance(view_world);
-            // Fog hides the sky as it hides what is far.
-            let fog = self.light.extinction_per_m > 0.004;
-            return if fog { self.light.through_air(radiance, view_world, 400.0) } else { radiance };
-        }
-        if cache.as_ref().is_none_or(|f| f.key != (instance, face)) {
-            *cache = Some(self.face(instance, face));
-        }
-        let Some(face) = cache else { return Vec3::ZERO };
+        let face = memory.faces.get(instance, face, || self.face(instance, face));
         let surface = self.surface(face, view_world, depth * length, depth);
-        self.light.through_air(self.light.opaque(&surface), view_world, surface.distance_m)
+        let around = match face.around {
+            Some((u0, v0, around)) if (u - u0).abs() < SHARED_PX && (v - v0).abs() < SHARED_PX => around,
+            _ => {
+                let around = self.light.around(&surface);
+                face.around = Some((u, v, around));
+                around
+            }
+        };
+        self.light.opaque(&surface, &around)
+    }
+
+    fn sky(&self, u: f32, v: f32) -> Vec3 {
+        let view_world = self.rays.direction(u, v).normalize();
+        let radiance = self.light.sky.visible_radiance(view_world);
+        // Fog hides the sky as it hides what is far.
+        let fog = self.light.extinction_per_m > 0.004;
+        if fog { self.light.through_air(radiance, view_world, 400.0) } else { radiance }
     }
 
     fn through_pane(&self, glass: &Hits, i: usize, u: f32, v: f32, behind: Vec3) -> Vec3 {
-        let direction = self.corner + self.right * u + self.down * v;
+        let direction = self.rays.direction(u, v);
         let length = direction.length();
         let view_world = direction * (1.0 / length);
         let depth = glass.depth[i];
@@ -350,11 +414,12 @@ impl<'a> Painter<'a> {
             material: posed.material(face),
             face_hash: hash2(face as i32, 0, placed.place_hash),
             place_hash: placed.place_hash,
+            around: None,
         }
     }
 
     fn surface(&self, face: &Face<'a>, view_world: Vec3, distance_m: f32, depth_m: f32) -> Surface<'a> {
-        let point_world = self.eye + view_world * distance_m;
+        let point_world = self.rays.eye + view_world * distance_m;
         let d = point_world - face.origin;
         let wb = d.dot(face.to_b).clamp(0.0, 1.0);
         let wc = d.dot(face.to_c).clamp(0.0, 1.0 - wb);
@@ -377,6 +442,15 @@ impl<'a> Painter<'a> {
             place_hash: face.place_hash,
         }
     }
+}
+
+/// A pixel's samples where all show the same.
+#[inline]
+fn one_group(hits: &Hits, at: &[usize; 4]) -> Option<Group> {
+    let (instance, face) = (hits.instance[at[0]], hits.face[at[0]]);
+    let same = at[1..].iter().all(|i| hits.face[*i] == face && hits.instance[*i] == instance);
+    let depth = at.iter().map(|i| hits.depth[*i]).sum();
+    same.then_some(Group { instance, face, count: 4.0, du: 0.0, dv: 0.0, depth })
 }
 
 /// Collects a pixel's samples by face: one shading each.

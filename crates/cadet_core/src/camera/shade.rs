@@ -52,6 +52,16 @@ pub struct Light {
     pub snow: f32,
 }
 
+/// What changes so slowly that neighbouring pixels of a face share it.
+#[derive(Debug, Clone, Copy)]
+pub struct Around {
+    open: Openness,
+    /// Light from what hides the sky.
+    from_around: Vec3,
+    /// Radiance of the air before the surface, were it endless.
+    air: Vec3,
+}
+
 /// Haze of clear air, 1/m.
 const CLEAR_AIR_PER_M: f32 = 0.000_8;
 
@@ -70,14 +80,31 @@ impl Light {
         }
     }
 
-    /// Radiance of an opaque surface, the air between left out.
+    /// What hides the sky from a surface, and the air before it.
     #[must_use]
-    pub fn opaque(&self, s: &Surface) -> Vec3 {
+    pub fn around(&self, s: &Surface) -> Around {
+        let open = self.sky_view.openness(s.point_world, s.normal_world);
+        // What hides the sky sends some light itself, from sunlit walls and ground.
+        let mean_open = open[..5].iter().sum::<f32>() * 0.2;
+        let from_around = self.sky.ground * (0.60 * (1.0 - mean_open));
+        Around { open, from_around, air: self.air(s.view_world) }
+    }
+
+    /// Radiance of an opaque surface as it arrives at the camera.
+    #[must_use]
+    pub fn opaque(&self, s: &Surface, around: &Around) -> Vec3 {
+        let air = 1.0 - self.clear_share(s.distance_m);
+        let left = self.leaving(s, around);
+        left + (around.air - left) * air
+    }
+
+    /// Radiance that leaves an opaque surface.
+    #[inline]
+    fn leaving(&self, s: &Surface, around: &Around) -> Vec3 {
         let m = s.material;
         let ground = m.semantic.is_ground() && s.face_normal_world.z > 0.5;
         let mut albedo = self.albedo(s, ground);
         let leaf = m.pattern == Pattern::Leaves;
-        let open = self.sky_view.openness(s.point_world, s.normal_world);
         let cos_sun = s.normal_world.dot(self.sky.sun_world);
         let cos_face = s.face_normal_world.dot(self.sky.sun_world);
         let lit = if leaf || (cos_sun > 0.0 && cos_face > 0.0) { self.sunlit(s, cos_face) } else { 0.0 };
@@ -93,10 +120,7 @@ impl Light {
         } else {
             1.0
         };
-        // What hides the sky sends some light itself, from sunlit walls and ground.
-        let mean_open = open[..5].iter().sum::<f32>() * 0.2;
-        let from_around = self.sky.ground * (0.60 * (1.0 - mean_open));
-        let ambient = (self.sky.ambient(s.normal_world, &open) + from_around) * near;
+        let ambient = (self.sky.ambient(s.normal_world, &around.open) + around.from_around) * near;
 
         let mut film = 0.0;
         if self.wetness > 0.0 && s.normal_world.z > 0.5 {
@@ -117,8 +141,8 @@ impl Light {
         let cos_view = (-s.view_world.dot(s.normal_world)).clamp(0.0, 1.0);
         let fresnel = f0 + (1.0 - f0) * fifth(1.0 - cos_view) * (1.0 - roughness) * (1.0 - roughness);
         let mirrored = s.view_world + s.normal_world * (2.0 * cos_view);
-        let shine =
-            self.environment(mirrored, &open, roughness) * near.max(0.3) + self.highlight(mirrored, roughness) * lit;
+        let shine = self.environment(mirrored, &around.open, roughness) * near.max(0.3)
+            + self.highlight(mirrored, roughness) * lit;
         // Metals colour what they reflect.
         let tint = if m.specular > 0.5 { m.albedo.into() } else { Vec3::ONE };
         diffuse * (1.0 - fresnel) + shine * tint * fresnel
@@ -143,16 +167,24 @@ impl Light {
     #[inline]
     #[must_use]
     pub fn through_air(&self, radiance: Vec3, view_world: Vec3, distance_m: f32) -> Vec3 {
-        let x = self.extinction_per_m * distance_m;
+        let t = self.clear_share(distance_m);
+        radiance * t + self.air(view_world) * (1.0 - t)
+    }
+
+    /// Share of the light that the air lets through.
+    #[inline]
+    fn clear_share(&self, distance_m: f32) -> f32 {
         // exp(-x) by (1 + x/16)^-16.
-        let mut t = 1.0 / (1.0 + x * (1.0 / 16.0));
+        let mut t = 1.0 / (1.0 + self.extinction_per_m * distance_m * (1.0 / 16.0));
         t *= t;
         t *= t;
         t *= t;
-        t *= t;
-        let level = Vec3::new(view_world.x, view_world.y, view_world.z.max(0.02));
-        let air = self.sky.radiance(level) * 0.8;
-        radiance * t + air * (1.0 - t)
+        t * t
+    }
+
+    #[inline]
+    fn air(&self, view_world: Vec3) -> Vec3 {
+        self.sky.radiance(Vec3::new(view_world.x, view_world.y, view_world.z.max(0.02))) * 0.8
     }
 
     #[inline]

@@ -1,5 +1,7 @@
 //! The beams of a pinhole camera, at any spacing on the image plane.
 
+use std::ops::Range;
+
 use super::edges::EdgePlanes;
 use super::grid::{Beam, BeamGrid, LANES, Lanes, Window, tangents_of_circle};
 use crate::error::{Error, Result, finite};
@@ -175,33 +177,54 @@ impl BeamGrid for PinholeGrid {
             let y = self.rows_y[row];
             let rests = [e0.y * y + e0.z, e1.y * y + e1.z, e2.y * y + e2.z];
             let rest = n.y * y + n.z;
-            let mut columns = window.columns.clone();
-            if columns.len() > NARROW_ABOVE {
-                for (slope, rest) in [(e0.x, rests[0]), (e1.x, rests[1]), (e2.x, rests[2])] {
-                    narrow(&mut columns, slope, rest, self.column_scale, self.column_offset);
-                }
-            }
             let base = row * self.columns_x.len();
-            for column in columns {
-                let x = self.columns_x[column];
-                if e0.x * x + rests[0] >= 0.0 && e1.x * x + rests[1] >= 0.0 && e2.x * x + rests[2] >= 0.0 {
+            let mut columns = window.columns.clone();
+            if columns.len() <= NARROW_ABOVE {
+                for column in columns {
+                    let x = self.columns_x[column];
+                    let inside = e0.x * x + rests[0] >= 0.0 && e1.x * x + rests[1] >= 0.0 && e2.x * x + rests[2] >= 0.0;
                     let facing = n.x * x + rest;
-                    if facing > 0.0 {
+                    if inside && facing > 0.0 {
                         visit(base + column, volume / facing);
                     }
+                }
+                continue;
+            }
+            for (slope, rest) in [(e0.x, rests[0]), (e1.x, rests[1]), (e2.x, rests[2])] {
+                self.narrow(&mut columns, slope, rest);
+            }
+            if columns.is_empty() {
+                continue;
+            }
+            for (column, x) in columns.clone().zip(&self.columns_x[columns]) {
+                let facing = n.x * x + rest;
+                if facing > 0.0 {
+                    visit(base + column, volume / facing);
                 }
             }
         }
     }
 }
 
-/// Drops columns where `slope * x + rest` is clearly negative.
-#[inline]
-fn narrow(columns: &mut std::ops::Range<usize>, slope: f64, rest: f64, scale: f64, offset: f64) {
-    let root = (-rest / slope) * scale + offset;
-    if slope > 0.0 {
-        columns.start = columns.start.max((root - 1.0).max(0.0) as usize);
-    } else if slope < 0.0 {
-        columns.end = columns.end.min((root + 2.0).max(0.0) as usize);
+impl PinholeGrid {
+    /// Drops the columns where `slope * x + rest` is negative, and no other: rounding keeps the order of what it
+    /// rounds, so that the sum changes its sign once in a row and it is enough to look there.
+    #[inline]
+    fn narrow(&self, columns: &mut Range<usize>, slope: f64, rest: f64) {
+        let root = (-rest / slope) * self.column_scale + self.column_offset;
+        let is_in = |column: usize| slope * self.columns_x[column] + rest >= 0.0;
+        if slope > 0.0 {
+            columns.start = columns.start.max((root - 1.0).max(0.0) as usize);
+            while !columns.is_empty() && !is_in(columns.start) {
+                columns.start += 1;
+            }
+        } else if slope < 0.0 {
+            columns.end = columns.end.min((root + 2.0).max(0.0) as usize);
+            while !columns.is_empty() && !is_in(columns.end - 1) {
+                columns.end -= 1;
+            }
+        } else if rest < 0.0 {
+            columns.end = columns.start;
+        }
     }
 }
