@@ -19,9 +19,8 @@ pub(super) fn visible_corners(
     corners_cam.map(|corner| {
         let Some(pixel) = camera.project(corner) else { return false };
         let (u, v) = (pixel.uv.x.round(), pixel.uv.y.round());
-        let inside = |u: f64, v: f64| {
-            (0.0..camera.width as f64).contains(&u) && (0.0..camera.height as f64).contains(&v)
-        };
+        let inside =
+            |u: f64, v: f64| (0.0..camera.width as f64).contains(&u) && (0.0..camera.height as f64).contains(&v);
         if !inside(u, v) {
             return false;
         }

@@ -195,14 +195,9 @@ pub fn label_actors(
                 bbox,
                 box_cam: Some(box_cam),
             },
-            _ if visible_pixels >= config.dontcare_min_pixels => Label {
-                class: ObjectClass::DontCare,
-                truncated: -1.0,
-                occluded: -1,
-                alpha: -10.0,
-                bbox,
-                box_cam: None,
-            },
+            _ if visible_pixels >= config.dontcare_min_pixels => {
+                Label { class: ObjectClass::DontCare, truncated: -1.0, occluded: -1, alpha: -10.0, bbox, box_cam: None }
+            }
             _ => continue,
         };
         let meta = ObjectMeta {

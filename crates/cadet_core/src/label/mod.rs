@@ -7,5 +7,5 @@ mod road_plane;
 mod silhouette;
 
 pub use box_cam::{BoxCam, Rect};
-pub use road_plane::road_plane_cam;
 pub use labeler::{ImageBuffers, Label, LabelConfig, Labeled, ObjectMeta, OcclusionMethod, label_actors};
+pub use road_plane::road_plane_cam;

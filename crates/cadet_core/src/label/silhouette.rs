@@ -66,12 +66,7 @@ pub(super) fn silhouette(
 }
 
 /// Pixels that the actor's vertices span; the whole image where some are beside or behind the camera.
-fn vertex_bounds(
-    scene: &PosedScene,
-    actor_id: i32,
-    camera: &CameraModel,
-    world_from_cam: &DPose3,
-) -> Option<[f64; 4]> {
+fn vertex_bounds(scene: &PosedScene, actor_id: i32, camera: &CameraModel, world_from_cam: &DPose3) -> Option<[f64; 4]> {
     let cam_from_world = world_from_cam.inverse();
     let mut bounds: Option<[f64; 4]> = None;
     let (mut any_behind, mut any_in_front) = (false, false);

@@ -2,9 +2,9 @@
 
 mod belt;
 mod dressing;
+mod face_index;
 mod frontage;
 mod garden;
-mod face_index;
 mod ground;
 mod ground_mesh;
 mod ground_palette;

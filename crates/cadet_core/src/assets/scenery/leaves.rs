@@ -50,7 +50,8 @@ impl Leaves {
         // Counter-clockwise towards the shading normal: a card has two sides, this one counts as its front.
         let flip = (corners[2] - corners[0]).cross(corners[3] - corners[1]).dot(normal) < 0.0;
         let base = self.vertices.len() as u32;
-        self.faces.extend(if flip { [[0, 2, 1], [0, 3, 2]] } else { [[0, 1, 2], [0, 2, 3]] }.map(|f| f.map(|i| base + i)));
+        self.faces
+            .extend(if flip { [[0, 2, 1], [0, 3, 2]] } else { [[0, 1, 2], [0, 2, 3]] }.map(|f| f.map(|i| base + i)));
         self.vertices.extend(corners);
         self.normals.extend([normal; 4]);
         let slot = match s.weighted(&[0.55, 0.25, 0.20]) {
@@ -72,6 +73,6 @@ impl Leaves {
             slots.extend(core.slots);
             faces.extend(core.faces.iter().map(|f| f.map(|i| i + base)));
         }
-        Mesh::new(name, vertices, normals, faces, slots).expect("an asset's mesh is valid")
+        Mesh::new(name, vertices, normals, faces, slots).expect("an asset's mesh is valid").in_cluster_order()
     }
 }
