@@ -86,6 +86,31 @@ impl Mesh {
         let clusters = clusters_of(&vertices, &faces, &slots, &bounds);
         Ok(Self { vertices, normals, faces, slots, bounds, clusters })
     }
+
+    /// The same mesh, faces and vertices renumbered along the clusters, so that who walks a cluster reads memory in
+    /// order.
+    #[must_use]
+    pub fn in_cluster_order(self) -> Self {
+        let order = self.clusters.iter().flat_map(|c| &c.faces);
+        let (mut faces, mut slots) = (Vec::with_capacity(self.faces.len()), Vec::with_capacity(self.slots.len()));
+        let (mut vertices, mut normals) = (Vec::with_capacity(self.vertices.len()), Vec::new());
+        let mut renumbered = vec![u32::MAX; self.vertices.len()];
+        for face in order.map(|f| *f as usize) {
+            slots.push(self.slots[face]);
+            faces.push(self.faces[face].map(|v| {
+                let number = &mut renumbered[v as usize];
+                if *number == u32::MAX {
+                    *number = vertices.len() as u32;
+                    vertices.push(self.vertices[v as usize]);
+                    normals.push(self.normals[v as usize]);
+                }
+                *number
+            }));
+        }
+        let bounds = Bounds::of(vertices.iter().copied());
+        let clusters = clusters_of(&vertices, &faces, &slots, &bounds);
+        Self { vertices, normals, faces, slots, bounds, clusters }
+    }
 }
 
 /// One shape at several levels of detail, the finest first.

@@ -174,7 +174,7 @@ impl MeshBuilder {
             }));
         }
         let slots = kept.iter().map(|k| k.1).collect();
-        Mesh::new(name, vertices, normals, faces, slots).expect("an asset's mesh is valid")
+        Mesh::new(name, vertices, normals, faces, slots).expect("an asset's mesh is valid").in_cluster_order()
     }
 }
 

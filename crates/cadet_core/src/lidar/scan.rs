@@ -6,7 +6,7 @@ use super::spec::LidarSpec;
 use crate::error::Result;
 use crate::math::{self, DPose3, DVec3};
 use crate::rng::Stream;
-use crate::sense::{Hits, Layer, NO_HIT, PosedScene, cast};
+use crate::sense::{Hits, Layer, NO_HIT, PosedInstance, PosedScene, cast};
 use crate::weather::Weather;
 
 /// What every beam meets first, in the order of [`LidarSpec::rays`]: every triangle opaque, no limits, no noise.
@@ -62,14 +62,20 @@ pub fn scan(
     let grid = spec.grid(*world_from_velo);
     let (rows, columns) = (spec.rings().len(), spec.azimuths_rad().len());
     let mut solid = Hits::new(rows, columns);
-    cast(scene, &grid, Layer::Opaque, |_| true, &mut solid);
+    // What lies beyond the longest range that is kept is never reported.
+    let sensor_world = world_from_velo.translation;
+    let lasers_m = spec.rings().iter().map(|r| r.height_m.abs()).fold(0.0, f64::max);
+    let reach_m = spec.max_range_m + lasers_m + 1.0;
+    let in_range = |i: &PosedInstance| (i.center_world - sensor_world).length() - i.radius_m < reach_m;
+    cast(scene, &grid, Layer::Opaque, in_range, &mut solid);
     // Only panes in front of what is solid matter: they alone replace it.
     let mut first = solid.clone();
-    cast(scene, &grid, Layer::Glass, |_| true, &mut first);
+    cast(scene, &grid, Layer::Glass, in_range, &mut first);
 
     let air = Air::new(weather);
     let headings = spec.headings();
     let mut out = Scan::default();
+    let (mut behind, mut in_front) = (Surfaces::new(scene), Surfaces::new(scene));
     for (ring, laser) in spec.rings().iter().enumerate() {
         let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
         let gain = spec.laser_gains[ring];
@@ -78,9 +84,9 @@ pub fn scan(
             let at = ring * columns + column;
             let direction_velo = DVec3::new(cos * heading[0], cos * heading[1], sin);
             let direction_world = world_from_velo.rotation * direction_velo;
-            let behind = surface_at(scene, &solid, at, direction_world);
             let is_pane = (first.instance[at], first.face[at]) != (solid.instance[at], solid.face[at]);
-            let pane = if is_pane { surface_at(scene, &first, at, direction_world) } else { None };
+            let pane = if is_pane { in_front.at(&first, at, direction_world) } else { None };
+            let behind = behind.at(&solid, at, direction_world);
             let Some(found) = receive(pane, behind, &air, gain, spec.range_noise_m, &draws) else {
                 continue;
             };
@@ -102,20 +108,36 @@ pub fn scan(
     Ok(out)
 }
 
-fn surface_at<'a>(scene: &'a PosedScene, hits: &Hits, at: usize, direction_world: DVec3) -> Option<Surface<'a>> {
-    let (instance, face) = (hits.instance[at], hits.face[at]);
-    if instance == NO_HIT {
-        return None;
+/// The surfaces that beams meet. Neighbours often meet the same face, so the last one is remembered.
+struct Surfaces<'a> {
+    scene: &'a PosedScene,
+    last: (u32, u32),
+    normal_world: DVec3,
+}
+
+impl<'a> Surfaces<'a> {
+    fn new(scene: &'a PosedScene) -> Self {
+        Self { scene, last: (NO_HIT, NO_HIT), normal_world: DVec3::ZERO }
     }
-    let posed = &scene.instances[instance as usize];
-    let [a, b, c] = scene.corners(instance, face).map(|p| p.as_dvec3());
-    let normal_world = (b - a).cross(c - a).normalize_or_zero();
-    Some(Surface {
-        range_m: f64::from(hits.depth[at]),
-        cos_incidence: normal_world.dot(direction_world).abs().min(1.0),
-        material: posed.material(face),
-        actor_id: posed.actor_id,
-    })
+
+    fn at(&mut self, hits: &Hits, at: usize, direction_world: DVec3) -> Option<Surface<'a>> {
+        let (instance, face) = (hits.instance[at], hits.face[at]);
+        if instance == NO_HIT {
+            return None;
+        }
+        if self.last != (instance, face) {
+            let [a, b, c] = self.scene.corners(instance, face).map(|p| p.as_dvec3());
+            self.normal_world = (b - a).cross(c - a).normalize_or_zero();
+            self.last = (instance, face);
+        }
+        let posed = &self.scene.instances[instance as usize];
+        Some(Surface {
+            range_m: f64::from(hits.depth[at]),
+            cos_incidence: self.normal_world.dot(direction_world).abs().min(1.0),
+            material: posed.material(face),
+            actor_id: posed.actor_id,
+        })
+    }
 }
 
 /// The nearest whole number, for numbers below 2^51: adding 1.5 * 2^52 leaves no place for a fraction. Without SSE 4.1

@@ -1,5 +1,6 @@
 //! The beams of a spinning LIDAR: rings of lasers on one vertical axis, each firing at the same azimuths.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::edges::EdgePlanes;
@@ -7,6 +8,9 @@ use super::grid::{Beam, BeamGrid, LANES, Lanes, Window, tangents_of_circle};
 use super::turret_table::{AZIMUTH_MARGIN, NARROW_RAD, POLAR, SortedRow, TURN, Table, azimuth_of};
 use crate::error::{Error, Result, finite};
 use crate::math::{self, DPose3, DVec3, TAU, Vec3};
+
+/// Columns that a wide window is searched by.
+const BLOCK: usize = 16;
 
 /// One laser of a turret.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -131,7 +135,7 @@ impl BeamGrid for TurretGrid {
 
     #[inline]
     fn row_start(&self, inner_row: usize) -> usize {
-        self.table.ring_of_row[inner_row] as usize * self.table.cos_sin.len()
+        self.table.ring_of_row[inner_row] as usize * self.table.azimuths.len()
     }
 
     #[inline]
@@ -195,16 +199,43 @@ impl BeamGrid for TurretGrid {
             let n = triangle.normal;
             let n = [sign * n.x, sign * n.y, sign * n.z * tangent];
             let distance = signed_volume.abs() * secant;
-            let base = table.ring_of_row[row] as usize * table.cos_sin.len();
-            for column in window.columns.clone() {
-                let [cos, sin] = table.cos_sin[column];
-                let at = |p: &[f64; 3]| p[0] * cos + p[1] * sin + p[2];
-                if at(&e0) >= 0.0 && at(&e1) >= 0.0 && at(&e2) >= 0.0 {
-                    let facing = at(&n);
-                    if facing > 0.0 {
-                        visit(base + column, distance / facing);
+            let base = table.ring_of_row[row] as usize * table.azimuths.len();
+            let mut try_columns = |columns: Range<usize>| {
+                for (column, [cos, sin]) in columns.clone().zip(&table.cos_sin[columns]) {
+                    let at = |p: &[f64; 3]| p[0] * cos + p[1] * sin + p[2];
+                    if at(&e0) >= 0.0 && at(&e1) >= 0.0 && at(&e2) >= 0.0 {
+                        let facing = at(&n);
+                        if facing > 0.0 {
+                            visit(base + column, distance / facing);
+                        }
                     }
                 }
+            };
+            if window.columns.len() < 2 * BLOCK {
+                try_columns(window.columns.clone());
+                continue;
+            }
+            // Wide windows are mostly empty: skip blocks of columns that lie outside one edge altogether.
+            let last = window.columns.end - 1;
+            let mut start = window.columns.start;
+            let edges = [e0, e1, e2];
+            let [cos, sin] = table.cos_sin[start];
+            let mut here = edges.map(|p| p[0] * cos + p[1] * sin + p[2]);
+            while start < last {
+                let stop = (start + BLOCK).min(last);
+                let [cos, sin] = table.cos_sin[stop];
+                let there = edges.map(|p| p[0] * cos + p[1] * sin + p[2]);
+                let width = f64::from(table.azimuths[stop] - table.azimuths[start]);
+                // A sinusoid of amplitude R rises above its chord by at most R width^2 / 8.
+                let is_outside = (0..3).any(|i| {
+                    let [a, b, c] = edges[i];
+                    let reach = a.abs() + b.abs();
+                    here[i].max(there[i]) + reach * (0.126 * width * width + 1e-9) + 1e-12 * c.abs() < 0.0
+                });
+                if !is_outside {
+                    try_columns(start..stop + usize::from(stop == last));
+                }
+                (start, here) = (stop, there);
             }
         }
     }

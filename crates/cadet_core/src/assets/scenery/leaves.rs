@@ -73,6 +73,6 @@ impl Leaves {
             slots.extend(core.slots);
             faces.extend(core.faces.iter().map(|f| f.map(|i| i + base)));
         }
-        Mesh::new(name, vertices, normals, faces, slots).expect("an asset's mesh is valid")
+        Mesh::new(name, vertices, normals, faces, slots).expect("an asset's mesh is valid").in_cluster_order()
     }
 }
