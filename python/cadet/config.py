@@ -98,7 +98,9 @@ class SceneConfig:
     num_pedestrians: int = 24
     """People kept around the ego: on foot mostly, on bicycles some."""
     parking_occupancy: float = 0.6
-    """Share of the parking places that are taken; each street varies around it."""
+    """Share of the parking places along the ego's way that are taken; each street varies around it.
+
+    In side streets and drives it is the square root of this."""
     label: LabelConfig = field(default_factory=LabelConfig)
     """What gets a label."""
 

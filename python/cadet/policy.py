@@ -37,7 +37,7 @@ class District:
     name: str
     """For the metadata."""
     parking_occupancy: tuple[float, float]
-    """Share of the parking places that are taken."""
+    """Share of the parking places along the ego's way that are taken; side streets are fuller."""
     num_cars: tuple[int, int]
     """Driving vehicles kept around the ego."""
     num_pedestrians: tuple[int, int]
@@ -194,10 +194,12 @@ _KITTI_WEATHERS = (
     ("dusk", 0.005),
 )
 
-# Kinds of street by how often KITTI's object frames show them; streets vary around the town's occupancy.
+# Kinds of street by how often KITTI's object frames show them; streets vary around the town's occupancy. Three frames
+# in four of KITTI show nobody on foot, a few show nine: so most districts have few people, and some have many.
 _KITTI_DISTRICTS = (
-    (District(name="parked_rows", parking_occupancy=(0.5, 0.9), num_cars=(8, 16), num_pedestrians=(12, 30)), 0.42),
-    (District(name="quiet", parking_occupancy=(0.2, 0.4), num_cars=(8, 14), num_pedestrians=(8, 20)), 0.18),
-    (District(name="main_road", parking_occupancy=(0.3, 0.6), num_cars=(20, 36), num_pedestrians=(12, 30)), 0.32),
-    (District(name="inner_city", parking_occupancy=(0.4, 0.7), num_cars=(12, 24), num_pedestrians=(40, 80)), 0.08),
+    (District(name="parked_rows", parking_occupancy=(0.3, 0.75), num_cars=(10, 16), num_pedestrians=(6, 14)), 0.38),
+    (District(name="quiet", parking_occupancy=(0.2, 0.35), num_cars=(9, 14), num_pedestrians=(4, 9)), 0.20),
+    (District(name="main_road", parking_occupancy=(0.2, 0.5), num_cars=(22, 34), num_pedestrians=(8, 16)), 0.32),
+    (District(name="school_way", parking_occupancy=(0.3, 0.6), num_cars=(8, 16), num_pedestrians=(20, 34)), 0.05),
+    (District(name="inner_city", parking_occupancy=(0.4, 0.7), num_cars=(12, 24), num_pedestrians=(40, 80)), 0.05),
 )

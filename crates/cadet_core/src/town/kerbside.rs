@@ -1,4 +1,5 @@
-//! Places to park: bays of the map, and stretches of kerb beside lanes wide enough.
+//! Places to park: bays of the map, half on the pavement where bays are too narrow for a car, and stretches of kerb
+//! beside lanes wide enough.
 
 use super::ParkingSpot;
 use super::ground::{Ground, GroundKind};
@@ -9,8 +10,12 @@ use crate::rng::StreamKey;
 
 /// Distance between the middles of spots: drawn per row.
 const PITCH_M: (f64, f64) = (5.2, 6.0);
-/// Bays narrower than this are tapering off.
+/// Bays narrower than this are tapering off, or for cars that stand half on the pavement.
 const MIN_BAY_M: f64 = 1.8;
+/// The narrowest bay for those, and where they stand: distance of their left flank from the middle of the lane.
+const MIN_HALF_BAY_M: f64 = 0.7;
+const HALF_BAY_FLANK_M: f64 = 1.6;
+const HALF_BAY_SPOT_WIDTH_M: f64 = 1.65;
 /// No kerbside parking this near to the end of a lane.
 const CLEAR_OF_JUNCTION_M: f64 = 10.0;
 /// Distance of a kerbside car's left flank from the middle of the lane beside it.
@@ -33,6 +38,9 @@ pub fn parking_spots(network: &RoadNetwork, ground: &Ground, key: &StreamKey) ->
         let mut stream = key.indexed("town/parking", lane.id.0 as u64);
         let pitch = stream.range(PITCH_M.0, PITCH_M.1);
         match lane.kind {
+            LaneKind::Parking if lane.width_m.iter().all(|w| *w < MIN_BAY_M) => {
+                half_bays(lane, network, ground, pitch, &mut spots);
+            }
             LaneKind::Parking => bays(lane, ground, pitch, &mut spots),
             LaneKind::Driving if lane.junction.is_none() => kerbside(lane, ground, pitch, &mut spots),
             _ => {}
@@ -41,17 +49,36 @@ pub fn parking_spots(network: &RoadNetwork, ground: &Ground, key: &StreamKey) ->
     spots
 }
 
-fn bays(lane: &Lane, ground: &Ground, pitch: f64, spots: &mut Vec<ParkingSpot>) {
-    let wide = |s: &f64| lane.width_at(*s) >= MIN_BAY_M;
+/// Where along a lane spots have their middles: as many as find room where it is at least so wide.
+fn row(lane: &Lane, min_width_m: f64, pitch: f64) -> Vec<f64> {
+    let wide = |s: &f64| lane.width_at(*s) >= min_width_m;
     let reach: Vec<f64> = lane.s_m.iter().copied().filter(wide).collect();
-    let (Some(from), Some(to)) = (reach.first(), reach.last()) else { return };
+    let (Some(from), Some(to)) = (reach.first(), reach.last()) else { return Vec::new() };
     let count = ((to - from) / pitch).floor() as usize;
     let margin = (to - from - count as f64 * pitch) / 2.0;
-    for k in 0..count {
-        let s = from + margin + (k as f64 + 0.5) * pitch;
-        if turn_at(lane, s, pitch) > MAX_TURN_IN_BAY_RAD {
+    let middles = (0..count).map(|k| from + margin + (k as f64 + 0.5) * pitch);
+    middles.filter(|s| turn_at(lane, *s, pitch) <= MAX_TURN_IN_BAY_RAD).collect()
+}
+
+fn half_bays(lane: &Lane, network: &RoadNetwork, ground: &Ground, pitch: f64, spots: &mut Vec<ParkingSpot>) {
+    let widest = lane.width_m.iter().copied().fold(MIN_HALF_BAY_M, f64::max);
+    for s in row(lane, widest - 0.02, pitch) {
+        let pose = lane.pose_at(s);
+        let beside = network.driving().filter(|l| l.road == lane.road).map(|l| l.project(pose.translation).1);
+        let right = HALF_BAY_FLANK_M + HALF_BAY_SPOT_WIDTH_M / 2.0 - beside.fold(f64::INFINITY, f64::min);
+        let edge = pose.transform_point(DVec3::new(0.0, -right - HALF_BAY_SPOT_WIDTH_M / 2.0, 0.0));
+        // Where there is no pavement to climb, nobody parks.
+        if right.abs() > 2.0 || ground.kind_at(edge.x, edge.y) != Some(GroundKind::Pavement) {
             continue;
         }
+        if let Some(world_from_spot) = stand(ground, &pose, -right, pitch, HALF_BAY_SPOT_WIDTH_M) {
+            spots.push(ParkingSpot { world_from_spot, length_m: pitch, width_m: HALF_BAY_SPOT_WIDTH_M });
+        }
+    }
+}
+
+fn bays(lane: &Lane, ground: &Ground, pitch: f64, spots: &mut Vec<ParkingSpot>) {
+    for s in row(lane, MIN_BAY_M, pitch) {
         let pose = lane.pose_at(s);
         let width_m = SPOT_WIDTH_M.min(lane.width_at(s));
         let right = ((lane.width_at(s) - width_m) / 2.0 - TYRE_TO_KERB_M).max(0.0);

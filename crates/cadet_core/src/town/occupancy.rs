@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::Ground;
+use super::{Ground, GroundKind};
 use crate::math::{DVec2, DVec3};
 
 /// A rectangle in the plane: `axis` is its unit x direction, `half` its half extents.
@@ -179,6 +179,11 @@ impl<'a> Site<'a> {
         let value = |i: usize, j: usize| f64::from(self.clearance_m[j * self.columns + i]);
         let low = value(i, j) * (1.0 - u) + value(i + 1, j) * u;
         low * (1.0 - v) + (value(i, j + 1) * (1.0 - u) + value(i + 1, j + 1) * u) * v
+    }
+
+    /// Whether cars drive or park at a place.
+    pub fn is_road(&self, p: DVec2) -> bool {
+        self.ground.kind_at(p.x, p.y) == Some(GroundKind::Road)
     }
 
     /// The ground at a place.

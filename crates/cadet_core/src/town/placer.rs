@@ -74,7 +74,8 @@ impl<'a> Placer<'a> {
         let yaw_rad = s.range(0.0, TAU);
         let position = self.site.on_ground(at) - DVec3::Z * 0.03;
         self.instances.push(model.wearing(palette, frames::upright(position, yaw_rad)));
-        let half = if matches!(kind, TreeKind::Shrub | TreeKind::Conifer) { radius * 0.9 } else { 0.3 };
+        // The square inside a round crown.
+        let half = if matches!(kind, TreeKind::Shrub | TreeKind::Conifer) { radius * 0.7 } else { 0.3 };
         let rect = OrientedRect { center: at, axis: DVec2::X, half: DVec2::splat(half) };
         self.standing.push(Standing { rect, name: model.name.clone() });
         true

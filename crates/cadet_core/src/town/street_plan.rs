@@ -9,8 +9,18 @@ use crate::rng::{Stream, StreamKey};
 const CROSSROADS_SHARE: f64 = 0.3;
 /// Kerb radius at residential corners, and where a collector takes part.
 const CORNER_RADIUS_M: (f64, f64) = (4.5, 7.0);
-/// Narrower lanes have no bays beside them: who drives there would graze the parked cars.
+/// Width of a parallel parking bay, gutter included.
+const BAY_WIDTH_M: f64 = 2.25;
+/// Beside narrower lanes cars stand half on the pavement: in a bay they would be grazed.
 const MIN_LANE_BESIDE_BAYS_M: f64 = 2.55;
+/// Share of the streets with wide lanes where cars stand half on the pavement all the same.
+const HALF_BAYS_SHARE: f64 = 0.15;
+/// How far such cars stand from the middle of the lane, and how much of a car of usual width is on the pavement.
+const HALF_BAY_FLANK_M: f64 = 1.6;
+const ON_PAVEMENT_M: (f64, f64) = (0.4, 1.0);
+const CAR_WIDTH_M: f64 = 1.65;
+/// Left of the pavement for walkers.
+const LEFT_FOR_WALKERS_M: f64 = 0.95;
 /// A junction begins at least this far from its middle.
 const MIN_CUT_M: f64 = 6.0;
 
@@ -30,6 +40,7 @@ pub(super) struct Street {
     pub(super) speed_kmh: u32,
     /// Stretch with bays at the right and the left kerb, and on which of the two sides they are.
     pub(super) bays: Option<(f64, f64)>,
+    pub(super) bay_width_m: f64,
     pub(super) bays_right: bool,
     pub(super) bays_left: bool,
     /// The junctions at its start and its end.
@@ -153,15 +164,26 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
             let curve = street_curve(*start, &middle, finish.reversed(), &mut stream);
             let style = styles[chain.line];
             let margin = (stream.range(5.0, 9.0), stream.range(5.0, 9.0));
-            let (right, left) = (stream.chance(config.parking_share), stream.chance(config.parking_share));
+            let (mut right, mut left) = (stream.chance(config.parking_share), stream.chance(config.parking_share));
+            let mut bay_width_m = BAY_WIDTH_M;
+            let on_pavement_m = stream.range(ON_PAVEMENT_M.0, ON_PAVEMENT_M.1);
+            let (half_all_the_same, is_right) = (stream.chance(HALF_BAYS_SHARE), stream.chance(0.5));
+            if style.lane_width_m < MIN_LANE_BESIDE_BAYS_M || half_all_the_same {
+                // On one side alone: the other pavement stays free.
+                let on_pavement_m = on_pavement_m.min(style.sidewalk_width_m - LEFT_FOR_WALKERS_M);
+                bay_width_m = HALF_BAY_FLANK_M + CAR_WIDTH_M - on_pavement_m - style.lane_width_m / 2.0;
+                let any = right || left;
+                (right, left) = (any && is_right, any && !is_right);
+            }
             let length = curve.length_m();
-            let fits = length - margin.0 - margin.1 > 20.0 && style.lane_width_m >= MIN_LANE_BESIDE_BAYS_M;
+            let fits = length - margin.0 - margin.1 > 20.0;
             Street {
                 curve,
                 lane_width_m: style.lane_width_m,
                 sidewalk_width_m: style.sidewalk_width_m,
                 speed_kmh: style.speed_kmh,
                 bays: (fits && (right || left)).then_some((margin.0, length - margin.1)),
+                bay_width_m,
                 bays_right: right,
                 bays_left: left,
                 junctions: [junction_of[chain.nodes[0]], junction_of[chain.nodes[chain.nodes.len() - 1]]],

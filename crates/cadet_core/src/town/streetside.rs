@@ -19,6 +19,10 @@ pub(super) fn furnish(frontage: &Frontage, style: &StreetStyle, s: &mut Stream, 
         let place = at - right_of(along) * POLE_INSET_M;
         // On a narrow or missing pavement the pole goes behind its edge.
         let place = if frontage.pavement_at(at_s) < 1.0 { at + right_of(along) * 0.12 } else { place };
+        // Where streets meet at a sharp angle the edge of one may lie on the other.
+        if placer.site.is_road(place) {
+            return;
+        }
         let model = pole(kind, variant);
         let facing = if against_traffic { -along } else { -right_of(along) };
         placer.put(&model, Arc::clone(&model.palette), place, facing);
@@ -51,10 +55,12 @@ pub(super) fn furnish(frontage: &Frontage, style: &StreetStyle, s: &mut Stream, 
         for _ in 0..s.poisson(length / 110.0) {
             let kind = [FurnitureKind::Cabinet, FurnitureKind::Cabinet, FurnitureKind::PostBox][s.below(3)];
             let at = s.range(6.0, length - 6.0);
-            if frontage.pavement_at(at) > 1.4 {
-                let out = right_of(frontage.along(at));
-                let model = furniture(kind, s.below(3));
-                placer.put(&model, Arc::clone(&model.palette), frontage.at(at) - out * 0.25, -out);
+            let out = right_of(frontage.along(at));
+            let place = frontage.at(at) - out * 0.25;
+            let model = furniture(kind, s.below(3));
+            let on_road = [-1.0, 0.0, 1.0].iter().any(|k| placer.site.is_road(place + frontage.along(at) * (0.7 * k)));
+            if frontage.pavement_at(at) > 1.4 && !on_road {
+                placer.put(&model, Arc::clone(&model.palette), place, -out);
             }
         }
     }

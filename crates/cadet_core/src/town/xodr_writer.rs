@@ -7,8 +7,6 @@ use super::relief::Relief;
 use super::street_plan::{End, Street, StreetPlan, Turn};
 use crate::math;
 
-/// Width of a parallel parking bay, gutter included.
-const BAY_WIDTH_M: f64 = 2.25;
 /// The kerb swings out into the bay over this length.
 const BAY_TAPER_M: f64 = 2.5;
 /// Height of a kerb: a pavement's lane lies this much above the carriageway.
@@ -149,13 +147,14 @@ fn street_sections(street: &Street) -> Vec<Section> {
             successor: after.then_some(sign),
         }];
         if let Some(length) = bay {
+            let bay_m = street.bay_width_m;
             lanes.push(LaneRecord {
                 id: 2 * sign,
                 kind: "parking",
                 widths: vec![
-                    Cubic::hermite(0.0, BAY_TAPER_M, (0.0, 0.0), (BAY_WIDTH_M, 0.0)),
-                    Cubic { s: BAY_TAPER_M, ..Cubic::constant(BAY_WIDTH_M) },
-                    Cubic::hermite(length - BAY_TAPER_M, BAY_TAPER_M, (BAY_WIDTH_M, 0.0), (0.0, 0.0)),
+                    Cubic::hermite(0.0, BAY_TAPER_M, (0.0, 0.0), (bay_m, 0.0)),
+                    Cubic { s: BAY_TAPER_M, ..Cubic::constant(bay_m) },
+                    Cubic::hermite(length - BAY_TAPER_M, BAY_TAPER_M, (bay_m, 0.0), (0.0, 0.0)),
                 ],
                 raised: false,
                 predecessor: None,

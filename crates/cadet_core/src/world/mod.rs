@@ -139,7 +139,7 @@ impl World {
     pub fn add(&mut self, class: ObjectClass, x_m: f64, y_m: f64, yaw_rad: f64, model_seed: u64) -> Result<i32> {
         let id = self.next_id;
         match class {
-            ObjectClass::Car | ObjectClass::Van | ObjectClass::Truck => {
+            ObjectClass::Car | ObjectClass::Van => {
                 let model = self.vehicle_model(class, model_seed);
                 self.parked.push(Parked::new(&mut self.physics, &self.roads, id, model, x_m, y_m, yaw_rad)?);
             }
@@ -149,9 +149,7 @@ impl World {
             }
             _ => {
                 let name = class.kitti_name();
-                return Err(Error::Scene {
-                    reason: format!("no model of class {name}: Car, Van, Truck or Pedestrian"),
-                });
+                return Err(Error::Scene { reason: format!("no model of class {name}: Car, Van or Pedestrian") });
             }
         }
         self.next_id += 1;

@@ -18,6 +18,10 @@ const MARGIN_S: f64 = 2.0;
 const CROSSING_MPS: f64 = 1.5;
 /// How fast people side-step, m/s.
 const SIDESTEP_MPS: f64 = 0.5;
+/// How far apart companions walk.
+const COMPANION_M: f64 = 0.7;
+/// Share of those who have crossed a road that mean to cross another.
+const CROSSES_AGAIN: f64 = 0.7;
 /// Half a person's width, and the room they leave to things.
 const SHOULDER_M: f64 = 0.3;
 
@@ -103,6 +107,11 @@ impl Walker {
     pub fn start(&mut self, walkway: usize, s_m: f64, direction: f64, lateral_m: f64) {
         self.motion = Motion::Walks { walkway, s_m, direction };
         (self.lateral_m, self.habit_m, self.wanted_m) = (lateral_m, lateral_m, lateral_m);
+    }
+
+    /// Changes the line along the walkway that the person keeps to.
+    pub fn keep_to(&mut self, lateral_m: f64) {
+        (self.habit_m, self.wanted_m) = (lateral_m, lateral_m);
     }
 
     pub fn pose(&self) -> DPose3 {
@@ -213,12 +222,19 @@ pub(super) fn look(
             Motion::Stands => {}
             Motion::Walks { walkway, s_m, direction } => {
                 if let Some((Motion::Walks { walkway: other, s_m: theirs, direction: same }, pace, lateral)) = leader {
-                    // Companions keep level with the one they walk beside.
-                    if other == walkway && same == direction {
+                    // Companions keep level with the one they walk beside, and turn round with them.
+                    let is_near = (theirs - s_m).abs() < 3.0;
+                    if other == walkway && (same == direction || is_near) {
+                        let direction = same;
+                        walker.motion = Motion::Walks { walkway, s_m, direction };
                         let behind_m = (theirs - s_m) * direction;
                         walker.pace = (pace + 0.4 * behind_m).clamp(0.0, 1.4);
                         let room = pavements.room_m(walkway);
-                        let side = if walker.habit_m >= laterals[walker.beside.unwrap_or(i)] { 0.7 } else { -0.7 };
+                        let side = if walker.habit_m >= laterals[walker.beside.unwrap_or(i)] {
+                            COMPANION_M
+                        } else {
+                            -COMPANION_M
+                        };
                         walker.wanted_m = (lateral + side).clamp(-room, room);
                         continue;
                     }
@@ -327,7 +343,7 @@ fn consider_crossing(
         if clear && over_a_lane {
             walker.motion = Motion::Waits { from, to, walkway: other, s_m: other_s_m };
             walker.pace = 0.0;
-            walker.crosser = walker.choices.chance(0.5);
+            walker.crosser = walker.choices.chance(CROSSES_AGAIN);
             return;
         }
     }

@@ -190,8 +190,19 @@ impl Route {
     }
 
     fn extend(&mut self, roads: &Roads) {
+        self.extend_to(ROUTE_AHEAD_M, roads);
+    }
+
+    /// The way that will be driven, known farther ahead than drivers know it themselves.
+    pub fn foreseen(&self, ahead_m: f64, roads: &Roads) -> Self {
+        let mut route = self.clone();
+        route.extend_to(ahead_m, roads);
+        route
+    }
+
+    fn extend_to(&mut self, ahead_m: f64, roads: &Roads) {
         let mut ahead: f64 = self.lanes.iter().map(|l| roads.lane(*l).length_m()).sum::<f64>() - self.s_m;
-        while ahead < ROUTE_AHEAD_M && self.lanes.len() < 64 {
+        while ahead < ahead_m && self.lanes.len() < 64 {
             let last = roads.lane(*self.lanes.back().expect("a route has a lane"));
             let Some(next) = self.choose(last, roads) else { break };
             ahead += roads.lane(next).length_m();

@@ -29,10 +29,22 @@ const CAR_APPEARS_M: (f64, f64) = (100.0, 170.0);
 const WALKER_GONE_M: f64 = 130.0;
 const WALKER_APPEARS_M: (f64, f64) = (90.0, 125.0);
 /// Shares of the classes among driven vehicles.
-const DRIVEN_MIX: [(ObjectClass, f64); 3] =
+const DRIVEN_MIX: [(ObjectClass, f64); 2] = [(ObjectClass::Car, 0.91), (ObjectClass::Van, 0.09)];
+/// The same among a user's own: trucks have no shape in code.
+const DRIVEN_USER_MIX: [(ObjectClass, f64); 3] =
     [(ObjectClass::Car, 0.87), (ObjectClass::Van, 0.09), (ObjectClass::Truck, 0.04)];
 /// Shares of the classes among parked vehicles.
 const PARKED_MIX: [(ObjectClass, f64); 2] = [(ObjectClass::Car, 0.92), (ObjectClass::Van, 0.08)];
+/// How likely somebody who walks is to join the one before, and how many others mean to cross the road.
+const COMPANY_SHARE: f64 = 0.75;
+const CROSSERS_SHARE: f64 = 0.4;
+/// Share of the kerbs where nobody parks.
+const EMPTY_ROWS_SHARE: f64 = 0.4;
+/// The streets that the ego will see while it drives this far are its way; in the side streets more cars are parked
+/// and more people walk than along it, as out of sight they belong to a town but not to a picture.
+const EGO_WAY_M: f64 = 260.0;
+const BESIDE_EGO_WAY_M: f64 = 14.0;
+const PEOPLE_ON_EGO_WAY: f64 = 0.2;
 /// A car that has stood this long somewhere out of sight is stuck.
 const STUCK_STEPS: u64 = 60 * 45;
 
@@ -43,7 +55,8 @@ pub struct TrafficConfig {
     pub num_cars: usize,
     /// People kept around the ego.
     pub num_pedestrians: usize,
-    /// Mean fraction of parking places that are taken, in [0, 1]; it varies from street to street.
+    /// Mean fraction of the parking places along the ego's way that are taken, in [0, 1]; it varies from street to
+    /// street, and side streets and drives are fuller: its square root.
     pub parking_occupancy: f64,
     /// Driven cars start within this distance of the ego, metres.
     pub car_radius_m: f64,
@@ -228,11 +241,15 @@ impl World {
         let (ego, _) = self.ego_place();
         let own = self.cars[EGO].footprint(&self.physics).grown(1.0);
         let town = Arc::clone(&self.town);
+        let way = self.ego_way();
+        let on_way: Vec<u32> = way.iter().flat_map(|r| r.lanes.iter()).map(|l| self.roads.lane(*l).road).collect();
         for spot in &town.parking {
             // Every place draws the same numbers whether it is filled or not, so that places don't depend on another.
             let mut draw = Stream::from_seed("parking place", stream.next_u64());
             let at = spot.world_from_spot.translation;
-            if (at.truncate() - ego).length() > config.parking_radius_m || !self.is_taken(spot, config, &mut draw) {
+            if (at.truncate() - ego).length() > config.parking_radius_m
+                || !self.is_taken(spot, config, &on_way, &mut draw)
+            {
                 continue;
             }
             let model = match self.user_vehicles.draw(&mut draw, &PARKED_MIX, |m| fits(spot, m)) {
@@ -268,23 +285,38 @@ impl World {
         }
     }
 
-    fn is_taken(&self, spot: &ParkingSpot, config: &TrafficConfig, draw: &mut Stream) -> bool {
+    /// The way that the ego will drive, as far as it matters.
+    fn ego_way(&self) -> Option<Route> {
+        self.cars[EGO].route.as_ref().map(|r| r.foreseen(EGO_WAY_M, &self.roads))
+    }
+
+    fn is_taken(&self, spot: &ParkingSpot, config: &TrafficConfig, on_way: &[u32], draw: &mut Stream) -> bool {
         let at = spot.world_from_spot.translation;
+        let lane = self.roads.nearest(at, None, 12.0).map(|(lane, s_m, _)| (self.roads.lane(lane), s_m));
+        let across = (spot.world_from_spot.rotation * DVec3::X).truncate().perp();
+        if lane.is_none_or(|(l, s)| (l.pose_at(s).rotation * DVec3::X).truncate().dot(across).abs() > 0.7) {
+            // Who has a drive of their own keeps the car there, however full the street.
+            return draw.chance(config.parking_occupancy.sqrt());
+        }
         // One row: one side of one road; each has its own occupancy.
-        let row = self
-            .roads
-            .nearest(at, None, 12.0)
-            .map_or(u64::MAX, |(lane, _, _)| u64::from(self.roads.lane(lane).road) * 2 + u64::from(lane.0 % 2 == 0));
+        let row = lane.map_or(u64::MAX, |(lane, _)| u64::from(lane.road) * 2 + u64::from(lane.id.0 % 2 == 0));
         let mut street = self.key.indexed("parking row", row);
+        if lane.is_some_and(|(l, _)| !on_way.contains(&l.road)) {
+            return draw.chance((config.parking_occupancy.sqrt() + street.range(-0.15, 0.15)).min(0.95));
+        }
+        // The rows that are used are the fuller for it, so that the mean stays.
         let mean = config.parking_occupancy;
-        let spread = 0.5 * mean.min(1.0 - mean);
-        draw.chance((mean + spread * street.range(-1.0, 1.0)).clamp(0.0, 1.0))
+        let is_empty = street.chance(EMPTY_ROWS_SHARE.min(1.0 - mean));
+        let used = mean / (1.0 - EMPTY_ROWS_SHARE.min(1.0 - mean)).max(1e-9);
+        let spread = 0.5 * used.min(1.0 - used);
+        let share = used + spread * street.range(-1.0, 1.0);
+        draw.chance(share.clamp(0.0, 1.0)) && !is_empty
     }
 
     /// A car at a random free place of a lane, between two distances from the ego; `hidden` keeps it out of its view.
     fn new_car(&mut self, slot: usize, stream: &mut Stream, ring_m: (f64, f64), hidden: bool) -> Option<Car> {
         let (ego, view) = self.ego_place();
-        let model = match self.user_vehicles.draw(stream, &DRIVEN_MIX, |_| true) {
+        let model = match self.user_vehicles.draw(stream, &DRIVEN_USER_MIX, |_| true) {
             Some(model) => model,
             None => {
                 let (class, _) = DRIVEN_MIX[stream.weighted(&DRIVEN_MIX.map(|(_, weight)| weight))];
@@ -361,40 +393,49 @@ impl World {
         let (ego, view) = self.ego_place();
         let model = Arc::new(PersonModel::generate(stream.next_u64()));
         let walks = model.walking_speed_mps > 0.0;
-        // Two in five have company: beside the one before, if that one walks alone.
-        let company = slot
-            .checked_sub(1)
-            .filter(|b| !hidden && walks && self.walkers[*b].beside.is_none() && !self.walkers[*b].crosser);
-        let chance = stream.chance(0.32);
+        // Some have company: beside the one before, if that one walks alone.
+        let company = slot.checked_sub(1).filter(|b| {
+            let is_in_ring = (self.walkers[*b].position.truncate() - ego).length() > ring_m.0;
+            (!hidden || is_in_ring) && walks && self.walkers[*b].beside.is_none()
+        });
+        let chance = stream.chance(COMPANY_SHARE);
         if let Some((beside, Motion::Walks { walkway, s_m, direction })) =
             company.filter(|_| chance).map(|b| (b, self.walkers[b].motion))
         {
-            let room = self.pavements.room_m(walkway);
-            let lead = self.walkers[beside].lateral_m;
-            let apart = stream.range(0.56, 0.86);
-            let side = [lead + apart, lead - apart].into_iter().find(|l| l.abs() <= room);
-            if let Some(lateral) = side {
+            let (room, apart) = (self.pavements.room_m(walkway), stream.range(0.56, 0.86));
+            if room > apart / 2.0 {
+                // They share the pavement: the one who leads makes way.
+                let lead = self.walkers[beside].lateral_m;
+                let side = if lead > 0.0 { -1.0 } else { 1.0 };
+                let lead = if side > 0.0 { lead.min(room - apart) } else { lead.max(apart - room) };
+                self.walkers[beside].keep_to(lead);
+                let lateral = lead + side * apart;
                 let mut walker = self.walker_at(stream, model, walkway, s_m, direction, lateral)?;
                 walker.beside = Some(beside);
                 return Some(walker);
             }
-            return None;
         }
-        let mut places: Vec<(usize, f64)> = Vec::new();
+        let way: Vec<DVec2> = self.ego_way().map_or_else(Vec::new, |r| {
+            (0..(EGO_WAY_M / 8.0) as usize).map(|k| r.ahead(k as f64 * 8.0, &self.roads).at).collect()
+        });
+        let mut places: Vec<(usize, f64, f64)> = Vec::new();
         for walkway in self.pavements.usable() {
             let mut s = 1.0;
             while s < self.pavements.length_m(walkway) - 1.0 {
-                let to = self.pavements.spot(walkway, s).at - ego;
+                let at = self.pavements.spot(walkway, s).at;
+                let to = at - ego;
                 let distance = to.length();
                 let in_view = to.dot(view) > 0.7 * distance && distance < 110.0;
                 if (ring_m.0..ring_m.1).contains(&distance) && !(hidden && in_view) {
-                    places.push((walkway, s));
+                    let on_way = way.iter().any(|p| (*p - at).length() < BESIDE_EGO_WAY_M);
+                    places.push((walkway, s, if on_way { PEOPLE_ON_EGO_WAY } else { 1.0 }));
                 }
                 s += 3.0;
             }
         }
+        let weights: Vec<f64> = places.iter().map(|p| p.2).collect();
         for _ in 0..8 {
-            let (walkway, s) = *places.get(stream.below(places.len()))?;
+            let (walkway, s, _) = *places.get(stream.weighted(&weights))?;
             let s_m = (s + stream.range(0.0, 2.9)).min(self.pavements.length_m(walkway) - 0.5);
             let direction = if stream.chance(0.5) { 1.0 } else { -1.0 };
             let room = self.pavements.room_m(walkway);
@@ -407,7 +448,7 @@ impl World {
             let in_a_car = self.parked.iter().any(|p| (p.footprint.closest_point(at) - at).length() < 0.4);
             if !near_somebody && !in_a_car {
                 let mut walker = self.walker_at(stream, model, walkway, s_m, direction, lateral)?;
-                walker.crosser = walks && stream.chance(0.3);
+                walker.crosser = walks && stream.chance(CROSSERS_SHARE);
                 return Some(walker);
             }
         }

@@ -8,32 +8,29 @@ use crate::actor::ObjectClass;
 
 const CARS: usize = 96;
 const VANS: usize = 24;
-const TRUCKS: usize = 16;
 
 type Cell = OnceLock<Arc<VehicleModel>>;
 
 static CAR_CELLS: [Cell; CARS] = [const { Cell::new() }; CARS];
 static VAN_CELLS: [Cell; VANS] = [const { Cell::new() }; VANS];
-static TRUCK_CELLS: [Cell; TRUCKS] = [const { Cell::new() }; TRUCKS];
 
 fn cells(class: ObjectClass) -> &'static [Cell] {
     match class {
         ObjectClass::Car => &CAR_CELLS,
-        ObjectClass::Van => &VAN_CELLS,
-        _ => &TRUCK_CELLS,
+        _ => &VAN_CELLS,
     }
 }
 
-/// How many designs a class has; other classes than Car and Van share the trucks' number.
+/// How many designs a class has: Car or Van.
 #[must_use]
 pub fn num_designs(class: ObjectClass) -> usize {
     cells(class).len()
 }
 
-/// A design of Car, Van or Truck: `VehicleModel::generate(class, number)`, shared. Larger numbers wrap.
+/// A design of a Car, or else of a Van: `VehicleModel::generate(class, number)`, shared. Larger numbers wrap.
 #[must_use]
 pub fn design(class: ObjectClass, number: usize) -> Arc<VehicleModel> {
-    let class = if matches!(class, ObjectClass::Car | ObjectClass::Van) { class } else { ObjectClass::Truck };
+    let class = if class == ObjectClass::Car { class } else { ObjectClass::Van };
     let cells = cells(class);
     let number = number % cells.len();
     Arc::clone(cells[number].get_or_init(|| Arc::new(VehicleModel::generate(class, number as u64))))
