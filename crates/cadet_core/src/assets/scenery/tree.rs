@@ -168,9 +168,9 @@ impl TreeDesign {
         let shrub = self.kind == TreeKind::Shrub;
         let area = volume * LEAF_AREA_PER_M3 * if shrub { 3.0 } else { 0.8 };
         let budget: f32 = match detail {
-            Detail::Distant => 30.0,
-            _ if shrub => detail.pick(800.0, 200.0, 20.0),
-            _ => detail.pick(4000.0, 900.0, 80.0),
+            Detail::Distant => 28.0,
+            _ if shrub => detail.pick(900.0, 200.0, 20.0),
+            _ => detail.pick(5200.0, 1250.0, 80.0),
         };
         let smallest: f32 = if shrub { 0.09 } else { 0.2 };
         let size = (2.0 * area / budget).sqrt().max(smallest);
@@ -202,7 +202,7 @@ impl TreeDesign {
         let span = self.height - self.crown_base;
         let volume = 1.05 * self.crown_radius * self.crown_radius * span;
         let area = volume * LEAF_AREA_PER_M3 * 1.9;
-        let budget: f32 = if detail == Detail::Distant { 30.0 } else { detail.pick(3200.0, 800.0, 70.0) };
+        let budget: f32 = if detail == Detail::Distant { 28.0 } else { detail.pick(4200.0, 1000.0, 70.0) };
         let size = (2.0 * area / budget).sqrt().max(0.15);
         let count = ((2.0 * area / (size * size)) as usize).min(budget as usize);
         let layers = (span / 0.55).ceil();
