@@ -1,7 +1,6 @@
 //! How much of the sky a place sees: a coarse height map of the scene, probes over it, and the boxes of cars near the
 //! ground.
 
-use crate::geometry::Cluster;
 use crate::material::Semantic;
 use crate::math::{DVec3, Vec3};
 use crate::sense::PosedScene;
@@ -109,7 +108,7 @@ impl SkyView {
                 if dx + r < 0.0 || dy + r < 0.0 || dx - r > side || dy - r > side {
                     continue;
                 }
-                if r < 0.4 * CELL_M {
+                if r < 0.6 * CELL_M {
                     // Smaller than a cell: no need to look at the faces.
                     let cell = |d: f32| ((d / CELL_M).max(0.0) as usize).min(CELLS - 1);
                     mark(cell(dx), cell(dy), c.z - 0.5 * r, c.z + 0.5 * r);
@@ -117,7 +116,8 @@ impl SkyView {
                 }
                 // Of a few cells, a part of the faces tells enough.
                 let step = if r < CELL_M { 4 } else { 1 };
-                for face in cluster.faces.iter().step_by(step).map(|f| mesh.faces[*f as usize]) {
+                for corners in cluster.corners.iter().step_by(step) {
+                    let face = corners.map(|i| cluster.vertices[usize::from(i)]);
                     self.mark_face(face.map(|i| vertices[i as usize]), &mut mark);
                 }
             }

@@ -96,15 +96,18 @@ pub fn render(scene: &PosedScene, view: &View, weather: &Weather, stream: &mut S
     };
     let (centers, samples) = (grid(0.0, 1.0, 1)?, grid(-0.25, 0.5, 2)?);
     let mut scratch = SCRATCH.take();
-    let cast_layer = |grid: &PinholeGrid, layer: Layer, old: Option<Hits>| {
-        let mut hits = old.unwrap_or_else(|| Hits::new(0, 0));
-        hits.clear();
-        cast(scene, grid, layer, |_| true, &mut hits);
-        hits
-    };
-    let opaque = cast_layer(&samples, Layer::Opaque, scratch.opaque.take());
-    let glass = cast_layer(&samples, Layer::Glass, scratch.glass.take());
-    let mut nearest = cast_layer(&centers, Layer::Opaque, None);
+    let mut opaque = scratch.opaque.take().unwrap_or_else(|| Hits::new(0, 0));
+    opaque.clear();
+    cast(scene, &samples, Layer::Opaque, |_| true, &mut opaque);
+    // Only panes before what is solid matter: they alone replace it.
+    let mut glass = scratch.glass.take().unwrap_or_else(|| Hits::new(0, 0));
+    (glass.rows, glass.columns) = (opaque.rows, opaque.columns);
+    glass.depth.clone_from(&opaque.depth);
+    glass.instance.clone_from(&opaque.instance);
+    glass.face.clone_from(&opaque.face);
+    cast(scene, &samples, Layer::Glass, |_| true, &mut glass);
+    let mut nearest = Hits::new(height, width);
+    cast(scene, &centers, Layer::Opaque, |_| true, &mut nearest);
     cast(scene, &centers, Layer::Glass, |_| true, &mut nearest);
 
     let rays = Rays::new(view);
@@ -123,13 +126,11 @@ pub fn render(scene: &PosedScene, view: &View, weather: &Weather, stream: &mut S
         NO_HIT => Semantic::Sky as u8,
         i => scene.instances[i as usize].material(*face).semantic as u8,
     });
-    let super_instance = (0..opaque.depth.len())
-        .map(|i| id(if glass.depth[i] < opaque.depth[i] { glass.instance[i] } else { opaque.instance[i] }));
     let rendered = Rendered {
         image,
         instance: nearest.instance.iter().map(|i| id(*i)).collect(),
         semantic: semantic.collect(),
-        super_instance: super_instance.collect(),
+        super_instance: glass.instance.iter().map(|i| id(*i)).collect(),
         depth: nearest.depth,
     };
     let shadows = light.shadows.map(Shadows::into_buffers).unwrap_or_default();
@@ -324,15 +325,25 @@ impl<'a> Painter<'a> {
                 let (u, v) = (column as f32, row as f32);
                 let mut sum = Vec3::ZERO;
                 if at.iter().any(|i| glass.depth[*i] < opaque.depth[*i]) {
-                    for (i, (du, dv)) in at.into_iter().zip(OFFSETS) {
-                        let (instance, face, depth) = (opaque.instance[i], opaque.face[i], opaque.depth[i]);
-                        let behind = self.color(&mut memory, instance, face, u + du, v + dv, depth);
-                        let seen = if glass.depth[i] < opaque.depth[i] {
-                            self.through_pane(glass, i, u + du, v + dv, behind)
-                        } else {
-                            behind
-                        };
-                        sum += seen * 0.25;
+                    let before = |i: &usize| glass.depth[*i] < opaque.depth[*i];
+                    if let (Some(solid), Some(pane), true) =
+                        (one_group(opaque, &at), one_group(glass, &at), at.iter().all(before))
+                    {
+                        let depth = solid.depth * 0.25;
+                        let behind = self.color(&mut memory, solid.instance, solid.face, u, v, depth);
+                        sum = self.through_pane(&mut memory, &pane, u, v, behind);
+                    } else {
+                        for (i, (du, dv)) in at.into_iter().zip(OFFSETS) {
+                            let (u, v) = (u + du, v + dv);
+                            let (instance, face, depth) = (opaque.instance[i], opaque.face[i], opaque.depth[i]);
+                            let mut seen = self.color(&mut memory, instance, face, u, v, depth);
+                            if before(&i) {
+                                let (instance, face, depth) = (glass.instance[i], glass.face[i], glass.depth[i]);
+                                let pane = Group { instance, face, count: 1.0, du, dv, depth };
+                                seen = self.through_pane(&mut memory, &pane, u, v, seen);
+                            }
+                            sum += seen * 0.25;
+                        }
                     }
                 } else if let Some(group) = one_group(opaque, &at) {
                     sum = self.color(&mut memory, group.instance, group.face, u, v, group.depth * 0.25);
@@ -360,14 +371,7 @@ impl<'a> Painter<'a> {
         let view_world = direction * (1.0 / length);
         let face = memory.faces.get(instance, face, || self.face(instance, face));
         let surface = self.surface(face, view_world, depth * length, depth);
-        let around = match face.around {
-            Some((u0, v0, around)) if (u - u0).abs() < SHARED_PX && (v - v0).abs() < SHARED_PX => around,
-            _ => {
-                let around = self.light.around(&surface);
-                face.around = Some((u, v, around));
-                around
-            }
-        };
+        let around = self.around(face, &surface, u, v);
         self.light.opaque(&surface, &around)
     }
 
@@ -379,14 +383,28 @@ impl<'a> Painter<'a> {
         if fog { self.light.through_air(radiance, view_world, 400.0) } else { radiance }
     }
 
-    fn through_pane(&self, glass: &Hits, i: usize, u: f32, v: f32, behind: Vec3) -> Vec3 {
+    /// What lies around a surface, from a near pixel of the same face where there is one.
+    #[inline]
+    fn around(&self, face: &mut Face<'a>, surface: &Surface, u: f32, v: f32) -> Around {
+        match face.around {
+            Some((u0, v0, around)) if (u - u0).abs() < SHARED_PX && (v - v0).abs() < SHARED_PX => around,
+            _ => {
+                let around = self.light.around(surface);
+                face.around = Some((u, v, around));
+                around
+            }
+        }
+    }
+
+    fn through_pane(&self, memory: &mut Memory<'a>, pane: &Group, u: f32, v: f32, behind: Vec3) -> Vec3 {
         let direction = self.rays.direction(u, v);
         let length = direction.length();
         let view_world = direction * (1.0 / length);
-        let depth = glass.depth[i];
-        let face = self.face(glass.instance[i], glass.face[i]);
-        let surface = self.surface(&face, view_world, depth * length, depth);
-        self.light.pane(&surface, behind)
+        let depth = pane.depth / pane.count;
+        let face = memory.faces.get(pane.instance, pane.face, || self.face(pane.instance, pane.face));
+        let surface = self.surface(face, view_world, depth * length, depth);
+        let around = self.around(face, &surface, u, v);
+        self.light.pane(&surface, &around, behind)
     }
 
     /// What all hits of a face share.

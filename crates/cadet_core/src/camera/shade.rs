@@ -150,8 +150,7 @@ impl Light {
 
     /// Radiance of a pane with `behind` seen through it.
     #[must_use]
-    pub fn pane(&self, s: &Surface, behind: Vec3) -> Vec3 {
-        let open = self.sky_view.openness(s.point_world, s.normal_world);
+    pub fn pane(&self, s: &Surface, around: &Around, behind: Vec3) -> Vec3 {
         let cos_view = (-s.view_world.dot(s.normal_world)).clamp(0.0, 1.0);
         // Both faces of the pane reflect.
         let f0 = s.material.specular.max(0.045) * 1.8;
@@ -160,7 +159,7 @@ impl Light {
         let cos_sun = s.face_normal_world.dot(self.sky.sun_world);
         let glint = if cos_sun > 0.0 { self.highlight(mirrored, 0.15) * self.sunlit(s, cos_sun) } else { Vec3::ZERO };
         let tint = Vec3::new(0.93, 1.0, 0.95) * s.material.transmission;
-        behind * tint * (1.0 - fresnel) + (self.environment(mirrored, &open, 0.0) + glint) * fresnel
+        behind * tint * (1.0 - fresnel) + (self.environment(mirrored, &around.open, 0.0) + glint) * fresnel
     }
 
     /// The air between: haze, fog, rain.

@@ -163,7 +163,10 @@ impl<G: BeamGrid> Caster<'_, G> {
             window.rows.clone().all(|row| {
                 let start = self.grid.row_start(row);
                 let depths = &self.hits.depth[start + window.columns.start..start + window.columns.end];
-                depths.iter().all(|d| *d < near_depth)
+                // Eight at a time without a branch between them: vector registers do that.
+                let mut eights = depths.chunks_exact(8);
+                eights.all(|d| d.iter().fold(true, |all, d| all & (*d < near_depth)))
+                    && depths[depths.len() & !7..].iter().all(|d| *d < near_depth)
             })
         })
     }

@@ -215,12 +215,12 @@ impl PinholeGrid {
         let is_in = |column: usize| slope * self.columns_x[column] + rest >= 0.0;
         if slope > 0.0 {
             columns.start = columns.start.max((root - 1.0).max(0.0) as usize);
-            while !columns.is_empty() && !is_in(columns.start) {
+            while columns.start < columns.end && !is_in(columns.start) {
                 columns.start += 1;
             }
         } else if slope < 0.0 {
             columns.end = columns.end.min((root + 2.0).max(0.0) as usize);
-            while !columns.is_empty() && !is_in(columns.end - 1) {
+            while columns.start < columns.end && !is_in(columns.end - 1) {
                 columns.end -= 1;
             }
         } else if rest < 0.0 {
