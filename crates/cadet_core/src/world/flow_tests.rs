@@ -35,10 +35,6 @@ fn the_ego_seldom_stands_where_views_are_taken() {
         longest = longest.max(run);
     }
     let share = f64::from(standing) / (num_suburbs as f64 * f64::from(num_views));
-    #[allow(clippy::print_stderr)]
-    {
-        eprintln!("standing {share:.3} longest {longest}");
-    }
     assert!(share <= 0.12, "the ego stands at {share:.3} of the views");
     assert!(longest <= 4, "the ego stands for {longest} views in a row");
 }

@@ -39,12 +39,12 @@ const PARKED_MIX: [(ObjectClass, f64); 2] = [(ObjectClass::Car, 0.92), (ObjectCl
 const COMPANY_SHARE: f64 = 0.75;
 const CROSSERS_SHARE: f64 = 0.4;
 /// Share of the kerbs where nobody parks.
-const EMPTY_ROWS_SHARE: f64 = 0.4;
+const EMPTY_ROWS_SHARE: f64 = 0.5;
 /// The streets that the ego will see while it drives this far are its way; in the side streets more cars are parked
 /// and more people walk than along it, as out of sight they belong to a town but not to a picture.
 const EGO_WAY_M: f64 = 260.0;
 const BESIDE_EGO_WAY_M: f64 = 14.0;
-const PEOPLE_ON_EGO_WAY: f64 = 0.2;
+const PEOPLE_ON_EGO_WAY: f64 = 0.12;
 /// A car that has stood this long somewhere out of sight is stuck.
 const STUCK_STEPS: u64 = 60 * 45;
 
