@@ -158,6 +158,10 @@ class Scene:
             "meta": {"map": self.map_name or "suburb", "weather": self.weather, "driven_m": self.driven_m},
         }
 
+    def capture_labelled(self, sample: int) -> dict[str, Any] | None:
+        captured = self.capture(sample)
+        return captured if any(label["type"] != "DontCare" for label in captured["labels"]) else None
+
     def scan(self, lidar: Lidar | None, ideal: bool, sample: int) -> dict[str, NDArray[Any]]:
         name = "rig" if lidar is None else lidar.name
         self.calls.append(f"scan {name} {ideal} {sample}")

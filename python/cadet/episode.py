@@ -47,11 +47,6 @@ def frame_from_native(captured: dict[str, Any], extra_meta: dict[str, Any]) -> F
     )
 
 
-def has_object(frame: Frame) -> bool:
-    """Tell whether a frame has a label other than DontCare."""
-    return any(label.type != "DontCare" for label in frame.labels)
-
-
 class Episode:
     """The samples of one episode, in order. The same arguments give the same frames.
 
@@ -91,7 +86,13 @@ class Episode:
         """
         while True:
             scene, spec = self._advance()
-            captured = scene.capture(sample)
+            captured = scene.capture_labelled(sample)
+            if captured is None:
+                self._num_empty += 1
+                if self._num_empty >= self.policy.empty_views_limit:
+                    self._redraw()
+                continue
+            self._num_empty = 0
             origin = {
                 "seed": self.seed,
                 "episode": self.number,
@@ -100,13 +101,7 @@ class Episode:
                 "policy": self.policy.name,
                 "district": spec.district,
             }
-            frame = frame_from_native(captured, origin)
-            if has_object(frame):
-                self._num_empty = 0
-                return frame
-            self._num_empty += 1
-            if self._num_empty >= self.policy.empty_views_limit:
-                self._redraw()
+            return frame_from_native(captured, origin)
 
     def _advance(self) -> tuple[_cadet.Scene, EpisodeSpec]:
         if self.scene is None or self._spec is None:

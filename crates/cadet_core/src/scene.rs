@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use crate::actor::ObjectClass;
 use crate::assets::vehicle::UserVehicles;
-use crate::camera::{Rendered, View, render};
+use crate::camera::{Rendered, Seen, View, look, paint};
 use crate::error::{Error, Result, finite};
-use crate::label::{ImageBuffers, LabelConfig, Labeled, label_actors, road_plane_cam};
+use crate::label::{ImageBuffers, LabelConfig, Labeled, count_points, label_actors, may_label, road_plane_cam};
 use crate::lidar::{IdealScan, LidarSpec, Scan, ideal_scan, scan};
 use crate::math::{DPose3, DVec3};
 use crate::rig::Rig;
@@ -68,7 +68,7 @@ pub struct Frame {
 
 /// The present instant: poses, triangles and, once asked for, parry's trees over them.
 struct Sensed {
-    snapshot: Snapshot,
+    snapshot: Arc<Snapshot>,
     posed: Arc<PosedScene>,
     caster: Option<RayCaster>,
 }
@@ -205,7 +205,7 @@ impl Scene {
     fn sensed(&mut self) -> &mut Sensed {
         let world = &self.world;
         self.sensed.get_or_insert_with(|| {
-            let snapshot = world.snapshot();
+            let snapshot = Arc::new(world.snapshot());
             let posed = Arc::new(PosedScene::new(&snapshot.instances, snapshot.ego.world_from_ego.translation));
             Sensed { snapshot, posed, caster: None }
         })
@@ -232,21 +232,47 @@ impl Scene {
     /// # Errors
     /// [`Error::Scene`] where no ground lies ahead of the camera.
     pub fn capture(&mut self, sample: u64) -> Result<Frame> {
+        let (view, seen, labels) = self.look()?;
+        self.finish(sample, &view, seen, labels)
+    }
+
+    /// The same, or `None` where nothing in view gets a label (`DontCare` is none): much cheaper than a frame that is
+    /// thrown away.
+    ///
+    /// # Errors
+    /// As [`Scene::capture`].
+    pub fn capture_labelled(&mut self, sample: u64) -> Result<Option<Frame>> {
+        let (_, world_from_cam) = self.sensor_poses();
+        let sensed = self.sensed();
+        let actors = Arc::clone(&sensed.snapshot);
+        if !may_label(&self.label, &actors.actors, &self.rig.camera, &world_from_cam) {
+            return Ok(None);
+        }
+        let (view, seen, labels) = self.look()?;
+        if labels.iter().all(|l| l.label.class == ObjectClass::DontCare) {
+            return Ok(None);
+        }
+        self.finish(sample, &view, seen, labels).map(Some)
+    }
+
+    fn look(&mut self) -> Result<(View, Seen, Vec<Labeled>)> {
+        let (_, world_from_cam) = self.sensor_poses();
+        let (posed, snapshot) = (self.triangles(), Arc::clone(&self.sensed().snapshot));
+        let view = View::new(&self.rig.camera, &world_from_cam);
+        let seen = look(&posed, &view)?;
+        let buffers = ImageBuffers { depth: &seen.depth, super_instance: &seen.super_instance };
+        let camera = &self.rig.camera;
+        let labels = label_actors(&self.label, &snapshot.actors, &posed, camera, &world_from_cam, buffers);
+        Ok((view, seen, labels))
+    }
+
+    fn finish(&mut self, sample: u64, view: &View, seen: Seen, mut labels: Vec<Labeled>) -> Result<Frame> {
         let (world_from_velo, world_from_cam) = self.sensor_poses();
-        let posed = self.triangles();
-        let snapshot = self.snapshot().clone();
+        let (posed, snapshot) = (self.triangles(), Arc::clone(&self.sensed().snapshot));
         let (key, rig, weather) = (self.key, &self.rig, &self.weather);
-        let view = View {
-            intrinsics: rig.camera.intrinsics(),
-            width: rig.camera.width,
-            height: rig.camera.height,
-            world_from_cam: rig.camera.optical_pose(&world_from_cam),
-        };
-        let rendered = render(&posed, &view, weather, &mut key.indexed("camera", sample))?;
+        let rendered = paint(&posed, view, weather, seen, &mut key.indexed("camera", sample));
         let scan = scan(&posed, &world_from_velo, &rig.lidar, weather, &mut key.indexed("lidar", sample))?;
-        let buffers = ImageBuffers { depth: &rendered.depth, super_instance: &rendered.super_instance };
-        let labels =
-            label_actors(&self.label, &snapshot.actors, &posed, &rig.camera, &world_from_cam, buffers, &scan.actor_id);
+        count_points(&mut labels, &scan.actor_id);
         let ground = &self.world.town().ground;
         let plane = road_plane_cam(
             &world_from_cam,

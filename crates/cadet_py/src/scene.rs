@@ -135,19 +135,12 @@ impl Scene {
 
     fn capture<'py>(&mut self, py: Python<'py>, sample: u64) -> PyResult<Bound<'py, PyDict>> {
         let captured = py.detach(|| self.inner.capture(sample)).map_err(BorderError::from)?;
-        let camera = &self.inner.rig().camera;
-        let dict = frame::to_dict(py, captured, camera.width, camera.height)?;
-        let meta = dict.get_item("meta")?.expect("a frame has metadata");
-        let weather = self.inner.weather();
-        meta.set_item("map", self.inner.map_name())?;
-        meta.set_item("weather", &weather.name)?;
-        meta.set_item("rig", &self.inner.rig().name)?;
-        let sun = PyDict::new(py);
-        sun.set_item("elevation_rad", weather.sun_elevation_rad)?;
-        sun.set_item("azimuth_rad", weather.sun_azimuth_rad)?;
-        meta.set_item("sun", sun)?;
-        dict.set_item("calib", rig::calibration_to_dict(py, &camera.calibration)?)?;
-        Ok(dict)
+        self.frame_to_dict(py, captured)
+    }
+
+    fn capture_labelled<'py>(&mut self, py: Python<'py>, sample: u64) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let captured = py.detach(|| self.inner.capture_labelled(sample)).map_err(BorderError::from)?;
+        captured.map(|frame| self.frame_to_dict(py, frame)).transpose()
     }
 
     #[pyo3(signature = (lidar, ideal, sample))]
@@ -222,5 +215,23 @@ impl Scene {
     fn sensor_poses<'py>(&mut self, py: Python<'py>) -> (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>) {
         let (velo, cam) = self.inner.sensor_poses();
         (arrays::pose(py, &velo), arrays::pose(py, &cam))
+    }
+}
+
+impl Scene {
+    fn frame_to_dict<'py>(&self, py: Python<'py>, captured: core::Frame) -> PyResult<Bound<'py, PyDict>> {
+        let camera = &self.inner.rig().camera;
+        let dict = frame::to_dict(py, captured, camera.width, camera.height)?;
+        let meta = dict.get_item("meta")?.expect("a frame has metadata");
+        let weather = self.inner.weather();
+        meta.set_item("map", self.inner.map_name())?;
+        meta.set_item("weather", &weather.name)?;
+        meta.set_item("rig", &self.inner.rig().name)?;
+        let sun = PyDict::new(py);
+        sun.set_item("elevation_rad", weather.sun_elevation_rad)?;
+        sun.set_item("azimuth_rad", weather.sun_azimuth_rad)?;
+        meta.set_item("sun", sun)?;
+        dict.set_item("calib", rig::calibration_to_dict(py, &camera.calibration)?)?;
+        Ok(dict)
     }
 }

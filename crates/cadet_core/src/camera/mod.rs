@@ -16,4 +16,4 @@ mod tests;
 #[cfg(test)]
 pub(crate) use model::tests::kitti_like;
 pub use model::{Calibration, CameraModel, Pixel};
-pub use render::{Rendered, View, render};
+pub use render::{Rendered, Seen, View, look, paint, render};

@@ -67,6 +67,22 @@ const VEILING_GLARE: f32 = 0.05;
 /// Mean luma that the exposure aims at, and its spread from frame to frame.
 const MEAN_LUMA: (f64, f64) = (91.0, 1.8);
 
+/// What the camera looks at, before light and colour; every array is row-major.
+#[derive(Debug)]
+pub struct Seen {
+    /// z along the optical axis at the pixels' centres, metres; infinite for the sky.
+    pub depth: Vec<f32>,
+    /// -1 sky, 0 static world, actors from 1; panes carry their car's id.
+    pub instance: Vec<i32>,
+    /// [`Semantic`] as a byte.
+    pub semantic: Vec<u8>,
+    /// As `instance`, at twice the width and height: samples at -0.25 and +0.25 px about each centre.
+    pub super_instance: Vec<i32>,
+    /// Four samples a pixel: what is solid, and the panes before it.
+    opaque: Hits,
+    glass: Hits,
+}
+
 /// Memory that a thread keeps from frame to frame: touching fresh pages costs as much as the casting.
 #[derive(Default)]
 struct Scratch {
@@ -82,7 +98,7 @@ thread_local! {
     static SCRATCH: RefCell<Scratch> = RefCell::default();
 }
 
-/// Renders a scene.
+/// Renders a scene: [`look`], then [`paint`].
 ///
 /// # Determinism
 /// A function of its arguments; one thread. `stream` feeds the exposure and the noise alone.
@@ -90,17 +106,25 @@ thread_local! {
 /// # Errors
 /// Those of [`PinholeGrid::new`]: a camera that is none.
 pub fn render(scene: &PosedScene, view: &View, weather: &Weather, stream: &mut Stream) -> Result<Rendered> {
+    Ok(paint(scene, view, weather, look(scene, view)?, stream))
+}
+
+/// Casts the camera's samples: all that labels need.
+///
+/// # Errors
+/// Those of [`PinholeGrid::new`]: a camera that is none.
+pub fn look(scene: &PosedScene, view: &View) -> Result<Seen> {
     let (width, height) = (view.width, view.height);
     let grid = |origin: f64, step: f64, n: usize| {
         PinholeGrid::new(view.world_from_cam, view.intrinsics, [origin, origin, step, step], height * n, width * n)
     };
     let (centers, samples) = (grid(0.0, 1.0, 1)?, grid(-0.25, 0.5, 2)?);
-    let mut scratch = SCRATCH.take();
-    let mut opaque = scratch.opaque.take().unwrap_or_else(|| Hits::new(0, 0));
+    let (opaque, glass) = SCRATCH.with_borrow_mut(|s| (s.opaque.take(), s.glass.take()));
+    let mut opaque = opaque.unwrap_or_else(|| Hits::new(0, 0));
     opaque.clear();
     cast(scene, &samples, Layer::Opaque, |_| true, &mut opaque);
     // Only panes before what is solid matter: they alone replace it.
-    let mut glass = scratch.glass.take().unwrap_or_else(|| Hits::new(0, 0));
+    let mut glass = glass.unwrap_or_else(|| Hits::new(0, 0));
     (glass.rows, glass.columns) = (opaque.rows, opaque.columns);
     glass.depth.clone_from(&opaque.depth);
     glass.instance.clone_from(&opaque.instance);
@@ -110,32 +134,40 @@ pub fn render(scene: &PosedScene, view: &View, weather: &Weather, stream: &mut S
     cast(scene, &centers, Layer::Opaque, |_| true, &mut nearest);
     cast(scene, &centers, Layer::Glass, |_| true, &mut nearest);
 
-    let rays = Rays::new(view);
-    seen_points(&rays, &opaque, &glass, &mut scratch.seen_world);
-    let light = light_of(scene, view, weather, &scratch.seen_world, std::mem::take(&mut scratch.shadows));
-    let mut rgb = std::mem::take(&mut scratch.rgb);
-    Painter::new(scene, view, &rays, &light).paint(&opaque, &glass, &mut rgb);
-    blur(&mut rgb, width, height, &mut scratch.blurred);
-    add_veiling_glare(&mut rgb, VEILING_GLARE, 2.0 * light.sky.sky_on_level.y);
-    let target = stream.clipped_normal(MEAN_LUMA.0, MEAN_LUMA.1) as f32;
-    let gain = gain_for_mean_luma(&rgb, target, 19);
-    let image = expose(&rgb, width, height, gain, stream);
-
     let id = |instance: u32| if instance == NO_HIT { -1 } else { scene.instances[instance as usize].actor_id };
     let semantic = nearest.instance.iter().zip(&nearest.face).map(|(instance, face)| match *instance {
         NO_HIT => Semantic::Sky as u8,
         i => scene.instances[i as usize].material(*face).semantic as u8,
     });
-    let rendered = Rendered {
-        image,
+    Ok(Seen {
         instance: nearest.instance.iter().map(|i| id(*i)).collect(),
         semantic: semantic.collect(),
         super_instance: glass.instance.iter().map(|i| id(*i)).collect(),
         depth: nearest.depth,
-    };
+        opaque,
+        glass,
+    })
+}
+
+/// Gives what is seen its light and colour, and takes the picture.
+#[must_use]
+pub fn paint(scene: &PosedScene, view: &View, weather: &Weather, seen: Seen, stream: &mut Stream) -> Rendered {
+    let (width, height) = (view.width, view.height);
+    let mut scratch = SCRATCH.take();
+    let rays = Rays::new(view);
+    seen_points(&rays, &seen.opaque, &seen.glass, &mut scratch.seen_world);
+    let light = light_of(scene, view, weather, &scratch.seen_world, std::mem::take(&mut scratch.shadows));
+    let mut rgb = std::mem::take(&mut scratch.rgb);
+    Painter::new(scene, view, &rays, &light).paint(&seen.opaque, &seen.glass, &mut rgb);
+    blur(&mut rgb, width, height, &mut scratch.blurred);
+    add_veiling_glare(&mut rgb, VEILING_GLARE, 2.0 * light.sky.sky_on_level.y);
+    let target = stream.clipped_normal(MEAN_LUMA.0, MEAN_LUMA.1) as f32;
+    let gain = gain_for_mean_luma(&rgb, target, 19);
+    let image = expose(&rgb, width, height, gain, stream);
     let shadows = light.shadows.map(Shadows::into_buffers).unwrap_or_default();
+    let Seen { depth, instance, semantic, super_instance, opaque, glass } = seen;
     SCRATCH.set(Scratch { opaque: Some(opaque), glass: Some(glass), rgb, shadows, ..scratch });
-    Ok(rendered)
+    Rendered { image, depth, instance, semantic, super_instance }
 }
 
 /// Sun, sky, shadows and openness around a view.

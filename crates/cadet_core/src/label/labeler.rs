@@ -151,10 +151,39 @@ pub struct Labeled {
     pub meta: ObjectMeta,
 }
 
-/// Labels every actor that the camera sees, in the order of their ids.
+/// An actor's box and its projection, whole and inside the image. `None` out of the image.
+fn in_image(actor: &ActorState, camera: &CameraModel, cam_from_world: &DPose3) -> Option<(BoxCam, Rect, Rect)> {
+    let box_cam = BoxCam::of(actor, cam_from_world);
+    let whole = box_cam.project(camera)?;
+    let bbox = whole.clipped(camera.width, camera.height)?;
+    Some((box_cam, whole, bbox))
+}
+
+impl LabelConfig {
+    fn is_near_enough(&self, box_cam: &BoxCam, bbox: &Rect) -> bool {
+        bbox.v2 - bbox.v1 >= self.min_height_px && box_cam.location_cam.z <= self.max_depth_m
+    }
+}
+
+/// Whether some actor would get a label if nothing hid it: cheap, and `false` means that there is none to label.
+#[must_use]
+pub fn may_label(config: &LabelConfig, actors: &[ActorState], camera: &CameraModel, world_from_cam: &DPose3) -> bool {
+    let cam_from_world = world_from_cam.inverse();
+    let mut boxes = actors.iter().filter_map(|actor| in_image(actor, camera, &cam_from_world));
+    boxes.any(|(box_cam, _, bbox)| config.is_near_enough(&box_cam, &bbox))
+}
+
+/// Counts the returns of each labelled actor; `point_actor_ids` names the actor of each return.
+pub fn count_points(labels: &mut [Labeled], point_actor_ids: &[i32]) {
+    for labeled in labels {
+        labeled.meta.num_points = point_actor_ids.iter().filter(|id| **id == labeled.meta.actor_id).count();
+    }
+}
+
+/// Labels every actor that the camera sees, in the order of their ids; [`count_points`] adds the returns.
 ///
 /// # Frames and units
-/// `world_from_cam` is the pose of the rectified camera 0; `point_actor_ids` names the actor of each LIDAR return.
+/// `world_from_cam` is the pose of the rectified camera 0.
 #[must_use]
 pub fn label_actors(
     config: &LabelConfig,
@@ -163,23 +192,18 @@ pub fn label_actors(
     camera: &CameraModel,
     world_from_cam: &DPose3,
     buffers: ImageBuffers<'_>,
-    point_actor_ids: &[i32],
 ) -> Vec<Labeled> {
     let cam_from_world = world_from_cam.inverse();
     let mut labels = Vec::new();
     for actor in actors {
-        let box_cam = BoxCam::of(actor, &cam_from_world);
-        let Some(whole) = box_cam.project(camera) else { continue };
-        let Some(bbox) = whole.clipped(camera.width, camera.height) else { continue };
+        let Some((box_cam, whole, bbox)) = in_image(actor, camera, &cam_from_world) else { continue };
         let outline = silhouette(scene, actor.id, camera, world_from_cam, buffers.super_instance);
         let visible_fraction =
             if outline.samples == 0 { 0.0 } else { outline.visible_samples as f64 / outline.samples as f64 };
         let visible_pixels = outline.visible_samples as f64 / (SUPERSAMPLING * SUPERSAMPLING) as f64;
         let corner_visible = visible_corners(&box_cam.corners_cam(), camera, &buffers, config.corner_tolerance_m);
         let hidden_corners = corner_visible.iter().filter(|v| !**v).count();
-        let in_reach = bbox.v2 - bbox.v1 >= config.min_height_px
-            && box_cam.location_cam.z <= config.max_depth_m
-            && visible_fraction >= config.min_visible_fraction;
+        let in_reach = config.is_near_enough(&box_cam, &bbox) && visible_fraction >= config.min_visible_fraction;
         let occluded = match config.method {
             OcclusionMethod::Pixels => {
                 Some(config.occlusion_levels.iter().filter(|limit| visible_fraction < **limit).count() as i32)
@@ -206,7 +230,7 @@ pub fn label_actors(
             model: actor.model.clone(),
             visible_fraction,
             visible_pixels,
-            num_points: point_actor_ids.iter().filter(|id| **id == actor.id).count(),
+            num_points: 0,
             velocity_world: actor.velocity_world,
             silhouette_bbox: outline.bounds,
             corner_visible,
