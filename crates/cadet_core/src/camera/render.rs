@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use super::CameraModel;
 use super::ambient::SkyView;
 use super::exposure::{add_veiling_glare, gain_for_mean_luma};
-use super::noise::{blur, expose};
+use super::noise::{MIDDLE_PX, blur, expose};
 use super::pattern::hash2;
 use super::shade::{Around, Light, Surface};
 use super::shadow::Shadows;
@@ -58,7 +58,7 @@ pub struct Rendered {
     pub instance: Vec<i32>,
     /// [`Semantic`] as a byte.
     pub semantic: Vec<u8>,
-    /// As `instance`, at twice the width and height: samples at -0.25 and +0.25 px about each centre.
+    /// As `instance`, at twice the width and height: samples at each pixel's centre and 0.5 px to the right and below.
     pub super_instance: Vec<i32>,
 }
 
@@ -76,7 +76,7 @@ pub struct Seen {
     pub instance: Vec<i32>,
     /// [`Semantic`] as a byte.
     pub semantic: Vec<u8>,
-    /// As `instance`, at twice the width and height: samples at -0.25 and +0.25 px about each centre.
+    /// As `instance`, at twice the width and height: samples at each pixel's centre and 0.5 px to the right and below.
     pub super_instance: Vec<i32>,
     /// Four samples a pixel: what is solid, and the panes before it.
     opaque: Hits,
@@ -115,10 +115,7 @@ pub fn render(scene: &PosedScene, view: &View, weather: &Weather, stream: &mut S
 /// Those of [`PinholeGrid::new`]: a camera that is none.
 pub fn look(scene: &PosedScene, view: &View) -> Result<Seen> {
     let (width, height) = (view.width, view.height);
-    let grid = |origin: f64, step: f64, n: usize| {
-        PinholeGrid::new(view.world_from_cam, view.intrinsics, [origin, origin, step, step], height * n, width * n)
-    };
-    let (centers, samples) = (grid(0.0, 1.0, 1)?, grid(-0.25, 0.5, 2)?);
+    let samples = PinholeGrid::new(view.world_from_cam, view.intrinsics, [0.0, 0.0, 0.5, 0.5], height * 2, width * 2)?;
     let (opaque, glass) = SCRATCH.with_borrow_mut(|s| (s.opaque.take(), s.glass.take()));
     let mut opaque = opaque.unwrap_or_else(|| Hits::new(0, 0));
     opaque.clear();
@@ -130,20 +127,19 @@ pub fn look(scene: &PosedScene, view: &View) -> Result<Seen> {
     glass.instance.clone_from(&opaque.instance);
     glass.face.clone_from(&opaque.face);
     cast(scene, &samples, Layer::Glass, |_| true, &mut glass);
-    let mut nearest = Hits::new(height, width);
-    cast(scene, &centers, Layer::Opaque, |_| true, &mut nearest);
-    cast(scene, &centers, Layer::Glass, |_| true, &mut nearest);
-
     let id = |instance: u32| if instance == NO_HIT { -1 } else { scene.instances[instance as usize].actor_id };
-    let semantic = nearest.instance.iter().zip(&nearest.face).map(|(instance, face)| match *instance {
+    let super_instance: Vec<i32> = glass.instance.iter().map(|i| id(*i)).collect();
+    // Every other sample of every other row lies on a pixel's centre.
+    let centers = (0..height).flat_map(|row| (0..width).map(move |column| (2 * row * width + column) * 2));
+    let semantic = |at: usize| match glass.instance[at] {
         NO_HIT => Semantic::Sky as u8,
-        i => scene.instances[i as usize].material(*face).semantic as u8,
-    });
+        i => scene.instances[i as usize].material(glass.face[at]).semantic as u8,
+    };
     Ok(Seen {
-        instance: nearest.instance.iter().map(|i| id(*i)).collect(),
-        semantic: semantic.collect(),
-        super_instance: glass.instance.iter().map(|i| id(*i)).collect(),
-        depth: nearest.depth,
+        depth: centers.clone().map(|at| glass.depth[at]).collect(),
+        instance: centers.clone().map(|at| super_instance[at]).collect(),
+        semantic: centers.map(semantic).collect(),
+        super_instance,
         opaque,
         glass,
     })
@@ -215,7 +211,7 @@ fn seen_points(rays: &Rays, opaque: &Hits, glass: &Hits, out: &mut Vec<Vec3>) {
         // Like the squares of one colour on a chessboard.
         for column in (row & 2..opaque.columns).step_by(4) {
             let (solid, pane) = (opaque.depth[start + column], glass.depth[start + column]);
-            let direction = rays.direction(column as f32 * 0.5 - 0.25, row as f32 * 0.5 - 0.25);
+            let direction = rays.direction(column as f32 * 0.5, row as f32 * 0.5);
             if solid < f32::INFINITY {
                 out.push(rays.eye + direction * solid);
             }
@@ -333,6 +329,8 @@ struct Painter<'a> {
 
 /// Pixels of a face so close together share what changes slowly.
 const SHARED_PX: f32 = 4.0;
+/// From the middle of a pixel's four samples, which lies `MIDDLE_PX` right and below of its centre; `blur` takes that
+/// back.
 const OFFSETS: [(f32, f32); 4] = [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)];
 
 impl<'a> Painter<'a> {
@@ -354,7 +352,7 @@ impl<'a> Painter<'a> {
             for column in 0..width {
                 let first = 2 * row * 2 * width + 2 * column;
                 let at = [first, first + 1, first + 2 * width, first + 2 * width + 1];
-                let (u, v) = (column as f32, row as f32);
+                let (u, v) = (column as f32 + MIDDLE_PX, row as f32 + MIDDLE_PX);
                 let mut sum = Vec3::ZERO;
                 if at.iter().any(|i| glass.depth[*i] < opaque.depth[*i]) {
                     let before = |i: &usize| glass.depth[*i] < opaque.depth[*i];

@@ -30,17 +30,17 @@ pub(super) fn silhouette(
 ) -> Silhouette {
     let empty = Silhouette { samples: 0, visible_samples: 0, bounds: None };
     let Some([u1, v1, u2, v2]) = vertex_bounds(scene, actor_id, camera, world_from_cam) else { return empty };
-    // Sub-sample (r, c) of pixel (v, u) lies at v + (r + 0.5) / n - 0.5, u + (c + 0.5) / n - 0.5.
+    // Sample (r, c) of the image lies at v = r / n, u = c / n.
     let n = SUPERSAMPLING as f64;
     let (width, height) = (camera.width * SUPERSAMPLING, camera.height * SUPERSAMPLING);
-    let to_sample = |p: f64| (p + 0.5) * n - 0.5;
+    let to_sample = |p: f64| p * n;
     let lo = |p: f64| to_sample(p).floor().max(0.0) as usize;
     let hi = |p: f64, end: usize| (to_sample(p).ceil() + 1.0).clamp(0.0, end as f64) as usize;
     let (c1, c2, r1, r2) = (lo(u1), hi(u2, width), lo(v1), hi(v2, height));
     if c1 >= c2 || r1 >= r2 {
         return empty;
     }
-    let from_sample = |i: usize| (i as f64 + 0.5) / n - 0.5;
+    let from_sample = |i: usize| i as f64 / n;
     let (rows, columns) = (r2 - r1, c2 - c1);
     let window = [from_sample(c1), from_sample(r1), 1.0 / n, 1.0 / n];
     let grid = PinholeGrid::new(camera.optical_pose(world_from_cam), camera.intrinsics(), window, rows, columns)
