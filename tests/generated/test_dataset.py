@@ -125,4 +125,4 @@ def test_golden_bytes() -> None:
     assert digest.hexdigest() == GOLDEN
 
 
-GOLDEN = "to be filled"
+GOLDEN = "90ffa20cccbfc5c19f16d78623b180f00ed07107e910215cf609ed50811e5963"
