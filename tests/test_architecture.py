@@ -30,6 +30,7 @@ PYTHON_ROOMS: dict[str, set[str]] = {
     "road_map": {"errors"},
     "weather": {"errors", "_cadet"},
     "rig": {"config", "errors", "_cadet"},
+    "bev": {"config", "errors"},
     "assets": {"config", "errors", "_cadet"},
     "policy": {"assets", "config", "draws", "errors", "road_map", "weather"},
     "episode": {"errors", "frame", "kitti", "policy", "rig", "_cadet"},

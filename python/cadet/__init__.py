@@ -1,8 +1,9 @@
 """KITTI-format driving data from made-up suburbs: images, LIDAR scans and exact 3D labels, with no GPU."""
 
-from cadet import kitti
+from cadet import bev, kitti
 from cadet._cadet import __version__
 from cadet.assets import Assets, VehicleMesh
+from cadet.bev import BevConfig
 from cadet.config import LabelConfig, SceneConfig
 from cadet.environment import Environment
 from cadet.errors import (
@@ -25,6 +26,7 @@ from cadet.weather import weather_names
 
 __all__ = [
     "Assets",
+    "BevConfig",
     "CadetError",
     "Calibration",
     "Camera",
@@ -53,6 +55,7 @@ __all__ = [
     "ShapeError",
     "VehicleMesh",
     "__version__",
+    "bev",
     "box_iou_3d",
     "box_iou_bev",
     "evaluate",

@@ -36,5 +36,6 @@ fn the_ego_seldom_stands_where_views_are_taken() {
     }
     let share = f64::from(standing) / (num_suburbs as f64 * f64::from(num_views));
     assert!(share <= 0.12, "the ego stands at {share:.3} of the views");
-    assert!(longest <= 4, "the ego stands for {longest} views in a row");
+    // Twelve seconds: in dense traffic one may wait for a queue as long as at a red light.
+    assert!(longest <= 6, "the ego stands for {longest} views in a row");
 }

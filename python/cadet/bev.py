@@ -1,0 +1,93 @@
+"""Bird's-eye-view maps of a point cloud: what AVOD and its kin take. This release has their configuration alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+from cadet.config import check_number
+from cadet.errors import CadetError
+
+Feature = Literal["max_height", "min_height", "density"]
+"""A map: greatest or least height of a cell's points, or min(1, ln(N + 1) / ln 16)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BevConfig:
+    """Which maps there are, and over which part of the world.
+
+    Heights are over the ground plane. Slice maps are made for each slice, from the lowest up; cloud maps once over the
+    whole range of heights.
+
+    Raises:
+        CadetError: a number outside its range, an unknown feature, no map at all, or cells that do not fill the range.
+
+    Reference: "Multimodal 3D Object Detection from Simulated Pretraining" (2019), section on BEV configurations; the
+    ranges are AVOD's.
+    """
+
+    slice_maps: tuple[Feature, ...] = ("max_height",)
+    """Maps of each slice."""
+    cloud_maps: tuple[Feature, ...] = ("density",)
+    """Maps of the whole cloud."""
+    num_slices: int = 5
+    """Slices between `height_lo_m` and `height_hi_m`, all of one thickness."""
+    height_lo_m: float = -0.2
+    """Lowest height over the ground plane."""
+    height_hi_m: float = 2.3
+    """Height over the ground plane where the last slice ends."""
+    x_m: tuple[float, float] = (-40.0, 40.0)
+    """Range to the left and to the right, camera frame."""
+    z_m: tuple[float, float] = (0.0, 70.0)
+    """Range ahead, camera frame."""
+    cell_m: float = 0.1
+    """Side of a cell."""
+    height: Literal["max", "reference"] = "max"
+    """The true greatest height of a cell, or the representative point that AVOD's own code takes."""
+
+    def __post_init__(self) -> None:
+        for name in ("slice_maps", "cloud_maps"):
+            for feature in getattr(self, name):
+                if feature not in get_args(Feature):
+                    raise CadetError(f"BevConfig.{name}: expected {', '.join(get_args(Feature))}, got {feature!r}")
+        if not self.slice_maps and not self.cloud_maps:
+            raise CadetError("BevConfig: expected at least one slice map or cloud map, got none")
+        check_number("BevConfig", "num_slices", self.num_slices, 1, 1000, whole=True)
+        check_number("BevConfig", "height_lo_m", self.height_lo_m, -100, 100)
+        check_number("BevConfig", "height_hi_m", self.height_hi_m, -100, 100)
+        check_number("BevConfig", "cell_m", self.cell_m, 1e-3, 100)
+        if self.height_lo_m >= self.height_hi_m:
+            raise CadetError(
+                f"BevConfig.height_hi_m: expected more than {self.height_lo_m:g}, got {self.height_hi_m!r}"
+            )
+        for name in ("x_m", "z_m"):
+            low, high = getattr(self, name)
+            check_number("BevConfig", name, low, -1000, 1000)
+            check_number("BevConfig", name, high, -1000, 1000)
+            cells = (high - low) / self.cell_m
+            if round(cells) < 1 or abs(cells - round(cells)) > 1e-6:
+                raise CadetError(f"BevConfig.{name}: expected whole cells of {self.cell_m:g} m, got {(low, high)!r}")
+        if self.height not in ("max", "reference"):
+            raise CadetError(f"BevConfig.height: expected 'max' or 'reference', got {self.height!r}")
+
+    @classmethod
+    def default(cls) -> BevConfig:
+        """AVOD's own: the greatest height of five slices, and the cloud's density."""
+        return cls()
+
+    @classmethod
+    def max3_density3(cls) -> BevConfig:
+        """The greatest height and the density of three slices."""
+        return cls(slice_maps=("max_height", "density"), cloud_maps=(), num_slices=3)
+
+    @classmethod
+    def max_min_density(cls) -> BevConfig:
+        """The cloud's greatest height, least height and density: half of the others' channels."""
+        return cls(slice_maps=(), cloud_maps=("max_height", "min_height", "density"))
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """(C, H, W): channels, cells ahead, cells across."""
+        rows = round((self.z_m[1] - self.z_m[0]) / self.cell_m)
+        columns = round((self.x_m[1] - self.x_m[0]) / self.cell_m)
+        return len(self.slice_maps) * self.num_slices + len(self.cloud_maps), rows, columns
