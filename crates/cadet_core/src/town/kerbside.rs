@@ -14,7 +14,7 @@ const PITCH_M: (f64, f64) = (5.2, 6.0);
 const MIN_BAY_M: f64 = 1.8;
 /// The narrowest bay for those, and where they stand: distance of their left flank from the middle of the lane.
 const MIN_HALF_BAY_M: f64 = 0.7;
-const HALF_BAY_FLANK_M: f64 = 1.6;
+const HALF_BAY_FLANK_M: f64 = 1.65;
 const HALF_BAY_SPOT_WIDTH_M: f64 = 1.65;
 /// No kerbside parking this near to the end of a lane.
 const CLEAR_OF_JUNCTION_M: f64 = 10.0;
