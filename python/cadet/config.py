@@ -100,7 +100,7 @@ class SceneConfig:
     parking_occupancy: float = 0.6
     """Share of the parking places along the ego's way that are taken; each street varies around it.
 
-    In side streets and drives it is the square root of this."""
+    In side streets and drives it is this to the power of 0.35."""
     label: LabelConfig = field(default_factory=LabelConfig)
     """What gets a label."""
 

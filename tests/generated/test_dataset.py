@@ -125,4 +125,4 @@ def test_golden_bytes() -> None:
     assert digest.hexdigest() == GOLDEN
 
 
-GOLDEN = "90ffa20cccbfc5c19f16d78623b180f00ed07107e910215cf609ed50811e5963"
+GOLDEN = "e9972bcc1c62b1d5d03590c487d0fbc69665e20b09e90f90ccf71fb13e527c34"

@@ -56,7 +56,7 @@ pub struct TrafficConfig {
     /// People kept around the ego.
     pub num_pedestrians: usize,
     /// Mean fraction of the parking places along the ego's way that are taken, in [0, 1]; it varies from street to
-    /// street, and side streets and drives are fuller: its square root.
+    /// street, and side streets and drives are fuller: its power of 0.35.
     pub parking_occupancy: f64,
     /// Driven cars start within this distance of the ego, metres.
     pub car_radius_m: f64,
@@ -80,6 +80,11 @@ impl Default for TrafficConfig {
             num_models: 24,
         }
     }
+}
+
+/// Occupancy of drives and side streets: fuller than the streets that the ego drives along.
+fn beside_ego_way(occupancy: f64) -> f64 {
+    math::pow(occupancy, 0.35)
 }
 
 impl TrafficConfig {
@@ -296,13 +301,13 @@ impl World {
         let across = (spot.world_from_spot.rotation * DVec3::X).truncate().perp();
         if lane.is_none_or(|(l, s)| (l.pose_at(s).rotation * DVec3::X).truncate().dot(across).abs() > 0.7) {
             // Who has a drive of their own keeps the car there, however full the street.
-            return draw.chance(config.parking_occupancy.sqrt());
+            return draw.chance(beside_ego_way(config.parking_occupancy));
         }
         // One row: one side of one road; each has its own occupancy.
         let row = lane.map_or(u64::MAX, |(lane, _)| u64::from(lane.road) * 2 + u64::from(lane.id.0 % 2 == 0));
         let mut street = self.key.indexed("parking row", row);
         if lane.is_some_and(|(l, _)| !on_way.contains(&l.road)) {
-            return draw.chance((config.parking_occupancy.sqrt() + street.range(-0.15, 0.15)).min(0.95));
+            return draw.chance((beside_ego_way(config.parking_occupancy) + street.range(-0.15, 0.15)).min(0.95));
         }
         // The rows that are used are the fuller for it, so that the mean stays.
         let mean = config.parking_occupancy;

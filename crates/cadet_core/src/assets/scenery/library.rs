@@ -89,7 +89,7 @@ pub fn tree(kind: TreeKind, variant: usize) -> SceneryModel {
             let shape = if kind == TreeKind::Shrub {
                 Detail::levels([25.0, 55.0, 160.0], |d| design.mesh(d))
             } else {
-                let mut shape = LodSet::clone(&Detail::levels([39.0, 72.0, 130.0], |d| design.mesh(d)));
+                let mut shape = LodSet::clone(&Detail::levels([41.0, 72.0, 112.0], |d| design.mesh(d)));
                 shape.levels.push((f32::INFINITY, Arc::new(design.mesh(Detail::Distant))));
                 Arc::new(shape)
             };
