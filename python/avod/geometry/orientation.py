@@ -37,7 +37,7 @@ def fix_up(boxes_cam: Tensor, vectors: Tensor, *, is_reference: bool = False) ->
     is_across = (error.abs() > math.pi / 4.0) & (error.abs() < 3.0 * math.pi / 4.0)
     is_reversed = error.abs() >= 3.0 * math.pi / 4.0
     quarter = torch.sign(error) * (math.pi / 2.0) * (1.0 if is_reference else -1.0)
-    turn = torch.where(is_across, quarter, torch.where(is_reversed, math.pi, 0.0))
+    turn = quarter * is_across + math.pi * is_reversed.to(error)
     length = torch.where(is_across, boxes_cam[:, 4], boxes_cam[:, 3])
     width = torch.where(is_across, boxes_cam[:, 3], boxes_cam[:, 4])
     turned = wrap_angle(rotation_y + turn)
