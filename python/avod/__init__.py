@@ -2,3 +2,9 @@
 
 `avod` reads KITTI folders with `cadet` and never the other way round.
 """
+
+from avod.config import Config
+from avod.config_file import config_names, load_config
+from avod.detector import Detector
+
+__all__ = ["Config", "Detector", "config_names", "load_config"]
