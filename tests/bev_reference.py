@@ -1,8 +1,8 @@
 """Bird's-eye-view maps, slowly and clearly: the definition that faster ones are compared with.
 
 Points outside the extent, which is open on all sides, take no part, nor do those outside -5 < y < 3. Heights are over
-the ground plane. Cells are floor(x / cell), floor(z / cell); row 0 is the farthest, column 0 the leftmost. A slice holds
-lo <= height < hi. Empty cells are 0.
+the ground plane. Cells are floor(x / cell), floor(z / cell); row 0 is the farthest, column 0 the leftmost. A slice
+holds lo <= height < hi. Empty cells are 0.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ def maps(
     config: BevConfig,
     out: NDArray[np.float32] | None = None,
 ) -> NDArray[np.float32]:
-    """Make the maps: (C, H, W) float32, the slices' from the lowest up with their features in turn, then the cloud's."""
+    """Make the maps: (C, H, W) float32, the slices' from the lowest up, features in turn, then the cloud's."""
     result = np.zeros(config.shape, np.float32) if out is None else out
     result[:] = 0.0
     x, y, z = points_cam[:, 0], points_cam[:, 1], points_cam[:, 2]

@@ -105,7 +105,9 @@ def _is_in_image(
     return is_whole
 
 
-def detections(outputs: FrameOutputs, plane: Tensor, calib: Calibration, image_size: tuple[int, int], config: Config) -> tuple[Label, ...]:
+def detections(
+    outputs: FrameOutputs, plane: Tensor, calib: Calibration, image_size: tuple[int, int], config: Config
+) -> tuple[Label, ...]:
     """Turn the network's outputs for a frame into labels with scores, best first."""
     with torch.no_grad():
         return labels_from_boxes(decode(outputs, plane, config.detection), calib, image_size, config)

@@ -85,7 +85,9 @@ def sample_proposals(
     is_object, nearest = overlap[chosen] > config.positive_iou, nearest[chosen]
     if len(sample.boxes_cam) == 0:
         labels = torch.zeros_like(nearest)
-        return chosen, ProposalTargets(labels, proposals.new_zeros((len(chosen), 10)), proposals.new_zeros((len(chosen), 2)))
+        return chosen, ProposalTargets(
+            labels, proposals.new_zeros((len(chosen), 10)), proposals.new_zeros((len(chosen), 2))
+        )
     labels = torch.where(is_object, sample.classes[nearest], 0)
     boxes_4c = boxes_4c_from_boxes(sample.boxes_cam, sample.plane)
     return chosen, ProposalTargets(labels, boxes_4c[nearest], angle_vectors(sample.boxes_cam)[nearest])

@@ -32,7 +32,9 @@ def some_boxes(seed: int, count: int = 400) -> torch.Tensor:
     width = rng.uniform(0.4, 2.0, count)
     columns = [rng.uniform(-30, 30, count), rng.uniform(1, 2, count), rng.uniform(3, 60, count)]
     columns += [width + rng.uniform(0.05, 3, count), width, rng.uniform(1, 2.5, count)]
-    columns.append(np.concatenate([np.arange(-180, 180, 15) * math.pi / 180, rng.uniform(-math.pi, math.pi, count - 24)]))
+    columns.append(
+        np.concatenate([np.arange(-180, 180, 15) * math.pi / 180, rng.uniform(-math.pi, math.pi, count - 24)])
+    )
     return torch.from_numpy(np.column_stack(columns))
 
 
@@ -73,7 +75,9 @@ def test_an_anchors_heights_are_over_the_ground() -> None:
     torch.testing.assert_close(encoded[0], torch.tensor(expected))
 
 
-@pytest.mark.parametrize(("degrees", "dx", "dz"), [(0, 4, 2), (44, 4, 2), (46, 2, 4), (-91, 2, 4), (136, 4, 2), (180, 4, 2)])
+@pytest.mark.parametrize(
+    ("degrees", "dx", "dz"), [(0, 4, 2), (44, 4, 2), (46, 2, 4), (-91, 2, 4), (136, 4, 2), (180, 4, 2)]
+)
 def test_boxes_turn_to_the_nearest_axis(degrees: float, dx: float, dz: float) -> None:
     box = torch.tensor([[1.0, 1.5, 20.0, 4.0, 2.0, 1.6, math.radians(degrees)]])
     torch.testing.assert_close(anchors_from_boxes(box), torch.tensor([[1.0, 1.5, 20.0, dx, 1.6, dz]]))
@@ -103,7 +107,9 @@ def test_headings_end_within_45_degrees_of_the_angle_vector() -> None:
     error = wrap_angle(fixed[:, 6] - predicted).abs().rad2deg()
     assert error.max() < 45.001
     assert (fixed[:, 6] >= -math.pi).all() and (fixed[:, 6] < math.pi).all()
-    overlap = [box_iou_3d(a[None].numpy(), b[None].numpy())[0, 0] for a, b in zip(boxes[::17], fixed[::17], strict=True)]
+    overlap = [
+        box_iou_3d(a[None].numpy(), b[None].numpy())[0, 0] for a, b in zip(boxes[::17], fixed[::17], strict=True)
+    ]
     np.testing.assert_allclose(overlap, 1.0, atol=1e-9)
     reference = wrap_angle(fix_up(boxes, vectors, is_reference=True)[:, 6] - predicted).abs().rad2deg()
     is_across = (wrap_angle(box - predicted).abs().rad2deg() - 90).abs() < 45
@@ -125,11 +131,15 @@ def test_bev_boxes_are_fractions_from_the_far_left() -> None:
 def test_image_boxes_bound_the_corners() -> None:
     calib = make_calib()
     rng = np.random.default_rng(0)
-    anchors = np.column_stack([rng.uniform(-20, 20, 50), rng.uniform(1, 2, 50), rng.uniform(6, 60, 50), rng.uniform(1, 5, (50, 3))])
+    anchors = np.column_stack(
+        [rng.uniform(-20, 20, 50), rng.uniform(1, 2, 50), rng.uniform(6, 60, 50), rng.uniform(1, 5, (50, 3))]
+    )
     found = image_boxes(torch.from_numpy(anchors), torch.from_numpy(calib.P2.copy()), IMAGE_SIZE)
     boxes_cam = np.column_stack([anchors[:, :3], anchors[:, 3], anchors[:, 5], anchors[:, 4], np.zeros(50)])
     left, top, right, bottom = cadet_boxes.project_boxes(boxes_cam, calib).T
-    expected = np.stack([top / IMAGE_SIZE[1], left / IMAGE_SIZE[0], bottom / IMAGE_SIZE[1], right / IMAGE_SIZE[0]], axis=1)
+    expected = np.stack(
+        [top / IMAGE_SIZE[1], left / IMAGE_SIZE[0], bottom / IMAGE_SIZE[1], right / IMAGE_SIZE[0]], axis=1
+    )
     np.testing.assert_allclose(found.numpy(), expected, atol=1e-12)
 
 

@@ -52,9 +52,18 @@ def test_class_groups() -> None:
         ("rpn = 3", "{file}: rpn: expected a table, got 3"),
         ("[image]\nsize = [1200]", "{file}: image.size: expected 2 values, got 1"),
         ("[image]\nsize = [1201, 360]", "{file}: Config.image.size[0]: expected a multiple of 8, got 1201"),
-        ("[second_stage]\ngradient = 'some'", "{file}: second_stage.gradient: expected one of 'through', 'stopped', got"),
-        ("[bev]\nslice_maps = ['mean']", "{file}: bev.slice_maps[0]: expected one of 'max_height', 'min_height', 'dens"),
-        ("[[classes]]\nname = 'Cat'", "{file}: classes[0]: ObjectClass.name: expected a type of KITTI's labels, got 'C"),
+        (
+            "[second_stage]\ngradient = 'some'",
+            "{file}: second_stage.gradient: expected one of 'through', 'stopped', got",
+        ),
+        (
+            "[bev]\nslice_maps = ['mean']",
+            "{file}: bev.slice_maps[0]: expected one of 'max_height', 'min_height', 'dens",
+        ),
+        (
+            "[[classes]]\nname = 'Cat'",
+            "{file}: classes[0]: ObjectClass.name: expected a type of KITTI's labels, got 'C",
+        ),
         ("rpn = ", "{file}: no TOML: "),
         ("base = 'nothing'", "unknown configuration 'nothing': expected a .toml file or one of all_default, "),
     ],

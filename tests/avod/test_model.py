@@ -128,9 +128,7 @@ def test_biases_begin_at_zero_and_weights_are_glorots() -> None:
 def test_dropping_channels_of_the_birds_eye_view_changes_its_pyramid_alone() -> None:
     config = load_config("tiny_car")
     fewer = dataclasses.replace(config, bev=dataclasses.replace(config.bev, num_slices=2))
-    shapes = [
-        {name: tuple(p.shape) for name, p in AvodNetwork(c).named_parameters()} for c in (config, fewer)
-    ]
+    shapes = [{name: tuple(p.shape) for name, p in AvodNetwork(c).named_parameters()} for c in (config, fewer)]
     assert {name for name in shapes[0] if shapes[0][name] != shapes[1][name]} == {
         "bev_pyramid.encoder.0.0.convolution.weight"
     }

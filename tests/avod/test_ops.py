@@ -29,7 +29,9 @@ def scalar_crops(features: NDArray[Any], boxes: NDArray[Any], size: int) -> NDAr
                 top, left = math.floor(y), math.floor(x)
                 bottom, right = math.ceil(y), math.ceil(x)
                 upper = features[:, top, left] + (features[:, top, right] - features[:, top, left]) * (x - left)
-                lower = features[:, bottom, left] + (features[:, bottom, right] - features[:, bottom, left]) * (x - left)
+                lower = features[:, bottom, left] + (features[:, bottom, right] - features[:, bottom, left]) * (
+                    x - left
+                )
                 crops[n, :, i, j] = upper + (lower - upper) * (y - top)
     return crops
 

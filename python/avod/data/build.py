@@ -63,6 +63,10 @@ class Augmentation:
     seed: tuple[int, ...] = (0,)
 
 
+UNCHANGED: Final = Augmentation()
+"""No change."""
+
+
 def build_sample(
     points_velo: NDArray[np.float32],
     image: NDArray[np.uint8],
@@ -72,7 +76,7 @@ def build_sample(
     *,
     maps: BevMaps,
     labels: tuple[Label, ...] = (),
-    augmentation: Augmentation = Augmentation(),
+    augmentation: Augmentation = UNCHANGED,
     frame_id: str = "in memory",
 ) -> Sample:
     """Make a sample: points that the image sees, maps, anchors over occupied ground, the image resized.

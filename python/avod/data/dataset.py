@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from torch.utils.data import Dataset
 
 from avod.config import Config
-from avod.data.build import Augmentation, BevMaps, build_sample
+from avod.data.build import UNCHANGED, Augmentation, BevMaps, build_sample
 from avod.data.order import Order
 from avod.data.sample import Sample
 from cadet import kitti
@@ -43,7 +43,7 @@ def ground_plane(
 
 
 def sample_from_frame(
-    frame: Frame, frame_id: str, config: Config, maps: BevMaps, augmentation: Augmentation = Augmentation()
+    frame: Frame, frame_id: str, config: Config, maps: BevMaps, augmentation: Augmentation = UNCHANGED
 ) -> Sample:
     """Make a sample of a frame.
 

@@ -37,7 +37,8 @@ def mirror_points(points_cam: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def mirror_plane(plane: NDArray[np.float64]) -> NDArray[np.float64]:
     """Mirror the ground plane (4,). Anchors made on it stand on the mirrored ground and need no mirroring more."""
-    return plane * np.array([-1.0, 1.0, 1.0, 1.0])
+    mirrored: NDArray[np.float64] = plane * np.array([-1.0, 1.0, 1.0, 1.0])
+    return mirrored
 
 
 def mirror_boxes(boxes_cam: NDArray[np.float64]) -> NDArray[np.float64]:

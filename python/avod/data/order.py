@@ -77,7 +77,9 @@ class StepSampler(Sampler[list[int]]):
         world_size: how many processes share a step.
     """
 
-    def __init__(self, first_step: int, num_steps: int, frames_per_step: int, rank: int = 0, world_size: int = 1) -> None:
+    def __init__(
+        self, first_step: int, num_steps: int, frames_per_step: int, rank: int = 0, world_size: int = 1
+    ) -> None:
         self._steps = range(first_step, num_steps)
         self._frames_per_step = frames_per_step
         self._rank, self._world_size = rank, world_size

@@ -45,5 +45,7 @@ class Sample:
 
     def pin_memory(self) -> Sample:
         """Return the sample in page-locked memory, from where it travels to a GPU faster."""
-        tensors = {f.name: value.pin_memory() for f in fields(self) if isinstance(value := getattr(self, f.name), Tensor)}
+        tensors = {
+            f.name: value.pin_memory() for f in fields(self) if isinstance(value := getattr(self, f.name), Tensor)
+        }
         return replace(self, **tensors)

@@ -55,8 +55,8 @@ def boxes_4c_from_anchors(anchors: Tensor, plane: Tensor) -> Tensor:
 def boxes_4c_from_boxes(boxes_cam: Tensor, plane: Tensor) -> Tensor:
     """Give boxes as corners and heights: (N, 7) and (4,) to (N, 10).
 
-    The first corner is the one that is at (+x, +z) once the box is turned to the nearest multiple of 90 degrees, so each
-    corner's nearest neighbour in an anchor has the same place. Which end is the front is lost.
+    The first corner is the one that is at (+x, +z) once the box is turned to the nearest multiple of 90 degrees, so
+    each corner's nearest neighbour in an anchor has the same place. Which end is the front is lost.
     """
     x, y, z, _, _, _, rotation_y = boxes_cam.unbind(dim=1)
     _, _, _, dx, dy, dz = anchors_from_boxes(boxes_cam).unbind(dim=1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import cast
 
 import torch
@@ -105,7 +106,7 @@ class Head(nn.Module):
     def __init__(self, num_in: int, hidden: tuple[int, ...], num_out: tuple[int, ...], dropout_keep: float) -> None:
         super().__init__()
         widths = (num_in, *hidden)
-        self.layers = nn.ModuleList(nn.Linear(a, b) for a, b in zip(widths, widths[1:], strict=False))
+        self.layers = nn.ModuleList(nn.Linear(a, b) for a, b in itertools.pairwise(widths))
         self.outputs = nn.ModuleList(nn.Linear(widths[-1], count) for count in num_out)
         self.dropout = nn.Dropout(1.0 - dropout_keep)
         for layer in (*self.layers, *self.outputs):

@@ -93,9 +93,7 @@ class AvodNetwork(nn.Module):
         self.precision: torch.dtype | None = None
         """Type of the convolutions' and layers' arithmetic; None for float32. Boxes are always float32."""
 
-    def forward(
-        self, samples: Sequence[Sample], generator: torch.Generator | None = None
-    ) -> list[FrameOutputs]:
+    def forward(self, samples: Sequence[Sample], generator: torch.Generator | None = None) -> list[FrameOutputs]:
         """Run both stages on each sample.
 
         Args:
@@ -137,9 +135,7 @@ class AvodNetwork(nn.Module):
         if config.second_stage.gradient == "stopped":
             proposals = proposals.detach()
         class_logits, box_offsets, vectors = self._judge_proposals(sample, features, proposals, masks)
-        return FrameOutputs(
-            anchor_logits, anchor_offsets, proposals, class_logits, box_offsets, vectors, targets
-        )
+        return FrameOutputs(anchor_logits, anchor_offsets, proposals, class_logits, box_offsets, vectors, targets)
 
     def _judge_anchors(
         self, sample: Sample, features: FrameFeatures, masks: tuple[float, float]
@@ -155,9 +151,7 @@ class AvodNetwork(nn.Module):
     def _judge_proposals(
         self, sample: Sample, features: FrameFeatures, proposals: Tensor, masks: tuple[float, float]
     ) -> tuple[Tensor, Tensor, Tensor]:
-        crops = self._crops(
-            sample, proposals, features.image, features.bev, masks, self.config.second_stage.crop_size
-        )
+        crops = self._crops(sample, proposals, features.image, features.bev, masks, self.config.second_stage.crop_size)
         with self._arithmetic(crops):
             outputs = self.second_stage(crops)
         logits, offsets, vectors = (output.to(crops.dtype) for output in outputs)

@@ -15,8 +15,8 @@ from avod.model.layers import Convolution, UpConvolution
 class FeaturePyramid(nn.Module):
     """Features of the input's own resolution, made at four scales.
 
-    Rows that the strides do not divide are padded with zeros at the top, which is the far side of a bird's-eye view, and
-    cut off again.
+    Rows that the strides do not divide are padded with zeros at the top, which is the far side of a bird's-eye view,
+    and cut off again.
 
     Args:
         num_in: channels of the input.

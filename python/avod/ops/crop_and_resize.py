@@ -1,4 +1,4 @@
-"""Crops of a feature map as TensorFlow's `crop_and_resize` takes them: one bilinear sample a bin, corners on corners."""
+"""Crops of a feature map as TensorFlow takes them: one bilinear sample a bin, corners on corners."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """Checkpoints: a folder of tensors (safetensors) and settings (JSON). Loading one never runs code.
 
-    000002000/checkpoint.json         format, step, seed, configuration, versions
-    000002000/model.safetensors       weights and moving averages
-    000002000/optimizer.safetensors   Adam's averages by parameter; may be left out where nothing is trained on
+000002000/checkpoint.json         format, step, seed, configuration, versions
+000002000/model.safetensors       weights and moving averages
+000002000/optimizer.safetensors   Adam's averages by parameter; may be left out where nothing is trained on
 """
 
 from __future__ import annotations
@@ -145,7 +145,9 @@ def load_optimizer(checkpoint: Checkpoint, network: nn.Module, optimizer: torch.
         averages = {key: tensors.get(f"{key}.{name}") for key in _AVERAGES}
         if any(value is None or value.shape != parameter.shape for value in averages.values()):
             raise CadetError(f"{file}: {name} does not fit: this is a checkpoint of another configuration")
-        state: dict[str, Any] = {key: value.to(parameter.device) for key, value in averages.items() if value is not None}
+        state: dict[str, Any] = {
+            key: value.to(parameter.device) for key, value in averages.items() if value is not None
+        }
         optimizer.state[parameter] = {"step": tensors["step"].clone(), **state}
 
 

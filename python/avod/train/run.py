@@ -60,8 +60,8 @@ class Run:
 def train(config: Config, run: Run, *, maps: BevMaps | None = None, on_step: OnStep | None = None) -> Path:
     """Train a detector and return its last checkpoint.
 
-    Steps, frames and draws follow from seed and step, so a training that was stopped and goes on from a checkpoint gives
-    the same numbers as one that was not.
+    Steps, frames and draws follow from seed and step, so a training that was stopped and goes on from a checkpoint
+    gives the same numbers as one that was not.
 
     Args:
         config: the detector and its training.
@@ -86,7 +86,9 @@ def train(config: Config, run: Run, *, maps: BevMaps | None = None, on_step: OnS
         load_optimizer(checkpoint, network, optimizer)
         first_step, seed = checkpoint.step, checkpoint.seed
     if first_step >= config.training.steps:
-        raise CadetError(f"{run.resume_from}: {first_step} steps are done, and training ends at {config.training.steps}")
+        raise CadetError(
+            f"{run.resume_from}: {first_step} steps are done, and training ends at {config.training.steps}"
+        )
     data = TrainingData(run.data, run.split, config, seed, default_maps() if maps is None else maps)
     network.precision = run.precision
     network.train()
@@ -124,9 +126,7 @@ def _batches(
     data: TrainingData, config: Config, run: Run, first_step: int, processes: Processes
 ) -> Iterable[list[Sample | CadetError]]:
     training = config.training
-    sampler = StepSampler(
-        first_step, training.steps, training.frames_per_step, processes.rank, processes.world_size
-    )
+    sampler = StepSampler(first_step, training.steps, training.frames_per_step, processes.rank, processes.world_size)
     loader: DataLoader[Any] = DataLoader(
         data,
         batch_sampler=sampler,
