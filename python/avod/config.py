@@ -56,10 +56,10 @@ class ImageConfig:
     """Taken off each channel of 0..255; nothing is divided."""
 
     def __post_init__(self) -> None:
-        for value in self.size:
-            check_number("ImageConfig", "size", value, 8, 8192, whole=True)
-        for value in self.mean_rgb:
-            check_number("ImageConfig", "mean_rgb", value, 0, 255)
+        for pixels in self.size:
+            check_number("ImageConfig", "size", pixels, 8, 8192, whole=True)
+        for mean in self.mean_rgb:
+            check_number("ImageConfig", "mean_rgb", mean, 0, 255)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import sys
 from collections.abc import Mapping
-from functools import cache
 from importlib import resources
 from pathlib import Path
 from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
@@ -44,7 +43,7 @@ def load_config(name: str | Path) -> Config:
     return config_from_table(table, str(name))
 
 
-def config_from_table(table: Mapping[str, Any], source: str) -> Config:
+def config_from_table(table: object, source: str) -> Config:
     """Make a configuration from plain tables, as TOML and JSON give them.
 
     Args:
@@ -94,11 +93,6 @@ def _merged(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, An
     return merged
 
 
-@cache
-def _hints(cls: type[Any]) -> dict[str, Any]:
-    return get_type_hints(cls)
-
-
 def _build(cls: type[T], table: object, source: str, path: str) -> T:
     where = f"{source}: {path}" if path else source
     if not isinstance(table, Mapping):
@@ -107,7 +101,8 @@ def _build(cls: type[T], table: object, source: str, path: str) -> T:
     for key in table:
         if key not in known:
             raise CadetError(f"{source}: {_join(path, key)}: unknown key; known: {', '.join(known)}")
-    values = {key: _convert(_hints(cls)[key], value, source, _join(path, key)) for key, value in table.items()}
+    hints = get_type_hints(cls)
+    values = {key: _convert(hints[key], value, source, _join(path, key)) for key, value in table.items()}
     try:
         return cls(**values)
     except CadetError as error:

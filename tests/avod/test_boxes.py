@@ -149,5 +149,5 @@ def test_image_boxes_behind_the_camera_are_finite_and_the_right_way_round() -> N
     found = image_boxes(anchors, projection, IMAGE_SIZE)
     assert torch.isfinite(found).all()
     assert (found[:, 2:] >= found[:, :2]).all()
-    found.sum().backward()
+    found.sum().backward()  # type: ignore[no-untyped-call]
     assert anchors.grad is not None and torch.isfinite(anchors.grad).all()

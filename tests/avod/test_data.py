@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -75,16 +77,17 @@ def test_mirroring_twice_changes_nothing() -> None:
     np.testing.assert_allclose(twice, projection, atol=1e-9)
     boxes = np.column_stack([rng.uniform(-9, 9, (40, 6)), np.linspace(-math.pi, math.pi, 40)])
     boxes[0, 6] = -3.14159
-    for function, value in (
+    cases: list[tuple[Callable[[Any], Any], Any]] = [
         (mirror.mirror_image, rng.integers(0, 255, (4, 5, 3), dtype=np.uint8)),
         (mirror.mirror_points, rng.normal(size=(9, 3))),
         (mirror.mirror_plane, PLANE),
         (mirror.mirror_boxes, boxes[1:]),
         (mirror.mirror_anchors, rng.normal(size=(9, 6))),
         (mirror.mirror_offsets, rng.normal(size=(9, 6))),
-    ):
-        np.testing.assert_allclose(function(function(value)), value, atol=1e-12)  # type: ignore[operator]
-        assert not np.array_equal(function(value), value)  # type: ignore[operator]
+    ]
+    for function, value in cases:
+        np.testing.assert_allclose(function(function(value)), value, atol=1e-12)
+        assert not np.array_equal(function(value), value)
 
 
 def test_the_mirrored_camera_sees_the_mirrored_world_as_the_mirrored_image() -> None:
@@ -97,7 +100,7 @@ def test_the_mirrored_camera_sees_the_mirrored_world_as_the_mirrored_image() -> 
     np.testing.assert_allclose(found, np.stack([width - 1 - right, top, width - 1 - left, bottom], axis=1), atol=1e-9)
 
 
-def vars_of(calib: Calibration) -> dict[str, np.ndarray]:
+def vars_of(calib: Calibration) -> dict[str, Any]:
     names = ("P0", "P1", "P2", "P3", "R0_rect", "Tr_velo_to_cam", "Tr_imu_to_velo")
     return {name: getattr(calib, name) for name in names}
 

@@ -78,7 +78,7 @@ def test_crops_of_nothing_and_of_nan() -> None:
     assert crop_and_resize(features, torch.zeros((0, 4)), 3).shape == (0, 2, 3, 3)
     boxes = torch.tensor([[math.nan, 0.0, 1.0, 1.0], [math.inf, 0.0, 1.0, 1.0]]).requires_grad_()
     crops = crop_and_resize(features, boxes, 3)
-    crops.sum().backward()
+    crops.sum().backward()  # type: ignore[no-untyped-call]
     assert (crops == 0).all()
     assert features.grad is not None and (features.grad == 0).all()
 
@@ -127,4 +127,4 @@ def test_suppression_beyond_one_block_is_greedy() -> None:
 def test_overlap_of_known_boxes() -> None:
     a = torch.tensor([[0.0, 0.0, 2.0, 2.0], [1.0, 1.0, 1.0, 3.0]])
     b = torch.tensor([[1.0, 0.0, 3.0, 2.0], [0.0, 0.0, 2.0, 2.0], [2.0, 0.0, 3.0, 1.0]])
-    np.testing.assert_allclose(axis_aligned_iou(a, b), [[1 / 3, 1, 0], [0, 0, 0]], atol=1e-7)
+    np.testing.assert_allclose(axis_aligned_iou(a, b), np.array([[1 / 3, 1.0, 0.0], [0.0, 0.0, 0.0]]), atol=1e-7)

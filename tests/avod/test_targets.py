@@ -97,29 +97,21 @@ def test_smoothed_cross_entropy_by_hand() -> None:
     assert smoothed_cross_entropy(logits, torch.tensor([1]), 0.001).item() == pytest.approx(expected, rel=1e-6)
 
 
-def outputs(anchor_logits: torch.Tensor, anchor_offsets: torch.Tensor, **second: torch.Tensor | None) -> FrameOutputs:
-    proposals = second.get("proposals")
-    return FrameOutputs(
-        anchor_logits,
-        anchor_offsets,
-        torch.zeros((0, 6)) if proposals is None else proposals,
-        *(
-            torch.zeros((0, n)) if (v := second.get(k)) is None else v
-            for k, n in (("logits", 2), ("box", 10), ("vector", 2))
-        ),
-    )
+def first_stage(anchor_logits: torch.Tensor, anchor_offsets: torch.Tensor) -> FrameOutputs:
+    empty = [torch.zeros((0, n)) for n in (6, 2, 10, 2)]
+    return FrameOutputs(anchor_logits, anchor_offsets, empty[0], empty[1], empty[2], empty[3])
 
 
 def test_first_stage_losses_by_hand() -> None:
     even = torch.zeros((3, 2))  # probability 1/2 each: every cross entropy is ln 2, however smoothed
     offsets = torch.tensor([[0.5, 0, 0, 0, 0, 0], [0, 3.0, 0, 0, 0, 0], [0, 0, 0, 0, 0, 7.0]])
     targets = AnchorTargets(torch.tensor([0, 1]), torch.tensor([True, False]), torch.zeros((2, 6)))
-    objectness, regression = rpn_losses(outputs(even, offsets), targets, 0.001)
+    objectness, regression = rpn_losses(first_stage(even, offsets), targets, 0.001)
     assert objectness.item() == pytest.approx(math.log(2.0), rel=1e-6)
     # Smooth L1: 0.5 * 0.5^2 and 3 - 0.5, weighted 0.999 and 0.001.
     assert regression.item() == pytest.approx((0.999 * 0.125 + 0.001 * 2.5) / 1.0, rel=1e-6)
     negatives = dataclasses.replace(targets, is_object=torch.tensor([False, False]))
-    _, regression = rpn_losses(outputs(even, offsets), negatives, 0.001)
+    _, regression = rpn_losses(first_stage(even, offsets), negatives, 0.001)
     assert regression.item() == pytest.approx((0.125 + 2.5) / 2, rel=1e-6), "without positives the weight cancels"
 
 
@@ -130,13 +122,8 @@ def test_second_stage_losses_by_hand() -> None:
     box[0, 0], box[1, 3], box[2, 0] = 0.5, 2.0, 99.0
     targets = ProposalTargets(torch.tensor([1, 1, 0]), own, torch.tensor([[1.0, 0.0]] * 3))
     vectors = torch.tensor([[1.0, 1.0], [1.0, 0.0], [50.0, 50.0]])
-    found = outputs(
-        torch.zeros((0, 2)),
-        torch.zeros((0, 6)),
-        proposals=proposals,
-        logits=torch.zeros((3, 2)),
-        box=box,
-        vector=vectors,
+    found = FrameOutputs(
+        torch.zeros((0, 2)), torch.zeros((0, 6)), proposals, torch.zeros((3, 2)), box, vectors, targets
     )
     classification, boxes, orientation = second_stage_losses(found, targets, PLANE, 0.001)
     assert classification.item() == pytest.approx(math.log(2.0), rel=1e-6)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import torch
 from torch import Tensor
@@ -36,16 +37,20 @@ class Sample:
 
     def to(self, device: torch.device) -> Sample:
         """Return the sample on a device."""
-        tensors = {
-            f.name: value.to(device, non_blocking=True)
-            for f in fields(self)
-            if isinstance(value := getattr(self, f.name), Tensor)
-        }
-        return replace(self, **tensors)
+        return self._with(lambda tensor: tensor.to(device, non_blocking=True))
 
     def pin_memory(self) -> Sample:
         """Return the sample in page-locked memory, from where it travels to a GPU faster."""
-        tensors = {
-            f.name: value.pin_memory() for f in fields(self) if isinstance(value := getattr(self, f.name), Tensor)
-        }
-        return replace(self, **tensors)
+        return self._with(lambda tensor: tensor.pin_memory())
+
+    def _with(self, change: Callable[[Tensor], Tensor]) -> Sample:
+        return replace(
+            self,
+            bev=change(self.bev),
+            image=change(self.image),
+            anchors=change(self.anchors),
+            plane=change(self.plane),
+            projection=change(self.projection),
+            boxes_cam=change(self.boxes_cam),
+            classes=change(self.classes),
+        )

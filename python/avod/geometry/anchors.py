@@ -116,4 +116,5 @@ def occupied_anchors(
 def _cell(corner_m: NDArray[np.float64], start_m: float, cell_m: float, num_cells: int) -> NDArray[np.intp]:
     steps = corner_m.astype(np.float32) / np.float32(cell_m)
     first = round(start_m / cell_m)
-    return np.clip(np.trunc(steps).astype(np.intp) - first, 0, num_cells)
+    cells: NDArray[np.intp] = np.clip(np.trunc(steps).astype(np.intp) - first, 0, num_cells)
+    return cells

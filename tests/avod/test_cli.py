@@ -1,0 +1,130 @@
+"""The commands from end to end on a tiny folder."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from pathlib import Path
+
+import cv2
+import pytest
+from click.testing import CliRunner, Result
+
+from avod.cli.commands import avod
+from bev_reference import maps
+from cadet import bev
+from cadet.errors import CadetError, KittiFormatError
+from cadet.kitti import ImageSet, labels_from_text, write_frame, write_image_set
+from synthetic import make_frame
+
+CONFIG = Path(__file__).parents[1] / "overfit.toml"
+
+
+@pytest.fixture(autouse=True)
+def _maps(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bev, "maps", maps, raising=False)
+
+
+@pytest.fixture(scope="module")
+def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    root = tmp_path_factory.mktemp("kitti")
+    for index in range(3):
+        write_frame(root, index, make_frame())
+    write_image_set(root, "train", ImageSet(("000000", "000001")))
+    write_image_set(root, "val", ImageSet(("000002",)))
+    return root
+
+
+@pytest.fixture(scope="module")
+def trained(dataset: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("run")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(bev, "maps", maps, raising=False)
+        call("train", "--config", CONFIG, "--data", dataset, "--out", out, "--steps", 10)
+    return out
+
+
+def call(*arguments: object) -> Result:
+    result = CliRunner().invoke(avod, [str(argument) for argument in arguments], catch_exceptions=False)
+    assert result.exit_code == 0, result.output
+    return result
+
+
+def test_training_leaves_a_log_and_a_checkpoint(trained: Path) -> None:
+    assert (trained / "log.csv").read_text().count("\n") == 2
+    assert sorted(path.name for path in (trained / "checkpoints" / "000000010").iterdir()) == [
+        "checkpoint.json",
+        "model.safetensors",
+        "optimizer.safetensors",
+    ]
+
+
+def test_prediction_writes_a_file_for_each_frame(dataset: Path, trained: Path, tmp_path: Path) -> None:
+    result = call("predict", "--checkpoint", trained, "--data", dataset, "--out", tmp_path / "found")
+    files = sorted((tmp_path / "found").iterdir())
+    assert [path.name for path in files] == ["000000.txt", "000001.txt", "000002.txt"]
+    found = [labels_from_text(path.read_text()) for path in files]
+    assert all(label.score is not None for labels in found for label in labels)
+    assert f"{sum(map(len, found))} detections in 3 frames" in result.output
+
+
+def test_evaluation_prints_the_papers_rows(dataset: Path, trained: Path) -> None:
+    result = call("eval", "--checkpoint", trained, "--data", dataset, "--last", 2)
+    assert re.search(r"^000000010 +\d+\.\d\d +best$", result.output, re.MULTILINE)
+    for rule in ("R11", "R40"):
+        assert re.search(rf"^ *Car +{rule}( +(-|\d+\.\d\d)){{6}}", result.output, re.MULTILINE), result.output
+
+
+def test_the_bench_names_the_stages(dataset: Path, trained: Path) -> None:
+    result = call("bench", "--checkpoint", trained, "--data", dataset, "--frames", 2)
+    times = {
+        match[1]: float(match[2])
+        for match in re.finditer(r"^ *([a-z][a-z ,()]+?) +(\d+\.\d) *$", result.output, re.MULTILINE)
+    }
+    assert set(times) == {"maps, anchors, image", "network", "boxes", "inference", "reading files (apart)"}
+    parts = times["maps, anchors, image"] + times["network"] + times["boxes"]
+    assert times["inference"] == pytest.approx(parts, abs=0.3)
+    assert "mean over 2 frames on cpu" in result.output
+
+
+def test_figures_are_drawn(dataset: Path, trained: Path, tmp_path: Path) -> None:
+    call("view", "--checkpoint", trained, "--data", dataset, "--frame", "000002", "-o", tmp_path / "a.png")
+    call("view", "--log", trained, "-o", tmp_path / "b.png")
+    beside, losses = cv2.imread(str(tmp_path / "a.png")), cv2.imread(str(tmp_path / "b.png"))
+    assert beside is not None and losses is not None
+    assert beside.shape[1] == 2 * 620 + 12
+    assert losses.shape == (480, 960, 3) and losses.max() > 150
+
+
+def test_mistakes_are_named(dataset: Path, trained: Path, tmp_path: Path) -> None:
+    cases = [
+        (("train", "--config", "none", "--data", dataset, "--out", tmp_path), "unknown configuration 'none'"),
+        (("train", "--config", CONFIG, "--data", tmp_path / "no", "--out", tmp_path), "no KITTI folder"),
+        (("train", "--config", CONFIG, "--data", dataset, "--split", "no", "--out", tmp_path), "no such split"),
+        (("predict", "--checkpoint", tmp_path, "--data", dataset, "--out", tmp_path), "no checkpoint"),
+        (
+            ("predict", "--checkpoint", trained, "--data", dataset, "--out", tmp_path, "--device", "gpu"),
+            "--device: 'gpu'",
+        ),
+        (("view", "--checkpoint", trained, "-o", "a.png"), "view needs --checkpoint, --data and --frame, or --log"),
+        (("view", "--log", tmp_path, "-o", "a.png"), "log.csv: no such file"),
+        (("view", "--log", trained, "-o", "a.gif"), "a.gif: expected a file that ends in .png"),
+        (("bench", "--checkpoint", trained, "--data", dataset, "--workers", 2), "--workers"),
+    ]
+    for arguments, message in cases:
+        with pytest.raises(CadetError) as error:
+            CliRunner().invoke(avod, [str(a) for a in arguments], catch_exceptions=False)
+        assert message in str(error.value)
+
+
+def test_a_damaged_frame_ends_prediction_by_its_name(trained: Path, tmp_path: Path) -> None:
+    frame = make_frame()
+    write_frame(tmp_path, 0, dataclasses.replace(frame, labels=()))
+    file = tmp_path / "training" / "velodyne" / "000000.bin"
+    file.write_bytes(file.read_bytes()[:-1])
+    with pytest.raises(KittiFormatError, match=r"velodyne/000000\.bin: truncated"):
+        CliRunner().invoke(
+            avod,
+            ["predict", "--checkpoint", str(trained), "--data", str(tmp_path), "--out", str(tmp_path / "out")],
+            catch_exceptions=False,
+        )
