@@ -47,6 +47,11 @@ class ShiftBatchNorm(nn.Module):
             self.epsilon,
         )
 
+    def folded(self) -> tuple[Tensor, Tensor]:
+        """Return the scale and the shift of each channel that normalising by the moving averages comes to."""
+        scale = torch.rsqrt(self.running_var + self.epsilon)
+        return scale, self.bias - self.running_mean * scale
+
 
 class Convolution(nn.Module):
     """Convolution of stride 1 that keeps the size, without bias; then batch normalisation and ReLU.
@@ -66,7 +71,11 @@ class Convolution(nn.Module):
 
     def forward(self, features: Tensor) -> Tensor:
         """Map (B, num_in, H, W) to (B, num_out, H, W)."""
-        return functional.relu(cast("Tensor", self.norm(self.convolution(features))))
+        if self.training:
+            return functional.relu_(cast("Tensor", self.norm(self.convolution(features))))
+        scale, shift = self.norm.folded()
+        weight = self.convolution.weight * scale[:, None, None, None]
+        return functional.relu_(functional.conv2d(features, weight, shift, padding=self.convolution.padding))
 
 
 class UpConvolution(nn.Module):
@@ -89,8 +98,12 @@ class UpConvolution(nn.Module):
 
     def forward(self, features: Tensor) -> Tensor:
         """Map (B, num_in, H, W) to (B, num_out, 2 H, 2 W)."""
-        grown = self.convolution(features)[:, :, :-1, :-1]
-        return functional.relu(cast("Tensor", self.norm(grown)))
+        if self.training:
+            grown = self.convolution(features)[:, :, :-1, :-1]
+            return functional.relu_(cast("Tensor", self.norm(grown)))
+        scale, shift = self.norm.folded()
+        grown = functional.conv_transpose2d(features, self.convolution.weight * scale[:, None, None], shift, stride=2)
+        return functional.relu_(grown[:, :, :-1, :-1])
 
 
 class Head(nn.Module):

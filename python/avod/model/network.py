@@ -90,6 +90,8 @@ class AvodNetwork(nn.Module):
             (len(config.classes) + 1, _NUM_BOX_OFFSETS, _NUM_VECTOR),
             second.dropout_keep,
         )
+        # Channels last is what convolutions on processors with bf16 and on GPUs like, and what crops read.
+        self.to(memory_format=torch.channels_last)
         self.precision: torch.dtype | None = None
         """Type of the convolutions' and layers' arithmetic; None for float32. Boxes are always float32."""
 
@@ -111,8 +113,8 @@ class AvodNetwork(nn.Module):
     def extract(self, samples: Sequence[Sample]) -> list[FrameFeatures]:
         """Make the feature maps of samples."""
         with self._arithmetic(samples[0].bev):
-            bev = self.bev_pyramid(torch.stack([sample.bev for sample in samples]))
-            image = self.image_pyramid(torch.stack([sample.image for sample in samples]))
+            bev = self.bev_pyramid(_stacked([sample.bev for sample in samples]))
+            image = self.image_pyramid(_stacked([sample.image for sample in samples]))
             bev_bottleneck, image_bottleneck = self.bev_bottleneck(bev), self.image_bottleneck(image)
         return [FrameFeatures(*maps) for maps in zip(bev, image, bev_bottleneck, image_bottleneck, strict=True)]
 
@@ -174,3 +176,7 @@ class AvodNetwork(nn.Module):
         if self.precision is None:
             return contextlib.nullcontext()
         return torch.autocast(values.device.type, dtype=self.precision)
+
+
+def _stacked(maps: list[Tensor]) -> Tensor:
+    return torch.stack(maps).contiguous(memory_format=torch.channels_last)

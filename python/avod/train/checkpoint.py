@@ -145,8 +145,11 @@ def load_optimizer(checkpoint: Checkpoint, network: nn.Module, optimizer: torch.
         averages = {key: tensors.get(f"{key}.{name}") for key in _AVERAGES}
         if any(value is None or value.shape != parameter.shape for value in averages.values()):
             raise CadetError(f"{file}: {name} does not fit: this is a checkpoint of another configuration")
+        # Copied into the parameter's own device and memory format.
         state: dict[str, Any] = {
-            key: value.to(parameter.device) for key, value in averages.items() if value is not None
+            key: torch.empty_like(parameter).detach().copy_(value)
+            for key, value in averages.items()
+            if value is not None
         }
         optimizer.state[parameter] = {"step": tensors["step"].clone(), **state}
 
