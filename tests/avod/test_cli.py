@@ -44,6 +44,10 @@ def trained(dataset: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
+def table_of(result: Result) -> list[str]:
+    return [line for line in result.output.splitlines() if re.search(r"R11|R40", line)]
+
+
 def call(*arguments: object) -> Result:
     result = CliRunner().invoke(avod, [str(argument) for argument in arguments], catch_exceptions=False)
     assert result.exit_code == 0, result.output
@@ -68,8 +72,11 @@ def test_prediction_writes_a_file_for_each_frame(dataset: Path, trained: Path, t
     assert f"{sum(map(len, found))} detections in 3 frames" in result.output
 
 
-def test_evaluation_prints_the_papers_rows(dataset: Path, trained: Path) -> None:
+def test_evaluation_prints_the_papers_rows_and_keeps_the_best(dataset: Path, trained: Path) -> None:
     result = call("eval", "--checkpoint", trained, "--data", dataset, "--last", 2)
+    assert sorted(path.name for path in (trained / "best").iterdir()) == ["checkpoint.json", "model.safetensors"]
+    again = call("eval", "--checkpoint", trained / "best", "--data", dataset)
+    assert table_of(again) == table_of(result)
     assert re.search(r"^000000010 +\d+\.\d\d +best$", result.output, re.MULTILINE)
     for rule in ("R11", "R40"):
         assert re.search(rf"^ *Car +{rule}( +(-|\d+\.\d\d)){{6}}", result.output, re.MULTILINE), result.output

@@ -75,8 +75,9 @@ def train_by_heart(config: Config, sample: Sample, steps: int) -> tuple[AvodNetw
     return network, totals
 
 
+@pytest.mark.timeout(400)  # some 20 s of one core, more where it is shared
 def test_one_frame_is_learnt_by_heart(sample: Sample) -> None:
-    network, totals = train_by_heart(CONFIG, sample, 260)
+    network, totals = train_by_heart(CONFIG, sample, CONFIG.training.steps)
     assert np.mean(totals[-20:]) < 0.2 * np.mean(totals[:20])
     frame = make_frame()
     detector = Detector(network, maps=maps)
@@ -203,6 +204,8 @@ def test_the_log_goes_on_where_training_does(dataset: Path, tmp_path: Path) -> N
     again = read_log(tmp_path / "log.csv")
     assert [row["step"] for row in again] == [10, 20]
     assert again[0] == rows[0] and again[1]["seconds_per_step"] != 1.0
+    train(with_steps(config, 23), Run(data=dataset, out=tmp_path, split=None, resume_from=tmp_path), maps=maps)
+    assert [row["step"] for row in read_log(tmp_path / "log.csv")] == [10, 20, 23]
 
 
 def test_what_cannot_go_on_is_said(dataset: Path, tmp_path: Path) -> None:

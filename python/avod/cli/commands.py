@@ -27,7 +27,7 @@ from avod.detector import Detector
 from avod.evaluate import Scored, best, evaluate_detector, score, table
 from avod.figures import detection_figure, loss_figure, write_png
 from avod.predict import measure, predict
-from avod.train.checkpoint import checkpoints
+from avod.train.checkpoint import checkpoints, keep_best
 from avod.train.log import read_log
 from avod.train.run import Run, train, with_steps
 from cadet import kitti
@@ -133,9 +133,12 @@ def predict_command(
 @data_option
 @split_option("val")
 @frames_option
-@click.option("--last", type=click.IntRange(1), help="Evaluate this many last checkpoints and name the best.")
+@click.option(
+    "--last", type=click.IntRange(1), help="Evaluate this many last checkpoints of a training; keep the best in best/."
+)
 @click.option("--levels", type=click.Choice(["kitti", "large_small"]), default="kitti", show_default=True)
 @click.option("--min-overlap", type=click.Choice(list(MIN_OVERLAP)), default="strict", show_default=True)
+@click.option("--plot", type=click.Path(path_type=Path, dir_okay=False), help="Draw the curves into a PNG file.")
 @device_options
 def evaluate_command(
     checkpoint: Path,
@@ -145,6 +148,7 @@ def evaluate_command(
     last: int | None,
     levels: str,
     min_overlap: str,
+    plot: Path | None,
     device: str,
     amp: str | None,
     workers: int,
@@ -177,6 +181,9 @@ def evaluate_command(
     if last is not None:
         for item in scored:
             click.echo(f"{item.path.name}  {item.value:.2f}{'  best' if item is chosen else ''}")
+        keep_best(chosen.path, checkpoint / "best")
+    if plot is not None:
+        chosen.report.plot(plot)
     _print(table(chosen.report, names), f"{len(ids)} frames, {chosen.path}")
     for warning in chosen.report.warnings:
         click.echo(f"Note: {warning}")

@@ -104,7 +104,16 @@ def read_checkpoint(path: str | Path) -> Checkpoint:
 
 def checkpoints(folder: Path) -> list[Path]:
     """List the checkpoints under a folder, the oldest first."""
-    return sorted(path.parent for path in folder.glob(f"*/{_SETTINGS}") if not path.parent.name.startswith("."))
+    return sorted(path.parent for path in folder.glob(f"*/{_SETTINGS}") if path.parent.name.isdecimal())
+
+
+def keep_best(path: Path, kept: Path) -> None:
+    """Copy a checkpoint to a place of its own, replacing what was there, without what only training needs."""
+    aside = kept.with_name(f".{kept.name}.{os.getpid()}.partial")
+    shutil.rmtree(aside, ignore_errors=True)
+    shutil.copytree(path, aside, ignore=shutil.ignore_patterns(_OPTIMIZER))
+    shutil.rmtree(kept, ignore_errors=True)
+    aside.replace(kept)
 
 
 def load_network(checkpoint: Checkpoint, network: AvodNetwork) -> None:

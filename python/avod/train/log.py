@@ -43,12 +43,12 @@ class TrainingLog:
             writer.writerows([_text(name, row[name]) for name in COLUMNS] for row in rows)
         self._board = _board(folder) if has_tensorboard else None
 
-    def on_step(self, step: int, losses: Mapping[str, Tensor], rate: float) -> None:
-        """Hear of a step's losses; `step` is how many steps are done."""
+    def on_step(self, step: int, losses: Mapping[str, Tensor], rate: float, *, is_last: bool = False) -> None:
+        """Hear of a step's losses; `step` is how many steps are done, the last one's row is written in any case."""
         for name in TERMS:
             self._sums[name] = self._sums.get(name, 0.0) + float(losses[name])
         self._count += 1
-        if step % self._every == 0:
+        if step % self._every == 0 or is_last:
             self._write(step, rate)
 
     def _write(self, step: int, rate: float) -> None:

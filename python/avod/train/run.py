@@ -101,7 +101,7 @@ def train(config: Config, run: Run, *, maps: BevMaps | None = None, on_step: OnS
         run.out.mkdir(parents=True, exist_ok=True)
         log = TrainingLog(run.out, first_step, has_tensorboard=run.has_tensorboard)
     wrapped: nn.Module = processes.wrap(network)
-    last = folder / f"{first_step:09d}"
+    last = folder / f"{config.training.steps:09d}"
     steps = range(first_step, config.training.steps)
     for step, samples in zip(steps, _batches(data, config, run, first_step, processes), strict=True):
         losses = training_step(
@@ -109,8 +109,9 @@ def train(config: Config, run: Run, *, maps: BevMaps | None = None, on_step: OnS
         )
         done = step + 1
         if log is not None:
-            log.on_step(done, losses, learning_rate(step, config.training))
-            if done % config.training.checkpoint_steps == 0 or done == config.training.steps:
+            is_last = done == config.training.steps
+            log.on_step(done, losses, learning_rate(step, config.training), is_last=is_last)
+            if done % config.training.checkpoint_steps == 0 or is_last:
                 last = save_checkpoint(folder, network, optimizer, config, step=done, seed=seed)
         if on_step is not None:
             on_step(done, losses)
