@@ -11,7 +11,7 @@ from avod.config import Config, ExtractorConfig, PathDropConfig
 from avod.config_file import load_config
 from avod.model.layers import Convolution, ShiftBatchNorm, UpConvolution
 from avod.model.network import AvodNetwork
-from avod.model.path_drop import draw_masks, fuse
+from avod.model.path_drop import detection_masks, draw_masks, fuse
 from avod.model.pyramid import FeaturePyramid
 
 
@@ -121,6 +121,14 @@ def test_path_drop_has_the_published_frequencies() -> None:
     assert shares[0.0, 1.0] == pytest.approx(0.095, abs=0.006)
     always_image = PathDropConfig(keep_image=1.0, keep_bev=0.0)
     assert {draw_masks(always_image, generator) for _ in range(50)} == {(1.0, 0.0)}
+
+
+@pytest.mark.parametrize(
+    ("keep", "masks"),
+    [((0.9, 0.9), (1.0, 1.0)), ((1.0, 0.0), (1.0, 0.0)), ((0.0, 0.5), (0.0, 1.0)), ((0.0, 0.0), (1.0, 1.0))],
+)
+def test_detection_leaves_out_what_training_never_saw(keep: tuple[float, float], masks: tuple[float, float]) -> None:
+    assert detection_masks(PathDropConfig(keep_image=keep[0], keep_bev=keep[1])) == masks
 
 
 def test_fusion_averages_what_is_kept() -> None:

@@ -219,6 +219,13 @@ def test_what_cannot_go_on_is_said(dataset: Path, tmp_path: Path) -> None:
     wider = dataclasses.replace(CONFIG, rpn=dataclasses.replace(CONFIG.rpn, hidden=65))
     with pytest.raises(CadetError, match=r"anchor_classifier\.layers\.0\.weight is \(64, 9\), expected \(65, 9\)"):
         train(wider, Run(data=dataset, out=tmp_path, split=None, init=last), maps=maps)
+    others = (CONFIG.classes[1], CONFIG.classes[0])
+    with pytest.raises(CadetError, match="its configuration has another 'classes'; take its weights alone with --init"):
+        train(
+            dataclasses.replace(CONFIG, classes=others),
+            Run(data=dataset, out=tmp_path, split=None, resume_from=last),
+            maps=maps,
+        )
     (last / "optimizer.safetensors").unlink()
     with pytest.raises(MissingFileError, match="take this checkpoint's weights with --init instead"):
         run(dataset, tmp_path, 2, resume_from=last)

@@ -6,9 +6,6 @@ import itertools
 from pathlib import Path
 
 import click
-from rich import box
-from rich.console import Console
-from rich.table import Table
 
 from avod.cli.options import (
     checkpoint_option,
@@ -257,10 +254,9 @@ def _detector(checkpoint: Path, device: str, amp: str | None) -> Detector:
 
 
 def _print(rows: list[list[str]], title: str) -> None:
-    header, *body = rows
-    shown = Table(box=box.SIMPLE_HEAD, title=title, title_justify="left")
-    for index, name in enumerate(header):
-        shown.add_column(name, justify="left" if index == 0 else "right")
-    for row in body:
-        shown.add_row(*row)
-    Console(highlight=False).print(shown)
+    """Print a table, its header first; wider than the terminal rather than cut off."""
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    click.echo(title)
+    for row in rows:
+        numbers = [cell.rjust(width) for cell, width in zip(row[1:], widths[1:], strict=True)]
+        click.echo("  ".join([row[0].ljust(widths[0]), *numbers]))

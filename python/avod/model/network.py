@@ -15,7 +15,7 @@ from avod.data.sample import Sample
 from avod.geometry.encoding import anchors_from_offsets
 from avod.geometry.projection import bev_boxes, ground_boxes, image_boxes
 from avod.model.layers import Convolution, Head
-from avod.model.path_drop import draw_masks, fuse
+from avod.model.path_drop import detection_masks, draw_masks, fuse
 from avod.model.pyramid import FeaturePyramid
 from avod.ops import crop_and_resize, nms
 from avod.targets import ProposalTargets, sample_proposals
@@ -120,7 +120,7 @@ class AvodNetwork(nn.Module):
 
     def _frame(self, sample: Sample, features: FrameFeatures, generator: torch.Generator | None) -> FrameOutputs:
         config = self.config
-        masks = (1.0, 1.0)
+        masks = detection_masks(config.path_drop)
         if self.training:
             assert generator is not None
             masks = draw_masks(config.path_drop, generator)

@@ -26,6 +26,12 @@ def draw_masks(config: PathDropConfig, generator: torch.Generator) -> tuple[floa
     return float(has_image), float(has_bev)
 
 
+def detection_masks(config: PathDropConfig) -> tuple[float, float]:
+    """Return what detection sees: both modalities, but for one that training never kept."""
+    image, bev = float(config.keep_image > 0.0), float(config.keep_bev > 0.0)
+    return (image, bev) if image + bev > 0.0 else (1.0, 1.0)
+
+
 def fuse(image_crops: Tensor, bev_crops: Tensor, masks: tuple[float, float]) -> Tensor:
     """Average the crops of the modalities that are kept."""
     image, bev = masks

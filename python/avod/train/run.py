@@ -16,7 +16,7 @@ from avod.data.build import BevMaps, default_maps
 from avod.data.dataset import TrainingData
 from avod.data.order import StepSampler
 from avod.data.sample import Sample
-from avod.train.checkpoint import load_network, load_optimizer, read_checkpoint, save_checkpoint
+from avod.train.checkpoint import Checkpoint, load_network, load_optimizer, read_checkpoint, save_checkpoint
 from avod.train.log import TrainingLog
 from avod.train.processes import Processes
 from avod.train.step import learning_rate, make_optimizer, new_network, training_step
@@ -82,6 +82,7 @@ def train(config: Config, run: Run, *, maps: BevMaps | None = None, on_step: OnS
         load_network(read_checkpoint(run.init), network)
     if run.resume_from is not None:
         checkpoint = read_checkpoint(run.resume_from)
+        _check_same_detector(checkpoint, config)
         load_network(checkpoint, network)
         load_optimizer(checkpoint, network, optimizer)
         first_step, seed = checkpoint.step, checkpoint.seed
@@ -116,6 +117,15 @@ def train(config: Config, run: Run, *, maps: BevMaps | None = None, on_step: OnS
         if on_step is not None:
             on_step(done, losses)
     return last
+
+
+def _check_same_detector(checkpoint: Checkpoint, config: Config) -> None:
+    """Refuse to go on with a network that was made for other inputs or classes: its weights might fit all the same."""
+    for name in ("classes", "bev", "image", "anchors", "extractor"):
+        if getattr(checkpoint.config, name) != getattr(config, name):
+            raise CadetError(
+                f"{checkpoint.path}: its configuration has another {name!r}; take its weights alone with --init"
+            )
 
 
 def with_steps(config: Config, steps: int | None) -> Config:
