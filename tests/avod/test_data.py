@@ -62,6 +62,11 @@ def test_jitter_shifts_all_pixels_alike_along_the_colors_axes() -> None:
         change = shifted.astype(int) - image
         assert np.ptp(change, axis=(0, 1)).max() <= 1, "one shift for all, but for rounding"
         shifts.append(change.mean(axis=(0, 1)))
+    colors = image.reshape(-1, 3) / 255.0
+    variances, axes = np.linalg.eigh(np.cov(colors, rowvar=False))
+    shift = axes @ (np.sqrt(variances) * np.random.default_rng(7).normal(0.0, 0.1, 3))
+    expected = np.clip(image / 255.0 + shift, 0.0, 1.0) * 255.0
+    assert np.abs(jitter_colors(image, np.random.default_rng(7)) - (expected - 0.5)).max() <= 0.51, "truncated"
     # These colors vary along gray with a deviation of 20, so the shift along gray has a tenth of that.
     along_gray = np.array(shifts) @ np.ones(3) / math.sqrt(3)
     assert along_gray.std() == pytest.approx(0.1 * 20 * math.sqrt(3), rel=0.15)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -63,11 +64,14 @@ def jitter_colors(image: NDArray[np.uint8], rng: np.random.Generator) -> NDArray
     covariance of the image instead of the data set's.
     """
     draws = rng.normal(0.0, _JITTER_DEVIATION, 3)
-    colors = image.reshape(-1, 3) / 255.0
-    variances, axes = np.linalg.eigh(np.cov(colors, rowvar=False))
+    colors = image.reshape(-1, 3).astype(np.float32)
+    colors -= colors.mean(axis=0, dtype=np.float64).astype(np.float32)
+    covariance = (colors.T @ colors).astype(np.float64) / (max(len(colors) - 1, 1) * 255.0**2)
+    variances, axes = np.linalg.eigh(covariance)
     shift = axes @ (np.sqrt(np.maximum(variances, 0.0)) * draws)
-    shifted: NDArray[np.uint8] = (np.clip(image / 255.0 + shift, 0.0, 1.0) * 255.0).astype(np.uint8)
-    return shifted
+    # One table a channel: what becomes of each of the 256 values.
+    table = (np.clip(np.arange(256.0)[:, None] / 255.0 + shift, 0.0, 1.0) * 255.0).astype(np.uint8)
+    return np.asarray(cv2.LUT(image, table[None]), np.uint8)
 
 
 def _neighbours(num_source: int, num_target: int) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.float32]]:
