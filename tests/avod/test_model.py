@@ -9,7 +9,7 @@ import torch
 
 from avod.config import Config, ExtractorConfig, PathDropConfig
 from avod.config_file import load_config
-from avod.model.layers import Convolution, ShiftBatchNorm, UpConvolution
+from avod.model.layers import Convolution, Dropout, ShiftBatchNorm, UpConvolution
 from avod.model.network import AvodNetwork
 from avod.model.path_drop import detection_masks, draw_masks, fuse
 from avod.model.pyramid import FeaturePyramid
@@ -134,6 +134,18 @@ def test_detection_leaves_out_what_training_never_saw(keep: tuple[float, float],
 def test_fusion_averages_what_is_kept() -> None:
     image, bev = torch.tensor([2.0]), torch.tensor([4.0])
     assert [fuse(image, bev, masks).item() for masks in ((1.0, 1.0), (1.0, 0.0), (0.0, 1.0))] == [3.0, 2.0, 4.0]
+
+
+def test_dropout_keeps_the_mean_and_leaves_detection_alone() -> None:
+    torch.manual_seed(0)
+    dropout = Dropout(0.8)
+    values = torch.ones((400, 500), dtype=torch.bfloat16)
+    found = dropout(values)
+    assert found.dtype == values.dtype
+    assert (found == 0).float().mean().item() == pytest.approx(0.2, abs=0.005)
+    assert set(found.unique().tolist()) == {0.0, 1.25}
+    assert torch.equal(dropout.eval()(values), values)
+    assert Dropout(1.0)(values) is values
 
 
 def test_biases_begin_at_zero_and_weights_are_glorots() -> None:

@@ -106,6 +106,26 @@ class UpConvolution(nn.Module):
         return functional.relu_(grown[:, :, :-1, :-1])
 
 
+class Dropout(nn.Module):
+    """Dropout from uniform numbers, which PyTorch draws on a CPU four times as fast as its own Bernoulli ones.
+
+    Args:
+        keep: probability of keeping a unit in training.
+    """
+
+    def __init__(self, keep: float) -> None:
+        super().__init__()
+        self.keep = keep
+
+    def forward(self, values: Tensor) -> Tensor:
+        """Zero some units in training and scale the others up; else change nothing."""
+        if not self.training or self.keep >= 1.0:
+            return values
+        if values.device.type != "cpu":
+            return functional.dropout(values, 1.0 - self.keep)
+        return values * (torch.rand(values.shape) < self.keep) * (1.0 / self.keep)
+
+
 class Head(nn.Module):
     """Fully connected layers with ReLU and dropout, ended by linear outputs of one or more sizes.
 
@@ -121,7 +141,7 @@ class Head(nn.Module):
         widths = (num_in, *hidden)
         self.layers = nn.ModuleList(nn.Linear(a, b) for a, b in itertools.pairwise(widths))
         self.outputs = nn.ModuleList(nn.Linear(widths[-1], count) for count in num_out)
-        self.dropout = nn.Dropout(1.0 - dropout_keep)
+        self.dropout = Dropout(dropout_keep)
         for layer in (*self.layers, *self.outputs):
             assert isinstance(layer, nn.Linear)
             nn.init.xavier_uniform_(layer.weight)

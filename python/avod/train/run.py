@@ -95,7 +95,7 @@ def train(config: Config, run: Run, *, maps: BevMaps | None = None, on_step: OnS
     network.train()
     if run.is_compiled:
         for pyramid in (network.bev_pyramid, network.image_pyramid):
-            pyramid.compile()
+            pyramid.compile(dynamic=False)
     folder = run.out / "checkpoints"
     log = None
     if processes.is_first:
