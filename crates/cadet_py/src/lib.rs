@@ -2,6 +2,7 @@
 
 mod arrays;
 mod assets;
+mod bev;
 mod error;
 mod evaluate;
 mod fields;
@@ -21,6 +22,7 @@ fn _cadet(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<assets::Assets>()?;
     module.add_class::<lidar::Lidar>()?;
     module.add_class::<scene::Scene>()?;
+    module.add_function(wrap_pyfunction!(bev::bev_maps, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::evaluate, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::box_iou, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::nms_bev, module)?)?;
