@@ -73,13 +73,12 @@ pub fn scan(
     cast(scene, &grid, Layer::Glass, in_range, &mut first);
 
     let air = Air::new(weather);
-    let headings = spec.headings();
     let mut out = Scan::default();
     let (mut behind, mut in_front) = (Surfaces::new(scene), Surfaces::new(scene));
     for (ring, laser) in spec.rings().iter().enumerate() {
         let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
         let gain = spec.laser_gains[ring];
-        for (column, heading) in headings.iter().enumerate() {
+        for (column, heading) in spec.headings(ring).iter().enumerate() {
             let draws = Draws::new(stream);
             let at = ring * columns + column;
             let direction_velo = DVec3::new(cos * heading[0], cos * heading[1], sin);

@@ -1,5 +1,6 @@
 //! What a LIDAR is: its lasers, when they fire, and what it can see.
 
+use super::firing::Firing;
 use crate::error::{Error, Result, finite};
 use crate::math::{self, DPose3, DVec3};
 use crate::sense::{TurretGrid, TurretRing};
@@ -9,7 +10,9 @@ use crate::sense::{TurretGrid, TurretRing};
 pub struct LidarSpec {
     name: String,
     rings: Vec<TurretRing>,
+    firing: Firing,
     azimuths_rad: Vec<f64>,
+    azimuth_offsets_rad: Vec<f64>,
     turret: TurretGrid,
     /// Returns nearer than this to the frame's origin are not kept.
     pub min_range_m: f64,
@@ -42,17 +45,42 @@ impl LidarSpec {
     /// # Errors
     /// [`Error::NotFinite`] and [`Error::OutOfRange`], as [`TurretGrid::new`] gives them.
     pub fn new(name: &str, rings: Vec<TurretRing>, azimuths_rad: Vec<f64>) -> Result<Self> {
+        Self::with_firing(name, rings, Firing::Listed(azimuths_rad))
+    }
+
+    /// A LIDAR with these rings that all fire in this pattern; the rest as [`LidarSpec::new`] has it.
+    ///
+    /// # Errors
+    /// As [`Firing::azimuths_rad`] and [`TurretGrid::new`].
+    pub fn with_firing(name: &str, rings: Vec<TurretRing>, firing: Firing) -> Result<Self> {
+        let azimuths_rad = firing.azimuths_rad()?;
         let turret = TurretGrid::new(DPose3::IDENTITY, &rings, &azimuths_rad)?;
         Ok(Self {
             name: name.to_owned(),
             laser_gains: vec![1.0; rings.len()],
+            azimuth_offsets_rad: vec![0.0; rings.len()],
             rings,
+            firing,
             azimuths_rad,
             turret,
             min_range_m: 1.45,
             max_range_m: 80.0,
             range_noise_m: 0.012,
         })
+    }
+
+    /// The same sensor whose ring k fires at `offsets_rad[k]` counter-clockwise of its columns' azimuths.
+    ///
+    /// With equal steps, whole ones are taken off: they lead from column to column. Otherwise an offset is at least 0
+    /// and smaller than the gap behind the last column.
+    ///
+    /// # Errors
+    /// As [`TurretGrid::staggered`].
+    pub fn staggered(mut self, offsets_rad: Vec<f64>) -> Result<Self> {
+        self.azimuth_offsets_rad = offsets_rad.into_iter().map(|o| self.firing.reduced_offset_rad(o)).collect();
+        self.turret =
+            TurretGrid::staggered(DPose3::IDENTITY, &self.rings, &self.azimuths_rad, &self.azimuth_offsets_rad)?;
+        Ok(self)
     }
 
     /// Checks the public fields, which anyone may have set.
@@ -95,8 +123,9 @@ impl LidarSpec {
         for ring in &mut self.rings {
             ring.height_m = 0.0;
         }
-        self.turret = TurretGrid::new(DPose3::IDENTITY, &self.rings, &self.azimuths_rad)
-            .expect("checked when the spec was made, and 0 is a height");
+        self.turret =
+            TurretGrid::staggered(DPose3::IDENTITY, &self.rings, &self.azimuths_rad, &self.azimuth_offsets_rad)
+                .expect("checked when the spec was made, and 0 is a height");
         let name = format!("{}_single_origin", self.name);
         self.renamed(&name)
     }
@@ -124,6 +153,18 @@ impl LidarSpec {
         &self.azimuths_rad
     }
 
+    /// The pattern of [`LidarSpec::azimuths_rad`].
+    #[must_use]
+    pub fn firing(&self) -> &Firing {
+        &self.firing
+    }
+
+    /// How far counter-clockwise of its columns' azimuths each ring fires.
+    #[must_use]
+    pub fn azimuth_offsets_rad(&self) -> &[f64] {
+        &self.azimuth_offsets_rad
+    }
+
     /// Beams a turn.
     #[must_use]
     pub fn num_beams(&self) -> usize {
@@ -136,10 +177,10 @@ impl LidarSpec {
         self.turret.at(world_from_velo)
     }
 
-    /// Unit direction of every column, without elevation: x and y.
+    /// Unit direction of every column of a ring, without elevation: x and y.
     #[must_use]
-    pub(super) fn headings(&self) -> Vec<[f64; 2]> {
-        self.azimuths_rad.iter().map(|a| [math::cos(*a), math::sin(*a)]).collect()
+    pub(super) fn headings(&self, ring: usize) -> &[[f64; 2]] {
+        self.turret.headings(ring)
     }
 
     /// Every beam, in the order of a scan's rows.
@@ -152,10 +193,9 @@ impl LidarSpec {
             ring: Vec::with_capacity(n),
             column: Vec::with_capacity(n),
         };
-        let headings = self.headings();
         for (ring, laser) in self.rings.iter().enumerate() {
             let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
-            for (column, heading) in headings.iter().enumerate() {
+            for (column, heading) in self.headings(ring).iter().enumerate() {
                 rays.origins_velo.push(DVec3::new(0.0, 0.0, laser.height_m));
                 rays.directions_velo.push(DVec3::new(cos * heading[0], cos * heading[1], sin));
                 rays.ring.push(ring as i32);
