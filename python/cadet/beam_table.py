@@ -220,7 +220,7 @@ class BeamTable:
     def from_native(cls, table: Mapping[str, Any]) -> BeamTable:
         """Make the table of what the core's LIDAR tells of itself."""
         columns = (table["elevation_deg"], table["height_m"], table["azimuth_offset_deg"], table["gain"])
-        firing = {key: tuple(v) if isinstance(v, list) else v for key, v in table["firing"].items()}
+        firing = _plain_firing(table["firing"])
         return cls(
             name=table["name"],
             rings=tuple(
@@ -253,6 +253,10 @@ def _pattern_of(firing: Firing) -> str:
     return next(name for name, cls in _PATTERNS.items() if isinstance(firing, cls))
 
 
+def _plain_firing(values: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: tuple(value) if isinstance(value, list) else value for key, value in values.items()}
+
+
 def _number(value: float) -> str:
     return str(int(value)) if isinstance(value, int) else repr(float(value))
 
@@ -278,7 +282,7 @@ def _table(values: Mapping[str, Any]) -> BeamTable:
     cls = _PATTERNS.get(firing["pattern"]) if isinstance(firing["pattern"], str) else None
     if cls is None:
         raise CadetError(f"firing.pattern: expected one of {', '.join(_PATTERNS)}, got {firing['pattern']!r}")
-    rest = {key: tuple(value) if isinstance(value, list) else value for key, value in firing.items()}
+    rest = _plain_firing(firing)
     del rest["pattern"]
     _check_keys("firing.", rest, cls)
     return BeamTable(**{**values, "rings": tuple(lasers), "firing": cls(**rest)})

@@ -34,8 +34,9 @@ class CameraDict(TypedDict):
 class RigDict(TypedDict):
     """A rig as the core takes it.
 
-    `lidar` is a preset's name or a whole table (`BeamTable.to_native`), `single_origin` puts all its lasers into one point, and `velo_in_ego` is the LIDAR's
-    origin [x, y, z] in the ego's frame (x forward, y left, z up from the road under the middle of the car), metres.
+    `lidar` is a preset's name or a whole table (`BeamTable.to_native`), `single_origin` puts all its lasers into one
+    point, and `velo_in_ego` is the LIDAR's origin [x, y, z] in the ego's frame (x forward, y left, z up from the road
+    under the middle of the car), metres.
     """
 
     name: str

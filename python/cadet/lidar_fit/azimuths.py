@@ -1,7 +1,8 @@
 """When the lasers fire, told from the azimuths of far points.
 
-A grid of azimuths with N steps a turn shows as the N-th Fourier coefficient of their histogram: its phase, ring by ring,
-is the ring's offset. How many of the ticks fire shows in stretches where no return is missing.
+A grid of azimuths with N steps a turn shows as the N-th Fourier coefficient of their histogram: its phase, ring by
+ring, is the ring's offset. Lost returns leave coefficients where they are. How many of an encoder's ticks fire shows
+roughly in stretches where no return is missing, and sharply in the coefficient of the firings themselves.
 """
 
 from __future__ import annotations
@@ -25,7 +26,9 @@ _FEWEST_STEPS, _MOST_STEPS = 90, 20_000
 _COHERENT: Final = 0.25
 _AS_GOOD: Final = 0.8
 _STRETCH: Final = 24
-_CLEAN_SHARE: Final = 0.15
+_CLEAN_SHARE: Final = 0.03
+_UNIFORM_BELOW: Final = 1.02
+_MANY_LOST: Final = 1.3
 _SAME_OFFSET: Final = 0.02
 """Of a step."""
 
@@ -52,19 +55,34 @@ def fit_firing(scans: Sequence[Points], rings: Rings) -> FiringFit:
         columns = min(max(round(360.0 / step_deg), 1), 65535)
         return FiringFit(UniformFiring(columns=columns), [0.0] * len(rings.lines), coherence, on_grid=False)
     step_deg = 360.0 / steps
-    ticks = _clean_step(scans, rings, step_deg) / step_deg
-    if ticks < 1.02:
+    roughly = _clean_step(scans, rings, step_deg) / step_deg
+    firings = _firings(steps, roughly, np.abs(spectrum).sum(axis=0) / max(counts.sum(), 1))
+    if roughly < _UNIFORM_BELOW or (firings is None and roughly < _MANY_LOST):
         offsets = -np.angle(spectrum[:, steps]) / (2.0 * np.pi)
         return FiringFit(
             UniformFiring(columns=steps), [step_deg * part for part in _parts(offsets, counts)], coherence, on_grid=True
         )
     # Each ring's own corrections blur the ticks of an encoder too much for offsets.
-    ticks = round(ticks, 4)
-    firings = int(np.ceil(steps / ticks))
-    while np.floor(ticks * (firings - 1)) >= steps:
-        firings -= 1
-    firing = EncoderFiring(ticks_per_turn=steps, ticks_per_firing=ticks, firings=firings)
+    ticks = round(roughly if firings is None else steps / firings, 4)
+    columns = int(np.ceil(steps / ticks))
+    while np.floor(ticks * (columns - 1)) >= steps:
+        columns -= 1
+    firing = EncoderFiring(ticks_per_turn=steps, ticks_per_firing=ticks, firings=columns)
     return FiringFit(firing, [0.0] * len(rings.lines), coherence, on_grid=True)
+
+
+def _firings(steps: int, roughly: float, strength: NDArray[np.float64]) -> int | None:
+    """Return the number of firings a turn if it shows: firings on the first tick after even times leave its mark.
+
+    Stretches with lost returns have wider steps, so that there are rather more firings than they say.
+    """
+    low, high = int(0.97 * steps / roughly), min(int(1.25 * steps / roughly), steps - 2)
+    if low >= high:
+        return None
+    best = low + int(np.argmax(strength[low : high + 1]))
+    # A tick late by an even share of a tick: the coefficient is that of a box of one tick's width.
+    expected = float(np.sinc(best / steps)) * float(strength[steps])
+    return best if strength[best] > 0.5 * expected and strength[best] > 4.0 * np.median(strength[low:high]) else None
 
 
 def _parts(offsets: NDArray[np.float64], counts: NDArray[np.intp]) -> list[float]:

@@ -10,14 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet.errors import CadetError
-from cadet.lidar_fit.lines import OUTLIER_M, Line, find_lines, fit_line, refine, split_mixed
+from cadet.lidar_fit.lines import OUTLIER_M, Line, fit_line, refine, split_mixed
 from cadet.lidar_fit.scans import Points, join, ring_segments
+from cadet.lidar_fit.unordered import find_lines
 
 _MIN_RING_POINTS: Final = 60
 _SURE_POINTS: Final = 30
 _PURE: Final = 0.97
 _MOSTLY: Final = 0.6
 _MIN_FITTING: Final = 0.8
+_UNORDERED_FITTING: Final = 0.995
 _MAX_SD_DEG: Final = 0.05
 
 
@@ -48,11 +50,12 @@ def find_rings(scans: Sequence[Points], names: Sequence[str]) -> Rings:
         CadetError: the points lie on no such lines.
     """
     cuts = [ring_segments(scan) for scan in scans]
-    if any(cut is None for cut in cuts):
+    rings = None
+    if all(cut is not None for cut in cuts):
+        rings = _of_ordered(scans, [cut for cut in cuts if cut is not None])
+    if rings is None or _fitting(rings) < _MIN_FITTING:
         lines = sorted(find_lines(join(scans)), key=lambda line: -line.tangent)
         rings = Rings(lines, [_nearest(lines, scan) for scan in scans], ordered=False)
-    else:
-        rings = _of_ordered(scans, [cut for cut in cuts if cut is not None])
     _check(rings, names)
     return rings
 
@@ -119,19 +122,30 @@ def _nearest(lines: Sequence[Line], points: Points) -> NDArray[np.intp]:
     return ring
 
 
+def _fitting(rings: Rings) -> float:
+    """Return the share of points that some laser has."""
+    return float((np.concatenate(rings.ring_of_point) >= 0).mean())
+
+
 def _check(rings: Rings, names: Sequence[str]) -> None:
-    of_all = np.concatenate(rings.ring_of_point)
-    fitting = float((of_all >= 0).mean())
+    fitting = _fitting(rings)
+    vague_all = all(np.degrees(line.tangent_sd) > _MAX_SD_DEG for line in rings.lines)
     name = names[0] if len(names) == 1 else f"{len(names)} scans"
-    if not rings.lines or fitting < _MIN_FITTING:
+    if vague_all or fitting < _MIN_FITTING:
         raise CadetError(
             f"{name}: only {100.0 * fitting:.0f} % of the points lie on the cones of lasers on the z axis: expected "
             "scans of one turn in the sensor's own frame, not moved for the vehicle's motion, z up"
         )
-    if not rings.ordered:
-        vague = [k for k, line in enumerate(rings.lines) if np.degrees(line.tangent_sd) > _MAX_SD_DEG]
-        if vague:
-            raise CadetError(
-                f"{name}: the points come in no order of rings, and the elevation of ring {vague[0]} shows in too few "
-                "of them: write the rings one after the other, or give more scans"
-            )
+    if rings.ordered:
+        return
+    vague = [k for k, line in enumerate(rings.lines) if np.degrees(line.tangent_sd) > _MAX_SD_DEG]
+    if vague or fitting < _UNORDERED_FITTING:
+        reason = (
+            f"the elevation of ring {vague[0]} shows in too few of them"
+            if vague
+            else f"{100.0 * (1.0 - fitting):.1f} % of them lie on no cone that could be found"
+        )
+        raise CadetError(
+            f"{name}: the points come in no order of rings, and {reason}: write the rings one after the other, or give "
+            "more scans with walls in them"
+        )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -103,4 +104,4 @@ def ring_segments(points: Points) -> list[slice] | None:
     if len(cuts) >= _MAX_RINGS:
         return None
     edges = [0, *cuts.tolist(), len(azimuth)]
-    return [slice(a, b) for a, b in zip(edges, edges[1:], strict=False)]
+    return [slice(a, b) for a, b in itertools.pairwise(edges)]
