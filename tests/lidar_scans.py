@@ -14,10 +14,10 @@ def azimuths_deg(table: BeamTable) -> NDArray[np.float64]:
     """Return the columns' azimuths, from the definitions of the patterns."""
     firing = table.firing
     if isinstance(firing, UniformFiring):
-        return np.arange(firing.columns) * (360.0 / firing.columns)
+        return np.arange(firing.columns, dtype=np.float64) * (360.0 / firing.columns)
     assert isinstance(firing, EncoderFiring)
     ticks = np.floor(firing.ticks_per_firing * np.arange(firing.firings) + firing.phase_ticks)
-    return np.asarray(ticks * (360.0 / firing.ticks_per_turn))
+    return np.asarray(ticks * (360.0 / firing.ticks_per_turn), np.float64)
 
 
 def yard_scan(table: BeamTable, seed: int) -> NDArray[np.float32]:
