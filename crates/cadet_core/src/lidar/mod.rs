@@ -1,11 +1,16 @@
 //! The LIDAR: sensor specifications, beams and returns.
 
 mod air;
+mod casting;
 mod presets;
 mod returns;
 mod scan;
 mod spec;
+mod spread;
+mod surfaces;
+mod turning;
 
 pub use presets::PRESETS;
-pub use scan::{IdealScan, Scan, ideal_scan, scan};
-pub use spec::{LidarSpec, Rays};
+pub use scan::{IdealScan, Scan, ideal_scan, scan, turning_scan};
+pub use spec::{LidarSpec, Rays, ReturnMode};
+pub use turning::{TURN_S, Turning, firing_time_s};

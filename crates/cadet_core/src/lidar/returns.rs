@@ -29,7 +29,7 @@ pub(super) struct Return {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Draws {
     pane: f64,
-    detection: f64,
+    pub(super) detection: f64,
     zero: f64,
     air_chance: f64,
     air_place: f64,
@@ -72,33 +72,25 @@ const DIRT: LidarMaterial = LidarMaterial::diffuse(0.08);
 /// Within 2.5 degrees of the normal a pane's mirror image hits the receiver.
 const GLINT_COS: f64 = 0.999;
 
-/// What the receiver reports for a beam that meets `pane` (a glass surface) and then `solid`; None for no return.
-pub(super) fn receive(
-    pane: Option<Surface<'_>>,
-    solid: Option<Surface<'_>>,
+/// What the receiver reports of an echo and of the air before it; None for no return.
+pub(super) fn report(
+    echo: Option<Echo>,
     air: &Air,
     laser_gain: f64,
     range_noise_m: f64,
     draws: &Draws,
 ) -> Option<Return> {
-    let echo = first_echo(pane, solid, draws);
-    let (range_m, power) = echo.map_or((f64::INFINITY, 0.0), |e| {
-        let wet = if is_ground(e.semantic) { air.wet_ground } else { 1.0 };
-        let reflectance = e.reflectance * wet * air.transmittance(e.range_m);
-        (e.range_m, reflectance / (e.range_m * e.range_m))
-    });
+    let (range_m, power) = echo.map_or((f64::INFINITY, 0.0), |e| (e.range_m, echo_power(&e, air)));
     if let Some(answer) = air.answers_first(range_m, power, draws.air_chance, draws.air_place) {
         let intensity = intensity_of(answer.reflectance, answer.range_m, false, laser_gain, draws);
         return Some(Return { range_m: answer.range_m, intensity, actor_id: 0 });
     }
     let echo = echo?;
-    let ratio = power / DETECTION_POWER;
-    let odds = ratio * ratio * ratio;
-    if !echo.retro && draws.detection * (1.0 + odds) >= odds {
+    if !is_heard(&echo, air, draws.detection) {
         return None;
     }
     // A weak pulse's centre is less certain: up to half more noise at the limit of detection.
-    let noise_m = range_noise_m * (1.0 + 0.5 / (1.0 + ratio)) + air.range_noise_m(range_m);
+    let noise_m = range_noise_m * (1.0 + 0.5 / (1.0 + power / DETECTION_POWER)) + air.range_noise_m(range_m);
     Some(Return {
         range_m: range_m + noise_m * draws.range_normal,
         intensity: intensity_of(power * range_m * range_m, range_m, echo.retro, laser_gain, draws),
@@ -106,17 +98,32 @@ pub(super) fn receive(
     })
 }
 
-/// The surface that answers, with the reflectance that is left after lobe and glass.
-#[derive(Debug, Clone, Copy)]
-struct Echo {
-    range_m: f64,
-    reflectance: f64,
-    retro: bool,
-    actor_id: i32,
-    semantic: Semantic,
+/// Power of an echo at the receiver, in units of reflectance / range^2.
+pub(super) fn echo_power(echo: &Echo, air: &Air) -> f64 {
+    let wet = if is_ground(echo.semantic) { air.wet_ground } else { 1.0 };
+    let reflectance = echo.reflectance * wet * air.transmittance(echo.range_m);
+    reflectance / (echo.range_m * echo.range_m)
 }
 
-fn first_echo(pane: Option<Surface<'_>>, solid: Option<Surface<'_>>, draws: &Draws) -> Option<Echo> {
+/// Whether the receiver hears an echo; `detection` is uniform in [0, 1).
+pub(super) fn is_heard(echo: &Echo, air: &Air, detection: f64) -> bool {
+    let ratio = echo_power(echo, air) / DETECTION_POWER;
+    let odds = ratio * ratio * ratio;
+    echo.retro || detection * (1.0 + odds) < odds
+}
+
+/// The surface that answers, with the reflectance that is left after lobe and glass.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Echo {
+    pub range_m: f64,
+    pub reflectance: f64,
+    pub retro: bool,
+    pub actor_id: i32,
+    pub semantic: Semantic,
+}
+
+/// What answers a beam that meets `pane` (a glass surface) and then `solid`.
+pub(super) fn first_echo(pane: Option<Surface<'_>>, solid: Option<Surface<'_>>, draws: &Draws) -> Option<Echo> {
     let pane = pane.filter(|p| solid.is_none_or(|s| p.range_m < s.range_m));
     let mut transmittance = 1.0;
     if let Some(pane) = pane {
@@ -205,6 +212,17 @@ mod tests {
 
     fn surface(material: &Material, range_m: f64, cos_incidence: f64, actor_id: i32) -> Surface<'_> {
         Surface { range_m, cos_incidence, material, actor_id }
+    }
+
+    fn receive(
+        pane: Option<Surface<'_>>,
+        solid: Option<Surface<'_>>,
+        air: &Air,
+        laser_gain: f64,
+        range_noise_m: f64,
+        draws: &Draws,
+    ) -> Option<Return> {
+        report(first_echo(pane, solid, draws), air, laser_gain, range_noise_m, draws)
     }
 
     fn clear() -> Air {

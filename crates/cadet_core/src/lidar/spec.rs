@@ -1,8 +1,37 @@
 //! What a LIDAR is: its lasers, when they fire, and what it can see.
 
+use std::sync::Arc;
+
+use super::spread::Spread;
 use crate::error::{Error, Result, finite};
 use crate::math::{self, DPose3, DVec3};
 use crate::sense::{TurretGrid, TurretRing};
+
+/// Which of several echoes of one pulse a sensor reports.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ReturnMode {
+    /// The one with the most power: how KITTI's sensor was set.
+    #[default]
+    Strongest,
+    /// The farthest one that is heard.
+    Last,
+}
+
+impl ReturnMode {
+    /// The mode of that name: `strongest` or `last`.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`], listing the names.
+    pub fn from_name(name: &str) -> Result<Self> {
+        match name {
+            "strongest" => Ok(Self::Strongest),
+            "last" => Ok(Self::Last),
+            _ => {
+                Err(Error::Unknown { what: "return mode", name: name.to_owned(), known: "strongest, last".to_owned() })
+            }
+        }
+    }
+}
 
 /// A spinning LIDAR.
 #[derive(Debug, Clone)]
@@ -11,6 +40,8 @@ pub struct LidarSpec {
     rings: Vec<TurretRing>,
     azimuths_rad: Vec<f64>,
     turret: TurretGrid,
+    /// None for beams that are lines.
+    spread: Option<Arc<Spread>>,
     /// Returns nearer than this to the frame's origin are not kept.
     pub min_range_m: f64,
     /// Returns as far from the frame's origin as this, or farther, are not kept.
@@ -19,6 +50,10 @@ pub struct LidarSpec {
     pub range_noise_m: f64,
     /// Sensitivity of each ring's receiver, 1 for an average one.
     pub laser_gains: Vec<f64>,
+    /// Which echo is reported where a beam meets several surfaces.
+    pub returns: ReturnMode,
+    /// Whether the sensor and the world move while it turns ([`super::turning_scan`]).
+    pub rolling: bool,
 }
 
 /// A sensor's beams in its own frame, ring-major, azimuth rising counter-clockwise from forward.
@@ -49,6 +84,9 @@ impl LidarSpec {
             rings,
             azimuths_rad,
             turret,
+            spread: None,
+            returns: ReturnMode::Strongest,
+            rolling: false,
             min_range_m: 1.45,
             max_range_m: 80.0,
             range_noise_m: 0.012,
@@ -89,6 +127,37 @@ impl LidarSpec {
         Ok(())
     }
 
+    /// The same sensor with beams that open by `divergence_rad` (the full cone), so that they may meet several surfaces
+    /// at depth edges; 0 for beams that are lines.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`]; [`Error::OutOfRange`] for a divergence below 0 or above 0.02, for one that tips a beam
+    /// beyond 89 degrees, or for more than 32,767 rings or columns.
+    pub fn with_divergence(mut self, divergence_rad: f64) -> Result<Self> {
+        if !(0.0..=MAX_DIVERGENCE_RAD).contains(&finite("divergence", divergence_rad)?) {
+            return Err(Error::OutOfRange {
+                what: "divergence",
+                value: divergence_rad.to_string(),
+                expected: format!("0 to {MAX_DIVERGENCE_RAD} rad"),
+            });
+        }
+        self.spread = match divergence_rad {
+            0.0 => None,
+            _ => Some(Arc::new(Spread::new(&self.rings, &self.azimuths_rad, divergence_rad)?)),
+        };
+        Ok(self)
+    }
+
+    /// The full cone of a beam; 0 for beams that are lines.
+    #[must_use]
+    pub fn divergence_rad(&self) -> f64 {
+        self.spread.as_ref().map_or(0.0, |s| s.divergence_rad)
+    }
+
+    pub(super) fn spread(&self) -> Option<&Spread> {
+        self.spread.as_deref()
+    }
+
     /// The same sensor with every laser in the frame's origin.
     #[must_use]
     pub fn single_origin(mut self) -> Self {
@@ -97,6 +166,8 @@ impl LidarSpec {
         }
         self.turret = TurretGrid::new(DPose3::IDENTITY, &self.rings, &self.azimuths_rad)
             .expect("checked when the spec was made, and 0 is a height");
+        let divergence_rad = self.divergence_rad();
+        self = self.with_divergence(divergence_rad).expect("checked when it was set, and 0 is a height");
         let name = format!("{}_single_origin", self.name);
         self.renamed(&name)
     }
@@ -164,6 +235,15 @@ impl LidarSpec {
         }
         rays
     }
+}
+
+/// The widest cone that [`LidarSpec::with_divergence`] takes.
+const MAX_DIVERGENCE_RAD: f64 = 0.02;
+
+/// The unit vector of an elevation and an azimuth.
+pub(super) fn direction(elevation_rad: f64, azimuth_rad: f64) -> DVec3 {
+    let (cos, sin) = (math::cos(elevation_rad), math::sin(elevation_rad));
+    DVec3::new(cos * math::cos(azimuth_rad), cos * math::sin(azimuth_rad), sin)
 }
 
 #[cfg(test)]
