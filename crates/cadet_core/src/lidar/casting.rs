@@ -63,9 +63,11 @@ impl Casting for Standing<'_> {
 
     fn cast_spread(&self, spec: &LidarSpec, spread: &Spread, beams: &[u32]) -> Vec<[SubBeam; 4]> {
         let columns = spec.azimuths_rad().len();
-        let mut hits = Hits::new(2 * spec.rings().len(), 2 * columns);
+        let (rows, sub_columns) = (2 * spec.rings().len(), 2 * columns);
+        let n = rows * sub_columns;
         // The kernel keeps what is nearer: a depth below 0 switches a beam off.
-        hits.depth.fill(-1.0);
+        let (depth, nothing) = (vec![-1.0; n], vec![NO_HIT; n]);
+        let mut hits = Hits { rows, columns: sub_columns, depth, instance: nothing.clone(), face: nothing };
         for at in beams.iter().flat_map(|beam| spread.cells(*beam, columns)) {
             hits.depth[at] = f32::INFINITY;
         }

@@ -7,7 +7,7 @@ use super::air::Air;
 use super::casting::{Casting, Standing};
 use super::returns::{Draws, Return, first_echo, report};
 use super::spec::LidarSpec;
-use super::spread::{chosen_echo, edge_beams};
+use super::spread::chosen_echo;
 use super::surfaces::Surfaces;
 use super::turning::Turning;
 use crate::error::Result;
@@ -84,7 +84,7 @@ fn scan_by<C: Casting>(casting: &C, spec: &LidarSpec, weather: &Weather, stream:
     let (edges, split) = match spec.spread() {
         None => Default::default(),
         Some(spread) => {
-            let edges = edge_beams(&met.solid);
+            let edges = spread.edge_beams(&met.solid);
             let split = casting.cast_spread(spec, spread, &edges);
             (edges, split)
         }

@@ -44,6 +44,10 @@ pub(super) struct Spread {
     turret: TurretGrid,
     /// The two sub-columns of each column, right and left of it.
     columns: Vec<[u32; 2]>,
+    /// Rings by rising elevation.
+    rings_upwards: Vec<u32>,
+    /// Columns and rings that a spot reaches over.
+    reach: [usize; 2],
 }
 
 impl Spread {
@@ -75,7 +79,30 @@ impl Spread {
             columns[i / 2][i % 2] = place as u32;
         }
         let sub_azimuths: Vec<f64> = sub_columns.iter().map(|(a, _)| *a).collect();
-        Ok(Self { divergence_rad, turret: TurretGrid::new(DPose3::IDENTITY, &sub_rings, &sub_azimuths)?, columns })
+        let elevation = |ring: &u32| rings[*ring as usize].elevation_rad;
+        let mut rings_upwards: Vec<u32> = (0..rings.len() as u32).collect();
+        rings_upwards.sort_by(|a, b| elevation(a).total_cmp(&elevation(b)));
+        let reach = [reach(azimuths_rad.iter().copied(), quarter), reach(rings_upwards.iter().map(elevation), quarter)];
+        let turret = TurretGrid::new(DPose3::IDENTITY, &sub_rings, &sub_azimuths)?;
+        Ok(Self { divergence_rad, turret, columns, rings_upwards, reach })
+    }
+
+    /// The beams whose spots may reach over a jump in range, rising.
+    pub(super) fn edge_beams(&self, hits: &Hits) -> Vec<u32> {
+        let columns = hits.columns as u32;
+        let mut edges = Edges { hits, is_edge: vec![false; hits.depth.len()] };
+        let mut line: Vec<u32> = Vec::new();
+        for ring in 0..hits.rows as u32 {
+            line.clear();
+            line.extend(ring * columns..(ring + 1) * columns);
+            edges.look_along(&line, true, self.reach[0].min(line.len() / 2));
+        }
+        for column in 0..columns {
+            line.clear();
+            line.extend(self.rings_upwards.iter().map(|ring| ring * columns + column));
+            edges.look_along(&line, false, self.reach[1]);
+        }
+        edges.is_edge.iter().zip(0_u32..).filter(|(edge, _)| **edge).map(|(_, beam)| beam).collect()
     }
 
     /// The sub-beams as a grid in the world.
@@ -99,47 +126,53 @@ impl Spread {
     }
 }
 
-/// The beams beside a jump in range, rising.
-pub(super) fn edge_beams(hits: &Hits) -> Vec<u32> {
-    // Beyond everything, and finite so that differences are numbers.
-    const FAR_M: f32 = 1e4;
-    let (rows, columns) = (hits.rows, hits.columns);
-    let range = |row: usize, column: usize| hits.depth[row * columns + column].min(FAR_M);
-    let mut is_edge = vec![false; rows * columns];
-    let differs = |before: Option<f32>, a: f32, b: f32, after: Option<f32>| {
-        let step = (b - a).abs();
-        // Most beams end here.
-        step > EDGE_M && {
-            let slope =
-                before.map_or(f32::INFINITY, |p| (a - p).abs()).min(after.map_or(f32::INFINITY, |n| (n - b).abs()));
-            step > EDGE_M + 2.0 * if slope.is_finite() { slope } else { 0.0 }
-        }
-    };
-    for row in 0..rows {
-        for column in 0..columns {
-            let here = range(row, column);
-            let next = (column + 1) % columns;
-            if differs(
-                Some(range(row, (column + columns - 1) % columns)),
-                here,
-                range(row, next),
-                Some(range(row, (next + 1) % columns)),
-            ) {
-                is_edge[row * columns + column] = true;
-                is_edge[row * columns + next] = true;
+/// Marks the beams whose spots may reach over a jump in range, and lists them, rising.
+struct Edges<'a> {
+    hits: &'a Hits,
+    is_edge: Vec<bool>,
+}
+
+impl Edges<'_> {
+    /// Looks along lines of beams that lie side by side; `reach` of them to either side of a jump are marked.
+    fn look_along(&mut self, line: &[u32], is_closed: bool, reach: usize) {
+        let n = line.len();
+        let range = |i: usize| self.hits.depth[line[i % n] as usize].min(FAR_M);
+        let num_steps = if is_closed { n } else { n.saturating_sub(1) };
+        for i in 0..num_steps {
+            let (here, next) = (range(i), range(i + 1));
+            let step = (next - here).abs();
+            // Most beams end here.
+            if step <= EDGE_M {
+                continue;
             }
-            if row + 1 < rows {
-                let before = (row > 0).then(|| range(row - 1, column));
-                let after = (row + 2 < rows).then(|| range(row + 2, column));
-                if differs(before, here, range(row + 1, column), after) {
-                    is_edge[row * columns + column] = true;
-                    is_edge[(row + 1) * columns + column] = true;
+            let before = (is_closed || i > 0).then(|| (here - range(i + n - 1)).abs());
+            let after = (is_closed || i + 2 < n).then(|| (range(i + 2) - next).abs());
+            let slope = before.into_iter().chain(after).fold(f32::INFINITY, f32::min);
+            if step <= EDGE_M + 2.0 * if slope.is_finite() { slope } else { 0.0 } {
+                continue;
+            }
+            for k in (i + n + 1 - reach)..=(i + n + reach) {
+                let place = if is_closed { k % n } else { k.wrapping_sub(n) };
+                if let Some(beam) = line.get(place) {
+                    self.is_edge[*beam as usize] = true;
                 }
             }
         }
     }
-    is_edge.iter().zip(0_u32..).filter(|(edge, _)| **edge).map(|(_, beam)| beam).collect()
 }
+
+/// Further than everything, and finite so that differences are numbers.
+const FAR_M: f32 = 1e4;
+
+/// How many beams a spot's sub-beams reach over, at least 1, from sorted angles.
+fn reach(sorted_rad: impl Iterator<Item = f64> + Clone, quarter_rad: f64) -> usize {
+    let steps = sorted_rad.clone().skip(1).zip(sorted_rad).map(|(b, a)| b - a);
+    let least = steps.filter(|s| *s > 0.0).fold(f64::INFINITY, f64::min);
+    ((quarter_rad / least).ceil() as usize).clamp(1, MAX_REACH)
+}
+
+/// Beams to either side of an edge that are split at most.
+const MAX_REACH: usize = 64;
 
 /// What the receiver makes of the echoes of a beam's four quarters: the strongest that stand apart, or the last that is
 /// heard. None where none of them answers.
@@ -189,4 +222,143 @@ fn merged(quarters: &[Option<Echo>]) -> Echo {
     out.retro = echoes().any(|e| e.retro);
     out.reflectance = 0.25 * total * out.range_m * out.range_m;
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lidar::LidarSpec;
+    use crate::material::Semantic;
+    use crate::math;
+    use crate::rng::Stream;
+    use crate::weather::Weather;
+
+    fn echo(range_m: f64, reflectance: f64, actor_id: i32) -> Option<Echo> {
+        Some(Echo { range_m, reflectance, retro: false, actor_id, semantic: Semantic::Building })
+    }
+
+    fn clear() -> Air {
+        Air::new(&Weather::preset("clear_noon").expect("exists"))
+    }
+
+    #[test]
+    fn the_quarters_of_a_beam_share_it_as_a_disc_does() {
+        let spec = LidarSpec::hdl64e_kitti().with_divergence(3e-3).expect("valid");
+        let spread = spec.spread().expect("set");
+        let ring = TurretRing { elevation_rad: 0.0, height_m: 0.0 };
+        let spots = spread.directions_velo(&ring, 0.0).map(|d| (d.y / 1.5e-3, d.z / 1.5e-3));
+        let mean_square = spots.iter().map(|(y, _)| y * y).sum::<f64>() / 4.0;
+        assert!((mean_square - 0.25).abs() < 1e-5, "a disc's second moment is a quarter of its radius squared");
+        // A straight edge at a distance u from the middle, in any direction, leaves a segment's area.
+        let mut stream = Stream::from_seed("edges", 0);
+        for u in [-0.6, -0.3, 0.0, 0.3, 0.6] {
+            let n = 20_000;
+            let mut covered = 0;
+            for _ in 0..n {
+                let turn = stream.range(0.0, TAU);
+                let (cos, sin) = (math::cos(turn), math::sin(turn));
+                covered += spots.iter().filter(|(y, z)| y * cos + z * sin < u).count();
+            }
+            let share = f64::from(covered as u32) / (4.0 * f64::from(n));
+            let area = 0.5 + (u * (1.0 - u * u).sqrt() + math::asin(u)) / math::PI;
+            assert!((share - area).abs() < 0.06, "{u}: {share} {area}");
+        }
+    }
+
+    #[test]
+    fn cells_and_directions_of_sub_beams_are_the_same_beams() {
+        use crate::sense::BeamGrid;
+        for spec in [LidarSpec::hdl64e_kitti(), LidarSpec::cadet()] {
+            // Wide enough that neighbours' spots overlap and that the first reaches around the seam.
+            let spec = spec.with_divergence(8e-3).expect("valid");
+            let (spread, columns) = (spec.spread().expect("set"), spec.azimuths_rad().len());
+            let grid = spread.grid(DPose3::IDENTITY);
+            for beam in [0, 1, columns - 1, columns, 7 * columns + 311, 39 * columns + columns - 1] {
+                let (ring, azimuth) = (&spec.rings()[beam / columns], spec.azimuths_rad()[beam % columns]);
+                let directions = spread.directions_velo(ring, azimuth);
+                for (at, direction) in spread.cells(beam as u32, columns).into_iter().zip(directions) {
+                    let cell = grid.beam(at / (2 * columns), at % (2 * columns));
+                    assert!((cell.direction_world - direction).length() < 1e-12, "{beam}");
+                    assert!((cell.origin_world.z - ring.height_m).abs() < 1e-12);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn edges_are_where_surfaces_part_and_not_where_they_lean() {
+        let (rows, columns) = (5, 400);
+        let mut hits = Hits::new(rows, columns);
+        let ring = |k: usize| TurretRing { elevation_rad: -0.03 - 0.01 * k as f64, height_m: 0.0 };
+        let azimuths: Vec<f64> = (0..columns).map(|j| j as f64 * TAU / columns as f64).collect();
+        let spread = Spread::new(&[0, 1, 2, 3, 4].map(ring), &azimuths, 3e-3).expect("valid");
+        let edges_of = |hits: &Hits| spread.edge_beams(hits);
+        assert!(edges_of(&hits).is_empty(), "the sky has no edges");
+        // A ring of road: from row to row the range grows by steps that grow themselves.
+        for row in 0..rows {
+            hits.depth[row * columns..(row + 1) * columns].fill([60.0, 42.0, 32.0, 26.0, 22.0][row]);
+        }
+        assert!(edges_of(&hits).is_empty(), "{:?}", edges_of(&hits).len());
+        // A wall seen at a grazing angle, up to the top row.
+        for row in 0..rows {
+            for column in 0..60 {
+                hits.depth[row * columns + 100 + column] = 2.0 / (0.3 - 0.0035 * column as f32);
+            }
+        }
+        let inside = |b: &&u32| (103..157).contains(&(**b as usize % columns));
+        assert_eq!(edges_of(&hits).iter().filter(inside).count(), 0);
+        // A post one beam wide, and a hole to the sky.
+        hits.depth[2 * columns + 300] = 9.0;
+        hits.depth[2 * columns + 350] = f32::INFINITY;
+        let edges = edges_of(&hits);
+        for column in [299, 300, 301, 349, 350, 351] {
+            assert!(edges.contains(&(2 * columns as u32 + column)), "{column}");
+        }
+        assert!(edges.windows(2).all(|w| w[0] < w[1]));
+    }
+
+    #[test]
+    fn the_strongest_echo_wins_or_the_last_that_is_heard() {
+        let air = clear();
+        let (near, far) = (echo(10.0, 0.3, 1), echo(14.0, 0.3, 2));
+        let pick = |quarters, mode, detection| chosen_echo(quarters, mode, &air, detection).map(|e| e.actor_id);
+        let half = [near, far, near, far];
+        assert_eq!(pick(half, ReturnMode::Strongest, 0.5), Some(1));
+        assert_eq!(pick(half, ReturnMode::Last, 0.5), Some(2));
+        // Three quarters of the spot at 14 m answer with more power than one at 10 m: 3 / 14^2 > 1 / 10^2.
+        assert_eq!(pick([far, far, near, far], ReturnMode::Strongest, 0.5), Some(2));
+        assert_eq!(pick([None, None, near, None], ReturnMode::Last, 0.5), Some(1));
+        assert_eq!(pick([None; 4], ReturnMode::Strongest, 0.5), None);
+        // The share of the spot is the share of the power.
+        let strongest = chosen_echo(half, ReturnMode::Strongest, &air, 0.5).expect("heard");
+        assert!((strongest.range_m - 10.0).abs() < 1e-12 && (strongest.reflectance - 0.15).abs() < 1e-12);
+        // A far surface is last as often as the receiver hears half of its power.
+        let (n, weak) = (2_000, echo(70.0, 0.5, 2));
+        let draws = (0..n).map(|i| f64::from(i) / f64::from(n));
+        let last = draws.clone().filter(|d| pick([near, weak, near, weak], ReturnMode::Last, *d) == Some(2)).count();
+        let half_power = echo(70.0, 0.25, 2).expect("some");
+        assert_eq!(last, draws.filter(|d| is_heard(&half_power, &air, *d)).count());
+        assert!(last > 20 && last < 1_980, "{last}");
+    }
+
+    #[test]
+    fn echoes_within_a_pulse_mix() {
+        let mixed = chosen_echo(
+            [echo(20.0, 0.4, 1), echo(20.4, 0.2, 2), echo(20.4, 0.2, 2), echo(20.0, 0.4, 1)],
+            ReturnMode::Last,
+            &clear(),
+            0.5,
+        )
+        .expect("heard");
+        let (p, q) = (0.4 / 400.0, 0.2 / (20.4 * 20.4));
+        assert!((mixed.range_m - (p * 20.0 + q * 20.4) / (p + q)).abs() < 1e-12);
+        assert!((mixed.reflectance / (mixed.range_m * mixed.range_m) - 0.5 * (p + q)).abs() < 1e-12);
+        assert_eq!(mixed.actor_id, 1);
+        let apart = [echo(20.0, 0.4, 1), echo(20.8, 0.4, 2), None, None];
+        assert_eq!(chosen_echo(apart, ReturnMode::Last, &clear(), 0.5).expect("heard").range_m, 20.8);
+        let mut plate = echo(20.8, 0.1, 3).expect("some");
+        plate.retro = true;
+        let beside = [echo(20.0, 0.9, 1), echo(20.0, 0.9, 1), echo(20.0, 0.9, 1), Some(plate)];
+        assert_eq!(chosen_echo(beside, ReturnMode::Strongest, &clear(), 0.5).expect("heard").actor_id, 3);
+    }
 }
