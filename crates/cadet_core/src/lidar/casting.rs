@@ -62,19 +62,23 @@ impl Casting for Standing<'_> {
     }
 
     fn cast_spread(&self, spec: &LidarSpec, spread: &Spread, beams: &[u32]) -> Vec<[SubBeam; 4]> {
-        let columns = spec.azimuths_rad().len();
-        let (rows, sub_columns) = (2 * spec.rings().len(), 2 * columns);
-        let n = rows * sub_columns;
-        // The kernel keeps what is nearer: a depth below 0 switches a beam off.
-        let (depth, nothing) = (vec![-1.0; n], vec![NO_HIT; n]);
-        let mut hits = Hits { rows, columns: sub_columns, depth, instance: nothing.clone(), face: nothing };
-        for at in beams.iter().flat_map(|beam| spread.cells(*beam, columns)) {
-            hits.depth[at] = f32::INFINITY;
+        let (rows, columns) = (2 * spec.rings().len(), spec.azimuths_rad().len());
+        let mut out = vec![[SubBeam::MISS; 4]; beams.len()];
+        for (side, grid) in spread.grids(*self.world_from_velo).iter().enumerate() {
+            // The kernel keeps what is nearer: a depth below 0 switches a beam off.
+            let (depth, nothing) = (vec![-1.0; rows * columns], vec![NO_HIT; rows * columns]);
+            let mut hits = Hits { rows, columns, depth, instance: nothing.clone(), face: nothing };
+            for at in beams.iter().flat_map(|beam| Spread::cells(*beam, columns)) {
+                hits.depth[at] = f32::INFINITY;
+            }
+            cast(self.scene, grid, Layer::Opaque, self.in_range(spec), &mut hits);
+            for (quarters, beam) in out.iter_mut().zip(beams) {
+                for (up, at) in Spread::cells(*beam, columns).into_iter().enumerate() {
+                    quarters[2 * side + up] = of(&hits, at);
+                }
+            }
         }
-        cast(self.scene, &spread.grid(*self.world_from_velo), Layer::Opaque, self.in_range(spec), &mut hits);
-        let sub_beam =
-            |at: usize| SubBeam { range_m: hits.depth[at], instance: hits.instance[at], face: hits.face[at] };
-        beams.iter().map(|beam| spread.cells(*beam, columns).map(sub_beam)).collect()
+        out
     }
 
     #[inline]

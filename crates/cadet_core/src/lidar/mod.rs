@@ -2,6 +2,8 @@
 
 mod air;
 mod casting;
+mod catalogue;
+mod firing;
 mod presets;
 mod returns;
 mod scan;
@@ -10,6 +12,7 @@ mod spread;
 mod surfaces;
 mod turning;
 
+pub use firing::Firing;
 pub use presets::PRESETS;
 pub use scan::{IdealScan, Scan, ideal_scan, scan, turning_scan};
 pub use spec::{LidarSpec, Rays, ReturnMode};

@@ -91,15 +91,15 @@ fn scan_by<C: Casting>(casting: &C, spec: &LidarSpec, weather: &Weather, stream:
     };
     let mut split_beams = edges.iter().map(|beam| *beam as usize).zip(&split).peekable();
     let air = Air::new(weather);
-    let headings = spec.headings();
     let (mut behind, mut in_front) = (Surfaces::new(casting), Surfaces::new(casting));
     let mut out = Scan::with_capacity(spec.num_beams());
+    let mut beams = 0..;
     for (ring, laser) in spec.rings().iter().enumerate() {
         let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
         let gain = spec.laser_gains[ring];
-        for (column, heading) in headings.iter().enumerate() {
+        for (column, heading) in spec.headings(ring).iter().enumerate() {
             let draws = Draws::new(stream);
-            let beam = ring * headings.len() + column;
+            let beam = beams.next().expect("endless");
             let direction_velo = DVec3::new(cos * heading[0], cos * heading[1], sin);
             let pane = met.pane(beam).and_then(|p| in_front.at(p, column, direction_velo));
             let echo = if let Some((_, quarters)) = split_beams.next_if(|(edge, _)| *edge == beam) {

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::firing::Firing;
 use super::spread::Spread;
 use crate::error::{Error, Result, finite};
 use crate::math::{self, DPose3, DVec3};
@@ -38,7 +39,9 @@ impl ReturnMode {
 pub struct LidarSpec {
     name: String,
     rings: Vec<TurretRing>,
+    firing: Firing,
     azimuths_rad: Vec<f64>,
+    azimuth_offsets_rad: Vec<f64>,
     turret: TurretGrid,
     /// None for beams that are lines.
     spread: Option<Arc<Spread>>,
@@ -77,11 +80,22 @@ impl LidarSpec {
     /// # Errors
     /// [`Error::NotFinite`] and [`Error::OutOfRange`], as [`TurretGrid::new`] gives them.
     pub fn new(name: &str, rings: Vec<TurretRing>, azimuths_rad: Vec<f64>) -> Result<Self> {
+        Self::with_firing(name, rings, Firing::Listed(azimuths_rad))
+    }
+
+    /// A LIDAR with these rings that all fire in this pattern; the rest as [`LidarSpec::new`] has it.
+    ///
+    /// # Errors
+    /// As [`Firing::azimuths_rad`] and [`TurretGrid::new`].
+    pub fn with_firing(name: &str, rings: Vec<TurretRing>, firing: Firing) -> Result<Self> {
+        let azimuths_rad = firing.azimuths_rad()?;
         let turret = TurretGrid::new(DPose3::IDENTITY, &rings, &azimuths_rad)?;
         Ok(Self {
             name: name.to_owned(),
             laser_gains: vec![1.0; rings.len()],
+            azimuth_offsets_rad: vec![0.0; rings.len()],
             rings,
+            firing,
             azimuths_rad,
             turret,
             spread: None,
@@ -91,6 +105,25 @@ impl LidarSpec {
             max_range_m: 80.0,
             range_noise_m: 0.012,
         })
+    }
+
+    /// The same sensor whose ring k fires at `offsets_rad[k]` counter-clockwise of its columns' azimuths.
+    ///
+    /// With equal steps, whole ones are taken off: they lead from column to column. Otherwise an offset is at least 0
+    /// and smaller than the gap behind the last column.
+    ///
+    /// # Errors
+    /// As [`TurretGrid::staggered`].
+    pub fn staggered(mut self, offsets_rad: Vec<f64>) -> Result<Self> {
+        self.azimuth_offsets_rad = offsets_rad.into_iter().map(|o| self.firing.reduced_offset_rad(o)).collect();
+        self.turret =
+            TurretGrid::staggered(DPose3::IDENTITY, &self.rings, &self.azimuths_rad, &self.azimuth_offsets_rad)?;
+        self.respread()
+    }
+
+    fn respread(self) -> Result<Self> {
+        let divergence_rad = self.divergence_rad();
+        self.with_divergence(divergence_rad)
     }
 
     /// Checks the public fields, which anyone may have set.
@@ -132,7 +165,7 @@ impl LidarSpec {
     ///
     /// # Errors
     /// [`Error::NotFinite`]; [`Error::OutOfRange`] for a divergence below 0 or above 0.02, for one that tips a beam
-    /// beyond 89 degrees, or for more than 32,767 rings or columns.
+    /// beyond 89 degrees, or for more than 32,767 rings.
     pub fn with_divergence(mut self, divergence_rad: f64) -> Result<Self> {
         if !(0.0..=MAX_DIVERGENCE_RAD).contains(&finite("divergence", divergence_rad)?) {
             return Err(Error::OutOfRange {
@@ -143,7 +176,9 @@ impl LidarSpec {
         }
         self.spread = match divergence_rad {
             0.0 => None,
-            _ => Some(Arc::new(Spread::new(&self.rings, &self.azimuths_rad, divergence_rad)?)),
+            _ => {
+                Some(Arc::new(Spread::new(&self.rings, &self.azimuths_rad, &self.azimuth_offsets_rad, divergence_rad)?))
+            }
         };
         Ok(self)
     }
@@ -164,10 +199,10 @@ impl LidarSpec {
         for ring in &mut self.rings {
             ring.height_m = 0.0;
         }
-        self.turret = TurretGrid::new(DPose3::IDENTITY, &self.rings, &self.azimuths_rad)
-            .expect("checked when the spec was made, and 0 is a height");
-        let divergence_rad = self.divergence_rad();
-        self = self.with_divergence(divergence_rad).expect("checked when it was set, and 0 is a height");
+        self.turret =
+            TurretGrid::staggered(DPose3::IDENTITY, &self.rings, &self.azimuths_rad, &self.azimuth_offsets_rad)
+                .expect("checked when the spec was made, and 0 is a height");
+        self = self.respread().expect("checked when the divergence was set, and 0 is a height");
         let name = format!("{}_single_origin", self.name);
         self.renamed(&name)
     }
@@ -195,6 +230,18 @@ impl LidarSpec {
         &self.azimuths_rad
     }
 
+    /// The pattern of [`LidarSpec::azimuths_rad`].
+    #[must_use]
+    pub fn firing(&self) -> &Firing {
+        &self.firing
+    }
+
+    /// How far counter-clockwise of its columns' azimuths each ring fires.
+    #[must_use]
+    pub fn azimuth_offsets_rad(&self) -> &[f64] {
+        &self.azimuth_offsets_rad
+    }
+
     /// Beams a turn.
     #[must_use]
     pub fn num_beams(&self) -> usize {
@@ -207,10 +254,10 @@ impl LidarSpec {
         self.turret.at(world_from_velo)
     }
 
-    /// Unit direction of every column, without elevation: x and y.
+    /// Unit direction of every column of a ring, without elevation: x and y.
     #[must_use]
-    pub(super) fn headings(&self) -> Vec<[f64; 2]> {
-        self.azimuths_rad.iter().map(|a| [math::cos(*a), math::sin(*a)]).collect()
+    pub(super) fn headings(&self, ring: usize) -> &[[f64; 2]] {
+        self.turret.headings(ring)
     }
 
     /// Every beam, in the order of a scan's rows.
@@ -223,10 +270,9 @@ impl LidarSpec {
             ring: Vec::with_capacity(n),
             column: Vec::with_capacity(n),
         };
-        let headings = self.headings();
         for (ring, laser) in self.rings.iter().enumerate() {
             let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
-            for (column, heading) in headings.iter().enumerate() {
+            for (column, heading) in self.headings(ring).iter().enumerate() {
                 rays.origins_velo.push(DVec3::new(0.0, 0.0, laser.height_m));
                 rays.directions_velo.push(DVec3::new(cos * heading[0], cos * heading[1], sin));
                 rays.ring.push(ring as i32);
@@ -239,12 +285,6 @@ impl LidarSpec {
 
 /// The widest cone that [`LidarSpec::with_divergence`] takes.
 const MAX_DIVERGENCE_RAD: f64 = 0.02;
-
-/// The unit vector of an elevation and an azimuth.
-pub(super) fn direction(elevation_rad: f64, azimuth_rad: f64) -> DVec3 {
-    let (cos, sin) = (math::cos(elevation_rad), math::sin(elevation_rad));
-    DVec3::new(cos * math::cos(azimuth_rad), cos * math::sin(azimuth_rad), sin)
-}
 
 #[cfg(test)]
 mod tests {

@@ -11,8 +11,8 @@ use super::air::Air;
 use super::returns::{Echo, echo_power, is_heard};
 use super::spec::ReturnMode;
 use crate::error::Result;
-use crate::math::{DPose3, DVec3, TAU};
-use crate::sense::{Hits, NO_HIT, TurretGrid, TurretRing};
+use crate::math::{self, DPose3, DQuat, DVec3};
+use crate::sense::{BeamGrid, Hits, NO_HIT, TurretGrid, TurretRing};
 
 /// Echoes nearer to each other than this are one: half the way that light goes in a pulse of 5 ns.
 pub(super) const PULSE_M: f64 = 0.75;
@@ -36,14 +36,12 @@ impl SubBeam {
     pub(super) const MISS: Self = Self { range_m: f32::INFINITY, instance: NO_HIT, face: NO_HIT };
 }
 
-/// The sub-beams of a sensor: a turret of twice as many rings and columns.
+/// The sub-beams of a sensor: a turret with two rings for each, turned a little to the right and to the left.
 #[derive(Debug, Clone)]
 pub(super) struct Spread {
     /// Full cone of a beam.
     pub divergence_rad: f64,
     turret: TurretGrid,
-    /// The two sub-columns of each column, right and left of it.
-    columns: Vec<[u32; 2]>,
     /// Rings by rising elevation.
     rings_upwards: Vec<u32>,
     /// Columns and rings that a spot reaches over.
@@ -51,40 +49,48 @@ pub(super) struct Spread {
 }
 
 impl Spread {
-    /// The sub-beams of these rings and azimuths.
-    pub(super) fn new(rings: &[TurretRing], azimuths_rad: &[f64], divergence_rad: f64) -> Result<Self> {
+    /// The sub-beams of these rings, azimuths and offsets of rings.
+    pub(super) fn new(
+        rings: &[TurretRing],
+        azimuths_rad: &[f64],
+        offsets_rad: &[f64],
+        divergence_rad: f64,
+    ) -> Result<Self> {
         let quarter = divergence_rad / 4.0;
-        let sub_ring = |r: &TurretRing, offset: f64| TurretRing { elevation_rad: r.elevation_rad + offset, ..*r };
+        let sub_ring = |r: &TurretRing, up: f64| TurretRing { elevation_rad: r.elevation_rad + up, ..*r };
         let sub_rings: Vec<TurretRing> =
             rings.iter().flat_map(|r| [sub_ring(r, -quarter), sub_ring(r, quarter)]).collect();
-        // Neighbours' sub-columns may pass each other, and the first goes around the seam.
-        let mut sub_columns: Vec<(f64, usize)> = azimuths_rad
-            .iter()
-            .flat_map(|a| [a - quarter, a + quarter])
-            .map(|a| {
-                if a < 0.0 {
-                    a + TAU
-                } else if a >= TAU {
-                    a - TAU
-                } else {
-                    a
-                }
-            })
-            .enumerate()
-            .map(|(i, a)| (a, i))
-            .collect();
-        sub_columns.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let mut columns = vec![[0; 2]; azimuths_rad.len()];
-        for (place, (_, i)) in sub_columns.iter().enumerate() {
-            columns[i / 2][i % 2] = place as u32;
-        }
-        let sub_azimuths: Vec<f64> = sub_columns.iter().map(|(a, _)| *a).collect();
+        let sub_offsets: Vec<f64> = offsets_rad.iter().flat_map(|o| [*o; 2]).collect();
         let elevation = |ring: &u32| rings[*ring as usize].elevation_rad;
         let mut rings_upwards: Vec<u32> = (0..rings.len() as u32).collect();
         rings_upwards.sort_by(|a, b| elevation(a).total_cmp(&elevation(b)));
         let reach = [reach(azimuths_rad.iter().copied(), quarter), reach(rings_upwards.iter().map(elevation), quarter)];
-        let turret = TurretGrid::new(DPose3::IDENTITY, &sub_rings, &sub_azimuths)?;
-        Ok(Self { divergence_rad, turret, columns, rings_upwards, reach })
+        let turret = TurretGrid::staggered(DPose3::IDENTITY, &sub_rings, azimuths_rad, &sub_offsets)?;
+        Ok(Self { divergence_rad, turret, rings_upwards, reach })
+    }
+
+    /// The sub-beams to the right and to the left of the beams, as grids in the world.
+    pub(super) fn grids(&self, world_from_velo: DPose3) -> [TurretGrid; 2] {
+        [-1.0, 1.0].map(|left| {
+            let half_rad = 0.5 * left * self.divergence_rad / 4.0;
+            let turn = DQuat::from_xyzw(0.0, 0.0, math::sin(half_rad), math::cos(half_rad));
+            self.turret.at(DPose3 { rotation: world_from_velo.rotation * turn, ..world_from_velo })
+        })
+    }
+
+    /// Where a beam's lower and upper sub-beams stand in either grid.
+    pub(super) fn cells(beam: u32, num_columns: usize) -> [usize; 2] {
+        let (ring, column) = (beam as usize / num_columns, beam as usize % num_columns);
+        [0, 1].map(|up| (2 * ring + up) * num_columns + column)
+    }
+
+    /// The directions of a beam's sub-beams: right below and above, left below and above.
+    pub(super) fn directions_velo(&self, beam: u32) -> [DVec3; 4] {
+        let num_columns = self.turret.columns();
+        let [right, left] = self.grids(DPose3::IDENTITY);
+        let [below, above] = Self::cells(beam, num_columns);
+        [(&right, below), (&right, above), (&left, below), (&left, above)]
+            .map(|(grid, at)| grid.beam(at / num_columns, at % num_columns).direction_world)
     }
 
     /// The beams whose spots may reach over a jump in range, rising.
@@ -103,26 +109,6 @@ impl Spread {
             edges.look_along(&line, false, self.reach[1]);
         }
         edges.is_edge.iter().zip(0_u32..).filter(|(edge, _)| **edge).map(|(_, beam)| beam).collect()
-    }
-
-    /// The sub-beams as a grid in the world.
-    pub(super) fn grid(&self, world_from_velo: DPose3) -> TurretGrid {
-        self.turret.at(world_from_velo)
-    }
-
-    /// Where a beam's four sub-beams stand in the grid: below right, below left, above right, above left.
-    pub(super) fn cells(&self, beam: u32, num_columns: usize) -> [usize; 4] {
-        let (ring, column) = (beam as usize / num_columns, beam as usize % num_columns);
-        let [right, left] = self.columns[column].map(|c| c as usize);
-        let row = |k: usize| (2 * ring + k) * 2 * num_columns;
-        [row(0) + right, row(0) + left, row(1) + right, row(1) + left]
-    }
-
-    /// The directions of a beam's sub-beams, in the order of [`Spread::cells`].
-    pub(super) fn directions_velo(&self, ring: &TurretRing, azimuth_rad: f64) -> [DVec3; 4] {
-        let quarter = self.divergence_rad / 4.0;
-        [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)]
-            .map(|(up, left)| super::spec::direction(ring.elevation_rad + up * quarter, azimuth_rad + left * quarter))
     }
 }
 
@@ -229,7 +215,7 @@ mod tests {
     use super::*;
     use crate::lidar::LidarSpec;
     use crate::material::Semantic;
-    use crate::math;
+    use crate::math::TAU;
     use crate::rng::Stream;
     use crate::weather::Weather;
 
@@ -243,10 +229,9 @@ mod tests {
 
     #[test]
     fn the_quarters_of_a_beam_share_it_as_a_disc_does() {
-        let spec = LidarSpec::hdl64e_kitti().with_divergence(3e-3).expect("valid");
-        let spread = spec.spread().expect("set");
-        let ring = TurretRing { elevation_rad: 0.0, height_m: 0.0 };
-        let spots = spread.directions_velo(&ring, 0.0).map(|d| (d.y / 1.5e-3, d.z / 1.5e-3));
+        let level = TurretRing { elevation_rad: 0.0, height_m: 0.0 };
+        let spread = Spread::new(&[level], &[0.0], &[0.0], 3e-3).expect("valid");
+        let spots = spread.directions_velo(0).map(|d| (d.y / 1.5e-3, d.z / 1.5e-3));
         let mean_square = spots.iter().map(|(y, _)| y * y).sum::<f64>() / 4.0;
         assert!((mean_square - 0.25).abs() < 1e-5, "a disc's second moment is a quarter of its radius squared");
         // A straight edge at a distance u from the middle, in any direction, leaves a segment's area.
@@ -266,20 +251,21 @@ mod tests {
     }
 
     #[test]
-    fn cells_and_directions_of_sub_beams_are_the_same_beams() {
-        use crate::sense::BeamGrid;
-        for spec in [LidarSpec::hdl64e_kitti(), LidarSpec::cadet()] {
-            // Wide enough that neighbours' spots overlap and that the first reaches around the seam.
-            let spec = spec.with_divergence(8e-3).expect("valid");
-            let (spread, columns) = (spec.spread().expect("set"), spec.azimuths_rad().len());
-            let grid = spread.grid(DPose3::IDENTITY);
-            for beam in [0, 1, columns - 1, columns, 7 * columns + 311, 39 * columns + columns - 1] {
-                let (ring, azimuth) = (&spec.rings()[beam / columns], spec.azimuths_rad()[beam % columns]);
-                let directions = spread.directions_velo(ring, azimuth);
-                for (at, direction) in spread.cells(beam as u32, columns).into_iter().zip(directions) {
-                    let cell = grid.beam(at / (2 * columns), at % (2 * columns));
-                    assert!((cell.direction_world - direction).length() < 1e-12, "{beam}");
-                    assert!((cell.origin_world.z - ring.height_m).abs() < 1e-12);
+    fn sub_beams_stand_around_their_beam() {
+        for spec in [LidarSpec::hdl64e_kitti(), LidarSpec::vlp16()] {
+            let spec = spec.with_divergence(3e-3).expect("valid");
+            let rays = spec.rays();
+            let n = spec.num_beams();
+            for beam in [0, 1, n / 2 + 17, n - 1] {
+                let middle = rays.directions_velo[beam];
+                let subs = spec.spread().expect("set").directions_velo(beam as u32);
+                let mean = (subs[0] + subs[1] + subs[2] + subs[3]) * 0.25;
+                assert!((mean - middle).length() < 2e-6);
+                let left = DVec3::new(-middle.y, middle.x, 0.0).normalize();
+                for (sub, (side, up)) in subs.iter().zip([(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)]) {
+                    let rho = middle.truncate().length();
+                    assert!((left.dot(*sub) - side * 0.75e-3 * rho).abs() < 1e-6);
+                    assert!((math::asin(sub.z) - math::asin(middle.z) - up * 0.75e-3).abs() < 1e-12);
                 }
             }
         }
@@ -291,7 +277,7 @@ mod tests {
         let mut hits = Hits::new(rows, columns);
         let ring = |k: usize| TurretRing { elevation_rad: -0.03 - 0.01 * k as f64, height_m: 0.0 };
         let azimuths: Vec<f64> = (0..columns).map(|j| j as f64 * TAU / columns as f64).collect();
-        let spread = Spread::new(&[0, 1, 2, 3, 4].map(ring), &azimuths, 3e-3).expect("valid");
+        let spread = Spread::new(&[0, 1, 2, 3, 4].map(ring), &azimuths, &[0.0; 5], 3e-3).expect("valid");
         let edges_of = |hits: &Hits| spread.edge_beams(hits);
         assert!(edges_of(&hits).is_empty(), "the sky has no edges");
         // A ring of road: from row to row the range grows by steps that grow themselves.

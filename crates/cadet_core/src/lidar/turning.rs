@@ -6,7 +6,7 @@
 //! before the instant and the left-hand side after it. Points stay in the frame of their own firing, as in KITTI's
 //! object frames.
 //!
-//! Bodies move with steady velocity and angular velocity; wheels don't roll and people's legs don't swing meanwhile.
+//! All lasers of a column fire at once, at its own moment. Bodies move with steady velocity and angular velocity; wheels don't roll and people's legs don't swing meanwhile.
 
 use std::sync::Arc;
 
@@ -80,11 +80,14 @@ impl Casting for Firings<'_> {
     fn cast(&self, spec: &LidarSpec) -> Met {
         let (rows, columns) = (spec.rings().len(), spec.azimuths_rad().len());
         let (mut solid, mut first) = (Hits::new(rows, columns), Hits::new(rows, columns));
-        for (column, ((moment, world_from_velo), azimuth)) in self.columns.iter().zip(spec.azimuths_rad()).enumerate() {
-            for (ring, laser) in spec.rings().iter().enumerate() {
+        for (ring, laser) in spec.rings().iter().enumerate() {
+            let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
+            for (column, ([x, y], (moment, world_from_velo))) in
+                spec.headings(ring).iter().zip(&self.columns).enumerate()
+            {
                 let origin = world_from_velo.transform_point(DVec3::new(0.0, 0.0, laser.height_m));
-                let direction = super::spec::direction(laser.elevation_rad, *azimuth);
-                let found = moment.cast(origin, world_from_velo.rotation * direction);
+                let direction = world_from_velo.rotation * DVec3::new(cos * x, cos * y, sin);
+                let found = moment.cast(origin, direction);
                 let at = ring * columns + column;
                 put(&mut solid, at, found.solid);
                 put(&mut first, at, found.pane.or(found.solid));
@@ -99,7 +102,7 @@ impl Casting for Firings<'_> {
             let (ring, column) = (&spec.rings()[*beam as usize / columns], *beam as usize % columns);
             let (moment, world_from_velo) = &self.columns[column];
             let origin = world_from_velo.transform_point(DVec3::new(0.0, 0.0, ring.height_m));
-            spread.directions_velo(ring, spec.azimuths_rad()[column]).map(|direction_velo| {
+            spread.directions_velo(*beam).map(|direction_velo| {
                 let found = moment.cast(origin, world_from_velo.rotation * direction_velo).solid;
                 found.map_or(SubBeam::MISS, |f| SubBeam {
                     range_m: f.range_m as f32,
