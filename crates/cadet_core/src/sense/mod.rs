@@ -13,12 +13,16 @@ mod turret;
 mod turret_table;
 
 pub use edges::EdgePlanes;
+<<<<<<< HEAD
 pub use face_trees::FaceTrees;
 pub use grid::{Beam, BeamGrid, LANES, Lanes, Window};
+=======
+pub use grid::{Beam, BeamGrid, Window};
+>>>>>>> h/kernel
 pub use kernel::{Hits, Layer, NO_HIT, cast};
 pub use motion::Motion;
 pub use moving::{FaceHit, LayerHits, Moment, MovingCaster};
 pub use pinhole::PinholeGrid;
-pub use posed::{PosedInstance, PosedScene};
+pub use posed::{Placement, PosedInstance, PosedScene};
 pub use raycast::{RayCaster, RayHit};
 pub use turret::{TurretGrid, TurretRing};

@@ -81,15 +81,13 @@ impl MovingCaster {
                     motions.len() - 1
                 })
             });
-            let middle_local = posed.mesh.bounds.center().as_dvec3();
             instances.push(Some(LocalFrame {
-                local_from_world: posed.world_from_local.transpose(),
-                origin_world: posed.center_world - posed.world_from_local * middle_local,
+                local_from_world: posed.placement.rotation.transpose(),
+                origin_world: posed.placement.translation,
                 over_faces: trees.of(&posed.mesh),
                 motion,
             }));
-            let points = scene.vertices_world[posed.vertices.clone()].iter().copied();
-            boxes.push((index, Aabb::from_points(points).loosened(LOOSE_M + 1.001 * swept_m as f32)));
+            boxes.push((index, Aabb::from_points(posed.vertices_world()).loosened(LOOSE_M + 1.001 * swept_m as f32)));
         }
         let over_instances = Bvh::from_iter(BvhBuildStrategy::Binned, boxes);
         Self { scene, over_instances, instances, motions }

@@ -51,14 +51,12 @@ impl RayCaster {
         let mut instances = Vec::with_capacity(scene.instances.len());
         let mut boxes = Vec::with_capacity(scene.instances.len());
         for posed in &scene.instances {
-            let middle_local = posed.mesh.bounds.center().as_dvec3();
             instances.push(LocalFrame {
-                local_from_world: posed.world_from_local.transpose(),
-                origin_world: posed.center_world - posed.world_from_local * middle_local,
+                local_from_world: posed.placement.rotation.transpose(),
+                origin_world: posed.placement.translation,
                 over_faces: trees.of(&posed.mesh),
             });
-            let points = scene.vertices_world[posed.vertices.clone()].iter().copied();
-            boxes.push(Aabb::from_points(points).loosened(LOOSE_M));
+            boxes.push(Aabb::from_points(posed.vertices_world()).loosened(LOOSE_M));
         }
         let over_instances = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
         Self { scene, over_instances, instances }
