@@ -3,7 +3,10 @@
 mod air;
 mod catalogue;
 mod firing;
+mod hdl64e;
 mod presets;
+mod reflection;
+mod response;
 mod returns;
 mod scan;
 mod spec;
@@ -11,4 +14,4 @@ mod spec;
 pub use firing::Firing;
 pub use presets::PRESETS;
 pub use scan::{IdealScan, Scan, ideal_scan, scan};
-pub use spec::{LidarSpec, Rays};
+pub use spec::{BlindSector, LidarSpec, Rays};

@@ -78,8 +78,12 @@ pub fn scan(
     for (ring, laser) in spec.rings().iter().enumerate() {
         let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
         let gain = spec.laser_gains[ring];
+        let is_blind = spec.blind_columns(ring);
         for (column, heading) in spec.headings(ring).iter().enumerate() {
             let draws = Draws::new(stream);
+            if is_blind[column] {
+                continue;
+            }
             let at = ring * columns + column;
             let direction_velo = DVec3::new(cos * heading[0], cos * heading[1], sin);
             let direction_world = world_from_velo.rotation * direction_velo;

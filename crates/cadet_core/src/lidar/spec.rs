@@ -2,7 +2,7 @@
 
 use super::firing::Firing;
 use crate::error::{Error, Result, finite};
-use crate::math::{self, DPose3, DVec3};
+use crate::math::{self, DPose3, DVec3, TAU};
 use crate::sense::{TurretGrid, TurretRing};
 
 /// A spinning LIDAR.
@@ -22,6 +22,19 @@ pub struct LidarSpec {
     pub range_noise_m: f64,
     /// Sensitivity of each ring's receiver, 1 for an average one.
     pub laser_gains: Vec<f64>,
+    /// Where the car that carries the sensor is in the way: beams in these sectors never return. Ideal scans ignore them.
+    pub blind_sectors: Vec<BlindSector>,
+}
+
+/// Azimuths at which a laser meets the car that carries it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BlindSector {
+    /// Ring, 0 the first of the sensor's table.
+    pub ring: usize,
+    /// Where the sector begins, counter-clockwise from forward, in [0, 2 pi].
+    pub from_rad: f64,
+    /// Where it ends, at most 2 pi: a sector across forward is two.
+    pub to_rad: f64,
 }
 
 /// A sensor's beams in its own frame, ring-major, azimuth rising counter-clockwise from forward.
@@ -58,6 +71,7 @@ impl LidarSpec {
         Ok(Self {
             name: name.to_owned(),
             laser_gains: vec![1.0; rings.len()],
+            blind_sectors: Vec::new(),
             azimuth_offsets_rad: vec![0.0; rings.len()],
             rings,
             firing,
@@ -114,7 +128,27 @@ impl LidarSpec {
                 });
             }
         }
+        for sector in &self.blind_sectors {
+            let is_rising = finite("blind sector", sector.from_rad)? <= finite("blind sector", sector.to_rad)?;
+            if sector.ring >= self.rings.len() || !is_rising || sector.from_rad < 0.0 || sector.to_rad > TAU {
+                return Err(Error::OutOfRange {
+                    what: "blind sector",
+                    value: format!("ring {} from {} to {}", sector.ring, sector.from_rad, sector.to_rad),
+                    expected: format!("a ring below {}, azimuths that rise within [0, 2 pi]", self.rings.len()),
+                });
+            }
+        }
         Ok(())
+    }
+
+    /// For every column of a ring, whether the car that carries the sensor is in the way.
+    pub(super) fn blind_columns(&self, ring: usize) -> Vec<bool> {
+        let mut blind = vec![false; self.azimuths_rad.len()];
+        let column = |rad: f64| self.azimuths_rad.partition_point(|a| a + self.azimuth_offsets_rad[ring] < rad);
+        for sector in self.blind_sectors.iter().filter(|s| s.ring == ring) {
+            blind[column(sector.from_rad)..column(sector.to_rad)].fill(true);
+        }
+        blind
     }
 
     /// The same sensor with every laser in the frame's origin.
