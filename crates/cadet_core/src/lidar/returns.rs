@@ -1,9 +1,8 @@
-//! From what a beam meets to what the receiver reports: loss in glass, detection, intensity.
-//!
-//! Fitted to KITTI's scans: ranges are detected up to about 50 m on a surface of 10 % and beyond 80 m on foliage;
-//! intensity is compensated for range up to 30 m and falls off steeply beyond; half of a car's returns have intensity 0.
+//! From what a beam meets to what the receiver reports: which surface answers, and what glass and air leave of it.
 
 use super::air::Air;
+use super::reflection::{fresnel, peak_share, reflectance};
+use super::response::{HEARD_POWER, intensity, is_heard, saturated};
 use crate::material::{LidarMaterial, Material, Semantic};
 use crate::rng::Stream;
 
@@ -30,7 +29,7 @@ pub(super) struct Return {
 pub(super) struct Draws {
     pane: f64,
     pub(super) detection: f64,
-    zero: f64,
+    saturation: f64,
     air_chance: f64,
     air_place: f64,
     range_normal: f64,
@@ -44,7 +43,7 @@ impl Draws {
         Self {
             pane: unit(a >> 32),
             detection: unit(a),
-            zero: unit(b >> 32),
+            saturation: unit(b >> 32),
             air_chance: unit(b),
             air_place: unit(c >> 32),
             // The sum of four uniforms is normal enough (no tails beyond 3.5 standard deviations) and cheap.
@@ -59,12 +58,6 @@ fn nearly_normal(bits: u64) -> f64 {
     (sum as f64 * (1.0 / 65_536.0) + 2.0 / 65_536.0 - 2.0) * 1.732_050_807_568_877_2
 }
 
-/// Power, in units of reflectance / range^2, that is detected half of the time.
-const DETECTION_POWER: f64 = 7e-5;
-/// Compensated reflectance whose intensity is reported as 0 half of the time.
-const ZERO_REFLECTANCE: f64 = 0.045;
-/// The receiver compensates for range up to here.
-const COMPENSATED_M: f64 = 30.0;
 /// Share of a pane's area that is dirty or printed enough to answer itself.
 const DIRTY_SHARE: f64 = 0.08;
 /// Reflectance of that dirt.
@@ -82,20 +75,24 @@ pub(super) fn report(
 ) -> Option<Return> {
     let (range_m, power) = echo.map_or((f64::INFINITY, 0.0), |e| (e.range_m, echo_power(&e, air)));
     if let Some(answer) = air.answers_first(range_m, power, draws.air_chance, draws.air_place) {
-        let intensity = intensity_of(answer.reflectance, answer.range_m, false, laser_gain, draws);
+        let intensity = intensity(answer.reflectance, answer.range_m, laser_gain, draws.gain_normal);
         return Some(Return { range_m: answer.range_m, intensity, actor_id: 0 });
     }
     let echo = echo?;
-    if !is_heard(&echo, air, draws.detection) {
+    if !is_echo_heard(&echo, air, draws.detection) {
         return None;
     }
     // A weak pulse's centre is less certain: up to half more noise at the limit of detection.
-    let noise_m = range_noise_m * (1.0 + 0.5 / (1.0 + power / DETECTION_POWER)) + air.range_noise_m(range_m);
-    Some(Return {
-        range_m: range_m + noise_m * draws.range_normal,
-        intensity: intensity_of(power * range_m * range_m, range_m, echo.retro, laser_gain, draws),
-        actor_id: echo.actor_id,
-    })
+    let noise_m = range_noise_m * (1.0 + 0.5 / (1.0 + power / HEARD_POWER)) + air.range_noise_m(range_m);
+    let intensity = match echo.retro {
+        true => saturated(draws.saturation),
+        false => {
+            // Hearing goes by a pulse's energy, the reading by its peak.
+            let peak = power * range_m * range_m * peak_share(range_m, echo.cos_incidence);
+            intensity(peak, range_m, laser_gain, draws.gain_normal)
+        }
+    };
+    Some(Return { range_m: range_m + noise_m * draws.range_normal, intensity, actor_id: echo.actor_id })
 }
 
 /// Power of an echo at the receiver, in units of reflectance / range^2.
@@ -106,10 +103,8 @@ pub(super) fn echo_power(echo: &Echo, air: &Air) -> f64 {
 }
 
 /// Whether the receiver hears an echo; `detection` is uniform in [0, 1).
-pub(super) fn is_heard(echo: &Echo, air: &Air, detection: f64) -> bool {
-    let ratio = echo_power(echo, air) / DETECTION_POWER;
-    let odds = ratio * ratio * ratio;
-    echo.retro || detection * (1.0 + odds) < odds
+pub(super) fn is_echo_heard(echo: &Echo, air: &Air, detection: f64) -> bool {
+    echo.retro || is_heard(echo_power(echo, air), detection)
 }
 
 /// The surface that answers, with the reflectance that is left after lobe and glass.
@@ -117,6 +112,7 @@ pub(super) fn is_heard(echo: &Echo, air: &Air, detection: f64) -> bool {
 pub(super) struct Echo {
     pub range_m: f64,
     pub reflectance: f64,
+    pub cos_incidence: f64,
     pub retro: bool,
     pub actor_id: i32,
     pub semantic: Semantic,
@@ -130,6 +126,7 @@ pub(super) fn first_echo(pane: Option<Surface<'_>>, solid: Option<Surface<'_>>, 
         let own = |reflectance, retro| Echo {
             range_m: pane.range_m,
             reflectance,
+            cos_incidence: pane.cos_incidence,
             retro,
             actor_id: pane.actor_id,
             semantic: pane.material.semantic,
@@ -152,56 +149,15 @@ pub(super) fn first_echo(pane: Option<Surface<'_>>, solid: Option<Surface<'_>>, 
     Some(Echo {
         range_m: solid.range_m,
         reflectance: reflectance(lidar, solid.cos_incidence) * transmittance,
+        cos_incidence: solid.cos_incidence,
         retro: lidar.retro && transmittance > 0.05,
         actor_id: solid.actor_id,
         semantic: solid.material.semantic,
     })
 }
 
-/// Both faces of a pane of n = 1.5: 8 % up to 40 degrees, 17 % at 60, 56 % at 80.
-fn fresnel(cos_incidence: f64) -> f64 {
-    let grazing = (1.0 - cos_incidence) * (1.0 - cos_incidence);
-    0.08 + 0.92 * grazing * grazing
-}
-
-/// Reflectance back to the sensor at an incidence angle.
-///
-/// Rough surfaces keep their brightness towards grazing angles (Lommel and Seeliger's law: asphalt looks the same from
-/// 4 m to 30 m); what the material's exponent adds to 1 makes a coat fall faster than Lambert.
-pub(super) fn reflectance(lidar: &LidarMaterial, cos_incidence: f64) -> f64 {
-    const ROUGH: f64 = 0.08;
-    let rough = (1.0 + ROUGH) * cos_incidence / (cos_incidence + ROUGH);
-    f64::from(lidar.reflectance) * rough * power(cos_incidence, f64::from(lidar.lobe_exponent) - 1.0)
-}
-
-/// `base^exponent` for base in 0..1, linear between whole exponents: cheap, and the same bits everywhere.
-fn power(base: f64, exponent: f64) -> f64 {
-    let exponent = exponent.clamp(0.0, 16.0);
-    let whole = exponent.floor();
-    let mut product = 1.0;
-    for _ in 0..whole as usize {
-        product *= base;
-    }
-    product * (1.0 - (exponent - whole) * (1.0 - base))
-}
-
 fn is_ground(semantic: Semantic) -> bool {
     matches!(semantic, Semantic::Road | Semantic::RoadMarking | Semantic::Sidewalk)
-}
-
-/// Reported intensity in 0..0.99, not yet rounded.
-fn intensity_of(reflectance: f64, range_m: f64, retro: bool, laser_gain: f64, draws: &Draws) -> f64 {
-    let fall = (COMPENSATED_M / range_m).min(1.0);
-    let compensated = reflectance * laser_gain * fall * fall * fall * fall * fall.sqrt();
-    if retro {
-        return (0.99 - 0.02 * draws.zero) * if range_m < 60.0 { 1.0 } else { 0.6 };
-    }
-    let ratio = compensated / ZERO_REFLECTANCE;
-    // A floor of zeros on any surface: KITTI's best rings still report 5 %.
-    if draws.zero * (1.0 + ratio * ratio) < 1.0 + 0.03 * ratio * ratio {
-        return 0.0;
-    }
-    (0.46 * libm::cbrt(compensated) * (1.0 + 0.22 * draws.gain_normal)).clamp(0.01, 0.99)
 }
 
 #[cfg(test)]
@@ -248,7 +204,7 @@ mod tests {
         for (pick, mean, var) in [
             ((|d: &Draws| d.pane) as fn(&Draws) -> f64, 0.5, 1.0 / 12.0),
             (|d| d.detection, 0.5, 1.0 / 12.0),
-            (|d| d.zero, 0.5, 1.0 / 12.0),
+            (|d| d.saturation, 0.5, 1.0 / 12.0),
             (|d| d.air_chance, 0.5, 1.0 / 12.0),
             (|d| d.air_place, 0.5, 1.0 / 12.0),
             (|d| d.range_normal, 0.0, 1.0),

@@ -97,12 +97,17 @@ fn scan_by<C: Casting>(casting: &C, spec: &LidarSpec, weather: &Weather, stream:
     for (ring, laser) in spec.rings().iter().enumerate() {
         let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
         let gain = spec.laser_gains[ring];
+        let is_blind = spec.blind_columns(ring);
         for (column, heading) in spec.headings(ring).iter().enumerate() {
             let draws = Draws::new(stream);
             let beam = beams.next().expect("endless");
+            let quarters = split_beams.next_if(|(edge, _)| *edge == beam);
+            if is_blind[column] {
+                continue;
+            }
             let direction_velo = DVec3::new(cos * heading[0], cos * heading[1], sin);
             let pane = met.pane(beam).and_then(|p| in_front.at(p, column, direction_velo));
-            let echo = if let Some((_, quarters)) = split_beams.next_if(|(edge, _)| *edge == beam) {
+            let echo = if let Some((_, quarters)) = quarters {
                 let quarters = quarters.map(|q| first_echo(pane, behind.at(q, column, direction_velo), &draws));
                 chosen_echo(quarters, spec.returns, &air, draws.detection)
             } else {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::firing::Firing;
 use super::spread::Spread;
 use crate::error::{Error, Result, finite};
-use crate::math::{self, DPose3, DVec3};
+use crate::math::{self, DPose3, DVec3, TAU};
 use crate::sense::{TurretGrid, TurretRing};
 
 /// Which of several echoes of one pulse a sensor reports.
@@ -57,6 +57,19 @@ pub struct LidarSpec {
     pub returns: ReturnMode,
     /// Whether the sensor and the world move while it turns ([`super::turning_scan`]).
     pub rolling: bool,
+    /// Where the car that carries the sensor is in the way: beams in these sectors never return. Ideal scans ignore them.
+    pub blind_sectors: Vec<BlindSector>,
+}
+
+/// Azimuths at which a laser meets the car that carries it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BlindSector {
+    /// Ring, 0 the first of the sensor's table.
+    pub ring: usize,
+    /// Where the sector begins, counter-clockwise from forward, in [0, 2 pi].
+    pub from_rad: f64,
+    /// Where it ends, at most 2 pi: a sector across forward is two.
+    pub to_rad: f64,
 }
 
 /// A sensor's beams in its own frame, ring-major, azimuth rising counter-clockwise from forward.
@@ -93,6 +106,7 @@ impl LidarSpec {
         Ok(Self {
             name: name.to_owned(),
             laser_gains: vec![1.0; rings.len()],
+            blind_sectors: Vec::new(),
             azimuth_offsets_rad: vec![0.0; rings.len()],
             rings,
             firing,
@@ -157,6 +171,16 @@ impl LidarSpec {
                 });
             }
         }
+        for sector in &self.blind_sectors {
+            let is_rising = finite("blind sector", sector.from_rad)? <= finite("blind sector", sector.to_rad)?;
+            if sector.ring >= self.rings.len() || !is_rising || sector.from_rad < 0.0 || sector.to_rad > TAU {
+                return Err(Error::OutOfRange {
+                    what: "blind sector",
+                    value: format!("ring {} from {} to {}", sector.ring, sector.from_rad, sector.to_rad),
+                    expected: format!("a ring below {}, azimuths that rise within [0, 2 pi]", self.rings.len()),
+                });
+            }
+        }
         Ok(())
     }
 
@@ -191,6 +215,16 @@ impl LidarSpec {
 
     pub(super) fn spread(&self) -> Option<&Spread> {
         self.spread.as_deref()
+    }
+
+    /// For every column of a ring, whether the car that carries the sensor is in the way.
+    pub(super) fn blind_columns(&self, ring: usize) -> Vec<bool> {
+        let mut blind = vec![false; self.azimuths_rad.len()];
+        let column = |rad: f64| self.azimuths_rad.partition_point(|a| a + self.azimuth_offsets_rad[ring] < rad);
+        for sector in self.blind_sectors.iter().filter(|s| s.ring == ring) {
+            blind[column(sector.from_rad)..column(sector.to_rad)].fill(true);
+        }
+        blind
     }
 
     /// The same sensor with every laser in the frame's origin.

@@ -8,7 +8,7 @@
 //! Beams away from edges are left alone: there the middle stands for the whole spot.
 
 use super::air::Air;
-use super::returns::{Echo, echo_power, is_heard};
+use super::returns::{Echo, echo_power, is_echo_heard};
 use super::spec::ReturnMode;
 use crate::error::Result;
 use crate::math::{self, DPose3, DQuat, DVec3};
@@ -176,7 +176,7 @@ pub(super) fn chosen_echo(quarters: [Option<Echo>; 4], mode: ReturnMode, air: &A
         rest = &rest[joined..];
         let is_better = match mode {
             ReturnMode::Strongest => chosen.is_none_or(|c| rank(&echo, air) > rank(&c, air)),
-            ReturnMode::Last => chosen.is_none() || is_heard(&echo, air, detection),
+            ReturnMode::Last => chosen.is_none() || is_echo_heard(&echo, air, detection),
         };
         if is_better {
             chosen = Some(echo);
@@ -220,7 +220,7 @@ mod tests {
     use crate::weather::Weather;
 
     fn echo(range_m: f64, reflectance: f64, actor_id: i32) -> Option<Echo> {
-        Some(Echo { range_m, reflectance, retro: false, actor_id, semantic: Semantic::Building })
+        Some(Echo { range_m, reflectance, cos_incidence: 1.0, retro: false, actor_id, semantic: Semantic::Building })
     }
 
     fn clear() -> Air {
@@ -323,7 +323,7 @@ mod tests {
         let draws = (0..n).map(|i| f64::from(i) / f64::from(n));
         let last = draws.clone().filter(|d| pick([near, weak, near, weak], ReturnMode::Last, *d) == Some(2)).count();
         let half_power = echo(70.0, 0.25, 2).expect("some");
-        assert_eq!(last, draws.filter(|d| is_heard(&half_power, &air, *d)).count());
+        assert_eq!(last, draws.filter(|d| is_echo_heard(&half_power, &air, *d)).count());
         assert!(last > 20 && last < 1_980, "{last}");
     }
 
