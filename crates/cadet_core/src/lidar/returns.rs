@@ -3,9 +3,9 @@
 //! Fitted to KITTI's scans: ranges are detected up to about 50 m on a surface of 10 % and beyond 80 m on foliage;
 //! intensity is compensated for range up to 30 m and falls off steeply beyond; half of a car's returns have intensity 0.
 
-use super::air::Air;
+use super::air::{Air, Scatterer};
 use crate::material::{LidarMaterial, Material, Semantic};
-use crate::rng::Stream;
+use crate::rng::{Stream, nearly_normal};
 
 /// A surface in a beam's way.
 #[derive(Debug, Clone, Copy)]
@@ -31,8 +31,8 @@ pub(super) struct Draws {
     pane: f64,
     detection: f64,
     zero: f64,
-    air_chance: f64,
-    air_place: f64,
+    /// Names the beam to the air.
+    air_key: u64,
     range_normal: f64,
     gain_normal: f64,
 }
@@ -45,18 +45,11 @@ impl Draws {
             pane: unit(a >> 32),
             detection: unit(a),
             zero: unit(b >> 32),
-            air_chance: unit(b),
-            air_place: unit(c >> 32),
-            // The sum of four uniforms is normal enough (no tails beyond 3.5 standard deviations) and cheap.
+            air_key: b << 32 | c >> 32,
             range_normal: nearly_normal(d),
             gain_normal: nearly_normal(e),
         }
     }
-}
-
-fn nearly_normal(bits: u64) -> f64 {
-    let sum = (bits & 0xffff) + (bits >> 16 & 0xffff) + (bits >> 32 & 0xffff) + (bits >> 48);
-    (sum as f64 * (1.0 / 65_536.0) + 2.0 / 65_536.0 - 2.0) * 1.732_050_807_568_877_2
 }
 
 /// Power, in units of reflectance / range^2, that is detected half of the time.
@@ -82,23 +75,31 @@ pub(super) fn receive(
     draws: &Draws,
 ) -> Option<Return> {
     let echo = first_echo(pane, solid, draws);
-    let (range_m, power) = echo.map_or((f64::INFINITY, 0.0), |e| {
-        let wet = if is_ground(e.semantic) { air.wet_ground } else { 1.0 };
-        let reflectance = e.reflectance * wet * air.transmittance(e.range_m);
+    let (range_m, clear_power) = echo.map_or((f64::INFINITY, 0.0), |e| {
+        let is_ground = e.semantic.is_ground();
+        let reflectance =
+            if is_ground { air.ground(e.semantic, e.reflectance, e.cos_incidence) } else { e.reflectance };
         (e.range_m, reflectance / (e.range_m * e.range_m))
     });
-    if let Some(answer) = air.answers_first(range_m, power, draws.air_chance, draws.air_place) {
+    let meeting = air.meet(range_m, clear_power, draws.air_key);
+    let power = clear_power * meeting.transmittance;
+    let retro = echo.is_some_and(|e| e.retro);
+    let is_detected = |power: f64| retro || is_heard(power, draws);
+    if let Some(answer) = meeting.answer {
+        // Fog answers in the place of a target, which must have been heard without it; a drop is heard by itself.
+        if answer.from == Scatterer::Fog && !is_detected(clear_power) {
+            return None;
+        }
         let intensity = intensity_of(answer.reflectance, answer.range_m, false, laser_gain, draws);
         return Some(Return { range_m: answer.range_m, intensity, actor_id: 0 });
     }
     let echo = echo?;
-    let ratio = power / DETECTION_POWER;
-    let odds = ratio * ratio * ratio;
-    if !echo.retro && draws.detection * (1.0 + odds) >= odds {
+    if !is_detected(power) {
         return None;
     }
     // A weak pulse's centre is less certain: up to half more noise at the limit of detection.
-    let noise_m = range_noise_m * (1.0 + 0.5 / (1.0 + ratio)) + air.range_noise_m(range_m);
+    let noise_m = range_noise_m * (1.0 + 0.5 / (1.0 + power / DETECTION_POWER))
+        + air.range_noise_m(clear_power, meeting.transmittance);
     Some(Return {
         range_m: range_m + noise_m * draws.range_normal,
         intensity: intensity_of(power * range_m * range_m, range_m, echo.retro, laser_gain, draws),
@@ -106,11 +107,19 @@ pub(super) fn receive(
     })
 }
 
+/// True if an echo of `power` (reflectance / range^2) is heard.
+fn is_heard(power: f64, draws: &Draws) -> bool {
+    let ratio = power / DETECTION_POWER;
+    let odds = ratio * ratio * ratio;
+    draws.detection * (1.0 + odds) < odds
+}
+
 /// The surface that answers, with the reflectance that is left after lobe and glass.
 #[derive(Debug, Clone, Copy)]
 struct Echo {
     range_m: f64,
     reflectance: f64,
+    cos_incidence: f64,
     retro: bool,
     actor_id: i32,
     semantic: Semantic,
@@ -123,6 +132,7 @@ fn first_echo(pane: Option<Surface<'_>>, solid: Option<Surface<'_>>, draws: &Dra
         let own = |reflectance, retro| Echo {
             range_m: pane.range_m,
             reflectance,
+            cos_incidence: pane.cos_incidence,
             retro,
             actor_id: pane.actor_id,
             semantic: pane.material.semantic,
@@ -145,6 +155,7 @@ fn first_echo(pane: Option<Surface<'_>>, solid: Option<Surface<'_>>, draws: &Dra
     Some(Echo {
         range_m: solid.range_m,
         reflectance: reflectance(lidar, solid.cos_incidence) * transmittance,
+        cos_incidence: solid.cos_incidence,
         retro: lidar.retro && transmittance > 0.05,
         actor_id: solid.actor_id,
         semantic: solid.material.semantic,
@@ -176,10 +187,6 @@ fn power(base: f64, exponent: f64) -> f64 {
         product *= base;
     }
     product * (1.0 - (exponent - whole) * (1.0 - base))
-}
-
-fn is_ground(semantic: Semantic) -> bool {
-    matches!(semantic, Semantic::Road | Semantic::RoadMarking | Semantic::Sidewalk)
 }
 
 /// Reported intensity in 0..0.99, not yet rounded.
@@ -231,8 +238,8 @@ mod tests {
             ((|d: &Draws| d.pane) as fn(&Draws) -> f64, 0.5, 1.0 / 12.0),
             (|d| d.detection, 0.5, 1.0 / 12.0),
             (|d| d.zero, 0.5, 1.0 / 12.0),
-            (|d| d.air_chance, 0.5, 1.0 / 12.0),
-            (|d| d.air_place, 0.5, 1.0 / 12.0),
+            (|d| (d.air_key >> 32) as f64 / 4_294_967_296.0, 0.5, 1.0 / 12.0),
+            (|d| (d.air_key & 0xffff_ffff) as f64 / 4_294_967_296.0, 0.5, 1.0 / 12.0),
             (|d| d.range_normal, 0.0, 1.0),
             (|d| d.gain_normal, 0.0, 1.0),
         ] {
