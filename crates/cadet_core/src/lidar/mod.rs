@@ -15,6 +15,7 @@ mod spread;
 mod surfaces;
 mod turning;
 
+pub use air::{Fate, Weathered, weather_recorded};
 pub use firing::Firing;
 pub use presets::PRESETS;
 pub use scan::{IdealScan, Scan, ideal_scan, scan, turning_scan};

@@ -13,12 +13,8 @@ mod turret;
 mod turret_table;
 
 pub use edges::EdgePlanes;
-<<<<<<< HEAD
 pub use face_trees::FaceTrees;
-pub use grid::{Beam, BeamGrid, LANES, Lanes, Window};
-=======
 pub use grid::{Beam, BeamGrid, Window};
->>>>>>> h/kernel
 pub use kernel::{Hits, Layer, NO_HIT, cast};
 pub use motion::Motion;
 pub use moving::{FaceHit, LayerHits, Moment, MovingCaster};
