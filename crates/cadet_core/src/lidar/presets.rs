@@ -1,9 +1,9 @@
 //! Sensors by name.
 
 use super::firing::Firing;
+use super::hdl64e;
 use super::spec::LidarSpec;
 use crate::error::{Error, Result};
-use crate::rng::Stream;
 use crate::sense::TurretRing;
 
 /// The names that [`LidarSpec::preset`] knows.
@@ -31,24 +31,22 @@ const HDL64E: [(f64, f64); 64] = [
     (-23.322, 0.1169), (-23.971, 0.1166), (-24.507, 0.1163), (-24.999, 0.1161),
 ];
 
-/// Rings whose receivers are weak or strong, as the share of zero intensities in KITTI's scans shows.
-const WEAK_RINGS: [usize; 4] = [15, 21, 36, 51];
-const STRONG_RINGS: [usize; 4] = [23, 33, 34, 35];
-
 impl LidarSpec {
     /// The HDL-64E of KITTI's car: each laser at its own height, azimuths on the ticks of the encoder
-    /// (0.09 degrees, of which a firing takes 1.8587): 2,152 columns, 137,728 beams.
+    /// (0.09 degrees, of which a firing takes 1.8587): 2,152 columns, 137,728 beams, 6 % of which KITTI's car hides.
     #[must_use]
     pub fn hdl64e_kitti() -> Self {
         let firing =
             Firing::Encoder { ticks_per_turn: 4000, ticks_per_firing: 1.8587, phase_ticks: 0.0, firings: 2152 };
-        hdl64e("hdl64e_kitti", firing)
+        let mut spec = hdl64e_spec("hdl64e_kitti", firing);
+        spec.blind_sectors = hdl64e::car();
+        spec
     }
 
     /// The HDL-64E's elevations from one origin and 2,083 equal azimuth steps: 133,312 beams, the benchmark's scan.
     #[must_use]
     pub fn hdl64e_uniform() -> Self {
-        hdl64e("hdl64e_uniform", Firing::Uniform { columns: 2083 }).single_origin().renamed("hdl64e_uniform")
+        hdl64e_spec("hdl64e_uniform", Firing::Uniform { columns: 2083 }).single_origin().renamed("hdl64e_uniform")
     }
 
     /// The LIDAR of the 2019 paper: 40 beams from +7 to -16 degrees out of one origin, 720,000 beams a second at 10 Hz.
@@ -81,16 +79,9 @@ fn hdl64e_rings() -> Vec<TurretRing> {
     HDL64E.map(|(degrees, height_m)| TurretRing { elevation_rad: degrees.to_radians(), height_m }).to_vec()
 }
 
-fn hdl64e(name: &str, firing: Firing) -> LidarSpec {
+fn hdl64e_spec(name: &str, firing: Firing) -> LidarSpec {
     let mut spec = LidarSpec::with_firing(name, hdl64e_rings(), firing).expect("a valid preset");
-    let mut stream = Stream::from_seed("hdl64e laser gains", 0);
-    spec.laser_gains = (0..64)
-        .map(|ring| match ring {
-            _ if WEAK_RINGS.contains(&ring) => 0.45,
-            _ if STRONG_RINGS.contains(&ring) => 1.3,
-            _ => stream.clipped_normal(1.0, 0.12),
-        })
-        .collect();
+    spec.laser_gains = hdl64e::GAINS.to_vec();
     spec
 }
 
