@@ -74,6 +74,7 @@ class Lidar:
             "height_m": [self._height_m] * 2,
             "azimuth_offset_deg": [0.0, 0.0],
             "gain": [1.0, 1.0],
+            "blind_deg": [[], [(170.0, 190.0)]],
             "firing": {"pattern": "uniform", "columns": 3},
         }
 

@@ -25,7 +25,7 @@ max_range_m = 60.0
 rings = [
     { elevation_deg = 10.0, height_m = 0.01, azimuth_offset_deg = 0.05 },
     { elevation_deg = 0.0, gain = 0.5 },
-    { elevation_deg = -12.5 },
+    { elevation_deg = -12.5, blind_deg = [[0.0, 20.5], [340, 360]] },
 ]
 
 [firing]
@@ -45,7 +45,7 @@ def test_a_file_says_what_its_table_says(tmp_path: Path) -> None:
         rings=(
             Laser(elevation_deg=10.0, height_m=0.01, azimuth_offset_deg=0.05),
             Laser(elevation_deg=0.0, gain=0.5),
-            Laser(elevation_deg=-12.5),
+            Laser(elevation_deg=-12.5, blind_deg=((0.0, 20.5), (340, 360))),
         ),
         firing=EncoderFiring(ticks_per_turn=3600, ticks_per_firing=1.5, firings=2400),
         min_range_m=0.5,
@@ -101,6 +101,9 @@ def test_toml_keeps_every_bit(
         ("= -12.5", "= 0.0", "mine.toml:9: rings[2].elevation_deg: expected below 0, that of the ring before, got 0"),
         ("= -12.5", "= -91", "mine.toml:9: rings[2].elevation_deg: expected a number from -89 to 89, got -91"),
         ("0.01", '"low"', "mine.toml:7: rings[0].height_m: expected a number from -10 to 10, got 'low'"),
+        ("20.5", "-20.5", "mine.toml:9: rings[2].blind_deg: expected a number from 0 to 360, got -20.5"),
+        ("[0.0, 20.5]", "[30, 20.5]", "mine.toml:9: rings[2].blind_deg: expected azimuths that rise, got 30 to 20.5"),
+        ("[[0.0, 20.5], [340, 360]]", "5", "mine.toml:9: rings[2].blind_deg: expected pairs of azimuths such as"),
         ('"encoder"', '"spiral"', "mine.toml:13: firing.pattern: expected one of uniform, encoder, listed, got"),
         ('pattern = "encoder"\n', "", "mine.toml: firing: missing key 'pattern'"),
         ("ticks_per_turn", "columns", "mine.toml:14: firing.columns: unknown key; known: ticks_per_turn,"),

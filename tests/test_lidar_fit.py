@@ -122,6 +122,15 @@ def test_kittis_own_scans_give_the_table_of_its_sensor(core: object) -> None:
     assert fit.table.min_range_m == pytest.approx(1.46, abs=0.02)
     assert fit.table.max_range_m == 80.0
     assert 0.008 < fit.table.range_noise_m < 0.02
+
+    # What KITTI's car hides, as it was told by other means and from fewer frames.
+    def hidden(table: BeamTable) -> np.ndarray[tuple[int, int], np.dtype[np.bool_]]:
+        degrees = np.arange(720) / 2.0 + 0.25
+        return np.array([[any(a <= d <= b for a, b in laser.blind_deg) for d in degrees] for laser in table.rings])
+
+    ours, theirs = hidden(fit.table), hidden(Lidar.hdl64e_kitti().beam_table())
+    assert (ours & theirs).sum() > 0.9 * theirs.sum()
+    assert (ours & theirs).sum() > 0.8 * ours.sum()
     # Rings with weak receivers are known for their zero intensities.
     zeros = [ring.zero_share for ring in fit.rings]
     assert min(zeros[ring] for ring in (15, 21, 36, 51)) > 0.2

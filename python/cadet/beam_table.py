@@ -38,12 +38,22 @@ class Laser:
     """The laser fires this much counter-clockwise of its columns' azimuths."""
     gain: float = 1.0
     """Sensitivity of the receiver: below 1 it reports more zero intensities."""
+    blind_deg: tuple[tuple[float, float], ...] = ()
+    """Azimuths (from, to) at which what carries the sensor is in the way: beams there never return."""
 
     def __post_init__(self) -> None:
         check_number("laser", "elevation_deg", self.elevation_deg, -89, 89)
         check_number("laser", "height_m", self.height_m, -10, 10)
         check_number("laser", "azimuth_offset_deg", self.azimuth_offset_deg, -360, 360)
         check_number("laser", "gain", self.gain, 0, 100)
+        sectors = self.blind_deg
+        if not isinstance(sectors, tuple) or not all(isinstance(s, tuple) and len(s) == 2 for s in sectors):
+            raise CadetError(f"laser.blind_deg: expected pairs of azimuths such as [[170.0, 190.0]], got {sectors!r}")
+        for sector in sectors:
+            for azimuth in sector:
+                check_number("laser", "blind_deg", azimuth, 0, 360)
+            if sector[0] > sector[1]:
+                raise CadetError(f"laser.blind_deg: expected azimuths that rise, got {sector[0]:g} to {sector[1]:g}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -210,6 +220,9 @@ class BeamTable:
                 parts.append(f"azimuth_offset_deg = {_number(laser.azimuth_offset_deg)}")
             if laser.gain != 1.0:
                 parts.append(f"gain = {_number(laser.gain)}")
+            if laser.blind_deg:
+                sectors = ", ".join(f"[{_number(a)}, {_number(b)}]" for a, b in laser.blind_deg)
+                parts.append(f"blind_deg = [{sectors}]")
             lines.append(f"    {{ {', '.join(parts)} }},")
         lines += ["]", "", "[firing]", f'pattern = "{_pattern_of(self.firing)}"']
         for key, value in asdict(self.firing).items():
@@ -219,13 +232,13 @@ class BeamTable:
     @classmethod
     def from_native(cls, table: Mapping[str, Any]) -> BeamTable:
         """Make the table of what the core's LIDAR tells of itself."""
-        columns = (table["elevation_deg"], table["height_m"], table["azimuth_offset_deg"], table["gain"])
+        keys = ("elevation_deg", "height_m", "azimuth_offset_deg", "gain", "blind_deg")
         firing = _plain_firing(table["firing"])
         return cls(
             name=table["name"],
             rings=tuple(
-                Laser(elevation_deg=e, height_m=h, azimuth_offset_deg=a, gain=g)
-                for e, h, a, g in zip(*columns, strict=True)
+                Laser(elevation_deg=e, height_m=h, azimuth_offset_deg=a, gain=g, blind_deg=tuple(map(tuple, b)))
+                for e, h, a, g, b in zip(*(table[key] for key in keys), strict=True)
             ),
             firing=_PATTERNS[firing.pop("pattern")](**firing),
             min_range_m=table["min_range_m"],
@@ -242,6 +255,7 @@ class BeamTable:
             "height_m": [float(laser.height_m) for laser in self.rings],
             "azimuth_offset_deg": [float(laser.azimuth_offset_deg) for laser in self.rings],
             "gain": [float(laser.gain) for laser in self.rings],
+            "blind_deg": [[[float(a), float(b)] for a, b in laser.blind_deg] for laser in self.rings],
             "firing": {"pattern": _pattern_of(self.firing), **firing},
             "min_range_m": float(self.min_range_m),
             "max_range_m": float(self.max_range_m),
@@ -251,6 +265,10 @@ class BeamTable:
 
 def _pattern_of(firing: Firing) -> str:
     return next(name for name, cls in _PATTERNS.items() if isinstance(firing, cls))
+
+
+def _as_tuples(value: Any) -> Any:
+    return tuple(map(_as_tuples, value)) if isinstance(value, list) else value
 
 
 def _plain_firing(values: Mapping[str, Any]) -> dict[str, Any]:
@@ -271,7 +289,7 @@ def _table(values: Mapping[str, Any]) -> BeamTable:
         owner = f"rings[{number}]"
         _check_keys(f"{owner}.", ring, Laser)
         try:
-            lasers.append(Laser(**ring))
+            lasers.append(Laser(**{key: _as_tuples(value) for key, value in ring.items()}))
         except CadetError as error:
             raise CadetError(str(error).replace("laser.", f"{owner}.", 1)) from None
     firing = values["firing"]
@@ -295,7 +313,7 @@ def _check_keys(owner: str, values: Mapping[str, Any], cls: type[Any]) -> None:
             raise CadetError(f"{owner}{key}: unknown key; known: {', '.join(known)}")
     for key, default in known.items():
         # Dataclass fields without a default hold a marker of the library's own.
-        if key not in values and not isinstance(default, (int, float, str)):
+        if key not in values and not isinstance(default, (int, float, str, tuple)):
             raise CadetError(f"{owner}{key}: missing key")
 
 

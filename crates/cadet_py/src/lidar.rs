@@ -1,7 +1,8 @@
 //! LIDAR specifications.
 
 use cadet_core::Error;
-use cadet_core::lidar::{Firing, LidarSpec};
+use cadet_core::lidar::{BlindSector, Firing, LidarSpec};
+use cadet_core::math::TAU;
 use cadet_core::sense::TurretRing;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -68,6 +69,11 @@ impl Lidar {
         let offsets: Vec<f64> = spec.azimuth_offsets_rad().iter().map(|o| rounded(o.to_degrees())).collect();
         dict.set_item("azimuth_offset_deg", offsets)?;
         dict.set_item("gain", spec.laser_gains.iter().map(|g| rounded(*g)).collect::<Vec<f64>>())?;
+        let mut blind = vec![Vec::new(); spec.rings().len()];
+        for sector in &spec.blind_sectors {
+            blind[sector.ring].push((rounded(sector.from_rad.to_degrees()), rounded(sector.to_rad.to_degrees())));
+        }
+        dict.set_item("blind_deg", blind)?;
         dict.set_item("firing", firing_to_dict(py, spec.firing())?)?;
         Ok(dict)
     }
@@ -119,6 +125,16 @@ fn spec_from_table(dict: &Bound<'_, PyDict>) -> PyResult<LidarSpec> {
     spec.max_range_m = fields.take("max_range_m")?;
     spec.range_noise_m = fields.take("range_noise_m")?;
     spec.laser_gains = fields.take("gain")?;
+    let blind_deg: Vec<Vec<(f64, f64)>> = fields.take("blind_deg")?;
+    for (ring, sectors) in blind_deg.into_iter().enumerate() {
+        // A whole turn must not end beyond its end by rounding.
+        let radians = |degrees: f64| degrees.to_radians().min(TAU);
+        spec.blind_sectors.extend(sectors.into_iter().map(|(from, to)| BlindSector {
+            ring,
+            from_rad: radians(from),
+            to_rad: radians(to),
+        }));
+    }
     fields.finish()?;
     spec.check().map_err(BorderError::from)?;
     Ok(spec)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from cadet.beam_table import BeamTable, EncoderFiring, Laser, UniformFiring
 from cadet.errors import CadetError
 from cadet.lidar_fit.azimuths import FiringFit, fit_firing
+from cadet.lidar_fit.blind import blind_sectors
 from cadet.lidar_fit.lines import OUTLIER_M
 from cadet.lidar_fit.rings import Rings, find_rings
 from cadet.lidar_fit.scans import Points, find_scans, join, read_scan
@@ -86,6 +87,9 @@ class LidarFit:
             lines.append(f"{self.unassigned_points} points lie on no laser's cone.")
         if not self.in_ring_order:
             lines.append("The points come in no order of rings: each was given to the nearest cone.")
+        hidden = sum(b - a for ring in self.rings for a, b in ring.laser.blind_deg) / (3.6 * len(self.rings))
+        if hidden > 0.0:
+            lines.append(f"What carries the sensor hides {hidden:.1f} % of its beams.")
         lines.append("The gains follow the shares of zero intensities, ring against neighbouring rings.")
         return lines
 
@@ -110,6 +114,7 @@ def fit_lidar(paths: Sequence[str | Path], name: str = "fitted") -> LidarFit:
     ]
     zero_shares = np.array([float((points.intensity == 0.0).mean()) if len(points) else 0.0 for points in parts])
     gains = _gains(zero_shares)
+    blind = blind_sectors(scans, rings)
     columns = BeamTable(name="columns", rings=(Laser(elevation_deg=0.0),), firing=firing.firing).num_columns
     fitted = []
     for ring, (line, points) in enumerate(zip(rings.lines, parts, strict=True)):
@@ -119,6 +124,7 @@ def fit_lidar(paths: Sequence[str | Path], name: str = "fitted") -> LidarFit:
             height_m=round(line.height_m, 5),
             azimuth_offset_deg=round(firing.offsets_deg[ring], 4),
             gain=round(float(gains[ring]), 2),
+            blind_deg=blind[ring],
         )
         cos = math.cos(math.radians(line.elevation_deg))
         fitted.append(

@@ -85,7 +85,7 @@ fn os1(name: &str, rings: usize, columns: usize) -> LidarSpec {
     };
     let mut spec = LidarSpec::with_firing(name, (0..rings).map(ring).collect(), Firing::Uniform { columns })
         .expect("a valid preset");
-    (spec.min_range_m, spec.max_range_m, spec.range_noise_m) = (0.3, 120.0, 0.015);
+    (spec.min_range_m, spec.max_range_m, spec.range_noise_m) = (0.8, 120.0, 0.015);
     spec
 }
 
