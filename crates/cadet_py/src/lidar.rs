@@ -71,7 +71,7 @@ impl Lidar {
         dict.set_item("gain", spec.laser_gains.iter().map(|g| rounded(*g)).collect::<Vec<f64>>())?;
         let mut blind = vec![Vec::new(); spec.rings().len()];
         for sector in &spec.blind_sectors {
-            blind[sector.ring].push((rounded(sector.from_rad.to_degrees()), rounded(sector.to_rad.to_degrees())));
+            blind[sector.ring].push([rounded(sector.from_rad.to_degrees()), rounded(sector.to_rad.to_degrees())]);
         }
         dict.set_item("blind_deg", blind)?;
         dict.set_item("firing", firing_to_dict(py, spec.firing())?)?;
@@ -125,11 +125,11 @@ fn spec_from_table(dict: &Bound<'_, PyDict>) -> PyResult<LidarSpec> {
     spec.max_range_m = fields.take("max_range_m")?;
     spec.range_noise_m = fields.take("range_noise_m")?;
     spec.laser_gains = fields.take("gain")?;
-    let blind_deg: Vec<Vec<(f64, f64)>> = fields.take("blind_deg")?;
+    let blind_deg: Vec<Vec<[f64; 2]>> = fields.take("blind_deg")?;
     for (ring, sectors) in blind_deg.into_iter().enumerate() {
         // A whole turn must not end beyond its end by rounding.
         let radians = |degrees: f64| degrees.to_radians().min(TAU);
-        spec.blind_sectors.extend(sectors.into_iter().map(|(from, to)| BlindSector {
+        spec.blind_sectors.extend(sectors.into_iter().map(|[from, to]| BlindSector {
             ring,
             from_rad: radians(from),
             to_rad: radians(to),

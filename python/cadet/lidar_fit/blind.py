@@ -1,7 +1,8 @@
-"""Where what carries the sensor is in the way: azimuths at which a ring that meets the ground never returns anything."""
+"""Where what carries the sensor is in the way: azimuths at which a ring that meets the ground never returns a thing."""
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from typing import Final
 
@@ -36,9 +37,7 @@ def blind_sectors(scans: Sequence[Points], rings: Rings) -> list[tuple[tuple[flo
 def _gaps(azimuths_deg: list[float]) -> tuple[tuple[float, float], ...]:
     first, last = azimuths_deg[0], azimuths_deg[-1]
     gaps = [
-        (round(a + 0.05, 1), round(b - 0.05, 1))
-        for a, b in zip(azimuths_deg, azimuths_deg[1:], strict=False)
-        if b - a > _NARROWEST_DEG
+        (round(a + 0.05, 1), round(b - 0.05, 1)) for a, b in itertools.pairwise(azimuths_deg) if b - a > _NARROWEST_DEG
     ]
     if first + 360.0 - last > _NARROWEST_DEG:
         if first > 0.2:
