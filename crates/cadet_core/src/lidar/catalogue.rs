@@ -19,7 +19,8 @@ impl LidarSpec {
     #[must_use]
     pub fn hdl32e() -> Self {
         // The data sheet's table: two banks of 16, fired in turn, 4/3 of a degree apart, lowest first.
-        let elevation_deg = |k: usize| if k % 2 == 0 { -92.0 / 3.0 } else { -28.0 / 3.0 } + 4.0 / 3.0 * (k / 2) as f64;
+        let elevation_deg =
+            |k: usize| if k.is_multiple_of(2) { -92.0 / 3.0 } else { -28.0 / 3.0 } + 4.0 / 3.0 * (k / 2) as f64;
         let ring = |k: usize| TurretRing { elevation_rad: elevation_deg(k).to_radians(), height_m: 0.0 };
         let mut spec = staggered("hdl32e", (0..32).map(ring).collect(), 46.08e-6, 1.152e-6);
         (spec.min_range_m, spec.max_range_m, spec.range_noise_m) = (1.0, 100.0, 0.02);
@@ -32,7 +33,7 @@ impl LidarSpec {
     #[must_use]
     pub fn vlp16() -> Self {
         // In the order in which they fire: -15, 1, -13, 3, ... -1, 15.
-        let elevation_deg = |k: usize| if k % 2 == 0 { -15.0 } else { 1.0 } + (k / 2 * 2) as f64;
+        let elevation_deg = |k: usize| if k.is_multiple_of(2) { -15.0 } else { 1.0 } + (k / 2 * 2) as f64;
         /// The manual's vertical corrections for 1, 3, ... 15 degrees below the horizon.
         const BELOW_MM: [f64; 8] = [0.7, 2.2, 3.7, 5.1, 6.6, 8.1, 9.7, 11.2];
         let ring = |k: usize| {
