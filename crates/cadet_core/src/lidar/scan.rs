@@ -67,7 +67,7 @@ pub fn scan(
     stream: &mut Stream,
 ) -> Result<Scan> {
     spec.check()?;
-    Ok(scan_by(&Standing { scene, world_from_velo }, spec, weather, stream))
+    Ok(scan_by(&Standing::new(scene, world_from_velo), spec, weather, stream))
 }
 
 /// One turn as the sensor reports it while it and the world move. Every beam draws the same numbers as in [`scan`].
