@@ -28,7 +28,7 @@ PYTHON_ROOMS: dict[str, set[str]] = {
     "evaluation": {"arrays", "errors", "kitti", "view", "_cadet"},
     "draws": set(),
     "road_map": {"errors"},
-    "weather": {"errors", "_cadet"},
+    "weather": {"arrays", "errors", "_cadet"},
     "rig": {"config", "errors", "_cadet"},
     "bev": {"config", "errors"},
     "assets": {"config", "errors", "_cadet"},
