@@ -9,7 +9,7 @@ pub use recorded::{Fate, Weathered, weather_recorded};
 
 use self::fog::Fog;
 use self::particles::Particles;
-use super::returns;
+use super::reflection;
 use crate::material::{LidarMaterial, Semantic};
 use crate::math;
 use crate::rng::Dice;
@@ -147,7 +147,6 @@ impl Air {
     }
 
     /// What the air leaves of an echo on average: exactly 1 where it is clear.
-    #[allow(dead_code, reason = "for receivers that compare echoes of one beam")]
     pub(super) fn transmittance(&self, range_m: f64) -> f64 {
         if self.is_clear() { 1.0 } else { math::exp(-2.0 * self.alpha_per_m * range_m) }
     }
@@ -176,7 +175,7 @@ impl Air {
             left *= self.wet_share(reflectance, cos_incidence);
         }
         if self.snow_cover > 0.0 {
-            let white = returns::reflectance(&LidarMaterial::diffuse(ground::FALLEN_SNOW), cos_incidence);
+            let white = reflection::reflectance(&LidarMaterial::diffuse(ground::FALLEN_SNOW), cos_incidence);
             left = math::lerp(left, white, self.snow_cover);
         }
         left
