@@ -2,7 +2,7 @@
 
 use super::air::Air;
 use super::reflection::{fresnel, peak_share, reflectance};
-use super::response::{HEARD_POWER, intensity, is_heard, saturated};
+use super::response::{HEARD_POWER, intensity, is_heard, reading_noise, saturated};
 use crate::material::{LidarMaterial, Material, Semantic};
 use crate::rng::Stream;
 
@@ -81,7 +81,7 @@ pub(super) fn receive(
         (e.range_m, reflectance / (e.range_m * e.range_m))
     });
     if let Some(answer) = air.answers_first(range_m, power, draws.air_chance, draws.air_place) {
-        let intensity = intensity(answer.reflectance, answer.range_m, laser_gain, draws.gain_normal);
+        let intensity = intensity(answer.reflectance, answer.range_m, laser_gain, 0.05 * draws.gain_normal);
         return Some(Return { range_m: answer.range_m, intensity, actor_id: 0 });
     }
     let echo = echo?;
@@ -95,7 +95,7 @@ pub(super) fn receive(
         false => {
             // Hearing goes by a pulse's energy, the reading by its peak.
             let peak = power * range_m * range_m * peak_share(range_m, echo.cos_incidence);
-            intensity(peak, range_m, laser_gain, draws.gain_normal)
+            intensity(peak, range_m, laser_gain, echo.reading_noise * draws.gain_normal)
         }
     };
     Some(Return { range_m: range_m + noise_m * draws.range_normal, intensity, actor_id: echo.actor_id })
@@ -107,6 +107,7 @@ struct Echo {
     range_m: f64,
     reflectance: f64,
     cos_incidence: f64,
+    reading_noise: f64,
     retro: bool,
     actor_id: i32,
     semantic: Semantic,
@@ -120,6 +121,7 @@ fn first_echo(pane: Option<Surface<'_>>, solid: Option<Surface<'_>>, draws: &Dra
             range_m: pane.range_m,
             reflectance,
             cos_incidence: pane.cos_incidence,
+            reading_noise: reading_noise(pane.material.pattern),
             retro,
             actor_id: pane.actor_id,
             semantic: pane.material.semantic,
@@ -143,6 +145,7 @@ fn first_echo(pane: Option<Surface<'_>>, solid: Option<Surface<'_>>, draws: &Dra
         range_m: solid.range_m,
         reflectance: reflectance(lidar, solid.cos_incidence) * transmittance,
         cos_incidence: solid.cos_incidence,
+        reading_noise: reading_noise(solid.material.pattern),
         retro: lidar.retro && transmittance > 0.05,
         actor_id: solid.actor_id,
         semantic: solid.material.semantic,
