@@ -69,7 +69,10 @@ def test_a_resized_camera_sees_what_a_resized_image_shows() -> None:
         (lambda: Camera(fx=-1.0), "Camera.fx: expected a number of at least 1, got -1.0"),
         (lambda: Camera(cx=float("nan")), "Camera.cx: expected a number from -1e+06 to 1e+06, got nan"),
         (lambda: Camera().resized(9, 9), "Camera.width: expected a whole number from 16 to 8192, got 9"),
-        (lambda: Lidar("vlp16"), "unknown lidar 'vlp16'; known: hdl64e_kitti, hdl64e_uniform, cadet"),
+        (
+            lambda: Lidar("vlp-16"),
+            "unknown lidar 'vlp-16'; known: hdl64e_kitti, hdl64e_uniform, cadet, hdl32e, vlp16, os1_64, os1_128",
+        ),
         (lambda: Rig(lidar=cast(Lidar, "cadet")), "Rig.lidar: expected a Lidar, got 'cadet'"),
         (lambda: Rig(camera=cast(Camera, None)), "Rig.camera: expected a Camera, got None"),
         (lambda: Rig(velo_in_ego_m=cast(Any, (0.0, 1.7))), "Rig.velo_in_ego_m: expected three numbers, got (0.0, 1.7)"),

@@ -64,9 +64,14 @@ mod tests {
     #[test]
     fn readings_follow_the_medians_of_real_scans() {
         // (reflectance, range, intensity): road at 10 m; what stands higher than 2 m at 14, 27, 37, 45 and 70 m.
-        for (reflectance, range_m, expected) in
-            [(0.2, 10.0, 0.25), (0.4, 14.0, 0.34), (0.4, 27.0, 0.25), (0.4, 37.0, 0.15), (0.4, 45.0, 0.05), (0.4, 70.0, 0.0)]
-        {
+        for (reflectance, range_m, expected) in [
+            (0.2, 10.0, 0.25),
+            (0.4, 14.0, 0.34),
+            (0.4, 27.0, 0.25),
+            (0.4, 37.0, 0.15),
+            (0.4, 45.0, 0.05),
+            (0.4, 70.0, 0.0),
+        ] {
             let got = intensity(reflectance, range_m, 1.0, 0.0);
             assert!((got - expected).abs() < 0.04, "{reflectance} at {range_m} m: {got}");
         }

@@ -1,10 +1,10 @@
 //! From what a beam meets to what the receiver reports: which surface answers, and what glass and air leave of it.
 
-use super::air::Air;
+use super::air::{Air, Scatterer};
 use super::reflection::{fresnel, peak_share, reflectance};
 use super::response::{HEARD_POWER, intensity, is_heard, reading_noise, saturated};
 use crate::material::{LidarMaterial, Material, Semantic};
-use crate::rng::Stream;
+use crate::rng::{Stream, nearly_normal};
 
 /// A surface in a beam's way.
 #[derive(Debug, Clone, Copy)]
@@ -28,10 +28,10 @@ pub(super) struct Return {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Draws {
     pane: f64,
-    detection: f64,
+    pub(super) detection: f64,
     saturation: f64,
-    air_chance: f64,
-    air_place: f64,
+    /// Names the beam to the air.
+    air_key: u64,
     range_normal: f64,
     gain_normal: f64,
 }
@@ -44,52 +44,50 @@ impl Draws {
             pane: unit(a >> 32),
             detection: unit(a),
             saturation: unit(b >> 32),
-            air_chance: unit(b),
-            air_place: unit(c >> 32),
-            // The sum of four uniforms is normal enough (no tails beyond 3.5 standard deviations) and cheap.
+            air_key: b << 32 | c >> 32,
             range_normal: nearly_normal(d),
             gain_normal: nearly_normal(e),
         }
     }
 }
 
-fn nearly_normal(bits: u64) -> f64 {
-    let sum = (bits & 0xffff) + (bits >> 16 & 0xffff) + (bits >> 32 & 0xffff) + (bits >> 48);
-    (sum as f64 * (1.0 / 65_536.0) + 2.0 / 65_536.0 - 2.0) * 1.732_050_807_568_877_2
-}
-
 /// Share of a pane's area that is dirty or printed enough to answer itself.
 const DIRTY_SHARE: f64 = 0.08;
 /// Reflectance of that dirt.
 const DIRT: LidarMaterial = LidarMaterial::diffuse(0.08);
+/// Standard deviation of the reading of a drop, a flake or fog.
+const AIR_NOISE: f64 = 0.05;
 /// Within 2.5 degrees of the normal a pane's mirror image hits the receiver.
 const GLINT_COS: f64 = 0.999;
 
-/// What the receiver reports for a beam that meets `pane` (a glass surface) and then `solid`; None for no return.
-pub(super) fn receive(
-    pane: Option<Surface<'_>>,
-    solid: Option<Surface<'_>>,
+/// What the receiver reports of an echo and of the air before it; None for no return.
+pub(super) fn report(
+    echo: Option<Echo>,
     air: &Air,
     laser_gain: f64,
     range_noise_m: f64,
     draws: &Draws,
 ) -> Option<Return> {
-    let echo = first_echo(pane, solid, draws);
-    let (range_m, power) = echo.map_or((f64::INFINITY, 0.0), |e| {
-        let wet = if is_ground(e.semantic) { air.wet_ground } else { 1.0 };
-        let reflectance = e.reflectance * wet * air.transmittance(e.range_m);
-        (e.range_m, reflectance / (e.range_m * e.range_m))
-    });
-    if let Some(answer) = air.answers_first(range_m, power, draws.air_chance, draws.air_place) {
-        let intensity = intensity(answer.reflectance, answer.range_m, laser_gain, 0.05 * draws.gain_normal);
+    let (range_m, clear_power) = echo.map_or((f64::INFINITY, 0.0), |e| (e.range_m, clear_power(&e, air)));
+    let meeting = air.meet(range_m, clear_power, draws.air_key);
+    let power = clear_power * meeting.transmittance;
+    let retro = echo.is_some_and(|e| e.retro);
+    let is_detected = |power: f64| retro || is_heard(power, draws.detection);
+    if let Some(answer) = meeting.answer {
+        // Fog answers in the place of a target, which must have been heard without it; a drop is heard by itself.
+        if answer.from == Scatterer::Fog && !is_detected(clear_power) {
+            return None;
+        }
+        let intensity = intensity(answer.reflectance, answer.range_m, laser_gain, AIR_NOISE * draws.gain_normal);
         return Some(Return { range_m: answer.range_m, intensity, actor_id: 0 });
     }
     let echo = echo?;
-    if !echo.retro && !is_heard(power, draws.detection) {
+    if !is_detected(power) {
         return None;
     }
     // A weak pulse's centre is less certain: up to half more noise at the limit of detection.
-    let noise_m = range_noise_m * (1.0 + 0.5 / (1.0 + power / HEARD_POWER)) + air.range_noise_m(range_m);
+    let noise_m = range_noise_m * (1.0 + 0.5 / (1.0 + power / HEARD_POWER))
+        + air.range_noise_m(clear_power, meeting.transmittance);
     let intensity = match echo.retro {
         true => saturated(draws.saturation),
         false => {
@@ -101,19 +99,40 @@ pub(super) fn receive(
     Some(Return { range_m: range_m + noise_m * draws.range_normal, intensity, actor_id: echo.actor_id })
 }
 
-/// The surface that answers, with the reflectance that is left after lobe and glass.
-#[derive(Debug, Clone, Copy)]
-struct Echo {
-    range_m: f64,
-    reflectance: f64,
-    cos_incidence: f64,
-    reading_noise: f64,
-    retro: bool,
-    actor_id: i32,
-    semantic: Semantic,
+/// Power of an echo at the receiver if the air were clear, in units of reflectance / range^2.
+fn clear_power(echo: &Echo, air: &Air) -> f64 {
+    let reflectance = match echo.semantic.is_ground() {
+        true => air.ground(echo.semantic, echo.reflectance, echo.cos_incidence),
+        false => echo.reflectance,
+    };
+    reflectance / (echo.range_m * echo.range_m)
 }
 
-fn first_echo(pane: Option<Surface<'_>>, solid: Option<Surface<'_>>, draws: &Draws) -> Option<Echo> {
+/// Power of an echo at the receiver on average.
+pub(super) fn echo_power(echo: &Echo, air: &Air) -> f64 {
+    clear_power(echo, air) * air.transmittance(echo.range_m)
+}
+
+/// Whether the receiver hears an echo; `detection` is uniform in [0, 1).
+pub(super) fn is_echo_heard(echo: &Echo, air: &Air, detection: f64) -> bool {
+    echo.retro || is_heard(echo_power(echo, air), detection)
+}
+
+/// The surface that answers, with the reflectance that is left after lobe and glass.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Echo {
+    pub range_m: f64,
+    pub reflectance: f64,
+    pub cos_incidence: f64,
+    /// Standard deviation of its reading.
+    pub reading_noise: f64,
+    pub retro: bool,
+    pub actor_id: i32,
+    pub semantic: Semantic,
+}
+
+/// What answers a beam that meets `pane` (a glass surface) and then `solid`.
+pub(super) fn first_echo(pane: Option<Surface<'_>>, solid: Option<Surface<'_>>, draws: &Draws) -> Option<Echo> {
     let pane = pane.filter(|p| solid.is_none_or(|s| p.range_m < s.range_m));
     let mut transmittance = 1.0;
     if let Some(pane) = pane {
@@ -152,10 +171,6 @@ fn first_echo(pane: Option<Surface<'_>>, solid: Option<Surface<'_>>, draws: &Dra
     })
 }
 
-fn is_ground(semantic: Semantic) -> bool {
-    matches!(semantic, Semantic::Road | Semantic::RoadMarking | Semantic::Sidewalk)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -164,6 +179,17 @@ mod tests {
 
     fn surface(material: &Material, range_m: f64, cos_incidence: f64, actor_id: i32) -> Surface<'_> {
         Surface { range_m, cos_incidence, material, actor_id }
+    }
+
+    fn receive(
+        pane: Option<Surface<'_>>,
+        solid: Option<Surface<'_>>,
+        air: &Air,
+        laser_gain: f64,
+        range_noise_m: f64,
+        draws: &Draws,
+    ) -> Option<Return> {
+        report(first_echo(pane, solid, draws), air, laser_gain, range_noise_m, draws)
     }
 
     fn clear() -> Air {
@@ -190,8 +216,8 @@ mod tests {
             ((|d: &Draws| d.pane) as fn(&Draws) -> f64, 0.5, 1.0 / 12.0),
             (|d| d.detection, 0.5, 1.0 / 12.0),
             (|d| d.saturation, 0.5, 1.0 / 12.0),
-            (|d| d.air_chance, 0.5, 1.0 / 12.0),
-            (|d| d.air_place, 0.5, 1.0 / 12.0),
+            (|d| (d.air_key >> 32) as f64 / 4_294_967_296.0, 0.5, 1.0 / 12.0),
+            (|d| (d.air_key & 0xffff_ffff) as f64 / 4_294_967_296.0, 0.5, 1.0 / 12.0),
             (|d| d.range_normal, 0.0, 1.0),
             (|d| d.gain_normal, 0.0, 1.0),
         ] {

@@ -1,9 +1,38 @@
 //! What a LIDAR is: its lasers, when they fire, and what it can see.
 
+use std::sync::Arc;
+
 use super::firing::Firing;
+use super::spread::Spread;
 use crate::error::{Error, Result, finite};
 use crate::math::{self, DPose3, DVec3, TAU};
 use crate::sense::{TurretGrid, TurretRing};
+
+/// Which of several echoes of one pulse a sensor reports.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ReturnMode {
+    /// The one with the most power: how KITTI's sensor was set.
+    #[default]
+    Strongest,
+    /// The farthest one that is heard.
+    Last,
+}
+
+impl ReturnMode {
+    /// The mode of that name: `strongest` or `last`.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`], listing the names.
+    pub fn from_name(name: &str) -> Result<Self> {
+        match name {
+            "strongest" => Ok(Self::Strongest),
+            "last" => Ok(Self::Last),
+            _ => {
+                Err(Error::Unknown { what: "return mode", name: name.to_owned(), known: "strongest, last".to_owned() })
+            }
+        }
+    }
+}
 
 /// A spinning LIDAR.
 #[derive(Debug, Clone)]
@@ -14,6 +43,8 @@ pub struct LidarSpec {
     azimuths_rad: Vec<f64>,
     azimuth_offsets_rad: Vec<f64>,
     turret: TurretGrid,
+    /// None for beams that are lines.
+    spread: Option<Arc<Spread>>,
     /// Returns nearer than this to the frame's origin are not kept.
     pub min_range_m: f64,
     /// Returns as far from the frame's origin as this, or farther, are not kept.
@@ -22,6 +53,10 @@ pub struct LidarSpec {
     pub range_noise_m: f64,
     /// Sensitivity of each ring's receiver, 1 for an average one.
     pub laser_gains: Vec<f64>,
+    /// Which echo is reported where a beam meets several surfaces.
+    pub returns: ReturnMode,
+    /// Whether the sensor and the world move while it turns ([`super::turning_scan`]).
+    pub rolling: bool,
     /// Where the car that carries the sensor is in the way: beams in these sectors never return. Ideal scans ignore them.
     pub blind_sectors: Vec<BlindSector>,
 }
@@ -77,6 +112,9 @@ impl LidarSpec {
             firing,
             azimuths_rad,
             turret,
+            spread: None,
+            returns: ReturnMode::Strongest,
+            rolling: false,
             min_range_m: 1.45,
             max_range_m: 80.0,
             range_noise_m: 0.012,
@@ -94,7 +132,12 @@ impl LidarSpec {
         self.azimuth_offsets_rad = offsets_rad.into_iter().map(|o| self.firing.reduced_offset_rad(o)).collect();
         self.turret =
             TurretGrid::staggered(DPose3::IDENTITY, &self.rings, &self.azimuths_rad, &self.azimuth_offsets_rad)?;
-        Ok(self)
+        self.respread()
+    }
+
+    fn respread(self) -> Result<Self> {
+        let divergence_rad = self.divergence_rad();
+        self.with_divergence(divergence_rad)
     }
 
     /// Checks the public fields, which anyone may have set.
@@ -141,6 +184,39 @@ impl LidarSpec {
         Ok(())
     }
 
+    /// The same sensor with beams that open by `divergence_rad` (the full cone), so that they may meet several surfaces
+    /// at depth edges; 0 for beams that are lines.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`]; [`Error::OutOfRange`] for a divergence below 0 or above 0.02, for one that tips a beam
+    /// beyond 89 degrees, or for more than 32,767 rings.
+    pub fn with_divergence(mut self, divergence_rad: f64) -> Result<Self> {
+        if !(0.0..=MAX_DIVERGENCE_RAD).contains(&finite("divergence", divergence_rad)?) {
+            return Err(Error::OutOfRange {
+                what: "divergence",
+                value: divergence_rad.to_string(),
+                expected: format!("0 to {MAX_DIVERGENCE_RAD} rad"),
+            });
+        }
+        self.spread = match divergence_rad {
+            0.0 => None,
+            _ => {
+                Some(Arc::new(Spread::new(&self.rings, &self.azimuths_rad, &self.azimuth_offsets_rad, divergence_rad)?))
+            }
+        };
+        Ok(self)
+    }
+
+    /// The full cone of a beam; 0 for beams that are lines.
+    #[must_use]
+    pub fn divergence_rad(&self) -> f64 {
+        self.spread.as_ref().map_or(0.0, |s| s.divergence_rad)
+    }
+
+    pub(super) fn spread(&self) -> Option<&Spread> {
+        self.spread.as_deref()
+    }
+
     /// For every column of a ring, whether the car that carries the sensor is in the way.
     pub(super) fn blind_columns(&self, ring: usize) -> Vec<bool> {
         let mut blind = vec![false; self.azimuths_rad.len()];
@@ -160,6 +236,7 @@ impl LidarSpec {
         self.turret =
             TurretGrid::staggered(DPose3::IDENTITY, &self.rings, &self.azimuths_rad, &self.azimuth_offsets_rad)
                 .expect("checked when the spec was made, and 0 is a height");
+        self = self.respread().expect("checked when the divergence was set, and 0 is a height");
         let name = format!("{}_single_origin", self.name);
         self.renamed(&name)
     }
@@ -239,6 +316,9 @@ impl LidarSpec {
         rays
     }
 }
+
+/// The widest cone that [`LidarSpec::with_divergence`] takes.
+const MAX_DIVERGENCE_RAD: f64 = 0.02;
 
 #[cfg(test)]
 mod tests {
