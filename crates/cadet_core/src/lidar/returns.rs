@@ -2,7 +2,7 @@
 
 use super::air::{Air, Scatterer};
 use super::reflection::{fresnel, peak_share, reflectance};
-use super::response::{HEARD_POWER, intensity, is_heard, saturated};
+use super::response::{HEARD_POWER, intensity, is_heard, reading_noise, saturated};
 use super::spec::ReturnMode;
 use crate::material::{LidarMaterial, Material, Semantic};
 use crate::rng::{Stream, nearly_normal};
@@ -56,6 +56,8 @@ impl Draws {
 const DIRTY_SHARE: f64 = 0.08;
 /// Reflectance of that dirt.
 const DIRT: LidarMaterial = LidarMaterial::diffuse(0.08);
+/// Standard deviation of the reading of a drop, a flake or fog.
+const AIR_NOISE: f64 = 0.05;
 /// Within 2.5 degrees of the normal a pane's mirror image hits the receiver.
 const GLINT_COS: f64 = 0.999;
 
@@ -79,7 +81,7 @@ pub(super) fn report(
         if answer.from == Scatterer::Fog && !heard(clear_power) {
             return None;
         }
-        let intensity = intensity(answer.reflectance, answer.range_m, laser_gain, draws.gain_normal);
+        let intensity = intensity(answer.reflectance, answer.range_m, laser_gain, AIR_NOISE * draws.gain_normal);
         return Some(Return { range_m: answer.range_m, intensity, actor_id: 0 });
     }
     let echo = echo?;
@@ -94,7 +96,7 @@ pub(super) fn report(
         false => {
             // Hearing goes by a pulse's energy, the reading by its peak.
             let peak = power * range_m * range_m * peak_share(range_m, echo.cos_incidence);
-            intensity(peak, range_m, laser_gain, draws.gain_normal)
+            intensity(peak, range_m, laser_gain, echo.reading_noise * draws.gain_normal)
         }
     };
     Some(Return { range_m: range_m + noise_m * draws.range_normal, intensity, actor_id: echo.actor_id })
@@ -129,6 +131,8 @@ pub(super) struct Echo {
     pub range_m: f64,
     pub reflectance: f64,
     pub cos_incidence: f64,
+    /// Standard deviation of its reading.
+    pub reading_noise: f64,
     pub retro: bool,
     pub actor_id: i32,
     pub semantic: Semantic,
@@ -143,6 +147,7 @@ pub(super) fn first_echo(pane: Option<Surface<'_>>, solid: Option<Surface<'_>>, 
             range_m: pane.range_m,
             reflectance,
             cos_incidence: pane.cos_incidence,
+            reading_noise: reading_noise(pane.material.pattern),
             retro,
             actor_id: pane.actor_id,
             semantic: pane.material.semantic,
@@ -166,6 +171,7 @@ pub(super) fn first_echo(pane: Option<Surface<'_>>, solid: Option<Surface<'_>>, 
         range_m: solid.range_m,
         reflectance: reflectance(lidar, solid.cos_incidence) * transmittance,
         cos_incidence: solid.cos_incidence,
+        reading_noise: reading_noise(solid.material.pattern),
         retro: lidar.retro && transmittance > 0.05,
         actor_id: solid.actor_id,
         semantic: solid.material.semantic,
