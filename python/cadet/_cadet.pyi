@@ -16,7 +16,9 @@ __all__ = [
     "encode_png",
     "evaluate",
     "nms_bev",
+    "weather_air",
     "weather_names",
+    "weather_recorded_scan",
 ]
 
 __version__: str
@@ -109,4 +111,15 @@ def evaluate(
 def box_iou(a: NDArray[np.float64], b: NDArray[np.float64], is_3d: bool) -> NDArray[np.float64]: ...
 def nms_bev(boxes: NDArray[np.float64], scores: NDArray[np.float64], threshold: float) -> NDArray[np.int64]: ...
 def encode_png(image: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes: ...
+def weather_air(name: str) -> tuple[float, float, float, float]: ...
 def weather_names() -> list[str]: ...
+def weather_recorded_scan(
+    points_velo: NDArray[np.float32],
+    *,
+    fog: float,
+    rain: float,
+    snow: float,
+    wetness: float,
+    sensor_height_m: float,
+    seed: int,
+) -> tuple[NDArray[np.float32], NDArray[np.int8]]: ...

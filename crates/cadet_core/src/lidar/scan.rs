@@ -113,7 +113,7 @@ fn scan_by<C: Casting>(casting: &C, spec: &LidarSpec, weather: &Weather, stream:
             } else {
                 first_echo(pane, behind.at(met.solid(beam), column, direction_velo), &draws)
             };
-            if let Some(found) = report(echo, &air, gain, spec.range_noise_m, &draws) {
+            if let Some(found) = report(echo, &air, spec.returns, gain, spec.range_noise_m, &draws) {
                 out.write(spec, (ring, laser), column, direction_velo, &found);
             }
         }
