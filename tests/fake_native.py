@@ -64,6 +64,9 @@ class Lidar:
     def single_origin(self) -> Lidar:
         return Lidar(self.name, 0.0)
 
+    def scanning(self, *, rolling: bool, returns: str, divergence_mrad: float) -> Lidar:
+        return self
+
     def table(self) -> dict[str, Any]:
         return {
             "name": self.name,

@@ -28,7 +28,7 @@ PYTHON_ROOMS: dict[str, set[str]] = {
     "evaluation": {"arrays", "errors", "kitti", "view", "_cadet"},
     "draws": set(),
     "road_map": {"errors"},
-    "weather": {"errors", "_cadet"},
+    "weather": {"arrays", "errors", "_cadet"},
     "beam_table": {"config", "errors"},
     "rig": {"beam_table", "config", "errors", "_cadet"},
     "lidar_fit": {"beam_table", "errors", "kitti"},

@@ -87,3 +87,27 @@ def test_nonsense_is_refused_by_name(make: Any, message: str) -> None:
 def test_a_lidars_rays_come_from_the_core(fake_core: Any) -> None:
     assert Lidar.cadet().rays()[0][0, 2] == 0.2
     assert Lidar("cadet", single_origin=True).rays()[0][0, 2] == 0.0
+
+
+def test_how_a_scan_is_taken_is_checked_and_recorded() -> None:
+    lidar = Lidar.hdl64e_kitti(rolling=True, returns="last", divergence_mrad=3)
+    assert Lidar(rolling=True) == Lidar.hdl64e_kitti(rolling=True) != Lidar.hdl64e_kitti()
+    recorded = Rig(lidar=lidar).to_dict()
+    assert (recorded["rolling"], recorded["returns"], recorded["divergence_mrad"]) == (True, "last", 3.0)
+    plain = Rig.kitti().to_dict()
+    assert (plain["rolling"], plain["returns"], plain["divergence_mrad"]) == (False, "strongest", 0.0)
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"rolling": 1}, "Lidar.rolling: expected True or False, got 1"),
+        ({"returns": "loudest"}, "Lidar.returns: expected one of strongest, last, got 'loudest'"),
+        ({"divergence_mrad": -1.0}, "Lidar.divergence_mrad"),
+        ({"divergence_mrad": float("nan")}, "Lidar.divergence_mrad"),
+        ({"divergence_mrad": 21}, "Lidar.divergence_mrad"),
+    ],
+)
+def test_impossible_scans_are_refused(settings: dict[str, Any], message: str) -> None:
+    with pytest.raises(CadetError, match=message):
+        Lidar(**settings)

@@ -14,6 +14,7 @@ from cadet.beam_table import BeamTable
 from cadet.config import check_number
 from cadet.errors import CadetError
 
+RETURN_MODES = ("strongest", "last")
 LIDAR_PRESETS = ("hdl64e_kitti", "hdl64e_uniform", "cadet", "hdl32e", "vlp16", "os1_64", "os1_128")
 
 
@@ -42,28 +43,45 @@ class RigDict(TypedDict):
     name: str
     lidar: str | dict[str, Any]
     single_origin: bool
+    rolling: bool
+    returns: str
+    divergence_mrad: float
     velo_in_ego: list[float]
     camera: CameraDict
 
 
 @dataclass(frozen=True)
 class Lidar:
-    """A LIDAR's beams, by preset or by a table of one's own.
+    """A LIDAR's beams, by preset or by a table of one's own, and how it takes a scan (docs/scan.md).
 
     Args:
         name: one of `LIDAR_PRESETS`, or the table's name.
         single_origin: all lasers leave one point, where the HDL-64E's sit at different heights.
         table: a sensor that is no preset; `Lidar.custom` and `Lidar.from_toml` give it its name.
+        rolling: the car and all actors move during the turn, from 0.05 s before the image to 0.05 s after it, azimuth 0
+            (forward) at its instant; points stay in the frame of their own firing.
+        returns: "strongest" or "last": what is reported where a beam meets several surfaces.
+        divergence_mrad: how far a beam opens (the full cone), so that it meets several surfaces at depth edges; 0 for
+            beams that are lines. The HDL-64E's is 2 to 3.
 
     Raises:
-        CadetError: an unknown preset, or a table of another name or that makes no sensor.
+        CadetError: an unknown preset, a table of another name or that makes no sensor, or a setting out of range.
     """
 
-    name: str
+    name: str = "hdl64e_kitti"
     single_origin: bool = False
     table: BeamTable | None = None
+    rolling: bool = False
+    returns: str = "strongest"
+    divergence_mrad: float = 0.0
 
     def __post_init__(self) -> None:
+        for name in ("single_origin", "rolling"):
+            if not isinstance(getattr(self, name), bool):
+                raise CadetError(f"Lidar.{name}: expected True or False, got {getattr(self, name)!r}")
+        if self.returns not in RETURN_MODES:
+            raise CadetError(f"Lidar.returns: expected one of {', '.join(RETURN_MODES)}, got {self.returns!r}")
+        check_number("Lidar", "divergence_mrad", self.divergence_mrad, 0, 20)
         if self.table is not None:
             if not isinstance(self.table, BeamTable):
                 raise CadetError(f"Lidar.table: expected a BeamTable, got {self.table!r}")
@@ -75,9 +93,11 @@ class Lidar:
             raise CadetError(f"unknown lidar {self.name!r}; known: {', '.join(LIDAR_PRESETS)}")
 
     @classmethod
-    def hdl64e_kitti(cls) -> Lidar:
+    def hdl64e_kitti(
+        cls, *, rolling: bool = False, returns: str = "strongest", divergence_mrad: float = 0.0
+    ) -> Lidar:
         """The Velodyne of KITTI: 64 lasers, each with its own elevation and height, 137,728 beams a turn."""
-        return cls("hdl64e_kitti")
+        return cls("hdl64e_kitti", rolling=rolling, returns=returns, divergence_mrad=divergence_mrad)
 
     @classmethod
     def hdl64e_uniform(cls) -> Lidar:
@@ -165,7 +185,10 @@ class Lidar:
             native = _cadet.Lidar.preset(self.name)
         else:
             native = _cadet.Lidar.from_table(self.table.to_native())
-        return native.single_origin() if self.single_origin else native
+        native = native.single_origin() if self.single_origin else native
+        return native.scanning(
+            rolling=self.rolling, returns=self.returns, divergence_mrad=float(self.divergence_mrad)
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -288,6 +311,9 @@ class Rig:
             name=self.name,
             lidar=self.lidar.name if self.lidar.table is None else self.lidar.table.to_native(),
             single_origin=self.lidar.single_origin,
+            rolling=self.lidar.rolling,
+            returns=self.lidar.returns,
+            divergence_mrad=float(self.lidar.divergence_mrad),
             velo_in_ego=[float(v) for v in self.velo_in_ego_m],
             camera=CameraDict(
                 width=int(camera.width),

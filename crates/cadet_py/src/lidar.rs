@@ -1,7 +1,7 @@
 //! LIDAR specifications.
 
 use cadet_core::Error;
-use cadet_core::lidar::{BlindSector, Firing, LidarSpec};
+use cadet_core::lidar::{BlindSector, Firing, LidarSpec, ReturnMode};
 use cadet_core::math::TAU;
 use cadet_core::sense::TurretRing;
 use numpy::{PyArray1, PyArray2};
@@ -38,6 +38,12 @@ impl Lidar {
     /// The same beams, all from one point.
     fn single_origin(&self) -> Self {
         Self { spec: self.spec.clone().single_origin() }
+    }
+
+    /// The same beams, taken in another way.
+    #[pyo3(signature = (*, rolling, returns, divergence_mrad))]
+    fn scanning(&self, rolling: bool, returns: &str, divergence_mrad: f64) -> Result<Self, BorderError> {
+        Ok(Self { spec: scanning(self.spec.clone(), rolling, returns, divergence_mrad)? })
     }
 
     #[getter]
@@ -92,6 +98,19 @@ impl Lidar {
 
 fn rounded(x: f64) -> f64 {
     (x * 1e9).round() / 1e9
+}
+
+/// A sensor that takes its scans in this way.
+pub(crate) fn scanning(
+    spec: LidarSpec,
+    rolling: bool,
+    returns: &str,
+    divergence_mrad: f64,
+) -> cadet_core::Result<LidarSpec> {
+    let mut spec = spec.with_divergence(divergence_mrad * 1e-3)?;
+    spec.rolling = rolling;
+    spec.returns = ReturnMode::from_name(returns)?;
+    Ok(spec)
 }
 
 /// The LIDAR of a rig: a preset's name or a table.

@@ -19,6 +19,9 @@ pub(crate) fn from_dict(dict: &Bound<'_, PyDict>) -> PyResult<Rig> {
     let mut fields = Fields::new("rig", dict)?;
     let lidar = lidar::spec_from_any(&fields.take::<Bound<'_, PyAny>>("lidar")?)?;
     let lidar = if fields.take("single_origin")? { lidar.single_origin() } else { lidar };
+    let (rolling, returns) = (fields.take("rolling")?, fields.take::<String>("returns")?);
+    let lidar =
+        lidar::scanning(lidar, rolling, &returns, fields.take("divergence_mrad")?).map_err(BorderError::from)?;
     let [x, y, z] = fields.take::<[f64; 3]>("velo_in_ego")?;
     let rig = Rig {
         name: fields.take("name")?,

@@ -2,7 +2,7 @@
 
 use super::spec::LidarSpec;
 use super::spread::{Spread, SubBeam};
-use crate::math::{DPose3, DVec3};
+use crate::math::{DMat3, DPose3, DVec3};
 use crate::sense::{Hits, Layer, NO_HIT, PosedInstance, PosedScene, cast};
 
 /// What the beams of a turn meet, row-major.
@@ -35,11 +35,16 @@ pub(super) fn reach_m(spec: &LidarSpec) -> f64 {
 
 /// A sensor that stands still in a world that stands still.
 pub(super) struct Standing<'a> {
-    pub scene: &'a PosedScene,
-    pub world_from_velo: &'a DPose3,
+    scene: &'a PosedScene,
+    world_from_velo: &'a DPose3,
+    rotation: DMat3,
 }
 
-impl Standing<'_> {
+impl<'a> Standing<'a> {
+    pub(super) fn new(scene: &'a PosedScene, world_from_velo: &'a DPose3) -> Self {
+        Self { scene, world_from_velo, rotation: DMat3::from_quat(world_from_velo.rotation) }
+    }
+
     fn in_range(&self, spec: &LidarSpec) -> impl Fn(&PosedInstance) -> bool {
         let (sensor_world, reach_m) = (self.world_from_velo.translation, reach_m(spec));
         move |i| (i.center_world - sensor_world).length() - i.radius_m < reach_m
@@ -83,7 +88,7 @@ impl Casting for Standing<'_> {
 
     #[inline]
     fn direction_world(&self, _column: usize, _instance: u32, direction_velo: DVec3) -> DVec3 {
-        self.world_from_velo.rotation * direction_velo
+        self.rotation * direction_velo
     }
 }
 

@@ -7,8 +7,8 @@ use crate::material::LidarMaterial;
 ///
 /// A matt surface keeps its brightness towards grazing angles (Lommel and Seeliger's law: asphalt looks the same from
 /// 4 m to 25 m); the material's exponent makes what lies under a coat fall faster than Lambert's cosine. A coat or metal
-/// flakes add a lobe about the normal: Cook and Torrance's model (1982) with Beckmann's distribution, seen from where
-/// the light comes from, pi F exp(-tan^2 / a^2) / (4 pi a^2 cos^5) for Fresnel reflectance F and roughness a.
+/// flakes add a lobe about the normal, F exp(-tan^2 / a^2) / (4 a^2) for Fresnel reflectance F and roughness a: Cook and
+/// Torrance's model (1982) with Beckmann's distribution, seen from where the light comes from, near the normal.
 pub(super) fn reflectance(lidar: &LidarMaterial, cos_incidence: f64) -> f64 {
     let rough = (1.0 + ROUGH) * cos_incidence / (cos_incidence + ROUGH);
     let diffuse = f64::from(lidar.reflectance) * rough * power(cos_incidence, f64::from(lidar.lobe_exponent) - 1.0);
@@ -20,7 +20,7 @@ pub(super) fn reflectance(lidar: &LidarMaterial, cos_incidence: f64) -> f64 {
 
 /// Lommel and Seeliger's term: the cosine at which a matt surface has lost half of its brightness. Road that is seen at
 /// 1.7 degrees (60 m ahead of KITTI's car) still returns.
-const ROUGH: f64 = 0.035;
+const ROUGH: f64 = 0.03;
 /// No painted sheet is flatter than this over the width of a beam.
 const SMOOTHEST: f64 = 0.03;
 
@@ -35,9 +35,9 @@ fn lobe(roughness: f64, cos_incidence: f64) -> f64 {
 
 /// What the slant of a surface leaves of a pulse's peak: the spot's near and far edge answer one after the other.
 ///
-/// A pulse of 5 ns is 0.75 m deep (data sheet); half of the beam's power leaves within 1.2 mrad.
+/// A pulse of 5 ns is 0.75 m deep (data sheet); the spot's power spreads by 0.4 mrad about its middle.
 pub(super) fn peak_share(range_m: f64, cos_incidence: f64) -> f64 {
-    const SPREAD_PER_PULSE: f64 = 1.2e-3 / 0.75;
+    const SPREAD_PER_PULSE: f64 = 0.4e-3 / 0.75;
     let square = (cos_incidence * cos_incidence).max(1e-6);
     let depth = SPREAD_PER_PULSE * range_m;
     1.0 / (1.0 + depth * depth * (1.0 - square) / square).sqrt()
@@ -78,9 +78,9 @@ mod tests {
     #[test]
     fn a_slanted_spot_answers_late_and_low() {
         assert_eq!(peak_share(50.0, 1.0), 1.0);
-        // Depth of the spot, in pulses, by hand: 30 m * 1.2 mrad * tan / 0.75 m = 0.83 at 86.7 degrees.
+        // Depth of the spot, in pulses, by hand: 30 m * 0.4 mrad * tan / 0.75 m = 0.28 at 86.7 degrees.
         let cos = 1.73 / 30.0;
-        let depth = 30.0 * 1.2e-3 * crate::math::tan(crate::math::acos(cos)) / 0.75;
+        let depth = 30.0 * 0.4e-3 * crate::math::tan(crate::math::acos(cos)) / 0.75;
         assert!((peak_share(30.0, cos) - 1.0 / crate::math::hypot(1.0, depth)).abs() < 1e-9);
     }
 }

@@ -2,7 +2,8 @@
 
 use super::air::{Air, Scatterer};
 use super::reflection::{fresnel, peak_share, reflectance};
-use super::response::{HEARD_POWER, intensity, is_heard, saturated};
+use super::response::{HEARD_POWER, intensity, is_heard, reading_noise, saturated};
+use super::spec::ReturnMode;
 use crate::material::{LidarMaterial, Material, Semantic};
 use crate::rng::{Stream, nearly_normal};
 
@@ -55,6 +56,8 @@ impl Draws {
 const DIRTY_SHARE: f64 = 0.08;
 /// Reflectance of that dirt.
 const DIRT: LidarMaterial = LidarMaterial::diffuse(0.08);
+/// Standard deviation of the reading of a drop, a flake or fog.
+const AIR_NOISE: f64 = 0.05;
 /// Within 2.5 degrees of the normal a pane's mirror image hits the receiver.
 const GLINT_COS: f64 = 0.999;
 
@@ -62,58 +65,64 @@ const GLINT_COS: f64 = 0.999;
 pub(super) fn report(
     echo: Option<Echo>,
     air: &Air,
+    mode: ReturnMode,
     laser_gain: f64,
     range_noise_m: f64,
     draws: &Draws,
 ) -> Option<Return> {
     let (range_m, clear_power) = echo.map_or((f64::INFINITY, 0.0), |e| (e.range_m, clear_power(&e, air)));
-    let meeting = air.meet(range_m, clear_power, draws.air_key);
+    let bright = echo.map_or(1.0, |e| brightness(&e));
+    let meeting = air.meet(range_m, clear_power * bright, draws.air_key);
     let power = clear_power * meeting.transmittance;
-    let retro = echo.is_some_and(|e| e.retro);
-    let is_detected = |power: f64| retro || is_heard(power, draws.detection);
-    if let Some(answer) = meeting.answer {
+    let heard = |power: f64| is_heard(power * bright, draws.detection);
+    // The last echo that is heard is the target's, whatever stands before it.
+    if let Some(answer) = meeting.answer.filter(|_| mode == ReturnMode::Strongest || !heard(power)) {
         // Fog answers in the place of a target, which must have been heard without it; a drop is heard by itself.
-        if answer.from == Scatterer::Fog && !is_detected(clear_power) {
+        if answer.from == Scatterer::Fog && !heard(clear_power) {
             return None;
         }
-        let intensity = intensity(answer.reflectance, answer.range_m, laser_gain, draws.gain_normal);
+        let intensity = intensity(answer.reflectance, answer.range_m, laser_gain, AIR_NOISE * draws.gain_normal);
         return Some(Return { range_m: answer.range_m, intensity, actor_id: 0 });
     }
     let echo = echo?;
-    if !is_detected(power) {
+    if !heard(power) {
         return None;
     }
     // A weak pulse's centre is less certain: up to half more noise at the limit of detection.
     let noise_m = range_noise_m * (1.0 + 0.5 / (1.0 + power / HEARD_POWER))
-        + air.range_noise_m(clear_power, meeting.transmittance);
+        + air.range_noise_m(clear_power * bright, meeting.transmittance);
     let intensity = match echo.retro {
         true => saturated(draws.saturation),
         false => {
             // Hearing goes by a pulse's energy, the reading by its peak.
             let peak = power * range_m * range_m * peak_share(range_m, echo.cos_incidence);
-            intensity(peak, range_m, laser_gain, draws.gain_normal)
+            intensity(peak, range_m, laser_gain, echo.reading_noise * draws.gain_normal)
         }
     };
     Some(Return { range_m: range_m + noise_m * draws.range_normal, intensity, actor_id: echo.actor_id })
 }
 
-/// Power of an echo at the receiver if the air were clear, in units of reflectance / range^2.
+/// Power of an echo at the receiver were there nothing in the air, in units of reflectance / range^2.
 fn clear_power(echo: &Echo, air: &Air) -> f64 {
-    let reflectance = match echo.semantic.is_ground() {
-        true => air.ground(echo.semantic, echo.reflectance, echo.cos_incidence),
-        false => echo.reflectance,
-    };
+    let is_ground = echo.semantic.is_ground();
+    let reflectance =
+        if is_ground { air.ground(echo.semantic, echo.reflectance, echo.cos_incidence) } else { echo.reflectance };
     reflectance / (echo.range_m * echo.range_m)
 }
 
-/// Power of an echo at the receiver on average.
+/// What a retroreflector returns over what a white matt surface does: plates are heard at any range in clear air.
+fn brightness(echo: &Echo) -> f64 {
+    if echo.retro { 1e3 } else { 1.0 }
+}
+
+/// Power of an echo at the receiver, in units of reflectance / range^2, in the mean of what the air leaves of it.
 pub(super) fn echo_power(echo: &Echo, air: &Air) -> f64 {
     clear_power(echo, air) * air.transmittance(echo.range_m)
 }
 
 /// Whether the receiver hears an echo; `detection` is uniform in [0, 1).
 pub(super) fn is_echo_heard(echo: &Echo, air: &Air, detection: f64) -> bool {
-    echo.retro || is_heard(echo_power(echo, air), detection)
+    is_heard(echo_power(echo, air) * brightness(echo), detection)
 }
 
 /// The surface that answers, with the reflectance that is left after lobe and glass.
@@ -122,6 +131,8 @@ pub(super) struct Echo {
     pub range_m: f64,
     pub reflectance: f64,
     pub cos_incidence: f64,
+    /// Standard deviation of its reading.
+    pub reading_noise: f64,
     pub retro: bool,
     pub actor_id: i32,
     pub semantic: Semantic,
@@ -136,6 +147,7 @@ pub(super) fn first_echo(pane: Option<Surface<'_>>, solid: Option<Surface<'_>>, 
             range_m: pane.range_m,
             reflectance,
             cos_incidence: pane.cos_incidence,
+            reading_noise: reading_noise(pane.material.pattern),
             retro,
             actor_id: pane.actor_id,
             semantic: pane.material.semantic,
@@ -159,6 +171,7 @@ pub(super) fn first_echo(pane: Option<Surface<'_>>, solid: Option<Surface<'_>>, 
         range_m: solid.range_m,
         reflectance: reflectance(lidar, solid.cos_incidence) * transmittance,
         cos_incidence: solid.cos_incidence,
+        reading_noise: reading_noise(solid.material.pattern),
         retro: lidar.retro && transmittance > 0.05,
         actor_id: solid.actor_id,
         semantic: solid.material.semantic,
@@ -183,7 +196,7 @@ mod tests {
         range_noise_m: f64,
         draws: &Draws,
     ) -> Option<Return> {
-        report(first_echo(pane, solid, draws), air, laser_gain, range_noise_m, draws)
+        report(first_echo(pane, solid, draws), air, ReturnMode::Strongest, laser_gain, range_noise_m, draws)
     }
 
     fn clear() -> Air {
@@ -296,5 +309,28 @@ mod tests {
         assert!(statistics(None, Some(near), &fog).0 > 0.98);
         let (foggy, dry) = (statistics(None, Some(far), &fog).0, statistics(None, Some(far), &clear()).0);
         assert!(dry > 0.7 && foggy < 0.5 * dry, "{foggy} {dry}");
+    }
+
+    #[test]
+    fn drops_and_flakes_hide_targets_from_the_strongest_return_but_not_from_the_last() {
+        let wall = Material::matt(Semantic::Building, [0.5; 3], Pattern::Plain, 0.3);
+        let target = Some(surface(&wall, 12.0, 0.9, 7));
+        let snow = Air::new(&Weather::of_air(0.0, 0.0, 4.0, 0.0).expect("valid"));
+        let mut stream = Stream::from_seed("last", 0);
+        let (mut hidden, n) = (0, 20_000);
+        for _ in 0..n {
+            let draws = Draws::new(&mut stream);
+            let by = |mode| report(first_echo(None, target, &draws), &snow, mode, 1.0, 0.012, &draws);
+            let (strongest, last) = (by(ReturnMode::Strongest), by(ReturnMode::Last));
+            if strongest.is_some_and(|r| r.actor_id == 0) {
+                hidden += 1;
+                let last = last.expect("the flake or the wall");
+                assert!(last.actor_id == 0 || (last.range_m - 12.0).abs() < 0.3);
+                hidden -= i32::from(last.actor_id == 0);
+            } else {
+                assert_eq!(strongest, last);
+            }
+        }
+        assert!((n / 50..n / 4).contains(&hidden), "{hidden}");
     }
 }

@@ -67,7 +67,7 @@ pub fn scan(
     stream: &mut Stream,
 ) -> Result<Scan> {
     spec.check()?;
-    Ok(scan_by(&Standing { scene, world_from_velo }, spec, weather, stream))
+    Ok(scan_by(&Standing::new(scene, world_from_velo), spec, weather, stream))
 }
 
 /// One turn as the sensor reports it while it and the world move. Every beam draws the same numbers as in [`scan`].
@@ -113,7 +113,7 @@ fn scan_by<C: Casting>(casting: &C, spec: &LidarSpec, weather: &Weather, stream:
             } else {
                 first_echo(pane, behind.at(met.solid(beam), column, direction_velo), &draws)
             };
-            if let Some(found) = report(echo, &air, gain, spec.range_noise_m, &draws) {
+            if let Some(found) = report(echo, &air, spec.returns, gain, spec.range_noise_m, &draws) {
                 out.write(spec, (ring, laser), column, direction_velo, &found);
             }
         }

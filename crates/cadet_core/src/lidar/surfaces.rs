@@ -25,13 +25,15 @@ impl<'a, C: Casting> Surfaces<'a, C> {
             return None;
         }
         let (instance, face) = (hit.instance, hit.face);
-        let scene = self.casting.scene();
+        let posed = &self.casting.scene().instances[instance as usize];
         if self.last != (instance, face) {
-            let [a, b, c] = scene.corners(instance, face).map(|p| p.as_dvec3());
-            self.normal_world = (b - a).cross(c - a).normalize_or_zero();
+            let [a, b, c] = posed.mesh.faces[face as usize];
+            let corner = |i: u32| posed.mesh.vertices[i as usize].as_dvec3();
+            let a = corner(a);
+            let normal_local = (corner(b) - a).cross(corner(c) - a).normalize_or_zero();
+            self.normal_world = posed.placement.rotation * normal_local;
             self.last = (instance, face);
         }
-        let posed = &scene.instances[instance as usize];
         let direction_world = self.casting.direction_world(column, instance, direction_velo);
         Some(Surface {
             range_m: f64::from(hit.range_m),

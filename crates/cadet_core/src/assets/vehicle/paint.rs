@@ -52,8 +52,8 @@ impl Coat {
     /// (Fresnel reflectance, Beckmann roughness) at 905 nm.
     fn gloss(self) -> (f32, f32) {
         match self {
-            Self::Clear => (0.04, 0.12),
-            Self::DarkFlakes => (0.10, 0.35),
+            Self::Clear => (0.04, 0.16),
+            Self::DarkFlakes => (0.18, 0.35),
             Self::Flakes => (0.35, 0.38),
         }
     }
@@ -117,7 +117,7 @@ pub(super) fn palette(class: ObjectClass, s: &mut Stream) -> Palette {
     let cloth = s.range(0.025, 0.14) as f32;
     set(
         slot::CLOTH,
-        Material::matt(semantic, [cloth, cloth, cloth * 1.05], Pattern::Cloth, s.range(0.08, 0.30) as f32),
+        Material::matt(semantic, [cloth, cloth, cloth * 1.05], Pattern::Cloth, s.range(0.06, 0.22) as f32),
     );
     set(slot::DARK, Material::matt(semantic, [0.025; 3], Pattern::Plain, s.range(0.04, 0.10) as f32));
     set(slot::LINER, Material::matt(semantic, [0.008; 3], Pattern::Plain, 0.04));
@@ -149,7 +149,7 @@ fn paint(class: ObjectClass, semantic: Semantic, s: &mut Stream) -> Material {
         semantic,
         lidar: LidarMaterial {
             reflectance: s.range(reflectance.0, reflectance.1) as f32,
-            lobe_exponent: 2.5,
+            lobe_exponent: 3.0,
             gloss,
             roughness,
             ..LidarMaterial::diffuse(0.0)
