@@ -16,7 +16,9 @@ __all__ = [
     "encode_png",
     "evaluate",
     "nms_bev",
+    "weather_air",
     "weather_names",
+    "weather_recorded_scan",
 ]
 
 __version__: str
@@ -39,6 +41,8 @@ class Lidar:
 
     @staticmethod
     def preset(name: str) -> Lidar: ...
+    @staticmethod
+    def from_table(table: Mapping[str, Any]) -> Lidar: ...
     @property
     def name(self) -> str: ...
     @property
@@ -46,6 +50,8 @@ class Lidar:
     @property
     def num_columns(self) -> int: ...
     def single_origin(self) -> Lidar: ...
+    def scanning(self, *, rolling: bool, returns: str, divergence_mrad: float) -> Lidar: ...
+    def table(self) -> dict[str, Any]: ...
     def rays(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]: ...
 
 @final
@@ -111,4 +117,15 @@ def bev_maps(
     out: NDArray[np.float32] | None = None,
 ) -> NDArray[np.float32]: ...
 def encode_png(image: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes: ...
+def weather_air(name: str) -> tuple[float, float, float, float]: ...
 def weather_names() -> list[str]: ...
+def weather_recorded_scan(
+    points_velo: NDArray[np.float32],
+    *,
+    fog: float,
+    rain: float,
+    snow: float,
+    wetness: float,
+    sensor_height_m: float,
+    seed: int,
+) -> tuple[NDArray[np.float32], NDArray[np.int8]]: ...

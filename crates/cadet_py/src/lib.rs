@@ -12,6 +12,7 @@ mod lidar;
 mod rig;
 mod scene;
 mod settings;
+mod weather;
 
 use pyo3::prelude::*;
 
@@ -27,6 +28,8 @@ fn _cadet(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(evaluate::box_iou, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::nms_bev, module)?)?;
     module.add_function(wrap_pyfunction!(image::encode_png, module)?)?;
-    module.add_function(wrap_pyfunction!(scene::weather_names, module)?)?;
+    module.add_function(wrap_pyfunction!(weather::weather_names, module)?)?;
+    module.add_function(wrap_pyfunction!(weather::weather_air, module)?)?;
+    module.add_function(wrap_pyfunction!(weather::weather_recorded_scan, module)?)?;
     Ok(())
 }

@@ -19,12 +19,6 @@ use crate::settings;
 type RayHits<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<i32>>, Bound<'py, PyArray2<f64>>);
 type Triangles<'py> = (Bound<'py, PyArray2<f32>>, Bound<'py, PyArray2<u32>>, Bound<'py, PyArray1<i32>>);
 
-/// The presets' names.
-#[pyfunction]
-pub(crate) fn weather_names() -> Vec<&'static str> {
-    Weather::NAMES.to_vec()
-}
-
 /// A town, its traffic and a rig.
 #[pyclass(module = "cadet._cadet")]
 pub(crate) struct Scene {
@@ -202,7 +196,7 @@ impl Scene {
 
     fn triangles<'py>(&mut self, py: Python<'py>) -> Triangles<'py> {
         let posed = self.inner.triangles();
-        let vertices = posed.vertices_world.iter().map(|v| v.to_array()).collect();
+        let vertices = posed.vertices_world().map(|v| v.to_array()).collect();
         let (mut faces, mut actor_ids) = (Vec::new(), Vec::new());
         for instance in &posed.instances {
             let start = instance.vertices.start as u32;

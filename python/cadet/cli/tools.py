@@ -9,6 +9,7 @@ import click
 
 from cadet import _cadet, kitti
 from cadet.cli.eval import evaluate_command
+from cadet.cli.lidar import fit_lidar_command, lidar_command
 from cadet.errors import CadetError
 from cadet.kitti.lint import lint
 from cadet.view import overview, view_bev_maps, view_frame
@@ -73,3 +74,5 @@ def check(root: Path, strict: bool | None) -> int:
 
 
 cadet.add_command(evaluate_command)
+cadet.add_command(fit_lidar_command)
+cadet.add_command(lidar_command)

@@ -69,14 +69,13 @@ impl Light {
     /// Puts the parts together.
     #[must_use]
     pub fn new(weather: &Weather, sky: Sky, shadows: Option<Shadows>, sky_view: SkyView) -> Self {
-        let drops = 0.000_5 * weather.rain_mm_per_h + 0.006 * weather.snow_mm_per_h;
         Self {
             sky,
             shadows,
             sky_view,
             wetness: weather.wetness as f32,
-            extinction_per_m: CLEAR_AIR_PER_M + (weather.fog_alpha_per_m + drops) as f32,
-            snow: if weather.snow_mm_per_h > 0.0 { 0.75 } else { 0.0 },
+            extinction_per_m: CLEAR_AIR_PER_M + weather.extinction_per_m() as f32,
+            snow: weather.snow_cover() as f32,
         }
     }
 

@@ -1,8 +1,11 @@
 //! What a beam meets first: the posed triangles, the visibility kernel over grids of beams, and parry for single rays.
 
 mod edges;
+mod face_trees;
 mod grid;
 mod kernel;
+mod motion;
+mod moving;
 mod pinhole;
 mod posed;
 mod raycast;
@@ -10,9 +13,12 @@ mod turret;
 mod turret_table;
 
 pub use edges::EdgePlanes;
-pub use grid::{Beam, BeamGrid, LANES, Lanes, Window};
+pub use face_trees::FaceTrees;
+pub use grid::{Beam, BeamGrid, Window};
 pub use kernel::{Hits, Layer, NO_HIT, cast};
+pub use motion::Motion;
+pub use moving::{FaceHit, LayerHits, Moment, MovingCaster};
 pub use pinhole::PinholeGrid;
-pub use posed::{PosedInstance, PosedScene};
+pub use posed::{Placement, PosedInstance, PosedScene};
 pub use raycast::{RayCaster, RayHit};
 pub use turret::{TurretGrid, TurretRing};

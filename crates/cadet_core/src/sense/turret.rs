@@ -1,12 +1,14 @@
-//! The beams of a spinning LIDAR: rings of lasers on one vertical axis, each firing at the same azimuths.
+//! The beams of a spinning LIDAR: rings of lasers on one vertical axis, firing at the same azimuths but for an offset a
+//! ring.
 
 use std::ops::Range;
 use std::sync::Arc;
 
 use super::edges::EdgePlanes;
-use super::grid::{Beam, BeamGrid, LANES, Lanes, Window, tangents_of_circle};
+use super::grid::{Beam, BeamGrid, Window, tangents_of_circle};
 use super::turret_table::{AZIMUTH_MARGIN, NARROW_RAD, POLAR, SortedRow, TURN, Table, azimuth_of};
 use crate::error::{Error, Result, finite};
+use crate::geometry::{LANES, Lanes};
 use crate::math::{self, DPose3, DVec3, TAU, Vec3};
 
 /// Columns that a wide window is searched by.
@@ -36,6 +38,20 @@ impl TurretGrid {
     /// [`Error::NotFinite`]; [`Error::OutOfRange`] for no ring or column, more than 65,535 of them, an elevation beyond
     /// 89 degrees, or azimuths that do not rise within one turn.
     pub fn new(world_from_velo: DPose3, rings: &[TurretRing], azimuths_rad: &[f64]) -> Result<Self> {
+        Self::staggered(world_from_velo, rings, azimuths_rad, &vec![0.0; rings.len()])
+    }
+
+    /// A turret whose rings each fire a little later in the turn: ring k at `azimuths_rad[j] + offsets_rad[k]`, with
+    /// offsets of at least 0 that keep the last column inside the turn.
+    ///
+    /// # Errors
+    /// As [`TurretGrid::new`]; [`Error::Shape`] for another number of offsets than of rings.
+    pub fn staggered(
+        world_from_velo: DPose3,
+        rings: &[TurretRing],
+        azimuths_rad: &[f64],
+        offsets_rad: &[f64],
+    ) -> Result<Self> {
         let out_of_range =
             |what, value: String, expected: &str| Err(Error::OutOfRange { what, value, expected: expected.to_owned() });
         for (what, n) in [("number of rings", rings.len()), ("number of columns", azimuths_rad.len())] {
@@ -55,7 +71,27 @@ impl TurretGrid {
                 return out_of_range("azimuth", azimuth.to_string(), "rising values in [0, 2 pi)");
             }
         }
-        Ok(Self { world_from_velo, table: Arc::new(Table::new(rings, azimuths_rad)) })
+        if offsets_rad.len() != rings.len() {
+            return Err(Error::Shape {
+                what: "azimuth offsets",
+                got: format!("({},)", offsets_rad.len()),
+                expected: format!("({},)", rings.len()),
+            });
+        }
+        let most = TAU - azimuths_rad[azimuths_rad.len() - 1];
+        for offset in offsets_rad {
+            if !(0.0..most).contains(&finite("azimuth offset", *offset)?) {
+                let expected = format!("0 to below {most} rad, the gap behind the last column");
+                return out_of_range("azimuth offset", offset.to_string(), &expected);
+            }
+        }
+        Ok(Self { world_from_velo, table: Arc::new(Table::new(rings, azimuths_rad, offsets_rad)) })
+    }
+
+    /// Cosine and sine of the azimuth of every column of a ring.
+    #[must_use]
+    pub fn headings(&self, ring: usize) -> &[[f64; 2]] {
+        self.table.headings(ring)
     }
 
     /// The same turret somewhere else; the tables are shared.
@@ -90,7 +126,7 @@ impl BeamGrid for TurretGrid {
 
     fn beam(&self, row: usize, column: usize) -> Beam {
         let ring = self.table.rings[row];
-        let [cos_azimuth, sin_azimuth] = self.table.cos_sin[column];
+        let [cos_azimuth, sin_azimuth] = self.table.headings(row)[column];
         let (cos, sin) = (math::cos(ring.elevation_rad), math::sin(ring.elevation_rad));
         let direction_velo = DVec3::new(cos * cos_azimuth, cos * sin_azimuth, sin);
         Beam {
@@ -151,7 +187,7 @@ impl BeamGrid for TurretGrid {
         for i in 0..LANES {
             let awkward = rho[i] <= POLAR * (z[i].abs() + rho[i])
                 || rho[i] < 1e-3
-                || azimuth[i] < 2.0 * AZIMUTH_MARGIN
+                || azimuth[i] < 2.0 * AZIMUTH_MARGIN + table.max_offset
                 || azimuth[i] > TURN - 2.0 * AZIMUTH_MARGIN;
             let (first, end) = table.rows_from_guess(rho[i], z[i], table.row_of_tangent.guess_in_bin(bin[i]));
             out[i] = TurretFootprint {
@@ -176,7 +212,7 @@ impl BeamGrid for TurretGrid {
         }
         let rows = usize::from(first)..usize::from(end);
         // Awkward corners apart, both ends lie inside the turn.
-        let columns = self.table.columns_below(p.min(q).min(r) - AZIMUTH_MARGIN)
+        let columns = self.table.columns_below(p.min(q).min(r) - AZIMUTH_MARGIN - self.table.max_offset)
             ..self.table.columns_below(p.max(q).max(r) + AZIMUTH_MARGIN);
         [Window { rows, columns }, Window::default()]
     }
@@ -199,9 +235,11 @@ impl BeamGrid for TurretGrid {
             let n = triangle.normal;
             let n = [sign * n.x, sign * n.y, sign * n.z * tangent];
             let distance = signed_volume.abs() * secant;
-            let base = table.ring_of_row[row] as usize * table.azimuths.len();
+            let ring = table.ring_of_row[row] as usize;
+            let base = ring * table.azimuths.len();
+            let headings = table.headings(ring);
             let mut try_columns = |columns: Range<usize>| {
-                for (column, [cos, sin]) in columns.clone().zip(&table.cos_sin[columns]) {
+                for (column, [cos, sin]) in columns.clone().zip(&headings[columns]) {
                     let at = |p: &[f64; 3]| p[0] * cos + p[1] * sin + p[2];
                     if at(&e0) >= 0.0 && at(&e1) >= 0.0 && at(&e2) >= 0.0 {
                         let facing = at(&n);
@@ -219,11 +257,11 @@ impl BeamGrid for TurretGrid {
             let last = window.columns.end - 1;
             let mut start = window.columns.start;
             let edges = [e0, e1, e2];
-            let [cos, sin] = table.cos_sin[start];
+            let [cos, sin] = headings[start];
             let mut here = edges.map(|p| p[0] * cos + p[1] * sin + p[2]);
             while start < last {
                 let stop = (start + BLOCK).min(last);
-                let [cos, sin] = table.cos_sin[stop];
+                let [cos, sin] = headings[stop];
                 let there = edges.map(|p| p[0] * cos + p[1] * sin + p[2]);
                 let width = f64::from(table.azimuths[stop] - table.azimuths[start]);
                 // A sinusoid of amplitude R rises above its chord by at most R width^2 / 8.

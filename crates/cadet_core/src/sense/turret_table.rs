@@ -27,7 +27,12 @@ pub(super) struct Table {
     pub(super) height_span: [f32; 2],
     pub(super) row_of_tangent: Lookup,
     pub(super) azimuths: Vec<f32>,
+    /// Headings of all columns, once for each distinct offset of a ring.
     pub(super) cos_sin: Vec<[f64; 2]>,
+    /// Where each ring's headings begin.
+    pub(super) headings_of_ring: Vec<u32>,
+    /// Rings fire up to this much counter-clockwise of their column's azimuth, and never clockwise.
+    pub(super) max_offset: f32,
     pub(super) column_of_azimuth: Lookup,
 }
 
@@ -74,7 +79,7 @@ impl Lookup {
 }
 
 impl Table {
-    pub(super) fn new(rings: &[TurretRing], azimuths_rad: &[f64]) -> Self {
+    pub(super) fn new(rings: &[TurretRing], azimuths_rad: &[f64], offsets_rad: &[f64]) -> Self {
         let mut ring_of_row: Vec<u32> = (0..rings.len() as u32).collect();
         ring_of_row.sort_by(|a, b| rings[*b as usize].elevation_rad.total_cmp(&rings[*a as usize].elevation_rad));
         let rows: Vec<SortedRow> = ring_of_row
@@ -100,6 +105,15 @@ impl Table {
             rows.iter().filter(|r| r.tangent > f64::from(-x)).count()
         });
         let azimuths: Vec<f32> = azimuths_rad.iter().map(|a| *a as f32).collect();
+        let mut distinct: Vec<f64> = offsets_rad.to_vec();
+        distinct.sort_by(f64::total_cmp);
+        distinct.dedup();
+        let headings_of_ring = offsets_rad
+            .iter()
+            .map(|offset| (distinct.partition_point(|d| d < offset) * azimuths.len()) as u32)
+            .collect();
+        let heading = |azimuth: f64| [math::cos(azimuth), math::sin(azimuth)];
+        let cos_sin = distinct.iter().flat_map(|d| azimuths_rad.iter().map(move |a| heading(a + d))).collect();
         let column_of_azimuth = Lookup::new(0.0, TURN, 8191, |x| azimuths.partition_point(|a| *a < x));
         Self {
             rings: rings.to_vec(),
@@ -108,10 +122,19 @@ impl Table {
             envelope,
             height_span,
             row_of_tangent,
-            cos_sin: azimuths_rad.iter().map(|a| [math::cos(*a), math::sin(*a)]).collect(),
+            cos_sin,
+            headings_of_ring,
+            max_offset: distinct.last().map_or(0.0, |d| *d as f32),
             azimuths,
             column_of_azimuth,
         }
+    }
+
+    /// Cosine and sine of a ring's azimuths.
+    #[inline]
+    pub(super) fn headings(&self, ring: usize) -> &[[f64; 2]] {
+        let start = self.headings_of_ring[ring] as usize;
+        &self.cos_sin[start..start + self.azimuths.len()]
     }
 
     /// Number of columns below an azimuth.
@@ -179,10 +202,10 @@ impl Table {
         first..end
     }
 
-    /// The columns from one azimuth to another, which may lie up to a turn outside [0, 2 pi).
+    /// The columns any ring of which fires from one azimuth to another, which may lie up to a turn outside [0, 2 pi).
     pub(super) fn columns_between(&self, lo: f32, hi: f32) -> [std::ops::Range<usize>; 2] {
         let n = self.azimuths.len();
-        let (lo, hi) = (lo - AZIMUTH_MARGIN, hi + AZIMUTH_MARGIN);
+        let (lo, hi) = (lo - AZIMUTH_MARGIN - self.max_offset, hi + AZIMUTH_MARGIN);
         if lo < 0.0 {
             [self.columns_below(lo + TURN)..n, 0..self.columns_below(hi)]
         } else if hi >= TURN {
