@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 import cadet
 from cadet.semantic import Semantic
+from real_kitti import files, needs_kitti
+from sensed import Sensed
 
 
 @pytest.fixture(scope="module")
@@ -15,8 +19,9 @@ def points() -> dict[str, NDArray[np.float64]]:
     """Points by class: rows of range in metres and intensity; for cars also the share of the box's height."""
     by_class: dict[str, list[NDArray[np.float64]]] = {name: [] for name in ("asphalt", "foliage", "facades", "people")}
     cars = []
-    for seed in range(14):
-        scene = cadet.Scene.random(seed=seed, weather="clear_noon")
+    rig = replace(cadet.Rig.kitti(), camera=cadet.Rig.kitti().camera.resized(621, 188))
+    for seed in range(13):
+        scene = cadet.Scene.random(seed=seed, weather="clear_noon", rig=rig)
         for _ in range(2):
             frame = scene.capture()
             seen, place_cam, semantic = _seen(frame)
@@ -59,12 +64,13 @@ def _inside(place_cam: NDArray[np.float64], label: cadet.Label) -> tuple[NDArray
     return inside, share[inside]
 
 
-def _line(name: str, rows: NDArray[np.float64], low_m: float, high_m: float) -> tuple[float, float, NDArray[np.float64]]:
-    """Mean, share of zeros and quartiles of the intensities between two ranges, printed as a line of the table."""
+def _intensities(
+    name: str, rows: NDArray[np.float64], low_m: float, high_m: float
+) -> tuple[float, float, NDArray[np.float64]]:
+    """Mean, share of zeros and quantiles of the intensities between two ranges."""
     at = rows[(rows[:, 0] >= low_m) & (rows[:, 0] < high_m), 1]
     assert len(at) > 150, f"{name}: {len(at)} points from {low_m} to {high_m} m"
     quantiles = np.quantile(at, [0.05, 0.25, 0.5, 0.75, 0.95])
-    print(f"{name:10} {low_m:3.0f}-{high_m:3.0f} m  n {len(at):6}  mean {at.mean():.3f}  zero {(at == 0).mean():.3f}  {quantiles.round(2)}")
     return float(at.mean()), float((at == 0).mean()), quantiles
 
 
@@ -86,17 +92,17 @@ def test_intensities_of_a_class_are_those_of_kitti(
     zeros: tuple[float, float],
     far_zeros: tuple[float, float],
 ) -> None:
-    got_mean, _, quantiles = _line(name, points[name], 8, 15)
-    _, got_zeros, _ = _line(name, points[name], 0, 30)
-    _, got_far_zeros, _ = _line(name, points[name], 30, 60)
-    assert abs(got_mean - mean) < 0.05 and abs(quantiles[2] - median) < 0.05
-    assert zeros[0] <= got_zeros <= zeros[1]
-    assert far_zeros[0] <= got_far_zeros <= far_zeros[1]
+    got_mean, _, quantiles = _intensities(name, points[name], 8, 15)
+    _, got_zeros, _ = _intensities(name, points[name], 0, 30)
+    _, got_far_zeros, _ = _intensities(name, points[name], 30, 60)
+    assert abs(got_mean - mean) < 0.05 and abs(quantiles[2] - median) < 0.05, (got_mean, quantiles)
+    assert zeros[0] <= got_zeros <= zeros[1], got_zeros
+    assert far_zeros[0] <= got_far_zeros <= far_zeros[1], got_far_zeros
 
 
 def test_half_of_a_cars_returns_are_zero_most_of_them_high_up(points: dict[str, NDArray[np.float64]]) -> None:
     cars = points["cars"]
-    mean, zeros, quantiles = _line("cars", cars, 0, 30)
+    mean, zeros, quantiles = _intensities("cars", cars, 0, 30)
     assert 0.42 <= zeros <= 0.60 and 0.10 <= mean <= 0.19, (zeros, mean)
     assert quantiles[1] == 0.0 and 0.15 <= quantiles[3] <= 0.32 and quantiles[4] >= 0.35
     near = cars[cars[:, 0] < 30]
@@ -107,7 +113,36 @@ def test_half_of_a_cars_returns_are_zero_most_of_them_high_up(points: dict[str, 
         band = near[(near[:, 2] >= low) & (near[:, 2] < high), 1]
         shares.append(len(band) / len(near))
         dark.append((band == 0).mean())
-        print(f"cars, {low:.1f}-{high:.1f} of the height: {shares[-1]:.2f} of the returns, zero {dark[-1]:.2f}")
-    assert dark[0] < dark[2] < dark[3], "the higher the darker"
-    assert dark[0] <= 0.5 and dark[3] >= 0.6
-    assert 0.40 <= shares[0] <= 0.58 and 0.05 <= shares[3] <= 0.14
+    assert dark[0] < dark[2] < dark[3], dark
+    assert dark[0] <= 0.5 and dark[3] >= 0.6, dark
+    assert 0.40 <= shares[0] <= 0.58 and 0.05 <= shares[3] <= 0.14, shares
+
+
+@needs_kitti
+def test_rings_and_intensities_are_distributed_as_in_real_scans(street_frames: list[Sensed]) -> None:
+    real = [np.fromfile(path, np.float32).reshape(-1, 4) for path in files("training/velodyne/*.bin")]
+    rings, intensities = np.zeros((2, 64)), np.zeros((2, 20))
+    counts: tuple[list[int], list[int]] = ([], [])
+    for is_real, scans in enumerate(([frame.scan.points_velo for frame in street_frames], real)):
+        for points_velo in scans:
+            azimuth = np.arctan2(points_velo[:, 1], points_velo[:, 0]) % (2 * np.pi)
+            # A ring ends where the azimuth falls back to 0.
+            ring = np.cumsum(np.diff(azimuth, prepend=0.0) < -np.pi)
+            rings[is_real] += np.bincount(ring, minlength=64)
+            intensities[is_real] += np.histogram(points_velo[:, 3], 20, (0, 1.0001))[0]
+            counts[is_real].append(len(points_velo))
+    assert _distance(*rings) < 0.03, _distance(*rings)
+    assert _distance(*intensities) < 0.12, _distance(*intensities)
+    # Thirteen real frames: 119,000 +- 5,100.
+    assert abs(np.mean(counts[0]) - 119_000) < 2 * 5_100, np.mean(counts[0])
+
+
+def _distance(p: NDArray[np.float64], q: NDArray[np.float64]) -> float:
+    """Jensen and Shannon's distance of two histograms, 0 to 1."""
+    p, q = p / p.sum(), q / q.sum()
+    middle = (p + q) / 2
+
+    def entropy(a: NDArray[np.float64]) -> float:
+        return float(-np.sum(a[a > 0] * np.log2(a[a > 0])))
+
+    return float(np.sqrt(max(0.0, entropy(middle) - (entropy(p) + entropy(q)) / 2)))
