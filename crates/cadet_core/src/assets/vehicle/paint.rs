@@ -52,9 +52,9 @@ impl Coat {
     /// (Fresnel reflectance, Beckmann roughness) at 905 nm.
     fn gloss(self) -> (f32, f32) {
         match self {
-            Self::Clear => (0.04, 0.16),
-            Self::DarkFlakes => (0.18, 0.35),
-            Self::Flakes => (0.35, 0.38),
+            Self::Clear => (0.04, 0.18),
+            Self::DarkFlakes => (0.22, 0.38),
+            Self::Flakes => (0.35, 0.32),
         }
     }
 }
@@ -106,7 +106,7 @@ pub(super) fn palette(class: ObjectClass, s: &mut Stream) -> Palette {
     set(slot::TYRE, coated(semantic, [0.025; 3], 0.8, 0.02, 0.05));
     let rim = s.range(0.28, 0.5) as f32;
     set(slot::RIM, coated(semantic, [rim; 3], 0.35, 0.10, s.range(0.2, 0.4) as f32));
-    set(slot::PLASTIC, coated(semantic, [0.03; 3], 0.45, 0.04, 0.06));
+    set(slot::PLASTIC, coated(semantic, [0.03; 3], 0.45, 0.04, 0.08));
     set(slot::GRILLE, coated(semantic, [0.015; 3], 0.5, 0.03, 0.05));
     set(slot::LAMP, coated(semantic, [0.55, 0.56, 0.58], 0.08, 0.08, 0.30));
     set(slot::TAIL_LAMP, coated(semantic, [0.38, 0.012, 0.015], 0.10, 0.05, 0.55));
@@ -117,7 +117,7 @@ pub(super) fn palette(class: ObjectClass, s: &mut Stream) -> Palette {
     let cloth = s.range(0.025, 0.14) as f32;
     set(
         slot::CLOTH,
-        Material::matt(semantic, [cloth, cloth, cloth * 1.05], Pattern::Cloth, s.range(0.06, 0.22) as f32),
+        Material::matt(semantic, [cloth, cloth, cloth * 1.05], Pattern::Cloth, s.range(0.05, 0.16) as f32),
     );
     set(slot::DARK, Material::matt(semantic, [0.025; 3], Pattern::Plain, s.range(0.04, 0.10) as f32));
     set(slot::LINER, Material::matt(semantic, [0.008; 3], Pattern::Plain, 0.04));
