@@ -20,8 +20,6 @@ const DROP_REFLECTANCE: f64 = 0.328 * 0.328 / (2.328 * 2.328);
 const FLAKE_REFLECTANCE: f64 = 0.3;
 /// Step of the tables over the range.
 const STEP_M: f64 = 0.05;
-/// Ranges in the quantile table.
-const QUANTILES: usize = 256;
 
 /// The drops or the flakes of one weather.
 #[derive(Debug, Clone)]
@@ -34,10 +32,9 @@ pub(super) struct Particles {
     /// Expected number of bright ones in a beam, and the chance of none.
     mean_bright: f64,
     chance_of_none: f64,
-    /// Range of a bright one, by quantile.
-    range_m: Vec<f64>,
-    /// Expected share that bright ones up to a range cover, as an optical depth; a table by [`STEP_M`] from
-    /// [`CLOSED_M`].
+    /// Expected number of bright ones up to a range; a table by [`STEP_M`] from [`CLOSED_M`].
+    bright_before: Vec<f64>,
+    /// Expected share that bright ones up to a range cover, as an optical depth; a table like it.
     bright_depth: Vec<f64>,
 }
 
@@ -69,32 +66,20 @@ impl Particles {
             slope_per_m: sizes.slope_per_m,
             mean_bright: 0.0,
             chance_of_none: 1.0,
-            range_m: Vec::new(),
+            bright_before: vec![0.0],
             bright_depth: vec![0.0],
         };
         // Beyond, even a particle as wide as the beam is too weak.
         let reach_m = (reflectance / THRESHOLD).sqrt();
         let steps = ((reach_m - CLOSED_M) / STEP_M) as usize;
-        let mut cumulative = vec![0.0];
         for k in 0..steps {
             let r = CLOSED_M + (k as f64 + 0.5) * STEP_M;
             let (count, share) = particles.bright_at(sizes.number_per_m3, r);
-            cumulative.push(cumulative[k] + count * STEP_M);
+            particles.bright_before.push(particles.bright_before[k] + count * STEP_M);
             particles.bright_depth.push(particles.bright_depth[k] + count * share * STEP_M);
         }
-        particles.mean_bright = cumulative[steps];
+        particles.mean_bright = particles.bright_before[steps];
         particles.chance_of_none = math::exp(-particles.mean_bright);
-        let mut k = 0;
-        particles.range_m = (0..=QUANTILES)
-            .map(|q| {
-                let wanted = particles.mean_bright * q as f64 / QUANTILES as f64;
-                while k + 1 < steps && cumulative[k + 1] < wanted {
-                    k += 1;
-                }
-                let inside = (wanted - cumulative[k]) / (cumulative[k + 1] - cumulative[k]).max(1e-300);
-                CLOSED_M + (k as f64 + inside.clamp(0.0, 1.0)) * STEP_M
-            })
-            .collect();
         particles
     }
 
@@ -131,14 +116,20 @@ impl Particles {
             count += 1.0;
             probability *= self.mean_bright / count;
             below += probability;
-            let place = dice.unit() * QUANTILES as f64;
+            let at_m = self.range_before(dice.unit() * self.mean_bright);
             let size = dice.unit();
-            let k = place as usize;
-            let at_m = math::lerp(self.range_m[k], self.range_m[k + 1], place - k as f64);
             if let Some(particle) = self.particle(at_m, size).filter(|p| p.range_m < range_m) {
                 found(particle);
             }
         }
+    }
+
+    /// Range before which `count` bright ones are expected, for a count below the mean.
+    fn range_before(&self, count: f64) -> f64 {
+        let above = self.bright_before.partition_point(|b| *b <= count).clamp(1, self.bright_before.len() - 1);
+        let (low, high) = (self.bright_before[above - 1], self.bright_before[above]);
+        let inside = ((count - low) / (high - low).max(1e-300)).clamp(0.0, 1.0);
+        CLOSED_M + ((above - 1) as f64 + inside) * STEP_M
     }
 
     /// A bright particle at a range, its size by quantile; None where none can be bright.
