@@ -93,9 +93,7 @@ class Lidar:
             raise CadetError(f"unknown lidar {self.name!r}; known: {', '.join(LIDAR_PRESETS)}")
 
     @classmethod
-    def hdl64e_kitti(
-        cls, *, rolling: bool = False, returns: str = "strongest", divergence_mrad: float = 0.0
-    ) -> Lidar:
+    def hdl64e_kitti(cls, *, rolling: bool = False, returns: str = "strongest", divergence_mrad: float = 0.0) -> Lidar:
         """The Velodyne of KITTI: 64 lasers, each with its own elevation and height, 137,728 beams a turn."""
         return cls("hdl64e_kitti", rolling=rolling, returns=returns, divergence_mrad=divergence_mrad)
 
@@ -186,9 +184,7 @@ class Lidar:
         else:
             native = _cadet.Lidar.from_table(self.table.to_native())
         native = native.single_origin() if self.single_origin else native
-        return native.scanning(
-            rolling=self.rolling, returns=self.returns, divergence_mrad=float(self.divergence_mrad)
-        )
+        return native.scanning(rolling=self.rolling, returns=self.returns, divergence_mrad=float(self.divergence_mrad))
 
 
 @dataclass(frozen=True, kw_only=True)
