@@ -2,16 +2,20 @@
 
 mod edges;
 mod grid;
+mod hits;
 mod kernel;
 mod pinhole;
 mod posed;
 mod raycast;
+mod to_grid;
 mod turret;
 mod turret_table;
+mod visible;
 
 pub use edges::EdgePlanes;
 pub use grid::{Beam, BeamGrid, Window};
-pub use kernel::{Hits, Layer, NO_HIT, cast};
+pub use hits::{Hits, NO_HIT};
+pub use kernel::{Layer, cast};
 pub use pinhole::PinholeGrid;
 pub use posed::{Placement, PosedInstance, PosedScene};
 pub use raycast::{RayCaster, RayHit};
