@@ -220,7 +220,15 @@ mod tests {
     use crate::weather::Weather;
 
     fn echo(range_m: f64, reflectance: f64, actor_id: i32) -> Option<Echo> {
-        Some(Echo { range_m, reflectance, cos_incidence: 1.0, reading_noise: 0.05, retro: false, actor_id, semantic: Semantic::Building })
+        Some(Echo {
+            range_m,
+            reflectance,
+            cos_incidence: 1.0,
+            reading_noise: 0.05,
+            retro: false,
+            actor_id,
+            semantic: Semantic::Building,
+        })
     }
 
     fn clear() -> Air {
