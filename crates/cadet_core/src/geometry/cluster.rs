@@ -16,11 +16,10 @@ pub struct Cluster {
     pub radius_m: f32,
     /// Bit s is set where a face has material slot s; bit 63 stands for 63 and above.
     pub slots: u64,
-    /// The mesh's vertices that the faces use.
-    pub vertices: Vec<u32>,
-    /// Their local coordinates, by eights.
+    /// The places of the faces' corners, local coordinates by eights. Vertices that differ in their normals alone share
+    /// one.
     pub lanes: Vec<Lanes>,
-    /// Corners of each face, as indices into `vertices`.
+    /// Corners of each face, as indices into `lanes`.
     pub corners: Vec<[u8; 3]>,
     /// The mesh's index of each face.
     pub faces: Vec<u32>,
@@ -54,11 +53,16 @@ fn spread(x: f32) -> u64 {
 }
 
 fn cluster(vertices: &[Vec3], faces: &[[u32; 3]], slots: &[u8], chunk: &[(u64, u32)]) -> Cluster {
+    let bits = |i: u32| vertices[i as usize].to_array().map(f32::to_bits);
     let mut used: Vec<u32> = chunk.iter().flat_map(|(_, f)| faces[*f as usize]).collect();
     used.sort_unstable();
     used.dedup();
-    let place = |i: u32| used.partition_point(|u| *u < i) as u8;
-    let points: Vec<Vec3> = used.iter().map(|i| vertices[*i as usize]).collect();
+    let mut places: Vec<[u32; 3]> = used.iter().map(|i| bits(*i)).collect();
+    places.sort_unstable();
+    places.dedup();
+    let place_of_used: Vec<u8> = used.iter().map(|i| places.partition_point(|p| *p < bits(*i)) as u8).collect();
+    let place = |i: u32| place_of_used[used.partition_point(|u| *u < i)];
+    let points: Vec<Vec3> = places.iter().map(|p| Vec3::from_array(p.map(f32::from_bits))).collect();
     let center = Bounds::of(points.iter().copied()).center();
     let radius = points.iter().map(|p| p.distance(center)).fold(0.0, f32::max);
     Cluster {
@@ -67,7 +71,6 @@ fn cluster(vertices: &[Vec3], faces: &[[u32; 3]], slots: &[u8], chunk: &[(u64, u
         slots: chunk.iter().fold(0, |bits, (_, f)| bits | slot_bit(slots[*f as usize])),
         corners: chunk.iter().map(|(_, f)| faces[*f as usize].map(place)).collect(),
         faces: chunk.iter().map(|(_, f)| *f).collect(),
-        vertices: used,
         lanes: lanes_of(&points),
     }
 }
@@ -90,12 +93,10 @@ mod tests {
             assert!(c.faces.len() <= CLUSTER_FACES && c.faces.len() == c.corners.len());
             for (face, corners) in c.faces.iter().zip(&c.corners) {
                 seen[*face as usize] += 1;
-                assert_eq!(corners.map(|k| c.vertices[usize::from(k)]), mesh.faces[*face as usize]);
+                let point = |k: u8| Vec3::from_array(c.lanes[usize::from(k) / 8].map(|axis| axis[usize::from(k) % 8]));
+                assert_eq!(corners.map(point), mesh.faces[*face as usize].map(|v| mesh.vertices[v as usize]));
+                assert!(corners.iter().all(|k| point(*k).distance(c.center) <= c.radius_m));
                 assert!(c.slots & slot_bit(mesh.slots[*face as usize]) != 0);
-            }
-            for (i, v) in c.vertices.iter().enumerate() {
-                assert_eq!(c.lanes[i / 8].map(|axis| axis[i % 8]), mesh.vertices[*v as usize].to_array());
-                assert!(mesh.vertices[*v as usize].distance(c.center) <= c.radius_m);
             }
         }
         assert!(seen.iter().all(|n| *n == 1));

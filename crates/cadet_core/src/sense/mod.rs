@@ -3,19 +3,23 @@
 mod edges;
 mod face_trees;
 mod grid;
+mod hits;
 mod kernel;
 mod motion;
 mod moving;
 mod pinhole;
 mod posed;
 mod raycast;
+mod to_grid;
 mod turret;
 mod turret_table;
+mod visible;
 
 pub use edges::EdgePlanes;
 pub use face_trees::FaceTrees;
 pub use grid::{Beam, BeamGrid, Window};
-pub use kernel::{Hits, Layer, NO_HIT, cast};
+pub use hits::{Hits, NO_HIT};
+pub use kernel::{Layer, cast};
 pub use motion::Motion;
 pub use moving::{FaceHit, LayerHits, Moment, MovingCaster};
 pub use pinhole::PinholeGrid;

@@ -77,9 +77,8 @@ impl PinholeGrid {
 
     /// A triangle that reaches behind the camera or nearly so: everything, unless one side of the view excludes it.
     #[cold]
-    fn window_of_crossing(&self, corners_grid: [Vec3; 3]) -> Window {
+    fn window_of_crossing(&self, corners: &[DVec3; 3]) -> Window {
         let [left, right, top, bottom] = self.edges();
-        let corners = corners_grid.map(|p| p.as_dvec3());
         let slack = |p: &DVec3| 1e-6 * (p.x.abs() + p.y.abs() + p.z.abs());
         let outside = corners.iter().all(|p| p.z < -slack(p))
             || corners.iter().all(|p| p.x - left * p.z < -slack(p) * (1.0 + left.abs()))
@@ -150,9 +149,9 @@ impl BeamGrid for PinholeGrid {
     }
 
     #[inline]
-    fn windows(&self, corners_grid: impl Fn() -> [Vec3; 3], [a, b, c]: &[Self::Footprint; 3]) -> [Window; 2] {
+    fn windows(&self, corners_grid: &[DVec3; 3], [a, b, c]: &[Self::Footprint; 3]) -> [Window; 2] {
         if (a[0] + b[0] + c[0]).is_nan() {
-            return [self.window_of_crossing(corners_grid()), Window::default()];
+            return [self.window_of_crossing(corners_grid), Window::default()];
         }
         let range = |k: usize, n: usize| {
             let lo = a[k].min(b[k]).min(c[k]) - MARGIN;

@@ -37,7 +37,7 @@ impl Placement {
     }
 
     /// [`LANES`] vertices in the world.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn pose_lanes(&self, local: &Lanes) -> Lanes {
         let mut world = [[0.0; LANES]; 3];

@@ -6,13 +6,16 @@ use std::sync::Arc;
 
 use super::edges::EdgePlanes;
 use super::grid::{Beam, BeamGrid, Window, tangents_of_circle};
-use super::turret_table::{AZIMUTH_MARGIN, NARROW_RAD, POLAR, SortedRow, TURN, Table, azimuth_of};
+use super::hits::Hits;
+use super::turret_table::{AZIMUTH_MARGIN, POLAR, SortedRow, TURN, Table, azimuth_of};
 use crate::error::{Error, Result, finite};
 use crate::geometry::{LANES, Lanes};
 use crate::math::{self, DPose3, DVec3, TAU, Vec3};
 
 /// Columns that a wide window is searched by.
-const BLOCK: usize = 16;
+const BLOCK: usize = 32;
+/// Beams that are tested together.
+const EIGHT: usize = 8;
 
 /// One laser of a turret.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -101,13 +104,11 @@ impl TurretGrid {
     }
 }
 
-/// Where a vertex falls on a turret's grid.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct TurretFootprint {
-    /// In [0, 2 pi]; NaN near the axis and at the seam, where the slow path decides.
-    azimuth_rad: f32,
-    rows: [u16; 2],
-}
+/// Where a vertex falls on a turret's grid: the first of the rows that may pass through it, the first tick of the
+/// azimuth, and the ends of both counted down from `u16::MAX`. The bounds of several are the least of each number.
+///
+/// A vertex near the axis or at the seam has all ticks: what it belongs to takes the slow path.
+pub type TurretFootprint = [u16; 4];
 
 impl BeamGrid for TurretGrid {
     type Footprint = TurretFootprint;
@@ -174,10 +175,11 @@ impl BeamGrid for TurretGrid {
         self.table.ring_of_row[inner_row] as usize * self.table.azimuths.len()
     }
 
-    #[inline]
+    #[inline(always)]
     fn footprints(&self, [x, y, z]: &Lanes, out: &mut [Self::Footprint; LANES]) {
         let table = &*self.table;
         let (mut rho, mut azimuth, mut bin) = ([0.0_f32; LANES], [0.0_f32; LANES], [0_u32; LANES]);
+        let mut ticks = [(0_u16, 0_u16); LANES];
         let middle = table.middle_height();
         for i in 0..LANES {
             rho[i] = (x[i] * x[i] + y[i] * y[i]).sqrt().max(1e-6);
@@ -185,95 +187,219 @@ impl BeamGrid for TurretGrid {
             bin[i] = table.row_of_tangent.bin((middle - z[i]) / rho[i]);
         }
         for i in 0..LANES {
-            let awkward = rho[i] <= POLAR * (z[i].abs() + rho[i])
-                || rho[i] < 1e-3
-                || azimuth[i] < 2.0 * AZIMUTH_MARGIN + table.max_offset
-                || azimuth[i] > TURN - 2.0 * AZIMUTH_MARGIN;
+            let awkward = (rho[i] <= POLAR * (z[i].abs() + rho[i]))
+                | (rho[i] < 0.02)
+                | (azimuth[i] < 2.0 * AZIMUTH_MARGIN + table.max_offset)
+                | (azimuth[i] > TURN - 2.0 * AZIMUTH_MARGIN);
+            let (first, end) = table.ticks.between(azimuth[i] - table.max_offset, azimuth[i]);
+            ticks[i] = if awkward { (0, u16::MAX) } else { (first, end) };
+        }
+        if let Some(rows_of_bin) = &table.rows_of_bin {
+            for i in 0..LANES {
+                let [first, end] = rows_of_bin[bin[i] as usize];
+                out[i] = [first, u16::MAX - end, ticks[i].0, u16::MAX - ticks[i].1];
+            }
+            return;
+        }
+        for i in 0..LANES {
             let (first, end) = table.rows_from_guess(rho[i], z[i], table.row_of_tangent.guess_in_bin(bin[i]));
-            out[i] = TurretFootprint {
-                azimuth_rad: if awkward { f32::NAN } else { azimuth[i] },
-                rows: [first as u16, end as u16],
-            };
+            out[i] = [first as u16, u16::MAX - end as u16, ticks[i].0, u16::MAX - ticks[i].1];
         }
     }
 
-    #[inline]
-    fn windows(&self, corners_grid: impl Fn() -> [Vec3; 3], [a, b, c]: &[Self::Footprint; 3]) -> [Window; 2] {
-        // NaN, the sign of an awkward corner, must not get lost in min and max.
-        let [p, q, r] = [a.azimuth_rad, b.azimuth_rad, c.azimuth_rad];
-        let narrow = (p - q).abs() < NARROW_RAD && (q - r).abs() < NARROW_RAD && (r - p).abs() < NARROW_RAD;
-        if !narrow {
-            return self.table.wide_windows(corners_grid());
+    #[inline(always)]
+    fn may_meet(&self, footprints: &[Self::Footprint; 3]) -> bool {
+        let [first, end, first_tick, end_tick] = bounds_of(footprints);
+        (end_tick - first_tick > i32::from(self.table.ticks.narrow)) | ((first < end) & (first_tick < end_tick))
+    }
+
+    #[inline(always)]
+    fn windows(&self, corners_grid: &[DVec3; 3], footprints: &[Self::Footprint; 3]) -> [Window; 2] {
+        let table = &*self.table;
+        let [first, end, first_tick, end_tick] = bounds_of(footprints);
+        if end_tick - first_tick > i32::from(table.ticks.narrow) {
+            return table.wide_windows(corners_grid.map(|p| p.as_vec3()));
         }
-        let first = a.rows[0].min(b.rows[0]).min(c.rows[0]);
-        let end = a.rows[1].max(b.rows[1]).max(c.rows[1]);
-        if first >= end {
-            return Default::default();
-        }
-        let rows = usize::from(first)..usize::from(end);
-        // Awkward corners apart, both ends lie inside the turn.
-        let columns = self.table.columns_below(p.min(q).min(r) - AZIMUTH_MARGIN - self.table.max_offset)
-            ..self.table.columns_below(p.max(q).max(r) + AZIMUTH_MARGIN);
-        [Window { rows, columns }, Window::default()]
+        let columns = table.ticks.columns(first_tick as u16, end_tick as u16);
+        [Window { rows: first as usize..end as usize, columns }, Window::default()]
+    }
+
+    #[inline(always)]
+    fn near_depth(&self, corners_grid: &[DVec3; 3]) -> f32 {
+        let [lowest, highest] = self.table.height_span.map(f64::from);
+        let middle = DVec3::new(0.0, 0.0, 0.5 * (lowest + highest));
+        let [a, b, c] = corners_grid.map(|p| p - middle);
+        let least = |x: f64, y: f64, z: f64| x.min(y).min(z);
+        let corner = least(a.length_squared(), b.length_squared(), c.length_squared());
+        let edge = -least(-(b - a).length_squared(), -(c - b).length_squared(), -(a - c).length_squared());
+        // No point of a triangle is farther from all corners than its longest edge / sqrt 3, the nearest point to the
+        // origin included; and seen from there the corners lie beyond it or at a right angle.
+        let nearest = (corner - edge * 0.333_334).max(0.0).sqrt();
+        (nearest * 0.999_999 - 0.5 * (highest - lowest) - 1e-5) as f32
     }
 
     #[inline]
     fn cover(&self, triangle: &EdgePlanes, window: &Window, mut visit: impl FnMut(usize, f64)) {
-        let table = &*self.table;
         for row in window.rows.clone() {
-            let SortedRow { tangent, secant, height_m: h } = table.rows[row];
-            let signed_volume = triangle.volume - h * triangle.normal.z;
-            if signed_volume == 0.0 {
-                continue;
-            }
-            let sign = if signed_volume > 0.0 { 1.0 } else { -1.0 };
-            let edge = |i: usize| {
-                let (n, d) = (triangle.cross[i], triangle.delta[i]);
-                [sign * (n.x + h * d.y), sign * (n.y - h * d.x), sign * n.z * tangent]
-            };
-            let [e0, e1, e2] = [edge(0), edge(1), edge(2)];
-            let n = triangle.normal;
-            let n = [sign * n.x, sign * n.y, sign * n.z * tangent];
-            let distance = signed_volume.abs() * secant;
-            let ring = table.ring_of_row[row] as usize;
-            let base = ring * table.azimuths.len();
-            let headings = table.headings(ring);
-            let mut try_columns = |columns: Range<usize>| {
-                for (column, [cos, sin]) in columns.clone().zip(&headings[columns]) {
-                    let at = |p: &[f64; 3]| p[0] * cos + p[1] * sin + p[2];
-                    if at(&e0) >= 0.0 && at(&e1) >= 0.0 && at(&e2) >= 0.0 {
-                        let facing = at(&n);
-                        if facing > 0.0 {
-                            visit(base + column, distance / facing);
-                        }
-                    }
+            let Some(planes) = RowPlanes::new(triangle, &self.table.rows[row]) else { continue };
+            let base = self.row_start(row);
+            let headings = self.table.headings(self.table.ring_of_row[row] as usize);
+            for column in window.columns.clone() {
+                let [cos, sin] = headings[column];
+                if let Some(depth) = planes.depth(cos, sin) {
+                    visit(base + column, depth);
                 }
-            };
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn cast(&self, triangle: &EdgePlanes, window: &Window, hits: &mut Hits, ids: [u32; 2]) {
+        let table = &*self.table;
+        if table.azimuths.len() < EIGHT {
+            return self.cover(triangle, window, |at, depth| hits.keep_nearer(at, depth as f32, ids[0], ids[1]));
+        }
+        for row in window.rows.clone() {
+            let Some(planes) = RowPlanes::new(triangle, &table.rows[row]) else { continue };
+            let ring = table.ring_of_row[row] as usize;
+            let headings = table.headings_of_ring[ring] as usize;
+            let base = [ring * table.azimuths.len(), headings];
             if window.columns.len() < 2 * BLOCK {
-                try_columns(window.columns.clone());
+                self.cast_columns(&planes, base, window.columns.clone(), hits, ids);
                 continue;
             }
             // Wide windows are mostly empty: skip blocks of columns that lie outside one edge altogether.
             let last = window.columns.end - 1;
             let mut start = window.columns.start;
-            let edges = [e0, e1, e2];
-            let [cos, sin] = headings[start];
-            let mut here = edges.map(|p| p[0] * cos + p[1] * sin + p[2]);
+            let mut here = planes.edges_at(table.cos[headings + start], table.sin[headings + start]);
             while start < last {
                 let stop = (start + BLOCK).min(last);
-                let [cos, sin] = headings[stop];
-                let there = edges.map(|p| p[0] * cos + p[1] * sin + p[2]);
+                let there = planes.edges_at(table.cos[headings + stop], table.sin[headings + stop]);
                 let width = f64::from(table.azimuths[stop] - table.azimuths[start]);
                 // A sinusoid of amplitude R rises above its chord by at most R width^2 / 8.
                 let is_outside = (0..3).any(|i| {
-                    let [a, b, c] = edges[i];
+                    let [a, b, c] = planes.edges[i];
                     let reach = a.abs() + b.abs();
                     here[i].max(there[i]) + reach * (0.126 * width * width + 1e-9) + 1e-12 * c.abs() < 0.0
                 });
                 if !is_outside {
-                    try_columns(start..stop + usize::from(stop == last));
+                    self.cast_columns(&planes, base, start..stop + usize::from(stop == last), hits, ids);
                 }
                 (start, here) = (stop, there);
+            }
+        }
+    }
+}
+
+impl TurretGrid {
+    /// `base` is where the row begins among the beams, and among the headings.
+    #[inline(always)]
+    fn cast_columns(
+        &self,
+        planes: &RowPlanes,
+        [base, headings]: [usize; 2],
+        columns: Range<usize>,
+        hits: &mut Hits,
+        ids: [u32; 2],
+    ) {
+        let last_eight = self.table.azimuths.len() - EIGHT;
+        let mut column = columns.start;
+        while column < columns.end {
+            // The last eight of a row may take in some columns before the window: they are tested too.
+            let first = column.min(last_eight);
+            planes.cast_eight(self.table.eight_headings(headings + first), hits, base + first, ids);
+            column = first + EIGHT;
+        }
+    }
+}
+
+/// The bounds of a triangle's corners: first row, end of rows, first tick, end of ticks.
+#[inline(always)]
+fn bounds_of([a, b, c]: &[TurretFootprint; 3]) -> [i32; 4] {
+    let least: TurretFootprint = std::array::from_fn(|i| a[i].min(b[i]).min(c[i]));
+    let [first, end, first_tick, end_tick] = least.map(i32::from);
+    let most = i32::from(u16::MAX);
+    [first, most - end, first_tick, most - end_tick]
+}
+
+/// A triangle as one row sees it: in the beam's azimuth, its edges and its normal are `a cos + b sin + c`.
+struct RowPlanes {
+    edges: [[f64; 3]; 3],
+    normal: [f64; 3],
+    distance: f64,
+}
+
+impl RowPlanes {
+    /// None for a triangle that the row sees edge-on.
+    #[inline(always)]
+    fn new(triangle: &EdgePlanes, row: &SortedRow) -> Option<Self> {
+        let SortedRow { tangent, secant, height_m: h } = *row;
+        let signed_volume = triangle.volume - h * triangle.normal.z;
+        if signed_volume == 0.0 {
+            return None;
+        }
+        let sign = if signed_volume > 0.0 { 1.0 } else { -1.0 };
+        let edge = |i: usize| {
+            let (n, d) = (triangle.cross[i], triangle.delta[i]);
+            [sign * (n.x + h * d.y), sign * (n.y - h * d.x), sign * n.z * tangent]
+        };
+        let n = triangle.normal;
+        Some(Self {
+            edges: [edge(0), edge(1), edge(2)],
+            normal: [sign * n.x, sign * n.y, sign * n.z * tangent],
+            distance: signed_volume.abs() * secant,
+        })
+    }
+
+    #[inline(always)]
+    fn edges_at(&self, cos: f64, sin: f64) -> [f64; 3] {
+        self.edges.map(|p| p[0] * cos + p[1] * sin + p[2])
+    }
+
+    /// The range of the beam with this heading, if it meets the triangle.
+    #[inline(always)]
+    fn depth(&self, cos: f64, sin: f64) -> Option<f64> {
+        let is_inside = self.edges_at(cos, sin).iter().all(|e| *e >= 0.0);
+        let facing = self.normal[0] * cos + self.normal[1] * sin + self.normal[2];
+        (is_inside && facing > 0.0).then(|| self.distance / facing)
+    }
+
+    /// The same for eight beams, the first of them at `at`, and keeps what is nearer.
+    #[inline(always)]
+    fn cast_eight(&self, [cos, sin]: [&[f64; EIGHT]; 2], hits: &mut Hits, at: usize, [instance, face]: [u32; 2]) {
+        let ([p, q, r], n) = (&self.edges, &self.normal);
+        let (mut inside, mut facing) = ([false; EIGHT], [0.0; EIGHT]);
+        let mut any = false;
+        for i in 0..EIGHT {
+            let on = |p: &[f64; 3]| p[0] * cos[i] + p[1] * sin[i] + p[2];
+            facing[i] = on(n);
+            inside[i] = (on(p) >= 0.0) & (on(q) >= 0.0) & (on(r) >= 0.0) & (facing[i] > 0.0);
+            any |= inside[i];
+        }
+        if !any {
+            return;
+        }
+        let (Ok(depths), Ok(instances), Ok(faces)) = (
+            <&mut [f32; EIGHT]>::try_from(&mut hits.depth[at..at + EIGHT]),
+            <&mut [u32; EIGHT]>::try_from(&mut hits.instance[at..at + EIGHT]),
+            <&mut [u32; EIGHT]>::try_from(&mut hits.face[at..at + EIGHT]),
+        ) else {
+            return;
+        };
+        let (mut found, mut tie) = ([0.0_f32; EIGHT], false);
+        for i in 0..EIGHT {
+            found[i] = if inside[i] { (self.distance / facing[i]) as f32 } else { f32::INFINITY };
+            tie |= inside[i] & (found[i] == depths[i]);
+        }
+        for i in 0..EIGHT {
+            let nearer = found[i] < depths[i];
+            depths[i] = if nearer { found[i] } else { depths[i] };
+            instances[i] = if nearer { instance } else { instances[i] };
+            faces[i] = if nearer { face } else { faces[i] };
+        }
+        if tie {
+            for i in (0..EIGHT).filter(|i| inside[*i]) {
+                hits.keep_nearer(at + i, found[i], instance, face);
             }
         }
     }

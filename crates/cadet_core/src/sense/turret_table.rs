@@ -6,8 +6,11 @@ use crate::math::{self, Vec3};
 
 /// Error of the single-precision azimuth, in radians: its polynomial and the rounding of coordinates.
 pub(super) const AZIMUTH_MARGIN: f32 = 4e-5;
-/// Triangles narrower than this are bounded by their corners, whose margins allow for the bulge of the edges.
-pub(super) const NARROW_RAD: f32 = 0.02;
+/// Triangles narrower than this are bounded by their corners, with [`BULGE`] for their edges.
+pub(super) const NARROW_RAD: f32 = 0.08;
+/// An edge is an arc of a great circle. Between corners `w` apart in azimuth it rises over the tangent of their
+/// elevations by a factor of at most 1 / cos(w / 2), which is 1.0008 for [`NARROW_RAD`].
+const BULGE: f32 = 1e-3;
 /// Points nearer to the axis than this fraction of their distance have no azimuth worth the name.
 pub(super) const POLAR: f32 = 0.01;
 pub(super) const TURN: f32 = std::f32::consts::TAU;
@@ -26,14 +29,19 @@ pub(super) struct Table {
     pub(super) envelope: Vec<[f32; 3]>,
     pub(super) height_span: [f32; 2],
     pub(super) row_of_tangent: Lookup,
+    /// Where all lasers have one origin: the first row and the end of the rows that may pass through points whose
+    /// tangents lie in a bin of `row_of_tangent`.
+    pub(super) rows_of_bin: Option<Vec<[u16; 2]>>,
     pub(super) azimuths: Vec<f32>,
-    /// Headings of all columns, once for each distinct offset of a ring.
+    /// Cosines and sines of all columns' azimuths, once for each distinct offset of a ring; and both side by side.
+    pub(super) cos: Vec<f64>,
+    pub(super) sin: Vec<f64>,
     pub(super) cos_sin: Vec<[f64; 2]>,
-    /// Where each ring's headings begin.
+    /// Where each ring's cosines and sines begin.
     pub(super) headings_of_ring: Vec<u32>,
     /// Rings fire up to this much counter-clockwise of their column's azimuth, and never clockwise.
     pub(super) max_offset: f32,
-    pub(super) column_of_azimuth: Lookup,
+    pub(super) ticks: Ticks,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -78,6 +86,75 @@ impl Lookup {
     }
 }
 
+impl Lookup {
+    /// For each bin the range of `sorted` (rising) entries that lie within `slack(x)` of an x in the bin.
+    fn ranges_of_bins(&self, sorted: &[f32], slack: impl Fn(f32) -> f32) -> Vec<[u16; 2]> {
+        let last = self.counts.len() - 1;
+        let range = |bin: usize| {
+            // Bins are rounded to, so that each reaches half a step to both sides; the outermost have no end.
+            let edge = |b: f32| (b - self.offset) / self.scale;
+            let (lo, hi) = (edge(bin as f32 - 0.51), edge(bin as f32 + 0.51));
+            let first = if bin == 0 { 0 } else { sorted.partition_point(|t| *t < lo - slack(lo)) };
+            let end = if bin == last { sorted.len() } else { sorted.partition_point(|t| *t <= hi + slack(hi)) };
+            [first as u16, end as u16]
+        };
+        (0..=last).map(range).collect()
+    }
+}
+
+/// A turn in equal steps on which the columns lie, exactly or nearly: an encoder has such.
+#[derive(Debug)]
+pub(super) struct Ticks {
+    per_rad: f32,
+    /// How far an azimuth in ticks may be wrong, and a column off its tick.
+    margin: f32,
+    /// Spans of no more ticks than this, which the rings' offsets widen, are narrower than [`NARROW_RAD`].
+    pub(super) narrow: u16,
+    /// Number of columns on ticks before each.
+    before: Vec<u16>,
+}
+
+/// Ticks a turn.
+const LEAST_TICKS: u32 = 2048;
+const MOST_TICKS: u32 = 16_384;
+
+impl Ticks {
+    fn new(azimuths_rad: &[f64], max_offset: f32) -> Self {
+        let off_by = |n: u32| {
+            let ticks = azimuths_rad.iter().map(move |a| a * f64::from(n) / std::f64::consts::TAU);
+            ticks.map(|t: f64| (t - t.round()).abs())
+        };
+        let fits = |n: &u32| off_by(*n).all(|off| off < 1e-4);
+        let n = (LEAST_TICKS..=MOST_TICKS).find(fits).unwrap_or(MOST_TICKS);
+        let per_rad = n as f32 / TURN;
+        let margin = off_by(n).fold(0.0, f64::max) as f32 + AZIMUTH_MARGIN * per_rad + 1e-6 * n as f32;
+        let mut before = vec![0_u16; n as usize + 3];
+        for azimuth in azimuths_rad {
+            before[(azimuth * f64::from(n) / std::f64::consts::TAU).round() as usize + 1] += 1;
+        }
+        for i in 1..before.len() {
+            before[i] += before[i - 1];
+        }
+        Self { per_rad, margin, narrow: ((NARROW_RAD + max_offset) * per_rad) as u16 - 1, before }
+    }
+
+    /// The first tick and the end of the ticks from one azimuth to another, in 0..=2 pi.
+    #[inline(always)]
+    pub(super) fn between(&self, lo_rad: f32, hi_rad: f32) -> (u16, u16) {
+        // Adding 2^23 rounds to a whole number that stands in the low bits; a plain cast is slower as it saturates.
+        let after = |t: f32| ((t.max(-0.5) + 0.5 + 8_388_608.0).to_bits() & 0xffff) as u16;
+        (after(lo_rad * self.per_rad - self.margin), after(hi_rad * self.per_rad + self.margin))
+    }
+
+    /// The columns on the ticks of a range.
+    #[inline(always)]
+    pub(super) fn columns(&self, first: u16, end: u16) -> std::ops::Range<usize> {
+        let last = self.before.len() - 1;
+        let at = |tick: u16| usize::from(self.before[usize::from(tick).min(last)]);
+        at(first)..at(end)
+    }
+}
+
 impl Table {
     pub(super) fn new(rings: &[TurretRing], azimuths_rad: &[f64], offsets_rad: &[f64]) -> Self {
         let mut ring_of_row: Vec<u32> = (0..rings.len() as u32).collect();
@@ -113,8 +190,14 @@ impl Table {
             .map(|offset| (distinct.partition_point(|d| d < offset) * azimuths.len()) as u32)
             .collect();
         let heading = |azimuth: f64| [math::cos(azimuth), math::sin(azimuth)];
-        let cos_sin = distinct.iter().flat_map(|d| azimuths_rad.iter().map(move |a| heading(a + d))).collect();
-        let column_of_azimuth = Lookup::new(0.0, TURN, 8191, |x| azimuths.partition_point(|a| *a < x));
+        let cos_sin: Vec<[f64; 2]> =
+            distinct.iter().flat_map(|d| azimuths_rad.iter().map(move |a| heading(a + d))).collect();
+        let max_offset = distinct.last().map_or(0.0, |d| *d as f32);
+        let one_origin = height_span[0] == height_span[1];
+        let rows_of_bin = one_origin.then(|| {
+            let tangents: Vec<f32> = rows.iter().map(|r| -r.tangent as f32).collect();
+            row_of_tangent.ranges_of_bins(&tangents, |t| (BULGE + 1e-4) * t.abs() + 1e-4)
+        });
         Self {
             rings: rings.to_vec(),
             ring_of_row,
@@ -122,11 +205,14 @@ impl Table {
             envelope,
             height_span,
             row_of_tangent,
+            rows_of_bin,
+            cos: cos_sin.iter().map(|h| h[0]).collect(),
+            sin: cos_sin.iter().map(|h| h[1]).collect(),
             cos_sin,
             headings_of_ring,
-            max_offset: distinct.last().map_or(0.0, |d| *d as f32),
+            max_offset,
+            ticks: Ticks::new(azimuths_rad, max_offset),
             azimuths,
-            column_of_azimuth,
         }
     }
 
@@ -137,17 +223,12 @@ impl Table {
         &self.cos_sin[start..start + self.azimuths.len()]
     }
 
-    /// Number of columns below an azimuth.
-    #[inline]
-    pub(super) fn columns_below(&self, azimuth_rad: f32) -> usize {
-        let mut n = self.column_of_azimuth.guess(azimuth_rad);
-        while n < self.azimuths.len() && self.azimuths[n] < azimuth_rad {
-            n += 1;
-        }
-        while n > 0 && self.azimuths[n - 1] >= azimuth_rad {
-            n -= 1;
-        }
-        n
+    /// Cosines and sines of eight columns, from one of the headings on.
+    #[inline(always)]
+    pub(super) fn eight_headings<const N: usize>(&self, first: usize) -> [&[f64; N]; 2] {
+        let range = first..first + N;
+        let (cos, sin) = (self.cos[range.clone()].try_into(), self.sin[range].try_into());
+        [cos.expect("of that length"), sin.expect("of that length")]
     }
 
     /// The rows that may pass through a point at distance `rho` from the axis and height `z`: those before the range
@@ -166,7 +247,7 @@ impl Table {
     /// [`Table::rows_at`], from a first guess of the row.
     #[inline]
     pub(super) fn rows_from_guess(&self, rho: f32, z: f32, guess: usize) -> (usize, usize) {
-        let slack = 1e-4 * (z - self.middle_height()).abs() + 2e-6 * rho + 1e-6;
+        let slack = BULGE * (z - self.middle_height()).abs() + 2e-6 * rho + 1e-6;
         let (above, below) = (z + slack, z - slack);
         let mut first = guess;
         let height = |e: &[f32; 3], k: usize| e[k] + rho * e[0];
@@ -206,12 +287,16 @@ impl Table {
     pub(super) fn columns_between(&self, lo: f32, hi: f32) -> [std::ops::Range<usize>; 2] {
         let n = self.azimuths.len();
         let (lo, hi) = (lo - AZIMUTH_MARGIN - self.max_offset, hi + AZIMUTH_MARGIN);
+        let columns = |lo: f32, hi: f32| {
+            let (first, end) = self.ticks.between(lo, hi);
+            self.ticks.columns(first, end)
+        };
         if lo < 0.0 {
-            [self.columns_below(lo + TURN)..n, 0..self.columns_below(hi)]
+            [columns(lo + TURN, TURN).start..n, columns(0.0, hi)]
         } else if hi >= TURN {
-            [self.columns_below(lo)..n, 0..self.columns_below(hi - TURN)]
+            [columns(lo, TURN).start..n, columns(0.0, hi - TURN)]
         } else {
-            [self.columns_below(lo)..self.columns_below(hi), 0..0]
+            [columns(lo, hi), 0..0]
         }
     }
 
