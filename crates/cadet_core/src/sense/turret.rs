@@ -386,17 +386,16 @@ impl RowPlanes {
         ) else {
             return;
         };
+        // Copies, so that the compiler knows that no store changes what is still to be read.
+        let (old, (old_instances, old_faces)) = (*depths, (*instances, *faces));
         let (mut found, mut tie) = ([0.0_f32; EIGHT], false);
         for i in 0..EIGHT {
             found[i] = if inside[i] { (self.distance / facing[i]) as f32 } else { f32::INFINITY };
-            tie |= inside[i] & (found[i] == depths[i]);
+            tie |= inside[i] & (found[i] == old[i]);
         }
-        for i in 0..EIGHT {
-            let nearer = found[i] < depths[i];
-            depths[i] = if nearer { found[i] } else { depths[i] };
-            instances[i] = if nearer { instance } else { instances[i] };
-            faces[i] = if nearer { face } else { faces[i] };
-        }
+        *depths = std::array::from_fn(|i| if found[i] < old[i] { found[i] } else { old[i] });
+        *instances = std::array::from_fn(|i| if found[i] < old[i] { instance } else { old_instances[i] });
+        *faces = std::array::from_fn(|i| if found[i] < old[i] { face } else { old_faces[i] });
         if tie {
             for i in (0..EIGHT).filter(|i| inside[*i]) {
                 hits.keep_nearer(at + i, found[i], instance, face);
