@@ -2,6 +2,7 @@
 
 mod ambient;
 mod exposure;
+mod look;
 mod model;
 mod noise;
 mod pattern;
@@ -13,7 +14,8 @@ mod sky;
 #[cfg(test)]
 mod tests;
 
+pub use look::{Seen, View, look};
 #[cfg(test)]
 pub(crate) use model::tests::kitti_like;
 pub use model::{Calibration, CameraModel, Pixel};
-pub use render::{Rendered, Seen, View, look, paint, render};
+pub use render::{Rendered, paint, render};

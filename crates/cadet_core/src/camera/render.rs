@@ -2,50 +2,20 @@
 
 use std::cell::RefCell;
 
-use super::CameraModel;
 use super::ambient::SkyView;
 use super::exposure::{add_veiling_glare, gain_for_mean_luma};
+use super::look::{Rays, Seen, View, look, seen_points};
 use super::noise::{MIDDLE_PX, blur, expose};
 use super::pattern::hash2;
 use super::shade::{Around, Light, Surface};
 use super::shadow::Shadows;
 use super::sky::Sky;
-
 use crate::error::Result;
-use crate::material::{Material, Semantic};
-use crate::math::{DPose3, DVec3, Mat3, Vec3};
+use crate::material::Material;
+use crate::math::{DVec3, Mat3, Vec3};
 use crate::rng::Stream;
-use crate::sense::{Hits, Layer, NO_HIT, PinholeGrid, PosedScene, cast};
+use crate::sense::{Hits, NO_HIT, PosedScene};
 use crate::weather::Weather;
-
-/// A pinhole camera at a place.
-#[derive(Debug, Clone)]
-pub struct View {
-    /// fx, fy, cx, cy in pixels; pixel (0, 0) has its centre at (0, 0).
-    pub intrinsics: [f64; 4],
-    /// Columns.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-    /// x right, y down, z forward, origin in the optical centre.
-    pub world_from_cam: DPose3,
-}
-
-impl View {
-    /// The view of a camera's P2, whose optical centre lies beside that of camera 0.
-    ///
-    /// `world_from_cam`: the pose of camera 0.
-    #[must_use]
-    pub fn new(camera: &CameraModel, world_from_cam: &DPose3) -> Self {
-        let center_world = world_from_cam.rotation * camera.optical_center_cam() + world_from_cam.translation;
-        Self {
-            intrinsics: camera.intrinsics(),
-            width: camera.width,
-            height: camera.height,
-            world_from_cam: DPose3 { rotation: world_from_cam.rotation, translation: center_world },
-        }
-    }
-}
 
 /// What the camera writes; every array is row-major.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,27 +37,9 @@ const VEILING_GLARE: f32 = 0.05;
 /// Mean luma that the exposure aims at, and its spread from frame to frame.
 const MEAN_LUMA: (f64, f64) = (91.0, 1.8);
 
-/// What the camera looks at, before light and colour; every array is row-major.
-#[derive(Debug)]
-pub struct Seen {
-    /// z along the optical axis at the pixels' centres, metres; infinite for the sky.
-    pub depth: Vec<f32>,
-    /// -1 sky, 0 static world, actors from 1; panes carry their car's id.
-    pub instance: Vec<i32>,
-    /// [`Semantic`] as a byte.
-    pub semantic: Vec<u8>,
-    /// As `instance`, at twice the width and height: samples at each pixel's centre and 0.5 px to the right and below.
-    pub super_instance: Vec<i32>,
-    /// Four samples a pixel: what is solid, and the panes before it.
-    opaque: Hits,
-    glass: Hits,
-}
-
 /// Memory that a thread keeps from frame to frame: touching fresh pages costs as much as the casting.
 #[derive(Default)]
 struct Scratch {
-    opaque: Option<Hits>,
-    glass: Option<Hits>,
     seen_world: Vec<Vec3>,
     rgb: Vec<f32>,
     blurred: Vec<f32>,
@@ -109,60 +61,25 @@ pub fn render(scene: &PosedScene, view: &View, weather: &Weather, stream: &mut S
     Ok(paint(scene, view, weather, look(scene, view)?, stream))
 }
 
-/// Casts the camera's samples: all that labels need.
-///
-/// # Errors
-/// Those of [`PinholeGrid::new`]: a camera that is none.
-pub fn look(scene: &PosedScene, view: &View) -> Result<Seen> {
-    let (width, height) = (view.width, view.height);
-    let samples = PinholeGrid::new(view.world_from_cam, view.intrinsics, [0.0, 0.0, 0.5, 0.5], height * 2, width * 2)?;
-    let (opaque, glass) = SCRATCH.with_borrow_mut(|s| (s.opaque.take(), s.glass.take()));
-    let mut opaque = opaque.unwrap_or_else(|| Hits::new(0, 0));
-    opaque.clear();
-    cast(scene, &samples, Layer::Opaque, |_| true, &mut opaque);
-    // Only panes before what is solid matter: they alone replace it.
-    let mut glass = glass.unwrap_or_else(|| Hits::new(0, 0));
-    (glass.rows, glass.columns) = (opaque.rows, opaque.columns);
-    glass.depth.clone_from(&opaque.depth);
-    glass.instance.clone_from(&opaque.instance);
-    glass.face.clone_from(&opaque.face);
-    cast(scene, &samples, Layer::Glass, |_| true, &mut glass);
-    let id = |instance: u32| if instance == NO_HIT { -1 } else { scene.instances[instance as usize].actor_id };
-    let super_instance: Vec<i32> = glass.instance.iter().map(|i| id(*i)).collect();
-    // Every other sample of every other row lies on a pixel's centre.
-    let centers = (0..height).flat_map(|row| (0..width).map(move |column| (2 * row * width + column) * 2));
-    let semantic = |at: usize| match glass.instance[at] {
-        NO_HIT => Semantic::Sky as u8,
-        i => scene.instances[i as usize].material(glass.face[at]).semantic as u8,
-    };
-    Ok(Seen {
-        depth: centers.clone().map(|at| glass.depth[at]).collect(),
-        instance: centers.clone().map(|at| super_instance[at]).collect(),
-        semantic: centers.map(semantic).collect(),
-        super_instance,
-        opaque,
-        glass,
-    })
-}
-
 /// Gives what is seen its light and colour, and takes the picture.
 #[must_use]
 pub fn paint(scene: &PosedScene, view: &View, weather: &Weather, seen: Seen, stream: &mut Stream) -> Rendered {
     let (width, height) = (view.width, view.height);
     let mut scratch = SCRATCH.take();
     let rays = Rays::new(view);
-    seen_points(&rays, &seen.opaque, &seen.glass, &mut scratch.seen_world);
+    seen_points(&rays, &seen.samples.opaque, &seen.samples.glass, &mut scratch.seen_world);
     let light = light_of(scene, view, weather, &scratch.seen_world, std::mem::take(&mut scratch.shadows));
     let mut rgb = std::mem::take(&mut scratch.rgb);
-    Painter::new(scene, view, &rays, &light).paint(&seen.opaque, &seen.glass, &mut rgb);
+    Painter::new(scene, view, &rays, &light).paint(&seen.samples.opaque, &seen.samples.glass, &mut rgb);
     blur(&mut rgb, width, height, &mut scratch.blurred);
     add_veiling_glare(&mut rgb, VEILING_GLARE, 2.0 * light.sky.sky_on_level.y);
     let target = stream.clipped_normal(MEAN_LUMA.0, MEAN_LUMA.1) as f32;
     let gain = gain_for_mean_luma(&rgb, target, 19);
     let image = expose(&rgb, width, height, gain, stream);
     let shadows = light.shadows.map(Shadows::into_buffers).unwrap_or_default();
-    let Seen { depth, instance, semantic, super_instance, opaque, glass } = seen;
-    SCRATCH.set(Scratch { opaque: Some(opaque), glass: Some(glass), rgb, shadows, ..scratch });
+    SCRATCH.set(Scratch { rgb, shadows, ..scratch });
+    let Seen { depth, instance, semantic, super_instance, samples } = seen;
+    samples.recycle();
     Rendered { image, depth, instance, semantic, super_instance }
 }
 
@@ -175,51 +92,6 @@ fn light_of(scene: &PosedScene, view: &View, weather: &Weather, seen_world: &[Ve
         sky.has_shadows().then(|| Shadows::new(scene, eye, forward, sky.sun_world, Some(seen_world), buffers));
     let sky_view = SkyView::new(scene, eye, forward, seen_world);
     Light::new(weather, sky, shadows, sky_view)
-}
-
-/// World directions of the image's points, of length 1 along the optical axis.
-struct Rays {
-    eye: Vec3,
-    right: Vec3,
-    down: Vec3,
-    corner: Vec3,
-}
-
-impl Rays {
-    fn new(view: &View) -> Self {
-        let [fx, fy, cx, cy] = view.intrinsics;
-        let turn = |v: DVec3| (view.world_from_cam.rotation * v).as_vec3();
-        Self {
-            eye: view.world_from_cam.translation.as_vec3(),
-            right: turn(DVec3::X / fx),
-            down: turn(DVec3::Y / fy),
-            corner: turn(DVec3::new(-cx / fx, -cy / fy, 1.0)),
-        }
-    }
-
-    #[inline]
-    fn direction(&self, u: f32, v: f32) -> Vec3 {
-        self.corner + self.right * u + self.down * v
-    }
-}
-
-/// Points all over what the camera sees, one for every other pixel; panes apart from what stands behind.
-fn seen_points(rays: &Rays, opaque: &Hits, glass: &Hits, out: &mut Vec<Vec3>) {
-    out.clear();
-    for row in (0..opaque.rows).step_by(2) {
-        let start = row * opaque.columns;
-        // Like the squares of one colour on a chessboard.
-        for column in (row & 2..opaque.columns).step_by(4) {
-            let (solid, pane) = (opaque.depth[start + column], glass.depth[start + column]);
-            let direction = rays.direction(column as f32 * 0.5, row as f32 * 0.5);
-            if solid < f32::INFINITY {
-                out.push(rays.eye + direction * solid);
-            }
-            if pane < solid {
-                out.push(rays.eye + direction * pane);
-            }
-        }
-    }
 }
 
 /// What shading needs of an instance, in single precision.
