@@ -38,7 +38,7 @@ fn ideal_scans_agree_with_parrys_own_mesh() {
                 owner.push((index as u32, face as u32));
             }
         }
-        let mesh = TriMesh::new(scene.vertices_world.clone(), faces).expect("a valid mesh");
+        let mesh = TriMesh::new(scene.vertices_world().collect(), faces).expect("a valid mesh");
         let ideal = ideal_scan(&scene, &pose, &spec);
         let caster = RayCaster::new(Arc::clone(&scene));
         let rays = spec.rays();

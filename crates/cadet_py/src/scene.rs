@@ -202,7 +202,7 @@ impl Scene {
 
     fn triangles<'py>(&mut self, py: Python<'py>) -> Triangles<'py> {
         let posed = self.inner.triangles();
-        let vertices = posed.vertices_world.iter().map(|v| v.to_array()).collect();
+        let vertices = posed.vertices_world().map(|v| v.to_array()).collect();
         let (mut faces, mut actor_ids) = (Vec::new(), Vec::new());
         for instance in &posed.instances {
             let start = instance.vertices.start as u32;

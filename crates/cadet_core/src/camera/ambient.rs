@@ -82,6 +82,7 @@ impl SkyView {
         let mut top = vec![f32::NEG_INFINITY; CELLS * CELLS];
         let mut floor = vec![f32::INFINITY; CELLS * CELLS];
         let side = CELLS as f32 * CELL_M;
+        let mut points = Vec::new();
         for instance in &scene.instances {
             let (c, r) = (instance.center_world.as_vec3(), instance.radius_m as f32);
             if c.x + r < self.min[0]
@@ -91,7 +92,6 @@ impl SkyView {
             {
                 continue;
             }
-            let vertices = &scene.vertices_world[instance.vertices.clone()];
             let foot_z = c.z - 0.5 * instance.mesh.bounds.size().z;
             let is_plant = instance.palette.0.iter().any(|m| m.semantic == Semantic::Vegetation);
             let share = if is_plant { CROWN_SHARE } else { 1.0 };
@@ -101,7 +101,7 @@ impl SkyView {
                 top[i] = top[i].max(foot_z + (high - foot_z) * share);
             };
             let mesh = &instance.mesh;
-            let linear = instance.world_from_local.as_mat3();
+            let linear = instance.placement.rotation.as_mat3();
             for cluster in &mesh.clusters {
                 let c = instance.center_world.as_vec3() + linear * (cluster.center - mesh.bounds.center());
                 let (dx, dy, r) = (c.x - self.min[0], c.y - self.min[1], cluster.radius_m);
@@ -114,11 +114,11 @@ impl SkyView {
                     mark(cell(dx), cell(dy), c.z - 0.5 * r, c.z + 0.5 * r);
                     continue;
                 }
+                instance.pose_cluster(cluster, &mut points);
                 // Of a few cells, a part of the faces tells enough.
                 let step = if r < CELL_M { 4 } else { 1 };
                 for corners in cluster.corners.iter().step_by(step) {
-                    let face = corners.map(|i| cluster.vertices[usize::from(i)]);
-                    self.mark_face(face.map(|i| vertices[i as usize]), &mut mark);
+                    self.mark_face(corners.map(|i| points[usize::from(i)]), &mut mark);
                 }
             }
         }
@@ -255,7 +255,7 @@ impl SkyView {
                 continue; // wheels and limbs
             }
             let center = instance.center_world.as_vec3();
-            let axis = |v: DVec3| (instance.world_from_local * v).as_vec3();
+            let axis = |v: DVec3| (instance.placement.rotation * v).as_vec3();
             let blocker = Blocker {
                 center,
                 axis_x: axis(DVec3::X),

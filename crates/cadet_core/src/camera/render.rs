@@ -208,7 +208,7 @@ const OFFSETS: [(f32, f32); 4] = [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), 
 impl<'a> Painter<'a> {
     fn new(scene: &'a PosedScene, view: &'a View, rays: &'a Rays, light: &'a Light) -> Self {
         let placed = scene.instances.iter().map(|i| Placed {
-            world_from_local: i.world_from_local.as_mat3(),
+            world_from_local: i.placement.rotation.as_mat3(),
             place_hash: hash2((i.center_world.x * 8.0) as i32, (i.center_world.y * 8.0) as i32, 0x97AC),
         });
         let pixel_per_m = 1.0 / view.intrinsics[0] as f32;
@@ -315,9 +315,8 @@ impl<'a> Painter<'a> {
         let placed = &self.placed[instance as usize];
         let mesh = &posed.mesh;
         let corners = mesh.faces[face as usize].map(|i| i as usize);
-        let world = &self.scene.vertices_world[posed.vertices.clone()];
-        let origin = world[corners[0]];
-        let (e1, e2) = (world[corners[1]] - origin, world[corners[2]] - origin);
+        let [origin, b_world, c_world] = posed.corners_world(face);
+        let (e1, e2) = (b_world - origin, c_world - origin);
         let (d11, d12, d22) = (e1.dot(e1), e1.dot(e2), e2.dot(e2));
         let inverse = 1.0 / (d11 * d22 - d12 * d12).max(1e-20);
         let corners_local = corners.map(|i| mesh.vertices[i]);

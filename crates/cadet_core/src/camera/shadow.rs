@@ -145,9 +145,8 @@ impl Shadows {
                 continue;
             }
             let kinds: Vec<Caster> = instance.palette.0.iter().map(Caster::of).collect();
-            let light_from_local = light_from_world * instance.world_from_local.as_mat3();
+            let light_from_local = light_from_world * instance.placement.rotation.as_mat3();
             let origin = center - light_from_local * instance.mesh.bounds.center();
-            let vertices_world = &scene.vertices_world[instance.vertices.clone()];
             for cluster in &instance.mesh.clusters {
                 let center = light_from_local * cluster.center + origin;
                 // Far from the world's origin, single precision errs by millimetres.
@@ -155,8 +154,8 @@ impl Shadows {
                 if !maps.iter().any(|m| m.is_asked_in(center, radius)) {
                     continue;
                 }
-                points.clear();
-                points.extend(cluster.vertices.iter().map(|i| self.to_light(vertices_world[*i as usize])));
+                instance.pose_cluster(cluster, &mut points);
+                points.iter_mut().for_each(|p| *p = self.to_light(*p));
                 for map in maps.iter_mut().filter(|m| m.is_asked_in(center, radius)) {
                     map.draw_cluster(instance, cluster, &kinds, &points, self.sun_up());
                 }

@@ -1,5 +1,6 @@
 //! Small groups of neighbouring faces, for rejecting many triangles with one question.
 
+use super::lanes::{Lanes, lanes_of};
 use super::mesh::Bounds;
 use crate::math::Vec3;
 
@@ -17,6 +18,8 @@ pub struct Cluster {
     pub slots: u64,
     /// The mesh's vertices that the faces use.
     pub vertices: Vec<u32>,
+    /// Their local coordinates, by eights.
+    pub lanes: Vec<Lanes>,
     /// Corners of each face, as indices into `vertices`.
     pub corners: Vec<[u8; 3]>,
     /// The mesh's index of each face.
@@ -55,9 +58,9 @@ fn cluster(vertices: &[Vec3], faces: &[[u32; 3]], slots: &[u8], chunk: &[(u64, u
     used.sort_unstable();
     used.dedup();
     let place = |i: u32| used.partition_point(|u| *u < i) as u8;
-    let bounds = Bounds::of(used.iter().map(|i| vertices[*i as usize]));
-    let center = bounds.center();
-    let radius = used.iter().map(|i| vertices[*i as usize].distance(center)).fold(0.0, f32::max);
+    let points: Vec<Vec3> = used.iter().map(|i| vertices[*i as usize]).collect();
+    let center = Bounds::of(points.iter().copied()).center();
+    let radius = points.iter().map(|p| p.distance(center)).fold(0.0, f32::max);
     Cluster {
         center,
         radius_m: radius * 1.000_01 + 1e-6,
@@ -65,6 +68,7 @@ fn cluster(vertices: &[Vec3], faces: &[[u32; 3]], slots: &[u8], chunk: &[(u64, u
         corners: chunk.iter().map(|(_, f)| faces[*f as usize].map(place)).collect(),
         faces: chunk.iter().map(|(_, f)| *f).collect(),
         vertices: used,
+        lanes: lanes_of(&points),
     }
 }
 
@@ -89,7 +93,8 @@ mod tests {
                 assert_eq!(corners.map(|k| c.vertices[usize::from(k)]), mesh.faces[*face as usize]);
                 assert!(c.slots & slot_bit(mesh.slots[*face as usize]) != 0);
             }
-            for v in &c.vertices {
+            for (i, v) in c.vertices.iter().enumerate() {
+                assert_eq!(c.lanes[i / 8].map(|axis| axis[i % 8]), mesh.vertices[*v as usize].to_array());
                 assert!(mesh.vertices[*v as usize].distance(c.center) <= c.radius_m);
             }
         }

@@ -71,7 +71,7 @@ fn vertex_bounds(scene: &PosedScene, actor_id: i32, camera: &CameraModel, world_
     let mut bounds: Option<[f64; 4]> = None;
     let (mut any_behind, mut any_in_front) = (false, false);
     for instance in scene.instances.iter().filter(|i| i.actor_id == actor_id) {
-        for vertex in &scene.vertices_world[instance.vertices.clone()] {
+        for vertex in instance.vertices_world() {
             let p: DVec3 = cam_from_world.rotation * vertex.as_dvec3() + cam_from_world.translation;
             match camera.project(p).filter(|_| p.z > 0.05) {
                 Some(pixel) => {

@@ -3,13 +3,8 @@
 use std::ops::Range;
 
 use super::edges::EdgePlanes;
+use crate::geometry::{LANES, Lanes};
 use crate::math::{DPose3, DVec3, Vec3};
-
-/// How many vertices are projected together, so that the compiler can use its vector registers.
-pub const LANES: usize = 8;
-
-/// The x, y and z of [`LANES`] points, in the grid's own frame.
-pub type Lanes = [[f32; LANES]; 3];
 
 /// One beam of a grid: the points `origin_world + depth * direction_world` with depth > 0.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,9 +1,9 @@
 //! The visibility kernel: which triangle each beam of a grid meets first.
 
 use super::edges::EdgePlanes;
-use super::grid::{BeamGrid, LANES, Lanes, Window};
+use super::grid::{BeamGrid, Window};
 use super::posed::{PosedInstance, PosedScene};
-use crate::geometry::{Cluster, slot_bit};
+use crate::geometry::{Cluster, LANES, Lanes, slot_bit};
 use crate::math::{DMat3, Mat3, Vec3};
 
 /// The instance and the face of a beam that meets nothing.
@@ -116,7 +116,7 @@ fn visible_clusters<G: BeamGrid>(
         if slots == 0 || windows.iter().all(Window::is_empty) {
             continue;
         }
-        let grid_from_local = to_grid.rotation * instance.world_from_local;
+        let grid_from_local = to_grid.rotation * instance.placement.rotation;
         let origin_grid = center_grid - grid_from_local * instance.mesh.bounds.center().as_dvec3();
         let (linear, offset) = (grid_from_local.as_mat3(), origin_grid.as_vec3());
         for (number, cluster) in instance.mesh.clusters.iter().enumerate() {
@@ -151,6 +151,7 @@ struct Caster<'a, G: BeamGrid> {
 /// The vertices of one cluster, in the grid's frame and on the grid.
 #[derive(Default)]
 struct Scratch<F> {
+    points_world: Vec<Vec3>,
     points_grid: Vec<Vec3>,
     footprints: Vec<F>,
 }
@@ -174,8 +175,7 @@ impl<G: BeamGrid> Caster<'_, G> {
     fn cast_cluster(&mut self, item: &Visible) {
         let instance = &self.scene.instances[item.instance as usize];
         let cluster = &instance.mesh.clusters[item.cluster as usize];
-        let vertices_world = &self.scene.vertices_world[instance.vertices.clone()];
-        self.project(cluster, vertices_world);
+        self.project(instance, cluster);
         let slots = slots_of_layer(instance, self.layer);
         // Bit 63 may stand for several slots.
         let uniform = cluster.slots & !slots == 0 && cluster.slots >> 63 == 0;
@@ -195,7 +195,7 @@ impl<G: BeamGrid> Caster<'_, G> {
                 continue;
             }
             let exact = |i: usize| {
-                let p = vertices_world[cluster.vertices[i] as usize].as_dvec3();
+                let p = self.scratch.points_world[i].as_dvec3();
                 self.to_grid.rotation * (p - self.to_grid.origin_world)
             };
             let exact = [exact(i), exact(j), exact(k)];
@@ -208,17 +208,19 @@ impl<G: BeamGrid> Caster<'_, G> {
         }
     }
 
-    fn project(&mut self, cluster: &Cluster, vertices_world: &[Vec3]) {
+    fn project(&mut self, instance: &PosedInstance, cluster: &Cluster) {
+        self.scratch.points_world.clear();
         self.scratch.points_grid.clear();
         self.scratch.footprints.clear();
-        for chunk in cluster.vertices.chunks(LANES) {
-            // A short last chunk repeats its first vertex; nobody looks at the copies.
-            let gathered = std::array::from_fn(|i| vertices_world[chunk[if i < chunk.len() { i } else { 0 }] as usize]);
-            let lanes = self.to_grid.lanes(&gathered);
+        for local in &cluster.lanes {
+            let world = instance.placement.pose_lanes(local);
+            let lanes = self.to_grid.lanes(&world);
             let mut footprints = [G::Footprint::default(); LANES];
             self.grid.footprints(&lanes, &mut footprints);
             self.scratch.footprints.extend_from_slice(&footprints);
-            self.scratch.points_grid.extend((0..LANES).map(|i| Vec3::new(lanes[0][i], lanes[1][i], lanes[2][i])));
+            let points = |[x, y, z]: Lanes| (0..LANES).map(move |i| Vec3::new(x[i], y[i], z[i]));
+            self.scratch.points_world.extend(points(world));
+            self.scratch.points_grid.extend(points(lanes));
         }
     }
 }
@@ -257,12 +259,12 @@ impl ToGrid {
 
     /// [`LANES`] points; the origin in two parts keeps the difference of large coordinates exact.
     #[inline]
-    fn lanes(&self, vertices_world: &[Vec3; LANES]) -> Lanes {
+    fn lanes(&self, [x, y, z]: &Lanes) -> Lanes {
         let mut d = [[0.0_f32; LANES]; 3];
         for i in 0..LANES {
-            d[0][i] = (vertices_world[i].x - self.origin_high.x) - self.origin_low.x;
-            d[1][i] = (vertices_world[i].y - self.origin_high.y) - self.origin_low.y;
-            d[2][i] = (vertices_world[i].z - self.origin_high.z) - self.origin_low.z;
+            d[0][i] = (x[i] - self.origin_high.x) - self.origin_low.x;
+            d[1][i] = (y[i] - self.origin_high.y) - self.origin_low.y;
+            d[2][i] = (z[i] - self.origin_high.z) - self.origin_low.z;
         }
         let [cx, cy, cz] = [self.rotation_f32.x_axis, self.rotation_f32.y_axis, self.rotation_f32.z_axis];
         let mut out = [[0.0_f32; LANES]; 3];

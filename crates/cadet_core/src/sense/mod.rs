@@ -10,9 +10,9 @@ mod turret;
 mod turret_table;
 
 pub use edges::EdgePlanes;
-pub use grid::{Beam, BeamGrid, LANES, Lanes, Window};
+pub use grid::{Beam, BeamGrid, Window};
 pub use kernel::{Hits, Layer, NO_HIT, cast};
 pub use pinhole::PinholeGrid;
-pub use posed::{PosedInstance, PosedScene};
+pub use posed::{Placement, PosedInstance, PosedScene};
 pub use raycast::{RayCaster, RayHit};
 pub use turret::{TurretGrid, TurretRing};

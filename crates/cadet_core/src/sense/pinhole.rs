@@ -3,8 +3,9 @@
 use std::ops::Range;
 
 use super::edges::EdgePlanes;
-use super::grid::{Beam, BeamGrid, LANES, Lanes, Window, tangents_of_circle};
+use super::grid::{Beam, BeamGrid, Window, tangents_of_circle};
 use crate::error::{Error, Result, finite};
+use crate::geometry::{LANES, Lanes};
 use crate::math::{DPose3, DVec3, Vec3};
 
 /// Samples of an image: row r, column c lies at `u = u0 + c * du`, `v = v0 + r * dv`, where the beam's direction is

@@ -59,14 +59,12 @@ impl RayCaster {
             let over_faces = by_mesh
                 .entry(Arc::as_ptr(&posed.mesh) as usize)
                 .or_insert_with(|| Arc::new(tree_over_faces(&posed.mesh)));
-            let middle_local = posed.mesh.bounds.center().as_dvec3();
             instances.push(LocalFrame {
-                local_from_world: posed.world_from_local.transpose(),
-                origin_world: posed.center_world - posed.world_from_local * middle_local,
+                local_from_world: posed.placement.rotation.transpose(),
+                origin_world: posed.placement.translation,
                 over_faces: Arc::clone(over_faces),
             });
-            let points = scene.vertices_world[posed.vertices.clone()].iter().copied();
-            boxes.push(Aabb::from_points(points).loosened(LOOSE_M));
+            boxes.push(Aabb::from_points(posed.vertices_world()).loosened(LOOSE_M));
         }
         let over_instances = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
         Self { scene, over_instances, instances }

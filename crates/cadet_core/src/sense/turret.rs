@@ -4,9 +4,10 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::edges::EdgePlanes;
-use super::grid::{Beam, BeamGrid, LANES, Lanes, Window, tangents_of_circle};
+use super::grid::{Beam, BeamGrid, Window, tangents_of_circle};
 use super::turret_table::{AZIMUTH_MARGIN, NARROW_RAD, POLAR, SortedRow, TURN, Table, azimuth_of};
 use crate::error::{Error, Result, finite};
+use crate::geometry::{LANES, Lanes};
 use crate::math::{self, DPose3, DVec3, TAU, Vec3};
 
 /// Columns that a wide window is searched by.
