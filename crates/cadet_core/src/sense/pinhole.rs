@@ -18,9 +18,9 @@ pub struct PinholeGrid {
     /// (v - cy) / fy of every row, rising.
     rows_y: Vec<f64>,
     /// Column = x / z * scale + offset, and the same for rows.
-    column_scale: f64,
-    column_offset: f64,
-    row_scale: f64,
+    pub(super) column_scale: f64,
+    pub(super) column_offset: f64,
+    pub(super) row_scale: f64,
     row_offset: f64,
 }
 
@@ -208,6 +208,27 @@ impl BeamGrid for PinholeGrid {
 }
 
 impl PinholeGrid {
+    /// x / z of every column, and of some that would follow.
+    pub(super) fn padded_columns_x(&self, more: usize) -> Vec<f64> {
+        let beyond = (0..more).map(|i| ((self.columns_x.len() + i) as f64 - self.column_offset) / self.column_scale);
+        self.columns_x.iter().copied().chain(beyond).collect()
+    }
+
+    /// y / z of a row.
+    #[inline]
+    pub(super) fn row_y(&self, row: usize) -> f64 {
+        self.rows_y[row]
+    }
+
+    /// The columns of a row that pass the test of all edges, among `columns`.
+    #[cold]
+    pub(super) fn span(&self, edges: &[DVec3; 3], y: f64, mut columns: Range<usize>) -> Range<usize> {
+        for e in edges {
+            self.narrow(&mut columns, e.x, e.y * y + e.z);
+        }
+        columns
+    }
+
     /// Drops the columns where `slope * x + rest` is negative, and no other: rounding keeps the order of what it
     /// rounds, so that the sum changes its sign once in a row and it is enough to look there.
     #[inline]
