@@ -113,8 +113,8 @@ pub fn look(scene: &PosedScene, view: &View) -> Result<Seen> {
 /// World directions of the image's points, of length 1 along the optical axis.
 pub(super) struct Rays {
     pub eye: Vec3,
-    right: Vec3,
-    down: Vec3,
+    pub right: Vec3,
+    pub down: Vec3,
     corner: Vec3,
 }
 
