@@ -2,9 +2,11 @@
 
 mod ambient;
 mod exposure;
+mod faces;
 mod look;
 mod model;
 mod noise;
+mod paint;
 mod pattern;
 pub mod png;
 mod render;

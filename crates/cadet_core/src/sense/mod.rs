@@ -19,4 +19,4 @@ pub use posed::{Placement, PosedInstance, PosedScene};
 pub use raster::draw;
 pub use raycast::{RayCaster, RayHit};
 pub use turret::{TurretGrid, TurretRing};
-pub use visibility_buffer::{DrawnFace, Surfaces, VisibilityBuffer};
+pub use visibility_buffer::{Block, DrawnFace, Quad, VisibilityBuffer};

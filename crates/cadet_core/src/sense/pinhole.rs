@@ -21,7 +21,7 @@ pub struct PinholeGrid {
     pub(super) column_scale: f64,
     pub(super) column_offset: f64,
     pub(super) row_scale: f64,
-    row_offset: f64,
+    pub(super) row_offset: f64,
 }
 
 /// How far the single-precision projection may err, in samples.
@@ -208,10 +208,30 @@ impl BeamGrid for PinholeGrid {
 }
 
 impl PinholeGrid {
-    /// x / z of every column, and of some that would follow.
-    pub(super) fn padded_columns_x(&self, more: usize) -> Vec<f64> {
-        let beyond = (0..more).map(|i| ((self.columns_x.len() + i) as f64 - self.column_offset) / self.column_scale);
+    /// x / z of every column.
+    #[must_use]
+    pub fn columns_x(&self) -> &[f64] {
+        &self.columns_x
+    }
+
+    /// y / z of every row.
+    #[must_use]
+    pub fn rows_y(&self) -> &[f64] {
+        &self.rows_y
+    }
+
+    /// x / z of every column, and of those that would follow up to a multiple of `block`.
+    pub(super) fn padded_columns_x(&self, block: usize) -> Vec<f64> {
+        let n = self.columns_x.len();
+        let beyond = (n..n.next_multiple_of(block)).map(|i| (i as f64 - self.column_offset) / self.column_scale);
         self.columns_x.iter().copied().chain(beyond).collect()
+    }
+
+    /// y / z of every row, and of those that would follow up to a multiple of `block`.
+    pub(super) fn padded_rows_y(&self, block: usize) -> Vec<f64> {
+        let n = self.rows_y.len();
+        let beyond = (n..n.next_multiple_of(block)).map(|i| (i as f64 - self.row_offset) / self.row_scale);
+        self.rows_y.iter().copied().chain(beyond).collect()
     }
 
     /// y / z of a row.

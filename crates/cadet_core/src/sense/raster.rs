@@ -4,34 +4,39 @@
 //! compared as 1 / z, which is affine on the image; rows find their spans together; a hierarchy of depths hides clusters
 //! and triangles; and panes are drawn in the same pass as what is solid.
 
-use std::ops::Range;
-
 use multiversion::multiversion;
 
 use super::edges::EdgePlanes;
 use super::grid::{BeamGrid, Window};
 use super::pinhole::PinholeGrid;
 use super::posed::{PosedInstance, PosedScene};
-use super::visibility_buffer::{DrawnFace, LANES, Surfaces, VisibilityBuffer};
-use crate::geometry::{Cluster, slot_bit};
+use super::visibility_buffer::{BLOCK, Block, CLEARLY, DrawnFace, VisibilityBuffer};
+use crate::geometry::{Cluster, LANES, slot_bit};
 use crate::math::{DMat3, DVec3, Vec3};
 
-/// Draws all triangles of a scene as the samples of `grid` see them; `buffer` forgets what it held.
+/// Draws the triangles of the instances that `keep` accepts as the samples of `grid` see them; `buffer` forgets what it
+/// held.
 ///
 /// Of two surfaces at the same depth the earlier instance and face is seen. Triangles have two sides. The order of the
 /// work does not show in the outcome.
-pub fn draw(scene: &PosedScene, grid: &PinholeGrid, buffer: &mut VisibilityBuffer) {
+pub fn draw(
+    scene: &PosedScene,
+    grid: &PinholeGrid,
+    keep: impl Fn(&PosedInstance) -> bool,
+    buffer: &mut VisibilityBuffer,
+) {
     buffer.reset(grid.rows(), grid.columns());
     let pose = grid.world_from_grid();
     let cam_from_world = DMat3::from_quat(pose.rotation).transpose();
-    let near_first = clusters_in_view(scene, grid, cam_from_world, pose.translation);
+    let near_first = clusters_in_view(scene, grid, keep, cam_from_world, pose.translation);
     let mut drawer = Drawer {
         scene,
         grid,
         buffer,
         cam_from_world,
         eye_world: pose.translation,
-        columns_x: grid.padded_columns_x(LANES),
+        columns_x: grid.padded_columns_x(BLOCK),
+        rows_y: grid.padded_rows_y(BLOCK),
         corners: Vec::new(),
     };
     draw_clusters(&mut drawer, &near_first);
@@ -47,9 +52,18 @@ struct InView {
     glass: u64,
 }
 
-fn clusters_in_view(scene: &PosedScene, grid: &PinholeGrid, cam_from_world: DMat3, eye_world: DVec3) -> Vec<InView> {
+fn clusters_in_view(
+    scene: &PosedScene,
+    grid: &PinholeGrid,
+    keep: impl Fn(&PosedInstance) -> bool,
+    cam_from_world: DMat3,
+    eye_world: DVec3,
+) -> Vec<InView> {
     let mut out = Vec::new();
     for (index, instance) in scene.instances.iter().enumerate() {
+        if !keep(instance) {
+            continue;
+        }
         let center_cam = cam_from_world * (instance.center_world - eye_world);
         let radius_m = loosened(instance.radius_m as f32, center_cam.as_vec3());
         let ([window, _], _) = grid.sphere_windows(center_cam.as_vec3(), radius_m);
@@ -97,8 +111,9 @@ struct Drawer<'a> {
     buffer: &'a mut VisibilityBuffer,
     cam_from_world: DMat3,
     eye_world: DVec3,
-    /// As the grid's, and [`LANES`] more.
+    /// As the grid's, to the ends of the last blocks.
     columns_x: Vec<f64>,
+    rows_y: Vec<f64>,
     corners: Vec<Corner>,
 }
 
@@ -118,7 +133,8 @@ impl Drawer<'_> {
         let cluster = &instance.mesh.clusters[item.cluster as usize];
         self.project(instance, cluster);
         // Bit 63 may stand for several slots.
-        let is_mixed = (cluster.slots & item.glass != 0 && cluster.slots & !item.glass != 0) || cluster.slots >> 63 != 0;
+        let is_mixed =
+            (cluster.slots & item.glass != 0 && cluster.slots & !item.glass != 0) || cluster.slots >> 63 != 0;
         for (corners, face) in cluster.corners.iter().zip(&cluster.faces) {
             let corners = corners.map(|i| self.corners[usize::from(i)]);
             let ([window, _], z_m) = (
@@ -132,9 +148,8 @@ impl Drawer<'_> {
             if planes.volume == 0.0 {
                 continue;
             }
-            let is_pane =
-                if is_mixed { instance.material(*face).is_glass() } else { cluster.slots & item.glass != 0 };
-            self.draw_face(&planes, &window, item.instance, *face, is_pane);
+            let is_pane = if is_mixed { instance.material(*face).is_glass() } else { cluster.slots & item.glass != 0 };
+            self.draw_face(&planes, &window, z_m, item.instance, *face, is_pane);
         }
     }
 
@@ -148,11 +163,8 @@ impl Drawer<'_> {
             let mut cam = [[0.0_f64; LANES]; 3];
             let mut lanes = [[0.0_f32; LANES]; 3];
             for i in 0..LANES {
-                let [x, y, z] = [
-                    f64::from(world[0][i]) - o.x,
-                    f64::from(world[1][i]) - o.y,
-                    f64::from(world[2][i]) - o.z,
-                ];
+                let [x, y, z] =
+                    [f64::from(world[0][i]) - o.x, f64::from(world[1][i]) - o.y, f64::from(world[2][i]) - o.z];
                 cam[0][i] = r.x_axis.x * x + r.y_axis.x * y + r.z_axis.x * z;
                 cam[1][i] = r.x_axis.y * x + r.y_axis.y * y + r.z_axis.y * z;
                 cam[2][i] = r.x_axis.z * x + r.y_axis.z * y + r.z_axis.z * z;
@@ -169,52 +181,63 @@ impl Drawer<'_> {
     }
 
     #[inline(always)]
-    fn draw_face(&mut self, planes: &EdgePlanes, window: &Window, instance: u32, face: u32, is_pane: bool) {
+    fn draw_face(&mut self, planes: &EdgePlanes, window: &Window, z_m: f32, instance: u32, face: u32, is_pane: bool) {
         let sign = if planes.volume > 0.0 { 1.0 } else { -1.0 };
         let edges = planes.cross.map(|n| n * sign);
         let normal = planes.normal * sign;
         let volume = planes.volume.abs();
-        let per_volume = 1.0 / volume;
         let id = self.buffer.faces.len() as u32;
         self.buffer.faces.push(DrawnFace { instance, face, normal: normal.to_array(), volume });
-        let (slope, down, rest) = (normal.x * per_volume, normal.y * per_volume, normal.z * per_volume);
+        let plane = normal * (1.0 / volume);
+        // A block's nearness changes by so much from its middle to a corner.
+        let half = (BLOCK - 1) as f64 / 2.0;
+        let reach = half * (plane.x.abs() / self.grid.column_scale + plane.y.abs() / self.grid.row_scale);
         let spans = Spans::new(&edges, self.grid, window);
-        let stride = self.buffer.stride;
-        let layer = if is_pane { &mut self.buffer.panes } else { &mut self.buffer.solid };
-        let mut drawn = false;
-        let mut first = window.rows.start;
-        while first < window.rows.end {
-            let batch = spans.of_rows(first);
-            for i in 0..LANES.min(window.rows.end - first) {
-                let row = first + i;
-                let mut columns = batch.start[i] as usize..batch.end[i] as usize;
-                let y = self.grid.row_y(row);
-                if batch.doubt[i] != 0 {
-                    columns = self.grid.span(&edges, y, window.columns.clone());
+        for block_row in window.rows.start / BLOCK..=(window.rows.end - 1) / BLOCK {
+            let top = block_row * BLOCK;
+            let Some(rows_y) = self.rows_y[top..].first_chunk::<BLOCK>() else { return };
+            let mut batch = spans.of_rows(top);
+            batch.settle_doubts(self.grid, &edges, rows_y, window, top);
+            let (start, end) = batch.columns(window, top);
+            if start >= end {
+                continue;
+            }
+            let mut rests = [0.0; BLOCK];
+            for i in 0..BLOCK {
+                rests[i] = plane.y * rows_y[i] + plane.z;
+            }
+            let middle = (rests[0] + rests[BLOCK - 1]) * 0.5 + reach;
+            for block_column in start as usize / BLOCK..=(end as usize - 1) / BLOCK {
+                let left = block_column * BLOCK;
+                let Some(x) = self.columns_x[left..].first_chunk::<BLOCK>() else { return };
+                let number = block_row * self.buffer.blocks_across + block_column;
+                // The largest nearness of the plane on the block.
+                let most = (plane.x * (x[0] + x[BLOCK - 1]) * 0.5 + middle) as f32;
+                if self.buffer.floors[number] > most * CLEARLY || self.buffer.is_block_hidden(number, z_m) {
+                    continue;
                 }
-                if columns.start < columns.end {
-                    let rest = down * y + rest;
-                    let span = Span { base: row * stride, columns, slope, rest, id };
-                    drawn |= draw_span(layer, &span, &self.columns_x, &self.buffer.faces);
+                let layer = if is_pane { &mut self.buffer.panes } else { &mut self.buffer.solid };
+                let outcome = draw_block(&mut layer[number], &batch, left as u32, x, plane.x, &rests, id);
+                if Outcome::any(&outcome.equal) {
+                    settle_ties(&mut layer[number], &batch, left as u32, x, plane.x, &rests, id, &self.buffer.faces);
+                }
+                if is_pane {
+                    self.buffer.has_panes[number] = true;
+                } else {
+                    self.buffer.stale[number] |= Outcome::any(&outcome.nearer);
                 }
             }
-            first += LANES;
-        }
-        if drawn && is_pane {
-            self.buffer.mark_panes(window);
-        } else if drawn {
-            self.buffer.mark_stale(window);
         }
     }
 }
 
 /// Where the edges of a triangle cut the rows of its window.
 struct Spans {
-    /// Column plus one where each edge cuts the window's first row, and how much further it does a row below. Edges that
-    /// bound the left come first.
+    /// Column plus one where each edge cuts the first row, and how much further it does a row below.
     at: [f64; 3],
     step: [f64; 3],
     bounds_left: [bool; 3],
+    /// The first row of the window's first block.
     first_row: usize,
     least: f64,
     most: f64,
@@ -235,7 +258,8 @@ const ROUNDER: f64 = 6_755_399_441_055_744.0;
 impl Spans {
     #[inline(always)]
     fn new(edges: &[DVec3; 3], grid: &PinholeGrid, window: &Window) -> Self {
-        let y = grid.row_y(window.rows.start);
+        let first_row = window.rows.start / BLOCK * BLOCK;
+        let y = grid.row_y(first_row);
         let (mut at, mut step, mut bounds_left) = ([0.0; 3], [0.0; 3], [false; 3]);
         let mut doubt = 1e-6_f64;
         for k in 0..3 {
@@ -252,7 +276,7 @@ impl Spans {
             at,
             step,
             bounds_left,
-            first_row: window.rows.start,
+            first_row,
             least: window.columns.start as f64 + 0.5,
             most: window.columns.end as f64 + 0.5,
             doubt,
@@ -286,64 +310,151 @@ impl Spans {
             // Both count columns plus one.
             batch.start[i] = (start_rounded.to_bits() as u32).wrapping_sub(1);
             batch.end[i] = end_rounded.to_bits() as u32;
-            let is_sure = ((start - (start_rounded - ROUNDER)).abs() <= sure)
-                & ((end - (end_rounded - ROUNDER)).abs() <= sure);
+            let is_sure =
+                ((start - (start_rounded - ROUNDER)).abs() <= sure) & ((end - (end_rounded - ROUNDER)).abs() <= sure);
             batch.doubt[i] = u32::from(!is_sure);
         }
         batch
     }
 }
 
-/// A piece of a row that a face covers.
-struct Span {
-    /// Where the row starts.
-    base: usize,
-    columns: Range<usize>,
-    /// Nearness = slope * x + rest.
-    slope: f64,
-    rest: f64,
-    id: u32,
-}
-
-#[inline(always)]
-fn draw_span(layer: &mut Surfaces, span: &Span, columns_x: &[f64], faces: &[DrawnFace]) -> bool {
-    let mut drawn = false;
-    let mut column = span.columns.start;
-    while column < span.columns.end {
-        let at = span.base + column;
-        let (Some(x), Some(nearness), Some(id)) = (
-            columns_x[column..].first_chunk::<LANES>(),
-            layer.nearness[at..].first_chunk_mut::<LANES>(),
-            layer.face[at..].first_chunk_mut::<LANES>(),
-        ) else {
-            return drawn;
-        };
-        let left = (span.columns.end - column) as u32;
-        let mut value = [0.0_f32; LANES];
-        let mut nearer = [0_u32; LANES];
-        let mut equal = [0_u32; LANES];
-        for i in 0..LANES {
-            value[i] = (span.slope * x[i] + span.rest) as f32;
-            let inside = (i as u32) < left;
-            nearer[i] = if inside & (value[i] > nearness[i]) { u32::MAX } else { 0 };
-            equal[i] = if inside & (value[i] == nearness[i]) { u32::MAX } else { 0 };
+impl Batch {
+    /// Looks exactly where a cut lies too near to a sample.
+    #[inline(always)]
+    fn settle_doubts(
+        &mut self,
+        grid: &PinholeGrid,
+        edges: &[DVec3; 3],
+        rows_y: &[f64; BLOCK],
+        window: &Window,
+        top: usize,
+    ) {
+        if self.doubt.iter().fold(0, |all, d| all | d) == 0 {
+            return;
         }
-        if equal.iter().fold(0, |all, e| all | e) != 0 {
-            let key = |id: u32| (faces[id as usize].instance, faces[id as usize].face);
-            for i in 0..LANES {
-                if equal[i] != 0 && key(span.id) < key(id[i]) {
-                    nearer[i] = u32::MAX;
-                }
+        for i in 0..BLOCK {
+            if self.doubt[i] != 0 && window.rows.contains(&(top + i)) {
+                let columns = grid.span(edges, rows_y[i], window.columns.clone());
+                (self.start[i], self.end[i]) = (columns.start as u32, columns.end as u32);
             }
         }
-        let mut any = 0;
-        for i in 0..LANES {
-            any |= nearer[i];
-            nearness[i] = if nearer[i] != 0 { value[i] } else { nearness[i] };
-            id[i] = if nearer[i] != 0 { span.id } else { id[i] };
-        }
-        drawn |= any != 0;
-        column += LANES;
     }
-    drawn
+
+    /// Empties the rows outside of the window and finds the columns of the others.
+    #[inline(always)]
+    fn columns(&mut self, window: &Window, top: usize) -> (u32, u32) {
+        let (first, last) = (window.rows.start.max(top) - top, window.rows.end.min(top + BLOCK) - top);
+        let (mut start, mut end) = (u32::MAX, 0);
+        for i in 0..BLOCK {
+            let is_out = (i as u32) < first as u32 || i as u32 >= last as u32 || self.start[i] >= self.end[i];
+            self.start[i] |= u32::from(is_out).wrapping_neg();
+            self.end[i] &= u32::from(!is_out).wrapping_neg();
+        }
+        for i in 0..BLOCK {
+            start = start.min(self.start[i]);
+            end = end.max(self.end[i]);
+        }
+        (start, end)
+    }
 }
+
+/// What came of drawing, by lanes: not 0 where something was nearer, and where something was at the same depth.
+#[derive(Default)]
+struct Outcome {
+    nearer: [u32; BLOCK],
+    equal: [u32; BLOCK],
+}
+
+impl Outcome {
+    #[inline(always)]
+    fn any(lanes: &[u32; BLOCK]) -> bool {
+        lanes.iter().fold(0, |all, lane| all | lane) != 0
+    }
+}
+
+/// Draws the spans of a batch on the block whose first column is `left`; nearness = slope * x + rest.
+#[inline(always)]
+fn draw_block(
+    block: &mut Block,
+    batch: &Batch,
+    left: u32,
+    x: &[f64; BLOCK],
+    slope: f64,
+    rests: &[f64; BLOCK],
+    id: u32,
+) -> Outcome {
+    let mut outcome = Outcome::default();
+    for row in 0..BLOCK {
+        let (start, end) = (batch.start[row].max(left) - left, batch.end[row].min(left + 8).saturating_sub(left));
+        if start >= end {
+            continue;
+        }
+        let outside = &OUTSIDE[(start & 7) as usize][(end & 15) as usize];
+        let (old, old_ids) = (block.nearness[row], block.face[row]);
+        let mut value = [0.0_f32; BLOCK];
+        for i in 0..BLOCK {
+            // NaN outside, which is neither nearer nor equal.
+            value[i] = f32::from_bits(((slope * x[i] + rests[row]) as f32).to_bits() | outside[i]);
+        }
+        let (mut nearer, mut new, mut new_ids) = ([0; BLOCK], [0.0; BLOCK], [0; BLOCK]);
+        for i in 0..BLOCK {
+            nearer[i] = u32::from(value[i] > old[i]).wrapping_neg();
+        }
+        for i in 0..BLOCK {
+            new[i] = if value[i] > old[i] { value[i] } else { old[i] };
+        }
+        for i in 0..BLOCK {
+            new_ids[i] = id & nearer[i] | old_ids[i] & !nearer[i];
+        }
+        (block.nearness[row], block.face[row]) = (new, new_ids);
+        for i in 0..BLOCK {
+            outcome.nearer[i] |= nearer[i];
+        }
+        for i in 0..BLOCK {
+            outcome.equal[i] |= u32::from(value[i] == old[i]).wrapping_neg();
+        }
+    }
+    outcome
+}
+
+/// Gives the samples of a block that two faces meet at the same depth to the earlier one.
+#[cold]
+fn settle_ties(
+    block: &mut Block,
+    batch: &Batch,
+    left: u32,
+    x: &[f64; BLOCK],
+    slope: f64,
+    rests: &[f64; BLOCK],
+    id: u32,
+    faces: &[DrawnFace],
+) {
+    let key = |id: u32| (faces[id as usize].instance, faces[id as usize].face);
+    for row in 0..BLOCK {
+        for i in 0..BLOCK {
+            let inside = (batch.start[row]..batch.end[row]).contains(&(left + i as u32));
+            let value = (slope * x[i] + rests[row]) as f32;
+            let owner = &mut block.face[row][i];
+            if inside && value == block.nearness[row][i] && value > 0.0 && key(id) < key(*owner) {
+                *owner = id;
+            }
+        }
+    }
+}
+
+/// For each start and end of a span, all bits of the lanes outside.
+static OUTSIDE: [[[u32; BLOCK]; 16]; BLOCK] = {
+    let mut out = [[[0; BLOCK]; 16]; BLOCK];
+    let (mut start, mut end, mut lane) = (0, 0, 0);
+    while start < BLOCK {
+        out[start][end][lane] = if lane < start || lane >= end { u32::MAX } else { 0 };
+        lane += 1;
+        if lane == BLOCK {
+            (lane, end) = (0, end + 1);
+        }
+        if end == 16 {
+            (end, start) = (0, start + 1);
+        }
+    }
+    out
+};
