@@ -46,7 +46,7 @@ impl Block {
     /// Two by two samples, the first at an even row and column of the block.
     #[inline]
     fn quad(&self, row: usize, column: usize) -> Quad {
-        let (row, column) = (row % BLOCK & !1, column % BLOCK & !1);
+        let (row, column) = ((row % BLOCK) & !1, (column % BLOCK) & !1);
         let at = |line: &[f32; BLOCK]| [line[column], line[column + 1]];
         let of = |line: &[u32; BLOCK]| [line[column], line[column + 1]];
         let ([a, b], [c, d]) = (at(&self.nearness[row]), at(&self.nearness[row + 1]));
