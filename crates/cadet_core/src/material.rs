@@ -103,6 +103,23 @@ pub enum Pattern {
     Cloth,
 }
 
+impl Pattern {
+    /// All of them, in their order.
+    pub const ALL: [Self; 11] = [
+        Self::Plain,
+        Self::Asphalt,
+        Self::Slabs,
+        Self::Blocks,
+        Self::Bricks,
+        Self::Render,
+        Self::Tiles,
+        Self::Grass,
+        Self::Leaves,
+        Self::Wood,
+        Self::Cloth,
+    ];
+}
+
 /// A surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Material {
