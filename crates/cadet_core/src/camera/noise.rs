@@ -13,7 +13,7 @@ const NEIGHBOUR: f32 = 0.187;
 pub const MIDDLE_PX: f32 = 0.25;
 /// Sigma of the point spread in pixels: with the pixel's own width the power at 0.2 to 0.45 cycles a pixel is that of
 /// KITTI's frames.
-const PSF_SIGMA_PX: f32 = 0.62;
+const PSF_SIGMA_PX: f32 = 0.64;
 
 /// Blurs interleaved linear RGB by the lens's point spread, in place, moving it by `MIDDLE_PX` onto the pixels' centres.
 ///

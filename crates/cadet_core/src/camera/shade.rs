@@ -8,7 +8,7 @@ use multiversion::multiversion;
 use super::ambient::SkyView;
 use super::faces::{Face, Flags, Kind};
 use super::pattern::{self, PatternPoint};
-use super::shadow::Shadows;
+use super::shadow::{Asked, Shadows, TOGETHER};
 use super::sky::Sky;
 use crate::material::Pattern;
 use crate::math::Vec3;
@@ -149,12 +149,12 @@ pub struct Lanes {
 }
 
 #[inline(always)]
-fn get(lanes: &Lane3, i: usize) -> Vec3 {
+fn get<const N: usize>(lanes: &[[f32; N]; 3], i: usize) -> Vec3 {
     Vec3::new(lanes[0][i], lanes[1][i], lanes[2][i])
 }
 
 #[inline(always)]
-fn put(lanes: &mut Lane3, i: usize, v: Vec3) {
+fn put<const N: usize>(lanes: &mut [[f32; N]; 3], i: usize, v: Vec3) {
     (lanes[0][i], lanes[1][i], lanes[2][i]) = (v.x, v.y, v.z);
 }
 
@@ -272,16 +272,20 @@ impl Lanes {
                 put(&mut self.to_b, i, face.to_b);
                 put(&mut self.to_c, i, face.to_c);
             }
-            put(&mut self.axis_u, i, face.axes[0]);
-            put(&mut self.axis_v, i, face.axes[1]);
-            (self.at_origin[0][i], self.at_origin[1][i]) = (face.at_origin[0], face.at_origin[1]);
+            if kind.pattern != Pattern::Plain {
+                put(&mut self.axis_u, i, face.axes[0]);
+                put(&mut self.axis_v, i, face.axes[1]);
+                (self.at_origin[0][i], self.at_origin[1][i]) = (face.at_origin[0], face.at_origin[1]);
+            }
+            if kind.pattern == Pattern::Leaves {
+                (self.face_hash[i], self.place_hash[i]) = (face.face_hash, face.place_hash);
+            }
             put(&mut self.albedo, i, face.albedo);
             if kind.is_glossy || kind.is_pane {
                 put(&mut self.metal, i, face.albedo);
                 (self.specular[i], self.roughness[i]) = (face.specular, face.roughness);
                 self.transmission[i] = face.transmission;
             }
-            (self.face_hash[i], self.place_hash[i]) = (face.face_hash, face.place_hash);
             self.flags[i] = face.flags;
             for (lane, o) in self.open.iter_mut().zip(&open[hit.open as usize]) {
                 lane[i] = *o;
@@ -302,12 +306,17 @@ impl Lanes {
         self.near[..n].fill(1.0);
         let is_leaf = kind.pattern == Pattern::Leaves;
         if let Some(shadows) = &light.shadows {
-            for i in 0..n {
-                let faces_sun = self.cos_face[i] > 0.0 && (self.cos_sun[i] > 0.0 || kind.is_pane);
-                if is_leaf || faces_sun {
-                    let point_world = eye + get(&self.point, i);
-                    self.lit[i] = shadows.sunlit(point_world, get(&self.face_normal, i), self.cos_face[i]);
+            for start in (0..n).step_by(TOGETHER) {
+                let mut asked = Asked::default();
+                for k in 0..TOGETHER {
+                    let i = start + k;
+                    put(&mut asked.points_world, k, eye + get(&self.point, i));
+                    put(&mut asked.normals, k, get(&self.face_normal, i));
+                    asked.cos_sun[k] = self.cos_face[i];
+                    let faces_sun = self.cos_face[i] > 0.0 && (self.cos_sun[i] > 0.0 || kind.is_pane);
+                    asked.is_asked[k] = i < n && (is_leaf || faces_sun);
                 }
+                self.lit[start..start + TOGETHER].copy_from_slice(&shadows.sunlit_together(&asked));
             }
         }
         for i in 0..n {
