@@ -6,7 +6,7 @@ use crate::actor::ObjectClass;
 use crate::assets::vehicle::UserVehicles;
 use crate::camera::{Rendered, Seen, View, look, paint};
 use crate::error::{Error, Result, finite};
-use crate::label::{ImageBuffers, LabelConfig, Labeled, count_points, label_actors, may_label, road_plane_cam};
+use crate::label::{LabelConfig, Labeled, count_points, label_actors, may_label, road_plane_cam};
 use crate::lidar::{IdealScan, LidarSpec, Scan, ideal_scan, scan};
 use crate::math::{DPose3, DVec3};
 use crate::rig::Rig;
@@ -260,9 +260,8 @@ impl Scene {
         let (posed, snapshot) = (self.triangles(), Arc::clone(&self.sensed().snapshot));
         let view = View::new(&self.rig.camera, &world_from_cam);
         let seen = look(&posed, &view)?;
-        let buffers = ImageBuffers { depth: &seen.depth, super_instance: &seen.super_instance };
         let camera = &self.rig.camera;
-        let labels = label_actors(&self.label, &snapshot.actors, &posed, camera, &world_from_cam, buffers);
+        let labels = label_actors(&self.label, &snapshot.actors, &posed, camera, &world_from_cam, &seen);
         Ok((view, seen, labels))
     }
 

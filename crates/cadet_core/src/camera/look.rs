@@ -6,7 +6,7 @@ use super::CameraModel;
 use crate::error::Result;
 use crate::material::Semantic;
 use crate::math::{DPose3, DVec3, Vec3};
-use crate::sense::{Hits, Layer, NO_HIT, PinholeGrid, PosedScene, cast};
+use crate::sense::{PinholeGrid, PosedScene, VisibilityBuffer, draw};
 
 /// A pinhole camera at a place.
 #[derive(Debug, Clone)]
@@ -46,34 +46,35 @@ pub struct Seen {
     pub instance: Vec<i32>,
     /// [`Semantic`] as a byte.
     pub semantic: Vec<u8>,
-    /// As `instance`, at twice the width and height: samples at each pixel's centre and 0.5 px to the right and below.
-    pub super_instance: Vec<i32>,
-    /// Four samples a pixel.
+    /// Two by two samples a pixel, the first on its centre.
     pub(super) samples: Samples,
+    /// Of the scene's instances.
+    actor_ids: Vec<i32>,
 }
 
-/// What the samples of all pixels meet, two by two a pixel.
-#[derive(Debug)]
-pub(super) struct Samples {
-    /// What is solid.
-    pub opaque: Hits,
-    /// The panes before it, and what is solid where there are none.
-    pub glass: Hits,
+impl Seen {
+    /// As `instance`, at a sample of twice the width and height: at each pixel's centre and 0.5 px to the right and
+    /// below.
+    #[inline]
+    #[must_use]
+    pub fn actor_at_sample(&self, row: usize, column: usize) -> i32 {
+        self.samples.0.front(row, column).map_or(-1, |(face, _)| self.actor_ids[face.instance as usize])
+    }
 }
+
+/// What the samples of all pixels see.
+#[derive(Debug)]
+pub(super) struct Samples(pub VisibilityBuffer);
 
 thread_local! {
     /// Memory that a thread keeps from frame to frame: touching fresh pages costs as much as the casting.
-    static SPARE: RefCell<Option<Samples>> = const { RefCell::new(None) };
+    static SPARE: RefCell<VisibilityBuffer> = RefCell::default();
 }
 
-impl Samples {
-    fn spare() -> Self {
-        SPARE.take().unwrap_or_else(|| Self { opaque: Hits::new(0, 0), glass: Hits::new(0, 0) })
-    }
-
-    /// Keeps the memory for the thread's next frame.
-    pub fn recycle(self) {
-        SPARE.set(Some(self));
+impl Drop for Samples {
+    fn drop(&mut self) {
+        // Without the thread's storage, as at its end, there is no next frame either.
+        let _ = SPARE.try_with(|spare| spare.replace(std::mem::take(&mut self.0)));
     }
 }
 
@@ -84,30 +85,30 @@ impl Samples {
 pub fn look(scene: &PosedScene, view: &View) -> Result<Seen> {
     let (width, height) = (view.width, view.height);
     let samples = PinholeGrid::new(view.world_from_cam, view.intrinsics, [0.0, 0.0, 0.5, 0.5], height * 2, width * 2)?;
-    let Samples { mut opaque, mut glass } = Samples::spare();
-    opaque.clear();
-    cast(scene, &samples, Layer::Opaque, |_| true, &mut opaque);
-    // Only panes before what is solid matter: they alone replace it.
-    (glass.rows, glass.columns) = (opaque.rows, opaque.columns);
-    glass.depth.clone_from(&opaque.depth);
-    glass.instance.clone_from(&opaque.instance);
-    glass.face.clone_from(&opaque.face);
-    cast(scene, &samples, Layer::Glass, |_| true, &mut glass);
-    let id = |instance: u32| if instance == NO_HIT { -1 } else { scene.instances[instance as usize].actor_id };
-    let super_instance: Vec<i32> = glass.instance.iter().map(|i| id(*i)).collect();
-    // Every other sample of every other row lies on a pixel's centre.
-    let centers = (0..height).flat_map(|row| (0..width).map(move |column| (2 * row * width + column) * 2));
-    let semantic = |at: usize| match glass.instance[at] {
-        NO_HIT => Semantic::Sky as u8,
-        i => scene.instances[i as usize].material(glass.face[at]).semantic as u8,
-    };
-    Ok(Seen {
-        depth: centers.clone().map(|at| glass.depth[at]).collect(),
-        instance: centers.clone().map(|at| super_instance[at]).collect(),
-        semantic: centers.map(semantic).collect(),
-        super_instance,
-        samples: Samples { opaque, glass },
-    })
+    let mut buffer = SPARE.take();
+    draw(scene, &samples, |_| true, &mut buffer);
+    let mut depth = vec![f32::INFINITY; width * height];
+    let mut instance = vec![-1; width * height];
+    let mut semantic = vec![Semantic::Sky as u8; width * height];
+    let (columns_x, rows_y) = (samples.columns_x(), samples.rows_y());
+    // Neighbours mostly show the same face.
+    let mut last = (u32::MAX, -1, Semantic::Sky as u8);
+    for row in 0..height {
+        for column in 0..width {
+            // Every other sample of every other row lies on a pixel's centre.
+            let Some((number, _)) = buffer.front_number(2 * row, 2 * column) else { continue };
+            let face = &buffer.faces[number as usize];
+            if last.0 != number {
+                let posed = &scene.instances[face.instance as usize];
+                last = (number, posed.actor_id, posed.material(face.face).semantic as u8);
+            }
+            let at = row * width + column;
+            depth[at] = face.depth_at(columns_x[2 * column], rows_y[2 * row]);
+            (instance[at], semantic[at]) = (last.1, last.2);
+        }
+    }
+    let actor_ids = scene.instances.iter().map(|i| i.actor_id).collect();
+    Ok(Seen { depth, instance, semantic, samples: Samples(buffer), actor_ids })
 }
 
 /// World directions of the image's points, of length 1 along the optical axis.
@@ -136,20 +137,20 @@ impl Rays {
     }
 }
 
-/// Points all over what the camera sees, one for every other pixel; panes apart from what stands behind.
-pub(super) fn seen_points(rays: &Rays, opaque: &Hits, glass: &Hits, out: &mut Vec<Vec3>) {
+/// Points all over what the camera sees, one for every fourth pixel of each row; panes apart from what stands behind.
+pub(super) fn seen_points(rays: &Rays, samples: &Samples, out: &mut Vec<Vec3>) {
     out.clear();
-    for row in (0..opaque.rows).step_by(2) {
-        let start = row * opaque.columns;
-        // Like the squares of one colour on a chessboard.
-        for column in (row & 2..opaque.columns).step_by(4) {
-            let (solid, pane) = (opaque.depth[start + column], glass.depth[start + column]);
+    let buffer = &samples.0;
+    for row in (0..buffer.rows).step_by(2) {
+        // Each row begins elsewhere, so that what is upright and thin is not passed by.
+        for column in ([0, 4, 2, 6][row / 2 % 4]..buffer.columns).step_by(8) {
+            let solid = buffer.solid_quad(row, column);
             let direction = rays.direction(column as f32 * 0.5, row as f32 * 0.5);
-            if solid < f32::INFINITY {
-                out.push(rays.eye + direction * solid);
+            if solid.nearness[0] > 0.0 {
+                out.push(rays.eye + direction * (1.0 / solid.nearness[0]));
             }
-            if pane < solid {
-                out.push(rays.eye + direction * pane);
+            if let Some(pane) = buffer.pane_quad(row, column, &solid).filter(|p| p.nearness[0] > solid.nearness[0]) {
+                out.push(rays.eye + direction * (1.0 / pane.nearness[0]));
             }
         }
     }

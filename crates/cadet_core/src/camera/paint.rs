@@ -7,7 +7,7 @@ use super::look::{Rays, Samples, View};
 use super::noise::MIDDLE_PX;
 use super::shade::{Camera, Hit, LANES, Lanes, Light, NO_SLOT};
 use super::sky::SkyRows;
-use crate::sense::{Hits, NO_HIT, PosedScene};
+use crate::sense::{NO_HIT, PosedScene, Quad, VisibilityBuffer};
 
 /// Rows whose hits are collected before they are shaded.
 pub(super) const BAND: usize = 8;
@@ -159,43 +159,28 @@ impl Painter<'_> {
         columns: Range<usize>,
         rgb: &mut [f32],
     ) {
-        let Samples { opaque, glass } = samples;
+        let buffer = &samples.0;
         let row = first_row + row_in_band;
-        let two = 2 * self.width;
-        let lines = [2 * row * two..(2 * row + 1) * two, (2 * row + 1) * two..(2 * row + 2) * two];
-        let solid = lines.clone().map(|l| &opaque.depth[l]);
-        let pane = lines.clone().map(|l| &glass.depth[l]);
-        let instances = lines.clone().map(|l| &opaque.instance[l]);
-        let faces = lines.map(|l| &opaque.face[l]);
         let v = row as f32 + MIDDLE_PX;
         for column in columns {
-            let (a, b) = (2 * column, 2 * column + 1);
             let pixel = (row_in_band * self.width + column) as u32;
             let u = column as f32 + MIDDLE_PX;
-            let has_pane = pane[0][a] < solid[0][a]
-                || pane[0][b] < solid[0][b]
-                || pane[1][a] < solid[1][a]
-                || pane[1][b] < solid[1][b];
-            if has_pane {
-                self.collect_behind_panes(opaque, glass, 2 * row * two + a, pixel, u, v, rgb);
+            let solid = buffer.solid_quad(2 * row, 2 * column);
+            if let Some(panes) = buffer.pane_quad(2 * row, 2 * column, &solid) {
+                self.collect_behind_panes(buffer, &solid, &panes, pixel, u, v, rgb);
                 continue;
             }
-            let (face, instance) = (faces[0][a], instances[0][a]);
-            let is_one_face = face == faces[0][b] && face == faces[1][a] && face == faces[1][b];
-            let is_one_instance =
-                instance == instances[0][b] && instance == instances[1][a] && instance == instances[1][b];
-            if is_one_face && is_one_instance {
-                if instance == NO_HIT {
+            if solid.is_one_face() {
+                if solid.face[0] == NO_HIT {
                     let color = self.sky.at(column, row, self.rays, self.light);
                     rgb[pixel as usize * 3..pixel as usize * 3 + 3].copy_from_slice(&color);
                 } else {
-                    let depth = (solid[0][a] + solid[0][b] + solid[1][a] + solid[1][b]) * 0.25;
-                    self.collect(instance, face, pixel, NO_SLOT, 1.0, u, v, depth);
+                    let (instance, face) = identity(buffer, solid.face[0]);
+                    self.collect(instance, face, pixel, NO_SLOT, 1.0, u, v, solid.mean_depth());
                 }
                 continue;
             }
-            let start = 2 * row * two + a;
-            let parts = self.parts(opaque, [start, start + 1, start + two, start + two + 1]);
+            let parts = self.parts(buffer, &solid);
             for part in parts.into_iter().flatten() {
                 let weight = part.weight * 0.25;
                 if part.instance == NO_HIT {
@@ -223,31 +208,28 @@ impl Painter<'_> {
     /// A pixel some of whose samples lie behind panes: sample by sample, unless all four agree.
     fn collect_behind_panes(
         &mut self,
-        opaque: &Hits,
-        glass: &Hits,
-        start: usize,
+        buffer: &VisibilityBuffer,
+        solid: &Quad,
+        panes: &Quad,
         pixel: u32,
         u: f32,
         v: f32,
         rgb: &mut [f32],
     ) {
-        let two = 2 * self.width;
-        let at = [start, start + 1, start + two, start + two + 1];
-        let before = |i: usize| glass.depth[i] < opaque.depth[i];
-        let same = |hits: &Hits| {
-            at[1..].iter().all(|i| hits.face[*i] == hits.face[start] && hits.instance[*i] == hits.instance[start])
-        };
-        if at.iter().all(|i| before(*i)) && same(opaque) && same(glass) {
-            let mean = |hits: &Hits| at.iter().map(|i| hits.depth[*i]).sum::<f32>() * 0.25;
-            self.collect_pane(opaque, glass, start, pixel, 1.0, u, v, [mean(opaque), mean(glass)]);
+        let before = |i: usize| panes.nearness[i] > solid.nearness[i];
+        if (0..4).all(before) && solid.is_one_face() && panes.is_one_face() {
+            let depths = [solid.mean_depth(), panes.mean_depth()];
+            self.collect_pane(buffer, [solid.face[0], panes.face[0]], pixel, 1.0, u, v, depths);
             return;
         }
-        for (i, (du, dv)) in at.into_iter().zip(OFFSETS) {
+        for (i, (du, dv)) in OFFSETS.into_iter().enumerate() {
             let (u, v) = (u + du, v + dv);
+            let depths = [1.0 / solid.nearness[i], 1.0 / panes.nearness[i]];
             if before(i) {
-                self.collect_pane(opaque, glass, i, pixel, 0.25, u, v, [opaque.depth[i], glass.depth[i]]);
-            } else if opaque.instance[i] != NO_HIT {
-                self.collect(opaque.instance[i], opaque.face[i], pixel, NO_SLOT, 0.25, u, v, opaque.depth[i]);
+                self.collect_pane(buffer, [solid.face[i], panes.face[i]], pixel, 0.25, u, v, depths);
+            } else if solid.face[i] != NO_HIT {
+                let (instance, face) = identity(buffer, solid.face[i]);
+                self.collect(instance, face, pixel, NO_SLOT, 0.25, u, v, depths[0]);
             } else {
                 let color = self.sky.at(u as usize, v as usize, self.rays, self.light);
                 for (sum, c) in rgb[pixel as usize * 3..pixel as usize * 3 + 3].iter_mut().zip(color) {
@@ -259,9 +241,8 @@ impl Painter<'_> {
 
     fn collect_pane(
         &mut self,
-        opaque: &Hits,
-        glass: &Hits,
-        at: usize,
+        buffer: &VisibilityBuffer,
+        [solid, pane]: [u32; 2],
         pixel: u32,
         weight: f32,
         u: f32,
@@ -269,13 +250,15 @@ impl Painter<'_> {
         [depth, pane_depth]: [f32; 2],
     ) {
         let slot = self.behind.len() as u32;
-        if opaque.instance[at] == NO_HIT {
+        if solid == NO_HIT {
             self.behind.push(self.sky.at(u as usize, v as usize, self.rays, self.light));
         } else {
             self.behind.push([0.0; 3]);
-            self.collect(opaque.instance[at], opaque.face[at], pixel, slot, 1.0, u, v, depth);
+            let (instance, face) = identity(buffer, solid);
+            self.collect(instance, face, pixel, slot, 1.0, u, v, depth);
         }
-        let face = self.faces.index(glass.instance[at], glass.face[at]);
+        let (instance, face) = identity(buffer, pane);
+        let face = self.faces.index(instance, face);
         let open = self.faces.open_index(face, u, v, pane_depth);
         let kind = self.faces.faces[face as usize].kind;
         self.panes.push((kind, Hit { face, open, pixel, slot, weight, u, v, depth: pane_depth }));
@@ -284,10 +267,11 @@ impl Painter<'_> {
     /// Collects a pixel's samples by face: one shading each. Leaves of one plant are shaded as one, by the first: they
     /// differ without order.
     #[inline]
-    fn parts(&self, hits: &Hits, at: [usize; 4]) -> [Option<Part>; 4] {
+    fn parts(&self, buffer: &VisibilityBuffer, solid: &Quad) -> [Option<Part>; 4] {
         let mut out: [Option<Part>; 4] = [None; 4];
-        'samples: for (i, (du, dv)) in at.into_iter().zip(OFFSETS) {
-            let (instance, face, depth) = (hits.instance[i], hits.face[i], hits.depth[i]);
+        'samples: for (i, (du, dv)) in OFFSETS.into_iter().enumerate() {
+            let (instance, face) = identity(buffer, solid.face[i]);
+            let depth = 1.0 / solid.nearness[i];
             for slot in &mut out {
                 let Some(part) = slot else {
                     *slot = Some(Part { instance, face, weight: 1.0, count: 1.0, du, dv, depth });
@@ -312,4 +296,14 @@ impl Painter<'_> {
         }
         out
     }
+}
+
+/// Instance and face of a drawn face.
+#[inline]
+fn identity(buffer: &VisibilityBuffer, number: u32) -> (u32, u32) {
+    if number == NO_HIT {
+        return (NO_HIT, NO_HIT);
+    }
+    let drawn = &buffer.faces[number as usize];
+    (drawn.instance, drawn.face)
 }

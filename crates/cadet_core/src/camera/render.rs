@@ -27,8 +27,6 @@ pub struct Rendered {
     pub instance: Vec<i32>,
     /// [`Semantic`] as a byte.
     pub semantic: Vec<u8>,
-    /// As `instance`, at twice the width and height: samples at each pixel's centre and 0.5 px to the right and below.
-    pub super_instance: Vec<i32>,
 }
 
 /// Share of the mean radiance that lens and housing scatter over the image; no pixel counts for more than twice the sky's
@@ -66,7 +64,7 @@ pub fn paint(scene: &PosedScene, view: &View, weather: &Weather, seen: Seen, str
     let (width, height) = (view.width, view.height);
     let mut scratch = SCRATCH.take();
     let rays = Rays::new(view);
-    seen_points(&rays, &seen.samples.opaque, &seen.samples.glass, &mut scratch.seen_world);
+    seen_points(&rays, &seen.samples, &mut scratch.seen_world);
     let light = light_of(scene, view, weather, &scratch.seen_world, std::mem::take(&mut scratch.shadows));
     let mut rgb = std::mem::take(&mut scratch.rgb);
     paint_radiance(scene, view, &rays, &light, &seen.samples, &mut rgb);
@@ -78,9 +76,8 @@ pub fn paint(scene: &PosedScene, view: &View, weather: &Weather, seen: Seen, str
     let image = expose(&rgb, width, height, veil, WHITE_BALANCE.map(|g| g * gain), stream);
     let shadows = light.shadows.map(Shadows::into_buffers).unwrap_or_default();
     SCRATCH.set(Scratch { rgb, shadows, ..scratch });
-    let Seen { depth, instance, semantic, super_instance, samples } = seen;
-    samples.recycle();
-    Rendered { image, depth, instance, semantic, super_instance }
+    let Seen { depth, instance, semantic, .. } = seen;
+    Rendered { image, depth, instance, semantic }
 }
 
 /// Sun, sky, shadows and openness around a view.

@@ -2,9 +2,9 @@
 
 use multiversion::multiversion;
 
-use crate::geometry::Cluster;
+use crate::geometry::{Cluster, LANES};
 use crate::material::Material;
-use crate::math::{DVec3, Mat3, Vec3};
+use crate::math::{DMat3, DVec3, Mat3, Vec3};
 use crate::sense::{PosedInstance, PosedScene};
 
 /// Texels along a side of each map.
@@ -101,7 +101,7 @@ impl Shadows {
             });
         }
         shadows.mark_seen(seen_world);
-        shadows.draw(scene);
+        draw_casters(scene, &shadows.light_from_world(), &mut shadows.maps);
         shadows
     }
 
@@ -137,43 +137,14 @@ impl Shadows {
         Vec3::new(self.right.dot(p), self.up.dot(p), self.sun.dot(p))
     }
 
-    fn draw(&mut self, scene: &PosedScene) {
-        let mut maps = std::mem::take(&mut self.maps);
-        let light_from_world = Mat3::from_cols(self.right, self.up, self.sun).transpose();
-        let mut points: Vec<Vec3> = Vec::new();
-        for instance in &scene.instances {
-            let center = self.to_light(instance.center_world.as_vec3());
-            if !maps.iter().any(|m| m.is_asked_in(center, instance.radius_m as f32)) {
-                continue;
-            }
-            let kinds: Vec<Caster> = instance.palette.0.iter().map(Caster::of).collect();
-            let light_from_local = light_from_world * instance.placement.rotation.as_mat3();
-            let origin = center - light_from_local * instance.mesh.bounds.center();
-            for cluster in &instance.mesh.clusters {
-                let center = light_from_local * cluster.center + origin;
-                // Far from the world's origin, single precision errs by millimetres.
-                let radius = cluster.radius_m + 0.01;
-                if !maps.iter().any(|m| m.is_asked_in(center, radius)) {
-                    continue;
-                }
-                instance.pose_cluster(cluster, &mut points);
-                points.iter_mut().for_each(|p| *p = self.to_light(*p));
-                for map in maps.iter_mut().filter(|m| m.is_asked_in(center, radius)) {
-                    map.draw_cluster(instance, cluster, &kinds, &points, self.sun_up());
-                }
-            }
-        }
-        self.maps = maps;
-    }
-
-    /// The world's z axis in light coordinates.
-    fn sun_up(&self) -> Vec3 {
-        Vec3::new(self.right.z, self.up.z, self.sun.z)
+    /// The light's frame from the world's.
+    fn light_from_world(&self) -> DMat3 {
+        DMat3::from_cols(self.right.as_dvec3(), self.up.as_dvec3(), self.sun.as_dvec3()).transpose()
     }
 
     /// Share of the sun that reaches a point, 0..1: `normal` is the unit geometric normal towards the viewer's side,
     /// `cos_sun` its cosine to the sun.
-    #[inline]
+    #[cfg(test)]
     #[must_use]
     pub fn sunlit(&self, point_world: Vec3, normal: Vec3, cos_sun: f32) -> f32 {
         for (index, map) in self.maps.iter().enumerate() {
@@ -290,6 +261,31 @@ fn place(light_axes: &[Vec3; 3], min: [f32; 2], texel_m: f32, texels_per_m: f32,
     out
 }
 
+/// Draws all that may shade what the camera sees.
+#[multiversion(targets("x86_64+avx2"))]
+fn draw_casters(scene: &PosedScene, light_from_world: &DMat3, maps: &mut [Map]) {
+    let mut corners: Vec<Vec3> = Vec::new();
+    for instance in &scene.instances {
+        let center = (*light_from_world * instance.center_world).as_vec3();
+        if !maps.iter().any(|m| m.is_asked_in(center, instance.radius_m as f32)) {
+            continue;
+        }
+        let kinds: Vec<Caster> = instance.palette.0.iter().map(Caster::of).collect();
+        let light_from_local = *light_from_world * instance.placement.rotation;
+        let origin = (*light_from_world * instance.placement.translation).as_vec3();
+        let light_from_local = light_from_local.as_mat3();
+        for cluster in &instance.mesh.clusters {
+            let center = light_from_local * cluster.center + origin;
+            // Far from the world's origin, single precision errs by millimetres.
+            let radius = cluster.radius_m + 0.01;
+            for map in maps.iter_mut().filter(|m| m.is_asked_in(center, radius)) {
+                map.project(cluster, &light_from_local, origin, &mut corners);
+                map.draw_cluster(instance, cluster, &kinds, &corners, light_from_world.z_axis.as_vec3());
+            }
+        }
+    }
+}
+
 /// Texels along a map's rim that are not asked: the next map knows them.
 const MARGIN: f32 = 8.0;
 
@@ -341,6 +337,25 @@ impl Map {
         self.seen.any([texel(x - r), texel(y - r)], [texel(x + r), texel(y + r)])
     }
 
+    /// Puts a cluster's vertices into `out`: x and y in texels, z in metres.
+    #[inline(always)]
+    fn project(&self, cluster: &Cluster, light_from_local: &Mat3, origin: Vec3, out: &mut Vec<Vec3>) {
+        let (m, scale) = (light_from_local, self.texels_per_m);
+        let (x0, y0) = (origin.x - self.min[0], origin.y - self.min[1]);
+        out.clear();
+        for local in &cluster.lanes {
+            let mut light = [[0.0; LANES]; 3];
+            for i in 0..LANES {
+                let [x, y, z] = [local[0][i], local[1][i], local[2][i]];
+                light[0][i] = (m.x_axis.x * x + m.y_axis.x * y + m.z_axis.x * z + x0) * scale;
+                light[1][i] = (m.x_axis.y * x + m.y_axis.y * y + m.z_axis.y * z + y0) * scale;
+                light[2][i] = m.x_axis.z * x + m.y_axis.z * y + m.z_axis.z * z + origin.z;
+            }
+            out.extend((0..LANES).map(|i| Vec3::new(light[0][i], light[1][i], light[2][i])));
+        }
+    }
+
+    #[inline(always)]
     fn draw_cluster(
         &mut self,
         instance: &PosedInstance,
@@ -353,7 +368,7 @@ impl Map {
             let corners = corners.map(|i| points[usize::from(i)]);
             let kind = kinds[usize::from(instance.mesh.slots[*face as usize])];
             let is_level = || {
-                let [a, b, c] = corners;
+                let [a, b, c] = corners.map(|p| Vec3::new(p.x * self.texel_m, p.y * self.texel_m, p.z));
                 let normal = (b - a).cross(c - a);
                 let rise = normal.dot(up);
                 rise * rise > 0.9 * normal.length_squared()
@@ -382,11 +397,9 @@ impl Map {
         (first + rest) * (1.0 / 12.0)
     }
 
-    #[inline]
-    fn triangle(&mut self, corners: [Vec3; 3]) {
-        let to_texels =
-            |p: Vec3| Vec3::new((p.x - self.min[0]) * self.texels_per_m, (p.y - self.min[1]) * self.texels_per_m, p.z);
-        let [a, b, c] = corners.map(to_texels);
+    /// Raises the texels whose middles lie within a triangle; x and y in texels.
+    #[inline(always)]
+    fn triangle(&mut self, [a, b, c]: [Vec3; 3]) {
         let (min_x, max_x) = (a.x.min(b.x).min(c.x), a.x.max(b.x).max(c.x));
         let (min_y, max_y) = (a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y));
         let size = SIZE as f32;
@@ -427,35 +440,33 @@ impl Map {
             }
             return;
         }
+        // Rows are cut by the edges; nothing is tested within a span.
+        let edges = [(bx, by, 0.0), (cx, cy, 0.0), (-bx - cx, -by - cy, 1.0)];
+        let inverse = edges.map(|(slope, ..)| -1.0 / slope);
         for y in y0..y1 {
             let dy = y as f32 + 0.5 - a.y;
-            let row = &mut self.height[y * SIZE..(y + 1) * SIZE];
-            // Solve the three edges for the span of x: no test inside the loop.
             let (mut lo, mut hi) = (x0 as f32 + 0.5 - a.x, x1 as f32 - 0.5 - a.x);
-            let mut clip = |slope: f32, at: f32| {
+            for ((slope, down, offset), inverse) in edges.into_iter().zip(inverse) {
                 // slope * dx + at >= 0
+                let at = offset + down * dy;
+                let cut = at * inverse;
                 if slope > 0.0 {
-                    lo = lo.max(-at / slope);
+                    lo = if cut > lo { cut } else { lo };
                 } else if slope < 0.0 {
-                    hi = hi.min(-at / slope);
+                    hi = if cut < hi { cut } else { hi };
                 } else if at < 0.0 {
                     hi = f32::NEG_INFINITY;
                 }
-            };
-            clip(bx, by * dy);
-            clip(cx, cy * dy);
-            clip(-bx - cx, 1.0 - (by + cy) * dy);
+            }
             if lo > hi {
                 continue;
             }
             let from = (lo + a.x + 0.5).max(x0 as f32) as usize;
             let to = ((hi + a.x + 0.5).max(0.0) as usize).min(x1);
-            let mut z = a.z + zy * dy + zx * (from as f32 + 0.5 - a.x);
-            for texel in row.get_mut(from..to).into_iter().flatten() {
-                if z > *texel {
-                    *texel = z;
-                }
-                z += zx;
+            let first = a.z + zy * dy + zx * (from as f32 + 0.5 - a.x);
+            for (texel, i) in self.height[y * SIZE..][..SIZE].get_mut(from..to).into_iter().flatten().zip(0_i32..) {
+                let z = first + zx * i as f32;
+                *texel = if z > *texel { z } else { *texel };
             }
         }
     }
