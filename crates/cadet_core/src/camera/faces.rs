@@ -122,8 +122,9 @@ const NONE: (u32, u32, u32) = (u32::MAX, u32::MAX, 0);
 const SHARED_PX: (f32, f32) = (8.0, 4.0);
 /// Leaves of a plant share it in squares of `1 << CROWN_SHIFT` pixels.
 const CROWN_SHIFT: u32 = 3;
-/// Faces are forgotten when there are so many.
-const MAX_FACES: usize = 3000;
+/// Faces and visibilities are forgotten when there are so many.
+const MAX_FACES: usize = 6000;
+const MAX_OPEN: usize = 16_000;
 
 impl<'a> Faces<'a> {
     pub fn new(scene: &'a PosedScene, view: &View, rays: &'a Rays, light: &'a Light) -> Self {
@@ -142,7 +143,7 @@ impl<'a> Faces<'a> {
             light,
             rays,
             faces: Vec::with_capacity(2 * MAX_FACES),
-            open: Vec::with_capacity(2 * MAX_FACES),
+            open: Vec::with_capacity(2 * MAX_OPEN),
             recent: vec![NONE; RECENT],
             recent_crowns: vec![NONE; RECENT_CROWNS],
         }
@@ -150,7 +151,7 @@ impl<'a> Faces<'a> {
 
     /// Drops what has been made if it has become so much that it leaves the cache.
     pub fn forget_if_many(&mut self) {
-        if self.faces.len().max(self.open.len()) > MAX_FACES {
+        if self.faces.len() > MAX_FACES || self.open.len() > MAX_OPEN {
             self.faces.clear();
             self.open.clear();
             self.recent.fill(NONE);

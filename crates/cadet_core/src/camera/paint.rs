@@ -1,5 +1,7 @@
 //! Gives what the camera's samples meet its colour: hits are collected by kind in bands of rows and shaded together.
 
+use std::ops::Range;
+
 use super::faces::{Faces, Kind};
 use super::look::{Rays, Samples, View};
 use super::noise::MIDDLE_PX;
@@ -8,7 +10,9 @@ use super::sky::SkyRows;
 use crate::sense::{NO_HIT, PosedScene, Quad, VisibilityBuffer};
 
 /// Rows whose hits are collected before they are shaded.
-const BAND: usize = 4;
+pub(super) const BAND: usize = 8;
+/// Columns of a band that are collected together: what lies together in the image shares faces and shadow texels.
+const BLOCK: usize = 64;
 /// From the middle of a pixel's four samples, which lies `MIDDLE_PX` right and below of its centre; the point spread
 /// takes that back.
 const OFFSETS: [(f32, f32); 4] = [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)];
@@ -80,7 +84,11 @@ impl Painter<'_> {
         let rows = rgb.len() / (3 * self.width);
         for row in 0..rows {
             self.air_of_row(row, first_row + row);
-            self.collect_row(samples, first_row, row, rgb);
+        }
+        for start in (0..self.width).step_by(BLOCK) {
+            for row in 0..rows {
+                self.collect_row(samples, first_row, row, start..(start + BLOCK).min(self.width), rgb);
+            }
         }
         let (faces, open) = (std::mem::take(&mut self.faces.faces), std::mem::take(&mut self.faces.open));
         for (kind, hits) in self.hits.iter_mut().enumerate() {
@@ -143,11 +151,18 @@ impl Painter<'_> {
         }
     }
 
-    fn collect_row(&mut self, samples: &Samples, first_row: usize, row_in_band: usize, rgb: &mut [f32]) {
+    fn collect_row(
+        &mut self,
+        samples: &Samples,
+        first_row: usize,
+        row_in_band: usize,
+        columns: Range<usize>,
+        rgb: &mut [f32],
+    ) {
         let buffer = &samples.0;
         let row = first_row + row_in_band;
         let v = row as f32 + MIDDLE_PX;
-        for column in 0..self.width {
+        for column in columns {
             let pixel = (row_in_band * self.width + column) as u32;
             let u = column as f32 + MIDDLE_PX;
             let solid = buffer.solid_quad(2 * row, 2 * column);

@@ -166,7 +166,7 @@ pub fn albedo(pattern: Pattern, base: Vec3, at: &PatternPoint) -> Vec3 {
             let blades = 0.42 * grain(u, v, px, 0.015, 61) + 0.25 * grain(u * 0.37, v * 0.37, px, 0.05, 64);
             let tufts = 0.5 * (value_noise(u * 1.3, v * 1.3, 62) - 0.5) * keep(0.8, px);
             let dry = value_noise(u * 0.3, v * 0.3, 63);
-            let tint = Vec3::new(1.0 + 0.5 * dry * dry, 1.0, 1.0 - 0.2 * dry);
+            let tint = Vec3::new(0.96 + 0.45 * dry * dry, 1.0, 1.25 - 0.2 * dry);
             base * tint * (1.0 + blades + tufts).max(0.15)
         }
         Pattern::Leaves => {
@@ -176,7 +176,7 @@ pub fn albedo(pattern: Pattern, base: Vec3, at: &PatternPoint) -> Vec3 {
             let spread = 0.45 + 1.15 * leaf * leaf;
             // A card holds many leaves: grain inside of it while it is large in the image.
             let inside = 1.0 + 0.55 * grain(u, v, px, 0.04, at.face_hash | 1);
-            let tint = Vec3::new(0.85 + 0.4 * tree + 0.5 * yellow, 0.95 + 0.25 * yellow, 0.9 + 0.2 * tree);
+            let tint = Vec3::new(0.85 + 0.4 * tree + 0.5 * yellow, 0.95 + 0.25 * yellow, 1.12 + 0.2 * tree);
             base * tint * (spread * inside)
         }
         Pattern::Wood => {

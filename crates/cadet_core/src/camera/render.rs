@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 
 use super::ambient::SkyView;
-use super::exposure::{add_veiling_glare, gain_for_mean_luma};
+use super::exposure::{WHITE_BALANCE, gain_for_mean_luma, metered};
 use super::look::{Rays, Seen, View, look, seen_points};
 use super::noise::{blur, expose};
 use super::paint::paint as paint_radiance;
@@ -29,7 +29,8 @@ pub struct Rendered {
     pub semantic: Vec<u8>,
 }
 
-/// Share of the mean radiance that lens and housing scatter over the image.
+/// Share of the mean radiance that lens and housing scatter over the image; no pixel counts for more than twice the sky's
+/// light on level ground.
 const VEILING_GLARE: f32 = 0.05;
 /// Mean luma that the exposure aims at, and its spread from frame to frame.
 const MEAN_LUMA: (f64, f64) = (91.0, 1.8);
@@ -39,7 +40,6 @@ const MEAN_LUMA: (f64, f64) = (91.0, 1.8);
 struct Scratch {
     seen_world: Vec<Vec3>,
     rgb: Vec<f32>,
-    blurred: Vec<f32>,
     shadows: Vec<Vec<f32>>,
 }
 
@@ -68,11 +68,12 @@ pub fn paint(scene: &PosedScene, view: &View, weather: &Weather, seen: Seen, str
     let light = light_of(scene, view, weather, &scratch.seen_world, std::mem::take(&mut scratch.shadows));
     let mut rgb = std::mem::take(&mut scratch.rgb);
     paint_radiance(scene, view, &rays, &light, &seen.samples, &mut rgb);
-    blur(&mut rgb, width, height, &mut scratch.blurred);
-    add_veiling_glare(&mut rgb, VEILING_GLARE, 2.0 * light.sky.sky_on_level.y);
+    // Lens and housing scatter a share of the light over the whole image: shadows are never fully black.
+    let sums = blur(&mut rgb, width, height, 2.0 * light.sky.sky_on_level.y);
+    let veil = sums.map(|s| (f64::from(VEILING_GLARE) * s / (width * height) as f64) as f32);
     let target = stream.clipped_normal(MEAN_LUMA.0, MEAN_LUMA.1) as f32;
-    let gain = gain_for_mean_luma(&rgb, target, 19);
-    let image = expose(&rgb, width, height, gain, stream);
+    let gain = gain_for_mean_luma(&metered(&rgb, veil, 19), target, 1);
+    let image = expose(&rgb, width, height, veil, WHITE_BALANCE.map(|g| g * gain), stream);
     let shadows = light.shadows.map(Shadows::into_buffers).unwrap_or_default();
     SCRATCH.set(Scratch { rgb, shadows, ..scratch });
     let Seen { depth, instance, semantic, .. } = seen;

@@ -8,7 +8,7 @@ use multiversion::multiversion;
 use super::ambient::SkyView;
 use super::faces::{Face, Flags, Kind};
 use super::pattern::{self, PatternPoint};
-use super::shadow::Shadows;
+use super::shadow::{Asked, Shadows, TOGETHER};
 use super::sky::Sky;
 use crate::material::Pattern;
 use crate::math::Vec3;
@@ -75,7 +75,9 @@ fn clear_share(extinction_per_m: f32, distance_m: f32) -> f32 {
 
 /// Hits that are shaded together.
 pub const LANES: usize = 128;
-type Lane = [f32; LANES];
+/// A few more than are used: arrays a power of two apart would share the sets of the cache.
+const STRIDE: usize = LANES + 16;
+type Lane = [f32; STRIDE];
 type Lane3 = [Lane; 3];
 
 /// One hit to be shaded: samples of a pixel that show the same face.
@@ -146,12 +148,12 @@ pub struct Lanes {
 }
 
 #[inline(always)]
-fn get(lanes: &Lane3, i: usize) -> Vec3 {
+fn get<const N: usize>(lanes: &[[f32; N]; 3], i: usize) -> Vec3 {
     Vec3::new(lanes[0][i], lanes[1][i], lanes[2][i])
 }
 
 #[inline(always)]
-fn put(lanes: &mut Lane3, i: usize, v: Vec3) {
+fn put<const N: usize>(lanes: &mut [[f32; N]; 3], i: usize, v: Vec3) {
     (lanes[0][i], lanes[1][i], lanes[2][i]) = (v.x, v.y, v.z);
 }
 
@@ -172,7 +174,7 @@ pub struct Camera {
 
 impl Default for Lanes {
     fn default() -> Self {
-        const O: Lane = [0.0; LANES];
+        const O: Lane = [0.0; STRIDE];
         const O3: Lane3 = [O; 3];
         Self {
             u: O,
@@ -269,16 +271,20 @@ impl Lanes {
                 put(&mut self.to_b, i, face.to_b);
                 put(&mut self.to_c, i, face.to_c);
             }
-            put(&mut self.axis_u, i, face.axes[0]);
-            put(&mut self.axis_v, i, face.axes[1]);
-            (self.at_origin[0][i], self.at_origin[1][i]) = (face.at_origin[0], face.at_origin[1]);
+            if kind.pattern != Pattern::Plain {
+                put(&mut self.axis_u, i, face.axes[0]);
+                put(&mut self.axis_v, i, face.axes[1]);
+                (self.at_origin[0][i], self.at_origin[1][i]) = (face.at_origin[0], face.at_origin[1]);
+            }
+            if kind.pattern == Pattern::Leaves {
+                (self.face_hash[i], self.place_hash[i]) = (face.face_hash, face.place_hash);
+            }
             put(&mut self.albedo, i, face.albedo);
             if kind.is_glossy || kind.is_pane {
                 put(&mut self.metal, i, face.albedo);
                 (self.specular[i], self.roughness[i]) = (face.specular, face.roughness);
                 self.transmission[i] = face.transmission;
             }
-            (self.face_hash[i], self.place_hash[i]) = (face.face_hash, face.place_hash);
             self.flags[i] = face.flags;
             for (lane, o) in self.open.iter_mut().zip(&open[hit.open as usize]) {
                 lane[i] = *o;
@@ -299,12 +305,17 @@ impl Lanes {
         self.near[..n].fill(1.0);
         let is_leaf = kind.pattern == Pattern::Leaves;
         if let Some(shadows) = &light.shadows {
-            for i in 0..n {
-                let faces_sun = self.cos_face[i] > 0.0 && (self.cos_sun[i] > 0.0 || kind.is_pane);
-                if is_leaf || faces_sun {
-                    let point_world = eye + get(&self.point, i);
-                    self.lit[i] = shadows.sunlit(point_world, get(&self.face_normal, i), self.cos_face[i]);
+            for start in (0..n).step_by(TOGETHER) {
+                let mut asked = Asked::default();
+                for k in 0..TOGETHER {
+                    let i = start + k;
+                    put(&mut asked.points_world, k, eye + get(&self.point, i));
+                    put(&mut asked.normals, k, get(&self.face_normal, i));
+                    asked.cos_sun[k] = self.cos_face[i];
+                    let faces_sun = self.cos_face[i] > 0.0 && (self.cos_sun[i] > 0.0 || kind.is_pane);
+                    asked.is_asked[k] = i < n && (is_leaf || faces_sun);
                 }
+                self.lit[start..start + TOGETHER].copy_from_slice(&shadows.sunlit_together(&asked));
             }
         }
         for i in 0..n {
@@ -316,7 +327,7 @@ impl Lanes {
 }
 
 /// Where the hits are, how the surfaces lie there, and the sun to them.
-#[multiversion(targets("x86_64+avx2", "x86_64+avx2+avx512f+avx512bw+avx512dq+avx512vl"))]
+#[multiversion(targets("x86_64+avx2"))]
 fn geometry(l: &mut Lanes, m: usize, camera: &Camera, sun: Vec3, is_smooth: bool) {
     for i in 0..m.min(LANES) {
         let direction = camera.corner + camera.right * l.u[i] + camera.down * l.v[i];
@@ -350,7 +361,7 @@ fn geometry(l: &mut Lanes, m: usize, camera: &Camera, sun: Vec3, is_smooth: bool
 }
 
 /// The albedo, by the kind's texture.
-#[multiversion(targets("x86_64+avx2", "x86_64+avx2+avx512f+avx512bw+avx512dq+avx512vl"))]
+#[multiversion(targets("x86_64+avx2"))]
 fn texture(l: &mut Lanes, m: usize, pattern: Pattern) {
     macro_rules! fill {
         ($($of:ident),*) => {
@@ -375,7 +386,7 @@ fn texture(l: &mut Lanes, m: usize, pattern: Pattern) {
     fill!(Asphalt, Slabs, Blocks, Bricks, Render, Tiles, Grass, Leaves, Wood, Cloth);
 }
 
-#[multiversion(targets("x86_64+avx2", "x86_64+avx2+avx512f+avx512bw+avx512dq+avx512vl"))]
+#[multiversion(targets("x86_64+avx2"))]
 fn snow(l: &mut Lanes, m: usize, eye: Vec3, snow: f32) {
     for i in 0..m.min(LANES) {
         let (x, y) = (l.point[0][i] + eye.x, l.point[1][i] + eye.y);
@@ -390,7 +401,7 @@ fn snow(l: &mut Lanes, m: usize, eye: Vec3, snow: f32) {
 }
 
 /// The light that a matt surface sends.
-#[multiversion(targets("x86_64+avx2", "x86_64+avx2+avx512f+avx512bw+avx512dq+avx512vl"))]
+#[multiversion(targets("x86_64+avx2"))]
 fn diffuse(l: &mut Lanes, m: usize, sky: &Sky, is_leaf: bool, wetness: f32) {
     for i in 0..m.min(LANES) {
         let normal = get(&l.normal, i);
@@ -403,7 +414,7 @@ fn diffuse(l: &mut Lanes, m: usize, sky: &Sky, is_leaf: bool, wetness: f32) {
         let facing = cos_sun.max(0.0);
         let direct = if is_leaf {
             // Leaves turn to all sides and let through a third of the light, yellower.
-            let through = Vec3::new(0.85, 1.0, 0.35) * (0.40 * (-cos_sun).max(0.0));
+            let through = Vec3::new(0.85, 1.0, 0.50) * (0.40 * (-cos_sun).max(0.0));
             (Vec3::splat(facing) + through) * 0.8 + Vec3::splat(0.12)
         } else {
             Vec3::splat(facing)
@@ -415,7 +426,7 @@ fn diffuse(l: &mut Lanes, m: usize, sky: &Sky, is_leaf: bool, wetness: f32) {
 }
 
 /// Adds what a coat or a film of water mirrors.
-#[multiversion(targets("x86_64+avx2", "x86_64+avx2+avx512f+avx512bw+avx512dq+avx512vl"))]
+#[multiversion(targets("x86_64+avx2"))]
 fn gloss(l: &mut Lanes, m: usize, sky: &Sky, eye: Vec3, wetness: f32) {
     for i in 0..m.min(LANES) {
         let (view, normal) = (get(&l.view, i), get(&l.normal, i));
@@ -447,7 +458,7 @@ fn gloss(l: &mut Lanes, m: usize, sky: &Sky, eye: Vec3, wetness: f32) {
 }
 
 /// A pane with what is seen through it.
-#[multiversion(targets("x86_64+avx2", "x86_64+avx2+avx512f+avx512bw+avx512dq+avx512vl"))]
+#[multiversion(targets("x86_64+avx2"))]
 fn pane(l: &mut Lanes, m: usize, sky: &Sky) {
     for i in 0..m.min(LANES) {
         let (view, normal) = (get(&l.view, i), get(&l.normal, i));
@@ -467,7 +478,7 @@ fn pane(l: &mut Lanes, m: usize, sky: &Sky) {
     }
 }
 
-#[multiversion(targets("x86_64+avx2", "x86_64+avx2+avx512f+avx512bw+avx512dq+avx512vl"))]
+#[multiversion(targets("x86_64+avx2"))]
 fn through_air(l: &mut Lanes, m: usize, extinction_per_m: f32) {
     for i in 0..m.min(LANES) {
         let air = 1.0 - clear_share(extinction_per_m, l.distance_m[i]);

@@ -144,7 +144,7 @@ impl Shadows {
 
     /// Share of the sun that reaches a point, 0..1: `normal` is the unit geometric normal towards the viewer's side,
     /// `cos_sun` its cosine to the sun.
-    #[inline]
+    #[cfg(test)]
     #[must_use]
     pub fn sunlit(&self, point_world: Vec3, normal: Vec3, cos_sun: f32) -> f32 {
         for (index, map) in self.maps.iter().enumerate() {
@@ -155,11 +155,110 @@ impl Shadows {
             let y = (p.y - map.min[1]) * map.texels_per_m;
             let inside = MARGIN..SIZE as f32 - MARGIN;
             if inside.contains(&x) && inside.contains(&y) {
-                return map.sunlit(x, y, p.z, if index == 0 { 1.0 } else { 0.9 });
+                return map.sunlit(x, y, p.z, spread_of(index));
             }
         }
         1.0
     }
+}
+
+/// Points whose shadows are looked up together.
+pub const TOGETHER: usize = 16;
+
+/// The questions of [`Shadows::sunlit_together`]: as the arguments of [`Shadows::sunlit`], axis by axis.
+#[derive(Debug, Default)]
+pub struct Asked {
+    /// Points.
+    pub points_world: [[f32; TOGETHER]; 3],
+    /// Unit geometric normals towards the viewer's side.
+    pub normals: [[f32; TOGETHER]; 3],
+    /// Their cosines to the sun.
+    pub cos_sun: [f32; TOGETHER],
+    /// The others get 0.
+    pub is_asked: [bool; TOGETHER],
+}
+
+/// Where points fall on a map: texels, the height towards the sun, and the texels of the four widest taps.
+struct OnMap {
+    x: [f32; TOGETHER],
+    y: [f32; TOGETHER],
+    z: [f32; TOGETHER],
+    taps: [[u32; TOGETHER]; 4],
+    is_inside: [bool; TOGETHER],
+}
+
+impl Shadows {
+    /// [`Shadows::sunlit`] of many points.
+    #[must_use]
+    pub fn sunlit_together(&self, asked: &Asked) -> [f32; TOGETHER] {
+        let mut lit = [0.0; TOGETHER];
+        let mut left = asked.is_asked;
+        for (index, map) in self.maps.iter().enumerate() {
+            if !left.contains(&true) {
+                break;
+            }
+            let spread = spread_of(index);
+            let on_map = place(&[self.right, self.up, self.sun], map.min, map.texel_m, map.texels_per_m, spread, asked);
+            for i in 0..TOGETHER {
+                if left[i] && on_map.is_inside[i] {
+                    left[i] = false;
+                    let z = on_map.z[i] + map.texel_m * 0.8;
+                    let first: u32 = on_map.taps.iter().map(|t| u32::from(map.height[t[i] as usize] <= z)).sum();
+                    lit[i] = match first {
+                        0 => 0.0,
+                        4 => 1.0,
+                        _ => map.sunlit(on_map.x[i], on_map.y[i], on_map.z[i], spread),
+                    };
+                }
+            }
+        }
+        for (lit, left) in lit.iter_mut().zip(left) {
+            if left {
+                *lit = 1.0;
+            }
+        }
+        lit
+    }
+}
+
+/// How wide the taps of a map are set.
+#[inline]
+fn spread_of(index: usize) -> f32 {
+    if index == 0 { 1.0 } else { 0.9 }
+}
+
+#[multiversion(targets("x86_64+avx2"))]
+fn place(light_axes: &[Vec3; 3], min: [f32; 2], texel_m: f32, texels_per_m: f32, spread: f32, asked: &Asked) -> OnMap {
+    let mut out = OnMap {
+        x: [0.0; TOGETHER],
+        y: [0.0; TOGETHER],
+        z: [0.0; TOGETHER],
+        taps: [[0; TOGETHER]; 4],
+        is_inside: [false; TOGETHER],
+    };
+    let axis = |lanes: &[[f32; TOGETHER]; 3], i: usize| Vec3::new(lanes[0][i], lanes[1][i], lanes[2][i]);
+    for i in 0..TOGETHER {
+        let cos_sun = asked.cos_sun[i];
+        let offset = texel_m * (0.6 + 1.6 * (1.0 - cos_sun.abs())) + 0.006;
+        let side = if cos_sun < 0.0 { -1.0 } else { 1.0 };
+        let p = axis(&asked.points_world, i) + axis(&asked.normals, i) * (offset * side);
+        out.x[i] = (light_axes[0].dot(p) - min[0]) * texels_per_m;
+        out.y[i] = (light_axes[1].dot(p) - min[1]) * texels_per_m;
+        out.z[i] = light_axes[2].dot(p);
+    }
+    for i in 0..TOGETHER {
+        let (low, high) = (MARGIN, SIZE as f32 - MARGIN);
+        let (x, y) = (out.x[i], out.y[i]);
+        out.is_inside[i] = x >= low && x < high && y >= low && y < high;
+    }
+    for (taps, (dx, dy)) in out.taps.iter_mut().zip(TAPS) {
+        for i in 0..TOGETHER {
+            // Texels are numbered from the corner; outside of the map nobody asks.
+            let texel = |v: f32, d: f32| (v.clamp(MARGIN, SIZE as f32 - MARGIN) + d * spread) as i32 as u32;
+            taps[i] = texel(out.y[i], dy) * SIZE as u32 + texel(out.x[i], dx);
+        }
+    }
+    out
 }
 
 /// Draws all that may shade what the camera sees.

@@ -3,6 +3,7 @@
 
 use super::look::Rays;
 use super::noise::MIDDLE_PX;
+use super::paint::BAND;
 use super::pattern::fbm;
 use super::shade::Light;
 use crate::math::{self, Vec3};
@@ -157,14 +158,13 @@ impl Sky {
 
 /// The sky in the image, row by row, from a coarse lattice: clouds are smooth over so few pixels.
 pub struct SkyRows {
-    width: usize,
     /// Points of the lattice along a row.
     points: usize,
     /// Rows of the lattice, made when they are asked for.
     lattice: Vec<Vec<Vec3>>,
-    /// Interleaved colours of the pixels of the last row.
-    colors: Vec<f32>,
-    row: usize,
+    /// Interleaved colours of the pixels of a band's rows, and which rows they are.
+    colors: [Vec<f32>; BAND],
+    rows: [usize; BAND],
 }
 
 impl SkyRows {
@@ -175,27 +175,26 @@ impl SkyRows {
     #[must_use]
     pub fn new(width: usize, height: usize) -> Self {
         Self {
-            width,
             points: width / Self::STEP + 2,
             lattice: vec![Vec::new(); height / Self::STEP + 2],
-            colors: vec![0.0; width * 3],
-            row: usize::MAX,
+            colors: std::array::from_fn(|_| vec![0.0; width * 3]),
+            rows: [usize::MAX; BAND],
         }
     }
 
-    /// The colour of a pixel. Rows are best asked for one after the other.
+    /// The colour of a pixel. Rows are best asked for band by band.
     #[inline]
     pub fn at(&mut self, column: usize, row: usize, rays: &Rays, light: &Light) -> [f32; 3] {
-        if row != self.row {
+        if row != self.rows[row % BAND] {
             self.fill(row, rays, light);
         }
-        let rgb = &self.colors[column * 3..column * 3 + 3];
+        let rgb = &self.colors[row % BAND][column * 3..column * 3 + 3];
         [rgb[0], rgb[1], rgb[2]]
     }
 
     #[cold]
     fn fill(&mut self, row: usize, rays: &Rays, light: &Light) {
-        self.row = row;
+        self.rows[row % BAND] = row;
         let v = row as f32 + MIDDLE_PX;
         let (above, share) = (row / Self::STEP, (row % Self::STEP) as f32 / Self::STEP as f32);
         for line in [above, above + 1] {
@@ -206,7 +205,8 @@ impl SkyRows {
             }
         }
         let (a, b) = (&self.lattice[above], &self.lattice[above + 1]);
-        for (k, some) in self.colors.chunks_mut(3 * Self::STEP).enumerate() {
+        let colors = &mut self.colors[row % BAND];
+        for (k, some) in colors.chunks_mut(3 * Self::STEP).enumerate() {
             let (from, to) = (a[k] + (b[k] - a[k]) * share, a[k + 1] + (b[k + 1] - a[k + 1]) * share);
             let slope = (to - from) * (1.0 / Self::STEP as f32);
             for (i, pixel) in some.chunks_exact_mut(3).enumerate() {
@@ -214,13 +214,12 @@ impl SkyRows {
             }
         }
         // The lattice is too coarse for the edge at the horizon.
-        for (column, pixel) in self.colors.chunks_exact_mut(3).enumerate() {
+        for (column, pixel) in colors.chunks_exact_mut(3).enumerate() {
             let u = column as f32 + MIDDLE_PX;
             if rays.direction(u, v).z < 0.015 && rays.direction(u, v).z > -0.015 {
                 pixel.copy_from_slice(&exact(rays, light, u, v).to_array());
             }
         }
-        debug_assert_eq!(self.colors.len(), self.width * 3);
     }
 }
 
