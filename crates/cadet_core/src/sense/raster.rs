@@ -138,7 +138,7 @@ impl Drawer<'_> {
         for (corners, face) in cluster.corners.iter().zip(&cluster.faces) {
             let corners = corners.map(|i| self.corners[usize::from(i)]);
             let ([window, _], z_m) = (
-                self.grid.windows(|| corners.map(|c| c.cam.as_vec3()), &corners.map(|c| c.footprint)),
+                self.grid.windows(&corners.map(|c| c.cam), &corners.map(|c| c.footprint)),
                 corners[0].z_m.min(corners[1].z_m).min(corners[2].z_m),
             );
             if window.is_empty() || self.buffer.is_hidden(&window, z_m) {

@@ -2,7 +2,7 @@
 //! 2013), panes apart from what is solid.
 
 use super::grid::Window;
-use super::kernel::NO_HIT;
+use super::hits::NO_HIT;
 
 /// Samples along a side of a block.
 pub const BLOCK: usize = 8;
