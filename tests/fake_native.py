@@ -75,6 +75,7 @@ class Lidar:
             "range_noise_m": 0.012,
             "elevation_deg": [2.0, -2.0],
             "height_m": [self._height_m] * 2,
+            "left_m": [0.0] * 2,
             "azimuth_offset_deg": [0.0, 0.0],
             "gain": [1.0, 1.0],
             "blind_deg": [[], [(170.0, 190.0)]],

@@ -33,7 +33,9 @@ class Laser:
     elevation_deg: float
     """Of the beam over the horizon."""
     height_m: float = 0.0
-    """Where the beam leaves the sensor's vertical axis, over the origin of its frame."""
+    """Where the beam leaves the sensor, over the origin of its frame."""
+    left_m: float = 0.0
+    """How far to the left of the vertical axis the laser sits, as it looks: its beams pass the axis at this distance."""
     azimuth_offset_deg: float = 0.0
     """The laser fires this much counter-clockwise of its columns' azimuths."""
     gain: float = 1.0
@@ -44,6 +46,7 @@ class Laser:
     def __post_init__(self) -> None:
         check_number("laser", "elevation_deg", self.elevation_deg, -89, 89)
         check_number("laser", "height_m", self.height_m, -10, 10)
+        check_number("laser", "left_m", self.left_m, -0.5, 0.5)
         check_number("laser", "azimuth_offset_deg", self.azimuth_offset_deg, -360, 360)
         check_number("laser", "gain", self.gain, 0, 100)
         sectors = self.blind_deg
@@ -216,6 +219,8 @@ class BeamTable:
         lines += ["", "# From the highest ring to the lowest.", "rings = ["]
         for laser in self.rings:
             parts = [f"elevation_deg = {_number(laser.elevation_deg)}", f"height_m = {_number(laser.height_m)}"]
+            if laser.left_m != 0.0:
+                parts.append(f"left_m = {_number(laser.left_m)}")
             if laser.azimuth_offset_deg != 0.0:
                 parts.append(f"azimuth_offset_deg = {_number(laser.azimuth_offset_deg)}")
             if laser.gain != 1.0:
@@ -232,13 +237,15 @@ class BeamTable:
     @classmethod
     def from_native(cls, table: Mapping[str, Any]) -> BeamTable:
         """Make the table of what the core's LIDAR tells of itself."""
-        keys = ("elevation_deg", "height_m", "azimuth_offset_deg", "gain", "blind_deg")
+        keys = ("elevation_deg", "height_m", "left_m", "azimuth_offset_deg", "gain", "blind_deg")
         firing = _plain_firing(table["firing"])
         return cls(
             name=table["name"],
             rings=tuple(
-                Laser(elevation_deg=e, height_m=h, azimuth_offset_deg=a, gain=g, blind_deg=tuple(map(tuple, b)))
-                for e, h, a, g, b in zip(*(table[key] for key in keys), strict=True)
+                Laser(
+                    elevation_deg=e, height_m=h, left_m=l, azimuth_offset_deg=a, gain=g, blind_deg=tuple(map(tuple, b))
+                )
+                for e, h, l, a, g, b in zip(*(table[key] for key in keys), strict=True)
             ),
             firing=_PATTERNS[firing.pop("pattern")](**firing),
             min_range_m=table["min_range_m"],
@@ -253,6 +260,7 @@ class BeamTable:
             "name": self.name,
             "elevation_deg": [float(laser.elevation_deg) for laser in self.rings],
             "height_m": [float(laser.height_m) for laser in self.rings],
+            "left_m": [float(laser.left_m) for laser in self.rings],
             "azimuth_offset_deg": [float(laser.azimuth_offset_deg) for laser in self.rings],
             "gain": [float(laser.gain) for laser in self.rings],
             "blind_deg": [[[float(a), float(b)] for a, b in laser.blind_deg] for laser in self.rings],

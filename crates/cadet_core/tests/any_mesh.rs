@@ -92,6 +92,7 @@ fn turret(pose: DPose3, heights: [f64; 2]) -> TurretGrid {
     let ring = |i: u32| TurretRing {
         elevation_rad: (80.0 - 10.0 * f64::from(i)).to_radians(),
         height_m: heights[(i % 2) as usize],
+        left_m: 0.1 * heights[(i % 2) as usize],
     };
     let azimuths: Vec<f64> = (0..60).map(|j| f64::from(j) * TAU / 60.0).collect();
     TurretGrid::new(pose, &(0..17).map(ring).collect::<Vec<_>>(), &azimuths).expect("a valid turret")
@@ -186,7 +187,7 @@ fn columns_of_any_spacing_see_the_same_walls() {
     for n in [1, 2, 7, 8, 9, 500] {
         let mut azimuths: Vec<f64> = (0..n).map(|_| s.range(0.0, TAU)).collect();
         azimuths.sort_by(f64::total_cmp);
-        let rings = [0.3_f64, -0.2].map(|elevation_rad| TurretRing { elevation_rad, height_m: 0.0 });
+        let rings = [0.3_f64, -0.2].map(|elevation_rad| TurretRing::on_axis(elevation_rad, 0.0));
         let grid = TurretGrid::new(DPose3::IDENTITY, &rings, &azimuths).expect("valid");
         let mut hits = Hits::new(2, n);
         cast(&scene, &grid, Layer::All, |_| true, &mut hits);

@@ -21,7 +21,7 @@ fn turn(scene: &PosedScene, spec: &LidarSpec) -> Scan {
 
 /// Beams 0.02 mrad apart that sweep over what lies ahead, and one that looks behind.
 fn fine_sweep() -> LidarSpec {
-    let ring = TurretRing { elevation_rad: 0.0, height_m: 0.0 };
+    let ring = TurretRing::on_axis(0.0, 0.0);
     let azimuths = (0..400).map(|i| 1e-3 + 2e-5 * f64::from(i)).chain([3.0]).collect();
     let mut spec = LidarSpec::new("sweep", vec![ring], azimuths).expect("valid");
     spec.range_noise_m = 0.0;

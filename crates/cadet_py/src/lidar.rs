@@ -72,6 +72,7 @@ impl Lidar {
         let of_rings = |f: &dyn Fn(&TurretRing) -> f64| spec.rings().iter().map(f).collect::<Vec<f64>>();
         dict.set_item("elevation_deg", of_rings(&|r| rounded(r.elevation_rad.to_degrees())))?;
         dict.set_item("height_m", of_rings(&|r| rounded(r.height_m)))?;
+        dict.set_item("left_m", of_rings(&|r| rounded(r.left_m)))?;
         let offsets: Vec<f64> = spec.azimuth_offsets_rad().iter().map(|o| rounded(o.to_degrees())).collect();
         dict.set_item("azimuth_offset_deg", offsets)?;
         dict.set_item("gain", spec.laser_gains.iter().map(|g| rounded(*g)).collect::<Vec<f64>>())?;
@@ -127,15 +128,20 @@ fn spec_from_table(dict: &Bound<'_, PyDict>) -> PyResult<LidarSpec> {
     let elevations_deg: Vec<f64> = fields.take("elevation_deg")?;
     let heights_m: Vec<f64> = fields.take("height_m")?;
     let offsets_deg: Vec<f64> = fields.take("azimuth_offset_deg")?;
-    if heights_m.len() != elevations_deg.len() {
-        let (got, expected) = (format!("({},)", heights_m.len()), format!("({},)", elevations_deg.len()));
-        return Err(BorderError::from(Error::Shape { what: "height_m", got, expected }).into());
+    let lefts_m: Vec<f64> = fields.take("left_m")?;
+    for (what, values) in [("height_m", &heights_m), ("left_m", &lefts_m)] {
+        if values.len() != elevations_deg.len() {
+            let (got, expected) = (format!("({},)", values.len()), format!("({},)", elevations_deg.len()));
+            return Err(BorderError::from(Error::Shape { what, got, expected }).into());
+        }
     }
-    let rings = elevations_deg
-        .iter()
-        .zip(heights_m)
-        .map(|(degrees, height_m)| TurretRing { elevation_rad: degrees.to_radians(), height_m })
-        .collect();
+    let places = elevations_deg.iter().zip(heights_m).zip(lefts_m);
+    let ring = |((degrees, height_m), left_m): ((&f64, f64), f64)| TurretRing {
+        elevation_rad: degrees.to_radians(),
+        height_m,
+        left_m,
+    };
+    let rings = places.map(ring).collect();
     let firing = firing_from_dict(&fields.take::<Bound<'_, PyDict>>("firing")?)?;
     let mut spec = LidarSpec::with_firing(&name, rings, firing)
         .and_then(|spec| spec.staggered(offsets_deg.iter().map(|d| d.to_radians()).collect()))

@@ -30,7 +30,7 @@ pub(super) trait Casting {
 
 /// How far from the frame's origin anything may be seen: what lies beyond the longest range is never reported.
 pub(super) fn reach_m(spec: &LidarSpec) -> f64 {
-    spec.max_range_m + spec.rings().iter().map(|r| r.height_m.abs()).fold(0.0, f64::max) + 1.0
+    spec.max_range_m + spec.rings().iter().map(|r| r.height_m.abs() + r.left_m.abs()).fold(0.0, f64::max) + 1.0
 }
 
 /// A sensor that stands still in a world that stands still.

@@ -21,7 +21,7 @@ impl LidarSpec {
         // The data sheet's table: two banks of 16, fired in turn, 4/3 of a degree apart, lowest first.
         let elevation_deg =
             |k: usize| if k.is_multiple_of(2) { -92.0 / 3.0 } else { -28.0 / 3.0 } + 4.0 / 3.0 * (k / 2) as f64;
-        let ring = |k: usize| TurretRing { elevation_rad: elevation_deg(k).to_radians(), height_m: 0.0 };
+        let ring = |k: usize| TurretRing::on_axis(elevation_deg(k).to_radians(), 0.0);
         let mut spec = staggered("hdl32e", (0..32).map(ring).collect(), 46.08e-6, 1.152e-6);
         (spec.min_range_m, spec.max_range_m, spec.range_noise_m) = (1.0, 100.0, 0.02);
         spec
@@ -39,10 +39,8 @@ impl LidarSpec {
         let ring = |k: usize| {
             let degrees = elevation_deg(k);
             let height_mm = BELOW_MM[(degrees.abs() as usize - 1) / 2];
-            TurretRing {
-                elevation_rad: degrees.to_radians(),
-                height_m: if degrees > 0.0 { -1e-3 * height_mm } else { 1e-3 * height_mm },
-            }
+            let up = if degrees > 0.0 { -1e-3 } else { 1e-3 };
+            TurretRing::on_axis(degrees.to_radians(), up * height_mm)
         };
         let mut spec = staggered("vlp16", (0..16).map(ring).collect(), 55.296e-6, 2.304e-6);
         (spec.min_range_m, spec.max_range_m, spec.range_noise_m) = (1.0, 100.0, 0.015);
@@ -82,7 +80,7 @@ fn os1(name: &str, rings: usize, columns: usize) -> LidarSpec {
     const LENS_RADIUS_M: f64 = 0.015_806;
     let ring = |k: usize| {
         let elevation_rad = (22.5 - 45.0 * k as f64 / (rings - 1) as f64).to_radians();
-        TurretRing { elevation_rad, height_m: -LENS_RADIUS_M * math::tan(elevation_rad) }
+        TurretRing::on_axis(elevation_rad, -LENS_RADIUS_M * math::tan(elevation_rad))
     };
     let mut spec = LidarSpec::with_firing(name, (0..rings).map(ring).collect(), Firing::Uniform { columns })
         .expect("a valid preset");

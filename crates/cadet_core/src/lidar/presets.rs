@@ -52,7 +52,7 @@ impl LidarSpec {
     /// The LIDAR of the 2019 paper: 40 beams from +7 to -16 degrees out of one origin, 720,000 beams a second at 10 Hz.
     #[must_use]
     pub fn cadet() -> Self {
-        let ring = |k: usize| TurretRing { elevation_rad: (7.0 - 23.0 * k as f64 / 39.0).to_radians(), height_m: 0.0 };
+        let ring = |k: usize| TurretRing::on_axis((7.0 - 23.0 * k as f64 / 39.0).to_radians(), 0.0);
         Self::with_firing("cadet", (0..40).map(ring).collect(), Firing::Uniform { columns: 1800 })
             .expect("a valid preset")
     }
@@ -75,8 +75,18 @@ impl LidarSpec {
     }
 }
 
+/// How far beside the axis KITTI's lasers sit: even rings to the right, odd ones to the left. With it all azimuths of its
+/// scans lie on ticks of the encoder, up to the rounding of coordinates and a constant of each laser.
+const HDL64E_LEFT_M: f64 = 0.026;
+
 fn hdl64e_rings() -> Vec<TurretRing> {
-    HDL64E.map(|(degrees, height_m)| TurretRing { elevation_rad: degrees.to_radians(), height_m }).to_vec()
+    let left_m = |ring: usize| if ring.is_multiple_of(2) { -HDL64E_LEFT_M } else { HDL64E_LEFT_M };
+    let ring = |(ring, (degrees, height_m)): (usize, (f64, f64))| TurretRing {
+        elevation_rad: degrees.to_radians(),
+        height_m,
+        left_m: left_m(ring),
+    };
+    HDL64E.into_iter().enumerate().map(ring).collect()
 }
 
 fn hdl64e_spec(name: &str, firing: Firing) -> LidarSpec {

@@ -13,7 +13,7 @@ use super::turning::Turning;
 use crate::error::Result;
 use crate::math::{self, DPose3, DVec3};
 use crate::rng::Stream;
-use crate::sense::{Hits, Layer, NO_HIT, PosedScene, TurretRing, cast};
+use crate::sense::{Hits, Layer, NO_HIT, PosedScene, cast};
 use crate::weather::Weather;
 
 /// What every beam meets first, in the order of [`LidarSpec::rays`]: every triangle opaque, no limits, no noise.
@@ -114,7 +114,7 @@ fn scan_by<C: Casting>(casting: &C, spec: &LidarSpec, weather: &Weather, stream:
                 first_echo(pane, behind.at(met.solid(beam), column, direction_velo), &draws)
             };
             if let Some(found) = report(echo, &air, spec.returns, gain, spec.range_noise_m, &draws) {
-                out.write(spec, (ring, laser), column, direction_velo, &found);
+                out.write(spec, [ring, column], laser.origin_velo(*heading), direction_velo, &found);
             }
         }
     }
@@ -137,12 +137,12 @@ impl Scan {
     fn write(
         &mut self,
         spec: &LidarSpec,
-        (ring, laser): (usize, &TurretRing),
-        column: usize,
+        [ring, column]: [usize; 2],
+        origin_velo: DVec3,
         direction_velo: DVec3,
         found: &Return,
     ) {
-        let p = direction_velo * found.range_m + DVec3::new(0.0, 0.0, laser.height_m);
+        let p = direction_velo * found.range_m + origin_velo;
         let [x, y, z] = p.to_array().map(|v| (round(v * 1e3) / 1e3) as f32);
         // What is kept is judged by the written point, from the frame's origin, as in KITTI's files.
         let written_m = DVec3::new(x.into(), y.into(), z.into()).length();

@@ -231,7 +231,7 @@ impl LidarSpec {
     #[must_use]
     pub fn single_origin(mut self) -> Self {
         for ring in &mut self.rings {
-            ring.height_m = 0.0;
+            (ring.height_m, ring.left_m) = (0.0, 0.0);
         }
         self.turret =
             TurretGrid::staggered(DPose3::IDENTITY, &self.rings, &self.azimuths_rad, &self.azimuth_offsets_rad)
@@ -307,7 +307,7 @@ impl LidarSpec {
         for (ring, laser) in self.rings.iter().enumerate() {
             let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
             for (column, heading) in self.headings(ring).iter().enumerate() {
-                rays.origins_velo.push(DVec3::new(0.0, 0.0, laser.height_m));
+                rays.origins_velo.push(laser.origin_velo(*heading));
                 rays.directions_velo.push(DVec3::new(cos * heading[0], cos * heading[1], sin));
                 rays.ring.push(ring as i32);
                 rays.column.push(column as i32);
@@ -337,12 +337,14 @@ mod tests {
         assert!(rays.directions_velo[538].y > 0.99, "a quarter turn is to the left");
         let ring_40 = rays.directions_velo[40 * 2152];
         assert!((math::asin(ring_40.z).to_degrees() + 13.041).abs() < 1e-9);
-        assert_eq!(rays.origins_velo[40 * 2152], DVec3::new(0.0, 0.0, 0.1229));
+        assert_eq!(rays.origins_velo[40 * 2152], DVec3::new(0.0, -0.026, 0.1229));
+        // Odd rings sit on the left: looking to the left, that is behind.
+        assert!((rays.origins_velo[41 * 2152 + 538] - DVec3::new(-0.026, 0.0, 0.1226)).length() < 1e-4);
     }
 
     #[test]
     fn bad_sensors_are_refused_by_name() {
-        let ring = |e: f64| TurretRing { elevation_rad: e, height_m: 0.0 };
+        let ring = |e: f64| TurretRing::on_axis(e, 0.0);
         let text = |r: Vec<TurretRing>, a: Vec<f64>| LidarSpec::new("x", r, a).expect_err("bad").to_string();
         assert!(text(vec![], vec![0.0]).contains("number of rings is 0"));
         assert!(text(vec![ring(0.0)], vec![]).contains("number of columns is 0"));

@@ -237,7 +237,7 @@ mod tests {
 
     #[test]
     fn the_quarters_of_a_beam_share_it_as_a_disc_does() {
-        let level = TurretRing { elevation_rad: 0.0, height_m: 0.0 };
+        let level = TurretRing::on_axis(0.0, 0.0);
         let spread = Spread::new(&[level], &[0.0], &[0.0], 3e-3).expect("valid");
         let spots = spread.directions_velo(0).map(|d| (d.y / 1.5e-3, d.z / 1.5e-3));
         let mean_square = spots.iter().map(|(y, _)| y * y).sum::<f64>() / 4.0;
@@ -283,7 +283,7 @@ mod tests {
     fn edges_are_where_surfaces_part_and_not_where_they_lean() {
         let (rows, columns) = (5, 400);
         let mut hits = Hits::new(rows, columns);
-        let ring = |k: usize| TurretRing { elevation_rad: -0.03 - 0.01 * k as f64, height_m: 0.0 };
+        let ring = |k: usize| TurretRing::on_axis(-0.03 - 0.01 * k as f64, 0.0);
         let azimuths: Vec<f64> = (0..columns).map(|j| j as f64 * TAU / columns as f64).collect();
         let spread = Spread::new(&[0, 1, 2, 3, 4].map(ring), &azimuths, &[0.0; 5], 3e-3).expect("valid");
         let edges_of = |hits: &Hits| spread.edge_beams(hits);

@@ -82,11 +82,11 @@ impl Casting for Firings<'_> {
         let (mut solid, mut first) = (Hits::new(rows, columns), Hits::new(rows, columns));
         for (ring, laser) in spec.rings().iter().enumerate() {
             let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
-            for (column, ([x, y], (moment, world_from_velo))) in
+            for (column, (heading, (moment, world_from_velo))) in
                 spec.headings(ring).iter().zip(&self.columns).enumerate()
             {
-                let origin = world_from_velo.transform_point(DVec3::new(0.0, 0.0, laser.height_m));
-                let direction = world_from_velo.rotation * DVec3::new(cos * x, cos * y, sin);
+                let origin = world_from_velo.transform_point(laser.origin_velo(*heading));
+                let direction = world_from_velo.rotation * DVec3::new(cos * heading[0], cos * heading[1], sin);
                 let found = moment.cast(origin, direction);
                 let at = ring * columns + column;
                 put(&mut solid, at, found.solid);
@@ -99,9 +99,10 @@ impl Casting for Firings<'_> {
     fn cast_spread(&self, spec: &LidarSpec, spread: &Spread, beams: &[u32]) -> Vec<[SubBeam; 4]> {
         let columns = spec.azimuths_rad().len();
         let cast = |beam: &u32| {
-            let (ring, column) = (&spec.rings()[*beam as usize / columns], *beam as usize % columns);
+            let (ring, column) = (*beam as usize / columns, *beam as usize % columns);
             let (moment, world_from_velo) = &self.columns[column];
-            let origin = world_from_velo.transform_point(DVec3::new(0.0, 0.0, ring.height_m));
+            let origin_velo = spec.rings()[ring].origin_velo(spec.headings(ring)[column]);
+            let origin = world_from_velo.transform_point(origin_velo);
             spread.directions_velo(*beam).map(|direction_velo| {
                 let found = moment.cast(origin, world_from_velo.rotation * direction_velo).solid;
                 found.map_or(SubBeam::MISS, |f| SubBeam {

@@ -22,12 +22,31 @@ const EIGHT: usize = 8;
 pub struct TurretRing {
     /// Elevation of the beam over the horizon.
     pub elevation_rad: f64,
-    /// Height of the laser's origin over the sensor's frame, on the z axis.
+    /// Height of the laser's origin over the sensor's frame.
     pub height_m: f64,
+    /// How far to the left of the axis the laser sits, as it looks: its beams pass the axis at this distance.
+    pub left_m: f64,
 }
 
+impl TurretRing {
+    /// A laser on the axis.
+    #[must_use]
+    pub fn on_axis(elevation_rad: f64, height_m: f64) -> Self {
+        Self { elevation_rad, height_m, left_m: 0.0 }
+    }
+
+    /// Where a beam with this heading (cosine and sine of its azimuth) starts, in the sensor's frame.
+    #[must_use]
+    pub fn origin_velo(&self, [cos, sin]: [f64; 2]) -> DVec3 {
+        DVec3::new(-self.left_m * sin, self.left_m * cos, self.height_m)
+    }
+}
+
+/// The farthest from the axis that a laser may sit.
+const MOST_LEFT_M: f64 = 0.5;
+
 /// A turret in the world: row = ring (in the order given), column = azimuth. Depth is the range from the laser's own
-/// origin `(0, 0, height_m)`.
+/// origin ([`TurretRing::origin_velo`]).
 #[derive(Debug, Clone)]
 pub struct TurretGrid {
     world_from_velo: DPose3,
@@ -64,6 +83,9 @@ impl TurretGrid {
         }
         for ring in rings {
             let _ = finite("ring height", ring.height_m)?;
+            if finite("ring's distance from the axis", ring.left_m)?.abs() > MOST_LEFT_M {
+                return out_of_range("ring's distance from the axis", ring.left_m.to_string(), "at most 0.5 m");
+            }
             if finite("ring elevation", ring.elevation_rad)?.abs() > 89_f64.to_radians() {
                 return out_of_range("ring elevation", ring.elevation_rad.to_string(), "within 89 degrees (1.553 rad)");
             }
@@ -127,12 +149,11 @@ impl BeamGrid for TurretGrid {
 
     fn beam(&self, row: usize, column: usize) -> Beam {
         let ring = self.table.rings[row];
-        let [cos_azimuth, sin_azimuth] = self.table.headings(row)[column];
+        let heading = self.table.headings(row)[column];
         let (cos, sin) = (math::cos(ring.elevation_rad), math::sin(ring.elevation_rad));
-        let direction_velo = DVec3::new(cos * cos_azimuth, cos * sin_azimuth, sin);
+        let direction_velo = DVec3::new(cos * heading[0], cos * heading[1], sin);
         Beam {
-            origin_world: self.world_from_velo.translation
-                + self.world_from_velo.rotation * DVec3::new(0.0, 0.0, ring.height_m),
+            origin_world: self.world_from_velo.transform_point(ring.origin_velo(heading)),
             direction_world: self.world_from_velo.rotation * direction_velo,
         }
     }
@@ -141,8 +162,8 @@ impl BeamGrid for TurretGrid {
     fn sphere_windows(&self, c: Vec3, radius_m: f32) -> ([Window; 2], f32) {
         let table = &*self.table;
         let [lowest, highest] = table.height_span;
-        // One origin in the middle sees a sphere that is larger by half the span.
-        let reach = radius_m + 0.5 * (highest - lowest) + 1e-4;
+        // One origin in the middle sees a sphere that is larger by half the span, and by the way from the axis.
+        let reach = radius_m + 0.5 * (highest - lowest) + table.most_left + 1e-4;
         let z = c.z - 0.5 * (lowest + highest);
         let rho = (c.x * c.x + c.y * c.y).sqrt();
         let near = (rho * rho + z * z).sqrt() * 0.999_99 - reach;
@@ -187,11 +208,13 @@ impl BeamGrid for TurretGrid {
             bin[i] = table.row_of_tangent.bin((middle - z[i]) / rho[i]);
         }
         for i in 0..LANES {
+            // Lasers beside the axis look past it: asin x <= 1.001 x up to x = 1 / OFF_AXIS.
+            let aside = 1.001 * table.most_left / rho[i];
             let awkward = (rho[i] <= POLAR * (z[i].abs() + rho[i]))
-                | (rho[i] < 0.02)
-                | (azimuth[i] < 2.0 * AZIMUTH_MARGIN + table.max_offset)
-                | (azimuth[i] > TURN - 2.0 * AZIMUTH_MARGIN);
-            let (first, end) = table.ticks.between(azimuth[i] - table.max_offset, azimuth[i]);
+                | (rho[i] < table.least_rho)
+                | (azimuth[i] < 2.0 * AZIMUTH_MARGIN + table.max_offset + aside)
+                | (azimuth[i] > TURN - 2.0 * AZIMUTH_MARGIN - aside);
+            let (first, end) = table.ticks.between(azimuth[i] - table.max_offset - aside, azimuth[i] + aside);
             ticks[i] = if awkward { (0, u16::MAX) } else { (first, end) };
         }
         if let Some(rows_of_bin) = &table.rows_of_bin {
@@ -235,19 +258,19 @@ impl BeamGrid for TurretGrid {
         // No point of a triangle is farther from all corners than its longest edge / sqrt 3, the nearest point to the
         // origin included; and seen from there the corners lie beyond it or at a right angle.
         let nearest = (corner - edge * 0.333_334).max(0.0).sqrt();
-        (nearest * 0.999_999 - 0.5 * (highest - lowest) - 1e-5) as f32
+        (nearest * 0.999_999 - 0.5 * (highest - lowest) - f64::from(self.table.most_left) - 1e-5) as f32
     }
 
     #[inline]
     fn cover(&self, triangle: &EdgePlanes, window: &Window, mut visit: impl FnMut(usize, f64)) {
         for row in window.rows.clone() {
-            let Some(planes) = RowPlanes::new(triangle, &self.table.rows[row]) else { continue };
             let base = self.row_start(row);
             let headings = self.table.headings(self.table.ring_of_row[row] as usize);
-            for column in window.columns.clone() {
-                let [cos, sin] = headings[column];
-                if let Some(depth) = planes.depth(cos, sin) {
-                    visit(base + column, depth);
+            for planes in RowPlanes::sides(triangle, &self.table.rows[row]).into_iter().flatten() {
+                for column in window.columns.clone() {
+                    if let Some(depth) = planes.depth(headings[column]) {
+                        visit(base + column, depth);
+                    }
                 }
             }
         }
@@ -260,32 +283,10 @@ impl BeamGrid for TurretGrid {
             return self.cover(triangle, window, |at, depth| hits.keep_nearer(at, depth as f32, ids[0], ids[1]));
         }
         for row in window.rows.clone() {
-            let Some(planes) = RowPlanes::new(triangle, &table.rows[row]) else { continue };
             let ring = table.ring_of_row[row] as usize;
-            let headings = table.headings_of_ring[ring] as usize;
-            let base = [ring * table.azimuths.len(), headings];
-            if window.columns.len() < 2 * BLOCK {
-                self.cast_columns(&planes, base, window.columns.clone(), hits, ids);
-                continue;
-            }
-            // Wide windows are mostly empty: skip blocks of columns that lie outside one edge altogether.
-            let last = window.columns.end - 1;
-            let mut start = window.columns.start;
-            let mut here = planes.edges_at(table.cos[headings + start], table.sin[headings + start]);
-            while start < last {
-                let stop = (start + BLOCK).min(last);
-                let there = planes.edges_at(table.cos[headings + stop], table.sin[headings + stop]);
-                let width = f64::from(table.azimuths[stop] - table.azimuths[start]);
-                // A sinusoid of amplitude R rises above its chord by at most R width^2 / 8.
-                let is_outside = (0..3).any(|i| {
-                    let [a, b, c] = planes.edges[i];
-                    let reach = a.abs() + b.abs();
-                    here[i].max(there[i]) + reach * (0.126 * width * width + 1e-9) + 1e-12 * c.abs() < 0.0
-                });
-                if !is_outside {
-                    self.cast_columns(&planes, base, start..stop + usize::from(stop == last), hits, ids);
-                }
-                (start, here) = (stop, there);
+            let base = [ring * table.azimuths.len(), table.headings_of_ring[ring] as usize];
+            for planes in RowPlanes::sides(triangle, &table.rows[row]).into_iter().flatten() {
+                self.cast_row(&planes, base, &window.columns, hits, ids);
             }
         }
     }
@@ -293,6 +294,35 @@ impl BeamGrid for TurretGrid {
 
 impl TurretGrid {
     /// `base` is where the row begins among the beams, and among the headings.
+    #[inline(always)]
+    fn cast_row(&self, planes: &RowPlanes, base: [usize; 2], columns: &Range<usize>, hits: &mut Hits, ids: [u32; 2]) {
+        if columns.len() < 2 * BLOCK {
+            return self.cast_columns(planes, base, columns.clone(), hits, ids);
+        }
+        // Wide windows are mostly empty: skip blocks of columns that lie outside one edge altogether.
+        let table = &*self.table;
+        let edges_at = |column: usize| planes.edges_at(table.cos[base[1] + column], table.sin[base[1] + column]);
+        let last = columns.end - 1;
+        let mut start = columns.start;
+        let mut here = edges_at(start);
+        while start < last {
+            let stop = (start + BLOCK).min(last);
+            let there = edges_at(stop);
+            let width = f64::from(table.azimuths[stop] - table.azimuths[start]);
+            // A sinusoid of amplitude R rises above its chord by at most R width^2 / 8.
+            let is_outside = (0..3).any(|i| {
+                let [a, b, c] = planes.edges[i];
+                let reach = a.abs() + b.abs();
+                here[i].max(there[i]) + reach * (0.126 * width * width + 1e-9) + 1e-12 * c.abs() < 0.0
+            });
+            if !is_outside {
+                self.cast_columns(planes, base, start..stop + usize::from(stop == last), hits, ids);
+            }
+            (start, here) = (stop, there);
+        }
+    }
+
+    /// The columns of a row, eight at a time.
     #[inline(always)]
     fn cast_columns(
         &self,
@@ -322,33 +352,49 @@ fn bounds_of([a, b, c]: &[TurretFootprint; 3]) -> [i32; 4] {
     [first, most - end, first_tick, most - end_tick]
 }
 
-/// A triangle as one row sees it: in the beam's azimuth, its edges and its normal are `a cos + b sin + c`.
+/// A triangle as one row sees it from one of its sides: in the beam's azimuth, its edges, its normal and the volume that
+/// it spans with the laser are `a cos + b sin + c`.
 struct RowPlanes {
     edges: [[f64; 3]; 3],
     normal: [f64; 3],
-    distance: f64,
+    /// By the secant of the row's elevation; positive where the laser is on this side.
+    volume: [f64; 3],
 }
 
 impl RowPlanes {
-    /// None for a triangle that the row sees edge-on.
+    /// The side that the row's laser is on; both for a laser beside the axis that may go around the triangle's plane.
     #[inline(always)]
-    fn new(triangle: &EdgePlanes, row: &SortedRow) -> Option<Self> {
-        let SortedRow { tangent, secant, height_m: h } = *row;
-        let signed_volume = triangle.volume - h * triangle.normal.z;
-        if signed_volume == 0.0 {
-            return None;
+    fn sides(triangle: &EdgePlanes, row: &SortedRow) -> [Option<Self>; 2] {
+        let (n, left) = (triangle.normal, row.left_m);
+        let volume = [-left * n.y, left * n.x, triangle.volume - row.height_m * n.z];
+        let changes = volume[0].abs() + volume[1].abs();
+        if volume[2].abs() > changes {
+            let sign = if volume[2] > 0.0 { 1.0 } else { -1.0 };
+            [Some(Self::seen_from(triangle, row, volume, sign)), None]
+        } else if changes > 0.0 {
+            [1.0, -1.0].map(|sign| Some(Self::seen_from(triangle, row, volume, sign)))
+        } else {
+            [None, None]
         }
-        let sign = if signed_volume > 0.0 { 1.0 } else { -1.0 };
+    }
+
+    /// The beam's direction times (A - origin) x (B - origin) for each edge AB, where the origin turns with the beam.
+    #[inline(always)]
+    fn seen_from(triangle: &EdgePlanes, row: &SortedRow, volume: [f64; 3], sign: f64) -> Self {
+        let SortedRow { tangent, secant, height_m: h, left_m: left } = *row;
+        let aside = tangent * left;
         let edge = |i: usize| {
             let (n, d) = (triangle.cross[i], triangle.delta[i]);
-            [sign * (n.x + h * d.y), sign * (n.y - h * d.x), sign * n.z * tangent]
+            let along_x = n.x + h * d.y + aside * d.x;
+            let along_y = n.y - h * d.x + aside * d.y;
+            [sign * along_x, sign * along_y, sign * (n.z * tangent - left * d.z)]
         };
         let n = triangle.normal;
-        Some(Self {
+        Self {
             edges: [edge(0), edge(1), edge(2)],
             normal: [sign * n.x, sign * n.y, sign * n.z * tangent],
-            distance: signed_volume.abs() * secant,
-        })
+            volume: volume.map(|v| sign * v * secant),
+        }
     }
 
     #[inline(always)]
@@ -356,12 +402,12 @@ impl RowPlanes {
         self.edges.map(|p| p[0] * cos + p[1] * sin + p[2])
     }
 
-    /// The range of the beam with this heading, if it meets the triangle.
+    /// The range of the beam with this heading, if it meets the triangle from this side.
     #[inline(always)]
-    fn depth(&self, cos: f64, sin: f64) -> Option<f64> {
+    fn depth(&self, [cos, sin]: [f64; 2]) -> Option<f64> {
         let is_inside = self.edges_at(cos, sin).iter().all(|e| *e >= 0.0);
-        let facing = self.normal[0] * cos + self.normal[1] * sin + self.normal[2];
-        (is_inside && facing > 0.0).then(|| self.distance / facing)
+        let [facing, volume] = [&self.normal, &self.volume].map(|p| p[0] * cos + p[1] * sin + p[2]);
+        (is_inside && facing > 0.0 && volume > 0.0).then(|| volume / facing)
     }
 
     /// The same for eight beams, the first of them at `at`, and keeps what is nearer.
@@ -379,6 +425,11 @@ impl RowPlanes {
         if !any {
             return;
         }
+        let volume: [f64; EIGHT] =
+            std::array::from_fn(|i| self.volume[0] * cos[i] + self.volume[1] * sin[i] + self.volume[2]);
+        for i in 0..EIGHT {
+            inside[i] &= volume[i] > 0.0;
+        }
         let (Ok(depths), Ok(instances), Ok(faces)) = (
             <&mut [f32; EIGHT]>::try_from(&mut hits.depth[at..at + EIGHT]),
             <&mut [u32; EIGHT]>::try_from(&mut hits.instance[at..at + EIGHT]),
@@ -390,7 +441,7 @@ impl RowPlanes {
         let (old, (old_instances, old_faces)) = (*depths, (*instances, *faces));
         let (mut found, mut tie) = ([0.0_f32; EIGHT], false);
         for i in 0..EIGHT {
-            found[i] = if inside[i] { (self.distance / facing[i]) as f32 } else { f32::INFINITY };
+            found[i] = if inside[i] { (volume[i] / facing[i]) as f32 } else { f32::INFINITY };
             tie |= inside[i] & (found[i] == old[i]);
         }
         *depths = std::array::from_fn(|i| if found[i] < old[i] { found[i] } else { old[i] });

@@ -11,6 +11,9 @@ pub(super) const NARROW_RAD: f32 = 0.08;
 /// An edge is an arc of a great circle. Between corners `w` apart in azimuth it rises over the tangent of their
 /// elevations by a factor of at most 1 / cos(w / 2), which is 1.0008 for [`NARROW_RAD`].
 const BULGE: f32 = 1e-3;
+/// Points this many times as far from the axis as the lasers are look alike to all of them but for their azimuth: a
+/// beam that passes the axis at `left` meets the distance rho after sqrt(rho^2 - left^2), 0.03 % less.
+const OFF_AXIS: f32 = 40.0;
 /// Points nearer to the axis than this fraction of their distance have no azimuth worth the name.
 pub(super) const POLAR: f32 = 0.01;
 pub(super) const TURN: f32 = std::f32::consts::TAU;
@@ -28,6 +31,10 @@ pub(super) struct Table {
     /// that the rows which pass above a point are a prefix even where heights and elevations are not in one order.
     pub(super) envelope: Vec<[f32; 3]>,
     pub(super) height_span: [f32; 2],
+    /// The farthest that a laser sits beside the axis.
+    pub(super) most_left: f32,
+    /// Points nearer to the axis are left to the slow path.
+    pub(super) least_rho: f32,
     pub(super) row_of_tangent: Lookup,
     /// Where all lasers have one origin: the first row and the end of the rows that may pass through points whose
     /// tangents lie in a bin of `row_of_tangent`.
@@ -49,6 +56,7 @@ pub(super) struct SortedRow {
     pub(super) tangent: f64,
     pub(super) secant: f64,
     pub(super) height_m: f64,
+    pub(super) left_m: f64,
 }
 
 /// Counts of table entries below a value, to start an exact search from.
@@ -166,6 +174,7 @@ impl Table {
                 tangent: math::tan(r.elevation_rad),
                 secant: 1.0 / math::cos(r.elevation_rad),
                 height_m: r.height_m,
+                left_m: r.left_m,
             })
             .collect();
         let mut envelope: Vec<[f32; 3]> =
@@ -193,7 +202,8 @@ impl Table {
         let cos_sin: Vec<[f64; 2]> =
             distinct.iter().flat_map(|d| azimuths_rad.iter().map(move |a| heading(a + d))).collect();
         let max_offset = distinct.last().map_or(0.0, |d| *d as f32);
-        let one_origin = height_span[0] == height_span[1];
+        let most_left = rows.iter().map(|r| r.left_m.abs() as f32).fold(0.0, f32::max);
+        let one_origin = height_span[0] == height_span[1] && most_left == 0.0;
         let rows_of_bin = one_origin.then(|| {
             let tangents: Vec<f32> = rows.iter().map(|r| -r.tangent as f32).collect();
             row_of_tangent.ranges_of_bins(&tangents, |t| (BULGE + 1e-4) * t.abs() + 1e-4)
@@ -204,6 +214,8 @@ impl Table {
             rows,
             envelope,
             height_span,
+            most_left,
+            least_rho: (OFF_AXIS * most_left).max(0.02),
             row_of_tangent,
             rows_of_bin,
             cos: cos_sin.iter().map(|h| h[0]).collect(),
@@ -247,7 +259,8 @@ impl Table {
     /// [`Table::rows_at`], from a first guess of the row.
     #[inline]
     pub(super) fn rows_from_guess(&self, rho: f32, z: f32, guess: usize) -> (usize, usize) {
-        let slack = BULGE * (z - self.middle_height()).abs() + 2e-6 * rho + 1e-6;
+        let slack =
+            (BULGE + 4e-4 * f32::from(self.most_left > 0.0)) * (z - self.middle_height()).abs() + 2e-6 * rho + 1e-6;
         let (above, below) = (z + slack, z - slack);
         let mut first = guess;
         let height = |e: &[f32; 3], k: usize| e[k] + rho * e[0];
@@ -305,6 +318,7 @@ impl Table {
         let n_columns = self.azimuths.len();
         let rho = corners.map(|p| (p.x * p.x + p.y * p.y).sqrt());
         let polar = (0..3).any(|i| rho[i] <= POLAR * (corners[i].z.abs() + rho[i]) || rho[i] < 1e-3);
+        let nearest_corner = rho[0].min(rho[1]).min(rho[2]);
         let mut azimuth = corners.map(|p| azimuth_of(p.x, p.y));
         let span = |a: &[f32; 3]| (a[0].min(a[1]).min(a[2]), a[0].max(a[1]).max(a[2]));
         let (mut lo, mut hi) = span(&azimuth);
@@ -313,13 +327,14 @@ impl Table {
             (lo, hi) = span(&azimuth);
         }
         let width = hi - lo;
-        if polar || width.is_nan() || width > HALF_TURN - 1e-3 {
+        // An edge is an arc of a great circle: it bulges away from the horizon by at most 1 / cos(width / 2), and
+        // 1 - x^2 / 2 lies below cos x. By the same factor it comes nearer to the axis than its ends.
+        let shrink = 1.0 - width * width * 0.1251;
+        let is_near = self.most_left > 0.0 && nearest_corner * shrink < self.least_rho;
+        if polar || is_near || width.is_nan() || width > HALF_TURN - 1e-3 {
             let rows = self.rows_of_polar(corners, rho);
             return [Window { rows, columns: 0..n_columns }, Window::default()];
         }
-        // An edge is an arc of a great circle: it bulges away from the horizon by at most 1 / cos(width / 2), and
-        // 1 - x^2 / 2 lies below cos x.
-        let shrink = 1.0 - width * width * 0.1251;
         let mut rows = (self.rows.len(), 0);
         if shrink <= 0.1 {
             rows = (0, self.rows.len());
@@ -331,7 +346,8 @@ impl Table {
                 }
             }
         }
-        self.columns_between(lo, hi).map(|columns| Window { rows: rows.0..rows.1, columns })
+        let aside = if self.most_left > 0.0 { 1.001 * self.most_left / (nearest_corner * shrink) } else { 0.0 };
+        self.columns_between(lo - aside, hi + aside).map(|columns| Window { rows: rows.0..rows.1, columns })
     }
 
     /// Rows of a triangle around or near the axis: all of it may be above or below the sensor.
