@@ -35,7 +35,7 @@ class Laser:
     height_m: float = 0.0
     """Where the beam leaves the sensor, over the origin of its frame."""
     left_m: float = 0.0
-    """How far to the left of the vertical axis the laser sits, as it looks: its beams pass the axis at this distance."""
+    """How far to the left of the axis the laser sits, as it looks: its beams pass the axis at this distance."""
     azimuth_offset_deg: float = 0.0
     """The laser fires this much counter-clockwise of its columns' azimuths."""
     gain: float = 1.0
@@ -243,9 +243,9 @@ class BeamTable:
             name=table["name"],
             rings=tuple(
                 Laser(
-                    elevation_deg=e, height_m=h, left_m=l, azimuth_offset_deg=a, gain=g, blind_deg=tuple(map(tuple, b))
+                    elevation_deg=e, height_m=h, left_m=x, azimuth_offset_deg=a, gain=g, blind_deg=tuple(map(tuple, b))
                 )
-                for e, h, l, a, g, b in zip(*(table[key] for key in keys), strict=True)
+                for e, h, x, a, g, b in zip(*(table[key] for key in keys), strict=True)
             ),
             firing=_PATTERNS[firing.pop("pattern")](**firing),
             min_range_m=table["min_range_m"],
