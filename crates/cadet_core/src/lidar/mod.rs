@@ -5,6 +5,7 @@ mod casting;
 mod catalogue;
 mod firing;
 mod hdl64e;
+mod order;
 mod presets;
 mod reflection;
 mod response;

@@ -97,6 +97,7 @@ fn scan_by<C: Casting>(casting: &C, spec: &LidarSpec, weather: &Weather, stream:
     for (ring, laser) in spec.rings().iter().enumerate() {
         let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
         let gain = spec.laser_gains[ring];
+        let first_return = out.range_m.len();
         let is_blind = spec.blind_columns(ring);
         for (column, heading) in spec.headings(ring).iter().enumerate() {
             let draws = Draws::new(stream);
@@ -116,6 +117,9 @@ fn scan_by<C: Casting>(casting: &C, spec: &LidarSpec, weather: &Weather, stream:
             if let Some(found) = report(echo, &air, spec.returns, gain, spec.range_noise_m, &draws) {
                 out.write(spec, [ring, column], laser.origin_velo(*heading), direction_velo, &found);
             }
+        }
+        if laser.left_m != 0.0 {
+            out.order_by_azimuth(first_return);
         }
     }
     out
