@@ -6,6 +6,7 @@ mod catalogue;
 mod firing;
 mod hdl64e;
 mod presets;
+mod receiver;
 mod reflection;
 mod response;
 mod returns;

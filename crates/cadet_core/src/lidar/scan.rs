@@ -5,7 +5,8 @@
 
 use super::air::Air;
 use super::casting::{Casting, Standing};
-use super::returns::{Draws, Return, first_echo, report};
+use super::receiver::Waiting;
+use super::returns::{Draws, Return, brightness, clear_power, first_echo, report};
 use super::spec::LidarSpec;
 use super::spread::chosen_echo;
 use super::surfaces::Surfaces;
@@ -118,6 +119,7 @@ fn scan_by<C: Casting>(casting: &C, spec: &LidarSpec, weather: &Weather, stream:
     let air = Air::new(weather);
     let (mut behind, mut in_front) = (Surfaces::new(casting), Surfaces::new(casting));
     let mut out = Scan::with_capacity(spec.num_beams());
+    let mut waiting = Waiting::new();
     let mut beams = 0..;
     for (ring, laser) in spec.rings().iter().enumerate() {
         let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
@@ -138,10 +140,19 @@ fn scan_by<C: Casting>(casting: &C, spec: &LidarSpec, weather: &Weather, stream:
             } else {
                 first_echo(pane, behind.at(met.solid(beam), column, direction_velo), &draws)
             };
-            if let Some(found) = report(echo, &air, spec.returns, gain, spec.range_noise_m, &draws) {
+            if air.is_clear() {
+                let Some(echo) = echo else { continue };
+                let origin_velo = [0.0, 0.0, laser.height_m];
+                let seen = [clear_power(&echo, &air), brightness(&echo)];
+                waiting.push(&echo, seen, &draws, column, [origin_velo, direction_velo.to_array()]);
+                if waiting.is_full() {
+                    waiting.receive(spec, ring, &mut out);
+                }
+            } else if let Some(found) = report(echo, &air, spec.returns, gain, spec.range_noise_m, &draws) {
                 out.write(spec, (ring, laser), column, direction_velo, &found);
             }
         }
+        waiting.receive(spec, ring, &mut out);
     }
     out
 }
@@ -185,7 +196,8 @@ impl Scan {
 
 /// The nearest whole number, for numbers below 2^51: adding 1.5 * 2^52 leaves no place for a fraction. Without SSE 4.1
 /// `round` is a call.
-fn round(x: f64) -> f64 {
+#[inline(always)]
+pub(super) fn round(x: f64) -> f64 {
     const NO_FRACTION: f64 = 6_755_399_441_055_744.0;
     (x + NO_FRACTION) - NO_FRACTION
 }

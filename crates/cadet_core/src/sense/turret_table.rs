@@ -141,11 +141,8 @@ fn rows_of_place(lookup: &Lookup, rows: &[SortedRow], height_span: [f32; 2]) -> 
             let (high, low) = (-edge(from), -edge(to));
             let slack = |t: f32| (BULGE + 6e-4) * (t.abs() + half_span * most) + 1e-4;
             let first = if bin == 0 { 0 } else { lowest.partition_point(|t| *t > high + slack(high)) };
-            let end = if bin + 1 == PLACE_STRIDE {
-                rows.len()
-            } else {
-                highest.partition_point(|t| *t >= low - slack(low))
-            };
+            let end =
+                if bin + 1 == PLACE_STRIDE { rows.len() } else { highest.partition_point(|t| *t >= low - slack(low)) };
             out.push([first as u16, end.max(first) as u16]);
         }
     }
