@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, TypedDict
 
@@ -178,13 +179,21 @@ class Lidar:
         return self.to_native().rays()
 
     def to_native(self) -> _cadet.Lidar:
-        """Return the core's LIDAR."""
+        """Return the core's LIDAR; the last few made are kept, as each holds tables of its beams."""
+        return _to_native(self)
+
+    def _make_native(self) -> _cadet.Lidar:
         if self.table is None:
             native = _cadet.Lidar.preset(self.name)
         else:
             native = _cadet.Lidar.from_table(self.table.to_native())
         native = native.single_origin() if self.single_origin else native
         return native.scanning(rolling=self.rolling, returns=self.returns, divergence_mrad=float(self.divergence_mrad))
+
+
+@lru_cache(maxsize=8)
+def _to_native(lidar: Lidar) -> _cadet.Lidar:
+    return lidar._make_native()
 
 
 @dataclass(frozen=True, kw_only=True)

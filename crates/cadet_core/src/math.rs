@@ -89,7 +89,7 @@ pub fn lerp(a: f64, b: f64, t: f64) -> f64 {
 
 /// The natural logarithm of a positive, normal number within 2e-9, in a few multiplications and one division: for what
 /// a scan computes a hundred thousand times and rounds to hundredths.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn quick_ln(x: f64) -> f64 {
     // x = m * 2^e with m from 1 / sqrt 2 to sqrt 2, and ln m = 2 artanh((m - 1) / (m + 1)).

@@ -148,15 +148,13 @@ impl Scene {
         let spec = lidar.map(|l| &l.spec);
         let dict = PyDict::new(py);
         let (points, ring, column, actor_id, range_m) = if ideal {
-            let (scan, rays) = py.detach(|| {
+            py.detach(|| {
                 let scan = self.inner.ideal_scan(spec);
-                (scan, spec.unwrap_or(&self.inner.rig().lidar).rays())
-            });
-            let range_m: Vec<f64> = scan.range_m.iter().map(|r| f64::from(*r)).collect();
-            let beams = rays.origins_velo.iter().zip(&rays.directions_velo).zip(&range_m);
-            let points = beams.map(|((o, d), r)| (*o + *d * *r).as_vec3().to_array());
-            let points = points.map(|[x, y, z]| if x.is_finite() { [x, y, z, 0.0] } else { [f32::NAN; 4] }).collect();
-            (points, rays.ring, rays.column, scan.actor_id, range_m)
+                let spec = spec.unwrap_or(&self.inner.rig().lidar);
+                let (ring, column) = spec.beam_numbers();
+                let range_m = scan.range_m.iter().map(|r| f64::from(*r)).collect();
+                (scan.points_velo(spec), ring, column, scan.actor_id, range_m)
+            })
         } else {
             let s = py.detach(|| self.inner.scan(spec, sample)).map_err(BorderError::from)?;
             (s.points_velo, s.ring, s.column, s.actor_id, s.range_m)

@@ -7,6 +7,7 @@ mod firing;
 mod hdl64e;
 mod order;
 mod presets;
+mod receiver;
 mod reflection;
 mod response;
 mod returns;

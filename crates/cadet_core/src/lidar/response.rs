@@ -31,6 +31,7 @@ pub(super) fn reading_noise(pattern: Pattern) -> f64 {
 }
 
 /// True if an echo of `power` (reflectance / range^2) is heard; `chance` is uniform in [0, 1).
+#[inline(always)]
 pub(super) fn is_heard(power: f64, chance: f64) -> bool {
     let ratio = power / HEARD_POWER;
     let cube = ratio * ratio * ratio;
@@ -40,6 +41,7 @@ pub(super) fn is_heard(power: f64, chance: f64) -> bool {
 
 /// Reported intensity in 0..=0.99, not yet rounded, of an echo with the given reflectance (1: white, facing the
 /// sensor). `gain` is the laser's, 1 for an average one; `noise` is added to an average laser's reading.
+#[inline(always)]
 pub(super) fn intensity(reflectance: f64, range_m: f64, gain: f64, noise: f64) -> f64 {
     let beyond = (range_m / COMPENSATED_M).max(1.0);
     let seen = reflectance / (beyond * beyond);
@@ -53,6 +55,7 @@ pub(super) fn intensity(reflectance: f64, range_m: f64, gain: f64, noise: f64) -
 }
 
 /// Reported intensity of a retroreflector, which overflows the receiver; `chance` is uniform in [0, 1).
+#[inline(always)]
 pub(super) fn saturated(chance: f64) -> f64 {
     0.99 - 0.02 * chance
 }

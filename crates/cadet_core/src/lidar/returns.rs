@@ -30,11 +30,11 @@ pub(super) struct Return {
 pub(super) struct Draws {
     pane: f64,
     pub(super) detection: f64,
-    saturation: f64,
+    pub(super) saturation: f64,
     /// Names the beam to the air.
     air_key: u64,
-    range_normal: f64,
-    gain_normal: f64,
+    pub(super) range_normal: f64,
+    pub(super) gain_normal: f64,
 }
 
 impl Draws {
@@ -103,7 +103,8 @@ pub(super) fn report(
 }
 
 /// Power of an echo at the receiver were there nothing in the air, in units of reflectance / range^2.
-fn clear_power(echo: &Echo, air: &Air) -> f64 {
+#[inline]
+pub(super) fn clear_power(echo: &Echo, air: &Air) -> f64 {
     let is_ground = echo.semantic.is_ground();
     let reflectance =
         if is_ground { air.ground(echo.semantic, echo.reflectance, echo.cos_incidence) } else { echo.reflectance };
@@ -111,7 +112,8 @@ fn clear_power(echo: &Echo, air: &Air) -> f64 {
 }
 
 /// What a retroreflector returns over what a white matt surface does: plates are heard at any range in clear air.
-fn brightness(echo: &Echo) -> f64 {
+#[inline]
+pub(super) fn brightness(echo: &Echo) -> f64 {
     if echo.retro { 1e3 } else { 1.0 }
 }
 

@@ -5,7 +5,8 @@
 
 use super::air::Air;
 use super::casting::{Casting, Standing};
-use super::returns::{Draws, Return, first_echo, report};
+use super::receiver::Waiting;
+use super::returns::{Draws, Return, brightness, clear_power, first_echo, report};
 use super::spec::LidarSpec;
 use super::spread::chosen_echo;
 use super::surfaces::Surfaces;
@@ -13,7 +14,7 @@ use super::turning::Turning;
 use crate::error::Result;
 use crate::math::{self, DPose3, DVec3};
 use crate::rng::Stream;
-use crate::sense::{Hits, Layer, NO_HIT, PosedScene, cast};
+use crate::sense::{Hits, Layer, PosedScene, cast};
 use crate::weather::Weather;
 
 /// What every beam meets first, in the order of [`LidarSpec::rays`]: every triangle opaque, no limits, no noise.
@@ -44,13 +45,38 @@ pub struct Scan {
     pub range_m: Vec<f64>,
 }
 
+impl IdealScan {
+    /// Where each beam ends, x, y, z in metres in the velo frame, and an intensity of 0; four NaN for a miss.
+    ///
+    /// # Panics
+    /// With another sensor than the scan's.
+    #[must_use]
+    pub fn points_velo(&self, spec: &LidarSpec) -> Vec<[f32; 4]> {
+        let mut points = Vec::with_capacity(self.range_m.len());
+        let columns = spec.azimuths_rad().len();
+        assert_eq!(self.range_m.len(), spec.num_beams(), "as many ranges as beams");
+        for ((ring, laser), ranges_m) in spec.rings().iter().enumerate().zip(self.range_m.chunks_exact(columns)) {
+            let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
+            let point = |(heading, range_m): (&[f64; 2], &f32)| {
+                let range = f64::from(*range_m);
+                let direction_velo = DVec3::new(cos * heading[0], cos * heading[1], sin);
+                let p = laser.origin_velo(*heading) + direction_velo * range;
+                if *range_m < f32::INFINITY { [p.x as f32, p.y as f32, p.z as f32, 0.0] } else { [f32::NAN; 4] }
+            };
+            points.extend(spec.headings(ring).iter().zip(ranges_m).map(point));
+        }
+        points
+    }
+}
+
 /// Casts every beam of the sensor at once, all from one pose: an ideal sensor neither turns nor spreads its beams.
 #[must_use]
 pub fn ideal_scan(scene: &PosedScene, world_from_velo: &DPose3, spec: &LidarSpec) -> IdealScan {
     let mut hits = Hits::new(spec.rings().len(), spec.azimuths_rad().len());
     cast(scene, &spec.grid(*world_from_velo), Layer::All, |_| true, &mut hits);
-    let actor_id =
-        hits.instance.iter().map(|i| if *i == NO_HIT { -1 } else { scene.instances[*i as usize].actor_id }).collect();
+    // Close together, so that looking them up costs nothing.
+    let actors: Vec<i32> = scene.instances.iter().map(|i| i.actor_id).collect();
+    let actor_id = hits.instance.iter().map(|i| actors.get(*i as usize).copied().unwrap_or(-1)).collect();
     IdealScan { range_m: hits.depth, instance: hits.instance, face: hits.face, actor_id }
 }
 
@@ -93,6 +119,7 @@ fn scan_by<C: Casting>(casting: &C, spec: &LidarSpec, weather: &Weather, stream:
     let air = Air::new(weather);
     let (mut behind, mut in_front) = (Surfaces::new(casting), Surfaces::new(casting));
     let mut out = Scan::with_capacity(spec.num_beams());
+    let mut waiting = Waiting::new();
     let mut beams = 0..;
     for (ring, laser) in spec.rings().iter().enumerate() {
         let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
@@ -114,10 +141,19 @@ fn scan_by<C: Casting>(casting: &C, spec: &LidarSpec, weather: &Weather, stream:
             } else {
                 first_echo(pane, behind.at(met.solid(beam), column, direction_velo), &draws)
             };
-            if let Some(found) = report(echo, &air, spec.returns, gain, spec.range_noise_m, &draws) {
-                out.write(spec, [ring, column], laser.origin_velo(*heading), direction_velo, &found);
+            let origin_velo = laser.origin_velo(*heading);
+            if air.is_clear() {
+                let Some(echo) = echo else { continue };
+                let seen = [clear_power(&echo, &air), brightness(&echo)];
+                waiting.push(&echo, seen, &draws, column, [origin_velo.to_array(), direction_velo.to_array()]);
+                if waiting.is_full() {
+                    waiting.receive(spec, ring, &mut out);
+                }
+            } else if let Some(found) = report(echo, &air, spec.returns, gain, spec.range_noise_m, &draws) {
+                out.write(spec, [ring, column], origin_velo, direction_velo, &found);
             }
         }
+        waiting.receive(spec, ring, &mut out);
         if laser.left_m != 0.0 {
             out.order_by_azimuth(first_return);
         }
@@ -164,7 +200,8 @@ impl Scan {
 
 /// The nearest whole number, for numbers below 2^51: adding 1.5 * 2^52 leaves no place for a fraction. Without SSE 4.1
 /// `round` is a call.
-fn round(x: f64) -> f64 {
+#[inline(always)]
+pub(super) fn round(x: f64) -> f64 {
     const NO_FRACTION: f64 = 6_755_399_441_055_744.0;
     (x + NO_FRACTION) - NO_FRACTION
 }

@@ -298,22 +298,28 @@ impl LidarSpec {
     #[must_use]
     pub fn rays(&self) -> Rays {
         let n = self.num_beams();
-        let mut rays = Rays {
-            origins_velo: Vec::with_capacity(n),
-            directions_velo: Vec::with_capacity(n),
-            ring: Vec::with_capacity(n),
-            column: Vec::with_capacity(n),
-        };
+        let (ring, column) = self.beam_numbers();
+        let mut rays =
+            Rays { origins_velo: Vec::with_capacity(n), directions_velo: Vec::with_capacity(n), ring, column };
         for (ring, laser) in self.rings.iter().enumerate() {
             let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
-            for (column, heading) in self.headings(ring).iter().enumerate() {
+            for heading in self.headings(ring) {
                 rays.origins_velo.push(laser.origin_velo(*heading));
                 rays.directions_velo.push(DVec3::new(cos * heading[0], cos * heading[1], sin));
-                rays.ring.push(ring as i32);
-                rays.column.push(column as i32);
             }
         }
         rays
+    }
+
+    /// Ring and column of every beam, in the order of a scan's rows.
+    #[must_use]
+    pub fn beam_numbers(&self) -> (Vec<i32>, Vec<i32>) {
+        let (mut rings, mut columns) = (Vec::with_capacity(self.num_beams()), Vec::with_capacity(self.num_beams()));
+        for ring in 0..self.rings.len() {
+            rings.resize(rings.len() + self.azimuths_rad.len(), ring as i32);
+            columns.extend(0..self.azimuths_rad.len() as i32);
+        }
+        (rings, columns)
     }
 }
 

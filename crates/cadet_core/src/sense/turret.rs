@@ -225,8 +225,8 @@ impl BeamGrid for TurretGrid {
             return;
         }
         for i in 0..LANES {
-            let (first, end) = table.rows_from_guess(rho[i], z[i], table.row_of_tangent.guess_in_bin(bin[i]));
-            out[i] = [first as u16, u16::MAX - end as u16, ticks[i].0, u16::MAX - ticks[i].1];
+            let [first, end] = table.rows_of_place(1.0 / rho[i], bin[i]);
+            out[i] = [first, u16::MAX - end, ticks[i].0, u16::MAX - ticks[i].1];
         }
     }
 

@@ -39,6 +39,8 @@ pub(super) struct Table {
     /// Where all lasers have one origin: the first row and the end of the rows that may pass through points whose
     /// tangents lie in a bin of `row_of_tangent`.
     pub(super) rows_of_bin: Option<Vec<[u16; 2]>>,
+    /// Where they have several: the same for a bin of nearness and a bin of tangents ([`rows_of_place`]).
+    pub(super) rows_of_place: Vec<[u16; 2]>,
     pub(super) azimuths: Vec<f32>,
     /// Cosines and sines of all columns' azimuths, once for each distinct offset of a ring; and both side by side.
     pub(super) cos: Vec<f64>,
@@ -108,6 +110,51 @@ impl Lookup {
         };
         (0..=last).map(range).collect()
     }
+}
+
+/// Bins of nearness, 1 / rho: [`NEAR_PER_BIN`] each, the last without an end.
+const NEAR_BINS: usize = 48;
+const NEAR_PER_BIN: f32 = 1.0 / 60.0;
+/// Bins of `row_of_tangent` that share a range in [`rows_of_place`], as a power of two.
+const SHARED_BITS: u32 = 2;
+const TANGENT_BINS: usize = 4096;
+const PLACE_STRIDE: usize = TANGENT_BINS >> SHARED_BITS;
+
+/// The rows that may pass through points of a bin of tangents (over the middle height) and a bin of nearness.
+///
+/// Seen from the middle, a row at height h passes at the tangent `tan + (h - middle) / rho`: linear in the nearness, so
+/// that its ends in a bin bound it.
+fn rows_of_place(lookup: &Lookup, rows: &[SortedRow], height_span: [f32; 2]) -> Vec<[u16; 2]> {
+    let middle = 0.5 * (height_span[0] + height_span[1]);
+    let half_span = 0.5 * (height_span[1] - height_span[0]);
+    let edge = |bin: f32| (bin - lookup.offset) / lookup.scale;
+    let mut out = Vec::with_capacity(NEAR_BINS * PLACE_STRIDE);
+    for near in 0..NEAR_BINS {
+        if near + 1 == NEAR_BINS {
+            out.resize(NEAR_BINS * PLACE_STRIDE, [0, rows.len() as u16]);
+            break;
+        }
+        let [least, most] = [near as f32 - 0.01, near as f32 + 1.01].map(|n| n * NEAR_PER_BIN);
+        let passes = |r: &SortedRow, nearness: f32| r.tangent as f32 + (r.height_m as f32 - middle) * nearness;
+        let (mut lowest, mut highest): (Vec<f32>, Vec<f32>) =
+            rows.iter().map(|r| (passes(r, least), passes(r, most))).map(|(a, b)| (a.min(b), a.max(b))).unzip();
+        for i in 1..rows.len() {
+            lowest[i] = lowest[i].min(lowest[i - 1]);
+            let j = rows.len() - 1 - i;
+            highest[j] = highest[j].max(highest[j + 1]);
+        }
+        for bin in 0..PLACE_STRIDE {
+            let (from, to) = ((bin << SHARED_BITS) as f32 - 0.51, (((bin + 1) << SHARED_BITS) - 1) as f32 + 0.51);
+            // The lookup's tangents fall as the rows' rise.
+            let (high, low) = (-edge(from), -edge(to));
+            let slack = |t: f32| (BULGE + 6e-4) * (t.abs() + half_span * most) + 1e-4;
+            let first = if bin == 0 { 0 } else { lowest.partition_point(|t| *t > high + slack(high)) };
+            let end =
+                if bin + 1 == PLACE_STRIDE { rows.len() } else { highest.partition_point(|t| *t >= low - slack(low)) };
+            out.push([first as u16, end.max(first) as u16]);
+        }
+    }
+    out
 }
 
 /// A turn in equal steps on which the columns lie, exactly or nearly: an encoder has such.
@@ -187,7 +234,7 @@ impl Table {
         let heights = rows.iter().map(|r| r.height_m as f32);
         let height_span = [heights.clone().fold(f32::INFINITY, f32::min), heights.fold(f32::NEG_INFINITY, f32::max)];
         let (top, bottom) = (rows[0].tangent as f32, rows[rows.len() - 1].tangent as f32);
-        let row_of_tangent = Lookup::new(-top - 1e-3, -bottom + 1e-3, 4095, |x| {
+        let row_of_tangent = Lookup::new(-top - 1e-3, -bottom + 1e-3, TANGENT_BINS - 1, |x| {
             rows.iter().filter(|r| r.tangent > f64::from(-x)).count()
         });
         let azimuths: Vec<f32> = azimuths_rad.iter().map(|a| *a as f32).collect();
@@ -208,6 +255,10 @@ impl Table {
             let tangents: Vec<f32> = rows.iter().map(|r| -r.tangent as f32).collect();
             row_of_tangent.ranges_of_bins(&tangents, |t| (BULGE + 1e-4) * t.abs() + 1e-4)
         });
+        let rows_of_place = match one_origin {
+            true => Vec::new(),
+            false => rows_of_place(&row_of_tangent, &rows, height_span),
+        };
         Self {
             rings: rings.to_vec(),
             ring_of_row,
@@ -218,6 +269,7 @@ impl Table {
             least_rho: (OFF_AXIS * most_left).max(0.02),
             row_of_tangent,
             rows_of_bin,
+            rows_of_place,
             cos: cos_sin.iter().map(|h| h[0]).collect(),
             sin: cos_sin.iter().map(|h| h[1]).collect(),
             cos_sin,
@@ -249,6 +301,15 @@ impl Table {
     pub(super) fn rows_at(&self, rho: f32, z: f32) -> (usize, usize) {
         let middle = self.middle_height();
         self.rows_from_guess(rho, z, self.row_of_tangent.guess((middle - z) / rho))
+    }
+
+    /// About [`Table::rows_at`], for lasers at several heights, without a search: by nearness and a bin of tangents.
+    #[inline(always)]
+    pub(super) fn rows_of_place(&self, nearness: f32, tangent_bin: u32) -> [u16; 2] {
+        let near = (nearness * (1.0 / NEAR_PER_BIN)).min(NEAR_BINS as f32 - 0.75) - 0.5;
+        // As in [`Lookup::bin`].
+        let near = (near.max(0.0) + 8_388_608.0).to_bits() & 0xff;
+        self.rows_of_place[near as usize * PLACE_STRIDE + (tangent_bin >> SHARED_BITS) as usize]
     }
 
     #[inline]

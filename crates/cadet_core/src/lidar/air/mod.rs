@@ -85,7 +85,8 @@ impl Air {
     }
 
     /// True if nothing stands in the air.
-    fn is_clear(&self) -> bool {
+    #[inline]
+    pub(super) fn is_clear(&self) -> bool {
         self.alpha_per_m == 0.0
     }
 
