@@ -3,8 +3,9 @@
 
 use multiversion::multiversion;
 
+use crate::geometry::{Cluster, LANES};
 use crate::material::Semantic;
-use crate::math::{DVec3, Vec3};
+use crate::math::{DVec3, Mat3, Vec3};
 use crate::sense::PosedScene;
 
 /// Cells along a side of the height map.
@@ -84,7 +85,7 @@ impl SkyView {
         let mut top = vec![f32::NEG_INFINITY; CELLS * CELLS];
         let mut floor = vec![f32::INFINITY; CELLS * CELLS];
         let side = CELLS as f32 * CELL_M;
-        let mut points = Vec::new();
+        let mut points = [[0.0; MAX_POINTS]; 3];
         for instance in &scene.instances {
             let (c, r) = (instance.center_world.as_vec3(), instance.radius_m as f32);
             if c.x + r < self.min[0]
@@ -104,23 +105,35 @@ impl SkyView {
             };
             let mesh = &instance.mesh;
             let linear = instance.placement.rotation.as_mat3();
+            let origin = instance.placement.translation.as_vec3();
             for cluster in &mesh.clusters {
-                let c = instance.center_world.as_vec3() + linear * (cluster.center - mesh.bounds.center());
+                let c = origin + linear * cluster.center;
                 let (dx, dy, r) = (c.x - self.min[0], c.y - self.min[1], cluster.radius_m);
                 if dx + r < 0.0 || dy + r < 0.0 || dx - r > side || dy - r > side {
                     continue;
                 }
+                let cell = |d: f32| ((d / CELL_M).max(0.0) as usize).min(CELLS - 1);
                 if r < 0.6 * CELL_M {
                     // Smaller than a cell: no need to look at the faces.
-                    let cell = |d: f32| ((d / CELL_M).max(0.0) as usize).min(CELLS - 1);
                     mark(cell(dx), cell(dy), c.z - 0.5 * r, c.z + 0.5 * r);
                     continue;
                 }
-                instance.pose_cluster(cluster, &mut points);
+                if is_plant && r < 1.5 * CELL_M {
+                    // Leaves lie anywhere within.
+                    let core = 0.5 * r;
+                    for y in cell(dy - core)..=cell(dy + core) {
+                        for x in cell(dx - core)..=cell(dx + core) {
+                            mark(x, y, c.z - core, c.z + core);
+                        }
+                    }
+                    continue;
+                }
+                pose_roughly(cluster, &linear, origin, &mut points);
                 // Of a few cells, a part of the faces tells enough.
                 let step = if r < CELL_M { 4 } else { 1 };
                 for corners in cluster.corners.iter().step_by(step) {
-                    self.mark_face(corners.map(|i| points[usize::from(i)]), &mut mark);
+                    let corner = |i: u8| Vec3::from_array(points.each_ref().map(|axis| axis[usize::from(i)]));
+                    self.mark_face(corners.map(corner), &mut mark);
                 }
             }
         }
@@ -410,6 +423,22 @@ impl PaddedTop {
 fn raise(slopes: &mut [f32], top: &[f32], floor: &[f32], over: f32, per_m: f32) {
     for ((slope, top), floor) in slopes.iter_mut().zip(top).zip(floor) {
         *slope = slope.max((top - (floor + over)) * per_m);
+    }
+}
+
+/// A cluster's corners are bytes.
+const MAX_POINTS: usize = 256;
+
+/// Puts a cluster's vertices, in the world and in single precision, into `out`, one array an axis.
+#[multiversion(targets("x86_64+avx2"))]
+fn pose_roughly(cluster: &Cluster, linear: &Mat3, origin: Vec3, out: &mut [[f32; MAX_POINTS]; 3]) {
+    for (axis, out) in out.iter_mut().enumerate() {
+        let [mx, my, mz] = [linear.x_axis[axis], linear.y_axis[axis], linear.z_axis[axis]];
+        for (local, out) in cluster.lanes.iter().zip(out.chunks_exact_mut(LANES)) {
+            for i in 0..LANES {
+                out[i] = mx * local[0][i] + my * local[1][i] + mz * local[2][i] + origin[axis];
+            }
+        }
     }
 }
 

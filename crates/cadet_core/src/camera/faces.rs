@@ -6,7 +6,7 @@ use super::pattern::hash2;
 use super::shade::Light;
 use crate::material::{Pattern, Semantic};
 use crate::math::{Mat3, Vec3};
-use crate::sense::PosedScene;
+use crate::sense::{DrawnFace, PosedScene};
 
 /// How a face is shaded: faces of one kind are shaded together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -99,23 +99,28 @@ struct Placed {
     leaf_slots: u64,
 }
 
-/// Faces and visibilities of the sky that were seen lately.
+/// Faces and visibilities of the sky that were seen lately. Faces go by their numbers in the visibility buffer.
 pub struct Faces<'a> {
     scene: &'a PosedScene,
     light: &'a Light,
     rays: &'a Rays,
+    drawn: &'a [DrawnFace],
     placed: Vec<Placed>,
+    /// For each drawn face the instance whose leaf it is, or `NO_PLANT`.
+    plants: Vec<u32>,
+    /// For each drawn face its index in `faces`, or `NOT_MADE`.
+    made: Vec<u32>,
     /// All since the last `forget`.
     pub faces: Vec<Face>,
     /// The sky's visibility; padded, so that it is one load.
     pub open: Vec<[f32; 8]>,
-    /// Instance, face and index of faces that were just seen.
-    recent: Vec<(u32, u32, u32)>,
     /// Instance and cell of the image, and index of the visibility in crowns.
     recent_crowns: Vec<(u32, u32, u32)>,
 }
 
-const RECENT: usize = 4096;
+const NOT_MADE: u32 = u32::MAX;
+/// No leaf.
+pub const NO_PLANT: u32 = u32::MAX;
 const RECENT_CROWNS: usize = 1024;
 const NONE: (u32, u32, u32) = (u32::MAX, u32::MAX, 0);
 /// Pixels of a face so close together share the sky's visibility.
@@ -127,7 +132,13 @@ const MAX_FACES: usize = 6000;
 const MAX_OPEN: usize = 16_000;
 
 impl<'a> Faces<'a> {
-    pub fn new(scene: &'a PosedScene, view: &View, rays: &'a Rays, light: &'a Light) -> Self {
+    pub fn new(
+        scene: &'a PosedScene,
+        view: &View,
+        rays: &'a Rays,
+        light: &'a Light,
+        drawn: &'a [DrawnFace],
+    ) -> Self {
         let eye = view.world_from_cam.translation;
         let placed = scene.instances.iter().map(|i| Placed {
             world_from_local: i.placement.rotation.as_mat3(),
@@ -137,14 +148,25 @@ impl<'a> Faces<'a> {
                 .map(|(slot, m)| u64::from(m.pattern == Pattern::Leaves) << slot)
                 .sum(),
         });
+        let placed: Vec<Placed> = placed.collect();
+        let plant = |face: &DrawnFace| {
+            let leaf_slots = placed[face.instance as usize].leaf_slots;
+            let is_leaf = leaf_slots != 0 && {
+                let slot = scene.instances[face.instance as usize].mesh.slots[face.face as usize];
+                slot < 64 && leaf_slots >> slot & 1 == 1
+            };
+            if is_leaf { face.instance } else { NO_PLANT }
+        };
         Self {
-            placed: placed.collect(),
+            plants: drawn.iter().map(plant).collect(),
+            made: vec![NOT_MADE; drawn.len()],
+            drawn,
+            placed,
             scene,
             light,
             rays,
             faces: Vec::with_capacity(2 * MAX_FACES),
             open: Vec::with_capacity(2 * MAX_OPEN),
-            recent: vec![NONE; RECENT],
             recent_crowns: vec![NONE; RECENT_CROWNS],
         }
     }
@@ -154,33 +176,29 @@ impl<'a> Faces<'a> {
         if self.faces.len() > MAX_FACES || self.open.len() > MAX_OPEN {
             self.faces.clear();
             self.open.clear();
-            self.recent.fill(NONE);
+            self.made.fill(NOT_MADE);
             self.recent_crowns.fill(NONE);
         }
     }
 
-    /// True if a face shows leaves.
+    /// The instance of which a drawn face is a leaf, or [`NO_PLANT`].
     #[inline]
-    pub fn is_leaf(&self, instance: u32, face: u32) -> bool {
-        let leaf_slots = self.placed[instance as usize].leaf_slots;
-        leaf_slots != 0 && {
-            let slot = self.scene.instances[instance as usize].mesh.slots[face as usize];
-            slot < 64 && leaf_slots >> slot & 1 == 1
-        }
+    pub fn plant(&self, number: u32) -> u32 {
+        self.plants[number as usize]
     }
 
-    /// Index of a face.
+    /// Index of a drawn face.
     #[inline]
-    pub fn index(&mut self, instance: u32, face: u32) -> u32 {
-        let slot = (face ^ instance.wrapping_mul(97)) as usize % RECENT;
-        let (i, f, index) = self.recent[slot];
-        if (i, f) == (instance, face) {
+    pub fn index(&mut self, number: u32) -> u32 {
+        let index = self.made[number as usize];
+        if index != NOT_MADE {
             return index;
         }
+        let DrawnFace { instance, face, .. } = self.drawn[number as usize];
         let made = self.make(instance, face);
         let index = self.faces.len() as u32;
         self.faces.push(made);
-        self.recent[slot] = (instance, face, index);
+        self.made[number as usize] = index;
         index
     }
 

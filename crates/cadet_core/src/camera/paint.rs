@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
-use super::faces::{Faces, Kind};
+use super::faces::{Faces, Kind, NO_PLANT};
 use super::look::{Rays, Samples, View};
 use super::noise::MIDDLE_PX;
 use super::shade::{Camera, Hit, LANES, Lanes, Light, NO_SLOT};
 use super::sky::SkyRows;
-use crate::sense::{NO_HIT, PosedScene, Quad, VisibilityBuffer};
+use crate::sense::{NO_HIT, PosedScene, Quad};
 
 /// Rows whose hits are collected before they are shaded.
 pub(super) const BAND: usize = 8;
@@ -22,7 +22,7 @@ pub fn paint(scene: &PosedScene, view: &View, rays: &Rays, light: &Light, sample
     let (width, height) = (view.width, view.height);
     rgb.resize(width * height * 3, 0.0);
     let mut painter = Painter {
-        faces: Faces::new(scene, view, rays, light),
+        faces: Faces::new(scene, view, rays, light, &samples.0.faces),
         hits: Vec::new(),
         panes: Vec::new(),
         behind: Vec::new(),
@@ -68,8 +68,10 @@ struct Painter<'a> {
 /// What samples of one pixel see of one face.
 #[derive(Clone, Copy)]
 struct Part {
-    instance: u32,
+    /// Number of the face.
     face: u32,
+    /// See [`Faces::plant`].
+    plant: u32,
     /// Samples that count for it.
     weight: f32,
     /// Samples of the very face, and the sums of their places.
@@ -167,7 +169,7 @@ impl Painter<'_> {
             let u = column as f32 + MIDDLE_PX;
             let solid = buffer.solid_quad(2 * row, 2 * column);
             if let Some(panes) = buffer.pane_quad(2 * row, 2 * column, &solid) {
-                self.collect_behind_panes(buffer, &solid, &panes, pixel, u, v, rgb);
+                self.collect_behind_panes(&solid, &panes, pixel, u, v, rgb);
                 continue;
             }
             if solid.is_one_face() {
@@ -175,15 +177,14 @@ impl Painter<'_> {
                     let color = self.sky.at(column, row, self.rays, self.light);
                     rgb[pixel as usize * 3..pixel as usize * 3 + 3].copy_from_slice(&color);
                 } else {
-                    let (instance, face) = identity(buffer, solid.face[0]);
-                    self.collect(instance, face, pixel, NO_SLOT, 1.0, u, v, solid.mean_depth());
+                    self.collect(solid.face[0], pixel, NO_SLOT, 1.0, u, v, solid.mean_depth());
                 }
                 continue;
             }
-            let parts = self.parts(buffer, &solid);
+            let parts = self.parts(&solid);
             for part in parts.into_iter().flatten() {
                 let weight = part.weight * 0.25;
-                if part.instance == NO_HIT {
+                if part.face == NO_HIT {
                     let color = self.sky.at(column, row, self.rays, self.light);
                     for (sum, c) in rgb[pixel as usize * 3..pixel as usize * 3 + 3].iter_mut().zip(color) {
                         *sum += weight * c;
@@ -191,15 +192,15 @@ impl Painter<'_> {
                 } else {
                     let share = 1.0 / part.count;
                     let (u, v) = (u + part.du * share, v + part.dv * share);
-                    self.collect(part.instance, part.face, pixel, NO_SLOT, weight, u, v, part.depth * share);
+                    self.collect(part.face, pixel, NO_SLOT, weight, u, v, part.depth * share);
                 }
             }
         }
     }
 
     #[inline]
-    fn collect(&mut self, instance: u32, face: u32, pixel: u32, slot: u32, weight: f32, u: f32, v: f32, depth: f32) {
-        let face = self.faces.index(instance, face);
+    fn collect(&mut self, face: u32, pixel: u32, slot: u32, weight: f32, u: f32, v: f32, depth: f32) {
+        let face = self.faces.index(face);
         let open = self.faces.open_index(face, u, v, depth);
         let kind = self.faces.faces[face as usize].kind;
         self.hits[kind as usize].push(Hit { face, open, pixel, slot, weight, u, v, depth });
@@ -208,7 +209,6 @@ impl Painter<'_> {
     /// A pixel some of whose samples lie behind panes: sample by sample, unless all four agree.
     fn collect_behind_panes(
         &mut self,
-        buffer: &VisibilityBuffer,
         solid: &Quad,
         panes: &Quad,
         pixel: u32,
@@ -219,17 +219,16 @@ impl Painter<'_> {
         let before = |i: usize| panes.nearness[i] > solid.nearness[i];
         if (0..4).all(before) && solid.is_one_face() && panes.is_one_face() {
             let depths = [solid.mean_depth(), panes.mean_depth()];
-            self.collect_pane(buffer, [solid.face[0], panes.face[0]], pixel, 1.0, u, v, depths);
+            self.collect_pane([solid.face[0], panes.face[0]], pixel, 1.0, u, v, depths);
             return;
         }
         for (i, (du, dv)) in OFFSETS.into_iter().enumerate() {
             let (u, v) = (u + du, v + dv);
             let depths = [1.0 / solid.nearness[i], 1.0 / panes.nearness[i]];
             if before(i) {
-                self.collect_pane(buffer, [solid.face[i], panes.face[i]], pixel, 0.25, u, v, depths);
+                self.collect_pane([solid.face[i], panes.face[i]], pixel, 0.25, u, v, depths);
             } else if solid.face[i] != NO_HIT {
-                let (instance, face) = identity(buffer, solid.face[i]);
-                self.collect(instance, face, pixel, NO_SLOT, 0.25, u, v, depths[0]);
+                self.collect(solid.face[i], pixel, NO_SLOT, 0.25, u, v, depths[0]);
             } else {
                 let color = self.sky.at(u as usize, v as usize, self.rays, self.light);
                 for (sum, c) in rgb[pixel as usize * 3..pixel as usize * 3 + 3].iter_mut().zip(color) {
@@ -241,7 +240,6 @@ impl Painter<'_> {
 
     fn collect_pane(
         &mut self,
-        buffer: &VisibilityBuffer,
         [solid, pane]: [u32; 2],
         pixel: u32,
         weight: f32,
@@ -254,11 +252,9 @@ impl Painter<'_> {
             self.behind.push(self.sky.at(u as usize, v as usize, self.rays, self.light));
         } else {
             self.behind.push([0.0; 3]);
-            let (instance, face) = identity(buffer, solid);
-            self.collect(instance, face, pixel, slot, 1.0, u, v, depth);
+            self.collect(solid, pixel, slot, 1.0, u, v, depth);
         }
-        let (instance, face) = identity(buffer, pane);
-        let face = self.faces.index(instance, face);
+        let face = self.faces.index(pane);
         let open = self.faces.open_index(face, u, v, pane_depth);
         let kind = self.faces.faces[face as usize].kind;
         self.panes.push((kind, Hit { face, open, pixel, slot, weight, u, v, depth: pane_depth }));
@@ -267,19 +263,17 @@ impl Painter<'_> {
     /// Collects a pixel's samples by face: one shading each. Leaves of one plant are shaded as one, by the first: they
     /// differ without order.
     #[inline]
-    fn parts(&self, buffer: &VisibilityBuffer, solid: &Quad) -> [Option<Part>; 4] {
+    fn parts(&self, solid: &Quad) -> [Option<Part>; 4] {
         let mut out: [Option<Part>; 4] = [None; 4];
         'samples: for (i, (du, dv)) in OFFSETS.into_iter().enumerate() {
-            let (instance, face) = identity(buffer, solid.face[i]);
+            let face = solid.face[i];
             let depth = 1.0 / solid.nearness[i];
+            let plant = if face == NO_HIT { NO_PLANT } else { self.faces.plant(face) };
             for slot in &mut out {
                 let Some(part) = slot else {
-                    *slot = Some(Part { instance, face, weight: 1.0, count: 1.0, du, dv, depth });
+                    *slot = Some(Part { face, plant, weight: 1.0, count: 1.0, du, dv, depth });
                     continue 'samples;
                 };
-                if part.instance != instance {
-                    continue;
-                }
                 if part.face == face {
                     part.weight += 1.0;
                     part.count += 1.0;
@@ -288,7 +282,7 @@ impl Painter<'_> {
                     part.depth += depth;
                     continue 'samples;
                 }
-                if self.faces.is_leaf(instance, face) && self.faces.is_leaf(instance, part.face) {
+                if part.plant == plant && plant != NO_PLANT {
                     part.weight += 1.0;
                     continue 'samples;
                 }
@@ -296,14 +290,4 @@ impl Painter<'_> {
         }
         out
     }
-}
-
-/// Instance and face of a drawn face.
-#[inline]
-fn identity(buffer: &VisibilityBuffer, number: u32) -> (u32, u32) {
-    if number == NO_HIT {
-        return (NO_HIT, NO_HIT);
-    }
-    let drawn = &buffer.faces[number as usize];
-    (drawn.instance, drawn.face)
 }

@@ -26,14 +26,20 @@ struct Map {
     seen: SeenTiles,
 }
 
-/// The tiles of a map on which the camera sees something, as sums over all tiles before a row and a column.
-#[derive(Debug, Clone)]
-struct SeenTiles(Vec<u16>);
+/// The tiles of a map on which the camera sees something.
+#[derive(Debug, Clone, Default)]
+struct SeenTiles {
+    /// Their number over all tiles before a row and a column.
+    sums: Vec<u16>,
+    /// The columns of texels between the first and the last of them, for each row of tiles.
+    spans: Vec<[usize; 2]>,
+}
 
 impl SeenTiles {
     /// Counts the marked tiles and those around them.
     fn around(marked: &[bool]) -> Self {
         let mut sums = vec![0_u16; (TILES + 1) * (TILES + 1)];
+        let mut spans = vec![[SIZE, 0]; TILES];
         for y in 0..TILES {
             let mut row = 0;
             for x in 0..TILES {
@@ -41,17 +47,20 @@ impl SeenTiles {
                 let near = (y.saturating_sub(1)..(y + 2).min(TILES))
                     .any(|y| marked[y * TILES + from..y * TILES + to].contains(&true));
                 row += u16::from(near);
+                if near {
+                    spans[y] = [spans[y][0].min(x * TILE), (x + 1) * TILE];
+                }
                 sums[(y + 1) * (TILES + 1) + x + 1] = sums[y * (TILES + 1) + x + 1] + row;
             }
         }
-        Self(sums)
+        Self { sums, spans }
     }
 
     /// True if some tile between two texels (both included) is seen.
     #[inline]
     fn any(&self, [x0, y0]: [usize; 2], [x1, y1]: [usize; 2]) -> bool {
         let (x0, y0, x1, y1) = (x0 / TILE, y0 / TILE, x1 / TILE + 1, y1 / TILE + 1);
-        let at = |x: usize, y: usize| self.0[y * (TILES + 1) + x];
+        let at = |x: usize, y: usize| self.sums[y * (TILES + 1) + x];
         at(x1, y1).wrapping_add(at(x0, y0)) != at(x1, y0).wrapping_add(at(x0, y1))
     }
 }
@@ -97,7 +106,7 @@ impl Shadows {
                 texel_m,
                 texels_per_m: 1.0 / texel_m,
                 height,
-                seen: SeenTiles(Vec::new()),
+                seen: SeenTiles::default(),
             });
         }
         shadows.mark_seen(seen_world);
@@ -264,26 +273,48 @@ fn place(light_axes: &[Vec3; 3], min: [f32; 2], texel_m: f32, texels_per_m: f32,
 /// Draws all that may shade what the camera sees.
 #[multiversion(targets("x86_64+avx2"))]
 fn draw_casters(scene: &PosedScene, light_from_world: &DMat3, maps: &mut [Map]) {
-    let mut corners: Vec<Vec3> = Vec::new();
+    let mut points = [[0.0; MAX_POINTS]; 3];
     for instance in &scene.instances {
         let center = (*light_from_world * instance.center_world).as_vec3();
         if !maps.iter().any(|m| m.is_asked_in(center, instance.radius_m as f32)) {
             continue;
         }
         let kinds: Vec<Caster> = instance.palette.0.iter().map(Caster::of).collect();
+        let slots_of = |kind: Caster| {
+            let of_kind = kinds.iter().take(63).enumerate().filter(|(_, k)| **k == kind);
+            of_kind.fold(0, |bits, (slot, _)| bits | 1_u64 << slot)
+        };
+        let (never, always) = (slots_of(Caster::Never), slots_of(Caster::Always));
         let light_from_local = *light_from_world * instance.placement.rotation;
         let origin = (*light_from_world * instance.placement.translation).as_vec3();
         let light_from_local = light_from_local.as_mat3();
-        for cluster in &instance.mesh.clusters {
+        for cluster in instance.mesh.clusters.iter().filter(|c| c.slots & !never != 0) {
+            let all_cast = cluster.slots & !always == 0;
             let center = light_from_local * cluster.center + origin;
             // Far from the world's origin, single precision errs by millimetres.
             let radius = cluster.radius_m + 0.01;
             for map in maps.iter_mut().filter(|m| m.is_asked_in(center, radius)) {
-                map.project(cluster, &light_from_local, origin, &mut corners);
-                map.draw_cluster(instance, cluster, &kinds, &corners, light_from_world.z_axis.as_vec3());
+                map.project(cluster, &light_from_local, origin, &mut points);
+                if all_cast {
+                    for corners in &cluster.corners {
+                        map.triangle(corners.map(|i| point(&points, i)));
+                    }
+                } else {
+                    map.draw_some(instance, cluster, &kinds, &points, light_from_world.z_axis.as_vec3());
+                }
             }
         }
     }
+}
+
+/// A cluster's corners are bytes.
+const MAX_POINTS: usize = 256;
+type Points = [[f32; MAX_POINTS]; 3];
+
+#[inline(always)]
+fn point(points: &Points, i: u8) -> Vec3 {
+    let i = usize::from(i);
+    Vec3::new(points[0][i], points[1][i], points[2][i])
 }
 
 /// Texels along a map's rim that are not asked: the next map knows them.
@@ -339,33 +370,33 @@ impl Map {
 
     /// Puts a cluster's vertices into `out`: x and y in texels, z in metres.
     #[inline(always)]
-    fn project(&self, cluster: &Cluster, light_from_local: &Mat3, origin: Vec3, out: &mut Vec<Vec3>) {
+    fn project(&self, cluster: &Cluster, light_from_local: &Mat3, origin: Vec3, out: &mut Points) {
         let (m, scale) = (light_from_local, self.texels_per_m);
         let (x0, y0) = (origin.x - self.min[0], origin.y - self.min[1]);
-        out.clear();
-        for local in &cluster.lanes {
-            let mut light = [[0.0; LANES]; 3];
+        let [out_x, out_y, out_z] = out;
+        let out = out_x.chunks_exact_mut(LANES).zip(out_y.chunks_exact_mut(LANES)).zip(out_z.chunks_exact_mut(LANES));
+        for (local, ((out_x, out_y), out_z)) in cluster.lanes.iter().zip(out) {
             for i in 0..LANES {
                 let [x, y, z] = [local[0][i], local[1][i], local[2][i]];
-                light[0][i] = (m.x_axis.x * x + m.y_axis.x * y + m.z_axis.x * z + x0) * scale;
-                light[1][i] = (m.x_axis.y * x + m.y_axis.y * y + m.z_axis.y * z + y0) * scale;
-                light[2][i] = m.x_axis.z * x + m.y_axis.z * y + m.z_axis.z * z + origin.z;
+                out_x[i] = (m.x_axis.x * x + m.y_axis.x * y + m.z_axis.x * z + x0) * scale;
+                out_y[i] = (m.x_axis.y * x + m.y_axis.y * y + m.z_axis.y * z + y0) * scale;
+                out_z[i] = m.x_axis.z * x + m.y_axis.z * y + m.z_axis.z * z + origin.z;
             }
-            out.extend((0..LANES).map(|i| Vec3::new(light[0][i], light[1][i], light[2][i])));
         }
     }
 
+    /// Draws the faces of a cluster that cast shadows.
     #[inline(always)]
-    fn draw_cluster(
+    fn draw_some(
         &mut self,
         instance: &PosedInstance,
         cluster: &Cluster,
         kinds: &[Caster],
-        points: &[Vec3],
+        points: &Points,
         up: Vec3,
     ) {
         for (corners, face) in cluster.corners.iter().zip(&cluster.faces) {
-            let corners = corners.map(|i| points[usize::from(i)]);
+            let corners = corners.map(|i| point(points, i));
             let kind = kinds[usize::from(instance.mesh.slots[*face as usize])];
             let is_level = || {
                 let [a, b, c] = corners.map(|p| Vec3::new(p.x * self.texel_m, p.y * self.texel_m, p.z));
@@ -425,16 +456,20 @@ impl Map {
         let (cx, cy) = (-(b.y - a.y) * inverse, (b.x - a.x) * inverse);
         let (zb, zc) = (b.z - a.z, c.z - a.z);
         let (zx, zy) = (zb * bx + zc * cx, zb * by + zc * cy);
-        if (x1 - x0) * (y1 - y0) <= 12 {
-            // Small ones, which are most: three tests a texel cost less than the divisions below.
-            for y in y0..y1 {
-                let dy = y as f32 + 0.5 - a.y;
-                for x in x0..x1 {
-                    let dx = x as f32 + 0.5 - a.x;
-                    let (wb, wc) = (bx * dx + by * dy, cx * dx + cy * dy);
-                    if wb >= 0.0 && wc >= 0.0 && wb + wc <= 1.0 {
-                        let texel = &mut self.height[y * SIZE + x];
-                        *texel = texel.max(a.z + zx * dx + zy * dy);
+        if x1 - x0 <= 2 * LANES {
+            // Small ones, which are most: testing eight texels at a time costs less than finding out where a row begins.
+            let highest = a.z.max(b.z).max(c.z);
+            for first in (x0..x1).step_by(LANES) {
+                let first = first.min(SIZE - LANES);
+                for y in y0..y1 {
+                    let dy = y as f32 + 0.5 - a.y;
+                    let (row_b, row_c, row_z) = (by * dy, cy * dy, zy * dy + a.z);
+                    for (i, texel) in self.height[y * SIZE + first..][..LANES].iter_mut().enumerate() {
+                        let dx = first as f32 + 0.5 - a.x + i as f32;
+                        let (wb, wc) = (bx * dx + row_b, cx * dx + row_c);
+                        let z = (zx * dx + row_z).min(highest);
+                        let is_inside = (wb >= 0.0) & (wc >= 0.0) & (wb + wc <= 1.0) & (z > *texel);
+                        *texel = if is_inside { z } else { *texel };
                     }
                 }
             }
@@ -445,7 +480,9 @@ impl Map {
         let inverse = edges.map(|(slope, ..)| -1.0 / slope);
         for y in y0..y1 {
             let dy = y as f32 + 0.5 - a.y;
-            let (mut lo, mut hi) = (x0 as f32 + 0.5 - a.x, x1 as f32 - 0.5 - a.x);
+            let [seen_from, seen_to] = self.seen.spans[y / TILE];
+            let (x0, x1) = (x0.max(seen_from), x1.min(seen_to));
+            let (mut lo, mut hi) = (x0 as f32 - a.x, x1 as f32 - 0.5 - a.x);
             for ((slope, down, offset), inverse) in edges.into_iter().zip(inverse) {
                 // slope * dx + at >= 0
                 let at = offset + down * dy;
