@@ -31,7 +31,7 @@ fn with_panes(mut instances: Vec<Instance>) -> Arc<PosedScene> {
 
 /// The same faces, but for rounding where two are equally deep; the buffer has been used before.
 fn assert_same(scene: &PosedScene, grid: &PinholeGrid, rows: usize, columns: usize, buffer: &mut VisibilityBuffer) {
-    draw(scene, grid, |_| true, buffer);
+    draw(scene, grid, buffer);
     let mut hits = Hits::new(rows, columns);
     cast(scene, grid, Layer::Opaque, |_| true, &mut hits);
     let solid = hits.clone();

@@ -1,12 +1,13 @@
 //! What a camera's samples meet: depth and identity, before light and colour.
 
 use std::cell::RefCell;
+use std::ops::Range;
 
 use super::CameraModel;
 use crate::error::Result;
 use crate::material::Semantic;
 use crate::math::{DPose3, DVec3, Vec3};
-use crate::sense::{PinholeGrid, PosedScene, VisibilityBuffer, draw};
+use crate::sense::{BLOCK, PinholeGrid, PosedScene, VisibilityBuffer, draw};
 
 /// A pinhole camera at a place.
 #[derive(Debug, Clone)]
@@ -60,6 +61,26 @@ impl Seen {
     pub fn actor_at_sample(&self, row: usize, column: usize) -> i32 {
         self.samples.0.front(row, column).map_or(-1, |(face, _)| self.actor_ids[face.instance as usize])
     }
+
+    /// How many samples of a window see an actor; see [`Seen::actor_at_sample`].
+    #[must_use]
+    pub fn samples_of_actor(&self, actor_id: i32, rows: Range<usize>, columns: Range<usize>) -> usize {
+        let buffer = &self.samples.0;
+        // Neighbours mostly show the same face.
+        let mut last = (u32::MAX, false);
+        let mut count = 0;
+        for row in rows {
+            for column in columns.clone() {
+                let Some((number, _)) = buffer.front_number(row, column) else { continue };
+                if last.0 != number {
+                    let instance = buffer.faces[number as usize].instance;
+                    last = (number, self.actor_ids[instance as usize] == actor_id);
+                }
+                count += usize::from(last.1);
+            }
+        }
+        count
+    }
 }
 
 /// What the samples of all pixels see.
@@ -86,25 +107,37 @@ pub fn look(scene: &PosedScene, view: &View) -> Result<Seen> {
     let (width, height) = (view.width, view.height);
     let samples = PinholeGrid::new(view.world_from_cam, view.intrinsics, [0.0, 0.0, 0.5, 0.5], height * 2, width * 2)?;
     let mut buffer = SPARE.take();
-    draw(scene, &samples, |_| true, &mut buffer);
+    draw(scene, &samples, &mut buffer);
     let mut depth = vec![f32::INFINITY; width * height];
     let mut instance = vec![-1; width * height];
     let mut semantic = vec![Semantic::Sky as u8; width * height];
     let (columns_x, rows_y) = (samples.columns_x(), samples.rows_y());
     // Neighbours mostly show the same face.
     let mut last = (u32::MAX, -1, Semantic::Sky as u8);
-    for row in 0..height {
-        for column in 0..width {
-            // Every other sample of every other row lies on a pixel's centre.
-            let Some((number, _)) = buffer.front_number(2 * row, 2 * column) else { continue };
-            let face = &buffer.faces[number as usize];
-            if last.0 != number {
-                let posed = &scene.instances[face.instance as usize];
-                last = (number, posed.actor_id, posed.material(face.face).semantic as u8);
+    for (number, solid) in buffer.solid.iter().enumerate() {
+        let (top, left) = (number / buffer.blocks_across * BLOCK, number % buffer.blocks_across * BLOCK);
+        let panes = buffer.has_panes[number].then(|| &buffer.panes[number]);
+        // Every other sample of every other row lies on a pixel's centre.
+        for i in (0..BLOCK.min(2 * height - top)).step_by(2) {
+            let y = rows_y[top + i];
+            let line = (top + i) / 2 * width + left / 2;
+            for j in (0..BLOCK.min(2 * width - left)).step_by(2) {
+                let (mut nearness, mut id) = (solid.nearness[i][j], solid.face[i][j]);
+                if let Some(panes) = panes.filter(|p| p.nearness[i][j] > nearness) {
+                    (nearness, id) = (panes.nearness[i][j], panes.face[i][j]);
+                }
+                if nearness <= 0.0 {
+                    continue;
+                }
+                let face = &buffer.faces[id as usize];
+                if last.0 != id {
+                    let posed = &scene.instances[face.instance as usize];
+                    last = (id, posed.actor_id, posed.material(face.face).semantic as u8);
+                }
+                let at = line + j / 2;
+                depth[at] = face.depth_at(columns_x[left + j], y);
+                (instance[at], semantic[at]) = (last.1, last.2);
             }
-            let at = row * width + column;
-            depth[at] = face.depth_at(columns_x[2 * column], rows_y[2 * row]);
-            (instance[at], semantic[at]) = (last.1, last.2);
         }
     }
     let actor_ids = scene.instances.iter().map(|i| i.actor_id).collect();

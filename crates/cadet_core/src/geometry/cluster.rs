@@ -53,23 +53,32 @@ fn spread(x: f32) -> u64 {
 }
 
 fn cluster(vertices: &[Vec3], faces: &[[u32; 3]], slots: &[u8], chunk: &[(u64, u32)]) -> Cluster {
-    let bits = |i: u32| vertices[i as usize].to_array().map(f32::to_bits);
-    let mut used: Vec<u32> = chunk.iter().flat_map(|(_, f)| faces[*f as usize]).collect();
-    used.sort_unstable();
-    used.dedup();
-    let mut places: Vec<[u32; 3]> = used.iter().map(|i| bits(*i)).collect();
-    places.sort_unstable();
-    places.dedup();
-    let place_of_used: Vec<u8> = used.iter().map(|i| places.partition_point(|p| *p < bits(*i)) as u8).collect();
-    let place = |i: u32| place_of_used[used.partition_point(|u| *u < i)];
-    let points: Vec<Vec3> = places.iter().map(|p| Vec3::from_array(p.map(f32::from_bits))).collect();
+    // The corners in the order of their places, x, y and z as bits: what shares a place stands together.
+    let key = |i: u32, corner: u128| {
+        let [x, y, z] = vertices[i as usize].to_array().map(|v| u128::from(v.to_bits()));
+        x << 96 | y << 64 | z << 32 | corner
+    };
+    let corners = chunk.iter().flat_map(|(_, f)| faces[*f as usize]);
+    let mut keys: Vec<u128> = corners.zip(0..).map(|(i, corner)| key(i, corner)).collect();
+    keys.sort_unstable();
+    let mut points: Vec<Vec3> = Vec::with_capacity(keys.len());
+    let mut places = [[0; 3]; CLUSTER_FACES];
+    let mut last = None;
+    for key in keys {
+        if last != Some(key >> 32) {
+            last = Some(key >> 32);
+            points.push(Vec3::from_array([key >> 96, key >> 64, key >> 32].map(|bits| f32::from_bits(bits as u32))));
+        }
+        let corner = key as u32 as usize;
+        places[corner / 3][corner % 3] = (points.len() - 1) as u8;
+    }
     let center = Bounds::of(points.iter().copied()).center();
     let radius = points.iter().map(|p| p.distance(center)).fold(0.0, f32::max);
     Cluster {
         center,
         radius_m: radius * 1.000_01 + 1e-6,
         slots: chunk.iter().fold(0, |bits, (_, f)| bits | slot_bit(slots[*f as usize])),
-        corners: chunk.iter().map(|(_, f)| faces[*f as usize].map(place)).collect(),
+        corners: places[..chunk.len()].to_vec(),
         faces: chunk.iter().map(|(_, f)| *f).collect(),
         lanes: lanes_of(&points),
     }

@@ -8,7 +8,7 @@ use crate::sense::{PosedScene, VisibilityBuffer};
 
 use super::box_cam::{BoxCam, Rect, truncation};
 use super::corners::visible_corners;
-use super::silhouette::{SUPERSAMPLING, silhouette};
+use super::silhouette::{ActorInstances, SUPERSAMPLING, silhouette};
 
 /// How occlusion is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -188,10 +188,12 @@ pub fn label_actors(
     let mut labels = Vec::new();
     // By default what is hidden altogether gets nothing.
     let even_if_hidden = config.min_visible_fraction == 0.0 || config.dontcare_min_pixels == 0.0;
+    let instances = ActorInstances::new(scene);
     let mut buffer = VisibilityBuffer::default();
     for actor in actors {
         let Some((box_cam, whole, bbox)) = in_image(actor, camera, &cam_from_world) else { continue };
-        let outline = silhouette(scene, actor.id, camera, world_from_cam, seen, even_if_hidden, &mut buffer);
+        let outline =
+            silhouette(scene, &instances, actor.id, camera, world_from_cam, seen, even_if_hidden, &mut buffer);
         let visible_fraction =
             if outline.samples == 0 { 0.0 } else { outline.visible_samples as f64 / outline.samples as f64 };
         let visible_pixels = outline.visible_samples as f64 / (SUPERSAMPLING * SUPERSAMPLING) as f64;

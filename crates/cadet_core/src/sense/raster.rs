@@ -14,21 +14,26 @@ use super::visibility_buffer::{BLOCK, Block, CLEARLY, DrawnFace, VisibilityBuffe
 use crate::geometry::{Cluster, LANES, slot_bit};
 use crate::math::{DMat3, DVec3, Vec3};
 
-/// Draws the triangles of the instances that `keep` accepts as the samples of `grid` see them; `buffer` forgets what it
-/// held.
+/// [`draw_instances`], of every instance.
+pub fn draw(scene: &PosedScene, grid: &PinholeGrid, buffer: &mut VisibilityBuffer) {
+    draw_instances(scene, grid, 0..scene.instances.len(), buffer);
+}
+
+/// Draws the triangles of some instances (indices into [`PosedScene::instances`]) as the samples of `grid` see them;
+/// `buffer` forgets what it held.
 ///
 /// Of two surfaces at the same depth the earlier instance and face is seen. Triangles have two sides. The order of the
 /// work does not show in the outcome.
-pub fn draw(
+pub fn draw_instances(
     scene: &PosedScene,
     grid: &PinholeGrid,
-    keep: impl Fn(&PosedInstance) -> bool,
+    instances: impl Iterator<Item = usize>,
     buffer: &mut VisibilityBuffer,
 ) {
     buffer.reset(grid.rows(), grid.columns());
     let pose = grid.world_from_grid();
     let cam_from_world = DMat3::from_quat(pose.rotation).transpose();
-    let near_first = clusters_in_view(scene, grid, keep, cam_from_world, pose.translation);
+    let near_first = clusters_in_view(scene, grid, instances, cam_from_world, pose.translation);
     let mut drawer = Drawer {
         scene,
         grid,
@@ -55,15 +60,12 @@ struct InView {
 fn clusters_in_view(
     scene: &PosedScene,
     grid: &PinholeGrid,
-    keep: impl Fn(&PosedInstance) -> bool,
+    instances: impl Iterator<Item = usize>,
     cam_from_world: DMat3,
     eye_world: DVec3,
 ) -> Vec<InView> {
     let mut out = Vec::new();
-    for (index, instance) in scene.instances.iter().enumerate() {
-        if !keep(instance) {
-            continue;
-        }
+    for (index, instance) in instances.map(|i| (i, &scene.instances[i])) {
         let center_cam = cam_from_world * (instance.center_world - eye_world);
         let radius_m = loosened(instance.radius_m as f32, center_cam.as_vec3());
         let ([window, _], _) = grid.sphere_windows(center_cam.as_vec3(), radius_m);

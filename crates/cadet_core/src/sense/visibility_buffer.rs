@@ -1,6 +1,8 @@
 //! What every sample of an image sees, as the number of a drawn face (the "visibility buffer" of Burns and Hunt, JCGT
 //! 2013), panes apart from what is solid.
 
+use std::ops::Range;
+
 use super::grid::Window;
 use super::hits::NO_HIT;
 
@@ -235,5 +237,24 @@ impl VisibilityBuffer {
     #[must_use]
     pub fn front(&self, row: usize, column: usize) -> Option<(&DrawnFace, f32)> {
         self.front_number(row, column).map(|(number, nearness)| (&self.faces[number as usize], nearness))
+    }
+
+    /// How many samples of a row see anything, and the columns from the first of them to the last.
+    #[must_use]
+    pub fn covered(&self, row: usize) -> (usize, Range<usize>) {
+        let (mut count, mut span) = (0, self.columns..0);
+        for block_column in 0..self.blocks_across {
+            let block = row / BLOCK * self.blocks_across + block_column;
+            let solid = &self.solid[block].nearness[row % BLOCK];
+            let panes = self.has_panes[block].then(|| &self.panes[block].nearness[row % BLOCK]);
+            for i in 0..BLOCK {
+                if solid[i] > 0.0 || panes.is_some_and(|p| p[i] > 0.0) {
+                    let column = block_column * BLOCK + i;
+                    count += 1;
+                    span = span.start.min(column)..column + 1;
+                }
+            }
+        }
+        (count, span)
     }
 }
