@@ -19,11 +19,11 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 unexport PYTHONPATH
 unexport PYTHONHOME
 
-.PHONY: help check-rust check-python setup build build-dev demo test lint test-rust test-python bench fmt clean
+.PHONY: help check-rust check-python setup build build-dev demo test lint test-rust test-python bench bench-peers fmt clean
 .NOTPARALLEL:
 
 help: ## List the targets
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-11s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 check-rust:
 	@command -v cargo > /dev/null && command -v rustc > /dev/null \
@@ -87,6 +87,9 @@ test-python: build-dev
 
 bench: check-rust ## Measure the core with criterion
 	cargo bench --locked --workspace
+
+bench-peers: build-dev ## Time the ideal scan against Embree and parry on the same triangles
+	$(BIN)/python benches/peers.py
 
 fmt: check-rust $(BIN)/ruff ## Format Rust and Python
 	cargo fmt --all

@@ -57,8 +57,30 @@ class Lidar:
     def preset(name: str) -> Lidar:
         return Lidar(name, 0.2)
 
+    @staticmethod
+    def from_table(table: Mapping[str, Any]) -> Lidar:
+        return Lidar(table["name"], table["height_m"][0])
+
     def single_origin(self) -> Lidar:
         return Lidar(self.name, 0.0)
+
+    def scanning(self, *, rolling: bool, returns: str, divergence_mrad: float) -> Lidar:
+        return self
+
+    def table(self) -> dict[str, Any]:
+        return {
+            "name": self.name,
+            "min_range_m": 1.45,
+            "max_range_m": 80.0,
+            "range_noise_m": 0.012,
+            "elevation_deg": [2.0, -2.0],
+            "height_m": [self._height_m] * 2,
+            "left_m": [0.0] * 2,
+            "azimuth_offset_deg": [0.0, 0.0],
+            "gain": [1.0, 1.0],
+            "blind_deg": [[], [(170.0, 190.0)]],
+            "firing": {"pattern": "uniform", "columns": 3},
+        }
 
     def rays(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]:
         ring, column = np.divmod(np.arange(6, dtype=np.int32), np.int32(3))

@@ -69,7 +69,10 @@ def test_a_resized_camera_sees_what_a_resized_image_shows() -> None:
         (lambda: Camera(fx=-1.0), "Camera.fx: expected a number of at least 1, got -1.0"),
         (lambda: Camera(cx=float("nan")), "Camera.cx: expected a number from -1e+06 to 1e+06, got nan"),
         (lambda: Camera().resized(9, 9), "Camera.width: expected a whole number from 16 to 8192, got 9"),
-        (lambda: Lidar("vlp16"), "unknown lidar 'vlp16'; known: hdl64e_kitti, hdl64e_uniform, cadet"),
+        (
+            lambda: Lidar("vlp-16"),
+            "unknown lidar 'vlp-16'; known: hdl64e_kitti, hdl64e_uniform, cadet, hdl32e, vlp16, os1_64, os1_128",
+        ),
         (lambda: Rig(lidar=cast(Lidar, "cadet")), "Rig.lidar: expected a Lidar, got 'cadet'"),
         (lambda: Rig(camera=cast(Camera, None)), "Rig.camera: expected a Camera, got None"),
         (lambda: Rig(velo_in_ego_m=cast(Any, (0.0, 1.7))), "Rig.velo_in_ego_m: expected three numbers, got (0.0, 1.7)"),
@@ -84,3 +87,27 @@ def test_nonsense_is_refused_by_name(make: Any, message: str) -> None:
 def test_a_lidars_rays_come_from_the_core(fake_core: Any) -> None:
     assert Lidar.cadet().rays()[0][0, 2] == 0.2
     assert Lidar("cadet", single_origin=True).rays()[0][0, 2] == 0.0
+
+
+def test_how_a_scan_is_taken_is_checked_and_recorded() -> None:
+    lidar = Lidar.hdl64e_kitti(rolling=True, returns="last", divergence_mrad=3)
+    assert Lidar(rolling=True) == Lidar.hdl64e_kitti(rolling=True) != Lidar.hdl64e_kitti()
+    recorded = Rig(lidar=lidar).to_dict()
+    assert (recorded["rolling"], recorded["returns"], recorded["divergence_mrad"]) == (True, "last", 3.0)
+    plain = Rig.kitti().to_dict()
+    assert (plain["rolling"], plain["returns"], plain["divergence_mrad"]) == (False, "strongest", 0.0)
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"rolling": 1}, "Lidar.rolling: expected True or False, got 1"),
+        ({"returns": "loudest"}, "Lidar.returns: expected one of strongest, last, got 'loudest'"),
+        ({"divergence_mrad": -1.0}, "Lidar.divergence_mrad"),
+        ({"divergence_mrad": float("nan")}, "Lidar.divergence_mrad"),
+        ({"divergence_mrad": 21}, "Lidar.divergence_mrad"),
+    ],
+)
+def test_impossible_scans_are_refused(settings: dict[str, Any], message: str) -> None:
+    with pytest.raises(CadetError, match=message):
+        Lidar(**settings)

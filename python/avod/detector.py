@@ -9,8 +9,7 @@ import torch
 from numpy.typing import NDArray
 
 from avod.config import Config
-from avod.data.build import BevMaps, build_sample, default_maps
-from avod.data.dataset import ground_plane
+from avod.data.build import build_sample
 from avod.data.sample import Sample
 from avod.model.network import AvodNetwork, FrameOutputs
 from avod.results import detections
@@ -24,7 +23,6 @@ class Detector:
 
     Args:
         network: its weights are those of a training; it is put into evaluation mode.
-        maps: makes the bird's-eye view; None for the core's.
         device: where the network runs.
         precision: of the arithmetic of layers, None for float32.
     """
@@ -33,21 +31,18 @@ class Detector:
         self,
         network: AvodNetwork,
         *,
-        maps: BevMaps | None = None,
         device: str | torch.device = "cpu",
         precision: torch.dtype | None = None,
     ) -> None:
         self.device = torch.device(device)
         self.network = network.to(self.device).eval()
         self.network.precision = precision
-        self._maps = maps
 
     @classmethod
     def load(
         cls,
         path: str | Path,
         *,
-        maps: BevMaps | None = None,
         device: str | torch.device = "cpu",
         precision: torch.dtype | None = None,
     ) -> Detector:
@@ -55,8 +50,7 @@ class Detector:
 
         Args:
             path: its folder, or a training's folder, whose last checkpoint is meant.
-            maps: makes the bird's-eye view; None for the core's.
-            device: where the network runs.
+                device: where the network runs.
             precision: of the arithmetic of layers, None for float32.
 
         Raises:
@@ -66,21 +60,12 @@ class Detector:
         checkpoint = read_checkpoint(path)
         network = AvodNetwork(checkpoint.config)
         load_network(checkpoint, network)
-        return cls(network, maps=maps, device=device, precision=precision)
+        return cls(network, device=device, precision=precision)
 
     @property
     def config(self) -> Config:
         """The detector's configuration."""
         return self.network.config
-
-    @property
-    def maps(self) -> BevMaps:
-        """What makes the bird's-eye view.
-
-        Raises:
-            CadetError: none was given and this build of cadet has none.
-        """
-        return default_maps() if self._maps is None else self._maps
 
     def detect(
         self,
@@ -103,16 +88,9 @@ class Detector:
         Raises:
             ShapeError: an array of another shape or dtype.
             NonFiniteError: NaN or infinity among the points.
-            CadetError: a plane that is no ground, or none and no way to estimate it.
+            CadetError: a plane that is no ground, or none and no ground to be found.
         """
-        sample = build_sample(
-            points_velo,
-            image,
-            calib,
-            ground_plane(points_velo, calib, plane, "the frame"),
-            self.config,
-            maps=self.maps,
-        )
+        sample = build_sample(points_velo, image, calib, plane, self.config)
         return self.detect_sample(sample, calib)
 
     def detect_sample(self, sample: Sample, calib: Calibration) -> tuple[Label, ...]:

@@ -36,7 +36,7 @@ def predict(
     Raises:
         CadetError: a frame that cannot be read.
     """
-    data = DetectionData(root, ids, detector.config, detector.maps)
+    data = DetectionData(root, ids, detector.config)
     loader: DataLoader[Any] = DataLoader(data, batch_size=None, num_workers=workers, collate_fn=_same)
     for frame_id, item in zip(ids, loader, strict=True):
         if isinstance(item, CadetError):
@@ -82,7 +82,7 @@ def measure(detector: Detector, root: str | Path, ids: tuple[str, ...]) -> Timin
         marks = [time.perf_counter()]
         frame = kitti.read_frame(root, frame_id)
         marks.append(time.perf_counter())
-        sample = sample_from_frame(frame, frame_id, detector.config, detector.maps)
+        sample = sample_from_frame(frame, frame_id, detector.config)
         marks.append(time.perf_counter())
         plane = sample.plane.to(detector.device)
         outputs = detector.run(sample.to(detector.device))

@@ -3,6 +3,7 @@
 from cadet import bev, kitti
 from cadet._cadet import __version__
 from cadet.assets import Assets, VehicleMesh
+from cadet.beam_table import BeamTable, EncoderFiring, Laser, ListedFiring, UniformFiring
 from cadet.bev import BevConfig
 from cadet.config import LabelConfig, SceneConfig
 from cadet.environment import Environment
@@ -26,12 +27,14 @@ from cadet.weather import weather_names
 
 __all__ = [
     "Assets",
+    "BeamTable",
     "BevConfig",
     "CadetError",
     "Calibration",
     "Camera",
     "Detections",
     "District",
+    "EncoderFiring",
     "Environment",
     "Frame",
     "FrameExistsError",
@@ -39,8 +42,10 @@ __all__ = [
     "KittiFormatError",
     "Label",
     "LabelConfig",
+    "Laser",
     "Level",
     "Lidar",
+    "ListedFiring",
     "MissingFileError",
     "NonFiniteError",
     "RayHits",
@@ -53,6 +58,7 @@ __all__ = [
     "SceneConfig",
     "Semantic",
     "ShapeError",
+    "UniformFiring",
     "VehicleMesh",
     "__version__",
     "bev",

@@ -1,12 +1,17 @@
-"""Bird's-eye-view maps of a point cloud: what AVOD and its kin take. This release has their configuration alone."""
+"""Bird's-eye-view maps of a point cloud: what AVOD and its kin take."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
+import numpy as np
+from numpy.typing import NDArray
+
+from cadet import _cadet
+from cadet.arrays import check_array
 from cadet.config import check_number
-from cadet.errors import CadetError
+from cadet.errors import CadetError, ShapeError
 
 Feature = Literal["max_height", "min_height", "density"]
 """A map: greatest or least height of a cell's points, or min(1, ln(N + 1) / ln 16)."""
@@ -16,8 +21,9 @@ Feature = Literal["max_height", "min_height", "density"]
 class BevConfig:
     """Which maps there are, and over which part of the world.
 
-    Heights are over the ground plane. Slice maps are made for each slice, from the lowest up; cloud maps once over the
-    whole range of heights.
+    Heights are over the ground plane, as shares of the slice's thickness (slice maps) or of the whole range of heights
+    (cloud maps). The channels are the slice maps of each slice, from the lowest slice up and in the order of the list,
+    then the cloud maps.
 
     Raises:
         CadetError: a number outside its range, an unknown feature, no map at all, or cells that do not fill the range.
@@ -38,12 +44,15 @@ class BevConfig:
     """Height over the ground plane where the last slice ends."""
     x_m: tuple[float, float] = (-40.0, 40.0)
     """Range to the left and to the right, camera frame."""
+    y_m: tuple[float, float] = (-5.0, 3.0)
+    """Range down from the camera; points outside are left out whatever their height over the plane."""
     z_m: tuple[float, float] = (0.0, 70.0)
     """Range ahead, camera frame."""
     cell_m: float = 0.1
     """Side of a cell."""
     height: Literal["max", "reference"] = "max"
-    """The true greatest height of a cell, or the representative point that AVOD's own code takes."""
+    """The greatest height of a cell's points, or that of the point which AVOD's own code takes for it: the first in
+    the scan's order among those in the topmost `cell_m` of the y axis. Least heights are the least in both."""
 
     def __post_init__(self) -> None:
         for name in ("slice_maps", "cloud_maps"):
@@ -60,10 +69,14 @@ class BevConfig:
             raise CadetError(
                 f"BevConfig.height_hi_m: expected more than {self.height_lo_m:g}, got {self.height_hi_m!r}"
             )
-        for name in ("x_m", "z_m"):
+        for name in ("x_m", "y_m", "z_m"):
             low, high = getattr(self, name)
             check_number("BevConfig", name, low, -1000, 1000)
             check_number("BevConfig", name, high, -1000, 1000)
+            if name == "y_m":
+                if low >= high:
+                    raise CadetError(f"BevConfig.y_m: expected a range that rises, got {(low, high)!r}")
+                continue
             cells = (high - low) / self.cell_m
             if round(cells) < 1 or abs(cells - round(cells)) > 1e-6:
                 raise CadetError(f"BevConfig.{name}: expected whole cells of {self.cell_m:g} m, got {(low, high)!r}")
@@ -91,3 +104,52 @@ class BevConfig:
         rows = round((self.z_m[1] - self.z_m[0]) / self.cell_m)
         columns = round((self.x_m[1] - self.x_m[0]) / self.cell_m)
         return len(self.slice_maps) * self.num_slices + len(self.cloud_maps), rows, columns
+
+    def to_native(self) -> dict[str, Any]:
+        """Return the configuration as the core takes it."""
+        return {
+            "slice_maps": list(self.slice_maps),
+            "cloud_maps": list(self.cloud_maps),
+            "num_slices": self.num_slices,
+            "height_m": [self.height_lo_m, self.height_hi_m],
+            "range_cam_m": [list(self.x_m), list(self.y_m), list(self.z_m)],
+            "cell_m": self.cell_m,
+            "height": self.height,
+        }
+
+
+def maps(
+    points_cam: NDArray[np.floating[Any]],
+    plane: NDArray[np.floating[Any]],
+    config: BevConfig | None = None,
+    out: NDArray[np.float32] | None = None,
+) -> NDArray[np.float32]:
+    """Make the maps of a point cloud. No image filter inside: see `cadet.kitti.points_in_image`.
+
+    Args:
+        points_cam: (N, 3) or wider, float32 or float64, metres, frame of camera 0. May be empty.
+        plane: (4,) a, b, c, d of the ground in the same frame, of any length and sign.
+        config: which maps; AVOD's own by default.
+        out: (C, H, W) float32, C-contiguous, to be overwritten: a fresh array costs about as much as the maps.
+
+    Returns:
+        (C, H, W) float32, `out` if given. Row 0 is farthest, column 0 leftmost; cells without points are 0.
+
+    Raises:
+        ShapeError: an array of another shape or dtype.
+        NonFiniteError: NaN or infinity in the points or the plane.
+        CadetError: a plane without a vertical part of its normal.
+
+    Reference: AVOD (Ku et al., 2018), section III.A; its configurations: "Multimodal 3D Object Detection from Simulated
+    Pretraining" (2019).
+    """
+    config = config or BevConfig.default()
+    check_array(points_cam, "points_cam", ("N", "C"), finite=True)
+    if points_cam.dtype not in (np.float32, np.float64):
+        raise ShapeError(f"points_cam: expected float32 or float64, got {points_cam.dtype.name}")
+    check_array(plane, "plane", (4,), finite=True)
+    if out is not None:
+        check_array(out, "out", config.shape, np.float32)
+        if not (out.flags.c_contiguous and out.flags.writeable):
+            raise ShapeError("out: expected a writeable array in C order")
+    return _cadet.bev_maps(points_cam, [float(v) for v in plane], config.to_native(), out)

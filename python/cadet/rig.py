@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
 from typing import Any, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cadet import _cadet
+from cadet.beam_table import BeamTable
 from cadet.config import check_number
 from cadet.errors import CadetError
 
-LIDAR_PRESETS = ("hdl64e_kitti", "hdl64e_uniform", "cadet")
+RETURN_MODES = ("strongest", "last")
+LIDAR_PRESETS = ("hdl64e_kitti", "hdl64e_uniform", "cadet", "hdl32e", "vlp16", "os1_64", "os1_128")
 
 
 class CameraDict(TypedDict):
@@ -32,40 +36,67 @@ class CameraDict(TypedDict):
 class RigDict(TypedDict):
     """A rig as the core takes it.
 
-    `lidar` is a preset's name, `single_origin` puts all its lasers into one point, and `velo_in_ego` is the LIDAR's
-    origin [x, y, z] in the ego's frame (x forward, y left, z up from the road under the middle of the car), metres.
+    `lidar` is a preset's name or a whole table (`BeamTable.to_native`), `single_origin` puts all its lasers into one
+    point, and `velo_in_ego` is the LIDAR's origin [x, y, z] in the ego's frame (x forward, y left, z up from the road
+    under the middle of the car), metres.
     """
 
     name: str
-    lidar: str
+    lidar: str | dict[str, Any]
     single_origin: bool
+    rolling: bool
+    returns: str
+    divergence_mrad: float
     velo_in_ego: list[float]
     camera: CameraDict
 
 
 @dataclass(frozen=True)
 class Lidar:
-    """A LIDAR's beams, by preset.
+    """A LIDAR's beams, by preset or by a table of one's own, and how it takes a scan (docs/scan.md).
 
     Args:
-        name: one of `LIDAR_PRESETS`.
+        name: one of `LIDAR_PRESETS`, or the table's name.
         single_origin: all lasers leave one point, where the HDL-64E's sit at different heights.
+        table: a sensor that is no preset; `Lidar.custom` and `Lidar.from_toml` give it its name.
+        rolling: the car and all actors move during the turn, from 0.05 s before the image to 0.05 s after it, azimuth 0
+            (forward) at its instant; points stay in the frame of their own firing.
+        returns: "strongest" or "last": what is reported where a beam meets several surfaces.
+        divergence_mrad: how far a beam opens (the full cone), so that it meets several surfaces at depth edges; 0 for
+            beams that are lines. The HDL-64E's is 2 to 3.
 
     Raises:
-        CadetError: an unknown preset.
+        CadetError: an unknown preset, a table of another name or that makes no sensor, or a setting out of range.
     """
 
-    name: str
+    name: str = "hdl64e_kitti"
     single_origin: bool = False
+    table: BeamTable | None = None
+    rolling: bool = False
+    returns: str = "strongest"
+    divergence_mrad: float = 0.0
 
     def __post_init__(self) -> None:
-        if self.name not in LIDAR_PRESETS:
+        for name in ("single_origin", "rolling"):
+            if not isinstance(getattr(self, name), bool):
+                raise CadetError(f"Lidar.{name}: expected True or False, got {getattr(self, name)!r}")
+        if self.returns not in RETURN_MODES:
+            raise CadetError(f"Lidar.returns: expected one of {', '.join(RETURN_MODES)}, got {self.returns!r}")
+        check_number("Lidar", "divergence_mrad", self.divergence_mrad, 0, 20)
+        if self.table is not None:
+            if not isinstance(self.table, BeamTable):
+                raise CadetError(f"Lidar.table: expected a BeamTable, got {self.table!r}")
+            if self.name != self.table.name:
+                raise CadetError(f"Lidar.name: expected the table's, {self.table.name!r}, got {self.name!r}")
+            # What the table's own checks cannot see is refused here rather than in the middle of a run.
+            self.to_native()
+        elif self.name not in LIDAR_PRESETS:
             raise CadetError(f"unknown lidar {self.name!r}; known: {', '.join(LIDAR_PRESETS)}")
 
     @classmethod
-    def hdl64e_kitti(cls) -> Lidar:
+    def hdl64e_kitti(cls, *, rolling: bool = False, returns: str = "strongest", divergence_mrad: float = 0.0) -> Lidar:
         """The Velodyne of KITTI: 64 lasers, each with its own elevation and height, 137,728 beams a turn."""
-        return cls("hdl64e_kitti")
+        return cls("hdl64e_kitti", rolling=rolling, returns=returns, divergence_mrad=divergence_mrad)
 
     @classmethod
     def hdl64e_uniform(cls) -> Lidar:
@@ -77,6 +108,68 @@ class Lidar:
         """The 2019 paper's LIDAR: 40 beams from +7 to -16 degrees."""
         return cls("cadet")
 
+    @classmethod
+    def hdl32e(cls) -> Lidar:
+        """Velodyne's HDL-32E: 32 lasers from +10.67 to -30.67 degrees, 2,170 columns a turn."""
+        return cls("hdl32e")
+
+    @classmethod
+    def vlp16(cls) -> Lidar:
+        """Velodyne's VLP-16: 16 lasers from +15 to -15 degrees, 1,808 columns a turn."""
+        return cls("vlp16")
+
+    @classmethod
+    def os1_64(cls) -> Lidar:
+        """A sensor like Ouster's OS1-64: 64 lasers from +22.5 to -22.5 degrees, 1,024 columns a turn."""
+        return cls("os1_64")
+
+    @classmethod
+    def os1_128(cls) -> Lidar:
+        """A sensor like Ouster's OS1-128: 128 lasers from +22.5 to -22.5 degrees, 2,048 columns a turn."""
+        return cls("os1_128")
+
+    @classmethod
+    def custom(cls, table: BeamTable) -> Lidar:
+        """A sensor of one's own."""
+        return cls(table.name, table=table)
+
+    @classmethod
+    def from_toml(cls, path: str | Path) -> Lidar:
+        """Read a sensor of one's own from a TOML file (docs/lidars.md says what is in it).
+
+        Raises:
+            MissingFileError: there is no such file.
+            CadetError: anything that is wrong with it: one line with the file, its line where known, key and reason.
+        """
+        table = BeamTable.read(path)
+        try:
+            return cls.custom(table)
+        except CadetError as error:
+            raise CadetError(f"{Path(path).name}: {error}") from None
+
+    @classmethod
+    def named(cls, name_or_file: str | Path) -> Lidar:
+        """Return the preset of that name, or what a TOML file holds.
+
+        Raises:
+            CadetError: neither, or as `from_toml`.
+        """
+        if str(name_or_file) in LIDAR_PRESETS:
+            return cls(str(name_or_file))
+        if Path(name_or_file).suffix == ".toml":
+            return cls.from_toml(name_or_file)
+        raise CadetError(
+            f"unknown lidar {str(name_or_file)!r}; known: {', '.join(LIDAR_PRESETS)}, or the path of a .toml file"
+        )
+
+    def beam_table(self) -> BeamTable:
+        """Return every laser and number of the sensor, presets' too."""
+        return BeamTable.from_native(self.to_native().table())
+
+    def to_toml(self) -> str:
+        """Return the sensor as TOML, to start one's own from; `from_toml` reads it."""
+        return self.beam_table().to_toml()
+
     def rays(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]:
         """Return every beam of a turn, in the order of an ideal scan's rows.
 
@@ -86,9 +179,21 @@ class Lidar:
         return self.to_native().rays()
 
     def to_native(self) -> _cadet.Lidar:
-        """Return the core's LIDAR."""
-        native = _cadet.Lidar.preset(self.name)
-        return native.single_origin() if self.single_origin else native
+        """Return the core's LIDAR; the last few made are kept, as each holds tables of its beams."""
+        return _to_native(self)
+
+    def _make_native(self) -> _cadet.Lidar:
+        if self.table is None:
+            native = _cadet.Lidar.preset(self.name)
+        else:
+            native = _cadet.Lidar.from_table(self.table.to_native())
+        native = native.single_origin() if self.single_origin else native
+        return native.scanning(rolling=self.rolling, returns=self.returns, divergence_mrad=float(self.divergence_mrad))
+
+
+@lru_cache(maxsize=8)
+def _to_native(lidar: Lidar) -> _cadet.Lidar:
+    return lidar._make_native()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -209,8 +314,11 @@ class Rig:
         others = {key: camera.projection((shift, 0.0, 0.0)) for key, shift in stereo.items()}
         return RigDict(
             name=self.name,
-            lidar=self.lidar.name,
+            lidar=self.lidar.name if self.lidar.table is None else self.lidar.table.to_native(),
             single_origin=self.lidar.single_origin,
+            rolling=self.lidar.rolling,
+            returns=self.lidar.returns,
+            divergence_mrad=float(self.lidar.divergence_mrad),
             velo_in_ego=[float(v) for v in self.velo_in_ego_m],
             camera=CameraDict(
                 width=int(camera.width),
@@ -229,4 +337,5 @@ class Rig:
         """Return the rig in plain numbers, for a manifest."""
         native = self.to_native()
         camera = {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in native["camera"].items()}
-        return {**native, "camera": camera}
+        beams = self.lidar.to_native().table()
+        return {**native, "camera": camera, "range_m": [beams["min_range_m"], beams["max_range_m"]]}

@@ -231,7 +231,8 @@ class Scene:
 
         Args:
             lidar: the rig's own if None.
-            ideal: every triangle opaque, every ray answered, no noise, drop-out, weather or rounding.
+            ideal: every triangle opaque, every ray answered, no noise, drop-out, weather or rounding; all rays at one
+                instant and as thin as lines, whatever the LIDAR's `rolling` and `divergence_mrad`.
         """
         if lidar is not None and not isinstance(lidar, Lidar):
             raise CadetError(f"lidar: expected a Lidar, got {lidar!r}")

@@ -9,7 +9,6 @@ from avod.config import AnchorConfig
 from avod.config_file import load_config
 from avod.data.build import build_sample, normal_plane
 from avod.geometry.anchors import anchor_grid, occupancy, occupied_anchors
-from bev_reference import maps
 from cadet.bev import BevConfig
 from cadet.kitti import read_frame
 from real_kitti import ROOT, needs_kitti
@@ -79,5 +78,5 @@ def test_no_points_leave_no_anchors() -> None:
 def test_a_real_frame_keeps_as_many_anchors_as_in_the_original(name: str, count: int) -> None:
     frame = read_frame(ROOT, "000001")
     assert frame.plane is not None
-    sample = build_sample(frame.points_velo, frame.image, frame.calib, frame.plane, load_config(name), maps=maps)
+    sample = build_sample(frame.points_velo, frame.image, frame.calib, frame.plane, load_config(name))
     assert len(sample.anchors) == count

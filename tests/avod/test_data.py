@@ -14,17 +14,16 @@ import torch
 from avod.config import ImageConfig, TrainingConfig
 from avod.config_file import load_config
 from avod.data import mirror
-from avod.data.build import Augmentation, build_sample, default_maps, normal_plane
+from avod.data.build import Augmentation, build_sample, normal_plane
 from avod.data.dataset import TrainingData, sample_from_frame
 from avod.data.images import jitter_colors, prepare_image, resize_bilinear
 from avod.data.order import Order, StepSampler
+from avod.data.sample import Sample
 from avod.geometry.anchors import anchor_grid
 from avod.geometry.encoding import anchors_from_boxes, offsets_from_anchors
-from bev_reference import maps
-from cadet import bev
 from cadet.boxes import project_boxes
 from cadet.errors import CadetError, NonFiniteError, ShapeError
-from cadet.kitti import Calibration, write_frame
+from cadet.kitti import Calibration, estimate_plane, write_frame
 from synthetic import IMAGE_SIZE, make_calib, make_frame, make_labels
 
 CONFIG = load_config(Path(__file__).parents[1] / "overfit.toml")
@@ -133,8 +132,8 @@ def test_offsets_of_a_mirrored_sample_are_the_mirrored_offsets() -> None:
 
 def test_a_mirrored_sample_is_the_sample_mirrored() -> None:
     frame = make_frame(plane=PLANE)
-    plain = sample_from_frame(frame, "000000", CONFIG, maps)
-    mirrored = sample_from_frame(frame, "000000", CONFIG, maps, Augmentation(is_mirrored=True))
+    plain = sample_from_frame(frame, "000000", CONFIG)
+    mirrored = sample_from_frame(frame, "000000", CONFIG, Augmentation(is_mirrored=True))
     # Points on the border between two cells may change sides, and the image's resizing is not symmetric.
     assert (plain.bev.flip(2) != mirrored.bev).float().mean() < 0.002
     assert abs(len(plain.anchors) - len(mirrored.anchors)) < 0.03 * len(plain.anchors)
@@ -145,9 +144,9 @@ def test_a_mirrored_sample_is_the_sample_mirrored() -> None:
 
 
 def test_a_sample_holds_the_objects_of_the_classes_alone() -> None:
-    sample = sample_from_frame(make_frame(), "000000", CONFIG, maps)
+    sample = sample_from_frame(make_frame(), "000000", CONFIG)
     assert sample.classes.tolist() == [1, 1, 2]
-    cars = sample_from_frame(make_frame(), "000000", load_config("tiny_car"), maps)
+    cars = sample_from_frame(make_frame(), "000000", load_config("tiny_car"))
     assert cars.classes.tolist() == [1, 1]
     assert sample.bev.shape == CONFIG.bev.shape and sample.image.shape == (3, 96, 304)
 
@@ -169,21 +168,29 @@ def test_bad_input_is_named() -> None:
     points = frame.points_velo.copy()
     points[7, 1] = np.nan
     with pytest.raises(NonFiniteError, match=r"points_velo: not finite at \[7, 1\]"):
-        build_sample(points, *arguments, maps=maps)
+        build_sample(points, *arguments)
     with pytest.raises(ShapeError, match="points_velo: expected"):
-        build_sample(frame.points_velo[:, :3], *arguments, maps=maps)
+        build_sample(frame.points_velo[:, :3], *arguments)
     with pytest.raises(ShapeError, match="image: expected"):
-        build_sample(frame.points_velo, frame.image[..., 0], *arguments[1:], maps=maps)
+        build_sample(frame.points_velo, frame.image[..., 0], *arguments[1:])
     with pytest.raises(NonFiniteError, match="plane: not finite"):
-        build_sample(frame.points_velo, frame.image, frame.calib, PLANE * np.nan, CONFIG, maps=maps)
+        build_sample(frame.points_velo, frame.image, frame.calib, PLANE * np.nan, CONFIG)
 
 
-def test_what_the_core_lacks_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delattr(bev, "maps", raising=False)
-    with pytest.raises(CadetError, match=r"cadet\.bev\.maps is missing"):
-        default_maps()
-    monkeypatch.setattr(bev, "maps", maps, raising=False)
-    assert default_maps() is maps
+def flat_ground_points(num: int = 4000) -> np.ndarray[Any, np.dtype[np.float32]]:
+    rng = np.random.default_rng(0)
+    columns = (rng.uniform(3, 25, num), rng.uniform(-7, 7, num), np.full(num, -1.73), np.full(num, 0.3))
+    return np.column_stack(columns).astype(np.float32)
+
+
+def test_a_missing_plane_is_estimated() -> None:
+    frame = make_frame(plane=None)
+    sample = build_sample(flat_ground_points(), frame.image, frame.calib, None, CONFIG)
+    expected = estimate_plane(flat_ground_points(), frame.calib)
+    np.testing.assert_allclose(sample.plane.numpy(), expected, atol=1e-6)
+    with pytest.raises(CadetError, match=r"^frame 000007: no ground plane is given, and none is found: points_velo: "):
+        build_sample(flat_ground_points(9), frame.image, frame.calib, None, CONFIG, frame_id="000007")
+    assert not len(build_sample(flat_ground_points(0), frame.image, frame.calib, None, CONFIG).anchors)
 
 
 def test_each_epoch_holds_every_frame_in_every_change_once() -> None:
@@ -208,19 +215,19 @@ def test_processes_share_the_steps_out_without_overlap() -> None:
 def test_training_data_leaves_frames_without_objects_out(tmp_path: Path) -> None:
     write_frame(tmp_path, 0, make_frame(labels=()))
     write_frame(tmp_path, 1, make_frame())
-    assert TrainingData(tmp_path, None, CONFIG, 0, maps).ids == ("000001",)
+    assert TrainingData(tmp_path, None, CONFIG, 0).ids == ("000001",)
     write_frame(tmp_path, 1, make_frame(labels=()), overwrite=True)
     with pytest.raises(CadetError, match="none of the 2 frames holds a Car or Pedestrian"):
-        TrainingData(tmp_path, None, CONFIG, 0, maps)
+        TrainingData(tmp_path, None, CONFIG, 0)
 
 
 def test_a_broken_frame_comes_back_as_its_error(tmp_path: Path) -> None:
     write_frame(tmp_path, 1, make_frame())
-    data = TrainingData(tmp_path, None, CONFIG, 0, maps)
+    data = TrainingData(tmp_path, None, CONFIG, 0)
     (tmp_path / "training" / "velodyne" / "000001.bin").write_bytes(b"12345")
     item = data[0]
     assert isinstance(item, CadetError) and "velodyne/000001.bin: truncated" in str(item)
     (tmp_path / "training" / "planes" / "000001.txt").unlink()
     write_frame(tmp_path, 1, make_frame(plane=None), overwrite=True)
     item = data[0]
-    assert isinstance(item, CadetError) and str(item).startswith("frame 000001: no ground plane")
+    assert isinstance(item, Sample) and item.plane[3] == pytest.approx(1.65, abs=0.05)

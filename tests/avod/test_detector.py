@@ -17,7 +17,6 @@ from avod.geometry.encoding import boxes_4c_from_anchors, boxes_4c_from_boxes
 from avod.model.network import FrameOutputs
 from avod.results import Boxes, decode, labels_from_boxes
 from avod.train.step import new_network
-from bev_reference import maps
 from cadet.errors import CadetError, NonFiniteError, ShapeError
 from cadet.evaluation import evaluate
 from cadet.kitti import Label
@@ -29,7 +28,7 @@ PLANE = torch.tensor([0.0, -1.0, 0.0, 1.65])
 
 @pytest.fixture(scope="module")
 def detector() -> Detector:
-    return Detector(new_network(CONFIG, 0), maps=maps)
+    return Detector(new_network(CONFIG, 0))
 
 
 def test_decoding_inverts_the_targets_and_keeps_the_best() -> None:

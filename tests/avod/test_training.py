@@ -30,7 +30,6 @@ from avod.train.step import (
     new_network,
     training_step,
 )
-from bev_reference import maps
 from cadet.errors import CadetError, MissingFileError
 from cadet.evaluation import box_iou_3d
 from cadet.kitti import write_frame
@@ -41,7 +40,7 @@ CONFIG = load_config(Path(__file__).parents[1] / "overfit.toml")
 
 @pytest.fixture(scope="module")
 def sample() -> Sample:
-    return sample_from_frame(make_frame(), "000003", CONFIG, maps)
+    return sample_from_frame(make_frame(), "000003", CONFIG)
 
 
 @pytest.fixture(scope="module")
@@ -80,7 +79,7 @@ def test_one_frame_is_learnt_by_heart(sample: Sample) -> None:
     network, totals = train_by_heart(CONFIG, sample, CONFIG.training.steps)
     assert np.mean(totals[-20:]) < 0.2 * np.mean(totals[:20])
     frame = make_frame()
-    detector = Detector(network, maps=maps)
+    detector = Detector(network)
     found = detector.detect(frame.points_velo, frame.image, frame.calib, frame.plane)
     truths = [label for label in frame.labels if not label.is_dont_care]
     overlap = box_iou_3d(np.stack([x.box_cam for x in found]), np.stack([x.box_cam for x in truths]))
@@ -152,7 +151,7 @@ def run(dataset: Path, out: Path, steps: int, **changes: Any) -> Path:
     training = dataclasses.replace(CONFIG.training, flip=True, pca_jitter=True, checkpoint_steps=3)
     second = dataclasses.replace(CONFIG.second_stage, dropout_keep=0.5)
     config = with_steps(dataclasses.replace(CONFIG, training=training, second_stage=second), steps)
-    return train(config, Run(data=dataset, out=out, split=None, **changes), maps=maps)
+    return train(config, Run(data=dataset, out=out, split=None, **changes))
 
 
 def tensors(path: Path) -> dict[str, torch.Tensor]:
@@ -185,7 +184,7 @@ def test_another_training_begins_with_the_weights_alone(dataset: Path, tmp_path:
     rates: list[int] = []
     config = dataclasses.replace(CONFIG, training=dataclasses.replace(CONFIG.training, steps=1, learning_rate=1e-12))
     settings = Run(data=dataset, out=tmp_path / "second", split=None, init=first)
-    second = train(config, settings, maps=maps, on_step=lambda step, _: rates.append(step))
+    second = train(config, settings, on_step=lambda step, _: rates.append(step))
     assert rates == [1] and second.name == "000000001"
     for name, parameter in AvodNetwork(CONFIG).named_parameters():
         del parameter
@@ -194,17 +193,17 @@ def test_another_training_begins_with_the_weights_alone(dataset: Path, tmp_path:
 
 def test_the_log_goes_on_where_training_does(dataset: Path, tmp_path: Path) -> None:
     config = dataclasses.replace(CONFIG, training=dataclasses.replace(CONFIG.training, steps=10, checkpoint_steps=10))
-    train(config, Run(data=dataset, out=tmp_path, split=None), maps=maps)
+    train(config, Run(data=dataset, out=tmp_path, split=None))
     rows = read_log(tmp_path / "log.csv")
     assert [row["step"] for row in rows] == [10]
     assert all(math.isfinite(row[name]) for row in rows for name in COLUMNS)
     with (tmp_path / "log.csv").open("a") as file:
         file.write(",".join(["20", *["1"] * (len(COLUMNS) - 1)]) + "\n")  # of steps that will be done again
-    train(with_steps(config, 20), Run(data=dataset, out=tmp_path, split=None, resume_from=tmp_path), maps=maps)
+    train(with_steps(config, 20), Run(data=dataset, out=tmp_path, split=None, resume_from=tmp_path))
     again = read_log(tmp_path / "log.csv")
     assert [row["step"] for row in again] == [10, 20]
     assert again[0] == rows[0] and again[1]["seconds_per_step"] != 1.0
-    train(with_steps(config, 23), Run(data=dataset, out=tmp_path, split=None, resume_from=tmp_path), maps=maps)
+    train(with_steps(config, 23), Run(data=dataset, out=tmp_path, split=None, resume_from=tmp_path))
     assert [row["step"] for row in read_log(tmp_path / "log.csv")] == [10, 20, 23]
 
 
@@ -218,13 +217,12 @@ def test_what_cannot_go_on_is_said(dataset: Path, tmp_path: Path) -> None:
         run(dataset, tmp_path, 2, init=tmp_path / "nothing")
     wider = dataclasses.replace(CONFIG, rpn=dataclasses.replace(CONFIG.rpn, hidden=65))
     with pytest.raises(CadetError, match=r"anchor_classifier\.layers\.0\.weight is \(64, 9\), expected \(65, 9\)"):
-        train(wider, Run(data=dataset, out=tmp_path, split=None, init=last), maps=maps)
+        train(wider, Run(data=dataset, out=tmp_path, split=None, init=last))
     others = (CONFIG.classes[1], CONFIG.classes[0])
     with pytest.raises(CadetError, match="its configuration has another 'classes'; take its weights alone with --init"):
         train(
             dataclasses.replace(CONFIG, classes=others),
             Run(data=dataset, out=tmp_path, split=None, resume_from=last),
-            maps=maps,
         )
     (last / "optimizer.safetensors").unlink()
     with pytest.raises(MissingFileError, match="take this checkpoint's weights with --init instead"):
@@ -247,7 +245,7 @@ def test_a_damaged_checkpoint_is_refused(
     last = run(dataset, tmp_path, 1)
     (last / file).write_bytes(content)
     with pytest.raises(CadetError, match=message):
-        Detector.load(last, maps=maps)
+        Detector.load(last)
 
 
 def test_a_checkpoint_is_read_by_its_keys(dataset: Path, tmp_path: Path) -> None:

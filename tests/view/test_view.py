@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -203,6 +204,18 @@ def test_sheets_and_overviews_are_written_whole(tmp_path: Path) -> None:
     with pytest.raises(MissingFileError):
         view.view_frame(tmp_path, 9, tmp_path / "none.png")
     assert not (tmp_path / "none.png").exists()
+
+
+@pytest.mark.usefixtures("core")
+def test_the_three_configurations_maps_are_drawn(tmp_path: Path) -> None:
+    frame = make_frame()
+    drawn = read_png(view.view_bev_maps(frame, tmp_path / "maps.png"))
+    # Rows of 6, 6 and 3 panels of 400 x 350 cells.
+    assert drawn.shape == (3 * (30 + 376 + 12) + 12, 6 * 412 + 12, 3)
+    blank = np.all(drawn == style.BACKGROUND, axis=2)
+    assert blank[12 + 2 * 418 + 30 :, 3 * 412 + 12 :].all() and not blank[: 12 + 2 * 418].all()
+    empty = view.bev_maps_figure(replace(frame, points_velo=frame.points_velo[:0], plane=None))
+    assert (empty != drawn).any() and empty.shape == drawn.shape
 
 
 def test_figures_are_the_same_every_time() -> None:

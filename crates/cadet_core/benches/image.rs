@@ -6,7 +6,7 @@ use std::sync::Arc;
 use cadet_core::actor::ObjectClass;
 use cadet_core::assets::scenery::{HouseKind, TreeKind, house, tree};
 use cadet_core::assets::vehicle::VehicleModel;
-use cadet_core::camera::{View, png, render};
+use cadet_core::camera::{View, look, png, render};
 use cadet_core::frames::upright;
 use cadet_core::geometry::{LodSet, MeshBuilder};
 use cadet_core::instance::Instance;
@@ -65,6 +65,7 @@ fn images(c: &mut Criterion) {
     };
     let picture =
         |weather: &Weather| render(&scene, &view, weather, &mut Stream::from_seed("bench", 0)).expect("renders");
+    c.bench_function("look: what the samples see", |b| b.iter(|| black_box(look(&scene, &view).expect("looks"))));
     for name in ["clear_noon", "soft_rain_noon"] {
         let weather = Weather::preset(name).expect("a preset");
         c.bench_function(&format!("image {name}"), |b| b.iter(|| black_box(picture(&weather))));

@@ -59,7 +59,7 @@ fn bench(c: &mut Criterion) {
                 black_box(scene.ideal_scan(Some(&uniform)))
             });
         });
-        let _ = group.bench_function("pose every vertex", |b| {
+        let _ = group.bench_function("choose levels and place instances", |b| {
             b.iter(|| {
                 scene.step(0.0).expect("no time passes");
                 black_box(scene.triangles().num_triangles())

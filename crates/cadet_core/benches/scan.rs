@@ -86,7 +86,7 @@ fn benches(c: &mut Criterion) {
     let weather = Weather::preset("clear_noon").expect("exists");
     let mut group = c.benchmark_group(format!("{} triangles in {} instances", scene.num_triangles(), instances.len()));
     let _ = group.sample_size(20);
-    let _ = group.bench_function("pose every vertex", |b| {
+    let _ = group.bench_function("choose levels and place instances", |b| {
         b.iter(|| PosedScene::new(black_box(&instances), sensor.translation));
     });
     let _ =

@@ -84,6 +84,8 @@ pub struct ActorState {
     pub world_from_box: DPose3,
     /// Velocity of the box's origin, m/s.
     pub velocity_world: DVec3,
+    /// Angular velocity of the box, rad/s; 0 for people, whose turns take longer than a scan.
+    pub angular_velocity_world: DVec3,
 }
 
 impl ActorState {

@@ -15,6 +15,7 @@
 
 pub mod actor;
 pub mod assets;
+pub mod bev;
 pub mod camera;
 pub mod error;
 pub mod evaluate;

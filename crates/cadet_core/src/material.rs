@@ -55,11 +55,16 @@ impl Semantic {
 pub struct LidarMaterial {
     /// Diffuse reflectance at normal incidence, 0..1.
     pub reflectance: f32,
-    /// The diffuse lobe falls as cos^exponent of the incidence angle: 1 is Lambert's; clear coat is 2-3.
+    /// The diffuse part falls as cos^exponent of the incidence angle: 1 is Lambert's; under clear coat it is 2-3.
     pub lobe_exponent: f32,
+    /// Fresnel reflectance at normal incidence of a coat or of metal flakes, 0..1: 0 for what is matt, 0.04 for clear
+    /// coat.
+    pub gloss: f32,
+    /// Beckmann roughness of the gloss: 0.05 is a polished sheet, 0.4 metallic paint.
+    pub roughness: f32,
     /// One-way transmission, 0..1: above 0 the beam goes on behind the surface.
     pub transmission: f32,
-    /// Number plates, signs: saturates the receiver.
+    /// Number plates, signs, lane posts: saturates the receiver.
     pub retro: bool,
 }
 
@@ -67,7 +72,7 @@ impl LidarMaterial {
     /// A Lambertian surface of the given reflectance.
     #[must_use]
     pub const fn diffuse(reflectance: f32) -> Self {
-        Self { reflectance, lobe_exponent: 1.0, transmission: 0.0, retro: false }
+        Self { reflectance, lobe_exponent: 1.0, gloss: 0.0, roughness: 1.0, transmission: 0.0, retro: false }
     }
 }
 
@@ -96,6 +101,23 @@ pub enum Pattern {
     Wood,
     /// Cloth.
     Cloth,
+}
+
+impl Pattern {
+    /// All of them, in their order.
+    pub const ALL: [Self; 11] = [
+        Self::Plain,
+        Self::Asphalt,
+        Self::Slabs,
+        Self::Blocks,
+        Self::Bricks,
+        Self::Render,
+        Self::Tiles,
+        Self::Grass,
+        Self::Leaves,
+        Self::Wood,
+        Self::Cloth,
+    ];
 }
 
 /// A surface.

@@ -87,6 +87,22 @@ pub fn lerp(a: f64, b: f64, t: f64) -> f64 {
     a + (b - a) * t
 }
 
+/// The natural logarithm of a positive, normal number within 2e-9, in a few multiplications and one division: for what
+/// a scan computes a hundred thousand times and rounds to hundredths.
+#[inline(always)]
+#[must_use]
+pub fn quick_ln(x: f64) -> f64 {
+    // x = m * 2^e with m from 1 / sqrt 2 to sqrt 2, and ln m = 2 artanh((m - 1) / (m + 1)).
+    const SQRT_HALF_BITS: u64 = 0x3fe6_a09e_667f_3bcd;
+    let shifted = x.to_bits().wrapping_sub(SQRT_HALF_BITS);
+    let exponent = (shifted as i64) >> 52;
+    let m = f64::from_bits(x.to_bits().wrapping_sub((exponent as u64) << 52));
+    let s = (m - 1.0) / (m + 1.0);
+    let q = s * s;
+    let series = 1.0 + q * (1.0 / 3.0 + q * (1.0 / 5.0 + q * (1.0 / 7.0 + q * (1.0 / 9.0))));
+    exponent as f64 * std::f64::consts::LN_2 + 2.0 * s * series
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -99,5 +115,14 @@ mod tests {
         }
         assert_eq!(wrap_angle(PI), -PI);
         assert_eq!(wrap_angle(-PI), -PI);
+    }
+
+    #[test]
+    fn the_quick_logarithm_is_near_enough() {
+        for i in 0..20_000 {
+            let x = exp(f64::from(i) * 0.005 - 50.0);
+            assert!((quick_ln(x) - ln(x)).abs() < 2e-9, "{x}");
+        }
+        assert_eq!(quick_ln(1.0), 0.0);
     }
 }

@@ -133,6 +133,56 @@ impl Stream {
     }
 }
 
+/// A few random numbers of one item among many, a beam of a scan, from a key of its own (SplitMix64).
+///
+/// The key comes from a [`Stream`] or from [`Dice::key`], so that what one item draws moves no other.
+#[derive(Debug, Clone)]
+pub struct Dice(u64);
+
+impl Dice {
+    /// The numbers of a key.
+    #[inline]
+    #[must_use]
+    pub fn new(key: u64) -> Self {
+        Self(key)
+    }
+
+    /// A key out of a seed and what names the item.
+    #[inline]
+    #[must_use]
+    pub fn key(seed: u64, names: [u64; 3]) -> u64 {
+        names.iter().fold(scramble(seed ^ 0x6A09_E667_F3BC_C909), |key, name| scramble(key ^ name))
+    }
+
+    /// A random 64-bit number.
+    #[inline]
+    pub fn next_u64(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        scramble(self.0)
+    }
+
+    /// Uniform in [0, 1).
+    #[inline]
+    pub fn unit(&mut self) -> f64 {
+        (self.next_u64() >> 11) as f64 * (1.0 / (1_u64 << 53) as f64)
+    }
+}
+
+#[inline]
+fn scramble(key: u64) -> u64 {
+    let key = (key ^ (key >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    let key = (key ^ (key >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    key ^ (key >> 31)
+}
+
+/// A nearly normal number from 64 random bits: the sum of four uniform ones, without tails beyond 3.5 standard deviations.
+#[inline]
+#[must_use]
+pub fn nearly_normal(bits: u64) -> f64 {
+    let sum = (bits & 0xffff) + (bits >> 16 & 0xffff) + (bits >> 32 & 0xffff) + (bits >> 48);
+    (sum as f64 * (1.0 / 65_536.0) + 2.0 / 65_536.0 - 2.0) * 1.732_050_807_568_877_2
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -156,6 +206,24 @@ mod tests {
     #[test]
     fn a_golden_draw_keeps_old_datasets_reproducible() {
         assert_eq!(StreamKey::scene(7).stream("golden").next_u64(), 7_778_993_811_025_043_724);
+    }
+
+    #[test]
+    fn dice_are_uniform_within_and_across_keys() {
+        // SplitMix64's published first number for seed 0.
+        assert_eq!(Dice::new(0).next_u64(), 0xE220_A839_7B1D_CDAF);
+        let n = 20_000;
+        let across: Vec<f64> = (0..n).map(|k| Dice::new(Dice::key(1, [2, 3, k])).unit()).collect();
+        let mut dice = Dice::new(5);
+        let within: Vec<f64> = (0..n).map(|_| dice.unit()).collect();
+        for units in [across, within] {
+            let mean = units.iter().sum::<f64>() / n as f64;
+            let neighbours = units.windows(2).map(|w| (w[0] - 0.5) * (w[1] - 0.5)).sum::<f64>() / n as f64;
+            let low = units.iter().filter(|u| **u < 0.01).count();
+            assert!((mean - 0.5).abs() < 0.01 && neighbours.abs() < 0.003 && (150..250).contains(&low), "{mean}");
+        }
+        assert_ne!(Dice::key(1, [2, 3, 4]), Dice::key(1, [3, 2, 4]));
+        assert_ne!(Dice::key(1, [2, 3, 4]), Dice::key(2, [2, 3, 4]));
     }
 
     #[test]

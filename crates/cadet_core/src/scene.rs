@@ -6,12 +6,12 @@ use crate::actor::ObjectClass;
 use crate::assets::vehicle::UserVehicles;
 use crate::camera::{Rendered, Seen, View, look, paint};
 use crate::error::{Error, Result, finite};
-use crate::label::{ImageBuffers, LabelConfig, Labeled, count_points, label_actors, may_label, road_plane_cam};
-use crate::lidar::{IdealScan, LidarSpec, Scan, ideal_scan, scan};
+use crate::label::{LabelConfig, Labeled, count_points, label_actors, may_label, road_plane_cam};
+use crate::lidar::{IdealScan, LidarSpec, Scan, Turning, ideal_scan, scan, turning_scan};
 use crate::math::{DPose3, DVec3};
 use crate::rig::Rig;
 use crate::rng::StreamKey;
-use crate::sense::{PosedScene, RayCaster, RayHit};
+use crate::sense::{FaceTrees, Motion, PosedScene, RayCaster, RayHit};
 use crate::town::{DressingConfig, GroundKind, SuburbConfig, Town};
 use crate::weather::Weather;
 use crate::world::{Snapshot, TrafficConfig, World};
@@ -82,6 +82,8 @@ pub struct Scene {
     label: LabelConfig,
     /// The triangles of the present instant; dropped whenever the world moves.
     sensed: Option<Sensed>,
+    /// parry's trees, kept from instant to instant.
+    trees: FaceTrees,
 }
 
 /// Physics steps a second.
@@ -125,7 +127,15 @@ impl Scene {
             TownSource::Flat => Town::flat(),
         };
         let world = World::new(Arc::new(town), key)?.with_user_vehicles(config.user_vehicles.clone());
-        Ok(Self { key, world, weather, rig, label: config.label.clone().validated()?, sensed: None })
+        Ok(Self {
+            key,
+            world,
+            weather,
+            rig,
+            label: config.label.clone().validated()?,
+            sensed: None,
+            trees: FaceTrees::default(),
+        })
     }
 
     /// The map's name.
@@ -260,18 +270,17 @@ impl Scene {
         let (posed, snapshot) = (self.triangles(), Arc::clone(&self.sensed().snapshot));
         let view = View::new(&self.rig.camera, &world_from_cam);
         let seen = look(&posed, &view)?;
-        let buffers = ImageBuffers { depth: &seen.depth, super_instance: &seen.super_instance };
         let camera = &self.rig.camera;
-        let labels = label_actors(&self.label, &snapshot.actors, &posed, camera, &world_from_cam, buffers);
+        let labels = label_actors(&self.label, &snapshot.actors, &posed, camera, &world_from_cam, &seen);
         Ok((view, seen, labels))
     }
 
     fn finish(&mut self, sample: u64, view: &View, seen: Seen, mut labels: Vec<Labeled>) -> Result<Frame> {
-        let (world_from_velo, world_from_cam) = self.sensor_poses();
+        let (_, world_from_cam) = self.sensor_poses();
         let (posed, snapshot) = (self.triangles(), Arc::clone(&self.sensed().snapshot));
-        let (key, rig, weather) = (self.key, &self.rig, &self.weather);
+        let (key, weather) = (self.key, &self.weather);
         let rendered = paint(&posed, view, weather, seen, &mut key.indexed("camera", sample));
-        let scan = scan(&posed, &world_from_velo, &rig.lidar, weather, &mut key.indexed("lidar", sample))?;
+        let scan = self.scan(None, sample)?;
         count_points(&mut labels, &scan.actor_id);
         let ground = &self.world.town().ground;
         let plane = road_plane_cam(
@@ -297,9 +306,31 @@ impl Scene {
     /// A LIDAR whose numbers make no sense.
     pub fn scan(&mut self, lidar: Option<&LidarSpec>, sample: u64) -> Result<Scan> {
         let (world_from_velo, _) = self.sensor_poses();
-        let posed = self.triangles();
+        let (posed, snapshot) = (self.triangles(), Arc::clone(&self.sensed().snapshot));
         let spec = lidar.unwrap_or(&self.rig.lidar);
-        scan(&posed, &world_from_velo, spec, &self.weather, &mut self.key.indexed("lidar", sample))
+        let mut stream = self.key.indexed("lidar", sample);
+        if !spec.rolling {
+            return scan(&posed, &world_from_velo, spec, &self.weather, &mut stream);
+        }
+        let of_ego = &snapshot.ego;
+        let motion = |pose: &DPose3, velocity_world, angular_velocity_world| Motion {
+            pivot_world: pose.translation,
+            velocity_world,
+            angular_velocity_world,
+        };
+        let ego = motion(&of_ego.world_from_ego, of_ego.velocity_world, of_ego.angular_velocity_world);
+        // Actors stand in the order of their ids.
+        let motion_of = |id: i32| match snapshot.actors.binary_search_by_key(&id, |a| a.id) {
+            Ok(i) => {
+                let actor = &snapshot.actors[i];
+                motion(&actor.world_from_box, actor.velocity_world, actor.angular_velocity_world)
+            }
+            Err(_) => Motion::default(),
+        };
+        let turning = Turning::new(posed, &mut self.trees, spec, world_from_velo, ego, motion_of);
+        let scan = turning_scan(&turning, spec, &self.weather, &mut stream);
+        self.trees.forget_unused();
+        scan
     }
 
     /// One row for each of the LIDAR's rays: every triangle opaque, nothing dropped.

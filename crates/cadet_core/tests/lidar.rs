@@ -9,7 +9,7 @@ use common::{angle_to_edges, at, cuboid, place, posed, random_scene, sphere};
 use parry3d::query::{Ray, RayCast};
 use parry3d::shape::TriMesh;
 
-use cadet_core::lidar::{LidarSpec, ideal_scan, scan};
+use cadet_core::lidar::{LidarSpec, PRESETS, ideal_scan, scan};
 use cadet_core::material::Palette;
 use cadet_core::math::{self, DPose3, DQuat, DVec3, TAU, Vec3};
 use cadet_core::rng::Stream;
@@ -24,9 +24,7 @@ fn tilted(s: &mut Stream, center: DVec3) -> DPose3 {
 /// The oracle shares nothing with the product but the triangles: one parry mesh, tested by parry in single precision.
 #[test]
 fn ideal_scans_agree_with_parrys_own_mesh() {
-    for (seed, spec) in
-        [LidarSpec::hdl64e_kitti(), LidarSpec::hdl64e_uniform(), LidarSpec::cadet()].into_iter().enumerate()
-    {
+    for (seed, spec) in PRESETS.into_iter().map(|name| LidarSpec::preset(name).expect("listed")).enumerate() {
         let mut s = Stream::from_seed("parry", seed as u64);
         // Near the origin, where single precision can follow.
         let scene = posed(&random_scene(&mut s, DVec3::ZERO));
@@ -38,7 +36,7 @@ fn ideal_scans_agree_with_parrys_own_mesh() {
                 owner.push((index as u32, face as u32));
             }
         }
-        let mesh = TriMesh::new(scene.vertices_world.clone(), faces).expect("a valid mesh");
+        let mesh = TriMesh::new(scene.vertices_world().collect(), faces).expect("a valid mesh");
         let ideal = ideal_scan(&scene, &pose, &spec);
         let caster = RayCaster::new(Arc::clone(&scene));
         let rays = spec.rays();

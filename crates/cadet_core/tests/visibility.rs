@@ -17,6 +17,7 @@ fn turret(pose: DPose3, rings: usize, top: f64, bottom: f64, heights: [f64; 2], 
         TurretRing {
             elevation_rad: math::lerp(top, bottom, t).to_radians(),
             height_m: if t < 0.5 { heights[0] } else { heights[1] },
+            left_m: [0.3, -0.2][i % 2] * (heights[0] - heights[1]),
         }
     };
     let azimuths: Vec<f64> = (0..columns).map(|j| j as f64 * TAU / columns as f64).collect();

@@ -58,6 +58,22 @@ pub(crate) fn to_vectors(what: &'static str, array: &PyReadonlyArray2<'_, f64>) 
     Ok(view.rows().into_iter().map(|r| DVec3::new(r[0], r[1], r[2])).collect())
 }
 
+/// An (n, N) array as rows.
+pub(crate) fn to_rows<T: Element + Copy, const N: usize>(
+    what: &'static str,
+    array: &PyReadonlyArray2<'_, T>,
+) -> Result<Vec<[T; N]>> {
+    let view = array.as_array();
+    if view.ncols() != N {
+        return Err(Error::Shape {
+            what,
+            got: format!("({}, {})", view.nrows(), view.ncols()),
+            expected: format!("(n, {N})"),
+        });
+    }
+    Ok(view.rows().into_iter().map(|r| std::array::from_fn(|i| r[i])).collect())
+}
+
 trait ReshapeRows<'py, T: Element> {
     fn reshape_rows(self, rows: usize, columns: usize) -> Bound<'py, PyArray2<T>>;
 }

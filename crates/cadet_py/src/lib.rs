@@ -2,6 +2,7 @@
 
 mod arrays;
 mod assets;
+mod bev;
 mod error;
 mod evaluate;
 mod fields;
@@ -11,6 +12,7 @@ mod lidar;
 mod rig;
 mod scene;
 mod settings;
+mod weather;
 
 use pyo3::prelude::*;
 
@@ -21,10 +23,13 @@ fn _cadet(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<assets::Assets>()?;
     module.add_class::<lidar::Lidar>()?;
     module.add_class::<scene::Scene>()?;
+    module.add_function(wrap_pyfunction!(bev::bev_maps, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::evaluate, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::box_iou, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::nms_bev, module)?)?;
     module.add_function(wrap_pyfunction!(image::encode_png, module)?)?;
-    module.add_function(wrap_pyfunction!(scene::weather_names, module)?)?;
+    module.add_function(wrap_pyfunction!(weather::weather_names, module)?)?;
+    module.add_function(wrap_pyfunction!(weather::weather_air, module)?)?;
+    module.add_function(wrap_pyfunction!(weather::weather_recorded_scan, module)?)?;
     Ok(())
 }

@@ -1,7 +1,6 @@
 //! Rigs: `cadet.Rig.to_native()` and the calibration on its way back.
 
 use cadet_core::camera::{Calibration, CameraModel};
-use cadet_core::lidar::LidarSpec;
 use cadet_core::math::DVec3;
 use cadet_core::nalgebra::{Matrix3, Matrix3x4};
 use cadet_core::rig::Rig;
@@ -13,12 +12,16 @@ use pyo3::types::PyDict;
 use crate::arrays;
 use crate::error::BorderError;
 use crate::fields::Fields;
+use crate::lidar;
 
 /// The rig of a `RigDict`.
 pub(crate) fn from_dict(dict: &Bound<'_, PyDict>) -> PyResult<Rig> {
     let mut fields = Fields::new("rig", dict)?;
-    let lidar = LidarSpec::preset(&fields.take::<String>("lidar")?).map_err(BorderError::from)?;
+    let lidar = lidar::spec_from_any(&fields.take::<Bound<'_, PyAny>>("lidar")?)?;
     let lidar = if fields.take("single_origin")? { lidar.single_origin() } else { lidar };
+    let (rolling, returns) = (fields.take("rolling")?, fields.take::<String>("returns")?);
+    let lidar =
+        lidar::scanning(lidar, rolling, &returns, fields.take("divergence_mrad")?).map_err(BorderError::from)?;
     let [x, y, z] = fields.take::<[f64; 3]>("velo_in_ego")?;
     let rig = Rig {
         name: fields.take("name")?,

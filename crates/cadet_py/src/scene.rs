@@ -19,12 +19,6 @@ use crate::settings;
 type RayHits<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<i32>>, Bound<'py, PyArray2<f64>>);
 type Triangles<'py> = (Bound<'py, PyArray2<f32>>, Bound<'py, PyArray2<u32>>, Bound<'py, PyArray1<i32>>);
 
-/// The presets' names.
-#[pyfunction]
-pub(crate) fn weather_names() -> Vec<&'static str> {
-    Weather::NAMES.to_vec()
-}
-
 /// A town, its traffic and a rig.
 #[pyclass(module = "cadet._cadet")]
 pub(crate) struct Scene {
@@ -154,15 +148,13 @@ impl Scene {
         let spec = lidar.map(|l| &l.spec);
         let dict = PyDict::new(py);
         let (points, ring, column, actor_id, range_m) = if ideal {
-            let (scan, rays) = py.detach(|| {
+            py.detach(|| {
                 let scan = self.inner.ideal_scan(spec);
-                (scan, spec.unwrap_or(&self.inner.rig().lidar).rays())
-            });
-            let range_m: Vec<f64> = scan.range_m.iter().map(|r| f64::from(*r)).collect();
-            let beams = rays.origins_velo.iter().zip(&rays.directions_velo).zip(&range_m);
-            let points = beams.map(|((o, d), r)| (*o + *d * *r).as_vec3().to_array());
-            let points = points.map(|[x, y, z]| if x.is_finite() { [x, y, z, 0.0] } else { [f32::NAN; 4] }).collect();
-            (points, rays.ring, rays.column, scan.actor_id, range_m)
+                let spec = spec.unwrap_or(&self.inner.rig().lidar);
+                let (ring, column) = spec.beam_numbers();
+                let range_m = scan.range_m.iter().map(|r| f64::from(*r)).collect();
+                (scan.points_velo(spec), ring, column, scan.actor_id, range_m)
+            })
         } else {
             let s = py.detach(|| self.inner.scan(spec, sample)).map_err(BorderError::from)?;
             (s.points_velo, s.ring, s.column, s.actor_id, s.range_m)
@@ -202,7 +194,7 @@ impl Scene {
 
     fn triangles<'py>(&mut self, py: Python<'py>) -> Triangles<'py> {
         let posed = self.inner.triangles();
-        let vertices = posed.vertices_world.iter().map(|v| v.to_array()).collect();
+        let vertices = posed.vertices_world().map(|v| v.to_array()).collect();
         let (mut faces, mut actor_ids) = (Vec::new(), Vec::new());
         for instance in &posed.instances {
             let start = instance.vertices.start as u32;

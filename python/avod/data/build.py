@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Final, Protocol, cast
+from typing import Any, Final
 
 import numpy as np
 import torch
@@ -16,36 +16,11 @@ from avod.data.sample import Sample
 from avod.geometry.anchors import anchor_grid, occupancy, occupied_anchors
 from cadet import bev
 from cadet.arrays import check_array
-from cadet.bev import BevConfig
 from cadet.errors import CadetError
-from cadet.kitti import Calibration, Label, boxes_cam_from_labels, points_in_image
+from cadet.kitti import Calibration, Label, boxes_cam_from_labels, estimate_plane, points_in_image
 
 _MIN_UPRIGHT: Final = 0.5
-
-
-class BevMaps(Protocol):
-    """Makes the maps of the bird's-eye view: `cadet.bev.maps`."""
-
-    def __call__(
-        self,
-        points_cam: NDArray[np.float64],
-        plane: NDArray[np.float64],
-        config: BevConfig,
-        out: NDArray[np.float32] | None = None,
-    ) -> NDArray[np.float32]:
-        """Make the maps of points (N, 3) over a ground plane (4,): (C, H, W), row 0 far."""
-
-
-def default_maps() -> BevMaps:
-    """Return the core's maps.
-
-    Raises:
-        CadetError: this build has none.
-    """
-    maps = getattr(bev, "maps", None)
-    if maps is None:
-        raise CadetError("this build of cadet makes no bird's-eye-view maps: cadet.bev.maps is missing")
-    return cast("BevMaps", maps)
+_FLAT_GROUND: Final = np.array([0.0, -1.0, 0.0, 1.65])
 
 
 @dataclass(frozen=True)
@@ -71,10 +46,9 @@ def build_sample(
     points_velo: NDArray[np.float32],
     image: NDArray[np.uint8],
     calib: Calibration,
-    plane: NDArray[np.float64],
+    plane: NDArray[np.float64] | None,
     config: Config,
     *,
-    maps: BevMaps,
     labels: tuple[Label, ...] = (),
     augmentation: Augmentation = UNCHANGED,
     frame_id: str = "in memory",
@@ -88,23 +62,22 @@ def build_sample(
         points_velo: (N, 4) float32. May be empty.
         image: (H, W, 3) uint8 RGB.
         calib: the calibration.
-        plane: (4,) float64 ground plane in the cam frame, of any length and sign.
+        plane: (4,) float64 ground plane in the cam frame, of any length and sign; None estimates it from the points.
         config: the detector.
-        maps: makes the bird's-eye view.
         labels: those of the config's classes become the sample's objects.
         augmentation: changes of training.
         frame_id: names the frame in messages.
 
     Raises:
         ShapeError, NonFiniteError: an array of another shape, dtype, or with NaN.
-        CadetError: a plane that is no ground, or an image without pixels.
+        CadetError: a plane that is no ground, none to be found in the points, or an image without pixels.
     """
     check_array(points_velo, "points_velo", ("N", 4), np.float32, finite=True)
     check_array(image, "image", ("H", "W", 3), np.uint8)
     height, width = image.shape[:2]
     if min(height, width) < 2:
         raise CadetError(f"image: expected at least 2 x 2 pixels, got {width} x {height}")
-    plane = normal_plane(plane)
+    plane = _ground(points_velo, calib, frame_id) if plane is None else normal_plane(plane)
     points_cam = calib.velo_to_cam(points_velo)
     points_cam = points_cam[points_in_image(points_cam, calib, (width, height))]
     projection, boxes_cam, classes = calib.P2, *_objects(labels, config)
@@ -119,7 +92,7 @@ def build_sample(
     anchors = anchors[occupied_anchors(anchors, cells, config.anchors, config.bev)]
     return Sample(
         frame_id=frame_id,
-        bev=torch.from_numpy(maps(points_cam, plane, config.bev)),
+        bev=torch.from_numpy(bev.maps(points_cam, plane, config.bev)),
         image=torch.from_numpy(prepare_image(image, config.image)),
         anchors=_tensor(anchors),
         plane=_tensor(plane),
@@ -143,6 +116,15 @@ def normal_plane(plane: NDArray[Any]) -> NDArray[np.float64]:
         raise CadetError(f"plane: expected a ground plane a b c d with its normal along y, got {plane.tolist()}")
     unit: NDArray[np.float64] = plane.astype(np.float64) / (length if plane[1] < 0.0 else -length)
     return unit
+
+
+def _ground(points_velo: NDArray[np.float32], calib: Calibration, frame_id: str) -> NDArray[np.float64]:
+    if not len(points_velo):
+        return _FLAT_GROUND  # Without points there are no anchors, whatever they would stand on.
+    try:
+        return estimate_plane(points_velo, calib)
+    except CadetError as error:
+        raise CadetError(f"frame {frame_id}: no ground plane is given, and none is found: {error}") from None
 
 
 def _objects(labels: tuple[Label, ...], config: Config) -> tuple[NDArray[np.float64], NDArray[np.int64]]:

@@ -3,60 +3,31 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Protocol, cast
+from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
 from torch.utils.data import Dataset
 
 from avod.config import Config
-from avod.data.build import UNCHANGED, Augmentation, BevMaps, build_sample
+from avod.data.build import UNCHANGED, Augmentation, build_sample
 from avod.data.order import Order
 from avod.data.sample import Sample
 from cadet import kitti
 from cadet.errors import CadetError
 from cadet.frame import Frame
-from cadet.kitti import Calibration
 
 
-class PlaneEstimate(Protocol):
-    """Finds the ground of a scan: `cadet.kitti.estimate_plane`."""
-
-    def __call__(self, points_velo: NDArray[np.float32], calib: Calibration) -> NDArray[np.float64]:
-        """Return the plane (4,) in the cam frame."""
-
-
-def ground_plane(
-    points_velo: NDArray[np.float32], calib: Calibration, plane: NDArray[np.float64] | None, name: str
-) -> NDArray[np.float64]:
-    """Return a frame's ground plane, estimated from its scan where there is none.
+def sample_from_frame(frame: Frame, frame_id: str, config: Config, augmentation: Augmentation = UNCHANGED) -> Sample:
+    """Make a sample of a frame; the ground is estimated from the scan where it has no plane.
 
     Raises:
-        CadetError: there is none, and this build of cadet cannot estimate one.
-    """
-    if plane is not None:
-        return plane
-    estimate = cast("PlaneEstimate | None", getattr(kitti, "estimate_plane", None))
-    if estimate is None:
-        raise CadetError(f"{name}: no ground plane, and this build of cadet has no kitti.estimate_plane to find one")
-    return estimate(points_velo, calib)
-
-
-def sample_from_frame(
-    frame: Frame, frame_id: str, config: Config, maps: BevMaps, augmentation: Augmentation = UNCHANGED
-) -> Sample:
-    """Make a sample of a frame.
-
-    Raises:
-        CadetError: the frame has no plane and none can be estimated.
+        CadetError: as `build_sample`, or no ground is found.
     """
     return build_sample(
         frame.points_velo,
         frame.image,
         frame.calib,
-        ground_plane(frame.points_velo, frame.calib, frame.plane, f"frame {frame_id}"),
+        frame.plane,
         config,
-        maps=maps,
         labels=frame.labels,
         augmentation=augmentation,
         frame_id=frame_id,
@@ -73,17 +44,15 @@ class TrainingData(Dataset[Any]):
         split: a list of its `ImageSets`; None for every frame.
         config: the detector and its training.
         seed: of the order and the augmentations.
-        maps: makes the bird's-eye view.
 
     Raises:
         MissingFileError: no folder, split or label file.
         CadetError: no frame holds an object of the classes.
     """
 
-    def __init__(self, root: str | Path, split: str | None, config: Config, seed: int, maps: BevMaps) -> None:
+    def __init__(self, root: str | Path, split: str | None, config: Config, seed: int) -> None:
         self.root = Path(root)
         self.config = config
-        self._maps = maps
         ids = kitti.Dataset(root, split).ids
         names = set(config.class_names)
         self.ids = tuple(i for i in ids if any(label.type in names for label in kitti.read_labels(root, i)))
@@ -97,7 +66,7 @@ class TrainingData(Dataset[Any]):
         frame_id = self.ids[entry.frame]
         try:
             frame = kitti.read_frame(self.root, frame_id)
-            return sample_from_frame(frame, frame_id, self.config, self._maps, entry.augmentation)
+            return sample_from_frame(frame, frame_id, self.config, entry.augmentation)
         except CadetError as error:
             return error
 
@@ -109,14 +78,12 @@ class DetectionData(Dataset[Any]):
         root: a KITTI folder.
         ids: of the frames.
         config: the detector.
-        maps: makes the bird's-eye view.
     """
 
-    def __init__(self, root: str | Path, ids: tuple[str, ...], config: Config, maps: BevMaps) -> None:
+    def __init__(self, root: str | Path, ids: tuple[str, ...], config: Config) -> None:
         self.root = Path(root)
         self.ids = ids
         self.config = config
-        self._maps = maps
 
     def __len__(self) -> int:
         return len(self.ids)
@@ -124,7 +91,7 @@ class DetectionData(Dataset[Any]):
     def __getitem__(self, index: int) -> tuple[Sample, Frame] | CadetError:
         try:
             frame = kitti.read_frame(self.root, self.ids[index])
-            return sample_from_frame(frame, self.ids[index], self.config, self._maps), frame
+            return sample_from_frame(frame, self.ids[index], self.config), frame
         except CadetError as error:
             return error
 

@@ -12,7 +12,6 @@ from torch import Tensor, nn
 from torch.utils.data import DataLoader
 
 from avod.config import Config
-from avod.data.build import BevMaps, default_maps
 from avod.data.dataset import TrainingData
 from avod.data.order import StepSampler
 from avod.data.sample import Sample
@@ -57,7 +56,7 @@ class Run:
     has_tensorboard: bool = False
 
 
-def train(config: Config, run: Run, *, maps: BevMaps | None = None, on_step: OnStep | None = None) -> Path:
+def train(config: Config, run: Run, *, on_step: OnStep | None = None) -> Path:
     """Train a detector and return its last checkpoint.
 
     Steps, frames and draws follow from seed and step, so a training that was stopped and goes on from a checkpoint
@@ -66,7 +65,6 @@ def train(config: Config, run: Run, *, maps: BevMaps | None = None, on_step: OnS
     Args:
         config: the detector and its training.
         run: data, folders, device.
-        maps: makes the bird's-eye view; None for the core's.
         on_step: hears of each step that is done, and its losses.
 
     Raises:
@@ -90,7 +88,7 @@ def train(config: Config, run: Run, *, maps: BevMaps | None = None, on_step: OnS
         raise CadetError(
             f"{run.resume_from}: {first_step} steps are done, and training ends at {config.training.steps}"
         )
-    data = TrainingData(run.data, run.split, config, seed, default_maps() if maps is None else maps)
+    data = TrainingData(run.data, run.split, config, seed)
     network.precision = run.precision
     network.train()
     if run.is_compiled:

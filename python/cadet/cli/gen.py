@@ -19,7 +19,7 @@ from cadet.cli.progress import reporter
 from cadet.errors import CadetError
 from cadet.generate import EXTRAS, Settings, Summary, WorkerError, generate
 from cadet.policy import ResetPolicy
-from cadet.rig import Rig
+from cadet.rig import LIDAR_PRESETS, Lidar, Rig
 from cadet.road_map import RoadMap
 from cadet.weather import check_weather, weather_names
 
@@ -35,6 +35,7 @@ _RIGS = {"kitti": Rig.kitti, "paper": Rig.paper}
     "--policy", type=click.Choice(list(_POLICIES)), default="kitti", show_default=True, help="How worlds are drawn."
 )
 @click.option("--rig", type=click.Choice(list(_RIGS)), help="The sensors.  [default: the policy's]")
+@click.option("--lidar", metavar="NAME|FILE", help=f"{', '.join(LIDAR_PRESETS)}, or a TOML file (docs/lidars.md).")
 @click.option("--map", "maps", metavar="FILE", multiple=True, help="An OpenDRIVE map; may be repeated.")
 @click.option("--weather", "weathers", metavar="NAME", multiple=True, help="A preset; may be repeated.")
 @click.option(
@@ -60,6 +61,7 @@ def cadet_gen(
     seed: int,
     policy: str,
     rig: str | None,
+    lidar: str | None,
     maps: tuple[str, ...],
     weathers: tuple[str, ...],
     assets: Path | None,
@@ -82,7 +84,7 @@ def cadet_gen(
         seed=seed,
         num_frames=num_frames,
         policy=_policy(policy, maps, weathers, assets),
-        rig=_rig(rig or policy, image_size),
+        rig=_rig(rig or policy, image_size, lidar),
         extras=tuple(name.strip() for name in write.split(",") if name.strip()),
         val_period=round(1.0 / val_fraction) if val_fraction > 0.0 else 0,
     )
@@ -133,8 +135,10 @@ def _check_drivable(road_map: RoadMap) -> None:
     )
 
 
-def _rig(name: str, image_size: str | None) -> Rig:
+def _rig(name: str, image_size: str | None, lidar: str | None) -> Rig:
     rig = _RIGS[name]()
+    if lidar is not None:
+        rig = replace(rig, lidar=Lidar.named(lidar))
     if image_size is None:
         return rig
     match = re.fullmatch(r"(\d{1,5})x(\d{1,5})", image_size)

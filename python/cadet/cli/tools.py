@@ -9,9 +9,10 @@ import click
 
 from cadet import _cadet, kitti
 from cadet.cli.eval import evaluate_command
+from cadet.cli.lidar import fit_lidar_command, lidar_command
 from cadet.errors import CadetError
 from cadet.kitti.lint import lint
-from cadet.view import overview, view_frame
+from cadet.view import overview, view_bev_maps, view_frame
 
 _OVERVIEW_ROWS = 4
 _FINDINGS_SHOWN = 50
@@ -26,14 +27,21 @@ def cadet() -> None:
 @cadet.command()
 @click.argument("what", metavar="ROOT[/ID]", type=click.Path(path_type=Path))
 @click.option("-o", "--out", type=click.Path(path_type=Path, dir_okay=False), help="The PNG.  [default: ID.png]")
-def view(what: Path, out: Path | None) -> None:
+@click.option("--bev", "is_bev", is_flag=True, help="Draw the frame's bird's-eye-view maps.  [default PNG: ID_bev.png]")
+def view(what: Path, out: Path | None, is_bev: bool) -> None:
     """Draw a frame, or some frames of a dataset.
 
     \b
     cadet view out/000012                   # one frame: boxes, LIDAR returns, the view from above
-    cadet view out -o overview.png          # five frames of the dataset
+    cadet view out/000012 --bev             # its maps from above, as AVOD and the paper's variants take them
+    cadet view out -o overview.png          # some frames of the dataset
     """  # noqa: D301 - click reads the backspace
-    if what.is_dir() or not re.fullmatch(r"\d{6}", what.name):
+    is_frame = not what.is_dir() and re.fullmatch(r"\d{6}", what.name) is not None
+    if is_bev and not is_frame:
+        raise CadetError(f"{what}: --bev draws one frame; name it, as in {what}/000012")
+    if is_bev:
+        path = view_bev_maps(kitti.read_frame(what.parent, what.name), out or Path(f"{what.name}_bev.png"))
+    elif not is_frame:
         path = _view_some(what, out or Path("overview.png"))
     else:
         path = view_frame(what.parent, what.name, out or Path(f"{what.name}.png"))
@@ -66,3 +74,5 @@ def check(root: Path, strict: bool | None) -> int:
 
 
 cadet.add_command(evaluate_command)
+cadet.add_command(fit_lidar_command)
+cadet.add_command(lidar_command)

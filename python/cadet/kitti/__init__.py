@@ -5,6 +5,7 @@ from cadet.kitti.dataset import Dataset, encode_frame, encode_meta, read_calib, 
 from cadet.kitti.image_sets import ImageSet, read_image_set, write_image_set
 from cadet.kitti.label import TYPES, Label, boxes_cam_from_labels, labels_from_text, text_from_labels
 from cadet.kitti.lint import Finding, lint, lint_frame
+from cadet.kitti.plane_estimate import estimate_plane
 
 __all__ = [
     "TYPES",
@@ -16,6 +17,7 @@ __all__ = [
     "boxes_cam_from_labels",
     "encode_frame",
     "encode_meta",
+    "estimate_plane",
     "labels_from_text",
     "lint",
     "lint_frame",

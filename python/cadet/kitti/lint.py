@@ -9,6 +9,7 @@ and the tolerance is what rounding every field to 0.01 can do to the projection 
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Literal
@@ -34,6 +35,7 @@ _MAX_ROTATION_RAD: Final = 3.145
 _UNKNOWN_OCCLUSION: Final = 3
 _UNIT_TOLERANCE: Final = 1e-3
 _PLANE_HEIGHT_M: Final = (1.0, 2.5)
+_MANIFEST: Final = "manifest.json"
 _SCAN_RANGE_M: Final = (1.45, 80.0)
 _LOOSE_RANGE_M: Final = 120.0
 _MM: Final = 0.001
@@ -76,26 +78,37 @@ def lint(root: str | Path, *, strict: bool | None = None) -> list[Finding]:
         MissingFileError: there is no KITTI folder.
     """
     folder = sample_folder(root)
-    is_strict = (Path(root) / "manifest.json").is_file() if strict is None else strict
+    is_strict = (Path(root) / _MANIFEST).is_file() if strict is None else strict
+    scan_range_m = _scan_range_m(Path(root))
     ids = frame_ids(folder)
     findings = _lint_image_sets(Path(root), ids, "error" if is_strict else "warning")
     findings += _lint_partners(folder, ids)
     for frame_id in ids:
-        findings += lint_frame(folder, frame_id, strict=is_strict)
+        findings += _FrameLint(folder, check_id(frame_id), is_strict, scan_range_m).run()
     return findings
 
 
 def lint_frame(root: str | Path, frame_id: str | int, *, strict: bool) -> list[Finding]:
     """Check one frame: see `lint`."""
     folder = sample_folder(root)
-    return _FrameLint(folder, check_id(frame_id), strict).run()
+    return _FrameLint(folder, check_id(frame_id), strict, _scan_range_m(Path(root))).run()
+
+
+def _scan_range_m(root: Path) -> tuple[float, float]:
+    """Return the ranges of a generated dataset's LIDAR; KITTI's where there is no manifest that says."""
+    try:
+        low, high = json.loads((root / _MANIFEST).read_text(encoding="utf-8"))["rig"]["range_m"]
+        return float(low), float(high)
+    except (OSError, ValueError, KeyError, TypeError):
+        return _SCAN_RANGE_M
 
 
 class _FrameLint:
     """The findings about one frame."""
 
-    def __init__(self, folder: Path, frame_id: str, strict: bool) -> None:
+    def __init__(self, folder: Path, frame_id: str, strict: bool, scan_range_m: tuple[float, float]) -> None:
         self.folder = folder
+        self.scan_range_m = scan_range_m
         self.frame_id = frame_id
         self.strict = strict
         self.soft: Severity = "error" if strict else "warning"
@@ -164,7 +177,7 @@ class _FrameLint:
         if intensity.min() < 0.0 or intensity.max() > 1.0:
             self._add("velodyne", None, f"intensity {intensity.min():.3f}..{intensity.max():.3f}, expected 0..1")
         range_m = np.linalg.norm(points_velo[:, :3].astype(np.float64), axis=1)
-        low, high = _SCAN_RANGE_M if self.strict else (0.0, _LOOSE_RANGE_M)
+        low, high = self.scan_range_m if self.strict else (0.0, max(_LOOSE_RANGE_M, self.scan_range_m[1]))
         # Rounding x, y and z to millimetres moves a point by up to 0.9 mm.
         num_outside = int(((range_m < low - _MM) | (range_m > high + _MM)).sum())
         if num_outside:

@@ -1,8 +1,11 @@
 //! How much of the sky a place sees: a coarse height map of the scene, probes over it, and the boxes of cars near the
 //! ground.
 
+use multiversion::multiversion;
+
+use crate::geometry::{Cluster, LANES};
 use crate::material::Semantic;
-use crate::math::{DVec3, Vec3};
+use crate::math::{DVec3, Mat3, Vec3};
 use crate::sense::PosedScene;
 
 /// Cells along a side of the height map.
@@ -40,8 +43,8 @@ pub struct SkyView {
     min: [f32; 2],
     /// Lowest surface of each cell.
     floor: Vec<f32>,
-    /// Per cell and level.
-    probes: Vec<Openness>,
+    /// Openness per cell and level; padded, so that it is one load.
+    probes: Vec<[f32; 8]>,
     blockers: Vec<Blocker>,
     /// Blockers that reach each cell of a grid of `GRID_M`.
     grid: Vec<Vec<u16>>,
@@ -82,6 +85,7 @@ impl SkyView {
         let mut top = vec![f32::NEG_INFINITY; CELLS * CELLS];
         let mut floor = vec![f32::INFINITY; CELLS * CELLS];
         let side = CELLS as f32 * CELL_M;
+        let mut points = [[0.0; MAX_POINTS]; 3];
         for instance in &scene.instances {
             let (c, r) = (instance.center_world.as_vec3(), instance.radius_m as f32);
             if c.x + r < self.min[0]
@@ -91,7 +95,6 @@ impl SkyView {
             {
                 continue;
             }
-            let vertices = &scene.vertices_world[instance.vertices.clone()];
             let foot_z = c.z - 0.5 * instance.mesh.bounds.size().z;
             let is_plant = instance.palette.0.iter().any(|m| m.semantic == Semantic::Vegetation);
             let share = if is_plant { CROWN_SHARE } else { 1.0 };
@@ -101,24 +104,36 @@ impl SkyView {
                 top[i] = top[i].max(foot_z + (high - foot_z) * share);
             };
             let mesh = &instance.mesh;
-            let linear = instance.world_from_local.as_mat3();
+            let linear = instance.placement.rotation.as_mat3();
+            let origin = instance.placement.translation.as_vec3();
             for cluster in &mesh.clusters {
-                let c = instance.center_world.as_vec3() + linear * (cluster.center - mesh.bounds.center());
+                let c = origin + linear * cluster.center;
                 let (dx, dy, r) = (c.x - self.min[0], c.y - self.min[1], cluster.radius_m);
                 if dx + r < 0.0 || dy + r < 0.0 || dx - r > side || dy - r > side {
                     continue;
                 }
+                let cell = |d: f32| ((d / CELL_M).max(0.0) as usize).min(CELLS - 1);
                 if r < 0.6 * CELL_M {
                     // Smaller than a cell: no need to look at the faces.
-                    let cell = |d: f32| ((d / CELL_M).max(0.0) as usize).min(CELLS - 1);
                     mark(cell(dx), cell(dy), c.z - 0.5 * r, c.z + 0.5 * r);
                     continue;
                 }
+                if is_plant && r < 1.5 * CELL_M {
+                    // Leaves lie anywhere within.
+                    let core = 0.5 * r;
+                    for y in cell(dy - core)..=cell(dy + core) {
+                        for x in cell(dx - core)..=cell(dx + core) {
+                            mark(x, y, c.z - core, c.z + core);
+                        }
+                    }
+                    continue;
+                }
+                pose_roughly(cluster, &linear, origin, &mut points);
                 // Of a few cells, a part of the faces tells enough.
                 let step = if r < CELL_M { 4 } else { 1 };
                 for corners in cluster.corners.iter().step_by(step) {
-                    let face = corners.map(|i| cluster.vertices[usize::from(i)]);
-                    self.mark_face(face.map(|i| vertices[i as usize]), &mut mark);
+                    let corner = |i: u8| Vec3::from_array(points.each_ref().map(|axis| axis[usize::from(i)]));
+                    self.mark_face(corners.map(corner), &mut mark);
                 }
             }
         }
@@ -194,7 +209,7 @@ impl SkyView {
     }
 
     fn place_probes(&mut self, top: &[f32], asked_blocks: &[bool]) {
-        const CELLS_PER_BLOCK: i32 = (CELLS / GRID) as i32;
+        const CELLS_PER_BLOCK: usize = CELLS / GRID;
         let directions: [(f32, f32); AZIMUTHS] = {
             let d = std::f32::consts::FRAC_1_SQRT_2;
             [(1.0, 0.0), (d, d), (0.0, 1.0), (-d, d), (-1.0, 0.0), (-d, -d), (0.0, -1.0), (d, -d)]
@@ -205,32 +220,31 @@ impl SkyView {
                 STEPS.iter().map(|s| ((dx * s).round() as i32, (dy * s).round() as i32, 1.0 / (s * CELL_M))).collect()
             })
             .collect();
-        self.probes = vec![[1.0; 6]; CELLS * CELLS * LEVELS_M.len()];
-        for y in 0..CELLS as i32 {
-            for x in 0..CELLS as i32 {
-                if !asked_blocks[(y / CELLS_PER_BLOCK) as usize * GRID + (x / CELLS_PER_BLOCK) as usize] {
-                    continue;
+        self.probes = vec![[1.0; 8]; CELLS * CELLS * LEVELS_M.len()];
+        let padded = PaddedTop::new(top);
+        let mut free = [[0.0_f32; CELLS]; AZIMUTHS];
+        for y in 0..CELLS {
+            let asked = &asked_blocks[y / CELLS_PER_BLOCK * GRID..][..GRID];
+            let (Some(first), Some(last)) = (asked.iter().position(|a| *a), asked.iter().rposition(|a| *a)) else {
+                continue;
+            };
+            let columns = first * CELLS_PER_BLOCK..(last + 1) * CELLS_PER_BLOCK;
+            for (level, over) in LEVELS_M.iter().enumerate() {
+                let floor = &self.floor[y * CELLS..][columns.clone()];
+                for (line, free) in offsets.iter().zip(&mut free) {
+                    padded.free_share(y, columns.start, line, floor, *over, &mut free[columns.clone()]);
                 }
-                let cell = y as usize * CELLS + x as usize;
-                for (level, over) in LEVELS_M.iter().enumerate() {
-                    let z = self.floor[cell] + over;
-                    // Sine of the horizon in each azimuth.
-                    let mut free = [1.0_f32; AZIMUTHS];
-                    for (k, line) in offsets.iter().enumerate() {
-                        let mut slope = 0.0_f32;
-                        for (ox, oy, per_m) in line {
-                            let (cx, cy) = (x + ox, y + oy);
-                            if cx < 0 || cy < 0 || cx >= CELLS as i32 || cy >= CELLS as i32 {
-                                break;
-                            }
-                            slope = slope.max((top[cy as usize * CELLS + cx as usize] - z) * per_m);
-                        }
-                        free[k] = 1.0 / (1.0 + slope * slope);
+                for x in columns.clone() {
+                    if !asked[x / CELLS_PER_BLOCK] {
+                        continue;
                     }
+                    let cell = y * CELLS + x;
+                    let z = self.floor[cell] + over;
+                    let free = free.each_ref().map(|f| f[x]);
                     let zenith: f32 = free.iter().sum::<f32>() / AZIMUTHS as f32;
-                    let around = |dx: i32, dy: i32| {
-                        let (cx, cy) = ((x + dx).clamp(0, CELLS as i32 - 1), (y + dy).clamp(0, CELLS as i32 - 1));
-                        ((top[cy as usize * CELLS + cx as usize] - z - 0.8) * 0.7).clamp(0.0, 1.0)
+                    let around = |dx: isize, dy: isize| {
+                        let near = |v: usize, d: isize| v.saturating_add_signed(d).min(CELLS - 1);
+                        ((top[near(y, dy) * CELLS + near(x, dx)] - z - 0.8) * 0.7).clamp(0.0, 1.0)
                     };
                     let covered =
                         0.4 * around(0, 0) + 0.15 * (around(1, 0) + around(-1, 0) + around(0, 1) + around(0, -1));
@@ -240,8 +254,9 @@ impl SkyView {
                         (free[k] + 0.7 * (a + b)) * (1.0 / 2.4)
                     };
                     let sides = [side(0), side(4), side(2), side(6)].map(|s| s * (0.5 + 0.5 * cover));
+                    let up_and_down = [zenith * cover, (0.4 + 0.6 * zenith) * cover];
                     self.probes[cell * LEVELS_M.len() + level] =
-                        [sides[0], sides[1], sides[2], sides[3], zenith * cover, (0.4 + 0.6 * zenith) * cover];
+                        [sides[0], sides[1], sides[2], sides[3], up_and_down[0], up_and_down[1], 0.0, 0.0];
                 }
             }
         }
@@ -255,7 +270,7 @@ impl SkyView {
                 continue; // wheels and limbs
             }
             let center = instance.center_world.as_vec3();
-            let axis = |v: DVec3| (instance.world_from_local * v).as_vec3();
+            let axis = |v: DVec3| (instance.placement.rotation * v).as_vec3();
             let blocker = Blocker {
                 center,
                 axis_x: axis(DVec3::X),
@@ -298,7 +313,7 @@ impl SkyView {
         }
         let (ix, iy) = (gx as usize, gy as usize);
         let (fx, fy) = (gx - ix as f32, gy - iy as f32);
-        let mut sum = [0.0; 6];
+        let mut sum = [0.0; 8];
         for (cell, weight) in [
             (iy * CELLS + ix, (1.0 - fx) * (1.0 - fy)),
             (iy * CELLS + ix + 1, fx * (1.0 - fy)),
@@ -311,11 +326,12 @@ impl SkyView {
             let t = if high > low { (over - LEVELS_M[low]) / (LEVELS_M[high] - LEVELS_M[low]) } else { 0.0 };
             let a = &self.probes[cell * LEVELS_M.len() + low];
             let b = &self.probes[cell * LEVELS_M.len() + high];
-            for k in 0..6 {
+            for k in 0..8 {
                 sum[k] += weight * (a[k] + (b[k] - a[k]) * t);
             }
         }
-        sum
+        let [a, b, c, d, e, f, _, _] = sum;
+        [a, b, c, d, e, f]
     }
 
     /// Share of the sky's light that vehicles leave to a point on the ground under or beside them, 0..1.
@@ -357,6 +373,72 @@ impl Blocker {
         // The gap under the body darkens the last decimetres further.
         let near = 0.18 * (1.0 - distance / 0.35).max(0.0);
         1.0 - 0.5 * (1.0 - wall) * share - near
+    }
+}
+
+/// The highest surfaces with a rim where nothing is.
+struct PaddedTop(Vec<f32>);
+
+impl PaddedTop {
+    /// The longest step.
+    const RIM: usize = 26;
+    const STRIDE: usize = CELLS + 2 * Self::RIM;
+
+    fn new(top: &[f32]) -> Self {
+        let mut padded = vec![f32::NEG_INFINITY; CELLS * Self::STRIDE];
+        for (line, top) in padded.chunks_exact_mut(Self::STRIDE).zip(top.chunks_exact(CELLS)) {
+            line[Self::RIM..Self::RIM + CELLS].copy_from_slice(top);
+        }
+        Self(padded)
+    }
+
+    /// For a row of cells: the squared cosine of the horizon's elevation in one direction, seen from `over` metres above
+    /// the floor. `line` has the steps to look at, in cells, with the inverse of their lengths in metres.
+    fn free_share(
+        &self,
+        y: usize,
+        first_x: usize,
+        line: &[(i32, i32, f32)],
+        floor: &[f32],
+        over: f32,
+        out: &mut [f32],
+    ) {
+        out.fill(0.0);
+        for (ox, oy, per_m) in line {
+            let row = y as i32 + oy;
+            if row < 0 || row >= CELLS as i32 {
+                break;
+            }
+            let start = row as usize * Self::STRIDE + (Self::RIM + first_x).saturating_add_signed(*ox as isize);
+            raise(out, &self.0[start..start + out.len()], floor, over, *per_m);
+        }
+        for slope in out {
+            *slope = 1.0 / (1.0 + *slope * *slope);
+        }
+    }
+}
+
+/// Raises the slopes of the horizon to what stands at a step.
+#[multiversion(targets("x86_64+avx2"))]
+fn raise(slopes: &mut [f32], top: &[f32], floor: &[f32], over: f32, per_m: f32) {
+    for ((slope, top), floor) in slopes.iter_mut().zip(top).zip(floor) {
+        *slope = slope.max((top - (floor + over)) * per_m);
+    }
+}
+
+/// A cluster's corners are bytes.
+const MAX_POINTS: usize = 256;
+
+/// Puts a cluster's vertices, in the world and in single precision, into `out`, one array an axis.
+#[multiversion(targets("x86_64+avx2"))]
+fn pose_roughly(cluster: &Cluster, linear: &Mat3, origin: Vec3, out: &mut [[f32; MAX_POINTS]; 3]) {
+    for (axis, out) in out.iter_mut().enumerate() {
+        let [mx, my, mz] = [linear.x_axis[axis], linear.y_axis[axis], linear.z_axis[axis]];
+        for (local, out) in cluster.lanes.iter().zip(out.chunks_exact_mut(LANES)) {
+            for i in 0..LANES {
+                out[i] = mx * local[0][i] + my * local[1][i] + mz * local[2][i] + origin[axis];
+            }
+        }
     }
 }
 

@@ -35,22 +35,14 @@ pub fn gain_for_mean_luma(rgb: &[f32], target: f32, step: usize) -> f32 {
     gain
 }
 
-/// Adds the light that lens and housing scatter over the whole image: a share of the mean radiance, in which no pixel
-/// counts for more than `ceiling`. Shadows are never fully black.
-pub fn add_veiling_glare(rgb: &mut [f32], share: f32, ceiling: f32) {
-    let mut sum = [0.0_f64; 3];
-    for pixel in rgb.chunks_exact(3) {
-        for (s, c) in sum.iter_mut().zip(pixel) {
-            *s += f64::from(c.min(ceiling));
-        }
-    }
-    let count = (rgb.len() / 3).max(1) as f64;
-    let veil = sum.map(|s| share * (s / count) as f32);
-    for pixel in rgb.chunks_exact_mut(3) {
-        for (c, v) in pixel.iter_mut().zip(veil) {
-            *c += v;
-        }
-    }
+/// The camera's gains for R, G, B, beside the exposure: with them lit grey and the mean colour are KITTI's.
+pub const WHITE_BALANCE: [f32; 3] = [0.97, 1.0, 1.05];
+
+/// Every `step`-th pixel as the sensor will see it, but for the gain: with the veil, white-balanced.
+#[must_use]
+pub fn metered(rgb: &[f32], veil: [f32; 3], step: usize) -> Vec<f32> {
+    let seen = |p: &[f32]| [0, 1, 2].map(|k| (p[k] + veil[k]) * WHITE_BALANCE[k]);
+    rgb.chunks_exact(3).step_by(step.max(1)).flat_map(seen).collect()
 }
 
 #[cfg(test)]

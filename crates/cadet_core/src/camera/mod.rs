@@ -2,8 +2,11 @@
 
 mod ambient;
 mod exposure;
+mod faces;
+mod look;
 mod model;
 mod noise;
+mod paint;
 mod pattern;
 pub mod png;
 mod render;
@@ -13,7 +16,8 @@ mod sky;
 #[cfg(test)]
 mod tests;
 
+pub use look::{Seen, View, look};
 #[cfg(test)]
 pub(crate) use model::tests::kitti_like;
 pub use model::{Calibration, CameraModel, Pixel};
-pub use render::{Rendered, Seen, View, look, paint, render};
+pub use render::{Rendered, paint, render};

@@ -121,10 +121,17 @@ impl CameraModel {
         DPose3 { rotation: world_from_cam.rotation, translation: world_from_cam.translation + offset_world }
     }
 
+    /// The homogeneous pixel (u z, v z, z) of a point of the frame of camera 0.
+    #[must_use]
+    pub fn homogeneous(&self, point_cam: DVec3) -> DVec3 {
+        let h = self.calibration.projections[2] * Vector4::new(point_cam.x, point_cam.y, point_cam.z, 1.0);
+        DVec3::new(h.x, h.y, h.z)
+    }
+
     /// Projects a point of the frame of camera 0 with the whole P2. `None` at or behind the optical centre.
     #[must_use]
     pub fn project(&self, point_cam: DVec3) -> Option<Pixel> {
-        let h = self.calibration.projections[2] * Vector4::new(point_cam.x, point_cam.y, point_cam.z, 1.0);
+        let h = self.homogeneous(point_cam);
         (h.z > 1e-9).then(|| Pixel { uv: DVec2::new(h.x / h.z, h.y / h.z), depth_m: h.z })
     }
 }

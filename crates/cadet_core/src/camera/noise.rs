@@ -1,5 +1,7 @@
 //! The sensor: point spread, Poisson-Gauss noise as measured after demosaicing, rounding to 8 bits.
 
+use multiversion::multiversion;
+
 use crate::math;
 use crate::rng::Stream;
 
@@ -9,99 +11,162 @@ const VARIANCE: [(f32, f32); 3] = [(0.5, 0.035), (0.3, 0.018), (0.7, 0.040)];
 const NEIGHBOUR: f32 = 0.187;
 /// How far the middle of a pixel's four samples lies right of and below its centre, so that one of them lies on it.
 pub const MIDDLE_PX: f32 = 0.25;
-/// Sigma of the point spread in pixels; with the pixel's own width the edges rise over 2.1 px.
-const PSF_SIGMA_PX: f32 = 0.70;
+/// Sigma of the point spread in pixels: with the pixel's own width the power at 0.2 to 0.45 cycles a pixel is that of
+/// KITTI's frames.
+const PSF_SIGMA_PX: f32 = 0.64;
 
-/// Blurs interleaved linear RGB by the lens's point spread, moving it by `MIDDLE_PX` onto the pixels' centres.
-/// `scratch` is reused.
-pub fn blur(rgb: &mut [f32], width: usize, height: usize, scratch: &mut Vec<f32>) {
+/// Blurs interleaved linear RGB by the lens's point spread, in place, moving it by `MIDDLE_PX` onto the pixels' centres.
+///
+/// Returns the sums over all pixels of R, G and B, of which none counts for more than `ceiling`.
+pub fn blur(rgb: &mut [f32], width: usize, height: usize, ceiling: f32) -> [f64; 3] {
     let tap = |k: f32| math::expf(-0.5 * (k + MIDDLE_PX) * (k + MIDDLE_PX) / (PSF_SIGMA_PX * PSF_SIGMA_PX));
     let taps = [tap(-2.0), tap(-1.0), tap(0.0), tap(1.0), tap(2.0)];
     let sum: f32 = taps.iter().sum();
-    let [wa, wb, wc, wd, we] = taps.map(|w| w / sum);
+    let taps = taps.map(|w| w / sum);
     let stride = width * 3;
-    scratch.clear();
-    scratch.resize(rgb.len(), 0.0);
-    for row in 0..height {
-        let at = |r: isize| (row as isize + r).clamp(0, height as isize - 1) as usize * stride;
-        let line = |r: isize| &rgb[at(r)..at(r) + stride];
-        let (a, b, c, d, e) = (line(-2), line(-1), line(0), line(1), line(2));
-        let out = &mut scratch[row * stride..(row + 1) * stride];
-        for i in 0..stride {
-            out[i] = wa * a[i] + wb * b[i] + wc * c[i] + wd * d[i] + we * e[i];
-        }
+    let mut total = [0.0_f64; 3];
+    if height == 0 || width == 0 {
+        return total;
     }
+    // Rows above, as they were.
+    let mut above = [rgb[..stride].to_vec(), rgb[..stride].to_vec()];
     let mut padded = vec![0.0_f32; stride + 12];
     for row in 0..height {
-        let line = &scratch[row * stride..(row + 1) * stride];
-        padded[6..6 + stride].copy_from_slice(line);
+        let line = |r: usize| &rgb[r.min(height - 1) * stride..][..stride];
+        let [a, b] = &above;
+        blur_down(&taps, [a, b, line(row), line(row + 1), line(row + 2)], &mut padded[6..6 + stride]);
         for i in 0..6 {
-            padded[i] = line[i % 3];
-            padded[6 + stride + i] = line[stride - 3 + i % 3];
+            padded[i] = padded[6 + i % 3];
+            padded[6 + stride + i] = padded[3 + stride + i % 3];
         }
         let out = &mut rgb[row * stride..(row + 1) * stride];
-        let (a, b, c, d, e) = (&padded[..stride], &padded[3..], &padded[6..], &padded[9..], &padded[12..]);
-        for i in 0..stride {
-            out[i] = wa * a[i] + wb * b[i] + wc * c[i] + wd * d[i] + we * e[i];
+        above.rotate_left(1);
+        above[1].copy_from_slice(out);
+        let sums = blur_across(&taps, &padded, out, ceiling);
+        for (k, s) in sums.iter().enumerate() {
+            total[k % 3] += f64::from(*s);
         }
+    }
+    total
+}
+
+#[multiversion(targets("x86_64+avx2"))]
+fn blur_down(taps: &[f32; 5], [a, b, c, d, e]: [&[f32]; 5], out: &mut [f32]) {
+    let n = out.len();
+    let (a, b, c, d, e) = (&a[..n], &b[..n], &c[..n], &d[..n], &e[..n]);
+    let [wa, wb, wc, wd, we] = *taps;
+    for i in 0..n {
+        out[i] = wa * a[i] + wb * b[i] + wc * c[i] + wd * d[i] + we * e[i];
     }
 }
 
-/// Applies the gain, adds the noise and rounds to 8 bits.
+/// Returns sums of every 24th value, none above the ceiling: a fixed order whatever the instruction set.
+#[multiversion(targets("x86_64+avx2"))]
+fn blur_across(taps: &[f32; 5], padded: &[f32], out: &mut [f32], ceiling: f32) -> [f32; 24] {
+    let n = out.len();
+    let (a, b, c, d, e) = (&padded[..n], &padded[3..][..n], &padded[6..][..n], &padded[9..][..n], &padded[12..][..n]);
+    let [wa, wb, wc, wd, we] = *taps;
+    for i in 0..n {
+        out[i] = wa * a[i] + wb * b[i] + wc * c[i] + wd * d[i] + we * e[i];
+    }
+    let mut sums = [0.0; 24];
+    for some in out.chunks(24) {
+        for (s, v) in sums.iter_mut().zip(some) {
+            *s += v.min(ceiling);
+        }
+    }
+    sums
+}
+
+/// Adds the veil, applies the gains, adds the noise and rounds to 8 bits. `veil` and `gains` are of R, G, B.
 #[must_use]
-pub fn expose(rgb: &[f32], width: usize, height: usize, gain: f32, stream: &mut Stream) -> Vec<u8> {
-    let deviates = normal_table(stream);
-    let mut state = stream.next_u64() | 1;
+pub fn expose(
+    rgb: &[f32],
+    width: usize,
+    height: usize,
+    veil: [f32; 3],
+    gains: [f32; 3],
+    stream: &mut Stream,
+) -> Vec<u8> {
+    let seed = stream.next_u64();
     let stride = width * 3;
-    let normal = 1.0 / (1.0 + 2.0 * NEIGHBOUR * NEIGHBOUR);
-    let variance: Vec<[f32; 2]> = (0..stride).map(|i| [VARIANCE[i % 3].0, VARIANCE[i % 3].1]).collect();
+    let sensor = Sensor {
+        gain: (0..stride).map(|i| gains[i % 3]).collect(),
+        offset: (0..stride).map(|i| gains[i % 3] * veil[i % 3]).collect(),
+        variance: (0..stride).map(|i| VARIANCE[i % 3].0).collect(),
+        per_value: (0..stride).map(|i| VARIANCE[i % 3].1).collect(),
+    };
     // White noise with a border of one pixel; three rows of it are alive at a time.
     let wide = stride + 6;
-    let mut rows = vec![0.0_f32; wide * 3];
-    let mut fill = |row: &mut [f32]| {
-        for four in row.chunks_mut(4) {
-            state ^= state << 13;
-            state ^= state >> 7;
-            state ^= state << 17;
-            for (k, v) in four.iter_mut().enumerate() {
-                *v = deviates[(state >> (16 * k)) as usize & (TABLE - 1)];
-            }
-        }
-    };
-    fill(&mut rows[..wide]);
-    fill(&mut rows[wide..2 * wide]);
+    let mut rows = [vec![0.0_f32; wide], vec![0.0_f32; wide], vec![0.0_f32; wide]];
+    let fill = |row: usize, out: &mut [f32]| white_noise(seed, (row * wide) as u32, out);
+    fill(0, &mut rows[1]);
+    fill(1, &mut rows[2]);
     let mut down = vec![0.0_f32; wide];
     let mut image = vec![0_u8; rgb.len()];
     for row in 0..height {
-        let newest = (row + 2) % 3;
-        fill(&mut rows[newest * wide..(newest + 1) * wide]);
-        let line = |r: usize| &rows[(r % 3) * wide..(r % 3 + 1) * wide];
-        let (above, here, below) = (line(row), line(row + 1), line(row + 2));
-        for i in 0..wide {
-            down[i] = here[i] + NEIGHBOUR * (above[i] + below[i]);
-        }
+        rows.rotate_left(1);
+        fill(row + 2, &mut rows[2]);
+        let [above, here, below] = &rows;
         let input = &rgb[row * stride..(row + 1) * stride];
         let out = &mut image[row * stride..(row + 1) * stride];
-        let (left, middle, right) = (&down[..stride], &down[3..stride + 3], &down[6..stride + 6]);
-        for i in 0..stride {
-            let value = (input[i] * gain).clamp(0.0, 2000.0);
-            let sd = (variance[i][0] + variance[i][1] * value).sqrt();
-            let noise = (middle[i] + NEIGHBOUR * (left[i] + right[i])) * normal;
-            out[i] = (value + sd * noise + 0.5) as u8;
-        }
+        expose_row(&sensor, [above, here, below], &mut down, input, out);
     }
     image
 }
 
-const TABLE: usize = 4096;
+/// Per value of a row: gain, offset, and variance of the noise, constant and per value.
+struct Sensor {
+    gain: Vec<f32>,
+    offset: Vec<f32>,
+    variance: Vec<f32>,
+    per_value: Vec<f32>,
+}
 
-/// Standard normal deviates with mean 0 and variance 1 exactly.
-fn normal_table(stream: &mut Stream) -> Vec<f32> {
-    let mut z: Vec<f64> = (0..TABLE).map(|_| stream.normal()).collect();
-    let mean = z.iter().sum::<f64>() / TABLE as f64;
-    let sd = (z.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / TABLE as f64).sqrt();
-    z.iter_mut().for_each(|v| *v = (*v - mean) / sd);
-    z.into_iter().map(|v| v as f32).collect()
+#[multiversion(targets("x86_64+avx2"))]
+fn expose_row(s: &Sensor, [above, here, below]: [&[f32]; 3], down: &mut [f32], input: &[f32], out: &mut [u8]) {
+    let (n, wide) = (out.len(), down.len());
+    let (above, here, below) = (&above[..wide], &here[..wide], &below[..wide]);
+    // The filter keeps the variance.
+    let normal = 1.0 / (1.0 + 2.0 * NEIGHBOUR * NEIGHBOUR);
+    for i in 0..wide {
+        down[i] = (here[i] + NEIGHBOUR * (above[i] + below[i])) * normal;
+    }
+    let (gain, offset, input) = (&s.gain[..n], &s.offset[..n], &input[..n]);
+    let (variance, per_value) = (&s.variance[..n], &s.per_value[..n]);
+    let (left, middle, right) = (&down[..n], &down[3..][..n], &down[6..][..n]);
+    for i in 0..n {
+        let value = (input[i] * gain[i] + offset[i]).clamp(0.0, 2000.0);
+        let sd = (variance[i] + per_value[i] * value).sqrt();
+        let noisy = value + sd * (middle[i] + NEIGHBOUR * (left[i] + right[i]));
+        // Rounded to the nearest by the mantissa's last bits.
+        let rounded = noisy.clamp(0.0, 255.0) + 8_388_608.0;
+        out[i] = rounded.to_bits() as u8;
+    }
+}
+
+/// Standard normal deviates from a counter: two hashes' eight bytes, whose sum is nearly normal (excess kurtosis -0.15).
+#[multiversion(targets("x86_64+avx2"))]
+fn white_noise(seed: u64, first: u32, out: &mut [f32]) {
+    // Mean 8 * 127.5; variance 8 * (256^2 - 1) / 12.
+    const MEAN: f32 = 1020.0;
+    const PER_SD: f32 = 1.0 / 209.021_5;
+    let (low, high) = (seed as u32, (seed >> 32) as u32);
+    for (i, v) in out.iter_mut().enumerate() {
+        let a = mix(first.wrapping_add(i as u32) ^ low);
+        let b = mix(a ^ high);
+        let pairs = (a & 0x00FF_00FF) + (a >> 8 & 0x00FF_00FF) + (b & 0x00FF_00FF) + (b >> 8 & 0x00FF_00FF);
+        let sum = (pairs & 0xFFFF) + (pairs >> 16);
+        *v = (sum as i32 as f32 - MEAN) * PER_SD;
+    }
+}
+
+/// A well mixed 32-bit hash: xorshifts and multiplications, as the finaliser of a hash has them.
+#[inline(always)]
+fn mix(mut x: u32) -> u32 {
+    x = (x ^ x >> 16).wrapping_mul(0x7FEB_352D);
+    x = (x ^ x >> 15).wrapping_mul(0x846C_A68B);
+    x ^ x >> 16
 }
 
 #[cfg(test)]
@@ -112,7 +177,7 @@ mod tests {
     fn noise_has_the_measured_variance_and_correlation() {
         let (w, h) = (400, 300);
         let rgb = vec![120.0_f32; w * h * 3];
-        let image = expose(&rgb, w, h, 1.0, &mut Stream::from_seed("noise", 3));
+        let image = expose(&rgb, w, h, [0.0; 3], [1.0; 3], &mut Stream::from_seed("noise", 3));
         for (channel, (constant, slope)) in VARIANCE.iter().enumerate() {
             let v: Vec<f64> = image.iter().skip(channel).step_by(3).map(|b| f64::from(*b)).collect();
             let mean = v.iter().sum::<f64>() / v.len() as f64;
@@ -136,7 +201,7 @@ mod tests {
         let (w, h) = (40, 9);
         // Samples lie a quarter pixel right of the pixels' centres: this edge is at 19.5 + 0.25.
         let mut rgb: Vec<f32> = (0..w * h * 3).map(|i| f32::from(u8::from((i / 3) % w >= 20))).collect();
-        blur(&mut rgb, w, h, &mut Vec::new());
+        let _ = blur(&mut rgb, w, h, 1.0);
         let row: Vec<f32> = rgb[3 * w * 3..][..w * 3].iter().step_by(3).copied().collect();
         let at = |level: f32| {
             let i = row.iter().position(|v| *v > level).unwrap();
@@ -148,7 +213,30 @@ mod tests {
 
         let mut point = vec![0.0; w * h * 3];
         point[(4 * w + 20) * 3] = 1.0;
-        blur(&mut point, w, h, &mut Vec::new());
+        let sums = blur(&mut point, w, h, 1.0);
         assert!((point.iter().sum::<f32>() - 1.0).abs() < 1e-5);
+        assert!((sums[0] - 1.0).abs() < 1e-5 && sums[1] == 0.0, "{sums:?}");
+    }
+
+    #[test]
+    fn white_noise_is_normal_and_frames_are_independent() {
+        let draw = |seed: u64| {
+            let mut v = vec![0.0_f32; 200_000];
+            white_noise(Stream::from_seed("white", seed).next_u64(), 0, &mut v);
+            v
+        };
+        let (a, b) = (draw(0), draw(1));
+        let n = a.len() as f64;
+        let moment = |p: i32| a.iter().map(|v| (0..p).fold(1.0, |m, _| m * f64::from(*v))).sum::<f64>() / n;
+        assert!(moment(1).abs() < 0.01 && (moment(2) - 1.0).abs() < 0.015, "{} {}", moment(1), moment(2));
+        assert!(moment(3).abs() < 0.03 && (moment(4) - 2.85).abs() < 0.08, "{} {}", moment(3), moment(4));
+        // Normal: 4.55 % lie beyond two standard deviations.
+        let beyond = a.iter().filter(|v| v.abs() > 2.0).count() as f64 / n;
+        assert!((beyond - 0.0455).abs() < 0.004, "{beyond}");
+        let product = |x: &[f32], y: &[f32]| x.iter().zip(y).map(|(x, y)| f64::from(x * y)).sum::<f64>() / n;
+        assert!(product(&a, &b).abs() < 0.01);
+        for shift in [1, 2, 3, 1248, 3732] {
+            assert!(product(&a[shift..], &a).abs() < 0.01, "{shift}");
+        }
     }
 }

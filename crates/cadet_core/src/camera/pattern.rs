@@ -4,7 +4,7 @@ use crate::material::Pattern;
 use crate::math::Vec3;
 
 /// A well mixed hash of two lattice coordinates and a salt.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn hash2(x: i32, y: i32, salt: u32) -> u32 {
     let mut h = (x as u32).wrapping_mul(0x8DA6_B343) ^ (y as u32).wrapping_mul(0xD816_3841) ^ salt;
@@ -13,33 +13,42 @@ pub fn hash2(x: i32, y: i32, salt: u32) -> u32 {
     h ^ (h >> 15)
 }
 
-/// `hash2` as a number in [0, 1).
-#[inline]
-#[must_use]
-pub fn unit2(x: i32, y: i32, salt: u32) -> f32 {
-    (hash2(x, y, salt) >> 8) as f32 * (1.0 / 16_777_216.0)
+/// An integer and how far `x` lies beyond it: rounding by adding a large number, as vector registers can. Of an integer
+/// it may give the one below and 1; |x| must stay below 2^21.
+#[inline(always)]
+fn split(x: f32) -> (i32, f32) {
+    const LARGE: f32 = 12_582_912.0; // 1.5 * 2^23
+    let rounded = (x - 0.5) + LARGE;
+    ((rounded.to_bits() as i32).wrapping_sub(LARGE.to_bits() as i32), x - (rounded - LARGE))
 }
 
-/// The integer below; the baseline instruction set has no `floor`.
-#[inline]
-fn floor_int(x: f32) -> i32 {
-    let i = x as i32;
-    i - i32::from(x < i as f32)
+/// A number in [0, 1) for a lattice point, given by products of its coordinates with `LATTICE`.
+#[inline(always)]
+fn lattice(x: u32, y: u32, salt: u32) -> f32 {
+    let mut h = x ^ y ^ salt;
+    h = (h ^ (h >> 15)).wrapping_mul(0x2C1B_3C6D);
+    h ^= h >> 14;
+    ((h & 0xFF_FFFF) as i32) as f32 * (1.0 / 16_777_216.0)
 }
+const LATTICE: [u32; 2] = [0x8DA6_B343, 0xD816_3841];
 
 /// Smooth value noise in [0, 1) with lattice cells of size 1.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn value_noise(x: f32, y: f32, salt: u32) -> f32 {
-    let (ix, iy) = (floor_int(x), floor_int(y));
-    let (fx, fy) = (x - ix as f32, y - iy as f32);
+    let ((ix, fx), (iy, fy)) = (split(x), split(y));
+    let (hx, hy) = ((ix as u32).wrapping_mul(LATTICE[0]), (iy as u32).wrapping_mul(LATTICE[1]));
+    let (hx1, hy1) = (hx.wrapping_add(LATTICE[0]), hy.wrapping_add(LATTICE[1]));
+    let salt = salt.wrapping_mul(0x9E37_79B1);
     let (sx, sy) = (fx * fx * (3.0 - 2.0 * fx), fy * fy * (3.0 - 2.0 * fy));
-    let top = unit2(ix, iy, salt) * (1.0 - sx) + unit2(ix + 1, iy, salt) * sx;
-    let bottom = unit2(ix, iy + 1, salt) * (1.0 - sx) + unit2(ix + 1, iy + 1, salt) * sx;
+    let (a, b) = (lattice(hx, hy, salt), lattice(hx1, hy, salt));
+    let (c, d) = (lattice(hx, hy1, salt), lattice(hx1, hy1, salt));
+    let (top, bottom) = (a + (b - a) * sx, c + (d - c) * sx);
     top + (bottom - top) * sy
 }
 
 /// Value noise summed over octaves, in [0, 1).
+#[inline(always)]
 #[must_use]
 pub fn fbm(x: f32, y: f32, octaves: u32, salt: u32) -> f32 {
     let (mut sum, mut amplitude, mut total, mut scale) = (0.0, 0.5, 0.0, 1.0);
@@ -68,13 +77,13 @@ pub struct PatternPoint {
 }
 
 /// 1 where a feature of `size_m` spans pixels enough to be drawn, 0 where it would flicker.
-#[inline]
+#[inline(always)]
 fn keep(size_m: f32, footprint_m: f32) -> f32 {
     ((size_m / footprint_m - 0.7) * 0.8).clamp(0.0, 1.0)
 }
 
 /// Noise in [-1, 1] whose cells are about a pixel wide at any distance but never finer than `finest_m`: grain.
-#[inline]
+#[inline(always)]
 fn grain(u: f32, v: f32, footprint_m: f32, finest_m: f32, salt: u32) -> f32 {
     let cell = (footprint_m * 1.2).max(finest_m);
     // Powers of two bracketing the cell, blended, so that nothing jumps when the camera moves.
@@ -89,11 +98,12 @@ fn grain(u: f32, v: f32, footprint_m: f32, finest_m: f32, salt: u32) -> f32 {
 }
 
 /// A cell of a grid of stones: its hash and the darkening of the joints.
+#[inline(always)]
 fn stones(u: f32, v: f32, length: f32, width: f32, joint: f32, running: bool, footprint: f32) -> (u32, f32) {
-    let row = floor_int(v / width);
-    let shift = if running && row & 1 == 1 { 0.5 * length } else { 0.0 };
-    let column = floor_int((u + shift) / length);
-    let (du, dv) = (u + shift - column as f32 * length, v - row as f32 * width);
+    let (row, in_row) = split(v * (1.0 / width));
+    let shift = if running && row & 1 == 1 { 0.5 } else { 0.0 };
+    let (column, in_column) = split(u * (1.0 / length) + shift);
+    let (du, dv) = (in_column * length, in_row * width);
     let edge = du.min(length - du).min(dv.min(width - dv));
     // A joint thinner than the pixel darkens by its share of the pixel.
     let soft = joint.max(footprint * 0.7);
@@ -101,12 +111,13 @@ fn stones(u: f32, v: f32, length: f32, width: f32, joint: f32, running: bool, fo
     (hash2(column, row, 0x57A1), line * keep(width, footprint))
 }
 
-#[inline]
+#[inline(always)]
 fn centered(hash: u32) -> f32 {
-    (hash >> 8) as f32 * (2.0 / 16_777_216.0) - 1.0
+    (hash >> 8) as i32 as f32 * (2.0 / 16_777_216.0) - 1.0
 }
 
 /// The albedo of a pattern at a point.
+#[inline(always)]
 #[must_use]
 pub fn albedo(pattern: Pattern, base: Vec3, at: &PatternPoint) -> Vec3 {
     let (u, v, px) = (at.u, at.v, at.footprint_m);
@@ -141,10 +152,9 @@ pub fn albedo(pattern: Pattern, base: Vec3, at: &PatternPoint) -> Vec3 {
             base * (1.0 + stains + 0.035 * grain(u, v, px, 0.008, 43))
         }
         Pattern::Tiles => {
-            let row = floor_int(v / 0.33);
-            let dv = v - row as f32 * 0.33;
-            let column = floor_int(u / 0.22);
-            let du = (u - column as f32 * 0.22) / 0.22;
+            let (row, in_row) = split(v * (1.0 / 0.33));
+            let dv = in_row * 0.33;
+            let (column, du) = split(u * (1.0 / 0.22));
             let each = 0.16 * centered(hash2(column, row, 51)) * keep(0.25, px);
             let soft = (px * 0.7).max(0.03);
             let shadow = (1.0 - dv / soft).clamp(0.0, 1.0) * (0.03 / soft).min(1.0) * 0.6;
@@ -156,22 +166,22 @@ pub fn albedo(pattern: Pattern, base: Vec3, at: &PatternPoint) -> Vec3 {
             let blades = 0.42 * grain(u, v, px, 0.015, 61) + 0.25 * grain(u * 0.37, v * 0.37, px, 0.05, 64);
             let tufts = 0.5 * (value_noise(u * 1.3, v * 1.3, 62) - 0.5) * keep(0.8, px);
             let dry = value_noise(u * 0.3, v * 0.3, 63);
-            let tint = Vec3::new(1.0 + 0.5 * dry * dry, 1.0, 1.0 - 0.2 * dry);
+            let tint = Vec3::new(0.96 + 0.45 * dry * dry, 1.0, 1.25 - 0.2 * dry);
             base * tint * (1.0 + blades + tufts).max(0.15)
         }
         Pattern::Leaves => {
-            let leaf = (at.face_hash >> 8) as f32 * (1.0 / 16_777_216.0);
-            let tree = (at.place_hash >> 8) as f32 * (1.0 / 16_777_216.0);
-            let yellow = ((at.face_hash & 0xFF) as f32 / 255.0 - 0.55).max(0.0);
+            let leaf = (at.face_hash >> 8) as i32 as f32 * (1.0 / 16_777_216.0);
+            let tree = (at.place_hash >> 8) as i32 as f32 * (1.0 / 16_777_216.0);
+            let yellow = ((at.face_hash & 0xFF) as i32 as f32 / 255.0 - 0.55).max(0.0);
             let spread = 0.45 + 1.15 * leaf * leaf;
             // A card holds many leaves: grain inside of it while it is large in the image.
             let inside = 1.0 + 0.55 * grain(u, v, px, 0.04, at.face_hash | 1);
-            let tint = Vec3::new(0.85 + 0.4 * tree + 0.5 * yellow, 0.95 + 0.25 * yellow, 0.9 + 0.2 * tree);
+            let tint = Vec3::new(0.85 + 0.4 * tree + 0.5 * yellow, 0.95 + 0.25 * yellow, 1.12 + 0.2 * tree);
             base * tint * (spread * inside)
         }
         Pattern::Wood => {
             let fibre = 0.30 * (value_noise(u * 14.0, v * 1.2, 71) - 0.5) * keep(0.07, px);
-            let board = 0.15 * centered(hash2(floor_int(u / 0.12), 0, 72)) * keep(0.12, px);
+            let board = 0.15 * centered(hash2(split(u * (1.0 / 0.12)).0, 0, 72)) * keep(0.12, px);
             base * (1.0 + fibre + board + 0.08 * grain(u, v, px, 0.01, 73))
         }
         Pattern::Cloth => {
@@ -201,23 +211,9 @@ mod tests {
         (mean / 0.5, var.sqrt() / mean)
     }
 
-    const ALL: [Pattern; 11] = [
-        Pattern::Plain,
-        Pattern::Asphalt,
-        Pattern::Slabs,
-        Pattern::Blocks,
-        Pattern::Bricks,
-        Pattern::Render,
-        Pattern::Tiles,
-        Pattern::Grass,
-        Pattern::Leaves,
-        Pattern::Wood,
-        Pattern::Cloth,
-    ];
-
     #[test]
     fn patterns_keep_their_mean_albedo_near_and_far() {
-        for pattern in ALL {
+        for pattern in Pattern::ALL {
             for footprint in [0.004, 0.03, 0.3] {
                 let (mean, spread) = statistics(pattern, footprint);
                 assert!((0.78..1.22).contains(&mean), "{pattern:?} at {footprint}: mean {mean}");

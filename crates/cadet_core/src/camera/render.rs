@@ -2,50 +2,19 @@
 
 use std::cell::RefCell;
 
-use super::CameraModel;
 use super::ambient::SkyView;
-use super::exposure::{add_veiling_glare, gain_for_mean_luma};
-use super::noise::{MIDDLE_PX, blur, expose};
-use super::pattern::hash2;
-use super::shade::{Around, Light, Surface};
+use super::exposure::{WHITE_BALANCE, gain_for_mean_luma, metered};
+use super::look::{Rays, Seen, View, look, seen_points};
+use super::noise::{blur, expose};
+use super::paint::paint as paint_radiance;
+use super::shade::Light;
 use super::shadow::Shadows;
 use super::sky::Sky;
-
 use crate::error::Result;
-use crate::material::{Material, Semantic};
-use crate::math::{DPose3, DVec3, Mat3, Vec3};
+use crate::math::{DVec3, Vec3};
 use crate::rng::Stream;
-use crate::sense::{Hits, Layer, NO_HIT, PinholeGrid, PosedScene, cast};
+use crate::sense::PosedScene;
 use crate::weather::Weather;
-
-/// A pinhole camera at a place.
-#[derive(Debug, Clone)]
-pub struct View {
-    /// fx, fy, cx, cy in pixels; pixel (0, 0) has its centre at (0, 0).
-    pub intrinsics: [f64; 4],
-    /// Columns.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-    /// x right, y down, z forward, origin in the optical centre.
-    pub world_from_cam: DPose3,
-}
-
-impl View {
-    /// The view of a camera's P2, whose optical centre lies beside that of camera 0.
-    ///
-    /// `world_from_cam`: the pose of camera 0.
-    #[must_use]
-    pub fn new(camera: &CameraModel, world_from_cam: &DPose3) -> Self {
-        let center_world = world_from_cam.rotation * camera.optical_center_cam() + world_from_cam.translation;
-        Self {
-            intrinsics: camera.intrinsics(),
-            width: camera.width,
-            height: camera.height,
-            world_from_cam: DPose3 { rotation: world_from_cam.rotation, translation: center_world },
-        }
-    }
-}
 
 /// What the camera writes; every array is row-major.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,39 +27,19 @@ pub struct Rendered {
     pub instance: Vec<i32>,
     /// [`Semantic`] as a byte.
     pub semantic: Vec<u8>,
-    /// As `instance`, at twice the width and height: samples at each pixel's centre and 0.5 px to the right and below.
-    pub super_instance: Vec<i32>,
 }
 
-/// Share of the mean radiance that lens and housing scatter over the image.
+/// Share of the mean radiance that lens and housing scatter over the image; no pixel counts for more than twice the sky's
+/// light on level ground.
 const VEILING_GLARE: f32 = 0.05;
 /// Mean luma that the exposure aims at, and its spread from frame to frame.
 const MEAN_LUMA: (f64, f64) = (91.0, 1.8);
 
-/// What the camera looks at, before light and colour; every array is row-major.
-#[derive(Debug)]
-pub struct Seen {
-    /// z along the optical axis at the pixels' centres, metres; infinite for the sky.
-    pub depth: Vec<f32>,
-    /// -1 sky, 0 static world, actors from 1; panes carry their car's id.
-    pub instance: Vec<i32>,
-    /// [`Semantic`] as a byte.
-    pub semantic: Vec<u8>,
-    /// As `instance`, at twice the width and height: samples at each pixel's centre and 0.5 px to the right and below.
-    pub super_instance: Vec<i32>,
-    /// Four samples a pixel: what is solid, and the panes before it.
-    opaque: Hits,
-    glass: Hits,
-}
-
 /// Memory that a thread keeps from frame to frame: touching fresh pages costs as much as the casting.
 #[derive(Default)]
 struct Scratch {
-    opaque: Option<Hits>,
-    glass: Option<Hits>,
     seen_world: Vec<Vec3>,
     rgb: Vec<f32>,
-    blurred: Vec<f32>,
     shadows: Vec<Vec<f32>>,
 }
 
@@ -109,61 +58,26 @@ pub fn render(scene: &PosedScene, view: &View, weather: &Weather, stream: &mut S
     Ok(paint(scene, view, weather, look(scene, view)?, stream))
 }
 
-/// Casts the camera's samples: all that labels need.
-///
-/// # Errors
-/// Those of [`PinholeGrid::new`]: a camera that is none.
-pub fn look(scene: &PosedScene, view: &View) -> Result<Seen> {
-    let (width, height) = (view.width, view.height);
-    let samples = PinholeGrid::new(view.world_from_cam, view.intrinsics, [0.0, 0.0, 0.5, 0.5], height * 2, width * 2)?;
-    let (opaque, glass) = SCRATCH.with_borrow_mut(|s| (s.opaque.take(), s.glass.take()));
-    let mut opaque = opaque.unwrap_or_else(|| Hits::new(0, 0));
-    opaque.clear();
-    cast(scene, &samples, Layer::Opaque, |_| true, &mut opaque);
-    // Only panes before what is solid matter: they alone replace it.
-    let mut glass = glass.unwrap_or_else(|| Hits::new(0, 0));
-    (glass.rows, glass.columns) = (opaque.rows, opaque.columns);
-    glass.depth.clone_from(&opaque.depth);
-    glass.instance.clone_from(&opaque.instance);
-    glass.face.clone_from(&opaque.face);
-    cast(scene, &samples, Layer::Glass, |_| true, &mut glass);
-    let id = |instance: u32| if instance == NO_HIT { -1 } else { scene.instances[instance as usize].actor_id };
-    let super_instance: Vec<i32> = glass.instance.iter().map(|i| id(*i)).collect();
-    // Every other sample of every other row lies on a pixel's centre.
-    let centers = (0..height).flat_map(|row| (0..width).map(move |column| (2 * row * width + column) * 2));
-    let semantic = |at: usize| match glass.instance[at] {
-        NO_HIT => Semantic::Sky as u8,
-        i => scene.instances[i as usize].material(glass.face[at]).semantic as u8,
-    };
-    Ok(Seen {
-        depth: centers.clone().map(|at| glass.depth[at]).collect(),
-        instance: centers.clone().map(|at| super_instance[at]).collect(),
-        semantic: centers.map(semantic).collect(),
-        super_instance,
-        opaque,
-        glass,
-    })
-}
-
 /// Gives what is seen its light and colour, and takes the picture.
 #[must_use]
 pub fn paint(scene: &PosedScene, view: &View, weather: &Weather, seen: Seen, stream: &mut Stream) -> Rendered {
     let (width, height) = (view.width, view.height);
     let mut scratch = SCRATCH.take();
     let rays = Rays::new(view);
-    seen_points(&rays, &seen.opaque, &seen.glass, &mut scratch.seen_world);
+    seen_points(&rays, &seen.samples, &mut scratch.seen_world);
     let light = light_of(scene, view, weather, &scratch.seen_world, std::mem::take(&mut scratch.shadows));
     let mut rgb = std::mem::take(&mut scratch.rgb);
-    Painter::new(scene, view, &rays, &light).paint(&seen.opaque, &seen.glass, &mut rgb);
-    blur(&mut rgb, width, height, &mut scratch.blurred);
-    add_veiling_glare(&mut rgb, VEILING_GLARE, 2.0 * light.sky.sky_on_level.y);
+    paint_radiance(scene, view, &rays, &light, &seen.samples, &mut rgb);
+    // Lens and housing scatter a share of the light over the whole image: shadows are never fully black.
+    let sums = blur(&mut rgb, width, height, 2.0 * light.sky.sky_on_level.y);
+    let veil = sums.map(|s| (f64::from(VEILING_GLARE) * s / (width * height) as f64) as f32);
     let target = stream.clipped_normal(MEAN_LUMA.0, MEAN_LUMA.1) as f32;
-    let gain = gain_for_mean_luma(&rgb, target, 19);
-    let image = expose(&rgb, width, height, gain, stream);
+    let gain = gain_for_mean_luma(&metered(&rgb, veil, 19), target, 1);
+    let image = expose(&rgb, width, height, veil, WHITE_BALANCE.map(|g| g * gain), stream);
     let shadows = light.shadows.map(Shadows::into_buffers).unwrap_or_default();
-    let Seen { depth, instance, semantic, super_instance, opaque, glass } = seen;
-    SCRATCH.set(Scratch { opaque: Some(opaque), glass: Some(glass), rgb, shadows, ..scratch });
-    Rendered { image, depth, instance, semantic, super_instance }
+    SCRATCH.set(Scratch { rgb, shadows, ..scratch });
+    let Seen { depth, instance, semantic, .. } = seen;
+    Rendered { image, depth, instance, semantic }
 }
 
 /// Sun, sky, shadows and openness around a view.
@@ -175,356 +89,4 @@ fn light_of(scene: &PosedScene, view: &View, weather: &Weather, seen_world: &[Ve
         sky.has_shadows().then(|| Shadows::new(scene, eye, forward, sky.sun_world, Some(seen_world), buffers));
     let sky_view = SkyView::new(scene, eye, forward, seen_world);
     Light::new(weather, sky, shadows, sky_view)
-}
-
-/// World directions of the image's points, of length 1 along the optical axis.
-struct Rays {
-    eye: Vec3,
-    right: Vec3,
-    down: Vec3,
-    corner: Vec3,
-}
-
-impl Rays {
-    fn new(view: &View) -> Self {
-        let [fx, fy, cx, cy] = view.intrinsics;
-        let turn = |v: DVec3| (view.world_from_cam.rotation * v).as_vec3();
-        Self {
-            eye: view.world_from_cam.translation.as_vec3(),
-            right: turn(DVec3::X / fx),
-            down: turn(DVec3::Y / fy),
-            corner: turn(DVec3::new(-cx / fx, -cy / fy, 1.0)),
-        }
-    }
-
-    #[inline]
-    fn direction(&self, u: f32, v: f32) -> Vec3 {
-        self.corner + self.right * u + self.down * v
-    }
-}
-
-/// Points all over what the camera sees, one for every other pixel; panes apart from what stands behind.
-fn seen_points(rays: &Rays, opaque: &Hits, glass: &Hits, out: &mut Vec<Vec3>) {
-    out.clear();
-    for row in (0..opaque.rows).step_by(2) {
-        let start = row * opaque.columns;
-        // Like the squares of one colour on a chessboard.
-        for column in (row & 2..opaque.columns).step_by(4) {
-            let (solid, pane) = (opaque.depth[start + column], glass.depth[start + column]);
-            let direction = rays.direction(column as f32 * 0.5, row as f32 * 0.5);
-            if solid < f32::INFINITY {
-                out.push(rays.eye + direction * solid);
-            }
-            if pane < solid {
-                out.push(rays.eye + direction * pane);
-            }
-        }
-    }
-}
-
-/// What shading needs of an instance, in single precision.
-struct Placed {
-    world_from_local: Mat3,
-    place_hash: u32,
-}
-
-/// A face made ready for its hits: neighbouring pixels mostly show the same one.
-struct Face<'a> {
-    key: (u32, u32),
-    origin: Vec3,
-    /// Dual edges: their products with a hit's offset are its weights of the second and third corner.
-    to_b: Vec3,
-    to_c: Vec3,
-    normal_world: Vec3,
-    normal_local: Vec3,
-    corner_normals_world: [Vec3; 3],
-    corners_local: [Vec3; 3],
-    material: &'a Material,
-    face_hash: u32,
-    place_hash: u32,
-    /// As it was found for this image point.
-    around: Option<(f32, f32, Around)>,
-}
-
-/// Faces that were just seen: most will be seen again a pixel further or a row below.
-struct FaceCache<'a>(Vec<Option<Face<'a>>>);
-
-impl<'a> FaceCache<'a> {
-    const SIZE: usize = 256;
-
-    fn new() -> Self {
-        Self((0..Self::SIZE).map(|_| None).collect())
-    }
-
-    #[inline]
-    fn get(&mut self, instance: u32, face: u32, make: impl FnOnce() -> Face<'a>) -> &mut Face<'a> {
-        let slot = &mut self.0[(face ^ instance.wrapping_mul(97)) as usize % Self::SIZE];
-        if slot.as_ref().is_none_or(|f| f.key != (instance, face)) {
-            *slot = Some(make());
-        }
-        slot.get_or_insert_with(|| unreachable!("just filled"))
-    }
-}
-
-/// The sky's radiance on a coarse lattice of the image, filled where it is asked for.
-struct SkyLattice {
-    columns: usize,
-    /// NaN where nobody has asked.
-    radiance: Vec<Vec3>,
-}
-
-impl SkyLattice {
-    /// Pixels between its points; clouds are smooth over so few.
-    const STEP: f32 = 4.0;
-
-    fn new(width: usize, height: usize) -> Self {
-        let points = |n: usize| n / Self::STEP as usize + 3;
-        Self { columns: points(width), radiance: vec![Vec3::NAN; points(width) * points(height)] }
-    }
-
-    /// The radiance at an image point no further than a pixel outside of the image.
-    #[inline]
-    fn at(&mut self, u: f32, v: f32, exact: impl Fn(f32, f32) -> Vec3) -> Vec3 {
-        let (x, y) = ((u + Self::STEP) * (1.0 / Self::STEP), (v + Self::STEP) * (1.0 / Self::STEP));
-        let (ix, iy) = (x as usize, y as usize);
-        let (fx, fy) = (x - ix as f32, y - iy as f32);
-        let mut corner = |ix: usize, iy: usize| {
-            let radiance = &mut self.radiance[iy * self.columns + ix];
-            if radiance.x.is_nan() {
-                *radiance = exact((ix as f32 - 1.0) * Self::STEP, (iy as f32 - 1.0) * Self::STEP);
-            }
-            *radiance
-        };
-        let (a, b, c, d) = (corner(ix, iy), corner(ix + 1, iy), corner(ix, iy + 1), corner(ix + 1, iy + 1));
-        let (top, bottom) = (a + (b - a) * fx, c + (d - c) * fx);
-        top + (bottom - top) * fy
-    }
-}
-
-/// What painting remembers from pixel to pixel.
-struct Memory<'a> {
-    faces: FaceCache<'a>,
-    sky: SkyLattice,
-}
-
-/// Samples of one pixel that show the same face.
-struct Group {
-    instance: u32,
-    face: u32,
-    count: f32,
-    du: f32,
-    dv: f32,
-    depth: f32,
-}
-
-struct Painter<'a> {
-    scene: &'a PosedScene,
-    light: &'a Light,
-    view: &'a View,
-    rays: &'a Rays,
-    placed: Vec<Placed>,
-    /// Size of a pixel at 1 m.
-    pixel_per_m: f32,
-}
-
-/// Pixels of a face so close together share what changes slowly.
-const SHARED_PX: f32 = 4.0;
-/// From the middle of a pixel's four samples, which lies `MIDDLE_PX` right and below of its centre; `blur` takes that
-/// back.
-const OFFSETS: [(f32, f32); 4] = [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)];
-
-impl<'a> Painter<'a> {
-    fn new(scene: &'a PosedScene, view: &'a View, rays: &'a Rays, light: &'a Light) -> Self {
-        let placed = scene.instances.iter().map(|i| Placed {
-            world_from_local: i.world_from_local.as_mat3(),
-            place_hash: hash2((i.center_world.x * 8.0) as i32, (i.center_world.y * 8.0) as i32, 0x97AC),
-        });
-        let pixel_per_m = 1.0 / view.intrinsics[0] as f32;
-        Self { scene, light, view, rays, placed: placed.collect(), pixel_per_m }
-    }
-
-    fn paint(&self, opaque: &Hits, glass: &Hits, rgb: &mut Vec<f32>) {
-        let (width, height) = (self.view.width, self.view.height);
-        let mut memory = Memory { faces: FaceCache::new(), sky: SkyLattice::new(width, height) };
-        rgb.clear();
-        rgb.reserve(width * height * 3);
-        for row in 0..height {
-            for column in 0..width {
-                let first = 2 * row * 2 * width + 2 * column;
-                let at = [first, first + 1, first + 2 * width, first + 2 * width + 1];
-                let (u, v) = (column as f32 + MIDDLE_PX, row as f32 + MIDDLE_PX);
-                let mut sum = Vec3::ZERO;
-                if at.iter().any(|i| glass.depth[*i] < opaque.depth[*i]) {
-                    let before = |i: &usize| glass.depth[*i] < opaque.depth[*i];
-                    if let (Some(solid), Some(pane), true) =
-                        (one_group(opaque, &at), one_group(glass, &at), at.iter().all(before))
-                    {
-                        let depth = solid.depth * 0.25;
-                        let behind = self.color(&mut memory, solid.instance, solid.face, u, v, depth);
-                        sum = self.through_pane(&mut memory, &pane, u, v, behind);
-                    } else {
-                        for (i, (du, dv)) in at.into_iter().zip(OFFSETS) {
-                            let (u, v) = (u + du, v + dv);
-                            let (instance, face, depth) = (opaque.instance[i], opaque.face[i], opaque.depth[i]);
-                            let mut seen = self.color(&mut memory, instance, face, u, v, depth);
-                            if before(&i) {
-                                let (instance, face, depth) = (glass.instance[i], glass.face[i], glass.depth[i]);
-                                let pane = Group { instance, face, count: 1.0, du, dv, depth };
-                                seen = self.through_pane(&mut memory, &pane, u, v, seen);
-                            }
-                            sum += seen * 0.25;
-                        }
-                    }
-                } else if let Some(group) = one_group(opaque, &at) {
-                    sum = self.color(&mut memory, group.instance, group.face, u, v, group.depth * 0.25);
-                } else {
-                    for group in groups(opaque, &at).into_iter().flatten() {
-                        let share = 1.0 / group.count;
-                        let (u, v) = (u + group.du * share, v + group.dv * share);
-                        let color = self.color(&mut memory, group.instance, group.face, u, v, group.depth * share);
-                        sum += color * (group.count * 0.25);
-                    }
-                }
-                rgb.extend([sum.x, sum.y, sum.z]);
-            }
-        }
-    }
-
-    fn color(&self, memory: &mut Memory<'a>, instance: u32, face: u32, u: f32, v: f32, depth: f32) -> Vec3 {
-        if instance == NO_HIT {
-            // The lattice is too coarse for the edge at the horizon.
-            let is_low = self.rays.direction(u, v).z < 0.015;
-            return if is_low { self.sky(u, v) } else { memory.sky.at(u, v, |u, v| self.sky(u, v)) };
-        }
-        let direction = self.rays.direction(u, v);
-        let length = direction.length();
-        let view_world = direction * (1.0 / length);
-        let face = memory.faces.get(instance, face, || self.face(instance, face));
-        let surface = self.surface(face, view_world, depth * length, depth);
-        let around = self.around(face, &surface, u, v);
-        self.light.opaque(&surface, &around)
-    }
-
-    fn sky(&self, u: f32, v: f32) -> Vec3 {
-        let view_world = self.rays.direction(u, v).normalize();
-        let radiance = self.light.sky.visible_radiance(view_world);
-        // Fog hides the sky as it hides what is far.
-        let fog = self.light.extinction_per_m > 0.004;
-        if fog { self.light.through_air(radiance, view_world, 400.0) } else { radiance }
-    }
-
-    /// What lies around a surface, from a near pixel of the same face where there is one.
-    #[inline]
-    fn around(&self, face: &mut Face<'a>, surface: &Surface, u: f32, v: f32) -> Around {
-        match face.around {
-            Some((u0, v0, around)) if (u - u0).abs() < SHARED_PX && (v - v0).abs() < SHARED_PX => around,
-            _ => {
-                let around = self.light.around(surface);
-                face.around = Some((u, v, around));
-                around
-            }
-        }
-    }
-
-    fn through_pane(&self, memory: &mut Memory<'a>, pane: &Group, u: f32, v: f32, behind: Vec3) -> Vec3 {
-        let direction = self.rays.direction(u, v);
-        let length = direction.length();
-        let view_world = direction * (1.0 / length);
-        let depth = pane.depth / pane.count;
-        let face = memory.faces.get(pane.instance, pane.face, || self.face(pane.instance, pane.face));
-        let surface = self.surface(face, view_world, depth * length, depth);
-        let around = self.around(face, &surface, u, v);
-        self.light.pane(&surface, &around, behind)
-    }
-
-    /// What all hits of a face share.
-    fn face(&self, instance: u32, face: u32) -> Face<'a> {
-        let posed = &self.scene.instances[instance as usize];
-        let placed = &self.placed[instance as usize];
-        let mesh = &posed.mesh;
-        let corners = mesh.faces[face as usize].map(|i| i as usize);
-        let world = &self.scene.vertices_world[posed.vertices.clone()];
-        let origin = world[corners[0]];
-        let (e1, e2) = (world[corners[1]] - origin, world[corners[2]] - origin);
-        let (d11, d12, d22) = (e1.dot(e1), e1.dot(e2), e2.dot(e2));
-        let inverse = 1.0 / (d11 * d22 - d12 * d12).max(1e-20);
-        let corners_local = corners.map(|i| mesh.vertices[i]);
-        let [a, b, c] = corners_local;
-        Face {
-            key: (instance, face),
-            origin,
-            to_b: (e1 * d22 - e2 * d12) * inverse,
-            to_c: (e2 * d11 - e1 * d12) * inverse,
-            normal_world: e1.cross(e2).normalize_or_zero(),
-            normal_local: (b - a).cross(c - a).normalize_or_zero(),
-            corner_normals_world: corners.map(|i| placed.world_from_local * mesh.normals[i]),
-            corners_local,
-            material: posed.material(face),
-            face_hash: hash2(face as i32, 0, placed.place_hash),
-            place_hash: placed.place_hash,
-            around: None,
-        }
-    }
-
-    fn surface(&self, face: &Face<'a>, view_world: Vec3, distance_m: f32, depth_m: f32) -> Surface<'a> {
-        let point_world = self.rays.eye + view_world * distance_m;
-        let d = point_world - face.origin;
-        let wb = d.dot(face.to_b).clamp(0.0, 1.0);
-        let wc = d.dot(face.to_c).clamp(0.0, 1.0 - wb);
-        let wa = 1.0 - wb - wc;
-        let [na, nb, nc] = face.corner_normals_world;
-        let [a, b, c] = face.corners_local;
-        let smooth = (na * wa + nb * wb + nc * wc).normalize_or_zero();
-        let side = if face.normal_world.dot(view_world) > 0.0 { -1.0 } else { 1.0 };
-        Surface {
-            point_world,
-            point_local: a * wa + b * wb + c * wc,
-            normal_world: smooth * side,
-            face_normal_world: face.normal_world * side,
-            face_normal_local: face.normal_local,
-            view_world,
-            distance_m,
-            pixel_m: depth_m * self.pixel_per_m,
-            material: face.material,
-            face_hash: face.face_hash,
-            place_hash: face.place_hash,
-        }
-    }
-}
-
-/// A pixel's samples where all show the same.
-#[inline]
-fn one_group(hits: &Hits, at: &[usize; 4]) -> Option<Group> {
-    let (instance, face) = (hits.instance[at[0]], hits.face[at[0]]);
-    let same = at[1..].iter().all(|i| hits.face[*i] == face && hits.instance[*i] == instance);
-    let depth = at.iter().map(|i| hits.depth[*i]).sum();
-    same.then_some(Group { instance, face, count: 4.0, du: 0.0, dv: 0.0, depth })
-}
-
-/// Collects a pixel's samples by face: one shading each.
-#[inline]
-fn groups(hits: &Hits, at: &[usize; 4]) -> [Option<Group>; 4] {
-    let mut out = [const { None }; 4];
-    'samples: for (i, (du, dv)) in at.iter().zip(OFFSETS) {
-        let (instance, face, depth) = (hits.instance[*i], hits.face[*i], hits.depth[*i]);
-        for slot in &mut out {
-            match slot {
-                Some(group) => {
-                    let group: &mut Group = group;
-                    if group.instance == instance && group.face == face {
-                        group.count += 1.0;
-                        group.du += du;
-                        group.dv += dv;
-                        group.depth += depth;
-                        continue 'samples;
-                    }
-                }
-                None => {
-                    *slot = Some(Group { instance, face, count: 1.0, du, dv, depth });
-                    continue 'samples;
-                }
-            }
-        }
-    }
-    out
 }

@@ -1,39 +1,18 @@
-//! The light that leaves a surface towards the camera.
+//! The light that leaves surfaces towards the camera: many hits of one kind at a time, one a lane.
+//!
+//! Every lane computes the same IEEE operations in the same order whatever the instruction set, so that the bytes are
+//! the same with wide registers and without.
 
-use super::ambient::{Openness, SkyView};
+use multiversion::multiversion;
+
+use super::ambient::SkyView;
+use super::faces::{Face, Flags, Kind};
 use super::pattern::{self, PatternPoint};
-use super::shadow::Shadows;
+use super::shadow::{Asked, Shadows, TOGETHER};
 use super::sky::Sky;
-use crate::material::{Material, Pattern, Semantic};
+use crate::material::Pattern;
 use crate::math::Vec3;
 use crate::weather::Weather;
-
-/// What is seen at a sample.
-#[derive(Debug, Clone, Copy)]
-pub struct Surface<'a> {
-    /// The hit.
-    pub point_world: Vec3,
-    /// The hit in the mesh's frame.
-    pub point_local: Vec3,
-    /// Unit shading normal, on the viewer's side.
-    pub normal_world: Vec3,
-    /// Unit normal of the triangle, on the viewer's side.
-    pub face_normal_world: Vec3,
-    /// Unit normal of the triangle in the mesh's frame.
-    pub face_normal_local: Vec3,
-    /// Unit vector from the viewer to the hit.
-    pub view_world: Vec3,
-    /// Distance to the viewer, metres.
-    pub distance_m: f32,
-    /// Size of a pixel square to the view there, metres.
-    pub pixel_m: f32,
-    /// What it is made of.
-    pub material: &'a Material,
-    /// Hash of the face.
-    pub face_hash: u32,
-    /// Hash of the instance's place.
-    pub place_hash: u32,
-}
 
 /// All the light of a scene.
 #[derive(Debug, Clone)]
@@ -52,16 +31,6 @@ pub struct Light {
     pub snow: f32,
 }
 
-/// What changes so slowly that neighbouring pixels of a face share it.
-#[derive(Debug, Clone, Copy)]
-pub struct Around {
-    open: Openness,
-    /// Light from what hides the sky.
-    from_around: Vec3,
-    /// Radiance of the air before the surface, were it endless.
-    air: Vec3,
-}
-
 /// Haze of clear air, 1/m.
 const CLEAR_AIR_PER_M: f32 = 0.000_8;
 
@@ -69,195 +38,486 @@ impl Light {
     /// Puts the parts together.
     #[must_use]
     pub fn new(weather: &Weather, sky: Sky, shadows: Option<Shadows>, sky_view: SkyView) -> Self {
-        let drops = 0.000_5 * weather.rain_mm_per_h + 0.006 * weather.snow_mm_per_h;
         Self {
             sky,
             shadows,
             sky_view,
             wetness: weather.wetness as f32,
-            extinction_per_m: CLEAR_AIR_PER_M + (weather.fog_alpha_per_m + drops) as f32,
-            snow: if weather.snow_mm_per_h > 0.0 { 0.75 } else { 0.0 },
+            extinction_per_m: CLEAR_AIR_PER_M + weather.extinction_per_m() as f32,
+            snow: weather.snow_cover() as f32,
         }
-    }
-
-    /// What hides the sky from a surface, and the air before it.
-    #[must_use]
-    pub fn around(&self, s: &Surface) -> Around {
-        let open = self.sky_view.openness(s.point_world, s.normal_world);
-        // What hides the sky sends some light itself, from sunlit walls and ground.
-        let mean_open = open[..5].iter().sum::<f32>() * 0.2;
-        let from_around = self.sky.ground * (0.60 * (1.0 - mean_open));
-        Around { open, from_around, air: self.air(s.view_world) }
-    }
-
-    /// Radiance of an opaque surface as it arrives at the camera.
-    #[must_use]
-    pub fn opaque(&self, s: &Surface, around: &Around) -> Vec3 {
-        let air = 1.0 - self.clear_share(s.distance_m);
-        let left = self.leaving(s, around);
-        left + (around.air - left) * air
-    }
-
-    /// Radiance that leaves an opaque surface.
-    #[inline]
-    fn leaving(&self, s: &Surface, around: &Around) -> Vec3 {
-        let m = s.material;
-        let ground = m.semantic.is_ground() && s.face_normal_world.z > 0.5;
-        let mut albedo = self.albedo(s, ground);
-        let leaf = m.pattern == Pattern::Leaves;
-        let cos_sun = s.normal_world.dot(self.sky.sun_world);
-        let cos_face = s.face_normal_world.dot(self.sky.sun_world);
-        let lit = if leaf || (cos_sun > 0.0 && cos_face > 0.0) { self.sunlit(s, cos_face) } else { 0.0 };
-        let direct = if leaf {
-            // Leaves turn to all sides and let through a third of the light, yellower.
-            let through = Vec3::new(0.85, 1.0, 0.35) * (0.40 * (-cos_sun).max(0.0));
-            (Vec3::splat(cos_sun.max(0.0)) + through) * 0.8 + Vec3::splat(0.12)
-        } else {
-            Vec3::splat(cos_sun.max(0.0))
-        };
-        let near = if s.face_normal_world.z > 0.3 && !is_vehicle(m.semantic) {
-            self.sky_view.contact(s.point_world)
-        } else {
-            1.0
-        };
-        let ambient = (self.sky.ambient(s.normal_world, &around.open) + around.from_around) * near;
-
-        let mut film = 0.0;
-        if self.wetness > 0.0 && s.normal_world.z > 0.5 {
-            albedo *= 1.0 - 0.45 * self.wetness;
-            if ground {
-                let puddle = pattern::value_noise(s.point_world.x * 0.35, s.point_world.y * 0.35, 0xF11);
-                film = (self.wetness * 1.5 - 0.9 * puddle).clamp(0.0, 1.0);
-            }
-        }
-        let diffuse = albedo * (self.sky.sun * direct * lit + ambient);
-        let (f0, roughness) = if film > 0.0 {
-            (0.02, 0.45 - 0.37 * film)
-        } else if leaf || m.specular <= 0.0 {
-            return diffuse;
-        } else {
-            (m.specular, m.roughness)
-        };
-        let cos_view = (-s.view_world.dot(s.normal_world)).clamp(0.0, 1.0);
-        let fresnel = f0 + (1.0 - f0) * fifth(1.0 - cos_view) * (1.0 - roughness) * (1.0 - roughness);
-        let mirrored = s.view_world + s.normal_world * (2.0 * cos_view);
-        let shine = self.environment(mirrored, &around.open, roughness) * near.max(0.3)
-            + self.highlight(mirrored, roughness) * lit;
-        // Metals colour what they reflect.
-        let tint = if m.specular > 0.5 { m.albedo.into() } else { Vec3::ONE };
-        diffuse * (1.0 - fresnel) + shine * tint * fresnel
-    }
-
-    /// Radiance of a pane with `behind` seen through it.
-    #[must_use]
-    pub fn pane(&self, s: &Surface, around: &Around, behind: Vec3) -> Vec3 {
-        let cos_view = (-s.view_world.dot(s.normal_world)).clamp(0.0, 1.0);
-        // Both faces of the pane reflect.
-        let f0 = s.material.specular.max(0.045) * 1.8;
-        let fresnel = (f0 + (1.0 - f0) * fifth(1.0 - cos_view)).min(1.0);
-        let mirrored = s.view_world + s.normal_world * (2.0 * cos_view);
-        let cos_sun = s.face_normal_world.dot(self.sky.sun_world);
-        let glint = if cos_sun > 0.0 { self.highlight(mirrored, 0.15) * self.sunlit(s, cos_sun) } else { Vec3::ZERO };
-        let tint = Vec3::new(0.93, 1.0, 0.95) * s.material.transmission;
-        behind * tint * (1.0 - fresnel) + (self.environment(mirrored, &around.open, 0.0) + glint) * fresnel
     }
 
     /// The air between: haze, fog, rain.
-    #[inline]
     #[must_use]
     pub fn through_air(&self, radiance: Vec3, view_world: Vec3, distance_m: f32) -> Vec3 {
-        let t = self.clear_share(distance_m);
+        let t = clear_share(self.extinction_per_m, distance_m);
         radiance * t + self.air(view_world) * (1.0 - t)
     }
 
-    /// Share of the light that the air lets through.
+    /// Radiance of the air along a view, were it endless.
     #[inline]
-    fn clear_share(&self, distance_m: f32) -> f32 {
-        // exp(-x) by (1 + x/16)^-16.
-        let mut t = 1.0 / (1.0 + self.extinction_per_m * distance_m * (1.0 / 16.0));
-        t *= t;
-        t *= t;
-        t *= t;
-        t * t
-    }
-
-    #[inline]
-    fn air(&self, view_world: Vec3) -> Vec3 {
+    #[must_use]
+    pub fn air(&self, view_world: Vec3) -> Vec3 {
         self.sky.radiance(Vec3::new(view_world.x, view_world.y, view_world.z.max(0.02))) * 0.8
-    }
-
-    #[inline]
-    fn sunlit(&self, s: &Surface, cos_face: f32) -> f32 {
-        self.shadows.as_ref().map_or(0.0, |m| m.sunlit(s.point_world, s.face_normal_world, cos_face))
-    }
-
-    fn albedo(&self, s: &Surface, ground: bool) -> Vec3 {
-        let m = s.material;
-        let base: Vec3 = m.albedo.into();
-        if m.pattern == Pattern::Plain && self.snow == 0.0 {
-            return base;
-        }
-        let cos_view = s.view_world.dot(s.face_normal_world).abs().max(0.02);
-        let footprint_m = s.pixel_m / cos_view.sqrt();
-        let (u, v) = if ground {
-            (s.point_world.x, s.point_world.y)
-        } else {
-            let n = s.face_normal_local;
-            let flat = n.x * n.x + n.y * n.y;
-            if flat < 0.03 {
-                (s.point_local.x, s.point_local.y)
-            } else {
-                let scale = 1.0 / flat.sqrt();
-                // Along the wall, and up its slope.
-                let along = Vec3::new(-n.y * scale, n.x * scale, 0.0);
-                (along.dot(s.point_local), n.cross(along).dot(s.point_local))
-            }
-        };
-        let at = PatternPoint { u, v, footprint_m, face_hash: s.face_hash, place_hash: s.place_hash };
-        let albedo = pattern::albedo(m.pattern, base, &at);
-        if self.snow > 0.0 && !is_vehicle(m.semantic) {
-            let drift = pattern::value_noise(s.point_world.x * 0.6, s.point_world.y * 0.6, 0x5E0);
-            let worn = if m.semantic == Semantic::Road { 0.55 } else { 1.0 };
-            let cover = ((s.normal_world.z - 0.4) * 2.0).clamp(0.0, 1.0) * (self.snow * worn * (0.5 + drift)).min(1.0);
-            return albedo + (Vec3::splat(0.8) - albedo) * cover;
-        }
-        albedo
-    }
-
-    /// What a mirror shows: sky above the roofs and trees, a dark street below them, ground.
-    fn environment(&self, direction: Vec3, open: &Openness, roughness: f32) -> Vec3 {
-        let d2 = direction * direction;
-        let level = (d2.x + d2.y).max(1e-6);
-        let toward_x = open[usize::from(direction.x < 0.0)];
-        let toward_y = open[2 + usize::from(direction.y < 0.0)];
-        let free = (toward_x * d2.x + toward_y * d2.y) / level;
-        // Sine of the skyline's elevation there, uneven as roofs and crowns are.
-        let uneven = pattern::value_noise(direction.x * 7.0 + 31.0, direction.y * 7.0 + 31.0, 0xE17);
-        let skyline = (0.10 + 0.85 * (1.0 - free).max(0.0).sqrt()) * (0.65 + 0.7 * uneven);
-        let soft = 0.02 + 0.35 * roughness;
-        let above = ((direction.z - skyline) / soft + 0.5).clamp(0.0, 1.0);
-        let over_ground = ((direction.z + 0.01) / soft + 0.5).clamp(0.0, 1.0);
-        let street = self.sky.sky_on_level * 0.16 + self.sky.sun * 0.030;
-        let up = Vec3::new(direction.x, direction.y, direction.z.max(0.0));
-        let low = self.sky.ground * 0.8 + (street - self.sky.ground * 0.8) * over_ground;
-        low + (self.sky.radiance(up) - low) * above
-    }
-
-    /// The sun's own reflection, a GGX lobe about the mirrored direction.
-    fn highlight(&self, mirrored: Vec3, roughness: f32) -> Vec3 {
-        let alpha2 = (roughness * roughness * roughness * roughness).max(0.002);
-        let miss = 1.0 - mirrored.dot(self.sky.sun_world);
-        let lobe = 1.0 + miss / (2.0 * alpha2);
-        self.sky.sun * (1.0 / (4.0 * alpha2 * lobe * lobe))
     }
 }
 
-#[inline]
+/// Share of the light that the air lets through: exp(-x) by (1 + x/16)^-16.
+#[inline(always)]
+fn clear_share(extinction_per_m: f32, distance_m: f32) -> f32 {
+    let mut t = 1.0 / (1.0 + extinction_per_m * distance_m * (1.0 / 16.0));
+    t *= t;
+    t *= t;
+    t *= t;
+    t * t
+}
+
+/// Hits that are shaded together.
+pub const LANES: usize = 128;
+/// A few more than are used: arrays a power of two apart would share the sets of the cache.
+const STRIDE: usize = LANES + 16;
+type Lane = [f32; STRIDE];
+type Lane3 = [Lane; 3];
+
+/// One hit to be shaded: samples of a pixel that show the same face.
+#[derive(Debug, Clone, Copy)]
+pub struct Hit {
+    /// Index of the face.
+    pub face: u32,
+    /// Index of the sky's visibility.
+    pub open: u32,
+    /// Index of the pixel in the band.
+    pub pixel: u32,
+    /// Where the colour is kept of what is seen through a pane; `NO_SLOT` without one.
+    pub slot: u32,
+    /// Share of the pixel.
+    pub weight: f32,
+    /// Image point.
+    pub u: f32,
+    /// Image point.
+    pub v: f32,
+    /// Along the optical axis, metres.
+    pub depth: f32,
+}
+
+/// No pane before a hit.
+pub const NO_SLOT: u32 = u32::MAX;
+
+/// Hits of one kind, lane by lane: what is known of them, and what is found.
+pub struct Lanes {
+    u: Lane,
+    v: Lane,
+    depth: Lane,
+    origin: Lane3,
+    face_normal: Lane3,
+    axis_u: Lane3,
+    axis_v: Lane3,
+    at_origin: [Lane; 2],
+    normal_ab: Lane3,
+    normal_ac: Lane3,
+    to_b: Lane3,
+    to_c: Lane3,
+    specular: Lane,
+    roughness: Lane,
+    transmission: Lane,
+    face_hash: [u32; LANES],
+    place_hash: [u32; LANES],
+    flags: [u32; LANES],
+    open: [Lane; 6],
+    air: Lane3,
+    behind: Lane3,
+    /// Unit vectors from the eye.
+    view: Lane3,
+    /// Relative to the eye.
+    point: Lane3,
+    distance_m: Lane,
+    footprint_m: Lane,
+    texture: [Lane; 2],
+    /// At first of the first corner, then the unit shading normal.
+    normal: Lane3,
+    cos_sun: Lane,
+    cos_face: Lane,
+    lit: Lane,
+    near: Lane,
+    /// At first of the material, then of the place.
+    albedo: Lane3,
+    metal: Lane3,
+    /// The radiance that arrives at the camera.
+    pub out: Lane3,
+}
+
+#[inline(always)]
+fn get<const N: usize>(lanes: &[[f32; N]; 3], i: usize) -> Vec3 {
+    Vec3::new(lanes[0][i], lanes[1][i], lanes[2][i])
+}
+
+#[inline(always)]
+fn put<const N: usize>(lanes: &mut [[f32; N]; 3], i: usize, v: Vec3) {
+    (lanes[0][i], lanes[1][i], lanes[2][i]) = (v.x, v.y, v.z);
+}
+
+/// The same for all hits of an image.
+#[derive(Debug, Clone, Copy)]
+pub struct Camera {
+    /// World coordinates.
+    pub eye: Vec3,
+    /// Directions of image points, of length 1 along the optical axis: `corner + right * u + down * v`.
+    pub corner: Vec3,
+    /// See `corner`.
+    pub right: Vec3,
+    /// See `corner`.
+    pub down: Vec3,
+    /// Size of a pixel at 1 m.
+    pub pixel_per_m: f32,
+}
+
+impl Default for Lanes {
+    fn default() -> Self {
+        const O: Lane = [0.0; STRIDE];
+        const O3: Lane3 = [O; 3];
+        Self {
+            u: O,
+            v: O,
+            depth: O,
+            origin: O3,
+            face_normal: O3,
+            axis_u: O3,
+            axis_v: O3,
+            at_origin: [O; 2],
+            normal_ab: O3,
+            normal_ac: O3,
+            to_b: O3,
+            to_c: O3,
+            specular: O,
+            roughness: O,
+            transmission: O,
+            face_hash: [0; LANES],
+            place_hash: [0; LANES],
+            flags: [0; LANES],
+            open: [O; 6],
+            air: O3,
+            behind: O3,
+            view: O3,
+            point: O3,
+            distance_m: O,
+            footprint_m: O,
+            texture: [O; 2],
+            normal: O3,
+            cos_sun: O,
+            cos_face: O,
+            lit: O,
+            near: O,
+            albedo: O3,
+            metal: O3,
+            out: O3,
+        }
+    }
+}
+
+impl Lanes {
+    /// Shades up to `LANES` hits of one kind; the outcome is in `out`.
+    ///
+    /// `air`: red, green and blue of the endless air for each pixel; `behind`: the colours behind panes.
+    pub fn shade(
+        &mut self,
+        light: &Light,
+        camera: &Camera,
+        kind: Kind,
+        hits: &[Hit],
+        (faces, open): (&[Face], &[[f32; 8]]),
+        air: &[[f32; 3]],
+        behind: &[[f32; 3]],
+    ) {
+        let n = hits.len().min(LANES);
+        self.gather(kind, hits, (faces, open), air, behind);
+        // Whole registers: what is left in the lanes beyond is nobody's.
+        let m = n.next_multiple_of(16);
+        geometry(self, m, camera, light.sky.sun_world, kind.is_smooth);
+        self.cast_shadows(light, camera.eye, kind, n);
+        if kind.is_pane {
+            pane(self, m, &light.sky);
+        } else {
+            texture(self, m, kind.pattern);
+            if light.snow > 0.0 {
+                snow(self, m, camera.eye, light.snow);
+            }
+            let wetness = light.wetness;
+            diffuse(self, m, &light.sky, kind.pattern == Pattern::Leaves, wetness);
+            if kind.is_glossy {
+                gloss(self, m, &light.sky, camera.eye, wetness);
+            }
+        }
+        through_air(self, m, light.extinction_per_m);
+    }
+
+    fn gather(
+        &mut self,
+        kind: Kind,
+        hits: &[Hit],
+        (faces, open): (&[Face], &[[f32; 8]]),
+        air: &[[f32; 3]],
+        behind: &[[f32; 3]],
+    ) {
+        for (i, hit) in hits.iter().take(LANES).enumerate() {
+            let face = &faces[hit.face as usize];
+            (self.u[i], self.v[i], self.depth[i]) = (hit.u, hit.v, hit.depth);
+            put(&mut self.origin, i, face.origin);
+            put(&mut self.face_normal, i, face.face_normal);
+            put(&mut self.normal, i, face.normal);
+            if kind.is_smooth {
+                put(&mut self.normal_ab, i, face.normal_ab);
+                put(&mut self.normal_ac, i, face.normal_ac);
+                put(&mut self.to_b, i, face.to_b);
+                put(&mut self.to_c, i, face.to_c);
+            }
+            if kind.pattern != Pattern::Plain {
+                put(&mut self.axis_u, i, face.axes[0]);
+                put(&mut self.axis_v, i, face.axes[1]);
+                (self.at_origin[0][i], self.at_origin[1][i]) = (face.at_origin[0], face.at_origin[1]);
+            }
+            if kind.pattern == Pattern::Leaves {
+                (self.face_hash[i], self.place_hash[i]) = (face.face_hash, face.place_hash);
+            }
+            put(&mut self.albedo, i, face.albedo);
+            if kind.is_glossy || kind.is_pane {
+                put(&mut self.metal, i, face.albedo);
+                (self.specular[i], self.roughness[i]) = (face.specular, face.roughness);
+                self.transmission[i] = face.transmission;
+            }
+            self.flags[i] = face.flags;
+            for (lane, o) in self.open.iter_mut().zip(&open[hit.open as usize]) {
+                lane[i] = *o;
+            }
+            let [r, g, b] = air[hit.pixel as usize];
+            put(&mut self.air, i, Vec3::new(r, g, b));
+        }
+        if kind.is_pane {
+            for (i, hit) in hits.iter().take(LANES).enumerate() {
+                put(&mut self.behind, i, behind[hit.slot as usize].into());
+            }
+        }
+    }
+
+    /// Looks up what the sun's shadows and the cars near by leave.
+    fn cast_shadows(&mut self, light: &Light, eye: Vec3, kind: Kind, n: usize) {
+        self.lit[..n].fill(0.0);
+        self.near[..n].fill(1.0);
+        let is_leaf = kind.pattern == Pattern::Leaves;
+        if let Some(shadows) = &light.shadows {
+            for start in (0..n).step_by(TOGETHER) {
+                let mut asked = Asked::default();
+                for k in 0..TOGETHER {
+                    let i = start + k;
+                    put(&mut asked.points_world, k, eye + get(&self.point, i));
+                    put(&mut asked.normals, k, get(&self.face_normal, i));
+                    asked.cos_sun[k] = self.cos_face[i];
+                    let faces_sun = self.cos_face[i] > 0.0 && (self.cos_sun[i] > 0.0 || kind.is_pane);
+                    asked.is_asked[k] = i < n && (is_leaf || faces_sun);
+                }
+                self.lit[start..start + TOGETHER].copy_from_slice(&shadows.sunlit_together(&asked));
+            }
+        }
+        for i in 0..n {
+            if self.flags[i] & Flags::CONTACT > 0 {
+                self.near[i] = light.sky_view.contact(eye + get(&self.point, i));
+            }
+        }
+    }
+}
+
+/// Where the hits are, how the surfaces lie there, and the sun to them.
+#[multiversion(targets("x86_64+avx2"))]
+fn geometry(l: &mut Lanes, m: usize, camera: &Camera, sun: Vec3, is_smooth: bool) {
+    for i in 0..m.min(LANES) {
+        let direction = camera.corner + camera.right * l.u[i] + camera.down * l.v[i];
+        let length = direction.dot(direction).sqrt();
+        let point = direction * l.depth[i];
+        let view = direction * (1.0 / length);
+        put(&mut l.view, i, view);
+        put(&mut l.point, i, point);
+        l.distance_m[i] = l.depth[i] * length;
+        let d = point - get(&l.origin, i);
+        l.texture[0][i] = d.dot(get(&l.axis_u, i)) + l.at_origin[0][i];
+        l.texture[1][i] = d.dot(get(&l.axis_v, i)) + l.at_origin[1][i];
+        let face_normal = get(&l.face_normal, i);
+        let cos_view = view.dot(face_normal).abs().max(0.02);
+        l.footprint_m[i] = l.depth[i] * camera.pixel_per_m / cos_view.sqrt();
+        l.cos_face[i] = face_normal.dot(sun);
+    }
+    if is_smooth {
+        for i in 0..m.min(LANES) {
+            let d = get(&l.point, i) - get(&l.origin, i);
+            let wb = d.dot(get(&l.to_b, i)).clamp(0.0, 1.0);
+            let wc = d.dot(get(&l.to_c, i)).max(0.0).min(1.0 - wb);
+            let normal = get(&l.normal, i) + get(&l.normal_ab, i) * wb + get(&l.normal_ac, i) * wc;
+            let scale = 1.0 / normal.dot(normal).max(1e-20).sqrt();
+            put(&mut l.normal, i, normal * scale);
+        }
+    }
+    for i in 0..m.min(LANES) {
+        l.cos_sun[i] = get(&l.normal, i).dot(sun);
+    }
+}
+
+/// The albedo, by the kind's texture.
+#[multiversion(targets("x86_64+avx2"))]
+fn texture(l: &mut Lanes, m: usize, pattern: Pattern) {
+    macro_rules! fill {
+        ($($of:ident),*) => {
+            match pattern {
+                Pattern::Plain => (),
+                $(Pattern::$of => {
+                    for i in 0..m.min(LANES) {
+                        let at = PatternPoint {
+                            u: l.texture[0][i],
+                            v: l.texture[1][i],
+                            footprint_m: l.footprint_m[i],
+                            face_hash: l.face_hash[i],
+                            place_hash: l.place_hash[i],
+                        };
+                        let albedo = pattern::albedo(Pattern::$of, get(&l.albedo, i), &at);
+                        put(&mut l.albedo, i, albedo);
+                    }
+                })*
+            }
+        };
+    }
+    fill!(Asphalt, Slabs, Blocks, Bricks, Render, Tiles, Grass, Leaves, Wood, Cloth);
+}
+
+#[multiversion(targets("x86_64+avx2"))]
+fn snow(l: &mut Lanes, m: usize, eye: Vec3, snow: f32) {
+    for i in 0..m.min(LANES) {
+        let (x, y) = (l.point[0][i] + eye.x, l.point[1][i] + eye.y);
+        let drift = pattern::value_noise(x * 0.6, y * 0.6, 0x5E0);
+        let worn = if l.flags[i] & Flags::ROAD > 0 { 0.55 } else { 1.0 };
+        let lies = if l.flags[i] & Flags::VEHICLE > 0 { 0.0 } else { 1.0 };
+        let level = ((l.normal[2][i] - 0.4) * 2.0).clamp(0.0, 1.0);
+        let cover = level * (snow * worn * (0.5 + drift)).min(1.0) * lies;
+        let albedo = get(&l.albedo, i);
+        put(&mut l.albedo, i, albedo + (Vec3::splat(0.8) - albedo) * cover);
+    }
+}
+
+/// The light that a matt surface sends.
+#[multiversion(targets("x86_64+avx2"))]
+fn diffuse(l: &mut Lanes, m: usize, sky: &Sky, is_leaf: bool, wetness: f32) {
+    for i in 0..m.min(LANES) {
+        let normal = get(&l.normal, i);
+        let open = [l.open[0][i], l.open[1][i], l.open[2][i], l.open[3][i], l.open[4][i], l.open[5][i]];
+        // What hides the sky sends some light itself, from sunlit walls and ground.
+        let mean_open = (open[0] + open[1] + open[2] + open[3] + open[4]) * 0.2;
+        let from_around = sky.ground * (0.60 * (1.0 - mean_open));
+        let ambient = (sky.ambient(normal, &open) + from_around) * l.near[i];
+        let cos_sun = l.cos_sun[i];
+        let facing = cos_sun.max(0.0);
+        let direct = if is_leaf {
+            // Leaves turn to all sides and let through a third of the light, yellower.
+            let through = Vec3::new(0.85, 1.0, 0.50) * (0.40 * (-cos_sun).max(0.0));
+            (Vec3::splat(facing) + through) * 0.8 + Vec3::splat(0.12)
+        } else {
+            Vec3::splat(facing)
+        };
+        let wet = if normal.z > 0.5 { 1.0 - 0.45 * wetness } else { 1.0 };
+        let albedo = get(&l.albedo, i) * wet;
+        put(&mut l.out, i, albedo * (sky.sun * direct * l.lit[i] + ambient));
+    }
+}
+
+/// Adds what a coat or a film of water mirrors.
+#[multiversion(targets("x86_64+avx2"))]
+fn gloss(l: &mut Lanes, m: usize, sky: &Sky, eye: Vec3, wetness: f32) {
+    for i in 0..m.min(LANES) {
+        let (view, normal) = (get(&l.view, i), get(&l.normal, i));
+        let (x, y) = (l.point[0][i] + eye.x, l.point[1][i] + eye.y);
+        let puddle = pattern::value_noise(x * 0.35, y * 0.35, 0xF11);
+        let is_wet = l.flags[i] & Flags::GROUND > 0 && normal.z > 0.5;
+        let film = if is_wet { (wetness * 1.5 - 0.9 * puddle).clamp(0.0, 1.0) } else { 0.0 };
+        let f0 = if film > 0.0 { 0.02 } else { l.specular[i] };
+        let roughness = if film > 0.0 { 0.45 - 0.37 * film } else { l.roughness[i] };
+        let cos_view = (-view.dot(normal)).clamp(0.0, 1.0);
+        let smooth = (1.0 - roughness) * (1.0 - roughness);
+        let fresnel = f0 + (1.0 - f0) * fifth(1.0 - cos_view) * smooth;
+        let fresnel = if f0 > 0.0 { fresnel } else { 0.0 };
+        let mirrored = view + normal * (2.0 * cos_view);
+        let open = [l.open[0][i], l.open[1][i], l.open[2][i], l.open[3][i]];
+        let shine = environment(sky, mirrored, &open, roughness) * l.near[i].max(0.3)
+            + highlight(sky, mirrored, roughness) * l.lit[i];
+        // Metals colour what they reflect.
+        let is_metal = f0 > 0.5;
+        let metal = get(&l.metal, i);
+        let tint = Vec3::new(
+            if is_metal { metal.x } else { 1.0 },
+            if is_metal { metal.y } else { 1.0 },
+            if is_metal { metal.z } else { 1.0 },
+        );
+        let matt = get(&l.out, i);
+        put(&mut l.out, i, matt * (1.0 - fresnel) + shine * tint * fresnel);
+    }
+}
+
+/// A pane with what is seen through it.
+#[multiversion(targets("x86_64+avx2"))]
+fn pane(l: &mut Lanes, m: usize, sky: &Sky) {
+    for i in 0..m.min(LANES) {
+        let (view, normal) = (get(&l.view, i), get(&l.normal, i));
+        let cos_view = (-view.dot(normal)).clamp(0.0, 1.0);
+        // Both faces of the pane reflect.
+        let f0 = l.specular[i].max(0.045) * 1.8;
+        let fresnel = (f0 + (1.0 - f0) * fifth(1.0 - cos_view)).min(1.0);
+        let mirrored = view + normal * (2.0 * cos_view);
+        let glint = highlight(sky, mirrored, 0.15) * l.lit[i];
+        let tint = Vec3::new(0.93, 1.0, 0.95) * l.transmission[i];
+        let open = [l.open[0][i], l.open[1][i], l.open[2][i], l.open[3][i]];
+        let shine = environment(sky, mirrored, &open, 0.0) + glint;
+        let behind = get(&l.behind, i);
+        put(&mut l.out, i, behind * tint * (1.0 - fresnel) + shine * fresnel);
+        // What is behind has come through the air already.
+        l.distance_m[i] = 0.0;
+    }
+}
+
+#[multiversion(targets("x86_64+avx2"))]
+fn through_air(l: &mut Lanes, m: usize, extinction_per_m: f32) {
+    for i in 0..m.min(LANES) {
+        let air = 1.0 - clear_share(extinction_per_m, l.distance_m[i]);
+        let left = get(&l.out, i);
+        put(&mut l.out, i, left + (get(&l.air, i) - left) * air);
+    }
+}
+
+/// What a mirror shows: sky above the roofs and trees, a dark street below them, ground.
+#[inline(always)]
+fn environment(sky: &Sky, direction: Vec3, open: &[f32; 4], roughness: f32) -> Vec3 {
+    let d2 = direction * direction;
+    let level = (d2.x + d2.y).max(1e-6);
+    let toward_x = if direction.x < 0.0 { open[1] } else { open[0] };
+    let toward_y = if direction.y < 0.0 { open[3] } else { open[2] };
+    let free = (toward_x * d2.x + toward_y * d2.y) / level;
+    // Sine of the skyline's elevation there, uneven as roofs and crowns are.
+    let uneven = pattern::value_noise(direction.x * 7.0 + 31.0, direction.y * 7.0 + 31.0, 0xE17);
+    let skyline = (0.10 + 0.85 * (1.0 - free).max(0.0).sqrt()) * (0.65 + 0.7 * uneven);
+    let soft = 0.02 + 0.35 * roughness;
+    let above = ((direction.z - skyline) / soft + 0.5).clamp(0.0, 1.0);
+    let over_ground = ((direction.z + 0.01) / soft + 0.5).clamp(0.0, 1.0);
+    let street = sky.sky_on_level * 0.16 + sky.sun * 0.030;
+    let up = Vec3::new(direction.x, direction.y, direction.z.max(0.0));
+    let low = sky.ground * 0.8 + (street - sky.ground * 0.8) * over_ground;
+    low + (sky.radiance(up) - low) * above
+}
+
+/// The sun's own reflection, a GGX lobe about the mirrored direction.
+#[inline(always)]
+fn highlight(sky: &Sky, mirrored: Vec3, roughness: f32) -> Vec3 {
+    let alpha2 = (roughness * roughness * roughness * roughness).max(0.002);
+    let miss = 1.0 - mirrored.dot(sky.sun_world);
+    let lobe = 1.0 + miss / (2.0 * alpha2);
+    sky.sun * (1.0 / (4.0 * alpha2 * lobe * lobe))
+}
+
+#[inline(always)]
 fn fifth(x: f32) -> f32 {
     let x2 = x * x;
     x2 * x2 * x
-}
-
-fn is_vehicle(semantic: Semantic) -> bool {
-    matches!(semantic, Semantic::Car | Semantic::Van | Semantic::Truck | Semantic::Tram | Semantic::OtherVehicle)
 }

@@ -1,8 +1,10 @@
 //! Shadow maps: the scene's triangles seen from the sun, fine near the camera and coarser beyond.
 
-use crate::geometry::Cluster;
+use multiversion::multiversion;
+
+use crate::geometry::{Cluster, LANES};
 use crate::material::Material;
-use crate::math::{DVec3, Mat3, Vec3};
+use crate::math::{DMat3, DVec3, Mat3, Vec3};
 use crate::sense::{PosedInstance, PosedScene};
 
 /// Texels along a side of each map.
@@ -24,14 +26,20 @@ struct Map {
     seen: SeenTiles,
 }
 
-/// The tiles of a map on which the camera sees something, as sums over all tiles before a row and a column.
-#[derive(Debug, Clone)]
-struct SeenTiles(Vec<u16>);
+/// The tiles of a map on which the camera sees something.
+#[derive(Debug, Clone, Default)]
+struct SeenTiles {
+    /// Their number over all tiles before a row and a column.
+    sums: Vec<u16>,
+    /// The columns of texels between the first and the last of them, for each row of tiles.
+    spans: Vec<[usize; 2]>,
+}
 
 impl SeenTiles {
     /// Counts the marked tiles and those around them.
     fn around(marked: &[bool]) -> Self {
         let mut sums = vec![0_u16; (TILES + 1) * (TILES + 1)];
+        let mut spans = vec![[SIZE, 0]; TILES];
         for y in 0..TILES {
             let mut row = 0;
             for x in 0..TILES {
@@ -39,17 +47,20 @@ impl SeenTiles {
                 let near = (y.saturating_sub(1)..(y + 2).min(TILES))
                     .any(|y| marked[y * TILES + from..y * TILES + to].contains(&true));
                 row += u16::from(near);
+                if near {
+                    spans[y] = [spans[y][0].min(x * TILE), (x + 1) * TILE];
+                }
                 sums[(y + 1) * (TILES + 1) + x + 1] = sums[y * (TILES + 1) + x + 1] + row;
             }
         }
-        Self(sums)
+        Self { sums, spans }
     }
 
     /// True if some tile between two texels (both included) is seen.
     #[inline]
     fn any(&self, [x0, y0]: [usize; 2], [x1, y1]: [usize; 2]) -> bool {
         let (x0, y0, x1, y1) = (x0 / TILE, y0 / TILE, x1 / TILE + 1, y1 / TILE + 1);
-        let at = |x: usize, y: usize| self.0[y * (TILES + 1) + x];
+        let at = |x: usize, y: usize| self.sums[y * (TILES + 1) + x];
         at(x1, y1).wrapping_add(at(x0, y0)) != at(x1, y0).wrapping_add(at(x0, y1))
     }
 }
@@ -95,11 +106,11 @@ impl Shadows {
                 texel_m,
                 texels_per_m: 1.0 / texel_m,
                 height,
-                seen: SeenTiles(Vec::new()),
+                seen: SeenTiles::default(),
             });
         }
         shadows.mark_seen(seen_world);
-        shadows.draw(scene);
+        draw_casters(scene, &shadows.light_from_world(), &mut shadows.maps);
         shadows
     }
 
@@ -135,44 +146,14 @@ impl Shadows {
         Vec3::new(self.right.dot(p), self.up.dot(p), self.sun.dot(p))
     }
 
-    fn draw(&mut self, scene: &PosedScene) {
-        let mut maps = std::mem::take(&mut self.maps);
-        let light_from_world = Mat3::from_cols(self.right, self.up, self.sun).transpose();
-        let mut points: Vec<Vec3> = Vec::new();
-        for instance in &scene.instances {
-            let center = self.to_light(instance.center_world.as_vec3());
-            if !maps.iter().any(|m| m.is_asked_in(center, instance.radius_m as f32)) {
-                continue;
-            }
-            let kinds: Vec<Caster> = instance.palette.0.iter().map(Caster::of).collect();
-            let light_from_local = light_from_world * instance.world_from_local.as_mat3();
-            let origin = center - light_from_local * instance.mesh.bounds.center();
-            let vertices_world = &scene.vertices_world[instance.vertices.clone()];
-            for cluster in &instance.mesh.clusters {
-                let center = light_from_local * cluster.center + origin;
-                // Far from the world's origin, single precision errs by millimetres.
-                let radius = cluster.radius_m + 0.01;
-                if !maps.iter().any(|m| m.is_asked_in(center, radius)) {
-                    continue;
-                }
-                points.clear();
-                points.extend(cluster.vertices.iter().map(|i| self.to_light(vertices_world[*i as usize])));
-                for map in maps.iter_mut().filter(|m| m.is_asked_in(center, radius)) {
-                    map.draw_cluster(instance, cluster, &kinds, &points, self.sun_up());
-                }
-            }
-        }
-        self.maps = maps;
-    }
-
-    /// The world's z axis in light coordinates.
-    fn sun_up(&self) -> Vec3 {
-        Vec3::new(self.right.z, self.up.z, self.sun.z)
+    /// The light's frame from the world's.
+    fn light_from_world(&self) -> DMat3 {
+        DMat3::from_cols(self.right.as_dvec3(), self.up.as_dvec3(), self.sun.as_dvec3()).transpose()
     }
 
     /// Share of the sun that reaches a point, 0..1: `normal` is the unit geometric normal towards the viewer's side,
     /// `cos_sun` its cosine to the sun.
-    #[inline]
+    #[cfg(test)]
     #[must_use]
     pub fn sunlit(&self, point_world: Vec3, normal: Vec3, cos_sun: f32) -> f32 {
         for (index, map) in self.maps.iter().enumerate() {
@@ -183,11 +164,157 @@ impl Shadows {
             let y = (p.y - map.min[1]) * map.texels_per_m;
             let inside = MARGIN..SIZE as f32 - MARGIN;
             if inside.contains(&x) && inside.contains(&y) {
-                return map.sunlit(x, y, p.z, if index == 0 { 1.0 } else { 0.9 });
+                return map.sunlit(x, y, p.z, spread_of(index));
             }
         }
         1.0
     }
+}
+
+/// Points whose shadows are looked up together.
+pub const TOGETHER: usize = 16;
+
+/// The questions of [`Shadows::sunlit_together`]: as the arguments of [`Shadows::sunlit`], axis by axis.
+#[derive(Debug, Default)]
+pub struct Asked {
+    /// Points.
+    pub points_world: [[f32; TOGETHER]; 3],
+    /// Unit geometric normals towards the viewer's side.
+    pub normals: [[f32; TOGETHER]; 3],
+    /// Their cosines to the sun.
+    pub cos_sun: [f32; TOGETHER],
+    /// The others get 0.
+    pub is_asked: [bool; TOGETHER],
+}
+
+/// Where points fall on a map: texels, the height towards the sun, and the texels of the four widest taps.
+struct OnMap {
+    x: [f32; TOGETHER],
+    y: [f32; TOGETHER],
+    z: [f32; TOGETHER],
+    taps: [[u32; TOGETHER]; 4],
+    is_inside: [bool; TOGETHER],
+}
+
+impl Shadows {
+    /// [`Shadows::sunlit`] of many points.
+    #[must_use]
+    pub fn sunlit_together(&self, asked: &Asked) -> [f32; TOGETHER] {
+        let mut lit = [0.0; TOGETHER];
+        let mut left = asked.is_asked;
+        for (index, map) in self.maps.iter().enumerate() {
+            if !left.contains(&true) {
+                break;
+            }
+            let spread = spread_of(index);
+            let on_map = place(&[self.right, self.up, self.sun], map.min, map.texel_m, map.texels_per_m, spread, asked);
+            for i in 0..TOGETHER {
+                if left[i] && on_map.is_inside[i] {
+                    left[i] = false;
+                    let z = on_map.z[i] + map.texel_m * 0.8;
+                    let first: u32 = on_map.taps.iter().map(|t| u32::from(map.height[t[i] as usize] <= z)).sum();
+                    lit[i] = match first {
+                        0 => 0.0,
+                        4 => 1.0,
+                        _ => map.sunlit(on_map.x[i], on_map.y[i], on_map.z[i], spread),
+                    };
+                }
+            }
+        }
+        for (lit, left) in lit.iter_mut().zip(left) {
+            if left {
+                *lit = 1.0;
+            }
+        }
+        lit
+    }
+}
+
+/// How wide the taps of a map are set.
+#[inline]
+fn spread_of(index: usize) -> f32 {
+    if index == 0 { 1.0 } else { 0.9 }
+}
+
+#[multiversion(targets("x86_64+avx2"))]
+fn place(light_axes: &[Vec3; 3], min: [f32; 2], texel_m: f32, texels_per_m: f32, spread: f32, asked: &Asked) -> OnMap {
+    let mut out = OnMap {
+        x: [0.0; TOGETHER],
+        y: [0.0; TOGETHER],
+        z: [0.0; TOGETHER],
+        taps: [[0; TOGETHER]; 4],
+        is_inside: [false; TOGETHER],
+    };
+    let axis = |lanes: &[[f32; TOGETHER]; 3], i: usize| Vec3::new(lanes[0][i], lanes[1][i], lanes[2][i]);
+    for i in 0..TOGETHER {
+        let cos_sun = asked.cos_sun[i];
+        let offset = texel_m * (0.6 + 1.6 * (1.0 - cos_sun.abs())) + 0.006;
+        let side = if cos_sun < 0.0 { -1.0 } else { 1.0 };
+        let p = axis(&asked.points_world, i) + axis(&asked.normals, i) * (offset * side);
+        out.x[i] = (light_axes[0].dot(p) - min[0]) * texels_per_m;
+        out.y[i] = (light_axes[1].dot(p) - min[1]) * texels_per_m;
+        out.z[i] = light_axes[2].dot(p);
+    }
+    for i in 0..TOGETHER {
+        let (low, high) = (MARGIN, SIZE as f32 - MARGIN);
+        let (x, y) = (out.x[i], out.y[i]);
+        out.is_inside[i] = x >= low && x < high && y >= low && y < high;
+    }
+    for (taps, (dx, dy)) in out.taps.iter_mut().zip(TAPS) {
+        for i in 0..TOGETHER {
+            // Texels are numbered from the corner; outside of the map nobody asks.
+            let texel = |v: f32, d: f32| (v.clamp(MARGIN, SIZE as f32 - MARGIN) + d * spread) as i32 as u32;
+            taps[i] = texel(out.y[i], dy) * SIZE as u32 + texel(out.x[i], dx);
+        }
+    }
+    out
+}
+
+/// Draws all that may shade what the camera sees.
+#[multiversion(targets("x86_64+avx2"))]
+fn draw_casters(scene: &PosedScene, light_from_world: &DMat3, maps: &mut [Map]) {
+    let mut points = [[0.0; MAX_POINTS]; 3];
+    for instance in &scene.instances {
+        let center = (*light_from_world * instance.center_world).as_vec3();
+        if !maps.iter().any(|m| m.is_asked_in(center, instance.radius_m as f32)) {
+            continue;
+        }
+        let kinds: Vec<Caster> = instance.palette.0.iter().map(Caster::of).collect();
+        let slots_of = |kind: Caster| {
+            let of_kind = kinds.iter().take(63).enumerate().filter(|(_, k)| **k == kind);
+            of_kind.fold(0, |bits, (slot, _)| bits | 1_u64 << slot)
+        };
+        let (never, always) = (slots_of(Caster::Never), slots_of(Caster::Always));
+        let light_from_local = *light_from_world * instance.placement.rotation;
+        let origin = (*light_from_world * instance.placement.translation).as_vec3();
+        let light_from_local = light_from_local.as_mat3();
+        for cluster in instance.mesh.clusters.iter().filter(|c| c.slots & !never != 0) {
+            let all_cast = cluster.slots & !always == 0;
+            let center = light_from_local * cluster.center + origin;
+            // Far from the world's origin, single precision errs by millimetres.
+            let radius = cluster.radius_m + 0.01;
+            for map in maps.iter_mut().filter(|m| m.is_asked_in(center, radius)) {
+                map.project(cluster, &light_from_local, origin, &mut points);
+                if all_cast {
+                    for corners in &cluster.corners {
+                        map.triangle(corners.map(|i| point(&points, i)));
+                    }
+                } else {
+                    map.draw_some(instance, cluster, &kinds, &points, light_from_world.z_axis.as_vec3());
+                }
+            }
+        }
+    }
+}
+
+/// A cluster's corners are bytes.
+const MAX_POINTS: usize = 256;
+type Points = [[f32; MAX_POINTS]; 3];
+
+#[inline(always)]
+fn point(points: &Points, i: u8) -> Vec3 {
+    let i = usize::from(i);
+    Vec3::new(points[0][i], points[1][i], points[2][i])
 }
 
 /// Texels along a map's rim that are not asked: the next map knows them.
@@ -241,19 +368,38 @@ impl Map {
         self.seen.any([texel(x - r), texel(y - r)], [texel(x + r), texel(y + r)])
     }
 
-    fn draw_cluster(
+    /// Puts a cluster's vertices into `out`: x and y in texels, z in metres.
+    #[inline(always)]
+    fn project(&self, cluster: &Cluster, light_from_local: &Mat3, origin: Vec3, out: &mut Points) {
+        let (m, scale) = (light_from_local, self.texels_per_m);
+        let (x0, y0) = (origin.x - self.min[0], origin.y - self.min[1]);
+        let [out_x, out_y, out_z] = out;
+        let out = out_x.chunks_exact_mut(LANES).zip(out_y.chunks_exact_mut(LANES)).zip(out_z.chunks_exact_mut(LANES));
+        for (local, ((out_x, out_y), out_z)) in cluster.lanes.iter().zip(out) {
+            for i in 0..LANES {
+                let [x, y, z] = [local[0][i], local[1][i], local[2][i]];
+                out_x[i] = (m.x_axis.x * x + m.y_axis.x * y + m.z_axis.x * z + x0) * scale;
+                out_y[i] = (m.x_axis.y * x + m.y_axis.y * y + m.z_axis.y * z + y0) * scale;
+                out_z[i] = m.x_axis.z * x + m.y_axis.z * y + m.z_axis.z * z + origin.z;
+            }
+        }
+    }
+
+    /// Draws the faces of a cluster that cast shadows.
+    #[inline(always)]
+    fn draw_some(
         &mut self,
         instance: &PosedInstance,
         cluster: &Cluster,
         kinds: &[Caster],
-        points: &[Vec3],
+        points: &Points,
         up: Vec3,
     ) {
         for (corners, face) in cluster.corners.iter().zip(&cluster.faces) {
-            let corners = corners.map(|i| points[usize::from(i)]);
+            let corners = corners.map(|i| point(points, i));
             let kind = kinds[usize::from(instance.mesh.slots[*face as usize])];
             let is_level = || {
-                let [a, b, c] = corners;
+                let [a, b, c] = corners.map(|p| Vec3::new(p.x * self.texel_m, p.y * self.texel_m, p.z));
                 let normal = (b - a).cross(c - a);
                 let rise = normal.dot(up);
                 rise * rise > 0.9 * normal.length_squared()
@@ -282,11 +428,9 @@ impl Map {
         (first + rest) * (1.0 / 12.0)
     }
 
-    #[inline]
-    fn triangle(&mut self, corners: [Vec3; 3]) {
-        let to_texels =
-            |p: Vec3| Vec3::new((p.x - self.min[0]) * self.texels_per_m, (p.y - self.min[1]) * self.texels_per_m, p.z);
-        let [a, b, c] = corners.map(to_texels);
+    /// Raises the texels whose middles lie within a triangle; x and y in texels.
+    #[inline(always)]
+    fn triangle(&mut self, [a, b, c]: [Vec3; 3]) {
         let (min_x, max_x) = (a.x.min(b.x).min(c.x), a.x.max(b.x).max(c.x));
         let (min_y, max_y) = (a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y));
         let size = SIZE as f32;
@@ -312,50 +456,54 @@ impl Map {
         let (cx, cy) = (-(b.y - a.y) * inverse, (b.x - a.x) * inverse);
         let (zb, zc) = (b.z - a.z, c.z - a.z);
         let (zx, zy) = (zb * bx + zc * cx, zb * by + zc * cy);
-        if (x1 - x0) * (y1 - y0) <= 12 {
-            // Small ones, which are most: three tests a texel cost less than the divisions below.
-            for y in y0..y1 {
-                let dy = y as f32 + 0.5 - a.y;
-                for x in x0..x1 {
-                    let dx = x as f32 + 0.5 - a.x;
-                    let (wb, wc) = (bx * dx + by * dy, cx * dx + cy * dy);
-                    if wb >= 0.0 && wc >= 0.0 && wb + wc <= 1.0 {
-                        let texel = &mut self.height[y * SIZE + x];
-                        *texel = texel.max(a.z + zx * dx + zy * dy);
+        if x1 - x0 <= 2 * LANES {
+            // Small ones, which are most: testing eight texels at a time costs less than finding out where a row begins.
+            let highest = a.z.max(b.z).max(c.z);
+            for first in (x0..x1).step_by(LANES) {
+                let first = first.min(SIZE - LANES);
+                for y in y0..y1 {
+                    let dy = y as f32 + 0.5 - a.y;
+                    let (row_b, row_c, row_z) = (by * dy, cy * dy, zy * dy + a.z);
+                    for (i, texel) in self.height[y * SIZE + first..][..LANES].iter_mut().enumerate() {
+                        let dx = first as f32 + 0.5 - a.x + i as f32;
+                        let (wb, wc) = (bx * dx + row_b, cx * dx + row_c);
+                        let z = (zx * dx + row_z).min(highest);
+                        let is_inside = (wb >= 0.0) & (wc >= 0.0) & (wb + wc <= 1.0) & (z > *texel);
+                        *texel = if is_inside { z } else { *texel };
                     }
                 }
             }
             return;
         }
+        // Rows are cut by the edges; nothing is tested within a span.
+        let edges = [(bx, by, 0.0), (cx, cy, 0.0), (-bx - cx, -by - cy, 1.0)];
+        let inverse = edges.map(|(slope, ..)| -1.0 / slope);
         for y in y0..y1 {
             let dy = y as f32 + 0.5 - a.y;
-            let row = &mut self.height[y * SIZE..(y + 1) * SIZE];
-            // Solve the three edges for the span of x: no test inside the loop.
-            let (mut lo, mut hi) = (x0 as f32 + 0.5 - a.x, x1 as f32 - 0.5 - a.x);
-            let mut clip = |slope: f32, at: f32| {
+            let [seen_from, seen_to] = self.seen.spans[y / TILE];
+            let (x0, x1) = (x0.max(seen_from), x1.min(seen_to));
+            let (mut lo, mut hi) = (x0 as f32 - a.x, x1 as f32 - 0.5 - a.x);
+            for ((slope, down, offset), inverse) in edges.into_iter().zip(inverse) {
                 // slope * dx + at >= 0
+                let at = offset + down * dy;
+                let cut = at * inverse;
                 if slope > 0.0 {
-                    lo = lo.max(-at / slope);
+                    lo = if cut > lo { cut } else { lo };
                 } else if slope < 0.0 {
-                    hi = hi.min(-at / slope);
+                    hi = if cut < hi { cut } else { hi };
                 } else if at < 0.0 {
                     hi = f32::NEG_INFINITY;
                 }
-            };
-            clip(bx, by * dy);
-            clip(cx, cy * dy);
-            clip(-bx - cx, 1.0 - (by + cy) * dy);
+            }
             if lo > hi {
                 continue;
             }
             let from = (lo + a.x + 0.5).max(x0 as f32) as usize;
             let to = ((hi + a.x + 0.5).max(0.0) as usize).min(x1);
-            let mut z = a.z + zy * dy + zx * (from as f32 + 0.5 - a.x);
-            for texel in row.get_mut(from..to).into_iter().flatten() {
-                if z > *texel {
-                    *texel = z;
-                }
-                z += zx;
+            let first = a.z + zy * dy + zx * (from as f32 + 0.5 - a.x);
+            for (texel, i) in self.height[y * SIZE..][..SIZE].get_mut(from..to).into_iter().flatten().zip(0_i32..) {
+                let z = first + zx * i as f32;
+                *texel = if z > *texel { z } else { *texel };
             }
         }
     }

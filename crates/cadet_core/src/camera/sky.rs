@@ -1,7 +1,11 @@
 //! The sun, the sky and the light that falls from them: linear RGB, in units in which a white matt surface square to
 //! the clear sun shines with about 1.
 
+use super::look::Rays;
+use super::noise::MIDDLE_PX;
+use super::paint::BAND;
 use super::pattern::fbm;
+use super::shade::Light;
 use crate::math::{self, Vec3};
 use crate::weather::Weather;
 
@@ -81,13 +85,10 @@ impl Sky {
     }
 
     /// Smooth radiance of the sky without clouds' edges or the sun's disk; below the horizon, of the ground.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn radiance(&self, direction: Vec3) -> Vec3 {
         let up = direction.z;
-        if up < 0.0 {
-            return self.ground;
-        }
         let low = 1.0 - up;
         let low2 = low * low;
         let gradient = self.zenith + (self.horizon - self.zenith) * (low2 * low2);
@@ -96,7 +97,13 @@ impl Sky {
         let clear = gradient + self.glow * (q2 * (0.55 + 0.45 * q2));
         let gray = (self.zenith.y + self.horizon.y) * (0.36 + 0.30 * up);
         let covered = Vec3::new(gray * 0.985, gray, gray * 1.03);
-        clear + (covered - clear) * self.overcast
+        let sky = clear + (covered - clear) * self.overcast;
+        let is_up = up >= 0.0;
+        Vec3::new(
+            if is_up { sky.x } else { self.ground.x },
+            if is_up { sky.y } else { self.ground.y },
+            if is_up { sky.z } else { self.ground.z },
+        )
     }
 
     /// The sky as the camera sees it: with clouds.
@@ -119,14 +126,19 @@ impl Sky {
         base + (white - base).max(Vec3::ZERO) * cover
     }
 
-    /// Light of sky and ground on a surface in the open, by its unit normal.
-    #[inline]
+    /// Light of sky and ground on a surface, by its unit normal and its openness.
+    #[inline(always)]
     #[must_use]
     pub fn ambient(&self, normal: Vec3, open: &[f32; 6]) -> Vec3 {
-        let n2 = normal * normal;
-        let side = |v: f32, base: usize| base + usize::from(v < 0.0);
-        let (x, y, z) = (side(normal.x, 0), side(normal.y, 2), side(normal.z, 4));
-        self.cube[x] * (n2.x * open[x]) + self.cube[y] * (n2.y * open[y]) + self.cube[z] * (n2.z * open[z])
+        // Of each axis the half that the normal faces; the other one counts nothing.
+        let square = |v: f32| v.max(0.0) * v.max(0.0);
+        let n = normal;
+        self.cube[0] * (square(n.x) * open[0])
+            + self.cube[1] * (square(-n.x) * open[1])
+            + self.cube[2] * (square(n.y) * open[2])
+            + self.cube[3] * (square(-n.y) * open[3])
+            + self.cube[4] * (square(n.z) * open[4])
+            + self.cube[5] * (square(-n.z) * open[5])
     }
 
     /// Cosine-weighted mean radiance about a normal, by a fixed spiral of directions.
@@ -142,6 +154,82 @@ impl Sky {
         }
         sum * (4.0 / N as f32)
     }
+}
+
+/// The sky in the image, row by row, from a coarse lattice: clouds are smooth over so few pixels.
+pub struct SkyRows {
+    /// Points of the lattice along a row.
+    points: usize,
+    /// Rows of the lattice, made when they are asked for.
+    lattice: Vec<Vec<Vec3>>,
+    /// Interleaved colours of the pixels of a band's rows, and which rows they are.
+    colors: [Vec<f32>; BAND],
+    rows: [usize; BAND],
+}
+
+impl SkyRows {
+    /// Pixels between the lattice's points.
+    const STEP: usize = 4;
+
+    /// No row yet.
+    #[must_use]
+    pub fn new(width: usize, height: usize) -> Self {
+        Self {
+            points: width / Self::STEP + 2,
+            lattice: vec![Vec::new(); height / Self::STEP + 2],
+            colors: std::array::from_fn(|_| vec![0.0; width * 3]),
+            rows: [usize::MAX; BAND],
+        }
+    }
+
+    /// The colour of a pixel. Rows are best asked for band by band.
+    #[inline]
+    pub fn at(&mut self, column: usize, row: usize, rays: &Rays, light: &Light) -> [f32; 3] {
+        if row != self.rows[row % BAND] {
+            self.fill(row, rays, light);
+        }
+        let rgb = &self.colors[row % BAND][column * 3..column * 3 + 3];
+        [rgb[0], rgb[1], rgb[2]]
+    }
+
+    #[cold]
+    fn fill(&mut self, row: usize, rays: &Rays, light: &Light) {
+        self.rows[row % BAND] = row;
+        let v = row as f32 + MIDDLE_PX;
+        let (above, share) = (row / Self::STEP, (row % Self::STEP) as f32 / Self::STEP as f32);
+        for line in [above, above + 1] {
+            if self.lattice[line].is_empty() {
+                let v = (line * Self::STEP) as f32 + MIDDLE_PX;
+                let at = |k: usize| exact(rays, light, (k * Self::STEP) as f32 + MIDDLE_PX, v);
+                self.lattice[line] = (0..self.points).map(at).collect();
+            }
+        }
+        let (a, b) = (&self.lattice[above], &self.lattice[above + 1]);
+        let colors = &mut self.colors[row % BAND];
+        for (k, some) in colors.chunks_mut(3 * Self::STEP).enumerate() {
+            let (from, to) = (a[k] + (b[k] - a[k]) * share, a[k + 1] + (b[k + 1] - a[k + 1]) * share);
+            let slope = (to - from) * (1.0 / Self::STEP as f32);
+            for (i, pixel) in some.chunks_exact_mut(3).enumerate() {
+                pixel.copy_from_slice(&(from + slope * i as f32).to_array());
+            }
+        }
+        // The lattice is too coarse for the edge at the horizon.
+        for (column, pixel) in colors.chunks_exact_mut(3).enumerate() {
+            let u = column as f32 + MIDDLE_PX;
+            if rays.direction(u, v).z < 0.015 && rays.direction(u, v).z > -0.015 {
+                pixel.copy_from_slice(&exact(rays, light, u, v).to_array());
+            }
+        }
+    }
+}
+
+/// The sky's radiance in an image point.
+fn exact(rays: &Rays, light: &Light, u: f32, v: f32) -> Vec3 {
+    let view_world = rays.direction(u, v).normalize();
+    let radiance = light.sky.visible_radiance(view_world);
+    // Fog hides the sky as it hides what is far.
+    let fog = light.extinction_per_m > 0.004;
+    if fog { light.through_air(radiance, view_world, 400.0) } else { radiance }
 }
 
 #[cfg(test)]

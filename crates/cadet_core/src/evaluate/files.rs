@@ -57,6 +57,6 @@ mod tests {
             assert_eq!(error.to_string(), "/no/such/000000.txt: no such file");
         }
         let none = read_files(Path::new("/no/such"), &[None, None], |_, _| Ok(vec![1])).unwrap();
-        assert_eq!(none, [Vec::new(), Vec::new()]);
+        assert_eq!(none, [Vec::<i32>::new(), Vec::new()]);
     }
 }

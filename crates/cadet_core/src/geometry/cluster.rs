@@ -1,5 +1,6 @@
 //! Small groups of neighbouring faces, for rejecting many triangles with one question.
 
+use super::lanes::{Lanes, lanes_of};
 use super::mesh::Bounds;
 use crate::math::Vec3;
 
@@ -15,9 +16,10 @@ pub struct Cluster {
     pub radius_m: f32,
     /// Bit s is set where a face has material slot s; bit 63 stands for 63 and above.
     pub slots: u64,
-    /// The mesh's vertices that the faces use.
-    pub vertices: Vec<u32>,
-    /// Corners of each face, as indices into `vertices`.
+    /// The places of the faces' corners, local coordinates by eights. Vertices that differ in their normals alone share
+    /// one.
+    pub lanes: Vec<Lanes>,
+    /// Corners of each face, as indices into `lanes`.
     pub corners: Vec<[u8; 3]>,
     /// The mesh's index of each face.
     pub faces: Vec<u32>,
@@ -51,20 +53,34 @@ fn spread(x: f32) -> u64 {
 }
 
 fn cluster(vertices: &[Vec3], faces: &[[u32; 3]], slots: &[u8], chunk: &[(u64, u32)]) -> Cluster {
-    let mut used: Vec<u32> = chunk.iter().flat_map(|(_, f)| faces[*f as usize]).collect();
-    used.sort_unstable();
-    used.dedup();
-    let place = |i: u32| used.partition_point(|u| *u < i) as u8;
-    let bounds = Bounds::of(used.iter().map(|i| vertices[*i as usize]));
-    let center = bounds.center();
-    let radius = used.iter().map(|i| vertices[*i as usize].distance(center)).fold(0.0, f32::max);
+    // The corners in the order of their places, x, y and z as bits: what shares a place stands together.
+    let key = |i: u32, corner: u128| {
+        let [x, y, z] = vertices[i as usize].to_array().map(|v| u128::from(v.to_bits()));
+        x << 96 | y << 64 | z << 32 | corner
+    };
+    let corners = chunk.iter().flat_map(|(_, f)| faces[*f as usize]);
+    let mut keys: Vec<u128> = corners.zip(0..).map(|(i, corner)| key(i, corner)).collect();
+    keys.sort_unstable();
+    let mut points: Vec<Vec3> = Vec::with_capacity(keys.len());
+    let mut places = [[0; 3]; CLUSTER_FACES];
+    let mut last = None;
+    for key in keys {
+        if last != Some(key >> 32) {
+            last = Some(key >> 32);
+            points.push(Vec3::from_array([key >> 96, key >> 64, key >> 32].map(|bits| f32::from_bits(bits as u32))));
+        }
+        let corner = key as u32 as usize;
+        places[corner / 3][corner % 3] = (points.len() - 1) as u8;
+    }
+    let center = Bounds::of(points.iter().copied()).center();
+    let radius = points.iter().map(|p| p.distance(center)).fold(0.0, f32::max);
     Cluster {
         center,
         radius_m: radius * 1.000_01 + 1e-6,
         slots: chunk.iter().fold(0, |bits, (_, f)| bits | slot_bit(slots[*f as usize])),
-        corners: chunk.iter().map(|(_, f)| faces[*f as usize].map(place)).collect(),
+        corners: places[..chunk.len()].to_vec(),
         faces: chunk.iter().map(|(_, f)| *f).collect(),
-        vertices: used,
+        lanes: lanes_of(&points),
     }
 }
 
@@ -86,11 +102,10 @@ mod tests {
             assert!(c.faces.len() <= CLUSTER_FACES && c.faces.len() == c.corners.len());
             for (face, corners) in c.faces.iter().zip(&c.corners) {
                 seen[*face as usize] += 1;
-                assert_eq!(corners.map(|k| c.vertices[usize::from(k)]), mesh.faces[*face as usize]);
+                let point = |k: u8| Vec3::from_array(c.lanes[usize::from(k) / 8].map(|axis| axis[usize::from(k) % 8]));
+                assert_eq!(corners.map(point), mesh.faces[*face as usize].map(|v| mesh.vertices[v as usize]));
+                assert!(corners.iter().all(|k| point(*k).distance(c.center) <= c.radius_m));
                 assert!(c.slots & slot_bit(mesh.slots[*face as usize]) != 0);
-            }
-            for v in &c.vertices {
-                assert!(mesh.vertices[*v as usize].distance(c.center) <= c.radius_m);
             }
         }
         assert!(seen.iter().all(|n| *n == 1));

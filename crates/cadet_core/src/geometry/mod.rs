@@ -1,9 +1,11 @@
 //! Meshes and the small geometry that everything shares.
 
 mod cluster;
+mod lanes;
 mod mesh;
 mod mesh_builder;
 
 pub use cluster::{CLUSTER_FACES, Cluster, clusters_of, slot_bit};
+pub use lanes::{LANES, Lanes, lanes_of};
 pub use mesh::{Bounds, LodSet, Mesh};
 pub use mesh_builder::MeshBuilder;

@@ -137,6 +137,7 @@ mod tests {
             size_lwh: DVec3::new(4.0, 1.6, 1.5),
             world_from_box: frames::upright(position, yaw),
             velocity_world: DVec3::ZERO,
+            angular_velocity_world: DVec3::ZERO,
         }
     }
 

@@ -3,8 +3,6 @@
 use crate::camera::CameraModel;
 use crate::math::DVec3;
 
-use super::labeler::ImageBuffers;
-
 /// Which corners are in view and not hidden.
 ///
 /// A corner is hidden where all four diagonal neighbours in the depth map are nearer than it by more than
@@ -13,7 +11,7 @@ use super::labeler::ImageBuffers;
 pub(super) fn visible_corners(
     corners_cam: &[DVec3; 8],
     camera: &CameraModel,
-    buffers: &ImageBuffers<'_>,
+    depth: &[f32],
     tolerance_m: f64,
 ) -> [bool; 8] {
     corners_cam.map(|corner| {
@@ -25,8 +23,10 @@ pub(super) fn visible_corners(
             return false;
         }
         let neighbors = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
-        neighbors.into_iter().map(|(du, dv)| (u + du, v + dv)).filter(|(u, v)| inside(*u, *v)).any(|(u, v)| {
-            f64::from(buffers.depth[v as usize * camera.width + u as usize]) >= pixel.depth_m - tolerance_m
-        })
+        neighbors
+            .into_iter()
+            .map(|(du, dv)| (u + du, v + dv))
+            .filter(|(u, v)| inside(*u, *v))
+            .any(|(u, v)| f64::from(depth[v as usize * camera.width + u as usize]) >= pixel.depth_m - tolerance_m)
     })
 }

@@ -1,14 +1,14 @@
 //! Decides what gets a label, what becomes DontCare and what is left out.
 
 use crate::actor::{ActorState, ObjectClass};
-use crate::camera::CameraModel;
+use crate::camera::{CameraModel, Seen};
 use crate::error::{Error, Result};
 use crate::math::{DPose3, DVec3};
-use crate::sense::PosedScene;
+use crate::sense::{PosedScene, VisibilityBuffer};
 
 use super::box_cam::{BoxCam, Rect, truncation};
 use super::corners::visible_corners;
-use super::silhouette::{SUPERSAMPLING, silhouette};
+use super::silhouette::{ActorInstances, SUPERSAMPLING, silhouette};
 
 /// How occlusion is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -89,15 +89,6 @@ impl LabelConfig {
         }
         Ok(self)
     }
-}
-
-/// What the camera saw, as the labels need it.
-#[derive(Debug, Clone, Copy)]
-pub struct ImageBuffers<'a> {
-    /// Depth along the optical axis at each pixel's centre, row-major, infinite for sky.
-    pub depth: &'a [f32],
-    /// Actor id at each of the 2 x 2 samples of a pixel: (2 height) x (2 width), row-major.
-    pub super_instance: &'a [i32],
 }
 
 /// One line of a label file.
@@ -191,17 +182,22 @@ pub fn label_actors(
     scene: &PosedScene,
     camera: &CameraModel,
     world_from_cam: &DPose3,
-    buffers: ImageBuffers<'_>,
+    seen: &Seen,
 ) -> Vec<Labeled> {
     let cam_from_world = world_from_cam.inverse();
     let mut labels = Vec::new();
+    // By default what is hidden altogether gets nothing.
+    let even_if_hidden = config.min_visible_fraction == 0.0 || config.dontcare_min_pixels == 0.0;
+    let instances = ActorInstances::new(scene);
+    let mut buffer = VisibilityBuffer::default();
     for actor in actors {
         let Some((box_cam, whole, bbox)) = in_image(actor, camera, &cam_from_world) else { continue };
-        let outline = silhouette(scene, actor.id, camera, world_from_cam, buffers.super_instance);
+        let outline =
+            silhouette(scene, &instances, actor.id, camera, world_from_cam, seen, even_if_hidden, &mut buffer);
         let visible_fraction =
             if outline.samples == 0 { 0.0 } else { outline.visible_samples as f64 / outline.samples as f64 };
         let visible_pixels = outline.visible_samples as f64 / (SUPERSAMPLING * SUPERSAMPLING) as f64;
-        let corner_visible = visible_corners(&box_cam.corners_cam(), camera, &buffers, config.corner_tolerance_m);
+        let corner_visible = visible_corners(&box_cam.corners_cam(), camera, &seen.depth, config.corner_tolerance_m);
         let hidden_corners = corner_visible.iter().filter(|v| !**v).count();
         let in_reach = config.is_near_enough(&box_cam, &bbox) && visible_fraction >= config.min_visible_fraction;
         let occluded = match config.method {

@@ -7,7 +7,5 @@ mod road_plane;
 mod silhouette;
 
 pub use box_cam::{BoxCam, Rect};
-pub use labeler::{
-    ImageBuffers, Label, LabelConfig, Labeled, ObjectMeta, OcclusionMethod, count_points, label_actors, may_label,
-};
+pub use labeler::{Label, LabelConfig, Labeled, ObjectMeta, OcclusionMethod, count_points, label_actors, may_label};
 pub use road_plane::road_plane_cam;

@@ -1,8 +1,8 @@
 //! An actor's outline alone, as the camera would see it with nothing else in the world.
 
-use crate::camera::CameraModel;
+use crate::camera::{CameraModel, Seen};
 use crate::math::{DPose3, DVec3};
-use crate::sense::{Hits, Layer, PinholeGrid, PosedScene, cast};
+use crate::sense::{PinholeGrid, PosedInstance, PosedScene, VisibilityBuffer, draw_instances};
 
 use super::box_cam::Rect;
 
@@ -20,16 +20,42 @@ pub(super) struct Silhouette {
     pub bounds: Option<Rect>,
 }
 
-/// Casts the actor alone over the part of the supersampled image that its vertices cover.
+/// The instances of every actor, by the actor's id.
+pub(super) struct ActorInstances(Vec<(i32, usize)>);
+
+impl ActorInstances {
+    pub fn new(scene: &PosedScene) -> Self {
+        let actors = scene.instances.iter().enumerate().filter(|(_, i)| i.actor_id > 0);
+        let mut pairs: Vec<_> = actors.map(|(index, i)| (i.actor_id, index)).collect();
+        pairs.sort_unstable();
+        Self(pairs)
+    }
+
+    /// Indices into [`PosedScene::instances`], rising.
+    fn of(&self, actor_id: i32) -> impl Iterator<Item = usize> {
+        let start = self.0.partition_point(|(id, _)| *id < actor_id);
+        self.0[start..].iter().take_while(move |(id, _)| *id == actor_id).map(|(_, index)| *index)
+    }
+}
+
+/// Draws the actor alone over the part of the supersampled image that its bounds cover; of an actor of which nothing is
+/// seen only if `even_if_hidden`.
 pub(super) fn silhouette(
     scene: &PosedScene,
+    instances: &ActorInstances,
     actor_id: i32,
     camera: &CameraModel,
     world_from_cam: &DPose3,
-    super_instance: &[i32],
+    seen: &Seen,
+    even_if_hidden: bool,
+    buffer: &mut VisibilityBuffer,
 ) -> Silhouette {
-    let empty = Silhouette { samples: 0, visible_samples: 0, bounds: None };
-    let Some([u1, v1, u2, v2]) = vertex_bounds(scene, actor_id, camera, world_from_cam) else { return empty };
+    let mut found = Silhouette { samples: 0, visible_samples: 0, bounds: None };
+    let Some([u1, v1, u2, v2]) =
+        pixel_bounds(instances.of(actor_id).map(|i| &scene.instances[i]), camera, world_from_cam)
+    else {
+        return found;
+    };
     // Sample (r, c) of the image lies at v = r / n, u = c / n.
     let n = SUPERSAMPLING as f64;
     let (width, height) = (camera.width * SUPERSAMPLING, camera.height * SUPERSAMPLING);
@@ -38,55 +64,83 @@ pub(super) fn silhouette(
     let hi = |p: f64, end: usize| (to_sample(p).ceil() + 1.0).clamp(0.0, end as f64) as usize;
     let (c1, c2, r1, r2) = (lo(u1), hi(u2, width), lo(v1), hi(v2, height));
     if c1 >= c2 || r1 >= r2 {
-        return empty;
+        return found;
+    }
+    found.visible_samples = seen.samples_of_actor(actor_id, r1..r2, c1..c2);
+    if found.visible_samples == 0 && !even_if_hidden {
+        return found;
     }
     let from_sample = |i: usize| i as f64 / n;
     let (rows, columns) = (r2 - r1, c2 - c1);
     let window = [from_sample(c1), from_sample(r1), 1.0 / n, 1.0 / n];
     let grid = PinholeGrid::new(camera.optical_pose(world_from_cam), camera.intrinsics(), window, rows, columns)
         .expect("a checked camera and a window that is not empty");
-    let mut hits = Hits::new(rows, columns);
-    cast(scene, &grid, Layer::All, |i| i.actor_id == actor_id, &mut hits);
-    let mut found = empty;
+    draw_instances(scene, &grid, instances.of(actor_id), buffer);
+    let (mut of_rows, mut of_columns) = (rows..0, columns..0);
     for r in 0..rows {
-        for c in 0..columns {
-            if hits.instance[r * columns + c] == u32::MAX {
-                continue;
-            }
-            found.samples += 1;
-            if super_instance[(r1 + r) * width + c1 + c] == actor_id {
-                found.visible_samples += 1;
-            }
-            let (u, v) = (from_sample(c1 + c), from_sample(r1 + r));
-            let b = found.bounds.unwrap_or(Rect { u1: u, v1: v, u2: u, v2: v });
-            found.bounds = Some(Rect { u1: b.u1.min(u), v1: b.v1.min(v), u2: b.u2.max(u), v2: b.v2.max(v) });
+        let (count, span) = buffer.covered(r);
+        if count > 0 {
+            found.samples += count;
+            of_rows = of_rows.start.min(r)..r + 1;
+            of_columns = of_columns.start.min(span.start)..of_columns.end.max(span.end);
         }
+    }
+    if found.samples > 0 {
+        let (u, v) = (|c: usize| from_sample(c1 + c), |r: usize| from_sample(r1 + r));
+        let (u1, u2) = (u(of_columns.start), u(of_columns.end - 1));
+        found.bounds = Some(Rect { u1, v1: v(of_rows.start), u2, v2: v(of_rows.end - 1) });
     }
     found
 }
 
-/// Pixels that the actor's vertices span; the whole image where some are beside or behind the camera.
-fn vertex_bounds(scene: &PosedScene, actor_id: i32, camera: &CameraModel, world_from_cam: &DPose3) -> Option<[f64; 4]> {
+/// Pixels that hold what of the instances' bounds lies in front of the camera; infinite on a side where they reach
+/// beside it. `None` behind.
+fn pixel_bounds<'a>(
+    instances: impl Iterator<Item = &'a PosedInstance>,
+    camera: &CameraModel,
+    world_from_cam: &DPose3,
+) -> Option<[f64; 4]> {
     let cam_from_world = world_from_cam.inverse();
     let mut bounds: Option<[f64; 4]> = None;
-    let (mut any_behind, mut any_in_front) = (false, false);
-    for instance in scene.instances.iter().filter(|i| i.actor_id == actor_id) {
-        for vertex in &scene.vertices_world[instance.vertices.clone()] {
-            let p: DVec3 = cam_from_world.rotation * vertex.as_dvec3() + cam_from_world.translation;
-            match camera.project(p).filter(|_| p.z > 0.05) {
-                Some(pixel) => {
-                    any_in_front = true;
-                    let (u, v) = (pixel.uv.x, pixel.uv.y);
-                    let b = bounds.unwrap_or([u, v, u, v]);
-                    bounds = Some([b[0].min(u), b[1].min(v), b[2].max(u), b[3].max(v)]);
+    for instance in instances {
+        // Homogeneous pixels: affine in the point.
+        let corners = corners_world(instance)
+            .map(|corner| camera.homogeneous(cam_from_world.rotation * corner + cam_from_world.translation));
+        if corners.iter().all(|h| h.z <= 0.0) {
+            continue;
+        }
+        let [mut u1, mut v1, mut u2, mut v2] =
+            bounds.unwrap_or([f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY]);
+        let mut widen = |u: f64, v: f64| {
+            (u1, v1, u2, v2) = (u1.min(u), v1.min(v), u2.max(u), v2.max(v));
+        };
+        for (i, a) in corners.iter().enumerate() {
+            if a.z > 0.0 {
+                widen(a.x / a.z, a.y / a.z);
+            }
+            // Where an edge of the box crosses the plane of the camera, its image runs to infinity.
+            for b in (0..3).filter(|axis| i >> axis & 1 == 0).map(|axis| corners[i | 1 << axis]) {
+                if (a.z > 0.0) != (b.z > 0.0) {
+                    let at = a.truncate() + (b - a).truncate() * (a.z / (a.z - b.z));
+                    let least = |p: f64| if p > 0.0 { f64::INFINITY } else { f64::NEG_INFINITY };
+                    let most = |p: f64| if p < 0.0 { f64::NEG_INFINITY } else { f64::INFINITY };
+                    widen(least(at.x), least(at.y));
+                    widen(most(at.x), most(at.y));
                 }
-                None => any_behind = true,
             }
         }
+        bounds = Some([u1, v1, u2, v2]);
     }
-    match (any_in_front, any_behind) {
-        (false, _) => None,
-        (true, true) => Some([0.0, 0.0, camera.width as f64, camera.height as f64]),
-        (true, false) => bounds,
-    }
+    bounds
+}
+
+/// The corners of a box round an instance, widened by what rounding vertices to single precision may move them.
+fn corners_world(instance: &PosedInstance) -> [DVec3; 8] {
+    let bounds = &instance.mesh.bounds;
+    let (center, half) = (bounds.center().as_dvec3(), bounds.size().as_dvec3() * 0.5 + 1e-3);
+    std::array::from_fn(|i| {
+        let side = |axis: usize| if i >> axis & 1 == 1 { 1.0 } else { -1.0 };
+        let local = center + half * DVec3::new(side(0), side(1), side(2));
+        instance.placement.rotation * local + instance.placement.translation
+    })
 }

@@ -1,11 +1,25 @@
 //! The LIDAR: sensor specifications, beams and returns.
 
 mod air;
+mod casting;
+mod catalogue;
+mod firing;
+mod hdl64e;
+mod order;
 mod presets;
+mod receiver;
+mod reflection;
+mod response;
 mod returns;
 mod scan;
 mod spec;
+mod spread;
+mod surfaces;
+mod turning;
 
+pub use air::{Fate, Weathered, weather_recorded};
+pub use firing::Firing;
 pub use presets::PRESETS;
-pub use scan::{IdealScan, Scan, ideal_scan, scan};
-pub use spec::{LidarSpec, Rays};
+pub use scan::{IdealScan, Scan, ideal_scan, scan, turning_scan};
+pub use spec::{BlindSector, LidarSpec, Rays, ReturnMode};
+pub use turning::{TURN_S, Turning, firing_time_s};

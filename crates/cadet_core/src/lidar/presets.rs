@@ -1,13 +1,13 @@
 //! Sensors by name.
 
+use super::firing::Firing;
+use super::hdl64e;
 use super::spec::LidarSpec;
 use crate::error::{Error, Result};
-use crate::math::TAU;
-use crate::rng::Stream;
 use crate::sense::TurretRing;
 
 /// The names that [`LidarSpec::preset`] knows.
-pub const PRESETS: [&str; 3] = ["hdl64e_kitti", "hdl64e_uniform", "cadet"];
+pub const PRESETS: [&str; 7] = ["hdl64e_kitti", "hdl64e_uniform", "cadet", "hdl32e", "vlp16", "os1_64", "os1_128"];
 
 /// (elevation in degrees, height of the laser's origin in metres) of KITTI's HDL-64E, from the top ring down; fitted to
 /// its scans with a median residual of 0.25 mm.
@@ -31,31 +31,30 @@ const HDL64E: [(f64, f64); 64] = [
     (-23.322, 0.1169), (-23.971, 0.1166), (-24.507, 0.1163), (-24.999, 0.1161),
 ];
 
-/// Rings whose receivers are weak or strong, as the share of zero intensities in KITTI's scans shows.
-const WEAK_RINGS: [usize; 4] = [15, 21, 36, 51];
-const STRONG_RINGS: [usize; 4] = [23, 33, 34, 35];
-
 impl LidarSpec {
     /// The HDL-64E of KITTI's car: each laser at its own height, azimuths on the ticks of the encoder
-    /// (0.09 degrees, of which a firing takes 1.8587): 2,152 columns, 137,728 beams.
+    /// (0.09 degrees, of which a firing takes 1.8587): 2,152 columns, 137,728 beams, 6 % of which KITTI's car hides.
     #[must_use]
     pub fn hdl64e_kitti() -> Self {
-        let tick = TAU / 4000.0;
-        let azimuths = (0..2152).map(|j| (1.8587 * f64::from(j)).floor() * tick).collect();
-        hdl64e("hdl64e_kitti", hdl64e_rings(), azimuths)
+        let firing =
+            Firing::Encoder { ticks_per_turn: 4000, ticks_per_firing: 1.8587, phase_ticks: 0.0, firings: 2152 };
+        let mut spec = hdl64e_spec("hdl64e_kitti", firing);
+        spec.blind_sectors = hdl64e::car();
+        spec
     }
 
     /// The HDL-64E's elevations from one origin and 2,083 equal azimuth steps: 133,312 beams, the benchmark's scan.
     #[must_use]
     pub fn hdl64e_uniform() -> Self {
-        hdl64e("hdl64e_uniform", hdl64e_rings(), equal_steps(2083)).single_origin().renamed("hdl64e_uniform")
+        hdl64e_spec("hdl64e_uniform", Firing::Uniform { columns: 2083 }).single_origin().renamed("hdl64e_uniform")
     }
 
     /// The LIDAR of the 2019 paper: 40 beams from +7 to -16 degrees out of one origin, 720,000 beams a second at 10 Hz.
     #[must_use]
     pub fn cadet() -> Self {
-        let ring = |k: usize| TurretRing { elevation_rad: (7.0 - 23.0 * k as f64 / 39.0).to_radians(), height_m: 0.0 };
-        Self::new("cadet", (0..40).map(ring).collect(), equal_steps(1800)).expect("a valid preset")
+        let ring = |k: usize| TurretRing::on_axis((7.0 - 23.0 * k as f64 / 39.0).to_radians(), 0.0);
+        Self::with_firing("cadet", (0..40).map(ring).collect(), Firing::Uniform { columns: 1800 })
+            .expect("a valid preset")
     }
 
     /// The preset of that name.
@@ -67,35 +66,39 @@ impl LidarSpec {
             "hdl64e_kitti" => Ok(Self::hdl64e_kitti()),
             "hdl64e_uniform" => Ok(Self::hdl64e_uniform()),
             "cadet" => Ok(Self::cadet()),
+            "hdl32e" => Ok(Self::hdl32e()),
+            "vlp16" => Ok(Self::vlp16()),
+            "os1_64" => Ok(Self::os1_64()),
+            "os1_128" => Ok(Self::os1_128()),
             _ => Err(Error::Unknown { what: "lidar", name: name.to_owned(), known: PRESETS.join(", ") }),
         }
     }
 }
 
+/// How far beside the axis KITTI's lasers sit: even rings to the right, odd ones to the left. With it all azimuths of its
+/// scans lie on ticks of the encoder, up to the rounding of coordinates and a constant of each laser.
+const HDL64E_LEFT_M: f64 = 0.026;
+
 fn hdl64e_rings() -> Vec<TurretRing> {
-    HDL64E.map(|(degrees, height_m)| TurretRing { elevation_rad: degrees.to_radians(), height_m }).to_vec()
+    let left_m = |ring: usize| if ring.is_multiple_of(2) { -HDL64E_LEFT_M } else { HDL64E_LEFT_M };
+    let ring = |(ring, (degrees, height_m)): (usize, (f64, f64))| TurretRing {
+        elevation_rad: degrees.to_radians(),
+        height_m,
+        left_m: left_m(ring),
+    };
+    HDL64E.into_iter().enumerate().map(ring).collect()
 }
 
-fn hdl64e(name: &str, rings: Vec<TurretRing>, azimuths_rad: Vec<f64>) -> LidarSpec {
-    let mut spec = LidarSpec::new(name, rings, azimuths_rad).expect("a valid preset");
-    let mut stream = Stream::from_seed("hdl64e laser gains", 0);
-    spec.laser_gains = (0..64)
-        .map(|ring| match ring {
-            _ if WEAK_RINGS.contains(&ring) => 0.45,
-            _ if STRONG_RINGS.contains(&ring) => 1.3,
-            _ => stream.clipped_normal(1.0, 0.12),
-        })
-        .collect();
+fn hdl64e_spec(name: &str, firing: Firing) -> LidarSpec {
+    let mut spec = LidarSpec::with_firing(name, hdl64e_rings(), firing).expect("a valid preset");
+    spec.laser_gains = hdl64e::GAINS.to_vec();
     spec
-}
-
-fn equal_steps(columns: usize) -> Vec<f64> {
-    (0..columns).map(|j| j as f64 * TAU / columns as f64).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::TAU;
 
     #[test]
     fn beams_are_counted_as_the_sensors_do() {
@@ -116,7 +119,7 @@ mod tests {
         for name in PRESETS {
             assert_eq!(LidarSpec::preset(name).expect(name).name(), name);
         }
-        let text = LidarSpec::preset("hdl32e").expect_err("unknown").to_string();
-        assert!(text.contains("hdl32e") && text.contains("hdl64e_kitti"), "{text}");
+        let text = LidarSpec::preset("hdl16").expect_err("unknown").to_string();
+        assert!(text.contains("hdl16") && text.contains("hdl64e_kitti"), "{text}");
     }
 }

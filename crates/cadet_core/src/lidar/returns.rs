@@ -1,11 +1,11 @@
-//! From what a beam meets to what the receiver reports: loss in glass, detection, intensity.
-//!
-//! Fitted to KITTI's scans: ranges are detected up to about 50 m on a surface of 10 % and beyond 80 m on foliage;
-//! intensity is compensated for range up to 30 m and falls off steeply beyond; half of a car's returns have intensity 0.
+//! From what a beam meets to what the receiver reports: which surface answers, and what glass and air leave of it.
 
-use super::air::Air;
+use super::air::{Air, Scatterer};
+use super::reflection::{fresnel, peak_share, reflectance};
+use super::response::{HEARD_POWER, intensity, is_heard, reading_noise, saturated};
+use super::spec::ReturnMode;
 use crate::material::{LidarMaterial, Material, Semantic};
-use crate::rng::Stream;
+use crate::rng::{Stream, nearly_normal};
 
 /// A surface in a beam's way.
 #[derive(Debug, Clone, Copy)]
@@ -29,12 +29,12 @@ pub(super) struct Return {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Draws {
     pane: f64,
-    detection: f64,
-    zero: f64,
-    air_chance: f64,
-    air_place: f64,
-    range_normal: f64,
-    gain_normal: f64,
+    pub(super) detection: f64,
+    pub(super) saturation: f64,
+    /// Names the beam to the air.
+    air_key: u64,
+    pub(super) range_normal: f64,
+    pub(super) gain_normal: f64,
 }
 
 impl Draws {
@@ -44,85 +44,112 @@ impl Draws {
         Self {
             pane: unit(a >> 32),
             detection: unit(a),
-            zero: unit(b >> 32),
-            air_chance: unit(b),
-            air_place: unit(c >> 32),
-            // The sum of four uniforms is normal enough (no tails beyond 3.5 standard deviations) and cheap.
+            saturation: unit(b >> 32),
+            air_key: b << 32 | c >> 32,
             range_normal: nearly_normal(d),
             gain_normal: nearly_normal(e),
         }
     }
 }
 
-fn nearly_normal(bits: u64) -> f64 {
-    let sum = (bits & 0xffff) + (bits >> 16 & 0xffff) + (bits >> 32 & 0xffff) + (bits >> 48);
-    (sum as f64 * (1.0 / 65_536.0) + 2.0 / 65_536.0 - 2.0) * 1.732_050_807_568_877_2
-}
-
-/// Power, in units of reflectance / range^2, that is detected half of the time.
-const DETECTION_POWER: f64 = 7e-5;
-/// Compensated reflectance whose intensity is reported as 0 half of the time.
-const ZERO_REFLECTANCE: f64 = 0.045;
-/// The receiver compensates for range up to here.
-const COMPENSATED_M: f64 = 30.0;
 /// Share of a pane's area that is dirty or printed enough to answer itself.
 const DIRTY_SHARE: f64 = 0.08;
 /// Reflectance of that dirt.
 const DIRT: LidarMaterial = LidarMaterial::diffuse(0.08);
+/// Standard deviation of the reading of a drop, a flake or fog.
+const AIR_NOISE: f64 = 0.05;
 /// Within 2.5 degrees of the normal a pane's mirror image hits the receiver.
 const GLINT_COS: f64 = 0.999;
 
-/// What the receiver reports for a beam that meets `pane` (a glass surface) and then `solid`; None for no return.
-pub(super) fn receive(
-    pane: Option<Surface<'_>>,
-    solid: Option<Surface<'_>>,
+/// What the receiver reports of an echo and of the air before it; None for no return.
+pub(super) fn report(
+    echo: Option<Echo>,
     air: &Air,
+    mode: ReturnMode,
     laser_gain: f64,
     range_noise_m: f64,
     draws: &Draws,
 ) -> Option<Return> {
-    let echo = first_echo(pane, solid, draws);
-    let (range_m, power) = echo.map_or((f64::INFINITY, 0.0), |e| {
-        let wet = if is_ground(e.semantic) { air.wet_ground } else { 1.0 };
-        let reflectance = e.reflectance * wet * air.transmittance(e.range_m);
-        (e.range_m, reflectance / (e.range_m * e.range_m))
-    });
-    if let Some(answer) = air.answers_first(range_m, power, draws.air_chance, draws.air_place) {
-        let intensity = intensity_of(answer.reflectance, answer.range_m, false, laser_gain, draws);
+    let (range_m, clear_power) = echo.map_or((f64::INFINITY, 0.0), |e| (e.range_m, clear_power(&e, air)));
+    let bright = echo.map_or(1.0, |e| brightness(&e));
+    let meeting = air.meet(range_m, clear_power * bright, draws.air_key);
+    let power = clear_power * meeting.transmittance;
+    let heard = |power: f64| is_heard(power * bright, draws.detection);
+    // The last echo that is heard is the target's, whatever stands before it.
+    if let Some(answer) = meeting.answer.filter(|_| mode == ReturnMode::Strongest || !heard(power)) {
+        // Fog answers in the place of a target, which must have been heard without it; a drop is heard by itself.
+        if answer.from == Scatterer::Fog && !heard(clear_power) {
+            return None;
+        }
+        let intensity = intensity(answer.reflectance, answer.range_m, laser_gain, AIR_NOISE * draws.gain_normal);
         return Some(Return { range_m: answer.range_m, intensity, actor_id: 0 });
     }
     let echo = echo?;
-    let ratio = power / DETECTION_POWER;
-    let odds = ratio * ratio * ratio;
-    if !echo.retro && draws.detection * (1.0 + odds) >= odds {
+    if !heard(power) {
         return None;
     }
     // A weak pulse's centre is less certain: up to half more noise at the limit of detection.
-    let noise_m = range_noise_m * (1.0 + 0.5 / (1.0 + ratio)) + air.range_noise_m(range_m);
-    Some(Return {
-        range_m: range_m + noise_m * draws.range_normal,
-        intensity: intensity_of(power * range_m * range_m, range_m, echo.retro, laser_gain, draws),
-        actor_id: echo.actor_id,
-    })
+    let noise_m = range_noise_m * (1.0 + 0.5 / (1.0 + power / HEARD_POWER))
+        + air.range_noise_m(clear_power * bright, meeting.transmittance);
+    let intensity = match echo.retro {
+        true => saturated(draws.saturation),
+        false => {
+            // Hearing goes by a pulse's energy, the reading by its peak.
+            let peak = power * range_m * range_m * peak_share(range_m, echo.cos_incidence);
+            intensity(peak, range_m, laser_gain, echo.reading_noise * draws.gain_normal)
+        }
+    };
+    Some(Return { range_m: range_m + noise_m * draws.range_normal, intensity, actor_id: echo.actor_id })
+}
+
+/// Power of an echo at the receiver were there nothing in the air, in units of reflectance / range^2.
+#[inline]
+pub(super) fn clear_power(echo: &Echo, air: &Air) -> f64 {
+    let is_ground = echo.semantic.is_ground();
+    let reflectance =
+        if is_ground { air.ground(echo.semantic, echo.reflectance, echo.cos_incidence) } else { echo.reflectance };
+    reflectance / (echo.range_m * echo.range_m)
+}
+
+/// What a retroreflector returns over what a white matt surface does: plates are heard at any range in clear air.
+#[inline]
+pub(super) fn brightness(echo: &Echo) -> f64 {
+    if echo.retro { 1e3 } else { 1.0 }
+}
+
+/// Power of an echo at the receiver, in units of reflectance / range^2, in the mean of what the air leaves of it.
+pub(super) fn echo_power(echo: &Echo, air: &Air) -> f64 {
+    clear_power(echo, air) * air.transmittance(echo.range_m)
+}
+
+/// Whether the receiver hears an echo; `detection` is uniform in [0, 1).
+pub(super) fn is_echo_heard(echo: &Echo, air: &Air, detection: f64) -> bool {
+    is_heard(echo_power(echo, air) * brightness(echo), detection)
 }
 
 /// The surface that answers, with the reflectance that is left after lobe and glass.
 #[derive(Debug, Clone, Copy)]
-struct Echo {
-    range_m: f64,
-    reflectance: f64,
-    retro: bool,
-    actor_id: i32,
-    semantic: Semantic,
+pub(super) struct Echo {
+    pub range_m: f64,
+    pub reflectance: f64,
+    pub cos_incidence: f64,
+    /// Standard deviation of its reading.
+    pub reading_noise: f64,
+    pub retro: bool,
+    pub actor_id: i32,
+    pub semantic: Semantic,
 }
 
-fn first_echo(pane: Option<Surface<'_>>, solid: Option<Surface<'_>>, draws: &Draws) -> Option<Echo> {
+/// What answers a beam that meets `pane` (a glass surface) and then `solid`.
+pub(super) fn first_echo(pane: Option<Surface<'_>>, solid: Option<Surface<'_>>, draws: &Draws) -> Option<Echo> {
     let pane = pane.filter(|p| solid.is_none_or(|s| p.range_m < s.range_m));
     let mut transmittance = 1.0;
     if let Some(pane) = pane {
         let own = |reflectance, retro| Echo {
             range_m: pane.range_m,
             reflectance,
+            cos_incidence: pane.cos_incidence,
+            reading_noise: reading_noise(pane.material.pattern),
             retro,
             actor_id: pane.actor_id,
             semantic: pane.material.semantic,
@@ -145,61 +172,18 @@ fn first_echo(pane: Option<Surface<'_>>, solid: Option<Surface<'_>>, draws: &Dra
     Some(Echo {
         range_m: solid.range_m,
         reflectance: reflectance(lidar, solid.cos_incidence) * transmittance,
+        cos_incidence: solid.cos_incidence,
+        reading_noise: reading_noise(solid.material.pattern),
         retro: lidar.retro && transmittance > 0.05,
         actor_id: solid.actor_id,
         semantic: solid.material.semantic,
     })
 }
 
-/// Both faces of a pane of n = 1.5: 8 % up to 40 degrees, 17 % at 60, 56 % at 80.
-fn fresnel(cos_incidence: f64) -> f64 {
-    let grazing = (1.0 - cos_incidence) * (1.0 - cos_incidence);
-    0.08 + 0.92 * grazing * grazing
-}
-
-/// Reflectance back to the sensor at an incidence angle.
-///
-/// Rough surfaces keep their brightness towards grazing angles (Lommel and Seeliger's law: asphalt looks the same from
-/// 4 m to 30 m); what the material's exponent adds to 1 makes a coat fall faster than Lambert.
-pub(super) fn reflectance(lidar: &LidarMaterial, cos_incidence: f64) -> f64 {
-    const ROUGH: f64 = 0.08;
-    let rough = (1.0 + ROUGH) * cos_incidence / (cos_incidence + ROUGH);
-    f64::from(lidar.reflectance) * rough * power(cos_incidence, f64::from(lidar.lobe_exponent) - 1.0)
-}
-
-/// `base^exponent` for base in 0..1, linear between whole exponents: cheap, and the same bits everywhere.
-fn power(base: f64, exponent: f64) -> f64 {
-    let exponent = exponent.clamp(0.0, 16.0);
-    let whole = exponent.floor();
-    let mut product = 1.0;
-    for _ in 0..whole as usize {
-        product *= base;
-    }
-    product * (1.0 - (exponent - whole) * (1.0 - base))
-}
-
-fn is_ground(semantic: Semantic) -> bool {
-    matches!(semantic, Semantic::Road | Semantic::RoadMarking | Semantic::Sidewalk)
-}
-
-/// Reported intensity in 0..0.99, not yet rounded.
-fn intensity_of(reflectance: f64, range_m: f64, retro: bool, laser_gain: f64, draws: &Draws) -> f64 {
-    let fall = (COMPENSATED_M / range_m).min(1.0);
-    let compensated = reflectance * laser_gain * fall * fall * fall * fall * fall.sqrt();
-    if retro {
-        return (0.99 - 0.02 * draws.zero) * if range_m < 60.0 { 1.0 } else { 0.6 };
-    }
-    let ratio = compensated / ZERO_REFLECTANCE;
-    // A floor of zeros on any surface: KITTI's best rings still report 5 %.
-    if draws.zero * (1.0 + ratio * ratio) < 1.0 + 0.03 * ratio * ratio {
-        return 0.0;
-    }
-    (0.46 * libm::cbrt(compensated) * (1.0 + 0.22 * draws.gain_normal)).clamp(0.01, 0.99)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lidar::LidarSpec;
     use crate::material::Pattern;
     use crate::weather::Weather;
 
@@ -207,19 +191,32 @@ mod tests {
         Surface { range_m, cos_incidence, material, actor_id }
     }
 
+    fn receive(
+        pane: Option<Surface<'_>>,
+        solid: Option<Surface<'_>>,
+        air: &Air,
+        laser_gain: f64,
+        range_noise_m: f64,
+        draws: &Draws,
+    ) -> Option<Return> {
+        report(first_echo(pane, solid, draws), air, ReturnMode::Strongest, laser_gain, range_noise_m, draws)
+    }
+
     fn clear() -> Air {
         Air::new(&Weather::preset("clear_noon").expect("exists"))
     }
 
-    /// Share of beams that return, share of zeros among them, mean intensity.
+    /// Share of beams that return, share of zeros among them, mean intensity, over all lasers of KITTI's sensor.
     fn statistics(pane: Option<Surface<'_>>, solid: Option<Surface<'_>>, air: &Air) -> (f64, f64, f64) {
         let mut stream = Stream::from_seed("returns", 1);
         let n = 20_000;
-        let all: Vec<Return> =
-            (0..n).filter_map(|_| receive(pane, solid, air, 1.0, 0.012, &Draws::new(&mut stream))).collect();
+        let gains = LidarSpec::hdl64e_kitti().laser_gains;
+        let all: Vec<Return> = (0..n)
+            .filter_map(|i| receive(pane, solid, air, gains[i % gains.len()], 0.012, &Draws::new(&mut stream)))
+            .collect();
         let count = all.len().max(1) as f64;
         let zeros = all.iter().filter(|r| r.intensity == 0.0).count() as f64 / count;
-        (all.len() as f64 / f64::from(n), zeros, all.iter().map(|r| r.intensity).sum::<f64>() / count)
+        (all.len() as f64 / n as f64, zeros, all.iter().map(|r| r.intensity).sum::<f64>() / count)
     }
 
     #[test]
@@ -230,9 +227,9 @@ mod tests {
         for (pick, mean, var) in [
             ((|d: &Draws| d.pane) as fn(&Draws) -> f64, 0.5, 1.0 / 12.0),
             (|d| d.detection, 0.5, 1.0 / 12.0),
-            (|d| d.zero, 0.5, 1.0 / 12.0),
-            (|d| d.air_chance, 0.5, 1.0 / 12.0),
-            (|d| d.air_place, 0.5, 1.0 / 12.0),
+            (|d| d.saturation, 0.5, 1.0 / 12.0),
+            (|d| (d.air_key >> 32) as f64 / 4_294_967_296.0, 0.5, 1.0 / 12.0),
+            (|d| (d.air_key & 0xffff_ffff) as f64 / 4_294_967_296.0, 0.5, 1.0 / 12.0),
             (|d| d.range_normal, 0.0, 1.0),
             (|d| d.gain_normal, 0.0, 1.0),
         ] {
@@ -244,18 +241,21 @@ mod tests {
 
     #[test]
     fn asphalt_foliage_and_facades_look_as_in_kitti() {
-        // (reflectance, cosine, range, returns, zeros, mean intensity): lower and upper limits.
+        use Pattern::{Asphalt, Leaves, Render};
+        // (pattern, reflectance, cosine, range, returns, zeros, mean intensity): lower and upper limits.
         let cases = [
-            (0.2, 0.15, 11.5, 0.97..=1.0, 0.04..=0.20, 0.19..=0.27),
-            (0.2, 0.28, 6.0, 0.97..=1.0, 0.04..=0.14, 0.19..=0.27),
-            (0.2, 0.08, 21.0, 0.90..=1.0, 0.04..=0.25, 0.16..=0.24),
-            (0.2, 0.043, 40.0, 0.10..=0.60, 0.75..=0.98, 0.0..=0.05),
-            (0.42, 0.6, 12.0, 0.99..=1.0, 0.03..=0.14, 0.28..=0.36),
-            (0.42, 0.6, 45.0, 0.85..=1.0, 0.25..=0.55, 0.08..=0.25),
-            (0.6, 0.8, 12.0, 0.99..=1.0, 0.02..=0.16, 0.32..=0.40),
+            (Asphalt, 0.23, 0.15, 11.5, 0.99..=1.0, 0.01..=0.14, 0.20..=0.27),
+            (Asphalt, 0.23, 0.28, 6.0, 0.99..=1.0, 0.01..=0.14, 0.20..=0.28),
+            (Asphalt, 0.23, 0.08, 21.0, 0.99..=1.0, 0.02..=0.30, 0.15..=0.24),
+            (Asphalt, 0.23, 0.043, 40.0, 0.95..=1.0, 0.80..=1.0, 0.0..=0.05),
+            (Asphalt, 0.23, 0.027, 65.0, 0.0..=0.30, 0.80..=1.0, 0.0..=0.05),
+            (Leaves, 0.45, 0.6, 12.0, 0.99..=1.0, 0.01..=0.14, 0.28..=0.37),
+            (Leaves, 0.45, 0.6, 45.0, 0.97..=1.0, 0.25..=0.60, 0.05..=0.20),
+            (Render, 0.62, 0.8, 12.0, 0.99..=1.0, 0.0..=0.16, 0.32..=0.41),
+            (Render, 0.62, 0.8, 45.0, 0.97..=1.0, 0.10..=0.45, 0.08..=0.25),
         ];
-        for (rho, cos, range_m, returns, zeros, mean) in cases {
-            let material = Material::matt(Semantic::Terrain, [0.3; 3], Pattern::Plain, rho);
+        for (pattern, rho, cos, range_m, returns, zeros, mean) in cases {
+            let material = Material::matt(Semantic::Building, [0.3; 3], pattern, rho);
             let got = statistics(None, Some(surface(&material, range_m, cos, 0)), &clear());
             assert!(
                 returns.contains(&got.0) && zeros.contains(&got.1) && mean.contains(&got.2),
@@ -265,16 +265,15 @@ mod tests {
     }
 
     #[test]
-    fn dark_paint_fades_between_30_and_50_m_and_is_often_zero() {
+    fn black_paint_is_lost_beyond_20_m_and_silver_beyond_60_m() {
         let mut paint = Material::matt(Semantic::Car, [0.1; 3], Pattern::Plain, 0.2);
-        paint.lidar.lobe_exponent = 2.0;
+        paint.lidar.lobe_exponent = 3.0;
         let of = |paint: &Material, range_m| statistics(None, Some(surface(paint, range_m, 0.8, 1)), &clear());
-        let at = |range_m| of(&paint, range_m);
-        assert!(at(20.0).0 > 0.95 && at(30.0).0 > 0.8, "{:?} {:?}", at(20.0), at(30.0));
-        assert!((0.2..0.6).contains(&at(50.0).0), "{:?}", at(50.0));
-        paint.lidar.reflectance = 0.06;
-        let dark = of(&paint, 12.0);
-        assert!((0.4..0.8).contains(&dark.1), "{dark:?}");
+        let at = |range_m| of(&paint, range_m).0;
+        assert!(at(30.0) > 0.99 && at(40.0) > 0.9 && at(75.0) < 0.2, "{} {} {}", at(30.0), at(40.0), at(75.0));
+        paint.lidar.reflectance = 0.01;
+        let (near, far) = (of(&paint, 9.0), of(&paint, 20.0));
+        assert!(near.0 > 0.8 && near.1 > 0.95 && far.0 < 0.1, "{near:?} {far:?}");
     }
 
     #[test]
@@ -317,5 +316,28 @@ mod tests {
         assert!(statistics(None, Some(near), &fog).0 > 0.98);
         let (foggy, dry) = (statistics(None, Some(far), &fog).0, statistics(None, Some(far), &clear()).0);
         assert!(dry > 0.7 && foggy < 0.5 * dry, "{foggy} {dry}");
+    }
+
+    #[test]
+    fn drops_and_flakes_hide_targets_from_the_strongest_return_but_not_from_the_last() {
+        let wall = Material::matt(Semantic::Building, [0.5; 3], Pattern::Plain, 0.3);
+        let target = Some(surface(&wall, 12.0, 0.9, 7));
+        let snow = Air::new(&Weather::of_air(0.0, 0.0, 4.0, 0.0).expect("valid"));
+        let mut stream = Stream::from_seed("last", 0);
+        let (mut hidden, n) = (0, 20_000);
+        for _ in 0..n {
+            let draws = Draws::new(&mut stream);
+            let by = |mode| report(first_echo(None, target, &draws), &snow, mode, 1.0, 0.012, &draws);
+            let (strongest, last) = (by(ReturnMode::Strongest), by(ReturnMode::Last));
+            if strongest.is_some_and(|r| r.actor_id == 0) {
+                hidden += 1;
+                let last = last.expect("the flake or the wall");
+                assert!(last.actor_id == 0 || (last.range_m - 12.0).abs() < 0.3);
+                hidden -= i32::from(last.actor_id == 0);
+            } else {
+                assert_eq!(strongest, last);
+            }
+        }
+        assert!((n / 50..n / 4).contains(&hidden), "{hidden}");
     }
 }

@@ -1,12 +1,20 @@
 //! One turn of the LIDAR: exact, or as the sensor reports it.
+//!
+//! A scan is made in steps: casting says what beams meet (`casting`, `turning`), surfaces are looked up (`surfaces`),
+//! beams at depth edges are split (`spread`), the receiver answers (`returns`), and points are written here.
 
 use super::air::Air;
-use super::returns::{Draws, Surface, receive};
+use super::casting::{Casting, Standing};
+use super::receiver::Waiting;
+use super::returns::{Draws, Return, brightness, clear_power, first_echo, report};
 use super::spec::LidarSpec;
+use super::spread::chosen_echo;
+use super::surfaces::Surfaces;
+use super::turning::Turning;
 use crate::error::Result;
 use crate::math::{self, DPose3, DVec3};
 use crate::rng::Stream;
-use crate::sense::{Hits, Layer, NO_HIT, PosedInstance, PosedScene, cast};
+use crate::sense::{Hits, Layer, PosedScene, cast};
 use crate::weather::Weather;
 
 /// What every beam meets first, in the order of [`LidarSpec::rays`]: every triangle opaque, no limits, no noise.
@@ -37,17 +45,43 @@ pub struct Scan {
     pub range_m: Vec<f64>,
 }
 
-/// Casts every beam of the sensor at once.
+impl IdealScan {
+    /// Where each beam ends, x, y, z in metres in the velo frame, and an intensity of 0; four NaN for a miss.
+    ///
+    /// # Panics
+    /// With another sensor than the scan's.
+    #[must_use]
+    pub fn points_velo(&self, spec: &LidarSpec) -> Vec<[f32; 4]> {
+        let mut points = Vec::with_capacity(self.range_m.len());
+        let columns = spec.azimuths_rad().len();
+        assert_eq!(self.range_m.len(), spec.num_beams(), "as many ranges as beams");
+        for ((ring, laser), ranges_m) in spec.rings().iter().enumerate().zip(self.range_m.chunks_exact(columns)) {
+            let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
+            let point = |(heading, range_m): (&[f64; 2], &f32)| {
+                let range = f64::from(*range_m);
+                let direction_velo = DVec3::new(cos * heading[0], cos * heading[1], sin);
+                let p = laser.origin_velo(*heading) + direction_velo * range;
+                if *range_m < f32::INFINITY { [p.x as f32, p.y as f32, p.z as f32, 0.0] } else { [f32::NAN; 4] }
+            };
+            points.extend(spec.headings(ring).iter().zip(ranges_m).map(point));
+        }
+        points
+    }
+}
+
+/// Casts every beam of the sensor at once, all from one pose: an ideal sensor neither turns nor spreads its beams.
 #[must_use]
 pub fn ideal_scan(scene: &PosedScene, world_from_velo: &DPose3, spec: &LidarSpec) -> IdealScan {
     let mut hits = Hits::new(spec.rings().len(), spec.azimuths_rad().len());
     cast(scene, &spec.grid(*world_from_velo), Layer::All, |_| true, &mut hits);
-    let actor_id =
-        hits.instance.iter().map(|i| if *i == NO_HIT { -1 } else { scene.instances[*i as usize].actor_id }).collect();
+    // Close together, so that looking them up costs nothing.
+    let actors: Vec<i32> = scene.instances.iter().map(|i| i.actor_id).collect();
+    let actor_id = hits.instance.iter().map(|i| actors.get(*i as usize).copied().unwrap_or(-1)).collect();
     IdealScan { range_m: hits.depth, instance: hits.instance, face: hits.face, actor_id }
 }
 
-/// One turn as the sensor reports it. Every beam draws the same count of numbers from `stream`, whatever it meets.
+/// One turn as the sensor reports it, all of it at one instant. Every beam draws the same count of numbers from
+/// `stream`, whatever it meets.
 ///
 /// # Errors
 /// What [`LidarSpec::check`] finds.
@@ -59,90 +93,115 @@ pub fn scan(
     stream: &mut Stream,
 ) -> Result<Scan> {
     spec.check()?;
-    let grid = spec.grid(*world_from_velo);
-    let (rows, columns) = (spec.rings().len(), spec.azimuths_rad().len());
-    let mut solid = Hits::new(rows, columns);
-    // What lies beyond the longest range that is kept is never reported.
-    let sensor_world = world_from_velo.translation;
-    let lasers_m = spec.rings().iter().map(|r| r.height_m.abs()).fold(0.0, f64::max);
-    let reach_m = spec.max_range_m + lasers_m + 1.0;
-    let in_range = |i: &PosedInstance| (i.center_world - sensor_world).length() - i.radius_m < reach_m;
-    cast(scene, &grid, Layer::Opaque, in_range, &mut solid);
-    // Only panes in front of what is solid matter: they alone replace it.
-    let mut first = solid.clone();
-    cast(scene, &grid, Layer::Glass, in_range, &mut first);
+    Ok(scan_by(&Standing::new(scene, world_from_velo), spec, weather, stream))
+}
 
+/// One turn as the sensor reports it while it and the world move. Every beam draws the same numbers as in [`scan`].
+///
+/// # Errors
+/// What [`LidarSpec::check`] finds.
+pub fn turning_scan(turning: &Turning, spec: &LidarSpec, weather: &Weather, stream: &mut Stream) -> Result<Scan> {
+    spec.check()?;
+    Ok(scan_by(&turning.firings(spec), spec, weather, stream))
+}
+
+fn scan_by<C: Casting>(casting: &C, spec: &LidarSpec, weather: &Weather, stream: &mut Stream) -> Scan {
+    let met = casting.cast(spec);
+    let (edges, split) = match spec.spread() {
+        None => Default::default(),
+        Some(spread) => {
+            let edges = spread.edge_beams(&met.solid);
+            let split = casting.cast_spread(spec, spread, &edges);
+            (edges, split)
+        }
+    };
+    let mut split_beams = edges.iter().map(|beam| *beam as usize).zip(&split).peekable();
     let air = Air::new(weather);
-    let headings = spec.headings();
-    let mut out = Scan::default();
-    let (mut behind, mut in_front) = (Surfaces::new(scene), Surfaces::new(scene));
+    let (mut behind, mut in_front) = (Surfaces::new(casting), Surfaces::new(casting));
+    let mut out = Scan::with_capacity(spec.num_beams());
+    let mut waiting = Waiting::new();
+    let mut beams = 0..;
     for (ring, laser) in spec.rings().iter().enumerate() {
         let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
         let gain = spec.laser_gains[ring];
-        for (column, heading) in headings.iter().enumerate() {
+        let first_return = out.range_m.len();
+        let is_blind = spec.blind_columns(ring);
+        for (column, heading) in spec.headings(ring).iter().enumerate() {
             let draws = Draws::new(stream);
-            let at = ring * columns + column;
-            let direction_velo = DVec3::new(cos * heading[0], cos * heading[1], sin);
-            let direction_world = world_from_velo.rotation * direction_velo;
-            let is_pane = (first.instance[at], first.face[at]) != (solid.instance[at], solid.face[at]);
-            let pane = if is_pane { in_front.at(&first, at, direction_world) } else { None };
-            let behind = behind.at(&solid, at, direction_world);
-            let Some(found) = receive(pane, behind, &air, gain, spec.range_noise_m, &draws) else {
-                continue;
-            };
-            let p = direction_velo * found.range_m + DVec3::new(0.0, 0.0, laser.height_m);
-            let [x, y, z] = p.to_array().map(|v| (round(v * 1e3) / 1e3) as f32);
-            // What is kept is judged by the written point, from the frame's origin, as in KITTI's files.
-            let written_m = DVec3::new(x.into(), y.into(), z.into()).length();
-            if !(spec.min_range_m..spec.max_range_m).contains(&written_m) {
+            let beam = beams.next().expect("endless");
+            let quarters = split_beams.next_if(|(edge, _)| *edge == beam);
+            if is_blind[column] {
                 continue;
             }
-            let intensity = (round(found.intensity * 1e2).clamp(0.0, 99.0) / 1e2) as f32;
-            out.points_velo.push([x, y, z, intensity]);
-            out.ring.push(ring as i32);
-            out.column.push(column as i32);
-            out.actor_id.push(found.actor_id);
-            out.range_m.push(found.range_m);
+            let direction_velo = DVec3::new(cos * heading[0], cos * heading[1], sin);
+            let pane = met.pane(beam).and_then(|p| in_front.at(p, column, direction_velo));
+            let echo = if let Some((_, quarters)) = quarters {
+                let quarters = quarters.map(|q| first_echo(pane, behind.at(q, column, direction_velo), &draws));
+                chosen_echo(quarters, spec.returns, &air, draws.detection)
+            } else {
+                first_echo(pane, behind.at(met.solid(beam), column, direction_velo), &draws)
+            };
+            let origin_velo = laser.origin_velo(*heading);
+            if air.is_clear() {
+                let Some(echo) = echo else { continue };
+                let seen = [clear_power(&echo, &air), brightness(&echo)];
+                waiting.push(&echo, seen, &draws, column, [origin_velo.to_array(), direction_velo.to_array()]);
+                if waiting.is_full() {
+                    waiting.receive(spec, ring, &mut out);
+                }
+            } else if let Some(found) = report(echo, &air, spec.returns, gain, spec.range_noise_m, &draws) {
+                out.write(spec, [ring, column], origin_velo, direction_velo, &found);
+            }
+        }
+        waiting.receive(spec, ring, &mut out);
+        if laser.left_m != 0.0 {
+            out.order_by_azimuth(first_return);
         }
     }
-    Ok(out)
+    out
 }
 
-/// The surfaces that beams meet. Neighbours often meet the same face, so the last one is remembered.
-struct Surfaces<'a> {
-    scene: &'a PosedScene,
-    last: (u32, u32),
-    normal_world: DVec3,
-}
-
-impl<'a> Surfaces<'a> {
-    fn new(scene: &'a PosedScene) -> Self {
-        Self { scene, last: (NO_HIT, NO_HIT), normal_world: DVec3::ZERO }
+impl Scan {
+    fn with_capacity(n: usize) -> Self {
+        Self {
+            points_velo: Vec::with_capacity(n),
+            ring: Vec::with_capacity(n),
+            column: Vec::with_capacity(n),
+            actor_id: Vec::with_capacity(n),
+            range_m: Vec::with_capacity(n),
+        }
     }
 
-    fn at(&mut self, hits: &Hits, at: usize, direction_world: DVec3) -> Option<Surface<'a>> {
-        let (instance, face) = (hits.instance[at], hits.face[at]);
-        if instance == NO_HIT {
-            return None;
+    /// Writes a return, rounded, if it is within the sensor's range.
+    #[inline]
+    fn write(
+        &mut self,
+        spec: &LidarSpec,
+        [ring, column]: [usize; 2],
+        origin_velo: DVec3,
+        direction_velo: DVec3,
+        found: &Return,
+    ) {
+        let p = direction_velo * found.range_m + origin_velo;
+        let [x, y, z] = p.to_array().map(|v| (round(v * 1e3) / 1e3) as f32);
+        // What is kept is judged by the written point, from the frame's origin, as in KITTI's files.
+        let written_m = DVec3::new(x.into(), y.into(), z.into()).length();
+        if !(spec.min_range_m..spec.max_range_m).contains(&written_m) {
+            return;
         }
-        if self.last != (instance, face) {
-            let [a, b, c] = self.scene.corners(instance, face).map(|p| p.as_dvec3());
-            self.normal_world = (b - a).cross(c - a).normalize_or_zero();
-            self.last = (instance, face);
-        }
-        let posed = &self.scene.instances[instance as usize];
-        Some(Surface {
-            range_m: f64::from(hits.depth[at]),
-            cos_incidence: self.normal_world.dot(direction_world).abs().min(1.0),
-            material: posed.material(face),
-            actor_id: posed.actor_id,
-        })
+        let intensity = (round(found.intensity * 1e2).clamp(0.0, 99.0) / 1e2) as f32;
+        self.points_velo.push([x, y, z, intensity]);
+        self.ring.push(ring as i32);
+        self.column.push(column as i32);
+        self.actor_id.push(found.actor_id);
+        self.range_m.push(found.range_m);
     }
 }
 
 /// The nearest whole number, for numbers below 2^51: adding 1.5 * 2^52 leaves no place for a fraction. Without SSE 4.1
 /// `round` is a call.
-fn round(x: f64) -> f64 {
+#[inline(always)]
+pub(super) fn round(x: f64) -> f64 {
     const NO_FRACTION: f64 = 6_755_399_441_055_744.0;
     (x + NO_FRACTION) - NO_FRACTION
 }

@@ -1,16 +1,50 @@
 //! What a LIDAR is: its lasers, when they fire, and what it can see.
 
+use std::sync::Arc;
+
+use super::firing::Firing;
+use super::spread::Spread;
 use crate::error::{Error, Result, finite};
-use crate::math::{self, DPose3, DVec3};
+use crate::math::{self, DPose3, DVec3, TAU};
 use crate::sense::{TurretGrid, TurretRing};
+
+/// Which of several echoes of one pulse a sensor reports.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ReturnMode {
+    /// The one with the most power: how KITTI's sensor was set.
+    #[default]
+    Strongest,
+    /// The farthest one that is heard.
+    Last,
+}
+
+impl ReturnMode {
+    /// The mode of that name: `strongest` or `last`.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`], listing the names.
+    pub fn from_name(name: &str) -> Result<Self> {
+        match name {
+            "strongest" => Ok(Self::Strongest),
+            "last" => Ok(Self::Last),
+            _ => {
+                Err(Error::Unknown { what: "return mode", name: name.to_owned(), known: "strongest, last".to_owned() })
+            }
+        }
+    }
+}
 
 /// A spinning LIDAR.
 #[derive(Debug, Clone)]
 pub struct LidarSpec {
     name: String,
     rings: Vec<TurretRing>,
+    firing: Firing,
     azimuths_rad: Vec<f64>,
+    azimuth_offsets_rad: Vec<f64>,
     turret: TurretGrid,
+    /// None for beams that are lines.
+    spread: Option<Arc<Spread>>,
     /// Returns nearer than this to the frame's origin are not kept.
     pub min_range_m: f64,
     /// Returns as far from the frame's origin as this, or farther, are not kept.
@@ -19,6 +53,23 @@ pub struct LidarSpec {
     pub range_noise_m: f64,
     /// Sensitivity of each ring's receiver, 1 for an average one.
     pub laser_gains: Vec<f64>,
+    /// Which echo is reported where a beam meets several surfaces.
+    pub returns: ReturnMode,
+    /// Whether the sensor and the world move while it turns ([`super::turning_scan`]).
+    pub rolling: bool,
+    /// Where the car that carries the sensor is in the way: beams in these sectors never return. Ideal scans ignore them.
+    pub blind_sectors: Vec<BlindSector>,
+}
+
+/// Azimuths at which a laser meets the car that carries it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BlindSector {
+    /// Ring, 0 the first of the sensor's table.
+    pub ring: usize,
+    /// Where the sector begins, counter-clockwise from forward, in [0, 2 pi].
+    pub from_rad: f64,
+    /// Where it ends, at most 2 pi: a sector across forward is two.
+    pub to_rad: f64,
 }
 
 /// A sensor's beams in its own frame, ring-major, azimuth rising counter-clockwise from forward.
@@ -42,17 +93,51 @@ impl LidarSpec {
     /// # Errors
     /// [`Error::NotFinite`] and [`Error::OutOfRange`], as [`TurretGrid::new`] gives them.
     pub fn new(name: &str, rings: Vec<TurretRing>, azimuths_rad: Vec<f64>) -> Result<Self> {
+        Self::with_firing(name, rings, Firing::Listed(azimuths_rad))
+    }
+
+    /// A LIDAR with these rings that all fire in this pattern; the rest as [`LidarSpec::new`] has it.
+    ///
+    /// # Errors
+    /// As [`Firing::azimuths_rad`] and [`TurretGrid::new`].
+    pub fn with_firing(name: &str, rings: Vec<TurretRing>, firing: Firing) -> Result<Self> {
+        let azimuths_rad = firing.azimuths_rad()?;
         let turret = TurretGrid::new(DPose3::IDENTITY, &rings, &azimuths_rad)?;
         Ok(Self {
             name: name.to_owned(),
             laser_gains: vec![1.0; rings.len()],
+            blind_sectors: Vec::new(),
+            azimuth_offsets_rad: vec![0.0; rings.len()],
             rings,
+            firing,
             azimuths_rad,
             turret,
+            spread: None,
+            returns: ReturnMode::Strongest,
+            rolling: false,
             min_range_m: 1.45,
             max_range_m: 80.0,
             range_noise_m: 0.012,
         })
+    }
+
+    /// The same sensor whose ring k fires at `offsets_rad[k]` counter-clockwise of its columns' azimuths.
+    ///
+    /// With equal steps, whole ones are taken off: they lead from column to column. Otherwise an offset is at least 0
+    /// and smaller than the gap behind the last column.
+    ///
+    /// # Errors
+    /// As [`TurretGrid::staggered`].
+    pub fn staggered(mut self, offsets_rad: Vec<f64>) -> Result<Self> {
+        self.azimuth_offsets_rad = offsets_rad.into_iter().map(|o| self.firing.reduced_offset_rad(o)).collect();
+        self.turret =
+            TurretGrid::staggered(DPose3::IDENTITY, &self.rings, &self.azimuths_rad, &self.azimuth_offsets_rad)?;
+        self.respread()
+    }
+
+    fn respread(self) -> Result<Self> {
+        let divergence_rad = self.divergence_rad();
+        self.with_divergence(divergence_rad)
     }
 
     /// Checks the public fields, which anyone may have set.
@@ -86,17 +171,72 @@ impl LidarSpec {
                 });
             }
         }
+        for sector in &self.blind_sectors {
+            let is_rising = finite("blind sector", sector.from_rad)? <= finite("blind sector", sector.to_rad)?;
+            if sector.ring >= self.rings.len() || !is_rising || sector.from_rad < 0.0 || sector.to_rad > TAU {
+                return Err(Error::OutOfRange {
+                    what: "blind sector",
+                    value: format!("ring {} from {} to {}", sector.ring, sector.from_rad, sector.to_rad),
+                    expected: format!("a ring below {}, azimuths that rise within [0, 2 pi]", self.rings.len()),
+                });
+            }
+        }
         Ok(())
+    }
+
+    /// The same sensor with beams that open by `divergence_rad` (the full cone), so that they may meet several surfaces
+    /// at depth edges; 0 for beams that are lines.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`]; [`Error::OutOfRange`] for a divergence below 0 or above 0.02, for one that tips a beam
+    /// beyond 89 degrees, or for more than 32,767 rings.
+    pub fn with_divergence(mut self, divergence_rad: f64) -> Result<Self> {
+        if !(0.0..=MAX_DIVERGENCE_RAD).contains(&finite("divergence", divergence_rad)?) {
+            return Err(Error::OutOfRange {
+                what: "divergence",
+                value: divergence_rad.to_string(),
+                expected: format!("0 to {MAX_DIVERGENCE_RAD} rad"),
+            });
+        }
+        self.spread = match divergence_rad {
+            0.0 => None,
+            _ => {
+                Some(Arc::new(Spread::new(&self.rings, &self.azimuths_rad, &self.azimuth_offsets_rad, divergence_rad)?))
+            }
+        };
+        Ok(self)
+    }
+
+    /// The full cone of a beam; 0 for beams that are lines.
+    #[must_use]
+    pub fn divergence_rad(&self) -> f64 {
+        self.spread.as_ref().map_or(0.0, |s| s.divergence_rad)
+    }
+
+    pub(super) fn spread(&self) -> Option<&Spread> {
+        self.spread.as_deref()
+    }
+
+    /// For every column of a ring, whether the car that carries the sensor is in the way.
+    pub(super) fn blind_columns(&self, ring: usize) -> Vec<bool> {
+        let mut blind = vec![false; self.azimuths_rad.len()];
+        let column = |rad: f64| self.azimuths_rad.partition_point(|a| a + self.azimuth_offsets_rad[ring] < rad);
+        for sector in self.blind_sectors.iter().filter(|s| s.ring == ring) {
+            blind[column(sector.from_rad)..column(sector.to_rad)].fill(true);
+        }
+        blind
     }
 
     /// The same sensor with every laser in the frame's origin.
     #[must_use]
     pub fn single_origin(mut self) -> Self {
         for ring in &mut self.rings {
-            ring.height_m = 0.0;
+            (ring.height_m, ring.left_m) = (0.0, 0.0);
         }
-        self.turret = TurretGrid::new(DPose3::IDENTITY, &self.rings, &self.azimuths_rad)
-            .expect("checked when the spec was made, and 0 is a height");
+        self.turret =
+            TurretGrid::staggered(DPose3::IDENTITY, &self.rings, &self.azimuths_rad, &self.azimuth_offsets_rad)
+                .expect("checked when the spec was made, and 0 is a height");
+        self = self.respread().expect("checked when the divergence was set, and 0 is a height");
         let name = format!("{}_single_origin", self.name);
         self.renamed(&name)
     }
@@ -124,6 +264,18 @@ impl LidarSpec {
         &self.azimuths_rad
     }
 
+    /// The pattern of [`LidarSpec::azimuths_rad`].
+    #[must_use]
+    pub fn firing(&self) -> &Firing {
+        &self.firing
+    }
+
+    /// How far counter-clockwise of its columns' azimuths each ring fires.
+    #[must_use]
+    pub fn azimuth_offsets_rad(&self) -> &[f64] {
+        &self.azimuth_offsets_rad
+    }
+
     /// Beams a turn.
     #[must_use]
     pub fn num_beams(&self) -> usize {
@@ -136,35 +288,43 @@ impl LidarSpec {
         self.turret.at(world_from_velo)
     }
 
-    /// Unit direction of every column, without elevation: x and y.
+    /// Unit direction of every column of a ring, without elevation: x and y.
     #[must_use]
-    pub(super) fn headings(&self) -> Vec<[f64; 2]> {
-        self.azimuths_rad.iter().map(|a| [math::cos(*a), math::sin(*a)]).collect()
+    pub(super) fn headings(&self, ring: usize) -> &[[f64; 2]] {
+        self.turret.headings(ring)
     }
 
     /// Every beam, in the order of a scan's rows.
     #[must_use]
     pub fn rays(&self) -> Rays {
         let n = self.num_beams();
-        let mut rays = Rays {
-            origins_velo: Vec::with_capacity(n),
-            directions_velo: Vec::with_capacity(n),
-            ring: Vec::with_capacity(n),
-            column: Vec::with_capacity(n),
-        };
-        let headings = self.headings();
+        let (ring, column) = self.beam_numbers();
+        let mut rays =
+            Rays { origins_velo: Vec::with_capacity(n), directions_velo: Vec::with_capacity(n), ring, column };
         for (ring, laser) in self.rings.iter().enumerate() {
             let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
-            for (column, heading) in headings.iter().enumerate() {
-                rays.origins_velo.push(DVec3::new(0.0, 0.0, laser.height_m));
+            for heading in self.headings(ring) {
+                rays.origins_velo.push(laser.origin_velo(*heading));
                 rays.directions_velo.push(DVec3::new(cos * heading[0], cos * heading[1], sin));
-                rays.ring.push(ring as i32);
-                rays.column.push(column as i32);
             }
         }
         rays
     }
+
+    /// Ring and column of every beam, in the order of a scan's rows.
+    #[must_use]
+    pub fn beam_numbers(&self) -> (Vec<i32>, Vec<i32>) {
+        let (mut rings, mut columns) = (Vec::with_capacity(self.num_beams()), Vec::with_capacity(self.num_beams()));
+        for ring in 0..self.rings.len() {
+            rings.resize(rings.len() + self.azimuths_rad.len(), ring as i32);
+            columns.extend(0..self.azimuths_rad.len() as i32);
+        }
+        (rings, columns)
+    }
 }
+
+/// The widest cone that [`LidarSpec::with_divergence`] takes.
+const MAX_DIVERGENCE_RAD: f64 = 0.02;
 
 #[cfg(test)]
 mod tests {
@@ -183,12 +343,14 @@ mod tests {
         assert!(rays.directions_velo[538].y > 0.99, "a quarter turn is to the left");
         let ring_40 = rays.directions_velo[40 * 2152];
         assert!((math::asin(ring_40.z).to_degrees() + 13.041).abs() < 1e-9);
-        assert_eq!(rays.origins_velo[40 * 2152], DVec3::new(0.0, 0.0, 0.1229));
+        assert_eq!(rays.origins_velo[40 * 2152], DVec3::new(0.0, -0.026, 0.1229));
+        // Odd rings sit on the left: looking to the left, that is behind.
+        assert!((rays.origins_velo[41 * 2152 + 538] - DVec3::new(-0.026, 0.0, 0.1226)).length() < 1e-4);
     }
 
     #[test]
     fn bad_sensors_are_refused_by_name() {
-        let ring = |e: f64| TurretRing { elevation_rad: e, height_m: 0.0 };
+        let ring = |e: f64| TurretRing::on_axis(e, 0.0);
         let text = |r: Vec<TurretRing>, a: Vec<f64>| LidarSpec::new("x", r, a).expect_err("bad").to_string();
         assert!(text(vec![], vec![0.0]).contains("number of rings is 0"));
         assert!(text(vec![ring(0.0)], vec![]).contains("number of columns is 0"));

@@ -3,13 +3,9 @@
 use std::ops::Range;
 
 use super::edges::EdgePlanes;
+use super::hits::Hits;
+use crate::geometry::{LANES, Lanes};
 use crate::math::{DPose3, DVec3, Vec3};
-
-/// How many vertices are projected together, so that the compiler can use its vector registers.
-pub const LANES: usize = 8;
-
-/// The x, y and z of [`LANES`] points, in the grid's own frame.
-pub type Lanes = [[f32; LANES]; 3];
 
 /// One beam of a grid: the points `origin_world + depth * direction_world` with depth > 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,9 +78,27 @@ pub trait BeamGrid {
     /// Where points fall on the grid.
     fn footprints(&self, points_grid: &Lanes, out: &mut [Self::Footprint; LANES]);
 
+    /// False if no beam can meet a triangle with these footprints: the quick question before [`BeamGrid::windows`].
+    #[inline(always)]
+    fn may_meet(&self, _footprints: &[Self::Footprint; 3]) -> bool {
+        true
+    }
+
     /// The beams that may meet a triangle: two windows, as a triangle may lie across the seam of a turn.
-    fn windows(&self, corners_grid: impl Fn() -> [Vec3; 3], footprints: &[Self::Footprint; 3]) -> [Window; 2];
+    fn windows(&self, corners_grid: &[DVec3; 3], footprints: &[Self::Footprint; 3]) -> [Window; 2];
+
+    /// A depth that no point of a triangle falls below.
+    #[inline(always)]
+    fn near_depth(&self, _corners_grid: &[DVec3; 3]) -> f32 {
+        f32::NEG_INFINITY
+    }
 
     /// Calls `visit(row * columns + column, depth)` for every beam of the window that meets the triangle.
     fn cover(&self, triangle: &EdgePlanes, window: &Window, visit: impl FnMut(usize, f64));
+
+    /// Keeps the triangle, a face of an instance, where it is the nearest that a beam of the window meets.
+    #[inline(always)]
+    fn cast(&self, triangle: &EdgePlanes, window: &Window, hits: &mut Hits, [instance, face]: [u32; 2]) {
+        self.cover(triangle, window, |at, depth| hits.keep_nearer(at, depth as f32, instance, face));
+    }
 }

@@ -1,13 +1,15 @@
 //! The visibility kernel: which triangle each beam of a grid meets first.
 
-use super::edges::EdgePlanes;
-use super::grid::{BeamGrid, LANES, Lanes, Window};
-use super::posed::{PosedInstance, PosedScene};
-use crate::geometry::{Cluster, slot_bit};
-use crate::math::{DMat3, Mat3, Vec3};
+use multiversion::multiversion;
 
-/// The instance and the face of a beam that meets nothing.
-pub const NO_HIT: u32 = u32::MAX;
+use super::edges::EdgePlanes;
+use super::grid::{BeamGrid, Window};
+use super::hits::{FarthestOfBlocks, Hits};
+use super::posed::{PosedInstance, PosedScene};
+use super::to_grid::ToGrid;
+use super::visible::{Visible, near_first, visible_clusters};
+use crate::geometry::{CLUSTER_FACES, Cluster, LANES, slot_bit};
+use crate::math::DVec3;
 
 /// Which materials a beam notices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,48 +20,6 @@ pub enum Layer {
     Opaque,
     /// Panes alone.
     Glass,
-}
-
-/// What the beams of a grid met, row-major.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Hits {
-    /// Number of rows.
-    pub rows: usize,
-    /// Number of columns.
-    pub columns: usize,
-    /// The grid's depth in metres: range for a LIDAR, z along the optical axis for a camera; infinite for a miss.
-    pub depth: Vec<f32>,
-    /// Index into [`PosedScene::instances`], [`NO_HIT`] for a miss.
-    pub instance: Vec<u32>,
-    /// Face of the instance's mesh, [`NO_HIT`] for a miss.
-    pub face: Vec<u32>,
-}
-
-impl Hits {
-    /// No hit yet.
-    #[must_use]
-    pub fn new(rows: usize, columns: usize) -> Self {
-        let n = rows * columns;
-        Self { rows, columns, depth: vec![f32::INFINITY; n], instance: vec![NO_HIT; n], face: vec![NO_HIT; n] }
-    }
-
-    /// Forgets every hit.
-    pub fn clear(&mut self) {
-        self.depth.fill(f32::INFINITY);
-        self.instance.fill(NO_HIT);
-        self.face.fill(NO_HIT);
-    }
-
-    /// Keeps the nearer hit; of two equal ones the earlier instance and face.
-    #[inline]
-    fn keep_nearer(&mut self, at: usize, depth: f32, instance: u32, face: u32) {
-        let nearest = self.depth[at];
-        if depth < nearest || (depth == nearest && (instance, face) < (self.instance[at], self.face[at])) {
-            self.depth[at] = depth;
-            self.instance[at] = instance;
-            self.face[at] = face;
-        }
-    }
 }
 
 /// Adds to `hits` what the beams of `grid` meet first among the triangles of the instances that `keep` accepts.
@@ -77,66 +37,30 @@ pub fn cast<G: BeamGrid>(
         *hits = Hits::new(grid.rows(), grid.columns());
     }
     let to_grid = ToGrid::new(grid);
-    let mut near_first = visible_clusters(scene, grid, &to_grid, layer, keep);
-    near_first.sort_unstable_by(|a, b| {
-        a.near_depth.total_cmp(&b.near_depth).then((a.instance, a.cluster).cmp(&(b.instance, b.cluster)))
-    });
-    let mut caster = Caster { scene, grid, to_grid, layer, scratch: Scratch::default(), hits };
-    for item in &near_first {
-        if !caster.is_hidden(&item.windows, item.near_depth) {
-            caster.cast_cluster(item);
+    let slots: Vec<u64> = scene.instances.iter().map(|i| slots_of_layer(i, layer)).collect();
+    let clusters = visible_clusters(scene, grid, &to_grid, &slots, keep);
+    let mut caster = Caster {
+        scene,
+        grid,
+        to_grid,
+        layer,
+        slots,
+        farthest: FarthestOfBlocks::new(hits.rows, hits.columns),
+        scratch: Box::default(),
+        hits,
+    };
+    cast_clusters(&mut caster, &clusters);
+}
+
+/// Compiled once more for processors with wide registers. Every lane computes what the plain version does, operation by
+/// operation and none of them fused, so that the outcome is the same to the bit.
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+fn cast_clusters<G: BeamGrid>(caster: &mut Caster<'_, G>, clusters: &[Visible]) {
+    for item in near_first(clusters) {
+        if !caster.is_hidden(&item.windows(), item.near_depth) {
+            caster.cast_cluster(&item);
         }
     }
-}
-
-/// A cluster in view.
-struct Visible {
-    near_depth: f32,
-    instance: u32,
-    cluster: u32,
-    windows: [Window; 2],
-}
-
-fn visible_clusters<G: BeamGrid>(
-    scene: &PosedScene,
-    grid: &G,
-    to_grid: &ToGrid,
-    layer: Layer,
-    keep: impl Fn(&PosedInstance) -> bool,
-) -> Vec<Visible> {
-    let mut out = Vec::new();
-    for (index, instance) in scene.instances.iter().enumerate() {
-        if !keep(instance) {
-            continue;
-        }
-        let slots = slots_of_layer(instance, layer);
-        let center_grid = to_grid.rotation * (instance.center_world - to_grid.origin_world);
-        let (windows, _) =
-            grid.sphere_windows(center_grid.as_vec3(), loosened(instance.radius_m as f32, center_grid.as_vec3()));
-        if slots == 0 || windows.iter().all(Window::is_empty) {
-            continue;
-        }
-        let grid_from_local = to_grid.rotation * instance.world_from_local;
-        let origin_grid = center_grid - grid_from_local * instance.mesh.bounds.center().as_dvec3();
-        let (linear, offset) = (grid_from_local.as_mat3(), origin_grid.as_vec3());
-        for (number, cluster) in instance.mesh.clusters.iter().enumerate() {
-            if cluster.slots & slots == 0 {
-                continue;
-            }
-            let center_grid = linear * cluster.center + offset;
-            let (windows, near_depth) = grid.sphere_windows(center_grid, loosened(cluster.radius_m, center_grid));
-            if windows.iter().any(|w| !w.is_empty()) {
-                out.push(Visible { near_depth, instance: index as u32, cluster: number as u32, windows });
-            }
-        }
-    }
-    out
-}
-
-/// A radius that covers the rounding of vertices to single precision, world coordinates of some kilometres included.
-#[inline]
-fn loosened(radius_m: f32, center_grid: Vec3) -> f32 {
-    radius_m * 1.000_01 + 1e-3 + 1e-6 * center_grid.abs().max_element()
 }
 
 struct Caster<'a, G: BeamGrid> {
@@ -144,82 +68,113 @@ struct Caster<'a, G: BeamGrid> {
     grid: &'a G,
     to_grid: ToGrid,
     layer: Layer,
-    scratch: Scratch<G::Footprint>,
+    /// The bits of the material slots that the layer notices, for each instance.
+    slots: Vec<u64>,
+    farthest: FarthestOfBlocks,
+    scratch: Box<Scratch<G::Footprint>>,
     hits: &'a mut Hits,
 }
 
-/// The vertices of one cluster, in the grid's frame and on the grid.
-#[derive(Default)]
+/// More than the vertices of a cluster: any `u8` is an index.
+const MAX_POINTS: usize = 256;
+
+/// The vertices of one cluster, in the grid's frame and on the grid, and the faces that may meet a beam.
 struct Scratch<F> {
-    points_grid: Vec<Vec3>,
-    footprints: Vec<F>,
+    x: [f64; MAX_POINTS],
+    y: [f64; MAX_POINTS],
+    z: [f64; MAX_POINTS],
+    footprints: [F; MAX_POINTS],
+    candidates: [u8; CLUSTER_FACES + 1],
+}
+
+impl<F: Copy + Default> Default for Scratch<F> {
+    fn default() -> Self {
+        Self {
+            x: [0.0; MAX_POINTS],
+            y: [0.0; MAX_POINTS],
+            z: [0.0; MAX_POINTS],
+            footprints: [F::default(); MAX_POINTS],
+            candidates: [0; CLUSTER_FACES + 1],
+        }
+    }
+}
+
+impl<F> Scratch<F> {
+    #[inline(always)]
+    fn point(&self, i: u8) -> DVec3 {
+        let i = usize::from(i);
+        DVec3::new(self.x[i], self.y[i], self.z[i])
+    }
 }
 
 impl<G: BeamGrid> Caster<'_, G> {
     /// True if all beams of the windows have met something nearer than `near_depth`.
-    #[inline]
-    fn is_hidden(&self, windows: &[Window; 2], near_depth: f32) -> bool {
-        windows.iter().filter(|w| !w.is_empty()).all(|window| {
-            window.rows.clone().all(|row| {
-                let start = self.grid.row_start(row);
-                let depths = &self.hits.depth[start + window.columns.start..start + window.columns.end];
-                // Eight at a time without a branch between them: vector registers do that.
-                let mut eights = depths.chunks_exact(8);
-                eights.all(|d| d.iter().fold(true, |all, d| all & (*d < near_depth)))
-                    && depths[depths.len() & !7..].iter().all(|d| *d < near_depth)
-            })
-        })
+    #[inline(always)]
+    fn is_hidden(&mut self, windows: &[Window; 2], near_depth: f32) -> bool {
+        let [a, b] = windows;
+        (a.is_empty() || self.farthest.hides(self.grid, &self.hits.depth, a, near_depth))
+            && (b.is_empty() || self.farthest.hides(self.grid, &self.hits.depth, b, near_depth))
     }
 
+    #[inline(always)]
     fn cast_cluster(&mut self, item: &Visible) {
         let instance = &self.scene.instances[item.instance as usize];
         let cluster = &instance.mesh.clusters[item.cluster as usize];
-        let vertices_world = &self.scene.vertices_world[instance.vertices.clone()];
-        self.project(cluster, vertices_world);
-        let slots = slots_of_layer(instance, self.layer);
+        self.project(instance, cluster);
+        let num_candidates = self.find_candidates(cluster);
+        let slots = self.slots[item.instance as usize];
         // Bit 63 may stand for several slots.
         let uniform = cluster.slots & !slots == 0 && cluster.slots >> 63 == 0;
-        for (corners, face) in cluster.corners.iter().zip(&cluster.faces) {
-            let [i, j, k] = corners.map(usize::from);
-            let (points, footprints) = (&self.scratch.points_grid, &self.scratch.footprints);
-            let windows =
-                self.grid.windows(|| [points[i], points[j], points[k]], &[footprints[i], footprints[j], footprints[k]]);
+        for candidate in 0..num_candidates {
+            let number = usize::from(self.scratch.candidates[candidate]);
+            let (corners, face) = (cluster.corners[number], cluster.faces[number]);
+            if !uniform && !in_layer(instance, face, self.layer) {
+                continue;
+            }
+            let points = corners.map(|i| self.scratch.point(i));
+            let footprints = corners.map(|i| self.scratch.footprints[usize::from(i)]);
+            let windows = self.grid.windows(&points, &footprints);
             if windows.iter().all(Window::is_empty) {
                 continue;
             }
-            if !uniform && !in_layer(instance, *face, self.layer) {
-                continue;
-            }
             // Most far sides of closed meshes end here.
-            if self.is_hidden(&windows, item.near_depth) {
+            if self.is_hidden(&windows, self.grid.near_depth(&points).max(item.near_depth)) {
                 continue;
             }
-            let exact = |i: usize| {
-                let p = vertices_world[cluster.vertices[i] as usize].as_dvec3();
-                self.to_grid.rotation * (p - self.to_grid.origin_world)
-            };
-            let exact = [exact(i), exact(j), exact(k)];
-            let planes = EdgePlanes::new(exact);
+            let planes = EdgePlanes::new(points);
             for window in windows.iter().filter(|w| !w.is_empty()) {
-                self.grid.cover(&planes, window, |at, depth| {
-                    self.hits.keep_nearer(at, depth as f32, item.instance, *face);
-                });
+                self.grid.cast(&planes, window, self.hits, [item.instance, face]);
             }
         }
     }
 
-    fn project(&mut self, cluster: &Cluster, vertices_world: &[Vec3]) {
-        self.scratch.points_grid.clear();
-        self.scratch.footprints.clear();
-        for chunk in cluster.vertices.chunks(LANES) {
-            // A short last chunk repeats its first vertex; nobody looks at the copies.
-            let gathered = std::array::from_fn(|i| vertices_world[chunk[if i < chunk.len() { i } else { 0 }] as usize]);
-            let lanes = self.to_grid.lanes(&gathered);
-            let mut footprints = [G::Footprint::default(); LANES];
-            self.grid.footprints(&lanes, &mut footprints);
-            self.scratch.footprints.extend_from_slice(&footprints);
-            self.scratch.points_grid.extend((0..LANES).map(|i| Vec3::new(lanes[0][i], lanes[1][i], lanes[2][i])));
+    /// Poses the vertices and finds where they fall on the grid.
+    #[inline(always)]
+    fn project(&mut self, instance: &PosedInstance, cluster: &Cluster) {
+        let Scratch { x, y, z, footprints, .. } = &mut *self.scratch;
+        let places = x.chunks_exact_mut(LANES).zip(y.chunks_exact_mut(LANES)).zip(z.chunks_exact_mut(LANES));
+        for ((local, ((x, y), z)), out) in cluster.lanes.iter().zip(places).zip(footprints.chunks_exact_mut(LANES)) {
+            let points = self.to_grid.lanes(&instance.placement.pose_lanes(local));
+            x.copy_from_slice(&points[0]);
+            y.copy_from_slice(&points[1]);
+            z.copy_from_slice(&points[2]);
+            let points = points.map(|axis| axis.map(|v| v as f32));
+            self.grid.footprints(&points, out.try_into().expect("a chunk of that length"));
         }
+    }
+
+    /// Lists the faces between whose corners there is a beam; most of them meet none.
+    #[inline(always)]
+    fn find_candidates(&mut self, cluster: &Cluster) -> usize {
+        let Scratch { footprints, candidates, .. } = &mut *self.scratch;
+        let mut n = 0;
+        for (number, corners) in cluster.corners.iter().enumerate() {
+            let footprints = corners.map(|i| footprints[usize::from(i)]);
+            // Written whether it is wanted or not: a branch would be guessed wrong too often.
+            candidates[n] = number as u8;
+            n += usize::from(self.grid.may_meet(&footprints));
+        }
+        n
     }
 }
 
@@ -234,43 +189,4 @@ fn slots_of_layer(instance: &PosedInstance, layer: Layer) -> u64 {
 
 fn in_layer(instance: &PosedInstance, face: u32, layer: Layer) -> bool {
     layer == Layer::All || instance.material(face).is_glass() == (layer == Layer::Glass)
-}
-
-/// World to grid: in double precision for the exact test, in single for the bounds.
-struct ToGrid {
-    rotation: DMat3,
-    origin_world: crate::math::DVec3,
-    rotation_f32: Mat3,
-    origin_high: Vec3,
-    origin_low: Vec3,
-}
-
-impl ToGrid {
-    fn new<G: BeamGrid>(grid: &G) -> Self {
-        let world_from_grid = grid.world_from_grid();
-        let rotation = DMat3::from_quat(world_from_grid.rotation).transpose();
-        let origin_world = world_from_grid.translation;
-        let origin_high = origin_world.as_vec3();
-        let origin_low = (origin_world - origin_high.as_dvec3()).as_vec3();
-        Self { rotation, origin_world, rotation_f32: rotation.as_mat3(), origin_high, origin_low }
-    }
-
-    /// [`LANES`] points; the origin in two parts keeps the difference of large coordinates exact.
-    #[inline]
-    fn lanes(&self, vertices_world: &[Vec3; LANES]) -> Lanes {
-        let mut d = [[0.0_f32; LANES]; 3];
-        for i in 0..LANES {
-            d[0][i] = (vertices_world[i].x - self.origin_high.x) - self.origin_low.x;
-            d[1][i] = (vertices_world[i].y - self.origin_high.y) - self.origin_low.y;
-            d[2][i] = (vertices_world[i].z - self.origin_high.z) - self.origin_low.z;
-        }
-        let [cx, cy, cz] = [self.rotation_f32.x_axis, self.rotation_f32.y_axis, self.rotation_f32.z_axis];
-        let mut out = [[0.0_f32; LANES]; 3];
-        for i in 0..LANES {
-            out[0][i] = cx.x * d[0][i] + cy.x * d[1][i] + cz.x * d[2][i];
-            out[1][i] = cx.y * d[0][i] + cy.y * d[1][i] + cz.y * d[2][i];
-            out[2][i] = cx.z * d[0][i] + cy.z * d[1][i] + cz.z * d[2][i];
-        }
-        out
-    }
 }

@@ -3,8 +3,9 @@
 use std::ops::Range;
 
 use super::edges::EdgePlanes;
-use super::grid::{Beam, BeamGrid, LANES, Lanes, Window, tangents_of_circle};
+use super::grid::{Beam, BeamGrid, Window, tangents_of_circle};
 use crate::error::{Error, Result, finite};
+use crate::geometry::{LANES, Lanes};
 use crate::math::{DPose3, DVec3, Vec3};
 
 /// Samples of an image: row r, column c lies at `u = u0 + c * du`, `v = v0 + r * dv`, where the beam's direction is
@@ -17,10 +18,10 @@ pub struct PinholeGrid {
     /// (v - cy) / fy of every row, rising.
     rows_y: Vec<f64>,
     /// Column = x / z * scale + offset, and the same for rows.
-    column_scale: f64,
-    column_offset: f64,
-    row_scale: f64,
-    row_offset: f64,
+    pub(super) column_scale: f64,
+    pub(super) column_offset: f64,
+    pub(super) row_scale: f64,
+    pub(super) row_offset: f64,
 }
 
 /// How far the single-precision projection may err, in samples.
@@ -76,9 +77,8 @@ impl PinholeGrid {
 
     /// A triangle that reaches behind the camera or nearly so: everything, unless one side of the view excludes it.
     #[cold]
-    fn window_of_crossing(&self, corners_grid: [Vec3; 3]) -> Window {
+    fn window_of_crossing(&self, corners: &[DVec3; 3]) -> Window {
         let [left, right, top, bottom] = self.edges();
-        let corners = corners_grid.map(|p| p.as_dvec3());
         let slack = |p: &DVec3| 1e-6 * (p.x.abs() + p.y.abs() + p.z.abs());
         let outside = corners.iter().all(|p| p.z < -slack(p))
             || corners.iter().all(|p| p.x - left * p.z < -slack(p) * (1.0 + left.abs()))
@@ -149,9 +149,9 @@ impl BeamGrid for PinholeGrid {
     }
 
     #[inline]
-    fn windows(&self, corners_grid: impl Fn() -> [Vec3; 3], [a, b, c]: &[Self::Footprint; 3]) -> [Window; 2] {
+    fn windows(&self, corners_grid: &[DVec3; 3], [a, b, c]: &[Self::Footprint; 3]) -> [Window; 2] {
         if (a[0] + b[0] + c[0]).is_nan() {
-            return [self.window_of_crossing(corners_grid()), Window::default()];
+            return [self.window_of_crossing(corners_grid), Window::default()];
         }
         let range = |k: usize, n: usize| {
             let lo = a[k].min(b[k]).min(c[k]) - MARGIN;
@@ -207,6 +207,47 @@ impl BeamGrid for PinholeGrid {
 }
 
 impl PinholeGrid {
+    /// x / z of every column.
+    #[must_use]
+    pub fn columns_x(&self) -> &[f64] {
+        &self.columns_x
+    }
+
+    /// y / z of every row.
+    #[must_use]
+    pub fn rows_y(&self) -> &[f64] {
+        &self.rows_y
+    }
+
+    /// x / z of every column, and of those that would follow up to a multiple of `block`.
+    pub(super) fn padded_columns_x(&self, block: usize) -> Vec<f64> {
+        let n = self.columns_x.len();
+        let beyond = (n..n.next_multiple_of(block)).map(|i| (i as f64 - self.column_offset) / self.column_scale);
+        self.columns_x.iter().copied().chain(beyond).collect()
+    }
+
+    /// y / z of every row, and of those that would follow up to a multiple of `block`.
+    pub(super) fn padded_rows_y(&self, block: usize) -> Vec<f64> {
+        let n = self.rows_y.len();
+        let beyond = (n..n.next_multiple_of(block)).map(|i| (i as f64 - self.row_offset) / self.row_scale);
+        self.rows_y.iter().copied().chain(beyond).collect()
+    }
+
+    /// y / z of a row.
+    #[inline]
+    pub(super) fn row_y(&self, row: usize) -> f64 {
+        self.rows_y[row]
+    }
+
+    /// The columns of a row that pass the test of all edges, among `columns`.
+    #[cold]
+    pub(super) fn span(&self, edges: &[DVec3; 3], y: f64, mut columns: Range<usize>) -> Range<usize> {
+        for e in edges {
+            self.narrow(&mut columns, e.x, e.y * y + e.z);
+        }
+        columns
+    }
+
     /// Drops the columns where `slope * x + rest` is negative, and no other: rounding keeps the order of what it
     /// rounds, so that the sum changes its sign once in a row and it is enough to look there.
     #[inline]

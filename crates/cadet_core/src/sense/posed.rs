@@ -1,23 +1,75 @@
 //! The triangles of a snapshot in world coordinates: one set, the same for every sensor and for the user.
+//!
+//! Nothing is posed before somebody looks at it: a scan sees a fifth of a street's vertices. Whoever asks gets the same
+//! bits, as a vertex always goes through [`Placement`].
 
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::geometry::Mesh;
+use crate::geometry::{Cluster, LANES, Lanes, Mesh};
 use crate::instance::Instance;
 use crate::material::{Material, Palette};
-use crate::math::{DMat3, DVec3, Vec3};
+use crate::math::{DMat3, DPose3, DVec3, Vec3};
 
-/// One instance, its level of detail chosen and its vertices posed.
+/// Where a mesh stands. World coordinates are computed in double precision and rounded to single: no sensor sees
+/// anything finer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Placement {
+    /// Rotation from the mesh's frame to the world's.
+    pub rotation: DMat3,
+    /// The origin of the mesh's frame in the world.
+    pub translation: DVec3,
+}
+
+impl Placement {
+    /// The placement of a pose.
+    #[must_use]
+    pub fn new(world_from_local: &DPose3) -> Self {
+        Self { rotation: DMat3::from_quat(world_from_local.rotation), translation: world_from_local.translation }
+    }
+
+    /// A vertex in the world.
+    #[inline]
+    #[must_use]
+    pub fn pose(&self, vertex_local: Vec3) -> Vec3 {
+        let [x, y, z] = self.pose_axes(vertex_local.to_array().map(f64::from));
+        Vec3::new(x as f32, y as f32, z as f32)
+    }
+
+    /// [`LANES`] vertices in the world.
+    #[inline(always)]
+    #[must_use]
+    pub fn pose_lanes(&self, local: &Lanes) -> Lanes {
+        let mut world = [[0.0; LANES]; 3];
+        for i in 0..LANES {
+            let [x, y, z] = self.pose_axes([local[0][i].into(), local[1][i].into(), local[2][i].into()]);
+            (world[0][i], world[1][i], world[2][i]) = (x as f32, y as f32, z as f32);
+        }
+        world
+    }
+
+    /// The one place that fixes the order of the sums.
+    #[inline(always)]
+    fn pose_axes(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        let (r, t) = (&self.rotation, &self.translation);
+        [
+            r.x_axis.x * x + r.y_axis.x * y + r.z_axis.x * z + t.x,
+            r.x_axis.y * x + r.y_axis.y * y + r.z_axis.y * z + t.y,
+            r.x_axis.z * x + r.y_axis.z * y + r.z_axis.z * z + t.z,
+        ]
+    }
+}
+
+/// One instance at its level of detail.
 #[derive(Debug, Clone)]
 pub struct PosedInstance {
     /// The mesh at the chosen level of detail.
     pub mesh: Arc<Mesh>,
     /// Its materials.
     pub palette: Arc<Palette>,
-    /// Rotation from the mesh's frame to the world's.
-    pub world_from_local: DMat3,
-    /// Its vertices in [`PosedScene::vertices_world`].
+    /// Where it stands.
+    pub placement: Placement,
+    /// Its vertices' numbers in [`PosedScene::vertices_world`].
     pub vertices: Range<usize>,
     /// 0 for the static world, at least 1 for actors.
     pub actor_id: i32,
@@ -33,55 +85,79 @@ impl PosedInstance {
     pub fn material(&self, face: u32) -> &Material {
         &self.palette.0[usize::from(self.mesh.slots[face as usize])]
     }
+
+    /// The corners of a face in the world.
+    #[inline]
+    #[must_use]
+    pub fn corners_world(&self, face: u32) -> [Vec3; 3] {
+        self.mesh.faces[face as usize].map(|i| self.placement.pose(self.mesh.vertices[i as usize]))
+    }
+
+    /// Its vertices in the world, in the mesh's order.
+    pub fn vertices_world(&self) -> impl Iterator<Item = Vec3> {
+        self.mesh.vertices.iter().map(|v| self.placement.pose(*v))
+    }
+
+    /// Puts the vertices of one of its clusters, in the cluster's order, into `out`, which is emptied first. A few more
+    /// may follow.
+    #[inline]
+    pub fn pose_cluster(&self, cluster: &Cluster, out: &mut Vec<Vec3>) {
+        out.clear();
+        for local in &cluster.lanes {
+            let [x, y, z] = self.placement.pose_lanes(local);
+            out.extend((0..LANES).map(|i| Vec3::new(x[i], y[i], z[i])));
+        }
+    }
 }
 
 /// The very triangles that the sensors see.
 #[derive(Debug, Clone)]
 pub struct PosedScene {
-    /// All vertices, instance after instance, in single precision: no sensor sees anything finer.
-    pub vertices_world: Vec<Vec3>,
     /// The instances, in the snapshot's order, without those that are too far to matter.
     pub instances: Vec<PosedInstance>,
 }
 
 impl PosedScene {
-    /// Chooses levels of detail by the distance to `viewer_world` (the ego), leaves out what is too small at its
-    /// distance, and poses every vertex.
+    /// Chooses levels of detail by the distance to `viewer_world` (the ego) and leaves out what is too small at its
+    /// distance.
     #[must_use]
     pub fn new(instances: &[Instance], viewer_world: DVec3) -> Self {
-        let chosen: Vec<(&Instance, &Arc<Mesh>)> =
-            instances.iter().filter_map(|i| Some((i, level_for(i, viewer_world)?))).collect();
-        let num_vertices = chosen.iter().map(|(_, mesh)| mesh.vertices.len()).sum();
-        let mut scene =
-            Self { vertices_world: Vec::with_capacity(num_vertices), instances: Vec::with_capacity(chosen.len()) };
-        for (instance, mesh) in chosen {
-            let rotation = DMat3::from_quat(instance.world_from_local.rotation);
-            let translation = instance.world_from_local.translation;
-            let start = scene.vertices_world.len();
-            scene
-                .vertices_world
-                .extend(mesh.vertices.iter().map(|v| (rotation * v.as_dvec3() + translation).as_vec3()));
-            let center_world = rotation * mesh.bounds.center().as_dvec3() + translation;
-            let radius_m = f64::from(mesh.bounds.size().length()) / 2.0 + 1e-3;
+        let mut scene = Self { instances: Vec::with_capacity(instances.len()) };
+        let mut num_vertices = 0;
+        for instance in instances {
+            let Some(mesh) = level_for(instance, viewer_world) else { continue };
+            let placement = Placement::new(&instance.world_from_local);
+            let start = num_vertices;
+            num_vertices += mesh.vertices.len();
             scene.instances.push(PosedInstance {
-                palette: Arc::clone(&instance.palette),
-                world_from_local: rotation,
-                vertices: start..scene.vertices_world.len(),
-                actor_id: instance.actor_id,
                 mesh: Arc::clone(mesh),
-                center_world,
-                radius_m,
+                palette: Arc::clone(&instance.palette),
+                placement,
+                vertices: start..num_vertices,
+                actor_id: instance.actor_id,
+                center_world: placement.rotation * mesh.bounds.center().as_dvec3() + placement.translation,
+                radius_m: f64::from(mesh.bounds.size().length()) / 2.0 + 1e-3,
             });
         }
         scene
     }
 
+    /// Every vertex, instance after instance.
+    pub fn vertices_world(&self) -> impl Iterator<Item = Vec3> {
+        self.instances.iter().flat_map(PosedInstance::vertices_world)
+    }
+
     /// The corners of a face in the world.
+    #[inline]
     #[must_use]
     pub fn corners(&self, instance: u32, face: u32) -> [Vec3; 3] {
-        let posed = &self.instances[instance as usize];
-        let vertices = &self.vertices_world[posed.vertices.clone()];
-        posed.mesh.faces[face as usize].map(|i| vertices[i as usize])
+        self.instances[instance as usize].corners_world(face)
+    }
+
+    /// Number of vertices.
+    #[must_use]
+    pub fn num_vertices(&self) -> usize {
+        self.instances.last().map_or(0, |i| i.vertices.end)
     }
 
     /// Number of triangles.

@@ -1,15 +1,14 @@
 //! Arbitrary rays, by parry's bounding volume hierarchies.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::partitioning::{Bvh, BvhBuildStrategy};
 use parry3d::query::Ray;
 
+use super::face_trees::{FaceTrees, LOOSE_M};
 use super::posed::PosedScene;
 use crate::error::{Error, Result, finite};
-use crate::geometry::Mesh;
 use crate::material::Material;
 use crate::math::{DMat3, DVec3};
 
@@ -44,29 +43,20 @@ struct LocalFrame {
     over_faces: Arc<Bvh>,
 }
 
-/// How much boxes are widened: they hold the mesh as it was before posing rounded it to single precision.
-const LOOSE_M: f32 = 2e-3;
-
 impl RayCaster {
     /// Builds the trees.
     #[must_use]
     pub fn new(scene: Arc<PosedScene>) -> Self {
-        // Keyed by address, never iterated.
-        let mut by_mesh: BTreeMap<usize, Arc<Bvh>> = BTreeMap::new();
+        let mut trees = FaceTrees::default();
         let mut instances = Vec::with_capacity(scene.instances.len());
         let mut boxes = Vec::with_capacity(scene.instances.len());
         for posed in &scene.instances {
-            let over_faces = by_mesh
-                .entry(Arc::as_ptr(&posed.mesh) as usize)
-                .or_insert_with(|| Arc::new(tree_over_faces(&posed.mesh)));
-            let middle_local = posed.mesh.bounds.center().as_dvec3();
             instances.push(LocalFrame {
-                local_from_world: posed.world_from_local.transpose(),
-                origin_world: posed.center_world - posed.world_from_local * middle_local,
-                over_faces: Arc::clone(over_faces),
+                local_from_world: posed.placement.rotation.transpose(),
+                origin_world: posed.placement.translation,
+                over_faces: trees.of(&posed.mesh),
             });
-            let points = scene.vertices_world[posed.vertices.clone()].iter().copied();
-            boxes.push(Aabb::from_points(points).loosened(LOOSE_M));
+            boxes.push(Aabb::from_points(posed.vertices_world()).loosened(LOOSE_M));
         }
         let over_instances = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
         Self { scene, over_instances, instances }
@@ -141,18 +131,12 @@ impl RayCaster {
 }
 
 /// A bound in single precision that is certainly beyond `range_m`, so that equal hits and rounded boxes stay in play.
-fn outward(range_m: f64) -> f32 {
+pub(super) fn outward(range_m: f64) -> f32 {
     (range_m * (1.0 + 1e-5) + 1e-3) as f32
 }
 
-fn tree_over_faces(mesh: &Mesh) -> Bvh {
-    let boxes: Vec<Aabb> =
-        mesh.faces.iter().map(|f| Aabb::from_points(f.map(|i| mesh.vertices[i as usize])).loosened(LOOSE_M)).collect();
-    Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes)
-}
-
 /// Distance to a triangle along a unit direction, from either side.
-fn meet([a, b, c]: [DVec3; 3], origin: DVec3, direction: DVec3) -> Option<f64> {
+pub(super) fn meet([a, b, c]: [DVec3; 3], origin: DVec3, direction: DVec3) -> Option<f64> {
     let (a, b, c) = (a - origin, b - origin, c - origin);
     let sides = [a.cross(b), b.cross(c), c.cross(a)].map(|n| n.dot(direction));
     let inside = sides.iter().all(|s| *s >= 0.0) || sides.iter().all(|s| *s <= 0.0);

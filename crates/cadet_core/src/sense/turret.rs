@@ -1,28 +1,52 @@
-//! The beams of a spinning LIDAR: rings of lasers on one vertical axis, each firing at the same azimuths.
+//! The beams of a spinning LIDAR: rings of lasers on one vertical axis, firing at the same azimuths but for an offset a
+//! ring.
 
 use std::ops::Range;
 use std::sync::Arc;
 
 use super::edges::EdgePlanes;
-use super::grid::{Beam, BeamGrid, LANES, Lanes, Window, tangents_of_circle};
-use super::turret_table::{AZIMUTH_MARGIN, NARROW_RAD, POLAR, SortedRow, TURN, Table, azimuth_of};
+use super::grid::{Beam, BeamGrid, Window, tangents_of_circle};
+use super::hits::Hits;
+use super::turret_table::{AZIMUTH_MARGIN, POLAR, SortedRow, TURN, Table, azimuth_of};
 use crate::error::{Error, Result, finite};
+use crate::geometry::{LANES, Lanes};
 use crate::math::{self, DPose3, DVec3, TAU, Vec3};
 
 /// Columns that a wide window is searched by.
-const BLOCK: usize = 16;
+const BLOCK: usize = 32;
+/// Beams that are tested together.
+const EIGHT: usize = 8;
 
 /// One laser of a turret.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TurretRing {
     /// Elevation of the beam over the horizon.
     pub elevation_rad: f64,
-    /// Height of the laser's origin over the sensor's frame, on the z axis.
+    /// Height of the laser's origin over the sensor's frame.
     pub height_m: f64,
+    /// How far to the left of the axis the laser sits, as it looks: its beams pass the axis at this distance.
+    pub left_m: f64,
 }
 
+impl TurretRing {
+    /// A laser on the axis.
+    #[must_use]
+    pub fn on_axis(elevation_rad: f64, height_m: f64) -> Self {
+        Self { elevation_rad, height_m, left_m: 0.0 }
+    }
+
+    /// Where a beam with this heading (cosine and sine of its azimuth) starts, in the sensor's frame.
+    #[must_use]
+    pub fn origin_velo(&self, [cos, sin]: [f64; 2]) -> DVec3 {
+        DVec3::new(-self.left_m * sin, self.left_m * cos, self.height_m)
+    }
+}
+
+/// The farthest from the axis that a laser may sit.
+const MOST_LEFT_M: f64 = 0.5;
+
 /// A turret in the world: row = ring (in the order given), column = azimuth. Depth is the range from the laser's own
-/// origin `(0, 0, height_m)`.
+/// origin ([`TurretRing::origin_velo`]).
 #[derive(Debug, Clone)]
 pub struct TurretGrid {
     world_from_velo: DPose3,
@@ -36,6 +60,20 @@ impl TurretGrid {
     /// [`Error::NotFinite`]; [`Error::OutOfRange`] for no ring or column, more than 65,535 of them, an elevation beyond
     /// 89 degrees, or azimuths that do not rise within one turn.
     pub fn new(world_from_velo: DPose3, rings: &[TurretRing], azimuths_rad: &[f64]) -> Result<Self> {
+        Self::staggered(world_from_velo, rings, azimuths_rad, &vec![0.0; rings.len()])
+    }
+
+    /// A turret whose rings each fire a little later in the turn: ring k at `azimuths_rad[j] + offsets_rad[k]`, with
+    /// offsets of at least 0 that keep the last column inside the turn.
+    ///
+    /// # Errors
+    /// As [`TurretGrid::new`]; [`Error::Shape`] for another number of offsets than of rings.
+    pub fn staggered(
+        world_from_velo: DPose3,
+        rings: &[TurretRing],
+        azimuths_rad: &[f64],
+        offsets_rad: &[f64],
+    ) -> Result<Self> {
         let out_of_range =
             |what, value: String, expected: &str| Err(Error::OutOfRange { what, value, expected: expected.to_owned() });
         for (what, n) in [("number of rings", rings.len()), ("number of columns", azimuths_rad.len())] {
@@ -45,6 +83,9 @@ impl TurretGrid {
         }
         for ring in rings {
             let _ = finite("ring height", ring.height_m)?;
+            if finite("ring's distance from the axis", ring.left_m)?.abs() > MOST_LEFT_M {
+                return out_of_range("ring's distance from the axis", ring.left_m.to_string(), "at most 0.5 m");
+            }
             if finite("ring elevation", ring.elevation_rad)?.abs() > 89_f64.to_radians() {
                 return out_of_range("ring elevation", ring.elevation_rad.to_string(), "within 89 degrees (1.553 rad)");
             }
@@ -55,7 +96,27 @@ impl TurretGrid {
                 return out_of_range("azimuth", azimuth.to_string(), "rising values in [0, 2 pi)");
             }
         }
-        Ok(Self { world_from_velo, table: Arc::new(Table::new(rings, azimuths_rad)) })
+        if offsets_rad.len() != rings.len() {
+            return Err(Error::Shape {
+                what: "azimuth offsets",
+                got: format!("({},)", offsets_rad.len()),
+                expected: format!("({},)", rings.len()),
+            });
+        }
+        let most = TAU - azimuths_rad[azimuths_rad.len() - 1];
+        for offset in offsets_rad {
+            if !(0.0..most).contains(&finite("azimuth offset", *offset)?) {
+                let expected = format!("0 to below {most} rad, the gap behind the last column");
+                return out_of_range("azimuth offset", offset.to_string(), &expected);
+            }
+        }
+        Ok(Self { world_from_velo, table: Arc::new(Table::new(rings, azimuths_rad, offsets_rad)) })
+    }
+
+    /// Cosine and sine of the azimuth of every column of a ring.
+    #[must_use]
+    pub fn headings(&self, ring: usize) -> &[[f64; 2]] {
+        self.table.headings(ring)
     }
 
     /// The same turret somewhere else; the tables are shared.
@@ -65,13 +126,11 @@ impl TurretGrid {
     }
 }
 
-/// Where a vertex falls on a turret's grid.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct TurretFootprint {
-    /// In [0, 2 pi]; NaN near the axis and at the seam, where the slow path decides.
-    azimuth_rad: f32,
-    rows: [u16; 2],
-}
+/// Where a vertex falls on a turret's grid: the first of the rows that may pass through it, the first tick of the
+/// azimuth, and the ends of both counted down from `u16::MAX`. The bounds of several are the least of each number.
+///
+/// A vertex near the axis or at the seam has all ticks: what it belongs to takes the slow path.
+pub type TurretFootprint = [u16; 4];
 
 impl BeamGrid for TurretGrid {
     type Footprint = TurretFootprint;
@@ -90,12 +149,11 @@ impl BeamGrid for TurretGrid {
 
     fn beam(&self, row: usize, column: usize) -> Beam {
         let ring = self.table.rings[row];
-        let [cos_azimuth, sin_azimuth] = self.table.cos_sin[column];
+        let heading = self.table.headings(row)[column];
         let (cos, sin) = (math::cos(ring.elevation_rad), math::sin(ring.elevation_rad));
-        let direction_velo = DVec3::new(cos * cos_azimuth, cos * sin_azimuth, sin);
+        let direction_velo = DVec3::new(cos * heading[0], cos * heading[1], sin);
         Beam {
-            origin_world: self.world_from_velo.translation
-                + self.world_from_velo.rotation * DVec3::new(0.0, 0.0, ring.height_m),
+            origin_world: self.world_from_velo.transform_point(ring.origin_velo(heading)),
             direction_world: self.world_from_velo.rotation * direction_velo,
         }
     }
@@ -104,8 +162,8 @@ impl BeamGrid for TurretGrid {
     fn sphere_windows(&self, c: Vec3, radius_m: f32) -> ([Window; 2], f32) {
         let table = &*self.table;
         let [lowest, highest] = table.height_span;
-        // One origin in the middle sees a sphere that is larger by half the span.
-        let reach = radius_m + 0.5 * (highest - lowest) + 1e-4;
+        // One origin in the middle sees a sphere that is larger by half the span, and by the way from the axis.
+        let reach = radius_m + 0.5 * (highest - lowest) + table.most_left + 1e-4;
         let z = c.z - 0.5 * (lowest + highest);
         let rho = (c.x * c.x + c.y * c.y).sqrt();
         let near = (rho * rho + z * z).sqrt() * 0.999_99 - reach;
@@ -138,10 +196,11 @@ impl BeamGrid for TurretGrid {
         self.table.ring_of_row[inner_row] as usize * self.table.azimuths.len()
     }
 
-    #[inline]
+    #[inline(always)]
     fn footprints(&self, [x, y, z]: &Lanes, out: &mut [Self::Footprint; LANES]) {
         let table = &*self.table;
         let (mut rho, mut azimuth, mut bin) = ([0.0_f32; LANES], [0.0_f32; LANES], [0_u32; LANES]);
+        let mut ticks = [(0_u16, 0_u16); LANES];
         let middle = table.middle_height();
         for i in 0..LANES {
             rho[i] = (x[i] * x[i] + y[i] * y[i]).sqrt().max(1e-6);
@@ -149,93 +208,248 @@ impl BeamGrid for TurretGrid {
             bin[i] = table.row_of_tangent.bin((middle - z[i]) / rho[i]);
         }
         for i in 0..LANES {
-            let awkward = rho[i] <= POLAR * (z[i].abs() + rho[i])
-                || rho[i] < 1e-3
-                || azimuth[i] < 2.0 * AZIMUTH_MARGIN
-                || azimuth[i] > TURN - 2.0 * AZIMUTH_MARGIN;
-            let (first, end) = table.rows_from_guess(rho[i], z[i], table.row_of_tangent.guess_in_bin(bin[i]));
-            out[i] = TurretFootprint {
-                azimuth_rad: if awkward { f32::NAN } else { azimuth[i] },
-                rows: [first as u16, end as u16],
-            };
+            // Lasers beside the axis look past it: asin x <= 1.001 x up to x = 1 / OFF_AXIS.
+            let aside = 1.001 * table.most_left / rho[i];
+            let awkward = (rho[i] <= POLAR * (z[i].abs() + rho[i]))
+                | (rho[i] < table.least_rho)
+                | (azimuth[i] < 2.0 * AZIMUTH_MARGIN + table.max_offset + aside)
+                | (azimuth[i] > TURN - 2.0 * AZIMUTH_MARGIN - aside);
+            let (first, end) = table.ticks.between(azimuth[i] - table.max_offset - aside, azimuth[i] + aside);
+            ticks[i] = if awkward { (0, u16::MAX) } else { (first, end) };
+        }
+        if let Some(rows_of_bin) = &table.rows_of_bin {
+            for i in 0..LANES {
+                let [first, end] = rows_of_bin[bin[i] as usize];
+                out[i] = [first, u16::MAX - end, ticks[i].0, u16::MAX - ticks[i].1];
+            }
+            return;
+        }
+        for i in 0..LANES {
+            let [first, end] = table.rows_of_place(1.0 / rho[i], bin[i]);
+            out[i] = [first, u16::MAX - end, ticks[i].0, u16::MAX - ticks[i].1];
         }
     }
 
-    #[inline]
-    fn windows(&self, corners_grid: impl Fn() -> [Vec3; 3], [a, b, c]: &[Self::Footprint; 3]) -> [Window; 2] {
-        // NaN, the sign of an awkward corner, must not get lost in min and max.
-        let [p, q, r] = [a.azimuth_rad, b.azimuth_rad, c.azimuth_rad];
-        let narrow = (p - q).abs() < NARROW_RAD && (q - r).abs() < NARROW_RAD && (r - p).abs() < NARROW_RAD;
-        if !narrow {
-            return self.table.wide_windows(corners_grid());
+    #[inline(always)]
+    fn may_meet(&self, footprints: &[Self::Footprint; 3]) -> bool {
+        let [first, end, first_tick, end_tick] = bounds_of(footprints);
+        (end_tick - first_tick > i32::from(self.table.ticks.narrow)) | ((first < end) & (first_tick < end_tick))
+    }
+
+    #[inline(always)]
+    fn windows(&self, corners_grid: &[DVec3; 3], footprints: &[Self::Footprint; 3]) -> [Window; 2] {
+        let table = &*self.table;
+        let [first, end, first_tick, end_tick] = bounds_of(footprints);
+        if end_tick - first_tick > i32::from(table.ticks.narrow) {
+            return table.wide_windows(corners_grid.map(|p| p.as_vec3()));
         }
-        let first = a.rows[0].min(b.rows[0]).min(c.rows[0]);
-        let end = a.rows[1].max(b.rows[1]).max(c.rows[1]);
-        if first >= end {
-            return Default::default();
-        }
-        let rows = usize::from(first)..usize::from(end);
-        // Awkward corners apart, both ends lie inside the turn.
-        let columns = self.table.columns_below(p.min(q).min(r) - AZIMUTH_MARGIN)
-            ..self.table.columns_below(p.max(q).max(r) + AZIMUTH_MARGIN);
-        [Window { rows, columns }, Window::default()]
+        let columns = table.ticks.columns(first_tick as u16, end_tick as u16);
+        [Window { rows: first as usize..end as usize, columns }, Window::default()]
+    }
+
+    #[inline(always)]
+    fn near_depth(&self, corners_grid: &[DVec3; 3]) -> f32 {
+        let [lowest, highest] = self.table.height_span.map(f64::from);
+        let middle = DVec3::new(0.0, 0.0, 0.5 * (lowest + highest));
+        let [a, b, c] = corners_grid.map(|p| p - middle);
+        let least = |x: f64, y: f64, z: f64| x.min(y).min(z);
+        let corner = least(a.length_squared(), b.length_squared(), c.length_squared());
+        let edge = -least(-(b - a).length_squared(), -(c - b).length_squared(), -(a - c).length_squared());
+        // No point of a triangle is farther from all corners than its longest edge / sqrt 3, the nearest point to the
+        // origin included; and seen from there the corners lie beyond it or at a right angle.
+        let nearest = (corner - edge * 0.333_334).max(0.0).sqrt();
+        (nearest * 0.999_999 - 0.5 * (highest - lowest) - f64::from(self.table.most_left) - 1e-5) as f32
     }
 
     #[inline]
     fn cover(&self, triangle: &EdgePlanes, window: &Window, mut visit: impl FnMut(usize, f64)) {
-        let table = &*self.table;
         for row in window.rows.clone() {
-            let SortedRow { tangent, secant, height_m: h } = table.rows[row];
-            let signed_volume = triangle.volume - h * triangle.normal.z;
-            if signed_volume == 0.0 {
-                continue;
-            }
-            let sign = if signed_volume > 0.0 { 1.0 } else { -1.0 };
-            let edge = |i: usize| {
-                let (n, d) = (triangle.cross[i], triangle.delta[i]);
-                [sign * (n.x + h * d.y), sign * (n.y - h * d.x), sign * n.z * tangent]
-            };
-            let [e0, e1, e2] = [edge(0), edge(1), edge(2)];
-            let n = triangle.normal;
-            let n = [sign * n.x, sign * n.y, sign * n.z * tangent];
-            let distance = signed_volume.abs() * secant;
-            let base = table.ring_of_row[row] as usize * table.azimuths.len();
-            let mut try_columns = |columns: Range<usize>| {
-                for (column, [cos, sin]) in columns.clone().zip(&table.cos_sin[columns]) {
-                    let at = |p: &[f64; 3]| p[0] * cos + p[1] * sin + p[2];
-                    if at(&e0) >= 0.0 && at(&e1) >= 0.0 && at(&e2) >= 0.0 {
-                        let facing = at(&n);
-                        if facing > 0.0 {
-                            visit(base + column, distance / facing);
-                        }
+            let base = self.row_start(row);
+            let headings = self.table.headings(self.table.ring_of_row[row] as usize);
+            for planes in RowPlanes::sides(triangle, &self.table.rows[row]).into_iter().flatten() {
+                for column in window.columns.clone() {
+                    if let Some(depth) = planes.depth(headings[column]) {
+                        visit(base + column, depth);
                     }
                 }
-            };
-            if window.columns.len() < 2 * BLOCK {
-                try_columns(window.columns.clone());
-                continue;
             }
-            // Wide windows are mostly empty: skip blocks of columns that lie outside one edge altogether.
-            let last = window.columns.end - 1;
-            let mut start = window.columns.start;
-            let edges = [e0, e1, e2];
-            let [cos, sin] = table.cos_sin[start];
-            let mut here = edges.map(|p| p[0] * cos + p[1] * sin + p[2]);
-            while start < last {
-                let stop = (start + BLOCK).min(last);
-                let [cos, sin] = table.cos_sin[stop];
-                let there = edges.map(|p| p[0] * cos + p[1] * sin + p[2]);
-                let width = f64::from(table.azimuths[stop] - table.azimuths[start]);
-                // A sinusoid of amplitude R rises above its chord by at most R width^2 / 8.
-                let is_outside = (0..3).any(|i| {
-                    let [a, b, c] = edges[i];
-                    let reach = a.abs() + b.abs();
-                    here[i].max(there[i]) + reach * (0.126 * width * width + 1e-9) + 1e-12 * c.abs() < 0.0
-                });
-                if !is_outside {
-                    try_columns(start..stop + usize::from(stop == last));
-                }
-                (start, here) = (stop, there);
+        }
+    }
+
+    #[inline(always)]
+    fn cast(&self, triangle: &EdgePlanes, window: &Window, hits: &mut Hits, ids: [u32; 2]) {
+        let table = &*self.table;
+        if table.azimuths.len() < EIGHT {
+            return self.cover(triangle, window, |at, depth| hits.keep_nearer(at, depth as f32, ids[0], ids[1]));
+        }
+        for row in window.rows.clone() {
+            let ring = table.ring_of_row[row] as usize;
+            let base = [ring * table.azimuths.len(), table.headings_of_ring[ring] as usize];
+            for planes in RowPlanes::sides(triangle, &table.rows[row]).into_iter().flatten() {
+                self.cast_row(&planes, base, &window.columns, hits, ids);
+            }
+        }
+    }
+}
+
+impl TurretGrid {
+    /// `base` is where the row begins among the beams, and among the headings.
+    #[inline(always)]
+    fn cast_row(&self, planes: &RowPlanes, base: [usize; 2], columns: &Range<usize>, hits: &mut Hits, ids: [u32; 2]) {
+        if columns.len() < 2 * BLOCK {
+            return self.cast_columns(planes, base, columns.clone(), hits, ids);
+        }
+        // Wide windows are mostly empty: skip blocks of columns that lie outside one edge altogether.
+        let table = &*self.table;
+        let edges_at = |column: usize| planes.edges_at(table.cos[base[1] + column], table.sin[base[1] + column]);
+        let last = columns.end - 1;
+        let mut start = columns.start;
+        let mut here = edges_at(start);
+        while start < last {
+            let stop = (start + BLOCK).min(last);
+            let there = edges_at(stop);
+            let width = f64::from(table.azimuths[stop] - table.azimuths[start]);
+            // A sinusoid of amplitude R rises above its chord by at most R width^2 / 8.
+            let is_outside = (0..3).any(|i| {
+                let [a, b, c] = planes.edges[i];
+                let reach = a.abs() + b.abs();
+                here[i].max(there[i]) + reach * (0.126 * width * width + 1e-9) + 1e-12 * c.abs() < 0.0
+            });
+            if !is_outside {
+                self.cast_columns(planes, base, start..stop + usize::from(stop == last), hits, ids);
+            }
+            (start, here) = (stop, there);
+        }
+    }
+
+    /// The columns of a row, eight at a time.
+    #[inline(always)]
+    fn cast_columns(
+        &self,
+        planes: &RowPlanes,
+        [base, headings]: [usize; 2],
+        columns: Range<usize>,
+        hits: &mut Hits,
+        ids: [u32; 2],
+    ) {
+        let last_eight = self.table.azimuths.len() - EIGHT;
+        let mut column = columns.start;
+        while column < columns.end {
+            // The last eight of a row may take in some columns before the window: they are tested too.
+            let first = column.min(last_eight);
+            planes.cast_eight(self.table.eight_headings(headings + first), hits, base + first, ids);
+            column = first + EIGHT;
+        }
+    }
+}
+
+/// The bounds of a triangle's corners: first row, end of rows, first tick, end of ticks.
+#[inline(always)]
+fn bounds_of([a, b, c]: &[TurretFootprint; 3]) -> [i32; 4] {
+    let least: TurretFootprint = std::array::from_fn(|i| a[i].min(b[i]).min(c[i]));
+    let [first, end, first_tick, end_tick] = least.map(i32::from);
+    let most = i32::from(u16::MAX);
+    [first, most - end, first_tick, most - end_tick]
+}
+
+/// A triangle as one row sees it from one of its sides: in the beam's azimuth, its edges, its normal and the volume that
+/// it spans with the laser are `a cos + b sin + c`.
+struct RowPlanes {
+    edges: [[f64; 3]; 3],
+    normal: [f64; 3],
+    /// By the secant of the row's elevation; positive where the laser is on this side.
+    volume: [f64; 3],
+}
+
+impl RowPlanes {
+    /// The side that the row's laser is on; both for a laser beside the axis that may go around the triangle's plane.
+    #[inline(always)]
+    fn sides(triangle: &EdgePlanes, row: &SortedRow) -> [Option<Self>; 2] {
+        let (n, left) = (triangle.normal, row.left_m);
+        let volume = [-left * n.y, left * n.x, triangle.volume - row.height_m * n.z];
+        let changes = volume[0].abs() + volume[1].abs();
+        if volume[2].abs() > changes {
+            let sign = if volume[2] > 0.0 { 1.0 } else { -1.0 };
+            [Some(Self::seen_from(triangle, row, volume, sign)), None]
+        } else if changes > 0.0 {
+            [1.0, -1.0].map(|sign| Some(Self::seen_from(triangle, row, volume, sign)))
+        } else {
+            [None, None]
+        }
+    }
+
+    /// The beam's direction times (A - origin) x (B - origin) for each edge AB, where the origin turns with the beam.
+    #[inline(always)]
+    fn seen_from(triangle: &EdgePlanes, row: &SortedRow, volume: [f64; 3], sign: f64) -> Self {
+        let SortedRow { tangent, secant, height_m: h, left_m: left } = *row;
+        let aside = tangent * left;
+        let edge = |i: usize| {
+            let (n, d) = (triangle.cross[i], triangle.delta[i]);
+            let along_x = n.x + h * d.y + aside * d.x;
+            let along_y = n.y - h * d.x + aside * d.y;
+            [sign * along_x, sign * along_y, sign * (n.z * tangent - left * d.z)]
+        };
+        let n = triangle.normal;
+        Self {
+            edges: [edge(0), edge(1), edge(2)],
+            normal: [sign * n.x, sign * n.y, sign * n.z * tangent],
+            volume: volume.map(|v| sign * v * secant),
+        }
+    }
+
+    #[inline(always)]
+    fn edges_at(&self, cos: f64, sin: f64) -> [f64; 3] {
+        self.edges.map(|p| p[0] * cos + p[1] * sin + p[2])
+    }
+
+    /// The range of the beam with this heading, if it meets the triangle from this side.
+    #[inline(always)]
+    fn depth(&self, [cos, sin]: [f64; 2]) -> Option<f64> {
+        let is_inside = self.edges_at(cos, sin).iter().all(|e| *e >= 0.0);
+        let [facing, volume] = [&self.normal, &self.volume].map(|p| p[0] * cos + p[1] * sin + p[2]);
+        (is_inside && facing > 0.0 && volume > 0.0).then(|| volume / facing)
+    }
+
+    /// The same for eight beams, the first of them at `at`, and keeps what is nearer.
+    #[inline(always)]
+    fn cast_eight(&self, [cos, sin]: [&[f64; EIGHT]; 2], hits: &mut Hits, at: usize, [instance, face]: [u32; 2]) {
+        let ([p, q, r], n) = (&self.edges, &self.normal);
+        let (mut inside, mut facing) = ([false; EIGHT], [0.0; EIGHT]);
+        let mut any = false;
+        for i in 0..EIGHT {
+            let on = |p: &[f64; 3]| p[0] * cos[i] + p[1] * sin[i] + p[2];
+            facing[i] = on(n);
+            inside[i] = (on(p) >= 0.0) & (on(q) >= 0.0) & (on(r) >= 0.0) & (facing[i] > 0.0);
+            any |= inside[i];
+        }
+        if !any {
+            return;
+        }
+        let volume: [f64; EIGHT] =
+            std::array::from_fn(|i| self.volume[0] * cos[i] + self.volume[1] * sin[i] + self.volume[2]);
+        for i in 0..EIGHT {
+            inside[i] &= volume[i] > 0.0;
+        }
+        let (Ok(depths), Ok(instances), Ok(faces)) = (
+            <&mut [f32; EIGHT]>::try_from(&mut hits.depth[at..at + EIGHT]),
+            <&mut [u32; EIGHT]>::try_from(&mut hits.instance[at..at + EIGHT]),
+            <&mut [u32; EIGHT]>::try_from(&mut hits.face[at..at + EIGHT]),
+        ) else {
+            return;
+        };
+        // Copies, so that the compiler knows that no store changes what is still to be read.
+        let (old, (old_instances, old_faces)) = (*depths, (*instances, *faces));
+        let (mut found, mut tie) = ([0.0_f32; EIGHT], false);
+        for i in 0..EIGHT {
+            found[i] = if inside[i] { (volume[i] / facing[i]) as f32 } else { f32::INFINITY };
+            tie |= inside[i] & (found[i] == old[i]);
+        }
+        *depths = std::array::from_fn(|i| if found[i] < old[i] { found[i] } else { old[i] });
+        *instances = std::array::from_fn(|i| if found[i] < old[i] { instance } else { old_instances[i] });
+        *faces = std::array::from_fn(|i| if found[i] < old[i] { face } else { old_faces[i] });
+        if tie {
+            for i in (0..EIGHT).filter(|i| inside[*i]) {
+                hits.keep_nearer(at + i, found[i], instance, face);
             }
         }
     }

@@ -6,8 +6,14 @@ use crate::math::{self, Vec3};
 
 /// Error of the single-precision azimuth, in radians: its polynomial and the rounding of coordinates.
 pub(super) const AZIMUTH_MARGIN: f32 = 4e-5;
-/// Triangles narrower than this are bounded by their corners, whose margins allow for the bulge of the edges.
-pub(super) const NARROW_RAD: f32 = 0.02;
+/// Triangles narrower than this are bounded by their corners, with [`BULGE`] for their edges.
+pub(super) const NARROW_RAD: f32 = 0.08;
+/// An edge is an arc of a great circle. Between corners `w` apart in azimuth it rises over the tangent of their
+/// elevations by a factor of at most 1 / cos(w / 2), which is 1.0008 for [`NARROW_RAD`].
+const BULGE: f32 = 1e-3;
+/// Points this many times as far from the axis as the lasers are look alike to all of them but for their azimuth: a
+/// beam that passes the axis at `left` meets the distance rho after sqrt(rho^2 - left^2), 0.03 % less.
+const OFF_AXIS: f32 = 40.0;
 /// Points nearer to the axis than this fraction of their distance have no azimuth worth the name.
 pub(super) const POLAR: f32 = 0.01;
 pub(super) const TURN: f32 = std::f32::consts::TAU;
@@ -25,10 +31,26 @@ pub(super) struct Table {
     /// that the rows which pass above a point are a prefix even where heights and elevations are not in one order.
     pub(super) envelope: Vec<[f32; 3]>,
     pub(super) height_span: [f32; 2],
+    /// The farthest that a laser sits beside the axis.
+    pub(super) most_left: f32,
+    /// Points nearer to the axis are left to the slow path.
+    pub(super) least_rho: f32,
     pub(super) row_of_tangent: Lookup,
+    /// Where all lasers have one origin: the first row and the end of the rows that may pass through points whose
+    /// tangents lie in a bin of `row_of_tangent`.
+    pub(super) rows_of_bin: Option<Vec<[u16; 2]>>,
+    /// Where they have several: the same for a bin of nearness and a bin of tangents ([`rows_of_place`]).
+    pub(super) rows_of_place: Vec<[u16; 2]>,
     pub(super) azimuths: Vec<f32>,
+    /// Cosines and sines of all columns' azimuths, once for each distinct offset of a ring; and both side by side.
+    pub(super) cos: Vec<f64>,
+    pub(super) sin: Vec<f64>,
     pub(super) cos_sin: Vec<[f64; 2]>,
-    pub(super) column_of_azimuth: Lookup,
+    /// Where each ring's cosines and sines begin.
+    pub(super) headings_of_ring: Vec<u32>,
+    /// Rings fire up to this much counter-clockwise of their column's azimuth, and never clockwise.
+    pub(super) max_offset: f32,
+    pub(super) ticks: Ticks,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -36,6 +58,7 @@ pub(super) struct SortedRow {
     pub(super) tangent: f64,
     pub(super) secant: f64,
     pub(super) height_m: f64,
+    pub(super) left_m: f64,
 }
 
 /// Counts of table entries below a value, to start an exact search from.
@@ -73,8 +96,122 @@ impl Lookup {
     }
 }
 
+impl Lookup {
+    /// For each bin the range of `sorted` (rising) entries that lie within `slack(x)` of an x in the bin.
+    fn ranges_of_bins(&self, sorted: &[f32], slack: impl Fn(f32) -> f32) -> Vec<[u16; 2]> {
+        let last = self.counts.len() - 1;
+        let range = |bin: usize| {
+            // Bins are rounded to, so that each reaches half a step to both sides; the outermost have no end.
+            let edge = |b: f32| (b - self.offset) / self.scale;
+            let (lo, hi) = (edge(bin as f32 - 0.51), edge(bin as f32 + 0.51));
+            let first = if bin == 0 { 0 } else { sorted.partition_point(|t| *t < lo - slack(lo)) };
+            let end = if bin == last { sorted.len() } else { sorted.partition_point(|t| *t <= hi + slack(hi)) };
+            [first as u16, end as u16]
+        };
+        (0..=last).map(range).collect()
+    }
+}
+
+/// Bins of nearness, 1 / rho: [`NEAR_PER_BIN`] each, the last without an end.
+const NEAR_BINS: usize = 48;
+const NEAR_PER_BIN: f32 = 1.0 / 60.0;
+/// Bins of `row_of_tangent` that share a range in [`rows_of_place`], as a power of two.
+const SHARED_BITS: u32 = 2;
+const TANGENT_BINS: usize = 4096;
+const PLACE_STRIDE: usize = TANGENT_BINS >> SHARED_BITS;
+
+/// The rows that may pass through points of a bin of tangents (over the middle height) and a bin of nearness.
+///
+/// Seen from the middle, a row at height h passes at the tangent `tan + (h - middle) / rho`: linear in the nearness, so
+/// that its ends in a bin bound it.
+fn rows_of_place(lookup: &Lookup, rows: &[SortedRow], height_span: [f32; 2]) -> Vec<[u16; 2]> {
+    let middle = 0.5 * (height_span[0] + height_span[1]);
+    let half_span = 0.5 * (height_span[1] - height_span[0]);
+    let edge = |bin: f32| (bin - lookup.offset) / lookup.scale;
+    let mut out = Vec::with_capacity(NEAR_BINS * PLACE_STRIDE);
+    for near in 0..NEAR_BINS {
+        if near + 1 == NEAR_BINS {
+            out.resize(NEAR_BINS * PLACE_STRIDE, [0, rows.len() as u16]);
+            break;
+        }
+        let [least, most] = [near as f32 - 0.01, near as f32 + 1.01].map(|n| n * NEAR_PER_BIN);
+        let passes = |r: &SortedRow, nearness: f32| r.tangent as f32 + (r.height_m as f32 - middle) * nearness;
+        let (mut lowest, mut highest): (Vec<f32>, Vec<f32>) =
+            rows.iter().map(|r| (passes(r, least), passes(r, most))).map(|(a, b)| (a.min(b), a.max(b))).unzip();
+        for i in 1..rows.len() {
+            lowest[i] = lowest[i].min(lowest[i - 1]);
+            let j = rows.len() - 1 - i;
+            highest[j] = highest[j].max(highest[j + 1]);
+        }
+        for bin in 0..PLACE_STRIDE {
+            let (from, to) = ((bin << SHARED_BITS) as f32 - 0.51, (((bin + 1) << SHARED_BITS) - 1) as f32 + 0.51);
+            // The lookup's tangents fall as the rows' rise.
+            let (high, low) = (-edge(from), -edge(to));
+            let slack = |t: f32| (BULGE + 6e-4) * (t.abs() + half_span * most) + 1e-4;
+            let first = if bin == 0 { 0 } else { lowest.partition_point(|t| *t > high + slack(high)) };
+            let end =
+                if bin + 1 == PLACE_STRIDE { rows.len() } else { highest.partition_point(|t| *t >= low - slack(low)) };
+            out.push([first as u16, end.max(first) as u16]);
+        }
+    }
+    out
+}
+
+/// A turn in equal steps on which the columns lie, exactly or nearly: an encoder has such.
+#[derive(Debug)]
+pub(super) struct Ticks {
+    per_rad: f32,
+    /// How far an azimuth in ticks may be wrong, and a column off its tick.
+    margin: f32,
+    /// Spans of no more ticks than this, which the rings' offsets widen, are narrower than [`NARROW_RAD`].
+    pub(super) narrow: u16,
+    /// Number of columns on ticks before each.
+    before: Vec<u16>,
+}
+
+/// Ticks a turn.
+const LEAST_TICKS: u32 = 2048;
+const MOST_TICKS: u32 = 16_384;
+
+impl Ticks {
+    fn new(azimuths_rad: &[f64], max_offset: f32) -> Self {
+        let off_by = |n: u32| {
+            let ticks = azimuths_rad.iter().map(move |a| a * f64::from(n) / std::f64::consts::TAU);
+            ticks.map(|t: f64| (t - t.round()).abs())
+        };
+        let fits = |n: &u32| off_by(*n).all(|off| off < 1e-4);
+        let n = (LEAST_TICKS..=MOST_TICKS).find(fits).unwrap_or(MOST_TICKS);
+        let per_rad = n as f32 / TURN;
+        let margin = off_by(n).fold(0.0, f64::max) as f32 + AZIMUTH_MARGIN * per_rad + 1e-6 * n as f32;
+        let mut before = vec![0_u16; n as usize + 3];
+        for azimuth in azimuths_rad {
+            before[(azimuth * f64::from(n) / std::f64::consts::TAU).round() as usize + 1] += 1;
+        }
+        for i in 1..before.len() {
+            before[i] += before[i - 1];
+        }
+        Self { per_rad, margin, narrow: ((NARROW_RAD + max_offset) * per_rad) as u16 - 1, before }
+    }
+
+    /// The first tick and the end of the ticks from one azimuth to another, in 0..=2 pi.
+    #[inline(always)]
+    pub(super) fn between(&self, lo_rad: f32, hi_rad: f32) -> (u16, u16) {
+        // Adding 2^23 rounds to a whole number that stands in the low bits; a plain cast is slower as it saturates.
+        let after = |t: f32| ((t.max(-0.5) + 0.5 + 8_388_608.0).to_bits() & 0xffff) as u16;
+        (after(lo_rad * self.per_rad - self.margin), after(hi_rad * self.per_rad + self.margin))
+    }
+
+    /// The columns on the ticks of a range.
+    #[inline(always)]
+    pub(super) fn columns(&self, first: u16, end: u16) -> std::ops::Range<usize> {
+        let last = self.before.len() - 1;
+        let at = |tick: u16| usize::from(self.before[usize::from(tick).min(last)]);
+        at(first)..at(end)
+    }
+}
+
 impl Table {
-    pub(super) fn new(rings: &[TurretRing], azimuths_rad: &[f64]) -> Self {
+    pub(super) fn new(rings: &[TurretRing], azimuths_rad: &[f64], offsets_rad: &[f64]) -> Self {
         let mut ring_of_row: Vec<u32> = (0..rings.len() as u32).collect();
         ring_of_row.sort_by(|a, b| rings[*b as usize].elevation_rad.total_cmp(&rings[*a as usize].elevation_rad));
         let rows: Vec<SortedRow> = ring_of_row
@@ -84,6 +221,7 @@ impl Table {
                 tangent: math::tan(r.elevation_rad),
                 secant: 1.0 / math::cos(r.elevation_rad),
                 height_m: r.height_m,
+                left_m: r.left_m,
             })
             .collect();
         let mut envelope: Vec<[f32; 3]> =
@@ -96,35 +234,65 @@ impl Table {
         let heights = rows.iter().map(|r| r.height_m as f32);
         let height_span = [heights.clone().fold(f32::INFINITY, f32::min), heights.fold(f32::NEG_INFINITY, f32::max)];
         let (top, bottom) = (rows[0].tangent as f32, rows[rows.len() - 1].tangent as f32);
-        let row_of_tangent = Lookup::new(-top - 1e-3, -bottom + 1e-3, 4095, |x| {
+        let row_of_tangent = Lookup::new(-top - 1e-3, -bottom + 1e-3, TANGENT_BINS - 1, |x| {
             rows.iter().filter(|r| r.tangent > f64::from(-x)).count()
         });
         let azimuths: Vec<f32> = azimuths_rad.iter().map(|a| *a as f32).collect();
-        let column_of_azimuth = Lookup::new(0.0, TURN, 8191, |x| azimuths.partition_point(|a| *a < x));
+        let mut distinct: Vec<f64> = offsets_rad.to_vec();
+        distinct.sort_by(f64::total_cmp);
+        distinct.dedup();
+        let headings_of_ring = offsets_rad
+            .iter()
+            .map(|offset| (distinct.partition_point(|d| d < offset) * azimuths.len()) as u32)
+            .collect();
+        let heading = |azimuth: f64| [math::cos(azimuth), math::sin(azimuth)];
+        let cos_sin: Vec<[f64; 2]> =
+            distinct.iter().flat_map(|d| azimuths_rad.iter().map(move |a| heading(a + d))).collect();
+        let max_offset = distinct.last().map_or(0.0, |d| *d as f32);
+        let most_left = rows.iter().map(|r| r.left_m.abs() as f32).fold(0.0, f32::max);
+        let one_origin = height_span[0] == height_span[1] && most_left == 0.0;
+        let rows_of_bin = one_origin.then(|| {
+            let tangents: Vec<f32> = rows.iter().map(|r| -r.tangent as f32).collect();
+            row_of_tangent.ranges_of_bins(&tangents, |t| (BULGE + 1e-4) * t.abs() + 1e-4)
+        });
+        let rows_of_place = match one_origin {
+            true => Vec::new(),
+            false => rows_of_place(&row_of_tangent, &rows, height_span),
+        };
         Self {
             rings: rings.to_vec(),
             ring_of_row,
             rows,
             envelope,
             height_span,
+            most_left,
+            least_rho: (OFF_AXIS * most_left).max(0.02),
             row_of_tangent,
-            cos_sin: azimuths_rad.iter().map(|a| [math::cos(*a), math::sin(*a)]).collect(),
+            rows_of_bin,
+            rows_of_place,
+            cos: cos_sin.iter().map(|h| h[0]).collect(),
+            sin: cos_sin.iter().map(|h| h[1]).collect(),
+            cos_sin,
+            headings_of_ring,
+            max_offset,
+            ticks: Ticks::new(azimuths_rad, max_offset),
             azimuths,
-            column_of_azimuth,
         }
     }
 
-    /// Number of columns below an azimuth.
+    /// Cosine and sine of a ring's azimuths.
     #[inline]
-    pub(super) fn columns_below(&self, azimuth_rad: f32) -> usize {
-        let mut n = self.column_of_azimuth.guess(azimuth_rad);
-        while n < self.azimuths.len() && self.azimuths[n] < azimuth_rad {
-            n += 1;
-        }
-        while n > 0 && self.azimuths[n - 1] >= azimuth_rad {
-            n -= 1;
-        }
-        n
+    pub(super) fn headings(&self, ring: usize) -> &[[f64; 2]] {
+        let start = self.headings_of_ring[ring] as usize;
+        &self.cos_sin[start..start + self.azimuths.len()]
+    }
+
+    /// Cosines and sines of eight columns, from one of the headings on.
+    #[inline(always)]
+    pub(super) fn eight_headings<const N: usize>(&self, first: usize) -> [&[f64; N]; 2] {
+        let range = first..first + N;
+        let (cos, sin) = (self.cos[range.clone()].try_into(), self.sin[range].try_into());
+        [cos.expect("of that length"), sin.expect("of that length")]
     }
 
     /// The rows that may pass through a point at distance `rho` from the axis and height `z`: those before the range
@@ -135,6 +303,15 @@ impl Table {
         self.rows_from_guess(rho, z, self.row_of_tangent.guess((middle - z) / rho))
     }
 
+    /// About [`Table::rows_at`], for lasers at several heights, without a search: by nearness and a bin of tangents.
+    #[inline(always)]
+    pub(super) fn rows_of_place(&self, nearness: f32, tangent_bin: u32) -> [u16; 2] {
+        let near = (nearness * (1.0 / NEAR_PER_BIN)).min(NEAR_BINS as f32 - 0.75) - 0.5;
+        // As in [`Lookup::bin`].
+        let near = (near.max(0.0) + 8_388_608.0).to_bits() & 0xff;
+        self.rows_of_place[near as usize * PLACE_STRIDE + (tangent_bin >> SHARED_BITS) as usize]
+    }
+
     #[inline]
     pub(super) fn middle_height(&self) -> f32 {
         0.5 * (self.height_span[0] + self.height_span[1])
@@ -143,7 +320,8 @@ impl Table {
     /// [`Table::rows_at`], from a first guess of the row.
     #[inline]
     pub(super) fn rows_from_guess(&self, rho: f32, z: f32, guess: usize) -> (usize, usize) {
-        let slack = 1e-4 * (z - self.middle_height()).abs() + 2e-6 * rho + 1e-6;
+        let slack =
+            (BULGE + 4e-4 * f32::from(self.most_left > 0.0)) * (z - self.middle_height()).abs() + 2e-6 * rho + 1e-6;
         let (above, below) = (z + slack, z - slack);
         let mut first = guess;
         let height = |e: &[f32; 3], k: usize| e[k] + rho * e[0];
@@ -179,16 +357,20 @@ impl Table {
         first..end
     }
 
-    /// The columns from one azimuth to another, which may lie up to a turn outside [0, 2 pi).
+    /// The columns any ring of which fires from one azimuth to another, which may lie up to a turn outside [0, 2 pi).
     pub(super) fn columns_between(&self, lo: f32, hi: f32) -> [std::ops::Range<usize>; 2] {
         let n = self.azimuths.len();
-        let (lo, hi) = (lo - AZIMUTH_MARGIN, hi + AZIMUTH_MARGIN);
+        let (lo, hi) = (lo - AZIMUTH_MARGIN - self.max_offset, hi + AZIMUTH_MARGIN);
+        let columns = |lo: f32, hi: f32| {
+            let (first, end) = self.ticks.between(lo, hi);
+            self.ticks.columns(first, end)
+        };
         if lo < 0.0 {
-            [self.columns_below(lo + TURN)..n, 0..self.columns_below(hi)]
+            [columns(lo + TURN, TURN).start..n, columns(0.0, hi)]
         } else if hi >= TURN {
-            [self.columns_below(lo)..n, 0..self.columns_below(hi - TURN)]
+            [columns(lo, TURN).start..n, columns(0.0, hi - TURN)]
         } else {
-            [self.columns_below(lo)..self.columns_below(hi), 0..0]
+            [columns(lo, hi), 0..0]
         }
     }
 
@@ -197,6 +379,7 @@ impl Table {
         let n_columns = self.azimuths.len();
         let rho = corners.map(|p| (p.x * p.x + p.y * p.y).sqrt());
         let polar = (0..3).any(|i| rho[i] <= POLAR * (corners[i].z.abs() + rho[i]) || rho[i] < 1e-3);
+        let nearest_corner = rho[0].min(rho[1]).min(rho[2]);
         let mut azimuth = corners.map(|p| azimuth_of(p.x, p.y));
         let span = |a: &[f32; 3]| (a[0].min(a[1]).min(a[2]), a[0].max(a[1]).max(a[2]));
         let (mut lo, mut hi) = span(&azimuth);
@@ -205,13 +388,14 @@ impl Table {
             (lo, hi) = span(&azimuth);
         }
         let width = hi - lo;
-        if polar || width.is_nan() || width > HALF_TURN - 1e-3 {
+        // An edge is an arc of a great circle: it bulges away from the horizon by at most 1 / cos(width / 2), and
+        // 1 - x^2 / 2 lies below cos x. By the same factor it comes nearer to the axis than its ends.
+        let shrink = 1.0 - width * width * 0.1251;
+        let is_near = self.most_left > 0.0 && nearest_corner * shrink < self.least_rho;
+        if polar || is_near || width.is_nan() || width > HALF_TURN - 1e-3 {
             let rows = self.rows_of_polar(corners, rho);
             return [Window { rows, columns: 0..n_columns }, Window::default()];
         }
-        // An edge is an arc of a great circle: it bulges away from the horizon by at most 1 / cos(width / 2), and
-        // 1 - x^2 / 2 lies below cos x.
-        let shrink = 1.0 - width * width * 0.1251;
         let mut rows = (self.rows.len(), 0);
         if shrink <= 0.1 {
             rows = (0, self.rows.len());
@@ -223,7 +407,8 @@ impl Table {
                 }
             }
         }
-        self.columns_between(lo, hi).map(|columns| Window { rows: rows.0..rows.1, columns })
+        let aside = if self.most_left > 0.0 { 1.001 * self.most_left / (nearest_corner * shrink) } else { 0.0 };
+        self.columns_between(lo - aside, hi + aside).map(|columns| Window { rows: rows.0..rows.1, columns })
     }
 
     /// Rows of a triangle around or near the axis: all of it may be above or below the sensor.

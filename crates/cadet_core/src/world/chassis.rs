@@ -158,6 +158,11 @@ impl Chassis {
         body.velocity_at_point(body.position().translation).as_dvec3()
     }
 
+    /// Angular velocity of the body, rad/s.
+    pub fn angular_velocity_world(&self, physics: &Physics) -> DVec3 {
+        physics.world.bodies[self.body].angvel().as_dvec3()
+    }
+
     /// Speed along the car's own x axis.
     pub fn speed_mps(&self, physics: &Physics) -> f64 {
         let body = &physics.world.bodies[self.body];

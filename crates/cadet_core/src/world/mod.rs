@@ -239,6 +239,7 @@ impl World {
         EgoState {
             world_from_ego: chassis.world_from_box(&self.physics),
             velocity_world: chassis.velocity_world(&self.physics),
+            angular_velocity_world: chassis.angular_velocity_world(&self.physics),
         }
     }
 

@@ -15,6 +15,8 @@ pub struct EgoState {
     pub world_from_ego: DPose3,
     /// Velocity of that origin.
     pub velocity_world: DVec3,
+    /// Angular velocity, rad/s.
+    pub angular_velocity_world: DVec3,
 }
 
 /// Immutable poses and shapes. The ego's own shape is not among them.
@@ -47,13 +49,14 @@ impl World {
         for car in &self.cars[1..] {
             let pose = car.chassis.world_from_box(&self.physics);
             if is_near(pose.translation) {
-                let velocity = car.chassis.velocity_world(&self.physics);
-                posed.push(vehicle(car.id, car.model(), pose, velocity, &car.chassis.wheels(), true));
+                let speeds =
+                    (car.chassis.velocity_world(&self.physics), car.chassis.angular_velocity_world(&self.physics));
+                posed.push(vehicle(car.id, car.model(), pose, speeds, &car.chassis.wheels(), true));
             }
         }
         for parked in self.parked.iter().filter(|p| is_near(p.settled.world_from_box.translation)) {
             let pose = parked.settled.world_from_box;
-            posed.push(vehicle(parked.id, &parked.model, pose, DVec3::ZERO, &parked.wheels(), false));
+            posed.push(vehicle(parked.id, &parked.model, pose, Default::default(), &parked.wheels(), false));
         }
         for walker in self.walkers.iter().filter(|w| is_near(w.position)) {
             let state = ActorState {
@@ -63,6 +66,7 @@ impl World {
                 size_lwh: walker.model.size_lwh,
                 world_from_box: walker.pose(),
                 velocity_world: walker.velocity,
+                angular_velocity_world: DVec3::ZERO,
             };
             let body = Instance {
                 shape: Arc::new(walker.model.pose(walker.phase)),
@@ -87,7 +91,7 @@ fn vehicle(
     id: i32,
     model: &VehicleModel,
     world_from_box: DPose3,
-    velocity_world: DVec3,
+    (velocity_world, angular_velocity_world): (DVec3, DVec3),
     box_from_wheels: &[DPose3; 4],
     is_driven: bool,
 ) -> Posed {
@@ -111,6 +115,7 @@ fn vehicle(
         size_lwh: model.size_lwh,
         world_from_box,
         velocity_world,
+        angular_velocity_world,
     };
     Posed { state, parts }
 }

@@ -94,7 +94,7 @@ fn pane() -> Material {
         transmission: 0.55,
         pattern: Pattern::Plain,
         semantic: Semantic::Building,
-        lidar: LidarMaterial { reflectance: 0.03, lobe_exponent: 3.0, transmission: 0.72, retro: false },
+        lidar: LidarMaterial { lobe_exponent: 3.0, transmission: 0.72, ..LidarMaterial::diffuse(0.03) },
     }
 }
 
@@ -142,7 +142,7 @@ pub fn house_palette(stream: &mut Stream, flat_roof: bool) -> Arc<Palette> {
     let plinth = wall.map(|c| c * 0.42 + 0.03);
     let mut dark_glass = pane();
     dark_glass.transmission = 0.0;
-    dark_glass.lidar = LidarMaterial { reflectance: 0.05, lobe_exponent: 2.0, transmission: 0.0, retro: false };
+    dark_glass.lidar = LidarMaterial { lobe_exponent: 2.0, ..LidarMaterial::diffuse(0.05) };
     Arc::new(Palette(vec![
         building(wall, wall_pattern, wall_905),
         building(plinth, Pattern::Render, 0.35),

@@ -36,24 +36,46 @@ pub(super) mod slot {
     pub const LETTERS: u8 = 20;
 }
 
-/// A colour of the stock: share, albedo, spread, LIDAR reflectance.
-type Colour = (f64, [f32; 3], f32, (f64, f64));
+/// A colour of the stock: share, albedo, spread, LIDAR reflectance below the coat, and what is on top.
+type Colour = (f64, [f32; 3], f32, (f64, f64), Coat);
 
+/// What lies over a paint's pigments: clear coat alone, or metal flakes below it.
+#[derive(Debug, Clone, Copy)]
+enum Coat {
+    Clear,
+    /// Few flakes among dark pigment.
+    DarkFlakes,
+    Flakes,
+}
+
+impl Coat {
+    /// (Fresnel reflectance, Beckmann roughness) at 905 nm.
+    fn gloss(self) -> (f32, f32) {
+        match self {
+            Self::Clear => (0.04, 0.18),
+            Self::DarkFlakes => (0.22, 0.38),
+            Self::Flakes => (0.35, 0.32),
+        }
+    }
+}
+
+/// Reflectances as measured at 905 nm (black 2-5 %, dark metallic 4-10, grey 8-15, silver 25-40 and peaked, white 70-80,
+/// red 40-65, blue 10-40, green 15-35) less what the coat itself mirrors: of black's 2-5 %, 4 are the mirror's.
 const COLOURS: [Colour; 14] = [
-    (18.0, [0.42, 0.43, 0.44], 0.06, (0.25, 0.40)),
-    (18.0, [0.16, 0.165, 0.17], 0.06, (0.08, 0.16)),
-    (23.0, [0.016, 0.016, 0.018], 0.01, (0.02, 0.05)),
-    (10.0, [0.020, 0.032, 0.095], 0.015, (0.08, 0.20)),
-    (5.0, [0.06, 0.15, 0.36], 0.05, (0.15, 0.40)),
-    (6.0, [0.36, 0.025, 0.025], 0.06, (0.40, 0.65)),
-    (3.0, [0.16, 0.015, 0.022], 0.03, (0.30, 0.50)),
-    (7.0, [0.72, 0.72, 0.70], 0.05, (0.70, 0.80)),
-    (3.5, [0.02, 0.07, 0.045], 0.02, (0.15, 0.25)),
-    (1.5, [0.12, 0.20, 0.12], 0.05, (0.20, 0.35)),
-    (2.0, [0.34, 0.28, 0.19], 0.05, (0.25, 0.40)),
-    (1.0, [0.10, 0.06, 0.035], 0.02, (0.10, 0.25)),
-    (1.5, [0.75, 0.50, 0.03], 0.06, (0.50, 0.70)),
-    (0.5, [0.62, 0.20, 0.02], 0.05, (0.45, 0.65)),
+    (18.0, [0.42, 0.43, 0.44], 0.06, (0.10, 0.22), Coat::Flakes),
+    (18.0, [0.16, 0.165, 0.17], 0.06, (0.03, 0.09), Coat::DarkFlakes),
+    (23.0, [0.016, 0.016, 0.018], 0.01, (0.004, 0.02), Coat::Clear),
+    (10.0, [0.020, 0.032, 0.095], 0.015, (0.03, 0.12), Coat::DarkFlakes),
+    (5.0, [0.06, 0.15, 0.36], 0.05, (0.12, 0.35), Coat::DarkFlakes),
+    (6.0, [0.36, 0.025, 0.025], 0.06, (0.35, 0.60), Coat::Clear),
+    (3.0, [0.16, 0.015, 0.022], 0.03, (0.25, 0.45), Coat::DarkFlakes),
+    (7.0, [0.72, 0.72, 0.70], 0.05, (0.65, 0.75), Coat::Clear),
+    (3.5, [0.02, 0.07, 0.045], 0.02, (0.10, 0.22), Coat::DarkFlakes),
+    (1.5, [0.12, 0.20, 0.12], 0.05, (0.15, 0.30), Coat::Flakes),
+    (2.0, [0.34, 0.28, 0.19], 0.05, (0.20, 0.35), Coat::Flakes),
+    (1.0, [0.10, 0.06, 0.035], 0.02, (0.08, 0.22), Coat::DarkFlakes),
+    (1.5, [0.75, 0.50, 0.03], 0.06, (0.45, 0.65), Coat::Clear),
+    (0.5, [0.62, 0.20, 0.02], 0.05, (0.40, 0.60), Coat::Clear),
 ];
 
 /// The materials of a vehicle.
@@ -84,7 +106,7 @@ pub(super) fn palette(class: ObjectClass, s: &mut Stream) -> Palette {
     set(slot::TYRE, coated(semantic, [0.025; 3], 0.8, 0.02, 0.05));
     let rim = s.range(0.28, 0.5) as f32;
     set(slot::RIM, coated(semantic, [rim; 3], 0.35, 0.10, s.range(0.2, 0.4) as f32));
-    set(slot::PLASTIC, coated(semantic, [0.03; 3], 0.45, 0.04, 0.06));
+    set(slot::PLASTIC, coated(semantic, [0.03; 3], 0.45, 0.04, 0.08));
     set(slot::GRILLE, coated(semantic, [0.015; 3], 0.5, 0.03, 0.05));
     set(slot::LAMP, coated(semantic, [0.55, 0.56, 0.58], 0.08, 0.08, 0.30));
     set(slot::TAIL_LAMP, coated(semantic, [0.38, 0.012, 0.015], 0.10, 0.05, 0.55));
@@ -95,9 +117,9 @@ pub(super) fn palette(class: ObjectClass, s: &mut Stream) -> Palette {
     let cloth = s.range(0.025, 0.14) as f32;
     set(
         slot::CLOTH,
-        Material::matt(semantic, [cloth, cloth, cloth * 1.05], Pattern::Cloth, s.range(0.25, 0.55) as f32),
+        Material::matt(semantic, [cloth, cloth, cloth * 1.05], Pattern::Cloth, s.range(0.05, 0.16) as f32),
     );
-    set(slot::DARK, Material::matt(semantic, [0.025; 3], Pattern::Plain, s.range(0.06, 0.16) as f32));
+    set(slot::DARK, Material::matt(semantic, [0.025; 3], Pattern::Plain, s.range(0.04, 0.10) as f32));
     set(slot::LINER, Material::matt(semantic, [0.008; 3], Pattern::Plain, 0.04));
     let skin = s.range(0.75, 1.1) as f32;
     set(slot::SKIN, Material::matt(semantic, [0.45 * skin, 0.28 * skin, 0.20 * skin], Pattern::Plain, 0.55));
@@ -114,7 +136,8 @@ fn paint(class: ObjectClass, semantic: Semantic, s: &mut Stream) -> Material {
     if class != ObjectClass::Car {
         shares[7] = 60.0;
     }
-    let (_, albedo, spread, reflectance) = COLOURS[s.weighted(&shares)];
+    let (_, albedo, spread, reflectance, coat) = COLOURS[s.weighted(&shares)];
+    let (gloss, roughness) = coat.gloss();
     let light = s.range(-1.0, 1.0) as f32 * spread;
     let is_dull = s.chance(0.2);
     Material {
@@ -126,9 +149,10 @@ fn paint(class: ObjectClass, semantic: Semantic, s: &mut Stream) -> Material {
         semantic,
         lidar: LidarMaterial {
             reflectance: s.range(reflectance.0, reflectance.1) as f32,
-            lobe_exponent: 2.5,
-            transmission: 0.0,
-            retro: false,
+            lobe_exponent: 3.0,
+            gloss,
+            roughness,
+            ..LidarMaterial::diffuse(0.0)
         },
     }
 }
@@ -151,6 +175,6 @@ pub(super) fn glass(semantic: Semantic, tint: [f32; 3], eye: f32, laser: f32) ->
         transmission: eye,
         pattern: Pattern::Plain,
         semantic,
-        lidar: LidarMaterial { reflectance: 0.005, lobe_exponent: 1.0, transmission: laser, retro: false },
+        lidar: LidarMaterial { transmission: laser, ..LidarMaterial::diffuse(0.005) },
     }
 }

@@ -1,0 +1,87 @@
+"""The ideal LIDAR scan against Embree and parry: `make bench-peers`, or `python benches/peers.py [--seeds 0 1 2]`.
+
+The same triangles (`scene.triangles()`) and the same 133,312 rays (`Lidar.hdl64e_uniform()`), one thread, over the
+benchmark's scenes: seeds 0 to 9 of the default policy. Processor time of the thread, the three by turns, medians.
+
+What counts:
+    cadet: `scene.scan(lidar, ideal=True)` right after the world moved, so with the instant's poses, levels of detail
+        and posing, and with the arrays that Python gets: points, ring, column, actor, range.
+    Embree: `EmbreeScene.run(..., query="DISTANCE")`, trace alone. Its tree was built before (also printed). `embreex`
+        offers single rays alone, no packets; a compiled loop copies each ray from numpy into Embree's structure, calls
+        `rtcIntersect1` and copies the distance back.
+    parry: `scene.cast_rays`, its trees built before; with actor and normal of each hit.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Callable
+
+import numpy as np
+from embreex.mesh_construction import TriangleMesh
+from embreex.rtcore_scene import EmbreeScene
+
+import cadet
+
+PEERS = ("cadet", "embree", "parry")
+
+
+def time_ms(work: Callable[[], object]) -> float:
+    """Measure the processor time of this thread over one call, in milliseconds."""
+    start = time.thread_time()
+    work()
+    return (time.thread_time() - start) * 1e3
+
+
+def compare(seed: int, rounds: int) -> dict[str, float]:
+    """Time one scene's scan with each of the peers, by turns; medians in milliseconds, with counts and the build."""
+    scene = cadet.Scene.random(seed=seed)
+    lidar = cadet.Lidar.hdl64e_uniform()
+    origins, directions, _, _ = lidar.rays()
+    world_from_velo = scene.sensor_poses()["world_from_velo"]
+    origins_world = origins @ world_from_velo[:3, :3].T + world_from_velo[:3, 3]
+    directions_world = directions @ world_from_velo[:3, :3].T
+    vertices, faces, _ = scene.triangles()
+    embree = EmbreeScene()
+    origins_f32, directions_f32 = origins_world.astype(np.float32), directions_world.astype(np.float32)
+
+    def build() -> None:
+        TriangleMesh(embree, vertices, faces.astype(np.int32))
+        embree.run(origins_f32[:1], directions_f32[:1], query="DISTANCE")  # the tree is built at the first ray
+
+    row = {"triangles": float(len(faces)), "embree build": time_ms(build)}
+    times: dict[str, list[float]] = {peer: [] for peer in PEERS}
+    for _ in range(rounds):
+        scene.step(0.0)  # no time passes, but what was posed is forgotten
+        times["cadet"].append(time_ms(lambda: scene.scan(lidar, ideal=True)))
+        times["embree"].append(time_ms(lambda: embree.run(origins_f32, directions_f32, query="DISTANCE")))
+        scene.cast_rays(origins_world[:1], directions_world[:1])  # builds parry's trees
+        times["parry"].append(time_ms(lambda: scene.cast_rays(origins_world, directions_world)))
+    return row | {peer: float(np.median(times[peer])) for peer in PEERS}
+
+
+def main() -> None:
+    """Print a row for each scene and the medians."""
+    parser = argparse.ArgumentParser(description="Time the ideal scan against Embree and parry on the same triangles.")
+    parser.add_argument("--seeds", type=int, nargs="+", default=list(range(10)))
+    parser.add_argument("--rounds", type=int, default=7)
+    args = parser.parse_args()
+    print("  seed triangles   cadet  embree   parry  embree/cadet  parry/cadet  (embree's build)")
+    rows = []
+    for name in [*args.seeds, "median"]:
+        if name != "median":
+            row = compare(name, args.rounds)
+            row |= {"to embree": row["embree"] / row["cadet"], "to parry": row["parry"] / row["cadet"]}
+            rows.append(row)
+        else:
+            row = {key: float(np.median([r[key] for r in rows])) for key in rows[0]}
+        print(
+            f"{name:>6} {row['triangles']:9.0f} {row['cadet']:7.2f} {row['embree']:7.2f} {row['parry']:7.2f}"
+            f" {row['to embree']:12.2f}x {row['to parry']:11.2f}x  {row['embree build']:12.0f}",
+            flush=True,
+        )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,190 @@
+//! What a camera's samples meet: depth and identity, before light and colour.
+
+use std::cell::RefCell;
+use std::ops::Range;
+
+use super::CameraModel;
+use crate::error::Result;
+use crate::material::Semantic;
+use crate::math::{DPose3, DVec3, Vec3};
+use crate::sense::{BLOCK, PinholeGrid, PosedScene, VisibilityBuffer, draw};
+
+/// A pinhole camera at a place.
+#[derive(Debug, Clone)]
+pub struct View {
+    /// fx, fy, cx, cy in pixels; pixel (0, 0) has its centre at (0, 0).
+    pub intrinsics: [f64; 4],
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// x right, y down, z forward, origin in the optical centre.
+    pub world_from_cam: DPose3,
+}
+
+impl View {
+    /// The view of a camera's P2, whose optical centre lies beside that of camera 0.
+    ///
+    /// `world_from_cam`: the pose of camera 0.
+    #[must_use]
+    pub fn new(camera: &CameraModel, world_from_cam: &DPose3) -> Self {
+        let center_world = world_from_cam.rotation * camera.optical_center_cam() + world_from_cam.translation;
+        Self {
+            intrinsics: camera.intrinsics(),
+            width: camera.width,
+            height: camera.height,
+            world_from_cam: DPose3 { rotation: world_from_cam.rotation, translation: center_world },
+        }
+    }
+}
+
+/// What the camera looks at, before light and colour; every array is row-major.
+#[derive(Debug)]
+pub struct Seen {
+    /// z along the optical axis at the pixels' centres, metres; infinite for the sky.
+    pub depth: Vec<f32>,
+    /// -1 sky, 0 static world, actors from 1; panes carry their car's id.
+    pub instance: Vec<i32>,
+    /// [`Semantic`] as a byte.
+    pub semantic: Vec<u8>,
+    /// Two by two samples a pixel, the first on its centre.
+    pub(super) samples: Samples,
+    /// Of the scene's instances.
+    actor_ids: Vec<i32>,
+}
+
+impl Seen {
+    /// As `instance`, at a sample of twice the width and height: at each pixel's centre and 0.5 px to the right and
+    /// below.
+    #[inline]
+    #[must_use]
+    pub fn actor_at_sample(&self, row: usize, column: usize) -> i32 {
+        self.samples.0.front(row, column).map_or(-1, |(face, _)| self.actor_ids[face.instance as usize])
+    }
+
+    /// How many samples of a window see an actor; see [`Seen::actor_at_sample`].
+    #[must_use]
+    pub fn samples_of_actor(&self, actor_id: i32, rows: Range<usize>, columns: Range<usize>) -> usize {
+        let buffer = &self.samples.0;
+        // Neighbours mostly show the same face.
+        let mut last = (u32::MAX, false);
+        let mut count = 0;
+        for row in rows {
+            for column in columns.clone() {
+                let Some((number, _)) = buffer.front_number(row, column) else { continue };
+                if last.0 != number {
+                    let instance = buffer.faces[number as usize].instance;
+                    last = (number, self.actor_ids[instance as usize] == actor_id);
+                }
+                count += usize::from(last.1);
+            }
+        }
+        count
+    }
+}
+
+/// What the samples of all pixels see.
+#[derive(Debug)]
+pub(super) struct Samples(pub VisibilityBuffer);
+
+thread_local! {
+    /// Memory that a thread keeps from frame to frame: touching fresh pages costs as much as the casting.
+    static SPARE: RefCell<VisibilityBuffer> = RefCell::default();
+}
+
+impl Drop for Samples {
+    fn drop(&mut self) {
+        // Without the thread's storage, as at its end, there is no next frame either.
+        let _ = SPARE.try_with(|spare| spare.replace(std::mem::take(&mut self.0)));
+    }
+}
+
+/// Casts the camera's samples: all that labels need.
+///
+/// # Errors
+/// Those of [`PinholeGrid::new`]: a camera that is none.
+pub fn look(scene: &PosedScene, view: &View) -> Result<Seen> {
+    let (width, height) = (view.width, view.height);
+    let samples = PinholeGrid::new(view.world_from_cam, view.intrinsics, [0.0, 0.0, 0.5, 0.5], height * 2, width * 2)?;
+    let mut buffer = SPARE.take();
+    draw(scene, &samples, &mut buffer);
+    let mut depth = vec![f32::INFINITY; width * height];
+    let mut instance = vec![-1; width * height];
+    let mut semantic = vec![Semantic::Sky as u8; width * height];
+    let (columns_x, rows_y) = (samples.columns_x(), samples.rows_y());
+    // Neighbours mostly show the same face.
+    let mut last = (u32::MAX, -1, Semantic::Sky as u8);
+    for (number, solid) in buffer.solid.iter().enumerate() {
+        let (top, left) = (number / buffer.blocks_across * BLOCK, number % buffer.blocks_across * BLOCK);
+        let panes = buffer.has_panes[number].then(|| &buffer.panes[number]);
+        // Every other sample of every other row lies on a pixel's centre.
+        for i in (0..BLOCK.min(2 * height - top)).step_by(2) {
+            let y = rows_y[top + i];
+            let line = (top + i) / 2 * width + left / 2;
+            for j in (0..BLOCK.min(2 * width - left)).step_by(2) {
+                let (mut nearness, mut id) = (solid.nearness[i][j], solid.face[i][j]);
+                if let Some(panes) = panes.filter(|p| p.nearness[i][j] > nearness) {
+                    (nearness, id) = (panes.nearness[i][j], panes.face[i][j]);
+                }
+                if nearness <= 0.0 {
+                    continue;
+                }
+                let face = &buffer.faces[id as usize];
+                if last.0 != id {
+                    let posed = &scene.instances[face.instance as usize];
+                    last = (id, posed.actor_id, posed.material(face.face).semantic as u8);
+                }
+                let at = line + j / 2;
+                depth[at] = face.depth_at(columns_x[left + j], y);
+                (instance[at], semantic[at]) = (last.1, last.2);
+            }
+        }
+    }
+    let actor_ids = scene.instances.iter().map(|i| i.actor_id).collect();
+    Ok(Seen { depth, instance, semantic, samples: Samples(buffer), actor_ids })
+}
+
+/// World directions of the image's points, of length 1 along the optical axis.
+pub(super) struct Rays {
+    pub eye: Vec3,
+    pub right: Vec3,
+    pub down: Vec3,
+    corner: Vec3,
+}
+
+impl Rays {
+    pub fn new(view: &View) -> Self {
+        let [fx, fy, cx, cy] = view.intrinsics;
+        let turn = |v: DVec3| (view.world_from_cam.rotation * v).as_vec3();
+        Self {
+            eye: view.world_from_cam.translation.as_vec3(),
+            right: turn(DVec3::X / fx),
+            down: turn(DVec3::Y / fy),
+            corner: turn(DVec3::new(-cx / fx, -cy / fy, 1.0)),
+        }
+    }
+
+    #[inline]
+    pub fn direction(&self, u: f32, v: f32) -> Vec3 {
+        self.corner + self.right * u + self.down * v
+    }
+}
+
+/// Points all over what the camera sees, one for every fourth pixel of each row; panes apart from what stands behind.
+pub(super) fn seen_points(rays: &Rays, samples: &Samples, out: &mut Vec<Vec3>) {
+    out.clear();
+    let buffer = &samples.0;
+    for row in (0..buffer.rows).step_by(2) {
+        // Each row begins elsewhere, so that what is upright and thin is not passed by.
+        for column in ([0, 4, 2, 6][row / 2 % 4]..buffer.columns).step_by(8) {
+            let solid = buffer.solid_quad(row, column);
+            let direction = rays.direction(column as f32 * 0.5, row as f32 * 0.5);
+            if solid.nearness[0] > 0.0 {
+                out.push(rays.eye + direction * (1.0 / solid.nearness[0]));
+            }
+            if let Some(pane) = buffer.pane_quad(row, column, &solid).filter(|p| p.nearness[0] > solid.nearness[0]) {
+                out.push(rays.eye + direction * (1.0 / pane.nearness[0]));
+            }
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! The first step of a scan: what each beam meets.
+
+use super::spec::LidarSpec;
+use super::spread::{Spread, SubBeam};
+use crate::math::{DMat3, DPose3, DVec3};
+use crate::sense::{Hits, Layer, NO_HIT, PosedInstance, PosedScene, cast};
+
+/// What the beams of a turn meet, row-major.
+pub(super) struct Met {
+    /// The first surface that is no pane.
+    pub solid: Hits,
+    /// The same, but a pane where one stands before it.
+    pub first: Hits,
+}
+
+/// Who says what beams meet: the kernel for a sensor at rest, parry for one that moves while it turns.
+pub(super) trait Casting {
+    /// The scene, as it stands at the scan's instant.
+    fn scene(&self) -> &PosedScene;
+
+    /// Casts the middle of every beam.
+    fn cast(&self, spec: &LidarSpec) -> Met;
+
+    /// Casts the sub-beams of some beams at what is no pane.
+    fn cast_spread(&self, spec: &LidarSpec, spread: &Spread, beams: &[u32]) -> Vec<[SubBeam; 4]>;
+
+    /// A direction of a column's firing as it stands to an instance's triangles where [`Casting::scene`] has them.
+    fn direction_world(&self, column: usize, instance: u32, direction_velo: DVec3) -> DVec3;
+}
+
+/// How far from the frame's origin anything may be seen: what lies beyond the longest range is never reported.
+pub(super) fn reach_m(spec: &LidarSpec) -> f64 {
+    spec.max_range_m + spec.rings().iter().map(|r| r.height_m.abs() + r.left_m.abs()).fold(0.0, f64::max) + 1.0
+}
+
+/// A sensor that stands still in a world that stands still.
+pub(super) struct Standing<'a> {
+    scene: &'a PosedScene,
+    world_from_velo: &'a DPose3,
+    rotation: DMat3,
+}
+
+impl<'a> Standing<'a> {
+    pub(super) fn new(scene: &'a PosedScene, world_from_velo: &'a DPose3) -> Self {
+        Self { scene, world_from_velo, rotation: DMat3::from_quat(world_from_velo.rotation) }
+    }
+
+    fn in_range(&self, spec: &LidarSpec) -> impl Fn(&PosedInstance) -> bool {
+        let (sensor_world, reach_m) = (self.world_from_velo.translation, reach_m(spec));
+        move |i| (i.center_world - sensor_world).length() - i.radius_m < reach_m
+    }
+}
+
+impl Casting for Standing<'_> {
+    fn scene(&self) -> &PosedScene {
+        self.scene
+    }
+
+    fn cast(&self, spec: &LidarSpec) -> Met {
+        let grid = spec.grid(*self.world_from_velo);
+        let mut solid = Hits::new(spec.rings().len(), spec.azimuths_rad().len());
+        cast(self.scene, &grid, Layer::Opaque, self.in_range(spec), &mut solid);
+        // Only panes in front of what is solid matter: they alone replace it.
+        let mut first = solid.clone();
+        cast(self.scene, &grid, Layer::Glass, self.in_range(spec), &mut first);
+        Met { solid, first }
+    }
+
+    fn cast_spread(&self, spec: &LidarSpec, spread: &Spread, beams: &[u32]) -> Vec<[SubBeam; 4]> {
+        let (rows, columns) = (2 * spec.rings().len(), spec.azimuths_rad().len());
+        let mut out = vec![[SubBeam::MISS; 4]; beams.len()];
+        for (side, grid) in spread.grids(*self.world_from_velo).iter().enumerate() {
+            // The kernel keeps what is nearer: a depth below 0 switches a beam off.
+            let (depth, nothing) = (vec![-1.0; rows * columns], vec![NO_HIT; rows * columns]);
+            let mut hits = Hits { rows, columns, depth, instance: nothing.clone(), face: nothing };
+            for at in beams.iter().flat_map(|beam| Spread::cells(*beam, columns)) {
+                hits.depth[at] = f32::INFINITY;
+            }
+            cast(self.scene, grid, Layer::Opaque, self.in_range(spec), &mut hits);
+            for (quarters, beam) in out.iter_mut().zip(beams) {
+                for (up, at) in Spread::cells(*beam, columns).into_iter().enumerate() {
+                    quarters[2 * side + up] = of(&hits, at);
+                }
+            }
+        }
+        out
+    }
+
+    #[inline]
+    fn direction_world(&self, _column: usize, _instance: u32, direction_velo: DVec3) -> DVec3 {
+        self.rotation * direction_velo
+    }
+}
+
+impl Met {
+    /// The pane before a beam's solid surface.
+    #[inline]
+    pub(super) fn pane(&self, at: usize) -> Option<SubBeam> {
+        let (first, solid) = (of(&self.first, at), of(&self.solid, at));
+        ((first.instance, first.face) != (solid.instance, solid.face)).then_some(first)
+    }
+
+    /// A beam's solid surface.
+    #[inline]
+    pub(super) fn solid(&self, at: usize) -> SubBeam {
+        of(&self.solid, at)
+    }
+}
+
+#[inline]
+fn of(hits: &Hits, at: usize) -> SubBeam {
+    SubBeam { range_m: hits.depth[at], instance: hits.instance[at], face: hits.face[at] }
+}
+
+impl SubBeam {
+    /// True where something was met.
+    #[inline]
+    pub(super) fn is_hit(&self) -> bool {
+        self.instance != NO_HIT
+    }
+}

@@ -1,0 +1,117 @@
+//! When the lasers of a turning LIDAR fire.
+
+use crate::error::{Error, Result, finite};
+use crate::math::TAU;
+
+/// The columns of a turn: azimuths at which every laser fires, counter-clockwise from forward.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Firing {
+    /// So many equal steps, the first forward.
+    Uniform {
+        /// Columns a turn.
+        columns: usize,
+    },
+    /// On the ticks of an encoder: column j at tick `floor(ticks_per_firing * j + phase_ticks)`.
+    Encoder {
+        /// Ticks a turn.
+        ticks_per_turn: u32,
+        /// Mean ticks from one firing to the next, at least 1.
+        ticks_per_firing: f64,
+        /// Where the first firing falls, in ticks, at least 0.
+        phase_ticks: f64,
+        /// Columns a turn.
+        firings: usize,
+    },
+    /// At these azimuths in radians, rising, in [0, 2 pi).
+    Listed(Vec<f64>),
+}
+
+impl Firing {
+    /// The columns' azimuths in radians.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] and [`Error::OutOfRange`] for a pattern that does not fit one turn.
+    pub fn azimuths_rad(&self) -> Result<Vec<f64>> {
+        match self {
+            Self::Uniform { columns } => {
+                check_columns("number of columns", *columns)?;
+                Ok((0..*columns).map(|j| j as f64 * TAU / *columns as f64).collect())
+            }
+            Self::Encoder { ticks_per_turn, ticks_per_firing, phase_ticks, firings } => {
+                check_columns("firings", *firings)?;
+                let wrong = |what, value: String, expected: String| Err(Error::OutOfRange { what, value, expected });
+                for (what, value, least) in
+                    [("ticks_per_firing", *ticks_per_firing, 1.0), ("phase_ticks", *phase_ticks, 0.0)]
+                {
+                    if finite(what, value)? < least {
+                        return wrong(what, value.to_string(), format!("at least {least}"));
+                    }
+                }
+                let ticks = |j: usize| (ticks_per_firing * j as f64 + phase_ticks).floor();
+                let last = ticks(firings - 1);
+                if last >= f64::from(*ticks_per_turn) {
+                    let expected = format!("below {ticks_per_turn}, the ticks of a turn");
+                    return wrong("tick of the last firing", last.to_string(), expected);
+                }
+                let tick_rad = TAU / f64::from(*ticks_per_turn);
+                Ok((0..*firings).map(|j| ticks(j) * tick_rad).collect())
+            }
+            Self::Listed(azimuths_rad) => Ok(azimuths_rad.clone()),
+        }
+    }
+
+    /// An offset that stands for the same beams: with equal steps, whole steps lead from column to column.
+    pub(super) fn reduced_offset_rad(&self, offset_rad: f64) -> f64 {
+        let Self::Uniform { columns } = self else {
+            return offset_rad;
+        };
+        let steps = offset_rad / (TAU / *columns as f64);
+        let part = steps - steps.floor();
+        // What numbers of a few digits leave of a whole step is none.
+        if (1e-6..1.0 - 1e-6).contains(&part) { part * (TAU / *columns as f64) } else { 0.0 }
+    }
+}
+
+fn check_columns(what: &'static str, columns: usize) -> Result<()> {
+    if columns == 0 || columns > usize::from(u16::MAX) {
+        return Err(Error::OutOfRange { what, value: columns.to_string(), expected: "1 to 65535".to_owned() });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn firings_fall_on_ticks_and_into_one_turn() {
+        let firing = |ticks_per_firing, phase_ticks, firings| Firing::Encoder {
+            ticks_per_turn: 4000,
+            ticks_per_firing,
+            phase_ticks,
+            firings,
+        };
+        let azimuths = firing(1.8587, 0.5, 2152).azimuths_rad().expect("one turn");
+        for (j, azimuth) in azimuths.iter().enumerate() {
+            let ticks = azimuth / (TAU / 4000.0);
+            assert!((ticks - ticks.round()).abs() < 1e-9 && (ticks - 1.8587 * j as f64 - 0.5).abs() <= 1.0);
+        }
+        let text = |f: Firing| f.azimuths_rad().expect_err("bad").to_string();
+        assert!(text(firing(1.8587, 0.0, 2154)).contains("tick of the last firing is 4001"));
+        assert!(text(firing(0.5, 0.0, 10)).contains("ticks_per_firing is 0.5"));
+        assert!(text(firing(1.5, -1.0, 10)).contains("phase_ticks is -1"));
+        assert!(text(firing(f64::NAN, 0.0, 10)).contains("ticks_per_firing"));
+        assert!(text(Firing::Uniform { columns: 0 }).contains("number of columns is 0"));
+    }
+
+    #[test]
+    fn whole_steps_are_no_offset() {
+        let uniform = Firing::Uniform { columns: 1024 };
+        let step = TAU / 1024.0;
+        // The OS1's beams stand 4.22 and 1.41 degrees to either side: 12.00 and 4.01 columns.
+        assert_eq!(uniform.reduced_offset_rad(-12.0 * step), 0.0);
+        assert!((uniform.reduced_offset_rad(3.25 * step) - 0.25 * step).abs() < 1e-12);
+        assert!((uniform.reduced_offset_rad(-0.25 * step) - 0.75 * step).abs() < 1e-12);
+        assert_eq!(Firing::Listed(vec![0.0]).reduced_offset_rad(0.5), 0.5);
+    }
+}

@@ -1,0 +1,66 @@
+//! The order of a ring's returns: by where they lie, as KITTI's files have it. A laser beside the axis sees what is near
+//! at another azimuth than what is far, so that returns overtake each other and the seam.
+
+use super::scan::Scan;
+
+/// Rises with the azimuth of (x, y), counter-clockwise from forward, from 0 to 4 within a turn.
+fn turn_key([x, y, ..]: [f32; 4]) -> f64 {
+    let (x, y) = (f64::from(x), f64::from(y));
+    let along = x / (x.abs() + y.abs()).max(f64::MIN_POSITIVE);
+    if y < 0.0 { 3.0 + along } else { 1.0 - along }
+}
+
+impl Scan {
+    /// Orders the returns from `start` on by azimuth; those of equal azimuth stay as they are.
+    pub(super) fn order_by_azimuth(&mut self, start: usize) {
+        let keys: Vec<f64> = self.points_velo[start..].iter().map(|p| turn_key(*p)).collect();
+        if keys.is_sorted() {
+            return;
+        }
+        let mut order: Vec<u32> = (0..keys.len() as u32).collect();
+        order.sort_by(|a, b| keys[*a as usize].total_cmp(&keys[*b as usize]));
+        permute(&mut self.points_velo[start..], &order);
+        permute(&mut self.column[start..], &order);
+        permute(&mut self.actor_id[start..], &order);
+        permute(&mut self.range_m[start..], &order);
+    }
+}
+
+fn permute<T: Copy>(values: &mut [T], order: &[u32]) {
+    let ordered: Vec<T> = order.iter().map(|i| values[*i as usize]).collect();
+    values.copy_from_slice(&ordered);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{self, TAU};
+
+    #[test]
+    fn keys_rise_all_around_the_turn() {
+        let keys: Vec<f64> = (0..10_000)
+            .map(|i| f64::from(i) * TAU / 10_000.0)
+            .map(|a| turn_key([(7.0 * math::cos(a)) as f32, (7.0 * math::sin(a)) as f32, 1.0, 0.0]))
+            .collect();
+        assert!(keys.is_sorted() && keys[0] == 0.0 && keys[9_999] < 4.0);
+        assert_eq!(turn_key([1.0, -0.0, 0.0, 0.0]), 0.0);
+    }
+
+    #[test]
+    fn all_of_a_return_moves_with_its_point_and_earlier_rings_stay() {
+        let point = |azimuth: f64| [math::cos(azimuth) as f32, math::sin(azimuth) as f32, 0.0, 0.0];
+        let azimuths = [9.0, 0.5, 6.2, 0.1, 0.3, 0.3];
+        let mut scan = Scan {
+            points_velo: azimuths.map(point).to_vec(),
+            ring: vec![0, 1, 1, 1, 1, 1],
+            column: (0..6).collect(),
+            actor_id: (10..16).collect(),
+            range_m: (20..26).map(f64::from).collect(),
+        };
+        scan.order_by_azimuth(1);
+        assert_eq!(scan.column, [0, 3, 4, 5, 1, 2]);
+        assert_eq!(scan.actor_id, [10, 13, 14, 15, 11, 12]);
+        assert_eq!(scan.range_m, [20.0, 23.0, 24.0, 25.0, 21.0, 22.0]);
+        assert_eq!(scan.points_velo[1], point(0.1));
+    }
+}

@@ -1,0 +1,358 @@
+//! Beams that are no lines: at depth edges a beam's spot lies partly on one surface and partly on another.
+//!
+//! A beam of divergence D (the full cone) is taken for a disc of even power. Four sub-beams at (+-D/4, +-D/4) in
+//! azimuth and elevation have the disc's second moments, and each carries a quarter of the pulse. Echoes that return
+//! within one pulse length of another reach the receiver as one, at their common centre: a mixed point between two
+//! surfaces. What lies farther apart makes echoes of its own, of which the sensor reports the strongest or the last.
+//!
+//! Beams away from edges are left alone: there the middle stands for the whole spot.
+
+use super::air::Air;
+use super::returns::{Echo, echo_power, is_echo_heard};
+use super::spec::ReturnMode;
+use crate::error::Result;
+use crate::math::{self, DPose3, DQuat, DVec3};
+use crate::sense::{BeamGrid, Hits, NO_HIT, TurretGrid, TurretRing};
+
+/// Echoes nearer to each other than this are one: half the way that light goes in a pulse of 5 ns.
+pub(super) const PULSE_M: f64 = 0.75;
+/// Ranges of neighbouring beams that differ by more than this, and by more than twice what the slope beside them
+/// explains, belong to different surfaces.
+const EDGE_M: f32 = 0.25;
+
+/// What a beam or a sub-beam met.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct SubBeam {
+    /// Range from the laser's origin, infinite for a miss.
+    pub range_m: f32,
+    /// Index into the scene's instances, [`NO_HIT`] for a miss.
+    pub instance: u32,
+    /// Face of the instance's mesh.
+    pub face: u32,
+}
+
+impl SubBeam {
+    /// A miss.
+    pub(super) const MISS: Self = Self { range_m: f32::INFINITY, instance: NO_HIT, face: NO_HIT };
+}
+
+/// The sub-beams of a sensor: a turret with two rings for each, turned a little to the right and to the left.
+#[derive(Debug, Clone)]
+pub(super) struct Spread {
+    /// Full cone of a beam.
+    pub divergence_rad: f64,
+    turret: TurretGrid,
+    /// Rings by rising elevation.
+    rings_upwards: Vec<u32>,
+    /// Columns and rings that a spot reaches over.
+    reach: [usize; 2],
+}
+
+impl Spread {
+    /// The sub-beams of these rings, azimuths and offsets of rings.
+    pub(super) fn new(
+        rings: &[TurretRing],
+        azimuths_rad: &[f64],
+        offsets_rad: &[f64],
+        divergence_rad: f64,
+    ) -> Result<Self> {
+        let quarter = divergence_rad / 4.0;
+        let sub_ring = |r: &TurretRing, up: f64| TurretRing { elevation_rad: r.elevation_rad + up, ..*r };
+        let sub_rings: Vec<TurretRing> =
+            rings.iter().flat_map(|r| [sub_ring(r, -quarter), sub_ring(r, quarter)]).collect();
+        let sub_offsets: Vec<f64> = offsets_rad.iter().flat_map(|o| [*o; 2]).collect();
+        let elevation = |ring: &u32| rings[*ring as usize].elevation_rad;
+        let mut rings_upwards: Vec<u32> = (0..rings.len() as u32).collect();
+        rings_upwards.sort_by(|a, b| elevation(a).total_cmp(&elevation(b)));
+        let reach = [reach(azimuths_rad.iter().copied(), quarter), reach(rings_upwards.iter().map(elevation), quarter)];
+        let turret = TurretGrid::staggered(DPose3::IDENTITY, &sub_rings, azimuths_rad, &sub_offsets)?;
+        Ok(Self { divergence_rad, turret, rings_upwards, reach })
+    }
+
+    /// The sub-beams to the right and to the left of the beams, as grids in the world.
+    pub(super) fn grids(&self, world_from_velo: DPose3) -> [TurretGrid; 2] {
+        [-1.0, 1.0].map(|left| {
+            let half_rad = 0.5 * left * self.divergence_rad / 4.0;
+            let turn = DQuat::from_xyzw(0.0, 0.0, math::sin(half_rad), math::cos(half_rad));
+            self.turret.at(DPose3 { rotation: world_from_velo.rotation * turn, ..world_from_velo })
+        })
+    }
+
+    /// Where a beam's lower and upper sub-beams stand in either grid.
+    pub(super) fn cells(beam: u32, num_columns: usize) -> [usize; 2] {
+        let (ring, column) = (beam as usize / num_columns, beam as usize % num_columns);
+        [0, 1].map(|up| (2 * ring + up) * num_columns + column)
+    }
+
+    /// The directions of a beam's sub-beams: right below and above, left below and above.
+    pub(super) fn directions_velo(&self, beam: u32) -> [DVec3; 4] {
+        let num_columns = self.turret.columns();
+        let [right, left] = self.grids(DPose3::IDENTITY);
+        let [below, above] = Self::cells(beam, num_columns);
+        [(&right, below), (&right, above), (&left, below), (&left, above)]
+            .map(|(grid, at)| grid.beam(at / num_columns, at % num_columns).direction_world)
+    }
+
+    /// The beams whose spots may reach over a jump in range, rising.
+    pub(super) fn edge_beams(&self, hits: &Hits) -> Vec<u32> {
+        let columns = hits.columns as u32;
+        let mut edges = Edges { hits, is_edge: vec![false; hits.depth.len()] };
+        let mut line: Vec<u32> = Vec::new();
+        for ring in 0..hits.rows as u32 {
+            line.clear();
+            line.extend(ring * columns..(ring + 1) * columns);
+            edges.look_along(&line, true, self.reach[0].min(line.len() / 2));
+        }
+        for column in 0..columns {
+            line.clear();
+            line.extend(self.rings_upwards.iter().map(|ring| ring * columns + column));
+            edges.look_along(&line, false, self.reach[1]);
+        }
+        edges.is_edge.iter().zip(0_u32..).filter(|(edge, _)| **edge).map(|(_, beam)| beam).collect()
+    }
+}
+
+/// Marks the beams whose spots may reach over a jump in range, and lists them, rising.
+struct Edges<'a> {
+    hits: &'a Hits,
+    is_edge: Vec<bool>,
+}
+
+impl Edges<'_> {
+    /// Looks along lines of beams that lie side by side; `reach` of them to either side of a jump are marked.
+    fn look_along(&mut self, line: &[u32], is_closed: bool, reach: usize) {
+        let n = line.len();
+        let range = |i: usize| self.hits.depth[line[i % n] as usize].min(FAR_M);
+        let num_steps = if is_closed { n } else { n.saturating_sub(1) };
+        for i in 0..num_steps {
+            let (here, next) = (range(i), range(i + 1));
+            let step = (next - here).abs();
+            // Most beams end here.
+            if step <= EDGE_M {
+                continue;
+            }
+            let before = (is_closed || i > 0).then(|| (here - range(i + n - 1)).abs());
+            let after = (is_closed || i + 2 < n).then(|| (range(i + 2) - next).abs());
+            let slope = before.into_iter().chain(after).fold(f32::INFINITY, f32::min);
+            if step <= EDGE_M + 2.0 * if slope.is_finite() { slope } else { 0.0 } {
+                continue;
+            }
+            for k in (i + n + 1 - reach)..=(i + n + reach) {
+                let place = if is_closed { k % n } else { k.wrapping_sub(n) };
+                if let Some(beam) = line.get(place) {
+                    self.is_edge[*beam as usize] = true;
+                }
+            }
+        }
+    }
+}
+
+/// Further than everything, and finite so that differences are numbers.
+const FAR_M: f32 = 1e4;
+
+/// How many beams a spot's sub-beams reach over, at least 1, from sorted angles.
+fn reach(sorted_rad: impl Iterator<Item = f64> + Clone, quarter_rad: f64) -> usize {
+    let steps = sorted_rad.clone().skip(1).zip(sorted_rad).map(|(b, a)| b - a);
+    let least = steps.filter(|s| *s > 0.0).fold(f64::INFINITY, f64::min);
+    ((quarter_rad / least).ceil() as usize).clamp(1, MAX_REACH)
+}
+
+/// Beams to either side of an edge that are split at most.
+const MAX_REACH: usize = 64;
+
+/// What the receiver makes of the echoes of a beam's four quarters: the strongest that stand apart, or the last that is
+/// heard. None where none of them answers.
+pub(super) fn chosen_echo(quarters: [Option<Echo>; 4], mode: ReturnMode, air: &Air, detection: f64) -> Option<Echo> {
+    let mut sorted = quarters;
+    sorted.sort_by(|a, b| {
+        let range_m = |e: &Option<Echo>| e.map_or(f64::INFINITY, |e| e.range_m);
+        range_m(a).total_cmp(&range_m(b))
+    });
+    let mut chosen: Option<Echo> = None;
+    let mut rest = &sorted[..sorted.iter().filter(|e| e.is_some()).count()];
+    while let Some(first) = rest.first().copied().flatten() {
+        let joined = rest.iter().flatten().take_while(|e| e.range_m - first.range_m < PULSE_M).count();
+        let echo = merged(&rest[..joined]);
+        rest = &rest[joined..];
+        let is_better = match mode {
+            ReturnMode::Strongest => chosen.is_none_or(|c| rank(&echo, air) > rank(&c, air)),
+            ReturnMode::Last => chosen.is_none() || is_echo_heard(&echo, air, detection),
+        };
+        if is_better {
+            chosen = Some(echo);
+        }
+    }
+    chosen
+}
+
+/// Retro-reflectors outshine whatever stands beside them.
+fn rank(echo: &Echo, air: &Air) -> f64 {
+    echo_power(echo, air) * if echo.retro { 1e3 } else { 1.0 }
+}
+
+/// One echo of several that arrive together, each with a quarter of the pulse: their power adds up, their range is its
+/// centre, and the strongest gives its name.
+fn merged(quarters: &[Option<Echo>]) -> Echo {
+    let raw_power = |e: &Echo| e.reflectance / (e.range_m * e.range_m);
+    let echoes = || quarters.iter().flatten();
+    let mut out = *echoes().next().expect("at least one echo");
+    let total: f64 = echoes().map(raw_power).sum();
+    for echo in echoes() {
+        if raw_power(echo) > raw_power(&out) {
+            out = *echo;
+        }
+    }
+    if total > 0.0 {
+        out.range_m = echoes().map(|e| raw_power(e) * e.range_m).sum::<f64>() / total;
+    }
+    out.retro = echoes().any(|e| e.retro);
+    out.reflectance = 0.25 * total * out.range_m * out.range_m;
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lidar::LidarSpec;
+    use crate::material::Semantic;
+    use crate::math::TAU;
+    use crate::rng::Stream;
+    use crate::weather::Weather;
+
+    fn echo(range_m: f64, reflectance: f64, actor_id: i32) -> Option<Echo> {
+        Some(Echo {
+            range_m,
+            reflectance,
+            cos_incidence: 1.0,
+            reading_noise: 0.05,
+            retro: false,
+            actor_id,
+            semantic: Semantic::Building,
+        })
+    }
+
+    fn clear() -> Air {
+        Air::new(&Weather::preset("clear_noon").expect("exists"))
+    }
+
+    #[test]
+    fn the_quarters_of_a_beam_share_it_as_a_disc_does() {
+        let level = TurretRing::on_axis(0.0, 0.0);
+        let spread = Spread::new(&[level], &[0.0], &[0.0], 3e-3).expect("valid");
+        let spots = spread.directions_velo(0).map(|d| (d.y / 1.5e-3, d.z / 1.5e-3));
+        let mean_square = spots.iter().map(|(y, _)| y * y).sum::<f64>() / 4.0;
+        assert!((mean_square - 0.25).abs() < 1e-5, "a disc's second moment is a quarter of its radius squared");
+        // A straight edge at a distance u from the middle, in any direction, leaves a segment's area.
+        let mut stream = Stream::from_seed("edges", 0);
+        for u in [-0.6, -0.3, 0.0, 0.3, 0.6] {
+            let n = 20_000;
+            let mut covered = 0;
+            for _ in 0..n {
+                let turn = stream.range(0.0, TAU);
+                let (cos, sin) = (math::cos(turn), math::sin(turn));
+                covered += spots.iter().filter(|(y, z)| y * cos + z * sin < u).count();
+            }
+            let share = f64::from(covered as u32) / (4.0 * f64::from(n));
+            let area = 0.5 + (u * (1.0 - u * u).sqrt() + math::asin(u)) / math::PI;
+            assert!((share - area).abs() < 0.06, "{u}: {share} {area}");
+        }
+    }
+
+    #[test]
+    fn sub_beams_stand_around_their_beam() {
+        for spec in [LidarSpec::hdl64e_kitti(), LidarSpec::vlp16()] {
+            let spec = spec.with_divergence(3e-3).expect("valid");
+            let rays = spec.rays();
+            let n = spec.num_beams();
+            for beam in [0, 1, n / 2 + 17, n - 1] {
+                let middle = rays.directions_velo[beam];
+                let subs = spec.spread().expect("set").directions_velo(beam as u32);
+                let mean = (subs[0] + subs[1] + subs[2] + subs[3]) * 0.25;
+                assert!((mean - middle).length() < 2e-6);
+                let left = DVec3::new(-middle.y, middle.x, 0.0).normalize();
+                for (sub, (side, up)) in subs.iter().zip([(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)]) {
+                    let rho = middle.truncate().length();
+                    assert!((left.dot(*sub) - side * 0.75e-3 * rho).abs() < 1e-6);
+                    assert!((math::asin(sub.z) - math::asin(middle.z) - up * 0.75e-3).abs() < 1e-12);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn edges_are_where_surfaces_part_and_not_where_they_lean() {
+        let (rows, columns) = (5, 400);
+        let mut hits = Hits::new(rows, columns);
+        let ring = |k: usize| TurretRing::on_axis(-0.03 - 0.01 * k as f64, 0.0);
+        let azimuths: Vec<f64> = (0..columns).map(|j| j as f64 * TAU / columns as f64).collect();
+        let spread = Spread::new(&[0, 1, 2, 3, 4].map(ring), &azimuths, &[0.0; 5], 3e-3).expect("valid");
+        let edges_of = |hits: &Hits| spread.edge_beams(hits);
+        assert!(edges_of(&hits).is_empty(), "the sky has no edges");
+        // A ring of road: from row to row the range grows by steps that grow themselves.
+        for row in 0..rows {
+            hits.depth[row * columns..(row + 1) * columns].fill([60.0, 42.0, 32.0, 26.0, 22.0][row]);
+        }
+        assert!(edges_of(&hits).is_empty(), "{:?}", edges_of(&hits).len());
+        // A wall seen at a grazing angle, up to the top row.
+        for row in 0..rows {
+            for column in 0..60 {
+                hits.depth[row * columns + 100 + column] = 2.0 / (0.3 - 0.0035 * column as f32);
+            }
+        }
+        let inside = |b: &&u32| (103..157).contains(&(**b as usize % columns));
+        assert_eq!(edges_of(&hits).iter().filter(inside).count(), 0);
+        // A post one beam wide, and a hole to the sky.
+        hits.depth[2 * columns + 300] = 9.0;
+        hits.depth[2 * columns + 350] = f32::INFINITY;
+        let edges = edges_of(&hits);
+        for column in [299, 300, 301, 349, 350, 351] {
+            assert!(edges.contains(&(2 * columns as u32 + column)), "{column}");
+        }
+        assert!(edges.windows(2).all(|w| w[0] < w[1]));
+    }
+
+    #[test]
+    fn the_strongest_echo_wins_or_the_last_that_is_heard() {
+        let air = clear();
+        let (near, far) = (echo(10.0, 0.3, 1), echo(14.0, 0.3, 2));
+        let pick = |quarters, mode, detection| chosen_echo(quarters, mode, &air, detection).map(|e| e.actor_id);
+        let half = [near, far, near, far];
+        assert_eq!(pick(half, ReturnMode::Strongest, 0.5), Some(1));
+        assert_eq!(pick(half, ReturnMode::Last, 0.5), Some(2));
+        // Three quarters of the spot at 14 m answer with more power than one at 10 m: 3 / 14^2 > 1 / 10^2.
+        assert_eq!(pick([far, far, near, far], ReturnMode::Strongest, 0.5), Some(2));
+        assert_eq!(pick([None, None, near, None], ReturnMode::Last, 0.5), Some(1));
+        assert_eq!(pick([None; 4], ReturnMode::Strongest, 0.5), None);
+        // The share of the spot is the share of the power.
+        let strongest = chosen_echo(half, ReturnMode::Strongest, &air, 0.5).expect("heard");
+        assert!((strongest.range_m - 10.0).abs() < 1e-12 && (strongest.reflectance - 0.15).abs() < 1e-12);
+        // A far surface is last as often as the receiver hears half of its power.
+        let (n, weak) = (2_000, echo(70.0, 0.5, 2));
+        let draws = (0..n).map(|i| f64::from(i) / f64::from(n));
+        let last = draws.clone().filter(|d| pick([near, weak, near, weak], ReturnMode::Last, *d) == Some(2)).count();
+        let half_power = echo(70.0, 0.25, 2).expect("some");
+        assert_eq!(last, draws.filter(|d| is_echo_heard(&half_power, &air, *d)).count());
+        assert!(last > 20 && last < 1_980, "{last}");
+    }
+
+    #[test]
+    fn echoes_within_a_pulse_mix() {
+        let mixed = chosen_echo(
+            [echo(20.0, 0.4, 1), echo(20.4, 0.2, 2), echo(20.4, 0.2, 2), echo(20.0, 0.4, 1)],
+            ReturnMode::Last,
+            &clear(),
+            0.5,
+        )
+        .expect("heard");
+        let (p, q) = (0.4 / 400.0, 0.2 / (20.4 * 20.4));
+        assert!((mixed.range_m - (p * 20.0 + q * 20.4) / (p + q)).abs() < 1e-12);
+        assert!((mixed.reflectance / (mixed.range_m * mixed.range_m) - 0.5 * (p + q)).abs() < 1e-12);
+        assert_eq!(mixed.actor_id, 1);
+        let apart = [echo(20.0, 0.4, 1), echo(20.8, 0.4, 2), None, None];
+        assert_eq!(chosen_echo(apart, ReturnMode::Last, &clear(), 0.5).expect("heard").range_m, 20.8);
+        let mut plate = echo(20.8, 0.1, 3).expect("some");
+        plate.retro = true;
+        let beside = [echo(20.0, 0.9, 1), echo(20.0, 0.9, 1), echo(20.0, 0.9, 1), Some(plate)];
+        assert_eq!(chosen_echo(beside, ReturnMode::Strongest, &clear(), 0.5).expect("heard").actor_id, 3);
+    }
+}

@@ -1,0 +1,260 @@
+//! What every sample of an image sees, as the number of a drawn face (the "visibility buffer" of Burns and Hunt, JCGT
+//! 2013), panes apart from what is solid.
+
+use std::ops::Range;
+
+use super::grid::Window;
+use super::hits::NO_HIT;
+
+/// Samples along a side of a block.
+pub const BLOCK: usize = 8;
+/// How much nearer than a bound's nearness a sample must be to hide what the bound stands for.
+pub(super) const CLEARLY: f32 = 1.000_01;
+
+/// A face that was drawn.
+#[derive(Debug, Clone, Copy)]
+pub struct DrawnFace {
+    /// Index into [`super::PosedScene::instances`].
+    pub instance: u32,
+    /// Face of the instance's mesh.
+    pub face: u32,
+    /// Its plane in the camera's frame, turned towards the camera: z = volume / (normal · (x, y, 1)).
+    pub(super) normal: [f64; 3],
+    pub(super) volume: f64,
+}
+
+impl DrawnFace {
+    /// z in metres of the face's plane at x / z, y / z.
+    #[inline]
+    #[must_use]
+    pub fn depth_at(&self, x: f64, y: f64) -> f32 {
+        let [a, b, c] = self.normal;
+        (self.volume / (a * x + (b * y + c))) as f32
+    }
+}
+
+/// The nearest surface of one kind at the samples of a block, row by row.
+#[derive(Debug, Clone)]
+pub struct Block {
+    /// 1 / z in 1/m, 0 where there is none.
+    pub nearness: [[f32; BLOCK]; BLOCK],
+    /// The number of the face in [`VisibilityBuffer::faces`]; means nothing where the nearness is 0.
+    pub face: [[u32; BLOCK]; BLOCK],
+}
+
+impl Block {
+    const EMPTY: Self = Self { nearness: [[0.0; BLOCK]; BLOCK], face: [[0; BLOCK]; BLOCK] };
+
+    /// Two by two samples, the first at an even row and column of the block.
+    #[inline]
+    fn quad(&self, row: usize, column: usize) -> Quad {
+        let (row, column) = ((row % BLOCK) & !1, (column % BLOCK) & !1);
+        let at = |line: &[f32; BLOCK]| [line[column], line[column + 1]];
+        let of = |line: &[u32; BLOCK]| [line[column], line[column + 1]];
+        let ([a, b], [c, d]) = (at(&self.nearness[row]), at(&self.nearness[row + 1]));
+        let ([e, f], [g, h]) = (of(&self.face[row]), of(&self.face[row + 1]));
+        let face = |face: u32, nearness: f32| if nearness > 0.0 { face } else { NO_HIT };
+        Quad { nearness: [a, b, c, d], face: [face(e, a), face(f, b), face(g, c), face(h, d)] }
+    }
+}
+
+/// Samples of one pixel: upper left, upper right, lower left, lower right.
+#[derive(Debug, Clone, Copy)]
+pub struct Quad {
+    /// 1 / z in 1/m, 0 where there is none.
+    pub nearness: [f32; 4],
+    /// The number of the face in [`VisibilityBuffer::faces`], [`NO_HIT`] where there is none.
+    pub face: [u32; 4],
+}
+
+impl Quad {
+    /// True if all samples see one face, or all see none.
+    #[inline]
+    #[must_use]
+    pub fn is_one_face(&self) -> bool {
+        let [a, b, c, d] = self.face;
+        a == b && a == c && a == d
+    }
+
+    /// The depth at the samples' middle of a face that they all see.
+    #[inline]
+    #[must_use]
+    pub fn mean_depth(&self) -> f32 {
+        let [a, b, c, d] = self.nearness;
+        4.0 / (a + b + c + d)
+    }
+}
+
+/// What the samples of an image see, in blocks of 8 x 8: neighbours stand together in memory, and what lies behind a
+/// whole block is found with one comparison.
+#[derive(Debug, Default)]
+pub struct VisibilityBuffer {
+    /// Rows of samples.
+    pub rows: usize,
+    /// Columns of samples.
+    pub columns: usize,
+    /// Blocks side by side.
+    pub blocks_across: usize,
+    /// What is solid.
+    pub solid: Vec<Block>,
+    /// Panes; those behind what is solid count as absent.
+    pub panes: Vec<Block>,
+    /// Blocks with panes.
+    pub has_panes: Vec<bool>,
+    /// The faces that were drawn, seen or not.
+    pub faces: Vec<DrawnFace>,
+    /// For each block a nearness that all of its solid samples reach.
+    pub(super) floors: Vec<f32>,
+    /// Blocks whose floor may have risen.
+    pub(super) stale: Vec<bool>,
+}
+
+impl VisibilityBuffer {
+    /// Makes room for an image and forgets what was seen; memory is used again.
+    pub(super) fn reset(&mut self, rows: usize, columns: usize) {
+        let (down, across) = (rows.div_ceil(BLOCK), columns.div_ceil(BLOCK));
+        self.faces.clear();
+        if (self.rows, self.columns) == (rows, columns) {
+            for block in &mut self.solid {
+                block.nearness = Block::EMPTY.nearness;
+            }
+            for (block, used) in self.panes.iter_mut().zip(&self.has_panes) {
+                if *used {
+                    block.nearness = Block::EMPTY.nearness;
+                }
+            }
+        } else {
+            (self.rows, self.columns, self.blocks_across) = (rows, columns, across);
+            for layer in [&mut self.solid, &mut self.panes] {
+                layer.clear();
+                layer.resize(down * across, Block::EMPTY);
+            }
+        }
+        self.has_panes.clear();
+        self.has_panes.resize(down * across, false);
+        self.floors.clear();
+        self.floors.resize(down * across, 0.0);
+        self.stale.clear();
+        self.stale.resize(down * across, false);
+    }
+
+    /// True if all samples of a block have met something solid that is nearer than `z_m`.
+    #[inline(always)]
+    pub(super) fn is_block_hidden(&mut self, block: usize, z_m: f32) -> bool {
+        if self.floors[block] * z_m > CLEARLY {
+            return true;
+        }
+        if !self.stale[block] {
+            return false;
+        }
+        self.stale[block] = false;
+        let mut least = [f32::INFINITY; BLOCK];
+        for row in &self.solid[block].nearness {
+            let mut next = [0.0; BLOCK];
+            for i in 0..BLOCK {
+                next[i] = if row[i] < least[i] { row[i] } else { least[i] };
+            }
+            least = next;
+        }
+        self.floors[block] = least.into_iter().fold(f32::INFINITY, |a, b| if b < a { b } else { a });
+        self.floors[block] * z_m > CLEARLY
+    }
+
+    /// True if all samples of a window have met something solid that is nearer than `z_m` (a depth below that of
+    /// every point in question).
+    #[inline(always)]
+    pub(super) fn is_hidden(&mut self, window: &Window, z_m: f32) -> bool {
+        for block_row in window.rows.start / BLOCK..=(window.rows.end - 1) / BLOCK {
+            for block_column in window.columns.start / BLOCK..=(window.columns.end - 1) / BLOCK {
+                let block = block_row * self.blocks_across + block_column;
+                if self.is_block_hidden(block, z_m) {
+                    continue;
+                }
+                let (top, left) = (block_row * BLOCK, block_column * BLOCK);
+                let rows = window.rows.start.max(top) - top..window.rows.end.min(top + BLOCK) - top;
+                let columns = window.columns.start.max(left) - left..window.columns.end.min(left + BLOCK) - left;
+                if rows.len() == BLOCK && columns.len() == BLOCK {
+                    return false;
+                }
+                for row in &self.solid[block].nearness[rows] {
+                    let mut open = [0; BLOCK];
+                    for i in 0..BLOCK {
+                        let asked = (i as u32).wrapping_sub(columns.start as u32) < columns.len() as u32;
+                        open[i] = u32::from(row[i] * z_m <= CLEARLY) & u32::from(asked);
+                    }
+                    if open.iter().fold(0, |all, o| all | o) != 0 {
+                        return false;
+                    }
+                }
+            }
+        }
+        true
+    }
+
+    #[inline]
+    fn block_at(&self, row: usize, column: usize) -> usize {
+        row / BLOCK * self.blocks_across + column / BLOCK
+    }
+
+    /// What is solid at the four samples of the pixel whose first sample this is.
+    #[inline]
+    #[must_use]
+    pub fn solid_quad(&self, row: usize, column: usize) -> Quad {
+        self.solid[self.block_at(row, column)].quad(row, column)
+    }
+
+    /// The panes at the four samples, if any of them lies before what is `solid`.
+    #[inline]
+    #[must_use]
+    pub fn pane_quad(&self, row: usize, column: usize, solid: &Quad) -> Option<Quad> {
+        let block = self.block_at(row, column);
+        if !self.has_panes[block] {
+            return None;
+        }
+        let panes = self.panes[block].quad(row, column);
+        (0..4).any(|i| panes.nearness[i] > solid.nearness[i]).then_some(panes)
+    }
+
+    /// The number of the face that a sample sees first, be it a pane or solid, and its nearness; `None` for the sky.
+    #[inline]
+    #[must_use]
+    pub fn front_number(&self, row: usize, column: usize) -> Option<(u32, f32)> {
+        let block = self.block_at(row, column);
+        let (row, column) = (row % BLOCK, column % BLOCK);
+        let solid = &self.solid[block];
+        let (mut number, mut nearness) = (solid.face[row][column], solid.nearness[row][column]);
+        if self.has_panes[block] {
+            let panes = &self.panes[block];
+            if panes.nearness[row][column] > nearness {
+                (number, nearness) = (panes.face[row][column], panes.nearness[row][column]);
+            }
+        }
+        (nearness > 0.0).then_some((number, nearness))
+    }
+
+    /// The face that a sample sees first and its nearness; `None` for the sky.
+    #[inline]
+    #[must_use]
+    pub fn front(&self, row: usize, column: usize) -> Option<(&DrawnFace, f32)> {
+        self.front_number(row, column).map(|(number, nearness)| (&self.faces[number as usize], nearness))
+    }
+
+    /// How many samples of a row see anything, and the columns from the first of them to the last.
+    #[must_use]
+    pub fn covered(&self, row: usize) -> (usize, Range<usize>) {
+        let (mut count, mut span) = (0, self.columns..0);
+        for block_column in 0..self.blocks_across {
+            let block = row / BLOCK * self.blocks_across + block_column;
+            let solid = &self.solid[block].nearness[row % BLOCK];
+            let panes = self.has_panes[block].then(|| &self.panes[block].nearness[row % BLOCK]);
+            for i in 0..BLOCK {
+                if solid[i] > 0.0 || panes.is_some_and(|p| p[i] > 0.0) {
+                    let column = block_column * BLOCK + i;
+                    count += 1;
+                    span = span.start.min(column)..column + 1;
+                }
+            }
+        }
+        (count, span)
+    }
+}

@@ -1,0 +1,127 @@
+//! The clusters that a grid may see, the near ones first.
+
+use super::grid::{BeamGrid, Window};
+use super::posed::{PosedInstance, PosedScene};
+use super::to_grid::ToGrid;
+use crate::math::Vec3;
+
+/// A cluster in view.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Visible {
+    pub near_depth: f32,
+    pub instance: u32,
+    pub cluster: u32,
+    /// First row, end of rows, first column, end of columns: half as long as [`Window`]s, as there are many.
+    windows: [[u32; 4]; 2],
+}
+
+impl Visible {
+    #[inline(always)]
+    pub(super) fn windows(&self) -> [Window; 2] {
+        self.windows.map(|w| {
+            let [first_row, end_row, first_column, end_column] = w.map(|v| v as usize);
+            Window { rows: first_row..end_row, columns: first_column..end_column }
+        })
+    }
+}
+
+fn compact(window: &Window) -> [u32; 4] {
+    [window.rows.start, window.rows.end, window.columns.start, window.columns.end].map(|v| v as u32)
+}
+
+/// The clusters in view, about in the order of their nearest depths.
+pub(super) fn visible_clusters<G: BeamGrid>(
+    scene: &PosedScene,
+    grid: &G,
+    to_grid: &ToGrid,
+    slots: &[u64],
+    keep: impl Fn(&PosedInstance) -> bool,
+) -> Vec<Visible> {
+    let mut out = Vec::with_capacity(4 * scene.instances.len());
+    for (index, instance) in scene.instances.iter().enumerate() {
+        if !keep(instance) {
+            continue;
+        }
+        let slots = slots[index];
+        let center_grid = to_grid.rotation * (instance.center_world - to_grid.origin_world);
+        let (windows, _) =
+            grid.sphere_windows(center_grid.as_vec3(), loosened(instance.radius_m as f32, center_grid.as_vec3()));
+        if slots == 0 || windows.iter().all(Window::is_empty) {
+            continue;
+        }
+        let grid_from_local = to_grid.rotation * instance.placement.rotation;
+        let origin_grid = center_grid - grid_from_local * instance.mesh.bounds.center().as_dvec3();
+        let (linear, offset) = (grid_from_local.as_mat3(), origin_grid.as_vec3());
+        for (number, cluster) in instance.mesh.clusters.iter().enumerate() {
+            if cluster.slots & slots == 0 {
+                continue;
+            }
+            let center_grid = linear * cluster.center + offset;
+            let (windows, near_depth) = grid.sphere_windows(center_grid, loosened(cluster.radius_m, center_grid));
+            if windows.iter().any(|w| !w.is_empty()) {
+                out.push(Visible {
+                    near_depth,
+                    instance: index as u32,
+                    cluster: number as u32,
+                    windows: [compact(&windows[0]), compact(&windows[1])],
+                });
+            }
+        }
+    }
+    out
+}
+
+/// Depths beyond these have no order among themselves.
+const NEAREST_M: f32 = 0.03;
+const FARTHEST_M: f32 = 131_072.0;
+
+/// The clusters in the order of depth, so nearly that it makes no difference: in steps of 1/128 of the depth, equal ones
+/// as they come.
+pub(super) fn near_first(clusters: &[Visible]) -> Vec<Visible> {
+    // The high bits of a positive number rise with it: its exponent and the first bits of its fraction.
+    let high_bits = |depth: f32| (depth.to_bits() >> 16) as usize;
+    let least = high_bits(NEAREST_M);
+    let key = |v: &Visible| high_bits(v.near_depth.clamp(NEAREST_M, FARTHEST_M)) - least;
+    let mut starts = vec![0_u32; high_bits(FARTHEST_M) - least + 2];
+    clusters.iter().for_each(|v| starts[key(v) + 1] += 1);
+    let mut sum = 0;
+    for start in &mut starts {
+        sum += *start;
+        *start = sum;
+    }
+    let mut sorted = vec![Visible::default(); clusters.len()];
+    for v in clusters {
+        let place = &mut starts[key(v)];
+        sorted[*place as usize] = *v;
+        *place += 1;
+    }
+    sorted
+}
+
+/// A radius that covers the rounding of vertices to single precision, world coordinates of some kilometres included.
+#[inline]
+fn loosened(radius_m: f32, center_grid: Vec3) -> f32 {
+    radius_m * 1.000_01 + 1e-3 + 1e-6 * center_grid.abs().max_element()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_order_is_that_of_depth_to_a_hundredth() {
+        let depth = |i: u32| (i * 7919 % 1000) as f32 * 0.3 - 20.0;
+        let item = |i| Visible { near_depth: depth(i), instance: i, ..Visible::default() };
+        let mut clusters: Vec<Visible> = (0..1000).map(item).collect();
+        clusters[3].near_depth = f32::INFINITY;
+        let order = near_first(&clusters);
+        let mut seen: Vec<u32> = order.iter().map(|v| v.instance).collect();
+        seen.sort_unstable();
+        assert!(seen.iter().enumerate().all(|(i, n)| i as u32 == *n));
+        for pair in order.windows(2) {
+            let [a, b] = [pair[0], pair[1]].map(|v| v.near_depth.max(NEAREST_M));
+            assert!(a <= b * 1.008, "{a} before {b}");
+        }
+        assert_eq!(order[999].instance, 3);
+    }
+}

@@ -1,0 +1,187 @@
+//! A turning scan against closed forms.
+#![allow(missing_docs)]
+
+mod common;
+
+use std::sync::Arc;
+
+use cadet_core::lidar::{LidarSpec, Scan, TURN_S, Turning, firing_time_s, scan, turning_scan};
+use cadet_core::math::{self, DPose3, DVec3, PI, Vec3};
+use cadet_core::rng::Stream;
+use cadet_core::sense::{FaceTrees, Motion, PosedScene};
+use cadet_core::weather::Weather;
+use common::{at, cuboid, place, posed, random_scene};
+
+/// KITTI's sensor without noise, its beams lines.
+fn noiseless() -> LidarSpec {
+    let mut spec = LidarSpec::hdl64e_kitti().with_divergence(0.0).expect("valid");
+    spec.range_noise_m = 0.0;
+    spec
+}
+
+fn clear() -> Weather {
+    Weather::preset("clear_noon").expect("exists")
+}
+
+fn turn(scene: &Arc<PosedScene>, spec: &LidarSpec, sensor: Motion, motion_of: impl Fn(i32) -> Motion) -> Scan {
+    let mut trees = FaceTrees::default();
+    let turning = Turning::new(Arc::clone(scene), &mut trees, spec, DPose3::IDENTITY, sensor, motion_of);
+    turning_scan(&turning, spec, &clear(), &mut Stream::from_seed("scan", 0)).expect("valid")
+}
+
+fn moving(velocity_world: DVec3) -> Motion {
+    Motion { velocity_world, ..Motion::default() }
+}
+
+/// Points of an actor with the times of their firings.
+fn points_of(scan: &Scan, spec: &LidarSpec, actor_id: i32) -> Vec<(f64, DVec3)> {
+    (0..scan.ring.len())
+        .filter(|i| scan.actor_id[*i] == actor_id)
+        .map(|i| {
+            let [x, y, z, _] = scan.points_velo[i].map(f64::from);
+            (firing_time_s(spec.azimuths_rad()[scan.column[i] as usize]), DVec3::new(x, y, z))
+        })
+        .collect()
+}
+
+#[test]
+fn a_turn_is_centred_on_the_instant_and_goes_counter_clockwise() {
+    assert_eq!(firing_time_s(0.0), 0.0);
+    assert!((firing_time_s(PI / 2.0) - TURN_S / 4.0).abs() < 1e-12, "left is later");
+    assert!((firing_time_s(1.5 * PI) + TURN_S / 4.0).abs() < 1e-12, "right is earlier");
+    assert!((firing_time_s(PI - 1e-9) - 0.05).abs() < 1e-9 && (firing_time_s(PI + 1e-9) + 0.05).abs() < 1e-9);
+}
+
+#[test]
+fn where_all_stands_still_a_turn_is_the_scan_of_an_instant() {
+    let mut stream = Stream::from_seed("turning", 3);
+    for round in 0..4 {
+        let scene = posed(&random_scene(&mut stream, DVec3::ZERO));
+        let spec = if round % 2 == 0 { LidarSpec::hdl64e_kitti() } else { LidarSpec::cadet() };
+        let spec = spec.with_divergence(if round < 2 { 0.0 } else { 3e-3 }).expect("valid");
+        let still = scan(&scene, &DPose3::IDENTITY, &spec, &clear(), &mut Stream::from_seed("scan", 0)).expect("valid");
+        let turned = turn(&scene, &spec, Motion::default(), |_| Motion::default());
+        // Beam by beam: the kernel and parry part on a beam in ten thousand at the edges of triangles.
+        let by_beam = |s: &Scan| {
+            let mut out = std::collections::BTreeMap::new();
+            for i in 0..s.ring.len() {
+                assert!(out.insert((s.ring[i], s.column[i]), (s.points_velo[i], s.actor_id[i])).is_none());
+            }
+            out
+        };
+        let (still, turned) = (by_beam(&still), by_beam(&turned));
+        let equal = still
+            .iter()
+            .filter(|(beam, (p, id))| {
+                turned.get(beam).is_some_and(|(q, other)| {
+                    id == other && (0..3).all(|i| (p[i] - q[i]).abs() < 2e-3) && (p[3] - q[3]).abs() < 0.011
+                })
+            })
+            .count();
+        let differing = still.len().max(turned.len()) - equal;
+        assert!(
+            still.len() > 10_000 && differing as f64 <= 3e-4 * still.len() as f64,
+            "{differing} of {}",
+            still.len()
+        );
+    }
+}
+
+#[test]
+fn a_wall_is_sheared_by_the_speed_of_the_car() {
+    // Walls across the road, 20 m ahead and 20 m behind.
+    let wall = || cuboid(Vec3::new(0.5, 15.0, 4.0));
+    let scene = posed(&[place(wall(), at(20.5, 0.0, 0.0), 1), place(wall(), at(-20.5, 0.0, 0.0), 2)]);
+    let spec = noiseless();
+    let speed_mps = 13.9;
+    let scan = turn(&scene, &spec, moving(DVec3::new(speed_mps, 0.0, 0.0)), |_| Motion::default());
+    let ahead = points_of(&scan, &spec, 1);
+    let behind = points_of(&scan, &spec, 2);
+    assert!(ahead.len() > 5_000 && behind.len() > 5_000);
+    for (walls_x, points) in [(20.0, &ahead), (-20.0, &behind)] {
+        for (time_s, p) in points {
+            assert!((p.x - (walls_x - speed_mps * time_s)).abs() < 1.1e-3, "{p} at {time_s}");
+        }
+    }
+    // The seam behind the car: what the turn began with and what it ended with are a whole turn's way apart.
+    let nearest = |left: bool| {
+        let side = behind.iter().filter(|(_, p)| (p.y > 0.0) == left);
+        side.min_by(|a, b| a.1.y.abs().total_cmp(&b.1.y.abs())).expect("points on both sides").1.x
+    };
+    let gap_m = nearest(false) - nearest(true);
+    assert!((gap_m - speed_mps * TURN_S).abs() < 5e-3, "{gap_m}: later, on the left, the wall is farther behind");
+}
+
+#[test]
+fn a_car_that_crosses_is_stretched_or_shortened() {
+    // A face 4 m long 15 m ahead, centred on the axis; it is seen under an angle, and the beam sweeps leftwards.
+    let length_m = 4.0;
+    let car = || place(cuboid(Vec3::new(0.9, 2.0, 0.75)), at(15.9, 0.0, -0.9), 7);
+    let spec = noiseless();
+    let width = |velocity: f64| {
+        let scan = turn(&posed(&[car()]), &spec, Motion::default(), |id| {
+            assert_eq!(id, 7);
+            Motion { pivot_world: DVec3::new(15.9, 0.0, -1.6), ..moving(DVec3::new(0.0, velocity, 0.0)) }
+        });
+        let y: Vec<f64> = points_of(&scan, &spec, 7).iter().filter(|(_, p)| p.x < 15.01).map(|(_, p)| p.y).collect();
+        assert!(y.len() > 200, "{}", y.len());
+        y.iter().copied().fold(f64::NEG_INFINITY, f64::max) - y.iter().copied().fold(f64::INFINITY, f64::min)
+    };
+    // An end at y0 is seen at the time t with y0 + v t = 15 tan(2 pi t / T): y = y0 + v t.
+    let expected = |velocity: f64| {
+        let end = |y0: f64| {
+            let y = (0..60).fold(y0, |y, _| y0 + velocity * firing_time_s(math::atan2(y, 15.0)));
+            assert!((y0 + velocity * firing_time_s(math::atan2(y, 15.0)) - y).abs() < 1e-9);
+            y
+        };
+        end(length_m / 2.0) - end(-length_m / 2.0)
+    };
+    // Columns at 15 m are 4.7 cm apart.
+    for velocity in [10.0, 0.0, -10.0] {
+        let got = width(velocity);
+        assert!((got - expected(velocity)).abs() < 0.1, "{velocity}: {got} {}", expected(velocity));
+    }
+    // About v T / (2 pi) times the angle it fills.
+    let angle = 2.0 * math::atan2(2.0, 15.0);
+    assert!((expected(10.0) - length_m - 10.0 * TURN_S / (2.0 * PI) * angle).abs() < 5e-3);
+    assert!(width(10.0) > width(-10.0) + 0.05);
+}
+
+#[test]
+fn a_turning_car_sees_walls_where_its_heading_was() {
+    // A round wall looks the same from a turning sensor; a post does not: it is seen where the beam was when it met it.
+    let scene = posed(&[place(cuboid(Vec3::new(0.05, 0.05, 3.0)), at(0.0, 10.0, 0.0), 1)]);
+    let spec = noiseless();
+    let yaw_rate = 0.8;
+    let sensor = Motion { angular_velocity_world: DVec3::new(0.0, 0.0, yaw_rate), ..Motion::default() };
+    let points = points_of(&turn(&scene, &spec, sensor, |_| Motion::default()), &spec, 1);
+    assert!(points.len() > 50);
+    // In the sensor's frame the post stands at the azimuth 90 deg - yaw, seen when the beam points there.
+    let mut azimuth = PI / 2.0;
+    for _ in 0..40 {
+        azimuth = PI / 2.0 - yaw_rate * firing_time_s(azimuth);
+    }
+    for (_, p) in &points {
+        assert!((math::atan2(p.y, p.x) - azimuth).abs() < 0.008, "{p}");
+        assert!((p.truncate().length() - 9.95).abs() < 0.03, "{p}");
+    }
+}
+
+#[test]
+fn trees_are_kept_while_their_meshes_are() {
+    let instances = random_scene(&mut Stream::from_seed("trees", 0), DVec3::ZERO);
+    let mut trees = FaceTrees::default();
+    let spec = LidarSpec::cadet();
+    let make = |scene: &Arc<PosedScene>, trees: &mut FaceTrees| {
+        let rest = Motion::default();
+        let _ = Turning::new(Arc::clone(scene), trees, &spec, DPose3::IDENTITY, rest, |_| rest);
+        trees.forget_unused();
+        trees.len()
+    };
+    let scene = posed(&instances);
+    let n = make(&scene, &mut trees);
+    assert!(n > 20 && make(&scene, &mut trees) == n);
+    drop((scene, instances));
+    trees.forget_unused();
+    assert!(trees.is_empty());
+}

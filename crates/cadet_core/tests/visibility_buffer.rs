@@ -1,0 +1,110 @@
+//! Drawing into the visibility buffer against casting the same samples.
+#![allow(missing_docs)]
+
+mod common;
+
+use std::sync::Arc;
+
+use common::{place, posed, random_rotation, random_scene, soup, sphere};
+
+use cadet_core::instance::Instance;
+use cadet_core::material::Palette;
+use cadet_core::math::{DPose3, DVec3};
+use cadet_core::rng::Stream;
+use cadet_core::sense::{Hits, Layer, NO_HIT, PinholeGrid, PosedScene, VisibilityBuffer, cast, draw};
+use proptest::prelude::*;
+
+fn camera(pose: DPose3, rows: usize, columns: usize) -> PinholeGrid {
+    PinholeGrid::new(pose, [721.5, 721.5, 609.6, 172.9], [0.0, 0.0, 4.0, 4.0], rows, columns).expect("a valid camera")
+}
+
+/// Every other instance becomes a pane.
+fn with_panes(mut instances: Vec<Instance>) -> Arc<PosedScene> {
+    let mut palette = (*common::matt()).clone();
+    palette.0[0].transmission = 0.8;
+    let palette: Arc<Palette> = Arc::new(palette);
+    for instance in instances.iter_mut().skip(1).step_by(2) {
+        instance.palette = Arc::clone(&palette);
+    }
+    posed(&instances)
+}
+
+/// The same faces, but for rounding where two are equally deep; the buffer has been used before.
+fn assert_same(scene: &PosedScene, grid: &PinholeGrid, rows: usize, columns: usize, buffer: &mut VisibilityBuffer) {
+    draw(scene, grid, buffer);
+    let mut hits = Hits::new(rows, columns);
+    cast(scene, grid, Layer::Opaque, |_| true, &mut hits);
+    let solid = hits.clone();
+    cast(scene, grid, Layer::Glass, |_| true, &mut hits);
+    for row in 0..rows {
+        for column in 0..columns {
+            let at = row * columns + column;
+            let (seen, nearness) = buffer.front(row, column).map_or(((NO_HIT, NO_HIT), 0.0), |(face, nearness)| {
+                let depth = face.depth_at(grid.columns_x()[column], grid.rows_y()[row]);
+                assert!((depth * nearness - 1.0).abs() < 3e-7, "{depth} {nearness}");
+                ((face.instance, face.face), nearness)
+            });
+            let expected = 1.0 / f64::from(hits.depth[at]);
+            let close = (f64::from(nearness) - expected).abs() <= 2e-7 * expected;
+            assert!(close, "{row} {column}: {seen:?} {nearness} {expected}");
+            // Where the solid layer alone is nearest, panes say nothing.
+            if seen != (hits.instance[at], hits.face[at]) {
+                assert!(seen.0 != NO_HIT && hits.instance[at] != NO_HIT);
+            }
+            let behind = buffer.solid_quad(row & !1, column & !1).nearness[(row & 1) * 2 + (column & 1)];
+            let expected = 1.0 / f64::from(solid.depth[at]);
+            assert!((f64::from(behind) - expected).abs() <= 2e-7 * expected, "{row} {column}: solid");
+        }
+    }
+}
+
+#[test]
+fn drawing_sees_what_casting_sees() {
+    let mut buffer = VisibilityBuffer::default();
+    for seed in 0..12 {
+        let mut s = Stream::from_seed("drawn scenes", seed);
+        let center = DVec3::new(s.range(-400.0, 400.0), s.range(-400.0, 400.0), s.range(-5.0, 30.0));
+        let scene = with_panes(random_scene(&mut s, center));
+        // Also images that end within a block.
+        for (rows, columns) in [(94, 311), (94, 311), (90, 314), (3, 17)] {
+            let pose = DPose3 { rotation: random_rotation(&mut s), translation: center };
+            assert_same(&scene, &camera(pose, rows, columns), rows, columns, &mut buffer);
+        }
+    }
+}
+
+#[test]
+fn equal_depths_go_to_the_earlier_instance_and_face() {
+    let at = |id| place(common::cuboid([1.0; 3].into()), common::at(0.0, 0.0, 10.0), id);
+    let grid = camera(DPose3::IDENTITY, 94, 311);
+    let mut buffer = VisibilityBuffer::default();
+    draw(&posed(&[at(3), at(2), at(1)]), &grid, |_| true, &mut buffer);
+    let seen: Vec<u32> = (0..94)
+        .flat_map(|r| (0..311).map(move |c| (r, c)))
+        .filter_map(|(r, c)| Some(buffer.front(r, c)?.0.instance))
+        .collect();
+    assert!(seen.len() > 500 && seen.iter().all(|i| *i == 0));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn triangle_soups_are_drawn_as_they_are_cast(seed in 0_u64..1_000_000, n in 1_usize..300) {
+        let mut s = Stream::from_seed("drawn soup", seed);
+        let center = DVec3::new(300.0, -250.0, 10.0);
+        let scene = with_panes(vec![soup(&mut s, n, 12.0, center), soup(&mut s, n, 12.0, center)]);
+        let pose = DPose3 { rotation: random_rotation(&mut s), translation: center };
+        assert_same(&scene, &camera(pose, 94, 311), 94, 311, &mut VisibilityBuffer::default());
+    }
+
+    #[test]
+    fn nothing_is_seen_through_a_closed_mesh(seed in 0_u64..1_000_000, rings in 3_u32..40, radius in 0.5_f32..80.0) {
+        let mut s = Stream::from_seed("drawn closed", seed);
+        let scene = posed(&[place(sphere(radius, rings), DPose3::IDENTITY, 1)]);
+        let inside = DVec3::new(s.normal(), s.normal(), s.normal()).normalize() * f64::from(radius) * 0.4;
+        let mut buffer = VisibilityBuffer::default();
+        draw(&scene, &camera(DPose3 { rotation: random_rotation(&mut s), translation: inside }, 94, 311), |_| true, &mut buffer);
+        prop_assert!((0..94).all(|r| (0..311).all(|c| buffer.front(r, c).is_some())));
+    }
+}

@@ -1,0 +1,89 @@
+"""`cadet lidar` and `cadet fit-lidar`: sensors as TOML, known ones and fitted ones."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+from cadet.errors import CadetError
+from cadet.lidar_fit import LidarFit, fit_lidar
+from cadet.rig import LIDAR_PRESETS, Lidar
+
+
+@click.command(name="lidar")
+@click.argument("name", metavar="NAME|FILE")
+def lidar_command(name: str) -> None:
+    """Print a LIDAR as TOML, to check it or to start one's own from.
+
+    \b
+    cadet lidar vlp16 > mine.toml
+    cadet-gen out -n 100 --lidar mine.toml
+
+    Known: {presets}
+    """  # noqa: D301 - click reads the backspace
+    click.echo(Lidar.named(name).to_toml(), nl=False)
+
+
+lidar_command.help = (lidar_command.help or "").replace("{presets}", ", ".join(LIDAR_PRESETS))
+
+
+@click.command(name="fit-lidar")
+@click.argument("scans", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option(
+    "-o", "--out", required=True, type=click.Path(path_type=Path, dir_okay=False), help="The TOML file to write."
+)
+@click.option("--name", help="The sensor's name.  [default: the file's]")
+def fit_lidar_command(scans: tuple[Path, ...], out: Path, name: str | None) -> None:
+    """Fit a LIDAR to scans: files of float32 x, y, z, intensity, folders of them, or KITTI folders.
+
+    \b
+    cadet fit-lidar kitti/training/velodyne -o mine.toml
+    cadet-gen out -n 100 --lidar mine.toml
+    """  # noqa: D301 - click reads the backspace
+    if out.suffix != ".toml":
+        raise CadetError(f"-o: expected a file that ends in .toml, got {str(out)!r}")
+    fit = fit_lidar(scans, out.stem if name is None else name)
+    text = fit.to_toml()
+    # Nothing is written that the generator would refuse.
+    Lidar.custom(fit.table)
+    _print(fit, Console(highlight=False))
+    out.write_text(text, encoding="utf-8")
+    click.echo(f"wrote {out}")
+
+
+def _print(fit: LidarFit, console: Console) -> None:
+    table = Table(box=box.SIMPLE_HEAD)
+    heads = ["ring", "elevation deg", "+-", "height mm", "+-", "offset deg", "points", "residual mm", "outliers"]
+    for head in [*heads, "missing", "zero", "gain"]:
+        table.add_column(head, justify="right", no_wrap=True)
+    for number, ring in enumerate(fit.rings):
+        laser = ring.laser
+        table.add_row(
+            str(number),
+            f"{laser.elevation_deg:+.3f}",
+            f"{ring.elevation_sd_deg:.4f}",
+            f"{1e3 * laser.height_m:.1f}",
+            f"{1e3 * ring.height_sd_m:.2f}",
+            f"{laser.azimuth_offset_deg:.3f}",
+            str(ring.num_points),
+            f"{1e3 * ring.median_residual_m:.2f}",
+            f"{100.0 * ring.outlier_share:.1f} %",
+            f"{100.0 * ring.missing_share:.0f} %",
+            f"{100.0 * ring.zero_share:.0f} %",
+            f"{laser.gain:.2f}",
+        )
+    console.print(table)
+    beams = fit.table
+    console.print(
+        f"{len(fit.rings)} rings, {beams.num_columns} columns; {fit.num_points} points of {fit.num_scans} scans, "
+        f"median residual {1e3 * fit.median_residual_m:.2f} mm; range {beams.min_range_m:g} to "
+        f"{beams.max_range_m:g} m, noise about {1e3 * beams.range_noise_m:.0f} mm",
+        markup=False,
+        soft_wrap=True,
+    )
+    for remark in fit.remarks():
+        console.print(remark, markup=False, soft_wrap=True)

@@ -1,0 +1,194 @@
+"""A sensor's beam table fitted to its scans, and how well it fits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cadet.beam_table import BeamTable, EncoderFiring, Laser, UniformFiring
+from cadet.errors import CadetError
+from cadet.lidar_fit.azimuths import FiringFit, fit_firing
+from cadet.lidar_fit.blind import blind_sectors
+from cadet.lidar_fit.lines import OUTLIER_M
+from cadet.lidar_fit.rings import Rings, find_rings
+from cadet.lidar_fit.scans import Points, find_scans, join, read_scan
+
+_NEIGHBOURS: Final = 8
+_ZEROS_ANYWAY: Final = 0.03
+"""Share of zero intensities that the best receivers report, too."""
+
+
+@dataclass(frozen=True)
+class RingFit:
+    """One laser as its points show it."""
+
+    laser: Laser
+    elevation_sd_deg: float
+    """Standard error."""
+    height_sd_m: float
+    """Standard error."""
+    num_points: int
+    median_residual_m: float
+    """Of the points' distances in height from the fitted cone."""
+    outlier_share: float
+    """Farther from the cone than 5 mm."""
+    missing_share: float
+    """Of the beams: nothing returned, or nothing in range."""
+    zero_share: float
+    """Of the returns: intensity 0."""
+
+
+@dataclass(frozen=True)
+class LidarFit:
+    """A fitted sensor."""
+
+    table: BeamTable
+    rings: tuple[RingFit, ...]
+    num_scans: int
+    num_points: int
+    unassigned_points: int
+    """Points that lie on no laser's cone."""
+    median_residual_m: float
+    in_ring_order: bool
+    firing: FiringFit
+
+    def to_toml(self) -> str:
+        """Return the table as TOML, with what it was fitted to above."""
+        head = [
+            f"# Fitted to {self.num_scans} scans, {self.num_points} points: "
+            f"median residual {1e3 * self.median_residual_m:.2f} mm.",
+            *(f"# {line}" for line in self.remarks()),
+        ]
+        return "\n".join(head) + "\n" + self.table.to_toml()
+
+    def remarks(self) -> list[str]:
+        """Say in sentences what the table cannot."""
+        firing = self.table.firing
+        lines = []
+        if isinstance(firing, EncoderFiring):
+            lines.append(
+                f"Azimuths fall on {firing.ticks_per_turn} ticks of {360.0 / firing.ticks_per_turn:.6g} degrees "
+                f"(coherence {self.firing.coherence:.2f}), {firing.ticks_per_firing:g} from firing to firing."
+            )
+        elif isinstance(firing, UniformFiring) and self.firing.on_grid:
+            lines.append(
+                f"Azimuths fall on {firing.columns} equal steps of {360.0 / firing.columns:.6g} degrees "
+                f"(coherence {self.firing.coherence:.2f})."
+            )
+        elif isinstance(firing, UniformFiring):
+            lines.append(f"Azimuths show no grid; {firing.columns} columns are counted where no return is missing.")
+        if self.unassigned_points:
+            lines.append(f"{self.unassigned_points} points lie on no laser's cone.")
+        if not self.in_ring_order:
+            lines.append("The points come in no order of rings: each was given to the nearest cone.")
+        hidden = sum(b - a for ring in self.rings for a, b in ring.laser.blind_deg) / (3.6 * len(self.rings))
+        if hidden > 0.0:
+            lines.append(f"What carries the sensor hides {hidden:.1f} % of its beams.")
+        lines.append("The gains follow the shares of zero intensities, ring against neighbouring rings.")
+        return lines
+
+
+def fit_lidar(paths: Sequence[str | Path], name: str = "fitted") -> LidarFit:
+    """Fit lasers, firing pattern, ranges, noise and gains to scans of one sensor.
+
+    Args:
+        paths: KITTI-like `.bin` files or folders of them, in the sensor's own frame, z up, one turn each.
+        name: the fitted table's.
+
+    Raises:
+        CadetError: a file that cannot be read, too few points, or points that lie on no lasers' cones.
+    """
+    files = find_scans(paths)
+    scans = [read_scan(file) for file in files]
+    rings = find_rings(scans, [file.name for file in files])
+    firing = fit_firing(scans, rings)
+    parts = [
+        join([scan[ring_of_point == ring] for scan, ring_of_point in zip(scans, rings.ring_of_point, strict=True)])
+        for ring in range(len(rings.lines))
+    ]
+    zero_shares = np.array([float((points.intensity == 0.0).mean()) if len(points) else 0.0 for points in parts])
+    gains = _gains(zero_shares)
+    blind = blind_sectors(scans, rings)
+    columns = BeamTable(name="columns", rings=(Laser(elevation_deg=0.0),), firing=firing.firing).num_columns
+    fitted = []
+    for ring, (line, points) in enumerate(zip(rings.lines, parts, strict=True)):
+        residual_m = np.abs(line.residual_m(points))
+        laser = Laser(
+            elevation_deg=round(line.elevation_deg, 4),
+            height_m=round(line.height_m, 5),
+            azimuth_offset_deg=round(firing.offsets_deg[ring], 4),
+            gain=round(float(gains[ring]), 2),
+            blind_deg=blind[ring],
+        )
+        cos = math.cos(math.radians(line.elevation_deg))
+        fitted.append(
+            RingFit(
+                laser=laser,
+                elevation_sd_deg=math.degrees(line.tangent_sd) * cos * cos,
+                height_sd_m=line.height_sd_m,
+                num_points=len(points),
+                median_residual_m=float(np.median(residual_m)),
+                outlier_share=float((residual_m > OUTLIER_M).mean()),
+                missing_share=max(0.0, 1.0 - len(points) / (columns * len(scans))),
+                zero_share=float(zero_shares[ring]),
+            )
+        )
+    every_range = np.concatenate([scan.range_m for scan in scans])
+    residuals = np.concatenate([np.abs(line.residual_m(p)) for line, p in zip(rings.lines, parts, strict=True)])
+    try:
+        table = BeamTable(
+            name=name,
+            rings=tuple(ring.laser for ring in fitted),
+            firing=firing.firing,
+            min_range_m=max(0.0, math.floor(100.0 * float(every_range.min())) / 100.0),
+            max_range_m=math.ceil(10.0 * float(every_range.max()) + 1e-6) / 10.0,
+            range_noise_m=_range_noise_m(scans, rings),
+        )
+    except CadetError as error:
+        raise CadetError(f"{files[0].name}: the fitted table makes no sensor: {error}") from None
+    return LidarFit(
+        table=table,
+        rings=tuple(fitted),
+        num_scans=len(scans),
+        num_points=len(every_range),
+        unassigned_points=int(sum((which < 0).sum() for which in rings.ring_of_point)),
+        median_residual_m=float(np.median(residuals)),
+        in_ring_order=rings.ordered,
+        firing=firing,
+    )
+
+
+def _gains(zero_shares: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Guess receivers' gains: the core's odds of a non-zero intensity grow with the square of the gain."""
+    odds = (1.0 - zero_shares) / np.maximum(zero_shares - _ZEROS_ANYWAY, 0.02)
+    usual = np.array([np.median(odds[max(0, k - _NEIGHBOURS) : k + _NEIGHBOURS + 1]) for k in range(len(odds))])
+    if (zero_shares > 0.0).mean() < 0.5:
+        return np.ones(len(zero_shares))
+    gains: NDArray[np.float64] = np.clip(np.sqrt(odds / np.maximum(usual, 1e-9)), 0.2, 3.0)
+    return gains
+
+
+def _range_noise_m(scans: Sequence[Points], rings: Rings) -> float:
+    """Estimate the noise from second differences of ranges along each ring, most of which run over smooth surfaces."""
+    found = []
+    for scan, ring_of_point in zip(scans, rings.ring_of_point, strict=True):
+        for ring in range(len(rings.lines)):
+            points = scan[ring_of_point == ring]
+            if len(points) < 100:
+                continue
+            points = points[np.argsort(points.azimuth_deg, kind="stable")]
+            step = np.diff(points.azimuth_deg)
+            is_even = np.maximum(step[1:], step[:-1]) < 1.05 * np.minimum(step[1:], step[:-1])
+            second = points.range_m[2:] - 2.0 * points.range_m[1:-1] + points.range_m[:-2]
+            found.append(np.abs(second[is_even & (points.range_m[1:-1] < 25.0)]))
+    every = np.concatenate(found) if found else np.zeros(0)
+    if len(every) < 100:
+        return 0.0
+    # Half of a normal variable of 6 variances lies within 0.6745 standard deviations.
+    return round(float(np.median(every)) / (0.6745 * math.sqrt(6.0)), 4)

@@ -1,0 +1,214 @@
+"""`cadet fit-lidar`: sensors come back from their scans, KITTI's from its own, and what is no scan is refused."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import real_kitti
+from cadet import BeamTable, CadetError, EncoderFiring, Laser, Lidar, MissingFileError, Scene, UniformFiring
+from cadet.cli import run_cadet
+from cadet.lidar_fit import LidarFit, fit_lidar
+from lidar_scans import write_scan, yard_scan
+
+CUSTOM = BeamTable(
+    name="custom",
+    # Two blocks at different heights and uneven steps.
+    rings=tuple(
+        Laser(
+            elevation_deg=7.0 - 1.31 * k + 0.2 * (k % 3),
+            height_m=0.15 if k < 11 else 0.03 + 0.002 * k,
+            azimuth_offset_deg=round(0.04 * (k % 4), 3),
+        )
+        for k in range(22)
+    ),
+    firing=UniformFiring(columns=1500),
+)
+ENCODER = replace(
+    CUSTOM,
+    rings=tuple(replace(laser, azimuth_offset_deg=0.0) for laser in CUSTOM.rings),
+    firing=EncoderFiring(ticks_per_turn=3000, ticks_per_firing=1.4, firings=2142),
+)
+
+
+def check(fit: LidarFit, table: BeamTable, elevation_deg: float, height_m: float) -> None:
+    assert len(fit.rings) == len(table.rings)
+    for ring, laser in zip(fit.rings, table.rings, strict=True):
+        assert ring.laser.elevation_deg == pytest.approx(laser.elevation_deg, abs=elevation_deg)
+        assert ring.laser.height_m == pytest.approx(laser.height_m, abs=height_m)
+
+
+@pytest.fixture(scope="module")
+def yard(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("yard")
+    for seed in range(3):
+        write_scan(folder / f"{seed}.bin", yard_scan(CUSTOM, seed))
+    return folder
+
+
+def test_a_custom_sensor_comes_back_from_its_scans(yard: Path) -> None:
+    fit = fit_lidar([yard])
+    check(fit, CUSTOM, 0.005, 0.0005)
+    assert fit.table.firing == CUSTOM.firing
+    for ring, laser in zip(fit.rings, CUSTOM.rings, strict=True):
+        assert ring.laser.azimuth_offset_deg == pytest.approx(laser.azimuth_offset_deg, abs=0.003)
+        assert ring.missing_share == pytest.approx(0.1, abs=0.03)
+        assert ring.zero_share == pytest.approx(0.1, abs=0.03)
+        assert ring.outlier_share == 0.0
+    assert fit.median_residual_m < 0.0004
+    assert fit.unassigned_points == 0
+    assert fit.table.range_noise_m == pytest.approx(0.01, rel=0.25)
+    assert BeamTable.from_toml(fit.to_toml()) == fit.table
+
+
+def test_an_encoders_ticks_come_back(tmp_path: Path) -> None:
+    for seed in range(2):
+        write_scan(tmp_path / f"{seed}.bin", yard_scan(ENCODER, seed))
+    fit = fit_lidar([tmp_path])
+    check(fit, ENCODER, 0.005, 0.0005)
+    firing = fit.table.firing
+    assert isinstance(firing, EncoderFiring)
+    assert firing.ticks_per_turn == 3000
+    assert firing.ticks_per_firing == pytest.approx(1.4, abs=0.002)
+    assert abs(firing.firings - 2142) <= 3
+
+
+@pytest.mark.parametrize("order", ["shuffled", "by column", "clockwise", "from behind"])
+def test_the_order_of_points_does_not_matter(yard: Path, tmp_path: Path, order: str) -> None:
+    generator = np.random.Generator(np.random.PCG64(5))
+    for path in yard.glob("*.bin"):
+        points = np.fromfile(path, "<f4").reshape(-1, 4)
+        azimuth = np.degrees(np.arctan2(points[:, 1], points[:, 0])) % 360.0
+        ring = np.concatenate([[0], np.cumsum(np.diff(azimuth) < -180.0)])
+        keys = {
+            "shuffled": (generator.permutation(len(points)),),
+            "by column": (ring, np.round(azimuth, 1)),
+            "clockwise": (-azimuth, ring),
+            "from behind": ((azimuth - 180.0) % 360.0, ring),
+        }
+        write_scan(tmp_path / path.name, points[np.lexsort(keys[order])])
+    fit = fit_lidar([tmp_path])
+    check(fit, CUSTOM, 0.01, 0.001)
+    assert fit.in_ring_order == (order in ("clockwise", "from behind"))
+    assert fit.table.firing == CUSTOM.firing
+
+
+def test_a_ring_that_sees_one_side_alone_is_told_from_the_next(tmp_path: Path) -> None:
+    """Where one ring ends before the next begins, azimuths rise on: only the heights tell them apart."""
+    for seed in range(2):
+        points = yard_scan(CUSTOM, seed)
+        azimuth = np.degrees(np.arctan2(points[:, 1], points[:, 0])) % 360.0
+        ring = np.concatenate([[0], np.cumsum(np.diff(azimuth) < -180.0)])
+        is_kept = ((ring != 0) | (azimuth < 100.0)) & ((ring != 1) | (azimuth > 150.0))
+        write_scan(tmp_path / f"{seed}.bin", points[is_kept])
+    check(fit_lidar([tmp_path]), CUSTOM, 0.005, 0.0005)
+
+
+@real_kitti.needs_kitti
+def test_kittis_own_scans_give_the_table_of_its_sensor(core: object) -> None:
+    fit = fit_lidar([real_kitti.ROOT])
+    assert fit.num_scans >= 6
+    assert fit.median_residual_m < 0.001
+    assert max(ring.median_residual_m for ring in fit.rings) < 0.001
+    check(fit, Lidar.hdl64e_kitti().beam_table(), 0.01, 0.002)
+    firing = fit.table.firing
+    assert isinstance(firing, EncoderFiring)
+    assert firing.ticks_per_turn == 4000
+    assert firing.ticks_per_firing == pytest.approx(1.8587, abs=0.003)
+    assert fit.table.min_range_m == pytest.approx(1.46, abs=0.02)
+    assert fit.table.max_range_m == 80.0
+    assert 0.008 < fit.table.range_noise_m < 0.02
+
+    # What KITTI's car hides, as it was told by other means and from fewer frames.
+    def hidden(table: BeamTable) -> np.ndarray[tuple[int, int], np.dtype[np.bool_]]:
+        degrees = np.arange(720) / 2.0 + 0.25
+        return np.array([[any(a <= d <= b for a, b in laser.blind_deg) for d in degrees] for laser in table.rings])
+
+    ours, theirs = hidden(fit.table), hidden(Lidar.hdl64e_kitti().beam_table())
+    assert (ours & theirs).sum() > 0.9 * theirs.sum()
+    assert (ours & theirs).sum() > 0.8 * ours.sum()
+    # Rings with weak receivers are known for their zero intensities.
+    zeros = [ring.zero_share for ring in fit.rings]
+    assert min(zeros[ring] for ring in (15, 21, 36, 51)) > 0.2
+    assert max(fit.rings[ring].laser.gain for ring in (15, 21, 36, 51)) < 0.75
+
+
+@pytest.fixture(scope="module")
+def suburbs(core: object) -> list[Scene]:
+    return [Scene.random(seed=seed, weather="clear_noon") for seed in range(4)]
+
+
+@pytest.mark.parametrize("lidar", [Lidar.hdl64e_kitti(), Lidar.vlp16(), Lidar.custom(CUSTOM)], ids=lambda x: x.name)
+def test_generated_scans_give_the_sensor_that_made_them(suburbs: list[Scene], lidar: Lidar, tmp_path: Path) -> None:
+    table = lidar.beam_table()
+    for seed, scene in enumerate(suburbs):
+        write_scan(tmp_path / f"{seed}.bin", scene.scan(lidar).points_velo)
+    fit = fit_lidar([tmp_path])
+    check(fit, table, 0.01, 0.002)
+    if isinstance(table.firing, UniformFiring):
+        assert fit.table.firing == table.firing
+        offsets = [ring.laser.azimuth_offset_deg for ring in fit.rings]
+        np.testing.assert_allclose(offsets, [laser.azimuth_offset_deg for laser in table.rings], rtol=0.0, atol=0.002)
+    else:
+        assert isinstance(fit.table.firing, EncoderFiring)
+        assert abs(fit.table.num_columns - table.num_columns) < 10
+    # And what was fitted makes scans again.
+    again = suburbs[0].scan(Lidar.custom(fit.table))
+    first = np.fromfile(tmp_path / "0.bin", "<f4").reshape(-1, 4)
+    assert len(again.points_velo) == pytest.approx(len(first), rel=0.03)
+
+
+def test_scans_that_are_none_are_refused_in_one_line(yard: Path, tmp_path: Path) -> None:
+    points = np.fromfile(yard / "0.bin", "<f4").reshape(-1, 4)
+    generator = np.random.Generator(np.random.PCG64(0))
+
+    def refusal(name: str, data: bytes) -> str:
+        (tmp_path / name).write_bytes(data)
+        with pytest.raises(CadetError) as caught:
+            fit_lidar([tmp_path / name])
+        assert "\n" not in str(caught.value)
+        return str(caught.value)
+
+    assert refusal("cut.bin", points.tobytes()[:-3]).startswith("cut.bin: truncated: ")
+    assert refusal("empty.bin", b"") == "empty.bin: 0 points, at least 1000 are needed"
+    bad = points.copy()
+    bad[77, 2] = np.nan
+    assert refusal("nan.bin", bad.tobytes()) == "nan.bin: point 77 is not finite"
+    assert refusal("few.bin", points[:999].tobytes()) == "few.bin: 999 points, at least 1000 are needed"
+    noise = generator.normal(0.0, 10.0, (20_000, 4)).astype(np.float32)
+    assert "lie on the cones of lasers on the z axis" in refusal("noise.bin", noise.tobytes())
+    # A scan in the frame of a vehicle's middle.
+    moved = points + np.array([1.3, 0.0, -0.9, 0.0], np.float32)
+    assert "lie on the cones of lasers on the z axis" in refusal("moved.bin", moved.tobytes())
+    same = np.tile(np.array([[5.0, 1.0, 0.2, 0.5]], np.float32), (2000, 1))
+    assert "lie on the cones" in refusal("one_point.bin", same.tobytes())
+    with pytest.raises(MissingFileError, match="no such file or folder"):
+        fit_lidar([tmp_path / "nowhere"])
+    (tmp_path / "none").mkdir()
+    with pytest.raises(MissingFileError, match=r"no \.bin files in it"):
+        fit_lidar([tmp_path / "none"])
+
+
+def test_the_command_writes_what_the_generator_reads(
+    core: object, yard: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def run(*arguments: object) -> int | str | None:
+        monkeypatch.setattr(sys, "argv", ["cadet", "fit-lidar", *map(str, arguments)])
+        with pytest.raises(SystemExit) as ended:
+            run_cadet()
+        return ended.value.code
+
+    out = tmp_path / "mine.toml"
+    assert run(yard / "0.bin", yard / "1.bin", "-o", out) == 0
+    printed = capsys.readouterr().out
+    assert "22 rings, 1500 columns" in printed
+    assert printed.endswith(f"wrote {out}\n")
+    assert Lidar.from_toml(out).name == "mine"
+    assert run(yard, "-o", tmp_path / "mine.txt") == 2
+    assert capsys.readouterr().err.startswith("cadet: -o: expected a file that ends in .toml")
+    assert run(tmp_path / "mine.toml", "-o", out) == 2
+    assert capsys.readouterr().err.startswith("cadet: mine.toml: ")
