@@ -49,8 +49,8 @@ class Detector:
         """Load a checkpoint; no code of it is run.
 
         Args:
-            path: its folder, or a training's folder, whose last checkpoint is meant.
-                device: where the network runs.
+            path: its folder, a training's folder, whose last checkpoint is meant, or the name of a packaged one.
+            device: where the network runs.
             precision: of the arithmetic of layers, None for float32.
 
         Raises:

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import dataclasses
 import re
+import shutil
 from pathlib import Path
 
 import cv2
+import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
 from avod.cli.commands import avod
 from cadet.errors import CadetError, KittiFormatError
+from cadet.frame import Frame
 from cadet.kitti import ImageSet, labels_from_text, write_frame, write_image_set
 from synthetic import make_frame
 
@@ -126,3 +129,59 @@ def test_a_damaged_frame_ends_prediction_by_its_name(trained: Path, tmp_path: Pa
             ["predict", "--checkpoint", str(trained), "--data", str(tmp_path), "--out", str(tmp_path / "out")],
             catch_exceptions=False,
         )
+
+
+def odd_frame(kind: str) -> Frame:
+    """Make a frame that lacks what a detector lives on."""
+    frame = make_frame()
+    points_velo = frame.points_velo.copy()
+    if kind == "no points":
+        return dataclasses.replace(frame, points_velo=points_velo[:0])
+    if kind == "no points, no plane":
+        return dataclasses.replace(frame, points_velo=points_velo[:0], plane=None)
+    if kind == "no ground":
+        return dataclasses.replace(frame, points_velo=points_velo[:20], plane=None)
+    if kind == "another size":
+        return dataclasses.replace(frame, image=np.ascontiguousarray(frame.image[:101, :333]))
+    return dataclasses.replace(frame, labels=())  # "no cars"
+
+
+@pytest.mark.parametrize("kind", ["no points", "no points, no plane", "no cars", "another size"])
+def test_odd_frames_are_predicted_and_evaluated(trained: Path, tmp_path: Path, kind: str) -> None:
+    write_frame(tmp_path, 0, odd_frame(kind))
+    call("predict", "--checkpoint", trained, "--data", tmp_path, "--out", tmp_path / "found")
+    found = labels_from_text((tmp_path / "found" / "000000.txt").read_text())
+    assert not found or not kind.startswith("no points")
+    result = call("eval", "--checkpoint", trained, "--data", tmp_path, "--split", "all")
+    assert len(table_of(result)) == 4
+
+
+@pytest.mark.parametrize(
+    ("kind", "message"),
+    [
+        ("NaN", r"^frame 000000: points_velo: not finite at \[0, 0\]$"),
+        ("no ground", "^frame 000000: no ground plane is given, and none is found: points_velo: expected at least"),
+    ],
+)
+def test_frames_that_cannot_be_used_are_one_clear_error(trained: Path, tmp_path: Path, kind: str, message: str) -> None:
+    write_frame(tmp_path, 0, odd_frame(kind))
+    if kind == "NaN":
+        file = tmp_path / "training" / "velodyne" / "000000.bin"
+        file.write_bytes(np.full_like(odd_frame(kind).points_velo, np.nan).tobytes())
+    common = ["--data", str(tmp_path), "--split", "all", "--out", str(tmp_path / "out")]
+    for arguments in (["predict", "--checkpoint", str(trained)], ["train", "--config", str(CONFIG), "--steps", "1"]):
+        with pytest.raises(CadetError, match=message):
+            CliRunner().invoke(avod, [*arguments, *common], catch_exceptions=False)
+
+
+def test_without_labels_there_are_predictions_but_no_evaluation_and_no_training(trained: Path, tmp_path: Path) -> None:
+    write_frame(tmp_path, 0, make_frame())
+    shutil.rmtree(tmp_path / "training" / "label_2")
+    call("predict", "--checkpoint", trained, "--data", tmp_path, "--out", tmp_path / "found")
+    common = ["--data", str(tmp_path), "--split", "all"]
+    for arguments in (
+        ["eval", "--checkpoint", str(trained)],
+        ["train", "--config", str(CONFIG), "--steps", "1", "--out", str(tmp_path / "out")],
+    ):
+        with pytest.raises(CadetError, match=r"label_2/000000\.txt"):
+            CliRunner().invoke(avod, [*arguments, *common], catch_exceptions=False)

@@ -24,10 +24,10 @@ data_option = click.option(
 )
 checkpoint_option = click.option(
     "--checkpoint",
-    metavar="DIR",
+    metavar="DIR|NAME",
     required=True,
     type=click.Path(path_type=Path),
-    help="A checkpoint, or a training's folder, whose last is meant.",
+    help="A checkpoint, a training's folder, whose last is meant, or the package's own tiny_car.",
 )
 frames_option = click.option("--frames", type=click.IntRange(1), help="No more than this many, the first.")
 

@@ -77,7 +77,7 @@ def build_sample(
     height, width = image.shape[:2]
     if min(height, width) < 2:
         raise CadetError(f"image: expected at least 2 x 2 pixels, got {width} x {height}")
-    plane = _ground(points_velo, calib, frame_id) if plane is None else normal_plane(plane)
+    plane = _ground(points_velo, calib) if plane is None else normal_plane(plane)
     points_cam = calib.velo_to_cam(points_velo)
     points_cam = points_cam[points_in_image(points_cam, calib, (width, height))]
     projection, boxes_cam, classes = calib.P2, *_objects(labels, config)
@@ -118,13 +118,13 @@ def normal_plane(plane: NDArray[Any]) -> NDArray[np.float64]:
     return unit
 
 
-def _ground(points_velo: NDArray[np.float32], calib: Calibration, frame_id: str) -> NDArray[np.float64]:
+def _ground(points_velo: NDArray[np.float32], calib: Calibration) -> NDArray[np.float64]:
     if not len(points_velo):
         return _FLAT_GROUND  # Without points there are no anchors, whatever they would stand on.
     try:
         return estimate_plane(points_velo, calib)
     except CadetError as error:
-        raise CadetError(f"frame {frame_id}: no ground plane is given, and none is found: {error}") from None
+        raise CadetError(f"no ground plane is given, and none is found: {error}") from None
 
 
 def _objects(labels: tuple[Label, ...], config: Config) -> tuple[NDArray[np.float64], NDArray[np.int64]]:

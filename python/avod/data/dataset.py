@@ -20,18 +20,21 @@ def sample_from_frame(frame: Frame, frame_id: str, config: Config, augmentation:
     """Make a sample of a frame; the ground is estimated from the scan where it has no plane.
 
     Raises:
-        CadetError: as `build_sample`, or no ground is found.
+        CadetError: what `build_sample` raises, the frame named.
     """
-    return build_sample(
-        frame.points_velo,
-        frame.image,
-        frame.calib,
-        frame.plane,
-        config,
-        labels=frame.labels,
-        augmentation=augmentation,
-        frame_id=frame_id,
-    )
+    try:
+        return build_sample(
+            frame.points_velo,
+            frame.image,
+            frame.calib,
+            frame.plane,
+            config,
+            labels=frame.labels,
+            augmentation=augmentation,
+            frame_id=frame_id,
+        )
+    except CadetError as error:
+        raise CadetError(f"frame {frame_id}: {error}") from None
 
 
 class TrainingData(Dataset[Any]):

@@ -30,6 +30,7 @@ _FORMAT_VERSION: Final = 1
 _SETTINGS: Final = "checkpoint.json"
 _MODEL: Final = "model.safetensors"
 _OPTIMIZER: Final = "optimizer.safetensors"
+_PACKAGED: Final = Path(__file__).parents[1] / "checkpoints"
 _AVERAGES: Final = ("exp_avg", "exp_avg_sq")
 
 
@@ -83,7 +84,7 @@ def read_checkpoint(path: str | Path) -> Checkpoint:
     """Read the settings of a checkpoint.
 
     Args:
-        path: its folder, or a training's folder, whose last checkpoint is meant.
+        path: its folder, a training's folder, whose last checkpoint is meant, or the name of one of the package's.
 
     Raises:
         MissingFileError: no checkpoint there.
@@ -100,6 +101,11 @@ def read_checkpoint(path: str | Path) -> Checkpoint:
         raise CadetError(f"{path / _SETTINGS}: version {settings.get('version')!r}, expected {_FORMAT_VERSION}")
     step, seed = (_count(settings, key, path) for key in ("step", "seed"))
     return Checkpoint(path, step, seed, config_from_table(settings.get("config"), f"{path / _SETTINGS}: config"))
+
+
+def packaged_checkpoints() -> tuple[str, ...]:
+    """List the checkpoints that come with the package."""
+    return tuple(sorted(path.parent.name for path in _PACKAGED.glob(f"*/{_SETTINGS}")))
 
 
 def checkpoints(folder: Path) -> list[Path]:
@@ -189,7 +195,11 @@ def _resolve(path: Path) -> Path:
         found = checkpoints(folder)
         if found:
             return found[-1]
-    raise MissingFileError(f"{path}: no checkpoint: expected a folder with {_SETTINGS}")
+    if str(path) in packaged_checkpoints():
+        return _PACKAGED / path
+    raise MissingFileError(
+        f"{path}: no checkpoint: expected a folder with {_SETTINGS}, or one of {', '.join(packaged_checkpoints())}"
+    )
 
 
 def _count(settings: dict[str, Any], key: str, path: Path) -> int:
