@@ -22,7 +22,13 @@ _SEEDS = (100_001, 100_002, 100_003)
 
 @pytest.fixture(scope="module")
 def frames() -> list[cadet.Frame]:
-    return [cadet.Scene.random(seed=seed, weather="clear_noon").capture() for seed in _SEEDS]
+    """Drive for eight frames through each of three worlds."""
+    driven = []
+    for seed in _SEEDS:
+        environment = cadet.Environment()
+        environment.reset(seed=seed)
+        driven += [environment.step() for _ in range(8)]
+    return driven
 
 
 def test_every_packaged_checkpoint_loads_and_is_small() -> None:
@@ -46,8 +52,8 @@ def test_it_finds_the_cars_that_are_plain_to_see(frames: list[cadet.Frame]) -> N
         num_plain += len(plain)
         num_found += sum(bool((overlap[:, k] > 0.5).any()) for k in plain)
         num_wrong += sum(not bool((row > 0.1).any()) for row in overlap)
-    assert num_plain >= 5
-    assert num_found >= 0.8 * num_plain
+    assert num_plain >= 8
+    assert num_found >= 0.7 * num_plain
     assert num_wrong <= 0.3 * num_plain
 
 
