@@ -132,13 +132,7 @@ const MAX_FACES: usize = 6000;
 const MAX_OPEN: usize = 16_000;
 
 impl<'a> Faces<'a> {
-    pub fn new(
-        scene: &'a PosedScene,
-        view: &View,
-        rays: &'a Rays,
-        light: &'a Light,
-        drawn: &'a [DrawnFace],
-    ) -> Self {
+    pub fn new(scene: &'a PosedScene, view: &View, rays: &'a Rays, light: &'a Light, drawn: &'a [DrawnFace]) -> Self {
         let eye = view.world_from_cam.translation;
         let placed = scene.instances.iter().map(|i| Placed {
             world_from_local: i.placement.rotation.as_mat3(),

@@ -207,15 +207,7 @@ impl Painter<'_> {
     }
 
     /// A pixel some of whose samples lie behind panes: sample by sample, unless all four agree.
-    fn collect_behind_panes(
-        &mut self,
-        solid: &Quad,
-        panes: &Quad,
-        pixel: u32,
-        u: f32,
-        v: f32,
-        rgb: &mut [f32],
-    ) {
+    fn collect_behind_panes(&mut self, solid: &Quad, panes: &Quad, pixel: u32, u: f32, v: f32, rgb: &mut [f32]) {
         let before = |i: usize| panes.nearness[i] > solid.nearness[i];
         if (0..4).all(before) && solid.is_one_face() && panes.is_one_face() {
             let depths = [solid.mean_depth(), panes.mean_depth()];

@@ -387,14 +387,7 @@ impl Map {
 
     /// Draws the faces of a cluster that cast shadows.
     #[inline(always)]
-    fn draw_some(
-        &mut self,
-        instance: &PosedInstance,
-        cluster: &Cluster,
-        kinds: &[Caster],
-        points: &Points,
-        up: Vec3,
-    ) {
+    fn draw_some(&mut self, instance: &PosedInstance, cluster: &Cluster, kinds: &[Caster], points: &Points, up: Vec3) {
         for (corners, face) in cluster.corners.iter().zip(&cluster.faces) {
             let corners = corners.map(|i| point(points, i));
             let kind = kinds[usize::from(instance.mesh.slots[*face as usize])];
