@@ -65,4 +65,16 @@ impl FaceIndex {
         let cell = j * self.columns + i;
         &self.faces[self.first[cell] as usize..self.first[cell + 1] as usize]
     }
+
+    /// The triangles of all cells that a rectangle touches, some of them more than once; none where it is not finite.
+    pub(super) fn within(&self, min: DVec2, max: DVec2) -> impl Iterator<Item = u32> {
+        let is_finite = min.is_finite() && max.is_finite();
+        let ((i0, j0), (i1, j1)) = (self.cell(min), self.cell(max));
+        let rows = if is_finite { j0..j1 + 1 } else { 0..0 };
+        rows.flat_map(move |j| {
+            let row = j * self.columns;
+            &self.faces[self.first[row + i0] as usize..self.first[row + i1 + 1] as usize]
+        })
+        .copied()
+    }
 }
