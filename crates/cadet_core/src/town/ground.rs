@@ -160,8 +160,8 @@ impl Ground {
         let p = DVec2::new(x, y);
         let mut best: Option<(usize, f64)> = None;
         // Kerb faces, which stand upright, come last.
-        for face in self.index.candidates(p).iter().take_while(|f| (**f as usize) < self.kinds.len()) {
-            let [a, b, c] = self.corners(*face as usize);
+        for face in self.index.candidates(p).take_while(|f| (*f as usize) < self.kinds.len()) {
+            let [a, b, c] = self.corners(face as usize);
             let (u, v, w) = (b.truncate() - a.truncate(), c.truncate() - a.truncate(), p - a.truncate());
             let area = u.perp_dot(v);
             let (s, t) = (w.perp_dot(v) / area, u.perp_dot(w) / area);
@@ -171,7 +171,7 @@ impl Ground {
             }
             let z = a.z + (b.z - a.z) * s + (c.z - a.z) * t;
             if best.is_none_or(|(_, top)| z > top) {
-                best = Some((*face as usize, z));
+                best = Some((face as usize, z));
             }
         }
         best
