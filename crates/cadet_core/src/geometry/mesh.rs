@@ -109,7 +109,15 @@ impl Mesh {
             }));
         }
         let bounds = Bounds::of(vertices.iter().copied());
-        let clusters = clusters_of(&vertices, &faces, &slots, &bounds);
+        if bounds != self.bounds {
+            // Vertices that no face has are gone, and with them the grid that faces were sorted by.
+            let clusters = clusters_of(&vertices, &faces, &slots, &bounds);
+            return Self { vertices, normals, faces, slots, bounds, clusters };
+        }
+        let mut clusters = self.clusters;
+        for (number, face) in (0..).zip(clusters.iter_mut().flat_map(|c| &mut c.faces)) {
+            *face = number;
+        }
         Self { vertices, normals, faces, slots, bounds, clusters }
     }
 }
