@@ -174,6 +174,15 @@ impl LodSet {
         Self { bounds, levels: std::iter::once(finest).chain(coarser).collect() }
     }
 
+    /// The finest mesh.
+    ///
+    /// # Panics
+    /// If there is no level at all, which is a bug in the asset.
+    #[must_use]
+    pub fn finest(&self) -> &Arc<Mesh> {
+        &self.levels.first().expect("a shape has at least one level").1
+    }
+
     /// The mesh for a distance from the ego; `None` where the shape is too far to matter.
     #[must_use]
     pub fn select(&self, distance_m: f32) -> Option<&Arc<Mesh>> {

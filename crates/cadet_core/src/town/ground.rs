@@ -92,6 +92,17 @@ impl Ground {
         Self::assemble(&plan, regions, &|_| 0.0, (DVec2::splat(-half), DVec2::splat(half)))
     }
 
+    /// The same outlines and tiles over another surface, all of it carriageway.
+    #[cfg(test)]
+    pub(crate) fn with_surface(mut self, vertices: Vec<Vec3>, faces: Vec<[u32; 3]>) -> Self {
+        let bounds = crate::geometry::Bounds::of(vertices.iter().copied());
+        let [min, max] = [bounds.min, bounds.max].map(|p| p.as_dvec3().truncate());
+        self.index = Arc::new(FaceIndex::new(&vertices, &faces, min, max));
+        self.kinds = Arc::new(vec![GroundKind::Road; faces.len()]);
+        (self.vertices, self.faces) = (Arc::new(vertices), Arc::new(faces));
+        self
+    }
+
     fn assemble(plan: &PlanMesh, regions: Regions, height: &dyn Fn(DVec2) -> f64, (min, max): (DVec2, DVec2)) -> Self {
         let surface = Surface::raise(plan, height);
         let kinds: Vec<GroundKind> = plan.kinds.iter().map(|c| c.kind()).collect();
