@@ -125,4 +125,4 @@ def test_golden_bytes() -> None:
     assert digest.hexdigest() == GOLDEN
 
 
-GOLDEN = "e9972bcc1c62b1d5d03590c487d0fbc69665e20b09e90f90ccf71fb13e527c34"
+GOLDEN = "f63d40256a1ce58ff4be5abbaa122b665fd62725273675285979336c21cf1b58"
