@@ -145,36 +145,70 @@ impl MeshBuilder {
             .filter(|(_, _, n)| n.length_squared() > 1e-16)
             .collect();
         let units: Vec<Vec3> = kept.iter().map(|k| k.2.normalize()).collect();
-        let mut around: Vec<Vec<u32>> = vec![Vec::new(); points.len()];
-        for (i, (f, _, _)) in kept.iter().enumerate() {
-            for v in f {
-                around[*v as usize].push(i as u32);
-            }
-        }
-        let (mut vertices, mut normals) = (Vec::new(), Vec::new());
-        // The copies of each point so far: the normal's bits and the vertex that has it.
-        let mut split: Vec<Vec<([u32; 3], u32)>> = vec![Vec::new(); points.len()];
+        let around = FacesAround::of(points.len(), kept.iter().map(|(f, _, _)| f));
+        let (mut vertices, mut normals) = (Vec::with_capacity(points.len()), Vec::with_capacity(points.len()));
+        // The copies of each point so far: the latest vertex of each point, and before each vertex the one before.
+        let mut latest = vec![u32::MAX; points.len()];
+        let mut before: Vec<u32> = Vec::with_capacity(points.len());
         let mut faces = Vec::with_capacity(kept.len());
         for ((f, _, _), own_unit) in kept.iter().zip(&units) {
             faces.push(f.map(|v| {
-                let sum = around[v as usize]
+                let sum = around
+                    .at(v)
                     .iter()
                     .filter(|i| units[**i as usize].dot(*own_unit) >= cos_crease)
                     .map(|i| kept[*i as usize].2)
                     .fold(Vec3::ZERO, |a, n| a + n);
                 let normal = if sum.length_squared() > 0.0 { sum.normalize() } else { *own_unit };
-                let copies = &mut split[v as usize];
-                if let Some((_, index)) = copies.iter().find(|(bits, _)| *bits == key(normal)) {
-                    return *index;
+                let mut copy = latest[v as usize];
+                while copy != u32::MAX {
+                    if key(normals[copy as usize]) == key(normal) {
+                        return copy;
+                    }
+                    copy = before[copy as usize];
                 }
                 vertices.push(points[v as usize]);
                 normals.push(normal);
-                copies.push((key(normal), (vertices.len() - 1) as u32));
-                (vertices.len() - 1) as u32
+                let number = (vertices.len() - 1) as u32;
+                before.push(std::mem::replace(&mut latest[v as usize], number));
+                number
             }));
         }
         let slots = kept.iter().map(|k| k.1).collect();
         Mesh::new(name, vertices, normals, faces, slots).expect("an asset's mesh is valid").in_cluster_order()
+    }
+}
+
+/// The faces at each point, by rising number.
+struct FacesAround {
+    first: Vec<u32>,
+    faces: Vec<u32>,
+}
+
+impl FacesAround {
+    fn of<'a>(num_points: usize, faces: impl Iterator<Item = &'a [u32; 3]> + Clone) -> Self {
+        let mut first = vec![0; num_points + 1];
+        for v in faces.clone().flatten() {
+            first[*v as usize + 1] += 1;
+        }
+        for i in 0..num_points {
+            first[i + 1] += first[i];
+        }
+        let mut next = first.clone();
+        let mut all = vec![0; first[num_points] as usize];
+        for (number, face) in (0..).zip(faces) {
+            for v in face {
+                let place = &mut next[*v as usize];
+                all[*place as usize] = number;
+                *place += 1;
+            }
+        }
+        Self { first, faces: all }
+    }
+
+    fn at(&self, point: u32) -> &[u32] {
+        let point = point as usize;
+        &self.faces[self.first[point] as usize..self.first[point + 1] as usize]
     }
 }
 

@@ -96,7 +96,7 @@ impl Ground {
         let surface = Surface::raise(plan, height);
         let kinds: Vec<GroundKind> = plan.kinds.iter().map(|c| c.kind()).collect();
         let vertices: Vec<Vec3> = surface.corners.iter().map(|p| p.as_vec3()).collect();
-        let index = FaceIndex::new(&vertices, &surface.faces[..kinds.len()], min, max);
+        let index = FaceIndex::new(&vertices, &surface.faces, min, max);
         Self {
             tiles: surface.tiles(plan),
             vertices: Arc::new(vertices),
@@ -146,6 +146,11 @@ impl Ground {
         &self.outlines.walks
     }
 
+    /// Every face that may lie over or under the rectangle from `min` to `max`, kerb faces included; some come twice.
+    pub(crate) fn faces_about(&self, min: DVec2, max: DVec2) -> impl Iterator<Item = u32> {
+        self.index.within(min, max)
+    }
+
     fn corners(&self, face: usize) -> [DVec3; 3] {
         self.faces[face].map(|i| self.vertices[i as usize].as_dvec3())
     }
@@ -154,8 +159,9 @@ impl Ground {
     fn top_face(&self, x: f64, y: f64) -> Option<(usize, f64)> {
         let p = DVec2::new(x, y);
         let mut best: Option<(usize, f64)> = None;
-        for face in self.index.candidates(p) {
-            let [a, b, c] = self.corners(*face as usize);
+        // Kerb faces, which stand upright, come last.
+        for face in self.index.candidates(p).take_while(|f| (*f as usize) < self.kinds.len()) {
+            let [a, b, c] = self.corners(face as usize);
             let (u, v, w) = (b.truncate() - a.truncate(), c.truncate() - a.truncate(), p - a.truncate());
             let area = u.perp_dot(v);
             let (s, t) = (w.perp_dot(v) / area, u.perp_dot(w) / area);
@@ -165,7 +171,7 @@ impl Ground {
             }
             let z = a.z + (b.z - a.z) * s + (c.z - a.z) * t;
             if best.is_none_or(|(_, top)| z > top) {
-                best = Some((*face as usize, z));
+                best = Some((face as usize, z));
             }
         }
         best

@@ -34,13 +34,14 @@ impl Tubes {
         let rings: Vec<&Ring> = rings.iter().filter(|r| r.level >= level).collect();
         let (Some(first), Some(last)) = (rings.first(), rings.last()) else { return };
         let start = self.vertices.len() as u32;
+        let angle = |k: usize| k as f32 / sides as f32 * std::f32::consts::TAU;
+        let circle: Vec<(f32, f32)> = (0..sides).map(|k| (cosf(angle(k)).max(flat), sinf(angle(k)))).collect();
+        self.vertices.reserve(rings.len() * sides + 2);
         for r in &rings {
             let across = r.along.cross(r.forward).normalize();
             let forward = across.cross(r.along).normalize();
-            for k in 0..sides {
-                let a = k as f32 / sides as f32 * std::f32::consts::TAU;
-                let u = cosf(a).max(flat);
-                self.vertices.push(r.center + forward * (u * r.half[0]) + across * (sinf(a) * r.half[1]));
+            for (u, v) in &circle {
+                self.vertices.push(r.center + forward * (u * r.half[0]) + across * (v * r.half[1]));
             }
         }
         let n = sides as u32;

@@ -18,7 +18,7 @@ mod wheels;
 use std::sync::Arc;
 
 use crate::actor::ObjectClass;
-use crate::geometry::{Bounds, LodSet};
+use crate::geometry::{Bounds, LazyMesh, LodSet};
 use crate::material::Palette;
 use crate::math::{DVec3, Vec3};
 use crate::rng::Stream;
@@ -118,8 +118,10 @@ impl VehicleModel {
         let house = Glasshouse::new(&outline, slot::REAR_SIDE_GLASS);
         let seats = Seats::new(&outline, &house);
         let lods = |make: &mut dyn FnMut(usize) -> Surface, crease: f32, to_m: f32| {
-            let level = |k: usize| (LEVEL_LIMITS_M[k].min(to_m), Arc::new(make(k).builder.build(d.name, crease)));
-            Arc::new(LodSet { levels: (0..3).map(level).collect() })
+            let mut level = |k: usize| (LEVEL_LIMITS_M[k].min(to_m), make(k).builder.build(d.name, crease));
+            let finest = level(0);
+            let coarser = [level(1), level(2)].map(|(limit, mesh)| (limit, LazyMesh::new(|| mesh)));
+            Arc::new(LodSet::new(finest, coarser))
         };
         let mut fits = Vec::with_capacity(3);
         let body = lods(
