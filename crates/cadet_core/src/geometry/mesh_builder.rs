@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::mesh::Mesh;
+use super::mesh::{Bounds, Mesh};
 use crate::math::{Mat3, Vec3};
 
 /// A mesh in the making: corners may be shared or repeated, [`MeshBuilder::build`] welds and splits them as needed.
@@ -108,6 +108,13 @@ impl MeshBuilder {
         self.faces.len()
     }
 
+    /// The bounds that the built mesh will have.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds {
+        let corners = self.faces.iter().map(|f| f.map(|i| self.positions[i as usize]));
+        Bounds::of(corners.filter(|c| has_area(area_normal(*c))).flatten())
+    }
+
     /// Welds equal corners, drops faces without area, and gives each corner the area-weighted mean normal of those of
     /// its faces that lie within `crease_rad` of the face at hand.
     ///
@@ -132,17 +139,13 @@ impl MeshBuilder {
             })
             .collect();
         let corner = |f: &[u32; 3]| f.map(|i| remap[i as usize]);
-        let area_normal = |f: &[u32; 3]| {
-            let [a, b, c] = f.map(|i| points[i as usize]);
-            (b - a).cross(c - a)
-        };
         let kept: Vec<([u32; 3], u8, Vec3)> = self
             .faces
             .iter()
             .zip(&self.slots)
             .map(|(f, s)| (corner(f), *s))
-            .map(|(f, s)| (f, s, area_normal(&f)))
-            .filter(|(_, _, n)| n.length_squared() > 1e-16)
+            .map(|(f, s)| (f, s, area_normal(f.map(|i| points[i as usize]))))
+            .filter(|(_, _, n)| has_area(*n))
             .collect();
         let units: Vec<Vec3> = kept.iter().map(|k| k.2.normalize()).collect();
         let around = FacesAround::of(points.len(), kept.iter().map(|(f, _, _)| f));
@@ -177,6 +180,15 @@ impl MeshBuilder {
         let slots = kept.iter().map(|k| k.1).collect();
         Mesh::new(name, vertices, normals, faces, slots).expect("an asset's mesh is valid").in_cluster_order()
     }
+}
+
+/// Square to a triangle, twice as long as its area.
+fn area_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
+    (b - a).cross(c - a)
+}
+
+fn has_area(area_normal: Vec3) -> bool {
+    area_normal.length_squared() > 1e-16
 }
 
 /// The faces at each point, by rising number.
@@ -226,6 +238,7 @@ mod tests {
         b.cuboid(Vec3::new(1.0, 2.0, 3.0), Vec3::new(2.0, 4.0, 6.0), 0);
         let mesh = b.build("box", 0.5);
         assert_eq!((mesh.faces.len(), mesh.vertices.len()), (12, 24));
+        assert_eq!(mesh.bounds, b.bounds());
         assert!((volume(&mesh) - 6.0).abs() < 1e-5);
     }
 

@@ -220,6 +220,7 @@ pub(super) fn with_steps(ring: &[DVec2], step_m: f64) -> Ring {
 pub(super) struct Inside {
     min_y: f64,
     row_m: f64,
+    /// The easternmost first.
     rows: Vec<Vec<(DVec2, DVec2)>>,
 }
 
@@ -240,6 +241,9 @@ impl Inside {
                 }
             }
         }
+        for row in &mut rows {
+            row.sort_by(|a, b| farthest_x(b).total_cmp(&farthest_x(a)));
+        }
         Self { min_y, row_m, rows }
     }
 
@@ -252,8 +256,13 @@ impl Inside {
         let crosses = |(a, b): &(DVec2, DVec2)| {
             (a.y > p.y) != (b.y > p.y) && p.x < a.x + (b.x - a.x) * ((p.y - a.y) / (b.y - a.y))
         };
-        row.iter().filter(|edge| crosses(edge)).count() % 2 == 1
+        // What ends well before the point is not to its right.
+        row.iter().take_while(|edge| farthest_x(edge) > p.x - 1e-3).filter(|edge| crosses(edge)).count() % 2 == 1
     }
+}
+
+fn farthest_x((a, b): &(DVec2, DVec2)) -> f64 {
+    a.x.max(b.x)
 }
 
 #[cfg(test)]

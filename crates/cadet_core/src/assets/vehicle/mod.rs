@@ -118,10 +118,14 @@ impl VehicleModel {
         let house = Glasshouse::new(&outline, slot::REAR_SIDE_GLASS);
         let seats = Seats::new(&outline, &house);
         let lods = |make: &mut dyn FnMut(usize) -> Surface, crease: f32, to_m: f32| {
-            let mut level = |k: usize| (LEVEL_LIMITS_M[k].min(to_m), make(k).builder.build(d.name, crease));
-            let finest = level(0);
-            let coarser = [level(1), level(2)].map(|(limit, mesh)| (limit, LazyMesh::new(|| mesh)));
-            Arc::new(LodSet::new(finest, coarser))
+            let builders = [make(0), make(1), make(2)].map(|surface| surface.builder);
+            let (bounds, name, mut k) = (builders[0].bounds(), d.name, 0);
+            let levels = builders.map(|builder| {
+                let limit = LEVEL_LIMITS_M[k].min(to_m);
+                k += 1;
+                (limit, LazyMesh::new(move || builder.build(name, crease)))
+            });
+            Arc::new(LodSet { bounds, levels: levels.into() })
         };
         let mut fits = Vec::with_capacity(3);
         let body = lods(
