@@ -79,7 +79,7 @@ fn levels_of_detail_keep_the_silhouette() {
 fn windows_are_openings_with_rooms_behind() {
     for kind in HouseKind::ALL {
         let model = house(kind, 0);
-        let mesh = model.shape.finest();
+        let mesh: &Mesh = &model.shape.levels[0].1;
         let mut panes = 0;
         for (face, _) in mesh.faces.iter().zip(&mesh.slots).filter(|(_, s)| **s == house_slot::GLASS) {
             let corners = face.map(|i| mesh.vertices[i as usize]);
@@ -165,7 +165,7 @@ fn wire_fences_stop_few_beams() {
 #[test]
 fn signs_are_retro_reflective_and_face_the_driver() {
     let model = pole(PoleKind::ZoneSign, 0);
-    let mesh = model.shape.finest();
+    let mesh: &Mesh = &model.shape.levels[0].1;
     let first = hits(mesh, Vec3::new(20.0, 0.35, 2.2), -Vec3::X, |_| true)[0];
     assert!(model.palette.0[usize::from(first.1)].lidar.retro);
     let behind = hits(mesh, Vec3::new(-20.0, 0.35, 2.2), Vec3::X, |_| true)[0];
