@@ -28,12 +28,16 @@ if not IS_CORE_BUILT:
     sys.modules["cadet._cadet"] = fake_native
 
 # Whole folders that look at what the real core makes.
-collect_ignore_glob = [] if IS_CORE_BUILT else ["generated/*"]
+collect_ignore_glob = [] if IS_CORE_BUILT else ["generated/*", "avod/*"]
 
 
 def pytest_report_header() -> list[str]:
-    """Say which core the tests run on."""
-    return [] if IS_CORE_BUILT else ["the compiled core is not built (`make build`): tests of it are skipped"]
+    """Say what the tests run on."""
+    lines = [] if IS_CORE_BUILT else ["the compiled core is not built (`make build`): tests of it are skipped"]
+    missing = [name for name in ("torch", "safetensors") if importlib.util.find_spec(name) is None]
+    if missing:
+        lines.append(f"tests/avod is skipped: it needs {' and '.join(missing)} (pip install 'cadet-sim[avod]')")
+    return lines
 
 
 @pytest.fixture

@@ -12,6 +12,7 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 PACKAGE = ROOT / "python" / "cadet"
+DETECTOR = ROOT / "python" / "avod"
 CORE = ROOT / "crates" / "cadet_core" / "src"
 
 # A room of the package and the rooms that it may use; all may use their own files.
@@ -67,6 +68,26 @@ PYTHON_ROOMS: dict[str, set[str]] = {
     },
 }
 
+# A room of the detector and the rooms that it may use; all may use `cadet`.
+AVOD_ROOMS: dict[str, set[str]] = {
+    "config": set(),
+    "config_file": {"config"},
+    "ops": set(),
+    "geometry": {"config"},
+    "data": {"config", "geometry"},
+    "targets": {"config", "data", "geometry", "ops"},
+    "model": {"config", "data", "geometry", "ops", "targets"},
+    "losses": {"config", "data", "geometry", "model", "targets"},
+    "results": {"config", "geometry", "model", "ops"},
+    "train": {"config", "config_file", "data", "losses", "model", "targets"},
+    "detector": {"config", "data", "model", "results", "train"},
+    "predict": {"data", "detector", "results"},
+    "evaluate": {"detector", "predict"},
+    "figures": {"train"},
+    "cli": {"config_file", "detector", "evaluate", "figures", "predict", "train"},
+    "__main__": {"cli"},
+}
+
 # A room of the core and the rooms that it may use.
 CORE_ROOMS: dict[str, set[str]] = {
     "error": set(),
@@ -97,9 +118,9 @@ CORE_ROOMS["scene"] = set(CORE_ROOMS)
 NEEDED = {"cadet", "cv2", "numpy", "tomli"}
 
 
-def python_files(room: str) -> list[Path]:
-    folder = PACKAGE / room
-    return sorted(folder.rglob("*.py")) if folder.is_dir() else [PACKAGE / f"{room}.py"]
+def python_files(room: str, package: Path = PACKAGE) -> list[Path]:
+    folder = package / room
+    return sorted(folder.rglob("*.py")) if folder.is_dir() else [package / f"{room}.py"]
 
 
 def imports(path: Path) -> Iterator[str]:
@@ -132,23 +153,27 @@ def uses(path: Path) -> set[str]:
     return found
 
 
-def test_the_table_names_every_room() -> None:
-    entries = {path.stem for path in PACKAGE.iterdir() if path.suffix == ".py" or (path / "__init__.py").is_file()}
-    assert set(PYTHON_ROOMS) == entries - {"__init__"}
+@pytest.mark.parametrize(("package", "rooms"), [(PACKAGE, PYTHON_ROOMS), (DETECTOR, AVOD_ROOMS)])
+def test_the_table_names_every_room(package: Path, rooms: dict[str, set[str]]) -> None:
+    entries = {path.stem for path in package.iterdir() if path.suffix == ".py" or (path / "__init__.py").is_file()}
+    assert set(rooms) == entries - {"__init__"}
 
 
 def test_the_table_names_every_room_of_the_core() -> None:
     assert set(CORE_ROOMS) == {path.stem for path in CORE.iterdir()} - {"lib"}
 
 
-@pytest.mark.parametrize("room", PYTHON_ROOMS)
-def test_a_python_room_uses_only_its_neighbours(room: str) -> None:
-    for path in python_files(room):
+@pytest.mark.parametrize(
+    ("package", "rooms", "room"),
+    [(PACKAGE, PYTHON_ROOMS, room) for room in PYTHON_ROOMS] + [(DETECTOR, AVOD_ROOMS, room) for room in AVOD_ROOMS],
+)
+def test_a_python_room_uses_only_its_neighbours(package: Path, rooms: dict[str, set[str]], room: str) -> None:
+    for path in python_files(room, package):
         for name in imports(path):
             top, _, rest = name.partition(".")
-            if top == "cadet":
+            if top == package.name:
                 used = rest.split(".")[0]
-                assert used in PYTHON_ROOMS[room] | {room}, f"{path.relative_to(ROOT)} imports {name}"
+                assert used in rooms[room] | {room}, f"{path.relative_to(ROOT)} imports {name}"
 
 
 def test_importing_the_package_needs_numpy_and_opencv_alone() -> None:

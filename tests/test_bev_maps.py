@@ -104,6 +104,52 @@ def test_nonsense_is_refused() -> None:
         bev.maps(points_cam, np.array([1.0, 0.0, 0.0, 0.0]), SMALL)
 
 
+FLAT = np.array([0.0, -1.0, 0.0, 1.65])
+
+
+def place(*points: tuple[float, float, float]) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """Place points by x, height over the ground and z."""
+    return np.array([[x, 1.65 - height, z] for x, height, z in points]).reshape(-1, 3)
+
+
+@pytest.mark.parametrize("maps", [bev.maps, bev_reference.maps])
+def test_a_point_comes_into_its_cell_and_slice(maps: Any) -> None:
+    found = maps(place((-39.95, 0.4, 0.05), (12.34, 2.0, 69.99)), FLAT, BevConfig.default())
+    expected = np.zeros((6, 700, 800))
+    expected[1, 699, 0] = (0.4 - 0.3) / 0.5
+    expected[4, 0, 523] = (2.0 - 1.8) / 0.5
+    expected[5, 699, 0] = expected[5, 0, 523] = np.log(2.0) / np.log(16.0)
+    np.testing.assert_allclose(found, expected, atol=1e-6)
+
+
+@pytest.mark.parametrize("maps", [bev.maps, bev_reference.maps])
+def test_maps_of_the_cloud_take_the_whole_range(maps: Any) -> None:
+    points = place((0.05, 0.1, 10.05), (0.05, 1.05, 10.05), (0.05, 2.25, 10.05), (0.05, 2.35, 10.05))
+    found = maps(points, FLAT, BevConfig.max_min_density())
+    np.testing.assert_allclose(found[:, 599, 400], [2.45 / 2.5, 0.3 / 2.5, np.log(4.0) / np.log(16.0)], atol=1e-6)
+    crowd = maps(place(*[(0.05, 0.1, 10.05)] * 40), FLAT, BevConfig.max_min_density())
+    assert crowd[2, 599, 400] == 1.0
+    heights = [0.3 / 2.5 * 3, 1.25 / 2.5 * 3 - 1, 2.45 / 2.5 * 3 - 2]
+    sliced = maps(points, FLAT, BevConfig.max3_density3())
+    assert sliced[::2, 599, 400] == pytest.approx(heights, abs=1e-5)
+    assert sliced[1::2, 599, 400] == pytest.approx([0.25] * 3, abs=1e-6)
+
+
+@pytest.mark.parametrize("maps", [bev.maps, bev_reference.maps])
+def test_the_representative_is_the_first_of_the_topmost_bin(maps: Any) -> None:
+    # In bins of y: -0.05 and -0.01 share the topmost, so the first of the two counts, though it is not the highest.
+    points = np.array([[0.05, 0.15, 10.05], [0.05, -0.01, 10.05], [0.05, -0.05, 10.05]])
+    found = maps(points, FLAT, BevConfig(height="reference"))
+    assert found[3, 599, 400] == pytest.approx((1.66 - 1.3) / 0.5, abs=1e-6)
+    assert maps(points, FLAT, BevConfig())[3, 599, 400] == pytest.approx((1.70 - 1.3) / 0.5, abs=1e-6)
+
+
+@pytest.mark.parametrize("maps", [bev.maps, bev_reference.maps])
+def test_borders_are_outside(maps: Any) -> None:
+    outside = place((40.0, 1.0, 10.0), (0.0, 1.0, 70.0), (0.0, 1.0, 0.0), (0.0, 2.3001, 10.0), (0.0, -0.3, 10.0))
+    assert not maps(outside, FLAT, BevConfig.default()).any()
+
+
 @needs_kitti
 @pytest.mark.parametrize("name", CONFIGS)
 def test_real_frames_in_both_rules(name: str) -> None:

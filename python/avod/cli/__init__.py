@@ -1,0 +1,20 @@
+"""The commands of `avod`."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+
+_NEEDED = ("torch", "safetensors", "click", "rich")
+
+
+def run_avod() -> None:
+    """Run `avod`."""
+    missing = [name for name in _NEEDED if importlib.util.find_spec(name) is None]
+    if missing:
+        sys.stderr.write(f"avod needs {' and '.join(missing)}: pip install 'cadet-sim[avod]'\n")
+        sys.exit(2)
+    from avod.cli.commands import avod
+    from cadet.cli.errors import run
+
+    run(avod, "avod")

@@ -1,0 +1,345 @@
+"""Every number of the detector and its training: frozen, checked when made.
+
+The defaults are AVOD-FPN's for cars; `avod.config_file` reads the rest from TOML.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Final, Literal
+
+from cadet.bev import BevConfig
+from cadet.config import check_number
+from cadet.errors import CadetError
+from cadet.kitti import TYPES
+
+Size = tuple[float, float, float]
+
+CAR_SIZES: Final[tuple[Size, ...]] = ((3.514, 1.581, 1.511), (4.236, 1.653, 1.547))
+"""Two clusters (l, w, h) of KITTI's cars, metres."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ObjectClass:
+    """A class to detect, and the sizes that its anchors take.
+
+    Raises:
+        CadetError: a name that KITTI's labels lack, no size, or one that is not positive.
+    """
+
+    name: str = "Car"
+    """The type of the labels."""
+    anchor_sizes_lwh_m: tuple[Size, ...] = CAR_SIZES
+    """Length, width and height of each cluster."""
+
+    def __post_init__(self) -> None:
+        if self.name not in TYPES or self.name == "DontCare":
+            raise CadetError(f"ObjectClass.name: expected a type of KITTI's labels, got {self.name!r}")
+        if not self.anchor_sizes_lwh_m:
+            raise CadetError("ObjectClass.anchor_sizes_lwh_m: expected at least one size, got none")
+        for size in self.anchor_sizes_lwh_m:
+            for value in size:
+                check_number("ObjectClass", "anchor_sizes_lwh_m", value, 0.01, 50)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImageConfig:
+    """How the camera image reaches the network.
+
+    Raises:
+        CadetError: a size that three poolings do not divide.
+    """
+
+    size: tuple[int, int] = (1200, 360)
+    """Width and height in pixels after resizing; the aspect ratio is not kept."""
+    mean_rgb: tuple[float, float, float] = (92.8403, 97.7996, 93.5843)
+    """Taken off each channel of 0..255; nothing is divided."""
+
+    def __post_init__(self) -> None:
+        for pixels in self.size:
+            check_number("ImageConfig", "size", pixels, 8, 8192, whole=True)
+        for mean in self.mean_rgb:
+            check_number("ImageConfig", "mean_rgb", mean, 0, 255)
+
+
+@dataclass(frozen=True, kw_only=True)
+class AnchorConfig:
+    """The grid of anchors on the ground plane, over the extent of the bird's-eye view.
+
+    Raises:
+        CadetError: a number outside its range.
+    """
+
+    stride_m: float = 0.5
+    """Between neighbours, in x and in z."""
+    min_height_m: float = 0.2
+    """Points from this height over the ground plane up make a cell occupied ..."""
+    max_height_m: float = 2.0
+    """... and points from this height up do not."""
+    min_occupied_cells: int = 1
+    """Anchors over fewer occupied cells are dropped."""
+
+    def __post_init__(self) -> None:
+        check_number("AnchorConfig", "stride_m", self.stride_m, 0.05, 20)
+        check_number("AnchorConfig", "min_height_m", self.min_height_m, -100, 100)
+        check_number("AnchorConfig", "max_height_m", self.max_height_m, -100, 100)
+        check_number("AnchorConfig", "min_occupied_cells", self.min_occupied_cells, 0, whole=True)
+        if self.min_height_m >= self.max_height_m:
+            raise CadetError(
+                f"AnchorConfig.max_height_m: expected more than {self.min_height_m:g}, got {self.max_height_m!r}"
+            )
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExtractorConfig:
+    """The feature pyramid, made twice: for the bird's-eye view and for the image.
+
+    Raises:
+        CadetError: tuples that do not fit each other, or a number outside its range.
+    """
+
+    channels: tuple[int, ...] = (32, 64, 128, 256)
+    """Of each stage of the encoder; a 2 x 2 max pooling lies between two stages."""
+    convolutions: tuple[int, ...] = (2, 2, 3, 3)
+    """In each stage of the encoder."""
+    fused_channels: tuple[int, ...] = (64, 32, 32)
+    """Of the decoder after each fusion, from coarse to fine; the last is what the heads see."""
+    batch_norm_decay: float = 0.999
+    """Of the moving averages; PyTorch's momentum is 1 less this."""
+    batch_norm_epsilon: float = 1e-3
+    """Added to the variance."""
+
+    def __post_init__(self) -> None:
+        if len(self.channels) < 2 or len(self.convolutions) != len(self.channels):
+            raise CadetError(
+                f"ExtractorConfig.convolutions: expected one number for each of at least two stages, "
+                f"got {len(self.convolutions)} for {len(self.channels)}"
+            )
+        if len(self.fused_channels) != len(self.channels) - 1:
+            raise CadetError(
+                f"ExtractorConfig.fused_channels: expected {len(self.channels) - 1}, got {len(self.fused_channels)}"
+            )
+        for name in ("channels", "convolutions", "fused_channels"):
+            for value in getattr(self, name):
+                check_number("ExtractorConfig", name, value, 1, 4096, whole=True)
+        check_number("ExtractorConfig", "batch_norm_decay", self.batch_norm_decay, 0, 1)
+        check_number("ExtractorConfig", "batch_norm_epsilon", self.batch_norm_epsilon, 1e-12, 1)
+
+    @property
+    def stride(self) -> int:
+        """How many pixels of the input one pixel of the coarsest stage covers, along each axis."""
+        return int(2 ** (len(self.channels) - 1))
+
+
+@dataclass(frozen=True, kw_only=True)
+class PathDropConfig:
+    """How often a modality is kept in training; if both would be dropped, a fair coin keeps one.
+
+    Raises:
+        CadetError: a number outside 0..1.
+    """
+
+    keep_image: float = 0.9
+    """Probability of keeping the image."""
+    keep_bev: float = 0.9
+    """Probability of keeping the bird's-eye view."""
+
+    def __post_init__(self) -> None:
+        check_number("PathDropConfig", "keep_image", self.keep_image, 0, 1)
+        check_number("PathDropConfig", "keep_bev", self.keep_bev, 0, 1)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RpnConfig:
+    """The region proposal network.
+
+    Raises:
+        CadetError: a number outside its range.
+    """
+
+    crop_size: int = 3
+    """Samples of a crop along each axis."""
+    hidden: int = 256
+    """Width of both hidden layers of each head."""
+    dropout_keep: float = 0.5
+    """Probability of keeping a unit of the hidden layers."""
+    nms_iou: float = 0.8
+    """Proposals that overlap a better one by more than this, seen from above, are dropped."""
+    train_proposals: int = 1024
+    """Proposals kept in training."""
+    proposals: int = 300
+    """Proposals kept in detection: AVOD's 300 for cars, 1024 for people."""
+    batch_size: int = 512
+    """Anchors that the loss samples; at most half are positive."""
+    negative_iou: float = 0.3
+    """Anchors that overlap every object by less than this are negative ..."""
+    positive_iou: float = 0.5
+    """... and those that overlap one by more than this positive."""
+    regression_weight: float = 5.0
+    """Of the box loss against the objectness loss."""
+
+    def __post_init__(self) -> None:
+        check_number("RpnConfig", "crop_size", self.crop_size, 2, 64, whole=True)
+        check_number("RpnConfig", "hidden", self.hidden, 1, 65536, whole=True)
+        check_number("RpnConfig", "dropout_keep", self.dropout_keep, 0.01, 1)
+        check_number("RpnConfig", "train_proposals", self.train_proposals, 1, whole=True)
+        check_number("RpnConfig", "proposals", self.proposals, 1, whole=True)
+        check_number("RpnConfig", "batch_size", self.batch_size, 2, whole=True)
+        check_number("RpnConfig", "regression_weight", self.regression_weight, 0)
+        for name in ("nms_iou", "negative_iou", "positive_iou"):
+            check_number("RpnConfig", name, getattr(self, name), 0, 1)
+        _check_order("RpnConfig", self.negative_iou, self.positive_iou)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SecondStageConfig:
+    """The network that classifies and refines proposals.
+
+    Raises:
+        CadetError: a number outside its range.
+    """
+
+    crop_size: int = 7
+    """Samples of a crop along each axis."""
+    hidden: tuple[int, ...] = (2048, 2048, 2048)
+    """Widths of the hidden layers."""
+    dropout_keep: float = 0.5
+    """Probability of keeping a unit of the hidden layers."""
+    gradient: Literal["through", "stopped"] = "through"
+    """Whether the second stage's losses reach the first through its boxes, as in AVOD, or only through features."""
+    batch_size: int = 1024
+    """Proposals that the loss samples; at most half are positive."""
+    negative_iou: float = 0.55
+    """Proposals that overlap every object by less than this are background ..."""
+    positive_iou: float = 0.65
+    """... and those that overlap one by more than this carry its class."""
+    regression_weight: float = 5.0
+    """Of the box loss against the class loss."""
+    orientation_weight: float = 1.0
+    """Of the loss of the angle vector."""
+
+    def __post_init__(self) -> None:
+        check_number("SecondStageConfig", "crop_size", self.crop_size, 2, 64, whole=True)
+        for width in self.hidden:
+            check_number("SecondStageConfig", "hidden", width, 1, 65536, whole=True)
+        check_number("SecondStageConfig", "dropout_keep", self.dropout_keep, 0.01, 1)
+        check_number("SecondStageConfig", "batch_size", self.batch_size, 2, whole=True)
+        for name in ("negative_iou", "positive_iou"):
+            check_number("SecondStageConfig", name, getattr(self, name), 0, 1)
+        for name in ("regression_weight", "orientation_weight"):
+            check_number("SecondStageConfig", name, getattr(self, name), 0)
+        _check_order("SecondStageConfig", self.negative_iou, self.positive_iou)
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrainingConfig:
+    """The optimiser, its schedule, and what is drawn.
+
+    Raises:
+        CadetError: a number outside its range.
+    """
+
+    steps: int = 120_000
+    """Steps of the whole training."""
+    frames_per_step: int = 1
+    """Frames whose losses are averaged in a step, on each device."""
+    learning_rate: float = 1e-4
+    """At step 0."""
+    decay_factor: float = 0.8
+    """The learning rate is multiplied by this ..."""
+    decay_steps: int = 30_000
+    """... whenever this many steps have passed."""
+    max_gradient_norm: float = 1.0
+    """Each parameter's gradient is clipped to this norm on its own."""
+    label_smoothing: float = 0.001
+    """Taken from the right class and shared among the others."""
+    flip: bool = True
+    """Mirror half of the samples."""
+    pca_jitter: bool = True
+    """Shift the colors of half of the samples along their principal axes."""
+    checkpoint_steps: int = 2_000
+    """Between two checkpoints."""
+
+    def __post_init__(self) -> None:
+        for name in ("steps", "frames_per_step", "decay_steps", "checkpoint_steps"):
+            check_number("TrainingConfig", name, getattr(self, name), 1, whole=True)
+        check_number("TrainingConfig", "learning_rate", self.learning_rate, 1e-12, 10)
+        check_number("TrainingConfig", "decay_factor", self.decay_factor, 1e-6, 1)
+        check_number("TrainingConfig", "max_gradient_norm", self.max_gradient_norm, 1e-12)
+        check_number("TrainingConfig", "label_smoothing", self.label_smoothing, 0, 0.5)
+
+
+@dataclass(frozen=True, kw_only=True)
+class DetectionConfig:
+    """What becomes of the second stage's boxes.
+
+    Raises:
+        CadetError: a number outside its range.
+    """
+
+    nms_iou: float = 0.01
+    """Boxes that overlap a better one by more than this, seen from above and turned to the axes, are dropped."""
+    max_detections: int = 100
+    """Boxes kept in a frame."""
+    min_score: float = 0.1
+    """Detections below this are not written."""
+    max_image_fraction: float = 0.8
+    """Detections wider or higher than this share of the image are not written."""
+    fix_up: Literal["corrected", "reference"] = "corrected"
+    """How the angle vector chooses among a box's four headings: right, or with AVOD's wrong sign at +-90 degrees."""
+
+    def __post_init__(self) -> None:
+        check_number("DetectionConfig", "nms_iou", self.nms_iou, 0, 1)
+        check_number("DetectionConfig", "max_detections", self.max_detections, 1, whole=True)
+        check_number("DetectionConfig", "min_score", self.min_score, 0, 1)
+        check_number("DetectionConfig", "max_image_fraction", self.max_image_fraction, 0, 1)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Config:
+    """A detector and its training.
+
+    Raises:
+        CadetError: no class, one twice, or inputs that the extractor's strides do not divide.
+    """
+
+    classes: tuple[ObjectClass, ...] = (ObjectClass(),)
+    """What is detected; class k of the network is the k-th, 0 is background."""
+    bev: BevConfig = field(default_factory=BevConfig)
+    """The maps of the bird's-eye view."""
+    image: ImageConfig = field(default_factory=ImageConfig)
+    """The camera image."""
+    anchors: AnchorConfig = field(default_factory=AnchorConfig)
+    """The anchors."""
+    extractor: ExtractorConfig = field(default_factory=ExtractorConfig)
+    """Both feature pyramids."""
+    path_drop: PathDropConfig = field(default_factory=PathDropConfig)
+    """Path drop."""
+    rpn: RpnConfig = field(default_factory=RpnConfig)
+    """The first stage."""
+    second_stage: SecondStageConfig = field(default_factory=SecondStageConfig)
+    """The second stage."""
+    training: TrainingConfig = field(default_factory=TrainingConfig)
+    """Training."""
+    detection: DetectionConfig = field(default_factory=DetectionConfig)
+    """Detection."""
+
+    def __post_init__(self) -> None:
+        names = self.class_names
+        if not names or len(set(names)) < len(names):
+            raise CadetError(f"Config.classes: expected at least one, each once, got {list(names)}")
+        stride = self.extractor.stride
+        columns = self.bev.shape[2]
+        for name, size in (("image.size[0]", self.image.size[0]), ("bev.x_m: cells", columns)):
+            if size % stride:
+                raise CadetError(f"Config.{name}: expected a multiple of {stride}, got {size}")
+
+    @property
+    def class_names(self) -> tuple[str, ...]:
+        """The classes' names in the network's order, background left out."""
+        return tuple(item.name for item in self.classes)
+
+
+def _check_order(owner: str, negative: float, positive: float) -> None:
+    if negative > positive:
+        raise CadetError(f"{owner}.positive_iou: expected at least negative_iou {negative:g}, got {positive:g}")

@@ -1,0 +1,138 @@
+"""From a frame in memory to a sample."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from avod.config import Config
+from avod.data import mirror
+from avod.data.images import jitter_colors, prepare_image
+from avod.data.sample import Sample
+from avod.geometry.anchors import anchor_grid, occupancy, occupied_anchors
+from cadet import bev
+from cadet.arrays import check_array
+from cadet.errors import CadetError
+from cadet.kitti import Calibration, Label, boxes_cam_from_labels, estimate_plane, points_in_image
+
+_MIN_UPRIGHT: Final = 0.5
+_FLAT_GROUND: Final = np.array([0.0, -1.0, 0.0, 1.65])
+
+
+@dataclass(frozen=True)
+class Augmentation:
+    """How a sample is changed in training.
+
+    Attributes:
+        is_mirrored: left and right change places.
+        has_jitter: the image's colors are shifted.
+        seed: of the shift.
+    """
+
+    is_mirrored: bool = False
+    has_jitter: bool = False
+    seed: tuple[int, ...] = (0,)
+
+
+UNCHANGED: Final = Augmentation()
+"""No change."""
+
+
+def build_sample(
+    points_velo: NDArray[np.float32],
+    image: NDArray[np.uint8],
+    calib: Calibration,
+    plane: NDArray[np.float64] | None,
+    config: Config,
+    *,
+    labels: tuple[Label, ...] = (),
+    augmentation: Augmentation = UNCHANGED,
+    frame_id: str = "in memory",
+) -> Sample:
+    """Make a sample: points that the image sees, maps, anchors over occupied ground, the image resized.
+
+    A mirrored sample is made from the mirrored points, plane, labels and camera, so everything in it, the anchors'
+    heights too, belongs to one mirrored world.
+
+    Args:
+        points_velo: (N, 4) float32. May be empty.
+        image: (H, W, 3) uint8 RGB.
+        calib: the calibration.
+        plane: (4,) float64 ground plane in the cam frame, of any length and sign; None estimates it from the points.
+        config: the detector.
+        labels: those of the config's classes become the sample's objects.
+        augmentation: changes of training.
+        frame_id: names the frame in messages.
+
+    Raises:
+        ShapeError, NonFiniteError: an array of another shape, dtype, or with NaN.
+        CadetError: a plane that is no ground, none to be found in the points, or an image without pixels.
+    """
+    check_array(points_velo, "points_velo", ("N", 4), np.float32, finite=True)
+    check_array(image, "image", ("H", "W", 3), np.uint8)
+    height, width = image.shape[:2]
+    if min(height, width) < 2:
+        raise CadetError(f"image: expected at least 2 x 2 pixels, got {width} x {height}")
+    plane = _ground(points_velo, calib) if plane is None else normal_plane(plane)
+    points_cam = calib.velo_to_cam(points_velo)
+    points_cam = points_cam[points_in_image(points_cam, calib, (width, height))]
+    projection, boxes_cam, classes = calib.P2, *_objects(labels, config)
+    if augmentation.has_jitter:
+        image = jitter_colors(image, np.random.default_rng(augmentation.seed))
+    if augmentation.is_mirrored:
+        image, projection = mirror.mirror_image(image), mirror.mirror_projection(projection, width)
+        points_cam, plane = mirror.mirror_points(points_cam), mirror.mirror_plane(plane)
+        boxes_cam = mirror.mirror_boxes(boxes_cam)
+    anchors = anchor_grid(plane, config.classes, config.anchors, config.bev)
+    cells = occupancy(points_cam, plane, config.anchors, config.bev)
+    anchors = anchors[occupied_anchors(anchors, cells, config.anchors, config.bev)]
+    return Sample(
+        frame_id=frame_id,
+        bev=torch.from_numpy(bev.maps(points_cam, plane, config.bev)),
+        image=torch.from_numpy(prepare_image(image, config.image)),
+        anchors=_tensor(anchors),
+        plane=_tensor(plane),
+        projection=_tensor(projection),
+        image_size=(width, height),
+        boxes_cam=_tensor(boxes_cam),
+        classes=torch.from_numpy(classes),
+    )
+
+
+def normal_plane(plane: NDArray[Any]) -> NDArray[np.float64]:
+    """Bring a ground plane (4,) to a unit normal that points up, b < 0.
+
+    Raises:
+        ShapeError, NonFiniteError: not four numbers.
+        CadetError: a plane steeper than 60 degrees.
+    """
+    check_array(plane, "plane", (4,), finite=True)
+    length = float(np.linalg.norm(plane[:3]))
+    if length <= 0.0 or abs(plane[1]) < _MIN_UPRIGHT * length:
+        raise CadetError(f"plane: expected a ground plane a b c d with its normal along y, got {plane.tolist()}")
+    unit: NDArray[np.float64] = plane.astype(np.float64) / (length if plane[1] < 0.0 else -length)
+    return unit
+
+
+def _ground(points_velo: NDArray[np.float32], calib: Calibration) -> NDArray[np.float64]:
+    if not len(points_velo):
+        return _FLAT_GROUND  # Without points there are no anchors, whatever they would stand on.
+    try:
+        return estimate_plane(points_velo, calib)
+    except CadetError as error:
+        raise CadetError(f"no ground plane is given, and none is found: {error}") from None
+
+
+def _objects(labels: tuple[Label, ...], config: Config) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    names = config.class_names
+    chosen = [label for label in labels if label.type in names]
+    classes = np.array([names.index(label.type) + 1 for label in chosen], np.int64)
+    return boxes_cam_from_labels(chosen), classes
+
+
+def _tensor(array: NDArray[np.float64]) -> torch.Tensor:
+    return torch.from_numpy(np.ascontiguousarray(array, dtype=np.float32))

@@ -1,0 +1,62 @@
+"""Left and right changed for each other: every function is its own inverse."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def mirror_image(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Mirror the columns of an image (H, W, 3)."""
+    return np.ascontiguousarray(image[:, ::-1])
+
+
+def mirror_projection(projection: NDArray[np.float64], width: int) -> NDArray[np.float64]:
+    """Give the camera that sees the mirrored world as the mirrored image.
+
+    Exactly: u becomes W - 1 - u for every point, the third row's offset included, which AVOD leaves out.
+
+    Args:
+        projection: (3, 4) P2.
+        width: of the image.
+    """
+    mirrored = projection.copy()
+    mirrored[0] = (width - 1.0) * projection[2] - projection[0]
+    mirrored[:, 0] *= -1.0
+    return mirrored
+
+
+def mirror_points(points_cam: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Mirror points (N, 3+) of the cam frame."""
+    mirrored = points_cam.copy()
+    mirrored[:, 0] *= -1.0
+    return mirrored
+
+
+def mirror_plane(plane: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Mirror the ground plane (4,). Anchors made on it stand on the mirrored ground and need no mirroring more."""
+    mirrored: NDArray[np.float64] = plane * np.array([-1.0, 1.0, 1.0, 1.0])
+    return mirrored
+
+
+def mirror_boxes(boxes_cam: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Mirror boxes (M, 7): x changes its sign, rotation_y becomes pi - rotation_y, within [-pi, pi]."""
+    mirrored = boxes_cam.copy()
+    mirrored[:, 0] *= -1.0
+    rotation_y = boxes_cam[:, 6]
+    mirrored[:, 6] = np.where(rotation_y >= 0.0, np.pi - rotation_y, -np.pi - rotation_y)
+    return mirrored
+
+
+def mirror_anchors(anchors: NDArray[Any]) -> NDArray[Any]:
+    """Mirror anchors (N, 6)."""
+    mirrored = anchors.copy()
+    mirrored[:, 0] *= -1.0
+    return mirrored
+
+
+def mirror_offsets(offsets: NDArray[Any]) -> NDArray[Any]:
+    """Mirror offsets between anchors (N, 6)."""
+    return mirror_anchors(offsets)

@@ -1,0 +1,115 @@
+"""A trained detector for frames in memory."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from avod.config import Config
+from avod.data.build import build_sample
+from avod.data.sample import Sample
+from avod.model.network import AvodNetwork, FrameOutputs
+from avod.results import detections
+from avod.train.checkpoint import load_network, read_checkpoint
+from cadet.errors import CadetError
+from cadet.kitti import Calibration, Label
+
+
+class Detector:
+    """AVOD-FPN, ready to detect.
+
+    Args:
+        network: its weights are those of a training; it is put into evaluation mode.
+        device: where the network runs.
+        precision: of the arithmetic of layers, None for float32.
+    """
+
+    def __init__(
+        self,
+        network: AvodNetwork,
+        *,
+        device: str | torch.device = "cpu",
+        precision: torch.dtype | None = None,
+    ) -> None:
+        self.device = torch.device(device)
+        self.network = network.to(self.device).eval()
+        self.network.precision = precision
+
+    @classmethod
+    def load(
+        cls,
+        path: str | Path,
+        *,
+        device: str | torch.device = "cpu",
+        precision: torch.dtype | None = None,
+    ) -> Detector:
+        """Load a checkpoint; no code of it is run.
+
+        Args:
+            path: its folder, a training's folder, whose last checkpoint is meant, or the name of a packaged one.
+            device: where the network runs.
+            precision: of the arithmetic of layers, None for float32.
+
+        Raises:
+            MissingFileError: no checkpoint there.
+            CadetError: a damaged one.
+        """
+        checkpoint = read_checkpoint(path)
+        network = AvodNetwork(checkpoint.config)
+        load_network(checkpoint, network)
+        return cls(network, device=device, precision=precision)
+
+    @property
+    def config(self) -> Config:
+        """The detector's configuration."""
+        return self.network.config
+
+    def detect(
+        self,
+        points_velo: NDArray[np.float32],
+        image: NDArray[np.uint8],
+        calib: Calibration,
+        plane: NDArray[np.float64] | None = None,
+    ) -> tuple[Label, ...]:
+        """Detect objects in a frame.
+
+        Args:
+            points_velo: (N, 4) float32 [x, y, z, intensity], metres, velo frame. Without points nothing is found.
+            image: (H, W, 3) uint8 RGB, of any size that fits the calibration.
+            calib: the calibration.
+            plane: (4,) ground plane in the cam frame; None estimates it from the points.
+
+        Returns:
+            Labels with scores, best first.
+
+        Raises:
+            ShapeError: an array of another shape or dtype.
+            NonFiniteError: NaN or infinity among the points.
+            CadetError: a plane that is no ground, or none and no ground to be found.
+        """
+        sample = build_sample(points_velo, image, calib, plane, self.config)
+        return self.detect_sample(sample, calib)
+
+    def detect_sample(self, sample: Sample, calib: Calibration) -> tuple[Label, ...]:
+        """Detect objects in a sample of this detector's configuration.
+
+        Raises:
+            CadetError: the network's outputs are no numbers.
+        """
+        outputs = self.run(sample.to(self.device))
+        return detections(outputs, sample.plane.to(self.device), calib, sample.image_size, self.config)
+
+    def run(self, sample: Sample) -> FrameOutputs:
+        """Run the network on a sample that is on its device.
+
+        Raises:
+            CadetError: the network's outputs are no numbers.
+        """
+        with torch.inference_mode():
+            outputs: FrameOutputs = self.network([sample])[0]
+            if not bool(torch.isfinite(outputs.class_logits).all() & torch.isfinite(outputs.box_offsets).all()):
+                raise CadetError(f"frame {sample.frame_id}: the network's outputs are not finite")
+        return outputs

@@ -1,0 +1,1 @@
+"""The network: two feature pyramids, the region proposal network, the second stage."""

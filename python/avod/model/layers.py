@@ -1,0 +1,154 @@
+"""The layers that both pyramids are made of."""
+
+from __future__ import annotations
+
+import itertools
+from typing import cast
+
+import torch
+from torch import Tensor, nn
+from torch.nn import functional
+
+from avod.config import ExtractorConfig
+
+
+class ShiftBatchNorm(nn.Module):
+    """Batch normalisation that learns a shift but no scale, which the next layer would undo.
+
+    Args:
+        channels: of the feature map.
+        config: decay of the moving averages and epsilon.
+    """
+
+    running_mean: Tensor
+    running_var: Tensor
+    scale: Tensor
+
+    def __init__(self, channels: int, config: ExtractorConfig) -> None:
+        super().__init__()
+        self.bias = nn.Parameter(torch.zeros(channels))
+        self.register_buffer("running_mean", torch.zeros(channels))
+        self.register_buffer("running_var", torch.ones(channels))
+        # Kernels that take a shift want a scale as well.
+        self.register_buffer("scale", torch.ones(channels), persistent=False)
+        self.momentum = 1.0 - config.batch_norm_decay
+        self.epsilon = config.batch_norm_epsilon
+
+    def forward(self, features: Tensor) -> Tensor:
+        """Normalise with the batch's statistics in training, else with the moving averages."""
+        return functional.batch_norm(
+            features,
+            self.running_mean,
+            self.running_var,
+            self.scale,
+            self.bias,
+            self.training,
+            self.momentum,
+            self.epsilon,
+        )
+
+    def folded(self) -> tuple[Tensor, Tensor]:
+        """Return the scale and the shift of each channel that normalising by the moving averages comes to."""
+        scale = torch.rsqrt(self.running_var + self.epsilon)
+        return scale, self.bias - self.running_mean * scale
+
+
+class Convolution(nn.Module):
+    """Convolution of stride 1 that keeps the size, without bias; then batch normalisation and ReLU.
+
+    Args:
+        num_in: channels that come in.
+        num_out: channels that go out.
+        config: of the batch normalisation.
+        kernel: side of the kernel, odd.
+    """
+
+    def __init__(self, num_in: int, num_out: int, config: ExtractorConfig, kernel: int = 3) -> None:
+        super().__init__()
+        self.convolution = nn.Conv2d(num_in, num_out, kernel, padding=kernel // 2, bias=False)
+        self.norm = ShiftBatchNorm(num_out, config)
+        nn.init.xavier_uniform_(self.convolution.weight)
+
+    def forward(self, features: Tensor) -> Tensor:
+        """Map (B, num_in, H, W) to (B, num_out, H, W)."""
+        if self.training:
+            return functional.relu_(cast("Tensor", self.norm(self.convolution(features))))
+        scale, shift = self.norm.folded()
+        weight = self.convolution.weight * scale[:, None, None, None]
+        return functional.relu_(functional.conv2d(features, weight, shift, padding=self.convolution.padding))
+
+
+class UpConvolution(nn.Module):
+    """Transposed 3 x 3 convolution of stride 2 without bias; then batch normalisation and ReLU.
+
+    Pixel i of the input goes to pixels 2 i, 2 i + 1 and 2 i + 2 of the output, which is trimmed at its end to twice the
+    size: TensorFlow's "SAME". PyTorch's usual padding of 1 would shift it by one pixel.
+
+    Args:
+        num_in: channels that come in.
+        num_out: channels that go out.
+        config: of the batch normalisation.
+    """
+
+    def __init__(self, num_in: int, num_out: int, config: ExtractorConfig) -> None:
+        super().__init__()
+        self.convolution = nn.ConvTranspose2d(num_in, num_out, 3, stride=2, bias=False)
+        self.norm = ShiftBatchNorm(num_out, config)
+        nn.init.xavier_uniform_(self.convolution.weight)
+
+    def forward(self, features: Tensor) -> Tensor:
+        """Map (B, num_in, H, W) to (B, num_out, 2 H, 2 W)."""
+        if self.training:
+            grown = self.convolution(features)[:, :, :-1, :-1]
+            return functional.relu_(cast("Tensor", self.norm(grown)))
+        scale, shift = self.norm.folded()
+        grown = functional.conv_transpose2d(features, self.convolution.weight * scale[:, None, None], shift, stride=2)
+        return functional.relu_(grown[:, :, :-1, :-1])
+
+
+class Dropout(nn.Module):
+    """Dropout from uniform numbers, which PyTorch draws on a CPU four times as fast as its own Bernoulli ones.
+
+    Args:
+        keep: probability of keeping a unit in training.
+    """
+
+    def __init__(self, keep: float) -> None:
+        super().__init__()
+        self.keep = keep
+
+    def forward(self, values: Tensor) -> Tensor:
+        """Zero some units in training and scale the others up; else change nothing."""
+        if not self.training or self.keep >= 1.0:
+            return values
+        if values.device.type != "cpu":
+            return functional.dropout(values, 1.0 - self.keep)
+        return values * (torch.rand(values.shape) < self.keep) * (1.0 / self.keep)
+
+
+class Head(nn.Module):
+    """Fully connected layers with ReLU and dropout, ended by linear outputs of one or more sizes.
+
+    Args:
+        num_in: numbers that come in.
+        hidden: widths of the hidden layers.
+        num_out: widths of the outputs, each from the last hidden layer.
+        dropout_keep: probability of keeping a hidden unit in training.
+    """
+
+    def __init__(self, num_in: int, hidden: tuple[int, ...], num_out: tuple[int, ...], dropout_keep: float) -> None:
+        super().__init__()
+        widths = (num_in, *hidden)
+        self.layers = nn.ModuleList(nn.Linear(a, b) for a, b in itertools.pairwise(widths))
+        self.outputs = nn.ModuleList(nn.Linear(widths[-1], count) for count in num_out)
+        self.dropout = Dropout(dropout_keep)
+        for layer in (*self.layers, *self.outputs):
+            assert isinstance(layer, nn.Linear)
+            nn.init.xavier_uniform_(layer.weight)
+            nn.init.zeros_(layer.bias)
+
+    def forward(self, values: Tensor) -> tuple[Tensor, ...]:
+        """Map (N, num_in) to one (N, k) for each output."""
+        for layer in self.layers:
+            values = self.dropout(functional.relu(layer(values)))
+        return tuple(output(values) for output in self.outputs)

@@ -1,0 +1,182 @@
+"""AVOD-FPN as a whole: from samples to proposals, classes, boxes and headings."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import cast
+
+import torch
+from torch import Tensor, nn
+
+from avod.config import Config
+from avod.data.sample import Sample
+from avod.geometry.encoding import anchors_from_offsets
+from avod.geometry.projection import bev_boxes, ground_boxes, image_boxes
+from avod.model.layers import Convolution, Head
+from avod.model.path_drop import detection_masks, draw_masks, fuse
+from avod.model.pyramid import FeaturePyramid
+from avod.ops import crop_and_resize, nms
+from avod.targets import ProposalTargets, sample_proposals
+
+_NUM_ANCHOR_OFFSETS = 6
+_NUM_BOX_OFFSETS = 10
+_NUM_VECTOR = 2
+
+
+@dataclass(frozen=True, eq=False)
+class FrameOutputs:
+    """What the network says about one frame, N anchors and P proposals.
+
+    Attributes:
+        anchor_logits: (N, 2) of background and object.
+        anchor_offsets: (N, 6).
+        proposals: (P, 6) anchors as the first stage regresses them, best first; in training those that were sampled.
+        class_logits: (P, K + 1), background first.
+        box_offsets: (P, 10) from the proposals' corners and heights, metres.
+        vectors: (P, 2) of headings.
+        targets: what the proposals should become; None outside training.
+    """
+
+    anchor_logits: Tensor
+    anchor_offsets: Tensor
+    proposals: Tensor
+    class_logits: Tensor
+    box_offsets: Tensor
+    vectors: Tensor
+    targets: ProposalTargets | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class FrameFeatures:
+    """The feature maps of one frame.
+
+    Attributes:
+        bev: (C, H, W).
+        image: (C, h, w).
+        bev_bottleneck: (1, H, W), for the first stage.
+        image_bottleneck: (1, h, w), likewise.
+    """
+
+    bev: Tensor
+    image: Tensor
+    bev_bottleneck: Tensor
+    image_bottleneck: Tensor
+
+
+class AvodNetwork(nn.Module):
+    """AVOD-FPN.
+
+    Args:
+        config: the detector.
+    """
+
+    def __init__(self, config: Config) -> None:
+        super().__init__()
+        self.config = config
+        width = config.extractor.fused_channels[-1]
+        rpn, second = config.rpn, config.second_stage
+        self.bev_pyramid = FeaturePyramid(config.bev.shape[0], config.extractor)
+        self.image_pyramid = FeaturePyramid(3, config.extractor)
+        self.bev_bottleneck = Convolution(width, 1, config.extractor, kernel=1)
+        self.image_bottleneck = Convolution(width, 1, config.extractor, kernel=1)
+        hidden = (rpn.hidden, rpn.hidden)
+        self.anchor_classifier = Head(rpn.crop_size**2, hidden, (2,), rpn.dropout_keep)
+        self.anchor_regressor = Head(rpn.crop_size**2, hidden, (_NUM_ANCHOR_OFFSETS,), rpn.dropout_keep)
+        self.second_stage = Head(
+            width * second.crop_size**2,
+            second.hidden,
+            (len(config.classes) + 1, _NUM_BOX_OFFSETS, _NUM_VECTOR),
+            second.dropout_keep,
+        )
+        # Channels last is what convolutions on processors with bf16 and on GPUs like, and what crops read.
+        self.to(memory_format=torch.channels_last)
+        self.precision: torch.dtype | None = None
+        """Type of the convolutions' and layers' arithmetic; None for float32. Boxes are always float32."""
+
+    def forward(self, samples: Sequence[Sample], generator: torch.Generator | None = None) -> list[FrameOutputs]:
+        """Run both stages on each sample.
+
+        Args:
+            samples: one or more.
+            generator: on the CPU; draws path drop and the second stage's mini-batch. Needed in training mode alone.
+
+        Returns:
+            The outputs of each sample.
+        """
+        return [
+            self._frame(sample, features, generator)
+            for sample, features in zip(samples, self.extract(samples), strict=True)
+        ]
+
+    def extract(self, samples: Sequence[Sample]) -> list[FrameFeatures]:
+        """Make the feature maps of samples."""
+        with self._arithmetic(samples[0].bev):
+            bev = self.bev_pyramid(_stacked([sample.bev for sample in samples]))
+            image = self.image_pyramid(_stacked([sample.image for sample in samples]))
+            bev_bottleneck, image_bottleneck = self.bev_bottleneck(bev), self.image_bottleneck(image)
+        return [FrameFeatures(*maps) for maps in zip(bev, image, bev_bottleneck, image_bottleneck, strict=True)]
+
+    def _frame(self, sample: Sample, features: FrameFeatures, generator: torch.Generator | None) -> FrameOutputs:
+        config = self.config
+        masks = detection_masks(config.path_drop)
+        if self.training:
+            assert generator is not None
+            masks = draw_masks(config.path_drop, generator)
+        anchor_logits, anchor_offsets = self._judge_anchors(sample, features, masks)
+        regressed = anchors_from_offsets(sample.anchors, anchor_offsets)
+        scores = anchor_logits.softmax(dim=1)[:, 1]
+        count = config.rpn.train_proposals if self.training else config.rpn.proposals
+        proposals = regressed[nms(ground_boxes(regressed), scores, config.rpn.nms_iou, count)]
+        targets = None
+        if self.training:
+            assert generator is not None
+            chosen, targets = sample_proposals(proposals.detach(), sample, config.second_stage, generator)
+            proposals = proposals[chosen]
+        if config.second_stage.gradient == "stopped":
+            proposals = proposals.detach()
+        class_logits, box_offsets, vectors = self._judge_proposals(sample, features, proposals, masks)
+        return FrameOutputs(anchor_logits, anchor_offsets, proposals, class_logits, box_offsets, vectors, targets)
+
+    def _judge_anchors(
+        self, sample: Sample, features: FrameFeatures, masks: tuple[float, float]
+    ) -> tuple[Tensor, Tensor]:
+        crops = self._crops(
+            sample, sample.anchors, features.image_bottleneck, features.bev_bottleneck, masks, self.config.rpn.crop_size
+        )
+        with self._arithmetic(crops):
+            (logits,) = cast("tuple[Tensor]", self.anchor_classifier(crops))
+            (offsets,) = cast("tuple[Tensor]", self.anchor_regressor(crops))
+        return logits.to(crops.dtype), offsets.to(crops.dtype)
+
+    def _judge_proposals(
+        self, sample: Sample, features: FrameFeatures, proposals: Tensor, masks: tuple[float, float]
+    ) -> tuple[Tensor, Tensor, Tensor]:
+        crops = self._crops(sample, proposals, features.image, features.bev, masks, self.config.second_stage.crop_size)
+        with self._arithmetic(crops):
+            outputs = self.second_stage(crops)
+        logits, offsets, vectors = (output.to(crops.dtype) for output in outputs)
+        return logits, offsets, vectors
+
+    def _crops(
+        self,
+        sample: Sample,
+        anchors: Tensor,
+        image_map: Tensor,
+        bev_map: Tensor,
+        masks: tuple[float, float],
+        size: int,
+    ) -> Tensor:
+        image_crops = crop_and_resize(image_map, image_boxes(anchors, sample.projection, sample.image_size), size)
+        bev_crops = crop_and_resize(bev_map, bev_boxes(anchors, self.config.bev), size)
+        return fuse(image_crops, bev_crops, masks).flatten(1)
+
+    def _arithmetic(self, values: Tensor) -> contextlib.AbstractContextManager[object]:
+        if self.precision is None:
+            return contextlib.nullcontext()
+        return torch.autocast(values.device.type, dtype=self.precision)
+
+
+def _stacked(maps: list[Tensor]) -> Tensor:
+    return torch.stack(maps).contiguous(memory_format=torch.channels_last)

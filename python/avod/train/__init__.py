@@ -1,0 +1,5 @@
+"""Training: steps, schedule, checkpoints, log."""
+
+from avod.train.run import train
+
+__all__ = ["train"]

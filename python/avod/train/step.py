@@ -1,0 +1,109 @@
+"""One step of training: losses, gradients, the parameters' update."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import torch
+from torch import Tensor, nn
+
+from avod.config import Config, TrainingConfig
+from avod.data.order import stream_seed, torch_generator
+from avod.data.sample import Sample
+from avod.losses import frame_losses
+from avod.model.network import AvodNetwork, FrameOutputs
+from avod.targets import anchor_targets
+from cadet.errors import CadetError
+
+
+class NonFiniteLossError(CadetError, FloatingPointError):
+    """A loss or gradient that is no number: training cannot go on."""
+
+
+def learning_rate(step: int, config: TrainingConfig) -> float:
+    """Return the learning rate of a step, counted from 0."""
+    return config.learning_rate * config.decay_factor ** (step // config.decay_steps)
+
+
+def make_optimizer(network: nn.Module, config: TrainingConfig) -> torch.optim.Adam:
+    """Make AVOD's optimiser: Adam without weight decay, which is configured there but never reaches the loss."""
+    return torch.optim.Adam(network.parameters(), lr=config.learning_rate, betas=(0.9, 0.999), eps=1e-8)
+
+
+def training_step(
+    network: nn.Module,
+    optimizer: torch.optim.Optimizer,
+    samples: Sequence[Sample],
+    config: Config,
+    *,
+    step: int,
+    seed: int,
+    rank: int = 0,
+) -> dict[str, Tensor]:
+    """Train on the samples of one step.
+
+    All that is drawn, dropout too, comes from (seed, step, rank), so a step can be repeated alone.
+
+    Args:
+        network: in training mode, perhaps wrapped for several processes.
+        optimizer: of its parameters.
+        samples: on the network's device.
+        config: the detector and its training.
+        step: counted from 0.
+        seed: of the training.
+        rank: of this process.
+
+    Returns:
+        The losses by name, averaged over the samples.
+
+    Raises:
+        NonFiniteLossError: a loss or gradient is NaN or infinite; step, frames and term are named.
+    """
+    torch.manual_seed(stream_seed(seed, "dropout", step, rank))
+    generator = torch_generator(seed, "step", step, rank)
+    for group in optimizer.param_groups:
+        group["lr"] = learning_rate(step, config.training)
+    optimizer.zero_grad(set_to_none=True)
+    outputs: list[FrameOutputs] = network(samples, generator)
+    terms: dict[str, Tensor] = {}
+    for sample, output in zip(samples, outputs, strict=True):
+        losses = frame_losses(output, anchor_targets(sample, config.rpn, generator), sample, config).by_name()
+        check_losses(losses, step, sample.frame_id)
+        terms = {name: terms.get(name, 0.0) + value / len(samples) for name, value in losses.items()}
+    terms["total"].backward()  # type: ignore[no-untyped-call]
+    clip_gradients(network, config.training.max_gradient_norm, step, [sample.frame_id for sample in samples])
+    optimizer.step()
+    return {name: value.detach() for name, value in terms.items()}
+
+
+def check_losses(losses: dict[str, Tensor], step: int, frame_id: str) -> None:
+    """Refuse losses that are no numbers.
+
+    Raises:
+        NonFiniteLossError: naming step, frame and term.
+    """
+    if not bool(torch.isfinite(losses["total"])):
+        term, value = next((name, value) for name, value in losses.items() if not bool(torch.isfinite(value)))
+        raise NonFiniteLossError(f"step {step}: the {term} loss of frame {frame_id} is {value.item()}")
+
+
+def clip_gradients(network: nn.Module, max_norm: float, step: int, frame_ids: Sequence[str]) -> None:
+    """Clip each parameter's gradient to a norm of its own, not all to a common one.
+
+    Raises:
+        NonFiniteLossError: a gradient is NaN or infinite; step, frames and parameter are named.
+    """
+    named = [(name, p.grad) for name, p in network.named_parameters() if p.grad is not None]
+    norms = torch.stack([gradient.norm() for _, gradient in named])
+    if not bool(torch.isfinite(norms).all()):
+        name = next(name for (name, _), norm in zip(named, norms, strict=True) if not bool(torch.isfinite(norm)))
+        raise NonFiniteLossError(f"step {step}: the gradient of {name} is not finite on frame {', '.join(frame_ids)}")
+    scales = max_norm / norms.clamp(min=max_norm)
+    for (_, gradient), scale in zip(named, scales, strict=True):
+        gradient.mul_(scale)
+
+
+def new_network(config: Config, seed: int) -> AvodNetwork:
+    """Make a network whose weights follow from the seed."""
+    torch.manual_seed(stream_seed(seed, "weights"))
+    return AvodNetwork(config)

@@ -1,0 +1,187 @@
+"""The commands from end to end on a tiny folder."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+import shutil
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+from avod.cli.commands import avod
+from cadet.errors import CadetError, KittiFormatError
+from cadet.frame import Frame
+from cadet.kitti import ImageSet, labels_from_text, write_frame, write_image_set
+from synthetic import make_frame
+
+CONFIG = Path(__file__).parents[1] / "overfit.toml"
+
+
+@pytest.fixture(scope="module")
+def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    root = tmp_path_factory.mktemp("kitti")
+    for index in range(3):
+        write_frame(root, index, make_frame())
+    write_image_set(root, "train", ImageSet(("000000", "000001")))
+    write_image_set(root, "val", ImageSet(("000002",)))
+    return root
+
+
+@pytest.fixture(scope="module")
+def trained(dataset: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("run")
+    call("train", "--config", CONFIG, "--data", dataset, "--out", out, "--steps", 10)
+    return out
+
+
+def table_of(result: Result) -> list[str]:
+    return [line for line in result.output.splitlines() if re.search(r"R11|R40", line)]
+
+
+def call(*arguments: object) -> Result:
+    result = CliRunner().invoke(avod, [str(argument) for argument in arguments], catch_exceptions=False)
+    assert result.exit_code == 0, result.output
+    return result
+
+
+def test_training_leaves_a_log_and_a_checkpoint(trained: Path) -> None:
+    assert (trained / "log.csv").read_text().count("\n") == 2
+    assert sorted(path.name for path in (trained / "checkpoints" / "000000010").iterdir()) == [
+        "checkpoint.json",
+        "model.safetensors",
+        "optimizer.safetensors",
+    ]
+
+
+def test_prediction_writes_a_file_for_each_frame(dataset: Path, trained: Path, tmp_path: Path) -> None:
+    result = call("predict", "--checkpoint", trained, "--data", dataset, "--out", tmp_path / "found")
+    files = sorted((tmp_path / "found").iterdir())
+    assert [path.name for path in files] == ["000000.txt", "000001.txt", "000002.txt"]
+    found = [labels_from_text(path.read_text()) for path in files]
+    assert all(label.score is not None for labels in found for label in labels)
+    assert f"{sum(map(len, found))} detections in 3 frames" in result.output
+
+
+def test_evaluation_prints_the_papers_rows_and_keeps_the_best(dataset: Path, trained: Path) -> None:
+    result = call("eval", "--checkpoint", trained, "--data", dataset, "--last", 2)
+    assert sorted(path.name for path in (trained / "best").iterdir()) == ["checkpoint.json", "model.safetensors"]
+    again = call("eval", "--checkpoint", trained / "best", "--data", dataset)
+    assert table_of(again) == table_of(result)
+    assert re.search(r"^000000010 +\d+\.\d\d +best$", result.output, re.MULTILINE)
+    for rule in ("R11", "R40"):
+        assert re.search(rf"^ *Car +{rule}( +(-|\d+\.\d\d)){{6}}", result.output, re.MULTILINE), result.output
+
+
+def test_the_bench_names_the_stages(dataset: Path, trained: Path) -> None:
+    result = call("bench", "--checkpoint", trained, "--data", dataset, "--frames", 2)
+    times = {
+        match[1]: float(match[2])
+        for match in re.finditer(r"^ *([a-z][a-z ,()]+?) +(\d+\.\d) *$", result.output, re.MULTILINE)
+    }
+    assert set(times) == {"maps, anchors, image", "network", "boxes", "inference", "reading files (apart)"}
+    parts = times["maps, anchors, image"] + times["network"] + times["boxes"]
+    assert times["inference"] == pytest.approx(parts, abs=0.3)
+    assert "mean over 2 frames on cpu" in result.output
+
+
+def test_figures_are_drawn(dataset: Path, trained: Path, tmp_path: Path) -> None:
+    call("view", "--checkpoint", trained, "--data", dataset, "--frame", "000002", "-o", tmp_path / "a.png")
+    call("view", "--log", trained, "-o", tmp_path / "b.png")
+    beside, losses = cv2.imread(str(tmp_path / "a.png")), cv2.imread(str(tmp_path / "b.png"))
+    assert beside is not None and losses is not None
+    assert beside.shape[1] == 2 * 620 + 12
+    assert losses.shape == (480, 960, 3) and losses.max() > 150
+
+
+def test_mistakes_are_named(dataset: Path, trained: Path, tmp_path: Path) -> None:
+    cases = [
+        (("train", "--config", "none", "--data", dataset, "--out", tmp_path), "unknown configuration 'none'"),
+        (("train", "--config", CONFIG, "--data", tmp_path / "no", "--out", tmp_path), "no KITTI folder"),
+        (("train", "--config", CONFIG, "--data", dataset, "--split", "no", "--out", tmp_path), "no such split"),
+        (("predict", "--checkpoint", tmp_path, "--data", dataset, "--out", tmp_path), "no checkpoint"),
+        (
+            ("predict", "--checkpoint", trained, "--data", dataset, "--out", tmp_path, "--device", "gpu"),
+            "--device: 'gpu'",
+        ),
+        (("view", "--checkpoint", trained, "-o", "a.png"), "view needs --checkpoint, --data and --frame, or --log"),
+        (("view", "--log", tmp_path, "-o", "a.png"), "log.csv: no such file"),
+        (("view", "--log", trained, "-o", "a.gif"), "a.gif: expected a file that ends in .png"),
+        (("bench", "--checkpoint", trained, "--data", dataset, "--workers", 2), "--workers"),
+    ]
+    for arguments, message in cases:
+        with pytest.raises(CadetError) as error:
+            CliRunner().invoke(avod, [str(a) for a in arguments], catch_exceptions=False)
+        assert message in str(error.value)
+
+
+def test_a_damaged_frame_ends_prediction_by_its_name(trained: Path, tmp_path: Path) -> None:
+    frame = make_frame()
+    write_frame(tmp_path, 0, dataclasses.replace(frame, labels=()))
+    file = tmp_path / "training" / "velodyne" / "000000.bin"
+    file.write_bytes(file.read_bytes()[:-1])
+    with pytest.raises(KittiFormatError, match=r"velodyne/000000\.bin: truncated"):
+        CliRunner().invoke(
+            avod,
+            ["predict", "--checkpoint", str(trained), "--data", str(tmp_path), "--out", str(tmp_path / "out")],
+            catch_exceptions=False,
+        )
+
+
+def odd_frame(kind: str) -> Frame:
+    """Make a frame that lacks what a detector lives on."""
+    frame = make_frame()
+    points_velo = frame.points_velo.copy()
+    if kind == "no points":
+        return dataclasses.replace(frame, points_velo=points_velo[:0])
+    if kind == "no points, no plane":
+        return dataclasses.replace(frame, points_velo=points_velo[:0], plane=None)
+    if kind == "no ground":
+        return dataclasses.replace(frame, points_velo=points_velo[:20], plane=None)
+    if kind == "another size":
+        return dataclasses.replace(frame, image=np.ascontiguousarray(frame.image[:101, :333]))
+    return dataclasses.replace(frame, labels=()) if kind == "no cars" else frame
+
+
+@pytest.mark.parametrize("kind", ["no points", "no points, no plane", "no cars", "another size"])
+def test_odd_frames_are_predicted_and_evaluated(trained: Path, tmp_path: Path, kind: str) -> None:
+    write_frame(tmp_path, 0, odd_frame(kind))
+    call("predict", "--checkpoint", trained, "--data", tmp_path, "--out", tmp_path / "found")
+    found = labels_from_text((tmp_path / "found" / "000000.txt").read_text())
+    assert not found or not kind.startswith("no points")
+    result = call("eval", "--checkpoint", trained, "--data", tmp_path, "--split", "all")
+    assert len(table_of(result)) == 4
+
+
+@pytest.mark.parametrize(
+    ("kind", "message"),
+    [
+        ("NaN", r"^velodyne/000000\.bin: point 0 is not finite$"),
+        ("no ground", "^frame 000000: no ground plane is given, and none is found: points_velo: expected at least"),
+    ],
+)
+def test_frames_that_cannot_be_used_are_one_clear_error(trained: Path, tmp_path: Path, kind: str, message: str) -> None:
+    write_frame(tmp_path, 0, odd_frame(kind))
+    if kind == "NaN":
+        file = tmp_path / "training" / "velodyne" / "000000.bin"
+        file.write_bytes(np.full_like(odd_frame(kind).points_velo, np.nan).tobytes())
+    common = ["--data", str(tmp_path), "--split", "all", "--out", str(tmp_path / "out")]
+    for arguments in (["predict", "--checkpoint", str(trained)], ["train", "--config", str(CONFIG), "--steps", "1"]):
+        with pytest.raises(CadetError, match=message):
+            CliRunner().invoke(avod, [*arguments, *common], catch_exceptions=False)
+
+
+def test_without_labels_there_are_predictions_but_no_evaluation_and_no_training(trained: Path, tmp_path: Path) -> None:
+    write_frame(tmp_path, 0, make_frame())
+    shutil.rmtree(tmp_path / "training" / "label_2")
+    call("predict", "--checkpoint", trained, "--data", tmp_path, "--out", tmp_path / "found")
+    common = ["--data", str(tmp_path), "--split", "all"]
+    for arguments in (
+        ["eval", "--checkpoint", str(trained)],
+        ["train", "--config", str(CONFIG), "--steps", "1", "--out", str(tmp_path / "out")],
+    ):
+        with pytest.raises(CadetError, match=r"label_2/000000\.txt"):
+            CliRunner().invoke(avod, [*arguments, *common], catch_exceptions=False)

@@ -1,0 +1,233 @@
+"""Samples: images against loops, mirrored worlds, the seams for what is missing."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import torch
+
+from avod.config import ImageConfig, TrainingConfig
+from avod.config_file import load_config
+from avod.data import mirror
+from avod.data.build import Augmentation, build_sample, normal_plane
+from avod.data.dataset import TrainingData, sample_from_frame
+from avod.data.images import jitter_colors, prepare_image, resize_bilinear
+from avod.data.order import Order, StepSampler
+from avod.data.sample import Sample
+from avod.geometry.anchors import anchor_grid
+from avod.geometry.encoding import anchors_from_boxes, offsets_from_anchors
+from cadet.boxes import project_boxes
+from cadet.errors import CadetError, NonFiniteError, ShapeError
+from cadet.kitti import Calibration, estimate_plane, write_frame
+from synthetic import IMAGE_SIZE, make_calib, make_frame, make_labels
+
+CONFIG = load_config(Path(__file__).parents[1] / "overfit.toml")
+PLANE = normal_plane(np.array([0.05, -0.99, 0.02, 1.7]))
+
+
+@pytest.mark.parametrize("size", [(7, 5), (23, 31), (40, 30), (3, 2)])
+def test_resizing_agrees_with_a_loop(size: tuple[int, int]) -> None:
+    image = np.random.default_rng(0).integers(0, 256, (15, 20, 3), dtype=np.uint8)
+    found = resize_bilinear(image, size)
+    assert found.shape == (size[1], size[0], 3)
+    for row in range(size[1]):
+        for column in range(size[0]):
+            y, x = row * 15 / size[1], column * 20 / size[0]
+            top, left = math.floor(y), math.floor(x)
+            bottom, right = min(top + 1, 14), min(left + 1, 19)
+            above = image[top, left] * (1 - (x - left)) + image[top, right] * (x - left)
+            below = image[bottom, left] * (1 - (x - left)) + image[bottom, right] * (x - left)
+            np.testing.assert_allclose(found[row, column], above * (1 - (y - top)) + below * (y - top), atol=1e-3)
+
+
+def test_the_mean_is_taken_off_each_channel() -> None:
+    image = np.full((9, 9, 3), (10, 20, 30), np.uint8)
+    found = prepare_image(image, ImageConfig(size=(16, 8), mean_rgb=(1.0, 2.0, 3.0)))
+    assert found.shape == (3, 8, 16) and found.dtype == np.float32
+    np.testing.assert_allclose(found[:, 3, 5], [9, 18, 27])
+
+
+def test_jitter_shifts_all_pixels_alike_along_the_colors_axes() -> None:
+    rng = np.random.default_rng(1)
+    image = np.clip(rng.normal(128, 20, (60, 80, 1)) + rng.normal(0, 2, (60, 80, 3)), 60, 200).astype(np.uint8)
+    shifts = []
+    for seed in range(200):
+        shifted = jitter_colors(image, np.random.default_rng(seed))
+        change = shifted.astype(int) - image
+        assert np.ptp(change, axis=(0, 1)).max() <= 1, "one shift for all, but for rounding"
+        shifts.append(change.mean(axis=(0, 1)))
+    colors = image.reshape(-1, 3) / 255.0
+    variances, axes = np.linalg.eigh(np.cov(colors, rowvar=False))
+    shift = axes @ (np.sqrt(variances) * np.random.default_rng(7).normal(0.0, 0.1, 3))
+    expected = np.clip(image / 255.0 + shift, 0.0, 1.0) * 255.0
+    assert np.abs(jitter_colors(image, np.random.default_rng(7)) - (expected - 0.5)).max() <= 0.51, "truncated"
+    # These colors vary along gray with a deviation of 20, so the shift along gray has a tenth of that.
+    along_gray = np.array(shifts) @ np.ones(3) / math.sqrt(3)
+    assert along_gray.std() == pytest.approx(0.1 * 20 * math.sqrt(3), rel=0.15)
+    np.testing.assert_array_equal(
+        jitter_colors(image, np.random.default_rng(3)), jitter_colors(image, np.random.default_rng(3))
+    )
+
+
+def test_mirroring_twice_changes_nothing() -> None:
+    calib, rng = make_calib(), np.random.default_rng(0)
+    projection = calib.P2.copy()
+    twice = mirror.mirror_projection(mirror.mirror_projection(projection, 620), 620)
+    np.testing.assert_allclose(twice, projection, atol=1e-9)
+    boxes = np.column_stack([rng.uniform(-9, 9, (40, 6)), np.linspace(-math.pi, math.pi, 40)])
+    boxes[0, 6] = -3.14159
+    cases: list[tuple[Callable[[Any], Any], Any]] = [
+        (mirror.mirror_image, rng.integers(0, 255, (4, 5, 3), dtype=np.uint8)),
+        (mirror.mirror_points, rng.normal(size=(9, 3))),
+        (mirror.mirror_plane, PLANE),
+        (mirror.mirror_boxes, boxes[1:]),
+        (mirror.mirror_anchors, rng.normal(size=(9, 6))),
+        (mirror.mirror_offsets, rng.normal(size=(9, 6))),
+    ]
+    for function, value in cases:
+        np.testing.assert_allclose(function(function(value)), value, atol=1e-12)
+        assert not np.array_equal(function(value), value)
+
+
+def test_the_mirrored_camera_sees_the_mirrored_world_as_the_mirrored_image() -> None:
+    calib = make_calib()
+    width = IMAGE_SIZE[0]
+    boxes = np.stack([label.box_cam for label in make_labels(calib)[:3]])
+    left, top, right, bottom = project_boxes(boxes, calib).T
+    mirrored = Calibration(**{**vars_of(calib), "P2": mirror.mirror_projection(calib.P2, width)})
+    found = project_boxes(mirror.mirror_boxes(boxes), mirrored)
+    np.testing.assert_allclose(found, np.stack([width - 1 - right, top, width - 1 - left, bottom], axis=1), atol=1e-9)
+
+
+def vars_of(calib: Calibration) -> dict[str, Any]:
+    names = ("P0", "P1", "P2", "P3", "R0_rect", "Tr_velo_to_cam", "Tr_imu_to_velo")
+    return {name: getattr(calib, name) for name in names}
+
+
+def test_anchors_of_the_mirrored_plane_are_the_mirrored_anchors_heights_too() -> None:
+    config = load_config("car_default")
+    grid = anchor_grid(PLANE, config.classes, config.anchors, config.bev)
+    mirrored = anchor_grid(mirror.mirror_plane(PLANE), config.classes, config.anchors, config.bev)
+    expected = mirror.mirror_anchors(grid)
+    order = [np.lexsort(anchors.round(6).T) for anchors in (mirrored, expected)]
+    np.testing.assert_allclose(mirrored[order[0]], expected[order[1]], atol=1e-12)
+    assert np.ptp(mirrored[:, 1] - grid[:, 1]) > 0.5, "the plane is tilted enough to tell"
+
+
+def test_offsets_of_a_mirrored_sample_are_the_mirrored_offsets() -> None:
+    rng = np.random.default_rng(0)
+    anchors = rng.uniform(1, 4, (30, 6))
+    boxes = np.column_stack([rng.uniform(1, 4, (30, 6)), rng.uniform(-math.pi, math.pi, 30)])
+    offsets, mirrored = (
+        offsets_from_anchors(torch.from_numpy(a), anchors_from_boxes(torch.from_numpy(b))).numpy()
+        for a, b in ((anchors, boxes), (mirror.mirror_anchors(anchors), mirror.mirror_boxes(boxes)))
+    )
+    np.testing.assert_allclose(mirrored, mirror.mirror_offsets(offsets), atol=1e-12)
+
+
+def test_a_mirrored_sample_is_the_sample_mirrored() -> None:
+    frame = make_frame(plane=PLANE)
+    plain = sample_from_frame(frame, "000000", CONFIG)
+    mirrored = sample_from_frame(frame, "000000", CONFIG, Augmentation(is_mirrored=True))
+    # Points on the border between two cells may change sides, and the image's resizing is not symmetric.
+    assert (plain.bev.flip(2) != mirrored.bev).float().mean() < 0.002
+    assert abs(len(plain.anchors) - len(mirrored.anchors)) < 0.03 * len(plain.anchors)
+    height = mirrored.anchors @ torch.cat([mirrored.plane[:3], torch.zeros(3)]) + mirrored.plane[3]
+    assert height.abs().max() < 1e-4, "anchors stand on the mirrored ground"
+    torch.testing.assert_close(mirrored.boxes_cam[:, 0], -plain.boxes_cam[:, 0])
+    assert torch.equal(mirrored.classes, plain.classes)
+
+
+def test_a_sample_holds_the_objects_of_the_classes_alone() -> None:
+    sample = sample_from_frame(make_frame(), "000000", CONFIG)
+    assert sample.classes.tolist() == [1, 1, 2]
+    cars = sample_from_frame(make_frame(), "000000", load_config("tiny_car"))
+    assert cars.classes.tolist() == [1, 1]
+    assert sample.bev.shape == CONFIG.bev.shape and sample.image.shape == (3, 96, 304)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_planes_come_to_one_form(sign: float) -> None:
+    np.testing.assert_allclose(normal_plane(PLANE * 3.0 * sign), PLANE, atol=1e-12)
+
+
+@pytest.mark.parametrize("plane", [[0.0, 0.0, 1.0, 5.0], [0.0, 0.0, 0.0, 0.0]])
+def test_a_wall_is_no_ground(plane: list[float]) -> None:
+    with pytest.raises(CadetError, match="expected a ground plane"):
+        normal_plane(np.array(plane))
+
+
+def test_bad_input_is_named() -> None:
+    frame = make_frame()
+    arguments = (frame.image, frame.calib, PLANE, CONFIG)
+    points = frame.points_velo.copy()
+    points[7, 1] = np.nan
+    with pytest.raises(NonFiniteError, match=r"points_velo: not finite at \[7, 1\]"):
+        build_sample(points, *arguments)
+    with pytest.raises(ShapeError, match="points_velo: expected"):
+        build_sample(frame.points_velo[:, :3], *arguments)
+    with pytest.raises(ShapeError, match="image: expected"):
+        build_sample(frame.points_velo, frame.image[..., 0], *arguments[1:])
+    with pytest.raises(NonFiniteError, match="plane: not finite"):
+        build_sample(frame.points_velo, frame.image, frame.calib, PLANE * np.nan, CONFIG)
+
+
+def flat_ground_points(num: int = 4000) -> np.ndarray[Any, np.dtype[np.float32]]:
+    rng = np.random.default_rng(0)
+    columns = (rng.uniform(3, 25, num), rng.uniform(-7, 7, num), np.full(num, -1.73), np.full(num, 0.3))
+    return np.column_stack(columns).astype(np.float32)
+
+
+def test_a_missing_plane_is_estimated() -> None:
+    frame = make_frame(plane=None)
+    sample = build_sample(flat_ground_points(), frame.image, frame.calib, None, CONFIG)
+    expected = estimate_plane(flat_ground_points(), frame.calib)
+    np.testing.assert_allclose(sample.plane.numpy(), expected, atol=1e-6)
+    with pytest.raises(CadetError, match=r"^no ground plane is given, and none is found: points_velo: "):
+        build_sample(flat_ground_points(9), frame.image, frame.calib, None, CONFIG)
+    assert not len(build_sample(flat_ground_points(0), frame.image, frame.calib, None, CONFIG).anchors)
+
+
+def test_each_epoch_holds_every_frame_in_every_change_once() -> None:
+    order = Order(5, TrainingConfig(), seed=3)
+    epochs = [[order.entry(index) for index in range(20 * epoch, 20 * (epoch + 1))] for epoch in range(2)]
+    for entries in epochs:
+        keys = {(e.frame, e.augmentation.is_mirrored, e.augmentation.has_jitter) for e in entries}
+        assert len(keys) == 20 and {frame for frame, _, _ in keys} == set(range(5))
+    assert [e.frame for e in epochs[0]] != [e.frame for e in epochs[1]]
+    plain = Order(5, TrainingConfig(flip=False, pca_jitter=False), seed=3)
+    assert sorted(plain.entry(index).frame for index in range(5)) == list(range(5))
+    assert not any(plain.entry(index).augmentation.is_mirrored for index in range(50))
+
+
+def test_processes_share_the_steps_out_without_overlap() -> None:
+    shares = [list(StepSampler(3, 6, 2, rank, 2)) for rank in range(2)]
+    flat = sorted(index for share in shares for step in share for index in step)
+    assert flat == list(range(12, 24))
+    assert shares[1][0] == [14, 15]
+
+
+def test_training_data_leaves_frames_without_objects_out(tmp_path: Path) -> None:
+    write_frame(tmp_path, 0, make_frame(labels=()))
+    write_frame(tmp_path, 1, make_frame())
+    assert TrainingData(tmp_path, None, CONFIG, 0).ids == ("000001",)
+    write_frame(tmp_path, 1, make_frame(labels=()), overwrite=True)
+    with pytest.raises(CadetError, match="none of the 2 frames holds a Car or Pedestrian"):
+        TrainingData(tmp_path, None, CONFIG, 0)
+
+
+def test_a_broken_frame_comes_back_as_its_error(tmp_path: Path) -> None:
+    write_frame(tmp_path, 1, make_frame())
+    data = TrainingData(tmp_path, None, CONFIG, 0)
+    (tmp_path / "training" / "velodyne" / "000001.bin").write_bytes(b"12345")
+    item = data[0]
+    assert isinstance(item, CadetError) and "velodyne/000001.bin: truncated" in str(item)
+    (tmp_path / "training" / "planes" / "000001.txt").unlink()
+    write_frame(tmp_path, 1, make_frame(plane=None), overwrite=True)
+    item = data[0]
+    assert isinstance(item, Sample) and item.plane[3] == pytest.approx(1.65, abs=0.05)

@@ -1,0 +1,125 @@
+"""Detection: what is written, what is left out, and inputs that hold nothing."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from avod import Detector
+from avod.config_file import load_config
+from avod.evaluate import Scored, best, score, table
+from avod.geometry.encoding import boxes_4c_from_anchors, boxes_4c_from_boxes
+from avod.model.network import FrameOutputs
+from avod.results import Boxes, decode, labels_from_boxes
+from avod.train.step import new_network
+from cadet.errors import CadetError, NonFiniteError, ShapeError
+from cadet.evaluation import evaluate
+from cadet.kitti import Label
+from synthetic import IMAGE_SIZE, make_calib, make_frame, make_labels
+
+CONFIG = load_config(Path(__file__).parents[1] / "overfit.toml")
+PLANE = torch.tensor([0.0, -1.0, 0.0, 1.65])
+
+
+@pytest.fixture(scope="module")
+def detector() -> Detector:
+    return Detector(new_network(CONFIG, 0))
+
+
+def test_decoding_inverts_the_targets_and_keeps_the_best() -> None:
+    truth = torch.tensor([[1.0, 1.6, 20.0, 4.0, 1.8, 1.5, 2.9], [8.0, 1.7, 30.0, 0.8, 0.7, 1.8, -0.4]])
+    proposals = torch.tensor(
+        [[1.1, 1.6, 20.0, 4.1, 1.4, 1.9], [1.2, 1.6, 20.1, 4.0, 1.5, 1.9], [8.0, 1.6, 30.0, 0.8, 1.7, 0.6]]
+    )
+    goal = boxes_4c_from_boxes(truth, PLANE)[[0, 0, 1]]
+    vectors = torch.stack([truth[:, 6].cos(), truth[:, 6].sin()], dim=1)[[0, 0, 1]]
+    logits = torch.tensor([[0.0, 2.0, -1.0], [0.0, 3.0, 0.0], [0.0, 0.0, 1.0]])
+    outputs = FrameOutputs(
+        torch.zeros((0, 2)),
+        torch.zeros((0, 6)),
+        proposals,
+        logits,
+        goal - boxes_4c_from_anchors(proposals, PLANE),
+        vectors,
+    )
+    boxes = decode(outputs, PLANE, CONFIG.detection)
+    torch.testing.assert_close(boxes.boxes_cam, truth, atol=1e-4, rtol=1e-4)
+    assert boxes.classes.tolist() == [1, 2]
+    odds = [math.exp(3.0) / (math.exp(3.0) + 2.0), math.exp(1.0) / (math.exp(1.0) + 2.0)]
+    assert boxes.scores.tolist() == pytest.approx(odds, rel=1e-5)
+    one = dataclasses.replace(CONFIG.detection, max_detections=1)
+    assert len(decode(outputs, PLANE, one).scores) == 1
+
+
+def test_what_is_written_and_what_is_left_out() -> None:
+    calib = make_calib()
+    truths = make_labels(calib)[:3]
+    rows = [label.box_cam for label in truths]
+    rows.append(np.array([0.0, 1.65, -20.0, 4.0, 1.7, 1.5, 0.0]))  # behind the camera
+    rows.append(np.array([60.0, 1.65, 20.0, 4.0, 1.7, 1.5, 0.0]))  # beside the image
+    rows.append(np.array([0.0, 1.65, 2.3, 4.0, 1.7, 1.5, 1.5]))  # too large in the image
+    rows.append(truths[0].box_cam)  # too unsure
+    boxes = Boxes(
+        torch.from_numpy(np.stack(rows)),
+        torch.tensor([0.9, 0.8, 0.7, 0.9, 0.9, 0.9, 0.05]),
+        torch.tensor([1, 1, 2, 1, 1, 1, 1]),
+    )
+    found = labels_from_boxes(boxes, calib, IMAGE_SIZE, CONFIG)
+    assert [label.type for label in found] == ["Car", "Car", "Pedestrian"]
+    for label, truth in zip(found, truths, strict=True):
+        np.testing.assert_allclose(label.box_cam, truth.box_cam)
+        assert label.bbox == pytest.approx(truth.bbox)
+        assert label.alpha == pytest.approx(truth.alpha)
+    assert [label.score for label in found] == pytest.approx([0.9, 0.8, 0.7])
+    assert Label.from_line(found[0].to_line()).score == found[0].score
+
+
+def test_a_frame_without_points_has_no_detections(detector: Detector) -> None:
+    frame = make_frame()
+    assert detector.detect(np.zeros((0, 4), np.float32), frame.image, frame.calib, frame.plane) == ()
+    sky = np.tile(np.array([[20.0, 0.0, 30.0, 0.5]], np.float32), (9, 1))
+    assert detector.detect(sky, frame.image, frame.calib, frame.plane) == ()
+
+
+def test_images_of_any_size_are_taken(detector: Detector) -> None:
+    frame = make_frame()
+    small = frame.image[:60, :70]
+    assert isinstance(detector.detect(frame.points_velo, small, frame.calib, frame.plane), tuple)
+
+
+def test_bad_input_is_one_clear_error(detector: Detector) -> None:
+    frame = make_frame()
+    nan = np.full((5, 4), np.nan, np.float32)
+    with pytest.raises(NonFiniteError, match=r"^points_velo: not finite at \[0, 0\]$"):
+        detector.detect(nan, frame.image, frame.calib, frame.plane)
+    with pytest.raises(ShapeError, match=r"convert with \.astype\(np\.float32\)"):
+        detector.detect(frame.points_velo.astype(np.float64), frame.image, frame.calib, frame.plane)
+    with pytest.raises(CadetError, match="expected at least 2 x 2 pixels"):
+        detector.detect(frame.points_velo, frame.image[:1], frame.calib, frame.plane)
+
+
+def test_detection_is_the_same_twice(detector: Detector) -> None:
+    frame = make_frame()
+    first, second = (detector.detect(frame.points_velo, frame.image, frame.calib, frame.plane) for _ in range(2))
+    assert first == second
+
+
+def test_the_table_has_both_recalls_and_a_dash_for_what_was_never_found() -> None:
+    calib = make_calib()
+    truths = {"000000": make_labels(calib)}
+    found = {"000000": tuple(dataclasses.replace(label, score=0.9) for label in make_labels(calib)[:1])}
+    report = evaluate(truths, found, classes=("Car", "Pedestrian"), levels="large_small")
+    rows = table(report, ("Car", "Pedestrian"))
+    assert rows[0] == ["Class", "Recall", "AP 3D Large", "AP 3D Small", "AP BEV Large", "AP BEV Small"]
+    curve = report.curves["Car"]["3d"]["Small"]
+    assert rows[1][:2] == ["Car", "R11"] and rows[1][3] == f"{curve.r11:.2f}"
+    assert rows[2][:2] == ["Car", "R40"] and rows[2][3] == f"{curve.r40:.2f}"
+    assert rows[3] == ["Pedestrian", "R11", "-", "-", "-", "-"]
+    assert score(report, ("Car", "Pedestrian")) == pytest.approx(curve.r40 / 2)
+    scored = [Scored(Path(str(k)), report, value) for k, value in enumerate((3.0, 7.0, 7.0, 1.0))]
+    assert best(scored).path == Path("2")
