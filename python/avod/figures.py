@@ -43,7 +43,7 @@ def detection_figure(frame: Frame, found: tuple[Label, ...]) -> style.Image:
 
 
 def loss_figure(rows: Sequence[dict[str, float]], size: tuple[int, int] = (960, 480)) -> style.Image:
-    """Draw the losses of a training over its steps, on a logarithmic scale.
+    """Draw the losses of a training over its steps, on a logarithmic scale, each a running mean over the rows around.
 
     Args:
         rows: of `log.csv`.
@@ -59,7 +59,7 @@ def loss_figure(rows: Sequence[dict[str, float]], size: tuple[int, int] = (960, 
         raise CadetError("the log has no rows to draw")
     canvas = style.filled(size[1], size[0])
     steps = np.array([row["step"] for row in rows])
-    curves = {name: np.maximum([row[name] for row in rows], 1e-6) for name in TERMS}
+    curves = {name: np.maximum(_running_mean([row[name] for row in rows]), 1e-6) for name in TERMS}
     low = np.floor(np.log10(min(values.min() for values in curves.values())))
     high = np.ceil(np.log10(max(values.max() for values in curves.values())))
     high = max(high, low + 1.0)
@@ -83,6 +83,16 @@ def loss_figure(rows: Sequence[dict[str, float]], size: tuple[int, int] = (960, 
         style.polyline(canvas, points, color, 2 if name == "total" else 1, is_closed=False)
         style.write(canvas, f"{name} {values[-1]:.3g}", right + 10, top + 14 + 20 * index, 0.4, color)
     return canvas
+
+
+def _running_mean(values: Sequence[float]) -> NDArray[np.float64]:
+    """Average every value with its neighbours, a thirtieth of all, fewer at the ends."""
+    reach = len(values) // 60
+    sums = np.cumsum([0.0, *values])
+    first = np.maximum(np.arange(len(values)) - reach, 0)
+    end = np.minimum(np.arange(len(values)) + reach + 1, len(values))
+    mean: NDArray[np.float64] = (sums[end] - sums[first]) / (end - first)
+    return mean
 
 
 def write_png(path: str, image: NDArray[np.uint8]) -> None:

@@ -13,6 +13,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from avod.cli.commands import avod
+from avod.figures import _running_mean
 from cadet.errors import CadetError, KittiFormatError
 from cadet.frame import Frame
 from cadet.kitti import ImageSet, labels_from_text, write_frame, write_image_set
@@ -95,6 +96,13 @@ def test_figures_are_drawn(dataset: Path, trained: Path, tmp_path: Path) -> None
     assert beside is not None and losses is not None
     assert beside.shape[1] == 2 * 620 + 12
     assert losses.shape == (480, 960, 3) and losses.max() > 150
+
+
+def test_curves_are_running_means() -> None:
+    values = np.random.default_rng(0).uniform(1, 2, 200)
+    expected = [values[max(k - 3, 0) : k + 4].mean() for k in range(200)]
+    np.testing.assert_allclose(_running_mean(values.tolist()), expected)
+    assert _running_mean([4.0]).tolist() == [4.0]
 
 
 def test_mistakes_are_named(dataset: Path, trained: Path, tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import importlib.util
 import math
 import shutil
 from pathlib import Path
@@ -205,6 +206,14 @@ def test_the_log_goes_on_where_training_does(dataset: Path, tmp_path: Path) -> N
     assert again[0] == rows[0] and again[1]["seconds_per_step"] != 1.0
     train(with_steps(config, 23), Run(data=dataset, out=tmp_path, split=None, resume_from=tmp_path))
     assert [row["step"] for row in read_log(tmp_path / "log.csv")] == [10, 20, 23]
+
+
+def test_tensorboard_is_named_where_it_is_asked_for_and_missing(
+    dataset: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    with pytest.raises(CadetError, match="^--tensorboard needs tensorboard: pip install tensorboard$"):
+        run(dataset, tmp_path, 1, has_tensorboard=True)
 
 
 def test_what_cannot_go_on_is_said(dataset: Path, tmp_path: Path) -> None:

@@ -1,0 +1,83 @@
+"""The detector that comes with the package, on worlds that it was not trained on."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import avod
+import cadet
+from avod.cli.commands import avod as command
+from avod.config_file import load_config
+from avod.train.checkpoint import packaged_checkpoints
+from cadet.errors import MissingFileError
+from cadet.evaluation import box_iou_3d
+from cadet.kitti import labels_from_text, write_frame
+
+_SEEDS = (100_001, 100_002, 100_003)
+
+
+@pytest.fixture(scope="module")
+def frames() -> list[cadet.Frame]:
+    """Drive for eight frames through each of three worlds."""
+    driven = []
+    for seed in _SEEDS:
+        environment = cadet.Environment()
+        environment.reset(seed=seed)
+        driven += [environment.step() for _ in range(8)]
+    return driven
+
+
+def test_every_packaged_checkpoint_loads_and_is_small() -> None:
+    assert packaged_checkpoints() == ("tiny_car",)
+    detector = avod.Detector.load("tiny_car")
+    assert detector.config == load_config("tiny_car")
+    folder = Path(avod.__file__).parent / "checkpoints" / "tiny_car"
+    assert sorted(path.name for path in folder.iterdir()) == ["checkpoint.json", "model.safetensors"]
+    assert sum(path.stat().st_size for path in folder.iterdir()) < 5_000_000
+
+
+def test_it_finds_the_cars_that_are_plain_to_see(frames: list[cadet.Frame]) -> None:
+    detector = avod.Detector.load("tiny_car")
+    num_plain = num_found = num_wrong = 0
+    for frame in frames:
+        found = detector.detect(frame.points_velo, frame.image, frame.calib, frame.plane)
+        sure = [label for label in found if (label.score or 0.0) > 0.5]
+        cars = [label for label in frame.labels if label.type in ("Car", "Van")]
+        overlap = box_iou_3d(boxes_of(sure), boxes_of(cars))
+        plain = [k for k, car in enumerate(cars) if car.type == "Car" and is_plain(car)]
+        num_plain += len(plain)
+        num_found += sum(bool((overlap[:, k] > 0.5).any()) for k in plain)
+        num_wrong += sum(not bool((row > 0.1).any()) for row in overlap)
+    assert num_plain >= 8
+    assert num_found >= 0.7 * num_plain
+    assert num_wrong <= 0.3 * num_plain
+
+
+def test_it_works_by_name_from_the_command_line(frames: list[cadet.Frame], tmp_path: Path) -> None:
+    write_frame(tmp_path, 7, frames[0])
+    arguments = ["predict", "--checkpoint", "tiny_car", "--data", str(tmp_path), "--out", str(tmp_path / "found")]
+    result = CliRunner().invoke(command, arguments, catch_exceptions=False)
+    assert result.exit_code == 0, result.output
+    detected = avod.Detector.load("tiny_car").detect(
+        frames[0].points_velo, frames[0].image, frames[0].calib, frames[0].plane
+    )
+    written = labels_from_text((tmp_path / "found" / "000007.txt").read_text())
+    assert len(written) == len(detected) > 0
+
+
+def test_an_unknown_name_lists_what_there_is() -> None:
+    with pytest.raises(MissingFileError, match=r"^tiny_cra: no checkpoint: expected a folder .*, or one of tiny_car$"):
+        avod.Detector.load("tiny_cra")
+
+
+def boxes_of(labels: list[cadet.kitti.Label]) -> np.ndarray:
+    return np.array([label.box_cam for label in labels]).reshape(-1, 7)
+
+
+def is_plain(car: cadet.kitti.Label) -> bool:
+    """Whether it is as KITTI's Easy demands, and within the detector's reach."""
+    return car.bbox[3] - car.bbox[1] >= 40 and car.occluded == 0 and car.truncated <= 0.15
