@@ -7,15 +7,15 @@ use super::look::{Rays, Samples, View};
 use super::noise::MIDDLE_PX;
 use super::shade::{Camera, Hit, LANES, Lanes, Light, NO_SLOT};
 use super::sky::SkyRows;
-use crate::sense::{NO_HIT, PosedScene, Quad};
+use crate::sense::{NO_HIT, Pair, PosedScene};
 
 /// Rows whose hits are collected before they are shaded.
 pub(super) const BAND: usize = 8;
 /// Columns of a band that are collected together: what lies together in the image shares faces and shadow texels.
 const BLOCK: usize = 64;
-/// From the middle of a pixel's four samples, which lies `MIDDLE_PX` right and below of its centre; the point spread
+/// From the middle of a pixel's two samples, which lies `MIDDLE_PX` right and below of its centre; the point spread
 /// takes that back.
-const OFFSETS: [(f32, f32); 4] = [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)];
+const OFFSETS: [(f32, f32); 2] = [(-0.25, -0.25), (0.25, 0.25)];
 
 /// Linear radiance of every pixel, interleaved RGB.
 pub fn paint(scene: &PosedScene, view: &View, rays: &Rays, light: &Light, samples: &Samples, rgb: &mut Vec<f32>) {
@@ -167,8 +167,8 @@ impl Painter<'_> {
         for column in columns {
             let pixel = (row_in_band * self.width + column) as u32;
             let u = column as f32 + MIDDLE_PX;
-            let solid = buffer.solid_quad(2 * row, 2 * column);
-            if let Some(panes) = buffer.pane_quad(2 * row, 2 * column, &solid) {
+            let solid = buffer.solid_pair(2 * row, column);
+            if let Some(panes) = buffer.pane_pair(2 * row, column, &solid) {
                 self.collect_behind_panes(&solid, &panes, pixel, u, v, rgb);
                 continue;
             }
@@ -183,7 +183,7 @@ impl Painter<'_> {
             }
             let parts = self.parts(&solid);
             for part in parts.into_iter().flatten() {
-                let weight = part.weight * 0.25;
+                let weight = part.weight * 0.5;
                 if part.face == NO_HIT {
                     let color = self.sky.at(column, row, self.rays, self.light);
                     for (sum, c) in rgb[pixel as usize * 3..pixel as usize * 3 + 3].iter_mut().zip(color) {
@@ -206,10 +206,10 @@ impl Painter<'_> {
         self.hits[kind as usize].push(Hit { face, open, pixel, slot, weight, u, v, depth });
     }
 
-    /// A pixel some of whose samples lie behind panes: sample by sample, unless all four agree.
-    fn collect_behind_panes(&mut self, solid: &Quad, panes: &Quad, pixel: u32, u: f32, v: f32, rgb: &mut [f32]) {
+    /// A pixel some of whose samples lie behind panes: sample by sample, unless both agree.
+    fn collect_behind_panes(&mut self, solid: &Pair, panes: &Pair, pixel: u32, u: f32, v: f32, rgb: &mut [f32]) {
         let before = |i: usize| panes.nearness[i] > solid.nearness[i];
-        if (0..4).all(before) && solid.is_one_face() && panes.is_one_face() {
+        if (0..2).all(before) && solid.is_one_face() && panes.is_one_face() {
             let depths = [solid.mean_depth(), panes.mean_depth()];
             self.collect_pane([solid.face[0], panes.face[0]], pixel, 1.0, u, v, depths);
             return;
@@ -218,13 +218,13 @@ impl Painter<'_> {
             let (u, v) = (u + du, v + dv);
             let depths = [1.0 / solid.nearness[i], 1.0 / panes.nearness[i]];
             if before(i) {
-                self.collect_pane([solid.face[i], panes.face[i]], pixel, 0.25, u, v, depths);
+                self.collect_pane([solid.face[i], panes.face[i]], pixel, 0.5, u, v, depths);
             } else if solid.face[i] != NO_HIT {
-                self.collect(solid.face[i], pixel, NO_SLOT, 0.25, u, v, depths[0]);
+                self.collect(solid.face[i], pixel, NO_SLOT, 0.5, u, v, depths[0]);
             } else {
                 let color = self.sky.at(u as usize, v as usize, self.rays, self.light);
                 for (sum, c) in rgb[pixel as usize * 3..pixel as usize * 3 + 3].iter_mut().zip(color) {
-                    *sum += 0.25 * c;
+                    *sum += 0.5 * c;
                 }
             }
         }
@@ -255,8 +255,8 @@ impl Painter<'_> {
     /// Collects a pixel's samples by face: one shading each. Leaves of one plant are shaded as one, by the first: they
     /// differ without order.
     #[inline]
-    fn parts(&self, solid: &Quad) -> [Option<Part>; 4] {
-        let mut out: [Option<Part>; 4] = [None; 4];
+    fn parts(&self, solid: &Pair) -> [Option<Part>; 2] {
+        let mut out: [Option<Part>; 2] = [None; 2];
         'samples: for (i, (du, dv)) in OFFSETS.into_iter().enumerate() {
             let face = solid.face[i];
             let depth = 1.0 / solid.nearness[i];
