@@ -1,5 +1,7 @@
 //! Shadow maps: the scene's triangles seen from the sun, fine near the camera and coarser beyond.
 
+use std::ops::Range;
+
 use multiversion::multiversion;
 
 use crate::geometry::{Cluster, LANES};
@@ -99,8 +101,7 @@ impl Shadows {
             // Whole texels, so that shadow edges do not crawl when the camera moves.
             let snap = |c: f32| ((c - half as f32) / texel_m).floor() * texel_m;
             let mut height = buffers.pop().unwrap_or_default();
-            height.clear();
-            height.resize(SIZE * SIZE, f32::NEG_INFINITY);
+            height.resize(SIZE * SIZE + LANES, f32::NEG_INFINITY);
             shadows.maps.push(Map {
                 min: [snap(middle.x), snap(middle.y)],
                 texel_m,
@@ -132,6 +133,11 @@ impl Shadows {
         }
         for (map, marked) in self.maps.iter_mut().zip(&marked) {
             map.seen = SeenTiles::around(marked);
+            for (rows, [from, to]) in map.height.chunks_mut(SIZE * TILE).zip(&map.seen.spans) {
+                for row in rows.chunks_exact_mut(SIZE) {
+                    row.get_mut(*from..*to).unwrap_or_default().fill(f32::NEG_INFINITY);
+                }
+            }
         }
     }
 
@@ -494,10 +500,23 @@ impl Map {
             let from = (lo + a.x + 0.5).max(x0 as f32) as usize;
             let to = ((hi + a.x + 0.5).max(0.0) as usize).min(x1);
             let first = a.z + zy * dy + zx * (from as f32 + 0.5 - a.x);
-            for (texel, i) in self.height[y * SIZE..][..SIZE].get_mut(from..to).into_iter().flatten().zip(0_i32..) {
-                let z = first + zx * i as f32;
-                *texel = if z > *texel { z } else { *texel };
-            }
+            raise_span(&mut self.height[y * SIZE..], from..to, first, zx);
+        }
+    }
+}
+
+/// Raises the texels of a part of a row to a plane's height, which is `first` in the first of them and rises by `step`
+/// from texel to texel. `row` must go on beyond the span by eight texels, which stay as they are.
+#[inline(always)]
+fn raise_span(row: &mut [f32], span: Range<usize>, first: f32, step: f32) {
+    for start in span.clone().step_by(LANES) {
+        let (before, left) = ((start - span.start) as i32 as f32, (span.end - start) as i32 as f32);
+        let texels = &mut row[start..start + LANES];
+        for (i, texel) in texels.iter_mut().enumerate() {
+            let i = i as i32 as f32;
+            let z = first + step * (before + i);
+            let is_higher = (z > *texel) & (i < left);
+            *texel = if is_higher { z } else { *texel };
         }
     }
 }
