@@ -8,7 +8,7 @@ use multiversion::multiversion;
 use super::ambient::SkyView;
 use super::faces::{Face, Flags, Kind};
 use super::pattern::{self, PatternPoint};
-use super::shadow::{Asked, Shadows, TOGETHER};
+use super::shadow::{Asked, Shadows};
 use super::sky::Sky;
 use crate::material::Pattern;
 use crate::math::Vec3;
@@ -138,6 +138,7 @@ pub struct Lanes {
     normal: Lane3,
     cos_sun: Lane,
     cos_face: Lane,
+    is_asked: [bool; STRIDE],
     lit: Lane,
     near: Lane,
     /// At first of the material, then of the place.
@@ -206,6 +207,7 @@ impl Default for Lanes {
             normal: O3,
             cos_sun: O,
             cos_face: O,
+            is_asked: [false; STRIDE],
             lit: O,
             near: O,
             albedo: O3,
@@ -301,22 +303,24 @@ impl Lanes {
 
     /// Looks up what the sun's shadows and the cars near by leave.
     fn cast_shadows(&mut self, light: &Light, eye: Vec3, kind: Kind, n: usize) {
-        self.lit[..n].fill(0.0);
         self.near[..n].fill(1.0);
         let is_leaf = kind.pattern == Pattern::Leaves;
-        if let Some(shadows) = &light.shadows {
-            for start in (0..n).step_by(TOGETHER) {
-                let mut asked = Asked::default();
-                for k in 0..TOGETHER {
-                    let i = start + k;
-                    put(&mut asked.points_world, k, eye + get(&self.point, i));
-                    put(&mut asked.normals, k, get(&self.face_normal, i));
-                    asked.cos_sun[k] = self.cos_face[i];
-                    let faces_sun = self.cos_face[i] > 0.0 && (self.cos_sun[i] > 0.0 || kind.is_pane);
-                    asked.is_asked[k] = i < n && (is_leaf || faces_sun);
-                }
-                self.lit[start..start + TOGETHER].copy_from_slice(&shadows.sunlit_together(&asked));
+        for i in 0..LANES {
+            let faces_sun = (self.cos_face[i] > 0.0) & ((self.cos_sun[i] > 0.0) | kind.is_pane);
+            self.is_asked[i] = (i < n) & (is_leaf | faces_sun);
+        }
+        match &light.shadows {
+            Some(shadows) if self.is_asked.contains(&true) => {
+                let asked = Asked {
+                    points: &self.point,
+                    normals: &self.face_normal,
+                    cos_sun: &self.cos_face,
+                    is_asked: &self.is_asked,
+                    count: n,
+                };
+                shadows.sunlit(eye, &asked, &mut self.lit);
             }
+            _ => self.lit.fill(0.0),
         }
         for i in 0..n {
             if self.flags[i] & Flags::CONTACT > 0 {
