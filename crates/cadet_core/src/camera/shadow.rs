@@ -29,7 +29,13 @@ struct Map {
     texels_per_m: f32,
     height: Vec<f32>,
     seen: SeenTiles,
+    /// [`SQUARE`]; as constants its ones and zeros would be folded, and four equal lanes become scalars.
+    square: [[f32; 4]; 2],
 }
+
+/// How much of four texels in a row lies in the square that is looked at, where it begins at the edge of the first; and
+/// how that changes while it moves on by a texel.
+const SQUARE: [[f32; 4]; 2] = [[1.0, 1.0, 1.0, 0.0], [-1.0, 0.0, 0.0, 1.0]];
 
 /// The tiles of a map on which the camera sees something.
 #[derive(Debug, Clone, Default)]
@@ -111,6 +117,7 @@ impl Shadows {
                 texels_per_m: 1.0 / texel_m,
                 height,
                 seen: SeenTiles::default(),
+                square: std::hint::black_box(SQUARE),
             });
         }
         shadows.mark_seen(seen_world);
@@ -231,7 +238,7 @@ fn place<const N: usize>(shadows: &Shadows, eye_world: Vec3, asked: &Asked<N>, o
             let (point, normal) = (Vec3::new(px[i], py[i], pz[i]), Vec3::new(nx[i], ny[i], nz[i]));
             let cos_sun = asked.cos_sun[i];
             // Normal offset: moves grazing surfaces off their own texels, where a depth bias alone leaks.
-            let offset = texel_m * (NORMAL_OFFSET + 1.6 * (1.0 - cos_sun.abs())) + 0.006;
+            let offset = texel_m * (NORMAL_OFFSET + 2.2 * (1.0 - cos_sun.abs())) + 0.006;
             let offset = if cos_sun < 0.0 { -offset } else { offset };
             let p = point + normal * offset;
             let x = (axes[0].dot(p) + min_x) * texels_per_m;
@@ -370,17 +377,18 @@ impl Map {
     #[inline]
     fn share_below(&self, first: usize, x: f32, y: f32, z: f32) -> f32 {
         let texels = &self.height[first..first + 3 * STRIDE + 4];
-        let columns = [1.0 - x, 1.0, 1.0, x];
+        let edge = |at: f32| -> [f32; 4] { std::array::from_fn(|k| self.square[0][k] + self.square[1][k] * at) };
+        let (columns, rows) = (edge(x), edge(y));
         let mut sums = [0.0; 4];
-        for (row, share) in [1.0 - y, 1.0, 1.0, y].into_iter().enumerate() {
+        for (row, share) in rows.into_iter().enumerate() {
             let texels = &texels[row * STRIDE..][..4];
             for k in 0..4 {
-                sums[k] += if texels[k] <= z { share * columns[k] } else { 0.0 };
+                sums[k] += if texels[k] <= z { columns[k] * share } else { 0.0 };
             }
         }
         let sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
-        // Rounding must not dim what is lit all over.
-        if sum > 8.999_9 { 1.0 } else { sum * (1.0 / 9.0) }
+        // Neither rounding nor the edge of a texel dims what is lit all over.
+        if sum > 8.95 { 1.0 } else { sum * (1.0 / 9.0) }
     }
 
     /// Raises the texels whose middles lie within a triangle; x and y in texels.
