@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::shadow::{Asked, Shadows, TOGETHER};
+use super::shadow::{Asked, Shadows};
 use super::sky::Sky;
 use super::{Rendered, View, look, render};
 use crate::frames::{facing, upright};
@@ -134,7 +134,7 @@ fn a_plates_shadow_falls_where_the_sun_ray_says() {
                 let meets = |z: f32| p + s * (z / s.z);
                 let outside = |q: Vec3| (q.x - 10.0).abs().max(q.y.abs()) - 2.0;
                 let (low, high) = (outside(meets(3.0)), outside(meets(3.1)));
-                let lit = shadows.sunlit(p, Vec3::Z, s.z);
+                let lit = sunlit(&shadows, p, Vec3::Z, s.z);
                 if low.max(high) < -0.12 {
                     assert_eq!(lit, 0.0, "{azimuth}: {p}");
                     dark += 1;
@@ -167,7 +167,7 @@ fn surfaces_that_face_the_sun_do_not_shade_themselves() {
             for k in 1..200 {
                 let (u, v) = (0.05 + 0.85 * (k as f32 * 0.618).fract(), 0.05 + 0.85 * (k as f32 * 0.377).fract());
                 if u + v < 0.92 {
-                    let lit = shadows.sunlit(a + (b - a) * u + (c - a) * v, normal, normal.dot(s));
+                    let lit = sunlit(&shadows, a + (b - a) * u + (c - a) * v, normal, normal.dot(s));
                     assert_eq!(lit, 1.0, "face {face} at {u} {v} under {azimuth} {elevation}");
                 }
             }
@@ -259,29 +259,39 @@ fn the_ground_under_a_car_is_nearly_black_and_overcast_casts_no_shadow() {
     assert!(in_shadow(&weather) > 0.75, "{}", in_shadow(&weather));
 }
 
+/// The sun that reaches one point.
+fn sunlit(shadows: &Shadows, point_world: Vec3, normal: Vec3, cos_sun: f32) -> f32 {
+    let eye = Vec3::new(1.0, -2.0, 1.65);
+    let mut lit = [f32::NAN; 16];
+    let asked = Asked {
+        points: &(point_world - eye).to_array().map(|v| [v; 16]),
+        normals: &normal.to_array().map(|v| [v; 16]),
+        cos_sun: &[cos_sun; 16],
+        is_asked: &std::array::from_fn(|i| i != 3),
+        count: 15,
+    };
+    shadows.sunlit(eye, &asked, &mut lit);
+    assert!(lit[3] == 0.0 && lit[15].is_nan());
+    assert!(lit[..15].iter().enumerate().all(|(i, l)| i == 3 || *l == lit[0]));
+    lit[0]
+}
+
 #[test]
-fn shadows_looked_up_together_are_those_looked_up_alone() {
-    let plate = cuboid(Vec3::new(8.0, -2.0, 3.0), Vec3::new(12.0, 2.0, 3.1), gray(Semantic::Fence, 0.5), 0);
+fn a_shadows_edge_is_as_soft_as_three_texels_and_rises_steadily() {
+    let plate = cuboid(Vec3::new(8.0, -20.0, 3.0), Vec3::new(12.0, 20.0, 3.1), gray(Semantic::Fence, 0.5), 0);
     let scene = PosedScene::new(&[ground(), plate], DVec3::ZERO);
-    let s = Sky::new(&clear_sun_from(75.0)).sun_world;
+    // The sun stands in the plane y = 0, so that light falls square to the plate's edge.
+    let s = Sky::new(&clear_sun_from(180.0)).sun_world;
     let shadows = Shadows::new(&scene, DVec3::new(0.0, 0.0, EYE_HEIGHT_M), DVec3::X, s, None, Vec::new());
-    let (mut dark, mut beyond) = (0, 0);
-    for row in 0..2000 {
-        let mut asked = Asked::default();
-        let at = |k: usize| Vec3::new(row as f32 * 0.0711 - 8.0, k as f32 * 0.493 - 9.0, 0.0);
-        for k in 0..TOGETHER {
-            for axis in 0..3 {
-                (asked.points_world[axis][k], asked.normals[axis][k]) = (at(k)[axis], Vec3::Z[axis]);
-            }
-            (asked.cos_sun[k], asked.is_asked[k]) = (s.z, k != 3);
-        }
-        for (k, lit) in shadows.sunlit_together(&asked).into_iter().enumerate() {
-            let alone = if k == 3 { 0.0 } else { shadows.sunlit(at(k), Vec3::Z, s.z) };
-            // Sums in another order may move a point by a rounding across a texel's edge.
-            assert!((lit - alone).abs() < 1e-6 || (lit - alone).abs() < 0.3 && lit.min(alone) < 1.0, "{lit} {alone}");
-            dark += usize::from(lit < 1.0 && k != 3);
-            beyond += usize::from(at(k).x > 126.0);
-        }
-    }
-    assert!(dark > 100 && beyond > 1000, "{dark} {beyond}");
+    // Metres of level ground for a texel of the near map.
+    let step = 40.0 / 1536.0 / s.z;
+    let edge = 12.0 - s.x * 3.0 / s.z;
+    let at = |texels: f32| sunlit(&shadows, Vec3::new(edge + texels * step, 0.3, 0.0), Vec3::Z, s.z);
+    let profile: Vec<f32> = (-40..=40).map(|i| at(i as f32 * 0.125)).collect();
+    assert!(profile[0] == 0.0 && profile[80] == 1.0);
+    assert!(profile.windows(2).all(|p| p[1] >= p[0] && p[1] - p[0] < 0.06), "{profile:?}");
+    let width = profile.iter().filter(|lit| (0.01..0.99).contains(*lit)).count() as f32 * 0.125;
+    assert!((2.7..3.2).contains(&width), "{width}");
+    // What no map shows is lit.
+    assert_eq!(sunlit(&shadows, Vec3::new(400.0, 0.0, 0.0), Vec3::Z, s.z), 1.0);
 }
