@@ -117,6 +117,12 @@ impl Place {
 /// The two samples of a pixel: nearness in 1/m, 0 where there is nothing, and the number of the face.
 type Two = [(f32, u32); 2];
 
+/// Of a pixel of a block.
+#[inline]
+fn two(block: &Block, row: usize, column: usize) -> Two {
+    [2 * row, 2 * row + 1].map(|line| (block.nearness[line][column], block.face[line][column]))
+}
+
 impl<'a> Collector<'a> {
     pub fn new(
         buffer: &'a VisibilityBuffer,
@@ -174,9 +180,10 @@ impl<'a> Collector<'a> {
     fn ask(&mut self, tile: &Tile) {
         let block = &self.buffer.solid[tile.number];
         for row in 0..tile.rows {
-            if self.buffer.has_panes[tile.number] {
-                self.ask_row_for_panes(block, row);
-                self.ask_row_for_panes(&self.buffer.panes[tile.number], row);
+            if let Some(panes) = self.panes_before(tile, row) {
+                for i in 0..BLOCK {
+                    self.ask_behind_panes(two(block, row, i), two(panes, row, i));
+                }
                 continue;
             }
             match tile.survey.rows[row] {
@@ -204,24 +211,33 @@ impl<'a> Collector<'a> {
         }
     }
 
-    /// All faces of a row: before panes leaves do not count as one.
-    fn ask_row_for_panes(&mut self, block: &Block, row: usize) {
-        for line in [2 * row, 2 * row + 1] {
-            for (nearness, face) in block.nearness[line].iter().zip(&block.face[line]) {
-                if *nearness > 0.0 {
-                    self.faces.ask(*face);
-                    let _ = self.faces.plant(*face);
-                }
+    /// All faces of a pixel in a row with panes, except for panes behind what is solid.
+    fn ask_behind_panes(&mut self, solid: Two, panes: Two) {
+        for (solid, pane) in solid.into_iter().zip(panes) {
+            if solid.0 > 0.0 {
+                self.faces.ask(solid.1);
+                let _ = self.faces.plant(solid.1);
+            }
+            if pane.0 > solid.0 {
+                self.faces.ask(pane.1);
             }
         }
+    }
+
+    /// The panes of a block, if in a row of pixels any of them lies before what is solid.
+    fn panes_before(&self, tile: &Tile, row: usize) -> Option<&'a Block> {
+        let buffer = self.buffer;
+        let (solid, panes) = (&buffer.solid[tile.number], &buffer.panes[tile.number]);
+        let is_before = |line: usize| (0..BLOCK).any(|i| panes.nearness[line][i] > solid.nearness[line][i]);
+        (buffer.has_panes[tile.number] && (is_before(2 * row) || is_before(2 * row + 1))).then_some(panes)
     }
 
     fn collect_tile(&mut self, tile: &Tile, first_row: usize, rgb: &mut [f32]) {
         let buffer = self.buffer;
         let block = &buffer.solid[tile.number];
-        let panes = buffer.has_panes[tile.number].then(|| &buffer.panes[tile.number]);
         for row in 0..tile.rows {
             let row_in_band = tile.row_in_band + row;
+            let panes = self.panes_before(tile, row);
             let mut place = Place {
                 column: tile.left,
                 row: first_row + row_in_band,
@@ -231,12 +247,9 @@ impl<'a> Collector<'a> {
                 self.collect_run(block.face[2 * row][0], place, &tile.survey.depth[row]);
                 continue;
             }
-            let two = |block: &Block, i: usize| {
-                [2 * row, 2 * row + 1].map(|line| (block.nearness[line][i], block.face[line][i]))
-            };
             for i in 0..tile.columns {
-                let solid = two(block, i);
-                let before = panes.map(|p| two(p, i)).filter(|p| (0..2).any(|i| p[i].0 > solid[i].0));
+                let solid = two(block, row, i);
+                let before = panes.map(|p| two(p, row, i)).filter(|p| (0..2).any(|i| p[i].0 > solid[i].0));
                 match before {
                     Some(panes) => self.collect_behind_panes(solid, panes, place, rgb),
                     None => self.collect_pixel(solid, tile.survey.depth[row][i], place, rgb),
