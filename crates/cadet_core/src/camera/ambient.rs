@@ -373,7 +373,12 @@ impl SkyView {
             reaching.sort_unstable();
             for index in &reaching {
                 let axes = points.each_ref().map(|axis| &axis[start..end]);
-                self.blockers[usize::from(*index)].darken(eye_world, axes, &is_asked[start..end], &mut near[start..end]);
+                self.blockers[usize::from(*index)].darken(
+                    eye_world,
+                    axes,
+                    &is_asked[start..end],
+                    &mut near[start..end],
+                );
             }
         }
     }
@@ -432,8 +437,7 @@ impl NearBlocks {
     fn new(asked: &[bool]) -> Self {
         let near = |i: usize| i.saturating_sub(Self::REACH)..(i + Self::REACH + 1).min(GRID);
         // Along rows first, then along columns.
-        let rows: Vec<bool> =
-            (0..GRID * GRID).map(|i| near(i % GRID).any(|x| asked[i / GRID * GRID + x])).collect();
+        let rows: Vec<bool> = (0..GRID * GRID).map(|i| near(i % GRID).any(|x| asked[i / GRID * GRID + x])).collect();
         let mut sums = vec![0; (GRID + 1) * (GRID + 1)];
         for y in 0..GRID {
             let mut row = 0;

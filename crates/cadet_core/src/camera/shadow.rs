@@ -174,7 +174,10 @@ impl Shadows {
     pub fn sunlit<const N: usize>(&self, eye_world: Vec3, asked: &Asked<N>, lit: &mut [f32; N]) {
         let mut at = OnMaps { first: [NOWHERE; N], x: [0.0; N], y: [0.0; N], z: [0.0; N] };
         place(self, eye_world, asked, &mut at);
-        let known = lit[..asked.count].iter_mut().zip(asked.is_asked).zip(at.first.iter().zip(at.x.iter().zip(&at.y).zip(&at.z)));
+        let known = lit[..asked.count]
+            .iter_mut()
+            .zip(asked.is_asked)
+            .zip(at.first.iter().zip(at.x.iter().zip(&at.y).zip(&at.z)));
         for ((lit, is_asked), (first, ((x, y), z))) in known {
             *lit = match *first {
                 _ if !*is_asked => 0.0,

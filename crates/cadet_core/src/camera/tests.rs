@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::ambient::SkyView;
 use super::shadow::{Asked, Shadows};
 use super::sky::Sky;
 use super::{Rendered, View, look, render};
@@ -294,4 +295,31 @@ fn a_shadows_edge_is_as_soft_as_three_texels_and_rises_steadily() {
     assert!((2.7..3.2).contains(&width), "{width}");
     // What no map shows is lit.
     assert_eq!(sunlit(&shadows, Vec3::new(400.0, 0.0, 0.0), Vec3::Z, s.z), 1.0);
+}
+
+#[test]
+fn vehicles_darken_a_point_alike_whoever_is_asked_with_it() {
+    let car =
+        |y: f32, id| cuboid(Vec3::new(9.0, y - 0.9, 0.3), Vec3::new(13.0, y + 0.9, 1.5), gray(Semantic::Car, 0.3), id);
+    let scene = PosedScene::new(&[ground(), car(0.0, 1), car(3.0, 2)], DVec3::ZERO);
+    let eye = Vec3::new(0.0, 0.0, EYE_HEIGHT_M as f32);
+    let view = SkyView::new(&scene, eye.as_dvec3(), DVec3::X, &[]);
+    let at = |i: usize| Vec3::new(11.0, i as f32 * 0.09 - 5.0, 0.0);
+    let points = [0, 1, 2].map(|axis| std::array::from_fn::<f32, 144, _>(|i| (at(i) - eye)[axis]));
+    let mut together = [f32::NAN; 144];
+    view.contact(eye, &points, &std::array::from_fn(|i| i % 5 != 2), 144, &mut together);
+    for (i, near) in together.into_iter().enumerate() {
+        let mut alone = [f32::NAN; 1];
+        view.contact(eye, &points.map(|axis| [axis[i]]), &[i % 5 != 2], 1, &mut alone);
+        assert_eq!(near, alone[0], "{}", at(i));
+        // The nearer side of the nearer car: beyond one and a half of its heights nothing is left of it.
+        let beside = (at(i).y.abs() - 0.9).min((at(i).y - 3.0).abs() - 0.9);
+        match beside {
+            _ if i % 5 == 2 => assert_eq!(near, 1.0),
+            b if b < -0.2 => assert!(near < 0.3, "{}: {near}", at(i)),
+            b if b > 0.1 && b < 0.6 => assert!((0.3..0.95).contains(&near), "{}: {near}", at(i)),
+            b if b > 1.9 => assert_eq!(near, 1.0),
+            _ => {}
+        }
+    }
 }
