@@ -12,6 +12,7 @@ __all__ = [
     "Lidar",
     "Scene",
     "__version__",
+    "bev_maps",
     "box_iou",
     "encode_png",
     "evaluate",

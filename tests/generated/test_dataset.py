@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 import subprocess
 import sys
@@ -111,18 +110,3 @@ def test_the_papers_towns_drive(name: str, tmp_path: Path) -> None:
     assert sum(label.type == "Car" for frame in frames for label in frame.labels) >= 6
     places = [np.array(frame.meta["world_from_ego"])[:2, 3] for frame in frames if frame.meta is not None]
     assert np.linalg.norm(places[-1] - places[0]) > 5, "the ego drives"
-
-
-def test_golden_bytes() -> None:
-    """The same seed gives the same bytes on every machine: a change here is a change of every dataset."""
-    scene = cadet.Scene.random(seed=0, weather="clear_noon")
-    frame = scene.capture()
-    digest = hashlib.sha256()
-    for part in (frame.image, frame.points_velo, frame.instance, frame.plane):
-        assert part is not None
-        digest.update(np.ascontiguousarray(part).tobytes())
-    digest.update("\n".join(label.to_line() for label in frame.labels).encode())
-    assert digest.hexdigest() == GOLDEN
-
-
-GOLDEN = "e9972bcc1c62b1d5d03590c487d0fbc69665e20b09e90f90ccf71fb13e527c34"

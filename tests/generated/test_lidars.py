@@ -36,8 +36,14 @@ def test_points_lie_on_their_beams(scene: Scene, name: str) -> None:
     distance_m = np.linalg.norm(scan.points_velo[:, :3].astype(np.float64), axis=1)
     assert distance_m.min() >= table.min_range_m
     assert distance_m.max() < table.max_range_m
-    # Ring-major, azimuth rising counter-clockwise from forward, each ring's last beam before the turn's end.
-    assert (np.diff(beam) > 0).all()
+    # Ring-major, azimuth rising counter-clockwise from forward, each ring's last beam before the turn's end. What
+    # lasers beside the axis see near by and far away overtakes: there the written azimuths rise.
+    if all(laser.left_m == 0.0 for laser in table.rings):
+        assert (np.diff(beam) > 0).all()
+    else:
+        assert len(np.unique(beam)) == len(beam)
+        written = np.degrees(np.arctan2(scan.points_velo[:, 1].astype(float), scan.points_velo[:, 0])) % 360.0
+        assert (np.diff(scan.ring * 360.0 + written) >= 0.0).all()
     azimuth = np.degrees(np.arctan2(directions[:, 1], directions[:, 0])) % 360.0
     assert (np.diff(azimuth.reshape(len(table.rings), -1), axis=1) > 0.0).all()
     # A street returns most of what is sent below the horizon.

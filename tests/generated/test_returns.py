@@ -17,7 +17,8 @@ from sensed import Sensed
 @pytest.fixture(scope="module")
 def points() -> dict[str, NDArray[np.float64]]:
     """Points by class: rows of range in metres and intensity; for cars also the share of the box's height."""
-    by_class: dict[str, list[NDArray[np.float64]]] = {name: [] for name in ("asphalt", "foliage", "facades", "people")}
+    names = ("asphalt", "foliage", "facades", "people", "signs")
+    by_class: dict[str, list[NDArray[np.float64]]] = {name: [] for name in names}
     cars = []
     rig = replace(cadet.Rig.kitti(), camera=cadet.Rig.kitti().camera.resized(621, 188))
     for seed in range(13):
@@ -31,6 +32,7 @@ def points() -> dict[str, NDArray[np.float64]]:
             by_class["foliage"].append(rows[semantic == Semantic.VEGETATION])
             by_class["facades"].append(rows[semantic == Semantic.BUILDING])
             by_class["people"].append(rows[semantic == Semantic.PERSON])
+            by_class["signs"].append(rows[semantic == Semantic.TRAFFIC_SIGN])
             for label in frame.labels:
                 if label.type == "Car" and label.occluded == 0 and label.truncated < 0.05:
                     inside, height = _inside(place_cam, label)
@@ -116,6 +118,40 @@ def test_half_of_a_cars_returns_are_zero_most_of_them_high_up(points: dict[str, 
     assert dark[0] < dark[2] < dark[3], dark
     assert dark[0] <= 0.5 and dark[3] >= 0.6, dark
     assert 0.40 <= shares[0] <= 0.58 and 0.05 <= shares[3] <= 0.14, shares
+
+
+def test_signs_overflow_the_receiver_from_the_front_alone(points: dict[str, NDArray[np.float64]]) -> None:
+    signs = points["signs"]
+    assert len(signs) > 100, len(signs)
+    assert 0.2 <= (signs[:, 1] > 0.9).mean() <= 0.95
+    far = signs[signs[:, 0] > 40]
+    assert len(far) > 10 and (far[:, 1] > 0.9).mean() > 0.2, "whatever the range"
+
+
+def test_windows_swallow_beams_and_interiors_return_some() -> None:
+    """Beams that meet the windows' band of a car; on a plane, so that what goes through comes back from the ground."""
+    lidar = cadet.Lidar.hdl64e_kitti()
+    origins, directions, _, _ = lidar.rays()
+    columns = lidar.beam_table().num_columns
+    fates = np.zeros((2, 4))
+    for design in range(24):
+        scene = cadet.Scene.empty(weather="clear_noon")
+        car = scene.add("Car", x=9.0 + 0.3 * design, y=0.2 * design - 2.0, yaw=0.3 * design, model_seed=design)
+        scan, ideal = scene.scan(lidar), scene.scan(lidar, ideal=True)
+        reported_m = np.full(len(origins), np.nan)
+        reported_m[scan.ring * columns + scan.column] = scan.range_m
+        on_car = ideal.actor_id == car
+        height_m = origins[on_car, 2] + directions[on_car, 2] * ideal.range_m[on_car]
+        height_m -= height_m.min()
+        deeper_m = (reported_m - ideal.range_m)[on_car]
+        for part, (low, high) in enumerate([(0.1, 0.5), (0.7, 0.9)]):
+            band = deeper_m[(height_m >= low * height_m.max()) & (height_m < high * height_m.max())]
+            kinds = [np.isnan(band), np.abs(band) <= 0.08, (band > 0.08) & (band < 2.5), band >= 2.5]
+            fates[part] += [kind.sum() for kind in kinds]
+    body, windows = fates / fates.sum(axis=1, keepdims=True)
+    lost, surface, interior, behind = windows
+    assert body[1] > 0.85 and body[2] + body[3] < 0.03, body
+    assert surface < 0.5 and 0.15 <= interior <= 0.6 and 0.1 <= lost <= 0.5 and behind <= 0.15, windows
 
 
 @needs_kitti

@@ -3,6 +3,7 @@
 
 mod common;
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use common::{angle_to_edges, at, cuboid, place, posed, random_scene, sphere};
@@ -100,12 +101,15 @@ fn points_keep_kittis_promises() {
     let scan = scan(&scene, &DPose3::IDENTITY, &spec, &weather, &mut Stream::from_seed("scan", 0)).expect("valid");
     let ideal = ideal_scan(&scene, &DPose3::IDENTITY, &spec);
     assert!(scan.ring.len() > 60_000, "{}", scan.ring.len());
-    let mut last = (0, -1);
+    let mut last = (0, -1.0);
+    let mut beams = HashSet::new();
     let mut noise = Vec::new();
     for (i, [x, y, z, intensity]) in scan.points_velo.iter().copied().enumerate() {
         let (ring, column) = (scan.ring[i], scan.column[i]);
-        assert!((ring, column) > last, "ring-major, azimuth rising");
-        last = (ring, column);
+        let azimuth = math::atan2(f64::from(y), f64::from(x)).rem_euclid(TAU);
+        assert!((ring, azimuth) >= last, "ring-major, azimuth rising");
+        last = (ring, azimuth);
+        assert!(beams.insert((ring, column)), "one return a beam");
         assert!((1.45..80.0).contains(&scan.range_m[i]));
         let whole = |v: f32, unit: f64| (f64::from(v) * unit - (f64::from(v) * unit).round()).abs() < 5e-3;
         assert!(whole(x, 1e3) && whole(y, 1e3) && whole(z, 1e3) && whole(intensity, 1e2));

@@ -18,6 +18,10 @@ fn camera(pose: DPose3, rows: usize, columns: usize) -> PinholeGrid {
     PinholeGrid::new(pose, [721.5, 721.5, 609.6, 172.9], [0.0, 0.0, 4.0, 4.0], rows, columns).expect("a valid camera")
 }
 
+fn quincunx(pose: DPose3, rows: usize, columns: usize) -> PinholeGrid {
+    PinholeGrid::quincunx(pose, [180.4, 180.4, 150.2, 43.3], [-3.0, -1.0], rows, columns).expect("a valid camera")
+}
+
 /// Every other instance becomes a pane.
 fn with_panes(mut instances: Vec<Instance>) -> Arc<PosedScene> {
     let mut palette = (*common::matt()).clone();
@@ -40,7 +44,7 @@ fn assert_same(scene: &PosedScene, grid: &PinholeGrid, rows: usize, columns: usi
         for column in 0..columns {
             let at = row * columns + column;
             let (seen, nearness) = buffer.front(row, column).map_or(((NO_HIT, NO_HIT), 0.0), |(face, nearness)| {
-                let depth = face.depth_at(grid.columns_x()[column], grid.rows_y()[row]);
+                let depth = face.depth_at(grid.columns_x(row)[column], grid.rows_y()[row]);
                 assert!((depth * nearness - 1.0).abs() < 3e-7, "{depth} {nearness}");
                 ((face.instance, face.face), nearness)
             });
@@ -51,7 +55,7 @@ fn assert_same(scene: &PosedScene, grid: &PinholeGrid, rows: usize, columns: usi
             if seen != (hits.instance[at], hits.face[at]) {
                 assert!(seen.0 != NO_HIT && hits.instance[at] != NO_HIT);
             }
-            let behind = buffer.solid_quad(row & !1, column & !1).nearness[(row & 1) * 2 + (column & 1)];
+            let behind = buffer.solid_pair(row & !1, column).nearness[row & 1];
             let expected = 1.0 / f64::from(solid.depth[at]);
             assert!((f64::from(behind) - expected).abs() <= 2e-7 * expected, "{row} {column}: solid");
         }
@@ -68,7 +72,9 @@ fn drawing_sees_what_casting_sees() {
         // Also images that end within a block.
         for (rows, columns) in [(94, 311), (94, 311), (90, 314), (3, 17)] {
             let pose = DPose3 { rotation: random_rotation(&mut s), translation: center };
-            assert_same(&scene, &camera(pose, rows, columns), rows, columns, &mut buffer);
+            for grid in [camera(pose, rows, columns), quincunx(pose, rows, columns)] {
+                assert_same(&scene, &grid, rows, columns, &mut buffer);
+            }
         }
     }
 }
@@ -78,7 +84,7 @@ fn equal_depths_go_to_the_earlier_instance_and_face() {
     let at = |id| place(common::cuboid([1.0; 3].into()), common::at(0.0, 0.0, 10.0), id);
     let grid = camera(DPose3::IDENTITY, 94, 311);
     let mut buffer = VisibilityBuffer::default();
-    draw(&posed(&[at(3), at(2), at(1)]), &grid, |_| true, &mut buffer);
+    draw(&posed(&[at(3), at(2), at(1)]), &grid, &mut buffer);
     let seen: Vec<u32> = (0..94)
         .flat_map(|r| (0..311).map(move |c| (r, c)))
         .filter_map(|(r, c)| Some(buffer.front(r, c)?.0.instance))
@@ -95,7 +101,9 @@ proptest! {
         let center = DVec3::new(300.0, -250.0, 10.0);
         let scene = with_panes(vec![soup(&mut s, n, 12.0, center), soup(&mut s, n, 12.0, center)]);
         let pose = DPose3 { rotation: random_rotation(&mut s), translation: center };
-        assert_same(&scene, &camera(pose, 94, 311), 94, 311, &mut VisibilityBuffer::default());
+        for grid in [camera(pose, 94, 311), quincunx(pose, 94, 311)] {
+            assert_same(&scene, &grid, 94, 311, &mut VisibilityBuffer::default());
+        }
     }
 
     #[test]
@@ -104,7 +112,7 @@ proptest! {
         let scene = posed(&[place(sphere(radius, rings), DPose3::IDENTITY, 1)]);
         let inside = DVec3::new(s.normal(), s.normal(), s.normal()).normalize() * f64::from(radius) * 0.4;
         let mut buffer = VisibilityBuffer::default();
-        draw(&scene, &camera(DPose3 { rotation: random_rotation(&mut s), translation: inside }, 94, 311), |_| true, &mut buffer);
+        draw(&scene, &camera(DPose3 { rotation: random_rotation(&mut s), translation: inside }, 94, 311), &mut buffer);
         prop_assert!((0..94).all(|r| (0..311).all(|c| buffer.front(r, c).is_some())));
     }
 }

@@ -69,8 +69,8 @@ impl SkyView {
             blockers: Vec::new(),
             grid: vec![Vec::new(); GRID * GRID],
         };
-        let top = view.measure_heights(scene, (eye_world.z - 1.65) as f32);
         let asked = view.asked_blocks(seen_world);
+        let top = view.measure_heights(scene, (eye_world.z - 1.65) as f32, &NearBlocks::new(&asked));
         view.place_probes(&top, &asked);
         view.collect_blockers(scene);
         view
@@ -81,7 +81,7 @@ impl SkyView {
     }
 
     /// Fills the floor, and returns the highest surface of each cell.
-    fn measure_heights(&mut self, scene: &PosedScene, default_z: f32) -> Vec<f32> {
+    fn measure_heights(&mut self, scene: &PosedScene, default_z: f32, near: &NearBlocks) -> Vec<f32> {
         let mut top = vec![f32::NEG_INFINITY; CELLS * CELLS];
         let mut floor = vec![f32::INFINITY; CELLS * CELLS];
         let side = CELLS as f32 * CELL_M;
@@ -93,6 +93,9 @@ impl SkyView {
                 || c.x - r > self.min[0] + side
                 || c.y - r > self.min[1] + side
             {
+                continue;
+            }
+            if !near.any([c.x - self.min[0], c.y - self.min[1]], r) {
                 continue;
             }
             let foot_z = c.z - 0.5 * instance.mesh.bounds.size().z;
@@ -109,7 +112,7 @@ impl SkyView {
             for cluster in &mesh.clusters {
                 let c = origin + linear * cluster.center;
                 let (dx, dy, r) = (c.x - self.min[0], c.y - self.min[1], cluster.radius_m);
-                if dx + r < 0.0 || dy + r < 0.0 || dx - r > side || dy - r > side {
+                if dx + r < 0.0 || dy + r < 0.0 || dx - r > side || dy - r > side || !near.any([dx, dy], r) {
                     continue;
                 }
                 let cell = |d: f32| ((d / CELL_M).max(0.0) as usize).min(CELLS - 1);
@@ -129,8 +132,8 @@ impl SkyView {
                     continue;
                 }
                 pose_roughly(cluster, &linear, origin, &mut points);
-                // Of a few cells, a part of the faces tells enough.
-                let step = if r < CELL_M { 4 } else { 1 };
+                // Of a few cells, or of leaves, a part of the faces tells enough.
+                let step = if r < CELL_M || is_plant { 4 } else { 1 };
                 for corners in cluster.corners.iter().step_by(step) {
                     let corner = |i: u8| Vec3::from_array(points.each_ref().map(|axis| axis[usize::from(i)]));
                     self.mark_face(corners.map(corner), &mut mark);
@@ -334,45 +337,125 @@ impl SkyView {
         [a, b, c, d, e, f]
     }
 
-    /// Share of the sky's light that vehicles leave to a point on the ground under or beside them, 0..1.
-    #[must_use]
-    pub fn contact(&self, point_world: Vec3) -> f32 {
-        let gx = (point_world.x - self.min[0]) / GRID_M;
-        let gy = (point_world.y - self.min[1]) / GRID_M;
-        if gx < 0.0 || gy < 0.0 || gx >= GRID as f32 || gy >= GRID as f32 {
-            return 1.0;
+    /// Share of the sky's light that vehicles leave to points on the ground under or beside them, 0..1; 1 where it is not
+    /// asked. `points` are relative to the eye; the first `count` of them matter.
+    pub fn contact<const N: usize>(
+        &self,
+        eye_world: Vec3,
+        points: &[[f32; N]; 3],
+        is_asked: &[bool; N],
+        count: usize,
+        near: &mut [f32; N],
+    ) {
+        near[..count].fill(1.0);
+        let mut reaching: Vec<u16> = Vec::new();
+        for start in (0..count).step_by(TOGETHER) {
+            let end = (start + TOGETHER).min(count);
+            reaching.clear();
+            let mut last = usize::MAX;
+            for i in (start..end).filter(|i| is_asked[*i]) {
+                let gx = (points[0][i] + eye_world.x - self.min[0]) * (1.0 / GRID_M);
+                let gy = (points[1][i] + eye_world.y - self.min[1]) * (1.0 / GRID_M);
+                if gx < 0.0 || gy < 0.0 || gx >= GRID as f32 || gy >= GRID as f32 {
+                    continue;
+                }
+                let cell = gy as usize * GRID + gx as usize;
+                if cell != last {
+                    last = cell;
+                    for index in &self.grid[cell] {
+                        if !reaching.contains(index) {
+                            reaching.push(*index);
+                        }
+                    }
+                }
+            }
+            // One order for all groups, so that a point's light does not depend on its neighbours.
+            reaching.sort_unstable();
+            for index in &reaching {
+                let axes = points.each_ref().map(|axis| &axis[start..end]);
+                self.blockers[usize::from(*index)].darken(
+                    eye_world,
+                    axes,
+                    &is_asked[start..end],
+                    &mut near[start..end],
+                );
+            }
         }
-        let mut left = 1.0;
-        for index in &self.grid[gy as usize * GRID + gx as usize] {
-            left *= self.blockers[usize::from(*index)].leaves(point_world);
-        }
-        left
     }
 }
 
+/// Points that are looked at together.
+const TOGETHER: usize = 16;
+
 impl Blocker {
-    fn leaves(&self, point: Vec3) -> f32 {
-        let d = point - self.center;
-        let over = point.z - self.bottom_z;
-        if !(-0.6..0.45).contains(&over) {
-            return 1.0;
-        }
+    /// Multiplies what the other blockers leave to some points by what this one leaves: 1 beyond `reach`.
+    fn darken(&self, eye_world: Vec3, points: [&[f32]; 3], is_asked: &[bool], near: &mut [f32]) {
+        darken(self, self.center - eye_world, points, is_asked, near);
+    }
+
+    #[inline(always)]
+    fn leaves(&self, d: Vec3) -> f32 {
+        let over = d.z + (self.center.z - self.bottom_z);
         let (x, y) = (d.dot(self.axis_x).abs() - self.half[0], d.dot(self.axis_y).abs() - self.half[1]);
-        if x < 0.0 && y < 0.0 {
-            // Under the body: light comes in flat through the gap at the nearest edges.
-            let gap = 0.22;
-            let lets = |e: f32| gap * gap / (gap * gap + e * e);
-            return 0.03 + 0.42 * lets(x).max(lets(y));
-        }
+        // Under the body: light comes in flat through the gap at the nearest edges.
+        let gap = 0.22;
+        let nearest = x.max(y).min(0.0);
+        let under = 0.03 + 0.42 * (gap * gap / (gap * gap + nearest * nearest));
         let (ox, oy) = (x.max(0.0), y.max(0.0));
         let distance = (ox * ox + oy * oy).sqrt();
         // A wall of the body's height and of finite width hides up to half of the sky.
         let wall = distance / (distance * distance + self.height * self.height).sqrt();
         let width = 0.5 * (self.half[0] + self.half[1]);
         let share = width / (width + distance);
+        let fade = (3.0 - 2.0 * distance / self.height).clamp(0.0, 1.0);
         // The gap under the body darkens the last decimetres further.
-        let near = 0.18 * (1.0 - distance / 0.35).max(0.0);
-        1.0 - 0.5 * (1.0 - wall) * share - near
+        let near = 0.18 * (1.0 - distance * (1.0 / 0.35)).max(0.0);
+        let beside = 1.0 - 0.5 * (1.0 - wall) * share * fade - near;
+        let left = if (x < 0.0) & (y < 0.0) { under } else { beside };
+        if (over >= -0.6) & (over < 0.45) { left } else { 1.0 }
+    }
+}
+
+#[multiversion(targets("x86_64+avx2"))]
+fn darken(blocker: &Blocker, center: Vec3, [x, y, z]: [&[f32]; 3], is_asked: &[bool], near: &mut [f32]) {
+    for ((near, is_asked), ((x, y), z)) in near.iter_mut().zip(is_asked).zip(x.iter().zip(y).zip(z)) {
+        let left = blocker.leaves(Vec3::new(*x, *y, *z) - center);
+        *near *= if *is_asked { left } else { 1.0 };
+    }
+}
+
+/// The blocks of `GRID_M` from which something may stand in the way of a probe that is asked for.
+struct NearBlocks {
+    /// Their number over all blocks before a row and a column.
+    sums: Vec<u16>,
+}
+
+impl NearBlocks {
+    /// Blocks within the probes' longest step.
+    const REACH: usize = 7;
+
+    fn new(asked: &[bool]) -> Self {
+        let near = |i: usize| i.saturating_sub(Self::REACH)..(i + Self::REACH + 1).min(GRID);
+        // Along rows first, then along columns.
+        let rows: Vec<bool> = (0..GRID * GRID).map(|i| near(i % GRID).any(|x| asked[i / GRID * GRID + x])).collect();
+        let mut sums = vec![0; (GRID + 1) * (GRID + 1)];
+        for y in 0..GRID {
+            let mut row = 0;
+            for x in 0..GRID {
+                row += u16::from(near(y).any(|y| rows[y * GRID + x]));
+                sums[(y + 1) * (GRID + 1) + x + 1] = sums[y * (GRID + 1) + x + 1] + row;
+            }
+        }
+        Self { sums }
+    }
+
+    /// True if some such block lies within `reach_m` of a place, axis by axis; metres from the map's corner.
+    fn any(&self, [x, y]: [f32; 2], reach_m: f32) -> bool {
+        let block = |v: f32| ((v * (1.0 / GRID_M)).max(0.0) as usize).min(GRID - 1);
+        let (x0, x1) = (block(x - reach_m), block(x + reach_m) + 1);
+        let (y0, y1) = (block(y - reach_m), block(y + reach_m) + 1);
+        let at = |x: usize, y: usize| self.sums[y * (GRID + 1) + x];
+        at(x1, y1) + at(x0, y0) != at(x1, y0) + at(x0, y1)
     }
 }
 

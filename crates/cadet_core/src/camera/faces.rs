@@ -75,6 +75,13 @@ pub struct Face {
     open_at: (f32, f32, u32),
 }
 
+impl Face {
+    #[inline]
+    fn is_leaf(&self) -> bool {
+        self.kind as usize / 8 == Pattern::Leaves as usize
+    }
+}
+
 /// Bits of [`Face::flags`].
 pub struct Flags;
 
@@ -89,6 +96,20 @@ impl Flags {
     pub const ROAD: u32 = 8;
 }
 
+/// What is known of a drawn face that was made ready.
+#[derive(Debug, Clone, Copy)]
+pub struct Made {
+    /// Index in [`Faces::faces`].
+    pub index: u32,
+    /// Number of its kind.
+    pub kind: u32,
+    /// The instance whose leaf it is, or [`NO_PLANT`].
+    pub plant: u32,
+}
+
+const NOT_MADE: Made = Made { index: u32::MAX, kind: 0, plant: UNKNOWN };
+const UNKNOWN: u32 = u32::MAX;
+
 /// What shading needs of an instance, in single precision.
 struct Placed {
     world_from_local: Mat3,
@@ -99,6 +120,16 @@ struct Placed {
     leaf_slots: u64,
 }
 
+/// What is read from memory to make a face ready.
+struct Raw {
+    instance: u32,
+    face: u32,
+    slot: u8,
+    corners: [u32; 3],
+    vertices: [Vec3; 3],
+    normals: [Vec3; 3],
+}
+
 /// Faces and visibilities of the sky that were seen lately. Faces go by their numbers in the visibility buffer.
 pub struct Faces<'a> {
     scene: &'a PosedScene,
@@ -106,10 +137,11 @@ pub struct Faces<'a> {
     rays: &'a Rays,
     drawn: &'a [DrawnFace],
     placed: Vec<Placed>,
-    /// For each drawn face the instance whose leaf it is, or `NO_PLANT`.
-    plants: Vec<u32>,
-    /// For each drawn face its index in `faces`, or `NOT_MADE`.
-    made: Vec<u32>,
+    /// For each drawn face, `NOT_MADE` at first.
+    made: Vec<Made>,
+    /// Drawn faces that are to be made.
+    asked: Vec<u32>,
+    raw: Vec<Raw>,
     /// All since the last `forget`.
     pub faces: Vec<Face>,
     /// The sky's visibility; padded, so that it is one load.
@@ -118,9 +150,8 @@ pub struct Faces<'a> {
     recent_crowns: Vec<(u32, u32, u32)>,
 }
 
-const NOT_MADE: u32 = u32::MAX;
 /// No leaf.
-pub const NO_PLANT: u32 = u32::MAX;
+pub const NO_PLANT: u32 = u32::MAX - 1;
 const RECENT_CROWNS: usize = 1024;
 const NONE: (u32, u32, u32) = (u32::MAX, u32::MAX, 0);
 /// Pixels of a face so close together share the sky's visibility.
@@ -132,13 +163,7 @@ const MAX_FACES: usize = 6000;
 const MAX_OPEN: usize = 16_000;
 
 impl<'a> Faces<'a> {
-    pub fn new(
-        scene: &'a PosedScene,
-        view: &View,
-        rays: &'a Rays,
-        light: &'a Light,
-        drawn: &'a [DrawnFace],
-    ) -> Self {
+    pub fn new(scene: &'a PosedScene, view: &View, rays: &'a Rays, light: &'a Light, drawn: &'a [DrawnFace]) -> Self {
         let eye = view.world_from_cam.translation;
         let placed = scene.instances.iter().map(|i| Placed {
             world_from_local: i.placement.rotation.as_mat3(),
@@ -148,20 +173,12 @@ impl<'a> Faces<'a> {
                 .map(|(slot, m)| u64::from(m.pattern == Pattern::Leaves) << slot)
                 .sum(),
         });
-        let placed: Vec<Placed> = placed.collect();
-        let plant = |face: &DrawnFace| {
-            let leaf_slots = placed[face.instance as usize].leaf_slots;
-            let is_leaf = leaf_slots != 0 && {
-                let slot = scene.instances[face.instance as usize].mesh.slots[face.face as usize];
-                slot < 64 && leaf_slots >> slot & 1 == 1
-            };
-            if is_leaf { face.instance } else { NO_PLANT }
-        };
         Self {
-            plants: drawn.iter().map(plant).collect(),
             made: vec![NOT_MADE; drawn.len()],
+            asked: Vec::new(),
+            raw: Vec::new(),
             drawn,
-            placed,
+            placed: placed.collect(),
             scene,
             light,
             rays,
@@ -181,36 +198,89 @@ impl<'a> Faces<'a> {
         }
     }
 
-    /// The instance of which a drawn face is a leaf, or [`NO_PLANT`].
+    /// Notes a drawn face for [`Faces::make_asked`], unless it is made.
     #[inline]
-    pub fn plant(&self, number: u32) -> u32 {
-        self.plants[number as usize]
+    pub fn ask(&mut self, number: u32) {
+        let made = &mut self.made[number as usize];
+        if made.index == NOT_MADE.index {
+            made.index = (self.faces.len() + self.asked.len()) as u32;
+            self.asked.push(number);
+        }
     }
 
-    /// Index of a drawn face.
+    /// As [`Faces::ask`], for the two faces of a pixel: of two leaves of one plant the first is enough.
     #[inline]
-    pub fn index(&mut self, number: u32) -> u32 {
-        let index = self.made[number as usize];
-        if index != NOT_MADE {
-            return index;
+    pub fn ask_two(&mut self, first: u32, second: u32) {
+        self.ask(first);
+        if first != second {
+            let plant = self.plant(first);
+            if plant == NO_PLANT || plant != self.plant(second) {
+                self.ask(second);
+            }
+        }
+    }
+
+    /// The instance of which a drawn face is a leaf, or [`NO_PLANT`].
+    #[inline]
+    pub fn plant(&mut self, number: u32) -> u32 {
+        let known = self.made[number as usize].plant;
+        if known != UNKNOWN {
+            return known;
         }
         let DrawnFace { instance, face, .. } = self.drawn[number as usize];
-        let made = self.make(instance, face);
-        let index = self.faces.len() as u32;
-        self.faces.push(made);
-        self.made[number as usize] = index;
-        index
+        let leaf_slots = self.placed[instance as usize].leaf_slots;
+        let is_leaf = leaf_slots != 0 && {
+            let slot = self.scene.instances[instance as usize].mesh.slots[face as usize];
+            slot < 64 && leaf_slots >> slot & 1 == 1
+        };
+        let plant = if is_leaf { instance } else { NO_PLANT };
+        self.made[number as usize].plant = plant;
+        plant
+    }
+
+    /// Makes the faces that were asked for. They are read step by step, so that the processor waits for the memory of
+    /// many at once.
+    pub fn make_asked(&mut self) {
+        let (mut raw, mut asked) = (std::mem::take(&mut self.raw), std::mem::take(&mut self.asked));
+        raw.clear();
+        let (none, unread) = ([Vec3::ZERO; 3], [0; 3]);
+        raw.extend(asked.iter().map(|number| {
+            let DrawnFace { instance, face, .. } = self.drawn[*number as usize];
+            Raw { instance, face, slot: 0, corners: unread, vertices: none, normals: none }
+        }));
+        for r in &mut raw {
+            let mesh = &self.scene.instances[r.instance as usize].mesh;
+            (r.slot, r.corners) = (mesh.slots[r.face as usize], mesh.faces[r.face as usize]);
+        }
+        for r in &mut raw {
+            let mesh = &self.scene.instances[r.instance as usize].mesh;
+            r.vertices = r.corners.map(|i| mesh.vertices[i as usize]);
+            r.normals = r.corners.map(|i| mesh.normals[i as usize]);
+        }
+        for (number, raw) in asked.iter().zip(&raw) {
+            let face = self.make(raw);
+            self.made[*number as usize].kind = face.kind;
+            self.faces.push(face);
+        }
+        asked.clear();
+        (self.raw, self.asked) = (raw, asked);
+    }
+
+    /// A drawn face that was asked for and made.
+    #[inline]
+    pub fn made(&self, number: u32) -> Made {
+        self.made[number as usize]
     }
 
     /// Index of the sky's visibility at a hit of a face.
     #[inline]
-    pub fn open_index(&mut self, face_index: u32, u: f32, v: f32, depth: f32) -> u32 {
-        let face = &self.faces[face_index as usize];
+    pub fn open_index(&mut self, made: &Made, u: f32, v: f32, depth: f32) -> u32 {
+        let face = &self.faces[made.index as usize];
         let (u0, v0, index) = face.open_at;
         if (u - u0).abs() < SHARED_PX.0 && (v - v0).abs() < SHARED_PX.1 {
             return index;
         }
-        let is_leaf = face.kind as usize / 8 == Pattern::Leaves as usize;
+        let is_leaf = face.is_leaf();
         let cell = (u.max(0.0) as u32) >> CROWN_SHIFT | (v.max(0.0) as u32) >> CROWN_SHIFT << 16;
         let slot = (cell ^ (cell >> 10) ^ face.instance.wrapping_mul(97)) as usize % RECENT_CROWNS;
         if is_leaf {
@@ -224,24 +294,20 @@ impl<'a> Faces<'a> {
         let normal = if is_leaf { Vec3::ZERO } else { face.face_normal };
         let open: Openness = self.light.sky_view.openness(point_world, normal);
         let [a, b, c, d, e, f] = open;
-        let made = self.open.len() as u32;
+        let index = self.open.len() as u32;
         self.open.push([a, b, c, d, e, f, 0.0, 0.0]);
         if is_leaf {
-            self.recent_crowns[slot] = (face.instance, cell, made);
+            self.recent_crowns[slot] = (face.instance, cell, index);
         } else {
-            self.faces[face_index as usize].open_at = (u, v, made);
+            self.faces[made.index as usize].open_at = (u, v, index);
         }
-        made
+        index
     }
 
-    fn make(&self, instance: u32, face: u32) -> Face {
-        let posed = &self.scene.instances[instance as usize];
-        let placed = &self.placed[instance as usize];
-        let mesh = &posed.mesh;
-        let corners = mesh.faces[face as usize].map(|i| i as usize);
-        let material = &posed.palette.0[usize::from(mesh.slots[face as usize])];
-        let [a, b, c] = corners.map(|i| mesh.vertices[i]);
-        let [na, nb, nc] = corners.map(|i| mesh.normals[i]);
+    fn make(&self, raw: &Raw) -> Face {
+        let placed = &self.placed[raw.instance as usize];
+        let material = &self.scene.instances[raw.instance as usize].palette.0[usize::from(raw.slot)];
+        let ([a, b, c], [na, nb, nc]) = (raw.vertices, raw.normals);
         let turn = |v: Vec3| placed.world_from_local * v;
         let (ab, ac) = (b - a, c - a);
         let normal_local = ab.cross(ac).normalize_or_zero();
@@ -294,14 +360,14 @@ impl<'a> Faces<'a> {
             specular: material.specular,
             roughness: material.roughness,
             transmission: material.transmission,
-            face_hash: hash2(face as i32, 0, placed.place_hash),
+            face_hash: hash2(raw.face as i32, 0, placed.place_hash),
             place_hash: placed.place_hash,
             flags: flag(Flags::GROUND, is_ground)
                 | flag(Flags::CONTACT, face_normal.z > 0.3 && !is_vehicle)
                 | flag(Flags::VEHICLE, is_vehicle)
                 | flag(Flags::ROAD, material.semantic == Semantic::Road),
             kind: kind.index() as u32,
-            instance,
+            instance: raw.instance,
             open_at: (f32::NEG_INFINITY, 0.0, 0),
         }
     }

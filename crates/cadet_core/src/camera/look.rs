@@ -47,15 +47,15 @@ pub struct Seen {
     pub instance: Vec<i32>,
     /// [`Semantic`] as a byte.
     pub semantic: Vec<u8>,
-    /// Two by two samples a pixel, the first on its centre.
+    /// Two samples a pixel, in a quincunx: one on its centre, one half a pixel to the right and below.
     pub(super) samples: Samples,
     /// Of the scene's instances.
     actor_ids: Vec<i32>,
 }
 
 impl Seen {
-    /// As `instance`, at a sample of twice the width and height: at each pixel's centre and 0.5 px to the right and
-    /// below.
+    /// As `instance`, at a sample: those of row 2 v lie on the centres of the pixels of row v, those of row 2 v + 1 half a
+    /// pixel to the right and below.
     #[inline]
     #[must_use]
     pub fn actor_at_sample(&self, row: usize, column: usize) -> i32 {
@@ -105,23 +105,23 @@ impl Drop for Samples {
 /// Those of [`PinholeGrid::new`]: a camera that is none.
 pub fn look(scene: &PosedScene, view: &View) -> Result<Seen> {
     let (width, height) = (view.width, view.height);
-    let samples = PinholeGrid::new(view.world_from_cam, view.intrinsics, [0.0, 0.0, 0.5, 0.5], height * 2, width * 2)?;
+    let samples = PinholeGrid::quincunx(view.world_from_cam, view.intrinsics, [0.0, 0.0], height * 2, width)?;
     let mut buffer = SPARE.take();
     draw(scene, &samples, &mut buffer);
     let mut depth = vec![f32::INFINITY; width * height];
     let mut instance = vec![-1; width * height];
     let mut semantic = vec![Semantic::Sky as u8; width * height];
-    let (columns_x, rows_y) = (samples.columns_x(), samples.rows_y());
+    let (columns_x, rows_y) = (samples.columns_x(0), samples.rows_y());
     // Neighbours mostly show the same face.
     let mut last = (u32::MAX, -1, Semantic::Sky as u8);
     for (number, solid) in buffer.solid.iter().enumerate() {
         let (top, left) = (number / buffer.blocks_across * BLOCK, number % buffer.blocks_across * BLOCK);
         let panes = buffer.has_panes[number].then(|| &buffer.panes[number]);
-        // Every other sample of every other row lies on a pixel's centre.
+        // The samples of every other row lie on the pixels' centres.
         for i in (0..BLOCK.min(2 * height - top)).step_by(2) {
             let y = rows_y[top + i];
-            let line = (top + i) / 2 * width + left / 2;
-            for j in (0..BLOCK.min(2 * width - left)).step_by(2) {
+            let line = (top + i) / 2 * width + left;
+            for j in 0..BLOCK.min(width - left) {
                 let (mut nearness, mut id) = (solid.nearness[i][j], solid.face[i][j]);
                 if let Some(panes) = panes.filter(|p| p.nearness[i][j] > nearness) {
                     (nearness, id) = (panes.nearness[i][j], panes.face[i][j]);
@@ -134,7 +134,7 @@ pub fn look(scene: &PosedScene, view: &View) -> Result<Seen> {
                     let posed = &scene.instances[face.instance as usize];
                     last = (id, posed.actor_id, posed.material(face.face).semantic as u8);
                 }
-                let at = line + j / 2;
+                let at = line + j;
                 depth[at] = face.depth_at(columns_x[left + j], y);
                 (instance[at], semantic[at]) = (last.1, last.2);
             }
@@ -176,13 +176,13 @@ pub(super) fn seen_points(rays: &Rays, samples: &Samples, out: &mut Vec<Vec3>) {
     let buffer = &samples.0;
     for row in (0..buffer.rows).step_by(2) {
         // Each row begins elsewhere, so that what is upright and thin is not passed by.
-        for column in ([0, 4, 2, 6][row / 2 % 4]..buffer.columns).step_by(8) {
-            let solid = buffer.solid_quad(row, column);
-            let direction = rays.direction(column as f32 * 0.5, row as f32 * 0.5);
+        for column in ([0, 2, 1, 3][row / 2 % 4]..buffer.columns).step_by(4) {
+            let solid = buffer.solid_pair(row, column);
+            let direction = rays.direction(column as f32, row as f32 * 0.5);
             if solid.nearness[0] > 0.0 {
                 out.push(rays.eye + direction * (1.0 / solid.nearness[0]));
             }
-            if let Some(pane) = buffer.pane_quad(row, column, &solid).filter(|p| p.nearness[0] > solid.nearness[0]) {
+            if let Some(pane) = buffer.pane_pair(row, column, &solid).filter(|p| p.nearness[0] > solid.nearness[0]) {
                 out.push(rays.eye + direction * (1.0 / pane.nearness[0]));
             }
         }

@@ -1,6 +1,7 @@
 //! The camera: model and calibration, shading, sky, shadows, noise, PNG.
 
 mod ambient;
+mod collect;
 mod exposure;
 mod faces;
 mod look;

@@ -9,7 +9,7 @@ use crate::rng::Stream;
 const VARIANCE: [(f32, f32); 3] = [(0.5, 0.035), (0.3, 0.018), (0.7, 0.040)];
 /// Neighbour tap of the noise filter: neighbours correlate with 0.35 across and down, as demosaiced noise does.
 const NEIGHBOUR: f32 = 0.187;
-/// How far the middle of a pixel's four samples lies right of and below its centre, so that one of them lies on it.
+/// How far the middle of a pixel's two samples lies right of and below its centre, so that one of them lies on it.
 pub const MIDDLE_PX: f32 = 0.25;
 /// Sigma of the point spread in pixels: with the pixel's own width the power at 0.2 to 0.45 cycles a pixel is that of
 /// KITTI's frames.

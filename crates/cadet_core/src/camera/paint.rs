@@ -1,32 +1,22 @@
 //! Gives what the camera's samples meet its colour: hits are collected by kind in bands of rows and shaded together.
 
-use std::ops::Range;
-
-use super::faces::{Faces, Kind, NO_PLANT};
+use super::collect::Collector;
+use super::faces::{Faces, Kind};
 use super::look::{Rays, Samples, View};
 use super::noise::MIDDLE_PX;
-use super::shade::{Camera, Hit, LANES, Lanes, Light, NO_SLOT};
-use super::sky::SkyRows;
-use crate::sense::{NO_HIT, PosedScene, Quad};
+use super::shade::{Camera, LANES, Lanes, Light, NO_SLOT};
+use crate::sense::PosedScene;
 
 /// Rows whose hits are collected before they are shaded.
 pub(super) const BAND: usize = 8;
-/// Columns of a band that are collected together: what lies together in the image shares faces and shadow texels.
-const BLOCK: usize = 64;
-/// From the middle of a pixel's four samples, which lies `MIDDLE_PX` right and below of its centre; the point spread
-/// takes that back.
-const OFFSETS: [(f32, f32); 4] = [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)];
 
 /// Linear radiance of every pixel, interleaved RGB.
 pub fn paint(scene: &PosedScene, view: &View, rays: &Rays, light: &Light, samples: &Samples, rgb: &mut Vec<f32>) {
     let (width, height) = (view.width, view.height);
     rgb.resize(width * height * 3, 0.0);
+    let faces = Faces::new(scene, view, rays, light, &samples.0.faces);
     let mut painter = Painter {
-        faces: Faces::new(scene, view, rays, light, &samples.0.faces),
-        hits: Vec::new(),
-        panes: Vec::new(),
-        behind: Vec::new(),
-        sky: SkyRows::new(width, height),
+        collector: Collector::new(&samples.0, faces, width, height, rays, light),
         air: vec![[0.0; 3]; width * BAND],
         lanes: Box::default(),
         width,
@@ -40,22 +30,14 @@ pub fn paint(scene: &PosedScene, view: &View, rays: &Rays, light: &Light, sample
             pixel_per_m: 1.0 / view.intrinsics[0] as f32,
         },
     };
-    painter.hits.resize_with(Kind::COUNT, Vec::new);
     for (band, rgb) in rgb.chunks_mut(width * BAND * 3).enumerate() {
         rgb.fill(0.0);
-        painter.paint_band(samples, band * BAND, rgb);
+        painter.paint_band(band * BAND, rgb);
     }
 }
 
 struct Painter<'a> {
-    faces: Faces<'a>,
-    /// Of the band, by kind.
-    hits: Vec<Vec<Hit>>,
-    /// Hits of panes, with their kinds.
-    panes: Vec<(u32, Hit)>,
-    /// What is seen through the band's panes.
-    behind: Vec<[f32; 3]>,
-    sky: SkyRows,
+    collector: Collector<'a>,
     /// The endless air for every pixel of the band.
     air: Vec<[f32; 3]>,
     lanes: Box<Lanes>,
@@ -65,38 +47,18 @@ struct Painter<'a> {
     camera: Camera,
 }
 
-/// What samples of one pixel see of one face.
-#[derive(Clone, Copy)]
-struct Part {
-    /// Number of the face.
-    face: u32,
-    /// See [`Faces::plant`].
-    plant: u32,
-    /// Samples that count for it.
-    weight: f32,
-    /// Samples of the very face, and the sums of their places.
-    count: f32,
-    du: f32,
-    dv: f32,
-    depth: f32,
-}
-
 impl Painter<'_> {
-    fn paint_band(&mut self, samples: &Samples, first_row: usize, rgb: &mut [f32]) {
+    fn paint_band(&mut self, first_row: usize, rgb: &mut [f32]) {
         let rows = rgb.len() / (3 * self.width);
         for row in 0..rows {
             self.air_of_row(row, first_row + row);
         }
-        for start in (0..self.width).step_by(BLOCK) {
-            for row in 0..rows {
-                self.collect_row(samples, first_row, row, start..(start + BLOCK).min(self.width), rgb);
-            }
-        }
-        let (faces, open) = (std::mem::take(&mut self.faces.faces), std::mem::take(&mut self.faces.open));
-        for (kind, hits) in self.hits.iter_mut().enumerate() {
+        self.collector.collect_band(first_row, rgb);
+        let Collector { faces, hits, panes, behind, .. } = &mut self.collector;
+        let known = (faces.faces.as_slice(), faces.open.as_slice());
+        for (kind, hits) in hits.iter_mut().enumerate() {
             for some in hits.chunks(LANES) {
-                let known = (faces.as_slice(), open.as_slice());
-                self.lanes.shade(self.light, &self.camera, Kind::of(kind), some, known, &self.air, &self.behind);
+                self.lanes.shade(self.light, &self.camera, Kind::of(kind), some, known, &self.air, behind);
                 for (i, hit) in some.iter().enumerate() {
                     let color = self.lanes.out.each_ref().map(|c| c[i]);
                     if hit.slot == NO_SLOT {
@@ -105,7 +67,7 @@ impl Painter<'_> {
                             *sum += hit.weight * c;
                         }
                     } else {
-                        for (sum, c) in self.behind[hit.slot as usize].iter_mut().zip(color) {
+                        for (sum, c) in behind[hit.slot as usize].iter_mut().zip(color) {
                             *sum += hit.weight * c;
                         }
                     }
@@ -114,14 +76,13 @@ impl Painter<'_> {
             hits.clear();
         }
         // Panes come after what they show.
-        self.panes.sort_by_key(|(kind, _)| *kind);
-        for (kind, hit) in self.panes.drain(..) {
-            self.hits[kind as usize].push(hit);
+        panes.sort_by_key(|(kind, _)| *kind);
+        for (kind, hit) in panes.drain(..) {
+            hits[kind as usize].push(hit);
         }
-        for (kind, hits) in self.hits.iter_mut().enumerate() {
+        for (kind, hits) in hits.iter_mut().enumerate() {
             for some in hits.chunks(LANES) {
-                let known = (faces.as_slice(), open.as_slice());
-                self.lanes.shade(self.light, &self.camera, Kind::of(kind), some, known, &self.air, &self.behind);
+                self.lanes.shade(self.light, &self.camera, Kind::of(kind), some, known, &self.air, behind);
                 for (i, hit) in some.iter().enumerate() {
                     let at = hit.pixel as usize * 3;
                     for (sum, c) in rgb[at..at + 3].iter_mut().zip(&self.lanes.out) {
@@ -131,9 +92,8 @@ impl Painter<'_> {
             }
             hits.clear();
         }
-        self.behind.clear();
-        (self.faces.faces, self.faces.open) = (faces, open);
-        self.faces.forget_if_many();
+        behind.clear();
+        faces.forget_if_many();
     }
 
     /// The air changes slowly: between every 32nd pixel it is interpolated.
@@ -151,143 +111,5 @@ impl Painter<'_> {
             }
             from = to;
         }
-    }
-
-    fn collect_row(
-        &mut self,
-        samples: &Samples,
-        first_row: usize,
-        row_in_band: usize,
-        columns: Range<usize>,
-        rgb: &mut [f32],
-    ) {
-        let buffer = &samples.0;
-        let row = first_row + row_in_band;
-        let v = row as f32 + MIDDLE_PX;
-        for column in columns {
-            let pixel = (row_in_band * self.width + column) as u32;
-            let u = column as f32 + MIDDLE_PX;
-            let solid = buffer.solid_quad(2 * row, 2 * column);
-            if let Some(panes) = buffer.pane_quad(2 * row, 2 * column, &solid) {
-                self.collect_behind_panes(&solid, &panes, pixel, u, v, rgb);
-                continue;
-            }
-            if solid.is_one_face() {
-                if solid.face[0] == NO_HIT {
-                    let color = self.sky.at(column, row, self.rays, self.light);
-                    rgb[pixel as usize * 3..pixel as usize * 3 + 3].copy_from_slice(&color);
-                } else {
-                    self.collect(solid.face[0], pixel, NO_SLOT, 1.0, u, v, solid.mean_depth());
-                }
-                continue;
-            }
-            let parts = self.parts(&solid);
-            for part in parts.into_iter().flatten() {
-                let weight = part.weight * 0.25;
-                if part.face == NO_HIT {
-                    let color = self.sky.at(column, row, self.rays, self.light);
-                    for (sum, c) in rgb[pixel as usize * 3..pixel as usize * 3 + 3].iter_mut().zip(color) {
-                        *sum += weight * c;
-                    }
-                } else {
-                    let share = 1.0 / part.count;
-                    let (u, v) = (u + part.du * share, v + part.dv * share);
-                    self.collect(part.face, pixel, NO_SLOT, weight, u, v, part.depth * share);
-                }
-            }
-        }
-    }
-
-    #[inline]
-    fn collect(&mut self, face: u32, pixel: u32, slot: u32, weight: f32, u: f32, v: f32, depth: f32) {
-        let face = self.faces.index(face);
-        let open = self.faces.open_index(face, u, v, depth);
-        let kind = self.faces.faces[face as usize].kind;
-        self.hits[kind as usize].push(Hit { face, open, pixel, slot, weight, u, v, depth });
-    }
-
-    /// A pixel some of whose samples lie behind panes: sample by sample, unless all four agree.
-    fn collect_behind_panes(
-        &mut self,
-        solid: &Quad,
-        panes: &Quad,
-        pixel: u32,
-        u: f32,
-        v: f32,
-        rgb: &mut [f32],
-    ) {
-        let before = |i: usize| panes.nearness[i] > solid.nearness[i];
-        if (0..4).all(before) && solid.is_one_face() && panes.is_one_face() {
-            let depths = [solid.mean_depth(), panes.mean_depth()];
-            self.collect_pane([solid.face[0], panes.face[0]], pixel, 1.0, u, v, depths);
-            return;
-        }
-        for (i, (du, dv)) in OFFSETS.into_iter().enumerate() {
-            let (u, v) = (u + du, v + dv);
-            let depths = [1.0 / solid.nearness[i], 1.0 / panes.nearness[i]];
-            if before(i) {
-                self.collect_pane([solid.face[i], panes.face[i]], pixel, 0.25, u, v, depths);
-            } else if solid.face[i] != NO_HIT {
-                self.collect(solid.face[i], pixel, NO_SLOT, 0.25, u, v, depths[0]);
-            } else {
-                let color = self.sky.at(u as usize, v as usize, self.rays, self.light);
-                for (sum, c) in rgb[pixel as usize * 3..pixel as usize * 3 + 3].iter_mut().zip(color) {
-                    *sum += 0.25 * c;
-                }
-            }
-        }
-    }
-
-    fn collect_pane(
-        &mut self,
-        [solid, pane]: [u32; 2],
-        pixel: u32,
-        weight: f32,
-        u: f32,
-        v: f32,
-        [depth, pane_depth]: [f32; 2],
-    ) {
-        let slot = self.behind.len() as u32;
-        if solid == NO_HIT {
-            self.behind.push(self.sky.at(u as usize, v as usize, self.rays, self.light));
-        } else {
-            self.behind.push([0.0; 3]);
-            self.collect(solid, pixel, slot, 1.0, u, v, depth);
-        }
-        let face = self.faces.index(pane);
-        let open = self.faces.open_index(face, u, v, pane_depth);
-        let kind = self.faces.faces[face as usize].kind;
-        self.panes.push((kind, Hit { face, open, pixel, slot, weight, u, v, depth: pane_depth }));
-    }
-
-    /// Collects a pixel's samples by face: one shading each. Leaves of one plant are shaded as one, by the first: they
-    /// differ without order.
-    #[inline]
-    fn parts(&self, solid: &Quad) -> [Option<Part>; 4] {
-        let mut out: [Option<Part>; 4] = [None; 4];
-        'samples: for (i, (du, dv)) in OFFSETS.into_iter().enumerate() {
-            let face = solid.face[i];
-            let depth = 1.0 / solid.nearness[i];
-            let plant = if face == NO_HIT { NO_PLANT } else { self.faces.plant(face) };
-            for slot in &mut out {
-                let Some(part) = slot else {
-                    *slot = Some(Part { face, plant, weight: 1.0, count: 1.0, du, dv, depth });
-                    continue 'samples;
-                };
-                if part.face == face {
-                    part.weight += 1.0;
-                    part.count += 1.0;
-                    part.du += du;
-                    part.dv += dv;
-                    part.depth += depth;
-                    continue 'samples;
-                }
-                if part.plant == plant && plant != NO_PLANT {
-                    part.weight += 1.0;
-                    continue 'samples;
-                }
-            }
-        }
-        out
     }
 }

@@ -16,7 +16,7 @@ pub fn hash2(x: i32, y: i32, salt: u32) -> u32 {
 /// An integer and how far `x` lies beyond it: rounding by adding a large number, as vector registers can. Of an integer
 /// it may give the one below and 1; |x| must stay below 2^21.
 #[inline(always)]
-fn split(x: f32) -> (i32, f32) {
+pub(super) fn split(x: f32) -> (i32, f32) {
     const LARGE: f32 = 12_582_912.0; // 1.5 * 2^23
     let rounded = (x - 0.5) + LARGE;
     ((rounded.to_bits() as i32).wrapping_sub(LARGE.to_bits() as i32), x - (rounded - LARGE))

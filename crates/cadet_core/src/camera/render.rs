@@ -1,4 +1,4 @@
-//! A picture of a posed scene: colour from four samples a pixel, depth and identity from the pixels' centres.
+//! A picture of a posed scene: colour from two samples a pixel, depth and identity from the pixels' centres.
 
 use std::cell::RefCell;
 

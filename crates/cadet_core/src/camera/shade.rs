@@ -8,7 +8,7 @@ use multiversion::multiversion;
 use super::ambient::SkyView;
 use super::faces::{Face, Flags, Kind};
 use super::pattern::{self, PatternPoint};
-use super::shadow::{Asked, Shadows, TOGETHER};
+use super::shadow::{Asked, Shadows};
 use super::sky::Sky;
 use crate::material::Pattern;
 use crate::math::Vec3;
@@ -121,9 +121,9 @@ pub struct Lanes {
     specular: Lane,
     roughness: Lane,
     transmission: Lane,
-    face_hash: [u32; LANES],
-    place_hash: [u32; LANES],
-    flags: [u32; LANES],
+    face_hash: [u32; STRIDE],
+    place_hash: [u32; STRIDE],
+    flags: [u32; STRIDE],
     open: [Lane; 6],
     air: Lane3,
     behind: Lane3,
@@ -138,6 +138,7 @@ pub struct Lanes {
     normal: Lane3,
     cos_sun: Lane,
     cos_face: Lane,
+    is_asked: [bool; STRIDE],
     lit: Lane,
     near: Lane,
     /// At first of the material, then of the place.
@@ -192,9 +193,9 @@ impl Default for Lanes {
             specular: O,
             roughness: O,
             transmission: O,
-            face_hash: [0; LANES],
-            place_hash: [0; LANES],
-            flags: [0; LANES],
+            face_hash: [0; STRIDE],
+            place_hash: [0; STRIDE],
+            flags: [0; STRIDE],
             open: [O; 6],
             air: O3,
             behind: O3,
@@ -206,6 +207,7 @@ impl Default for Lanes {
             normal: O3,
             cos_sun: O,
             cos_face: O,
+            is_asked: [false; STRIDE],
             lit: O,
             near: O,
             albedo: O3,
@@ -259,41 +261,15 @@ impl Lanes {
         air: &[[f32; 3]],
         behind: &[[f32; 3]],
     ) {
-        for (i, hit) in hits.iter().take(LANES).enumerate() {
-            let face = &faces[hit.face as usize];
+        let hits = &hits[..hits.len().min(LANES)];
+        gather_faces(self, kind, hits, faces);
+        gather_open(self, hits, open);
+        for (i, hit) in hits.iter().enumerate() {
             (self.u[i], self.v[i], self.depth[i]) = (hit.u, hit.v, hit.depth);
-            put(&mut self.origin, i, face.origin);
-            put(&mut self.face_normal, i, face.face_normal);
-            put(&mut self.normal, i, face.normal);
-            if kind.is_smooth {
-                put(&mut self.normal_ab, i, face.normal_ab);
-                put(&mut self.normal_ac, i, face.normal_ac);
-                put(&mut self.to_b, i, face.to_b);
-                put(&mut self.to_c, i, face.to_c);
-            }
-            if kind.pattern != Pattern::Plain {
-                put(&mut self.axis_u, i, face.axes[0]);
-                put(&mut self.axis_v, i, face.axes[1]);
-                (self.at_origin[0][i], self.at_origin[1][i]) = (face.at_origin[0], face.at_origin[1]);
-            }
-            if kind.pattern == Pattern::Leaves {
-                (self.face_hash[i], self.place_hash[i]) = (face.face_hash, face.place_hash);
-            }
-            put(&mut self.albedo, i, face.albedo);
-            if kind.is_glossy || kind.is_pane {
-                put(&mut self.metal, i, face.albedo);
-                (self.specular[i], self.roughness[i]) = (face.specular, face.roughness);
-                self.transmission[i] = face.transmission;
-            }
-            self.flags[i] = face.flags;
-            for (lane, o) in self.open.iter_mut().zip(&open[hit.open as usize]) {
-                lane[i] = *o;
-            }
-            let [r, g, b] = air[hit.pixel as usize];
-            put(&mut self.air, i, Vec3::new(r, g, b));
+            put(&mut self.air, i, air[hit.pixel as usize].into());
         }
         if kind.is_pane {
-            for (i, hit) in hits.iter().take(LANES).enumerate() {
+            for (i, hit) in hits.iter().enumerate() {
                 put(&mut self.behind, i, behind[hit.slot as usize].into());
             }
         }
@@ -301,28 +277,100 @@ impl Lanes {
 
     /// Looks up what the sun's shadows and the cars near by leave.
     fn cast_shadows(&mut self, light: &Light, eye: Vec3, kind: Kind, n: usize) {
-        self.lit[..n].fill(0.0);
-        self.near[..n].fill(1.0);
         let is_leaf = kind.pattern == Pattern::Leaves;
-        if let Some(shadows) = &light.shadows {
-            for start in (0..n).step_by(TOGETHER) {
-                let mut asked = Asked::default();
-                for k in 0..TOGETHER {
-                    let i = start + k;
-                    put(&mut asked.points_world, k, eye + get(&self.point, i));
-                    put(&mut asked.normals, k, get(&self.face_normal, i));
-                    asked.cos_sun[k] = self.cos_face[i];
-                    let faces_sun = self.cos_face[i] > 0.0 && (self.cos_sun[i] > 0.0 || kind.is_pane);
-                    asked.is_asked[k] = i < n && (is_leaf || faces_sun);
-                }
-                self.lit[start..start + TOGETHER].copy_from_slice(&shadows.sunlit_together(&asked));
+        for i in 0..LANES {
+            let faces_sun = (self.cos_face[i] > 0.0) & ((self.cos_sun[i] > 0.0) | kind.is_pane);
+            self.is_asked[i] = (i < n) & (is_leaf | faces_sun);
+        }
+        match &light.shadows {
+            Some(shadows) if self.is_asked.contains(&true) => {
+                let asked = Asked {
+                    points: &self.point,
+                    normals: &self.face_normal,
+                    cos_sun: &self.cos_face,
+                    is_asked: &self.is_asked,
+                    count: n,
+                };
+                shadows.sunlit(eye, &asked, &mut self.lit);
             }
+            _ => self.lit.fill(0.0),
         }
         for i in 0..n {
-            if self.flags[i] & Flags::CONTACT > 0 {
-                self.near[i] = light.sky_view.contact(eye + get(&self.point, i));
-            }
+            self.is_asked[i] = self.flags[i] & Flags::CONTACT > 0;
         }
+        light.sky_view.contact(eye, &self.point, &self.is_asked, n, &mut self.near);
+    }
+}
+
+/// Lanes that are filled together: neighbours often show one face.
+const RUN: usize = 8;
+
+/// The lanes from `start` on; those that are nobody's yet are filled again when their turn comes.
+#[inline(always)]
+fn run<T: Copy, const N: usize>(lane: &mut [T; N], start: usize, value: T) {
+    if let Some(run) = lane[start..].first_chunk_mut::<RUN>() {
+        *run = [value; RUN];
+    }
+}
+
+#[inline(always)]
+fn run3(lanes: &mut Lane3, start: usize, value: Vec3) {
+    let [x, y, z] = lanes;
+    run(x, start, value.x);
+    run(y, start, value.y);
+    run(z, start, value.z);
+}
+
+/// How many of the first hits, at most `RUN`, agree in something with the first of them.
+#[inline(always)]
+fn run_of(hits: &[Hit], of: impl Fn(&Hit) -> u32) -> usize {
+    hits.iter().take(RUN).take_while(|hit| of(hit) == of(&hits[0])).count()
+}
+
+#[multiversion(targets("x86_64+avx2"))]
+fn gather_faces(l: &mut Lanes, kind: Kind, hits: &[Hit], faces: &[Face]) {
+    let mut i = 0;
+    while i < hits.len().min(LANES) {
+        let face = &faces[hits[i].face as usize];
+        run3(&mut l.origin, i, face.origin);
+        run3(&mut l.face_normal, i, face.face_normal);
+        run3(&mut l.normal, i, face.normal);
+        if kind.is_smooth {
+            run3(&mut l.normal_ab, i, face.normal_ab);
+            run3(&mut l.normal_ac, i, face.normal_ac);
+            run3(&mut l.to_b, i, face.to_b);
+            run3(&mut l.to_c, i, face.to_c);
+        }
+        if kind.pattern != Pattern::Plain {
+            run3(&mut l.axis_u, i, face.axes[0]);
+            run3(&mut l.axis_v, i, face.axes[1]);
+            run(&mut l.at_origin[0], i, face.at_origin[0]);
+            run(&mut l.at_origin[1], i, face.at_origin[1]);
+        }
+        if kind.pattern == Pattern::Leaves {
+            run(&mut l.face_hash, i, face.face_hash);
+            run(&mut l.place_hash, i, face.place_hash);
+        }
+        run3(&mut l.albedo, i, face.albedo);
+        if kind.is_glossy || kind.is_pane {
+            run3(&mut l.metal, i, face.albedo);
+            run(&mut l.specular, i, face.specular);
+            run(&mut l.roughness, i, face.roughness);
+            run(&mut l.transmission, i, face.transmission);
+        }
+        run(&mut l.flags, i, face.flags);
+        i += run_of(&hits[i..], |hit| hit.face);
+    }
+}
+
+#[multiversion(targets("x86_64+avx2"))]
+fn gather_open(l: &mut Lanes, hits: &[Hit], open: &[[f32; 8]]) {
+    let mut i = 0;
+    while i < hits.len().min(LANES) {
+        for (lane, o) in l.open.iter_mut().zip(&open[hits[i].open as usize]) {
+            run(lane, i, *o);
+        }
+        i += run_of(&hits[i..], |hit| hit.open);
     }
 }
 

@@ -1,7 +1,10 @@
 //! Shadow maps: the scene's triangles seen from the sun, fine near the camera and coarser beyond.
 
+use std::ops::Range;
+
 use multiversion::multiversion;
 
+use super::pattern::split;
 use crate::geometry::{Cluster, LANES};
 use crate::material::Material;
 use crate::math::{DMat3, DVec3, Mat3, Vec3};
@@ -12,6 +15,8 @@ const SIZE: usize = 1536;
 /// Texels along a side of a tile: what shades no tile that the camera sees is not drawn.
 const TILE: usize = 16;
 const TILES: usize = SIZE / TILE;
+/// From a row of texels to the next: an odd number of cache lines, else neighbours would crowd in a few of its sets.
+const STRIDE: usize = SIZE + 16;
 /// (distance ahead of the camera of the middle, half the side), metres: near, far.
 const CASCADES: [(f64, f64); 2] = [(15.0, 20.0), (58.0, 68.0)];
 
@@ -24,7 +29,13 @@ struct Map {
     texels_per_m: f32,
     height: Vec<f32>,
     seen: SeenTiles,
+    /// [`SQUARE`]; as constants its ones and zeros would be folded, and four equal lanes become scalars.
+    square: [[f32; 4]; 2],
 }
+
+/// How much of four texels in a row lies in the square that is looked at, where it begins at the edge of the first; and
+/// how that changes while it moves on by a texel.
+const SQUARE: [[f32; 4]; 2] = [[1.0, 1.0, 1.0, 0.0], [-1.0, 0.0, 0.0, 1.0]];
 
 /// The tiles of a map on which the camera sees something.
 #[derive(Debug, Clone, Default)]
@@ -99,14 +110,14 @@ impl Shadows {
             // Whole texels, so that shadow edges do not crawl when the camera moves.
             let snap = |c: f32| ((c - half as f32) / texel_m).floor() * texel_m;
             let mut height = buffers.pop().unwrap_or_default();
-            height.clear();
-            height.resize(SIZE * SIZE, f32::NEG_INFINITY);
+            height.resize(SIZE * STRIDE, f32::NEG_INFINITY);
             shadows.maps.push(Map {
                 min: [snap(middle.x), snap(middle.y)],
                 texel_m,
                 texels_per_m: 1.0 / texel_m,
                 height,
                 seen: SeenTiles::default(),
+                square: std::hint::black_box(SQUARE),
             });
         }
         shadows.mark_seen(seen_world);
@@ -132,6 +143,11 @@ impl Shadows {
         }
         for (map, marked) in self.maps.iter_mut().zip(&marked) {
             map.seen = SeenTiles::around(marked);
+            for (rows, [from, to]) in map.height.chunks_mut(STRIDE * TILE).zip(&map.seen.spans) {
+                for row in rows.chunks_exact_mut(STRIDE) {
+                    row.get_mut(*from..*to).unwrap_or_default().fill(f32::NEG_INFINITY);
+                }
+            }
         }
     }
 
@@ -151,123 +167,95 @@ impl Shadows {
         DMat3::from_cols(self.right.as_dvec3(), self.up.as_dvec3(), self.sun.as_dvec3()).transpose()
     }
 
-    /// Share of the sun that reaches a point, 0..1: `normal` is the unit geometric normal towards the viewer's side,
-    /// `cos_sun` its cosine to the sun.
-    #[cfg(test)]
-    #[must_use]
-    pub fn sunlit(&self, point_world: Vec3, normal: Vec3, cos_sun: f32) -> f32 {
-        for (index, map) in self.maps.iter().enumerate() {
-            // Normal offset: moves grazing surfaces off their own texels, where a depth bias alone leaks.
-            let offset = map.texel_m * (0.6 + 1.6 * (1.0 - cos_sun.abs())) + 0.006;
-            let p = self.to_light(point_world + normal * (offset * if cos_sun < 0.0 { -1.0 } else { 1.0 }));
-            let x = (p.x - map.min[0]) * map.texels_per_m;
-            let y = (p.y - map.min[1]) * map.texels_per_m;
-            let inside = MARGIN..SIZE as f32 - MARGIN;
-            if inside.contains(&x) && inside.contains(&y) {
-                return map.sunlit(x, y, p.z, spread_of(index));
-            }
-        }
-        1.0
-    }
-}
-
-/// Points whose shadows are looked up together.
-pub const TOGETHER: usize = 16;
-
-/// The questions of [`Shadows::sunlit_together`]: as the arguments of [`Shadows::sunlit`], axis by axis.
-#[derive(Debug, Default)]
-pub struct Asked {
-    /// Points.
-    pub points_world: [[f32; TOGETHER]; 3],
-    /// Unit geometric normals towards the viewer's side.
-    pub normals: [[f32; TOGETHER]; 3],
-    /// Their cosines to the sun.
-    pub cos_sun: [f32; TOGETHER],
-    /// The others get 0.
-    pub is_asked: [bool; TOGETHER],
-}
-
-/// Where points fall on a map: texels, the height towards the sun, and the texels of the four widest taps.
-struct OnMap {
-    x: [f32; TOGETHER],
-    y: [f32; TOGETHER],
-    z: [f32; TOGETHER],
-    taps: [[u32; TOGETHER]; 4],
-    is_inside: [bool; TOGETHER],
-}
-
-impl Shadows {
-    /// [`Shadows::sunlit`] of many points.
-    #[must_use]
-    pub fn sunlit_together(&self, asked: &Asked) -> [f32; TOGETHER] {
-        let mut lit = [0.0; TOGETHER];
-        let mut left = asked.is_asked;
-        for (index, map) in self.maps.iter().enumerate() {
-            if !left.contains(&true) {
-                break;
-            }
-            let spread = spread_of(index);
-            let on_map = place(&[self.right, self.up, self.sun], map.min, map.texel_m, map.texels_per_m, spread, asked);
-            for i in 0..TOGETHER {
-                if left[i] && on_map.is_inside[i] {
-                    left[i] = false;
-                    let z = on_map.z[i] + map.texel_m * 0.8;
-                    let first: u32 = on_map.taps.iter().map(|t| u32::from(map.height[t[i] as usize] <= z)).sum();
-                    lit[i] = match first {
-                        0 => 0.0,
-                        4 => 1.0,
-                        _ => map.sunlit(on_map.x[i], on_map.y[i], on_map.z[i], spread),
-                    };
+    /// Share of the sun that reaches each of some points, 0..1, by the shares of a square of three by three texels about
+    /// it that lie no higher towards the sun ("percentage closer filtering": Reeves, Salesin & Cook 1987).
+    ///
+    /// `eye_world`: what the points are relative to.
+    pub fn sunlit<const N: usize>(&self, eye_world: Vec3, asked: &Asked<N>, lit: &mut [f32; N]) {
+        let mut at = OnMaps { first: [NOWHERE; N], x: [0.0; N], y: [0.0; N], z: [0.0; N] };
+        place(self, eye_world, asked, &mut at);
+        let known = lit[..asked.count]
+            .iter_mut()
+            .zip(asked.is_asked)
+            .zip(at.first.iter().zip(at.x.iter().zip(&at.y).zip(&at.z)));
+        for ((lit, is_asked), (first, ((x, y), z))) in known {
+            *lit = match *first {
+                _ if !*is_asked => 0.0,
+                NOWHERE => 1.0,
+                first => {
+                    let first = first as usize;
+                    self.maps[first / MAP].share_below(first % MAP, *x, *y, *z)
                 }
-            }
+            };
         }
-        for (lit, left) in lit.iter_mut().zip(left) {
-            if left {
-                *lit = 1.0;
-            }
-        }
-        lit
     }
 }
 
-/// How wide the taps of a map are set.
-#[inline]
-fn spread_of(index: usize) -> f32 {
-    if index == 0 { 1.0 } else { 0.9 }
+/// The questions of [`Shadows::sunlit`], axis by axis.
+#[derive(Debug, Clone, Copy)]
+pub struct Asked<'a, const N: usize> {
+    /// Points, relative to the eye.
+    pub points: &'a [[f32; N]; 3],
+    /// Unit geometric normals towards the viewer's side.
+    pub normals: &'a [[f32; N]; 3],
+    /// Their cosines to the sun.
+    pub cos_sun: &'a [f32; N],
+    /// The others get 0.
+    pub is_asked: &'a [bool; N],
+    /// Beyond these nothing is asked.
+    pub count: usize,
 }
+
+/// Texels of a map.
+const MAP: usize = SIZE * STRIDE;
+/// On no map.
+const NOWHERE: u32 = u32::MAX;
+
+/// Where points fall on the maps: the first texel of the four by four about it, counted through both maps, the shares of
+/// its column and row that lie outside of the square, and the height towards the sun.
+struct OnMaps<const N: usize> {
+    first: [u32; N],
+    x: [f32; N],
+    y: [f32; N],
+    z: [f32; N],
+}
+
+/// How far a point is moved along its normal where the sun stands square to it, texels.
+const NORMAL_OFFSET: f32 = 0.8;
+/// Half the side of the square, texels.
+const REACH: f32 = 1.5;
 
 #[multiversion(targets("x86_64+avx2"))]
-fn place(light_axes: &[Vec3; 3], min: [f32; 2], texel_m: f32, texels_per_m: f32, spread: f32, asked: &Asked) -> OnMap {
-    let mut out = OnMap {
-        x: [0.0; TOGETHER],
-        y: [0.0; TOGETHER],
-        z: [0.0; TOGETHER],
-        taps: [[0; TOGETHER]; 4],
-        is_inside: [false; TOGETHER],
-    };
-    let axis = |lanes: &[[f32; TOGETHER]; 3], i: usize| Vec3::new(lanes[0][i], lanes[1][i], lanes[2][i]);
-    for i in 0..TOGETHER {
-        let cos_sun = asked.cos_sun[i];
-        let offset = texel_m * (0.6 + 1.6 * (1.0 - cos_sun.abs())) + 0.006;
-        let side = if cos_sun < 0.0 { -1.0 } else { 1.0 };
-        let p = axis(&asked.points_world, i) + axis(&asked.normals, i) * (offset * side);
-        out.x[i] = (light_axes[0].dot(p) - min[0]) * texels_per_m;
-        out.y[i] = (light_axes[1].dot(p) - min[1]) * texels_per_m;
-        out.z[i] = light_axes[2].dot(p);
-    }
-    for i in 0..TOGETHER {
-        let (low, high) = (MARGIN, SIZE as f32 - MARGIN);
-        let (x, y) = (out.x[i], out.y[i]);
-        out.is_inside[i] = x >= low && x < high && y >= low && y < high;
-    }
-    for (taps, (dx, dy)) in out.taps.iter_mut().zip(TAPS) {
-        for i in 0..TOGETHER {
-            // Texels are numbered from the corner; outside of the map nobody asks.
-            let texel = |v: f32, d: f32| (v.clamp(MARGIN, SIZE as f32 - MARGIN) + d * spread) as i32 as u32;
-            taps[i] = texel(out.y[i], dy) * SIZE as u32 + texel(out.x[i], dx);
+fn place<const N: usize>(shadows: &Shadows, eye_world: Vec3, asked: &Asked<N>, out: &mut OnMaps<N>) {
+    let count = asked.count.next_multiple_of(LANES).min(N);
+    let axes = [shadows.right, shadows.up, shadows.sun];
+    let eye = shadows.to_light(eye_world);
+    let [px, py, pz] = asked.points;
+    let [nx, ny, nz] = asked.normals;
+    // The near map has the last word.
+    for (index, map) in shadows.maps.iter().enumerate().rev() {
+        let base = (index * MAP) as i32;
+        let (min_x, min_y, to_z) = (eye.x - map.min[0], eye.y - map.min[1], eye.z + map.texel_m * 0.8);
+        let (texel_m, texels_per_m) = (map.texel_m, map.texels_per_m);
+        for i in 0..count {
+            let (point, normal) = (Vec3::new(px[i], py[i], pz[i]), Vec3::new(nx[i], ny[i], nz[i]));
+            let cos_sun = asked.cos_sun[i];
+            // Normal offset: moves grazing surfaces off their own texels, where a depth bias alone leaks.
+            let offset = texel_m * (NORMAL_OFFSET + 2.2 * (1.0 - cos_sun.abs())) + 0.006;
+            let offset = if cos_sun < 0.0 { -offset } else { offset };
+            let p = point + normal * offset;
+            let x = (axes[0].dot(p) + min_x) * texels_per_m;
+            let y = (axes[1].dot(p) + min_y) * texels_per_m;
+            let (low, high) = (MARGIN, SIZE as f32 - MARGIN);
+            let is_inside = (x >= low) & (x < high) & (y >= low) & (y < high);
+            let ((column, in_column), (row, in_row)) = (split(x - REACH), split(y - REACH));
+            let texel = base.wrapping_add(row.wrapping_mul(STRIDE as i32)).wrapping_add(column);
+            out.first[i] = if is_inside { texel as u32 } else { out.first[i] };
+            out.x[i] = if is_inside { in_column } else { out.x[i] };
+            out.y[i] = if is_inside { in_row } else { out.y[i] };
+            out.z[i] = if is_inside { axes[2].dot(p) + to_z } else { out.z[i] };
         }
     }
-    out
 }
 
 /// Draws all that may shade what the camera sees.
@@ -339,22 +327,6 @@ impl Caster {
     }
 }
 
-/// Offsets in texels of the taps, the four widest first.
-const TAPS: [(f32, f32); 12] = [
-    (-1.5, -0.5),
-    (0.5, -1.5),
-    (1.5, 0.5),
-    (-0.5, 1.5),
-    (-0.4, -0.6),
-    (0.6, -0.4),
-    (0.4, 0.6),
-    (-0.6, 0.4),
-    (-1.1, 0.9),
-    (0.9, 1.1),
-    (1.1, -0.9),
-    (-0.9, -1.1),
-];
-
 impl Map {
     /// True if a sphere in light coordinates may shade something that the camera sees.
     #[inline]
@@ -387,14 +359,7 @@ impl Map {
 
     /// Draws the faces of a cluster that cast shadows.
     #[inline(always)]
-    fn draw_some(
-        &mut self,
-        instance: &PosedInstance,
-        cluster: &Cluster,
-        kinds: &[Caster],
-        points: &Points,
-        up: Vec3,
-    ) {
+    fn draw_some(&mut self, instance: &PosedInstance, cluster: &Cluster, kinds: &[Caster], points: &Points, up: Vec3) {
         for (corners, face) in cluster.corners.iter().zip(&cluster.faces) {
             let corners = corners.map(|i| point(points, i));
             let kind = kinds[usize::from(instance.mesh.slots[*face as usize])];
@@ -410,22 +375,23 @@ impl Map {
         }
     }
 
+    /// The share of a square of three by three texels that lies no higher than `z`. It begins in the texel `first` (the
+    /// shares `x` and `y` of its column and row lie outside) and ends in the third after it.
     #[inline]
-    fn lit_at(&self, x: f32, y: f32, z: f32) -> f32 {
-        let blocker = self.height[y as usize * SIZE + x as usize];
-        f32::from(u8::from(blocker <= z))
-    }
-
-    #[inline]
-    fn sunlit(&self, x: f32, y: f32, z: f32, spread: f32) -> f32 {
-        let z = z + self.texel_m * 0.8;
-        let tap = |(dx, dy): (f32, f32), wide: f32| self.lit_at(x + dx * wide, y + dy * wide, z);
-        let first = tap(TAPS[0], spread) + tap(TAPS[1], spread) + tap(TAPS[2], spread) + tap(TAPS[3], spread);
-        if first == 0.0 || first == 4.0 {
-            return first * 0.25;
+    fn share_below(&self, first: usize, x: f32, y: f32, z: f32) -> f32 {
+        let texels = &self.height[first..first + 3 * STRIDE + 4];
+        let edge = |at: f32| -> [f32; 4] { std::array::from_fn(|k| self.square[0][k] + self.square[1][k] * at) };
+        let (columns, rows) = (edge(x), edge(y));
+        let mut sums = [0.0; 4];
+        for (row, share) in rows.into_iter().enumerate() {
+            let texels = &texels[row * STRIDE..][..4];
+            for k in 0..4 {
+                sums[k] += if texels[k] <= z { columns[k] * share } else { 0.0 };
+            }
         }
-        let rest: f32 = TAPS[4..].iter().map(|t| tap(*t, spread)).sum();
-        (first + rest) * (1.0 / 12.0)
+        let sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
+        // Neither rounding nor the edge of a texel dims what is lit all over.
+        if sum > 8.95 { 1.0 } else { sum * (1.0 / 9.0) }
     }
 
     /// Raises the texels whose middles lie within a triangle; x and y in texels.
@@ -464,7 +430,7 @@ impl Map {
                 for y in y0..y1 {
                     let dy = y as f32 + 0.5 - a.y;
                     let (row_b, row_c, row_z) = (by * dy, cy * dy, zy * dy + a.z);
-                    for (i, texel) in self.height[y * SIZE + first..][..LANES].iter_mut().enumerate() {
+                    for (i, texel) in self.height[y * STRIDE + first..][..LANES].iter_mut().enumerate() {
                         let dx = first as f32 + 0.5 - a.x + i as f32;
                         let (wb, wc) = (bx * dx + row_b, cx * dx + row_c);
                         let z = (zx * dx + row_z).min(highest);
@@ -501,10 +467,23 @@ impl Map {
             let from = (lo + a.x + 0.5).max(x0 as f32) as usize;
             let to = ((hi + a.x + 0.5).max(0.0) as usize).min(x1);
             let first = a.z + zy * dy + zx * (from as f32 + 0.5 - a.x);
-            for (texel, i) in self.height[y * SIZE..][..SIZE].get_mut(from..to).into_iter().flatten().zip(0_i32..) {
-                let z = first + zx * i as f32;
-                *texel = if z > *texel { z } else { *texel };
-            }
+            raise_span(&mut self.height[y * STRIDE..], from..to, first, zx);
+        }
+    }
+}
+
+/// Raises the texels of a part of a row to a plane's height, which is `first` in the first of them and rises by `step`
+/// from texel to texel. `row` must go on beyond the span by eight texels, which stay as they are.
+#[inline(always)]
+fn raise_span(row: &mut [f32], span: Range<usize>, first: f32, step: f32) {
+    for start in span.clone().step_by(LANES) {
+        let (before, left) = ((start - span.start) as i32 as f32, (span.end - start) as i32 as f32);
+        let texels = &mut row[start..start + LANES];
+        for (i, texel) in texels.iter_mut().enumerate() {
+            let i = i as i32 as f32;
+            let z = first + step * (before + i);
+            let is_higher = (z > *texel) & (i < left);
+            *texel = if is_higher { z } else { *texel };
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::mesh::Mesh;
+use super::mesh::{Bounds, Mesh};
 use crate::math::{Mat3, Vec3};
 
 /// A mesh in the making: corners may be shared or repeated, [`MeshBuilder::build`] welds and splits them as needed.
@@ -108,6 +108,13 @@ impl MeshBuilder {
         self.faces.len()
     }
 
+    /// The bounds that the built mesh will have.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds {
+        let corners = self.faces.iter().map(|f| f.map(|i| self.positions[i as usize]));
+        Bounds::of(corners.filter(|c| has_area(area_normal(*c))).flatten())
+    }
+
     /// Welds equal corners, drops faces without area, and gives each corner the area-weighted mean normal of those of
     /// its faces that lie within `crease_rad` of the face at hand.
     ///
@@ -132,49 +139,88 @@ impl MeshBuilder {
             })
             .collect();
         let corner = |f: &[u32; 3]| f.map(|i| remap[i as usize]);
-        let area_normal = |f: &[u32; 3]| {
-            let [a, b, c] = f.map(|i| points[i as usize]);
-            (b - a).cross(c - a)
-        };
         let kept: Vec<([u32; 3], u8, Vec3)> = self
             .faces
             .iter()
             .zip(&self.slots)
             .map(|(f, s)| (corner(f), *s))
-            .map(|(f, s)| (f, s, area_normal(&f)))
-            .filter(|(_, _, n)| n.length_squared() > 1e-16)
+            .map(|(f, s)| (f, s, area_normal(f.map(|i| points[i as usize]))))
+            .filter(|(_, _, n)| has_area(*n))
             .collect();
         let units: Vec<Vec3> = kept.iter().map(|k| k.2.normalize()).collect();
-        let mut around: Vec<Vec<u32>> = vec![Vec::new(); points.len()];
-        for (i, (f, _, _)) in kept.iter().enumerate() {
-            for v in f {
-                around[*v as usize].push(i as u32);
-            }
-        }
-        let (mut vertices, mut normals) = (Vec::new(), Vec::new());
-        // The copies of each point so far: the normal's bits and the vertex that has it.
-        let mut split: Vec<Vec<([u32; 3], u32)>> = vec![Vec::new(); points.len()];
+        let around = FacesAround::of(points.len(), kept.iter().map(|(f, _, _)| f));
+        let (mut vertices, mut normals) = (Vec::with_capacity(points.len()), Vec::with_capacity(points.len()));
+        // The copies of each point so far: the latest vertex of each point, and before each vertex the one before.
+        let mut latest = vec![u32::MAX; points.len()];
+        let mut before: Vec<u32> = Vec::with_capacity(points.len());
         let mut faces = Vec::with_capacity(kept.len());
         for ((f, _, _), own_unit) in kept.iter().zip(&units) {
             faces.push(f.map(|v| {
-                let sum = around[v as usize]
+                let sum = around
+                    .at(v)
                     .iter()
                     .filter(|i| units[**i as usize].dot(*own_unit) >= cos_crease)
                     .map(|i| kept[*i as usize].2)
                     .fold(Vec3::ZERO, |a, n| a + n);
                 let normal = if sum.length_squared() > 0.0 { sum.normalize() } else { *own_unit };
-                let copies = &mut split[v as usize];
-                if let Some((_, index)) = copies.iter().find(|(bits, _)| *bits == key(normal)) {
-                    return *index;
+                let mut copy = latest[v as usize];
+                while copy != u32::MAX {
+                    if key(normals[copy as usize]) == key(normal) {
+                        return copy;
+                    }
+                    copy = before[copy as usize];
                 }
                 vertices.push(points[v as usize]);
                 normals.push(normal);
-                copies.push((key(normal), (vertices.len() - 1) as u32));
-                (vertices.len() - 1) as u32
+                let number = (vertices.len() - 1) as u32;
+                before.push(std::mem::replace(&mut latest[v as usize], number));
+                number
             }));
         }
         let slots = kept.iter().map(|k| k.1).collect();
         Mesh::new(name, vertices, normals, faces, slots).expect("an asset's mesh is valid").in_cluster_order()
+    }
+}
+
+/// Square to a triangle, twice as long as its area.
+fn area_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
+    (b - a).cross(c - a)
+}
+
+fn has_area(area_normal: Vec3) -> bool {
+    area_normal.length_squared() > 1e-16
+}
+
+/// The faces at each point, by rising number.
+struct FacesAround {
+    first: Vec<u32>,
+    faces: Vec<u32>,
+}
+
+impl FacesAround {
+    fn of<'a>(num_points: usize, faces: impl Iterator<Item = &'a [u32; 3]> + Clone) -> Self {
+        let mut first = vec![0; num_points + 1];
+        for v in faces.clone().flatten() {
+            first[*v as usize + 1] += 1;
+        }
+        for i in 0..num_points {
+            first[i + 1] += first[i];
+        }
+        let mut next = first.clone();
+        let mut all = vec![0; first[num_points] as usize];
+        for (number, face) in (0..).zip(faces) {
+            for v in face {
+                let place = &mut next[*v as usize];
+                all[*place as usize] = number;
+                *place += 1;
+            }
+        }
+        Self { first, faces: all }
+    }
+
+    fn at(&self, point: u32) -> &[u32] {
+        let point = point as usize;
+        &self.faces[self.first[point] as usize..self.first[point + 1] as usize]
     }
 }
 
@@ -192,6 +238,7 @@ mod tests {
         b.cuboid(Vec3::new(1.0, 2.0, 3.0), Vec3::new(2.0, 4.0, 6.0), 0);
         let mesh = b.build("box", 0.5);
         assert_eq!((mesh.faces.len(), mesh.vertices.len()), (12, 24));
+        assert_eq!(mesh.bounds, b.bounds());
         assert!((volume(&mesh) - 6.0).abs() < 1e-5);
     }
 

@@ -7,5 +7,5 @@ mod mesh_builder;
 
 pub use cluster::{CLUSTER_FACES, Cluster, clusters_of, slot_bit};
 pub use lanes::{LANES, Lanes, lanes_of};
-pub use mesh::{Bounds, LodSet, Mesh};
+pub use mesh::{Bounds, LazyMesh, LodSet, Mesh};
 pub use mesh_builder::MeshBuilder;

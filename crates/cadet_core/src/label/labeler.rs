@@ -8,7 +8,7 @@ use crate::sense::{PosedScene, VisibilityBuffer};
 
 use super::box_cam::{BoxCam, Rect, truncation};
 use super::corners::visible_corners;
-use super::silhouette::{ActorInstances, SUPERSAMPLING, silhouette};
+use super::silhouette::{ActorInstances, SAMPLES_PER_PIXEL, silhouette};
 
 /// How occlusion is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -119,7 +119,7 @@ pub struct ObjectMeta {
     pub model: String,
     /// Visible samples / samples of the silhouette inside the image.
     pub visible_fraction: f64,
-    /// Visible pixels (a quarter of the visible samples).
+    /// Visible pixels (half of the visible samples).
     pub visible_pixels: f64,
     /// Returns of the scan from the actor.
     pub num_points: usize,
@@ -196,7 +196,7 @@ pub fn label_actors(
             silhouette(scene, &instances, actor.id, camera, world_from_cam, seen, even_if_hidden, &mut buffer);
         let visible_fraction =
             if outline.samples == 0 { 0.0 } else { outline.visible_samples as f64 / outline.samples as f64 };
-        let visible_pixels = outline.visible_samples as f64 / (SUPERSAMPLING * SUPERSAMPLING) as f64;
+        let visible_pixels = outline.visible_samples as f64 / SAMPLES_PER_PIXEL as f64;
         let corner_visible = visible_corners(&box_cam.corners_cam(), camera, &seen.depth, config.corner_tolerance_m);
         let hidden_corners = corner_visible.iter().filter(|v| !**v).count();
         let in_reach = config.is_near_enough(&box_cam, &bbox) && visible_fraction >= config.min_visible_fraction;

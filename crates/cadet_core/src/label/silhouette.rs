@@ -6,8 +6,8 @@ use crate::sense::{PinholeGrid, PosedInstance, PosedScene, VisibilityBuffer, dra
 
 use super::box_cam::Rect;
 
-/// Samples a pixel side: 2 x 2 = four samples a pixel.
-pub(super) const SUPERSAMPLING: usize = 2;
+/// Samples a pixel, where the camera has them ([`PinholeGrid::quincunx`]).
+pub(super) const SAMPLES_PER_PIXEL: usize = 2;
 
 /// How much of an actor there is in the image, and how much of it is seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,7 +38,7 @@ impl ActorInstances {
     }
 }
 
-/// Draws the actor alone over the part of the supersampled image that its bounds cover; of an actor of which nothing is
+/// Draws the actor alone over the part of the camera's samples that its bounds cover; of an actor of which nothing is
 /// seen only if `even_if_hidden`.
 pub(super) fn silhouette(
     scene: &PosedScene,
@@ -56,13 +56,10 @@ pub(super) fn silhouette(
     else {
         return found;
     };
-    // Sample (r, c) of the image lies at v = r / n, u = c / n.
-    let n = SUPERSAMPLING as f64;
-    let (width, height) = (camera.width * SUPERSAMPLING, camera.height * SUPERSAMPLING);
-    let to_sample = |p: f64| p * n;
-    let lo = |p: f64| to_sample(p).floor().max(0.0) as usize;
-    let hi = |p: f64, end: usize| (to_sample(p).ceil() + 1.0).clamp(0.0, end as f64) as usize;
-    let (c1, c2, r1, r2) = (lo(u1), hi(u2, width), lo(v1), hi(v2, height));
+    // Sample (r, c) lies at v = r / 2 and u = c, in odd rows u = c + 1/2. Windows begin at even rows.
+    let lo = |p: f64| p.floor().max(0.0) as usize;
+    let hi = |p: f64, end: usize| (p.ceil() + 1.0).clamp(0.0, end as f64) as usize;
+    let (c1, c2, r1, r2) = (lo(u1), hi(u2, camera.width), 2 * lo(v1), 2 * hi(v2, camera.height));
     if c1 >= c2 || r1 >= r2 {
         return found;
     }
@@ -70,23 +67,24 @@ pub(super) fn silhouette(
     if found.visible_samples == 0 && !even_if_hidden {
         return found;
     }
-    let from_sample = |i: usize| i as f64 / n;
     let (rows, columns) = (r2 - r1, c2 - c1);
-    let window = [from_sample(c1), from_sample(r1), 1.0 / n, 1.0 / n];
-    let grid = PinholeGrid::new(camera.optical_pose(world_from_cam), camera.intrinsics(), window, rows, columns)
+    let first = [c1 as f64, r1 as f64 / 2.0];
+    let grid = PinholeGrid::quincunx(camera.optical_pose(world_from_cam), camera.intrinsics(), first, rows, columns)
         .expect("a checked camera and a window that is not empty");
     draw_instances(scene, &grid, instances.of(actor_id), buffer);
-    let (mut of_rows, mut of_columns) = (rows..0, columns..0);
+    // Rows and columns by halves of a pixel.
+    let (mut of_rows, mut of_columns) = (rows..0, 2 * columns..0);
     for r in 0..rows {
         let (count, span) = buffer.covered(r);
         if count > 0 {
             found.samples += count;
             of_rows = of_rows.start.min(r)..r + 1;
-            of_columns = of_columns.start.min(span.start)..of_columns.end.max(span.end);
+            let halves = 2 * span.start + r % 2..2 * span.end - 1 + r % 2;
+            of_columns = of_columns.start.min(halves.start)..of_columns.end.max(halves.end);
         }
     }
     if found.samples > 0 {
-        let (u, v) = (|c: usize| from_sample(c1 + c), |r: usize| from_sample(r1 + r));
+        let (u, v) = (|h: usize| (2 * c1 + h) as f64 / 2.0, |r: usize| (r1 + r) as f64 / 2.0);
         let (u1, u2) = (u(of_columns.start), u(of_columns.end - 1));
         found.bounds = Some(Rect { u1, v1: v(of_rows.start), u2, v2: v(of_rows.end - 1) });
     }

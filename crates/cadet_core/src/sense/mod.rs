@@ -29,4 +29,4 @@ pub use posed::{Placement, PosedInstance, PosedScene};
 pub use raster::{draw, draw_instances};
 pub use raycast::{RayCaster, RayHit};
 pub use turret::{TurretGrid, TurretRing};
-pub use visibility_buffer::{BLOCK, Block, DrawnFace, Quad, VisibilityBuffer};
+pub use visibility_buffer::{BLOCK, Block, DrawnFace, Pair, VisibilityBuffer};

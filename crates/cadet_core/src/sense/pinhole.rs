@@ -10,11 +10,13 @@ use crate::math::{DPose3, DVec3, Vec3};
 
 /// Samples of an image: row r, column c lies at `u = u0 + c * du`, `v = v0 + r * dv`, where the beam's direction is
 /// `((u - cx) / fx, (v - cy) / fy, 1)` in the camera's frame. Depth is z along the optical axis.
+///
+/// In a quincunx ([`PinholeGrid::quincunx`]) the samples of odd rows lie half a column further to the right.
 #[derive(Debug, Clone)]
 pub struct PinholeGrid {
     world_from_cam: DPose3,
-    /// (u - cx) / fx of every column, rising.
-    columns_x: Vec<f64>,
+    /// (u - cx) / fx of every column of even and of odd rows, rising.
+    columns_x: [Vec<f64>; 2],
     /// (v - cy) / fy of every row, rising.
     rows_y: Vec<f64>,
     /// Column = x / z * scale + offset, and the same for rows.
@@ -22,6 +24,8 @@ pub struct PinholeGrid {
     pub(super) column_offset: f64,
     pub(super) row_scale: f64,
     pub(super) row_offset: f64,
+    /// Columns by which the samples of odd rows lie further to the right: 0 or 1/2.
+    pub(super) odd_shift: f64,
 }
 
 /// How far the single-precision projection may err, in samples.
@@ -59,20 +63,42 @@ impl PinholeGrid {
                 expected: "at least 1 x 1".to_owned(),
             });
         }
+        let columns_x: Vec<f64> = (0..columns).map(|c| (u0 + c as f64 * du - cx) / fx).collect();
         Ok(Self {
             world_from_cam,
-            columns_x: (0..columns).map(|c| (u0 + c as f64 * du - cx) / fx).collect(),
+            columns_x: [columns_x.clone(), columns_x],
             rows_y: (0..rows).map(|r| (v0 + r as f64 * dv - cy) / fy).collect(),
             column_scale: fx / du,
             column_offset: (cx - u0) / du,
             row_scale: fy / dv,
             row_offset: (cy - v0) / dv,
+            odd_shift: 0.0,
         })
     }
 
+    /// Two samples a pixel: on its centre, and half a pixel to the right and below. Rows lie half a pixel apart, the
+    /// first at `v0`; each has one sample a pixel, the first at `u0` or, in odd rows, half a pixel right of it.
+    ///
+    /// # Errors
+    /// Those of [`PinholeGrid::new`].
+    pub fn quincunx(
+        world_from_cam: DPose3,
+        [fx, fy, cx, cy]: [f64; 4],
+        [u0, v0]: [f64; 2],
+        rows: usize,
+        columns: usize,
+    ) -> Result<Self> {
+        let mut grid = Self::new(world_from_cam, [fx, fy, cx, cy], [u0, v0, 1.0, 0.5], rows, columns)?;
+        grid.odd_shift = 0.5;
+        for (c, x) in grid.columns_x[1].iter_mut().enumerate() {
+            *x = (u0 + (c as f64 + 0.5) - cx) / fx;
+        }
+        Ok(grid)
+    }
+
     fn edges(&self) -> [f64; 4] {
-        let (w, h) = (self.columns_x.len() - 1, self.rows_y.len() - 1);
-        [self.columns_x[0], self.columns_x[w], self.rows_y[0], self.rows_y[h]]
+        let (w, h) = (self.columns() - 1, self.rows_y.len() - 1);
+        [self.columns_x[0][0], self.columns_x[1][w], self.rows_y[0], self.rows_y[h]]
     }
 
     /// A triangle that reaches behind the camera or nearly so: everything, unless one side of the view excludes it.
@@ -98,7 +124,7 @@ impl BeamGrid for PinholeGrid {
     }
 
     fn columns(&self) -> usize {
-        self.columns_x.len()
+        self.columns_x[0].len()
     }
 
     fn world_from_grid(&self) -> DPose3 {
@@ -108,7 +134,8 @@ impl BeamGrid for PinholeGrid {
     fn beam(&self, row: usize, column: usize) -> Beam {
         Beam {
             origin_world: self.world_from_cam.translation,
-            direction_world: self.world_from_cam.rotation * DVec3::new(self.columns_x[column], self.rows_y[row], 1.0),
+            direction_world: self.world_from_cam.rotation
+                * DVec3::new(self.columns_x(row)[column], self.rows_y[row], 1.0),
         }
     }
 
@@ -125,7 +152,7 @@ impl BeamGrid for PinholeGrid {
     }
 
     fn row_start(&self, inner_row: usize) -> usize {
-        inner_row * self.columns_x.len()
+        inner_row * self.columns()
     }
 
     #[inline]
@@ -153,15 +180,21 @@ impl BeamGrid for PinholeGrid {
         if (a[0] + b[0] + c[0]).is_nan() {
             return [self.window_of_crossing(corners_grid), Window::default()];
         }
-        let range = |k: usize, n: usize| {
-            let lo = a[k].min(b[k]).min(c[k]) - MARGIN;
-            let hi = a[k].max(b[k]).max(c[k]) + MARGIN;
+        let range = |k: usize, n: usize, [shift_lo, shift_hi]: [f32; 2]| {
+            let lo = a[k].min(b[k]).min(c[k]) - (MARGIN + shift_lo);
+            let hi = a[k].max(b[k]).max(c[k]) + (MARGIN - shift_hi);
             // Rounded up and down by hand: without SSE 4.1 `ceil` is a call.
             let below = lo.max(0.0) as u32;
             let first = below + u32::from((below as f32) < lo);
             first as usize..((hi + 1.0).max(0.0) as u32 as usize).min(n)
         };
-        [Window { rows: range(1, self.rows()), columns: range(0, self.columns()) }, Window::default()]
+        let rows = range(1, self.rows(), [0.0; 2]);
+        let odd_shift = self.odd_shift as f32;
+        let is_all_odd = rows.len() == 1 && rows.start % 2 == 1;
+        let is_all_even = rows.len() == 1 && rows.start % 2 == 0;
+        let shifts = [if is_all_even { 0.0 } else { odd_shift }, if is_all_odd { odd_shift } else { 0.0 }];
+        let columns = range(0, self.columns(), shifts);
+        [Window { rows, columns }, Window::default()]
     }
 
     #[inline]
@@ -177,11 +210,12 @@ impl BeamGrid for PinholeGrid {
             let y = self.rows_y[row];
             let rests = [e0.y * y + e0.z, e1.y * y + e1.z, e2.y * y + e2.z];
             let rest = n.y * y + n.z;
-            let base = row * self.columns_x.len();
+            let columns_x = self.columns_x(row);
+            let base = row * columns_x.len();
             let mut columns = window.columns.clone();
             if columns.len() <= NARROW_ABOVE {
                 for column in columns {
-                    let x = self.columns_x[column];
+                    let x = columns_x[column];
                     let inside = e0.x * x + rests[0] >= 0.0 && e1.x * x + rests[1] >= 0.0 && e2.x * x + rests[2] >= 0.0;
                     let facing = n.x * x + rest;
                     if inside && facing > 0.0 {
@@ -191,12 +225,12 @@ impl BeamGrid for PinholeGrid {
                 continue;
             }
             for (slope, rest) in [(e0.x, rests[0]), (e1.x, rests[1]), (e2.x, rests[2])] {
-                self.narrow(&mut columns, slope, rest);
+                self.narrow(row, &mut columns, slope, rest);
             }
             if columns.is_empty() {
                 continue;
             }
-            for (column, x) in columns.clone().zip(&self.columns_x[columns]) {
+            for (column, x) in columns.clone().zip(&columns_x[columns]) {
                 let facing = n.x * x + rest;
                 if facing > 0.0 {
                     visit(base + column, volume / facing);
@@ -207,10 +241,11 @@ impl BeamGrid for PinholeGrid {
 }
 
 impl PinholeGrid {
-    /// x / z of every column.
+    /// x / z of every column of a row.
+    #[inline]
     #[must_use]
-    pub fn columns_x(&self) -> &[f64] {
-        &self.columns_x
+    pub fn columns_x(&self, row: usize) -> &[f64] {
+        &self.columns_x[row % 2]
     }
 
     /// y / z of every row.
@@ -219,11 +254,13 @@ impl PinholeGrid {
         &self.rows_y
     }
 
-    /// x / z of every column, and of those that would follow up to a multiple of `block`.
-    pub(super) fn padded_columns_x(&self, block: usize) -> Vec<f64> {
-        let n = self.columns_x.len();
-        let beyond = (n..n.next_multiple_of(block)).map(|i| (i as f64 - self.column_offset) / self.column_scale);
-        self.columns_x.iter().copied().chain(beyond).collect()
+    /// x / z of every column of even and of odd rows, and of those that would follow up to a multiple of `block`.
+    pub(super) fn padded_columns_x(&self, block: usize) -> [Vec<f64>; 2] {
+        [(&self.columns_x[0], 0.0), (&self.columns_x[1], self.odd_shift)].map(|(columns_x, shift)| {
+            let n = columns_x.len();
+            let at = |i: usize| (i as f64 + shift - self.column_offset) / self.column_scale;
+            columns_x.iter().copied().chain((n..n.next_multiple_of(block)).map(at)).collect()
+        })
     }
 
     /// y / z of every row, and of those that would follow up to a multiple of `block`.
@@ -241,9 +278,10 @@ impl PinholeGrid {
 
     /// The columns of a row that pass the test of all edges, among `columns`.
     #[cold]
-    pub(super) fn span(&self, edges: &[DVec3; 3], y: f64, mut columns: Range<usize>) -> Range<usize> {
+    pub(super) fn span(&self, edges: &[DVec3; 3], row: usize, mut columns: Range<usize>) -> Range<usize> {
+        let y = self.rows_y[row];
         for e in edges {
-            self.narrow(&mut columns, e.x, e.y * y + e.z);
+            self.narrow(row, &mut columns, e.x, e.y * y + e.z);
         }
         columns
     }
@@ -251,9 +289,11 @@ impl PinholeGrid {
     /// Drops the columns where `slope * x + rest` is negative, and no other: rounding keeps the order of what it
     /// rounds, so that the sum changes its sign once in a row and it is enough to look there.
     #[inline]
-    fn narrow(&self, columns: &mut Range<usize>, slope: f64, rest: f64) {
+    fn narrow(&self, row: usize, columns: &mut Range<usize>, slope: f64, rest: f64) {
+        // Wide enough for odd rows.
         let root = (-rest / slope) * self.column_scale + self.column_offset;
-        let is_in = |column: usize| slope * self.columns_x[column] + rest >= 0.0;
+        let columns_x = self.columns_x(row);
+        let is_in = |column: usize| slope * columns_x[column] + rest >= 0.0;
         if slope > 0.0 {
             columns.start = columns.start.max((root - 1.0).max(0.0) as usize);
             while columns.start < columns.end && !is_in(columns.start) {

@@ -170,7 +170,7 @@ impl PosedScene {
 /// The level of detail of an instance, by the distance from the viewer to the bounds of its finest level, so that the
 /// choice does not depend on the choice.
 fn level_for(instance: &Instance, viewer_world: DVec3) -> Option<&Arc<Mesh>> {
-    let bounds = &instance.shape.finest().bounds;
+    let bounds = &instance.shape.bounds;
     let middle = instance.world_from_local.transform_point(bounds.center().as_dvec3());
     let distance_m = ((middle - viewer_world).length() - f64::from(bounds.size().length()) / 2.0).max(0.0);
     instance.shape.select(distance_m as f32)

@@ -114,7 +114,7 @@ struct Drawer<'a> {
     cam_from_world: DMat3,
     eye_world: DVec3,
     /// As the grid's, to the ends of the last blocks.
-    columns_x: Vec<f64>,
+    columns_x: [Vec<f64>; 2],
     rows_y: Vec<f64>,
     corners: Vec<Corner>,
 }
@@ -193,13 +193,15 @@ impl Drawer<'_> {
         let plane = normal * (1.0 / volume);
         // A block's nearness changes by so much from its middle to a corner.
         let half = (BLOCK - 1) as f64 / 2.0;
-        let reach = half * (plane.x.abs() / self.grid.column_scale + plane.y.abs() / self.grid.row_scale);
+        let half_across = half + self.grid.odd_shift * 0.5;
+        let reach =
+            half_across * (plane.x.abs() / self.grid.column_scale) + half * (plane.y.abs() / self.grid.row_scale);
         let spans = Spans::new(&edges, self.grid, window);
         for block_row in window.rows.start / BLOCK..=(window.rows.end - 1) / BLOCK {
             let top = block_row * BLOCK;
             let Some(rows_y) = self.rows_y[top..].first_chunk::<BLOCK>() else { return };
             let mut batch = spans.of_rows(top);
-            batch.settle_doubts(self.grid, &edges, rows_y, window, top);
+            batch.settle_doubts(self.grid, &edges, window, top);
             let (start, end) = batch.columns(window, top);
             if start >= end {
                 continue;
@@ -211,10 +213,14 @@ impl Drawer<'_> {
             let middle = (rests[0] + rests[BLOCK - 1]) * 0.5 + reach;
             for block_column in start as usize / BLOCK..=(end as usize - 1) / BLOCK {
                 let left = block_column * BLOCK;
-                let Some(x) = self.columns_x[left..].first_chunk::<BLOCK>() else { return };
+                let [Some(even), Some(odd)] = self.columns_x.each_ref().map(|x| x[left..].first_chunk::<BLOCK>())
+                else {
+                    return;
+                };
+                let x = [even, odd];
                 let number = block_row * self.buffer.blocks_across + block_column;
                 // The largest nearness of the plane on the block.
-                let most = (plane.x * (x[0] + x[BLOCK - 1]) * 0.5 + middle) as f32;
+                let most = (plane.x * (even[0] + odd[BLOCK - 1]) * 0.5 + middle) as f32;
                 if self.buffer.floors[number] > most * CLEARLY || self.buffer.is_block_hidden(number, z_m) {
                     continue;
                 }
@@ -239,6 +245,8 @@ struct Spans {
     at: [f64; 3],
     step: [f64; 3],
     bounds_left: [bool; 3],
+    /// How far the samples of each row of a block lie further right: in a quincunx, those of odd rows.
+    shift: [f64; LANES],
     /// The first row of the window's first block.
     first_row: usize,
     least: f64,
@@ -278,6 +286,7 @@ impl Spans {
             at,
             step,
             bounds_left,
+            shift: std::array::from_fn(|i| if i % 2 == 1 { grid.odd_shift } else { 0.0 }),
             first_row,
             least: window.columns.start as f64 + 0.5,
             most: window.columns.end as f64 + 0.5,
@@ -294,12 +303,12 @@ impl Spans {
             let at = self.at[k] + self.step[k] * below;
             if self.bounds_left[k] {
                 for i in 0..LANES {
-                    let cut = at + self.step[k] * i as f64;
+                    let cut = at + self.step[k] * i as f64 - self.shift[i];
                     left[i] = if cut > left[i] { cut } else { left[i] };
                 }
             } else {
                 for i in 0..LANES {
-                    let cut = at + self.step[k] * i as f64;
+                    let cut = at + self.step[k] * i as f64 - self.shift[i];
                     right[i] = if cut < right[i] { cut } else { right[i] };
                 }
             }
@@ -323,20 +332,13 @@ impl Spans {
 impl Batch {
     /// Looks exactly where a cut lies too near to a sample.
     #[inline(always)]
-    fn settle_doubts(
-        &mut self,
-        grid: &PinholeGrid,
-        edges: &[DVec3; 3],
-        rows_y: &[f64; BLOCK],
-        window: &Window,
-        top: usize,
-    ) {
+    fn settle_doubts(&mut self, grid: &PinholeGrid, edges: &[DVec3; 3], window: &Window, top: usize) {
         if self.doubt.iter().fold(0, |all, d| all | d) == 0 {
             return;
         }
         for i in 0..BLOCK {
             if self.doubt[i] != 0 && window.rows.contains(&(top + i)) {
-                let columns = grid.span(edges, rows_y[i], window.columns.clone());
+                let columns = grid.span(edges, top + i, window.columns.clone());
                 (self.start[i], self.end[i]) = (columns.start as u32, columns.end as u32);
             }
         }
@@ -380,7 +382,7 @@ fn draw_block(
     block: &mut Block,
     batch: &Batch,
     left: u32,
-    x: &[f64; BLOCK],
+    x: [&[f64; BLOCK]; 2],
     slope: f64,
     rests: &[f64; BLOCK],
     id: u32,
@@ -396,7 +398,7 @@ fn draw_block(
         let mut value = [0.0_f32; BLOCK];
         for i in 0..BLOCK {
             // NaN outside, which is neither nearer nor equal.
-            value[i] = f32::from_bits(((slope * x[i] + rests[row]) as f32).to_bits() | outside[i]);
+            value[i] = f32::from_bits(((slope * x[row % 2][i] + rests[row]) as f32).to_bits() | outside[i]);
         }
         let (mut nearer, mut new, mut new_ids) = ([0; BLOCK], [0.0; BLOCK], [0; BLOCK]);
         for i in 0..BLOCK {
@@ -425,7 +427,7 @@ fn settle_ties(
     block: &mut Block,
     batch: &Batch,
     left: u32,
-    x: &[f64; BLOCK],
+    x: [&[f64; BLOCK]; 2],
     slope: f64,
     rests: &[f64; BLOCK],
     id: u32,
@@ -435,7 +437,7 @@ fn settle_ties(
     for row in 0..BLOCK {
         for i in 0..BLOCK {
             let inside = (batch.start[row]..batch.end[row]).contains(&(left + i as u32));
-            let value = (slope * x[i] + rests[row]) as f32;
+            let value = (slope * x[row % 2][i] + rests[row]) as f32;
             let owner = &mut block.face[row][i];
             if inside && value == block.nearness[row][i] && value > 0.0 && key(id) < key(*owner) {
                 *owner = id;

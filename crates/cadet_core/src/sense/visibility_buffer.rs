@@ -45,43 +45,38 @@ pub struct Block {
 impl Block {
     const EMPTY: Self = Self { nearness: [[0.0; BLOCK]; BLOCK], face: [[0; BLOCK]; BLOCK] };
 
-    /// Two by two samples, the first at an even row and column of the block.
+    /// The samples of a column in an even row of the block and in the next.
     #[inline]
-    fn quad(&self, row: usize, column: usize) -> Quad {
-        let (row, column) = ((row % BLOCK) & !1, (column % BLOCK) & !1);
-        let at = |line: &[f32; BLOCK]| [line[column], line[column + 1]];
-        let of = |line: &[u32; BLOCK]| [line[column], line[column + 1]];
-        let ([a, b], [c, d]) = (at(&self.nearness[row]), at(&self.nearness[row + 1]));
-        let ([e, f], [g, h]) = (of(&self.face[row]), of(&self.face[row + 1]));
-        let face = |face: u32, nearness: f32| if nearness > 0.0 { face } else { NO_HIT };
-        Quad { nearness: [a, b, c, d], face: [face(e, a), face(f, b), face(g, c), face(h, d)] }
+    fn pair(&self, row: usize, column: usize) -> Pair {
+        let (row, column) = ((row % BLOCK) & !1, column % BLOCK);
+        let nearness = [self.nearness[row][column], self.nearness[row + 1][column]];
+        let face = [self.face[row][column], self.face[row + 1][column]];
+        Pair { nearness, face: [0, 1].map(|i| if nearness[i] > 0.0 { face[i] } else { NO_HIT }) }
     }
 }
 
-/// Samples of one pixel: upper left, upper right, lower left, lower right.
+/// Two samples, one below the other: those of a pixel in a quincunx.
 #[derive(Debug, Clone, Copy)]
-pub struct Quad {
+pub struct Pair {
     /// 1 / z in 1/m, 0 where there is none.
-    pub nearness: [f32; 4],
+    pub nearness: [f32; 2],
     /// The number of the face in [`VisibilityBuffer::faces`], [`NO_HIT`] where there is none.
-    pub face: [u32; 4],
+    pub face: [u32; 2],
 }
 
-impl Quad {
-    /// True if all samples see one face, or all see none.
+impl Pair {
+    /// True if both samples see one face, or both see none.
     #[inline]
     #[must_use]
     pub fn is_one_face(&self) -> bool {
-        let [a, b, c, d] = self.face;
-        a == b && a == c && a == d
+        self.face[0] == self.face[1]
     }
 
-    /// The depth at the samples' middle of a face that they all see.
+    /// The depth between the samples of a face that both see.
     #[inline]
     #[must_use]
     pub fn mean_depth(&self) -> f32 {
-        let [a, b, c, d] = self.nearness;
-        4.0 / (a + b + c + d)
+        2.0 / (self.nearness[0] + self.nearness[1])
     }
 }
 
@@ -196,23 +191,23 @@ impl VisibilityBuffer {
         row / BLOCK * self.blocks_across + column / BLOCK
     }
 
-    /// What is solid at the four samples of the pixel whose first sample this is.
+    /// What is solid at the samples of an even row and of the next.
     #[inline]
     #[must_use]
-    pub fn solid_quad(&self, row: usize, column: usize) -> Quad {
-        self.solid[self.block_at(row, column)].quad(row, column)
+    pub fn solid_pair(&self, row: usize, column: usize) -> Pair {
+        self.solid[self.block_at(row, column)].pair(row, column)
     }
 
-    /// The panes at the four samples, if any of them lies before what is `solid`.
+    /// The panes at the samples of an even row and of the next, if any of them lies before what is `solid`.
     #[inline]
     #[must_use]
-    pub fn pane_quad(&self, row: usize, column: usize, solid: &Quad) -> Option<Quad> {
+    pub fn pane_pair(&self, row: usize, column: usize, solid: &Pair) -> Option<Pair> {
         let block = self.block_at(row, column);
         if !self.has_panes[block] {
             return None;
         }
-        let panes = self.panes[block].quad(row, column);
-        (0..4).any(|i| panes.nearness[i] > solid.nearness[i]).then_some(panes)
+        let panes = self.panes[block].pair(row, column);
+        (0..2).any(|i| panes.nearness[i] > solid.nearness[i]).then_some(panes)
     }
 
     /// The number of the face that a sample sees first, be it a pane or solid, and its nearness; `None` for the sky.

@@ -13,7 +13,33 @@ pub(super) struct FaceIndex {
     columns: usize,
     rows: usize,
     first: Vec<u32>,
-    faces: Vec<u32>,
+    faces: Vec<Entry>,
+}
+
+/// A triangle and its bounds in the plane, a little wider than needed: most are told from a place by them alone.
+#[derive(Debug, Clone, Copy, Default)]
+struct Entry {
+    min: [f32; 2],
+    max: [f32; 2],
+    face: u32,
+}
+
+impl Entry {
+    fn new(face: u32, [a, b, c]: [Vec3; 3]) -> Self {
+        let (min, max) = (a.min(b).min(c), a.max(b).max(c));
+        // Whoever asks allows a hundred-thousandth of a triangle's size; far out, single precision rounds by millimetres.
+        let margin = 1e-3 + 3e-5 * (max - min).max_element() + 3e-7 * min.abs().max(max.abs()).max_element();
+        Self { min: [min.x - margin, min.y - margin], max: [max.x + margin, max.y + margin], face }
+    }
+
+    #[inline]
+    fn touches(&self, min: [f32; 2], max: [f32; 2]) -> bool {
+        (self.min[0] <= max[0]) & (self.max[0] >= min[0]) & (self.min[1] <= max[1]) & (self.max[1] >= min[1])
+    }
+}
+
+fn to_f32(p: DVec2) -> [f32; 2] {
+    [p.x as f32, p.y as f32]
 }
 
 impl FaceIndex {
@@ -41,10 +67,11 @@ impl FaceIndex {
             index.first[i] += index.first[i - 1];
         }
         let mut next = index.first.clone();
-        index.faces = vec![0; next[next.len() - 1] as usize];
-        for (face, span) in spans.iter().enumerate() {
+        index.faces = vec![Entry::default(); next[next.len() - 1] as usize];
+        for ((number, face), span) in (0..).zip(faces).zip(&spans) {
+            let entry = Entry::new(number, face.map(|i| vertices[i as usize]));
             for cell in cells(span) {
-                index.faces[next[cell] as usize] = face as u32;
+                index.faces[next[cell] as usize] = entry;
                 next[cell] += 1;
             }
         }
@@ -56,13 +83,21 @@ impl FaceIndex {
         ((c.x as usize).min(self.columns - 1), (c.y as usize).min(self.rows - 1))
     }
 
-    /// The triangles that may hold a place; none where it is not finite.
-    pub(super) fn candidates(&self, p: DVec2) -> &[u32] {
-        if !p.is_finite() {
-            return &[];
-        }
-        let (i, j) = self.cell(p);
-        let cell = j * self.columns + i;
-        &self.faces[self.first[cell] as usize..self.first[cell + 1] as usize]
+    /// The triangles that may hold a place, by rising number; none where it is not finite.
+    pub(super) fn candidates(&self, p: DVec2) -> impl Iterator<Item = u32> {
+        self.within(p, p)
+    }
+
+    /// The triangles that may touch a rectangle, some of them more than once; none where it is not finite.
+    pub(super) fn within(&self, min: DVec2, max: DVec2) -> impl Iterator<Item = u32> {
+        let is_finite = min.is_finite() && max.is_finite();
+        let ((i0, j0), (i1, j1)) = (self.cell(min), self.cell(max));
+        let rows = if is_finite { j0..j1 + 1 } else { 0..0 };
+        let (low, high) = (to_f32(min), to_f32(max));
+        rows.flat_map(move |j| {
+            let row = j * self.columns;
+            let entries = &self.faces[self.first[row + i0] as usize..self.first[row + i1 + 1] as usize];
+            entries.iter().filter(move |e| e.touches(low, high)).map(|e| e.face)
+        })
     }
 }

@@ -92,11 +92,22 @@ impl Ground {
         Self::assemble(&plan, regions, &|_| 0.0, (DVec2::splat(-half), DVec2::splat(half)))
     }
 
+    /// The same outlines and tiles over another surface, all of it carriageway.
+    #[cfg(test)]
+    pub(crate) fn with_surface(mut self, vertices: Vec<Vec3>, faces: Vec<[u32; 3]>) -> Self {
+        let bounds = crate::geometry::Bounds::of(vertices.iter().copied());
+        let [min, max] = [bounds.min, bounds.max].map(|p| p.as_dvec3().truncate());
+        self.index = Arc::new(FaceIndex::new(&vertices, &faces, min, max));
+        self.kinds = Arc::new(vec![GroundKind::Road; faces.len()]);
+        (self.vertices, self.faces) = (Arc::new(vertices), Arc::new(faces));
+        self
+    }
+
     fn assemble(plan: &PlanMesh, regions: Regions, height: &dyn Fn(DVec2) -> f64, (min, max): (DVec2, DVec2)) -> Self {
         let surface = Surface::raise(plan, height);
         let kinds: Vec<GroundKind> = plan.kinds.iter().map(|c| c.kind()).collect();
         let vertices: Vec<Vec3> = surface.corners.iter().map(|p| p.as_vec3()).collect();
-        let index = FaceIndex::new(&vertices, &surface.faces[..kinds.len()], min, max);
+        let index = FaceIndex::new(&vertices, &surface.faces, min, max);
         Self {
             tiles: surface.tiles(plan),
             vertices: Arc::new(vertices),
@@ -146,6 +157,11 @@ impl Ground {
         &self.outlines.walks
     }
 
+    /// Every face that may lie over or under the rectangle from `min` to `max`, kerb faces included; some come twice.
+    pub(crate) fn faces_about(&self, min: DVec2, max: DVec2) -> impl Iterator<Item = u32> {
+        self.index.within(min, max)
+    }
+
     fn corners(&self, face: usize) -> [DVec3; 3] {
         self.faces[face].map(|i| self.vertices[i as usize].as_dvec3())
     }
@@ -154,8 +170,9 @@ impl Ground {
     fn top_face(&self, x: f64, y: f64) -> Option<(usize, f64)> {
         let p = DVec2::new(x, y);
         let mut best: Option<(usize, f64)> = None;
-        for face in self.index.candidates(p) {
-            let [a, b, c] = self.corners(*face as usize);
+        // Kerb faces, which stand upright, come last.
+        for face in self.index.candidates(p).take_while(|f| (*f as usize) < self.kinds.len()) {
+            let [a, b, c] = self.corners(face as usize);
             let (u, v, w) = (b.truncate() - a.truncate(), c.truncate() - a.truncate(), p - a.truncate());
             let area = u.perp_dot(v);
             let (s, t) = (w.perp_dot(v) / area, u.perp_dot(w) / area);
@@ -165,7 +182,7 @@ impl Ground {
             }
             let z = a.z + (b.z - a.z) * s + (c.z - a.z) * t;
             if best.is_none_or(|(_, top)| z > top) {
-                best = Some((*face as usize, z));
+                best = Some((face as usize, z));
             }
         }
         best
@@ -315,12 +332,18 @@ impl Surface {
 fn kerb_edges(plan: &PlanMesh) -> Vec<[u32; 2]> {
     let sides = |f: &[u32; 3]| [[f[0], f[1]], [f[1], f[2]], [f[2], f[0]]];
     let is_road = |c: &Cover| *c == Cover::Carriageway;
+    // Kerbs run between corners of the carriageway.
+    let mut is_on_road = vec![false; plan.points.len()];
+    for (face, _) in plan.faces.iter().zip(&plan.kinds).filter(|(_, c)| is_road(c)) {
+        face.iter().for_each(|v| is_on_road[*v as usize] = true);
+    }
     let mut raised: Vec<[u32; 2]> = plan
         .faces
         .iter()
         .zip(&plan.kinds)
         .filter(|(_, c)| !is_road(c))
         .flat_map(|(f, _)| sides(f))
+        .filter(|[a, b]| is_on_road[*a as usize] && is_on_road[*b as usize])
         .map(|[a, b]| [b, a])
         .collect();
     raised.sort_unstable();

@@ -1,6 +1,6 @@
 //! Cuts the plane into triangles along the outlines of carriageway, kerb and pavement, fine near streets.
 
-use std::collections::BTreeMap;
+use std::collections::HashMap;
 
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
@@ -92,7 +92,8 @@ pub(super) fn triangulate(
     // Outlines never cross, so no edge is refused; were one refused, its neighbours' triangles would only be coarser.
     let mesh = ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(vertices, edges, |_| {})
         .map_err(|e| Error::Map { map: "ground".to_owned(), reason: e.to_string() })?;
-    let inside = [&regions.carriageway, &regions.kerb, &regions.pavement].map(|r| Inside::new(r));
+    let [inside_carriageway, inside_kerb, inside_pavement] =
+        [&regions.carriageway, &regions.kerb, &regions.pavement].map(|r| Inside::new(r));
     let points: Vec<DVec2> = mesh.vertices().map(|v| DVec2::new(v.position().x, v.position().y)).collect();
     let (mut faces, mut kinds) = (Vec::new(), Vec::new());
     for face in mesh.inner_faces() {
@@ -102,8 +103,16 @@ pub(super) fn triangulate(
             continue;
         }
         let middle = (a + b + c) / 3.0;
-        let covers = [Cover::Carriageway, Cover::KerbStone, Cover::Pavement];
-        let cover = inside.iter().zip(covers).find(|(i, _)| i.contains(middle)).map_or(Cover::Terrain, |(_, c)| c);
+        // Each region lies inside of the next, and most of the plane outside of all.
+        let cover = if !inside_pavement.contains(middle) {
+            Cover::Terrain
+        } else if inside_carriageway.contains(middle) {
+            Cover::Carriageway
+        } else if inside_kerb.contains(middle) {
+            Cover::KerbStone
+        } else {
+            Cover::Pavement
+        };
         faces.push(corners);
         kinds.push(cover);
     }
@@ -114,7 +123,8 @@ pub(super) fn triangulate(
 #[derive(Default)]
 struct Cloud {
     points: Vec<DVec2>,
-    index: BTreeMap<(i64, i64), usize>,
+    /// Looked up and never walked through, so its order does not matter.
+    index: HashMap<(i64, i64), usize>,
 }
 
 impl Cloud {

@@ -179,7 +179,8 @@ fn thin_out(ring: &[IntPoint<i32>], tolerance_m: f64) -> Contour {
     if n < 4 {
         return ring.to_vec();
     }
-    let at = |i: usize| DVec2::new(ring[i % n].x.into(), ring[i % n].y.into());
+    let point = |p: &IntPoint<i32>| DVec2::new(p.x.into(), p.y.into());
+    let at = |i: usize| point(&ring[if i < n { i } else { i - n }]);
     let reach = |i: &usize| (at(*i) - at(0)).length_squared();
     let far = (1..n).max_by(|a, b| reach(a).total_cmp(&reach(b))).unwrap_or(1);
     let mut keep = vec![false; n + 1];
@@ -187,9 +188,15 @@ fn thin_out(ring: &[IntPoint<i32>], tolerance_m: f64) -> Contour {
     let mut todo = vec![(0, far), (far, n)];
     while let Some((a, b)) = todo.pop() {
         let (p, along) = (at(a), (at(b) - at(a)).normalize_or_zero());
-        let off = |i: &usize| (at(*i) - p).perp_dot(along).abs();
-        let Some(worst) = (a + 1..b).max_by(|i, j| off(i).total_cmp(&off(j))) else { continue };
-        if off(&worst) > tolerance_m * UNITS_PER_M {
+        let off = |i: usize| (at(i) - p).perp_dot(along).abs();
+        let (mut worst, mut worst_off) = (a, 0.0);
+        for i in a + 1..b {
+            let off = off(i);
+            if off >= worst_off {
+                (worst, worst_off) = (i, off);
+            }
+        }
+        if worst_off > tolerance_m * UNITS_PER_M {
             keep[worst] = true;
             todo.push((a, worst));
             todo.push((worst, b));
@@ -213,6 +220,7 @@ pub(super) fn with_steps(ring: &[DVec2], step_m: f64) -> Ring {
 pub(super) struct Inside {
     min_y: f64,
     row_m: f64,
+    /// The easternmost first.
     rows: Vec<Vec<(DVec2, DVec2)>>,
 }
 
@@ -233,6 +241,9 @@ impl Inside {
                 }
             }
         }
+        for row in &mut rows {
+            row.sort_by(|a, b| farthest_x(b).total_cmp(&farthest_x(a)));
+        }
         Self { min_y, row_m, rows }
     }
 
@@ -245,8 +256,13 @@ impl Inside {
         let crosses = |(a, b): &(DVec2, DVec2)| {
             (a.y > p.y) != (b.y > p.y) && p.x < a.x + (b.x - a.x) * ((p.y - a.y) / (b.y - a.y))
         };
-        row.iter().filter(|edge| crosses(edge)).count() % 2 == 1
+        // What ends well before the point is not to its right.
+        row.iter().take_while(|edge| farthest_x(edge) > p.x - 1e-3).filter(|edge| crosses(edge)).count() % 2 == 1
     }
+}
+
+fn farthest_x((a, b): &(DVec2, DVec2)) -> f64 {
+    a.x.max(b.x)
 }
 
 #[cfg(test)]

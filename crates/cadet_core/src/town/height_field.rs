@@ -46,17 +46,18 @@ impl HeightField {
         let finest = FINEST_CELL_M.max(extent / MAX_CELLS);
         let mut lattices = Vec::new();
         loop {
-            let mut lattice = Lattice::fit(samples, &left, min, max, cell);
-            let mut worst = lattice.take_from(&mut left, samples);
+            let mut lattice = Lattice::empty(min, max, cell);
+            let fit = Fit::new(&lattice, samples);
+            let mut worst = f64::INFINITY;
             // One pass meets narrow strips of samples only in part. What a lattice could explain and doesn't would turn
             // up as ripples of the finer ones.
-            for _ in 0..MAX_PASSES {
-                if worst < GOOD_FIT_M {
+            for pass in 0..=MAX_PASSES {
+                if pass > 0 && worst < GOOD_FIT_M {
                     break;
                 }
-                let again = Lattice::fit(samples, &left, min, max, cell);
-                worst = again.take_from(&mut left, samples);
-                lattice.control.iter_mut().zip(&again.control).for_each(|(a, b)| *a += b);
+                let control = fit.control(&left);
+                worst = fit.take_from(&mut left, &control);
+                lattice.control.iter_mut().zip(&control).for_each(|(a, b)| *a += b);
             }
             lattices.push(lattice);
             if cell <= finest {
@@ -92,34 +93,11 @@ fn weights(t: f64) -> [f64; 4] {
 }
 
 impl Lattice {
-    fn fit(samples: &[DVec3], heights: &[f64], min: DVec2, max: DVec2, cell_m: f64) -> Self {
+    /// Heights of 0.
+    fn empty(min: DVec2, max: DVec2, cell_m: f64) -> Self {
         let cells = ((max - min) / cell_m).ceil().max(DVec2::ONE);
         let (columns, rows) = (cells.x as usize + 3, cells.y as usize + 3);
-        let empty = Self { min, cell_m, columns, rows, control: Vec::new() };
-        let mut sum = vec![(0.0, 0.0); columns * rows];
-        for (p, z) in samples.iter().zip(heights) {
-            let (first, wx, wy) = empty.place(p.truncate());
-            let square = |w: &[f64; 4]| w.iter().map(|v| v * v).sum::<f64>();
-            let total = square(&wx) * square(&wy);
-            for (j, y) in wy.iter().enumerate() {
-                for (i, x) in wx.iter().enumerate() {
-                    let w = x * y;
-                    let s = &mut sum[first + j * columns + i];
-                    s.0 += w * w * (w * z / total);
-                    s.1 += w * w;
-                }
-            }
-        }
-        let control = sum.into_iter().map(|(z, w)| if w > 0.0 { z / w } else { 0.0 }).collect();
-        Self { control, ..empty }
-    }
-
-    /// Leaves in `heights` what this lattice does not explain; returns the largest of it.
-    fn take_from(&self, heights: &mut [f64], samples: &[DVec3]) -> f64 {
-        heights.iter_mut().zip(samples).fold(0.0, |worst, (z, p)| {
-            *z -= self.height(p.truncate());
-            worst.max(z.abs())
-        })
+        Self { min, cell_m, columns, rows, control: vec![0.0; columns * rows] }
     }
 
     /// Index of the first of the 4 x 4 control points, and the weights along x and y; clamped to the rectangle.
@@ -135,13 +113,67 @@ impl Lattice {
     }
 
     fn height(&self, p: DVec2) -> f64 {
-        let (first, wx, wy) = self.place(p);
-        let mut z = 0.0;
-        for (j, y) in wy.iter().enumerate() {
-            let row = &self.control[first + j * self.columns..][..4];
-            z += y * (wx[0] * row[0] + wx[1] * row[1] + wx[2] * row[2] + wx[3] * row[3]);
+        height(&self.control, self.columns, self.place(p))
+    }
+}
+
+fn height(control: &[f64], columns: usize, (first, wx, wy): (usize, [f64; 4], [f64; 4])) -> f64 {
+    let mut z = 0.0;
+    for (j, y) in wy.iter().enumerate() {
+        let row = &control[first + j * columns..][..4];
+        z += y * (wx[0] * row[0] + wx[1] * row[1] + wx[2] * row[2] + wx[3] * row[3]);
+    }
+    z
+}
+
+/// Samples on a lattice: what does not change from pass to pass.
+struct Fit {
+    columns: usize,
+    places: Vec<(usize, [f64; 4], [f64; 4])>,
+    /// Sum of the squared weights of each control point.
+    weight: Vec<f64>,
+}
+
+impl Fit {
+    fn new(lattice: &Lattice, samples: &[DVec3]) -> Self {
+        let places: Vec<_> = samples.iter().map(|p| lattice.place(p.truncate())).collect();
+        let columns = lattice.columns;
+        let mut weight = vec![0.0; lattice.control.len()];
+        for (first, wx, wy) in &places {
+            for (j, y) in wy.iter().enumerate() {
+                let row = &mut weight[first + j * columns..][..4];
+                for i in 0..4 {
+                    let w = wx[i] * y;
+                    row[i] += w * w;
+                }
+            }
         }
-        z
+        Self { columns, places, weight }
+    }
+
+    /// The control points that meet each sample alone, averaged.
+    fn control(&self, heights: &[f64]) -> Vec<f64> {
+        let mut sum = vec![0.0; self.weight.len()];
+        for ((first, wx, wy), z) in self.places.iter().zip(heights) {
+            let square = |w: &[f64; 4]| w.iter().map(|v| v * v).sum::<f64>();
+            let total = square(wx) * square(wy);
+            for (j, y) in wy.iter().enumerate() {
+                let row = &mut sum[first + j * self.columns..][..4];
+                for i in 0..4 {
+                    let w = wx[i] * y;
+                    row[i] += w * w * (w * z / total);
+                }
+            }
+        }
+        sum.iter().zip(&self.weight).map(|(z, w)| if *w > 0.0 { z / w } else { 0.0 }).collect()
+    }
+
+    /// Leaves in `heights` what the control points do not explain; returns the largest of it.
+    fn take_from(&self, heights: &mut [f64], control: &[f64]) -> f64 {
+        heights.iter_mut().zip(&self.places).fold(0.0, |worst, (z, place)| {
+            *z -= height(control, self.columns, *place);
+            worst.max(z.abs())
+        })
     }
 }
 

@@ -124,13 +124,14 @@ impl<'a> Site<'a> {
         let size = max + DVec2::splat(MAX_MARGIN_M + 1.0) - origin;
         let step_m = STEP_M.max((size.x * size.y / MAX_POINTS).sqrt());
         let (columns, rows) = ((size.x / step_m).ceil() as usize + 1, (size.y / step_m).ceil() as usize + 1);
-        let clearance_m = vec![MAX_MARGIN_M as f32; columns * rows];
+        let clearance_m = Vec::new();
+        let mut squared_m2 = vec![MAX_MARGIN_M * MAX_MARGIN_M; columns * rows];
         let mut site = Self { ground, min, max, origin, step_m, columns, rows, clearance_m };
         let mut crossings: Vec<Vec<f64>> = vec![Vec::new(); rows];
         for ring in ground.pavement_outline() {
             for (i, a) in ring.iter().enumerate() {
                 let b = ring[(i + 1) % ring.len()];
-                site.lower_about(*a, b);
+                site.lower_about(*a, b, &mut squared_m2);
                 let (low, high) = if a.y < b.y { (*a, b) } else { (b, *a) };
                 let row_of = |y: f64| ((y - origin.y) / step_m).ceil() as usize;
                 for (row, list) in crossings.iter_mut().enumerate().take(row_of(high.y)).skip(row_of(low.y)) {
@@ -139,6 +140,7 @@ impl<'a> Site<'a> {
                 }
             }
         }
+        site.clearance_m = squared_m2.iter().map(|v| v.sqrt() as f32).collect();
         for (row, mut list) in crossings.into_iter().enumerate() {
             list.sort_by(f64::total_cmp);
             for pair in list.chunks_exact(2) {
@@ -152,8 +154,8 @@ impl<'a> Site<'a> {
         site
     }
 
-    /// Lowers the (unsigned) clearances about an edge of the outline.
-    fn lower_about(&mut self, a: DVec2, b: DVec2) {
+    /// Lowers the squares of the clearances about an edge of the outline.
+    fn lower_about(&self, a: DVec2, b: DVec2, squared_m2: &mut [f64]) {
         let reach = DVec2::splat(MAX_MARGIN_M);
         let lo = ((a.min(b) - reach - self.origin) / self.step_m).ceil().max(DVec2::ZERO);
         let hi = ((a.max(b) + reach - self.origin) / self.step_m).floor();
@@ -162,8 +164,8 @@ impl<'a> Site<'a> {
             for column in lo.x as usize..=(hi.x as usize).min(self.columns - 1) {
                 let p = self.origin + DVec2::new(column as f64, row as f64) * self.step_m - a;
                 let t = (p.dot(d) / length_2).clamp(0.0, 1.0);
-                let known = &mut self.clearance_m[row * self.columns + column];
-                *known = known.min((p - d * t).length() as f32);
+                let known = &mut squared_m2[row * self.columns + column];
+                *known = known.min((p - d * t).length_squared());
             }
         }
     }

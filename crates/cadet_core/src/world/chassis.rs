@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use rapier3d::control::{DynamicRayCastVehicleController, WheelTuning};
-use rapier3d::prelude::{MassProperties, QueryFilter, RigidBodyBuilder, RigidBodyHandle, Vector};
+use rapier3d::prelude::{MassProperties, RigidBodyBuilder, RigidBodyHandle, Vector};
 
-use super::physics::{DT_S, GRAVITY_MPS2, Physics, ground_only, pose_f32, pose_f64};
+use super::physics::{DT_S, GRAVITY_MPS2, Physics, pose_f32, pose_f64};
 use crate::assets::vehicle::VehicleModel;
 use crate::math::{self, DPose3, DQuat, DVec3, TAU};
 
@@ -102,8 +102,7 @@ impl Chassis {
 
     /// Casts the wheels' rays and pushes the body; to be followed by the physics step.
     pub fn apply(&mut self, physics: &mut Physics) {
-        let world = &mut physics.world;
-        let body = &world.bodies[self.body];
+        let body = &physics.world.bodies[self.body];
         let pose = pose_f64(body.position());
         let (forward, left) = (pose.rotation * DVec3::X, pose.rotation * DVec3::Y);
         let on_ground = self.controller.wheels().iter().filter(|w| w.raycast_info().is_in_contact).count();
@@ -117,16 +116,10 @@ impl Chassis {
             wheel.engine_force = force as f32;
             wheel.steering = if i < 2 { self.steer_rad as f32 } else { 0.0 };
         }
-        let queries = world.broad_phase.as_query_pipeline_mut(
-            world.narrow_phase.query_dispatcher(),
-            &mut world.bodies,
-            &mut world.colliders,
-            QueryFilter::exclude_dynamic().groups(ground_only()),
-        );
-        self.controller.update_vehicle(DT_S as f32, queries);
+        physics.push_wheels(&mut self.controller);
         // The tyres carry the slope's pull sideways at once; rapier's friction alone would let the car creep. It goes
         // last, or that friction would take it for a sideways motion and fight it.
-        let body = &mut world.bodies[self.body];
+        let body = &mut physics.world.bodies[self.body];
         if on_ground >= 3 {
             let mut sideways = left * (GRAVITY_MPS2 * left.z);
             if let Some(held) = self.held_at {

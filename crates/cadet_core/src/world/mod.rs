@@ -5,6 +5,7 @@ mod chassis;
 mod driver;
 #[cfg(test)]
 mod flow_tests;
+mod ground_shape;
 mod junctions;
 mod parked;
 mod pavement;
@@ -81,7 +82,7 @@ impl World {
     /// # Errors
     /// [`Error::Scene`] for a ground without triangles, or one on which the ego finds no place.
     pub fn new(town: Arc<Town>, key: StreamKey) -> Result<Self> {
-        let mut physics = Physics::new(&town.ground)?;
+        let mut physics = Physics::new(Arc::clone(&town))?;
         let roads = Roads::new(Arc::clone(&town));
         let junctions = Junctions::new(&roads);
         let pavements = Pavements::new(Arc::clone(&town));

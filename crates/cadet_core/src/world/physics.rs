@@ -1,15 +1,20 @@
 //! The rigid-body world and the ground in it; the one place where rapier's single precision meets our doubles.
 
+use std::sync::Arc;
+
+use rapier3d::control::DynamicRayCastVehicleController;
+use rapier3d::parry::bounding_volume::BoundingVolume;
+use rapier3d::parry::partitioning::Bvh;
 use rapier3d::parry::query::Ray;
-use rapier3d::parry::shape::TriMesh;
 use rapier3d::prelude::{
-    ColliderBuilder, Group, InteractionGroups, InteractionTestMode, PhysicsWorld, Pose, RigidBodyBuilder,
-    RigidBodyHandle, SharedShape, Vector,
+    ColliderBuilder, Group, InteractionGroups, InteractionTestMode, PhysicsWorld, Pose, QueryFilter, QueryPipelineMut,
+    RigidBodyBuilder, RigidBodyHandle, SharedShape, Vector,
 };
 
+use super::ground_shape::GroundShape;
 use crate::error::{Error, Result};
 use crate::math::{DPose3, DVec3};
-use crate::town::Ground;
+use crate::town::Town;
 
 /// One physics step, seconds.
 pub const DT_S: f64 = 1.0 / 60.0;
@@ -20,7 +25,7 @@ const GROUND: Group = Group::GROUP_1;
 const VEHICLES: Group = Group::GROUP_2;
 
 /// Who meets whom: wheels' rays meet the ground alone, chassis meet each other.
-pub(super) fn ground_only() -> InteractionGroups {
+fn ground_only() -> InteractionGroups {
     InteractionGroups::new(Group::ALL, GROUND, InteractionTestMode::And)
 }
 
@@ -28,6 +33,8 @@ pub(super) fn ground_only() -> InteractionGroups {
 pub(super) struct Physics {
     pub world: PhysicsWorld,
     ground: SharedShape,
+    /// The ground's collider alone.
+    under_wheels: Bvh,
     top_z_m: f32,
     depth_m: f32,
 }
@@ -39,30 +46,45 @@ pub(super) struct GroundPoint {
 }
 
 impl Physics {
-    pub fn new(ground: &Ground) -> Result<Self> {
-        let fail = |reason: String| Error::Scene { reason: format!("ground: {reason}") };
-        let bounds = crate::geometry::Bounds::of(ground.vertices.iter().copied());
-        if !(bounds.min.is_finite() && bounds.max.is_finite()) {
-            return Err(fail("no vertices, or a coordinate that is not finite".to_owned()));
+    pub fn new(town: Arc<Town>) -> Result<Self> {
+        let fail = |reason: &str| Err(Error::Scene { reason: format!("ground: {reason}") });
+        if town.ground.faces.is_empty() {
+            return fail("no triangles");
         }
-        let vertices: Vec<Vector> = ground.vertices.to_vec();
-        let mesh = TriMesh::new(vertices, ground.faces.to_vec()).map_err(|e| fail(e.to_string()))?;
+        let ground = GroundShape::new(town);
+        let bounds = ground.bounds();
+        if !(bounds.min.is_finite() && bounds.max.is_finite()) {
+            return fail("no vertices, or a coordinate that is not finite");
+        }
+        let ground = SharedShape::new(ground);
         let mut world = PhysicsWorld::new();
         world.gravity = Vector::new(0.0, 0.0, -GRAVITY_MPS2 as f32);
         world.integration_parameters.dt = DT_S as f32;
         // The springs push once a step; with substeps gravity would be late, and resting cars would seem to fall.
         world.integration_parameters.num_solver_iterations = 1;
-        let mesh = SharedShape::new(mesh);
         // Wheels find the ground by rays; chassis never touch it, and looking for that contact would cost the most.
-        let collider = ColliderBuilder::new(mesh.clone()).collision_groups(InteractionGroups::new(
+        let collider = ColliderBuilder::new(ground.clone()).collision_groups(InteractionGroups::new(
             GROUND,
             GROUND,
             InteractionTestMode::And,
         ));
-        world.insert_collider(collider, None);
-        // Rays find the ground only once the broad phase knows it.
-        world.step();
-        Ok(Self { world, ground: mesh, top_z_m: bounds.max.z + 1.0, depth_m: bounds.size().z + 2.0 })
+        let (index, _) = world.insert_collider(collider, None).into_raw_parts();
+        let mut under_wheels = Bvh::new();
+        under_wheels.insert(ground.compute_local_aabb().loosened(1.0), index);
+        Ok(Self { world, ground, under_wheels, top_z_m: bounds.max.z + 1.0, depth_m: bounds.size().z + 2.0 })
+    }
+
+    /// Lets a vehicle's wheels cast their rays, at the ground alone, and push.
+    pub fn push_wheels(&mut self, controller: &mut DynamicRayCastVehicleController) {
+        let world = &mut self.world;
+        let queries = QueryPipelineMut {
+            dispatcher: world.narrow_phase.query_dispatcher(),
+            bvh: &self.under_wheels,
+            bodies: &mut world.bodies,
+            colliders: &mut world.colliders,
+            filter: QueryFilter::exclude_dynamic().groups(ground_only()),
+        };
+        controller.update_vehicle(DT_S as f32, queries);
     }
 
     /// The uppermost ground at a place; `None` beyond the edge.

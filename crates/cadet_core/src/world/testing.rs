@@ -24,10 +24,7 @@ pub(crate) fn ground(half_m: f64, step_m: f64, z: &dyn Fn(f64, f64) -> f64) -> G
             faces.push([a, a + n + 2, a + n + 1]);
         }
     }
-    let mut made = Ground::flat(half_m);
-    made.vertices = Arc::new(vertices);
-    made.faces = Arc::new(faces);
-    made
+    Ground::flat(half_m).with_surface(vertices, faces)
 }
 
 /// Adds a driving lane along points of the plane.

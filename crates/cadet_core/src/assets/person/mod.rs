@@ -10,7 +10,7 @@ mod tube;
 
 use std::sync::{Arc, OnceLock};
 
-use crate::geometry::{Bounds, LodSet};
+use crate::geometry::{Bounds, LazyMesh, LodSet};
 use crate::material::Palette;
 use crate::math::{DVec3, Vec3};
 use crate::rng::Stream;
@@ -73,11 +73,14 @@ impl PersonModel {
         let wrapped = phase - phase.floor();
         let k = if self.proportions.speed > 0.0 { (wrapped * NUM_PHASES as f64) as usize % NUM_PHASES } else { 0 };
         let shape = self.shapes[k].get_or_init(|| {
+            // Most people are far away, and few are seen in more than one phase from near by.
             let level = |i: usize| {
-                let mesh = grounded(&self.proportions, k, i).into_mesh(&self.name, self.offset);
-                (LEVEL_LIMITS_M[i], Arc::new(mesh))
+                let (p, name, offset) = (Arc::clone(&self.proportions), self.name.clone(), self.offset);
+                (LEVEL_LIMITS_M[i], LazyMesh::new(move || grounded(&p, k, i).into_mesh(&name, offset)))
             };
-            LodSet { levels: (0..3).map(level).collect() }
+            let finest = grounded(&self.proportions, k, 0);
+            let bounds = Bounds::of(finest.vertices.iter().map(|v| *v + self.offset));
+            LodSet { bounds, levels: (0..3).map(level).collect() }
         });
         shape.clone()
     }

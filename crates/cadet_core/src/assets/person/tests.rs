@@ -118,6 +118,7 @@ fn meshes_are_sound_closed_and_outward() {
     for person in people(300) {
         let shape = person.pose(0.3);
         let faces: Vec<usize> = shape.levels.iter().map(|l| l.1.faces.len()).collect();
+        assert_eq!(shape.bounds, shape.levels[0].1.bounds, "{}", person.name);
         assert!((3000..5000).contains(&faces[0]) && (700..1500).contains(&faces[1]) && faces[2] < 400, "{faces:?}");
         for (_, mesh) in &shape.levels {
             assert!(mesh.slots.iter().all(|s| usize::from(*s) < person.palette.0.len()));

@@ -1,5 +1,8 @@
 //! Tubes of elliptical rings with smooth normals: limbs, trunk, head.
 
+use std::borrow::Cow;
+use std::sync::OnceLock;
+
 use crate::geometry::Mesh;
 use crate::math::{Vec3, cosf, sinf};
 
@@ -19,6 +22,18 @@ pub(super) struct Ring {
     pub level: usize,
 }
 
+/// Points of the unit circle at `k / sides` of a turn: cosine and sine.
+fn circle(sides: usize) -> Cow<'static, [[f32; 2]]> {
+    const MOST: usize = 24;
+    static CIRCLES: [OnceLock<Vec<[f32; 2]>>; MOST + 1] = [const { OnceLock::new() }; MOST + 1];
+    let angle = |k: usize| k as f32 / sides as f32 * std::f32::consts::TAU;
+    let points = || (0..sides).map(|k| [cosf(angle(k)), sinf(angle(k))]).collect();
+    match CIRCLES.get(sides) {
+        Some(cell) => Cow::Borrowed(cell.get_or_init(points)),
+        None => Cow::Owned(points()),
+    }
+}
+
 /// Tubes in the making, with corners shared inside each.
 #[derive(Debug, Default)]
 pub(super) struct Tubes {
@@ -34,13 +49,13 @@ impl Tubes {
         let rings: Vec<&Ring> = rings.iter().filter(|r| r.level >= level).collect();
         let (Some(first), Some(last)) = (rings.first(), rings.last()) else { return };
         let start = self.vertices.len() as u32;
+        let circle: Vec<[f32; 2]> = circle(sides).iter().map(|[u, v]| [u.max(flat), *v]).collect();
+        self.vertices.reserve(rings.len() * sides + 2);
         for r in &rings {
             let across = r.along.cross(r.forward).normalize();
             let forward = across.cross(r.along).normalize();
-            for k in 0..sides {
-                let a = k as f32 / sides as f32 * std::f32::consts::TAU;
-                let u = cosf(a).max(flat);
-                self.vertices.push(r.center + forward * (u * r.half[0]) + across * (sinf(a) * r.half[1]));
+            for [u, v] in &circle {
+                self.vertices.push(r.center + forward * (u * r.half[0]) + across * (v * r.half[1]));
             }
         }
         let n = sides as u32;

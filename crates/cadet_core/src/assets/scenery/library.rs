@@ -53,8 +53,9 @@ pub fn house(kind: HouseKind, variant: usize) -> SceneryModel {
             let name = format!("{}/{variant}", kind.name());
             let palette = house_palette(&mut Stream::from_seed(&name, 0), design.flat_roof);
             let half = DVec2::new(f64::from(design.depth), f64::from(design.width)) / 2.0;
-            let shape = Detail::levels([42.0, 88.0, f32::INFINITY], |d| design.mesh(d));
-            model(name, shape, palette, half, f64::from(design.height()))
+            let height_m = f64::from(design.height());
+            let shape = Detail::levels([42.0, 88.0, f32::INFINITY], move |d| design.mesh(d));
+            model(name, shape, palette, half, height_m)
         })
         .clone()
 }
@@ -69,7 +70,7 @@ pub fn garage(bays: usize) -> SceneryModel {
             let name = format!("garage/{bays}");
             let palette = house_palette(&mut Stream::from_seed(&name, 0), true);
             let half = DVec2::new(f64::from(garages::DEPTH_M), f64::from(garages::BAY_M) * bays as f64) / 2.0;
-            let shape = Detail::levels([38.0, 88.0, f32::INFINITY], |d| garages::mesh(bays, d));
+            let shape = Detail::levels([38.0, 88.0, f32::INFINITY], move |d| garages::mesh(bays, d));
             model(name, shape, palette, half, f64::from(garages::HEIGHT_M) + 0.2)
         })
         .clone()
@@ -86,14 +87,14 @@ pub fn tree(kind: TreeKind, variant: usize) -> SceneryModel {
             let name = format!("{}/{variant}", kind.name());
             let palette = plant_palette(&mut Stream::from_seed(&name, 0), kind.is_evergreen());
             let half = DVec2::splat(f64::from(design.crown_radius));
+            let height_m = f64::from(design.height);
             let shape = if kind == TreeKind::Shrub {
-                Detail::levels([25.0, 55.0, 160.0], |d| design.mesh(d))
+                Detail::levels([25.0, 55.0, 160.0], move |d| design.mesh(d))
             } else {
-                let mut shape = LodSet::clone(&Detail::levels([41.0, 72.0, 112.0], |d| design.mesh(d)));
-                shape.levels.push((f32::INFINITY, Arc::new(design.mesh(Detail::Distant))));
-                Arc::new(shape)
+                let coarser = [(72.0, Detail::Mid), (112.0, Detail::Far), (f32::INFINITY, Detail::Distant)];
+                Arc::new(Detail::level_set(41.0, coarser, move |d| design.mesh(d)))
             };
-            model(name, shape, palette, half, f64::from(design.height))
+            model(name, shape, palette, half, height_m)
         })
         .clone()
 }
@@ -110,7 +111,7 @@ pub fn hedge(variant: usize, piece: usize) -> SceneryModel {
             let (height, depth) = hedges::SECTIONS_M[variant];
             let name = format!("hedge/{variant}/{length_m}");
             let palette = plant_palette(&mut Stream::from_seed("hedge", variant as u64), variant % 2 == 0);
-            let shape = Detail::levels([26.0, 55.0, 180.0], |d| hedges::mesh(variant, length_m as f32, d));
+            let shape = Detail::levels([26.0, 55.0, 180.0], move |d| hedges::mesh(variant, length_m as f32, d));
             SceneryModel {
                 name,
                 shape,
@@ -137,7 +138,7 @@ pub fn fence(kind: FenceKind, variant: usize, piece: usize) -> SceneryModel {
             let palette = fence_palette(&mut Stream::from_seed(kind.name(), variant as u64), kind.is_metal());
             SceneryModel {
                 name,
-                shape: Detail::levels([25.0, 60.0, 160.0], |d| fences::mesh(kind, variant, length_m as f32, d)),
+                shape: Detail::levels([25.0, 60.0, 160.0], move |d| fences::mesh(kind, variant, length_m as f32, d)),
                 palette,
                 footprint_min: DVec2::new(0.0, -0.2),
                 footprint_max: DVec2::new(length_m, 0.2),
@@ -169,8 +170,8 @@ pub fn pole(kind: PoleKind, variant: usize) -> SceneryModel {
                 blue.0[usize::from(super::materials::furniture_slot::INK)].albedo = [0.015, 0.05, 0.28];
                 palette = Arc::new(blue);
             }
-            let shape = Detail::levels([25.0, 60.0, 220.0], |d| poles::mesh(kind, variant, d));
-            let height_m = f64::from(shape.finest().bounds.max.z);
+            let shape = Detail::levels([25.0, 60.0, 220.0], move |d| poles::mesh(kind, variant, d));
+            let height_m = f64::from(shape.bounds.max.z);
             model(name, shape, palette, DVec2::splat(0.12), height_m)
         })
         .clone()
@@ -197,8 +198,8 @@ pub fn furniture(kind: FurnitureKind, variant: usize) -> SceneryModel {
                 FurnitureKind::Planter => ([0.33, 0.30, 0.27], [0.06, 0.10, 0.04]),
             };
             let palette = furniture_palette(&mut s, Semantic::Furniture, body, accent);
-            let shape = Detail::levels([25.0, 60.0, 120.0], |d| bins::mesh(kind, variant, d));
-            let size = shape.finest().bounds.size().as_dvec3();
+            let shape = Detail::levels([25.0, 60.0, 120.0], move |d| bins::mesh(kind, variant, d));
+            let size = shape.bounds.size().as_dvec3();
             model(name, shape, palette, DVec2::new(size.x, size.y) / 2.0, size.z)
         })
         .clone()
@@ -216,7 +217,7 @@ pub fn paving(for_cars: bool) -> (SceneryModel, f64) {
         let blocks = Material::matt(Semantic::Terrain, [0.21, 0.195, 0.18], Pattern::Blocks, 0.28);
         SceneryModel {
             name: format!("paving/{length_m}"),
-            shape: Arc::new(LodSet { levels: vec![(150.0, Arc::new(b.build("paving", 0.7)))] }),
+            shape: Arc::new(LodSet::new((150.0, b.build("paving", 0.7)), [])),
             palette: Arc::new(Palette(vec![blocks])),
             footprint_min: DVec2::new(0.0, -width_m / 2.0),
             footprint_max: DVec2::new(length_m, width_m / 2.0),

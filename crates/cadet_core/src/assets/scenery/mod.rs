@@ -27,7 +27,7 @@ pub use library::{PIECE_LENGTHS_M, fence, furniture, garage, hedge, house, num_v
 pub use pole::PoleKind;
 pub use tree::TreeKind;
 
-use crate::geometry::{LodSet, Mesh};
+use crate::geometry::{LazyMesh, LodSet, Mesh};
 use crate::instance::Instance;
 use crate::material::Palette;
 use crate::math::{DPose3, DVec2};
@@ -82,9 +82,25 @@ enum Detail {
 
 impl Detail {
     /// Levels of detail that change at the given distances from the ego; beyond the last one nothing is seen.
-    fn levels([near, mid, far]: [f32; 3], mesh: impl Fn(Self) -> Mesh) -> Arc<LodSet> {
-        let level = |limit, detail| (limit, Arc::new(mesh(detail)));
-        Arc::new(LodSet { levels: vec![level(near, Self::Near), level(mid, Self::Mid), level(far, Self::Far)] })
+    fn levels([near, mid, far]: [f32; 3], mesh: impl Fn(Self) -> Mesh + Send + Sync + 'static) -> Arc<LodSet> {
+        Arc::new(Self::level_set(near, [(mid, Self::Mid), (far, Self::Far)], mesh))
+    }
+
+    /// The near level up to a distance, and coarser ones that are made when they are needed.
+    fn level_set<const N: usize>(
+        near: f32,
+        coarser: [(f32, Self); N],
+        mesh: impl Fn(Self) -> Mesh + Send + Sync + 'static,
+    ) -> LodSet {
+        let mesh = Arc::new(mesh);
+        let finest = (near, mesh(Self::Near));
+        LodSet::new(
+            finest,
+            coarser.map(|(limit, detail)| {
+                let mesh = Arc::clone(&mesh);
+                (limit, LazyMesh::new(move || mesh(detail)))
+            }),
+        )
     }
 
     /// The value for this level.

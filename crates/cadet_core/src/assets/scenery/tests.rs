@@ -79,7 +79,7 @@ fn levels_of_detail_keep_the_silhouette() {
 fn windows_are_openings_with_rooms_behind() {
     for kind in HouseKind::ALL {
         let model = house(kind, 0);
-        let mesh = model.shape.finest();
+        let mesh: &Mesh = &model.shape.levels[0].1;
         let mut panes = 0;
         for (face, _) in mesh.faces.iter().zip(&mesh.slots).filter(|(_, s)| **s == house_slot::GLASS) {
             let corners = face.map(|i| mesh.vertices[i as usize]);
@@ -151,9 +151,21 @@ fn picket_fences_have_gaps_at_every_level() {
 }
 
 #[test]
+fn wire_fences_stop_few_beams() {
+    for variant in 0..2 {
+        let model = fence(FenceKind::Wire, variant, 1);
+        for (_, mesh) in &model.shape.levels {
+            let seen = (0..960).map(|i| Vec3::new(0.0025 + 0.005 * i as f32, -2.0, 0.31 + 0.0005 * i as f32));
+            let open = seen.filter(|p| hits(mesh, *p, Vec3::Y, |_| true).is_empty()).count();
+            assert!((0.92..0.999).contains(&(open as f64 / 960.0)), "{open} of 960");
+        }
+    }
+}
+
+#[test]
 fn signs_are_retro_reflective_and_face_the_driver() {
     let model = pole(PoleKind::ZoneSign, 0);
-    let mesh = model.shape.finest();
+    let mesh: &Mesh = &model.shape.levels[0].1;
     let first = hits(mesh, Vec3::new(20.0, 0.35, 2.2), -Vec3::X, |_| true)[0];
     assert!(model.palette.0[usize::from(first.1)].lidar.retro);
     let behind = hits(mesh, Vec3::new(-20.0, 0.35, 2.2), Vec3::X, |_| true)[0];

@@ -18,7 +18,7 @@ mod wheels;
 use std::sync::Arc;
 
 use crate::actor::ObjectClass;
-use crate::geometry::{Bounds, LodSet};
+use crate::geometry::{Bounds, LazyMesh, LodSet};
 use crate::material::Palette;
 use crate::math::{DVec3, Vec3};
 use crate::rng::Stream;
@@ -118,8 +118,14 @@ impl VehicleModel {
         let house = Glasshouse::new(&outline, slot::REAR_SIDE_GLASS);
         let seats = Seats::new(&outline, &house);
         let lods = |make: &mut dyn FnMut(usize) -> Surface, crease: f32, to_m: f32| {
-            let level = |k: usize| (LEVEL_LIMITS_M[k].min(to_m), Arc::new(make(k).builder.build(d.name, crease)));
-            Arc::new(LodSet { levels: (0..3).map(level).collect() })
+            let builders = [make(0), make(1), make(2)].map(|surface| surface.builder);
+            let (bounds, name, mut k) = (builders[0].bounds(), d.name, 0);
+            let levels = builders.map(|builder| {
+                let limit = LEVEL_LIMITS_M[k].min(to_m);
+                k += 1;
+                (limit, LazyMesh::new(move || builder.build(name, crease)))
+            });
+            Arc::new(LodSet { bounds, levels: levels.into() })
         };
         let mut fits = Vec::with_capacity(3);
         let body = lods(

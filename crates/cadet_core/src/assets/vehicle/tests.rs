@@ -214,6 +214,9 @@ fn three_hundred_seeds_give_sound_meshes() {
         for class in [ObjectClass::Car, ObjectClass::Van] {
             let model = VehicleModel::generate(class, seed);
             let shapes = [Some(&model.body), model.wheel.as_ref(), model.driver.as_ref()];
+            for shape in shapes.into_iter().flatten() {
+                assert_eq!(shape.bounds, shape.levels[0].1.bounds, "{}", model.name);
+            }
             for (_, mesh) in shapes.into_iter().flatten().flat_map(|s| &s.levels) {
                 assert!(mesh.slots.iter().all(|s| usize::from(*s) < model.palette.0.len()));
                 assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-3), "{}", model.name);
