@@ -14,7 +14,7 @@ import pytest
 
 import cadet
 
-GOLDEN = "f63d40256a1ce58ff4be5abbaa122b665fd62725273675285979336c21cf1b58"
+GOLDEN = "9745863e6c6009a5b8afd3fe84f0eb06aa0f98ca792f1f0da639840dc10b6d08"
 
 
 def digest_of_a_frame() -> str:
