@@ -212,7 +212,7 @@ def test_tensorboard_is_named_where_it_is_asked_for_and_missing(
     dataset: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
-    with pytest.raises(CadetError, match="^--tensorboard needs tensorboard: pip install tensorboard$"):
+    with pytest.raises(CadetError, match=r"^--tensorboard needs tensorboard: pip install tensorboard$"):
         run(dataset, tmp_path, 1, has_tensorboard=True)
 
 
