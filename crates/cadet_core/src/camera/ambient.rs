@@ -412,7 +412,7 @@ impl Blocker {
         let near = 0.18 * (1.0 - distance * (1.0 / 0.35)).max(0.0);
         let beside = 1.0 - 0.5 * (1.0 - wall) * share * fade - near;
         let left = if (x < 0.0) & (y < 0.0) { under } else { beside };
-        if (over >= -0.6) & (over < 0.45) { left } else { 1.0 }
+        if (-0.6..0.45).contains(&over) { left } else { 1.0 }
     }
 }
 

@@ -29,6 +29,8 @@ struct Map {
     texels_per_m: f32,
     height: Vec<f32>,
     seen: SeenTiles,
+    /// The columns between which something was drawn, for each row of tiles.
+    drawn: Vec<[usize; 2]>,
     /// [`SQUARE`]; as constants its ones and zeros would be folded, and four equal lanes become scalars.
     square: [[f32; 4]; 2],
 }
@@ -117,6 +119,7 @@ impl Shadows {
                 texels_per_m: 1.0 / texel_m,
                 height,
                 seen: SeenTiles::default(),
+                drawn: vec![[SIZE, 0]; TILES],
                 square: std::hint::black_box(SQUARE),
             });
         }
@@ -143,18 +146,21 @@ impl Shadows {
         }
         for (map, marked) in self.maps.iter_mut().zip(&marked) {
             map.seen = SeenTiles::around(marked);
-            for (rows, [from, to]) in map.height.chunks_mut(STRIDE * TILE).zip(&map.seen.spans) {
+        }
+    }
+
+    /// The maps' memory, empty again: what an earlier frame drew must show nowhere, not even beside what is asked.
+    #[must_use]
+    pub fn into_buffers(self) -> Vec<Vec<f32>> {
+        let emptied = |mut map: Map| {
+            for (rows, [from, to]) in map.height.chunks_mut(STRIDE * TILE).zip(&map.drawn) {
                 for row in rows.chunks_exact_mut(STRIDE) {
                     row.get_mut(*from..*to).unwrap_or_default().fill(f32::NEG_INFINITY);
                 }
             }
-        }
-    }
-
-    /// The maps' memory.
-    #[must_use]
-    pub fn into_buffers(self) -> Vec<Vec<f32>> {
-        self.maps.into_iter().map(|m| m.height).collect()
+            map.height
+        };
+        self.maps.into_iter().map(emptied).collect()
     }
 
     #[inline]
@@ -414,6 +420,9 @@ impl Map {
         let area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
         if area.abs() < 1e-9 {
             return;
+        }
+        for [from, to] in &mut self.drawn[y0 / TILE..=(y1 - 1) / TILE] {
+            (*from, *to) = ((*from).min(x0), (*to).max(x1));
         }
         let (b, c, area) = if area < 0.0 { (c, b, -area) } else { (b, c, area) };
         let inverse = 1.0 / area;
