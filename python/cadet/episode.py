@@ -40,9 +40,9 @@ def frame_from_native(captured: dict[str, Any], extra_meta: dict[str, Any]) -> F
         labels=tuple(Label(**line) for line in captured["labels"]),
         calib=Calibration(**captured["calib"]),
         plane=captured["plane"],
-        depth=captured["depth"],
-        instance=captured["instance"],
-        semantic=captured["semantic"],
+        depth=captured.get("depth"),
+        instance=captured.get("instance"),
+        semantic=captured.get("semantic"),
         meta={**extra_meta, **captured["meta"]},
     )
 
@@ -56,6 +56,7 @@ class Episode:
         seed: the dataset's seed.
         episode: the episode's number.
         draw: replaces the policy's own draw.
+        maps: give frames their depth, instance and semantic maps.
     """
 
     def __init__(
@@ -65,6 +66,8 @@ class Episode:
         seed: int,
         episode: int,
         draw: Callable[[int, int, int], EpisodeSpec] | None = None,
+        *,
+        maps: bool = True,
     ) -> None:
         self.policy = policy
         self.rig = rig
@@ -72,6 +75,7 @@ class Episode:
         self.number = episode
         self.scene: _cadet.Scene | None = None
         self._draw = draw or policy.draw
+        self._maps = maps
         self._attempt = 0
         self._num_empty = 0
         self._spec: EpisodeSpec | None = None
@@ -86,7 +90,7 @@ class Episode:
         """
         while True:
             scene, spec = self._advance()
-            captured = scene.capture_labelled(sample)
+            captured = scene.capture_labelled(sample, self._maps)
             if captured is None:
                 self._num_empty += 1
                 if self._num_empty >= self.policy.empty_views_limit:

@@ -224,7 +224,7 @@ class Scene:
         if self._first is not None:
             frame, self._first = self._first, None
             return frame
-        return frame_from_native(self._native.capture(self._num_moves), {"sample": self._num_moves})
+        return frame_from_native(self._native.capture(self._num_moves, True), {"sample": self._num_moves})
 
     def scan(self, lidar: Lidar | None = None, *, ideal: bool = False) -> Scan:
         """Turn a LIDAR once.

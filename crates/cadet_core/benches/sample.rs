@@ -66,13 +66,13 @@ fn bench(c: &mut Criterion) {
             });
         });
         let _ = group.bench_function("scan with returns", |b| b.iter(|| black_box(scene.scan(None, 0))));
-        let _ = group.bench_function("capture: image, scan, labels", |b| b.iter(|| black_box(scene.capture(0))));
-        let image = scene.capture(0).expect("a frame").rendered.image;
+        let _ = group.bench_function("capture: image, scan, labels", |b| b.iter(|| black_box(scene.capture(0, false))));
+        let image = scene.capture(0, false).expect("a frame").rendered.image;
         let _ = group.bench_function("encode the image", |b| b.iter(|| black_box(encode_rgb8(1242, 375, &image))));
         let _ = group.bench_function("whole sample: drive 10 m, capture, encode", |b| {
             b.iter(|| {
                 scene.drive(10.0, 2.0).expect("a road");
-                let frame = scene.capture(0).expect("a frame");
+                let frame = scene.capture(0, false).expect("a frame");
                 black_box((encode_rgb8(1242, 375, &frame.rendered.image), frame.scan, frame.labels))
             });
         });

@@ -237,13 +237,14 @@ impl Scene {
         (self.rig.world_from_velo(&world_from_ego), self.rig.world_from_cam(&world_from_ego))
     }
 
-    /// Everything that the rig sees now. `sample` names the random streams of noise.
+    /// Everything that the rig sees now. `sample` names the random streams of noise; `with_maps` adds depth and identity
+    /// to the image.
     ///
     /// # Errors
     /// [`Error::Scene`] where no ground lies ahead of the camera.
-    pub fn capture(&mut self, sample: u64) -> Result<Frame> {
+    pub fn capture(&mut self, sample: u64, with_maps: bool) -> Result<Frame> {
         let (view, seen, labels) = self.look()?;
-        self.finish(sample, &view, seen, labels)
+        self.finish(sample, with_maps, &view, &seen, labels)
     }
 
     /// The same, or `None` where nothing in view gets a label (`DontCare` is none): much cheaper than a frame that is
@@ -251,7 +252,7 @@ impl Scene {
     ///
     /// # Errors
     /// As [`Scene::capture`].
-    pub fn capture_labelled(&mut self, sample: u64) -> Result<Option<Frame>> {
+    pub fn capture_labelled(&mut self, sample: u64, with_maps: bool) -> Result<Option<Frame>> {
         let (_, world_from_cam) = self.sensor_poses();
         let sensed = self.sensed();
         let actors = Arc::clone(&sensed.snapshot);
@@ -262,7 +263,7 @@ impl Scene {
         if labels.iter().all(|l| l.label.class == ObjectClass::DontCare) {
             return Ok(None);
         }
-        self.finish(sample, &view, seen, labels).map(Some)
+        self.finish(sample, with_maps, &view, &seen, labels).map(Some)
     }
 
     fn look(&mut self) -> Result<(View, Seen, Vec<Labeled>)> {
@@ -275,11 +276,19 @@ impl Scene {
         Ok((view, seen, labels))
     }
 
-    fn finish(&mut self, sample: u64, view: &View, seen: Seen, mut labels: Vec<Labeled>) -> Result<Frame> {
+    fn finish(
+        &mut self,
+        sample: u64,
+        with_maps: bool,
+        view: &View,
+        seen: &Seen,
+        mut labels: Vec<Labeled>,
+    ) -> Result<Frame> {
         let (_, world_from_cam) = self.sensor_poses();
         let (posed, snapshot) = (self.triangles(), Arc::clone(&self.sensed().snapshot));
         let (key, weather) = (self.key, &self.weather);
-        let rendered = paint(&posed, view, weather, seen, &mut key.indexed("camera", sample));
+        let image = paint(&posed, view, weather, seen, &mut key.indexed("camera", sample));
+        let rendered = Rendered { image, maps: with_maps.then(|| seen.maps(&posed)) };
         let scan = self.scan(None, sample)?;
         count_points(&mut labels, &scan.actor_id);
         let ground = &self.world.town().ground;

@@ -21,9 +21,11 @@ pub(crate) fn to_dict<'py>(py: Python<'py>, frame: Frame, width: usize, height: 
     meta.set_item("world_from_ego", pose)?;
     meta.set_item("objects", PyList::new(py, objects)?)?;
     dict.set_item("image", arrays::rgb(py, frame.rendered.image, height, width))?;
-    dict.set_item("depth", arrays::plane(py, frame.rendered.depth, height, width))?;
-    dict.set_item("instance", arrays::plane(py, frame.rendered.instance, height, width))?;
-    dict.set_item("semantic", arrays::plane(py, frame.rendered.semantic, height, width))?;
+    if let Some(maps) = frame.rendered.maps {
+        dict.set_item("depth", arrays::plane(py, maps.depth, height, width))?;
+        dict.set_item("instance", arrays::plane(py, maps.instance, height, width))?;
+        dict.set_item("semantic", arrays::plane(py, maps.semantic, height, width))?;
+    }
     dict.set_item("points_velo", arrays::rows(py, frame.scan.points_velo))?;
     dict.set_item("labels", PyList::new(py, labels)?)?;
     dict.set_item("plane", PyArray1::from_slice(py, &frame.plane))?;

@@ -127,13 +127,18 @@ impl Scene {
         Ok(py.detach(|| self.inner.drive(distance_m, blocked_s))?)
     }
 
-    fn capture<'py>(&mut self, py: Python<'py>, sample: u64) -> PyResult<Bound<'py, PyDict>> {
-        let captured = py.detach(|| self.inner.capture(sample)).map_err(BorderError::from)?;
+    fn capture<'py>(&mut self, py: Python<'py>, sample: u64, maps: bool) -> PyResult<Bound<'py, PyDict>> {
+        let captured = py.detach(|| self.inner.capture(sample, maps)).map_err(BorderError::from)?;
         self.frame_to_dict(py, captured)
     }
 
-    fn capture_labelled<'py>(&mut self, py: Python<'py>, sample: u64) -> PyResult<Option<Bound<'py, PyDict>>> {
-        let captured = py.detach(|| self.inner.capture_labelled(sample)).map_err(BorderError::from)?;
+    fn capture_labelled<'py>(
+        &mut self,
+        py: Python<'py>,
+        sample: u64,
+        maps: bool,
+    ) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let captured = py.detach(|| self.inner.capture_labelled(sample, maps)).map_err(BorderError::from)?;
         captured.map(|frame| self.frame_to_dict(py, frame)).transpose()
     }
 

@@ -38,23 +38,76 @@ impl View {
     }
 }
 
-/// What the camera looks at, before light and colour; every array is row-major.
+/// What the camera looks at, before light and colour.
 #[derive(Debug)]
 pub struct Seen {
-    /// z along the optical axis at the pixels' centres, metres; infinite for the sky.
+    /// Two samples a pixel, in a quincunx: one on its centre, one half a pixel to the right and below.
+    pub(super) samples: Samples,
+    grid: PinholeGrid,
+    /// Of the scene's instances.
+    actor_ids: Vec<i32>,
+}
+
+/// What the pixels' centres show; every array is row-major.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Maps {
+    /// z along the optical axis, metres; infinite for the sky.
     pub depth: Vec<f32>,
     /// -1 sky, 0 static world, actors from 1; panes carry their car's id.
     pub instance: Vec<i32>,
     /// [`Semantic`] as a byte.
     pub semantic: Vec<u8>,
-    /// Two samples a pixel, in a quincunx: one on its centre, one half a pixel to the right and below.
-    pub(super) samples: Samples,
-    /// Of the scene's instances.
-    actor_ids: Vec<i32>,
 }
 
 impl Seen {
-    /// As `instance`, at a sample: those of row 2 v lie on the centres of the pixels of row v, those of row 2 v + 1 half a
+    /// As [`Maps::depth`], at the centre of a pixel.
+    #[must_use]
+    pub fn depth_at(&self, row: usize, column: usize) -> f32 {
+        let (x, y) = (self.grid.columns_x(2 * row)[column], self.grid.rows_y()[2 * row]);
+        self.samples.0.front(2 * row, column).map_or(f32::INFINITY, |(face, _)| face.depth_at(x, y))
+    }
+
+    /// What the pixels' centres show. `scene`: the one that was looked at.
+    #[must_use]
+    pub fn maps(&self, scene: &PosedScene) -> Maps {
+        let buffer = &self.samples.0;
+        let (width, height) = (buffer.columns, buffer.rows / 2);
+        let mut depth = vec![f32::INFINITY; width * height];
+        let mut instance = vec![-1; width * height];
+        let mut semantic = vec![Semantic::Sky as u8; width * height];
+        let (columns_x, rows_y) = (self.grid.columns_x(0), self.grid.rows_y());
+        // Neighbours mostly show the same face.
+        let mut last = (u32::MAX, -1, Semantic::Sky as u8);
+        for (number, solid) in buffer.solid.iter().enumerate() {
+            let (top, left) = (number / buffer.blocks_across * BLOCK, number % buffer.blocks_across * BLOCK);
+            let panes = buffer.has_panes[number].then(|| &buffer.panes[number]);
+            // The samples of every other row lie on the pixels' centres.
+            for i in (0..BLOCK.min(2 * height - top)).step_by(2) {
+                let y = rows_y[top + i];
+                let line = (top + i) / 2 * width + left;
+                for j in 0..BLOCK.min(width - left) {
+                    let (mut nearness, mut id) = (solid.nearness[i][j], solid.face[i][j]);
+                    if let Some(panes) = panes.filter(|p| p.nearness[i][j] > nearness) {
+                        (nearness, id) = (panes.nearness[i][j], panes.face[i][j]);
+                    }
+                    if nearness <= 0.0 {
+                        continue;
+                    }
+                    let face = &buffer.faces[id as usize];
+                    if last.0 != id {
+                        let posed = &scene.instances[face.instance as usize];
+                        last = (id, posed.actor_id, posed.material(face.face).semantic as u8);
+                    }
+                    let at = line + j;
+                    depth[at] = face.depth_at(columns_x[left + j], y);
+                    (instance[at], semantic[at]) = (last.1, last.2);
+                }
+            }
+        }
+        Maps { depth, instance, semantic }
+    }
+
+    /// As [`Maps::instance`], at a sample: those of row 2 v lie on the centres of the pixels of row v, those of row 2 v + 1 half a
     /// pixel to the right and below.
     #[inline]
     #[must_use]
@@ -105,43 +158,11 @@ impl Drop for Samples {
 /// Those of [`PinholeGrid::new`]: a camera that is none.
 pub fn look(scene: &PosedScene, view: &View) -> Result<Seen> {
     let (width, height) = (view.width, view.height);
-    let samples = PinholeGrid::quincunx(view.world_from_cam, view.intrinsics, [0.0, 0.0], height * 2, width)?;
+    let grid = PinholeGrid::quincunx(view.world_from_cam, view.intrinsics, [0.0, 0.0], height * 2, width)?;
     let mut buffer = SPARE.take();
-    draw(scene, &samples, &mut buffer);
-    let mut depth = vec![f32::INFINITY; width * height];
-    let mut instance = vec![-1; width * height];
-    let mut semantic = vec![Semantic::Sky as u8; width * height];
-    let (columns_x, rows_y) = (samples.columns_x(0), samples.rows_y());
-    // Neighbours mostly show the same face.
-    let mut last = (u32::MAX, -1, Semantic::Sky as u8);
-    for (number, solid) in buffer.solid.iter().enumerate() {
-        let (top, left) = (number / buffer.blocks_across * BLOCK, number % buffer.blocks_across * BLOCK);
-        let panes = buffer.has_panes[number].then(|| &buffer.panes[number]);
-        // The samples of every other row lie on the pixels' centres.
-        for i in (0..BLOCK.min(2 * height - top)).step_by(2) {
-            let y = rows_y[top + i];
-            let line = (top + i) / 2 * width + left;
-            for j in 0..BLOCK.min(width - left) {
-                let (mut nearness, mut id) = (solid.nearness[i][j], solid.face[i][j]);
-                if let Some(panes) = panes.filter(|p| p.nearness[i][j] > nearness) {
-                    (nearness, id) = (panes.nearness[i][j], panes.face[i][j]);
-                }
-                if nearness <= 0.0 {
-                    continue;
-                }
-                let face = &buffer.faces[id as usize];
-                if last.0 != id {
-                    let posed = &scene.instances[face.instance as usize];
-                    last = (id, posed.actor_id, posed.material(face.face).semantic as u8);
-                }
-                let at = line + j;
-                depth[at] = face.depth_at(columns_x[left + j], y);
-                (instance[at], semantic[at]) = (last.1, last.2);
-            }
-        }
-    }
+    draw(scene, &grid, &mut buffer);
     let actor_ids = scene.instances.iter().map(|i| i.actor_id).collect();
-    Ok(Seen { depth, instance, semantic, samples: Samples(buffer), actor_ids })
+    Ok(Seen { samples: Samples(buffer), grid, actor_ids })
 }
 
 /// World directions of the image's points, of length 1 along the optical axis.

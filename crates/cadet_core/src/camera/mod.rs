@@ -17,7 +17,7 @@ mod sky;
 #[cfg(test)]
 mod tests;
 
-pub use look::{Seen, View, look};
+pub use look::{Maps, Seen, View, look};
 #[cfg(test)]
 pub(crate) use model::tests::kitti_like;
 pub use model::{Calibration, CameraModel, Pixel};

@@ -4,7 +4,7 @@ use std::cell::RefCell;
 
 use super::ambient::SkyView;
 use super::exposure::{WHITE_BALANCE, gain_for_mean_luma, metered};
-use super::look::{Rays, Seen, View, look, seen_points};
+use super::look::{Maps, Rays, Seen, View, look, seen_points};
 use super::noise::{blur, expose};
 use super::paint::paint as paint_radiance;
 use super::shade::Light;
@@ -16,17 +16,13 @@ use crate::rng::Stream;
 use crate::sense::PosedScene;
 use crate::weather::Weather;
 
-/// What the camera writes; every array is row-major.
+/// What the camera writes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rendered {
-    /// RGB, 8 bits, almost linear in the light.
+    /// RGB, 8 bits, almost linear in the light, row-major.
     pub image: Vec<u8>,
-    /// z along the optical axis at the pixels' centres, metres; infinite for the sky.
-    pub depth: Vec<f32>,
-    /// -1 sky, 0 static world, actors from 1; panes carry their car's id.
-    pub instance: Vec<i32>,
-    /// [`Semantic`] as a byte.
-    pub semantic: Vec<u8>,
+    /// Depth and identity, if asked for.
+    pub maps: Option<Maps>,
 }
 
 /// Share of the mean radiance that lens and housing scatter over the image; no pixel counts for more than twice the sky's
@@ -47,7 +43,7 @@ thread_local! {
     static SCRATCH: RefCell<Scratch> = RefCell::default();
 }
 
-/// Renders a scene: [`look`], then [`paint`].
+/// Renders a scene: [`look`], then [`paint`], and the maps besides.
 ///
 /// # Determinism
 /// A function of its arguments; one thread. `stream` feeds the exposure and the noise alone.
@@ -55,12 +51,14 @@ thread_local! {
 /// # Errors
 /// Those of [`PinholeGrid::new`]: a camera that is none.
 pub fn render(scene: &PosedScene, view: &View, weather: &Weather, stream: &mut Stream) -> Result<Rendered> {
-    Ok(paint(scene, view, weather, look(scene, view)?, stream))
+    let seen = look(scene, view)?;
+    let maps = seen.maps(scene);
+    Ok(Rendered { image: paint(scene, view, weather, &seen, stream), maps: Some(maps) })
 }
 
-/// Gives what is seen its light and colour, and takes the picture.
+/// Gives what is seen its light and colour, and takes the picture: RGB, 8 bits, row-major.
 #[must_use]
-pub fn paint(scene: &PosedScene, view: &View, weather: &Weather, seen: Seen, stream: &mut Stream) -> Rendered {
+pub fn paint(scene: &PosedScene, view: &View, weather: &Weather, seen: &Seen, stream: &mut Stream) -> Vec<u8> {
     let (width, height) = (view.width, view.height);
     let mut scratch = SCRATCH.take();
     let rays = Rays::new(view);
@@ -76,8 +74,7 @@ pub fn paint(scene: &PosedScene, view: &View, weather: &Weather, seen: Seen, str
     let image = expose(&rgb, width, height, veil, WHITE_BALANCE.map(|g| g * gain), stream);
     let shadows = light.shadows.map(Shadows::into_buffers).unwrap_or_default();
     SCRATCH.set(Scratch { rgb, shadows, ..scratch });
-    let Seen { depth, instance, semantic, .. } = seen;
-    Rendered { image, depth, instance, semantic }
+    image
 }
 
 /// Sun, sky, shadows and openness around a view.

@@ -80,7 +80,7 @@ fn street() -> Vec<Instance> {
 
 #[test]
 fn depth_at_pixel_centres_is_the_planes_and_the_sky_has_none() {
-    let r = picture(&[ground()], &clear_sun_from(60.0), 0);
+    let r = picture(&[ground()], &clear_sun_from(60.0), 0).maps.unwrap();
     let [_, fy, _, cy] = INTRINSICS;
     for row in 0..SIZE.1 {
         let down = (row as f64 - cy) / fy;
@@ -100,9 +100,10 @@ fn depth_at_pixel_centres_is_the_planes_and_the_sky_has_none() {
 
 #[test]
 fn identity_agrees_between_the_two_samplings_and_panes_carry_their_cars_id() {
-    let r = picture(&street(), &clear_sun_from(60.0), 0);
     let (w, h) = SIZE;
-    assert_eq!((r.instance.len(), r.image.len()), (w * h, 3 * w * h));
+    let Rendered { image, maps } = picture(&street(), &clear_sun_from(60.0), 0);
+    let r = maps.unwrap();
+    assert_eq!((r.instance.len(), image.len()), (w * h, 3 * w * h));
     let posed = PosedScene::new(&street(), DVec3::new(0.0, 0.0, EYE_HEIGHT_M));
     let seen = look(&posed, &view()).unwrap();
     for id in [3, 4, 5] {
@@ -118,6 +119,7 @@ fn identity_agrees_between_the_two_samplings_and_panes_carry_their_cars_id() {
     let at = (cy + fy * 0.5 / 8.0).round() as usize * w + (cx - fx * 0.5 / 8.0).round() as usize;
     assert_eq!((r.instance[at], r.semantic[at]), (4, Semantic::Car as u8));
     assert!((r.depth[at] - 8.0).abs() < 1e-3);
+    assert!((0..h * w).all(|at| seen.depth_at(at / w, at % w) == r.depth[at]));
 }
 
 #[test]
@@ -230,7 +232,7 @@ fn the_same_stream_gives_the_same_bytes_and_labels_do_not_show() {
     }
     let other = picture(&renamed, &weather, 9);
     assert_eq!(first.image, other.image);
-    assert_ne!(first.instance, other.instance);
+    assert_ne!(first.maps.unwrap().instance, other.maps.unwrap().instance);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! The 2019 paper's occlusion: which corners of the 3D box the depth map hides.
 
-use crate::camera::CameraModel;
+use crate::camera::{CameraModel, Seen};
 use crate::math::DVec3;
 
 /// Which corners are in view and not hidden.
@@ -11,7 +11,7 @@ use crate::math::DVec3;
 pub(super) fn visible_corners(
     corners_cam: &[DVec3; 8],
     camera: &CameraModel,
-    depth: &[f32],
+    seen: &Seen,
     tolerance_m: f64,
 ) -> [bool; 8] {
     corners_cam.map(|corner| {
@@ -27,6 +27,6 @@ pub(super) fn visible_corners(
             .into_iter()
             .map(|(du, dv)| (u + du, v + dv))
             .filter(|(u, v)| inside(*u, *v))
-            .any(|(u, v)| f64::from(depth[v as usize * camera.width + u as usize]) >= pixel.depth_m - tolerance_m)
+            .any(|(u, v)| f64::from(seen.depth_at(v as usize, u as usize)) >= pixel.depth_m - tolerance_m)
     })
 }

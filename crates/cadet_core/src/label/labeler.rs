@@ -197,7 +197,7 @@ pub fn label_actors(
         let visible_fraction =
             if outline.samples == 0 { 0.0 } else { outline.visible_samples as f64 / outline.samples as f64 };
         let visible_pixels = outline.visible_samples as f64 / SAMPLES_PER_PIXEL as f64;
-        let corner_visible = visible_corners(&box_cam.corners_cam(), camera, &seen.depth, config.corner_tolerance_m);
+        let corner_visible = visible_corners(&box_cam.corners_cam(), camera, seen, config.corner_tolerance_m);
         let hidden_corners = corner_visible.iter().filter(|v| !**v).count();
         let in_reach = config.is_near_enough(&box_cam, &bbox) && visible_fraction >= config.min_visible_fraction;
         let occluded = match config.method {

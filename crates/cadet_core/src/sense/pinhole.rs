@@ -156,23 +156,10 @@ impl BeamGrid for PinholeGrid {
     }
 
     #[inline]
-    fn footprints(&self, [x, y, z]: &Lanes, out: &mut [Self::Footprint; LANES]) {
-        let (cs, co) = (self.column_scale as f32, self.column_offset as f32);
-        let (rs, ro) = (self.row_scale as f32, self.row_offset as f32);
-        let (last_column, last_row) = (self.columns() as f32, self.rows() as f32);
-        for i in 0..LANES {
-            let in_front = z[i] > 0.01 * (x[i].abs() + y[i].abs()) && z[i] > 1e-4;
-            let inverse = if in_front { 1.0 / z[i] } else { f32::NAN };
-            let column = x[i] * inverse * cs + co;
-            let row = y[i] * inverse * rs + ro;
-            // Comparisons that keep NaN.
-            let column = if column < -2.0 { -2.0 } else { column };
-            let row = if row < -2.0 { -2.0 } else { row };
-            out[i] = [
-                if column > last_column + 1.0 { last_column + 1.0 } else { column },
-                if row > last_row + 1.0 { last_row + 1.0 } else { row },
-            ];
-        }
+    fn footprints(&self, points_grid: &Lanes, out: &mut [Self::Footprint; LANES]) {
+        let (mut columns, mut rows) = ([0.0; LANES], [0.0; LANES]);
+        self.footprint_lanes(points_grid, &mut columns, &mut rows);
+        *out = std::array::from_fn(|i| [columns[i], rows[i]]);
     }
 
     #[inline]
@@ -240,7 +227,94 @@ impl BeamGrid for PinholeGrid {
     }
 }
 
+/// The windows of [`LANES`] triangles.
+pub(super) struct WindowLanes {
+    /// False where a window is empty.
+    pub may_meet: [bool; LANES],
+    rows: [[u32; LANES]; 2],
+    columns: [[u32; LANES]; 2],
+    /// A corner is not clearly in front.
+    crosses: [bool; LANES],
+}
+
+impl WindowLanes {
+    /// The window of one of them, whose corners are given.
+    #[inline(always)]
+    pub(super) fn of_lane(&self, i: usize, grid: &PinholeGrid, corners_cam: &[DVec3; 3]) -> Window {
+        if self.crosses[i] {
+            return grid.window_of_crossing(corners_cam);
+        }
+        let range = |[start, end]: &[[u32; LANES]; 2]| start[i] as usize..end[i] as usize;
+        Window { rows: range(&self.rows), columns: range(&self.columns) }
+    }
+}
+
+/// Adding it to a number from 0 to 2^22 leaves the nearest integer in the low bits.
+const ROUNDER: f32 = 8_388_608.0;
+
+/// The integer at or above, and at or below; for 0 to 2^22.
+#[inline(always)]
+fn ceil_and_floor(v: f32) -> [u32; 2] {
+    let sum = v + ROUNDER;
+    let (nearest, bits) = (sum - ROUNDER, sum.to_bits() & 0x007F_FFFF);
+    [bits + u32::from(nearest < v), bits - u32::from(nearest > v)]
+}
+
 impl PinholeGrid {
+    /// As [`BeamGrid::footprints`], columns and rows apart.
+    #[inline(always)]
+    pub(super) fn footprint_lanes(&self, [x, y, z]: &Lanes, columns: &mut [f32; LANES], rows: &mut [f32; LANES]) {
+        let (cs, co) = (self.column_scale as f32, self.column_offset as f32);
+        let (rs, ro) = (self.row_scale as f32, self.row_offset as f32);
+        let (last_column, last_row) = (self.columns() as f32, self.rows() as f32);
+        for i in 0..LANES {
+            let in_front = (z[i] > 0.01 * (x[i].abs() + y[i].abs())) & (z[i] > 1e-4);
+            let inverse = if in_front { 1.0 / z[i] } else { f32::NAN };
+            let column = x[i] * inverse * cs + co;
+            let row = y[i] * inverse * rs + ro;
+            // Comparisons that keep NaN.
+            let column = if column < -2.0 { -2.0 } else { column };
+            let row = if row < -2.0 { -2.0 } else { row };
+            columns[i] = if column > last_column + 1.0 { last_column + 1.0 } else { column };
+            rows[i] = if row > last_row + 1.0 { last_row + 1.0 } else { row };
+        }
+    }
+
+    /// As [`BeamGrid::windows`], of triangles whose corners fall on `columns` and `rows`.
+    #[inline(always)]
+    pub(super) fn window_lanes(&self, columns: [&[f32; LANES]; 3], rows: [&[f32; LANES]; 3]) -> WindowLanes {
+        let none = [[0; LANES]; 2];
+        let mut out = WindowLanes { may_meet: [false; LANES], rows: none, columns: none, crosses: [false; LANES] };
+        let (row_count, column_count) = (self.rows() as u32, self.columns() as u32);
+        let odd_shift = self.odd_shift as f32;
+        let bounds = |[a, b, c]: [&[f32; LANES]; 3], i: usize| {
+            let (low, high) = if a[i] < b[i] { (a[i], b[i]) } else { (b[i], a[i]) };
+            [if c[i] < low { c[i] } else { low }, if c[i] > high { c[i] } else { high }]
+        };
+        // Not where a bound is NaN, which is told below.
+        let window = |[low, high]: [f32; 2], count: u32| {
+            let low = if low > 0.0 { low } else { 0.0 };
+            let high = if high + 1.0 > 0.0 { high + 1.0 } else { 0.0 };
+            let (start, end) = (ceil_and_floor(low)[0], ceil_and_floor(high)[1]);
+            [start, if end < count { end } else { count }]
+        };
+        for i in 0..LANES {
+            let [low, high] = bounds(rows, i);
+            let [start, end] = window([low - MARGIN, high + MARGIN], row_count);
+            let is_one = start + 1 == end;
+            let shift_low = if is_one & (start & 1 == 0) { 0.0 } else { odd_shift };
+            let shift_high = if is_one & (start & 1 == 1) { odd_shift } else { 0.0 };
+            let [low, high] = bounds(columns, i);
+            let [left, right] = window([low - (MARGIN + shift_low), high + (MARGIN - shift_high)], column_count);
+            (out.rows[0][i], out.rows[1][i]) = (start, end);
+            (out.columns[0][i], out.columns[1][i]) = (left, right);
+            let sum = rows[0][i] + rows[1][i] + rows[2][i];
+            out.crosses[i] = sum.is_nan();
+            out.may_meet[i] = sum.is_nan() | ((start < end) & (left < right));
+        }
+        out
+    }
+
     /// x / z of every column of a row.
     #[inline]
     #[must_use]
@@ -268,22 +342,6 @@ impl PinholeGrid {
         let n = self.rows_y.len();
         let beyond = (n..n.next_multiple_of(block)).map(|i| (i as f64 - self.row_offset) / self.row_scale);
         self.rows_y.iter().copied().chain(beyond).collect()
-    }
-
-    /// y / z of a row.
-    #[inline]
-    pub(super) fn row_y(&self, row: usize) -> f64 {
-        self.rows_y[row]
-    }
-
-    /// The columns of a row that pass the test of all edges, among `columns`.
-    #[cold]
-    pub(super) fn span(&self, edges: &[DVec3; 3], row: usize, mut columns: Range<usize>) -> Range<usize> {
-        let y = self.rows_y[row];
-        for e in edges {
-            self.narrow(row, &mut columns, e.x, e.y * y + e.z);
-        }
-        columns
     }
 
     /// Drops the columns where `slope * x + rest` is negative, and no other: rounding keeps the order of what it

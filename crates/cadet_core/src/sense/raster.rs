@@ -1,16 +1,19 @@
 //! Draws triangles into the visibility buffer of a camera.
 //!
 //! The inside test is that of [`super::BeamGrid::cover`], bit for bit. What differs from casting onto any grid: depths are
-//! compared as 1 / z, which is affine on the image; rows find their spans together; a hierarchy of depths hides clusters
-//! and triangles; and panes are drawn in the same pass as what is solid.
+//! compared as 1 / z, which is affine on the image; blocks of 8 x 8 samples are drawn together; a hierarchy of depths
+//! hides clusters and triangles; and panes are drawn in the same pass as what is solid.
+
+use std::ops::Range;
 
 use multiversion::multiversion;
 
+use super::block_drawing::{ExactBlock, FaceOnImage};
 use super::edges::EdgePlanes;
 use super::grid::{BeamGrid, Window};
 use super::pinhole::PinholeGrid;
 use super::posed::{PosedInstance, PosedScene};
-use super::visibility_buffer::{BLOCK, Block, CLEARLY, DrawnFace, VisibilityBuffer};
+use super::visibility_buffer::{BLOCK, CLEARLY, VisibilityBuffer};
 use crate::geometry::{Cluster, LANES, slot_bit};
 use crate::math::{DMat3, DVec3, Vec3};
 
@@ -42,7 +45,7 @@ pub fn draw_instances(
         eye_world: pose.translation,
         columns_x: grid.padded_columns_x(BLOCK),
         rows_y: grid.padded_rows_y(BLOCK),
-        corners: Vec::new(),
+        corners: Box::default(),
     };
     draw_clusters(&mut drawer, &near_first);
 }
@@ -50,6 +53,7 @@ pub fn draw_instances(
 /// A cluster in view.
 struct InView {
     near_m: f32,
+    order_m: f32,
     instance: u32,
     cluster: u32,
     window: Window,
@@ -81,12 +85,19 @@ fn clusters_in_view(
             let center_cam = linear * cluster.center + offset;
             let ([window, _], near_m) = grid.sphere_windows(center_cam, loosened(cluster.radius_m, center_cam));
             if !window.is_empty() {
-                out.push(InView { near_m, instance: index as u32, cluster: number as u32, window, glass });
+                out.push(InView {
+                    near_m,
+                    order_m: near_m + 0.7 * cluster.radius_m,
+                    instance: index as u32,
+                    cluster: number as u32,
+                    window,
+                    glass,
+                });
             }
         }
     }
     out.sort_unstable_by(|a, b| {
-        a.near_m.total_cmp(&b.near_m).then((a.instance, a.cluster).cmp(&(b.instance, b.cluster)))
+        a.order_m.total_cmp(&b.order_m).then((a.instance, a.cluster).cmp(&(b.instance, b.cluster)))
     });
     out
 }
@@ -97,14 +108,25 @@ fn loosened(radius_m: f32, center_cam: Vec3) -> f32 {
     radius_m * 1.000_01 + 1e-3 + 1e-6 * center_cam.abs().max_element()
 }
 
-/// A vertex of the cluster at hand.
-#[derive(Clone, Copy)]
-struct Corner {
-    cam: DVec3,
-    /// Column and row, clamped to just outside of the image; NaN where it is not clearly in front.
-    footprint: [f32; 2],
-    /// A little less than its z.
-    z_m: f32,
+/// A cluster's corners are bytes.
+const MAX_CORNERS: usize = 256;
+
+/// The vertices of the cluster at hand, axis by axis.
+struct Corners {
+    cam: [[f64; MAX_CORNERS]; 3],
+    /// Clamped to just outside of the image; NaN where a vertex is not clearly in front.
+    column: [f32; MAX_CORNERS],
+    row: [f32; MAX_CORNERS],
+    z_m: [f32; MAX_CORNERS],
+    /// By how much single precision may err in z.
+    slack_m: [f32; MAX_CORNERS],
+}
+
+impl Default for Corners {
+    fn default() -> Self {
+        let none = [0.0; MAX_CORNERS];
+        Self { cam: [[0.0; MAX_CORNERS]; 3], column: none, row: none, z_m: none, slack_m: none }
+    }
 }
 
 struct Drawer<'a> {
@@ -116,7 +138,17 @@ struct Drawer<'a> {
     /// As the grid's, to the ends of the last blocks.
     columns_x: [Vec<f64>; 2],
     rows_y: Vec<f64>,
-    corners: Vec<Corner>,
+    corners: Box<Corners>,
+}
+
+/// A triangle that may be seen.
+struct Candidate {
+    instance: u32,
+    face: u32,
+    is_pane: bool,
+    window: Window,
+    least_z_m: f32,
+    most_z_m: f32,
 }
 
 #[multiversion(targets("x86_64+avx2"))]
@@ -137,328 +169,158 @@ impl Drawer<'_> {
         // Bit 63 may stand for several slots.
         let is_mixed =
             (cluster.slots & item.glass != 0 && cluster.slots & !item.glass != 0) || cluster.slots >> 63 != 0;
-        for (corners, face) in cluster.corners.iter().zip(&cluster.faces) {
-            let corners = corners.map(|i| self.corners[usize::from(i)]);
-            let ([window, _], z_m) = (
-                self.grid.windows(&corners.map(|c| c.cam), &corners.map(|c| c.footprint)),
-                corners[0].z_m.min(corners[1].z_m).min(corners[2].z_m),
-            );
-            if window.is_empty() || self.buffer.is_hidden(&window, z_m) {
-                continue;
+        for (corners, faces) in cluster.corners.chunks(LANES).zip(cluster.faces.chunks(LANES)) {
+            let mut places = [[[0.0_f32; LANES]; 4]; 3];
+            for (i, corners) in corners.iter().enumerate() {
+                for (place, corner) in places.iter_mut().zip(corners) {
+                    let corner = usize::from(*corner);
+                    place[0][i] = self.corners.column[corner];
+                    place[1][i] = self.corners.row[corner];
+                    place[2][i] = self.corners.z_m[corner];
+                    place[3][i] = self.corners.slack_m[corner];
+                }
             }
-            let planes = EdgePlanes::new(corners.map(|c| c.cam));
-            if planes.volume == 0.0 {
-                continue;
+            let windows = self.grid.window_lanes(places.each_ref().map(|p| &p[0]), places.each_ref().map(|p| &p[1]));
+            let [least_z_m, most_z_m] = z_bounds(&places);
+            for (i, (corners, face)) in corners.iter().zip(faces).enumerate() {
+                if !windows.may_meet[i] {
+                    continue;
+                }
+                let [x, y, z] = &self.corners.cam;
+                let corner = |i: u8| DVec3::new(x[usize::from(i)], y[usize::from(i)], z[usize::from(i)]);
+                let [a, b, c] = *corners;
+                let corners = [corner(a), corner(b), corner(c)];
+                let window = windows.of_lane(i, self.grid, &corners);
+                if window.is_empty() || self.buffer.is_hidden(&window, least_z_m[i]) {
+                    continue;
+                }
+                let is_pane =
+                    if is_mixed { instance.material(*face).is_glass() } else { cluster.slots & item.glass != 0 };
+                let (least_z_m, most_z_m) = (least_z_m[i], most_z_m[i]);
+                let candidate =
+                    Candidate { instance: item.instance, face: *face, is_pane, window, least_z_m, most_z_m };
+                self.draw_face(&candidate, &EdgePlanes::new(corners));
             }
-            let is_pane = if is_mixed { instance.material(*face).is_glass() } else { cluster.slots & item.glass != 0 };
-            self.draw_face(&planes, &window, z_m, item.instance, *face, is_pane);
         }
     }
 
     /// Poses a cluster's vertices and finds where they fall on the image.
     #[inline(always)]
     fn project(&mut self, instance: &PosedInstance, cluster: &Cluster) {
-        self.corners.clear();
         let (r, o) = (&self.cam_from_world, self.eye_world);
-        for local in &cluster.lanes {
+        let corners = &mut *self.corners;
+        for (local, at) in cluster.lanes.iter().zip((0..MAX_CORNERS).step_by(LANES)) {
             let world = instance.placement.pose_lanes(local);
-            let mut cam = [[0.0_f64; LANES]; 3];
+            let [cam_x, cam_y, cam_z] = &mut corners.cam;
+            let (Some(cam_x), Some(cam_y), Some(cam_z)) = (
+                cam_x[at..].first_chunk_mut::<LANES>(),
+                cam_y[at..].first_chunk_mut::<LANES>(),
+                cam_z[at..].first_chunk_mut::<LANES>(),
+            ) else {
+                return;
+            };
             let mut lanes = [[0.0_f32; LANES]; 3];
             for i in 0..LANES {
                 let [x, y, z] =
                     [f64::from(world[0][i]) - o.x, f64::from(world[1][i]) - o.y, f64::from(world[2][i]) - o.z];
-                cam[0][i] = r.x_axis.x * x + r.y_axis.x * y + r.z_axis.x * z;
-                cam[1][i] = r.x_axis.y * x + r.y_axis.y * y + r.z_axis.y * z;
-                cam[2][i] = r.x_axis.z * x + r.y_axis.z * y + r.z_axis.z * z;
-                (lanes[0][i], lanes[1][i], lanes[2][i]) = (cam[0][i] as f32, cam[1][i] as f32, cam[2][i] as f32);
+                cam_x[i] = r.x_axis.x * x + r.y_axis.x * y + r.z_axis.x * z;
+                cam_y[i] = r.x_axis.y * x + r.y_axis.y * y + r.z_axis.y * z;
+                cam_z[i] = r.x_axis.z * x + r.y_axis.z * y + r.z_axis.z * z;
+                (lanes[0][i], lanes[1][i], lanes[2][i]) = (cam_x[i] as f32, cam_y[i] as f32, cam_z[i] as f32);
             }
-            let mut footprints = [[0.0; 2]; LANES];
-            self.grid.footprints(&lanes, &mut footprints);
-            self.corners.extend((0..LANES).map(|i| Corner {
-                cam: DVec3::new(cam[0][i], cam[1][i], cam[2][i]),
-                footprint: footprints[i],
-                z_m: lanes[2][i] - 1e-6 * (lanes[0][i].abs() + lanes[1][i].abs() + lanes[2][i].abs()),
-            }));
+            let (Some(column), Some(row), Some(z_m), Some(slack_m)) = (
+                corners.column[at..].first_chunk_mut::<LANES>(),
+                corners.row[at..].first_chunk_mut::<LANES>(),
+                corners.z_m[at..].first_chunk_mut::<LANES>(),
+                corners.slack_m[at..].first_chunk_mut::<LANES>(),
+            ) else {
+                return;
+            };
+            self.grid.footprint_lanes(&lanes, column, row);
+            *z_m = lanes[2];
+            for i in 0..LANES {
+                slack_m[i] = 1e-6 * (lanes[0][i].abs() + lanes[1][i].abs() + lanes[2][i].abs());
+            }
         }
     }
 
     #[inline(always)]
-    fn draw_face(&mut self, planes: &EdgePlanes, window: &Window, z_m: f32, instance: u32, face: u32, is_pane: bool) {
-        let sign = if planes.volume > 0.0 { 1.0 } else { -1.0 };
-        let edges = planes.cross.map(|n| n * sign);
-        let normal = planes.normal * sign;
-        let volume = planes.volume.abs();
+    fn draw_face(&mut self, candidate: &Candidate, planes: &EdgePlanes) {
+        let Some(on_image) = FaceOnImage::new(planes, self.grid, candidate.most_z_m) else {
+            return;
+        };
+        let (window, z_m) = (&candidate.window, candidate.least_z_m);
         let id = self.buffer.faces.len() as u32;
-        self.buffer.faces.push(DrawnFace { instance, face, normal: normal.to_array(), volume });
-        let plane = normal * (1.0 / volume);
-        // A block's nearness changes by so much from its middle to a corner.
-        let half = (BLOCK - 1) as f64 / 2.0;
-        let half_across = half + self.grid.odd_shift * 0.5;
-        let reach =
-            half_across * (plane.x.abs() / self.grid.column_scale) + half * (plane.y.abs() / self.grid.row_scale);
-        let spans = Spans::new(&edges, self.grid, window);
+        let mut is_drawn = false;
         for block_row in window.rows.start / BLOCK..=(window.rows.end - 1) / BLOCK {
+            let Some(rows_y) = self.rows_y[block_row * BLOCK..].first_chunk::<BLOCK>() else { return };
             let top = block_row * BLOCK;
-            let Some(rows_y) = self.rows_y[top..].first_chunk::<BLOCK>() else { return };
-            let mut batch = spans.of_rows(top);
-            batch.settle_doubts(self.grid, &edges, window, top);
-            let (start, end) = batch.columns(window, top);
-            if start >= end {
-                continue;
-            }
-            let mut rests = [0.0; BLOCK];
-            for i in 0..BLOCK {
-                rests[i] = plane.y * rows_y[i] + plane.z;
-            }
-            let middle = (rests[0] + rests[BLOCK - 1]) * 0.5 + reach;
-            for block_column in start as usize / BLOCK..=(end as usize - 1) / BLOCK {
+            let rows = window.rows.start.max(top) - top..window.rows.end.min(top + BLOCK) - top;
+            let y = (rows_y[0] + rows_y[BLOCK - 1]) * 0.5;
+            for block_column in self.block_columns(&on_image, window, y) {
                 let left = block_column * BLOCK;
-                let [Some(even), Some(odd)] = self.columns_x.each_ref().map(|x| x[left..].first_chunk::<BLOCK>())
+                let [evens, odds] = &self.columns_x;
+                let (Some(even), Some(odd)) =
+                    (evens[left..].first_chunk::<BLOCK>(), odds[left..].first_chunk::<BLOCK>())
                 else {
                     return;
                 };
-                let x = [even, odd];
+                let exact = ExactBlock { columns_x: [even, odd], rows_y };
+                let at = on_image.at((even[0] + odd[BLOCK - 1]) * 0.5, y);
                 let number = block_row * self.buffer.blocks_across + block_column;
-                // The largest nearness of the plane on the block.
-                let most = (plane.x * (even[0] + odd[BLOCK - 1]) * 0.5 + middle) as f32;
-                if self.buffer.floors[number] > most * CLEARLY || self.buffer.is_block_hidden(number, z_m) {
+                if on_image.misses(&at)
+                    || self.buffer.states[number].floor > on_image.most_nearness(&at) * CLEARLY
+                    || self.buffer.is_block_hidden(number, z_m)
+                {
                     continue;
                 }
-                let layer = if is_pane { &mut self.buffer.panes } else { &mut self.buffer.solid };
-                let outcome = draw_block(&mut layer[number], &batch, left as u32, x, plane.x, &rests, id);
-                if Outcome::any(&outcome.equal) {
-                    settle_ties(&mut layer[number], &batch, left as u32, x, plane.x, &rests, id, &self.buffer.faces);
-                }
-                if is_pane {
-                    self.buffer.has_panes[number] = true;
+                let layer = if candidate.is_pane { &mut self.buffer.panes } else { &mut self.buffer.solid };
+                let nearer = on_image.draw(&mut layer[number], &rows, &at, id, &exact);
+                is_drawn |= nearer != 0;
+                if candidate.is_pane {
+                    self.buffer.has_panes[number] |= nearer != 0;
                 } else {
-                    self.buffer.stale[number] |= Outcome::any(&outcome.nearer);
+                    let state = &mut self.buffer.states[number];
+                    state.met |= nearer;
+                    state.is_stale |= nearer != 0;
                 }
             }
         }
+        if is_drawn {
+            self.buffer.faces.push(on_image.drawn([candidate.instance, candidate.face]));
+        }
     }
-}
 
-/// Where the edges of a triangle cut the rows of its window.
-struct Spans {
-    /// Column plus one where each edge cuts the first row, and how much further it does a row below.
-    at: [f64; 3],
-    step: [f64; 3],
-    bounds_left: [bool; 3],
-    /// How far the samples of each row of a block lie further right: in a quincunx, those of odd rows.
-    shift: [f64; LANES],
-    /// The first row of the window's first block.
-    first_row: usize,
-    least: f64,
-    most: f64,
-    /// A cut so near to a sample is looked at exactly.
-    doubt: f64,
-}
-
-/// The spans of eight rows: `start..end`, unless in doubt.
-struct Batch {
-    start: [u32; LANES],
-    end: [u32; LANES],
-    doubt: [u32; LANES],
-}
-
-/// Adding it to a number below 2^31 rounds it to the nearest integer, which then stands in the low bits.
-const ROUNDER: f64 = 6_755_399_441_055_744.0;
-
-impl Spans {
+    /// The columns of blocks that a triangle may meet in the row of blocks whose middles lie at this y / z.
     #[inline(always)]
-    fn new(edges: &[DVec3; 3], grid: &PinholeGrid, window: &Window) -> Self {
-        let first_row = window.rows.start / BLOCK * BLOCK;
-        let y = grid.row_y(first_row);
-        let (mut at, mut step, mut bounds_left) = ([0.0; 3], [0.0; 3], [false; 3]);
-        let mut doubt = 1e-6_f64;
-        for k in 0..3 {
-            let e = edges[k];
-            let scale = grid.column_scale / -e.x;
-            at[k] = (e.y * y + e.z) * scale + grid.column_offset + 1.0;
-            step[k] = e.y * scale / grid.row_scale;
-            bounds_left[k] = e.x > 0.0;
-            let slack = 1e-14 * scale.abs() * (e.y.abs() + e.z.abs());
-            // Keeps NaN, which an upright edge through the eye would be.
-            doubt = if slack <= doubt { doubt } else { slack };
+    fn block_columns(&self, on_image: &FaceOnImage, window: &Window, y: f64) -> Range<usize> {
+        let (mut first, mut end) = (window.columns.start / BLOCK, (window.columns.end - 1) / BLOCK + 1);
+        if end - first > WIDE {
+            let column = |x: f64| (x * self.grid.column_scale + self.grid.column_offset) / BLOCK as f64;
+            let [from, to] = on_image.span(y);
+            // The middle of a block lies less than one block right of its first column.
+            first = first.max(column(from).max(1.0) as usize - 1);
+            end = end.min((column(to) + 1.0).max(0.0) as usize);
         }
-        Self {
-            at,
-            step,
-            bounds_left,
-            shift: std::array::from_fn(|i| if i % 2 == 1 { grid.odd_shift } else { 0.0 }),
-            first_row,
-            least: window.columns.start as f64 + 0.5,
-            most: window.columns.end as f64 + 0.5,
-            doubt,
-        }
-    }
-
-    #[inline(always)]
-    fn of_rows(&self, row: usize) -> Batch {
-        let mut batch = Batch { start: [0; LANES], end: [0; LANES], doubt: [0; LANES] };
-        let below = (row - self.first_row) as f64;
-        let (mut left, mut right) = ([self.least; LANES], [self.most; LANES]);
-        for k in 0..3 {
-            let at = self.at[k] + self.step[k] * below;
-            if self.bounds_left[k] {
-                for i in 0..LANES {
-                    let cut = at + self.step[k] * i as f64 - self.shift[i];
-                    left[i] = if cut > left[i] { cut } else { left[i] };
-                }
-            } else {
-                for i in 0..LANES {
-                    let cut = at + self.step[k] * i as f64 - self.shift[i];
-                    right[i] = if cut < right[i] { cut } else { right[i] };
-                }
-            }
-        }
-        let sure = 0.5 - self.doubt;
-        for i in 0..LANES {
-            let start = if left[i] < self.most { left[i] } else { self.most } + 0.5;
-            let end = if right[i] > self.least { right[i] } else { self.least } - 0.5;
-            let (start_rounded, end_rounded) = (start + ROUNDER, end + ROUNDER);
-            // Both count columns plus one.
-            batch.start[i] = (start_rounded.to_bits() as u32).wrapping_sub(1);
-            batch.end[i] = end_rounded.to_bits() as u32;
-            let is_sure =
-                ((start - (start_rounded - ROUNDER)).abs() <= sure) & ((end - (end_rounded - ROUNDER)).abs() <= sure);
-            batch.doubt[i] = u32::from(!is_sure);
-        }
-        batch
+        first..end
     }
 }
 
-impl Batch {
-    /// Looks exactly where a cut lies too near to a sample.
-    #[inline(always)]
-    fn settle_doubts(&mut self, grid: &PinholeGrid, edges: &[DVec3; 3], window: &Window, top: usize) {
-        if self.doubt.iter().fold(0, |all, d| all | d) == 0 {
-            return;
-        }
-        for i in 0..BLOCK {
-            if self.doubt[i] != 0 && window.rows.contains(&(top + i)) {
-                let columns = grid.span(edges, top + i, window.columns.clone());
-                (self.start[i], self.end[i]) = (columns.start as u32, columns.end as u32);
-            }
-        }
-    }
+/// Windows of more blocks than this side by side are narrowed row by row.
+const WIDE: usize = 3;
 
-    /// Empties the rows outside of the window and finds the columns of the others.
-    #[inline(always)]
-    fn columns(&mut self, window: &Window, top: usize) -> (u32, u32) {
-        let (first, last) = (window.rows.start.max(top) - top, window.rows.end.min(top + BLOCK) - top);
-        let (mut start, mut end) = (u32::MAX, 0);
-        for i in 0..BLOCK {
-            let is_out = (i as u32) < first as u32 || i as u32 >= last as u32 || self.start[i] >= self.end[i];
-            self.start[i] |= u32::from(is_out).wrapping_neg();
-            self.end[i] &= u32::from(!is_out).wrapping_neg();
-        }
-        for i in 0..BLOCK {
-            start = start.min(self.start[i]);
-            end = end.max(self.end[i]);
-        }
-        (start, end)
-    }
-}
-
-/// What came of drawing, by lanes: not 0 where something was nearer, and where something was at the same depth.
-#[derive(Default)]
-struct Outcome {
-    nearer: [u32; BLOCK],
-    equal: [u32; BLOCK],
-}
-
-impl Outcome {
-    #[inline(always)]
-    fn any(lanes: &[u32; BLOCK]) -> bool {
-        lanes.iter().fold(0, |all, lane| all | lane) != 0
-    }
-}
-
-/// Draws the spans of a batch on the block whose first column is `left`; nearness = slope * x + rest.
+/// A little less than the least z of triangles' corners, and a little more than the largest.
 #[inline(always)]
-fn draw_block(
-    block: &mut Block,
-    batch: &Batch,
-    left: u32,
-    x: [&[f64; BLOCK]; 2],
-    slope: f64,
-    rests: &[f64; BLOCK],
-    id: u32,
-) -> Outcome {
-    let mut outcome = Outcome::default();
-    for row in 0..BLOCK {
-        let (start, end) = (batch.start[row].max(left) - left, batch.end[row].min(left + 8).saturating_sub(left));
-        if start >= end {
-            continue;
+fn z_bounds([a, b, c]: &[[[f32; LANES]; 4]; 3]) -> [[f32; LANES]; 2] {
+    let (mut least, mut most) = ([0.0; LANES], [0.0; LANES]);
+    for i in 0..LANES {
+        let (mut low, mut high) = (a[2][i] - a[3][i], a[2][i] + a[3][i]);
+        for corner in [b, c] {
+            let (l, h) = (corner[2][i] - corner[3][i], corner[2][i] + corner[3][i]);
+            low = if l < low { l } else { low };
+            high = if h > high { h } else { high };
         }
-        let outside = &OUTSIDE[(start & 7) as usize][(end & 15) as usize];
-        let (old, old_ids) = (block.nearness[row], block.face[row]);
-        let mut value = [0.0_f32; BLOCK];
-        for i in 0..BLOCK {
-            // NaN outside, which is neither nearer nor equal.
-            value[i] = f32::from_bits(((slope * x[row % 2][i] + rests[row]) as f32).to_bits() | outside[i]);
-        }
-        let (mut nearer, mut new, mut new_ids) = ([0; BLOCK], [0.0; BLOCK], [0; BLOCK]);
-        for i in 0..BLOCK {
-            nearer[i] = u32::from(value[i] > old[i]).wrapping_neg();
-        }
-        for i in 0..BLOCK {
-            new[i] = if value[i] > old[i] { value[i] } else { old[i] };
-        }
-        for i in 0..BLOCK {
-            new_ids[i] = id & nearer[i] | old_ids[i] & !nearer[i];
-        }
-        (block.nearness[row], block.face[row]) = (new, new_ids);
-        for i in 0..BLOCK {
-            outcome.nearer[i] |= nearer[i];
-        }
-        for i in 0..BLOCK {
-            outcome.equal[i] |= u32::from(value[i] == old[i]).wrapping_neg();
-        }
+        (least[i], most[i]) = (low, high);
     }
-    outcome
+    [least, most]
 }
-
-/// Gives the samples of a block that two faces meet at the same depth to the earlier one.
-#[cold]
-fn settle_ties(
-    block: &mut Block,
-    batch: &Batch,
-    left: u32,
-    x: [&[f64; BLOCK]; 2],
-    slope: f64,
-    rests: &[f64; BLOCK],
-    id: u32,
-    faces: &[DrawnFace],
-) {
-    let key = |id: u32| (faces[id as usize].instance, faces[id as usize].face);
-    for row in 0..BLOCK {
-        for i in 0..BLOCK {
-            let inside = (batch.start[row]..batch.end[row]).contains(&(left + i as u32));
-            let value = (slope * x[row % 2][i] + rests[row]) as f32;
-            let owner = &mut block.face[row][i];
-            if inside && value == block.nearness[row][i] && value > 0.0 && key(id) < key(*owner) {
-                *owner = id;
-            }
-        }
-    }
-}
-
-/// For each start and end of a span, all bits of the lanes outside.
-static OUTSIDE: [[[u32; BLOCK]; 16]; BLOCK] = {
-    let mut out = [[[0; BLOCK]; 16]; BLOCK];
-    let (mut start, mut end, mut lane) = (0, 0, 0);
-    while start < BLOCK {
-        out[start][end][lane] = if lane < start || lane >= end { u32::MAX } else { 0 };
-        lane += 1;
-        if lane == BLOCK {
-            (lane, end) = (0, end + 1);
-        }
-        if end == 16 {
-            (end, start) = (0, start + 1);
-        }
-    }
-    out
-};

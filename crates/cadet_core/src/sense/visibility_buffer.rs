@@ -43,7 +43,7 @@ pub struct Block {
 }
 
 impl Block {
-    const EMPTY: Self = Self { nearness: [[0.0; BLOCK]; BLOCK], face: [[0; BLOCK]; BLOCK] };
+    pub(super) const EMPTY: Self = Self { nearness: [[0.0; BLOCK]; BLOCK], face: [[0; BLOCK]; BLOCK] };
 
     /// The samples of a column in an even row of the block and in the next.
     #[inline]
@@ -98,10 +98,27 @@ pub struct VisibilityBuffer {
     pub has_panes: Vec<bool>,
     /// The faces that were drawn, seen or not.
     pub faces: Vec<DrawnFace>,
-    /// For each block a nearness that all of its solid samples reach.
-    pub(super) floors: Vec<f32>,
-    /// Blocks whose floor may have risen.
-    pub(super) stale: Vec<bool>,
+    pub(super) states: Vec<BlockState>,
+}
+
+/// What is known of a block's solid samples.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct BlockState {
+    /// Samples that have met something, a bit each: column by column, from the top.
+    pub met: u64,
+    /// A nearness that all samples reach.
+    pub floor: f32,
+    /// The floor may have risen.
+    pub is_stale: bool,
+}
+
+/// The bits of a block's samples in [`BlockState::met`].
+#[inline(always)]
+fn bits_of(rows: &Range<usize>, columns: &Range<usize>) -> u64 {
+    // Ranges are not empty and end at `BLOCK` at most.
+    let of_column = (u64::MAX >> (64 - (rows.end - rows.start))) << rows.start & 0xFF;
+    let columns = (u64::MAX >> (64 - BLOCK * (columns.end - columns.start))) << (BLOCK * columns.start);
+    (of_column * 0x0101_0101_0101_0101) & columns
 }
 
 impl VisibilityBuffer {
@@ -127,32 +144,29 @@ impl VisibilityBuffer {
         }
         self.has_panes.clear();
         self.has_panes.resize(down * across, false);
-        self.floors.clear();
-        self.floors.resize(down * across, 0.0);
-        self.stale.clear();
-        self.stale.resize(down * across, false);
+        self.states.clear();
+        self.states.resize(down * across, BlockState::default());
     }
 
     /// True if all samples of a block have met something solid that is nearer than `z_m`.
     #[inline(always)]
     pub(super) fn is_block_hidden(&mut self, block: usize, z_m: f32) -> bool {
-        if self.floors[block] * z_m > CLEARLY {
+        let state = &mut self.states[block];
+        if state.floor * z_m > CLEARLY {
             return true;
         }
-        if !self.stale[block] {
+        if !state.is_stale || state.met != u64::MAX {
             return false;
         }
-        self.stale[block] = false;
         let mut least = [f32::INFINITY; BLOCK];
         for row in &self.solid[block].nearness {
-            let mut next = [0.0; BLOCK];
             for i in 0..BLOCK {
-                next[i] = if row[i] < least[i] { row[i] } else { least[i] };
+                least[i] = if row[i] < least[i] { row[i] } else { least[i] };
             }
-            least = next;
         }
-        self.floors[block] = least.into_iter().fold(f32::INFINITY, |a, b| if b < a { b } else { a });
-        self.floors[block] * z_m > CLEARLY
+        state.is_stale = false;
+        state.floor = least.into_iter().fold(f32::INFINITY, |a, b| if b < a { b } else { a });
+        state.floor * z_m > CLEARLY
     }
 
     /// True if all samples of a window have met something solid that is nearer than `z_m` (a depth below that of
@@ -160,18 +174,23 @@ impl VisibilityBuffer {
     #[inline(always)]
     pub(super) fn is_hidden(&mut self, window: &Window, z_m: f32) -> bool {
         for block_row in window.rows.start / BLOCK..=(window.rows.end - 1) / BLOCK {
+            let top = block_row * BLOCK;
+            let rows = window.rows.start.max(top) - top..window.rows.end.min(top + BLOCK) - top;
             for block_column in window.columns.start / BLOCK..=(window.columns.end - 1) / BLOCK {
                 let block = block_row * self.blocks_across + block_column;
+                let left = block_column * BLOCK;
+                let columns = window.columns.start.max(left) - left..window.columns.end.min(left + BLOCK) - left;
+                let asked = bits_of(&rows, &columns);
+                if asked & !self.states[block].met != 0 {
+                    return false;
+                }
                 if self.is_block_hidden(block, z_m) {
                     continue;
                 }
-                let (top, left) = (block_row * BLOCK, block_column * BLOCK);
-                let rows = window.rows.start.max(top) - top..window.rows.end.min(top + BLOCK) - top;
-                let columns = window.columns.start.max(left) - left..window.columns.end.min(left + BLOCK) - left;
-                if rows.len() == BLOCK && columns.len() == BLOCK {
+                if asked == u64::MAX {
                     return false;
                 }
-                for row in &self.solid[block].nearness[rows] {
+                for row in &self.solid[block].nearness[rows.clone()] {
                     let mut open = [0; BLOCK];
                     for i in 0..BLOCK {
                         let asked = (i as u32).wrapping_sub(columns.start as u32) < columns.len() as u32;
@@ -242,7 +261,8 @@ impl VisibilityBuffer {
             let block = row / BLOCK * self.blocks_across + block_column;
             let solid = &self.solid[block].nearness[row % BLOCK];
             let panes = self.has_panes[block].then(|| &self.panes[block].nearness[row % BLOCK]);
-            for i in 0..BLOCK {
+            // Blocks may reach beyond the image.
+            for i in 0..BLOCK.min(self.columns - block_column * BLOCK) {
                 if solid[i] > 0.0 || panes.is_some_and(|p| p[i] > 0.0) {
                     let column = block_column * BLOCK + i;
                     count += 1;
