@@ -60,7 +60,7 @@ pub(super) struct FaceOnImage {
 impl FaceOnImage {
     /// The functions of a triangle; `None` if the camera lies in its plane.
     ///
-    /// `most_z_m`: the largest z of its corners.
+    /// `most_z_m`: the largest z of its corners, to a thousandth.
     #[inline(always)]
     pub(super) fn new(planes: &EdgePlanes, grid: &PinholeGrid, most_z_m: f32) -> Option<Self> {
         if planes.volume == 0.0 {

@@ -108,6 +108,8 @@ fn loosened(radius_m: f32, center_cam: Vec3) -> f32 {
     radius_m * 1.000_01 + 1e-3 + 1e-6 * center_cam.abs().max_element()
 }
 
+/// Share of a point's coordinates by which single precision may err in its z.
+const SLACK: f32 = 1e-6;
 /// A cluster's corners are bytes.
 const MAX_CORNERS: usize = 256;
 
@@ -117,15 +119,14 @@ struct Corners {
     /// Clamped to just outside of the image; NaN where a vertex is not clearly in front.
     column: [f32; MAX_CORNERS],
     row: [f32; MAX_CORNERS],
+    /// A little less than z.
     z_m: [f32; MAX_CORNERS],
-    /// By how much single precision may err in z.
-    slack_m: [f32; MAX_CORNERS],
 }
 
 impl Default for Corners {
     fn default() -> Self {
         let none = [0.0; MAX_CORNERS];
-        Self { cam: [[0.0; MAX_CORNERS]; 3], column: none, row: none, z_m: none, slack_m: none }
+        Self { cam: [[0.0; MAX_CORNERS]; 3], column: none, row: none, z_m: none }
     }
 }
 
@@ -170,14 +171,13 @@ impl Drawer<'_> {
         let is_mixed =
             (cluster.slots & item.glass != 0 && cluster.slots & !item.glass != 0) || cluster.slots >> 63 != 0;
         for (corners, faces) in cluster.corners.chunks(LANES).zip(cluster.faces.chunks(LANES)) {
-            let mut places = [[[0.0_f32; LANES]; 4]; 3];
+            let mut places = [[[0.0_f32; LANES]; 3]; 3];
             for (i, corners) in corners.iter().enumerate() {
                 for (place, corner) in places.iter_mut().zip(corners) {
                     let corner = usize::from(*corner);
                     place[0][i] = self.corners.column[corner];
                     place[1][i] = self.corners.row[corner];
                     place[2][i] = self.corners.z_m[corner];
-                    place[3][i] = self.corners.slack_m[corner];
                 }
             }
             let windows = self.grid.window_lanes(places.each_ref().map(|p| &p[0]), places.each_ref().map(|p| &p[1]));
@@ -228,18 +228,16 @@ impl Drawer<'_> {
                 cam_z[i] = r.x_axis.z * x + r.y_axis.z * y + r.z_axis.z * z;
                 (lanes[0][i], lanes[1][i], lanes[2][i]) = (cam_x[i] as f32, cam_y[i] as f32, cam_z[i] as f32);
             }
-            let (Some(column), Some(row), Some(z_m), Some(slack_m)) = (
+            let (Some(column), Some(row), Some(z_m)) = (
                 corners.column[at..].first_chunk_mut::<LANES>(),
                 corners.row[at..].first_chunk_mut::<LANES>(),
                 corners.z_m[at..].first_chunk_mut::<LANES>(),
-                corners.slack_m[at..].first_chunk_mut::<LANES>(),
             ) else {
                 return;
             };
             self.grid.footprint_lanes(&lanes, column, row);
-            *z_m = lanes[2];
             for i in 0..LANES {
-                slack_m[i] = 1e-6 * (lanes[0][i].abs() + lanes[1][i].abs() + lanes[2][i].abs());
+                z_m[i] = lanes[2][i] - SLACK * (lanes[0][i].abs() + lanes[1][i].abs() + lanes[2][i].abs());
             }
         }
     }
@@ -309,18 +307,13 @@ impl Drawer<'_> {
 /// Windows of more blocks than this side by side are narrowed row by row.
 const WIDE: usize = 3;
 
-/// A little less than the least z of triangles' corners, and a little more than the largest.
+/// The least and the largest of triangles' corners.
 #[inline(always)]
-fn z_bounds([a, b, c]: &[[[f32; LANES]; 4]; 3]) -> [[f32; LANES]; 2] {
-    let (mut least, mut most) = ([0.0; LANES], [0.0; LANES]);
+fn z_bounds([a, b, c]: &[[[f32; LANES]; 3]; 3]) -> [[f32; LANES]; 2] {
+    let ([a, b, c], mut least, mut most) = ([&a[2], &b[2], &c[2]], [0.0; LANES], [0.0; LANES]);
     for i in 0..LANES {
-        let (mut low, mut high) = (a[2][i] - a[3][i], a[2][i] + a[3][i]);
-        for corner in [b, c] {
-            let (l, h) = (corner[2][i] - corner[3][i], corner[2][i] + corner[3][i]);
-            low = if l < low { l } else { low };
-            high = if h > high { h } else { high };
-        }
-        (least[i], most[i]) = (low, high);
+        let (low, high) = if a[i] < b[i] { (a[i], b[i]) } else { (b[i], a[i]) };
+        (least[i], most[i]) = (if c[i] < low { c[i] } else { low }, if c[i] > high { c[i] } else { high });
     }
     [least, most]
 }

@@ -178,6 +178,9 @@ impl VisibilityBuffer {
             let rows = window.rows.start.max(top) - top..window.rows.end.min(top + BLOCK) - top;
             for block_column in window.columns.start / BLOCK..=(window.columns.end - 1) / BLOCK {
                 let block = block_row * self.blocks_across + block_column;
+                if self.states[block].floor * z_m > CLEARLY {
+                    continue;
+                }
                 let left = block_column * BLOCK;
                 let columns = window.columns.start.max(left) - left..window.columns.end.min(left + BLOCK) - left;
                 let asked = bits_of(&rows, &columns);
