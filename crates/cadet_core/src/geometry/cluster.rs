@@ -1,5 +1,6 @@
 //! Small groups of neighbouring faces, for rejecting many triangles with one question.
 
+use super::closed::closed_surfaces;
 use super::lanes::{Lanes, lanes_of};
 use super::mesh::Bounds;
 use crate::math::Vec3;
@@ -16,6 +17,10 @@ pub struct Cluster {
     pub radius_m: f32,
     /// Bit s is set where a face has material slot s; bit 63 stands for 63 and above.
     pub slots: u64,
+    /// A bit for each face, the first the lowest: it belongs to a closed surface that turns its outside outwards.
+    pub closed: u64,
+    /// As `slots`, of those surfaces as wholes.
+    pub closed_slots: u64,
     /// The places of the faces' corners, local coordinates by eights. Vertices that differ in their normals alone share
     /// one.
     pub lanes: Vec<Lanes>,
@@ -43,7 +48,8 @@ pub fn clusters_of(vertices: &[Vec3], faces: &[[u32; 3]], slots: &[u8], bounds: 
     };
     let mut order: Vec<(u64, u32)> = (0..faces.len()).map(|f| (key(f), f as u32)).collect();
     order.sort_unstable();
-    order.chunks(CLUSTER_FACES).map(|chunk| cluster(vertices, faces, slots, chunk)).collect()
+    let closed = closed_surfaces(vertices, faces, slots);
+    order.chunks(CLUSTER_FACES).map(|chunk| cluster(vertices, faces, slots, &closed, chunk)).collect()
 }
 
 /// The low ten bits of a number, two zeros after each.
@@ -52,7 +58,7 @@ fn spread(x: f32) -> u64 {
     (0..10).fold(0, |out, bit| out | (x >> bit & 1) << (3 * bit))
 }
 
-fn cluster(vertices: &[Vec3], faces: &[[u32; 3]], slots: &[u8], chunk: &[(u64, u32)]) -> Cluster {
+fn cluster(vertices: &[Vec3], faces: &[[u32; 3]], slots: &[u8], closed: &[u64], chunk: &[(u64, u32)]) -> Cluster {
     // The corners in the order of their places, x, y and z as bits: what shares a place stands together.
     let key = |i: u32, corner: u128| {
         let [x, y, z] = vertices[i as usize].to_array().map(|v| u128::from(v.to_bits()));
@@ -78,6 +84,8 @@ fn cluster(vertices: &[Vec3], faces: &[[u32; 3]], slots: &[u8], chunk: &[(u64, u
         center,
         radius_m: radius * 1.000_01 + 1e-6,
         slots: chunk.iter().fold(0, |bits, (_, f)| bits | slot_bit(slots[*f as usize])),
+        closed: (0..).zip(chunk).fold(0, |bits, (i, (_, f))| bits | u64::from(closed[*f as usize] != 0) << i),
+        closed_slots: chunk.iter().fold(0, |bits, (_, f)| bits | closed[*f as usize]),
         corners: places[..chunk.len()].to_vec(),
         faces: chunk.iter().map(|(_, f)| *f).collect(),
         lanes: lanes_of(&points),

@@ -26,6 +26,18 @@ impl Bounds {
         points.into_iter().fold(Self::EMPTY, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
     }
 
+    /// The bounds moved outwards.
+    #[must_use]
+    pub fn grown(&self, by: f32) -> Self {
+        Self { min: self.min - Vec3::splat(by), max: self.max + Vec3::splat(by) }
+    }
+
+    /// True if a point lies inside or on the bounds.
+    #[must_use]
+    pub fn contains(&self, point: Vec3) -> bool {
+        point.cmpge(self.min).all() && point.cmple(self.max).all()
+    }
+
     /// The middle.
     #[must_use]
     pub fn center(&self) -> Vec3 {

@@ -1,5 +1,6 @@
 //! Meshes and the small geometry that everything shares.
 
+mod closed;
 mod cluster;
 mod lanes;
 mod mesh;

@@ -53,12 +53,15 @@ pub fn draw_instances(
 /// A cluster in view.
 struct InView {
     near_m: f32,
+    /// What is drawn earlier hides more.
     order_m: f32,
     instance: u32,
     cluster: u32,
     window: Window,
     /// Bits of the slots that are glass.
     glass: u64,
+    /// The camera is outside of the mesh's bounds: closed surfaces hide their inner sides.
+    is_outside: bool,
 }
 
 fn clusters_in_view(
@@ -80,6 +83,8 @@ fn clusters_in_view(
         let glass = slots.filter(|(m, _)| m.is_glass()).fold(0, |bits, (_, slot)| bits | slot_bit(slot));
         let cam_from_local = cam_from_world * instance.placement.rotation;
         let origin_cam = center_cam - cam_from_local * instance.mesh.bounds.center().as_dvec3();
+        let eye_local = instance.placement.rotation.transpose() * (eye_world - instance.placement.translation);
+        let is_outside = !instance.mesh.bounds.grown(OUTSIDE_M).contains(eye_local.as_vec3());
         let (linear, offset) = (cam_from_local.as_mat3(), origin_cam.as_vec3());
         for (number, cluster) in instance.mesh.clusters.iter().enumerate() {
             let center_cam = linear * cluster.center + offset;
@@ -87,11 +92,13 @@ fn clusters_in_view(
             if !window.is_empty() {
                 out.push(InView {
                     near_m,
+                    // Large faces reach far beyond their nearest corner.
                     order_m: near_m + 0.7 * cluster.radius_m,
                     instance: index as u32,
                     cluster: number as u32,
                     window,
                     glass,
+                    is_outside,
                 });
             }
         }
@@ -108,6 +115,8 @@ fn loosened(radius_m: f32, center_cam: Vec3) -> f32 {
     radius_m * 1.000_01 + 1e-3 + 1e-6 * center_cam.abs().max_element()
 }
 
+/// How far outside of a mesh's bounds the camera is sure to be outside of the mesh.
+const OUTSIDE_M: f32 = 1e-3;
 /// Share of a point's coordinates by which single precision may err in its z.
 const SLACK: f32 = 1e-6;
 /// A cluster's corners are bytes.
@@ -170,7 +179,11 @@ impl Drawer<'_> {
         // Bit 63 may stand for several slots.
         let is_mixed =
             (cluster.slots & item.glass != 0 && cluster.slots & !item.glass != 0) || cluster.slots >> 63 != 0;
-        for (corners, faces) in cluster.corners.chunks(LANES).zip(cluster.faces.chunks(LANES)) {
+        // What bounds a solid, and may be seen through nowhere, has one side.
+        let has_one_side = item.is_outside && cluster.closed_slots & item.glass == 0 && cluster.closed_slots >> 63 == 0;
+        let one_sided = if has_one_side { cluster.closed } else { 0 };
+        let eights = cluster.corners.chunks(LANES).zip(cluster.faces.chunks(LANES));
+        for ((corners, faces), first) in eights.zip((0..).step_by(LANES)) {
             let mut places = [[[0.0_f32; LANES]; 3]; 3];
             for (i, corners) in corners.iter().enumerate() {
                 for (place, corner) in places.iter_mut().zip(corners) {
@@ -194,12 +207,16 @@ impl Drawer<'_> {
                 if window.is_empty() || self.buffer.is_hidden(&window, least_z_m[i]) {
                     continue;
                 }
+                let planes = EdgePlanes::new(corners);
+                if planes.volume > 0.0 && one_sided >> (first + i) & 1 == 1 {
+                    continue;
+                }
                 let is_pane =
                     if is_mixed { instance.material(*face).is_glass() } else { cluster.slots & item.glass != 0 };
                 let (least_z_m, most_z_m) = (least_z_m[i], most_z_m[i]);
                 let candidate =
                     Candidate { instance: item.instance, face: *face, is_pane, window, least_z_m, most_z_m };
-                self.draw_face(&candidate, &EdgePlanes::new(corners));
+                self.draw_face(&candidate, &planes);
             }
         }
     }

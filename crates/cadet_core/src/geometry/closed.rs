@@ -1,0 +1,144 @@
+//! Which faces of a mesh bound solids, whose inner sides are never seen from outside.
+
+use super::cluster::slot_bit;
+use crate::math::{DVec3, Vec3};
+
+/// For each face that belongs to a closed surface, which turns its outside outwards, the bits of the surface's material
+/// slots; 0 for others.
+///
+/// Every edge of such a surface is passed as often one way as the other, and it encloses a positive volume. Vertices at
+/// one place count as one. From outside of the mesh's bounds, faces that are turned away lie behind such as are turned to
+/// the viewer.
+#[must_use]
+pub(super) fn closed_surfaces(vertices: &[Vec3], faces: &[[u32; 3]], slots: &[u8]) -> Vec<u64> {
+    let places = places_of(vertices);
+    // Lower and higher place, whether the face passes them that way round, and the face.
+    let mut edges: Vec<(u32, u32, bool, u32)> = Vec::with_capacity(3 * faces.len());
+    for (corners, face) in faces.iter().zip(0..) {
+        let at = corners.map(|i| places[i as usize]);
+        for (from, to) in [(at[0], at[1]), (at[1], at[2]), (at[2], at[0])] {
+            if from != to {
+                edges.push((from.min(to), from.max(to), from < to, face));
+            }
+        }
+    }
+    edges.sort_unstable();
+    let mut surfaces = Surfaces((0..faces.len() as u32).collect());
+    let mut is_open = vec![false; faces.len()];
+    for group in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+        let forth = group.iter().filter(|e| e.2).count();
+        if 2 * forth != group.len() {
+            is_open[group[0].3 as usize] = true;
+        }
+        for pair in group.windows(2) {
+            surfaces.join(pair[0].3, pair[1].3);
+        }
+    }
+    // By the number of a surface's first face.
+    let mut volumes = vec![0.0; faces.len()];
+    let mut slots_of = vec![0_u64; faces.len()];
+    let mut surface_is_open = vec![false; faces.len()];
+    for (corners, face) in faces.iter().zip(0..) {
+        let surface = surfaces.of(face) as usize;
+        // From a corner of the surface: far from the origin, little would be left of the sum.
+        let origin = vertices[faces[surface][0] as usize].as_dvec3();
+        let [a, b, c]: [DVec3; 3] = corners.map(|i| vertices[i as usize].as_dvec3() - origin);
+        volumes[surface] += a.dot(b.cross(c));
+        slots_of[surface] |= slot_bit(slots[face as usize]);
+        surface_is_open[surface] |= is_open[face as usize];
+    }
+    (0..faces.len() as u32)
+        .map(|face| surfaces.of(face) as usize)
+        .map(|surface| {
+            let is_closed = !surface_is_open[surface] && volumes[surface] > 1e-9;
+            if is_closed { slots_of[surface] } else { 0 }
+        })
+        .collect()
+}
+
+/// For each vertex the lowest vertex at its place.
+fn places_of(vertices: &[Vec3]) -> Vec<u32> {
+    // Adding zero makes -0 a 0.
+    let bits = |i: u32| vertices[i as usize].to_array().map(|v| (v + 0.0).to_bits());
+    let mut order: Vec<([u32; 3], u32)> = (0..vertices.len() as u32).map(|i| (bits(i), i)).collect();
+    order.sort_unstable();
+    let mut places = vec![0; vertices.len()];
+    for group in order.chunk_by(|a, b| a.0 == b.0) {
+        for (_, i) in group {
+            places[*i as usize] = group[0].1;
+        }
+    }
+    places
+}
+
+/// Disjoint sets of faces.
+struct Surfaces(Vec<u32>);
+
+impl Surfaces {
+    fn of(&mut self, face: u32) -> u32 {
+        let mut at = face;
+        while self.0[at as usize] != at {
+            let above = self.0[self.0[at as usize] as usize];
+            self.0[at as usize] = above;
+            at = above;
+        }
+        at
+    }
+
+    fn join(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.of(a), self.of(b));
+        self.0[a.max(b) as usize] = a.min(b);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::MeshBuilder;
+
+    /// For each face, whether it belongs to a closed surface.
+    fn closed(vertices: &[Vec3], faces: &[[u32; 3]]) -> Vec<bool> {
+        closed_surfaces(vertices, faces, &vec![0; faces.len()]).iter().map(|slots| *slots != 0).collect()
+    }
+
+    fn cuboid(at: Vec3, slot: u8) -> crate::geometry::Mesh {
+        let mut b = MeshBuilder::new();
+        b.cuboid(at, at + Vec3::new(1.0, 2.0, 3.0), slot);
+        b.build("a box", 0.5)
+    }
+
+    #[test]
+    fn a_box_is_closed_until_a_face_is_taken_away_or_turned_or_all_are() {
+        // Far from the origin, as houses of a street's mesh are.
+        for at in [Vec3::ZERO, Vec3::new(300.0, -200.0, 5.0)] {
+            let mesh = cuboid(at, 0);
+            // Its corners stand there once for each side's normal.
+            assert!(mesh.vertices.len() > 8);
+            assert_eq!(closed(&mesh.vertices, &mesh.faces), [true; 12]);
+            assert_eq!(closed(&mesh.vertices, &mesh.faces[1..]), [false; 11]);
+            let mut faces = mesh.faces.clone();
+            faces[4].swap(1, 2);
+            assert_eq!(closed(&mesh.vertices, &faces), [false; 12]);
+            faces = mesh.faces.clone();
+            faces.iter_mut().for_each(|f| f.swap(1, 2));
+            assert_eq!(closed(&mesh.vertices, &faces), [false; 12]);
+        }
+    }
+
+    #[test]
+    fn surfaces_are_told_apart_with_their_slots() {
+        let (mut vertices, mut faces, mut slots) = (Vec::new(), Vec::new(), Vec::new());
+        for (at, slot) in [(Vec3::ZERO, 3), (Vec3::new(1.0, 2.0, 3.0), 5), (Vec3::splat(9.0), 7)] {
+            let mesh = cuboid(at, slot);
+            let first = vertices.len() as u32;
+            vertices.extend(mesh.vertices);
+            faces.extend(mesh.faces.iter().map(|f| f.map(|i| i + first)));
+            slots.extend(mesh.slots);
+        }
+        // The first two boxes touch in a corner; of the last one the last face is missing.
+        let found = closed_surfaces(&vertices, &faces[..35], &slots[..35]);
+        let expected = [[1_u64 << 3; 12], [1 << 5; 12]].concat();
+        assert_eq!(found[..24], expected);
+        assert_eq!(found[24..], [0; 11]);
+    }
+}
