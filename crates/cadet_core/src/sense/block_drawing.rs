@@ -180,8 +180,8 @@ impl FaceOnImage {
         }
         let (mut nearer, mut doubt) = ([0; BLOCK], [0; BLOCK]);
         draw_within(self, block, rows, at, id, &mut nearer, &mut doubt);
-        let (nearer, doubt) = (bits(&nearer), bits(&doubt));
-        if doubt == 0 { nearer } else { nearer | self.draw_exactly(block, id, doubt, exact) }
+        let drawn = bits(&nearer);
+        if any(&doubt) { drawn | self.draw_exactly(block, id, bits(&doubt), exact) } else { drawn }
     }
 
     /// The function `k` in a row of a block, and its change two rows down.
@@ -319,6 +319,11 @@ fn keep_nearer(block: &mut Block, row: usize, bits: &[u32; BLOCK], id: u32, near
 #[inline(always)]
 fn mask(is: bool) -> u32 {
     u32::from(is).wrapping_neg()
+}
+
+#[inline(always)]
+fn any(lanes: &[u32; BLOCK]) -> bool {
+    lanes.iter().fold(0, |all, lane| all | lane) != 0
 }
 
 /// The low bytes; the others must be 0.
