@@ -242,7 +242,7 @@ impl FaceOnImage {
 /// Sets the rows' bits where the triangle is nearer, and where single precision does not tell.
 ///
 /// A function of its own, without the packing of bits: so the compiler takes whole registers.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn draw_within(
     face: &FaceOnImage,
     block: &mut Block,

@@ -161,7 +161,7 @@ struct Candidate {
     most_z_m: f32,
 }
 
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn draw_clusters(drawer: &mut Drawer<'_>, near_first: &[InView]) {
     for item in near_first {
         if !drawer.buffer.is_hidden(&item.window, item.near_m) {
