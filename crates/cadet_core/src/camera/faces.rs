@@ -1,6 +1,5 @@
 //! What all hits of a face share, and which faces were seen lately: neighbouring pixels mostly show the same one.
 
-use super::ambient::Openness;
 use super::look::{Rays, View};
 use super::pattern::hash2;
 use super::shade::Light;
@@ -33,6 +32,12 @@ impl Kind {
             + 4 * usize::from(self.is_pane)
     }
 
+    /// One normal, that of the plane, goes for the whole face: what light comes from all around is found once for many
+    /// pixels.
+    pub fn is_flat(self) -> bool {
+        !self.is_smooth && self.pattern != Pattern::Leaves
+    }
+
     /// The kind of a number.
     pub fn of(index: usize) -> Self {
         Self {
@@ -47,20 +52,20 @@ impl Kind {
 /// A face made ready for its hits. Places are relative to the eye; vectors are in the world's frame.
 #[derive(Debug, Clone, Copy)]
 pub struct Face {
-    /// First corner.
-    pub origin: Vec3,
     /// Unit normal of the triangle, towards the eye.
     pub face_normal: Vec3,
-    /// Axes of the texture, and its coordinates in the first corner, metres.
+    /// Axes of the texture, and its coordinates at the eye, metres; those of leaves are the camera's.
     pub axes: [Vec3; 2],
-    pub at_origin: [f32; 2],
+    pub at_eye: [f32; 2],
     /// Shading normal in the first corner, towards the eye, and its changes to the second and third corner.
     pub normal: Vec3,
     pub normal_ab: Vec3,
     pub normal_ac: Vec3,
-    /// Dual edges: their products with a hit's offset are its weights of the second and third corner.
+    /// Dual edges: their products with a hit's place, and what is added to them, are its weights of the second and third
+    /// corner.
     pub to_b: Vec3,
     pub to_c: Vec3,
+    pub weights_at_eye: [f32; 2],
     pub albedo: Vec3,
     pub specular: f32,
     pub roughness: f32,
@@ -69,17 +74,17 @@ pub struct Face {
     pub place_hash: u32,
     /// See [`Flags`].
     pub flags: u32,
-    pub kind: u32,
-    instance: u32,
-    /// The image point for which the sky's visibility was last found, and where it is kept.
-    open_at: (f32, f32, u32),
 }
 
-impl Face {
-    #[inline]
-    fn is_leaf(&self) -> bool {
-        self.kind as usize / 8 == Pattern::Leaves as usize
-    }
+/// What collecting needs of a face that was made ready.
+#[derive(Debug, Clone, Copy)]
+struct Brief {
+    kind: u32,
+    /// The instance whose leaf it is, or [`NO_PLANT`].
+    leaf_of: u32,
+    /// Number of the block for which the sky's visibility was last found, and where it is kept.
+    block: u32,
+    open: u32,
 }
 
 /// Bits of [`Face::flags`].
@@ -96,19 +101,18 @@ impl Flags {
     pub const ROAD: u32 = 8;
 }
 
-/// What is known of a drawn face that was made ready.
+/// A part of the image whose hits on a face share the sky's visibility.
 #[derive(Debug, Clone, Copy)]
-pub struct Made {
-    /// Index in [`Faces::faces`].
-    pub index: u32,
-    /// Number of its kind.
-    pub kind: u32,
-    /// The instance whose leaf it is, or [`NO_PLANT`].
-    pub plant: u32,
+pub struct Place {
+    /// Number of the block of 8 x 4 pixels.
+    pub block: u32,
+    /// Number of the square of 8 x 8 pixels, for leaves of one plant.
+    pub square: u32,
 }
 
-const NOT_MADE: Made = Made { index: u32::MAX, kind: 0, plant: UNKNOWN };
-const UNKNOWN: u32 = u32::MAX;
+const NOT_MADE: u32 = u32::MAX;
+/// No block.
+const NOWHERE: u32 = u32::MAX;
 
 /// What shading needs of an instance, in single precision.
 struct Placed {
@@ -116,8 +120,11 @@ struct Placed {
     /// The origin of the mesh's frame, relative to the eye.
     origin: Vec3,
     place_hash: u32,
-    /// Slots whose material is leaves.
-    leaf_slots: u64,
+    /// A plant with leaves, and nothing else.
+    is_plant: bool,
+    /// Number of the square for which the sky's visibility of its leaves was last found, and where it is kept.
+    square: u32,
+    open: u32,
 }
 
 /// What is read from memory to make a face ready.
@@ -135,29 +142,26 @@ pub struct Faces<'a> {
     scene: &'a PosedScene,
     light: &'a Light,
     rays: &'a Rays,
+    /// The camera's axes.
+    across: [Vec3; 2],
     drawn: &'a [DrawnFace],
     placed: Vec<Placed>,
-    /// For each drawn face, `NOT_MADE` at first.
-    made: Vec<Made>,
+    /// For each drawn face its index in `faces`, `NOT_MADE` at first.
+    made: Vec<u32>,
     /// Drawn faces that are to be made.
     asked: Vec<u32>,
     raw: Vec<Raw>,
     /// All since the last `forget`.
     pub faces: Vec<Face>,
-    /// The sky's visibility; padded, so that it is one load.
+    /// As `faces`.
+    brief: Vec<Brief>,
+    /// The sky's visibility, padded, so that it is one load: towards the six half axes; for flat faces the light from all
+    /// around, then the visibility towards the four level half axes.
     pub open: Vec<[f32; 8]>,
-    /// Instance and cell of the image, and index of the visibility in crowns.
-    recent_crowns: Vec<(u32, u32, u32)>,
 }
 
 /// No leaf.
-pub const NO_PLANT: u32 = u32::MAX - 1;
-const RECENT_CROWNS: usize = 1024;
-const NONE: (u32, u32, u32) = (u32::MAX, u32::MAX, 0);
-/// Pixels of a face so close together share the sky's visibility.
-const SHARED_PX: (f32, f32) = (8.0, 4.0);
-/// Leaves of a plant share it in squares of `1 << CROWN_SHIFT` pixels.
-const CROWN_SHIFT: u32 = 3;
+const NO_PLANT: u32 = u32::MAX;
 /// Faces and visibilities are forgotten when there are so many.
 const MAX_FACES: usize = 6000;
 const MAX_OPEN: usize = 16_000;
@@ -169,9 +173,10 @@ impl<'a> Faces<'a> {
             world_from_local: i.placement.rotation.as_mat3(),
             origin: (i.placement.translation - eye).as_vec3(),
             place_hash: hash2((i.center_world.x * 8.0) as i32, (i.center_world.y * 8.0) as i32, 0x97AC),
-            leaf_slots: (i.palette.0.iter().take(64).enumerate())
-                .map(|(slot, m)| u64::from(m.pattern == Pattern::Leaves) << slot)
-                .sum(),
+            is_plant: i.palette.0.iter().any(|m| m.pattern == Pattern::Leaves)
+                && i.palette.0.iter().all(|m| m.semantic == Semantic::Vegetation),
+            square: NOWHERE,
+            open: 0,
         });
         Self {
             made: vec![NOT_MADE; drawn.len()],
@@ -182,19 +187,26 @@ impl<'a> Faces<'a> {
             scene,
             light,
             rays,
+            across: [rays.right.normalize(), rays.down.normalize()],
             faces: Vec::with_capacity(2 * MAX_FACES),
+            brief: Vec::with_capacity(2 * MAX_FACES),
             open: Vec::with_capacity(2 * MAX_OPEN),
-            recent_crowns: vec![NONE; RECENT_CROWNS],
         }
     }
 
-    /// Drops what has been made if it has become so much that it leaves the cache.
-    pub fn forget_if_many(&mut self) {
-        if self.faces.len() > MAX_FACES || self.open.len() > MAX_OPEN {
-            self.faces.clear();
-            self.open.clear();
-            self.made.fill(NOT_MADE);
-            self.recent_crowns.fill(NONE);
+    /// True if so much has been made that it leaves the cache.
+    pub fn are_many(&self) -> bool {
+        self.faces.len() > MAX_FACES || self.open.len() > MAX_OPEN
+    }
+
+    /// Drops what has been made.
+    pub fn forget(&mut self) {
+        self.faces.clear();
+        self.brief.clear();
+        self.open.clear();
+        self.made.fill(NOT_MADE);
+        for placed in &mut self.placed {
+            placed.square = NOWHERE;
         }
     }
 
@@ -202,40 +214,26 @@ impl<'a> Faces<'a> {
     #[inline]
     pub fn ask(&mut self, number: u32) {
         let made = &mut self.made[number as usize];
-        if made.index == NOT_MADE.index {
-            made.index = (self.faces.len() + self.asked.len()) as u32;
+        if *made == NOT_MADE {
+            *made = (self.faces.len() + self.asked.len()) as u32;
             self.asked.push(number);
         }
     }
 
-    /// As [`Faces::ask`], for the two faces of a pixel: of two leaves of one plant the first is enough.
+    /// As [`Faces::ask`], for the two faces of a pixel: of two faces of one plant the first is enough.
     #[inline]
     pub fn ask_two(&mut self, first: u32, second: u32) {
         self.ask(first);
-        if first != second {
-            let plant = self.plant(first);
-            if plant == NO_PLANT || plant != self.plant(second) {
-                self.ask(second);
-            }
+        if first != second && !self.are_of_one_plant(first, second) {
+            self.ask(second);
         }
     }
 
-    /// The instance of which a drawn face is a leaf, or [`NO_PLANT`].
+    /// True if two drawn faces are of one plant.
     #[inline]
-    pub fn plant(&mut self, number: u32) -> u32 {
-        let known = self.made[number as usize].plant;
-        if known != UNKNOWN {
-            return known;
-        }
-        let DrawnFace { instance, face, .. } = self.drawn[number as usize];
-        let leaf_slots = self.placed[instance as usize].leaf_slots;
-        let is_leaf = leaf_slots != 0 && {
-            let slot = self.scene.instances[instance as usize].mesh.slots[face as usize];
-            slot < 64 && leaf_slots >> slot & 1 == 1
-        };
-        let plant = if is_leaf { instance } else { NO_PLANT };
-        self.made[number as usize].plant = plant;
-        plant
+    pub fn are_of_one_plant(&self, first: u32, second: u32) -> bool {
+        let [a, b] = [first, second].map(|number| self.drawn[number as usize].instance);
+        a == b && self.placed[a as usize].is_plant
     }
 
     /// Makes the faces that were asked for. They are read step by step, so that the processor waits for the memory of
@@ -257,54 +255,68 @@ impl<'a> Faces<'a> {
             r.vertices = r.corners.map(|i| mesh.vertices[i as usize]);
             r.normals = r.corners.map(|i| mesh.normals[i as usize]);
         }
-        for (number, raw) in asked.iter().zip(&raw) {
-            let face = self.make(raw);
-            self.made[*number as usize].kind = face.kind;
+        for raw in &raw {
+            let (face, kind) = self.make(raw);
+            let leaf_of = if kind.pattern == Pattern::Leaves { raw.instance } else { NO_PLANT };
+            self.brief.push(Brief { kind: kind.index() as u32, leaf_of, block: NOWHERE, open: 0 });
             self.faces.push(face);
         }
         asked.clear();
         (self.raw, self.asked) = (raw, asked);
     }
 
-    /// A drawn face that was asked for and made.
+    /// Index in `faces` of a drawn face that was asked for and made, and the number of its kind.
     #[inline]
-    pub fn made(&self, number: u32) -> Made {
-        self.made[number as usize]
+    pub fn made(&self, number: u32) -> (u32, u32) {
+        let index = self.made[number as usize];
+        (index, self.brief[index as usize].kind)
     }
 
     /// Index of the sky's visibility at a hit of a face.
     #[inline]
-    pub fn open_index(&mut self, made: &Made, u: f32, v: f32, depth: f32) -> u32 {
-        let face = &self.faces[made.index as usize];
-        let (u0, v0, index) = face.open_at;
-        if (u - u0).abs() < SHARED_PX.0 && (v - v0).abs() < SHARED_PX.1 {
-            return index;
-        }
-        let is_leaf = face.is_leaf();
-        let cell = (u.max(0.0) as u32) >> CROWN_SHIFT | (v.max(0.0) as u32) >> CROWN_SHIFT << 16;
-        let slot = (cell ^ (cell >> 10) ^ face.instance.wrapping_mul(97)) as usize % RECENT_CROWNS;
-        if is_leaf {
-            let (i, c, index) = self.recent_crowns[slot];
-            if (i, c) == (face.instance, cell) {
-                return index;
+    pub fn open_index(&mut self, index: u32, place: Place, u: f32, v: f32, depth: f32) -> u32 {
+        let brief = &self.brief[index as usize];
+        if brief.leaf_of == NO_PLANT {
+            if brief.block == place.block {
+                return brief.open;
+            }
+        } else {
+            let plant = &self.placed[brief.leaf_of as usize];
+            if plant.square == place.square {
+                return plant.open;
             }
         }
-        let point_world = self.rays.eye + self.rays.direction(u, v) * depth;
-        // Leaves turn to all sides.
-        let normal = if is_leaf { Vec3::ZERO } else { face.face_normal };
-        let open: Openness = self.light.sky_view.openness(point_world, normal);
-        let [a, b, c, d, e, f] = open;
-        let index = self.open.len() as u32;
-        self.open.push([a, b, c, d, e, f, 0.0, 0.0]);
-        if is_leaf {
-            self.recent_crowns[slot] = (face.instance, cell, index);
-        } else {
-            self.faces[made.index as usize].open_at = (u, v, index);
-        }
-        index
+        self.find_open(index, place, u, v, depth)
     }
 
-    fn make(&self, raw: &Raw) -> Face {
+    #[inline(never)]
+    fn find_open(&mut self, index: u32, place: Place, u: f32, v: f32, depth: f32) -> u32 {
+        let brief = &mut self.brief[index as usize];
+        let found = self.open.len() as u32;
+        let point_world = self.rays.eye + self.rays.direction(u, v) * depth;
+        let sky_view = &self.light.sky_view;
+        let normal = self.faces[index as usize].face_normal;
+        if brief.leaf_of != NO_PLANT {
+            // Leaves turn to all sides.
+            let [a, b, c, d, e, f] = sky_view.openness(point_world, Vec3::ZERO);
+            self.open.push([a, b, c, d, e, f, 0.0, 0.0]);
+            let plant = &mut self.placed[brief.leaf_of as usize];
+            (plant.square, plant.open) = (place.square, found);
+            return found;
+        }
+        let open = sky_view.openness(point_world, normal);
+        let [a, b, c, d, e, f] = open;
+        self.open.push(if Kind::of(brief.kind as usize).is_flat() {
+            let around = self.light.sky.from_all_around(normal, &open);
+            [around.x, around.y, around.z, a, b, c, d, 0.0]
+        } else {
+            [a, b, c, d, e, f, 0.0, 0.0]
+        });
+        (brief.block, brief.open) = (place.block, found);
+        found
+    }
+
+    fn make(&self, raw: &Raw) -> (Face, Kind) {
         let placed = &self.placed[raw.instance as usize];
         let material = &self.scene.instances[raw.instance as usize].palette.0[usize::from(raw.slot)];
         let ([a, b, c], [na, nb, nc]) = (raw.vertices, raw.normals);
@@ -316,9 +328,12 @@ impl<'a> Faces<'a> {
         let side = if face_normal.dot(origin) > 0.0 { -1.0 } else { 1.0 };
         let face_normal = face_normal * side;
 
+        let is_leaf = material.pattern == Pattern::Leaves;
         let is_ground = material.semantic.is_ground() && face_normal.z > 0.5;
-        let (axes, at_origin) = if is_ground {
-            ([Vec3::X, Vec3::Y], [origin.x + self.rays.eye.x, origin.y + self.rays.eye.y])
+        let (axes, at_eye) = if is_ground {
+            ([Vec3::X, Vec3::Y], [self.rays.eye.x, self.rays.eye.y])
+        } else if is_leaf {
+            (self.across, self.across.map(|axis| -axis.dot(origin)))
         } else {
             let n = normal_local;
             let flat = n.x * n.x + n.y * n.y;
@@ -329,15 +344,16 @@ impl<'a> Faces<'a> {
                 let along = Vec3::new(-n.y, n.x, 0.0) * (1.0 / flat.sqrt());
                 (along, n.cross(along))
             };
-            ([turn(along), turn(up)], [along.dot(a), up.dot(a)])
+            let axes = [turn(along), turn(up)];
+            (axes, [along.dot(a) - axes[0].dot(origin), up.dot(a) - axes[1].dot(origin)])
         };
 
         let (nab, nac) = (nb - na, nc - na);
-        let is_smooth = nab.length_squared().max(nac.length_squared()) > 1e-6;
+        let is_bent = !is_leaf && na.dot(normal_local) < 0.999_9;
+        let is_smooth = is_bent || nab.length_squared().max(nac.length_squared()) > 1e-6;
         let (d11, d12, d22) = (ab.dot(ab), ab.dot(ac), ac.dot(ac));
         let inverse = 1.0 / (d11 * d22 - d12 * d12).max(1e-20);
         let is_vehicle = is_vehicle(material.semantic);
-        let is_leaf = material.pattern == Pattern::Leaves;
         let is_wet = is_ground && self.light.wetness > 0.0;
         let kind = Kind {
             pattern: material.pattern,
@@ -346,16 +362,18 @@ impl<'a> Faces<'a> {
             is_pane: material.is_glass(),
         };
         let flag = |bit: u32, is: bool| if is { bit } else { 0 };
-        Face {
-            origin,
+        let to_b = turn(ab * d22 - ac * d12) * inverse;
+        let to_c = turn(ac * d11 - ab * d12) * inverse;
+        let face = Face {
             face_normal,
             axes,
-            at_origin,
+            at_eye,
             normal: turn(na) * side,
             normal_ab: turn(nab) * side,
             normal_ac: turn(nac) * side,
-            to_b: turn(ab * d22 - ac * d12) * inverse,
-            to_c: turn(ac * d11 - ab * d12) * inverse,
+            to_b,
+            to_c,
+            weights_at_eye: [-to_b.dot(origin), -to_c.dot(origin)],
             albedo: material.albedo.into(),
             specular: material.specular,
             roughness: material.roughness,
@@ -366,10 +384,8 @@ impl<'a> Faces<'a> {
                 | flag(Flags::CONTACT, face_normal.z > 0.3 && !is_vehicle)
                 | flag(Flags::VEHICLE, is_vehicle)
                 | flag(Flags::ROAD, material.semantic == Semantic::Road),
-            kind: kind.index() as u32,
-            instance: raw.instance,
-            open_at: (f32::NEG_INFINITY, 0.0, 0),
-        }
+        };
+        (face, kind)
     }
 }
 

@@ -4,6 +4,8 @@ mod ambient;
 mod collect;
 mod exposure;
 mod faces;
+mod hits;
+mod lanes;
 mod look;
 mod model;
 mod noise;

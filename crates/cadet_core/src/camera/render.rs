@@ -69,6 +69,7 @@ pub fn paint(scene: &PosedScene, view: &View, weather: &Weather, seen: Seen, str
     let mut rgb = std::mem::take(&mut scratch.rgb);
     paint_radiance(scene, view, &rays, &light, &seen.samples, &mut rgb);
     // Lens and housing scatter a share of the light over the whole image: shadows are never fully black.
+    rgb.truncate(width * height * 3);
     let sums = blur(&mut rgb, width, height, 2.0 * light.sky.sky_on_level.y);
     let veil = sums.map(|s| (f64::from(VEILING_GLARE) * s / (width * height) as f64) as f32);
     let target = stream.clipped_normal(MEAN_LUMA.0, MEAN_LUMA.1) as f32;
