@@ -22,6 +22,9 @@ const COVER_LEAK: f32 = 0.55;
 /// Crowns are not solid: they stand for lower obstacles.
 const CROWN_SHARE: f32 = 0.6;
 
+/// Openness per level.
+type Probes = [[f32; 8]; LEVELS_M.len()];
+
 /// Openness towards +x, -x, +y, -y, +z, -z, each 0..1.
 pub type Openness = [f32; 6];
 
@@ -44,10 +47,12 @@ pub struct SkyView {
     /// Lowest surface of each cell.
     floor: Vec<f32>,
     /// Openness per cell and level; padded, so that it is one load.
-    probes: Vec<[f32; 8]>,
+    probes: Vec<Probes>,
     blockers: Vec<Blocker>,
     /// Blockers that reach each cell of a grid of `GRID_M`.
     grid: Vec<Vec<u16>>,
+    /// Cells of the grid that some blocker reaches.
+    reached: BlockSums,
 }
 
 const GRID_M: f32 = 4.0;
@@ -68,9 +73,10 @@ impl SkyView {
             probes: Vec::new(),
             blockers: Vec::new(),
             grid: vec![Vec::new(); GRID * GRID],
+            reached: BlockSums::default(),
         };
         let asked = view.asked_blocks(seen_world);
-        let top = view.measure_heights(scene, (eye_world.z - 1.65) as f32, &NearBlocks::new(&asked));
+        let top = view.measure_heights(scene, (eye_world.z - 1.65) as f32, &BlockSums::near(&asked));
         view.place_probes(&top, &asked);
         view.collect_blockers(scene);
         view
@@ -81,7 +87,7 @@ impl SkyView {
     }
 
     /// Fills the floor, and returns the highest surface of each cell.
-    fn measure_heights(&mut self, scene: &PosedScene, default_z: f32, near: &NearBlocks) -> Vec<f32> {
+    fn measure_heights(&mut self, scene: &PosedScene, default_z: f32, near: &BlockSums) -> Vec<f32> {
         let mut top = vec![f32::NEG_INFINITY; CELLS * CELLS];
         let mut floor = vec![f32::INFINITY; CELLS * CELLS];
         let side = CELLS as f32 * CELL_M;
@@ -95,7 +101,8 @@ impl SkyView {
             {
                 continue;
             }
-            if !near.any([c.x - self.min[0], c.y - self.min[1]], r) {
+            let (dx, dy) = (c.x - self.min[0], c.y - self.min[1]);
+            if !near.any([dx - r, dy - r], [dx + r, dy + r]) {
                 continue;
             }
             let foot_z = c.z - 0.5 * instance.mesh.bounds.size().z;
@@ -112,7 +119,8 @@ impl SkyView {
             for cluster in &mesh.clusters {
                 let c = origin + linear * cluster.center;
                 let (dx, dy, r) = (c.x - self.min[0], c.y - self.min[1], cluster.radius_m);
-                if dx + r < 0.0 || dy + r < 0.0 || dx - r > side || dy - r > side || !near.any([dx, dy], r) {
+                if dx + r < 0.0 || dy + r < 0.0 || dx - r > side || dy - r > side || !near.any([dx - r, dy - r], [dx + r, dy + r])
+                {
                     continue;
                 }
                 let cell = |d: f32| ((d / CELL_M).max(0.0) as usize).min(CELLS - 1);
@@ -223,7 +231,7 @@ impl SkyView {
                 STEPS.iter().map(|s| ((dx * s).round() as i32, (dy * s).round() as i32, 1.0 / (s * CELL_M))).collect()
             })
             .collect();
-        self.probes = vec![[1.0; 8]; CELLS * CELLS * LEVELS_M.len()];
+        self.probes = vec![[[1.0; 8]; LEVELS_M.len()]; CELLS * CELLS];
         let padded = PaddedTop::new(top);
         let mut free = [[0.0_f32; CELLS]; AZIMUTHS];
         for y in 0..CELLS {
@@ -258,7 +266,7 @@ impl SkyView {
                     };
                     let sides = [side(0), side(4), side(2), side(6)].map(|s| s * (0.5 + 0.5 * cover));
                     let up_and_down = [zenith * cover, (0.4 + 0.6 * zenith) * cover];
-                    self.probes[cell * LEVELS_M.len() + level] =
+                    self.probes[cell][level] =
                         [sides[0], sides[1], sides[2], sides[3], up_and_down[0], up_and_down[1], 0.0, 0.0];
                 }
             }
@@ -301,6 +309,7 @@ impl SkyView {
             }
             self.blockers.push(blocker);
         }
+        self.reached = BlockSums::of(|x, y| !self.grid[y * GRID + x].is_empty());
     }
 
     /// Openness of a surface point with the given unit normal.
@@ -324,11 +333,12 @@ impl SkyView {
             ((iy + 1) * CELLS + ix + 1, fx * fy),
         ] {
             let over = point_world.z - self.floor[cell];
-            let upper = LEVELS_M.iter().position(|l| over < *l).unwrap_or(LEVELS_M.len());
-            let (low, high) = (upper.saturating_sub(1), upper.min(LEVELS_M.len() - 1));
-            let t = if high > low { (over - LEVELS_M[low]) / (LEVELS_M[high] - LEVELS_M[low]) } else { 0.0 };
-            let a = &self.probes[cell * LEVELS_M.len() + low];
-            let b = &self.probes[cell * LEVELS_M.len() + high];
+            // Between which levels, without branches.
+            let upper: usize = LEVELS_M.iter().map(|l| usize::from(over >= *l)).sum();
+            let (low, high) = BETWEEN[upper];
+            let t = (over - LEVELS_M[low]) * PER_RISE[upper];
+            let probes = &self.probes[cell];
+            let (a, b) = (&probes[low], &probes[high]);
             for k in 0..8 {
                 sum[k] += weight * (a[k] + (b[k] - a[k]) * t);
             }
@@ -351,6 +361,14 @@ impl SkyView {
         let mut reaching: Vec<u16> = Vec::new();
         for start in (0..count).step_by(TOGETHER) {
             let end = (start + TOGETHER).min(count);
+            let [xs, ys] = [0, 1].map(|axis| span(&points[axis][start..end], &is_asked[start..end]));
+            let [x, y] = [(xs, 0), (ys, 1)].map(|([low, high], axis)| {
+                let to_map = eye_world.to_array()[axis] - self.min[axis];
+                [low + to_map, high + to_map]
+            });
+            if xs[0] > xs[1] || !self.reached.any([x[0], y[0]], [x[1], y[1]]) {
+                continue;
+            }
             reaching.clear();
             let mut last = usize::MAX;
             for i in (start..end).filter(|i| is_asked[*i]) {
@@ -383,6 +401,16 @@ impl SkyView {
         }
     }
 }
+
+/// The levels about a height that reaches so many of them, and the inverse of their distance.
+const BETWEEN: [(usize, usize); LEVELS_M.len() + 1] = [(0, 0), (0, 1), (1, 2), (2, 3), (3, 3)];
+const PER_RISE: [f32; LEVELS_M.len() + 1] = [
+    0.0,
+    1.0 / (LEVELS_M[1] - LEVELS_M[0]),
+    1.0 / (LEVELS_M[2] - LEVELS_M[1]),
+    1.0 / (LEVELS_M[3] - LEVELS_M[2]),
+    0.0,
+];
 
 /// Points that are looked at together.
 const TOGETHER: usize = 16;
@@ -424,36 +452,52 @@ fn darken(blocker: &Blocker, center: Vec3, [x, y, z]: [&[f32]; 3], is_asked: &[b
     }
 }
 
-/// The blocks of `GRID_M` from which something may stand in the way of a probe that is asked for.
-struct NearBlocks {
+/// The least and the greatest of the asked numbers.
+#[inline]
+fn span(values: &[f32], is_asked: &[bool]) -> [f32; 2] {
+    let mut span = [f32::INFINITY, f32::NEG_INFINITY];
+    for (v, is_asked) in values.iter().zip(is_asked) {
+        let (low, high) = if *is_asked { (*v, *v) } else { (f32::INFINITY, f32::NEG_INFINITY) };
+        span = [if low < span[0] { low } else { span[0] }, if high > span[1] { high } else { span[1] }];
+    }
+    span
+}
+
+/// Blocks of `GRID_M` that have something, counted so that many are asked at once.
+#[derive(Debug, Clone, Default)]
+struct BlockSums {
     /// Their number over all blocks before a row and a column.
     sums: Vec<u16>,
 }
 
-impl NearBlocks {
-    /// Blocks within the probes' longest step.
-    const REACH: usize = 7;
-
-    fn new(asked: &[bool]) -> Self {
-        let near = |i: usize| i.saturating_sub(Self::REACH)..(i + Self::REACH + 1).min(GRID);
-        // Along rows first, then along columns.
-        let rows: Vec<bool> = (0..GRID * GRID).map(|i| near(i % GRID).any(|x| asked[i / GRID * GRID + x])).collect();
+impl BlockSums {
+    fn of(has: impl Fn(usize, usize) -> bool) -> Self {
         let mut sums = vec![0; (GRID + 1) * (GRID + 1)];
         for y in 0..GRID {
             let mut row = 0;
             for x in 0..GRID {
-                row += u16::from(near(y).any(|y| rows[y * GRID + x]));
+                row += u16::from(has(x, y));
                 sums[(y + 1) * (GRID + 1) + x + 1] = sums[y * (GRID + 1) + x + 1] + row;
             }
         }
         Self { sums }
     }
 
-    /// True if some such block lies within `reach_m` of a place, axis by axis; metres from the map's corner.
-    fn any(&self, [x, y]: [f32; 2], reach_m: f32) -> bool {
+    /// The blocks within the probes' longest step of some that are asked for.
+    fn near(asked: &[bool]) -> Self {
+        const REACH: usize = 7;
+        let near = |i: usize| i.saturating_sub(REACH)..(i + REACH + 1).min(GRID);
+        // Along rows first, then along columns.
+        let rows: Vec<bool> = (0..GRID * GRID).map(|i| near(i % GRID).any(|x| asked[i / GRID * GRID + x])).collect();
+        Self::of(|x, y| near(y).any(|y| rows[y * GRID + x]))
+    }
+
+    /// True if there is one between two places; metres from the map's corner.
+    #[inline]
+    fn any(&self, low: [f32; 2], high: [f32; 2]) -> bool {
         let block = |v: f32| ((v * (1.0 / GRID_M)).max(0.0) as usize).min(GRID - 1);
-        let (x0, x1) = (block(x - reach_m), block(x + reach_m) + 1);
-        let (y0, y1) = (block(y - reach_m), block(y + reach_m) + 1);
+        let (x0, x1) = (block(low[0]), block(high[0]) + 1);
+        let (y0, y1) = (block(low[1]), block(high[1]) + 1);
         let at = |x: usize, y: usize| self.sums[y * (GRID + 1) + x];
         at(x1, y1) + at(x0, y0) != at(x1, y0) + at(x0, y1)
     }

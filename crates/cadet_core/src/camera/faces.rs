@@ -5,7 +5,7 @@ use super::pattern::hash2;
 use super::shade::Light;
 use crate::material::{Pattern, Semantic};
 use crate::math::{Mat3, Vec3};
-use crate::sense::{DrawnFace, PosedScene};
+use crate::sense::{DrawnFace, PosedInstance, PosedScene};
 
 /// How a face is shaded: faces of one kind are shaded together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,6 +80,7 @@ pub struct Face {
 #[derive(Debug, Clone, Copy)]
 struct Brief {
     kind: u32,
+    instance: u32,
     /// The instance whose leaf it is, or [`NO_PLANT`].
     leaf_of: u32,
     /// Number of the block for which the sky's visibility was last found, and where it is kept.
@@ -110,6 +111,15 @@ pub struct Place {
     pub square: u32,
 }
 
+/// What is known of a drawn face.
+#[derive(Debug, Clone, Copy)]
+struct Made {
+    /// Index in [`Faces::faces`], or [`NOT_MADE`].
+    index: u32,
+    /// The plant of which it is a part, or [`NO_PLANT`].
+    plant: u32,
+}
+
 const NOT_MADE: u32 = u32::MAX;
 /// No block.
 const NOWHERE: u32 = u32::MAX;
@@ -120,8 +130,6 @@ struct Placed {
     /// The origin of the mesh's frame, relative to the eye.
     origin: Vec3,
     place_hash: u32,
-    /// A plant with leaves, and nothing else.
-    is_plant: bool,
     /// Number of the square for which the sky's visibility of its leaves was last found, and where it is kept.
     square: u32,
     open: u32,
@@ -146,8 +154,7 @@ pub struct Faces<'a> {
     across: [Vec3; 2],
     drawn: &'a [DrawnFace],
     placed: Vec<Placed>,
-    /// For each drawn face its index in `faces`, `NOT_MADE` at first.
-    made: Vec<u32>,
+    made: Vec<Made>,
     /// Drawn faces that are to be made.
     asked: Vec<u32>,
     raw: Vec<Raw>,
@@ -158,7 +165,14 @@ pub struct Faces<'a> {
     /// The sky's visibility, padded, so that it is one load: towards the six half axes; for flat faces the light from all
     /// around, then the visibility towards the four level half axes.
     pub open: Vec<[f32; 8]>,
+    /// Of faces of one instance that lie alike within a block, and where it is kept.
+    alike: Vec<(Alike, u32)>,
 }
+
+/// Block, instance, kind and coarse normal of a face.
+type Alike = (u32, u32, u32, u32);
+const ALIKE: usize = 256;
+const NOT_ALIKE: (Alike, u32) = ((NOWHERE, 0, 0, 0), 0);
 
 /// No leaf.
 const NO_PLANT: u32 = u32::MAX;
@@ -173,13 +187,13 @@ impl<'a> Faces<'a> {
             world_from_local: i.placement.rotation.as_mat3(),
             origin: (i.placement.translation - eye).as_vec3(),
             place_hash: hash2((i.center_world.x * 8.0) as i32, (i.center_world.y * 8.0) as i32, 0x97AC),
-            is_plant: i.palette.0.iter().any(|m| m.pattern == Pattern::Leaves)
-                && i.palette.0.iter().all(|m| m.semantic == Semantic::Vegetation),
             square: NOWHERE,
             open: 0,
         });
+        let plants: Vec<u32> = (0..).zip(&scene.instances).map(|(i, of)| if is_plant(of) { i } else { NO_PLANT }).collect();
+        let made = |face: &DrawnFace| Made { index: NOT_MADE, plant: plants[face.instance as usize] };
         Self {
-            made: vec![NOT_MADE; drawn.len()],
+            made: drawn.iter().map(made).collect(),
             asked: Vec::new(),
             raw: Vec::new(),
             drawn,
@@ -191,6 +205,7 @@ impl<'a> Faces<'a> {
             faces: Vec::with_capacity(2 * MAX_FACES),
             brief: Vec::with_capacity(2 * MAX_FACES),
             open: Vec::with_capacity(2 * MAX_OPEN),
+            alike: vec![NOT_ALIKE; ALIKE],
         }
     }
 
@@ -204,7 +219,10 @@ impl<'a> Faces<'a> {
         self.faces.clear();
         self.brief.clear();
         self.open.clear();
-        self.made.fill(NOT_MADE);
+        self.alike.fill(NOT_ALIKE);
+        for made in &mut self.made {
+            made.index = NOT_MADE;
+        }
         for placed in &mut self.placed {
             placed.square = NOWHERE;
         }
@@ -214,8 +232,8 @@ impl<'a> Faces<'a> {
     #[inline]
     pub fn ask(&mut self, number: u32) {
         let made = &mut self.made[number as usize];
-        if *made == NOT_MADE {
-            *made = (self.faces.len() + self.asked.len()) as u32;
+        if made.index == NOT_MADE {
+            made.index = (self.faces.len() + self.asked.len()) as u32;
             self.asked.push(number);
         }
     }
@@ -232,8 +250,8 @@ impl<'a> Faces<'a> {
     /// True if two drawn faces are of one plant.
     #[inline]
     pub fn are_of_one_plant(&self, first: u32, second: u32) -> bool {
-        let [a, b] = [first, second].map(|number| self.drawn[number as usize].instance);
-        a == b && self.placed[a as usize].is_plant
+        let [a, b] = [first, second].map(|number| self.made[number as usize].plant);
+        a == b && a != NO_PLANT
     }
 
     /// Makes the faces that were asked for. They are read step by step, so that the processor waits for the memory of
@@ -258,7 +276,7 @@ impl<'a> Faces<'a> {
         for raw in &raw {
             let (face, kind) = self.make(raw);
             let leaf_of = if kind.pattern == Pattern::Leaves { raw.instance } else { NO_PLANT };
-            self.brief.push(Brief { kind: kind.index() as u32, leaf_of, block: NOWHERE, open: 0 });
+            self.brief.push(Brief { kind: kind.index() as u32, instance: raw.instance, leaf_of, block: NOWHERE, open: 0 });
             self.faces.push(face);
         }
         asked.clear();
@@ -268,7 +286,7 @@ impl<'a> Faces<'a> {
     /// Index in `faces` of a drawn face that was asked for and made, and the number of its kind.
     #[inline]
     pub fn made(&self, number: u32) -> (u32, u32) {
-        let index = self.made[number as usize];
+        let index = self.made[number as usize].index;
         (index, self.brief[index as usize].kind)
     }
 
@@ -304,6 +322,16 @@ impl<'a> Faces<'a> {
             (plant.square, plant.open) = (place.square, found);
             return found;
         }
+        let coarse = normal.to_array().map(|n| (n * 7.0 + 8.0) as u32);
+        let coarse = coarse[0] | coarse[1] << 4 | coarse[2] << 8;
+        let key = (place.block, brief.instance, brief.kind, coarse);
+        let slot = (coarse ^ coarse >> 3 ^ brief.instance.wrapping_mul(37) ^ brief.kind) as usize % ALIKE;
+        let (known, index) = self.alike[slot];
+        if known == key {
+            (brief.block, brief.open) = (place.block, index);
+            return index;
+        }
+        self.alike[slot] = (key, found);
         let open = sky_view.openness(point_world, normal);
         let [a, b, c, d, e, f] = open;
         self.open.push(if Kind::of(brief.kind as usize).is_flat() {
@@ -387,6 +415,13 @@ impl<'a> Faces<'a> {
         };
         (face, kind)
     }
+}
+
+/// Leaves and what bears them, and nothing else.
+fn is_plant(instance: &PosedInstance) -> bool {
+    let materials = &instance.palette.0;
+    materials.iter().any(|m| m.pattern == Pattern::Leaves)
+        && materials.iter().all(|m| m.semantic == Semantic::Vegetation)
 }
 
 fn is_vehicle(semantic: Semantic) -> bool {

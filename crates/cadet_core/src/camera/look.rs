@@ -174,16 +174,21 @@ impl Rays {
 pub(super) fn seen_points(rays: &Rays, samples: &Samples, out: &mut Vec<Vec3>) {
     out.clear();
     let buffer = &samples.0;
-    for row in (0..buffer.rows).step_by(2) {
-        // Each row begins elsewhere, so that what is upright and thin is not passed by.
-        for column in ([0, 2, 1, 3][row / 2 % 4]..buffer.columns).step_by(4) {
-            let solid = buffer.solid_pair(row, column);
-            let direction = rays.direction(column as f32, row as f32 * 0.5);
-            if solid.nearness[0] > 0.0 {
-                out.push(rays.eye + direction * (1.0 / solid.nearness[0]));
-            }
-            if let Some(pane) = buffer.pane_pair(row, column, &solid).filter(|p| p.nearness[0] > solid.nearness[0]) {
-                out.push(rays.eye + direction * (1.0 / pane.nearness[0]));
+    for (number, solid) in buffer.solid.iter().enumerate() {
+        let (top, left) = (number / buffer.blocks_across * BLOCK, number % buffer.blocks_across * BLOCK);
+        let panes = buffer.has_panes[number].then(|| &buffer.panes[number]);
+        for i in (0..BLOCK).step_by(2) {
+            // Each row begins elsewhere, so that what is upright and thin is not passed by.
+            let first = [0, 2, 1, 3][(top + i) / 2 % 4];
+            for j in [first, first + 4] {
+                let direction = rays.direction((left + j) as f32, (top + i) as f32 * 0.5);
+                let nearness = solid.nearness[i][j];
+                if nearness > 0.0 {
+                    out.push(rays.eye + direction * (1.0 / nearness));
+                }
+                if let Some(panes) = panes.filter(|panes| panes.nearness[i][j] > nearness) {
+                    out.push(rays.eye + direction * (1.0 / panes.nearness[i][j]));
+                }
             }
         }
     }
