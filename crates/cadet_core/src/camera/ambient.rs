@@ -3,9 +3,8 @@
 
 use multiversion::multiversion;
 
-use crate::geometry::{Cluster, LANES};
 use crate::material::Semantic;
-use crate::math::{DVec3, Mat3, Vec3};
+use crate::math::{DVec3, Vec3};
 use crate::sense::PosedScene;
 
 /// Cells along a side of the height map.
@@ -82,16 +81,11 @@ impl SkyView {
         view
     }
 
-    fn cell_center(&self, x: usize, y: usize) -> Vec3 {
-        Vec3::new(self.min[0] + (x as f32 + 0.5) * CELL_M, self.min[1] + (y as f32 + 0.5) * CELL_M, 0.0)
-    }
-
     /// Fills the floor, and returns the highest surface of each cell.
     fn measure_heights(&mut self, scene: &PosedScene, default_z: f32, near: &BlockSums) -> Vec<f32> {
         let mut top = vec![f32::NEG_INFINITY; CELLS * CELLS];
         let mut floor = vec![f32::INFINITY; CELLS * CELLS];
         let side = CELLS as f32 * CELL_M;
-        let mut points = [[0.0; MAX_POINTS]; 3];
         for instance in &scene.instances {
             let (c, r) = (instance.center_world.as_vec3(), instance.radius_m as f32);
             if c.x + r < self.min[0]
@@ -116,7 +110,7 @@ impl SkyView {
             let mesh = &instance.mesh;
             let linear = instance.placement.rotation.as_mat3();
             let origin = instance.placement.translation.as_vec3();
-            for cluster in &mesh.clusters {
+            for (number, cluster) in mesh.clusters.iter().enumerate() {
                 let c = origin + linear * cluster.center;
                 let (dx, dy, r) = (c.x - self.min[0], c.y - self.min[1], cluster.radius_m);
                 if dx + r < 0.0 || dy + r < 0.0 || dx - r > side || dy - r > side || !near.any([dx - r, dy - r], [dx + r, dy + r])
@@ -139,12 +133,13 @@ impl SkyView {
                     }
                     continue;
                 }
-                pose_roughly(cluster, &linear, origin, &mut points);
-                // Of a few cells, or of leaves, a part of the faces tells enough.
-                let step = if r < CELL_M || is_plant { 4 } else { 1 };
-                for corners in cluster.corners.iter().step_by(step) {
-                    let corner = |i: u8| Vec3::from_array(points.each_ref().map(|axis| axis[usize::from(i)]));
-                    self.mark_face(corners.map(corner), &mut mark);
+                for column in mesh.columns_of(number) {
+                    let half = 0.5 * (column.high - column.low);
+                    let p = linear * Vec3::new(column.x, column.y, column.low + half) + origin;
+                    let (x, y) = ((p.x - self.min[0]) / CELL_M, (p.y - self.min[1]) / CELL_M);
+                    if x >= 0.0 && y >= 0.0 && x < CELLS as f32 && y < CELLS as f32 {
+                        mark(x as usize, y as usize, p.z - half, p.z + half);
+                    }
                 }
             }
         }
@@ -157,58 +152,11 @@ impl SkyView {
         top
     }
 
-    /// Calls `mark(x, y, low, high)` for the cells that a face covers.
-    #[inline]
-    fn mark_face(&self, [a, b, c]: [Vec3; 3], mark: &mut impl FnMut(usize, usize, f32, f32)) {
-        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-        let cell = |v: f32, min: f32| (v - min) / CELL_M;
-        let (x0, x1) = (cell(low.x, self.min[0]), cell(high.x, self.min[0]));
-        let (y0, y1) = (cell(low.y, self.min[1]), cell(high.y, self.min[1]));
-        let limit = CELLS as f32;
-        if x1 < 0.0 || y1 < 0.0 || x0 >= limit || y0 >= limit {
-            return;
-        }
-        let (ix0, iy0) = (x0.max(0.0) as usize, y0.max(0.0) as usize);
-        let (ix1, iy1) = (x1.min(limit - 1.0) as usize, y1.min(limit - 1.0) as usize);
-        if ix1 <= ix0 + 1 && iy1 <= iy0 + 1 {
-            let middle = (a + b + c) * (1.0 / 3.0);
-            let x = (cell(middle.x, self.min[0]).max(0.0) as usize).min(CELLS - 1);
-            let y = (cell(middle.y, self.min[1]).max(0.0) as usize).min(CELLS - 1);
-            return mark(x, y, middle.z, middle.z);
-        }
-        // Large triangles.
-        let normal = (b - a).cross(c - a);
-        let flat_normal = Vec3::new(normal.x, normal.y, 0.0);
-        if normal.z.abs() < 0.2 * normal.length() {
-            // A wall: cells that its line passes.
-            let reach = 0.7 * CELL_M * normal.length();
-            for y in iy0..=iy1 {
-                for x in ix0..=ix1 {
-                    if flat_normal.dot(self.cell_center(x, y) - a).abs() <= reach {
-                        mark(x, y, low.z, high.z);
-                    }
-                }
-            }
-            return;
-        }
-        // The plane's height at the middle of each cell inside of the triangle.
-        for y in iy0..=iy1 {
-            let Some([from, to]) = span_at(&[a, b, c], self.cell_center(0, y).y) else { continue };
-            let first = (cell(from, self.min[0]) + 0.5).max(0.0) as usize;
-            let end = ((cell(to, self.min[0]) + 0.5).max(0.0) as usize).min(CELLS);
-            for x in first..end {
-                let rise = -flat_normal.dot(self.cell_center(x, y) - a) / normal.z;
-                let z = (a.z + rise).clamp(low.z, high.z);
-                mark(x, y, z, z);
-            }
-        }
-    }
-
     /// Blocks of `GRID_M` in which some probe may be asked for: those of the points and their neighbours, as
     /// [`SkyView::openness`] looks up to 2.7 m aside.
     fn asked_blocks(&self, seen_world: &[Vec3]) -> Vec<bool> {
         let mut seen = vec![false; GRID * GRID];
-        for p in seen_world {
+        for p in seen_world.iter().step_by(3) {
             let (x, y) = ((p.x - self.min[0]) / GRID_M, (p.y - self.min[1]) / GRID_M);
             if x >= 0.0 && y >= 0.0 && x < GRID as f32 && y < GRID as f32 {
                 seen[y as usize * GRID + x as usize] = true;
@@ -551,32 +499,4 @@ fn raise(slopes: &mut [f32], top: &[f32], floor: &[f32], over: f32, per_m: f32) 
     for ((slope, top), floor) in slopes.iter_mut().zip(top).zip(floor) {
         *slope = slope.max((top - (floor + over)) * per_m);
     }
-}
-
-/// A cluster's corners are bytes.
-const MAX_POINTS: usize = 256;
-
-/// Puts a cluster's vertices, in the world and in single precision, into `out`, one array an axis.
-#[multiversion(targets("x86_64+avx2"))]
-fn pose_roughly(cluster: &Cluster, linear: &Mat3, origin: Vec3, out: &mut [[f32; MAX_POINTS]; 3]) {
-    for (axis, out) in out.iter_mut().enumerate() {
-        let [mx, my, mz] = [linear.x_axis[axis], linear.y_axis[axis], linear.z_axis[axis]];
-        for (local, out) in cluster.lanes.iter().zip(out.chunks_exact_mut(LANES)) {
-            for i in 0..LANES {
-                out[i] = mx * local[0][i] + my * local[1][i] + mz * local[2][i] + origin[axis];
-            }
-        }
-    }
-}
-
-/// Where a level line of the given y enters and leaves a triangle seen from above.
-fn span_at(corners: &[Vec3; 3], y: f32) -> Option<[f32; 2]> {
-    let mut span = [f32::INFINITY, f32::NEG_INFINITY];
-    for (p, q) in [(corners[0], corners[1]), (corners[1], corners[2]), (corners[2], corners[0])] {
-        if (p.y <= y) != (q.y <= y) {
-            let x = p.x + (y - p.y) * (q.x - p.x) / (q.y - p.y);
-            span = [span[0].min(x), span[1].max(x)];
-        }
-    }
-    (span[0] <= span[1]).then_some(span)
 }
