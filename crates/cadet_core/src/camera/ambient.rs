@@ -1,8 +1,9 @@
-//! How much of the sky a place sees: a coarse height map of the scene, probes over it, and the boxes of cars near the
-//! ground.
+//! How much of the sky a place sees: a coarse height map of the scene, and probes over it.
 
 use multiversion::multiversion;
 
+use super::block_sums::BlockSums;
+use super::contact::Contacts;
 use crate::material::Semantic;
 use crate::math::{DVec3, Vec3};
 use crate::sense::PosedScene;
@@ -27,18 +28,6 @@ type Probes = [[f32; 8]; LEVELS_M.len()];
 /// Openness towards +x, -x, +y, -y, +z, -z, each 0..1.
 pub type Openness = [f32; 6];
 
-/// A box that shades the ground under and beside it: a vehicle's body.
-#[derive(Debug, Clone)]
-struct Blocker {
-    center: Vec3,
-    axis_x: Vec3,
-    axis_y: Vec3,
-    half: [f32; 2],
-    bottom_z: f32,
-    height: f32,
-    reach: f32,
-}
-
 /// The sky's visibility around a camera.
 #[derive(Debug, Clone)]
 pub struct SkyView {
@@ -47,11 +36,8 @@ pub struct SkyView {
     floor: Vec<f32>,
     /// Openness per cell and level; padded, so that it is one load.
     probes: Vec<Probes>,
-    blockers: Vec<Blocker>,
-    /// Blockers that reach each cell of a grid of `GRID_M`.
-    grid: Vec<Vec<u16>>,
-    /// Cells of the grid that some blocker reaches.
-    reached: BlockSums,
+    /// What vehicles and people leave of it to the ground.
+    pub contacts: Contacts,
 }
 
 const GRID_M: f32 = 4.0;
@@ -70,14 +56,11 @@ impl SkyView {
             min,
             floor: Vec::new(),
             probes: Vec::new(),
-            blockers: Vec::new(),
-            grid: vec![Vec::new(); GRID * GRID],
-            reached: BlockSums::default(),
+            contacts: Contacts::new(scene, min),
         };
         let asked = view.asked_blocks(seen_world);
-        let top = view.measure_heights(scene, (eye_world.z - 1.65) as f32, &BlockSums::near(&asked));
+        let top = view.measure_heights(scene, (eye_world.z - 1.65) as f32, &near_blocks(&asked));
         view.place_probes(&top, &asked);
-        view.collect_blockers(scene);
         view
     }
 
@@ -221,45 +204,6 @@ impl SkyView {
         }
     }
 
-    fn collect_blockers(&mut self, scene: &PosedScene) {
-        let side = CELLS as f32 * CELL_M;
-        for instance in scene.instances.iter().filter(|i| i.actor_id >= 1) {
-            let size = instance.mesh.bounds.size();
-            if size.x < 0.25 || size.y < 0.25 || size.z < 0.5 || size.x > 30.0 {
-                continue; // wheels and limbs
-            }
-            let center = instance.center_world.as_vec3();
-            let axis = |v: DVec3| (instance.placement.rotation * v).as_vec3();
-            let blocker = Blocker {
-                center,
-                axis_x: axis(DVec3::X),
-                axis_y: axis(DVec3::Y),
-                half: [size.x * 0.47, size.y * 0.47],
-                bottom_z: center.z - size.z / 2.0,
-                height: size.z,
-                reach: 0.5 * (size.x * size.x + size.y * size.y).sqrt() + 1.5 * size.z,
-            };
-            let (dx, dy) = (center.x - self.min[0], center.y - self.min[1]);
-            let r = blocker.reach;
-            if dx + r < 0.0 || dy + r < 0.0 || dx - r >= side || dy - r >= side {
-                continue;
-            }
-            let range = |d: f32| {
-                let lo = ((d - r) / GRID_M).max(0.0) as usize;
-                let hi = (((d + r) / GRID_M).max(0.0) as usize).min(GRID - 1);
-                lo..=hi
-            };
-            let index = self.blockers.len().min(usize::from(u16::MAX)) as u16;
-            for gy in range(dy) {
-                for gx in range(dx) {
-                    self.grid[gy * GRID + gx].push(index);
-                }
-            }
-            self.blockers.push(blocker);
-        }
-        self.reached = BlockSums::of(|x, y| !self.grid[y * GRID + x].is_empty());
-    }
-
     /// Openness of a surface point with the given unit normal.
     #[must_use]
     pub fn openness(&self, point_world: Vec3, normal: Vec3) -> Openness {
@@ -294,60 +238,6 @@ impl SkyView {
         let [a, b, c, d, e, f, _, _] = sum;
         [a, b, c, d, e, f]
     }
-
-    /// Share of the sky's light that vehicles leave to points on the ground under or beside them, 0..1; 1 where it is not
-    /// asked. `points` are relative to the eye; the first `count` of them matter.
-    pub fn contact<const N: usize>(
-        &self,
-        eye_world: Vec3,
-        points: &[[f32; N]; 3],
-        is_asked: &[bool; N],
-        count: usize,
-        near: &mut [f32; N],
-    ) {
-        near[..count].fill(1.0);
-        let mut reaching: Vec<u16> = Vec::new();
-        for start in (0..count).step_by(TOGETHER) {
-            let end = (start + TOGETHER).min(count);
-            let [xs, ys] = [0, 1].map(|axis| span(&points[axis][start..end], &is_asked[start..end]));
-            let [x, y] = [(xs, 0), (ys, 1)].map(|([low, high], axis)| {
-                let to_map = eye_world.to_array()[axis] - self.min[axis];
-                [low + to_map, high + to_map]
-            });
-            if xs[0] > xs[1] || !self.reached.any([x[0], y[0]], [x[1], y[1]]) {
-                continue;
-            }
-            reaching.clear();
-            let mut last = usize::MAX;
-            for i in (start..end).filter(|i| is_asked[*i]) {
-                let gx = (points[0][i] + eye_world.x - self.min[0]) * (1.0 / GRID_M);
-                let gy = (points[1][i] + eye_world.y - self.min[1]) * (1.0 / GRID_M);
-                if gx < 0.0 || gy < 0.0 || gx >= GRID as f32 || gy >= GRID as f32 {
-                    continue;
-                }
-                let cell = gy as usize * GRID + gx as usize;
-                if cell != last {
-                    last = cell;
-                    for index in &self.grid[cell] {
-                        if !reaching.contains(index) {
-                            reaching.push(*index);
-                        }
-                    }
-                }
-            }
-            // One order for all groups, so that a point's light does not depend on its neighbours.
-            reaching.sort_unstable();
-            for index in &reaching {
-                let axes = points.each_ref().map(|axis| &axis[start..end]);
-                self.blockers[usize::from(*index)].darken(
-                    eye_world,
-                    axes,
-                    &is_asked[start..end],
-                    &mut near[start..end],
-                );
-            }
-        }
-    }
 }
 
 /// The levels about a height that reaches so many of them, and the inverse of their distance.
@@ -360,95 +250,13 @@ const PER_RISE: [f32; LEVELS_M.len() + 1] = [
     0.0,
 ];
 
-/// Points that are looked at together.
-const TOGETHER: usize = 16;
-
-impl Blocker {
-    /// Multiplies what the other blockers leave to some points by what this one leaves: 1 beyond `reach`.
-    fn darken(&self, eye_world: Vec3, points: [&[f32]; 3], is_asked: &[bool], near: &mut [f32]) {
-        darken(self, self.center - eye_world, points, is_asked, near);
-    }
-
-    #[inline(always)]
-    fn leaves(&self, d: Vec3) -> f32 {
-        let over = d.z + (self.center.z - self.bottom_z);
-        let (x, y) = (d.dot(self.axis_x).abs() - self.half[0], d.dot(self.axis_y).abs() - self.half[1]);
-        // Under the body: light comes in flat through the gap at the nearest edges.
-        let gap = 0.22;
-        let nearest = x.max(y).min(0.0);
-        let under = 0.03 + 0.42 * (gap * gap / (gap * gap + nearest * nearest));
-        let (ox, oy) = (x.max(0.0), y.max(0.0));
-        let distance = (ox * ox + oy * oy).sqrt();
-        // A wall of the body's height and of finite width hides up to half of the sky.
-        let wall = distance / (distance * distance + self.height * self.height).sqrt();
-        let width = 0.5 * (self.half[0] + self.half[1]);
-        let share = width / (width + distance);
-        let fade = (3.0 - 2.0 * distance / self.height).clamp(0.0, 1.0);
-        // The gap under the body darkens the last decimetres further.
-        let near = 0.18 * (1.0 - distance * (1.0 / 0.35)).max(0.0);
-        let beside = 1.0 - 0.5 * (1.0 - wall) * share * fade - near;
-        let left = if (x < 0.0) & (y < 0.0) { under } else { beside };
-        if (-0.6..0.45).contains(&over) { left } else { 1.0 }
-    }
-}
-
-#[multiversion(targets("x86_64+avx2"))]
-fn darken(blocker: &Blocker, center: Vec3, [x, y, z]: [&[f32]; 3], is_asked: &[bool], near: &mut [f32]) {
-    for ((near, is_asked), ((x, y), z)) in near.iter_mut().zip(is_asked).zip(x.iter().zip(y).zip(z)) {
-        let left = blocker.leaves(Vec3::new(*x, *y, *z) - center);
-        *near *= if *is_asked { left } else { 1.0 };
-    }
-}
-
-/// The least and the greatest of the asked numbers.
-#[inline]
-fn span(values: &[f32], is_asked: &[bool]) -> [f32; 2] {
-    let mut span = [f32::INFINITY, f32::NEG_INFINITY];
-    for (v, is_asked) in values.iter().zip(is_asked) {
-        let (low, high) = if *is_asked { (*v, *v) } else { (f32::INFINITY, f32::NEG_INFINITY) };
-        span = [if low < span[0] { low } else { span[0] }, if high > span[1] { high } else { span[1] }];
-    }
-    span
-}
-
-/// Blocks of `GRID_M` that have something, counted so that many are asked at once.
-#[derive(Debug, Clone, Default)]
-struct BlockSums {
-    /// Their number over all blocks before a row and a column.
-    sums: Vec<u16>,
-}
-
-impl BlockSums {
-    fn of(has: impl Fn(usize, usize) -> bool) -> Self {
-        let mut sums = vec![0; (GRID + 1) * (GRID + 1)];
-        for y in 0..GRID {
-            let mut row = 0;
-            for x in 0..GRID {
-                row += u16::from(has(x, y));
-                sums[(y + 1) * (GRID + 1) + x + 1] = sums[y * (GRID + 1) + x + 1] + row;
-            }
-        }
-        Self { sums }
-    }
-
-    /// The blocks within the probes' longest step of some that are asked for.
-    fn near(asked: &[bool]) -> Self {
-        const REACH: usize = 7;
-        let near = |i: usize| i.saturating_sub(REACH)..(i + REACH + 1).min(GRID);
-        // Along rows first, then along columns.
-        let rows: Vec<bool> = (0..GRID * GRID).map(|i| near(i % GRID).any(|x| asked[i / GRID * GRID + x])).collect();
-        Self::of(|x, y| near(y).any(|y| rows[y * GRID + x]))
-    }
-
-    /// True if there is one between two places; metres from the map's corner.
-    #[inline]
-    fn any(&self, low: [f32; 2], high: [f32; 2]) -> bool {
-        let block = |v: f32| ((v * (1.0 / GRID_M)).max(0.0) as usize).min(GRID - 1);
-        let (x0, x1) = (block(low[0]), block(high[0]) + 1);
-        let (y0, y1) = (block(low[1]), block(high[1]) + 1);
-        let at = |x: usize, y: usize| self.sums[y * (GRID + 1) + x];
-        at(x1, y1) + at(x0, y0) != at(x1, y0) + at(x0, y1)
-    }
+/// The blocks within the probes' longest step of some that are asked for.
+fn near_blocks(asked: &[bool]) -> BlockSums {
+    const REACH: usize = 7;
+    let near = |i: usize| i.saturating_sub(REACH)..(i + REACH + 1).min(GRID);
+    // Along rows first, then along columns.
+    let rows: Vec<bool> = (0..GRID * GRID).map(|i| near(i % GRID).any(|x| asked[i / GRID * GRID + x])).collect();
+    BlockSums::of(GRID, GRID_M, |x, y| near(y).any(|y| rows[y * GRID + x]))
 }
 
 /// The highest surfaces with a rim where nothing is.

@@ -3,7 +3,8 @@
 use super::look::{Rays, View};
 use super::pattern::hash2;
 use super::shade::Light;
-use crate::material::{Pattern, Semantic};
+use crate::geometry::Mesh;
+use crate::material::{Material, Pattern, Semantic};
 use crate::math::{Mat3, Vec3};
 use crate::sense::{DrawnFace, PosedInstance, PosedScene};
 
@@ -51,9 +52,19 @@ impl Kind {
 
 /// A face made ready for its hits. Places are relative to the eye; vectors are in the world's frame.
 #[derive(Debug, Clone, Copy)]
+#[repr(C, align(64))]
 pub struct Face {
+    // What most kinds need stands in the first cache line, or two with a texture.
     /// Unit normal of the triangle, towards the eye.
     pub face_normal: Vec3,
+    pub albedo: Vec3,
+    /// See [`Flags`].
+    pub flags: u32,
+    pub specular: f32,
+    pub roughness: f32,
+    pub transmission: f32,
+    pub face_hash: u32,
+    pub place_hash: u32,
     /// Axes of the texture, and its coordinates at the eye, metres; those of leaves are the camera's.
     pub axes: [Vec3; 2],
     pub at_eye: [f32; 2],
@@ -66,14 +77,6 @@ pub struct Face {
     pub to_b: Vec3,
     pub to_c: Vec3,
     pub weights_at_eye: [f32; 2],
-    pub albedo: Vec3,
-    pub specular: f32,
-    pub roughness: f32,
-    pub transmission: f32,
-    pub face_hash: u32,
-    pub place_hash: u32,
-    /// See [`Flags`].
-    pub flags: u32,
 }
 
 /// What collecting needs of a face that was made ready.
@@ -125,7 +128,9 @@ const NOT_MADE: u32 = u32::MAX;
 const NOWHERE: u32 = u32::MAX;
 
 /// What shading needs of an instance, in single precision.
-struct Placed {
+struct Placed<'a> {
+    mesh: &'a Mesh,
+    materials: &'a [Material],
     world_from_local: Mat3,
     /// The origin of the mesh's frame, relative to the eye.
     origin: Vec3,
@@ -147,13 +152,12 @@ struct Raw {
 
 /// Faces and visibilities of the sky that were seen lately. Faces go by their numbers in the visibility buffer.
 pub struct Faces<'a> {
-    scene: &'a PosedScene,
     light: &'a Light,
     rays: &'a Rays,
     /// The camera's axes.
     across: [Vec3; 2],
     drawn: &'a [DrawnFace],
-    placed: Vec<Placed>,
+    placed: Vec<Placed<'a>>,
     made: Vec<Made>,
     /// Drawn faces that are to be made.
     asked: Vec<u32>,
@@ -177,13 +181,15 @@ const NOT_ALIKE: (Alike, u32) = ((NOWHERE, 0, 0, 0), 0);
 /// No leaf.
 const NO_PLANT: u32 = u32::MAX;
 /// Faces and visibilities are forgotten when there are so many.
-const MAX_FACES: usize = 6000;
-const MAX_OPEN: usize = 16_000;
+const MAX_FACES: usize = 2500;
+const MAX_OPEN: usize = 6_000;
 
 impl<'a> Faces<'a> {
     pub fn new(scene: &'a PosedScene, view: &View, rays: &'a Rays, light: &'a Light, drawn: &'a [DrawnFace]) -> Self {
         let eye = view.world_from_cam.translation;
         let placed = scene.instances.iter().map(|i| Placed {
+            mesh: &i.mesh,
+            materials: &i.palette.0,
             world_from_local: i.placement.rotation.as_mat3(),
             origin: (i.placement.translation - eye).as_vec3(),
             place_hash: hash2((i.center_world.x * 8.0) as i32, (i.center_world.y * 8.0) as i32, 0x97AC),
@@ -198,7 +204,6 @@ impl<'a> Faces<'a> {
             raw: Vec::new(),
             drawn,
             placed: placed.collect(),
-            scene,
             light,
             rays,
             across: [rays.right.normalize(), rays.down.normalize()],
@@ -265,11 +270,11 @@ impl<'a> Faces<'a> {
             Raw { instance, face, slot: 0, corners: unread, vertices: none, normals: none }
         }));
         for r in &mut raw {
-            let mesh = &self.scene.instances[r.instance as usize].mesh;
+            let mesh = self.placed[r.instance as usize].mesh;
             (r.slot, r.corners) = (mesh.slots[r.face as usize], mesh.faces[r.face as usize]);
         }
         for r in &mut raw {
-            let mesh = &self.scene.instances[r.instance as usize].mesh;
+            let mesh = self.placed[r.instance as usize].mesh;
             r.vertices = r.corners.map(|i| mesh.vertices[i as usize]);
             r.normals = r.corners.map(|i| mesh.normals[i as usize]);
         }
@@ -346,7 +351,7 @@ impl<'a> Faces<'a> {
 
     fn make(&self, raw: &Raw) -> (Face, Kind) {
         let placed = &self.placed[raw.instance as usize];
-        let material = &self.scene.instances[raw.instance as usize].palette.0[usize::from(raw.slot)];
+        let material = &placed.materials[usize::from(raw.slot)];
         let ([a, b, c], [na, nb, nc]) = (raw.vertices, raw.normals);
         let turn = |v: Vec3| placed.world_from_local * v;
         let (ab, ac) = (b - a, c - a);

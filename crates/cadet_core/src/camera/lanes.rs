@@ -174,7 +174,7 @@ impl Lanes {
         for i in 0..n {
             self.is_asked[i] = self.flags[i] & Flags::CONTACT > 0;
         }
-        light.sky_view.contact(eye, &self.point, &self.is_asked, n, &mut self.near);
+        light.sky_view.contacts.shade(eye, &self.point, &self.is_asked, n, &mut self.near);
     }
 }
 

@@ -170,7 +170,7 @@ impl Rays {
     }
 }
 
-/// Points all over what the camera sees, one for every fourth pixel of each row; panes apart from what stands behind.
+/// Points all over what the camera sees, one for every eighth pixel of each row; panes apart from what stands behind.
 pub(super) fn seen_points(rays: &Rays, samples: &Samples, out: &mut Vec<Vec3>) {
     out.clear();
     let buffer = &samples.0;
@@ -178,17 +178,15 @@ pub(super) fn seen_points(rays: &Rays, samples: &Samples, out: &mut Vec<Vec3>) {
         let (top, left) = (number / buffer.blocks_across * BLOCK, number % buffer.blocks_across * BLOCK);
         let panes = buffer.has_panes[number].then(|| &buffer.panes[number]);
         for i in (0..BLOCK).step_by(2) {
-            // Each row begins elsewhere, so that what is upright and thin is not passed by.
-            let first = [0, 2, 1, 3][(top + i) / 2 % 4];
-            for j in [first, first + 4] {
-                let direction = rays.direction((left + j) as f32, (top + i) as f32 * 0.5);
-                let nearness = solid.nearness[i][j];
-                if nearness > 0.0 {
-                    out.push(rays.eye + direction * (1.0 / nearness));
-                }
-                if let Some(panes) = panes.filter(|panes| panes.nearness[i][j] > nearness) {
-                    out.push(rays.eye + direction * (1.0 / panes.nearness[i][j]));
-                }
+            // Each row looks elsewhere, so that what is upright and thin is not passed by.
+            let j = [0, 4, 2, 6, 1, 5, 3, 7][((top + i) / 2 + left / BLOCK) % 8];
+            let direction = rays.direction((left + j) as f32, (top + i) as f32 * 0.5);
+            let nearness = solid.nearness[i][j];
+            if nearness > 0.0 {
+                out.push(rays.eye + direction * (1.0 / nearness));
+            }
+            if let Some(panes) = panes.filter(|panes| panes.nearness[i][j] > nearness) {
+                out.push(rays.eye + direction * (1.0 / panes.nearness[i][j]));
             }
         }
     }

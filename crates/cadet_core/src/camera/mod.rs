@@ -1,7 +1,9 @@
 //! The camera: model and calibration, shading, sky, shadows, noise, PNG.
 
 mod ambient;
+mod block_sums;
 mod collect;
+mod contact;
 mod exposure;
 mod faces;
 mod hits;

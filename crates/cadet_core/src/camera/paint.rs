@@ -11,12 +11,16 @@ use crate::sense::PosedScene;
 /// Rows that are collected together.
 pub(super) const BAND: usize = 8;
 
-/// Linear radiance of every pixel, interleaved RGB. Behind the image `rgb` has room for what else is needed.
-pub fn paint(scene: &PosedScene, view: &View, rays: &Rays, light: &Light, samples: &Samples, rgb: &mut Vec<f32>) {
+/// Values that [`paint`] needs room for: those of the image, and of what lies behind the panes of a band, two samples a
+/// pixel.
+pub fn room_for(width: usize, height: usize) -> usize {
+    (height + 2 * BAND) * width * 3
+}
+
+/// Linear radiance of every pixel, interleaved RGB, into `rgb`, which has room for more; see [`room_for`].
+pub fn paint(scene: &PosedScene, view: &View, rays: &Rays, light: &Light, samples: &Samples, rgb: &mut [f32]) {
     let (width, height) = (view.width, view.height);
     let image = width * height;
-    // Two samples a pixel may lie behind panes.
-    rgb.resize((image + 2 * BAND * width) * 3, 0.0);
     let painter = Painter {
         hits: vec![Hits::NONE; Kind::COUNT],
         lanes: Box::default(),

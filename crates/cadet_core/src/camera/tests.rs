@@ -307,10 +307,10 @@ fn vehicles_darken_a_point_alike_whoever_is_asked_with_it() {
     let at = |i: usize| Vec3::new(11.0, i as f32 * 0.09 - 5.0, 0.0);
     let points = [0, 1, 2].map(|axis| std::array::from_fn::<f32, 144, _>(|i| (at(i) - eye)[axis]));
     let mut together = [f32::NAN; 144];
-    view.contact(eye, &points, &std::array::from_fn(|i| i % 5 != 2), 144, &mut together);
+    view.contacts.shade(eye, &points, &std::array::from_fn(|i| i % 5 != 2), 144, &mut together);
     for (i, near) in together.into_iter().enumerate() {
         let mut alone = [f32::NAN; 1];
-        view.contact(eye, &points.map(|axis| [axis[i]]), &[i % 5 != 2], 1, &mut alone);
+        view.contacts.shade(eye, &points.map(|axis| [axis[i]]), &[i % 5 != 2], 1, &mut alone);
         assert_eq!(near, alone[0], "{}", at(i));
         // The nearer side of the nearer car: beyond one and a half of its heights nothing is left of it.
         let beside = (at(i).y.abs() - 0.9).min((at(i).y - 3.0).abs() - 0.9);
