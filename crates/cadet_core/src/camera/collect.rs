@@ -33,36 +33,54 @@ pub struct Collector<'a> {
     width: usize,
 }
 
-/// What a row of pixels of a block shows.
-#[derive(Clone, Copy, PartialEq)]
-enum Row {
-    /// Several faces.
-    Mixed,
-    Sky,
-    /// One face.
-    Face,
+/// What a row of pixels of a block shows, a bit a pixel.
+#[derive(Clone, Copy, Default)]
+struct Row {
+    /// The first sample sees something solid; the second does.
+    hits: [u32; 2],
+    /// Both samples see one face.
+    whole: u32,
+    /// Both samples of the pixel and of the next see one face.
+    joined: u32,
 }
 
-/// What the rows of a block show.
+impl Row {
+    const ALL: u32 = (1 << BLOCK) - 1;
+
+    fn is_sky(&self) -> bool {
+        self.hits[0] | self.hits[1] == 0
+    }
+
+    /// All samples see one face.
+    fn is_one_face(&self) -> bool {
+        self.joined == Self::ALL >> 1
+    }
+
+    /// How many pixels from one on show its face; the pixel must be `whole`.
+    fn run_from(&self, i: usize) -> usize {
+        1 + (self.joined >> i).trailing_ones() as usize
+    }
+}
+
 #[multiversion(targets("x86_64+avx2"))]
 fn survey(block: &Block) -> [Row; ROWS] {
-    let mut out = [Row::Mixed; ROWS];
+    let mut out = [Row::default(); ROWS];
     for (row, out) in out.iter_mut().enumerate() {
         let (a, b) = (&block.nearness[2 * row], &block.nearness[2 * row + 1]);
         let (id_a, id_b) = (&block.face[2 * row], &block.face[2 * row + 1]);
-        let first = id_a[0];
-        let (mut others, mut misses, mut hits) = ([0_u32; BLOCK], [0_u32; BLOCK], [0_u32; BLOCK]);
+        let (mut hit_a, mut hit_b, mut same, mut next) = ([0_u32; BLOCK], [0_u32; BLOCK], [0; BLOCK], [0; BLOCK]);
         for i in 0..BLOCK {
-            others[i] = (id_a[i] ^ first) | (id_b[i] ^ first);
-            misses[i] = u32::from(a[i] <= 0.0) | u32::from(b[i] <= 0.0);
-            hits[i] = u32::from(a[i] > 0.0) | u32::from(b[i] > 0.0);
+            hit_a[i] = u32::from(a[i] > 0.0) << i;
+            hit_b[i] = u32::from(b[i] > 0.0) << i;
+            same[i] = u32::from(id_a[i] == id_b[i]) << i;
         }
-        let any = |lanes: [u32; BLOCK]| lanes.into_iter().fold(0, |all, lane| all | lane) != 0;
-        if !any(hits) {
-            *out = Row::Sky;
-        } else if !any(misses) && !any(others) {
-            *out = Row::Face;
+        for i in 0..BLOCK - 1 {
+            next[i] = u32::from(id_a[i] == id_a[i + 1]) << i;
         }
+        let bits = |lanes: [u32; BLOCK]| lanes.into_iter().fold(0, |all, lane| all | lane);
+        let hits = [bits(hit_a), bits(hit_b)];
+        let whole = bits(same) & hits[0] & hits[1];
+        *out = Row { hits, whole, joined: bits(next) & whole & whole >> 1 };
     }
     out
 }
@@ -205,27 +223,18 @@ impl<'a> Collector<'a> {
                 }
                 continue;
             }
-            match tile.survey[row] {
-                Row::Sky => {}
-                Row::Face => self.faces.ask(block.face[2 * row][0]),
-                Row::Mixed => self.ask_row(block, row),
-            }
-        }
-    }
-
-    fn ask_row(&mut self, block: &Block, row: usize) {
-        let mut last = (u32::MAX, u32::MAX);
-        let [above, below] = [2 * row, 2 * row + 1];
-        for i in 0..BLOCK {
-            let two = (block.face[above][i], block.face[below][i]);
-            match (block.nearness[above][i] > 0.0, block.nearness[below][i] > 0.0) {
-                (true, true) if two != last => {
-                    last = two;
-                    self.faces.ask_two(two.0, two.1);
+            let shown = &tile.survey[row];
+            // Where something else begins.
+            let mut first = (shown.hits[0] | shown.hits[1]) & !(shown.joined << 1);
+            while first != 0 {
+                let i = first.trailing_zeros() as usize % BLOCK;
+                first &= first - 1;
+                let (a, b) = (block.face[2 * row][i], block.face[2 * row + 1][i]);
+                match shown.hits.map(|bits| bits >> i & 1) {
+                    [1, 1] => self.faces.ask_two(a, b),
+                    [1, _] => self.faces.ask(a),
+                    _ => self.faces.ask(b),
                 }
-                (true, false) => self.faces.ask(two.0),
-                (false, true) => self.faces.ask(two.1),
-                _ => {}
             }
         }
     }
@@ -265,24 +274,24 @@ impl<'a> Collector<'a> {
                         let pixel = Pixel { column: tile.left + i, number: (first + i) as u32, ..pixel };
                         self.collect_behind_panes(solid, panes, pixel);
                     } else {
-                        let _ = self.collect_pixel(block, row, i..i + 1, &depths, pixel);
+                        let _ = self.collect_pixel(block, row, tile.survey[row], i..i + 1, &depths, pixel);
                     }
                 }
                 continue;
             }
-            match tile.survey[row] {
-                Row::Sky => self.sky.fill(tile.left, line, self.painter.row(first, tile.columns)),
-                Row::Face => {
-                    let depths = Depths::of(block, row);
-                    self.collect_run(block.face[2 * row][0], pixel, &depths.mean, 0..tile.columns);
-                }
-                Row::Mixed => {
-                    let depths = Depths::of(block, row);
-                    let mut i = 0;
-                    while i < tile.columns {
-                        i += self.collect_pixel(block, row, i..tile.columns, &depths, pixel);
-                    }
-                }
+            let shown = tile.survey[row];
+            if shown.is_sky() {
+                self.sky.fill(tile.left, line, self.painter.row(first, tile.columns));
+                continue;
+            }
+            let depths = Depths::of(block, row);
+            if shown.is_one_face() {
+                self.collect_run(block.face[2 * row][0], pixel, &depths.mean, 0..tile.columns);
+                continue;
+            }
+            let mut i = 0;
+            while i < tile.columns {
+                i += self.collect_pixel(block, row, shown, i..tile.columns, &depths, pixel);
             }
         }
     }
@@ -301,32 +310,31 @@ impl<'a> Collector<'a> {
     }
 
     /// A pixel without panes, or several that show one face: a hit for each of its faces. Faces of one plant are shaded as
-    /// one, by the first: they differ without order. `pixel` is the one in column 0. Returns how many pixels these were.
+    /// one, by the first: they differ without order; so are faces that are alike. `pixel` is the one in column 0. Returns how many pixels these were.
     #[inline]
     fn collect_pixel(
         &mut self,
         block: &Block,
         row: usize,
+        shown: Row,
         columns: Range<usize>,
         depths: &Depths,
         first: Pixel,
     ) -> usize {
-        let i = columns.start;
-        let (near_a, near_b) = (&block.nearness[2 * row], &block.nearness[2 * row + 1]);
-        let (face_a, face_b) = (&block.face[2 * row], &block.face[2 * row + 1]);
-        let (a, b) = (face_a[i], face_b[i]);
+        let i = columns.start % BLOCK;
+        let (a, b) = (block.face[2 * row][i], block.face[2 * row + 1][i]);
+        if shown.whole >> i & 1 == 1 {
+            let count = shown.run_from(i).min(columns.len());
+            self.collect_run(a, first, &depths.mean, i..i + count);
+            return count;
+        }
         let pixel = Pixel { column: first.column + i, number: first.number + i as u32, ..first };
-        match (near_a[i] > 0.0, near_b[i] > 0.0) {
-            (true, true) if a == b => {
-                let shows =
-                    |i: &usize| (face_a[*i] == a) & (face_b[*i] == a) & (near_a[*i] > 0.0) & (near_b[*i] > 0.0);
-                let count = 1 + (i + 1..columns.end).take_while(shows).count();
-                self.collect_run(a, first, &depths.mean, i..i + count);
-                return count;
-            }
+        match (shown.hits[0] >> i & 1 == 1, shown.hits[1] >> i & 1 == 1) {
             (true, true) => {
                 if self.faces.are_of_one_plant(a, b) {
                     self.collect(a, pixel, pixel.number, 1.0, pixel.sample(0), depths.each[0][i]);
+                } else if self.faces.are_alike(a, b) {
+                    self.collect(a, pixel, pixel.number, 1.0, pixel.uv(), depths.mean[i]);
                 } else {
                     self.collect(a, pixel, pixel.number, 0.5, pixel.sample(0), depths.each[0][i]);
                     self.collect(b, pixel, pixel.number, 0.5, pixel.sample(1), depths.each[1][i]);

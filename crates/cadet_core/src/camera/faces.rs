@@ -84,6 +84,8 @@ pub struct Face {
 struct Brief {
     kind: u32,
     instance: u32,
+    /// Material and normal, in so many steps that the eye sees none.
+    look: u32,
     /// The instance whose leaf it is, or [`NO_PLANT`].
     leaf_of: u32,
     /// Number of the block for which the sky's visibility was last found, and where it is kept.
@@ -281,11 +283,21 @@ impl<'a> Faces<'a> {
         for raw in &raw {
             let (face, kind) = self.make(raw);
             let leaf_of = if kind.pattern == Pattern::Leaves { raw.instance } else { NO_PLANT };
-            self.brief.push(Brief { kind: kind.index() as u32, instance: raw.instance, leaf_of, block: NOWHERE, open: 0 });
+            let [x, y, z] = face.face_normal.to_array().map(|n| (n * 14.0 + 15.5) as u32);
+            let look = x | y << 5 | z << 10 | u32::from(raw.slot) << 16;
+            self.brief.push(Brief { kind: kind.index() as u32, instance: raw.instance, look, leaf_of, block: NOWHERE, open: 0 });
             self.faces.push(face);
         }
         asked.clear();
         (self.raw, self.asked) = (raw, asked);
+    }
+
+    /// True if two made faces of one instance show the same where they meet: the halves of a wall, neighbours on a rounded
+    /// body.
+    #[inline]
+    pub fn are_alike(&self, first: u32, second: u32) -> bool {
+        let [a, b] = [first, second].map(|number| &self.brief[self.made[number as usize].index as usize]);
+        (a.instance, a.look) == (b.instance, b.look)
     }
 
     /// Index in `faces` of a drawn face that was asked for and made, and the number of its kind.
@@ -327,7 +339,10 @@ impl<'a> Faces<'a> {
             (plant.square, plant.open) = (place.square, found);
             return found;
         }
-        let coarse = normal.to_array().map(|n| (n * 7.0 + 8.0) as u32);
+        let is_flat = Kind::of(brief.kind as usize).is_flat();
+        // What is bent is lit by the normal at each pixel.
+        let steps = if is_flat { 7.0 } else { 2.0 };
+        let coarse = normal.to_array().map(|n| (n * steps + (steps + 1.0)) as u32);
         let coarse = coarse[0] | coarse[1] << 4 | coarse[2] << 8;
         let key = (place.block, brief.instance, brief.kind, coarse);
         let slot = (coarse ^ coarse >> 3 ^ brief.instance.wrapping_mul(37) ^ brief.kind) as usize % ALIKE;
@@ -339,7 +354,7 @@ impl<'a> Faces<'a> {
         self.alike[slot] = (key, found);
         let open = sky_view.openness(point_world, normal);
         let [a, b, c, d, e, f] = open;
-        self.open.push(if Kind::of(brief.kind as usize).is_flat() {
+        self.open.push(if is_flat {
             let around = self.light.sky.from_all_around(normal, &open);
             [around.x, around.y, around.z, a, b, c, d, 0.0]
         } else {

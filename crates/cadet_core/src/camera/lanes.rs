@@ -195,7 +195,13 @@ fn run3(lanes: &mut Lane3, start: usize, value: Vec3) {
 /// How many numbers from `start` on, at most `RUN`, agree with the first of them.
 #[inline(always)]
 fn run_of(of: &[u32; STRIDE], start: usize) -> usize {
-    of[start..].iter().take(RUN).take_while(|x| **x == of[start]).count()
+    let Some(run) = of[start..].first_chunk::<RUN>() else { return 1 };
+    // Without branches: how long a run is cannot be foretold.
+    let mut same = [0_u32; RUN];
+    for k in 0..RUN {
+        same[k] = u32::from(run[k] == run[0]) << k;
+    }
+    same.into_iter().fold(0, |all, bit| all | bit).trailing_ones() as usize
 }
 
 #[multiversion(targets("x86_64+avx2"))]

@@ -75,7 +75,7 @@ pub fn paint(scene: &PosedScene, view: &View, weather: &Weather, seen: Seen, str
     let blurred = &rgb[..width * height * 3];
     let veil = sums.map(|s| (f64::from(VEILING_GLARE) * s / (width * height) as f64) as f32);
     let target = stream.clipped_normal(MEAN_LUMA.0, MEAN_LUMA.1) as f32;
-    let gain = gain_for_mean_luma(&metered(blurred, veil, 19), target, 1);
+    let gain = gain_for_mean_luma(&metered(blurred, veil, 37), target, 1);
     let image = expose(blurred, width, height, veil, WHITE_BALANCE.map(|g| g * gain), stream);
     let shadows = light.shadows.map(Shadows::into_buffers).unwrap_or_default();
     SCRATCH.set(Scratch { rgb, shadows, ..scratch });
