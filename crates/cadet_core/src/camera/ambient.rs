@@ -52,12 +52,7 @@ impl SkyView {
         let half = f64::from(CELLS as f32 * CELL_M) / 2.0;
         // Whole cells, so that nothing flickers from frame to frame.
         let min = [(middle.x - half).floor() as f32, (middle.y - half).floor() as f32];
-        let mut view = Self {
-            min,
-            floor: Vec::new(),
-            probes: Vec::new(),
-            contacts: Contacts::new(scene, min),
-        };
+        let mut view = Self { min, floor: Vec::new(), probes: Vec::new(), contacts: Contacts::new(scene, min) };
         let asked = view.asked_blocks(seen_world);
         let top = view.measure_heights(scene, (eye_world.z - 1.65) as f32, &near_blocks(&asked));
         view.place_probes(&top, &asked);
@@ -96,7 +91,11 @@ impl SkyView {
             for (number, cluster) in mesh.clusters.iter().enumerate() {
                 let c = origin + linear * cluster.center;
                 let (dx, dy, r) = (c.x - self.min[0], c.y - self.min[1], cluster.radius_m);
-                if dx + r < 0.0 || dy + r < 0.0 || dx - r > side || dy - r > side || !near.any([dx - r, dy - r], [dx + r, dy + r])
+                if dx + r < 0.0
+                    || dy + r < 0.0
+                    || dx - r > side
+                    || dy - r > side
+                    || !near.any([dx - r, dy - r], [dx + r, dy + r])
                 {
                     continue;
                 }
@@ -242,13 +241,8 @@ impl SkyView {
 
 /// The levels about a height that reaches so many of them, and the inverse of their distance.
 const BETWEEN: [(usize, usize); LEVELS_M.len() + 1] = [(0, 0), (0, 1), (1, 2), (2, 3), (3, 3)];
-const PER_RISE: [f32; LEVELS_M.len() + 1] = [
-    0.0,
-    1.0 / (LEVELS_M[1] - LEVELS_M[0]),
-    1.0 / (LEVELS_M[2] - LEVELS_M[1]),
-    1.0 / (LEVELS_M[3] - LEVELS_M[2]),
-    0.0,
-];
+const PER_RISE: [f32; LEVELS_M.len() + 1] =
+    [0.0, 1.0 / (LEVELS_M[1] - LEVELS_M[0]), 1.0 / (LEVELS_M[2] - LEVELS_M[1]), 1.0 / (LEVELS_M[3] - LEVELS_M[2]), 0.0];
 
 /// The blocks within the probes' longest step of some that are asked for.
 fn near_blocks(asked: &[bool]) -> BlockSums {

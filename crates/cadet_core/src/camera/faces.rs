@@ -1,83 +1,13 @@
-//! What all hits of a face share, and which faces were seen lately: neighbouring pixels mostly show the same one.
+//! Which faces were seen lately, and what of the sky they see: neighbouring pixels mostly show the same one.
 
+use super::face::{Face, Kind, Raw, Stand};
 use super::look::{Rays, View};
 use super::pattern::hash2;
 use super::shade::Light;
 use crate::geometry::Mesh;
 use crate::material::{Material, Pattern, Semantic};
-use crate::math::{Mat3, Vec3};
+use crate::math::Vec3;
 use crate::sense::{DrawnFace, PosedInstance, PosedScene};
-
-/// How a face is shaded: faces of one kind are shaded together.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Kind {
-    /// Its texture.
-    pub pattern: Pattern,
-    /// Its shading normal changes over the face.
-    pub is_smooth: bool,
-    /// It mirrors.
-    pub is_glossy: bool,
-    /// It is seen through.
-    pub is_pane: bool,
-}
-
-impl Kind {
-    /// Number of kinds.
-    pub const COUNT: usize = Pattern::ALL.len() * 8;
-
-    /// A number below `COUNT`.
-    pub fn index(self) -> usize {
-        (self.pattern as usize) * 8
-            + usize::from(self.is_smooth)
-            + 2 * usize::from(self.is_glossy)
-            + 4 * usize::from(self.is_pane)
-    }
-
-    /// One normal, that of the plane, goes for the whole face: what light comes from all around is found once for many
-    /// pixels.
-    pub fn is_flat(self) -> bool {
-        !self.is_smooth && self.pattern != Pattern::Leaves
-    }
-
-    /// The kind of a number.
-    pub fn of(index: usize) -> Self {
-        Self {
-            pattern: Pattern::ALL[index / 8],
-            is_smooth: index & 1 > 0,
-            is_glossy: index & 2 > 0,
-            is_pane: index & 4 > 0,
-        }
-    }
-}
-
-/// A face made ready for its hits. Places are relative to the eye; vectors are in the world's frame.
-#[derive(Debug, Clone, Copy)]
-#[repr(C, align(64))]
-pub struct Face {
-    // What most kinds need stands in the first cache line, or two with a texture.
-    /// Unit normal of the triangle, towards the eye.
-    pub face_normal: Vec3,
-    pub albedo: Vec3,
-    /// See [`Flags`].
-    pub flags: u32,
-    pub specular: f32,
-    pub roughness: f32,
-    pub transmission: f32,
-    pub face_hash: u32,
-    pub place_hash: u32,
-    /// Axes of the texture, and its coordinates at the eye, metres; those of leaves are the camera's.
-    pub axes: [Vec3; 2],
-    pub at_eye: [f32; 2],
-    /// Shading normal in the first corner, towards the eye, and its changes to the second and third corner.
-    pub normal: Vec3,
-    pub normal_ab: Vec3,
-    pub normal_ac: Vec3,
-    /// Dual edges: their products with a hit's place, and what is added to them, are its weights of the second and third
-    /// corner.
-    pub to_b: Vec3,
-    pub to_c: Vec3,
-    pub weights_at_eye: [f32; 2],
-}
 
 /// What collecting needs of a face that was made ready.
 #[derive(Debug, Clone, Copy)]
@@ -91,20 +21,6 @@ struct Brief {
     /// Number of the block for which the sky's visibility was last found, and where it is kept.
     block: u32,
     open: u32,
-}
-
-/// Bits of [`Face::flags`].
-pub struct Flags;
-
-impl Flags {
-    /// Lies on the ground, level.
-    pub const GROUND: u32 = 1;
-    /// Vehicles near by hide the sky.
-    pub const CONTACT: u32 = 2;
-    /// Snow does not lie on vehicles.
-    pub const VEHICLE: u32 = 4;
-    /// Snow is worn by traffic.
-    pub const ROAD: u32 = 8;
 }
 
 /// A part of the image whose hits on a face share the sky's visibility.
@@ -133,31 +49,16 @@ const NOWHERE: u32 = u32::MAX;
 struct Placed<'a> {
     mesh: &'a Mesh,
     materials: &'a [Material],
-    world_from_local: Mat3,
-    /// The origin of the mesh's frame, relative to the eye.
-    origin: Vec3,
-    place_hash: u32,
+    stand: Stand,
     /// Number of the square for which the sky's visibility of its leaves was last found, and where it is kept.
     square: u32,
     open: u32,
-}
-
-/// What is read from memory to make a face ready.
-struct Raw {
-    instance: u32,
-    face: u32,
-    slot: u8,
-    corners: [u32; 3],
-    vertices: [Vec3; 3],
-    normals: [Vec3; 3],
 }
 
 /// Faces and visibilities of the sky that were seen lately. Faces go by their numbers in the visibility buffer.
 pub struct Faces<'a> {
     light: &'a Light,
     rays: &'a Rays,
-    /// The camera's axes.
-    across: [Vec3; 2],
     drawn: &'a [DrawnFace],
     placed: Vec<Placed<'a>>,
     made: Vec<Made>,
@@ -192,13 +93,16 @@ impl<'a> Faces<'a> {
         let placed = scene.instances.iter().map(|i| Placed {
             mesh: &i.mesh,
             materials: &i.palette.0,
-            world_from_local: i.placement.rotation.as_mat3(),
-            origin: (i.placement.translation - eye).as_vec3(),
-            place_hash: hash2((i.center_world.x * 8.0) as i32, (i.center_world.y * 8.0) as i32, 0x97AC),
+            stand: Stand {
+                world_from_local: i.placement.rotation.as_mat3(),
+                origin: (i.placement.translation - eye).as_vec3(),
+                place_hash: hash2((i.center_world.x * 8.0) as i32, (i.center_world.y * 8.0) as i32, 0x97AC),
+            },
             square: NOWHERE,
             open: 0,
         });
-        let plants: Vec<u32> = (0..).zip(&scene.instances).map(|(i, of)| if is_plant(of) { i } else { NO_PLANT }).collect();
+        let plants: Vec<u32> =
+            (0..).zip(&scene.instances).map(|(i, of)| if is_plant(of) { i } else { NO_PLANT }).collect();
         let made = |face: &DrawnFace| Made { index: NOT_MADE, plant: plants[face.instance as usize] };
         Self {
             made: drawn.iter().map(made).collect(),
@@ -208,7 +112,6 @@ impl<'a> Faces<'a> {
             placed: placed.collect(),
             light,
             rays,
-            across: [rays.right.normalize(), rays.down.normalize()],
             faces: Vec::with_capacity(2 * MAX_FACES),
             brief: Vec::with_capacity(2 * MAX_FACES),
             open: Vec::with_capacity(2 * MAX_OPEN),
@@ -281,11 +184,20 @@ impl<'a> Faces<'a> {
             r.normals = r.corners.map(|i| mesh.normals[i as usize]);
         }
         for raw in &raw {
-            let (face, kind) = self.make(raw);
+            let placed = &self.placed[raw.instance as usize];
+            let material = &placed.materials[usize::from(raw.slot)];
+            let (face, kind) = Face::make(raw, &placed.stand, material, self.rays, self.light.wetness > 0.0);
             let leaf_of = if kind.pattern == Pattern::Leaves { raw.instance } else { NO_PLANT };
             let [x, y, z] = face.face_normal.to_array().map(|n| (n * 14.0 + 15.5) as u32);
             let look = x | y << 5 | z << 10 | u32::from(raw.slot) << 16;
-            self.brief.push(Brief { kind: kind.index() as u32, instance: raw.instance, look, leaf_of, block: NOWHERE, open: 0 });
+            self.brief.push(Brief {
+                kind: kind.index() as u32,
+                instance: raw.instance,
+                look,
+                leaf_of,
+                block: NOWHERE,
+                open: 0,
+            });
             self.faces.push(face);
         }
         asked.clear();
@@ -355,85 +267,13 @@ impl<'a> Faces<'a> {
         let open = sky_view.openness(point_world, normal);
         let [a, b, c, d, e, f] = open;
         self.open.push(if is_flat {
-            let around = self.light.sky.from_all_around(normal, &open);
+            let around = self.light.sky.all_around(normal, &open);
             [around.x, around.y, around.z, a, b, c, d, 0.0]
         } else {
             [a, b, c, d, e, f, 0.0, 0.0]
         });
         (brief.block, brief.open) = (place.block, found);
         found
-    }
-
-    fn make(&self, raw: &Raw) -> (Face, Kind) {
-        let placed = &self.placed[raw.instance as usize];
-        let material = &placed.materials[usize::from(raw.slot)];
-        let ([a, b, c], [na, nb, nc]) = (raw.vertices, raw.normals);
-        let turn = |v: Vec3| placed.world_from_local * v;
-        let (ab, ac) = (b - a, c - a);
-        let normal_local = ab.cross(ac).normalize_or_zero();
-        let origin = turn(a) + placed.origin;
-        let face_normal = turn(normal_local);
-        let side = if face_normal.dot(origin) > 0.0 { -1.0 } else { 1.0 };
-        let face_normal = face_normal * side;
-
-        let is_leaf = material.pattern == Pattern::Leaves;
-        let is_ground = material.semantic.is_ground() && face_normal.z > 0.5;
-        let (axes, at_eye) = if is_ground {
-            ([Vec3::X, Vec3::Y], [self.rays.eye.x, self.rays.eye.y])
-        } else if is_leaf {
-            (self.across, self.across.map(|axis| -axis.dot(origin)))
-        } else {
-            let n = normal_local;
-            let flat = n.x * n.x + n.y * n.y;
-            let (along, up) = if flat < 0.03 {
-                (Vec3::X, Vec3::Y)
-            } else {
-                // Along the wall, and up its slope.
-                let along = Vec3::new(-n.y, n.x, 0.0) * (1.0 / flat.sqrt());
-                (along, n.cross(along))
-            };
-            let axes = [turn(along), turn(up)];
-            (axes, [along.dot(a) - axes[0].dot(origin), up.dot(a) - axes[1].dot(origin)])
-        };
-
-        let (nab, nac) = (nb - na, nc - na);
-        let is_bent = !is_leaf && na.dot(normal_local) < 0.999_9;
-        let is_smooth = is_bent || nab.length_squared().max(nac.length_squared()) > 1e-6;
-        let (d11, d12, d22) = (ab.dot(ab), ab.dot(ac), ac.dot(ac));
-        let inverse = 1.0 / (d11 * d22 - d12 * d12).max(1e-20);
-        let is_vehicle = is_vehicle(material.semantic);
-        let is_wet = is_ground && self.light.wetness > 0.0;
-        let kind = Kind {
-            pattern: material.pattern,
-            is_smooth,
-            is_glossy: !is_leaf && material.specular > 0.0 || is_wet,
-            is_pane: material.is_glass(),
-        };
-        let flag = |bit: u32, is: bool| if is { bit } else { 0 };
-        let to_b = turn(ab * d22 - ac * d12) * inverse;
-        let to_c = turn(ac * d11 - ab * d12) * inverse;
-        let face = Face {
-            face_normal,
-            axes,
-            at_eye,
-            normal: turn(na) * side,
-            normal_ab: turn(nab) * side,
-            normal_ac: turn(nac) * side,
-            to_b,
-            to_c,
-            weights_at_eye: [-to_b.dot(origin), -to_c.dot(origin)],
-            albedo: material.albedo.into(),
-            specular: material.specular,
-            roughness: material.roughness,
-            transmission: material.transmission,
-            face_hash: hash2(raw.face as i32, 0, placed.place_hash),
-            place_hash: placed.place_hash,
-            flags: flag(Flags::GROUND, is_ground)
-                | flag(Flags::CONTACT, face_normal.z > 0.3 && !is_vehicle)
-                | flag(Flags::VEHICLE, is_vehicle)
-                | flag(Flags::ROAD, material.semantic == Semantic::Road),
-        };
-        (face, kind)
     }
 }
 
@@ -442,8 +282,4 @@ fn is_plant(instance: &PosedInstance) -> bool {
     let materials = &instance.palette.0;
     materials.iter().any(|m| m.pattern == Pattern::Leaves)
         && materials.iter().all(|m| m.semantic == Semantic::Vegetation)
-}
-
-fn is_vehicle(semantic: Semantic) -> bool {
-    matches!(semantic, Semantic::Car | Semantic::Van | Semantic::Truck | Semantic::Tram | Semantic::OtherVehicle)
 }

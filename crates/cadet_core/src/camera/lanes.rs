@@ -2,7 +2,7 @@
 
 use multiversion::multiversion;
 
-use super::faces::{Face, Flags, Kind};
+use super::face::{Face, Flags, Kind};
 use super::hits::{Hits, LANES, Lane, RUN, STRIDE, set};
 use super::shade::{Camera, Light, diffuse, geometry, gloss, pane, snow, texture, through_air};
 use super::shadow::Asked;

@@ -5,6 +5,7 @@ mod block_sums;
 mod collect;
 mod contact;
 mod exposure;
+mod face;
 mod faces;
 mod hits;
 mod lanes;

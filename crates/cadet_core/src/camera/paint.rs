@@ -1,7 +1,8 @@
 //! Gives what the camera's samples meet its colour: hits are collected by kind, band by band of rows, and shaded together.
 
 use super::collect::Collector;
-use super::faces::{Faces, Kind};
+use super::face::Kind;
+use super::faces::Faces;
 use super::hits::{Hit, Hits, LANES, RUN};
 use super::lanes::Lanes;
 use super::look::{Rays, Samples, View};

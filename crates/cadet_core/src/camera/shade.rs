@@ -6,7 +6,7 @@
 use multiversion::multiversion;
 
 use super::ambient::SkyView;
-use super::faces::{Flags, Kind};
+use super::face::{Flags, Kind};
 use super::hits::{Hits, LANES};
 use super::lanes::{Lanes, get, put};
 use super::pattern::{self, PatternPoint};
@@ -191,7 +191,7 @@ pub(super) fn diffuse(l: &mut Lanes, m: usize, sky: &Sky, kind: Kind, wetness: f
     if !kind.is_flat() {
         for i in 0..m.min(LANES) {
             let open = std::array::from_fn(|k| l.open[k][i]);
-            let around = sky.from_all_around(get(&l.normal, i), &open);
+            let around = sky.all_around(get(&l.normal, i), &open);
             (l.around[0][i], l.around[1][i], l.around[2][i]) = (around.x, around.y, around.z);
         }
     }

@@ -151,7 +151,7 @@ impl Sky {
     /// As [`Sky::ambient`], with what comes from that which hides the sky: sunlit walls and ground.
     #[inline(always)]
     #[must_use]
-    pub fn from_all_around(&self, normal: Vec3, open: &[f32; 6]) -> Vec3 {
+    pub fn all_around(&self, normal: Vec3, open: &[f32; 6]) -> Vec3 {
         let mean_open = (open[0] + open[1] + open[2] + open[3] + open[4]) * 0.2;
         self.ambient(normal, open) + self.ground * (0.60 * (1.0 - mean_open))
     }
@@ -248,8 +248,7 @@ impl<'a> SkyRows<'a> {
             let [red, green, blue] = &mut planes;
             exact_row(self.light, first, self.rays.right * STEP as f32, [red, green, blue]);
             let [red, green, blue] = &planes;
-            self.lattice[line] =
-                red.iter().zip(green).zip(blue).map(|((r, g), b)| Vec3::new(*r, *g, *b)).collect();
+            self.lattice[line] = red.iter().zip(green).zip(blue).map(|((r, g), b)| Vec3::new(*r, *g, *b)).collect();
         }
     }
 }

@@ -14,9 +14,9 @@ const MAX_CELLS: f32 = 512.0;
 /// What a cluster has in a cell, local coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Column {
-    /// Middle of the cell.
+    /// Where it stands.
     pub x: f32,
-    /// Middle of the cell.
+    /// Where it stands.
     pub y: f32,
     /// The lowest surface.
     pub low: f32,
@@ -77,7 +77,7 @@ struct Grid {
     min: [f32; 2],
     pitch_m: f32,
     cells: usize,
-    low_and_high: Vec<[f32; 2]>,
+    columns: Vec<Column>,
 }
 
 impl Grid {
@@ -87,13 +87,19 @@ impl Grid {
         self.cells = (2.0 * r / self.pitch_m) as usize + 1;
         let half = self.cells as f32 * self.pitch_m * 0.5;
         self.min = [c.x - half, c.y - half];
-        self.low_and_high.clear();
-        self.low_and_high.resize(self.cells * self.cells, [f32::INFINITY, f32::NEG_INFINITY]);
+        self.columns.clear();
+        let none = Column { x: 0.0, y: 0.0, low: f32::INFINITY, high: f32::NEG_INFINITY };
+        self.columns.resize(self.cells * self.cells, none);
     }
 
-    fn mark(&mut self, x: usize, y: usize, low: f32, high: f32) {
-        let cell = &mut self.low_and_high[y * self.cells + x];
-        *cell = [cell[0].min(low), cell[1].max(high)];
+    /// Something at a place in a cell; its first place stays, but for the middle, which goes before all others.
+    fn mark(&mut self, x: usize, y: usize, low: f32, high: f32, at: Vec3) {
+        let middle = self.center(x, y);
+        let column = &mut self.columns[y * self.cells + x];
+        if column.low > column.high || (at.x, at.y) == (middle.x, middle.y) {
+            (column.x, column.y) = (at.x, at.y);
+        }
+        (column.low, column.high) = (column.low.min(low), column.high.max(high));
     }
 
     fn center(&self, x: usize, y: usize) -> Vec3 {
@@ -107,10 +113,7 @@ impl Grid {
     }
 
     fn append_to(&self, columns: &mut Vec<Column>) {
-        for (i, [low, high]) in self.low_and_high.iter().enumerate().filter(|(_, [low, high])| low <= high) {
-            let Vec3 { x, y, .. } = self.center(i % self.cells, i / self.cells);
-            columns.push(Column { x, y, low: *low, high: *high });
-        }
+        columns.extend(self.columns.iter().filter(|c| c.low <= c.high));
     }
 
     /// Marks the cells that a face covers.
@@ -120,7 +123,7 @@ impl Grid {
         let (y0, y1) = (self.cell(low.y, 1), self.cell(high.y, 1));
         if x1 <= x0 + 1 && y1 <= y0 + 1 {
             let middle = (a + b + c) * (1.0 / 3.0);
-            return self.mark(self.cell(middle.x, 0), self.cell(middle.y, 1), middle.z, middle.z);
+            return self.mark(self.cell(middle.x, 0), self.cell(middle.y, 1), middle.z, middle.z, middle);
         }
         let normal = (b - a).cross(c - a);
         let flat_normal = Vec3::new(normal.x, normal.y, 0.0);
@@ -129,8 +132,10 @@ impl Grid {
             let reach = 0.7 * self.pitch_m * normal.length();
             for y in y0..=y1 {
                 for x in x0..=x1 {
-                    if flat_normal.dot(self.center(x, y) - a).abs() <= reach {
-                        self.mark(x, y, low.z, high.z);
+                    let middle = self.center(x, y);
+                    if flat_normal.dot(middle - a).abs() <= reach {
+                        // Not beyond the wall's ends and sides.
+                        self.mark(x, y, low.z, high.z, middle.clamp(low, high));
                     }
                 }
             }
@@ -143,7 +148,7 @@ impl Grid {
                 let at = self.center(x, y);
                 if at.x >= from && at.x < to {
                     let z = (a.z - flat_normal.dot(at - a) / normal.z).clamp(low.z, high.z);
-                    self.mark(x, y, z, z);
+                    self.mark(x, y, z, z, at);
                 }
             }
         }
