@@ -85,23 +85,17 @@ fn survey(block: &Block) -> [Row; ROWS] {
     out
 }
 
-/// Depths of a row of pixels: between a pixel's two samples, and of each of them; mean nothing where there is no hit, or
-/// where the two see different faces.
-struct Depths {
-    mean: [f32; 2 * BLOCK],
-    each: [[f32; BLOCK]; 2],
-}
+/// Depths of a row of pixels, each between its two samples; mean nothing where these do not see one face.
+type Depths = [f32; 2 * BLOCK];
 
-impl Depths {
-    #[inline]
-    fn of(block: &Block, row: usize) -> Self {
-        let (a, b) = (&block.nearness[2 * row], &block.nearness[2 * row + 1]);
-        let mut mean = [1.0; 2 * BLOCK];
-        for i in 0..BLOCK {
-            mean[i] = 2.0 / (a[i] + b[i]);
-        }
-        Self { mean, each: [a.map(|n| 1.0 / n), b.map(|n| 1.0 / n)] }
+#[inline]
+fn depths_of(block: &Block, row: usize) -> Depths {
+    let (a, b) = (&block.nearness[2 * row], &block.nearness[2 * row + 1]);
+    let mut depths = [1.0; 2 * BLOCK];
+    for i in 0..BLOCK {
+        depths[i] = 2.0 / (a[i] + b[i]);
     }
+    depths
 }
 
 /// A block of the band.
@@ -267,7 +261,7 @@ impl<'a> Collector<'a> {
             let first = line * self.width + tile.left;
             let pixel = Pixel { column: tile.left, row: line, number: first as u32, place: tile.place };
             if let Some(panes) = self.panes_before(tile, row) {
-                let depths = Depths::of(block, row);
+                let depths = depths_of(block, row);
                 for i in 0..tile.columns {
                     let (solid, panes) = (two(block, row, i), two(panes, row, i));
                     if (0..2).any(|i| panes[i].0 > solid[i].0) {
@@ -284,9 +278,9 @@ impl<'a> Collector<'a> {
                 self.sky.fill(tile.left, line, self.painter.row(first, tile.columns));
                 continue;
             }
-            let depths = Depths::of(block, row);
+            let depths = depths_of(block, row);
             if shown.is_one_face() {
-                self.collect_run(block.face[2 * row][0], pixel, &depths.mean, 0..tile.columns);
+                self.collect_run(block.face[2 * row][0], pixel, &depths, 0..tile.columns);
                 continue;
             }
             let mut i = 0;
@@ -298,7 +292,7 @@ impl<'a> Collector<'a> {
 
     /// Neighbouring pixels of a block's row that show one face: of `first` in the first column.
     #[inline]
-    fn collect_run(&mut self, face: u32, first: Pixel, mean_depth: &[f32; 2 * BLOCK], columns: Range<usize>) {
+    fn collect_run(&mut self, face: u32, first: Pixel, mean_depth: &Depths, columns: Range<usize>) {
         let (index, kind) = self.faces.made(face);
         let (from, count) = (columns.start, columns.len());
         let (u, v) = ((first.column + from) as f32 + MIDDLE_PX, first.row as f32 + MIDDLE_PX);
@@ -325,28 +319,28 @@ impl<'a> Collector<'a> {
         let (a, b) = (block.face[2 * row][i], block.face[2 * row + 1][i]);
         if shown.whole >> i & 1 == 1 {
             let count = shown.run_from(i).min(columns.len());
-            self.collect_run(a, first, &depths.mean, i..i + count);
+            self.collect_run(a, first, depths, i..i + count);
             return count;
         }
         let pixel = Pixel { column: first.column + i, number: first.number + i as u32, ..first };
         match (shown.hits[0] >> i & 1 == 1, shown.hits[1] >> i & 1 == 1) {
             (true, true) => {
                 if self.faces.are_of_one_plant(a, b) {
-                    self.collect(a, pixel, pixel.number, 1.0, pixel.sample(0), depths.each[0][i]);
+                    self.collect(a, pixel, pixel.number, 1.0, pixel.sample(0), 1.0 / block.nearness[2 * row][i]);
                 } else if self.faces.are_alike(a, b) {
-                    self.collect(a, pixel, pixel.number, 1.0, pixel.uv(), depths.mean[i]);
+                    self.collect(a, pixel, pixel.number, 1.0, pixel.uv(), depths[i]);
                 } else {
-                    self.collect(a, pixel, pixel.number, 0.5, pixel.sample(0), depths.each[0][i]);
-                    self.collect(b, pixel, pixel.number, 0.5, pixel.sample(1), depths.each[1][i]);
+                    self.collect(a, pixel, pixel.number, 0.5, pixel.sample(0), 1.0 / block.nearness[2 * row][i]);
+                    self.collect(b, pixel, pixel.number, 0.5, pixel.sample(1), 1.0 / block.nearness[2 * row + 1][i]);
                 }
             }
             (false, false) => self.sky.fill(pixel.column, pixel.row, self.painter.row(pixel.number as usize, 1)),
             (true, false) => {
-                self.collect(a, pixel, pixel.number, 0.5, pixel.sample(0), depths.each[0][i]);
+                self.collect(a, pixel, pixel.number, 0.5, pixel.sample(0), 1.0 / block.nearness[2 * row][i]);
                 self.add_sky(pixel);
             }
             (false, true) => {
-                self.collect(b, pixel, pixel.number, 0.5, pixel.sample(1), depths.each[1][i]);
+                self.collect(b, pixel, pixel.number, 0.5, pixel.sample(1), 1.0 / block.nearness[2 * row + 1][i]);
                 self.add_sky(pixel);
             }
         }

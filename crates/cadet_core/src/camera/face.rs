@@ -110,6 +110,7 @@ pub struct Stand {
 
 impl Face {
     /// Makes a face ready, and finds its kind.
+    #[inline(always)]
     pub fn make(raw: &Raw, stand: &Stand, material: &Material, rays: &Rays, is_raining: bool) -> (Self, Kind) {
         let ([a, b, c], [na, nb, nc]) = (raw.vertices, raw.normals);
         let turn = |v: Vec3| stand.world_from_local * v;
