@@ -62,8 +62,9 @@ pub struct Faces<'a> {
     drawn: &'a [DrawnFace],
     placed: Vec<Placed<'a>>,
     made: Vec<Made>,
-    /// Drawn faces that are to be made.
+    /// Drawn faces that are to be made, and how many they are.
     asked: Vec<u32>,
+    asked_count: usize,
     raw: Vec<Raw>,
     /// All since the last `forget`.
     pub faces: Vec<Face>,
@@ -86,6 +87,8 @@ const NO_PLANT: u32 = u32::MAX;
 /// Faces and visibilities are forgotten when there are so many.
 const MAX_FACES: usize = 2500;
 const MAX_OPEN: usize = 6_000;
+/// More than the samples of 64 x 8 pixels, solid and of panes.
+const MAX_ASKED: usize = 4096;
 
 impl<'a> Faces<'a> {
     pub fn new(scene: &'a PosedScene, view: &View, rays: &'a Rays, light: &'a Light, drawn: &'a [DrawnFace]) -> Self {
@@ -106,7 +109,8 @@ impl<'a> Faces<'a> {
         let made = |face: &DrawnFace| Made { index: NOT_MADE, plant: plants[face.instance as usize] };
         Self {
             made: drawn.iter().map(made).collect(),
-            asked: Vec::new(),
+            asked: vec![0; MAX_ASKED],
+            asked_count: 0,
             raw: Vec::new(),
             drawn,
             placed: placed.collect(),
@@ -141,20 +145,25 @@ impl<'a> Faces<'a> {
     /// Notes a drawn face for [`Faces::make_asked`], unless it is made.
     #[inline]
     pub fn ask(&mut self, number: u32) {
-        let made = &mut self.made[number as usize];
-        if made.index == NOT_MADE {
-            made.index = (self.faces.len() + self.asked.len()) as u32;
-            self.asked.push(number);
-        }
+        self.ask_if(number, true);
     }
 
     /// As [`Faces::ask`], for the two faces of a pixel: of two faces of one plant the first is enough.
     #[inline]
     pub fn ask_two(&mut self, first: u32, second: u32) {
-        self.ask(first);
-        if first != second && !self.are_of_one_plant(first, second) {
-            self.ask(second);
-        }
+        self.ask_if(first, true);
+        self.ask_if(second, !self.are_of_one_plant(first, second));
+    }
+
+    /// Without branches: else the processor would wait for the memory of one face after the other.
+    #[inline]
+    fn ask_if(&mut self, number: u32, is_wanted: bool) {
+        let made = &mut self.made[number as usize];
+        let is_new = (made.index == NOT_MADE) & is_wanted;
+        let next = (self.faces.len() + self.asked_count) as u32;
+        made.index = if is_new { next } else { made.index };
+        self.asked[self.asked_count % MAX_ASKED] = number;
+        self.asked_count += usize::from(is_new);
     }
 
     /// True if two drawn faces are of one plant.
@@ -167,7 +176,7 @@ impl<'a> Faces<'a> {
     /// Makes the faces that were asked for. They are read step by step, so that the processor waits for the memory of
     /// many at once.
     pub fn make_asked(&mut self) {
-        let (mut raw, mut asked) = (std::mem::take(&mut self.raw), std::mem::take(&mut self.asked));
+        let (mut raw, asked) = (std::mem::take(&mut self.raw), &self.asked[..self.asked_count]);
         raw.clear();
         let (none, unread) = ([Vec3::ZERO; 3], [0; 3]);
         raw.extend(asked.iter().map(|number| {
@@ -200,8 +209,8 @@ impl<'a> Faces<'a> {
             });
             self.faces.push(face);
         }
-        asked.clear();
-        (self.raw, self.asked) = (raw, asked);
+        self.raw = raw;
+        self.asked_count = 0;
     }
 
     /// True if two made faces of one instance show the same where they meet: the halves of a wall, neighbours on a rounded
