@@ -80,6 +80,7 @@ pub struct Faces<'a> {
 /// Block, instance, kind and coarse normal of a face.
 type Alike = (u32, u32, u32, u32);
 const ALIKE: usize = 256;
+const ALIKE_FROM_M: f32 = 15.0;
 const NOT_ALIKE: (Alike, u32) = ((NOWHERE, 0, 0, 0), 0);
 
 /// No leaf.
@@ -261,18 +262,19 @@ impl<'a> Faces<'a> {
             return found;
         }
         let is_flat = Kind::of(brief.kind as usize).is_flat();
-        // What is bent is lit by the normal at each pixel.
-        let steps = if is_flat { 7.0 } else { 2.0 };
-        let coarse = normal.to_array().map(|n| (n * steps + (steps + 1.0)) as u32);
-        let coarse = coarse[0] | coarse[1] << 4 | coarse[2] << 8;
-        let key = (place.block, brief.instance, brief.kind, coarse);
-        let slot = (coarse ^ coarse >> 3 ^ brief.instance.wrapping_mul(37) ^ brief.kind) as usize % ALIKE;
-        let (known, index) = self.alike[slot];
-        if known == key {
-            (brief.block, brief.open) = (place.block, index);
-            return index;
+        // Near by, where faces are large in the image and coats mirror clearly, each face looks for itself.
+        if depth > ALIKE_FROM_M {
+            let coarse = normal.to_array().map(|n| (n * 7.0 + 8.0) as u32);
+            let coarse = coarse[0] | coarse[1] << 4 | coarse[2] << 8;
+            let key = (place.block, brief.instance, brief.kind, coarse);
+            let slot = (coarse ^ coarse >> 3 ^ brief.instance.wrapping_mul(37) ^ brief.kind) as usize % ALIKE;
+            let (known, index) = self.alike[slot];
+            if known == key {
+                (brief.block, brief.open) = (place.block, index);
+                return index;
+            }
+            self.alike[slot] = (key, found);
         }
-        self.alike[slot] = (key, found);
         let open = sky_view.openness(point_world, normal);
         let [a, b, c, d, e, f] = open;
         self.open.push(if is_flat {
