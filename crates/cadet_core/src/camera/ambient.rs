@@ -1,11 +1,11 @@
-//! How much of the sky a place sees: a coarse height map of the scene, probes over it, and the boxes of cars near the
-//! ground.
+//! How much of the sky a place sees: a coarse height map of the scene, and probes over it.
 
 use multiversion::multiversion;
 
-use crate::geometry::{Cluster, LANES};
+use super::block_sums::BlockSums;
+use super::contact::Contacts;
 use crate::material::Semantic;
-use crate::math::{DVec3, Mat3, Vec3};
+use crate::math::{DVec3, Vec3};
 use crate::sense::PosedScene;
 
 /// Cells along a side of the height map.
@@ -22,20 +22,11 @@ const COVER_LEAK: f32 = 0.55;
 /// Crowns are not solid: they stand for lower obstacles.
 const CROWN_SHARE: f32 = 0.6;
 
+/// Openness per level.
+type Probes = [[f32; 8]; LEVELS_M.len()];
+
 /// Openness towards +x, -x, +y, -y, +z, -z, each 0..1.
 pub type Openness = [f32; 6];
-
-/// A box that shades the ground under and beside it: a vehicle's body.
-#[derive(Debug, Clone)]
-struct Blocker {
-    center: Vec3,
-    axis_x: Vec3,
-    axis_y: Vec3,
-    half: [f32; 2],
-    bottom_z: f32,
-    height: f32,
-    reach: f32,
-}
 
 /// The sky's visibility around a camera.
 #[derive(Debug, Clone)]
@@ -44,10 +35,9 @@ pub struct SkyView {
     /// Lowest surface of each cell.
     floor: Vec<f32>,
     /// Openness per cell and level; padded, so that it is one load.
-    probes: Vec<[f32; 8]>,
-    blockers: Vec<Blocker>,
-    /// Blockers that reach each cell of a grid of `GRID_M`.
-    grid: Vec<Vec<u16>>,
+    probes: Vec<Probes>,
+    /// What vehicles and people leave of it to the ground.
+    pub contacts: Contacts,
 }
 
 const GRID_M: f32 = 4.0;
@@ -62,30 +52,18 @@ impl SkyView {
         let half = f64::from(CELLS as f32 * CELL_M) / 2.0;
         // Whole cells, so that nothing flickers from frame to frame.
         let min = [(middle.x - half).floor() as f32, (middle.y - half).floor() as f32];
-        let mut view = Self {
-            min,
-            floor: Vec::new(),
-            probes: Vec::new(),
-            blockers: Vec::new(),
-            grid: vec![Vec::new(); GRID * GRID],
-        };
+        let mut view = Self { min, floor: Vec::new(), probes: Vec::new(), contacts: Contacts::new(scene, min) };
         let asked = view.asked_blocks(seen_world);
-        let top = view.measure_heights(scene, (eye_world.z - 1.65) as f32, &NearBlocks::new(&asked));
+        let top = view.measure_heights(scene, (eye_world.z - 1.65) as f32, &near_blocks(&asked));
         view.place_probes(&top, &asked);
-        view.collect_blockers(scene);
         view
     }
 
-    fn cell_center(&self, x: usize, y: usize) -> Vec3 {
-        Vec3::new(self.min[0] + (x as f32 + 0.5) * CELL_M, self.min[1] + (y as f32 + 0.5) * CELL_M, 0.0)
-    }
-
     /// Fills the floor, and returns the highest surface of each cell.
-    fn measure_heights(&mut self, scene: &PosedScene, default_z: f32, near: &NearBlocks) -> Vec<f32> {
+    fn measure_heights(&mut self, scene: &PosedScene, default_z: f32, near: &BlockSums) -> Vec<f32> {
         let mut top = vec![f32::NEG_INFINITY; CELLS * CELLS];
         let mut floor = vec![f32::INFINITY; CELLS * CELLS];
         let side = CELLS as f32 * CELL_M;
-        let mut points = [[0.0; MAX_POINTS]; 3];
         for instance in &scene.instances {
             let (c, r) = (instance.center_world.as_vec3(), instance.radius_m as f32);
             if c.x + r < self.min[0]
@@ -95,7 +73,8 @@ impl SkyView {
             {
                 continue;
             }
-            if !near.any([c.x - self.min[0], c.y - self.min[1]], r) {
+            let (dx, dy) = (c.x - self.min[0], c.y - self.min[1]);
+            if !near.any([dx - r, dy - r], [dx + r, dy + r]) {
                 continue;
             }
             let foot_z = c.z - 0.5 * instance.mesh.bounds.size().z;
@@ -109,10 +88,15 @@ impl SkyView {
             let mesh = &instance.mesh;
             let linear = instance.placement.rotation.as_mat3();
             let origin = instance.placement.translation.as_vec3();
-            for cluster in &mesh.clusters {
+            for (number, cluster) in mesh.clusters.iter().enumerate() {
                 let c = origin + linear * cluster.center;
                 let (dx, dy, r) = (c.x - self.min[0], c.y - self.min[1], cluster.radius_m);
-                if dx + r < 0.0 || dy + r < 0.0 || dx - r > side || dy - r > side || !near.any([dx, dy], r) {
+                if dx + r < 0.0
+                    || dy + r < 0.0
+                    || dx - r > side
+                    || dy - r > side
+                    || !near.any([dx - r, dy - r], [dx + r, dy + r])
+                {
                     continue;
                 }
                 let cell = |d: f32| ((d / CELL_M).max(0.0) as usize).min(CELLS - 1);
@@ -131,12 +115,13 @@ impl SkyView {
                     }
                     continue;
                 }
-                pose_roughly(cluster, &linear, origin, &mut points);
-                // Of a few cells, or of leaves, a part of the faces tells enough.
-                let step = if r < CELL_M || is_plant { 4 } else { 1 };
-                for corners in cluster.corners.iter().step_by(step) {
-                    let corner = |i: u8| Vec3::from_array(points.each_ref().map(|axis| axis[usize::from(i)]));
-                    self.mark_face(corners.map(corner), &mut mark);
+                for column in mesh.columns_of(number) {
+                    let half = 0.5 * (column.high - column.low);
+                    let p = linear * Vec3::new(column.x, column.y, column.low + half) + origin;
+                    let (x, y) = ((p.x - self.min[0]) / CELL_M, (p.y - self.min[1]) / CELL_M);
+                    if x >= 0.0 && y >= 0.0 && x < CELLS as f32 && y < CELLS as f32 {
+                        mark(x as usize, y as usize, p.z - half, p.z + half);
+                    }
                 }
             }
         }
@@ -149,58 +134,11 @@ impl SkyView {
         top
     }
 
-    /// Calls `mark(x, y, low, high)` for the cells that a face covers.
-    #[inline]
-    fn mark_face(&self, [a, b, c]: [Vec3; 3], mark: &mut impl FnMut(usize, usize, f32, f32)) {
-        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-        let cell = |v: f32, min: f32| (v - min) / CELL_M;
-        let (x0, x1) = (cell(low.x, self.min[0]), cell(high.x, self.min[0]));
-        let (y0, y1) = (cell(low.y, self.min[1]), cell(high.y, self.min[1]));
-        let limit = CELLS as f32;
-        if x1 < 0.0 || y1 < 0.0 || x0 >= limit || y0 >= limit {
-            return;
-        }
-        let (ix0, iy0) = (x0.max(0.0) as usize, y0.max(0.0) as usize);
-        let (ix1, iy1) = (x1.min(limit - 1.0) as usize, y1.min(limit - 1.0) as usize);
-        if ix1 <= ix0 + 1 && iy1 <= iy0 + 1 {
-            let middle = (a + b + c) * (1.0 / 3.0);
-            let x = (cell(middle.x, self.min[0]).max(0.0) as usize).min(CELLS - 1);
-            let y = (cell(middle.y, self.min[1]).max(0.0) as usize).min(CELLS - 1);
-            return mark(x, y, middle.z, middle.z);
-        }
-        // Large triangles.
-        let normal = (b - a).cross(c - a);
-        let flat_normal = Vec3::new(normal.x, normal.y, 0.0);
-        if normal.z.abs() < 0.2 * normal.length() {
-            // A wall: cells that its line passes.
-            let reach = 0.7 * CELL_M * normal.length();
-            for y in iy0..=iy1 {
-                for x in ix0..=ix1 {
-                    if flat_normal.dot(self.cell_center(x, y) - a).abs() <= reach {
-                        mark(x, y, low.z, high.z);
-                    }
-                }
-            }
-            return;
-        }
-        // The plane's height at the middle of each cell inside of the triangle.
-        for y in iy0..=iy1 {
-            let Some([from, to]) = span_at(&[a, b, c], self.cell_center(0, y).y) else { continue };
-            let first = (cell(from, self.min[0]) + 0.5).max(0.0) as usize;
-            let end = ((cell(to, self.min[0]) + 0.5).max(0.0) as usize).min(CELLS);
-            for x in first..end {
-                let rise = -flat_normal.dot(self.cell_center(x, y) - a) / normal.z;
-                let z = (a.z + rise).clamp(low.z, high.z);
-                mark(x, y, z, z);
-            }
-        }
-    }
-
     /// Blocks of `GRID_M` in which some probe may be asked for: those of the points and their neighbours, as
     /// [`SkyView::openness`] looks up to 2.7 m aside.
     fn asked_blocks(&self, seen_world: &[Vec3]) -> Vec<bool> {
         let mut seen = vec![false; GRID * GRID];
-        for p in seen_world {
+        for p in seen_world.iter().step_by(3) {
             let (x, y) = ((p.x - self.min[0]) / GRID_M, (p.y - self.min[1]) / GRID_M);
             if x >= 0.0 && y >= 0.0 && x < GRID as f32 && y < GRID as f32 {
                 seen[y as usize * GRID + x as usize] = true;
@@ -223,7 +161,7 @@ impl SkyView {
                 STEPS.iter().map(|s| ((dx * s).round() as i32, (dy * s).round() as i32, 1.0 / (s * CELL_M))).collect()
             })
             .collect();
-        self.probes = vec![[1.0; 8]; CELLS * CELLS * LEVELS_M.len()];
+        self.probes = vec![[[1.0; 8]; LEVELS_M.len()]; CELLS * CELLS];
         let padded = PaddedTop::new(top);
         let mut free = [[0.0_f32; CELLS]; AZIMUTHS];
         for y in 0..CELLS {
@@ -258,48 +196,10 @@ impl SkyView {
                     };
                     let sides = [side(0), side(4), side(2), side(6)].map(|s| s * (0.5 + 0.5 * cover));
                     let up_and_down = [zenith * cover, (0.4 + 0.6 * zenith) * cover];
-                    self.probes[cell * LEVELS_M.len() + level] =
+                    self.probes[cell][level] =
                         [sides[0], sides[1], sides[2], sides[3], up_and_down[0], up_and_down[1], 0.0, 0.0];
                 }
             }
-        }
-    }
-
-    fn collect_blockers(&mut self, scene: &PosedScene) {
-        let side = CELLS as f32 * CELL_M;
-        for instance in scene.instances.iter().filter(|i| i.actor_id >= 1) {
-            let size = instance.mesh.bounds.size();
-            if size.x < 0.25 || size.y < 0.25 || size.z < 0.5 || size.x > 30.0 {
-                continue; // wheels and limbs
-            }
-            let center = instance.center_world.as_vec3();
-            let axis = |v: DVec3| (instance.placement.rotation * v).as_vec3();
-            let blocker = Blocker {
-                center,
-                axis_x: axis(DVec3::X),
-                axis_y: axis(DVec3::Y),
-                half: [size.x * 0.47, size.y * 0.47],
-                bottom_z: center.z - size.z / 2.0,
-                height: size.z,
-                reach: 0.5 * (size.x * size.x + size.y * size.y).sqrt() + 1.5 * size.z,
-            };
-            let (dx, dy) = (center.x - self.min[0], center.y - self.min[1]);
-            let r = blocker.reach;
-            if dx + r < 0.0 || dy + r < 0.0 || dx - r >= side || dy - r >= side {
-                continue;
-            }
-            let range = |d: f32| {
-                let lo = ((d - r) / GRID_M).max(0.0) as usize;
-                let hi = (((d + r) / GRID_M).max(0.0) as usize).min(GRID - 1);
-                lo..=hi
-            };
-            let index = self.blockers.len().min(usize::from(u16::MAX)) as u16;
-            for gy in range(dy) {
-                for gx in range(dx) {
-                    self.grid[gy * GRID + gx].push(index);
-                }
-            }
-            self.blockers.push(blocker);
         }
     }
 
@@ -324,11 +224,12 @@ impl SkyView {
             ((iy + 1) * CELLS + ix + 1, fx * fy),
         ] {
             let over = point_world.z - self.floor[cell];
-            let upper = LEVELS_M.iter().position(|l| over < *l).unwrap_or(LEVELS_M.len());
-            let (low, high) = (upper.saturating_sub(1), upper.min(LEVELS_M.len() - 1));
-            let t = if high > low { (over - LEVELS_M[low]) / (LEVELS_M[high] - LEVELS_M[low]) } else { 0.0 };
-            let a = &self.probes[cell * LEVELS_M.len() + low];
-            let b = &self.probes[cell * LEVELS_M.len() + high];
+            // Between which levels, without branches.
+            let upper: usize = LEVELS_M.iter().map(|l| usize::from(over >= *l)).sum();
+            let (low, high) = BETWEEN[upper];
+            let t = (over - LEVELS_M[low]) * PER_RISE[upper];
+            let probes = &self.probes[cell];
+            let (a, b) = (&probes[low], &probes[high]);
             for k in 0..8 {
                 sum[k] += weight * (a[k] + (b[k] - a[k]) * t);
             }
@@ -336,127 +237,20 @@ impl SkyView {
         let [a, b, c, d, e, f, _, _] = sum;
         [a, b, c, d, e, f]
     }
-
-    /// Share of the sky's light that vehicles leave to points on the ground under or beside them, 0..1; 1 where it is not
-    /// asked. `points` are relative to the eye; the first `count` of them matter.
-    pub fn contact<const N: usize>(
-        &self,
-        eye_world: Vec3,
-        points: &[[f32; N]; 3],
-        is_asked: &[bool; N],
-        count: usize,
-        near: &mut [f32; N],
-    ) {
-        near[..count].fill(1.0);
-        let mut reaching: Vec<u16> = Vec::new();
-        for start in (0..count).step_by(TOGETHER) {
-            let end = (start + TOGETHER).min(count);
-            reaching.clear();
-            let mut last = usize::MAX;
-            for i in (start..end).filter(|i| is_asked[*i]) {
-                let gx = (points[0][i] + eye_world.x - self.min[0]) * (1.0 / GRID_M);
-                let gy = (points[1][i] + eye_world.y - self.min[1]) * (1.0 / GRID_M);
-                if gx < 0.0 || gy < 0.0 || gx >= GRID as f32 || gy >= GRID as f32 {
-                    continue;
-                }
-                let cell = gy as usize * GRID + gx as usize;
-                if cell != last {
-                    last = cell;
-                    for index in &self.grid[cell] {
-                        if !reaching.contains(index) {
-                            reaching.push(*index);
-                        }
-                    }
-                }
-            }
-            // One order for all groups, so that a point's light does not depend on its neighbours.
-            reaching.sort_unstable();
-            for index in &reaching {
-                let axes = points.each_ref().map(|axis| &axis[start..end]);
-                self.blockers[usize::from(*index)].darken(
-                    eye_world,
-                    axes,
-                    &is_asked[start..end],
-                    &mut near[start..end],
-                );
-            }
-        }
-    }
 }
 
-/// Points that are looked at together.
-const TOGETHER: usize = 16;
+/// The levels about a height that reaches so many of them, and the inverse of their distance.
+const BETWEEN: [(usize, usize); LEVELS_M.len() + 1] = [(0, 0), (0, 1), (1, 2), (2, 3), (3, 3)];
+const PER_RISE: [f32; LEVELS_M.len() + 1] =
+    [0.0, 1.0 / (LEVELS_M[1] - LEVELS_M[0]), 1.0 / (LEVELS_M[2] - LEVELS_M[1]), 1.0 / (LEVELS_M[3] - LEVELS_M[2]), 0.0];
 
-impl Blocker {
-    /// Multiplies what the other blockers leave to some points by what this one leaves: 1 beyond `reach`.
-    fn darken(&self, eye_world: Vec3, points: [&[f32]; 3], is_asked: &[bool], near: &mut [f32]) {
-        darken(self, self.center - eye_world, points, is_asked, near);
-    }
-
-    #[inline(always)]
-    fn leaves(&self, d: Vec3) -> f32 {
-        let over = d.z + (self.center.z - self.bottom_z);
-        let (x, y) = (d.dot(self.axis_x).abs() - self.half[0], d.dot(self.axis_y).abs() - self.half[1]);
-        // Under the body: light comes in flat through the gap at the nearest edges.
-        let gap = 0.22;
-        let nearest = x.max(y).min(0.0);
-        let under = 0.03 + 0.42 * (gap * gap / (gap * gap + nearest * nearest));
-        let (ox, oy) = (x.max(0.0), y.max(0.0));
-        let distance = (ox * ox + oy * oy).sqrt();
-        // A wall of the body's height and of finite width hides up to half of the sky.
-        let wall = distance / (distance * distance + self.height * self.height).sqrt();
-        let width = 0.5 * (self.half[0] + self.half[1]);
-        let share = width / (width + distance);
-        let fade = (3.0 - 2.0 * distance / self.height).clamp(0.0, 1.0);
-        // The gap under the body darkens the last decimetres further.
-        let near = 0.18 * (1.0 - distance * (1.0 / 0.35)).max(0.0);
-        let beside = 1.0 - 0.5 * (1.0 - wall) * share * fade - near;
-        let left = if (x < 0.0) & (y < 0.0) { under } else { beside };
-        if (-0.6..0.45).contains(&over) { left } else { 1.0 }
-    }
-}
-
-#[multiversion(targets("x86_64+avx2"))]
-fn darken(blocker: &Blocker, center: Vec3, [x, y, z]: [&[f32]; 3], is_asked: &[bool], near: &mut [f32]) {
-    for ((near, is_asked), ((x, y), z)) in near.iter_mut().zip(is_asked).zip(x.iter().zip(y).zip(z)) {
-        let left = blocker.leaves(Vec3::new(*x, *y, *z) - center);
-        *near *= if *is_asked { left } else { 1.0 };
-    }
-}
-
-/// The blocks of `GRID_M` from which something may stand in the way of a probe that is asked for.
-struct NearBlocks {
-    /// Their number over all blocks before a row and a column.
-    sums: Vec<u16>,
-}
-
-impl NearBlocks {
-    /// Blocks within the probes' longest step.
+/// The blocks within the probes' longest step of some that are asked for.
+fn near_blocks(asked: &[bool]) -> BlockSums {
     const REACH: usize = 7;
-
-    fn new(asked: &[bool]) -> Self {
-        let near = |i: usize| i.saturating_sub(Self::REACH)..(i + Self::REACH + 1).min(GRID);
-        // Along rows first, then along columns.
-        let rows: Vec<bool> = (0..GRID * GRID).map(|i| near(i % GRID).any(|x| asked[i / GRID * GRID + x])).collect();
-        let mut sums = vec![0; (GRID + 1) * (GRID + 1)];
-        for y in 0..GRID {
-            let mut row = 0;
-            for x in 0..GRID {
-                row += u16::from(near(y).any(|y| rows[y * GRID + x]));
-                sums[(y + 1) * (GRID + 1) + x + 1] = sums[y * (GRID + 1) + x + 1] + row;
-            }
-        }
-        Self { sums }
-    }
-
-    /// True if some such block lies within `reach_m` of a place, axis by axis; metres from the map's corner.
-    fn any(&self, [x, y]: [f32; 2], reach_m: f32) -> bool {
-        let block = |v: f32| ((v * (1.0 / GRID_M)).max(0.0) as usize).min(GRID - 1);
-        let (x0, x1) = (block(x - reach_m), block(x + reach_m) + 1);
-        let (y0, y1) = (block(y - reach_m), block(y + reach_m) + 1);
-        let at = |x: usize, y: usize| self.sums[y * (GRID + 1) + x];
-        at(x1, y1) + at(x0, y0) != at(x1, y0) + at(x0, y1)
-    }
+    let near = |i: usize| i.saturating_sub(REACH)..(i + REACH + 1).min(GRID);
+    // Along rows first, then along columns.
+    let rows: Vec<bool> = (0..GRID * GRID).map(|i| near(i % GRID).any(|x| asked[i / GRID * GRID + x])).collect();
+    BlockSums::of(GRID, GRID_M, |x, y| near(y).any(|y| rows[y * GRID + x]))
 }
 
 /// The highest surfaces with a rim where nothing is.
@@ -507,32 +301,4 @@ fn raise(slopes: &mut [f32], top: &[f32], floor: &[f32], over: f32, per_m: f32) 
     for ((slope, top), floor) in slopes.iter_mut().zip(top).zip(floor) {
         *slope = slope.max((top - (floor + over)) * per_m);
     }
-}
-
-/// A cluster's corners are bytes.
-const MAX_POINTS: usize = 256;
-
-/// Puts a cluster's vertices, in the world and in single precision, into `out`, one array an axis.
-#[multiversion(targets("x86_64+avx2"))]
-fn pose_roughly(cluster: &Cluster, linear: &Mat3, origin: Vec3, out: &mut [[f32; MAX_POINTS]; 3]) {
-    for (axis, out) in out.iter_mut().enumerate() {
-        let [mx, my, mz] = [linear.x_axis[axis], linear.y_axis[axis], linear.z_axis[axis]];
-        for (local, out) in cluster.lanes.iter().zip(out.chunks_exact_mut(LANES)) {
-            for i in 0..LANES {
-                out[i] = mx * local[0][i] + my * local[1][i] + mz * local[2][i] + origin[axis];
-            }
-        }
-    }
-}
-
-/// Where a level line of the given y enters and leaves a triangle seen from above.
-fn span_at(corners: &[Vec3; 3], y: f32) -> Option<[f32; 2]> {
-    let mut span = [f32::INFINITY, f32::NEG_INFINITY];
-    for (p, q) in [(corners[0], corners[1]), (corners[1], corners[2]), (corners[2], corners[0])] {
-        if (p.y <= y) != (q.y <= y) {
-            let x = p.x + (y - p.y) * (q.x - p.x) / (q.y - p.y);
-            span = [span[0].min(x), span[1].max(x)];
-        }
-    }
-    (span[0] <= span[1]).then_some(span)
 }

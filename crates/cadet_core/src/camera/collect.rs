@@ -1,13 +1,16 @@
-//! Collects the hits of a band of the image by kind, block by block of the visibility buffer: most blocks' rows show one
+//! Collects the hits of a band of the image by kind, block by block of the visibility buffer: many blocks' rows show one
 //! face, whose hits go into their list eight at a time.
+
+use std::ops::Range;
 
 use multiversion::multiversion;
 
-use super::faces::{Faces, Kind, Made, NO_PLANT};
+use super::faces::{Faces, Place};
+use super::hits::{Hit, RUN};
 use super::look::Rays;
 use super::noise::MIDDLE_PX;
-use super::paint::BAND;
-use super::shade::{Hit, Light, NO_SLOT};
+use super::paint::{BAND, Painter};
+use super::shade::Light;
 use super::sky::SkyRows;
 use crate::sense::{BLOCK, Block, VisibilityBuffer};
 
@@ -22,61 +25,77 @@ const OFFSETS: [f32; 2] = [-0.25, 0.25];
 /// Hits of a band, and what is known of their faces.
 pub struct Collector<'a> {
     buffer: &'a VisibilityBuffer,
-    pub faces: Faces<'a>,
-    /// Of the band, by kind.
-    pub hits: Vec<Vec<Hit>>,
-    /// Hits of panes, with their kinds.
-    pub panes: Vec<(u32, Hit)>,
-    /// What is seen through the band's panes.
-    pub behind: Vec<[f32; 3]>,
-    sky: SkyRows,
+    faces: Faces<'a>,
+    painter: Painter<'a>,
+    /// Hits of panes, with their kinds and the pixels that have what is behind.
+    panes: Vec<(u32, u32, Hit)>,
+    sky: SkyRows<'a>,
     width: usize,
-    rays: &'a Rays,
-    light: &'a Light,
 }
 
-/// What a row of pixels of a block shows.
-#[derive(Clone, Copy, PartialEq)]
-enum Row {
-    /// Several faces.
-    Mixed,
-    Sky,
-    /// One face.
-    Face,
+/// What a row of pixels of a block shows, a bit a pixel.
+#[derive(Clone, Copy, Default)]
+struct Row {
+    /// The first sample sees something solid; the second does.
+    hits: [u32; 2],
+    /// Both samples see one face.
+    whole: u32,
+    /// Both samples of the pixel and of the next see one face.
+    joined: u32,
 }
 
-/// A block at a glance.
-#[derive(Clone, Copy)]
-struct Survey {
-    rows: [Row; ROWS],
-    /// Between a pixel's two samples, metres; means nothing where they see different faces.
-    depth: [[f32; BLOCK]; ROWS],
+impl Row {
+    const ALL: u32 = (1 << BLOCK) - 1;
+
+    fn is_sky(&self) -> bool {
+        self.hits[0] | self.hits[1] == 0
+    }
+
+    /// All samples see one face.
+    fn is_one_face(&self) -> bool {
+        self.joined == Self::ALL >> 1
+    }
+
+    /// How many pixels from one on show its face; the pixel must be `whole`.
+    fn run_from(&self, i: usize) -> usize {
+        1 + (self.joined >> i).trailing_ones() as usize
+    }
 }
 
 #[multiversion(targets("x86_64+avx2"))]
-fn survey(block: &Block) -> Survey {
-    let mut out = Survey { rows: [Row::Mixed; ROWS], depth: [[0.0; BLOCK]; ROWS] };
-    for row in 0..ROWS {
+fn survey(block: &Block) -> [Row; ROWS] {
+    let mut out = [Row::default(); ROWS];
+    for (row, out) in out.iter_mut().enumerate() {
         let (a, b) = (&block.nearness[2 * row], &block.nearness[2 * row + 1]);
         let (id_a, id_b) = (&block.face[2 * row], &block.face[2 * row + 1]);
-        let first = id_a[0];
-        let (mut others, mut misses, mut hits) = ([0_u32; BLOCK], [0_u32; BLOCK], [0_u32; BLOCK]);
+        let (mut hit_a, mut hit_b, mut same, mut next) = ([0_u32; BLOCK], [0_u32; BLOCK], [0; BLOCK], [0; BLOCK]);
         for i in 0..BLOCK {
-            others[i] = (id_a[i] ^ first) | (id_b[i] ^ first);
-            misses[i] = u32::from(a[i] <= 0.0) | u32::from(b[i] <= 0.0);
-            hits[i] = u32::from(a[i] > 0.0) | u32::from(b[i] > 0.0);
+            hit_a[i] = u32::from(a[i] > 0.0) << i;
+            hit_b[i] = u32::from(b[i] > 0.0) << i;
+            same[i] = u32::from(id_a[i] == id_b[i]) << i;
         }
-        for i in 0..BLOCK {
-            out.depth[row][i] = 2.0 / (a[i] + b[i]);
+        for i in 0..BLOCK - 1 {
+            next[i] = u32::from(id_a[i] == id_a[i + 1]) << i;
         }
-        let any = |lanes: [u32; BLOCK]| lanes.into_iter().fold(0, |all, lane| all | lane) != 0;
-        if !any(hits) {
-            out.rows[row] = Row::Sky;
-        } else if !any(misses) && !any(others) {
-            out.rows[row] = Row::Face;
-        }
+        let bits = |lanes: [u32; BLOCK]| lanes.into_iter().fold(0, |all, lane| all | lane);
+        let hits = [bits(hit_a), bits(hit_b)];
+        let whole = bits(same) & hits[0] & hits[1];
+        *out = Row { hits, whole, joined: bits(next) & whole & whole >> 1 };
     }
     out
+}
+
+/// Depths of a row of pixels, each between its two samples; mean nothing where these do not see one face.
+type Depths = [f32; 2 * BLOCK];
+
+#[inline]
+fn depths_of(block: &Block, row: usize) -> Depths {
+    let (a, b) = (&block.nearness[2 * row], &block.nearness[2 * row + 1]);
+    let mut depths = [1.0; 2 * BLOCK];
+    for i in 0..BLOCK {
+        depths[i] = 2.0 / (a[i] + b[i]);
+    }
+    depths
 }
 
 /// A block of the band.
@@ -84,24 +103,25 @@ fn survey(block: &Block) -> Survey {
 struct Tile {
     /// Its number in the buffer.
     number: usize,
-    /// Pixel row in the band, and rows and columns of it that lie in the image.
-    row_in_band: usize,
+    place: Place,
+    /// First pixel row and column, and rows and columns of it that lie in the image.
+    top: usize,
     left: usize,
     rows: usize,
     columns: usize,
-    survey: Survey,
+    survey: [Row; ROWS],
 }
 
 /// A pixel.
 #[derive(Clone, Copy)]
-struct Place {
+struct Pixel {
     column: usize,
     row: usize,
-    /// Its number in the band.
-    pixel: u32,
+    number: u32,
+    place: Place,
 }
 
-impl Place {
+impl Pixel {
     /// The middle of its samples.
     fn uv(&self) -> (f32, f32) {
         (self.column as f32 + MIDDLE_PX, self.row as f32 + MIDDLE_PX)
@@ -127,42 +147,35 @@ impl<'a> Collector<'a> {
     pub fn new(
         buffer: &'a VisibilityBuffer,
         faces: Faces<'a>,
+        painter: Painter<'a>,
         width: usize,
         height: usize,
         rays: &'a Rays,
         light: &'a Light,
     ) -> Self {
-        let mut hits = Vec::new();
-        hits.resize_with(Kind::COUNT, Vec::new);
-        Self {
-            buffer,
-            faces,
-            hits,
-            panes: Vec::new(),
-            behind: Vec::new(),
-            sky: SkyRows::new(width, height),
-            width,
-            rays,
-            light,
-        }
+        let sky = SkyRows::new(width, height, rays, light);
+        Self { buffer, faces, painter, panes: Vec::new(), sky, width }
     }
 
-    /// Collects the rows of a band; the sky goes into its colours.
-    pub fn collect_band(&mut self, first_row: usize, rgb: &mut [f32]) {
+    /// Collects the rows of a band.
+    pub fn paint_band(&mut self, first_row: usize, rows: usize) {
         let width = self.width;
-        let rows = rgb.len() / (3 * width);
+        self.painter.clear(first_row * width..(first_row + rows) * width);
         for start in (0..width).step_by(TOGETHER) {
             let mut tiles = [const { None }; TOGETHER / BLOCK * BAND / ROWS];
-            let places = (0..rows)
-                .step_by(ROWS)
-                .flat_map(|row| (start..(start + TOGETHER).min(width)).step_by(BLOCK).map(move |left| (row, left)));
-            for (tile, (row_in_band, left)) in tiles.iter_mut().zip(places) {
-                let number = (first_row + row_in_band) / ROWS * self.buffer.blocks_across + left / BLOCK;
+            // The blocks of a square one after the other: leaves share the sky's visibility there.
+            let places = (start..(start + TOGETHER).min(width))
+                .step_by(BLOCK)
+                .flat_map(|left| (0..rows).step_by(ROWS).map(move |row| (row, left)));
+            for (tile, (row, left)) in tiles.iter_mut().zip(places) {
+                let square = first_row / ROWS * self.buffer.blocks_across + left / BLOCK;
+                let number = square + row / ROWS * self.buffer.blocks_across;
                 let found = Tile {
                     number,
-                    row_in_band,
+                    place: Place { block: number as u32, square: square as u32 },
+                    top: first_row + row,
                     left,
-                    rows: (rows - row_in_band).min(ROWS),
+                    rows: (rows - row).min(ROWS),
                     columns: (width - left).min(BLOCK),
                     survey: survey(&self.buffer.solid[number]),
                 };
@@ -171,9 +184,27 @@ impl<'a> Collector<'a> {
             }
             self.faces.make_asked();
             for tile in tiles.iter().flatten() {
-                self.collect_tile(tile, first_row, rgb);
+                self.collect_tile(tile);
             }
         }
+        if !self.panes.is_empty() {
+            // Panes come after what they show.
+            self.painter.shade_all(&self.faces);
+            self.panes.sort_by_key(|(kind, ..)| *kind);
+            for (kind, behind, hit) in self.panes.drain(..) {
+                self.painter.push_pane(&self.faces, kind, &hit, behind);
+            }
+            self.painter.shade_all(&self.faces);
+        }
+        if self.faces.are_many() {
+            self.finish();
+            self.faces.forget();
+        }
+    }
+
+    /// Shades what still waits.
+    pub fn finish(&mut self) {
+        self.painter.shade_all(&self.faces);
     }
 
     /// Asks for the faces of a block.
@@ -186,27 +217,18 @@ impl<'a> Collector<'a> {
                 }
                 continue;
             }
-            match tile.survey.rows[row] {
-                Row::Sky => {}
-                Row::Face => self.faces.ask(block.face[2 * row][0]),
-                Row::Mixed => self.ask_row(block, row),
-            }
-        }
-    }
-
-    fn ask_row(&mut self, block: &Block, row: usize) {
-        let mut last = (u32::MAX, u32::MAX);
-        let [above, below] = [2 * row, 2 * row + 1];
-        for i in 0..BLOCK {
-            let two = (block.face[above][i], block.face[below][i]);
-            match (block.nearness[above][i] > 0.0, block.nearness[below][i] > 0.0) {
-                (true, true) if two != last => {
-                    last = two;
-                    self.faces.ask_two(two.0, two.1);
+            let shown = &tile.survey[row];
+            // Where something else begins.
+            let mut first = (shown.hits[0] | shown.hits[1]) & !(shown.joined << 1);
+            while first != 0 {
+                let i = first.trailing_zeros() as usize % BLOCK;
+                first &= first - 1;
+                let (a, b) = (block.face[2 * row][i], block.face[2 * row + 1][i]);
+                match shown.hits.map(|bits| bits >> i & 1) {
+                    [1, 1] => self.faces.ask_two(a, b),
+                    [1, _] => self.faces.ask(a),
+                    _ => self.faces.ask(b),
                 }
-                (true, false) => self.faces.ask(two.0),
-                (false, true) => self.faces.ask(two.1),
-                _ => {}
             }
         }
     }
@@ -216,7 +238,6 @@ impl<'a> Collector<'a> {
         for (solid, pane) in solid.into_iter().zip(panes) {
             if solid.0 > 0.0 {
                 self.faces.ask(solid.1);
-                let _ = self.faces.plant(solid.1);
             }
             if pane.0 > solid.0 {
                 self.faces.ask(pane.1);
@@ -232,138 +253,146 @@ impl<'a> Collector<'a> {
         (buffer.has_panes[tile.number] && (is_before(2 * row) || is_before(2 * row + 1))).then_some(panes)
     }
 
-    fn collect_tile(&mut self, tile: &Tile, first_row: usize, rgb: &mut [f32]) {
+    fn collect_tile(&mut self, tile: &Tile) {
         let buffer = self.buffer;
         let block = &buffer.solid[tile.number];
         for row in 0..tile.rows {
-            let row_in_band = tile.row_in_band + row;
-            let panes = self.panes_before(tile, row);
-            let mut place = Place {
-                column: tile.left,
-                row: first_row + row_in_band,
-                pixel: (row_in_band * self.width + tile.left) as u32,
-            };
-            if panes.is_none() && tile.columns == BLOCK && tile.survey.rows[row] == Row::Face {
-                self.collect_run(block.face[2 * row][0], place, &tile.survey.depth[row]);
+            let line = tile.top + row;
+            let first = line * self.width + tile.left;
+            let pixel = Pixel { column: tile.left, row: line, number: first as u32, place: tile.place };
+            if let Some(panes) = self.panes_before(tile, row) {
+                let depths = depths_of(block, row);
+                for i in 0..tile.columns {
+                    let (solid, panes) = (two(block, row, i), two(panes, row, i));
+                    if (0..2).any(|i| panes[i].0 > solid[i].0) {
+                        let pixel = Pixel { column: tile.left + i, number: (first + i) as u32, ..pixel };
+                        self.collect_behind_panes(solid, panes, pixel);
+                    } else {
+                        let _ = self.collect_pixel(block, row, tile.survey[row], i..i + 1, &depths, pixel);
+                    }
+                }
                 continue;
             }
-            for i in 0..tile.columns {
-                let solid = two(block, row, i);
-                let before = panes.map(|p| two(p, row, i)).filter(|p| (0..2).any(|i| p[i].0 > solid[i].0));
-                match before {
-                    Some(panes) => self.collect_behind_panes(solid, panes, place, rgb),
-                    None => self.collect_pixel(solid, tile.survey.depth[row][i], place, rgb),
-                }
-                place.column += 1;
-                place.pixel += 1;
+            let shown = tile.survey[row];
+            if shown.is_sky() {
+                self.sky.fill(tile.left, line, self.painter.row(first, tile.columns));
+                continue;
+            }
+            let depths = depths_of(block, row);
+            if shown.is_one_face() {
+                self.collect_run(block.face[2 * row][0], pixel, &depths, 0..tile.columns);
+                continue;
+            }
+            let mut i = 0;
+            while i < tile.columns {
+                i += self.collect_pixel(block, row, shown, i..tile.columns, &depths, pixel);
             }
         }
     }
 
-    /// Eight pixels of a row that show one face.
+    /// Neighbouring pixels of a block's row that show one face: of `first` in the first column.
     #[inline]
-    fn collect_run(&mut self, face: u32, first: Place, depth: &[f32; BLOCK]) {
-        let (u, v) = first.uv();
-        let made = self.faces.made(face);
-        let middle = BLOCK / 2;
-        let open = self.faces.open_index(&made, u + middle as f32, v, depth[middle]);
-        let hits = std::array::from_fn::<_, BLOCK, _>(|i| Hit {
-            face: made.index,
-            open,
-            pixel: first.pixel + i as u32,
-            slot: NO_SLOT,
-            weight: 1.0,
-            u: u + i as f32,
-            v,
-            depth: depth[i],
-        });
-        self.hits[made.kind as usize].extend_from_slice(&hits);
+    fn collect_run(&mut self, face: u32, first: Pixel, mean_depth: &Depths, columns: Range<usize>) {
+        let (index, kind) = self.faces.made(face);
+        let (from, count) = (columns.start, columns.len());
+        let (u, v) = ((first.column + from) as f32 + MIDDLE_PX, first.row as f32 + MIDDLE_PX);
+        let middle = count / 2;
+        let Some(depth) = mean_depth[from.min(BLOCK)..].first_chunk::<RUN>() else { return };
+        let open = self.faces.open_index(index, first.place, u + middle as f32, v, depth[middle % RUN]);
+        let hit = Hit { face: index, open, target: first.number + from as u32, weight: 1.0, u, v, depth: 0.0 };
+        self.painter.push_run(&self.faces, kind, &hit, depth, count);
     }
 
-    /// A pixel without panes: a hit for each of its faces. Leaves of one plant are shaded as one, by the first: they
-    /// differ without order.
+    /// A pixel without panes, or several that show one face: a hit for each of its faces. Faces of one plant are shaded as
+    /// one, by the first: they differ without order; so are faces that are alike. `pixel` is the one in column 0. Returns how many pixels these were.
     #[inline]
-    fn collect_pixel(&mut self, solid: Two, mean_depth: f32, place: Place, rgb: &mut [f32]) {
-        let [(nearness_a, face_a), (nearness_b, face_b)] = solid;
-        match (nearness_a > 0.0, nearness_b > 0.0) {
-            (false, false) => {
-                let color = self.sky.at(place.column, place.row, self.rays, self.light);
-                rgb[place.pixel as usize * 3..place.pixel as usize * 3 + 3].copy_from_slice(&color);
-            }
+    fn collect_pixel(
+        &mut self,
+        block: &Block,
+        row: usize,
+        shown: Row,
+        columns: Range<usize>,
+        depths: &Depths,
+        first: Pixel,
+    ) -> usize {
+        let i = columns.start % BLOCK;
+        let (a, b) = (block.face[2 * row][i], block.face[2 * row + 1][i]);
+        if shown.whole >> i & 1 == 1 {
+            let count = shown.run_from(i).min(columns.len());
+            self.collect_run(a, first, depths, i..i + count);
+            return count;
+        }
+        let pixel = Pixel { column: first.column + i, number: first.number + i as u32, ..first };
+        match (shown.hits[0] >> i & 1 == 1, shown.hits[1] >> i & 1 == 1) {
             (true, true) => {
-                let a = self.faces.made(face_a);
-                if face_a == face_b {
-                    self.collect(&a, place.pixel, NO_SLOT, 1.0, place.uv(), mean_depth);
-                    return;
-                }
-                // Where the second was not asked for, its plant is known.
-                let b = self.faces.made(face_b);
-                if a.plant == b.plant && a.plant != NO_PLANT {
-                    self.collect(&a, place.pixel, NO_SLOT, 1.0, place.sample(0), 1.0 / nearness_a);
+                if self.faces.are_of_one_plant(a, b) {
+                    self.collect(a, pixel, pixel.number, 1.0, pixel.sample(0), 1.0 / block.nearness[2 * row][i]);
+                } else if self.faces.are_alike(a, b) {
+                    self.collect(a, pixel, pixel.number, 1.0, pixel.uv(), depths[i]);
                 } else {
-                    self.collect(&a, place.pixel, NO_SLOT, 0.5, place.sample(0), 1.0 / nearness_a);
-                    self.collect(&b, place.pixel, NO_SLOT, 0.5, place.sample(1), 1.0 / nearness_b);
+                    self.collect(a, pixel, pixel.number, 0.5, pixel.sample(0), 1.0 / block.nearness[2 * row][i]);
+                    self.collect(b, pixel, pixel.number, 0.5, pixel.sample(1), 1.0 / block.nearness[2 * row + 1][i]);
                 }
             }
-            (is_first, _) => {
-                let i = usize::from(!is_first);
-                let made = self.faces.made(solid[i].1);
-                self.collect(&made, place.pixel, NO_SLOT, 0.5, place.sample(i), 1.0 / solid[i].0);
-                self.add_sky(place, rgb);
+            (false, false) => self.sky.fill(pixel.column, pixel.row, self.painter.row(pixel.number as usize, 1)),
+            (true, false) => {
+                self.collect(a, pixel, pixel.number, 0.5, pixel.sample(0), 1.0 / block.nearness[2 * row][i]);
+                self.add_sky(pixel);
+            }
+            (false, true) => {
+                self.collect(b, pixel, pixel.number, 0.5, pixel.sample(1), 1.0 / block.nearness[2 * row + 1][i]);
+                self.add_sky(pixel);
             }
         }
+        1
     }
 
     /// The sky in one sample of a pixel.
-    fn add_sky(&mut self, place: Place, rgb: &mut [f32]) {
-        let color = self.sky.at(place.column, place.row, self.rays, self.light);
-        for (sum, c) in rgb[place.pixel as usize * 3..place.pixel as usize * 3 + 3].iter_mut().zip(color) {
-            *sum += 0.5 * c;
-        }
+    fn add_sky(&mut self, pixel: Pixel) {
+        self.painter.add(pixel.number, 0.5, self.sky.at(pixel.column, pixel.row));
     }
 
+    /// A hit of one face, whose colour goes to `target`.
     #[inline]
-    fn collect(&mut self, face: &Made, pixel: u32, slot: u32, weight: f32, (u, v): (f32, f32), depth: f32) {
-        let open = self.faces.open_index(face, u, v, depth);
-        self.hits[face.kind as usize].push(Hit { face: face.index, open, pixel, slot, weight, u, v, depth });
+    fn collect(&mut self, face: u32, pixel: Pixel, target: u32, weight: f32, (u, v): (f32, f32), depth: f32) {
+        let (index, kind) = self.faces.made(face);
+        let open = self.faces.open_index(index, pixel.place, u, v, depth);
+        self.painter.push(&self.faces, kind, &Hit { face: index, open, target, weight, u, v, depth });
     }
 
     /// A pixel some of whose samples lie behind panes: sample by sample, unless both agree.
-    fn collect_behind_panes(&mut self, solid: Two, panes: Two, place: Place, rgb: &mut [f32]) {
+    fn collect_behind_panes(&mut self, solid: Two, panes: Two, pixel: Pixel) {
         let is_before = |i: usize| panes[i].0 > solid[i].0;
         let same = |two: Two| two[0].1 == two[1].1 && two[0].0 > 0.0 && two[1].0 > 0.0;
         let none = solid[0].0 <= 0.0 && solid[1].0 <= 0.0;
         if (0..2).all(is_before) && (same(solid) || none) && same(panes) {
             let mean = |two: Two| (two[0].0 + two[1].0) * 0.5;
-            self.collect_pane((mean(solid), solid[0].1), (mean(panes), panes[0].1), place, 1.0, place.uv());
+            self.collect_pane((mean(solid), solid[0].1), (mean(panes), panes[0].1), pixel, 1.0, pixel.uv());
             return;
         }
         for i in 0..2 {
-            let uv = place.sample(i);
+            let uv = pixel.sample(i);
             if is_before(i) {
-                self.collect_pane(solid[i], panes[i], place, 0.5, uv);
+                self.collect_pane(solid[i], panes[i], pixel, 0.5, uv);
             } else if solid[i].0 > 0.0 {
-                let made = self.faces.made(solid[i].1);
-                self.collect(&made, place.pixel, NO_SLOT, 0.5, uv, 1.0 / solid[i].0);
+                self.collect(solid[i].1, pixel, pixel.number, 0.5, uv, 1.0 / solid[i].0);
             } else {
-                self.add_sky(place, rgb);
+                self.add_sky(pixel);
             }
         }
     }
 
-    fn collect_pane(&mut self, solid: (f32, u32), pane: (f32, u32), place: Place, weight: f32, (u, v): (f32, f32)) {
-        let slot = self.behind.len() as u32;
-        if solid.0 > 0.0 {
-            self.behind.push([0.0; 3]);
-            let made = self.faces.made(solid.1);
-            self.collect(&made, place.pixel, slot, 1.0, (u, v), 1.0 / solid.0);
+    fn collect_pane(&mut self, solid: (f32, u32), pane: (f32, u32), pixel: Pixel, weight: f32, (u, v): (f32, f32)) {
+        let behind = if solid.0 > 0.0 {
+            let behind = self.painter.new_behind([0.0; 3]);
+            self.collect(solid.1, pixel, behind, 1.0, (u, v), 1.0 / solid.0);
+            behind
         } else {
-            self.behind.push(self.sky.at(place.column, place.row, self.rays, self.light));
-        }
+            self.painter.new_behind(self.sky.at(pixel.column, pixel.row))
+        };
         let depth = 1.0 / pane.0;
-        let face = self.faces.made(pane.1);
-        let open = self.faces.open_index(&face, u, v, depth);
-        let hit = Hit { face: face.index, open, pixel: place.pixel, slot, weight, u, v, depth };
-        self.panes.push((face.kind, hit));
+        let (face, kind) = self.faces.made(pane.1);
+        let open = self.faces.open_index(face, pixel.place, u, v, depth);
+        self.panes.push((kind, behind, Hit { face, open, target: pixel.number, weight, u, v, depth }));
     }
 }

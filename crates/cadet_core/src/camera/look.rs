@@ -191,20 +191,30 @@ impl Rays {
     }
 }
 
-/// Points all over what the camera sees, one for every fourth pixel of each row; panes apart from what stands behind.
+/// Points all over what the camera sees, one for every eight pixels; panes apart from what stands behind.
 pub(super) fn seen_points(rays: &Rays, samples: &Samples, out: &mut Vec<Vec3>) {
     out.clear();
     let buffer = &samples.0;
-    for row in (0..buffer.rows).step_by(2) {
-        // Each row begins elsewhere, so that what is upright and thin is not passed by.
-        for column in ([0, 2, 1, 3][row / 2 % 4]..buffer.columns).step_by(4) {
-            let solid = buffer.solid_pair(row, column);
-            let direction = rays.direction(column as f32, row as f32 * 0.5);
-            if solid.nearness[0] > 0.0 {
-                out.push(rays.eye + direction * (1.0 / solid.nearness[0]));
-            }
-            if let Some(pane) = buffer.pane_pair(row, column, &solid).filter(|p| p.nearness[0] > solid.nearness[0]) {
-                out.push(rays.eye + direction * (1.0 / pane.nearness[0]));
+    let across = buffer.blocks_across.max(1);
+    // Blocks look at different rows, so that what is thin is not passed by; one row is one cache line.
+    let row_of = |block_column: usize, block_row: usize| [0, 4, 2, 6][(block_column + block_row * 2) % 4];
+    let mut rows: Vec<[f32; BLOCK]> = Vec::with_capacity(across);
+    for (block_row, blocks) in buffer.solid.chunks(across).enumerate() {
+        // Read at once, so that the processor waits for many lines together.
+        rows.clear();
+        rows.extend(blocks.iter().enumerate().map(|(column, block)| block.nearness[row_of(column, block_row)]));
+        for (block_column, solid) in rows.iter().enumerate() {
+            let (number, i) = (block_row * across + block_column, row_of(block_column, block_row));
+            let panes = buffer.has_panes[number].then(|| &buffer.panes[number].nearness[i]);
+            for j in (block_row % 2..BLOCK).step_by(2) {
+                let (column, row) = (block_column * BLOCK + j, block_row * BLOCK + i);
+                let direction = rays.direction(column as f32, row as f32 * 0.5);
+                if solid[j] > 0.0 {
+                    out.push(rays.eye + direction * (1.0 / solid[j]));
+                }
+                if let Some(panes) = panes.filter(|panes| panes[j] > solid[j]) {
+                    out.push(rays.eye + direction * (1.0 / panes[j]));
+                }
             }
         }
     }

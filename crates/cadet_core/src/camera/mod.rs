@@ -1,9 +1,14 @@
 //! The camera: model and calibration, shading, sky, shadows, noise, PNG.
 
 mod ambient;
+mod block_sums;
 mod collect;
+mod contact;
 mod exposure;
+mod face;
 mod faces;
+mod hits;
+mod lanes;
 mod look;
 mod model;
 mod noise;

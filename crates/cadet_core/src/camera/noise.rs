@@ -15,7 +15,11 @@ pub const MIDDLE_PX: f32 = 0.25;
 /// KITTI's frames.
 const PSF_SIGMA_PX: f32 = 0.64;
 
-/// Blurs interleaved linear RGB by the lens's point spread, in place, moving it by `MIDDLE_PX` onto the pixels' centres.
+/// Rows that must be free before the image that is blurred: it moves up into them.
+pub const ROWS_BEFORE: usize = 2;
+
+/// Blurs interleaved linear RGB by the lens's point spread, moving it by `MIDDLE_PX` onto the pixels' centres. The image
+/// begins after `ROWS_BEFORE` rows; blurred, it begins where `rgb` does.
 ///
 /// Returns the sums over all pixels of R, G and B, of which none counts for more than `ceiling`.
 pub fn blur(rgb: &mut [f32], width: usize, height: usize, ceiling: f32) -> [f64; 3] {
@@ -28,20 +32,19 @@ pub fn blur(rgb: &mut [f32], width: usize, height: usize, ceiling: f32) -> [f64;
     if height == 0 || width == 0 {
         return total;
     }
-    // Rows above, as they were.
-    let mut above = [rgb[..stride].to_vec(), rgb[..stride].to_vec()];
+    // Above the first row it goes on.
+    for row in 0..ROWS_BEFORE {
+        rgb.copy_within(ROWS_BEFORE * stride..(ROWS_BEFORE + 1) * stride, row * stride);
+    }
     let mut padded = vec![0.0_f32; stride + 12];
     for row in 0..height {
-        let line = |r: usize| &rgb[r.min(height - 1) * stride..][..stride];
-        let [a, b] = &above;
-        blur_down(&taps, [a, b, line(row), line(row + 1), line(row + 2)], &mut padded[6..6 + stride]);
+        let line = |r: usize| &rgb[r.min(height + 1) * stride..][..stride];
+        blur_down(&taps, [0, 1, 2, 3, 4].map(|k| line(row + k)), &mut padded[6..6 + stride]);
         for i in 0..6 {
             padded[i] = padded[6 + i % 3];
             padded[6 + stride + i] = padded[3 + stride + i % 3];
         }
         let out = &mut rgb[row * stride..(row + 1) * stride];
-        above.rotate_left(1);
-        above[1].copy_from_slice(out);
         let sums = blur_across(&taps, &padded, out, ceiling);
         for (k, s) in sums.iter().enumerate() {
             total[k % 3] += f64::from(*s);
@@ -201,7 +204,9 @@ mod tests {
         let (w, h) = (40, 9);
         // Samples lie a quarter pixel right of the pixels' centres: this edge is at 19.5 + 0.25.
         let mut rgb: Vec<f32> = (0..w * h * 3).map(|i| f32::from(u8::from((i / 3) % w >= 20))).collect();
+        rgb.splice(0..0, vec![0.0; ROWS_BEFORE * w * 3]);
         let _ = blur(&mut rgb, w, h, 1.0);
+        rgb.truncate(w * h * 3);
         let row: Vec<f32> = rgb[3 * w * 3..][..w * 3].iter().step_by(3).copied().collect();
         let at = |level: f32| {
             let i = row.iter().position(|v| *v > level).unwrap();
@@ -213,7 +218,9 @@ mod tests {
 
         let mut point = vec![0.0; w * h * 3];
         point[(4 * w + 20) * 3] = 1.0;
+        point.splice(0..0, vec![0.0; ROWS_BEFORE * w * 3]);
         let sums = blur(&mut point, w, h, 1.0);
+        point.truncate(w * h * 3);
         assert!((point.iter().sum::<f32>() - 1.0).abs() < 1e-5);
         assert!((sums[0] - 1.0).abs() < 1e-5 && sums[1] == 0.0, "{sums:?}");
     }

@@ -1,26 +1,30 @@
-//! Gives what the camera's samples meet its colour: hits are collected by kind in bands of rows and shaded together.
+//! Gives what the camera's samples meet its colour: hits are collected by kind, band by band of rows, and shaded together.
 
 use super::collect::Collector;
-use super::faces::{Faces, Kind};
+use super::face::Kind;
+use super::faces::Faces;
+use super::hits::{Hit, Hits, LANES, RUN};
+use super::lanes::Lanes;
 use super::look::{Rays, Samples, View};
-use super::noise::MIDDLE_PX;
-use super::shade::{Camera, LANES, Lanes, Light, NO_SLOT};
+use super::shade::{Camera, Light};
 use crate::sense::PosedScene;
 
-/// Rows whose hits are collected before they are shaded.
+/// Rows that are collected together.
 pub(super) const BAND: usize = 8;
 
-/// Linear radiance of every pixel, interleaved RGB.
-pub fn paint(scene: &PosedScene, view: &View, rays: &Rays, light: &Light, samples: &Samples, rgb: &mut Vec<f32>) {
+/// Values that [`paint`] needs room for: those of the image, and of what lies behind the panes of a band, two samples a
+/// pixel.
+pub fn room_for(width: usize, height: usize) -> usize {
+    (height + 2 * BAND) * width * 3
+}
+
+/// Linear radiance of every pixel, interleaved RGB, into `rgb`, which has room for more; see [`room_for`].
+pub fn paint(scene: &PosedScene, view: &View, rays: &Rays, light: &Light, samples: &Samples, rgb: &mut [f32]) {
     let (width, height) = (view.width, view.height);
-    rgb.resize(width * height * 3, 0.0);
-    let faces = Faces::new(scene, view, rays, light, &samples.0.faces);
-    let mut painter = Painter {
-        collector: Collector::new(&samples.0, faces, width, height, rays, light),
-        air: vec![[0.0; 3]; width * BAND],
+    let image = width * height;
+    let painter = Painter {
+        hits: vec![Hits::NONE; Kind::COUNT],
         lanes: Box::default(),
-        width,
-        rays,
         light,
         camera: Camera {
             eye: rays.eye,
@@ -29,87 +33,112 @@ pub fn paint(scene: &PosedScene, view: &View, rays: &Rays, light: &Light, sample
             down: rays.down,
             pixel_per_m: 1.0 / view.intrinsics[0] as f32,
         },
+        first_behind: image,
+        behind: 0,
+        rgb,
     };
-    for (band, rgb) in rgb.chunks_mut(width * BAND * 3).enumerate() {
-        rgb.fill(0.0);
-        painter.paint_band(band * BAND, rgb);
+    let faces = Faces::new(scene, view, rays, light, &samples.0.faces);
+    let mut collector = Collector::new(&samples.0, faces, painter, width, height, rays, light);
+    for first_row in (0..height).step_by(BAND) {
+        collector.paint_band(first_row, (height - first_row).min(BAND));
     }
+    collector.finish();
 }
 
-struct Painter<'a> {
-    collector: Collector<'a>,
-    /// The endless air for every pixel of the band.
-    air: Vec<[f32; 3]>,
+/// Shades hits of a kind as soon as there are enough, and adds them to the picture.
+pub(super) struct Painter<'a> {
+    /// By kind.
+    hits: Vec<Hits>,
     lanes: Box<Lanes>,
-    width: usize,
-    rays: &'a Rays,
     light: &'a Light,
     camera: Camera,
+    /// Where pixels begin that have what is seen through panes, and how many there are.
+    first_behind: usize,
+    behind: usize,
+    rgb: &'a mut [f32],
 }
 
 impl Painter<'_> {
-    fn paint_band(&mut self, first_row: usize, rgb: &mut [f32]) {
-        let rows = rgb.len() / (3 * self.width);
-        for row in 0..rows {
-            self.air_of_row(row, first_row + row);
-        }
-        self.collector.collect_band(first_row, rgb);
-        let Collector { faces, hits, panes, behind, .. } = &mut self.collector;
-        let known = (faces.faces.as_slice(), faces.open.as_slice());
-        for (kind, hits) in hits.iter_mut().enumerate() {
-            for some in hits.chunks(LANES) {
-                self.lanes.shade(self.light, &self.camera, Kind::of(kind), some, known, &self.air, behind);
-                for (i, hit) in some.iter().enumerate() {
-                    let color = self.lanes.out.each_ref().map(|c| c[i]);
-                    if hit.slot == NO_SLOT {
-                        let at = hit.pixel as usize * 3;
-                        for (sum, c) in rgb[at..at + 3].iter_mut().zip(color) {
-                            *sum += hit.weight * c;
-                        }
-                    } else {
-                        for (sum, c) in behind[hit.slot as usize].iter_mut().zip(color) {
-                            *sum += hit.weight * c;
-                        }
-                    }
-                }
-            }
-            hits.clear();
-        }
-        // Panes come after what they show.
-        panes.sort_by_key(|(kind, _)| *kind);
-        for (kind, hit) in panes.drain(..) {
-            hits[kind as usize].push(hit);
-        }
-        for (kind, hits) in hits.iter_mut().enumerate() {
-            for some in hits.chunks(LANES) {
-                self.lanes.shade(self.light, &self.camera, Kind::of(kind), some, known, &self.air, behind);
-                for (i, hit) in some.iter().enumerate() {
-                    let at = hit.pixel as usize * 3;
-                    for (sum, c) in rgb[at..at + 3].iter_mut().zip(&self.lanes.out) {
-                        *sum += hit.weight * c[i];
-                    }
-                }
-            }
-            hits.clear();
-        }
-        behind.clear();
-        faces.forget_if_many();
+    /// Empties some rows' pixels and those behind panes.
+    pub fn clear(&mut self, pixels: std::ops::Range<usize>) {
+        self.rgb[pixels.start * 3..pixels.end * 3].fill(0.0);
+        self.behind = 0;
     }
 
-    /// The air changes slowly: between every 32nd pixel it is interpolated.
-    fn air_of_row(&mut self, row_in_band: usize, row: usize) {
-        const STEP: usize = 32;
-        let v = row as f32 + MIDDLE_PX;
-        let at = |column: usize| self.light.air(self.rays.direction(column as f32, v).normalize());
-        let line = &mut self.air[row_in_band * self.width..(row_in_band + 1) * self.width];
-        let mut from = at(0);
-        for (step, some) in line.chunks_mut(STEP).enumerate() {
-            let to = at((step + 1) * STEP);
-            let slope = (to - from) * (1.0 / STEP as f32);
-            for (i, pixel) in some.iter_mut().enumerate() {
-                *pixel = (from + slope * i as f32).to_array();
+    /// A pixel for what is seen through a pane.
+    pub fn new_behind(&mut self, color: [f32; 3]) -> u32 {
+        let pixel = self.first_behind + self.behind;
+        self.behind += 1;
+        self.rgb[pixel * 3..pixel * 3 + 3].copy_from_slice(&color);
+        pixel as u32
+    }
+
+    /// Colours of some pixels in a row.
+    #[inline]
+    pub fn row(&mut self, first: usize, count: usize) -> &mut [f32] {
+        &mut self.rgb[first * 3..(first + count) * 3]
+    }
+
+    /// Adds a colour to a pixel.
+    #[inline]
+    pub fn add(&mut self, pixel: u32, weight: f32, color: [f32; 3]) {
+        let at = pixel as usize * 3;
+        for (sum, c) in self.rgb[at..at + 3].iter_mut().zip(color) {
+            *sum += weight * c;
+        }
+    }
+
+    #[inline]
+    pub fn push(&mut self, faces: &Faces, kind: u32, hit: &Hit) {
+        let hits = &mut self.hits[kind as usize];
+        hits.push(hit);
+        if hits.is_full() {
+            self.shade(faces, kind as usize);
+        }
+    }
+
+    /// See [`Hits::push_run`].
+    #[inline]
+    pub fn push_run(&mut self, faces: &Faces, kind: u32, first: &Hit, depth: &[f32; RUN], count: usize) {
+        let hits = &mut self.hits[kind as usize];
+        hits.push_run(first, depth, count);
+        if hits.is_full() {
+            self.shade(faces, kind as usize);
+        }
+    }
+
+    /// A hit of a pane; what is `behind` it must be shaded.
+    pub fn push_pane(&mut self, faces: &Faces, kind: u32, hit: &Hit, behind: u32) {
+        let hits = &mut self.hits[kind as usize];
+        hits.behind[hits.count] = behind;
+        self.push(faces, kind, hit);
+    }
+
+    /// Shades all hits that wait.
+    pub fn shade_all(&mut self, faces: &Faces) {
+        for kind in 0..self.hits.len() {
+            self.shade(faces, kind);
+        }
+    }
+
+    #[inline(never)]
+    fn shade(&mut self, faces: &Faces, kind: usize) {
+        let hits = &mut self.hits[kind];
+        let n = hits.count.min(LANES);
+        if n == 0 {
+            return;
+        }
+        hits.count = 0;
+        let (hits, known) = (&self.hits[kind], (faces.faces.as_slice(), faces.open.as_slice()));
+        self.lanes.shade(self.light, &self.camera, Kind::of(kind), hits, n, known, self.rgb);
+        let [r, g, b] = &self.lanes.out;
+        let colors = r[..n].iter().zip(&g[..n]).zip(&b[..n]);
+        for ((pixel, weight), ((r, g), b)) in hits.target[..n].iter().zip(&hits.weight[..n]).zip(colors) {
+            if let Some([red, green, blue]) = self.rgb[*pixel as usize * 3..].first_chunk_mut() {
+                *red += weight * r;
+                *green += weight * g;
+                *blue += weight * b;
             }
-            from = to;
         }
     }
 }

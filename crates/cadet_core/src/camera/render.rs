@@ -5,8 +5,8 @@ use std::cell::RefCell;
 use super::ambient::SkyView;
 use super::exposure::{WHITE_BALANCE, gain_for_mean_luma, metered};
 use super::look::{Maps, Rays, Seen, View, look, seen_points};
-use super::noise::{blur, expose};
-use super::paint::paint as paint_radiance;
+use super::noise::{ROWS_BEFORE, blur, expose};
+use super::paint::{paint as paint_radiance, room_for};
 use super::shade::Light;
 use super::shadow::Shadows;
 use super::sky::Sky;
@@ -65,13 +65,16 @@ pub fn paint(scene: &PosedScene, view: &View, weather: &Weather, seen: &Seen, st
     seen_points(&rays, &seen.samples, &mut scratch.seen_world);
     let light = light_of(scene, view, weather, &scratch.seen_world, std::mem::take(&mut scratch.shadows));
     let mut rgb = std::mem::take(&mut scratch.rgb);
-    paint_radiance(scene, view, &rays, &light, &seen.samples, &mut rgb);
+    let first = ROWS_BEFORE * width * 3;
+    rgb.resize(first + room_for(width, height), 0.0);
+    paint_radiance(scene, view, &rays, &light, &seen.samples, &mut rgb[first..]);
     // Lens and housing scatter a share of the light over the whole image: shadows are never fully black.
     let sums = blur(&mut rgb, width, height, 2.0 * light.sky.sky_on_level.y);
+    let blurred = &rgb[..width * height * 3];
     let veil = sums.map(|s| (f64::from(VEILING_GLARE) * s / (width * height) as f64) as f32);
     let target = stream.clipped_normal(MEAN_LUMA.0, MEAN_LUMA.1) as f32;
-    let gain = gain_for_mean_luma(&metered(&rgb, veil, 19), target, 1);
-    let image = expose(&rgb, width, height, veil, WHITE_BALANCE.map(|g| g * gain), stream);
+    let gain = gain_for_mean_luma(&metered(blurred, veil, 37), target, 1);
+    let image = expose(blurred, width, height, veil, WHITE_BALANCE.map(|g| g * gain), stream);
     let shadows = light.shadows.map(Shadows::into_buffers).unwrap_or_default();
     SCRATCH.set(Scratch { rgb, shadows, ..scratch });
     image

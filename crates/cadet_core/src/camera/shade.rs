@@ -6,9 +6,11 @@
 use multiversion::multiversion;
 
 use super::ambient::SkyView;
-use super::faces::{Face, Flags, Kind};
+use super::face::{Flags, Kind};
+use super::hits::{Hits, LANES};
+use super::lanes::{Lanes, get, put};
 use super::pattern::{self, PatternPoint};
-use super::shadow::{Asked, Shadows};
+use super::shadow::Shadows;
 use super::sky::Sky;
 use crate::material::Pattern;
 use crate::math::Vec3;
@@ -49,6 +51,7 @@ impl Light {
     }
 
     /// The air between: haze, fog, rain.
+    #[inline(always)]
     #[must_use]
     pub fn through_air(&self, radiance: Vec3, view_world: Vec3, distance_m: f32) -> Vec3 {
         let t = clear_share(self.extinction_per_m, distance_m);
@@ -56,7 +59,7 @@ impl Light {
     }
 
     /// Radiance of the air along a view, were it endless.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn air(&self, view_world: Vec3) -> Vec3 {
         self.sky.radiance(Vec3::new(view_world.x, view_world.y, view_world.z.max(0.02))) * 0.8
@@ -71,91 +74,6 @@ fn clear_share(extinction_per_m: f32, distance_m: f32) -> f32 {
     t *= t;
     t *= t;
     t * t
-}
-
-/// Hits that are shaded together.
-pub const LANES: usize = 128;
-/// A few more than are used: arrays a power of two apart would share the sets of the cache.
-const STRIDE: usize = LANES + 16;
-type Lane = [f32; STRIDE];
-type Lane3 = [Lane; 3];
-
-/// One hit to be shaded: samples of a pixel that show the same face.
-#[derive(Debug, Clone, Copy)]
-pub struct Hit {
-    /// Index of the face.
-    pub face: u32,
-    /// Index of the sky's visibility.
-    pub open: u32,
-    /// Index of the pixel in the band.
-    pub pixel: u32,
-    /// Where the colour is kept of what is seen through a pane; `NO_SLOT` without one.
-    pub slot: u32,
-    /// Share of the pixel.
-    pub weight: f32,
-    /// Image point.
-    pub u: f32,
-    /// Image point.
-    pub v: f32,
-    /// Along the optical axis, metres.
-    pub depth: f32,
-}
-
-/// No pane before a hit.
-pub const NO_SLOT: u32 = u32::MAX;
-
-/// Hits of one kind, lane by lane: what is known of them, and what is found.
-pub struct Lanes {
-    u: Lane,
-    v: Lane,
-    depth: Lane,
-    origin: Lane3,
-    face_normal: Lane3,
-    axis_u: Lane3,
-    axis_v: Lane3,
-    at_origin: [Lane; 2],
-    normal_ab: Lane3,
-    normal_ac: Lane3,
-    to_b: Lane3,
-    to_c: Lane3,
-    specular: Lane,
-    roughness: Lane,
-    transmission: Lane,
-    face_hash: [u32; STRIDE],
-    place_hash: [u32; STRIDE],
-    flags: [u32; STRIDE],
-    open: [Lane; 6],
-    air: Lane3,
-    behind: Lane3,
-    /// Unit vectors from the eye.
-    view: Lane3,
-    /// Relative to the eye.
-    point: Lane3,
-    distance_m: Lane,
-    footprint_m: Lane,
-    texture: [Lane; 2],
-    /// At first of the first corner, then the unit shading normal.
-    normal: Lane3,
-    cos_sun: Lane,
-    cos_face: Lane,
-    is_asked: [bool; STRIDE],
-    lit: Lane,
-    near: Lane,
-    /// At first of the material, then of the place.
-    albedo: Lane3,
-    metal: Lane3,
-    /// The radiance that arrives at the camera.
-    pub out: Lane3,
-}
-
-#[inline(always)]
-fn get<const N: usize>(lanes: &[[f32; N]; 3], i: usize) -> Vec3 {
-    Vec3::new(lanes[0][i], lanes[1][i], lanes[2][i])
-}
-
-#[inline(always)]
-fn put<const N: usize>(lanes: &mut [[f32; N]; 3], i: usize, v: Vec3) {
-    (lanes[0][i], lanes[1][i], lanes[2][i]) = (v.x, v.y, v.z);
 }
 
 /// The same for all hits of an image.
@@ -173,244 +91,62 @@ pub struct Camera {
     pub pixel_per_m: f32,
 }
 
-impl Default for Lanes {
-    fn default() -> Self {
-        const O: Lane = [0.0; STRIDE];
-        const O3: Lane3 = [O; 3];
-        Self {
-            u: O,
-            v: O,
-            depth: O,
-            origin: O3,
-            face_normal: O3,
-            axis_u: O3,
-            axis_v: O3,
-            at_origin: [O; 2],
-            normal_ab: O3,
-            normal_ac: O3,
-            to_b: O3,
-            to_c: O3,
-            specular: O,
-            roughness: O,
-            transmission: O,
-            face_hash: [0; STRIDE],
-            place_hash: [0; STRIDE],
-            flags: [0; STRIDE],
-            open: [O; 6],
-            air: O3,
-            behind: O3,
-            view: O3,
-            point: O3,
-            distance_m: O,
-            footprint_m: O,
-            texture: [O; 2],
-            normal: O3,
-            cos_sun: O,
-            cos_face: O,
-            is_asked: [false; STRIDE],
-            lit: O,
-            near: O,
-            albedo: O3,
-            metal: O3,
-            out: O3,
-        }
-    }
-}
-
-impl Lanes {
-    /// Shades up to `LANES` hits of one kind; the outcome is in `out`.
-    ///
-    /// `air`: red, green and blue of the endless air for each pixel; `behind`: the colours behind panes.
-    pub fn shade(
-        &mut self,
-        light: &Light,
-        camera: &Camera,
-        kind: Kind,
-        hits: &[Hit],
-        (faces, open): (&[Face], &[[f32; 8]]),
-        air: &[[f32; 3]],
-        behind: &[[f32; 3]],
-    ) {
-        let n = hits.len().min(LANES);
-        self.gather(kind, hits, (faces, open), air, behind);
-        // Whole registers: what is left in the lanes beyond is nobody's.
-        let m = n.next_multiple_of(16);
-        geometry(self, m, camera, light.sky.sun_world, kind.is_smooth);
-        self.cast_shadows(light, camera.eye, kind, n);
-        if kind.is_pane {
-            pane(self, m, &light.sky);
-        } else {
-            texture(self, m, kind.pattern);
-            if light.snow > 0.0 {
-                snow(self, m, camera.eye, light.snow);
-            }
-            let wetness = light.wetness;
-            diffuse(self, m, &light.sky, kind.pattern == Pattern::Leaves, wetness);
-            if kind.is_glossy {
-                gloss(self, m, &light.sky, camera.eye, wetness);
-            }
-        }
-        through_air(self, m, light.extinction_per_m);
-    }
-
-    fn gather(
-        &mut self,
-        kind: Kind,
-        hits: &[Hit],
-        (faces, open): (&[Face], &[[f32; 8]]),
-        air: &[[f32; 3]],
-        behind: &[[f32; 3]],
-    ) {
-        let hits = &hits[..hits.len().min(LANES)];
-        gather_faces(self, kind, hits, faces);
-        gather_open(self, hits, open);
-        for (i, hit) in hits.iter().enumerate() {
-            (self.u[i], self.v[i], self.depth[i]) = (hit.u, hit.v, hit.depth);
-            put(&mut self.air, i, air[hit.pixel as usize].into());
-        }
-        if kind.is_pane {
-            for (i, hit) in hits.iter().enumerate() {
-                put(&mut self.behind, i, behind[hit.slot as usize].into());
-            }
-        }
-    }
-
-    /// Looks up what the sun's shadows and the cars near by leave.
-    fn cast_shadows(&mut self, light: &Light, eye: Vec3, kind: Kind, n: usize) {
-        let is_leaf = kind.pattern == Pattern::Leaves;
-        for i in 0..LANES {
-            let faces_sun = (self.cos_face[i] > 0.0) & ((self.cos_sun[i] > 0.0) | kind.is_pane);
-            self.is_asked[i] = (i < n) & (is_leaf | faces_sun);
-        }
-        match &light.shadows {
-            Some(shadows) if self.is_asked.contains(&true) => {
-                let asked = Asked {
-                    points: &self.point,
-                    normals: &self.face_normal,
-                    cos_sun: &self.cos_face,
-                    is_asked: &self.is_asked,
-                    count: n,
-                };
-                shadows.sunlit(eye, &asked, &mut self.lit);
-            }
-            _ => self.lit.fill(0.0),
-        }
-        for i in 0..n {
-            self.is_asked[i] = self.flags[i] & Flags::CONTACT > 0;
-        }
-        light.sky_view.contact(eye, &self.point, &self.is_asked, n, &mut self.near);
-    }
-}
-
-/// Lanes that are filled together: neighbours often show one face.
-const RUN: usize = 8;
-
-/// The lanes from `start` on; those that are nobody's yet are filled again when their turn comes.
-#[inline(always)]
-fn run<T: Copy, const N: usize>(lane: &mut [T; N], start: usize, value: T) {
-    if let Some(run) = lane[start..].first_chunk_mut::<RUN>() {
-        *run = [value; RUN];
-    }
-}
-
-#[inline(always)]
-fn run3(lanes: &mut Lane3, start: usize, value: Vec3) {
-    let [x, y, z] = lanes;
-    run(x, start, value.x);
-    run(y, start, value.y);
-    run(z, start, value.z);
-}
-
-/// How many of the first hits, at most `RUN`, agree in something with the first of them.
-#[inline(always)]
-fn run_of(hits: &[Hit], of: impl Fn(&Hit) -> u32) -> usize {
-    hits.iter().take(RUN).take_while(|hit| of(hit) == of(&hits[0])).count()
-}
-
-#[multiversion(targets("x86_64+avx2"))]
-fn gather_faces(l: &mut Lanes, kind: Kind, hits: &[Hit], faces: &[Face]) {
-    let mut i = 0;
-    while i < hits.len().min(LANES) {
-        let face = &faces[hits[i].face as usize];
-        run3(&mut l.origin, i, face.origin);
-        run3(&mut l.face_normal, i, face.face_normal);
-        run3(&mut l.normal, i, face.normal);
-        if kind.is_smooth {
-            run3(&mut l.normal_ab, i, face.normal_ab);
-            run3(&mut l.normal_ac, i, face.normal_ac);
-            run3(&mut l.to_b, i, face.to_b);
-            run3(&mut l.to_c, i, face.to_c);
-        }
-        if kind.pattern != Pattern::Plain {
-            run3(&mut l.axis_u, i, face.axes[0]);
-            run3(&mut l.axis_v, i, face.axes[1]);
-            run(&mut l.at_origin[0], i, face.at_origin[0]);
-            run(&mut l.at_origin[1], i, face.at_origin[1]);
-        }
-        if kind.pattern == Pattern::Leaves {
-            run(&mut l.face_hash, i, face.face_hash);
-            run(&mut l.place_hash, i, face.place_hash);
-        }
-        run3(&mut l.albedo, i, face.albedo);
-        if kind.is_glossy || kind.is_pane {
-            run3(&mut l.metal, i, face.albedo);
-            run(&mut l.specular, i, face.specular);
-            run(&mut l.roughness, i, face.roughness);
-            run(&mut l.transmission, i, face.transmission);
-        }
-        run(&mut l.flags, i, face.flags);
-        i += run_of(&hits[i..], |hit| hit.face);
-    }
-}
-
-#[multiversion(targets("x86_64+avx2"))]
-fn gather_open(l: &mut Lanes, hits: &[Hit], open: &[[f32; 8]]) {
-    let mut i = 0;
-    while i < hits.len().min(LANES) {
-        for (lane, o) in l.open.iter_mut().zip(&open[hits[i].open as usize]) {
-            run(lane, i, *o);
-        }
-        i += run_of(&hits[i..], |hit| hit.open);
-    }
-}
-
 /// Where the hits are, how the surfaces lie there, and the sun to them.
 #[multiversion(targets("x86_64+avx2"))]
-fn geometry(l: &mut Lanes, m: usize, camera: &Camera, sun: Vec3, is_smooth: bool) {
-    for i in 0..m.min(LANES) {
-        let direction = camera.corner + camera.right * l.u[i] + camera.down * l.v[i];
+pub(super) fn geometry(l: &mut Lanes, hits: &Hits, m: usize, camera: &Camera, sun: Vec3, kind: Kind) {
+    let m = m.min(LANES);
+    for i in 0..m {
+        let direction = camera.corner + camera.right * hits.u[i] + camera.down * hits.v[i];
         let length = direction.dot(direction).sqrt();
-        let point = direction * l.depth[i];
-        let view = direction * (1.0 / length);
-        put(&mut l.view, i, view);
+        let point = direction * hits.depth[i];
+        put(&mut l.view, i, direction * (1.0 / length));
         put(&mut l.point, i, point);
-        l.distance_m[i] = l.depth[i] * length;
-        let d = point - get(&l.origin, i);
-        l.texture[0][i] = d.dot(get(&l.axis_u, i)) + l.at_origin[0][i];
-        l.texture[1][i] = d.dot(get(&l.axis_v, i)) + l.at_origin[1][i];
-        let face_normal = get(&l.face_normal, i);
-        let cos_view = view.dot(face_normal).abs().max(0.02);
-        l.footprint_m[i] = l.depth[i] * camera.pixel_per_m / cos_view.sqrt();
-        l.cos_face[i] = face_normal.dot(sun);
+        l.distance_m[i] = hits.depth[i] * length;
+        l.cos_face[i] = get(&l.face_normal, i).dot(sun);
     }
-    if is_smooth {
-        for i in 0..m.min(LANES) {
-            let d = get(&l.point, i) - get(&l.origin, i);
-            let wb = d.dot(get(&l.to_b, i)).clamp(0.0, 1.0);
-            let wc = d.dot(get(&l.to_c, i)).max(0.0).min(1.0 - wb);
+    if kind.pattern != Pattern::Plain {
+        for i in 0..m {
+            let cos_view = get(&l.view, i).dot(get(&l.face_normal, i)).abs().max(0.02);
+            l.footprint_m[i] = hits.depth[i] * camera.pixel_per_m / cos_view.sqrt();
+        }
+        let [across, down] = [camera.right.normalize(), camera.down.normalize()];
+        if kind.pattern == Pattern::Leaves {
+            for i in 0..m {
+                let point = get(&l.point, i);
+                l.texture[0][i] = point.dot(across) + l.at_eye[0][i];
+                l.texture[1][i] = point.dot(down) + l.at_eye[1][i];
+            }
+        } else {
+            for i in 0..m {
+                let point = get(&l.point, i);
+                l.texture[0][i] = point.dot(get(&l.axis_u, i)) + l.at_eye[0][i];
+                l.texture[1][i] = point.dot(get(&l.axis_v, i)) + l.at_eye[1][i];
+            }
+        }
+    }
+    if kind.is_flat() {
+        l.normal = l.face_normal;
+        l.cos_sun = l.cos_face;
+        return;
+    }
+    if kind.is_smooth {
+        for i in 0..m {
+            let point = get(&l.point, i);
+            let wb = (point.dot(get(&l.to_b, i)) + l.weights_at_eye[0][i]).clamp(0.0, 1.0);
+            let wc = (point.dot(get(&l.to_c, i)) + l.weights_at_eye[1][i]).max(0.0).min(1.0 - wb);
             let normal = get(&l.normal, i) + get(&l.normal_ab, i) * wb + get(&l.normal_ac, i) * wc;
             let scale = 1.0 / normal.dot(normal).max(1e-20).sqrt();
             put(&mut l.normal, i, normal * scale);
         }
     }
-    for i in 0..m.min(LANES) {
+    for i in 0..m {
         l.cos_sun[i] = get(&l.normal, i).dot(sun);
     }
 }
 
 /// The albedo, by the kind's texture.
 #[multiversion(targets("x86_64+avx2"))]
-fn texture(l: &mut Lanes, m: usize, pattern: Pattern) {
+pub(super) fn texture(l: &mut Lanes, m: usize, pattern: Pattern) {
     macro_rules! fill {
         ($($of:ident),*) => {
             match pattern {
@@ -435,7 +171,7 @@ fn texture(l: &mut Lanes, m: usize, pattern: Pattern) {
 }
 
 #[multiversion(targets("x86_64+avx2"))]
-fn snow(l: &mut Lanes, m: usize, eye: Vec3, snow: f32) {
+pub(super) fn snow(l: &mut Lanes, m: usize, eye: Vec3, snow: f32) {
     for i in 0..m.min(LANES) {
         let (x, y) = (l.point[0][i] + eye.x, l.point[1][i] + eye.y);
         let drift = pattern::value_noise(x * 0.6, y * 0.6, 0x5E0);
@@ -450,14 +186,18 @@ fn snow(l: &mut Lanes, m: usize, eye: Vec3, snow: f32) {
 
 /// The light that a matt surface sends.
 #[multiversion(targets("x86_64+avx2"))]
-fn diffuse(l: &mut Lanes, m: usize, sky: &Sky, is_leaf: bool, wetness: f32) {
+pub(super) fn diffuse(l: &mut Lanes, m: usize, sky: &Sky, kind: Kind, wetness: f32) {
+    let is_leaf = kind.pattern == Pattern::Leaves;
+    if !kind.is_flat() {
+        for i in 0..m.min(LANES) {
+            let open = std::array::from_fn(|k| l.open[k][i]);
+            let around = sky.all_around(get(&l.normal, i), &open);
+            (l.around[0][i], l.around[1][i], l.around[2][i]) = (around.x, around.y, around.z);
+        }
+    }
     for i in 0..m.min(LANES) {
         let normal = get(&l.normal, i);
-        let open = [l.open[0][i], l.open[1][i], l.open[2][i], l.open[3][i], l.open[4][i], l.open[5][i]];
-        // What hides the sky sends some light itself, from sunlit walls and ground.
-        let mean_open = (open[0] + open[1] + open[2] + open[3] + open[4]) * 0.2;
-        let from_around = sky.ground * (0.60 * (1.0 - mean_open));
-        let ambient = (sky.ambient(normal, &open) + from_around) * l.near[i];
+        let ambient = get(&l.around, i) * l.near[i];
         let cos_sun = l.cos_sun[i];
         let facing = cos_sun.max(0.0);
         let direct = if is_leaf {
@@ -475,7 +215,7 @@ fn diffuse(l: &mut Lanes, m: usize, sky: &Sky, is_leaf: bool, wetness: f32) {
 
 /// Adds what a coat or a film of water mirrors.
 #[multiversion(targets("x86_64+avx2"))]
-fn gloss(l: &mut Lanes, m: usize, sky: &Sky, eye: Vec3, wetness: f32) {
+pub(super) fn gloss(l: &mut Lanes, m: usize, sky: &Sky, eye: Vec3, wetness: f32) {
     for i in 0..m.min(LANES) {
         let (view, normal) = (get(&l.view, i), get(&l.normal, i));
         let (x, y) = (l.point[0][i] + eye.x, l.point[1][i] + eye.y);
@@ -507,7 +247,7 @@ fn gloss(l: &mut Lanes, m: usize, sky: &Sky, eye: Vec3, wetness: f32) {
 
 /// A pane with what is seen through it.
 #[multiversion(targets("x86_64+avx2"))]
-fn pane(l: &mut Lanes, m: usize, sky: &Sky) {
+pub(super) fn pane(l: &mut Lanes, m: usize, sky: &Sky) {
     for i in 0..m.min(LANES) {
         let (view, normal) = (get(&l.view, i), get(&l.normal, i));
         let cos_view = (-view.dot(normal)).clamp(0.0, 1.0);
@@ -527,11 +267,11 @@ fn pane(l: &mut Lanes, m: usize, sky: &Sky) {
 }
 
 #[multiversion(targets("x86_64+avx2"))]
-fn through_air(l: &mut Lanes, m: usize, extinction_per_m: f32) {
+pub(super) fn through_air(l: &mut Lanes, m: usize, light: &Light) {
     for i in 0..m.min(LANES) {
-        let air = 1.0 - clear_share(extinction_per_m, l.distance_m[i]);
+        let air = 1.0 - clear_share(light.extinction_per_m, l.distance_m[i]);
         let left = get(&l.out, i);
-        put(&mut l.out, i, left + (get(&l.air, i) - left) * air);
+        put(&mut l.out, i, left + (light.air(get(&l.view, i)) - left) * air);
     }
 }
 

@@ -1,9 +1,10 @@
 //! The sun, the sky and the light that falls from them: linear RGB, in units in which a white matt surface square to
 //! the clear sun shines with about 1.
 
+use multiversion::multiversion;
+
 use super::look::Rays;
 use super::noise::MIDDLE_PX;
-use super::paint::BAND;
 use super::pattern::fbm;
 use super::shade::Light;
 use crate::math::{self, Vec3};
@@ -107,23 +108,29 @@ impl Sky {
     }
 
     /// The sky as the camera sees it: with clouds.
+    #[inline(always)]
     #[must_use]
     pub fn visible_radiance(&self, direction: Vec3) -> Vec3 {
         let base = self.radiance(direction);
-        if direction.z < 0.0 {
-            return base;
-        }
-        let over = 1.0 / (direction.z + 0.12);
+        let up = direction.z.max(0.0);
+        let over = 1.0 / (up + 0.12);
         let (x, y) = (direction.x * over, direction.y * over);
         let puffs = fbm(x * 1.3 + 40.0, y * 1.3 - 17.0, 4, 0x51C7);
-        if self.overcast > 0.9 {
-            return base * (0.88 + 0.24 * puffs);
-        }
-        let from = 0.80 - 0.55 * self.cloudiness;
-        let cover = ((puffs - from) * 4.0).clamp(0.0, 1.0) * (direction.z * 8.0).min(1.0) * 0.85;
-        let lit = self.sky_on_level * 1.1 + self.sun * 0.16;
-        let white = Vec3::splat(lit.y) * (0.9 + 0.2 * puffs);
-        base + (white - base).max(Vec3::ZERO) * cover
+        let sky = if self.overcast > 0.9 {
+            base * (0.88 + 0.24 * puffs)
+        } else {
+            let from = 0.80 - 0.55 * self.cloudiness;
+            let cover = ((puffs - from) * 4.0).clamp(0.0, 1.0) * (up * 8.0).min(1.0) * 0.85;
+            let lit = self.sky_on_level * 1.1 + self.sun * 0.16;
+            let white = Vec3::splat(lit.y) * (0.9 + 0.2 * puffs);
+            base + (white - base).max(Vec3::ZERO) * cover
+        };
+        let is_up = direction.z >= 0.0;
+        Vec3::new(
+            if is_up { sky.x } else { base.x },
+            if is_up { sky.y } else { base.y },
+            if is_up { sky.z } else { base.z },
+        )
     }
 
     /// Light of sky and ground on a surface, by its unit normal and its openness.
@@ -141,6 +148,14 @@ impl Sky {
             + self.cube[5] * (square(-n.z) * open[5])
     }
 
+    /// As [`Sky::ambient`], with what comes from that which hides the sky: sunlit walls and ground.
+    #[inline(always)]
+    #[must_use]
+    pub fn all_around(&self, normal: Vec3, open: &[f32; 6]) -> Vec3 {
+        let mean_open = (open[0] + open[1] + open[2] + open[3] + open[4]) * 0.2;
+        self.ambient(normal, open) + self.ground * (0.60 * (1.0 - mean_open))
+    }
+
     /// Cosine-weighted mean radiance about a normal, by a fixed spiral of directions.
     fn irradiance(&self, normal: Vec3) -> Vec3 {
         const N: usize = 1024;
@@ -156,80 +171,105 @@ impl Sky {
     }
 }
 
-/// The sky in the image, row by row, from a coarse lattice: clouds are smooth over so few pixels.
-pub struct SkyRows {
+/// The sky in the image, from a coarse lattice: clouds are smooth over so few pixels.
+pub struct SkyRows<'a> {
+    rays: &'a Rays,
+    light: &'a Light,
     /// Points of the lattice along a row.
     points: usize,
     /// Rows of the lattice, made when they are asked for.
     lattice: Vec<Vec<Vec3>>,
-    /// Interleaved colours of the pixels of a band's rows, and which rows they are.
-    colors: [Vec<f32>; BAND],
-    rows: [usize; BAND],
+    /// Rows of the image that come near the horizon: the lattice is too coarse for its edge.
+    has_horizon: Vec<bool>,
 }
 
-impl SkyRows {
-    /// Pixels between the lattice's points.
-    const STEP: usize = 4;
+/// Pixels between the lattice's points.
+const STEP: usize = 4;
+/// Sine of an elevation: what is nearer to the horizon is not interpolated.
+const NEAR_HORIZON: f32 = 0.015;
 
+impl<'a> SkyRows<'a> {
     /// No row yet.
     #[must_use]
-    pub fn new(width: usize, height: usize) -> Self {
+    pub fn new(width: usize, height: usize, rays: &'a Rays, light: &'a Light) -> Self {
+        let has_horizon = |row: usize| {
+            // Linear in the column.
+            let [a, b] = [0.0, width as f32].map(|u| rays.direction(u, row as f32 + MIDDLE_PX).z);
+            a.min(b) < NEAR_HORIZON && a.max(b) > -NEAR_HORIZON
+        };
         Self {
-            points: width / Self::STEP + 2,
-            lattice: vec![Vec::new(); height / Self::STEP + 2],
-            colors: std::array::from_fn(|_| vec![0.0; width * 3]),
-            rows: [usize::MAX; BAND],
+            rays,
+            light,
+            points: width / STEP + 2,
+            lattice: vec![Vec::new(); height / STEP + 2],
+            has_horizon: (0..height).map(has_horizon).collect(),
         }
     }
 
-    /// The colour of a pixel. Rows are best asked for band by band.
+    /// The colour of a pixel.
     #[inline]
-    pub fn at(&mut self, column: usize, row: usize, rays: &Rays, light: &Light) -> [f32; 3] {
-        if row != self.rows[row % BAND] {
-            self.fill(row, rays, light);
+    pub fn at(&mut self, column: usize, row: usize) -> [f32; 3] {
+        let mut color = [0.0; 3];
+        self.fill(column, row, &mut color);
+        color
+    }
+
+    /// Colours of pixels side by side, interleaved.
+    #[inline]
+    pub fn fill(&mut self, column: usize, row: usize, colors: &mut [f32]) {
+        let above = row / STEP;
+        if self.lattice[above].is_empty() || self.lattice[above + 1].is_empty() {
+            self.make(above);
         }
-        let rgb = &self.colors[row % BAND][column * 3..column * 3 + 3];
-        [rgb[0], rgb[1], rgb[2]]
+        let down = (row % STEP) as f32 / STEP as f32;
+        let (a, b) = (&self.lattice[above], &self.lattice[above + 1]);
+        for (column, pixel) in (column..).zip(colors.chunks_exact_mut(3)) {
+            let (k, across) = (column / STEP, (column % STEP) as f32 / STEP as f32);
+            let (from, to) = (a[k] + (b[k] - a[k]) * down, a[k + 1] + (b[k + 1] - a[k + 1]) * down);
+            pixel.copy_from_slice(&(from + (to - from) * across).to_array());
+        }
+        if self.has_horizon[row] {
+            let v = row as f32 + MIDDLE_PX;
+            for (column, pixel) in (column..).zip(colors.chunks_exact_mut(3)) {
+                let u = column as f32 + MIDDLE_PX;
+                if self.rays.direction(u, v).z.abs() < NEAR_HORIZON {
+                    pixel.copy_from_slice(&exact(self.light, self.rays.direction(u, v)).to_array());
+                }
+            }
+        }
     }
 
     #[cold]
-    fn fill(&mut self, row: usize, rays: &Rays, light: &Light) {
-        self.rows[row % BAND] = row;
-        let v = row as f32 + MIDDLE_PX;
-        let (above, share) = (row / Self::STEP, (row % Self::STEP) as f32 / Self::STEP as f32);
+    fn make(&mut self, above: usize) {
+        let mut planes = [const { Vec::new() }; 3];
+        planes.iter_mut().for_each(|plane: &mut Vec<f32>| plane.resize(self.points, 0.0));
         for line in [above, above + 1] {
-            if self.lattice[line].is_empty() {
-                let v = (line * Self::STEP) as f32 + MIDDLE_PX;
-                let at = |k: usize| exact(rays, light, (k * Self::STEP) as f32 + MIDDLE_PX, v);
-                self.lattice[line] = (0..self.points).map(at).collect();
-            }
-        }
-        let (a, b) = (&self.lattice[above], &self.lattice[above + 1]);
-        let colors = &mut self.colors[row % BAND];
-        for (k, some) in colors.chunks_mut(3 * Self::STEP).enumerate() {
-            let (from, to) = (a[k] + (b[k] - a[k]) * share, a[k + 1] + (b[k + 1] - a[k + 1]) * share);
-            let slope = (to - from) * (1.0 / Self::STEP as f32);
-            for (i, pixel) in some.chunks_exact_mut(3).enumerate() {
-                pixel.copy_from_slice(&(from + slope * i as f32).to_array());
-            }
-        }
-        // The lattice is too coarse for the edge at the horizon.
-        for (column, pixel) in colors.chunks_exact_mut(3).enumerate() {
-            let u = column as f32 + MIDDLE_PX;
-            if rays.direction(u, v).z < 0.015 && rays.direction(u, v).z > -0.015 {
-                pixel.copy_from_slice(&exact(rays, light, u, v).to_array());
-            }
+            let first = self.rays.direction(MIDDLE_PX, (line * STEP) as f32 + MIDDLE_PX);
+            let [red, green, blue] = &mut planes;
+            exact_row(self.light, first, self.rays.right * STEP as f32, [red, green, blue]);
+            let [red, green, blue] = &planes;
+            self.lattice[line] = red.iter().zip(green).zip(blue).map(|((r, g), b)| Vec3::new(*r, *g, *b)).collect();
         }
     }
 }
 
-/// The sky's radiance in an image point.
-fn exact(rays: &Rays, light: &Light, u: f32, v: f32) -> Vec3 {
-    let view_world = rays.direction(u, v).normalize();
+/// The sky's radiance in a direction in which the camera looks.
+#[inline(always)]
+fn exact(light: &Light, direction: Vec3) -> Vec3 {
+    let view_world = direction * (1.0 / direction.dot(direction).sqrt());
     let radiance = light.sky.visible_radiance(view_world);
     // Fog hides the sky as it hides what is far.
     let fog = light.extinction_per_m > 0.004;
     if fog { light.through_air(radiance, view_world, 400.0) } else { radiance }
+}
+
+/// [`exact`] in a row of directions, plane by plane.
+#[multiversion(targets("x86_64+avx2"))]
+fn exact_row(light: &Light, first: Vec3, step: Vec3, [red, green, blue]: [&mut [f32]; 3]) {
+    for (i, ((r, g), b)) in red.iter_mut().zip(green).zip(blue).enumerate() {
+        let color = exact(light, first + step * (i as i32 as f32));
+        (*r, *g, *b) = (color.x, color.y, color.z);
+    }
 }
 
 #[cfg(test)]

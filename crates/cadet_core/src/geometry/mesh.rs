@@ -4,6 +4,7 @@ use std::ops::Deref;
 use std::sync::{Arc, LazyLock};
 
 use super::cluster::{Cluster, clusters_of};
+use super::columns::{Column, LazyColumns};
 use crate::error::{Error, Result};
 use crate::math::Vec3;
 
@@ -68,6 +69,7 @@ pub struct Mesh {
     pub bounds: Bounds,
     /// The same faces in small groups.
     pub clusters: Vec<Cluster>,
+    columns: LazyColumns,
 }
 
 impl Mesh {
@@ -97,7 +99,13 @@ impl Mesh {
         }
         let bounds = Bounds::of(vertices.iter().copied());
         let clusters = clusters_of(&vertices, &faces, &slots, &bounds);
-        Ok(Self { vertices, normals, faces, slots, bounds, clusters })
+        Ok(Self { vertices, normals, faces, slots, bounds, clusters, columns: LazyColumns::default() })
+    }
+
+    /// Where a cluster has surfaces, seen from above; found at the first question.
+    #[must_use]
+    pub fn columns_of(&self, cluster: usize) -> &[Column] {
+        self.columns.of(&self.clusters, cluster)
     }
 
     /// The same mesh, faces and vertices renumbered along the clusters, so that who walks a cluster reads memory in
@@ -124,13 +132,13 @@ impl Mesh {
         if bounds != self.bounds {
             // Vertices that no face has are gone, and with them the grid that faces were sorted by.
             let clusters = clusters_of(&vertices, &faces, &slots, &bounds);
-            return Self { vertices, normals, faces, slots, bounds, clusters };
+            return Self { vertices, normals, faces, slots, bounds, clusters, columns: LazyColumns::default() };
         }
         let mut clusters = self.clusters;
         for (number, face) in (0..).zip(clusters.iter_mut().flat_map(|c| &mut c.faces)) {
             *face = number;
         }
-        Self { vertices, normals, faces, slots, bounds, clusters }
+        Self { vertices, normals, faces, slots, bounds, clusters, columns: LazyColumns::default() }
     }
 }
 

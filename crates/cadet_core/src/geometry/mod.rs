@@ -2,11 +2,13 @@
 
 mod closed;
 mod cluster;
+mod columns;
 mod lanes;
 mod mesh;
 mod mesh_builder;
 
 pub use cluster::{CLUSTER_FACES, Cluster, clusters_of, slot_bit};
+pub use columns::Column;
 pub use lanes::{LANES, Lanes, lanes_of};
 pub use mesh::{Bounds, LazyMesh, LodSet, Mesh};
 pub use mesh_builder::MeshBuilder;

@@ -1,0 +1,203 @@
+//! What vehicles and people leave of the sky's light to the ground under and beside them.
+
+use multiversion::multiversion;
+
+use super::block_sums::BlockSums;
+use crate::math::{DVec3, Vec3};
+use crate::sense::PosedScene;
+
+/// Cells along a side of the map.
+const CELLS: usize = 72;
+/// Side of a cell, metres.
+const CELL_M: f32 = 2.0;
+/// How far a body darkens what is about it, in its heights.
+const REACH: f32 = 1.5;
+
+/// The boxes of a scene's actors.
+#[derive(Debug, Clone)]
+pub struct Contacts {
+    min: [f32; 2],
+    blockers: Vec<Blocker>,
+    /// Blockers that reach each cell.
+    cells: Vec<Vec<u16>>,
+    /// Cells that some blocker reaches.
+    reached: Option<BlockSums>,
+}
+
+/// A box that shades the ground under and beside it: a vehicle's body.
+#[derive(Debug, Clone)]
+struct Blocker {
+    center: Vec3,
+    axis_x: Vec3,
+    axis_y: Vec3,
+    half: [f32; 2],
+    bottom_z: f32,
+    height: f32,
+}
+
+impl Contacts {
+    /// The vehicles and people of a scene, on a map that begins at `min` of the world.
+    #[must_use]
+    pub fn new(scene: &PosedScene, min: [f32; 2]) -> Self {
+        let mut contacts = Self { min, blockers: Vec::new(), cells: vec![Vec::new(); CELLS * CELLS], reached: None };
+        contacts.collect(scene);
+        let cells = &contacts.cells;
+        contacts.reached = Some(BlockSums::of(CELLS, CELL_M, |x, y| !cells[y * CELLS + x].is_empty()));
+        contacts
+    }
+
+    fn collect(&mut self, scene: &PosedScene) {
+        for instance in scene.instances.iter().filter(|i| i.actor_id >= 1) {
+            let size = instance.mesh.bounds.size();
+            if size.x < 0.25 || size.y < 0.25 || size.z < 0.5 || size.x > 30.0 {
+                continue; // wheels and limbs
+            }
+            let center = instance.center_world.as_vec3();
+            let axis = |v: DVec3| (instance.placement.rotation * v).as_vec3();
+            let blocker = Blocker {
+                center,
+                axis_x: axis(DVec3::X),
+                axis_y: axis(DVec3::Y),
+                half: [size.x * 0.47, size.y * 0.47],
+                bottom_z: center.z - size.z / 2.0,
+                height: size.z,
+            };
+            let (dx, dy) = (center.x - self.min[0], center.y - self.min[1]);
+            // Half a cell's diagonal more: the cells' middles are asked.
+            let reach = REACH * size.z + 0.71 * CELL_M;
+            let r = 0.5 * (size.x * size.x + size.y * size.y).sqrt() + reach;
+            let side = CELLS as f32 * CELL_M;
+            if dx + r < 0.0 || dy + r < 0.0 || dx - r >= side || dy - r >= side {
+                continue;
+            }
+            let range = |d: f32| {
+                let lo = ((d - r) / CELL_M).max(0.0) as usize;
+                let hi = (((d + r) / CELL_M).max(0.0) as usize).min(CELLS - 1);
+                lo..=hi
+            };
+            let index = self.blockers.len().min(usize::from(u16::MAX)) as u16;
+            for y in range(dy) {
+                for x in range(dx) {
+                    let middle = |i: usize| (i as f32 + 0.5) * CELL_M;
+                    let d = Vec3::new(middle(x) - dx, middle(y) - dy, 0.0);
+                    if blocker.distance(d) <= reach {
+                        self.cells[y * CELLS + x].push(index);
+                    }
+                }
+            }
+            self.blockers.push(blocker);
+        }
+    }
+
+    /// Share of the sky's light that vehicles leave to points on the ground under or beside them, 0..1; 1 where it is not
+    /// asked. `points` are relative to the eye; the first `count` of them matter.
+    pub fn shade<const N: usize>(
+        &self,
+        eye_world: Vec3,
+        points: &[[f32; N]; 3],
+        is_asked: &[bool; N],
+        count: usize,
+        near: &mut [f32; N],
+    ) {
+        near[..count].fill(1.0);
+        let mut reaching: Vec<u16> = Vec::new();
+        for start in (0..count).step_by(TOGETHER) {
+            let end = (start + TOGETHER).min(count);
+            let [xs, ys] = [0, 1].map(|axis| span(&points[axis][start..end], &is_asked[start..end]));
+            let [x, y] = [(xs, 0), (ys, 1)].map(|([low, high], axis)| {
+                let to_map = eye_world.to_array()[axis] - self.min[axis];
+                [low + to_map, high + to_map]
+            });
+            if xs[0] > xs[1] || !self.reached.as_ref().is_some_and(|r| r.any([x[0], y[0]], [x[1], y[1]])) {
+                continue;
+            }
+            reaching.clear();
+            let mut last = usize::MAX;
+            for i in (start..end).filter(|i| is_asked[*i]) {
+                let gx = (points[0][i] + eye_world.x - self.min[0]) * (1.0 / CELL_M);
+                let gy = (points[1][i] + eye_world.y - self.min[1]) * (1.0 / CELL_M);
+                if gx < 0.0 || gy < 0.0 || gx >= CELLS as f32 || gy >= CELLS as f32 {
+                    continue;
+                }
+                let cell = gy as usize * CELLS + gx as usize;
+                if cell != last {
+                    last = cell;
+                    for index in &self.cells[cell] {
+                        if !reaching.contains(index) {
+                            reaching.push(*index);
+                        }
+                    }
+                }
+            }
+            // One order for all groups, so that a point's light does not depend on its neighbours.
+            reaching.sort_unstable();
+            for index in &reaching {
+                let axes = points.each_ref().map(|axis| &axis[start..end]);
+                self.blockers[usize::from(*index)].darken(
+                    eye_world,
+                    axes,
+                    &is_asked[start..end],
+                    &mut near[start..end],
+                );
+            }
+        }
+    }
+}
+
+/// Points that are looked at together.
+const TOGETHER: usize = 16;
+
+impl Blocker {
+    /// From the body seen from above to a point, relative to the middle.
+    fn distance(&self, d: Vec3) -> f32 {
+        let ox = (d.dot(self.axis_x).abs() - self.half[0]).max(0.0);
+        let oy = (d.dot(self.axis_y).abs() - self.half[1]).max(0.0);
+        (ox * ox + oy * oy).sqrt()
+    }
+
+    /// Multiplies what the other blockers leave to some points by what this one leaves: 1 beyond `REACH`.
+    fn darken(&self, eye_world: Vec3, points: [&[f32]; 3], is_asked: &[bool], near: &mut [f32]) {
+        darken(self, self.center - eye_world, points, is_asked, near);
+    }
+
+    #[inline(always)]
+    fn leaves(&self, d: Vec3) -> f32 {
+        let over = d.z + (self.center.z - self.bottom_z);
+        let (x, y) = (d.dot(self.axis_x).abs() - self.half[0], d.dot(self.axis_y).abs() - self.half[1]);
+        // Under the body: light comes in flat through the gap at the nearest edges.
+        let gap = 0.22;
+        let nearest = x.max(y).min(0.0);
+        let under = 0.03 + 0.42 * (gap * gap / (gap * gap + nearest * nearest));
+        let (ox, oy) = (x.max(0.0), y.max(0.0));
+        let distance = (ox * ox + oy * oy).sqrt();
+        // A wall of the body's height and of finite width hides up to half of the sky.
+        let wall = distance / (distance * distance + self.height * self.height).sqrt();
+        let width = 0.5 * (self.half[0] + self.half[1]);
+        let share = width / (width + distance);
+        let fade = (2.0 * (REACH - distance / self.height)).clamp(0.0, 1.0);
+        // The gap under the body darkens the last decimetres further.
+        let near = 0.18 * (1.0 - distance * (1.0 / 0.35)).max(0.0);
+        let beside = 1.0 - 0.5 * (1.0 - wall) * share * fade - near;
+        let left = if (x < 0.0) & (y < 0.0) { under } else { beside };
+        if (-0.6..0.45).contains(&over) { left } else { 1.0 }
+    }
+}
+
+#[multiversion(targets("x86_64+avx2"))]
+fn darken(blocker: &Blocker, center: Vec3, [x, y, z]: [&[f32]; 3], is_asked: &[bool], near: &mut [f32]) {
+    for ((near, is_asked), ((x, y), z)) in near.iter_mut().zip(is_asked).zip(x.iter().zip(y).zip(z)) {
+        let left = blocker.leaves(Vec3::new(*x, *y, *z) - center);
+        *near *= if *is_asked { left } else { 1.0 };
+    }
+}
+
+/// The least and the greatest of the asked numbers.
+#[inline]
+fn span(values: &[f32], is_asked: &[bool]) -> [f32; 2] {
+    let mut span = [f32::INFINITY, f32::NEG_INFINITY];
+    for (v, is_asked) in values.iter().zip(is_asked) {
+        let (low, high) = if *is_asked { (*v, *v) } else { (f32::INFINITY, f32::NEG_INFINITY) };
+        span = [if low < span[0] { low } else { span[0] }, if high > span[1] { high } else { span[1] }];
+    }
+    span
+}

@@ -1,0 +1,193 @@
+//! What all hits of a face share.
+
+use super::look::Rays;
+use super::pattern::hash2;
+use crate::material::{Material, Pattern, Semantic};
+use crate::math::{Mat3, Vec3};
+
+/// How a face is shaded: faces of one kind are shaded together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Kind {
+    /// Its texture.
+    pub pattern: Pattern,
+    /// Its shading normal changes over the face.
+    pub is_smooth: bool,
+    /// It mirrors.
+    pub is_glossy: bool,
+    /// It is seen through.
+    pub is_pane: bool,
+}
+
+impl Kind {
+    /// Number of kinds.
+    pub const COUNT: usize = Pattern::ALL.len() * 8;
+
+    /// A number below `COUNT`.
+    pub fn index(self) -> usize {
+        (self.pattern as usize) * 8
+            + usize::from(self.is_smooth)
+            + 2 * usize::from(self.is_glossy)
+            + 4 * usize::from(self.is_pane)
+    }
+
+    /// One normal, that of the plane, goes for the whole face: what light comes from all around is found once for many
+    /// pixels.
+    pub fn is_flat(self) -> bool {
+        !self.is_smooth && self.pattern != Pattern::Leaves
+    }
+
+    /// The kind of a number.
+    pub fn of(index: usize) -> Self {
+        Self {
+            pattern: Pattern::ALL[index / 8],
+            is_smooth: index & 1 > 0,
+            is_glossy: index & 2 > 0,
+            is_pane: index & 4 > 0,
+        }
+    }
+}
+
+/// A face made ready for its hits. Places are relative to the eye; vectors are in the world's frame.
+#[derive(Debug, Clone, Copy)]
+#[repr(C, align(64))]
+pub struct Face {
+    // What most kinds need stands in the first cache line, or two with a texture.
+    /// Unit normal of the triangle, towards the eye.
+    pub face_normal: Vec3,
+    pub albedo: Vec3,
+    /// See [`Flags`].
+    pub flags: u32,
+    pub specular: f32,
+    pub roughness: f32,
+    pub transmission: f32,
+    pub face_hash: u32,
+    pub place_hash: u32,
+    /// Axes of the texture, and its coordinates at the eye, metres; those of leaves are the camera's.
+    pub axes: [Vec3; 2],
+    pub at_eye: [f32; 2],
+    /// Shading normal in the first corner, towards the eye, and its changes to the second and third corner.
+    pub normal: Vec3,
+    pub normal_ab: Vec3,
+    pub normal_ac: Vec3,
+    /// Dual edges: their products with a hit's place, and what is added to them, are its weights of the second and third
+    /// corner.
+    pub to_b: Vec3,
+    pub to_c: Vec3,
+    pub weights_at_eye: [f32; 2],
+}
+
+/// Bits of [`Face::flags`].
+pub struct Flags;
+
+impl Flags {
+    /// Lies on the ground, level.
+    pub const GROUND: u32 = 1;
+    /// Vehicles near by hide the sky.
+    pub const CONTACT: u32 = 2;
+    /// Snow does not lie on vehicles.
+    pub const VEHICLE: u32 = 4;
+    /// Snow is worn by traffic.
+    pub const ROAD: u32 = 8;
+}
+
+/// What is read from memory to make a face ready.
+pub struct Raw {
+    pub instance: u32,
+    pub face: u32,
+    pub slot: u8,
+    pub corners: [u32; 3],
+    pub vertices: [Vec3; 3],
+    pub normals: [Vec3; 3],
+}
+
+/// Where an instance stands.
+pub struct Stand {
+    pub world_from_local: Mat3,
+    /// The origin of the mesh's frame, relative to the eye.
+    pub origin: Vec3,
+    pub place_hash: u32,
+}
+
+impl Face {
+    /// Makes a face ready, and finds its kind.
+    #[inline(always)]
+    pub fn make(raw: &Raw, stand: &Stand, material: &Material, rays: &Rays, is_raining: bool) -> (Self, Kind) {
+        let ([a, b, c], [na, nb, nc]) = (raw.vertices, raw.normals);
+        let turn = |v: Vec3| stand.world_from_local * v;
+        let (ab, ac) = (b - a, c - a);
+        let normal_local = ab.cross(ac).normalize_or_zero();
+        let origin = turn(a) + stand.origin;
+        let face_normal = turn(normal_local);
+        let side = if face_normal.dot(origin) > 0.0 { -1.0 } else { 1.0 };
+        let face_normal = face_normal * side;
+
+        let is_leaf = material.pattern == Pattern::Leaves;
+        let is_ground = material.semantic.is_ground() && face_normal.z > 0.5;
+        let (axes, at_eye) = if is_ground {
+            ([Vec3::X, Vec3::Y], [rays.eye.x, rays.eye.y])
+        } else if is_leaf {
+            let across = [rays.right.normalize(), rays.down.normalize()];
+            (across, across.map(|axis| -axis.dot(origin)))
+        } else {
+            let n = normal_local;
+            let flat = n.x * n.x + n.y * n.y;
+            let (along, up) = if flat < 0.03 {
+                (Vec3::X, Vec3::Y)
+            } else {
+                // Along the wall, and up its slope.
+                let along = Vec3::new(-n.y, n.x, 0.0) * (1.0 / flat.sqrt());
+                (along, n.cross(along))
+            };
+            let axes = [turn(along), turn(up)];
+            (axes, [along.dot(a) - axes[0].dot(origin), up.dot(a) - axes[1].dot(origin)])
+        };
+
+        let (nab, nac) = (nb - na, nc - na);
+        let is_bent = !is_leaf && na.dot(normal_local) < 0.999_9;
+        let is_smooth = is_bent || nab.length_squared().max(nac.length_squared()) > 1e-6;
+        let is_vehicle = is_vehicle(material.semantic);
+        let is_wet = is_ground && is_raining;
+        let kind = Kind {
+            pattern: material.pattern,
+            is_smooth,
+            is_glossy: !is_leaf && material.specular > 0.0 || is_wet,
+            is_pane: material.is_glass(),
+        };
+        let flag = |bit: u32, is: bool| if is { bit } else { 0 };
+        let none = Vec3::ZERO;
+        let (normal_ab, normal_ac, to_b, to_c) = if is_smooth {
+            let (d11, d12, d22) = (ab.dot(ab), ab.dot(ac), ac.dot(ac));
+            let inverse = 1.0 / (d11 * d22 - d12 * d12).max(1e-20);
+            let (to_b, to_c) = (ab * d22 - ac * d12, ac * d11 - ab * d12);
+            (turn(nab) * side, turn(nac) * side, turn(to_b) * inverse, turn(to_c) * inverse)
+        } else {
+            (none, none, none, none)
+        };
+        let face = Self {
+            face_normal,
+            axes,
+            at_eye,
+            normal: turn(na) * side,
+            normal_ab,
+            normal_ac,
+            to_b,
+            to_c,
+            weights_at_eye: [-to_b.dot(origin), -to_c.dot(origin)],
+            albedo: material.albedo.into(),
+            specular: material.specular,
+            roughness: material.roughness,
+            transmission: material.transmission,
+            face_hash: hash2(raw.face as i32, 0, stand.place_hash),
+            place_hash: stand.place_hash,
+            flags: flag(Flags::GROUND, is_ground)
+                | flag(Flags::CONTACT, face_normal.z > 0.3 && !is_vehicle)
+                | flag(Flags::VEHICLE, is_vehicle)
+                | flag(Flags::ROAD, material.semantic == Semantic::Road),
+        };
+        (face, kind)
+    }
+}
+
+fn is_vehicle(semantic: Semantic) -> bool {
+    matches!(semantic, Semantic::Car | Semantic::Van | Semantic::Truck | Semantic::Tram | Semantic::OtherVehicle)
+}

@@ -1,0 +1,217 @@
+//! Where a mesh has surfaces, as columns over a level grid: for light, which needs no more than heights.
+
+use std::sync::OnceLock;
+
+use super::cluster::Cluster;
+use super::lanes::LANES;
+use crate::math::Vec3;
+
+/// Side of a grid's cells, metres: whichever way the grid is turned, each square metre that it covers has a cell's middle.
+const PITCH_M: f32 = 0.7;
+/// The most cells along a grid; what is larger has larger cells.
+const MAX_CELLS: f32 = 512.0;
+
+/// What a cluster has in a cell, local coordinates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Column {
+    /// Where it stands.
+    pub x: f32,
+    /// Where it stands.
+    pub y: f32,
+    /// The lowest surface.
+    pub low: f32,
+    /// The highest surface.
+    pub high: f32,
+}
+
+/// The columns of a mesh, cluster by cluster.
+#[derive(Debug, Clone)]
+struct Columns {
+    /// Where those of each cluster begin, and where the last end.
+    starts: Vec<u32>,
+    columns: Vec<Column>,
+}
+
+/// Columns that are found when they are first asked for. They follow from the mesh, so that all are equal.
+#[derive(Debug, Clone, Default)]
+pub(super) struct LazyColumns(OnceLock<Columns>);
+
+impl PartialEq for LazyColumns {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl LazyColumns {
+    /// The columns of a cluster.
+    pub fn of(&self, clusters: &[Cluster], cluster: usize) -> &[Column] {
+        let all = self.0.get_or_init(|| Columns::new(clusters));
+        &all.columns[all.starts[cluster] as usize..all.starts[cluster + 1] as usize]
+    }
+}
+
+impl Columns {
+    fn new(clusters: &[Cluster]) -> Self {
+        let mut all = Self { starts: vec![0], columns: Vec::new() };
+        let mut grid = Grid::default();
+        for cluster in clusters {
+            grid.reset(cluster);
+            let corner = |i: u8| {
+                let [x, y, z] = &cluster.lanes[usize::from(i) / LANES];
+                let k = usize::from(i) % LANES;
+                Vec3::new(x[k], y[k], z[k])
+            };
+            for corners in &cluster.corners {
+                grid.mark_face(corners.map(corner));
+            }
+            grid.append_to(&mut all.columns);
+            all.starts.push(all.columns.len() as u32);
+        }
+        all
+    }
+}
+
+/// A grid about a cluster, seen from above.
+#[derive(Default)]
+struct Grid {
+    min: [f32; 2],
+    pitch_m: f32,
+    cells: usize,
+    columns: Vec<Column>,
+}
+
+impl Grid {
+    fn reset(&mut self, cluster: &Cluster) {
+        let (c, r) = (cluster.center, cluster.radius_m);
+        self.pitch_m = PITCH_M.max(2.0 * r / MAX_CELLS);
+        self.cells = (2.0 * r / self.pitch_m) as usize + 1;
+        let half = self.cells as f32 * self.pitch_m * 0.5;
+        self.min = [c.x - half, c.y - half];
+        self.columns.clear();
+        let none = Column { x: 0.0, y: 0.0, low: f32::INFINITY, high: f32::NEG_INFINITY };
+        self.columns.resize(self.cells * self.cells, none);
+    }
+
+    /// Something at a place in a cell; its first place stays, but for the middle, which goes before all others.
+    fn mark(&mut self, x: usize, y: usize, low: f32, high: f32, at: Vec3) {
+        let middle = self.center(x, y);
+        let column = &mut self.columns[y * self.cells + x];
+        if column.low > column.high || (at.x, at.y) == (middle.x, middle.y) {
+            (column.x, column.y) = (at.x, at.y);
+        }
+        (column.low, column.high) = (column.low.min(low), column.high.max(high));
+    }
+
+    fn center(&self, x: usize, y: usize) -> Vec3 {
+        let at = |i: usize, axis: usize| self.min[axis] + (i as f32 + 0.5) * self.pitch_m;
+        Vec3::new(at(x, 0), at(y, 1), 0.0)
+    }
+
+    /// The cell of a coordinate.
+    fn cell(&self, v: f32, axis: usize) -> usize {
+        (((v - self.min[axis]) / self.pitch_m).max(0.0) as usize).min(self.cells - 1)
+    }
+
+    fn append_to(&self, columns: &mut Vec<Column>) {
+        columns.extend(self.columns.iter().filter(|c| c.low <= c.high));
+    }
+
+    /// Marks the cells that a face covers.
+    fn mark_face(&mut self, [a, b, c]: [Vec3; 3]) {
+        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+        let (x0, x1) = (self.cell(low.x, 0), self.cell(high.x, 0));
+        let (y0, y1) = (self.cell(low.y, 1), self.cell(high.y, 1));
+        if x1 <= x0 + 1 && y1 <= y0 + 1 {
+            let middle = (a + b + c) * (1.0 / 3.0);
+            return self.mark(self.cell(middle.x, 0), self.cell(middle.y, 1), middle.z, middle.z, middle);
+        }
+        let normal = (b - a).cross(c - a);
+        let flat_normal = Vec3::new(normal.x, normal.y, 0.0);
+        if normal.z.abs() < 0.2 * normal.length() {
+            // A wall: cells that its line passes.
+            let reach = 0.7 * self.pitch_m * normal.length();
+            for y in y0..=y1 {
+                for x in x0..=x1 {
+                    let middle = self.center(x, y);
+                    if flat_normal.dot(middle - a).abs() <= reach {
+                        // Not beyond the wall's ends and sides.
+                        self.mark(x, y, low.z, high.z, middle.clamp(low, high));
+                    }
+                }
+            }
+            return;
+        }
+        // The plane's height at the middle of each cell inside of the triangle.
+        for y in y0..=y1 {
+            let Some([from, to]) = span_at(&[a, b, c], self.center(0, y).y) else { continue };
+            for x in self.cell(from, 0)..=self.cell(to, 0) {
+                let at = self.center(x, y);
+                if at.x >= from && at.x < to {
+                    let z = (a.z - flat_normal.dot(at - a) / normal.z).clamp(low.z, high.z);
+                    self.mark(x, y, z, z, at);
+                }
+            }
+        }
+    }
+}
+
+/// Where a level line of the given y enters and leaves a triangle seen from above.
+fn span_at(corners: &[Vec3; 3], y: f32) -> Option<[f32; 2]> {
+    let mut span = [f32::INFINITY, f32::NEG_INFINITY];
+    for (p, q) in [(corners[0], corners[1]), (corners[1], corners[2]), (corners[2], corners[0])] {
+        if (p.y <= y) != (q.y <= y) {
+            let x = p.x + (y - p.y) * (q.x - p.x) / (q.y - p.y);
+            span = [span[0].min(x), span[1].max(x)];
+        }
+    }
+    (span[0] <= span[1]).then_some(span)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::MeshBuilder;
+
+    #[test]
+    fn a_slope_has_columns_at_its_height_over_all_of_its_area() {
+        let mut b = MeshBuilder::new();
+        let height = |x: f32, y: f32| 0.3 * x - 0.1 * y + 2.0;
+        let corner = |x: f32, y: f32| Vec3::new(x, y, height(x, y));
+        b.quad(corner(-10.0, -6.0), corner(10.0, -6.0), corner(10.0, 6.0), corner(-10.0, 6.0), 0);
+        let mesh = b.build("slope", 0.5);
+        let columns = mesh.columns_of(0);
+        assert!((columns.len() as f32 * PITCH_M * PITCH_M - 240.0).abs() < 24.0, "{}", columns.len());
+        for c in columns {
+            assert!(c.x.abs() <= 10.0 && c.y.abs() <= 6.0, "{c:?}");
+            assert!((c.low - height(c.x, c.y)).abs() < 1e-4 && c.low == c.high, "{c:?}");
+        }
+        // Turned by any angle, each square metre well inside has one.
+        for turn in [0.0_f32, 0.3, 0.785, 1.2] {
+            let (s, c) = (crate::math::sinf(turn), crate::math::cosf(turn));
+            let turned: Vec<_> = columns.iter().map(|p| [c * p.x - s * p.y, s * p.x + c * p.y]).collect();
+            for (x, y) in (-3..3).flat_map(|x| (-3..3).map(move |y| (x as f32, y as f32))) {
+                let has = turned.iter().any(|p| p[0] >= x && p[0] < x + 1.0 && p[1] >= y && p[1] < y + 1.0);
+                assert!(has, "{turn} {x} {y}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_wall_stands_on_its_line_from_foot_to_top() {
+        let mut b = MeshBuilder::new();
+        let p = |t: f32, z: f32| Vec3::new(8.0 * t, 6.0 * t, z);
+        b.quad(p(-1.0, 0.0), p(1.0, 0.0), p(1.0, 5.0), p(-1.0, 5.0), 0);
+        let mesh = b.build("wall", 0.5);
+        let columns = mesh.columns_of(0);
+        assert!(!columns.is_empty());
+        for c in columns {
+            let aside = (0.6 * c.x - 0.8 * c.y).abs();
+            assert!(aside <= 0.71 * PITCH_M && (c.low, c.high) == (0.0, 5.0), "{c:?}");
+        }
+        // Without gaps along the wall.
+        let mut along: Vec<f32> = columns.iter().map(|c| 0.8 * c.x + 0.6 * c.y).collect();
+        along.sort_by(f32::total_cmp);
+        assert!(along.windows(2).all(|w| w[1] - w[0] < 1.0), "{along:?}");
+        assert!(along[0] < -9.0 && along[along.len() - 1] > 9.0);
+    }
+}
