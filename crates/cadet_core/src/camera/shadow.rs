@@ -155,7 +155,7 @@ impl Shadows {
         let emptied = |mut map: Map| {
             for (rows, [from, to]) in map.height.chunks_mut(STRIDE * TILE).zip(&map.drawn) {
                 for row in rows.chunks_exact_mut(STRIDE) {
-                    row.get_mut(*from..*to).unwrap_or_default().fill(f32::NEG_INFINITY);
+                    row.get_mut(*from..*to + LANES).unwrap_or_default().fill(f32::NEG_INFINITY);
                 }
             }
             map.height
@@ -290,11 +290,11 @@ fn draw_casters(scene: &PosedScene, light_from_world: &DMat3, maps: &mut [Map]) 
             for map in maps.iter_mut().filter(|m| m.is_asked_in(center, radius)) {
                 map.project(cluster, &light_from_local, origin, &mut points);
                 if all_cast {
-                    for corners in &cluster.corners {
-                        map.triangle(corners.map(|i| point(&points, i)));
-                    }
+                    map.draw(&points, &cluster.corners);
                 } else {
-                    map.draw_some(instance, cluster, &kinds, &points, light_from_world.z_axis.as_vec3());
+                    let up = light_from_world.z_axis.as_vec3();
+                    let corners: Vec<[u8; 3]> = map.casters_of(instance, cluster, &kinds, &points, up).collect();
+                    map.draw(&points, &corners);
                 }
             }
         }
@@ -363,20 +363,54 @@ impl Map {
         }
     }
 
-    /// Draws the faces of a cluster that cast shadows.
+    /// The corners of those faces of a cluster that cast shadows.
+    fn casters_of<'a>(
+        &'a self,
+        instance: &'a PosedInstance,
+        cluster: &'a Cluster,
+        kinds: &'a [Caster],
+        points: &'a Points,
+        up: Vec3,
+    ) -> impl Iterator<Item = [u8; 3]> + 'a {
+        let is_level = move |corners: [u8; 3]| {
+            let [a, b, c] = corners.map(|i| {
+                let p = point(points, i);
+                Vec3::new(p.x * self.texel_m, p.y * self.texel_m, p.z)
+            });
+            let normal = (b - a).cross(c - a);
+            let rise = normal.dot(up);
+            rise * rise > 0.9 * normal.length_squared()
+        };
+        let casts = move |corners: [u8; 3], face: u32| match kinds[usize::from(instance.mesh.slots[face as usize])] {
+            Caster::Always => true,
+            Caster::UnlessLevel => !is_level(corners),
+            Caster::Never => false,
+        };
+        let faces = cluster.corners.iter().zip(&cluster.faces);
+        faces.filter(move |(corners, face)| casts(**corners, **face)).map(|(corners, _)| *corners)
+    }
+
+    /// Draws triangles, [`LANES`] of them set up at a time.
     #[inline(always)]
-    fn draw_some(&mut self, instance: &PosedInstance, cluster: &Cluster, kinds: &[Caster], points: &Points, up: Vec3) {
-        for (corners, face) in cluster.corners.iter().zip(&cluster.faces) {
-            let corners = corners.map(|i| point(points, i));
-            let kind = kinds[usize::from(instance.mesh.slots[*face as usize])];
-            let is_level = || {
-                let [a, b, c] = corners.map(|p| Vec3::new(p.x * self.texel_m, p.y * self.texel_m, p.z));
-                let normal = (b - a).cross(c - a);
-                let rise = normal.dot(up);
-                rise * rise > 0.9 * normal.length_squared()
-            };
-            if kind == Caster::Always || kind == Caster::UnlessLevel && !is_level() {
-                self.triangle(corners);
+    fn draw(&mut self, points: &Points, corners: &[[u8; 3]]) {
+        for some in corners.chunks(LANES) {
+            let mut lanes: Triangles = [[[0.0; LANES]; 3]; 3];
+            for (i, corners) in some.iter().enumerate() {
+                for (lanes, k) in lanes.iter_mut().zip(corners) {
+                    for (lanes, axis) in lanes.iter_mut().zip(points) {
+                        lanes[i] = axis[usize::from(*k)];
+                    }
+                }
+            }
+            let setup = Setup::of(&lanes);
+            let mut drawn = [0; LANES];
+            let mut count = 0;
+            for i in 0..LANES {
+                drawn[count] = i;
+                count += usize::from(setup.meets_texels[i]);
+            }
+            for i in &drawn[..count] {
+                self.triangle(&setup, *i % LANES);
             }
         }
     }
@@ -400,85 +434,170 @@ impl Map {
         if sum > 8.95 { 1.0 } else { sum * (1.0 / 9.0) }
     }
 
-    /// Raises the texels whose middles lie within a triangle; x and y in texels.
+    /// Raises the texels whose middles lie within one of eight triangles.
     #[inline(always)]
-    fn triangle(&mut self, [a, b, c]: [Vec3; 3]) {
-        let (min_x, max_x) = (a.x.min(b.x).min(c.x), a.x.max(b.x).max(c.x));
-        let (min_y, max_y) = (a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y));
-        let size = SIZE as f32;
-        if max_x < 0.5 || max_y < 0.5 || min_x >= size - 0.5 || min_y >= size - 0.5 {
-            return;
-        }
-        // Texel centres lie at +0.5: the first is the one at or after the bound.
-        let x0 = (min_x + 0.5).max(0.0) as usize;
-        let y0 = (min_y + 0.5).max(0.0) as usize;
-        let x1 = ((max_x + 0.5).min(size)) as usize;
-        let y1 = ((max_y + 0.5).min(size)) as usize;
-        if x0 >= x1 || y0 >= y1 || !self.seen.any([x0, y0], [x1 - 1, y1 - 1]) {
-            return;
-        }
-        let area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-        if area.abs() < 1e-9 {
+    fn triangle(&mut self, setup: &Setup, i: usize) {
+        let [x0, y0, x1, y1] = setup.bounds.each_ref().map(|lanes| lanes[i] as usize);
+        if !self.seen.any([x0, y0], [x1 - 1, y1 - 1]) {
             return;
         }
         for [from, to] in &mut self.drawn[y0 / TILE..=(y1 - 1) / TILE] {
             (*from, *to) = ((*from).min(x0), (*to).max(x1));
         }
-        let (b, c, area) = if area < 0.0 { (c, b, -area) } else { (b, c, area) };
-        let inverse = 1.0 / area;
-        // Weights of b and c and the height are linear in x and y.
-        let (bx, by) = ((c.y - a.y) * inverse, -(c.x - a.x) * inverse);
-        let (cx, cy) = (-(b.y - a.y) * inverse, (b.x - a.x) * inverse);
-        let (zb, zc) = (b.z - a.z, c.z - a.z);
-        let (zx, zy) = (zb * bx + zc * cx, zb * by + zc * cy);
+        let plane = |plane: &Plane| [plane.first[i], plane.along_x[i], plane.along_y[i]];
+        let ([b, bx, by], [c, cx, cy], [z, zx, zy]) = (plane(&setup.b), plane(&setup.c), plane(&setup.z));
         if x1 - x0 <= 2 * LANES {
             // Small ones, which are most: testing eight texels at a time costs less than finding out where a row begins.
-            let highest = a.z.max(b.z).max(c.z);
+            let highest = setup.highest[i];
             for first in (x0..x1).step_by(LANES) {
-                let first = first.min(SIZE - LANES);
-                for y in y0..y1 {
-                    let dy = y as f32 + 0.5 - a.y;
-                    let (row_b, row_c, row_z) = (by * dy, cy * dy, zy * dy + a.z);
-                    for (i, texel) in self.height[y * STRIDE + first..][..LANES].iter_mut().enumerate() {
-                        let dx = first as f32 + 0.5 - a.x + i as f32;
-                        let (wb, wc) = (bx * dx + row_b, cx * dx + row_c);
-                        let z = (zx * dx + row_z).min(highest);
-                        let is_inside = (wb >= 0.0) & (wc >= 0.0) & (wb + wc <= 1.0) & (z > *texel);
-                        *texel = if is_inside { z } else { *texel };
+                let (mut wa, mut wb, mut wc, mut height) = ([0.0; LANES], [0.0; LANES], [0.0; LANES], [0.0; LANES]);
+                for k in 0..LANES {
+                    let dx = (first - x0) as i32 as f32 + k as i32 as f32;
+                    (wb[k], wc[k], height[k]) = (b + bx * dx, c + cx * dx, z + zx * dx);
+                    wa[k] = 1.0 - wb[k] - wc[k];
+                }
+                for (dy, row) in self.height[y0 * STRIDE + first..].chunks_mut(STRIDE).take(y1 - y0).enumerate() {
+                    let dy = dy as i32 as f32;
+                    let (row_b, row_c, row_z) = (by * dy, cy * dy, zy * dy);
+                    let row_a = row_b + row_c;
+                    for (k, texel) in row[..LANES].iter_mut().enumerate() {
+                        let inside = least(least(wb[k] + row_b, wc[k] + row_c), wa[k] - row_a);
+                        let z = least(height[k] + row_z, highest);
+                        *texel = most(if inside >= 0.0 { z } else { f32::NEG_INFINITY }, *texel);
                     }
                 }
             }
             return;
         }
-        // Rows are cut by the edges; nothing is tested within a span.
-        let edges = [(bx, by, 0.0), (cx, cy, 0.0), (-bx - cx, -by - cy, 1.0)];
-        let inverse = edges.map(|(slope, ..)| -1.0 / slope);
-        for y in y0..y1 {
-            let dy = y as f32 + 0.5 - a.y;
-            let [seen_from, seen_to] = self.seen.spans[y / TILE];
-            let (x0, x1) = (x0.max(seen_from), x1.min(seen_to));
-            let (mut lo, mut hi) = (x0 as f32 - a.x, x1 as f32 - 0.5 - a.x);
-            for ((slope, down, offset), inverse) in edges.into_iter().zip(inverse) {
-                // slope * dx + at >= 0
-                let at = offset + down * dy;
-                let cut = at * inverse;
-                if slope > 0.0 {
-                    lo = if cut > lo { cut } else { lo };
-                } else if slope < 0.0 {
-                    hi = if cut < hi { cut } else { hi };
-                } else if at < 0.0 {
-                    hi = f32::NEG_INFINITY;
-                }
-            }
-            if lo > hi {
+        // Eight rows at a time are cut by the edges; nothing is tested within a row's span.
+        let edges =
+            [(bx, by, b), (cx, cy, c), (-bx - cx, -by - cy, 1.0 - b - c)].map(|(x, y, first)| (x, y, first, -1.0 / x));
+        let width = (x1 - x0) as i32 as f32;
+        for top in (y0 / LANES * LANES..y1).step_by(LANES) {
+            // Rows of no tile's border: they share what is seen.
+            let [seen_from, seen_to] = self.seen.spans[top / TILE];
+            let (from, to) = (x0.max(seen_from), x1.min(seen_to));
+            if from >= to {
                 continue;
             }
-            let from = (lo + a.x + 0.5).max(x0 as f32) as usize;
-            let to = ((hi + a.x + 0.5).max(0.0) as usize).min(x1);
-            let first = a.z + zy * dy + zx * (from as f32 + 0.5 - a.x);
-            raise_span(&mut self.height[y * STRIDE..], from..to, first, zx);
+            let above = top as i32 as f32 - y0 as i32 as f32;
+            let height = (y1 - y0) as i32 as f32;
+            let dy: [f32; LANES] = std::array::from_fn(|k| above + k as i32 as f32);
+            let (mut lo, mut hi) = ([(from - x0) as i32 as f32; LANES], [(to - x0) as i32 as f32 - 1.0; LANES]);
+            for k in 0..LANES {
+                hi[k] = if (dy[k] >= 0.0) & (dy[k] < height) { hi[k] } else { -1.0 };
+            }
+            for (slope, down, first, inverse) in edges {
+                // slope * dx + first + down * dy >= 0
+                if slope > 0.0 {
+                    for k in 0..LANES {
+                        lo[k] = most((first + down * dy[k]) * inverse, lo[k]);
+                    }
+                } else if slope < 0.0 {
+                    for k in 0..LANES {
+                        hi[k] = least((first + down * dy[k]) * inverse, hi[k]);
+                    }
+                } else {
+                    for k in 0..LANES {
+                        hi[k] = if first + down * dy[k] < 0.0 { -1.0 } else { hi[k] };
+                    }
+                }
+            }
+            let (mut first, mut end) = ([0_i32; LANES], [0_i32; LANES]);
+            for k in 0..LANES {
+                // The first at or after `lo`, and the one after the last at or before `hi`.
+                let (start, start_f) = rounded(least(lo[k], width));
+                first[k] = start + i32::from(start_f < lo[k]);
+                let (stop, stop_f) = rounded(hi[k] + 1.0);
+                end[k] = stop - i32::from(stop_f > hi[k] + 1.0);
+            }
+            for k in 0..LANES {
+                if first[k] < end[k] {
+                    let from = first[k] as usize;
+                    let height = z + zy * dy[k] + zx * first[k] as f32;
+                    raise_span(&mut self.height[(top + k) * STRIDE..], x0 + from..x0 + end[k] as usize, height, zx);
+                }
+            }
         }
     }
+}
+
+/// The corners of [`LANES`] triangles: x and y in texels, z in metres.
+type Triangles = [[[f32; LANES]; 3]; 3];
+
+/// What is linear over each of [`LANES`] triangles: its value in the middle of the first texel of the triangle's bounds,
+/// and how it changes from texel to texel.
+#[derive(Default)]
+struct Plane {
+    first: [f32; LANES],
+    along_x: [f32; LANES],
+    along_y: [f32; LANES],
+}
+
+/// [`LANES`] triangles about to be drawn.
+#[derive(Default)]
+struct Setup {
+    /// The first column and row of texels whose middles lie within their bounds, and those after the last.
+    bounds: [[i32; LANES]; 4],
+    /// The weights of their second and third corners.
+    b: Plane,
+    c: Plane,
+    /// Their heights, metres towards the sun.
+    z: Plane,
+    /// The highest corners.
+    highest: [f32; LANES],
+    /// False where no texel's middle is met for certain, and without an area.
+    meets_texels: [bool; LANES],
+}
+
+impl Setup {
+    #[inline(always)]
+    fn of([[ax, ay, az], [bx, by, bz], [cx, cy, cz]]: &Triangles) -> Self {
+        let mut out = Self::default();
+        for i in 0..LANES {
+            let (min_x, max_x) = (least(least(ax[i], bx[i]), cx[i]), most(most(ax[i], bx[i]), cx[i]));
+            let (min_y, max_y) = (least(least(ay[i], by[i]), cy[i]), most(most(ay[i], by[i]), cy[i]));
+            // Texels' middles lie half a texel beyond their numbers: bounds are rounded to the nearest number.
+            let ((x0, left), (x1, right)) = (rounded(min_x), rounded(max_x));
+            let ((y0, top), (y1, bottom)) = (rounded(min_y), rounded(max_y));
+            let (abx, aby, abz) = (bx[i] - ax[i], by[i] - ay[i], bz[i] - az[i]);
+            let (acx, acy, acz) = (cx[i] - ax[i], cy[i] - ay[i], cz[i] - az[i]);
+            let area = abx * acy - aby * acx;
+            out.meets_texels[i] = (left < right) & (top < bottom) & (area.abs() > 1e-9);
+            [out.bounds[0][i], out.bounds[1][i], out.bounds[2][i], out.bounds[3][i]] = [x0, y0, x1, y1];
+            let inverse = 1.0 / area;
+            // Weights of b and c and the height are linear in x and y.
+            let (b_x, b_y) = (acy * inverse, -acx * inverse);
+            let (c_x, c_y) = (-aby * inverse, abx * inverse);
+            let (z_x, z_y) = (abz * b_x + acz * c_x, abz * b_y + acz * c_y);
+            let (dx, dy) = (left + 0.5 - ax[i], top + 0.5 - ay[i]);
+            (out.b.first[i], out.b.along_x[i], out.b.along_y[i]) = (b_x * dx + b_y * dy, b_x, b_y);
+            (out.c.first[i], out.c.along_x[i], out.c.along_y[i]) = (c_x * dx + c_y * dy, c_x, c_y);
+            (out.z.first[i], out.z.along_x[i], out.z.along_y[i]) = (az[i] + (z_x * dx + z_y * dy), z_x, z_y);
+            out.highest[i] = most(most(az[i], bz[i]), cz[i]);
+        }
+        out
+    }
+}
+
+/// The nearest integer on a map, as such and as it was; ties go to the even one.
+#[inline(always)]
+fn rounded(x: f32) -> (i32, f32) {
+    const LARGE: f32 = 12_582_912.0; // 1.5 * 2^23
+    let moved = least(most(x, 0.0), SIZE as f32) + LARGE;
+    ((moved.to_bits() as i32).wrapping_sub(LARGE.to_bits() as i32), moved - LARGE)
+}
+
+/// The smaller of two numbers, as vector registers compare them.
+#[inline(always)]
+fn least(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// The larger of two numbers.
+#[inline(always)]
+fn most(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
 }
 
 /// Raises the texels of a part of a row to a plane's height, which is `first` in the first of them and rises by `step`
@@ -491,8 +610,7 @@ fn raise_span(row: &mut [f32], span: Range<usize>, first: f32, step: f32) {
         for (i, texel) in texels.iter_mut().enumerate() {
             let i = i as i32 as f32;
             let z = first + step * (before + i);
-            let is_higher = (z > *texel) & (i < left);
-            *texel = if is_higher { z } else { *texel };
+            *texel = most(if i < left { z } else { f32::NEG_INFINITY }, *texel);
         }
     }
 }
