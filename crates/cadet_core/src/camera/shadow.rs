@@ -19,25 +19,26 @@ const TILES: usize = SIZE / TILE;
 const STRIDE: usize = SIZE + 16;
 /// (distance ahead of the camera of the middle, half the side), metres: near, far.
 const CASCADES: [(f64, f64); 2] = [(15.0, 20.0), (58.0, 68.0)];
+/// Steps of height in a metre: near, far. Sixteen bits reach 128 and 256 m to both sides of the map's middle.
+const STEPS_PER_M: [f32; 2] = [256.0, 128.0];
+/// The height of what nothing was drawn on.
+const EMPTY: i16 = i16::MIN;
 
 /// One orthographic map: for each texel the coordinate towards the sun of the first surface that its light meets.
 #[derive(Debug, Clone)]
 struct Map {
     /// Light coordinates of the texel corner (0, 0).
     min: [f32; 2],
+    /// The light coordinate of height 0.
+    middle_z: f32,
     texel_m: f32,
     texels_per_m: f32,
-    height: Vec<f32>,
+    steps_per_m: f32,
+    height: Vec<i16>,
     seen: SeenTiles,
     /// The columns between which something was drawn, for each row of tiles.
     drawn: Vec<[usize; 2]>,
-    /// [`SQUARE`]; as constants its ones and zeros would be folded, and four equal lanes become scalars.
-    square: [[f32; 4]; 2],
 }
-
-/// How much of four texels in a row lies in the square that is looked at, where it begins at the edge of the first; and
-/// how that changes while it moves on by a texel.
-const SQUARE: [[f32; 4]; 2] = [[1.0, 1.0, 1.0, 0.0], [-1.0, 0.0, 0.0, 1.0]];
 
 /// The tiles of a map on which the camera sees something.
 #[derive(Debug, Clone, Default)]
@@ -99,28 +100,29 @@ impl Shadows {
         forward_world: DVec3,
         sun_world: Vec3,
         seen_world: Option<&[Vec3]>,
-        mut buffers: Vec<Vec<f32>>,
+        mut buffers: Vec<Vec<i16>>,
     ) -> Self {
         let helper = if sun_world.z.abs() < 0.95 { Vec3::Z } else { Vec3::X };
         let right = helper.cross(sun_world).normalize();
         let up = sun_world.cross(right);
         let mut shadows = Self { right, up, sun: sun_world, maps: Vec::new() };
         let flat = DVec3::new(forward_world.x, forward_world.y, 0.0).normalize_or_zero();
-        for (ahead, half) in CASCADES {
+        for ((ahead, half), steps_per_m) in CASCADES.into_iter().zip(STEPS_PER_M) {
             let middle = shadows.to_light((eye_world + flat * ahead - DVec3::Z * 1.6).as_vec3());
             let texel_m = (2.0 * half / SIZE as f64) as f32;
             // Whole texels, so that shadow edges do not crawl when the camera moves.
             let snap = |c: f32| ((c - half as f32) / texel_m).floor() * texel_m;
             let mut height = buffers.pop().unwrap_or_default();
-            height.resize(SIZE * STRIDE, f32::NEG_INFINITY);
+            height.resize(SIZE * STRIDE, EMPTY);
             shadows.maps.push(Map {
                 min: [snap(middle.x), snap(middle.y)],
+                middle_z: middle.z,
                 texel_m,
                 texels_per_m: 1.0 / texel_m,
+                steps_per_m,
                 height,
                 seen: SeenTiles::default(),
                 drawn: vec![[SIZE, 0]; TILES],
-                square: std::hint::black_box(SQUARE),
             });
         }
         shadows.mark_seen(seen_world);
@@ -151,11 +153,11 @@ impl Shadows {
 
     /// The maps' memory, empty again: what an earlier frame drew must show nowhere, not even beside what is asked.
     #[must_use]
-    pub fn into_buffers(self) -> Vec<Vec<f32>> {
+    pub fn into_buffers(self) -> Vec<Vec<i16>> {
         let emptied = |mut map: Map| {
             for (rows, [from, to]) in map.height.chunks_mut(STRIDE * TILE).zip(&map.drawn) {
                 for row in rows.chunks_exact_mut(STRIDE) {
-                    row.get_mut(*from..*to + LANES).unwrap_or_default().fill(f32::NEG_INFINITY);
+                    row.get_mut(*from..*to + LANES).unwrap_or_default().fill(EMPTY);
                 }
             }
             map.height
@@ -180,20 +182,7 @@ impl Shadows {
     pub fn sunlit<const N: usize>(&self, eye_world: Vec3, asked: &Asked<N>, lit: &mut [f32; N]) {
         let mut at = OnMaps { first: [NOWHERE; N], x: [0.0; N], y: [0.0; N], z: [0.0; N] };
         place(self, eye_world, asked, &mut at);
-        let known = lit[..asked.count]
-            .iter_mut()
-            .zip(asked.is_asked)
-            .zip(at.first.iter().zip(at.x.iter().zip(&at.y).zip(&at.z)));
-        for ((lit, is_asked), (first, ((x, y), z))) in known {
-            *lit = match *first {
-                _ if !*is_asked => 0.0,
-                NOWHERE => 1.0,
-                first => {
-                    let first = first as usize;
-                    self.maps[first / MAP].share_below(first % MAP, *x, *y, *z)
-                }
-            };
-        }
+        look_up(&self.maps, &at, asked, lit);
     }
 }
 
@@ -241,7 +230,7 @@ fn place<const N: usize>(shadows: &Shadows, eye_world: Vec3, asked: &Asked<N>, o
     // The near map has the last word.
     for (index, map) in shadows.maps.iter().enumerate().rev() {
         let base = (index * MAP) as i32;
-        let (min_x, min_y, to_z) = (eye.x - map.min[0], eye.y - map.min[1], eye.z + map.texel_m * 0.8);
+        let (min_x, min_y, to_z) = (eye.x - map.min[0], eye.y - map.min[1], eye.z - map.middle_z + map.texel_m * 0.8);
         let (texel_m, texels_per_m) = (map.texel_m, map.texels_per_m);
         for i in 0..count {
             let (point, normal) = (Vec3::new(px[i], py[i], pz[i]), Vec3::new(nx[i], ny[i], nz[i]));
@@ -253,15 +242,72 @@ fn place<const N: usize>(shadows: &Shadows, eye_world: Vec3, asked: &Asked<N>, o
             let x = (axes[0].dot(p) + min_x) * texels_per_m;
             let y = (axes[1].dot(p) + min_y) * texels_per_m;
             let (low, high) = (MARGIN, SIZE as f32 - MARGIN);
-            let is_inside = (x >= low) & (x < high) & (y >= low) & (y < high);
+            let z = (axes[2].dot(p) + to_z) * map.steps_per_m;
+            let is_inside = (x >= low) & (x < high) & (y >= low) & (y < high) & (z.abs() < HIGHEST);
             let ((column, in_column), (row, in_row)) = (split(x - REACH), split(y - REACH));
             let texel = base.wrapping_add(row.wrapping_mul(STRIDE as i32)).wrapping_add(column);
             out.first[i] = if is_inside { texel as u32 } else { out.first[i] };
             out.x[i] = if is_inside { in_column } else { out.x[i] };
             out.y[i] = if is_inside { in_row } else { out.y[i] };
-            out.z[i] = if is_inside { axes[2].dot(p) + to_z } else { out.z[i] };
+            out.z[i] = if is_inside { z } else { out.z[i] };
         }
     }
+}
+
+/// Copies what is looked at first: the processor waits for many texels at once, and not for one point's after another's.
+#[multiversion(targets("x86_64+avx2"))]
+fn look_up<const N: usize>(maps: &[Map], at: &OnMaps<N>, asked: &Asked<N>, lit: &mut [f32; N]) {
+    let mut which = [0_u8; N];
+    let mut count = 0;
+    for i in 0..asked.count.min(N) {
+        which[count] = i as u8;
+        let is_known = asked.is_asked[i] & (at.first[i] != NOWHERE);
+        count += usize::from(is_known);
+        lit[i] = if asked.is_asked[i] { 1.0 } else { 0.0 };
+    }
+    // By rows: what follows goes over four neighbours of every point in turn.
+    let (mut texels, mut heights) = ([[[0_i16; 4]; N]; 4], [[0_i16; 4]; N]);
+    let (mut top, mut bottom, mut columns) = ([[0.0; 4]; N], [[0.0; 4]; N], [[0.0; 4]; N]);
+    for (k, i) in which[..count].iter().enumerate() {
+        let i = usize::from(*i);
+        let first = at.first[i] as usize;
+        let map = &maps[first / MAP];
+        let rows = &map.height[first % MAP..][..3 * STRIDE + 4];
+        for (row, texels) in texels.iter_mut().enumerate() {
+            texels[k].copy_from_slice(&rows[row * STRIDE..row * STRIDE + 4]);
+        }
+        let (x, y) = (at.x[i], at.y[i]);
+        (top[k], bottom[k], heights[k]) = ([1.0 - y; 4], [y; 4], [steps(at.z[i]) as i16; 4]);
+        columns[k] = [1.0 - x, 1.0, 1.0, x];
+    }
+    let [row_0, row_1, row_2, row_3] = texels.each_ref().map(|row| row.as_flattened());
+    let (top, bottom, heights) = (top.as_flattened(), bottom.as_flattened(), heights.as_flattened());
+    let sums = columns.as_flattened_mut();
+    for j in 0..(count * 4).next_multiple_of(2 * LANES).min(4 * N) {
+        let z = heights[j];
+        let share = |texel: i16, share: f32| if texel <= z { share } else { 0.0 };
+        let ends = share(row_0[j], top[j]) + share(row_3[j], bottom[j]);
+        sums[j] *= ends + (share(row_1[j], 1.0) + share(row_2[j], 1.0));
+    }
+    let mut shares = [0.0; N];
+    for (share, [a, b, c, d]) in shares.iter_mut().zip(&columns) {
+        let sum = (a + b) + (c + d);
+        // Neither rounding nor the edge of a texel dims what is lit all over.
+        *share = if sum > 8.95 { 1.0 } else { sum * (1.0 / 9.0) };
+    }
+    for (i, share) in which[..count].iter().zip(shares) {
+        lit[usize::from(*i)] = share;
+    }
+}
+
+/// Heights of points end here, steps.
+const HIGHEST: f32 = 32_000.0;
+
+/// The nearest step to a height that sixteen bits can hold, in the lower half of a number.
+#[inline(always)]
+fn steps(z: f32) -> i32 {
+    const LARGE: f32 = 12_582_912.0; // 1.5 * 2^23, whose own lower half is 0
+    (z + LARGE).to_bits() as i32
 }
 
 /// Draws all that may shade what the camera sees.
@@ -346,11 +392,11 @@ impl Map {
         self.seen.any([texel(x - r), texel(y - r)], [texel(x + r), texel(y + r)])
     }
 
-    /// Puts a cluster's vertices into `out`: x and y in texels, z in metres.
+    /// Puts a cluster's vertices into `out`: x and y in texels, z in steps.
     #[inline(always)]
     fn project(&self, cluster: &Cluster, light_from_local: &Mat3, origin: Vec3, out: &mut Points) {
         let (m, scale) = (light_from_local, self.texels_per_m);
-        let (x0, y0) = (origin.x - self.min[0], origin.y - self.min[1]);
+        let (x0, y0, z0) = (origin.x - self.min[0], origin.y - self.min[1], origin.z - self.middle_z);
         let [out_x, out_y, out_z] = out;
         let out = out_x.chunks_exact_mut(LANES).zip(out_y.chunks_exact_mut(LANES)).zip(out_z.chunks_exact_mut(LANES));
         for (local, ((out_x, out_y), out_z)) in cluster.lanes.iter().zip(out) {
@@ -358,7 +404,7 @@ impl Map {
                 let [x, y, z] = [local[0][i], local[1][i], local[2][i]];
                 out_x[i] = (m.x_axis.x * x + m.y_axis.x * y + m.z_axis.x * z + x0) * scale;
                 out_y[i] = (m.x_axis.y * x + m.y_axis.y * y + m.z_axis.y * z + y0) * scale;
-                out_z[i] = m.x_axis.z * x + m.y_axis.z * y + m.z_axis.z * z + origin.z;
+                out_z[i] = (m.x_axis.z * x + m.y_axis.z * y + m.z_axis.z * z + z0) * self.steps_per_m;
             }
         }
     }
@@ -375,7 +421,7 @@ impl Map {
         let is_level = move |corners: [u8; 3]| {
             let [a, b, c] = corners.map(|i| {
                 let p = point(points, i);
-                Vec3::new(p.x * self.texel_m, p.y * self.texel_m, p.z)
+                Vec3::new(p.x * self.texel_m, p.y * self.texel_m, p.z / self.steps_per_m)
             });
             let normal = (b - a).cross(c - a);
             let rise = normal.dot(up);
@@ -417,23 +463,6 @@ impl Map {
 
     /// The share of a square of three by three texels that lies no higher than `z`. It begins in the texel `first` (the
     /// shares `x` and `y` of its column and row lie outside) and ends in the third after it.
-    #[inline]
-    fn share_below(&self, first: usize, x: f32, y: f32, z: f32) -> f32 {
-        let texels = &self.height[first..first + 3 * STRIDE + 4];
-        let edge = |at: f32| -> [f32; 4] { std::array::from_fn(|k| self.square[0][k] + self.square[1][k] * at) };
-        let (columns, rows) = (edge(x), edge(y));
-        let mut sums = [0.0; 4];
-        for (row, share) in rows.into_iter().enumerate() {
-            let texels = &texels[row * STRIDE..][..4];
-            for k in 0..4 {
-                sums[k] += if texels[k] <= z { columns[k] * share } else { 0.0 };
-            }
-        }
-        let sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
-        // Neither rounding nor the edge of a texel dims what is lit all over.
-        if sum > 8.95 { 1.0 } else { sum * (1.0 / 9.0) }
-    }
-
     /// Raises the texels whose middles lie within one of eight triangles.
     #[inline(always)]
     fn triangle(&mut self, setup: &Setup, i: usize) {
@@ -460,11 +489,14 @@ impl Map {
                     let dy = dy as i32 as f32;
                     let (row_b, row_c, row_z) = (by * dy, cy * dy, zy * dy);
                     let row_a = row_b + row_c;
-                    for (k, texel) in row[..LANES].iter_mut().enumerate() {
+                    let mut heights = [0; LANES];
+                    for k in 0..LANES {
                         let inside = least(least(wb[k] + row_b, wc[k] + row_c), wa[k] - row_a);
-                        let z = least(height[k] + row_z, highest);
-                        *texel = most(if inside >= 0.0 { z } else { f32::NEG_INFINITY }, *texel);
+                        // Rounding may not lead beyond sixteen bits.
+                        let z = most(least(height[k] + row_z, highest), -HIGHEST);
+                        heights[k] = if inside >= 0.0 { steps(z) } else { EMPTY.into() };
                     }
+                    raise(row, &heights);
                 }
             }
             return;
@@ -522,7 +554,10 @@ impl Map {
     }
 }
 
-/// The corners of [`LANES`] triangles: x and y in texels, z in metres.
+/// Texels of a row that are raised together: as many as fit into a register.
+const WIDE: usize = 2 * LANES;
+
+/// The corners of [`LANES`] triangles: x and y in texels, z in steps.
 type Triangles = [[[f32; LANES]; 3]; 3];
 
 /// What is linear over each of [`LANES`] triangles: its value in the middle of the first texel of the triangle's bounds,
@@ -542,7 +577,7 @@ struct Setup {
     /// The weights of their second and third corners.
     b: Plane,
     c: Plane,
-    /// Their heights, metres towards the sun.
+    /// Their heights, steps.
     z: Plane,
     /// The highest corners.
     highest: [f32; LANES],
@@ -574,7 +609,7 @@ impl Setup {
             (out.b.first[i], out.b.along_x[i], out.b.along_y[i]) = (b_x * dx + b_y * dy, b_x, b_y);
             (out.c.first[i], out.c.along_x[i], out.c.along_y[i]) = (c_x * dx + c_y * dy, c_x, c_y);
             (out.z.first[i], out.z.along_x[i], out.z.along_y[i]) = (az[i] + (z_x * dx + z_y * dy), z_x, z_y);
-            out.highest[i] = most(most(az[i], bz[i]), cz[i]);
+            out.highest[i] = least(most(most(az[i], bz[i]), cz[i]), HIGHEST);
         }
         out
     }
@@ -601,16 +636,28 @@ fn most(a: f32, b: f32) -> f32 {
 }
 
 /// Raises the texels of a part of a row to a plane's height, which is `first` in the first of them and rises by `step`
-/// from texel to texel. `row` must go on beyond the span by eight texels, which stay as they are.
+/// from texel to texel. `row` must go on beyond the span by sixteen texels, which stay as they are.
 #[inline(always)]
-fn raise_span(row: &mut [f32], span: Range<usize>, first: f32, step: f32) {
-    for start in span.clone().step_by(LANES) {
-        let (before, left) = ((start - span.start) as i32 as f32, (span.end - start) as i32 as f32);
-        let texels = &mut row[start..start + LANES];
-        for (i, texel) in texels.iter_mut().enumerate() {
+fn raise_span(row: &mut [i16], span: Range<usize>, first: f32, step: f32) {
+    let (mut first, stride) = (first, step * WIDE as f32);
+    for start in span.clone().step_by(WIDE) {
+        let left = (span.end - start) as i32 as f32;
+        let mut heights = [0; WIDE];
+        for (i, height) in heights.iter_mut().enumerate() {
             let i = i as i32 as f32;
-            let z = first + step * (before + i);
-            *texel = most(if i < left { z } else { f32::NEG_INFINITY }, *texel);
+            let z = least(most(first + step * i, -HIGHEST), HIGHEST);
+            *height = if i < left { steps(z) } else { EMPTY.into() };
         }
+        raise(&mut row[start..], &heights);
+        // Summed up, so that the compiler goes along rows and not across their pieces.
+        first += stride;
+    }
+}
+
+/// Raises the first texels of a row to heights in the lower halves of numbers.
+#[inline(always)]
+fn raise<const N: usize>(row: &mut [i16], heights: &[i32; N]) {
+    for (texel, height) in row[..N].iter_mut().zip(heights) {
+        *texel = (*texel).max(*height as i16);
     }
 }
