@@ -5,8 +5,8 @@ use std::ops::Range;
 use multiversion::multiversion;
 
 use super::pattern::split;
-use crate::geometry::{Cluster, LANES};
-use crate::material::Material;
+use crate::geometry::{CLUSTER_FACES, Cluster, LANES};
+use crate::material::{Material, Pattern};
 use crate::math::{DMat3, DVec3, Mat3, Vec3};
 use crate::sense::{PosedInstance, PosedScene};
 
@@ -21,6 +21,8 @@ const STRIDE: usize = SIZE + 16;
 const CASCADES: [(f64, f64); 2] = [(15.0, 20.0), (58.0, 68.0)];
 /// Steps of height in a metre: near, far. Sixteen bits reach 128 and 256 m to both sides of the map's middle.
 const STEPS_PER_M: [f32; 2] = [256.0, 128.0];
+/// Of a cluster's leaves one in so many is drawn: near, far.
+const LEAF_STEPS: [usize; 2] = [1, 2];
 /// The height of what nothing was drawn on.
 const EMPTY: i16 = i16::MIN;
 
@@ -34,6 +36,8 @@ struct Map {
     texel_m: f32,
     texels_per_m: f32,
     steps_per_m: f32,
+    /// Of leaves that are drawn together one in so many casts a shadow.
+    leaf_step: usize,
     height: Vec<i16>,
     seen: SeenTiles,
     /// The columns between which something was drawn, for each row of tiles.
@@ -107,7 +111,7 @@ impl Shadows {
         let up = sun_world.cross(right);
         let mut shadows = Self { right, up, sun: sun_world, maps: Vec::new() };
         let flat = DVec3::new(forward_world.x, forward_world.y, 0.0).normalize_or_zero();
-        for ((ahead, half), steps_per_m) in CASCADES.into_iter().zip(STEPS_PER_M) {
+        for (((ahead, half), steps_per_m), leaf_step) in CASCADES.into_iter().zip(STEPS_PER_M).zip(LEAF_STEPS) {
             let middle = shadows.to_light((eye_world + flat * ahead - DVec3::Z * 1.6).as_vec3());
             let texel_m = (2.0 * half / SIZE as f64) as f32;
             // Whole texels, so that shadow edges do not crawl when the camera moves.
@@ -120,6 +124,7 @@ impl Shadows {
                 texel_m,
                 texels_per_m: 1.0 / texel_m,
                 steps_per_m,
+                leaf_step,
                 height,
                 seen: SeenTiles::default(),
                 drawn: vec![[SIZE, 0]; TILES],
@@ -131,21 +136,10 @@ impl Shadows {
     }
 
     fn mark_seen(&mut self, seen_world: Option<&[Vec3]>) {
-        let mut marked = [vec![seen_world.is_none(); TILES * TILES], vec![seen_world.is_none(); TILES * TILES]];
-        for p in seen_world.unwrap_or_default() {
-            let (x, y) = (self.right.dot(*p), self.up.dot(*p));
-            for (map, marked) in self.maps.iter().zip(&mut marked) {
-                let (x, y) = ((x - map.min[0]) * map.texels_per_m, (y - map.min[1]) * map.texels_per_m);
-                let (size, rim) = (SIZE as f32, 2.0 * MARGIN);
-                if x < 0.0 || y < 0.0 || x >= size || y >= size {
-                    continue;
-                }
-                marked[y as usize / TILE * TILES + x as usize / TILE] = true;
-                if x > rim && y > rim && x < size - rim && y < size - rim {
-                    break; // the coarser map is not asked there
-                }
-            }
-        }
+        // The last one stands for what is on no tile.
+        let unmarked = vec![seen_world.is_none(); TILES * TILES + 1];
+        let mut marked = [unmarked.clone(), unmarked];
+        mark(&self.maps, self.right, self.up, seen_world.unwrap_or_default(), &mut marked);
         for (map, marked) in self.maps.iter_mut().zip(&marked) {
             map.seen = SeenTiles::around(marked);
         }
@@ -310,6 +304,46 @@ fn steps(z: f32) -> i32 {
     (z + LARGE).to_bits() as i32
 }
 
+/// Marks the tiles of two maps that points fall on; the coarser one's are not asked within the rim of the finer one.
+#[multiversion(targets("x86_64+avx2"))]
+fn mark(maps: &[Map], right: Vec3, up: Vec3, points_world: &[Vec3], marked: &mut [Vec<bool>; 2]) {
+    for points in points_world.chunks(LANES) {
+        let mut world = [[0.0; LANES]; 3];
+        for (i, p) in points.iter().enumerate() {
+            (world[0][i], world[1][i], world[2][i]) = (p.x, p.y, p.z);
+        }
+        let [x, y, z] = &world;
+        let mut is_finer = [false; LANES];
+        for (map, marked) in maps.iter().zip(marked.iter_mut()) {
+            let mut tiles = [0; LANES];
+            for i in 0..LANES {
+                let (u, v) =
+                    (right.x * x[i] + right.y * y[i] + right.z * z[i], up.x * x[i] + up.y * y[i] + up.z * z[i]);
+                let (u, v) = ((u - map.min[0]) * map.texels_per_m, (v - map.min[1]) * map.texels_per_m);
+                let within = |rim: f32| {
+                    let end = SIZE as f32 - rim;
+                    (u >= rim) & (v >= rim) & (u < end) & (v < end)
+                };
+                // At a border it may be the neighbour: those around a marked one are drawn as well.
+                let tile = |texel: f32| {
+                    split(least(most(texel, 0.0), SIZE as f32) * (1.0 / TILE as f32)).0.clamp(0, TILES as i32 - 1)
+                };
+                let (column, row) = (tile(u), tile(v));
+                let is_marked = within(0.0) & !is_finer[i];
+                tiles[i] = if is_marked {
+                    row.wrapping_mul(TILES as i32).wrapping_add(column)
+                } else {
+                    (TILES * TILES) as i32
+                };
+                is_finer[i] |= within(2.0 * MARGIN);
+            }
+            for tile in &tiles[..points.len()] {
+                marked[*tile as usize] = true;
+            }
+        }
+    }
+}
+
 /// Draws all that may shade what the camera sees.
 #[multiversion(targets("x86_64+avx2"))]
 fn draw_casters(scene: &PosedScene, light_from_world: &DMat3, maps: &mut [Map]) {
@@ -325,22 +359,28 @@ fn draw_casters(scene: &PosedScene, light_from_world: &DMat3, maps: &mut [Map]) 
             of_kind.fold(0, |bits, (slot, _)| bits | 1_u64 << slot)
         };
         let (never, always) = (slots_of(Caster::Never), slots_of(Caster::Always));
+        let palette = instance.palette.0.iter().take(63).enumerate();
+        let leaves =
+            palette.filter(|(_, m)| m.pattern == Pattern::Leaves).fold(0, |bits, (slot, _)| bits | 1_u64 << slot);
         let light_from_local = *light_from_world * instance.placement.rotation;
         let origin = (*light_from_world * instance.placement.translation).as_vec3();
         let light_from_local = light_from_local.as_mat3();
         for cluster in instance.mesh.clusters.iter().filter(|c| c.slots & !never != 0) {
             let all_cast = cluster.slots & !always == 0;
+            let all_leaves = cluster.slots & !leaves == 0;
             let center = light_from_local * cluster.center + origin;
             // Far from the world's origin, single precision errs by millimetres.
             let radius = cluster.radius_m + 0.01;
             for map in maps.iter_mut().filter(|m| m.is_asked_in(center, radius)) {
                 map.project(cluster, &light_from_local, origin, &mut points);
-                if all_cast {
-                    map.draw(&points, &cluster.corners);
+                if all_leaves && map.leaf_step > 1 {
+                    map.draw_some(&points, &cluster.corners);
+                } else if all_cast {
+                    map.draw(&points, &cluster.corners, 1.0);
                 } else {
                     let up = light_from_world.z_axis.as_vec3();
                     let corners: Vec<[u8; 3]> = map.casters_of(instance, cluster, &kinds, &points, up).collect();
-                    map.draw(&points, &corners);
+                    map.draw(&points, &corners, 1.0);
                 }
             }
         }
@@ -436,15 +476,38 @@ impl Map {
         faces.filter(move |(corners, face)| casts(**corners, **face)).map(|(corners, _)| *corners)
     }
 
-    /// Draws triangles, [`LANES`] of them set up at a time.
+    /// Draws some of a cluster's leaves, each larger about its own middle, so that all together cover as much as before
+    /// (stochastic simplification: Cook, Halstead, Planck & Ryu 2007).
     #[inline(always)]
-    fn draw(&mut self, points: &Points, corners: &[[u8; 3]]) {
+    fn draw_some(&mut self, points: &Points, corners: &[[u8; 3]]) {
+        let mut some = [[0; 3]; CLUSTER_FACES];
+        let mut count = 0;
+        for (some, corners) in some.iter_mut().zip(corners.iter().step_by(self.leaf_step)) {
+            *some = *corners;
+            count += 1;
+        }
+        self.draw(points, &some[..count], (corners.len() as f32 / count as f32).sqrt());
+    }
+
+    /// Draws triangles, [`LANES`] of them set up at a time and enlarged about their middles.
+    #[inline(always)]
+    fn draw(&mut self, points: &Points, corners: &[[u8; 3]], scale: f32) {
         for some in corners.chunks(LANES) {
             let mut lanes: Triangles = [[[0.0; LANES]; 3]; 3];
             for (i, corners) in some.iter().enumerate() {
                 for (lanes, k) in lanes.iter_mut().zip(corners) {
                     for (lanes, axis) in lanes.iter_mut().zip(points) {
                         lanes[i] = axis[usize::from(*k)];
+                    }
+                }
+            }
+            if scale > 1.0 {
+                for axis in 0..3 {
+                    for i in 0..LANES {
+                        let middle = (lanes[0][axis][i] + lanes[1][axis][i] + lanes[2][axis][i]) * (1.0 / 3.0);
+                        for corner in &mut lanes {
+                            corner[axis][i] = middle + (corner[axis][i] - middle) * scale;
+                        }
                     }
                 }
             }
