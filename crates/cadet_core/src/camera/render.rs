@@ -36,7 +36,7 @@ const MEAN_LUMA: (f64, f64) = (91.0, 1.8);
 struct Scratch {
     seen_world: Vec<Vec3>,
     rgb: Vec<f32>,
-    shadows: Vec<Vec<f32>>,
+    shadows: Vec<Vec<i16>>,
 }
 
 thread_local! {
@@ -81,7 +81,7 @@ pub fn paint(scene: &PosedScene, view: &View, weather: &Weather, seen: &Seen, st
 }
 
 /// Sun, sky, shadows and openness around a view.
-fn light_of(scene: &PosedScene, view: &View, weather: &Weather, seen_world: &[Vec3], buffers: Vec<Vec<f32>>) -> Light {
+fn light_of(scene: &PosedScene, view: &View, weather: &Weather, seen_world: &[Vec3], buffers: Vec<Vec<i16>>) -> Light {
     let sky = Sky::new(weather);
     let eye = view.world_from_cam.translation;
     let forward = view.world_from_cam.rotation * DVec3::Z;

@@ -301,6 +301,78 @@ fn a_shadows_edge_is_as_soft_as_three_texels_and_rises_steadily() {
     assert_eq!(sunlit(&shadows, Vec3::new(400.0, 0.0, 0.0), Vec3::Z, s.z), 1.0);
 }
 
+/// The mean of what the sun's light leaves of level points about (x, y), up to `half` metres beside it.
+fn mean_sunlit(shadows: &Shadows, s: Vec3, (x, y): (f32, f32), half: f32, per_side: i32) -> f32 {
+    let at = |i: i32| (2.0 * (i as f32 + 0.5) / per_side as f32 - 1.0) * half;
+    let points = (0..per_side * per_side).map(|k| Vec3::new(x + at(k / per_side), y + at(k % per_side), 0.0));
+    points.map(|p| sunlit(shadows, p, Vec3::Z, s.z)).sum::<f32>() / (per_side * per_side) as f32
+}
+
+#[test]
+fn a_plates_shadow_has_the_plates_area_in_both_maps() {
+    let s = Sky::new(&clear_sun_from(40.0)).sun_world;
+    for x in [10.0, 70.0] {
+        // Long triangles, cut by rows, and short ones of a frame of little squares.
+        let mut b = MeshBuilder::new();
+        let (y0, z) = (-3.0, 5.0);
+        let p = |x: f32, y: f32| Vec3::new(x, y, z);
+        b.quad(p(x - 3.0, y0), p(x + 3.0, y0), p(x + 3.0, 1.0), p(x - 3.0, 1.0), 0);
+        for i in 0..30 {
+            let from = x - 3.0 + 0.2 * i as f32;
+            b.quad(p(from, 1.0), p(from + 0.2, 1.0), p(from + 0.2, 2.0), p(from, 2.0), 0);
+        }
+        let plate = instance(b.build("plate", 0.5), gray(Semantic::Fence, 0.5), DPose3::IDENTITY, 0);
+        let scene = PosedScene::new(&[ground(), plate], DVec3::ZERO);
+        let shadows = Shadows::new(&scene, DVec3::new(0.0, 0.0, EYE_HEIGHT_M), DVec3::X, s, None, Vec::new());
+        let middle = (x - s.x * z / s.z, -0.5 - s.y * z / s.z);
+        let area = (1.0 - mean_sunlit(&shadows, s, middle, 4.0, 160)) * 64.0;
+        assert!((area / 30.0 - 1.0).abs() < 0.015, "{x}: {area}");
+    }
+}
+
+#[test]
+fn crowns_cover_in_the_far_map_what_all_of_their_leaves_cover() {
+    let s = Sky::new(&clear_sun_from(40.0)).sun_world;
+    // Far apart, so that the area they cover is theirs: leaves a fifth of a metre long, turned to all sides.
+    let leaves_at = |x: f32, pattern: Pattern| {
+        let mut stream = Stream::from_seed("leaves", 4);
+        let mut number = move || stream.range(-1.0, 1.0) as f32;
+        let mut b = MeshBuilder::new();
+        for k in 0..900 {
+            let middle = Vec3::new(x + (k % 30) as f32 * 0.6 - 9.0, (k / 30) as f32 * 0.6 - 9.0, 8.0 + number() * 0.2);
+            let mut corner = || middle + Vec3::new(number(), number(), number()) * 0.25;
+            b.triangle(corner(), corner(), corner(), 0);
+        }
+        let material = Material::matt(Semantic::Vegetation, [0.1; 3], pattern, 0.3);
+        let crown = instance(b.build("crown", 0.5), material, DPose3::IDENTITY, 0);
+        let scene = PosedScene::new(&[ground(), crown], DVec3::ZERO);
+        let shadows = Shadows::new(&scene, DVec3::new(0.0, 0.0, EYE_HEIGHT_M), DVec3::X, s, None, Vec::new());
+        let middle = (x - s.x * 8.0 / s.z, -s.y * 8.0 / s.z);
+        1.0 - mean_sunlit(&shadows, s, middle, 11.0, 200)
+    };
+    let (some, all) = (leaves_at(75.0, Pattern::Leaves), leaves_at(75.0, Pattern::Wood));
+    assert!(all > 0.02 && all < 0.2 && (some / all - 1.0).abs() < 0.1, "{some} {all}");
+    assert!(some != all);
+    // Near the camera every leaf casts its own shadow.
+    assert_eq!(leaves_at(8.0, Pattern::Leaves), leaves_at(8.0, Pattern::Wood));
+}
+
+#[test]
+fn maps_do_not_remember_an_earlier_frame() {
+    let s = Sky::new(&clear_sun_from(40.0)).sun_world;
+    let eye = DVec3::new(0.0, 0.0, EYE_HEIGHT_M);
+    let seen: Vec<Vec3> = (0..60).map(|i| Vec3::new(i as f32, (i % 7) as f32 - 3.0, 0.0)).collect();
+    let of = |scene: &PosedScene, seen: Option<&[Vec3]>, buffers| Shadows::new(scene, eye, DVec3::X, s, seen, buffers);
+    let first = PosedScene::new(&street(), eye);
+    let second = PosedScene::new(&[ground()], eye);
+    for seen in [None, Some(&seen[..])] {
+        let used = of(&first, seen, Vec::new()).into_buffers();
+        assert!(used == of(&second, None, Vec::new()).into_buffers());
+        let again = of(&second, None, used);
+        assert_eq!(mean_sunlit(&again, s, (20.0, 0.0), 40.0, 120), 1.0);
+    }
+}
+
 #[test]
 fn vehicles_darken_a_point_alike_whoever_is_asked_with_it() {
     let car =
