@@ -296,7 +296,7 @@ impl PaddedTop {
 }
 
 /// Raises the slopes of the horizon to what stands at a step.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn raise(slopes: &mut [f32], top: &[f32], floor: &[f32], over: f32, per_m: f32) {
     for ((slope, top), floor) in slopes.iter_mut().zip(top).zip(floor) {
         *slope = slope.max((top - (floor + over)) * per_m);

@@ -62,7 +62,7 @@ impl Row {
     }
 }
 
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn survey(block: &Block) -> [Row; ROWS] {
     let mut out = [Row::default(); ROWS];
     for (row, out) in out.iter_mut().enumerate() {

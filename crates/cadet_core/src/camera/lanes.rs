@@ -204,7 +204,7 @@ fn run_of(of: &[u32; STRIDE], start: usize) -> usize {
     same.into_iter().fold(0, |all, bit| all | bit).trailing_ones() as usize
 }
 
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn gather_faces(l: &mut Lanes, kind: Kind, hits: &Hits, n: usize, faces: &[Face]) {
     let (has_coat, is_leaf) = (kind.is_glossy || kind.is_pane, kind.pattern == Pattern::Leaves);
     let has_axes = kind.pattern != Pattern::Plain && !is_leaf;
@@ -246,7 +246,7 @@ fn gather_faces(l: &mut Lanes, kind: Kind, hits: &Hits, n: usize, faces: &[Face]
     }
 }
 
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn gather_open(l: &mut Lanes, kind: Kind, hits: &Hits, n: usize, open: &[[f32; 8]]) {
     let mut i = 0;
     while i < n {

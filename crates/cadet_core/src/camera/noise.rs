@@ -53,7 +53,7 @@ pub fn blur(rgb: &mut [f32], width: usize, height: usize, ceiling: f32) -> [f64;
     total
 }
 
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn blur_down(taps: &[f32; 5], [a, b, c, d, e]: [&[f32]; 5], out: &mut [f32]) {
     let n = out.len();
     let (a, b, c, d, e) = (&a[..n], &b[..n], &c[..n], &d[..n], &e[..n]);
@@ -64,7 +64,7 @@ fn blur_down(taps: &[f32; 5], [a, b, c, d, e]: [&[f32]; 5], out: &mut [f32]) {
 }
 
 /// Returns sums of every 24th value, none above the ceiling: a fixed order whatever the instruction set.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn blur_across(taps: &[f32; 5], padded: &[f32], out: &mut [f32], ceiling: f32) -> [f32; 24] {
     let n = out.len();
     let (a, b, c, d, e) = (&padded[..n], &padded[3..][..n], &padded[6..][..n], &padded[9..][..n], &padded[12..][..n]);
@@ -126,7 +126,7 @@ struct Sensor {
     per_value: Vec<f32>,
 }
 
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn expose_row(s: &Sensor, [above, here, below]: [&[f32]; 3], down: &mut [f32], input: &[f32], out: &mut [u8]) {
     let (n, wide) = (out.len(), down.len());
     let (above, here, below) = (&above[..wide], &here[..wide], &below[..wide]);
@@ -149,7 +149,7 @@ fn expose_row(s: &Sensor, [above, here, below]: [&[f32]; 3], down: &mut [f32], i
 }
 
 /// Standard normal deviates from a counter: two hashes' eight bytes, whose sum is nearly normal (excess kurtosis -0.15).
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn white_noise(seed: u64, first: u32, out: &mut [f32]) {
     // Mean 8 * 127.5; variance 8 * (256^2 - 1) / 12.
     const MEAN: f32 = 1020.0;

@@ -92,7 +92,7 @@ pub struct Camera {
 }
 
 /// Where the hits are, how the surfaces lie there, and the sun to them.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 pub(super) fn geometry(l: &mut Lanes, hits: &Hits, m: usize, camera: &Camera, sun: Vec3, kind: Kind) {
     let m = m.min(LANES);
     for i in 0..m {
@@ -145,7 +145,7 @@ pub(super) fn geometry(l: &mut Lanes, hits: &Hits, m: usize, camera: &Camera, su
 }
 
 /// The albedo, by the kind's texture.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 pub(super) fn texture(l: &mut Lanes, m: usize, pattern: Pattern) {
     macro_rules! fill {
         ($($of:ident),*) => {
@@ -170,7 +170,7 @@ pub(super) fn texture(l: &mut Lanes, m: usize, pattern: Pattern) {
     fill!(Asphalt, Slabs, Blocks, Bricks, Render, Tiles, Grass, Leaves, Wood, Cloth);
 }
 
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 pub(super) fn snow(l: &mut Lanes, m: usize, eye: Vec3, snow: f32) {
     for i in 0..m.min(LANES) {
         let (x, y) = (l.point[0][i] + eye.x, l.point[1][i] + eye.y);
@@ -185,7 +185,7 @@ pub(super) fn snow(l: &mut Lanes, m: usize, eye: Vec3, snow: f32) {
 }
 
 /// The light that a matt surface sends.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 pub(super) fn diffuse(l: &mut Lanes, m: usize, sky: &Sky, kind: Kind, wetness: f32) {
     let is_leaf = kind.pattern == Pattern::Leaves;
     if !kind.is_flat() {
@@ -214,7 +214,7 @@ pub(super) fn diffuse(l: &mut Lanes, m: usize, sky: &Sky, kind: Kind, wetness: f
 }
 
 /// Adds what a coat or a film of water mirrors.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 pub(super) fn gloss(l: &mut Lanes, m: usize, sky: &Sky, eye: Vec3, wetness: f32) {
     for i in 0..m.min(LANES) {
         let (view, normal) = (get(&l.view, i), get(&l.normal, i));
@@ -246,7 +246,7 @@ pub(super) fn gloss(l: &mut Lanes, m: usize, sky: &Sky, eye: Vec3, wetness: f32)
 }
 
 /// A pane with what is seen through it.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 pub(super) fn pane(l: &mut Lanes, m: usize, sky: &Sky) {
     for i in 0..m.min(LANES) {
         let (view, normal) = (get(&l.view, i), get(&l.normal, i));
@@ -266,7 +266,7 @@ pub(super) fn pane(l: &mut Lanes, m: usize, sky: &Sky) {
     }
 }
 
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 pub(super) fn through_air(l: &mut Lanes, m: usize, light: &Light) {
     for i in 0..m.min(LANES) {
         let air = 1.0 - clear_share(light.extinction_per_m, l.distance_m[i]);

@@ -214,7 +214,7 @@ const NORMAL_OFFSET: f32 = 0.8;
 /// Half the side of the square, texels.
 const REACH: f32 = 1.5;
 
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn place<const N: usize>(shadows: &Shadows, eye_world: Vec3, asked: &Asked<N>, out: &mut OnMaps<N>) {
     let count = asked.count.next_multiple_of(LANES).min(N);
     let axes = [shadows.right, shadows.up, shadows.sun];
@@ -249,7 +249,7 @@ fn place<const N: usize>(shadows: &Shadows, eye_world: Vec3, asked: &Asked<N>, o
 }
 
 /// Copies what is looked at first: the processor waits for many texels at once, and not for one point's after another's.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn look_up<const N: usize>(maps: &[Map], at: &OnMaps<N>, asked: &Asked<N>, lit: &mut [f32; N]) {
     let mut which = [0_u8; N];
     let mut count = 0;
@@ -305,7 +305,7 @@ fn steps(z: f32) -> i32 {
 }
 
 /// Marks the tiles of two maps that points fall on; the coarser one's are not asked within the rim of the finer one.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn mark(maps: &[Map], right: Vec3, up: Vec3, points_world: &[Vec3], marked: &mut [Vec<bool>; 2]) {
     for points in points_world.chunks(LANES) {
         let mut world = [[0.0; LANES]; 3];
@@ -345,7 +345,7 @@ fn mark(maps: &[Map], right: Vec3, up: Vec3, points_world: &[Vec3], marked: &mut
 }
 
 /// Draws all that may shade what the camera sees.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn draw_casters(scene: &PosedScene, light_from_world: &DMat3, maps: &mut [Map]) {
     let mut points = [[0.0; MAX_POINTS]; 3];
     for instance in &scene.instances {

@@ -264,7 +264,7 @@ fn exact(light: &Light, direction: Vec3) -> Vec3 {
 }
 
 /// [`exact`] in a row of directions, plane by plane.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn exact_row(light: &Light, first: Vec3, step: Vec3, [red, green, blue]: [&mut [f32]; 3]) {
     for (i, ((r, g), b)) in red.iter_mut().zip(green).zip(blue).enumerate() {
         let color = exact(light, first + step * (i as i32 as f32));
