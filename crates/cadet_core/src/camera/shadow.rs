@@ -248,6 +248,9 @@ fn place<const N: usize>(shadows: &Shadows, eye_world: Vec3, asked: &Asked<N>, o
     }
 }
 
+/// The shares of squares of three by three texels that lie no higher than the points. A square begins in a point's first
+/// texel (the shares `x` and `y` of that one's column and row lie outside) and ends in the third after it.
+///
 /// Copies what is looked at first: the processor waits for many texels at once, and not for one point's after another's.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn look_up<const N: usize>(maps: &[Map], at: &OnMaps<N>, asked: &Asked<N>, lit: &mut [f32; N]) {
@@ -524,8 +527,6 @@ impl Map {
         }
     }
 
-    /// The share of a square of three by three texels that lies no higher than `z`. It begins in the texel `first` (the
-    /// shares `x` and `y` of its column and row lie outside) and ends in the third after it.
     /// Raises the texels whose middles lie within one of eight triangles.
     #[inline(always)]
     fn triangle(&mut self, setup: &Setup, i: usize) {
