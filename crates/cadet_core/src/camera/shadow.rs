@@ -371,6 +371,9 @@ fn draw_casters(scene: &PosedScene, light_from_world: &DMat3, maps: &mut [Map]) 
         for cluster in instance.mesh.clusters.iter().filter(|c| c.slots & !never != 0) {
             let all_cast = cluster.slots & !always == 0;
             let all_leaves = cluster.slots & !leaves == 0;
+            // Of solids, the sides that face the sun cast the same shadow as all of them.
+            let is_solid = cluster.closed_slots & !always == 0;
+            let solid = if is_solid { cluster.closed } else { 0 };
             let center = light_from_local * cluster.center + origin;
             // Far from the world's origin, single precision errs by millimetres.
             let radius = cluster.radius_m + 0.01;
@@ -379,11 +382,11 @@ fn draw_casters(scene: &PosedScene, light_from_world: &DMat3, maps: &mut [Map]) 
                 if all_leaves && map.leaf_step > 1 {
                     map.draw_some(&points, &cluster.corners);
                 } else if all_cast {
-                    map.draw(&points, &cluster.corners, 1.0);
+                    map.draw(&points, &cluster.corners, solid, 1.0);
                 } else {
                     let up = light_from_world.z_axis.as_vec3();
                     let corners: Vec<[u8; 3]> = map.casters_of(instance, cluster, &kinds, &points, up).collect();
-                    map.draw(&points, &corners, 1.0);
+                    map.draw(&points, &corners, 0, 1.0);
                 }
             }
         }
@@ -489,13 +492,14 @@ impl Map {
             *some = *corners;
             count += 1;
         }
-        self.draw(points, &some[..count], (corners.len() as f32 / count as f32).sqrt());
+        self.draw(points, &some[..count], 0, (corners.len() as f32 / count as f32).sqrt());
     }
 
-    /// Draws triangles, [`LANES`] of them set up at a time and enlarged about their middles.
+    /// Draws triangles, [`LANES`] of them set up at a time and enlarged about their middles. `solid`: a bit for each of the
+    /// first 64 that has one side.
     #[inline(always)]
-    fn draw(&mut self, points: &Points, corners: &[[u8; 3]], scale: f32) {
-        for some in corners.chunks(LANES) {
+    fn draw(&mut self, points: &Points, corners: &[[u8; 3]], solid: u64, scale: f32) {
+        for (some, first) in corners.chunks(LANES).zip((0_u32..).step_by(LANES)) {
             let mut lanes: Triangles = [[[0.0; LANES]; 3]; 3];
             for (i, corners) in some.iter().enumerate() {
                 for (lanes, k) in lanes.iter_mut().zip(corners) {
@@ -515,11 +519,12 @@ impl Map {
                 }
             }
             let setup = Setup::of(&lanes);
+            let solid = solid.checked_shr(first).unwrap_or(0);
             let mut drawn = [0; LANES];
             let mut count = 0;
             for i in 0..LANES {
                 drawn[count] = i;
-                count += usize::from(setup.meets_texels[i]);
+                count += usize::from(setup.meets_texels[i] & (setup.faces_sun[i] | (solid >> i & 1 == 0)));
             }
             for i in &drawn[..count] {
                 self.triangle(&setup, *i % LANES);
@@ -647,6 +652,8 @@ struct Setup {
     highest: [f32; LANES],
     /// False where no texel's middle is met for certain, and without an area.
     meets_texels: [bool; LANES],
+    /// Counter-clockwise seen from the sun.
+    faces_sun: [bool; LANES],
 }
 
 impl Setup {
@@ -663,6 +670,7 @@ impl Setup {
             let (acx, acy, acz) = (cx[i] - ax[i], cy[i] - ay[i], cz[i] - az[i]);
             let area = abx * acy - aby * acx;
             out.meets_texels[i] = (left < right) & (top < bottom) & (area.abs() > 1e-9);
+            out.faces_sun[i] = area > 0.0;
             [out.bounds[0][i], out.bounds[1][i], out.bounds[2][i], out.bounds[3][i]] = [x0, y0, x1, y1];
             let inverse = 1.0 / area;
             // Weights of b and c and the height are linear in x and y.
