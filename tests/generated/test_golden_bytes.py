@@ -14,7 +14,7 @@ import pytest
 
 import cadet
 
-GOLDEN = "9745863e6c6009a5b8afd3fe84f0eb06aa0f98ca792f1f0da639840dc10b6d08"
+GOLDEN = "861afc952d298bc186a6083b09f3b2f573ed40d6cb394bc7747f45bd03051257"
 
 
 def digest_of_a_frame() -> str:
