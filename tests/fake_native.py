@@ -155,7 +155,7 @@ class Scene:
         self.driven_m += distance_m
         self.time_s += blocked_s / 2
 
-    def capture(self, sample: int) -> dict[str, Any]:
+    def capture(self, sample: int, maps: bool) -> dict[str, Any]:
         self._misbehave()
         self.num_views += 1
         camera = self.rig["camera"]
@@ -168,20 +168,22 @@ class Scene:
         if "empty" not in self.faults and not blank and (self.num_views % 3 or self.num_views == 0):
             labels.append(_car())
         matrices = ("P0", "P1", "P2", "P3", "R0_rect", "Tr_velo_to_cam", "Tr_imu_to_velo")
-        return {
+        captured = {
             "image": noise.integers(0, 256, (*shape, 3), np.uint8),
             "points_velo": noise.uniform(5.0, 9.0, (50, 4)).astype(np.float32),
             "labels": labels,
             "calib": {key: camera[key] for key in matrices},
             "plane": np.array([0.0, -1.0, 0.0, 1.65]),
-            "depth": np.full(shape, 12.5, np.float32),
-            "instance": np.zeros(shape, np.int32),
-            "semantic": np.ones(shape, np.uint8),
             "meta": {"map": self.map_name or "suburb", "weather": self.weather, "driven_m": self.driven_m},
         }
+        if maps:
+            captured["depth"] = np.full(shape, 12.5, np.float32)
+            captured["instance"] = np.zeros(shape, np.int32)
+            captured["semantic"] = np.ones(shape, np.uint8)
+        return captured
 
-    def capture_labelled(self, sample: int) -> dict[str, Any] | None:
-        captured = self.capture(sample)
+    def capture_labelled(self, sample: int, maps: bool) -> dict[str, Any] | None:
+        captured = self.capture(sample, maps)
         return captured if any(label["type"] != "DontCare" for label in captured["labels"]) else None
 
     def scan(self, lidar: Lidar | None, ideal: bool, sample: int) -> dict[str, NDArray[Any]]:

@@ -17,6 +17,7 @@ import pytest
 
 import fake_native
 from cadet import CadetError, Camera, Environment, Lidar, ResetPolicy, Rig, Scene, Semantic, kitti, weather_names
+from cadet.episode import Episode
 from cadet.kitti.lint import lint
 
 pytestmark = pytest.mark.usefixtures("core")
@@ -76,6 +77,17 @@ def test_scene_environment_and_files_agree(dataset: Path) -> None:
     assert scene_frame.meta is not None
     # JSON knows no tuples.
     assert {**written.meta, "sha256": None} == {**json.loads(json.dumps(scene_frame.meta)), "sha256": None}
+
+
+def test_without_maps_all_else_is_the_same() -> None:
+    policy, rig = ResetPolicy.kitti(), SMALL
+    with_maps = Episode(policy, rig, 5, 0).next_frame(0)
+    without = Episode(policy, rig, 5, 0, maps=False).next_frame(0)
+    assert with_maps.depth is not None
+    assert (without.depth, without.instance, without.semantic) == (None, None, None)
+    np.testing.assert_array_equal(without.image, with_maps.image)
+    np.testing.assert_array_equal(without.points_velo, with_maps.points_velo)
+    assert without.labels == with_maps.labels
 
 
 def test_the_fake_knows_the_cores_weathers() -> None:
