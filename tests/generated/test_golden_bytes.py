@@ -14,7 +14,7 @@ import pytest
 
 import cadet
 
-GOLDEN = "861afc952d298bc186a6083b09f3b2f573ed40d6cb394bc7747f45bd03051257"
+GOLDEN = "dbb23ca0638c83657f99b8194d4dbfe604fb65f9e7806f644509fe0ac71ac0e5"
 
 
 def digest_of_a_frame() -> str:

@@ -53,7 +53,7 @@ pub fn draw_instances(
 /// A cluster in view.
 struct InView {
     near_m: f32,
-    /// What is drawn earlier hides more.
+    /// Of the middle: what is large reaches far beyond its nearest point, and hides little.
     order_m: f32,
     instance: u32,
     cluster: u32,
@@ -92,8 +92,7 @@ fn clusters_in_view(
             if !window.is_empty() {
                 out.push(InView {
                     near_m,
-                    // Large faces reach far beyond their nearest corner.
-                    order_m: near_m + 0.7 * cluster.radius_m,
+                    order_m: near_m + cluster.radius_m,
                     instance: index as u32,
                     cluster: number as u32,
                     window,

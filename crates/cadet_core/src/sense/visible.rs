@@ -9,6 +9,8 @@ use crate::math::Vec3;
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Visible {
     pub near_depth: f32,
+    /// Of the middle: what is large reaches far beyond its nearest point, and hides little.
+    order_depth: f32,
     pub instance: u32,
     pub cluster: u32,
     /// First row, end of rows, first column, end of columns: half as long as [`Window`]s, as there are many.
@@ -29,7 +31,7 @@ fn compact(window: &Window) -> [u32; 4] {
     [window.rows.start, window.rows.end, window.columns.start, window.columns.end].map(|v| v as u32)
 }
 
-/// The clusters in view, about in the order of their nearest depths.
+/// The clusters in view.
 pub(super) fn visible_clusters<G: BeamGrid>(
     scene: &PosedScene,
     grid: &G,
@@ -61,6 +63,7 @@ pub(super) fn visible_clusters<G: BeamGrid>(
             if windows.iter().any(|w| !w.is_empty()) {
                 out.push(Visible {
                     near_depth,
+                    order_depth: near_depth + cluster.radius_m,
                     instance: index as u32,
                     cluster: number as u32,
                     windows: [compact(&windows[0]), compact(&windows[1])],
@@ -81,7 +84,7 @@ pub(super) fn near_first(clusters: &[Visible]) -> Vec<Visible> {
     // The high bits of a positive number rise with it: its exponent and the first bits of its fraction.
     let high_bits = |depth: f32| (depth.to_bits() >> 16) as usize;
     let least = high_bits(NEAREST_M);
-    let key = |v: &Visible| high_bits(v.near_depth.clamp(NEAREST_M, FARTHEST_M)) - least;
+    let key = |v: &Visible| high_bits(v.order_depth.clamp(NEAREST_M, FARTHEST_M)) - least;
     let mut starts = vec![0_u32; high_bits(FARTHEST_M) - least + 2];
     clusters.iter().for_each(|v| starts[key(v) + 1] += 1);
     let mut sum = 0;
@@ -111,15 +114,15 @@ mod tests {
     #[test]
     fn the_order_is_that_of_depth_to_a_hundredth() {
         let depth = |i: u32| (i * 7919 % 1000) as f32 * 0.3 - 20.0;
-        let item = |i| Visible { near_depth: depth(i), instance: i, ..Visible::default() };
+        let item = |i| Visible { order_depth: depth(i), instance: i, ..Visible::default() };
         let mut clusters: Vec<Visible> = (0..1000).map(item).collect();
-        clusters[3].near_depth = f32::INFINITY;
+        clusters[3].order_depth = f32::INFINITY;
         let order = near_first(&clusters);
         let mut seen: Vec<u32> = order.iter().map(|v| v.instance).collect();
         seen.sort_unstable();
         assert!(seen.iter().enumerate().all(|(i, n)| i as u32 == *n));
         for pair in order.windows(2) {
-            let [a, b] = [pair[0], pair[1]].map(|v| v.near_depth.max(NEAREST_M));
+            let [a, b] = [pair[0], pair[1]].map(|v| v.order_depth.max(NEAREST_M));
             assert!(a <= b * 1.008, "{a} before {b}");
         }
         assert_eq!(order[999].instance, 3);
