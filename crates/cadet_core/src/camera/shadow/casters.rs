@@ -1,0 +1,383 @@
+//! Draws the scene's triangles onto the shadow maps: eight are set up at a time, and raise the texels they cover.
+
+use std::ops::Range;
+
+use multiversion::multiversion;
+
+use super::{EMPTY, HIGHEST, Map, SIZE, STRIDE, TILE, least, most, steps};
+use crate::geometry::{CLUSTER_FACES, Cluster, LANES};
+use crate::material::{Material, Pattern};
+use crate::math::{DMat3, Mat3, Vec3};
+use crate::sense::{PosedInstance, PosedScene};
+
+/// Draws all that may shade what the camera sees.
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+pub(super) fn draw_casters(scene: &PosedScene, light_from_world: &DMat3, maps: &mut [Map]) {
+    let mut points = [[0.0; MAX_POINTS]; 3];
+    for instance in &scene.instances {
+        let center = (*light_from_world * instance.center_world).as_vec3();
+        if !maps.iter().any(|m| m.is_asked_in(center, instance.radius_m as f32)) {
+            continue;
+        }
+        let kinds: Vec<Caster> = instance.palette.0.iter().map(Caster::of).collect();
+        let slots_of = |kind: Caster| {
+            let of_kind = kinds.iter().take(63).enumerate().filter(|(_, k)| **k == kind);
+            of_kind.fold(0, |bits, (slot, _)| bits | 1_u64 << slot)
+        };
+        let (never, always) = (slots_of(Caster::Never), slots_of(Caster::Always));
+        let palette = instance.palette.0.iter().take(63).enumerate();
+        let leaves =
+            palette.filter(|(_, m)| m.pattern == Pattern::Leaves).fold(0, |bits, (slot, _)| bits | 1_u64 << slot);
+        let light_from_local = *light_from_world * instance.placement.rotation;
+        let origin = (*light_from_world * instance.placement.translation).as_vec3();
+        let light_from_local = light_from_local.as_mat3();
+        for cluster in instance.mesh.clusters.iter().filter(|c| c.slots & !never != 0) {
+            let all_cast = cluster.slots & !always == 0;
+            let all_leaves = cluster.slots & !leaves == 0;
+            // Of solids, the sides that face the sun cast the same shadow as all of them.
+            let is_solid = cluster.closed_slots & !always == 0;
+            let solid = if is_solid { cluster.closed } else { 0 };
+            let center = light_from_local * cluster.center + origin;
+            // Far from the world's origin, single precision errs by millimetres.
+            let radius = cluster.radius_m + 0.01;
+            for map in maps.iter_mut().filter(|m| m.is_asked_in(center, radius)) {
+                map.project(cluster, &light_from_local, origin, &mut points);
+                if all_leaves && map.leaf_step > 1 {
+                    map.draw_some(&points, &cluster.corners);
+                } else if all_cast {
+                    map.draw(&points, &cluster.corners, solid, 1.0);
+                } else {
+                    let up = light_from_world.z_axis.as_vec3();
+                    let corners: Vec<[u8; 3]> = map.casters_of(instance, cluster, &kinds, &points, up).collect();
+                    map.draw(&points, &corners, 0, 1.0);
+                }
+            }
+        }
+    }
+}
+
+/// A cluster's corners are bytes.
+const MAX_POINTS: usize = 256;
+type Points = [[f32; MAX_POINTS]; 3];
+
+#[inline(always)]
+fn point(points: &Points, i: u8) -> Vec3 {
+    let i = usize::from(i);
+    Vec3::new(points[0][i], points[1][i], points[2][i])
+}
+
+/// How the faces of a material cast shadows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Caster {
+    Always,
+    /// Level ground fills the maps and shades nothing; kerbs and banks do.
+    UnlessLevel,
+    Never,
+}
+
+impl Caster {
+    fn of(material: &Material) -> Self {
+        match () {
+            () if material.is_glass() => Self::Never,
+            () if material.semantic.is_ground() => Self::UnlessLevel,
+            () => Self::Always,
+        }
+    }
+}
+
+impl Map {
+    /// True if a sphere in light coordinates may shade something that the camera sees.
+    #[inline]
+    fn is_asked_in(&self, center: Vec3, radius: f32) -> bool {
+        let (x, y) = ((center.x - self.min[0]) * self.texels_per_m, (center.y - self.min[1]) * self.texels_per_m);
+        let (r, size) = (radius * self.texels_per_m, SIZE as f32);
+        if x + r < 0.0 || y + r < 0.0 || x - r >= size || y - r >= size {
+            return false;
+        }
+        let texel = |v: f32| (v.max(0.0) as usize).min(SIZE - 1);
+        self.seen.any([texel(x - r), texel(y - r)], [texel(x + r), texel(y + r)])
+    }
+
+    /// Puts a cluster's vertices into `out`: x and y in texels, z in steps.
+    #[inline(always)]
+    fn project(&self, cluster: &Cluster, light_from_local: &Mat3, origin: Vec3, out: &mut Points) {
+        let (m, scale) = (light_from_local, self.texels_per_m);
+        let (x0, y0, z0) = (origin.x - self.min[0], origin.y - self.min[1], origin.z - self.middle_z);
+        let [out_x, out_y, out_z] = out;
+        let out = out_x.chunks_exact_mut(LANES).zip(out_y.chunks_exact_mut(LANES)).zip(out_z.chunks_exact_mut(LANES));
+        for (local, ((out_x, out_y), out_z)) in cluster.lanes.iter().zip(out) {
+            for i in 0..LANES {
+                let [x, y, z] = [local[0][i], local[1][i], local[2][i]];
+                out_x[i] = (m.x_axis.x * x + m.y_axis.x * y + m.z_axis.x * z + x0) * scale;
+                out_y[i] = (m.x_axis.y * x + m.y_axis.y * y + m.z_axis.y * z + y0) * scale;
+                out_z[i] = (m.x_axis.z * x + m.y_axis.z * y + m.z_axis.z * z + z0) * self.steps_per_m;
+            }
+        }
+    }
+
+    /// The corners of those faces of a cluster that cast shadows.
+    fn casters_of<'a>(
+        &'a self,
+        instance: &'a PosedInstance,
+        cluster: &'a Cluster,
+        kinds: &'a [Caster],
+        points: &'a Points,
+        up: Vec3,
+    ) -> impl Iterator<Item = [u8; 3]> + 'a {
+        let is_level = move |corners: [u8; 3]| {
+            let [a, b, c] = corners.map(|i| {
+                let p = point(points, i);
+                Vec3::new(p.x * self.texel_m, p.y * self.texel_m, p.z / self.steps_per_m)
+            });
+            let normal = (b - a).cross(c - a);
+            let rise = normal.dot(up);
+            rise * rise > 0.9 * normal.length_squared()
+        };
+        let casts = move |corners: [u8; 3], face: u32| match kinds[usize::from(instance.mesh.slots[face as usize])] {
+            Caster::Always => true,
+            Caster::UnlessLevel => !is_level(corners),
+            Caster::Never => false,
+        };
+        let faces = cluster.corners.iter().zip(&cluster.faces);
+        faces.filter(move |(corners, face)| casts(**corners, **face)).map(|(corners, _)| *corners)
+    }
+
+    /// Draws some of a cluster's leaves, each larger about its own middle, so that all together cover as much as before
+    /// (stochastic simplification: Cook, Halstead, Planck & Ryu 2007).
+    #[inline(always)]
+    fn draw_some(&mut self, points: &Points, corners: &[[u8; 3]]) {
+        let mut some = [[0; 3]; CLUSTER_FACES];
+        let mut count = 0;
+        for (some, corners) in some.iter_mut().zip(corners.iter().step_by(self.leaf_step)) {
+            *some = *corners;
+            count += 1;
+        }
+        self.draw(points, &some[..count], 0, (corners.len() as f32 / count as f32).sqrt());
+    }
+
+    /// Draws triangles, [`LANES`] of them set up at a time and enlarged about their middles. `solid`: a bit for each of the
+    /// first 64 that has one side.
+    #[inline(always)]
+    fn draw(&mut self, points: &Points, corners: &[[u8; 3]], solid: u64, scale: f32) {
+        for (some, first) in corners.chunks(LANES).zip((0_u32..).step_by(LANES)) {
+            let mut lanes: Triangles = [[[0.0; LANES]; 3]; 3];
+            for (i, corners) in some.iter().enumerate() {
+                for (lanes, k) in lanes.iter_mut().zip(corners) {
+                    for (lanes, axis) in lanes.iter_mut().zip(points) {
+                        lanes[i] = axis[usize::from(*k)];
+                    }
+                }
+            }
+            if scale > 1.0 {
+                for axis in 0..3 {
+                    for i in 0..LANES {
+                        let middle = (lanes[0][axis][i] + lanes[1][axis][i] + lanes[2][axis][i]) * (1.0 / 3.0);
+                        for corner in &mut lanes {
+                            corner[axis][i] = middle + (corner[axis][i] - middle) * scale;
+                        }
+                    }
+                }
+            }
+            let setup = Setup::of(&lanes);
+            let solid = solid.checked_shr(first).unwrap_or(0);
+            let mut drawn = [0; LANES];
+            let mut count = 0;
+            for i in 0..LANES {
+                drawn[count] = i;
+                count += usize::from(setup.meets_texels[i] & (setup.faces_sun[i] | (solid >> i & 1 == 0)));
+            }
+            for i in &drawn[..count] {
+                self.triangle(&setup, *i % LANES);
+            }
+        }
+    }
+
+    /// Raises the texels whose middles lie within one of eight triangles.
+    #[inline(always)]
+    fn triangle(&mut self, setup: &Setup, i: usize) {
+        let [x0, y0, x1, y1] = setup.bounds.each_ref().map(|lanes| lanes[i] as usize);
+        if !self.seen.any([x0, y0], [x1 - 1, y1 - 1]) {
+            return;
+        }
+        for [from, to] in &mut self.drawn[y0 / TILE..=(y1 - 1) / TILE] {
+            (*from, *to) = ((*from).min(x0), (*to).max(x1));
+        }
+        let plane = |plane: &Plane| [plane.first[i], plane.along_x[i], plane.along_y[i]];
+        let ([b, bx, by], [c, cx, cy], [z, zx, zy]) = (plane(&setup.b), plane(&setup.c), plane(&setup.z));
+        if x1 - x0 <= 2 * LANES {
+            // Small ones, which are most: testing eight texels at a time costs less than finding out where a row begins.
+            let highest = setup.highest[i];
+            for first in (x0..x1).step_by(LANES) {
+                let (mut wa, mut wb, mut wc, mut height) = ([0.0; LANES], [0.0; LANES], [0.0; LANES], [0.0; LANES]);
+                for k in 0..LANES {
+                    let dx = (first - x0) as i32 as f32 + k as i32 as f32;
+                    (wb[k], wc[k], height[k]) = (b + bx * dx, c + cx * dx, z + zx * dx);
+                    wa[k] = 1.0 - wb[k] - wc[k];
+                }
+                for (dy, row) in self.height[y0 * STRIDE + first..].chunks_mut(STRIDE).take(y1 - y0).enumerate() {
+                    let dy = dy as i32 as f32;
+                    let (row_b, row_c, row_z) = (by * dy, cy * dy, zy * dy);
+                    let row_a = row_b + row_c;
+                    let mut heights = [0; LANES];
+                    for k in 0..LANES {
+                        let inside = least(least(wb[k] + row_b, wc[k] + row_c), wa[k] - row_a);
+                        // Rounding may not lead beyond sixteen bits.
+                        let z = most(least(height[k] + row_z, highest), -HIGHEST);
+                        heights[k] = if inside >= 0.0 { steps(z) } else { EMPTY.into() };
+                    }
+                    raise(row, &heights);
+                }
+            }
+            return;
+        }
+        // Eight rows at a time are cut by the edges; nothing is tested within a row's span.
+        let edges =
+            [(bx, by, b), (cx, cy, c), (-bx - cx, -by - cy, 1.0 - b - c)].map(|(x, y, first)| (x, y, first, -1.0 / x));
+        let width = (x1 - x0) as i32 as f32;
+        for top in (y0 / LANES * LANES..y1).step_by(LANES) {
+            // Rows of no tile's border: they share what is seen.
+            let [seen_from, seen_to] = self.seen.spans[top / TILE];
+            let (from, to) = (x0.max(seen_from), x1.min(seen_to));
+            if from >= to {
+                continue;
+            }
+            let above = top as i32 as f32 - y0 as i32 as f32;
+            let height = (y1 - y0) as i32 as f32;
+            let dy: [f32; LANES] = std::array::from_fn(|k| above + k as i32 as f32);
+            let (mut lo, mut hi) = ([(from - x0) as i32 as f32; LANES], [(to - x0) as i32 as f32 - 1.0; LANES]);
+            for k in 0..LANES {
+                hi[k] = if (dy[k] >= 0.0) & (dy[k] < height) { hi[k] } else { -1.0 };
+            }
+            for (slope, down, first, inverse) in edges {
+                // slope * dx + first + down * dy >= 0
+                if slope > 0.0 {
+                    for k in 0..LANES {
+                        lo[k] = most((first + down * dy[k]) * inverse, lo[k]);
+                    }
+                } else if slope < 0.0 {
+                    for k in 0..LANES {
+                        hi[k] = least((first + down * dy[k]) * inverse, hi[k]);
+                    }
+                } else {
+                    for k in 0..LANES {
+                        hi[k] = if first + down * dy[k] < 0.0 { -1.0 } else { hi[k] };
+                    }
+                }
+            }
+            let (mut first, mut end) = ([0_i32; LANES], [0_i32; LANES]);
+            for k in 0..LANES {
+                // The first at or after `lo`, and the one after the last at or before `hi`.
+                let (start, start_f) = rounded(least(lo[k], width));
+                first[k] = start + i32::from(start_f < lo[k]);
+                let (stop, stop_f) = rounded(hi[k] + 1.0);
+                end[k] = stop - i32::from(stop_f > hi[k] + 1.0);
+            }
+            for k in 0..LANES {
+                if first[k] < end[k] {
+                    let from = first[k] as usize;
+                    let height = z + zy * dy[k] + zx * first[k] as f32;
+                    raise_span(&mut self.height[(top + k) * STRIDE..], x0 + from..x0 + end[k] as usize, height, zx);
+                }
+            }
+        }
+    }
+}
+
+/// Texels of a row that are raised together: as many as fit into a register.
+const WIDE: usize = 2 * LANES;
+
+/// The corners of [`LANES`] triangles: x and y in texels, z in steps.
+type Triangles = [[[f32; LANES]; 3]; 3];
+
+/// What is linear over each of [`LANES`] triangles: its value in the middle of the first texel of the triangle's bounds,
+/// and how it changes from texel to texel.
+#[derive(Default)]
+struct Plane {
+    first: [f32; LANES],
+    along_x: [f32; LANES],
+    along_y: [f32; LANES],
+}
+
+/// [`LANES`] triangles about to be drawn.
+#[derive(Default)]
+struct Setup {
+    /// The first column and row of texels whose middles lie within their bounds, and those after the last.
+    bounds: [[i32; LANES]; 4],
+    /// The weights of their second and third corners.
+    b: Plane,
+    c: Plane,
+    /// Their heights, steps.
+    z: Plane,
+    /// The highest corners.
+    highest: [f32; LANES],
+    /// False where no texel's middle is met for certain, and without an area.
+    meets_texels: [bool; LANES],
+    /// Counter-clockwise seen from the sun.
+    faces_sun: [bool; LANES],
+}
+
+impl Setup {
+    #[inline(always)]
+    fn of([[ax, ay, az], [bx, by, bz], [cx, cy, cz]]: &Triangles) -> Self {
+        let mut out = Self::default();
+        for i in 0..LANES {
+            let (min_x, max_x) = (least(least(ax[i], bx[i]), cx[i]), most(most(ax[i], bx[i]), cx[i]));
+            let (min_y, max_y) = (least(least(ay[i], by[i]), cy[i]), most(most(ay[i], by[i]), cy[i]));
+            // Texels' middles lie half a texel beyond their numbers: bounds are rounded to the nearest number.
+            let ((x0, left), (x1, right)) = (rounded(min_x), rounded(max_x));
+            let ((y0, top), (y1, bottom)) = (rounded(min_y), rounded(max_y));
+            let (abx, aby, abz) = (bx[i] - ax[i], by[i] - ay[i], bz[i] - az[i]);
+            let (acx, acy, acz) = (cx[i] - ax[i], cy[i] - ay[i], cz[i] - az[i]);
+            let area = abx * acy - aby * acx;
+            out.meets_texels[i] = (left < right) & (top < bottom) & (area.abs() > 1e-9);
+            out.faces_sun[i] = area > 0.0;
+            [out.bounds[0][i], out.bounds[1][i], out.bounds[2][i], out.bounds[3][i]] = [x0, y0, x1, y1];
+            let inverse = 1.0 / area;
+            // Weights of b and c and the height are linear in x and y.
+            let (b_x, b_y) = (acy * inverse, -acx * inverse);
+            let (c_x, c_y) = (-aby * inverse, abx * inverse);
+            let (z_x, z_y) = (abz * b_x + acz * c_x, abz * b_y + acz * c_y);
+            let (dx, dy) = (left + 0.5 - ax[i], top + 0.5 - ay[i]);
+            (out.b.first[i], out.b.along_x[i], out.b.along_y[i]) = (b_x * dx + b_y * dy, b_x, b_y);
+            (out.c.first[i], out.c.along_x[i], out.c.along_y[i]) = (c_x * dx + c_y * dy, c_x, c_y);
+            (out.z.first[i], out.z.along_x[i], out.z.along_y[i]) = (az[i] + (z_x * dx + z_y * dy), z_x, z_y);
+            out.highest[i] = least(most(most(az[i], bz[i]), cz[i]), HIGHEST);
+        }
+        out
+    }
+}
+
+/// The nearest integer on a map, as such and as it was; ties go to the even one.
+#[inline(always)]
+fn rounded(x: f32) -> (i32, f32) {
+    const LARGE: f32 = 12_582_912.0; // 1.5 * 2^23
+    let moved = least(most(x, 0.0), SIZE as f32) + LARGE;
+    ((moved.to_bits() as i32).wrapping_sub(LARGE.to_bits() as i32), moved - LARGE)
+}
+
+/// Raises the texels of a part of a row to a plane's height, which is `first` in the first of them and rises by `step`
+/// from texel to texel. `row` must go on beyond the span by sixteen texels, which stay as they are.
+#[inline(always)]
+fn raise_span(row: &mut [i16], span: Range<usize>, first: f32, step: f32) {
+    let (mut first, stride) = (first, step * WIDE as f32);
+    for start in span.clone().step_by(WIDE) {
+        let left = (span.end - start) as i32 as f32;
+        let mut heights = [0; WIDE];
+        for (i, height) in heights.iter_mut().enumerate() {
+            let i = i as i32 as f32;
+            let z = least(most(first + step * i, -HIGHEST), HIGHEST);
+            *height = if i < left { steps(z) } else { EMPTY.into() };
+        }
+        raise(&mut row[start..], &heights);
+        // Summed up, so that the compiler goes along rows and not across their pieces.
+        first += stride;
+    }
+}
+
+/// Raises the first texels of a row to heights in the lower halves of numbers.
+#[inline(always)]
+fn raise<const N: usize>(row: &mut [i16], heights: &[i32; N]) {
+    for (texel, height) in row[..N].iter_mut().zip(heights) {
+        *texel = (*texel).max(*height as i16);
+    }
+}
