@@ -17,6 +17,7 @@ import pytest
 
 from cadet import kitti
 from cadet.cli import run_cadet_gen
+from cadet.generate.pool import interrupts_held
 
 HERE = Path(__file__).parent
 SIZE = ("--image-size", "64x32")
@@ -160,9 +161,25 @@ def test_resuming_mends_what_is_damaged(whole: Path, tmp_path: Path, damage: Cal
     assert tree(out) == tree(whole)
 
 
+def test_ctrl_c_while_workers_start_is_answered_afterwards() -> None:
+    born = []
+
+    def start_workers() -> None:
+        with interrupts_held():
+            os.kill(os.getpid(), signal.SIGINT)
+            deaf = "import signal; print(signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, []))"
+            born.append(subprocess.run([sys.executable, "-c", deaf], capture_output=True, text=True, check=True))
+
+    with pytest.raises(KeyboardInterrupt):
+        start_workers()
+    assert [child.stdout for child in born] == ["True\n"]
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])
+
+
 def test_ctrl_c_ends_cleanly_and_says_how_to_go_on(whole: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    with start(out, "-n", 45, "--seed", 3, *SIZE, "--workers", 2, fault="slow=0.05") as process:
+    with start(out, "-n", 45, "--seed", 3, *SIZE, "--workers", 2, fault="slow=0.3") as process:
         wait_for(out / "training" / "meta" / "000002.json", process)
         # As a terminal does it: to the whole group, workers included.
         os.killpg(process.pid, signal.SIGINT)

@@ -5,7 +5,9 @@ from __future__ import annotations
 import contextlib
 import multiprocessing
 import signal
+import threading
 from collections.abc import Iterator
+from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
 from pathlib import Path
@@ -20,17 +22,23 @@ class WorkerError(CadetError):
 
 
 @contextlib.contextmanager
-def _interrupts_ignored() -> Iterator[None]:
-    """Let processes that are started inside be born deaf to Ctrl-C, which is the parent's to answer."""
-    try:
-        before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    except ValueError:  # Not the main thread: nobody's Ctrl-C comes here.
-        yield
-        return
+def interrupts_held() -> Iterator[None]:
+    """Hold Ctrl-C back while processes start: they are born deaf to it, and the parent answers it afterwards."""
+    # Its own start would let interrupts through.
+    resource_tracker.ensure_running()
+    held: list[int] = []
+    is_main = threading.current_thread() is threading.main_thread()
+    # Blocked signals may still come by way of another thread.
+    before = signal.signal(signal.SIGINT, lambda number, _: held.append(number)) if is_main else None
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        if is_main:
+            signal.signal(signal.SIGINT, before)
+    if held and callable(before):
+        before(signal.SIGINT, None)
 
 
 class Pool:
@@ -48,7 +56,7 @@ class Pool:
         self._processes: dict[Connection, SpawnProcess] = {}
         self._working_on: dict[Connection, int] = {}
         context = multiprocessing.get_context("spawn")
-        with _interrupts_ignored():
+        with interrupts_held():
             for _ in range(min(num_workers, settings.num_episodes)):
                 ours, theirs = context.Pipe()
                 process = context.Process(target=work, args=(theirs, root, settings, num_threads), daemon=True)
