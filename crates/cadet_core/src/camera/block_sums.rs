@@ -1,7 +1,7 @@
 //! Where there is something in the blocks of a square map, counted so that many blocks are asked with one question.
 
 /// Blocks of a map that have something.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct BlockSums {
     /// Blocks along a side.
     side: usize,
@@ -30,10 +30,14 @@ impl BlockSums {
     #[inline]
     pub fn any(&self, low: [f32; 2], high: [f32; 2]) -> bool {
         let block = |v: f32| ((v * self.blocks_per_m).max(0.0) as usize).min(self.side - 1);
-        let (x0, x1) = (block(low[0]), block(high[0]) + 1);
-        let (y0, y1) = (block(low[1]), block(high[1]) + 1);
+        self.any_between(low.map(block), high.map(block))
+    }
+
+    /// True if some block between two of the map, both included, has something.
+    #[inline]
+    pub fn any_between(&self, [x0, y0]: [usize; 2], [x1, y1]: [usize; 2]) -> bool {
         let at = |x: usize, y: usize| self.sums[y * (self.side + 1) + x];
-        at(x1, y1) + at(x0, y0) != at(x1, y0) + at(x0, y1)
+        at(x1 + 1, y1 + 1).wrapping_add(at(x0, y0)) != at(x1 + 1, y0).wrapping_add(at(x0, y1 + 1))
     }
 }
 
@@ -50,6 +54,7 @@ mod tests {
                 let want = marked.iter().any(|(x, y)| (x0..=x1).contains(x) && (y0..=y1).contains(y));
                 let middle = |i: usize| i as f32 * 2.0 + 1.0;
                 assert_eq!(sums.any([middle(x0), middle(y0)], [middle(x1), middle(y1)]), want);
+                assert_eq!(sums.any_between([x0, y0], [x1, y1]), want);
             }
         }
         assert!(sums.any([-50.0, 6.5], [900.0, 6.6]) && !sums.any([-50.0, 8.5], [900.0, 9.6]));

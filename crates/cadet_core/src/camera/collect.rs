@@ -304,7 +304,8 @@ impl<'a> Collector<'a> {
     }
 
     /// A pixel without panes, or several that show one face: a hit for each of its faces. Faces of one plant are shaded as
-    /// one, by the first: they differ without order; so are faces that are alike. `pixel` is the one in column 0. Returns how many pixels these were.
+    /// one, by the first: they differ without order; so are faces that are alike. `first` is the pixel in column 0. Returns
+    /// how many pixels these were.
     #[inline]
     fn collect_pixel(
         &mut self,
@@ -316,32 +317,30 @@ impl<'a> Collector<'a> {
         first: Pixel,
     ) -> usize {
         let i = columns.start % BLOCK;
-        let (a, b) = (block.face[2 * row][i], block.face[2 * row + 1][i]);
+        let [a, b] = two(block, row, i);
         if shown.whole >> i & 1 == 1 {
             let count = shown.run_from(i).min(columns.len());
-            self.collect_run(a, first, depths, i..i + count);
+            self.collect_run(a.1, first, depths, i..i + count);
             return count;
         }
         let pixel = Pixel { column: first.column + i, number: first.number + i as u32, ..first };
+        let at = pixel.number;
         match (shown.hits[0] >> i & 1 == 1, shown.hits[1] >> i & 1 == 1) {
-            (true, true) => {
-                if self.faces.are_of_one_plant(a, b) {
-                    self.collect(a, pixel, pixel.number, 1.0, pixel.sample(0), 1.0 / block.nearness[2 * row][i]);
-                } else if self.faces.are_alike(a, b) {
-                    self.collect(a, pixel, pixel.number, 1.0, pixel.uv(), depths[i]);
-                } else {
-                    self.collect(a, pixel, pixel.number, 0.5, pixel.sample(0), 1.0 / block.nearness[2 * row][i]);
-                    self.collect(b, pixel, pixel.number, 0.5, pixel.sample(1), 1.0 / block.nearness[2 * row + 1][i]);
+            (true, true) if self.faces.are_of_one_plant(a.1, b.1) => {
+                self.collect(a.1, pixel, at, 1.0, pixel.sample(0), 1.0 / a.0);
+            }
+            (true, true) if self.faces.are_alike(a.1, b.1) => {
+                self.collect(a.1, pixel, at, 1.0, pixel.uv(), depths[i]);
+            }
+            (false, false) => self.sky.fill(pixel.column, pixel.row, self.painter.row(at as usize, 1)),
+            hits => {
+                for (k, (nearness, face), is_hit) in [(0, a, hits.0), (1, b, hits.1)] {
+                    if is_hit {
+                        self.collect(face, pixel, at, 0.5, pixel.sample(k), 1.0 / nearness);
+                    } else {
+                        self.add_sky(pixel);
+                    }
                 }
-            }
-            (false, false) => self.sky.fill(pixel.column, pixel.row, self.painter.row(pixel.number as usize, 1)),
-            (true, false) => {
-                self.collect(a, pixel, pixel.number, 0.5, pixel.sample(0), 1.0 / block.nearness[2 * row][i]);
-                self.add_sky(pixel);
-            }
-            (false, true) => {
-                self.collect(b, pixel, pixel.number, 0.5, pixel.sample(1), 1.0 / block.nearness[2 * row + 1][i]);
-                self.add_sky(pixel);
             }
         }
         1

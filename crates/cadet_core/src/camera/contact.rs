@@ -21,7 +21,7 @@ pub struct Contacts {
     /// Blockers that reach each cell.
     cells: Vec<Vec<u16>>,
     /// Cells that some blocker reaches.
-    reached: Option<BlockSums>,
+    reached: BlockSums,
 }
 
 /// A box that shades the ground under and beside it: a vehicle's body.
@@ -39,14 +39,7 @@ impl Contacts {
     /// The vehicles and people of a scene, on a map that begins at `min` of the world.
     #[must_use]
     pub fn new(scene: &PosedScene, min: [f32; 2]) -> Self {
-        let mut contacts = Self { min, blockers: Vec::new(), cells: vec![Vec::new(); CELLS * CELLS], reached: None };
-        contacts.collect(scene);
-        let cells = &contacts.cells;
-        contacts.reached = Some(BlockSums::of(CELLS, CELL_M, |x, y| !cells[y * CELLS + x].is_empty()));
-        contacts
-    }
-
-    fn collect(&mut self, scene: &PosedScene) {
+        let (mut blockers, mut cells) = (Vec::new(), vec![Vec::new(); CELLS * CELLS]);
         for instance in scene.instances.iter().filter(|i| i.actor_id >= 1) {
             let size = instance.mesh.bounds.size();
             if size.x < 0.25 || size.y < 0.25 || size.z < 0.5 || size.x > 30.0 {
@@ -62,7 +55,7 @@ impl Contacts {
                 bottom_z: center.z - size.z / 2.0,
                 height: size.z,
             };
-            let (dx, dy) = (center.x - self.min[0], center.y - self.min[1]);
+            let (dx, dy) = (center.x - min[0], center.y - min[1]);
             // Half a cell's diagonal more: the cells' middles are asked.
             let reach = REACH * size.z + 0.71 * CELL_M;
             let r = 0.5 * (size.x * size.x + size.y * size.y).sqrt() + reach;
@@ -75,18 +68,20 @@ impl Contacts {
                 let hi = (((d + r) / CELL_M).max(0.0) as usize).min(CELLS - 1);
                 lo..=hi
             };
-            let index = self.blockers.len().min(usize::from(u16::MAX)) as u16;
+            let index = blockers.len().min(usize::from(u16::MAX)) as u16;
             for y in range(dy) {
                 for x in range(dx) {
                     let middle = |i: usize| (i as f32 + 0.5) * CELL_M;
                     let d = Vec3::new(middle(x) - dx, middle(y) - dy, 0.0);
                     if blocker.distance(d) <= reach {
-                        self.cells[y * CELLS + x].push(index);
+                        cells[y * CELLS + x].push(index);
                     }
                 }
             }
-            self.blockers.push(blocker);
+            blockers.push(blocker);
         }
+        let reached = BlockSums::of(CELLS, CELL_M, |x, y| !cells[y * CELLS + x].is_empty());
+        Self { min, blockers, cells, reached }
     }
 
     /// Share of the sky's light that vehicles leave to points on the ground under or beside them, 0..1; 1 where it is not
@@ -108,7 +103,7 @@ impl Contacts {
                 let to_map = eye_world.to_array()[axis] - self.min[axis];
                 [low + to_map, high + to_map]
             });
-            if xs[0] > xs[1] || !self.reached.as_ref().is_some_and(|r| r.any([x[0], y[0]], [x[1], y[1]])) {
+            if xs[0] > xs[1] || !self.reached.any([x[0], y[0]], [x[1], y[1]]) {
                 continue;
             }
             reaching.clear();

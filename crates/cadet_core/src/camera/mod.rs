@@ -26,4 +26,4 @@ pub use look::{Maps, Seen, View, look};
 #[cfg(test)]
 pub(crate) use model::tests::kitti_like;
 pub use model::{Calibration, CameraModel, Pixel};
-pub use render::{Rendered, paint, render};
+pub use render::{Rendered, paint};

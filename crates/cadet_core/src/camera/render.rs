@@ -4,13 +4,12 @@ use std::cell::RefCell;
 
 use super::ambient::SkyView;
 use super::exposure::{WHITE_BALANCE, gain_for_mean_luma, metered};
-use super::look::{Maps, Rays, Seen, View, look, seen_points};
+use super::look::{Maps, Rays, Seen, View, seen_points};
 use super::noise::{ROWS_BEFORE, blur, expose};
 use super::paint::{paint as paint_radiance, room_for};
 use super::shade::Light;
 use super::shadow::Shadows;
 use super::sky::Sky;
-use crate::error::Result;
 use crate::math::{DVec3, Vec3};
 use crate::rng::Stream;
 use crate::sense::PosedScene;
@@ -43,20 +42,10 @@ thread_local! {
     static SCRATCH: RefCell<Scratch> = RefCell::default();
 }
 
-/// Renders a scene: [`look`], then [`paint`], and the maps besides.
+/// Gives what is seen its light and colour, and takes the picture: RGB, 8 bits, row-major.
 ///
 /// # Determinism
 /// A function of its arguments; one thread. `stream` feeds the exposure and the noise alone.
-///
-/// # Errors
-/// Those of [`PinholeGrid::new`]: a camera that is none.
-pub fn render(scene: &PosedScene, view: &View, weather: &Weather, stream: &mut Stream) -> Result<Rendered> {
-    let seen = look(scene, view)?;
-    let maps = seen.maps(scene);
-    Ok(Rendered { image: paint(scene, view, weather, &seen, stream), maps: Some(maps) })
-}
-
-/// Gives what is seen its light and colour, and takes the picture: RGB, 8 bits, row-major.
 #[must_use]
 pub fn paint(scene: &PosedScene, view: &View, weather: &Weather, seen: &Seen, stream: &mut Stream) -> Vec<u8> {
     let (width, height) = (view.width, view.height);

@@ -5,6 +5,7 @@ mod casters;
 use multiversion::multiversion;
 
 use self::casters::draw_casters;
+use super::block_sums::BlockSums;
 use super::pattern::split;
 use crate::geometry::LANES;
 use crate::math::{DMat3, DVec3, Vec3};
@@ -44,42 +45,32 @@ struct Map {
     drawn: Vec<[usize; 2]>,
 }
 
-/// The tiles of a map on which the camera sees something.
+/// The tiles of a map on which the camera sees something, and those around them.
 #[derive(Debug, Clone, Default)]
 struct SeenTiles {
-    /// Their number over all tiles before a row and a column.
-    sums: Vec<u16>,
+    tiles: BlockSums,
     /// The columns of texels between the first and the last of them, for each row of tiles.
     spans: Vec<[usize; 2]>,
 }
 
 impl SeenTiles {
-    /// Counts the marked tiles and those around them.
     fn around(marked: &[bool]) -> Self {
-        let mut sums = vec![0_u16; (TILES + 1) * (TILES + 1)];
-        let mut spans = vec![[SIZE, 0]; TILES];
-        for y in 0..TILES {
-            let mut row = 0;
-            for x in 0..TILES {
-                let (from, to) = (x.saturating_sub(1), (x + 2).min(TILES));
-                let near = (y.saturating_sub(1)..(y + 2).min(TILES))
-                    .any(|y| marked[y * TILES + from..y * TILES + to].contains(&true));
-                row += u16::from(near);
-                if near {
-                    spans[y] = [spans[y][0].min(x * TILE), (x + 1) * TILE];
-                }
-                sums[(y + 1) * (TILES + 1) + x + 1] = sums[y * (TILES + 1) + x + 1] + row;
-            }
-        }
-        Self { sums, spans }
+        let near = |i: usize| i.saturating_sub(1)..(i + 2).min(TILES);
+        let is_seen = |x: usize, y: usize| near(y).any(|y| marked[y * TILES..][near(x)].contains(&true));
+        let row_of = |y: usize| (0..TILES).map(move |x| is_seen(x, y));
+        let seen: Vec<bool> = (0..TILES).flat_map(row_of).collect();
+        let span = |row: &[bool]| match (row.iter().position(|s| *s), row.iter().rposition(|s| *s)) {
+            (Some(first), Some(last)) => [first * TILE, (last + 1) * TILE],
+            _ => [SIZE, 0],
+        };
+        let spans = seen.chunks(TILES).map(span).collect();
+        Self { tiles: BlockSums::of(TILES, TILE as f32, |x, y| seen[y * TILES + x]), spans }
     }
 
     /// True if some tile between two texels (both included) is seen.
     #[inline]
-    fn any(&self, [x0, y0]: [usize; 2], [x1, y1]: [usize; 2]) -> bool {
-        let (x0, y0, x1, y1) = (x0 / TILE, y0 / TILE, x1 / TILE + 1, y1 / TILE + 1);
-        let at = |x: usize, y: usize| self.sums[y * (TILES + 1) + x];
-        at(x1, y1).wrapping_add(at(x0, y0)) != at(x1, y0).wrapping_add(at(x0, y1))
+    fn any(&self, from: [usize; 2], to: [usize; 2]) -> bool {
+        self.tiles.any_between(from.map(|texel| texel / TILE), to.map(|texel| texel / TILE))
     }
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::ambient::SkyView;
 use super::shadow::{Asked, Shadows};
 use super::sky::Sky;
-use super::{Rendered, View, look, render};
+use super::{Rendered, View, look, paint};
 use crate::frames::{facing, upright};
 use crate::geometry::{LodSet, Mesh, MeshBuilder};
 use crate::instance::Instance;
@@ -61,7 +61,9 @@ fn clear_sun_from(azimuth_deg: f64) -> Weather {
 
 fn picture(instances: &[Instance], weather: &Weather, seed: u64) -> Rendered {
     let posed = PosedScene::new(instances, DVec3::new(0.0, 0.0, EYE_HEIGHT_M));
-    render(&posed, &view(), weather, &mut Stream::from_seed("camera", seed)).unwrap()
+    let seen = look(&posed, &view()).unwrap();
+    let image = paint(&posed, &view(), weather, &seen, &mut Stream::from_seed("camera", seed));
+    Rendered { image, maps: Some(seen.maps(&posed)) }
 }
 
 fn street() -> Vec<Instance> {

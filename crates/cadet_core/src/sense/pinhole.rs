@@ -163,25 +163,9 @@ impl BeamGrid for PinholeGrid {
     }
 
     #[inline]
-    fn windows(&self, corners_grid: &[DVec3; 3], [a, b, c]: &[Self::Footprint; 3]) -> [Window; 2] {
-        if (a[0] + b[0] + c[0]).is_nan() {
-            return [self.window_of_crossing(corners_grid), Window::default()];
-        }
-        let range = |k: usize, n: usize, [shift_lo, shift_hi]: [f32; 2]| {
-            let lo = a[k].min(b[k]).min(c[k]) - (MARGIN + shift_lo);
-            let hi = a[k].max(b[k]).max(c[k]) + (MARGIN - shift_hi);
-            // Rounded up and down by hand: without SSE 4.1 `ceil` is a call.
-            let below = lo.max(0.0) as u32;
-            let first = below + u32::from((below as f32) < lo);
-            first as usize..((hi + 1.0).max(0.0) as u32 as usize).min(n)
-        };
-        let rows = range(1, self.rows(), [0.0; 2]);
-        let odd_shift = self.odd_shift as f32;
-        let is_all_odd = rows.len() == 1 && rows.start % 2 == 1;
-        let is_all_even = rows.len() == 1 && rows.start % 2 == 0;
-        let shifts = [if is_all_even { 0.0 } else { odd_shift }, if is_all_odd { odd_shift } else { 0.0 }];
-        let columns = range(0, self.columns(), shifts);
-        [Window { rows, columns }, Window::default()]
+    fn windows(&self, corners_grid: &[DVec3; 3], footprints: &[Self::Footprint; 3]) -> [Window; 2] {
+        let [columns, rows] = [0, 1].map(|k| footprints.map(|f| [f[k]; LANES]));
+        [self.window_lanes(columns.each_ref(), rows.each_ref()).of_lane(0, self, corners_grid), Window::default()]
     }
 
     #[inline]

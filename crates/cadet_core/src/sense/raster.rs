@@ -25,8 +25,8 @@ pub fn draw(scene: &PosedScene, grid: &PinholeGrid, buffer: &mut VisibilityBuffe
 /// Draws the triangles of some instances (indices into [`PosedScene::instances`]) as the samples of `grid` see them;
 /// `buffer` forgets what it held.
 ///
-/// Of two surfaces at the same depth the earlier instance and face is seen. Triangles have two sides. The order of the
-/// work does not show in the outcome.
+/// Of two surfaces at the same depth the one drawn first is seen: that of the nearer cluster, then of the earlier instance,
+/// cluster and face. Triangles have two sides, but for those of closed surfaces around which the camera is outside.
 pub fn draw_instances(
     scene: &PosedScene,
     grid: &PinholeGrid,
@@ -267,7 +267,7 @@ impl Drawer<'_> {
         let id = self.buffer.faces.len() as u32;
         let mut is_drawn = false;
         for block_row in window.rows.start / BLOCK..=(window.rows.end - 1) / BLOCK {
-            let Some(rows_y) = self.rows_y[block_row * BLOCK..].first_chunk::<BLOCK>() else { return };
+            let Some(rows_y) = self.rows_y[block_row * BLOCK..].first_chunk::<BLOCK>() else { break };
             let top = block_row * BLOCK;
             let rows = window.rows.start.max(top) - top..window.rows.end.min(top + BLOCK) - top;
             let y = (rows_y[0] + rows_y[BLOCK - 1]) * 0.5;
@@ -277,7 +277,7 @@ impl Drawer<'_> {
                 let (Some(even), Some(odd)) =
                     (evens[left..].first_chunk::<BLOCK>(), odds[left..].first_chunk::<BLOCK>())
                 else {
-                    return;
+                    break;
                 };
                 let exact = ExactBlock { columns_x: [even, odd], rows_y };
                 let at = on_image.at((even[0] + odd[BLOCK - 1]) * 0.5, y);
