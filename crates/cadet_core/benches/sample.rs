@@ -4,7 +4,7 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use cadet_core::camera::png::encode_rgb8;
-use cadet_core::camera::{Calibration, CameraModel};
+use cadet_core::camera::{Calibration, CameraModel, View, look, paint};
 use cadet_core::lidar::LidarSpec;
 use cadet_core::math::DVec3;
 use cadet_core::nalgebra::{Matrix3, Matrix3x4};
@@ -67,6 +67,14 @@ fn bench(c: &mut Criterion) {
         });
         let _ = group.bench_function("scan with returns", |b| b.iter(|| black_box(scene.scan(None, 0))));
         let _ = group.bench_function("capture: image, scan, labels", |b| b.iter(|| black_box(scene.capture(0, false))));
+        let (_, world_from_cam) = scene.sensor_poses();
+        let (posed, view) = (scene.triangles(), View::new(&scene.rig().camera, &world_from_cam));
+        let seen = look(&posed, &view).expect("looks");
+        let _ = group.bench_function("image: look", |b| b.iter(|| black_box(look(&posed, &view))));
+        let _ = group.bench_function("image: paint", |b| {
+            let mut stream = StreamKey::scene(seed).indexed("camera", 0);
+            b.iter(|| black_box(paint(&posed, &view, scene.weather(), &seen, &mut stream)));
+        });
         let image = scene.capture(0, false).expect("a frame").rendered.image;
         let _ = group.bench_function("encode the image", |b| b.iter(|| black_box(encode_rgb8(1242, 375, &image))));
         let _ = group.bench_function("whole sample: drive 10 m, capture, encode", |b| {
