@@ -96,6 +96,14 @@ impl PinholeGrid {
         Ok(grid)
     }
 
+    /// True if a circle about (across, along) in a plane through the optical axis lies on one side of all beams.
+    fn is_beside(&self, across: f32, along: f32, radius_m: f32, scale: f64, offset: f64, n: usize) -> bool {
+        // A sample beyond the first and the last.
+        let [low, high] = [-1.0 - offset, n as f64 + 1.0 - offset].map(|at| (at / scale) as f32);
+        let beyond = |slope: f32| (across - slope * along) / (1.0 + slope * slope).sqrt();
+        beyond(low) < -radius_m || beyond(high) > radius_m
+    }
+
     fn edges(&self) -> [f64; 4] {
         let (w, h) = (self.columns() - 1, self.rows_y.len() - 1);
         [self.columns_x[0][0], self.columns_x[1][w], self.rows_y[0], self.rows_y[h]]
@@ -143,6 +151,9 @@ impl BeamGrid for PinholeGrid {
     fn sphere_windows(&self, c: Vec3, radius_m: f32) -> ([Window; 2], f32) {
         let range = |across: f32, scale: f64, offset: f64, n: usize| {
             let Some([lo, hi]) = tangents_of_circle(across, c.z, radius_m) else { return 0..0 };
+            if hi == f32::INFINITY && self.is_beside(across, c.z, radius_m, scale, offset, n) {
+                return 0..0;
+            }
             let (lo, hi) = (lo * scale as f32 + offset as f32, hi * scale as f32 + offset as f32);
             (lo - 1.0).max(0.0) as usize..((hi + 2.0).max(0.0) as usize).min(n)
         };
