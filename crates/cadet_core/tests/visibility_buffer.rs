@@ -11,7 +11,7 @@ use cadet_core::instance::Instance;
 use cadet_core::material::Palette;
 use cadet_core::math::{DPose3, DVec3};
 use cadet_core::rng::Stream;
-use cadet_core::sense::{Hits, Layer, NO_HIT, PinholeGrid, PosedScene, VisibilityBuffer, cast, draw};
+use cadet_core::sense::{BLOCK, Hits, Layer, NO_HIT, PinholeGrid, PosedScene, VisibilityBuffer, cast, draw};
 use proptest::prelude::*;
 
 fn camera(pose: DPose3, rows: usize, columns: usize) -> PinholeGrid {
@@ -55,7 +55,8 @@ fn assert_same(scene: &PosedScene, grid: &PinholeGrid, rows: usize, columns: usi
             if seen != (hits.instance[at], hits.face[at]) {
                 assert!(seen.0 != NO_HIT && hits.instance[at] != NO_HIT);
             }
-            let behind = buffer.solid_pair(row & !1, column).nearness[row & 1];
+            let block = buffer.solid(row / BLOCK * buffer.blocks_across + column / BLOCK);
+            let behind = block.nearness[row % BLOCK][column % BLOCK];
             let expected = 1.0 / f64::from(solid.depth[at]);
             assert!((f64::from(behind) - expected).abs() <= 2e-6 * expected, "{row} {column}: solid");
         }

@@ -7,7 +7,7 @@ use multiversion::multiversion;
 
 use super::faces::{Faces, Place};
 use super::hits::{Hit, RUN};
-use super::look::Rays;
+use super::look::{Rays, View};
 use super::noise::MIDDLE_PX;
 use super::paint::{BAND, Painter};
 use super::shade::Light;
@@ -31,6 +31,7 @@ pub struct Collector<'a> {
     panes: Vec<(u32, u32, Hit)>,
     sky: SkyRows<'a>,
     width: usize,
+    intrinsics: [f64; 4],
 }
 
 /// What a row of pixels of a block shows, a bit a pixel.
@@ -46,6 +47,8 @@ struct Row {
 
 impl Row {
     const ALL: u32 = (1 << BLOCK) - 1;
+    /// All samples see one face, as those of the next rows.
+    const ONE_FACE: Self = Self { hits: [Self::ALL; 2], whole: Self::ALL, joined: Self::ALL >> 1 };
 
     fn is_sky(&self) -> bool {
         self.hits[0] | self.hits[1] == 0
@@ -109,6 +112,8 @@ struct Tile {
     left: usize,
     rows: usize,
     columns: usize,
+    /// The face that all samples see, be they behind panes or not.
+    only: Option<u32>,
     survey: [Row; ROWS],
 }
 
@@ -148,13 +153,12 @@ impl<'a> Collector<'a> {
         buffer: &'a VisibilityBuffer,
         faces: Faces<'a>,
         painter: Painter<'a>,
-        width: usize,
-        height: usize,
+        view: &View,
         rays: &'a Rays,
         light: &'a Light,
     ) -> Self {
-        let sky = SkyRows::new(width, height, rays, light);
-        Self { buffer, faces, painter, panes: Vec::new(), sky, width }
+        let sky = SkyRows::new(view.width, view.height, rays, light);
+        Self { buffer, faces, painter, panes: Vec::new(), sky, width: view.width, intrinsics: view.intrinsics }
     }
 
     /// Collects the rows of a band.
@@ -170,14 +174,16 @@ impl<'a> Collector<'a> {
             for (tile, (row, left)) in tiles.iter_mut().zip(places) {
                 let square = first_row / ROWS * self.buffer.blocks_across + left / BLOCK;
                 let number = square + row / ROWS * self.buffer.blocks_across;
+                let only = self.buffer.only_face(number);
                 let found = Tile {
                     number,
+                    only,
                     place: Place { block: number as u32, square: square as u32 },
                     top: first_row + row,
                     left,
                     rows: (rows - row).min(ROWS),
                     columns: (width - left).min(BLOCK),
-                    survey: survey(&self.buffer.solid[number]),
+                    survey: only.map_or_else(|| survey(self.buffer.solid(number)), |_| [Row::ONE_FACE; ROWS]),
                 };
                 self.ask(&found);
                 *tile = Some(found);
@@ -209,7 +215,10 @@ impl<'a> Collector<'a> {
 
     /// Asks for the faces of a block.
     fn ask(&mut self, tile: &Tile) {
-        let block = &self.buffer.solid[tile.number];
+        if let (Some(face), None) = (tile.only, self.buffer.panes(tile.number)) {
+            return self.faces.ask(face);
+        }
+        let block = self.buffer.solid(tile.number);
         for row in 0..tile.rows {
             if let Some(panes) = self.panes_before(tile, row) {
                 for i in 0..BLOCK {
@@ -248,14 +257,17 @@ impl<'a> Collector<'a> {
     /// The panes of a block, if in a row of pixels any of them lies before what is solid.
     fn panes_before(&self, tile: &Tile, row: usize) -> Option<&'a Block> {
         let buffer = self.buffer;
-        let (solid, panes) = (&buffer.solid[tile.number], &buffer.panes[tile.number]);
+        let (solid, panes) = (buffer.solid(tile.number), buffer.panes(tile.number)?);
         let is_before = |line: usize| (0..BLOCK).any(|i| panes.nearness[line][i] > solid.nearness[line][i]);
-        (buffer.has_panes[tile.number] && (is_before(2 * row) || is_before(2 * row + 1))).then_some(panes)
+        (is_before(2 * row) || is_before(2 * row + 1)).then_some(panes)
     }
 
     fn collect_tile(&mut self, tile: &Tile) {
         let buffer = self.buffer;
-        let block = &buffer.solid[tile.number];
+        if let (Some(face), None) = (tile.only, buffer.panes(tile.number)) {
+            return self.collect_face(tile, face);
+        }
+        let block = buffer.solid(tile.number);
         for row in 0..tile.rows {
             let line = tile.top + row;
             let first = line * self.width + tile.left;
@@ -287,6 +299,24 @@ impl<'a> Collector<'a> {
             while i < tile.columns {
                 i += self.collect_pixel(block, row, shown, i..tile.columns, &depths, pixel);
             }
+        }
+    }
+
+    /// A block without panes that shows one face: its depths follow from the face's plane.
+    fn collect_face(&mut self, tile: &Tile, face: u32) {
+        let [first, by_column, by_row] = self.buffer.faces[face as usize].nearness_on_image(self.intrinsics);
+        let middle = f64::from(MIDDLE_PX);
+        let (left, top) = (tile.left as f64 + middle, tile.top as f64 + middle);
+        let (mut nearness, by_column) = ((first + by_column * left + by_row * top) as f32, by_column as f32);
+        for line in tile.top..tile.top + tile.rows {
+            let mut depths = [1.0; 2 * BLOCK];
+            for i in 0..BLOCK {
+                depths[i] = 1.0 / (nearness + by_column * i as f32);
+            }
+            let number = (line * self.width + tile.left) as u32;
+            let pixel = Pixel { column: tile.left, row: line, number, place: tile.place };
+            self.collect_run(face, pixel, &depths, 0..tile.columns);
+            nearness += by_row as f32;
         }
     }
 

@@ -78,9 +78,10 @@ impl Seen {
         let (columns_x, rows_y) = (self.grid.columns_x(0), self.grid.rows_y());
         // Neighbours mostly show the same face.
         let mut last = (u32::MAX, -1, Semantic::Sky as u8);
-        for (number, solid) in buffer.solid.iter().enumerate() {
+        for number in 0..buffer.num_blocks() {
+            let solid = buffer.solid(number);
             let (top, left) = (number / buffer.blocks_across * BLOCK, number % buffer.blocks_across * BLOCK);
-            let panes = buffer.has_panes[number].then(|| &buffer.panes[number]);
+            let panes = buffer.panes(number);
             // The samples of every other row lie on the pixels' centres.
             for i in (0..BLOCK.min(2 * height - top)).step_by(2) {
                 let y = rows_y[top + i];
@@ -199,13 +200,13 @@ pub(super) fn seen_points(rays: &Rays, samples: &Samples, out: &mut Vec<Vec3>) {
     // Blocks look at different rows, so that what is thin is not passed by; one row is one cache line.
     let row_of = |block_column: usize, block_row: usize| [0, 4, 2, 6][(block_column + block_row * 2) % 4];
     let mut rows: Vec<[f32; BLOCK]> = Vec::with_capacity(across);
-    for (block_row, blocks) in buffer.solid.chunks(across).enumerate() {
+    for (block_row, first) in (0..buffer.num_blocks()).step_by(across).enumerate() {
         // Read at once, so that the processor waits for many lines together.
         rows.clear();
-        rows.extend(blocks.iter().enumerate().map(|(column, block)| block.nearness[row_of(column, block_row)]));
+        rows.extend((0..across).map(|column| buffer.solid(first + column).nearness[row_of(column, block_row)]));
         for (block_column, solid) in rows.iter().enumerate() {
             let (number, i) = (block_row * across + block_column, row_of(block_column, block_row));
-            let panes = buffer.has_panes[number].then(|| &buffer.panes[number].nearness[i]);
+            let panes = buffer.panes(number).map(|panes| &panes.nearness[i]);
             for j in (block_row % 2..BLOCK).step_by(2) {
                 let (column, row) = (block_column * BLOCK + j, block_row * BLOCK + i);
                 let direction = rays.direction(column as f32, row as f32 * 0.5);

@@ -30,4 +30,4 @@ pub use posed::{Placement, PosedInstance, PosedScene};
 pub use raster::{draw, draw_instances};
 pub use raycast::{RayCaster, RayHit};
 pub use turret::{TurretGrid, TurretRing};
-pub use visibility_buffer::{BLOCK, Block, DrawnFace, Pair, VisibilityBuffer};
+pub use visibility_buffer::{BLOCK, Block, DrawnFace, VisibilityBuffer};

@@ -288,16 +288,9 @@ impl Drawer<'_> {
                 {
                     continue;
                 }
-                let layer = if candidate.is_pane { &mut self.buffer.panes } else { &mut self.buffer.solid };
-                let nearer = on_image.draw(&mut layer[number], &rows, &at, id, &exact);
-                is_drawn |= nearer != 0;
-                if candidate.is_pane {
-                    self.buffer.has_panes[number] |= nearer != 0;
-                } else {
-                    let state = &mut self.buffer.states[number];
-                    state.met |= nearer;
-                    state.is_stale |= nearer != 0;
-                }
+                is_drawn |= self
+                    .buffer
+                    .draw_on(number, candidate.is_pane, id, |block| on_image.draw(block, &rows, &at, id, &exact));
             }
         }
         if is_drawn {

@@ -4,7 +4,6 @@
 use std::ops::Range;
 
 use super::grid::Window;
-use super::hits::NO_HIT;
 
 /// Samples along a side of a block.
 pub const BLOCK: usize = 8;
@@ -31,6 +30,13 @@ impl DrawnFace {
         let [a, b, c] = self.normal;
         (self.volume / (a * x + (b * y + c))) as f32
     }
+
+    /// 1 / z of the face's plane at pixel (0, 0), and its changes to the next column and row, for a camera's fx, fy, cx, cy.
+    #[must_use]
+    pub fn nearness_on_image(&self, [fx, fy, cx, cy]: [f64; 4]) -> [f64; 3] {
+        let [a, b, c] = self.normal.map(|n| n / self.volume);
+        [c - a * cx / fx - b * cy / fy, a / fx, b / fy]
+    }
 }
 
 /// The nearest surface of one kind at the samples of a block, row by row.
@@ -44,40 +50,6 @@ pub struct Block {
 
 impl Block {
     pub(super) const EMPTY: Self = Self { nearness: [[0.0; BLOCK]; BLOCK], face: [[0; BLOCK]; BLOCK] };
-
-    /// The samples of a column in an even row of the block and in the next.
-    #[inline]
-    fn pair(&self, row: usize, column: usize) -> Pair {
-        let (row, column) = ((row % BLOCK) & !1, column % BLOCK);
-        let nearness = [self.nearness[row][column], self.nearness[row + 1][column]];
-        let face = [self.face[row][column], self.face[row + 1][column]];
-        Pair { nearness, face: [0, 1].map(|i| if nearness[i] > 0.0 { face[i] } else { NO_HIT }) }
-    }
-}
-
-/// Two samples, one below the other: those of a pixel in a quincunx.
-#[derive(Debug, Clone, Copy)]
-pub struct Pair {
-    /// 1 / z in 1/m, 0 where there is none.
-    pub nearness: [f32; 2],
-    /// The number of the face in [`VisibilityBuffer::faces`], [`NO_HIT`] where there is none.
-    pub face: [u32; 2],
-}
-
-impl Pair {
-    /// True if both samples see one face, or both see none.
-    #[inline]
-    #[must_use]
-    pub fn is_one_face(&self) -> bool {
-        self.face[0] == self.face[1]
-    }
-
-    /// The depth between the samples of a face that both see.
-    #[inline]
-    #[must_use]
-    pub fn mean_depth(&self) -> f32 {
-        2.0 / (self.nearness[0] + self.nearness[1])
-    }
 }
 
 /// What the samples of an image see, in blocks of 8 x 8: neighbours stand together in memory, and what lies behind a
@@ -90,16 +62,22 @@ pub struct VisibilityBuffer {
     pub columns: usize,
     /// Blocks side by side.
     pub blocks_across: usize,
-    /// What is solid.
-    pub solid: Vec<Block>,
-    /// Panes; those behind what is solid count as absent.
-    pub panes: Vec<Block>,
-    /// Blocks with panes.
-    pub has_panes: Vec<bool>,
     /// The faces that were drawn, seen or not.
     pub faces: Vec<DrawnFace>,
+    /// What is solid; means nothing where nothing has been met.
+    solid: Vec<Block>,
+    /// Means nothing where there are none.
+    panes: Vec<Block>,
+    has_panes: Vec<bool>,
     pub(super) states: Vec<BlockState>,
+    /// The number of the face that all of a block's solid samples see, or [`SEVERAL`].
+    only: Vec<u32>,
 }
+
+/// No number of a face.
+const SEVERAL: u32 = u32::MAX;
+/// What a block sees where nothing was drawn.
+static NOTHING: Block = Block::EMPTY;
 
 /// What is known of a block's solid samples.
 #[derive(Debug, Clone, Copy, Default)]
@@ -125,27 +103,76 @@ impl VisibilityBuffer {
     /// Makes room for an image and forgets what was seen; memory is used again.
     pub(super) fn reset(&mut self, rows: usize, columns: usize) {
         let (down, across) = (rows.div_ceil(BLOCK), columns.div_ceil(BLOCK));
+        (self.rows, self.columns, self.blocks_across) = (rows, columns, across);
+        let blocks = down * across;
         self.faces.clear();
-        if (self.rows, self.columns) == (rows, columns) {
-            for block in &mut self.solid {
-                block.nearness = Block::EMPTY.nearness;
-            }
-            for (block, used) in self.panes.iter_mut().zip(&self.has_panes) {
-                if *used {
-                    block.nearness = Block::EMPTY.nearness;
-                }
-            }
-        } else {
-            (self.rows, self.columns, self.blocks_across) = (rows, columns, across);
-            for layer in [&mut self.solid, &mut self.panes] {
-                layer.clear();
-                layer.resize(down * across, Block::EMPTY);
-            }
-        }
+        // Blocks are emptied when they are first drawn on.
+        self.solid.resize(blocks, Block::EMPTY);
+        self.panes.resize(blocks, Block::EMPTY);
+        self.only.resize(blocks, SEVERAL);
         self.has_panes.clear();
-        self.has_panes.resize(down * across, false);
+        self.has_panes.resize(blocks, false);
         self.states.clear();
-        self.states.resize(down * across, BlockState::default());
+        self.states.resize(blocks, BlockState::default());
+    }
+
+    /// What is solid in a block.
+    #[inline]
+    #[must_use]
+    pub fn solid(&self, block: usize) -> &Block {
+        if self.states[block].met == 0 { &NOTHING } else { &self.solid[block] }
+    }
+
+    /// The panes of a block, if it has any; those behind what is solid count as absent.
+    #[inline]
+    #[must_use]
+    pub fn panes(&self, block: usize) -> Option<&Block> {
+        self.has_panes[block].then(|| &self.panes[block])
+    }
+
+    /// The number of the face that all of a block's solid samples see.
+    #[inline]
+    #[must_use]
+    pub fn only_face(&self, block: usize) -> Option<u32> {
+        let only = self.only[block];
+        (only != SEVERAL && self.states[block].met != 0).then_some(only)
+    }
+
+    /// Number of blocks.
+    #[inline]
+    #[must_use]
+    pub fn num_blocks(&self) -> usize {
+        self.states.len()
+    }
+
+    /// Draws on a block: `draw` returns the bits of the samples that it has changed to face `id`; see [`BlockState::met`].
+    #[inline(always)]
+    pub(super) fn draw_on(
+        &mut self,
+        block: usize,
+        is_pane: bool,
+        id: u32,
+        draw: impl FnOnce(&mut Block) -> u64,
+    ) -> bool {
+        if is_pane {
+            if !self.has_panes[block] {
+                self.panes[block].nearness = Block::EMPTY.nearness;
+            }
+            let drawn = draw(&mut self.panes[block]);
+            self.has_panes[block] |= drawn != 0;
+            return drawn != 0;
+        }
+        let state = &mut self.states[block];
+        if state.met == 0 {
+            self.solid[block].nearness = Block::EMPTY.nearness;
+        }
+        let drawn = draw(&mut self.solid[block]);
+        if drawn != 0 {
+            state.met |= drawn;
+            state.is_stale = true;
+            self.only[block] = if drawn == u64::MAX { id } else { SEVERAL };
+        }
+        drawn != 0
     }
 
     /// True if all samples of a block have met something solid that is nearer than `z_m`.
@@ -213,35 +240,15 @@ impl VisibilityBuffer {
         row / BLOCK * self.blocks_across + column / BLOCK
     }
 
-    /// What is solid at the samples of an even row and of the next.
-    #[inline]
-    #[must_use]
-    pub fn solid_pair(&self, row: usize, column: usize) -> Pair {
-        self.solid[self.block_at(row, column)].pair(row, column)
-    }
-
-    /// The panes at the samples of an even row and of the next, if any of them lies before what is `solid`.
-    #[inline]
-    #[must_use]
-    pub fn pane_pair(&self, row: usize, column: usize, solid: &Pair) -> Option<Pair> {
-        let block = self.block_at(row, column);
-        if !self.has_panes[block] {
-            return None;
-        }
-        let panes = self.panes[block].pair(row, column);
-        (0..2).any(|i| panes.nearness[i] > solid.nearness[i]).then_some(panes)
-    }
-
     /// The number of the face that a sample sees first, be it a pane or solid, and its nearness; `None` for the sky.
     #[inline]
     #[must_use]
     pub fn front_number(&self, row: usize, column: usize) -> Option<(u32, f32)> {
         let block = self.block_at(row, column);
         let (row, column) = (row % BLOCK, column % BLOCK);
-        let solid = &self.solid[block];
+        let solid = self.solid(block);
         let (mut number, mut nearness) = (solid.face[row][column], solid.nearness[row][column]);
-        if self.has_panes[block] {
-            let panes = &self.panes[block];
+        if let Some(panes) = self.panes(block) {
             if panes.nearness[row][column] > nearness {
                 (number, nearness) = (panes.face[row][column], panes.nearness[row][column]);
             }
@@ -262,8 +269,8 @@ impl VisibilityBuffer {
         let (mut count, mut span) = (0, self.columns..0);
         for block_column in 0..self.blocks_across {
             let block = row / BLOCK * self.blocks_across + block_column;
-            let solid = &self.solid[block].nearness[row % BLOCK];
-            let panes = self.has_panes[block].then(|| &self.panes[block].nearness[row % BLOCK]);
+            let solid = &self.solid(block).nearness[row % BLOCK];
+            let panes = self.panes(block).map(|panes| &panes.nearness[row % BLOCK]);
             // Blocks may reach beyond the image.
             for i in 0..BLOCK.min(self.columns - block_column * BLOCK) {
                 if solid[i] > 0.0 || panes.is_some_and(|p| p[i] > 0.0) {
