@@ -288,9 +288,9 @@ impl Drawer<'_> {
                 {
                     continue;
                 }
-                is_drawn |= self
-                    .buffer
-                    .draw_on(number, candidate.is_pane, id, |block| on_image.draw(block, &rows, &at, id, &exact));
+                let drawn = on_image.draw(self.buffer.block_mut(number, candidate.is_pane), &rows, &at, id, &exact);
+                self.buffer.note_drawn(number, candidate.is_pane, id, drawn);
+                is_drawn |= drawn != 0;
             }
         }
         if is_drawn {

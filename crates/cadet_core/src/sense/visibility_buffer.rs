@@ -145,34 +145,29 @@ impl VisibilityBuffer {
         self.states.len()
     }
 
-    /// Draws on a block: `draw` returns the bits of the samples that it has changed to face `id`; see [`BlockState::met`].
+    /// A block to draw on; see [`VisibilityBuffer::note_drawn`].
     #[inline(always)]
-    pub(super) fn draw_on(
-        &mut self,
-        block: usize,
-        is_pane: bool,
-        id: u32,
-        draw: impl FnOnce(&mut Block) -> u64,
-    ) -> bool {
+    pub(super) fn block_mut(&mut self, block: usize, is_pane: bool) -> &mut Block {
+        let is_fresh = if is_pane { !self.has_panes[block] } else { self.states[block].met == 0 };
+        let layer = if is_pane { &mut self.panes } else { &mut self.solid };
+        let block = &mut layer[block];
+        if is_fresh {
+            block.nearness = Block::EMPTY.nearness;
+        }
+        block
+    }
+
+    /// Notes what a block's samples see now: face `id` where bits are set, as in [`BlockState::met`].
+    #[inline(always)]
+    pub(super) fn note_drawn(&mut self, block: usize, is_pane: bool, id: u32, drawn: u64) {
         if is_pane {
-            if !self.has_panes[block] {
-                self.panes[block].nearness = Block::EMPTY.nearness;
-            }
-            let drawn = draw(&mut self.panes[block]);
             self.has_panes[block] |= drawn != 0;
-            return drawn != 0;
-        }
-        let state = &mut self.states[block];
-        if state.met == 0 {
-            self.solid[block].nearness = Block::EMPTY.nearness;
-        }
-        let drawn = draw(&mut self.solid[block]);
-        if drawn != 0 {
+        } else if drawn != 0 {
+            let state = &mut self.states[block];
             state.met |= drawn;
             state.is_stale = true;
             self.only[block] = if drawn == u64::MAX { id } else { SEVERAL };
         }
-        drawn != 0
     }
 
     /// True if all samples of a block have met something solid that is nearer than `z_m`.
