@@ -74,7 +74,10 @@ impl SceneryModel {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Detail {
     Near,
+    /// Of trees alone, as [`Detail::Sparse`]: a crown's cards are a few pixels large at every distance.
+    Half,
     Mid,
+    Sparse,
     Far,
     /// Of trees alone: what closes the horizon.
     Distant,
@@ -107,7 +110,7 @@ impl Detail {
     fn pick<T>(self, near: T, mid: T, far: T) -> T {
         match self {
             Self::Near => near,
-            Self::Mid => mid,
+            Self::Half | Self::Mid | Self::Sparse => mid,
             Self::Far | Self::Distant => far,
         }
     }
