@@ -194,8 +194,10 @@ impl Drawer<'_> {
             }
             let windows = self.grid.window_lanes(places.each_ref().map(|p| &p[0]), places.each_ref().map(|p| &p[1]));
             let [least_z_m, most_z_m] = z_bounds(&places);
+            let is_turned_away =
+                if one_sided >> first & 0xFF == 0 { [false; LANES] } else { self.turned_away(&places) };
             for (i, (corners, face)) in corners.iter().zip(faces).enumerate() {
-                if !windows.may_meet[i] {
+                if !windows.may_meet[i] || is_turned_away[i] & (one_sided >> (first + i) & 1 == 1) {
                     continue;
                 }
                 let [x, y, z] = &self.corners.cam;
@@ -218,6 +220,25 @@ impl Drawer<'_> {
                 self.draw_face(&candidate, &planes);
             }
         }
+    }
+
+    /// True for triangles that show their backs for certain; needs no more than where their corners fall on the image.
+    #[inline(always)]
+    fn turned_away(&self, [a, b, c]: &[[[f32; LANES]; 3]; 3]) -> [bool; LANES] {
+        let (right, bottom) = (self.grid.columns() as f32, self.grid.rows() as f32);
+        let mut is_turned_away = [false; LANES];
+        for i in 0..LANES {
+            // Beyond the image corners are moved to its rim.
+            let is_known =
+                |p: &[[f32; LANES]; 3]| (p[0][i] > -2.0) & (p[1][i] > -2.0) & (p[0][i] <= right) & (p[1][i] <= bottom);
+            let (ux, uy) = (b[0][i] - a[0][i], b[1][i] - a[1][i]);
+            let (vx, vy) = (c[0][i] - a[0][i], c[1][i] - a[1][i]);
+            // Corners err by less than a hundredth of a sample.
+            let doubt = 0.02 * (ux.abs() + uy.abs() + vx.abs() + vy.abs() + 0.01);
+            let area = ux * vy - uy * vx;
+            is_turned_away[i] = (area > doubt) & is_known(a) & is_known(b) & is_known(c);
+        }
+        is_turned_away
     }
 
     /// Poses a cluster's vertices and finds where they fall on the image.
