@@ -171,6 +171,15 @@ impl<'a> Collector<'a> {
             let places = (start..(start + TOGETHER).min(width))
                 .step_by(BLOCK)
                 .flat_map(|left| (0..rows).step_by(ROWS).map(move |row| (row, left)));
+            // Read at once, so that the processor waits for many lines of the memory together.
+            let mut touched = 0;
+            for (row, left) in places.clone() {
+                let number = (first_row + row) / ROWS * self.buffer.blocks_across + left / BLOCK;
+                if self.buffer.only_face(number).is_none() {
+                    touched ^= self.buffer.solid(number).touch();
+                }
+            }
+            let _ = std::hint::black_box(touched);
             for (tile, (row, left)) in tiles.iter_mut().zip(places) {
                 let square = first_row / ROWS * self.buffer.blocks_across + left / BLOCK;
                 let number = square + row / ROWS * self.buffer.blocks_across;
