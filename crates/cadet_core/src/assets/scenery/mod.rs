@@ -74,6 +74,8 @@ impl SceneryModel {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Detail {
     Near,
+    /// Of plants alone: as many leaf cards as near, each one triangle.
+    Close,
     /// Of trees alone, as [`Detail::Sparse`]: a crown's cards are a few pixels large at every distance.
     Half,
     Mid,
@@ -109,7 +111,7 @@ impl Detail {
     /// The value for this level.
     fn pick<T>(self, near: T, mid: T, far: T) -> T {
         match self {
-            Self::Near => near,
+            Self::Near | Self::Close => near,
             Self::Half | Self::Mid | Self::Sparse => mid,
             Self::Far | Self::Distant => far,
         }
