@@ -5,7 +5,6 @@ mod casters;
 use multiversion::multiversion;
 
 use self::casters::draw_casters;
-use super::block_sums::BlockSums;
 use super::pattern::split;
 use crate::geometry::LANES;
 use crate::math::{DMat3, DVec3, Vec3};
@@ -24,6 +23,8 @@ const CASCADES: [(f64, f64); 2] = [(15.0, 20.0), (58.0, 68.0)];
 const STEPS_PER_M: [f32; 2] = [256.0, 128.0];
 /// Of a cluster's leaves one in so many is drawn: near, far.
 const LEAF_STEPS: [usize; 2] = [1, 2];
+/// How far below the points that are known some more may be seen on the same tiles, metres.
+const SEEN_BELOW_M: f32 = 0.3;
 /// The height of what nothing was drawn on.
 const EMPTY: i16 = i16::MIN;
 
@@ -45,32 +46,74 @@ struct Map {
     drawn: Vec<[usize; 2]>,
 }
 
-/// The tiles of a map on which the camera sees something, and those around them.
+/// How low the camera sees something on the tiles of a map and on those around them: what is nowhere higher shades
+/// nothing there.
 #[derive(Debug, Clone, Default)]
 struct SeenTiles {
-    tiles: BlockSums,
-    /// The columns of texels between the first and the last of them, for each row of tiles.
+    /// Steps; of squares of 1, 2, 4 .. tiles that begin in each tile. Infinite where nothing is seen.
+    lowest: Vec<Vec<f32>>,
+    /// The columns of texels between the first and the last seen tile, for each row of tiles.
     spans: Vec<[usize; 2]>,
 }
 
 impl SeenTiles {
-    fn around(marked: &[bool]) -> Self {
-        let near = |i: usize| i.saturating_sub(1)..(i + 2).min(TILES);
-        let is_seen = |x: usize, y: usize| near(y).any(|y| marked[y * TILES..][near(x)].contains(&true));
-        let row_of = |y: usize| (0..TILES).map(move |x| is_seen(x, y));
-        let seen: Vec<bool> = (0..TILES).flat_map(row_of).collect();
-        let span = |row: &[bool]| match (row.iter().position(|s| *s), row.iter().rposition(|s| *s)) {
-            (Some(first), Some(last)) => [first * TILE, (last + 1) * TILE],
-            _ => [SIZE, 0],
+    /// `lowest`: of each tile alone.
+    fn around(lowest: &[f32]) -> Self {
+        let mut two = joined(&lowest[..TILES * TILES], 1);
+        // Of three by three, those of the tiles before a tile as well.
+        let mut one = two.clone();
+        for (row, two) in one.chunks_exact_mut(TILES).zip(two.chunks_exact(TILES)) {
+            lower(&mut row[1..], two);
+        }
+        two.clone_from(&one);
+        lower(&mut one[TILES..], &two);
+        let span = |row: &[f32]| {
+            let is_seen = |low: &f32| *low < f32::INFINITY;
+            match (row.iter().position(is_seen), row.iter().rposition(is_seen)) {
+                (Some(first), Some(last)) => [first * TILE, (last + 1) * TILE],
+                _ => [SIZE, 0],
+            }
         };
-        let spans = seen.chunks(TILES).map(span).collect();
-        Self { tiles: BlockSums::of(TILES, TILE as f32, |x, y| seen[y * TILES + x]), spans }
+        let spans = one.chunks(TILES).map(span).collect();
+        let mut levels = vec![one];
+        for level in 0..TILES.ilog2() {
+            levels.push(joined(&levels[level as usize], 1 << level));
+        }
+        Self { lowest: levels, spans }
     }
 
-    /// True if some tile between two texels (both included) is seen.
+    /// True if something that reaches up to a height may shade something seen on the tiles between two texels (both
+    /// included).
     #[inline]
-    fn any(&self, from: [usize; 2], to: [usize; 2]) -> bool {
-        self.tiles.any_between(from.map(|texel| texel / TILE), to.map(|texel| texel / TILE))
+    fn any(&self, from: [usize; 2], to: [usize; 2], highest: f32) -> bool {
+        let ([x0, y0], [x1, y1]) = (from.map(|texel| texel / TILE), to.map(|texel| texel / TILE));
+        let level = (x1 - x0).max(y1 - y0);
+        if level < 2 {
+            return self.lowest[level][y0 * TILES + x0] < highest;
+        }
+        let level = (level + 1).ilog2() as usize;
+        let (lowest, side) = (&self.lowest[level], 1 << level);
+        let (x1, y1) = ((x1 + 1).saturating_sub(side).max(x0), (y1 + 1).saturating_sub(side).max(y0));
+        let at = |x: usize, y: usize| lowest[y * TILES + x] < highest;
+        at(x0, y0) || at(x1, y0) || at(x0, y1) || at(x1, y1)
+    }
+}
+
+/// Of squares of tiles those that lie `by` tiles further along rows, columns and both are taken in.
+fn joined(lowest: &[f32], by: usize) -> Vec<f32> {
+    let mut out = lowest.to_vec();
+    for (out, row) in out.chunks_exact_mut(TILES).zip(lowest.chunks_exact(TILES)) {
+        lower(out, &row[by..]);
+    }
+    let rows = out.clone();
+    lower(&mut out, &rows[by * TILES..]);
+    out
+}
+
+/// Lowers numbers to others, as far as there are any.
+fn lower(out: &mut [f32], to: &[f32]) {
+    for (out, to) in out.iter_mut().zip(to) {
+        *out = least(*out, *to);
     }
 }
 
@@ -128,11 +171,11 @@ impl Shadows {
 
     fn mark_seen(&mut self, seen_world: Option<&[Vec3]>) {
         // The last one stands for what is on no tile.
-        let unmarked = vec![seen_world.is_none(); TILES * TILES + 1];
-        let mut marked = [unmarked.clone(), unmarked];
-        mark(&self.maps, self.right, self.up, seen_world.unwrap_or_default(), &mut marked);
-        for (map, marked) in self.maps.iter_mut().zip(&marked) {
-            map.seen = SeenTiles::around(marked);
+        let unseen = vec![if seen_world.is_none() { f32::NEG_INFINITY } else { f32::INFINITY }; TILES * TILES + 1];
+        let mut lowest = [unseen.clone(), unseen];
+        mark(&self.maps, [self.right, self.up, self.sun], seen_world.unwrap_or_default(), &mut lowest);
+        for (map, lowest) in self.maps.iter_mut().zip(&lowest) {
+            map.seen = SeenTiles::around(lowest);
         }
     }
 
@@ -303,7 +346,7 @@ fn steps(z: f32) -> i32 {
 
 /// Marks the tiles of two maps that points fall on; the coarser one's are not asked within the rim of the finer one.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn mark(maps: &[Map], right: Vec3, up: Vec3, points_world: &[Vec3], marked: &mut [Vec<bool>; 2]) {
+fn mark(maps: &[Map], [right, up, sun]: [Vec3; 3], points_world: &[Vec3], lowest: &mut [Vec<f32>; 2]) {
     for points in points_world.chunks(LANES) {
         let mut world = [[0.0; LANES]; 3];
         for (i, p) in points.iter().enumerate() {
@@ -311,8 +354,8 @@ fn mark(maps: &[Map], right: Vec3, up: Vec3, points_world: &[Vec3], marked: &mut
         }
         let [x, y, z] = &world;
         let mut is_finer = [false; LANES];
-        for (map, marked) in maps.iter().zip(marked.iter_mut()) {
-            let mut tiles = [0; LANES];
+        for (map, lowest) in maps.iter().zip(lowest.iter_mut()) {
+            let (mut tiles, mut heights) = ([0; LANES], [0.0; LANES]);
             for i in 0..LANES {
                 let (u, v) =
                     (right.x * x[i] + right.y * y[i] + right.z * z[i], up.x * x[i] + up.y * y[i] + up.z * z[i]);
@@ -333,9 +376,12 @@ fn mark(maps: &[Map], right: Vec3, up: Vec3, points_world: &[Vec3], marked: &mut
                     (TILES * TILES) as i32
                 };
                 is_finer[i] |= within(2.0 * MARGIN);
+                let w = sun.x * x[i] + sun.y * y[i] + sun.z * z[i];
+                heights[i] = (w - map.middle_z - SEEN_BELOW_M) * map.steps_per_m;
             }
-            for tile in &tiles[..points.len()] {
-                marked[*tile as usize] = true;
+            for (tile, height) in tiles[..points.len()].iter().zip(heights) {
+                let lowest = &mut lowest[*tile as usize];
+                *lowest = least(*lowest, height);
             }
         }
     }

@@ -360,6 +360,35 @@ fn crowns_cover_in_the_far_map_what_all_of_their_leaves_cover() {
 }
 
 #[test]
+fn what_lies_below_all_that_is_seen_is_not_drawn_and_the_rest_shades_as_before() {
+    let plate =
+        |x: f32, z: f32| cuboid(Vec3::new(x, -3.0, z), Vec3::new(x + 4.0, 3.0, z + 0.1), gray(Semantic::Fence, 0.5), 0);
+    let s = Sky::new(&clear_sun_from(40.0)).sun_world;
+    let eye = DVec3::new(0.0, 0.0, 8.0);
+    // Near and far: a roof, a smaller one over it, and one far under it, over what nobody sees.
+    for (x, low_z) in [(10.0, 1.0), (60.0, -9.0)] {
+        let over = Vec3::new(x + 2.0, 0.0, 5.1) + s * (2.0 / s.z);
+        let (low, high) = (over - Vec3::new(1.0, 1.0, 0.0), over + Vec3::new(1.0, 1.0, 0.1));
+        let upper = cuboid(low, high, gray(Semantic::Fence, 0.5), 0);
+        let scene = PosedScene::new(&[ground(), plate(x, 5.0), plate(x, low_z), upper], eye);
+        let grid =
+            |z: f32| (0..6400).map(move |i| Vec3::new(x + (i % 80) as f32 * 0.05, (i / 80) as f32 * 0.075 - 3.0, z));
+        let (roof, unseen): (Vec<Vec3>, Vec<Vec3>) =
+            (grid(5.1).collect(), grid(low_z).map(|p| p - s * (2.0 / s.z)).collect());
+        let of = |seen: Option<&[Vec3]>| Shadows::new(&scene, eye, DVec3::X, s, seen, Vec::new());
+        let (all, some) = (of(None), of(Some(&roof)));
+        let lit = |shadows: &Shadows, points: &[Vec3]| -> Vec<f32> {
+            points.iter().map(|p| sunlit(shadows, *p, Vec3::Z, s.z)).collect()
+        };
+        assert_eq!(lit(&all, &roof), lit(&some, &roof));
+        assert!(lit(&some, &roof).iter().filter(|lit| **lit == 0.0).count() > 500);
+        // Were it asked all the same, it would not know of the lower roof.
+        let dark = |shadows: &Shadows| lit(shadows, &unseen).iter().filter(|lit| **lit == 0.0).count();
+        assert!(dark(&all) > 5000 && dark(&some) == 0, "{} {}", dark(&all), dark(&some));
+    }
+}
+
+#[test]
 fn maps_do_not_remember_an_earlier_frame() {
     let s = Sky::new(&clear_sun_from(40.0)).sun_world;
     let eye = DVec3::new(0.0, 0.0, EYE_HEIGHT_M);

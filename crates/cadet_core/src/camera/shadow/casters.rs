@@ -13,7 +13,7 @@ use crate::sense::{PosedInstance, PosedScene};
 /// Draws all that may shade what the camera sees.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 pub(super) fn draw_casters(scene: &PosedScene, light_from_world: &DMat3, maps: &mut [Map]) {
-    let mut points = [[0.0; MAX_POINTS]; 3];
+    let mut points = [[[0.0; LANES]; MAX_POINTS / LANES]; 3];
     for instance in &scene.instances {
         let center = (*light_from_world * instance.center_world).as_vec3();
         if !maps.iter().any(|m| m.is_asked_in(center, instance.radius_m as f32)) {
@@ -58,12 +58,12 @@ pub(super) fn draw_casters(scene: &PosedScene, light_from_world: &DMat3, maps: &
 
 /// A cluster's corners are bytes.
 const MAX_POINTS: usize = 256;
-type Points = [[f32; MAX_POINTS]; 3];
+type Points = [[[f32; LANES]; MAX_POINTS / LANES]; 3];
 
 #[inline(always)]
 fn point(points: &Points, i: u8) -> Vec3 {
     let i = usize::from(i);
-    Vec3::new(points[0][i], points[1][i], points[2][i])
+    Vec3::from_array(points.each_ref().map(|axis| axis.as_flattened()[i]))
 }
 
 /// How the faces of a material cast shadows.
@@ -95,7 +95,8 @@ impl Map {
             return false;
         }
         let texel = |v: f32| (v.max(0.0) as usize).min(SIZE - 1);
-        self.seen.any([texel(x - r), texel(y - r)], [texel(x + r), texel(y + r)])
+        let highest = (center.z + radius - self.middle_z) * self.steps_per_m;
+        self.seen.any([texel(x - r), texel(y - r)], [texel(x + r), texel(y + r)], highest)
     }
 
     /// Puts a cluster's vertices into `out`: x and y in texels, z in steps.
@@ -103,15 +104,19 @@ impl Map {
     fn project(&self, cluster: &Cluster, light_from_local: &Mat3, origin: Vec3, out: &mut Points) {
         let (m, scale) = (light_from_local, self.texels_per_m);
         let (x0, y0, z0) = (origin.x - self.min[0], origin.y - self.min[1], origin.z - self.middle_z);
-        let [out_x, out_y, out_z] = out;
-        let out = out_x.chunks_exact_mut(LANES).zip(out_y.chunks_exact_mut(LANES)).zip(out_z.chunks_exact_mut(LANES));
-        for (local, ((out_x, out_y), out_z)) in cluster.lanes.iter().zip(out) {
+        for (k, local) in cluster.lanes.iter().enumerate().take(MAX_POINTS / LANES) {
+            let mut posed = [[0.0; LANES]; 3];
+            let [x, y, z] = local;
             for i in 0..LANES {
-                let [x, y, z] = [local[0][i], local[1][i], local[2][i]];
-                out_x[i] = (m.x_axis.x * x + m.y_axis.x * y + m.z_axis.x * z + x0) * scale;
-                out_y[i] = (m.x_axis.y * x + m.y_axis.y * y + m.z_axis.y * z + y0) * scale;
-                out_z[i] = (m.x_axis.z * x + m.y_axis.z * y + m.z_axis.z * z + z0) * self.steps_per_m;
+                posed[0][i] = (m.x_axis.x * x[i] + m.y_axis.x * y[i] + m.z_axis.x * z[i] + x0) * scale;
             }
+            for i in 0..LANES {
+                posed[1][i] = (m.x_axis.y * x[i] + m.y_axis.y * y[i] + m.z_axis.y * z[i] + y0) * scale;
+            }
+            for i in 0..LANES {
+                posed[2][i] = (m.x_axis.z * x[i] + m.y_axis.z * y[i] + m.z_axis.z * z[i] + z0) * self.steps_per_m;
+            }
+            [out[0][k], out[1][k], out[2][k]] = posed;
         }
     }
 
@@ -164,7 +169,7 @@ impl Map {
             for (i, corners) in some.iter().enumerate() {
                 for (lanes, k) in lanes.iter_mut().zip(corners) {
                     for (lanes, axis) in lanes.iter_mut().zip(points) {
-                        lanes[i] = axis[usize::from(*k)];
+                        lanes[i] = axis.as_flattened()[usize::from(*k)];
                     }
                 }
             }
@@ -196,7 +201,7 @@ impl Map {
     #[inline(always)]
     fn triangle(&mut self, setup: &Setup, i: usize) {
         let [x0, y0, x1, y1] = setup.bounds.each_ref().map(|lanes| lanes[i] as usize);
-        if !self.seen.any([x0, y0], [x1 - 1, y1 - 1]) {
+        if !self.seen.any([x0, y0], [x1 - 1, y1 - 1], setup.highest[i]) {
             return;
         }
         for [from, to] in &mut self.drawn[y0 / TILE..=(y1 - 1) / TILE] {
