@@ -18,13 +18,16 @@ const WAYS: usize = 4;
 const NEARNESS: usize = 3;
 type Ways = [f32; WAYS];
 
-type Row = [f32; BLOCK];
+/// A row and the next.
+type TwoRows = [f32; 2 * BLOCK];
+/// Their bits, before they are shifted to the row.
+const ROW_BITS: [u32; 2 * BLOCK] = [1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 2, 2, 2];
 
 /// From a block's middle to its first sample, columns or rows.
 const HALF: f32 = (BLOCK - 1) as f32 / 2.0;
 /// Of a block's columns, from half a column left of the first: no two of them are opposite, as the compiler would halve
 /// the registers.
-const COLUMNS: Row = [0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5];
+const COLUMNS: TwoRows = [0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5];
 /// Samples nearer to an edge than this, in samples, are looked at exactly: ten times what single precision errs there.
 const DOUBT: f32 = 1e-5;
 /// Edges so far from the middle of the image, in samples, are looked at exactly.
@@ -178,19 +181,21 @@ impl FaceOnImage {
         if inside(0) & inside(1) & inside(2) {
             return self.draw_all(block, at, id);
         }
-        let (mut nearer, mut doubt) = ([0; BLOCK], [0; BLOCK]);
+        let (mut nearer, mut doubt) = ([0; 2 * BLOCK], [0; 2 * BLOCK]);
         draw_within(self, block, rows, at, id, &mut nearer, &mut doubt);
         let drawn = bits(&nearer);
         if any(&doubt) { drawn | self.draw_exactly(block, id, bits(&doubt), exact) } else { drawn }
     }
 
-    /// The function `k` in a row of a block, and its change two rows down.
+    /// The function `k` in an even row of a block and in the next, and its change two rows down.
     #[inline(always)]
-    fn row(&self, at: &Ways, k: usize, row: usize) -> (Row, f32) {
-        let shift = if row.is_multiple_of(2) { -self.shift } else { self.shift };
-        let first = at[k] + self.down[k] * (row as f32 - HALF) + self.across[k] * (shift - (HALF + 0.5));
-        let mut values = [0.0; BLOCK];
-        for i in 0..BLOCK {
+    fn rows(&self, at: &Ways, k: usize, row: usize) -> (TwoRows, f32) {
+        let first = at[k] + self.down[k] * (row as f32 - HALF) - self.across[k] * (HALF + 0.5);
+        let (odd, shift) = (self.down[k], self.across[k] * self.shift);
+        let (even, odd) = (first - shift, first + odd + shift);
+        let mut values = [0.0; 2 * BLOCK];
+        for i in 0..2 * BLOCK {
+            let first = if i < BLOCK { even } else { odd };
             values[i] = first + self.across[k] * COLUMNS[i];
         }
         (values, self.down[k] * 2.0)
@@ -199,14 +204,12 @@ impl FaceOnImage {
     /// Draws on a block that lies inside of all edges.
     #[inline(always)]
     fn draw_all(&self, block: &mut Block, at: &Ways, id: u32) -> u64 {
-        let mut nearer = [0_u32; BLOCK];
-        for odd in 0..2 {
-            let (mut value, step) = self.row(at, NEARNESS, odd);
-            for row in (odd..BLOCK).step_by(2) {
-                keep_nearer(block, row, &value.map(f32::to_bits), id, &mut nearer);
-                for v in &mut value {
-                    *v += step;
-                }
+        let mut nearer = [0_u32; 2 * BLOCK];
+        let (mut value, step) = self.rows(at, NEARNESS, 0);
+        for row in (0..BLOCK).step_by(2) {
+            keep_nearer(block, row, &value.map(f32::to_bits), id, &mut nearer);
+            for v in &mut value {
+                *v += step;
             }
         }
         bits(&nearer)
@@ -239,7 +242,7 @@ impl FaceOnImage {
     }
 }
 
-/// Sets the rows' bits where the triangle is nearer, and where single precision does not tell.
+/// Sets the rows' bits where the triangle is nearer, and where single precision does not tell. Rows are drawn by twos.
 ///
 /// A function of its own, without the packing of bits: so the compiler takes whole registers.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
@@ -249,39 +252,35 @@ fn draw_within(
     rows: &Range<usize>,
     at: &Ways,
     id: u32,
-    nearer: &mut [u32; BLOCK],
-    doubt: &mut [u32; BLOCK],
+    nearer: &mut [u32; 2 * BLOCK],
+    doubt: &mut [u32; 2 * BLOCK],
 ) {
-    for start in rows.start..rows.end.min(rows.start + 2) {
-        let (mut first, first_step) = face.row(at, 0, start);
-        let (mut second, second_step) = face.row(at, 1, start);
-        let (mut third, third_step) = face.row(at, 2, start);
-        let (mut value, value_step) = face.row(at, NEARNESS, start);
-        for row in (start..rows.end.min(BLOCK)).step_by(2) {
-            let mut bits = [0; BLOCK];
-            let mut least = [0.0; BLOCK];
-            for i in 0..BLOCK {
-                least[i] = if first[i] < second[i] { first[i] } else { second[i] };
-            }
-            for i in 0..BLOCK {
-                least[i] = if least[i] < third[i] { least[i] } else { third[i] };
-            }
-            for i in 0..BLOCK {
-                bits[i] = mask(least[i] >= DOUBT) & value[i].to_bits();
-            }
-            for i in 0..BLOCK {
-                doubt[i] |= mask(least[i].abs() < DOUBT) & (1 << row);
-            }
-            keep_nearer(block, row, &bits, id, nearer);
-            for (values, step) in [
-                (&mut first, first_step),
-                (&mut second, second_step),
-                (&mut third, third_step),
-                (&mut value, value_step),
-            ] {
-                for v in values {
-                    *v += step;
-                }
+    let start = rows.start & !1;
+    let (mut first, first_step) = face.rows(at, 0, start);
+    let (mut second, second_step) = face.rows(at, 1, start);
+    let (mut third, third_step) = face.rows(at, 2, start);
+    let (mut value, value_step) = face.rows(at, NEARNESS, start);
+    for row in (start..rows.end.min(BLOCK)).step_by(2) {
+        let mut bits = [0; 2 * BLOCK];
+        let mut least = [0.0; 2 * BLOCK];
+        for i in 0..2 * BLOCK {
+            least[i] = if first[i] < second[i] { first[i] } else { second[i] };
+        }
+        for i in 0..2 * BLOCK {
+            least[i] = if least[i] < third[i] { least[i] } else { third[i] };
+        }
+        for i in 0..2 * BLOCK {
+            bits[i] = mask(least[i] >= DOUBT) & value[i].to_bits();
+        }
+        for i in 0..2 * BLOCK {
+            doubt[i] |= mask(least[i].abs() < DOUBT) & (ROW_BITS[i] << row);
+        }
+        keep_nearer(block, row, &bits, id, nearer);
+        for (values, step) in
+            [(&mut first, first_step), (&mut second, second_step), (&mut third, third_step), (&mut value, value_step)]
+        {
+            for v in values {
+                *v += step;
             }
         }
     }
@@ -293,27 +292,33 @@ pub(super) struct ExactBlock<'a> {
     pub rows_y: &'a [f64; BLOCK],
 }
 
-/// Keeps what is nearer in a row: `bits` are those of positive numbers, or 0.
+/// Keeps what is nearer in an even row and the next: `bits` are those of positive numbers, or 0.
 ///
 /// Numbers are compared by their bits: the compiler would make slow masked stores of a choice.
 #[inline(always)]
-fn keep_nearer(block: &mut Block, row: usize, bits: &[u32; BLOCK], id: u32, nearer: &mut [u32; BLOCK]) {
-    let (old, old_ids) = (block.nearness[row].map(f32::to_bits), block.face[row]);
+fn keep_nearer(block: &mut Block, row: usize, bits: &[u32; 2 * BLOCK], id: u32, nearer: &mut [u32; 2 * BLOCK]) {
+    let (Some(nearness), Some(face)) = (
+        block.nearness.as_flattened_mut()[row * BLOCK..].first_chunk_mut::<{ 2 * BLOCK }>(),
+        block.face.as_flattened_mut()[row * BLOCK..].first_chunk_mut::<{ 2 * BLOCK }>(),
+    ) else {
+        return;
+    };
+    let (old, old_ids) = (nearness.map(f32::to_bits), *face);
     // One step a loop: so the compiler takes whole registers.
-    let (mut is_nearer, mut new, mut new_ids) = ([0; BLOCK], [0.0; BLOCK], [0; BLOCK]);
-    for i in 0..BLOCK {
+    let (mut is_nearer, mut new, mut new_ids) = ([0; 2 * BLOCK], [0.0; 2 * BLOCK], [0; 2 * BLOCK]);
+    for i in 0..2 * BLOCK {
         is_nearer[i] = (old[i].wrapping_sub(bits[i]) as i32 >> 31) as u32;
     }
-    for i in 0..BLOCK {
+    for i in 0..2 * BLOCK {
         new[i] = f32::from_bits(if bits[i] > old[i] { bits[i] } else { old[i] });
     }
-    for i in 0..BLOCK {
+    for i in 0..2 * BLOCK {
         new_ids[i] = (id ^ old_ids[i]) & is_nearer[i] ^ old_ids[i];
     }
-    for i in 0..BLOCK {
-        nearer[i] |= is_nearer[i] & (1 << row);
+    for i in 0..2 * BLOCK {
+        nearer[i] |= is_nearer[i] & (ROW_BITS[i] << row);
     }
-    (block.nearness[row], block.face[row]) = (new, new_ids);
+    (*nearness, *face) = (new, new_ids);
 }
 
 #[inline(always)]
@@ -322,17 +327,17 @@ fn mask(is: bool) -> u32 {
 }
 
 #[inline(always)]
-fn any(lanes: &[u32; BLOCK]) -> bool {
+fn any(lanes: &[u32; 2 * BLOCK]) -> bool {
     lanes.iter().fold(0, |all, lane| all | lane) != 0
 }
 
-/// The low bytes; the others must be 0.
+/// The low bytes of columns, of even and of odd rows; the others must be 0.
 #[inline(never)]
-fn bits(lanes: &[u32; BLOCK]) -> u64 {
+fn bits(lanes: &[u32; 2 * BLOCK]) -> u64 {
     const SHIFTS: [u32; BLOCK] = [0, 8, 16, 24, 0, 8, 16, 24];
     let mut placed = [0; BLOCK];
     for i in 0..BLOCK {
-        placed[i] = lanes[i] << SHIFTS[i];
+        placed[i] = (lanes[i] | lanes[BLOCK + i]) << SHIFTS[i];
     }
     let [a, b, c, d, e, f, g, h] = placed;
     u64::from((a | b) | (c | d)) | u64::from((e | f) | (g | h)) << 32
