@@ -82,8 +82,9 @@ impl SkyView {
             let share = if is_plant { CROWN_SHARE } else { 1.0 };
             let mut mark = |x: usize, y: usize, low: f32, high: f32| {
                 let i = y * CELLS + x;
-                floor[i] = floor[i].min(low);
-                top[i] = top[i].max(foot_z + (high - foot_z) * share);
+                let high = foot_z + (high - foot_z) * share;
+                floor[i] = if low < floor[i] { low } else { floor[i] };
+                top[i] = if high > top[i] { high } else { top[i] };
             };
             let mesh = &instance.mesh;
             let linear = instance.placement.rotation.as_mat3();
