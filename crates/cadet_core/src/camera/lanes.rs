@@ -5,7 +5,7 @@ use multiversion::multiversion;
 use super::face::{Face, Flags, Kind};
 use super::hits::{Hits, LANES, Lane, RUN, STRIDE, set};
 use super::shade::{Camera, Light, diffuse, geometry, gloss, pane, snow, texture, through_air};
-use super::shadow::Asked;
+use super::shadow::{Asked, Neighbours};
 use crate::material::Pattern;
 use crate::math::Vec3;
 
@@ -45,6 +45,7 @@ pub struct Lanes {
     pub cos_sun: Lane,
     pub cos_face: Lane,
     pub is_asked: [bool; STRIDE],
+    neighbours: Neighbours<STRIDE>,
     pub lit: Lane,
     pub near: Lane,
     /// At first of the material, then of the place.
@@ -97,6 +98,7 @@ impl Default for Lanes {
             cos_sun: O,
             cos_face: O,
             is_asked: [false; STRIDE],
+            neighbours: Neighbours::default(),
             lit: O,
             near: O,
             albedo: O3,
@@ -167,7 +169,7 @@ impl Lanes {
                     is_asked: &self.is_asked,
                     count: n,
                 };
-                shadows.sunlit(eye, &asked, &mut self.lit);
+                shadows.sunlit(eye, &asked, &mut self.neighbours, &mut self.lit);
             }
             _ => self.lit.fill(0.0),
         }

@@ -206,11 +206,16 @@ impl Shadows {
     /// Share of the sun that reaches each of some points, 0..1, by the shares of a square of three by three texels about
     /// it that lie no higher towards the sun ("percentage closer filtering": Reeves, Salesin & Cook 1987).
     ///
-    /// `eye_world`: what the points are relative to.
-    pub fn sunlit<const N: usize>(&self, eye_world: Vec3, asked: &Asked<N>, lit: &mut [f32; N]) {
-        let mut at = OnMaps { first: [NOWHERE; N], x: [0.0; N], y: [0.0; N], z: [0.0; N] };
-        place(self, eye_world, asked, &mut at);
-        look_up(&self.maps, &at, asked, lit);
+    /// `eye_world`: what the points are relative to. `near`: what is found on the way.
+    pub fn sunlit<const N: usize>(
+        &self,
+        eye_world: Vec3,
+        asked: &Asked<N>,
+        near: &mut Neighbours<N>,
+        lit: &mut [f32; N],
+    ) {
+        place(self, eye_world, asked, &mut near.at);
+        look_up(&self.maps, asked, near, lit);
     }
 }
 
@@ -236,11 +241,39 @@ const NOWHERE: u32 = u32::MAX;
 
 /// Where points fall on the maps: the first texel of the four by four about it, counted through both maps, the shares of
 /// its column and row that lie outside of the square, and the height towards the sun.
+#[derive(Debug)]
 struct OnMaps<const N: usize> {
     first: [u32; N],
     x: [f32; N],
     y: [f32; N],
     z: [f32; N],
+}
+
+/// What [`Shadows::sunlit`] looks at, four by four texels about each point; memory that is used again.
+#[derive(Debug)]
+pub struct Neighbours<const N: usize> {
+    at: OnMaps<N>,
+    /// By rows: what is done goes over four neighbours of every point in turn.
+    texels: [[[i16; 4]; N]; 4],
+    heights: [[i16; 4]; N],
+    /// Shares of the first and the last row, and of the columns.
+    top: [[f32; 4]; N],
+    bottom: [[f32; 4]; N],
+    columns: [[f32; 4]; N],
+}
+
+impl<const N: usize> Default for Neighbours<N> {
+    fn default() -> Self {
+        let none = [[0.0; 4]; N];
+        Self {
+            at: OnMaps { first: [NOWHERE; N], x: [0.0; N], y: [0.0; N], z: [0.0; N] },
+            texels: [[[0; 4]; N]; 4],
+            heights: [[0; 4]; N],
+            top: none,
+            bottom: none,
+            columns: none,
+        }
+    }
 }
 
 /// Texels along a map's rim that are not asked: the next map knows them.
@@ -258,6 +291,7 @@ fn place<const N: usize>(shadows: &Shadows, eye_world: Vec3, asked: &Asked<N>, o
     let eye = shadows.to_light(eye_world);
     let [px, py, pz] = asked.points;
     let [nx, ny, nz] = asked.normals;
+    out.first[..count].fill(NOWHERE);
     // The near map has the last word.
     for (index, map) in shadows.maps.iter().enumerate().rev() {
         let base = (index * MAP) as i32;
@@ -290,7 +324,8 @@ fn place<const N: usize>(shadows: &Shadows, eye_world: Vec3, asked: &Asked<N>, o
 ///
 /// Copies what is looked at first: the processor waits for many texels at once, and not for one point's after another's.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn look_up<const N: usize>(maps: &[Map], at: &OnMaps<N>, asked: &Asked<N>, lit: &mut [f32; N]) {
+fn look_up<const N: usize>(maps: &[Map], asked: &Asked<N>, near: &mut Neighbours<N>, lit: &mut [f32; N]) {
+    let Neighbours { at, texels, heights, top, bottom, columns } = near;
     let mut which = [0_u8; N];
     let mut count = 0;
     for i in 0..asked.count.min(N) {
@@ -299,9 +334,6 @@ fn look_up<const N: usize>(maps: &[Map], at: &OnMaps<N>, asked: &Asked<N>, lit: 
         count += usize::from(is_known);
         lit[i] = if asked.is_asked[i] { 1.0 } else { 0.0 };
     }
-    // By rows: what follows goes over four neighbours of every point in turn.
-    let (mut texels, mut heights) = ([[[0_i16; 4]; N]; 4], [[0_i16; 4]; N]);
-    let (mut top, mut bottom, mut columns) = ([[0.0; 4]; N], [[0.0; 4]; N], [[0.0; 4]; N]);
     for (k, i) in which[..count].iter().enumerate() {
         let i = usize::from(*i);
         let first = at.first[i] as usize;
@@ -324,7 +356,7 @@ fn look_up<const N: usize>(maps: &[Map], at: &OnMaps<N>, asked: &Asked<N>, lit: 
         sums[j] *= ends + (share(row_1[j], 1.0) + share(row_2[j], 1.0));
     }
     let mut shares = [0.0; N];
-    for (share, [a, b, c, d]) in shares.iter_mut().zip(&columns) {
+    for (share, [a, b, c, d]) in shares.iter_mut().zip(&columns[..count]) {
         let sum = (a + b) + (c + d);
         // Neither rounding nor the edge of a texel dims what is lit all over.
         *share = if sum > 8.95 { 1.0 } else { sum * (1.0 / 9.0) };

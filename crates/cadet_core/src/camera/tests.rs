@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::ambient::SkyView;
-use super::shadow::{Asked, Shadows};
+use super::shadow::{Asked, Neighbours, Shadows};
 use super::sky::Sky;
 use super::{Rendered, View, look, paint};
 use crate::frames::{facing, upright};
@@ -277,7 +277,7 @@ fn sunlit(shadows: &Shadows, point_world: Vec3, normal: Vec3, cos_sun: f32) -> f
         is_asked: &std::array::from_fn(|i| i != 3),
         count: 15,
     };
-    shadows.sunlit(eye, &asked, &mut lit);
+    shadows.sunlit(eye, &asked, &mut Neighbours::default(), &mut lit);
     assert!(lit[3] == 0.0 && lit[15].is_nan());
     assert!(lit[..15].iter().enumerate().all(|(i, l)| i == 3 || *l == lit[0]));
     lit[0]

@@ -207,7 +207,11 @@ impl FaceOnImage {
         let mut nearer = [0_u32; 2 * BLOCK];
         let (mut value, step) = self.rows(at, NEARNESS, 0);
         for row in (0..BLOCK).step_by(2) {
-            keep_nearer(block, row, &value.map(f32::to_bits), id, &mut nearer);
+            let mut bits = [0; 2 * BLOCK];
+            for i in 0..2 * BLOCK {
+                bits[i] = value[i].to_bits();
+            }
+            keep_nearer(block, row, &bits, id, &mut nearer);
             for v in &mut value {
                 *v += step;
             }
@@ -303,8 +307,11 @@ fn keep_nearer(block: &mut Block, row: usize, bits: &[u32; 2 * BLOCK], id: u32, 
     ) else {
         return;
     };
-    let (old, old_ids) = (nearness.map(f32::to_bits), *face);
-    // One step a loop: so the compiler takes whole registers.
+    // One step a loop: so the compiler takes whole registers. `map` might become a function of its own.
+    let (mut old, old_ids) = ([0; 2 * BLOCK], *face);
+    for i in 0..2 * BLOCK {
+        old[i] = nearness[i].to_bits();
+    }
     let (mut is_nearer, mut new, mut new_ids) = ([0; 2 * BLOCK], [0.0; 2 * BLOCK], [0; 2 * BLOCK]);
     for i in 0..2 * BLOCK {
         is_nearer[i] = (old[i].wrapping_sub(bits[i]) as i32 >> 31) as u32;
