@@ -95,15 +95,16 @@ impl Contacts {
         near: &mut [f32; N],
     ) {
         near[..count].fill(1.0);
+        if !is_asked[..count].contains(&true) {
+            return;
+        }
+        let mut bounds = [NONE; N];
+        bound(points, is_asked, count, &mut bounds);
+        let (to_x, to_y) = (eye_world.x - self.min[0], eye_world.y - self.min[1]);
         let mut reaching: Vec<u16> = Vec::new();
-        for start in (0..count).step_by(TOGETHER) {
+        for (start, [left, right, low, high]) in (0..count).step_by(TOGETHER).zip(bounds) {
             let end = (start + TOGETHER).min(count);
-            let [xs, ys] = [0, 1].map(|axis| span(&points[axis][start..end], &is_asked[start..end]));
-            let [x, y] = [(xs, 0), (ys, 1)].map(|([low, high], axis)| {
-                let to_map = eye_world.to_array()[axis] - self.min[axis];
-                [low + to_map, high + to_map]
-            });
-            if xs[0] > xs[1] || !self.reached.any([x[0], y[0]], [x[1], y[1]]) {
+            if left > right || !self.reached.any([left + to_x, low + to_y], [right + to_x, high + to_y]) {
                 continue;
             }
             reaching.clear();
@@ -186,13 +187,28 @@ fn darken(blocker: &Blocker, center: Vec3, [x, y, z]: [&[f32]; 3], is_asked: &[b
     }
 }
 
-/// The least and the greatest of the asked numbers.
-#[inline]
-fn span(values: &[f32], is_asked: &[bool]) -> [f32; 2] {
-    let mut span = [f32::INFINITY, f32::NEG_INFINITY];
-    for (v, is_asked) in values.iter().zip(is_asked) {
-        let (low, high) = if *is_asked { (*v, *v) } else { (f32::INFINITY, f32::NEG_INFINITY) };
-        span = [if low < span[0] { low } else { span[0] }, if high > span[1] { high } else { span[1] }];
+/// The least and the greatest x, the least and the greatest y of no points.
+const NONE: [f32; 4] = [f32::INFINITY, f32::NEG_INFINITY, f32::INFINITY, f32::NEG_INFINITY];
+
+/// The bounds of the asked points of each group of [`TOGETHER`].
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+fn bound<const N: usize>([xs, ys, _]: &[[f32; N]; 3], is_asked: &[bool; N], count: usize, bounds: &mut [[f32; 4]; N]) {
+    let groups = xs.chunks_exact(TOGETHER).zip(ys.chunks_exact(TOGETHER)).zip(is_asked.chunks_exact(TOGETHER));
+    for (((xs, ys), is_asked), bounds) in groups.zip(bounds).take(count.div_ceil(TOGETHER)) {
+        let mut sides = [[0.0; TOGETHER]; 4];
+        for i in 0..TOGETHER {
+            sides[0][i] = if is_asked[i] { xs[i] } else { f32::INFINITY };
+            sides[1][i] = if is_asked[i] { -xs[i] } else { f32::INFINITY };
+            sides[2][i] = if is_asked[i] { ys[i] } else { f32::INFINITY };
+            sides[3][i] = if is_asked[i] { -ys[i] } else { f32::INFINITY };
+        }
+        for width in [8, 4, 2, 1] {
+            for side in &mut sides {
+                for i in 0..width {
+                    side[i] = if side[i + width] < side[i] { side[i + width] } else { side[i] };
+                }
+            }
+        }
+        *bounds = [sides[0][0], -sides[1][0], sides[2][0], -sides[3][0]];
     }
-    span
 }

@@ -82,7 +82,7 @@ pub struct Flags;
 impl Flags {
     /// Lies on the ground, level.
     pub const GROUND: u32 = 1;
-    /// Vehicles near by hide the sky.
+    /// Vehicles near by hide the sky: not of leaves, which are above them or few.
     pub const CONTACT: u32 = 2;
     /// Snow does not lie on vehicles.
     pub const VEHICLE: u32 = 4;
@@ -180,7 +180,7 @@ impl Face {
             face_hash: hash2(raw.face as i32, 0, stand.place_hash),
             place_hash: stand.place_hash,
             flags: flag(Flags::GROUND, is_ground)
-                | flag(Flags::CONTACT, face_normal.z > 0.3 && !is_vehicle)
+                | flag(Flags::CONTACT, face_normal.z > 0.3 && !is_vehicle && !is_leaf)
                 | flag(Flags::VEHICLE, is_vehicle)
                 | flag(Flags::ROAD, material.semantic == Semantic::Road),
         };
