@@ -211,26 +211,33 @@ impl Map {
         let ([b, bx, by], [c, cx, cy], [z, zx, zy]) = (plane(&setup.b), plane(&setup.c), plane(&setup.z));
         if x1 - x0 <= 2 * LANES {
             // Small ones, which are most: testing eight texels at a time costs less than finding out where a row begins.
-            let highest = setup.highest[i];
+            let (highest, rows) = (setup.highest[i], y1 - y0);
             for first in (x0..x1).step_by(LANES) {
-                let (mut wa, mut wb, mut wc, mut height) = ([0.0; LANES], [0.0; LANES], [0.0; LANES], [0.0; LANES]);
-                for k in 0..LANES {
-                    let dx = (first - x0) as i32 as f32 + k as i32 as f32;
+                let none = [0.0; TWO_ROWS];
+                let (mut wa, mut wb, mut wc, mut height) = (none, none, none, none);
+                for k in 0..TWO_ROWS {
+                    let dx = (first - x0) as i32 as f32 + COLUMN[k];
                     (wb[k], wc[k], height[k]) = (b + bx * dx, c + cx * dx, z + zx * dx);
                     wa[k] = 1.0 - wb[k] - wc[k];
                 }
-                for (dy, row) in self.height[y0 * STRIDE + first..].chunks_mut(STRIDE).take(y1 - y0).enumerate() {
-                    let dy = dy as i32 as f32;
-                    let (row_b, row_c, row_z) = (by * dy, cy * dy, zy * dy);
-                    let row_a = row_b + row_c;
-                    let mut heights = [0; LANES];
-                    for k in 0..LANES {
-                        let inside = least(least(wb[k] + row_b, wc[k] + row_c), wa[k] - row_a);
+                // By twos; of an odd number the last but one is drawn twice.
+                for top in (0..rows).step_by(2).map(|top| top.min(rows.saturating_sub(2))) {
+                    let mut heights = [0; TWO_ROWS];
+                    for k in 0..TWO_ROWS {
+                        let dy = top as i32 as f32 + ROW[k];
+                        let (row_b, row_c, row_z) = (by * dy, cy * dy, zy * dy);
+                        let inside = least(least(wb[k] + row_b, wc[k] + row_c), wa[k] - (row_b + row_c));
                         // Rounding may not lead beyond sixteen bits.
                         let z = most(least(height[k] + row_z, highest), -HIGHEST);
                         heights[k] = if inside >= 0.0 { steps(z) } else { EMPTY.into() };
                     }
-                    raise(row, &heights);
+                    let texels = &mut self.height[(y0 + top) * STRIDE + first..];
+                    if let ([above, below], []) = heights.as_chunks::<LANES>() {
+                        raise(texels, above);
+                        if rows > 1 {
+                            raise(&mut texels[STRIDE..], below);
+                        }
+                    }
                 }
             }
             return;
@@ -287,6 +294,12 @@ impl Map {
         }
     }
 }
+
+/// Texels of two rows, one below the other, that are raised together.
+const TWO_ROWS: usize = 2 * LANES;
+/// Their columns and rows.
+const COLUMN: [f32; TWO_ROWS] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+const ROW: [f32; TWO_ROWS] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0];
 
 /// Texels of a row that are raised together: as many as fit into a register.
 const WIDE: usize = 2 * LANES;
