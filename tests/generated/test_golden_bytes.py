@@ -14,7 +14,7 @@ import pytest
 
 import cadet
 
-GOLDEN = "dbb23ca0638c83657f99b8194d4dbfe604fb65f9e7806f644509fe0ac71ac0e5"
+GOLDEN = "2585cc5a7a9469be05fd990efc9df1e5f6e50fcb19570cb4a0ddccb7dfbab997"
 
 
 def digest_of_a_frame() -> str:

@@ -251,10 +251,10 @@ impl VisibilityBuffer {
         let (row, column) = (row % BLOCK, column % BLOCK);
         let solid = self.solid(block);
         let (mut number, mut nearness) = (solid.face[row][column], solid.nearness[row][column]);
-        if let Some(panes) = self.panes(block) {
-            if panes.nearness[row][column] > nearness {
-                (number, nearness) = (panes.face[row][column], panes.nearness[row][column]);
-            }
+        if let Some(panes) = self.panes(block)
+            && panes.nearness[row][column] > nearness
+        {
+            (number, nearness) = (panes.face[row][column], panes.nearness[row][column]);
         }
         (nearness > 0.0).then_some((number, nearness))
     }
