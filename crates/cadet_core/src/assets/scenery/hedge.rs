@@ -38,12 +38,12 @@ pub(super) fn mesh(variant: usize, length: f32, detail: Detail) -> Mesh {
         })
         .collect();
     core.loft(&rings, if detail == Detail::Far { slot::LEAF } else { slot::DARK_LEAF }, true);
-    let mut leaves = Leaves::new(detail);
+    let mut leaves = Leaves::default();
     let area = length * (2.0 * height + depth);
     let size: f32 = detail.pick(0.13, 0.27, 0.7);
     let coverage: f32 = detail.pick(1.0, 0.9, 0.2);
     let ends = height * depth / area;
-    // A card has an area of size^2.
+    // A card is two triangles of size^2 / 2.
     for _ in 0..(coverage * area * (1.0 + 2.0 * ends) / (size * size)) as usize {
         let x = range(s, 0.0, length);
         let along = range(s, 0.0, 2.0 * height + depth);

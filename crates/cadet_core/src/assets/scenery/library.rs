@@ -89,18 +89,16 @@ pub fn tree(kind: TreeKind, variant: usize) -> SceneryModel {
             let half = DVec2::splat(f64::from(design.crown_radius));
             let height_m = f64::from(design.height);
             let shape = if kind == TreeKind::Shrub {
-                let coarser = [(25.0, Detail::Close), (55.0, Detail::Mid), (160.0, Detail::Far)];
-                Arc::new(Detail::level_set(12.0, coarser, move |d| design.mesh(d)))
+                Detail::levels([25.0, 55.0, 160.0], move |d| design.mesh(d))
             } else {
                 let coarser = [
-                    (28.0, Detail::Close),
                     (41.0, Detail::Half),
                     (57.0, Detail::Mid),
                     (78.0, Detail::Sparse),
                     (112.0, Detail::Far),
                     (f32::INFINITY, Detail::Distant),
                 ];
-                Arc::new(Detail::level_set(18.0, coarser, move |d| design.mesh(d)))
+                Arc::new(Detail::level_set(28.0, coarser, move |d| design.mesh(d)))
             };
             model(name, shape, palette, half, height_m)
         })
@@ -119,9 +117,7 @@ pub fn hedge(variant: usize, piece: usize) -> SceneryModel {
             let (height, depth) = hedges::SECTIONS_M[variant];
             let name = format!("hedge/{variant}/{length_m}");
             let palette = plant_palette(&mut Stream::from_seed("hedge", variant as u64), variant % 2 == 0);
-            let coarser = [(26.0, Detail::Close), (55.0, Detail::Mid), (180.0, Detail::Far)];
-            let shape = Detail::level_set(12.0, coarser, move |d| hedges::mesh(variant, length_m as f32, d));
-            let shape = Arc::new(shape);
+            let shape = Detail::levels([26.0, 55.0, 180.0], move |d| hedges::mesh(variant, length_m as f32, d));
             SceneryModel {
                 name,
                 shape,

@@ -74,8 +74,6 @@ impl SceneryModel {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Detail {
     Near,
-    /// Of plants alone: as many leaf cards as near, each one triangle.
-    Close,
     /// Of trees alone, as [`Detail::Sparse`]: a crown's cards are a few pixels large at every distance.
     Half,
     Mid,
@@ -111,7 +109,7 @@ impl Detail {
     /// The value for this level.
     fn pick<T>(self, near: T, mid: T, far: T) -> T {
         match self {
-            Self::Near | Self::Close => near,
+            Self::Near => near,
             Self::Half | Self::Mid | Self::Sparse => mid,
             Self::Far | Self::Distant => far,
         }

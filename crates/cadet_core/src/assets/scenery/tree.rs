@@ -68,15 +68,15 @@ pub(super) struct TreeDesign {
 /// Leaf area in a crown's cubic metre: with cards turned every way a beam meets half of it, exp(-0.5 x 1.8) = 0.41.
 const LEAF_AREA_PER_M3: f32 = 1.8;
 
-/// Share of the cards of a near crown: they grow as they become fewer.
+/// Share of the triangles of a near crown: its cards grow as they become fewer.
 fn share_of(detail: Detail) -> f32 {
     match detail {
-        Detail::Near | Detail::Close => 1.0,
+        Detail::Near => 1.0,
         Detail::Half => 0.5,
         Detail::Mid => 0.24,
         Detail::Sparse => 0.12,
-        Detail::Far => 0.03,
-        Detail::Distant => 0.011,
+        Detail::Far => 1.0 / 60.0,
+        Detail::Distant => 0.006,
     }
 }
 
@@ -137,7 +137,7 @@ impl TreeDesign {
     /// Draws the tree.
     pub fn mesh(&self, detail: Detail) -> Mesh {
         let mut wood = MeshBuilder::new();
-        let mut leaves = Leaves::new(detail);
+        let mut leaves = Leaves::default();
         let mut s = Stream::from_seed("crown", self.seed);
         match self.kind {
             TreeKind::Conifer => self.conifer(&mut wood, &mut leaves, &mut s, detail),
@@ -180,15 +180,16 @@ impl TreeDesign {
         let shrub = self.kind == TreeKind::Shrub;
         let area = volume * LEAF_AREA_PER_M3 * if shrub { 3.0 } else { 0.8 };
         let budget: f32 = match detail {
-            _ if shrub => detail.pick(450.0, 100.0, 10.0),
-            _ => 2600.0 * share_of(detail),
+            _ if shrub => detail.pick(900.0, 200.0, 20.0),
+            _ => 5200.0 * share_of(detail),
         };
         let smallest: f32 = if shrub { 0.09 } else { 0.2 };
-        let size = (area / budget).sqrt().max(smallest);
-        let count = ((area / (size * size)) as usize).min(budget as usize);
+        let size = (2.0 * area / budget).sqrt().max(smallest);
+        let count = ((2.0 * area / (size * size)) as usize).min(budget as usize);
         let per_cluster = if detail == Detail::Half { 6 } else { detail.pick(10, 4, 1) };
         let middle = Vec3::Z * (self.crown_base + self.height) * 0.5;
-        for _ in 0..count.div_ceil(per_cluster) {
+        // A card is two triangles.
+        for _ in 0..(count / 2).div_ceil(per_cluster) {
             let blob = self.blobs[s.weighted(&weights)];
             // Cubic root for an even fill, a little denser at the outside where the light is.
             let rho = crate::math::powf(s.unit() as f32, 0.28);
@@ -212,11 +213,11 @@ impl TreeDesign {
         let span = self.height - self.crown_base;
         let volume = 1.05 * self.crown_radius * self.crown_radius * span;
         let area = volume * LEAF_AREA_PER_M3 * 1.9;
-        let budget = 2100.0 * share_of(detail);
-        let size = (area / budget).sqrt().max(0.15);
-        let count = ((area / (size * size)) as usize).min(budget as usize);
+        let budget = 4200.0 * share_of(detail);
+        let size = (2.0 * area / budget).sqrt().max(0.15);
+        let count = ((2.0 * area / (size * size)) as usize).min(budget as usize);
         let layers = (span / 0.55).ceil();
-        for _ in 0..count {
+        for _ in 0..count / 2 {
             // A cone has most of its volume low; layers droop outwards.
             let t = 1.0 - crate::math::powf(s.unit() as f32, 0.45);
             let t = ((t * layers).floor() + range(s, 0.15, 0.85)) / layers;
