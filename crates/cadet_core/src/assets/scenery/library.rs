@@ -91,14 +91,8 @@ pub fn tree(kind: TreeKind, variant: usize) -> SceneryModel {
             let shape = if kind == TreeKind::Shrub {
                 Detail::levels([25.0, 55.0, 160.0], move |d| design.mesh(d))
             } else {
-                let coarser = [
-                    (41.0, Detail::Half),
-                    (57.0, Detail::Mid),
-                    (78.0, Detail::Sparse),
-                    (112.0, Detail::Far),
-                    (f32::INFINITY, Detail::Distant),
-                ];
-                Arc::new(Detail::level_set(28.0, coarser, move |d| design.mesh(d)))
+                let coarser = [(72.0, Detail::Mid), (112.0, Detail::Far), (f32::INFINITY, Detail::Distant)];
+                Arc::new(Detail::level_set(41.0, coarser, move |d| design.mesh(d)))
             };
             model(name, shape, palette, half, height_m)
         })

@@ -74,10 +74,7 @@ impl SceneryModel {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Detail {
     Near,
-    /// Of trees alone, as [`Detail::Sparse`]: a crown's cards are a few pixels large at every distance.
-    Half,
     Mid,
-    Sparse,
     Far,
     /// Of trees alone: what closes the horizon.
     Distant,
@@ -110,7 +107,7 @@ impl Detail {
     fn pick<T>(self, near: T, mid: T, far: T) -> T {
         match self {
             Self::Near => near,
-            Self::Half | Self::Mid | Self::Sparse => mid,
+            Self::Mid => mid,
             Self::Far | Self::Distant => far,
         }
     }

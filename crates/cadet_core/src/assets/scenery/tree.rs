@@ -68,18 +68,6 @@ pub(super) struct TreeDesign {
 /// Leaf area in a crown's cubic metre: with cards turned every way a beam meets half of it, exp(-0.5 x 1.8) = 0.41.
 const LEAF_AREA_PER_M3: f32 = 1.8;
 
-/// Share of the triangles of a near crown: its cards grow as they become fewer.
-fn share_of(detail: Detail) -> f32 {
-    match detail {
-        Detail::Near => 1.0,
-        Detail::Half => 0.5,
-        Detail::Mid => 0.24,
-        Detail::Sparse => 0.12,
-        Detail::Far => 1.0 / 60.0,
-        Detail::Distant => 0.006,
-    }
-}
-
 impl TreeDesign {
     /// Draws the measures of a variant.
     pub fn new(kind: TreeKind, variant: usize) -> Self {
@@ -180,13 +168,14 @@ impl TreeDesign {
         let shrub = self.kind == TreeKind::Shrub;
         let area = volume * LEAF_AREA_PER_M3 * if shrub { 3.0 } else { 0.8 };
         let budget: f32 = match detail {
+            Detail::Distant => 28.0,
             _ if shrub => detail.pick(900.0, 200.0, 20.0),
-            _ => 5200.0 * share_of(detail),
+            _ => detail.pick(5200.0, 1250.0, 80.0),
         };
         let smallest: f32 = if shrub { 0.09 } else { 0.2 };
         let size = (2.0 * area / budget).sqrt().max(smallest);
         let count = ((2.0 * area / (size * size)) as usize).min(budget as usize);
-        let per_cluster = if detail == Detail::Half { 6 } else { detail.pick(10, 4, 1) };
+        let per_cluster = detail.pick(10, 4, 1);
         let middle = Vec3::Z * (self.crown_base + self.height) * 0.5;
         // A card is two triangles.
         for _ in 0..(count / 2).div_ceil(per_cluster) {
@@ -213,7 +202,7 @@ impl TreeDesign {
         let span = self.height - self.crown_base;
         let volume = 1.05 * self.crown_radius * self.crown_radius * span;
         let area = volume * LEAF_AREA_PER_M3 * 1.9;
-        let budget = 4200.0 * share_of(detail);
+        let budget: f32 = if detail == Detail::Distant { 28.0 } else { detail.pick(4200.0, 1000.0, 70.0) };
         let size = (2.0 * area / budget).sqrt().max(0.15);
         let count = ((2.0 * area / (size * size)) as usize).min(budget as usize);
         let layers = (span / 0.55).ceil();
