@@ -14,7 +14,7 @@ import pytest
 
 import cadet
 
-GOLDEN = "2585cc5a7a9469be05fd990efc9df1e5f6e50fcb19570cb4a0ddccb7dfbab997"
+GOLDEN = "0a79fbffaf8d888206da34911c722c1ac230f4cb8637ecea879a292b4142ad2e"
 
 
 def digest_of_a_frame() -> str:

@@ -85,7 +85,7 @@ impl Contacts {
     }
 
     /// Share of the sky's light that vehicles leave to points on the ground under or beside them, 0..1; 1 where it is not
-    /// asked. `points` are relative to the eye; the first `count` of them matter.
+    /// asked. `points` are relative to the eye; the first `count` of them matter. There is room for whole groups of 16.
     pub fn shade<const N: usize>(
         &self,
         eye_world: Vec3,
@@ -94,6 +94,7 @@ impl Contacts {
         count: usize,
         near: &mut [f32; N],
     ) {
+        const { assert!(N.is_multiple_of(TOGETHER), "groups are whole") };
         near[..count].fill(1.0);
         if !is_asked[..count].contains(&true) {
             return;

@@ -416,8 +416,8 @@ fn vehicles_darken_a_point_alike_whoever_is_asked_with_it() {
     let mut together = [f32::NAN; 144];
     view.contacts.shade(eye, &points, &std::array::from_fn(|i| i % 5 != 2), 144, &mut together);
     for (i, near) in together.into_iter().enumerate() {
-        let mut alone = [f32::NAN; 1];
-        view.contacts.shade(eye, &points.map(|axis| [axis[i]]), &[i % 5 != 2], 1, &mut alone);
+        let mut alone = [f32::NAN; 16];
+        view.contacts.shade(eye, &points.map(|axis| [axis[i]; 16]), &[i % 5 != 2; 16], 1, &mut alone);
         assert_eq!(near, alone[0], "{}", at(i));
         // The nearer side of the nearer car: beyond one and a half of its heights nothing is left of it.
         let beside = (at(i).y.abs() - 0.9).min((at(i).y - 3.0).abs() - 0.9);
