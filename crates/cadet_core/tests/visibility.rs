@@ -65,6 +65,23 @@ fn cameras_agree_with_single_rays_on_random_scenes() {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig { cases: 4000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Wherever the sphere lies, the plane through the camera and what is behind it included.
+    #[test]
+    fn a_sphere_is_looked_for_where_any_of_it_is_seen(
+        row in 0_usize..94, column in 0_usize..311, depth in 0.01_f64..60.0, radius in 0.01_f64..30.0, seed in 0_u64..1_000_000,
+    ) {
+        let (grid, mut s) = (pinhole(DPose3::IDENTITY), Stream::from_seed("sphere", seed));
+        let seen = grid.beam(row, column).direction_world * depth;
+        let center = seen + random_rotation(&mut s) * DVec3::new(0.999 * radius, 0.0, 0.0);
+        let ([window, _], near_depth) = grid.sphere_windows(center.as_vec3(), radius as f32);
+        prop_assert!(window.rows.contains(&row) && window.columns.contains(&column), "{center} {radius}: {window:?}");
+        prop_assert!(f64::from(near_depth) < depth);
+    }
+}
+
+proptest! {
     #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
