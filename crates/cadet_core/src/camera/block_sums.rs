@@ -1,7 +1,7 @@
 //! Where there is something in the blocks of a square map, counted so that many blocks are asked with one question.
 
 /// Blocks of a map that have something.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct BlockSums {
     /// Blocks along a side.
     side: usize,
@@ -35,7 +35,7 @@ impl BlockSums {
 
     /// True if some block between two of the map, both included, has something.
     #[inline]
-    pub fn any_between(&self, [x0, y0]: [usize; 2], [x1, y1]: [usize; 2]) -> bool {
+    fn any_between(&self, [x0, y0]: [usize; 2], [x1, y1]: [usize; 2]) -> bool {
         let at = |x: usize, y: usize| self.sums[y * (self.side + 1) + x];
         at(x1 + 1, y1 + 1).wrapping_add(at(x0, y0)) != at(x1 + 1, y0).wrapping_add(at(x0, y1 + 1))
     }

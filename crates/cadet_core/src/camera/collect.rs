@@ -47,8 +47,6 @@ struct Row {
 
 impl Row {
     const ALL: u32 = (1 << BLOCK) - 1;
-    /// All samples see one face, as those of the next rows.
-    const ONE_FACE: Self = Self { hits: [Self::ALL; 2], whole: Self::ALL, joined: Self::ALL >> 1 };
 
     fn is_sky(&self) -> bool {
         self.hits[0] | self.hits[1] == 0
@@ -112,9 +110,15 @@ struct Tile {
     left: usize,
     rows: usize,
     columns: usize,
-    /// The face that all samples see, be they behind panes or not.
-    only: Option<u32>,
-    survey: [Row; ROWS],
+    shown: Shown,
+}
+
+/// What a block shows.
+#[derive(Clone, Copy)]
+enum Shown {
+    /// A single face and no pane.
+    Face(u32),
+    Rows([Row; ROWS]),
 }
 
 /// A pixel.
@@ -173,26 +177,25 @@ impl<'a> Collector<'a> {
                 .flat_map(|left| (0..rows).step_by(ROWS).map(move |row| (row, left)));
             // Read at once, so that the processor waits for many lines of the memory together.
             let mut touched = 0;
+            let number_of = |row: usize, left: usize| row / ROWS * self.buffer.blocks_across + left / BLOCK;
             for (row, left) in places.clone() {
-                let number = (first_row + row) / ROWS * self.buffer.blocks_across + left / BLOCK;
+                let number = number_of(first_row + row, left);
                 if self.buffer.only_face(number).is_none() {
                     touched ^= self.buffer.solid(number).touch();
                 }
             }
             let _ = std::hint::black_box(touched);
             for (tile, (row, left)) in tiles.iter_mut().zip(places) {
-                let square = first_row / ROWS * self.buffer.blocks_across + left / BLOCK;
-                let number = square + row / ROWS * self.buffer.blocks_across;
+                let (number, square) = (number_of(first_row + row, left), number_of(first_row, left));
                 let only = self.buffer.only_face(number);
                 let found = Tile {
                     number,
-                    only,
                     place: Place { block: number as u32, square: square as u32 },
                     top: first_row + row,
                     left,
                     rows: (rows - row).min(ROWS),
                     columns: (width - left).min(BLOCK),
-                    survey: only.map_or_else(|| survey(self.buffer.solid(number)), |_| [Row::ONE_FACE; ROWS]),
+                    shown: only.map_or_else(|| Shown::Rows(survey(self.buffer.solid(number))), Shown::Face),
                 };
                 self.ask(&found);
                 *tile = Some(found);
@@ -224,9 +227,10 @@ impl<'a> Collector<'a> {
 
     /// Asks for the faces of a block.
     fn ask(&mut self, tile: &Tile) {
-        if let (Some(face), None) = (tile.only, self.buffer.panes(tile.number)) {
-            return self.faces.ask(face);
-        }
+        let survey = match &tile.shown {
+            Shown::Face(face) => return self.faces.ask(*face),
+            Shown::Rows(rows) => rows,
+        };
         let block = self.buffer.solid(tile.number);
         for row in 0..tile.rows {
             if let Some(panes) = self.panes_before(tile, row) {
@@ -235,7 +239,7 @@ impl<'a> Collector<'a> {
                 }
                 continue;
             }
-            let shown = &tile.survey[row];
+            let shown = &survey[row];
             // Where something else begins.
             let mut first = (shown.hits[0] | shown.hits[1]) & !(shown.joined << 1);
             while first != 0 {
@@ -273,9 +277,10 @@ impl<'a> Collector<'a> {
 
     fn collect_tile(&mut self, tile: &Tile) {
         let buffer = self.buffer;
-        if let (Some(face), None) = (tile.only, buffer.panes(tile.number)) {
-            return self.collect_face(tile, face);
-        }
+        let survey = match &tile.shown {
+            Shown::Face(face) => return self.collect_face(tile, *face),
+            Shown::Rows(rows) => rows,
+        };
         let block = buffer.solid(tile.number);
         for row in 0..tile.rows {
             let line = tile.top + row;
@@ -289,12 +294,12 @@ impl<'a> Collector<'a> {
                         let pixel = Pixel { column: tile.left + i, number: (first + i) as u32, ..pixel };
                         self.collect_behind_panes(solid, panes, pixel);
                     } else {
-                        let _ = self.collect_pixel(block, row, tile.survey[row], i..i + 1, &depths, pixel);
+                        let _ = self.collect_pixel(block, row, survey[row], i..i + 1, &depths, pixel);
                     }
                 }
                 continue;
             }
-            let shown = tile.survey[row];
+            let shown = survey[row];
             if shown.is_sky() {
                 self.sky.fill(tile.left, line, self.painter.row(first, tile.columns));
                 continue;

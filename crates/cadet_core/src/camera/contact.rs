@@ -99,12 +99,13 @@ impl Contacts {
         if !is_asked[..count].contains(&true) {
             return;
         }
-        let mut bounds = [NONE; N];
-        bound(points, is_asked, count, &mut bounds);
+        let ([xs, ys, _], asked) =
+            (points.each_ref().map(|axis| axis.as_chunks::<TOGETHER>().0), is_asked.as_chunks::<TOGETHER>().0);
         let (to_x, to_y) = (eye_world.x - self.min[0], eye_world.y - self.min[1]);
         let mut reaching: Vec<u16> = Vec::new();
-        for (start, [left, right, low, high]) in (0..count).step_by(TOGETHER).zip(bounds) {
+        for (start, ((xs, ys), asked)) in (0..count).step_by(TOGETHER).zip(xs.iter().zip(ys).zip(asked)) {
             let end = (start + TOGETHER).min(count);
+            let [left, right, low, high] = bounds(xs, ys, asked);
             if left > right || !self.reached.any([left + to_x, low + to_y], [right + to_x, high + to_y]) {
                 continue;
             }
@@ -188,28 +189,22 @@ fn darken(blocker: &Blocker, center: Vec3, [x, y, z]: [&[f32]; 3], is_asked: &[b
     }
 }
 
-/// The least and the greatest x, the least and the greatest y of no points.
-const NONE: [f32; 4] = [f32::INFINITY, f32::NEG_INFINITY, f32::INFINITY, f32::NEG_INFINITY];
-
-/// The bounds of the asked points of each group of [`TOGETHER`].
+/// The least and the greatest x, the least and the greatest y of the asked points; infinite the wrong way round without any.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn bound<const N: usize>([xs, ys, _]: &[[f32; N]; 3], is_asked: &[bool; N], count: usize, bounds: &mut [[f32; 4]; N]) {
-    let groups = xs.chunks_exact(TOGETHER).zip(ys.chunks_exact(TOGETHER)).zip(is_asked.chunks_exact(TOGETHER));
-    for (((xs, ys), is_asked), bounds) in groups.zip(bounds).take(count.div_ceil(TOGETHER)) {
-        let mut sides = [[0.0; TOGETHER]; 4];
-        for i in 0..TOGETHER {
-            sides[0][i] = if is_asked[i] { xs[i] } else { f32::INFINITY };
-            sides[1][i] = if is_asked[i] { -xs[i] } else { f32::INFINITY };
-            sides[2][i] = if is_asked[i] { ys[i] } else { f32::INFINITY };
-            sides[3][i] = if is_asked[i] { -ys[i] } else { f32::INFINITY };
-        }
-        for width in [8, 4, 2, 1] {
-            for side in &mut sides {
-                for i in 0..width {
-                    side[i] = if side[i + width] < side[i] { side[i + width] } else { side[i] };
-                }
+fn bounds(xs: &[f32; TOGETHER], ys: &[f32; TOGETHER], is_asked: &[bool; TOGETHER]) -> [f32; 4] {
+    let mut sides = [[0.0; TOGETHER]; 4];
+    for i in 0..TOGETHER {
+        sides[0][i] = if is_asked[i] { xs[i] } else { f32::INFINITY };
+        sides[1][i] = if is_asked[i] { -xs[i] } else { f32::INFINITY };
+        sides[2][i] = if is_asked[i] { ys[i] } else { f32::INFINITY };
+        sides[3][i] = if is_asked[i] { -ys[i] } else { f32::INFINITY };
+    }
+    for width in [8, 4, 2, 1] {
+        for side in &mut sides {
+            for i in 0..width {
+                side[i] = if side[i + width] < side[i] { side[i + width] } else { side[i] };
             }
         }
-        *bounds = [sides[0][0], -sides[1][0], sides[2][0], -sides[3][0]];
     }
+    [sides[0][0], -sides[1][0], sides[2][0], -sides[3][0]]
 }

@@ -194,10 +194,10 @@ impl Drawer<'_> {
             }
             let windows = self.grid.window_lanes(places.each_ref().map(|p| &p[0]), places.each_ref().map(|p| &p[1]));
             let [least_z_m, most_z_m] = z_bounds(&places);
-            let is_turned_away =
-                if one_sided >> first & 0xFF == 0 { [false; LANES] } else { self.turned_away(&places) };
+            let one_sided = one_sided >> first & 0xFF;
+            let is_turned_away = if one_sided == 0 { [false; LANES] } else { self.turned_away(&places) };
             for (i, (corners, face)) in corners.iter().zip(faces).enumerate() {
-                if !windows.may_meet[i] || is_turned_away[i] & (one_sided >> (first + i) & 1 == 1) {
+                if !windows.may_meet[i] || is_turned_away[i] & (one_sided >> i & 1 == 1) {
                     continue;
                 }
                 let [x, y, z] = &self.corners.cam;
@@ -209,7 +209,7 @@ impl Drawer<'_> {
                     continue;
                 }
                 let planes = EdgePlanes::new(corners);
-                if planes.volume > 0.0 && one_sided >> (first + i) & 1 == 1 {
+                if planes.volume > 0.0 && one_sided >> i & 1 == 1 {
                     continue;
                 }
                 let is_pane =

@@ -138,12 +138,12 @@ impl VisibilityBuffer {
         self.has_panes[block].then(|| &self.panes[block])
     }
 
-    /// The number of the face that all of a block's solid samples see.
+    /// The number of the face that all of a block's samples see, if it has no panes.
     #[inline]
     #[must_use]
     pub fn only_face(&self, block: usize) -> Option<u32> {
         let only = self.only[block];
-        (only != SEVERAL && self.states[block].met != 0).then_some(only)
+        (only != SEVERAL && self.states[block].met != 0 && !self.has_panes[block]).then_some(only)
     }
 
     /// Number of blocks.
