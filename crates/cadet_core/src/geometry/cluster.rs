@@ -3,6 +3,7 @@
 use super::closed::closed_surfaces;
 use super::lanes::{Lanes, lanes_of};
 use super::mesh::Bounds;
+use super::pieces::{ALONE, Surface, partners, quad};
 use crate::math::Vec3;
 
 /// The most faces in a cluster.
@@ -28,6 +29,29 @@ pub struct Cluster {
     pub corners: Vec<[u8; 3]>,
     /// The mesh's index of each face.
     pub faces: Vec<u32>,
+    /// The same faces for who draws them: two that form a flat convex quadrilateral are one piece.
+    pub pieces: Vec<Piece>,
+    /// As `closed`, of the pieces.
+    pub closed_pieces: u64,
+}
+
+/// A triangle or a quadrilateral, of one plane, one material and one side.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Piece {
+    /// Its corners in the order of its first face's, as indices into [`Cluster::lanes`]; a triangle's last one stands
+    /// twice.
+    pub corners: [u8; 4],
+    /// Which of the cluster's faces is its first; that one has the first three corners.
+    pub first: u8,
+}
+
+impl Piece {
+    /// True for two faces.
+    #[inline]
+    #[must_use]
+    pub fn is_quad(&self) -> bool {
+        self.corners[2] != self.corners[3]
+    }
 }
 
 /// The bit of a material slot in [`Cluster::slots`].
@@ -37,19 +61,44 @@ pub fn slot_bit(slot: u8) -> u64 {
     1 << slot.min(63)
 }
 
-/// Sorts faces along a space-filling curve and cuts them into clusters. Indices must be valid, coordinates finite.
+/// Sorts faces along a space-filling curve and cuts them into clusters; those of one piece stay together. Indices must be
+/// valid, coordinates finite.
 #[must_use]
-pub fn clusters_of(vertices: &[Vec3], faces: &[[u32; 3]], slots: &[u8], bounds: &Bounds) -> Vec<Cluster> {
+pub fn clusters_of(
+    vertices: &[Vec3],
+    normals: &[Vec3],
+    faces: &[[u32; 3]],
+    slots: &[u8],
+    bounds: &Bounds,
+) -> Vec<Cluster> {
+    let closed = closed_surfaces(vertices, faces, slots);
+    let surface = Surface { vertices, normals, faces, slots, closed: &closed };
+    let partners = partners(&surface);
     let scale = 1023.0 / bounds.size().max_element().max(1e-6);
     let key = |face: usize| {
         let [a, b, c] = faces[face].map(|i| vertices[i as usize]);
         let q = ((a + b + c) * (1.0 / 3.0) - bounds.min) * scale;
         spread(q.x) | spread(q.y) << 1 | spread(q.z) << 2
     };
-    let mut order: Vec<(u64, u32)> = (0..faces.len()).map(|f| (key(f), f as u32)).collect();
+    // Of a pair the first face goes for both.
+    let firsts = (0..faces.len() as u32).filter(|f| partners[*f as usize] > *f);
+    let mut order: Vec<(u64, u32)> = firsts.map(|f| (key(f as usize), f)).collect();
     order.sort_unstable();
-    let closed = closed_surfaces(vertices, faces, slots);
-    order.chunks(CLUSTER_FACES).map(|chunk| cluster(vertices, faces, slots, &closed, chunk)).collect()
+    let mut clusters = Vec::with_capacity(faces.len().div_ceil(CLUSTER_FACES));
+    let mut chunk = Vec::with_capacity(CLUSTER_FACES);
+    for (_, first) in order {
+        let partner = Some(partners[first as usize]).filter(|f| *f != ALONE);
+        if chunk.len() + 1 + usize::from(partner.is_some()) > CLUSTER_FACES {
+            clusters.push(cluster(&surface, &partners, &chunk));
+            chunk.clear();
+        }
+        chunk.push(first);
+        chunk.extend(partner);
+    }
+    if !chunk.is_empty() {
+        clusters.push(cluster(&surface, &partners, &chunk));
+    }
+    clusters
 }
 
 /// The low ten bits of a number, two zeros after each.
@@ -58,13 +107,14 @@ fn spread(x: f32) -> u64 {
     (0..10).fold(0, |out, bit| out | (x >> bit & 1) << (3 * bit))
 }
 
-fn cluster(vertices: &[Vec3], faces: &[[u32; 3]], slots: &[u8], closed: &[u64], chunk: &[(u64, u32)]) -> Cluster {
+fn cluster(surface: &Surface<'_>, partners: &[u32], chunk: &[u32]) -> Cluster {
+    let Surface { vertices, faces, slots, closed, .. } = *surface;
     // The corners in the order of their places, x, y and z as bits: what shares a place stands together.
     let key = |i: u32, corner: u128| {
         let [x, y, z] = vertices[i as usize].to_array().map(|v| u128::from(v.to_bits()));
         x << 96 | y << 64 | z << 32 | corner
     };
-    let corners = chunk.iter().flat_map(|(_, f)| faces[*f as usize]);
+    let corners = chunk.iter().flat_map(|f| faces[*f as usize]);
     let mut keys: Vec<u128> = corners.zip(0..).map(|(i, corner)| key(i, corner)).collect();
     keys.sort_unstable();
     let mut points: Vec<Vec3> = Vec::with_capacity(keys.len());
@@ -78,18 +128,48 @@ fn cluster(vertices: &[Vec3], faces: &[[u32; 3]], slots: &[u8], closed: &[u64], 
         let corner = key as u32 as usize;
         places[corner / 3][corner % 3] = (points.len() - 1) as u8;
     }
+    let pieces = pieces_of(surface, partners, chunk, &places);
     let center = Bounds::of(points.iter().copied()).center();
     let radius = points.iter().map(|p| p.distance(center)).fold(0.0, f32::max);
     Cluster {
         center,
         radius_m: radius * 1.000_01 + 1e-6,
-        slots: chunk.iter().fold(0, |bits, (_, f)| bits | slot_bit(slots[*f as usize])),
-        closed: (0..).zip(chunk).fold(0, |bits, (i, (_, f))| bits | u64::from(closed[*f as usize] != 0) << i),
-        closed_slots: chunk.iter().fold(0, |bits, (_, f)| bits | closed[*f as usize]),
+        slots: chunk.iter().fold(0, |bits, f| bits | slot_bit(slots[*f as usize])),
+        closed: (0..).zip(chunk).fold(0, |bits, (i, f)| bits | u64::from(closed[*f as usize] != 0) << i),
+        closed_slots: chunk.iter().fold(0, |bits, f| bits | closed[*f as usize]),
         corners: places[..chunk.len()].to_vec(),
-        faces: chunk.iter().map(|(_, f)| *f).collect(),
+        faces: chunk.to_vec(),
+        closed_pieces: (0..)
+            .zip(&pieces)
+            .fold(0, |bits, (i, p)| bits | u64::from(closed[chunk[usize::from(p.first)] as usize] != 0) << i),
+        pieces,
         lanes: lanes_of(&points),
     }
+}
+
+/// `places`: the corners of the cluster's faces, as those of [`Cluster::corners`].
+fn pieces_of(surface: &Surface<'_>, partners: &[u32], chunk: &[u32], places: &[[u8; 3]]) -> Vec<Piece> {
+    let mut pieces = Vec::with_capacity(chunk.len());
+    let mut number = 0;
+    while number < chunk.len() {
+        let first = chunk[number];
+        let [a, b, c] = places[number];
+        let corners = match partners[first as usize] {
+            ALONE => None,
+            partner => quad(surface, [first, partner]),
+        };
+        let corners = corners.map(|quad| {
+            let all = [first, partners[first as usize]].map(|f| surface.faces[f as usize]);
+            let at = |i: u32| {
+                let k = all.as_flattened().iter().position(|v| *v == i).unwrap_or_default();
+                places[number + k / 3][k % 3]
+            };
+            quad.map(at)
+        });
+        pieces.push(Piece { corners: corners.unwrap_or([a, b, c, c]), first: number as u8 });
+        number += if corners.is_some() { 2 } else { 1 };
+    }
+    pieces
 }
 
 #[cfg(test)]

@@ -98,7 +98,7 @@ impl Mesh {
             return fail("a coordinate is not finite".to_owned());
         }
         let bounds = Bounds::of(vertices.iter().copied());
-        let clusters = clusters_of(&vertices, &faces, &slots, &bounds);
+        let clusters = clusters_of(&vertices, &normals, &faces, &slots, &bounds);
         Ok(Self { vertices, normals, faces, slots, bounds, clusters, columns: LazyColumns::default() })
     }
 
@@ -131,7 +131,7 @@ impl Mesh {
         let bounds = Bounds::of(vertices.iter().copied());
         if bounds != self.bounds {
             // Vertices that no face has are gone, and with them the grid that faces were sorted by.
-            let clusters = clusters_of(&vertices, &faces, &slots, &bounds);
+            let clusters = clusters_of(&vertices, &normals, &faces, &slots, &bounds);
             return Self { vertices, normals, faces, slots, bounds, clusters, columns: LazyColumns::default() };
         }
         let mut clusters = self.clusters;

@@ -6,8 +6,9 @@ mod columns;
 mod lanes;
 mod mesh;
 mod mesh_builder;
+mod pieces;
 
-pub use cluster::{CLUSTER_FACES, Cluster, clusters_of, slot_bit};
+pub use cluster::{CLUSTER_FACES, Cluster, Piece, clusters_of, slot_bit};
 pub use columns::Column;
 pub use lanes::{LANES, Lanes, lanes_of};
 pub use mesh::{Bounds, LazyMesh, LodSet, Mesh};

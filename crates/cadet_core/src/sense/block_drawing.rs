@@ -1,4 +1,4 @@
-//! Draws one triangle on one block of the visibility buffer.
+//! Draws one triangle or quadrilateral on one block of the visibility buffer.
 //!
 //! Samples are told apart in single precision, from the block's middle; those too near to an edge for that, and
 //! triangles too steep for it, are looked at with the kernel's own test in double precision, so that the outcome is the
@@ -8,15 +8,22 @@ use std::ops::Range;
 
 use multiversion::multiversion;
 
-use super::edges::EdgePlanes;
+use super::outline::Outline;
 use super::pinhole::PinholeGrid;
 use super::visibility_buffer::{BLOCK, Block, DrawnFace};
 use crate::math::DVec3;
 
-/// The three edges and, last, the nearness.
-const WAYS: usize = 4;
-const NEARNESS: usize = 3;
-type Ways = [f32; WAYS];
+/// The most edges.
+const EDGES: usize = 4;
+
+/// What is affine on the image, at a place.
+#[derive(Clone, Copy)]
+pub(super) struct Ways {
+    /// How far inside of each edge, in samples.
+    edges: [f32; EDGES],
+    /// 1/m.
+    nearness: f32,
+}
 
 /// A row and the next.
 type TwoRows = [f32; 2 * BLOCK];
@@ -35,24 +42,27 @@ const FAR: f64 = 1e8;
 /// How often the least nearness that is drawn may be contained in the block's; what is steeper is computed exactly.
 const STEEP: f32 = 4.0;
 
-/// A triangle as four functions that are affine on the image: how far a sample lies inside of each edge, in samples, and
-/// its nearness, 1/m.
+/// A triangle or a flat convex quadrilateral as functions that are affine on the image: how far a sample lies inside of
+/// each edge, in samples, and its nearness, 1/m.
 pub(super) struct FaceOnImage {
     /// Towards the inside, not scaled.
-    edges: [DVec3; 3],
+    edges: [DVec3; EDGES],
+    is_quad: bool,
     /// Turned towards the camera, and volume: nearness = normal · (x, y, 1) / volume.
     normal: DVec3,
     volume: f64,
-    /// By x / z, by y / z, and the rest.
-    by_x: [f64; WAYS],
-    by_y: [f64; WAYS],
-    rest: [f64; WAYS],
+    /// Of the edges, by x / z, by y / z, and the rest.
+    by_x: [f64; EDGES],
+    by_y: [f64; EDGES],
+    rest: [f64; EDGES],
+    /// Of the nearness.
+    nearness: [f64; 3],
     /// By column and by row.
     across: Ways,
     down: Ways,
     /// What changes at most from a block's middle to its samples.
     reach: Ways,
-    /// A nearness that all of the triangle reaches.
+    /// A nearness that all of the face reaches.
     least_nearness: f32,
     /// Half of how far the samples of odd rows lie further right, columns.
     shift: f32,
@@ -61,46 +71,58 @@ pub(super) struct FaceOnImage {
 }
 
 impl FaceOnImage {
-    /// The functions of a triangle; `None` if the camera lies in its plane.
+    /// The functions of a face; `None` if the camera lies in its plane.
     ///
     /// `most_z_m`: the largest z of its corners, to a thousandth.
     #[inline(always)]
-    pub(super) fn new(planes: &EdgePlanes, grid: &PinholeGrid, most_z_m: f32) -> Option<Self> {
-        if planes.volume == 0.0 {
+    pub(super) fn new(outline: &Outline, grid: &PinholeGrid, most_z_m: f32) -> Option<Self> {
+        if outline.volume == 0.0 {
             return None;
         }
-        let sign = if planes.volume > 0.0 { 1.0 } else { -1.0 };
-        let edges = planes.cross.map(|n| n * sign);
-        let normal = planes.normal * sign;
-        let volume = planes.volume.abs();
-        let [a, b, c] = edges;
-        let (mut by_x, mut by_y) = ([a.x, b.x, c.x, normal.x], [a.y, b.y, c.y, normal.y]);
-        let mut rest = [a.z, b.z, c.z, normal.z];
+        let sign = if outline.volume > 0.0 { 1.0 } else { -1.0 };
+        let edges = outline.edges.map(|n| n * sign);
+        let normal = outline.normal * sign;
+        let volume = outline.volume.abs();
+        let [a, b, c, d] = edges;
+        let (mut by_x, mut by_y) = ([a.x, b.x, c.x, d.x], [a.y, b.y, c.y, d.y]);
+        let mut rest = [a.z, b.z, c.z, d.z];
         let (column, row) = (1.0 / grid.column_scale, 1.0 / grid.row_scale);
-        let mut slope = [0.0; WAYS];
-        for k in 0..WAYS {
+        let (shift, half) = (grid.odd_shift * 0.5, f64::from(HALF));
+        let mut most = [0.0; EDGES];
+        let none = [0.0; EDGES];
+        let (mut across, mut down, mut reach) = (none.map(|v| v as f32), none.map(|v| v as f32), none.map(|v| v as f32));
+        for k in 0..EDGES {
             let (x, y) = ((by_x[k] * column).abs(), (by_y[k] * row).abs());
-            slope[k] = if x > y { x } else { y };
-        }
-        slope[NEARNESS] = volume;
-        let mut most = [0.0; WAYS];
-        let shift = grid.odd_shift * 0.5;
-        let (mut across, mut down, mut reach) = ([0.0; WAYS], [0.0; WAYS], [0.0; WAYS]);
-        for k in 0..WAYS {
-            let scale = 1.0 / slope[k];
+            let scale = 1.0 / if x > y { x } else { y };
             by_x[k] *= scale;
             by_y[k] *= scale;
             rest[k] *= scale;
             most[k] = by_x[k].abs() + by_y[k].abs() + rest[k].abs();
             let (x, y) = (by_x[k] * column, by_y[k] * row);
             (across[k], down[k]) = (x as f32, y as f32);
-            let half = f64::from(HALF);
             reach[k] = ((x.abs() * (half + shift) + y.abs() * half) * 1.000_01) as f32;
         }
         // Not where any is NaN.
-        let is_plain = (most[0] < FAR) & (most[1] < FAR) & (most[2] < FAR);
-        let (least_nearness, shift) = (1.0 / most_z_m, shift as f32);
-        Some(Self { edges, normal, volume, by_x, by_y, rest, across, down, reach, least_nearness, shift, is_plain })
+        let is_plain = (most[0] < FAR) & (most[1] < FAR) & (most[2] < FAR) & (most[3] < FAR);
+        let nearness = (normal * (1.0 / volume)).to_array();
+        let (x, y) = (nearness[0] * column, nearness[1] * row);
+        let reach_near = ((x.abs() * (half + shift) + y.abs() * half) * 1.000_01) as f32;
+        Some(Self {
+            edges,
+            is_quad: outline.is_quad,
+            normal,
+            volume,
+            by_x,
+            by_y,
+            rest,
+            nearness,
+            across: Ways { edges: across, nearness: x as f32 },
+            down: Ways { edges: down, nearness: y as f32 },
+            reach: Ways { edges: reach, nearness: reach_near },
+            least_nearness: 1.0 / most_z_m,
+            shift: shift as f32,
+            is_plain,
+        })
     }
 
     /// What is kept of a face that was drawn.
@@ -111,36 +133,37 @@ impl FaceOnImage {
     /// The functions at the middle of a block, given by x / z and y / z.
     #[inline(always)]
     pub(super) fn at(&self, x: f64, y: f64) -> Ways {
-        let mut at = [0.0; WAYS];
-        for k in 0..WAYS {
-            at[k] = (self.by_x[k] * x + (self.by_y[k] * y + self.rest[k])) as f32;
+        let mut edges = [0.0; EDGES];
+        for k in 0..EDGES {
+            edges[k] = (self.by_x[k] * x + (self.by_y[k] * y + self.rest[k])) as f32;
         }
-        at
+        let [by_x, by_y, rest] = self.nearness;
+        Ways { edges, nearness: (by_x * x + (by_y * y + rest)) as f32 }
     }
 
-    /// A nearness that the triangle's plane does not reach on a block.
+    /// A nearness that the face's plane does not reach on a block.
     #[inline(always)]
     pub(super) fn most_nearness(&self, at: &Ways) -> f32 {
-        if self.is_flat(at) { at[NEARNESS] + self.reach[NEARNESS] } else { f32::INFINITY }
+        if self.is_flat(at) { at.nearness + self.reach.nearness } else { f32::INFINITY }
     }
 
     /// True if single precision tells the nearness on a block to a millionth.
     #[inline(always)]
     fn is_flat(&self, at: &Ways) -> bool {
-        let (nearness, reach) = (at[NEARNESS], self.reach[NEARNESS]);
+        let (nearness, reach) = (at.nearness, self.reach.nearness);
         let least = nearness - reach;
         let least = if least > self.least_nearness { least } else { self.least_nearness };
         nearness.abs() + reach < STEEP * least
     }
 
-    /// The x / z between which the middles of blocks may lie that the triangle meets, in a row of blocks whose middles
-    /// lie at this y / z.
+    /// The x / z between which the middles of blocks may lie that the face meets, in a row of blocks whose middles lie at
+    /// this y / z.
     #[inline(always)]
     pub(super) fn span(&self, y: f64) -> [f64; 2] {
         let (mut from, mut to) = (f64::NEG_INFINITY, f64::INFINITY);
         if self.is_plain {
-            for k in 0..NEARNESS {
-                let least = -f64::from(self.reach[k] + DOUBT) - (self.by_y[k] * y + self.rest[k]);
+            for k in 0..EDGES {
+                let least = -f64::from(self.reach.edges[k] + DOUBT) - (self.by_y[k] * y + self.rest[k]);
                 // A little more, for rounding.
                 let least = least - 1e-6 * (1.0 + least.abs());
                 let cut = least / self.by_x[k];
@@ -157,11 +180,14 @@ impl FaceOnImage {
     /// True if no sample of a block lies inside.
     #[inline(always)]
     pub(super) fn misses(&self, at: &Ways) -> bool {
-        let outside = |k: usize| at[k] + self.reach[k] < -DOUBT;
-        self.is_plain && (outside(0) | outside(1) | outside(2))
+        let mut is_outside = false;
+        for k in 0..EDGES {
+            is_outside |= at.edges[k] + self.reach.edges[k] < -DOUBT;
+        }
+        self.is_plain & is_outside
     }
 
-    /// Draws the triangle, as face `id`, on some rows of a block; returns where it is the nearest so far, a bit a sample:
+    /// Draws the face, as number `id`, on some rows of a block; returns where it is the nearest so far, a bit a sample:
     /// column by column, from the top.
     ///
     /// `at`: see [`FaceOnImage::at`].
@@ -177,35 +203,52 @@ impl FaceOnImage {
         if !(self.is_plain & self.is_flat(at)) {
             return self.draw_exactly(block, id, u64::MAX, exact);
         }
-        let inside = |k: usize| at[k] - self.reach[k] > DOUBT;
-        if inside(0) & inside(1) & inside(2) {
+        let mut is_inside = true;
+        for k in 0..EDGES {
+            is_inside &= at.edges[k] - self.reach.edges[k] > DOUBT;
+        }
+        if is_inside {
             return self.draw_all(block, at, id);
         }
         let (mut nearer, mut doubt) = ([0; 2 * BLOCK], [0; 2 * BLOCK]);
-        draw_within(self, block, rows, at, id, &mut nearer, &mut doubt);
+        if self.is_quad {
+            draw_within::<4>(self, block, rows, at, id, &mut nearer, &mut doubt);
+        } else {
+            draw_within::<3>(self, block, rows, at, id, &mut nearer, &mut doubt);
+        }
         let drawn = bits(&nearer);
         if any(&doubt) { drawn | self.draw_exactly(block, id, bits(&doubt), exact) } else { drawn }
     }
 
-    /// The function `k` in an even row of a block and in the next, and its change two rows down.
+    /// A function in an even row of a block and in the next, and its change two rows down.
     #[inline(always)]
-    fn rows(&self, at: &Ways, k: usize, row: usize) -> (TwoRows, f32) {
-        let first = at[k] + self.down[k] * (row as f32 - HALF) - self.across[k] * (HALF + 0.5);
-        let (odd, shift) = (self.down[k], self.across[k] * self.shift);
-        let (even, odd) = (first - shift, first + odd + shift);
+    fn rows(&self, [at, across, down]: [f32; 3], row: usize) -> (TwoRows, f32) {
+        let first = at + down * (row as f32 - HALF) - across * (HALF + 0.5);
+        let shift = across * self.shift;
+        let (even, odd) = (first - shift, first + down + shift);
         let mut values = [0.0; 2 * BLOCK];
         for i in 0..2 * BLOCK {
             let first = if i < BLOCK { even } else { odd };
-            values[i] = first + self.across[k] * COLUMNS[i];
+            values[i] = first + across * COLUMNS[i];
         }
-        (values, self.down[k] * 2.0)
+        (values, down * 2.0)
+    }
+
+    #[inline(always)]
+    fn edge_rows(&self, at: &Ways, k: usize, row: usize) -> (TwoRows, f32) {
+        self.rows([at.edges[k], self.across.edges[k], self.down.edges[k]], row)
+    }
+
+    #[inline(always)]
+    fn nearness_rows(&self, at: &Ways, row: usize) -> (TwoRows, f32) {
+        self.rows([at.nearness, self.across.nearness, self.down.nearness], row)
     }
 
     /// Draws on a block that lies inside of all edges.
     #[inline(always)]
     fn draw_all(&self, block: &mut Block, at: &Ways, id: u32) -> u64 {
         let mut nearer = [0_u32; 2 * BLOCK];
-        let (mut value, step) = self.rows(at, NEARNESS, 0);
+        let (mut value, step) = self.nearness_rows(at, 0);
         for row in (0..BLOCK).step_by(2) {
             let mut bits = [0; 2 * BLOCK];
             for i in 0..2 * BLOCK {
@@ -233,7 +276,7 @@ impl FaceOnImage {
                 if asked & bit == 0 {
                     continue;
                 }
-                let is_in = (0..3).all(|k| self.edges[k].x * x + rests[k] >= 0.0);
+                let is_in = (0..EDGES).all(|k| self.edges[k].x * x + rests[k] >= 0.0);
                 let value = ((self.normal.x * x + facing) * inverse) as f32;
                 let old = &mut block.nearness[row][i];
                 if is_in && value > *old {
@@ -250,7 +293,7 @@ impl FaceOnImage {
 ///
 /// A function of its own, without the packing of bits: so the compiler takes whole registers.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn draw_within(
+fn draw_within<const EDGES: usize>(
     face: &FaceOnImage,
     block: &mut Block,
     rows: &Range<usize>,
@@ -260,10 +303,11 @@ fn draw_within(
     doubt: &mut [u32; 2 * BLOCK],
 ) {
     let start = rows.start & !1;
-    let (mut first, first_step) = face.rows(at, 0, start);
-    let (mut second, second_step) = face.rows(at, 1, start);
-    let (mut third, third_step) = face.rows(at, 2, start);
-    let (mut value, value_step) = face.rows(at, NEARNESS, start);
+    let (mut first, first_step) = face.edge_rows(at, 0, start);
+    let (mut second, second_step) = face.edge_rows(at, 1, start);
+    let (mut third, third_step) = face.edge_rows(at, 2, start);
+    let (mut fourth, fourth_step) = if EDGES == 4 { face.edge_rows(at, 3, start) } else { ([0.0; 2 * BLOCK], 0.0) };
+    let (mut value, value_step) = face.nearness_rows(at, start);
     for row in (start..rows.end.min(BLOCK)).step_by(2) {
         let mut bits = [0; 2 * BLOCK];
         let mut least = [0.0; 2 * BLOCK];
@@ -272,6 +316,11 @@ fn draw_within(
         }
         for i in 0..2 * BLOCK {
             least[i] = if least[i] < third[i] { least[i] } else { third[i] };
+        }
+        if EDGES == 4 {
+            for i in 0..2 * BLOCK {
+                least[i] = if least[i] < fourth[i] { least[i] } else { fourth[i] };
+            }
         }
         for i in 0..2 * BLOCK {
             bits[i] = mask(least[i] >= DOUBT) & value[i].to_bits();
@@ -285,6 +334,11 @@ fn draw_within(
         {
             for v in values {
                 *v += step;
+            }
+        }
+        if EDGES == 4 {
+            for v in &mut fourth {
+                *v += fourth_step;
             }
         }
     }

@@ -8,6 +8,7 @@ mod hits;
 mod kernel;
 mod motion;
 mod moving;
+mod outline;
 mod pinhole;
 mod posed;
 mod raster;

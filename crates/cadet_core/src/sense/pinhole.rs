@@ -111,7 +111,7 @@ impl PinholeGrid {
 
     /// A triangle that reaches behind the camera or nearly so: everything, unless one side of the view excludes it.
     #[cold]
-    fn window_of_crossing(&self, corners: &[DVec3; 3]) -> Window {
+    fn window_of_crossing(&self, corners: &[DVec3]) -> Window {
         let [left, right, top, bottom] = self.edges();
         let slack = |p: &DVec3| 1e-6 * (p.x.abs() + p.y.abs() + p.z.abs());
         let outside = corners.iter().all(|p| p.z < -slack(p))
@@ -222,7 +222,7 @@ impl BeamGrid for PinholeGrid {
     }
 }
 
-/// The windows of [`LANES`] triangles.
+/// The windows of [`LANES`] faces.
 pub(super) struct WindowLanes {
     /// False where a window is empty.
     pub may_meet: [bool; LANES],
@@ -235,7 +235,7 @@ pub(super) struct WindowLanes {
 impl WindowLanes {
     /// The window of one of them, whose corners are given.
     #[inline(always)]
-    pub(super) fn of_lane(&self, i: usize, grid: &PinholeGrid, corners_cam: &[DVec3; 3]) -> Window {
+    pub(super) fn of_lane(&self, i: usize, grid: &PinholeGrid, corners_cam: &[DVec3]) -> Window {
         if self.crosses[i] {
             return grid.window_of_crossing(corners_cam);
         }
@@ -275,16 +275,24 @@ impl PinholeGrid {
         }
     }
 
-    /// As [`BeamGrid::windows`], of triangles whose corners fall on `columns` and `rows`.
+    /// As [`BeamGrid::windows`], of faces whose corners fall on `columns` and `rows`.
     #[inline(always)]
-    pub(super) fn window_lanes(&self, columns: [&[f32; LANES]; 3], rows: [&[f32; LANES]; 3]) -> WindowLanes {
+    pub(super) fn window_lanes<const N: usize>(
+        &self,
+        columns: [&[f32; LANES]; N],
+        rows: [&[f32; LANES]; N],
+    ) -> WindowLanes {
         let none = [[0; LANES]; 2];
         let mut out = WindowLanes { may_meet: [false; LANES], rows: none, columns: none, crosses: [false; LANES] };
         let (row_count, column_count) = (self.rows() as u32, self.columns() as u32);
         let odd_shift = self.odd_shift as f32;
-        let bounds = |[a, b, c]: [&[f32; LANES]; 3], i: usize| {
-            let (low, high) = if a[i] < b[i] { (a[i], b[i]) } else { (b[i], a[i]) };
-            [if c[i] < low { c[i] } else { low }, if c[i] > high { c[i] } else { high }]
+        let bounds = |corners: [&[f32; LANES]; N], i: usize| {
+            let (mut low, mut high) = (corners[0][i], corners[0][i]);
+            for corner in &corners[1..] {
+                low = if corner[i] < low { corner[i] } else { low };
+                high = if corner[i] > high { corner[i] } else { high };
+            }
+            [low, high]
         };
         // Not where a bound is NaN, which is told below.
         let window = |[low, high]: [f32; 2], count: u32| {
@@ -303,7 +311,7 @@ impl PinholeGrid {
             let [left, right] = window([low - (MARGIN + shift_low), high + (MARGIN - shift_high)], column_count);
             (out.rows[0][i], out.rows[1][i]) = (start, end);
             (out.columns[0][i], out.columns[1][i]) = (left, right);
-            let sum = rows[0][i] + rows[1][i] + rows[2][i];
+            let sum = rows[1..].iter().fold(rows[0][i], |sum, row| sum + row[i]);
             out.crosses[i] = sum.is_nan();
             out.may_meet[i] = sum.is_nan() | ((start < end) & (left < right));
         }

@@ -9,8 +9,8 @@ use std::ops::Range;
 use multiversion::multiversion;
 
 use super::block_drawing::{ExactBlock, FaceOnImage};
-use super::edges::EdgePlanes;
 use super::grid::{BeamGrid, Window};
+use super::outline::Outline;
 use super::pinhole::PinholeGrid;
 use super::posed::{PosedInstance, PosedScene};
 use super::visibility_buffer::{BLOCK, CLEARLY, VisibilityBuffer};
@@ -150,11 +150,12 @@ struct Drawer<'a> {
     corners: Box<Corners>,
 }
 
-/// A triangle that may be seen.
+/// A face that may be seen.
 struct Candidate {
     instance: u32,
     face: u32,
     is_pane: bool,
+    has_one_side: bool,
     window: Window,
     least_z_m: f32,
     most_z_m: f32,
@@ -180,13 +181,12 @@ impl Drawer<'_> {
             (cluster.slots & item.glass != 0 && cluster.slots & !item.glass != 0) || cluster.slots >> 63 != 0;
         // What bounds a solid, and may be seen through nowhere, has one side.
         let has_one_side = item.is_outside && cluster.closed_slots & item.glass == 0 && cluster.closed_slots >> 63 == 0;
-        let one_sided = if has_one_side { cluster.closed } else { 0 };
-        let eights = cluster.corners.chunks(LANES).zip(cluster.faces.chunks(LANES));
-        for ((corners, faces), first) in eights.zip((0..).step_by(LANES)) {
-            let mut places = [[[0.0_f32; LANES]; 3]; 3];
-            for (i, corners) in corners.iter().enumerate() {
-                for (place, corner) in places.iter_mut().zip(corners) {
-                    let corner = usize::from(*corner);
+        let one_sided = if has_one_side { cluster.closed_pieces } else { 0 };
+        for (pieces, first) in cluster.pieces.chunks(LANES).zip((0..).step_by(LANES)) {
+            let mut places = [[[0.0_f32; LANES]; 3]; 4];
+            for (i, piece) in pieces.iter().enumerate() {
+                for (place, corner) in places.iter_mut().zip(piece.corners) {
+                    let corner = usize::from(corner);
                     place[0][i] = self.corners.column[corner];
                     place[1][i] = self.corners.row[corner];
                     place[2][i] = self.corners.z_m[corner];
@@ -196,35 +196,44 @@ impl Drawer<'_> {
             let [least_z_m, most_z_m] = z_bounds(&places);
             let one_sided = one_sided >> first & 0xFF;
             let is_turned_away = if one_sided == 0 { [false; LANES] } else { self.turned_away(&places) };
-            for (i, (corners, face)) in corners.iter().zip(faces).enumerate() {
-                if !windows.may_meet[i] || is_turned_away[i] & (one_sided >> i & 1 == 1) {
+            for (i, piece) in pieces.iter().enumerate() {
+                let has_one_side = one_sided >> i & 1 == 1;
+                if !windows.may_meet[i] || is_turned_away[i] & has_one_side {
                     continue;
                 }
                 let [x, y, z] = &self.corners.cam;
-                let corner = |i: u8| DVec3::new(x[usize::from(i)], y[usize::from(i)], z[usize::from(i)]);
-                let [a, b, c] = *corners;
-                let corners = [corner(a), corner(b), corner(c)];
+                let corners = piece.corners.map(|i| {
+                    let i = usize::from(i);
+                    DVec3::new(x[i], y[i], z[i])
+                });
                 let window = windows.of_lane(i, self.grid, &corners);
                 if window.is_empty() || self.buffer.is_hidden(&window, least_z_m[i]) {
                     continue;
                 }
-                let planes = EdgePlanes::new(corners);
-                if planes.volume > 0.0 && one_sided >> i & 1 == 1 {
-                    continue;
-                }
+                let first = usize::from(piece.first);
+                let face = cluster.faces[first];
                 let is_pane =
-                    if is_mixed { instance.material(*face).is_glass() } else { cluster.slots & item.glass != 0 };
+                    if is_mixed { instance.material(face).is_glass() } else { cluster.slots & item.glass != 0 };
                 let (least_z_m, most_z_m) = (least_z_m[i], most_z_m[i]);
-                let candidate =
-                    Candidate { instance: item.instance, face: *face, is_pane, window, least_z_m, most_z_m };
-                self.draw_face(&candidate, &planes);
+                let mut candidate =
+                    Candidate { instance: item.instance, face, is_pane, has_one_side, window, least_z_m, most_z_m };
+                let [a, b, c, d] = corners;
+                if !piece.is_quad() {
+                    self.draw_face(&candidate, &Outline::triangle([a, b, c]));
+                } else if let Some(outline) = Outline::quad(corners) {
+                    self.draw_face(&candidate, &outline);
+                } else {
+                    self.draw_face(&candidate, &Outline::triangle([a, b, c]));
+                    candidate.face = cluster.faces[first + 1];
+                    self.draw_face(&candidate, &Outline::triangle([a, c, d]));
+                }
             }
         }
     }
 
-    /// True for triangles that show their backs for certain; needs no more than where their corners fall on the image.
+    /// True for faces that show their backs for certain; needs no more than where their corners fall on the image.
     #[inline(always)]
-    fn turned_away(&self, [a, b, c]: &[[[f32; LANES]; 3]; 3]) -> [bool; LANES] {
+    fn turned_away(&self, [a, b, c, _]: &[[[f32; LANES]; 3]; 4]) -> [bool; LANES] {
         let (right, bottom) = (self.grid.columns() as f32, self.grid.rows() as f32);
         let mut is_turned_away = [false; LANES];
         for i in 0..LANES {
@@ -280,8 +289,11 @@ impl Drawer<'_> {
     }
 
     #[inline(always)]
-    fn draw_face(&mut self, candidate: &Candidate, planes: &EdgePlanes) {
-        let Some(on_image) = FaceOnImage::new(planes, self.grid, candidate.most_z_m) else {
+    fn draw_face(&mut self, candidate: &Candidate, outline: &Outline) {
+        if outline.volume > 0.0 && candidate.has_one_side {
+            return;
+        }
+        let Some(on_image) = FaceOnImage::new(outline, self.grid, candidate.most_z_m) else {
             return;
         };
         let (window, z_m) = (&candidate.window, candidate.least_z_m);
@@ -337,13 +349,17 @@ impl Drawer<'_> {
 /// Windows of more blocks than this side by side are narrowed row by row.
 const WIDE: usize = 3;
 
-/// The least and the largest of triangles' corners.
+/// The least and the largest z of faces' corners.
 #[inline(always)]
-fn z_bounds([a, b, c]: &[[[f32; LANES]; 3]; 3]) -> [[f32; LANES]; 2] {
-    let ([a, b, c], mut least, mut most) = ([&a[2], &b[2], &c[2]], [0.0; LANES], [0.0; LANES]);
-    for i in 0..LANES {
-        let (low, high) = if a[i] < b[i] { (a[i], b[i]) } else { (b[i], a[i]) };
-        (least[i], most[i]) = (if c[i] < low { c[i] } else { low }, if c[i] > high { c[i] } else { high });
+fn z_bounds(corners: &[[[f32; LANES]; 3]; 4]) -> [[f32; LANES]; 2] {
+    let (mut least, mut most) = (corners[0][2], corners[0][2]);
+    for corner in &corners[1..] {
+        for i in 0..LANES {
+            least[i] = if corner[2][i] < least[i] { corner[2][i] } else { least[i] };
+        }
+        for i in 0..LANES {
+            most[i] = if corner[2][i] > most[i] { corner[2][i] } else { most[i] };
+        }
     }
     [least, most]
 }

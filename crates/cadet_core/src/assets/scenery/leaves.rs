@@ -7,6 +7,9 @@ use crate::geometry::MeshBuilder;
 use crate::math::Vec3;
 use crate::rng::Stream;
 
+/// Of a large card's half diagonal so much lies within its ball wherever it hangs; what reaches beyond is cut by shrinking.
+const KEPT_WITHIN: f32 = 0.7;
+
 /// A mesh of wood and leaf cards in the making.
 #[derive(Debug, Default)]
 pub(super) struct Leaves {
@@ -20,7 +23,7 @@ impl Leaves {
     /// Adds a card: a kite about `middle`, folded along its longer diagonal, its area about `size`^2, its two triangles
     /// facing about `facing`; its shading normal is bent to `outward`.
     pub fn card(&mut self, s: &mut Stream, middle: Vec3, facing: Vec3, outward: Vec3, size: f32) {
-        self.card_within(s, middle, facing, outward, size, (middle, f32::INFINITY));
+        self.card_within(s, middle, facing, outward, size, (middle, f32::MAX));
     }
 
     /// Adds a card whose corners keep within a ball (center, radius): large ones do not widen the crown.
@@ -38,14 +41,11 @@ impl Leaves {
         // From squat to slender at the same area.
         let stretch = s.range(0.85, 1.35) as f32 * std::f32::consts::FRAC_1_SQRT_2;
         let (w, h) = (0.5 * size / stretch, size * stretch);
-        let (skew, fold) = (s.range(-0.5, 0.5) as f32, s.range(-0.8, 0.8) as f32);
-        let corners = [
-            middle - up * h,
-            middle + side * w + up * (h * skew) + facing * (w * fold),
-            middle + up * h,
-            middle - side * w - up * (h * skew) + facing * (w * fold),
-        ]
-        .map(|p| if radius.is_finite() { center + (p - center).clamp_length_max(radius) } else { p });
+        let skew = s.range(-0.5, 0.5) as f32;
+        let to_corners = [up * -h, side * w + up * (h * skew), up * h, side * -w - up * (h * skew)];
+        let from_center = (middle - center).clamp_length_max((radius - KEPT_WITHIN * w.max(h)).max(0.0));
+        let scale = to_corners.into_iter().map(|p| share_within(from_center, p, radius)).fold(1.0, f32::min);
+        let corners = to_corners.map(|p| center + from_center + p * scale);
         let normal = (outward + direction(s) * 0.45).normalize_or(Vec3::Z);
         // Counter-clockwise towards the shading normal: a card has two sides, this one counts as its front.
         let flip = (corners[2] - corners[0]).cross(corners[3] - corners[1]).dot(normal) < 0.0;
@@ -75,4 +75,16 @@ impl Leaves {
         }
         Mesh::new(name, vertices, normals, faces, slots).expect("an asset's mesh is valid").in_cluster_order()
     }
+}
+
+/// The share of a way that leads from a point in a ball about the origin to its surface, at most 1.
+fn share_within(from: Vec3, way: Vec3, radius: f32) -> f32 {
+    let (along, length2) = (from.dot(way), way.length_squared());
+    let beyond = (from + way).length_squared() - radius * radius;
+    if beyond <= 0.0 {
+        return 1.0;
+    }
+    // |from + share * way| = radius
+    let inside = (radius * radius - from.length_squared()).max(0.0);
+    ((along * along + length2 * inside).sqrt() - along) / length2
 }
