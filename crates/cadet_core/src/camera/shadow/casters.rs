@@ -1,11 +1,11 @@
-//! Draws the scene's triangles onto the shadow maps: eight are set up at a time, and raise the texels they cover.
+//! Draws the scene's faces onto the shadow maps: eight are set up at a time, and raise the texels they cover.
 
 use std::ops::Range;
 
 use multiversion::multiversion;
 
 use super::{EMPTY, HIGHEST, Map, SIZE, STRIDE, TILE, least, most, steps};
-use crate::geometry::{CLUSTER_FACES, Cluster, LANES};
+use crate::geometry::{CLUSTER_FACES, Cluster, LANES, Piece};
 use crate::material::{Material, Pattern};
 use crate::math::{DMat3, Mat3, Vec3};
 use crate::sense::{PosedInstance, PosedScene};
@@ -36,20 +36,20 @@ pub(super) fn draw_casters(scene: &PosedScene, light_from_world: &DMat3, maps: &
             let all_leaves = cluster.slots & !leaves == 0;
             // Of solids, the sides that face the sun cast the same shadow as all of them.
             let is_solid = cluster.closed_slots & !always == 0;
-            let solid = if is_solid { cluster.closed } else { 0 };
+            let solid = if is_solid { cluster.closed_pieces } else { 0 };
             let center = light_from_local * cluster.center + origin;
             // Far from the world's origin, single precision errs by millimetres.
             let radius = cluster.radius_m + 0.01;
             for map in maps.iter_mut().filter(|m| m.is_asked_in(center, radius)) {
                 map.project(cluster, &light_from_local, origin, &mut points);
                 if all_leaves && map.leaf_step > 1 {
-                    map.draw_some(&points, &cluster.corners);
+                    map.draw_some(&points, &cluster.pieces);
                 } else if all_cast {
-                    map.draw(&points, &cluster.corners, solid, 1.0);
+                    map.draw(&points, &cluster.pieces, solid, 1.0);
                 } else {
                     let up = light_from_world.z_axis.as_vec3();
-                    let corners: Vec<[u8; 3]> = map.casters_of(instance, cluster, &kinds, &points, up).collect();
-                    map.draw(&points, &corners, 0, 1.0);
+                    let pieces: Vec<Piece> = map.casters_of(instance, cluster, &kinds, &points, up).collect();
+                    map.draw(&points, &pieces, 0, 1.0);
                 }
             }
         }
@@ -120,7 +120,7 @@ impl Map {
         }
     }
 
-    /// The corners of those faces of a cluster that cast shadows.
+    /// Those of a cluster that cast shadows.
     fn casters_of<'a>(
         &'a self,
         instance: &'a PosedInstance,
@@ -128,9 +128,9 @@ impl Map {
         kinds: &'a [Caster],
         points: &'a Points,
         up: Vec3,
-    ) -> impl Iterator<Item = [u8; 3]> + 'a {
-        let is_level = move |corners: [u8; 3]| {
-            let [a, b, c] = corners.map(|i| {
+    ) -> impl Iterator<Item = Piece> + 'a {
+        let is_level = move |[a, b, c, _]: [u8; 4]| {
+            let [a, b, c] = [a, b, c].map(|i| {
                 let p = point(points, i);
                 Vec3::new(p.x * self.texel_m, p.y * self.texel_m, p.z / self.steps_per_m)
             });
@@ -138,45 +138,50 @@ impl Map {
             let rise = normal.dot(up);
             rise * rise > 0.9 * normal.length_squared()
         };
-        let casts = move |corners: [u8; 3], face: u32| match kinds[usize::from(instance.mesh.slots[face as usize])] {
-            Caster::Always => true,
-            Caster::UnlessLevel => !is_level(corners),
-            Caster::Never => false,
+        let casts = move |piece: &Piece| {
+            let face = cluster.faces[usize::from(piece.first)];
+            match kinds[usize::from(instance.mesh.slots[face as usize])] {
+                Caster::Always => true,
+                Caster::UnlessLevel => !is_level(piece.corners),
+                Caster::Never => false,
+            }
         };
-        let faces = cluster.corners.iter().zip(&cluster.faces);
-        faces.filter(move |(corners, face)| casts(**corners, **face)).map(|(corners, _)| *corners)
+        cluster.pieces.iter().copied().filter(casts)
     }
 
     /// Draws some of a cluster's leaves, each larger about its own middle, so that all together cover as much as before
     /// (stochastic simplification: Cook, Halstead, Planck & Ryu 2007).
     #[inline(always)]
-    fn draw_some(&mut self, points: &Points, corners: &[[u8; 3]]) {
-        let mut some = [[0; 3]; CLUSTER_FACES];
+    fn draw_some(&mut self, points: &Points, pieces: &[Piece]) {
+        let mut some = [Piece { corners: [0; 4], first: 0 }; CLUSTER_FACES];
         let mut count = 0;
-        for (some, corners) in some.iter_mut().zip(corners.iter().step_by(self.leaf_step)) {
-            *some = *corners;
+        for (some, piece) in some.iter_mut().zip(pieces.iter().step_by(self.leaf_step)) {
+            *some = *piece;
             count += 1;
         }
-        self.draw(points, &some[..count], 0, (corners.len() as f32 / count as f32).sqrt());
+        self.draw(points, &some[..count], 0, (pieces.len() as f32 / count as f32).sqrt());
     }
 
-    /// Draws triangles, [`LANES`] of them set up at a time and enlarged about their middles. `solid`: a bit for each of the
+    /// Draws faces, [`LANES`] of them set up at a time and enlarged about their middles. `solid`: a bit for each of the
     /// first 64 that has one side.
     #[inline(always)]
-    fn draw(&mut self, points: &Points, corners: &[[u8; 3]], solid: u64, scale: f32) {
-        for (some, first) in corners.chunks(LANES).zip((0_u32..).step_by(LANES)) {
-            let mut lanes: Triangles = [[[0.0; LANES]; 3]; 3];
-            for (i, corners) in some.iter().enumerate() {
-                for (lanes, k) in lanes.iter_mut().zip(corners) {
+    fn draw(&mut self, points: &Points, pieces: &[Piece], solid: u64, scale: f32) {
+        for (some, first) in pieces.chunks(LANES).zip((0_u32..).step_by(LANES)) {
+            let mut lanes: Corners = [[[0.0; LANES]; 3]; 4];
+            let mut is_quad = [false; LANES];
+            for (i, piece) in some.iter().enumerate() {
+                for (lanes, k) in lanes.iter_mut().zip(piece.corners) {
                     for (lanes, axis) in lanes.iter_mut().zip(points) {
-                        lanes[i] = axis.as_flattened()[usize::from(*k)];
+                        lanes[i] = axis.as_flattened()[usize::from(k)];
                     }
                 }
+                is_quad[i] = piece.is_quad();
             }
             if scale > 1.0 {
                 for axis in 0..3 {
                     for i in 0..LANES {
-                        let middle = (lanes[0][axis][i] + lanes[1][axis][i] + lanes[2][axis][i]) * (1.0 / 3.0);
+                        let [a, b, c, d] = lanes.each_ref().map(|corner| corner[axis][i]);
+                        let middle = ((a + c) + (b + d)) * 0.25;
                         for corner in &mut lanes {
                             corner[axis][i] = middle + (corner[axis][i] - middle) * scale;
                         }
@@ -191,15 +196,19 @@ impl Map {
                 drawn[count] = i;
                 count += usize::from(setup.meets_texels[i] & (setup.faces_sun[i] | (solid >> i & 1 == 0)));
             }
-            for i in &drawn[..count] {
-                self.triangle(&setup, *i % LANES);
+            for i in drawn[..count].iter().map(|i| i % LANES) {
+                if is_quad[i] {
+                    self.face::<4>(&setup, i);
+                } else {
+                    self.face::<3>(&setup, i);
+                }
             }
         }
     }
 
-    /// Raises the texels whose middles lie within one of eight triangles.
+    /// Raises the texels whose middles lie within one of eight faces.
     #[inline(always)]
-    fn triangle(&mut self, setup: &Setup, i: usize) {
+    fn face<const EDGES: usize>(&mut self, setup: &Setup, i: usize) {
         let [x0, y0, x1, y1] = setup.bounds.each_ref().map(|lanes| lanes[i] as usize);
         if !self.seen.any([x0, y0], [x1 - 1, y1 - 1], setup.highest[i]) {
             return;
@@ -208,27 +217,31 @@ impl Map {
             (*from, *to) = ((*from).min(x0), (*to).max(x1));
         }
         let plane = |plane: &Plane| [plane.first[i], plane.along_x[i], plane.along_y[i]];
-        let ([b, bx, by], [c, cx, cy], [z, zx, zy]) = (plane(&setup.b), plane(&setup.c), plane(&setup.z));
+        // A triangle's third edge has no length.
+        let [[a, ax, ay], [b, bx, by], [c, cx, cy], [d, dx_, dy_]] = setup.edges.each_ref().map(plane);
+        let [z, zx, zy] = plane(&setup.z);
         if x1 - x0 <= 2 * LANES {
             // Small ones, which are most: testing eight texels at a time costs less than finding out where a row begins.
             let (highest, rows) = (setup.highest[i], y1 - y0);
             for first in (x0..x1).step_by(LANES) {
                 let none = [0.0; TWO_ROWS];
-                let (mut wa, mut wb, mut wc, mut height) = (none, none, none, none);
+                let (mut in_a, mut in_b, mut in_c, mut in_d, mut height) = (none, none, none, none, none);
                 for k in 0..TWO_ROWS {
                     let dx = (first - x0) as i32 as f32 + COLUMN[k];
-                    (wb[k], wc[k], height[k]) = (b + bx * dx, c + cx * dx, z + zx * dx);
-                    wa[k] = 1.0 - wb[k] - wc[k];
+                    (in_a[k], in_b[k], in_d[k], height[k]) = (a + ax * dx, b + bx * dx, d + dx_ * dx, z + zx * dx);
+                    if EDGES == 4 {
+                        in_c[k] = c + cx * dx;
+                    }
                 }
                 // By twos; of an odd number the last but one is drawn twice.
                 for top in (0..rows).step_by(2).map(|top| top.min(rows.saturating_sub(2))) {
                     let mut heights = [0; TWO_ROWS];
                     for k in 0..TWO_ROWS {
                         let dy = top as i32 as f32 + ROW[k];
-                        let (row_b, row_c, row_z) = (by * dy, cy * dy, zy * dy);
-                        let inside = least(least(wb[k] + row_b, wc[k] + row_c), wa[k] - (row_b + row_c));
+                        let inside = least(least(in_a[k] + ay * dy, in_b[k] + by * dy), in_d[k] + dy_ * dy);
+                        let inside = if EDGES == 4 { least(inside, in_c[k] + cy * dy) } else { inside };
                         // Rounding may not lead beyond sixteen bits.
-                        let z = most(least(height[k] + row_z, highest), -HIGHEST);
+                        let z = most(least(height[k] + zy * dy, highest), -HIGHEST);
                         heights[k] = if inside >= 0.0 { steps(z) } else { EMPTY.into() };
                     }
                     let texels = &mut self.height[(y0 + top) * STRIDE + first..];
@@ -244,7 +257,7 @@ impl Map {
         }
         // Eight rows at a time are cut by the edges; nothing is tested within a row's span.
         let edges =
-            [(bx, by, b), (cx, cy, c), (-bx - cx, -by - cy, 1.0 - b - c)].map(|(x, y, first)| (x, y, first, -1.0 / x));
+            [(ax, ay, a), (bx, by, b), (cx, cy, c), (dx_, dy_, d)].map(|(x, y, first)| (x, y, first, -1.0 / x));
         let width = (x1 - x0) as i32 as f32;
         for top in (y0 / LANES * LANES..y1).step_by(LANES) {
             // Rows of no tile's border: they share what is seen.
@@ -304,11 +317,11 @@ const ROW: [f32; TWO_ROWS] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 
 /// Texels of a row that are raised together: as many as fit into a register.
 const WIDE: usize = 2 * LANES;
 
-/// The corners of [`LANES`] triangles: x and y in texels, z in steps.
-type Triangles = [[[f32; LANES]; 3]; 3];
+/// The corners of [`LANES`] faces: x and y in texels, z in steps. A triangle's last one stands twice.
+type Corners = [[[f32; LANES]; 3]; 4];
 
-/// What is linear over each of [`LANES`] triangles: its value in the middle of the first texel of the triangle's bounds,
-/// and how it changes from texel to texel.
+/// What is linear over each of [`LANES`] faces: its value in the middle of the first texel of the face's bounds, and how it
+/// changes from texel to texel.
 #[derive(Default)]
 struct Plane {
     first: [f32; LANES],
@@ -316,14 +329,13 @@ struct Plane {
     along_y: [f32; LANES],
 }
 
-/// [`LANES`] triangles about to be drawn.
+/// [`LANES`] faces about to be drawn.
 #[derive(Default)]
 struct Setup {
     /// The first column and row of texels whose middles lie within their bounds, and those after the last.
     bounds: [[i32; LANES]; 4],
-    /// The weights of their second and third corners.
-    b: Plane,
-    c: Plane,
+    /// Not negative on the inner side of their edges.
+    edges: [Plane; 4],
     /// Their heights, steps.
     z: Plane,
     /// The highest corners.
@@ -336,11 +348,13 @@ struct Setup {
 
 impl Setup {
     #[inline(always)]
-    fn of([[ax, ay, az], [bx, by, bz], [cx, cy, cz]]: &Triangles) -> Self {
+    fn of(corners: &Corners) -> Self {
         let mut out = Self::default();
+        let [[ax, ay, az], [bx, by, bz], [cx, cy, cz], [dx, dy, dz]] = corners;
+        let (mut sign, mut middle) = ([0.0; LANES], [[0.0; LANES]; 2]);
         for i in 0..LANES {
-            let (min_x, max_x) = (least(least(ax[i], bx[i]), cx[i]), most(most(ax[i], bx[i]), cx[i]));
-            let (min_y, max_y) = (least(least(ay[i], by[i]), cy[i]), most(most(ay[i], by[i]), cy[i]));
+            let (min_x, max_x) = bounds([ax[i], bx[i], cx[i], dx[i]]);
+            let (min_y, max_y) = bounds([ay[i], by[i], cy[i], dy[i]]);
             // Texels' middles lie half a texel beyond their numbers: bounds are rounded to the nearest number.
             let ((x0, left), (x1, right)) = (rounded(min_x), rounded(max_x));
             let ((y0, top), (y1, bottom)) = (rounded(min_y), rounded(max_y));
@@ -351,18 +365,30 @@ impl Setup {
             out.faces_sun[i] = area > 0.0;
             [out.bounds[0][i], out.bounds[1][i], out.bounds[2][i], out.bounds[3][i]] = [x0, y0, x1, y1];
             let inverse = 1.0 / area;
-            // Weights of b and c and the height are linear in x and y.
-            let (b_x, b_y) = (acy * inverse, -acx * inverse);
-            let (c_x, c_y) = (-aby * inverse, abx * inverse);
-            let (z_x, z_y) = (abz * b_x + acz * c_x, abz * b_y + acz * c_y);
-            let (dx, dy) = (left + 0.5 - ax[i], top + 0.5 - ay[i]);
-            (out.b.first[i], out.b.along_x[i], out.b.along_y[i]) = (b_x * dx + b_y * dy, b_x, b_y);
-            (out.c.first[i], out.c.along_x[i], out.c.along_y[i]) = (c_x * dx + c_y * dy, c_x, c_y);
-            (out.z.first[i], out.z.along_x[i], out.z.along_y[i]) = (az[i] + (z_x * dx + z_y * dy), z_x, z_y);
-            out.highest[i] = least(most(most(az[i], bz[i]), cz[i]), HIGHEST);
+            // The height is linear in the weights of b and c, and they are linear in x and y.
+            let (z_x, z_y) = ((abz * acy - acz * aby) * inverse, (acz * abx - abz * acx) * inverse);
+            sign[i] = if area > 0.0 { 1.0 } else { -1.0 };
+            (middle[0][i], middle[1][i]) = (left + 0.5, top + 0.5);
+            let (to_x, to_y) = (middle[0][i] - ax[i], middle[1][i] - ay[i]);
+            (out.z.first[i], out.z.along_x[i], out.z.along_y[i]) = (az[i] + (z_x * to_x + z_y * to_y), z_x, z_y);
+            out.highest[i] = least(bounds([az[i], bz[i], cz[i], dz[i]]).1, HIGHEST);
+        }
+        for (k, edge) in out.edges.iter_mut().enumerate() {
+            let ([from_x, from_y, _], [to_x, to_y, _]) = (&corners[k], &corners[(k + 1) % 4]);
+            for i in 0..LANES {
+                let (x, y) = ((from_y[i] - to_y[i]) * sign[i], (to_x[i] - from_x[i]) * sign[i]);
+                edge.first[i] = x * (middle[0][i] - from_x[i]) + y * (middle[1][i] - from_y[i]);
+                (edge.along_x[i], edge.along_y[i]) = (x, y);
+            }
         }
         out
     }
+}
+
+/// The least and the greatest of four numbers.
+#[inline(always)]
+fn bounds([a, b, c, d]: [f32; 4]) -> (f32, f32) {
+    (least(least(a, b), least(c, d)), most(most(a, b), most(c, d)))
 }
 
 /// The nearest integer on a map, as such and as it was; ties go to the even one.
