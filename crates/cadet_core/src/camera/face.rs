@@ -51,22 +51,24 @@ impl Kind {
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(64))]
 pub struct Face {
-    // What most kinds need stands in the first cache line, or two with a texture.
+    // The first cache line is enough for leaves and for what is flat and plain.
     /// Unit normal of the triangle, towards the eye.
     pub face_normal: Vec3,
     pub albedo: Vec3,
     /// See [`Flags`].
     pub flags: u32,
+    /// Shading normal in the first corner, towards the eye; see `normal_ab`.
+    pub normal: Vec3,
+    /// Coordinates of the texture at the eye, metres.
+    pub at_eye: [f32; 2],
+    pub face_hash: u32,
+    pub place_hash: u32,
     pub specular: f32,
     pub roughness: f32,
     pub transmission: f32,
-    pub face_hash: u32,
-    pub place_hash: u32,
-    /// Axes of the texture, and its coordinates at the eye, metres; those of leaves are the camera's.
+    /// Axes of the texture; those of leaves are the camera's.
     pub axes: [Vec3; 2],
-    pub at_eye: [f32; 2],
-    /// Shading normal in the first corner, towards the eye, and its changes to the second and third corner.
-    pub normal: Vec3,
+    /// Changes of the shading normal to the second and third corner.
     pub normal_ab: Vec3,
     pub normal_ac: Vec3,
     /// Dual edges: their products with a hit's place, and what is added to them, are its weights of the second and third
@@ -126,8 +128,8 @@ impl Face {
         let (axes, at_eye) = if is_ground {
             ([Vec3::X, Vec3::Y], [rays.eye.x, rays.eye.y])
         } else if is_leaf {
-            let across = [rays.right.normalize(), rays.down.normalize()];
-            (across, across.map(|axis| -axis.dot(origin)))
+            let axes = [rays.across, rays.downwards];
+            (axes, axes.map(|axis| -axis.dot(origin)))
         } else {
             let n = normal_local;
             let flat = n.x * n.x + n.y * n.y;

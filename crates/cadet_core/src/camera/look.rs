@@ -171,6 +171,9 @@ pub(super) struct Rays {
     pub eye: Vec3,
     pub right: Vec3,
     pub down: Vec3,
+    /// Unit vectors.
+    pub across: Vec3,
+    pub downwards: Vec3,
     corner: Vec3,
 }
 
@@ -178,10 +181,13 @@ impl Rays {
     pub fn new(view: &View) -> Self {
         let [fx, fy, cx, cy] = view.intrinsics;
         let turn = |v: DVec3| (view.world_from_cam.rotation * v).as_vec3();
+        let (right, down) = (turn(DVec3::X / fx), turn(DVec3::Y / fy));
         Self {
             eye: view.world_from_cam.translation.as_vec3(),
-            right: turn(DVec3::X / fx),
-            down: turn(DVec3::Y / fy),
+            right,
+            down,
+            across: right.normalize(),
+            downwards: down.normalize(),
             corner: turn(DVec3::new(-cx / fx, -cy / fy, 1.0)),
         }
     }
