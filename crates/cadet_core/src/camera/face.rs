@@ -76,7 +76,12 @@ pub struct Face {
     pub to_b: Vec3,
     pub to_c: Vec3,
     pub weights_at_eye: [f32; 2],
+    /// The least that a corner's weight may be; it is negative on the partner's half of a quadrilateral.
+    pub least_weight: f32,
 }
+
+/// See [`Face::least_weight`]: at the last corner of a parallelogram it is -1.
+const LEAST_WEIGHT_OF_QUADS: f32 = -1.25;
 
 /// Bits of [`Face::flags`].
 pub struct Flags;
@@ -96,6 +101,8 @@ impl Flags {
 pub struct Raw {
     pub instance: u32,
     pub face: u32,
+    /// What is seen of it may be its partner.
+    pub is_quad: bool,
     pub slot: u8,
     pub corners: [u32; 3],
     pub vertices: [Vec3; 3],
@@ -175,6 +182,7 @@ impl Face {
             to_b,
             to_c,
             weights_at_eye: [-to_b.dot(origin), -to_c.dot(origin)],
+            least_weight: if raw.is_quad { LEAST_WEIGHT_OF_QUADS } else { 0.0 },
             albedo: material.albedo.into(),
             specular: material.specular,
             roughness: material.roughness,

@@ -181,8 +181,8 @@ impl<'a> Faces<'a> {
         raw.clear();
         let (none, unread) = ([Vec3::ZERO; 3], [0; 3]);
         raw.extend(asked.iter().map(|number| {
-            let DrawnFace { instance, face, .. } = self.drawn[*number as usize];
-            Raw { instance, face, slot: 0, corners: unread, vertices: none, normals: none }
+            let DrawnFace { instance, face, is_quad, .. } = self.drawn[*number as usize];
+            Raw { instance, face, is_quad, slot: 0, corners: unread, vertices: none, normals: none }
         }));
         for r in &mut raw {
             let mesh = self.placed[r.instance as usize].mesh;

@@ -22,6 +22,7 @@ pub struct Lanes {
     pub to_b: Lane3,
     pub to_c: Lane3,
     pub weights_at_eye: [Lane; 2],
+    pub least_weight: Lane,
     pub specular: Lane,
     pub roughness: Lane,
     pub transmission: Lane,
@@ -80,6 +81,7 @@ impl Default for Lanes {
             to_b: O3,
             to_c: O3,
             weights_at_eye: [O; 2],
+            least_weight: O,
             specular: O,
             roughness: O,
             transmission: O,
@@ -226,6 +228,7 @@ fn gather_faces(l: &mut Lanes, kind: Kind, hits: &Hits, n: usize, faces: &[Face]
             run3(&mut l.to_c, i, face.to_c);
             run(&mut l.weights_at_eye[0], i, face.weights_at_eye[0]);
             run(&mut l.weights_at_eye[1], i, face.weights_at_eye[1]);
+            run(&mut l.least_weight, i, face.least_weight);
         }
         if has_axes {
             run3(&mut l.axis_u, i, face.axes[0]);

@@ -132,8 +132,9 @@ pub(super) fn geometry(l: &mut Lanes, hits: &Hits, m: usize, camera: &Camera, su
     if kind.is_smooth {
         for i in 0..m {
             let point = get(&l.point, i);
-            let wb = (point.dot(get(&l.to_b, i)) + l.weights_at_eye[0][i]).clamp(0.0, 1.0);
-            let wc = (point.dot(get(&l.to_c, i)) + l.weights_at_eye[1][i]).max(0.0).min(1.0 - wb);
+            let (least, most) = (l.least_weight[i], 1.0 - l.least_weight[i]);
+            let wb = (point.dot(get(&l.to_b, i)) + l.weights_at_eye[0][i]).max(least).min(most);
+            let wc = (point.dot(get(&l.to_c, i)) + l.weights_at_eye[1][i]).max(least).min(most - wb);
             let normal = get(&l.normal, i) + get(&l.normal_ab, i) * wb + get(&l.normal_ac, i) * wc;
             let scale = 1.0 / normal.dot(normal).max(1e-20).sqrt();
             put(&mut l.normal, i, normal * scale);

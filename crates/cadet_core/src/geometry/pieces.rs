@@ -16,14 +16,17 @@ pub(super) struct Surface<'a> {
 
 /// No partner.
 pub(super) const ALONE: u32 = u32::MAX;
-/// A corner this far from the plane of the others lies in it: share of the largest coordinate, which rounding moves by a
-/// quarter of that.
-const FLAT: f64 = 2.5e-7;
+/// A corner this far from the plane of the others lies in it, metres: far less than a sensor tells.
+const FLAT_M: f64 = 5e-4;
+/// The same, share of the shorter diagonal.
+const FLAT: f64 = 5e-3;
+/// How far the shading normal of the last corner may be from what the others' lead to.
+const EVEN: f64 = 0.02;
 /// Sine of the least turn from one side to the next.
 const LEAST_TURN: f64 = 1e-3;
 
-/// For each face another one, whose partner it is, or [`ALONE`]. Both share an edge, a plane, a material and one shading
-/// normal, and form a convex quadrilateral.
+/// For each face another one, whose partner it is, or [`ALONE`]. Both share an edge, a plane and a material and form a
+/// convex quadrilateral, over which the shading normal changes evenly.
 pub(super) fn partners(surface: &Surface<'_>) -> Vec<u32> {
     // Lower and higher vertex, and the face.
     let mut edges: Vec<(u32, u32, u32)> = Vec::with_capacity(3 * surface.faces.len());
@@ -64,23 +67,32 @@ pub(super) fn quad(surface: &Surface<'_>, pair: [u32; 2]) -> Option<[u32; 4]> {
     })?;
     let [a, b, c] = corners;
     let quad = [a, b, c, last];
-    let normals = quad.map(|i| surface.normals[i as usize]);
-    if normals.iter().any(|n| *n != normals[0]) {
-        return None;
-    }
-    is_flat_and_convex(quad.map(|i| surface.vertices[i as usize].as_dvec3())).then_some(quad)
+    let places = quad.map(|i| surface.vertices[i as usize].as_dvec3());
+    let normals = quad.map(|i| surface.normals[i as usize].as_dvec3());
+    (is_flat_and_convex(&places) && is_even(&places, &normals)).then_some(quad)
 }
 
-fn is_flat_and_convex(corners: [DVec3; 4]) -> bool {
-    let [a, b, c, d] = corners;
+fn is_flat_and_convex(corners: &[DVec3; 4]) -> bool {
+    let [a, b, c, d] = *corners;
     let normal = (b - a).cross(c - a).normalize_or_zero();
-    let largest = corners.iter().fold(0.0, |most: f64, p| most.max(p.abs().max_element()));
     let side = |i: usize| corners[(i + 1) % 4] - corners[i % 4];
     let turns = |i: usize| {
         let (from, to) = (side(i), side(i + 1));
         from.cross(to).dot(normal) > LEAST_TURN * from.length() * to.length()
     };
-    normal.dot(d - a).abs() <= 4.0 * FLAT * largest && (0..4).all(turns)
+    let flat_m = FLAT_M.min(FLAT * a.distance(c).min(b.distance(d)));
+    normal.dot(d - a).abs() <= flat_m && (0..4).all(turns)
+}
+
+/// True if the last corner's normal is about what follows from the others', linearly.
+fn is_even([a, b, c, d]: &[DVec3; 4], [na, nb, nc, nd]: &[DVec3; 4]) -> bool {
+    let (ab, ac, ad) = (b - a, c - a, d - a);
+    let (d11, d12, d22) = (ab.dot(ab), ab.dot(ac), ac.dot(ac));
+    let (along_b, along_c) = (ad.dot(ab), ad.dot(ac));
+    let area2 = d11 * d22 - d12 * d12;
+    let (wb, wc) = ((along_b * d22 - along_c * d12) / area2, (along_c * d11 - along_b * d12) / area2);
+    let expected = na + (nb - na) * wb + (nc - na) * wc;
+    (expected.normalize_or_zero() - nd).length() <= EVEN
 }
 
 #[cfg(test)]
@@ -93,18 +105,22 @@ mod tests {
     }
 
     #[test]
-    fn the_halves_of_a_rectangle_are_partners_unless_bent_or_smooth_or_dented() {
+    fn the_halves_of_a_rectangle_are_partners_unless_bent_or_dented_or_unevenly_shaded() {
         let at = |d: Vec3| [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), d];
         let faces = [[0, 1, 2], [0, 2, 3]];
         let flat = [Vec3::Z; 4];
         assert_eq!(partners_of(&at(Vec3::Y), &flat, &faces), [1, 0]);
+        assert_eq!(partners_of(&at(Vec3::Y + Vec3::Z * 1e-4), &flat, &faces), [1, 0]);
         assert_eq!(partners_of(&at(Vec3::Y + Vec3::Z * 1e-3), &flat, &faces), [ALONE; 2]);
-        assert_eq!(partners_of(&at(Vec3::new(0.6, 0.7, 0.0)), &flat, &faces), [ALONE; 2]);
+        assert_eq!(partners_of(&at(Vec3::new(-0.5, -0.2, 0.0)), &flat, &faces), [ALONE; 2]);
         assert_eq!(partners_of(&at(Vec3::Y), &flat, &[[0, 1, 2], [2, 0, 3]]), [1, 0]);
         // Turned over, its other half would face the other way.
         assert_eq!(partners_of(&at(Vec3::Y), &flat, &[[0, 1, 2], [0, 3, 2]]), [ALONE; 2]);
-        let mut smooth = flat;
-        smooth[3] = Vec3::X;
+        // As on a rounded column, and with one corner pulled aside.
+        let turned = |by: f32| Vec3::new(by, 0.0, 1.0).normalize();
+        let mut smooth = [0.0, 0.2, 0.2, 0.0].map(turned);
+        assert_eq!(partners_of(&at(Vec3::Y), &smooth, &faces), [1, 0]);
+        smooth[3] = turned(0.1);
         assert_eq!(partners_of(&at(Vec3::Y), &smooth, &faces), [ALONE; 2]);
     }
 }

@@ -127,7 +127,7 @@ impl FaceOnImage {
 
     /// What is kept of a face that was drawn.
     pub(super) fn drawn(&self, [instance, face]: [u32; 2]) -> DrawnFace {
-        DrawnFace { instance, face, normal: self.normal.to_array(), volume: self.volume }
+        DrawnFace { instance, face, is_quad: self.is_quad, normal: self.normal.to_array(), volume: self.volume }
     }
 
     /// The functions at the middle of a block, given by x / z and y / z.

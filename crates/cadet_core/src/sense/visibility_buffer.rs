@@ -15,8 +15,10 @@ pub(super) const CLEARLY: f32 = 1.000_01;
 pub struct DrawnFace {
     /// Index into [`super::PosedScene::instances`].
     pub instance: u32,
-    /// Face of the instance's mesh.
+    /// Face of the instance's mesh; the first of two that are drawn as one ([`crate::geometry::Piece`]).
     pub face: u32,
+    /// It was drawn with its partner.
+    pub is_quad: bool,
     /// Its plane in the camera's frame, turned towards the camera: z = volume / (normal · (x, y, 1)).
     pub(super) normal: [f64; 3],
     pub(super) volume: f64,
