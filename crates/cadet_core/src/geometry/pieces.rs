@@ -17,11 +17,11 @@ pub(super) struct Surface<'a> {
 /// No partner.
 pub(super) const ALONE: u32 = u32::MAX;
 /// A corner this far from the plane of the others lies in it, metres: far less than a sensor tells.
-const FLAT_M: f64 = 5e-4;
+const FLAT_M: f64 = 2e-4;
 /// The same, share of the shorter diagonal.
 const FLAT: f64 = 5e-3;
 /// How far the shading normal of the last corner may be from what the others' lead to.
-const EVEN: f64 = 0.02;
+const EVEN: f64 = 0.03;
 /// Sine of the least turn from one side to the next.
 const LEAST_TURN: f64 = 1e-3;
 
