@@ -14,7 +14,7 @@ import pytest
 
 import cadet
 
-GOLDEN = "0a79fbffaf8d888206da34911c722c1ac230f4cb8637ecea879a292b4142ad2e"
+GOLDEN = "1afaf449a9154f89137b7cbee47769944fa4264449052d57ebcddc73f41358a5"
 
 
 def digest_of_a_frame() -> str:

@@ -1,7 +1,7 @@
 //! Whole samples of generated suburbs: what `cadet-gen` does a frame, and its parts.
 
 use std::hint::black_box;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use cadet_core::camera::png::encode_rgb8;
 use cadet_core::camera::{Calibration, CameraModel, View, look, paint};
@@ -40,8 +40,8 @@ fn kitti_rig() -> Rig {
     }
 }
 
-fn suburb(seed: u64) -> Scene {
-    let weather = Weather::preset("clear_noon").expect("a preset");
+fn suburb(seed: u64, weather: &str) -> Scene {
+    let weather = Weather::preset(weather).expect("a preset");
     let config = SceneConfig::default();
     Scene::random(StreamKey::scene(seed), &TownSource::Suburb, weather, kitti_rig(), &config).expect("a suburb")
 }
@@ -51,8 +51,8 @@ fn bench(c: &mut Criterion) {
     for seed in SEEDS {
         let mut group = c.benchmark_group(format!("suburb {seed}"));
         let _ = group.sample_size(10).warm_up_time(Duration::from_secs(1)).measurement_time(Duration::from_secs(3));
-        let _ = group.bench_function("build, dress and settle", |b| b.iter(|| black_box(suburb(seed))));
-        let mut scene = suburb(seed);
+        let _ = group.bench_function("build, dress and settle", |b| b.iter(|| black_box(suburb(seed, "clear_noon"))));
+        let mut scene = suburb(seed, "clear_noon");
         let _ = group.bench_function("ideal uniform scan, posing included", |b| {
             b.iter(|| {
                 scene.step(0.0).expect("no time passes");
@@ -67,14 +67,6 @@ fn bench(c: &mut Criterion) {
         });
         let _ = group.bench_function("scan with returns", |b| b.iter(|| black_box(scene.scan(None, 0))));
         let _ = group.bench_function("capture: image, scan, labels", |b| b.iter(|| black_box(scene.capture(0, false))));
-        let (_, world_from_cam) = scene.sensor_poses();
-        let (posed, view) = (scene.triangles(), View::new(&scene.rig().camera, &world_from_cam));
-        let seen = look(&posed, &view).expect("looks");
-        let _ = group.bench_function("image: look", |b| b.iter(|| black_box(look(&posed, &view))));
-        let _ = group.bench_function("image: paint", |b| {
-            let mut stream = StreamKey::scene(seed).indexed("camera", 0);
-            b.iter(|| black_box(paint(&posed, &view, scene.weather(), &seen, &mut stream)));
-        });
         let image = scene.capture(0, false).expect("a frame").rendered.image;
         let _ = group.bench_function("encode the image", |b| b.iter(|| black_box(encode_rgb8(1242, 375, &image))));
         let _ = group.bench_function("whole sample: drive 10 m, capture, encode", |b| {
@@ -88,5 +80,51 @@ fn bench(c: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, bench);
+/// Suburbs and weathers whose images docs/performance.md compares.
+const VIEWS: [(u64, &str); 6] = [
+    (0, "clear_noon"),
+    (1, "clear_noon"),
+    (2, "clear_sunset"),
+    (3, "clear_noon"),
+    (4, "clear_noon"),
+    (5, "soft_rain_noon"),
+];
+
+fn images(c: &mut Criterion) {
+    for (seed, weather) in VIEWS {
+        let mut group = c.benchmark_group(format!("image of suburb {seed}, {weather}"));
+        let _ = group.sample_size(20).warm_up_time(Duration::from_secs(1)).measurement_time(Duration::from_secs(3));
+        let mut scene = suburb(seed, weather);
+        let mut stream = StreamKey::scene(seed).indexed("camera", 0);
+        scene.step(0.1).expect("drives");
+        let place = |scene: &Scene| {
+            let (_, world_from_cam) = scene.sensor_poses();
+            (scene.triangles(), View::new(&scene.rig().camera, &world_from_cam))
+        };
+        let (posed, view) = place(&scene);
+        let seen = look(&posed, &view).expect("looks");
+        let _ = group.bench_function("look", |b| b.iter(|| black_box(look(&posed, &view))));
+        let _ = group.bench_function("paint", |b| {
+            b.iter(|| black_box(paint(&posed, &view, scene.weather(), &seen, &mut stream)));
+        });
+        // New streets are not in the caches.
+        let _ = group.bench_function("both, driving: each view once, a second apart", |b| {
+            b.iter_custom(|views| {
+                let mut taken = Duration::ZERO;
+                for _ in 0..views {
+                    scene.step(1.0).expect("drives");
+                    let (posed, view) = place(&scene);
+                    let start = Instant::now();
+                    let seen = look(&posed, &view).expect("looks");
+                    black_box(paint(&posed, &view, scene.weather(), &seen, &mut stream));
+                    taken += start.elapsed();
+                }
+                taken
+            });
+        });
+        group.finish();
+    }
+}
+
+criterion_group!(benches, bench, images);
 criterion_main!(benches);

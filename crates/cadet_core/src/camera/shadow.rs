@@ -1,6 +1,7 @@
 //! Shadow maps: the scene's triangles seen from the sun, fine near the camera and coarser beyond.
 
 mod casters;
+mod setup;
 
 use multiversion::multiversion;
 

@@ -384,7 +384,8 @@ fn what_lies_below_all_that_is_seen_is_not_drawn_and_the_rest_shades_as_before()
         assert!(lit(&some, &roof).iter().filter(|lit| **lit == 0.0).count() > 500);
         // Were it asked all the same, it would not know of the lower roof.
         let dark = |shadows: &Shadows| lit(shadows, &unseen).iter().filter(|lit| **lit == 0.0).count();
-        assert!(dark(&all) > 5000 && dark(&some) == 0, "{} {}", dark(&all), dark(&some));
+        // But for where it shares a tile with what is seen.
+        assert!(dark(&all) > 5000 && dark(&some) * 8 < dark(&all), "{} {}", dark(&all), dark(&some));
     }
 }
 
@@ -428,6 +429,47 @@ fn vehicles_darken_a_point_alike_whoever_is_asked_with_it() {
             b if b > 1.9 => assert_eq!(near, 1.0),
             _ => {}
         }
+    }
+}
+
+/// The same faces with no vertex in common: none is drawn with another.
+fn taken_apart(mesh: &Mesh) -> Mesh {
+    let corners = || mesh.faces.iter().flatten().map(|i| *i as usize);
+    let faces = (0..mesh.faces.len() as u32).map(|f| [0, 1, 2].map(|k| 3 * f + k)).collect();
+    let (vertices, normals) =
+        (corners().map(|i| mesh.vertices[i]).collect(), corners().map(|i| mesh.normals[i]).collect());
+    Mesh::new("apart", vertices, normals, faces, mesh.slots.clone()).unwrap()
+}
+
+#[test]
+fn faces_that_are_drawn_as_one_look_as_they_do_alone() {
+    let mut b = MeshBuilder::new();
+    let at = |angle: i32, z: f32| {
+        let angle = f64::from(angle) * math::TAU / 40.0;
+        let (sin, cos) = (math::sin(angle), math::cos(angle));
+        // A little thinner at its top.
+        Vec3::new(cos as f32, sin as f32, 0.0) * (1.6 - 0.1 * z) + Vec3::Z * z
+    };
+    for (k, z) in (0..40).flat_map(|k| (0..6).map(move |z| (k, z as f32 * 0.5))) {
+        b.quad(at(k, z), at(k + 1, z), at(k + 1, z + 0.5), at(k, z + 0.5), 0);
+    }
+    b.cuboid(Vec3::new(-1.0, 3.0, 0.0), Vec3::new(1.0, 5.0, 2.0), 0);
+    let whole = b.build("a tower and a box", 0.6);
+    let apart = taken_apart(&whole);
+    let count = |mesh: &Mesh| mesh.clusters.iter().map(|c| c.pieces.len()).sum::<usize>();
+    assert_eq!((count(&whole), count(&apart)), (246, 492));
+    let mut coat = gray(Semantic::Building, 0.5);
+    (coat.specular, coat.roughness) = (0.05, 0.1);
+    for material in [gray(Semantic::Building, 0.5), coat] {
+        let of = |mesh: &Mesh| {
+            let tower = instance(mesh.clone(), material, upright(DVec3::new(9.0, -2.0, 0.0), 0.3), 0);
+            picture(&[ground(), tower], &clear_sun_from(120.0), 5)
+        };
+        let (one, other) = (of(&whole), of(&apart));
+        assert_eq!(one.maps.as_ref().unwrap().semantic, other.maps.as_ref().unwrap().semantic);
+        let differences = one.image.iter().zip(&other.image).map(|(a, b)| a.abs_diff(*b));
+        let (many, most) = (differences.clone().filter(|d| *d > 3).count(), differences.max().unwrap());
+        assert!(many < one.image.len() / 1000 && most < 30, "{many} {most}");
     }
 }
 

@@ -198,4 +198,36 @@ mod tests {
         }
         assert!(seen.iter().all(|n| *n == 1));
     }
+
+    #[test]
+    fn pieces_are_the_faces_each_once() {
+        let mut b = MeshBuilder::new();
+        for i in 0..60 {
+            let at = Vec3::new((i * 7 % 11) as f32, (i * 5 % 13) as f32, (i % 3) as f32);
+            b.cuboid(at, at + Vec3::splat(0.9), (i % 5) as u8);
+            // Beside the boxes, so that no corner is shared.
+            let at = at + Vec3::new(0.03, 0.07, 40.0);
+            b.triangle(at, at + Vec3::X, at + Vec3::new(0.3, 0.2, 0.9), 0);
+        }
+        let mesh = b.build("boxes and triangles", 0.5);
+        for c in &mesh.clusters {
+            let mut next = 0;
+            for piece in &c.pieces {
+                let ([p, q, r, s], first) = (piece.corners, usize::from(piece.first));
+                assert_eq!(first, next);
+                let same =
+                    |face: [u8; 3], piece: [u8; 3]| (0..3).any(|k| [0, 1, 2].map(|i| face[(i + k) % 3]) == piece);
+                assert!(same(c.corners[first], [p, q, r]));
+                if piece.is_quad() {
+                    assert!(same(c.corners[first + 1], [p, r, s]));
+                    let slots = [first, first + 1].map(|i| mesh.slots[c.faces[i] as usize]);
+                    assert_eq!(slots[0], slots[1]);
+                }
+                next += if piece.is_quad() { 2 } else { 1 };
+            }
+            assert_eq!(next, c.faces.len());
+        }
+        let pieces = mesh.clusters.iter().flat_map(|c| &c.pieces);
+        assert_eq!(pieces.filter(|p| p.is_quad()).count(), 60 * 6);
+    }
 }

@@ -89,8 +89,7 @@ impl FaceOnImage {
         let (column, row) = (1.0 / grid.column_scale, 1.0 / grid.row_scale);
         let (shift, half) = (grid.odd_shift * 0.5, f64::from(HALF));
         let mut most = [0.0; EDGES];
-        let none = [0.0; EDGES];
-        let (mut across, mut down, mut reach) = (none.map(|v| v as f32), none.map(|v| v as f32), none.map(|v| v as f32));
+        let (mut across, mut down, mut reach) = ([0.0_f32; EDGES], [0.0_f32; EDGES], [0.0_f32; EDGES]);
         for k in 0..EDGES {
             let (x, y) = ((by_x[k] * column).abs(), (by_y[k] * row).abs());
             let scale = 1.0 / if x > y { x } else { y };

@@ -38,3 +38,46 @@ impl Outline {
         ((least > 0.0) & (out.volume > 0.0) | (most < 0.0) & (out.volume < 0.0)).then_some(out)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{cos, sin};
+
+    /// A square of a metre about a middle, turned about z and then about x.
+    fn square(middle: DVec3, turn: f64, tilt: f64) -> [DVec3; 4] {
+        [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|(x, y)| {
+            let (x, y) = (x * cos(turn) - y * sin(turn), x * sin(turn) + y * cos(turn));
+            middle + DVec3::new(x, y * cos(tilt), y * sin(tilt))
+        })
+    }
+
+    #[test]
+    fn a_beam_is_inside_of_a_quadrilateral_where_it_is_inside_of_a_half() {
+        for k in 0..400 {
+            let k = f64::from(k);
+            let middle = DVec3::new(sin(k * 0.7) * 3.0, cos(k * 0.3) * 2.0, 4.0 + 3.0 * sin(k * 0.11));
+            let [a, b, c, d] = square(middle, k, k * 0.37);
+            let quad = Outline::quad([a, b, c, d]).expect("seen from a side");
+            let halves = [[a, b, c], [a, c, d]].map(Outline::triangle);
+            assert!(halves.iter().all(|half| half.volume.signum() == quad.volume.signum()));
+            let is_in = |o: &Outline, beam: DVec3| o.edges.iter().all(|e| e.dot(beam) * o.volume.signum() >= 0.0);
+            for i in 0..400 {
+                let beam = middle + DVec3::new(f64::from(i % 20) * 0.1 - 1.0, f64::from(i / 20) * 0.1 - 1.0, 0.0);
+                assert_eq!(is_in(&quad, beam), halves.iter().any(|half| is_in(half, beam)), "{k} {i}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_seen_dented_or_from_the_rim_is_no_quadrilateral() {
+        let flat = square(DVec3::new(0.0, 0.0, 5.0), 0.3, 0.0);
+        assert!(Outline::quad(flat).is_some());
+        let mut bent = flat;
+        bent[3] = (flat[0] + flat[2]) * 0.5 + (flat[1] - flat[3]) * 0.1;
+        assert!(Outline::quad(bent).is_none());
+        // In a plane with the camera.
+        let on_edge = flat.map(|p| DVec3::new(p.x, 0.0, 5.0 + p.y));
+        assert!(Outline::quad(on_edge).is_none());
+    }
+}

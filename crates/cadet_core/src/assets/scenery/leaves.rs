@@ -1,4 +1,4 @@
-//! Leaf cards: many small folded leaves about a crown, shaded as if the crown were soft.
+//! Leaf cards: many small flat leaves about a crown, shaded as if the crown were soft.
 
 use super::Mesh;
 use super::draw::direction;
@@ -7,7 +7,8 @@ use crate::geometry::MeshBuilder;
 use crate::math::Vec3;
 use crate::rng::Stream;
 
-/// Of a large card's half diagonal so much lies within its ball wherever it hangs; what reaches beyond is cut by shrinking.
+/// A card is moved inwards until so much of its half diagonal lies within its ball whichever way it is turned; what still
+/// reaches beyond is shrunk. So crowns keep their leaf area.
 const KEPT_WITHIN: f32 = 0.7;
 
 /// A mesh of wood and leaf cards in the making.
@@ -20,13 +21,13 @@ pub(super) struct Leaves {
 }
 
 impl Leaves {
-    /// Adds a card: a kite about `middle`, folded along its longer diagonal, its area about `size`^2, its two triangles
-    /// facing about `facing`; its shading normal is bent to `outward`.
+    /// Adds a card: a flat kite about `middle`, its area about `size`^2, that faces `facing`; its shading normal is bent to
+    /// `outward`.
     pub fn card(&mut self, s: &mut Stream, middle: Vec3, facing: Vec3, outward: Vec3, size: f32) {
         self.card_within(s, middle, facing, outward, size, (middle, f32::MAX));
     }
 
-    /// Adds a card whose corners keep within a ball (center, radius): large ones do not widen the crown.
+    /// Adds a card that keeps within a ball (center, radius), moved inwards and shrunk: large ones do not widen the crown.
     pub fn card_within(
         &mut self,
         s: &mut Stream,

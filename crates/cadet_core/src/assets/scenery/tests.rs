@@ -43,6 +43,19 @@ fn every_model() -> Vec<SceneryModel> {
 }
 
 #[test]
+fn leaves_are_flat_so_that_each_is_drawn_as_one() {
+    for kind in TreeKind::ALL {
+        for (_, mesh) in &tree(kind, 0).shape.levels {
+            let is_leaf = |face: u32| mesh.slots[face as usize] != plant_slot::BARK;
+            let leaves = (0..mesh.faces.len() as u32).filter(|f| is_leaf(*f)).count();
+            let pieces = mesh.clusters.iter().flat_map(|c| c.pieces.iter().map(|p| (c.faces[usize::from(p.first)], p)));
+            let flat = pieces.filter(|(face, piece)| is_leaf(*face) && piece.is_quad()).count();
+            assert!(200 * flat >= 95 * leaves, "{kind:?}: {flat} of {leaves}");
+        }
+    }
+}
+
+#[test]
 fn every_mesh_is_sound_and_stands_in_the_ground() {
     for model in every_model() {
         for (_, mesh) in &model.shape.levels {

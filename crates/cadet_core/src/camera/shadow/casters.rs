@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use multiversion::multiversion;
 
+use super::setup::{Corners, Plane, Setup, rounded};
 use super::{EMPTY, HIGHEST, Map, SIZE, STRIDE, TILE, least, most, steps};
 use crate::geometry::{CLUSTER_FACES, Cluster, LANES, Piece};
 use crate::material::{Material, Pattern};
@@ -218,7 +219,8 @@ impl Map {
         }
         let plane = |plane: &Plane| [plane.first[i], plane.along_x[i], plane.along_y[i]];
         // A triangle's third edge has no length.
-        let [[a, ax, ay], [b, bx, by], [c, cx, cy], [d, dx_, dy_]] = setup.edges.each_ref().map(plane);
+        let edges = setup.edges.each_ref().map(plane);
+        let [[a, ax, ay], [b, bx, by], [c, cx, cy], [d, dx, dy]] = edges;
         let [z, zx, zy] = plane(&setup.z);
         if x1 - x0 <= 2 * LANES {
             // Small ones, which are most: testing eight texels at a time costs less than finding out where a row begins.
@@ -227,21 +229,21 @@ impl Map {
                 let none = [0.0; TWO_ROWS];
                 let (mut in_a, mut in_b, mut in_c, mut in_d, mut height) = (none, none, none, none, none);
                 for k in 0..TWO_ROWS {
-                    let dx = (first - x0) as i32 as f32 + COLUMN[k];
-                    (in_a[k], in_b[k], in_d[k], height[k]) = (a + ax * dx, b + bx * dx, d + dx_ * dx, z + zx * dx);
+                    let x = (first - x0) as i32 as f32 + COLUMN[k];
+                    (in_a[k], in_b[k], in_d[k], height[k]) = (a + ax * x, b + bx * x, d + dx * x, z + zx * x);
                     if EDGES == 4 {
-                        in_c[k] = c + cx * dx;
+                        in_c[k] = c + cx * x;
                     }
                 }
                 // By twos; of an odd number the last but one is drawn twice.
                 for top in (0..rows).step_by(2).map(|top| top.min(rows.saturating_sub(2))) {
                     let mut heights = [0; TWO_ROWS];
                     for k in 0..TWO_ROWS {
-                        let dy = top as i32 as f32 + ROW[k];
-                        let inside = least(least(in_a[k] + ay * dy, in_b[k] + by * dy), in_d[k] + dy_ * dy);
-                        let inside = if EDGES == 4 { least(inside, in_c[k] + cy * dy) } else { inside };
+                        let y = top as i32 as f32 + ROW[k];
+                        let inside = least(least(in_a[k] + ay * y, in_b[k] + by * y), in_d[k] + dy * y);
+                        let inside = if EDGES == 4 { least(inside, in_c[k] + cy * y) } else { inside };
                         // Rounding may not lead beyond sixteen bits.
-                        let z = most(least(height[k] + zy * dy, highest), -HIGHEST);
+                        let z = most(least(height[k] + zy * y, highest), -HIGHEST);
                         heights[k] = if inside >= 0.0 { steps(z) } else { EMPTY.into() };
                     }
                     let texels = &mut self.height[(y0 + top) * STRIDE + first..];
@@ -256,8 +258,7 @@ impl Map {
             return;
         }
         // Eight rows at a time are cut by the edges; nothing is tested within a row's span.
-        let edges =
-            [(ax, ay, a), (bx, by, b), (cx, cy, c), (dx_, dy_, d)].map(|(x, y, first)| (x, y, first, -1.0 / x));
+        let edges = edges.map(|[first, x, y]| (x, y, first, -1.0 / x));
         let width = (x1 - x0) as i32 as f32;
         for top in (y0 / LANES * LANES..y1).step_by(LANES) {
             // Rows of no tile's border: they share what is seen.
@@ -316,88 +317,6 @@ const ROW: [f32; TWO_ROWS] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 
 
 /// Texels of a row that are raised together: as many as fit into a register.
 const WIDE: usize = 2 * LANES;
-
-/// The corners of [`LANES`] faces: x and y in texels, z in steps. A triangle's last one stands twice.
-type Corners = [[[f32; LANES]; 3]; 4];
-
-/// What is linear over each of [`LANES`] faces: its value in the middle of the first texel of the face's bounds, and how it
-/// changes from texel to texel.
-#[derive(Default)]
-struct Plane {
-    first: [f32; LANES],
-    along_x: [f32; LANES],
-    along_y: [f32; LANES],
-}
-
-/// [`LANES`] faces about to be drawn.
-#[derive(Default)]
-struct Setup {
-    /// The first column and row of texels whose middles lie within their bounds, and those after the last.
-    bounds: [[i32; LANES]; 4],
-    /// Not negative on the inner side of their edges.
-    edges: [Plane; 4],
-    /// Their heights, steps.
-    z: Plane,
-    /// The highest corners.
-    highest: [f32; LANES],
-    /// False where no texel's middle is met for certain, and without an area.
-    meets_texels: [bool; LANES],
-    /// Counter-clockwise seen from the sun.
-    faces_sun: [bool; LANES],
-}
-
-impl Setup {
-    #[inline(always)]
-    fn of(corners: &Corners) -> Self {
-        let mut out = Self::default();
-        let [[ax, ay, az], [bx, by, bz], [cx, cy, cz], [dx, dy, dz]] = corners;
-        let (mut sign, mut middle) = ([0.0; LANES], [[0.0; LANES]; 2]);
-        for i in 0..LANES {
-            let (min_x, max_x) = bounds([ax[i], bx[i], cx[i], dx[i]]);
-            let (min_y, max_y) = bounds([ay[i], by[i], cy[i], dy[i]]);
-            // Texels' middles lie half a texel beyond their numbers: bounds are rounded to the nearest number.
-            let ((x0, left), (x1, right)) = (rounded(min_x), rounded(max_x));
-            let ((y0, top), (y1, bottom)) = (rounded(min_y), rounded(max_y));
-            let (abx, aby, abz) = (bx[i] - ax[i], by[i] - ay[i], bz[i] - az[i]);
-            let (acx, acy, acz) = (cx[i] - ax[i], cy[i] - ay[i], cz[i] - az[i]);
-            let area = abx * acy - aby * acx;
-            out.meets_texels[i] = (left < right) & (top < bottom) & (area.abs() > 1e-9);
-            out.faces_sun[i] = area > 0.0;
-            [out.bounds[0][i], out.bounds[1][i], out.bounds[2][i], out.bounds[3][i]] = [x0, y0, x1, y1];
-            let inverse = 1.0 / area;
-            // The height is linear in the weights of b and c, and they are linear in x and y.
-            let (z_x, z_y) = ((abz * acy - acz * aby) * inverse, (acz * abx - abz * acx) * inverse);
-            sign[i] = if area > 0.0 { 1.0 } else { -1.0 };
-            (middle[0][i], middle[1][i]) = (left + 0.5, top + 0.5);
-            let (to_x, to_y) = (middle[0][i] - ax[i], middle[1][i] - ay[i]);
-            (out.z.first[i], out.z.along_x[i], out.z.along_y[i]) = (az[i] + (z_x * to_x + z_y * to_y), z_x, z_y);
-            out.highest[i] = least(bounds([az[i], bz[i], cz[i], dz[i]]).1, HIGHEST);
-        }
-        for (k, edge) in out.edges.iter_mut().enumerate() {
-            let ([from_x, from_y, _], [to_x, to_y, _]) = (&corners[k], &corners[(k + 1) % 4]);
-            for i in 0..LANES {
-                let (x, y) = ((from_y[i] - to_y[i]) * sign[i], (to_x[i] - from_x[i]) * sign[i]);
-                edge.first[i] = x * (middle[0][i] - from_x[i]) + y * (middle[1][i] - from_y[i]);
-                (edge.along_x[i], edge.along_y[i]) = (x, y);
-            }
-        }
-        out
-    }
-}
-
-/// The least and the greatest of four numbers.
-#[inline(always)]
-fn bounds([a, b, c, d]: [f32; 4]) -> (f32, f32) {
-    (least(least(a, b), least(c, d)), most(most(a, b), most(c, d)))
-}
-
-/// The nearest integer on a map, as such and as it was; ties go to the even one.
-#[inline(always)]
-fn rounded(x: f32) -> (i32, f32) {
-    const LARGE: f32 = 12_582_912.0; // 1.5 * 2^23
-    let moved = least(most(x, 0.0), SIZE as f32) + LARGE;
-    ((moved.to_bits() as i32).wrapping_sub(LARGE.to_bits() as i32), moved - LARGE)
-}
 
 /// Raises the texels of a part of a row to a plane's height, which is `first` in the first of them and rises by `step`
 /// from texel to texel. `row` must go on beyond the span by sixteen texels, which stay as they are.
