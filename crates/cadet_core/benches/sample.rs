@@ -97,11 +97,11 @@ fn images(c: &mut Criterion) {
         let mut scene = suburb(seed, weather);
         let mut stream = StreamKey::scene(seed).indexed("camera", 0);
         scene.step(0.1).expect("drives");
-        let place = |scene: &Scene| {
+        let place = |scene: &mut Scene| {
             let (_, world_from_cam) = scene.sensor_poses();
             (scene.triangles(), View::new(&scene.rig().camera, &world_from_cam))
         };
-        let (posed, view) = place(&scene);
+        let (posed, view) = place(&mut scene);
         let seen = look(&posed, &view).expect("looks");
         let _ = group.bench_function("look", |b| b.iter(|| black_box(look(&posed, &view))));
         let _ = group.bench_function("paint", |b| {
@@ -113,7 +113,7 @@ fn images(c: &mut Criterion) {
                 let mut taken = Duration::ZERO;
                 for _ in 0..views {
                     scene.step(1.0).expect("drives");
-                    let (posed, view) = place(&scene);
+                    let (posed, view) = place(&mut scene);
                     let start = Instant::now();
                     let seen = look(&posed, &view).expect("looks");
                     black_box(paint(&posed, &view, scene.weather(), &seen, &mut stream));
