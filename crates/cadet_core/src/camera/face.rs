@@ -2,6 +2,7 @@
 
 use super::look::Rays;
 use super::pattern::hash2;
+use crate::geometry::LEAST_WEIGHT;
 use crate::material::{Material, Pattern, Semantic};
 use crate::math::{Mat3, Vec3};
 
@@ -79,9 +80,6 @@ pub struct Face {
     /// The least that a corner's weight may be; it is negative on the partner's half of a quadrilateral.
     pub least_weight: f32,
 }
-
-/// See [`Face::least_weight`]: at the last corner of a parallelogram it is -1.
-const LEAST_WEIGHT_OF_QUADS: f32 = -1.25;
 
 /// Bits of [`Face::flags`].
 pub struct Flags;
@@ -182,7 +180,7 @@ impl Face {
             to_b,
             to_c,
             weights_at_eye: [-to_b.dot(origin), -to_c.dot(origin)],
-            least_weight: if raw.is_quad { LEAST_WEIGHT_OF_QUADS } else { 0.0 },
+            least_weight: if raw.is_quad { LEAST_WEIGHT } else { 0.0 },
             albedo: material.albedo.into(),
             specular: material.specular,
             roughness: material.roughness,

@@ -13,3 +13,4 @@ pub use columns::Column;
 pub use lanes::{LANES, Lanes, lanes_of};
 pub use mesh::{Bounds, LazyMesh, LodSet, Mesh};
 pub use mesh_builder::MeshBuilder;
+pub use pieces::LEAST_WEIGHT;

@@ -22,6 +22,9 @@ const FLAT_M: f64 = 2e-4;
 const FLAT: f64 = 5e-3;
 /// How far the shading normal of the last corner may be from what the others' lead to.
 const EVEN: f64 = 0.03;
+/// The least weight of a corner of the first face on the second one, for normals that change: at the last corner of a
+/// parallelogram it is -1.
+pub const LEAST_WEIGHT: f32 = -2.0;
 /// Sine of the least turn from one side to the next.
 const LEAST_TURN: f64 = 1e-3;
 
@@ -91,8 +94,9 @@ fn is_even([a, b, c, d]: &[DVec3; 4], [na, nb, nc, nd]: &[DVec3; 4]) -> bool {
     let (along_b, along_c) = (ad.dot(ab), ad.dot(ac));
     let area2 = d11 * d22 - d12 * d12;
     let (wb, wc) = ((along_b * d22 - along_c * d12) / area2, (along_c * d11 - along_b * d12) / area2);
+    let is_near = wb.min(wc).min(1.0 - wb - wc) >= f64::from(LEAST_WEIGHT);
     let expected = na + (nb - na) * wb + (nc - na) * wc;
-    (expected.normalize_or_zero() - nd).length() <= EVEN
+    (is_near || (na == nb && na == nc)) && (expected.normalize_or_zero() - nd).length() <= EVEN
 }
 
 #[cfg(test)]
@@ -122,5 +126,9 @@ mod tests {
         assert_eq!(partners_of(&at(Vec3::Y), &smooth, &faces), [1, 0]);
         smooth[3] = turned(0.1);
         assert_eq!(partners_of(&at(Vec3::Y), &smooth, &faces), [ALONE; 2]);
+        // Much smaller than its partner, the first does not tell how the normal goes on.
+        let long = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 0.3, 0.0), Vec3::Y];
+        assert_eq!(partners_of(&long, &[0.0, 0.02, 0.02, 0.0].map(turned), &faces), [ALONE; 2]);
+        assert_eq!(partners_of(&long, &flat, &faces), [1, 0]);
     }
 }
