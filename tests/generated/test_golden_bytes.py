@@ -14,7 +14,7 @@ import pytest
 
 import cadet
 
-GOLDEN = "1afaf449a9154f89137b7cbee47769944fa4264449052d57ebcddc73f41358a5"
+GOLDEN = "a9f2adfcba00e595bfec0d17dc123ee01dc3f599aec0dcb356ee8bebf6f73761"
 
 
 def digest_of_a_frame() -> str:
