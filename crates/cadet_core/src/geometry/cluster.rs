@@ -3,7 +3,7 @@
 use super::closed::closed_surfaces;
 use super::lanes::{Lanes, lanes_of};
 use super::mesh::Bounds;
-use super::pieces::{ALONE, Surface, partners, quad};
+use super::pieces::{MeshPiece, Surface, pieces_of};
 use crate::math::Vec3;
 
 /// The most faces in a cluster.
@@ -18,9 +18,7 @@ pub struct Cluster {
     pub radius_m: f32,
     /// Bit s is set where a face has material slot s; bit 63 stands for 63 and above.
     pub slots: u64,
-    /// A bit for each face, the first the lowest: it belongs to a closed surface that turns its outside outwards.
-    pub closed: u64,
-    /// As `slots`, of those surfaces as wholes.
+    /// As `slots`, of the closed surfaces that the faces belong to, as wholes.
     pub closed_slots: u64,
     /// The places of the faces' corners, local coordinates by eights. Vertices that differ in their normals alone share
     /// one.
@@ -31,7 +29,7 @@ pub struct Cluster {
     pub faces: Vec<u32>,
     /// The same faces for who draws them: two that form a flat convex quadrilateral are one piece.
     pub pieces: Vec<Piece>,
-    /// As `closed`, of the pieces.
+    /// A bit for each piece, the first the lowest: it belongs to a closed surface that turns its outside outwards.
     pub closed_pieces: u64,
 }
 
@@ -73,30 +71,27 @@ pub fn clusters_of(
 ) -> Vec<Cluster> {
     let closed = closed_surfaces(vertices, faces, slots);
     let surface = Surface { vertices, normals, faces, slots, closed: &closed };
-    let partners = partners(&surface);
     let scale = 1023.0 / bounds.size().max_element().max(1e-6);
-    let key = |face: usize| {
-        let [a, b, c] = faces[face].map(|i| vertices[i as usize]);
+    // Of a pair the first face goes for both.
+    let key = |piece: &MeshPiece| {
+        let [a, b, c] = faces[piece.first as usize].map(|i| vertices[i as usize]);
         let q = ((a + b + c) * (1.0 / 3.0) - bounds.min) * scale;
         spread(q.x) | spread(q.y) << 1 | spread(q.z) << 2
     };
-    // Of a pair the first face goes for both.
-    let firsts = (0..faces.len() as u32).filter(|f| partners[*f as usize] > *f);
-    let mut order: Vec<(u64, u32)> = firsts.map(|f| (key(f as usize), f)).collect();
-    order.sort_unstable();
+    let mut order: Vec<(u64, MeshPiece)> = pieces_of(&surface).into_iter().map(|piece| (key(&piece), piece)).collect();
+    order.sort_unstable_by_key(|(key, piece)| (*key, piece.first));
     let mut clusters = Vec::with_capacity(faces.len().div_ceil(CLUSTER_FACES));
-    let mut chunk = Vec::with_capacity(CLUSTER_FACES);
-    for (_, first) in order {
-        let partner = Some(partners[first as usize]).filter(|f| *f != ALONE);
-        if chunk.len() + 1 + usize::from(partner.is_some()) > CLUSTER_FACES {
-            clusters.push(cluster(&surface, &partners, &chunk));
-            chunk.clear();
+    let (mut from, mut num_faces) = (0, 0);
+    for (i, (_, piece)) in order.iter().enumerate() {
+        let more = piece.faces().count();
+        if num_faces + more > CLUSTER_FACES {
+            clusters.push(cluster(&surface, &order[from..i]));
+            (from, num_faces) = (i, 0);
         }
-        chunk.push(first);
-        chunk.extend(partner);
+        num_faces += more;
     }
-    if !chunk.is_empty() {
-        clusters.push(cluster(&surface, &partners, &chunk));
+    if from < order.len() {
+        clusters.push(cluster(&surface, &order[from..]));
     }
     clusters
 }
@@ -107,7 +102,8 @@ fn spread(x: f32) -> u64 {
     (0..10).fold(0, |out, bit| out | (x >> bit & 1) << (3 * bit))
 }
 
-fn cluster(surface: &Surface<'_>, partners: &[u32], chunk: &[u32]) -> Cluster {
+fn cluster(surface: &Surface<'_>, of: &[(u64, MeshPiece)]) -> Cluster {
+    let chunk: Vec<u32> = of.iter().flat_map(|(_, piece)| piece.faces()).collect();
     let Surface { vertices, faces, slots, closed, .. } = *surface;
     // The corners in the order of their places, x, y and z as bits: what shares a place stands together.
     let key = |i: u32, corner: u128| {
@@ -128,48 +124,35 @@ fn cluster(surface: &Surface<'_>, partners: &[u32], chunk: &[u32]) -> Cluster {
         let corner = key as u32 as usize;
         places[corner / 3][corner % 3] = (points.len() - 1) as u8;
     }
-    let pieces = pieces_of(surface, partners, chunk, &places);
     let center = Bounds::of(points.iter().copied()).center();
     let radius = points.iter().map(|p| p.distance(center)).fold(0.0, f32::max);
     Cluster {
         center,
         radius_m: radius * 1.000_01 + 1e-6,
         slots: chunk.iter().fold(0, |bits, f| bits | slot_bit(slots[*f as usize])),
-        closed: (0..).zip(chunk).fold(0, |bits, (i, f)| bits | u64::from(closed[*f as usize] != 0) << i),
         closed_slots: chunk.iter().fold(0, |bits, f| bits | closed[*f as usize]),
         corners: places[..chunk.len()].to_vec(),
-        faces: chunk.to_vec(),
+        pieces: cluster_pieces(surface, of, &places),
         closed_pieces: (0..)
-            .zip(&pieces)
-            .fold(0, |bits, (i, p)| bits | u64::from(closed[chunk[usize::from(p.first)] as usize] != 0) << i),
-        pieces,
+            .zip(of)
+            .fold(0, |bits, (i, (_, piece))| bits | u64::from(closed[piece.first as usize] != 0) << i),
         lanes: lanes_of(&points),
+        faces: chunk,
     }
 }
 
 /// `places`: the corners of the cluster's faces, as those of [`Cluster::corners`].
-fn pieces_of(surface: &Surface<'_>, partners: &[u32], chunk: &[u32], places: &[[u8; 3]]) -> Vec<Piece> {
-    let mut pieces = Vec::with_capacity(chunk.len());
+fn cluster_pieces(surface: &Surface<'_>, of: &[(u64, MeshPiece)], places: &[[u8; 3]]) -> Vec<Piece> {
     let mut number = 0;
-    while number < chunk.len() {
-        let first = chunk[number];
-        let [a, b, c] = places[number];
-        let corners = match partners[first as usize] {
-            ALONE => None,
-            partner => quad(surface, [first, partner]),
-        };
-        let corners = corners.map(|quad| {
-            let all = [first, partners[first as usize]].map(|f| surface.faces[f as usize]);
-            let at = |i: u32| {
-                let k = all.as_flattened().iter().position(|v| *v == i).unwrap_or_default();
-                places[number + k / 3][k % 3]
-            };
-            quad.map(at)
-        });
-        pieces.push(Piece { corners: corners.unwrap_or([a, b, c, c]), first: number as u8 });
-        number += if corners.is_some() { 2 } else { 1 };
-    }
-    pieces
+    let pieces = of.iter().map(|(_, piece)| {
+        let first = number;
+        number += piece.faces().count();
+        let vertices = || piece.faces().flat_map(|f| surface.faces[f as usize]);
+        let place =
+            |vertex: u32| places[first..number].as_flattened()[vertices().position(|v| v == vertex).unwrap_or(0)];
+        Piece { corners: piece.corners.map(place), first: first as u8 }
+    });
+    pieces.collect()
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use crate::math::{DVec3, Vec3};
 
-/// What [`partners`] asks of a mesh.
+/// What [`pieces_of`] asks of a mesh.
 pub(super) struct Surface<'a> {
     pub vertices: &'a [Vec3],
     /// Shading normals, one a vertex.
@@ -14,8 +14,20 @@ pub(super) struct Surface<'a> {
     pub closed: &'a [u64],
 }
 
-/// No partner.
-pub(super) const ALONE: u32 = u32::MAX;
+/// One face of a mesh, or two that are drawn as one.
+pub(super) struct MeshPiece {
+    pub first: u32,
+    pub second: Option<u32>,
+    /// Vertices, in the order of the first face's, which are the first three; a triangle's last one stands twice.
+    pub corners: [u32; 4],
+}
+
+impl MeshPiece {
+    pub fn faces(&self) -> impl Iterator<Item = u32> + Clone {
+        std::iter::once(self.first).chain(self.second)
+    }
+}
+
 /// A corner this far from the plane of the others lies in it, metres: far less than a sensor tells.
 const FLAT_M: f64 = 2e-4;
 /// The same, share of the shorter diagonal.
@@ -28,36 +40,41 @@ pub const LEAST_WEIGHT: f32 = -2.0;
 /// Sine of the least turn from one side to the next.
 const LEAST_TURN: f64 = 1e-3;
 
-/// For each face another one, whose partner it is, or [`ALONE`]. Both share an edge, a plane and a material and form a
-/// convex quadrilateral, over which the shading normal changes evenly.
-pub(super) fn partners(surface: &Surface<'_>) -> Vec<u32> {
+/// Every face once, in order; two that share an edge, a plane and a material, and form a convex quadrilateral over which the
+/// shading normal changes evenly, are one piece, which goes by its first face.
+pub(super) fn pieces_of(surface: &Surface<'_>) -> Vec<MeshPiece> {
     // Lower and higher vertex, and the face.
     let mut edges: Vec<(u32, u32, u32)> = Vec::with_capacity(3 * surface.faces.len());
     for ([a, b, c], face) in surface.faces.iter().zip(0..) {
         edges.extend([(a, b), (b, c), (c, a)].map(|(p, q)| (*p.min(q), *p.max(q), face)));
     }
     edges.sort_unstable();
-    let mut pairs: Vec<[u32; 2]> = Vec::new();
+    let mut pairs: Vec<MeshPiece> = Vec::new();
     for group in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
         if let [(.., f), (.., g)] = group
-            && quad(surface, [*f, *g]).is_some()
+            && let Some(corners) = quad(surface, [*f, *g])
         {
-            pairs.push([*f, *g]);
+            pairs.push(MeshPiece { first: *f, second: Some(*g), corners });
         }
     }
     // Who made a quadrilateral wrote its halves one after the other.
-    pairs.sort_unstable_by_key(|[f, g]| (f.abs_diff(*g), *f));
-    let mut partners = vec![ALONE; surface.faces.len()];
-    for [f, g] in pairs.into_iter().map(|pair| pair.map(|f| f as usize)) {
-        if partners[f] == ALONE && partners[g] == ALONE {
-            (partners[f], partners[g]) = (g as u32, f as u32);
+    pairs.sort_by_key(|pair| (pair.second.map(|second| second - pair.first), pair.first));
+    let mut is_paired = vec![false; surface.faces.len()];
+    pairs.retain(|pair| {
+        let is_free = pair.faces().all(|f| !is_paired[f as usize]);
+        if is_free {
+            pair.faces().for_each(|f| is_paired[f as usize] = true);
         }
-    }
-    partners
+        is_free
+    });
+    let alone = surface.faces.iter().zip(0..).filter(|(_, face)| !is_paired[*face as usize]);
+    pairs.extend(alone.map(|([a, b, c], first)| MeshPiece { first, second: None, corners: [*a, *b, *c, *c] }));
+    pairs.sort_unstable_by_key(|piece| piece.first);
+    pairs
 }
 
 /// The corners of the quadrilateral that two faces form, in the order of the first, whose corners are the first three.
-pub(super) fn quad(surface: &Surface<'_>, pair: [u32; 2]) -> Option<[u32; 4]> {
+fn quad(surface: &Surface<'_>, pair: [u32; 2]) -> Option<[u32; 4]> {
     let [f, g] = pair.map(|f| f as usize);
     if surface.slots[f] != surface.slots[g] || surface.closed[f] != surface.closed[g] {
         return None;
@@ -103,9 +120,18 @@ fn is_even([a, b, c, d]: &[DVec3; 4], [na, nb, nc, nd]: &[DVec3; 4]) -> bool {
 mod tests {
     use super::*;
 
+    /// No partner.
+    const ALONE: u32 = u32::MAX;
+
     fn partners_of(vertices: &[Vec3], normals: &[Vec3], faces: &[[u32; 3]]) -> Vec<u32> {
         let (slots, closed) = (vec![0; faces.len()], vec![0; faces.len()]);
-        partners(&Surface { vertices, normals, faces, slots: &slots, closed: &closed })
+        let mut partners = vec![ALONE; faces.len()];
+        for piece in pieces_of(&Surface { vertices, normals, faces, slots: &slots, closed: &closed }) {
+            if let Some(second) = piece.second {
+                (partners[piece.first as usize], partners[second as usize]) = (second, piece.first);
+            }
+        }
+        partners
     }
 
     #[test]

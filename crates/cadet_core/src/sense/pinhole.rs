@@ -109,7 +109,7 @@ impl PinholeGrid {
         [self.columns_x[0][0], self.columns_x[1][w], self.rows_y[0], self.rows_y[h]]
     }
 
-    /// A triangle that reaches behind the camera or nearly so: everything, unless one side of the view excludes it.
+    /// A face that reaches behind the camera or nearly so: everything, unless one side of the view excludes it.
     #[cold]
     fn window_of_crossing(&self, corners: &[DVec3]) -> Window {
         let [left, right, top, bottom] = self.edges();

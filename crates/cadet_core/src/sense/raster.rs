@@ -180,8 +180,8 @@ impl Drawer<'_> {
         let is_mixed =
             (cluster.slots & item.glass != 0 && cluster.slots & !item.glass != 0) || cluster.slots >> 63 != 0;
         // What bounds a solid, and may be seen through nowhere, has one side.
-        let has_one_side = item.is_outside && cluster.closed_slots & item.glass == 0 && cluster.closed_slots >> 63 == 0;
-        let one_sided = if has_one_side { cluster.closed_pieces } else { 0 };
+        let is_solid = item.is_outside && cluster.closed_slots & item.glass == 0 && cluster.closed_slots >> 63 == 0;
+        let one_sided = if is_solid { cluster.closed_pieces } else { 0 };
         for (pieces, first) in cluster.pieces.chunks(LANES).zip((0..).step_by(LANES)) {
             let mut places = [[[0.0_f32; LANES]; 3]; 4];
             for (i, piece) in pieces.iter().enumerate() {

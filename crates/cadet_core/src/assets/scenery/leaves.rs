@@ -24,7 +24,7 @@ impl Leaves {
     /// Adds a card: a flat kite about `middle`, its area about `size`^2, that faces `facing`; its shading normal is bent to
     /// `outward`.
     pub fn card(&mut self, s: &mut Stream, middle: Vec3, facing: Vec3, outward: Vec3, size: f32) {
-        self.card_within(s, middle, facing, outward, size, (middle, f32::MAX));
+        self.card_within(s, middle, facing, outward, size, (middle, f32::INFINITY));
     }
 
     /// Adds a card that keeps within a ball (center, radius), moved inwards and shrunk: large ones do not widen the crown.

@@ -121,7 +121,7 @@ impl Map {
         }
     }
 
-    /// Those of a cluster that cast shadows.
+    /// The pieces of a cluster that cast shadows.
     fn casters_of<'a>(
         &'a self,
         instance: &'a PosedInstance,
@@ -182,6 +182,7 @@ impl Map {
                 for axis in 0..3 {
                     for i in 0..LANES {
                         let [a, b, c, d] = lanes.each_ref().map(|corner| corner[axis][i]);
+                        // Of a triangle, whose last corner stands twice, nearer to that one.
                         let middle = ((a + c) + (b + d)) * 0.25;
                         for corner in &mut lanes {
                             corner[axis][i] = middle + (corner[axis][i] - middle) * scale;
