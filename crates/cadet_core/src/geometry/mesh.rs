@@ -1,8 +1,5 @@
 //! Triangle meshes, their bounds and their levels of detail.
 
-use std::ops::Deref;
-use std::sync::{Arc, LazyLock};
-
 use super::cluster::{Cluster, clusters_of};
 use super::columns::{Column, LazyColumns};
 use crate::error::{Error, Result};
@@ -139,73 +136,5 @@ impl Mesh {
             *face = number;
         }
         Self { vertices, normals, faces, slots, bounds, clusters, columns: LazyColumns::default() }
-    }
-}
-
-/// A mesh that is made when somebody first looks at it, and then kept; copies share it.
-#[derive(Debug, Clone)]
-pub struct LazyMesh(Arc<LazyLock<Arc<Mesh>, MakeMesh>>);
-
-type MakeMesh = Box<dyn FnOnce() -> Arc<Mesh> + Send>;
-
-impl LazyMesh {
-    /// A mesh that `make` will make.
-    #[must_use]
-    pub fn new(make: impl FnOnce() -> Mesh + Send + 'static) -> Self {
-        Self(Arc::new(LazyLock::new(Box::new(move || Arc::new(make())))))
-    }
-}
-
-impl Deref for LazyMesh {
-    type Target = Arc<Mesh>;
-
-    fn deref(&self) -> &Arc<Mesh> {
-        &self.0
-    }
-}
-
-impl PartialEq for LazyMesh {
-    fn eq(&self, other: &Self) -> bool {
-        **self == **other
-    }
-}
-
-/// One shape at several levels of detail, the finest first.
-#[derive(Debug, Clone)]
-pub struct LodSet {
-    /// Bounds of the finest level.
-    pub bounds: Bounds,
-    /// (used up to this distance from the ego in metres, mesh); beyond the last limit the shape is left out.
-    pub levels: Vec<(f32, LazyMesh)>,
-}
-
-impl LodSet {
-    /// A shape with one level.
-    #[must_use]
-    pub fn single(mesh: Mesh) -> Self {
-        Self { bounds: mesh.bounds, levels: vec![(f32::INFINITY, LazyMesh::new(|| mesh))] }
-    }
-
-    /// A shape of which the finest level is there, and the others are made when they are needed.
-    #[must_use]
-    pub fn new((limit, finest): (f32, Mesh), coarser: impl IntoIterator<Item = (f32, LazyMesh)>) -> Self {
-        let bounds = finest.bounds;
-        let finest = (limit, LazyMesh::new(|| finest));
-        Self { bounds, levels: std::iter::once(finest).chain(coarser).collect() }
-    }
-
-    /// The finest mesh.
-    ///
-    /// # Panics
-    /// If there is no level at all, which is a bug in the asset.
-    #[must_use]
-    pub fn finest(&self) -> &Arc<Mesh> {
-        &self.levels.first().expect("a shape has at least one level").1
-    }
-
-    /// The mesh for a distance from the ego; `None` where the shape is too far to matter.
-    #[must_use]
-    pub fn select(&self, distance_m: f32) -> Option<&Arc<Mesh>> {
-        self.levels.iter().find(|(limit, _)| distance_m <= *limit).map(|(_, mesh)| &**mesh)
     }
 }

@@ -1,6 +1,7 @@
 //! What a beam meets first: the posed triangles, the visibility kernel over grids of beams, and parry for single rays.
 
 mod block_drawing;
+mod detail;
 mod edges;
 mod face_trees;
 mod grid;

@@ -6,6 +6,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::detail::{detail_for, distances};
 use crate::geometry::{Cluster, LANES, Lanes, Mesh};
 use crate::instance::Instance;
 use crate::material::{Material, Palette};
@@ -118,14 +119,16 @@ pub struct PosedScene {
 }
 
 impl PosedScene {
-    /// Chooses levels of detail by the distance to `viewer_world` (the ego) and leaves out what is too small at its
-    /// distance.
+    /// Chooses levels of detail by the distance to `viewer_world` (the ego) and the number of triangles near it, and leaves
+    /// out what is too small at its distance.
     #[must_use]
     pub fn new(instances: &[Instance], viewer_world: DVec3) -> Self {
         let mut scene = Self { instances: Vec::with_capacity(instances.len()) };
         let mut num_vertices = 0;
+        let detail = detail_for(instances, viewer_world);
         for instance in instances {
-            let Some(mesh) = level_for(instance, viewer_world) else { continue };
+            let (_, distance_m) = distances(instance, viewer_world);
+            let Some(mesh) = instance.shape.select(distance_m, detail) else { continue };
             let placement = Placement::new(&instance.world_from_local);
             let start = num_vertices;
             num_vertices += mesh.vertices.len();
@@ -165,13 +168,4 @@ impl PosedScene {
     pub fn num_triangles(&self) -> usize {
         self.instances.iter().map(|i| i.mesh.faces.len()).sum()
     }
-}
-
-/// The level of detail of an instance, by the distance from the viewer to the bounds of its finest level, so that the
-/// choice does not depend on the choice.
-fn level_for(instance: &Instance, viewer_world: DVec3) -> Option<&Arc<Mesh>> {
-    let bounds = &instance.shape.bounds;
-    let middle = instance.world_from_local.transform_point(bounds.center().as_dvec3());
-    let distance_m = ((middle - viewer_world).length() - f64::from(bounds.size().length()) / 2.0).max(0.0);
-    instance.shape.select(distance_m as f32)
 }

@@ -21,7 +21,7 @@ use tube::Tubes;
 /// Phases of the gait cycle that have a shape: 3 cm of way each.
 const NUM_PHASES: usize = 48;
 /// Where the levels of detail end, metres from the ego.
-const LEVEL_LIMITS_M: [f32; 3] = [15.0, 35.0, f32::INFINITY];
+const LEVEL_LIMITS_M: [f32; 3] = [9.0, 22.0, f32::INFINITY];
 
 /// A person's shape, in the box frame: x forward, y left, z up, origin on the ground.
 #[derive(Debug, Clone)]
@@ -80,7 +80,7 @@ impl PersonModel {
             };
             let finest = grounded(&self.proportions, k, 0);
             let bounds = Bounds::of(finest.vertices.iter().map(|v| *v + self.offset));
-            LodSet { bounds, levels: (0..3).map(level).collect() }
+            LodSet { bounds, levels: (0..3).map(level).collect(), is_elastic: false }
         });
         shape.clone()
     }

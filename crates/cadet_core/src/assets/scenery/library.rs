@@ -88,13 +88,7 @@ pub fn tree(kind: TreeKind, variant: usize) -> SceneryModel {
             let palette = plant_palette(&mut Stream::from_seed(&name, 0), kind.is_evergreen());
             let half = DVec2::splat(f64::from(design.crown_radius));
             let height_m = f64::from(design.height);
-            let shape = if kind == TreeKind::Shrub {
-                Detail::levels([25.0, 55.0, 160.0], move |d| design.mesh(d))
-            } else {
-                let coarser = [(72.0, Detail::Mid), (112.0, Detail::Far), (f32::INFINITY, Detail::Distant)];
-                Arc::new(Detail::level_set(41.0, coarser, move |d| design.mesh(d)))
-            };
-            model(name, shape, palette, half, height_m)
+            model(name, Arc::new(design.shape()), palette, half, height_m)
         })
         .clone()
 }
@@ -111,7 +105,7 @@ pub fn hedge(variant: usize, piece: usize) -> SceneryModel {
             let (height, depth) = hedges::SECTIONS_M[variant];
             let name = format!("hedge/{variant}/{length_m}");
             let palette = plant_palette(&mut Stream::from_seed("hedge", variant as u64), variant % 2 == 0);
-            let shape = Detail::levels([26.0, 55.0, 180.0], move |d| hedges::mesh(variant, length_m as f32, d));
+            let shape = Detail::levels([18.0, 40.0, 180.0], move |d| hedges::mesh(variant, length_m as f32, d));
             SceneryModel {
                 name,
                 shape,

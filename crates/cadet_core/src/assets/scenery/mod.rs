@@ -17,6 +17,7 @@ pub mod materials;
 mod pole;
 mod roof;
 mod tree;
+mod tree_levels;
 
 use std::sync::Arc;
 
@@ -76,31 +77,19 @@ enum Detail {
     Near,
     Mid,
     Far,
-    /// Of trees alone: what closes the horizon.
-    Distant,
 }
 
 impl Detail {
-    /// Levels of detail that change at the given distances from the ego; beyond the last one nothing is seen.
+    /// Levels of detail that change at the given distances from the ego, the coarser ones made when they are needed;
+    /// beyond the last one nothing is seen.
     fn levels([near, mid, far]: [f32; 3], mesh: impl Fn(Self) -> Mesh + Send + Sync + 'static) -> Arc<LodSet> {
-        Arc::new(Self::level_set(near, [(mid, Self::Mid), (far, Self::Far)], mesh))
-    }
-
-    /// The near level up to a distance, and coarser ones that are made when they are needed.
-    fn level_set<const N: usize>(
-        near: f32,
-        coarser: [(f32, Self); N],
-        mesh: impl Fn(Self) -> Mesh + Send + Sync + 'static,
-    ) -> LodSet {
         let mesh = Arc::new(mesh);
         let finest = (near, mesh(Self::Near));
-        LodSet::new(
-            finest,
-            coarser.map(|(limit, detail)| {
-                let mesh = Arc::clone(&mesh);
-                (limit, LazyMesh::new(move || mesh(detail)))
-            }),
-        )
+        let coarser = [(mid, Self::Mid), (far, Self::Far)].map(|(limit, detail)| {
+            let mesh = Arc::clone(&mesh);
+            (limit, LazyMesh::new(move || mesh(detail)))
+        });
+        Arc::new(LodSet::new(finest, coarser))
     }
 
     /// The value for this level.
@@ -108,7 +97,7 @@ impl Detail {
         match self {
             Self::Near => near,
             Self::Mid => mid,
-            Self::Far | Self::Distant => far,
+            Self::Far => far,
         }
     }
 }

@@ -44,7 +44,7 @@ impl Pitched {
         let run = (1.0 + self.slope * self.slope).sqrt() * reach_x;
         let courses = match detail {
             Detail::Near => (run / COURSE_M).ceil() as usize,
-            Detail::Mid | Detail::Far | Detail::Distant => 1,
+            Detail::Mid | Detail::Far => 1,
         };
         let lift = if courses > 1 { LIFT_M } else { 0.0 };
         // Half extents of the surface at a horizontal inset from the eaves.

@@ -1,10 +1,13 @@
 //! Trees and shrubs: trunk, limbs and a crown of leaf clusters with real gaps.
 
+use std::sync::Arc;
+
+use super::Mesh;
 use super::draw::{direction, path_tube, range, tube};
 use super::leaves::Leaves;
 use super::materials::plant_slot as slot;
-use super::{Detail, Mesh};
-use crate::geometry::MeshBuilder;
+use super::tree_levels::{self, Level};
+use crate::geometry::{LazyMesh, LodSet, MeshBuilder, NEAR_M};
 use crate::math::{Vec3, cosf, sinf};
 use crate::rng::Stream;
 
@@ -51,6 +54,12 @@ impl TreeKind {
 pub(super) struct Blob {
     pub center: Vec3,
     pub radius: f32,
+}
+
+impl Blob {
+    fn volume(&self) -> f32 {
+        self.radius * self.radius * self.radius * 4.19
+    }
 }
 
 /// The drawn measures of one tree.
@@ -122,20 +131,67 @@ impl TreeDesign {
         blobs
     }
 
-    /// Draws the tree.
-    pub fn mesh(&self, detail: Detail) -> Mesh {
+    /// The tree, each level made when it is needed.
+    pub fn shape(self) -> LodSet {
+        let is_elastic = self.kind != TreeKind::Shrub;
+        let levels = match self.kind {
+            TreeKind::Shrub => tree_levels::of_shrub(),
+            TreeKind::Conifer => tree_levels::of_tree(4200.0, NEAR_M, |leaves| self.card_width_m(leaves)),
+            _ => tree_levels::of_tree(5200.0, NEAR_M, |leaves| self.card_width_m(leaves)),
+        };
+        let (finest, coarser) = levels.split_first().expect("there are levels");
+        let mesh = self.mesh(finest);
+        let design = Arc::new(self);
+        let coarser = coarser.iter().map(|level| {
+            let (design, level) = (Arc::clone(&design), *level);
+            (level.to_m, LazyMesh::new(move || design.mesh(&level)))
+        });
+        LodSet { is_elastic, ..LodSet::new((finest.to_m, mesh), coarser) }
+    }
+
+    /// Area of all leaves, m^2.
+    fn leaf_area(&self) -> f32 {
+        let (volume, share) = match self.kind {
+            TreeKind::Conifer => {
+                let span = self.height - self.crown_base;
+                (1.05 * self.crown_radius * self.crown_radius * span, 1.9)
+            }
+            // Blobs overlap, so the area is spread over less than the sum of their volumes.
+            kind => (self.blobs.iter().map(Blob::volume).sum(), if kind == TreeKind::Shrub { 3.0 } else { 0.8 }),
+        };
+        volume * LEAF_AREA_PER_M3 * share
+    }
+
+    /// The side of a square as large as a card, which is two triangles, if there are so many of them.
+    fn card_width_m(&self, leaves: f32) -> f32 {
+        let smallest: f32 = match self.kind {
+            TreeKind::Conifer => 0.15,
+            TreeKind::Shrub => 0.09,
+            _ => 0.2,
+        };
+        (2.0 * self.leaf_area() / leaves).sqrt().max(smallest)
+    }
+
+    /// A card's width, and how many cards there are.
+    fn cards(&self, level: &Level) -> (f32, usize) {
+        let size = self.card_width_m(level.leaves);
+        let triangles = ((2.0 * self.leaf_area() / (size * size)) as usize).min(level.leaves as usize);
+        (size, triangles / 2)
+    }
+
+    fn mesh(&self, level: &Level) -> Mesh {
         let mut wood = MeshBuilder::new();
         let mut leaves = Leaves::default();
         let mut s = Stream::from_seed("crown", self.seed);
         match self.kind {
-            TreeKind::Conifer => self.conifer(&mut wood, &mut leaves, &mut s, detail),
-            _ => self.broad_leaved(&mut wood, &mut leaves, &mut s, detail),
+            TreeKind::Conifer => self.conifer(&mut wood, &mut leaves, &mut s, level),
+            _ => self.broad_leaved(&mut wood, &mut leaves, &mut s, level),
         }
         leaves.build(self.kind.name(), &wood)
     }
 
-    fn broad_leaved(&self, wood: &mut MeshBuilder, leaves: &mut Leaves, s: &mut Stream, detail: Detail) {
-        let sides = detail.pick(8, 6, 3);
+    fn broad_leaved(&self, wood: &mut MeshBuilder, leaves: &mut Leaves, s: &mut Stream, level: &Level) {
+        let sides = level.sides;
         let fork = self.crown_base + (self.height - self.crown_base) * 0.35;
         if self.kind == TreeKind::Shrub {
             let top = Vec3::Z * self.height * 0.6;
@@ -146,39 +202,22 @@ impl TreeDesign {
             let r = self.trunk_radius;
             let stations =
                 [(bend(-0.4), r * 1.35), (bend(0.25), r * 1.08), (bend(fork * 0.6), r * 0.85), (bend(fork), r * 0.6)];
-            if detail >= Detail::Far {
-                path_tube(wood, &[stations[0], stations[3]], sides, slot::BARK);
-            } else {
+            if level.is_bent {
                 path_tube(wood, &stations, sides, slot::BARK);
+            } else {
+                path_tube(wood, &[stations[0], stations[3]], sides, slot::BARK);
             }
-            for blob in self.blobs.iter().take(detail.pick(8, 5, 0)) {
+            for blob in self.blobs.iter().take(level.limbs) {
                 let start = bend(fork * range(s, 0.72, 0.98));
                 let knee = start.lerp(blob.center, 0.5) + Vec3::Z * 0.25;
                 path_tube(wood, &[(start, r * 0.45), (knee, r * 0.3), (blob.center, r * 0.1)], 5, slot::BARK);
             }
         }
-        let mut weights = Vec::new();
-        let mut volume = 0.0;
-        for blob in &self.blobs {
-            let v = blob.radius * blob.radius * blob.radius * 4.19;
-            weights.push(f64::from(v));
-            volume += v;
-        }
-        // Blobs overlap, so the area is spread over less than the sum of their volumes.
-        let shrub = self.kind == TreeKind::Shrub;
-        let area = volume * LEAF_AREA_PER_M3 * if shrub { 3.0 } else { 0.8 };
-        let budget: f32 = match detail {
-            Detail::Distant => 28.0,
-            _ if shrub => detail.pick(900.0, 200.0, 20.0),
-            _ => detail.pick(5200.0, 1250.0, 80.0),
-        };
-        let smallest: f32 = if shrub { 0.09 } else { 0.2 };
-        let size = (2.0 * area / budget).sqrt().max(smallest);
-        let count = ((2.0 * area / (size * size)) as usize).min(budget as usize);
-        let per_cluster = detail.pick(10, 4, 1);
+        let weights: Vec<f64> = self.blobs.iter().map(|blob| f64::from(blob.volume())).collect();
+        let (size, count) = self.cards(level);
+        let per_cluster = level.per_cluster;
         let middle = Vec3::Z * (self.crown_base + self.height) * 0.5;
-        // A card is two triangles.
-        for _ in 0..(count / 2).div_ceil(per_cluster) {
+        for _ in 0..count.div_ceil(per_cluster) {
             let blob = self.blobs[s.weighted(&weights)];
             // Cubic root for an even fill, a little denser at the outside where the light is.
             let rho = crate::math::powf(s.unit() as f32, 0.28);
@@ -196,17 +235,13 @@ impl TreeDesign {
         }
     }
 
-    fn conifer(&self, wood: &mut MeshBuilder, leaves: &mut Leaves, s: &mut Stream, detail: Detail) {
+    fn conifer(&self, wood: &mut MeshBuilder, leaves: &mut Leaves, s: &mut Stream, level: &Level) {
         let foot = (Vec3::new(0.0, 0.0, -0.4), self.trunk_radius * 1.2);
-        tube(wood, foot, (Vec3::Z * self.height * 0.95, 0.02), detail.pick(7, 5, 3), slot::BARK);
+        tube(wood, foot, (Vec3::Z * self.height * 0.95, 0.02), level.sides, slot::BARK);
         let span = self.height - self.crown_base;
-        let volume = 1.05 * self.crown_radius * self.crown_radius * span;
-        let area = volume * LEAF_AREA_PER_M3 * 1.9;
-        let budget: f32 = if detail == Detail::Distant { 28.0 } else { detail.pick(4200.0, 1000.0, 70.0) };
-        let size = (2.0 * area / budget).sqrt().max(0.15);
-        let count = ((2.0 * area / (size * size)) as usize).min(budget as usize);
+        let (size, count) = self.cards(level);
         let layers = (span / 0.55).ceil();
-        for _ in 0..count / 2 {
+        for _ in 0..count {
             // A cone has most of its volume low; layers droop outwards.
             let t = 1.0 - crate::math::powf(s.unit() as f32, 0.45);
             let t = ((t * layers).floor() + range(s, 0.15, 0.85)) / layers;

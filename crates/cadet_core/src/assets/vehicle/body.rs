@@ -38,10 +38,12 @@ pub(super) fn add_lower_body(surface: &mut Surface, o: &Outline, styling: &Styli
     } else {
         add_coarse_floor(surface, o);
     }
-    add_decks(surface, o, &columns, level);
+    let lateral: &[f32] = [&[0.0, 0.3, 0.6, 0.82, 0.94, 1.0][..], &[0.0, 0.5, 0.85, 1.0], &[0.0, 0.7, 1.0]][level];
+    add_decks(surface, o, &columns, lateral, |c| level < 2 || c.arch.is_none());
 }
 
-fn shell_slot(a: &Column, b: &Column, v: f32, styling: &Styling, half_length: f32) -> u8 {
+/// The material of the cell between two columns at a height fraction.
+pub(super) fn shell_slot(a: &Column, b: &Column, v: f32, styling: &Styling, half_length: f32) -> u8 {
     let f = 0.5 * (a.face.lateral() + b.face.lateral());
     let is_nose = matches!(a.face, Face::Nose(_));
     let is_tail = matches!(b.face, Face::Tail(_));
@@ -136,14 +138,20 @@ fn add_coarse_floor(surface: &mut Surface, o: &Outline) {
     }
 }
 
-fn add_decks(surface: &mut Surface, o: &Outline, columns: &[Column], level: usize) {
-    let lateral: &[f32] = [&[0.0, 0.3, 0.6, 0.82, 0.94, 1.0][..], &[0.0, 0.5, 0.85, 1.0], &[0.0, 0.7, 1.0]][level];
+/// Adds bonnet and boot lid, whose bonnet has a row at each column that is wanted.
+pub(super) fn add_decks(
+    surface: &mut Surface,
+    o: &Outline,
+    columns: &[Column],
+    lateral: &[f32],
+    is_wanted: impl Fn(&Column) -> bool,
+) {
     let row = |c: &Column| -> Vec<Vec3> { lateral.iter().map(|t| o.deck(c, *t)).collect() };
     let up = Outward::Along(Vec3::Z);
     let bonnet: Vec<&Column> = columns
         .iter()
         .filter(|c| c.x >= o.screen_foot_x - 1e-3 && !c.is_seam)
-        .filter(|c| level < 2 || c.arch.is_none() || (c.x - o.screen_foot_x).abs() < 1e-3)
+        .filter(|c| is_wanted(c) || (c.x - o.screen_foot_x).abs() < 1e-3)
         .collect();
     let rows: Vec<Vec<Vec3>> = bonnet.iter().map(|c| row(c)).collect();
     surface.pair(&rows, up, |_, _| Some(slot::PAINT));

@@ -21,7 +21,7 @@ pub(super) struct Fittings {
 
 /// Adds what lies inside the label's box.
 pub(super) fn add_fittings(surface: &mut Surface, o: &Outline, house: &Glasshouse, fittings: &Fittings, level: usize) {
-    add_plates(surface, o, fittings, level);
+    add_plates(surface, o, fittings, level == 0);
     if level < 2 {
         add_shut_lines(surface, o, house, level);
         add_handles(surface, o, house);
@@ -151,7 +151,8 @@ fn add_handles(surface: &mut Surface, o: &Outline, house: &Glasshouse) {
     }
 }
 
-fn add_plates(surface: &mut Surface, o: &Outline, fittings: &Fittings, level: usize) {
+/// Number plates, lettered or not.
+pub(super) fn add_plates(surface: &mut Surface, o: &Outline, fittings: &Fittings, has_letters: bool) {
     let d = &o.d;
     let columns = o.columns(0);
     let (nose, tail) = (&columns[0], &columns[columns.len() - 1]);
@@ -177,7 +178,7 @@ fn add_plates(surface: &mut Surface, o: &Outline, fittings: &Fittings, level: us
         };
         let facing = Outward::Along(Vec3::new(out, 0.0, 0.0));
         surface.sheet(&sheet(half_w, half_h, x), facing, |_, _| Some(slot::PLATE));
-        if level == 0 {
+        if has_letters {
             let x = x + 0.0005 * out;
             for k in 0..7 {
                 let y = half_w * (0.72 - 0.26 * k as f32) + if k > 2 { -0.02 } else { 0.0 };

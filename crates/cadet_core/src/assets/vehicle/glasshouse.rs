@@ -17,14 +17,15 @@ fn capped(rows: &[f32], limit: f32) -> Vec<f32> {
     rows.iter().map(inner).collect()
 }
 
+/// What follows a post: its own width, or a window.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Cell {
+pub(super) enum Cell {
     Pillar(u8),
     Pane(u8),
 }
 
 /// Lines from the belt to the roof's edge: x at the foot, x at the top, what follows behind.
-type Post = (f32, f32, Cell);
+pub(super) type Post = (f32, f32, Cell);
 
 /// The upper body's shape.
 #[derive(Debug)]
@@ -33,7 +34,8 @@ pub(super) struct Glasshouse<'a> {
     /// x of the roof's front and rear edge at the sides.
     pub header_x: f32,
     pub rear_header_x: f32,
-    apex_x: f32,
+    /// x where the roof is highest.
+    pub apex_x: f32,
     edge_drop: f32,
     bulge: f32,
     header_bow: f32,
@@ -159,7 +161,8 @@ impl<'a> Glasshouse<'a> {
         Vec3::new(x, foot - (z - d.belt) * d.tumblehome - narrowing * t * t, z)
     }
 
-    fn roof(&self, x: f32, t: f32) -> Vec3 {
+    /// A point of the roof, lateral fraction.
+    pub fn roof(&self, x: f32, t: f32) -> Vec3 {
         let edge = self.cant(x);
         // Headers bow outward in plan.
         let front = ((x - self.apex_x) / (self.header_x - self.apex_x)).max(0.0);
@@ -169,12 +172,14 @@ impl<'a> Glasshouse<'a> {
         Vec3::new(bowed, edge.y * t, self.roof_z(x) - self.drop(t))
     }
 
-    fn side(&self, foot_x: f32, top_x: f32, v: f32) -> Vec3 {
+    /// A point of the side above the belt line, by the ends of a line and a height fraction.
+    pub fn side(&self, foot_x: f32, top_x: f32, v: f32) -> Vec3 {
         let p = self.o.glass_foot(foot_x).lerp(self.cant(top_x), v);
         p + Vec3::Y * (self.bulge * 4.0 * v * (1.0 - v))
     }
 
-    fn screen(&self, is_front: bool, t: f32, s: f32) -> Vec3 {
+    /// A point of windscreen or backlight, lateral fraction and height fraction.
+    pub fn screen(&self, is_front: bool, t: f32, s: f32) -> Vec3 {
         let o = self.o;
         let (foot_x, bow, top_x) = if is_front {
             (o.screen_foot_x, o.d.cowl_x - o.screen_foot_x, self.header_x)
@@ -250,6 +255,16 @@ impl<'a> Glasshouse<'a> {
             })
             .collect();
         surface.pair(&ledge, Outward::Along(Vec3::Z), |_, _| Some(slot::PAINT));
+    }
+
+    /// The posts without the black ones between panes.
+    pub fn outer_posts(&self) -> Vec<Post> {
+        let black = Cell::Pillar(slot::PLASTIC);
+        let is_between = |i: usize| {
+            let is_pane = |i: usize| self.posts.get(i).is_some_and(|post| matches!(post.2, Cell::Pane(_)));
+            (self.posts[i].2 == black && is_pane(i + 1)) || (i > 0 && self.posts[i - 1].2 == black && is_pane(i))
+        };
+        (0..self.posts.len()).filter(|i| !is_between(*i)).map(|i| self.posts[i]).collect()
     }
 
     /// The posts with the panes' inner lines between them.

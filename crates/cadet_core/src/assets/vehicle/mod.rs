@@ -3,6 +3,7 @@
 mod body;
 mod details;
 mod dimensions;
+mod distant;
 mod glasshouse;
 mod imported;
 mod imported_materials;
@@ -38,7 +39,8 @@ use surface::Surface;
 use wheels::Rim;
 
 /// Where the levels of detail end, metres from the ego.
-const LEVEL_LIMITS_M: [f32; 3] = [15.0, 32.0, f32::INFINITY];
+const LEVEL_LIMITS_M: [f32; LEVELS] = [11.0, 32.0, 80.0, f32::INFINITY];
+const LEVELS: usize = 4;
 /// Nobody sees wheels beyond this distance (a wheel is 3 pixels tall there), metres.
 const WHEELS_TO_M: f32 = 150.0;
 /// Nobody sees who sits inside beyond this distance, metres.
@@ -118,23 +120,30 @@ impl VehicleModel {
         let house = Glasshouse::new(&outline, slot::REAR_SIDE_GLASS);
         let seats = Seats::new(&outline, &house);
         let lods = |make: &mut dyn FnMut(usize) -> Surface, crease: f32, to_m: f32| {
-            let builders = [make(0), make(1), make(2)].map(|surface| surface.builder);
+            let builders = std::array::from_fn::<_, LEVELS, _>(|k| make(k).builder);
             let (bounds, name, mut k) = (builders[0].bounds(), d.name, 0);
             let levels = builders.map(|builder| {
                 let limit = LEVEL_LIMITS_M[k].min(to_m);
                 k += 1;
                 (limit, LazyMesh::new(move || builder.build(name, crease)))
             });
-            Arc::new(LodSet { bounds, levels: levels.into() })
+            Arc::new(LodSet { bounds, levels: levels.into(), is_elastic: false })
         };
-        let mut fits = Vec::with_capacity(3);
+        let mut fits = Vec::with_capacity(LEVELS);
         let body = lods(
             &mut |k| {
-                let mut surface = Self::shell(&outline, &house, &styling, &fittings, has_sunroof, k);
+                let is_distant = k == LEVELS - 1;
+                let mut surface = if is_distant {
+                    distant::body(&outline, &house, &styling, &fittings)
+                } else {
+                    Self::shell(&outline, &house, &styling, &fittings, has_sunroof, k)
+                };
                 let fit = Fit::of(&surface, &d);
                 fits.push(fit);
-                details::add_mirrors_and_aerial(&mut surface, &outline, &house, &fittings, k);
-                interior::add_interior(&mut surface, &outline, &house, &seats, k);
+                if !is_distant {
+                    details::add_mirrors_and_aerial(&mut surface, &outline, &house, &fittings, k);
+                    interior::add_interior(&mut surface, &outline, &house, &seats, k);
+                }
                 fit.apply(&mut surface);
                 surface
             },
@@ -143,7 +152,7 @@ impl VehicleModel {
         );
         let driver = lods(
             &mut |k| {
-                let mut surface = interior::occupants(&outline, &seats, has_passenger, k);
+                let mut surface = interior::occupants(&outline, &seats, has_passenger, k.min(LEVELS - 2));
                 fits[k].apply(&mut surface);
                 surface
             },

@@ -185,7 +185,7 @@ fn panes_lie_over_real_openings() {
         let model = VehicleModel::generate(ObjectClass::Car, seed);
         let o = outline(ObjectClass::Car, seed);
         let house = Glasshouse::new(&o, slot::REAR_SIDE_GLASS);
-        for (level, (_, mesh)) in model.body.levels.iter().enumerate() {
+        for (level, (_, mesh)) in model.body.levels[..3].iter().enumerate() {
             let (glass, body) = (Target::new(mesh, is_pane), Target::new(mesh, |s| !is_pane(s)));
             let through = |name: &str, from: Vec3, to: Vec3, first: u8| {
                 let pane = glass.cast(from, to - from).unwrap_or_else(|| panic!("{} {name}: no pane", model.name));
@@ -205,6 +205,35 @@ fn panes_lie_over_real_openings() {
             let back = house.on_backlight(0.35, 0.5);
             through("backlight", back + Vec3::new(-3.0, 0.0, 0.6), back, slot::REAR_GLASS);
         }
+    }
+}
+
+#[test]
+fn far_away_windows_are_dark_and_wheels_stand_in_dark_arches() {
+    for seed in 0..60 {
+        let model = VehicleModel::generate(ObjectClass::Car, seed);
+        let o = outline(ObjectClass::Car, seed);
+        let house = Glasshouse::new(&o, slot::REAR_SIDE_GLASS);
+        let body = Target::new(&model.body.levels[3].1, |_| true);
+        let seen = |from: Vec3, to: Vec3| {
+            let hit = body.cast(from, to - from).unwrap_or_else(|| panic!("{}: nothing at {to}", model.name));
+            assert!(hit.is_outside, "{} faces inward at {}", model.name, hit.point);
+            hit.slot
+        };
+        let (x, belt) = (house.b_pillar_x + 0.22, o.d.belt);
+        for side in [1.0, -1.0] {
+            let z = 0.55 * belt + 0.45 * house.cant(x).z;
+            assert_eq!(seen(Vec3::new(x, 3.0 * side, z), Vec3::new(x, 0.0, z)), slot::DARK_GLASS, "{}", model.name);
+            for axle in o.d.axles_x {
+                let z = o.d.wheel_radius + 0.1;
+                let arch = seen(Vec3::new(axle, 3.0 * side, z), Vec3::new(axle, 0.0, z));
+                assert_eq!(arch, slot::LINER, "{}", model.name);
+            }
+        }
+        let screen = house.on_screen(0.3, 0.5);
+        assert_eq!(seen(screen + Vec3::new(3.0, 0.0, 0.3), screen), slot::DARK_GLASS, "{}", model.name);
+        let back = house.on_backlight(0.35, 0.5);
+        assert_eq!(seen(back + Vec3::new(-3.0, 0.0, 0.6), back), slot::DARK_GLASS, "{}", model.name);
     }
 }
 
@@ -230,6 +259,7 @@ fn three_hundred_seeds_give_sound_meshes() {
             assert!((5000..9000).contains(&total(0)), "{} {}", model.name, total(0));
             assert!((1500..3200).contains(&total(1)), "{} {}", model.name, total(1));
             assert!((400..950).contains(&total(2)), "{} {}", model.name, total(2));
+            assert!((150..320).contains(&total(3)), "{} {}", model.name, total(3));
         }
     }
 }

@@ -18,7 +18,7 @@ pub(super) struct Rim {
 /// A wheel about its own centre: axle along y, outer face towards +y.
 pub(super) fn wheel(d: &Dimensions, rim: Rim, level: usize) -> Surface {
     let mut surface = Surface::default();
-    let sides = [26, 14, 8][level];
+    let sides = [26, 14, 8, 6][level];
     let (r, half) = (d.wheel_radius, d.tyre_width / 2.0);
     let rim_r = r - 0.10 * r / 0.31;
     let ring = |radius: f32, y: f32| -> Vec<Vec3> {
@@ -39,10 +39,17 @@ pub(super) fn wheel(d: &Dimensions, rim: Rim, level: usize) -> Surface {
             (rim_r, half - 0.005),
         ],
         1 => vec![(r - 0.006, -half), (r, -0.5 * half), (r, 0.5 * half), (r - 0.02, half), (rim_r, half - 0.005)],
-        _ => vec![(r, -half), (r, half), (rim_r, half)],
+        2 => vec![(r, -half), (r, half), (rim_r, half)],
+        _ => vec![(r, -half), (r, half)],
     };
     let grid: Vec<Vec<Vec3>> = tyre.iter().map(|(radius, y)| ring(*radius, *y)).collect();
     surface.sheet(&grid, Outward::From(Vec3::ZERO), |_, _| Some(slot::TYRE));
+    if level == 3 {
+        for (radius, y, slot) in [(r, half, slot::TYRE), (rim_r, half + 0.004, slot::RIM)] {
+            surface.sheet(&[ring(radius, y), ring(0.0, y)], Outward::Along(Vec3::Y), |_, _| Some(slot));
+        }
+        return surface;
+    }
     // Rim lip, barrel, and the brake's darkness behind the spokes.
     let face_y = half - 0.012;
     let well_y = half - 0.09;

@@ -1,0 +1,66 @@
+//! How finely a tree is drawn at which distance: by how large its leaf cards look.
+
+/// How a tree is drawn up to a distance from the ego.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Level {
+    pub to_m: f32,
+    /// Triangles of leaves, at most.
+    pub leaves: f32,
+    /// Cards that hang together.
+    pub per_cluster: usize,
+    /// Corners around the trunk.
+    pub sides: usize,
+    pub limbs: usize,
+    /// The trunk bends.
+    pub is_bent: bool,
+}
+
+/// Near levels end where the next one's cards are so many times their own width away: nine pixels of KITTI's camera. The
+/// scene's budget moves that ([`crate::geometry::LodSet::is_elastic`]).
+const NEAR_WIDTHS: f32 = 80.0;
+/// The same beyond [`crate::geometry::NEAR_M`]: fifteen pixels, in crowns that are few pixels high.
+const FAR_WIDTHS: f32 = 32.0;
+/// No crown has fewer triangles.
+const FEWEST: f32 = 40.0;
+
+/// A shrub's levels.
+pub(super) fn of_shrub() -> Vec<Level> {
+    let level = |to_m, leaves, per_cluster| Level { to_m, leaves, per_cluster, sides: 3, limbs: 0, is_bent: false };
+    vec![level(25.0, 900.0, 10), level(55.0, 200.0, 4), level(160.0, 20.0, 1)]
+}
+
+/// The levels of a tree with `most` triangles of leaves at most, each with half as many as the one before.
+///
+/// `card_width_m`: of a number of triangles.
+pub(super) fn of_tree(most: f32, near_m: f32, card_width_m: impl Fn(f32) -> f32) -> Vec<Level> {
+    let mut levels: Vec<Level> = Vec::new();
+    let mut leaves = most;
+    while leaves >= FEWEST {
+        let coarser = leaves / 2.0;
+        let width_m = card_width_m(coarser);
+        let to_m = match width_m * NEAR_WIDTHS {
+            _ if coarser < FEWEST => f32::INFINITY,
+            near if near < near_m => near,
+            _ => (width_m * FAR_WIDTHS).max(near_m),
+        };
+        // Small crowns have no use for so many.
+        let is_finer = card_width_m(leaves) < width_m;
+        if is_finer && levels.last().is_none_or(|last| last.to_m < to_m) {
+            levels.push(level(to_m, leaves));
+        }
+        leaves = coarser;
+    }
+    levels
+}
+
+fn level(to_m: f32, leaves: f32) -> Level {
+    let (per_cluster, sides, limbs, is_bent) = match leaves {
+        3000.0.. => (10, 8, 8, true),
+        1500.0.. => (6, 6, 6, true),
+        800.0.. => (4, 6, 5, true),
+        400.0.. => (2, 5, 4, true),
+        200.0.. => (1, 4, 2, true),
+        _ => (1, 3, 0, false),
+    };
+    Level { to_m, leaves, per_cluster, sides, limbs, is_bent }
+}
