@@ -42,6 +42,8 @@ pub struct LodSet {
     pub levels: Vec<(f32, LazyMesh)>,
     /// Limits nearer than [`NEAR_M`] move with the scene's detail ([`LodSet::select`]).
     pub is_elastic: bool,
+    /// Of the first so many levels the next one casts the shadow: it differs by less than a shadow map's texel.
+    pub coarse_casters: usize,
 }
 
 /// Within this distance from the ego triangles are counted, metres.
@@ -52,7 +54,7 @@ impl LodSet {
     #[must_use]
     pub fn single(mesh: Mesh) -> Self {
         let bounds = mesh.bounds;
-        Self { bounds, levels: vec![(f32::INFINITY, LazyMesh::new(|| mesh))], is_elastic: false }
+        Self { bounds, levels: vec![(f32::INFINITY, LazyMesh::new(|| mesh))], is_elastic: false, coarse_casters: 0 }
     }
 
     /// A shape of which the finest level is there, and the others are made when they are needed.
@@ -60,7 +62,7 @@ impl LodSet {
     pub fn new((limit, finest): (f32, Mesh), coarser: impl IntoIterator<Item = (f32, LazyMesh)>) -> Self {
         let bounds = finest.bounds;
         let finest = (limit, LazyMesh::new(|| finest));
-        Self { bounds, levels: std::iter::once(finest).chain(coarser).collect(), is_elastic: false }
+        Self { bounds, levels: std::iter::once(finest).chain(coarser).collect(), is_elastic: false, coarse_casters: 0 }
     }
 
     /// The finest mesh.
@@ -77,7 +79,19 @@ impl LodSet {
     /// `detail`: how much further than elsewhere the near levels of what is elastic reach, 1 for their own limits.
     #[must_use]
     pub fn select(&self, distance_m: f32, detail: f32) -> Option<&Arc<Mesh>> {
-        self.levels.iter().find(|(limit, _)| distance_m <= self.moved(*limit, detail)).map(|(_, mesh)| &**mesh)
+        self.level(distance_m, detail).map(|level| &*self.levels[level].1)
+    }
+
+    /// The mesh that casts its shadow.
+    #[must_use]
+    pub fn caster(&self, distance_m: f32, detail: f32) -> Option<&Arc<Mesh>> {
+        let level = self.level(distance_m, detail)?;
+        let next = if level < self.coarse_casters { self.levels.get(level + 1) } else { None };
+        next.or(self.levels.get(level)).map(|(_, mesh)| &**mesh)
+    }
+
+    fn level(&self, distance_m: f32, detail: f32) -> Option<usize> {
+        self.levels.iter().position(|(limit, _)| distance_m <= self.moved(*limit, detail))
     }
 
     fn moved(&self, limit_m: f32, detail: f32) -> f32 {

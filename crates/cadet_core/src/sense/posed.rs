@@ -66,6 +66,8 @@ impl Placement {
 pub struct PosedInstance {
     /// The mesh at the chosen level of detail.
     pub mesh: Arc<Mesh>,
+    /// What casts its shadow in the sun.
+    pub caster: Arc<Mesh>,
     /// Its materials.
     pub palette: Arc<Palette>,
     /// Where it stands.
@@ -128,12 +130,16 @@ impl PosedScene {
         let detail = detail_for(instances, viewer_world);
         for instance in instances {
             let (_, distance_m) = distances(instance, viewer_world);
-            let Some(mesh) = instance.shape.select(distance_m, detail) else { continue };
+            let shape = &instance.shape;
+            let (Some(mesh), Some(caster)) = (shape.select(distance_m, detail), shape.caster(distance_m, detail)) else {
+                continue;
+            };
             let placement = Placement::new(&instance.world_from_local);
             let start = num_vertices;
             num_vertices += mesh.vertices.len();
             scene.instances.push(PosedInstance {
                 mesh: Arc::clone(mesh),
+                caster: Arc::clone(caster),
                 palette: Arc::clone(&instance.palette),
                 placement,
                 vertices: start..num_vertices,

@@ -127,7 +127,7 @@ impl VehicleModel {
                 k += 1;
                 (limit, LazyMesh::new(move || builder.build(name, crease)))
             });
-            Arc::new(LodSet { bounds, levels: levels.into(), is_elastic: false })
+            Arc::new(LodSet { bounds, levels: levels.into(), is_elastic: false, coarse_casters: 2 })
         };
         let mut fits = Vec::with_capacity(LEVELS);
         let body = lods(

@@ -32,7 +32,7 @@ pub(super) fn draw_casters(scene: &PosedScene, light_from_world: &DMat3, maps: &
         let light_from_local = *light_from_world * instance.placement.rotation;
         let origin = (*light_from_world * instance.placement.translation).as_vec3();
         let light_from_local = light_from_local.as_mat3();
-        for cluster in instance.mesh.clusters.iter().filter(|c| c.slots & !never != 0) {
+        for cluster in instance.caster.clusters.iter().filter(|c| c.slots & !never != 0) {
             let all_cast = cluster.slots & !always == 0;
             let all_leaves = cluster.slots & !leaves == 0;
             // Of solids, the sides that face the sun cast the same shadow as all of them.
@@ -141,7 +141,7 @@ impl Map {
         };
         let casts = move |piece: &Piece| {
             let face = cluster.faces[usize::from(piece.first)];
-            match kinds[usize::from(instance.mesh.slots[face as usize])] {
+            match kinds[usize::from(instance.caster.slots[face as usize])] {
                 Caster::Always => true,
                 Caster::UnlessLevel => !is_level(piece.corners),
                 Caster::Never => false,
