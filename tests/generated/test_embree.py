@@ -44,7 +44,7 @@ def agree(a_m: NDArray[np.float64], b_m: NDArray[np.float64]) -> NDArray[np.bool
     return agreed
 
 
-@pytest.mark.parametrize("seed", [0, 3])
+@pytest.mark.parametrize("seed", [0, 2])
 @pytest.mark.parametrize("lidar", [cadet.Lidar.hdl64e_kitti(), cadet.Lidar.hdl64e_uniform(), cadet.Lidar.cadet()])
 def test_an_ideal_scan_agrees_with_embree_on_9999_of_10000_rays(seed: int, lidar: cadet.Lidar) -> None:
     scene = cadet.Scene.random(seed=seed)

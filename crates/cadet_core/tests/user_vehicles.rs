@@ -61,7 +61,7 @@ fn car() -> VehicleAsset {
 
 /// Bounds of the faces of a material that fits.
 fn bounds_of(model: &VehicleModel, keep: impl Fn(&Material) -> bool) -> Bounds {
-    let mesh = model.body.select(0.0).expect("near enough to be drawn");
+    let mesh = model.body.select(0.0, 1.0).expect("near enough to be drawn");
     let faces = mesh.faces.iter().zip(&mesh.slots).filter(|(_, slot)| keep(&model.palette.0[usize::from(**slot)]));
     Bounds::of(faces.flat_map(|(face, _)| face.map(|i| mesh.vertices[i as usize])))
 }
@@ -74,7 +74,7 @@ fn assert_near(a: Vec3, b: Vec3) {
 #[test]
 fn the_box_frame_is_centred_on_the_ground_with_the_front_forward() {
     let model = VehicleModel::from_asset(&car()).unwrap();
-    let bounds = model.body.select(0.0).expect("near enough to be drawn").bounds;
+    let bounds = model.body.select(0.0, 1.0).expect("near enough to be drawn").bounds;
     assert_near(bounds.min, Vec3::new(-2.1, -0.9, 0.0));
     assert_near(bounds.max, Vec3::new(2.1, 0.9, 1.5));
     assert!((model.size_lwh - DVec3::new(4.2, 1.8, 1.5)).abs().max_element() < 1e-4);
@@ -107,7 +107,7 @@ fn wheels_are_found_by_their_tyres_and_touch_the_ground() {
 fn a_size_that_is_asked_for_is_met() {
     let wanted = DVec3::new(3.9, 1.7, 1.6);
     let model = VehicleModel::from_asset(&VehicleAsset { size_lwh: Some(wanted), scale: 40.0, ..car() }).unwrap();
-    let bounds = model.body.select(0.0).expect("near enough to be drawn").bounds;
+    let bounds = model.body.select(0.0, 1.0).expect("near enough to be drawn").bounds;
     assert_near(bounds.max - bounds.min, wanted.as_vec3());
     assert!(bounds.min.z.abs() < 1e-6 && bounds.center().truncate().length() < 1e-5);
     assert_eq!(model.size_lwh, wanted);

@@ -35,14 +35,12 @@ pub(super) fn detail_for(instances: &[Instance], viewer_world: DVec3) -> f32 {
     let mut detail = LEAST;
     for (at, more) in steps {
         if count >= BUDGET {
-            if std::env::var("DETAIL").is_ok() { eprintln!("detail {detail}"); }
             return detail;
         }
         count += more;
         // A little further, for rounding.
         detail = at * 1.000_01;
     }
-    if std::env::var("DETAIL").is_ok() { eprintln!("detail {detail}"); }
     detail
 }
 

@@ -131,7 +131,8 @@ impl PosedScene {
         for instance in instances {
             let (_, distance_m) = distances(instance, viewer_world);
             let shape = &instance.shape;
-            let (Some(mesh), Some(caster)) = (shape.select(distance_m, detail), shape.caster(distance_m, detail)) else {
+            let (Some(mesh), Some(caster)) = (shape.select(distance_m, detail), shape.caster(distance_m, detail))
+            else {
                 continue;
             };
             let placement = Placement::new(&instance.world_from_local);

@@ -136,7 +136,11 @@ impl TreeDesign {
         let is_elastic = self.kind != TreeKind::Shrub;
         let levels = match self.kind {
             TreeKind::Shrub => tree_levels::of_shrub(),
-            TreeKind::Conifer => tree_levels::of_tree(4200.0, NEAR_M, |leaves| self.card_width_m(leaves)),
+            // Towards the tip large cards are cut down to fit, and the trunk would show.
+            TreeKind::Conifer => tree_levels::of_tree(4200.0, NEAR_M, |leaves| {
+                let width_m = self.card_width_m(leaves);
+                width_m * (width_m / (0.2 * self.crown_radius)).max(1.0)
+            }),
             _ => tree_levels::of_tree(5200.0, NEAR_M, |leaves| self.card_width_m(leaves)),
         };
         let (finest, coarser) = levels.split_first().expect("there are levels");
@@ -213,12 +217,19 @@ impl TreeDesign {
                 path_tube(wood, &[(start, r * 0.45), (knee, r * 0.3), (blob.center, r * 0.1)], 5, slot::BARK);
             }
         }
-        let weights: Vec<f64> = self.blobs.iter().map(|blob| f64::from(blob.volume())).collect();
         let (size, count) = self.cards(level);
         let per_cluster = level.per_cluster;
         let middle = Vec3::Z * (self.crown_base + self.height) * 0.5;
-        for _ in 0..count.div_ceil(per_cluster) {
-            let blob = self.blobs[s.weighted(&weights)];
+        let clusters = count.div_ceil(per_cluster);
+        let volume: f32 = self.blobs.iter().map(Blob::volume).sum();
+        // Each blob gets its share to one cluster: drawn by chance, some would hang in the air as a few leaves.
+        let (mut blobs, mut filled) = (self.blobs.iter().peekable(), 0.0);
+        for k in 0..clusters {
+            let at = (k as f32 + 0.5) / clusters as f32 * volume;
+            while let Some(blob) = blobs.next_if(|blob| filled + blob.volume() < at) {
+                filled += blob.volume();
+            }
+            let blob = blobs.peek().copied().or(self.blobs.last()).expect("a crown has blobs");
             // Cubic root for an even fill, a little denser at the outside where the light is.
             let rho = crate::math::powf(s.unit() as f32, 0.28);
             let out = direction(s);

@@ -31,7 +31,7 @@ pub(super) fn of_shrub() -> Vec<Level> {
 
 /// The levels of a tree with `most` triangles of leaves at most, each with half as many as the one before.
 ///
-/// `card_width_m`: of a number of triangles.
+/// `card_width_m`: how large cards look if there are so many triangles.
 pub(super) fn of_tree(most: f32, near_m: f32, card_width_m: impl Fn(f32) -> f32) -> Vec<Level> {
     let mut levels: Vec<Level> = Vec::new();
     let mut leaves = most;

@@ -35,11 +35,7 @@ fn add_lower_body(surface: &mut Surface, o: &Outline, styling: &Styling) {
         let is_arch = o.d.axles_x.iter().any(|axle| (0.5 * (a.x + b.x) - axle).abs() < o.d.arch_radius);
         let is_flank = a.face == Face::Side && b.face == Face::Side;
         let v = 0.5 * (HEIGHTS[j] + HEIGHTS[j + 1]);
-        Some(if j == 0 && is_arch && is_flank {
-            slot::LINER
-        } else {
-            shell_slot(a, b, v, styling, o.d.length / 2.0)
-        })
+        Some(if j == 0 && is_arch && is_flank { slot::LINER } else { shell_slot(a, b, v, styling, o.d.length / 2.0) })
     });
     add_decks(surface, o, &columns, &[0.0, 1.0], |_| true);
 }
@@ -60,8 +56,10 @@ fn add_house(surface: &mut Surface, o: &Outline, house: &Glasshouse) {
     let d = &o.d;
     let limit = |height_m: f32| (height_m / (d.height - d.belt)).min(0.91);
     let posts = house.outer_posts();
-    let sides: Vec<Vec<Vec3>> =
-        posts.iter().map(|(foot, top, _)| [0.0, limit(0.70), 1.0].map(|v| house.side(*foot, *top, v)).to_vec()).collect();
+    let sides: Vec<Vec<Vec3>> = posts
+        .iter()
+        .map(|(foot, top, _)| [0.0, limit(0.70), 1.0].map(|v| house.side(*foot, *top, v)).to_vec())
+        .collect();
     surface.pair(&sides, Outward::From(Vec3::Z * d.belt), |i, j| {
         Some(if j == 0 && matches!(posts[i].2, Cell::Pane(_)) { slot::DARK_GLASS } else { slot::PAINT })
     });
