@@ -1,5 +1,7 @@
 //! Pictures of small scenes against closed forms and invariances.
 
+mod coarse_casters;
+
 use std::sync::Arc;
 
 use super::ambient::SkyView;

@@ -20,7 +20,7 @@ use tube::Tubes;
 
 /// Phases of the gait cycle that have a shape: 3 cm of way each.
 const NUM_PHASES: usize = 48;
-/// Where the levels of detail end, metres from the ego.
+/// Where the levels of detail end, metres from the ego: a person is 140 and 57 pixels of KITTI's camera high there.
 const LEVEL_LIMITS_M: [f32; 3] = [9.0, 22.0, f32::INFINITY];
 
 /// A person's shape, in the box frame: x forward, y left, z up, origin on the ground.

@@ -131,7 +131,7 @@ fn house_walls_have_no_holes_but_windows() {
 #[test]
 fn crowns_let_a_third_to_a_half_of_the_beams_through_a_metre() {
     for kind in [TreeKind::Street, TreeKind::Garden, TreeKind::Wood] {
-        for (detail, level) in [(0, "near"), (1, "mid")] {
+        for (detail, level) in [(0, "finest"), (1, "next"), (2, "third")] {
             let (mut open, mut all) = (0_usize, 0_usize);
             for variant in 0..4 {
                 let design = TreeDesign::new(kind, variant);
@@ -149,6 +149,32 @@ fn crowns_let_a_third_to_a_half_of_the_beams_through_a_metre() {
             }
             let gap = open as f64 / all as f64;
             assert!((0.25..0.6).contains(&gap), "{kind:?} {level}: gap fraction {gap:.2} per metre");
+        }
+    }
+}
+
+#[test]
+fn every_part_of_a_crown_has_its_leaves_at_every_level() {
+    for kind in [TreeKind::Street, TreeKind::Garden, TreeKind::Wood] {
+        for variant in 0..8 {
+            let (design, model) = (TreeDesign::new(kind, variant), tree(kind, variant));
+            for (to_m, mesh) in &model.shape.levels {
+                let middles = mesh.faces.iter().zip(&mesh.slots).filter(|(_, s)| **s != plant_slot::BARK);
+                let middles: Vec<Vec3> = middles
+                    .map(|(f, _)| f.map(|i| mesh.vertices[i as usize]).into_iter().sum::<Vec3>() / 3.0)
+                    .collect();
+                let fewest = design.blobs.iter().map(|blob| {
+                    let reach = blob.radius * 1.1;
+                    middles.iter().filter(|m| m.distance(blob.center) < reach).count()
+                });
+                if middles.len() < 150 {
+                    continue; // The horizon's.
+                }
+                // A fair share would be a twentieth or more of all.
+                let least = (middles.len() / 40).max(1);
+                let fewest = fewest.min().unwrap();
+                assert!(fewest >= least, "{kind:?} {variant} to {to_m} m: {fewest} of {}", middles.len());
+            }
         }
     }
 }

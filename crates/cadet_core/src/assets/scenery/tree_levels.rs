@@ -64,3 +64,32 @@ fn level(to_m: f32, leaves: f32) -> Level {
     };
     Level { to_m, leaves, per_cluster, sides, limbs, is_bent }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cards_look_about_as_large_where_each_level_begins() {
+        // 100 and 900 m^2 of leaves; cards of 0.2 m at least.
+        for area in [100.0_f32, 900.0] {
+            let width_m = |leaves: f32| (2.0 * area / leaves).sqrt().max(0.2);
+            let levels = of_tree(5200.0, 80.0, width_m);
+            assert!(levels.last().is_some_and(|last| last.to_m == f32::INFINITY && last.leaves < 2.0 * FEWEST));
+            for pair in levels.windows(2) {
+                let ([level, next], to_m) = ([pair[0].leaves, pair[1].leaves], pair[0].to_m);
+                assert!(next <= level / 2.0 && to_m < pair[1].to_m);
+                // Pixels of KITTI's camera, whose focal length is 721 of them.
+                let px = 721.0 * width_m(next) / to_m;
+                assert!(px < if to_m < 80.0 { 9.1 } else { 23.0 }, "{level} triangles to {to_m} m: {px} px");
+            }
+        }
+    }
+
+    #[test]
+    fn small_crowns_have_no_more_cards_than_fit() {
+        // 20 m^2 in cards of 0.2 m are 1,000 triangles: of 5,200, 2,600 and 1,300 the last is enough.
+        let levels = of_tree(5200.0, 80.0, |leaves| (2.0 * 20.0 / leaves).sqrt().max(0.2));
+        assert_eq!(levels[0].leaves, 1300.0);
+    }
+}

@@ -38,7 +38,8 @@ use paint::slot;
 use surface::Surface;
 use wheels::Rim;
 
-/// Where the levels of detail end, metres from the ego.
+/// Where the levels of detail end, metres from the ego: a car is a hundred pixels of KITTI's camera high at the first limit,
+/// and looking through its windows shows nothing beyond the third.
 const LEVEL_LIMITS_M: [f32; LEVELS] = [11.0, 32.0, 80.0, f32::INFINITY];
 const LEVELS: usize = 4;
 /// Nobody sees wheels beyond this distance (a wheel is 3 pixels tall there), metres.
