@@ -12,19 +12,15 @@ const LEAST: f32 = 0.75;
 const MOST: f32 = 1.6;
 
 /// The least detail ([`crate::geometry::LodSet::select`]) with which a scene fills its budget.
-pub(super) fn detail_for(instances: &[Instance], viewer_world: DVec3) -> f32 {
+pub(super) fn detail_for(instances: &[Instance], distances: &[Distances]) -> f32 {
     let mut count = 0;
     // Where a shape becomes finer, and by how many triangles.
     let mut steps: Vec<(f32, usize)> = Vec::new();
-    for instance in instances {
-        let (middle_m, distance_m) = distances(instance, viewer_world);
-        if middle_m > NEAR_M {
-            continue;
-        }
-        let Some(mesh) = instance.shape.select(distance_m, LEAST) else { continue };
+    for (instance, at) in instances.iter().zip(distances).filter(|(_, at)| at.middle_m <= NEAR_M) {
+        let Some(mesh) = instance.shape.select(at.nearest_m, LEAST) else { continue };
         let mut last = mesh.faces.len();
         count += last;
-        for (detail, mesh) in instance.shape.steps(distance_m).filter(|(at, _)| (LEAST..MOST).contains(at)) {
+        for (detail, mesh) in instance.shape.steps(at.nearest_m).filter(|(at, _)| (LEAST..MOST).contains(at)) {
             let faces = mesh.faces.len();
             steps.push((detail, faces.saturating_sub(last)));
             last = faces;
@@ -43,13 +39,24 @@ pub(super) fn detail_for(instances: &[Instance], viewer_world: DVec3) -> f32 {
     detail
 }
 
-/// From the viewer to the middle of an instance's finest bounds, and to the sphere around them, so that the choice of a level
-/// does not depend on the choice; metres.
-pub(super) fn distances(instance: &Instance, viewer_world: DVec3) -> (f32, f32) {
-    let bounds = &instance.shape.bounds;
-    let middle = instance.world_from_local.transform_point(bounds.center().as_dvec3());
-    let middle_m = (middle - viewer_world).length();
-    (middle_m as f32, (middle_m - f64::from(bounds.size().length()) / 2.0).max(0.0) as f32)
+/// How far an instance is from the viewer, by the bounds of its finest level, so that the choice of a level does not depend
+/// on the choice; metres.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Distances {
+    /// To the middle.
+    middle_m: f32,
+    /// To the sphere around the bounds.
+    pub nearest_m: f32,
+}
+
+impl Distances {
+    pub fn of(instance: &Instance, viewer_world: DVec3) -> Self {
+        let bounds = &instance.shape.bounds;
+        let middle = instance.world_from_local.transform_point(bounds.center().as_dvec3());
+        let middle_m = (middle - viewer_world).length();
+        let nearest_m = (middle_m - f64::from(bounds.size().length()) / 2.0).max(0.0);
+        Self { middle_m: middle_m as f32, nearest_m: nearest_m as f32 }
+    }
 }
 
 #[cfg(test)]
@@ -87,6 +94,11 @@ mod tests {
         .collect()
     }
 
+    fn detail_of(instances: &[Instance]) -> f32 {
+        let distances: Vec<_> = instances.iter().map(|i| Distances::of(i, DVec3::ZERO)).collect();
+        detail_for(instances, &distances)
+    }
+
     fn count(instances: &[Instance]) -> usize {
         PosedScene::new(instances, DVec3::ZERO).num_triangles()
     }
@@ -94,7 +106,7 @@ mod tests {
     #[test]
     fn crowns_become_finer_until_the_budget_is_met_and_no_further() {
         let instances = trees((0..30).map(|i| 10.0 + 1.2 * f64::from(i)), true);
-        let detail = detail_for(&instances, DVec3::ZERO);
+        let detail = detail_of(&instances);
         assert!(detail > LEAST && detail < MOST, "{detail}");
         // One step at most: 12,000 triangles, as the finest level has more than the next.
         assert!((BUDGET..BUDGET + 12_000).contains(&count(&instances)), "{}", count(&instances));
@@ -103,14 +115,14 @@ mod tests {
     #[test]
     fn full_and_bare_streets_keep_within_the_limits() {
         let full = trees((0..120).map(|i| 10.0 + f64::from(i) * 0.2), true);
-        assert_eq!(detail_for(&full, DVec3::ZERO), LEAST);
+        assert_eq!(detail_of(&full), LEAST);
         assert!(count(&full) > BUDGET);
         let bare = trees([25.0, 70.0].into_iter(), true);
-        let detail = detail_for(&bare, DVec3::ZERO);
+        let detail = detail_of(&bare);
         assert!(detail <= MOST);
         // The near one takes its finest level, as 25 m are less than 1.6 x 20; the far one is beyond 1.6 x 40.
         assert_eq!(count(&bare), 24_000 + 1_200);
-        assert_eq!(detail_for(&[], DVec3::ZERO), LEAST);
+        assert_eq!(detail_of(&[]), LEAST);
     }
 
     #[test]

@@ -6,7 +6,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::detail::{detail_for, distances};
+use super::detail::{Distances, detail_for};
 use crate::geometry::{Cluster, LANES, Lanes, Mesh};
 use crate::instance::Instance;
 use crate::material::{Material, Palette};
@@ -127,12 +127,11 @@ impl PosedScene {
     pub fn new(instances: &[Instance], viewer_world: DVec3) -> Self {
         let mut scene = Self { instances: Vec::with_capacity(instances.len()) };
         let mut num_vertices = 0;
-        let detail = detail_for(instances, viewer_world);
-        for instance in instances {
-            let (_, distance_m) = distances(instance, viewer_world);
+        let distances: Vec<Distances> = instances.iter().map(|i| Distances::of(i, viewer_world)).collect();
+        let detail = detail_for(instances, &distances);
+        for (instance, Distances { nearest_m, .. }) in instances.iter().zip(distances) {
             let shape = &instance.shape;
-            let (Some(mesh), Some(caster)) = (shape.select(distance_m, detail), shape.caster(distance_m, detail))
-            else {
+            let (Some(mesh), Some(caster)) = (shape.select(nearest_m, detail), shape.caster(nearest_m, detail)) else {
                 continue;
             };
             let placement = Placement::new(&instance.world_from_local);
