@@ -141,7 +141,7 @@ def rust_code(path: Path) -> str:
 
 
 def core_files(folder: Path) -> list[Path]:
-    return sorted(path for path in folder.rglob("*.rs") if path.stem != "tests")
+    return sorted(path for path in folder.rglob("*.rs") if "tests" not in (path.stem, path.parent.name))
 
 
 def uses(path: Path) -> set[str]:

@@ -14,7 +14,7 @@ import pytest
 
 import cadet
 
-GOLDEN = "a9f2adfcba00e595bfec0d17dc123ee01dc3f599aec0dcb356ee8bebf6f73761"
+GOLDEN = "a3ef6f1dd40a43900640619b11023275f5a4b9dec66dc5bfd52bc36102fc21cb"
 
 
 def digest_of_a_frame() -> str:
