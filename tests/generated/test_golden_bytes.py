@@ -14,7 +14,7 @@ import pytest
 
 import cadet
 
-GOLDEN = "4dd4bff674cfd464d5a986d392cf5912fc823f79055ae325b31a78e1ebb80e4d"
+GOLDEN = "a3ef6f1dd40a43900640619b11023275f5a4b9dec66dc5bfd52bc36102fc21cb"
 
 
 def digest_of_a_frame() -> str:

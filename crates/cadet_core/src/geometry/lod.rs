@@ -42,7 +42,7 @@ pub struct LodSet {
     pub levels: Vec<(f32, LazyMesh)>,
     /// Limits nearer than [`NEAR_M`] move with the scene's detail ([`LodSet::select`]).
     pub is_elastic: bool,
-    /// Of the first so many levels the next one casts the shadow: it differs by less than a shadow map's texel.
+    /// Of the first so many levels the next one casts the shadow: it differs by about a shadow map's texel at most.
     pub coarse_casters: usize,
 }
 

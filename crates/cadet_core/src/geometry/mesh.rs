@@ -1,4 +1,4 @@
-//! Triangle meshes, their bounds and their levels of detail.
+//! Triangle meshes and their bounds.
 
 use super::cluster::{Cluster, clusters_of};
 use super::columns::{Column, LazyColumns};

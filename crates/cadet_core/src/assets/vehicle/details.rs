@@ -21,7 +21,7 @@ pub(super) struct Fittings {
 
 /// Adds what lies inside the label's box.
 pub(super) fn add_fittings(surface: &mut Surface, o: &Outline, house: &Glasshouse, fittings: &Fittings, level: usize) {
-    add_plates(surface, o, fittings, level < 2);
+    add_plates(surface, o, fittings, level == 0);
     if level < 2 {
         add_shut_lines(surface, o, house, level);
         add_handles(surface, o, house);

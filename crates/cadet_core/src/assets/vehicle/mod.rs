@@ -126,6 +126,8 @@ impl VehicleModel {
             let levels = builders.map(|builder| {
                 let limit = LEVEL_LIMITS_M[k].min(to_m);
                 k += 1;
+                // Of few large faces, panes and panels would run into each other.
+                let crease = if k == LEVELS { 0.5 * crease } else { crease };
                 (limit, LazyMesh::new(move || builder.build(name, crease)))
             });
             Arc::new(LodSet { bounds, levels: levels.into(), is_elastic: false, coarse_casters: 2 })
