@@ -79,19 +79,15 @@ impl LodSet {
     /// `detail`: how much further than elsewhere the near levels of what is elastic reach, 1 for their own limits.
     #[must_use]
     pub fn select(&self, distance_m: f32, detail: f32) -> Option<&Arc<Mesh>> {
-        self.level(distance_m, detail).map(|level| &*self.levels[level].1)
+        self.select_with_caster(distance_m, detail).map(|(mesh, _)| &**mesh)
     }
 
-    /// The mesh that casts its shadow.
+    /// As [`LodSet::select`], and the mesh that casts the shadow.
     #[must_use]
-    pub fn caster(&self, distance_m: f32, detail: f32) -> Option<&Arc<Mesh>> {
-        let level = self.level(distance_m, detail)?;
-        let next = if level < self.coarse_casters { self.levels.get(level + 1) } else { None };
-        next.or(self.levels.get(level)).map(|(_, mesh)| &**mesh)
-    }
-
-    fn level(&self, distance_m: f32, detail: f32) -> Option<usize> {
-        self.levels.iter().position(|(limit, _)| distance_m <= self.moved(*limit, detail))
+    pub fn select_with_caster(&self, distance_m: f32, detail: f32) -> Option<(&LazyMesh, &LazyMesh)> {
+        let level = self.levels.iter().position(|(limit, _)| distance_m <= self.moved(*limit, detail))?;
+        let caster = if level < self.coarse_casters { level + 1 } else { level };
+        Some((&self.levels[level].1, &self.levels[caster.min(self.levels.len() - 1)].1))
     }
 
     fn moved(&self, limit_m: f32, detail: f32) -> f32 {

@@ -7,7 +7,8 @@ use crate::math::DVec3;
 /// Triangles that a scene should have within [`NEAR_M`] of the ego. Streets with many trees have more than they need to look
 /// right, and cost every sensor half as much again; bare ones can afford finer crowns.
 const BUDGET: usize = 305_000;
-/// Limits of levels are moved by these factors: with the first, leaf cards are up to 12 pixels of KITTI's camera wide where a level begins.
+/// Limits of levels are moved by these factors: with the first, leaf cards are up to 12 pixels of KITTI's camera wide where a
+/// level begins.
 const LEAST: f32 = 0.75;
 const MOST: f32 = 1.6;
 

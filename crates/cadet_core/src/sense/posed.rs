@@ -130,10 +130,7 @@ impl PosedScene {
         let distances: Vec<Distances> = instances.iter().map(|i| Distances::of(i, viewer_world)).collect();
         let detail = detail_for(instances, &distances);
         for (instance, Distances { nearest_m, .. }) in instances.iter().zip(distances) {
-            let shape = &instance.shape;
-            let (Some(mesh), Some(caster)) = (shape.select(nearest_m, detail), shape.caster(nearest_m, detail)) else {
-                continue;
-            };
+            let Some((mesh, caster)) = instance.shape.select_with_caster(nearest_m, detail) else { continue };
             let placement = Placement::new(&instance.world_from_local);
             let start = num_vertices;
             num_vertices += mesh.vertices.len();

@@ -7,7 +7,7 @@ use super::draw::{direction, path_tube, range, tube};
 use super::leaves::Leaves;
 use super::materials::plant_slot as slot;
 use super::tree_levels::{self, Level};
-use crate::geometry::{LazyMesh, LodSet, MeshBuilder, NEAR_M};
+use crate::geometry::{LazyMesh, LodSet, MeshBuilder};
 use crate::math::{Vec3, cosf, sinf};
 use crate::rng::Stream;
 
@@ -137,11 +137,11 @@ impl TreeDesign {
         let levels = match self.kind {
             TreeKind::Shrub => tree_levels::of_shrub(),
             // Towards the tip large cards are cut down to fit, and the trunk would show.
-            TreeKind::Conifer => tree_levels::of_tree(4200.0, NEAR_M, |leaves| {
+            TreeKind::Conifer => tree_levels::of_tree(4200.0, |leaves| {
                 let width_m = self.card_width_m(leaves);
                 width_m * (width_m / (0.2 * self.crown_radius)).max(1.0)
             }),
-            _ => tree_levels::of_tree(5200.0, NEAR_M, |leaves| self.card_width_m(leaves)),
+            _ => tree_levels::of_tree(5200.0, |leaves| self.card_width_m(leaves)),
         };
         let (finest, coarser) = levels.split_first().expect("there are levels");
         let mesh = self.mesh(finest);

@@ -1,5 +1,7 @@
 //! How finely a tree is drawn at which distance: by how large its leaf cards look.
 
+use crate::geometry::NEAR_M;
+
 /// How a tree is drawn up to a distance from the ego.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Level {
@@ -18,7 +20,7 @@ pub(super) struct Level {
 /// Near levels end where the next one's cards are so many times their own width away: nine pixels of KITTI's camera. The
 /// scene's budget moves that ([`crate::geometry::LodSet::is_elastic`]).
 const NEAR_WIDTHS: f32 = 80.0;
-/// The same beyond [`crate::geometry::NEAR_M`]: fifteen pixels, in crowns that are few pixels high.
+/// The same beyond [`NEAR_M`]: 23 pixels.
 const FAR_WIDTHS: f32 = 32.0;
 /// No crown has fewer triangles.
 const FEWEST: f32 = 40.0;
@@ -32,7 +34,7 @@ pub(super) fn of_shrub() -> Vec<Level> {
 /// The levels of a tree with `most` triangles of leaves at most, each with half as many as the one before.
 ///
 /// `card_width_m`: how large cards look if there are so many triangles.
-pub(super) fn of_tree(most: f32, near_m: f32, card_width_m: impl Fn(f32) -> f32) -> Vec<Level> {
+pub(super) fn of_tree(most: f32, card_width_m: impl Fn(f32) -> f32) -> Vec<Level> {
     let mut levels: Vec<Level> = Vec::new();
     let mut leaves = most;
     while leaves >= FEWEST {
@@ -40,8 +42,8 @@ pub(super) fn of_tree(most: f32, near_m: f32, card_width_m: impl Fn(f32) -> f32)
         let width_m = card_width_m(coarser);
         let to_m = match width_m * NEAR_WIDTHS {
             _ if coarser < FEWEST => f32::INFINITY,
-            near if near < near_m => near,
-            _ => (width_m * FAR_WIDTHS).max(near_m),
+            near if near < NEAR_M => near,
+            _ => (width_m * FAR_WIDTHS).max(NEAR_M),
         };
         // Small crowns have no use for so many.
         let is_finer = card_width_m(leaves) < width_m;
@@ -74,7 +76,7 @@ mod tests {
         // 100 and 900 m^2 of leaves; cards of 0.2 m at least.
         for area in [100.0_f32, 900.0] {
             let width_m = |leaves: f32| (2.0 * area / leaves).sqrt().max(0.2);
-            let levels = of_tree(5200.0, 80.0, width_m);
+            let levels = of_tree(5200.0, width_m);
             assert!(levels.last().is_some_and(|last| last.to_m == f32::INFINITY && last.leaves < 2.0 * FEWEST));
             for pair in levels.windows(2) {
                 let ([level, next], to_m) = ([pair[0].leaves, pair[1].leaves], pair[0].to_m);
@@ -89,7 +91,7 @@ mod tests {
     #[test]
     fn small_crowns_have_no_more_cards_than_fit() {
         // 20 m^2 in cards of 0.2 m are 1,000 triangles: of 5,200, 2,600 and 1,300 the last is enough.
-        let levels = of_tree(5200.0, 80.0, |leaves| (2.0 * 20.0 / leaves).sqrt().max(0.2));
+        let levels = of_tree(5200.0, |leaves| (2.0 * 20.0 / leaves).sqrt().max(0.2));
         assert_eq!(levels[0].leaves, 1300.0);
     }
 }

@@ -4,7 +4,7 @@
 use super::body::{Styling, add_decks, shell_slot};
 use super::details::{Fittings, add_plates};
 use super::dimensions::Windows;
-use super::glasshouse::{Cell, Glasshouse};
+use super::glasshouse::{Cell, Glasshouse, SCREEN_TO_M, SIDE_PANES_TO_M};
 use super::outline::{Column, Face, Outline};
 use super::paint::slot;
 use super::surface::{Outward, Surface};
@@ -58,18 +58,16 @@ fn add_house(surface: &mut Surface, o: &Outline, house: &Glasshouse) {
     let posts = house.outer_posts();
     let sides: Vec<Vec<Vec3>> = posts
         .iter()
-        .map(|(foot, top, _)| [0.0, limit(0.70), 1.0].map(|v| house.side(*foot, *top, v)).to_vec())
+        .map(|(foot, top, _)| [0.0, limit(SIDE_PANES_TO_M), 1.0].map(|v| house.side(*foot, *top, v)).to_vec())
         .collect();
     surface.pair(&sides, Outward::From(Vec3::Z * d.belt), |i, j| {
         Some(if j == 0 && matches!(posts[i].2, Cell::Pane(_)) { slot::DARK_GLASS } else { slot::PAINT })
     });
-    let mut xs: Vec<f32> = posts.iter().map(|post| post.1).chain([house.apex_x]).collect();
-    xs.sort_by(|a, b| b.total_cmp(a));
-    xs.dedup();
+    let xs = house.roof_stations(&posts);
     let roof: Vec<Vec<Vec3>> = xs.iter().map(|x| [0.0, 1.0].map(|t| house.roof(*x, t)).to_vec()).collect();
     surface.pair(&roof, Outward::Along(Vec3::Z), |_, _| Some(slot::PAINT));
     for is_front in [true, false] {
-        let up = [0.0, limit(if is_front { 0.80 } else { 0.70 }), 1.0];
+        let up = [0.0, limit(if is_front { SCREEN_TO_M } else { SIDE_PANES_TO_M }), 1.0];
         let screen: Vec<Vec<Vec3>> =
             ACROSS.iter().map(|t| up.map(|s| house.screen(is_front, *t, s)).to_vec()).collect();
         let is_blind = !is_front && d.windows == Windows::PanelVan;

@@ -6,6 +6,9 @@ use super::paint::slot;
 use super::surface::{Outward, Surface};
 use crate::math::{Vec3, lerp};
 
+/// High vans have a panel above panes of the usual height: how far panes reach above the belt line at most, metres.
+pub(super) const SCREEN_TO_M: f32 = 0.80;
+pub(super) const SIDE_PANES_TO_M: f32 = 0.70;
 /// How far panes lie inside the shell, metres.
 const PANE_INSET: f32 = 0.006;
 
@@ -34,8 +37,7 @@ pub(super) struct Glasshouse<'a> {
     /// x of the roof's front and rear edge at the sides.
     pub header_x: f32,
     pub rear_header_x: f32,
-    /// x where the roof is highest.
-    pub apex_x: f32,
+    apex_x: f32,
     edge_drop: f32,
     bulge: f32,
     header_bow: f32,
@@ -203,12 +205,11 @@ impl<'a> Glasshouse<'a> {
             [&[0.0, 0.05, 0.22, 0.45, 0.70, 0.91, 1.0][..], &[0.0, 0.05, 0.5, 0.91, 1.0], &[0.0, 0.05, 0.91, 1.0]]
                 [level];
         let lateral: &[f32] = [&[0.0, 0.3, 0.6, 0.8, 0.93, 1.0][..], &[0.0, 0.45, 0.93, 1.0], &[0.0, 0.93, 1.0]][level];
-        // High vans have a panel above panes of the usual height.
         let rise = self.o.d.height - self.edge_drop - self.o.d.belt;
-        self.add_sides(surface, &capped(rows, 0.70 / rise), level);
+        self.add_sides(surface, &capped(rows, SIDE_PANES_TO_M / rise), level);
         self.add_roof(surface, lateral, level, has_sunroof);
-        self.add_screen(surface, &capped(rows, 0.80 / rise), lateral, true);
-        self.add_screen(surface, &capped(rows, 0.70 / rise), lateral, false);
+        self.add_screen(surface, &capped(rows, SCREEN_TO_M / rise), lateral, true);
+        self.add_screen(surface, &capped(rows, SIDE_PANES_TO_M / rise), lateral, false);
     }
 
     fn add_sides(&self, surface: &mut Surface, rows: &[f32], level: usize) {
@@ -283,12 +284,16 @@ impl<'a> Glasshouse<'a> {
         lines
     }
 
-    fn add_roof(&self, surface: &mut Surface, lateral: &[f32], level: usize, has_sunroof: bool) {
-        let lines = self.lines([3, 2, 1][level]);
-        let mut xs: Vec<f32> = lines.iter().map(|l| l.1).collect();
-        xs.push(self.apex_x);
+    /// x of the roof's rows over some posts, from the front.
+    pub fn roof_stations(&self, posts: &[Post]) -> Vec<f32> {
+        let mut xs: Vec<f32> = posts.iter().map(|post| post.1).chain([self.apex_x]).collect();
         xs.sort_by(|a, b| b.total_cmp(a));
         xs.dedup();
+        xs
+    }
+
+    fn add_roof(&self, surface: &mut Surface, lateral: &[f32], level: usize, has_sunroof: bool) {
+        let xs = self.roof_stations(&self.lines([3, 2, 1][level]));
         let grid: Vec<Vec<Vec3>> = xs.iter().map(|x| lateral.iter().map(|t| self.roof(*x, *t)).collect()).collect();
         let front_of = self.header_x - 0.12;
         surface.pair(&grid, Outward::Along(Vec3::Z), |i, j| {

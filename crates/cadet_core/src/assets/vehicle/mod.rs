@@ -120,17 +120,18 @@ impl VehicleModel {
         let outline = Outline::new(d.clone());
         let house = Glasshouse::new(&outline, slot::REAR_SIDE_GLASS);
         let seats = Seats::new(&outline, &house);
+        // As many levels as begin before `to_m`.
         let lods = |make: &mut dyn FnMut(usize) -> Surface, crease: f32, to_m: f32| {
-            let builders = std::array::from_fn::<_, LEVELS, _>(|k| make(k).builder);
-            let (bounds, name, mut k) = (builders[0].bounds(), d.name, 0);
-            let levels = builders.map(|builder| {
+            let count = 1 + LEVEL_LIMITS_M.iter().take_while(|limit| **limit < to_m).count();
+            let builders: Vec<_> = (0..count).map(|k| make(k).builder).collect();
+            let (bounds, name) = (builders[0].bounds(), d.name);
+            let levels = builders.into_iter().zip(0..).map(|(builder, k)| {
                 let limit = LEVEL_LIMITS_M[k].min(to_m);
-                k += 1;
                 // Of few large faces, panes and panels would run into each other.
-                let crease = if k == LEVELS { 0.5 * crease } else { crease };
+                let crease = if k + 1 == LEVELS { 0.5 * crease } else { crease };
                 (limit, LazyMesh::new(move || builder.build(name, crease)))
             });
-            Arc::new(LodSet { bounds, levels: levels.into(), is_elastic: false, coarse_casters: 2 })
+            Arc::new(LodSet { bounds, levels: levels.collect(), is_elastic: false, coarse_casters: 2 })
         };
         let mut fits = Vec::with_capacity(LEVELS);
         let body = lods(
@@ -155,7 +156,7 @@ impl VehicleModel {
         );
         let driver = lods(
             &mut |k| {
-                let mut surface = interior::occupants(&outline, &seats, has_passenger, k.min(LEVELS - 2));
+                let mut surface = interior::occupants(&outline, &seats, has_passenger, k);
                 fits[k].apply(&mut surface);
                 surface
             },

@@ -12,10 +12,11 @@ use crate::instance::Instance;
 use crate::math::{DVec3, Vec3};
 use crate::sense::PosedScene;
 
-/// The light of the sun on some points beside what `shape` shades, with its own and with its coarse caster.
-fn lit_both_ways(shape: &LodSet, instance: Instance, points: &[(Vec3, Vec3)]) -> Vec<[f32; 2]> {
+/// The light of the sun on some points in an instance's scene, with its own and with its coarse caster.
+fn lit_both_ways(instance: Instance, points: &[(Vec3, Vec3)]) -> Vec<[f32; 2]> {
     let s = Sky::new(&clear_sun_from(120.0)).sun_world;
-    let own = Instance { shape: Arc::new(LodSet { coarse_casters: 0, ..shape.clone() }), ..instance.clone() };
+    let own =
+        Instance { shape: Arc::new(LodSet { coarse_casters: 0, ..(*instance.shape).clone() }), ..instance.clone() };
     let shadows = [own, instance].map(|instance| {
         let scene = PosedScene::new(&[ground(), instance], DVec3::ZERO);
         Shadows::new(&scene, DVec3::new(0.0, 0.0, EYE_HEIGHT_M), DVec3::X, s, None, Vec::new())
@@ -49,7 +50,7 @@ fn a_coarse_shadow_lies_where_the_fine_one_does() {
                 let (palette, shape_of) = (Arc::clone(palette), Arc::new(shape.clone()));
                 let world_from_local = upright(DVec3::new(x, 0.0, 0.0), 0.7);
                 let instance = Instance { shape: shape_of, palette, world_from_local, actor_id: 1 };
-                let lit = lit_both_ways(shape, instance, &ground_about(x as f32, half_m));
+                let lit = lit_both_ways(instance, &ground_about(x as f32, half_m));
                 let shaded = lit.iter().filter(|[fine, _]| *fine < 0.5).count();
                 let moved = lit.iter().filter(|[fine, coarse]| (*fine < 0.5) != (*coarse < 0.5)).count();
                 assert!(shaded > 100, "{shaded} points in the shadow");
@@ -76,7 +77,7 @@ fn a_vehicle_does_not_shade_itself_where_its_coarse_caster_stands_out() {
                 (((corners[0] + corners[1] + corners[2]) / 3.0).as_vec3(), normal.as_vec3())
             });
             let points: Vec<(Vec3, Vec3)> = faces.filter(|(_, normal)| normal.dot(s) > 0.3).collect();
-            let lit = lit_both_ways(&car.body, instance, &points);
+            let lit = lit_both_ways(instance, &points);
             assert!(points.len() > 100);
             assert!(mean_difference(&lit) < 0.03, "seed {seed} at {x} m: {}", mean_difference(&lit));
         }
