@@ -27,7 +27,7 @@ fn street() -> PosedScene {
             ground.quad(p(i, right), p(i + 1, right), p(i + 1, left), p(i, left), slot);
         }
     }
-    let palette = Palette(vec![
+    let palette = Palette::new(vec![
         Material::matt(Semantic::Road, [0.115; 3], Pattern::Asphalt, 0.2),
         Material::matt(Semantic::Terrain, [0.07, 0.10, 0.04], Pattern::Grass, 0.2),
     ]);

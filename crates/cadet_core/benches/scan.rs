@@ -45,7 +45,7 @@ fn slab(half: Vec3, n: i32) -> Mesh {
 /// Ground, 60 cars, 60 trees, 40 houses, 29 bushes along a road on x.
 fn suburb() -> Vec<Instance> {
     let mut s = Stream::from_seed("bench", 0);
-    let palette = Arc::new(Palette(vec![Material::matt(Semantic::Building, [0.5; 3], Pattern::Plain, 0.3)]));
+    let palette = Arc::new(Palette::new(vec![Material::matt(Semantic::Building, [0.5; 3], Pattern::Plain, 0.3)]));
     let shape = |mesh| Arc::new(LodSet::single(mesh));
     let (car, crown) = (shape(ellipsoid(Vec3::new(2.0, 0.8, 0.7), 24)), shape(ellipsoid(Vec3::new(2.5, 2.5, 2.5), 36)));
     let (bush, house) =

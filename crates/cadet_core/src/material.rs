@@ -161,17 +161,82 @@ impl Material {
     }
 }
 
-/// The materials of an instance; a mesh's face names a slot of it.
+/// The bit of a slot where many of them are a number; those beyond 63 share one.
+#[inline]
+#[must_use]
+pub fn slot_bit(slot: u8) -> u64 {
+    1 << slot.min(63)
+}
+
+/// The materials of an instance; a mesh's face names a slot of it. What sensors ask of all of them is found once.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Palette(pub Vec<Material>);
+pub struct Palette {
+    materials: Vec<Material>,
+    solid_slots: u64,
+    glass_slots: u64,
+    leaf_slots: u64,
+    is_plant: bool,
+    has_vegetation: bool,
+}
 
 impl Palette {
+    /// A palette whose slots have these materials.
+    #[must_use]
+    pub fn new(materials: Vec<Material>) -> Self {
+        let slots_of = |is: fn(&Material) -> bool| {
+            let slots = materials.iter().zip(0_u8..);
+            slots.filter(|(m, _)| is(m)).fold(0, |bits, (_, slot)| bits | slot_bit(slot))
+        };
+        let (solid_slots, glass_slots) = (slots_of(|m| !m.is_glass()), slots_of(Material::is_glass));
+        let leaf_slots = slots_of(|m| m.pattern == Pattern::Leaves);
+        let is_vegetation = |m: &Material| m.semantic == Semantic::Vegetation;
+        let (is_plant, has_vegetation) =
+            (leaf_slots != 0 && materials.iter().all(is_vegetation), materials.iter().any(is_vegetation));
+        Self { materials, solid_slots, glass_slots, leaf_slots, is_plant, has_vegetation }
+    }
+
+    /// Slot by slot.
+    #[must_use]
+    pub fn materials(&self) -> &[Material] {
+        &self.materials
+    }
+
+    /// The bits ([`slot_bit`]) of all but panes.
+    #[must_use]
+    pub fn solid_slots(&self) -> u64 {
+        self.solid_slots
+    }
+
+    /// The bits of panes.
+    #[must_use]
+    pub fn glass_slots(&self) -> u64 {
+        self.glass_slots
+    }
+
+    /// The bits of leaves.
+    #[must_use]
+    pub fn leaf_slots(&self) -> u64 {
+        self.leaf_slots
+    }
+
+    /// Leaves and what bears them, and nothing else.
+    #[must_use]
+    pub fn is_plant(&self) -> bool {
+        self.is_plant
+    }
+
+    /// Some of it grows.
+    #[must_use]
+    pub fn has_vegetation(&self) -> bool {
+        self.has_vegetation
+    }
+
     /// The same materials, all of one semantic class.
     #[must_use]
     pub fn with_semantic(mut self, semantic: Semantic) -> Self {
-        for m in &mut self.0 {
+        for m in &mut self.materials {
             m.semantic = semantic;
         }
-        self
+        Self::new(self.materials)
     }
 }

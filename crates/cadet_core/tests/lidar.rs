@@ -152,11 +152,11 @@ fn the_same_stream_gives_the_same_bytes_and_clear_weather_changes_none() {
 
 #[test]
 fn panes_show_what_is_behind_them() {
-    let mut glass = Palette(common::matt().0.clone());
-    glass.0[0].transmission = 0.9;
-    glass.0[0].lidar.transmission = 0.95;
+    let mut glass = common::matt().materials().to_vec();
+    glass[0].transmission = 0.9;
+    glass[0].lidar.transmission = 0.95;
     let mut pane = place(cuboid(Vec3::new(0.01, 30.0, 30.0)), at(5.0, 0.0, 0.0), 1);
-    pane.palette = Arc::new(glass);
+    pane.palette = Arc::new(Palette::new(glass));
     let wall = place(cuboid(Vec3::new(0.5, 30.0, 30.0)), at(9.5, 0.0, 0.0), 2);
     let scene = posed(&[pane, wall]);
     let weather = Weather::preset("clear_noon").expect("exists");

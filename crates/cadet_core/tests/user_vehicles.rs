@@ -62,7 +62,8 @@ fn car() -> VehicleAsset {
 /// Bounds of the faces of a material that fits.
 fn bounds_of(model: &VehicleModel, keep: impl Fn(&Material) -> bool) -> Bounds {
     let mesh = model.body.select(0.0, 1.0).expect("near enough to be drawn");
-    let faces = mesh.faces.iter().zip(&mesh.slots).filter(|(_, slot)| keep(&model.palette.0[usize::from(**slot)]));
+    let faces =
+        mesh.faces.iter().zip(&mesh.slots).filter(|(_, slot)| keep(&model.palette.materials()[usize::from(**slot)]));
     Bounds::of(faces.flat_map(|(face, _)| face.map(|i| mesh.vertices[i as usize])))
 }
 
@@ -134,8 +135,8 @@ fn a_file_with_y_up_is_stood_upright() {
 #[test]
 fn materials_are_glass_rubber_cloth_and_paint() {
     let model = VehicleModel::from_asset(&car()).unwrap();
-    let [paint, pane, seat, tyre, unnamed] = model.palette.0[..] else { panic!("{:?}", model.palette) };
-    assert!(model.palette.0.iter().all(|m| m.semantic == Semantic::Car));
+    let [paint, pane, seat, tyre, unnamed] = model.palette.materials()[..] else { panic!("{:?}", model.palette) };
+    assert!(model.palette.materials().iter().all(|m| m.semantic == Semantic::Car));
     assert!(pane.is_glass() && pane.transmission > 0.6 && pane.lidar.transmission > 0.6);
     assert!([paint, seat, tyre, unnamed].iter().all(|m| !m.is_glass() && m.lidar.transmission == 0.0));
     assert_eq!(paint.albedo, [0.6, 0.05, 0.04]);
@@ -144,7 +145,7 @@ fn materials_are_glass_rubber_cloth_and_paint() {
     assert_eq!(seat.specular, 0.0);
     let rules = MaterialRules(vec![(Role::Plate, vec!["lack".to_owned()])]);
     let model = VehicleModel::from_asset(&VehicleAsset { rules, ..car() }).unwrap();
-    assert!(model.palette.0[0].lidar.retro);
+    assert!(model.palette.materials()[0].lidar.retro);
 }
 
 #[test]

@@ -27,9 +27,9 @@ fn quincunx(pose: DPose3, rows: usize, columns: usize) -> PinholeGrid {
 
 /// Every other instance becomes a pane.
 fn with_panes(mut instances: Vec<Instance>) -> Arc<PosedScene> {
-    let mut palette = (*common::matt()).clone();
-    palette.0[0].transmission = 0.8;
-    let palette: Arc<Palette> = Arc::new(palette);
+    let mut materials = common::matt().materials().to_vec();
+    materials[0].transmission = 0.8;
+    let palette = Arc::new(Palette::new(materials));
     for instance in instances.iter_mut().skip(1).step_by(2) {
         instance.palette = Arc::clone(&palette);
     }

@@ -85,7 +85,7 @@ pub fn obj(
     for ([a, b, c], slot) in triangles {
         builder.triangle(a - foot, b - foot, c - foot, slot as u8);
     }
-    Ok(ImportedMesh { mesh: builder.build(name, CREASE_RAD), palette: Palette(palette) })
+    Ok(ImportedMesh { mesh: builder.build(name, CREASE_RAD), palette: Palette::new(palette) })
 }
 
 /// Refuses more materials than a mesh's slots can name.
@@ -223,8 +223,8 @@ mod tests {
     #[test]
     fn colours_come_with_the_faces() {
         let imported = tetrahedron(&ImportOptions::default());
-        assert_eq!(imported.palette.0[0].albedo, [0.8, 0.1, 0.1]);
-        assert!(!imported.palette.0[0].is_glass() && imported.palette.0[1].is_glass());
+        assert_eq!(imported.palette.materials()[0].albedo, [0.8, 0.1, 0.1]);
+        assert!(!imported.palette.materials()[0].is_glass() && imported.palette.materials()[1].is_glass());
         assert_eq!(imported.mesh.slots, [0, 0, 1, 1]);
     }
 

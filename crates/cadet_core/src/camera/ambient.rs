@@ -4,7 +4,6 @@ use multiversion::multiversion;
 
 use super::block_sums::BlockSums;
 use super::contact::Contacts;
-use crate::material::Semantic;
 use crate::math::{DVec3, Vec3};
 use crate::sense::PosedScene;
 
@@ -78,7 +77,7 @@ impl SkyView {
                 continue;
             }
             let foot_z = c.z - 0.5 * instance.mesh.bounds.size().z;
-            let is_plant = instance.palette.0.iter().any(|m| m.semantic == Semantic::Vegetation);
+            let is_plant = instance.palette.has_vegetation();
             let share = if is_plant { CROWN_SHARE } else { 1.0 };
             let mut mark = |x: usize, y: usize, low: f32, high: f32| {
                 let i = y * CELLS + x;

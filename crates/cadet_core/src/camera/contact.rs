@@ -1,5 +1,7 @@
 //! What vehicles and people leave of the sky's light to the ground under and beside them.
 
+use std::ops::Range;
+
 use multiversion::multiversion;
 
 use super::block_sums::BlockSums;
@@ -95,20 +97,22 @@ impl Contacts {
         near: &mut [f32; N],
     ) {
         const { assert!(N.is_multiple_of(TOGETHER), "groups are whole") };
-        near[..count].fill(1.0);
-        if !is_asked[..count].contains(&true) {
-            return;
-        }
+        near.fill(1.0);
         let ([xs, ys, _], asked) =
             (points.each_ref().map(|axis| axis.as_chunks::<TOGETHER>().0), is_asked.as_chunks::<TOGETHER>().0);
         let (to_x, to_y) = (eye_world.x - self.min[0], eye_world.y - self.min[1]);
+        let is_reached = |groups: Range<usize>| {
+            let [left, right, low, high] = bounds(&xs[groups.clone()], &ys[groups.clone()], &asked[groups]);
+            left <= right && self.reached.any([left + to_x, low + to_y], [right + to_x, high + to_y])
+        };
+        let groups = count.div_ceil(TOGETHER);
+        // Most are far from all vehicles: all are asked with one question first.
+        if groups == 0 || !is_reached(0..groups) {
+            return;
+        }
         let mut reaching: Vec<u16> = Vec::new();
-        for (start, ((xs, ys), asked)) in (0..count).step_by(TOGETHER).zip(xs.iter().zip(ys).zip(asked)) {
-            let end = (start + TOGETHER).min(count);
-            let [left, right, low, high] = bounds(xs, ys, asked);
-            if left > right || !self.reached.any([left + to_x, low + to_y], [right + to_x, high + to_y]) {
-                continue;
-            }
+        for group in (0..groups).filter(|group| is_reached(*group..group + 1)) {
+            let (start, end) = (group * TOGETHER, ((group + 1) * TOGETHER).min(count));
             reaching.clear();
             let mut last = usize::MAX;
             for i in (start..end).filter(|i| is_asked[*i]) {
@@ -191,13 +195,30 @@ fn darken(blocker: &Blocker, center: Vec3, [x, y, z]: [&[f32]; 3], is_asked: &[b
 
 /// The least and the greatest x, the least and the greatest y of the asked points; infinite the wrong way round without any.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn bounds(xs: &[f32; TOGETHER], ys: &[f32; TOGETHER], is_asked: &[bool; TOGETHER]) -> [f32; 4] {
-    let mut sides = [[0.0; TOGETHER]; 4];
-    for i in 0..TOGETHER {
-        sides[0][i] = if is_asked[i] { xs[i] } else { f32::INFINITY };
-        sides[1][i] = if is_asked[i] { -xs[i] } else { f32::INFINITY };
-        sides[2][i] = if is_asked[i] { ys[i] } else { f32::INFINITY };
-        sides[3][i] = if is_asked[i] { -ys[i] } else { f32::INFINITY };
+fn bounds(xs: &[[f32; TOGETHER]], ys: &[[f32; TOGETHER]], is_asked: &[[bool; TOGETHER]]) -> [f32; 4] {
+    // One step a loop, on arrays of their own: so the compiler takes whole registers.
+    let none = [f32::INFINITY; TOGETHER];
+    let (mut left, mut right, mut low, mut high) = (none, [-f32::INFINITY; TOGETHER], none, [-f32::INFINITY; TOGETHER]);
+    for ((x, y), is_asked) in xs.iter().zip(ys).zip(is_asked) {
+        for i in 0..TOGETHER {
+            left[i] = if is_asked[i] & (x[i] < left[i]) { x[i] } else { left[i] };
+        }
+        for i in 0..TOGETHER {
+            right[i] = if is_asked[i] & (x[i] > right[i]) { x[i] } else { right[i] };
+        }
+        for i in 0..TOGETHER {
+            low[i] = if is_asked[i] & (y[i] < low[i]) { y[i] } else { low[i] };
+        }
+        for i in 0..TOGETHER {
+            high[i] = if is_asked[i] & (y[i] > high[i]) { y[i] } else { high[i] };
+        }
+    }
+    let mut sides = [left, low, right, high];
+    // The greatest as the least of the opposites.
+    for side in &mut sides[2..] {
+        for v in side {
+            *v = -*v;
+        }
     }
     for width in [8, 4, 2, 1] {
         for side in &mut sides {
@@ -206,5 +227,5 @@ fn bounds(xs: &[f32; TOGETHER], ys: &[f32; TOGETHER], is_asked: &[bool; TOGETHER
             }
         }
     }
-    [sides[0][0], -sides[1][0], sides[2][0], -sides[3][0]]
+    [sides[0][0], -sides[2][0], sides[1][0], -sides[3][0]]
 }

@@ -5,9 +5,9 @@ use super::look::{Rays, View};
 use super::pattern::hash2;
 use super::shade::Light;
 use crate::geometry::Mesh;
-use crate::material::{Material, Pattern, Semantic};
+use crate::material::{Material, Pattern};
 use crate::math::Vec3;
-use crate::sense::{DrawnFace, PosedInstance, PosedScene};
+use crate::sense::{DrawnFace, PosedScene};
 
 /// What collecting needs of a face that was made ready.
 #[derive(Debug, Clone, Copy)]
@@ -96,7 +96,7 @@ impl<'a> Faces<'a> {
         let eye = view.world_from_cam.translation;
         let placed = scene.instances.iter().map(|i| Placed {
             mesh: &i.mesh,
-            materials: &i.palette.0,
+            materials: i.palette.materials(),
             stand: Stand {
                 world_from_local: i.placement.rotation.as_mat3(),
                 origin: (i.placement.translation - eye).as_vec3(),
@@ -106,7 +106,7 @@ impl<'a> Faces<'a> {
             open: 0,
         });
         let plants: Vec<u32> =
-            (0..).zip(&scene.instances).map(|(i, of)| if is_plant(of) { i } else { NO_PLANT }).collect();
+            (0..).zip(&scene.instances).map(|(i, of)| if of.palette.is_plant() { i } else { NO_PLANT }).collect();
         let made = |face: &DrawnFace| Made { index: NOT_MADE, plant: plants[face.instance as usize] };
         Self {
             made: drawn.iter().map(made).collect(),
@@ -286,11 +286,4 @@ impl<'a> Faces<'a> {
         (brief.block, brief.open) = (place.block, found);
         found
     }
-}
-
-/// Leaves and what bears them, and nothing else.
-fn is_plant(instance: &PosedInstance) -> bool {
-    let materials = &instance.palette.0;
-    materials.iter().any(|m| m.pattern == Pattern::Leaves)
-        && materials.iter().all(|m| m.semantic == Semantic::Vegetation)
 }

@@ -157,13 +157,8 @@ impl Lanes {
 
     /// Looks up what the sun's shadows and the cars near by leave.
     fn cast_shadows(&mut self, light: &Light, eye: Vec3, kind: Kind, n: usize) {
-        let is_leaf = kind.pattern == Pattern::Leaves;
-        for i in 0..LANES {
-            let faces_sun = (self.cos_face[i] > 0.0) & ((self.cos_sun[i] > 0.0) | kind.is_pane);
-            self.is_asked[i] = (i < n) & (is_leaf | faces_sun);
-        }
         match &light.shadows {
-            Some(shadows) if self.is_asked.contains(&true) => {
+            Some(shadows) if ask_sun(self, kind, n) => {
                 let asked = Asked {
                     points: &self.point,
                     normals: &self.face_normal,
@@ -175,10 +170,30 @@ impl Lanes {
             }
             _ => self.lit.fill(0.0),
         }
-        for i in 0..n {
-            self.is_asked[i] = self.flags[i] & Flags::CONTACT > 0;
-        }
+        ask_contacts(self, n);
         light.sky_view.contacts.shade(eye, &self.point, &self.is_asked, n, &mut self.near);
+    }
+}
+
+/// Asks for what the sun sees of the first `n` hits; true if there is any.
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+fn ask_sun(l: &mut Lanes, kind: Kind, n: usize) -> bool {
+    let is_leaf = kind.pattern == Pattern::Leaves;
+    let mut any = [0_u8; LANES];
+    for i in 0..LANES {
+        let faces_sun = (l.cos_face[i] > 0.0) & ((l.cos_sun[i] > 0.0) | kind.is_pane);
+        let is_asked = (i < n) & (is_leaf | faces_sun);
+        l.is_asked[i] = is_asked;
+        any[i] = u8::from(is_asked);
+    }
+    any.into_iter().fold(0, |all, one| all | one) != 0
+}
+
+/// Asks for what vehicles leave of the sky to the first `n` hits.
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+fn ask_contacts(l: &mut Lanes, n: usize) {
+    for i in 0..LANES {
+        l.is_asked[i] = (i < n) & (l.flags[i] & Flags::CONTACT > 0);
     }
 }
 

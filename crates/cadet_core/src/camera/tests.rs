@@ -22,7 +22,7 @@ const INTRINSICS: [f64; 4] = [200.0, 210.0, 155.3, 45.2];
 const SIZE: (usize, usize) = (320, 100);
 
 fn instance(mesh: Mesh, material: Material, world_from_local: DPose3, actor_id: i32) -> Instance {
-    let palette = Arc::new(Palette(vec![material]));
+    let palette = Arc::new(Palette::new(vec![material]));
     Instance { shape: Arc::new(LodSet::single(mesh)), palette, world_from_local, actor_id }
 }
 

@@ -1,6 +1,6 @@
 //! Which faces of a mesh bound solids, whose inner sides are never seen from outside.
 
-use super::cluster::slot_bit;
+use crate::material::slot_bit;
 use crate::math::{DVec3, Vec3};
 
 /// For each face that belongs to a closed surface, which turns its outside outwards, the bits of the surface's material

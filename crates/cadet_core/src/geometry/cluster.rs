@@ -4,6 +4,7 @@ use super::closed::closed_surfaces;
 use super::lanes::{Lanes, lanes_of};
 use super::mesh::Bounds;
 use super::pieces::{MeshPiece, Surface, pieces_of};
+use crate::material::slot_bit;
 use crate::math::Vec3;
 
 /// The most faces in a cluster.
@@ -50,13 +51,6 @@ impl Piece {
     pub fn is_quad(&self) -> bool {
         self.corners[2] != self.corners[3]
     }
-}
-
-/// The bit of a material slot in [`Cluster::slots`].
-#[inline]
-#[must_use]
-pub fn slot_bit(slot: u8) -> u64 {
-    1 << slot.min(63)
 }
 
 /// Sorts faces along a space-filling curve and cuts them into clusters; those of one piece stay together. Indices must be

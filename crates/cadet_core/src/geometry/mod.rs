@@ -9,7 +9,7 @@ mod mesh;
 mod mesh_builder;
 mod pieces;
 
-pub use cluster::{CLUSTER_FACES, Cluster, Piece, clusters_of, slot_bit};
+pub use cluster::{CLUSTER_FACES, Cluster, Piece, clusters_of};
 pub use columns::Column;
 pub use lanes::{LANES, Lanes, lanes_of};
 pub use lod::{LazyMesh, LodSet, NEAR_M};

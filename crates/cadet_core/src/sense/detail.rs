@@ -85,7 +85,7 @@ mod tests {
     fn trees(at_m: impl Iterator<Item = f64>, is_elastic: bool) -> Vec<Instance> {
         let coarser = [(40.0, 1000), (f32::INFINITY, 100)].map(|(to_m, n)| (to_m, LazyMesh::new(move || cubes(n))));
         let shape = Arc::new(LodSet { is_elastic, ..LodSet::new((20.0, cubes(2000)), coarser) });
-        let palette = Arc::new(Palette(Vec::new()));
+        let palette = Arc::new(Palette::default());
         at_m.map(|x| Instance {
             shape: Arc::clone(&shape),
             palette: Arc::clone(&palette),

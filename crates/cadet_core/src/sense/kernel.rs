@@ -8,7 +8,7 @@ use super::hits::{FarthestOfBlocks, Hits};
 use super::posed::{PosedInstance, PosedScene};
 use super::to_grid::ToGrid;
 use super::visible::{Visible, near_first, visible_clusters};
-use crate::geometry::{CLUSTER_FACES, Cluster, LANES, slot_bit};
+use crate::geometry::{CLUSTER_FACES, Cluster, LANES};
 use crate::math::DVec3;
 
 /// Which materials a beam notices.
@@ -180,11 +180,11 @@ impl<G: BeamGrid> Caster<'_, G> {
 
 /// The bits of the material slots that belong to a layer.
 fn slots_of_layer(instance: &PosedInstance, layer: Layer) -> u64 {
-    if layer == Layer::All {
-        return u64::MAX;
+    match layer {
+        Layer::All => u64::MAX,
+        Layer::Glass => instance.palette.glass_slots(),
+        Layer::Opaque => instance.palette.solid_slots(),
     }
-    let slots = instance.palette.0.iter().zip(0_u8..);
-    slots.filter(|(m, _)| m.is_glass() == (layer == Layer::Glass)).fold(0, |bits, (_, slot)| bits | slot_bit(slot))
 }
 
 fn in_layer(instance: &PosedInstance, face: u32, layer: Layer) -> bool {

@@ -86,7 +86,7 @@ impl PosedInstance {
     /// The material of a face.
     #[must_use]
     pub fn material(&self, face: u32) -> &Material {
-        &self.palette.0[usize::from(self.mesh.slots[face as usize])]
+        &self.palette.materials()[usize::from(self.mesh.slots[face as usize])]
     }
 
     /// The corners of a face in the world.

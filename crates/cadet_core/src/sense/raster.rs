@@ -14,7 +14,7 @@ use super::outline::Outline;
 use super::pinhole::PinholeGrid;
 use super::posed::{PosedInstance, PosedScene};
 use super::visibility_buffer::{BLOCK, CLEARLY, VisibilityBuffer};
-use crate::geometry::{Cluster, LANES, slot_bit};
+use crate::geometry::{Cluster, LANES};
 use crate::math::{DMat3, DVec3, Vec3};
 
 /// [`draw_instances`], of every instance.
@@ -79,8 +79,7 @@ fn clusters_in_view(
         if window.is_empty() {
             continue;
         }
-        let slots = instance.palette.0.iter().zip(0_u8..);
-        let glass = slots.filter(|(m, _)| m.is_glass()).fold(0, |bits, (_, slot)| bits | slot_bit(slot));
+        let glass = instance.palette.glass_slots();
         let cam_from_local = cam_from_world * instance.placement.rotation;
         let origin_cam = center_cam - cam_from_local * instance.mesh.bounds.center().as_dvec3();
         let eye_local = instance.placement.rotation.transpose() * (eye_world - instance.placement.translation);

@@ -109,7 +109,17 @@ mod tests {
     fn poses_hash(instances: &[Instance]) -> u64 {
         let numbers = instances.iter().flat_map(|i| {
             let (t, r) = (i.world_from_local.translation, i.world_from_local.rotation);
-            [t.x, t.y, t.z, r.x, r.y, r.z, r.w, f64::from(i.palette.0[0].albedo[0]), i.shape.levels.len() as f64]
+            [
+                t.x,
+                t.y,
+                t.z,
+                r.x,
+                r.y,
+                r.z,
+                r.w,
+                f64::from(i.palette.materials()[0].albedo[0]),
+                i.shape.levels.len() as f64,
+            ]
         });
         numbers.fold(0xcbf2_9ce4_8422_2325, |h, v| (h ^ v.to_bits()).wrapping_mul(0x0100_0000_01b3))
     }

@@ -87,7 +87,7 @@ pub(super) fn fill(
 
 fn place_house(plot: &Plot, house: &PlacedHouse, s: &mut Stream, placer: &mut Placer) {
     let size = house.model.footprint_size();
-    let flat_roof = house.model.palette.0[2].pattern == crate::material::Pattern::Plain;
+    let flat_roof = house.model.palette.materials()[2].pattern == crate::material::Pattern::Plain;
     let at = plot.at(house.along_m, house.setback_m + size.x / 2.0);
     placer.put(&house.model, house_palette(s, flat_roof), at, -plot.out());
 }

@@ -20,7 +20,7 @@ pub(super) fn slot(cover: Cover) -> u8 {
 
 /// Old dry asphalt, concrete slabs and kerb stones, grass, worn paint; reflectances at 905 nm.
 pub(super) fn palette() -> Palette {
-    Palette(vec![
+    Palette::new(vec![
         Material::matt(Semantic::Road, [0.115, 0.113, 0.110], Pattern::Asphalt, 0.23),
         Material::matt(Semantic::Sidewalk, [0.30, 0.29, 0.27], Pattern::Slabs, 0.33),
         Material::matt(Semantic::Sidewalk, [0.36, 0.35, 0.33], Pattern::Plain, 0.36),

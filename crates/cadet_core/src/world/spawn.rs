@@ -137,7 +137,7 @@ pub(super) fn ego_model() -> VehicleModel {
         wheel_centers: [(front, side), (front, -side), (rear, side), (rear, -side)]
             .map(|(x, y)| Vec3::new(x, y, wheel_radius_m as f32)),
         wheel_radius_m,
-        palette: Arc::new(Palette(vec![paint])),
+        palette: Arc::new(Palette::new(vec![paint])),
     }
 }
 

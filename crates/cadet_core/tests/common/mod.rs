@@ -11,7 +11,7 @@ use cadet_core::rng::Stream;
 use cadet_core::sense::{BeamGrid, Hits, Layer, NO_HIT, PosedScene, RayCaster, cast};
 
 pub fn matt() -> Arc<Palette> {
-    Arc::new(Palette(vec![Material::matt(Semantic::Building, [0.5; 3], Pattern::Plain, 0.4)]))
+    Arc::new(Palette::new(vec![Material::matt(Semantic::Building, [0.5; 3], Pattern::Plain, 0.4)]))
 }
 
 pub fn place(mesh: Mesh, world_from_local: DPose3, actor_id: i32) -> Instance {

@@ -74,7 +74,7 @@ pub(super) fn palette(kind: Kind, headwear: Headwear, s: &mut Stream) -> Palette
     let shoe = if is_leather { [0.03, 0.024, 0.02] } else { [s.range(0.03, 0.6) as f32; 3] };
     let bag_is_leather = s.chance(0.35);
     let bag = pick(&TOPS[1..], s);
-    Palette(vec![
+    Palette::new(vec![
         skin,
         cloth(hair, s.range(0.30, 0.55)),
         cloth(pick(&TOPS, s), s.range(0.30, 0.70)),

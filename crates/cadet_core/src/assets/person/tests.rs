@@ -121,7 +121,7 @@ fn meshes_are_sound_closed_and_outward() {
         assert_eq!(shape.bounds, shape.levels[0].1.bounds, "{}", person.name);
         assert!((3000..5000).contains(&faces[0]) && (700..1500).contains(&faces[1]) && faces[2] < 400, "{faces:?}");
         for (_, mesh) in &shape.levels {
-            assert!(mesh.slots.iter().all(|s| usize::from(*s) < person.palette.0.len()));
+            assert!(mesh.slots.iter().all(|s| usize::from(*s) < person.palette.materials().len()));
             // Every tube is closed, so its signed volume is its own, and people displace 12 to 280 litres with coats and bags.
             let corners = |f: &[u32; 3]| f.map(|i| mesh.vertices[i as usize]);
             let volume: f32 = mesh.faces.iter().map(corners).map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum();
@@ -134,7 +134,7 @@ fn meshes_are_sound_closed_and_outward() {
 fn cloth_is_bright_at_905_nm_whatever_its_color() {
     for person in people(100) {
         for cloth in [clothes::slot::TOP, clothes::slot::LEGS] {
-            let m = person.palette.0[usize::from(cloth)];
+            let m = person.palette.materials()[usize::from(cloth)];
             assert!((0.3..=0.7).contains(&m.lidar.reflectance));
             assert_eq!(m.semantic, crate::material::Semantic::Person);
         }

@@ -160,9 +160,9 @@ pub fn pole(kind: PoleKind, variant: usize) -> SceneryModel {
             };
             let mut palette = furniture_palette(&mut s, Semantic::Pole, body, accent);
             if matches!(kind, PoleKind::ParkingSign | PoleKind::NameSign) {
-                let mut blue = (*palette).clone();
-                blue.0[usize::from(super::materials::furniture_slot::INK)].albedo = [0.015, 0.05, 0.28];
-                palette = Arc::new(blue);
+                let mut blue = palette.materials().to_vec();
+                blue[usize::from(super::materials::furniture_slot::INK)].albedo = [0.015, 0.05, 0.28];
+                palette = Arc::new(Palette::new(blue));
             }
             let shape = Detail::levels([25.0, 60.0, 220.0], move |d| poles::mesh(kind, variant, d));
             let height_m = f64::from(shape.bounds.max.z);
@@ -212,7 +212,7 @@ pub fn paving(for_cars: bool) -> (SceneryModel, f64) {
         SceneryModel {
             name: format!("paving/{length_m}"),
             shape: Arc::new(LodSet::new((150.0, b.build("paving", 0.7)), [])),
-            palette: Arc::new(Palette(vec![blocks])),
+            palette: Arc::new(Palette::new(vec![blocks])),
             footprint_min: DVec2::new(0.0, -width_m / 2.0),
             footprint_max: DVec2::new(length_m, width_m / 2.0),
             height_m: 0.025,

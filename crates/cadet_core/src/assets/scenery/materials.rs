@@ -143,7 +143,7 @@ pub fn house_palette(stream: &mut Stream, flat_roof: bool) -> Arc<Palette> {
     let mut dark_glass = pane();
     dark_glass.transmission = 0.0;
     dark_glass.lidar = LidarMaterial { lobe_exponent: 2.0, ..LidarMaterial::diffuse(0.05) };
-    Arc::new(Palette(vec![
+    Arc::new(Palette::new(vec![
         building(wall, wall_pattern, wall_905),
         building(plinth, Pattern::Render, 0.35),
         gloss(building(roof, if flat_roof { Pattern::Plain } else { Pattern::Tiles }, 0.30), 0.7),
@@ -185,7 +185,7 @@ pub fn plant_palette(stream: &mut Stream, evergreen: bool) -> Arc<Palette> {
     let base = jitter(stream, base, 0.22, 0.07);
     let reflectance = stream.range(0.45, 0.55) as f32;
     let bark = jitter(stream, [0.125, 0.105, 0.085], 0.3, 0.06);
-    Arc::new(Palette(vec![
+    Arc::new(Palette::new(vec![
         leaf(base, reflectance),
         leaf([base[0] * 1.55, base[1] * 1.42, base[2] * 1.25], reflectance + 0.02),
         leaf(base.map(|c| c * 0.55), reflectance - 0.05),
@@ -218,7 +218,7 @@ pub fn fence_palette(stream: &mut Stream, metal: bool) -> Arc<Palette> {
     let masonry = jitter(stream, masonry, 0.15, 0.04);
     let (pattern, reflectance) = if metal { (Pattern::Plain, 0.25) } else { (Pattern::Wood, 0.48) };
     let wall = if stream.chance(0.5) { Pattern::Render } else { Pattern::Blocks };
-    Arc::new(Palette(vec![
+    Arc::new(Palette::new(vec![
         Material::matt(Semantic::Fence, body, pattern, reflectance),
         Material::matt(Semantic::Fence, body.map(|c| c * 0.85), pattern, reflectance),
         Material::matt(Semantic::Fence, masonry, wall, 0.38),
@@ -244,7 +244,7 @@ pub fn furniture_palette(stream: &mut Stream, semantic: Semantic, body: [f32; 3]
         m
     };
     let sign = if semantic == Semantic::Furniture { Semantic::Furniture } else { Semantic::TrafficSign };
-    Arc::new(Palette(vec![
+    Arc::new(Palette::new(vec![
         gloss(body, 0.30),
         gloss(accent, 0.30),
         plate(sign, [0.70, 0.70, 0.68]),

@@ -60,7 +60,7 @@ impl SceneryModel {
     /// The model placed in the world, in other colours: `palette` has the prototype's slots.
     #[must_use]
     pub fn wearing(&self, palette: Arc<Palette>, world_from_local: DPose3) -> Instance {
-        debug_assert_eq!(palette.0.len(), self.palette.0.len());
+        debug_assert_eq!(palette.materials().len(), self.palette.materials().len());
         Instance { shape: Arc::clone(&self.shape), palette, world_from_local, actor_id: 0 }
     }
 

@@ -60,7 +60,7 @@ fn every_mesh_is_sound_and_stands_in_the_ground() {
     for model in every_model() {
         for (_, mesh) in &model.shape.levels {
             let name = &model.name;
-            assert!(mesh.slots.iter().all(|s| usize::from(*s) < model.palette.0.len()), "{name}: slot");
+            assert!(mesh.slots.iter().all(|s| usize::from(*s) < model.palette.materials().len()), "{name}: slot");
             assert!(mesh.vertices.iter().all(|v| v.is_finite()), "{name}: coordinate");
             assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-3), "{name}: normal");
             let tallest = f64::from(mesh.bounds.max.z);
@@ -206,7 +206,7 @@ fn signs_are_retro_reflective_and_face_the_driver() {
     let model = pole(PoleKind::ZoneSign, 0);
     let mesh: &Mesh = &model.shape.levels[0].1;
     let first = hits(mesh, Vec3::new(20.0, 0.35, 2.2), -Vec3::X, |_| true)[0];
-    assert!(model.palette.0[usize::from(first.1)].lidar.retro);
+    assert!(model.palette.materials()[usize::from(first.1)].lidar.retro);
     let behind = hits(mesh, Vec3::new(-20.0, 0.35, 2.2), Vec3::X, |_| true)[0];
-    assert!(!model.palette.0[usize::from(behind.1)].lidar.retro);
+    assert!(!model.palette.materials()[usize::from(behind.1)].lidar.retro);
 }

@@ -103,7 +103,7 @@ impl VehicleModel {
             wheel: None,
             wheel_centers: wheels.centers,
             wheel_radius_m: f64::from(wheels.radius_m),
-            palette: Arc::new(Palette(palette)),
+            palette: Arc::new(Palette::new(palette)),
         })
     }
 }

@@ -128,7 +128,7 @@ pub(super) fn palette(class: ObjectClass, s: &mut Stream) -> Palette {
     let shirt = [s.range(0.03, 0.55) as f32, s.range(0.03, 0.5) as f32, s.range(0.03, 0.55) as f32];
     set(slot::SHIRT, Material::matt(semantic, shirt, Pattern::Cloth, s.range(0.3, 0.7) as f32));
     set(slot::CHROME, coated(semantic, [0.55; 3], 0.1, 0.5, 0.04));
-    Palette(materials)
+    Palette::new(materials)
 }
 
 fn paint(class: ObjectClass, semantic: Semantic, s: &mut Stream) -> Material {

@@ -247,7 +247,7 @@ fn three_hundred_seeds_give_sound_meshes() {
                 assert_eq!(shape.bounds, shape.levels[0].1.bounds, "{}", model.name);
             }
             for (_, mesh) in shapes.into_iter().flatten().flat_map(|s| &s.levels) {
-                assert!(mesh.slots.iter().all(|s| usize::from(*s) < model.palette.0.len()));
+                assert!(mesh.slots.iter().all(|s| usize::from(*s) < model.palette.materials().len()));
                 assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-3), "{}", model.name);
                 for f in &mesh.faces {
                     let [a, b, c] = f.map(|i| mesh.vertices[i as usize]);
@@ -289,7 +289,7 @@ fn a_seed_names_one_vehicle() {
 fn glass_passes_light_and_plates_are_retroreflective() {
     for seed in 0..50 {
         let palette = VehicleModel::generate(ObjectClass::Car, seed).palette;
-        for (i, m) in palette.0.iter().enumerate() {
+        for (i, m) in palette.materials().iter().enumerate() {
             assert_eq!(m.is_glass(), is_pane(i as u8), "slot {i}");
             assert_eq!(m.lidar.transmission > 0.0, is_pane(i as u8), "slot {i}");
             assert_eq!(m.lidar.retro, i as u8 == slot::PLATE, "slot {i}");

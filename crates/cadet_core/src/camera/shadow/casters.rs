@@ -7,7 +7,7 @@ use multiversion::multiversion;
 use super::setup::{Corners, Plane, Setup, rounded};
 use super::{EMPTY, HIGHEST, Map, SIZE, STRIDE, TILE, least, most, steps};
 use crate::geometry::{CLUSTER_FACES, Cluster, LANES, Piece};
-use crate::material::{Material, Pattern};
+use crate::material::Material;
 use crate::math::{DMat3, Mat3, Vec3};
 use crate::sense::{PosedInstance, PosedScene};
 
@@ -20,15 +20,14 @@ pub(super) fn draw_casters(scene: &PosedScene, light_from_world: &DMat3, maps: &
         if !maps.iter().any(|m| m.is_asked_in(center, instance.radius_m as f32)) {
             continue;
         }
-        let kinds: Vec<Caster> = instance.palette.0.iter().map(Caster::of).collect();
+        let kinds: Vec<Caster> = instance.palette.materials().iter().map(Caster::of).collect();
         let slots_of = |kind: Caster| {
             let of_kind = kinds.iter().take(63).enumerate().filter(|(_, k)| **k == kind);
             of_kind.fold(0, |bits, (slot, _)| bits | 1_u64 << slot)
         };
         let (never, always) = (slots_of(Caster::Never), slots_of(Caster::Always));
-        let palette = instance.palette.0.iter().take(63).enumerate();
-        let leaves =
-            palette.filter(|(_, m)| m.pattern == Pattern::Leaves).fold(0, |bits, (slot, _)| bits | 1_u64 << slot);
+        // Bit 63 may stand for several slots.
+        let leaves = instance.palette.leaf_slots() & !(1 << 63);
         let light_from_local = *light_from_world * instance.placement.rotation;
         let origin = (*light_from_world * instance.placement.translation).as_vec3();
         let light_from_local = light_from_local.as_mat3();
