@@ -1,15 +1,14 @@
-//! Collects the hits of a band of the image by kind, block by block of the visibility buffer: many blocks' rows show one
-//! face, whose hits go into their list eight at a time.
+//! Collects what a band of the image shows by kind: of each block of the visibility buffer every face once, with the samples
+//! that show it.
 
 use std::ops::Range;
 
-use multiversion::multiversion;
-
 use super::faces::{Faces, Place};
-use super::hits::{Hit, RUN};
+use super::hits::{FIRST, Patch, SECOND, SampleBits};
 use super::look::{Rays, View};
 use super::noise::MIDDLE_PX;
 use super::paint::{BAND, Painter};
+use super::parts::{FIRSTS, Part, nearer, pixels_of, place_of, read, samples_within, split};
 use super::shade::Light;
 use super::sky::SkyRows;
 use crate::sense::{BLOCK, Block, VisibilityBuffer};
@@ -22,103 +21,44 @@ const TOGETHER: usize = 64;
 /// takes that back.
 const OFFSETS: [f32; 2] = [-0.25, 0.25];
 
-/// Hits of a band, and what is known of their faces.
+/// Patches of a band, and what is known of their faces.
 pub struct Collector<'a> {
     buffer: &'a VisibilityBuffer,
     faces: Faces<'a>,
     painter: Painter<'a>,
-    /// Hits of panes, with their kinds and the pixels that have what is behind.
-    panes: Vec<(u32, u32, Hit)>,
+    /// What the blocks at hand show.
+    parts: Vec<Part>,
+    edges: Vec<Edge>,
+    /// Patches of panes, with their kinds.
+    panes: Vec<(u32, Patch)>,
     sky: SkyRows<'a>,
     width: usize,
-    intrinsics: [f64; 4],
 }
 
-/// What a row of pixels of a block shows, a bit a pixel.
-#[derive(Clone, Copy, Default)]
-struct Row {
-    /// The first sample sees something solid; the second does.
-    hits: [u32; 2],
-    /// Both samples see one face.
-    whole: u32,
-    /// Both samples of the pixel and of the next see one face.
-    joined: u32,
-}
-
-impl Row {
-    const ALL: u32 = (1 << BLOCK) - 1;
-
-    fn is_sky(&self) -> bool {
-        self.hits[0] | self.hits[1] == 0
-    }
-
-    /// All samples see one face.
-    fn is_one_face(&self) -> bool {
-        self.joined == Self::ALL >> 1
-    }
-
-    /// How many pixels from one on show its face; the pixel must be `whole`.
-    fn run_from(&self, i: usize) -> usize {
-        1 + (self.joined >> i).trailing_ones() as usize
-    }
-}
-
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn survey(block: &Block) -> [Row; ROWS] {
-    let mut out = [Row::default(); ROWS];
-    for (row, out) in out.iter_mut().enumerate() {
-        let (a, b) = (&block.nearness[2 * row], &block.nearness[2 * row + 1]);
-        let (id_a, id_b) = (&block.face[2 * row], &block.face[2 * row + 1]);
-        let (mut hit_a, mut hit_b, mut same, mut next) = ([0_u32; BLOCK], [0_u32; BLOCK], [0; BLOCK], [0; BLOCK]);
-        for i in 0..BLOCK {
-            hit_a[i] = u32::from(a[i] > 0.0) << i;
-            hit_b[i] = u32::from(b[i] > 0.0) << i;
-            same[i] = u32::from(id_a[i] == id_b[i]) << i;
-        }
-        for i in 0..BLOCK - 1 {
-            next[i] = u32::from(id_a[i] == id_a[i + 1]) << i;
-        }
-        let bits = |lanes: [u32; BLOCK]| lanes.into_iter().fold(0, |all, lane| all | lane);
-        let hits = [bits(hit_a), bits(hit_b)];
-        let whole = bits(same) & hits[0] & hits[1];
-        *out = Row { hits, whole, joined: bits(next) & whole & whole >> 1 };
-    }
-    out
-}
-
-/// Depths of a row of pixels, each between its two samples; mean nothing where these do not see one face.
-type Depths = [f32; 2 * BLOCK];
-
-#[inline]
-fn depths_of(block: &Block, row: usize) -> Depths {
-    let (a, b) = (&block.nearness[2 * row], &block.nearness[2 * row + 1]);
-    let mut depths = [1.0; 2 * BLOCK];
-    for i in 0..BLOCK {
-        depths[i] = 2.0 / (a[i] + b[i]);
-    }
-    depths
+/// A pixel whose samples see two faces.
+#[derive(Clone, Copy)]
+struct Edge {
+    faces: [u32; 2],
+    /// Its second sample.
+    second: SampleBits,
 }
 
 /// A block of the band.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 struct Tile {
     /// Its number in the buffer.
     number: usize,
     place: Place,
-    /// First pixel row and column, and rows and columns of it that lie in the image.
+    /// First pixel row and column.
     top: usize,
     left: usize,
-    rows: usize,
-    columns: usize,
-    shown: Shown,
-}
-
-/// What a block shows.
-#[derive(Clone, Copy)]
-enum Shown {
-    /// A single face and no pane.
-    Face(u32),
-    Rows([Row; ROWS]),
+    /// Of [`Collector::parts`] and [`Collector::edges`].
+    parts: Range<usize>,
+    edges: Range<usize>,
+    /// The samples that see nothing.
+    sky: SampleBits,
+    /// Both samples of pixels with panes before what is solid.
+    panes: SampleBits,
 }
 
 /// A pixel.
@@ -152,6 +92,15 @@ fn two(block: &Block, row: usize, column: usize) -> Two {
     [2 * row, 2 * row + 1].map(|line| (block.nearness[line][column], block.face[line][column]))
 }
 
+/// The set bits of a number, from the lowest on.
+fn bits_of(mut set: SampleBits) -> impl Iterator<Item = u32> {
+    std::iter::from_fn(move || {
+        let bit = set.trailing_zeros();
+        set &= set.wrapping_sub(1);
+        (bit < SampleBits::BITS).then_some(bit)
+    })
+}
+
 impl<'a> Collector<'a> {
     pub fn new(
         buffer: &'a VisibilityBuffer,
@@ -162,7 +111,8 @@ impl<'a> Collector<'a> {
         light: &'a Light,
     ) -> Self {
         let sky = SkyRows::new(view.width, view.height, rays, light);
-        Self { buffer, faces, painter, panes: Vec::new(), sky, width: view.width, intrinsics: view.intrinsics }
+        let (parts, edges, panes) = (Vec::new(), Vec::new(), Vec::new());
+        Self { buffer, faces, painter, parts, edges, panes, sky, width: view.width }
     }
 
     /// Collects the rows of a band.
@@ -185,32 +135,25 @@ impl<'a> Collector<'a> {
                 }
             }
             let _ = std::hint::black_box(touched);
+            self.parts.clear();
+            self.edges.clear();
             for (tile, (row, left)) in tiles.iter_mut().zip(places) {
                 let (number, square) = (number_of(first_row + row, left), number_of(first_row, left));
-                let only = self.buffer.only_face(number);
-                let found = Tile {
-                    number,
-                    place: Place { block: number as u32, square: square as u32 },
-                    top: first_row + row,
-                    left,
-                    rows: (rows - row).min(ROWS),
-                    columns: (width - left).min(BLOCK),
-                    shown: only.map_or_else(|| Shown::Rows(survey(self.buffer.solid(number))), Shown::Face),
-                };
-                self.ask(&found);
-                *tile = Some(found);
+                let place = Place { block: number as u32, square: square as u32 };
+                let inside = samples_within((rows - row).min(ROWS), (width - left).min(BLOCK));
+                *tile = Some(self.find(number, place, (first_row + row, left), inside));
             }
             self.faces.make_asked();
             for tile in tiles.iter().flatten() {
-                self.collect_tile(tile);
+                self.collect(tile);
             }
         }
         if !self.panes.is_empty() {
             // Panes come after what they show.
             self.painter.shade_all(&self.faces);
-            self.panes.sort_by_key(|(kind, ..)| *kind);
-            for (kind, behind, hit) in self.panes.drain(..) {
-                self.painter.push_pane(&self.faces, kind, &hit, behind);
+            self.panes.sort_by_key(|(kind, _)| *kind);
+            for (kind, patch) in self.panes.drain(..) {
+                self.painter.push(&self.faces, kind, &patch, FIRST | SECOND);
             }
             self.painter.shade_all(&self.faces);
         }
@@ -225,169 +168,123 @@ impl<'a> Collector<'a> {
         self.painter.shade_all(&self.faces);
     }
 
-    /// Asks for the faces of a block.
-    fn ask(&mut self, tile: &Tile) {
-        let survey = match &tile.shown {
-            Shown::Face(face) => return self.faces.ask(*face),
-            Shown::Rows(rows) => rows,
-        };
-        let block = self.buffer.solid(tile.number);
-        for row in 0..tile.rows {
-            if let Some(panes) = self.panes_before(tile, row) {
-                for i in 0..BLOCK {
-                    self.ask_behind_panes(two(block, row, i), two(panes, row, i));
-                }
-                continue;
+    /// Finds what a block shows, and asks for its faces.
+    fn find(&mut self, number: usize, place: Place, (top, left): (usize, usize), inside: SampleBits) -> Tile {
+        let (parts, edges) = (self.parts.len(), self.edges.len());
+        let mut tile = Tile { number, place, top, left, parts: parts..parts, edges: edges..edges, sky: 0, panes: 0 };
+        if let Some(face) = self.buffer.only_face(number) {
+            self.parts.push(Part { face, samples: inside });
+        } else {
+            let block = self.buffer.solid(number);
+            if let Some(panes) = self.buffer.panes(number) {
+                tile.panes = pixels_of(nearer(panes, block)) & inside;
+                self.ask_behind_panes(block, panes, tile.panes);
             }
-            let shown = &survey[row];
-            // Where something else begins.
-            let mut first = (shown.hits[0] | shown.hits[1]) & !(shown.joined << 1);
-            while first != 0 {
-                let i = first.trailing_zeros() as usize % BLOCK;
-                first &= first - 1;
-                let (a, b) = (block.face[2 * row][i], block.face[2 * row + 1][i]);
-                match shown.hits.map(|bits| bits >> i & 1) {
-                    [1, 1] => self.faces.ask_two(a, b),
-                    [1, _] => self.faces.ask(a),
-                    _ => self.faces.ask(b),
+            let asked = inside & !tile.panes;
+            let (mut numbers, differ) = read(block);
+            for bit in bits_of(differ & asked) {
+                let (second, first) = (place_of(bit), place_of(bit - 1));
+                let faces = [numbers[first], numbers[second]];
+                // They differ without order: the first stands for both.
+                if self.faces.are_of_one_plant(faces[0], faces[1]) {
+                    numbers[second] = faces[0];
+                } else {
+                    self.edges.push(Edge { faces, second: 1 << bit });
                 }
             }
+            tile.sky = split(&numbers, asked, &mut self.parts);
+        }
+        (tile.parts.end, tile.edges.end) = (self.parts.len(), self.edges.len());
+        for part in &self.parts[tile.parts.clone()] {
+            self.faces.ask(part.face);
+        }
+        tile
+    }
+
+    /// All faces of pixels with panes, except for panes behind what is solid.
+    fn ask_behind_panes(&mut self, solid: &Block, panes: &Block, samples: SampleBits) {
+        for bit in bits_of(samples) {
+            let (row, column) = (place_of(bit) / BLOCK, place_of(bit) % BLOCK);
+            if solid.nearness[row][column] > 0.0 {
+                self.faces.ask(solid.face[row][column]);
+            }
+            if panes.nearness[row][column] > solid.nearness[row][column] {
+                self.faces.ask(panes.face[row][column]);
+            }
         }
     }
 
-    /// All faces of a pixel in a row with panes, except for panes behind what is solid.
-    fn ask_behind_panes(&mut self, solid: Two, panes: Two) {
-        for (solid, pane) in solid.into_iter().zip(panes) {
-            if solid.0 > 0.0 {
-                self.faces.ask(solid.1);
-            }
-            if pane.0 > solid.0 {
-                self.faces.ask(pane.1);
-            }
-        }
-    }
-
-    /// The panes of a block, if in a row of pixels any of them lies before what is solid.
-    fn panes_before(&self, tile: &Tile, row: usize) -> Option<&'a Block> {
-        let buffer = self.buffer;
-        let (solid, panes) = (buffer.solid(tile.number), buffer.panes(tile.number)?);
-        let is_before = |line: usize| (0..BLOCK).any(|i| panes.nearness[line][i] > solid.nearness[line][i]);
-        (is_before(2 * row) || is_before(2 * row + 1)).then_some(panes)
-    }
-
-    fn collect_tile(&mut self, tile: &Tile) {
-        let buffer = self.buffer;
-        let survey = match &tile.shown {
-            Shown::Face(face) => return self.collect_face(tile, *face),
-            Shown::Rows(rows) => rows,
-        };
-        let block = buffer.solid(tile.number);
-        for row in 0..tile.rows {
-            let line = tile.top + row;
-            let first = line * self.width + tile.left;
-            let pixel = Pixel { column: tile.left, row: line, number: first as u32, place: tile.place };
-            if let Some(panes) = self.panes_before(tile, row) {
-                let depths = depths_of(block, row);
-                for i in 0..tile.columns {
-                    let (solid, panes) = (two(block, row, i), two(panes, row, i));
-                    if (0..2).any(|i| panes[i].0 > solid[i].0) {
-                        let pixel = Pixel { column: tile.left + i, number: (first + i) as u32, ..pixel };
-                        self.collect_behind_panes(solid, panes, pixel);
-                    } else {
-                        let _ = self.collect_pixel(block, row, survey[row], i..i + 1, &depths, pixel);
-                    }
+    /// Passes on what a block shows.
+    fn collect(&mut self, tile: &Tile) {
+        // Pixels on the edge between faces that look alike are shaded once.
+        let parts = &mut self.parts[tile.parts.clone()];
+        for Edge { faces: [first, second], second: sample } in &self.edges[tile.edges.clone()] {
+            if self.faces.are_alike(*first, *second) {
+                for part in parts.iter_mut() {
+                    part.samples |= if part.face == *first { *sample } else { 0 };
+                    part.samples &= if part.face == *second { !*sample } else { SampleBits::MAX };
                 }
-                continue;
             }
-            let shown = survey[row];
-            if shown.is_sky() {
-                self.sky.fill(tile.left, line, self.painter.row(first, tile.columns));
-                continue;
+        }
+        for i in tile.parts.clone() {
+            let part = self.parts[i];
+            if part.samples != 0 {
+                self.collect_part(tile, &part);
             }
-            let depths = depths_of(block, row);
-            if shown.is_one_face() {
-                self.collect_run(block.face[2 * row][0], pixel, &depths, 0..tile.columns);
-                continue;
-            }
-            let mut i = 0;
-            while i < tile.columns {
-                i += self.collect_pixel(block, row, shown, i..tile.columns, &depths, pixel);
+        }
+        if tile.sky != 0 {
+            self.collect_sky(tile);
+        }
+        if let Some(panes) = self.buffer.panes(tile.number).filter(|_| tile.panes != 0) {
+            let block = self.buffer.solid(tile.number);
+            for bit in bits_of(tile.panes & FIRSTS) {
+                let (row, column) = (place_of(bit) / BLOCK / 2, place_of(bit) % BLOCK);
+                let pixel = self.pixel(tile, row, column);
+                self.collect_behind_panes(two(block, row, column), two(panes, row, column), pixel);
             }
         }
     }
 
-    /// A block without panes that shows one face: its depths follow from the face's plane.
-    fn collect_face(&mut self, tile: &Tile, face: u32) {
-        let [first, by_column, by_row] = self.buffer.faces[face as usize].nearness_on_image(self.intrinsics);
-        let middle = f64::from(MIDDLE_PX);
-        let (left, top) = (tile.left as f64 + middle, tile.top as f64 + middle);
-        let (mut nearness, by_column) = ((first + by_column * left + by_row * top) as f32, by_column as f32);
-        for line in tile.top..tile.top + tile.rows {
-            let mut depths = [1.0; 2 * BLOCK];
-            for i in 0..BLOCK {
-                depths[i] = 1.0 / (nearness + by_column * i as f32);
-            }
-            let number = (line * self.width + tile.left) as u32;
-            let pixel = Pixel { column: tile.left, row: line, number, place: tile.place };
-            self.collect_run(face, pixel, &depths, 0..tile.columns);
-            nearness += by_row as f32;
-        }
+    fn pixel(&self, tile: &Tile, row: usize, column: usize) -> Pixel {
+        let (row, column) = (tile.top + row, tile.left + column);
+        Pixel { column, row, number: (row * self.width + column) as u32, place: tile.place }
     }
 
-    /// Neighbouring pixels of a block's row that show one face: of `first` in the first column.
     #[inline]
-    fn collect_run(&mut self, face: u32, first: Pixel, mean_depth: &Depths, columns: Range<usize>) {
-        let (index, kind) = self.faces.made(face);
-        let (from, count) = (columns.start, columns.len());
-        let (u, v) = ((first.column + from) as f32 + MIDDLE_PX, first.row as f32 + MIDDLE_PX);
-        let middle = count / 2;
-        let Some(depth) = mean_depth[from.min(BLOCK)..].first_chunk::<RUN>() else { return };
-        let open = self.faces.open_index(index, first.place, u + middle as f32, v, depth[middle % RUN]);
-        let hit = Hit { face: index, open, target: first.number + from as u32, weight: 1.0, u, v, depth: 0.0 };
-        self.painter.push_run(&self.faces, kind, &hit, depth, count);
+    fn collect_part(&mut self, tile: &Tile, part: &Part) {
+        let (face, kind) = self.faces.made(part.face);
+        let first = self.pixel(tile, 0, 0);
+        let (u, v) = first.uv();
+        let nearness = self.faces.nearness_at(face, u, v);
+        // A sample half-way from the first to the last column that shows it.
+        let columns = [part.samples.trailing_zeros() / 8, (63 - part.samples.leading_zeros()) / 8];
+        let middle = (columns[0] + columns[1]) / 2 * 8;
+        let middle = middle + (part.samples >> middle).trailing_zeros();
+        let (column, row) = ((middle / 8) as f32, (middle % 8 / 2) as f32);
+        let there = nearness[0] + nearness[1] * column + nearness[2] * row;
+        let open = self.faces.open_index(face, tile.place, u + column, v + row, there);
+        let patch = Patch { face, open, target: first.number, behind: 0, u, v, nearness, weight: 1.0 };
+        self.painter.push(&self.faces, kind, &patch, part.samples);
     }
 
-    /// A pixel without panes, or several that show one face: a hit for each of its faces. Faces of one plant are shaded as
-    /// one, by the first: they differ without order; so are faces that are alike. `first` is the pixel in column 0. Returns
-    /// how many pixels these were.
-    #[inline]
-    fn collect_pixel(
-        &mut self,
-        block: &Block,
-        row: usize,
-        shown: Row,
-        columns: Range<usize>,
-        depths: &Depths,
-        first: Pixel,
-    ) -> usize {
-        let i = columns.start % BLOCK;
-        let [a, b] = two(block, row, i);
-        if shown.whole >> i & 1 == 1 {
-            let count = shown.run_from(i).min(columns.len());
-            self.collect_run(a.1, first, depths, i..i + count);
-            return count;
-        }
-        let pixel = Pixel { column: first.column + i, number: first.number + i as u32, ..first };
-        let at = pixel.number;
-        match (shown.hits[0] >> i & 1 == 1, shown.hits[1] >> i & 1 == 1) {
-            (true, true) if self.faces.are_of_one_plant(a.1, b.1) => {
-                self.collect(a.1, pixel, at, 1.0, pixel.sample(0), 1.0 / a.0);
+    fn collect_sky(&mut self, tile: &Tile) {
+        let columns = BLOCK.min(self.width - tile.left);
+        for row in 0..ROWS {
+            let of_row = samples_within(1, columns) << (2 * row);
+            if tile.sky & of_row == of_row {
+                let first = self.pixel(tile, row, 0);
+                self.sky.fill(tile.left, first.row, self.painter.row(first.number as usize, columns));
+                continue;
             }
-            (true, true) if self.faces.are_alike(a.1, b.1) => {
-                self.collect(a.1, pixel, at, 1.0, pixel.uv(), depths[i]);
-            }
-            (false, false) => self.sky.fill(pixel.column, pixel.row, self.painter.row(at as usize, 1)),
-            hits => {
-                for (k, (nearness, face), is_hit) in [(0, a, hits.0), (1, b, hits.1)] {
-                    if is_hit {
-                        self.collect(face, pixel, at, 0.5, pixel.sample(k), 1.0 / nearness);
-                    } else {
-                        self.add_sky(pixel);
-                    }
+            for bit in bits_of(pixels_of(tile.sky & of_row) & FIRSTS) {
+                let pixel = self.pixel(tile, row, place_of(bit) % BLOCK);
+                if tile.sky >> bit & 3 == 3 {
+                    self.sky.fill(pixel.column, pixel.row, self.painter.row(pixel.number as usize, 1));
+                } else {
+                    self.add_sky(pixel);
                 }
             }
         }
-        1
     }
 
     /// The sky in one sample of a pixel.
@@ -396,11 +293,11 @@ impl<'a> Collector<'a> {
     }
 
     /// A hit of one face, whose colour goes to `target`.
-    #[inline]
-    fn collect(&mut self, face: u32, pixel: Pixel, target: u32, weight: f32, (u, v): (f32, f32), depth: f32) {
-        let (index, kind) = self.faces.made(face);
-        let open = self.faces.open_index(index, pixel.place, u, v, depth);
-        self.painter.push(&self.faces, kind, &Hit { face: index, open, target, weight, u, v, depth });
+    fn collect_hit(&mut self, face: u32, pixel: Pixel, target: u32, weight: f32, (u, v): (f32, f32), nearness: f32) {
+        let (face, kind) = self.faces.made(face);
+        let open = self.faces.open_index(face, pixel.place, u, v, nearness);
+        let patch = Patch { face, open, target, behind: 0, u, v, nearness: [nearness, 0.0, 0.0], weight };
+        self.painter.push(&self.faces, kind, &patch, FIRST | SECOND);
     }
 
     /// A pixel some of whose samples lie behind panes: sample by sample, unless both agree.
@@ -418,7 +315,7 @@ impl<'a> Collector<'a> {
             if is_before(i) {
                 self.collect_pane(solid[i], panes[i], pixel, 0.5, uv);
             } else if solid[i].0 > 0.0 {
-                self.collect(solid[i].1, pixel, pixel.number, 0.5, uv, 1.0 / solid[i].0);
+                self.collect_hit(solid[i].1, pixel, pixel.number, 0.5, uv, solid[i].0);
             } else {
                 self.add_sky(pixel);
             }
@@ -428,14 +325,14 @@ impl<'a> Collector<'a> {
     fn collect_pane(&mut self, solid: (f32, u32), pane: (f32, u32), pixel: Pixel, weight: f32, (u, v): (f32, f32)) {
         let behind = if solid.0 > 0.0 {
             let behind = self.painter.new_behind([0.0; 3]);
-            self.collect(solid.1, pixel, behind, 1.0, (u, v), 1.0 / solid.0);
+            self.collect_hit(solid.1, pixel, behind, 1.0, (u, v), solid.0);
             behind
         } else {
             self.painter.new_behind(self.sky.at(pixel.column, pixel.row))
         };
-        let depth = 1.0 / pane.0;
         let (face, kind) = self.faces.made(pane.1);
-        let open = self.faces.open_index(face, pixel.place, u, v, depth);
-        self.panes.push((kind, behind, Hit { face, open, target: pixel.number, weight, u, v, depth }));
+        let open = self.faces.open_index(face, pixel.place, u, v, pane.0);
+        let nearness = [pane.0, 0.0, 0.0];
+        self.panes.push((kind, Patch { face, open, target: pixel.number, behind, u, v, nearness, weight }));
     }
 }

@@ -59,6 +59,7 @@ struct Placed<'a> {
 pub struct Faces<'a> {
     light: &'a Light,
     rays: &'a Rays,
+    intrinsics: [f64; 4],
     drawn: &'a [DrawnFace],
     placed: Vec<Placed<'a>>,
     made: Vec<Made>,
@@ -70,6 +71,8 @@ pub struct Faces<'a> {
     pub faces: Vec<Face>,
     /// As `faces`.
     brief: Vec<Brief>,
+    /// As `faces`; see [`DrawnFace::nearness_on_image`].
+    planes: Vec<[f64; 3]>,
     /// The sky's visibility, padded, so that it is one load: towards the six half axes; for flat faces the light from all
     /// around, then the visibility towards the four level half axes.
     pub open: Vec<[f32; 8]>,
@@ -119,6 +122,8 @@ impl<'a> Faces<'a> {
             rays,
             faces: Vec::with_capacity(2 * MAX_FACES),
             brief: Vec::with_capacity(2 * MAX_FACES),
+            planes: Vec::with_capacity(2 * MAX_FACES),
+            intrinsics: view.intrinsics,
             open: Vec::with_capacity(2 * MAX_OPEN),
             alike: vec![NOT_ALIKE; ALIKE],
         }
@@ -133,6 +138,7 @@ impl<'a> Faces<'a> {
     pub fn forget(&mut self) {
         self.faces.clear();
         self.brief.clear();
+        self.planes.clear();
         self.open.clear();
         self.alike.fill(NOT_ALIKE);
         for made in &mut self.made {
@@ -144,23 +150,12 @@ impl<'a> Faces<'a> {
     }
 
     /// Notes a drawn face for [`Faces::make_asked`], unless it is made.
-    #[inline]
-    pub fn ask(&mut self, number: u32) {
-        self.ask_if(number, true);
-    }
-
-    /// As [`Faces::ask`], for the two faces of a pixel: of two faces of one plant the first is enough.
-    #[inline]
-    pub fn ask_two(&mut self, first: u32, second: u32) {
-        self.ask_if(first, true);
-        self.ask_if(second, !self.are_of_one_plant(first, second));
-    }
-
+    ///
     /// Without branches: else the processor would wait for the memory of one face after the other.
     #[inline]
-    fn ask_if(&mut self, number: u32, is_wanted: bool) {
+    pub fn ask(&mut self, number: u32) {
         let made = &mut self.made[number as usize];
-        let is_new = (made.index == NOT_MADE) & is_wanted;
+        let is_new = made.index == NOT_MADE;
         let next = (self.faces.len() + self.asked_count) as u32;
         made.index = if is_new { next } else { made.index };
         self.asked[self.asked_count % MAX_ASKED] = number;
@@ -193,6 +188,7 @@ impl<'a> Faces<'a> {
             r.vertices = r.corners.map(|i| mesh.vertices[i as usize]);
             r.normals = r.corners.map(|i| mesh.normals[i as usize]);
         }
+        self.planes.extend(asked.iter().map(|n| self.drawn[*n as usize].nearness_on_image(self.intrinsics)));
         for raw in &raw {
             let placed = &self.placed[raw.instance as usize];
             let material = &placed.materials[usize::from(raw.slot)];
@@ -229,9 +225,17 @@ impl<'a> Faces<'a> {
         (index, self.brief[index as usize].kind)
     }
 
+    /// 1 / z of a made face's plane at an image point, 1/m, and its change by column and by row.
+    #[inline]
+    pub fn nearness_at(&self, index: u32, u: f32, v: f32) -> [f32; 3] {
+        let [first, by_column, by_row] = self.planes[index as usize];
+        let here = first + by_column * f64::from(u) + by_row * f64::from(v);
+        [here, by_column, by_row].map(|n| n as f32)
+    }
+
     /// Index of the sky's visibility at a hit of a face.
     #[inline]
-    pub fn open_index(&mut self, index: u32, place: Place, u: f32, v: f32, depth: f32) -> u32 {
+    pub fn open_index(&mut self, index: u32, place: Place, u: f32, v: f32, nearness: f32) -> u32 {
         let brief = &self.brief[index as usize];
         if brief.leaf_of == NO_PLANT {
             if brief.block == place.block {
@@ -243,7 +247,7 @@ impl<'a> Faces<'a> {
                 return plant.open;
             }
         }
-        self.find_open(index, place, u, v, depth)
+        self.find_open(index, place, u, v, 1.0 / nearness)
     }
 
     #[inline(never)]

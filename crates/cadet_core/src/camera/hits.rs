@@ -1,100 +1,127 @@
-//! Hits that wait to be shaded: those of one kind together, lane by lane.
+//! What waits to be shaded: faces of one kind together, lane by lane.
+//!
+//! A lane is two pixels side by side, as far as they show one face: light and air are found once for both, the texture for each
+//! (coarse pixel shading: Vaidyanathan et al., HPG 2014). The lanes that show one face in one block of the image are a patch.
 
-/// Hits that are shaded together.
+/// Lanes that are shaded together.
 pub const LANES: usize = 128;
-/// Lanes that are filled together: neighbours often show one face.
+/// Lanes that are filled together.
 pub const RUN: usize = 8;
 /// Room for runs that end beyond the last lane; arrays a power of two apart would share the sets of the cache.
 pub const STRIDE: usize = LANES + 16;
 /// One number a lane.
 pub type Lane = [f32; STRIDE];
 
-/// Samples of a pixel that show the same face.
+/// Pairs of pixels side by side in a block, and rows of them.
+const ACROSS: usize = 4;
+const DOWN: usize = 4;
+
+/// The samples of a block of 8 x 4 pixels, two a pixel, a bit each: column by column, from the top; the first of a pixel, which
+/// lies on its centre, comes before the second.
+pub type SampleBits = u64;
+
+/// The first sample of a block's first pixel.
+pub const FIRST: SampleBits = 1;
+/// The second one.
+pub const SECOND: SampleBits = 2;
+
+/// What the lanes of one face in one block share.
 #[derive(Debug, Clone, Copy)]
-pub struct Hit {
+pub struct Patch {
     /// Index of the face.
     pub face: u32,
     /// Index of the sky's visibility.
     pub open: u32,
-    /// Pixel to which the colour is added.
+    /// Pixel to which the colour of the block's first pixel is added.
     pub target: u32,
-    /// Share of the pixel.
-    pub weight: f32,
-    /// Image point.
+    /// Of panes: the pixel that has the colour of what is seen through them.
+    pub behind: u32,
+    /// Image point between the samples of the block's first pixel.
     pub u: f32,
-    /// Image point.
+    /// See `u`.
     pub v: f32,
-    /// Along the optical axis, metres.
-    pub depth: f32,
+    /// 1 / z there, 1/m, and its change by column and by row.
+    pub nearness: [f32; 3],
+    /// What a pixel's colour counts, if both samples show the face.
+    pub weight: f32,
 }
 
-/// Hits of one kind, one a lane. Lanes from `count` on mean nothing.
+/// What of a pair of pixels shows a face, where it stands in its block, and the patch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Cell(pub u32);
+
+impl Cell {
+    /// Bits of the pair's column and row in the block.
+    pub const COLUMN: u32 = 3;
+    /// See `COLUMN`.
+    pub const ROW_SHIFT: u32 = 2;
+    /// First and second sample of the left pixel, then of the right one.
+    pub const SAMPLES_SHIFT: u32 = 4;
+    /// All samples of a pair.
+    pub const ALL: u32 = 15;
+
+    #[inline(always)]
+    fn new(samples: u32, row: usize, column: usize) -> Self {
+        Self(samples << Self::SAMPLES_SHIFT | (row << Self::ROW_SHIFT | column) as u32)
+    }
+}
+
+/// Patches of one kind. Lanes from `count` on mean nothing.
 #[derive(Debug, Clone)]
 pub struct Hits {
     pub count: usize,
-    pub face: [u32; STRIDE],
-    pub open: [u32; STRIDE],
-    pub target: [u32; STRIDE],
-    /// Of panes: the pixel that has the colour of what is seen through them.
-    pub behind: [u32; STRIDE],
-    pub weight: Lane,
-    pub u: Lane,
-    pub v: Lane,
-    pub depth: Lane,
+    /// With the lanes in which they begin.
+    pub patches: Vec<(usize, Patch)>,
+    pub cells: [u32; STRIDE],
 }
 
 impl Hits {
-    pub const NONE: Self = Self {
-        count: 0,
-        face: [0; STRIDE],
-        open: [0; STRIDE],
-        target: [0; STRIDE],
-        behind: [0; STRIDE],
-        weight: [0.0; STRIDE],
-        u: [0.0; STRIDE],
-        v: [0.0; STRIDE],
-        depth: [1.0; STRIDE],
-    };
+    pub const NONE: Self = Self { count: 0, patches: Vec::new(), cells: [0; STRIDE] };
 
-    /// True if there is no room for another run.
+    /// True if there is no room for another patch.
     #[inline]
     pub fn is_full(&self) -> bool {
-        self.count > LANES - RUN
+        self.count > LANES - ACROSS * DOWN
     }
 
-    /// Adds one hit. There must be room.
+    /// Adds a patch. There must be room.
     #[inline]
-    pub fn push(&mut self, hit: &Hit) {
-        let i = self.count.min(LANES - 1);
-        self.face[i] = hit.face;
-        self.open[i] = hit.open;
-        self.target[i] = hit.target;
-        self.weight[i] = hit.weight;
-        (self.u[i], self.v[i], self.depth[i]) = (hit.u, hit.v, hit.depth);
-        self.count = i + 1;
+    pub fn push(&mut self, patch: &Patch, samples: SampleBits) {
+        let start = self.count.min(LANES - ACROSS * DOWN);
+        self.patches.push((start, *patch));
+        let Some(cells) = self.cells[start..].first_chunk_mut::<{ ACROSS * DOWN }>() else { return };
+        let pairs: [u64; ACROSS] = std::array::from_fn(|column| samples >> (16 * column));
+        // Row by row, so that neighbours stand together. Without branches: what is seen cannot be foretold.
+        let mut count = 0;
+        for row in 0..DOWN {
+            for (column, pair) in pairs.iter().enumerate() {
+                let (left, right) = (pair >> (2 * row) & 3, pair >> (2 * row + 8) & 3);
+                let seen = (left | right << 2) as u32;
+                cells[count % (ACROSS * DOWN)] = Cell::new(seen, row, column).0;
+                count += usize::from(seen != 0);
+            }
+        }
+        self.count = start + count;
     }
 
-    /// Adds a hit on one face for each of up to eight neighbouring pixels, of which `first` is the leftmost. There must be
-    /// room.
-    #[inline]
-    pub fn push_run(&mut self, first: &Hit, depth: &[f32; RUN], count: usize) {
-        const STEPS: [f32; RUN] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
-        let i = self.count.min(LANES - 1);
-        set(&mut self.face, i, [first.face; RUN]);
-        set(&mut self.open, i, [first.open; RUN]);
-        set(&mut self.target, i, [0, 1, 2, 3, 4, 5, 6, 7].map(|k| first.target + k));
-        set(&mut self.weight, i, [first.weight; RUN]);
-        set(&mut self.u, i, STEPS.map(|k| first.u + k));
-        set(&mut self.v, i, [first.v; RUN]);
-        set(&mut self.depth, i, *depth);
-        self.count = i + count;
+    /// Forgets what waits.
+    pub fn clear(&mut self) {
+        self.count = 0;
+        self.patches.clear();
+    }
+
+    /// The lanes of each patch, if the first `n` lanes matter.
+    #[inline(always)]
+    pub fn lanes_of(&self, patch: usize, n: usize) -> std::ops::Range<usize> {
+        let end = self.patches.get(patch + 1).map_or(n, |(start, _)| *start);
+        self.patches[patch].0..end
     }
 }
 
-/// Sets eight lanes.
+/// Sets some lanes.
 #[inline(always)]
-pub fn set<T: Copy>(lane: &mut [T; STRIDE], start: usize, values: [T; RUN]) {
-    if let Some(run) = lane[start..].first_chunk_mut::<RUN>() {
+pub fn set<T: Copy, const N: usize>(lane: &mut [T; STRIDE], start: usize, values: [T; N]) {
+    if let Some(run) = lane[start..].first_chunk_mut::<N>() {
         *run = values;
     }
 }
@@ -103,34 +130,54 @@ pub fn set<T: Copy>(lane: &mut [T; STRIDE], start: usize, values: [T; RUN]) {
 mod tests {
     use super::*;
 
-    #[test]
-    fn a_run_is_its_hits_one_by_one() {
-        let first = Hit { face: 7, open: 9, target: 100, weight: 1.0, u: 40.25, v: 3.25, depth: 2.0 };
-        let depth = [2.0, 2.5, 3.0, 3.5, 4.0, 4.5, 5.0, 5.5];
-        let (mut run, mut single) = (Box::new(Hits::NONE), Box::new(Hits::NONE));
-        for count in [8, 3, 1, 5] {
-            run.push_run(&first, &depth, count);
-            for k in 0..count {
-                let hit = Hit { target: 100 + k as u32, u: 40.25 + k as f32, depth: depth[k], ..first };
-                single.push(&hit);
-            }
-        }
-        let n = run.count;
-        assert_eq!((n, single.count), (17, 17));
-        assert_eq!(run.target[..n], single.target[..n]);
-        assert_eq!((&run.face[..n], &run.open[..n]), (&single.face[..n], &single.open[..n]));
-        assert_eq!((&run.u[..n], &run.v[..n]), (&single.u[..n], &single.v[..n]));
-        assert_eq!((&run.depth[..n], &run.weight[..n]), (&single.depth[..n], &single.weight[..n]));
+    const PATCH: Patch =
+        Patch { face: 7, open: 9, target: 100, behind: 0, u: 40.25, v: 3.25, nearness: [0.5, 0.01, 0.02], weight: 1.0 };
+
+    /// The bit of a sample, the first or the second of a pixel.
+    fn sample(column: usize, row: usize, which: usize) -> SampleBits {
+        1 << (8 * column + 2 * row + which)
     }
 
     #[test]
-    fn there_is_room_for_a_run_until_it_is_full() {
-        let hit = Hit { face: 0, open: 0, target: 0, weight: 1.0, u: 0.0, v: 0.0, depth: 1.0 };
-        let mut hits = Box::new(Hits::NONE);
+    fn the_lanes_of_a_patch_are_its_pairs_row_by_row() {
+        let mut hits = Hits::NONE;
+        let samples = sample(0, 0, 0) | sample(0, 0, 1) | sample(1, 0, 0) | sample(7, 1, 1) | sample(2, 3, 0);
+        hits.push(&PATCH, samples);
+        hits.push(&PATCH, SampleBits::MAX);
+        assert_eq!((hits.count, hits.lanes_of(0, 19), hits.lanes_of(1, 19)), (19, 0..3, 3..19));
+        let cell = |samples, row, column| Cell::new(samples, row, column).0;
+        assert_eq!(hits.cells[..3], [cell(0b0111, 0, 0), cell(0b1000, 1, 3), cell(0b0001, 3, 1)]);
+        let all = (0..4).flat_map(|row| (0..4).map(move |column| cell(Cell::ALL, row, column)));
+        assert!(hits.cells[3..19].iter().copied().eq(all));
+    }
+
+    #[test]
+    fn every_sample_is_in_one_lane() {
+        for seed in 0..200_u64 {
+            let samples = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) & seed.wrapping_mul(0xD1B5_4A32_D192_ED03);
+            let mut hits = Hits::NONE;
+            hits.push(&PATCH, samples);
+            let mut back = 0;
+            for cell in &hits.cells[..hits.count] {
+                let (column, row) = (cell & Cell::COLUMN, cell >> Cell::ROW_SHIFT & 3);
+                for bit in 0..4 {
+                    let is_seen = cell >> Cell::SAMPLES_SHIFT >> bit & 1 == 1;
+                    let of = sample((2 * column + bit / 2) as usize, row as usize, (bit % 2) as usize);
+                    assert_eq!(back & of, 0);
+                    back |= if is_seen { of } else { 0 };
+                }
+            }
+            assert_eq!(back, samples);
+        }
+    }
+
+    #[test]
+    fn there_is_room_for_a_patch_until_it_is_full() {
+        let mut hits = Hits::NONE;
         while !hits.is_full() {
             let before = hits.count;
-            hits.push_run(&hit, &[1.0; RUN], 7);
-            assert_eq!(hits.count, before + 7);
+            hits.push(&PATCH, SampleBits::MAX >> 8);
+            assert_eq!(hits.count, before + 16);
         }
         assert!(hits.count <= LANES);
     }

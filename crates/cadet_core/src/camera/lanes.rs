@@ -3,16 +3,36 @@
 use multiversion::multiversion;
 
 use super::face::{Face, Flags, Kind};
-use super::hits::{Hits, LANES, Lane, RUN, STRIDE, set};
-use super::shade::{Camera, Light, diffuse, geometry, gloss, pane, snow, texture, through_air};
+use super::hits::{Cell, Hits, LANES, Lane, RUN, STRIDE, set};
+use super::shade::{Camera, Light, diffuse, geometry, gloss, mix, pane, place_texture, snow, texture, through_air};
 use super::shadow::{Asked, Neighbours};
 use crate::material::Pattern;
 use crate::math::Vec3;
 
 pub type Lane3 = [Lane; 3];
 
-/// Hits of one kind, lane by lane; each kind fills what it needs.
+/// Pairs of pixels that show faces of one kind, lane by lane; each kind fills what it needs. Two of a thing are of the left
+/// pixel and of the right one.
 pub struct Lanes {
+    /// Number of the patch; see [`Hits::patches`].
+    pub patch: [u32; STRIDE],
+    /// The left pixel: where its colour is added. At first the block's first pixel.
+    pub target: [u32; STRIDE],
+    /// What the pixels' colours count.
+    pub weights: [Lane; 2],
+    /// The middle of the samples that show the face. At first the block's first pixel; so is the nearness.
+    pub u: Lane,
+    pub v: Lane,
+    /// 1 / z, 1/m.
+    pub nearness: Lane,
+    pub nearness_by_column: Lane,
+    pub nearness_by_row: Lane,
+    /// From the middle to the right pixel, columns, where both pixels show the face; else 0.
+    pub aside: Lane,
+    /// All bits where the next lane has the next pair of pixels, and both are whole.
+    pub goes_on: [u32; STRIDE],
+    /// The same for the lane before.
+    pub comes_from: [u32; STRIDE],
     pub face_normal: Lane3,
     pub axis_u: Lane3,
     pub axis_v: Lane3,
@@ -40,7 +60,8 @@ pub struct Lanes {
     pub point: Lane3,
     pub distance_m: Lane,
     pub footprint_m: Lane,
-    pub texture: [Lane; 2],
+    /// Coordinates of the texture.
+    pub texture: [[Lane; 2]; 2],
     /// At first of the first corner, then the unit shading normal.
     pub normal: Lane3,
     pub cos_sun: Lane,
@@ -49,12 +70,16 @@ pub struct Lanes {
     neighbours: Neighbours<STRIDE>,
     pub lit: Lane,
     pub near: Lane,
-    /// At first of the material, then of the place.
-    pub albedo: Lane3,
     /// Of the material.
-    pub metal: Lane3,
+    pub material: Lane3,
+    /// Of the place.
+    pub albedo: [Lane3; 2],
+    /// What arrives at the camera if the albedo is one.
+    pub matt: Lane3,
+    /// What arrives whatever the albedo is: from mirrors and from the air.
+    pub sheen: Lane3,
     /// The radiance that arrives at the camera.
-    pub out: Lane3,
+    pub out: [Lane3; 2],
 }
 
 #[inline(always)]
@@ -72,6 +97,17 @@ impl Default for Lanes {
         const O: Lane = [0.0; STRIDE];
         const O3: Lane3 = [O; 3];
         Self {
+            patch: [0; STRIDE],
+            target: [0; STRIDE],
+            weights: [O; 2],
+            u: O,
+            v: O,
+            nearness: O,
+            nearness_by_column: O,
+            nearness_by_row: O,
+            aside: O,
+            goes_on: [0; STRIDE],
+            comes_from: [0; STRIDE],
             face_normal: O3,
             axis_u: O3,
             axis_v: O3,
@@ -95,7 +131,7 @@ impl Default for Lanes {
             point: O3,
             distance_m: O,
             footprint_m: O,
-            texture: [O; 2],
+            texture: [[O; 2]; 2],
             normal: O3,
             cos_sun: O,
             cos_face: O,
@@ -103,49 +139,55 @@ impl Default for Lanes {
             neighbours: Neighbours::default(),
             lit: O,
             near: O,
-            albedo: O3,
-            metal: O3,
-            out: O3,
+            material: O3,
+            albedo: [O3; 2],
+            matt: O3,
+            sheen: O3,
+            out: [O3; 2],
         }
     }
 }
 
 impl Lanes {
-    /// Shades the first `n` hits of a kind; the outcome is in `out`.
+    /// Shades patches of a kind; the outcome is in `out`, where it belongs in `target` and `weights`.
     ///
-    /// `rgb`: the picture, where panes find what is behind them.
+    /// `width`: columns of the picture. `rgb`: the picture, where panes find what is behind them.
     pub fn shade(
         &mut self,
         light: &Light,
         camera: &Camera,
         kind: Kind,
         hits: &Hits,
-        n: usize,
         (faces, open): (&[Face], &[[f32; 8]]),
         rgb: &[f32],
     ) {
-        let n = n.min(LANES);
+        let n = hits.count.min(LANES);
+        gather_patches(self, hits, n);
         gather_faces(self, kind, hits, n, faces);
         gather_open(self, kind, hits, n, open);
         if kind.is_pane {
-            for (i, pixel) in hits.behind[..n].iter().enumerate() {
-                let at = *pixel as usize * 3;
-                put(&mut self.behind, i, Vec3::new(rgb[at], rgb[at + 1], rgb[at + 2]));
+            for (start, patch) in &hits.patches {
+                let at = patch.behind as usize * 3;
+                run3(&mut self.behind, *start, Vec3::new(rgb[at], rgb[at + 1], rgb[at + 2]));
             }
         }
         // Whole registers: what is left in the lanes beyond is nobody's.
         let m = n.next_multiple_of(16);
-        geometry(self, hits, m, camera, light.sky.sun_world, kind);
+        spread(self, hits, n, camera.width);
+        geometry(self, m, camera, light.sky.sun_world, kind);
         self.cast_shadows(light, camera.eye, kind, n);
+        self.albedo = [self.material; 2];
         if kind.is_pane {
             pane(self, m, &light.sky);
         } else {
-            if kind.is_glossy {
-                self.metal = self.albedo;
-            }
-            texture(self, m, kind.pattern);
-            if light.snow > 0.0 {
-                snow(self, m, camera.eye, light.snow);
+            for pixel in 0..2 {
+                if kind.pattern != Pattern::Plain {
+                    place_texture(self, m, camera, kind, pixel);
+                    texture(self, m, kind.pattern, pixel);
+                }
+                if light.snow > 0.0 {
+                    snow(self, m, camera.eye, light.snow, pixel);
+                }
             }
             diffuse(self, m, &light.sky, kind, light.wetness);
             if kind.is_glossy {
@@ -153,6 +195,7 @@ impl Lanes {
             }
         }
         through_air(self, m, light);
+        mix(self, m);
     }
 
     /// Looks up what the sun's shadows and the cars near by leave.
@@ -211,78 +254,122 @@ fn run3(lanes: &mut Lane3, start: usize, value: Vec3) {
     run(z, start, value.z);
 }
 
-/// How many numbers from `start` on, at most `RUN`, agree with the first of them.
-#[inline(always)]
-fn run_of(of: &[u32; STRIDE], start: usize) -> usize {
-    let Some(run) = of[start..].first_chunk::<RUN>() else { return 1 };
-    // Without branches: how long a run is cannot be foretold.
-    let mut same = [0_u32; RUN];
-    for k in 0..RUN {
-        same[k] = u32::from(run[k] == run[0]) << k;
+/// What lanes share with their patch.
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+fn gather_patches(l: &mut Lanes, hits: &Hits, n: usize) {
+    for (number, (_, patch)) in hits.patches.iter().enumerate() {
+        for i in hits.lanes_of(number, n).step_by(RUN) {
+            run(&mut l.patch, i, number as u32);
+            run(&mut l.target, i, patch.target);
+            run(&mut l.weights[0], i, patch.weight);
+            run(&mut l.u, i, patch.u);
+            run(&mut l.v, i, patch.v);
+            run(&mut l.nearness, i, patch.nearness[0]);
+            run(&mut l.nearness_by_column, i, patch.nearness[1]);
+            run(&mut l.nearness_by_row, i, patch.nearness[2]);
+        }
     }
-    same.into_iter().fold(0, |all, bit| all | bit).trailing_ones() as usize
 }
+
+/// Where each lane lies within its patch.
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+fn spread(l: &mut Lanes, hits: &Hits, n: usize, width: u32) {
+    let m = n.next_multiple_of(16).min(LANES);
+    for i in 0..m {
+        let cell = hits.cells[i];
+        let (column, row) = (2 * (cell & Cell::COLUMN), cell >> Cell::ROW_SHIFT & 3);
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k| (cell >> (Cell::SAMPLES_SHIFT + k) & 1) as i32 as f32);
+        let (left, right) = (a + b, c + d);
+        let inverse = 1.0 / (left + right);
+        // Samples lie a quarter of a pixel from the middle of their pixel's two, to both sides.
+        let slant = 0.25 * ((b + d) - (a + c)) * inverse;
+        let across = column as i32 as f32 + right * inverse + slant;
+        let down = row as i32 as f32 + slant;
+        let nearness = l.nearness[i] + l.nearness_by_column[i] * across + l.nearness_by_row[i] * down;
+        l.nearness[i] = if nearness > FARTHEST { nearness } else { FARTHEST };
+        (l.u[i], l.v[i]) = (l.u[i] + across, l.v[i] + down);
+        l.aside[i] = if (left > 0.0) & (right > 0.0) { 0.5 } else { 0.0 };
+        l.target[i] = l.target[i].wrapping_add(row.wrapping_mul(width)).wrapping_add(column);
+        let half = 0.5 * l.weights[0][i];
+        (l.weights[0][i], l.weights[1][i]) = (left * half, right * half);
+    }
+    for i in 0..m {
+        let (cell, next) = (hits.cells[i], hits.cells[i + 1]);
+        let is_whole = cell >> Cell::SAMPLES_SHIFT == Cell::ALL;
+        let is_next = (next == cell + 1) & (cell & Cell::COLUMN != Cell::COLUMN) & (l.patch[i] == l.patch[i + 1]);
+        l.goes_on[i] = u32::from(is_whole & is_next & (i + 1 < n)).wrapping_neg();
+    }
+    for i in 1..m {
+        let (cell, before) = (hits.cells[i], hits.cells[i - 1]);
+        let is_whole = cell >> Cell::SAMPLES_SHIFT == Cell::ALL;
+        let is_next = (cell == before + 1) & (before & Cell::COLUMN != Cell::COLUMN) & (l.patch[i] == l.patch[i - 1]);
+        l.comes_from[i] = u32::from(is_whole & is_next).wrapping_neg();
+    }
+}
+
+/// The nearness of what is seen from its rim may be lost in rounding, 1/m.
+const FARTHEST: f32 = 1e-6;
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn gather_faces(l: &mut Lanes, kind: Kind, hits: &Hits, n: usize, faces: &[Face]) {
     let (has_coat, is_leaf) = (kind.is_glossy || kind.is_pane, kind.pattern == Pattern::Leaves);
     let has_axes = kind.pattern != Pattern::Plain && !is_leaf;
-    let mut i = 0;
-    while i < n {
-        let face = &faces[hits.face[i] as usize];
-        run3(&mut l.face_normal, i, face.face_normal);
-        run3(&mut l.albedo, i, face.albedo);
-        run(&mut l.flags, i, face.flags);
-        if !kind.is_flat() {
-            run3(&mut l.normal, i, face.normal);
+    for (number, (_, patch)) in hits.patches.iter().enumerate() {
+        let face = &faces[patch.face as usize];
+        for i in hits.lanes_of(number, n).step_by(RUN) {
+            run3(&mut l.face_normal, i, face.face_normal);
+            run3(&mut l.material, i, face.albedo);
+            run(&mut l.flags, i, face.flags);
+            if !kind.is_flat() {
+                run3(&mut l.normal, i, face.normal);
+            }
+            if kind.is_smooth {
+                run3(&mut l.normal_ab, i, face.normal_ab);
+                run3(&mut l.normal_ac, i, face.normal_ac);
+                run3(&mut l.to_b, i, face.to_b);
+                run3(&mut l.to_c, i, face.to_c);
+                run(&mut l.weights_at_eye[0], i, face.weights_at_eye[0]);
+                run(&mut l.weights_at_eye[1], i, face.weights_at_eye[1]);
+                run(&mut l.least_weight, i, face.least_weight);
+            }
+            if has_axes {
+                run3(&mut l.axis_u, i, face.axes[0]);
+                run3(&mut l.axis_v, i, face.axes[1]);
+            }
+            if has_axes || is_leaf {
+                run(&mut l.at_eye[0], i, face.at_eye[0]);
+                run(&mut l.at_eye[1], i, face.at_eye[1]);
+            }
+            if is_leaf {
+                run(&mut l.face_hash, i, face.face_hash);
+                run(&mut l.place_hash, i, face.place_hash);
+            }
+            if has_coat {
+                run(&mut l.specular, i, face.specular);
+                run(&mut l.roughness, i, face.roughness);
+                run(&mut l.transmission, i, face.transmission);
+            }
         }
-        if kind.is_smooth {
-            run3(&mut l.normal_ab, i, face.normal_ab);
-            run3(&mut l.normal_ac, i, face.normal_ac);
-            run3(&mut l.to_b, i, face.to_b);
-            run3(&mut l.to_c, i, face.to_c);
-            run(&mut l.weights_at_eye[0], i, face.weights_at_eye[0]);
-            run(&mut l.weights_at_eye[1], i, face.weights_at_eye[1]);
-            run(&mut l.least_weight, i, face.least_weight);
-        }
-        if has_axes {
-            run3(&mut l.axis_u, i, face.axes[0]);
-            run3(&mut l.axis_v, i, face.axes[1]);
-        }
-        if has_axes || is_leaf {
-            run(&mut l.at_eye[0], i, face.at_eye[0]);
-            run(&mut l.at_eye[1], i, face.at_eye[1]);
-        }
-        if is_leaf {
-            run(&mut l.face_hash, i, face.face_hash);
-            run(&mut l.place_hash, i, face.place_hash);
-        }
-        if has_coat {
-            run(&mut l.specular, i, face.specular);
-            run(&mut l.roughness, i, face.roughness);
-            run(&mut l.transmission, i, face.transmission);
-        }
-        i += run_of(&hits.face, i);
     }
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn gather_open(l: &mut Lanes, kind: Kind, hits: &Hits, n: usize, open: &[[f32; 8]]) {
-    let mut i = 0;
-    while i < n {
-        let [a, b, c, d, e, f, g, _] = open[hits.open[i] as usize];
-        if kind.is_flat() {
-            run3(&mut l.around, i, Vec3::new(a, b, c));
-            if kind.is_glossy || kind.is_pane {
-                for (lane, o) in l.open.iter_mut().zip([d, e, f, g]) {
+    for (number, (_, patch)) in hits.patches.iter().enumerate() {
+        let [a, b, c, d, e, f, g, _] = open[patch.open as usize];
+        for i in hits.lanes_of(number, n).step_by(RUN) {
+            if kind.is_flat() {
+                run3(&mut l.around, i, Vec3::new(a, b, c));
+                if kind.is_glossy || kind.is_pane {
+                    for (lane, o) in l.open.iter_mut().zip([d, e, f, g]) {
+                        run(lane, i, o);
+                    }
+                }
+            } else {
+                for (lane, o) in l.open.iter_mut().zip([a, b, c, d, e, f]) {
                     run(lane, i, o);
                 }
             }
-        } else {
-            for (lane, o) in l.open.iter_mut().zip([a, b, c, d, e, f]) {
-                run(lane, i, o);
-            }
         }
-        i += run_of(&hits.open, i);
     }
 }

@@ -13,6 +13,7 @@ mod look;
 mod model;
 mod noise;
 mod paint;
+mod parts;
 mod pattern;
 pub mod png;
 mod render;

@@ -3,7 +3,7 @@
 use super::collect::Collector;
 use super::face::Kind;
 use super::faces::Faces;
-use super::hits::{Hit, Hits, LANES, RUN};
+use super::hits::{Hits, LANES, Patch, SampleBits};
 use super::lanes::Lanes;
 use super::look::{Rays, Samples, View};
 use super::shade::{Camera, Light};
@@ -13,9 +13,9 @@ use crate::sense::PosedScene;
 pub(super) const BAND: usize = 8;
 
 /// Values that [`paint`] needs room for: those of the image, and of what lies behind the panes of a band, two samples a
-/// pixel.
+/// pixel; and of the pixel after the last.
 pub fn room_for(width: usize, height: usize) -> usize {
-    (height + 2 * BAND) * width * 3
+    ((height + 2 * BAND) * width + 1) * 3
 }
 
 /// Linear radiance of every pixel, interleaved RGB, into `rgb`, which has room for more; see [`room_for`].
@@ -32,6 +32,7 @@ pub fn paint(scene: &PosedScene, view: &View, rays: &Rays, light: &Light, sample
             right: rays.right,
             down: rays.down,
             pixel_per_m: 1.0 / view.intrinsics[0] as f32,
+            width: width as u32,
         },
         first_behind: image,
         behind: 0,
@@ -88,33 +89,17 @@ impl Painter<'_> {
         }
     }
 
+    /// What a face shows in a block. What is behind a pane must be shaded.
     #[inline]
-    pub fn push(&mut self, faces: &Faces, kind: u32, hit: &Hit) {
+    pub fn push(&mut self, faces: &Faces, kind: u32, patch: &Patch, samples: SampleBits) {
         let hits = &mut self.hits[kind as usize];
-        hits.push(hit);
+        hits.push(patch, samples);
         if hits.is_full() {
             self.shade(faces, kind as usize);
         }
     }
 
-    /// See [`Hits::push_run`].
-    #[inline]
-    pub fn push_run(&mut self, faces: &Faces, kind: u32, first: &Hit, depth: &[f32; RUN], count: usize) {
-        let hits = &mut self.hits[kind as usize];
-        hits.push_run(first, depth, count);
-        if hits.is_full() {
-            self.shade(faces, kind as usize);
-        }
-    }
-
-    /// A hit of a pane; what is `behind` it must be shaded.
-    pub fn push_pane(&mut self, faces: &Faces, kind: u32, hit: &Hit, behind: u32) {
-        let hits = &mut self.hits[kind as usize];
-        hits.behind[hits.count] = behind;
-        self.push(faces, kind, hit);
-    }
-
-    /// Shades all hits that wait.
+    /// Shades all that waits.
     pub fn shade_all(&mut self, faces: &Faces) {
         for kind in 0..self.hits.len() {
             self.shade(faces, kind);
@@ -124,20 +109,20 @@ impl Painter<'_> {
     #[inline(never)]
     fn shade(&mut self, faces: &Faces, kind: usize) {
         let hits = &mut self.hits[kind];
-        let n = hits.count.min(LANES);
-        if n == 0 {
+        if hits.count == 0 {
             return;
         }
-        hits.count = 0;
-        let (hits, known) = (&self.hits[kind], (faces.faces.as_slice(), faces.open.as_slice()));
-        self.lanes.shade(self.light, &self.camera, Kind::of(kind), hits, n, known, self.rgb);
-        let [r, g, b] = &self.lanes.out;
-        let colors = r[..n].iter().zip(&g[..n]).zip(&b[..n]);
-        for ((pixel, weight), ((r, g), b)) in hits.target[..n].iter().zip(&hits.weight[..n]).zip(colors) {
-            if let Some([red, green, blue]) = self.rgb[*pixel as usize * 3..].first_chunk_mut() {
-                *red += weight * r;
-                *green += weight * g;
-                *blue += weight * b;
+        let known = (faces.faces.as_slice(), faces.open.as_slice());
+        self.lanes.shade(self.light, &self.camera, Kind::of(kind), hits, known, self.rgb);
+        let n = hits.count.min(LANES);
+        hits.clear();
+        let [left, right] = &self.lanes.out;
+        for (i, pixel) in self.lanes.target[..n].iter().enumerate() {
+            if let Some(pixels) = self.rgb[*pixel as usize * 3..].first_chunk_mut::<6>() {
+                let added = [left[0][i], left[1][i], left[2][i], right[0][i], right[1][i], right[2][i]];
+                for k in 0..6 {
+                    pixels[k] += added[k];
+                }
             }
         }
     }

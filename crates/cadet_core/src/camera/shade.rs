@@ -7,7 +7,7 @@ use multiversion::multiversion;
 
 use super::ambient::SkyView;
 use super::face::{Flags, Kind};
-use super::hits::{Hits, LANES};
+use super::hits::{LANES, STRIDE};
 use super::lanes::{Lanes, get, put};
 use super::pattern::{self, PatternPoint};
 use super::shadow::Shadows;
@@ -89,39 +89,31 @@ pub struct Camera {
     pub down: Vec3,
     /// Size of a pixel at 1 m.
     pub pixel_per_m: f32,
+    /// Columns of the image.
+    pub width: u32,
 }
 
 /// Where the hits are, how the surfaces lie there, and the sun to them.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-pub(super) fn geometry(l: &mut Lanes, hits: &Hits, m: usize, camera: &Camera, sun: Vec3, kind: Kind) {
+pub(super) fn geometry(l: &mut Lanes, m: usize, camera: &Camera, sun: Vec3, kind: Kind) {
     let m = m.min(LANES);
+    let mut depth = [0.0; LANES];
     for i in 0..m {
-        let direction = camera.corner + camera.right * hits.u[i] + camera.down * hits.v[i];
+        depth[i] = 1.0 / l.nearness[i];
+    }
+    for i in 0..m {
+        let direction = camera.corner + camera.right * l.u[i] + camera.down * l.v[i];
         let length = direction.dot(direction).sqrt();
-        let point = direction * hits.depth[i];
+        let point = direction * depth[i];
         put(&mut l.view, i, direction * (1.0 / length));
         put(&mut l.point, i, point);
-        l.distance_m[i] = hits.depth[i] * length;
+        l.distance_m[i] = depth[i] * length;
         l.cos_face[i] = get(&l.face_normal, i).dot(sun);
     }
     if kind.pattern != Pattern::Plain {
         for i in 0..m {
             let cos_view = get(&l.view, i).dot(get(&l.face_normal, i)).abs().max(0.02);
-            l.footprint_m[i] = hits.depth[i] * camera.pixel_per_m / cos_view.sqrt();
-        }
-        let [across, down] = [camera.right.normalize(), camera.down.normalize()];
-        if kind.pattern == Pattern::Leaves {
-            for i in 0..m {
-                let point = get(&l.point, i);
-                l.texture[0][i] = point.dot(across) + l.at_eye[0][i];
-                l.texture[1][i] = point.dot(down) + l.at_eye[1][i];
-            }
-        } else {
-            for i in 0..m {
-                let point = get(&l.point, i);
-                l.texture[0][i] = point.dot(get(&l.axis_u, i)) + l.at_eye[0][i];
-                l.texture[1][i] = point.dot(get(&l.axis_v, i)) + l.at_eye[1][i];
-            }
+            l.footprint_m[i] = depth[i] * camera.pixel_per_m / cos_view.sqrt();
         }
     }
     if kind.is_flat() {
@@ -145,9 +137,41 @@ pub(super) fn geometry(l: &mut Lanes, hits: &Hits, m: usize, camera: &Camera, su
     }
 }
 
+/// The coordinates of the texture in the left or the right pixels.
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+pub(super) fn place_texture(l: &mut Lanes, m: usize, camera: &Camera, kind: Kind, pixel: usize) {
+    let m = m.min(LANES);
+    let side = if pixel == 0 { -1.0 } else { 1.0 };
+    let mut points = [[0.0; LANES]; 3];
+    for i in 0..m {
+        let aside = l.aside[i] * side;
+        let direction = camera.corner + camera.right * (l.u[i] + aside) + camera.down * l.v[i];
+        // What is seen from its rim ends before the next pixel's middle.
+        let middle = l.nearness[i];
+        let nearness = (middle + l.nearness_by_column[i] * aside).max(0.5 * middle).min(2.0 * middle);
+        put(&mut points, i, direction * (1.0 / nearness));
+    }
+    let [u, v] = &mut l.texture[pixel];
+    if kind.pattern == Pattern::Leaves {
+        let [across, down] = [camera.right.normalize(), camera.down.normalize()];
+        for i in 0..m {
+            let point = get(&points, i);
+            u[i] = point.dot(across) + l.at_eye[0][i];
+            v[i] = point.dot(down) + l.at_eye[1][i];
+        }
+    } else {
+        for i in 0..m {
+            let point = get(&points, i);
+            u[i] = point.dot(get(&l.axis_u, i)) + l.at_eye[0][i];
+            v[i] = point.dot(get(&l.axis_v, i)) + l.at_eye[1][i];
+        }
+    }
+}
+
 /// The albedo, by the kind's texture.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-pub(super) fn texture(l: &mut Lanes, m: usize, pattern: Pattern) {
+pub(super) fn texture(l: &mut Lanes, m: usize, pattern: Pattern, pixel: usize) {
+    let [u, v] = &l.texture[pixel];
     macro_rules! fill {
         ($($of:ident),*) => {
             match pattern {
@@ -155,14 +179,14 @@ pub(super) fn texture(l: &mut Lanes, m: usize, pattern: Pattern) {
                 $(Pattern::$of => {
                     for i in 0..m.min(LANES) {
                         let at = PatternPoint {
-                            u: l.texture[0][i],
-                            v: l.texture[1][i],
+                            u: u[i],
+                            v: v[i],
                             footprint_m: l.footprint_m[i],
                             face_hash: l.face_hash[i],
                             place_hash: l.place_hash[i],
                         };
-                        let albedo = pattern::albedo(Pattern::$of, get(&l.albedo, i), &at);
-                        put(&mut l.albedo, i, albedo);
+                        let albedo = pattern::albedo(Pattern::$of, get(&l.material, i), &at);
+                        put(&mut l.albedo[pixel], i, albedo);
                     }
                 })*
             }
@@ -172,7 +196,7 @@ pub(super) fn texture(l: &mut Lanes, m: usize, pattern: Pattern) {
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-pub(super) fn snow(l: &mut Lanes, m: usize, eye: Vec3, snow: f32) {
+pub(super) fn snow(l: &mut Lanes, m: usize, eye: Vec3, snow: f32, pixel: usize) {
     for i in 0..m.min(LANES) {
         let (x, y) = (l.point[0][i] + eye.x, l.point[1][i] + eye.y);
         let drift = pattern::value_noise(x * 0.6, y * 0.6, 0x5E0);
@@ -180,12 +204,12 @@ pub(super) fn snow(l: &mut Lanes, m: usize, eye: Vec3, snow: f32) {
         let lies = if l.flags[i] & Flags::VEHICLE > 0 { 0.0 } else { 1.0 };
         let level = ((l.normal[2][i] - 0.4) * 2.0).clamp(0.0, 1.0);
         let cover = level * (snow * worn * (0.5 + drift)).min(1.0) * lies;
-        let albedo = get(&l.albedo, i);
-        put(&mut l.albedo, i, albedo + (Vec3::splat(0.8) - albedo) * cover);
+        let albedo = get(&l.albedo[pixel], i);
+        put(&mut l.albedo[pixel], i, albedo + (Vec3::splat(0.8) - albedo) * cover);
     }
 }
 
-/// The light that a matt surface sends.
+/// The light that a matt surface gets.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 pub(super) fn diffuse(l: &mut Lanes, m: usize, sky: &Sky, kind: Kind, wetness: f32) {
     let is_leaf = kind.pattern == Pattern::Leaves;
@@ -209,9 +233,9 @@ pub(super) fn diffuse(l: &mut Lanes, m: usize, sky: &Sky, kind: Kind, wetness: f
             Vec3::splat(facing)
         };
         let wet = if normal.z > 0.5 { 1.0 - 0.45 * wetness } else { 1.0 };
-        let albedo = get(&l.albedo, i) * wet;
-        put(&mut l.out, i, albedo * (sky.sun * direct * l.lit[i] + ambient));
+        put(&mut l.matt, i, (sky.sun * direct * l.lit[i] + ambient) * wet);
     }
+    l.sheen = [[0.0; STRIDE]; 3];
 }
 
 /// Adds what a coat or a film of water mirrors.
@@ -235,14 +259,15 @@ pub(super) fn gloss(l: &mut Lanes, m: usize, sky: &Sky, eye: Vec3, wetness: f32)
             + highlight(sky, mirrored, roughness) * l.lit[i];
         // Metals colour what they reflect.
         let is_metal = f0 > 0.5;
-        let metal = get(&l.metal, i);
+        let metal = get(&l.material, i);
         let tint = Vec3::new(
             if is_metal { metal.x } else { 1.0 },
             if is_metal { metal.y } else { 1.0 },
             if is_metal { metal.z } else { 1.0 },
         );
-        let matt = get(&l.out, i);
-        put(&mut l.out, i, matt * (1.0 - fresnel) + shine * tint * fresnel);
+        let matt = get(&l.matt, i);
+        put(&mut l.matt, i, matt * (1.0 - fresnel));
+        put(&mut l.sheen, i, shine * tint * fresnel);
     }
 }
 
@@ -261,7 +286,8 @@ pub(super) fn pane(l: &mut Lanes, m: usize, sky: &Sky) {
         let open = [l.open[0][i], l.open[1][i], l.open[2][i], l.open[3][i]];
         let shine = environment(sky, mirrored, &open, 0.0) + glint;
         let behind = get(&l.behind, i);
-        put(&mut l.out, i, behind * tint * (1.0 - fresnel) + shine * fresnel);
+        put(&mut l.matt, i, Vec3::ZERO);
+        put(&mut l.sheen, i, behind * tint * (1.0 - fresnel) + shine * fresnel);
         // What is behind has come through the air already.
         l.distance_m[i] = 0.0;
     }
@@ -270,10 +296,39 @@ pub(super) fn pane(l: &mut Lanes, m: usize, sky: &Sky) {
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 pub(super) fn through_air(l: &mut Lanes, m: usize, light: &Light) {
     for i in 0..m.min(LANES) {
-        let air = 1.0 - clear_share(light.extinction_per_m, l.distance_m[i]);
-        let left = get(&l.out, i);
-        put(&mut l.out, i, left + (light.air(get(&l.view, i)) - left) * air);
+        let clear = clear_share(light.extinction_per_m, l.distance_m[i]);
+        let (matt, sheen) = (get(&l.matt, i), get(&l.sheen, i));
+        put(&mut l.matt, i, matt * clear);
+        put(&mut l.sheen, i, sheen * clear + light.air(get(&l.view, i)) * (1.0 - clear));
     }
+}
+
+/// What arrives at the pixels: light is known in the middles of pairs, and changes evenly from one to the next of a row.
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+pub(super) fn mix(l: &mut Lanes, m: usize) {
+    let m = m.min(LANES);
+    let [of_left, of_right] = &mut l.out;
+    for axis in 0..3 {
+        let (matt, sheen) = (&l.matt[axis], &l.sheen[axis]);
+        // The first lane has none before it.
+        of_left[axis][0] = (l.albedo[0][axis][0] * matt[0] + sheen[0]) * l.weights[0][0];
+        for i in 1..m {
+            let matt = matt[i] + where_set(l.comes_from[i], (matt[i - 1] - matt[i]) * 0.25);
+            let sheen = sheen[i] + where_set(l.comes_from[i], (sheen[i - 1] - sheen[i]) * 0.25);
+            of_left[axis][i] = (l.albedo[0][axis][i] * matt + sheen) * l.weights[0][i];
+        }
+        for i in 0..m {
+            let matt = matt[i] + where_set(l.goes_on[i], (matt[i + 1] - matt[i]) * 0.25);
+            let sheen = sheen[i] + where_set(l.goes_on[i], (sheen[i + 1] - sheen[i]) * 0.25);
+            of_right[axis][i] = (l.albedo[1][axis][i] * matt + sheen) * l.weights[1][i];
+        }
+    }
+}
+
+/// A number, or 0 where no bit is set: what is not asked for may be no number.
+#[inline(always)]
+fn where_set(mask: u32, v: f32) -> f32 {
+    f32::from_bits(v.to_bits() & mask)
 }
 
 /// What a mirror shows: sky above the roofs and trees, a dark street below them, ground.

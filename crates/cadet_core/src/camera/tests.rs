@@ -464,7 +464,7 @@ fn faces_that_are_drawn_as_one_look_as_they_do_alone() {
     for material in [gray(Semantic::Building, 0.5), coat] {
         let of = |mesh: &Mesh| {
             let tower = instance(mesh.clone(), material, upright(DVec3::new(9.0, -2.0, 0.0), 0.3), 0);
-            picture(&[ground(), tower], &clear_sun_from(120.0), 5)
+            picture(&[ground(), tower], &clear_sun_from(160.0), 5)
         };
         let (one, other) = (of(&whole), of(&apart));
         assert_eq!(one.maps.as_ref().unwrap().semantic, other.maps.as_ref().unwrap().semantic);

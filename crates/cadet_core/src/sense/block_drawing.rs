@@ -215,8 +215,8 @@ impl FaceOnImage {
         } else {
             draw_within::<3>(self, block, rows, at, id, &mut nearer, &mut doubt);
         }
-        let drawn = bits(&nearer);
-        if any(&doubt) { drawn | self.draw_exactly(block, id, bits(&doubt), exact) } else { drawn }
+        let drawn = bits_by_column(&nearer);
+        if any(&doubt) { drawn | self.draw_exactly(block, id, bits_by_column(&doubt), exact) } else { drawn }
     }
 
     /// A function in an even row of a block and in the next, and its change two rows down.
@@ -258,7 +258,7 @@ impl FaceOnImage {
                 *v += step;
             }
         }
-        bits(&nearer)
+        bits_by_column(&nearer)
     }
 
     /// Draws the samples whose bits are set by the kernel's test ([`super::BeamGrid::cover`]), bit for bit.
@@ -391,9 +391,10 @@ fn any(lanes: &[u32; 2 * BLOCK]) -> bool {
     lanes.iter().fold(0, |all, lane| all | lane) != 0
 }
 
-/// The low bytes of columns, of even and of odd rows; the others must be 0.
+/// The low bytes of eight columns, of even and of odd rows, as one number: column by column. The other bytes must be 0.
 #[inline(never)]
-fn bits(lanes: &[u32; 2 * BLOCK]) -> u64 {
+#[must_use]
+pub fn bits_by_column(lanes: &[u32; 2 * BLOCK]) -> u64 {
     const SHIFTS: [u32; BLOCK] = [0, 8, 16, 24, 0, 8, 16, 24];
     let mut placed = [0; BLOCK];
     for i in 0..BLOCK {

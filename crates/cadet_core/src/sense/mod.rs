@@ -20,6 +20,7 @@ mod turret_table;
 mod visibility_buffer;
 mod visible;
 
+pub use block_drawing::bits_by_column;
 pub use edges::EdgePlanes;
 pub use face_trees::FaceTrees;
 pub use grid::{Beam, BeamGrid, Window};

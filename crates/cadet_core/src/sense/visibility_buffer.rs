@@ -36,8 +36,9 @@ impl DrawnFace {
     /// 1 / z of the face's plane at pixel (0, 0), and its changes to the next column and row, for a camera's fx, fy, cx, cy.
     #[must_use]
     pub fn nearness_on_image(&self, [fx, fy, cx, cy]: [f64; 4]) -> [f64; 3] {
-        let [a, b, c] = self.normal.map(|n| n / self.volume);
-        [c - a * cx / fx - b * cy / fy, a / fx, b / fy]
+        let inverse = 1.0 / self.volume;
+        let (by_column, by_row) = (self.normal[0] * inverse / fx, self.normal[1] * inverse / fy);
+        [self.normal[2] * inverse - by_column * cx - by_row * cy, by_column, by_row]
     }
 }
 

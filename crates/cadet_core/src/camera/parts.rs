@@ -1,0 +1,172 @@
+//! Which faces a block of the visibility buffer shows, and in which samples.
+
+use multiversion::multiversion;
+
+use super::hits::SampleBits;
+use crate::sense::{BLOCK, Block, bits_by_column};
+
+/// A face that a block shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Part {
+    /// Its number in the visibility buffer.
+    pub face: u32,
+    /// Not empty.
+    pub samples: SampleBits,
+}
+
+/// The number of what shows nothing.
+pub const SKY: u32 = u32::MAX;
+/// The first samples of all pixels.
+pub const FIRSTS: SampleBits = 0x5555_5555_5555_5555;
+
+/// The numbers of what a block's samples see, row by row.
+pub type Numbers = [u32; BLOCK * BLOCK];
+
+/// A row and the next: a register.
+const TWO_ROWS: usize = 2 * BLOCK;
+/// Their bits, before they are shifted to the row.
+const ROW_BITS: [u32; TWO_ROWS] = [1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 2, 2, 2];
+
+/// The samples of some pixel rows and columns from a block's first on.
+#[inline]
+pub fn samples_within(rows: usize, columns: usize) -> SampleBits {
+    let all = |bits: usize| if bits < 64 { (1 << bits) - 1 } else { SampleBits::MAX };
+    let of_column: SampleBits = all(2 * rows.min(BLOCK / 2));
+    of_column * 0x0101_0101_0101_0101 & all(BLOCK * columns.min(BLOCK))
+}
+
+/// Both samples of the pixels of which any is set.
+#[inline]
+pub fn pixels_of(samples: SampleBits) -> SampleBits {
+    let firsts = (samples | samples >> 1) & FIRSTS;
+    firsts | firsts << 1
+}
+
+/// Where something in a block is at [`Numbers`].
+#[inline]
+pub fn place_of(sample: u32) -> usize {
+    let sample = sample as usize % (BLOCK * BLOCK);
+    sample % BLOCK * BLOCK + sample / BLOCK
+}
+
+/// Reads a block; returns the pixels' second samples that see another face than the first ones, too.
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+pub fn read(block: &Block) -> (Numbers, SampleBits) {
+    let (nearness, face) = (block.nearness.as_flattened(), block.face.as_flattened());
+    let mut numbers = [SKY; BLOCK * BLOCK];
+    for i in 0..BLOCK * BLOCK {
+        numbers[i] = if nearness[i] > 0.0 { face[i] } else { SKY };
+    }
+    let mut differ = [0; TWO_ROWS];
+    for two_rows in 0..BLOCK / 2 {
+        let at = two_rows * TWO_ROWS;
+        for i in 0..BLOCK {
+            let (a, b) = (numbers[at + i], numbers[at + BLOCK + i]);
+            let is = (a != b) & (a != SKY) & (b != SKY);
+            differ[BLOCK + i] |= u32::from(is) << (2 * two_rows + 1);
+        }
+    }
+    (numbers, bits_by_column(&differ))
+}
+
+/// Where the samples of one block are nearer than those of another.
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+pub fn nearer(block: &Block, than: &Block) -> SampleBits {
+    let (a, b) = (block.nearness.as_flattened(), than.nearness.as_flattened());
+    let mut found = [0; TWO_ROWS];
+    for two_rows in 0..BLOCK / 2 {
+        let at = two_rows * TWO_ROWS;
+        for i in 0..TWO_ROWS {
+            found[i] |= u32::from(a[at + i] > b[at + i]).wrapping_neg() & (ROW_BITS[i] << (2 * two_rows));
+        }
+    }
+    bits_by_column(&found)
+}
+
+/// Adds the parts that some samples show, in the order of their first samples; returns the samples that see nothing.
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+pub fn split(numbers: &Numbers, asked: SampleBits, parts: &mut Vec<Part>) -> SampleBits {
+    let (mut left, mut sky) = (asked, 0);
+    while left != 0 {
+        let face = numbers[place_of(left.trailing_zeros())];
+        let mut found = [0; TWO_ROWS];
+        for two_rows in 0..BLOCK / 2 {
+            let at = two_rows * TWO_ROWS;
+            for i in 0..TWO_ROWS {
+                found[i] |= u32::from(numbers[at + i] == face).wrapping_neg() & (ROW_BITS[i] << (2 * two_rows));
+            }
+        }
+        let samples = bits_by_column(&found) & left;
+        left &= !samples;
+        if face == SKY {
+            sky = samples;
+        } else {
+            parts.push(Part { face, samples });
+        }
+    }
+    sky
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A block whose samples see one of a few faces or nothing.
+    fn block(seed: u32) -> Block {
+        let mut block = Block { nearness: [[0.0; BLOCK]; BLOCK], face: [[99; BLOCK]; BLOCK] };
+        for row in 0..BLOCK {
+            for column in 0..BLOCK {
+                let n = (seed + 13 * row as u32 + 7 * column as u32).wrapping_mul(2_654_435_761) >> 29;
+                if n < 6 {
+                    (block.nearness[row][column], block.face[row][column]) = (0.1 + n as f32, n);
+                }
+            }
+        }
+        block
+    }
+
+    fn bit(row: usize, column: usize) -> SampleBits {
+        1 << (BLOCK * column + row)
+    }
+
+    #[test]
+    fn every_sample_is_of_one_part_or_sky() {
+        for seed in 0..300 {
+            let (block, mut parts) = (block(seed), vec![Part { face: 77, samples: 1 }]);
+            let (numbers, differ) = read(&block);
+            let asked = samples_within(1 + seed as usize % 4, 1 + seed as usize % 8);
+            let sky = split(&numbers, asked, &mut parts);
+            assert_eq!(parts.remove(0), Part { face: 77, samples: 1 });
+            for row in 0..BLOCK {
+                for column in 0..BLOCK {
+                    let sample = bit(row, column);
+                    let is_asked = row / 2 <= seed as usize % 4 && column <= seed as usize % 8;
+                    assert_eq!(asked & sample != 0, is_asked);
+                    let is_sky = block.nearness[row][column] == 0.0;
+                    assert_eq!(sky & sample != 0, is_asked && is_sky);
+                    let of: Vec<u32> = parts.iter().filter(|p| p.samples & sample != 0).map(|p| p.face).collect();
+                    let want = if is_asked && !is_sky { vec![block.face[row][column]] } else { Vec::new() };
+                    assert_eq!(of, want);
+                    let (a, b) = (numbers[row / 2 * 16 + column], numbers[row / 2 * 16 + 8 + column]);
+                    let is_other = row % 2 == 1 && a != b && a != SKY && b != SKY;
+                    assert_eq!(differ & sample != 0, is_other);
+                    assert_eq!(place_of(sample.trailing_zeros()), row * BLOCK + column);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn pixels_with_a_nearer_sample_are_found_whole() {
+        let (front, back) = (block(3), block(5));
+        let found = nearer(&front, &back);
+        for row in 0..BLOCK {
+            for column in 0..BLOCK {
+                let is_nearer = |row: usize| front.nearness[row][column] > back.nearness[row][column];
+                assert_eq!(found & bit(row, column) != 0, is_nearer(row));
+                let either = is_nearer(row / 2 * 2) || is_nearer(row / 2 * 2 + 1);
+                assert_eq!(pixels_of(found) & bit(row, column) != 0, either);
+            }
+        }
+    }
+}
