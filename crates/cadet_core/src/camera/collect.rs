@@ -4,22 +4,19 @@
 use std::ops::Range;
 
 use super::faces::{Faces, Place};
-use super::hits::{FIRST, Patch, SECOND, SampleBits};
+use super::hits::{BEHIND_STRIDE, Patch, SampleBits};
 use super::look::{Rays, View};
 use super::noise::MIDDLE_PX;
 use super::paint::{BAND, Painter};
-use super::parts::{FIRSTS, Part, nearer, pixels_of, place_of, read, samples_within, split};
+use super::parts::{FIRSTS, Part, any_of_pixels, bits_of, nearer, place_of, read, samples_within, split, whole_pixels};
 use super::shade::Light;
 use super::sky::SkyRows;
-use crate::sense::{BLOCK, Block, VisibilityBuffer};
+use crate::sense::{BLOCK, VisibilityBuffer};
 
 /// Rows of pixels of a block: two rows of samples each.
 const ROWS: usize = BLOCK / 2;
 /// Columns of a band that are collected together: what lies together in the image shares faces and shadow texels.
 const TOGETHER: usize = 64;
-/// From the middle of a pixel's two samples, which lies `MIDDLE_PX` right and below of its centre; the point spread
-/// takes that back.
-const OFFSETS: [f32; 2] = [-0.25, 0.25];
 
 /// Patches of a band, and what is known of their faces.
 pub struct Collector<'a> {
@@ -29,8 +26,8 @@ pub struct Collector<'a> {
     /// What the blocks at hand show.
     parts: Vec<Part>,
     edges: Vec<Edge>,
-    /// Patches of panes, with their kinds.
-    panes: Vec<(u32, Patch)>,
+    /// Patches of panes, with their kinds and samples.
+    panes: Vec<(u32, Patch, SampleBits)>,
     sky: SkyRows<'a>,
     width: usize,
 }
@@ -44,61 +41,37 @@ struct Edge {
 }
 
 /// A block of the band.
-#[derive(Clone)]
 struct Tile {
-    /// Its number in the buffer.
-    number: usize,
     place: Place,
     /// First pixel row and column.
     top: usize,
     left: usize,
-    /// Of [`Collector::parts`] and [`Collector::edges`].
-    parts: Range<usize>,
+    open: Layer,
+    /// Pixels whose samples see two faces and no pane; of [`Collector::edges`].
     edges: Range<usize>,
+    /// What is seen through panes by both samples of pixels, and by one of them.
+    behind: [Layer; 2],
+    /// Of [`Collector::parts`].
+    panes: Range<usize>,
+}
+
+/// What some samples of a block see.
+struct Layer {
+    /// Of [`Collector::parts`].
+    parts: Range<usize>,
     /// The samples that see nothing.
     sky: SampleBits,
-    /// Both samples of pixels with panes before what is solid.
-    panes: SampleBits,
 }
 
-/// A pixel.
+/// Where the colours of a block's pixels go.
 #[derive(Clone, Copy)]
-struct Pixel {
-    column: usize,
-    row: usize,
-    number: u32,
-    place: Place,
-}
-
-impl Pixel {
-    /// The middle of its samples.
-    fn uv(&self) -> (f32, f32) {
-        (self.column as f32 + MIDDLE_PX, self.row as f32 + MIDDLE_PX)
-    }
-
-    /// One of its samples.
-    fn sample(&self, i: usize) -> (f32, f32) {
-        let (u, v) = self.uv();
-        (u + OFFSETS[i], v + OFFSETS[i])
-    }
-}
-
-/// The two samples of a pixel: nearness in 1/m, 0 where there is nothing, and the number of the face.
-type Two = [(f32, u32); 2];
-
-/// Of a pixel of a block.
-#[inline]
-fn two(block: &Block, row: usize, column: usize) -> Two {
-    [2 * row, 2 * row + 1].map(|line| (block.nearness[line][column], block.face[line][column]))
-}
-
-/// The set bits of a number, from the lowest on.
-fn bits_of(mut set: SampleBits) -> impl Iterator<Item = u32> {
-    std::iter::from_fn(move || {
-        let bit = set.trailing_zeros();
-        set &= set.wrapping_sub(1);
-        (bit < SampleBits::BITS).then_some(bit)
-    })
+struct Target {
+    /// The first pixel's.
+    first: u32,
+    /// From there to the pixel below.
+    stride: u32,
+    /// What a pixel's colour counts, if both samples show the same.
+    weight: f32,
 }
 
 impl<'a> Collector<'a> {
@@ -151,9 +124,9 @@ impl<'a> Collector<'a> {
         if !self.panes.is_empty() {
             // Panes come after what they show.
             self.painter.shade_all(&self.faces);
-            self.panes.sort_by_key(|(kind, _)| *kind);
-            for (kind, patch) in self.panes.drain(..) {
-                self.painter.push(&self.faces, kind, &patch, FIRST | SECOND);
+            self.panes.sort_by_key(|(kind, ..)| *kind);
+            for (kind, patch, samples) in self.panes.drain(..) {
+                self.painter.push(&self.faces, kind, &patch, samples);
             }
             self.painter.shade_all(&self.faces);
         }
@@ -170,54 +143,52 @@ impl<'a> Collector<'a> {
 
     /// Finds what a block shows, and asks for its faces.
     fn find(&mut self, number: usize, place: Place, (top, left): (usize, usize), inside: SampleBits) -> Tile {
-        let (parts, edges) = (self.parts.len(), self.edges.len());
-        let mut tile = Tile { number, place, top, left, parts: parts..parts, edges: edges..edges, sky: 0, panes: 0 };
+        let (first_part, first_edge) = (self.parts.len(), self.edges.len());
+        let none = || Layer { parts: 0..0, sky: 0 };
+        let mut tile = Tile { place, top, left, open: none(), edges: 0..0, behind: [none(), none()], panes: 0..0 };
         if let Some(face) = self.buffer.only_face(number) {
             self.parts.push(Part { face, samples: inside });
+            tile.open.parts = first_part..self.parts.len();
         } else {
-            let block = self.buffer.solid(number);
-            if let Some(panes) = self.buffer.panes(number) {
-                tile.panes = pixels_of(nearer(panes, block)) & inside;
-                self.ask_behind_panes(block, panes, tile.panes);
-            }
-            let asked = inside & !tile.panes;
+            let (block, panes) = (self.buffer.solid(number), self.buffer.panes(number));
+            let behind = panes.map_or(0, |panes| nearer(panes, block) & inside);
+            let (open, both) = (inside & !behind, whole_pixels(behind));
             let (mut numbers, differ) = read(block);
-            for bit in bits_of(differ & asked) {
+            let whole_open = whole_pixels(open);
+            for bit in bits_of(differ & (whole_open | both)) {
                 let (second, first) = (place_of(bit), place_of(bit - 1));
                 let faces = [numbers[first], numbers[second]];
                 // They differ without order: the first stands for both.
                 if self.faces.are_of_one_plant(faces[0], faces[1]) {
                     numbers[second] = faces[0];
-                } else {
+                } else if whole_open >> bit & 1 == 1 {
                     self.edges.push(Edge { faces, second: 1 << bit });
                 }
             }
-            tile.sky = split(&numbers, asked, &mut self.parts);
+            let mut layer = |of| {
+                let start = self.parts.len();
+                let sky = split(&numbers, of, &mut self.parts);
+                Layer { parts: start..self.parts.len(), sky }
+            };
+            tile.open = layer(open);
+            tile.edges = first_edge..self.edges.len();
+            if let Some(panes) = panes.filter(|_| behind != 0) {
+                tile.behind = [layer(both), layer(behind & !both)];
+                let start = self.parts.len();
+                let _ = split(&read(panes).0, behind, &mut self.parts);
+                tile.panes = start..self.parts.len();
+            }
         }
-        (tile.parts.end, tile.edges.end) = (self.parts.len(), self.edges.len());
-        for part in &self.parts[tile.parts.clone()] {
+        for part in &self.parts[first_part..] {
             self.faces.ask(part.face);
         }
         tile
     }
 
-    /// All faces of pixels with panes, except for panes behind what is solid.
-    fn ask_behind_panes(&mut self, solid: &Block, panes: &Block, samples: SampleBits) {
-        for bit in bits_of(samples) {
-            let (row, column) = (place_of(bit) / BLOCK, place_of(bit) % BLOCK);
-            if solid.nearness[row][column] > 0.0 {
-                self.faces.ask(solid.face[row][column]);
-            }
-            if panes.nearness[row][column] > solid.nearness[row][column] {
-                self.faces.ask(panes.face[row][column]);
-            }
-        }
-    }
-
     /// Passes on what a block shows.
     fn collect(&mut self, tile: &Tile) {
         // Pixels on the edge between faces that look alike are shaded once.
-        let parts = &mut self.parts[tile.parts.clone()];
+        let parts = &mut self.parts[tile.open.parts.clone()];
         for Edge { faces: [first, second], second: sample } in &self.edges[tile.edges.clone()] {
             if self.faces.are_alike(*first, *second) {
                 for part in parts.iter_mut() {
@@ -226,35 +197,42 @@ impl<'a> Collector<'a> {
                 }
             }
         }
-        for i in tile.parts.clone() {
+        let number = (tile.top * self.width + tile.left) as u32;
+        let image = Target { first: number, stride: self.width as u32, weight: 1.0 };
+        self.collect_layer(tile, &tile.open, &image);
+        if tile.panes.is_empty() {
+            return;
+        }
+        let behind = self.painter.new_behind();
+        // Pixels of which one sample sees a pane have the colour of that sample behind it.
+        for (layer, weight) in tile.behind.iter().zip([1.0, 2.0]) {
+            self.collect_layer(tile, layer, &Target { first: behind, stride: BEHIND_STRIDE, weight });
+        }
+        for i in tile.panes.clone() {
+            let part = self.parts[i];
+            let (kind, patch) = self.patch(tile, &part, &image);
+            self.panes.push((kind, Patch { behind, ..patch }, part.samples));
+        }
+    }
+
+    fn collect_layer(&mut self, tile: &Tile, layer: &Layer, target: &Target) {
+        for i in layer.parts.clone() {
             let part = self.parts[i];
             if part.samples != 0 {
-                self.collect_part(tile, &part);
+                let (kind, patch) = self.patch(tile, &part, target);
+                self.painter.push(&self.faces, kind, &patch, part.samples);
             }
         }
-        if tile.sky != 0 {
-            self.collect_sky(tile);
-        }
-        if let Some(panes) = self.buffer.panes(tile.number).filter(|_| tile.panes != 0) {
-            let block = self.buffer.solid(tile.number);
-            for bit in bits_of(tile.panes & FIRSTS) {
-                let (row, column) = (place_of(bit) / BLOCK / 2, place_of(bit) % BLOCK);
-                let pixel = self.pixel(tile, row, column);
-                self.collect_behind_panes(two(block, row, column), two(panes, row, column), pixel);
-            }
+        if layer.sky != 0 {
+            self.collect_sky(tile, layer.sky, target);
         }
     }
 
-    fn pixel(&self, tile: &Tile, row: usize, column: usize) -> Pixel {
-        let (row, column) = (tile.top + row, tile.left + column);
-        Pixel { column, row, number: (row * self.width + column) as u32, place: tile.place }
-    }
-
+    /// What a made face shows of a block, and its kind.
     #[inline]
-    fn collect_part(&mut self, tile: &Tile, part: &Part) {
+    fn patch(&mut self, tile: &Tile, part: &Part, target: &Target) -> (u32, Patch) {
         let (face, kind) = self.faces.made(part.face);
-        let first = self.pixel(tile, 0, 0);
-        let (u, v) = first.uv();
+        let (u, v) = (tile.left as f32 + MIDDLE_PX, tile.top as f32 + MIDDLE_PX);
         let nearness = self.faces.nearness_at(face, u, v);
         // A sample half-way from the first to the last column that shows it.
         let columns = [part.samples.trailing_zeros() / 8, (63 - part.samples.leading_zeros()) / 8];
@@ -263,76 +241,26 @@ impl<'a> Collector<'a> {
         let (column, row) = ((middle / 8) as f32, (middle % 8 / 2) as f32);
         let there = nearness[0] + nearness[1] * column + nearness[2] * row;
         let open = self.faces.open_index(face, tile.place, u + column, v + row, there);
-        let patch = Patch { face, open, target: first.number, behind: 0, u, v, nearness, weight: 1.0 };
-        self.painter.push(&self.faces, kind, &patch, part.samples);
+        let &Target { first, stride, weight } = target;
+        (kind, Patch { face, open, target: first, stride, behind: 0, u, v, nearness, weight })
     }
 
-    fn collect_sky(&mut self, tile: &Tile) {
+    /// The sky in some samples.
+    fn collect_sky(&mut self, tile: &Tile, samples: SampleBits, target: &Target) {
         let columns = BLOCK.min(self.width - tile.left);
         for row in 0..ROWS {
             let of_row = samples_within(1, columns) << (2 * row);
-            if tile.sky & of_row == of_row {
-                let first = self.pixel(tile, row, 0);
-                self.sky.fill(tile.left, first.row, self.painter.row(first.number as usize, columns));
+            let (line, first) = (tile.top + row, target.first as usize + row * target.stride as usize);
+            if samples & of_row == of_row {
+                self.sky.fill(tile.left, line, self.painter.row(first, columns));
                 continue;
             }
-            for bit in bits_of(pixels_of(tile.sky & of_row) & FIRSTS) {
-                let pixel = self.pixel(tile, row, place_of(bit) % BLOCK);
-                if tile.sky >> bit & 3 == 3 {
-                    self.sky.fill(pixel.column, pixel.row, self.painter.row(pixel.number as usize, 1));
-                } else {
-                    self.add_sky(pixel);
-                }
+            for bit in bits_of(any_of_pixels(samples & of_row) & FIRSTS) {
+                let column = place_of(bit) % BLOCK;
+                let color = self.sky.at(tile.left + column, line);
+                let share = if samples >> bit & 3 == 3 { 1.0 } else { 0.5 };
+                self.painter.add((first + column) as u32, share * target.weight, color);
             }
         }
-    }
-
-    /// The sky in one sample of a pixel.
-    fn add_sky(&mut self, pixel: Pixel) {
-        self.painter.add(pixel.number, 0.5, self.sky.at(pixel.column, pixel.row));
-    }
-
-    /// A hit of one face, whose colour goes to `target`.
-    fn collect_hit(&mut self, face: u32, pixel: Pixel, target: u32, weight: f32, (u, v): (f32, f32), nearness: f32) {
-        let (face, kind) = self.faces.made(face);
-        let open = self.faces.open_index(face, pixel.place, u, v, nearness);
-        let patch = Patch { face, open, target, behind: 0, u, v, nearness: [nearness, 0.0, 0.0], weight };
-        self.painter.push(&self.faces, kind, &patch, FIRST | SECOND);
-    }
-
-    /// A pixel some of whose samples lie behind panes: sample by sample, unless both agree.
-    fn collect_behind_panes(&mut self, solid: Two, panes: Two, pixel: Pixel) {
-        let is_before = |i: usize| panes[i].0 > solid[i].0;
-        let same = |two: Two| two[0].1 == two[1].1 && two[0].0 > 0.0 && two[1].0 > 0.0;
-        let none = solid[0].0 <= 0.0 && solid[1].0 <= 0.0;
-        if (0..2).all(is_before) && (same(solid) || none) && same(panes) {
-            let mean = |two: Two| (two[0].0 + two[1].0) * 0.5;
-            self.collect_pane((mean(solid), solid[0].1), (mean(panes), panes[0].1), pixel, 1.0, pixel.uv());
-            return;
-        }
-        for i in 0..2 {
-            let uv = pixel.sample(i);
-            if is_before(i) {
-                self.collect_pane(solid[i], panes[i], pixel, 0.5, uv);
-            } else if solid[i].0 > 0.0 {
-                self.collect_hit(solid[i].1, pixel, pixel.number, 0.5, uv, solid[i].0);
-            } else {
-                self.add_sky(pixel);
-            }
-        }
-    }
-
-    fn collect_pane(&mut self, solid: (f32, u32), pane: (f32, u32), pixel: Pixel, weight: f32, (u, v): (f32, f32)) {
-        let behind = if solid.0 > 0.0 {
-            let behind = self.painter.new_behind([0.0; 3]);
-            self.collect_hit(solid.1, pixel, behind, 1.0, (u, v), solid.0);
-            behind
-        } else {
-            self.painter.new_behind(self.sky.at(pixel.column, pixel.row))
-        };
-        let (face, kind) = self.faces.made(pane.1);
-        let open = self.faces.open_index(face, pixel.place, u, v, pane.0);
-        let nearness = [pane.0, 0.0, 0.0];
-        self.panes.push((kind, Patch { face, open, target: pixel.number, behind, u, v, nearness, weight }));
     }
 }

@@ -15,15 +15,14 @@ pub type Lane = [f32; STRIDE];
 /// Pairs of pixels side by side in a block, and rows of them.
 const ACROSS: usize = 4;
 const DOWN: usize = 4;
+/// What is seen through the panes of a block: its pixels row by row.
+pub const BEHIND: usize = 2 * ACROSS * DOWN;
+/// From a row of them to the next.
+pub const BEHIND_STRIDE: u32 = 2 * ACROSS as u32;
 
 /// The samples of a block of 8 x 4 pixels, two a pixel, a bit each: column by column, from the top; the first of a pixel, which
 /// lies on its centre, comes before the second.
 pub type SampleBits = u64;
-
-/// The first sample of a block's first pixel.
-pub const FIRST: SampleBits = 1;
-/// The second one.
-pub const SECOND: SampleBits = 2;
 
 /// What the lanes of one face in one block share.
 #[derive(Debug, Clone, Copy)]
@@ -34,7 +33,9 @@ pub struct Patch {
     pub open: u32,
     /// Pixel to which the colour of the block's first pixel is added.
     pub target: u32,
-    /// Of panes: the pixel that has the colour of what is seen through them.
+    /// From there to the pixel below.
+    pub stride: u32,
+    /// Of panes: the first of [`BEHIND`] pixels that have the colours of what is seen through them.
     pub behind: u32,
     /// Image point between the samples of the block's first pixel.
     pub u: f32,
@@ -130,8 +131,17 @@ pub fn set<T: Copy, const N: usize>(lane: &mut [T; STRIDE], start: usize, values
 mod tests {
     use super::*;
 
-    const PATCH: Patch =
-        Patch { face: 7, open: 9, target: 100, behind: 0, u: 40.25, v: 3.25, nearness: [0.5, 0.01, 0.02], weight: 1.0 };
+    const PATCH: Patch = Patch {
+        face: 7,
+        open: 9,
+        target: 100,
+        stride: 9,
+        behind: 0,
+        u: 40.25,
+        v: 3.25,
+        nearness: [0.5, 0.01, 0.02],
+        weight: 1.0,
+    };
 
     /// The bit of a sample, the first or the second of a pixel.
     fn sample(column: usize, row: usize, which: usize) -> SampleBits {

@@ -3,7 +3,7 @@
 use multiversion::multiversion;
 
 use super::face::{Face, Flags, Kind};
-use super::hits::{Cell, Hits, LANES, Lane, RUN, STRIDE, set};
+use super::hits::{BEHIND_STRIDE, Cell, Hits, LANES, Lane, RUN, STRIDE, set};
 use super::shade::{Camera, Light, diffuse, geometry, gloss, mix, pane, place_texture, snow, texture, through_air};
 use super::shadow::{Asked, Neighbours};
 use crate::material::Pattern;
@@ -18,6 +18,9 @@ pub struct Lanes {
     pub patch: [u32; STRIDE],
     /// The left pixel: where its colour is added. At first the block's first pixel.
     pub target: [u32; STRIDE],
+    pub stride: [u32; STRIDE],
+    /// The left pixel, where what is seen through a pane is kept. At first that of the block's first pixel.
+    pub behind: [u32; STRIDE],
     /// What the pixels' colours count.
     pub weights: [Lane; 2],
     /// The middle of the samples that show the face. At first the block's first pixel; so is the nearness.
@@ -53,7 +56,6 @@ pub struct Lanes {
     pub open: [Lane; 6],
     /// Light from all around, without what cars near by hide.
     pub around: Lane3,
-    pub behind: Lane3,
     /// Unit vectors from the eye.
     pub view: Lane3,
     /// Relative to the eye.
@@ -99,6 +101,8 @@ impl Default for Lanes {
         Self {
             patch: [0; STRIDE],
             target: [0; STRIDE],
+            stride: [0; STRIDE],
+            behind: [0; STRIDE],
             weights: [O; 2],
             u: O,
             v: O,
@@ -126,7 +130,6 @@ impl Default for Lanes {
             flags: [0; STRIDE],
             open: [O; 6],
             around: O3,
-            behind: O3,
             view: O3,
             point: O3,
             distance_m: O,
@@ -151,7 +154,7 @@ impl Default for Lanes {
 impl Lanes {
     /// Shades patches of a kind; the outcome is in `out`, where it belongs in `target` and `weights`.
     ///
-    /// `width`: columns of the picture. `rgb`: the picture, where panes find what is behind them.
+    /// `rgb`: the picture, where panes find what is behind them.
     pub fn shade(
         &mut self,
         light: &Light,
@@ -165,19 +168,19 @@ impl Lanes {
         gather_patches(self, hits, n);
         gather_faces(self, kind, hits, n, faces);
         gather_open(self, kind, hits, n, open);
-        if kind.is_pane {
-            for (start, patch) in &hits.patches {
-                let at = patch.behind as usize * 3;
-                run3(&mut self.behind, *start, Vec3::new(rgb[at], rgb[at + 1], rgb[at + 2]));
-            }
-        }
         // Whole registers: what is left in the lanes beyond is nobody's.
         let m = n.next_multiple_of(16);
-        spread(self, hits, n, camera.width);
+        spread(self, hits, n);
         geometry(self, m, camera, light.sky.sun_world, kind);
         self.cast_shadows(light, camera.eye, kind, n);
         self.albedo = [self.material; 2];
         if kind.is_pane {
+            for (i, pixel) in self.behind[..n].iter().enumerate() {
+                if let Some([a, b, c, d, e, f]) = rgb[*pixel as usize * 3..].first_chunk() {
+                    put(&mut self.albedo[0], i, Vec3::new(*a, *b, *c));
+                    put(&mut self.albedo[1], i, Vec3::new(*d, *e, *f));
+                }
+            }
             pane(self, m, &light.sky);
         } else {
             for pixel in 0..2 {
@@ -261,6 +264,8 @@ fn gather_patches(l: &mut Lanes, hits: &Hits, n: usize) {
         for i in hits.lanes_of(number, n).step_by(RUN) {
             run(&mut l.patch, i, number as u32);
             run(&mut l.target, i, patch.target);
+            run(&mut l.stride, i, patch.stride);
+            run(&mut l.behind, i, patch.behind);
             run(&mut l.weights[0], i, patch.weight);
             run(&mut l.u, i, patch.u);
             run(&mut l.v, i, patch.v);
@@ -273,7 +278,7 @@ fn gather_patches(l: &mut Lanes, hits: &Hits, n: usize) {
 
 /// Where each lane lies within its patch.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn spread(l: &mut Lanes, hits: &Hits, n: usize, width: u32) {
+fn spread(l: &mut Lanes, hits: &Hits, n: usize) {
     let m = n.next_multiple_of(16).min(LANES);
     for i in 0..m {
         let cell = hits.cells[i];
@@ -289,7 +294,8 @@ fn spread(l: &mut Lanes, hits: &Hits, n: usize, width: u32) {
         l.nearness[i] = if nearness > FARTHEST { nearness } else { FARTHEST };
         (l.u[i], l.v[i]) = (l.u[i] + across, l.v[i] + down);
         l.aside[i] = if (left > 0.0) & (right > 0.0) { 0.5 } else { 0.0 };
-        l.target[i] = l.target[i].wrapping_add(row.wrapping_mul(width)).wrapping_add(column);
+        l.target[i] = l.target[i].wrapping_add(row.wrapping_mul(l.stride[i])).wrapping_add(column);
+        l.behind[i] = l.behind[i].wrapping_add(row * BEHIND_STRIDE + column);
         let half = 0.5 * l.weights[0][i];
         (l.weights[0][i], l.weights[1][i]) = (left * half, right * half);
     }

@@ -3,19 +3,19 @@
 use super::collect::Collector;
 use super::face::Kind;
 use super::faces::Faces;
-use super::hits::{Hits, LANES, Patch, SampleBits};
+use super::hits::{BEHIND, Hits, LANES, Patch, SampleBits};
 use super::lanes::Lanes;
 use super::look::{Rays, Samples, View};
 use super::shade::{Camera, Light};
-use crate::sense::PosedScene;
+use crate::sense::{BLOCK, PosedScene};
 
 /// Rows that are collected together.
 pub(super) const BAND: usize = 8;
 
-/// Values that [`paint`] needs room for: those of the image, and of what lies behind the panes of a band, two samples a
-/// pixel; and of the pixel after the last.
+/// Values that [`paint`] needs room for: those of the image, and of what lies behind the panes of a band; and of the pixel
+/// after the last.
 pub fn room_for(width: usize, height: usize) -> usize {
-    ((height + 2 * BAND) * width + 1) * 3
+    (height * width + width.div_ceil(BLOCK) * BLOCK * BAND + 1) * 3
 }
 
 /// Linear radiance of every pixel, interleaved RGB, into `rgb`, which has room for more; see [`room_for`].
@@ -32,7 +32,6 @@ pub fn paint(scene: &PosedScene, view: &View, rays: &Rays, light: &Light, sample
             right: rays.right,
             down: rays.down,
             pixel_per_m: 1.0 / view.intrinsics[0] as f32,
-            width: width as u32,
         },
         first_behind: image,
         behind: 0,
@@ -66,12 +65,12 @@ impl Painter<'_> {
         self.behind = 0;
     }
 
-    /// A pixel for what is seen through a pane.
-    pub fn new_behind(&mut self, color: [f32; 3]) -> u32 {
-        let pixel = self.first_behind + self.behind;
-        self.behind += 1;
-        self.rgb[pixel * 3..pixel * 3 + 3].copy_from_slice(&color);
-        pixel as u32
+    /// The first of [`BEHIND`] black pixels for what is seen through the panes of a block.
+    pub fn new_behind(&mut self) -> u32 {
+        let first = self.first_behind + self.behind;
+        self.behind += BEHIND;
+        self.rgb[first * 3..(first + BEHIND) * 3].fill(0.0);
+        first as u32
     }
 
     /// Colours of some pixels in a row.

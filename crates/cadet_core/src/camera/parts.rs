@@ -32,14 +32,30 @@ const ROW_BITS: [u32; TWO_ROWS] = [1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 2, 2, 
 pub fn samples_within(rows: usize, columns: usize) -> SampleBits {
     let all = |bits: usize| if bits < 64 { (1 << bits) - 1 } else { SampleBits::MAX };
     let of_column: SampleBits = all(2 * rows.min(BLOCK / 2));
-    of_column * 0x0101_0101_0101_0101 & all(BLOCK * columns.min(BLOCK))
+    (of_column * 0x0101_0101_0101_0101) & all(BLOCK * columns.min(BLOCK))
 }
 
 /// Both samples of the pixels of which any is set.
 #[inline]
-pub fn pixels_of(samples: SampleBits) -> SampleBits {
+pub fn any_of_pixels(samples: SampleBits) -> SampleBits {
     let firsts = (samples | samples >> 1) & FIRSTS;
     firsts | firsts << 1
+}
+
+/// Both samples of the pixels of which both are set.
+#[inline]
+pub fn whole_pixels(samples: SampleBits) -> SampleBits {
+    let firsts = samples & samples >> 1 & FIRSTS;
+    firsts | firsts << 1
+}
+
+/// The set bits, from the lowest on.
+pub fn bits_of(mut set: SampleBits) -> impl Iterator<Item = u32> {
+    std::iter::from_fn(move || {
+        let bit = set.trailing_zeros();
+        set &= set.wrapping_sub(1);
+        (bit < SampleBits::BITS).then_some(bit)
+    })
 }
 
 /// Where something in a block is at [`Numbers`].
@@ -157,15 +173,18 @@ mod tests {
     }
 
     #[test]
-    fn pixels_with_a_nearer_sample_are_found_whole() {
+    fn pixels_with_nearer_samples_are_found() {
         let (front, back) = (block(3), block(5));
         let found = nearer(&front, &back);
+        assert_eq!(bits_of(found).fold(0, |all, bit| all | 1 << bit), found);
         for row in 0..BLOCK {
             for column in 0..BLOCK {
                 let is_nearer = |row: usize| front.nearness[row][column] > back.nearness[row][column];
                 assert_eq!(found & bit(row, column) != 0, is_nearer(row));
                 let either = is_nearer(row / 2 * 2) || is_nearer(row / 2 * 2 + 1);
-                assert_eq!(pixels_of(found) & bit(row, column) != 0, either);
+                assert_eq!(any_of_pixels(found) & bit(row, column) != 0, either);
+                let both = is_nearer(row / 2 * 2) && is_nearer(row / 2 * 2 + 1);
+                assert_eq!(whole_pixels(found) & bit(row, column) != 0, both);
             }
         }
     }

@@ -89,8 +89,6 @@ pub struct Camera {
     pub down: Vec3,
     /// Size of a pixel at 1 m.
     pub pixel_per_m: f32,
-    /// Columns of the image.
-    pub width: u32,
 }
 
 /// Where the hits are, how the surfaces lie there, and the sun to them.
@@ -271,7 +269,7 @@ pub(super) fn gloss(l: &mut Lanes, m: usize, sky: &Sky, eye: Vec3, wetness: f32)
     }
 }
 
-/// A pane with what is seen through it.
+/// A pane; what is seen through it takes the place of an albedo.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 pub(super) fn pane(l: &mut Lanes, m: usize, sky: &Sky) {
     for i in 0..m.min(LANES) {
@@ -285,9 +283,8 @@ pub(super) fn pane(l: &mut Lanes, m: usize, sky: &Sky) {
         let tint = Vec3::new(0.93, 1.0, 0.95) * l.transmission[i];
         let open = [l.open[0][i], l.open[1][i], l.open[2][i], l.open[3][i]];
         let shine = environment(sky, mirrored, &open, 0.0) + glint;
-        let behind = get(&l.behind, i);
-        put(&mut l.matt, i, Vec3::ZERO);
-        put(&mut l.sheen, i, behind * tint * (1.0 - fresnel) + shine * fresnel);
+        put(&mut l.matt, i, tint * (1.0 - fresnel));
+        put(&mut l.sheen, i, shine * fresnel);
         // What is behind has come through the air already.
         l.distance_m[i] = 0.0;
     }
