@@ -14,7 +14,7 @@ import pytest
 
 import cadet
 
-GOLDEN = "a3ef6f1dd40a43900640619b11023275f5a4b9dec66dc5bfd52bc36102fc21cb"
+GOLDEN = "2587ecf074747004f85e29b9bfea3ef020e360d1a575830f024bc9f21e1808b4"
 
 
 def digest_of_a_frame() -> str:

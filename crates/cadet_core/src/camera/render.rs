@@ -32,9 +32,9 @@ const MEAN_LUMA: (f64, f64) = (91.0, 1.8);
 
 /// Memory that a thread keeps from frame to frame: touching fresh pages costs as much as the casting.
 #[derive(Default)]
-struct Scratch {
+pub(super) struct Scratch {
     seen_world: Vec<Vec3>,
-    rgb: Vec<f32>,
+    pub rgb: Vec<f32>,
     shadows: Vec<Vec<i16>>,
 }
 
@@ -50,23 +50,34 @@ thread_local! {
 pub fn paint(scene: &PosedScene, view: &View, weather: &Weather, seen: &Seen, stream: &mut Stream) -> Vec<u8> {
     let (width, height) = (view.width, view.height);
     let mut scratch = SCRATCH.take();
-    let rays = Rays::new(view);
-    seen_points(&rays, &seen.samples, &mut scratch.seen_world);
-    let light = light_of(scene, view, weather, &scratch.seen_world, std::mem::take(&mut scratch.shadows));
-    let mut rgb = std::mem::take(&mut scratch.rgb);
-    let first = ROWS_BEFORE * width * 3;
-    rgb.resize(first + room_for(width, height), 0.0);
-    paint_radiance(scene, view, &rays, &light, &seen.samples, &mut rgb[first..]);
+    let light = radiance(scene, view, weather, seen, &mut scratch);
     // Lens and housing scatter a share of the light over the whole image: shadows are never fully black.
-    let sums = blur(&mut rgb, width, height, 2.0 * light.sky.sky_on_level.y);
-    let blurred = &rgb[..width * height * 3];
+    let sums = blur(&mut scratch.rgb, width, height, 2.0 * light.sky.sky_on_level.y);
+    let blurred = &scratch.rgb[..width * height * 3];
     let veil = sums.map(|s| (f64::from(VEILING_GLARE) * s / (width * height) as f64) as f32);
     let target = stream.clipped_normal(MEAN_LUMA.0, MEAN_LUMA.1) as f32;
     let gain = gain_for_mean_luma(&metered(blurred, veil, 37), target, 1);
     let image = expose(blurred, width, height, veil, WHITE_BALANCE.map(|g| g * gain), stream);
-    let shadows = light.shadows.map(Shadows::into_buffers).unwrap_or_default();
-    SCRATCH.set(Scratch { rgb, shadows, ..scratch });
+    scratch.shadows = light.shadows.map(Shadows::into_buffers).unwrap_or_default();
+    SCRATCH.set(scratch);
     image
+}
+
+/// Linear radiance of every pixel, interleaved RGB, into `scratch.rgb` from the row [`ROWS_BEFORE`] on; returns the light.
+pub(super) fn radiance(
+    scene: &PosedScene,
+    view: &View,
+    weather: &Weather,
+    seen: &Seen,
+    scratch: &mut Scratch,
+) -> Light {
+    let rays = Rays::new(view);
+    seen_points(&rays, &seen.samples, &mut scratch.seen_world);
+    let light = light_of(scene, view, weather, &scratch.seen_world, std::mem::take(&mut scratch.shadows));
+    let first = ROWS_BEFORE * view.width * 3;
+    scratch.rgb.resize(first + room_for(view.width, view.height), 0.0);
+    paint_radiance(scene, view, &rays, &light, &seen.samples, &mut scratch.rgb[first..]);
+    light
 }
 
 /// Sun, sky, shadows and openness around a view.

@@ -1,6 +1,7 @@
 //! Pictures of small scenes against closed forms and invariances.
 
 mod coarse_casters;
+mod pairs;
 
 use std::sync::Arc;
 
