@@ -395,11 +395,9 @@ fn any(lanes: &[u32; 2 * BLOCK]) -> bool {
 #[inline(never)]
 #[must_use]
 pub fn bits_by_column(lanes: &[u32; 2 * BLOCK]) -> u64 {
-    const SHIFTS: [u32; BLOCK] = [0, 8, 16, 24, 0, 8, 16, 24];
-    let mut placed = [0; BLOCK];
+    let mut bytes = [0; BLOCK];
     for i in 0..BLOCK {
-        placed[i] = (lanes[i] | lanes[BLOCK + i]) << SHIFTS[i];
+        bytes[i] = (lanes[i] | lanes[BLOCK + i]) as u8;
     }
-    let [a, b, c, d, e, f, g, h] = placed;
-    u64::from((a | b) | (c | d)) | u64::from((e | f) | (g | h)) << 32
+    u64::from_le_bytes(bytes)
 }
