@@ -4,7 +4,7 @@
 //! (coarse pixel shading: Vaidyanathan et al., HPG 2014). The lanes that show one face in one block of the image are a patch.
 
 /// Lanes that are shaded together.
-pub const LANES: usize = 128;
+pub const LANES: usize = 304;
 /// Lanes that are filled together.
 pub const RUN: usize = 8;
 /// Room for runs that end beyond the last lane; arrays a power of two apart would share the sets of the cache.

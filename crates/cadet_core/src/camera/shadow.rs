@@ -327,10 +327,10 @@ fn place<const N: usize>(shadows: &Shadows, eye_world: Vec3, asked: &Asked<N>, o
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn look_up<const N: usize>(maps: &[Map], asked: &Asked<N>, near: &mut Neighbours<N>, lit: &mut [f32; N]) {
     let Neighbours { at, texels, heights, top, bottom, columns } = near;
-    let mut which = [0_u8; N];
+    let mut which = [0_u16; N];
     let mut count = 0;
     for i in 0..asked.count.min(N) {
-        which[count] = i as u8;
+        which[count] = i as u16;
         let is_known = asked.is_asked[i] & (at.first[i] != NOWHERE);
         count += usize::from(is_known);
         lit[i] = if asked.is_asked[i] { 1.0 } else { 0.0 };
