@@ -47,7 +47,7 @@ pub struct Patch {
     pub weight: f32,
 }
 
-/// What of a pair of pixels shows a face, where it stands in its block, and the patch.
+/// What of a pair of pixels shows a face, and where it stands in its block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Cell(pub u32);
 

@@ -18,6 +18,7 @@ pub struct Lanes {
     pub patch: [u32; STRIDE],
     /// The left pixel: where its colour is added. At first the block's first pixel.
     pub target: [u32; STRIDE],
+    /// From a pixel of the target to the one below.
     pub stride: [u32; STRIDE],
     /// The left pixel, where what is seen through a pane is kept. At first that of the block's first pixel.
     pub behind: [u32; STRIDE],
