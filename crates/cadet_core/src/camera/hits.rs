@@ -5,8 +5,6 @@
 
 /// Lanes that are shaded together.
 pub const LANES: usize = 304;
-/// Lanes that are filled together.
-pub const RUN: usize = 8;
 /// Room for runs that end beyond the last lane; arrays a power of two apart would share the sets of the cache.
 pub const STRIDE: usize = LANES + 16;
 /// One number a lane.
@@ -116,14 +114,6 @@ impl Hits {
     pub fn lanes_of(&self, patch: usize, n: usize) -> std::ops::Range<usize> {
         let end = self.patches.get(patch + 1).map_or(n, |(start, _)| *start);
         self.patches[patch].0..end
-    }
-}
-
-/// Sets some lanes.
-#[inline(always)]
-pub fn set<T: Copy, const N: usize>(lane: &mut [T; STRIDE], start: usize, values: [T; N]) {
-    if let Some(run) = lane[start..].first_chunk_mut::<N>() {
-        *run = values;
     }
 }
 

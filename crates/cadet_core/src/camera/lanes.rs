@@ -3,13 +3,16 @@
 use multiversion::multiversion;
 
 use super::face::{Face, Flags, Kind};
-use super::hits::{BEHIND_STRIDE, Cell, Hits, LANES, Lane, RUN, STRIDE, set};
+use super::hits::{BEHIND_STRIDE, Cell, Hits, LANES, Lane, STRIDE};
 use super::shade::{Camera, Light, diffuse, geometry, gloss, mix, pane, place_texture, snow, texture, through_air};
 use super::shadow::{Asked, Neighbours};
 use crate::material::Pattern;
 use crate::math::Vec3;
 
 pub type Lane3 = [Lane; 3];
+
+/// Lanes that are filled together.
+const RUN: usize = 8;
 
 /// Pairs of pixels that show faces of one kind, lane by lane; each kind fills what it needs. Two of a thing are of the left
 /// pixel and of the right one.
@@ -35,8 +38,6 @@ pub struct Lanes {
     pub aside: Lane,
     /// All bits where the next lane has the next pair of pixels, and both are whole.
     pub goes_on: [u32; STRIDE],
-    /// The same for the lane before.
-    pub comes_from: [u32; STRIDE],
     pub face_normal: Lane3,
     pub axis_u: Lane3,
     pub axis_v: Lane3,
@@ -112,7 +113,6 @@ impl Default for Lanes {
             nearness_by_row: O,
             aside: O,
             goes_on: [0; STRIDE],
-            comes_from: [0; STRIDE],
             face_normal: O3,
             axis_u: O3,
             axis_v: O3,
@@ -222,7 +222,7 @@ impl Lanes {
     }
 }
 
-/// Asks for what the sun sees of the first `n` hits; true if there is any.
+/// Asks for what the sun sees of the first `n` lanes; true if there is any.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn ask_sun(l: &mut Lanes, kind: Kind, n: usize) -> bool {
     let is_leaf = kind.pattern == Pattern::Leaves;
@@ -236,7 +236,7 @@ fn ask_sun(l: &mut Lanes, kind: Kind, n: usize) -> bool {
     any.into_iter().fold(0, |all, one| all | one) != 0
 }
 
-/// Asks for what vehicles leave of the sky to the first `n` hits.
+/// Asks for what vehicles leave of the sky to the first `n` lanes.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn ask_contacts(l: &mut Lanes, n: usize) {
     for i in 0..LANES {
@@ -247,7 +247,9 @@ fn ask_contacts(l: &mut Lanes, n: usize) {
 /// The lanes from `start` on; those that are nobody's yet are filled again when their turn comes.
 #[inline(always)]
 fn run<T: Copy>(lane: &mut [T; STRIDE], start: usize, value: T) {
-    set(lane, start, [value; RUN]);
+    if let Some(run) = lane[start..].first_chunk_mut() {
+        *run = [value; RUN];
+    }
 }
 
 #[inline(always)]
@@ -305,12 +307,6 @@ fn spread(l: &mut Lanes, hits: &Hits, n: usize) {
         let is_whole = cell >> Cell::SAMPLES_SHIFT == Cell::ALL;
         let is_next = (next == cell + 1) & (cell & Cell::COLUMN != Cell::COLUMN) & (l.patch[i] == l.patch[i + 1]);
         l.goes_on[i] = u32::from(is_whole & is_next & (i + 1 < n)).wrapping_neg();
-    }
-    for i in 1..m {
-        let (cell, before) = (hits.cells[i], hits.cells[i - 1]);
-        let is_whole = cell >> Cell::SAMPLES_SHIFT == Cell::ALL;
-        let is_next = (cell == before + 1) & (before & Cell::COLUMN != Cell::COLUMN) & (l.patch[i] == l.patch[i - 1]);
-        l.comes_from[i] = u32::from(is_whole & is_next).wrapping_neg();
     }
 }
 

@@ -310,8 +310,8 @@ pub(super) fn mix(l: &mut Lanes, m: usize) {
         // The first lane has none before it.
         of_left[axis][0] = (l.albedo[0][axis][0] * matt[0] + sheen[0]) * l.weights[0][0];
         for i in 1..m {
-            let matt = matt[i] + where_set(l.comes_from[i], (matt[i - 1] - matt[i]) * 0.25);
-            let sheen = sheen[i] + where_set(l.comes_from[i], (sheen[i - 1] - sheen[i]) * 0.25);
+            let matt = matt[i] + where_set(l.goes_on[i - 1], (matt[i - 1] - matt[i]) * 0.25);
+            let sheen = sheen[i] + where_set(l.goes_on[i - 1], (sheen[i - 1] - sheen[i]) * 0.25);
             of_left[axis][i] = (l.albedo[0][axis][i] * matt + sheen) * l.weights[0][i];
         }
         for i in 0..m {
