@@ -15,6 +15,7 @@ __all__ = [
     "bev_maps",
     "box_iou",
     "encode_png",
+    "estimate_ground_plane",
     "evaluate",
     "nms_bev",
     "weather_air",
@@ -117,6 +118,9 @@ def bev_maps(
     settings: dict[str, Any],
     out: NDArray[np.float32] | None = None,
 ) -> NDArray[np.float32]: ...
+def estimate_ground_plane(
+    points_velo: NDArray[np.float32] | NDArray[np.float64], cam_from_velo: list[list[float]], seed: int
+) -> list[float]: ...
 def encode_png(image: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes: ...
 def weather_air(name: str) -> tuple[float, float, float, float]: ...
 def weather_names() -> list[str]: ...

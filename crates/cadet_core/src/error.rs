@@ -67,6 +67,12 @@ pub enum Error {
         /// What is wrong.
         reason: String,
     },
+    /// A scan without a ground plane to be found.
+    #[error("ground plane: {reason}")]
+    Ground {
+        /// What is wrong.
+        reason: String,
+    },
     /// An image that can't be encoded.
     #[error("image: {reason}")]
     Image {

@@ -21,6 +21,7 @@ pub mod error;
 pub mod evaluate;
 pub mod frames;
 pub mod geometry;
+pub mod ground_plane;
 pub mod instance;
 pub mod label;
 pub mod lidar;

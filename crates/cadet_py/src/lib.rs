@@ -7,6 +7,7 @@ mod error;
 mod evaluate;
 mod fields;
 mod frame;
+mod ground_plane;
 mod image;
 mod lidar;
 mod rig;
@@ -27,6 +28,7 @@ fn _cadet(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(evaluate::evaluate, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::box_iou, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::nms_bev, module)?)?;
+    module.add_function(wrap_pyfunction!(ground_plane::estimate_ground_plane, module)?)?;
     module.add_function(wrap_pyfunction!(image::encode_png, module)?)?;
     module.add_function(wrap_pyfunction!(weather::weather_names, module)?)?;
     module.add_function(wrap_pyfunction!(weather::weather_air, module)?)?;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::ParkingSpot;
+use super::{ParkingSpot, SpotKind};
 use super::placer::{Placer, boundary_depth_m, boundary_palette};
 use super::plots::{PlacedHouse, Plot};
 use super::street_style::{Boundary, StreetStyle};
@@ -115,7 +115,12 @@ fn place_garage(
         let position = placer.site.on_ground(at);
         let ahead = placer.site.on_ground(at + nose_in) - position;
         let world_from_spot = frames::facing(position, ahead, DVec3::Z);
-        drives.push(ParkingSpot { world_from_spot, length_m: setback - 0.3, width_m: size.y.min(3.0) - 0.3 });
+        drives.push(ParkingSpot {
+            kind: SpotKind::Drive,
+            world_from_spot,
+            length_m: setback - 0.3,
+            width_m: size.y.min(3.0) - 0.3,
+        });
     }
     way
 }

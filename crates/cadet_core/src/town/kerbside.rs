@@ -1,12 +1,12 @@
 //! Places to park: bays of the map, half on the pavement where bays are too narrow for a car, and stretches of kerb
 //! beside lanes wide enough.
 
-use super::ParkingSpot;
 use super::ground::{Ground, GroundKind};
 use super::network::{Lane, LaneKind, RoadNetwork};
+use super::{ParkingSpot, SpotKind};
 use crate::frames;
-use crate::math::{DPose3, DVec2, DVec3};
-use crate::rng::StreamKey;
+use crate::math::{self, DPose3, DVec2, DVec3};
+use crate::rng::{Stream, StreamKey};
 
 /// Distance between the middles of spots: drawn per row.
 const PITCH_M: (f64, f64) = (5.2, 6.0);
@@ -26,6 +26,13 @@ const TYRE_TO_KERB_M: f64 = 0.1;
 /// A kerbside car stands on the pavement with at most this much of its width, and people pass in what is left.
 const MAX_ON_PAVEMENT_M: f64 = 1.3;
 const LEFT_FOR_WALKERS_M: f64 = 0.9;
+/// Bays at least this deep are for cars at an angle: 45, 60 or 90 degrees by these weights, noses to the kerb.
+const MIN_DEEP_BAY_M: f64 = 4.5;
+const ANGLES_DEG: [(f64, f64); 3] = [(45.0, 0.35), (60.0, 0.25), (90.0, 0.4)];
+/// A place in a deep bay, and how far the car's foremost corner stays from the kerb.
+const ANGLED_SPOT_M: (f64, f64) = (4.75, 1.9);
+const ANGLED_PITCH_M: f64 = 2.45;
+const NOSE_TO_KERB_M: f64 = 0.25;
 /// Kerbside rows need kerbs this straight over a car's length, bays this straight.
 const MAX_TURN_RAD: f64 = 0.06;
 const MAX_TURN_IN_BAY_RAD: f64 = 0.16;
@@ -40,6 +47,9 @@ pub fn parking_spots(network: &RoadNetwork, ground: &Ground, key: &StreamKey) ->
         match lane.kind {
             LaneKind::Parking if lane.width_m.iter().all(|w| *w < MIN_BAY_M) => {
                 half_bays(lane, network, ground, pitch, &mut spots);
+            }
+            LaneKind::Parking if lane.width_m.iter().any(|w| *w >= MIN_DEEP_BAY_M) => {
+                angled_bays(lane, ground, &mut stream, &mut spots);
             }
             LaneKind::Parking => bays(lane, ground, pitch, &mut spots),
             LaneKind::Driving if lane.junction.is_none() => kerbside(lane, ground, pitch, &mut spots),
@@ -72,7 +82,7 @@ fn half_bays(lane: &Lane, network: &RoadNetwork, ground: &Ground, pitch: f64, sp
             continue;
         }
         if let Some(world_from_spot) = stand(ground, &pose, -right, pitch, HALF_BAY_SPOT_WIDTH_M) {
-            spots.push(ParkingSpot { world_from_spot, length_m: pitch, width_m: HALF_BAY_SPOT_WIDTH_M });
+            spots.push(ParkingSpot { kind: SpotKind::Parallel, world_from_spot, length_m: pitch, width_m: HALF_BAY_SPOT_WIDTH_M });
         }
     }
 }
@@ -83,7 +93,30 @@ fn bays(lane: &Lane, ground: &Ground, pitch: f64, spots: &mut Vec<ParkingSpot>) 
         let width_m = SPOT_WIDTH_M.min(lane.width_at(s));
         let right = ((lane.width_at(s) - width_m) / 2.0 - TYRE_TO_KERB_M).max(0.0);
         if let Some(world_from_spot) = stand(ground, &pose, -right, pitch, width_m) {
-            spots.push(ParkingSpot { world_from_spot, length_m: pitch, width_m });
+            spots.push(ParkingSpot { kind: SpotKind::Parallel, world_from_spot, length_m: pitch, width_m });
+        }
+    }
+}
+
+/// Cars side by side, turned towards the kerb by one angle a row.
+fn angled_bays(lane: &Lane, ground: &Ground, stream: &mut Stream, spots: &mut Vec<ParkingSpot>) {
+    let angle_rad = ANGLES_DEG[stream.weighted(&ANGLES_DEG.map(|(_, weight)| weight))].0.to_radians();
+    let (sin, cos) = (math::sin(angle_rad), math::cos(angle_rad));
+    let (length_m, width_m) = ANGLED_SPOT_M;
+    let pitch_m = ANGLED_PITCH_M / sin;
+    for s in row(lane, MIN_DEEP_BAY_M, pitch_m) {
+        let pose = lane.pose_at(s);
+        let forward = (pose.rotation * DVec3::X).truncate().normalize_or_zero();
+        let right = -forward.perp();
+        // Longer cars than most reach over the bay's inner edge rather than over the kerb.
+        let usual_length_m = length_m - 0.3;
+        let to_kerb_m = (usual_length_m * sin + width_m * cos) / 2.0 + NOSE_TO_KERB_M;
+        let aside_m = (lane.width_at(s) / 2.0 - to_kerb_m).max(0.0);
+        let heading = forward * cos + right * sin;
+        let place = pose.translation + (right * aside_m).extend(0.0);
+        let turned = frames::upright(place, math::atan2(heading.y, heading.x));
+        if let Some(world_from_spot) = stand(ground, &turned, 0.0, length_m, width_m) {
+            spots.push(ParkingSpot { kind: SpotKind::Angled, world_from_spot, length_m, width_m });
         }
     }
 }
@@ -94,7 +127,7 @@ fn kerbside(lane: &Lane, ground: &Ground, pitch: f64, spots: &mut Vec<ParkingSpo
         let pose = lane.pose_at(s);
         let right = kerbside_offset(lane, ground, s, pitch);
         if let Some(world_from_spot) = right.and_then(|r| stand(ground, &pose, -r, pitch, SPOT_WIDTH_M)) {
-            spots.push(ParkingSpot { world_from_spot, length_m: pitch, width_m: SPOT_WIDTH_M });
+            spots.push(ParkingSpot { kind: SpotKind::Parallel, world_from_spot, length_m: pitch, width_m: SPOT_WIDTH_M });
         }
         s += pitch;
     }

@@ -39,9 +39,22 @@ use crate::instance::Instance;
 use crate::math::{DPose3, DVec3};
 use crate::rng::StreamKey;
 
+/// How cars stand in a parking place, and who fills it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SpotKind {
+    /// Along the kerb, at it or in a bay.
+    Parallel,
+    /// In a bay at an angle to the kerb, up to a right one.
+    Angled,
+    /// In the drive of a house.
+    Drive,
+}
+
 /// A place where a vehicle may be parked.
 #[derive(Debug, Clone)]
 pub struct ParkingSpot {
+    /// How cars stand in it.
+    pub kind: SpotKind,
     /// Middle of the spot on the ground, x along the parked vehicle's heading.
     pub world_from_spot: DPose3,
     /// Room along x.

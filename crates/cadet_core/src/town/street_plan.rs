@@ -11,6 +11,12 @@ const CROSSROADS_SHARE: f64 = 0.3;
 const CORNER_RADIUS_M: (f64, f64) = (4.5, 7.0);
 /// Width of a parallel parking bay, gutter included.
 const BAY_WIDTH_M: f64 = 2.25;
+/// Depth of bays in which cars stand at an angle or across, and share of the streets with bays at both kerbs that have
+/// them at both.
+pub(super) const DEEP_BAY_M: f64 = 5.5;
+const BOTH_DEEP_SHARE: f64 = 0.3;
+/// Deep bays begin this much farther from a junction than others.
+const DEEP_BAY_MARGIN_M: f64 = 4.0;
 /// Beside narrower lanes cars stand half on the pavement: in a bay they would be grazed.
 const MIN_LANE_BESIDE_BAYS_M: f64 = 2.55;
 /// Share of the streets with wide lanes where cars stand half on the pavement all the same.
@@ -21,6 +27,8 @@ const ON_PAVEMENT_M: (f64, f64) = (0.4, 1.0);
 const CAR_WIDTH_M: f64 = 1.65;
 /// Left of the pavement for walkers.
 const LEFT_FOR_WALKERS_M: f64 = 0.95;
+/// Share of the streets with a wide carriageway.
+const WIDE_SHARE: f64 = 0.25;
 /// A junction begins at least this far from its middle.
 const MIN_CUT_M: f64 = 6.0;
 
@@ -38,11 +46,10 @@ pub(super) struct Street {
     pub(super) lane_width_m: f64,
     pub(super) sidewalk_width_m: f64,
     pub(super) speed_kmh: u32,
-    /// Stretch with bays at the right and the left kerb, and on which of the two sides they are.
+    /// Stretch with bays at the right or the left kerb or both.
     pub(super) bays: Option<(f64, f64)>,
-    pub(super) bay_width_m: f64,
-    pub(super) bays_right: bool,
-    pub(super) bays_left: bool,
+    /// Widths of the bays at the right and at the left kerb; 0 where there are none.
+    pub(super) bay_widths_m: [f64; 2],
     /// The junctions at its start and its end.
     pub(super) junctions: [usize; 2],
 }
@@ -163,7 +170,7 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
             let middle: Vec<DVec2> = chain.nodes[1..chain.nodes.len() - 1].iter().map(|n| grid.at[*n]).collect();
             let curve = street_curve(*start, &middle, finish.reversed(), &mut stream);
             let style = styles[chain.line];
-            let margin = (stream.range(5.0, 9.0), stream.range(5.0, 9.0));
+            let mut margin = (stream.range(5.0, 9.0), stream.range(5.0, 9.0));
             let (mut right, mut left) = (stream.chance(config.parking_share), stream.chance(config.parking_share));
             let mut bay_width_m = BAY_WIDTH_M;
             let on_pavement_m = stream.range(ON_PAVEMENT_M.0, ON_PAVEMENT_M.1);
@@ -175,6 +182,16 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
                 let any = right || left;
                 (right, left) = (any && is_right, any && !is_right);
             }
+            let mut bay_widths_m = [right, left].map(|has_bays| if has_bays { bay_width_m } else { 0.0 });
+            let (is_deep, both_deep) = (stream.chance(config.angled_share), stream.chance(BOTH_DEEP_SHARE));
+            if is_deep && (right || left) {
+                for (width_m, is_on_this_side) in bay_widths_m.iter_mut().zip([is_right, !is_right]) {
+                    if is_on_this_side || (both_deep && *width_m > 0.0) {
+                        *width_m = DEEP_BAY_M;
+                    }
+                }
+                margin = (margin.0 + DEEP_BAY_MARGIN_M, margin.1 + DEEP_BAY_MARGIN_M);
+            }
             let length = curve.length_m();
             let fits = length - margin.0 - margin.1 > 20.0;
             Street {
@@ -183,9 +200,7 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
                 sidewalk_width_m: style.sidewalk_width_m,
                 speed_kmh: style.speed_kmh,
                 bays: (fits && (right || left)).then_some((margin.0, length - margin.1)),
-                bay_width_m,
-                bays_right: right,
-                bays_left: left,
+                bay_widths_m,
                 junctions: [junction_of[chain.nodes[0]], junction_of[chain.nodes[chain.nodes.len() - 1]]],
             }
         })
@@ -292,7 +307,9 @@ fn draw_styles(stream: &mut Stream, grid: &Grid) -> Vec<LineStyle> {
     (0..lines)
         .map(|line| {
             let collector = line == collectors[0] || (second && line == collectors[1]);
-            let carriageway = if collector { stream.range(5.8, 6.5) } else { stream.range(4.75, 5.6) };
+            let (is_wide, wide_m) = (stream.chance(WIDE_SHARE), stream.range(6.8, 9.5));
+            let usual_m = if collector { stream.range(5.8, 6.5) } else { stream.range(4.75, 5.6) };
+            let carriageway = if is_wide { wide_m } else { usual_m };
             LineStyle {
                 lane_width_m: (carriageway * 10.0).round() / 20.0,
                 sidewalk_width_m: (stream.range(1.5, 2.5) * 10.0).round() / 10.0,

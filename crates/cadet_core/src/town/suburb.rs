@@ -15,6 +15,8 @@ pub struct SuburbConfig {
     pub block_m: (f64, f64),
     /// Share of kerbs with parking bays on streets wide enough for them, 0 to 1.
     pub parking_share: f64,
+    /// Share of the streets with bays where cars stand at an angle or across in some of them, 0 to 1.
+    pub angled_share: f64,
     /// Share of suburbs with hill streets, 0 to 1.
     pub hilly_share: f64,
     /// Steepest slope of a hilly suburb, 0 to 0.1.
@@ -23,7 +25,7 @@ pub struct SuburbConfig {
 
 impl Default for SuburbConfig {
     fn default() -> Self {
-        Self { blocks: (4, 4), block_m: (72.0, 112.0), parking_share: 0.55, hilly_share: 0.2, max_slope: 0.065 }
+        Self { blocks: (4, 4), block_m: (72.0, 112.0), parking_share: 0.55, angled_share: 0.3, hilly_share: 0.2, max_slope: 0.065 }
     }
 }
 
@@ -40,6 +42,7 @@ impl SuburbConfig {
         }
         for (what, value, most) in [
             ("suburb parking_share", self.parking_share, 1.0),
+            ("suburb angled_share", self.angled_share, 1.0),
             ("suburb hilly_share", self.hilly_share, 1.0),
             ("suburb max_slope", self.max_slope, 0.1),
         ] {

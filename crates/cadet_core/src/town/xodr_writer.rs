@@ -147,7 +147,7 @@ fn street_sections(street: &Street) -> Vec<Section> {
             successor: after.then_some(sign),
         }];
         if let Some(length) = bay {
-            let bay_m = street.bay_width_m;
+            let bay_m = street.bay_widths_m[usize::from(sign > 0)];
             lanes.push(LaneRecord {
                 id: 2 * sign,
                 kind: "parking",
@@ -174,7 +174,7 @@ fn street_sections(street: &Street) -> Vec<Section> {
         });
         lanes
     };
-    let has_bay = |right: bool| street.bays.is_some() && if right { street.bays_right } else { street.bays_left };
+    let has_bay = |right: bool| street.bays.is_some() && street.bay_widths_m[usize::from(!right)] > 0.0;
     let section = |s: f64, bay: Option<f64>, before: bool, after: bool| {
         let mut lanes = side(1, bay.filter(|_| has_bay(false)), before, after, &has_bay);
         lanes.reverse();

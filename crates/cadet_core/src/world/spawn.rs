@@ -19,7 +19,7 @@ use crate::geometry::{LodSet, MeshBuilder};
 use crate::material::{Material, Palette, Pattern, Semantic};
 use crate::math::{self, DVec2, DVec3, Vec3};
 use crate::rng::{Stream, StreamKey};
-use crate::town::{LaneId, ParkingSpot, Town};
+use crate::town::{LaneId, ParkingSpot, SpotKind, Town};
 
 /// Steps between two looks at who has gone too far away.
 pub(super) const RENEW_EVERY: u64 = 30;
@@ -38,6 +38,9 @@ const PARKED_MIX: [(ObjectClass, f64); 2] = [(ObjectClass::Car, 0.92), (ObjectCl
 /// How likely somebody who walks is to join the one before, and how many others mean to cross the road.
 const COMPANY_SHARE: f64 = 0.75;
 const CROSSERS_SHARE: f64 = 0.4;
+/// Share of the cars along a kerb that stand against the traffic, and of those at an angle that were backed in.
+const WRONG_WAY_SHARE: f64 = 0.05;
+const BACKED_IN_SHARE: f64 = 0.2;
 /// Share of the kerbs where nobody parks.
 const EMPTY_ROWS_SHARE: f64 = 0.5;
 /// The streets that the ego will see while it drives this far are its way; in the side streets more cars are parked
@@ -266,7 +269,8 @@ impl World {
             }
             let outlier = draw.chance(0.05);
             let yaw_sd_deg: f64 = if outlier { 7.0 } else { 1.6 };
-            let wrong_way = if draw.chance(0.05) { math::PI } else { 0.0 };
+            let turned_share = if spot.kind == SpotKind::Angled { BACKED_IN_SHARE } else { WRONG_WAY_SHARE };
+            let wrong_way = if draw.chance(turned_share) { math::PI } else { 0.0 };
             let slack_m = (spot.length_m - model.size_lwh.x).max(0.0) / 2.0;
             let along_m = draw.clipped_normal(0.0, 0.35).clamp(-slack_m, slack_m);
             let aside_m = draw.clipped_normal(0.0, 0.1);
@@ -298,8 +302,7 @@ impl World {
     fn is_taken(&self, spot: &ParkingSpot, config: &TrafficConfig, on_way: &[u32], draw: &mut Stream) -> bool {
         let at = spot.world_from_spot.translation;
         let lane = self.roads.nearest(at, None, 12.0).map(|(lane, s_m, _)| (self.roads.lane(lane), s_m));
-        let across = (spot.world_from_spot.rotation * DVec3::X).truncate().perp();
-        if lane.is_none_or(|(l, s)| (l.pose_at(s).rotation * DVec3::X).truncate().dot(across).abs() > 0.7) {
+        if lane.is_none() || spot.kind == SpotKind::Drive {
             // Who has a drive of their own keeps the car there, however full the street.
             return draw.chance(beside_ego_way(config.parking_occupancy));
         }

@@ -1,0 +1,173 @@
+//! The road's plane ahead of the camera, estimated from a LIDAR scan.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::error::{Error, Result};
+use crate::math;
+use crate::rng::Stream;
+
+/// Where the ground is looked for, in the frame of camera 0, metres: ahead, to either side, below the camera.
+const AHEAD_M: (f64, f64) = (2.0, 50.0);
+const ASIDE_M: f64 = 8.0;
+const BELOW_M: (f64, f64) = (0.3, 4.5);
+/// Side of the square cells of ground that count once each, however many returns they hold, metres.
+const CELL_M: f64 = 0.5;
+const NUM_COLUMNS: usize = (2.0 * ASIDE_M / CELL_M) as usize;
+const NUM_ROWS: usize = (AHEAD_M.1 / CELL_M) as usize;
+/// The height of a cell is this quantile of its returns, counted from the lowest: above the outliers, below what stands
+/// on the ground.
+const QUANTILE: f64 = 0.25;
+/// Half the width of a usual street, metres: cells farther to the side than this count for less.
+const STREET_M: f64 = 4.0;
+const MIN_POINTS: usize = 30;
+
+const HYPOTHESES: usize = 300;
+/// A hypothesis' slopes and its height under the camera.
+const MAX_SLOPE: f64 = 0.15;
+const HEIGHT_M: (f64, f64) = (0.5, 3.5);
+/// Within this of a hypothesis a cell supports it, at the camera; `WIDENS_PER_M` with depth.
+const SUPPORT_M: f64 = 0.06;
+const WIDENS_PER_M: f64 = 0.0125;
+
+/// Reweighted least squares: the width of the weight falls from the first to the second, metres; below the plane it is
+/// twice as wide, since what stands on the ground is above it.
+const WIDTH_M: (f64, f64) = (0.08, 0.03);
+const WIDTH_STEP_M: f64 = 0.008;
+const ITERATIONS: usize = 8;
+/// What is known before a scan is seen: slopes of the ground to the side and ahead in the camera's frame, mean and
+/// standard deviation over KITTI's published planes, and the variance that a cell's height stands for, with neighbors
+/// that err together.
+const PRIOR_SLOPES: [(f64, f64); 2] = [(-0.01, 0.02), (0.0, 0.012)];
+const CELL_VARIANCE_M2: f64 = 0.01;
+
+/// A plane as y = s.x + s.y * x + s.z * z in the frame of camera 0 (y points down).
+type Slopes = Vector3<f64>;
+
+/// A cell's representative return.
+struct GroundCell {
+    /// (1, x, z), metres.
+    regressors: Vector3<f64>,
+    y_m: f64,
+    /// What the cell counts in sums.
+    weight: f64,
+}
+
+/// Estimates the plane a x + b y + c z + d = 0 of the road: unit normal, b < 0, in the frame of camera 0.
+///
+/// Random sample consensus over cells of ground, then least squares with weights that let go of what stands on the
+/// ground, and a weak prior of the ground's slopes for scans in which little of it is seen (Fischler and Bolles,
+/// "Random Sample Consensus", 1981).
+///
+/// # Frames and units
+/// `points_cam`: metres, frame of camera 0 (x right, y down, z forward), all finite.
+///
+/// # Errors
+/// [`Error::Ground`] for fewer than 30 returns 2 to 50 m ahead, 8 m to either side and 0.3 to 4.5 m below the camera, or
+/// none of them in a plane that a car could stand on.
+///
+/// # Determinism
+/// The same seed gives the same plane; the order of the points does not matter but for the last bits.
+pub fn estimate_ground_plane(points_cam: impl Iterator<Item = [f64; 3]>, seed: u64) -> Result<[f64; 4]> {
+    let cells = ground_cells(points_cam)?;
+    let mut slopes = best_hypothesis(&cells, seed).ok_or_else(|| Error::Ground {
+        reason: "no plane that a car could stand on ahead of the camera".to_owned(),
+    })?;
+    for k in 0..ITERATIONS {
+        let width_m = (WIDTH_M.0 - WIDTH_STEP_M * k as f64).max(WIDTH_M.1);
+        slopes = refine(&cells, &slopes, width_m);
+    }
+    let length = (slopes.y * slopes.y + slopes.z * slopes.z + 1.0).sqrt();
+    Ok([slopes.y / length, -1.0 / length, slopes.z / length, slopes.x / length])
+}
+
+/// Sorts what may be ground into cells and picks one return of each.
+fn ground_cells(points_cam: impl Iterator<Item = [f64; 3]>) -> Result<Vec<GroundCell>> {
+    let mut by_cell: Vec<Vec<[f64; 3]>> = vec![Vec::new(); NUM_COLUMNS * NUM_ROWS];
+    let mut num_points = 0;
+    for [x, y, z] in points_cam {
+        let is_ahead = z >= AHEAD_M.0 && z < AHEAD_M.1 && x >= -ASIDE_M && x < ASIDE_M;
+        if is_ahead && y > BELOW_M.0 && y < BELOW_M.1 {
+            let (row, column) = ((z / CELL_M) as usize, ((x + ASIDE_M) / CELL_M) as usize);
+            by_cell[row * NUM_COLUMNS + column].push([x, y, z]);
+            num_points += 1;
+        }
+    }
+    if num_points < MIN_POINTS {
+        let (near, far) = AHEAD_M;
+        return Err(Error::Ground {
+            reason: format!(
+                "expected at least {MIN_POINTS} points of the ground {near} to {far} m ahead of the camera, \
+                 got {num_points}"
+            ),
+        });
+    }
+    let is_lower = |a: &[f64; 3], b: &[f64; 3]| b[1].total_cmp(&a[1]).then(a[0].total_cmp(&b[0]));
+    let cells = by_cell.iter_mut().filter(|cell| !cell.is_empty()).map(|cell| {
+        let k = (QUANTILE * (cell.len() - 1) as f64) as usize;
+        let [x, y, z] = *cell.select_nth_unstable_by(k, is_lower).1;
+        let aside = x / STREET_M;
+        GroundCell { regressors: Vector3::new(1.0, x, z), y_m: y, weight: 1.0 / (1.0 + aside * aside) }
+    });
+    Ok(cells.collect())
+}
+
+/// The plane through three cells that most cells support and that is likely as a street.
+fn best_hypothesis(cells: &[GroundCell], seed: u64) -> Option<Slopes> {
+    let mut stream = Stream::from_seed("ground plane", seed);
+    let mut best: Option<(f64, Slopes)> = None;
+    for _ in 0..HYPOTHESES {
+        let [a, b, c] = [(); 3].map(|()| &cells[stream.below(cells.len())]);
+        let Some(slopes) = through(a, b, c) else { continue };
+        let support: f64 = cells
+            .iter()
+            .filter(|g| (g.y_m - g.regressors.dot(&slopes)).abs() < SUPPORT_M * widening(g))
+            .map(|g| g.weight)
+            .sum();
+        // Slopes of KITTI's planes spread over 1.2 and 2 percent: thrice that is unlikely.
+        let far = (slopes.y + 0.01) / 0.04;
+        let steep = slopes.z / 0.03;
+        let score = support * math::exp(-0.5 * (far * far + steep * steep));
+        if best.is_none_or(|(most, _)| score > most) {
+            best = Some((score, slopes));
+        }
+    }
+    best.map(|(_, slopes)| slopes)
+}
+
+/// The plane through three cells; `None` where they are in line or no car could stand on it.
+fn through(a: &GroundCell, b: &GroundCell, c: &GroundCell) -> Option<Slopes> {
+    let rows = Matrix3::from_rows(&[a.regressors.transpose(), b.regressors.transpose(), c.regressors.transpose()]);
+    let slopes = (rows.determinant().abs() > 1e-2)
+        .then(|| rows.try_inverse())
+        .flatten()
+        .map(|inverse| inverse * Vector3::new(a.y_m, b.y_m, c.y_m))?;
+    let is_level = slopes.y.abs() < MAX_SLOPE && slopes.z.abs() < MAX_SLOPE;
+    (is_level && slopes.x > HEIGHT_M.0 && slopes.x < HEIGHT_M.1).then_some(slopes)
+}
+
+/// One step of reweighted least squares with Tukey's weights and the prior.
+fn refine(cells: &[GroundCell], slopes: &Slopes, width_m: f64) -> Slopes {
+    let mut normal = Matrix3::zeros();
+    let mut right = Vector3::zeros();
+    for (axis, (mean, deviation)) in PRIOR_SLOPES.iter().enumerate() {
+        let weight = CELL_VARIANCE_M2 / (deviation * deviation);
+        normal[(axis + 1, axis + 1)] += weight;
+        right[axis + 1] += weight * mean;
+    }
+    for cell in cells {
+        let below_m = cell.y_m - cell.regressors.dot(slopes);
+        let u = below_m / (width_m * widening(cell) * if below_m > 0.0 { 2.0 } else { 1.0 });
+        if u.abs() < 1.0 {
+            let kept = 1.0 - u * u;
+            let weight = cell.weight * kept * kept;
+            normal += cell.regressors * cell.regressors.transpose() * weight;
+            right += cell.regressors * (weight * cell.y_m);
+        }
+    }
+    normal.cholesky().map_or(*slopes, |factor| factor.solve(&right))
+}
+
+/// Tolerances grow with depth: far roads bend, and their returns are few.
+fn widening(cell: &GroundCell) -> f64 {
+    1.0 + WIDENS_PER_M * cell.regressors.z
+}
