@@ -121,7 +121,7 @@ class Scene:
         assets: Assets | None,
     ) -> Scene:
         _check_map(map_name, map_xodr)
-        assert set(config) == {"num_cars", "num_pedestrians", "parking_occupancy", "label"}
+        assert set(config) == {"num_cars", "num_pedestrians", "parking_occupancy", "vehicle_classes", "label"}
         return Scene((seed, episode, attempt), rig, weather, map_name)
 
     @staticmethod

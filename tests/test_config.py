@@ -27,7 +27,8 @@ NAN = float("nan")
         (
             SceneConfig,
             {"num_car": 3},
-            "SceneConfig: unknown key 'num_car'; known: num_cars, num_pedestrians, parking_occupancy, label",
+            "SceneConfig: unknown key 'num_car'; known: num_cars, num_pedestrians, parking_occupancy, vehicle_classes, "
+            "label",
         ),
         (LabelConfig, {"method": "area"}, "LabelConfig.method: expected 'pixels' or 'corners', got 'area'"),
         (

@@ -80,9 +80,9 @@ def test_scene_environment_and_files_agree(dataset: Path) -> None:
 
 
 def test_without_maps_all_else_is_the_same() -> None:
-    policy, rig = ResetPolicy.kitti(), SMALL
-    with_maps = Episode(policy, rig, 5, 0).next_frame(0)
-    without = Episode(policy, rig, 5, 0, maps=False).next_frame(0)
+    policy = ResetPolicy.kitti().with_rig(SMALL)
+    with_maps = Episode(policy, 5, 0).next_frame(0)
+    without = Episode(policy, 5, 0, maps=False).next_frame(0)
     assert with_maps.depth is not None
     assert (without.depth, without.instance, without.semantic) == (None, None, None)
     np.testing.assert_array_equal(without.image, with_maps.image)

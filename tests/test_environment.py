@@ -6,7 +6,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from cadet import CadetError, Camera, Environment, Frame, ResetPolicy, Rig, Scene
+from cadet import CadetError, Camera, Environment, Frame, ResetPolicy, Rig, Scene, weather_names
 
 pytestmark = pytest.mark.usefixtures("fake_core")
 
@@ -102,7 +102,12 @@ def test_a_random_scene_is_the_first_sample() -> None:
             lambda: make().reset(seed=0, episode=cast(int, 1.5)),
             "reset.episode: expected a whole number from 0 to 1000000000, got 1.5",
         ),
-        (lambda: Environment(policy=cast(ResetPolicy, "kitti")), "policy: expected a ResetPolicy, got 'kitti'"),
+        (lambda: Environment(policy="nuscenes"), "unknown policy 'nuscenes'; known: kitti, paper"),
+        (
+            lambda: Environment(policy=cast(ResetPolicy, 3)),
+            "policy: expected a ResetPolicy or one of kitti, paper, got 3",
+        ),
+        (lambda: Environment(weather="hail"), f"unknown weather 'hail'; known: {', '.join(weather_names())}"),
         (lambda: Environment(rig=cast(Rig, "kitti")), "rig: expected a Rig, got 'kitti'"),
     ],
 )

@@ -99,6 +99,10 @@ def test_the_manifest_holds_every_files_hash_and_nothing_of_the_machine(whole: P
     assert manifest["counts"] == {"frames": 45, "episodes": 3, "labels": {"Car": 45, "DontCare": 45}}
     assert manifest["seed"] == 3
     assert manifest["policy"]["name"] == manifest["rig"]["name"] == "kitti"
+    # The rig that most episodes have stands there in full, the others by their hash.
+    names = ["kitti", "kitti_2011_09_28", "kitti_2011_09_29", "kitti_2011_10_03"]
+    assert list(manifest["policy"]["rigs"]) == names
+    assert list(manifest["other_rigs"]) == names[1:]
     assert str(whole) not in text
     assert os.uname().nodename not in json.dumps({**manifest, "sha256": None})
 

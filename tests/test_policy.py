@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from cadet import CadetError, District, ResetPolicy, RoadMap, weather_names
+from cadet import CadetError, District, ResetPolicy, Rig, RoadMap, weather_names
 
 pytestmark = pytest.mark.usefixtures("fake_core")
 
@@ -37,6 +37,34 @@ def test_the_papers_weather_is_uniform_over_all_presets() -> None:
     assert max(abs(count - num / 18) for count in drawn.values()) < 4 * (num / 18) ** 0.5
 
 
+def test_kittis_calibrations_are_drawn_as_often_as_in_kitti() -> None:
+    num = 4000
+    policy = ResetPolicy.kitti()
+    drawn = Counter(policy.draw(0, episode).rig.name for episode in range(num))
+    for name, share in (("kitti", 6057), ("kitti_2011_09_28", 770), ("kitti_2011_09_29", 358)):
+        expected = num * share / 7481
+        assert abs(drawn[name] - expected) < 4 * expected**0.5
+    assert sum(drawn.values()) == num and len(drawn) == 4
+
+
+def test_rig_and_load_have_streams_of_their_own_and_stay_through_an_episode() -> None:
+    policy = ResetPolicy.kitti()
+    for episode in range(30):
+        first, redrawn = policy.draw(3, episode, 0), policy.draw(3, episode, 1)
+        assert (first.rig, first.car_pitch_deg) == (redrawn.rig, redrawn.car_pitch_deg)
+        assert first.config != redrawn.config
+        alone = policy.with_rig(Rig.paper()).draw(3, episode, 0)
+        assert replace(alone, rig=first.rig) == first
+    pitches = [policy.draw(3, episode).car_pitch_deg for episode in range(2000)]
+    assert abs(sum(pitches)) / 2000 < 0.01
+    assert abs((sum(p * p for p in pitches) / 2000) ** 0.5 - policy.car_pitch_sd_deg) < 0.006
+
+
+def test_the_papers_policy_brings_its_rig_and_no_vans() -> None:
+    spec = ResetPolicy.named("paper").draw(0, 0)
+    assert (spec.rig, spec.car_pitch_deg, spec.config.vehicle_classes) == (Rig.paper(), 0.0, ("Car",))
+
+
 def test_counts_stay_in_the_district_and_maps_are_all_drawn() -> None:
     maps = (RoadMap("a.xodr", "A"), RoadMap("b.xodr", "B"))
     policy = replace(ResetPolicy.kitti(), districts=((STREET, 1.0),), maps=maps)
@@ -62,6 +90,16 @@ def test_a_manifest_names_maps_by_hash() -> None:
         ),
         ({"distance_m": -1.0}, "ResetPolicy.distance_m: expected a number from 0 to 1000, got -1.0"),
         ({"blocked_s": None}, "ResetPolicy.blocked_s: expected a number from 0.1 to 600, got None"),
+        ({"car_pitch_sd_deg": -1.0}, "ResetPolicy.car_pitch_sd_deg: expected a number from 0 to 5, got -1.0"),
+        ({"rigs": ()}, "ResetPolicy.rigs: expected at least one, got none"),
+        (
+            {"rigs": ((Rig.kitti(), 1.0), (Rig.kitti(), 1.0))},
+            "ResetPolicy.rigs: expected different names, got kitti, kitti",
+        ),
+        (
+            {"vehicle_classes": ("Van",)},
+            "ResetPolicy.vehicle_classes: expected a tuple of Car, Van, Truck, Car among them, got ('Van',)",
+        ),
         ({"weathers": ()}, "ResetPolicy.weathers: expected at least one, got none"),
         ({"weathers": (("clear_noon", 0.0),)}, "ResetPolicy.weathers: expected a weight above 0, got none"),
         ({"districts": ((STREET, -1.0),)}, "ResetPolicy.districts weight: expected a number of at least 0, got -1.0"),

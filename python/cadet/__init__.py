@@ -5,6 +5,7 @@ from cadet._cadet import __version__
 from cadet.assets import Assets, VehicleMesh
 from cadet.beam_table import BeamTable, EncoderFiring, Laser, ListedFiring, UniformFiring
 from cadet.bev import BevConfig
+from cadet.camera import Camera
 from cadet.config import LabelConfig, SceneConfig
 from cadet.environment import Environment
 from cadet.errors import (
@@ -16,10 +17,11 @@ from cadet.errors import (
     ShapeError,
 )
 from cadet.evaluation import Detections, GroundTruth, Level, Report, box_iou_3d, box_iou_bev, evaluate, nms_bev
+from cadet.extrinsics import Extrinsics
 from cadet.frame import Frame
 from cadet.kitti import Calibration, Label
 from cadet.policy import District, ResetPolicy
-from cadet.rig import Camera, Lidar, Rig
+from cadet.rig import Lidar, Rig
 from cadet.road_map import RoadMap
 from cadet.scene import RayHits, Scan, Scene
 from cadet.semantic import Semantic
@@ -36,6 +38,7 @@ __all__ = [
     "District",
     "EncoderFiring",
     "Environment",
+    "Extrinsics",
     "Frame",
     "FrameExistsError",
     "GroundTruth",

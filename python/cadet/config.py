@@ -12,6 +12,9 @@ from cadet.errors import CadetError
 
 T = TypeVar("T")
 
+VEHICLE_CLASSES = ("Car", "Van", "Truck")
+"""KITTI's classes of vehicles that drive and park."""
+
 
 def check_number(
     owner: str, name: str, value: object, low: float, high: float = float("inf"), *, whole: bool = False
@@ -27,6 +30,18 @@ def check_number(
     if isinstance(value, bool) or not isinstance(value, kinds) or not low <= value <= high or value == float("inf"):
         kind = "a whole number" if whole else "a number"
         raise CadetError(f"{owner}.{name}: expected {kind} {limits}, got {value!r}")
+
+
+def check_three(owner: str, name: str, values: object, limit: float) -> None:
+    """Refuse what is no tuple of three numbers from `-limit` to `limit`.
+
+    Raises:
+        CadetError: naming the field, the value and the range.
+    """
+    if not isinstance(values, tuple) or len(values) != 3:
+        raise CadetError(f"{owner}.{name}: expected three numbers, got {values!r}")
+    for value in values:
+        check_number(owner, name, value, -limit, limit)
 
 
 def from_dict(cls: type[T], values: Mapping[str, Any]) -> T:
@@ -85,6 +100,18 @@ class LabelConfig:
             raise CadetError(f"LabelConfig.occlusion_levels: expected the first to be the larger, got {levels!r}")
 
 
+def check_vehicle_classes(owner: str, classes: object) -> None:
+    """Refuse what is no tuple of vehicle classes, "Car" among them.
+
+    Raises:
+        CadetError: naming the owner and the classes.
+    """
+    known = set(VEHICLE_CLASSES)
+    if not isinstance(classes, tuple) or not set(classes) <= known or "Car" not in classes:
+        names = ", ".join(VEHICLE_CLASSES)
+        raise CadetError(f"{owner}.vehicle_classes: expected a tuple of {names}, Car among them, got {classes!r}")
+
+
 @dataclass(frozen=True, kw_only=True)
 class SceneConfig:
     """How full a scene is, and what gets a label.
@@ -94,13 +121,17 @@ class SceneConfig:
     """
 
     num_cars: int = 14
-    """Driving vehicles kept around the ego: cars mostly, vans and trucks among them."""
+    """Driving vehicles kept around the ego: cars mostly, others of `vehicle_classes` among them."""
     num_pedestrians: int = 24
     """People kept around the ego: on foot mostly, on bicycles some."""
     parking_occupancy: float = 0.6
     """Share of the parking places along the ego's way that are taken; each street varies around it.
 
     In side streets and drives it is this to the power of 0.35."""
+    vehicle_classes: tuple[str, ...] = VEHICLE_CLASSES
+    """Classes of the vehicles that drive and park, "Car" among them, mixed as on KITTI's streets.
+
+    Trucks come from the user's own vehicles alone."""
     label: LabelConfig = field(default_factory=LabelConfig)
     """What gets a label."""
 
@@ -108,6 +139,7 @@ class SceneConfig:
         for name in ("num_cars", "num_pedestrians"):
             check_number("SceneConfig", name, getattr(self, name), 0, 500, whole=True)
         check_number("SceneConfig", "parking_occupancy", self.parking_occupancy, 0, 1)
+        check_vehicle_classes("SceneConfig", self.vehicle_classes)
         if not isinstance(self.label, LabelConfig):
             raise CadetError(f"SceneConfig.label: expected a LabelConfig, got {self.label!r}")
 

@@ -41,6 +41,10 @@ class Draws:
         """Return a whole number from low to high, both included."""
         return low + int(self.unit() * (high - low + 1))
 
+    def bell(self) -> float:
+        """Return a number of mean 0 and standard deviation 1 from a bell that ends at 2.45: the sum of two draws."""
+        return (self.unit() + self.unit() - 1.0) * 6.0**0.5
+
     def weighted(self, items: Sequence[tuple[T, float]]) -> T:
         """Return one of the items, each with its weight; weights need not add up to 1."""
         left = self.unit() * sum(weight for _, weight in items)

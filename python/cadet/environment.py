@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
-from cadet.assets import Assets, as_assets
+from cadet.assets import Assets
 from cadet.config import check_number
 from cadet.episode import Episode
 from cadet.errors import CadetError
 from cadet.frame import Frame
-from cadet.policy import ResetPolicy, check_seed
+from cadet.policy import ResetPolicy, check_seed, choose_policy
 from cadet.rig import Rig
 
 
@@ -20,22 +19,27 @@ class Environment:
     The n-th frame after `reset(seed=s)` is the n-th frame of `cadet-gen --seed s` with the same policy and rig.
 
     Args:
-        policy: how worlds are drawn; `ResetPolicy.kitti()` if None.
-        rig: the sensors; `Rig.kitti()` if None.
+        policy: how worlds are drawn, or the name of a preset, "kitti" or "paper"; `ResetPolicy.kitti()` if None.
+        rig: the sensors; the policy's if None.
+        map: an OpenDRIVE file; the policy's maps, or suburbs that are generated, if None.
+        weather: a preset of `weather_names()`; drawn if None.
         assets: the user's own vehicles, or their folder; the policy's if None.
+
+    Raises:
+        CadetError: an unknown policy or weather, no rig, a map that can't be read, or bad assets.
+        MissingFileError: there is no such map, or no such assets.
     """
 
     def __init__(
-        self, *, policy: ResetPolicy | None = None, rig: Rig | None = None, assets: Assets | str | Path | None = None
+        self,
+        *,
+        policy: ResetPolicy | str | None = None,
+        rig: Rig | None = None,
+        map: str | Path | None = None,
+        weather: str | None = None,
+        assets: Assets | str | Path | None = None,
     ) -> None:
-        self.policy = ResetPolicy.kitti() if policy is None else policy
-        self.rig = Rig.kitti() if rig is None else rig
-        if not isinstance(self.policy, ResetPolicy):
-            raise CadetError(f"policy: expected a ResetPolicy, got {policy!r}")
-        if not isinstance(self.rig, Rig):
-            raise CadetError(f"rig: expected a Rig, got {rig!r}")
-        if assets is not None:
-            self.policy = replace(self.policy, assets=as_assets(assets))
+        self.policy = choose_policy(policy, map=map, weather=weather, rig=rig, assets=assets)
         self._current: Episode | None = None
         self._next_sample = 0
 
@@ -50,7 +54,7 @@ class Environment:
             CadetError: a seed or an episode that is no whole number of at least 0.
         """
         check_number("reset", "episode", episode, 0, 10**9, whole=True)
-        self._current = Episode(self.policy, self.rig, check_seed(seed), int(episode))
+        self._current = Episode(self.policy, check_seed(seed), int(episode))
         self._next_sample = 0
 
     def step(self) -> Frame:

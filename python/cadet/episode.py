@@ -10,10 +10,9 @@ from cadet.errors import CadetError
 from cadet.frame import Frame
 from cadet.kitti import Calibration, Label
 from cadet.policy import EpisodeSpec, ResetPolicy
-from cadet.rig import Rig
 
 
-def build_scene(spec: EpisodeSpec, rig: Rig) -> _cadet.Scene:
+def build_scene(spec: EpisodeSpec) -> _cadet.Scene:
     """Build the core's scene of a draw, settled and ready to sense.
 
     Raises:
@@ -26,7 +25,7 @@ def build_scene(spec: EpisodeSpec, rig: Rig) -> _cadet.Scene:
         map_name=None if spec.road_map is None else spec.road_map.name,
         map_xodr=None if spec.road_map is None else spec.road_map.xodr,
         weather=spec.weather,
-        rig=rig.to_native(),
+        rig=spec.rig.pitched(spec.car_pitch_deg).to_native(),
         config=spec.config.to_native(),
         assets=None if spec.assets is None else spec.assets.to_native(),
     )
@@ -51,8 +50,7 @@ class Episode:
     """The samples of one episode, in order. The same arguments give the same frames.
 
     Args:
-        policy: draws the world and says how far apart views are.
-        rig: the sensors.
+        policy: draws world and rig, and says how far apart views are.
         seed: the dataset's seed.
         episode: the episode's number.
         draw: replaces the policy's own draw.
@@ -62,7 +60,6 @@ class Episode:
     def __init__(
         self,
         policy: ResetPolicy,
-        rig: Rig,
         seed: int,
         episode: int,
         draw: Callable[[int, int, int], EpisodeSpec] | None = None,
@@ -70,7 +67,6 @@ class Episode:
         maps: bool = True,
     ) -> None:
         self.policy = policy
-        self.rig = rig
         self.seed = seed
         self.number = episode
         self.scene: _cadet.Scene | None = None
@@ -110,7 +106,7 @@ class Episode:
     def _advance(self) -> tuple[_cadet.Scene, EpisodeSpec]:
         if self.scene is None or self._spec is None:
             self._spec = self._draw(self.seed, self.number, self._attempt)
-            self.scene = build_scene(self._spec, self.rig)
+            self.scene = build_scene(self._spec)
         else:
             self.scene.drive(float(self.policy.distance_m), float(self.policy.blocked_s))
         return self.scene, self._spec

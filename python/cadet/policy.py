@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
+from pathlib import Path
 from typing import Any
 
-from cadet.assets import Assets
-from cadet.config import LabelConfig, SceneConfig, check_number
+from cadet.assets import Assets, as_assets
+from cadet.config import VEHICLE_CLASSES, LabelConfig, SceneConfig, check_number, check_vehicle_classes
 from cadet.draws import Draws
 from cadet.errors import CadetError
+from cadet.rig import Rig
 from cadet.road_map import RoadMap
 from cadet.weather import check_weather, weather_names
 
 MAX_SEED = 2**63 - 1
+POLICIES = ("kitti", "paper")
+"""The names that `ResetPolicy.named` knows."""
 
 
 def check_seed(seed: object) -> int:
@@ -57,7 +62,7 @@ class District:
 
 @dataclass(frozen=True)
 class EpisodeSpec:
-    """One draw of a policy: all that a scene is made from, besides the rig."""
+    """One draw of a policy: all that a scene is made from."""
 
     seed: int
     """The dataset's seed."""
@@ -73,6 +78,10 @@ class EpisodeSpec:
     """The preset."""
     config: SceneConfig
     """How full the scene is, and what gets a label."""
+    rig: Rig
+    """The sensors, as they sit on a car that stands level."""
+    car_pitch_deg: float = 0.0
+    """How much deeper the ego stands in front than behind, by its load."""
     assets: Assets | None = None
     """The user's own vehicles."""
 
@@ -103,6 +112,12 @@ class ResetPolicy:
     """Presets with their weights."""
     districts: tuple[tuple[District, float], ...]
     """Districts with their weights."""
+    rigs: tuple[tuple[Rig, float], ...] = ((Rig.kitti(), 1.0),)
+    """Rigs of different names with their weights, the most usual one first; one is drawn for each episode."""
+    car_pitch_sd_deg: float = 0.0
+    """How much the ego's pitch differs between episodes, by its load: a standard deviation."""
+    vehicle_classes: tuple[str, ...] = VEHICLE_CLASSES
+    """Classes of the vehicles that drive and park."""
     label: LabelConfig = LabelConfig()
     """What gets a label."""
     assets: Assets | None = None
@@ -115,7 +130,9 @@ class ResetPolicy:
             check_number("ResetPolicy", name, getattr(self, name), 1, 100_000, whole=True)
         check_number("ResetPolicy", "distance_m", self.distance_m, 0, 1000)
         check_number("ResetPolicy", "blocked_s", self.blocked_s, 0.1, 600)
-        for name in ("weathers", "districts"):
+        check_number("ResetPolicy", "car_pitch_sd_deg", self.car_pitch_sd_deg, 0, 5)
+        check_vehicle_classes("ResetPolicy", self.vehicle_classes)
+        for name in ("weathers", "districts", "rigs"):
             if not getattr(self, name):
                 raise CadetError(f"ResetPolicy.{name}: expected at least one, got none")
             for _, weight in getattr(self, name):
@@ -124,22 +141,68 @@ class ResetPolicy:
                 raise CadetError(f"ResetPolicy.{name}: expected a weight above 0, got none")
         for weather, _ in self.weathers:
             check_weather(weather)
+        for rig, _ in self.rigs:
+            if not isinstance(rig, Rig):
+                raise CadetError(f"ResetPolicy.rigs: expected a Rig, got {rig!r}")
+        names = [rig.name for rig, _ in self.rigs]
+        if len(set(names)) < len(names):
+            raise CadetError(f"ResetPolicy.rigs: expected different names, got {', '.join(names)}")
 
     @classmethod
     def kitti(cls) -> ResetPolicy:
-        """KITTI's streets and light: sunny to overcast, a tenth of the episodes in bad weather."""
-        return cls(name="kitti", weathers=_KITTI_WEATHERS, districts=_KITTI_DISTRICTS)
+        """KITTI's streets, cars and light: sunny to overcast, a tenth of the episodes in bad weather.
+
+        Each episode has one of KITTI's four calibrations, as often as KITTI's frames have.
+        """
+        return cls(
+            name="kitti",
+            weathers=_KITTI_WEATHERS,
+            districts=_KITTI_DISTRICTS,
+            rigs=Rig.every_kitti(),
+            car_pitch_sd_deg=_KITTI_CAR_PITCH_SD_DEG,
+        )
 
     @classmethod
     def paper(cls) -> ResetPolicy:
-        """The 2019 paper's resets: cars and pedestrians alone, every weather preset equally likely."""
+        """The 2019 paper's resets and rig: cars and pedestrians alone, every weather preset equally likely.
+
+        As in the paper's 10,000 frames, 1.4 cars and 0.49 pedestrians are labelled in a frame.
+        """
         return cls(
             name="paper",
             weathers=tuple((name, 1.0) for name in weather_names()),
             districts=(
                 (District(name="town", parking_occupancy=(0.0, 0.3), num_cars=(20, 60), num_pedestrians=(10, 60)), 1.0),
             ),
+            rigs=((Rig.paper(), 1.0),),
+            vehicle_classes=("Car",),
         )
+
+    @classmethod
+    def named(cls, name: str) -> ResetPolicy:
+        """Return the preset of that name, one of `POLICIES`.
+
+        Raises:
+            CadetError: there is none.
+        """
+        presets = {"kitti": cls.kitti, "paper": cls.paper}
+        if name not in presets:
+            raise CadetError(f"unknown policy {name!r}; known: {', '.join(POLICIES)}")
+        return presets[name]()
+
+    def with_rig(self, rig: Rig) -> ResetPolicy:
+        """Return the policy with this rig in every episode.
+
+        Raises:
+            CadetError: it is no rig.
+        """
+        if not isinstance(rig, Rig):
+            raise CadetError(f"rig: expected a Rig, got {rig!r}")
+        return replace(self, rigs=((rig, 1.0),))
+
+    def with_each_rig(self, change: Callable[[Rig], Rig]) -> ResetPolicy:
+        """Return the policy with each of its rigs changed."""
+        return replace(self, rigs=tuple((change(rig), weight) for rig, weight in self.rigs))
 
     def draw(self, seed: int, episode: int, attempt: int = 0) -> EpisodeSpec:
         """Draw the world of an episode: a pure function of the policy and the three numbers."""
@@ -147,10 +210,14 @@ class ResetPolicy:
         district = Draws(seed, episode, attempt, "district").weighted(self.districts)
         map_index = Draws(seed, episode, attempt, "map").count(0, len(self.maps) - 1) if self.maps else None
         counts = Draws(seed, episode, attempt, "counts")
+        # Car and rig stay the same however often the world is redrawn.
+        rig = Draws(seed, episode, 0, "rig").weighted(self.rigs)
+        load = Draws(seed, episode, 0, "load")
         config = SceneConfig(
             parking_occupancy=counts.between(*district.parking_occupancy),
             num_cars=counts.count(*district.num_cars),
             num_pedestrians=counts.count(*district.num_pedestrians),
+            vehicle_classes=self.vehicle_classes,
             label=self.label,
         )
         return EpisodeSpec(
@@ -161,12 +228,15 @@ class ResetPolicy:
             road_map=None if map_index is None else self.maps[map_index],
             weather=weather,
             config=config,
+            rig=rig,
+            car_pitch_deg=round(self.car_pitch_sd_deg * load.bell(), 6),
             assets=self.assets,
         )
 
     def to_dict(self) -> dict[str, Any]:
         """Return the policy in plain values, maps and assets by name and hash, for a manifest."""
         values = asdict(replace(self, assets=None))
+        values["rigs"] = {rig.name: weight for rig, weight in self.rigs}
         if self.assets is None:
             del values["assets"]
         else:
@@ -176,6 +246,39 @@ class ResetPolicy:
         values["weathers"] = dict(self.weathers)
         return values
 
+
+def choose_policy(
+    policy: ResetPolicy | str | None,
+    *,
+    map: str | Path | None = None,
+    weather: str | None = None,
+    rig: Rig | None = None,
+    assets: Assets | str | Path | None = None,
+) -> ResetPolicy:
+    """Return a policy, `ResetPolicy.kitti()` if None, in which what is given is no longer drawn.
+
+    Raises:
+        CadetError: an unknown policy or weather, no rig, a map that can't be read, or bad assets.
+        MissingFileError: there is no such map, or no such assets.
+    """
+    if isinstance(policy, str):
+        policy = ResetPolicy.named(policy)
+    elif policy is None:
+        policy = ResetPolicy.kitti()
+    if not isinstance(policy, ResetPolicy):
+        raise CadetError(f"policy: expected a ResetPolicy or one of {', '.join(POLICIES)}, got {policy!r}")
+    if map is not None:
+        policy = replace(policy, maps=(RoadMap.read(map),))
+    if weather is not None:
+        policy = replace(policy, weathers=((check_weather(weather), 1.0),))
+    if rig is not None:
+        policy = policy.with_rig(rig)
+    return policy if assets is None else replace(policy, assets=as_assets(assets))
+
+
+# The mean pitch of KITTI's camera, by the bottoms of the labelled boxes, differs by this much between the drives of
+# 2011_09_26, the error of each mean taken off.
+_KITTI_CAR_PITCH_SD_DEG = 0.12
 
 # Nine tenths dry, a third of them overcast; the rest is what KITTI lacks.
 _KITTI_WEATHERS = (

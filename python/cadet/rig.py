@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import hashlib
+import json
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, TypedDict
@@ -12,10 +14,14 @@ from numpy.typing import NDArray
 
 from cadet import _cadet
 from cadet.beam_table import BeamTable
-from cadet.config import check_number
+from cadet.camera import Camera
+from cadet.config import check_number, check_three
 from cadet.errors import CadetError
+from cadet.extrinsics import Extrinsics
+from cadet.kitti_calibrations import KITTI_CALIBRATIONS, MOST_FREQUENT, Row3, kitti_calibration
 
 RETURN_MODES = ("strongest", "last")
+RIG_PRESETS = ("kitti", "paper", "cadet")
 LIDAR_PRESETS = ("hdl64e_kitti", "hdl64e_uniform", "cadet", "hdl32e", "vlp16", "os1_64", "os1_128")
 
 
@@ -38,7 +44,7 @@ class RigDict(TypedDict):
 
     `lidar` is a preset's name or a whole table (`BeamTable.to_native`), `single_origin` puts all its lasers into one
     point, and `velo_in_ego` is the LIDAR's origin [x, y, z] in the ego's frame (x forward, y left, z up from the road
-    under the middle of the car), metres.
+    under the middle of the car), metres; `velo_roll_pitch_yaw_deg` are its angles there.
     """
 
     name: str
@@ -48,6 +54,7 @@ class RigDict(TypedDict):
     returns: str
     divergence_mrad: float
     velo_in_ego: list[float]
+    velo_roll_pitch_yaw_deg: list[float]
     camera: CameraDict
 
 
@@ -196,69 +203,12 @@ def _to_native(lidar: Lidar) -> _cadet.Lidar:
     return lidar._make_native()
 
 
-@dataclass(frozen=True, kw_only=True)
-class Camera:
-    """A rectified pinhole camera, KITTI's left colour camera by default.
-
-    Raises:
-        CadetError: a number outside its range.
-    """
-
-    width: int = 1242
-    """Pixels."""
-    height: int = 375
-    """Pixels."""
-    fx: float = 721.5377
-    """Focal length along the rows, pixels."""
-    fy: float = 721.5377
-    """Focal length along the columns, pixels."""
-    cx: float = 609.5593
-    """Column of the optical axis; (0, 0) is the center of the top-left pixel."""
-    cy: float = 172.854
-    """Row of the optical axis."""
-    cam2_from_cam0_m: tuple[float, float, float] = (0.0598492648008258, -0.0003579271504954, 0.002745884)
-    """Where camera 0 stands in this camera's frame: the translation behind P2's fourth column."""
-
-    def __post_init__(self) -> None:
-        for name in ("width", "height"):
-            check_number("Camera", name, getattr(self, name), 16, 8192, whole=True)
-        for name in ("fx", "fy"):
-            check_number("Camera", name, getattr(self, name), 1)
-        for name in ("cx", "cy"):
-            check_number("Camera", name, getattr(self, name), -1e6, 1e6)
-        if not isinstance(self.cam2_from_cam0_m, tuple) or len(self.cam2_from_cam0_m) != 3:
-            raise CadetError(f"Camera.cam2_from_cam0_m: expected three numbers, got {self.cam2_from_cam0_m!r}")
-        for value in self.cam2_from_cam0_m:
-            check_number("Camera", "cam2_from_cam0_m", value, -10, 10)
-
-    @classmethod
-    def kitti(cls) -> Camera:
-        """The left colour camera of KITTI's 26 September 2011: 1242 x 375 pixels."""
-        return cls()
-
-    def resized(self, width: int, height: int) -> Camera:
-        """Return the camera of the image scaled to `width` x `height`, as resizing the image would have it."""
-        x, y = width / self.width, height / self.height
-        return Camera(
-            width=width,
-            height=height,
-            fx=self.fx * x,
-            fy=self.fy * y,
-            cx=(self.cx + 0.5) * x - 0.5,
-            cy=(self.cy + 0.5) * y - 0.5,
-            cam2_from_cam0_m=self.cam2_from_cam0_m,
-        )
-
-    def projection(self, offset_m: tuple[float, float, float]) -> NDArray[np.float64]:
-        """Return the (3, 4) projection of a camera with these intrinsics that sees camera 0 at `offset_m`."""
-        k = np.array([[self.fx, 0.0, self.cx], [0.0, self.fy, self.cy], [0.0, 0.0, 1.0]])
-        # Rounded to what a calib file's reader would see, so that file and memory agree.
-        return np.round(np.hstack([k, k @ np.array(offset_m)[:, None]]), 9)
+_DEFAULT = kitti_calibration(MOST_FREQUENT)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Rig:
-    """A LIDAR and a camera on the ego vehicle, both level with it.
+    """A LIDAR on the ego vehicle and a camera beside it, KITTI's by default.
 
     Raises:
         CadetError: a number outside its range.
@@ -270,48 +220,98 @@ class Rig:
     """The LIDAR."""
     camera: Camera = Camera()
     """The camera that renders the image."""
-    velo_in_ego_m: tuple[float, float, float] = (0.0, 0.0, 1.73)
+    extrinsics: Extrinsics = Extrinsics()
+    """How the camera stands to the LIDAR, rotation included."""
+    velo_in_ego_m: Row3 = (0.0, 0.0, 1.73)
     """The LIDAR in the ego's frame: forward, left, and up from the road."""
-    cam0_in_velo_m: tuple[float, float, float] = (0.27, 0.0, -0.08)
-    """Camera 0 in the LIDAR's frame: forward, left, up."""
+    velo_roll_pitch_yaw_deg: Row3 = (0.0, _DEFAULT.lidar_pitch_deg, 0.0)
+    """How the LIDAR is turned there: about its own x axis (left side up), then y (nose down), then z (to the left)."""
 
     def __post_init__(self) -> None:
-        if not isinstance(self.lidar, Lidar):
-            raise CadetError(f"Rig.lidar: expected a Lidar, got {self.lidar!r}")
-        if not isinstance(self.camera, Camera):
-            raise CadetError(f"Rig.camera: expected a Camera, got {self.camera!r}")
-        for name in ("velo_in_ego_m", "cam0_in_velo_m"):
-            values = getattr(self, name)
-            if not isinstance(values, tuple) or len(values) != 3:
-                raise CadetError(f"Rig.{name}: expected three numbers, got {values!r}")
-            for value in values:
-                check_number("Rig", name, value, -20, 20)
+        for name, kind in (("lidar", Lidar), ("camera", Camera), ("extrinsics", Extrinsics)):
+            if not isinstance(getattr(self, name), kind):
+                article = "an" if kind is Extrinsics else "a"
+                raise CadetError(f"Rig.{name}: expected {article} {kind.__name__}, got {getattr(self, name)!r}")
+        check_three("Rig", "velo_in_ego_m", self.velo_in_ego_m, 20)
+        check_three("Rig", "velo_roll_pitch_yaw_deg", self.velo_roll_pitch_yaw_deg, 180)
 
     @classmethod
-    def kitti(cls) -> Rig:
-        """KITTI's car: HDL-64E 1.73 m up, camera 0 0.27 m ahead of it and 0.08 m lower, the image from camera 2."""
-        return cls(name="kitti")
+    def kitti(cls, *, calibration: str = MOST_FREQUENT) -> Rig:
+        """KITTI's car: HDL-64E 1.73 m up, camera 0 0.27 m ahead of it and 0.08 m lower, the image from camera 2.
+
+        Args:
+            calibration: the recording day: "2011_09_26" (81 % of KITTI's frames), "2011_09_28" (10 %), "2011_09_29"
+                (5 %) or "2011_10_03" (4 %). They differ in image size, intrinsics, and in how camera and LIDAR stand
+                to each other and to the road. On the first the camera looks 0.23 degrees up and leans 0.61 degrees to
+                the right, and the LIDAR, level across the road, looks 0.37 degrees down.
+
+        Raises:
+            CadetError: another calibration.
+        """
+        figures = kitti_calibration(calibration)
+        return cls(
+            name="kitti" if calibration == MOST_FREQUENT else f"kitti_{calibration}",
+            camera=Camera.kitti(calibration=calibration),
+            extrinsics=Extrinsics.kitti(calibration=calibration),
+            velo_roll_pitch_yaw_deg=(0.0, figures.lidar_pitch_deg, 0.0),
+        )
+
+    @classmethod
+    def every_kitti(cls) -> tuple[tuple[Rig, float], ...]:
+        """Return the rigs of all KITTI's calibrations, each with its share of KITTI's frames."""
+        num_frames = sum(figures.num_frames for figures in KITTI_CALIBRATIONS.values())
+        return tuple(
+            (cls.kitti(calibration=name), figures.num_frames / num_frames)
+            for name, figures in KITTI_CALIBRATIONS.items()
+        )
 
     @classmethod
     def paper(cls) -> Rig:
         """The 2019 paper's rig: LIDAR and camera in one point, KITTI's beams from one origin, no P2 offset."""
+        seen = Camera.kitti()
         return cls(
             name="paper",
             lidar=Lidar("hdl64e_kitti", single_origin=True),
-            camera=Camera(cam2_from_cam0_m=(0.0, 0.0, 0.0)),
-            cam0_in_velo_m=(0.0, 0.0, 0.0),
+            camera=Camera.single(seen.width, seen.height, fx=seen.fx, fy=seen.fy, cx=seen.cx, cy=seen.cy),
+            extrinsics=Extrinsics.aligned(),
+            velo_roll_pitch_yaw_deg=(0.0, 0.0, 0.0),
         )
+
+    @classmethod
+    def cadet(cls) -> Rig:
+        """The rig of the CADET tool as it was shipped: 1248 x 384 pixels over 90 degrees, 40 beams, all from 1.6 m."""
+        width, height = 1248, 384
+        # tan 45 degrees is 1.
+        focal_px = width / 2
+        return cls(
+            name="cadet",
+            lidar=Lidar.cadet(),
+            camera=Camera.single(width, height, fx=focal_px, fy=focal_px, cx=(width - 1) / 2, cy=(height - 1) / 2),
+            extrinsics=Extrinsics.aligned(),
+            velo_in_ego_m=(0.0, 0.0, 1.6),
+            velo_roll_pitch_yaw_deg=(0.0, 0.0, 0.0),
+        )
+
+    @classmethod
+    def named(cls, name: str) -> Rig:
+        """Return the preset of that name, one of `RIG_PRESETS`.
+
+        Raises:
+            CadetError: there is none.
+        """
+        presets = {"kitti": cls.kitti, "paper": cls.paper, "cadet": cls.cadet}
+        if name not in presets:
+            raise CadetError(f"unknown rig {name!r}; known: {', '.join(RIG_PRESETS)}")
+        return presets[name]()
+
+    def pitched(self, angle_deg: float) -> Rig:
+        """Return the rig on a car that stands `angle_deg` deeper in front than behind."""
+        roll, pitch, yaw = self.velo_roll_pitch_yaw_deg
+        return replace(self, velo_roll_pitch_yaw_deg=(roll, pitch + angle_deg, yaw))
 
     def to_native(self) -> RigDict:
         """Return the rig as the core takes it."""
-        camera = self.camera
-        x, y, z = self.cam0_in_velo_m
-        # Axes from velo (forward, left, up) to cam (right, down, forward), then the shift to camera 0.
-        velo_to_cam = np.array([[0.0, -1.0, 0.0, y], [0.0, 0.0, -1.0, z], [1.0, 0.0, 0.0, -x]])
-        stereo = {"P0": 0.0, "P1": -0.5371506, "P3": -0.4731033}
-        if self.camera.cam2_from_cam0_m == (0.0, 0.0, 0.0):
-            stereo = dict.fromkeys(stereo, 0.0)
-        others = {key: camera.projection((shift, 0.0, 0.0)) for key, shift in stereo.items()}
+        projections, extrinsics = self.camera.projections(), self.extrinsics.matrices()
         return RigDict(
             name=self.name,
             lidar=self.lidar.name if self.lidar.table is None else self.lidar.table.to_native(),
@@ -320,16 +320,17 @@ class Rig:
             returns=self.lidar.returns,
             divergence_mrad=float(self.lidar.divergence_mrad),
             velo_in_ego=[float(v) for v in self.velo_in_ego_m],
+            velo_roll_pitch_yaw_deg=[float(v) for v in self.velo_roll_pitch_yaw_deg],
             camera=CameraDict(
-                width=int(camera.width),
-                height=int(camera.height),
-                P0=others["P0"],
-                P1=others["P1"],
-                P2=camera.projection(camera.cam2_from_cam0_m),
-                P3=others["P3"],
-                R0_rect=np.eye(3),
-                Tr_velo_to_cam=velo_to_cam,
-                Tr_imu_to_velo=np.eye(3, 4),
+                width=int(self.camera.width),
+                height=int(self.camera.height),
+                P0=projections["P0"],
+                P1=projections["P1"],
+                P2=projections["P2"],
+                P3=projections["P3"],
+                R0_rect=extrinsics["R0_rect"],
+                Tr_velo_to_cam=extrinsics["Tr_velo_to_cam"],
+                Tr_imu_to_velo=extrinsics["Tr_imu_to_velo"],
             ),
         )
 
@@ -339,3 +340,7 @@ class Rig:
         camera = {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in native["camera"].items()}
         beams = self.lidar.to_native().table()
         return {**native, "camera": camera, "range_m": [beams["min_range_m"], beams["max_range_m"]]}
+
+    def sha256(self) -> str:
+        """Return a digest of all numbers of the rig."""
+        return hashlib.sha256(json.dumps(self.to_dict(), sort_keys=True).encode("ascii")).hexdigest()

@@ -16,7 +16,7 @@ from cadet.config import SceneConfig, check_number
 from cadet.episode import Episode, frame_from_native
 from cadet.errors import CadetError
 from cadet.frame import Frame
-from cadet.policy import EpisodeSpec, ResetPolicy, check_seed
+from cadet.policy import EpisodeSpec, ResetPolicy, check_seed, choose_policy
 from cadet.rig import Lidar, Rig
 from cadet.road_map import RoadMap
 from cadet.weather import check_weather
@@ -81,7 +81,7 @@ class Scene:
         weather: str | None = None,
         rig: Rig | None = None,
         config: SceneConfig | None = None,
-        policy: ResetPolicy | None = None,
+        policy: ResetPolicy | str | None = None,
         assets: Assets | str | Path | None = None,
     ) -> Scene:
         """Draw a suburb with traffic in which at least one labelled object is in view.
@@ -92,9 +92,9 @@ class Scene:
             seed: names every random draw.
             map: an OpenDRIVE file; a suburb is generated if None and the policy has no maps.
             weather: a preset of `weather_names()`; drawn if None.
-            rig: the sensors; `Rig.kitti()` if None.
+            rig: the sensors; the policy's if None.
             config: how full the scene is; drawn if None.
-            policy: draws what is not given; `ResetPolicy.kitti()` if None.
+            policy: draws what is not given, or the name of a preset, "kitti" or "paper"; `ResetPolicy.kitti()` if None.
             assets: the user's own vehicles, or their folder; the policy's if None.
 
         Raises:
@@ -102,21 +102,15 @@ class Scene:
                 found.
             MissingFileError: there is no such map, or no such assets.
         """
-        policy = ResetPolicy.kitti() if policy is None else policy
-        if map is not None:
-            policy = replace(policy, maps=(RoadMap.read(map),))
-        if weather is not None:
-            policy = replace(policy, weathers=((check_weather(weather), 1.0),))
-        if assets is not None:
-            policy = replace(policy, assets=as_assets(assets))
+        chosen = choose_policy(policy, map=map, weather=weather, rig=rig, assets=assets)
         if config is not None and not isinstance(config, SceneConfig):
             raise CadetError(f"config: expected a SceneConfig, got {config!r}")
 
         def draw(seed: int, episode: int, attempt: int) -> EpisodeSpec:
-            spec = policy.draw(seed, episode, attempt)
+            spec = chosen.draw(seed, episode, attempt)
             return spec if config is None else replace(spec, config=config)
 
-        episode = Episode(policy, _check_rig(rig), check_seed(seed), 0, draw)
+        episode = Episode(chosen, check_seed(seed), 0, draw)
         first = episode.next_frame(0)
         assert episode.scene is not None
         return cls(episode.scene, first)

@@ -8,6 +8,15 @@ pub fn upright(position: DVec3, yaw_rad: f64) -> DPose3 {
     DPose3 { rotation: DQuat::from_rotation_z(yaw_rad), translation: position }
 }
 
+/// The pose of a sensor at `position`, first rolled about its x axis (left side up), then pitched about y (nose down),
+/// then turned by `yaw_rad` about z.
+#[must_use]
+pub fn mounted(position: DVec3, roll_rad: f64, pitch_rad: f64, yaw_rad: f64) -> DPose3 {
+    let about_z = DQuat::from_rotation_z(yaw_rad);
+    let rotation = about_z * DQuat::from_rotation_y(pitch_rad) * DQuat::from_rotation_x(roll_rad);
+    DPose3 { rotation, translation: position }
+}
+
 /// The pose at `position` whose x axis follows `forward` and whose z axis is as near to `up` as that allows.
 ///
 /// `forward` and `up` must not be parallel.
@@ -30,4 +39,22 @@ pub fn yaw_of(pose: &DPose3) -> f64 {
 #[must_use]
 pub fn cam_axes_from_velo_axes() -> DMat3 {
     DMat3::from_cols(DVec3::new(0.0, 0.0, 1.0), DVec3::new(-1.0, 0.0, 0.0), DVec3::new(0.0, -1.0, 0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mounts_angles_have_the_signs_that_they_are_said_to_have() {
+        let at = DVec3::new(0.3, -0.1, 1.7);
+        let nose_down = mounted(at, 0.0, 0.02, 0.0);
+        assert_eq!(nose_down.translation, at);
+        assert!(((nose_down.rotation * DVec3::X).z + crate::math::sin(0.02)).abs() < 1e-12);
+        let left_up = mounted(at, 0.02, 0.0, 0.0);
+        assert!(((left_up.rotation * DVec3::Y).z - crate::math::sin(0.02)).abs() < 1e-12);
+        let turned = mounted(at, 0.02, 0.03, 0.5);
+        assert!((yaw_of(&turned) - 0.5).abs() < 1e-12, "roll and pitch leave the heading as it is");
+        assert!(((turned.rotation * DVec3::X).z + crate::math::sin(0.03)).abs() < 1e-12);
+    }
 }

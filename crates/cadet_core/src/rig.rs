@@ -2,7 +2,7 @@
 
 use crate::camera::CameraModel;
 use crate::lidar::LidarSpec;
-use crate::math::{DPose3, DVec3};
+use crate::math::DPose3;
 
 /// A LIDAR and a camera on the ego vehicle.
 #[derive(Debug, Clone)]
@@ -13,16 +13,16 @@ pub struct Rig {
     pub lidar: LidarSpec,
     /// The camera and its calibration.
     pub camera: CameraModel,
-    /// The LIDAR's origin in the ego's frame (x forward, y left, z up from the road under the middle of the car);
-    /// the LIDAR is level with the car.
-    pub velo_in_ego: DVec3,
+    /// The LIDAR's pose in the ego's frame (x forward, y left, z up from the road under the middle of the car); the
+    /// camera's follows from the calibration.
+    pub ego_from_velo: DPose3,
 }
 
 impl Rig {
     /// The LIDAR's pose.
     #[must_use]
     pub fn world_from_velo(&self, world_from_ego: &DPose3) -> DPose3 {
-        *world_from_ego * DPose3::from_translation(self.velo_in_ego)
+        *world_from_ego * self.ego_from_velo
     }
 
     /// The pose of the rectified camera 0.

@@ -1,6 +1,7 @@
 //! Rigs: `cadet.Rig.to_native()` and the calibration on its way back.
 
 use cadet_core::camera::{Calibration, CameraModel};
+use cadet_core::frames;
 use cadet_core::math::DVec3;
 use cadet_core::nalgebra::{Matrix3, Matrix3x4};
 use cadet_core::rig::Rig;
@@ -23,11 +24,12 @@ pub(crate) fn from_dict(dict: &Bound<'_, PyDict>) -> PyResult<Rig> {
     let lidar =
         lidar::scanning(lidar, rolling, &returns, fields.take("divergence_mrad")?).map_err(BorderError::from)?;
     let [x, y, z] = fields.take::<[f64; 3]>("velo_in_ego")?;
+    let [roll, pitch, yaw] = fields.take::<[f64; 3]>("velo_roll_pitch_yaw_deg")?.map(f64::to_radians);
     let rig = Rig {
         name: fields.take("name")?,
         lidar,
         camera: camera(&fields.take::<Bound<'_, PyDict>>("camera")?)?,
-        velo_in_ego: DVec3::new(x, y, z),
+        ego_from_velo: frames::mounted(DVec3::new(x, y, z), roll, pitch, yaw),
     };
     fields.finish()?;
     Ok(rig)

@@ -224,6 +224,8 @@ impl Scene {
         meta.set_item("map", self.inner.map_name())?;
         meta.set_item("weather", &weather.name)?;
         meta.set_item("rig", &self.inner.rig().name)?;
+        let ego_from_velo = arrays::pose_rows(&self.inner.rig().ego_from_velo);
+        meta.set_item("ego_from_velo", ego_from_velo.map(Vec::from).to_vec())?;
         let sun = PyDict::new(py);
         sun.set_item("elevation_rad", weather.sun_elevation_rad)?;
         sun.set_item("azimuth_rad", weather.sun_azimuth_rad)?;

@@ -1,5 +1,6 @@
 //! A scene's numbers: `cadet.SceneConfig.to_native()`.
 
+use cadet_core::actor::ObjectClass;
 use cadet_core::label::{LabelConfig, OcclusionMethod};
 use cadet_core::scene::SceneConfig;
 use cadet_core::world::TrafficConfig;
@@ -17,12 +18,17 @@ pub(crate) fn from_dict(dict: &Bound<'_, PyDict>, assets: Option<&Assets>) -> Py
         num_cars: fields.take("num_cars")?,
         num_pedestrians: fields.take("num_pedestrians")?,
         parking_occupancy: fields.take("parking_occupancy")?,
+        vehicle_classes: vehicle_classes(&fields.take::<Vec<String>>("vehicle_classes")?)?,
         ..TrafficConfig::default()
     };
     let label = label_config(&fields.take::<Bound<'_, PyDict>>("label")?)?;
     fields.finish()?;
     let user_vehicles = assets.map_or_else(Default::default, |a| a.vehicles.clone());
     Ok(SceneConfig { traffic, label, user_vehicles, ..SceneConfig::default() })
+}
+
+fn vehicle_classes(names: &[String]) -> PyResult<Vec<ObjectClass>> {
+    Ok(names.iter().map(|name| ObjectClass::from_name(name)).collect::<Result<_, _>>().map_err(BorderError::from)?)
 }
 
 fn label_config(dict: &Bound<'_, PyDict>) -> PyResult<LabelConfig> {

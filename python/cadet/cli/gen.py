@@ -18,23 +18,18 @@ from cadet.cli.errors import INTERRUPTED
 from cadet.cli.progress import reporter
 from cadet.errors import CadetError
 from cadet.generate import EXTRAS, Settings, Summary, WorkerError, generate
-from cadet.policy import ResetPolicy
-from cadet.rig import LIDAR_PRESETS, Lidar, Rig
+from cadet.policy import POLICIES, ResetPolicy
+from cadet.rig import LIDAR_PRESETS, RIG_PRESETS, Lidar, Rig
 from cadet.road_map import RoadMap
 from cadet.weather import check_weather, weather_names
-
-_POLICIES = {"kitti": ResetPolicy.kitti, "paper": ResetPolicy.paper}
-_RIGS = {"kitti": Rig.kitti, "paper": Rig.paper}
 
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
 @click.argument("out", type=click.Path(path_type=Path, file_okay=False))
 @click.option("-n", "num_frames", type=click.IntRange(1, 1_000_000), default=20, show_default=True, help="Frames.")
 @click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True, help="Same seed, same bytes.")
-@click.option(
-    "--policy", type=click.Choice(list(_POLICIES)), default="kitti", show_default=True, help="How worlds are drawn."
-)
-@click.option("--rig", type=click.Choice(list(_RIGS)), help="The sensors.  [default: the policy's]")
+@click.option("--policy", type=click.Choice(POLICIES), default="kitti", show_default=True, help="How worlds are drawn.")
+@click.option("--rig", type=click.Choice(RIG_PRESETS), help="The sensors.  [default: the policy's, drawn by episode]")
 @click.option("--lidar", metavar="NAME|FILE", help=f"{', '.join(LIDAR_PRESETS)}, or a TOML file (docs/lidars.md).")
 @click.option("--map", "maps", metavar="FILE", multiple=True, help="An OpenDRIVE map; may be repeated.")
 @click.option("--weather", "weathers", metavar="NAME", multiple=True, help="A preset; may be repeated.")
@@ -83,8 +78,7 @@ def cadet_gen(
     settings = Settings(
         seed=seed,
         num_frames=num_frames,
-        policy=_policy(policy, maps, weathers, assets),
-        rig=_rig(rig or policy, image_size, lidar),
+        policy=_with_sensors(_policy(policy, maps, weathers, assets), rig, image_size, lidar),
         extras=tuple(name.strip() for name in write.split(",") if name.strip()),
         val_period=round(1.0 / val_fraction) if val_fraction > 0.0 else 0,
     )
@@ -114,7 +108,7 @@ cadet_gen.help = (cadet_gen.help or "").replace("{weathers}", ", ".join(weather_
 
 
 def _policy(name: str, maps: tuple[str, ...], weathers: tuple[str, ...], assets: Path | None) -> ResetPolicy:
-    policy = _POLICIES[name]()
+    policy = ResetPolicy.named(name)
     if maps:
         policy = replace(policy, maps=tuple(RoadMap.read(path) for path in maps))
         for road_map in policy.maps:
@@ -135,16 +129,20 @@ def _check_drivable(road_map: RoadMap) -> None:
     )
 
 
-def _rig(name: str, image_size: str | None, lidar: str | None) -> Rig:
-    rig = _RIGS[name]()
+def _with_sensors(policy: ResetPolicy, rig: str | None, image_size: str | None, lidar: str | None) -> ResetPolicy:
+    """Put the sensors that were asked for into each of the policy's rigs, or in their place."""
+    if rig is not None:
+        policy = policy.with_rig(Rig.named(rig))
     if lidar is not None:
-        rig = replace(rig, lidar=Lidar.named(lidar))
+        named = Lidar.named(lidar)
+        policy = policy.with_each_rig(lambda rig: replace(rig, lidar=named))
     if image_size is None:
-        return rig
+        return policy
     match = re.fullmatch(r"(\d{1,5})x(\d{1,5})", image_size)
     if match is None:
         raise CadetError(f"--image-size: expected WxH such as 1242x375, got {image_size!r}")
-    return replace(rig, camera=rig.camera.resized(int(match[1]), int(match[2])))
+    width, height = int(match[1]), int(match[2])
+    return policy.with_each_rig(lambda rig: replace(rig, camera=rig.camera.resized(width, height)))
 
 
 def _how_to_go_on(num_done: int, num_frames: int) -> str:

@@ -33,7 +33,7 @@ def open_folder(root: Path, settings: Settings, *, resume: bool) -> Iterator[Loc
         _check_same_run(root, identity)
         _check_no_more_frames(root, settings)
     else:
-        sink.put(RUN, (json.dumps(identity, indent=1) + "\n").encode("ascii"))
+        sink.put(RUN, (json.dumps(identity, separators=(",", ":")) + "\n").encode("ascii"))
     with (root / RUN).open("rb") as run_file:
         # The lock goes with the process, however that ends.
         try:

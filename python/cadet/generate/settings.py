@@ -10,7 +10,6 @@ from cadet import _cadet
 from cadet.config import check_number
 from cadet.errors import CadetError
 from cadet.policy import ResetPolicy, check_seed
-from cadet.rig import Rig
 
 FORMAT_VERSION = 1
 EXTRAS = ("depth", "instance", "semantic")
@@ -32,9 +31,7 @@ class Settings:
     num_frames: int = 20
     """Frames 0 to this; a larger number never changes a frame."""
     policy: ResetPolicy
-    """Draws the worlds."""
-    rig: Rig
-    """The sensors."""
+    """Draws worlds and rigs."""
     extras: tuple[str, ...] = ()
     """Folders to write besides `BASE_FOLDERS`: some of `EXTRAS`."""
     val_period: int = 5
@@ -73,6 +70,7 @@ class Settings:
 
     def identity(self) -> dict[str, Any]:
         """Return what must not change between a run and its resumption, in plain values: all but `num_frames`."""
+        rigs = [rig for rig, _ in self.policy.rigs]
         return {
             "format": FORMAT_VERSION,
             "cadet": _cadet.__version__,
@@ -80,7 +78,8 @@ class Settings:
             "write": list(self.folders),
             "val_period": self.val_period,
             "policy": self.policy.to_dict(),
-            "rig": self.rig.to_dict(),
+            "rig": rigs[0].to_dict(),
+            "other_rigs": {rig.name: rig.sha256() for rig in rigs[1:]},
         }
 
 

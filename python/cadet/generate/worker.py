@@ -45,7 +45,7 @@ def make_episode(sink: Sink, settings: Settings, episode: int, conn: Connection)
         conn.send(Made(is_new=False))
     if not missing:
         return
-    views = Episode(settings.policy, settings.rig, settings.seed, episode, maps=bool(settings.extras))
+    views = Episode(settings.policy, settings.seed, episode, maps=bool(settings.extras))
     # Driving leads from view to view, so frames that are there already are seen again, but not written.
     for sample in range(missing[-1] + 1):
         frame = views.next_frame(sample)

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use cadet_core::camera::{Calibration, CameraModel, View};
+use cadet_core::frames;
 use cadet_core::lidar::LidarSpec;
 use cadet_core::math::DVec3;
 use cadet_core::nalgebra::{Matrix3, Matrix3x4};
@@ -30,19 +31,42 @@ fn kitti_rig() -> Rig {
     let calibration = Calibration {
         projections: [
             p(0.0, 0.0, 0.0),
-            p(-387.57, 0.0, 0.0),
+            p(-387.5744, 0.0, 0.0),
             p(44.857_28, 0.216_379_1, 0.002_745_884),
-            p(-341.36, 0.0, 0.0),
+            p(-339.5242, 2.199_936, 0.002_729_905),
         ],
-        r0_rect: Matrix3::identity(),
-        tr_velo_to_cam: Matrix3x4::new(0.0, -1.0, 0.0, 0.0, 0.0, 0.0, -1.0, -0.08, 1.0, 0.0, 0.0, -0.27),
+        r0_rect: Matrix3::new(
+            0.999_923_9,
+            0.009_837_76,
+            -0.007_445_048,
+            -0.009_869_795,
+            0.999_942_1,
+            -0.004_278_459,
+            0.007_402_527,
+            0.004_351_614,
+            0.999_963_1,
+        ),
+        tr_velo_to_cam: Matrix3x4::new(
+            0.007_533_745,
+            -0.999_971_4,
+            -0.000_616_602,
+            -0.004_069_766,
+            0.014_802_49,
+            0.000_728_073_3,
+            -0.999_890_2,
+            -0.076_316_18,
+            0.999_862_1,
+            0.007_523_79,
+            0.014_807_55,
+            -0.271_780_6,
+        ),
         tr_imu_to_velo: Matrix3x4::identity(),
     };
     Rig {
         name: "kitti".to_owned(),
         lidar: LidarSpec::hdl64e_kitti(),
         camera: CameraModel::new(1242, 375, calibration).expect("valid"),
-        velo_in_ego: DVec3::new(0.0, 0.0, 1.73),
+        ego_from_velo: frames::mounted(DVec3::new(0.0, 0.0, 1.73), 0.0, 0.37_f64.to_radians(), 0.0),
     }
 }
 

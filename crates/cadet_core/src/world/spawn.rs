@@ -69,6 +69,8 @@ pub struct TrafficConfig {
     pub parking_radius_m: f64,
     /// Different vehicle models in use; fewer are made faster.
     pub num_models: usize,
+    /// Classes of the vehicles that drive and park, cars among them; the shares of those left out go to the others.
+    pub vehicle_classes: Vec<ObjectClass>,
 }
 
 impl Default for TrafficConfig {
@@ -81,6 +83,7 @@ impl Default for TrafficConfig {
             pedestrian_radius_m: 80.0,
             parking_radius_m: 280.0,
             num_models: 24,
+            vehicle_classes: vec![ObjectClass::Car, ObjectClass::Van, ObjectClass::Truck],
         }
     }
 }
@@ -116,7 +119,15 @@ impl TrafficConfig {
         if self.num_models == 0 {
             return bad("number of models", "0".to_owned(), "at least 1");
         }
+        if !self.vehicle_classes.contains(&ObjectClass::Car) {
+            return bad("vehicle classes", format!("{:?}", self.vehicle_classes), "cars among them");
+        }
         Ok(())
+    }
+
+    /// The shares of a mix, 0 for classes that are left out.
+    fn among_classes<const N: usize>(&self, mix: &[(ObjectClass, f64); N]) -> [(ObjectClass, f64); N] {
+        mix.map(|(class, share)| (class, if self.vehicle_classes.contains(&class) { share } else { 0.0 }))
     }
 }
 
@@ -238,8 +249,9 @@ impl World {
     }
 
     /// A model for a parking place: a car where a van would not fit.
-    fn parked_model(&mut self, spot: &ParkingSpot, draw: &mut Stream) -> Arc<VehicleModel> {
-        let class = if draw.chance(PARKED_MIX[1].1) { ObjectClass::Van } else { ObjectClass::Car };
+    fn parked_model(&mut self, spot: &ParkingSpot, config: &TrafficConfig, draw: &mut Stream) -> Arc<VehicleModel> {
+        let van_share = config.among_classes(&PARKED_MIX)[1].1;
+        let class = if draw.chance(van_share) { ObjectClass::Van } else { ObjectClass::Car };
         let model = self.fleet_model(draw, class);
         if fits(spot, &model) { model } else { self.fleet_model(draw, ObjectClass::Car) }
     }
@@ -249,6 +261,7 @@ impl World {
         let (ego, _) = self.ego_place();
         let own = self.cars[EGO].footprint(&self.physics).grown(1.0);
         let town = Arc::clone(&self.town);
+        let parked_mix = config.among_classes(&PARKED_MIX);
         let way = self.ego_way();
         let on_way: Vec<u32> = way.iter().flat_map(|r| r.lanes.iter()).map(|l| self.roads.lane(*l).road).collect();
         for spot in &town.parking {
@@ -260,9 +273,9 @@ impl World {
             {
                 continue;
             }
-            let model = match self.user_vehicles.draw(&mut draw, &PARKED_MIX, |m| fits(spot, m)) {
+            let model = match self.user_vehicles.draw(&mut draw, &parked_mix, |m| fits(spot, m)) {
                 Some(model) => model,
-                None => self.parked_model(spot, &mut draw),
+                None => self.parked_model(spot, config, &mut draw),
             };
             if !fits(spot, &model) {
                 continue;
@@ -324,10 +337,12 @@ impl World {
     /// A car at a random free place of a lane, between two distances from the ego; `hidden` keeps it out of its view.
     fn new_car(&mut self, slot: usize, stream: &mut Stream, ring_m: (f64, f64), hidden: bool) -> Option<Car> {
         let (ego, view) = self.ego_place();
-        let model = match self.user_vehicles.draw(stream, &DRIVEN_USER_MIX, |_| true) {
+        let traffic = self.traffic.as_ref()?;
+        let (own_mix, mix) = (traffic.among_classes(&DRIVEN_USER_MIX), traffic.among_classes(&DRIVEN_MIX));
+        let model = match self.user_vehicles.draw(stream, &own_mix, |_| true) {
             Some(model) => model,
             None => {
-                let (class, _) = DRIVEN_MIX[stream.weighted(&DRIVEN_MIX.map(|(_, weight)| weight))];
+                let (class, _) = mix[stream.weighted(&mix.map(|(_, weight)| weight))];
                 self.fleet_model(stream, class)
             }
         };

@@ -254,3 +254,23 @@ fn what_makes_no_sense_is_refused() {
     assert_eq!(world.add(ObjectClass::Van, 5.0, 4.0, 1.0, 0).unwrap(), 1);
     assert_eq!(world.add(ObjectClass::Pedestrian, 5.0, 9.0, 1.0, 0).unwrap(), 2);
 }
+
+#[test]
+fn classes_that_are_left_out_neither_drive_nor_park() {
+    let classes = |vehicle_classes: Vec<ObjectClass>| {
+        let mut world = World::new(suburb(1), StreamKey::scene(1)).unwrap();
+        let config = TrafficConfig { num_cars: 60, num_pedestrians: 5, vehicle_classes, ..TrafficConfig::default() };
+        world.spawn_traffic(&config).unwrap();
+        let actors = world.snapshot().actors;
+        let count = |class: ObjectClass| actors.iter().filter(|a| a.class == class).count();
+        (count(ObjectClass::Car), count(ObjectClass::Van))
+    };
+    let (cars, vans) = classes(TrafficConfig::default().vehicle_classes);
+    assert!(vans >= 3, "{vans} vans among {cars} cars");
+    let (only_cars, no_vans) = classes(vec![ObjectClass::Car]);
+    assert_eq!(no_vans, 0);
+    assert!(only_cars as f64 > 0.9 * (cars + vans) as f64, "{only_cars} cars in place of {cars} and {vans} vans");
+    let mut world = World::new(slope(0.0), StreamKey::scene(0)).unwrap();
+    let none = TrafficConfig { vehicle_classes: vec![ObjectClass::Van], ..TrafficConfig::default() };
+    assert!(world.spawn_traffic(&none).is_err());
+}

@@ -1,0 +1,130 @@
+"""The camera: what calibration files say of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cadet.config import check_number, check_three
+from cadet.kitti_calibrations import MOST_FREQUENT, KittiCalibration, Row3, kitti_calibration
+
+
+def _offset_m(calibration: KittiCalibration, column: Row3) -> Row3:
+    """Return where camera 0 stands in the frame of the camera with that fourth column of its projection."""
+    (u, v, z), (cx, cy), focal_px = column, calibration.center_px, calibration.focal_px
+    return (u - cx * z) / focal_px, (v - cy * z) / focal_px, z
+
+
+_DEFAULT = kitti_calibration(MOST_FREQUENT)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Camera:
+    """A rectified pinhole camera and the other three of its rig, KITTI's of 26 September 2011 by default.
+
+    All four have the same intrinsics. The image is that of camera 2, the left color camera; labels stand in the frame
+    of camera 0.
+
+    Raises:
+        CadetError: a number outside its range.
+    """
+
+    width: int = _DEFAULT.image_size[0]
+    """Pixels."""
+    height: int = _DEFAULT.image_size[1]
+    """Pixels."""
+    fx: float = _DEFAULT.focal_px
+    """Focal length along the rows, pixels."""
+    fy: float = _DEFAULT.focal_px
+    """Focal length along the columns, pixels."""
+    cx: float = _DEFAULT.center_px[0]
+    """Column of the optical axis; (0, 0) is the center of the top-left pixel."""
+    cy: float = _DEFAULT.center_px[1]
+    """Row of the optical axis."""
+    cam1_from_cam0_m: Row3 = _offset_m(_DEFAULT, _DEFAULT.p1_column)
+    """Where camera 0 stands in the frame of camera 1, the right grey one: the translation behind P1's fourth column."""
+    cam2_from_cam0_m: Row3 = _offset_m(_DEFAULT, _DEFAULT.p2_column)
+    """The same of camera 2, which takes the image."""
+    cam3_from_cam0_m: Row3 = _offset_m(_DEFAULT, _DEFAULT.p3_column)
+    """The same of camera 3, the right color one."""
+
+    def __post_init__(self) -> None:
+        for name in ("width", "height"):
+            check_number("Camera", name, getattr(self, name), 16, 8192, whole=True)
+        for name in ("fx", "fy"):
+            check_number("Camera", name, getattr(self, name), 1)
+        for name in ("cx", "cy"):
+            check_number("Camera", name, getattr(self, name), -1e6, 1e6)
+        for name in ("cam1_from_cam0_m", "cam2_from_cam0_m", "cam3_from_cam0_m"):
+            check_three("Camera", name, getattr(self, name), 10)
+
+    @classmethod
+    def kitti(cls, *, calibration: str = MOST_FREQUENT) -> Camera:
+        """KITTI's left color camera: 1242 x 375 pixels on 26 September 2011, other sizes on other days.
+
+        Raises:
+            CadetError: a calibration that KITTI does not have.
+        """
+        figures = kitti_calibration(calibration)
+        return cls(
+            width=figures.image_size[0],
+            height=figures.image_size[1],
+            fx=figures.focal_px,
+            fy=figures.focal_px,
+            cx=figures.center_px[0],
+            cy=figures.center_px[1],
+            cam1_from_cam0_m=_offset_m(figures, figures.p1_column),
+            cam2_from_cam0_m=_offset_m(figures, figures.p2_column),
+            cam3_from_cam0_m=_offset_m(figures, figures.p3_column),
+        )
+
+    @classmethod
+    def single(cls, width: int, height: int, *, fx: float, fy: float, cx: float, cy: float) -> Camera:
+        """A camera alone: its frame is that of camera 0, and all four projections are its own."""
+        here = (0.0, 0.0, 0.0)
+        return cls(
+            width=width,
+            height=height,
+            fx=fx,
+            fy=fy,
+            cx=cx,
+            cy=cy,
+            cam1_from_cam0_m=here,
+            cam2_from_cam0_m=here,
+            cam3_from_cam0_m=here,
+        )
+
+    def resized(self, width: int, height: int) -> Camera:
+        """Return the camera of the image scaled to `width` x `height`, as resizing the image would have it."""
+        x, y = width / self.width, height / self.height
+        return replace(
+            self,
+            width=width,
+            height=height,
+            fx=self.fx * x,
+            fy=self.fy * y,
+            cx=(self.cx + 0.5) * x - 0.5,
+            cy=(self.cy + 0.5) * y - 0.5,
+        )
+
+    def projection(self, offset_m: Row3) -> NDArray[np.float64]:
+        """Return the (3, 4) projection of a camera with these intrinsics that sees camera 0 at `offset_m`."""
+        x, y, z = offset_m
+        matrix = [
+            [self.fx, 0.0, self.cx, self.fx * x + self.cx * z],
+            [0.0, self.fy, self.cy, self.fy * y + self.cy * z],
+            [0.0, 0.0, 1.0, z],
+        ]
+        # Rounded to what a calib file's reader would see, so that file and memory agree.
+        return np.round(np.array(matrix), 9)
+
+    def projections(self) -> dict[str, NDArray[np.float64]]:
+        """Return the (3, 4) projections of the four cameras by KITTI's keys."""
+        return {
+            "P0": self.projection((0.0, 0.0, 0.0)),
+            "P1": self.projection(self.cam1_from_cam0_m),
+            "P2": self.projection(self.cam2_from_cam0_m),
+            "P3": self.projection(self.cam3_from_cam0_m),
+        }
