@@ -132,9 +132,10 @@ class ResetPolicy:
 
     @classmethod
     def paper(cls) -> ResetPolicy:
-        """The 2019 paper's resets: cars and pedestrians alone, every weather preset equally likely."""
+        """The 2019 paper's resets: cars and pedestrians alone, every weather preset equally likely, exact boxes."""
         return cls(
             name="paper",
+            label=LabelConfig(boxes="exact"),
             weathers=tuple((name, 1.0) for name in weather_names()),
             districts=(
                 (District(name="town", parking_occupancy=(0.0, 0.3), num_cars=(20, 60), num_pedestrians=(10, 60)), 1.0),

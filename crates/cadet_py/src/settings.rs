@@ -1,6 +1,6 @@
 //! A scene's numbers: `cadet.SceneConfig.to_native()`.
 
-use cadet_core::label::{LabelConfig, OcclusionMethod};
+use cadet_core::label::{Boxes, LabelConfig, OcclusionMethod};
 use cadet_core::scene::SceneConfig;
 use cadet_core::world::TrafficConfig;
 use pyo3::prelude::*;
@@ -32,8 +32,14 @@ fn label_config(dict: &Bound<'_, PyDict>) -> PyResult<LabelConfig> {
         "corners" => OcclusionMethod::Corners,
         other => return Err(CadetError::new_err(format!("label.method: expected pixels or corners, got {other:?}"))),
     };
+    let boxes = match fields.take::<String>("boxes")?.as_str() {
+        "kitti" => Boxes::Kitti,
+        "exact" => Boxes::Exact,
+        other => return Err(CadetError::new_err(format!("label.boxes: expected kitti or exact, got {other:?}"))),
+    };
     let config = LabelConfig {
         method,
+        boxes,
         min_height_px: fields.take("min_height_px")?,
         min_visible_fraction: fields.take("min_visible_fraction")?,
         max_depth_m: fields.take("max_depth_m")?,
