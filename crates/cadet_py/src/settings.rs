@@ -32,11 +32,7 @@ fn label_config(dict: &Bound<'_, PyDict>) -> PyResult<LabelConfig> {
         "corners" => OcclusionMethod::Corners,
         other => return Err(CadetError::new_err(format!("label.method: expected pixels or corners, got {other:?}"))),
     };
-    let boxes = match fields.take::<String>("boxes")?.as_str() {
-        "kitti" => Boxes::Kitti,
-        "exact" => Boxes::Exact,
-        other => return Err(CadetError::new_err(format!("label.boxes: expected kitti or exact, got {other:?}"))),
-    };
+    let boxes = Boxes::from_name(&fields.take::<String>("boxes")?).map_err(BorderError::from)?;
     let config = LabelConfig {
         method,
         boxes,

@@ -2,6 +2,7 @@
 
 use crate::actor::{ActorState, AnnotatedBox};
 use crate::camera::CameraModel;
+use crate::error::{Error, Result};
 use crate::math::{self, DPose3, DVec3};
 
 /// Boxes are clipped at this depth before they are projected.
@@ -48,6 +49,29 @@ pub enum Boxes {
     Kitti,
     /// The extents of the body.
     Exact,
+}
+
+impl Boxes {
+    /// The name in settings and metadata.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Kitti => "kitti",
+            Self::Exact => "exact",
+        }
+    }
+
+    /// The boxes of that name.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`], listing the names that exist.
+    pub fn from_name(name: &str) -> Result<Self> {
+        [Self::Kitti, Self::Exact].into_iter().find(|b| b.name() == name).ok_or_else(|| Error::Unknown {
+            what: "boxes",
+            name: name.to_owned(),
+            known: "kitti, exact".to_owned(),
+        })
+    }
 }
 
 /// KITTI's box: upright in the camera frame, turned about the camera's y axis only.
@@ -182,6 +206,14 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn boxes_go_by_their_names() {
+        for boxes in [Boxes::Kitti, Boxes::Exact] {
+            assert_eq!(Boxes::from_name(boxes.name()).unwrap(), boxes);
+        }
+        assert!(Boxes::from_name("Kitti").unwrap_err().to_string().contains("kitti, exact"));
     }
 
     #[test]
