@@ -31,6 +31,8 @@ NAN = float("nan")
             "label",
         ),
         (LabelConfig, {"method": "area"}, "LabelConfig.method: expected 'pixels' or 'corners', got 'area'"),
+        (LabelConfig, {"boxes": "true"}, "LabelConfig.boxes: expected 'kitti' or 'exact', got 'true'"),
+        (LabelConfig, {"boxes": None}, "LabelConfig.boxes: expected 'kitti' or 'exact', got None"),
         (
             LabelConfig,
             {"min_height_px": float("inf")},
@@ -69,6 +71,7 @@ def test_the_core_gets_a_flat_dictionary_with_the_normative_thresholds() -> None
     assert native["num_cars"] == 3
     assert native["label"] == {
         "method": "pixels",
+        "boxes": "kitti",
         "min_height_px": 15.0,
         "min_visible_fraction": 0.1,
         "max_depth_m": 80.0,

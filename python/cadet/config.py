@@ -67,6 +67,11 @@ class LabelConfig:
 
     method: Literal["pixels", "corners"] = "pixels"
     """How occlusion is measured: visible over silhouette pixels, or box corners against the depth map (the paper's)."""
+    boxes: Literal["kitti", "exact"] = "kitti"
+    """Which boxes labels hold: what KITTI's annotators would have drawn, or the extents of the body.
+
+    Annotators' boxes are a little shorter than the vehicle, their bottoms a little over the ground, and their sizes
+    are distributed as KITTI's; an actor keeps its box through an episode."""
     min_height_px: float = 15.0
     """A label's 2D box is at least this high."""
     min_visible_fraction: float = 0.1
@@ -85,6 +90,8 @@ class LabelConfig:
     def __post_init__(self) -> None:
         if self.method not in ("pixels", "corners"):
             raise CadetError(f"LabelConfig.method: expected 'pixels' or 'corners', got {self.method!r}")
+        if self.boxes not in ("kitti", "exact"):
+            raise CadetError(f"LabelConfig.boxes: expected 'kitti' or 'exact', got {self.boxes!r}")
         check_number("LabelConfig", "min_height_px", self.min_height_px, 0)
         check_number("LabelConfig", "min_visible_fraction", self.min_visible_fraction, 0, 1)
         check_number("LabelConfig", "max_depth_m", self.max_depth_m, 0)

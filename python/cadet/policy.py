@@ -164,12 +164,13 @@ class ResetPolicy:
 
     @classmethod
     def paper(cls) -> ResetPolicy:
-        """The 2019 paper's resets and rig: cars and pedestrians alone, every weather preset equally likely.
+        """The 2019 paper's resets and rig: cars and pedestrians alone, exact boxes, every weather preset equally likely.
 
         As in the paper's 10,000 frames, 1.4 cars and 0.49 pedestrians are labelled in a frame.
         """
         return cls(
             name="paper",
+            label=LabelConfig(boxes="exact"),
             weathers=tuple((name, 1.0) for name in weather_names()),
             districts=(
                 (District(name="town", parking_occupancy=(0.0, 0.3), num_cars=(20, 60), num_pedestrians=(10, 60)), 1.0),

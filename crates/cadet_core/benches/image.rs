@@ -43,7 +43,7 @@ fn street() -> PosedScene {
         instances
             .push(house(HouseKind::ALL[k % HouseKind::ALL.len()], 0).at(upright(DVec3::new(x, side * 16.0, 0.0), yaw)));
         instances.push(tree(TreeKind::Street, k % 2).at(upright(DVec3::new(x + 3.0, side * 5.5, 0.0), k as f64)));
-        let car = VehicleModel::generate(ObjectClass::Car, k as u64);
+        let car = VehicleModel::generate(ObjectClass::Car, k as u64).expect("a car has a shape");
         instances.push(Instance {
             shape: Arc::clone(&car.body),
             palette: Arc::clone(&car.palette),

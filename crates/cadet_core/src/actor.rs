@@ -69,6 +69,23 @@ impl ObjectClass {
     }
 }
 
+/// The box that an annotator would draw round an actor, in the actor's box frame: fixed for its life.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AnnotatedBox {
+    /// Length, width, height.
+    pub size_lwh: DVec3,
+    /// Its bottom centre.
+    pub bottom_center_in_box: DVec3,
+}
+
+impl AnnotatedBox {
+    /// The box of the true extents.
+    #[must_use]
+    pub fn exact(size_lwh: DVec3) -> Self {
+        Self { size_lwh, bottom_center_in_box: DVec3::ZERO }
+    }
+}
+
 /// An actor at one instant: what labels are made of.
 #[derive(Debug, Clone)]
 pub struct ActorState {
@@ -80,6 +97,8 @@ pub struct ActorState {
     pub model: String,
     /// Length, width, height of the actor's box, fixed for its life.
     pub size_lwh: DVec3,
+    /// What an annotator would draw instead.
+    pub annotated: AnnotatedBox,
     /// The box frame: x forward, y left, z up, origin at the box's **bottom centre**.
     pub world_from_box: DPose3,
     /// Velocity of the box's origin, m/s.
@@ -92,6 +111,13 @@ impl ActorState {
     /// The box's geometric centre.
     #[must_use]
     pub fn center_world(&self) -> DVec3 {
-        self.world_from_box.translation + self.world_from_box.rotation * DVec3::new(0.0, 0.0, self.size_lwh.z / 2.0)
+        self.world_of(&AnnotatedBox::exact(self.size_lwh))
+    }
+
+    /// The geometric centre of a box that is given in the actor's box frame.
+    #[must_use]
+    pub fn world_of(&self, own: &AnnotatedBox) -> DVec3 {
+        let center = own.bottom_center_in_box + DVec3::new(0.0, 0.0, own.size_lwh.z / 2.0);
+        self.world_from_box.translation + self.world_from_box.rotation * center
     }
 }

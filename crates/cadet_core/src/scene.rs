@@ -6,7 +6,7 @@ use crate::actor::ObjectClass;
 use crate::assets::vehicle::UserVehicles;
 use crate::camera::{Rendered, Seen, View, look, paint};
 use crate::error::{Error, Result, finite};
-use crate::label::{LabelConfig, Labeled, count_points, label_actors, may_label, road_plane_cam};
+use crate::label::{Boxes, LabelConfig, Labeled, count_points, label_actors, may_label, road_plane_cam};
 use crate::lidar::{IdealScan, LidarSpec, Scan, Turning, ideal_scan, scan, turning_scan};
 use crate::math::{DPose3, DVec3};
 use crate::rig::Rig;
@@ -56,6 +56,8 @@ pub struct Frame {
     pub scan: Scan,
     /// Labels by rising actor id.
     pub labels: Vec<Labeled>,
+    /// Which boxes the labels hold.
+    pub boxes: Boxes,
     /// The road's plane in the frame of camera 0.
     pub plane: [f64; 4],
     /// Seconds since the scene's start.
@@ -300,6 +302,7 @@ impl Scene {
         .ok_or_else(|| Error::Scene { reason: "no ground ahead of the camera".to_owned() })?;
         Ok(Frame {
             labels,
+            boxes: self.label.boxes,
             plane,
             time_s: snapshot.time_s,
             world_from_ego: snapshot.ego.world_from_ego,

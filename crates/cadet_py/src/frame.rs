@@ -19,6 +19,7 @@ pub(crate) fn to_dict<'py>(py: Python<'py>, frame: Frame, width: usize, height: 
     meta.set_item("ego_speed_mps", frame.ego_speed_mps)?;
     let pose: Vec<Vec<f64>> = arrays::pose_rows(&frame.world_from_ego).iter().map(|r| r.to_vec()).collect();
     meta.set_item("world_from_ego", pose)?;
+    meta.set_item("boxes", frame.boxes.name())?;
     meta.set_item("objects", PyList::new(py, objects)?)?;
     dict.set_item("image", arrays::rgb(py, frame.rendered.image, height, width))?;
     if let Some(maps) = frame.rendered.maps {

@@ -1,7 +1,7 @@
 //! A scene's numbers: `cadet.SceneConfig.to_native()`.
 
 use cadet_core::actor::ObjectClass;
-use cadet_core::label::{LabelConfig, OcclusionMethod};
+use cadet_core::label::{Boxes, LabelConfig, OcclusionMethod};
 use cadet_core::scene::SceneConfig;
 use cadet_core::world::TrafficConfig;
 use pyo3::prelude::*;
@@ -38,8 +38,10 @@ fn label_config(dict: &Bound<'_, PyDict>) -> PyResult<LabelConfig> {
         "corners" => OcclusionMethod::Corners,
         other => return Err(CadetError::new_err(format!("label.method: expected pixels or corners, got {other:?}"))),
     };
+    let boxes = Boxes::from_name(&fields.take::<String>("boxes")?).map_err(BorderError::from)?;
     let config = LabelConfig {
         method,
+        boxes,
         min_height_px: fields.take("min_height_px")?,
         min_visible_fraction: fields.take("min_visible_fraction")?,
         max_depth_m: fields.take("max_depth_m")?,

@@ -1,5 +1,7 @@
 //! Parametric shapes: every asset is a pure function of its parameters and a seed.
 
+mod annotated_sizes;
+pub mod annotation;
 pub mod import;
 pub mod person;
 pub mod scenery;

@@ -34,6 +34,26 @@ pub struct Cluster {
     pub closed_pieces: u64,
 }
 
+impl Cluster {
+    /// The same faces, longer, wider and higher by factors above 0.
+    pub(super) fn stretched(&self, scale: Vec3) -> Self {
+        let along = scale.to_array();
+        let stretched = |lanes: &Lanes| -> Lanes { std::array::from_fn(|k| lanes[k].map(|v| v * along[k])) };
+        Self {
+            center: self.center * scale,
+            // A little more, for rounding.
+            radius_m: self.radius_m * scale.max_element() * 1.000_001,
+            slots: self.slots,
+            closed_slots: self.closed_slots,
+            lanes: self.lanes.iter().map(stretched).collect(),
+            corners: self.corners.clone(),
+            faces: self.faces.clone(),
+            pieces: self.pieces.clone(),
+            closed_pieces: self.closed_pieces,
+        }
+    }
+}
+
 /// A triangle or a quadrilateral, of one plane, one material and one side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Piece {

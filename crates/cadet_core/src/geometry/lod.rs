@@ -4,6 +4,7 @@ use std::ops::Deref;
 use std::sync::{Arc, LazyLock};
 
 use super::mesh::{Bounds, Mesh};
+use crate::math::Vec3;
 
 /// A mesh that is made when somebody first looks at it, and then kept; copies share it.
 #[derive(Debug, Clone)]
@@ -63,6 +64,17 @@ impl LodSet {
         let bounds = finest.bounds;
         let finest = (limit, LazyMesh::new(|| finest));
         Self { bounds, levels: std::iter::once(finest).chain(coarser).collect(), is_elastic: false, coarse_casters: 0 }
+    }
+
+    /// The same shape, longer, wider and higher by factors above 0; its meshes are made when somebody looks at them.
+    #[must_use]
+    pub fn stretched(&self, scale: Vec3) -> Self {
+        let bounds = Bounds { min: self.bounds.min * scale, max: self.bounds.max * scale };
+        let level = |(limit, mesh): &(f32, LazyMesh)| {
+            let mesh = mesh.clone();
+            (*limit, LazyMesh::new(move || mesh.stretched(scale)))
+        };
+        Self { bounds, levels: self.levels.iter().map(level).collect(), ..*self }
     }
 
     /// The finest mesh.

@@ -99,6 +99,17 @@ impl Mesh {
         Ok(Self { vertices, normals, faces, slots, bounds, clusters, columns: LazyColumns::default() })
     }
 
+    /// The same mesh, longer, wider and higher by factors above 0: normals stay upright on what they stand on.
+    #[must_use]
+    pub fn stretched(&self, scale: Vec3) -> Self {
+        let vertices: Vec<Vec3> = self.vertices.iter().map(|v| *v * scale).collect();
+        let normals = self.normals.iter().map(|n| (*n / scale).normalize()).collect();
+        let bounds = Bounds { min: self.bounds.min * scale, max: self.bounds.max * scale };
+        let clusters = self.clusters.iter().map(|c| c.stretched(scale)).collect();
+        let (faces, slots) = (self.faces.clone(), self.slots.clone());
+        Self { vertices, normals, faces, slots, bounds, clusters, columns: LazyColumns::default() }
+    }
+
     /// Where a cluster has surfaces, seen from above; found at the first question.
     #[must_use]
     pub fn columns_of(&self, cluster: usize) -> &[Column] {

@@ -1,7 +1,8 @@
 //! An actor's box in the camera frame, and its projection.
 
-use crate::actor::ActorState;
+use crate::actor::{ActorState, AnnotatedBox};
 use crate::camera::CameraModel;
+use crate::error::{Error, Result};
 use crate::math::{self, DPose3, DVec3};
 
 /// Boxes are clipped at this depth before they are projected.
@@ -41,6 +42,38 @@ impl Rect {
     }
 }
 
+/// Which boxes labels hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Boxes {
+    /// What KITTI's annotators would have drawn: a little shorter than the vehicle, its bottom over the ground.
+    Kitti,
+    /// The extents of the body.
+    Exact,
+}
+
+impl Boxes {
+    /// The name in settings and metadata.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Kitti => "kitti",
+            Self::Exact => "exact",
+        }
+    }
+
+    /// The boxes of that name.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`], listing the names that exist.
+    pub fn from_name(name: &str) -> Result<Self> {
+        [Self::Kitti, Self::Exact].into_iter().find(|b| b.name() == name).ok_or_else(|| Error::Unknown {
+            what: "boxes",
+            name: name.to_owned(),
+            known: "kitti, exact".to_owned(),
+        })
+    }
+}
+
 /// KITTI's box: upright in the camera frame, turned about the camera's y axis only.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoxCam {
@@ -53,15 +86,19 @@ pub struct BoxCam {
 }
 
 impl BoxCam {
-    /// The box of an actor: the centre and the heading of its pose; pitch and roll relative to the camera are lost,
+    /// The box of an actor, the annotated one or that of its extents: the centre and the heading of its pose; pitch and roll relative to the camera are lost,
     /// as KITTI's format has no room for them, so the box shares the geometric centre with the actor's.
     #[must_use]
-    pub fn of(actor: &ActorState, cam_from_world: &DPose3) -> Self {
-        let center = cam_from_world.rotation * actor.center_world() + cam_from_world.translation;
+    pub fn of(actor: &ActorState, boxes: Boxes, cam_from_world: &DPose3) -> Self {
+        let own = match boxes {
+            Boxes::Kitti => actor.annotated,
+            Boxes::Exact => AnnotatedBox::exact(actor.size_lwh),
+        };
+        let center = cam_from_world.rotation * actor.world_of(&own) + cam_from_world.translation;
         let forward = cam_from_world.rotation * (actor.world_from_box.rotation * DVec3::X);
         Self {
-            location_cam: center + DVec3::new(0.0, actor.size_lwh.z / 2.0, 0.0),
-            size_lwh: actor.size_lwh,
+            location_cam: center + DVec3::new(0.0, own.size_lwh.z / 2.0, 0.0),
+            size_lwh: own.size_lwh,
             rotation_y: math::atan2(-forward.z, forward.x),
         }
     }
@@ -135,6 +172,10 @@ mod tests {
             class: ObjectClass::Car,
             model: "test".to_owned(),
             size_lwh: DVec3::new(4.0, 1.6, 1.5),
+            annotated: AnnotatedBox {
+                size_lwh: DVec3::new(3.9, 1.62, 1.44),
+                bottom_center_in_box: DVec3::new(0.03, -0.02, 0.05),
+            },
             world_from_box: frames::upright(position, yaw),
             velocity_world: DVec3::ZERO,
             angular_velocity_world: DVec3::ZERO,
@@ -143,10 +184,10 @@ mod tests {
 
     #[test]
     fn a_car_ahead_driving_away_has_kittis_angles() {
-        let away = BoxCam::of(&actor(DVec3::new(20.0, 0.0, 0.0), 0.0), &level_camera());
+        let away = BoxCam::of(&actor(DVec3::new(20.0, 0.0, 0.0), 0.0), Boxes::Exact, &level_camera());
         assert!((away.location_cam - DVec3::new(0.0, 1.65, 20.0)).length() < 1e-12);
         assert!((away.rotation_y + PI / 2.0).abs() < 1e-12 && (away.alpha() + PI / 2.0).abs() < 1e-12);
-        let left = BoxCam::of(&actor(DVec3::new(20.0, 20.0, 0.0), PI / 2.0), &level_camera());
+        let left = BoxCam::of(&actor(DVec3::new(20.0, 20.0, 0.0), PI / 2.0), Boxes::Exact, &level_camera());
         assert!((left.rotation_y.abs() - PI).abs() < 1e-12, "drives along -x: {}", left.rotation_y);
         assert!((left.location_cam.x + 20.0).abs() < 1e-12);
     }
@@ -156,7 +197,7 @@ mod tests {
         for yaw in [-3.0, -1.1, 0.2, 1.0, 2.5] {
             let a = actor(DVec3::new(15.0, -4.0, 0.3), yaw);
             let cam = level_camera();
-            let corners = BoxCam::of(&a, &cam).corners_cam();
+            let corners = BoxCam::of(&a, Boxes::Exact, &cam).corners_cam();
             for (i, (x, y)) in [(2.0, 0.8), (2.0, -0.8), (-2.0, -0.8), (-2.0, 0.8)].into_iter().enumerate() {
                 for (k, z) in [(i, 0.0), (i + 4, 1.5)] {
                     let world = a.world_from_box.rotation * DVec3::new(x, y, z) + a.world_from_box.translation;
@@ -168,14 +209,34 @@ mod tests {
     }
 
     #[test]
+    fn boxes_go_by_their_names() {
+        for boxes in [Boxes::Kitti, Boxes::Exact] {
+            assert_eq!(Boxes::from_name(boxes.name()).unwrap(), boxes);
+        }
+        assert!(Boxes::from_name("Kitti").unwrap_err().to_string().contains("kitti, exact"));
+    }
+
+    #[test]
+    fn annotated_boxes_turn_with_the_actor() {
+        // 0.03 m ahead and 0.02 m to the right of the middle, 0.05 m over the ground; the camera is 1.65 m up.
+        let ahead = BoxCam::of(&actor(DVec3::new(20.0, 0.0, 0.0), 0.0), Boxes::Kitti, &level_camera());
+        assert!((ahead.location_cam - DVec3::new(0.02, 1.60, 20.03)).length() < 1e-12, "{ahead:?}");
+        assert_eq!(ahead.size_lwh, DVec3::new(3.9, 1.62, 1.44));
+        // Heading to the left, its right side is farther away.
+        let left = BoxCam::of(&actor(DVec3::new(20.0, 0.0, 0.0), PI / 2.0), Boxes::Kitti, &level_camera());
+        assert!((left.location_cam - DVec3::new(-0.03, 1.60, 20.02)).length() < 1e-12, "{left:?}");
+        assert!((left.rotation_y.abs() - PI).abs() < 1e-12);
+    }
+
+    #[test]
     fn boxes_cut_by_the_camera_plane_stay_finite() {
         let camera = kitti_like();
-        let beside = BoxCam::of(&actor(DVec3::new(1.0, 2.5, 0.0), 0.0), &level_camera());
+        let beside = BoxCam::of(&actor(DVec3::new(1.0, 2.5, 0.0), 0.0), Boxes::Exact, &level_camera());
         let whole = beside.project(&camera).expect("partly in front");
         let inside = whole.clipped(camera.width, camera.height).expect("partly in view");
         let t = truncation(&whole, &inside);
         assert!(whole.u1 < 0.0 && t > 0.9 && t < 1.0, "{whole:?} {t}");
-        let behind = BoxCam::of(&actor(DVec3::new(-10.0, 0.0, 0.0), 0.0), &level_camera());
+        let behind = BoxCam::of(&actor(DVec3::new(-10.0, 0.0, 0.0), 0.0), Boxes::Exact, &level_camera());
         assert!(behind.project(&camera).is_none());
     }
 

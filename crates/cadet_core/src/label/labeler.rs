@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::math::{DPose3, DVec3};
 use crate::sense::{PosedScene, VisibilityBuffer};
 
-use super::box_cam::{BoxCam, Rect, truncation};
+use super::box_cam::{BoxCam, Boxes, Rect, truncation};
 use super::corners::visible_corners;
 use super::silhouette::{ActorInstances, SAMPLES_PER_PIXEL, silhouette};
 
@@ -24,6 +24,8 @@ pub enum OcclusionMethod {
 pub struct LabelConfig {
     /// How occlusion is measured.
     pub method: OcclusionMethod,
+    /// Which boxes labels hold.
+    pub boxes: Boxes,
     /// A label's box is at least this high.
     pub min_height_px: f64,
     /// A label's object shows at least this fraction of its silhouette.
@@ -44,6 +46,7 @@ impl Default for LabelConfig {
     fn default() -> Self {
         Self {
             method: OcclusionMethod::Pixels,
+            boxes: Boxes::Kitti,
             min_height_px: 15.0,
             min_visible_fraction: 0.1,
             max_depth_m: 80.0,
@@ -143,8 +146,13 @@ pub struct Labeled {
 }
 
 /// An actor's box and its projection, whole and inside the image. `None` out of the image.
-fn in_image(actor: &ActorState, camera: &CameraModel, cam_from_world: &DPose3) -> Option<(BoxCam, Rect, Rect)> {
-    let box_cam = BoxCam::of(actor, cam_from_world);
+fn in_image(
+    actor: &ActorState,
+    boxes: Boxes,
+    camera: &CameraModel,
+    cam_from_world: &DPose3,
+) -> Option<(BoxCam, Rect, Rect)> {
+    let box_cam = BoxCam::of(actor, boxes, cam_from_world);
     let whole = box_cam.project(camera)?;
     let bbox = whole.clipped(camera.width, camera.height)?;
     Some((box_cam, whole, bbox))
@@ -160,7 +168,7 @@ impl LabelConfig {
 #[must_use]
 pub fn may_label(config: &LabelConfig, actors: &[ActorState], camera: &CameraModel, world_from_cam: &DPose3) -> bool {
     let cam_from_world = world_from_cam.inverse();
-    let mut boxes = actors.iter().filter_map(|actor| in_image(actor, camera, &cam_from_world));
+    let mut boxes = actors.iter().filter_map(|actor| in_image(actor, config.boxes, camera, &cam_from_world));
     boxes.any(|(box_cam, _, bbox)| config.is_near_enough(&box_cam, &bbox))
 }
 
@@ -191,7 +199,7 @@ pub fn label_actors(
     let instances = ActorInstances::new(scene);
     let mut buffer = VisibilityBuffer::default();
     for actor in actors {
-        let Some((box_cam, whole, bbox)) = in_image(actor, camera, &cam_from_world) else { continue };
+        let Some((box_cam, whole, bbox)) = in_image(actor, config.boxes, camera, &cam_from_world) else { continue };
         let outline =
             silhouette(scene, &instances, actor.id, camera, world_from_cam, seen, even_if_hidden, &mut buffer);
         let visible_fraction =

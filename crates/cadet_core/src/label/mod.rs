@@ -6,6 +6,6 @@ mod labeler;
 mod road_plane;
 mod silhouette;
 
-pub use box_cam::{BoxCam, Rect};
+pub use box_cam::{BoxCam, Boxes, Rect};
 pub use labeler::{Label, LabelConfig, Labeled, ObjectMeta, OcclusionMethod, count_points, label_actors, may_label};
 pub use road_plane::road_plane_cam;

@@ -66,8 +66,6 @@ pub struct World {
     walkers: Vec<Walker>,
     /// Models by class and the seed that somebody named.
     models: BTreeMap<(ObjectClass, u64), Arc<VehicleModel>>,
-    /// The town's own vehicles by class and number.
-    fleet: BTreeMap<(ObjectClass, u64), Arc<VehicleModel>>,
     user_vehicles: UserVehicles,
     traffic: Option<TrafficConfig>,
     steps: u64,
@@ -99,7 +97,6 @@ impl World {
             parked: Vec::new(),
             walkers: Vec::new(),
             models: BTreeMap::new(),
-            fleet: BTreeMap::new(),
             user_vehicles: UserVehicles::default(),
             traffic: None,
             steps: 0,
@@ -141,7 +138,7 @@ impl World {
         let id = self.next_id;
         match class {
             ObjectClass::Car | ObjectClass::Van => {
-                let model = self.vehicle_model(class, model_seed);
+                let model = self.vehicle_model(class, model_seed)?;
                 self.parked.push(Parked::new(&mut self.physics, &self.roads, id, model, x_m, y_m, yaw_rad)?);
             }
             ObjectClass::Pedestrian => {
@@ -176,6 +173,8 @@ impl World {
             return Err(Error::Scene { reason: format!("model {name:?} is a {found}, not a {wanted}") });
         }
         let id = self.next_id;
+        let annotator_seed = self.key.indexed("annotated box", id as u64).next_u64();
+        let model = Arc::new(VehicleModel::clone(&model).annotated_by(annotator_seed));
         self.parked.push(Parked::new(&mut self.physics, &self.roads, id, model, x_m, y_m, yaw_rad)?);
         self.next_id += 1;
         Ok(id)
@@ -285,9 +284,13 @@ impl World {
         pedestrian::look(&mut self.walkers, &self.pavements, &self.roads, &standing, &footprints, &self.cars);
     }
 
-    fn vehicle_model(&mut self, class: ObjectClass, model_seed: u64) -> Arc<VehicleModel> {
-        let make = || Arc::new(VehicleModel::generate(class, model_seed));
-        Arc::clone(self.models.entry((class, model_seed)).or_insert_with(make))
+    fn vehicle_model(&mut self, class: ObjectClass, model_seed: u64) -> Result<Arc<VehicleModel>> {
+        if let Some(model) = self.models.get(&(class, model_seed)) {
+            return Ok(Arc::clone(model));
+        }
+        let model = Arc::new(VehicleModel::generate(class, model_seed)?);
+        self.models.insert((class, model_seed), Arc::clone(&model));
+        Ok(model)
     }
 }
 

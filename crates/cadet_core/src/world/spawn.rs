@@ -11,9 +11,9 @@ use super::physics::Physics;
 use super::route::{CAR_STRAIGHT, EGO_STRAIGHT, LONG_STRAIGHT, Roads, Route};
 use super::settle::settle;
 use super::{EGO, World, open_lanes};
-use crate::actor::ObjectClass;
+use crate::actor::{AnnotatedBox, ObjectClass};
 use crate::assets::person::PersonModel;
-use crate::assets::vehicle::{self, VehicleModel};
+use crate::assets::vehicle::VehicleModel;
 use crate::error::{Error, Result};
 use crate::geometry::{LodSet, MeshBuilder};
 use crate::material::{Material, Palette, Pattern, Semantic};
@@ -48,6 +48,11 @@ const EMPTY_ROWS_SHARE: f64 = 0.5;
 const EGO_WAY_M: f64 = 260.0;
 const BESIDE_EGO_WAY_M: f64 = 14.0;
 const PEOPLE_ON_EGO_WAY: f64 = 0.12;
+/// Room that a parked vehicle needs along its spot beyond its length.
+const LEAST_GAP_M: f64 = 0.3;
+/// How much a vehicle may be longer than its spot in a row, at a neighbour's cost, and wider than any spot.
+const MOST_OVER_SPOT_M: f64 = 2.2;
+const MOST_OVER_WIDTH_M: f64 = 0.45;
 /// A car that has stood this long somewhere out of sight is stuck.
 const STUCK_STEPS: u64 = 60 * 45;
 
@@ -67,8 +72,6 @@ pub struct TrafficConfig {
     pub pedestrian_radius_m: f64,
     /// Distance from the ego within which parking places are filled, metres.
     pub parking_radius_m: f64,
-    /// Different vehicle models in use; fewer are made faster.
-    pub num_models: usize,
     /// Classes of the vehicles that drive and park, cars among them; the shares of those left out go to the others.
     pub vehicle_classes: Vec<ObjectClass>,
 }
@@ -82,7 +85,6 @@ impl Default for TrafficConfig {
             car_radius_m: 110.0,
             pedestrian_radius_m: 80.0,
             parking_radius_m: 280.0,
-            num_models: 24,
             vehicle_classes: vec![ObjectClass::Car, ObjectClass::Van, ObjectClass::Truck],
         }
     }
@@ -116,9 +118,6 @@ impl TrafficConfig {
                 return bad(what, count.to_string(), "at most 500");
             }
         }
-        if self.num_models == 0 {
-            return bad("number of models", "0".to_owned(), "at least 1");
-        }
         if !self.vehicle_classes.contains(&ObjectClass::Car) {
             return bad("vehicle classes", format!("{:?}", self.vehicle_classes), "cars among them");
         }
@@ -145,6 +144,7 @@ pub(super) fn ego_model() -> VehicleModel {
         name: "ego".to_owned(),
         class: ObjectClass::Car,
         size_lwh,
+        annotated: AnnotatedBox::exact(size_lwh),
         body: Arc::clone(&shape),
         driver: None,
         wheel: Some(shape),
@@ -214,7 +214,7 @@ impl World {
         config.check()?;
         self.traffic = Some(config.clone());
         self.cars[EGO].drives = self.cars[EGO].route.is_some();
-        self.park_cars(config);
+        self.park_cars(config)?;
         let mut stream = self.key.stream("driven cars");
         for _ in 0..config.num_cars {
             let slot = self.cars.len();
@@ -237,26 +237,7 @@ impl World {
         (pose.translation.truncate(), (pose.rotation * DVec3::X).truncate().normalize())
     }
 
-    /// A model of the town's fleet; few models, many cars.
-    fn fleet_model(&mut self, stream: &mut Stream, class: ObjectClass) -> Arc<VehicleModel> {
-        let num = self.traffic.as_ref().map_or(1, |t| t.num_models);
-        let num = if class == ObjectClass::Car { num } else { num.div_ceil(6) };
-        let number = stream.below(num) as u64;
-        let mut fleet = self.key.indexed("fleet", number);
-        let (shape, paint_seed) = (fleet.below(vehicle::num_designs(class)), fleet.next_u64());
-        let make = || Arc::new(vehicle::design(class, shape).painted(paint_seed));
-        Arc::clone(self.fleet.entry((class, number)).or_insert_with(make))
-    }
-
-    /// A model for a parking place: a car where a van would not fit.
-    fn parked_model(&mut self, spot: &ParkingSpot, config: &TrafficConfig, draw: &mut Stream) -> Arc<VehicleModel> {
-        let van_share = config.among_classes(&PARKED_MIX)[1].1;
-        let class = if draw.chance(van_share) { ObjectClass::Van } else { ObjectClass::Car };
-        let model = self.fleet_model(draw, class);
-        if fits(spot, &model) { model } else { self.fleet_model(draw, ObjectClass::Car) }
-    }
-
-    fn park_cars(&mut self, config: &TrafficConfig) {
+    fn park_cars(&mut self, config: &TrafficConfig) -> Result<()> {
         let mut stream = self.key.stream("parked cars");
         let (ego, _) = self.ego_place();
         let own = self.cars[EGO].footprint(&self.physics).grown(1.0);
@@ -273,11 +254,12 @@ impl World {
             {
                 continue;
             }
-            let model = match self.user_vehicles.draw(&mut draw, &parked_mix, |m| fits(spot, m)) {
+            let over_m = if spot.kind == SpotKind::Parallel { MOST_OVER_SPOT_M } else { 0.0 };
+            let model = match self.user_vehicles.draw(&mut draw, &parked_mix, |m| fits(spot, over_m, m)) {
                 Some(model) => model,
-                None => self.parked_model(spot, config, &mut draw),
+                None => parked_model(spot, over_m, parked_mix[1].1, &mut draw)?,
             };
-            if !fits(spot, &model) {
+            if !fits(spot, over_m, &model) {
                 continue;
             }
             let outlier = draw.chance(0.05);
@@ -285,26 +267,34 @@ impl World {
             let turned_share = if spot.kind == SpotKind::Angled { BACKED_IN_SHARE } else { WRONG_WAY_SHARE };
             let wrong_way = if draw.chance(turned_share) { math::PI } else { 0.0 };
             let slack_m = (spot.length_m - model.size_lwh.x).max(0.0) / 2.0;
-            let along_m = draw.clipped_normal(0.0, 0.35).clamp(-slack_m, slack_m);
+            let mut along_m = draw.clipped_normal(0.0, 0.35).clamp(-slack_m, slack_m);
+            // What is longer than its spot takes room from one neighbour.
+            let over_m = (model.size_lwh.x + LEAST_GAP_M - spot.length_m).max(0.0) / 2.0;
+            if draw.chance(0.5) {
+                along_m = -along_m;
+            }
+            let shift_m = if draw.chance(0.5) { over_m } else { -over_m };
             let aside_m = draw.clipped_normal(0.0, 0.1);
-            let place = spot.world_from_spot.transform_point(DVec3::new(along_m, aside_m, 0.0));
             let yaw = crate::frames::yaw_of(&spot.world_from_spot)
                 + wrong_way
                 + draw.clipped_normal(0.0, yaw_sd_deg.to_radians());
-            let pose = crate::frames::upright(place, yaw);
-            let rectangle = footprint(&pose, model.size_lwh, DVec2::ZERO);
-            let clear = !rectangle.overlaps(&own)
-                && self.parked.iter().all(|p| !p.footprint.overlaps(&rectangle.grown(0.25)))
-                && keeps_off_lanes(&self.roads, &rectangle, 1.25);
-            if !clear {
-                continue;
-            }
+            let free = |shift_m: f64| {
+                let along_m = along_m + shift_m;
+                let place = spot.world_from_spot.transform_point(DVec3::new(along_m, aside_m, 0.0));
+                let rectangle = footprint(&crate::frames::upright(place, yaw), model.size_lwh, DVec2::ZERO);
+                let clear = !rectangle.overlaps(&own)
+                    && self.parked.iter().all(|p| !p.footprint.overlaps(&rectangle.grown(0.25)))
+                    && keeps_off_lanes(&self.roads, &rectangle, 1.25);
+                clear.then_some(place)
+            };
+            let Some(place) = free(shift_m).or_else(|| free(-shift_m)) else { continue };
             let id = self.next_id;
             if let Ok(parked) = Parked::new(&mut self.physics, &self.roads, id, model, place.x, place.y, yaw) {
                 self.parked.push(parked);
                 self.next_id += 1;
             }
         }
+        Ok(())
     }
 
     /// The way that the ego will drive, as far as it matters.
@@ -343,7 +333,7 @@ impl World {
             Some(model) => model,
             None => {
                 let (class, _) = mix[stream.weighted(&mix.map(|(_, weight)| weight))];
-                self.fleet_model(stream, class)
+                Arc::new(VehicleModel::of_traffic(class, stream.next_u64()).ok()?)
             }
         };
         let half_m = model.size_lwh.x / 2.0;
@@ -541,6 +531,16 @@ impl World {
     }
 }
 
-fn fits(spot: &ParkingSpot, model: &VehicleModel) -> bool {
-    model.size_lwh.x + 0.3 <= spot.length_m && model.size_lwh.y <= spot.width_m + 0.3
+/// A model for a parking place: a car where a van would not fit.
+fn parked_model(spot: &ParkingSpot, over_m: f64, van_share: f64, draw: &mut Stream) -> Result<Arc<VehicleModel>> {
+    let class = if draw.chance(van_share) { ObjectClass::Van } else { ObjectClass::Car };
+    let model = VehicleModel::of_traffic(class, draw.next_u64())?;
+    let model =
+        if fits(spot, over_m, &model) { model } else { VehicleModel::of_traffic(ObjectClass::Car, draw.next_u64())? };
+    Ok(Arc::new(model))
+}
+
+/// Whether a vehicle that may reach beyond its spot by `over_m` finds room.
+fn fits(spot: &ParkingSpot, over_m: f64, model: &VehicleModel) -> bool {
+    model.size_lwh.x + LEAST_GAP_M <= spot.length_m + over_m && model.size_lwh.y <= spot.width_m + MOST_OVER_WIDTH_M
 }

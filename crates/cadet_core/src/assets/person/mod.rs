@@ -10,6 +10,8 @@ mod tube;
 
 use std::sync::{Arc, OnceLock};
 
+use crate::actor::AnnotatedBox;
+use crate::assets::annotation;
 use crate::geometry::{Bounds, LazyMesh, LodSet};
 use crate::material::Palette;
 use crate::math::{DVec3, Vec3};
@@ -28,8 +30,10 @@ const LEVEL_LIMITS_M: [f32; 3] = [9.0, 22.0, f32::INFINITY];
 pub struct PersonModel {
     /// For example `"woman/12345"`.
     pub name: String,
-    /// Length, width, height of the label's box: the largest over the gait cycle for a walker.
+    /// Length, width, height of the body's box: the largest over the gait cycle for a walker.
     pub size_lwh: DVec3,
+    /// What an annotator would draw instead.
+    pub annotated: AnnotatedBox,
     /// Walking speed that the stride fits, m/s; 0 for a person who stands.
     pub walking_speed_mps: f64,
     /// Length of a full gait cycle (two steps) on the ground, metres.
@@ -43,11 +47,13 @@ pub struct PersonModel {
 }
 
 impl PersonModel {
-    /// The person of a seed; one in four stands.
+    /// The person of a seed, of the height that goes with an annotated box drawn from KITTI's; one in four stands.
     #[must_use]
     pub fn generate(model_seed: u64) -> Self {
         let mut s = Stream::from_seed("person", model_seed);
-        let p = Proportions::draw(&mut s);
+        let annotated = annotation::person_box(&mut s);
+        let stature_m = annotation::person_height_m(&annotated, &mut s);
+        let p = Proportions::draw(annotation::is_standing(&annotated), stature_m, &mut s);
         let palette = clothes::palette(p.kind, p.headwear, &mut s);
         let num_phases = if p.speed > 0.0 { NUM_PHASES / 2 } else { 1 };
         let bounds = (0..num_phases)
@@ -58,6 +64,7 @@ impl PersonModel {
         Self {
             name: format!("{}/{model_seed}", p.kind.name()),
             size_lwh: DVec3::new(f64::from(size.x), f64::from(size.y), f64::from(bounds.max.z)),
+            annotated,
             walking_speed_mps: f64::from(p.speed),
             cycle_length_m: f64::from(p.cycle_length),
             palette: Arc::new(palette),

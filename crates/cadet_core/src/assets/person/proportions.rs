@@ -1,5 +1,6 @@
 //! One person's measures, gait and habits.
 
+use crate::math;
 use crate::rng::Stream;
 
 /// What an arm does.
@@ -119,22 +120,26 @@ pub(super) struct Proportions {
     pub headwear: Headwear,
 }
 
+/// Who is smaller is a child.
+const TALLEST_CHILD_M: f64 = 1.5;
+
+/// Share of men among adults of a height, who are normally distributed: men 1.81 +- 0.08 m, women 1.68 +- 0.07 m.
+fn share_of_men(stature_m: f64) -> f64 {
+    let density = |mean: f64, sd: f64| math::exp(-0.5 * ((stature_m - mean) / sd) * ((stature_m - mean) / sd)) / sd;
+    let (men, women) = (0.55 * density(1.81, 0.08), 0.45 * density(1.68, 0.07));
+    men / (men + women)
+}
+
 impl Proportions {
-    /// Draws a person; one in four stands.
-    pub fn draw(s: &mut Stream) -> Self {
-        let kind = if s.chance(0.04) {
+    /// Draws a person of a height.
+    pub fn draw(is_standing: bool, stature: f64, s: &mut Stream) -> Self {
+        let kind = if stature < TALLEST_CHILD_M {
             Kind::Child
-        } else if s.chance(0.55) {
+        } else if s.chance(share_of_men(stature)) {
             Kind::Man
         } else {
             Kind::Woman
         };
-        let stature = match kind {
-            Kind::Man => s.clipped_normal(1.81, 0.08),
-            Kind::Woman => s.clipped_normal(1.68, 0.07),
-            Kind::Child => s.range(1.0, 1.5),
-        };
-        let is_standing = s.chance(0.25);
         let is_elderly = kind != Kind::Child && s.chance(0.15);
         let speed = match kind {
             _ if is_standing => 0.0,

@@ -1,7 +1,9 @@
 //! Sizes and proportions: the kinds of vehicle that a street shows, and one draw from a kind.
 
 use crate::actor::ObjectClass;
-use crate::math;
+use crate::assets::annotation::Margins;
+use crate::error::{Error, Result};
+use crate::math::{self, DVec3};
 use crate::rng::Stream;
 
 /// How the side windows are laid out.
@@ -17,8 +19,8 @@ pub(super) enum Windows {
     PanelVan,
 }
 
-/// The mean shape of a kind of vehicle. Lengths in metres at the scale of KITTI's labels, which are smaller than
-/// catalogue sizes; fractions of the drawn length or height where named so.
+/// The mean shape of a kind of vehicle. Length, width and height in metres as KITTI's annotators label it, to which the
+/// mean margins of labels are added; fractions of the drawn length or height where named so.
 #[derive(Debug)]
 pub(super) struct Archetype {
     pub name: &'static str,
@@ -238,10 +240,10 @@ const CARS: [Archetype; 10] = [
 
 const TRANSPORTER: Archetype = Archetype {
     name: "transporter",
-    share: 35.0,
-    length: (4.90, 0.20),
-    width: (1.87, 0.06),
-    height: (1.97, 0.06),
+    share: 27.0,
+    length: (4.78, 0.28),
+    width: (1.86, 0.09),
+    height: (2.02, 0.10),
     wheelbase_of_l: 0.61,
     front_overhang_of_l: 0.19,
     wheel_diameter: 0.66,
@@ -258,13 +260,13 @@ const TRANSPORTER: Archetype = Archetype {
     clearance: 0.20,
 };
 
-const VANS: [Archetype; 3] = [
+const VANS: [Archetype; 4] = [
     Archetype {
         name: "small_van",
         share: 30.0,
-        length: (4.10, 0.15),
-        width: (1.70, 0.06),
-        height: (1.85, 0.06),
+        length: (4.22, 0.25),
+        width: (1.76, 0.08),
+        height: (1.88, 0.08),
         wheelbase_of_l: 0.64,
         front_overhang_of_l: 0.20,
         screen_deg: 38.0,
@@ -276,11 +278,26 @@ const VANS: [Archetype; 3] = [
     },
     TRANSPORTER,
     Archetype {
+        name: "medium_van",
+        share: 23.0,
+        length: (5.60, 0.35),
+        width: (1.97, 0.11),
+        height: (2.36, 0.14),
+        front_overhang_of_l: 0.175,
+        belt_of_h: 0.51,
+        screen_deg: 45.0,
+        tumblehome_deg: 5.0,
+        bonnet_edge: 0.98,
+        cowl: 1.25,
+        cowl_of_l: 0.15,
+        ..TRANSPORTER
+    },
+    Archetype {
         name: "high_van",
-        share: 35.0,
-        length: (6.20, 0.35),
-        width: (2.00, 0.05),
-        height: (2.62, 0.08),
+        share: 20.0,
+        length: (6.15, 0.40),
+        width: (2.03, 0.09),
+        height: (2.64, 0.12),
         wheelbase_of_l: 0.60,
         front_overhang_of_l: 0.165,
         belt_of_h: 0.475,
@@ -334,12 +351,35 @@ pub(super) struct Dimensions {
 }
 
 impl Dimensions {
-    /// Draws a vehicle of a class; classes without a kind of their own get a van's shape.
-    pub fn draw(class: ObjectClass, s: &mut Stream) -> Self {
-        let kinds: &[Archetype] = if class == ObjectClass::Car { &CARS } else { &VANS };
+    /// Draws a vehicle of a class.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a class other than Car and Van.
+    pub fn draw(class: ObjectClass, s: &mut Stream) -> Result<Self> {
+        let kinds: &[Archetype] = match class {
+            ObjectClass::Car => &CARS,
+            ObjectClass::Van => &VANS,
+            other => {
+                let reason = format!("no vehicle of class {} is made in code: Car or Van", other.kitti_name());
+                return Err(Error::Scene { reason });
+            }
+        };
         let shares: Vec<f64> = kinds.iter().map(|k| k.share).collect();
         let kind = &kinds[s.weighted(&shares)];
-        Self::of_kind(kind, class != ObjectClass::Car, s)
+        Ok(Self::of_kind(kind, class != ObjectClass::Car, s))
+    }
+
+    /// The dimensions of the vehicle that [`super::VehicleModel::generate`] makes.
+    ///
+    /// # Errors
+    /// As [`Dimensions::draw`].
+    pub fn of_seed(class: ObjectClass, model_seed: u64) -> Result<Self> {
+        Self::draw(class, &mut Stream::from_seed("vehicle", model_seed))
+    }
+
+    /// Length, width, height.
+    pub fn size_lwh(&self) -> DVec3 {
+        DVec3::new(f64::from(self.length), f64::from(self.width), f64::from(self.height))
     }
 
     fn of_kind(kind: &Archetype, is_van: bool, s: &mut Stream) -> Self {
@@ -348,16 +388,17 @@ impl Dimensions {
         let z_width = 0.25 * z_length + (1.0_f64 - 0.0625).sqrt() * s.clipped_normal(0.0, 1.0);
         let z_height =
             if is_van { 0.8 * z_length + 0.6 * s.clipped_normal(0.0, 1.0) } else { s.clipped_normal(0.0, 1.0) };
-        let l = kind.length.0 + kind.length.1 * z_length;
-        let w = kind.width.0 + kind.width.1 * z_width;
-        let h = kind.height.0 + kind.height.1 * z_height;
+        let [over_l, over_w, over_h] = Margins::mean_of_vehicles();
+        let l = kind.length.0 + kind.length.1 * z_length + over_l;
+        let w = kind.width.0 + kind.width.1 * z_width + over_w;
+        let h = kind.height.0 + kind.height.1 * z_height + over_h;
         let tall = h / kind.height.0;
         let front_axle = l / 2.0 - (kind.front_overhang_of_l + s.range(-0.008, 0.008)) * l;
         let rear_axle = front_axle - kind.wheelbase_of_l * l;
         let wheel_radius = (kind.wheel_diameter / 2.0 * s.range(0.97, 1.03)).min(0.225 * h);
         let slope = |deg: f64| math::tan(deg.to_radians()) as f32;
         let estate = kind.estate && (kind.name != "high_roof" || s.chance(0.8));
-        let windows = if is_van && s.chance(if kind.name == "high_van" { 0.75 } else { 0.4 }) {
+        let windows = if is_van && s.chance(if matches!(kind.name, "medium_van" | "high_van") { 0.75 } else { 0.4 }) {
             Windows::PanelVan
         } else if s.chance(kind.three_door) {
             Windows::ThreeDoor

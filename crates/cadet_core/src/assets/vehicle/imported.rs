@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::VehicleModel;
 use super::imported_materials::{MaterialRules, Role, material, opacity};
-use crate::actor::ObjectClass;
+use crate::actor::{AnnotatedBox, ObjectClass};
 use crate::assets::import::{ImportOptions, check_num_materials, triangles};
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, LodSet, MeshBuilder};
@@ -45,7 +45,8 @@ pub struct VehicleAsset {
 }
 
 impl VehicleModel {
-    /// The vehicle of a user's mesh: one level of detail, the wheels part of the body, the mesh's bounds its box.
+    /// The vehicle of a user's mesh: one level of detail, the wheels part of the body, the mesh's bounds its box;
+    /// what annotators leave out is drawn for each actor ([`VehicleModel::annotated_by`]).
     ///
     /// # Errors
     /// [`Error::Mesh`], naming the file: no OBJ, no face with an area, a coordinate that is not finite, a missing
@@ -98,6 +99,7 @@ impl VehicleModel {
             name: asset.name.clone(),
             class: asset.class,
             size_lwh: fit.size,
+            annotated: AnnotatedBox::exact(fit.size),
             body: Arc::new(LodSet::single(builder.build(&asset.file, CREASE_RAD))),
             driver: None,
             wheel: None,
@@ -238,6 +240,7 @@ impl UserVehicles {
         if !weights.iter().any(|w| *w > 0.0) {
             return None;
         }
-        fitting.get(stream.weighted(&weights)).map(|m| Arc::clone(m))
+        let model = fitting.get(stream.weighted(&weights))?;
+        Some(Arc::new(VehicleModel::clone(model).annotated_by(stream.next_u64())))
     }
 }

@@ -1,37 +1,75 @@
 //! The designs that traffic is made of: each is made once a process, when it is first asked for, and depends on its
-//! class and number only.
+//! class and number only. Actors wear them stretched to sizes of their own.
 
 use std::sync::{Arc, OnceLock};
 
 use super::VehicleModel;
+use super::dimensions::Dimensions;
 use crate::actor::ObjectClass;
+use crate::error::Result;
+use crate::math::DVec3;
+use crate::rng::Stream;
 
-const CARS: usize = 96;
-const VANS: usize = 24;
+const NUM_CARS: usize = 96;
+const NUM_VANS: usize = 32;
+/// The most that a design is stretched along any axis where there is another choice.
+const MOST_STRETCH: f64 = 1.06;
 
 type Cell = OnceLock<Arc<VehicleModel>>;
 
-static CAR_CELLS: [Cell; CARS] = [const { Cell::new() }; CARS];
-static VAN_CELLS: [Cell; VANS] = [const { Cell::new() }; VANS];
+/// The designs of a class, and the extents of each.
+struct Shelf {
+    cells: &'static [Cell],
+    sizes_lwh: &'static OnceLock<Vec<DVec3>>,
+}
 
-fn cells(class: ObjectClass) -> &'static [Cell] {
+static CARS: [Cell; NUM_CARS] = [const { Cell::new() }; NUM_CARS];
+static VANS: [Cell; NUM_VANS] = [const { Cell::new() }; NUM_VANS];
+static CAR_SIZES: OnceLock<Vec<DVec3>> = OnceLock::new();
+static VAN_SIZES: OnceLock<Vec<DVec3>> = OnceLock::new();
+
+fn shelf(class: ObjectClass) -> Shelf {
     match class {
-        ObjectClass::Car => &CAR_CELLS,
-        _ => &VAN_CELLS,
+        ObjectClass::Car => Shelf { cells: &CARS, sizes_lwh: &CAR_SIZES },
+        _ => Shelf { cells: &VANS, sizes_lwh: &VAN_SIZES },
     }
 }
 
-/// How many designs a class has: Car or Van.
-#[must_use]
-pub fn num_designs(class: ObjectClass) -> usize {
-    cells(class).len()
+/// By which factor a design is stretched most, or pressed.
+fn stretch(from_lwh: DVec3, to_lwh: DVec3) -> f64 {
+    (to_lwh / from_lwh).max(from_lwh / to_lwh).max_element()
 }
 
-/// A design of a Car, or else of a Van: `VehicleModel::generate(class, number)`, shared. Larger numbers wrap.
-#[must_use]
-pub fn design(class: ObjectClass, number: usize) -> Arc<VehicleModel> {
-    let class = if class == ObjectClass::Car { class } else { ObjectClass::Van };
-    let cells = cells(class);
-    let number = number % cells.len();
-    Arc::clone(cells[number].get_or_init(|| Arc::new(VehicleModel::generate(class, number as u64))))
+/// By which factor the nearest design is stretched.
+#[cfg(test)]
+pub(super) fn least_stretch(class: ObjectClass, true_lwh: DVec3) -> Result<f64> {
+    Ok(stretches(class, true_lwh)?.into_iter().fold(f64::INFINITY, f64::min))
+}
+
+fn stretches(class: ObjectClass, true_lwh: DVec3) -> Result<Vec<f64>> {
+    let Shelf { cells, sizes_lwh } = shelf(class);
+    // Refuses classes without designs.
+    let first = Dimensions::of_seed(class, 0)?.size_lwh();
+    let sizes_lwh = sizes_lwh.get_or_init(|| {
+        let rest = (1..cells.len() as u64).filter_map(|k| Dimensions::of_seed(class, k).ok());
+        std::iter::once(first).chain(rest.map(|d| d.size_lwh())).collect()
+    });
+    Ok(sizes_lwh.iter().map(|size| stretch(*size, true_lwh)).collect())
+}
+
+/// One of the designs whose extents are about `true_lwh`, or else the nearest.
+///
+/// # Errors
+/// [`crate::error::Error::Scene`] for a class other than Car and Van.
+pub(super) fn design_near(class: ObjectClass, true_lwh: DVec3, s: &mut Stream) -> Result<Arc<VehicleModel>> {
+    let (stretches, cells) = (stretches(class, true_lwh)?, shelf(class).cells);
+    let least = stretches.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = least.max(MOST_STRETCH);
+    let near: Vec<usize> = (0..cells.len()).filter(|k| stretches[*k] <= most).collect();
+    let number = near[s.below(near.len())];
+    if let Some(design) = cells[number].get() {
+        return Ok(Arc::clone(design));
+    }
+    let made = Arc::new(VehicleModel::generate(class, number as u64)?);
+    Ok(Arc::clone(cells[number].get_or_init(|| made)))
 }

@@ -18,7 +18,9 @@ mod wheels;
 
 use std::sync::Arc;
 
-use crate::actor::ObjectClass;
+use crate::actor::{AnnotatedBox, ObjectClass};
+use crate::assets::annotation::{self, Margins};
+use crate::error::Result;
 use crate::geometry::{Bounds, LazyMesh, LodSet};
 use crate::material::Palette;
 use crate::math::{DVec3, Vec3};
@@ -26,7 +28,6 @@ use crate::rng::Stream;
 
 pub use imported::{UserVehicles, VehicleAsset};
 pub use imported_materials::{MaterialRules, Role};
-pub use library::{design, num_designs};
 
 use body::Styling;
 use details::Fittings;
@@ -56,8 +57,10 @@ pub struct VehicleModel {
     pub name: String,
     /// KITTI's class.
     pub class: ObjectClass,
-    /// Length, width, height of the label's box; the body fills it, mirrors and aerials stick out.
+    /// Length, width, height of the body's box; the body fills it, mirrors and aerials stick out.
     pub size_lwh: DVec3,
+    /// What an annotator would draw instead.
+    pub annotated: AnnotatedBox,
     /// Everything but the wheels.
     pub body: Arc<LodSet>,
     /// The driver, and a passenger in three of ten, in the box frame: shown in moving vehicles.
@@ -75,11 +78,51 @@ pub struct VehicleModel {
 
 impl VehicleModel {
     /// The vehicle of a class and a seed.
-    #[must_use]
-    pub fn generate(class: ObjectClass, model_seed: u64) -> Self {
+    ///
+    /// # Errors
+    /// [`crate::error::Error::Scene`] for a class other than Car and Van.
+    pub fn generate(class: ObjectClass, model_seed: u64) -> Result<Self> {
         let mut s = Stream::from_seed("vehicle", model_seed);
-        let d = Dimensions::draw(class, &mut s);
-        Self::of_dimensions(class, model_seed, d, &mut s)
+        let d = Dimensions::draw(class, &mut s)?;
+        Ok(Self::of_dimensions(class, model_seed, d, &mut s).annotated_by(model_seed))
+    }
+
+    /// A vehicle of traffic: its annotated size is drawn from KITTI's, its true extents follow, and its body is that of a
+    /// design of about these extents, stretched to them.
+    ///
+    /// # Errors
+    /// As [`VehicleModel::generate`].
+    pub fn of_traffic(class: ObjectClass, actor_seed: u64) -> Result<Self> {
+        let mut s = Stream::from_seed("traffic vehicle", actor_seed);
+        let annotated_lwh = annotation::vehicle_size(class, &mut s)?;
+        let margins = Margins::of_vehicle(&mut s);
+        let true_lwh = margins.around(annotated_lwh);
+        let design = library::design_near(class, true_lwh, &mut s)?;
+        let annotated = margins.within(true_lwh);
+        Ok(Self { annotated, ..design.stretched(true_lwh).painted(s.next_u64()) })
+    }
+
+    /// The same vehicle as another annotator would label it.
+    #[must_use]
+    pub fn annotated_by(self, annotator_seed: u64) -> Self {
+        let margins = Margins::of_vehicle(&mut Stream::from_seed("annotated box", annotator_seed));
+        Self { annotated: margins.within(self.size_lwh), ..self }
+    }
+
+    /// The same vehicle with other extents. Its wheels stay round and on the ground: they grow with the height.
+    fn stretched(&self, size_lwh: DVec3) -> Self {
+        let scale = (size_lwh / self.size_lwh).as_vec3();
+        let all = |shape: &Arc<LodSet>, scale: Vec3| Arc::new(shape.stretched(scale));
+        Self {
+            size_lwh,
+            annotated: AnnotatedBox::exact(size_lwh),
+            body: all(&self.body, scale),
+            driver: self.driver.as_ref().map(|driver| all(driver, scale)),
+            wheel: self.wheel.as_ref().map(|wheel| all(wheel, Vec3::splat(scale.z))),
+            wheel_centers: self.wheel_centers.map(|c| c * scale),
+            wheel_radius_m: self.wheel_radius_m * f64::from(scale.z),
+            ..self.clone()
+        }
     }
 
     /// The same vehicle in the colours of another.
@@ -172,10 +215,12 @@ impl VehicleModel {
             *c = fits[0].point(Vec3::new(x, side * hub_y(x), d.wheel_radius));
             c.z = d.wheel_radius;
         }
+        let size_lwh = d.size_lwh();
         Self {
             name: format!("{}/{model_seed}", d.name),
             class,
-            size_lwh: DVec3::new(f64::from(d.length), f64::from(d.width), f64::from(d.height)),
+            size_lwh,
+            annotated: AnnotatedBox::exact(size_lwh),
             body,
             driver: Some(driver),
             wheel: Some(wheel),
@@ -185,7 +230,7 @@ impl VehicleModel {
         }
     }
 
-    /// What fills the label's box: body, glasshouse and flat fittings.
+    /// What fills the box: body, glasshouse and flat fittings.
     fn shell(
         o: &Outline,
         house: &Glasshouse,
@@ -202,7 +247,7 @@ impl VehicleModel {
     }
 }
 
-/// Maps a built shell onto its label box; the numbers are within a percent of the identity.
+/// Maps a built shell onto its box; the numbers are within a percent of the identity.
 #[derive(Debug, Clone, Copy)]
 struct Fit {
     scale: Vec3,

@@ -41,7 +41,7 @@ fn mean_difference(lit: &[[f32; 2]]) -> f32 {
 #[test]
 fn a_coarse_shadow_lies_where_the_fine_one_does() {
     for seed in 0..6 {
-        let car = VehicleModel::generate(ObjectClass::Car, seed);
+        let car = VehicleModel::generate(ObjectClass::Car, seed).unwrap();
         let person = PersonModel::generate(seed);
         let pose = person.pose(0.3);
         for (shape, palette, half_m) in [(&*car.body, &car.palette, 3.5), (&pose, &person.palette, 1.5)] {
@@ -63,7 +63,7 @@ fn a_coarse_shadow_lies_where_the_fine_one_does() {
 #[test]
 fn a_vehicle_does_not_shade_itself_where_its_coarse_caster_stands_out() {
     for seed in 0..6 {
-        let car = VehicleModel::generate(ObjectClass::Car, seed);
+        let car = VehicleModel::generate(ObjectClass::Car, seed).unwrap();
         for x in [7.0, 28.0] {
             let world_from_local = upright(DVec3::new(x, 0.0, 0.0), 0.7);
             let (shape, palette) = (Arc::clone(&car.body), Arc::clone(&car.palette));
