@@ -70,7 +70,8 @@ class Lidar:
             (forward) at its instant; points stay in the frame of their own firing.
         returns: "strongest" or "last": what is reported where a beam meets several surfaces.
         divergence_mrad: how far a beam opens (the full cone), so that it meets several surfaces at depth edges; 0 for
-            beams that are lines. The HDL-64E's is 2 to 3.
+            beams that meet surfaces as lines do; drops and flakes then see the sensor's own 2 mrad. The HDL-64E's is 2
+            to 3.
 
     Raises:
         CadetError: an unknown preset, a table of another name or that makes no sensor, or a setting out of range.

@@ -5,7 +5,7 @@ mod common;
 
 use std::sync::Arc;
 
-use cadet_core::lidar::{LidarSpec, ReturnMode, Scan, scan};
+use cadet_core::lidar::{LidarSpec, Receiver, ReturnMode, Scan, scan};
 use cadet_core::math::{self, DPose3, TAU, Vec3};
 use cadet_core::rng::Stream;
 use cadet_core::sense::{PosedScene, TurretRing};
@@ -23,9 +23,9 @@ fn turn(scene: &PosedScene, spec: &LidarSpec) -> Scan {
 fn fine_sweep() -> LidarSpec {
     let ring = TurretRing::on_axis(0.0, 0.0);
     let azimuths = (0..400).map(|i| 1e-3 + 2e-5 * f64::from(i)).chain([3.0]).collect();
-    let mut spec = LidarSpec::new("sweep", vec![ring], azimuths).expect("valid");
-    spec.range_noise_m = 0.0;
-    spec.with_divergence(DIVERGENCE_RAD).expect("valid")
+    let spec = LidarSpec::new("sweep", vec![ring], azimuths).expect("valid");
+    let silent = Receiver { range_noise_m: 0.0, ..*spec.receiver() };
+    spec.with_receiver(silent).and_then(|s| s.with_divergence(DIVERGENCE_RAD)).expect("valid")
 }
 
 /// Two walls; the near one ends at the azimuth 5 mrad and has the actor id 1, the far one 2.
@@ -91,8 +91,9 @@ fn walls_within_a_pulse_of_each_other_mix() {
 fn away_from_edges_nothing_changes() {
     // Inside of a globe there are no edges.
     let globe = posed(&[place(sphere(30.0, 60), at(1.0, 2.0, 0.5), 1)]);
-    let narrow = LidarSpec::hdl64e_kitti().with_divergence(0.0).expect("valid");
-    let wide = narrow.clone().with_divergence(DIVERGENCE_RAD).expect("valid");
+    let wide = LidarSpec::hdl64e_kitti().with_divergence(DIVERGENCE_RAD).expect("valid");
+    // As wide for the receiver, but split nowhere.
+    let narrow = wide.clone().with_divergence(0.0).expect("valid");
     let scanned = turn(&globe, &narrow);
     assert!(scanned.ring.len() > 100_000);
     assert_eq!(scanned, turn(&globe, &wide));
@@ -122,5 +123,5 @@ fn impossible_divergences_are_refused() {
     assert!(text(0.5).contains("divergence is 0.5") && text(f64::NAN).contains("divergence"));
     assert!(ReturnMode::from_name("loudest").expect_err("unknown").to_string().contains("strongest, last"));
     let spec = LidarSpec::hdl64e_kitti().with_divergence(2e-3).expect("valid").single_origin();
-    assert!((spec.divergence_rad() - 2e-3).abs() < 1e-15);
+    assert!((spec.receiver().divergence_rad - 2e-3).abs() < 1e-15);
 }

@@ -3,7 +3,7 @@
 
 mod common;
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
 
 use common::{angle_to_edges, at, cuboid, place, posed, random_scene, sphere};
@@ -11,7 +11,7 @@ use parry3d::query::{Ray, RayCast};
 use parry3d::shape::TriMesh;
 
 use cadet_core::lidar::{LidarSpec, PRESETS, ideal_scan, scan};
-use cadet_core::material::Palette;
+use cadet_core::material::{Material, Palette, Pattern, Semantic};
 use cadet_core::math::{self, DPose3, DQuat, DVec3, TAU, Vec3};
 use cadet_core::rng::Stream;
 use cadet_core::sense::{NO_HIT, PosedScene, RayCaster};
@@ -184,4 +184,46 @@ fn impossible_rays_are_refused() {
         assert!((hit.range_m - 1.73).abs() < 1e-6 && (hit.normal_world - DVec3::Z).length() < 1e-9, "{hit:?}");
     }
     assert!(caster.cast(DVec3::ZERO, DVec3::Z).expect("valid").is_none());
+}
+
+/// Intensities of two scans of a level square of this material, less the mean of their rings, whose noise differs.
+fn two_scans_of(material: Material) -> (Vec<f64>, Vec<f64>) {
+    let mut slab = place(cuboid(Vec3::new(40.0, 40.0, 0.5)), at(3.7, -2.1, -2.23), 0);
+    slab.palette = Arc::new(Palette::new(vec![material]));
+    let scene = posed(&[slab]);
+    let weather = Weather::preset("clear_noon").expect("exists");
+    let spec = LidarSpec::hdl64e_uniform();
+    let by_beam = |seed| -> BTreeMap<(i32, i32), f64> {
+        let got =
+            scan(&scene, &DPose3::IDENTITY, &spec, &weather, &mut Stream::from_seed("scan", seed)).expect("valid");
+        (0..got.ring.len())
+            .filter(|i| got.range_m[*i] < 15.0)
+            .map(|i| ((got.ring[i], got.column[i]), f64::from(got.points_velo[i][3])))
+            .collect()
+    };
+    let (first, second) = (by_beam(0), by_beam(1));
+    let mut rings: BTreeMap<i32, Vec<(f64, f64)>> = BTreeMap::new();
+    for (beam, a) in &first {
+        if let Some(b) = second.get(beam) {
+            rings.entry(beam.0).or_default().push((*a, *b));
+        }
+    }
+    let less_mean = |ring: Vec<(f64, f64)>| {
+        let n = ring.len() as f64;
+        let (a, b) = (ring.iter().map(|p| p.0).sum::<f64>() / n, ring.iter().map(|p| p.1).sum::<f64>() / n);
+        ring.into_iter().map(move |p| (p.0 - a, p.1 - b))
+    };
+    rings.into_values().flat_map(less_mean).unzip()
+}
+
+#[test]
+fn asphalts_texture_belongs_to_the_place_and_not_to_chance() {
+    let correlation = |(a, b): (Vec<f64>, Vec<f64>)| {
+        assert!(a.len() > 20_000, "{}", a.len());
+        let product = |u: &[f64], v: &[f64]| u.iter().zip(v).map(|(x, y)| x * y).sum::<f64>();
+        product(&a, &b) / (product(&a, &a) * product(&b, &b)).sqrt()
+    };
+    let of = |pattern| correlation(two_scans_of(Material::matt(Semantic::Road, [0.1; 3], pattern, 0.23)));
+    let (asphalt, plain) = (of(Pattern::Asphalt), of(Pattern::Plain));
+    assert!((0.2..0.5).contains(&asphalt) && plain.abs() < 0.05, "{asphalt} {plain}");
 }

@@ -7,7 +7,8 @@ use std::collections::BTreeMap;
 use cadet_core::math::{DVec2, DVec3};
 use cadet_core::rng::{Stream, StreamKey};
 use cadet_core::town::{
-    Ground, GroundKind, LaneKind, RoadNetwork, SuburbConfig, generate_suburb, load_map, parking_spots, walkways,
+    Ground, GroundKind, LaneKind, RoadNetwork, Roughness, SuburbConfig, generate_suburb, load_map, parking_spots,
+    walkways,
 };
 
 const KERB_M: f64 = 0.12;
@@ -34,15 +35,20 @@ fn towns() -> Vec<(String, RoadNetwork)> {
     towns
 }
 
+/// The ground as towns have it.
+fn rough(network: &RoadNetwork) -> Ground {
+    Ground::rough(network, &Roughness::new(&mut Stream::from_seed("roughness", 0))).unwrap()
+}
+
 #[test]
 fn lanes_lie_on_the_ground_and_pavements_a_kerb_above() {
     for (name, network) in towns() {
-        let ground = Ground::new(&network).unwrap();
+        let ground = rough(&network);
         let height = |p: DVec3| ground.height_at(p.x, p.y).unwrap();
         for lane in network.driving() {
             for p in &lane.center {
                 assert_eq!(ground.kind_at(p.x, p.y), Some(GroundKind::Road), "{name} {p}");
-                assert!((height(*p) - p.z).abs() < 0.02, "{name}: {} below lane at {p}", p.z - height(*p));
+                assert!((height(*p) - p.z).abs() < 0.02 + 0.028, "{name}: {} below lane at {p}", p.z - height(*p));
                 assert!(ground.normal_at(p.x, p.y).unwrap().z > 0.99, "{name} {p}");
             }
         }
@@ -108,7 +114,7 @@ fn open_edges(ground: &Ground) -> (usize, usize) {
 #[test]
 fn the_surface_has_no_holes_and_kerbs_close_its_steps() {
     for (name, network) in towns() {
-        let ground = Ground::new(&network).unwrap();
+        let ground = rough(&network);
         assert!(ground.faces.len() < 80_000, "{name}: {} faces", ground.faces.len());
         let (rim, inner) = open_edges(&ground);
         assert!(rim > 10 && inner == 0, "{name}: {inner} open edges inside, {rim} on the rim");
@@ -125,7 +131,7 @@ fn the_surface_has_no_holes_and_kerbs_close_its_steps() {
 #[test]
 fn a_kerb_is_a_step_of_its_height_along_the_whole_carriageway() {
     let network = generate_suburb(&StreamKey::scene(1), &hilly()).unwrap().network;
-    let ground = Ground::new(&network).unwrap();
+    let ground = rough(&network);
     let mut steps = 0;
     for ring in ground.carriageway_outline() {
         for (i, a) in ring.iter().enumerate() {
@@ -147,7 +153,7 @@ fn a_kerb_is_a_step_of_its_height_along_the_whole_carriageway() {
 #[test]
 fn queries_agree_with_a_ray_from_above() {
     let network = generate_suburb(&StreamKey::scene(5), &hilly()).unwrap().network;
-    let ground = Ground::new(&network).unwrap();
+    let ground = rough(&network);
     let mut stream = Stream::from_seed("queries", 0);
     for _ in 0..300 {
         let (x, y) = (stream.range(-230.0, 230.0), stream.range(-230.0, 230.0));
@@ -170,7 +176,7 @@ fn queries_agree_with_a_ray_from_above() {
 #[test]
 fn visible_tiles_are_the_surface_and_paint_lies_just_above() {
     let network = generate_suburb(&StreamKey::scene(2), &SuburbConfig::default()).unwrap().network;
-    let ground = Ground::new(&network).unwrap();
+    let ground = rough(&network);
     let (mut surface, mut paint) = (0, 0);
     for tile in &ground.tiles {
         let mesh = &tile.shape.levels[0].1;
@@ -196,7 +202,7 @@ fn visible_tiles_are_the_surface_and_paint_lies_just_above() {
 fn people_walk_on_pavements_and_parked_cars_leave_the_lanes_free() {
     for (name, network) in towns() {
         let key = StreamKey::scene(0);
-        let ground = Ground::new(&network).unwrap();
+        let ground = rough(&network);
         let walks = walkways(&ground);
         let (mut on, mut all) = (0, 0);
         for walk in &walks {
@@ -251,4 +257,86 @@ fn a_flat_ground_is_level_asphalt_with_a_road_across_it() {
     }
     assert_eq!(ground.normal_at(3.0, 4.0), Some(DVec3::Z));
     assert_eq!(ground.height_at(101.0, 0.0), None);
+}
+
+#[test]
+fn the_smooth_surface_holds_the_lanes_within_2_cm_and_bumps_are_on_top_of_it() {
+    for (name, network) in towns() {
+        let (smooth, rough) = (Ground::new(&network).unwrap(), rough(&network));
+        let (mut square, mut n) = (0.0, 0.0);
+        for p in network.driving().flat_map(|l| &l.center) {
+            let z = smooth.height_at(p.x, p.y).unwrap();
+            assert!((z - p.z).abs() < 0.02, "{name} {p}");
+            let bump = rough.height_at(p.x, p.y).unwrap() - z;
+            assert!(bump.abs() < 0.035, "{name} {p} {bump}");
+            (square, n) = (square + bump * bump, n + 1.0);
+        }
+        let rms_m = f64::sqrt(square / n);
+        assert!((0.004..0.016).contains(&rms_m), "{name}: {rms_m}");
+    }
+}
+
+#[test]
+fn streets_fall_to_one_side_by_2_to_2_5_percent_and_crossings_lie_level() {
+    let level = SuburbConfig { max_slope: 0.0, ..SuburbConfig::default() };
+    let (mut left, mut right) = (0, 0);
+    for seed in 0..4 {
+        let network = generate_suburb(&StreamKey::scene(seed), &level).unwrap().network;
+        let ground = Ground::new(&network).unwrap();
+        let slope_at = |lane: &cadet_core::town::Lane, s_m: f64| {
+            let pose = lane.pose_at(s_m);
+            let half_m = lane.width_at(s_m) / 2.0;
+            let height = |y: f64| {
+                let p = pose.transform_point(DVec3::new(0.0, y, 0.0));
+                ground.height_at(p.x, p.y).unwrap()
+            };
+            (height(0.6 * half_m) - height(-0.6 * half_m)) / (1.2 * half_m)
+        };
+        for lane in network.driving() {
+            if lane.junction.is_some() {
+                let slope = slope_at(lane, lane.length_m() / 2.0);
+                assert!(slope.abs() < 0.008, "seed {seed}: crossing of slope {slope}");
+            } else if lane.length_m() > 50.0 {
+                let slope = slope_at(lane, lane.length_m() / 2.0);
+                assert!((0.016..0.029).contains(&slope.abs()), "seed {seed}: {slope}");
+                (left, right) = (left + i32::from(slope > 0.0), right + i32::from(slope < 0.0));
+            }
+        }
+    }
+    // Two lanes of a street fall one to its left and one to its right.
+    assert!(left > 40 && right > 40, "{left} {right}");
+}
+
+#[test]
+fn a_plane_fits_28_m_of_rough_road() {
+    for seed in 0..6 {
+        let config = if seed % 2 == 0 { SuburbConfig::default() } else { hilly() };
+        let network = generate_suburb(&StreamKey::scene(seed), &config).unwrap().network;
+        let ground = rough(&network);
+        let (mut num_views, mut within_5_cm) = (0, 0);
+        for lane in network.driving().filter(|l| l.junction.is_none() && l.length_m() > 45.0) {
+            let pose = lane.pose_at(8.0);
+            let ahead = (1..=14).flat_map(|x| [-1.0, 0.0, 1.0].map(|y| DVec3::new(2.0 * f64::from(x), y, 0.0)));
+            let road = |p: &DVec3| ground.kind_at(p.x, p.y) == Some(GroundKind::Road);
+            let places: Vec<DVec3> = ahead.map(|p| pose.transform_point(p)).filter(road).collect();
+            if places.len() < 42 {
+                continue;
+            }
+            num_views += 1;
+            let rows: Vec<[f64; 4]> = places
+                .iter()
+                .map(|p| [p.x - places[0].x, p.y - places[0].y, 1.0, ground.height_at(p.x, p.y).unwrap()])
+                .collect();
+            let matrix = nalgebra::DMatrix::from_fn(rows.len(), 3, |i, j| rows[i][j]);
+            let heights = nalgebra::DVector::from_fn(rows.len(), |i, _| rows[i][3]);
+            let plane = matrix.clone().svd(true, true).solve(&heights, 1e-9).unwrap();
+            let off = matrix * plane - heights;
+            let rms_m = off.norm() / f64::sqrt(rows.len() as f64);
+            // A crest of 1000 m radius is up to 5 cm off, and bumps come on top.
+            assert!(rms_m < 0.035 && off.amax() < 0.08, "seed {seed}: {rms_m} {} at {}", off.amax(), places[0]);
+            within_5_cm += usize::from(off.amax() < 0.05);
+        }
+        assert!(num_views > 10, "seed {seed}: {num_views}");
+        assert!(within_5_cm * 10 >= num_views * 9, "seed {seed}: {within_5_cm} of {num_views}");
+    }
 }

@@ -5,7 +5,7 @@ mod common;
 
 use std::sync::Arc;
 
-use cadet_core::lidar::{LidarSpec, Scan, TURN_S, Turning, firing_time_s, scan, turning_scan};
+use cadet_core::lidar::{LidarSpec, Receiver, Scan, TURN_S, Turning, firing_time_s, scan, turning_scan};
 use cadet_core::math::{self, DPose3, DVec3, PI, Vec3};
 use cadet_core::rng::Stream;
 use cadet_core::sense::{FaceTrees, Motion, PosedScene};
@@ -15,7 +15,8 @@ use common::{at, cuboid, place, posed, random_scene};
 /// KITTI's sensor without noise, its beams lines.
 fn noiseless() -> LidarSpec {
     let mut spec = LidarSpec::hdl64e_kitti().with_divergence(0.0).expect("valid");
-    spec.range_noise_m = 0.0;
+    let silent = Receiver { range_noise_m: 0.0, ..*spec.receiver() };
+    spec = spec.with_receiver(silent).expect("valid");
     spec
 }
 

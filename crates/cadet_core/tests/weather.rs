@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use common::{at, cuboid, place, posed};
 
-use cadet_core::lidar::{LidarSpec, Scan, ideal_scan, scan, weather_recorded};
+use cadet_core::lidar::{LidarSpec, Receiver, Scan, ideal_scan, scan, weather_recorded};
 use cadet_core::math::{self, DPose3, PI, Vec3};
 use cadet_core::rng::Stream;
 use cadet_core::sense::PosedScene;
@@ -48,9 +48,9 @@ fn beams(scan: &Scan) -> BTreeMap<(i32, i32), (f64, f32, i32)> {
 }
 
 /// Where fog's own echo is as strong as a hard target's: exp(-2 alpha R) = R^2 beta / beta0 max I, by bisection, with
-/// I(R) of Hahner et al. (2021) summed in time.
+/// I(R) of Hahner et al. (2021) summed in time for a pulse of 5 ns.
 fn crossing_m(alpha: f64) -> f64 {
-    let (c, tau, n) = (299_792_458.0, 20e-9, 4000);
+    let (c, tau, n) = (299_792_458.0, 5e-9, 4000);
     let dt = 2.0 * tau / f64::from(n);
     let response = |range_m: f64| -> f64 {
         let slice = |i: i32| {
@@ -63,7 +63,7 @@ fn crossing_m(alpha: f64) -> f64 {
         (0..n).map(slice).sum()
     };
     let best = (0..300).map(|k| response(0.9 + 0.02 * f64::from(k))).fold(0.0, f64::max);
-    let scale = 0.046 * alpha / math::ln(20.0) / (1e-6 / PI) * best;
+    let scale = 0.046 * alpha / math::ln(20.0) / (0.596e-6 / PI) * best;
     let (mut lo, mut hi) = (5.0, 200.0);
     for _ in 0..60 {
         let middle = 0.5 * (lo + hi);
@@ -82,7 +82,7 @@ fn dense_fog_shortens_a_scan_as_the_formula_says() {
         let after = fog.get(beam);
         if *range_m > crossing_m + 0.2 {
             let (to_m, _, whose) = *after.expect("fog answers where something was heard");
-            assert!((3.5..12.0).contains(&to_m) && whose == 0, "{range_m} {to_m}");
+            assert!((2.0..10.0).contains(&to_m) && whose == 0, "{range_m} {to_m}");
             moved += 1;
         } else if *range_m < crossing_m - 0.2 {
             if let Some((same_m, weaker, whose)) = after {
@@ -147,7 +147,8 @@ fn drops_and_flakes_answer_before_what_they_hide() {
 #[test]
 fn a_clear_scan_in_recorded_fog_is_as_short_as_a_generated_one() {
     let clear = run(&preset("clear_noon"), 2);
-    let weathered = weather_recorded(&clear.points_velo, &preset("dense_fog"), 1.73, 0).expect("valid");
+    let receiver = Receiver::default();
+    let weathered = weather_recorded(&clear.points_velo, &preset("dense_fog"), &receiver, 1.73, 0).expect("valid");
     assert_eq!(weathered.points_velo.len(), clear.points_velo.len());
     let range_m = |p: &[f32; 4]| p[..3].iter().map(|v| f64::from(*v) * f64::from(*v)).sum::<f64>().sqrt();
     let crossing_m = crossing_m(0.06);
@@ -157,4 +158,40 @@ fn a_clear_scan_in_recorded_fog_is_as_short_as_a_generated_one() {
             assert_eq!(after_m < before_m - 1.0, before_m > crossing_m, "{before_m} {after_m}");
         }
     }
+}
+
+#[test]
+fn what_weather_returns_follows_from_the_sensors_receiver() {
+    let usual = Receiver::default();
+    let in_air = |weather: &Weather, spec: LidarSpec| {
+        let got = scan(&yard(), &DPose3::IDENTITY, &spec, weather, &mut Stream::from_seed("scan", 1)).expect("valid");
+        // The nearest ground is 4.09 m away.
+        got.range_m.iter().zip(&got.actor_id).filter(|(r, a)| **a == 0 && **r < 3.9).count()
+    };
+    let with = |receiver| thin_beams().with_receiver(receiver).expect("valid");
+    let rain = Weather { wetness: 0.0, ..preset("hard_rain_noon") };
+    let (drops, flakes) = (in_air(&rain, with(usual)), in_air(&preset("snow"), with(usual)));
+    assert!(drops > 300 && flakes > 1000, "{drops} {flakes}");
+    // A beam of a quarter of the width has a sixteenth of the volume, and drops in it are 16 times as bright.
+    let narrow = Receiver { divergence_rad: 0.5e-3, ..usual };
+    let split = thin_beams().with_divergence(0.5e-3).expect("valid");
+    assert!(in_air(&rain, with(narrow)) < drops / 2, "{} {drops}", in_air(&rain, with(narrow)));
+    assert!(in_air(&rain, split) < drops / 2);
+    let deaf = Receiver { threshold: 4.0 * usual.threshold, ..usual };
+    assert!(in_air(&rain, with(deaf)) < drops / 2 && in_air(&preset("snow"), with(deaf)) < flakes);
+    // A longer pulse gathers more of fog's own echo, so that it takes over sooner, and farther away.
+    let fog = |receiver| {
+        beams(&{
+            let mut stream = Stream::from_seed("scan", 1);
+            scan(&yard(), &DPose3::IDENTITY, &with(receiver), &preset("dense_fog"), &mut stream).expect("valid")
+        })
+    };
+    let farthest = |receiver| fog(receiver).values().filter(|b| b.2 > 0).map(|b| b.0).fold(0.0, f64::max);
+    let long = Receiver { pulse_s: 20e-9, ..usual };
+    assert!(farthest(long) < farthest(usual) - 1.0, "{} {}", farthest(long), farthest(usual));
+    // And recorded scans: less is lost by an ear that is as good as the scan's own.
+    let clear = run(&preset("clear_noon"), 2);
+    let left =
+        |receiver| weather_recorded(&clear.points_velo, &rain, &receiver, 1.73, 0).expect("valid").points_velo.len();
+    assert!(left(deaf) != left(usual) && left(narrow) != left(usual));
 }

@@ -1,7 +1,7 @@
 //! LIDAR specifications.
 
 use cadet_core::Error;
-use cadet_core::lidar::{BlindSector, Firing, LidarSpec, ReturnMode};
+use cadet_core::lidar::{BlindSector, Firing, LidarSpec, Receiver, ReturnMode};
 use cadet_core::math::TAU;
 use cadet_core::sense::TurretRing;
 use numpy::{PyArray1, PyArray2};
@@ -68,7 +68,7 @@ impl Lidar {
         dict.set_item("name", spec.name())?;
         dict.set_item("min_range_m", spec.min_range_m)?;
         dict.set_item("max_range_m", spec.max_range_m)?;
-        dict.set_item("range_noise_m", spec.range_noise_m)?;
+        dict.set_item("range_noise_m", spec.receiver().range_noise_m)?;
         let of_rings = |f: &dyn Fn(&TurretRing) -> f64| spec.rings().iter().map(f).collect::<Vec<f64>>();
         dict.set_item("elevation_deg", of_rings(&|r| rounded(r.elevation_rad.to_degrees())))?;
         dict.set_item("height_m", of_rings(&|r| rounded(r.height_m)))?;
@@ -148,7 +148,8 @@ fn spec_from_table(dict: &Bound<'_, PyDict>) -> PyResult<LidarSpec> {
         .map_err(BorderError::from)?;
     spec.min_range_m = fields.take("min_range_m")?;
     spec.max_range_m = fields.take("max_range_m")?;
-    spec.range_noise_m = fields.take("range_noise_m")?;
+    let receiver = Receiver { range_noise_m: fields.take("range_noise_m")?, ..*spec.receiver() };
+    spec = spec.with_receiver(receiver).map_err(BorderError::from)?;
     spec.laser_gains = fields.take("gain")?;
     let blind_deg: Vec<Vec<[f64; 2]>> = fields.take("blind_deg")?;
     for (ring, sectors) in blind_deg.into_iter().enumerate() {

@@ -1,6 +1,6 @@
 //! Weather: its presets, and weather on recorded scans.
 
-use cadet_core::lidar::{Fate, weather_recorded};
+use cadet_core::lidar::{Fate, Receiver, weather_recorded};
 use cadet_core::weather::Weather;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -38,7 +38,7 @@ pub(crate) fn weather_recorded_scan<'py>(
 ) -> Result<Weathered<'py>, BorderError> {
     let weather = Weather::of_air(fog, rain, snow, wetness)?;
     let points = arrays::to_rows("points_velo", &points_velo)?;
-    let left = py.detach(|| weather_recorded(&points, &weather, sensor_height_m, seed))?;
+    let left = py.detach(|| weather_recorded(&points, &weather, &Receiver::default(), sensor_height_m, seed))?;
     let fate = left.fate.iter().map(|f: &Fate| *f as i8).collect();
     Ok((arrays::rows(py, left.points_velo), PyArray1::from_vec(py, fate)))
 }

@@ -22,6 +22,8 @@ from cadet.lidar_fit.scans import Points, find_scans, join, read_scan
 _NEIGHBOURS: Final = 8
 _ZEROS_ANYWAY: Final = 0.03
 """Share of zero intensities that the best receivers report, too."""
+_WINDOW: Final = 32
+"""Beams in a row of which each window tells the noise of."""
 
 
 @dataclass(frozen=True)
@@ -175,7 +177,11 @@ def _gains(zero_shares: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _range_noise_m(scans: Sequence[Points], rings: Rings) -> float:
-    """Estimate the noise from second differences of ranges along each ring, most of which run over smooth surfaces."""
+    """Estimate the noise from second differences of ranges along rings, where they are usual for smooth surfaces.
+
+    Windows of neighboring beams on walls and roads agree on the noise; those on grass and foliage show those,
+    and scatter over a wide range: so the noise is where the windows lie closest together.
+    """
     found = []
     for scan, ring_of_point in zip(scans, rings.ring_of_point, strict=True):
         for ring in range(len(rings.lines)):
@@ -186,9 +192,15 @@ def _range_noise_m(scans: Sequence[Points], rings: Rings) -> float:
             step = np.diff(points.azimuth_deg)
             is_even = np.maximum(step[1:], step[:-1]) < 1.05 * np.minimum(step[1:], step[:-1])
             second = points.range_m[2:] - 2.0 * points.range_m[1:-1] + points.range_m[:-2]
-            found.append(np.abs(second[is_even & (points.range_m[1:-1] < 25.0)]))
-    every = np.concatenate(found) if found else np.zeros(0)
-    if len(every) < 100:
+            used = np.abs(second[is_even & (points.range_m[1:-1] < 25.0)])
+            num_windows = len(used) // _WINDOW
+            found.append(np.median(used[: num_windows * _WINDOW].reshape(-1, _WINDOW), axis=1))
+    windows = np.sort(np.concatenate(found)) if found else np.zeros(0)
+    if len(windows) < 20:
         return 0.0
+    # The shortest interval that holds a quarter of the windows.
+    share = max(2, len(windows) // 4)
+    first = int(np.argmin(windows[share - 1 :] - windows[: len(windows) - share + 1]))
+    usual = float(np.median(windows[first : first + share]))
     # Half of a normal variable of 6 variances lies within 0.6745 standard deviations.
-    return round(float(np.median(every)) / (0.6745 * math.sqrt(6.0)), 4)
+    return round(usual / (0.6745 * math.sqrt(6.0)), 4)

@@ -26,6 +26,9 @@ pub(super) trait Casting {
 
     /// A direction of a column's firing as it stands to an instance's triangles where [`Casting::scene`] has them.
     fn direction_world(&self, column: usize, instance: u32, direction_velo: DVec3) -> DVec3;
+
+    /// Where a place in the sensor's frame at a column's firing lies in the world.
+    fn place_world(&self, column: usize, place_velo: DVec3) -> DVec3;
 }
 
 /// How far from the frame's origin anything may be seen: what lies beyond the longest range is never reported.
@@ -89,6 +92,11 @@ impl Casting for Standing<'_> {
     #[inline]
     fn direction_world(&self, _column: usize, _instance: u32, direction_velo: DVec3) -> DVec3 {
         self.rotation * direction_velo
+    }
+
+    #[inline]
+    fn place_world(&self, _column: usize, place_velo: DVec3) -> DVec3 {
+        self.rotation * place_velo + self.world_from_velo.translation
     }
 }
 

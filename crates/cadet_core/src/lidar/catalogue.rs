@@ -4,6 +4,7 @@
 //! lie in one plane.
 
 use super::firing::Firing;
+use super::response::Receiver;
 use super::spec::LidarSpec;
 use crate::math::{self, TAU};
 use crate::sense::TurretRing;
@@ -23,8 +24,8 @@ impl LidarSpec {
             |k: usize| if k.is_multiple_of(2) { -92.0 / 3.0 } else { -28.0 / 3.0 } + 4.0 / 3.0 * (k / 2) as f64;
         let ring = |k: usize| TurretRing::on_axis(elevation_deg(k).to_radians(), 0.0);
         let mut spec = staggered("hdl32e", (0..32).map(ring).collect(), 46.08e-6, 1.152e-6);
-        (spec.min_range_m, spec.max_range_m, spec.range_noise_m) = (1.0, 100.0, 0.02);
-        spec
+        (spec.min_range_m, spec.max_range_m) = (1.0, 100.0);
+        noisy(spec, 0.02)
     }
 
     /// Velodyne's VLP-16 at 10 turns a second: 16 lasers from +15 to -15 degrees, 1,808 columns.
@@ -43,8 +44,8 @@ impl LidarSpec {
             TurretRing::on_axis(degrees.to_radians(), up * height_mm)
         };
         let mut spec = staggered("vlp16", (0..16).map(ring).collect(), 55.296e-6, 2.304e-6);
-        (spec.min_range_m, spec.max_range_m, spec.range_noise_m) = (1.0, 100.0, 0.015);
-        spec
+        (spec.min_range_m, spec.max_range_m) = (1.0, 100.0);
+        noisy(spec, 0.015)
     }
 
     /// A sensor like Ouster's OS1-64 (45 degrees): 64 lasers in equal steps from +22.5 to -22.5 degrees, 1,024 columns.
@@ -74,6 +75,12 @@ fn staggered(name: &str, fired: Vec<TurretRing>, set_s: f64, laser_s: f64) -> Li
         .expect("a valid preset")
 }
 
+/// The same sensor with this noise of its ranges; no other receiver than the HDL-64E's has been measured.
+fn noisy(spec: LidarSpec, range_noise_m: f64) -> LidarSpec {
+    let receiver = Receiver { range_noise_m, ..*spec.receiver() };
+    spec.with_receiver(receiver).expect("a valid preset")
+}
+
 /// Lasers and receivers stand in four columns, 1.41 and 4.22 degrees to either side of the encoder's angle: 4 and 12 of
 /// 1,024 columns, 8 and 24 of 2,048. A whole turn is the same without them.
 fn os1(name: &str, rings: usize, columns: usize) -> LidarSpec {
@@ -84,8 +91,8 @@ fn os1(name: &str, rings: usize, columns: usize) -> LidarSpec {
     };
     let mut spec = LidarSpec::with_firing(name, (0..rings).map(ring).collect(), Firing::Uniform { columns })
         .expect("a valid preset");
-    (spec.min_range_m, spec.max_range_m, spec.range_noise_m) = (0.8, 120.0, 0.015);
-    spec
+    (spec.min_range_m, spec.max_range_m) = (0.8, 120.0);
+    noisy(spec, 0.015)
 }
 
 #[cfg(test)]

@@ -15,11 +15,13 @@ mod scan;
 mod spec;
 mod spread;
 mod surfaces;
+mod texture;
 mod turning;
 
 pub use air::{Fate, Weathered, weather_recorded};
 pub use firing::Firing;
 pub use presets::PRESETS;
+pub use response::Receiver;
 pub use scan::{IdealScan, Scan, ideal_scan, scan, turning_scan};
 pub use spec::{BlindSector, LidarSpec, Rays, ReturnMode};
 pub use turning::{TURN_S, Turning, firing_time_s};

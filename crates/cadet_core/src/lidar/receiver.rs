@@ -1,11 +1,10 @@
-//! The receiver in clear air, 64 echoes of a ring together: what [`super::returns::report`] says of each, to the bit, and
-//! the point that is written.
+//! The receiver, 64 arrivals of a ring together: what it hears of them and reports, and the points that are written.
 
 use multiversion::multiversion;
 
-use super::reflection::peak_share;
-use super::response::{HEARD_POWER, intensity, is_heard, saturated};
-use super::returns::{Draws, Echo};
+use super::reflection::{peak_share, spread_per_pulse};
+use super::response::{Receiver, intensity, saturated};
+use super::returns::{Arrival, Draws};
 use super::scan::{Scan, round};
 use super::spec::LidarSpec;
 
@@ -14,7 +13,7 @@ const MANY: usize = 64;
 
 type Many = [f64; MANY];
 
-/// Echoes of one ring in clear air that wait for the receiver.
+/// What arrives from the beams of one ring and waits for the receiver.
 pub(super) struct Waiting {
     n: usize,
     column: [i32; MANY],
@@ -27,8 +26,8 @@ struct Echoes {
     range_m: Many,
     /// Reflectance / range^2 at the receiver.
     power: Many,
-    /// What a retroreflector returns over that; 1 for others.
-    brightness: Many,
+    heard_power: Many,
+    saturates: [bool; MANY],
     cos_incidence: Many,
     reading_noise: Many,
     detection: Many,
@@ -48,9 +47,9 @@ struct Written {
 
 /// What all echoes of a ring have in common.
 #[derive(Clone, Copy)]
-struct Receiver {
+struct RingReceiver {
+    receiver: Receiver,
     laser_gain: f64,
-    range_noise_m: f64,
     min_range_m: f64,
     max_range_m: f64,
 }
@@ -65,7 +64,8 @@ impl Waiting {
             echo: Echoes {
                 range_m: none,
                 power: none,
-                brightness: none,
+                heard_power: none,
+                saturates: [false; MANY],
                 cos_incidence: none,
                 reading_noise: none,
                 detection: none,
@@ -83,24 +83,24 @@ impl Waiting {
         })
     }
 
-    /// Adds an echo of a ring's column; `power` and `brightness` as the receiver sees them.
+    /// Adds what arrives from a ring's column.
     #[inline(always)]
     pub(super) fn push(
         &mut self,
-        echo: &Echo,
-        [power, brightness]: [f64; 2],
+        arrival: &Arrival,
         draws: &Draws,
         column: usize,
         [origin_velo, direction_velo]: [[f64; 3]; 2],
     ) {
         let (i, e) = (self.n, &mut self.echo);
         self.column[i] = column as i32;
-        self.actor_id[i] = echo.actor_id;
-        e.range_m[i] = echo.range_m;
-        e.power[i] = power;
-        e.brightness[i] = brightness;
-        e.cos_incidence[i] = echo.cos_incidence;
-        e.reading_noise[i] = echo.reading_noise * draws.gain_normal;
+        self.actor_id[i] = arrival.actor_id;
+        e.range_m[i] = arrival.range_m;
+        e.power[i] = arrival.power;
+        e.heard_power[i] = arrival.heard_power;
+        e.saturates[i] = arrival.saturates;
+        e.cos_incidence[i] = arrival.cos_incidence;
+        e.reading_noise[i] = arrival.reading_noise * draws.gain_normal;
         e.detection[i] = draws.detection;
         e.saturation[i] = draws.saturation;
         e.range_normal[i] = draws.range_normal;
@@ -117,9 +117,9 @@ impl Waiting {
 
     /// Receives what waits and writes what is heard.
     pub(super) fn receive(&mut self, spec: &LidarSpec, ring: usize, out: &mut Scan) {
-        let receiver = Receiver {
+        let receiver = RingReceiver {
+            receiver: *spec.receiver(),
             laser_gain: spec.laser_gains[ring],
-            range_noise_m: spec.range_noise_m,
             min_range_m: spec.min_range_m,
             max_range_m: spec.max_range_m,
         };
@@ -139,22 +139,23 @@ impl Waiting {
 
 /// Compiled once more for processors with wide registers, as the kernel is.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn receive(e: &Echoes, receiver: Receiver, out: &mut Written) {
-    let Receiver { laser_gain, range_noise_m, min_range_m, max_range_m } = receiver;
+fn receive(e: &Echoes, ring: RingReceiver, out: &mut Written) {
+    let RingReceiver { receiver, laser_gain, min_range_m, max_range_m } = ring;
+    let spread_per_pulse = spread_per_pulse(&receiver);
     let mut reading: Many = [0.0; MANY];
     for i in 0..MANY {
         let (range_m, power) = (e.range_m[i], e.power[i]);
-        let peak = power * range_m * range_m * peak_share(range_m, e.cos_incidence[i]);
+        // Hearing goes by a pulse's energy, the reading by its peak.
+        let peak = power * range_m * range_m * peak_share(spread_per_pulse, range_m, e.cos_incidence[i]);
         reading[i] = intensity(peak, range_m, laser_gain, e.reading_noise[i]);
     }
     for i in 0..MANY {
-        let reading = if e.brightness[i] > 1.0 { saturated(e.saturation[i]) } else { reading[i] };
+        let reading = if e.saturates[i] { saturated(e.saturation[i]) } else { reading[i] };
         out.intensity[i] = (round(reading * 1e2).clamp(0.0, 99.0) / 1e2) as f32;
     }
     for i in 0..MANY {
         let (range_m, power) = (e.range_m[i], e.power[i]);
-        let noise_m = range_noise_m * (1.0 + 0.5 / (1.0 + power / HEARD_POWER));
-        let range_m = range_m + noise_m * e.range_normal[i];
+        let range_m = range_m + receiver.noise_m(power) * e.range_normal[i];
         out.range_m[i] = range_m;
         let mut square = [0.0; 3];
         for axis in 0..3 {
@@ -163,8 +164,9 @@ fn receive(e: &Echoes, receiver: Receiver, out: &mut Written) {
             out.point_velo[axis][i] = at;
             square[axis] = f64::from(at) * f64::from(at);
         }
+        // What is kept is judged by the written point, from the frame's origin, as in KITTI's files.
         let written_m = (square[0] + square[1] + square[2]).sqrt();
-        let is_heard = is_heard(power * e.brightness[i], e.detection[i]);
+        let is_heard = receiver.hears(e.heard_power[i], e.detection[i]);
         out.is_kept[i] = is_heard & (written_m >= min_range_m) & (written_m < max_range_m);
     }
 }

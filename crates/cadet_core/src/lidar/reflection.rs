@@ -1,5 +1,6 @@
 //! How much of a laser pulse a surface throws back to where it came from.
 
+use super::response::Receiver;
 use crate::material::LidarMaterial;
 
 /// Reflectance back to the sensor at an incidence angle, as a multiple of what a white Lambertian surface that faces
@@ -35,13 +36,17 @@ fn lobe(roughness: f64, cos_incidence: f64) -> f64 {
 
 /// What the slant of a surface leaves of a pulse's peak: the spot's near and far edge answer one after the other.
 ///
-/// A pulse of 5 ns is 0.75 m deep (data sheet); the spot's power spreads by 0.4 mrad about its middle.
+/// `spread_per_pulse` is [`spread_per_pulse`]'s.
 #[inline(always)]
-pub(super) fn peak_share(range_m: f64, cos_incidence: f64) -> f64 {
-    const SPREAD_PER_PULSE: f64 = 0.4e-3 / 0.75;
+pub(super) fn peak_share(spread_per_pulse: f64, range_m: f64, cos_incidence: f64) -> f64 {
     let square = (cos_incidence * cos_incidence).max(1e-6);
-    let depth = SPREAD_PER_PULSE * range_m;
+    let depth = spread_per_pulse * range_m;
     1.0 / (1.0 + depth * depth * (1.0 - square) / square).sqrt()
+}
+
+/// How far the power of a spot spreads about its middle (a quarter of the cone, as in an even disc), in pulses per metre.
+pub(super) fn spread_per_pulse(receiver: &Receiver) -> f64 {
+    receiver.divergence_rad / 4.0 / receiver.pulse_m()
 }
 
 /// Both faces of a pane of n = 1.5: 8 % up to 40 degrees, 17 % at 60, 56 % at 80.
@@ -78,10 +83,12 @@ mod tests {
 
     #[test]
     fn a_slanted_spot_answers_late_and_low() {
-        assert_eq!(peak_share(50.0, 1.0), 1.0);
-        // Depth of the spot, in pulses, by hand: 30 m * 0.4 mrad * tan / 0.75 m = 0.28 at 86.7 degrees.
+        let receiver = Receiver { pulse_s: 5e-9, divergence_rad: 2e-3, ..Receiver::default() };
+        let share = |range_m, cos| peak_share(spread_per_pulse(&receiver), range_m, cos);
+        assert_eq!(share(50.0, 1.0), 1.0);
+        // Depth of the spot, in pulses, by hand: 30 m * 0.5 mrad * tan / 0.75 m = 0.35 at 86.7 degrees.
         let cos = 1.73 / 30.0;
-        let depth = 30.0 * 0.4e-3 * crate::math::tan(crate::math::acos(cos)) / 0.75;
-        assert!((peak_share(30.0, cos) - 1.0 / crate::math::hypot(1.0, depth)).abs() < 1e-9);
+        let depth = 30.0 * 0.5e-3 * crate::math::tan(crate::math::acos(cos)) / 0.749_481_145;
+        assert!((share(30.0, cos) - 1.0 / crate::math::hypot(1.0, depth)).abs() < 1e-9);
     }
 }

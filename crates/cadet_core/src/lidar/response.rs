@@ -5,11 +5,79 @@
 //! compensated for range up to 18 m; below a third of white it falls faster than the logarithm of the power, so that
 //! dark and far surfaces read 0; and each laser has its own scale.
 
+use crate::error::{Error, Result, finite};
 use crate::material::Pattern;
 use crate::math;
 
-/// Power, in units of reflectance / range^2, that is heard half of the time: 10 % at 50 m, as the data sheet has it.
-pub(super) const HEARD_POWER: f64 = 4e-5;
+/// Speed of light.
+const LIGHT_M_PER_S: f64 = 299_792_458.0;
+
+/// A laser's beam and the receiver behind it: the same for surfaces, drops, flakes and fog, and for recorded scans.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Receiver {
+    /// Half-power width of the laser's pulse. Echoes nearer to each other than [`Receiver::pulse_m`] are one.
+    pub pulse_s: f64,
+    /// The full cone of a beam.
+    pub divergence_rad: f64,
+    /// Power, in units of reflectance / range^2, that is heard half of the time.
+    pub threshold: f64,
+    /// Standard deviation of the range of a strong echo.
+    pub range_noise_m: f64,
+}
+
+impl Default for Receiver {
+    /// Velodyne's HDL-64E: by its data sheet pulses of 5 ns, beams of 2 mrad, and 10 % of reflectance at 50 m; the
+    /// noise is that of KITTI's scans of roads at 5 to 20 m.
+    fn default() -> Self {
+        Self { pulse_s: 5e-9, divergence_rad: 2e-3, threshold: 0.1 / (50.0 * 50.0), range_noise_m: 0.008 }
+    }
+}
+
+impl Receiver {
+    /// Half the way that light goes in a pulse.
+    #[must_use]
+    pub fn pulse_m(&self) -> f64 {
+        0.5 * self.pulse_s * LIGHT_M_PER_S
+    }
+
+    /// Checks the fields, which anyone may have set.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] or [`Error::OutOfRange`], naming the field.
+    pub fn check(&self) -> Result<()> {
+        for (what, value, least, most) in [
+            ("pulse_s", self.pulse_s, 1e-10, 1e-7),
+            ("divergence", self.divergence_rad, 1e-5, MAX_DIVERGENCE_RAD),
+            ("threshold", self.threshold, 1e-9, 1.0),
+            ("range_noise_m", self.range_noise_m, 0.0, 10.0),
+        ] {
+            if !(least..=most).contains(&finite(what, value)?) {
+                let expected = format!("{least} to {most}");
+                return Err(Error::OutOfRange { what, value: value.to_string(), expected });
+            }
+        }
+        Ok(())
+    }
+
+    /// True if an echo of `power` (reflectance / range^2) is heard; `chance` is uniform in [0, 1).
+    #[inline(always)]
+    pub(super) fn hears(&self, power: f64, chance: f64) -> bool {
+        let ratio = power / self.threshold;
+        let cube = ratio * ratio * ratio;
+        let odds = cube * cube;
+        chance * (1.0 + odds) < odds
+    }
+
+    /// Standard deviation of the range of an echo of `power`: a weak pulse's center is less certain, by up to half at
+    /// the limit of detection.
+    #[inline(always)]
+    pub(super) fn noise_m(&self, power: f64) -> f64 {
+        self.range_noise_m * (1.0 + 0.5 / (1.0 + power / self.threshold))
+    }
+}
+
+/// The widest cone of a beam.
+pub(super) const MAX_DIVERGENCE_RAD: f64 = 0.02;
 /// The receiver compensates for range up to here.
 const COMPENSATED_M: f64 = 18.5;
 /// Readings below this are reported as 0.
@@ -17,26 +85,18 @@ const LEAST_READING: f64 = 0.035;
 /// All lasers of KITTI's sensor agree on surfaces that read this; the weak ones read less on darker ones.
 const COMMON_READING: f64 = 0.5;
 
-/// Standard deviation of the reading from beam to beam on one surface: what is finer than a beam's spot differs.
+/// Standard deviation of the reading from beam to beam on one surface: what is finer than a beam's spot differs. What is
+/// coarser on paved ground is [`super::texture`]'s.
 ///
-/// From the quartiles in KITTI's scans: 0.05 within a laser's readings of a road, 0.13 on foliage and people.
+/// From the quartiles in KITTI's scans: 0.05 within a laser's readings of a road, both together, 0.13 on foliage and people.
 pub(super) fn reading_noise(pattern: Pattern) -> f64 {
     match pattern {
-        Pattern::Asphalt | Pattern::Slabs | Pattern::Blocks => 0.055,
+        Pattern::Asphalt | Pattern::Slabs | Pattern::Blocks => 0.043,
         Pattern::Plain => 0.07,
         Pattern::Bricks | Pattern::Render | Pattern::Tiles | Pattern::Wood => 0.095,
         Pattern::Grass => 0.085,
         Pattern::Leaves | Pattern::Cloth => 0.135,
     }
-}
-
-/// True if an echo of `power` (reflectance / range^2) is heard; `chance` is uniform in [0, 1).
-#[inline(always)]
-pub(super) fn is_heard(power: f64, chance: f64) -> bool {
-    let ratio = power / HEARD_POWER;
-    let cube = ratio * ratio * ratio;
-    let odds = cube * cube;
-    chance * (1.0 + odds) < odds
 }
 
 /// Reported intensity in 0..=0.99, not yet rounded, of an echo with the given reflectance (1: white, facing the
@@ -90,7 +150,25 @@ mod tests {
 
     #[test]
     fn hearing_is_a_threshold() {
-        assert!(is_heard(2.5 * HEARD_POWER, 0.99) && !is_heard(0.4 * HEARD_POWER, 0.01));
-        assert!(is_heard(HEARD_POWER, 0.49) && !is_heard(HEARD_POWER, 0.51) && !is_heard(0.0, 0.0));
+        let receiver = Receiver::default();
+        let is_heard = |ratio: f64, chance| receiver.hears(ratio * receiver.threshold, chance);
+        assert!(is_heard(2.5, 0.99) && !is_heard(0.4, 0.01));
+        assert!(is_heard(1.0, 0.49) && !is_heard(1.0, 0.51) && !is_heard(0.0, 0.0));
+        assert!((receiver.threshold * 50.0 * 50.0 - 0.1).abs() < 1e-12, "10 % at 50 m");
+    }
+
+    #[test]
+    fn weak_echoes_are_noisier_and_a_pulse_is_as_long_as_light_goes() {
+        let receiver = Receiver { range_noise_m: 0.01, ..Receiver::default() };
+        assert!((receiver.noise_m(1e6) - 0.01).abs() < 1e-9 && (receiver.noise_m(0.0) - 0.015).abs() < 1e-12);
+        assert!((receiver.pulse_m() - 0.749).abs() < 1e-3, "{}", receiver.pulse_m());
+        for bad in [
+            Receiver { pulse_s: 0.0, ..receiver },
+            Receiver { divergence_rad: 0.5, ..receiver },
+            Receiver { threshold: f64::NAN, ..receiver },
+            Receiver { range_noise_m: -1.0, ..receiver },
+        ] {
+            assert!(bad.check().is_err(), "{bad:?}");
+        }
     }
 }

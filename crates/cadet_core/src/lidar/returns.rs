@@ -1,8 +1,8 @@
-//! From what a beam meets to what the receiver reports: which surface answers, and what glass and air leave of it.
+//! From what a beam meets to what reaches the receiver: which surface answers, and what glass and air leave of it.
 
 use super::air::{Air, Scatterer};
-use super::reflection::{fresnel, peak_share, reflectance};
-use super::response::{HEARD_POWER, intensity, is_heard, reading_noise, saturated};
+use super::reflection::{fresnel, reflectance};
+use super::response::{Receiver, reading_noise};
 use super::spec::ReturnMode;
 use crate::material::{LidarMaterial, Material, Semantic};
 use crate::rng::{Stream, nearly_normal};
@@ -14,14 +14,24 @@ pub(super) struct Surface<'a> {
     /// Cosine of the incidence angle, 0..1.
     pub cos_incidence: f64,
     pub material: &'a Material,
+    /// What the place on the surface makes of the material's reflectance: 1 for what is alike everywhere.
+    pub texture: f64,
     pub actor_id: i32,
 }
 
-/// What one beam returned.
+/// What reaches the receiver of one beam: a target's echo, or that of fog, a drop or a flake.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Return {
+pub(super) struct Arrival {
     pub range_m: f64,
-    pub intensity: f64,
+    /// Reflectance / range^2.
+    pub power: f64,
+    /// The power by which it is heard: a retroreflector's is a thousand times what it would be of a matt surface.
+    pub heard_power: f64,
+    /// True if it overflows the receiver.
+    pub saturates: bool,
+    pub cos_incidence: f64,
+    /// Standard deviation of its reading.
+    pub reading_noise: f64,
     pub actor_id: i32,
 }
 
@@ -61,50 +71,55 @@ const AIR_NOISE: f64 = 0.05;
 /// Within 2.5 degrees of the normal a pane's mirror image hits the receiver.
 const GLINT_COS: f64 = 0.999;
 
-/// What the receiver reports of an echo and of the air before it; None for no return.
-pub(super) fn report(
+/// What reaches the receiver of an echo and of the air before it; None for nothing.
+#[inline]
+pub(super) fn arrival(
     echo: Option<Echo>,
     air: &Air,
     mode: ReturnMode,
-    laser_gain: f64,
-    range_noise_m: f64,
+    receiver: &Receiver,
     draws: &Draws,
-) -> Option<Return> {
+) -> Option<Arrival> {
+    if air.is_clear() {
+        return echo.map(|e| of_target(&e, clear_power(&e, air)));
+    }
     let (range_m, clear_power) = echo.map_or((f64::INFINITY, 0.0), |e| (e.range_m, clear_power(&e, air)));
     let bright = echo.map_or(1.0, |e| brightness(&e));
     let meeting = air.meet(range_m, clear_power * bright, draws.air_key);
     let power = clear_power * meeting.transmittance;
-    let heard = |power: f64| is_heard(power * bright, draws.detection);
+    let heard = |power: f64| receiver.hears(power * bright, draws.detection);
     // The last echo that is heard is the target's, whatever stands before it.
     if let Some(answer) = meeting.answer.filter(|_| mode == ReturnMode::Strongest || !heard(power)) {
-        // Fog answers in the place of a target, which must have been heard without it; a drop is heard by itself.
-        if answer.from == Scatterer::Fog && !heard(clear_power) {
-            return None;
-        }
-        let intensity = intensity(answer.reflectance, answer.range_m, laser_gain, AIR_NOISE * draws.gain_normal);
-        return Some(Return { range_m: answer.range_m, intensity, actor_id: 0 });
+        let power = answer.reflectance / (answer.range_m * answer.range_m);
+        return Some(Arrival {
+            range_m: answer.range_m,
+            power,
+            // Fog answers in the place of a target, which must have been heard without it; a drop is heard by itself.
+            heard_power: if answer.from == Scatterer::Fog { clear_power * bright } else { power },
+            saturates: false,
+            cos_incidence: 1.0,
+            reading_noise: AIR_NOISE,
+            actor_id: 0,
+        });
     }
-    let echo = echo?;
-    if !heard(power) {
-        return None;
+    echo.map(|e| of_target(&e, power))
+}
+
+fn of_target(echo: &Echo, power: f64) -> Arrival {
+    Arrival {
+        range_m: echo.range_m,
+        power,
+        heard_power: power * brightness(echo),
+        saturates: echo.retro,
+        cos_incidence: echo.cos_incidence,
+        reading_noise: echo.reading_noise,
+        actor_id: echo.actor_id,
     }
-    // A weak pulse's centre is less certain: up to half more noise at the limit of detection.
-    let noise_m = range_noise_m * (1.0 + 0.5 / (1.0 + power / HEARD_POWER))
-        + air.range_noise_m(clear_power * bright, meeting.transmittance);
-    let intensity = match echo.retro {
-        true => saturated(draws.saturation),
-        false => {
-            // Hearing goes by a pulse's energy, the reading by its peak.
-            let peak = power * range_m * range_m * peak_share(range_m, echo.cos_incidence);
-            intensity(peak, range_m, laser_gain, echo.reading_noise * draws.gain_normal)
-        }
-    };
-    Some(Return { range_m: range_m + noise_m * draws.range_normal, intensity, actor_id: echo.actor_id })
 }
 
 /// Power of an echo at the receiver were there nothing in the air, in units of reflectance / range^2.
 #[inline]
-pub(super) fn clear_power(echo: &Echo, air: &Air) -> f64 {
+fn clear_power(echo: &Echo, air: &Air) -> f64 {
     let is_ground = echo.semantic.is_ground();
     let reflectance =
         if is_ground { air.ground(echo.semantic, echo.reflectance, echo.cos_incidence) } else { echo.reflectance };
@@ -113,7 +128,7 @@ pub(super) fn clear_power(echo: &Echo, air: &Air) -> f64 {
 
 /// What a retroreflector returns over what a white matt surface does: plates are heard at any range in clear air.
 #[inline]
-pub(super) fn brightness(echo: &Echo) -> f64 {
+fn brightness(echo: &Echo) -> f64 {
     if echo.retro { 1e3 } else { 1.0 }
 }
 
@@ -123,8 +138,8 @@ pub(super) fn echo_power(echo: &Echo, air: &Air) -> f64 {
 }
 
 /// Whether the receiver hears an echo; `detection` is uniform in [0, 1).
-pub(super) fn is_echo_heard(echo: &Echo, air: &Air, detection: f64) -> bool {
-    is_heard(echo_power(echo, air) * brightness(echo), detection)
+pub(super) fn is_echo_heard(echo: &Echo, air: &Air, receiver: &Receiver, detection: f64) -> bool {
+    receiver.hears(echo_power(echo, air) * brightness(echo), detection)
 }
 
 /// The surface that answers, with the reflectance that is left after lobe and glass.
@@ -171,7 +186,7 @@ pub(super) fn first_echo(pane: Option<Surface<'_>>, solid: Option<Surface<'_>>, 
     let lidar = &solid.material.lidar;
     Some(Echo {
         range_m: solid.range_m,
-        reflectance: reflectance(lidar, solid.cos_incidence) * transmittance,
+        reflectance: reflectance(lidar, solid.cos_incidence) * solid.texture * transmittance,
         cos_incidence: solid.cos_incidence,
         reading_noise: reading_noise(solid.material.pattern),
         retro: lidar.retro && transmittance > 0.05,
@@ -183,12 +198,34 @@ pub(super) fn first_echo(pane: Option<Surface<'_>>, solid: Option<Surface<'_>>, 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lidar::LidarSpec;
+    use crate::lidar::receiver::Waiting;
+    use crate::lidar::{LidarSpec, Scan};
     use crate::material::Pattern;
+    use crate::sense::TurretRing;
     use crate::weather::Weather;
 
     fn surface(material: &Material, range_m: f64, cos_incidence: f64, actor_id: i32) -> Surface<'_> {
-        Surface { range_m, cos_incidence, material, actor_id }
+        Surface { range_m, cos_incidence, material, texture: 1.0, actor_id }
+    }
+
+    /// What is written of one beam.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    struct Return {
+        range_m: f64,
+        intensity: f64,
+        actor_id: i32,
+    }
+
+    /// What is written of what arrives from one beam that looks ahead, by a receiver of that gain.
+    fn written(arrival: Option<Arrival>, laser_gain: f64, draws: &Draws) -> Option<Return> {
+        let mut waiting = Waiting::new();
+        waiting.push(&arrival?, draws, 0, [[0.0; 3], [1.0, 0.0, 0.0]]);
+        let mut spec = LidarSpec::new("one", vec![TurretRing::on_axis(0.0, 0.0)], vec![0.0]).expect("valid");
+        spec.laser_gains = vec![laser_gain];
+        let mut out = Scan::default();
+        waiting.receive(&spec, 0, &mut out);
+        let range_m = *out.range_m.first()?;
+        Some(Return { range_m, intensity: f64::from(out.points_velo[0][3]), actor_id: out.actor_id[0] })
     }
 
     fn receive(
@@ -196,14 +233,18 @@ mod tests {
         solid: Option<Surface<'_>>,
         air: &Air,
         laser_gain: f64,
-        range_noise_m: f64,
         draws: &Draws,
     ) -> Option<Return> {
-        report(first_echo(pane, solid, draws), air, ReturnMode::Strongest, laser_gain, range_noise_m, draws)
+        let echo = first_echo(pane, solid, draws);
+        written(arrival(echo, air, ReturnMode::Strongest, &Receiver::default(), draws), laser_gain, draws)
     }
 
     fn clear() -> Air {
-        Air::new(&Weather::preset("clear_noon").expect("exists"))
+        air_of("clear_noon")
+    }
+
+    fn air_of(weather: &str) -> Air {
+        Air::new(&Weather::preset(weather).expect("exists"), &Receiver::default())
     }
 
     /// Share of beams that return, share of zeros among them, mean intensity, over all lasers of KITTI's sensor.
@@ -212,7 +253,7 @@ mod tests {
         let n = 20_000;
         let gains = LidarSpec::hdl64e_kitti().laser_gains;
         let all: Vec<Return> = (0..n)
-            .filter_map(|i| receive(pane, solid, air, gains[i % gains.len()], 0.012, &Draws::new(&mut stream)))
+            .filter_map(|i| receive(pane, solid, air, gains[i % gains.len()], &Draws::new(&mut stream)))
             .collect();
         let count = all.len().max(1) as f64;
         let zeros = all.iter().filter(|r| r.intensity == 0.0).count() as f64 / count;
@@ -286,14 +327,8 @@ mod tests {
         let (mut own, mut inside, n) = (0, 0, 20_000);
         for _ in 0..n {
             let draws = Draws::new(&mut stream);
-            match receive(
-                Some(surface(&glass, 8.0, 0.7, 3)),
-                Some(surface(&seat, 9.0, 0.9, 3)),
-                &clear(),
-                1.0,
-                0.012,
-                &draws,
-            ) {
+            match receive(Some(surface(&glass, 8.0, 0.7, 3)), Some(surface(&seat, 9.0, 0.9, 3)), &clear(), 1.0, &draws)
+            {
                 Some(r) if r.range_m < 8.5 => own += 1,
                 Some(_) => inside += 1,
                 None => {}
@@ -311,7 +346,7 @@ mod tests {
         plate.lidar.retro = true;
         assert!(statistics(None, Some(surface(&plate, 30.0, 0.9, 1)), &clear()).2 > 0.95);
         let wall = Material::matt(Semantic::Building, [0.5; 3], Pattern::Plain, 0.5);
-        let fog = Air::new(&Weather::preset("light_fog").expect("exists"));
+        let fog = air_of("light_fog");
         let (near, far) = (surface(&wall, 10.0, 0.9, 0), surface(&wall, 70.0, 0.9, 0));
         assert!(statistics(None, Some(near), &fog).0 > 0.98);
         let (foggy, dry) = (statistics(None, Some(far), &fog).0, statistics(None, Some(far), &clear()).0);
@@ -322,12 +357,14 @@ mod tests {
     fn drops_and_flakes_hide_targets_from_the_strongest_return_but_not_from_the_last() {
         let wall = Material::matt(Semantic::Building, [0.5; 3], Pattern::Plain, 0.3);
         let target = Some(surface(&wall, 12.0, 0.9, 7));
-        let snow = Air::new(&Weather::of_air(0.0, 0.0, 4.0, 0.0).expect("valid"));
+        let receiver = Receiver::default();
+        let snow = Air::new(&Weather::of_air(0.0, 0.0, 4.0, 0.0).expect("valid"), &receiver);
         let mut stream = Stream::from_seed("last", 0);
         let (mut hidden, n) = (0, 20_000);
         for _ in 0..n {
             let draws = Draws::new(&mut stream);
-            let by = |mode| report(first_echo(None, target, &draws), &snow, mode, 1.0, 0.012, &draws);
+            let by =
+                |mode| written(arrival(first_echo(None, target, &draws), &snow, mode, &receiver, &draws), 1.0, &draws);
             let (strongest, last) = (by(ReturnMode::Strongest), by(ReturnMode::Last));
             if strongest.is_some_and(|r| r.actor_id == 0) {
                 hidden += 1;

@@ -1,12 +1,13 @@
 //! One turn of the LIDAR: exact, or as the sensor reports it.
 //!
 //! A scan is made in steps: casting says what beams meet (`casting`, `turning`), surfaces are looked up (`surfaces`),
-//! beams at depth edges are split (`spread`), the receiver answers (`returns`), and points are written here.
+//! beams at depth edges are split (`spread`), what arrives is found (`returns`, `air`), and the receiver writes points
+//! (`receiver`).
 
 use super::air::Air;
 use super::casting::{Casting, Standing};
 use super::receiver::Waiting;
-use super::returns::{Draws, Return, brightness, clear_power, first_echo, report};
+use super::returns::{Draws, arrival, first_echo};
 use super::spec::LidarSpec;
 use super::spread::chosen_echo;
 use super::surfaces::Surfaces;
@@ -116,14 +117,14 @@ fn scan_by<C: Casting>(casting: &C, spec: &LidarSpec, weather: &Weather, stream:
         }
     };
     let mut split_beams = edges.iter().map(|beam| *beam as usize).zip(&split).peekable();
-    let air = Air::new(weather);
+    let receiver = spec.receiver();
+    let air = Air::new(weather, receiver);
     let (mut behind, mut in_front) = (Surfaces::new(casting), Surfaces::new(casting));
     let mut out = Scan::with_capacity(spec.num_beams());
     let mut waiting = Waiting::new();
     let mut beams = 0..;
     for (ring, laser) in spec.rings().iter().enumerate() {
         let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
-        let gain = spec.laser_gains[ring];
         let first_return = out.range_m.len();
         let is_blind = spec.blind_columns(ring);
         for (column, heading) in spec.headings(ring).iter().enumerate() {
@@ -134,23 +135,19 @@ fn scan_by<C: Casting>(casting: &C, spec: &LidarSpec, weather: &Weather, stream:
                 continue;
             }
             let direction_velo = DVec3::new(cos * heading[0], cos * heading[1], sin);
-            let pane = met.pane(beam).and_then(|p| in_front.at(p, column, direction_velo));
-            let echo = if let Some((_, quarters)) = quarters {
-                let quarters = quarters.map(|q| first_echo(pane, behind.at(q, column, direction_velo), &draws));
-                chosen_echo(quarters, spec.returns, &air, draws.detection)
-            } else {
-                first_echo(pane, behind.at(met.solid(beam), column, direction_velo), &draws)
-            };
             let origin_velo = laser.origin_velo(*heading);
-            if air.is_clear() {
-                let Some(echo) = echo else { continue };
-                let seen = [clear_power(&echo, &air), brightness(&echo)];
-                waiting.push(&echo, seen, &draws, column, [origin_velo.to_array(), direction_velo.to_array()]);
-                if waiting.is_full() {
-                    waiting.receive(spec, ring, &mut out);
-                }
-            } else if let Some(found) = report(echo, &air, spec.returns, gain, spec.range_noise_m, &draws) {
-                out.write(spec, [ring, column], origin_velo, direction_velo, &found);
+            let pane = met.pane(beam).and_then(|p| in_front.at(p, column, origin_velo, direction_velo));
+            let echo = if let Some((_, quarters)) = quarters {
+                let quarters =
+                    quarters.map(|q| first_echo(pane, behind.at(q, column, origin_velo, direction_velo), &draws));
+                chosen_echo(quarters, spec.returns, &air, receiver, draws.detection)
+            } else {
+                first_echo(pane, behind.at(met.solid(beam), column, origin_velo, direction_velo), &draws)
+            };
+            let Some(arrived) = arrival(echo, &air, spec.returns, receiver, &draws) else { continue };
+            waiting.push(&arrived, &draws, column, [origin_velo.to_array(), direction_velo.to_array()]);
+            if waiting.is_full() {
+                waiting.receive(spec, ring, &mut out);
             }
         }
         waiting.receive(spec, ring, &mut out);
@@ -170,31 +167,6 @@ impl Scan {
             actor_id: Vec::with_capacity(n),
             range_m: Vec::with_capacity(n),
         }
-    }
-
-    /// Writes a return, rounded, if it is within the sensor's range.
-    #[inline]
-    fn write(
-        &mut self,
-        spec: &LidarSpec,
-        [ring, column]: [usize; 2],
-        origin_velo: DVec3,
-        direction_velo: DVec3,
-        found: &Return,
-    ) {
-        let p = direction_velo * found.range_m + origin_velo;
-        let [x, y, z] = p.to_array().map(|v| (round(v * 1e3) / 1e3) as f32);
-        // What is kept is judged by the written point, from the frame's origin, as in KITTI's files.
-        let written_m = DVec3::new(x.into(), y.into(), z.into()).length();
-        if !(spec.min_range_m..spec.max_range_m).contains(&written_m) {
-            return;
-        }
-        let intensity = (round(found.intensity * 1e2).clamp(0.0, 99.0) / 1e2) as f32;
-        self.points_velo.push([x, y, z, intensity]);
-        self.ring.push(ring as i32);
-        self.column.push(column as i32);
-        self.actor_id.push(found.actor_id);
-        self.range_m.push(found.range_m);
     }
 }
 

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::firing::Firing;
+use super::response::{MAX_DIVERGENCE_RAD, Receiver};
 use super::spread::Spread;
 use crate::error::{Error, Result, finite};
 use crate::math::{self, DPose3, DVec3, TAU};
@@ -43,14 +44,13 @@ pub struct LidarSpec {
     azimuths_rad: Vec<f64>,
     azimuth_offsets_rad: Vec<f64>,
     turret: TurretGrid,
-    /// None for beams that are lines.
+    receiver: Receiver,
+    /// None for beams that meet surfaces as lines do.
     spread: Option<Arc<Spread>>,
     /// Returns nearer than this to the frame's origin are not kept.
     pub min_range_m: f64,
     /// Returns as far from the frame's origin as this, or farther, are not kept.
     pub max_range_m: f64,
-    /// Standard deviation of the range.
-    pub range_noise_m: f64,
     /// Sensitivity of each ring's receiver, 1 for an average one.
     pub laser_gains: Vec<f64>,
     /// Which echo is reported where a beam meets several surfaces.
@@ -88,7 +88,8 @@ pub struct Rays {
 impl LidarSpec {
     /// A LIDAR with these rings, each firing at every azimuth (rising, in [0, 2 pi), counter-clockwise from forward).
     ///
-    /// Ranges from 1.45 m up to 80 m, noise of 1.2 cm, equal gains: change the public fields for others.
+    /// Ranges from 1.45 m up to 80 m, equal gains, the HDL-64E's receiver: change the public fields for others, and
+    /// [`LidarSpec::with_receiver`].
     ///
     /// # Errors
     /// [`Error::NotFinite`] and [`Error::OutOfRange`], as [`TurretGrid::new`] gives them.
@@ -117,7 +118,7 @@ impl LidarSpec {
             rolling: false,
             min_range_m: 1.45,
             max_range_m: 80.0,
-            range_noise_m: 0.012,
+            receiver: Receiver::default(),
         })
     }
 
@@ -135,9 +136,28 @@ impl LidarSpec {
         self.respread()
     }
 
-    fn respread(self) -> Result<Self> {
-        let divergence_rad = self.divergence_rad();
-        self.with_divergence(divergence_rad)
+    fn respread(mut self) -> Result<Self> {
+        if self.spread.is_some() {
+            let (rings, azimuths, offsets) = (&self.rings, &self.azimuths_rad, &self.azimuth_offsets_rad);
+            self.spread = Some(Arc::new(Spread::new(rings, azimuths, offsets, self.receiver.divergence_rad)?));
+        }
+        Ok(self)
+    }
+
+    /// The same sensor with another receiver.
+    ///
+    /// # Errors
+    /// As [`Receiver::check`], and as [`LidarSpec::with_divergence`] where beams are split.
+    pub fn with_receiver(mut self, receiver: Receiver) -> Result<Self> {
+        receiver.check()?;
+        self.receiver = receiver;
+        self.respread()
+    }
+
+    /// Pulse, beam, threshold and noise.
+    #[must_use]
+    pub fn receiver(&self) -> &Receiver {
+        &self.receiver
     }
 
     /// Checks the public fields, which anyone may have set.
@@ -145,8 +165,9 @@ impl LidarSpec {
     /// # Errors
     /// [`Error::NotFinite`], [`Error::OutOfRange`] or [`Error::Shape`], naming the field.
     pub fn check(&self) -> Result<()> {
-        let fields = [("min_range_m", self.min_range_m, 0.0), ("range_noise_m", self.range_noise_m, 0.0)];
-        for (what, value, least) in fields.into_iter().chain([("max_range_m", self.max_range_m, self.min_range_m)]) {
+        for (what, value, least) in
+            [("min_range_m", self.min_range_m, 0.0), ("max_range_m", self.max_range_m, self.min_range_m)]
+        {
             if finite(what, value)? < least {
                 return Err(Error::OutOfRange {
                     what,
@@ -185,7 +206,7 @@ impl LidarSpec {
     }
 
     /// The same sensor with beams that open by `divergence_rad` (the full cone), so that they may meet several surfaces
-    /// at depth edges; 0 for beams that are lines.
+    /// at depth edges; 0 for beams that meet surfaces as lines do, in the receiver's own cone for all else.
     ///
     /// # Errors
     /// [`Error::NotFinite`]; [`Error::OutOfRange`] for a divergence below 0 or above 0.02, for one that tips a beam
@@ -198,19 +219,16 @@ impl LidarSpec {
                 expected: format!("0 to {MAX_DIVERGENCE_RAD} rad"),
             });
         }
-        self.spread = match divergence_rad {
-            0.0 => None,
-            _ => {
-                Some(Arc::new(Spread::new(&self.rings, &self.azimuths_rad, &self.azimuth_offsets_rad, divergence_rad)?))
-            }
-        };
+        if divergence_rad == 0.0 {
+            self.spread = None;
+            return Ok(self);
+        }
+        let receiver = Receiver { divergence_rad, ..self.receiver };
+        receiver.check()?;
+        self.receiver = receiver;
+        let (rings, azimuths, offsets) = (&self.rings, &self.azimuths_rad, &self.azimuth_offsets_rad);
+        self.spread = Some(Arc::new(Spread::new(rings, azimuths, offsets, divergence_rad)?));
         Ok(self)
-    }
-
-    /// The full cone of a beam; 0 for beams that are lines.
-    #[must_use]
-    pub fn divergence_rad(&self) -> f64 {
-        self.spread.as_ref().map_or(0.0, |s| s.divergence_rad)
     }
 
     pub(super) fn spread(&self) -> Option<&Spread> {
@@ -322,9 +340,6 @@ impl LidarSpec {
         (rings, columns)
     }
 }
-
-/// The widest cone that [`LidarSpec::with_divergence`] takes.
-const MAX_DIVERGENCE_RAD: f64 = 0.02;
 
 #[cfg(test)]
 mod tests {

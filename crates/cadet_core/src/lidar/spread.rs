@@ -8,14 +8,13 @@
 //! Beams away from edges are left alone: there the middle stands for the whole spot.
 
 use super::air::Air;
+use super::response::Receiver;
 use super::returns::{Echo, echo_power, is_echo_heard};
 use super::spec::ReturnMode;
 use crate::error::Result;
 use crate::math::{self, DPose3, DQuat, DVec3};
 use crate::sense::{BeamGrid, Hits, NO_HIT, TurretGrid, TurretRing};
 
-/// Echoes nearer to each other than this are one: half the way that light goes in a pulse of 5 ns.
-pub(super) const PULSE_M: f64 = 0.75;
 /// Ranges of neighbouring beams that differ by more than this, and by more than twice what the slope beside them
 /// explains, belong to different surfaces.
 const EDGE_M: f32 = 0.25;
@@ -162,7 +161,14 @@ const MAX_REACH: usize = 64;
 
 /// What the receiver makes of the echoes of a beam's four quarters: the strongest that stand apart, or the last that is
 /// heard. None where none of them answers.
-pub(super) fn chosen_echo(quarters: [Option<Echo>; 4], mode: ReturnMode, air: &Air, detection: f64) -> Option<Echo> {
+pub(super) fn chosen_echo(
+    quarters: [Option<Echo>; 4],
+    mode: ReturnMode,
+    air: &Air,
+    receiver: &Receiver,
+    detection: f64,
+) -> Option<Echo> {
+    let pulse_m = receiver.pulse_m();
     let mut sorted = quarters;
     sorted.sort_by(|a, b| {
         let range_m = |e: &Option<Echo>| e.map_or(f64::INFINITY, |e| e.range_m);
@@ -171,12 +177,12 @@ pub(super) fn chosen_echo(quarters: [Option<Echo>; 4], mode: ReturnMode, air: &A
     let mut chosen: Option<Echo> = None;
     let mut rest = &sorted[..sorted.iter().filter(|e| e.is_some()).count()];
     while let Some(first) = rest.first().copied().flatten() {
-        let joined = rest.iter().flatten().take_while(|e| e.range_m - first.range_m < PULSE_M).count();
+        let joined = rest.iter().flatten().take_while(|e| e.range_m - first.range_m < pulse_m).count();
         let echo = merged(&rest[..joined]);
         rest = &rest[joined..];
         let is_better = match mode {
             ReturnMode::Strongest => chosen.is_none_or(|c| rank(&echo, air) > rank(&c, air)),
-            ReturnMode::Last => chosen.is_none() || is_echo_heard(&echo, air, detection),
+            ReturnMode::Last => chosen.is_none() || is_echo_heard(&echo, air, receiver, detection),
         };
         if is_better {
             chosen = Some(echo);
@@ -232,7 +238,11 @@ mod tests {
     }
 
     fn clear() -> Air {
-        Air::new(&Weather::preset("clear_noon").expect("exists"))
+        Air::new(&Weather::preset("clear_noon").expect("exists"), &Receiver::default())
+    }
+
+    fn chosen(quarters: [Option<Echo>; 4], mode: ReturnMode, detection: f64) -> Option<Echo> {
+        chosen_echo(quarters, mode, &clear(), &Receiver::default(), detection)
     }
 
     #[test]
@@ -315,7 +325,7 @@ mod tests {
     fn the_strongest_echo_wins_or_the_last_that_is_heard() {
         let air = clear();
         let (near, far) = (echo(10.0, 0.3, 1), echo(14.0, 0.3, 2));
-        let pick = |quarters, mode, detection| chosen_echo(quarters, mode, &air, detection).map(|e| e.actor_id);
+        let pick = |quarters, mode, detection| chosen(quarters, mode, detection).map(|e| e.actor_id);
         let half = [near, far, near, far];
         assert_eq!(pick(half, ReturnMode::Strongest, 0.5), Some(1));
         assert_eq!(pick(half, ReturnMode::Last, 0.5), Some(2));
@@ -324,35 +334,34 @@ mod tests {
         assert_eq!(pick([None, None, near, None], ReturnMode::Last, 0.5), Some(1));
         assert_eq!(pick([None; 4], ReturnMode::Strongest, 0.5), None);
         // The share of the spot is the share of the power.
-        let strongest = chosen_echo(half, ReturnMode::Strongest, &air, 0.5).expect("heard");
+        let strongest = chosen(half, ReturnMode::Strongest, 0.5).expect("heard");
         assert!((strongest.range_m - 10.0).abs() < 1e-12 && (strongest.reflectance - 0.15).abs() < 1e-12);
         // A far surface is last as often as the receiver hears half of its power.
         let (n, weak) = (2_000, echo(70.0, 0.5, 2));
         let draws = (0..n).map(|i| f64::from(i) / f64::from(n));
         let last = draws.clone().filter(|d| pick([near, weak, near, weak], ReturnMode::Last, *d) == Some(2)).count();
         let half_power = echo(70.0, 0.25, 2).expect("some");
-        assert_eq!(last, draws.filter(|d| is_echo_heard(&half_power, &air, *d)).count());
+        assert_eq!(last, draws.filter(|d| is_echo_heard(&half_power, &air, &Receiver::default(), *d)).count());
         assert!(last > 20 && last < 1_980, "{last}");
     }
 
     #[test]
     fn echoes_within_a_pulse_mix() {
-        let mixed = chosen_echo(
-            [echo(20.0, 0.4, 1), echo(20.4, 0.2, 2), echo(20.4, 0.2, 2), echo(20.0, 0.4, 1)],
-            ReturnMode::Last,
-            &clear(),
-            0.5,
-        )
-        .expect("heard");
+        let two = [echo(20.0, 0.4, 1), echo(20.4, 0.2, 2), echo(20.4, 0.2, 2), echo(20.0, 0.4, 1)];
+        let mixed = chosen(two, ReturnMode::Last, 0.5).expect("heard");
         let (p, q) = (0.4 / 400.0, 0.2 / (20.4 * 20.4));
         assert!((mixed.range_m - (p * 20.0 + q * 20.4) / (p + q)).abs() < 1e-12);
         assert!((mixed.reflectance / (mixed.range_m * mixed.range_m) - 0.5 * (p + q)).abs() < 1e-12);
         assert_eq!(mixed.actor_id, 1);
+        // A shorter pulse tells them apart: its length is the receiver's.
+        let short = Receiver { pulse_s: 2e-9, ..Receiver::default() };
+        let last = chosen_echo(two, ReturnMode::Last, &clear(), &short, 0.5).expect("heard");
+        assert_eq!((last.range_m, last.actor_id), (20.4, 2));
         let apart = [echo(20.0, 0.4, 1), echo(20.8, 0.4, 2), None, None];
-        assert_eq!(chosen_echo(apart, ReturnMode::Last, &clear(), 0.5).expect("heard").range_m, 20.8);
+        assert_eq!(chosen(apart, ReturnMode::Last, 0.5).expect("heard").range_m, 20.8);
         let mut plate = echo(20.8, 0.1, 3).expect("some");
         plate.retro = true;
         let beside = [echo(20.0, 0.9, 1), echo(20.0, 0.9, 1), echo(20.0, 0.9, 1), Some(plate)];
-        assert_eq!(chosen_echo(beside, ReturnMode::Strongest, &clear(), 0.5).expect("heard").actor_id, 3);
+        assert_eq!(chosen(beside, ReturnMode::Strongest, 0.5).expect("heard").actor_id, 3);
     }
 }

@@ -3,6 +3,7 @@
 use super::casting::Casting;
 use super::returns::Surface;
 use super::spread::SubBeam;
+use super::texture;
 use crate::math::DVec3;
 use crate::sense::NO_HIT;
 
@@ -20,7 +21,13 @@ impl<'a, C: Casting> Surfaces<'a, C> {
 
     /// The surface that a beam of a column met in a direction.
     #[inline]
-    pub(super) fn at(&mut self, hit: SubBeam, column: usize, direction_velo: DVec3) -> Option<Surface<'a>> {
+    pub(super) fn at(
+        &mut self,
+        hit: SubBeam,
+        column: usize,
+        origin_velo: DVec3,
+        direction_velo: DVec3,
+    ) -> Option<Surface<'a>> {
         if !hit.is_hit() {
             return None;
         }
@@ -35,10 +42,19 @@ impl<'a, C: Casting> Surfaces<'a, C> {
             self.last = (instance, face);
         }
         let direction_world = self.casting.direction_world(column, instance, direction_velo);
+        let range_m = f64::from(hit.range_m);
+        let material = posed.material(face);
+        let texture = if texture::is_varied(material) {
+            let place = self.casting.place_world(column, origin_velo + direction_velo * range_m);
+            texture::paved(place.truncate())
+        } else {
+            1.0
+        };
         Some(Surface {
-            range_m: f64::from(hit.range_m),
+            range_m,
             cos_incidence: self.normal_world.dot(direction_world).abs().min(1.0),
-            material: posed.material(face),
+            material,
+            texture,
             actor_id: posed.actor_id,
         })
     }

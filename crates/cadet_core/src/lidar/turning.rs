@@ -120,6 +120,11 @@ impl Casting for Firings<'_> {
         let (moment, world_from_velo) = &self.columns[column];
         moment.direction_now(instance, world_from_velo.rotation * direction_velo)
     }
+
+    #[inline]
+    fn place_world(&self, column: usize, place_velo: DVec3) -> DVec3 {
+        self.columns[column].1.transform_point(place_velo)
+    }
 }
 
 fn put(hits: &mut Hits, at: usize, found: Option<FaceHit>) {

@@ -8,6 +8,7 @@ use super::ground_mesh::{self, Cover, Fineness, PlanMesh};
 use super::ground_region::{Regions, Ring};
 use super::height_field::HeightField;
 use super::network::{Lane, LaneKind, RoadNetwork};
+use super::roughness::Roughness;
 use super::xodr_writer::KERB_HEIGHT_M;
 use super::{ground_palette, road_marking};
 use crate::error::Result;
@@ -56,6 +57,18 @@ impl Ground {
     /// # Errors
     /// [`crate::Error::Map`] where the network has no carriageway or is larger than 40 km.
     pub fn new(network: &RoadNetwork) -> Result<Self> {
+        Self::laid(network, None)
+    }
+
+    /// The same with the bumps and dips that real streets have.
+    ///
+    /// # Errors
+    /// As [`Ground::new`].
+    pub fn rough(network: &RoadNetwork, roughness: &Roughness) -> Result<Self> {
+        Self::laid(network, Some(roughness))
+    }
+
+    fn laid(network: &RoadNetwork, roughness: Option<&Roughness>) -> Result<Self> {
         let regions = Regions::of(network)?;
         let paved = |k: LaneKind| matches!(k, LaneKind::Driving | LaneKind::Parking | LaneKind::Biking);
         let samples: Vec<DVec3> = network.lanes.iter().filter(|l| paved(l.kind)).flat_map(spaced_points).collect();
@@ -63,9 +76,11 @@ impl Ground {
         let (min, max) = everything.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
         let (min, max) = ((min - MARGIN_M).floor(), (max + MARGIN_M).ceil());
         let height = HeightField::fit(&samples, min, max);
-        let fineness = if height.is_flat() { Fineness::FLAT } else { Fineness::HILLY };
+        let is_level = height.is_flat() && roughness.is_none();
+        let fineness = if is_level { Fineness::FLAT } else { Fineness::HILLY };
         let plan = ground_mesh::triangulate(&regions, &samples, (min, max), fineness)?;
-        let mut ground = Self::assemble(&plan, regions, &|p| height.height(p), (min, max));
+        let surface = |p: DVec2| height.height(p) + roughness.map_or(0.0, |r| r.height_m(p));
+        let mut ground = Self::assemble(&plan, regions, &surface, (min, max));
         let paint = road_marking::draw(network, &ground);
         ground.paint(&paint);
         Ok(ground)

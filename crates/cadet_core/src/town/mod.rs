@@ -19,6 +19,7 @@ mod plan_curve;
 mod plots;
 mod relief;
 mod road_marking;
+mod roughness;
 mod street_plan;
 mod street_style;
 mod streetside;
@@ -31,6 +32,7 @@ pub use ground::{Ground, GroundKind};
 pub use kerbside::parking_spots;
 pub use network::{Lane, LaneId, LaneKind, RoadNetwork};
 pub use opendrive::load as load_map;
+pub use roughness::Roughness;
 pub use suburb::{Suburb, SuburbConfig, generate as generate_suburb};
 pub use walkway::walkways;
 
@@ -124,7 +126,8 @@ impl Town {
 
     fn dressed(key: &StreamKey, name: &str, network: RoadNetwork, config: &DressingConfig) -> Result<Self> {
         config.check()?;
-        let ground = Ground::new(&network)?;
+        let roughness = Roughness::new(&mut key.stream("ground/roughness"));
+        let ground = Ground::rough(&network, &roughness)?;
         let mut dressing = dressing::dress(key, &network, &ground, config);
         let mut scenery = ground.tiles.clone();
         scenery.append(&mut dressing.instances);

@@ -4,7 +4,7 @@ use super::network::RoadNetwork;
 use super::relief::Relief;
 use super::{opendrive, street_plan, xodr_writer};
 use crate::error::{Error, Result};
-use crate::rng::StreamKey;
+use crate::rng::{Stream, StreamKey};
 
 /// What kind of suburb to make.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,6 +63,12 @@ pub struct Suburb {
     pub network: RoadNetwork,
 }
 
+/// Streets fall to one side by 2 to 2.5 %, so that rain runs off.
+fn draw_crossfall(stream: &mut Stream) -> f64 {
+    let slope = stream.range(0.02, 0.025);
+    if stream.chance(0.5) { slope } else { -slope }
+}
+
 /// Makes the suburb of a key: the same key gives the same text.
 ///
 /// # Errors
@@ -71,7 +77,9 @@ pub fn generate(key: &StreamKey, config: &SuburbConfig) -> Result<Suburb> {
     config.check()?;
     let relief = Relief::new(&mut key.stream("suburb/relief"), config.hilly_share, config.max_slope);
     let plan = street_plan::draw(key, config);
-    let xodr = xodr_writer::write("suburb", &plan, &relief);
+    let mut stream = key.stream("suburb/crossfall");
+    let crossfall: Vec<f64> = plan.streets.iter().map(|_| draw_crossfall(&mut stream)).collect();
+    let xodr = xodr_writer::write("suburb", &plan, &relief, &crossfall);
     let network = opendrive::load("suburb", &xodr)?;
     Ok(Suburb { xodr, network })
 }

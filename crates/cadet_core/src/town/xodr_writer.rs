@@ -9,6 +9,8 @@ use crate::math;
 
 /// The kerb swings out into the bay over this length.
 const BAY_TAPER_M: f64 = 2.5;
+/// A street's slope across grows from its ends to the full over this length.
+const CROSSFALL_RAMP_M: f64 = 20.0;
 /// Height of a kerb: a pavement's lane lies this much above the carriageway.
 pub(super) const KERB_HEIGHT_M: f64 = 0.12;
 
@@ -63,15 +65,17 @@ struct Section {
 }
 
 /// The whole document. Streets have ids from 1 on, turns follow; junctions have ids from 1 on.
-pub(super) fn write(name: &str, plan: &StreetPlan, relief: &Relief) -> String {
+///
+/// `crossfall` holds each street's slope across, up to the left.
+pub(super) fn write(name: &str, plan: &StreetPlan, relief: &Relief, crossfall: &[f64]) -> String {
     let mut out = String::with_capacity(1 << 20);
     out.push_str("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<OpenDRIVE>\n");
     put(
         &mut out,
         format_args!("<header revMajor=\"1\" revMinor=\"7\" name=\"{name}\" version=\"1.00\" vendor=\"cadet\"/>\n"),
     );
-    for (i, street) in plan.streets.iter().enumerate() {
-        write_street(&mut out, i, street, relief);
+    for (i, (street, fall)) in plan.streets.iter().zip(crossfall).enumerate() {
+        write_street(&mut out, i, street, relief, *fall);
     }
     for (i, turn) in plan.turns.iter().enumerate() {
         write_turn(&mut out, plan, i, turn, relief);
@@ -111,7 +115,7 @@ fn sidewalk_beside(lane: i32) -> i32 {
     2 * lane
 }
 
-fn write_street(out: &mut String, index: usize, street: &Street, relief: &Relief) {
+fn write_street(out: &mut String, index: usize, street: &Street, relief: &Relief, crossfall: f64) {
     let [from, to] = street.junctions;
     let length = street.curve.length_m();
     put(
@@ -126,7 +130,7 @@ fn write_street(out: &mut String, index: usize, street: &Street, relief: &Relief
         ),
     );
     write_type(out, street.speed_kmh);
-    write_shape(out, &street.curve, relief);
+    write_shape(out, &street.curve, relief, crossfall);
     write_lanes(out, &street_sections(street), street.speed_kmh > 30);
     out.push_str("</road>\n");
 }
@@ -210,7 +214,8 @@ fn write_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &Turn, re
         ),
     );
     write_type(out, a.speed_kmh.min(b.speed_kmh));
-    write_shape(out, &turn.curve, relief);
+    // Crossings lie level: a street's crossfall begins and ends with its own piece.
+    write_shape(out, &turn.curve, relief, 0.0);
     let (arrives, leaves) = (lanes_at(from_end).0, lanes_at(to_end).1);
     let blend = |x: f64, y: f64| vec![Cubic::hermite(0.0, length, (x, 0.0), (y, 0.0))];
     let mut lanes = vec![LaneRecord {
@@ -257,8 +262,9 @@ fn write_junction(out: &mut String, plan: &StreetPlan, junction: usize) {
     out.push_str("</junction>\n");
 }
 
-/// Plan view, elevation along the reference line, and superelevation, which lays the lanes on the relief.
-fn write_shape(out: &mut String, curve: &PlanCurve, relief: &Relief) {
+/// Plan view, elevation along the reference line, and superelevation, which lays the lanes on the relief and adds the
+/// street's crossfall.
+fn write_shape(out: &mut String, curve: &PlanCurve, relief: &Relief, crossfall: f64) {
     out.push_str("<planView>\n");
     let mut s = 0.0;
     for g in &curve.segments {
@@ -283,7 +289,7 @@ fn write_shape(out: &mut String, curve: &PlanCurve, relief: &Relief) {
     let knots: Vec<f64> = (0..=count).map(|i| length * i as f64 / count as f64).collect();
     let tilt = |s: f64| {
         let pose = curve.pose_at(s);
-        math::atan(relief.gradient(pose.at).dot(pose.direction().perp()))
+        math::atan(relief.gradient(pose.at).dot(pose.direction().perp()) + crossfall * crossfall_share(s, length))
     };
     let along = |s: f64| {
         let pose = curve.pose_at(s);
@@ -303,6 +309,12 @@ fn write_shape(out: &mut String, curve: &PlanCurve, relief: &Relief) {
     out.push_str("</elevationProfile>\n<lateralProfile>\n");
     profile(out, "superelevation", &across);
     out.push_str("</lateralProfile>\n");
+}
+
+/// Share of its crossfall that a street has at `s`: none at its ends, all from [`CROSSFALL_RAMP_M`] inside.
+fn crossfall_share(s: f64, length: f64) -> f64 {
+    let t = (s.min(length - s) / CROSSFALL_RAMP_M.min(length / 2.0)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
 }
 
 fn write_lanes(out: &mut String, sections: &[Section], center_line: bool) {

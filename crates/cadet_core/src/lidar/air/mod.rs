@@ -10,6 +10,7 @@ pub use recorded::{Fate, Weathered, weather_recorded};
 use self::fog::Fog;
 use self::particles::Particles;
 use super::reflection;
+use super::response::Receiver;
 use crate::material::{LidarMaterial, Semantic};
 use crate::math;
 use crate::rng::Dice;
@@ -18,14 +19,6 @@ use crate::weather::Weather;
 /// The receiver sees nothing nearer than this, and all of its beam from [`OPEN_M`] on.
 const CLOSED_M: f64 = 0.9;
 const OPEN_M: f64 = 1.0;
-/// Full angle of a beam.
-const DIVERGENCE_RAD: f64 = 0.003;
-/// Range at which a target of reflectance 0.9 is at the limit: the HDL-64E's by its data sheet.
-const LONGEST_M: f64 = 120.0;
-/// The weakest echo that is heard, in units of reflectance / range^2 (LISA: 0.9 / R_max^2).
-const THRESHOLD: f64 = 0.9 / (LONGEST_M * LONGEST_M);
-/// Range resolution of LISA's noise.
-const RESOLUTION_M: f64 = 0.09;
 /// Fog's answer is spread behind its strongest place by this times a Beta(2, 20) number: 0.9 m on average.
 const FOG_SPREAD_M: f64 = 10.0;
 
@@ -70,15 +63,15 @@ pub(super) enum Scatterer {
 }
 
 impl Air {
-    pub(super) fn new(weather: &Weather) -> Self {
+    pub(super) fn new(weather: &Weather, receiver: &Receiver) -> Self {
         let alpha_per_m = weather.extinction_per_m();
         let fog_alpha_per_m = weather.fog_alpha_per_m;
         Self {
             fog_alpha_per_m,
             alpha_per_m,
-            fog: (fog_alpha_per_m > 0.0).then(|| Fog::new(fog_alpha_per_m)),
-            rain: weather.drops().map(|sizes| Particles::drops(sizes, alpha_per_m)),
-            snow: weather.flakes().map(|sizes| Particles::flakes(sizes, alpha_per_m)),
+            fog: (fog_alpha_per_m > 0.0).then(|| Fog::new(fog_alpha_per_m, receiver.pulse_s)),
+            rain: weather.drops().map(|sizes| Particles::drops(sizes, alpha_per_m, receiver)),
+            snow: weather.flakes().map(|sizes| Particles::flakes(sizes, alpha_per_m, receiver)),
             wetness: weather.wetness,
             snow_cover: weather.snow_cover(),
         }
@@ -88,11 +81,6 @@ impl Air {
     #[inline]
     pub(super) fn is_clear(&self) -> bool {
         self.alpha_per_m == 0.0
-    }
-
-    /// True if drops or flakes fall.
-    fn has_particles(&self) -> bool {
-        self.rain.is_some() || self.snow.is_some()
     }
 
     /// What becomes of a beam whose target at `range_m` returns `power` (reflectance / range^2) in clear air; an
@@ -155,17 +143,6 @@ impl Air {
     /// What fog alone leaves of an echo.
     fn fog_transmittance(&self, range_m: f64) -> f64 {
         if self.fog_alpha_per_m == 0.0 { 1.0 } else { math::exp(-2.0 * self.fog_alpha_per_m * range_m) }
-    }
-
-    /// Standard deviation that drops and flakes add to the range of an echo that had `power` and keeps `transmittance`
-    /// of it: LISA's dR / sqrt(2 SNR), less what the echo had in clear air.
-    pub(super) fn range_noise_m(&self, power: f64, transmittance: f64) -> f64 {
-        if !self.has_particles() || transmittance >= 1.0 {
-            return 0.0;
-        }
-        let before = (power / THRESHOLD).max(1.0);
-        let after = (before * transmittance).max(1.0);
-        RESOLUTION_M * ((1.0 / after - 1.0 / before) * 0.5).sqrt()
     }
 
     /// Reflectance of ground that has `reflectance` back to the sensor when it is dry and bare.

@@ -5,11 +5,12 @@
 //! the plane that a laser sweeps and shares the beam's angle; here they stand in the cone and share its area, since a
 //! flake of 2 mm covers 3 % of the beam's width at 20 m but 0.1 % of its area.
 //!
-//! Only particles whose echo is above the receiver's threshold are drawn: where sizes are exponential, so is what is
+//! Only particles whose echo the receiver may hear are drawn: where sizes are exponential, so is what is
 //! above a limit, and the number of bright ones along the beam is Poisson. That is exact and costs one random number on
 //! most beams. All others only dim what is behind them, by the mean.
 
-use super::{CLOSED_M, DIVERGENCE_RAD, THRESHOLD, crossover};
+use super::{CLOSED_M, crossover};
+use crate::lidar::Receiver;
 use crate::math::{self, PI};
 use crate::rng::Dice;
 use crate::weather::SizeDistribution;
@@ -18,6 +19,8 @@ use crate::weather::SizeDistribution;
 const DROP_REFLECTANCE: f64 = 0.328 * 0.328 / (2.328 * 2.328);
 /// Reflectance of a flake. A snow pack has 0.8, but a lone flake lets most of the light through.
 const FLAKE_REFLECTANCE: f64 = 0.3;
+/// What has less than this share of the power that is heard half of the time is left out: it is heard 1 time in 20.
+const FAINTEST: f64 = 0.6;
 /// Step of the tables over the range.
 const STEP_M: f64 = 0.05;
 
@@ -25,6 +28,10 @@ const STEP_M: f64 = 0.05;
 #[derive(Debug, Clone)]
 pub(super) struct Particles {
     reflectance: f64,
+    /// Of the beam.
+    divergence_rad: f64,
+    /// The weakest echo that is drawn, in units of reflectance / range^2.
+    least_power: f64,
     /// Two-way attenuation of their echo, per metre.
     dimming_per_m: f64,
     /// Of the exponential distribution of diameters, 1/m.
@@ -50,18 +57,20 @@ pub(super) struct Particle {
 
 impl Particles {
     /// Drops of these sizes, in air that attenuates by `alpha_per_m` one way.
-    pub(super) fn drops(sizes: SizeDistribution, alpha_per_m: f64) -> Self {
-        Self::new(sizes, DROP_REFLECTANCE, alpha_per_m)
+    pub(super) fn drops(sizes: SizeDistribution, alpha_per_m: f64, receiver: &Receiver) -> Self {
+        Self::new(sizes, DROP_REFLECTANCE, alpha_per_m, receiver)
     }
 
     /// Flakes of these sizes, in air that attenuates by `alpha_per_m` one way.
-    pub(super) fn flakes(sizes: SizeDistribution, alpha_per_m: f64) -> Self {
-        Self::new(sizes, FLAKE_REFLECTANCE, alpha_per_m)
+    pub(super) fn flakes(sizes: SizeDistribution, alpha_per_m: f64, receiver: &Receiver) -> Self {
+        Self::new(sizes, FLAKE_REFLECTANCE, alpha_per_m, receiver)
     }
 
-    fn new(sizes: SizeDistribution, reflectance: f64, alpha_per_m: f64) -> Self {
+    fn new(sizes: SizeDistribution, reflectance: f64, alpha_per_m: f64, receiver: &Receiver) -> Self {
         let mut particles = Self {
             reflectance,
+            divergence_rad: receiver.divergence_rad,
+            least_power: FAINTEST * receiver.threshold,
             dimming_per_m: 2.0 * alpha_per_m,
             slope_per_m: sizes.slope_per_m,
             mean_bright: 0.0,
@@ -70,7 +79,7 @@ impl Particles {
             bright_depth: vec![0.0],
         };
         // Beyond, even a particle as wide as the beam is too weak.
-        let reach_m = (reflectance / THRESHOLD).sqrt();
+        let reach_m = (reflectance / particles.least_power).sqrt();
         let steps = ((reach_m - CLOSED_M) / STEP_M) as usize;
         for k in 0..steps {
             let r = CLOSED_M + (k as f64 + 0.5) * STEP_M;
@@ -86,12 +95,12 @@ impl Particles {
     /// Share of the beam that a particle at a range must cover to be heard.
     fn least_share(&self, range_m: f64) -> f64 {
         let full = self.reflectance * math::exp(-self.dimming_per_m * range_m) * crossover(range_m);
-        THRESHOLD * range_m * range_m / full.max(1e-300)
+        self.least_power * range_m * range_m / full.max(1e-300)
     }
 
     /// Bright particles a metre of beam at a range, and the share that each covers on average.
     fn bright_at(&self, number_per_m3: f64, range_m: f64) -> (f64, f64) {
-        let width_m = DIVERGENCE_RAD * range_m;
+        let width_m = self.divergence_rad * range_m;
         let least = self.least_share(range_m);
         if least > 1.0 {
             return (0.0, 0.0);
@@ -134,14 +143,14 @@ impl Particles {
 
     /// A bright particle at a range, its size by quantile; None where none can be bright.
     fn particle(&self, range_m: f64, size: f64) -> Option<Particle> {
-        let width_m = DIVERGENCE_RAD * range_m;
+        let width_m = self.divergence_rad * range_m;
         let least = self.least_share(range_m);
         if least > 1.0 {
             return None;
         }
         let diameter_m = width_m * least.sqrt() - math::ln(1.0 - size) / self.slope_per_m;
         let share = (diameter_m / width_m * (diameter_m / width_m)).min(1.0);
-        Some(Particle { range_m, share, power: THRESHOLD * (share / least) })
+        Some(Particle { range_m, share, power: self.least_power * (share / least) })
     }
 
     /// Optical depth of the share that bright particles before `range_m` cover on average.

@@ -1,7 +1,8 @@
 //! Weather on a scan that was recorded in clear air: anyone's KITTI file, or one of ours.
 
-use super::{Air, Scatterer, THRESHOLD};
+use super::{Air, Scatterer};
 use crate::error::{Error, Result, finite};
+use crate::lidar::Receiver;
 use crate::math;
 use crate::rng::{Dice, nearly_normal};
 use crate::weather::Weather;
@@ -27,18 +28,17 @@ pub struct Weathered {
     pub fate: Vec<Fate>,
 }
 
-/// Beams are told apart by cells of about their own width, so that points of one beam meet the same drops.
-const CELL_RAD: f64 = super::DIVERGENCE_RAD;
 /// Points that lie this near to a level ground plane are ground; farther away by a share of the range more.
 const GROUND_TOLERANCE_M: f64 = 0.2;
 const GROUND_TOLERANCE_SHARE: f64 = 0.01;
 
-/// Puts the air of `weather` between a sensor in the frame's origin and the points (x, y, z in metres, intensity 0..=1)
+/// Puts the air of `weather` between a sensor with this receiver in the frame's origin and the points (x, y, z in metres, intensity 0..=1)
 /// that it saw in clear air, and wets what lies within 0.2 m plus 1 % of the range of the plane `z = -sensor_height_m`.
 ///
 /// A point's reflectance is taken to be its intensity, as in LISA. It was heard, so it had the least power that is heard
 /// or more; where its intensity says less, how much more is drawn (Pareto, exponent 3). Fog moves points and dims them but
-/// loses none (Hahner et al. 2021); drops, flakes and water lose those that fall below the threshold.
+/// loses none (Hahner et al. 2021); drops, flakes and water lose those that fall below the threshold. Ranges get what the
+/// receiver's noise of the weaker echo has more than that of the echo in clear air.
 ///
 /// # Determinism
 /// A point's fate depends on itself, on the weather and on `seed`, not on its neighbours: a scan may be cut in pieces.
@@ -48,17 +48,19 @@ const GROUND_TOLERANCE_SHARE: f64 = 0.01;
 pub fn weather_recorded(
     points_velo: &[[f32; 4]],
     weather: &Weather,
+    receiver: &Receiver,
     sensor_height_m: f64,
     seed: u64,
 ) -> Result<Weathered> {
     weather.check()?;
+    receiver.check()?;
     let _ = finite("sensor_height_m", sensor_height_m)?;
-    let air = Air::new(weather);
+    let air = Air::new(weather, receiver);
     let mut out =
         Weathered { points_velo: Vec::with_capacity(points_velo.len()), fate: Vec::with_capacity(points_velo.len()) };
     for point in points_velo {
         check(point)?;
-        let (fate, left) = weather_point(*point, &air, sensor_height_m, seed);
+        let (fate, left) = weather_point(*point, &air, receiver, sensor_height_m, seed);
         out.fate.push(fate);
         if fate != Fate::Lost {
             out.points_velo.push(left);
@@ -78,7 +80,8 @@ fn check(point: &[f32; 4]) -> Result<()> {
     Ok(())
 }
 
-fn weather_point(point: [f32; 4], air: &Air, sensor_height_m: f64, seed: u64) -> (Fate, [f32; 4]) {
+fn weather_point(point: [f32; 4], air: &Air, receiver: &Receiver, sensor_height_m: f64, seed: u64) -> (Fate, [f32; 4]) {
+    let threshold = receiver.threshold;
     let [x, y, z, intensity] = point.map(f64::from);
     let range_m = (x * x + y * y + z * z).sqrt();
     if range_m < super::CLOSED_M {
@@ -86,8 +89,8 @@ fn weather_point(point: [f32; 4], air: &Air, sensor_height_m: f64, seed: u64) ->
     }
     let is_ground = (z + sensor_height_m).abs() < GROUND_TOLERANCE_M + GROUND_TOLERANCE_SHARE * range_m;
     let wet = if is_ground { air.wet_share(intensity, -z / range_m) } else { 1.0 };
-    let beam = Dice::key(seed, beam_names(x, y, z));
-    let power = (intensity / (range_m * range_m)).max(THRESHOLD) * wet;
+    let beam = Dice::key(seed, beam_names(receiver.divergence_rad, x, y, z));
+    let power = (intensity / (range_m * range_m)).max(threshold) * wet;
     let meeting = air.meet(range_m, power, beam);
     let moved = |to_m: f64, intensity: f64| {
         let scale = to_m / range_m;
@@ -108,11 +111,12 @@ fn weather_point(point: [f32; 4], air: &Air, sensor_height_m: f64, seed: u64) ->
     }
     let mut dice = Dice::new(Dice::key(seed, point_names(point)));
     let margin = 1.0 / libm::cbrt(1.0 - dice.unit());
-    let before = (intensity / (range_m * range_m) * fog_left).max(THRESHOLD * margin);
-    if before * others_left < THRESHOLD {
+    let before = (intensity / (range_m * range_m) * fog_left).max(threshold * margin);
+    if before * others_left < threshold {
         return (Fate::Lost, point);
     }
-    let noise_m = air.range_noise_m(before, others_left) * nearly_normal(dice.next_u64());
+    let [was_m, is_m] = [before, before * others_left].map(|power| receiver.noise_m(power));
+    let noise_m = (is_m * is_m - was_m * was_m).max(0.0).sqrt() * nearly_normal(dice.next_u64());
     (Fate::Kept, moved((range_m + noise_m).max(0.0), left))
 }
 
@@ -122,14 +126,14 @@ fn point_names(point: [f32; 4]) -> [u64; 3] {
     [x | y << 32, z, intensity]
 }
 
-/// The cell of directions that a beam fills.
-fn beam_names(x: f64, y: f64, z: f64) -> [u64; 3] {
+/// The cell of directions that a beam fills: points of one beam meet the same drops.
+fn beam_names(cell_rad: f64, x: f64, y: f64, z: f64) -> [u64; 3] {
     let flat_m = math::hypot(x, y).max(1e-9);
     // Grows all around, about as the azimuth does: atan2 would cost more than the rest.
     let along = if x.abs() + y.abs() > 0.0 { y / (x.abs() + y.abs()) } else { 0.0 };
     let around = if x >= 0.0 { along } else { 2.0 - along };
     let up = (z / flat_m).clamp(-1e6, 1e6);
-    [((around + 2.0) / CELL_RAD) as u64, (up / CELL_RAD).floor() as i64 as u64, 0x0BEA]
+    [((around + 2.0) / cell_rad) as u64, (up / cell_rad).floor() as i64 as u64, 0x0BEA]
 }
 
 #[cfg(test)]
@@ -152,7 +156,7 @@ mod tests {
 
     fn run(points: &[[f32; 4]], air: [f64; 4], seed: u64) -> Weathered {
         let weather = Weather::of_air(air[0], air[1], air[2], air[3]).expect("valid");
-        weather_recorded(points, &weather, 1.73, seed).expect("valid")
+        weather_recorded(points, &weather, &Receiver::default(), 1.73, seed).expect("valid")
     }
 
     const WEATHERS: [[f64; 4]; 5] = [
@@ -246,11 +250,13 @@ mod tests {
     #[test]
     fn bad_points_are_refused() {
         let clear = Weather::of_air(0.0, 1.0, 0.0, 0.0).expect("valid");
-        let text = |p: [f32; 4]| weather_recorded(&[p], &clear, 1.73, 0).expect_err("bad").to_string();
+        let text =
+            |p: [f32; 4]| weather_recorded(&[p], &clear, &Receiver::default(), 1.73, 0).expect_err("bad").to_string();
         assert!(text([f32::NAN, 0.0, 0.0, 0.0]).contains("points_velo is not finite: NaN"));
         assert!(text([1.0, 0.0, 0.0, 37.0]).contains("an intensity of points_velo is 37, expected 0 to 1"));
-        assert_eq!(weather_recorded(&[], &clear, 1.73, 0).expect("valid"), Weathered::default());
-        let far = weather_recorded(&[[3e38, 3e38, 3e38, 0.5], [0.0; 4]], &clear, 1.73, 0).expect("valid");
+        assert_eq!(weather_recorded(&[], &clear, &Receiver::default(), 1.73, 0).expect("valid"), Weathered::default());
+        let points = [[3e38, 3e38, 3e38, 0.5], [0.0; 4]];
+        let far = weather_recorded(&points, &clear, &Receiver::default(), 1.73, 0).expect("valid");
         assert!(far.points_velo.iter().flatten().all(|v| v.is_finite()));
     }
 }
