@@ -263,7 +263,7 @@ def test_the_command_prints_its_whole_table(core: object, yard: Path, tmp_path: 
     table = printed[: printed.index("22 rings")].splitlines()
     assert max(map(len, table)) <= 80, "it fits a terminal of 80 columns"
     heads = " ".join(table[:2])
-    for head in ("ring", "elevation", "height", "offset", "points", "residual", "outliers", "missing", "zero", "gain"):
+    for head in ("ring", "elev.", "height", "offset", "points", "resid.", "outlier", "missing", "zero", "gain"):
         assert head in heads
 
 

@@ -56,8 +56,8 @@ def fit_lidar_command(scans: tuple[Path, ...], out: Path, name: str | None) -> N
 
 
 _HEADS = (
-    *("ring", "elevation\ndeg", "+-\ndeg", "height\nmm", "+-\nmm", "offset\ndeg"),
-    *("points", "residual\nmm", "outliers\n%", "missing\n%", "zero\n%", "gain"),
+    *("ring", "elev.\ndeg", "+-\ndeg", "height\nmm", "+-\nmm", "offset\ndeg"),
+    *("points", "resid.\nmm", "outlier\n%", "missing\n%", "zero\n%", "gain"),
 )
 
 
