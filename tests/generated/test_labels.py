@@ -134,7 +134,7 @@ def shares_in_sight(scene: cadet.Scene, sensed: Sensed) -> dict[int, float]:
 
 def test_no_label_through_walls() -> None:
     """Of all actors before the camera, those that others hide from parry's rays have no label, and others have."""
-    num_hidden = num_plain = 0
+    num_hidden = num_partly = num_plain = 0
     for seed in range(6):
         scene = cadet.Scene.random(seed=seed, weather="clear_noon")
         sensed = sense(scene)
@@ -145,9 +145,9 @@ def test_no_label_through_walls() -> None:
         num_hidden += len(hidden)
         for actor_id in set(metas) & set(shares):
             assert abs(metas[actor_id]["visible_fraction"] - shares[actor_id]) < 0.25, (metas[actor_id], shares)
+            num_partly += shares[actor_id] < 0.7
             num_plain += shares[actor_id] > 0.9
-    assert num_hidden > 100, num_hidden
-    assert num_plain > 15, num_plain
+    assert num_hidden > 10 and num_partly > 5 and num_plain > 15, (num_hidden, num_partly, num_plain)
 
 
 def pixels_of(frame: cadet.Frame, actor_id: int) -> int:
