@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
+import fcntl
+import os
+import re
+import struct
+import subprocess
 import sys
+import termios
 from dataclasses import replace
 from pathlib import Path
 
@@ -212,3 +219,64 @@ def test_the_command_writes_what_the_generator_reads(
     assert capsys.readouterr().err.startswith("cadet: -o: expected a file that ends in .toml")
     assert run(tmp_path / "mine.toml", "-o", out) == 2
     assert capsys.readouterr().err.startswith("cadet: mine.toml: ")
+
+
+def rows_of(printed: str) -> list[list[float]]:
+    """Return the numbers of the table's rows."""
+    lines = [line.split() for line in printed.splitlines()]
+    return [[float(field) for field in line] for line in lines if line and line[0].isdigit() and len(line) == 12]
+
+
+def fitted_rows(fit: LidarFit) -> list[list[float]]:
+    """Return what the table's rows should say, unrounded."""
+    return [
+        [
+            *(number, ring.laser.elevation_deg, ring.elevation_sd_deg, 1e3 * ring.laser.height_m),
+            *(1e3 * ring.height_sd_m, ring.laser.azimuth_offset_deg, ring.num_points, 1e3 * ring.median_residual_m),
+            *(100 * ring.outlier_share, 100 * ring.missing_share, 100 * ring.zero_share, ring.laser.gain),
+        ]
+        for number, ring in enumerate(fit.rings)
+    ]
+
+
+ROUNDED = [0, 5e-4, 5e-5, 0.05, 5e-3, 5e-4, 0, 5e-3, 0.05, 0.5, 0.5, 5e-3]
+
+
+@pytest.mark.parametrize("columns", [None, 80, 40])
+def test_the_command_prints_its_whole_table(core: object, yard: Path, tmp_path: Path, columns: int | None) -> None:
+    """Into a pipe, and in terminals that are wide enough and that are not."""
+    code = "from cadet.cli import run_cadet; run_cadet()"
+    command = [sys.executable, "-c", code, "fit-lidar", str(yard / "0.bin"), "-o", str(tmp_path / "mine.toml")]
+    environment = {name: value for name, value in os.environ.items() if name not in ("COLUMNS", "LINES")}
+    environment |= {"PYTHONPATH": str(Path(__file__).parents[1] / "python"), "TERM": "xterm"}
+    if columns is None:
+        printed = subprocess.run(
+            command, env=environment, text=True, stdout=subprocess.PIPE, timeout=110, check=True
+        ).stdout
+    else:
+        printed = output_in_terminal(command, environment, columns)
+    assert "\N{HORIZONTAL ELLIPSIS}" not in printed
+    rows = rows_of(printed)
+    expected = fitted_rows(fit_lidar([yard / "0.bin"]))
+    assert len(rows) == len(expected) == 22
+    assert (np.abs(np.array(rows) - np.array(expected)) <= np.array(ROUNDED) * 1.001 + 1e-9).all()
+    table = printed[: printed.index("22 rings")].splitlines()
+    assert max(map(len, table)) <= 80, "it fits a terminal of 80 columns"
+    heads = " ".join(table[:2])
+    for head in ("ring", "elev.", "height", "offset", "points", "resid.", "outlier", "missing", "zero", "gain"):
+        assert head in heads
+
+
+def output_in_terminal(command: list[str], environment: dict[str, str], columns: int) -> str:
+    """Run a command in a terminal of that many columns and return what it wrote, colors taken off."""
+    ours, theirs = os.openpty()
+    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
+    with subprocess.Popen(command, env=environment, stdout=theirs, stderr=theirs, stdin=theirs) as process:
+        os.close(theirs)
+        written = b""
+        with contextlib.suppress(OSError):  # the terminal is gone with its last writer
+            while chunk := os.read(ours, 65_536):
+                written += chunk
+        os.close(ours)
+    assert process.returncode == 0, written
+    return re.sub(r"\x1b\[[0-9;]*m", "", written.decode()).replace("\r\n", "\n")

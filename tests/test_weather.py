@@ -240,7 +240,9 @@ def test_presets_have_air() -> None:
 
 @needs_kitti
 def test_a_real_scan_in_weather() -> None:
-    for path in files("training/velodyne/*.bin")[:3]:
+    paths = files("training/velodyne/*.bin")[:3]
+    assert len(paths) == 3
+    for path in paths:
         points = points_from_bytes(path.read_bytes(), path.name)
         assert apply(points).tobytes() == points.tobytes()
         fate = {str(k): apply(points, return_fate=True, **k)[1] for k in WEATHERS}

@@ -128,9 +128,9 @@ class SceneConfig:
     """
 
     num_cars: int = 14
-    """Driving vehicles kept around the ego: cars mostly, others of `vehicle_classes` among them."""
+    """Driving vehicles kept around the ego: cars, one in eleven a van; trucks only among a user's own (`assets`)."""
     num_pedestrians: int = 24
-    """People kept around the ego: on foot mostly, on bicycles some."""
+    """People on foot kept around the ego; nobody rides a bicycle."""
     parking_occupancy: float = 0.6
     """Share of the parking places along the ego's way that are taken; each street varies around it.
 

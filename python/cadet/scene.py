@@ -169,7 +169,8 @@ class Scene:
         """Put an actor on the ground.
 
         Args:
-            kind: a KITTI type in any case: "car", "van", "truck", "pedestrian", "cyclist", ...
+            kind: "car", "van" or "pedestrian", in any letter case; with `model` that vehicle's class, "truck" too.
+                KITTI's other types have no shape and are refused.
             x: metres, world frame: the middle of its box.
             y: metres, world frame.
             yaw: radians, counter-clockwise from east.
@@ -180,7 +181,8 @@ class Scene:
             Its actor id, as in `Frame.instance`.
 
         Raises:
-            CadetError: an unknown kind or model, a number that is not finite, or a place off the ground.
+            CadetError: an unknown kind or model, a kind without a shape or not the model's, a number that is not
+                finite, or a place off the ground.
         """
         self._moved(x=x, y=y, yaw=yaw)
         if model is not None:

@@ -1,4 +1,7 @@
-"""The detector's tests need torch; without it the whole folder is left out, and the report's header says so."""
+"""The detector's tests need torch; without it the whole folder is left out, and the report's header says so.
+
+CI may not leave it out: `make test` installs torch, and `make test-core` does not come here.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,12 @@ from collections.abc import Iterator
 
 import pytest
 
+from in_ci import is_ci
+
 HAS_TORCH = all(importlib.util.find_spec(name) is not None for name in ("torch", "safetensors"))
+
+if is_ci() and not HAS_TORCH:
+    raise pytest.UsageError("tests/avod: CI needs torch and safetensors (pip install 'cadet-sim[avod]')")
 
 collect_ignore_glob = [] if HAS_TORCH else ["test_*.py"]
 

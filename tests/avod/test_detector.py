@@ -19,7 +19,7 @@ from avod.results import Boxes, decode, labels_from_boxes
 from avod.train.step import new_network
 from cadet.errors import CadetError, NonFiniteError, ShapeError
 from cadet.evaluation import evaluate
-from cadet.kitti import Label
+from cadet.kitti import Calibration, Label
 from synthetic import IMAGE_SIZE, make_calib, make_frame, make_labels
 
 CONFIG = load_config(Path(__file__).parents[1] / "overfit.toml")
@@ -86,10 +86,43 @@ def test_a_frame_without_points_has_no_detections(detector: Detector) -> None:
     assert detector.detect(sky, frame.image, frame.calib, frame.plane) == ()
 
 
-def test_images_of_any_size_are_taken(detector: Detector) -> None:
+def scaled(calib: Calibration, x: float, y: float) -> Calibration:
+    """Return the calibration of images that are scaled, each pixel's top left corner staying the grid's origin."""
+    return dataclasses.replace(calib, P2=np.diag([x, y, 1.0]) @ calib.P2)
+
+
+@pytest.mark.parametrize(("x", "y"), [(2, 2), (1, 3), (0.5, 0.5), (0.1, 0.2)])
+def test_images_of_any_size_give_the_same_boxes_at_their_own_scale(detector: Detector, x: float, y: float) -> None:
+    """An image of one color has no resolution: only the size that it is said to have can change what is found."""
     frame = make_frame()
-    small = frame.image[:60, :70]
-    assert isinstance(detector.detect(frame.points_velo, small, frame.calib, frame.plane), tuple)
+    width, height = IMAGE_SIZE
+    calib = make_calib()
+
+    def detect(x: float, y: float) -> tuple[Label, ...]:
+        image = np.full((round(height * y), round(width * x), 3), 90, np.uint8)
+        return detector.detect(frame.points_velo, image, scaled(calib, x, y), frame.plane)
+
+    whole, found = detect(1, 1), detect(x, y)
+    assert len(found) == len(whole) > 3
+    for label, expected in zip(found, whole, strict=True):
+        assert label.type == expected.type
+        assert label.score == pytest.approx(expected.score, abs=1e-4)
+        np.testing.assert_allclose(label.box_cam, expected.box_cam, atol=1e-3)
+        # Boxes end at the middles of the last pixels, which are other ones.
+        limits = np.array([width * x - 1, height * y - 1] * 2)
+        inside = np.clip(np.array(expected.bbox) * [x, y, x, y], 0.0, limits)
+        assert np.abs(inside - label.bbox).max() <= max(x, y, 1.0), (label.bbox, expected.bbox)
+
+
+def test_a_part_of_an_image_is_a_small_image(detector: Detector) -> None:
+    frame = make_frame()
+    small = np.full((120, 400, 3), 90, np.uint8)
+    found = detector.detect(frame.points_velo, small, frame.calib, frame.plane)
+    assert found
+    boxes = np.array([label.bbox for label in found])
+    assert (boxes[:, :2] >= 0).all() and (boxes[:, 2] <= 399).all() and (boxes[:, 3] <= 119).all()
+    # Cut off by the image's own border.
+    assert boxes[:, 3].max() == 119
 
 
 def test_bad_input_is_one_clear_error(detector: Detector) -> None:

@@ -18,6 +18,7 @@ from avod.config_file import load_config
 from avod.data.dataset import sample_from_frame
 from avod.data.sample import Sample
 from avod.detector import Detector
+from avod.model.layers import ShiftBatchNorm
 from avod.model.network import AvodNetwork
 from avod.train import train
 from avod.train.checkpoint import checkpoints, load_network, read_checkpoint
@@ -120,16 +121,49 @@ def test_the_second_stages_losses_reach_the_first_only_where_asked(
     assert any(g is not None and bool((g != 0).any()) for g in gradients) == reaches
 
 
-def test_several_frames_a_step_give_the_mean_of_their_losses(sample: Sample) -> None:
-    network = new_network(CONFIG, 0).eval()  # in training, each frame would change the other's statistics
-    single = network([sample])[0]
-    for output in network([sample, sample]):
-        torch.testing.assert_close(output.anchor_logits, single.anchor_logits, atol=1e-3, rtol=1e-3)
-    network.train()
-    optimizer = make_optimizer(network, CONFIG.training)
-    losses = training_step(network, optimizer, [sample, sample], CONFIG, step=0, seed=0)
-    parts = sum(value for name, value in losses.items() if name != "total")
-    torch.testing.assert_close(losses["total"], parts)
+def all_taken(config: Config) -> Config:
+    """Return the configuration with mini-batches that hold everything, so that nothing depends on draws."""
+    rpn = dataclasses.replace(config.rpn, batch_size=65_536, dropout_keep=1.0)
+    return dataclasses.replace(config, rpn=rpn, second_stage=dataclasses.replace(config.second_stage, batch_size=4096))
+
+
+class Frozen(AvodNetwork):
+    """A network in training whose normalisation keeps to its averages, so that no frame changes another's maps."""
+
+    def train(self, mode: bool = True) -> Frozen:
+        super().train(mode)
+        for module in self.modules():
+            if isinstance(module, ShiftBatchNorm):
+                module.eval()
+        return self
+
+
+def test_several_frames_a_step_give_the_mean_of_their_losses_and_gradients(sample: Sample) -> None:
+    config = all_taken(CONFIG)
+    torch.manual_seed(0)
+    network = Frozen(config).train()
+    other = sample_from_frame(make_frame(labels=make_frame().labels[:1]), "000004", config)
+    weights = {name: tensor.clone() for name, tensor in network.state_dict().items()}
+
+    def step(samples: list[Sample]) -> tuple[dict[str, float], dict[str, torch.Tensor]]:
+        network.load_state_dict(weights)
+        training = dataclasses.replace(config, training=dataclasses.replace(config.training, max_gradient_norm=1e9))
+        losses = training_step(network, make_optimizer(network, config.training), samples, training, step=0, seed=0)
+        gradients = {name: p.grad.clone() for name, p in network.named_parameters() if p.grad is not None}
+        return {name: value.item() for name, value in losses.items()}, gradients
+
+    (first, of_first), (second, of_second), (both, of_both) = (
+        step(samples) for samples in ([sample], [other], [sample, other])
+    )
+    assert abs(first["total"] - second["total"]) > 0.1 * first["total"], "two frames that can be told apart"
+    assert set(both) == {"objectness", "anchor", "classification", "box", "orientation", "total"}
+    for name, value in both.items():
+        assert value == pytest.approx((first[name] + second[name]) / 2, rel=1e-4), name
+    assert both["total"] == pytest.approx(sum(value for name, value in both.items() if name != "total"), rel=1e-5)
+    assert len(of_both) == len(dict(network.named_parameters()))
+    for name, gradient in of_both.items():
+        mean = (of_first[name] + of_second[name]) / 2
+        assert (gradient - mean).norm() <= 1e-3 * mean.norm() + 1e-6, name
 
 
 def test_a_loss_that_is_no_number_stops_training_and_names_the_frame(sample: Sample) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 import cadet
 from cadet.boxes import corners_cam, points_in_boxes
+from obj_meshes import WALL, assets_folder
 from sensed import Sensed, objects_of, sense
 
 ROAD = (cadet.Semantic.ROAD, cadet.Semantic.ROAD_MARKING)
@@ -132,14 +134,21 @@ def test_boxes_fit_their_silhouettes(street_frames: list[Sensed]) -> None:
     assert np.median(overlaps) > 0.8
 
 
-def test_no_label_through_walls() -> None:
+def camera_center_world(sensed: Sensed) -> NDArray[np.float64]:
+    p2 = sensed.frame.calib.P2
+    center_cam = -np.linalg.solve(p2[:, :3], p2[:, 3])
+    world_from_cam = np.linalg.inv(sensed.cam_from_world)
+    center: NDArray[np.float64] = world_from_cam[:3, :3] @ center_cam + world_from_cam[:3, 3]
+    return center
+
+
+def test_pixels_of_labelled_actors_are_those_that_parry_meets() -> None:
     """Parry, which knows nothing of the kernel, must meet the labelled actor first along its pixels' rays."""
     scene = cadet.Scene.random(seed=3, weather="clear_noon")
     sensed = sense(scene)
     p2 = sensed.frame.calib.P2
-    center_cam = -np.linalg.solve(p2[:, :3], p2[:, 3])
     world_from_cam = np.linalg.inv(sensed.cam_from_world)
-    origin = world_from_cam[:3, :3] @ center_cam + world_from_cam[:3, 3]
+    origin = camera_center_world(sensed)
     checked = 0
     for _, meta in labelled(sensed):
         rows, columns = np.nonzero(sensed.frame.instance == meta["actor_id"])
@@ -151,14 +160,106 @@ def test_no_label_through_walls() -> None:
     assert checked >= 1
 
 
-def test_a_car_behind_a_van_is_occluded_and_one_behind_a_wall_is_not_there() -> None:
+def shares_in_sight(scene: cadet.Scene, sensed: Sensed) -> dict[int, float]:
+    """Tell by parry which share of each actor's surface in the image is met first from the camera, or shows itself.
+
+    A ray that ends on the actor itself, before the point or behind it, counts as in sight: only others hide.
+    """
+    vertices, faces, actor_ids = scene.triangles()
+    frame, rng = sensed.frame, np.random.default_rng(0)
+    height, width = frame.image.shape[:2]
+    origin = camera_center_world(sensed)
+    shares = {}
+    for actor_id in np.unique(actor_ids[actor_ids > 0]).tolist():
+        corners = vertices[faces[actor_ids == actor_id]].astype(np.float64)
+        areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+        chosen = rng.choice(len(corners), 300, p=areas / areas.sum())
+        points_world = np.einsum("nk,nkd->nd", rng.dirichlet(np.ones(3), 300), corners[chosen])
+        points_cam = points_world @ sensed.cam_from_world[:3, :3].T + sensed.cam_from_world[:3, 3]
+        ahead = points_cam[:, 2] > 0.5
+        uvw = points_cam[ahead] @ frame.calib.P2[:, :3].T + frame.calib.P2[:, 3]
+        u, v = uvw[:, 0] / uvw[:, 2], uvw[:, 1] / uvw[:, 2]
+        targets = points_world[ahead][(u >= 0) & (u <= width - 1) & (v >= 0) & (v <= height - 1)]
+        if len(targets) >= 30 and points_cam[ahead, 2].mean() < 80.0:
+            hits = scene.cast_rays(np.repeat(origin[None], len(targets), axis=0), targets - origin)
+            shares[actor_id] = float((hits.actor_id == actor_id).mean())
+    return shares
+
+
+def test_no_label_through_walls() -> None:
+    """Of all actors before the camera, those that others hide from parry's rays have no label, and others have."""
+    num_hidden = num_partly = num_plain = 0
+    for seed in range(6):
+        scene = cadet.Scene.random(seed=seed, weather="clear_noon")
+        sensed = sense(scene)
+        metas = {meta["actor_id"]: meta for _, meta in labelled(sensed)}
+        shares = shares_in_sight(scene, sensed)
+        hidden = {actor_id for actor_id, share in shares.items() if share == 0.0}
+        assert not hidden & set(metas), (seed, [metas[actor_id] for actor_id in hidden & set(metas)])
+        num_hidden += len(hidden)
+        for actor_id in set(metas) & set(shares):
+            assert abs(metas[actor_id]["visible_fraction"] - shares[actor_id]) < 0.25, (metas[actor_id], shares)
+            num_partly += shares[actor_id] < 0.7
+            num_plain += shares[actor_id] > 0.9
+    assert num_hidden > 10 and num_partly > 5 and num_plain > 15, (num_hidden, num_partly, num_plain)
+
+
+def pixels_of(frame: cadet.Frame, actor_id: int) -> int:
+    assert frame.instance is not None
+    return int((frame.instance == actor_id).sum())
+
+
+def car_beside_a_van(y: float, *, has_van: bool) -> tuple[cadet.Frame, int]:
+    """A car 24 m ahead, `y` to the left, broadside, and, 12 m ahead, perhaps a van."""
     scene = cadet.Scene.empty(weather="clear_noon")
     scene.move_ego(x=0.0, y=0.0, yaw=0.0)
-    near = scene.add("car", x=12.0, y=0.0, yaw=np.pi / 2, model_seed=1)
-    far = scene.add("car", x=22.0, y=0.9, yaw=np.pi / 2, model_seed=2)
-    objects = {o["actor_id"]: o for o in objects_of(scene.capture())}
-    assert objects[near]["visible_fraction"] > 0.999
-    assert far not in objects or objects[far]["visible_fraction"] < 0.6
+    car = scene.add("car", x=24.0, y=y, yaw=np.pi / 2, model_seed=2)
+    if has_van:
+        scene.add("van", x=12.0, y=0.0, yaw=np.pi / 2, model_seed=1)
+    return scene.capture(), car
+
+
+def test_a_car_behind_a_van_is_occluded_by_as_much_as_the_van_hides() -> None:
+    """The share of its pixels that a second image, without the van, shows as well."""
+    levels = set()
+    for y in np.arange(0.0, 8.5, 0.5):
+        frame, car = car_beside_a_van(y, has_van=True)
+        alone, same = car_beside_a_van(y, has_van=False)
+        assert car == same and pixels_of(alone, car) > 1500
+        share = pixels_of(frame, car) / pixels_of(alone, car)
+        (of_alone,) = (label for label in alone.labels if label.type == "Car")
+        assert (of_alone.occluded, objects_of(alone)[0]["visible_fraction"]) == (0, 1.0)
+        found = {meta["actor_id"]: (label, meta) for label, meta in zip(frame.labels, objects_of(frame), strict=True)}
+        (van,) = (label for label in frame.labels if label.type == "Van")
+        assert van.occluded == 0
+        if car in found:
+            assert found[car][1]["visible_fraction"] == pytest.approx(share, abs=0.02)
+        if min(abs(share - limit) for limit in (0.1, 0.5, 0.8)) < 0.02:
+            continue
+        label = found[car][0] if car in found else None
+        if share < 0.1:
+            assert label is None or label.type == "DontCare", share
+            levels.add(-1)
+        else:
+            assert label is not None and label.type == "Car"
+            assert label.occluded == (0 if share > 0.8 else 1 if share > 0.5 else 2), share
+            levels.add(label.occluded)
+    assert levels == {-1, 0, 1, 2}
+
+
+def test_what_is_behind_a_wall_has_no_label(tmp_path: Path) -> None:
+    own = assets_folder(tmp_path / "own", WALL)
+    types = {}
+    for has_wall in (False, True):
+        scene = cadet.Scene.empty(weather="clear_noon", assets=own)
+        scene.move_ego(x=0.0, y=0.0, yaw=0.0)
+        for number, kind in enumerate(("car", "van", "pedestrian", "car", "pedestrian")):
+            scene.add(kind, x=20.0 + 2.0 * number, y=6.0 - 3.0 * number, yaw=0.7 * number, model_seed=number)
+        if has_wall:
+            scene.add("truck", x=14.0, y=0.0, yaw=np.pi / 2, model="wall")
+        types[has_wall] = sorted(label.type for label in scene.capture().labels)
+    assert types[False] == ["Car", "Car", "Pedestrian", "Pedestrian", "Van"]
+    assert types[True] == ["Truck"]
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.5, np.pi / 2, 2.5, -1.2, np.pi])

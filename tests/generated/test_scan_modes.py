@@ -55,12 +55,15 @@ def test_a_turn_of_a_driving_car_is_the_ideal_scan_of_each_firings_pose(street: 
     both, i, j = np.intersect1d(beams(still), beams(turned), return_indices=True)
     same = (still.actor_id[i] == 0) & static[j]
     shift = np.abs(still.range_m[i] - turned.range_m[j])
+    medians_m = []
     for centre, low, high in ((0.0, 0.0, 0.06), (np.pi, 0.1 * 0.05 * speed, 0.05 * speed + 1.0)):
         # Upright walls along the road don't show the motion; the median over a sector of far points does.
         near = np.abs(np.angle(np.exp(1j * (azimuth[j] - centre)))) < 0.06
         chosen = same & near & (turned.points_velo[j, 2] > -1.2)
-        if chosen.sum() > 50:
-            assert low <= np.median(shift[chosen]) <= high
+        assert chosen.sum() > 50
+        medians_m.append(np.median(shift[chosen]))
+        assert low <= medians_m[-1] <= high
+    assert medians_m[1] > 3 * medians_m[0]
     # Every static point, moved back to the instant, is met by a ray from the instant's sensor pose through it.
     poses = street.sensor_poses()["world_from_velo"]
     pick = np.flatnonzero(static & (turned.range_m < 30))[::50]

@@ -93,9 +93,14 @@ def test_a_dont_care_region_is_dashed() -> None:
 def test_a_box_around_the_camera_can_be_drawn() -> None:
     calib = make_calib()
     around = make_label("Van", (0.2, 1.65, 1.0, 6.0, 2.0, 2.0, 1.5), calib)
-    frame = make_frame(labels=(around,))
-    for figure in view.figures(frame).values():
-        assert figure.any()
+    drawn, without = (view.figures(make_frame(labels=labels)) for labels in ((around,), ()))
+    for name in ("boxes", "corners", "bev"):
+        assert (drawn[name] != without[name]).any(), name
+    # From above: the outline of 6 x 2 m, 12 pixels a metre, lies about the sensor's place at (480, 840).
+    changed = np.argwhere((drawn["bev"] != without["bev"]).any(axis=2))
+    rows, columns = changed[:, 0], changed[:, 1]
+    assert 6.0 * 12 / 2 < np.ptp(rows) < 8.0 * 12 and 2.0 * 12 - 2 <= np.ptp(columns) < 3.0 * 12
+    assert columns.min() < 480 < columns.max() and rows.min() < 840 < rows.max()
 
 
 def corner_frame(depth_m: float, **changes: Any) -> tuple[Frame, NDArray[np.float64]]:

@@ -50,15 +50,21 @@ def fit_lidar_command(scans: tuple[Path, ...], out: Path, name: str | None) -> N
     text = fit.to_toml()
     # Nothing is written that the generator would refuse.
     Lidar.custom(fit.table)
-    _print(fit, Console(highlight=False))
+    _print(fit)
     out.write_text(text, encoding="utf-8")
     click.echo(f"wrote {out}")
 
 
-def _print(fit: LidarFit, console: Console) -> None:
-    table = Table(box=box.SIMPLE_HEAD)
-    heads = ["ring", "elevation deg", "+-", "height mm", "+-", "offset deg", "points", "residual mm", "outliers"]
-    for head in [*heads, "missing", "zero", "gain"]:
+_HEADS = (
+    *("ring", "elev.\ndeg", "+-\ndeg", "height\nmm", "+-\nmm", "offset\ndeg"),
+    *("points", "resid.\nmm", "outlier\n%", "missing\n%", "zero\n%", "gain"),
+)
+
+
+def _ring_table(fit: LidarFit) -> Table:
+    """Return a row for each ring, narrow enough for a terminal of 80 columns."""
+    table = Table(box=box.SIMPLE_HEAD, show_edge=False, padding=0)
+    for head in _HEADS:
         table.add_column(head, justify="right", no_wrap=True)
     for number, ring in enumerate(fit.rings):
         laser = ring.laser
@@ -71,11 +77,19 @@ def _print(fit: LidarFit, console: Console) -> None:
             f"{laser.azimuth_offset_deg:.3f}",
             str(ring.num_points),
             f"{1e3 * ring.median_residual_m:.2f}",
-            f"{100.0 * ring.outlier_share:.1f} %",
-            f"{100.0 * ring.missing_share:.0f} %",
-            f"{100.0 * ring.zero_share:.0f} %",
+            f"{100.0 * ring.outlier_share:.1f}",
+            f"{100.0 * ring.missing_share:.0f}",
+            f"{100.0 * ring.zero_share:.0f}",
             f"{laser.gain:.2f}",
         )
+    return table
+
+
+def _print(fit: LidarFit) -> None:
+    table, console = _ring_table(fit), Console(highlight=False)
+    # In a narrower terminal lines wrap; rich would cut columns off.
+    needed = console.measure(table, options=console.options.update(width=1000)).maximum
+    console.width = max(console.width, needed)
     console.print(table)
     beams = fit.table
     console.print(

@@ -87,7 +87,7 @@ pub(super) fn dress(key: &StreamKey, network: &RoadNetwork, ground: &Ground, con
 #[cfg(test)]
 #[allow(clippy::print_stderr)]
 mod tests {
-    use super::super::{GroundKind, SuburbConfig, Town, generate_suburb};
+    use super::super::{GroundKind, SuburbConfig, generate_suburb};
     use super::*;
     use crate::assets::scenery::HouseKind;
     use crate::math::DVec3;
@@ -175,24 +175,38 @@ mod tests {
         assert_ne!(poses_hash(&first.instances), poses_hash(&other.instances));
     }
 
-    #[test]
-    fn scenes_are_dense_but_not_too_heavy() {
-        let mut near = Vec::new();
+    /// Houses, all else that stands within 50 m of the middle of some lanes, and the triangles in sight there.
+    fn around_lanes(config: &DressingConfig) -> Vec<[usize; 3]> {
+        let mut found = Vec::new();
         for seed in 0..2 {
             let key = StreamKey::scene(seed);
-            let town = Town::suburb(&key, &SuburbConfig::default(), &DressingConfig::default()).unwrap();
-            let lanes: Vec<_> = town.network.driving().filter(|l| l.length_m() > 40.0).collect();
+            let network = generate_suburb(&key, &SuburbConfig::default()).unwrap().network;
+            let dressing = dress(&key, &network, &Ground::new(&network).unwrap(), config);
+            let lanes: Vec<_> = network.driving().filter(|l| l.length_m() > 40.0).collect();
             for lane in lanes.iter().step_by(lanes.len() / 5) {
                 let viewer = lane.pose_at(lane.length_m() / 2.0).translation + DVec3::Z * 1.7;
-                let scene = PosedScene::new(&town.scenery, viewer);
-                let within = scene.instances.iter().filter(|i| (i.center_world - viewer).length() - i.radius_m < 80.0);
-                near.push(within.map(|i| i.mesh.faces.len()).sum::<usize>());
-                assert!(scene.num_triangles() < 900_000, "{} triangles", scene.num_triangles());
+                let is_near = |s: &&Standing| (s.rect.center - viewer.truncate()).length() < 50.0;
+                let near: Vec<&Standing> = dressing.standing.iter().filter(is_near).collect();
+                let houses = near.iter().filter(|s| is_house(s)).count();
+                let scene = PosedScene::new(&dressing.instances, viewer);
+                found.push([houses, near.len() - houses, scene.num_triangles()]);
             }
         }
-        near.sort_unstable();
-        eprintln!("triangles within 80 m: {near:?}");
-        assert!(near[near.len() / 2] >= 300_000, "{near:?}");
+        found
+    }
+
+    #[test]
+    fn streets_are_lined_but_not_too_heavy() {
+        let found = around_lanes(&DressingConfig::default());
+        let least = |k: usize| found.iter().map(|f| f[k]).min().unwrap();
+        assert!(found.len() >= 10);
+        // Plots are 14 to 30 m wide and lie on both sides of 100 m; each has its trees, hedges and fences.
+        assert!(least(0) >= 4 && least(1) >= 30, "{found:?}");
+        assert!(found.iter().all(|f| f[2] < 900_000), "{found:?}");
+        // The same streets without greenery are bare.
+        let bare = around_lanes(&DressingConfig { greenery: 0.0, ..Default::default() });
+        let of = |found: &[[usize; 3]]| found.iter().map(|f| f[1]).sum::<usize>();
+        assert!(2 * of(&bare) < of(&found), "{bare:?}");
     }
 
     #[test]
