@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use super::faces::{Faces, Place};
+use super::faces::{Faces, Hit};
 use super::hits::{BEHIND_STRIDE, Patch, SampleBits};
 use super::look::{Rays, View};
 use super::noise::MIDDLE_PX;
@@ -42,7 +42,8 @@ struct Edge {
 
 /// A block of the band.
 struct Tile {
-    place: Place,
+    /// Its number.
+    block: u32,
     /// First pixel row and column.
     top: usize,
     left: usize,
@@ -94,7 +95,6 @@ impl<'a> Collector<'a> {
         self.painter.clear(first_row * width..(first_row + rows) * width);
         for start in (0..width).step_by(TOGETHER) {
             let mut tiles = [const { None }; TOGETHER / BLOCK * BAND / ROWS];
-            // The blocks of a square one after the other: leaves share the sky's visibility there.
             let places = (start..(start + TOGETHER).min(width))
                 .step_by(BLOCK)
                 .flat_map(|left| (0..rows).step_by(ROWS).map(move |row| (row, left)));
@@ -111,10 +111,9 @@ impl<'a> Collector<'a> {
             self.parts.clear();
             self.edges.clear();
             for (tile, (row, left)) in tiles.iter_mut().zip(places) {
-                let (number, square) = (number_of(first_row + row, left), number_of(first_row, left));
-                let place = Place { block: number as u32, square: square as u32 };
+                let number = number_of(first_row + row, left);
                 let inside = samples_within((rows - row).min(ROWS), (width - left).min(BLOCK));
-                *tile = Some(self.find(number, place, (first_row + row, left), inside));
+                *tile = Some(self.find(number, (first_row + row, left), inside));
             }
             self.faces.make_asked();
             for tile in tiles.iter().flatten() {
@@ -142,10 +141,11 @@ impl<'a> Collector<'a> {
     }
 
     /// Finds what a block shows, and asks for its faces.
-    fn find(&mut self, number: usize, place: Place, (top, left): (usize, usize), inside: SampleBits) -> Tile {
+    fn find(&mut self, number: usize, (top, left): (usize, usize), inside: SampleBits) -> Tile {
         let (first_part, first_edge) = (self.parts.len(), self.edges.len());
         let none = || Layer { parts: 0..0, sky: 0 };
-        let mut tile = Tile { place, top, left, open: none(), edges: 0..0, behind: [none(), none()], panes: 0..0 };
+        let block = number as u32;
+        let mut tile = Tile { block, top, left, open: none(), edges: 0..0, behind: [none(), none()], panes: 0..0 };
         if let Some(face) = self.buffer.only_face(number) {
             self.parts.push(Part { face, samples: inside });
             tile.open.parts = first_part..self.parts.len();
@@ -240,7 +240,8 @@ impl<'a> Collector<'a> {
         let middle = middle + (part.samples >> middle).trailing_zeros();
         let (column, row) = ((middle / 8) as f32, (middle % 8 / 2) as f32);
         let there = nearness[0] + nearness[1] * column + nearness[2] * row;
-        let open = self.faces.open_index(face, tile.place, u + column, v + row, there);
+        let hit = Hit { u: u + column, v: v + row, nearness: there };
+        let open = self.faces.open_index(face, tile.block, (u, v), nearness, hit);
         let &Target { first, stride, weight } = target;
         (kind, Patch { face, open, target: first, stride, behind: 0, u, v, nearness, weight })
     }

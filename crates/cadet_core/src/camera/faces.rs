@@ -7,7 +7,7 @@ use super::shade::Light;
 use crate::geometry::Mesh;
 use crate::material::{Material, Pattern};
 use crate::math::Vec3;
-use crate::sense::{DrawnFace, PosedScene};
+use crate::sense::{BLOCK, DrawnFace, PosedScene, VisibilityBuffer};
 
 /// What collecting needs of a face that was made ready.
 #[derive(Debug, Clone, Copy)]
@@ -16,20 +16,11 @@ struct Brief {
     instance: u32,
     /// Material and normal, in so many steps that the eye sees none.
     look: u32,
-    /// The instance whose leaf it is, or [`NO_PLANT`].
-    leaf_of: u32,
-    /// Number of the block for which the sky's visibility was last found, and where it is kept.
+    is_leaf: bool,
+    /// Number of the block for which the sky's visibility was last found, and where it is kept; leaves have one for all
+    /// blocks.
     block: u32,
     open: u32,
-}
-
-/// A part of the image whose hits on a face share the sky's visibility.
-#[derive(Debug, Clone, Copy)]
-pub struct Place {
-    /// Number of the block of 8 x 4 pixels.
-    pub block: u32,
-    /// Number of the square of 8 x 8 pixels, for leaves of one plant.
-    pub square: u32,
 }
 
 /// What is known of a drawn face.
@@ -41,18 +32,32 @@ struct Made {
     plant: u32,
 }
 
+/// Where a sample meets a face.
+#[derive(Debug, Clone, Copy)]
+pub struct Hit {
+    /// Image point.
+    pub u: f32,
+    /// See `u`.
+    pub v: f32,
+    /// 1 / z, 1/m.
+    pub nearness: f32,
+}
+
+/// Pixels of a block.
+const BLOCK_COLUMNS: u32 = BLOCK as u32;
+const BLOCK_ROWS: u32 = BLOCK as u32 / 2;
+
 const NOT_MADE: u32 = u32::MAX;
 /// No block.
 const NOWHERE: u32 = u32::MAX;
+/// The block of leaves whose visibility of the sky is known.
+const EVERYWHERE: u32 = u32::MAX - 1;
 
 /// What shading needs of an instance, in single precision.
 struct Placed<'a> {
     mesh: &'a Mesh,
     materials: &'a [Material],
     stand: Stand,
-    /// Number of the square for which the sky's visibility of its leaves was last found, and where it is kept.
-    square: u32,
-    open: u32,
 }
 
 /// Faces and visibilities of the sky that were seen lately. Faces go by their numbers in the visibility buffer.
@@ -61,6 +66,7 @@ pub struct Faces<'a> {
     rays: &'a Rays,
     intrinsics: [f64; 4],
     drawn: &'a [DrawnFace],
+    blocks_across: u32,
     placed: Vec<Placed<'a>>,
     made: Vec<Made>,
     /// Drawn faces that are to be made, and how many they are.
@@ -73,29 +79,56 @@ pub struct Faces<'a> {
     brief: Vec<Brief>,
     /// As `faces`; see [`DrawnFace::nearness_on_image`].
     planes: Vec<[f64; 3]>,
-    /// The sky's visibility, padded, so that it is one load: towards the six half axes; for flat faces the light from all
-    /// around, then the visibility towards the four level half axes.
-    pub open: Vec<[f32; 8]>,
+    /// What of the sky is seen: of a leaf one [`Open`], of other faces [`PER_BLOCK`] in each block.
+    pub open: Vec<Open>,
     /// Of faces of one instance that lie alike within a block, and where it is kept.
     alike: Vec<(Alike, u32)>,
+    /// As `alike`, at the corners of blocks.
+    corners: Vec<(Alike, Open)>,
+    /// Of leaves that are near each other, and where it is kept.
+    crowns: Vec<(Crown, u32)>,
 }
 
-/// Block, instance, kind and coarse normal of a face.
+/// The sky's visibility, padded, so that it is one load: towards the six half axes; for flat faces the light from all
+/// around, then the visibility towards the four level half axes.
+pub type Open = [f32; 8];
+
+/// In a block it changes evenly from corner to corner, so that nothing jumps where blocks meet: its value in the first
+/// corner, its changes to the right and downwards, and the change of the former by the latter.
+pub const PER_BLOCK: usize = 4;
+
+/// Block or corner of blocks, instance, and normal of a face, coarse or with its material.
 type Alike = (u32, u32, u32, u32);
 const ALIKE: usize = 256;
+const CORNERS: usize = 1024;
 const ALIKE_FROM_M: f32 = 15.0;
-const NOT_ALIKE: (Alike, u32) = ((NOWHERE, 0, 0, 0), 0);
+const NOT_ALIKE: Alike = (NOWHERE, 0, 0, 0);
+
+/// Instance and cell of leaves that share what they see of the sky.
+type Crown = (u32, [i32; 3]);
+const CROWNS: usize = 512;
+const NO_CROWN: Crown = (u32::MAX, [0; 3]);
+/// Least side of such a cell, and how many of their sides they are away, at least: 45 pixels of KITTI's camera at most.
+const CROWN_CELL_M: f32 = 0.5;
+const CROWN_CELLS_AWAY: f32 = 16.0;
 
 /// No leaf.
 const NO_PLANT: u32 = u32::MAX;
 /// Faces and visibilities are forgotten when there are so many.
 const MAX_FACES: usize = 2500;
-const MAX_OPEN: usize = 6_000;
+const MAX_OPEN: usize = 20_000;
 /// More than the samples of 64 x 8 pixels, solid and of panes.
 const MAX_ASKED: usize = 4096;
 
 impl<'a> Faces<'a> {
-    pub fn new(scene: &'a PosedScene, view: &View, rays: &'a Rays, light: &'a Light, drawn: &'a [DrawnFace]) -> Self {
+    pub fn new(
+        scene: &'a PosedScene,
+        view: &View,
+        rays: &'a Rays,
+        light: &'a Light,
+        buffer: &'a VisibilityBuffer,
+    ) -> Self {
+        let drawn = &buffer.faces;
         let eye = view.world_from_cam.translation;
         let placed = scene.instances.iter().map(|i| Placed {
             mesh: &i.mesh,
@@ -105,8 +138,6 @@ impl<'a> Faces<'a> {
                 origin: (i.placement.translation - eye).as_vec3(),
                 place_hash: hash2((i.center_world.x * 8.0) as i32, (i.center_world.y * 8.0) as i32, 0x97AC),
             },
-            square: NOWHERE,
-            open: 0,
         });
         let plants: Vec<u32> =
             (0..).zip(&scene.instances).map(|(i, of)| if of.palette.is_plant() { i } else { NO_PLANT }).collect();
@@ -117,6 +148,7 @@ impl<'a> Faces<'a> {
             asked_count: 0,
             raw: Vec::new(),
             drawn,
+            blocks_across: buffer.blocks_across as u32,
             placed: placed.collect(),
             light,
             rays,
@@ -125,7 +157,9 @@ impl<'a> Faces<'a> {
             planes: Vec::with_capacity(2 * MAX_FACES),
             intrinsics: view.intrinsics,
             open: Vec::with_capacity(2 * MAX_OPEN),
-            alike: vec![NOT_ALIKE; ALIKE],
+            alike: vec![(NOT_ALIKE, 0); ALIKE],
+            corners: vec![(NOT_ALIKE, [0.0; 8]); CORNERS],
+            crowns: vec![(NO_CROWN, 0); CROWNS],
         }
     }
 
@@ -140,12 +174,10 @@ impl<'a> Faces<'a> {
         self.brief.clear();
         self.planes.clear();
         self.open.clear();
-        self.alike.fill(NOT_ALIKE);
+        self.alike.fill((NOT_ALIKE, 0));
+        self.crowns.fill((NO_CROWN, 0));
         for made in &mut self.made {
             made.index = NOT_MADE;
-        }
-        for placed in &mut self.placed {
-            placed.square = NOWHERE;
         }
     }
 
@@ -193,14 +225,14 @@ impl<'a> Faces<'a> {
             let placed = &self.placed[raw.instance as usize];
             let material = &placed.materials[usize::from(raw.slot)];
             let (face, kind) = Face::make(raw, &placed.stand, material, self.rays, self.light.wetness > 0.0);
-            let leaf_of = if kind.pattern == Pattern::Leaves { raw.instance } else { NO_PLANT };
+            let is_leaf = kind.pattern == Pattern::Leaves;
             let [x, y, z] = face.face_normal.to_array().map(|n| (n * 14.0 + 15.5) as u32);
             let look = x | y << 5 | z << 10 | u32::from(raw.slot) << 16;
             self.brief.push(Brief {
                 kind: kind.index() as u32,
                 instance: raw.instance,
                 look,
-                leaf_of,
+                is_leaf,
                 block: NOWHERE,
                 open: 0,
             });
@@ -233,61 +265,102 @@ impl<'a> Faces<'a> {
         [here, by_column, by_row].map(|n| n as f32)
     }
 
-    /// Index of the sky's visibility at a hit of a face.
+    /// Index of the sky's visibility of a face in a block. The block's first corner is the image point (u, v) with the
+    /// nearness `nearness`; see [`Faces::nearness_at`]. `there`: the nearness at a hit.
     #[inline]
-    pub fn open_index(&mut self, index: u32, place: Place, u: f32, v: f32, nearness: f32) -> u32 {
+    pub fn open_index(&mut self, index: u32, block: u32, (u, v): (f32, f32), nearness: [f32; 3], there: Hit) -> u32 {
         let brief = &self.brief[index as usize];
-        if brief.leaf_of == NO_PLANT {
-            if brief.block == place.block {
-                return brief.open;
-            }
-        } else {
-            let plant = &self.placed[brief.leaf_of as usize];
-            if plant.square == place.square {
-                return plant.open;
-            }
+        if brief.block == block || brief.block == EVERYWHERE {
+            return brief.open;
         }
-        self.find_open(index, place, u, v, 1.0 / nearness)
+        if brief.is_leaf {
+            self.find_open_leaf(index, &there)
+        } else {
+            self.find_open(index, block, (u, v), nearness, &there)
+        }
+    }
+
+    /// A leaf's. Those of a plant that lie in one cell share it; each is put into a cell next to its own by chance, the
+    /// nearer the likelier, so that no cell shows.
+    #[inline(never)]
+    fn find_open_leaf(&mut self, index: u32, hit: &Hit) -> u32 {
+        let depth = 1.0 / hit.nearness;
+        let point_world = self.rays.eye + self.rays.direction(hit.u, hit.v) * depth;
+        // The power of two below, so that cells stay where they are as the camera moves.
+        let cell_m = f32::from_bits((depth / CROWN_CELLS_AWAY).max(CROWN_CELL_M).to_bits() & 0xFF80_0000);
+        let hash = self.faces[index as usize].face_hash;
+        let aside = [hash, hash >> 10, hash >> 20].map(|h| (h & 0x3FF) as f32 * (1.0 / 1024.0));
+        let cell = (point_world / cell_m + Vec3::from(aside)).floor();
+        let brief = &mut self.brief[index as usize];
+        let key = (brief.instance, cell.to_array().map(|c| c as i32));
+        let mixed = hash2(key.1[0] ^ key.1[2].wrapping_mul(0x3D4D), key.1[1], brief.instance);
+        let (known, kept) = &mut self.crowns[mixed as usize % CROWNS];
+        if *known != key {
+            // Leaves turn to all sides.
+            let [a, b, c, d, e, f] = self.light.sky_view.openness(cell * cell_m, Vec3::ZERO);
+            (*known, *kept) = (key, self.open.len() as u32);
+            self.open.push([a, b, c, d, e, f, 0.0, 0.0]);
+        }
+        (brief.block, brief.open) = (EVERYWHERE, *kept);
+        *kept
     }
 
     #[inline(never)]
-    fn find_open(&mut self, index: u32, place: Place, u: f32, v: f32, depth: f32) -> u32 {
+    fn find_open(&mut self, index: u32, block: u32, (u, v): (f32, f32), nearness: [f32; 3], hit: &Hit) -> u32 {
         let brief = &mut self.brief[index as usize];
         let found = self.open.len() as u32;
-        let point_world = self.rays.eye + self.rays.direction(u, v) * depth;
-        let sky_view = &self.light.sky_view;
         let normal = self.faces[index as usize].face_normal;
-        if brief.leaf_of != NO_PLANT {
-            // Leaves turn to all sides.
-            let [a, b, c, d, e, f] = sky_view.openness(point_world, Vec3::ZERO);
-            self.open.push([a, b, c, d, e, f, 0.0, 0.0]);
-            let plant = &mut self.placed[brief.leaf_of as usize];
-            (plant.square, plant.open) = (place.square, found);
-            return found;
-        }
-        let is_flat = Kind::of(brief.kind as usize).is_flat();
-        // Near by, where faces are large in the image and coats mirror clearly, each face looks for itself.
-        if depth > ALIKE_FROM_M {
+        let [coarse, in_cell] = {
             let coarse = normal.to_array().map(|n| (n * 7.0 + 8.0) as u32);
             let coarse = coarse[0] | coarse[1] << 4 | coarse[2] << 8;
-            let key = (place.block, brief.instance, brief.kind, coarse);
-            let slot = (coarse ^ coarse >> 3 ^ brief.instance.wrapping_mul(37) ^ brief.kind) as usize % ALIKE;
-            let (known, index) = self.alike[slot];
-            if known == key {
-                (brief.block, brief.open) = (place.block, index);
-                return index;
+            [coarse | brief.kind << 16, coarse ^ coarse >> 3 ^ brief.instance.wrapping_mul(37) ^ brief.kind]
+        };
+        // Near by, where faces are large in the image and coats mirror clearly, each face looks for itself.
+        if hit.nearness < 1.0 / ALIKE_FROM_M {
+            let key = (block, brief.instance, coarse, 0);
+            let (known, index) = &mut self.alike[in_cell as usize % ALIKE];
+            if *known == key {
+                (brief.block, brief.open) = (block, *index);
+                return *index;
             }
-            self.alike[slot] = (key, found);
+            (*known, *index) = (key, found);
         }
-        let open = sky_view.openness(point_world, normal);
-        let [a, b, c, d, e, f] = open;
-        self.open.push(if is_flat {
-            let around = self.light.sky.all_around(normal, &open);
-            [around.x, around.y, around.z, a, b, c, d, 0.0]
-        } else {
-            [a, b, c, d, e, f, 0.0, 0.0]
+        (brief.block, brief.open) = (block, found);
+        let brief = *brief;
+        let is_flat = Kind::of(brief.kind as usize).is_flat();
+        let (column, row) = (block % self.blocks_across, block / self.blocks_across);
+        let [first, right, below, across] = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| {
+            let (du, dv) = ((i * BLOCK_COLUMNS) as f32, (j * BLOCK_ROWS) as f32);
+            // The plane may end, or rise to the eye, before the corner.
+            let nearness = nearness[0] + nearness[1] * du + nearness[2] * dv;
+            let nearness = nearness.clamp(0.5 * hit.nearness, 2.0 * hit.nearness);
+            let corner = (row + j) * (self.blocks_across + 1) + column + i;
+            let is_far = nearness < 1.0 / ALIKE_FROM_M;
+            let key = (corner, brief.instance, if is_far { coarse } else { brief.look }, u32::from(is_far));
+            let slot = corner.wrapping_mul(0x9E37_79B1) ^ in_cell.wrapping_mul(0x85EB_CA6B);
+            let (known, open) = &mut self.corners[(slot >> 20) as usize % CORNERS];
+            if *known != key {
+                let point_world = self.rays.eye + self.rays.direction(u + du, v + dv) * (1.0 / nearness);
+                (*known, *open) = (key, open_of(self.light, point_world, normal, is_flat));
+            }
+            *open
         });
-        (brief.block, brief.open) = (place.block, found);
+        let change = |from: &Open, to: &Open| -> Open { std::array::from_fn(|k| to[k] - from[k]) };
+        let (rightwards, further) = (change(&first, &right), change(&below, &across));
+        self.open.extend([first, rightwards, change(&first, &below), change(&rightwards, &further)]);
         found
+    }
+}
+
+/// What a point of a surface sees of the sky.
+#[inline(always)]
+fn open_of(light: &Light, point_world: Vec3, normal: Vec3, is_flat: bool) -> Open {
+    let open = light.sky_view.openness(point_world, normal);
+    let [a, b, c, d, e, f] = open;
+    if is_flat {
+        let around = light.sky.all_around(normal, &open);
+        [around.x, around.y, around.z, a, b, c, d, 0.0]
+    } else {
+        [a, b, c, d, e, f, 0.0, 0.0]
     }
 }

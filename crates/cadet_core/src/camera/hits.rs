@@ -11,8 +11,8 @@ pub const STRIDE: usize = LANES + 16;
 pub type Lane = [f32; STRIDE];
 
 /// Pairs of pixels side by side in a block, and rows of them.
-const ACROSS: usize = 4;
-const DOWN: usize = 4;
+pub const ACROSS: usize = 4;
+pub const DOWN: usize = 4;
 /// What is seen through the panes of a block: its pixels row by row.
 pub const BEHIND: usize = 2 * ACROSS * DOWN;
 /// From a row of them to the next.
@@ -27,7 +27,7 @@ pub type SampleBits = u64;
 pub struct Patch {
     /// Index of the face.
     pub face: u32,
-    /// Index of the sky's visibility.
+    /// Index of the sky's visibility; see [`super::faces::Faces::open`].
     pub open: u32,
     /// Pixel to which the colour of the block's first pixel is added.
     pub target: u32,

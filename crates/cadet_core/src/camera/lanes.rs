@@ -3,7 +3,8 @@
 use multiversion::multiversion;
 
 use super::face::{Face, Flags, Kind};
-use super::hits::{BEHIND_STRIDE, Cell, Hits, LANES, Lane, STRIDE};
+use super::faces::{Open, PER_BLOCK};
+use super::hits::{ACROSS, BEHIND_STRIDE, Cell, DOWN, Hits, LANES, Lane, STRIDE};
 use super::shade::{Camera, Light, diffuse, geometry, gloss, mix, pane, place_texture, snow, texture, through_air};
 use super::shadow::{Asked, Neighbours};
 use crate::material::Pattern;
@@ -34,6 +35,9 @@ pub struct Lanes {
     pub nearness: Lane,
     pub nearness_by_column: Lane,
     pub nearness_by_row: Lane,
+    /// Where it lies in its block, from 0 at the first corner to 1 at the last.
+    pub across: Lane,
+    pub down: Lane,
     /// From the middle to the right pixel, columns, where both pixels show the face; else 0.
     pub aside: Lane,
     /// All bits where the next lane has the next pair of pixels, and both are whole.
@@ -63,7 +67,9 @@ pub struct Lanes {
     /// Relative to the eye.
     pub point: Lane3,
     pub distance_m: Lane,
+    /// Geometric mean of a pixel's extents on the surface, and its width square to the view.
     pub footprint_m: Lane,
+    pub pixel_m: Lane,
     /// Coordinates of the texture.
     pub texture: [[Lane; 2]; 2],
     /// At first of the first corner, then the unit shading normal.
@@ -111,6 +117,8 @@ impl Default for Lanes {
             nearness: O,
             nearness_by_column: O,
             nearness_by_row: O,
+            across: O,
+            down: O,
             aside: O,
             goes_on: [0; STRIDE],
             face_normal: O3,
@@ -135,6 +143,7 @@ impl Default for Lanes {
             point: O3,
             distance_m: O,
             footprint_m: O,
+            pixel_m: O,
             texture: [[O; 2]; 2],
             normal: O3,
             cos_sun: O,
@@ -162,16 +171,16 @@ impl Lanes {
         camera: &Camera,
         kind: Kind,
         hits: &Hits,
-        (faces, open): (&[Face], &[[f32; 8]]),
+        (faces, open): (&[Face], &[Open]),
         rgb: &[f32],
     ) {
         let n = hits.count.min(LANES);
         gather_patches(self, hits, n);
         gather_faces(self, kind, hits, n, faces);
-        gather_open(self, kind, hits, n, open);
         // Whole registers: what is left in the lanes beyond is nobody's.
         let m = n.next_multiple_of(16);
         spread(self, hits, n);
+        gather_open(self, kind, hits, n, open);
         geometry(self, m, camera, light.sky.sun_world, kind);
         self.cast_shadows(light, camera.eye, kind, n);
         self.albedo = [self.material; 2];
@@ -296,6 +305,7 @@ fn spread(l: &mut Lanes, hits: &Hits, n: usize) {
         let nearness = l.nearness[i] + l.nearness_by_column[i] * across + l.nearness_by_row[i] * down;
         l.nearness[i] = if nearness > FARTHEST { nearness } else { FARTHEST };
         (l.u[i], l.v[i]) = (l.u[i] + across, l.v[i] + down);
+        (l.across[i], l.down[i]) = (across * (1.0 / (2 * ACROSS) as f32), down * (1.0 / DOWN as f32));
         l.aside[i] = if (left > 0.0) & (right > 0.0) { 0.5 } else { 0.0 };
         l.target[i] = l.target[i].wrapping_add(row.wrapping_mul(l.stride[i])).wrapping_add(column);
         l.behind[i] = l.behind[i].wrapping_add(row * BEHIND_STRIDE + column);
@@ -357,22 +367,55 @@ fn gather_faces(l: &mut Lanes, kind: Kind, hits: &Hits, n: usize, faces: &[Face]
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn gather_open(l: &mut Lanes, kind: Kind, hits: &Hits, n: usize, open: &[[f32; 8]]) {
-    for (number, (_, patch)) in hits.patches.iter().enumerate() {
-        let [a, b, c, d, e, f, g, _] = open[patch.open as usize];
-        for i in hits.lanes_of(number, n).step_by(RUN) {
-            if kind.is_flat() {
-                run3(&mut l.around, i, Vec3::new(a, b, c));
-                if kind.is_glossy || kind.is_pane {
-                    for (lane, o) in l.open.iter_mut().zip([d, e, f, g]) {
-                        run(lane, i, o);
-                    }
-                }
-            } else {
-                for (lane, o) in l.open.iter_mut().zip([a, b, c, d, e, f]) {
+fn gather_open(l: &mut Lanes, kind: Kind, hits: &Hits, n: usize, open: &[Open]) {
+    if kind.pattern == Pattern::Leaves {
+        for (number, (_, patch)) in hits.patches.iter().enumerate() {
+            let of_patch = open[patch.open as usize];
+            for i in hits.lanes_of(number, n).step_by(RUN) {
+                for (lane, o) in l.open.iter_mut().zip(of_patch) {
                     run(lane, i, o);
                 }
             }
+        }
+        return;
+    }
+    let mirrors = kind.is_glossy || kind.is_pane;
+    for (number, (_, patch)) in hits.patches.iter().enumerate() {
+        let Some(of_block) = open[patch.open as usize..].first_chunk::<PER_BLOCK>() else { continue };
+        for i in hits.lanes_of(number, n).step_by(RUN) {
+            let (Some(across), Some(down)) = (l.across[i..].first_chunk(), l.down[i..].first_chunk()) else { continue };
+            let at = (across, down);
+            if kind.is_flat() {
+                for (k, lane) in l.around.iter_mut().enumerate() {
+                    run_between(lane, i, of_block, k, at);
+                }
+                if mirrors {
+                    for (k, lane) in l.open[..4].iter_mut().enumerate() {
+                        run_between(lane, i, of_block, 3 + k, at);
+                    }
+                }
+            } else {
+                for (k, lane) in l.open.iter_mut().enumerate() {
+                    run_between(lane, i, of_block, k, at);
+                }
+            }
+        }
+    }
+}
+
+/// As [`run`], of what changes evenly from corner to corner of a block.
+#[inline(always)]
+fn run_between(
+    lane: &mut Lane,
+    start: usize,
+    [first, rightwards, downwards, both]: &[Open; PER_BLOCK],
+    k: usize,
+    (across, down): (&[f32; RUN], &[f32; RUN]),
+) {
+    if let Some(run) = lane[start..].first_chunk_mut::<RUN>() {
+        for i in 0..RUN {
+            let left = first[k] + downwards[k] * down[i];
+            run[i] = left + (rightwards[k] + both[k] * down[i]) * across[i];
         }
     }
 }

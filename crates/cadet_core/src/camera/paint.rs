@@ -37,7 +37,7 @@ pub fn paint(scene: &PosedScene, view: &View, rays: &Rays, light: &Light, sample
         behind: 0,
         rgb,
     };
-    let faces = Faces::new(scene, view, rays, light, &samples.0.faces);
+    let faces = Faces::new(scene, view, rays, light, &samples.0);
     let mut collector = Collector::new(&samples.0, faces, painter, view, rays, light);
     for first_row in (0..height).step_by(BAND) {
         collector.paint_band(first_row, (height - first_row).min(BAND));
