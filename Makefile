@@ -64,9 +64,9 @@ build-dev: setup
 	@echo "Building the Rust core and installing the development tools (the first time takes some minutes)"
 	@$(DEVELOP) --extras $(EXTRAS)
 
-demo: build ## Write 20 samples and a picture of them to demo/
+demo: build ## Write 40 samples and a picture of them to demo/
 	@rm -rf $(DEMO)/training $(DEMO)/ImageSets $(DEMO)/manifest.json $(DEMO)/run.json $(DEMO)/overview.png
-	@$(BIN)/cadet-gen $(DEMO) -n 20 --seed 0
+	@$(BIN)/cadet-gen $(DEMO) -n 40 --seed 0
 	@$(BIN)/cadet view $(DEMO) -o $(DEMO)/overview.png
 	@echo "Look at $(DEMO)/overview.png; $(DEMO)/training is the KITTI folder, and 'make help' lists what else there is."
 

@@ -223,14 +223,34 @@ def test_every_fifth_episode_is_validation(tmp_path: Path) -> None:
     assert run(out, "-n", 105, *SIZE, "--val-fraction", 0.2).returncode == FINE
     val = (out / "ImageSets" / "val.txt").read_text().split()
     train = (out / "ImageSets" / "train.txt").read_text().split()
-    assert val == [f"{number:06d}" for number in range(80, 100)]
-    assert train == [f"{number:06d}" for number in [*range(80), *range(100, 105)]]
+    assert val == [f"{number:06d}" for number in range(20, 40)]
+    assert train == [f"{number:06d}" for number in [*range(20), *range(40, 105)]]
     assert (out / "ImageSets" / "trainval.txt").read_text().split() == sorted(train + val)
 
 
-def test_a_set_of_one_episode_has_an_empty_val_file(tmp_path: Path) -> None:
-    assert run(tmp_path / "out", "-n", 2, *SIZE).returncode == FINE
+def test_a_set_of_one_episode_has_an_empty_val_file_and_says_so(tmp_path: Path) -> None:
+    done = run(tmp_path / "out", "-n", 20, *SIZE)
+    assert done.returncode == FINE
     assert (tmp_path / "out" / "ImageSets" / "val.txt").read_text() == ""
+    assert done.stderr.endswith("val.txt is empty: frames from 20 on, the second episode, are its first\n")
+
+
+def test_two_episodes_have_a_val_file_and_more_frames_move_none(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    done = run(out, "-n", 21, *SIZE)
+    assert (done.returncode, "val.txt" in done.stderr) == (FINE, False)
+    assert (out / "ImageSets" / "val.txt").read_text().split() == ["000020"]
+    splits = {split: (out / "ImageSets" / f"{split}.txt").read_text().split() for split in ("train", "val")}
+    assert run(out, "-n", 130, *SIZE, "--resume").returncode == FINE
+    for split, ids in splits.items():
+        assert set(ids) <= set((out / "ImageSets" / f"{split}.txt").read_text().split())
+    val = (out / "ImageSets" / "val.txt").read_text().split()
+    assert val == [f"{number:06d}" for number in [*range(20, 40), *range(120, 130)]]
+
+
+def test_without_a_val_fraction_nothing_is_said_about_it(tmp_path: Path) -> None:
+    done = run(tmp_path / "out", "-n", 1, *SIZE, "--val-fraction", 0)
+    assert (done.returncode, "val.txt" in done.stderr) == (FINE, False)
 
 
 def test_val_fraction_changes_the_period(tmp_path: Path) -> None:
@@ -369,4 +389,4 @@ def test_a_log_gets_plain_lines(tmp_path: Path) -> None:
     done = run(tmp_path / "out", "-n", 2, *SIZE)
     assert "\x1b" not in done.stderr
     assert done.stderr.startswith(f"2 frames in {tmp_path / 'out'} at ")
-    assert done.stderr.endswith("/s: 2 DontCare, 2 Car\n")
+    assert "/s: 2 DontCare, 2 Car\n" in done.stderr

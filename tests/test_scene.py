@@ -40,9 +40,16 @@ def test_what_is_asked_for_reaches_the_frame(tmp_path: Path) -> None:
 
 def test_the_same_instant_gives_the_same_frame_and_a_later_one_fresh_noise() -> None:
     scene = Scene.random(seed=1, rig=RIG)
-    first = scene.capture()
-    assert np.array_equal(first.image, scene.capture().image)
+    first, second, third = (scene.capture() for _ in range(3))
+    assert np.array_equal(first.image, second.image)
+    assert first.meta is not None
+    assert first.meta["seed"] == 1
+    assert first.meta == second.meta == third.meta
+    assert list(first.meta) == list(second.meta)
     scene.step(0.0)
+    moved = scene.capture().meta
+    assert moved is not None
+    assert (moved["sample"], moved.get("seed"), moved == scene.capture().meta) == (1, None, True)
     assert not np.array_equal(first.image, scene.capture().image)
 
 

@@ -79,7 +79,8 @@ class Episode:
     def next_frame(self, sample: int) -> Frame:
         """Drive on and return the next view with a labelled object as frame `sample` of the episode.
 
-        The first view of a world is taken where the ego stands.
+        The first view of a world is taken where the ego stands. A view in which nothing has moved since the last one
+        (docs/labels.md) is passed over like one without a labelled object, and both count towards the world's redraw.
 
         Raises:
             CadetError: no world showed a labelled object.

@@ -103,7 +103,8 @@ class ResetPolicy:
     blocked_s: float = 2.0
     """A view is taken all the same once the ego has stood this long."""
     empty_views_limit: int = 10
-    """After so many views in a row without a labelled object the world is redrawn inside the episode."""
+    """After so many views in a row without a labelled object, or without motion since the view before, the world is
+    redrawn inside the episode."""
     attempts_limit: int = 50
     """After so many redrawn worlds an episode is given up with an error."""
     maps: tuple[RoadMap, ...] = ()

@@ -70,6 +70,8 @@ class Scene:
         """Wrap the core's scene; users call `random` or `empty`."""
         self._native = native
         self._first = first
+        # What a capture of the very first instant says of itself beyond what the core knows.
+        self._origin = {} if first is None or first.meta is None else dict(first.meta)
         self._num_moves = 0
 
     @classmethod
@@ -211,16 +213,16 @@ class Scene:
             CadetError: a time that is negative, not finite or longer than an hour.
         """
         check_number("step", "seconds", seconds, 0, 3600)
-        self._first = None
-        self._num_moves += 1
+        self._forget_first()
         self._native.step(float(seconds))
 
     def capture(self) -> Frame:
-        """Return what the rig sees now. At the same instant it returns the same frame, noise included."""
+        """Return what the rig sees now. At the same instant it returns the same frame, noise and `meta` included."""
         if self._first is not None:
             frame, self._first = self._first, None
             return frame
-        return frame_from_native(self._native.capture(self._num_moves, True), {"sample": self._num_moves})
+        extra_meta = self._origin or {"sample": self._num_moves}
+        return frame_from_native(self._native.capture(self._num_moves, True), extra_meta)
 
     def scan(self, lidar: Lidar | None = None, *, ideal: bool = False) -> Scan:
         """Turn a LIDAR once.
@@ -271,7 +273,11 @@ class Scene:
     def _moved(self, **place: float) -> None:
         for name, value in place.items():
             check_number("place", name, value, -_MAX_PLACE_M, _MAX_PLACE_M)
+        self._forget_first()
+
+    def _forget_first(self) -> None:
         self._first = None
+        self._origin = {}
         self._num_moves += 1
 
 

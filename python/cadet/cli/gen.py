@@ -48,7 +48,7 @@ from cadet.weather import check_weather, weather_names
     type=click.FloatRange(0.0, 0.5),
     default=0.2,
     show_default=True,
-    help="Share of the episodes in val.txt: every round(1/F)-th.",
+    help="Share of the episodes in val.txt: the second of every round(1/F).",
 )
 def cadet_gen(
     out: Path,
@@ -101,6 +101,9 @@ def cadet_gen(
     except WorkerError as error:
         raise CadetError(f"{error}; {_how_to_go_on(num_done, num_frames)}") from None
     console.print(_closing(out, summary, time.monotonic() - start_s), markup=False)
+    if settings.val_period > 0 and settings.num_episodes == 1:
+        num_first = settings.policy.samples_per_episode
+        console.print(f"val.txt is empty: frames from {num_first} on, the second episode, are its first", markup=False)
     return 0
 
 

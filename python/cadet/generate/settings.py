@@ -35,12 +35,14 @@ class Settings:
     extras: tuple[str, ...] = ()
     """Folders to write besides `BASE_FOLDERS`: some of `EXTRAS`."""
     val_period: int = 5
-    """Episode e is validation if e % val_period == val_period - 1; 0 for none."""
+    """Episode e is validation if e % val_period == 1, so that two episodes have some; 0 for none."""
 
     def __post_init__(self) -> None:
         check_seed(self.seed)
         check_number("Settings", "num_frames", self.num_frames, 1, 1_000_000, whole=True)
         check_number("Settings", "val_period", self.val_period, 0, 1_000_000, whole=True)
+        if self.val_period == 1:
+            raise CadetError("Settings.val_period: expected 0 or at least 2, got 1")
         for extra in self.extras:
             if extra not in EXTRAS:
                 raise CadetError(f"cannot write {extra!r}; known: {', '.join(EXTRAS)}")
@@ -66,7 +68,7 @@ class Settings:
 
     def is_val(self, episode: int) -> bool:
         """Tell whether an episode is validation."""
-        return self.val_period > 0 and episode % self.val_period == self.val_period - 1
+        return self.val_period > 0 and episode % self.val_period == 1
 
     def identity(self) -> dict[str, Any]:
         """Return what must not change between a run and its resumption, in plain values: all but `num_frames`."""

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::EGO;
 use super::chassis::Chassis;
 use super::driver::{COMFORTABLE_MPS2, Habits, Obstacle, gap_along, pedals, pursue};
-use super::junctions::Junctions;
+use super::junctions::{Junctions, Refusal};
 use super::physics::{DT_S, Physics};
 use super::route::{Ahead, Roads, Route};
 use crate::assets::vehicle::VehicleModel;
@@ -25,6 +25,23 @@ const STOP_LINE_M: f64 = 3.3;
 /// The ego asks for its way across a junction this much earlier than others do.
 const EGO_ASKS_EARLIER_M: f64 = 20.0;
 
+/// What a driver brakes for most.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Cause {
+    /// Nothing: the road is free, or nobody drives.
+    Nothing,
+    /// A parked vehicle in the lane.
+    Parked,
+    /// Another car, by its index.
+    Car(usize),
+    /// A person on the road.
+    Person,
+    /// The end of the road.
+    RoadEnd,
+    /// A junction that others cross or queue behind.
+    Junction(Refusal),
+}
+
 /// A driven car.
 pub(super) struct Car {
     /// 0 for the ego.
@@ -38,6 +55,7 @@ pub(super) struct Car {
     ahead: Vec<Ahead>,
     interaction_mps2: f64,
     desired_mps: f64,
+    cause: Cause,
 }
 
 impl Car {
@@ -52,7 +70,13 @@ impl Car {
             ahead: Vec::new(),
             interaction_mps2: 0.0,
             desired_mps: 0.0,
+            cause: Cause::Nothing,
         }
+    }
+
+    /// What the driver brakes for.
+    pub fn cause(&self) -> Cause {
+        self.cause
     }
 
     pub fn model(&self) -> &Arc<VehicleModel> {
@@ -89,6 +113,7 @@ impl Car {
         step: u64,
     ) {
         self.ahead.clear();
+        self.cause = Cause::Nothing;
         let Some(route) = self.route.as_ref().filter(|_| self.drives) else { return };
         let speed = own.velocity.dot(own.heading);
         let half_length = self.chassis.model.size_lwh.x / 2.0;
@@ -98,17 +123,23 @@ impl Car {
         self.ahead.extend((0..count).map(|k| route.ahead(k as f64 * SAMPLE_M, roads)));
         let (low, high) =
             self.ahead.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), a| (lo.min(a.at), hi.max(a.at)));
-        let mut worst: f64 = 0.0;
+        let mut worst = (0.0_f64, Cause::Nothing);
+        let mut brake_for = |interaction: f64, cause: Cause| {
+            if interaction < worst.0 {
+                worst = (interaction, cause);
+            }
+        };
+        let cause_of = |kind: usize, i: usize| [Cause::Parked, Cause::Car(i), Cause::Person][kind];
         for (kind, group) in obstacles.iter().enumerate() {
             let side = if kind == 0 { SIDE_STANDING_M } else { SIDE_MOVING_M };
-            for obstacle in group.iter().filter(|o| {
+            for (i, obstacle) in group.iter().enumerate().filter(|(_, o)| {
                 let reach_m = o.half_length_m + o.half_width_m + own.half_width_m + side;
                 o.center != own.center && (o.center - o.center.clamp(low, high)).length() < reach_m
             }) {
                 if let Some((gap, leader)) =
                     gap_along(&self.ahead, SAMPLE_M, half_length, own.half_width_m + side, obstacle)
                 {
-                    worst = worst.min(self.habits.interaction(speed, gap, leader));
+                    brake_for(self.habits.interaction(speed, gap, leader), cause_of(kind, i));
                 }
             }
         }
@@ -122,23 +153,26 @@ impl Car {
                     && (o.center - own.center).dot(own.heading) > 0.0
                     && swept.overlaps(o)
             };
-            if obstacles.iter().take(2).flat_map(|g| g.iter()).any(|o| meets(&o)) {
-                worst = worst.min(self.habits.interaction(speed, reach_m - 0.6, 0.0));
+            let met = obstacles.iter().take(2).enumerate().find_map(|(kind, group)| {
+                group.iter().position(|o| meets(&o)).map(|i| cause_of(kind, i))
+            });
+            if let Some(cause) = met {
+                brake_for(self.habits.interaction(speed, reach_m - 0.6, 0.0), cause);
                 break;
             }
         }
         // The end of the road.
         let end_m = route.remaining_m(roads) - half_length;
         if end_m < SIGHT_M {
-            worst = worst.min(self.habits.interaction(speed, end_m + 1.0, 0.0));
+            brake_for(self.habits.interaction(speed, end_m + 1.0, 0.0), Cause::RoadEnd);
         }
-        if let Some(gap_m) = self.stop_line(index, speed, junctions, exits, roads, step) {
-            worst = worst.min(self.habits.interaction(speed, gap_m, 0.0));
+        if let Some((gap_m, refusal)) = self.stop_line(index, speed, junctions, exits, roads, step) {
+            brake_for(self.habits.interaction(speed, gap_m, 0.0), Cause::Junction(refusal));
         }
-        self.interaction_mps2 = worst;
+        (self.interaction_mps2, self.cause) = worst;
     }
 
-    /// The gap to a stop line where the next junction is not ours to cross.
+    /// The gap to a stop line where the next junction is not ours to cross, and why it is not.
     fn stop_line(
         &self,
         index: usize,
@@ -147,7 +181,7 @@ impl Car {
         exits: &Exits,
         roads: &Roads,
         step: u64,
-    ) -> Option<f64> {
+    ) -> Option<(f64, Refusal)> {
         let route = self.route.as_ref()?;
         let mut start_m = -route.s_m;
         let mut k = 0;
@@ -172,14 +206,14 @@ impl Car {
             })
         };
         if route.lanes.iter().take(k).enumerate().any(|(i, l)| before_us(*l, i == 0)) {
-            return Some(front_m + 1.5);
+            return Some((front_m + 1.5, Refusal::NotFirst));
         }
         let chain: Vec<LaneId> =
             route.lanes.iter().skip(k).copied().take_while(|l| roads.lane(*l).junction.is_some()).collect();
         let exit = route.lanes.get(k + chain.len()).copied().unwrap_or(chain[chain.len() - 1]);
         let room_m = 2.0 * self.half_length_m() + 2.5;
         let exit_free = exits.room_m(exit, index) - junctions.promised_m(index, exit) >= room_m;
-        if junctions.request(index, &chain, exit, room_m, exit_free, step) { None } else { Some(front_m + 1.5) }
+        junctions.request(index, &chain, exit, room_m, exit_free, step).err().map(|refusal| (front_m + 1.5, refusal))
     }
 
     /// Gives the chassis its commands for this step.

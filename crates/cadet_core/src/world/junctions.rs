@@ -34,6 +34,19 @@ struct Waiting {
     seen_step: u64,
 }
 
+/// Why a junction may not be entered yet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Refusal {
+    /// Others are ahead of us in the queue.
+    NotFirst,
+    /// There is no room to leave it again.
+    ExitFull,
+    /// Somebody whose way crosses ours came earlier.
+    Earlier(usize),
+    /// Somebody whose way crosses ours is in it or about to enter.
+    Taken(usize),
+}
+
 /// Conflicts between lanes, and who holds and wants which.
 #[derive(Debug, Default)]
 pub(super) struct Junctions {
@@ -84,6 +97,9 @@ impl Junctions {
     }
 
     /// Asks for a chain of lanes across a junction; `exit_free` says whether the car can leave it again.
+    ///
+    /// # Errors
+    /// Why it may not enter.
     pub fn request(
         &mut self,
         car: usize,
@@ -92,11 +108,11 @@ impl Junctions {
         room_m: f64,
         exit_free: bool,
         step: u64,
-    ) -> bool {
-        let Some(&first) = lanes.first() else { return true };
+    ) -> Result<(), Refusal> {
+        let Some(&first) = lanes.first() else { return Ok(()) };
         if !exit_free {
             self.waiting.retain(|w| w.car != car);
-            return false;
+            return Err(Refusal::ExitFull);
         }
         let since_step = match self.waiting.iter_mut().find(|w| w.car == car) {
             Some(w) => {
@@ -109,17 +125,20 @@ impl Junctions {
             }
         };
         // The ego is let go first, then who came earlier and still asks.
-        let earlier = self.waiting.iter().any(|w| {
+        let earlier = self.waiting.iter().find(|w| {
             w.car != car
                 && w.seen_step + 30 > step
                 && (w.car != EGO, w.since_step, w.car) < (car != EGO, since_step, car)
                 && self.conflicts[first.0].iter().any(|c| c.0 == w.lane)
         });
-        let taken = self.held.iter().any(|r| {
+        let taken = self.held.iter().find(|r| {
             r.car != car && self.conflicts[r.lane.0].iter().any(|(l, until_m)| r.tail_m < *until_m && lanes.contains(l))
         });
-        if earlier || taken {
-            return false;
+        if let Some(by) = taken {
+            return Err(Refusal::Taken(by.car));
+        }
+        if let Some(by) = earlier {
+            return Err(Refusal::Earlier(by.car));
         }
         self.waiting.retain(|w| w.car != car);
         self.held.extend(lanes.iter().map(|lane| Reservation {
@@ -130,7 +149,7 @@ impl Junctions {
             tail_m: f64::NEG_INFINITY,
             clear_at_m: None,
         }));
-        true
+        Ok(())
     }
 
     /// The car's tail has come this far along the lane that its middle is on.

@@ -1,6 +1,8 @@
 //! What moves: rapier bodies, drivers, walkers, and the immutable picture of an instant that the sensors read.
 
 mod car;
+#[cfg(test)]
+mod census_tests;
 mod chassis;
 mod driver;
 #[cfg(test)]
