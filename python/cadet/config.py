@@ -78,6 +78,14 @@ class LabelConfig:
     """A label's object shows at least this fraction of its silhouette."""
     max_depth_m: float = 80.0
     """A label's object is at most this deep."""
+    min_depth_m: float = 0.5
+    """A label's object is at least this deep."""
+    max_truncation: float = 0.95
+    """A label's object is truncated by at most this."""
+    min_contrast: float = 0.05
+    """An object without returns keeps at least this much of its contrast through fog, rain and snow to get a label."""
+    min_points: int = 0
+    """A label's object has at least this many returns."""
     dontcare_min_pixels: float = 8.0
     """An object without a label becomes DontCare if it shows at least this many pixels."""
     occlusion_levels: tuple[float, float] = (0.8, 0.5)
@@ -95,6 +103,10 @@ class LabelConfig:
         check_number("LabelConfig", "min_height_px", self.min_height_px, 0)
         check_number("LabelConfig", "min_visible_fraction", self.min_visible_fraction, 0, 1)
         check_number("LabelConfig", "max_depth_m", self.max_depth_m, 0)
+        check_number("LabelConfig", "min_depth_m", self.min_depth_m, 0)
+        check_number("LabelConfig", "max_truncation", self.max_truncation, 0, 1)
+        check_number("LabelConfig", "min_contrast", self.min_contrast, 0, 1)
+        check_number("LabelConfig", "min_points", self.min_points, 0, 1_000_000, whole=True)
         check_number("LabelConfig", "dontcare_min_pixels", self.dontcare_min_pixels, 0)
         check_number("LabelConfig", "corner_tolerance_m", self.corner_tolerance_m, 0)
         check_number("LabelConfig", "max_hidden_corners", self.max_hidden_corners, 1, 8, whole=True)

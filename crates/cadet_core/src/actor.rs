@@ -69,20 +69,22 @@ impl ObjectClass {
     }
 }
 
-/// The box that an annotator would draw round an actor, in the actor's box frame: fixed for its life.
+/// The box that an annotator would draw round an actor, in the actor's box frame, and from how far: fixed for its life.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AnnotatedBox {
     /// Length, width, height.
     pub size_lwh: DVec3,
     /// Its bottom centre.
     pub bottom_center_in_box: DVec3,
+    /// The greatest depth at which it is drawn, metres: annotators leave out far objects.
+    pub farthest_m: f64,
 }
 
 impl AnnotatedBox {
     /// The box of the true extents.
     #[must_use]
     pub fn exact(size_lwh: DVec3) -> Self {
-        Self { size_lwh, bottom_center_in_box: DVec3::ZERO }
+        Self { size_lwh, bottom_center_in_box: DVec3::ZERO, farthest_m: f64::INFINITY }
     }
 }
 

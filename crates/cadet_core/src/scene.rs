@@ -6,7 +6,7 @@ use crate::actor::ObjectClass;
 use crate::assets::vehicle::UserVehicles;
 use crate::camera::{Rendered, Seen, View, look, paint};
 use crate::error::{Error, Result, finite};
-use crate::label::{Boxes, LabelConfig, Labeled, count_points, label_actors, may_label, road_plane_cam};
+use crate::label::{Boxes, LabelConfig, Labeled, add_points, label_actors, may_label, road_plane_cam};
 use crate::lidar::{IdealScan, LidarSpec, Scan, Turning, ideal_scan, scan, turning_scan};
 use crate::math::{DPose3, DVec3};
 use crate::rig::Rig;
@@ -274,7 +274,9 @@ impl Scene {
         let view = View::new(&self.rig.camera, &world_from_cam);
         let seen = look(&posed, &view)?;
         let camera = &self.rig.camera;
-        let labels = label_actors(&self.label, &snapshot.actors, &posed, camera, &world_from_cam, &seen);
+        let extinction_per_m = self.weather.extinction_per_m();
+        let labels =
+            label_actors(&self.label, &snapshot.actors, &posed, camera, &world_from_cam, &seen, extinction_per_m);
         Ok((view, seen, labels))
     }
 
@@ -292,7 +294,7 @@ impl Scene {
         let image = paint(&posed, view, weather, seen, &mut key.indexed("camera", sample));
         let rendered = Rendered { image, maps: with_maps.then(|| seen.maps(&posed)) };
         let scan = self.scan(None, sample)?;
-        count_points(&mut labels, &scan.actor_id);
+        add_points(&self.label, &mut labels, &scan.actor_id);
         let ground = &self.world.town().ground;
         let plane = road_plane_cam(
             &world_from_cam,

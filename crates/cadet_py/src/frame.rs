@@ -60,6 +60,7 @@ fn object<'py>(py: Python<'py>, labeled: &Labeled) -> PyResult<Bound<'py, PyDict
     dict.set_item("model", &meta.model)?;
     dict.set_item("visible_fraction", rounded(meta.visible_fraction))?;
     dict.set_item("visible_pixels", meta.visible_pixels)?;
+    dict.set_item("contrast", rounded(meta.contrast))?;
     dict.set_item("num_points", meta.num_points)?;
     dict.set_item("velocity_world", vector(meta.velocity_world))?;
     dict.set_item("silhouette_bbox", meta.silhouette_bbox.as_ref().map(corners))?;

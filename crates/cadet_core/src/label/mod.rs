@@ -1,11 +1,13 @@
 //! Labels: KITTI's boxes, truncation and both occlusion methods, by the definitions of `docs/labels.md`.
 
 mod box_cam;
+mod config;
 mod corners;
 mod labeler;
 mod road_plane;
 mod silhouette;
 
 pub use box_cam::{BoxCam, Boxes, Rect};
-pub use labeler::{Label, LabelConfig, Labeled, ObjectMeta, OcclusionMethod, count_points, label_actors, may_label};
+pub use config::{LabelConfig, OcclusionMethod};
+pub use labeler::{Label, Labeled, ObjectMeta, add_points, label_actors, may_label};
 pub use road_plane::road_plane_cam;

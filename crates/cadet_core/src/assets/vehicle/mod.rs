@@ -95,7 +95,7 @@ impl VehicleModel {
     pub fn of_traffic(class: ObjectClass, actor_seed: u64) -> Result<Self> {
         let mut s = Stream::from_seed("traffic vehicle", actor_seed);
         let annotated_lwh = annotation::vehicle_size(class, &mut s)?;
-        let margins = Margins::of_vehicle(&mut s);
+        let margins = Margins::of_vehicle(class, &mut s);
         let true_lwh = margins.around(annotated_lwh);
         let design = library::design_near(class, true_lwh, &mut s)?;
         let annotated = margins.within(true_lwh);
@@ -105,7 +105,7 @@ impl VehicleModel {
     /// The same vehicle as another annotator would label it.
     #[must_use]
     pub fn annotated_by(self, annotator_seed: u64) -> Self {
-        let margins = Margins::of_vehicle(&mut Stream::from_seed("annotated box", annotator_seed));
+        let margins = Margins::of_vehicle(self.class, &mut Stream::from_seed("annotated box", annotator_seed));
         Self { annotated: margins.within(self.size_lwh), ..self }
     }
 

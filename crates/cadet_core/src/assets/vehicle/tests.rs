@@ -306,7 +306,7 @@ fn traffic_wears_designs_stretched_by_little() {
             .map(|seed| {
                 let mut s = Stream::from_seed("traffic vehicle", seed);
                 let annotated = annotation::vehicle_size(class, &mut s).unwrap();
-                library::least_stretch(class, Margins::of_vehicle(&mut s).around(annotated)).unwrap()
+                library::least_stretch(class, Margins::of_vehicle(class, &mut s).around(annotated)).unwrap()
             })
             .collect();
         stretches.sort_by(f64::total_cmp);

@@ -1,0 +1,124 @@
+//! The numbers of the labels' definitions.
+
+use super::box_cam::Boxes;
+use super::labeler::Placed;
+use crate::actor::ActorState;
+use crate::error::{Error, Result};
+
+/// How occlusion is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OcclusionMethod {
+    /// Visible over silhouette pixels (default).
+    Pixels,
+    /// The 2019 paper's: corners of the box against the depth map.
+    Corners,
+}
+
+/// Every number of the labels' definitions.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LabelConfig {
+    /// How occlusion is measured.
+    pub method: OcclusionMethod,
+    /// Which boxes labels hold.
+    pub boxes: Boxes,
+    /// A label's box is at least this high.
+    pub min_height_px: f64,
+    /// A label's object shows at least this fraction of its silhouette.
+    pub min_visible_fraction: f64,
+    /// A label's object is at most this deep.
+    pub max_depth_m: f64,
+    /// A label's object is at least this deep.
+    pub min_depth_m: f64,
+    /// A label's object is truncated by at most this.
+    pub max_truncation: f64,
+    /// An object without returns keeps at least this much of its contrast through the air to get a label.
+    pub min_contrast: f64,
+    /// A label's object has at least this many returns.
+    pub min_points: usize,
+    /// An object without a label becomes DontCare if it shows at least this many pixels.
+    pub dontcare_min_pixels: f64,
+    /// Visible fractions from which the occlusion level is 0 and 1; below, it is 2.
+    pub occlusion_levels: [f64; 2],
+    /// A corner is hidden by what is nearer than it by more than this.
+    pub corner_tolerance_m: f64,
+    /// With this many hidden corners the object is occluded.
+    pub max_hidden_corners: usize,
+}
+
+impl Default for LabelConfig {
+    fn default() -> Self {
+        Self {
+            method: OcclusionMethod::Pixels,
+            boxes: Boxes::Kitti,
+            min_height_px: 15.0,
+            min_visible_fraction: 0.1,
+            max_depth_m: 80.0,
+            min_depth_m: 0.5,
+            max_truncation: 0.95,
+            min_contrast: 0.05,
+            min_points: 0,
+            dontcare_min_pixels: 8.0,
+            occlusion_levels: [0.8, 0.5],
+            corner_tolerance_m: 0.1,
+            max_hidden_corners: 4,
+        }
+    }
+}
+
+impl LabelConfig {
+    /// Refuses numbers that mean nothing.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`], naming the field.
+    pub fn validated(self) -> Result<Self> {
+        let fail = |what, value: f64, expected: &str| {
+            Err(Error::OutOfRange { what, value: value.to_string(), expected: expected.to_owned() })
+        };
+        let fraction = |v: f64| (0.0..=1.0).contains(&v);
+        let not_negative = |v: f64| v.is_finite() && v >= 0.0;
+        for (what, value) in [
+            ("min_height_px", self.min_height_px),
+            ("max_depth_m", self.max_depth_m),
+            ("min_depth_m", self.min_depth_m),
+            ("dontcare_min_pixels", self.dontcare_min_pixels),
+            ("corner_tolerance_m", self.corner_tolerance_m),
+        ] {
+            if !not_negative(value) {
+                return fail(what, value, "a finite number that is not negative");
+            }
+        }
+        let [level0, level1] = self.occlusion_levels;
+        for (what, value) in [
+            ("min_visible_fraction", self.min_visible_fraction),
+            ("max_truncation", self.max_truncation),
+            ("min_contrast", self.min_contrast),
+            ("occlusion level 0", level0),
+            ("level 1", level1),
+        ] {
+            if !fraction(value) {
+                return fail(what, value, "0 to 1");
+            }
+        }
+        if level0 < level1 {
+            return fail("occlusion level 0", level0, "at least level 1's threshold");
+        }
+        Ok(self)
+    }
+
+    /// Whether an object may get a label by what its box and its projection tell.
+    pub(super) fn admits(&self, placed: &Placed, actor: &ActorState) -> bool {
+        let reach_m = match self.boxes {
+            Boxes::Kitti => self.max_depth_m.min(actor.annotated.farthest_m),
+            Boxes::Exact => self.max_depth_m,
+        };
+        let depth_m = placed.box_cam.location_cam.z;
+        (self.min_depth_m..=reach_m).contains(&depth_m)
+            && placed.bbox.v2 - placed.bbox.v1 >= self.min_height_px
+            && placed.truncated <= self.max_truncation
+    }
+
+    /// Whether the sensors support a label: returns, or else enough contrast.
+    pub(super) fn is_supported(&self, num_points: usize, contrast: f64) -> bool {
+        num_points >= self.min_points && (num_points > 0 || contrast >= self.min_contrast)
+    }
+}
