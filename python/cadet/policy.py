@@ -212,7 +212,7 @@ class ResetPolicy:
         map_index = Draws(seed, episode, attempt, "map").count(0, len(self.maps) - 1) if self.maps else None
         counts = Draws(seed, episode, attempt, "counts")
         # Car and rig stay the same however often the world is redrawn.
-        rig = Draws(seed, episode, 0, "rig").weighted(self.rigs)
+        rig = Draws(seed, episode, 0, "calibration").weighted(self.rigs)
         load = Draws(seed, episode, 0, "load")
         config = SceneConfig(
             parking_occupancy=counts.between(*district.parking_occupancy),

@@ -37,4 +37,4 @@ def test_the_towns_of_the_paper_are_used_where_they_are_handed_over() -> None:
         pytest.skip("needs CARLA's Town02 in ../shared/maps")
     frame = cadet.Scene.random(seed=1, policy="paper", map=town, weather="clear_noon").capture()
     assert frame.meta is not None
-    assert (frame.meta["map"], frame.meta["rig"]) == ("Town02", "paper")
+    assert (frame.meta["map"], frame.meta["rig"]) == ("Town02.xodr", "paper")
