@@ -46,8 +46,9 @@ def test_what_is_written_passes_the_lint(dataset: Path) -> None:
 
 
 def test_scene_environment_and_files_agree(dataset: Path) -> None:
-    scene_frame = Scene.random(seed=5, rig=SMALL).capture()
-    env = Environment(rig=SMALL)
+    policy = ResetPolicy.kitti().with_each_rig(lambda rig: replace(rig, camera=rig.camera.resized(310, 94)))
+    scene_frame = Scene.random(seed=5, policy=policy).capture()
+    env = Environment(policy=policy)
     env.reset(seed=5)
     env_frame = env.step()
     written = kitti.read_frame(dataset, 0)

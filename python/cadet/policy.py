@@ -173,8 +173,9 @@ class ResetPolicy:
             name="paper",
             label=LabelConfig(boxes="exact"),
             weathers=tuple((name, 1.0) for name in weather_names()),
+            # In CARLA's towns of that time every car drove.
             districts=(
-                (District(name="town", parking_occupancy=(0.0, 0.3), num_cars=(20, 60), num_pedestrians=(10, 60)), 1.0),
+                (District(name="town", parking_occupancy=(0.0, 0.0), num_cars=(4, 19), num_pedestrians=(2, 15)), 1.0),
             ),
             rigs=((Rig.paper(), 1.0),),
             vehicle_classes=("Car",),
@@ -213,7 +214,7 @@ class ResetPolicy:
         map_index = Draws(seed, episode, attempt, "map").count(0, len(self.maps) - 1) if self.maps else None
         counts = Draws(seed, episode, attempt, "counts")
         # Car and rig stay the same however often the world is redrawn.
-        rig = Draws(seed, episode, 0, "rig").weighted(self.rigs)
+        rig = Draws(seed, episode, 0, "calibration").weighted(self.rigs)
         load = Draws(seed, episode, 0, "load")
         config = SceneConfig(
             parking_occupancy=counts.between(*district.parking_occupancy),
