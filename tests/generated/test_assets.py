@@ -96,7 +96,7 @@ def test_every_actor_of_a_mesh_is_annotated_apart(tmp_path: Path) -> None:
             if o["model"] == "mine":
                 box = tuple(o["dimensions_hwl"])
                 assert boxes.setdefault(o["actor_id"], box) == box, "the box of an actor stays"
-        scene.drive(distance_m=5.0)
+        scene.step(1.0)
     assert len(set(boxes.values())) == len(boxes) > 5
     lengths = np.array([length for _, _, length in boxes.values()])
     # Each end bulges by 5.5 cm in the mean, and by 7 cm more or less.

@@ -100,7 +100,7 @@ def test_an_actor_keeps_its_box_through_an_episode() -> None:
     for _ in range(3):
         for o in objects_of(scene.capture()):
             sizes.setdefault(o["actor_id"], set()).add(tuple(o["dimensions_hwl"]))
-        scene.drive(distance_m=4.0)
+        scene.step(1.0)
     assert all(len(s) == 1 for s in sizes.values())
     assert len(set().union(*sizes.values())) == len(sizes), "every actor is of a size of its own"
 

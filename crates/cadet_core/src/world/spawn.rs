@@ -333,7 +333,7 @@ impl World {
             Some(model) => model,
             None => {
                 let (class, _) = mix[stream.weighted(&mix.map(|(_, weight)| weight))];
-                Arc::new(VehicleModel::of_traffic(class, stream.next_u64()).ok()?)
+                Arc::new(VehicleModel::of_traffic(class, stream.next_u64()).expect("cars and vans have a shape"))
             }
         };
         let half_m = model.size_lwh.x / 2.0;

@@ -100,7 +100,8 @@ fn heights_and_speeds_follow_the_specification() {
     let (speed, _) = moments(&walkers);
     assert!((speed - 1.34).abs() < 0.08, "speed {speed}");
     assert!((190..=255).contains(&walkers.len()), "{} of 300 walk", walkers.len());
-    assert!((5..=25).contains(&children), "{children} children");
+    // One in a hundred of KITTI's boxes of people is lower than 1.5 m.
+    assert!((1..=9).contains(&children), "{children} children");
 }
 
 #[test]

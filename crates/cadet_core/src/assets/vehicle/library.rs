@@ -10,8 +10,8 @@ use crate::error::Result;
 use crate::math::DVec3;
 use crate::rng::Stream;
 
-const NUM_CARS: usize = 96;
-const NUM_VANS: usize = 32;
+const NUM_CARS: usize = 160;
+const NUM_VANS: usize = 80;
 /// The most that a design is stretched along any axis where there is another choice.
 const MOST_STRETCH: f64 = 1.06;
 
