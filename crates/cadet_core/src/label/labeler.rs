@@ -171,7 +171,8 @@ pub fn count_points(labels: &mut [Labeled], point_actor_ids: &[i32]) {
     }
 }
 
-/// Labels every actor that the camera sees, in the order of their ids; [`count_points`] adds the returns.
+/// Labels every actor that the camera sees, objects first and then `DontCare`, each in the order of their ids;
+/// [`count_points`] adds the returns.
 ///
 /// # Frames and units
 /// `world_from_cam` is the pose of the rectified camera 0.
@@ -234,5 +235,7 @@ pub fn label_actors(
         };
         labels.push(Labeled { label, meta });
     }
+    // Stable, so ids go on rising.
+    labels.sort_by_key(|l| l.label.class == ObjectClass::DontCare);
     labels
 }

@@ -3,9 +3,11 @@
 mod box_cam;
 mod corners;
 mod labeler;
+mod motion;
 mod road_plane;
 mod silhouette;
 
 pub use box_cam::{BoxCam, Rect};
 pub use labeler::{Label, LabelConfig, Labeled, ObjectMeta, OcclusionMethod, count_points, label_actors, may_label};
+pub use motion::TakenView;
 pub use road_plane::road_plane_cam;
