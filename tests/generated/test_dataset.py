@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 from collections import Counter
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -49,6 +50,32 @@ def test_splits_go_by_episode(root: Path) -> None:
     train, val = (cadet.kitti.Dataset(root, split).ids for split in ("train", "val"))
     assert [int(i) // 20 % 5 for i in val] == [1] * 20
     assert sorted([*train, *val]) == [f"{i:06d}" for i in range(NUM_FRAMES)]
+
+
+@pytest.mark.timeout(600)
+def test_no_frame_shows_again_what_the_one_before_it_showed(root: Path) -> None:
+    frames = list(cadet.kitti.Dataset(root))
+    compared = 0
+    for before, frame in pairwise(frames):
+        assert before.meta is not None and frame.meta is not None
+        if any(before.meta[key] != frame.meta[key] for key in ("episode", "attempt")):
+            continue
+        compared += 1
+        ego = [np.array(f.meta["world_from_ego"])[:3, 3] for f in (before, frame) if f.meta is not None]
+        boxes = [
+            {
+                o["actor_id"]: np.array(label.bbox)
+                for o, label in zip(f.meta["objects"], f.labels, strict=True)
+                if label.type != "DontCare"
+            }
+            for f in (before, frame)
+            if f.meta is not None
+        ]
+        has_moved = [
+            actor not in boxes[0] or np.abs(box - boxes[0][actor]).max() >= 7.9 for actor, box in boxes[1].items()
+        ]
+        assert np.linalg.norm(ego[1] - ego[0]) >= 0.5 or any(has_moved), frame
+    assert compared > 0.7 * NUM_FRAMES
 
 
 @pytest.mark.timeout(600)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any, Literal
 
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 import cadet
 from cadet.boxes import corners_cam, points_in_boxes
+from cadet.kitti.dataset import encode_frame
 from obj_meshes import WALL, assets_folder
 from sensed import Sensed, objects_of, sense
 
@@ -298,3 +300,18 @@ def test_planes_lie_on_the_road(street_frames: list[Sensed]) -> None:
             assert np.quantile(np.abs(distance), 0.98) < 0.05, np.quantile(np.abs(distance), 0.98)
             checked += 1
     assert checked > 20
+
+
+def test_objects_stand_before_dontcare_in_the_file_and_in_the_meta() -> None:
+    scene = cadet.Scene.empty()
+    scene.move_ego(x=0, y=0, yaw=0)
+    # Too far to be labelled (1 and 3), near enough (2 and 4).
+    for kind, x, y in [("car", 84, 5), ("car", 16, -4), ("car", 85, -9), ("pedestrian", 13, 3)]:
+        scene.add(kind, x=x, y=y, yaw=1.5)
+    files = encode_frame(scene.capture())
+    lines = [line.split() for line in files["label_2"].decode().splitlines()]
+    objects = json.loads(files["meta"])["objects"]
+    assert [line[0] for line in lines] == ["Car", "Pedestrian", "DontCare", "DontCare"]
+    assert [o["actor_id"] for o in objects] == [2, 4, 1, 3]
+    for line, o in zip(lines[:2], objects[:2], strict=True):
+        assert [float(v) for v in line[11:14]] == pytest.approx(o["location_cam"], abs=0.006)

@@ -6,7 +6,7 @@ use crate::actor::ObjectClass;
 use crate::assets::vehicle::UserVehicles;
 use crate::camera::{Rendered, Seen, View, look, paint};
 use crate::error::{Error, Result, finite};
-use crate::label::{Boxes, LabelConfig, Labeled, add_points, label_actors, may_label, road_plane_cam};
+use crate::label::{Boxes, LabelConfig, Labeled, TakenView, add_points, label_actors, may_label, road_plane_cam};
 use crate::lidar::{IdealScan, LidarSpec, Scan, Turning, ideal_scan, scan, turning_scan};
 use crate::math::{DPose3, DVec3};
 use crate::rig::Rig;
@@ -54,7 +54,7 @@ pub struct Frame {
     pub rendered: Rendered,
     /// The scan.
     pub scan: Scan,
-    /// Labels by rising actor id.
+    /// Labels: objects by rising actor id, then `DontCare` by rising actor id.
     pub labels: Vec<Labeled>,
     /// Which boxes the labels hold.
     pub boxes: Boxes,
@@ -82,6 +82,8 @@ pub struct Scene {
     weather: Weather,
     rig: Rig,
     label: LabelConfig,
+    /// The last view that [`Scene::capture_labelled`] took.
+    taken: Option<TakenView>,
     /// The triangles of the present instant; dropped whenever the world moves.
     sensed: Option<Sensed>,
     /// parry's trees, kept from instant to instant.
@@ -135,6 +137,7 @@ impl Scene {
             weather,
             rig,
             label: config.label.clone().validated()?,
+            taken: None,
             sensed: None,
             trees: FaceTrees::default(),
         })
@@ -249,8 +252,9 @@ impl Scene {
         self.finish(sample, with_maps, &view, &seen, labels)
     }
 
-    /// The same, or `None` where nothing in view gets a label (`DontCare` is none): much cheaper than a frame that is
-    /// thrown away.
+    /// The same, or `None` where nothing in view gets a label (`DontCare` is none), or where neither the ego nor
+    /// anything labelled has moved since the last view that this returned: much cheaper than a frame that is thrown
+    /// away.
     ///
     /// # Errors
     /// As [`Scene::capture`].
@@ -265,7 +269,18 @@ impl Scene {
         if labels.iter().all(|l| l.label.class == ObjectClass::DontCare) {
             return Ok(None);
         }
-        self.finish(sample, with_maps, &view, &seen, labels).map(Some)
+        let (world_from_ego, width) = (self.snapshot().ego.world_from_ego, self.rig.camera.width);
+        if self.taken.as_ref().is_some_and(|t| !t.ego_has_moved(&world_from_ego) && !t.object_has_moved(&labels, width))
+        {
+            return Ok(None);
+        }
+        let frame = self.finish(sample, with_maps, &view, &seen, labels)?;
+        // The scan may have taken the last label away.
+        if frame.labels.iter().all(|l| l.label.class == ObjectClass::DontCare) {
+            return Ok(None);
+        }
+        self.taken = Some(TakenView::new(world_from_ego, &frame.labels));
+        Ok(Some(frame))
     }
 
     fn look(&mut self) -> Result<(View, Seen, Vec<Labeled>)> {

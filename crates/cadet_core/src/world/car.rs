@@ -25,7 +25,8 @@ const STOP_LINE_M: f64 = 3.3;
 /// The ego asks for its way across a junction this much earlier than others do.
 const EGO_ASKS_EARLIER_M: f64 = 20.0;
 
-/// What a driver brakes for most.
+/// What a driver brakes for most: named for the tests.
+#[cfg_attr(not(test), allow(dead_code))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Cause {
     /// Nothing: the road is free, or nobody drives.
@@ -55,6 +56,7 @@ pub(super) struct Car {
     ahead: Vec<Ahead>,
     interaction_mps2: f64,
     desired_mps: f64,
+    #[cfg_attr(not(test), allow(dead_code))]
     cause: Cause,
 }
 
@@ -75,6 +77,7 @@ impl Car {
     }
 
     /// What the driver brakes for.
+    #[cfg(test)]
     pub fn cause(&self) -> Cause {
         self.cause
     }
@@ -153,9 +156,11 @@ impl Car {
                     && (o.center - own.center).dot(own.heading) > 0.0
                     && swept.overlaps(o)
             };
-            let met = obstacles.iter().take(2).enumerate().find_map(|(kind, group)| {
-                group.iter().position(|o| meets(&o)).map(|i| cause_of(kind, i))
-            });
+            let met = obstacles
+                .iter()
+                .take(2)
+                .enumerate()
+                .find_map(|(kind, group)| group.iter().position(|o| meets(&o)).map(|i| cause_of(kind, i)));
             if let Some(cause) = met {
                 brake_for(self.habits.interaction(speed, reach_m - 0.6, 0.0), cause);
                 break;

@@ -35,6 +35,7 @@ struct Waiting {
 }
 
 /// Why a junction may not be entered yet.
+#[cfg_attr(not(test), allow(dead_code))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Refusal {
     /// Others are ahead of us in the queue.
@@ -91,9 +92,12 @@ impl Junctions {
         self.held.iter().any(|r| r.car == car && r.clear_at_m.is_none())
     }
 
-    /// Room on an exit lane that is promised to others than `car`.
+    /// Room on an exit lane that is promised to others than `car`, once to each, however many lanes it holds.
     pub fn promised_m(&self, car: usize, exit: LaneId) -> f64 {
-        self.held.iter().filter(|r| r.car != car && r.exit == exit).map(|r| r.room_m).sum()
+        let promised = |r: &Reservation| r.car != car && r.exit == exit;
+        let is_first =
+            |(i, r): &(usize, &Reservation)| !self.held[..*i].iter().any(|q| q.car == r.car && q.exit == exit);
+        self.held.iter().enumerate().filter(|(_, r)| promised(r)).filter(is_first).map(|(_, r)| r.room_m).sum()
     }
 
     /// Asks for a chain of lanes across a junction; `exit_free` says whether the car can leave it again.

@@ -7,6 +7,7 @@ mod chassis;
 mod driver;
 #[cfg(test)]
 mod flow_tests;
+mod footing;
 mod ground_shape;
 mod junctions;
 mod parked;
@@ -43,6 +44,7 @@ use crate::actor::ObjectClass;
 use crate::assets::person::PersonModel;
 use crate::assets::vehicle::{UserVehicles, VehicleModel};
 use crate::error::{Error, Result};
+use crate::math::DVec2;
 use crate::rng::StreamKey;
 use crate::town::{LaneId, LaneKind, Town};
 
@@ -263,12 +265,20 @@ impl World {
         for (i, car) in self.cars.iter_mut().enumerate() {
             car.track(i, &self.physics, &mut self.junctions, &self.roads);
         }
-        for walker in &mut self.walkers {
-            walker.walk(&self.physics, &self.pavements);
-        }
+        self.walk();
         self.steps += 1;
         if self.steps.is_multiple_of(spawn::RENEW_EVERY) {
             self.renew_traffic();
+        }
+    }
+
+    /// Everybody on foot sets a step, one after the other, so that two never take the same place.
+    fn walk(&mut self) {
+        let cars: Vec<Obstacle> = self.cars.iter().map(|c| c.footprint(&self.physics)).collect();
+        let mut places: Vec<DVec2> = self.walkers.iter().map(Walker::at).collect();
+        for (i, walker) in self.walkers.iter_mut().enumerate() {
+            walker.walk(&self.physics, &self.pavements, &places, &cars);
+            places[i] = walker.at();
         }
     }
 

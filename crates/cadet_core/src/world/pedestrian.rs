@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::car::Car;
 use super::driver::Obstacle;
+use super::footing::Nearby;
 use super::pavement::Pavements;
 use super::physics::{DT_S, Physics};
 use super::route::Roads;
@@ -24,6 +25,16 @@ const COMPANION_M: f64 = 0.7;
 const CROSSES_AGAIN: f64 = 0.7;
 /// Half a person's width, and the room they leave to things.
 const SHOULDER_M: f64 = 0.3;
+/// Whoever is farther from their line than this goes there first, and then on along it.
+const OFF_LINE_M: f64 = 0.6;
+/// How far round others one may step off the line: not into the road.
+const ROUND_OTHERS_M: f64 = 0.45;
+/// Who could not set a step for this long turns round.
+const HELD_S: f64 = 1.2;
+/// A car slower than this stands.
+const STANDS_MPS: f64 = 0.3;
+/// At the far kerb among others one is over the road here.
+const OVER_M: f64 = 0.8;
 
 /// What a person is about.
 #[derive(Debug, Clone, Copy)]
@@ -55,6 +66,9 @@ pub(super) struct Walker {
     /// 0 to stop, 1 to walk on.
     pace: f64,
     blocked_s: f64,
+    /// How long no step was possible.
+    held_s: f64,
+    nearby: Nearby,
     /// Index of the one walked beside, who leads.
     pub beside: Option<usize>,
     /// Whether this one means to cross the road.
@@ -96,6 +110,8 @@ impl Walker {
             wanted_m: 0.0,
             pace: 1.0,
             blocked_s: 0.0,
+            held_s: 0.0,
+            nearby: Nearby::default(),
             beside: None,
             crosser: false,
             is_placed: true,
@@ -118,7 +134,7 @@ impl Walker {
         frames::upright(self.position, self.yaw_rad)
     }
 
-    fn at(&self) -> DVec2 {
+    pub fn at(&self) -> DVec2 {
         self.position.truncate()
     }
 
@@ -143,37 +159,37 @@ impl Walker {
         })
     }
 
-    /// One step on foot.
-    pub fn walk(&mut self, physics: &Physics, pavements: &Pavements) {
-        let before = self.position;
-        let mut to = self.at();
-        match self.motion {
-            Motion::Stands | Motion::Waits { .. } => {}
-            Motion::Walks { walkway, s_m, direction } => {
-                let step_m = self.model.walking_speed_mps * self.pace * DT_S;
-                let limit_m = SIDESTEP_MPS * DT_S * self.pace.max(0.3);
-                self.lateral_m += (self.wanted_m - self.lateral_m).clamp(-limit_m, limit_m);
-                let s = s_m + direction * step_m;
-                self.motion = match pavements.wrapped(walkway, s) {
-                    Some(s_m) => Motion::Walks { walkway, s_m, direction },
-                    None => self.turn_corner(pavements, walkway, direction),
-                };
-                if let Motion::Walks { walkway, s_m, .. } = self.motion {
-                    let spot = pavements.spot(walkway, s_m);
-                    let target = spot.at + spot.tangent.perp() * self.lateral_m;
-                    // Corners and changes of walkway are walked, not jumped.
-                    to = step_towards(to, target, (step_m * 1.5).max(limit_m));
-                }
+    /// One step on foot. `places` is where everybody is at present, `cars` what the driven cars cover.
+    pub fn walk(&mut self, physics: &Physics, pavements: &Pavements, places: &[DVec2], cars: &[Obstacle]) {
+        let (before, from, lateral_m) = (self.position, self.at(), self.lateral_m);
+        let (wanted, motion) = self.wanted_step(pavements);
+        let line = match motion {
+            Motion::Walks { walkway, s_m, .. } => Some(self.target(pavements, walkway, s_m)),
+            _ => None,
+        };
+        let keeps_to_line =
+            |p: DVec2| line.is_none_or(|line| (p - line).length() < ROUND_OTHERS_M.max((from - line).length()));
+        let step =
+            if wanted == from { Some(from) } else { self.nearby.step(from, wanted, places, cars, keeps_to_line) };
+        match step {
+            Some(_) => {
+                self.motion = motion;
+                self.held_s = 0.0;
             }
-            Motion::Crosses { to: goal, walkway, s_m } => {
-                to = step_towards(to, goal, CROSSING_MPS * self.pace * DT_S);
-                if (goal - to).length() < 0.05 {
-                    let direction = if self.choices.chance(0.5) { 1.0 } else { -1.0 };
-                    self.start(walkway, s_m, direction, 0.0);
-                }
+            None => {
+                self.lateral_m = lateral_m;
+                self.held_s += DT_S;
             }
         }
-        let moved = to - before.truncate();
+        let to = step.unwrap_or(from);
+        if let Motion::Crosses { to: goal, walkway, s_m } = self.motion {
+            let over_m = if self.held_s > 0.5 { OVER_M } else { 0.05 };
+            if (goal - to).length() < over_m {
+                let direction = if self.choices.chance(0.5) { 1.0 } else { -1.0 };
+                self.start(walkway, s_m, direction, 0.0);
+            }
+        }
+        let moved = to - from;
         if moved.length_squared() > 0.0 {
             // The edge of the world: stay on the last ground.
             let Some(ground) = physics.ground_at(to.x, to.y) else { return };
@@ -183,6 +199,37 @@ impl Walker {
             self.phase = (self.phase + moved.length() / self.model.cycle_length_m.max(0.1)).fract();
         }
         self.velocity = (self.position - before) / DT_S;
+    }
+
+    /// Where the next step would lead if nothing were in the way, and what one would be about then.
+    fn wanted_step(&mut self, pavements: &Pavements) -> (DVec2, Motion) {
+        let here = self.at();
+        match self.motion {
+            Motion::Stands | Motion::Waits { .. } => (here, self.motion),
+            Motion::Walks { walkway, s_m, direction } => {
+                let step_m = self.model.walking_speed_mps * self.pace * DT_S;
+                let limit_m = SIDESTEP_MPS * DT_S * self.pace.max(0.3);
+                if (self.target(pavements, walkway, s_m) - here).length() > OFF_LINE_M {
+                    // Corners and changes of walkway are walked, not jumped.
+                    let target = self.target(pavements, walkway, s_m);
+                    return (step_towards(here, target, step_m.max(limit_m)), self.motion);
+                }
+                self.lateral_m += (self.wanted_m - self.lateral_m).clamp(-limit_m, limit_m);
+                let motion = match pavements.wrapped(walkway, s_m + direction * step_m) {
+                    Some(s_m) => Motion::Walks { walkway, s_m, direction },
+                    None => self.turn_corner(pavements, walkway, direction),
+                };
+                let Motion::Walks { walkway, s_m, .. } = motion else { return (here, motion) };
+                (step_towards(here, self.target(pavements, walkway, s_m), (step_m * 1.5).max(limit_m)), motion)
+            }
+            Motion::Crosses { to, .. } => (step_towards(here, to, CROSSING_MPS * self.pace * DT_S), self.motion),
+        }
+    }
+
+    /// The point of the person's own line at a distance along a walkway.
+    fn target(&self, pavements: &Pavements, walkway: usize, s_m: f64) -> DVec2 {
+        let spot = pavements.spot(walkway, s_m);
+        spot.at + spot.tangent.perp() * self.lateral_m
     }
 
     fn turn_corner(&mut self, pavements: &Pavements, walkway: usize, direction: f64) -> Motion {
@@ -214,13 +261,21 @@ pub(super) fn look(
 ) {
     let places: Vec<(DVec2, DVec2, f64)> =
         walkers.iter().map(|w| (w.at(), w.heading(), w.velocity.truncate().length())).collect();
+    let spots: Vec<DVec2> = places.iter().map(|p| p.0).collect();
     let laterals: Vec<f64> = walkers.iter().map(|w| w.lateral_m).collect();
     for i in 0..walkers.len() {
+        walkers[i].nearby.look(i, &spots, standing);
         let leader = walkers[i].beside.and_then(|b| walkers.get(b)).map(|b| (b.motion, b.pace, b.wanted_m));
         let walker = &mut walkers[i];
         match walker.motion {
             Motion::Stands => {}
             Motion::Walks { walkway, s_m, direction } => {
+                if walker.held_s > HELD_S {
+                    walker.held_s = 0.0;
+                    walker.beside = None;
+                    walker.motion = Motion::Walks { walkway, s_m, direction: -direction };
+                    continue;
+                }
                 if let Some((Motion::Walks { walkway: other, s_m: theirs, direction: same }, pace, lateral)) = leader {
                     // Companions keep level with the one they walk beside, and turn round with them.
                     let is_near = (theirs - s_m).abs() < 3.0;
@@ -228,18 +283,20 @@ pub(super) fn look(
                         let direction = same;
                         walker.motion = Motion::Walks { walkway, s_m, direction };
                         let behind_m = (theirs - s_m) * direction;
-                        walker.pace = (pace + 0.4 * behind_m).clamp(0.0, 1.4);
                         let room = pavements.room_m(walkway);
                         let side = if walker.habit_m >= laterals[walker.beside.unwrap_or(i)] {
                             COMPANION_M
                         } else {
                             -COMPANION_M
                         };
-                        walker.wanted_m = (lateral + side).clamp(-room, room);
+                        let line_m = (lateral + side).clamp(-room, room);
+                        avoid(walker, i, walkway, s_m, direction, line_m, pavements, standing, &places);
+                        walker.pace = walker.pace.min(1.0) * (pace + 0.4 * behind_m).clamp(0.0, 1.4);
                         continue;
                     }
                 }
-                avoid(walker, i, walkway, s_m, direction, pavements, standing, &places);
+                let line_m = walker.habit_m;
+                avoid(walker, i, walkway, s_m, direction, line_m, pavements, standing, &places);
                 if walker.crosser && walker.pace > 0.5 {
                     consider_crossing(walker, walkway, s_m, pavements, roads, standing);
                 }
@@ -254,20 +311,24 @@ pub(super) fn look(
             }
             Motion::Crosses { .. } => {
                 let front = walker.at() + walker.heading() * 0.8;
-                let blocked = footprints.iter().any(|f| (f.closest_point(front) - front).length() < 0.4);
+                // Who drives is let pass; who stands lets pass, and waiting for each other would never end.
+                let passes = |f: &&Obstacle| f.velocity.length() > STANDS_MPS;
+                let blocked = footprints.iter().filter(passes).any(|f| (f.closest_point(front) - front).length() < 0.4);
                 walker.pace = if blocked { 0.0 } else { 1.0 };
             }
         }
     }
 }
 
-/// Side-steps what stands and who comes; stops where there is no way past, and turns back after a while.
+/// Side-steps what stands and who comes, to return to the line `line_m`; stops where there is no way past, and turns back
+/// after a while.
 fn avoid(
     walker: &mut Walker,
     index: usize,
     walkway: usize,
     s_m: f64,
     direction: f64,
+    line_m: f64,
     pavements: &Pavements,
     standing: &[Obstacle],
     places: &[(DVec2, DVec2, f64)],
@@ -291,11 +352,11 @@ fn avoid(
             clear_of_things && clear_of_people
         })
     };
-    // The nearest free line to the habitual one, to the own right first.
+    // The nearest free line to the wanted one, to the own right first.
     let right = -direction;
     let choice = [0.0, 0.35, -0.35, 0.7, -0.7, 1.05, -1.05, 1.4, -1.4]
         .iter()
-        .map(|d| walker.habit_m + right * d)
+        .map(|d| line_m + right * d)
         .filter(|l| l.abs() <= room.max(walker.habit_m.abs()))
         .find(|l| is_free(*l));
     match choice {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::car::{Car, footprint};
 use super::chassis::Chassis;
 use super::driver::{Habits, Obstacle};
+use super::footing::BODY_M;
 use super::parked::{Parked, keeps_off_lanes};
 use super::pedestrian::{Motion, Walker};
 use super::physics::Physics;
@@ -420,12 +421,14 @@ impl World {
                 // They share the pavement: the one who leads makes way.
                 let lead = self.walkers[beside].lateral_m;
                 let side = if lead > 0.0 { -1.0 } else { 1.0 };
-                let lead = if side > 0.0 { lead.min(room - apart) } else { lead.max(apart - room) };
-                self.walkers[beside].keep_to(lead);
-                let lateral = lead + side * apart;
-                let mut walker = self.walker_at(stream, model, walkway, s_m, direction, lateral)?;
-                walker.beside = Some(beside);
-                return Some(walker);
+                let kept = if side > 0.0 { lead.min(room - apart) } else { lead.max(apart - room) };
+                let lateral = (lead + side * apart).clamp(-room, room);
+                if self.has_room_for_person(walkway, s_m, lateral, slot, 2.0 * BODY_M) {
+                    self.walkers[beside].keep_to(kept);
+                    let mut walker = self.walker_at(stream, model, walkway, s_m, direction, lateral)?;
+                    walker.beside = Some(beside);
+                    return Some(walker);
+                }
             }
         }
         let way: Vec<DVec2> = self.ego_way().map_or_else(Vec::new, |r| {
@@ -454,18 +457,22 @@ impl World {
             let room = self.pavements.room_m(walkway);
             // A little to the own right.
             let lateral = stream.clipped_normal(-0.15 * direction, 0.35).clamp(-room, room);
-            let spot = self.pavements.spot(walkway, s_m);
-            let at = spot.at + spot.tangent.perp() * lateral;
-            let near_somebody =
-                self.walkers.iter().enumerate().any(|(i, w)| i != slot && (w.position.truncate() - at).length() < 0.9);
-            let in_a_car = self.parked.iter().any(|p| (p.footprint.closest_point(at) - at).length() < 0.4);
-            if !near_somebody && !in_a_car {
+            if self.has_room_for_person(walkway, s_m, lateral, slot, 0.9) {
                 let mut walker = self.walker_at(stream, model, walkway, s_m, direction, lateral)?;
                 walker.crosser = walks && stream.chance(CROSSERS_SHARE);
                 return Some(walker);
             }
         }
         None
+    }
+
+    /// Whether nobody but who is in `slot` is within `apart_m` of a place on a walkway, and no parked car is near it.
+    fn has_room_for_person(&self, walkway: usize, s_m: f64, lateral_m: f64, slot: usize, apart_m: f64) -> bool {
+        let spot = self.pavements.spot(walkway, s_m);
+        let at = spot.at + spot.tangent.perp() * lateral_m;
+        let is_near_somebody =
+            self.walkers.iter().enumerate().any(|(i, w)| i != slot && (w.position.truncate() - at).length() < apart_m);
+        !is_near_somebody && self.parked.iter().all(|p| (p.footprint.closest_point(at) - at).length() >= 0.4)
     }
 
     fn walker_at(

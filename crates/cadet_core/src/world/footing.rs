@@ -1,0 +1,153 @@
+//! Where somebody on foot may set the next step: nobody's body enters a vehicle or another person.
+
+use super::driver::Obstacle;
+use crate::math::{self, DVec2};
+
+/// Radius of the circle in the plane that a person's trunk stays inside of; arms and legs swing beyond it.
+pub(super) const BODY_M: f64 = 0.24;
+/// Vehicles and people farther away than this are not met before the next look.
+const REACH_M: f64 = 1.5;
+/// The turns that are tried to get round what is in the way, first to the side on which one goes round already.
+const TURNS_RAD: [f64; 4] = [0.5, 1.0, 1.5, 2.0];
+
+/// What somebody may meet until the next look round.
+#[derive(Debug, Clone)]
+pub(super) struct Nearby {
+    parked: Vec<Obstacle>,
+    people: Vec<usize>,
+    /// Side on which one goes round things: +1 left, -1 right. Kept until that side is shut, or one would go to and fro.
+    side: f64,
+}
+
+impl Default for Nearby {
+    fn default() -> Self {
+        Self { parked: Vec::new(), people: Vec::new(), side: -1.0 }
+    }
+}
+
+impl Nearby {
+    /// Looks round from `places[index]`.
+    pub fn look(&mut self, index: usize, places: &[DVec2], parked: &[Obstacle]) {
+        let here = places[index];
+        self.parked.clear();
+        self.parked.extend(parked.iter().filter(|o| (o.closest_point(here) - here).length() < REACH_M));
+        self.people.clear();
+        self.people.extend(
+            places.iter().enumerate().filter(|(i, p)| *i != index && (**p - here).length() < REACH_M).map(|(i, _)| i),
+        );
+    }
+
+    /// The step from `from` to `to`, or one of its length beside it that `allowed` agrees to; `None` where something is
+    /// in the way on all sides. Who is too near to something already may step away from it, not towards it.
+    pub fn step(
+        &mut self,
+        from: DVec2,
+        to: DVec2,
+        places: &[DVec2],
+        cars: &[Obstacle],
+        allowed: impl Fn(DVec2) -> bool,
+    ) -> Option<DVec2> {
+        let near_cars: Vec<&Obstacle> =
+            cars.iter().filter(|c| (c.closest_point(from) - from).length() < REACH_M).collect();
+        let is_free = |p: DVec2| {
+            let enters = |o: &Obstacle| {
+                let (before, after) = ((o.closest_point(from) - from).length(), (o.closest_point(p) - p).length());
+                after < BODY_M && after < before
+            };
+            let touches = |i: usize| {
+                let (before, after) = ((places[i] - from).length(), (places[i] - p).length());
+                after < 2.0 * BODY_M && after < before
+            };
+            !self.parked.iter().any(enters)
+                && !near_cars.iter().any(|c| enters(c))
+                && !self.people.iter().any(|i| touches(*i))
+        };
+        if is_free(to) {
+            return Some(to);
+        }
+        let turned = |turn: f64| from + DVec2::new(math::cos(turn), math::sin(turn)).rotate(to - from);
+        let (side, p) = [self.side, -self.side]
+            .into_iter()
+            .flat_map(|side| TURNS_RAD.map(|turn| (side, turned(side * turn))))
+            .find(|(_, p)| is_free(*p) && allowed(*p))?;
+        self.side = side;
+        Some(p)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CAR: Obstacle = Obstacle {
+        center: DVec2::new(3.0, 0.0),
+        heading: DVec2::X,
+        half_length_m: 2.0,
+        half_width_m: 0.8,
+        velocity: DVec2::ZERO,
+    };
+
+    fn walk(start: DVec2, step: DVec2, others: &[DVec2], is_parked: bool) -> Vec<DVec2> {
+        let parked: &[Obstacle] = if is_parked { &[CAR] } else { &[] };
+        let cars: &[Obstacle] = if is_parked { &[] } else { &[CAR] };
+        let mut places = vec![start];
+        places.extend(others);
+        let mut nearby = Nearby::default();
+        (0..400)
+            .map(|_| {
+                nearby.look(0, &places, parked);
+                let from = places[0];
+                places[0] = nearby.step(from, from + step, &places, cars, |_| true).unwrap_or(from);
+                places[0]
+            })
+            .collect()
+    }
+
+    #[test]
+    fn nobody_steps_into_a_vehicle_and_everybody_gets_round_one() {
+        for is_parked in [true, false] {
+            let way = walk(DVec2::new(0.0, -0.3), DVec2::new(0.02, 0.0), &[], is_parked);
+            assert!(way.iter().all(|p| (CAR.closest_point(*p) - *p).length() >= BODY_M));
+            assert!(way.iter().any(|p| p.y < -CAR.half_width_m), "never got to the side: {}", way[399]);
+            assert!(way[399].x > 2.0, "stayed at {}", way[399]);
+        }
+    }
+
+    #[test]
+    fn one_gets_round_the_long_side_of_a_vehicle_to_a_goal_behind_it() {
+        let goal = DVec2::new(3.4, 3.0);
+        let mut places = vec![DVec2::new(3.0, -2.0)];
+        let mut nearby = Nearby::default();
+        for _ in 0..600 {
+            nearby.look(0, &places, &[]);
+            let from = places[0];
+            let to = from + (goal - from).normalize_or_zero() * 0.025;
+            places[0] = nearby.step(from, to, &places, &[CAR], |_| true).unwrap_or(from);
+            assert!((CAR.closest_point(places[0]) - places[0]).length() >= BODY_M);
+        }
+        assert!((places[0] - goal).length() < 0.1, "stayed at {}", places[0]);
+    }
+
+    #[test]
+    fn nobody_steps_into_a_person() {
+        let other = DVec2::new(1.0, 0.05);
+        let way = walk(DVec2::ZERO, DVec2::new(0.01, 0.0), &[other], true);
+        assert!(way.iter().all(|p| (other - *p).length() >= 2.0 * BODY_M));
+        assert!(way[399].length() > 0.4);
+    }
+
+    #[test]
+    fn who_stands_in_something_may_leave_it() {
+        let other = DVec2::new(0.1, 0.0);
+        let way = walk(DVec2::ZERO, DVec2::new(-0.01, 0.0), &[other], true);
+        assert!((way[399] - other).length() > 2.0 * BODY_M);
+    }
+
+    #[test]
+    fn shut_in_on_all_sides_one_stays() {
+        let ring: Vec<DVec2> = (0..12)
+            .map(|k| DVec2::new(math::cos(f64::from(k) * 0.5236), math::sin(f64::from(k) * 0.5236)) * 0.48)
+            .collect();
+        assert!(walk(DVec2::ZERO, DVec2::new(0.03, 0.0), &ring, true)[399].length() < 0.03);
+    }
+}
