@@ -1,7 +1,8 @@
 """The ideal LIDAR scan against Embree and parry: `make bench-peers`, or `python benches/peers.py [--seeds 0 1 2]`.
 
 The same triangles (`scene.triangles()`) and the same 133,312 rays (`Lidar.hdl64e_uniform()`), one thread, over the
-benchmark's scenes: seeds 0 to 9 of the default policy. Processor time of the thread, the three by turns, medians.
+benchmark's scenes: seeds 0 to 9 of the default policy, as they come. Processor time of the thread, the three by turns,
+medians.
 
 What counts:
     cadet: `scene.scan(lidar, ideal=True)` right after the world moved, so with the instant's poses, levels of detail
@@ -25,6 +26,7 @@ from embreex.rtcore_scene import EmbreeScene
 import cadet
 
 PEERS = ("cadet", "embree", "parry")
+NEAR_M = 80.0
 
 
 def time_ms(work: Callable[[], object]) -> float:
@@ -32,6 +34,17 @@ def time_ms(work: Callable[[], object]) -> float:
     start = time.thread_time()
     work()
     return (time.thread_time() - start) * 1e3
+
+
+def count_near(scene: cadet.Scene) -> tuple[int, int]:
+    """Count triangles with a corner, and actors with their triangles' middle, within 80 m of the LIDAR."""
+    vertices, faces, actor_ids = scene.triangles()
+    velo = scene.sensor_poses()["world_from_velo"][:3, 3]
+    near = np.linalg.norm(vertices[faces[:, 0]] - velo, axis=1) < NEAR_M
+    middles = vertices[faces].mean(axis=1)[:, :2].astype(np.float64)
+    actors = [id_ for id_ in np.unique(actor_ids) if id_ > 0]
+    distances = [np.linalg.norm(middles[actor_ids == id_].mean(axis=0) - velo[:2]) for id_ in actors]
+    return int(near.sum()), int((np.array(distances) < NEAR_M).sum())
 
 
 def compare(seed: int, rounds: int) -> dict[str, float]:
@@ -50,7 +63,9 @@ def compare(seed: int, rounds: int) -> dict[str, float]:
         TriangleMesh(embree, vertices, faces.astype(np.int32))
         embree.run(origins_f32[:1], directions_f32[:1], query="DISTANCE")  # the tree is built at the first ray
 
-    row = {"triangles": float(len(faces)), "embree build": time_ms(build)}
+    near_triangles, near_actors = count_near(scene)
+    row = {"triangles": float(len(faces)), "near": float(near_triangles), "actors": float(near_actors)}
+    row |= {"embree build": time_ms(build)}
     times: dict[str, list[float]] = {peer: [] for peer in PEERS}
     for _ in range(rounds):
         scene.step(0.0)  # no time passes, but what was posed is forgotten
@@ -67,7 +82,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, nargs="+", default=list(range(10)))
     parser.add_argument("--rounds", type=int, default=7)
     args = parser.parse_args()
-    print("  seed triangles   cadet  embree   parry  embree/cadet  parry/cadet  (embree's build)")
+    print("  seed triangles  in 80 m actors   cadet  embree   parry  embree/cadet  parry/cadet  (embree's build)")
     rows = []
     for name in [*args.seeds, "median"]:
         if name != "median":
@@ -77,7 +92,8 @@ def main() -> None:
         else:
             row = {key: float(np.median([r[key] for r in rows])) for key in rows[0]}
         print(
-            f"{name:>6} {row['triangles']:9.0f} {row['cadet']:7.2f} {row['embree']:7.2f} {row['parry']:7.2f}"
+            f"{name:>6} {row['triangles']:9.0f} {row['near']:8.0f} {row['actors']:6.0f}"
+            f" {row['cadet']:7.2f} {row['embree']:7.2f} {row['parry']:7.2f}"
             f" {row['to embree']:12.2f}x {row['to parry']:11.2f}x  {row['embree build']:12.0f}",
             flush=True,
         )

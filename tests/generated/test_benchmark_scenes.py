@@ -1,45 +1,37 @@
-"""The scenes that timings are taken on: seeds 0 to 9 of the default policy, full enough to mean something."""
+"""What is drawn how finely follows from the sizes of pixels and beams, never from the number of triangles."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
-import pytest
 
 import cadet
 
-NEAR_M = 80.0
+
+def count_triangles(seed: int, rig: cadet.Rig | None = None) -> int:
+    """Count a suburb's triangles as a rig's sensors see them."""
+    return cadet.Scene.random(seed=seed, rig=rig, weather="clear_noon").num_triangles
 
 
-def count_near_triangles(scene: cadet.Scene) -> int:
-    """Count the triangles with a corner within 80 m of the LIDAR."""
-    vertices, faces, _ = scene.triangles()
-    velo = scene.sensor_poses()["world_from_velo"][:3, 3]
-    return int((np.linalg.norm(vertices[faces[:, 0]] - velo, axis=1) < NEAR_M).sum())
+def test_finer_pixels_see_finer_scenes_and_coarser_ones_no_finer_than_the_beams_ask_for() -> None:
+    kitti = cadet.Rig.kitti()
+    width, height = kitti.camera.width, kitti.camera.height
+    fine = replace(kitti, camera=kitti.camera.resized(2 * width, 2 * height))
+    coarse = replace(kitti, camera=kitti.camera.resized(width // 4, height // 4))
+    tiny = replace(kitti, camera=kitti.camera.resized(width // 8, height // 8))
+    counts = [count_triangles(1, rig) for rig in (fine, kitti, coarse, tiny)]
+    # Beams are 1.57 mrad apart, pixels 1.39: without the camera's, levels end 12 % nearer.
+    assert counts[0] > 1.2 * counts[1] > 1.2 * counts[2], counts
+    assert counts[2] == counts[3] > 0.6 * counts[1], counts
 
 
-def count_near_actors(scene: cadet.Scene) -> int:
-    """Count the actors whose triangles' middle lies within 80 m of the LIDAR, seen from above."""
-    vertices, faces, actor_ids = scene.triangles()
-    ego = scene.sensor_poses()["world_from_velo"][:2, 3]
-    moving = actor_ids > 0
-    middles = vertices[faces[moving]].mean(axis=1)[:, :2].astype(np.float64)
-    _, actor = np.unique(actor_ids[moving], return_inverse=True)
-    middle = np.stack([np.bincount(actor, middles[:, i]) for i in range(2)], axis=1) / np.bincount(actor)[:, None]
-    return int((np.linalg.norm(middle - ego, axis=1) < NEAR_M).sum())
-
-
-@pytest.fixture(scope="module")
-def scenes() -> list[cadet.Scene]:
-    return [cadet.Scene.random(seed=seed) for seed in range(10)]
-
-
-def test_every_scene_has_300_000_triangles_near_the_ego_and_few_far_away(scenes: list[cadet.Scene]) -> None:
-    near = [count_near_triangles(scene) for scene in scenes]
-    assert min(near) >= 300_000, near
-    everywhere = [scene.num_triangles for scene in scenes]
-    assert np.median(everywhere) <= 700_000, everywhere
-
-
-def test_every_scene_has_thirty_actors_near_the_ego(scenes: list[cadet.Scene]) -> None:
-    counts = [count_near_actors(scene) for scene in scenes]
-    assert min(counts) >= 30, counts
+def test_streets_differ_as_they_come() -> None:
+    near = []
+    for seed in range(10):
+        scene = cadet.Scene.random(seed=seed)
+        vertices, faces, _ = scene.triangles()
+        velo = scene.sensor_poses()["world_from_velo"][:3, 3]
+        near.append(int((np.linalg.norm(vertices[faces[:, 0]] - velo, axis=1) < 80.0).sum()))
+    # A budget would hold them together: with one of 305,000 the least was 305,000, a quarter below the most.
+    assert max(near) > 1.5 * min(near), near

@@ -8,10 +8,10 @@ use crate::camera::{Rendered, Seen, View, look, paint};
 use crate::error::{Error, Result, finite};
 use crate::label::{Boxes, LabelConfig, Labeled, TakenView, add_points, label_actors, may_label, road_plane_cam};
 use crate::lidar::{IdealScan, LidarSpec, Scan, Turning, ideal_scan, scan, turning_scan};
-use crate::math::{DPose3, DVec3};
+use crate::math::{DPose3, DVec3, TAU};
 use crate::rig::Rig;
 use crate::rng::StreamKey;
-use crate::sense::{FaceTrees, Motion, PosedScene, RayCaster, RayHit};
+use crate::sense::{FaceTrees, Motion, PosedScene, RayCaster, RayHit, Resolution};
 use crate::town::{DressingConfig, GroundKind, SuburbConfig, Town};
 use crate::weather::Weather;
 use crate::world::{Snapshot, TrafficConfig, World};
@@ -219,9 +219,11 @@ impl Scene {
 
     fn sensed(&mut self) -> &mut Sensed {
         let world = &self.world;
+        let resolution = resolution(&self.rig);
         self.sensed.get_or_insert_with(|| {
             let snapshot = Arc::new(world.snapshot());
-            let posed = Arc::new(PosedScene::new(&snapshot.instances, snapshot.ego.world_from_ego.translation));
+            let viewer = snapshot.ego.world_from_ego.translation;
+            let posed = Arc::new(PosedScene::for_resolution(&snapshot.instances, viewer, resolution));
             Sensed { snapshot, posed, caster: None }
         })
     }
@@ -386,4 +388,15 @@ fn in_range(what: &'static str, value: f64, lo: f64, hi: f64) -> Result<f64> {
         return Ok(value);
     }
     Err(Error::OutOfRange { what, value: value.to_string(), expected: format!("{lo:.3} to {hi}") })
+}
+
+/// The finest angle between a rig's pixels or beams.
+fn resolution(rig: &Rig) -> Resolution {
+    let azimuths_rad = rig.lidar.azimuths_rad();
+    let (Some(first), Some(last)) = (azimuths_rad.first(), azimuths_rad.last()) else {
+        return Resolution::of(rig.camera.intrinsics()[0], 1);
+    };
+    let step_rad = (last - first).abs() / (azimuths_rad.len() - 1).max(1) as f64;
+    let beams_per_turn = if step_rad > 0.0 { TAU / step_rad } else { 1.0 };
+    Resolution::of(rig.camera.intrinsics()[0], beams_per_turn.round() as usize)
 }

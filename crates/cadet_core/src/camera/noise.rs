@@ -13,7 +13,7 @@ const NEIGHBOUR: f32 = 0.187;
 pub const MIDDLE_PX: f32 = 0.25;
 /// Sigma of the point spread in pixels: with the pixel's own width the power at 0.2 to 0.45 cycles a pixel is that of
 /// KITTI's frames.
-const PSF_SIGMA_PX: f32 = 0.64;
+const PSF_SIGMA_PX: f32 = 0.60;
 
 /// Rows that must be free before the image that is blurred: it moves up into them.
 pub const ROWS_BEFORE: usize = 2;

@@ -70,6 +70,8 @@ pub struct PatternPoint {
     pub v: f32,
     /// Size of a pixel on the surface, metres (the geometric mean of its two extents).
     pub footprint_m: f32,
+    /// Width of a pixel there square to the view, metres.
+    pub pixel_m: f32,
     /// Hash of the face, for what varies leaf by leaf.
     pub face_hash: u32,
     /// Hash of the instance's place, for what varies tree by tree.
@@ -83,9 +85,12 @@ fn keep(size_m: f32, footprint_m: f32) -> f32 {
 }
 
 /// Noise in [-1, 1] whose cells are about a pixel wide at any distance but never finer than `finest_m`: grain.
+///
+/// A pixel on the ground is many times as long as wide: its grain is as fine as it is wide, as in a real picture, where each
+/// row of pixels shows other stones than the last.
 #[inline(always)]
-fn grain(u: f32, v: f32, footprint_m: f32, finest_m: f32, salt: u32) -> f32 {
-    let cell = (footprint_m * 1.2).max(finest_m);
+fn grain(u: f32, v: f32, pixel_m: f32, finest_m: f32, salt: u32) -> f32 {
+    let cell = pixel_m.max(finest_m);
     // Powers of two bracketing the cell, blended, so that nothing jumps when the camera moves.
     let exponent = (cell.to_bits() >> 23) as i32;
     let low = f32::from_bits((exponent as u32) << 23);
@@ -120,11 +125,12 @@ fn centered(hash: u32) -> f32 {
 #[inline(always)]
 #[must_use]
 pub fn albedo(pattern: Pattern, base: Vec3, at: &PatternPoint) -> Vec3 {
-    let (u, v, px) = (at.u, at.v, at.footprint_m);
+    let (u, v, px, fine) = (at.u, at.v, at.footprint_m, at.pixel_m);
     match pattern {
         Pattern::Plain => base,
         Pattern::Asphalt => {
-            let grain = 0.20 * grain(u, v, px, 0.010, 0xA5F1);
+            // Far stones are averaged, but patches of them remain.
+            let grain = 0.60 / (1.0 + fine * (1.0 / 0.04)) * grain(u, v, fine, 0.008, 0xA5F1);
             let patches = 0.16 * (value_noise(u * 0.45, v * 0.45, 7) - 0.5) * keep(2.2, px)
                 + 0.09 * (value_noise(u * 1.9 + 3.3, v * 1.9, 8) - 0.5) * keep(0.5, px)
                 + 0.16 * (value_noise(u * 0.06, v * 0.06, 9) - 0.5);
@@ -135,21 +141,21 @@ pub fn albedo(pattern: Pattern, base: Vec3, at: &PatternPoint) -> Vec3 {
                 if pattern == Pattern::Slabs { (0.40, 0.40, 0.006, true) } else { (0.20, 0.10, 0.006, true) };
             let (stone, line) = stones(u, v, length, width, joint, running, px);
             let each = 0.09 * centered(stone) * keep(width, px);
-            let dirt = 0.14 * (value_noise(u * 0.8, v * 0.8, 21) - 0.5) + 0.09 * grain(u, v, px, 0.01, 22);
+            let dirt = 0.14 * (value_noise(u * 0.8, v * 0.8, 21) - 0.5) + 0.20 * grain(u, v, fine, 0.008, 22);
             base * ((1.0 + each + dirt) * (1.0 - 0.55 * line))
         }
         Pattern::Bricks => {
             let (stone, line) = stones(u, v, 0.25, 0.077, 0.010, true, px);
             let each = 0.18 * centered(stone) * keep(0.077, px);
             let mortar = base * 0.3 + Vec3::splat(0.25);
-            let brick = base * (1.0 + each + 0.10 * grain(u, v, px, 0.02, 31));
+            let brick = base * (1.0 + each + 0.22 * grain(u, v, fine, 0.008, 31));
             brick + (mortar - brick) * (0.8 * line)
         }
         Pattern::Render => {
             // Stains run down a wall: stretched noise.
             let stains = 0.10 * (value_noise(u * 0.7, v * 0.25, 41) - 0.5) * keep(1.5, px)
                 + 0.06 * (value_noise(u * 2.5, v * 0.6, 42) - 0.5) * keep(0.4, px);
-            base * (1.0 + stains + 0.035 * grain(u, v, px, 0.008, 43))
+            base * (1.0 + stains + 0.18 * grain(u, v, fine, 0.006, 43))
         }
         Pattern::Tiles => {
             let (row, in_row) = split(v * (1.0 / 0.33));
@@ -160,10 +166,11 @@ pub fn albedo(pattern: Pattern, base: Vec3, at: &PatternPoint) -> Vec3 {
             let shadow = (1.0 - dv / soft).clamp(0.0, 1.0) * (0.03 / soft).min(1.0) * 0.6;
             let roll = 0.25 * (du * (1.0 - du) * 4.0 - 0.66) * keep(0.22, px);
             let moss = 0.24 * (value_noise(u * 0.5, v * 0.35, 52) - 0.5);
-            base * ((1.0 + each + roll + moss) * (1.0 - shadow))
+            let rough = 0.22 * grain(u, v, fine, 0.01, 53);
+            base * ((1.0 + each + roll + moss + rough) * (1.0 - shadow))
         }
         Pattern::Grass => {
-            let blades = 0.42 * grain(u, v, px, 0.015, 61) + 0.25 * grain(u * 0.37, v * 0.37, px, 0.05, 64);
+            let blades = 0.55 * grain(u, v, fine, 0.008, 61) + 0.35 * grain(u * 0.37, v * 0.37, px, 0.04, 64);
             let tufts = 0.5 * (value_noise(u * 1.3, v * 1.3, 62) - 0.5) * keep(0.8, px);
             let dry = value_noise(u * 0.3, v * 0.3, 63);
             let tint = Vec3::new(0.96 + 0.45 * dry * dry, 1.0, 1.25 - 0.2 * dry);
@@ -173,20 +180,20 @@ pub fn albedo(pattern: Pattern, base: Vec3, at: &PatternPoint) -> Vec3 {
             let leaf = (at.face_hash >> 8) as i32 as f32 * (1.0 / 16_777_216.0);
             let tree = (at.place_hash >> 8) as i32 as f32 * (1.0 / 16_777_216.0);
             let yellow = ((at.face_hash & 0xFF) as i32 as f32 / 255.0 - 0.55).max(0.0);
-            let spread = 0.45 + 1.15 * leaf * leaf;
+            let spread = 0.28 + 1.65 * leaf * leaf;
             // A card holds many leaves: grain inside of it while it is large in the image.
-            let inside = 1.0 + 0.55 * grain(u, v, px, 0.04, at.face_hash | 1);
+            let inside = 1.0 + 0.90 * grain(u, v, fine, 0.025, at.face_hash | 1);
             let tint = Vec3::new(0.85 + 0.4 * tree + 0.5 * yellow, 0.95 + 0.25 * yellow, 1.12 + 0.2 * tree);
             base * tint * (spread * inside)
         }
         Pattern::Wood => {
             let fibre = 0.30 * (value_noise(u * 14.0, v * 1.2, 71) - 0.5) * keep(0.07, px);
             let board = 0.15 * centered(hash2(split(u * (1.0 / 0.12)).0, 0, 72)) * keep(0.12, px);
-            base * (1.0 + fibre + board + 0.08 * grain(u, v, px, 0.01, 73))
+            base * (1.0 + fibre + board + 0.20 * grain(u, v, fine, 0.006, 73))
         }
         Pattern::Cloth => {
             let folds = 0.30 * (value_noise(u * 9.0, v * 4.0, 81) - 0.5) * keep(0.1, px);
-            base * (1.0 + folds + 0.06 * grain(u, v, px, 0.006, 82))
+            base * (1.0 + folds + 0.10 * grain(u, v, fine, 0.006, 82))
         }
     }
 }
@@ -202,7 +209,7 @@ mod tests {
             for j in 0..n {
                 let (u, v) = (i as f32 * footprint_m, j as f32 * footprint_m);
                 let hash = hash2(i / 3, j / 3, 5);
-                let at = PatternPoint { u, v, footprint_m, face_hash: hash, place_hash: 77 };
+                let at = PatternPoint { u, v, footprint_m, pixel_m: footprint_m, face_hash: hash, place_hash: 77 };
                 values.push(albedo(pattern, Vec3::splat(0.5), &at).y);
             }
         }

@@ -111,7 +111,8 @@ pub(super) fn geometry(l: &mut Lanes, m: usize, camera: &Camera, sun: Vec3, kind
     if kind.pattern != Pattern::Plain {
         for i in 0..m {
             let cos_view = get(&l.view, i).dot(get(&l.face_normal, i)).abs().max(0.02);
-            l.footprint_m[i] = depth[i] * camera.pixel_per_m / cos_view.sqrt();
+            l.pixel_m[i] = depth[i] * camera.pixel_per_m;
+            l.footprint_m[i] = l.pixel_m[i] / cos_view.sqrt();
         }
     }
     if kind.is_flat() {
@@ -180,6 +181,7 @@ pub(super) fn texture(l: &mut Lanes, m: usize, pattern: Pattern, pixel: usize) {
                             u: u[i],
                             v: v[i],
                             footprint_m: l.footprint_m[i],
+                            pixel_m: l.pixel_m[i],
                             face_hash: l.face_hash[i],
                             place_hash: l.place_hash[i],
                         };
@@ -220,7 +222,8 @@ pub(super) fn diffuse(l: &mut Lanes, m: usize, sky: &Sky, kind: Kind, wetness: f
     }
     for i in 0..m.min(LANES) {
         let normal = get(&l.normal, i);
-        let ambient = get(&l.around, i) * l.near[i];
+        // Leaves get light through their neighbours, too.
+        let ambient = get(&l.around, i) * (l.near[i] * if is_leaf { 1.3 } else { 1.0 });
         let cos_sun = l.cos_sun[i];
         let facing = cos_sun.max(0.0);
         let direct = if is_leaf {
@@ -236,6 +239,9 @@ pub(super) fn diffuse(l: &mut Lanes, m: usize, sky: &Sky, kind: Kind, wetness: f
     l.sheen = [[0.0; STRIDE]; 3];
 }
 
+/// Of ground on which the film begins: stones stand out of it, and drops stir it, so that it is no mirror.
+const WET_ROUGHNESS: f32 = 0.55;
+
 /// Adds what a coat or a film of water mirrors.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 pub(super) fn gloss(l: &mut Lanes, m: usize, sky: &Sky, eye: Vec3, wetness: f32) {
@@ -246,7 +252,7 @@ pub(super) fn gloss(l: &mut Lanes, m: usize, sky: &Sky, eye: Vec3, wetness: f32)
         let is_wet = l.flags[i] & Flags::GROUND > 0 && normal.z > 0.5;
         let film = if is_wet { (wetness * 1.5 - 0.9 * puddle).clamp(0.0, 1.0) } else { 0.0 };
         let f0 = if film > 0.0 { 0.02 } else { l.specular[i] };
-        let roughness = if film > 0.0 { 0.45 - 0.37 * film } else { l.roughness[i] };
+        let roughness = if film > 0.0 { WET_ROUGHNESS - 0.2 * film } else { l.roughness[i] };
         let cos_view = (-view.dot(normal)).clamp(0.0, 1.0);
         let smooth = (1.0 - roughness) * (1.0 - roughness);
         let fresnel = f0 + (1.0 - f0) * fifth(1.0 - cos_view) * smooth;
@@ -300,26 +306,35 @@ pub(super) fn through_air(l: &mut Lanes, m: usize, light: &Light) {
     }
 }
 
-/// What arrives at the pixels: light is known in the middles of pairs, and changes evenly from one to the next of a row.
+/// What arrives at the pixels: light is known in the middles of pairs, and changes evenly from one to the next of a row, and so
+/// beyond the first and the last: where blocks meet, it changes by as much as elsewhere.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 pub(super) fn mix(l: &mut Lanes, m: usize) {
     let m = m.min(LANES);
     let [of_left, of_right] = &mut l.out;
+    let goes_on = &l.goes_on;
     for axis in 0..3 {
         let (matt, sheen) = (&l.matt[axis], &l.sheen[axis]);
         // The first lane has none before it.
-        of_left[axis][0] = (l.albedo[0][axis][0] * matt[0] + sheen[0]) * l.weights[0][0];
+        let first = [matt, sheen].map(|v| ends(v[0], 0.0, v[1], 0, goes_on[0]));
+        of_left[axis][0] = (l.albedo[0][axis][0] * first[0][0] + first[1][0]) * l.weights[0][0];
+        of_right[axis][0] = (l.albedo[1][axis][0] * first[0][1] + first[1][1]) * l.weights[1][0];
         for i in 1..m {
-            let matt = matt[i] + where_set(l.goes_on[i - 1], (matt[i - 1] - matt[i]) * 0.25);
-            let sheen = sheen[i] + where_set(l.goes_on[i - 1], (sheen[i - 1] - sheen[i]) * 0.25);
-            of_left[axis][i] = (l.albedo[0][axis][i] * matt + sheen) * l.weights[0][i];
-        }
-        for i in 0..m {
-            let matt = matt[i] + where_set(l.goes_on[i], (matt[i + 1] - matt[i]) * 0.25);
-            let sheen = sheen[i] + where_set(l.goes_on[i], (sheen[i + 1] - sheen[i]) * 0.25);
-            of_right[axis][i] = (l.albedo[1][axis][i] * matt + sheen) * l.weights[1][i];
+            let [matt_left, matt_right] = ends(matt[i], matt[i - 1], matt[i + 1], goes_on[i - 1], goes_on[i]);
+            let [sheen_left, sheen_right] = ends(sheen[i], sheen[i - 1], sheen[i + 1], goes_on[i - 1], goes_on[i]);
+            of_left[axis][i] = (l.albedo[0][axis][i] * matt_left + sheen_left) * l.weights[0][i];
+            of_right[axis][i] = (l.albedo[1][axis][i] * matt_right + sheen_right) * l.weights[1][i];
         }
     }
+}
+
+/// Light in the left and the right pixel of a pair by that in its middle and in those of the pairs beside it, which are known
+/// where bits are set.
+#[inline(always)]
+fn ends(here: f32, before: f32, after: f32, has_before: u32, has_after: u32) -> [f32; 2] {
+    let (fall, rise) = (where_set(has_before, here - before), where_set(has_after, after - here));
+    let (at_left, at_right) = (fall + where_set(!has_before, rise), rise + where_set(!has_after, fall));
+    [(here - 0.25 * at_left).max(0.0), (here + 0.25 * at_right).max(0.0)]
 }
 
 /// A number, or 0 where no bit is set: what is not asked for may be no number.

@@ -1,7 +1,9 @@
 //! Pictures of small scenes against closed forms and invariances.
 
 mod coarse_casters;
+mod lattice;
 mod pairs;
+mod wet_ground;
 
 use std::sync::Arc;
 

@@ -39,23 +39,19 @@ impl PartialEq for LazyMesh {
 pub struct LodSet {
     /// Bounds of the finest level.
     pub bounds: Bounds,
-    /// (used up to this distance from the ego in metres, mesh); beyond the last limit the shape is left out.
+    /// (used up to this distance from the ego in metres by sensors as fine as KITTI's, mesh); beyond the last limit the
+    /// shape is left out.
     pub levels: Vec<(f32, LazyMesh)>,
-    /// Limits nearer than [`NEAR_M`] move with the scene's detail ([`LodSet::select`]).
-    pub is_elastic: bool,
     /// Of the first so many levels the next one casts the shadow: it differs by about a shadow map's texel at most.
     pub coarse_casters: usize,
 }
-
-/// Within this distance from the ego triangles are counted, metres.
-pub const NEAR_M: f32 = 80.0;
 
 impl LodSet {
     /// A shape with one level.
     #[must_use]
     pub fn single(mesh: Mesh) -> Self {
         let bounds = mesh.bounds;
-        Self { bounds, levels: vec![(f32::INFINITY, LazyMesh::new(|| mesh))], is_elastic: false, coarse_casters: 0 }
+        Self { bounds, levels: vec![(f32::INFINITY, LazyMesh::new(|| mesh))], coarse_casters: 0 }
     }
 
     /// A shape of which the finest level is there, and the others are made when they are needed.
@@ -63,7 +59,7 @@ impl LodSet {
     pub fn new((limit, finest): (f32, Mesh), coarser: impl IntoIterator<Item = (f32, LazyMesh)>) -> Self {
         let bounds = finest.bounds;
         let finest = (limit, LazyMesh::new(|| finest));
-        Self { bounds, levels: std::iter::once(finest).chain(coarser).collect(), is_elastic: false, coarse_casters: 0 }
+        Self { bounds, levels: std::iter::once(finest).chain(coarser).collect(), coarse_casters: 0 }
     }
 
     /// The same shape, longer, wider and higher by factors above 0; its meshes are made when somebody looks at them.
@@ -88,7 +84,8 @@ impl LodSet {
 
     /// The mesh for a distance from the ego; `None` where the shape is too far to matter.
     ///
-    /// `detail`: how much further than elsewhere the near levels of what is elastic reach, 1 for their own limits.
+    /// `detail`: how much further than for KITTI's camera each level reaches. The last one reaches no less far with coarse
+    /// sensors: it is all that is left of the shape.
     #[must_use]
     pub fn select(&self, distance_m: f32, detail: f32) -> Option<&Arc<Mesh>> {
         self.select_with_caster(distance_m, detail).map(|(mesh, _)| &**mesh)
@@ -97,18 +94,12 @@ impl LodSet {
     /// As [`LodSet::select`], and the mesh that casts the shadow.
     #[must_use]
     pub fn select_with_caster(&self, distance_m: f32, detail: f32) -> Option<(&LazyMesh, &LazyMesh)> {
-        let level = self.levels.iter().position(|(limit, _)| distance_m <= self.moved(*limit, detail))?;
+        let last = self.levels.len().checked_sub(1)?;
+        let reaches = |(level, (limit_m, _)): (usize, &(f32, LazyMesh))| {
+            distance_m <= limit_m * if level == last { detail.max(1.0) } else { detail }
+        };
+        let level = self.levels.iter().enumerate().position(reaches)?;
         let caster = if level < self.coarse_casters { level + 1 } else { level };
-        Some((&self.levels[level].1, &self.levels[caster.min(self.levels.len() - 1)].1))
-    }
-
-    fn moved(&self, limit_m: f32, detail: f32) -> f32 {
-        if self.is_elastic && limit_m < NEAR_M { (limit_m * detail).min(NEAR_M) } else { limit_m }
-    }
-
-    /// The details at which the choice for a distance changes to a finer mesh, from the least on, and these meshes.
-    pub fn steps(&self, distance_m: f32) -> impl Iterator<Item = (f32, &LazyMesh)> {
-        let moving = self.levels.iter().rev().filter(|(limit, _)| self.is_elastic && *limit < NEAR_M);
-        moving.filter(move |_| distance_m <= NEAR_M).map(move |(limit, mesh)| (distance_m / limit, mesh))
+        Some((&self.levels[level].1, &self.levels[caster.min(last)].1))
     }
 }

@@ -12,7 +12,7 @@ mod pieces;
 pub use cluster::{CLUSTER_FACES, Cluster, Piece, clusters_of};
 pub use columns::Column;
 pub use lanes::{LANES, Lanes, lanes_of};
-pub use lod::{LazyMesh, LodSet, NEAR_M};
+pub use lod::{LazyMesh, LodSet};
 pub use mesh::{Bounds, Mesh};
 pub use mesh_builder::MeshBuilder;
 pub use pieces::LEAST_WEIGHT;

@@ -1,63 +1,41 @@
-//! How far the fine levels of crowns reach: so far that a scene has its share of triangles near the ego, and no more.
+//! Which level of detail is drawn: by the size of a pixel and of the step from beam to beam, and by nothing else.
 
-use crate::geometry::NEAR_M;
 use crate::instance::Instance;
 use crate::math::DVec3;
 
-/// Triangles that a scene should have within [`NEAR_M`] of the ego. Streets with many trees have more than they need to look
-/// right, and cost every sensor half as much again; bare ones can afford finer crowns.
-const BUDGET: usize = 305_000;
-/// Limits of levels are moved by these factors: with the first, leaf cards are up to 12 pixels of KITTI's camera wide where a
-/// level begins.
-const LEAST: f32 = 0.75;
-const MOST: f32 = 1.6;
-
-/// The least detail ([`crate::geometry::LodSet::select`]) with which a scene fills its budget.
-pub(super) fn detail_for(instances: &[Instance], distances: &[Distances]) -> f32 {
-    let mut count = 0;
-    // Where a shape becomes finer, and by how many triangles.
-    let mut steps: Vec<(f32, usize)> = Vec::new();
-    for (instance, at) in instances.iter().zip(distances).filter(|(_, at)| at.middle_m <= NEAR_M) {
-        let Some(mesh) = instance.shape.select(at.nearest_m, LEAST) else { continue };
-        let mut last = mesh.faces.len();
-        count += last;
-        for (detail, mesh) in instance.shape.steps(at.nearest_m).filter(|(at, _)| (LEAST..MOST).contains(at)) {
-            let faces = mesh.faces.len();
-            steps.push((detail, faces.saturating_sub(last)));
-            last = faces;
-        }
-    }
-    steps.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-    let mut detail = LEAST;
-    for (at, more) in steps {
-        if count >= BUDGET {
-            return detail;
-        }
-        count += more;
-        // A little further, for rounding.
-        detail = at * 1.000_01;
-    }
-    detail
+/// The finest angle between neighbouring samples of the sensors that look at a scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Resolution {
+    finest_rad: f32,
 }
 
-/// How far an instance is from the viewer, by the bounds of its finest level, so that the choice of a level does not depend
-/// on the choice; metres.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Distances {
-    /// To the middle.
-    middle_m: f32,
-    /// To the sphere around the bounds.
-    pub nearest_m: f32,
+impl Resolution {
+    /// A pixel of KITTI's camera, 1.39 mrad: the limits of levels ([`crate::geometry::LodSet::levels`]) are given for it. The beams of its
+    /// LIDAR are 1.57 mrad apart.
+    pub const KITTI: Self = Self { finest_rad: 1.0 / FOCAL_LENGTH_PX };
+    /// Of a camera with a focal length in pixels and a LIDAR with so many beams a turn.
+    #[must_use]
+    pub fn of(focal_length_px: f64, beams_per_turn: usize) -> Self {
+        let (pixel_rad, beam_rad) = (1.0 / focal_length_px, std::f64::consts::TAU / beams_per_turn.max(1) as f64);
+        Self { finest_rad: pixel_rad.min(beam_rad) as f32 }
+    }
+
+    /// How much further than for KITTI's camera each level reaches: so far that its parts look as many pixels large there.
+    #[must_use]
+    pub fn detail(self) -> f32 {
+        Self::KITTI.finest_rad / self.finest_rad
+    }
 }
 
-impl Distances {
-    pub fn of(instance: &Instance, viewer_world: DVec3) -> Self {
-        let bounds = &instance.shape.bounds;
-        let middle = instance.world_from_local.transform_point(bounds.center().as_dvec3());
-        let middle_m = (middle - viewer_world).length();
-        let nearest_m = (middle_m - f64::from(bounds.size().length()) / 2.0).max(0.0);
-        Self { middle_m: middle_m as f32, nearest_m: nearest_m as f32 }
-    }
+/// Of KITTI's rectified images.
+const FOCAL_LENGTH_PX: f32 = 721.537_7;
+
+/// How far an instance is from the viewer, metres: from the sphere around the bounds of its shape, so that the choice of a
+/// level does not depend on the choice.
+pub(super) fn distance_m(instance: &Instance, viewer_world: DVec3) -> f32 {
+    let bounds = &instance.shape.bounds;
+    let middle = instance.world_from_local.transform_point(bounds.center().as_dvec3());
+    ((middle - viewer_world).length() - f64::from(bounds.size().length()) / 2.0).max(0.0) as f32
 }
 
 #[cfg(test)]
@@ -81,10 +59,10 @@ mod tests {
         b.build("cubes", 0.5)
     }
 
-    /// Shapes of 24,000 triangles up to 20 m, 12,000 up to 40 m and 1,200 beyond that, at some distances.
-    fn trees(at_m: impl Iterator<Item = f64>, is_elastic: bool) -> Vec<Instance> {
-        let coarser = [(40.0, 1000), (f32::INFINITY, 100)].map(|(to_m, n)| (to_m, LazyMesh::new(move || cubes(n))));
-        let shape = Arc::new(LodSet { is_elastic, ..LodSet::new((20.0, cubes(2000)), coarser) });
+    /// Shapes of 2,400 triangles up to 20 m, 1,200 up to 40 m, 120 up to 90 m and none beyond that, at some distances.
+    fn trees(at_m: impl Iterator<Item = f64>) -> Vec<Instance> {
+        let coarser = [(40.0, 100), (90.0, 10)].map(|(to_m, n)| (to_m, LazyMesh::new(move || cubes(n))));
+        let shape = Arc::new(LodSet::new((20.0, cubes(200)), coarser));
         let palette = Arc::new(Palette::default());
         at_m.map(|x| Instance {
             shape: Arc::clone(&shape),
@@ -95,42 +73,36 @@ mod tests {
         .collect()
     }
 
-    fn detail_of(instances: &[Instance]) -> f32 {
-        let distances: Vec<_> = instances.iter().map(|i| Distances::of(i, DVec3::ZERO)).collect();
-        detail_for(instances, &distances)
-    }
-
-    fn count(instances: &[Instance]) -> usize {
-        PosedScene::new(instances, DVec3::ZERO).num_triangles()
+    fn faces(instances: &[Instance], resolution: Resolution) -> Vec<usize> {
+        let scene = PosedScene::for_resolution(instances, DVec3::ZERO, resolution);
+        scene.instances.iter().map(|i| i.mesh.faces.len()).collect()
     }
 
     #[test]
-    fn crowns_become_finer_until_the_budget_is_met_and_no_further() {
-        let instances = trees((0..30).map(|i| 10.0 + 1.2 * f64::from(i)), true);
-        let detail = detail_of(&instances);
-        assert!(detail > LEAST && detail < MOST, "{detail}");
-        // One step at most: 12,000 triangles, as the finest level has more than the next.
-        assert!((BUDGET..BUDGET + 12_000).contains(&count(&instances)), "{}", count(&instances));
+    fn a_level_reaches_as_many_pixels_whatever_the_camera() {
+        let at_m = [11.0, 19.0, 21.0, 39.0, 41.0, 79.0, 89.0];
+        let (fine, mid, far) = (2400, 1200, 120);
+        let of = |resolution| faces(&trees(at_m.into_iter()), resolution);
+        assert_eq!(of(Resolution::KITTI), [fine, fine, mid, mid, far, far, far]);
+        // Twice the pixels, or twice the beams: twice as far. Half of both: half as far. What matters is the finer of both.
+        let twice = [fine, fine, fine, fine, mid, mid, far];
+        assert_eq!(of(Resolution::of(2.0 * 721.5377, 4000)), twice);
+        assert_eq!(of(Resolution::of(300.0, 9068)), twice);
+        assert_eq!(of(Resolution::of(0.5 * 721.5377, 2000)), [mid, mid, far, far, far, far, far]);
     }
 
     #[test]
-    fn full_and_bare_streets_keep_within_the_limits() {
-        let full = trees((0..120).map(|i| 10.0 + f64::from(i) * 0.2), true);
-        assert_eq!(detail_of(&full), LEAST);
-        assert!(count(&full) > BUDGET);
-        let bare = trees([25.0, 70.0].into_iter(), true);
-        let detail = detail_of(&bare);
-        assert!(detail <= MOST);
-        // The near one takes its finest level, as 25 m are less than 1.6 x 20; the far one is beyond 1.6 x 40.
-        assert_eq!(count(&bare), 24_000 + 1_200);
-        assert_eq!(detail_of(&[]), LEAST);
+    fn coarse_sensors_still_see_what_stands_far_away_and_fine_ones_see_further() {
+        let far = |resolution| faces(&trees([85.0, 170.0, 190.0].into_iter()), resolution);
+        assert_eq!(far(Resolution::of(100.0, 360)), [120]);
+        assert_eq!(far(Resolution::KITTI), [120]);
+        assert_eq!(far(Resolution::of(2.0 * 721.5377, 4000)), [120, 120]);
     }
 
     #[test]
-    fn what_is_not_elastic_goes_by_its_own_limits() {
-        let instances = trees([19.0, 21.0, 39.0, 41.0].into_iter(), false);
-        assert_eq!(count(&instances), 24_000 + 12_000 + 12_000 + 1_200);
-        // Neither does what lies beyond the distance that counts.
-        assert_eq!(count(&trees([81.0].into_iter(), true)), 1_200);
+    fn a_level_does_not_depend_on_what_else_stands_about() {
+        let few = faces(&trees([15.0, 30.0].into_iter()), Resolution::KITTI);
+        let many = trees([15.0, 30.0].into_iter().chain((0..400).map(|i| 10.0 + 0.1 * f64::from(i))));
+        assert_eq!(faces(&many, Resolution::KITTI)[..2], few);
     }
 }

@@ -21,6 +21,7 @@ mod visibility_buffer;
 mod visible;
 
 pub use block_drawing::bits_by_column;
+pub use detail::Resolution;
 pub use edges::EdgePlanes;
 pub use face_trees::FaceTrees;
 pub use grid::{Beam, BeamGrid, Window};

@@ -6,7 +6,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::detail::{Distances, detail_for};
+use super::detail::{Resolution, distance_m};
 use crate::geometry::{Cluster, LANES, Lanes, Mesh};
 use crate::instance::Instance;
 use crate::material::{Material, Palette};
@@ -121,16 +121,22 @@ pub struct PosedScene {
 }
 
 impl PosedScene {
-    /// Chooses levels of detail by the distance to `viewer_world` (the ego) and the number of triangles near it, and leaves
-    /// out what is too small at its distance.
+    /// As [`PosedScene::for_resolution`], for sensors as fine as KITTI's.
     #[must_use]
     pub fn new(instances: &[Instance], viewer_world: DVec3) -> Self {
+        Self::for_resolution(instances, viewer_world, Resolution::KITTI)
+    }
+
+    /// Chooses levels of detail by the distance to `viewer_world` (the ego) and the sensors' resolution, and leaves out what is
+    /// too small at its distance.
+    #[must_use]
+    pub fn for_resolution(instances: &[Instance], viewer_world: DVec3, resolution: Resolution) -> Self {
         let mut scene = Self { instances: Vec::with_capacity(instances.len()) };
         let mut num_vertices = 0;
-        let distances: Vec<Distances> = instances.iter().map(|i| Distances::of(i, viewer_world)).collect();
-        let detail = detail_for(instances, &distances);
-        for (instance, Distances { nearest_m, .. }) in instances.iter().zip(distances) {
-            let Some((mesh, caster)) = instance.shape.select_with_caster(nearest_m, detail) else { continue };
+        let detail = resolution.detail();
+        for instance in instances {
+            let distance_m = distance_m(instance, viewer_world);
+            let Some((mesh, caster)) = instance.shape.select_with_caster(distance_m, detail) else { continue };
             let placement = Placement::new(&instance.world_from_local);
             let start = num_vertices;
             num_vertices += mesh.vertices.len();

@@ -40,7 +40,7 @@ pub(super) fn mesh(variant: usize, length: f32, detail: Detail) -> Mesh {
     core.loft(&rings, if detail == Detail::Far { slot::LEAF } else { slot::DARK_LEAF }, true);
     let mut leaves = Leaves::default();
     let area = length * (2.0 * height + depth);
-    let size: f32 = detail.pick(0.13, 0.27, 0.7);
+    let size: f32 = detail.pick(0.10, 0.20, 0.7);
     let coverage: f32 = detail.pick(1.0, 0.9, 0.2);
     let ends = height * depth / area;
     // A card is two triangles of size^2 / 2.

@@ -73,8 +73,10 @@ pub mod furniture_slot {
     pub const RED: u8 = 3;
     /// Blue or black face of a sign.
     pub const INK: u8 = 4;
-    /// Backs of plates, wheels, dark parts.
+    /// Wheels, dark parts.
     pub const DARK: u8 = 5;
+    /// Backs and rims of plates: bare aluminium.
+    pub const BACK: u8 = 6;
 }
 
 fn jitter(stream: &mut Stream, rgb: [f32; 3], value: f64, hue: f64) -> [f32; 3] {
@@ -251,5 +253,6 @@ pub fn furniture_palette(stream: &mut Stream, semantic: Semantic, body: [f32; 3]
         plate(sign, [0.48, 0.03, 0.03]),
         plate(sign, [0.02, 0.03, 0.05]),
         gloss([0.06, 0.06, 0.065], 0.08),
+        gloss([0.36, 0.37, 0.38], 0.30),
     ]))
 }

@@ -73,7 +73,7 @@ fn post(b: &mut MeshBuilder, radii: (f32, f32), top: f32, detail: Detail) {
     tube(b, (v(0.0, 0.0, -0.4), radii.0), (v(0.0, 0.0, top), radii.1), detail.pick(12, 7, 4), slot::BODY);
 }
 
-/// A regular plate about (0.04, 0, z): a dark back and layers of colour on the front.
+/// A regular plate about (0.04, 0, z): a back of bare metal and layers of colour on the front.
 fn plate(b: &mut MeshBuilder, z: f32, sides: usize, turn_rad: f32, layers: &[(f32, u8)]) {
     let Some((radius, _)) = layers.first() else { return };
     let ring = |x: f32| -> Vec<Vec3> {
@@ -82,7 +82,7 @@ fn plate(b: &mut MeshBuilder, z: f32, sides: usize, turn_rad: f32, layers: &[(f3
             .map(|a| v(x, radius * crate::math::cosf(a), z + radius * crate::math::sinf(a)))
             .collect()
     };
-    b.loft(&[ring(0.035), ring(0.045)], slot::DARK, true);
+    b.loft(&[ring(0.035), ring(0.045)], slot::BACK, true);
     for (k, (r, s)) in layers.iter().enumerate() {
         disc(b, v(0.048 + 0.002 * k as f32, 0.0, z), *r, sides, turn_rad, *s);
     }

@@ -210,3 +210,38 @@ fn signs_are_retro_reflective_and_face_the_driver() {
     let behind = hits(mesh, Vec3::new(-20.0, 0.35, 2.2), Vec3::X, |_| true)[0];
     assert!(!model.palette.materials()[usize::from(behind.1)].lidar.retro);
 }
+
+#[test]
+fn backs_of_signs_are_gray_metal() {
+    let signs =
+        [PoleKind::RoundSign, PoleKind::TriangleSign, PoleKind::DiamondSign, PoleKind::ZoneSign, PoleKind::ParkingSign];
+    for (kind, variant) in signs.into_iter().flat_map(|kind| (0..3).map(move |variant| (kind, variant))) {
+        let sign = pole(kind, variant);
+        for (_, mesh) in &sign.shape.levels {
+            // From behind, beside the post.
+            let met = hits(mesh, Vec3::new(-5.0, 0.12, 2.42), Vec3::X, |_| true);
+            let (_, slot) = met.first().unwrap_or_else(|| panic!("{} has no back", sign.name));
+            let [r, g, b] = sign.palette.materials()[usize::from(*slot)].albedo;
+            assert!(g > 0.25 && (r - g).abs().max((b - g).abs()) < 0.05, "{}: {r} {g} {b}", sign.name);
+        }
+    }
+}
+
+#[test]
+fn leaves_beside_the_camera_are_no_plates() {
+    for kind in [TreeKind::Street, TreeKind::Garden, TreeKind::Wood, TreeKind::Conifer] {
+        for variant in 0..num_variants()[1] {
+            let model = tree(kind, variant);
+            let mesh = model.shape.select(4.0, 1.0).expect("near enough to be drawn");
+            let area = |face: &[u32; 3]| {
+                let [a, b, c] = face.map(|i| mesh.vertices[i as usize]);
+                (b - a).cross(c - a).length() / 2.0
+            };
+            let leaves = mesh.faces.iter().zip(&mesh.slots).filter(|(_, slot)| **slot != plant_slot::BARK);
+            let areas: Vec<f32> = leaves.map(|(face, _)| area(face)).collect();
+            // A card is two triangles.
+            let side = (2.0 * areas.iter().sum::<f32>() / areas.len() as f32).sqrt();
+            assert!(side < 0.2, "{}: leaf cards of {side} m", model.name);
+        }
+    }
+}

@@ -74,6 +74,8 @@ pub(super) struct TreeDesign {
     seed: u64,
 }
 
+/// A crown's extent is measured with so many triangles of leaves, at most.
+const MEASURED_LEAVES: f32 = 2600.0;
 /// Leaf area in a crown's cubic metre: with cards turned every way a beam meets half of it, exp(-0.5 x 1.8) = 0.41.
 const LEAF_AREA_PER_M3: f32 = 1.8;
 
@@ -133,24 +135,23 @@ impl TreeDesign {
 
     /// The tree, each level made when it is needed.
     pub fn shape(self) -> LodSet {
-        let is_elastic = self.kind != TreeKind::Shrub;
         let levels = match self.kind {
             TreeKind::Shrub => tree_levels::of_shrub(),
             // Towards the tip large cards are cut down to fit, and the trunk would show.
-            TreeKind::Conifer => tree_levels::of_tree(4200.0, |leaves| {
+            TreeKind::Conifer => tree_levels::of_tree(16_800.0, |leaves| {
                 let width_m = self.card_width_m(leaves);
                 width_m * (width_m / (0.2 * self.crown_radius)).max(1.0)
             }),
-            _ => tree_levels::of_tree(5200.0, |leaves| self.card_width_m(leaves)),
+            _ => tree_levels::of_tree(20_800.0, |leaves| self.card_width_m(leaves)),
         };
-        let (finest, coarser) = levels.split_first().expect("there are levels");
-        let mesh = self.mesh(finest);
-        let design = Arc::new(self);
-        let coarser = coarser.iter().map(|level| {
-            let (design, level) = (Arc::clone(&design), *level);
+        // The finest ones are for the few trees beside the ego.
+        let measured = levels.iter().position(|level| level.leaves <= MEASURED_LEAVES).unwrap_or(levels.len() - 1);
+        let (bounds, design) = (self.mesh(&levels[measured]).bounds, Arc::new(self));
+        let levels = levels.into_iter().map(|level| {
+            let design = Arc::clone(&design);
             (level.to_m, LazyMesh::new(move || design.mesh(&level)))
         });
-        LodSet { is_elastic, ..LodSet::new((finest.to_m, mesh), coarser) }
+        LodSet { bounds, levels: levels.collect(), coarse_casters: 0 }
     }
 
     /// Area of all leaves, m^2.
@@ -169,9 +170,9 @@ impl TreeDesign {
     /// The side of a square as large as a card, which is two triangles, if there are so many of them.
     fn card_width_m(&self, leaves: f32) -> f32 {
         let smallest: f32 = match self.kind {
-            TreeKind::Conifer => 0.15,
+            TreeKind::Conifer => 0.12,
             TreeKind::Shrub => 0.09,
-            _ => 0.2,
+            _ => 0.13,
         };
         (2.0 * self.leaf_area() / leaves).sqrt().max(smallest)
     }

@@ -1,7 +1,5 @@
 //! How finely a tree is drawn at which distance: by how large its leaf cards look.
 
-use crate::geometry::NEAR_M;
-
 /// How a tree is drawn up to a distance from the ego.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Level {
@@ -17,11 +15,12 @@ pub(super) struct Level {
     pub is_bent: bool,
 }
 
-/// Near levels end where the next one's cards are so many times their own width away: nine pixels of KITTI's camera. The
-/// scene's budget moves that ([`crate::geometry::LodSet::is_elastic`]).
-const NEAR_WIDTHS: f32 = 80.0;
+/// Near levels end where the next one's cards are so many times their own width away: twelve pixels of KITTI's camera.
+const NEAR_WIDTHS: f32 = 60.0;
 /// The same beyond [`NEAR_M`]: 23 pixels.
 const FAR_WIDTHS: f32 = 32.0;
+/// What is further away is a crown to the eye, not leaves, and a LIDAR gets hardly an echo from it: metres.
+const NEAR_M: f32 = 80.0;
 /// No crown has fewer triangles.
 const FEWEST: f32 = 40.0;
 
@@ -83,7 +82,7 @@ mod tests {
                 assert!(next <= level / 2.0 && to_m < pair[1].to_m);
                 // Pixels of KITTI's camera, whose focal length is 721 of them.
                 let px = 721.0 * width_m(next) / to_m;
-                assert!(px < if to_m < 80.0 { 9.1 } else { 23.0 }, "{level} triangles to {to_m} m: {px} px");
+                assert!(px < if to_m < 80.0 { 12.1 } else { 23.0 }, "{level} triangles to {to_m} m: {px} px");
             }
         }
     }
