@@ -72,7 +72,7 @@ class Lidar:
             "name": self.name,
             "min_range_m": 1.45,
             "max_range_m": 80.0,
-            "range_noise_m": 0.008,
+            "range_noise_m": 0.0078,
             "elevation_deg": [2.0, -2.0],
             "height_m": [self._height_m] * 2,
             "left_m": [0.0] * 2,

@@ -142,7 +142,7 @@ class BeamTable:
     """Nearer returns are not kept."""
     max_range_m: float = 80.0
     """Returns as far as this are not kept."""
-    range_noise_m: float = 0.008
+    range_noise_m: float = 0.0078
     """Standard deviation of the range."""
 
     def __post_init__(self) -> None:

@@ -48,7 +48,7 @@ fn lanes_lie_on_the_ground_and_pavements_a_kerb_above() {
         for lane in network.driving() {
             for p in &lane.center {
                 assert_eq!(ground.kind_at(p.x, p.y), Some(GroundKind::Road), "{name} {p}");
-                assert!((height(*p) - p.z).abs() < 0.02 + 0.028, "{name}: {} below lane at {p}", p.z - height(*p));
+                assert!((height(*p) - p.z).abs() < 0.02 + 0.03, "{name}: {} below lane at {p}", p.z - height(*p));
                 assert!(ground.normal_at(p.x, p.y).unwrap().z > 0.99, "{name} {p}");
             }
         }
@@ -268,11 +268,11 @@ fn the_smooth_surface_holds_the_lanes_within_2_cm_and_bumps_are_on_top_of_it() {
             let z = smooth.height_at(p.x, p.y).unwrap();
             assert!((z - p.z).abs() < 0.02, "{name} {p}");
             let bump = rough.height_at(p.x, p.y).unwrap() - z;
-            assert!(bump.abs() < 0.035, "{name} {p} {bump}");
+            assert!(bump.abs() < 0.031, "{name} {p} {bump}");
             (square, n) = (square + bump * bump, n + 1.0);
         }
         let rms_m = f64::sqrt(square / n);
-        assert!((0.004..0.016).contains(&rms_m), "{name}: {rms_m}");
+        assert!((0.006..0.016).contains(&rms_m), "{name}: {rms_m}");
     }
 }
 

@@ -29,7 +29,7 @@ impl Default for Receiver {
     /// Velodyne's HDL-64E: by its data sheet pulses of 5 ns, beams of 2 mrad, and 10 % of reflectance at 50 m; the
     /// noise is that of KITTI's scans of roads at 5 to 20 m.
     fn default() -> Self {
-        Self { pulse_s: 5e-9, divergence_rad: 2e-3, threshold: 0.1 / (50.0 * 50.0), range_noise_m: 0.008 }
+        Self { pulse_s: 5e-9, divergence_rad: 2e-3, threshold: 0.1 / (50.0 * 50.0), range_noise_m: 0.0078 }
     }
 }
 
