@@ -329,11 +329,13 @@ impl<'a> Faces<'a> {
         let brief = *brief;
         let is_flat = Kind::of(brief.kind as usize).is_flat();
         let (column, row) = (block % self.blocks_across, block / self.blocks_across);
+        // Between two pixels a face that is seen edge-on may leave the world: its plane is behind the eye there.
+        let at_hit = hit.nearness.max(MIN_NEARNESS);
         let [first, right, below, across] = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| {
             let (du, dv) = ((i * BLOCK_COLUMNS) as f32, (j * BLOCK_ROWS) as f32);
             // The plane may end, or rise to the eye, before the corner.
             let nearness = nearness[0] + nearness[1] * du + nearness[2] * dv;
-            let nearness = nearness.clamp(0.5 * hit.nearness, 2.0 * hit.nearness);
+            let nearness = nearness.clamp(0.5 * at_hit, 2.0 * at_hit);
             let corner = (row + j) * (self.blocks_across + 1) + column + i;
             let is_far = nearness < 1.0 / ALIKE_FROM_M;
             let key = (corner, brief.instance, if is_far { coarse } else { brief.look }, u32::from(is_far));

@@ -78,6 +78,7 @@ impl Car {
 
     /// What the driver brakes for.
     #[cfg(test)]
+    #[cfg_attr(not(test), allow(dead_code))]
     pub fn cause(&self) -> Cause {
         self.cause
     }
