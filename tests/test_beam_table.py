@@ -50,7 +50,7 @@ def test_a_file_says_what_its_table_says(tmp_path: Path) -> None:
         firing=EncoderFiring(ticks_per_turn=3600, ticks_per_firing=1.5, firings=2400),
         min_range_m=0.5,
         max_range_m=60.0,
-        range_noise_m=0.012,
+        range_noise_m=0.0078,
     )
     assert BeamTable.from_toml(table.to_toml()) == table
 

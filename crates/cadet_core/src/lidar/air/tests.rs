@@ -79,13 +79,13 @@ fn beta_2_20_has_its_moments() {
 #[test]
 fn bright_particles_are_as_many_as_in_a_cone_full_of_them() {
     let usual = Receiver::default();
-    let (rain, snow) = (Weather::of_air(0.0, 25.0, 0.0, 0.0), Weather::of_air(0.0, 0.0, 2.0, 0.0));
+    let [rain, snow] = [(25.0, 0.0), (0.0, 2.0)].map(|(r, s)| Weather::of_air(0.0, r, s, 0.0).expect("valid"));
     let water = (0.328_f64 / 2.328) * (0.328 / 2.328);
     for (weather, rho, receiver) in [
-        (rain.clone().expect("valid"), water, usual),
+        (rain.clone(), water, usual),
         // The receiver says how wide the cone is and how weak an echo may be.
-        (rain.expect("valid"), water, Receiver { divergence_rad: 4e-3, threshold: 8e-5, ..usual }),
-        (snow.expect("valid"), 0.3, usual),
+        (rain, water, Receiver { divergence_rad: 4e-3, threshold: 8e-5, ..usual }),
+        (snow, 0.3, usual),
     ] {
         let (divergence, least) = (receiver.divergence_rad, 0.6 * receiver.threshold);
         let alpha = weather.extinction_per_m();
