@@ -102,6 +102,8 @@ type Alike = (u32, u32, u32, u32);
 const ALIKE: usize = 256;
 const CORNERS: usize = 1024;
 const ALIKE_FROM_M: f32 = 15.0;
+/// One over the farthest that a corner of a block is taken to be, 1/m.
+const MIN_NEARNESS: f32 = 1e-4;
 const NOT_ALIKE: Alike = (NOWHERE, 0, 0, 0);
 
 /// Instance and cell of leaves that share what they see of the sky.
