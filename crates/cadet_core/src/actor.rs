@@ -78,13 +78,15 @@ pub struct AnnotatedBox {
     pub bottom_center_in_box: DVec3,
     /// The greatest depth at which it is drawn, metres: annotators leave out far objects.
     pub farthest_m: f64,
+    /// Returns that an annotator needs to draw it.
+    pub least_points: usize,
 }
 
 impl AnnotatedBox {
     /// The box of the true extents.
     #[must_use]
     pub fn exact(size_lwh: DVec3) -> Self {
-        Self { size_lwh, bottom_center_in_box: DVec3::ZERO, farthest_m: f64::INFINITY }
+        Self { size_lwh, bottom_center_in_box: DVec3::ZERO, farthest_m: f64::INFINITY, least_points: 0 }
     }
 }
 

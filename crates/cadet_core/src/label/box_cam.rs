@@ -176,6 +176,7 @@ mod tests {
                 size_lwh: DVec3::new(3.9, 1.62, 1.44),
                 bottom_center_in_box: DVec3::new(0.03, -0.02, 0.05),
                 farthest_m: 60.0,
+                least_points: 0,
             },
             world_from_box: frames::upright(position, yaw),
             velocity_world: DVec3::ZERO,

@@ -1,7 +1,7 @@
 //! The numbers of the labels' definitions.
 
 use super::box_cam::Boxes;
-use super::labeler::Placed;
+use super::labeler::{ObjectMeta, Placed};
 use crate::actor::ActorState;
 use crate::error::{Error, Result};
 
@@ -117,8 +117,28 @@ impl LabelConfig {
             && placed.truncated <= self.max_truncation
     }
 
+    /// The visible fraction that a label takes at a depth. KITTI's annotators left out what is mostly hidden the more
+    /// the farther it is: of its cars at 15 to 30 m 31 % show less than half of themselves, at 30 to 40 m 29 %, at 40 to
+    /// 50 m 18 %, beyond 13 %.
+    pub(super) fn least_visible_fraction(&self, depth_m: f64) -> f64 {
+        const FROM_M: f64 = 25.0;
+        const MORE_PER_M: f64 = 0.016;
+        const MOST: f64 = 0.43;
+        match self.boxes {
+            Boxes::Kitti => {
+                let farther = MORE_PER_M * (depth_m - FROM_M).max(0.0);
+                self.min_visible_fraction.max((self.min_visible_fraction + farther).min(MOST))
+            }
+            Boxes::Exact => self.min_visible_fraction,
+        }
+    }
+
     /// Whether the sensors support a label: returns, or else enough contrast.
-    pub(super) fn is_supported(&self, num_points: usize, contrast: f64) -> bool {
-        num_points >= self.min_points && (num_points > 0 || contrast >= self.min_contrast)
+    pub(super) fn is_supported(&self, meta: &ObjectMeta) -> bool {
+        let least = match self.boxes {
+            Boxes::Kitti => self.min_points.max(meta.least_points),
+            Boxes::Exact => self.min_points,
+        };
+        meta.num_points >= least && (meta.num_points > 0 || meta.contrast >= self.min_contrast)
     }
 }

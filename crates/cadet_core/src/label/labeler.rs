@@ -44,6 +44,8 @@ pub struct ObjectMeta {
     pub contrast: f64,
     /// Returns of the scan from the actor.
     pub num_points: usize,
+    /// Returns that an annotator of KITTI would have needed.
+    pub least_points: usize,
     /// World velocity, m/s.
     pub velocity_world: DVec3,
     /// Rectangle round the silhouette inside the image.
@@ -97,7 +99,7 @@ pub fn add_points(config: &LabelConfig, labels: &mut [Labeled], point_actor_ids:
     for labeled in labels.iter_mut() {
         let meta = &mut labeled.meta;
         meta.num_points = point_actor_ids.iter().filter(|id| **id == meta.actor_id).count();
-        if labeled.label.box_cam.is_some() && !config.is_supported(meta.num_points, meta.contrast) {
+        if labeled.label.box_cam.is_some() && !config.is_supported(meta) {
             labeled.label = Label::dont_care(labeled.label.bbox);
         }
     }
@@ -154,7 +156,8 @@ pub fn label_actors(
             }
             OcclusionMethod::Corners => (hidden_corners < config.max_hidden_corners).then_some(0),
         };
-        let is_admitted = config.admits(&placed, actor) && visible_fraction >= config.min_visible_fraction;
+        let least_visible = config.least_visible_fraction(placed.box_cam.location_cam.z);
+        let is_admitted = config.admits(&placed, actor) && visible_fraction >= least_visible;
         let Placed { box_cam, bbox, truncated } = placed;
         let label = match occluded {
             Some(occluded) if is_admitted => {
@@ -172,6 +175,7 @@ pub fn label_actors(
             visible_pixels,
             contrast,
             num_points: 0,
+            least_points: actor.annotated.least_points,
             velocity_world: actor.velocity_world,
             silhouette_bbox: outline.bounds,
             corner_visible,

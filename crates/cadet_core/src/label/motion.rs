@@ -72,6 +72,7 @@ mod tests {
                 visible_fraction: 1.0,
                 visible_pixels: 4800.0,
                 contrast: 1.0,
+                least_points: 0,
                 num_points: 0,
                 velocity_world: DVec3::ZERO,
                 silhouette_bbox: None,

@@ -28,7 +28,7 @@ const CAR_WIDTH_M: f64 = 1.65;
 /// Left of the pavement for walkers.
 const LEFT_FOR_WALKERS_M: f64 = 0.95;
 /// Share of the streets with a wide carriageway.
-const WIDE_SHARE: f64 = 0.25;
+const WIDE_SHARE: f64 = 0.18;
 /// A junction begins at least this far from its middle.
 const MIN_CUT_M: f64 = 6.0;
 

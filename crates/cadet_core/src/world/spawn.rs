@@ -48,7 +48,7 @@ const EMPTY_ROWS_SHARE: f64 = 0.5;
 /// and more people walk than along it, as out of sight they belong to a town but not to a picture.
 const EGO_WAY_M: f64 = 260.0;
 const BESIDE_EGO_WAY_M: f64 = 14.0;
-const PEOPLE_ON_EGO_WAY: f64 = 0.12;
+const PEOPLE_ON_EGO_WAY: f64 = 0.7;
 /// Room that a parked vehicle needs along its spot beyond its length.
 const LEAST_GAP_M: f64 = 0.3;
 /// How much a vehicle may be longer than its spot in a row, at a neighbour's cost, and wider than any spot.
