@@ -21,9 +21,9 @@ def test_finer_pixels_see_finer_scenes_and_coarser_ones_no_finer_than_the_beams_
     coarse = replace(kitti, camera=kitti.camera.resized(width // 4, height // 4))
     tiny = replace(kitti, camera=kitti.camera.resized(width // 8, height // 8))
     counts = [count_triangles(1, rig) for rig in (fine, kitti, coarse, tiny)]
-    # Beams are 1.57 mrad apart, pixels 1.39: without the camera's, levels end 12 % nearer.
+    # Beams are 3.0 mrad apart, pixels 1.4: where pixels are coarser than beams, these decide.
     assert counts[0] > 1.2 * counts[1] > 1.2 * counts[2], counts
-    assert counts[2] == counts[3] > 0.6 * counts[1], counts
+    assert counts[2] == counts[3] > 0.35 * counts[1], counts
 
 
 def test_streets_differ_as_they_come() -> None:

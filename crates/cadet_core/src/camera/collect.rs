@@ -13,6 +13,8 @@ use super::shade::Light;
 use super::sky::SkyRows;
 use crate::sense::{BLOCK, VisibilityBuffer};
 
+/// A face that is seen by so few of a block's 64 samples is too small to show how the light changes on it.
+const LONE: u32 = 12;
 /// Rows of pixels of a block: two rows of samples each.
 const ROWS: usize = BLOCK / 2;
 /// Columns of a band that are collected together: what lies together in the image shares faces and shadow texels.
@@ -240,7 +242,8 @@ impl<'a> Collector<'a> {
         let middle = middle + (part.samples >> middle).trailing_zeros();
         let (column, row) = ((middle / 8) as f32, (middle % 8 / 2) as f32);
         let there = nearness[0] + nearness[1] * column + nearness[2] * row;
-        let hit = Hit { u: u + column, v: v + row, nearness: there };
+        let is_lone = part.samples.count_ones() <= LONE;
+        let hit = Hit { u: u + column, v: v + row, nearness: there, is_lone };
         let open = self.faces.open_index(face, tile.block, (u, v), nearness, hit);
         let &Target { first, stride, weight } = target;
         (kind, Patch { face, open, target: first, stride, behind: 0, u, v, nearness, weight })

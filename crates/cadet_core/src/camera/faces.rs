@@ -41,6 +41,8 @@ pub struct Hit {
     pub v: f32,
     /// 1 / z, 1/m.
     pub nearness: f32,
+    /// So few samples of the block show the face that the light there is theirs.
+    pub is_lone: bool,
 }
 
 /// Pixels of a block.
@@ -319,7 +321,7 @@ impl<'a> Faces<'a> {
         };
         // Near by, where faces are large in the image and coats mirror clearly, each face looks for itself.
         if hit.nearness < 1.0 / ALIKE_FROM_M {
-            let key = (block, brief.instance, coarse, 0);
+            let key = (block, brief.instance, coarse, u32::from(hit.is_lone));
             let (known, index) = &mut self.alike[in_cell as usize % ALIKE];
             if *known == key {
                 (brief.block, brief.open) = (block, *index);
@@ -330,6 +332,12 @@ impl<'a> Faces<'a> {
         (brief.block, brief.open) = (block, found);
         let brief = *brief;
         let is_flat = Kind::of(brief.kind as usize).is_flat();
+        if hit.is_lone {
+            let point_world = self.rays.eye + self.rays.direction(hit.u, hit.v) * (1.0 / hit.nearness);
+            let even = [0.0; 8];
+            self.open.extend([open_of(self.light, point_world, normal, is_flat), even, even, even]);
+            return found;
+        }
         let (column, row) = (block % self.blocks_across, block / self.blocks_across);
         // Between two pixels a face that is seen edge-on may leave the world: its plane is behind the eye there.
         let at_hit = hit.nearness.max(MIN_NEARNESS);

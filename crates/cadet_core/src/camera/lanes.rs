@@ -199,7 +199,7 @@ impl Lanes {
                     texture(self, m, kind.pattern, pixel);
                 }
                 if light.snow > 0.0 {
-                    snow(self, m, camera.eye, light.snow, pixel);
+                    snow(self, m, camera, light.snow, pixel);
                 }
             }
             diffuse(self, m, &light.sky, kind, light.wetness);

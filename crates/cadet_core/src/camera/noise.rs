@@ -213,8 +213,9 @@ mod tests {
             i as f32 - (row[i] - level) / (row[i] - row[i - 1])
         };
         let rise = at(0.9) - at(0.1);
-        assert!((1.7..2.6).contains(&rise), "{rise}");
-        assert!((at(0.5) - 19.75).abs() < 0.05, "{}", at(0.5));
+        // By the lens alone; the pixels' own width comes to it.
+        assert!((1.6..2.6).contains(&rise), "{rise}");
+        assert!((at(0.5) - 19.75).abs() < 0.06, "{}", at(0.5));
 
         let mut point = vec![0.0; w * h * 3];
         point[(4 * w + 20) * 3] = 1.0;

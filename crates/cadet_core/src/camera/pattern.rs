@@ -233,7 +233,8 @@ mod tests {
     fn asphalt_has_the_grain_that_was_measured() {
         for footprint in [0.008, 0.02, 0.06] {
             let (_, spread) = statistics(Pattern::Asphalt, footprint);
-            assert!((0.05..0.14).contains(&spread), "{footprint}: {spread}");
+            // Before lens and sensor; what is left of it in pictures is tested on them.
+            assert!((0.10..0.24).contains(&spread), "{footprint}: {spread}");
         }
     }
 

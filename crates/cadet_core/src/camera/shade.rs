@@ -196,9 +196,13 @@ pub(super) fn texture(l: &mut Lanes, m: usize, pattern: Pattern, pixel: usize) {
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-pub(super) fn snow(l: &mut Lanes, m: usize, eye: Vec3, snow: f32, pixel: usize) {
+pub(super) fn snow(l: &mut Lanes, m: usize, camera: &Camera, snow: f32, pixel: usize) {
+    let side = if pixel == 0 { -1.0 } else { 1.0 };
+    let (eye, right) = (camera.eye, camera.right);
     for i in 0..m.min(LANES) {
-        let (x, y) = (l.point[0][i] + eye.x, l.point[1][i] + eye.y);
+        // In the pixel itself: in the pair's middle, each pair would have its own drift.
+        let aside = l.aside[i] * side / l.nearness[i];
+        let (x, y) = (l.point[0][i] + right.x * aside + eye.x, l.point[1][i] + right.y * aside + eye.y);
         let drift = pattern::value_noise(x * 0.6, y * 0.6, 0x5E0);
         let worn = if l.flags[i] & Flags::ROAD > 0 { 0.55 } else { 1.0 };
         let lies = if l.flags[i] & Flags::VEHICLE > 0 { 0.0 } else { 1.0 };

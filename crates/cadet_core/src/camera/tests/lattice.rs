@@ -1,7 +1,7 @@
 //! Blocks of 8 x 4 pixels are shaded together: nobody may see where they meet.
 
 use super::super::exposure::{LUMA, gain_for_mean_luma};
-use super::super::noise::ROWS_BEFORE;
+use super::super::noise::blur;
 use super::super::render::{Scratch, radiance};
 use super::{View, look};
 use crate::math::{DMat3, DPose3, DQuat, DVec3};
@@ -33,12 +33,13 @@ fn views(seed: u64, count: usize) -> Vec<(PosedScene, View)> {
         .collect()
 }
 
-/// Luma before blur and noise, exposed as a picture is.
+/// Luma before the sensor's noise, exposed as a picture is.
 fn luma(scene: &PosedScene, view: &View, weather: &Weather) -> Vec<f32> {
     let seen = look(scene, view).unwrap();
     let mut scratch = Scratch::default();
     let _ = radiance(scene, view, weather, &seen, &mut scratch);
-    let rgb = &scratch.rgb[ROWS_BEFORE * SIZE.0 * 3..][..SIZE.0 * SIZE.1 * 3];
+    let _ = blur(&mut scratch.rgb, SIZE.0, SIZE.1, f32::INFINITY);
+    let rgb = &scratch.rgb[..SIZE.0 * SIZE.1 * 3];
     let gain = gain_for_mean_luma(rgb, 91.0, 37);
     rgb.as_chunks::<3>().0.iter().map(|p| (0..3).map(|k| (p[k] * gain).min(255.0) * LUMA[k]).sum()).collect()
 }
