@@ -1,8 +1,37 @@
 //! That traffic flows: how often the ego stands where views are taken, and for how long.
 
+use super::car::Cause;
+use super::driver::Obstacle;
 use super::testing::suburb;
 use super::*;
 use crate::world::spawn::TrafficConfig;
+
+/// What the ego brakes for, and where the people on the road near it are and want to go.
+fn what_stops_the_ego(world: &World) -> String {
+    let cause = world.cars[EGO].cause();
+    if cause != Cause::Person {
+        return format!("{cause:?}");
+    }
+    let ego = world.cars[EGO].footprint(&world.physics);
+    let near = |w: &&Walker| (w.position.truncate() - ego.center).length() < 12.0;
+    let on_road = world.walkers.iter().filter(|w| w.in_the_way(&world.roads).is_some()).filter(near).map(|w| {
+        let p = w.position.truncate();
+        let away = |o: &Obstacle| (o.closest_point(p) - p).length();
+        let nearest = |all: &mut dyn Iterator<Item = f64>| all.fold(f64::INFINITY, f64::min);
+        let parked_m = nearest(&mut world.parked.iter().map(|o| away(&o.footprint)));
+        let car_m = nearest(&mut world.cars.iter().map(|c| away(&c.footprint(&world.physics))));
+        let others = world.walkers.iter().filter(|o| o.id != w.id);
+        let person_m = nearest(&mut others.map(|o| (o.position.truncate() - p).length()));
+        format!(
+            "{} at {p}, {:?}, {:.2} m/s; parked {parked_m:.2} m, car {car_m:.2} m (ego {:.2} m), person {person_m:.2} m away",
+            w.id,
+            w.motion,
+            w.velocity.length(),
+            away(&ego)
+        )
+    });
+    format!("Person: {:?}", on_road.collect::<Vec<_>>())
+}
 
 /// Views at which the ego stands, and what it braked for at each view of the longest run of them, over `views` views of a
 /// drive.
@@ -16,7 +45,7 @@ fn standing_views(world: &mut World, views: u32) -> (u32, Vec<String>) {
         let stands = world.ego().velocity_world.length() < 0.1;
         standing += u32::from(stands);
         if stands {
-            run.push(format!("{:?}", world.cars[EGO].cause()));
+            run.push(what_stops_the_ego(world));
         } else {
             run.clear();
         }
