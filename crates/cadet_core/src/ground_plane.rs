@@ -69,9 +69,8 @@ struct GroundCell {
 /// The same seed gives the same plane; the order of the points does not matter but for the last bits.
 pub fn estimate_ground_plane(points_cam: impl Iterator<Item = [f64; 3]>, seed: u64) -> Result<[f64; 4]> {
     let cells = ground_cells(points_cam)?;
-    let mut slopes = best_hypothesis(&cells, seed).ok_or_else(|| Error::Ground {
-        reason: "no plane that a car could stand on ahead of the camera".to_owned(),
-    })?;
+    let mut slopes = best_hypothesis(&cells, seed)
+        .ok_or_else(|| Error::Ground { reason: "no plane that a car could stand on ahead of the camera".to_owned() })?;
     for k in 0..ITERATIONS {
         let width_m = (WIDTH_M.0 - WIDTH_STEP_M * k as f64).max(WIDTH_M.1);
         slopes = refine(&cells, &slopes, width_m);
@@ -170,4 +169,83 @@ fn refine(cells: &[GroundCell], slopes: &Slopes, width_m: f64) -> Slopes {
 /// Tolerances grow with depth: far roads bend, and their returns are few.
 fn widening(cell: &GroundCell) -> f64 {
     1.0 + WIDENS_PER_M * cell.regressors.z
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns of a street y = s.x + s.y x + s.z z with noise of a centimetre, and of what stands beside and on it.
+    fn street(slopes: [f64; 3], clutter_share: f64, seed: u64) -> Vec<[f64; 3]> {
+        let mut s = Stream::from_seed("street", seed);
+        (0..6000)
+            .map(|_| {
+                // Rings lie the closer the nearer they are.
+                let (x, z) = (s.range(-7.5, 7.5), 3.0 + 40.0 * s.unit() * s.unit());
+                let road_y = slopes[0] + slopes[1] * x + slopes[2] * z + 0.01 * s.normal();
+                let stands = s.chance(clutter_share) || (x > 3.0 && s.chance(0.5));
+                [x, if stands { road_y - s.range(0.1, 1.4) } else { road_y }, z]
+            })
+            .collect()
+    }
+
+    fn estimated(points: &[[f64; 3]], seed: u64) -> [f64; 4] {
+        estimate_ground_plane(points.iter().copied(), seed).expect("a street")
+    }
+
+    #[test]
+    fn a_known_plane_is_found_among_clutter() {
+        for (seed, slopes) in
+            (0..).zip([[1.65, 0.0, 0.0], [1.60, -0.03, 0.01], [1.72, 0.02, -0.02], [2.0, -0.05, 0.03]])
+        {
+            for clutter_share in [0.0, 0.3] {
+                let [a, b, c, d] = estimated(&street(slopes, clutter_share, seed), 0);
+                assert!((a * a + b * b + c * c - 1.0).abs() < 1e-12 && b < 0.0);
+                for (x, z) in [(0.0, 0.0), (0.0, 10.0), (-3.0, 20.0), (3.0, 30.0)] {
+                    let y = -(a * x + c * z + d) / b;
+                    let off_m = y - (slopes[0] + slopes[1] * x + slopes[2] * z);
+                    assert!(off_m.abs() < 0.03, "{slopes:?}, clutter {clutter_share}: {off_m} at {x} {z}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn returns_from_below_the_road_do_not_pull_the_plane_down() {
+        let mut points = street([1.65, 0.0, 0.0], 0.1, 9);
+        for point in points.iter_mut().step_by(25) {
+            point[1] += 0.8;
+        }
+        let [_, b, _, d] = estimated(&points, 0);
+        assert!((d / -b - 1.65).abs() < 0.02, "{}", d / -b);
+    }
+
+    #[test]
+    fn the_order_of_points_does_not_matter_and_the_seed_names_the_plane() {
+        let mut points = street([1.65, -0.01, 0.01], 0.3, 5);
+        let before = estimated(&points, 7);
+        assert_eq!(before, estimated(&points, 7));
+        Stream::from_seed("order", 0).shuffle(&mut points);
+        let after = estimated(&points, 7);
+        assert!(before.iter().zip(after).all(|(p, q)| (p - q).abs() < 1e-9), "{before:?} {after:?}");
+    }
+
+    #[test]
+    fn points_elsewhere_do_not_count() {
+        let mut points = street([1.65, 0.0, 0.0], 0.1, 3);
+        let before = estimated(&points, 1);
+        points.extend([[0.0, 1.0, 1.9], [0.0, 1.0, 51.0], [9.0, 1.0, 10.0], [0.0, 0.2, 10.0], [0.0, 5.0, 10.0]]);
+        assert_eq!(before, estimated(&points, 1));
+    }
+
+    #[test]
+    fn too_few_points_and_walls_are_refused() {
+        let street = street([1.65, 0.0, 0.0], 0.0, 0);
+        let refused =
+            |points: &[[f64; 3]]| estimate_ground_plane(points.iter().copied(), 0).expect_err("refused").to_string();
+        assert!(refused(&street[..29]).contains("got 29"), "{}", refused(&street[..29]));
+        assert!(estimate_ground_plane(street[..30].iter().copied(), 0).is_ok());
+        let wall: Vec<[f64; 3]> = (0..200).map(|k| [0.0, 0.5 + 0.02 * f64::from(k), 10.0]).collect();
+        assert!(refused(&wall).contains("no plane"), "{}", refused(&wall));
+    }
 }

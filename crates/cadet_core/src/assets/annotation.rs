@@ -247,7 +247,8 @@ mod tests {
     fn bumpers_bulge_beyond_most_boxes_and_end_inside_some() {
         // KITTI's points end +0.06 m (-0.02 to +0.13) beyond the near end of cars, and -0.02 (-0.05 to +0.03) beyond
         // the near side: 185 cars of 401 frames.
-        let all: Vec<Margins> = (0..4000).map(|k| Margins::of_vehicle(ObjectClass::Car, &mut Stream::from_seed("margins", k))).collect();
+        let all: Vec<Margins> =
+            (0..4000).map(|k| Margins::of_vehicle(ObjectClass::Car, &mut Stream::from_seed("margins", k))).collect();
         let at = |of: fn(&Margins) -> f64, share| quantile(&mut all.iter().map(of).collect::<Vec<_>>(), share);
         for end in [|m: &Margins| m.front_m, |m: &Margins| m.rear_m] {
             assert!((at(end, 0.5) - 0.055).abs() < 0.01 && (at(end, 0.16) + 0.015).abs() < 0.02);

@@ -142,3 +142,123 @@ impl LabelConfig {
         meta.num_points >= least && (meta.num_points > 0 || meta.contrast >= self.min_contrast)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::box_cam::{BoxCam, Rect};
+    use super::*;
+    use crate::actor::{AnnotatedBox, ObjectClass};
+    use crate::math::{DPose3, DVec3};
+
+    fn actor(farthest_m: f64) -> ActorState {
+        let size_lwh = DVec3::new(4.0, 1.6, 1.5);
+        ActorState {
+            id: 1,
+            class: ObjectClass::Car,
+            model: "test".to_owned(),
+            size_lwh,
+            annotated: AnnotatedBox { farthest_m, ..AnnotatedBox::exact(size_lwh) },
+            world_from_box: DPose3::IDENTITY,
+            velocity_world: DVec3::ZERO,
+            angular_velocity_world: DVec3::ZERO,
+        }
+    }
+
+    fn box_at(depth_m: f64) -> BoxCam {
+        let location_cam = DVec3::new(0.0, 1.65, depth_m);
+        BoxCam { size_lwh: DVec3::new(4.0, 1.6, 1.5), location_cam, rotation_y: 0.0 }
+    }
+
+    fn placed(depth_m: f64, height_px: f64, truncated: f64) -> Placed {
+        let bbox = Rect { u1: 500.0, v1: 150.0, u2: 600.0, v2: 150.0 + height_px };
+        Placed { box_cam: box_at(depth_m), bbox, truncated }
+    }
+
+    fn meta(num_points: usize, least_points: usize, contrast: f64) -> ObjectMeta {
+        ObjectMeta {
+            actor_id: 1,
+            class: ObjectClass::Car,
+            model: String::new(),
+            visible_fraction: contrast,
+            visible_pixels: 1000.0,
+            contrast,
+            num_points,
+            least_points,
+            velocity_world: DVec3::ZERO,
+            silhouette_bbox: None,
+            corner_visible: [true; 8],
+            box_cam: box_at(20.0),
+        }
+    }
+
+    fn with(boxes: Boxes) -> LabelConfig {
+        LabelConfig { boxes, ..LabelConfig::default() }
+    }
+
+    #[test]
+    fn depth_height_and_truncation_have_limits_that_belong_to_them() {
+        let config = with(Boxes::Exact);
+        let admits =
+            |depth_m, height_px, truncated| config.admits(&placed(depth_m, height_px, truncated), &actor(60.0));
+        assert!(admits(20.0, 40.0, 0.0));
+        for (inside, outside) in [
+            ((0.5, 40.0, 0.0), (0.49, 40.0, 0.0)),
+            ((80.0, 40.0, 0.0), (80.01, 40.0, 0.0)),
+            ((20.0, 15.0, 0.0), (20.0, 14.99, 0.0)),
+            ((20.0, 40.0, 0.95), (20.0, 40.0, 0.951)),
+        ] {
+            assert!(admits(inside.0, inside.1, inside.2), "{inside:?}");
+            assert!(!admits(outside.0, outside.1, outside.2), "{outside:?}");
+        }
+    }
+
+    #[test]
+    fn annotated_boxes_end_where_their_annotator_stopped() {
+        for (farthest_m, depth_m, expected) in [(50.0, 49.9, true), (50.0, 50.1, false), (95.0, 80.1, false)] {
+            assert_eq!(with(Boxes::Kitti).admits(&placed(depth_m, 40.0, 0.0), &actor(farthest_m)), expected);
+        }
+        assert!(with(Boxes::Exact).admits(&placed(70.0, 40.0, 0.0), &actor(50.0)));
+    }
+
+    #[test]
+    fn the_least_visible_fraction_rises_with_depth_to_its_most_and_never_below_what_was_asked() {
+        let kitti = with(Boxes::Kitti);
+        for (depth_m, expected) in [(5.0, 0.1), (25.0, 0.1), (35.0, 0.26), (45.0, 0.42), (46.0, 0.43), (79.0, 0.43)] {
+            assert!((kitti.least_visible_fraction(depth_m) - expected).abs() < 1e-12, "{depth_m}");
+            assert_eq!(with(Boxes::Exact).least_visible_fraction(depth_m), 0.1);
+        }
+        let strict = LabelConfig { min_visible_fraction: 0.6, ..kitti };
+        assert_eq!(strict.least_visible_fraction(60.0), 0.6);
+    }
+
+    #[test]
+    fn a_label_needs_its_returns_or_else_contrast() {
+        let (kitti, exact) = (with(Boxes::Kitti), with(Boxes::Exact));
+        for (num_points, least_points, contrast, of_kitti, of_exact) in [
+            (0, 0, 0.051, true, true),
+            (0, 0, 0.049, false, false),
+            (1, 0, 0.0, true, true),
+            (3, 4, 1.0, false, true),
+            (4, 4, 0.01, true, true),
+        ] {
+            let meta = meta(num_points, least_points, contrast);
+            assert_eq!((kitti.is_supported(&meta), exact.is_supported(&meta)), (of_kitti, of_exact), "{meta:?}");
+        }
+        let five = LabelConfig { min_points: 5, ..exact };
+        assert!(five.is_supported(&meta(5, 0, 1.0)) && !five.is_supported(&meta(4, 0, 1.0)));
+    }
+
+    #[test]
+    fn numbers_that_mean_nothing_are_refused_by_name() {
+        let fine = LabelConfig::default;
+        for (config, what) in [
+            (LabelConfig { min_depth_m: -1.0, ..fine() }, "min_depth_m"),
+            (LabelConfig { max_truncation: 1.1, ..fine() }, "max_truncation"),
+            (LabelConfig { min_contrast: f64::NAN, ..fine() }, "min_contrast"),
+            (LabelConfig { occlusion_levels: [0.4, 0.5], ..fine() }, "occlusion level 0"),
+        ] {
+            assert!(config.validated().expect_err("refused").to_string().contains(what), "{what}");
+        }
+        assert!(fine().validated().is_ok());
+    }
+}

@@ -186,3 +186,96 @@ pub fn label_actors(
     put_objects_first(&mut labels);
     labels
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::actor::AnnotatedBox;
+    use crate::camera::{View, kitti_like, look};
+    use crate::frames;
+    use crate::geometry::{LodSet, MeshBuilder};
+    use crate::instance::Instance;
+    use crate::material::{Material, Palette, Pattern, Semantic};
+    use crate::math::{DQuat, Vec3};
+
+    const EYE: DVec3 = DVec3::new(0.0, 0.0, 1.65);
+
+    /// A box of a car's size, `ahead_m` before a camera that looks along x.
+    fn car(id: i32, ahead_m: f64, left_m: f64) -> (ActorState, Instance) {
+        let size_lwh = DVec3::new(4.0, 1.6, 1.5);
+        let world_from_box = frames::upright(DVec3::new(ahead_m, left_m, 0.0), 0.0);
+        let mut b = MeshBuilder::new();
+        b.cuboid(Vec3::new(-2.0, -0.8, 0.0), Vec3::new(2.0, 0.8, 1.5), 0);
+        let material = Material::matt(Semantic::Car, [0.3; 3], Pattern::Plain, 0.2);
+        let instance = Instance {
+            shape: Arc::new(LodSet::single(b.build("car", 0.5))),
+            palette: Arc::new(Palette::new(vec![material])),
+            world_from_local: world_from_box,
+            actor_id: id,
+        };
+        let actor = ActorState {
+            id,
+            class: ObjectClass::Car,
+            model: "box".to_owned(),
+            size_lwh,
+            annotated: AnnotatedBox::exact(size_lwh),
+            world_from_box,
+            velocity_world: DVec3::ZERO,
+            angular_velocity_world: DVec3::ZERO,
+        };
+        (actor, instance)
+    }
+
+    fn labels(config: &LabelConfig, cars: &[(ActorState, Instance)], extinction_per_m: f64) -> Vec<Labeled> {
+        let (actors, instances): (Vec<ActorState>, Vec<Instance>) = cars.iter().cloned().unzip();
+        let scene = PosedScene::new(&instances, EYE);
+        let rotation = DQuat::from_mat3(&frames::cam_axes_from_velo_axes().transpose());
+        let (camera, world_from_cam) = (kitti_like(), DPose3 { rotation, translation: EYE });
+        let seen = look(&scene, &View::new(&camera, &world_from_cam)).expect("a view");
+        label_actors(config, &actors, &scene, &camera, &world_from_cam, &seen, extinction_per_m)
+    }
+
+    fn exact() -> LabelConfig {
+        LabelConfig { boxes: Boxes::Exact, ..LabelConfig::default() }
+    }
+
+    #[test]
+    fn contrast_falls_exponentially_through_the_air_and_takes_visibility_with_it() {
+        let cars = [car(1, 20.0, 0.0), car(2, 30.0, 6.0)];
+        let clear = labels(&exact(), &cars, 0.0);
+        assert_eq!(clear.len(), 2);
+        for extinction_per_m in [0.01, 0.05] {
+            for (foggy, clear) in labels(&exact(), &cars, extinction_per_m).iter().zip(&clear) {
+                let center = cars[(foggy.meta.actor_id - 1) as usize].0.center_world();
+                let expected = math::exp(-extinction_per_m * (center - EYE).length());
+                assert!((foggy.meta.contrast - expected).abs() < 1e-12 && clear.meta.contrast == 1.0);
+                assert!((foggy.meta.visible_fraction - clear.meta.visible_fraction * expected).abs() < 1e-12);
+                assert_eq!(foggy.meta.visible_pixels, clear.meta.visible_pixels);
+            }
+        }
+    }
+
+    #[test]
+    fn what_fog_hides_is_no_longer_labelled() {
+        let at_20_m = [car(1, 20.0, 0.0)];
+        // ln 10 / 20 m leaves a tenth.
+        for (extinction_per_m, occluded) in [(0.0, 0), (0.02, 1), (0.05, 2)] {
+            let labeled = &labels(&exact(), &at_20_m, extinction_per_m)[0];
+            assert_eq!((labeled.label.class, labeled.label.occluded), (ObjectClass::Car, occluded));
+        }
+        let hidden = &labels(&exact(), &at_20_m, 0.13)[0];
+        assert_eq!(hidden.label.class, ObjectClass::DontCare);
+        assert!(hidden.label.box_cam.is_none() && hidden.meta.visible_pixels > 100.0);
+    }
+
+    #[test]
+    fn returns_are_counted_and_labels_without_support_become_dont_care_after_the_objects() {
+        let config = LabelConfig { min_points: 2, ..exact() };
+        let mut found = labels(&config, &[car(1, 20.0, 0.0), car(2, 30.0, 6.0)], 0.0);
+        add_points(&config, &mut found, &[2, 0, 1, 2, -1, 7]);
+        let of = |l: &Labeled| (l.meta.actor_id, l.meta.num_points, l.label.class);
+        assert_eq!(found.iter().map(of).collect::<Vec<_>>(), [(2, 2, ObjectClass::Car), (1, 1, ObjectClass::DontCare)]);
+    }
+}

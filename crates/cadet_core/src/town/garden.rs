@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use super::{ParkingSpot, SpotKind};
 use super::placer::{Placer, boundary_depth_m, boundary_palette};
 use super::plots::{PlacedHouse, Plot};
 use super::street_style::{Boundary, StreetStyle};
+use super::{ParkingSpot, SpotKind};
 use crate::assets::scenery::materials::house_palette;
 use crate::assets::scenery::{
     FenceKind, FurnitureKind, HouseKind, TreeKind, furniture, garage, num_variants, paving, tree,

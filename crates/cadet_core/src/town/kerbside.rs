@@ -82,7 +82,12 @@ fn half_bays(lane: &Lane, network: &RoadNetwork, ground: &Ground, pitch: f64, sp
             continue;
         }
         if let Some(world_from_spot) = stand(ground, &pose, -right, pitch, HALF_BAY_SPOT_WIDTH_M) {
-            spots.push(ParkingSpot { kind: SpotKind::Parallel, world_from_spot, length_m: pitch, width_m: HALF_BAY_SPOT_WIDTH_M });
+            spots.push(ParkingSpot {
+                kind: SpotKind::Parallel,
+                world_from_spot,
+                length_m: pitch,
+                width_m: HALF_BAY_SPOT_WIDTH_M,
+            });
         }
     }
 }
@@ -127,7 +132,12 @@ fn kerbside(lane: &Lane, ground: &Ground, pitch: f64, spots: &mut Vec<ParkingSpo
         let pose = lane.pose_at(s);
         let right = kerbside_offset(lane, ground, s, pitch);
         if let Some(world_from_spot) = right.and_then(|r| stand(ground, &pose, -r, pitch, SPOT_WIDTH_M)) {
-            spots.push(ParkingSpot { kind: SpotKind::Parallel, world_from_spot, length_m: pitch, width_m: SPOT_WIDTH_M });
+            spots.push(ParkingSpot {
+                kind: SpotKind::Parallel,
+                world_from_spot,
+                length_m: pitch,
+                width_m: SPOT_WIDTH_M,
+            });
         }
         s += pitch;
     }

@@ -188,6 +188,11 @@ impl<'a> Site<'a> {
         self.ground.kind_at(p.x, p.y) == Some(GroundKind::Road)
     }
 
+    /// Whether a place is carriageway or pavement.
+    pub fn is_street(&self, p: DVec2) -> bool {
+        self.ground.kind_at(p.x, p.y).is_some_and(|kind| kind != GroundKind::Terrain)
+    }
+
     /// The ground at a place.
     pub fn on_ground(&self, p: DVec2) -> DVec3 {
         p.extend(self.ground.height_at(p.x, p.y).unwrap_or(0.0))

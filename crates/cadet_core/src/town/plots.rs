@@ -54,6 +54,12 @@ impl Plot {
         OrientedRect { center, axis: self.along, half: DVec2::new((a1 - a0) / 2.0, (d1 - d0) / 2.0) }
     }
 
+    /// Places along its front, half a metre apart.
+    fn front_line(&self) -> impl Iterator<Item = DVec2> + '_ {
+        let steps = (self.length_m / 0.5).ceil();
+        (0..=steps as usize).map(move |k| self.at(self.length_m * (k as f64 / steps - 0.5), 0.0))
+    }
+
     /// The whole of it.
     pub fn whole(&self) -> OrientedRect {
         self.rect([-self.length_m / 2.0, self.length_m / 2.0], [0.0, self.depth_m])
@@ -70,10 +76,13 @@ impl Plot {
 
 /// Between the pavement's edge and the plot.
 const FRONT_GAP_M: f64 = 0.12;
+/// Where pavements swing out to deep bays between two points of the frontage, the front moves back by steps of the first,
+/// by no more than the second.
+const BACK_M: (f64, f64) = (0.1, 1.2);
 const GARAGE_BAY_M: f64 = 3.0;
 
 /// A plot over [s, s + length] of a frontage, its front moved back until the pavement is clear of it.
-fn plot_at(frontage: &Frontage, s: f64, length_m: f64, depth_m: f64) -> Option<Plot> {
+fn plot_at(frontage: &Frontage, site: &Site, s: f64, length_m: f64, depth_m: f64) -> Option<Plot> {
     let (p, q) = (frontage.at(s), frontage.at(s + length_m));
     let along = (q - p).normalize_or_zero();
     if along == DVec2::ZERO {
@@ -82,13 +91,17 @@ fn plot_at(frontage: &Frontage, s: f64, length_m: f64, depth_m: f64) -> Option<P
     let out = right_of(along);
     let bulge = frontage.between(s, s + length_m).iter().map(|r| (*r - p).dot(out)).fold(0.0, f64::max);
     // Where the street bends too much the chord would leave a wedge of nothing.
-    (bulge < 3.5).then(|| Plot {
-        front: (p + q) / 2.0 + out * (bulge + FRONT_GAP_M),
-        along,
-        length_m: (q - p).length(),
-        depth_m,
-        house: None,
-    })
+    if bulge >= 3.5 {
+        return None;
+    }
+    let front = (p + q) / 2.0 + out * (bulge + FRONT_GAP_M);
+    let mut plot = Plot { front, along, length_m: (q - p).length(), depth_m, house: None };
+    let mut back_m = 0.0;
+    while back_m < BACK_M.1 && plot.front_line().any(|p| site.is_street(p)) {
+        back_m += BACK_M.0;
+        plot.front = front + out * back_m;
+    }
+    Some(plot)
 }
 
 /// A house of a kind that could go here: the plot's length and the house on it.
@@ -141,7 +154,7 @@ pub(super) fn lay_out(
                 }
                 let least = house.setback_m + house.model.footprint_size().x + 1.5;
                 next = [depth_m, (depth_m + least) / 2.0, least].into_iter().find_map(|depth_m| {
-                    let mut plot = plot_at(frontage, from, length_m, depth_m)?;
+                    let mut plot = plot_at(frontage, site, from, length_m, depth_m)?;
                     plot.house = Some(house.clone());
                     fits(&plot, site, taken).then_some(plot)
                 });
@@ -152,9 +165,9 @@ pub(super) fn lay_out(
         }
         if next.is_none() {
             let length_m = s.range(5.0, 9.0).min(left);
-            next = [14.0, 7.0, 3.5]
-                .into_iter()
-                .find_map(|depth_m| plot_at(frontage, from, length_m, depth_m).filter(|plot| fits(plot, site, taken)));
+            next = [14.0, 7.0, 3.5].into_iter().find_map(|depth_m| {
+                plot_at(frontage, site, from, length_m, depth_m).filter(|plot| fits(plot, site, taken))
+            });
         }
         match next {
             Some(plot) => {

@@ -25,7 +25,14 @@ pub struct SuburbConfig {
 
 impl Default for SuburbConfig {
     fn default() -> Self {
-        Self { blocks: (4, 4), block_m: (72.0, 112.0), parking_share: 0.55, angled_share: 0.3, hilly_share: 0.2, max_slope: 0.065 }
+        Self {
+            blocks: (4, 4),
+            block_m: (72.0, 112.0),
+            parking_share: 0.55,
+            angled_share: 0.3,
+            hilly_share: 0.2,
+            max_slope: 0.065,
+        }
     }
 }
 

@@ -1,28 +1,64 @@
 //! That traffic flows: how often the ego stands where views are taken, and for how long.
 
+use super::car::Cause;
+use super::driver::Obstacle;
 use super::testing::suburb;
 use super::*;
 use crate::world::spawn::TrafficConfig;
 
-/// Views at which the ego stands, and the longest run of them, over `views` views of a drive.
-fn standing_views(world: &mut World, views: u32) -> (u32, u32) {
-    let (mut standing, mut run, mut longest) = (0, 0, 0);
+/// What the ego brakes for, and where the people on the road near it are and want to go.
+fn what_stops_the_ego(world: &World) -> String {
+    let cause = world.cars[EGO].cause();
+    if cause != Cause::Person {
+        return format!("{cause:?}");
+    }
+    let ego = world.cars[EGO].footprint(&world.physics);
+    let near = |w: &&Walker| (w.position.truncate() - ego.center).length() < 12.0;
+    let on_road = world.walkers.iter().filter(|w| w.in_the_way(&world.roads).is_some()).filter(near).map(|w| {
+        let p = w.position.truncate();
+        let away = |o: &Obstacle| (o.closest_point(p) - p).length();
+        let nearest = |all: &mut dyn Iterator<Item = f64>| all.fold(f64::INFINITY, f64::min);
+        let parked_m = nearest(&mut world.parked.iter().map(|o| away(&o.footprint)));
+        let car_m = nearest(&mut world.cars.iter().map(|c| away(&c.footprint(&world.physics))));
+        let others = world.walkers.iter().filter(|o| o.id != w.id);
+        let person_m = nearest(&mut others.map(|o| (o.position.truncate() - p).length()));
+        format!(
+            "{} at {p}, {:?}, {:.2} m/s; parked {parked_m:.2} m, car {car_m:.2} m (ego {:.2} m), person {person_m:.2} m away",
+            w.id,
+            w.motion,
+            w.velocity.length(),
+            away(&ego)
+        )
+    });
+    format!("Person: {:?}", on_road.collect::<Vec<_>>())
+}
+
+/// Views at which the ego stands, and what it braked for at each view of the longest run of them, over `views` views of a
+/// drive.
+fn standing_views(world: &mut World, views: u32) -> (u32, Vec<String>) {
+    let (mut standing, mut run, mut longest) = (0, Vec::new(), Vec::new());
     world.step(120);
     for view in 0..views {
         if view > 0 {
             world.drive(10.0, 2.0).unwrap();
         }
         let stands = world.ego().velocity_world.length() < 0.1;
-        run = if stands { run + 1 } else { 0 };
         standing += u32::from(stands);
-        longest = longest.max(run);
+        if stands {
+            run.push(what_stops_the_ego(world));
+        } else {
+            run.clear();
+        }
+        if run.len() > longest.len() {
+            longest.clone_from(&run);
+        }
     }
     (standing, longest)
 }
 
 #[test]
 fn the_ego_seldom_stands_where_views_are_taken() {
-    let (mut standing, mut longest) = (0, 0);
+    let (mut standing, mut longest) = (0, Vec::new());
     let (num_suburbs, num_views) = (10, 20);
     for seed in 0..num_suburbs {
         let mut world = World::new(suburb(seed), StreamKey::scene(seed)).unwrap();
@@ -32,10 +68,13 @@ fn the_ego_seldom_stands_where_views_are_taken() {
         world.spawn_traffic(&config).unwrap();
         let (views, run) = standing_views(&mut world, num_views);
         standing += views;
-        longest = longest.max(run);
+        if run.len() > longest.len() {
+            longest = run;
+            longest[0] = format!("seed {seed}: {}", longest[0]);
+        }
     }
     let share = f64::from(standing) / (num_suburbs as f64 * f64::from(num_views));
     assert!(share <= 0.12, "the ego stands at {share:.3} of the views");
     // Twelve seconds: in dense traffic one may wait for a queue as long as at a red light.
-    assert!(longest <= 6, "the ego stands for {longest} views in a row");
+    assert!(longest.len() <= 6, "the ego stands for {} views in a row: {longest:?}", longest.len());
 }

@@ -162,7 +162,9 @@ fn flanks_and_roof_are_closed_and_face_outward() {
                     let (x, y) = (size.x * (-0.48 + 0.96 * i as f32 / 19.0), size.y * (-0.3 + 0.6 * j as f32 / 8.0));
                     // The corners of nose and tail are round.
                     let y = if x.abs() > 0.38 * size.x { 0.5 * y } else { y };
-                    let Some(hit) = body.cast(Vec3::new(x, y, 4.0), Vec3::NEG_Z) else {
+                    // A ray along the edge between two faces may miss both: only a hole lets its neighbor pass, too.
+                    let down = |aside| body.cast(Vec3::new(x + aside, y + aside, 4.0), Vec3::NEG_Z);
+                    let Some(hit) = down(0.0).or_else(|| down(1e-3)) else {
                         panic!("{} level {level}: open to the ground at {x} {y}", model.name)
                     };
                     rays += 1;
@@ -358,7 +360,7 @@ fn a_stretched_vehicle_fills_its_extents_on_round_wheels_that_touch_the_ground()
             let b = model.annotated;
             let over = (model.size_lwh - b.size_lwh).to_array();
             assert!(
-                over[0] > -0.25 && over[0] < 0.47 && over[1].abs() < 0.23 && (0.0..0.14).contains(&over[2]),
+                over[0] > -0.25 && over[0] < 0.47 && over[1].abs() < 0.23 && (-0.025..0.155).contains(&over[2]),
                 "{over:?}"
             );
         }

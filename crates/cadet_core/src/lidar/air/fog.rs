@@ -114,10 +114,12 @@ mod tests {
             let fog = Fog::new(alpha, tau);
             let scale = 0.046 / (math::ln(20.0) / alpha) / (0.596e-6 / PI);
             let peak = fog.gain[fog.gain.len() - 1];
+            // Between two entries the table is a line: what a line misses of sin^2 grows with the square of step / pulse.
+            let tolerance = 2e-5 + 0.45 * (2.0 * STEP_M / (LIGHT_M_PER_S * tau / 2.0)).powi(2);
             for r0 in [0.95, 1.0, 1.21, 1.51, 1.777, 1.95] {
                 let soft = fog.before(r0);
                 let (got, expected) = (soft.gain / (r0 * r0), scale * direct(alpha, tau, r0));
-                assert!((got - expected).abs() < 1e-4 * peak, "{alpha} {r0}: {got} {expected} of {peak}");
+                assert!((got - expected).abs() < tolerance * peak, "{alpha} {r0}: {got} {expected} of {peak}");
                 assert_eq!(soft.range_m, r0, "the response still rises at {r0}");
             }
             // Behind the peak the maximum stays: found here by a search over all ranges.
