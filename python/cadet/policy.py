@@ -175,7 +175,7 @@ class ResetPolicy:
             weathers=tuple((name, 1.0) for name in weather_names()),
             # In CARLA's towns of that time every car drove.
             districts=(
-                (District(name="town", parking_occupancy=(0.0, 0.0), num_cars=(4, 19), num_pedestrians=(2, 15)), 1.0),
+                (District(name="town", parking_occupancy=(0.0, 0.0), num_cars=(4, 19), num_pedestrians=(0, 7)), 1.0),
             ),
             rigs=((Rig.paper(), 1.0),),
             vehicle_classes=("Car",),
