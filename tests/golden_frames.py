@@ -40,6 +40,7 @@ class Case:
 CASES = {
     "kitti": Case(),
     "paper": Case(policy="paper", rig="paper"),
+    "cadet": Case(rig="cadet"),
     "rain": Case(weather="hard_rain_noon"),
 }
 

@@ -64,6 +64,6 @@ def _plane(points: NDArray[np.float64]) -> NDArray[np.float64]:
     kept = points
     for tolerance_m in (0.3, 0.15, 0.1, 0.08, 0.08):
         matrix = np.c_[kept[:, :2], np.ones(len(kept))]
-        found: NDArray[np.float64] = np.linalg.lstsq(matrix, kept[:, 2], rcond=None)[0]
+        found = np.linalg.lstsq(matrix, kept[:, 2], rcond=None)[0]
         kept = points[np.abs(points[:, 2] - points[:, :2] @ found[:2] - found[2]) < tolerance_m]
-    return found
+    return np.asarray(found, dtype=np.float64)

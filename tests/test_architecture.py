@@ -98,6 +98,7 @@ CORE_ROOMS: dict[str, set[str]] = {
     "frames": {"error", "math"},
     "rng": {"error", "math"},
     "bev": {"error", "math"},
+    "ground_plane": {"error", "math", "rng"},
     "evaluate": {"error", "math"},
     "material": {"error", "math"},
     "geometry": {"error", "frames", "material", "math"},

@@ -306,8 +306,8 @@ class Config:
     classes: tuple[ObjectClass, ...] = (ObjectClass(),)
     """What is detected; class k of the network is the k-th, 0 is background."""
     ground: Literal["file", "estimated"] = "file"
-    """The ground plane: the frame's plane file where it has one, as in AVOD, or always estimated from the scan, so that
-    training meets the errors that frames without a file have."""
+    """The ground plane: the frame's plane where it has one, as in AVOD, or estimated from the scan wherever
+    that shows ground, so that training meets the errors that frames without a plane have."""
     bev: BevConfig = field(default_factory=BevConfig)
     """The maps of the bird's-eye view."""
     image: ImageConfig = field(default_factory=ImageConfig)

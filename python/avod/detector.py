@@ -80,7 +80,8 @@ class Detector:
             points_velo: (N, 4) float32 [x, y, z, intensity], metres, velo frame. Without points nothing is found.
             image: (H, W, 3) uint8 RGB, of any size that fits the calibration.
             calib: the calibration.
-            plane: (4,) ground plane in the cam frame; None estimates it from the points.
+            plane: (4,) ground plane in the cam frame; it is estimated from the points if None, or if the
+                configuration's `ground` is "estimated" and they show ground.
 
         Returns:
             Labels with scores, best first.
@@ -88,7 +89,7 @@ class Detector:
         Raises:
             ShapeError: an array of another shape or dtype.
             NonFiniteError: NaN or infinity among the points.
-            CadetError: a plane that is no ground, or none and no ground to be found.
+            CadetError: a plane that is no ground, or no ground to be found where it is estimated.
         """
         sample = build_sample(points_velo, image, calib, plane, self.config)
         return self.detect_sample(sample, calib)

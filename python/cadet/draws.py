@@ -6,6 +6,7 @@ platform's logarithm. So numbers are made here from the raw bits, with additions
 
 from __future__ import annotations
 
+import math
 import zlib
 from collections.abc import Sequence
 from typing import TypeVar
@@ -43,7 +44,7 @@ class Draws:
 
     def bell(self) -> float:
         """Return a number of mean 0 and standard deviation 1 from a bell that ends at 2.45: the sum of two draws."""
-        return (self.unit() + self.unit() - 1.0) * 6.0**0.5
+        return (self.unit() + self.unit() - 1.0) * math.sqrt(6.0)
 
     def weighted(self, items: Sequence[tuple[T, float]]) -> T:
         """Return one of the items, each with its weight; weights need not add up to 1."""

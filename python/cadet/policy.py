@@ -165,7 +165,7 @@ class ResetPolicy:
 
     @classmethod
     def paper(cls) -> ResetPolicy:
-        """The 2019 paper's resets and rig: cars and pedestrians alone, exact boxes, every weather preset equally likely.
+        """The 2019 paper's resets and rig: cars and pedestrians alone, exact boxes, every weather equally likely.
 
         As in the paper's 10,000 frames, 1.4 cars and 0.49 pedestrians are labelled in a frame.
         """
@@ -175,7 +175,7 @@ class ResetPolicy:
             weathers=tuple((name, 1.0) for name in weather_names()),
             # In CARLA's towns of that time every car drove.
             districts=(
-                (District(name="town", parking_occupancy=(0.0, 0.0), num_cars=(4, 19), num_pedestrians=(2, 15)), 1.0),
+                (District(name="town", parking_occupancy=(0.0, 0.0), num_cars=(4, 19), num_pedestrians=(0, 7)), 1.0),
             ),
             rigs=((Rig.paper(), 1.0),),
             vehicle_classes=("Car",),

@@ -44,7 +44,7 @@ def test_class_groups() -> None:
     ("text", "message"),
     [
         ("[rpn]\nhiden = 3", "{file}: rpn.hiden: unknown key; known: crop_size, hidden, "),
-        ("epochs = 3", "{file}: epochs: unknown key; known: classes, bev, "),
+        ("epochs = 3", "{file}: epochs: unknown key; known: classes, ground, bev, "),
         ("[[classes]]\nname = 'Car'\nsizes = []", "{file}: classes[0].sizes: unknown key; known: name, "),
         ("[rpn]\nhidden = 2.5", "{file}: rpn.hidden: expected a whole number, got 2.5"),
         ("[rpn]\nhidden = true", "{file}: rpn.hidden: expected a whole number, got True"),
@@ -64,6 +64,7 @@ def test_class_groups() -> None:
             "[[classes]]\nname = 'Cat'",
             "{file}: classes[0]: ObjectClass.name: expected a type of KITTI's labels, got 'C",
         ),
+        ("ground = 'flat'", "{file}: ground: expected one of 'file', 'estimated', got 'flat'"),
         ("rpn = ", "{file}: no TOML: "),
         ("base = 'nothing'", "unknown configuration 'nothing': expected a .toml file or one of all_default, "),
     ],

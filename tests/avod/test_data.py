@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -188,9 +189,32 @@ def test_a_missing_plane_is_estimated() -> None:
     sample = build_sample(flat_ground_points(), frame.image, frame.calib, None, CONFIG)
     expected = estimate_plane(flat_ground_points(), frame.calib)
     np.testing.assert_allclose(sample.plane.numpy(), expected, atol=1e-6)
-    with pytest.raises(CadetError, match=r"^no ground plane is given, and none is found: points_velo: "):
+    with pytest.raises(CadetError, match=r"^no ground plane is given, and none is found: ground plane: "):
         build_sample(flat_ground_points(9), frame.image, frame.calib, None, CONFIG)
     assert not len(build_sample(flat_ground_points(0), frame.image, frame.calib, None, CONFIG).anchors)
+
+
+def test_estimated_ground_ignores_the_plane_that_a_frame_has() -> None:
+    points_velo = flat_ground_points()
+    points_velo[:300, 2] += 0.7  # of objects
+    frame = make_frame(plane=PLANE, points_velo=points_velo)
+    estimated = replace(CONFIG, ground="estimated")
+    expected = estimate_plane(frame.points_velo, frame.calib)
+    assert abs(expected[3] - PLANE[3]) > 0.03
+    np.testing.assert_allclose(sample_from_frame(frame, "000000", CONFIG).plane.numpy(), PLANE, atol=1e-6)
+    sample = sample_from_frame(frame, "000000", estimated)
+    np.testing.assert_allclose(sample.plane.numpy(), expected, atol=1e-6)
+    height = sample.anchors @ torch.cat([sample.plane[:3], torch.zeros(3)]) + sample.plane[3]
+    assert len(sample.anchors) and height.abs().max() < 1e-4, "anchors stand on the estimated ground"
+    mirrored = sample_from_frame(frame, "000000", estimated, Augmentation(is_mirrored=True))
+    np.testing.assert_allclose(mirrored.plane.numpy(), mirror.mirror_plane(expected), atol=1e-6)
+    # In memory as from a folder: the plane that is handed over is checked and then left aside.
+    arguments = (frame.points_velo, frame.image, frame.calib)
+    np.testing.assert_allclose(build_sample(*arguments, PLANE, estimated).plane.numpy(), expected, atol=1e-6)
+    with pytest.raises(CadetError, match="expected a ground plane"):
+        build_sample(*arguments, np.array([0.0, 0.0, 1.0, 5.0]), estimated)
+    sample = build_sample(flat_ground_points(9), frame.image, frame.calib, PLANE, estimated)
+    np.testing.assert_allclose(sample.plane.numpy(), PLANE, atol=1e-6, err_msg="nine points show no ground")
 
 
 def test_each_epoch_holds_every_frame_in_every_change_once() -> None:

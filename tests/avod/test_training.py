@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import importlib.util
+import json
 import math
 import shutil
 from pathlib import Path
@@ -300,6 +301,16 @@ def test_a_checkpoint_is_read_by_its_keys(dataset: Path, tmp_path: Path) -> None
     (last / "checkpoint.json").write_text(text.replace('"hidden"', '"hiden"', 1))
     with pytest.raises(CadetError, match=r"checkpoint\.json: config: rpn\.hiden: unknown key"):
         read_checkpoint(last)
+
+
+def test_a_checkpoint_from_before_ground_could_be_estimated_takes_planes_from_files(
+    dataset: Path, tmp_path: Path
+) -> None:
+    last = run(dataset, tmp_path, 1)
+    settings = json.loads((last / "checkpoint.json").read_text())
+    assert settings["config"].pop("ground") == "file"
+    (last / "checkpoint.json").write_text(json.dumps(settings))
+    assert read_checkpoint(last).config.ground == Detector.load(last).config.ground == "file"
 
 
 def test_a_broken_frame_stops_training_by_name(dataset: Path, tmp_path: Path) -> None:

@@ -63,7 +63,7 @@ def car_margins(boxes: Literal["kitti", "exact"]) -> NDArray[np.float64]:
         scene.add("car", x=11.0, y=3.5, yaw=0.0 if seed % 2 else np.pi, model_seed=seed)
         frame = scene.capture()
         (label,) = frame.labels
-        assert frame.meta["boxes"] == boxes
+        assert frame.meta is not None and frame.meta["boxes"] == boxes
         cam_from_velo = frame.calib.cam_from_velo
         points = frame.points_velo[:, :3].astype(float) @ cam_from_velo[:3, :3].T + cam_from_velo[:3, 3]
         height, width, length = label.dimensions_hwl

@@ -45,7 +45,8 @@ def test_far_ground_is_held_though_the_near_ground_bends() -> None:
     y = 1.65 + 0.02 * np.minimum(z, 15.0) + generator.normal(0, 0.01, len(z))
     got = estimate_plane(CALIB.cam_to_velo(np.column_stack([x, y, z])), CALIB)
     assert abs(height_at(got, 40.0) - 1.95) < 0.15
-    assert abs(height_at(got, 8.0) - 1.81) < 0.1
+    # One plane can't hold both parts: it lies on the longer one.
+    assert abs(height_at(got, 15.0) - 1.95) < 0.05
 
 
 @pytest.mark.parametrize("tilt", [(0.0, 0.0), (0.03, -0.02), (-0.05, 0.06)])

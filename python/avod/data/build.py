@@ -62,7 +62,8 @@ def build_sample(
         points_velo: (N, 4) float32. May be empty.
         image: (H, W, 3) uint8 RGB.
         calib: the calibration.
-        plane: (4,) float64 ground plane in the cam frame, of any length and sign; None estimates it from the points.
+        plane: (4,) float64 ground plane in the cam frame, of any length and sign; it is estimated from the
+            points if None, or if the configuration says so and the points show ground.
         config: the detector.
         labels: those of the config's classes become the sample's objects.
         augmentation: changes of training.
@@ -77,7 +78,7 @@ def build_sample(
     height, width = image.shape[:2]
     if min(height, width) < 2:
         raise CadetError(f"image: expected at least 2 x 2 pixels, got {width} x {height}")
-    plane = _ground(points_velo, calib) if plane is None else normal_plane(plane)
+    plane = _ground(points_velo, calib, None if plane is None else normal_plane(plane), config)
     points_cam = calib.velo_to_cam(points_velo)
     points_cam = points_cam[points_in_image(points_cam, calib, (width, height))]
     projection, boxes_cam, classes = calib.P2, *_objects(labels, config)
@@ -118,12 +119,18 @@ def normal_plane(plane: NDArray[Any]) -> NDArray[np.float64]:
     return unit
 
 
-def _ground(points_velo: NDArray[np.float32], calib: Calibration) -> NDArray[np.float64]:
+def _ground(
+    points_velo: NDArray[np.float32], calib: Calibration, given: NDArray[np.float64] | None, config: Config
+) -> NDArray[np.float64]:
+    if given is not None and config.ground == "file":
+        return given
     if not len(points_velo):
         return _FLAT_GROUND  # Without points there are no anchors, whatever they would stand on.
     try:
         return estimate_plane(points_velo, calib)
     except CadetError as error:
+        if given is not None:
+            return given
         raise CadetError(f"no ground plane is given, and none is found: {error}") from None
 
 

@@ -17,7 +17,7 @@ from cadet.frame import Frame
 
 
 def sample_from_frame(frame: Frame, frame_id: str, config: Config, augmentation: Augmentation = UNCHANGED) -> Sample:
-    """Make a sample of a frame; the ground is estimated from the scan where it has no plane, or `config` says so.
+    """Make a sample of a frame; the ground is estimated from the scan where it has no plane, or where `config` says so.
 
     Raises:
         CadetError: what `build_sample` raises, the frame named.
@@ -27,7 +27,7 @@ def sample_from_frame(frame: Frame, frame_id: str, config: Config, augmentation:
             frame.points_velo,
             frame.image,
             frame.calib,
-            frame.plane if config.ground == "file" else None,
+            frame.plane,
             config,
             labels=frame.labels,
             augmentation=augmentation,
