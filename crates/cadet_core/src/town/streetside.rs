@@ -58,10 +58,7 @@ pub(super) fn furnish(frontage: &Frontage, style: &StreetStyle, s: &mut Stream, 
             let out = right_of(frontage.along(at));
             let place = frontage.at(at) - out * 0.25;
             let model = furniture(kind, s.below(3));
-            // Its front, too: at the ends of deep bays the kerb runs across.
-            let places =
-                [-0.7, 0.0, 0.7].into_iter().flat_map(|a| [0.0, 0.3].map(|d| frontage.along(at) * a - out * d));
-            let on_road = places.into_iter().any(|aside| placer.site.is_road(place + aside));
+            let on_road = [-1.0, 0.0, 1.0].iter().any(|k| placer.site.is_road(place + frontage.along(at) * (0.7 * k)));
             if frontage.pavement_at(at) > 1.4 && !on_road {
                 placer.put(&model, Arc::clone(&model.palette), place, -out);
             }
