@@ -24,7 +24,7 @@ PYTHON_ROOMS: dict[str, set[str]] = {
     "config": {"errors"},
     "boxes": {"arrays", "errors", "kitti"},
     "frame": {"arrays", "errors", "kitti"},
-    "kitti": {"arrays", "boxes", "draws", "errors", "frame", "_cadet"},
+    "kitti": {"arrays", "boxes", "errors", "frame", "_cadet"},
     "view": {"arrays", "bev", "boxes", "errors", "frame", "kitti"},
     "evaluation": {"arrays", "errors", "kitti", "view", "_cadet"},
     "draws": set(),
