@@ -167,7 +167,8 @@ def test_odd_frames_are_predicted_and_evaluated(trained: Path, tmp_path: Path, k
     found = labels_from_text((tmp_path / "found" / "000000.txt").read_text())
     assert not found or not kind.startswith("no points")
     result = call("eval", "--checkpoint", trained, "--data", tmp_path, "--split", "all")
-    assert len(table_of(result)) == 4
+    rows = {tuple(line.split()[:2]) for line in table_of(result)}
+    assert rows >= {(name, recalls) for name in ("Car", "Pedestrian") for recalls in ("R11", "R40")}
 
 
 @pytest.mark.parametrize(

@@ -96,7 +96,8 @@ def test_what_is_all_but_outside_the_image_becomes_dontcare() -> None:
         scenes.append(scene)
     outcomes = set()
     for yaw in np.arange(0.0, -0.45, -0.03):
-        whole, cut = [], []
+        whole: list[cadet.Label] = []
+        cut: list[cadet.Label] = []
         for scene, into in zip(scenes, (whole, cut), strict=True):
             scene.move_ego(x=0.0, y=0.0, yaw=float(yaw))
             into.extend(scene.capture().labels)
