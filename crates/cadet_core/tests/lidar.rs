@@ -126,7 +126,8 @@ fn points_keep_kittis_promises() {
     let n = noise.len() as f64;
     let mean = noise.iter().sum::<f64>() / n;
     let sd = (noise.iter().map(|d| (d - mean) * (d - mean)).sum::<f64>() / n).sqrt();
-    assert!(mean.abs() < 5e-4 && (0.010..0.018).contains(&sd), "{mean} {sd}");
+    // 7.8 mm, and up to half as much again where the echo is weak.
+    assert!(mean.abs() < 5e-4 && (0.0075..0.012).contains(&sd), "{mean} {sd}");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use crate::rng::Stream;
 /// (shortest and longest wave, root mean square height) of the octaves: with them the road 4 to 20 m ahead is off its plane
 /// by as much as KITTI's. Shorter waves than the ground's triangles can follow are left out, and the triangles, 4 m wide,
 /// leave half of the shortest here.
-const OCTAVES: [((f64, f64), f64); 3] = [((8.0, 11.0), 0.0075), ((11.0, 17.0), 0.0085), ((18.0, 30.0), 0.0065)];
+const OCTAVES: [((f64, f64), f64); 3] = [((8.0, 11.0), 0.0105), ((11.0, 17.0), 0.0115), ((18.0, 30.0), 0.0080)];
 const WAVES_PER_OCTAVE: usize = 3;
 /// Streets differ: the height is scaled by a factor that goes from place to place over this wave length, between these.
 const PATCH_M: (f64, f64) = (140.0, 220.0);

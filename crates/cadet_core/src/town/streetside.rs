@@ -58,7 +58,9 @@ pub(super) fn furnish(frontage: &Frontage, style: &StreetStyle, s: &mut Stream, 
             let out = right_of(frontage.along(at));
             let place = frontage.at(at) - out * 0.25;
             let model = furniture(kind, s.below(3));
-            let on_road = [-1.0, 0.0, 1.0].iter().any(|k| placer.site.is_road(place + frontage.along(at) * (0.7 * k)));
+            let corners = [-1.0, 0.0, 1.0].iter().flat_map(|k| [-0.45, 0.0, 0.45].map(|d| (0.7 * k, d)));
+            let on_road =
+                corners.into_iter().any(|(a, d)| placer.site.is_road(place + frontage.along(at) * a + out * d));
             if frontage.pavement_at(at) > 1.4 && !on_road {
                 placer.put(&model, Arc::clone(&model.palette), place, -out);
             }

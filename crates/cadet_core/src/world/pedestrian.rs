@@ -146,7 +146,7 @@ impl Walker {
     pub fn in_the_way(&self, roads: &Roads) -> Option<Obstacle> {
         let on_road = match self.motion {
             Motion::Crosses { .. } => true,
-            Motion::Stands => roads.nearest(self.position, None, 2.6).is_some(),
+            Motion::Stands => roads.nearest(self.position, None, 2.6).is_some() && !roads.is_pavement(self.at()),
             Motion::Walks { .. } | Motion::Waits { .. } => false,
         };
         let lead_m = if matches!(self.motion, Motion::Crosses { .. }) { 1.5 * CROSSING_MPS } else { 0.0 };

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::math::{self, DVec2, DVec3};
 use crate::rng::Stream;
-use crate::town::{Lane, LaneId, LaneKind, RoadNetwork, Town};
+use crate::town::{GroundKind, Lane, LaneId, LaneKind, RoadNetwork, Town};
 
 /// Lateral acceleration that drivers accept in bends.
 const LATERAL_MPS2: f64 = 2.0;
@@ -31,6 +31,11 @@ pub(super) struct Roads {
 }
 
 impl Roads {
+    /// Whether a place lies on a pavement.
+    pub fn is_pavement(&self, place: DVec2) -> bool {
+        self.town.ground.kind_at(place.x, place.y) == Some(GroundKind::Pavement)
+    }
+
     pub fn new(town: Arc<Town>) -> Self {
         let lanes = &town.network.lanes;
         let allowed_mps = lanes.iter().map(allowed_speeds).collect();
