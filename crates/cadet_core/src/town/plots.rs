@@ -80,6 +80,9 @@ const FRONT_GAP_M: f64 = 0.12;
 /// by no more than the second.
 const BACK_M: (f64, f64) = (0.1, 1.2);
 const GARAGE_BAY_M: f64 = 3.0;
+/// A house with its garage is laid out along the frontage: where it bends, and most at the ends of deep bays, the plot's
+/// straight front is shorter, by no more than this.
+const MOST_BENT_M: f64 = 0.6;
 
 /// A plot over [s, s + length] of a frontage, its front moved back until the pavement is clear of it.
 fn plot_at(frontage: &Frontage, site: &Site, s: f64, length_m: f64, depth_m: f64) -> Option<Plot> {
@@ -155,6 +158,9 @@ pub(super) fn lay_out(
                 let least = house.setback_m + house.model.footprint_size().x + 1.5;
                 next = [depth_m, (depth_m + least) / 2.0, least].into_iter().find_map(|depth_m| {
                     let mut plot = plot_at(frontage, site, from, length_m, depth_m)?;
+                    if plot.length_m < length_m - MOST_BENT_M {
+                        return None;
+                    }
                     plot.house = Some(house.clone());
                     fits(&plot, site, taken).then_some(plot)
                 });

@@ -53,7 +53,6 @@ fn a_coarse_shadow_lies_where_the_fine_one_does() {
                 let lit = lit_both_ways(instance, &ground_about(x as f32, half_m));
                 let shaded = lit.iter().filter(|[fine, _]| *fine < 0.5).count();
                 let moved = lit.iter().filter(|[fine, coarse]| (*fine < 0.5) != (*coarse < 0.5)).count();
-                // The smallest person is a child.
                 assert!(shaded > 60, "seed {seed} at {x} m: {shaded} points in the shadow");
                 assert!(moved * 20 < shaded, "seed {seed} at {x} m: {moved} of {shaded} points moved");
             }
