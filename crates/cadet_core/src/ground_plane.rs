@@ -84,7 +84,7 @@ fn ground_cells(points_cam: impl Iterator<Item = [f64; 3]>) -> Result<Vec<Ground
     let mut by_cell: Vec<Vec<[f64; 3]>> = vec![Vec::new(); NUM_COLUMNS * NUM_ROWS];
     let mut num_points = 0;
     for [x, y, z] in points_cam {
-        let is_ahead = z >= AHEAD_M.0 && z < AHEAD_M.1 && x >= -ASIDE_M && x < ASIDE_M;
+        let is_ahead = (AHEAD_M.0..AHEAD_M.1).contains(&z) && (-ASIDE_M..ASIDE_M).contains(&x);
         if is_ahead && y > BELOW_M.0 && y < BELOW_M.1 {
             let (row, column) = ((z / CELL_M) as usize, ((x + ASIDE_M) / CELL_M) as usize);
             by_cell[row * NUM_COLUMNS + column].push([x, y, z]);

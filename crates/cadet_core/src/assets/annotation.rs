@@ -154,7 +154,8 @@ mod tests {
         let (ma, mb) = (mean(a), mean(b));
         let sum = |f: &dyn Fn(usize) -> f64| (0..a.len()).map(f).sum::<f64>();
         let cov = sum(&|i| (a[i] - ma) * (b[i] - mb));
-        cov / (sum(&|i| (a[i] - ma).powi(2)) * sum(&|i| (b[i] - mb).powi(2))).sqrt()
+        let square = |v: f64| v * v;
+        cov / (sum(&|i| square(a[i] - ma)) * sum(&|i| square(b[i] - mb))).sqrt()
     }
 
     /// Quantiles (5, 16, 50, 84, 95 %) of length, width and height and their correlations (l-w, l-h, w-h), over every

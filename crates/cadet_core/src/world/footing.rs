@@ -146,7 +146,9 @@ mod tests {
     #[test]
     fn shut_in_on_all_sides_one_stays() {
         let ring: Vec<DVec2> = (0..12)
-            .map(|k| DVec2::new(math::cos(f64::from(k) * 0.5236), math::sin(f64::from(k) * 0.5236)) * 0.48)
+            .map(|k| {
+                DVec2::new(math::cos(f64::from(k) * math::PI / 6.0), math::sin(f64::from(k) * math::PI / 6.0)) * 0.48
+            })
             .collect();
         assert!(walk(DVec2::ZERO, DVec2::new(0.03, 0.0), &ring, true)[399].length() < 0.03);
     }

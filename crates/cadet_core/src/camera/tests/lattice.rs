@@ -85,7 +85,6 @@ fn gradients_at_the_borders_of_blocks_are_those_of_elsewhere_in_every_weather() 
             phases.add(&luma(scene, view, &Weather::preset(name).unwrap()));
         }
         let [across, down] = phases.excess();
-        eprintln!("{name}: {across:.4?} across, {down:.4?} down");
         // KITTI's 45 frames: 0.004 at most.
         // Edges of few things favor some places of a block and those beside them; borders of blocks favor theirs alone.
         let [at_borders, beside] = [0, 1].map(|k| [&across, &down].map(|e| (e[k] + e[(e.len() - k) % e.len()]) / 2.0));
