@@ -303,9 +303,9 @@ _KITTI_WEATHERS = (
 # Kinds of street by how often KITTI's object frames show them; streets vary around the town's occupancy. Three frames
 # in four of KITTI show nobody on foot, a few show nine: so most districts have few people, and some have many.
 _KITTI_DISTRICTS = (
-    (District(name="parked_rows", parking_occupancy=(0.35, 0.85), num_cars=(11, 18), num_pedestrians=(10, 17)), 0.38),
-    (District(name="quiet", parking_occupancy=(0.2, 0.4), num_cars=(9, 15), num_pedestrians=(4, 9)), 0.20),
-    (District(name="main_road", parking_occupancy=(0.2, 0.55), num_cars=(26, 40), num_pedestrians=(10, 17)), 0.32),
-    (District(name="school_way", parking_occupancy=(0.3, 0.6), num_cars=(8, 16), num_pedestrians=(20, 34)), 0.05),
-    (District(name="inner_city", parking_occupancy=(0.4, 0.7), num_cars=(12, 24), num_pedestrians=(40, 80)), 0.05),
+    (District(name="parked_rows", parking_occupancy=(0.35, 0.85), num_cars=(11, 18), num_pedestrians=(8, 14)), 0.38),
+    (District(name="quiet", parking_occupancy=(0.2, 0.4), num_cars=(9, 15), num_pedestrians=(3, 8)), 0.20),
+    (District(name="main_road", parking_occupancy=(0.2, 0.55), num_cars=(26, 40), num_pedestrians=(8, 14)), 0.30),
+    (District(name="school_way", parking_occupancy=(0.3, 0.6), num_cars=(8, 16), num_pedestrians=(24, 40)), 0.05),
+    (District(name="inner_city", parking_occupancy=(0.4, 0.7), num_cars=(12, 24), num_pedestrians=(60, 120)), 0.07),
 )

@@ -39,6 +39,8 @@ const ITERATIONS: usize = 8;
 /// that err together.
 const PRIOR_SLOPES: [(f64, f64); 2] = [(-0.01, 0.02), (0.0, 0.012)];
 const CELL_VARIANCE_M2: f64 = 0.01;
+/// Hypotheses are judged by the prior with standard deviations so many times as large.
+const SEARCH_WIDENS: [f64; 2] = [2.0, 2.5];
 
 /// A plane as y = s.x + s.y * x + s.z * z in the frame of camera 0 (y points down).
 type Slopes = Vector3<f64>;
@@ -122,10 +124,12 @@ fn best_hypothesis(cells: &[GroundCell], seed: u64) -> Option<Slopes> {
             .filter(|g| (g.y_m - g.regressors.dot(&slopes)).abs() < SUPPORT_M * widening(g))
             .map(|g| g.weight)
             .sum();
-        // Slopes of KITTI's planes spread over 1.2 and 2 percent: thrice that is unlikely.
-        let far = (slopes.y + 0.01) / 0.04;
-        let steep = slopes.z / 0.03;
-        let score = support * math::exp(-0.5 * (far * far + steep * steep));
+        let squared = |axis: usize, slope: f64| {
+            let (mean, deviation) = PRIOR_SLOPES[axis];
+            let off = (slope - mean) / (SEARCH_WIDENS[axis] * deviation);
+            off * off
+        };
+        let score = support * math::exp(-0.5 * (squared(0, slopes.y) + squared(1, slopes.z)));
         if best.is_none_or(|(most, _)| score > most) {
             best = Some((score, slopes));
         }

@@ -268,7 +268,7 @@ impl Scene {
             return Ok(None);
         }
         let (view, seen, labels) = self.look()?;
-        if labels.iter().all(|l| l.label.class == ObjectClass::DontCare) {
+        if !labels.iter().any(Labeled::is_object) {
             return Ok(None);
         }
         let (world_from_ego, width) = (self.snapshot().ego.world_from_ego, self.rig.camera.width);
@@ -278,7 +278,7 @@ impl Scene {
         }
         let frame = self.finish(sample, with_maps, &view, &seen, labels)?;
         // The scan may have taken the last label away.
-        if frame.labels.iter().all(|l| l.label.class == ObjectClass::DontCare) {
+        if !frame.labels.iter().any(Labeled::is_object) {
             return Ok(None);
         }
         self.taken = Some(TakenView::new(world_from_ego, &frame.labels));

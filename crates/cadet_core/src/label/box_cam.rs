@@ -61,6 +61,15 @@ impl Boxes {
         }
     }
 
+    /// The box of an actor.
+    #[must_use]
+    pub fn of(self, actor: &ActorState) -> AnnotatedBox {
+        match self {
+            Self::Kitti => actor.annotated,
+            Self::Exact => AnnotatedBox::exact(actor.size_lwh),
+        }
+    }
+
     /// The boxes of that name.
     ///
     /// # Errors
@@ -86,14 +95,11 @@ pub struct BoxCam {
 }
 
 impl BoxCam {
-    /// The box of an actor, the annotated one or that of its extents: the centre and the heading of its pose; pitch and roll relative to the camera are lost,
-    /// as KITTI's format has no room for them, so the box shares the geometric centre with the actor's.
+    /// One of an actor's boxes in the camera frame: its centre and heading. Pitch and roll relative to the camera are
+    /// lost, as KITTI's format has no room for them.
     #[must_use]
     pub fn of(actor: &ActorState, boxes: Boxes, cam_from_world: &DPose3) -> Self {
-        let own = match boxes {
-            Boxes::Kitti => actor.annotated,
-            Boxes::Exact => AnnotatedBox::exact(actor.size_lwh),
-        };
+        let own = boxes.of(actor);
         let center = cam_from_world.rotation * actor.world_of(&own) + cam_from_world.translation;
         let forward = cam_from_world.rotation * (actor.world_from_box.rotation * DVec3::X);
         Self {

@@ -107,10 +107,7 @@ impl LabelConfig {
 
     /// Whether an object may get a label by what its box and its projection tell.
     pub(super) fn admits(&self, placed: &Placed, actor: &ActorState) -> bool {
-        let reach_m = match self.boxes {
-            Boxes::Kitti => self.max_depth_m.min(actor.annotated.farthest_m),
-            Boxes::Exact => self.max_depth_m,
-        };
+        let reach_m = self.max_depth_m.min(self.boxes.of(actor).farthest_m);
         let depth_m = placed.box_cam.location_cam.z;
         (self.min_depth_m..=reach_m).contains(&depth_m)
             && placed.bbox.v2 - placed.bbox.v1 >= self.min_height_px
@@ -122,8 +119,8 @@ impl LabelConfig {
     /// 50 m 18 %, beyond 13 %.
     pub(super) fn least_visible_fraction(&self, depth_m: f64) -> f64 {
         const FROM_M: f64 = 25.0;
-        const MORE_PER_M: f64 = 0.016;
-        const MOST: f64 = 0.43;
+        const MORE_PER_M: f64 = 0.014;
+        const MOST: f64 = 0.38;
         match self.boxes {
             Boxes::Kitti => {
                 let farther = MORE_PER_M * (depth_m - FROM_M).max(0.0);

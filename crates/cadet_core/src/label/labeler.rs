@@ -65,6 +65,14 @@ pub struct Labeled {
     pub meta: ObjectMeta,
 }
 
+impl Labeled {
+    /// Whether this is an object's label, not a `DontCare` region.
+    #[must_use]
+    pub fn is_object(&self) -> bool {
+        self.label.class != ObjectClass::DontCare
+    }
+}
+
 /// An actor's box and what the image holds of its projection.
 pub(super) struct Placed {
     pub box_cam: BoxCam,
@@ -97,9 +105,9 @@ pub fn may_label(config: &LabelConfig, actors: &[ActorState], camera: &CameraMod
 /// group by rising id. `point_actor_ids` names the actor of each return.
 pub fn add_points(config: &LabelConfig, labels: &mut [Labeled], point_actor_ids: &[i32]) {
     for labeled in labels.iter_mut() {
-        let meta = &mut labeled.meta;
-        meta.num_points = point_actor_ids.iter().filter(|id| **id == meta.actor_id).count();
-        if labeled.label.box_cam.is_some() && !config.is_supported(meta) {
+        let id = labeled.meta.actor_id;
+        labeled.meta.num_points = point_actor_ids.iter().filter(|of| **of == id).count();
+        if labeled.is_object() && !config.is_supported(&labeled.meta) {
             labeled.label = Label::dont_care(labeled.label.bbox);
         }
     }
@@ -107,7 +115,7 @@ pub fn add_points(config: &LabelConfig, labels: &mut [Labeled], point_actor_ids:
 }
 
 fn put_objects_first(labels: &mut [Labeled]) {
-    labels.sort_by_key(|l| (l.label.class == ObjectClass::DontCare, l.meta.actor_id));
+    labels.sort_by_key(|l| (!l.is_object(), l.meta.actor_id));
 }
 
 impl Label {

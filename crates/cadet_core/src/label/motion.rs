@@ -2,7 +2,6 @@
 
 use super::box_cam::Rect;
 use super::labeler::Labeled;
-use crate::actor::ObjectClass;
 use crate::math::DPose3;
 
 /// A view that was taken: where the ego was, and the rectangles of what was labelled.
@@ -21,7 +20,7 @@ impl TakenView {
     /// Remembers a view.
     #[must_use]
     pub fn new(world_from_ego: DPose3, labels: &[Labeled]) -> Self {
-        let objects = labels.iter().filter(|l| is_object(l)).map(|l| (l.meta.actor_id, l.label.bbox)).collect();
+        let objects = labels.iter().filter(|l| l.is_object()).map(|l| (l.meta.actor_id, l.label.bbox)).collect();
         Self { world_from_ego, objects }
     }
 
@@ -35,7 +34,7 @@ impl TakenView {
     #[must_use]
     pub fn object_has_moved(&self, labels: &[Labeled], image_width: usize) -> bool {
         let least_px = Self::OBJECT_MOVED * image_width as f64;
-        labels.iter().filter(|l| is_object(l)).any(|l| {
+        labels.iter().filter(|l| l.is_object()).any(|l| {
             let before = self.objects.iter().find(|o| o.0 == l.meta.actor_id);
             before.is_none_or(|(_, before)| {
                 let (a, b) = (before, &l.label.bbox);
@@ -46,15 +45,12 @@ impl TakenView {
     }
 }
 
-fn is_object(labeled: &Labeled) -> bool {
-    labeled.label.class != ObjectClass::DontCare
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::box_cam::BoxCam;
     use super::super::labeler::{Label, ObjectMeta};
     use super::*;
+    use crate::actor::ObjectClass;
     use crate::math::{DQuat, DVec3};
 
     const WIDTH: usize = 1242;

@@ -10,7 +10,7 @@ use crate::material::Pattern;
 use crate::math;
 
 /// Speed of light.
-const LIGHT_M_PER_S: f64 = 299_792_458.0;
+pub(super) const LIGHT_M_PER_S: f64 = 299_792_458.0;
 
 /// A laser's beam and the receiver behind it: the same for surfaces, drops, flakes and fog, and for recorded scans.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -7,8 +7,10 @@ use crate::rng::Stream;
 /// Comfortable deceleration.
 pub(super) const COMFORTABLE_MPS2: f64 = 2.0;
 const ACCELERATION_MPS2: f64 = 1.2;
-/// Bumper to bumper at a standstill.
-const STANDSTILL_GAP_M: f64 = 2.0;
+/// Bumper to bumper at a standstill, and the mean time gap: of traffic, and of who drives the sensors. Of KITTI's cars
+/// none is ahead in the own lane within 7 m of the camera, and one in a hundred within 20 m.
+const TRAFFIC_KEEPS: (f64, f64) = (2.0, 1.2);
+const EGO_KEEPS: (f64, f64) = (4.5, 2.2);
 const HARDEST_BRAKING_MPS2: f64 = -7.0;
 
 /// A driver's habits (specification of traffic, section 4.3: Gaussian desired speed and time gap).
@@ -18,11 +20,26 @@ pub(super) struct Habits {
     pub eagerness: f64,
     /// Time gap to the car ahead.
     pub headway_s: f64,
+    /// Bumper to bumper at a standstill.
+    pub standstill_gap_m: f64,
 }
 
 impl Habits {
     pub fn draw(stream: &mut Stream) -> Self {
-        Self { eagerness: stream.clipped_normal(1.0, 0.09), headway_s: stream.clipped_normal(1.2, 0.25) }
+        Self::keeping(TRAFFIC_KEEPS, stream)
+    }
+
+    /// Of the ego's driver, who keeps away from the car ahead.
+    pub fn draw_of_ego(stream: &mut Stream) -> Self {
+        Self::keeping(EGO_KEEPS, stream)
+    }
+
+    fn keeping((standstill_gap_m, headway_s): (f64, f64), stream: &mut Stream) -> Self {
+        Self {
+            eagerness: stream.clipped_normal(1.0, 0.09),
+            headway_s: stream.clipped_normal(headway_s, 0.25),
+            standstill_gap_m,
+        }
     }
 
     /// Acceleration on a free road.
@@ -35,7 +52,7 @@ impl Habits {
     pub fn interaction(&self, speed_mps: f64, gap_m: f64, leader_mps: f64) -> f64 {
         let v = speed_mps.max(0.0);
         let closing = v * (v - leader_mps) / (2.0 * (ACCELERATION_MPS2 * COMFORTABLE_MPS2).sqrt());
-        let wanted = STANDSTILL_GAP_M + (v * self.headway_s + closing).max(0.0);
+        let wanted = self.standstill_gap_m + (v * self.headway_s + closing).max(0.0);
         let ratio = wanted / gap_m.max(0.2);
         -ACCELERATION_MPS2 * ratio * ratio
     }

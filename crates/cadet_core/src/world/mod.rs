@@ -18,6 +18,7 @@ mod route;
 mod settle;
 mod snapshot;
 mod spawn;
+mod spawn_people;
 #[cfg(test)]
 mod testing;
 #[cfg(test)]

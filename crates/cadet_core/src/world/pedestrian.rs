@@ -19,8 +19,8 @@ const MARGIN_S: f64 = 2.0;
 const CROSSING_MPS: f64 = 1.5;
 /// How fast people side-step, m/s.
 const SIDESTEP_MPS: f64 = 0.5;
-/// How far apart companions walk.
-const COMPANION_M: f64 = 0.7;
+/// Whoever is within this of the place beside or behind the one who leads turns round with them.
+const TOGETHER_M: f64 = 3.0;
 /// Share of those who have crossed a road that mean to cross another.
 const CROSSES_AGAIN: f64 = 0.7;
 /// Half a person's width, and the room they leave to things.
@@ -49,6 +49,16 @@ pub(super) enum Motion {
     Crosses { to: DVec2, walkway: usize, s_m: f64 },
 }
 
+/// A place in a group, relative to the one who leads.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Company {
+    /// Index of who leads.
+    pub leader: usize,
+    /// To the left of the leader's place across the walkway's line.
+    pub aside_m: f64,
+    pub behind_m: f64,
+}
+
 /// A person.
 pub(super) struct Walker {
     pub id: i32,
@@ -69,8 +79,8 @@ pub(super) struct Walker {
     /// How long no step was possible.
     held_s: f64,
     nearby: Nearby,
-    /// Index of the one walked beside, who leads.
-    pub beside: Option<usize>,
+    /// The group that one belongs to without leading it.
+    pub company: Option<Company>,
     /// Whether this one means to cross the road.
     pub crosser: bool,
     /// Put there by the user: never replaced.
@@ -112,7 +122,7 @@ impl Walker {
             blocked_s: 0.0,
             held_s: 0.0,
             nearby: Nearby::default(),
-            beside: None,
+            company: None,
             crosser: false,
             is_placed: true,
             choices,
@@ -262,34 +272,30 @@ pub(super) fn look(
     let places: Vec<(DVec2, DVec2, f64)> =
         walkers.iter().map(|w| (w.at(), w.heading(), w.velocity.truncate().length())).collect();
     let spots: Vec<DVec2> = places.iter().map(|p| p.0).collect();
-    let laterals: Vec<f64> = walkers.iter().map(|w| w.lateral_m).collect();
     for i in 0..walkers.len() {
         walkers[i].nearby.look(i, &spots, standing);
-        let leader = walkers[i].beside.and_then(|b| walkers.get(b)).map(|b| (b.motion, b.pace, b.wanted_m));
+        let leader =
+            walkers[i].company.and_then(|c| walkers.get(c.leader).map(|w| (w.motion, w.pace, w.wanted_m, c)));
         let walker = &mut walkers[i];
         match walker.motion {
             Motion::Stands => {}
             Motion::Walks { walkway, s_m, direction } => {
                 if walker.held_s > HELD_S {
                     walker.held_s = 0.0;
-                    walker.beside = None;
+                    walker.company = None;
                     walker.motion = Motion::Walks { walkway, s_m, direction: -direction };
                     continue;
                 }
-                if let Some((Motion::Walks { walkway: other, s_m: theirs, direction: same }, pace, lateral)) = leader {
-                    // Companions keep level with the one they walk beside, and turn round with them.
-                    let is_near = (theirs - s_m).abs() < 3.0;
+                if let Some((Motion::Walks { walkway: other, s_m: theirs, direction: same }, pace, lateral, c)) = leader
+                {
+                    // A group keeps its places, and turns round with the one who leads.
+                    let is_near = (theirs - s_m).abs() < TOGETHER_M + c.behind_m;
                     if other == walkway && (same == direction || is_near) {
                         let direction = same;
                         walker.motion = Motion::Walks { walkway, s_m, direction };
-                        let behind_m = (theirs - s_m) * direction;
+                        let behind_m = (theirs - s_m) * direction - c.behind_m;
                         let room = pavements.room_m(walkway);
-                        let side = if walker.habit_m >= laterals[walker.beside.unwrap_or(i)] {
-                            COMPANION_M
-                        } else {
-                            -COMPANION_M
-                        };
-                        let line_m = (lateral + side).clamp(-room, room);
+                        let line_m = (lateral + c.aside_m).clamp(-room, room);
                         avoid(walker, i, walkway, s_m, direction, line_m, pavements, standing, &places);
                         walker.pace = walker.pace.min(1.0) * (pace + 0.4 * behind_m).clamp(0.0, 1.4);
                         continue;

@@ -5,15 +5,12 @@ use std::sync::Arc;
 use super::car::{Car, footprint};
 use super::chassis::Chassis;
 use super::driver::{Habits, Obstacle};
-use super::footing::BODY_M;
 use super::parked::{Parked, keeps_off_lanes};
-use super::pedestrian::{Motion, Walker};
 use super::physics::Physics;
 use super::route::{CAR_STRAIGHT, EGO_STRAIGHT, LONG_STRAIGHT, Roads, Route};
 use super::settle::settle;
 use super::{EGO, World, open_lanes};
 use crate::actor::{AnnotatedBox, ObjectClass};
-use crate::assets::person::PersonModel;
 use crate::assets::vehicle::VehicleModel;
 use crate::error::{Error, Result};
 use crate::geometry::{LodSet, MeshBuilder};
@@ -36,9 +33,6 @@ const DRIVEN_USER_MIX: [(ObjectClass, f64); 3] =
     [(ObjectClass::Car, 0.87), (ObjectClass::Van, 0.09), (ObjectClass::Truck, 0.04)];
 /// Shares of the classes among parked vehicles.
 const PARKED_MIX: [(ObjectClass, f64); 2] = [(ObjectClass::Car, 0.92), (ObjectClass::Van, 0.08)];
-/// How likely somebody who walks is to join the one before, and how many others mean to cross the road.
-const COMPANY_SHARE: f64 = 0.75;
-const CROSSERS_SHARE: f64 = 0.4;
 /// Share of the cars along a kerb that stand against the traffic, and of those at an angle that were backed in.
 const WRONG_WAY_SHARE: f64 = 0.05;
 const BACKED_IN_SHARE: f64 = 0.2;
@@ -46,9 +40,7 @@ const BACKED_IN_SHARE: f64 = 0.2;
 const EMPTY_ROWS_SHARE: f64 = 0.5;
 /// The streets that the ego will see while it drives this far are its way; in the side streets more cars are parked
 /// and more people walk than along it, as out of sight they belong to a town but not to a picture.
-const EGO_WAY_M: f64 = 260.0;
-const BESIDE_EGO_WAY_M: f64 = 14.0;
-const PEOPLE_ON_EGO_WAY: f64 = 0.7;
+pub(super) const EGO_WAY_M: f64 = 260.0;
 /// Room that a parked vehicle needs along its spot beyond its length.
 const LEAST_GAP_M: f64 = 0.3;
 /// How much a vehicle may be longer than its spot in a row, at a neighbour's cost, and wider than any spot.
@@ -169,7 +161,7 @@ pub(super) fn place_ego(
     let farthest = lanes.iter().map(|l| roads.reach_m(*l)).fold(0.0, f64::max);
     lanes.retain(|l| roads.reach_m(*l) >= farthest.min(350.0));
     let weights: Vec<f64> = lanes.iter().map(|l| roads.lane(*l).length_m()).collect();
-    let habits = Habits::draw(&mut key.stream("ego habits"));
+    let habits = Habits::draw_of_ego(&mut key.stream("ego habits"));
     for _ in 0..50 {
         if lanes.is_empty() {
             break;
@@ -233,7 +225,7 @@ impl World {
         Ok(())
     }
 
-    fn ego_place(&self) -> (DVec2, DVec2) {
+    pub(super) fn ego_place(&self) -> (DVec2, DVec2) {
         let pose = self.cars[EGO].chassis.world_from_box(&self.physics);
         (pose.translation.truncate(), (pose.rotation * DVec3::X).truncate().normalize())
     }
@@ -299,7 +291,7 @@ impl World {
     }
 
     /// The way that the ego will drive, as far as it matters.
-    fn ego_way(&self) -> Option<Route> {
+    pub(super) fn ego_way(&self) -> Option<Route> {
         self.cars[EGO].route.as_ref().map(|r| r.foreseen(EGO_WAY_M, &self.roads))
     }
 
@@ -402,103 +394,6 @@ impl World {
         None
     }
 
-    /// Somebody at a random place of a walkway, between two distances from the ego.
-    fn new_walker(&mut self, slot: usize, stream: &mut Stream, ring_m: (f64, f64), hidden: bool) -> Option<Walker> {
-        let (ego, view) = self.ego_place();
-        let model = Arc::new(PersonModel::generate(stream.next_u64()));
-        let walks = model.walking_speed_mps > 0.0;
-        // Some have company: beside the one before, if that one walks alone.
-        let company = slot.checked_sub(1).filter(|b| {
-            let is_in_ring = (self.walkers[*b].position.truncate() - ego).length() > ring_m.0;
-            (!hidden || is_in_ring) && walks && self.walkers[*b].beside.is_none()
-        });
-        let chance = stream.chance(COMPANY_SHARE);
-        if let Some((beside, Motion::Walks { walkway, s_m, direction })) =
-            company.filter(|_| chance).map(|b| (b, self.walkers[b].motion))
-        {
-            let (room, apart) = (self.pavements.room_m(walkway), stream.range(0.56, 0.86));
-            if room > apart / 2.0 {
-                // They share the pavement: the one who leads makes way.
-                let lead = self.walkers[beside].lateral_m;
-                let side = if lead > 0.0 { -1.0 } else { 1.0 };
-                let kept = if side > 0.0 { lead.min(room - apart) } else { lead.max(apart - room) };
-                let lateral = (lead + side * apart).clamp(-room, room);
-                if self.has_room_for_person(walkway, s_m, lateral, slot, 2.0 * BODY_M) {
-                    self.walkers[beside].keep_to(kept);
-                    let mut walker = self.walker_at(stream, model, walkway, s_m, direction, lateral)?;
-                    walker.beside = Some(beside);
-                    return Some(walker);
-                }
-            }
-        }
-        let way: Vec<DVec2> = self.ego_way().map_or_else(Vec::new, |r| {
-            (0..(EGO_WAY_M / 8.0) as usize).map(|k| r.ahead(k as f64 * 8.0, &self.roads).at).collect()
-        });
-        let mut places: Vec<(usize, f64, f64)> = Vec::new();
-        for walkway in self.pavements.usable() {
-            let mut s = 1.0;
-            while s < self.pavements.length_m(walkway) - 1.0 {
-                let at = self.pavements.spot(walkway, s).at;
-                let to = at - ego;
-                let distance = to.length();
-                let in_view = to.dot(view) > 0.7 * distance && distance < 110.0;
-                if (ring_m.0..ring_m.1).contains(&distance) && !(hidden && in_view) {
-                    let on_way = way.iter().any(|p| (*p - at).length() < BESIDE_EGO_WAY_M);
-                    places.push((walkway, s, if on_way { PEOPLE_ON_EGO_WAY } else { 1.0 }));
-                }
-                s += 3.0;
-            }
-        }
-        let weights: Vec<f64> = places.iter().map(|p| p.2).collect();
-        for _ in 0..8 {
-            let (walkway, s, _) = *places.get(stream.weighted(&weights))?;
-            let s_m = (s + stream.range(0.0, 2.9)).min(self.pavements.length_m(walkway) - 0.5);
-            let direction = if stream.chance(0.5) { 1.0 } else { -1.0 };
-            let room = self.pavements.room_m(walkway);
-            // A little to the own right.
-            let lateral = stream.clipped_normal(-0.15 * direction, 0.35).clamp(-room, room);
-            if self.has_room_for_person(walkway, s_m, lateral, slot, 0.9) {
-                let mut walker = self.walker_at(stream, model, walkway, s_m, direction, lateral)?;
-                walker.crosser = walks && stream.chance(CROSSERS_SHARE);
-                return Some(walker);
-            }
-        }
-        None
-    }
-
-    /// Whether nobody but who is in `slot` is within `apart_m` of a place on a walkway, and no parked car is near it.
-    fn has_room_for_person(&self, walkway: usize, s_m: f64, lateral_m: f64, slot: usize, apart_m: f64) -> bool {
-        let spot = self.pavements.spot(walkway, s_m);
-        let at = spot.at + spot.tangent.perp() * lateral_m;
-        let is_near_somebody =
-            self.walkers.iter().enumerate().any(|(i, w)| i != slot && (w.position.truncate() - at).length() < apart_m);
-        !is_near_somebody && self.parked.iter().all(|p| (p.footprint.closest_point(at) - at).length() >= 0.4)
-    }
-
-    fn walker_at(
-        &mut self,
-        stream: &mut Stream,
-        model: Arc<PersonModel>,
-        walkway: usize,
-        s_m: f64,
-        direction: f64,
-        lateral_m: f64,
-    ) -> Option<Walker> {
-        let spot = self.pavements.spot(walkway, s_m);
-        let at = spot.at + spot.tangent.perp() * lateral_m;
-        let walks = model.walking_speed_mps > 0.0;
-        let heading = spot.tangent * direction;
-        let yaw = if walks { math::atan2(heading.y, heading.x) } else { stream.range(-math::PI, math::PI) };
-        let id = self.next_id;
-        let mut walker = Walker::posed(&self.physics, id, model, at.x, at.y, yaw, stream.next_u64()).ok()?;
-        walker.is_placed = false;
-        if walks {
-            walker.start(walkway, s_m, direction, lateral_m);
-        }
-        self.next_id += 1;
-        Some(walker)
-    }
-
     /// Replaces who has gone too far from the ego by newcomers out of its sight.
     pub(super) fn renew_traffic(&mut self) {
         if self.traffic.is_none() {
@@ -529,10 +424,7 @@ impl World {
             let mut stream = self.key.indexed("new people", self.respawns);
             self.respawns += 1;
             if let Some(walker) = self.new_walker(slot, &mut stream, WALKER_APPEARS_M, true) {
-                for other in self.walkers.iter_mut().filter(|w| w.beside == Some(slot)) {
-                    other.beside = None;
-                }
-                self.walkers[slot] = walker;
+                self.replace_walker(slot, walker);
             }
         }
     }

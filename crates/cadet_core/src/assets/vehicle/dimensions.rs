@@ -1,8 +1,8 @@
 //! Sizes and proportions: the kinds of vehicle that a street shows, and one draw from a kind.
 
 use crate::actor::ObjectClass;
-use crate::assets::annotation::Margins;
-use crate::error::{Error, Result};
+use crate::assets::annotation::{Margins, no_such_vehicle};
+use crate::error::Result;
 use crate::math::{self, DVec3};
 use crate::rng::Stream;
 
@@ -359,10 +359,7 @@ impl Dimensions {
         let kinds: &[Archetype] = match class {
             ObjectClass::Car => &CARS,
             ObjectClass::Van => &VANS,
-            other => {
-                let reason = format!("no vehicle of class {} is made in code: Car or Van", other.kitti_name());
-                return Err(Error::Scene { reason });
-            }
+            other => return Err(no_such_vehicle(other)),
         };
         let shares: Vec<f64> = kinds.iter().map(|k| k.share).collect();
         let kind = &kinds[s.weighted(&shares)];

@@ -1,10 +1,9 @@
 //! What fog itself sends back (Hahner et al., ICCV 2021).
 
+use super::super::response::LIGHT_M_PER_S;
 use super::{CLOSED_M, crossover};
 use crate::math::{self, PI};
 
-/// Speed of light, m/s.
-const LIGHT_M_PER_S: f64 = 299_792_458.0;
 /// Differential reflectance of a hard target, gamma / pi: fits the paper's units to real scans. There gamma = 1e-6 goes
 /// with a pulse of 20 ns; with the sensor's 5 ns this one lets dense fog (0.06 per metre) take over at the same range.
 const BETA_0: f64 = 0.596e-6 / PI;
