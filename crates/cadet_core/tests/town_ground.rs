@@ -269,11 +269,11 @@ fn the_smooth_surface_holds_the_lanes_within_2_cm_and_bumps_are_on_top_of_it() {
             let z = smooth.height_at(p.x, p.y).unwrap();
             assert!((z - p.z).abs() < 0.02, "{name} {p}");
             let bump = rough.height_at(p.x, p.y).unwrap() - z;
-            assert!(bump.abs() < 0.031, "{name} {p} {bump}");
+            assert!(bump.abs() < 0.046, "{name} {p} {bump}");
             (square, n) = (square + bump * bump, n + 1.0);
         }
         let rms_m = f64::sqrt(square / n);
-        assert!((0.006..0.016).contains(&rms_m), "{name}: {rms_m}");
+        assert!((0.010..0.024).contains(&rms_m), "{name}: {rms_m}");
     }
 }
 

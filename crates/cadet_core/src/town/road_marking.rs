@@ -4,7 +4,7 @@ use super::ground::Ground;
 use super::network::{Lane, LaneKind, RoadNetwork};
 use crate::math::{DVec2, DVec3};
 
-const LIFT_M: f64 = 0.003;
+const LIFT_M: f64 = 0.0045;
 const LINE_WIDTH_M: f64 = 0.12;
 /// A dash and the gap after it.
 const DASH_M: (f64, f64) = (3.0, 6.0);

@@ -3,16 +3,16 @@
 use crate::math::{self, DVec2, TAU};
 use crate::rng::Stream;
 
-/// (shortest and longest wave, root mean square height) of the octaves: with them the road 4 to 20 m ahead is off its plane
-/// by as much as KITTI's. Shorter waves than the ground's triangles can follow are left out, and the triangles, 4 m wide,
-/// leave half of the shortest here.
-const OCTAVES: [((f64, f64), f64); 3] = [((8.0, 11.0), 0.0105), ((11.0, 17.0), 0.0115), ((18.0, 30.0), 0.0080)];
+/// (shortest and longest wave, root mean square height) of the octaves: with them the road 4 to 20 m ahead is off its
+/// plane by as much as KITTI's. Shorter waves than the ground's triangles can follow are left out, and the triangles,
+/// 4 m wide, leave half of the shortest here.
+const OCTAVES: [((f64, f64), f64); 3] = [((8.0, 11.0), 0.0180), ((11.0, 17.0), 0.0185), ((18.0, 30.0), 0.0110)];
 const WAVES_PER_OCTAVE: usize = 3;
 /// Streets differ: the height is scaled by a factor that goes from place to place over this wave length, between these.
 const PATCH_M: (f64, f64) = (140.0, 220.0);
 const PATCH_SCALE: (f64, f64) = (0.8, 1.25);
 /// No bump is higher and no dip deeper.
-const MOST_M: f64 = 0.03;
+const MOST_M: f64 = 0.045;
 
 #[derive(Debug, Clone, Copy)]
 struct Wave {
@@ -33,7 +33,7 @@ impl Wave {
     }
 }
 
-/// Bumps and dips of a town's ground: a few millimetres to two centimetres.
+/// Bumps and dips of a town's ground: a few millimetres to three centimetres.
 #[derive(Debug, Clone)]
 pub struct Roughness {
     waves: Vec<Wave>,
@@ -83,7 +83,7 @@ mod tests {
                 steepest = steepest.max((roughness.height_m(p + DVec2::X) - z).abs());
             }
             let rms_m = (square / f64::from(n)).sqrt();
-            assert!((0.008..0.016).contains(&rms_m) && steepest < 0.025, "{rms_m} {steepest}");
+            assert!((0.012..0.024).contains(&rms_m) && steepest < 0.037, "{rms_m} {steepest}");
         }
     }
 }
