@@ -209,6 +209,9 @@ class SecondStageConfig:
     """Whether the second stage's losses reach the first through its boxes, as in AVOD, or only through features."""
     batch_size: int = 1024
     """Proposals that the loss samples; at most half are positive."""
+    truth_proposals: int = 0
+    """Copies of each true box, moved and scaled a little, that join the proposals in training (as in Detectron's R-CNNs,
+    there without noise): with them the second stage learns before the first finds objects."""
     negative_iou: float = 0.55
     """Proposals that overlap every object by less than this are background ..."""
     positive_iou: float = 0.65
@@ -224,6 +227,7 @@ class SecondStageConfig:
             check_number("SecondStageConfig", "hidden", width, 1, 65536, whole=True)
         check_number("SecondStageConfig", "dropout_keep", self.dropout_keep, 0.01, 1)
         check_number("SecondStageConfig", "batch_size", self.batch_size, 2, whole=True)
+        check_number("SecondStageConfig", "truth_proposals", self.truth_proposals, 0, 1024, whole=True)
         for name in ("negative_iou", "positive_iou"):
             check_number("SecondStageConfig", name, getattr(self, name), 0, 1)
         for name in ("regression_weight", "orientation_weight"):
@@ -243,6 +247,8 @@ class TrainingConfig:
     """Steps of the whole training."""
     frames_per_step: int = 1
     """Frames whose losses are averaged in a step, on each device."""
+    min_objects: int = 1
+    """Frames with fewer objects of the classes are left out."""
     learning_rate: float = 1e-4
     """At step 0."""
     decay_factor: float = 0.8
@@ -263,6 +269,7 @@ class TrainingConfig:
     def __post_init__(self) -> None:
         for name in ("steps", "frames_per_step", "decay_steps", "checkpoint_steps"):
             check_number("TrainingConfig", name, getattr(self, name), 1, whole=True)
+        check_number("TrainingConfig", "min_objects", self.min_objects, 1, whole=True)
         check_number("TrainingConfig", "learning_rate", self.learning_rate, 1e-12, 10)
         check_number("TrainingConfig", "decay_factor", self.decay_factor, 1e-6, 1)
         check_number("TrainingConfig", "max_gradient_norm", self.max_gradient_norm, 1e-12)

@@ -3,16 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 import torch
 from torch import Tensor
 
 from avod.config import RpnConfig, SecondStageConfig
 from avod.data.sample import Sample
-from avod.geometry.encoding import anchors_from_boxes, boxes_4c_from_boxes, offsets_from_anchors
+from avod.geometry.encoding import (
+    anchors_from_boxes,
+    anchors_from_offsets,
+    boxes_4c_from_boxes,
+    offsets_from_anchors,
+)
 from avod.geometry.orientation import angle_vectors
 from avod.geometry.projection import ground_boxes
 from avod.ops import axis_aligned_iou
+
+_TRUTH_NOISE: Final = 0.15
+"""Standard deviation of the largest noise of `truth_proposals`: of shifts over the box's size, and of the logarithms of
+its length, height and width."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +74,25 @@ def anchor_targets(sample: Sample, config: RpnConfig, generator: torch.Generator
         to_nearest = offsets_from_anchors(sample.anchors[chosen], objects[nearest[chosen]])
         offsets = torch.where(overlap[chosen, None] > 0.0, to_nearest, offsets)
     return AnchorTargets(chosen, overlap[chosen] > config.positive_iou, offsets)
+
+
+def truth_proposals(sample: Sample, count: int, generator: torch.Generator) -> Tensor:
+    """Draw proposals about a sample's objects: `count` copies of each box, moved and scaled a little.
+
+    Copies differ by how much: some lie on the object, and some hardly overlap it enough to be positive.
+
+    Args:
+        sample: the sample, with M objects.
+        count: copies of each.
+        generator: on the CPU.
+
+    Returns:
+        (M * count, 6) anchors.
+    """
+    anchors = anchors_from_boxes(sample.boxes_cam).repeat_interleave(count, dim=0)
+    how_much = torch.rand((len(anchors), 1), generator=generator)
+    offsets = torch.randn((len(anchors), 6), generator=generator) * how_much * _TRUTH_NOISE
+    return anchors_from_offsets(anchors, offsets.to(anchors))
 
 
 def sample_proposals(

@@ -236,13 +236,20 @@ def test_processes_share_the_steps_out_without_overlap() -> None:
     assert shares[1][0] == [14, 15]
 
 
-def test_training_data_leaves_frames_without_objects_out(tmp_path: Path) -> None:
-    write_frame(tmp_path, 0, make_frame(labels=()))
-    write_frame(tmp_path, 1, make_frame())
-    assert TrainingData(tmp_path, None, CONFIG, 0).ids == ("000001",)
-    write_frame(tmp_path, 1, make_frame(labels=()), overwrite=True)
-    with pytest.raises(CadetError, match="none of the 2 frames holds a Car or Pedestrian"):
-        TrainingData(tmp_path, None, CONFIG, 0)
+def test_training_data_leaves_frames_without_enough_objects_out(tmp_path: Path) -> None:
+    labels = tuple(label for label in make_frame().labels if label.type in CONFIG.class_names)
+    assert len(labels) >= 2
+    for index, count in enumerate((0, 1, 2)):
+        write_frame(tmp_path, index, make_frame(labels=labels[:count]))
+    for least, expected in ((1, ("000001", "000002")), (2, ("000002",))):
+        config = replace(CONFIG, training=replace(CONFIG.training, min_objects=least))
+        assert TrainingData(tmp_path, None, config, 0).ids == expected
+    for least, wanted in ((1, "a Car or Pedestrian"), (3, "3 of Car or Pedestrian")):
+        config = replace(CONFIG, training=replace(CONFIG.training, min_objects=least))
+        write_frame(tmp_path, 1, make_frame(labels=()), overwrite=True)
+        write_frame(tmp_path, 2, make_frame(labels=()), overwrite=True)
+        with pytest.raises(CadetError, match=f"none of the 3 frames holds {wanted} to learn from"):
+            TrainingData(tmp_path, None, config, 0)
 
 
 def test_a_broken_frame_comes_back_as_its_error(tmp_path: Path) -> None:

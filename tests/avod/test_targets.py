@@ -14,7 +14,8 @@ from avod.data.sample import Sample
 from avod.geometry.encoding import boxes_4c_from_anchors, boxes_4c_from_boxes, offsets_from_anchors
 from avod.losses import frame_losses, rpn_losses, second_stage_losses, smoothed_cross_entropy
 from avod.model.network import FrameOutputs
-from avod.targets import AnchorTargets, ProposalTargets, anchor_targets, sample_proposals
+from avod.ops import axis_aligned_iou
+from avod.targets import AnchorTargets, ProposalTargets, anchor_targets, sample_proposals, truth_proposals
 
 PLANE = torch.tensor([0.0, -1.0, 0.0, 1.65])
 CAR = (0.0, 1.65, 20.0, 4.0, 2.0, 1.5, math.radians(10))
@@ -161,3 +162,21 @@ def test_the_total_adds_the_weights_up() -> None:
         },
         rel=1e-5,
     )
+
+
+def test_proposals_about_the_truth_lie_on_it_or_hardly_overlap_it() -> None:
+    sample = make_sample(shifted(30.0), [CAR, (9.0, *CAR[1:])], [1, 1])
+    drawn = truth_proposals(sample, 200, torch_generator(0, "truths"))
+    assert drawn.shape == (400, 6)
+    for copies, x in ((drawn[:200], 0.0), (drawn[200:], 9.0)):
+        truth = torch.tensor([[x - 2.0, 19.0, x + 2.0, 21.0]])
+        half_x, half_z = copies[:, 3] / 2, copies[:, 5] / 2
+        found = torch.stack(
+            [copies[:, 0] - half_x, copies[:, 2] - half_z, copies[:, 0] + half_x, copies[:, 2] + half_z], dim=1
+        )
+        overlap = axis_aligned_iou(found, truth)[:, 0]
+        # The second stage's threshold is 0.65: most copies are positive, some are not, some are nearly the truth.
+        assert (overlap > 0.65).float().mean() > 0.6
+        assert overlap.min() < 0.6 and overlap.max() > 0.95
+    assert torch.equal(drawn, truth_proposals(sample, 200, torch_generator(0, "truths")))
+    assert truth_proposals(make_sample(shifted(0.0), [], []), 8, torch_generator(0, "none")).shape == (0, 6)

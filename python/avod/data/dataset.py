@@ -38,7 +38,7 @@ def sample_from_frame(frame: Frame, frame_id: str, config: Config, augmentation:
 
 
 class TrainingData(Dataset[Any]):
-    """The frames of a folder that hold an object of the classes, shuffled and changed, without end.
+    """The frames of a folder that hold enough objects of the classes, shuffled and changed, without end.
 
     An item is a sample, or the error that reading it raised, so that the error comes whole out of a worker.
 
@@ -50,7 +50,7 @@ class TrainingData(Dataset[Any]):
 
     Raises:
         MissingFileError: no folder, split or label file.
-        CadetError: no frame holds an object of the classes.
+        CadetError: no frame holds enough objects of the classes.
     """
 
     def __init__(self, root: str | Path, split: str | None, config: Config, seed: int) -> None:
@@ -58,10 +58,13 @@ class TrainingData(Dataset[Any]):
         self.config = config
         ids = kitti.Dataset(root, split).ids
         names = set(config.class_names)
-        self.ids = tuple(i for i in ids if any(label.type in names for label in kitti.read_labels(root, i)))
+        least = config.training.min_objects
+        self.ids = tuple(
+            i for i in ids if sum(label.type in names for label in kitti.read_labels(root, i)) >= least
+        )
         if not self.ids:
-            wanted = " or ".join(config.class_names)
-            raise CadetError(f"{root}: none of the {len(ids)} frames{_in(split)} holds a {wanted} to learn from")
+            wanted = ("a " if least == 1 else f"{least} of ") + " or ".join(config.class_names)
+            raise CadetError(f"{root}: none of the {len(ids)} frames{_in(split)} holds {wanted} to learn from")
         self._order = Order(len(self.ids), config.training, seed)
 
     def __getitem__(self, index: int) -> Sample | CadetError:

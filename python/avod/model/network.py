@@ -18,7 +18,7 @@ from avod.model.layers import Convolution, Head
 from avod.model.path_drop import detection_masks, draw_masks, fuse
 from avod.model.pyramid import FeaturePyramid
 from avod.ops import crop_and_resize, nms
-from avod.targets import ProposalTargets, sample_proposals
+from avod.targets import ProposalTargets, sample_proposals, truth_proposals
 
 _NUM_ANCHOR_OFFSETS = 6
 _NUM_BOX_OFFSETS = 10
@@ -132,6 +132,9 @@ class AvodNetwork(nn.Module):
         targets = None
         if self.training:
             assert generator is not None
+            if config.second_stage.truth_proposals > 0:
+                truths = truth_proposals(sample, config.second_stage.truth_proposals, generator)
+                proposals = torch.cat([proposals, truths])
             chosen, targets = sample_proposals(proposals.detach(), sample, config.second_stage, generator)
             proposals = proposals[chosen]
         if config.second_stage.gradient == "stopped":
