@@ -210,8 +210,8 @@ class SecondStageConfig:
     batch_size: int = 1024
     """Proposals that the loss samples; at most half are positive."""
     truth_proposals: int = 0
-    """Copies of each true box, moved and scaled a little, that join the proposals in training (as in Detectron's R-CNNs,
-    there without noise): with them the second stage learns before the first finds objects."""
+    """Copies of each true box, moved and scaled a little, that join the proposals in training: with them the second
+    stage learns before the first finds objects. Faster R-CNN's implementations add the boxes as they are."""
     negative_iou: float = 0.55
     """Proposals that overlap every object by less than this are background ..."""
     positive_iou: float = 0.65

@@ -59,9 +59,7 @@ class TrainingData(Dataset[Any]):
         ids = kitti.Dataset(root, split).ids
         names = set(config.class_names)
         least = config.training.min_objects
-        self.ids = tuple(
-            i for i in ids if sum(label.type in names for label in kitti.read_labels(root, i)) >= least
-        )
+        self.ids = tuple(i for i in ids if sum(label.type in names for label in kitti.read_labels(root, i)) >= least)
         if not self.ids:
             wanted = ("a " if least == 1 else f"{least} of ") + " or ".join(config.class_names)
             raise CadetError(f"{root}: none of the {len(ids)} frames{_in(split)} holds {wanted} to learn from")

@@ -274,8 +274,7 @@ pub(super) fn look(
     let spots: Vec<DVec2> = places.iter().map(|p| p.0).collect();
     for i in 0..walkers.len() {
         walkers[i].nearby.look(i, &spots, standing);
-        let leader =
-            walkers[i].company.and_then(|c| walkers.get(c.leader).map(|w| (w.motion, w.pace, w.wanted_m, c)));
+        let leader = walkers[i].company.and_then(|c| walkers.get(c.leader).map(|w| (w.motion, w.pace, w.wanted_m, c)));
         let walker = &mut walkers[i];
         match walker.motion {
             Motion::Stands => {}

@@ -204,8 +204,7 @@ impl World {
     ) -> Option<Walker> {
         let heading = self.pavements.spot(walkway, s_m).tangent * direction;
         let walks = model.walking_speed_mps > 0.0;
-        let yaw_rad =
-            if walks { math::atan2(heading.y, heading.x) } else { stream.range(-math::PI, math::PI) };
+        let yaw_rad = if walks { math::atan2(heading.y, heading.x) } else { stream.range(-math::PI, math::PI) };
         let mut walker = self.posed_walker(stream, model, self.on_pavement(walkway, s_m, lateral_m), yaw_rad)?;
         if walks {
             walker.start(walkway, s_m, direction, lateral_m);
