@@ -212,6 +212,8 @@ class SecondStageConfig:
     truth_proposals: int = 0
     """Copies of each true box, moved and scaled a little, that join the proposals in training: with them the second
     stage learns before the first finds objects. Faster R-CNN's implementations add the boxes as they are."""
+    truth_steps: int = 0
+    """They join in so many steps from the first; after them the second stage sees what it will see in detection."""
     negative_iou: float = 0.55
     """Proposals that overlap every object by less than this are background ..."""
     positive_iou: float = 0.65
@@ -228,6 +230,7 @@ class SecondStageConfig:
         check_number("SecondStageConfig", "dropout_keep", self.dropout_keep, 0.01, 1)
         check_number("SecondStageConfig", "batch_size", self.batch_size, 2, whole=True)
         check_number("SecondStageConfig", "truth_proposals", self.truth_proposals, 0, 1024, whole=True)
+        check_number("SecondStageConfig", "truth_steps", self.truth_steps, 0, whole=True)
         for name in ("negative_iou", "positive_iou"):
             check_number("SecondStageConfig", name, getattr(self, name), 0, 1)
         for name in ("regression_weight", "orientation_weight"):

@@ -20,7 +20,7 @@ from avod.data.dataset import sample_from_frame
 from avod.data.sample import Sample
 from avod.detector import Detector
 from avod.model.layers import ShiftBatchNorm
-from avod.model.network import AvodNetwork
+from avod.model.network import AvodNetwork, FrameOutputs
 from avod.train import train
 from avod.train.checkpoint import checkpoints, load_network, read_checkpoint
 from avod.train.log import COLUMNS, read_log
@@ -165,6 +165,30 @@ def test_several_frames_a_step_give_the_mean_of_their_losses_and_gradients(sampl
     for name, gradient in of_both.items():
         mean = (of_first[name] + of_second[name]) / 2
         assert (gradient - mean).norm() <= 1e-3 * mean.norm() + 1e-6, name
+
+
+def test_true_boxes_join_the_proposals_in_the_first_steps_alone(sample: Sample) -> None:
+    seen: list[tuple[int, int]] = []
+
+    class Counting(AvodNetwork):
+        def forward(self, *args: Any, **kwargs: Any) -> list[FrameOutputs]:
+            outputs = super().forward(*args, **kwargs)
+            targets = outputs[0].targets
+            assert targets is not None
+            seen.append((len(targets.labels), int((targets.labels > 0).sum())))
+            return outputs
+
+    second = dataclasses.replace(CONFIG.second_stage, truth_proposals=6, truth_steps=2)
+    config = dataclasses.replace(CONFIG, second_stage=second)
+    torch.manual_seed(0)
+    network = Counting(config).train()
+    optimizer = make_optimizer(network, config.training)
+    for step in range(4):
+        training_step(network, optimizer, [sample], config, step=step, seed=0)
+    # An untrained first stage finds next to nothing; of six copies of each object most overlap it enough.
+    num_objects = len(sample.boxes_cam)
+    assert all(positive >= 3 * num_objects for _, positive in seen[:2]), seen
+    assert all(positive < 3 * num_objects for _, positive in seen[2:]), seen
 
 
 def test_a_loss_that_is_no_number_stops_training_and_names_the_frame(sample: Sample) -> None:

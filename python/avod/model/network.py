@@ -95,18 +95,21 @@ class AvodNetwork(nn.Module):
         self.precision: torch.dtype | None = None
         """Type of the convolutions' and layers' arithmetic; None for float32. Boxes are always float32."""
 
-    def forward(self, samples: Sequence[Sample], generator: torch.Generator | None = None) -> list[FrameOutputs]:
+    def forward(
+        self, samples: Sequence[Sample], generator: torch.Generator | None = None, *, has_truths: bool = False
+    ) -> list[FrameOutputs]:
         """Run both stages on each sample.
 
         Args:
             samples: one or more.
             generator: on the CPU; draws path drop and the second stage's mini-batch. Needed in training mode alone.
+            has_truths: in training mode, copies of the true boxes join the proposals.
 
         Returns:
             The outputs of each sample.
         """
         return [
-            self._frame(sample, features, generator)
+            self._frame(sample, features, generator, has_truths)
             for sample, features in zip(samples, self.extract(samples), strict=True)
         ]
 
@@ -118,7 +121,9 @@ class AvodNetwork(nn.Module):
             bev_bottleneck, image_bottleneck = self.bev_bottleneck(bev), self.image_bottleneck(image)
         return [FrameFeatures(*maps) for maps in zip(bev, image, bev_bottleneck, image_bottleneck, strict=True)]
 
-    def _frame(self, sample: Sample, features: FrameFeatures, generator: torch.Generator | None) -> FrameOutputs:
+    def _frame(
+        self, sample: Sample, features: FrameFeatures, generator: torch.Generator | None, has_truths: bool
+    ) -> FrameOutputs:
         config = self.config
         masks = detection_masks(config.path_drop)
         if self.training:
@@ -132,7 +137,7 @@ class AvodNetwork(nn.Module):
         targets = None
         if self.training:
             assert generator is not None
-            if config.second_stage.truth_proposals > 0:
+            if has_truths:
                 truths = truth_proposals(sample, config.second_stage.truth_proposals, generator)
                 proposals = torch.cat([proposals, truths])
             chosen, targets = sample_proposals(proposals.detach(), sample, config.second_stage, generator)

@@ -64,7 +64,9 @@ def training_step(
     for group in optimizer.param_groups:
         group["lr"] = learning_rate(step, config.training)
     optimizer.zero_grad(set_to_none=True)
-    outputs: list[FrameOutputs] = network(samples, generator)
+    second = config.second_stage
+    has_truths = second.truth_proposals > 0 and step < second.truth_steps
+    outputs: list[FrameOutputs] = network(samples, generator, has_truths=has_truths)
     terms: dict[str, Tensor] = {}
     for sample, output in zip(samples, outputs, strict=True):
         losses = frame_losses(output, anchor_targets(sample, config.rpn, generator), sample, config).by_name()

@@ -75,3 +75,29 @@ fn nobody_walks_into_a_car_or_a_person() {
         }
     }
 }
+
+#[test]
+fn people_walk_in_groups_and_stay_together() {
+    let (mut walkers, mut in_company, mut behind, mut together, mut parted) = (0, 0, 0, 0, 0);
+    for seed in 0..10 {
+        let mut world = policy_world(seed);
+        world.step(60 * 20);
+        walkers += world.walkers.len();
+        for walker in &world.walkers {
+            let Some(company) = walker.company else { continue };
+            let leader = &world.walkers[company.leader];
+            assert!(leader.company.is_none(), "who leads follows nobody");
+            in_company += 1;
+            behind += usize::from(company.behind_m > 0.0);
+            let place_m = company.behind_m.hypot(company.aside_m);
+            if (walker.at() - leader.at()).length() < place_m + 1.5 {
+                together += 1;
+            } else {
+                parted += 1;
+            }
+        }
+    }
+    // Who stands stays, and corners and crossings part those who walk.
+    assert!(3 * in_company > walkers && 5 * behind > in_company, "{in_company} of {walkers}, {behind} behind");
+    assert!(together > 2 * parted, "{together} together, {parted} parted");
+}
