@@ -34,7 +34,7 @@ def frames() -> list[cadet.Frame]:
 def test_every_packaged_checkpoint_loads_and_is_small() -> None:
     assert packaged_checkpoints() == ("tiny_car",)
     detector = avod.Detector.load("tiny_car")
-    assert detector.config == load_config("tiny_car_tune")
+    assert detector.config == load_config("tiny_car")
     folder = Path(avod.__file__).parent / "checkpoints" / "tiny_car"
     assert sorted(path.name for path in folder.iterdir()) == ["checkpoint.json", "model.safetensors"]
     assert sum(path.stat().st_size for path in folder.iterdir()) < 5_000_000
