@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import stat
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
@@ -74,7 +76,7 @@ def read_calib(root: str | Path, frame_id: str | int) -> Calibration:
     return Calibration.from_text(*_read_text(sample_folder(root), "calib", check_id(frame_id)))
 
 
-def check_files(root: str | Path, frame_id: str | int) -> list[tuple[str, CadetError]]:
+def check_files(root: str | Path, frame_id: str | int) -> list[tuple[str, CadetError | OSError]]:
     """List what is wrong with each file of a frame: its folder, and the error that reading it raises.
 
     A label file is read line by line, so it may give several.
@@ -221,20 +223,20 @@ class Dataset:
         return f"Dataset({str(self.root)!r}, split={self.split!r}): {len(self)} frames"
 
 
-def _error_of(reader: Callable[[], object]) -> CadetError | None:
+def _error_of(reader: Callable[[], object]) -> CadetError | OSError | None:
     try:
         reader()
-    except CadetError as error:
+    except (CadetError, OSError) as error:
         return error
     return None
 
 
-def _label_errors(folder: Path, frame_id: str) -> list[tuple[str, CadetError]]:
+def _label_errors(folder: Path, frame_id: str) -> list[tuple[str, CadetError | OSError]]:
     if not (folder / "label_2").is_dir():
         return []
     try:
         text, name = _read_text(folder, "label_2", frame_id)
-    except CadetError as error:
+    except (CadetError, OSError) as error:
         return [("label_2", error)]
     lines = enumerate(text.removesuffix("\n").split("\n") if text else (), start=1)
     errors = [_error_of(partial(Label.from_line, line, name, number)) for number, line in lines]
@@ -242,12 +244,16 @@ def _label_errors(folder: Path, frame_id: str) -> list[tuple[str, CadetError]]:
 
 
 def _has(folder: Path, kind: str, frame_id: str) -> bool:
-    return file_path(folder, kind, frame_id).is_file()
+    # Not is_file: a folder or a broken link in a file's place is to be found, not passed over.
+    return os.path.lexists(file_path(folder, kind, frame_id))
 
 
 def _read_bytes(folder: Path, kind: str, frame_id: str) -> tuple[bytes, str]:
     path = file_path(folder, kind, frame_id)
     try:
+        # Opening a pipe would wait for its writer.
+        if not stat.S_ISREG(path.stat().st_mode):
+            raise KittiFormatError("no regular file", display_name(path))
         return path.read_bytes(), display_name(path)
     except FileNotFoundError:
         raise MissingFileError(f"{path}: no such file") from None

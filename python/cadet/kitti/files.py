@@ -55,6 +55,12 @@ def sample_folder(root: str | Path) -> Path:
     raise MissingFileError(f"{root}: no KITTI folder: neither training/calib nor calib lies there")
 
 
+def testing_folder(root: str | Path) -> Path | None:
+    """Find the folder of the test frames beside `root/training`; None where there is none."""
+    folder = Path(root) / "testing"
+    return folder if any((folder / name).is_dir() for name in REQUIRED) else None
+
+
 def file_path(folder: Path, kind: str, frame_id: str) -> Path:
     """Name the file of one kind (a key of `SUFFIXES`) of a frame."""
     return folder / kind / f"{frame_id}{SUFFIXES[kind]}"
