@@ -75,7 +75,9 @@ def test_any_number_in_a_calibration_is_answered(root: Path, key: str, value: st
 def test_an_image_size_of_any_type_is_answered(root: Path, value: object) -> None:
     (root / "training" / "meta" / "000001.json").write_text(json.dumps({"image_size": value}))
     (finding,) = found(root)
-    assert finding.startswith(("meta/000001.json: error: image_size: expected two numbers", "image_2/000001.png: error:"))
+    assert finding.startswith(
+        ("meta/000001.json: error: image_size: expected two numbers", "image_2/000001.png: error:")
+    )
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,16 @@ from cadet.errors import CadetError, FrameExistsError, KittiFormatError, Missing
 from cadet.frame import Frame
 from cadet.kitti import images
 from cadet.kitti.calib import Calibration
-from cadet.kitti.files import SUFFIXES, check_id, display_name, file_path, frame_ids, sample_folder, write_whole
+from cadet.kitti.files import (
+    SUFFIXES,
+    check_id,
+    display_name,
+    file_path,
+    frame_ids,
+    sample_folder,
+    split_folder,
+    write_whole,
+)
 from cadet.kitti.image_sets import read_image_set
 from cadet.kitti.label import Label, labels_from_text, text_from_labels
 from cadet.kitti.planes import plane_from_text, text_from_plane
@@ -186,7 +195,8 @@ class Dataset:
 
     Args:
         root: the folder that holds `training` and `ImageSets`.
-        split: a list of `ImageSets` such as "train"; None for every frame that is there.
+        split: a list of `ImageSets` such as "train"; None for every frame of `training`. The frames of "test" lie under
+            `testing`, and KITTI's have no labels.
 
     Raises:
         MissingFileError: no KITTI folder, or no such split.
@@ -196,15 +206,15 @@ class Dataset:
     def __init__(self, root: str | Path, split: str | None = None) -> None:
         self.root = Path(root)
         self.split = split
-        folder = sample_folder(root)
-        self.ids: tuple[str, ...] = frame_ids(folder) if split is None else read_image_set(root, split).ids
+        self.folder = split_folder(root, split)
+        self.ids: tuple[str, ...] = frame_ids(self.folder) if split is None else read_image_set(root, split).ids
         self._members = frozenset(self.ids)
 
     def __len__(self) -> int:
         return len(self.ids)
 
     def __iter__(self) -> Iterator[Frame]:
-        return (read_frame(self.root, frame_id) for frame_id in self.ids)
+        return (read_frame(self.folder, frame_id) for frame_id in self.ids)
 
     def __getitem__(self, key: int | str) -> Frame:
         """Read the frame at an index (int) or with an id (str).
@@ -216,8 +226,8 @@ class Dataset:
         if isinstance(key, str):
             if key not in self._members:
                 raise KeyError(key)
-            return read_frame(self.root, key)
-        return read_frame(self.root, self.ids[key])
+            return read_frame(self.folder, key)
+        return read_frame(self.folder, self.ids[key])
 
     def __repr__(self) -> str:
         return f"Dataset({str(self.root)!r}, split={self.split!r}): {len(self)} frames"
