@@ -13,7 +13,7 @@ from cadet.policy import ResetPolicy, check_seed
 
 Split: TypeAlias = Literal["train", "val", "test"]
 
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 EXTRAS = ("depth", "instance", "semantic")
 """Folders that are written on demand."""
 BASE_FOLDERS = ("image_2", "velodyne", "calib", "label_2", "planes")
