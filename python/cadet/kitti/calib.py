@@ -45,8 +45,8 @@ class Calibration:
         R0_rect: (3, 3) rotation into the rectified frame of camera 0.
         Tr_velo_to_cam: (3, 4) the velo frame into camera 0 before rectification, metres.
         Tr_imu_to_velo: (3, 4) the IMU's frame into the velo frame, metres.
-        has_blank_line: whether the file ends with a blank line, as most of KITTI's do and some do not; kept so that text
-            round trips. Ours end without: pykitti stops at it.
+        has_blank_line: whether the file ends with a blank line, as most of KITTI's do; kept so that text round trips.
+            Ours end without, as the others of KITTI's do: pykitti stops at it.
 
     Raises:
         ShapeError: a matrix has the wrong shape or dtype.
