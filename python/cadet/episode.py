@@ -54,8 +54,8 @@ def frame_from_native(captured: dict[str, Any], extra_meta: dict[str, Any]) -> F
 def move_off_zero_depth(points_velo: NDArray[np.float32], calib: Calibration) -> NDArray[np.float32]:
     """Round points with z = 0 in the cam frame to the next millimetre outwards: other programs divide by z.
 
-    Coordinates are whole millimetres, so with LIDAR and camera in one point every point whose x rounds to 0 has no depth;
-    `Rig.cadet()` has two columns of such beams, to the left and to the right.
+    Coordinates are whole millimetres, so with LIDAR and camera in one point every point whose x rounds to 0 has no
+    depth; `Rig.cadet()` has two columns of such beams, to the left and to the right.
 
     Args:
         points_velo: (N, 4) float32 [x, y, z, intensity], metres, velo frame.
