@@ -80,7 +80,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_layout_is_kittis(whole: Path) -> None:
     dataset = kitti.Dataset(whole)
     assert dataset.ids == tuple(f"{number:06d}" for number in range(45))
-    assert sorted(path.name for path in whole.iterdir()) == ["ImageSets", "manifest.json", "run.json", "training"]
+    assert sorted(path.name for path in whole.iterdir()) == "ImageSets manifest.json run.json testing training".split()
     folders = ["calib", "image_2", "label_2", "meta", "planes", "velodyne"]
     assert sorted(path.name for path in (whole / "training").iterdir()) == folders
     frame = kitti.read_frame(whole, 21)

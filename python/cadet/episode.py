@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from cadet import _cadet
 from cadet.errors import CadetError
 from cadet.frame import Frame
 from cadet.kitti import Calibration, Label
+from cadet.kitti.calib import is_at_zero_depth
 from cadet.policy import EpisodeSpec, ResetPolicy
 
 
@@ -33,17 +37,41 @@ def build_scene(spec: EpisodeSpec) -> _cadet.Scene:
 
 def frame_from_native(captured: dict[str, Any], extra_meta: dict[str, Any]) -> Frame:
     """Make a frame of what the core captured, its metadata led by `extra_meta`."""
+    calib = Calibration(**captured["calib"])
     return Frame(
         image=captured["image"],
-        points_velo=captured["points_velo"],
+        points_velo=move_off_zero_depth(captured["points_velo"], calib),
         labels=tuple(Label(**line) for line in captured["labels"]),
-        calib=Calibration(**captured["calib"]),
+        calib=calib,
         plane=captured["plane"],
         depth=captured.get("depth"),
         instance=captured.get("instance"),
         semantic=captured.get("semantic"),
         meta={**extra_meta, **captured["meta"]},
     )
+
+
+def move_off_zero_depth(points_velo: NDArray[np.float32], calib: Calibration) -> NDArray[np.float32]:
+    """Round points with z = 0 in the cam frame to the next millimetre outwards: other programs divide by z.
+
+    Coordinates are whole millimetres, so with LIDAR and camera in one point every point whose x rounds to 0 has no
+    depth; `Rig.cadet()` has two columns of such beams, to the left and to the right.
+
+    Args:
+        points_velo: (N, 4) float32 [x, y, z, intensity], metres, velo frame.
+        calib: the calibration.
+
+    Returns:
+        (N, 4) float32; the same array if no point lies there.
+    """
+    is_zero = is_at_zero_depth(points_velo, calib)
+    if not is_zero.any():
+        return points_velo
+    axis = int(np.argmax(np.abs(calib.cam_from_velo[2, :3])))
+    moved = points_velo.copy()
+    millimetres = np.rint(moved[is_zero, axis].astype(np.float64) * 1e3)
+    moved[is_zero, axis] = (millimetres + np.where(millimetres < 0.0, -1.0, 1.0)) / 1e3
+    return moved
 
 
 class Episode:

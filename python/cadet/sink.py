@@ -23,6 +23,9 @@ class Sink(Protocol):
             FileNotFoundError: there is none of that name.
         """
 
+    def make_folder(self, name: str) -> None:
+        """Make a folder that may stay empty; a store that has no folders does nothing."""
+
 
 class LocalSink:
     """A folder. Objects are written aside, into `.partial`, and renamed into place.
@@ -66,6 +69,14 @@ class LocalSink:
             FileNotFoundError: there is none of that name.
         """
         return (self.root / name).read_bytes()
+
+    def make_folder(self, name: str) -> None:
+        """Make a folder that may stay empty.
+
+        Raises:
+            OSError: a file is in its place, or no rights.
+        """
+        (self.root / name).mkdir(parents=True, exist_ok=True)
 
     def remove_partial(self) -> None:
         """Remove what killed writers have left behind."""

@@ -36,7 +36,7 @@ def test_matrices_come_back_from_text_to_the_last_bit(matrices: dict[str, np.nda
 def test_text_has_kittis_form() -> None:
     lines = make_calib().to_text().split("\n")
     assert lines[0].startswith("P0: 3.600000000000e+02 0.000000000000e+00 3.095000000000e+02 ")
-    assert [line.split(":")[0] for line in lines] == [*SHAPES, "", ""]
+    assert [line.split(":")[0] for line in lines] == [*SHAPES, ""]
 
 
 def test_the_order_of_keys_does_not_matter() -> None:

@@ -16,6 +16,7 @@ def root(tmp_path: Path) -> Path:
     write_image_set(tmp_path, "train", ImageSet(("000000",)))
     write_image_set(tmp_path, "val", ImageSet(("000001",)))
     write_image_set(tmp_path, "trainval", ImageSet(("000000", "000001")))
+    write_image_set(tmp_path, "test", ImageSet(()))
     (tmp_path / "manifest.json").write_text("{}")
     return tmp_path
 
@@ -186,7 +187,8 @@ def test_lists_are_checked(root: Path) -> None:
     (root / "ImageSets" / "odd.txt").write_text("000000\nx\n")
     assert [str(finding) for finding in lint(root)] == [
         "ImageSets/odd.txt:2: error: expected a six-digit id, got 'x'",
-        "ImageSets/train.txt:2: error: 2 of 3 ids have no frame, the first is 000007",
+        "ImageSets/test.txt:1: error: 1 of 1 ids have no frame in testing, the first is 000055",
+        "ImageSets/train.txt:2: error: 2 of 3 ids have no frame in training, the first is 000007",
         "ImageSets/val.txt:2: error: 000000 is in train, too",
         "ImageSets/trainval.txt: error: is not train and val together",
     ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import shlex
 import sys
@@ -22,6 +23,8 @@ from cadet.policy import POLICIES, ResetPolicy
 from cadet.rig import LIDAR_PRESETS, RIG_PRESETS, Lidar, Rig
 from cadet.road_map import RoadMap
 from cadet.weather import check_weather, weather_names
+
+_LEAST_FRACTION = 1e-6
 
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
@@ -50,6 +53,13 @@ from cadet.weather import check_weather, weather_names
     show_default=True,
     help="Share of the episodes in val.txt: the second of every round(1/F).",
 )
+@click.option(
+    "--test-fraction",
+    type=click.FloatRange(0.0, 0.34),
+    default=0.0,
+    show_default=True,
+    help="Share of the episodes in testing/ and test.txt: the third of every round(1/F).",
+)
 def cadet_gen(
     out: Path,
     num_frames: int,
@@ -65,6 +75,7 @@ def cadet_gen(
     write: str,
     resume: bool,
     val_fraction: float,
+    test_fraction: float,
 ) -> int:
     """Write a KITTI-format dataset of made-up suburbs to the folder OUT.
 
@@ -80,7 +91,8 @@ def cadet_gen(
         num_frames=num_frames,
         policy=_with_sensors(_policy(policy, maps, weathers, assets), rig, image_size, lidar),
         extras=tuple(name.strip() for name in write.split(",") if name.strip()),
-        val_period=round(1.0 / val_fraction) if val_fraction > 0.0 else 0,
+        val_period=_period("--val-fraction", val_fraction),
+        test_period=_period("--test-fraction", test_fraction),
     )
     console = Console(stderr=True, highlight=False, soft_wrap=True)
     start_s = time.monotonic()
@@ -108,6 +120,15 @@ def cadet_gen(
 
 
 cadet_gen.help = (cadet_gen.help or "").replace("{weathers}", ", ".join(weather_names()))
+
+
+def _period(option: str, fraction: float) -> int:
+    """Return every how many episodes one is taken; 0 for none."""
+    if math.isnan(fraction):
+        raise CadetError(f"{option}: expected a number, got nan")
+    if 0.0 < fraction < _LEAST_FRACTION:
+        raise CadetError(f"{option}: expected 0 or at least {_LEAST_FRACTION:g}, got {fraction:g}")
+    return round(1.0 / fraction) if fraction > 0.0 else 0
 
 
 def _policy(name: str, maps: tuple[str, ...], weathers: tuple[str, ...], assets: Path | None) -> ResetPolicy:

@@ -11,6 +11,7 @@ from cadet import _cadet, kitti
 from cadet.cli.eval import evaluate_command
 from cadet.cli.lidar import fit_lidar_command, lidar_command
 from cadet.errors import CadetError
+from cadet.kitti.files import frame_ids, testing_folder
 from cadet.kitti.lint import lint
 from cadet.view import overview, view_bev_maps, view_frame
 
@@ -68,7 +69,8 @@ def check(root: Path, strict: bool | None) -> int:
     if len(findings) > _FINDINGS_SHOWN:
         click.echo(f"... and {len(findings) - _FINDINGS_SHOWN} more")
     num_errors = sum(finding.severity == "error" for finding in findings)
-    num_frames = len(kitti.Dataset(root))
+    testing = testing_folder(root)
+    num_frames = len(kitti.Dataset(root)) + (0 if testing is None else len(frame_ids(testing)))
     click.echo(f"{num_frames} frames, {num_errors} errors, {len(findings) - num_errors} warnings")
     return 1 if num_errors else 0
 

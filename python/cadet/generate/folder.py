@@ -10,6 +10,7 @@ from pathlib import Path
 
 from cadet.errors import CadetError
 from cadet.generate.settings import Settings, differences
+from cadet.kitti.files import frame_ids
 from cadet.sink import LocalSink
 
 RUN = "run.json"
@@ -65,6 +66,7 @@ def _check_same_run(root: Path, identity: dict[str, object]) -> None:
 
 
 def _check_no_more_frames(root: Path, settings: Settings) -> None:
-    ids = [path.stem for path in (root / "training" / "image_2").glob("[0-9]*.png")]
+    # Strange files, such as a copy that a file manager made, are no frames.
+    ids = [frame_id for part in ("training", "testing") for frame_id in frame_ids(root / part)]
     if ids and int(max(ids)) >= settings.num_frames:
         raise CadetError(f"{root} has frames up to {max(ids)} already: give at least -n {int(max(ids)) + 1}")

@@ -20,9 +20,9 @@ from cadet.sink import Sink
 _HASHES = "sha256"
 
 
-def object_name(folder: str, frame_id: str) -> str:
+def object_name(settings: Settings, folder: str, frame_id: str) -> str:
     """Name a frame's file of a folder, relative to the dataset's root."""
-    return f"training/{folder}/{frame_id}{SUFFIXES[folder]}"
+    return f"{settings.part(frame_id)}/{folder}/{frame_id}{SUFFIXES[folder]}"
 
 
 def put_frame(sink: Sink, settings: Settings, frame_id: str, frame: Frame) -> None:
@@ -37,34 +37,51 @@ def put_frame(sink: Sink, settings: Settings, frame_id: str, frame: Frame) -> No
     files = encode_frame(wanted)
     hashes = {folder: sha256(data).hexdigest() for folder, data in files.items()}
     for folder, data in files.items():
-        sink.put(object_name(folder, frame_id), data)
-    sink.put(object_name("meta", frame_id), encode_meta({**(frame.meta or {}), _HASHES: hashes}))
+        sink.put(object_name(settings, folder, frame_id), data)
+    sink.put(object_name(settings, "meta", frame_id), encode_meta({**(frame.meta or {}), _HASHES: hashes}))
 
 
 def is_whole(sink: Sink, settings: Settings, frame_id: str) -> bool:
     """Tell whether every file of a frame is there, to the last byte."""
     try:
-        recorded = json.loads(sink.read(object_name("meta", frame_id)))[_HASHES]
+        recorded = _recorded(sink.read(object_name(settings, "meta", frame_id)))
         if set(recorded) != set(settings.folders):
             return False
         return all(
-            sha256(sink.read(object_name(folder, frame_id))).hexdigest() == digest
+            sha256(sink.read(object_name(settings, folder, frame_id))).hexdigest() == digest
             for folder, digest in recorded.items()
         )
-    except (FileNotFoundError, ValueError, KeyError, TypeError):
+    except (FileNotFoundError, ValueError):
         return False
 
 
-def recorded_hashes(sink: Sink, frame_id: str) -> dict[str, str]:
+def recorded_hashes(sink: Sink, settings: Settings, frame_id: str) -> dict[str, str]:
     """Return the hashes of a whole frame's files by name, `meta`'s own included.
 
     Raises:
         CadetError: the frame's `meta` was removed or damaged while the dataset was being written.
     """
-    name = object_name("meta", frame_id)
+    name = object_name(settings, "meta", frame_id)
     try:
         data = sink.read(name)
-        hashes = {object_name(folder, frame_id): digest for folder, digest in json.loads(data)[_HASHES].items()}
-    except (FileNotFoundError, ValueError, KeyError, TypeError):
+        hashes = {object_name(settings, folder, frame_id): digest for folder, digest in _recorded(data).items()}
+    except (FileNotFoundError, ValueError):
         raise CadetError(f"{name} was changed by another program during the run") from None
     return {**hashes, name: sha256(data).hexdigest()}
+
+
+def _recorded(meta: bytes) -> dict[str, str]:
+    """Return the hashes that a `meta` carries, by folder.
+
+    Raises:
+        ValueError: it carries none, or something else in their place.
+    """
+    try:
+        recorded = json.loads(meta)[_HASHES]
+    except (KeyError, TypeError, RecursionError):
+        raise ValueError(f"no {_HASHES}") from None
+    if not isinstance(recorded, dict) or not all(isinstance(digest, str) for digest in recorded.values()):
+        raise ValueError(f"{_HASHES}: expected text by folder")
+    if not set(recorded) <= set(SUFFIXES):
+        raise ValueError(f"{_HASHES}: unknown folder")
+    return recorded

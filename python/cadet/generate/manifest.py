@@ -11,6 +11,7 @@ from typing import Any
 from cadet.generate.frames import object_name, recorded_hashes
 from cadet.generate.settings import Settings
 from cadet.kitti import ImageSet
+from cadet.kitti.files import REQUIRED
 from cadet.sink import Sink
 
 MANIFEST = "manifest.json"
@@ -30,9 +31,12 @@ def put_manifest(sink: Sink, settings: Settings) -> Counter[str]:
         name = f"ImageSets/{split}.txt"
         sink.put(name, data)
         hashes[name] = sha256(data).hexdigest()
+    # Tools of others list these folders, be there a test frame or none.
+    for folder in REQUIRED:
+        sink.make_folder(f"testing/{folder}")
     types: Counter[str] = Counter()
     for frame_id in _frame_ids(settings):
-        lines = sink.read(object_name("label_2", frame_id)).decode("ascii").splitlines()
+        lines = sink.read(object_name(settings, "label_2", frame_id)).decode("ascii").splitlines()
         types.update(line.split(" ", 1)[0] for line in lines)
     head = {
         **settings.identity(),
@@ -51,7 +55,7 @@ def _chunks(head: dict[str, Any], hashes: dict[str, str], sink: Sink, settings: 
     yield json.dumps(head, indent=1, allow_nan=False)[:-2].encode("ascii") + b',\n "sha256": {\n'
     yield _lines(hashes)
     for frame_id in _frame_ids(settings):
-        yield b",\n" + _lines(recorded_hashes(sink, frame_id))
+        yield b",\n" + _lines(recorded_hashes(sink, settings, frame_id))
     yield b"\n }\n}\n"
 
 
@@ -64,9 +68,11 @@ def _frame_ids(settings: Settings) -> Iterator[str]:
 
 
 def _image_sets(settings: Settings) -> dict[str, ImageSet]:
-    ids: dict[str, list[str]] = {"train": [], "val": [], "trainval": []}
+    ids: dict[str, list[str]] = {"train": [], "val": [], "trainval": [], "test": []}
     for episode in range(settings.num_episodes):
         members = [settings.frame_id(episode, sample) for sample in range(settings.num_samples(episode))]
-        ids["val" if settings.is_val(episode) else "train"] += members
-        ids["trainval"] += members
+        split = settings.split(episode)
+        ids[split] += members
+        if split != "test":
+            ids["trainval"] += members
     return {split: ImageSet(tuple(members)) for split, members in ids.items()}

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final, Literal, TypeAlias
 
 from cadet import _cadet
 from cadet.config import check_number
 from cadet.errors import CadetError
 from cadet.policy import ResetPolicy, check_seed
 
-FORMAT_VERSION = 1
+Split: TypeAlias = Literal["train", "val", "test"]
+
+FORMAT_VERSION = 2
 EXTRAS = ("depth", "instance", "semantic")
 """Folders that are written on demand."""
 BASE_FOLDERS = ("image_2", "velodyne", "calib", "label_2", "planes")
 """Folders that every frame has a file in, besides `meta`."""
+_TEST_EPISODE: Final = 2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,6 +39,8 @@ class Settings:
     """Folders to write besides `BASE_FOLDERS`: some of `EXTRAS`."""
     val_period: int = 5
     """Episode e is validation if e % val_period == 1, so that two episodes have some; 0 for none."""
+    test_period: int = 0
+    """Episode e is test, and not validation, if e % test_period == 2; 0 for none."""
 
     def __post_init__(self) -> None:
         check_seed(self.seed)
@@ -43,6 +48,9 @@ class Settings:
         check_number("Settings", "val_period", self.val_period, 0, 1_000_000, whole=True)
         if self.val_period == 1:
             raise CadetError("Settings.val_period: expected 0 or at least 2, got 1")
+        check_number("Settings", "test_period", self.test_period, 0, 1_000_000, whole=True)
+        if self.test_period in (1, 2):
+            raise CadetError(f"Settings.test_period: expected 0 or at least 3, got {self.test_period}")
         for extra in self.extras:
             if extra not in EXTRAS:
                 raise CadetError(f"cannot write {extra!r}; known: {', '.join(EXTRAS)}")
@@ -66,9 +74,16 @@ class Settings:
         """Return the id of a sample: six digits."""
         return f"{episode * self.policy.samples_per_episode + sample:06d}"
 
-    def is_val(self, episode: int) -> bool:
-        """Tell whether an episode is validation."""
-        return self.val_period > 0 and episode % self.val_period == 1
+    def split(self, episode: int) -> Split:
+        """Return the split of an episode: a function of its number alone, so that more frames move none."""
+        if self.test_period > 0 and episode % self.test_period == _TEST_EPISODE:
+            return "test"
+        return "val" if self.val_period > 0 and episode % self.val_period == 1 else "train"
+
+    def part(self, frame_id: str) -> str:
+        """Return the folder of a frame: "testing" for test frames, else "training"."""
+        is_test = self.split(int(frame_id) // self.policy.samples_per_episode) == "test"
+        return "testing" if is_test else "training"
 
     def identity(self) -> dict[str, Any]:
         """Return what must not change between a run and its resumption, in plain values: all but `num_frames`."""
@@ -79,6 +94,7 @@ class Settings:
             "seed": self.seed,
             "write": list(self.folders),
             "val_period": self.val_period,
+            "test_period": self.test_period,
             "policy": self.policy.to_dict(),
             "rig": rigs[0].to_dict(),
             "other_rigs": {rig.name: rig.sha256() for rig in rigs[1:]},

@@ -21,6 +21,12 @@ _SHAPES: Final = {
     "Tr_velo_to_cam": (3, 4),
     "Tr_imu_to_velo": (3, 4),
 }
+KEYS: Final = tuple(_SHAPES)
+"""The keys of a calibration file in the order of KITTI's lines."""
+
+ZERO_DEPTH_M: Final = 2.5e-7
+"""A depth that single precision may take for 0: what rounding makes of sums of matrix elements times coordinates."""
+
 _NUM_DECIMALS: Final = 12
 _XYZ: Final = 3
 
@@ -40,6 +46,7 @@ class Calibration:
         Tr_velo_to_cam: (3, 4) the velo frame into camera 0 before rectification, metres.
         Tr_imu_to_velo: (3, 4) the IMU's frame into the velo frame, metres.
         has_blank_line: whether the file ends with a blank line, as most of KITTI's do; kept so that text round trips.
+            Ours end without, as the others of KITTI's do: pykitti stops at it.
 
     Raises:
         ShapeError: a matrix has the wrong shape or dtype.
@@ -53,7 +60,7 @@ class Calibration:
     R0_rect: NDArray[np.float64]
     Tr_velo_to_cam: NDArray[np.float64]
     Tr_imu_to_velo: NDArray[np.float64]
-    has_blank_line: bool = field(default=True, repr=False)
+    has_blank_line: bool = field(default=False, repr=False)
 
     def __post_init__(self) -> None:
         for name, shape in _SHAPES.items():
@@ -182,6 +189,29 @@ def points_in_image(points_cam: NDArray[Any], calib: Calibration, image_size: tu
     u, v = points_img[:, 0], points_img[:, 1]
     inside: NDArray[np.bool_] = (points_cam[:, 2] > 0.0) & (u > 0.0) & (u < width) & (v > 0.0) & (v < height)
     return inside
+
+
+def is_at_zero_depth(points_velo: NDArray[Any], calib: Calibration) -> NDArray[np.bool_]:
+    """Tell which points have z = 0 in the cam frame, to single precision: programs divide by it.
+
+    Args:
+        points_velo: (N, 3) or wider, metres, velo frame. May be empty.
+        calib: the calibration.
+
+    Returns:
+        (N,) bool.
+
+    Raises:
+        ShapeError: `points_velo` has fewer than three columns.
+    """
+    check_array(points_velo, "points_velo", ("N", "C"))
+    if points_velo.shape[1] < _XYZ:
+        raise ShapeError(f"points_velo: expected (N, 3) or wider, got {points_velo.shape}")
+    a, b, c, d = calib.cam_from_velo[2].tolist()
+    x, y, z = points_velo[:, :3].astype(np.float64).T
+    # Written out, since the order in which a product of matrices adds up differs between machines.
+    is_zero: NDArray[np.bool_] = np.abs(a * x + b * y + c * z + d) < ZERO_DEPTH_M
+    return is_zero
 
 
 def _transform(matrix: NDArray[np.float64], points: NDArray[Any], name: str) -> NDArray[np.float64]:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import stat
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
@@ -15,7 +17,16 @@ from cadet.errors import CadetError, FrameExistsError, KittiFormatError, Missing
 from cadet.frame import Frame
 from cadet.kitti import images
 from cadet.kitti.calib import Calibration
-from cadet.kitti.files import SUFFIXES, check_id, display_name, file_path, frame_ids, sample_folder, write_whole
+from cadet.kitti.files import (
+    SUFFIXES,
+    check_id,
+    display_name,
+    file_path,
+    frame_ids,
+    sample_folder,
+    split_folder,
+    write_whole,
+)
 from cadet.kitti.image_sets import read_image_set
 from cadet.kitti.label import Label, labels_from_text, text_from_labels
 from cadet.kitti.planes import plane_from_text, text_from_plane
@@ -74,7 +85,7 @@ def read_calib(root: str | Path, frame_id: str | int) -> Calibration:
     return Calibration.from_text(*_read_text(sample_folder(root), "calib", check_id(frame_id)))
 
 
-def check_files(root: str | Path, frame_id: str | int) -> list[tuple[str, CadetError]]:
+def check_files(root: str | Path, frame_id: str | int) -> list[tuple[str, CadetError | OSError]]:
     """List what is wrong with each file of a frame: its folder, and the error that reading it raises.
 
     A label file is read line by line, so it may give several.
@@ -184,7 +195,8 @@ class Dataset:
 
     Args:
         root: the folder that holds `training` and `ImageSets`.
-        split: a list of `ImageSets` such as "train"; None for every frame that is there.
+        split: a list of `ImageSets` such as "train"; None for every frame of `training`. The frames of "test" lie under
+            `testing`, and KITTI's have no labels.
 
     Raises:
         MissingFileError: no KITTI folder, or no such split.
@@ -194,15 +206,15 @@ class Dataset:
     def __init__(self, root: str | Path, split: str | None = None) -> None:
         self.root = Path(root)
         self.split = split
-        folder = sample_folder(root)
-        self.ids: tuple[str, ...] = frame_ids(folder) if split is None else read_image_set(root, split).ids
+        self.folder = split_folder(root, split)
+        self.ids: tuple[str, ...] = frame_ids(self.folder) if split is None else read_image_set(root, split).ids
         self._members = frozenset(self.ids)
 
     def __len__(self) -> int:
         return len(self.ids)
 
     def __iter__(self) -> Iterator[Frame]:
-        return (read_frame(self.root, frame_id) for frame_id in self.ids)
+        return (read_frame(self.folder, frame_id) for frame_id in self.ids)
 
     def __getitem__(self, key: int | str) -> Frame:
         """Read the frame at an index (int) or with an id (str).
@@ -214,27 +226,27 @@ class Dataset:
         if isinstance(key, str):
             if key not in self._members:
                 raise KeyError(key)
-            return read_frame(self.root, key)
-        return read_frame(self.root, self.ids[key])
+            return read_frame(self.folder, key)
+        return read_frame(self.folder, self.ids[key])
 
     def __repr__(self) -> str:
         return f"Dataset({str(self.root)!r}, split={self.split!r}): {len(self)} frames"
 
 
-def _error_of(reader: Callable[[], object]) -> CadetError | None:
+def _error_of(reader: Callable[[], object]) -> CadetError | OSError | None:
     try:
         reader()
-    except CadetError as error:
+    except (CadetError, OSError) as error:
         return error
     return None
 
 
-def _label_errors(folder: Path, frame_id: str) -> list[tuple[str, CadetError]]:
+def _label_errors(folder: Path, frame_id: str) -> list[tuple[str, CadetError | OSError]]:
     if not (folder / "label_2").is_dir():
         return []
     try:
         text, name = _read_text(folder, "label_2", frame_id)
-    except CadetError as error:
+    except (CadetError, OSError) as error:
         return [("label_2", error)]
     lines = enumerate(text.removesuffix("\n").split("\n") if text else (), start=1)
     errors = [_error_of(partial(Label.from_line, line, name, number)) for number, line in lines]
@@ -242,12 +254,16 @@ def _label_errors(folder: Path, frame_id: str) -> list[tuple[str, CadetError]]:
 
 
 def _has(folder: Path, kind: str, frame_id: str) -> bool:
-    return file_path(folder, kind, frame_id).is_file()
+    # Not is_file: a folder or a broken link in a file's place is to be found, not passed over.
+    return os.path.lexists(file_path(folder, kind, frame_id))
 
 
 def _read_bytes(folder: Path, kind: str, frame_id: str) -> tuple[bytes, str]:
     path = file_path(folder, kind, frame_id)
     try:
+        # Opening a pipe would wait for its writer.
+        if not stat.S_ISREG(path.stat().st_mode):
+            raise KittiFormatError("no regular file", display_name(path))
         return path.read_bytes(), display_name(path)
     except FileNotFoundError:
         raise MissingFileError(f"{path}: no such file") from None

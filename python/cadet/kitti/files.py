@@ -26,7 +26,7 @@ SUFFIXES: Final = {
 REQUIRED: Final = ("image_2", "velodyne", "calib")
 """The folders that every frame must have a file in."""
 
-_ID: Final = re.compile(r"\d{6}")
+_ID: Final = re.compile(r"[0-9]{6}")
 _MAX_ID: Final = 999_999
 
 
@@ -53,6 +53,26 @@ def sample_folder(root: str | Path) -> Path:
         if any((folder / name).is_dir() for name in REQUIRED):
             return folder
     raise MissingFileError(f"{root}: no KITTI folder: neither training/calib nor calib lies there")
+
+
+def testing_folder(root: str | Path) -> Path | None:
+    """Find the folder of the test frames beside `root/training`; None where there is none."""
+    folder = Path(root) / "testing"
+    return folder if any((folder / name).is_dir() for name in REQUIRED) else None
+
+
+def split_folder(root: str | Path, split: str | None) -> Path:
+    """Find the folder that holds a split's frames: `root/testing` for "test", else what `sample_folder` finds.
+
+    Raises:
+        MissingFileError: there is none.
+    """
+    if split != "test":
+        return sample_folder(root)
+    folder = testing_folder(root)
+    if folder is None:
+        raise MissingFileError(f"{root}: no test frames: there is no testing/calib")
+    return folder
 
 
 def file_path(folder: Path, kind: str, frame_id: str) -> Path:

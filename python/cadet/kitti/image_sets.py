@@ -11,7 +11,7 @@ from typing import Final
 from cadet.errors import KittiFormatError, MissingFileError
 from cadet.kitti.files import write_whole
 
-_ID: Final = re.compile(r"\d{6}")
+_ID: Final = re.compile(r"[0-9]{6}")
 
 
 @dataclass(frozen=True)

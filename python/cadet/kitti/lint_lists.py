@@ -1,0 +1,143 @@
+"""The lint of what is no frame: lists, manifest, folders, files without a frame."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Callable, Collection, Iterator, Mapping
+from pathlib import Path
+from typing import Final
+
+from cadet.errors import KittiFormatError
+from cadet.kitti.files import REQUIRED, SUFFIXES
+from cadet.kitti.finding import Finding, Severity
+from cadet.kitti.image_sets import ImageSet
+
+MANIFEST: Final = "manifest.json"
+
+_NEEDED_LISTS: Final = ("train", "val", "test")
+
+
+def lint_manifest(root: Path) -> tuple[tuple[float, float] | None, list[Finding]]:
+    """Read the ranges of a generated dataset's LIDAR; None where no manifest says them."""
+    path = root / MANIFEST
+    if not os.path.lexists(path):
+        return None, []
+    try:
+        manifest = json.loads(path.read_bytes())
+    except (ValueError, RecursionError) as error:
+        return None, [Finding(MANIFEST, getattr(error, "lineno", None), f"no JSON: {error}")]
+    except OSError as error:
+        return None, [_unreadable(MANIFEST, error)]
+    rig = manifest.get("rig") if isinstance(manifest, dict) else None
+    range_m = rig.get("range_m") if isinstance(rig, dict) else None
+    if range_m is None:
+        return None, []
+    if not (isinstance(range_m, list) and len(range_m) == 2 and all(is_number(x) for x in range_m)):
+        return None, [Finding(MANIFEST, None, "rig.range_m: expected two numbers")]
+    low, high = range_m
+    if not 0.0 <= low < high:
+        return None, [Finding(MANIFEST, None, f"rig.range_m: expected 0 <= low < high, got {low} and {high}")]
+    return (float(low), float(high)), []
+
+
+def lint_folders(folder: Path, ids: Collection[str], display: Callable[[Path], str]) -> Iterator[Finding]:
+    """Find folders that cannot be listed, and files that belong to no frame.
+
+    Args:
+        folder: the folder that holds `calib` and its fellows.
+        ids: the frames that are there.
+        display: names a file in messages.
+    """
+    for kind, suffix in SUFFIXES.items():
+        try:
+            names = sorted(os.listdir(folder / kind))  # noqa: PTH208 - listing alone, no entry is opened
+        except FileNotFoundError:
+            continue
+        except OSError as error:
+            yield _unreadable(display(folder / kind), error)
+            continue
+        if kind in REQUIRED:
+            continue
+        for name in names:
+            if Path(name).stem not in ids or Path(name).suffix != suffix:
+                yield Finding(display(folder / kind / name), None, "belongs to no frame", "warning")
+
+
+def lint_lists(
+    root: Path, training: Collection[str], testing: Collection[str], *, strict: bool, generated: bool
+) -> list[Finding]:
+    """Check that the lists that others read are there, name frames that are there, and name none twice.
+
+    Args:
+        root: the folder that holds `ImageSets`.
+        training: ids of the frames under `training`.
+        testing: ids of the frames under `testing`.
+        strict: errors instead of warnings.
+        generated: the lists that other programs read must be there, and no frame may be in `test` and another list;
+            KITTI itself brings no lists, and numbers its test frames anew.
+    """
+    soft: Severity = "error" if strict else "warning"
+    sets, findings = _read_lists(root)
+    for split in _NEEDED_LISTS:
+        if generated and not os.path.lexists(root / "ImageSets" / f"{split}.txt"):
+            message = "missing: OpenPCDet and MMDetection3D stop without it; an empty list will do"
+            findings.append(Finding(f"ImageSets/{split}.txt", None, message))
+    for split, image_set in sets.items():
+        present, where = (testing, "testing") if split == "test" else (training, "training")
+        absent = [frame_id for frame_id in image_set if frame_id not in present]
+        if absent:
+            message = f"{len(absent)} of {len(image_set)} ids have no frame in {where}, the first is {absent[0]}"
+            findings.append(Finding(f"ImageSets/{split}.txt", image_set.ids.index(absent[0]) + 1, message, soft))
+    return findings + _lint_overlaps(sets, soft, generated=generated)
+
+
+def _read_lists(root: Path) -> tuple[dict[str, ImageSet], list[Finding]]:
+    sets: dict[str, ImageSet] = {}
+    findings: list[Finding] = []
+    try:
+        names = sorted(os.listdir(root / "ImageSets"))  # noqa: PTH208 - listing alone, no entry is opened
+    except FileNotFoundError:
+        return sets, findings
+    except OSError as error:
+        return sets, [_unreadable("ImageSets", error)]
+    for name in names:
+        path = root / "ImageSets" / name
+        if path.suffix != ".txt":
+            continue
+        shown = printable(f"ImageSets/{name}")
+        try:
+            sets[path.stem] = ImageSet.from_text(path.read_text(encoding="ascii", errors="replace"), shown)
+        except KittiFormatError as error:
+            findings.append(Finding(shown, error.line, error.reason))
+        except OSError as error:
+            findings.append(_unreadable(shown, error))
+    return sets, findings
+
+
+def _lint_overlaps(sets: Mapping[str, ImageSet], soft: Severity, *, generated: bool) -> list[Finding]:
+    findings = []
+    pairs = [("train", "val"), *([("train", "test"), ("val", "test")] if generated else [])]
+    for one, other in pairs:
+        members = set(sets.get(one, ()))
+        for line, frame_id in enumerate(sets.get(other, ()), start=1):
+            if frame_id in members:
+                findings.append(Finding(f"ImageSets/{other}.txt", line, f"{frame_id} is in {one}, too"))
+    if {"train", "val", "trainval"} <= set(sets) and set(sets["trainval"]) != {*sets["train"], *sets["val"]}:
+        findings.append(Finding("ImageSets/trainval.txt", None, "is not train and val together", soft))
+    return findings
+
+
+def printable(name: str) -> str:
+    """Return a file's name as it can be printed: what is no character is escaped."""
+    return name if name.isprintable() else ascii(name)[1:-1]
+
+
+def _unreadable(file: str, error: OSError) -> Finding:
+    return Finding(file, None, f"cannot be read: {error.strerror or error}")
+
+
+def is_number(value: object) -> bool:
+    """Tell whether a value out of a JSON file is a number that arithmetic can take."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= sys.float_info.max

@@ -1,0 +1,180 @@
+"""Test episodes of `cadet-gen`, and resuming among files that are none of its own; on the fake core."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from cadet import kitti
+from cadet.errors import MissingFileError
+from cadet.generate.settings import Settings
+from cadet.policy import ResetPolicy
+from test_generate import FAILED, FINE, SIZE, run, tree
+
+FOLDERS = ["calib", "image_2", "label_2", "meta", "planes", "velodyne"]
+
+
+def ids(root: Path, split: str) -> list[str]:
+    return (root / "ImageSets" / f"{split}.txt").read_text().split()
+
+
+def names(first: int, last: int) -> list[str]:
+    return [f"{number:06d}" for number in range(first, last)]
+
+
+@pytest.fixture(scope="module")
+def split_set(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Seven episodes, of which the third and the sixth are test."""
+    out = tmp_path_factory.mktemp("split") / "out"
+    done = run(out, "-n", 130, "--seed", 3, *SIZE, "--test-fraction", 0.34, "--workers", 1)
+    assert (done.returncode, done.stdout) == (FINE, "")
+    return out
+
+
+def test_without_test_frames_there_are_an_empty_list_and_empty_folders(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert run(out, "-n", 2, *SIZE).returncode == FINE
+    assert (out / "ImageSets" / "test.txt").read_bytes() == b""
+    assert sorted(path.name for path in (out / "testing").iterdir()) == ["calib", "image_2", "velodyne"]
+    assert not any(path.is_file() for path in (out / "testing").rglob("*"))
+    assert len(kitti.Dataset(out, "test")) == 0
+    assert run(out, "-n", 2, *SIZE, "--resume").returncode == FINE
+
+
+def test_every_third_episode_is_test(split_set: Path) -> None:
+    assert ids(split_set, "test") == names(40, 60) + names(100, 120)
+    assert ids(split_set, "val") == names(20, 40) + names(120, 130)
+    assert ids(split_set, "train") == names(0, 20) + names(60, 100)
+    assert ids(split_set, "trainval") == sorted(ids(split_set, "train") + ids(split_set, "val"))
+    for part, members in (("training", ids(split_set, "trainval")), ("testing", ids(split_set, "test"))):
+        assert sorted(path.name for path in (split_set / part).iterdir()) == FOLDERS
+        for folder in FOLDERS:
+            assert sorted(path.stem for path in (split_set / part / folder).iterdir()) == members
+
+
+def test_test_frames_are_those_of_the_same_command_without_them(split_set: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert run(out, "-n", 60, "--seed", 3, *SIZE).returncode == FINE
+    plain, with_test = tree(out), tree(split_set)
+    for folder, suffix in (("image_2", "png"), ("velodyne", "bin"), ("label_2", "txt"), ("meta", "json")):
+        for frame_id in names(40, 60):
+            name = f"{folder}/{frame_id}.{suffix}"
+            assert with_test[f"testing/{name}"] == plain[f"training/{name}"]
+
+
+def test_the_manifest_names_test_frames(split_set: Path) -> None:
+    manifest = json.loads((split_set / "manifest.json").read_text())
+    files = tree(split_set)
+    del files["manifest.json"], files["run.json"]
+    assert manifest["sha256"] == files
+    assert manifest["test_period"] == 3
+    assert manifest["counts"]["frames"] == 130
+
+
+def test_a_dataset_reads_its_test_frames(split_set: Path) -> None:
+    dataset = kitti.Dataset(split_set, "test")
+    assert dataset.ids == tuple(ids(split_set, "test"))
+    meta = [frame.meta for frame in (dataset[0], dataset["000119"])]
+    assert [(one["episode"], one["sample"]) for one in meta if one is not None] == [(2, 0), (5, 19)]
+    assert len(kitti.Dataset(split_set)) == 90
+    with pytest.raises(MissingFileError, match=r"no test frames: there is no testing/calib"):
+        kitti.Dataset(split_set / "training", "test")
+
+
+def test_labels_of_test_frames_can_be_evaluated(split_set: Path) -> None:
+    from cadet.evaluation.sources import choose
+
+    chosen = choose(split_set / "testing" / "label_2", split_set / "testing" / "label_2", "test", "results")
+    assert chosen.num_frames == 40
+
+
+@pytest.mark.parametrize("num_first", [41, 110])
+def test_more_frames_move_no_test_frame(split_set: Path, tmp_path: Path, num_first: int) -> None:
+    out = tmp_path / "out"
+    arguments = ("--seed", 3, *SIZE, "--test-fraction", 0.34)
+    assert run(out, "-n", num_first, *arguments).returncode == FINE
+    before = tree(out)
+    assert run(out, "-n", 130, *arguments, "--resume").returncode == FINE
+    after = tree(out)
+    assert after == tree(split_set)
+    assert all(after[name] == digest for name, digest in before.items() if name.startswith(("training", "testing")))
+
+
+def test_resuming_mends_test_frames(split_set: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    shutil.copytree(split_set, out)
+    (out / "testing" / "velodyne" / "000045.bin").write_bytes(b"short")
+    (out / "testing" / "meta" / "000110.json").unlink()
+    shutil.rmtree(out / "testing" / "calib")
+    assert run(out, "-n", 130, "--seed", 3, *SIZE, "--test-fraction", 0.34, "--resume").returncode == FINE
+    assert tree(out) == tree(split_set)
+
+
+def test_fewer_frames_than_testing_has_are_refused(split_set: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    shutil.copytree(split_set, out)
+    for folder in FOLDERS:
+        for path in (out / "training" / folder).iterdir():
+            path.unlink()
+    done = run(out, "-n", 119, "--seed", 3, *SIZE, "--test-fraction", 0.34, "--resume")
+    assert (done.returncode, done.stderr) == (
+        FAILED,
+        f"cadet-gen: {out} has frames up to 000119 already: give at least -n 120\n",
+    )
+
+
+def test_another_test_fraction_is_another_run(split_set: Path) -> None:
+    done = run(split_set, "-n", 130, "--seed", 3, *SIZE, "--resume")
+    assert done.returncode == FAILED
+    assert "was begun with other settings: test_period was 3, now 0" in done.stderr
+
+
+@pytest.mark.parametrize("fraction", ["nan", "1e-9"])
+@pytest.mark.parametrize("option", ["--val-fraction", "--test-fraction"])
+def test_fractions_that_are_no_share_are_refused(tmp_path: Path, option: str, fraction: str) -> None:
+    done = run(tmp_path / "out", "-n", 1, *SIZE, option, fraction)
+    assert done.returncode == FAILED
+    assert done.stderr.startswith(f"cadet-gen: {option}: expected ")
+    assert done.stderr.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_split_is_a_function_of_the_episode() -> None:
+    settings = Settings(num_frames=20, policy=ResetPolicy.kitti(), test_period=4)
+    assert [settings.split(episode) for episode in range(8)] == "train val test train train train test train".split()
+
+
+@pytest.mark.parametrize("name", ["000039 (copy).png", "999999999.png", "0.png", "12345٣.png", "000050.png.bak"])
+def test_resuming_passes_over_strange_files(tmp_path: Path, name: str) -> None:
+    out = tmp_path / "out"
+    assert run(out, "-n", 1, *SIZE).returncode == FINE
+    whole = tree(out)
+    for part in ("training", "testing"):
+        (out / part / "image_2" / name).write_bytes(b"a copy")
+    assert run(out, "-n", 1, *SIZE, "--resume").returncode == FINE
+    assert {path: digest for path, digest in tree(out).items() if Path(path).name != name} == whole
+
+
+META = [
+    '{"sha256": ["image_2", "velodyne", "calib", "label_2", "planes"]}',
+    '{"sha256": {"image_2": 1, "velodyne": 2, "calib": 3, "label_2": 4, "planes": [5]}}',
+    '{"sha256": {"../image_2": "0"}}',
+    "[" * 100_000,
+    "[]",
+    "5",
+    "\xff",
+]
+
+
+@pytest.mark.parametrize("meta", META)
+def test_resuming_makes_a_frame_anew_whose_meta_holds_no_hashes(tmp_path: Path, meta: str) -> None:
+    out = tmp_path / "out"
+    assert run(out, "-n", 1, *SIZE).returncode == FINE
+    whole = tree(out)
+    (out / "training" / "meta" / "000000.json").write_text(meta, encoding="latin-1")
+    done = run(out, "-n", 1, *SIZE, "--resume")
+    assert done.returncode == FINE, done.stderr
+    assert tree(out) == whole
