@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cadet.checks import check_kind
 from cadet.errors import CadetError, FrameExistsError, KittiFormatError, MissingFileError
 from cadet.frame import Frame
 from cadet.kitti import images
@@ -116,6 +117,7 @@ def encode_frame(frame: Frame) -> dict[str, bytes]:
     Raises:
         CadetError: what the format cannot hold: an instance id above 65534, a `meta` that is no JSON.
     """
+    check_kind("", "frame", frame, Frame)
     contents = {
         "image_2": images.encode_png(frame.image),
         "velodyne": bytes_from_points(frame.points_velo),
