@@ -59,6 +59,7 @@ PYTHON_ROOMS: dict[str, set[str]] = {
     "generate": {"checks", "episode", "errors", "frame", "kitti", "policy", "sink", "_cadet"},
     "cli": {
         "assets",
+        "checks",
         "errors",
         "evaluation",
         "generate",

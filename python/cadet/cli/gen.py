@@ -14,6 +14,7 @@ from rich.console import Console
 
 from cadet import _cadet
 from cadet.assets import Assets
+from cadet.checks import check_number
 from cadet.cli.errors import INTERRUPTED
 from cadet.cli.progress import reporter
 from cadet.errors import CadetError
@@ -80,7 +81,7 @@ def cadet_gen(
         num_frames=num_frames,
         policy=_with_sensors(_policy(policy, maps, weathers, assets), rig, image_size, lidar),
         extras=tuple(name.strip() for name in write.split(",") if name.strip()),
-        val_period=round(1.0 / val_fraction) if val_fraction > 0.0 else 0,
+        val_period=_val_period(val_fraction),
     )
     console = Console(stderr=True, highlight=False, soft_wrap=True)
     start_s = time.monotonic()
@@ -121,6 +122,12 @@ def _policy(name: str, maps: tuple[str, ...], weathers: tuple[str, ...], assets:
     if assets is not None:
         policy = replace(policy, assets=Assets.read(assets))
     return policy
+
+
+def _val_period(fraction: float) -> int:
+    # click lets NaN through any range.
+    check_number("", "--val-fraction", fraction, 0, 0.5)
+    return round(1.0 / fraction) if fraction > 0.0 else 0
 
 
 def _check_drivable(road_map: RoadMap) -> None:

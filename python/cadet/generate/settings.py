@@ -11,7 +11,8 @@ from cadet.checks import as_seed, as_tuple, check_kind, check_number, is_one_of,
 from cadet.errors import CadetError
 from cadet.policy import ResetPolicy
 
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
+"""Rises with every change of what the same settings give: 2 scales labels' pixel limits with the image."""
 EXTRAS = ("depth", "instance", "semantic")
 """Folders that are written on demand."""
 BASE_FOLDERS = ("image_2", "velodyne", "calib", "label_2", "planes")
