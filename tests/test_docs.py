@@ -2,7 +2,7 @@
 
 Fenced `python` and `sh` blocks are run, `toml` blocks parsed. A block that a comment `<!-- not run: REASON -->` stands
 right before is left out. Python blocks of a page share their names. The folder holds what the pages speak of: `out` and
-`set` (KITTI folders), `results` and `scans` of `out`, `DIR` (own vehicles), `run` (a checkpoint) and `mine.toml`.
+`set` (KITTI folders), `results` for `out`, `DIR` (own vehicles), `run` (a checkpoint) and `mine.toml`.
 """
 
 from __future__ import annotations
@@ -69,7 +69,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for number in range(_NUM_TRAIN + _NUM_VAL):
         kitti.write_frame(root / "out", number, frame, split="train" if number < _NUM_TRAIN else "val")
     shutil.copytree(root / "out", root / "set")
-    shutil.copytree(root / "out" / "training" / "velodyne", root / "scans")
     (root / "results").mkdir()
     labels = [replace(label, score=0.9) for label in frame.labels if not label.is_dont_care]
     for number in range(_NUM_TRAIN + _NUM_VAL):
