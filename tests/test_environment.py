@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from cadet import CadetError, Camera, Environment, Frame, ResetPolicy, Rig, Scene, SceneConfig, episode, weather_names
+from cadet.policy import EpisodeSpec
 
 pytestmark = pytest.mark.usefixtures("fake_core")
 
@@ -37,7 +38,12 @@ def test_samples_and_episodes_are_numbered_and_frames_carry_them() -> None:
 def test_a_configuration_of_ones_own_takes_the_place_of_the_drawn_one(monkeypatch: pytest.MonkeyPatch) -> None:
     built: list[SceneConfig] = []
     original = episode.build_scene
-    monkeypatch.setattr(episode, "build_scene", lambda spec: built.append(spec.config) or original(spec))
+
+    def build(spec: EpisodeSpec) -> Any:
+        built.append(spec.config)
+        return original(spec)
+
+    monkeypatch.setattr(episode, "build_scene", build)
     config = SceneConfig(num_cars=3, num_pedestrians=0, parking_occupancy=0.1)
     env = Environment(policy=replace(ResetPolicy.kitti(), samples_per_episode=1), rig=RIG, config=config)
     env.reset(seed=np.int64(1))  # type: ignore[arg-type]

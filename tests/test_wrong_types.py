@@ -208,7 +208,7 @@ def test_a_wrong_type_is_refused_in_one_line(call: str) -> None:
     use, names = CALLS[call]
     for name in names:
         for value in ODD:
-            wrong = what_is_wrong(lambda name=name, value=value: use(**{name: value}))
+            wrong = what_is_wrong(functools.partial(use, **{name: value}))
             if wrong is not None:
                 pytest.fail(f"{call}({name}={str(value)[:40]!r}): {wrong}")
 
@@ -256,4 +256,4 @@ def test_numpy_numbers_are_numbers_everywhere() -> None:
 @pytest.mark.parametrize("occluded", [0.5, 1.0, True, "0", None])
 def test_a_level_of_occlusion_is_a_whole_number(occluded: Any) -> None:
     with pytest.raises(CadetError, match=r"^occluded: expected a whole number -1\.\.3, got "):
-        kitti.Label(**{**LABEL, "occluded": occluded})  # type: ignore[arg-type]
+        kitti.Label(**{**LABEL, "occluded": occluded})

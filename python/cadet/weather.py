@@ -147,6 +147,6 @@ def apply(
 def _number(name: str, value: object) -> float:
     if not isinstance(value, Real) or isinstance(value, bool):
         raise CadetError(f"{name}: expected a number, got {shown(value)}")
-    if not abs(value) <= sys.float_info.max:
+    if not abs(value) <= sys.float_info.max:  # type: ignore[operator]
         raise NonFiniteError(f"{name}: not finite: {shown(value)}")
     return float(value)

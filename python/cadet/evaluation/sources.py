@@ -116,7 +116,7 @@ def _split_ids(split: Split, truths: Path | None) -> tuple[str, ...]:
         return ImageSet.from_text(path.read_text(encoding="ascii", errors="replace"), path.name).ids
     if isinstance(split, str | Path):
         if truths is None:
-            raise CadetError(f"split: {split!r} is looked for beside the labels' folder; in memory, give the ids")
+            raise CadetError(f"split: {shown(split)} is looked for beside the labels' folder; in memory, give the ids")
         roots = (truths, *truths.resolve().parents[:2])
         root = next((root for root in roots if (root / "ImageSets").is_dir()), roots[-1])
         return read_image_set(root, str(split)).ids
