@@ -48,10 +48,12 @@ def fake_core(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
         monkeypatch.setattr(core, name, getattr(fake_native, name))
     monkeypatch.delenv("CADET_FAKE", raising=False)
     # What one core has built is nothing to the other.
-    built = importlib.import_module("cadet.assets")._native
-    built.cache_clear()
+    caches = (importlib.import_module("cadet.assets")._native, importlib.import_module("cadet.rig")._to_native)
+    for built in caches:
+        built.cache_clear()
     yield fake_native
-    built.cache_clear()
+    for built in caches:
+        built.cache_clear()
 
 
 @pytest.fixture(scope="session")

@@ -72,7 +72,7 @@ def make_points(labels: tuple[Label, ...], calib: Calibration) -> NDArray[np.flo
     stacked = np.stack([label.box_cam for label in labels if not label.is_dont_care])
     corners = boxes.corners_cam(stacked)
     mix = rng.dirichlet(np.ones(8), (len(stacked), 200))
-    points_velo = calib.cam_to_velo(np.concatenate([road_cam, (mix @ corners).reshape(-1, 3)]))
+    points_velo = calib.points_velo_from_cam(np.concatenate([road_cam, (mix @ corners).reshape(-1, 3)]))
     intensity = rng.integers(0, 100, len(points_velo)) / 100.0
     return np.hstack([points_velo.round(3), intensity[:, None]]).astype(np.float32)
 

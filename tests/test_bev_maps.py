@@ -94,7 +94,7 @@ def test_nonsense_is_refused() -> None:
         bev.maps(bad, PLANE, SMALL)
     with pytest.raises(ShapeError, match=r"out: expected \(6, 8, 12\) float32"):
         bev.maps(points_cam, PLANE, SMALL, out=np.zeros((3, 8, 12), np.float32))
-    with pytest.raises(ShapeError, match="out: expected a writeable array in C order"):
+    with pytest.raises(ShapeError, match="out: expected a writeable, aligned array in C order"):
         bev.maps(points_cam, PLANE, SMALL, out=np.zeros(SMALL.shape[::-1], np.float32).T)
     with pytest.raises(ShapeError, match="points_cam has shape"):
         bev.maps(points_cam[:, :2].copy(), PLANE, SMALL)
@@ -154,7 +154,7 @@ def test_borders_are_outside(maps: Any) -> None:
 @pytest.mark.parametrize("name", CONFIGS)
 def test_real_frames_in_both_rules(name: str) -> None:
     frame = kitti.Dataset(ROOT)[0]
-    points_cam = frame.calib.velo_to_cam(frame.points_velo)
+    points_cam = frame.calib.points_cam_from_velo(frame.points_velo)
     height_px, width_px = frame.image.shape[:2]
     seen_cam = points_cam[kitti.points_in_image(points_cam, frame.calib, (width_px, height_px))]
     assert frame.plane is not None and len(seen_cam) > 15_000

@@ -139,10 +139,3 @@ def test_the_default_policy_has_streets_with_and_without_cars() -> None:
     counts = [sum(label.type == "Car" for label in env.step().labels) for _ in range(4)]
     assert max(counts) >= 3
     assert len(set(counts)) >= 2
-
-
-def test_the_readmes_python_runs(capsys: pytest.CaptureFixture[str]) -> None:
-    code = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
-    assert len(code) == 1
-    exec(compile(code[0], "README.md", "exec"), {})
-    assert capsys.readouterr().out.startswith("(375, 1242, 3) (")

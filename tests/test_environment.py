@@ -6,7 +6,8 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from cadet import CadetError, Camera, Environment, Frame, ResetPolicy, Rig, Scene, weather_names
+from cadet import CadetError, Camera, Environment, Frame, ResetPolicy, Rig, Scene, SceneConfig, episode, weather_names
+from cadet.policy import EpisodeSpec
 
 pytestmark = pytest.mark.usefixtures("fake_core")
 
@@ -32,6 +33,25 @@ def test_samples_and_episodes_are_numbered_and_frames_carry_them() -> None:
         assert (frame.meta["episode"], frame.meta["sample"]) == (env.episode, env.sample)
         seen.append((env.episode, env.sample))
     assert seen == [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (1, 2), (2, 0)]
+
+
+def test_a_configuration_of_ones_own_takes_the_place_of_the_drawn_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    built: list[SceneConfig] = []
+    original = episode.build_scene
+
+    def build(spec: EpisodeSpec) -> Any:
+        built.append(spec.config)
+        return original(spec)
+
+    monkeypatch.setattr(episode, "build_scene", build)
+    config = SceneConfig(num_cars=3, num_pedestrians=0, parking_occupancy=0.1)
+    env = Environment(policy=replace(ResetPolicy.kitti(), samples_per_episode=1), rig=RIG, config=config)
+    env.reset(seed=np.int64(1))  # type: ignore[arg-type]
+    frames = [env.step() for _ in range(3)]
+    assert built == [config] * 3 and env.episode == 2
+    assert frames[0].meta is not None and frames[0].meta["seed"] == 1
+    with pytest.raises(CadetError, match=r"^config: expected a SceneConfig, got 'full'$"):
+        Environment(config=cast(Any, "full"))
 
 
 def test_the_same_seed_gives_the_same_frames_and_another_does_not() -> None:

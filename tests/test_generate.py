@@ -305,6 +305,7 @@ WEATHERS = (
         (["OUT", "--map", "nix.xodr"], "unknown map 'nix.xodr': expected an OpenDRIVE file (.xodr)"),
         (["OUT", "--map", "HERE/conftest.py"], "conftest.py: no OpenDRIVE"),
         (["OUT", "--image-size", "0x9"], "Camera.width: expected a whole number from 16 to 8192, got 0"),
+        (["OUT", "--val-fraction", "nan"], "--val-fraction: expected a number from 0 to 0.5, got nan"),
         (["OUT", "--image-size", "wide"], "--image-size: expected WxH such as 1242x375, got 'wide'"),
         (["OUT", "--write", "flow"], "cannot write 'flow'; known: depth, instance, semantic"),
         (["HERE"], "HERE is not empty: name a new folder, or go on with --resume"),

@@ -102,7 +102,7 @@ def test_a_manifest_names_maps_by_hash() -> None:
         ),
         ({"weathers": ()}, "ResetPolicy.weathers: expected at least one, got none"),
         ({"weathers": (("clear_noon", 0.0),)}, "ResetPolicy.weathers: expected a weight above 0, got none"),
-        ({"districts": ((STREET, -1.0),)}, "ResetPolicy.districts weight: expected a number of at least 0, got -1.0"),
+        ({"districts": ((STREET, -1.0),)}, "ResetPolicy.districts weight: expected a number from 0 to 1e+09, got -1.0"),
     ],
 )
 def test_nonsense_is_refused_by_name(values: dict[str, Any], message: str) -> None:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Final, Literal
 
 from cadet.bev import BevConfig
-from cadet.config import check_number
+from cadet.checks import check_number
 from cadet.errors import CadetError
 from cadet.kitti import TYPES
 

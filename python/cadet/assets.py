@@ -19,7 +19,7 @@ else:
     import tomli as tomllib
 
 from cadet import _cadet
-from cadet.config import check_number
+from cadet.checks import as_pairs, as_path, as_tuple, check_kind, check_number, check_text, is_one_of, make_plain, shown
 from cadet.errors import CadetError, MissingFileError
 
 CONFIG = "assets.toml"
@@ -62,25 +62,33 @@ class VehicleMesh:
     """For some of `ROLES`: patterns of the names of their materials, in place of the usual ones."""
 
     def __post_init__(self) -> None:
-        owner = f"vehicle {self.name!r}"
+        owner = f"vehicle {shown(self.name)}"
         if not isinstance(self.name, str) or not re.fullmatch(r"[A-Za-z0-9_.-]{1,64}", self.name):
             raise CadetError(f"{owner}.name: expected 1 to 64 letters, digits, '_', '.' or '-'")
-        if self.type not in CLASSES:
-            raise CadetError(f"{owner}.class: expected one of {', '.join(CLASSES)}, got {self.type!r}")
-        if self.up not in UPS:
-            raise CadetError(f"{owner}.up: expected 'z' or 'y', got {self.up!r}")
+        if not is_one_of(self.type, CLASSES):
+            raise CadetError(f"{owner}.class: expected one of {', '.join(CLASSES)}, got {shown(self.type)}")
+        if not is_one_of(self.up, UPS):
+            raise CadetError(f"{owner}.up: expected 'z' or 'y', got {shown(self.up)}")
+        check_text(owner, "obj", self.obj)
+        check_text(owner, "file", self.file)
+        object.__setattr__(self, "libraries", as_pairs(owner, "libraries", self.libraries, "of a name and a text"))
+        for name, text in self.libraries:
+            check_text(owner, "libraries", name)
+            check_text(owner, "libraries", text)
         check_number(owner, "scale", self.scale, 1e-9, 1e9)
         check_number(owner, "yaw_deg", self.yaw_deg, -360, 360)
         if self.size_lwh is not None:
             if not isinstance(self.size_lwh, tuple) or len(self.size_lwh) != 3:
-                raise CadetError(f"{owner}.size_lwh: expected [length, width, height], got {self.size_lwh!r}")
+                raise CadetError(f"{owner}.size_lwh: expected [length, width, height], got {shown(self.size_lwh)}")
             for side in self.size_lwh:
                 check_number(owner, "size_lwh", side, 0, 1e3)
+        object.__setattr__(self, "materials", as_pairs(owner, "materials", self.materials, "of a role and its names"))
         for role, patterns in self.materials:
-            if role not in ROLES:
-                raise CadetError(f"{owner}.materials: unknown key {role!r}; known: {', '.join(ROLES)}")
+            if not is_one_of(role, ROLES):
+                raise CadetError(f"{owner}.materials: unknown key {shown(role)}; known: {', '.join(ROLES)}")
             if not isinstance(patterns, tuple) or not all(isinstance(pattern, str) for pattern in patterns):
-                raise CadetError(f"{owner}.materials.{role}: expected a list of names, got {patterns!r}")
+                raise CadetError(f"{owner}.materials.{role}: expected a list of names, got {shown(patterns)}")
+        make_plain(self)
 
     @property
     def sha256(self) -> str:
@@ -122,6 +130,10 @@ class Assets:
 
     def __post_init__(self) -> None:
         check_number("assets", "share", self.share, 0, 1)
+        make_plain(self)
+        object.__setattr__(self, "vehicles", as_tuple("assets", "vehicles", self.vehicles, "VehicleMesh"))
+        for vehicle in self.vehicles:
+            check_kind("assets", "vehicles", vehicle, VehicleMesh)
         if not self.vehicles:
             raise CadetError("assets: expected at least one vehicle, got none")
         names = [vehicle.name for vehicle in self.vehicles]
@@ -139,7 +151,7 @@ class Assets:
             MissingFileError: there is no `assets.toml`, or a mesh or a material library that it names is missing.
             CadetError: anything else that is wrong with them, in one line.
         """
-        root = Path(folder)
+        root = as_path("assets", folder)
         values = _read_config(root)
         _check_keys(CONFIG, values, required=("vehicle",), optional=("share",))
         tables = values["vehicle"]
@@ -174,7 +186,7 @@ def as_assets(assets: Assets | str | Path | None) -> Assets | None:
     if assets is None or isinstance(assets, Assets):
         return assets
     if not isinstance(assets, (str, Path)):
-        raise CadetError(f"assets: expected a folder or cadet.Assets, got {assets!r}")
+        raise CadetError(f"assets: expected a folder or cadet.Assets, got {shown(assets)}")
     return Assets.read(assets)
 
 

@@ -14,7 +14,7 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-from cadet.config import check_number
+from cadet.checks import as_path, check_number, make_plain, shown
 from cadet.errors import CadetError, MissingFileError
 
 T = TypeVar("T")
@@ -51,12 +51,15 @@ class Laser:
         check_number("laser", "gain", self.gain, 0, 100)
         sectors = self.blind_deg
         if not isinstance(sectors, tuple) or not all(isinstance(s, tuple) and len(s) == 2 for s in sectors):
-            raise CadetError(f"laser.blind_deg: expected pairs of azimuths such as [[170.0, 190.0]], got {sectors!r}")
+            raise CadetError(
+                f"laser.blind_deg: expected pairs of azimuths such as [[170.0, 190.0]], got {shown(sectors)}"
+            )
         for sector in sectors:
             for azimuth in sector:
                 check_number("laser", "blind_deg", azimuth, 0, 360)
             if sector[0] > sector[1]:
                 raise CadetError(f"laser.blind_deg: expected azimuths that rise, got {sector[0]:g} to {sector[1]:g}")
+        make_plain(self)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,6 +75,7 @@ class UniformFiring:
 
     def __post_init__(self) -> None:
         check_number("firing", "columns", self.columns, 1, 65535, whole=True)
+        make_plain(self)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,6 +100,7 @@ class EncoderFiring:
         check_number("firing", "ticks_per_firing", self.ticks_per_firing, 1, 1e9)
         check_number("firing", "firings", self.firings, 1, 65535, whole=True)
         check_number("firing", "phase_ticks", self.phase_ticks, 0, 1e9)
+        make_plain(self)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -118,6 +123,7 @@ class ListedFiring:
         for before, after in zip(azimuths, (*azimuths[1:], 360.0), strict=True):
             if after <= before:
                 raise CadetError(f"firing.azimuths_deg: expected rising numbers below 360, got {after} after {before}")
+        make_plain(self)
 
 
 Firing = UniformFiring | EncoderFiring | ListedFiring
@@ -147,13 +153,13 @@ class BeamTable:
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not re.fullmatch(r"[A-Za-z0-9_.-]{1,64}", self.name):
-            raise CadetError(f"name: expected 1 to 64 letters, digits, '_', '.' or '-', got {self.name!r}")
+            raise CadetError(f"name: expected 1 to 64 letters, digits, '_', '.' or '-', got {shown(self.name)}")
         if not isinstance(self.rings, tuple) or not all(isinstance(laser, Laser) for laser in self.rings):
             raise CadetError("rings: expected lasers")
         if not 1 <= len(self.rings) <= 4096:
             raise CadetError(f"rings: expected 1 to 4096 lasers, got {len(self.rings)}")
         if not isinstance(self.firing, (UniformFiring, EncoderFiring, ListedFiring)):
-            raise CadetError(f"firing: expected a firing pattern, got {self.firing!r}")
+            raise CadetError(f"firing: expected a firing pattern, got {shown(self.firing)}")
         for number, (upper, lower) in enumerate(zip(self.rings, self.rings[1:], strict=False), start=1):
             if lower.elevation_deg >= upper.elevation_deg:
                 raise CadetError(
@@ -169,6 +175,7 @@ class BeamTable:
             raise CadetError(
                 f"lidar.max_range_m: expected above min_range_m = {self.min_range_m:g}, got {self.max_range_m:g}"
             )
+        make_plain(self)
 
     @property
     def num_columns(self) -> int:
@@ -186,14 +193,15 @@ class BeamTable:
             MissingFileError: there is no such file.
             CadetError: anything that is wrong with it: one line with the file, its line where known, key and reason.
         """
+        path = as_path("path", path)
         try:
-            data = Path(path).read_bytes()
+            data = path.read_bytes()
         except (FileNotFoundError, NotADirectoryError):
             raise MissingFileError(f"{str(path)!r}: no such file") from None
         try:
-            return cls.from_toml(data.decode("utf-8"), file=Path(path).name)
+            return cls.from_toml(data.decode("utf-8"), file=path.name)
         except UnicodeDecodeError as error:
-            raise CadetError(f"{Path(path).name}: {error}") from None
+            raise CadetError(f"{path.name}: {error}") from None
 
     @classmethod
     def from_toml(cls, text: str, file: str = "lidar.toml") -> BeamTable:

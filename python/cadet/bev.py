@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cadet import _cadet
 from cadet.arrays import check_array
-from cadet.config import check_number
+from cadet.checks import as_tuple, check_kind, check_number, check_range, is_one_of, make_plain, shown
 from cadet.errors import CadetError, ShapeError
 
 Feature = Literal["max_height", "min_height", "density"]
@@ -56,9 +56,11 @@ class BevConfig:
 
     def __post_init__(self) -> None:
         for name in ("slice_maps", "cloud_maps"):
-            for feature in getattr(self, name):
-                if feature not in get_args(Feature):
-                    raise CadetError(f"BevConfig.{name}: expected {', '.join(get_args(Feature))}, got {feature!r}")
+            features = as_tuple("BevConfig", name, getattr(self, name), "maps' names")
+            object.__setattr__(self, name, features)
+            for feature in features:
+                if not is_one_of(feature, get_args(Feature)):
+                    raise CadetError(f"BevConfig.{name}: expected {', '.join(get_args(Feature))}, got {shown(feature)}")
         if not self.slice_maps and not self.cloud_maps:
             raise CadetError("BevConfig: expected at least one slice map or cloud map, got none")
         check_number("BevConfig", "num_slices", self.num_slices, 1, 1000, whole=True)
@@ -70,9 +72,8 @@ class BevConfig:
                 f"BevConfig.height_hi_m: expected more than {self.height_lo_m:g}, got {self.height_hi_m!r}"
             )
         for name in ("x_m", "y_m", "z_m"):
+            check_range("BevConfig", name, getattr(self, name), -1000, 1000)
             low, high = getattr(self, name)
-            check_number("BevConfig", name, low, -1000, 1000)
-            check_number("BevConfig", name, high, -1000, 1000)
             if name == "y_m":
                 if low >= high:
                     raise CadetError(f"BevConfig.y_m: expected a range that rises, got {(low, high)!r}")
@@ -80,8 +81,9 @@ class BevConfig:
             cells = (high - low) / self.cell_m
             if round(cells) < 1 or abs(cells - round(cells)) > 1e-6:
                 raise CadetError(f"BevConfig.{name}: expected whole cells of {self.cell_m:g} m, got {(low, high)!r}")
-        if self.height not in ("max", "reference"):
-            raise CadetError(f"BevConfig.height: expected 'max' or 'reference', got {self.height!r}")
+        if not is_one_of(self.height, ("max", "reference")):
+            raise CadetError(f"BevConfig.height: expected 'max' or 'reference', got {shown(self.height)}")
+        make_plain(self)
 
     @classmethod
     def default(cls) -> BevConfig:
@@ -130,7 +132,8 @@ def maps(
         points_cam: (N, 3) or wider, float32 or float64, metres, frame of camera 0. May be empty.
         plane: (4,) a, b, c, d of the ground in the same frame, of any length and sign.
         config: which maps; AVOD's own by default.
-        out: (C, H, W) float32, C-contiguous, to be overwritten: a fresh array costs about as much as the maps.
+        out: (C, H, W) float32, C-contiguous and aligned, to be overwritten: a fresh array costs about as much as the
+            maps.
 
     Returns:
         (C, H, W) float32, `out` if given. Row 0 is farthest, column 0 leftmost; cells without points are 0.
@@ -143,13 +146,14 @@ def maps(
     Reference: AVOD (Ku et al., 2018), section III.A; its configurations: "Multimodal 3D Object Detection from Simulated
     Pretraining" (2019).
     """
-    config = config or BevConfig.default()
+    config = BevConfig.default() if config is None else config
+    check_kind("", "config", config, BevConfig)
     check_array(points_cam, "points_cam", ("N", "C"), finite=True)
     if points_cam.dtype not in (np.float32, np.float64):
         raise ShapeError(f"points_cam: expected float32 or float64, got {points_cam.dtype.name}")
     check_array(plane, "plane", (4,), finite=True)
     if out is not None:
         check_array(out, "out", config.shape, np.float32)
-        if not (out.flags.c_contiguous and out.flags.writeable):
-            raise ShapeError("out: expected a writeable array in C order")
+        if not (out.flags.c_contiguous and out.flags.writeable and out.flags.aligned):
+            raise ShapeError("out: expected a writeable, aligned array in C order")
     return _cadet.bev_maps(points_cam, [float(v) for v in plane], config.to_native(), out)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet.arrays import check_array
+from cadet.checks import check_image_size, check_kind, check_number
 from cadet.errors import ShapeError
 
 if TYPE_CHECKING:
@@ -101,6 +102,7 @@ def project_boxes(boxes_cam: NDArray[Any], calib: Calibration) -> NDArray[np.flo
         ShapeError: not (M, 7).
         NonFiniteError: NaN or infinity.
     """
+    _check_calib(calib)
     corners = corners_cam(boxes_cam)
     starts, ends = clip_segments(corners[:, [a for a, _ in EDGES]], corners[:, [b for _, b in EDGES]])
     ends_cam = np.concatenate([starts, ends], axis=1)
@@ -140,8 +142,12 @@ def clip_boxes_img(boxes_img: NDArray[np.float64], image_size: tuple[int, int]) 
     Args:
         boxes_img: (M, 4), pixels.
         image_size: width and height in pixels.
+
+    Raises:
+        CadetError: no image size.
     """
-    right, bottom = image_size[0] - 1.0, image_size[1] - 1.0
+    width, height = check_image_size(image_size)
+    right, bottom = width - 1.0, height - 1.0
     return np.clip(boxes_img, 0.0, np.array([right, bottom, right, bottom]))
 
 
@@ -199,6 +205,7 @@ def points_in_boxes(points_cam: NDArray[Any], boxes_cam: NDArray[Any], margin_m:
         NonFiniteError: NaN or infinity in `boxes_cam`.
     """
     boxes = _check_boxes(boxes_cam, "boxes_cam")
+    check_number("", "margin_m", margin_m, -1e6, 1e6)
     check_array(points_cam, "points_cam", ("N", "C"))
     if points_cam.shape[1] < 3:
         raise ShapeError(f"points_cam: expected (N, 3) or wider, got {points_cam.shape}")
@@ -225,9 +232,10 @@ def boxes_velo_from_cam(boxes_cam: NDArray[Any], calib: Calibration) -> NDArray[
         ShapeError: not (M, 7).
         NonFiniteError: NaN or infinity.
     """
+    _check_calib(calib)
     boxes = _check_boxes(boxes_cam, "boxes_cam").copy()
     boxes[:, 1] -= 0.5 * boxes[:, 5]
-    boxes[:, :3] = calib.cam_to_velo(boxes[:, :3])
+    boxes[:, :3] = calib.points_velo_from_cam(boxes[:, :3])
     boxes[:, 6] = wrap_angle(-(boxes[:, 6] + 0.5 * np.pi))
     return boxes
 
@@ -239,11 +247,19 @@ def boxes_cam_from_velo(boxes_velo: NDArray[Any], calib: Calibration) -> NDArray
         ShapeError: not (M, 7).
         NonFiniteError: NaN or infinity.
     """
+    _check_calib(calib)
     boxes = _check_boxes(boxes_velo, "boxes_velo").copy()
-    boxes[:, :3] = calib.velo_to_cam(boxes[:, :3])
+    boxes[:, :3] = calib.points_cam_from_velo(boxes[:, :3])
     boxes[:, 1] += 0.5 * boxes[:, 5]
     boxes[:, 6] = wrap_angle(-boxes[:, 6] - 0.5 * np.pi)
     return boxes
+
+
+def _check_calib(calib: object) -> None:
+    # Not at the top: `kitti` uses this module.
+    from cadet.kitti.calib import Calibration
+
+    check_kind("", "calib", calib, Calibration)
 
 
 def _check_boxes(boxes: NDArray[Any], name: str) -> NDArray[np.float64]:

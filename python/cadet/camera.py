@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cadet.config import check_number, check_three
+from cadet.checks import check_number, check_three, make_plain, shown
+from cadet.errors import CadetError
 from cadet.kitti_calibrations import MOST_FREQUENT, KittiCalibration, Row3, kitti_calibration
 
 
@@ -49,16 +50,23 @@ class Camera:
     """The same of camera 2, which takes the image."""
     cam3_from_cam0_m: Row3 = _offset_m(_DEFAULT, _DEFAULT.p3_column)
     """The same of camera 3, the right color one."""
+    image_scale: tuple[float, float] = (1.0, 1.0)
+    """How often the image was stretched along the rows and the columns (`resized`); labels' pixel limits follow."""
 
     def __post_init__(self) -> None:
         for name in ("width", "height"):
             check_number("Camera", name, getattr(self, name), 16, 8192, whole=True)
         for name in ("fx", "fy"):
-            check_number("Camera", name, getattr(self, name), 1)
+            check_number("Camera", name, getattr(self, name), 1, 1e6)
         for name in ("cx", "cy"):
             check_number("Camera", name, getattr(self, name), -1e6, 1e6)
         for name in ("cam1_from_cam0_m", "cam2_from_cam0_m", "cam3_from_cam0_m"):
             check_three("Camera", name, getattr(self, name), 10)
+        if not isinstance(self.image_scale, tuple) or len(self.image_scale) != 2:
+            raise CadetError(f"Camera.image_scale: expected two numbers, got {shown(self.image_scale)}")
+        for factor in self.image_scale:
+            check_number("Camera", "image_scale", factor, 1e-4, 1e4)
+        make_plain(self)
 
     @classmethod
     def kitti(cls, *, calibration: str = MOST_FREQUENT) -> Camera:
@@ -97,7 +105,13 @@ class Camera:
         )
 
     def resized(self, width: int, height: int) -> Camera:
-        """Return the camera of the image scaled to `width` x `height`, as resizing the image would have it."""
+        """Return the camera of the image scaled to `width` x `height`, as resizing the image would have it.
+
+        Raises:
+            CadetError: a size that is no whole number of pixels, or out of range.
+        """
+        for name, size in (("width", width), ("height", height)):
+            check_number("Camera", name, size, 16, 8192, whole=True)
         x, y = width / self.width, height / self.height
         return replace(
             self,
@@ -107,6 +121,7 @@ class Camera:
             fy=self.fy * y,
             cx=(self.cx + 0.5) * x - 0.5,
             cy=(self.cy + 0.5) * y - 0.5,
+            image_scale=(self.image_scale[0] * x, self.image_scale[1] * y),
         )
 
     def projection(self, offset_m: Row3) -> NDArray[np.float64]:

@@ -3,45 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any, Literal, TypeVar
 
-import numpy as np
-
+from cadet.checks import check_kind, check_number, is_one_of, make_plain, shown
 from cadet.errors import CadetError
 
 T = TypeVar("T")
 
 VEHICLE_CLASSES = ("Car", "Van", "Truck")
 """KITTI's classes of vehicles that drive and park."""
-
-
-def check_number(
-    owner: str, name: str, value: object, low: float, high: float = float("inf"), *, whole: bool = False
-) -> None:
-    """Refuse what is no number of the range.
-
-    Raises:
-        CadetError: naming the field, the value and the range.
-    """
-    kinds = (int, np.integer) if whole else (int, float, np.integer, np.floating)
-    low_text, high_text = (str(limit) if whole else f"{limit:g}" for limit in (low, high))
-    limits = f"of at least {low_text}" if high == float("inf") else f"from {low_text} to {high_text}"
-    if isinstance(value, bool) or not isinstance(value, kinds) or not low <= value <= high or value == float("inf"):
-        kind = "a whole number" if whole else "a number"
-        raise CadetError(f"{owner}.{name}: expected {kind} {limits}, got {value!r}")
-
-
-def check_three(owner: str, name: str, values: object, limit: float) -> None:
-    """Refuse what is no tuple of three numbers from `-limit` to `limit`.
-
-    Raises:
-        CadetError: naming the field, the value and the range.
-    """
-    if not isinstance(values, tuple) or len(values) != 3:
-        raise CadetError(f"{owner}.{name}: expected three numbers, got {values!r}")
-    for value in values:
-        check_number(owner, name, value, -limit, limit)
 
 
 def from_dict(cls: type[T], values: Mapping[str, Any]) -> T:
@@ -73,7 +44,7 @@ class LabelConfig:
     Annotators' boxes are a little shorter than the vehicle, their bottoms a little over the ground, and their sizes
     are distributed as KITTI's; an actor keeps its box through an episode."""
     min_height_px: float = 15.0
-    """A label's 2D box is at least this high."""
+    """A label's 2D box is at least this high, in the image before it is resized (`Camera.resized`, `--image-size`)."""
     min_visible_fraction: float = 0.1
     """A label's object shows at least this fraction of its silhouette."""
     max_depth_m: float = 80.0
@@ -87,7 +58,8 @@ class LabelConfig:
     min_points: int = 0
     """A label's object has at least this many returns."""
     dontcare_min_pixels: float = 8.0
-    """An object without a label becomes DontCare if it shows at least this many pixels."""
+    """An object without a label becomes DontCare if it shows at least this many pixels, in the image before it is
+    resized."""
     occlusion_levels: tuple[float, float] = (0.8, 0.5)
     """Visible fractions from which `occluded` is 0 and 1; below the second it is 2."""
     corner_tolerance_m: float = 0.1
@@ -95,11 +67,22 @@ class LabelConfig:
     max_hidden_corners: int = 4
     """With this many hidden corners an object is occluded (method "corners")."""
 
+    def scaled(self, image_scale: tuple[float, float]) -> LabelConfig:
+        """Return the limits for an image that was stretched: heights follow its rows, counts of pixels its area.
+
+        Args:
+            image_scale: factors along the rows and the columns, as in `Camera.image_scale`.
+        """
+        x, y = image_scale
+        return replace(
+            self, min_height_px=self.min_height_px * y, dontcare_min_pixels=self.dontcare_min_pixels * (x * y)
+        )
+
     def __post_init__(self) -> None:
-        if self.method not in ("pixels", "corners"):
-            raise CadetError(f"LabelConfig.method: expected 'pixels' or 'corners', got {self.method!r}")
-        if self.boxes not in ("kitti", "exact"):
-            raise CadetError(f"LabelConfig.boxes: expected 'kitti' or 'exact', got {self.boxes!r}")
+        if not is_one_of(self.method, ("pixels", "corners")):
+            raise CadetError(f"LabelConfig.method: expected 'pixels' or 'corners', got {shown(self.method)}")
+        if not is_one_of(self.boxes, ("kitti", "exact")):
+            raise CadetError(f"LabelConfig.boxes: expected 'kitti' or 'exact', got {shown(self.boxes)}")
         check_number("LabelConfig", "min_height_px", self.min_height_px, 0)
         check_number("LabelConfig", "min_visible_fraction", self.min_visible_fraction, 0, 1)
         check_number("LabelConfig", "max_depth_m", self.max_depth_m, 0)
@@ -112,11 +95,12 @@ class LabelConfig:
         check_number("LabelConfig", "max_hidden_corners", self.max_hidden_corners, 1, 8, whole=True)
         levels = self.occlusion_levels
         if not isinstance(levels, tuple) or len(levels) != 2:
-            raise CadetError(f"LabelConfig.occlusion_levels: expected two fractions, got {levels!r}")
+            raise CadetError(f"LabelConfig.occlusion_levels: expected two fractions, got {shown(levels)}")
         for level in levels:
             check_number("LabelConfig", "occlusion_levels", level, 0, 1)
         if levels[0] < levels[1]:
             raise CadetError(f"LabelConfig.occlusion_levels: expected the first to be the larger, got {levels!r}")
+        make_plain(self)
 
 
 def check_vehicle_classes(owner: str, classes: object) -> None:
@@ -125,10 +109,10 @@ def check_vehicle_classes(owner: str, classes: object) -> None:
     Raises:
         CadetError: naming the owner and the classes.
     """
-    known = set(VEHICLE_CLASSES)
-    if not isinstance(classes, tuple) or not set(classes) <= known or "Car" not in classes:
+    is_known = isinstance(classes, tuple) and all(is_one_of(name, VEHICLE_CLASSES) for name in classes)
+    if not is_known or "Car" not in classes:  # type: ignore[operator]
         names = ", ".join(VEHICLE_CLASSES)
-        raise CadetError(f"{owner}.vehicle_classes: expected a tuple of {names}, Car among them, got {classes!r}")
+        raise CadetError(f"{owner}.vehicle_classes: expected a tuple of {names}, Car among them, got {shown(classes)}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -159,9 +143,13 @@ class SceneConfig:
             check_number("SceneConfig", name, getattr(self, name), 0, 500, whole=True)
         check_number("SceneConfig", "parking_occupancy", self.parking_occupancy, 0, 1)
         check_vehicle_classes("SceneConfig", self.vehicle_classes)
-        if not isinstance(self.label, LabelConfig):
-            raise CadetError(f"SceneConfig.label: expected a LabelConfig, got {self.label!r}")
+        check_kind("SceneConfig", "label", self.label, LabelConfig)
+        make_plain(self)
 
-    def to_native(self) -> dict[str, Any]:
-        """Return the fields as the core takes them: a flat dictionary whose `label` is a dictionary too."""
-        return asdict(self)
+    def to_native(self, image_scale: tuple[float, float] = (1.0, 1.0)) -> dict[str, Any]:
+        """Return the fields as the core takes them: a flat dictionary whose `label` is a dictionary too.
+
+        Args:
+            image_scale: that of the camera; the labels' pixel limits are scaled with it.
+        """
+        return asdict(replace(self, label=self.label.scaled(image_scale)))

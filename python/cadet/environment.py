@@ -5,11 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 from cadet.assets import Assets
-from cadet.config import check_number
+from cadet.checks import as_seed, check_number
+from cadet.config import SceneConfig
 from cadet.episode import Episode
 from cadet.errors import CadetError
 from cadet.frame import Frame
-from cadet.policy import ResetPolicy, check_seed, choose_policy
+from cadet.policy import ResetPolicy, choose_policy, draw_with
 from cadet.rig import Rig
 
 
@@ -23,10 +24,11 @@ class Environment:
         rig: the sensors; the policy's if None.
         map: an OpenDRIVE file; the policy's maps, or suburbs that are generated, if None.
         weather: a preset of `weather_names()`; drawn if None.
+        config: how full every scene is, and what gets a label; drawn if None.
         assets: the user's own vehicles, or their folder; the policy's if None.
 
     Raises:
-        CadetError: an unknown policy or weather, no rig, a map that can't be read, or bad assets.
+        CadetError: an unknown policy or weather, no rig or configuration, a map that can't be read, or bad assets.
         MissingFileError: there is no such map, or no such assets.
     """
 
@@ -37,9 +39,11 @@ class Environment:
         rig: Rig | None = None,
         map: str | Path | None = None,
         weather: str | None = None,
+        config: SceneConfig | None = None,
         assets: Assets | str | Path | None = None,
     ) -> None:
         self.policy = choose_policy(policy, map=map, weather=weather, rig=rig, assets=assets)
+        self._draw = draw_with(self.policy, config)
         self._current: Episode | None = None
         self._next_sample = 0
 
@@ -54,7 +58,7 @@ class Environment:
             CadetError: a seed or an episode that is no whole number of at least 0.
         """
         check_number("reset", "episode", episode, 0, 10**9, whole=True)
-        self._current = Episode(self.policy, check_seed(seed), int(episode))
+        self._current = Episode(self.policy, as_seed(seed), int(episode), self._draw)
         self._next_sample = 0
 
     def step(self) -> Frame:

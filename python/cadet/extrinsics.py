@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cadet.config import check_number
+from cadet.checks import check_number, check_three, make_plain, shown
 from cadet.errors import CadetError
 from cadet.kitti_calibrations import MOST_FREQUENT, TR_IMU_TO_VELO, Row3, Row4, kitti_calibration
 
@@ -41,13 +41,16 @@ class Extrinsics:
             rows = getattr(self, name)
             is_matrix = isinstance(rows, tuple) and len(rows) == 3
             if not is_matrix or not all(isinstance(row, tuple) and len(row) == num_columns for row in rows):
-                raise CadetError(f"Extrinsics.{name}: expected three rows of {num_columns} numbers, got {rows!r}")
+                raise CadetError(f"Extrinsics.{name}: expected three rows of {num_columns} numbers, got {shown(rows)}")
             for value in (value for row in rows for value in row):
                 check_number("Extrinsics", name, value, -20, 20)
             rotation = np.array(rows)[:, :3]
             is_orthonormal = np.abs(rotation @ rotation.T - np.eye(3)).max() < _ROTATION_TOLERANCE
             if not is_orthonormal or np.linalg.det(rotation) <= 0.0:
-                raise CadetError(f"Extrinsics.{name}: expected a rotation in its first three columns, got {rows!r}")
+                raise CadetError(
+                    f"Extrinsics.{name}: expected a rotation in its first three columns, got {shown(rows)}"
+                )
+        make_plain(self)
 
     @classmethod
     def kitti(cls, *, calibration: str = MOST_FREQUENT) -> Extrinsics:
@@ -61,7 +64,12 @@ class Extrinsics:
 
     @classmethod
     def aligned(cls, *, cam0_in_velo_m: Row3 = (0.0, 0.0, 0.0)) -> Extrinsics:
-        """Return those of a camera that looks exactly along the LIDAR's x axis from a place in its frame."""
+        """Return those of a camera that looks exactly along the LIDAR's x axis from a place in its frame.
+
+        Raises:
+            CadetError: a place that is not three numbers from -20 to 20.
+        """
+        check_three("Extrinsics", "cam0_in_velo_m", cam0_in_velo_m, 20)
         x, y, z = cam0_in_velo_m
         velo_to_cam = ((0.0, -1.0, 0.0, y), (0.0, 0.0, -1.0, z), (1.0, 0.0, 0.0, -x))
         return cls(r0_rect=_IDENTITY, tr_velo_to_cam=velo_to_cam, tr_imu_to_velo=_NOT_MOVED)

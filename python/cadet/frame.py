@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet.arrays import check_array
+from cadet.checks import check_kind
 from cadet.errors import ShapeError
 
 if TYPE_CHECKING:
@@ -36,6 +37,7 @@ class Frame:
     Raises:
         ShapeError: an array has the wrong shape or dtype.
         NonFiniteError: NaN or infinity in `points_velo` or `plane`, NaN in `depth`.
+        CadetError: labels, a calibration or a `meta` that are none.
     """
 
     image: NDArray[np.uint8]
@@ -64,6 +66,15 @@ class Frame:
             check_array(self.semantic, "semantic", (height, width), np.uint8)
         if not isinstance(self.labels, tuple):
             raise ShapeError(f"labels: expected a tuple of Label, got {type(self.labels).__name__}")
+        # Not at the top: `kitti` uses this module.
+        from cadet.kitti.calib import Calibration
+        from cadet.kitti.label import Label
+
+        for label in self.labels:
+            check_kind("", "labels", label, Label)
+        check_kind("", "calib", self.calib, Calibration)
+        if self.meta is not None:
+            check_kind("", "meta", self.meta, dict)
 
     @property
     def image_size(self) -> tuple[int, int]:

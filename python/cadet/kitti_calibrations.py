@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
+from cadet.checks import is_one_of, shown
 from cadet.errors import CadetError
 
 Row3 = tuple[float, float, float]
@@ -139,6 +140,6 @@ def kitti_calibration(name: str) -> KittiCalibration:
     Raises:
         CadetError: there is none of that name.
     """
-    if name not in KITTI_CALIBRATIONS:
-        raise CadetError(f"unknown calibration {name!r}; known: {', '.join(KITTI_CALIBRATIONS)}")
+    if not is_one_of(name, KITTI_CALIBRATIONS):
+        raise CadetError(f"unknown calibration {shown(name)}; known: {', '.join(KITTI_CALIBRATIONS)}")
     return KITTI_CALIBRATIONS[name]

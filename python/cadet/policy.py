@@ -8,27 +8,27 @@ from pathlib import Path
 from typing import Any
 
 from cadet.assets import Assets, as_assets
-from cadet.config import VEHICLE_CLASSES, LabelConfig, SceneConfig, check_number, check_vehicle_classes
+from cadet.checks import (
+    as_pairs,
+    as_seed,
+    as_tuple,
+    check_kind,
+    check_number,
+    check_range,
+    check_text,
+    is_one_of,
+    make_plain,
+    shown,
+)
+from cadet.config import VEHICLE_CLASSES, LabelConfig, SceneConfig, check_vehicle_classes
 from cadet.draws import Draws
 from cadet.errors import CadetError
 from cadet.rig import Rig
 from cadet.road_map import RoadMap
 from cadet.weather import check_weather, weather_names
 
-MAX_SEED = 2**63 - 1
 POLICIES = ("kitti", "paper")
 """The names that `ResetPolicy.named` knows."""
-
-
-def check_seed(seed: object) -> int:
-    """Return `seed` if it is a whole number that streams can be named by.
-
-    Raises:
-        CadetError: it is not.
-    """
-    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= MAX_SEED:
-        raise CadetError(f"seed: expected a whole number from 0 to 2**63 - 1, got {seed!r}")
-    return seed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,15 +49,11 @@ class District:
     """People kept around the ego."""
 
     def __post_init__(self) -> None:
-        for name in ("parking_occupancy", "num_cars", "num_pedestrians"):
-            bounds = getattr(self, name)
-            if not isinstance(bounds, tuple) or len(bounds) != 2 or not bounds[0] <= bounds[1]:
-                raise CadetError(f"District.{name}: expected (low, high), got {bounds!r}")
-            for bound in bounds:
-                if name == "parking_occupancy":
-                    check_number("District", name, bound, 0, 1)
-                else:
-                    check_number("District", name, bound, 0, 500, whole=True)
+        check_text("District", "name", self.name)
+        check_range("District", "parking_occupancy", self.parking_occupancy, 0, 1)
+        for name in ("num_cars", "num_pedestrians"):
+            check_range("District", name, getattr(self, name), 0, 500, whole=True)
+        make_plain(self)
 
 
 @dataclass(frozen=True)
@@ -125,8 +121,10 @@ class ResetPolicy:
     """The user's own vehicles, to be mixed into the traffic."""
 
     def __post_init__(self) -> None:
+        check_text("ResetPolicy", "name", self.name)
+        check_kind("ResetPolicy", "label", self.label, LabelConfig)
         if self.assets is not None and not isinstance(self.assets, Assets):
-            raise CadetError(f"ResetPolicy.assets: expected cadet.Assets, got {self.assets!r}")
+            raise CadetError(f"ResetPolicy.assets: expected cadet.Assets, got {shown(self.assets)}")
         for name in ("samples_per_episode", "empty_views_limit", "attempts_limit"):
             check_number("ResetPolicy", name, getattr(self, name), 1, 100_000, whole=True)
         check_number("ResetPolicy", "distance_m", self.distance_m, 0, 1000)
@@ -134,17 +132,24 @@ class ResetPolicy:
         check_number("ResetPolicy", "car_pitch_sd_deg", self.car_pitch_sd_deg, 0, 5)
         check_vehicle_classes("ResetPolicy", self.vehicle_classes)
         for name in ("weathers", "districts", "rigs"):
-            if not getattr(self, name):
+            pairs = as_pairs("ResetPolicy", name, getattr(self, name), "of one of them and its weight")
+            object.__setattr__(self, name, pairs)
+            if not pairs:
                 raise CadetError(f"ResetPolicy.{name}: expected at least one, got none")
-            for _, weight in getattr(self, name):
-                check_number("ResetPolicy", f"{name} weight", weight, 0)
-            if sum(weight for _, weight in getattr(self, name)) <= 0:
+            for _, weight in pairs:
+                check_number("ResetPolicy", f"{name} weight", weight, 0, 1e9)
+            if sum(weight for _, weight in pairs) <= 0:
                 raise CadetError(f"ResetPolicy.{name}: expected a weight above 0, got none")
         for weather, _ in self.weathers:
             check_weather(weather)
+        for district, _ in self.districts:
+            check_kind("ResetPolicy", "districts", district, District)
         for rig, _ in self.rigs:
-            if not isinstance(rig, Rig):
-                raise CadetError(f"ResetPolicy.rigs: expected a Rig, got {rig!r}")
+            check_kind("ResetPolicy", "rigs", rig, Rig)
+        object.__setattr__(self, "maps", as_tuple("ResetPolicy", "maps", self.maps, "RoadMap"))
+        for road_map in self.maps:
+            check_kind("ResetPolicy", "maps", road_map, RoadMap)
+        make_plain(self)
         names = [rig.name for rig, _ in self.rigs]
         if len(set(names)) < len(names):
             raise CadetError(f"ResetPolicy.rigs: expected different names, got {', '.join(names)}")
@@ -189,8 +194,8 @@ class ResetPolicy:
             CadetError: there is none.
         """
         presets = {"kitti": cls.kitti, "paper": cls.paper}
-        if name not in presets:
-            raise CadetError(f"unknown policy {name!r}; known: {', '.join(POLICIES)}")
+        if not is_one_of(name, presets):
+            raise CadetError(f"unknown policy {shown(name)}; known: {', '.join(POLICIES)}")
         return presets[name]()
 
     def with_rig(self, rig: Rig) -> ResetPolicy:
@@ -199,8 +204,7 @@ class ResetPolicy:
         Raises:
             CadetError: it is no rig.
         """
-        if not isinstance(rig, Rig):
-            raise CadetError(f"rig: expected a Rig, got {rig!r}")
+        check_kind("", "rig", rig, Rig)
         return replace(self, rigs=((rig, 1.0),))
 
     def with_each_rig(self, change: Callable[[Rig], Rig]) -> ResetPolicy:
@@ -208,7 +212,12 @@ class ResetPolicy:
         return replace(self, rigs=tuple((change(rig), weight) for rig, weight in self.rigs))
 
     def draw(self, seed: int, episode: int, attempt: int = 0) -> EpisodeSpec:
-        """Draw the world of an episode: a pure function of the policy and the three numbers."""
+        """Draw the world of an episode: a pure function of the policy and the three numbers.
+
+        Raises:
+            CadetError: one of them is no whole number of at least 0.
+        """
+        seed, episode, attempt = as_seed(seed), as_seed(episode, "episode"), as_seed(attempt, "attempt")
         weather = Draws(seed, episode, attempt, "weather").weighted(self.weathers)
         district = Draws(seed, episode, attempt, "district").weighted(self.districts)
         map_index = Draws(seed, episode, attempt, "map").count(0, len(self.maps) - 1) if self.maps else None
@@ -269,7 +278,7 @@ def choose_policy(
     elif policy is None:
         policy = ResetPolicy.kitti()
     if not isinstance(policy, ResetPolicy):
-        raise CadetError(f"policy: expected a ResetPolicy or one of {', '.join(POLICIES)}, got {policy!r}")
+        raise CadetError(f"policy: expected a ResetPolicy or one of {', '.join(POLICIES)}, got {shown(policy)}")
     if map is not None:
         policy = replace(policy, maps=(RoadMap.read(map),))
     if weather is not None:
@@ -277,6 +286,18 @@ def choose_policy(
     if rig is not None:
         policy = policy.with_rig(rig)
     return policy if assets is None else replace(policy, assets=as_assets(assets))
+
+
+def draw_with(policy: ResetPolicy, config: SceneConfig | None) -> Callable[[int, int, int], EpisodeSpec]:
+    """Return how episodes are drawn if `config` is not to be; the policy's own draw if None.
+
+    Raises:
+        CadetError: it is no configuration.
+    """
+    if config is None:
+        return policy.draw
+    check_kind("", "config", config, SceneConfig)
+    return lambda seed, episode, attempt: replace(policy.draw(seed, episode, attempt), config=config)
 
 
 # The mean pitch of KITTI's camera, by the bottoms of the labelled boxes, differs by this much between the drives of

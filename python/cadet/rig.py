@@ -15,7 +15,17 @@ from numpy.typing import NDArray
 from cadet import _cadet
 from cadet.beam_table import BeamTable
 from cadet.camera import Camera
-from cadet.config import check_number, check_three
+from cadet.checks import (
+    as_path,
+    check_flag,
+    check_kind,
+    check_number,
+    check_text,
+    check_three,
+    is_one_of,
+    make_plain,
+    shown,
+)
 from cadet.errors import CadetError
 from cadet.extrinsics import Extrinsics
 from cadet.kitti_calibrations import KITTI_CALIBRATIONS, MOST_FREQUENT, Row3, kitti_calibration
@@ -86,20 +96,19 @@ class Lidar:
 
     def __post_init__(self) -> None:
         for name in ("single_origin", "rolling"):
-            if not isinstance(getattr(self, name), bool):
-                raise CadetError(f"Lidar.{name}: expected True or False, got {getattr(self, name)!r}")
-        if self.returns not in RETURN_MODES:
-            raise CadetError(f"Lidar.returns: expected one of {', '.join(RETURN_MODES)}, got {self.returns!r}")
+            check_flag("Lidar", name, getattr(self, name))
+        if not is_one_of(self.returns, RETURN_MODES):
+            raise CadetError(f"Lidar.returns: expected one of {', '.join(RETURN_MODES)}, got {shown(self.returns)}")
         check_number("Lidar", "divergence_mrad", self.divergence_mrad, 0, 20)
+        make_plain(self)
         if self.table is not None:
-            if not isinstance(self.table, BeamTable):
-                raise CadetError(f"Lidar.table: expected a BeamTable, got {self.table!r}")
-            if self.name != self.table.name:
-                raise CadetError(f"Lidar.name: expected the table's, {self.table.name!r}, got {self.name!r}")
+            check_kind("Lidar", "table", self.table, BeamTable)
+            if not is_one_of(self.name, (self.table.name,)):
+                raise CadetError(f"Lidar.name: expected the table's, {self.table.name!r}, got {shown(self.name)}")
             # What the table's own checks cannot see is refused here rather than in the middle of a run.
             self.to_native()
-        elif self.name not in LIDAR_PRESETS:
-            raise CadetError(f"unknown lidar {self.name!r}; known: {', '.join(LIDAR_PRESETS)}")
+        elif not is_one_of(self.name, LIDAR_PRESETS):
+            raise CadetError(f"unknown lidar {shown(self.name)}; known: {', '.join(LIDAR_PRESETS)}")
 
     @classmethod
     def hdl64e_kitti(cls, *, rolling: bool = False, returns: str = "strongest", divergence_mrad: float = 0.0) -> Lidar:
@@ -107,38 +116,45 @@ class Lidar:
         return cls("hdl64e_kitti", rolling=rolling, returns=returns, divergence_mrad=divergence_mrad)
 
     @classmethod
-    def hdl64e_uniform(cls) -> Lidar:
+    def hdl64e_uniform(
+        cls, *, rolling: bool = False, returns: str = "strongest", divergence_mrad: float = 0.0
+    ) -> Lidar:
         """The same elevations from one point in 2,083 uniform columns: 133,312 beams, the benchmark's scan."""
-        return cls("hdl64e_uniform")
+        return cls("hdl64e_uniform", rolling=rolling, returns=returns, divergence_mrad=divergence_mrad)
 
     @classmethod
-    def cadet(cls) -> Lidar:
+    def cadet(cls, *, rolling: bool = False, returns: str = "strongest", divergence_mrad: float = 0.0) -> Lidar:
         """The 2019 paper's LIDAR: 40 beams from +7 to -16 degrees."""
-        return cls("cadet")
+        return cls("cadet", rolling=rolling, returns=returns, divergence_mrad=divergence_mrad)
 
     @classmethod
-    def hdl32e(cls) -> Lidar:
+    def hdl32e(cls, *, rolling: bool = False, returns: str = "strongest", divergence_mrad: float = 0.0) -> Lidar:
         """Velodyne's HDL-32E: 32 lasers from +10.67 to -30.67 degrees, 2,170 columns a turn."""
-        return cls("hdl32e")
+        return cls("hdl32e", rolling=rolling, returns=returns, divergence_mrad=divergence_mrad)
 
     @classmethod
-    def vlp16(cls) -> Lidar:
+    def vlp16(cls, *, rolling: bool = False, returns: str = "strongest", divergence_mrad: float = 0.0) -> Lidar:
         """Velodyne's VLP-16: 16 lasers from +15 to -15 degrees, 1,808 columns a turn."""
-        return cls("vlp16")
+        return cls("vlp16", rolling=rolling, returns=returns, divergence_mrad=divergence_mrad)
 
     @classmethod
-    def os1_64(cls) -> Lidar:
+    def os1_64(cls, *, rolling: bool = False, returns: str = "strongest", divergence_mrad: float = 0.0) -> Lidar:
         """A sensor like Ouster's OS1-64: 64 lasers from +22.5 to -22.5 degrees, 1,024 columns a turn."""
-        return cls("os1_64")
+        return cls("os1_64", rolling=rolling, returns=returns, divergence_mrad=divergence_mrad)
 
     @classmethod
-    def os1_128(cls) -> Lidar:
+    def os1_128(cls, *, rolling: bool = False, returns: str = "strongest", divergence_mrad: float = 0.0) -> Lidar:
         """A sensor like Ouster's OS1-128: 128 lasers from +22.5 to -22.5 degrees, 2,048 columns a turn."""
-        return cls("os1_128")
+        return cls("os1_128", rolling=rolling, returns=returns, divergence_mrad=divergence_mrad)
 
     @classmethod
     def custom(cls, table: BeamTable) -> Lidar:
-        """A sensor of one's own."""
+        """A sensor of one's own.
+
+        Raises:
+            CadetError: no table, or one that makes no sensor.
+        """
+        check_kind("Lidar", "table", table, BeamTable)
         return cls(table.name, table=table)
 
     @classmethod
@@ -153,7 +169,7 @@ class Lidar:
         try:
             return cls.custom(table)
         except CadetError as error:
-            raise CadetError(f"{Path(path).name}: {error}") from None
+            raise CadetError(f"{as_path('path', path).name}: {error}") from None
 
     @classmethod
     def named(cls, name_or_file: str | Path) -> Lidar:
@@ -162,12 +178,13 @@ class Lidar:
         Raises:
             CadetError: neither, or as `from_toml`.
         """
-        if str(name_or_file) in LIDAR_PRESETS:
-            return cls(str(name_or_file))
-        if Path(name_or_file).suffix == ".toml":
-            return cls.from_toml(name_or_file)
+        path = as_path("lidar", name_or_file)
+        if str(path) in LIDAR_PRESETS:
+            return cls(str(path))
+        if path.suffix == ".toml":
+            return cls.from_toml(path)
         raise CadetError(
-            f"unknown lidar {str(name_or_file)!r}; known: {', '.join(LIDAR_PRESETS)}, or the path of a .toml file"
+            f"unknown lidar {shown(str(path))}; known: {', '.join(LIDAR_PRESETS)}, or the path of a .toml file"
         )
 
     def beam_table(self) -> BeamTable:
@@ -230,11 +247,11 @@ class Rig:
 
     def __post_init__(self) -> None:
         for name, kind in (("lidar", Lidar), ("camera", Camera), ("extrinsics", Extrinsics)):
-            if not isinstance(getattr(self, name), kind):
-                article = "an" if kind is Extrinsics else "a"
-                raise CadetError(f"Rig.{name}: expected {article} {kind.__name__}, got {getattr(self, name)!r}")
+            check_kind("Rig", name, getattr(self, name), kind)
+        check_text("Rig", "name", self.name)
         check_three("Rig", "velo_in_ego_m", self.velo_in_ego_m, 20)
         check_three("Rig", "velo_roll_pitch_yaw_deg", self.velo_roll_pitch_yaw_deg, 180)
+        make_plain(self)
 
     @classmethod
     def kitti(cls, *, calibration: str = MOST_FREQUENT) -> Rig:
@@ -301,12 +318,17 @@ class Rig:
             CadetError: there is none.
         """
         presets = {"kitti": cls.kitti, "paper": cls.paper, "cadet": cls.cadet}
-        if name not in presets:
-            raise CadetError(f"unknown rig {name!r}; known: {', '.join(RIG_PRESETS)}")
+        if not is_one_of(name, presets):
+            raise CadetError(f"unknown rig {shown(name)}; known: {', '.join(RIG_PRESETS)}")
         return presets[name]()
 
     def pitched(self, angle_deg: float) -> Rig:
-        """Return the rig on a car that stands `angle_deg` deeper in front than behind."""
+        """Return the rig on a car that stands `angle_deg` deeper in front than behind.
+
+        Raises:
+            CadetError: an angle that is no number from -90 to 90.
+        """
+        check_number("", "angle_deg", angle_deg, -90, 90)
         roll, pitch, yaw = self.velo_roll_pitch_yaw_deg
         return replace(self, velo_roll_pitch_yaw_deg=(roll, pitch + angle_deg, yaw))
 
@@ -339,6 +361,8 @@ class Rig:
         """Return the rig in plain numbers, for a manifest."""
         native = self.to_native()
         camera = {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in native["camera"].items()}
+        if self.camera.image_scale != (1.0, 1.0):
+            camera["image_scale"] = list(self.camera.image_scale)
         beams = self.lidar.to_native().table()
         return {**native, "camera": camera, "range_m": [beams["min_range_m"], beams["max_range_m"]]}
 

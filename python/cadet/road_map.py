@@ -6,6 +6,7 @@ import hashlib
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from cadet.checks import as_path, check_text
 from cadet.errors import CadetError, MissingFileError
 
 
@@ -16,10 +17,17 @@ class RoadMap:
     Attributes:
         name: the file's name, for metadata and messages.
         xodr: the whole text.
+
+    Raises:
+        CadetError: what is no text.
     """
 
     name: str
     xodr: str = field(repr=False)
+
+    def __post_init__(self) -> None:
+        check_text("RoadMap", "name", self.name)
+        check_text("RoadMap", "xodr", self.xodr)
 
     @classmethod
     def read(cls, path: str | Path) -> RoadMap:
@@ -29,7 +37,7 @@ class RoadMap:
             MissingFileError: there is no such file.
             CadetError: it is no text. What the text says is checked when a scene is built from it.
         """
-        path = Path(path)
+        path = as_path("map", path)
         try:
             return cls(path.name, path.read_text(encoding="utf-8"))
         except (FileNotFoundError, IsADirectoryError):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet import _cadet
-from cadet.arrays import check_array
+from cadet.arrays import as_array
 from cadet.assets import Assets, as_assets
-from cadet.config import SceneConfig, check_number
+from cadet.checks import as_seed, check_flag, check_kind, check_number, check_text
+from cadet.config import SceneConfig
 from cadet.episode import Episode, frame_from_native
-from cadet.errors import CadetError
 from cadet.frame import Frame
-from cadet.policy import EpisodeSpec, ResetPolicy, check_seed, choose_policy
+from cadet.policy import ResetPolicy, choose_policy, draw_with
 from cadet.rig import Lidar, Rig
 from cadet.road_map import RoadMap
 from cadet.weather import check_weather
@@ -105,14 +105,7 @@ class Scene:
             MissingFileError: there is no such map, or no such assets.
         """
         chosen = choose_policy(policy, map=map, weather=weather, rig=rig, assets=assets)
-        if config is not None and not isinstance(config, SceneConfig):
-            raise CadetError(f"config: expected a SceneConfig, got {config!r}")
-
-        def draw(seed: int, episode: int, attempt: int) -> EpisodeSpec:
-            spec = chosen.draw(seed, episode, attempt)
-            return spec if config is None else replace(spec, config=config)
-
-        episode = Episode(chosen, check_seed(seed), 0, draw)
+        episode = Episode(chosen, as_seed(seed), 0, draw_with(chosen, config))
         first = episode.next_frame(0)
         assert episode.scene is not None
         return cls(episode.scene, first)
@@ -140,14 +133,18 @@ class Scene:
             CadetError: a map that can't be read or driven, an unknown weather, or bad assets.
             MissingFileError: there is no such map, or no such assets.
         """
+        rig = Rig.kitti() if rig is None else rig
+        check_kind("", "rig", rig, Rig)
+        config = SceneConfig() if config is None else config
+        check_kind("", "config", config, SceneConfig)
         own = as_assets(assets)
         road_map = None if map is None else RoadMap.read(map)
         native = _cadet.Scene.empty(
             map_name=None if road_map is None else road_map.name,
             map_xodr=None if road_map is None else road_map.xodr,
             weather=check_weather(weather),
-            rig=_check_rig(rig).to_native(),
-            config=(SceneConfig() if config is None else config).to_native(),
+            rig=rig.to_native(),
+            config=config.to_native(rig.camera.image_scale),
             assets=None if own is None else own.to_native(),
         )
         return cls(native)
@@ -186,9 +183,12 @@ class Scene:
             CadetError: an unknown kind or model, a kind without a shape or not the model's, a number that is not
                 finite, or a place off the ground.
         """
+        check_text("add", "kind", kind)
+        if model is not None:
+            check_text("add", "model", model)
         self._moved(x=x, y=y, yaw=yaw)
         if model is not None:
-            return self._native.add_model(kind, str(model), float(x), float(y), float(yaw))
+            return self._native.add_model(kind, model, float(x), float(y), float(yaw))
         check_number("add", "model_seed", model_seed, 0, 2**63 - 1, whole=True)
         return self._native.add(kind, float(x), float(y), float(yaw), int(model_seed))
 
@@ -232,8 +232,9 @@ class Scene:
             ideal: every triangle opaque, every ray answered, no noise, drop-out, weather or rounding; all rays at one
                 instant and as thin as lines, whatever the LIDAR's `rolling` and `divergence_mrad`.
         """
-        if lidar is not None and not isinstance(lidar, Lidar):
-            raise CadetError(f"lidar: expected a Lidar, got {lidar!r}")
+        if lidar is not None:
+            check_kind("", "lidar", lidar, Lidar)
+        check_flag("scan", "ideal", ideal)
         native = None if lidar is None else lidar.to_native()
         return Scan(**self._native.scan(native, bool(ideal), self._num_moves))
 
@@ -281,13 +282,5 @@ class Scene:
         self._num_moves += 1
 
 
-def _check_rig(rig: Rig | None) -> Rig:
-    if rig is not None and not isinstance(rig, Rig):
-        raise CadetError(f"rig: expected a Rig, got {rig!r}")
-    return Rig.kitti() if rig is None else rig
-
-
 def _vectors(name: str, values: NDArray[np.float64] | list[list[float]]) -> NDArray[np.float64]:
-    if isinstance(values, list):
-        values = np.asarray(values, dtype=np.float64).reshape(len(values), -1) if values else np.empty((0, 3))
-    return np.ascontiguousarray(check_array(values, name, ("n", 3), np.float64, finite=True))
+    return np.ascontiguousarray(as_array(values, name, ("n", 3), np.float64, finite=True))

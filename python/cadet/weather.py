@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+import sys
 from enum import IntEnum
 from numbers import Integral, Real
 from typing import Literal, NamedTuple, overload
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from cadet import _cadet
 from cadet.arrays import check_array
+from cadet.checks import is_one_of, shown
 from cadet.errors import CadetError, NonFiniteError
 
 
@@ -51,9 +52,9 @@ def check_weather(name: object) -> str:
         CadetError: it does not; the message lists those that exist.
     """
     names = weather_names()
-    if not isinstance(name, str) or name not in names:
-        raise CadetError(f"unknown weather {name!r}; known: {', '.join(names)}")
-    return name
+    if not is_one_of(name, names):
+        raise CadetError(f"unknown weather {shown(name)}; known: {', '.join(names)}")
+    return str(name)
 
 
 def air_of(name: str) -> Air:
@@ -136,7 +137,7 @@ def apply(
     check_array(points_velo, "points_velo", ("N", 4), np.float32, finite=True)
     numbers = {"fog": fog, "rain": rain, "snow": snow, "wetness": wetness, "sensor_height_m": sensor_height_m}
     if not isinstance(seed, Integral) or isinstance(seed, bool) or not 0 <= seed < 2**64:
-        raise CadetError(f"seed: expected a whole number from 0 to 2**64 - 1, got {seed!r}")
+        raise CadetError(f"seed: expected a whole number from 0 to 2**64 - 1, got {shown(seed)}")
     left, fate = _cadet.weather_recorded_scan(
         points_velo, **{name: _number(name, value) for name, value in numbers.items()}, seed=int(seed)
     )
@@ -145,7 +146,7 @@ def apply(
 
 def _number(name: str, value: object) -> float:
     if not isinstance(value, Real) or isinstance(value, bool):
-        raise CadetError(f"{name}: expected a number, got {value!r}")
-    if not math.isfinite(value):
-        raise NonFiniteError(f"{name}: not finite: {value!r}")
+        raise CadetError(f"{name}: expected a number, got {shown(value)}")
+    if not abs(value) <= sys.float_info.max:  # type: ignore[operator]
+        raise NonFiniteError(f"{name}: not finite: {shown(value)}")
     return float(value)

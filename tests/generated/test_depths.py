@@ -27,7 +27,7 @@ def test_no_rig_writes_a_point_of_depth_0(rig: Rig) -> None:
     frame = cadet.Scene.random(seed=1, rig=rig, weather="clear_noon").capture()
     assert len(frame.points_velo) > 10_000
     assert np.all(depths_in_single_precision(frame.points_velo, frame.calib) != 0.0)
-    assert np.abs(frame.calib.velo_to_cam(frame.points_velo)[:, 2]).min() > 2.4e-7
+    assert np.abs(frame.calib.points_cam_from_velo(frame.points_velo)[:, 2]).min() > 2.4e-7
     millimetres = frame.points_velo[:, :3].astype(np.float64) * 1e3
     np.testing.assert_allclose(millimetres, np.rint(millimetres), atol=0.004)
 

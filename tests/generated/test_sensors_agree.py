@@ -41,7 +41,7 @@ def test_lidar_points_fall_on_their_own_pixels_by_the_written_calibration(calibr
         frame, scan = scene.capture(), scene.scan(ideal=True)
         calib = Calibration.from_text(frame.calib.to_text())
         hit = np.isfinite(scan.range_m) & (scan.actor_id > 0)
-        points_cam = calib.velo_to_cam(scan.points_velo[hit])
+        points_cam = calib.points_cam_from_velo(scan.points_velo[hit])
         inside = points_in_image(points_cam, calib, (frame.image.shape[1] - 1, frame.image.shape[0] - 1))
         u, v = np.rint(calib.project(points_cam[inside])).astype(int).T
         assert frame.instance is not None and frame.depth is not None
@@ -65,7 +65,7 @@ def test_the_road_lies_in_the_cam_frame_as_the_calibration_tilts_it(calibration:
     tilt_deg = np.degrees(np.arccos(np.clip(frame.plane[:3] @ up_cam, -1.0, 1.0)))
     assert tilt_deg < 0.15, tilt_deg
     on_road = np.isfinite(scan.range_m) & (scan.range_m < 25.0) & (np.abs(scan.points_velo[:, 1]) < 4.0)
-    points_cam = frame.calib.velo_to_cam(scan.points_velo[on_road & (scan.points_velo[:, 0] > 4.0)])
+    points_cam = frame.calib.points_cam_from_velo(scan.points_velo[on_road & (scan.points_velo[:, 0] > 4.0)])
     assert len(points_cam) > 2000
     assert np.abs(points_cam @ frame.plane[:3] + frame.plane[3]).max() < 0.02
     # The image is drawn from the same pose: depths of road pixels lie in the plane.

@@ -132,7 +132,7 @@ def test_no_point_has_depth_0_in_single_precision(root: Path) -> None:
 def test_the_field_of_view_is_ours(root: Path) -> None:
     for frame_id, info, frame in infos(root, "trainval"):
         theirs = in_view(info)
-        ours = points_in_image(frame.calib.velo_to_cam(frame.points_velo), frame.calib, frame.image_size)
+        ours = points_in_image(frame.calib.points_cam_from_velo(frame.points_velo), frame.calib, frame.image_size)
         # They divide by the camera frame's z, we by the depth before camera 2, 3 mm less: points at the border differ.
         assert np.mean(theirs != ours) < 2e-3, frame_id
         assert ours.sum() > 10_000
@@ -143,7 +143,7 @@ def test_points_in_boxes_are_ours(root: Path) -> None:
     for frame_id, info, frame in infos(root, "trainval"):
         seen = in_view(info)
         theirs = count_points(info, rect_from_velo(info)[seen])
-        points_cam = frame.calib.velo_to_cam(frame.points_velo)[seen]
+        points_cam = frame.calib.points_cam_from_velo(frame.points_velo)[seen]
         ours = boxes.points_in_boxes(points_cam, info.boxes_cam).sum(axis=0 if len(info.boxes_cam) else None)
         assert np.abs(np.atleast_1d(ours)[: len(theirs)] - theirs).max(initial=0) <= 2, frame_id
         num_boxes += len(theirs)
@@ -230,10 +230,10 @@ def test_open3d_finds_the_same_points_in_boxes(root: Path) -> None:
     turn = np.array([[cosine, 0.0, sine], [0.0, 1.0, 0.0], [-sine, 0.0, cosine]])
     length, width, height = box_velo[3:6]
     rotation = np.linalg.inv(frame.calib.cam_from_velo)[:3, :3] @ turn
-    center = frame.calib.cam_to_velo(frame.labels[0].box_cam[None, :3] - [[0.0, height / 2, 0.0]])[0]
+    center = frame.calib.points_velo_from_cam(frame.labels[0].box_cam[None, :3] - [[0.0, height / 2, 0.0]])[0]
     box = o3d.geometry.OrientedBoundingBox(center, rotation, np.array([length, height, width]))
     theirs = len(box.get_point_indices_within_bounding_box(cloud.points))
-    points_cam = frame.calib.velo_to_cam(frame.points_velo)
+    points_cam = frame.calib.points_cam_from_velo(frame.points_velo)
     ours = int(boxes.points_in_boxes(points_cam, frame.labels[0].box_cam[None]).sum())
     assert ours > 0
     assert abs(theirs - ours) <= 1

@@ -62,7 +62,7 @@ def test_a_car_ahead_has_yaw_zero_and_its_center_at_half_height() -> None:
     calib = make_calib()
     box_velo = boxes.boxes_velo_from_cam(np.array([[0.0, 1.65, 20.0, 4.0, 2.0, 1.5, AHEAD]]), calib)[0]
     assert box_velo[6] == pytest.approx(0.0)
-    assert calib.velo_to_cam(box_velo[None, :3])[0] == pytest.approx([0.0, 0.9, 20.0])
+    assert calib.points_cam_from_velo(box_velo[None, :3])[0] == pytest.approx([0.0, 0.9, 20.0])
 
 
 def test_projected_boxes_bound_a_dense_sampling_of_what_lies_before_the_camera() -> None:

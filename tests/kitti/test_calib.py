@@ -106,8 +106,8 @@ def test_velo_to_cam_rectifies_after_moving() -> None:
     ]
     expected = [sum(calib.R0_rect[row, k] * moved[k] for k in range(3)) for row in range(3)]
     points_velo = np.array([[*point, 0.4]], np.float64)
-    assert calib.velo_to_cam(points_velo)[0] == pytest.approx(expected, abs=1e-12)
-    assert calib.cam_to_velo(calib.velo_to_cam(points_velo))[0] == pytest.approx(point, abs=1e-12)
+    assert calib.points_cam_from_velo(points_velo)[0] == pytest.approx(expected, abs=1e-12)
+    assert calib.points_velo_from_cam(calib.points_cam_from_velo(points_velo))[0] == pytest.approx(point, abs=1e-12)
 
 
 def test_project_uses_the_fourth_column_and_has_no_image_of_what_is_behind() -> None:
@@ -120,7 +120,7 @@ def test_project_uses_the_fourth_column_and_has_no_image_of_what_is_behind() -> 
 
 def test_points_need_three_columns() -> None:
     with pytest.raises(ShapeError, match=r"^points_velo: expected \(N, 3\) or wider, got \(4, 2\)$"):
-        make_calib().velo_to_cam(np.zeros((4, 2)))
+        make_calib().points_cam_from_velo(np.zeros((4, 2)))
 
 
 def test_points_in_image_agrees_with_the_filter_written_out_point_by_point() -> None:

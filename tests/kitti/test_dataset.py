@@ -44,7 +44,7 @@ def test_a_frame_comes_back_whole(tmp_path: Path) -> None:
 
 
 def test_files_lie_where_kitti_has_them(tmp_path: Path) -> None:
-    write_frame(tmp_path, "000012", make_frame(has_maps=True))
+    write_frame(tmp_path, "000012", make_frame(has_maps=True), split=None)
     assert sorted(all_files(tmp_path)) == [
         f"training/{name}"
         for name in (
@@ -131,7 +131,7 @@ def test_same_frame_same_bytes(tmp_path: Path) -> None:
 
 def test_a_dataset_lists_indexes_and_iterates(tmp_path: Path) -> None:
     for frame_id in (3, 1, 20):
-        write_frame(tmp_path, frame_id, make_frame(meta={"sample": frame_id}))
+        write_frame(tmp_path, frame_id, make_frame(meta={"sample": frame_id}), split=None)
     write_image_set(tmp_path, "val", ImageSet(("000020", "000001")))
     every, val = Dataset(tmp_path), Dataset(tmp_path, split="val")
     assert (len(every), len(val)) == (3, 2)

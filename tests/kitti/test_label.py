@@ -77,7 +77,7 @@ def test_fields_land_where_kitti_documents_them() -> None:
         (CAR.replace("1.67", "1_67"), "000123.txt:4: height: expected a number, got '1_67'"),
         (f"{CAR} high", "000123.txt:4: score: expected a number, got 'high'"),
         (CAR.replace("0.00 0 ", "0.00 0.5 "), "000123.txt:4: occluded: expected a whole number, got '0.5'"),
-        (CAR.replace("0.00 0 ", "0.00 4 "), "000123.txt:4: occluded: expected -1..3, got 4"),
+        (CAR.replace("0.00 0 ", "0.00 4 "), "000123.txt:4: occluded: expected a whole number -1..3, got 4"),
         (
             CAR.replace("Car", "car"),
             "000123.txt:4: unknown type 'car', expected one of Car, Van, Truck, Pedestrian, Person_sitting, Cyclist, "

@@ -25,7 +25,7 @@ def road_velo(plane: NDArray[np.float64], noise_m: float, seed: int = 0) -> NDAr
     y[x > 4] -= 0.12
     walls = generator.random(n) < 0.33
     y[walls] -= generator.uniform(0, 2.5, walls.sum())
-    return CALIB.cam_to_velo(np.column_stack([x, y, z]))
+    return CALIB.points_velo_from_cam(np.column_stack([x, y, z]))
 
 
 def height_at(plane: NDArray[np.float64], z_m: float) -> float:
@@ -43,7 +43,7 @@ def test_far_ground_is_held_though_the_near_ground_bends() -> None:
     z = 1.0 / generator.uniform(1 / 48, 1 / 3, 8000)
     x = generator.uniform(-4, 4, len(z))
     y = 1.65 + 0.02 * np.minimum(z, 15.0) + generator.normal(0, 0.01, len(z))
-    got = estimate_plane(CALIB.cam_to_velo(np.column_stack([x, y, z])), CALIB)
+    got = estimate_plane(CALIB.points_velo_from_cam(np.column_stack([x, y, z])), CALIB)
     assert abs(height_at(got, 40.0) - 1.95) < 0.15
     # One plane can't hold both parts: it lies on the longer one.
     assert abs(height_at(got, 15.0) - 1.95) < 0.05

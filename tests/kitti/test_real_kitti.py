@@ -90,7 +90,7 @@ def test_a_dataset_reads_all_frames() -> None:
 
 def test_as_many_points_fall_into_the_image_as_in_kitti() -> None:
     for frame in Dataset(ROOT):
-        points_cam = frame.calib.velo_to_cam(frame.points_velo)
+        points_cam = frame.calib.points_cam_from_velo(frame.points_velo)
         assert 16_000 < points_in_image(points_cam, frame.calib, frame.image_size).sum() < 21_000
 
 

@@ -51,7 +51,7 @@ def test_a_frame_without_points_labels_and_plane_can_be_drawn() -> None:
 def test_returns_are_drawn_where_they_project_and_by_depth() -> None:
     calib = make_calib()
     points_cam = np.array([[-1.0, 0.0, 5.0], [3.0, 0.0, 40.0], [0.0, 0.0, -8.0]])
-    points_velo = np.hstack([calib.cam_to_velo(points_cam), np.zeros((3, 1))]).astype(np.float32)
+    points_velo = np.hstack([calib.points_velo_from_cam(points_cam), np.zeros((3, 1))]).astype(np.float32)
     blank = np.zeros((190, 620, 3), np.uint8)
     empty = view.lidar_figure(make_frame(image=blank, points_velo=points_velo[:0]))
     drawn = view.lidar_figure(make_frame(image=blank, points_velo=points_velo))
@@ -155,7 +155,7 @@ def test_without_depth_a_wall_of_returns_hides_what_is_behind_it() -> None:
     x, y = np.meshgrid(np.linspace(-3, 3, 200), np.linspace(0.0, 1.3, 60))
     for wall_m, num_visible in ((10.0, 0), (30.0, 8)):
         wall_cam = np.stack([x.ravel(), y.ravel(), np.full(x.size, wall_m)], axis=1) * (wall_m / 10.0, 1.0, 1.0)
-        points_velo = np.hstack([calib.cam_to_velo(wall_cam), np.zeros((x.size, 1))]).astype(np.float32)
+        points_velo = np.hstack([calib.points_velo_from_cam(wall_cam), np.zeros((x.size, 1))]).astype(np.float32)
         frame = make_frame(labels=(label,), points_velo=points_velo)
         is_visible, source = view.corner_visibility(frame, [label])
         assert source == "estimated from the LIDAR"

@@ -79,7 +79,7 @@ def build_sample(
     if min(height, width) < 2:
         raise CadetError(f"image: expected at least 2 x 2 pixels, got {width} x {height}")
     plane = _ground(points_velo, calib, None if plane is None else normal_plane(plane), config)
-    points_cam = calib.velo_to_cam(points_velo)
+    points_cam = calib.points_cam_from_velo(points_velo)
     points_cam = points_cam[points_in_image(points_cam, calib, (width, height))]
     projection, boxes_cam, classes = calib.P2, *_objects(labels, config)
     if augmentation.has_jitter:

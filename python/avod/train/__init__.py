@@ -1,5 +1,5 @@
 """Training: steps, schedule, checkpoints, log."""
 
-from avod.train.run import train
+from avod.train.run import Run, train, with_steps
 
-__all__ = ["train"]
+__all__ = ["Run", "train", "with_steps"]

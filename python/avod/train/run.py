@@ -43,12 +43,12 @@ class Run:
         has_tensorboard: write TensorBoard's files too.
     """
 
-    data: Path
-    out: Path
+    data: str | Path
+    out: str | Path
     split: str | None = "train"
     seed: int = 0
-    init: Path | None = None
-    resume_from: Path | None = None
+    init: str | Path | None = None
+    resume_from: str | Path | None = None
     device: torch.device = torch.device("cpu")
     precision: torch.dtype | None = None
     workers: int = 0
@@ -94,11 +94,12 @@ def train(config: Config, run: Run, *, on_step: OnStep | None = None) -> Path:
     if run.is_compiled:
         for pyramid in (network.bev_pyramid, network.image_pyramid):
             pyramid.compile(dynamic=False)
-    folder = run.out / "checkpoints"
+    out = Path(run.out)
+    folder = out / "checkpoints"
     log = None
     if processes.is_first:
-        run.out.mkdir(parents=True, exist_ok=True)
-        log = TrainingLog(run.out, first_step, has_tensorboard=run.has_tensorboard)
+        out.mkdir(parents=True, exist_ok=True)
+        log = TrainingLog(out, first_step, has_tensorboard=run.has_tensorboard)
     wrapped: nn.Module = processes.wrap(network)
     last = folder / f"{config.training.steps:09d}"
     steps = range(first_step, config.training.steps)

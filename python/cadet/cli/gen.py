@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 import shlex
 import sys
@@ -15,6 +14,7 @@ from rich.console import Console
 
 from cadet import _cadet
 from cadet.assets import Assets
+from cadet.checks import check_number
 from cadet.cli.errors import INTERRUPTED
 from cadet.cli.progress import reporter
 from cadet.errors import CadetError
@@ -124,8 +124,8 @@ cadet_gen.help = (cadet_gen.help or "").replace("{weathers}", ", ".join(weather_
 
 def _period(option: str, fraction: float) -> int:
     """Return every how many episodes one is taken; 0 for none."""
-    if math.isnan(fraction):
-        raise CadetError(f"{option}: expected a number, got nan")
+    # click lets NaN through any range.
+    check_number("", option, fraction, 0, 0.5)
     if 0.0 < fraction < _LEAST_FRACTION:
         raise CadetError(f"{option}: expected 0 or at least {_LEAST_FRACTION:g}, got {fraction:g}")
     return round(1.0 / fraction) if fraction > 0.0 else 0

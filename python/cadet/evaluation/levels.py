@@ -7,7 +7,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from cadet.checks import as_tuple, check_flag, check_number, check_text, make_plain, shown
 from cadet.errors import CadetError
+
+# KITTI's mark for "unknown" is -1.
+_LOWEST: Final = 10.0
 
 
 @dataclass(frozen=True)
@@ -23,7 +27,7 @@ class Level:
         max_truncation: the largest truncation, None likewise.
 
     Raises:
-        CadetError: an empty name, a negative or infinite height, NaN.
+        CadetError: an empty name, a negative or infinite height, NaN, or what is no number.
     """
 
     name: str
@@ -33,16 +37,19 @@ class Level:
     max_truncation: float | None = None
 
     def __post_init__(self) -> None:
+        check_text("Level", "name", self.name)
         if not self.name:
             raise CadetError("level: its name is empty")
-        if not 0.0 <= self.min_height_px < math.inf:
-            raise CadetError(f"level {self.name}: min_height_px is {self.min_height_px}, expected at least 0")
+        owner = f"level {self.name}"
+        check_number(owner, "min_height_px", self.min_height_px, 0)
+        check_flag(owner, "inclusive", self.inclusive)
+        make_plain(self)
         for name in ("max_occlusion", "max_truncation"):
             value = getattr(self, name)
-            if value is not None and math.isnan(value):
-                raise CadetError(f"level {self.name}: {name} is NaN")
-            if value == math.inf:
+            if isinstance(value, float) and value == math.inf:
                 object.__setattr__(self, name, None)
+            elif value is not None:
+                check_number(owner, name, value, -_LOWEST)
 
     def limits(self) -> tuple[float, bool, float, float]:
         """Return the limits as the core takes them."""
@@ -70,9 +77,11 @@ def resolve_levels(levels: str | Sequence[Level]) -> tuple[Level, ...]:
     """
     if isinstance(levels, str):
         if levels not in LEVELS:
-            raise CadetError(f"levels: unknown set {levels!r}, expected one of {', '.join(LEVELS)}, or Level objects")
+            raise CadetError(
+                f"levels: unknown set {shown(levels)}, expected one of {', '.join(LEVELS)}, or Level objects"
+            )
         return LEVELS[levels]
-    chosen = tuple(levels)
+    chosen = as_tuple("", "levels", levels, "Level objects")
     for level in chosen:
         if not isinstance(level, Level):
             raise CadetError(f"levels: expected Level objects, got {type(level).__name__}")

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Final, TypeAlias
+from typing import Any, Final, TypeAlias
 
+import numpy as np
+
+from cadet.checks import as_tuple, is_one_of, shown
 from cadet.errors import CadetError
 
 METRICS: Final = ("2d", "bev", "3d")
@@ -46,9 +49,12 @@ def resolve_limits(classes: Sequence[str], min_overlap: MinOverlap) -> dict[str,
     if isinstance(min_overlap, str):
         if min_overlap not in MIN_OVERLAP:
             names = ", ".join(MIN_OVERLAP)
-            raise CadetError(f"min_overlap: unknown set {min_overlap!r}, expected one of {names}, or a dictionary")
+            raise CadetError(f"min_overlap: unknown set {shown(min_overlap)}, expected one of {names}, or a dictionary")
         given: Mapping[str, ClassOverlap] = MIN_OVERLAP[min_overlap]
     else:
+        if not isinstance(min_overlap, Mapping):
+            names = ", ".join(MIN_OVERLAP)
+            raise CadetError(f"min_overlap: expected one of {names}, or a dictionary, got {shown(min_overlap)}")
         given = min_overlap
         for name in given:
             if name not in KNOWN_CLASSES:
@@ -57,10 +63,10 @@ def resolve_limits(classes: Sequence[str], min_overlap: MinOverlap) -> dict[str,
 
 
 def _check_classes(classes: Sequence[str]) -> tuple[str, ...]:
-    chosen = (classes,) if isinstance(classes, str) else tuple(classes)
+    chosen = (classes,) if isinstance(classes, str) else as_tuple("", "classes", classes, "names")
     for name in chosen:
-        if name not in KNOWN_CLASSES:
-            raise CadetError(f"classes: unknown class {name!r}, expected some of {', '.join(KNOWN_CLASSES)}")
+        if not is_one_of(name, KNOWN_CLASSES):
+            raise CadetError(f"classes: unknown class {shown(name)}, expected some of {', '.join(KNOWN_CLASSES)}")
     if not chosen or len(set(chosen)) < len(chosen):
         raise CadetError(f"classes: expected at least one, each once, got {list(chosen)}")
     return chosen
@@ -69,19 +75,20 @@ def _check_classes(classes: Sequence[str]) -> tuple[str, ...]:
 def _class_limits(name: str, given: ClassOverlap) -> tuple[float, float, float]:
     if isinstance(given, Mapping):
         values = _by_metric(name, given)
-    elif isinstance(given, Sequence):
-        values = [float(value) for value in given]
+    elif isinstance(given, (list, tuple)):
+        values = list(given)
         if len(values) != len(METRICS):
             raise CadetError(f"min_overlap[{name!r}]: expected 3 limits (2D, BEV, 3D), got {len(values)}")
     else:
-        values = [float(given)] * len(METRICS)
+        values = [given] * len(METRICS)
     for value in values:
-        if not 0.0 <= value < 1.0:
-            raise CadetError(f"min_overlap[{name!r}]: {value} is no limit, expected 0 <= limit < 1")
-    return values[0], values[1], values[2]
+        is_number = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+        if not is_number or not 0.0 <= value < 1.0:
+            raise CadetError(f"min_overlap[{name!r}]: {shown(value)} is no limit, expected 0 <= limit < 1")
+    return float(values[0]), float(values[1]), float(values[2])
 
 
-def _by_metric(name: str, given: Mapping[str, float]) -> list[float]:
+def _by_metric(name: str, given: Mapping[str, float]) -> list[Any]:
     unknown = [metric for metric in given if metric not in METRICS]
     if unknown:
         raise CadetError(f"min_overlap[{name!r}]: unknown metric {unknown[0]!r}, expected some of {', '.join(METRICS)}")
@@ -89,6 +96,4 @@ def _by_metric(name: str, given: Mapping[str, float]) -> list[float]:
     missing = [metric for metric in METRICS if metric not in given]
     if missing and strict is None:
         raise CadetError(f"min_overlap: KITTI sets no limit for {name}; give it one, such as {{{name!r}: 0.7}}")
-    return [
-        float(given[metric]) if strict is None or metric in given else strict[i] for i, metric in enumerate(METRICS)
-    ]
+    return [given[metric] if strict is None or metric in given else strict[i] for i, metric in enumerate(METRICS)]

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cadet.arrays import check_array
+from cadet.arrays import as_array
+from cadet.checks import shown
 from cadet.errors import CadetError, ShapeError
 from cadet.kitti import Label
 
@@ -19,7 +20,7 @@ MIN_SCORE = -1e7
 
 @dataclass(frozen=True, eq=False)
 class GroundTruth:
-    """The labelled objects of a frame, in the order of its label file.
+    """The labelled objects of a frame, in the order of its label file. Lists are taken for arrays.
 
     Attributes:
         types: n names; their letter case does not matter, names that KITTI lacks take no part.
@@ -62,7 +63,7 @@ class GroundTruth:
 
 @dataclass(frozen=True, eq=False)
 class Detections:
-    """The detections of a frame; their order breaks ties between equal scores.
+    """The detections of a frame; their order breaks ties between equal scores. Lists are taken for arrays.
 
     Attributes:
         types: n names; their letter case does not matter.
@@ -117,9 +118,13 @@ def _from_labels(labels: tuple[Label, ...]) -> dict[str, Any]:
 
 
 def _check(objects: GroundTruth | Detections, columns: tuple[str, ...]) -> None:
-    if not isinstance(objects.types, tuple):
-        raise ShapeError(f"types: expected a tuple of names, got {type(objects.types).__name__}")
+    types = objects.types
+    if not isinstance(types, (tuple, list)) or not all(isinstance(name, str) for name in types):
+        raise ShapeError(f"types: expected a tuple of names, got {shown(types)}")
+    object.__setattr__(objects, "types", tuple(types))
     count = len(objects.types)
     shapes: dict[str, tuple[int, ...]] = {"boxes_img": (count, 4), "boxes_cam": (count, 7)}
     for name in ("boxes_img", "boxes_cam", *columns):
-        check_array(getattr(objects, name), name, shapes.get(name, (count,)), finite=True)
+        object.__setattr__(
+            objects, name, as_array(getattr(objects, name), name, shapes.get(name, (count,)), finite=True)
+        )

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from cadet import _cadet
 from cadet.arrays import check_array
+from cadet.checks import check_number
 from cadet.errors import CadetError
 
 _LENGTH, _HEIGHT = 3, 6
@@ -68,11 +69,10 @@ def nms_bev(boxes: NDArray[Any], scores: NDArray[Any], threshold: float) -> NDAr
         NonFiniteError: NaN or infinity.
         CadetError: a negative size, or a threshold outside 0..1.
     """
-    if not 0.0 <= threshold <= 1.0:
-        raise CadetError(f"threshold is {threshold}, expected 0..1")
+    check_number("", "threshold", threshold, 0, 1)
     checked = _boxes(boxes, "boxes")
     check_array(scores, "scores", (len(checked),), finite=True)
-    return _cadet.nms_bev(checked, scores.astype(np.float64), threshold)
+    return _cadet.nms_bev(checked, scores.astype(np.float64), float(threshold))
 
 
 def _boxes(boxes: NDArray[Any], name: str) -> NDArray[np.float64]:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from cadet import _cadet
+from cadet.checks import is_one_of, shown
 from cadet.errors import CadetError
 from cadet.evaluation.levels import Level, resolve_levels
 from cadet.evaluation.limits import CLASSES, HEADING, METRICS, MinOverlap, resolve_limits
@@ -52,8 +53,8 @@ def evaluate(
         MissingFileError: a folder, split or label file that is not there; no frame at all.
         CadetError: an unknown class, set or rule.
     """
-    if recall not in RECALLS:
-        raise CadetError(f"recall: unknown rule {recall!r}, expected one of {', '.join(RECALLS)}")
+    if not is_one_of(recall, RECALLS):
+        raise CadetError(f"recall: unknown rule {shown(recall)}, expected one of {', '.join(RECALLS)}")
     limits = resolve_limits(classes, min_overlap)
     chosen_levels = resolve_levels(levels)
     chosen = choose(gt, det, split, frames)

@@ -11,6 +11,7 @@ from typing import Any, Final, TypeAlias, TypeVar
 
 import numpy as np
 
+from cadet.checks import as_tuple, is_one_of, shown
 from cadet.errors import CadetError, MissingFileError
 from cadet.evaluation.objects import Detections, GroundTruth
 from cadet.kitti import ImageSet, Label, read_image_set
@@ -50,10 +51,10 @@ def choose(gt: GroundTruthSource, det: DetectionSource, split: Split | None, fra
         CadetError: an unknown rule, no frame, a frame with results but no ground truth, sequences of unequal length.
         MissingFileError: a folder or split that is not there.
     """
-    if frames not in FRAME_RULES:
-        raise CadetError(f"frames: unknown rule {frames!r}, expected one of {', '.join(FRAME_RULES)}")
-    truths = _folder(gt, "label_2") if isinstance(gt, str | Path) else _by_id(gt)
-    detections = _folder(det, "data") if isinstance(det, str | Path) else _by_id(det)
+    if not is_one_of(frames, FRAME_RULES):
+        raise CadetError(f"frames: unknown rule {shown(frames)}, expected one of {', '.join(FRAME_RULES)}")
+    truths = _folder(gt, "label_2") if isinstance(gt, str | Path) else _by_id(gt, "gt")
+    detections = _folder(det, "data") if isinstance(det, str | Path) else _by_id(det, "det")
     _check_pairing(gt, det)
     labelled, found = _ids(truths), set(_ids(detections))
     if split is not None:
@@ -85,9 +86,11 @@ def _folder(path: str | Path, inner: str) -> Path:
     return path
 
 
-def _by_id(frames: Frames[Any]) -> Mapping[str, Any]:
+def _by_id(frames: Frames[Any], name: str) -> Mapping[str, Any]:
     if isinstance(frames, Mapping):
         return {str(frame_id): objects for frame_id, objects in frames.items()}
+    if not isinstance(frames, Sequence):
+        raise CadetError(f"{name}: expected a folder, or frames in a dictionary or a sequence, got {shown(frames)}")
     return {f"{index:06d}": objects for index, objects in enumerate(frames)}
 
 
@@ -113,11 +116,14 @@ def _split_ids(split: Split, truths: Path | None) -> tuple[str, ...]:
         return ImageSet.from_text(path.read_text(encoding="ascii", errors="replace"), path.name).ids
     if isinstance(split, str | Path):
         if truths is None:
-            raise CadetError(f"split: {split!r} is looked for beside the labels' folder; in memory, give the ids")
+            raise CadetError(f"split: {shown(split)} is looked for beside the labels' folder; in memory, give the ids")
         roots = (truths, *truths.resolve().parents[:2])
         root = next((root for root in roots if (root / "ImageSets").is_dir()), roots[-1])
         return read_image_set(root, str(split)).ids
-    return tuple(dict.fromkeys(split))
+    ids = as_tuple("", "split", split, "ids")
+    if not all(isinstance(frame_id, str) for frame_id in ids):
+        raise CadetError(f"split: expected six-digit ids, got {shown(ids)}")
+    return tuple(dict.fromkeys(ids))
 
 
 def _check_labelled(ids: Iterable[str], labelled: set[str], gt: object) -> None:

@@ -8,6 +8,7 @@ import json
 from collections.abc import Iterator
 from pathlib import Path
 
+from cadet.checks import shown
 from cadet.errors import CadetError
 from cadet.generate.settings import Settings, differences
 from cadet.kitti.files import frame_ids
@@ -53,6 +54,7 @@ def _check_same_run(root: Path, identity: dict[str, object]) -> None:
         begun = json.loads((root / RUN).read_bytes())
     except (FileNotFoundError, ValueError):
         raise CadetError(f"{root} holds no run to go on with: there is no {RUN} in it; name a new folder") from None
+    _check_same_version(root, begun, identity)
     # What JSON makes of it, so that tuples and lists compare alike.
     found = [
         f"{name} was {json.dumps(old)}, now {json.dumps(new)}"
@@ -62,6 +64,18 @@ def _check_same_run(root: Path, identity: dict[str, object]) -> None:
         # One difference is enough to tell, and the shortest tells most: a number rather than a table.
         raise CadetError(
             f"{root} was begun with other settings: {min(found, key=len)}; give the same ones, or name a new folder"
+        )
+
+
+def _check_same_version(root: Path, begun: object, identity: dict[str, object]) -> None:
+    """Refuse a run of another version: the same settings may mean other bytes there."""
+    if not isinstance(begun, dict):
+        raise CadetError(f"{root / RUN}: expected a JSON object, got {shown(begun)}; name a new folder")
+    old, new = (f"cadet {run.get('cadet')}, format {run.get('format')}" for run in (begun, identity))
+    if old != new:
+        raise CadetError(
+            f"{root} was begun by another version ({' '.join(old.split())[:100]}), this is {new}: "
+            "go on with that one, or name a new folder"
         )
 
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from cadet.config import check_number
+from cadet.checks import as_path, check_kind, check_number
 from cadet.generate.folder import open_folder
 from cadet.generate.manifest import put_manifest
 from cadet.generate.pool import Pool
@@ -54,11 +54,14 @@ def generate(
         WorkerError: a worker died; what it wrote is whole, and `resume` goes on.
         OSError: the folder can't be written.
     """
+    check_kind("generate", "settings", settings, Settings)
+    folder = as_path("root", root)
     workers = num_processors() if workers is None else workers
     check_number("generate", "workers", workers, 1, 1024, whole=True)
+    workers = int(workers)
     num_new = num_kept = 0
-    with open_folder(Path(root), settings, resume=resume) as sink:
-        pool = Pool(Path(root).absolute(), settings, workers, max(1, num_processors() // workers))
+    with open_folder(folder, settings, resume=resume) as sink:
+        pool = Pool(folder.absolute(), settings, workers, max(1, num_processors() // workers))
         try:
             for made in pool.frames():
                 num_new += made.is_new

@@ -7,13 +7,14 @@ from dataclasses import dataclass
 from typing import Any, Final, Literal, TypeAlias
 
 from cadet import _cadet
-from cadet.config import check_number
+from cadet.checks import as_seed, as_tuple, check_kind, check_number, is_one_of, make_plain, shown
 from cadet.errors import CadetError
-from cadet.policy import ResetPolicy, check_seed
+from cadet.policy import ResetPolicy
 
 Split: TypeAlias = Literal["train", "val", "test"]
 
 FORMAT_VERSION = 2
+"""Rises with every change of what the same settings give."""
 EXTRAS = ("depth", "instance", "semantic")
 """Folders that are written on demand."""
 BASE_FOLDERS = ("image_2", "velodyne", "calib", "label_2", "planes")
@@ -34,7 +35,7 @@ class Settings:
     num_frames: int = 20
     """Frames 0 to this; a larger number never changes a frame."""
     policy: ResetPolicy
-    """Draws worlds and rigs."""
+    """Draws worlds and rigs. A preset's name stands for it when settings are made."""
     extras: tuple[str, ...] = ()
     """Folders to write besides `BASE_FOLDERS`: some of `EXTRAS`."""
     val_period: int = 5
@@ -43,7 +44,10 @@ class Settings:
     """Episode e is test, and not validation, if e % test_period == 2; 0 for none."""
 
     def __post_init__(self) -> None:
-        check_seed(self.seed)
+        as_seed(self.seed)
+        if isinstance(self.policy, str):
+            object.__setattr__(self, "policy", ResetPolicy.named(self.policy))
+        check_kind("Settings", "policy", self.policy, ResetPolicy)
         check_number("Settings", "num_frames", self.num_frames, 1, 1_000_000, whole=True)
         check_number("Settings", "val_period", self.val_period, 0, 1_000_000, whole=True)
         if self.val_period == 1:
@@ -51,9 +55,11 @@ class Settings:
         check_number("Settings", "test_period", self.test_period, 0, 1_000_000, whole=True)
         if self.test_period in (1, 2):
             raise CadetError(f"Settings.test_period: expected 0 or at least 3, got {self.test_period}")
+        object.__setattr__(self, "extras", as_tuple("Settings", "extras", self.extras, "folders' names"))
         for extra in self.extras:
-            if extra not in EXTRAS:
-                raise CadetError(f"cannot write {extra!r}; known: {', '.join(EXTRAS)}")
+            if not is_one_of(extra, EXTRAS):
+                raise CadetError(f"cannot write {shown(extra)}; known: {', '.join(EXTRAS)}")
+        make_plain(self)
 
     @property
     def folders(self) -> tuple[str, ...]:

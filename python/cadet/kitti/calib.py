@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Final
@@ -10,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet.arrays import check_array
+from cadet.checks import check_image_size, check_kind
 from cadet.errors import KittiFormatError, ShapeError
 
 _SHAPES: Final = {
@@ -127,7 +129,7 @@ class Calibration:
         matrix.setflags(write=False)
         return matrix
 
-    def velo_to_cam(self, points_velo: NDArray[Any]) -> NDArray[np.float64]:
+    def points_cam_from_velo(self, points_velo: NDArray[Any]) -> NDArray[np.float64]:
         """Bring points from the velo frame into the cam frame.
 
         Args:
@@ -141,13 +143,23 @@ class Calibration:
         """
         return _transform(self.cam_from_velo, points_velo, "points_velo")
 
-    def cam_to_velo(self, points_cam: NDArray[Any]) -> NDArray[np.float64]:
+    def points_velo_from_cam(self, points_cam: NDArray[Any]) -> NDArray[np.float64]:
         """Bring points from the cam frame into the velo frame: (N, 3) or wider to (N, 3) float64, metres.
 
         Raises:
             ShapeError: fewer than three columns.
         """
         return _transform(self.velo_from_cam, points_cam, "points_cam")
+
+    def velo_to_cam(self, points_velo: NDArray[Any]) -> NDArray[np.float64]:
+        """Deprecated: the old name of `points_cam_from_velo`."""
+        _warn_of_old_name("velo_to_cam", "points_cam_from_velo", "cam_from_velo")
+        return self.points_cam_from_velo(points_velo)
+
+    def cam_to_velo(self, points_cam: NDArray[Any]) -> NDArray[np.float64]:
+        """Deprecated: the old name of `points_velo_from_cam`."""
+        _warn_of_old_name("cam_to_velo", "points_velo_from_cam", "velo_from_cam")
+        return self.points_velo_from_cam(points_cam)
 
     def project(self, points_cam: NDArray[Any]) -> NDArray[np.float64]:
         """Project points into the image with the whole of P2.
@@ -181,10 +193,12 @@ def points_in_image(points_cam: NDArray[Any], calib: Calibration, image_size: tu
 
     Raises:
         ShapeError: `points_cam` has fewer than three columns.
+        CadetError: no calibration, or no image size.
 
     Reference: the point filter of AVOD's KITTI reader.
     """
-    width, height = image_size
+    check_kind("", "calib", calib, Calibration)
+    width, height = check_image_size(image_size)
     points_img = calib.project(points_cam)
     u, v = points_img[:, 0], points_img[:, 1]
     inside: NDArray[np.bool_] = (points_cam[:, 2] > 0.0) & (u > 0.0) & (u < width) & (v > 0.0) & (v < height)
@@ -212,6 +226,11 @@ def is_at_zero_depth(points_velo: NDArray[Any], calib: Calibration) -> NDArray[n
     # Written out, since the order in which a product of matrices adds up differs between machines.
     is_zero: NDArray[np.bool_] = np.abs(a * x + b * y + c * z + d) < ZERO_DEPTH_M
     return is_zero
+
+
+def _warn_of_old_name(old: str, new: str, matrix: str) -> None:
+    message = f"Calibration.{old} is now Calibration.{new}(points); Calibration.{matrix} is the (4, 4) matrix"
+    warnings.warn(message, DeprecationWarning, stacklevel=3)
 
 
 def _transform(matrix: NDArray[np.float64], points: NDArray[Any], name: str) -> NDArray[np.float64]:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cadet.checks import as_path, check_flag, check_kind
 from cadet.errors import CadetError, FrameExistsError, KittiFormatError, MissingFileError
 from cadet.frame import Frame
 from cadet.kitti import images
@@ -27,7 +28,7 @@ from cadet.kitti.files import (
     split_folder,
     write_whole,
 )
-from cadet.kitti.image_sets import read_image_set
+from cadet.kitti.image_sets import list_frame, other_split, read_image_set
 from cadet.kitti.label import Label, labels_from_text, text_from_labels
 from cadet.kitti.planes import plane_from_text, text_from_plane
 from cadet.kitti.velodyne import bytes_from_points, points_from_bytes
@@ -127,6 +128,7 @@ def encode_frame(frame: Frame) -> dict[str, bytes]:
     Raises:
         CadetError: what the format cannot hold: an instance id above 65534, a `meta` that is no JSON.
     """
+    check_kind("", "frame", frame, Frame)
     contents = {
         "image_2": images.encode_png(frame.image),
         "velodyne": bytes_from_points(frame.points_velo),
@@ -163,22 +165,32 @@ def write_frame(
     frame_id: str | int,
     frame: Frame,
     *,
+    split: str | None = "train",
     overwrite: bool = False,
 ) -> None:
-    """Write one frame under `root/training`; what is None is not written. Files appear whole or not at all.
+    """Write one frame under `root/training` and list it under `root/ImageSets`; what is None is not written.
+
+    Files appear whole or not at all. The lists are read and written for each frame: several processes that write one
+    dataset pass `split=None` and list the frames at the end with `write_image_set`.
 
     Args:
         root: the dataset's folder; missing folders are made.
         frame_id: six digits, or the number they make.
         frame: the frame.
+        split: "train" or "val": the list that names the frame, besides `trainval`; lists that are missing are made.
+            None leaves the lists alone.
         overwrite: replace a frame that is there; its files that `frame` lacks are removed.
 
     Raises:
         FrameExistsError: the frame is there and `overwrite` is not set.
-        CadetError: what the format cannot hold: an instance id above 65534, a `meta` that is no JSON.
+        CadetError: what the format cannot hold: an instance id above 65534, a `meta` that is no JSON; an unknown split,
+            or a frame that the other split lists.
     """
-    folder = Path(root) / "training"
+    folder = as_path("root", root) / "training"
     frame_id = check_id(frame_id)
+    check_flag("", "overwrite", overwrite)
+    if split is not None:
+        other_split(root, frame_id, split)
     present = [path for kind in SUFFIXES if (path := file_path(folder, kind, frame_id)).exists()]
     if present and not overwrite:
         raise FrameExistsError(f"{present[0]}: frame {frame_id} exists; pass overwrite=True to replace it")
@@ -188,6 +200,8 @@ def write_frame(
     for path in present:
         if path not in paths:
             path.unlink()
+    if split is not None:
+        list_frame(root, frame_id, split)
 
 
 class Dataset:
@@ -204,7 +218,7 @@ class Dataset:
     """
 
     def __init__(self, root: str | Path, split: str | None = None) -> None:
-        self.root = Path(root)
+        self.root = as_path("root", root)
         self.split = split
         self.folder = split_folder(root, split)
         self.ids: tuple[str, ...] = frame_ids(self.folder) if split is None else read_image_set(root, split).ids

@@ -8,6 +8,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
+import numpy as np
+
+from cadet.checks import as_path, shown
 from cadet.errors import CadetError, MissingFileError
 
 SUFFIXES: Final = {
@@ -36,10 +39,12 @@ def check_id(frame_id: str | int) -> str:
     Raises:
         CadetError: it is neither six digits nor a number that has them.
     """
-    text = f"{frame_id:06d}" if isinstance(frame_id, int) and 0 <= frame_id <= _MAX_ID else str(frame_id)
-    if not _ID.fullmatch(text):
-        raise CadetError(f"frame id: expected six digits such as '000012', got {frame_id!r}")
-    return text
+    is_number = isinstance(frame_id, (int, np.integer)) and not isinstance(frame_id, bool)
+    if is_number and 0 <= int(frame_id) <= _MAX_ID:
+        return f"{int(frame_id):06d}"
+    if not isinstance(frame_id, str) or not _ID.fullmatch(frame_id):
+        raise CadetError(f"frame id: expected six digits such as '000012', got {shown(frame_id)}")
+    return frame_id
 
 
 def sample_folder(root: str | Path) -> Path:
@@ -48,7 +53,7 @@ def sample_folder(root: str | Path) -> Path:
     Raises:
         MissingFileError: neither is a KITTI folder.
     """
-    root = Path(root)
+    root = as_path("root", root)
     for folder in (root / "training", root):
         if any((folder / name).is_dir() for name in REQUIRED):
             return folder

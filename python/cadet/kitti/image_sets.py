@@ -8,10 +8,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
-from cadet.errors import KittiFormatError, MissingFileError
+from cadet.checks import as_path, check_text, is_one_of, shown
+from cadet.errors import CadetError, KittiFormatError, MissingFileError
 from cadet.kitti.files import write_whole
 
 _ID: Final = re.compile(r"[0-9]{6}")
+_SPLITS: Final = ("train", "val")
 
 
 @dataclass(frozen=True)
@@ -67,7 +69,8 @@ def read_image_set(root: str | Path, split: str) -> ImageSet:
         MissingFileError: there is no such list.
         KittiFormatError: a line is not a six-digit id, or repeats one.
     """
-    path = Path(root) / "ImageSets" / f"{split}.txt"
+    check_text("", "split", split)
+    path = _list_path(root, split)
     if not path.is_file():
         raise MissingFileError(f"{path}: no such split")
     return ImageSet.from_text(path.read_text(encoding="ascii", errors="replace"), f"ImageSets/{path.name}")
@@ -75,7 +78,54 @@ def read_image_set(root: str | Path, split: str) -> ImageSet:
 
 def write_image_set(root: str | Path, split: str, image_set: ImageSet) -> None:
     """Write `root/ImageSets/<split>.txt`, whole or not at all."""
-    write_whole({Path(root) / "ImageSets" / f"{split}.txt": image_set.to_text().encode("ascii")})
+    write_whole({_list_path(root, split): image_set.to_text().encode("ascii")})
+
+
+def list_frame(root: str | Path, frame_id: str, split: str) -> None:
+    """Put a frame into a split's list and into `trainval`, and make the other split's list where there is none.
+
+    A list whose ids rise keeps them so; to another the id is appended. A frame that stands there already stays.
+
+    Args:
+        root: the dataset's folder.
+        frame_id: six digits.
+        split: "train" or "val".
+
+    Raises:
+        CadetError: another split, or the frame stands in the other's list.
+        KittiFormatError: a list that is there already is malformed.
+    """
+    other = other_split(root, frame_id, split)
+    for name in (split, "trainval"):
+        ids = _listed(root, name)
+        if frame_id not in ids:
+            is_rising = list(ids) == sorted(ids)
+            write_image_set(root, name, ImageSet(tuple(sorted((*ids, frame_id))) if is_rising else (*ids, frame_id)))
+    if not _list_path(root, other).exists():
+        write_image_set(root, other, ImageSet(()))
+
+
+def other_split(root: str | Path, frame_id: str, split: str) -> str:
+    """Return "val" for "train" and "train" for "val" if the frame may stand in `split`.
+
+    Raises:
+        CadetError: another split, or the frame stands in the other's list.
+        KittiFormatError: the other's list is malformed.
+    """
+    if not is_one_of(split, _SPLITS):
+        raise CadetError(f"split: expected {' or '.join(_SPLITS)}, or None for no list, got {shown(split)}")
+    other = _SPLITS[1 - _SPLITS.index(split)]
+    if frame_id in _listed(root, other):
+        raise CadetError(f"{_list_path(root, other)}: frame {frame_id} is listed there; pass split={other!r}")
+    return other
+
+
+def _list_path(root: str | Path, split: str) -> Path:
+    return as_path("root", root) / "ImageSets" / f"{split}.txt"
+
+
+def _listed(root: str | Path, split: str) -> tuple[str, ...]:
+    return read_image_set(root, split).ids if _list_path(root, split).is_file() else ()
 
 
 def _check_ids(ids: tuple[str, ...], file: str) -> None:

@@ -72,7 +72,12 @@ def decode_map(data: bytes, file: str, dtype: type[np.generic]) -> NDArray[Any]:
 
 
 def pixels_from_depth(depth: NDArray[np.float32]) -> NDArray[np.uint16]:
-    """Encode depth in metres, inf for sky, as 16 bit."""
+    """Encode depth in metres, inf for sky, as 16 bit.
+
+    Raises:
+        ShapeError: not (H, W) float32.
+    """
+    check_array(depth, "depth", ("H", "W"), np.float32)
     steps = np.rint(np.where(np.isfinite(depth), depth, 0.0) * DEPTH_STEPS_PER_M)
     is_hit = np.isfinite(depth)
     return np.where(is_hit, np.clip(steps, 1, _MAX_UINT16), 0).astype(np.uint16)
@@ -89,8 +94,10 @@ def pixels_from_instance(instance: NDArray[np.int32]) -> NDArray[np.uint16]:
     """Encode instance ids, -1 for sky, as 16 bit.
 
     Raises:
+        ShapeError: not (H, W) int32.
         CadetError: an id outside -1..65534.
     """
+    check_array(instance, "instance", ("H", "W"), np.int32)
     low, high = (int(instance.min()), int(instance.max())) if instance.size else (0, 0)
     if low < -1 or high >= _MAX_UINT16:
         raise CadetError(f"instance: expected ids -1..{_MAX_UINT16 - 1}, got {low}..{high}")

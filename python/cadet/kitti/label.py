@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final
@@ -10,6 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from cadet.checks import check_kind, is_one_of, shown
 from cadet.errors import KittiFormatError, NonFiniteError, ShapeError
 
 TYPES: Final = ("Car", "Van", "Truck", "Pedestrian", "Person_sitting", "Cyclist", "Tram", "Misc", "DontCare")
@@ -23,6 +25,7 @@ _UNKNOWN_EXTENT: Final = -1.0
 _UNKNOWN_ANGLE: Final = -10.0
 _UNKNOWN_PLACE: Final = -1000.0
 _MAX_OCCLUDED: Final = 3
+_NUMBERS: Final = (int, float, np.integer, np.floating)
 
 
 @dataclass(frozen=True)
@@ -44,7 +47,7 @@ class Label:
         score: a detection's confidence; None for a label.
 
     Raises:
-        KittiFormatError: an unknown type, or `occluded` outside -1..3.
+        KittiFormatError: an unknown type, `occluded` no whole number or outside -1..3, or what is no number.
         ShapeError: a tuple has the wrong length.
         NonFiniteError: a number is NaN or infinite.
     """
@@ -60,16 +63,25 @@ class Label:
     score: float | None = None
 
     def __post_init__(self) -> None:
-        if self.type not in TYPES:
-            raise KittiFormatError(f"unknown type {self.type!r}, expected one of {', '.join(TYPES)}")
-        if not -1 <= self.occluded <= _MAX_OCCLUDED:
-            raise KittiFormatError(f"occluded: expected -1..{_MAX_OCCLUDED}, got {self.occluded}")
+        if not is_one_of(self.type, TYPES):
+            raise KittiFormatError(f"unknown type {shown(self.type)}, expected one of {', '.join(TYPES)}")
+        is_whole = isinstance(self.occluded, (int, np.integer)) and not isinstance(self.occluded, bool)
+        if not is_whole or not -1 <= self.occluded <= _MAX_OCCLUDED:
+            raise KittiFormatError(f"occluded: expected a whole number -1..{_MAX_OCCLUDED}, got {shown(self.occluded)}")
         for name, size in (("bbox", 4), ("dimensions_hwl", 3), ("location_cam", 3)):
-            if len(getattr(self, name)) != size:
-                raise ShapeError(f"{name}: expected {size} numbers, got {len(getattr(self, name))}")
+            values = getattr(self, name)
+            if isinstance(values, list) or (isinstance(values, np.ndarray) and values.ndim == 1):
+                values = tuple(values)
+                object.__setattr__(self, name, values)
+            if not isinstance(values, tuple):
+                raise ShapeError(f"{name}: expected {size} numbers, got {shown(values)}")
+            if len(values) != size:
+                raise ShapeError(f"{name}: expected {size} numbers, got {len(values)}")
         for name, value in zip(_FIELDS, self._numbers(), strict=False):
-            if not math.isfinite(value):
-                raise NonFiniteError(f"{name}: not finite: {value}")
+            if not isinstance(value, _NUMBERS) or isinstance(value, bool):
+                raise KittiFormatError(f"{name}: expected a number, got {shown(value)}")
+            if not abs(value) <= sys.float_info.max:
+                raise NonFiniteError(f"{name}: not finite: {value if isinstance(value, float) else shown(value)}")
 
     @classmethod
     def from_line(cls, line: str, file: str = "label", line_number: int = 1) -> Label:
@@ -144,6 +156,9 @@ class Label:
 
 def boxes_cam_from_labels(labels: Iterable[Label]) -> NDArray[np.float64]:
     """Gather the boxes of labels, DontCare regions too: (M, 7) float64 [x, y, z, l, w, h, rotation_y], cam frame."""
+    labels = tuple(labels)
+    for label in labels:
+        check_kind("", "labels", label, Label)
     boxes = [label.box_cam for label in labels]
     return np.stack(boxes) if boxes else np.zeros((0, 7))
 

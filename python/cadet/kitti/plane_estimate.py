@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from cadet import _cadet
 from cadet.arrays import check_array
+from cadet.checks import as_seed, check_kind
 from cadet.errors import ShapeError
 from cadet.kitti.calib import Calibration
 
@@ -29,7 +30,8 @@ def estimate_plane(points_velo: NDArray[Any], calib: Calibration, seed: int = 0)
     Raises:
         ShapeError: `points_velo` has fewer than three columns.
         NonFiniteError: NaN or infinity in the points.
-        CadetError: too few points ahead, or none of them in a plane that a car could stand on.
+        CadetError: no calibration, a seed that is none, too few points ahead, or none of them in a plane that a car
+            could stand on.
 
     Reference: Fischler and Bolles, "Random Sample Consensus" (1981); cells, weights and prior are ours.
     """
@@ -38,5 +40,6 @@ def estimate_plane(points_velo: NDArray[Any], calib: Calibration, seed: int = 0)
         raise ShapeError(f"points_velo: expected (N, 3) or wider, got {points_velo.shape}")
     if points_velo.dtype not in (np.float32, np.float64):
         points_velo = points_velo.astype(np.float64)
+    check_kind("", "calib", calib, Calibration)
     cam_from_velo = calib.cam_from_velo[:3].tolist()
-    return np.array(_cadet.estimate_ground_plane(points_velo, cam_from_velo, seed), np.float64)
+    return np.array(_cadet.estimate_ground_plane(points_velo, cam_from_velo, as_seed(seed)), np.float64)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet import boxes
+from cadet.checks import check_number
 from cadet.frame import Frame
 from cadet.kitti.calib import Calibration
 from cadet.kitti.label import Label
@@ -43,6 +44,7 @@ def bev_figure(frame: Frame, width: int = 960, *, has_text: bool = True) -> styl
     Returns:
         (round(width * 73 / 80), width, 3) uint8 RGB.
     """
+    check_number("bev_figure", "width", width, 16, 16_384, whole=True)
     scale = width / (2.0 * ASIDE_M)
     height = round((AHEAD_M + _BEHIND_M) * scale)
     canvas = style.filled(height, width)
@@ -100,13 +102,13 @@ def _view_rays(calib: Calibration, width: int) -> list[NDArray[np.float64]]:
     columns[:, 1] = calib.P2[1, 2]
     directions = np.linalg.solve(calib.P2[:, :3], columns.T).T
     far_cam = eye_cam + directions * 200.0
-    return list(calib.cam_to_velo(np.concatenate([eye_cam[None], far_cam]))[:, :2])
+    return list(calib.points_velo_from_cam(np.concatenate([eye_cam[None], far_cam]))[:, :2])
 
 
 def _draw_points(canvas: style.Image, frame: Frame, scale: float) -> None:
     """Add up the returns on a grid twice as fine, then shrink it: dense places glow, single returns stay visible."""
     plane = _FLAT_PLANE if frame.plane is None else frame.plane
-    height_m = frame.calib.velo_to_cam(frame.points_velo) @ plane[:3] + plane[3]
+    height_m = frame.calib.points_cam_from_velo(frame.points_velo) @ plane[:3] + plane[3]
     fine = (canvas.shape[0] * 2, canvas.shape[1] * 2)
     pixels = np.floor((_pixels(frame.points_velo.astype(np.float64), scale) + 0.5) * 2.0).astype(np.intp)
     is_inside = ((pixels >= 0) & (pixels < [fine[1], fine[0]])).all(axis=1)
@@ -136,7 +138,7 @@ def height_colors(share: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _draw_box(canvas: style.Image, label: Label, calib: Calibration, scale: float) -> None:
-    corners = calib.cam_to_velo(boxes.corners_cam(label.box_cam[None])[0, :4])
+    corners = calib.points_velo_from_cam(boxes.corners_cam(label.box_cam[None])[0, :4])
     outline = _pixels(corners, scale)
     color = style.CLASS_COLORS[label.type]
     style.polygon(canvas, outline, color, 0.25)

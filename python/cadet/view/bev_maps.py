@@ -42,7 +42,7 @@ def bev_maps_figure(frame: Frame) -> style.Image:
     Returns:
         (about 1300, 2484, 3) uint8 RGB.
     """
-    points_cam = frame.calib.velo_to_cam(frame.points_velo)
+    points_cam = frame.calib.points_cam_from_velo(frame.points_velo)
     seen_cam = points_cam[points_in_image(points_cam, frame.calib, frame.image_size)]
     plane = _plane(frame)
     rows = []

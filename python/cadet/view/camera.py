@@ -26,7 +26,7 @@ def lidar_figure(frame: Frame) -> style.Image:
         (H, W, 3) uint8 RGB.
     """
     canvas = style.dimmed(frame.image, brightness=0.5, saturation=0.35)
-    points_cam = frame.calib.velo_to_cam(frame.points_velo)
+    points_cam = frame.calib.points_cam_from_velo(frame.points_velo)
     points_cam = points_cam[points_in_image(points_cam, frame.calib, frame.image_size)]
     points_cam = points_cam[np.argsort(-points_cam[:, 2], kind="stable")]
     points_img = frame.calib.project(points_cam)

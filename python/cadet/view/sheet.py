@@ -143,7 +143,7 @@ def view_frame(root: str | Path, frame_id: str | int, out_path: str | Path) -> P
 
 
 def _lidar_caption(frame: Frame) -> str:
-    points_cam = frame.calib.velo_to_cam(frame.points_velo)
+    points_cam = frame.calib.points_cam_from_velo(frame.points_velo)
     num_seen = int(points_in_image(points_cam, frame.calib, frame.image_size).sum())
     return f"LIDAR: {num_seen:,} of {len(points_cam):,} returns fall into the image, colored by depth"
 

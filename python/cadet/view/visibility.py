@@ -82,7 +82,7 @@ def _hidden_by_depth(
 def _hidden_by_lidar(
     z_m: NDArray[np.float64], corners_img: NDArray[np.float64], is_candidate: NDArray[np.bool_], frame: Frame
 ) -> NDArray[np.bool_]:
-    points_cam = frame.calib.velo_to_cam(frame.points_velo)
+    points_cam = frame.calib.points_cam_from_velo(frame.points_velo)
     plane = _FLAT_PLANE if frame.plane is None else frame.plane
     is_kept = points_in_image(points_cam, frame.calib, frame.image_size)
     is_kept &= points_cam @ plane[:3] + plane[3] > _ABOVE_GROUND_M

@@ -1,0 +1,52 @@
+"""Labels do not depend on how large the image is written: pixel limits scale with it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+import cadet
+
+SIZES = {"full": (1242, 375), "half": (621, 188), "quarter": (310, 94)}
+
+
+def labelled(camera: cadet.Camera) -> tuple[int, int]:
+    """Count cars and DontCare regions along two rows of cars, seen by a camera."""
+    rig = cadet.Rig(camera=camera, lidar=cadet.Lidar.vlp16())
+    num_cars = num_dont_care = 0
+    for seed in range(4):
+        scene = cadet.Scene.empty(rig=rig)
+        scene.move_ego(x=0.0, y=0.0, yaw=0.0)
+        for index in range(24):
+            x, y = 10.0 + 2.7 * index, (-1.0) ** index * (3.0 + 0.5 * index)
+            scene.add("car", x=x, y=y, yaw=0.2 * index, model_seed=100 * seed + index)
+        types = [label.type for label in scene.capture().labels]
+        num_cars += types.count("Car")
+        num_dont_care += types.count("DontCare")
+    return num_cars, num_dont_care
+
+
+@pytest.fixture(scope="module")
+def counts() -> dict[str, tuple[int, int]]:
+    return {scale: labelled(cadet.Camera.kitti().resized(*size)) for scale, size in SIZES.items()}
+
+
+def test_as_many_objects_are_labelled_at_every_size(counts: dict[str, tuple[int, int]]) -> None:
+    full, _ = counts["full"]
+    assert full >= 20
+    for scale in ("half", "quarter"):
+        assert counts[scale][0] == pytest.approx(full, rel=0.1), counts
+    # A camera that was a quarter as large from the start has no limits to scale: it labels what 15 rows hold.
+    unscaled = replace(cadet.Camera.kitti().resized(*SIZES["quarter"]), image_scale=(1.0, 1.0))
+    assert labelled(unscaled)[0] < 0.7 * full
+
+
+def test_limits_follow_rows_and_area() -> None:
+    camera = cadet.Camera.kitti().resized(621, 375)
+    assert camera.image_scale == (0.5, 1.0)
+    native = cadet.SceneConfig().to_native(camera.image_scale)["label"]
+    assert (native["min_height_px"], native["dontcare_min_pixels"]) == (15.0, 4.0)
+    back = camera.resized(1242, 375)
+    assert back == cadet.Camera.kitti()
+    assert cadet.SceneConfig().to_native(back.image_scale) == cadet.SceneConfig().to_native()
