@@ -11,6 +11,7 @@ from cadet.errors import CadetError
 from cadet.frame import Frame
 from cadet.policy import ResetPolicy, check_seed, choose_policy
 from cadet.rig import Rig
+from cadet.summary import summary
 
 
 class Environment:
@@ -42,6 +43,10 @@ class Environment:
         self.policy = choose_policy(policy, map=map, weather=weather, rig=rig, assets=assets)
         self._current: Episode | None = None
         self._next_sample = 0
+
+    def __repr__(self) -> str:
+        seed = None if self._current is None else self._current.seed
+        return summary(self, policy=self.policy.name, seed=seed, episode=self.episode, sample=self.sample)
 
     def reset(self, *, seed: int, episode: int = 0) -> None:
         """Start a stream of episodes over.
