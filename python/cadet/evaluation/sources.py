@@ -14,6 +14,7 @@ import numpy as np
 from cadet.errors import CadetError, MissingFileError
 from cadet.evaluation.objects import Detections, GroundTruth
 from cadet.kitti import ImageSet, Label, read_image_set
+from cadet.kitti.image_sets import check_not_empty
 
 Objects = TypeVar("Objects", GroundTruth, Detections)
 Frames: TypeAlias = "Mapping[str, Objects | Sequence[Label]] | Sequence[Objects | Sequence[Label]]"
@@ -110,13 +111,18 @@ def _split_ids(split: Split, truths: Path | None) -> tuple[str, ...]:
         path = Path(split)
         if not path.is_file():
             raise MissingFileError(f"{path}: no such split")
-        return ImageSet.from_text(path.read_text(encoding="ascii", errors="replace"), path.name).ids
+        listed = ImageSet.from_text(path.read_text(encoding="ascii", errors="replace"), path.name).ids
+        if not listed:
+            raise MissingFileError(f"{path} names no frames")
+        return listed
     if isinstance(split, str | Path):
         if truths is None:
             raise CadetError(f"split: {split!r} is looked for beside the labels' folder; in memory, give the ids")
         roots = (truths, *truths.resolve().parents[:2])
         root = next((root for root in roots if (root / "ImageSets").is_dir()), roots[-1])
-        return read_image_set(root, str(split)).ids
+        ids = read_image_set(root, str(split)).ids
+        check_not_empty(ids, root, str(split))
+        return ids
     return tuple(dict.fromkeys(split))
 
 
