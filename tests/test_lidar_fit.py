@@ -12,14 +12,18 @@ import sys
 import termios
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 import real_kitti
 from cadet import BeamTable, CadetError, EncoderFiring, Laser, Lidar, MissingFileError, Scene, UniformFiring
 from cadet.cli import run_cadet
+from cadet.cli.lidar import _ring_table
 from cadet.lidar_fit import LidarFit, fit_lidar
+from cadet.lidar_fit.fit import RingFit
 from lidar_scans import write_scan, yard_scan
 
 CUSTOM = BeamTable(
@@ -217,6 +221,8 @@ def test_the_command_writes_what_the_generator_reads(
     assert Lidar.from_toml(out).name == "mine"
     assert run(yard, "-o", tmp_path / "mine.txt") == 2
     assert capsys.readouterr().err.startswith("cadet: -o: expected a file that ends in .toml")
+    assert run("nothing", "-o", "/nodir/x.toml") == 2
+    assert capsys.readouterr().err == "cadet: /nodir/x.toml: no such folder: /nodir\n"
     assert run(tmp_path / "mine.toml", "-o", out) == 2
     assert capsys.readouterr().err.startswith("cadet: mine.toml: ")
 
@@ -265,6 +271,16 @@ def test_the_command_prints_its_whole_table(core: object, yard: Path, tmp_path: 
     heads = " ".join(table[:2])
     for head in ("ring", "elev.", "height", "offset", "points", "resid.", "outlier", "missing", "zero", "gain"):
         assert head in heads
+
+
+def test_the_table_of_large_sets_fits_80_columns(capsys: pytest.CaptureFixture[str]) -> None:
+    laser = Laser(elevation_deg=-24.123, height_m=0.1234, azimuth_offset_deg=359.123)
+    ring = RingFit(laser, 0.0123, 0.00123, 14_123_456, 0.00123, 0.123, 1.0, 0.99)
+    console = Console(width=1000)
+    console.print(_ring_table(SimpleNamespace(rings=[ring] * 101)))  # type: ignore[arg-type]
+    lines = capsys.readouterr().out.splitlines()
+    assert max(len(line.rstrip()) for line in lines) <= 80
+    assert lines[-1].split() == "100 -24.123 0.0123 123.4 1.23 359.123 14.1M 1.23 12.3 100 99 1.00".split()
 
 
 def output_in_terminal(command: list[str], environment: dict[str, str], columns: int) -> str:

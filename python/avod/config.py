@@ -5,6 +5,7 @@ The defaults are AVOD-FPN's for cars; `avod.config_file` reads the rest from TOM
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
@@ -17,6 +18,13 @@ Size = tuple[float, float, float]
 
 CAR_SIZES: Final[tuple[Size, ...]] = ((3.514, 1.581, 1.511), (4.236, 1.653, 1.547))
 """Two clusters (l, w, h) of KITTI's cars, metres."""
+
+MAX_PIXELS: Final = 2**23
+"""The most pixels of the image after resizing, and the most cells of a map: for each the network keeps many numbers."""
+MAX_ANCHORS: Final = 2**22
+"""The most anchors of the whole grid; AVOD has 89,600."""
+MAX_LAYERS: Final = 8
+"""The most stages of an encoder, and the most hidden layers of the second stage."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,7 +55,7 @@ class ImageConfig:
     """How the camera image reaches the network.
 
     Raises:
-        CadetError: a size that three poolings do not divide.
+        CadetError: a number outside its range, or more than `MAX_PIXELS` pixels.
     """
 
     size: tuple[int, int] = (1200, 360)
@@ -58,6 +66,8 @@ class ImageConfig:
     def __post_init__(self) -> None:
         for pixels in self.size:
             check_number("ImageConfig", "size", pixels, 8, 8192, whole=True)
+        if math.prod(self.size) > MAX_PIXELS:
+            raise CadetError(f"ImageConfig.size: expected at most {MAX_PIXELS:,} pixels, got {self.size!r}")
         for mean in self.mean_rgb:
             check_number("ImageConfig", "mean_rgb", mean, 0, 255)
 
@@ -110,18 +120,18 @@ class ExtractorConfig:
     """Added to the variance."""
 
     def __post_init__(self) -> None:
-        if len(self.channels) < 2 or len(self.convolutions) != len(self.channels):
+        if not 2 <= len(self.channels) <= MAX_LAYERS or len(self.convolutions) != len(self.channels):
             raise CadetError(
-                f"ExtractorConfig.convolutions: expected one number for each of at least two stages, "
+                f"ExtractorConfig.convolutions: expected one number for each of 2 to {MAX_LAYERS} stages, "
                 f"got {len(self.convolutions)} for {len(self.channels)}"
             )
         if len(self.fused_channels) != len(self.channels) - 1:
             raise CadetError(
                 f"ExtractorConfig.fused_channels: expected {len(self.channels) - 1}, got {len(self.fused_channels)}"
             )
-        for name in ("channels", "convolutions", "fused_channels"):
+        for name, most in (("channels", 4096), ("convolutions", 32), ("fused_channels", 4096)):
             for value in getattr(self, name):
-                check_number("ExtractorConfig", name, value, 1, 4096, whole=True)
+                check_number("ExtractorConfig", name, value, 1, most, whole=True)
         check_number("ExtractorConfig", "batch_norm_decay", self.batch_norm_decay, 0, 1)
         check_number("ExtractorConfig", "batch_norm_epsilon", self.batch_norm_epsilon, 1e-12, 1)
 
@@ -225,6 +235,8 @@ class SecondStageConfig:
 
     def __post_init__(self) -> None:
         check_number("SecondStageConfig", "crop_size", self.crop_size, 2, 64, whole=True)
+        if len(self.hidden) > MAX_LAYERS:
+            raise CadetError(f"SecondStageConfig.hidden: expected at most {MAX_LAYERS} layers, got {len(self.hidden)}")
         for width in self.hidden:
             check_number("SecondStageConfig", "hidden", width, 1, 65536, whole=True)
         check_number("SecondStageConfig", "dropout_keep", self.dropout_keep, 0.01, 1)
@@ -270,8 +282,10 @@ class TrainingConfig:
     """Between two checkpoints."""
 
     def __post_init__(self) -> None:
-        for name in ("steps", "frames_per_step", "decay_steps", "checkpoint_steps"):
-            check_number("TrainingConfig", name, getattr(self, name), 1, whole=True)
+        # Nine digits name a checkpoint's folder.
+        for name in ("steps", "decay_steps", "checkpoint_steps"):
+            check_number("TrainingConfig", name, getattr(self, name), 1, 999_999_999, whole=True)
+        check_number("TrainingConfig", "frames_per_step", self.frames_per_step, 1, 1024, whole=True)
         check_number("TrainingConfig", "min_objects", self.min_objects, 1, whole=True)
         check_number("TrainingConfig", "learning_rate", self.learning_rate, 1e-12, 10)
         check_number("TrainingConfig", "decay_factor", self.decay_factor, 1e-6, 1)
@@ -310,7 +324,8 @@ class Config:
     """A detector and its training.
 
     Raises:
-        CadetError: no class, one twice, or inputs that the extractor's strides do not divide.
+        CadetError: no class, one twice, inputs that the extractor's strides do not divide, more than `MAX_PIXELS` cells
+            or `MAX_ANCHORS` anchors.
     """
 
     classes: tuple[ObjectClass, ...] = (ObjectClass(),)
@@ -342,10 +357,18 @@ class Config:
         if not names or len(set(names)) < len(names):
             raise CadetError(f"Config.classes: expected at least one, each once, got {list(names)}")
         stride = self.extractor.stride
-        columns = self.bev.shape[2]
+        _, rows, columns = self.bev.shape
         for name, size in (("image.size[0]", self.image.size[0]), ("bev.x_m: cells", columns)):
             if size % stride:
                 raise CadetError(f"Config.{name}: expected a multiple of {stride}, got {size}")
+        if rows * columns > MAX_PIXELS:
+            raise CadetError(f"Config.bev: expected at most {MAX_PIXELS:,} cells, got {rows} x {columns}")
+        places = math.prod((high - low) / self.anchors.stride_m + 1.0 for low, high in (self.bev.x_m, self.bev.z_m))
+        anchors = round(2 * places * sum(len(item.anchor_sizes_lwh_m) for item in self.classes))
+        if anchors > MAX_ANCHORS:
+            raise CadetError(
+                f"Config.anchors.stride_m: expected at most {MAX_ANCHORS:,} anchors, got about {anchors:,}"
+            )
 
     @property
     def class_names(self) -> tuple[str, ...]:

@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 from avod.config import Config
 from avod.data.build import build_sample
 from avod.data.sample import Sample
+from avod.device import resolve_device
 from avod.model.network import AvodNetwork, FrameOutputs
 from avod.results import detections
-from avod.train.checkpoint import load_network, read_checkpoint
+from avod.train.checkpoint import read_checkpoint, trained_network
 from cadet.errors import CadetError
 from cadet.kitti import Calibration, Label
+from cadet.summary import summary
 
 
 class Detector:
@@ -25,6 +27,9 @@ class Detector:
         network: its weights are those of a training; it is put into evaluation mode.
         device: where the network runs.
         precision: of the arithmetic of layers, None for float32.
+
+    Raises:
+        CadetError: a device that is unknown, or that this machine lacks.
     """
 
     def __init__(
@@ -34,7 +39,7 @@ class Detector:
         device: str | torch.device = "cpu",
         precision: torch.dtype | None = None,
     ) -> None:
-        self.device = torch.device(device)
+        self.device = resolve_device(device)
         self.network = network.to(self.device).eval()
         self.network.precision = precision
 
@@ -55,12 +60,14 @@ class Detector:
 
         Raises:
             MissingFileError: no checkpoint there.
-            CadetError: a damaged one.
+            CadetError: a damaged one, or a device that cannot be used.
         """
-        checkpoint = read_checkpoint(path)
-        network = AvodNetwork(checkpoint.config)
-        load_network(checkpoint, network)
-        return cls(network, device=device, precision=precision)
+        device = resolve_device(device)
+        return cls(trained_network(read_checkpoint(path)), device=device, precision=precision)
+
+    def __repr__(self) -> str:
+        num_weights = sum(parameter.numel() for parameter in self.network.parameters())
+        return summary(self, classes=self.config.class_names, num_weights=num_weights, device=str(self.device))
 
     @property
     def config(self) -> Config:

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,6 +17,7 @@ from cadet.view import bev_figure, boxes_figure, style
 
 _MARGIN: Final = 12
 _TITLE: Final = 26
+_FEW_ROWS: Final = 10
 _CURVE_COLORS: Final = tuple(style.CLASS_COLORS.values())
 
 
@@ -81,6 +81,9 @@ def loss_figure(rows: Sequence[dict[str, float]], size: tuple[int, int] = (960, 
             axis=1,
         )
         style.polyline(canvas, points, color, 2 if name == "total" else 1, is_closed=False)
+        if len(points) < _FEW_ROWS:
+            for point in points:
+                style.dot(canvas, point, 3.0, color)
         style.write(canvas, f"{name} {values[-1]:.3g}", right + 10, top + 14 + 20 * index, 0.4, color)
     return canvas
 
@@ -93,18 +96,6 @@ def _running_mean(values: Sequence[float]) -> NDArray[np.float64]:
     end = np.minimum(np.arange(len(values)) + reach + 1, len(values))
     mean: NDArray[np.float64] = (sums[end] - sums[first]) / (end - first)
     return mean
-
-
-def write_png(path: str, image: NDArray[np.uint8]) -> None:
-    """Write an image as a PNG file.
-
-    Raises:
-        CadetError: the path does not end in .png, or cannot be written.
-    """
-    if not path.lower().endswith(".png"):
-        raise CadetError(f"{path}: expected a file that ends in .png")
-    if not cv2.imwrite(path, cv2.cvtColor(image, cv2.COLOR_RGB2BGR)):
-        raise CadetError(f"{path}: cannot be written")
 
 
 def _title(text: str, width: int) -> style.Image:

@@ -18,6 +18,7 @@ from avod.model.network import FrameOutputs
 from avod.ops import nms
 from cadet.boxes import alpha_from_boxes, clip_boxes_img, project_boxes
 from cadet.kitti import Calibration, Label
+from cadet.summary import summary
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +34,9 @@ class Boxes:
     boxes_cam: Tensor
     scores: Tensor
     classes: Tensor
+
+    def __repr__(self) -> str:
+        return summary(self, boxes_cam=self.boxes_cam, scores=self.scores, classes=self.classes)
 
 
 def decode(outputs: FrameOutputs, plane: Tensor, config: DetectionConfig) -> Boxes:

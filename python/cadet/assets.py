@@ -21,6 +21,7 @@ else:
 from cadet import _cadet
 from cadet.checks import as_pairs, as_path, as_tuple, check_kind, check_number, check_text, is_one_of, make_plain, shown
 from cadet.errors import CadetError, MissingFileError
+from cadet.summary import counts, summary
 
 CONFIG = "assets.toml"
 """The file of a folder of assets that lists them."""
@@ -127,6 +128,10 @@ class Assets:
 
     vehicles: tuple[VehicleMesh, ...]
     share: float = 0.5
+
+    def __repr__(self) -> str:
+        types = counts(vehicle.type for vehicle in self.vehicles)
+        return summary(self, vehicles=types, first=self.vehicles[0].name, share=self.share)
 
     def __post_init__(self) -> None:
         check_number("assets", "share", self.share, 0, 1)

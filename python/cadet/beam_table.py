@@ -16,6 +16,7 @@ else:
 
 from cadet.checks import as_path, check_number, make_plain, shown
 from cadet.errors import CadetError, MissingFileError
+from cadet.summary import summary
 
 T = TypeVar("T")
 
@@ -114,6 +115,9 @@ class ListedFiring:
     azimuths_deg: tuple[float, ...]
     """Rising, from 0 to below 360, counter-clockwise from forward."""
 
+    def __repr__(self) -> str:
+        return summary(self, num_azimuths=len(self.azimuths_deg))
+
     def __post_init__(self) -> None:
         azimuths = self.azimuths_deg
         if not isinstance(azimuths, tuple) or not 1 <= len(azimuths) <= 65535:
@@ -150,6 +154,16 @@ class BeamTable:
     """Returns as far as this are not kept."""
     range_noise_m: float = 0.0078
     """Standard deviation of the range."""
+
+    def __repr__(self) -> str:
+        return summary(
+            self,
+            name=self.name,
+            num_rings=len(self.rings),
+            firing=self.firing,
+            min_range_m=self.min_range_m,
+            max_range_m=self.max_range_m,
+        )
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not re.fullmatch(r"[A-Za-z0-9_.-]{1,64}", self.name):

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import Any, Final, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,9 @@ from cadet.errors import CadetError, ShapeError
 Feature = Literal["max_height", "min_height", "density"]
 """A map: greatest or least height of a cell's points, or min(1, ln(N + 1) / ln 16)."""
 
+MAX_VALUES: Final = 2**27
+"""The most values that the maps of a point cloud may have, half a gigabyte; AVOD's have 3,360,000."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class BevConfig:
@@ -26,7 +30,8 @@ class BevConfig:
     then the cloud maps.
 
     Raises:
-        CadetError: a number outside its range, an unknown feature, no map at all, or cells that do not fill the range.
+        CadetError: a number outside its range, an unknown feature, no map at all, cells that do not fill the range,
+            or more than `MAX_VALUES` values.
 
     Reference: "Multimodal 3D Object Detection from Simulated Pretraining" (2019), section on BEV configurations; the
     ranges are AVOD's.
@@ -81,6 +86,13 @@ class BevConfig:
             cells = (high - low) / self.cell_m
             if round(cells) < 1 or abs(cells - round(cells)) > 1e-6:
                 raise CadetError(f"BevConfig.{name}: expected whole cells of {self.cell_m:g} m, got {(low, high)!r}")
+        num_values = math.prod(self.shape)
+        if num_values > MAX_VALUES:
+            channels, rows, columns = self.shape
+            raise CadetError(
+                f"BevConfig: expected maps of at most {MAX_VALUES:,} values, "
+                f"got {channels} channels of {rows} x {columns} cells of {self.cell_m:g} m"
+            )
         if not is_one_of(self.height, ("max", "reference")):
             raise CadetError(f"BevConfig.height: expected 'max' or 'reference', got {shown(self.height)}")
         make_plain(self)

@@ -12,6 +12,7 @@ from cadet.errors import CadetError
 from cadet.frame import Frame
 from cadet.policy import ResetPolicy, choose_policy, draw_with
 from cadet.rig import Rig
+from cadet.summary import summary
 
 
 class Environment:
@@ -46,6 +47,10 @@ class Environment:
         self._draw = draw_with(self.policy, config)
         self._current: Episode | None = None
         self._next_sample = 0
+
+    def __repr__(self) -> str:
+        seed = None if self._current is None else self._current.seed
+        return summary(self, policy=self.policy.name, seed=seed, episode=self.episode, sample=self.sample)
 
     def reset(self, *, seed: int, episode: int = 0) -> None:
         """Start a stream of episodes over.

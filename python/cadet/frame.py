@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from cadet.arrays import check_array
 from cadet.checks import check_kind
 from cadet.errors import ShapeError
+from cadet.summary import counts, summary
 
 if TYPE_CHECKING:
     from cadet.kitti.calib import Calibration
@@ -80,3 +81,16 @@ class Frame:
     def image_size(self) -> tuple[int, int]:
         """Width and height of the image in pixels."""
         return self.image.shape[1], self.image.shape[0]
+
+    def __repr__(self) -> str:
+        return summary(
+            self,
+            image=self.image,
+            points_velo=self.points_velo,
+            labels=counts(label.type for label in self.labels),
+            plane=self.plane,
+            depth=self.depth,
+            instance=self.instance,
+            semantic=self.semantic,
+            meta=None if self.meta is None else list(self.meta),
+        )

@@ -25,6 +25,7 @@ from cadet.draws import Draws
 from cadet.errors import CadetError
 from cadet.rig import Rig
 from cadet.road_map import RoadMap
+from cadet.summary import summary
 from cadet.weather import check_weather, weather_names
 
 POLICIES = ("kitti", "paper")
@@ -119,6 +120,19 @@ class ResetPolicy:
     """What gets a label."""
     assets: Assets | None = None
     """The user's own vehicles, to be mixed into the traffic."""
+
+    def __repr__(self) -> str:
+        return summary(
+            self,
+            name=self.name,
+            samples_per_episode=self.samples_per_episode,
+            distance_m=self.distance_m,
+            num_maps=len(self.maps),
+            num_weathers=len(self.weathers),
+            districts=[district.name for district, _ in self.districts],
+            rigs=[rig.name for rig, _ in self.rigs],
+            vehicle_classes=self.vehicle_classes,
+        )
 
     def __post_init__(self) -> None:
         check_text("ResetPolicy", "name", self.name)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, TypedDict
@@ -29,6 +29,7 @@ from cadet.checks import (
 from cadet.errors import CadetError
 from cadet.extrinsics import Extrinsics
 from cadet.kitti_calibrations import KITTI_CALIBRATIONS, MOST_FREQUENT, Row3, kitti_calibration
+from cadet.summary import summary
 
 RETURN_MODES = ("strongest", "last")
 RIG_PRESETS = ("kitti", "paper", "cadet")
@@ -109,6 +110,10 @@ class Lidar:
             self.to_native()
         elif not is_one_of(self.name, LIDAR_PRESETS):
             raise CadetError(f"unknown lidar {shown(self.name)}; known: {', '.join(LIDAR_PRESETS)}")
+
+    def __repr__(self) -> str:
+        changed = {f.name: getattr(self, f.name) for f in fields(self)[1:] if getattr(self, f.name) != f.default}
+        return summary(self, name=self.name, **changed)
 
     @classmethod
     def hdl64e_kitti(cls, *, rolling: bool = False, returns: str = "strongest", divergence_mrad: float = 0.0) -> Lidar:
@@ -321,6 +326,16 @@ class Rig:
         if not is_one_of(name, presets):
             raise CadetError(f"unknown rig {shown(name)}; known: {', '.join(RIG_PRESETS)}")
         return presets[name]()
+
+    def __repr__(self) -> str:
+        return summary(
+            self,
+            name=self.name,
+            lidar=self.lidar,
+            camera=self.camera,
+            velo_in_ego_m=self.velo_in_ego_m,
+            velo_roll_pitch_yaw_deg=self.velo_roll_pitch_yaw_deg,
+        )
 
     def pitched(self, angle_deg: float) -> Rig:
         """Return the rig on a car that stands `angle_deg` deeper in front than behind.

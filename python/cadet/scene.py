@@ -19,6 +19,7 @@ from cadet.frame import Frame
 from cadet.policy import ResetPolicy, choose_policy, draw_with
 from cadet.rig import Lidar, Rig
 from cadet.road_map import RoadMap
+from cadet.summary import summary
 from cadet.weather import check_weather
 
 _MAX_PLACE_M = 1e6
@@ -44,6 +45,12 @@ class Scan:
     actor_id: NDArray[np.int32]
     range_m: NDArray[np.float64]
 
+    def __repr__(self) -> str:
+        num_rings = len(np.unique(self.ring))
+        return summary(
+            self, points_velo=self.points_velo, num_rings=num_rings, num_hits=int((self.actor_id >= 0).sum())
+        )
+
 
 class RayHits(NamedTuple):
     """What rays hit first; unpacks into its three arrays.
@@ -57,6 +64,10 @@ class RayHits(NamedTuple):
     range_m: NDArray[np.float64]
     actor_id: NDArray[np.int32]
     normal_world: NDArray[np.float64]
+
+    def __repr__(self) -> str:
+        num_hits = int((self.actor_id >= 0).sum())
+        return summary(self, range_m=self.range_m, normal_world=self.normal_world, num_hits=num_hits)
 
 
 class Scene:
@@ -148,6 +159,9 @@ class Scene:
             assets=None if own is None else own.to_native(),
         )
         return cls(native)
+
+    def __repr__(self) -> str:
+        return summary(self, time_s=self.time_s, num_actors=self.num_actors, num_triangles=self.num_triangles)
 
     @property
     def time_s(self) -> float:

@@ -123,7 +123,7 @@ def test_mistakes_are_named(dataset: Path, trained: Path, tmp_path: Path) -> Non
         ),
         (("view", "--checkpoint", trained, "-o", "a.png"), "view needs --checkpoint, --data and --frame, or --log"),
         (("view", "--log", tmp_path, "-o", "a.png"), "log.csv: no such file"),
-        (("view", "--log", trained, "-o", "a.gif"), "a.gif: expected a file that ends in .png"),
+        (("view", "--log", trained, "-o", "a.gif"), "a.gif: expected a name that ends in .png, .jpg, .jpeg"),
         (("bench", "--checkpoint", trained, "--data", dataset, "--workers", 2), "--workers"),
     ]
     for arguments, message in cases:

@@ -71,6 +71,13 @@ def test_splits_choose_frames(folders: tuple[Path, Path], tmp_path: Path) -> Non
         assert cadet.evaluate(gt, det, split=split) == expected
     with pytest.raises(MissingFileError, match=r"test\.txt"):
         cadet.evaluate(gt, det, split="test")
+    (lists / "train.txt").write_text("")
+    with pytest.raises(
+        MissingFileError, match=rf"^{lists}/train\.txt names no frames; choose another list: val \(25\)$"
+    ):
+        cadet.evaluate(gt, det, split="train")
+    with pytest.raises(MissingFileError, match=rf"^{lists}/train\.txt names no frames$"):
+        cadet.evaluate(gt, det, split=lists / "train.txt")
 
 
 def test_a_result_without_labels_is_refused(folders: tuple[Path, Path]) -> None:

@@ -197,6 +197,7 @@ def test_boxes_seen_from_above_lie_in_the_velo_frame() -> None:
 def test_sheets_and_overviews_are_written_whole(tmp_path: Path) -> None:
     for frame_id in range(3):
         write_frame(tmp_path, frame_id, make_frame())
+    (tmp_path / "out").mkdir()
     sheet = read_png(view.view_frame(tmp_path, "000001", tmp_path / "out" / "sheet.png"))
     assert sheet.shape[1] == 1920
     assert 900 < sheet.shape[0] < 1300

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import os
 import sys
 
 _NEEDED = ("torch", "safetensors", "click", "rich")
@@ -14,6 +15,8 @@ def run_avod() -> None:
     if missing:
         sys.stderr.write(f"avod needs {' and '.join(missing)}: pip install 'cadet-sim[avod]'\n")
         sys.exit(2)
+    # Read when OpenMP is loaded, with torch: threads that wait for others must not take processor time.
+    os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
     from avod.cli.commands import avod
     from cadet.cli.errors import run
 

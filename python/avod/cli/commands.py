@@ -22,19 +22,21 @@ from avod.cli.options import (
 from avod.config_file import config_names, load_config
 from avod.detector import Detector
 from avod.evaluate import Scored, best, evaluate_detector, score, table
-from avod.figures import detection_figure, loss_figure, write_png
+from avod.figures import detection_figure, loss_figure
 from avod.predict import measure, predict
 from avod.train.checkpoint import checkpoints, keep_best
 from avod.train.log import read_log
 from avod.train.run import Run, train, with_steps
-from cadet import kitti
+from cadet import __version__, kitti
 from cadet.errors import CadetError, MissingFileError
 from cadet.evaluation.limits import MIN_OVERLAP
 from cadet.kitti import text_from_labels
 from cadet.sink import LocalSink
+from cadet.view.picture import check_picture_path, write_picture
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="avod")
 def avod() -> None:
     """Train AVOD-FPN on KITTI folders and detect 3D objects with it."""
 
@@ -89,7 +91,7 @@ def train_command(
         is_compiled=is_compiled,
         has_tensorboard=tensorboard,
     )
-    with progress(settings.training.steps, "training") as advance:
+    with progress(settings.training.steps, "training", "steps") as advance:
         last = train(settings, run, on_step=lambda done, losses: advance(done, f"loss {float(losses['total']):.3f}"))
     click.echo(f"last checkpoint: {last}", err=True)
 
@@ -135,7 +137,7 @@ def predict_command(
 )
 @click.option("--levels", type=click.Choice(["kitti", "large_small"]), default="kitti", show_default=True)
 @click.option("--min-overlap", type=click.Choice(list(MIN_OVERLAP)), default="strict", show_default=True)
-@click.option("--plot", type=click.Path(path_type=Path, dir_okay=False), help="Draw the curves into a PNG file.")
+@click.option("--plot", type=click.Path(path_type=Path, dir_okay=False), help="Draw the curves: a .png or .jpg.")
 @device_options
 def evaluate_command(
     checkpoint: Path,
@@ -151,6 +153,8 @@ def evaluate_command(
     workers: int,
 ) -> None:
     """Print AP 3D and BEV, with 11 and with 40 recall positions."""
+    if plot is not None:
+        check_picture_path(plot)
     ids = frame_ids(data, split, frames)
     paths = [checkpoint]
     if last is not None:
@@ -218,7 +222,7 @@ def bench_command(
 @click.option("--data", metavar="DIR", type=click.Path(path_type=Path), help="... in a frame of this folder.")
 @click.option("--frame", "frame_id", metavar="ID", help="The frame.")
 @click.option("--log", metavar="DIR", type=click.Path(path_type=Path), help="Draw the losses of this training instead.")
-@click.option("-o", "--output", metavar="FILE", required=True, help="A PNG file.")
+@click.option("-o", "--output", metavar="FILE", required=True, help="A .png or .jpg.")
 @device_options
 def view_command(
     checkpoint: Path | None,
@@ -233,20 +237,18 @@ def view_command(
     """Draw detections beside labels, in the image and from above; or the losses of a training."""
     if workers:
         raise CadetError("--workers: one frame needs none")
+    check_picture_path(output)
     if log is not None:
         if checkpoint is not None or data is not None or frame_id is not None:
             raise CadetError("--log draws losses and takes no --checkpoint, --data or --frame")
-        file = log / "log.csv"
-        if not file.is_file():
-            raise MissingFileError(f"{file}: no such file")
-        write_png(output, loss_figure(read_log(file)))
+        click.echo(f"wrote {write_picture(output, loss_figure(read_log(log / 'log.csv')))}")
         return
     if checkpoint is None or data is None or frame_id is None:
         raise CadetError("view needs --checkpoint, --data and --frame, or --log")
     detector = _detector(checkpoint, device, amp)
     frame = kitti.read_frame(data, frame_id)
     found = detector.detect(frame.points_velo, frame.image, frame.calib, frame.plane)
-    write_png(output, detection_figure(frame, found))
+    click.echo(f"wrote {write_picture(output, detection_figure(frame, found))}")
 
 
 def _detector(checkpoint: Path, device: str, amp: str | None) -> Detector:

@@ -10,12 +10,17 @@ from typing import Any, TypeVar
 import click
 import torch
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+from avod import device
 from cadet import kitti
+from cadet.cli.progress import reporter
 from cadet.errors import CadetError
+from cadet.kitti.image_sets import check_not_empty
 
 F = TypeVar("F", bound=Callable[..., Any])
+
+DEFAULT_THREADS = 4
+"""The most threads of the CPU that commands take unasked."""
 
 _PRECISIONS = {"bf16": torch.bfloat16}
 
@@ -47,6 +52,13 @@ def device_options(command: F) -> F:
         click.option(
             "--workers", type=click.IntRange(0, 256), default=0, show_default=True, help="Processes that read frames."
         ),
+        click.option(
+            "--threads",
+            type=click.IntRange(1, 1024),
+            expose_value=False,
+            callback=_set_threads,
+            help=f"Of the arithmetic on the CPU.  [default: all, at most {DEFAULT_THREADS}]",
+        ),
     )
     for option in options:
         command = option(command)
@@ -60,11 +72,14 @@ def resolve_device(name: str) -> torch.device:
         CadetError: an unknown one, or one that this machine lacks.
     """
     try:
-        device = torch.device(name)
-        torch.empty(1, device=device)
-    except (RuntimeError, AssertionError) as error:
-        raise CadetError(f"--device: {name!r} cannot be used: {str(error).splitlines()[0]}") from None
-    return device
+        return device.resolve_device(name)
+    except CadetError as error:
+        raise CadetError(f"--{error}") from None
+
+
+def _set_threads(context: click.Context, parameter: click.Parameter, value: int | None) -> None:
+    """Set PyTorch's threads; None for as many as PyTorch would take, but no more than help a small network."""
+    torch.set_num_threads(min(torch.get_num_threads(), DEFAULT_THREADS) if value is None else value)
 
 
 def resolve_precision(name: str | None) -> torch.dtype | None:
@@ -76,12 +91,11 @@ def frame_ids(root: Path, split: str | None, limit: int | None) -> tuple[str, ..
     """List the frames of a split.
 
     Raises:
-        MissingFileError: no folder or split.
-        CadetError: no frame.
+        MissingFileError: no folder or split, or no frame in it.
     """
-    ids = kitti.Dataset(root, resolve_split(split)).ids[:limit]
-    if not ids:
-        raise CadetError(f"{root}: no frames")
+    name = resolve_split(split)
+    ids = kitti.Dataset(root, name).ids[:limit]
+    check_not_empty(ids, root, name)
     return ids
 
 
@@ -91,10 +105,19 @@ def resolve_split(name: str | None) -> str | None:
 
 
 @contextmanager
-def progress(total: int, text: str) -> Iterator[Callable[[int, str], None]]:
-    """Show a bar on a terminal; yields what hears how many are done, and says something beside the bar."""
-    console = Console(stderr=True, highlight=False)
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[note]}"))
-    with Progress(*columns, TimeRemainingColumn(), console=console, disable=not console.is_terminal) as bar:
-        task = bar.add_task(text, total=total, note="")
-        yield lambda done, note: bar.update(task, completed=done, note=note)
+def progress(total: int, text: str, unit: str = "frames") -> Iterator[Callable[[int, str], None]]:
+    """Show a bar on a terminal and print lines elsewhere; yields what hears how many are done, and a note on the last.
+
+    What the first call counts beyond 1 was done before, by the training that is resumed.
+    """
+    num_done = 0
+    with reporter(Console(stderr=True, highlight=False), total, text=text, unit=unit) as report:
+
+        def advance(done: int, note: str) -> None:
+            nonlocal num_done
+            if num_done == 0 and done > 1:
+                report.advance(done - 1, is_new=False)
+            report.advance(note=note)
+            num_done = done
+
+        yield advance

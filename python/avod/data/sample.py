@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 import torch
 from torch import Tensor
 
+from cadet.summary import summary
+
 
 @dataclass(frozen=True, eq=False)
 class Sample:
@@ -34,6 +36,17 @@ class Sample:
     image_size: tuple[int, int]
     boxes_cam: Tensor
     classes: Tensor
+
+    def __repr__(self) -> str:
+        return summary(
+            self,
+            frame_id=self.frame_id,
+            bev=self.bev,
+            image=self.image,
+            anchors=self.anchors,
+            image_size=self.image_size,
+            boxes_cam=self.boxes_cam,
+        )
 
     def to(self, device: torch.device) -> Sample:
         """Return the sample on a device."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import cast
 
 import torch
@@ -19,6 +19,7 @@ from avod.model.path_drop import detection_masks, draw_masks, fuse
 from avod.model.pyramid import FeaturePyramid
 from avod.ops import crop_and_resize, nms
 from avod.targets import ProposalTargets, sample_proposals, truth_proposals
+from cadet.summary import summary
 
 _NUM_ANCHOR_OFFSETS = 6
 _NUM_BOX_OFFSETS = 10
@@ -47,6 +48,9 @@ class FrameOutputs:
     vectors: Tensor
     targets: ProposalTargets | None = None
 
+    def __repr__(self) -> str:
+        return summary(self, **{f.name: getattr(self, f.name) for f in fields(self)[:-1]})
+
 
 @dataclass(frozen=True, eq=False)
 class FrameFeatures:
@@ -63,6 +67,9 @@ class FrameFeatures:
     image: Tensor
     bev_bottleneck: Tensor
     image_bottleneck: Tensor
+
+    def __repr__(self) -> str:
+        return summary(self, **{f.name: getattr(self, f.name) for f in fields(self)})
 
 
 class AvodNetwork(nn.Module):
@@ -188,3 +195,9 @@ class AvodNetwork(nn.Module):
 
 def _stacked(maps: list[Tensor]) -> Tensor:
     return torch.stack(maps).contiguous(memory_format=torch.channels_last)
+
+
+def abstract_network(config: Config) -> AvodNetwork:
+    """Make a network of shapes alone, on PyTorch's "meta" device: its weights take no memory."""
+    with torch.device("meta"):
+        return AvodNetwork(config)

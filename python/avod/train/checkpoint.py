@@ -10,20 +10,22 @@ from __future__ import annotations
 import json
 import os
 import shutil
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
 import torch
-from safetensors import SafetensorError
+from safetensors import SafetensorError, safe_open
 from safetensors.torch import load_file, save_file
 from torch import Tensor, nn
 
 from avod.config import Config
 from avod.config_file import config_from_table, table_from_config
-from avod.model.network import AvodNetwork
+from avod.model.network import AvodNetwork, abstract_network
 from cadet import __version__
 from cadet.errors import CadetError, MissingFileError
+from cadet.summary import summary
 
 _FORMAT: Final = "avod-checkpoint"
 _FORMAT_VERSION: Final = 1
@@ -32,6 +34,8 @@ _MODEL: Final = "model.safetensors"
 _OPTIMIZER: Final = "optimizer.safetensors"
 _PACKAGED: Final = Path(__file__).parents[1] / "checkpoints"
 _AVERAGES: Final = ("exp_avg", "exp_avg_sq")
+_MEANS: Final = "exp_avg."
+_FLOAT32: Final = "F32"
 
 
 @dataclass(frozen=True)
@@ -49,6 +53,10 @@ class Checkpoint:
     step: int
     seed: int
     config: Config
+
+    def __repr__(self) -> str:
+        classes = self.config.class_names
+        return summary(self, path=str(self.path), step=self.step, seed=self.seed, classes=classes)
 
 
 def save_checkpoint(
@@ -122,6 +130,20 @@ def keep_best(path: Path, kept: Path) -> None:
     aside.replace(kept)
 
 
+def trained_network(checkpoint: Checkpoint) -> AvodNetwork:
+    """Make the network of a checkpoint. The file's shapes are compared first, so that it bounds the memory.
+
+    Raises:
+        MissingFileError: no weights there.
+        CadetError: damaged weights, or those of another configuration; the first that differs is named.
+    """
+    file = checkpoint.path / _MODEL
+    _check_weights(file, _shapes(file), abstract_network(checkpoint.config).state_dict())
+    network = AvodNetwork(checkpoint.config)
+    load_network(checkpoint, network)
+    return network
+
+
 def load_network(checkpoint: Checkpoint, network: AvodNetwork) -> None:
     """Take a checkpoint's weights over.
 
@@ -130,18 +152,11 @@ def load_network(checkpoint: Checkpoint, network: AvodNetwork) -> None:
         CadetError: damaged weights, or those of another configuration; the first that differs is named.
     """
     file = checkpoint.path / _MODEL
-    tensors, wanted = _load(file), network.state_dict()
-    for name, tensor in wanted.items():
-        if name not in tensors:
-            raise CadetError(f"{file}: {name} is missing: these are weights of another configuration")
-        if tensors[name].shape != tensor.shape:
-            shapes = f"{tuple(tensors[name].shape)}, expected {tuple(tensor.shape)}"
-            raise CadetError(f"{file}: {name} is {shapes}: these are weights of another configuration")
-        if not bool(torch.isfinite(tensors[name]).all()):
+    _check_weights(file, _shapes(file), network.state_dict())
+    tensors = _load(file)
+    for name, tensor in tensors.items():
+        if not bool(torch.isfinite(tensor).all()):
             raise CadetError(f"{file}: {name} holds NaN or infinity")
-    unknown = sorted(set(tensors) - set(wanted))
-    if unknown:
-        raise CadetError(f"{file}: {unknown[0]} is not in the network: these are weights of another configuration")
     network.load_state_dict(tensors)
 
 
@@ -150,21 +165,26 @@ def load_optimizer(checkpoint: Checkpoint, network: nn.Module, optimizer: torch.
 
     Raises:
         MissingFileError: the checkpoint has none, so nothing can go on from it.
-        CadetError: damaged ones, or those of another configuration.
+        CadetError: damaged ones, those of another configuration, or numbers that Adam cannot have left.
     """
     file = checkpoint.path / _OPTIMIZER
     if not file.is_file():
         raise MissingFileError(f"{file}: no such file: take this checkpoint's weights with --init instead")
-    tensors = _load(file)
-    for name, parameter in network.named_parameters():
-        averages = {key: tensors.get(f"{key}.{name}") for key in _AVERAGES}
-        if any(value is None or value.shape != parameter.shape for value in averages.values()):
+    shapes, parameters = _shapes(file), dict(network.named_parameters())
+    wanted = {f"{key}.{name}": tuple(value.shape) for name, value in parameters.items() for key in _AVERAGES}
+    for name, shape in (wanted | {"step": ()}).items():
+        if shapes.get(name) != (shape, _FLOAT32):
             raise CadetError(f"{file}: {name} does not fit: this is a checkpoint of another configuration")
+    tensors = _load(file)
+    for name, value in tensors.items():
+        if not bool(torch.isfinite(value).all()):
+            raise CadetError(f"{file}: {name} holds NaN or infinity")
+        if not name.startswith(_MEANS) and bool((value < 0.0).any()):
+            raise CadetError(f"{file}: {name} holds a negative number")
+    for name, parameter in parameters.items():
         # Copied into the parameter's own device and memory format.
         state: dict[str, Any] = {
-            key: torch.empty_like(parameter).detach().copy_(value)
-            for key, value in averages.items()
-            if value is not None
+            key: torch.empty_like(parameter).detach().copy_(tensors[f"{key}.{name}"]) for key in _AVERAGES
         }
         optimizer.state[parameter] = {"step": tensors["step"].clone(), **state}
 
@@ -177,6 +197,33 @@ def _optimizer_tensors(network: nn.Module, optimizer: torch.optim.Optimizer) -> 
             tensors[f"{key}.{name}"] = state.get(key, torch.zeros_like(parameter)).detach().contiguous()
         tensors["step"] = torch.as_tensor(state.get("step", tensors["step"])).float().cpu().clone()
     return tensors
+
+
+def _check_weights(file: Path, shapes: dict[str, tuple[tuple[int, ...], str]], wanted: Mapping[str, Tensor]) -> None:
+    other = "these are weights of another configuration"
+    for name, tensor in wanted.items():
+        if name not in shapes:
+            raise CadetError(f"{file}: {name} is missing: {other}")
+        shape, kind = shapes[name]
+        if shape != tuple(tensor.shape):
+            raise CadetError(f"{file}: {name} is {shape}, expected {tuple(tensor.shape)}: {other}")
+        if kind != _FLOAT32:
+            raise CadetError(f"{file}: {name} is of type {kind}, expected {_FLOAT32}")
+    unknown = sorted(set(shapes) - set(wanted))
+    if unknown:
+        raise CadetError(f"{file}: {unknown[0]} is not in the network: {other}")
+
+
+def _shapes(file: Path) -> dict[str, tuple[tuple[int, ...], str]]:
+    """Read the shape and type of each tensor of a file, and nothing more of it."""
+    if not file.is_file():
+        raise MissingFileError(f"{file}: no such file")
+    try:
+        with safe_open(file, framework="pt") as tensors:
+            slices = {name: tensors.get_slice(name) for name in tensors.keys()}  # noqa: SIM118 - no mapping
+            return {name: (tuple(part.get_shape()), str(part.get_dtype())) for name, part in slices.items()}
+    except SafetensorError as error:
+        raise CadetError(f"{file}: damaged: {error}") from None
 
 
 def _load(file: Path) -> dict[str, Tensor]:
@@ -204,6 +251,6 @@ def _resolve(path: Path) -> Path:
 
 def _count(settings: dict[str, Any], key: str, path: Path) -> int:
     value = settings.get(key)
-    if not isinstance(value, int) or isinstance(value, bool) or value < 0:
-        raise CadetError(f"{path / _SETTINGS}: {key}: expected a whole number of at least 0, got {value!r}")
+    if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value < 2**63:
+        raise CadetError(f"{path / _SETTINGS}: {key}: expected a whole number from 0 to 2**63 - 1, got {value!r:.40}")
     return value

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-import csv
 import importlib.util
+import re
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, Final
 
 from torch import Tensor
 
-from cadet.errors import CadetError
+from cadet.errors import CadetError, MissingFileError
+from cadet.kitti.files import write_whole
 
 TERMS: Final = ("objectness", "anchor", "classification", "box", "orientation", "total")
 COLUMNS: Final = ("step", "learning_rate", *TERMS, "seconds_per_step")
+
+_NUMBER: Final = re.compile(r"[+-]?\d{1,40}(\.\d{0,40})?(e[+-]?\d{1,3})?", re.ASCII)
+_STEP: Final = re.compile(r"\d{1,15}", re.ASCII)
+_LARGEST: Final = 3.4028235e38
 
 
 class TrainingLog:
@@ -37,10 +42,7 @@ class TrainingLog:
         self._count = 0
         self._start_s = time.monotonic()
         rows = [row for row in read_log(self.path) if row["step"] <= first_step] if self.path.is_file() else []
-        with self.path.open("w", newline="") as file:
-            writer = csv.writer(file)
-            writer.writerow(COLUMNS)
-            writer.writerows([_text(name, row[name]) for name in COLUMNS] for row in rows)
+        write_whole({self.path: "".join([_line(COLUMNS), *(_line(_texts(row)) for row in rows)]).encode("ascii")})
         self._board = _board(folder) if has_tensorboard else None
 
     def on_step(self, step: int, losses: Mapping[str, Tensor], rate: float, *, is_last: bool = False) -> None:
@@ -56,8 +58,8 @@ class TrainingLog:
         values: dict[str, float] = {"step": step, "learning_rate": rate}
         values |= {name: total / self._count for name, total in self._sums.items()}
         values["seconds_per_step"] = (now_s - self._start_s) / self._count
-        with self.path.open("a", newline="") as file:
-            csv.writer(file).writerow([_text(name, values[name]) for name in COLUMNS])
+        with self.path.open("a", encoding="ascii") as file:
+            file.write(_line(_texts(values)))
         if self._board is not None:
             for name in COLUMNS[1:]:
                 self._board.add_scalar(name, values[name], step)
@@ -68,20 +70,39 @@ def read_log(path: Path) -> list[dict[str, float]]:
     """Read a `log.csv`.
 
     Raises:
-        CadetError: another header, or a field that is no number.
+        MissingFileError: no such file.
+        CadetError: another header, another number of fields, or one that is no finite number; the line is named.
     """
-    with path.open(newline="") as file:
-        reader = csv.DictReader(file)
-        if tuple(reader.fieldnames or ()) != COLUMNS:
-            raise CadetError(f"{path}: expected the columns {', '.join(COLUMNS)}")
-        try:
-            return [{name: float(row[name]) for name in COLUMNS} for row in reader]
-        except (TypeError, ValueError) as error:
-            raise CadetError(f"{path}:{reader.line_num}: {error}") from None
+    if not path.is_file():
+        raise MissingFileError(f"{path}: no such file")
+    # What stands behind the last end of a line was being written when a training was killed.
+    header, *lines = path.read_text(encoding="utf-8", errors="replace").split("\n")
+    if header != ",".join(COLUMNS):
+        raise CadetError(f"{path}:1: expected the columns {', '.join(COLUMNS)}")
+    return [_row(line, f"{path}:{number}") for number, line in enumerate(lines[:-1], start=2)]
 
 
-def _text(name: str, value: float) -> str:
-    return str(int(value)) if name == "step" else f"{value:.6g}"
+def _row(line: str, where: str) -> dict[str, float]:
+    fields = line.split(",")
+    if len(fields) != len(COLUMNS):
+        raise CadetError(f"{where}: expected {len(COLUMNS)} fields, got {len(fields)}")
+    row = {}
+    for name, text in zip(COLUMNS, fields, strict=True):
+        if name == "step" and not _STEP.fullmatch(text):
+            raise CadetError(f"{where}: {name}: expected a whole number, got {text[:40]!r}")
+        # No larger than float32, as all that is logged: figures add some up.
+        if not _NUMBER.fullmatch(text) or abs(float(text)) > _LARGEST:
+            raise CadetError(f"{where}: {name}: expected a finite number, got {text[:40]!r}")
+        row[name] = float(text)
+    return row
+
+
+def _texts(row: Mapping[str, float]) -> list[str]:
+    return [str(int(row[name])) if name == "step" else f"{row[name]:.6g}" for name in COLUMNS]
+
+
+def _line(fields: Iterable[str]) -> str:
+    return ",".join(fields) + "\n"
 
 
 def _board(folder: Path) -> Any:

@@ -15,8 +15,15 @@ from avod.config import Config
 from avod.data.dataset import TrainingData
 from avod.data.order import StepSampler
 from avod.data.sample import Sample
-from avod.train.checkpoint import Checkpoint, load_network, load_optimizer, read_checkpoint, save_checkpoint
-from avod.train.log import TrainingLog
+from avod.train.checkpoint import (
+    Checkpoint,
+    checkpoints,
+    load_network,
+    load_optimizer,
+    read_checkpoint,
+    save_checkpoint,
+)
+from avod.train.log import TrainingLog, read_log
 from avod.train.processes import Processes
 from avod.train.step import learning_rate, make_optimizer, new_network, training_step
 from cadet.errors import CadetError
@@ -30,7 +37,8 @@ class Run:
 
     Attributes:
         data: a KITTI folder.
-        out: where `log.csv` and `checkpoints` go.
+        out: where `log.csv` and `checkpoints` go: a folder without those of another training, unless `resume_from` is
+            this one's last checkpoint; the log then keeps its rows up to that step.
         split: a list of `ImageSets`; None for every frame.
         seed: of weights, order and draws; a resumed training keeps its own.
         init: a checkpoint whose weights training begins with, at step 0.
@@ -74,6 +82,7 @@ def train(config: Config, run: Run, *, on_step: OnStep | None = None) -> Path:
         raise CadetError("a training either begins with a checkpoint's weights or goes on from one, not both")
     processes = Processes.current()
     first_step, seed = 0, run.seed
+    checkpoint = None
     network = new_network(config, seed).to(run.device)
     optimizer = make_optimizer(network, config.training)
     if run.init is not None:
@@ -84,6 +93,7 @@ def train(config: Config, run: Run, *, on_step: OnStep | None = None) -> Path:
         load_network(checkpoint, network)
         load_optimizer(checkpoint, network, optimizer)
         first_step, seed = checkpoint.step, checkpoint.seed
+    _check_unused(run.out, checkpoint, processes)
     if first_step >= config.training.steps:
         raise CadetError(
             f"{run.resume_from}: {first_step} steps are done, and training ends at {config.training.steps}"
@@ -116,6 +126,25 @@ def train(config: Config, run: Run, *, on_step: OnStep | None = None) -> Path:
         if on_step is not None:
             on_step(done, losses)
     return last
+
+
+def _check_unused(out: Path, resumed: Checkpoint | None, processes: Processes) -> None:
+    """Refuse a folder that holds another training's log or checkpoints: two in one could not be told apart."""
+    if not processes.is_first:
+        return  # The first process may have begun to write.
+    present, log = checkpoints(out / "checkpoints"), out / "log.csv"
+    if resumed is not None and resumed.path.resolve().parent == (out / "checkpoints").resolve():
+        if present[-1].name != resumed.path.name:
+            raise CadetError(
+                f"{out} holds checkpoints up to {present[-1].name}, and training is to go on from {resumed.path.name}: "
+                f"go on from the last with --resume-from {out}, or name a new folder with --out"
+            )
+    elif present:
+        raise CadetError(
+            f"{out} holds another training: name a new folder with --out, or go on with this one by --resume-from {out}"
+        )
+    elif log.is_file() and read_log(log):
+        raise CadetError(f"{out} holds the log of another training: name a new folder with --out")
 
 
 def _check_same_detector(checkpoint: Checkpoint, config: Config) -> None:

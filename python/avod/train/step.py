@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Final
 
 import torch
 from torch import Tensor, nn
@@ -11,9 +12,12 @@ from avod.config import Config, TrainingConfig
 from avod.data.order import stream_seed, torch_generator
 from avod.data.sample import Sample
 from avod.losses import frame_losses
-from avod.model.network import AvodNetwork, FrameOutputs
+from avod.model.network import AvodNetwork, FrameOutputs, abstract_network
 from avod.targets import anchor_targets
 from cadet.errors import CadetError
+
+MAX_WEIGHTS: Final = 10**9
+"""The most weights of a network that is trained: with gradients and Adam's averages four numbers each, 16 gigabytes."""
 
 
 class NonFiniteLossError(CadetError, FloatingPointError):
@@ -106,6 +110,13 @@ def clip_gradients(network: nn.Module, max_norm: float, step: int, frame_ids: Se
 
 
 def new_network(config: Config, seed: int) -> AvodNetwork:
-    """Make a network whose weights follow from the seed."""
+    """Make a network whose weights follow from the seed.
+
+    Raises:
+        CadetError: the configuration asks for more than `MAX_WEIGHTS` weights.
+    """
+    count = sum(parameter.numel() for parameter in abstract_network(config).parameters())
+    if count > MAX_WEIGHTS:
+        raise CadetError(f"the configuration's network has {count:,} weights, expected at most {MAX_WEIGHTS:,}")
     torch.manual_seed(stream_seed(seed, "weights"))
     return AvodNetwork(config)

@@ -13,6 +13,7 @@ from cadet.errors import CadetError
 from cadet.evaluation import LEVELS, Report, evaluate
 from cadet.evaluation.limits import CLASSES, KNOWN_CLASSES, METRICS, MIN_OVERLAP
 from cadet.evaluation.report import RECALLS
+from cadet.view.picture import check_picture_path
 
 
 @click.command(name="eval")
@@ -32,7 +33,7 @@ from cadet.evaluation.report import RECALLS
 @click.option("--all-frames", is_flag=True, help="Count a missing result file as no detections.")
 @click.option("--json", "as_json", is_flag=True, help="Print everything, whole curves too, as JSON.")
 @click.option("--markdown", "as_markdown", is_flag=True, help="Print Markdown.")
-@click.option("--plot", type=click.Path(path_type=Path, dir_okay=False), help="Draw the curves into a PNG file.")
+@click.option("--plot", type=click.Path(path_type=Path, dir_okay=False), help="Draw the curves: a .png or .jpg.")
 def evaluate_command(
     gt: Path,
     det: Path,
@@ -55,6 +56,8 @@ def evaluate_command(
     """  # noqa: D301 - click reads the backspace
     if as_json and as_markdown:
         raise CadetError("--json and --markdown exclude each other")
+    if plot is not None:
+        check_picture_path(plot)
     report = evaluate(
         gt,
         det,

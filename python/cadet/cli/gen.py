@@ -29,6 +29,7 @@ _LEAST_FRACTION = 1e-6
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
 @click.argument("out", type=click.Path(path_type=Path, file_okay=False))
+@click.version_option(_cadet.__version__, prog_name="cadet-gen")
 @click.option("-n", "num_frames", type=click.IntRange(1, 1_000_000), default=20, show_default=True, help="Frames.")
 @click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True, help="Same seed, same bytes.")
 @click.option("--policy", type=click.Choice(POLICIES), default="kitti", show_default=True, help="How worlds are drawn.")
@@ -102,7 +103,7 @@ def cadet_gen(
     def on_frame(is_new: bool) -> None:
         nonlocal num_done
         num_done += 1
-        report.on_frame(is_new)
+        report.advance(is_new=is_new)
 
     try:
         with report:

@@ -9,7 +9,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from cadet.errors import CadetError
+from cadet.errors import CadetError, MissingFileError
 from cadet.lidar_fit import LidarFit, fit_lidar
 from cadet.rig import LIDAR_PRESETS, Lidar
 
@@ -46,6 +46,8 @@ def fit_lidar_command(scans: tuple[Path, ...], out: Path, name: str | None) -> N
     """  # noqa: D301 - click reads the backspace
     if out.suffix != ".toml":
         raise CadetError(f"-o: expected a file that ends in .toml, got {str(out)!r}")
+    if not out.parent.is_dir():
+        raise MissingFileError(f"{out}: no such folder: {out.parent}")
     fit = fit_lidar(scans, out.stem if name is None else name)
     text = fit.to_toml()
     # Nothing is written that the generator would refuse.
@@ -75,7 +77,7 @@ def _ring_table(fit: LidarFit) -> Table:
             f"{1e3 * laser.height_m:.1f}",
             f"{1e3 * ring.height_sd_m:.2f}",
             f"{laser.azimuth_offset_deg:.3f}",
-            str(ring.num_points),
+            _points(ring.num_points),
             f"{1e3 * ring.median_residual_m:.2f}",
             f"{100.0 * ring.outlier_share:.1f}",
             f"{100.0 * ring.missing_share:.0f}",
@@ -83,6 +85,10 @@ def _ring_table(fit: LidarFit) -> Table:
             f"{laser.gain:.2f}",
         )
     return table
+
+
+def _points(count: int) -> str:
+    return str(count) if count < 10_000_000 else f"{1e-6 * count:.1f}M"
 
 
 def _print(fit: LidarFit) -> None:

@@ -13,7 +13,7 @@ _SECONDS_BETWEEN_LINES = 10.0
 
 
 class Reporter(Protocol):
-    """Hears of each frame."""
+    """Hears of each frame, or whatever is counted."""
 
     def __enter__(self) -> Reporter:
         """Begin."""
@@ -23,12 +23,12 @@ class Reporter(Protocol):
     ) -> None:
         """End."""
 
-    def on_frame(self, is_new: bool) -> None:
-        """Count a frame."""
+    def advance(self, count: int = 1, *, is_new: bool = True, note: str = "") -> None:
+        """Count some; the note stands behind the numbers until the next."""
 
 
 class Rate:
-    """Frames a second and what is left. Frames that were there already count for neither."""
+    """How many a second and what is left. Those that were there already count for neither."""
 
     def __init__(self, total: int) -> None:
         self.total = total
@@ -36,16 +36,16 @@ class Rate:
         self.num_kept = 0
         self._start_s = time.monotonic()
 
-    def count(self, is_new: bool) -> None:
-        """Count a frame."""
+    def count(self, count: int, is_new: bool) -> None:
+        """Count some."""
         if is_new:
-            self.num_new += 1
+            self.num_new += count
         else:
-            self.num_kept += 1
+            self.num_kept += count
 
     @property
     def num_done(self) -> int:
-        """Frames that are there."""
+        """How many are there."""
         return self.num_new + self.num_kept
 
     @property
@@ -55,11 +55,11 @@ class Rate:
 
     @property
     def per_s(self) -> float:
-        """New frames a second since the start."""
+        """New ones a second since the start."""
         return self.num_new / max(self.elapsed_s, 1e-9)
 
     def left(self) -> str:
-        """Return the time left as h:mm:ss, or "?" before the first new frame."""
+        """Return the time left as h:mm:ss, or "?" before the first new one."""
         if self.num_new == 0:
             return "?"
         seconds = round((self.total - self.num_done) / self.per_s)
@@ -69,17 +69,18 @@ class Rate:
 class Bar:
     """A bar with count, rate and time left."""
 
-    def __init__(self, console: Console, total: int) -> None:
+    def __init__(self, console: Console, total: int, text: str) -> None:
         self._rate = Rate(total)
         self._progress = Progress(
-            TextColumn("generating"),
+            TextColumn("{task.description}"),
             BarColumn(bar_width=None),
             MofNCompleteColumn(),
             TextColumn("{task.fields[rate]}"),
             TimeRemainingColumn(),
+            TextColumn("{task.fields[note]}"),
             console=console,
         )
-        self._task = self._progress.add_task("generating", total=total, rate="")
+        self._task = self._progress.add_task(text, total=total, rate="", note="")
 
     def __enter__(self) -> Bar:
         """Show the bar."""
@@ -92,17 +93,18 @@ class Bar:
         """Leave the bar as it stands."""
         self._progress.stop()
 
-    def on_frame(self, is_new: bool) -> None:
-        """Count a frame."""
-        self._rate.count(is_new)
-        self._progress.update(self._task, advance=1, rate=f"{self._rate.per_s:.1f}/s")
+    def advance(self, count: int = 1, *, is_new: bool = True, note: str = "") -> None:
+        """Count some."""
+        self._rate.count(count, is_new)
+        self._progress.update(self._task, advance=count, rate=f"{self._rate.per_s:.1f}/s", note=note)
 
 
 class Lines:
     """A plain line every ten seconds, for logs."""
 
-    def __init__(self, console: Console, total: int) -> None:
+    def __init__(self, console: Console, total: int, unit: str) -> None:
         self._console = console
+        self._unit = unit
         self._rate = Rate(total)
         self._last_s = 0.0
 
@@ -115,15 +117,23 @@ class Lines:
     ) -> None:
         """Say nothing more."""
 
-    def on_frame(self, is_new: bool) -> None:
-        """Count a frame, and say so if it is time."""
+    def advance(self, count: int = 1, *, is_new: bool = True, note: str = "") -> None:
+        """Count some, and say so if it is time."""
         rate = self._rate
-        rate.count(is_new)
+        rate.count(count, is_new)
         if rate.elapsed_s - self._last_s >= _SECONDS_BETWEEN_LINES:
             self._last_s = rate.elapsed_s
-            self._console.print(f"{rate.num_done}/{rate.total} frames, {rate.per_s:.1f}/s, {rate.left()} left")
+            line = f"{rate.num_done}/{rate.total} {self._unit}, {rate.per_s:.1f}/s, {rate.left()} left"
+            self._console.print(f"{line}, {note}" if note else line, markup=False, soft_wrap=True)
 
 
-def reporter(console: Console, total: int) -> Reporter:
-    """Return what fits the console: a bar on a terminal, lines elsewhere."""
-    return Bar(console, total) if console.is_terminal else Lines(console, total)
+def reporter(console: Console, total: int, *, text: str = "generating", unit: str = "frames") -> Reporter:
+    """Return what fits the console: a bar on a terminal, lines elsewhere.
+
+    Args:
+        console: where to.
+        total: how many there will be.
+        text: names the work before the bar.
+        unit: names what is counted in the lines.
+    """
+    return Bar(console, total, text) if console.is_terminal else Lines(console, total, unit)

@@ -14,6 +14,7 @@ from cadet.errors import CadetError
 from cadet.kitti.files import frame_ids, testing_folder
 from cadet.kitti.lint import lint
 from cadet.view import overview, view_bev_maps, view_frame
+from cadet.view.picture import check_picture_path
 
 _OVERVIEW_ROWS = 4
 _FINDINGS_SHOWN = 50
@@ -27,7 +28,7 @@ def cadet() -> None:
 
 @cadet.command()
 @click.argument("what", metavar="ROOT[/ID]", type=click.Path(path_type=Path))
-@click.option("-o", "--out", type=click.Path(path_type=Path, dir_okay=False), help="The PNG.  [default: ID.png]")
+@click.option("-o", "--out", type=click.Path(path_type=Path, dir_okay=False), help="A .png or .jpg.  [default: ID.png]")
 @click.option("--bev", "is_bev", is_flag=True, help="Draw the frame's bird's-eye-view maps.  [default PNG: ID_bev.png]")
 def view(what: Path, out: Path | None, is_bev: bool) -> None:
     """Draw a frame, or some frames of a dataset.
@@ -40,6 +41,8 @@ def view(what: Path, out: Path | None, is_bev: bool) -> None:
     is_frame = not what.is_dir() and re.fullmatch(r"\d{6}", what.name) is not None
     if is_bev and not is_frame:
         raise CadetError(f"{what}: --bev draws one frame; name it, as in {what}/000012")
+    if out is not None:
+        check_picture_path(out)
     if is_bev:
         path = view_bev_maps(kitti.read_frame(what.parent, what.name), out or Path(f"{what.name}_bev.png"))
     elif not is_frame:

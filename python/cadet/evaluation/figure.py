@@ -6,14 +6,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from cadet.errors import CadetError
 from cadet.evaluation.limits import HEADING, METRICS
-from cadet.kitti.files import write_whole
 from cadet.view import style
+from cadet.view.picture import check_picture_path, write_picture
 
 if TYPE_CHECKING:
     from cadet.evaluation.report import Curve, Report
@@ -37,18 +36,12 @@ _LEGEND_STEP: Final = 22
 
 
 def write_figure(report: Report, path: Path) -> Path:
-    """Draw a report's curves into a PNG file.
+    """Draw a report's curves into a PNG or JPEG file.
 
     Raises:
-        CadetError: no class was evaluated, or the path names no PNG file.
+        CadetError: no class was evaluated, or the path names no picture in a folder that is there.
     """
-    if path.suffix.lower() != ".png":
-        raise CadetError(f"{path}: expected a name that ends in .png")
-    done, data = cv2.imencode(".png", figure(report)[..., ::-1])
-    if not done:
-        raise CadetError(f"{path}: OpenCV could not encode the figure")
-    write_whole({path: data.tobytes()})
-    return path
+    return write_picture(check_picture_path(path), figure(report))
 
 
 def figure(report: Report) -> style.Image:

@@ -13,6 +13,7 @@ from cadet.arrays import as_array
 from cadet.checks import shown
 from cadet.errors import CadetError, ShapeError
 from cadet.kitti import Label
+from cadet.summary import counts, summary
 
 MIN_SCORE = -1e7
 """KITTI's program never matches a detection whose score is not above this."""
@@ -54,6 +55,9 @@ class GroundTruth:
             occluded=np.array([label.occluded for label in labels], np.float64),
             **_from_labels(labels),
         )
+
+    def __repr__(self) -> str:
+        return summary(self, types=counts(self.types), boxes_img=self.boxes_img, boxes_cam=self.boxes_cam)
 
     def rows(self) -> NDArray[np.float64]:
         """Return (n, 14) as the core takes them."""
@@ -101,6 +105,12 @@ class Detections:
         if len(scores) < len(labels):
             raise ShapeError(f"detections: {len(labels) - len(scores)} of {len(labels)} labels have no score")
         return cls(scores=np.array(scores, np.float64), **_from_labels(labels))
+
+    def __repr__(self) -> str:
+        best = float(self.scores.max()) if len(self.scores) else None
+        return summary(
+            self, types=counts(self.types), boxes_img=self.boxes_img, boxes_cam=self.boxes_cam, best_score=best
+        )
 
     def rows(self) -> NDArray[np.float64]:
         """Return (n, 13) as the core takes them."""

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Final, TypeVar
 
 from cadet.evaluation.levels import Level
+from cadet.summary import summary
 
 RECALLS: Final[Mapping[str, str]] = {
     "r40": "mean over recall 1/40, 2/40, ..., 1",
@@ -53,6 +54,9 @@ class Curve:
     r11: float
     r40: float
 
+    def __repr__(self) -> str:
+        return summary(self, n_gt=self.n_gt, num_thresholds=len(self.scores), r11=self.r11, r40=self.r40)
+
 
 @dataclass(frozen=True)
 class Report:
@@ -91,6 +95,16 @@ class Report:
     num_gt: int
     num_detections: int
     warnings: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        return summary(self, recall=self.recall, classes=list(self.ap), num_frames=self.num_frames, num_gt=self.num_gt)
+
+    def __str__(self) -> str:
+        """Return the title, the table of AP and how many warnings there are."""
+        rows = self.table()
+        widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+        lines = [self.title(), *("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows), self.subtitle()]
+        return "\n".join([*lines, f"{len(self.warnings)} warnings."] if self.warnings else lines)
 
     def to_json(self) -> str:
         """Return everything, whole curves too, as JSON; no limit is null."""
@@ -135,13 +149,13 @@ class Report:
         """Draw the curves, a row for each class and a column for each metric.
 
         Args:
-            path: a PNG file.
+            path: a PNG or JPEG file, in a folder that is there.
 
         Returns:
             The path.
 
         Raises:
-            CadetError: there is nothing to draw, or the path names no PNG file.
+            CadetError: there is nothing to draw, or the path names no picture.
         """
         from cadet.evaluation.figure import write_figure
 

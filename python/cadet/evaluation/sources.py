@@ -15,6 +15,7 @@ from cadet.checks import as_tuple, is_one_of, shown
 from cadet.errors import CadetError, MissingFileError
 from cadet.evaluation.objects import Detections, GroundTruth
 from cadet.kitti import ImageSet, Label, read_image_set
+from cadet.kitti.image_sets import check_not_empty
 
 Objects = TypeVar("Objects", GroundTruth, Detections)
 Frames: TypeAlias = "Mapping[str, Objects | Sequence[Label]] | Sequence[Objects | Sequence[Label]]"
@@ -113,13 +114,18 @@ def _split_ids(split: Split, truths: Path | None) -> tuple[str, ...]:
         path = Path(split)
         if not path.is_file():
             raise MissingFileError(f"{path}: no such split")
-        return ImageSet.from_text(path.read_text(encoding="ascii", errors="replace"), path.name).ids
+        listed = ImageSet.from_text(path.read_text(encoding="ascii", errors="replace"), path.name).ids
+        if not listed:
+            raise MissingFileError(f"{path} names no frames")
+        return listed
     if isinstance(split, str | Path):
         if truths is None:
             raise CadetError(f"split: {shown(split)} is looked for beside the labels' folder; in memory, give the ids")
         roots = (truths, *truths.resolve().parents[:2])
         root = next((root for root in roots if (root / "ImageSets").is_dir()), roots[-1])
-        return read_image_set(root, str(split)).ids
+        named = read_image_set(root, str(split)).ids
+        check_not_empty(named, root, str(split))
+        return named
     ids = as_tuple("", "split", split, "ids")
     if not all(isinstance(frame_id, str) for frame_id in ids):
         raise CadetError(f"split: expected six-digit ids, got {shown(ids)}")

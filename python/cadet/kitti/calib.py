@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from cadet.arrays import check_array
 from cadet.checks import check_image_size, check_kind
 from cadet.errors import KittiFormatError, ShapeError
+from cadet.summary import summary
 
 _SHAPES: Final = {
     "P0": (3, 4),
@@ -69,6 +70,15 @@ class Calibration:
             matrix = check_array(getattr(self, name), name, shape, np.float64, finite=True).copy()
             matrix.setflags(write=False)
             object.__setattr__(self, name, matrix)
+
+    def __repr__(self) -> str:
+        (fx, _, cx, _), (_, fy, cy, _), _ = self.P2.tolist()
+        return summary(
+            self,
+            focal_px=f"{fx:.1f}, {fy:.1f}",
+            center_px=f"{cx:.1f}, {cy:.1f}",
+            **{name: getattr(self, name) for name in _SHAPES},
+        )
 
     def __eq__(self, other: object) -> bool:
         """Tell whether all seven matrices are equal."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
@@ -11,6 +11,7 @@ from typing import Final
 from cadet.checks import as_path, check_text, is_one_of, shown
 from cadet.errors import CadetError, KittiFormatError, MissingFileError
 from cadet.kitti.files import write_whole
+from cadet.summary import summary
 
 _ID: Final = re.compile(r"[0-9]{6}")
 _SPLITS: Final = ("train", "val")
@@ -33,6 +34,10 @@ class ImageSet:
 
     def __post_init__(self) -> None:
         _check_ids(self.ids, "image set")
+
+    def __repr__(self) -> str:
+        first, last = (self.ids[0], self.ids[-1]) if self.ids else (None, None)
+        return summary(self, num_ids=len(self.ids), first=first, last=last)
 
     def __len__(self) -> int:
         return len(self.ids)
@@ -126,6 +131,30 @@ def _list_path(root: str | Path, split: str) -> Path:
 
 def _listed(root: str | Path, split: str) -> tuple[str, ...]:
     return read_image_set(root, split).ids if _list_path(root, split).is_file() else ()
+
+
+def check_not_empty(ids: Collection[str], root: str | Path, split: str | None) -> None:
+    """Refuse a choice of no frames, and name the lists that have some.
+
+    Args:
+        ids: of the frames that were chosen.
+        root: the folder that holds `ImageSets`.
+        split: the list that was read; None for every frame.
+
+    Raises:
+        MissingFileError: there is no frame.
+    """
+    if ids:
+        return
+    if split is None:
+        raise MissingFileError(f"{root}: no frames")
+    folder = Path(root) / "ImageSets"
+    counts = {path.stem: len(path.read_bytes().split()) for path in sorted(folder.glob("*.txt"))}
+    others = ", ".join(f"{name} ({count})" for name, count in counts.items() if count)
+    instead = f"choose another list: {others}" if others else "no other list there names any"
+    if split == "val":
+        instead += "; cadet-gen writes validation frames from the 21st on: -n 40 gives 20"
+    raise MissingFileError(f"{folder / split}.txt names no frames; {instead}")
 
 
 def _check_ids(ids: tuple[str, ...], file: str) -> None:

@@ -18,6 +18,7 @@ from cadet.lidar_fit.blind import blind_sectors
 from cadet.lidar_fit.lines import OUTLIER_M
 from cadet.lidar_fit.rings import Rings, find_rings
 from cadet.lidar_fit.scans import Points, find_scans, join, read_scan
+from cadet.summary import summary
 
 _NEIGHBOURS: Final = 8
 _ZEROS_ANYWAY: Final = 0.03
@@ -59,6 +60,16 @@ class LidarFit:
     median_residual_m: float
     in_ring_order: bool
     firing: FiringFit
+
+    def __repr__(self) -> str:
+        return summary(
+            self,
+            name=self.table.name,
+            num_rings=len(self.rings),
+            num_scans=self.num_scans,
+            num_points=self.num_points,
+            median_residual_m=self.median_residual_m,
+        )
 
     def to_toml(self) -> str:
         """Return the table as TOML, with what it was fitted to above."""

@@ -12,11 +12,10 @@ from cadet import bev
 from cadet.bev import BevConfig
 from cadet.errors import CadetError
 from cadet.frame import Frame
-from cadet.kitti import images
 from cadet.kitti.calib import points_in_image
-from cadet.kitti.files import write_whole
 from cadet.kitti.plane_estimate import estimate_plane
 from cadet.view import style
+from cadet.view.picture import check_picture_path, write_picture
 
 CONFIGURATIONS: Final[dict[str, BevConfig]] = {
     "default": BevConfig.default(),
@@ -67,10 +66,13 @@ def bev_maps_figure(frame: Frame) -> style.Image:
 
 
 def view_bev_maps(frame: Frame, out_path: str | Path) -> Path:
-    """Write the figure of a frame's maps as a PNG and return its path."""
-    path = Path(out_path)
-    write_whole({path: images.encode_png(bev_maps_figure(frame))})
-    return path
+    """Write the figure of a frame's maps as a PNG or JPEG file, in a folder that is there, and return its path.
+
+    Raises:
+        CadetError: the name ends in no picture's suffix, or the folder is not there.
+    """
+    path = check_picture_path(out_path)
+    return write_picture(path, bev_maps_figure(frame))
 
 
 def _plane(frame: Frame) -> NDArray[np.float64]:

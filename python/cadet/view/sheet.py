@@ -13,14 +13,14 @@ import numpy as np
 
 from cadet.errors import CadetError
 from cadet.frame import Frame
-from cadet.kitti import images
 from cadet.kitti.calib import points_in_image
 from cadet.kitti.dataset import read_frame
-from cadet.kitti.files import check_id, write_whole
+from cadet.kitti.files import check_id
 from cadet.kitti.label import Label
 from cadet.view import style
 from cadet.view.bev import bev_figure, height_colors
 from cadet.view.camera import boxes_figure, corners_figure, far_to_near, lidar_figure
+from cadet.view.picture import check_picture_path, write_picture
 from cadet.view.visibility import corner_visibility
 
 SHEET_WIDTH_PX: Final = 1920
@@ -91,15 +91,16 @@ def overview(frames: Iterable[Frame], path: str | Path, *, width: int = 1600) ->
 
     Args:
         frames: the frames, best 3 to 6; they must not be none.
-        path: the PNG to write.
+        path: the PNG or JPEG file to write, in a folder that is there.
         width: of the sheet in pixels.
 
     Returns:
         `path`.
 
     Raises:
-        CadetError: no frames.
+        CadetError: no frames, or the name ends in no picture's suffix.
     """
+    path = check_picture_path(path)
     bev_width = round(width * _OVERVIEW_BEV_SHARE)
     camera_width = width - bev_width - 3 * _MARGIN
     rows = []
@@ -116,30 +117,27 @@ def overview(frames: Iterable[Frame], path: str | Path, *, width: int = 1600) ->
         raise CadetError("overview: no frames")
     gap = style.filled(_MARGIN, width)
     page = np.concatenate([part for row in rows for part in (gap, row)] + [gap])
-    path = Path(path)
-    write_whole({path: images.encode_png(page)})
-    return path
+    return write_picture(path, page)
 
 
 def view_frame(root: str | Path, frame_id: str | int, out_path: str | Path) -> Path:
-    """Read a frame of a KITTI folder, real or ours, and write its sheet as a PNG.
+    """Read a frame of a KITTI folder, real or ours, and write its sheet.
 
     Args:
         root: the folder that holds `training`.
         frame_id: six digits, or the number they make.
-        out_path: the PNG to write.
+        out_path: the PNG or JPEG file to write, in a folder that is there.
 
     Returns:
         `out_path`.
 
     Raises:
-        CadetError: the frame is missing or damaged.
+        CadetError: the frame is missing or damaged, or the name ends in no picture's suffix.
     """
     frame_id = check_id(frame_id)
+    path = check_picture_path(out_path)
     page = sheet(read_frame(root, frame_id), title=f"{Path(root).resolve().name} / {frame_id}")
-    path = Path(out_path)
-    write_whole({path: images.encode_png(page)})
-    return path
+    return write_picture(path, page)
 
 
 def _lidar_caption(frame: Frame) -> str:
