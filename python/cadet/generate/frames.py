@@ -6,7 +6,6 @@ every hash fits.
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from hashlib import sha256
 
@@ -15,6 +14,7 @@ from cadet.frame import Frame
 from cadet.generate.settings import Settings
 from cadet.kitti import encode_frame, encode_meta
 from cadet.kitti.files import SUFFIXES
+from cadet.plain_text import json_from_text
 from cadet.sink import Sink
 
 _HASHES = "sha256"
@@ -44,8 +44,9 @@ def put_frame(sink: Sink, settings: Settings, frame_id: str, frame: Frame) -> No
 def is_whole(sink: Sink, settings: Settings, frame_id: str) -> bool:
     """Tell whether every file of a frame is there, to the last byte."""
     try:
-        recorded = json.loads(sink.read(object_name("meta", frame_id)))[_HASHES]
-        if set(recorded) != set(settings.folders):
+        name = object_name("meta", frame_id)
+        recorded = json_from_text(sink.read(name), name)[_HASHES]
+        if not isinstance(recorded, dict) or set(recorded) != set(settings.folders):
             return False
         return all(
             sha256(sink.read(object_name(folder, frame_id))).hexdigest() == digest
@@ -64,7 +65,9 @@ def recorded_hashes(sink: Sink, frame_id: str) -> dict[str, str]:
     name = object_name("meta", frame_id)
     try:
         data = sink.read(name)
-        hashes = {object_name(folder, frame_id): digest for folder, digest in json.loads(data)[_HASHES].items()}
-    except (FileNotFoundError, ValueError, KeyError, TypeError):
+        hashes = {
+            object_name(folder, frame_id): digest for folder, digest in json_from_text(data, name)[_HASHES].items()
+        }
+    except (FileNotFoundError, ValueError, KeyError, TypeError, AttributeError):
         raise CadetError(f"{name} was changed by another program during the run") from None
     return {**hashes, name: sha256(data).hexdigest()}

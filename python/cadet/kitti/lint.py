@@ -9,7 +9,6 @@ and the tolerance is what rounding every field to 0.01 can do to the projection 
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Literal
@@ -24,6 +23,7 @@ from cadet.kitti.calib import Calibration
 from cadet.kitti.files import REQUIRED, SUFFIXES, check_id, display_name, file_path, frame_ids, sample_folder
 from cadet.kitti.image_sets import ImageSet
 from cadet.kitti.label import Label
+from cadet.plain_text import json_from_text
 
 Severity = Literal["error", "warning"]
 
@@ -97,7 +97,7 @@ def lint_frame(root: str | Path, frame_id: str | int, *, strict: bool) -> list[F
 def _scan_range_m(root: Path) -> tuple[float, float]:
     """Return the ranges of a generated dataset's LIDAR; KITTI's where there is no manifest that says."""
     try:
-        low, high = json.loads((root / _MANIFEST).read_text(encoding="utf-8"))["rig"]["range_m"]
+        low, high = json_from_text((root / _MANIFEST).read_bytes(), _MANIFEST)["rig"]["range_m"]
         return float(low), float(high)
     except (OSError, ValueError, KeyError, TypeError):
         return _SCAN_RANGE_M
