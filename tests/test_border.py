@@ -58,7 +58,9 @@ def test_other_threads_run_while_maps_and_triangles_are_made(core: Any) -> None:
     points = np.random.default_rng(0).uniform((-40, 0, 0), (40, 3, 70), (1_500_000, 3))
     plane = np.array([0.0, -1.0, 0.0, 1.65])
     for call in (lambda: bev.maps(points, plane), lambda: [scene.triangles() for _ in range(20)]):
-        begun, ended, ticks = [], [], []
+        begun: list[float] = []
+        ended: list[float] = []
+        ticks: list[float] = []
 
         def work(call: Any = call, begun: list[float] = begun, ended: list[float] = ended) -> None:
             begun.append(time.perf_counter())

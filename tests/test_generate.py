@@ -254,7 +254,8 @@ def test_a_whole_set_that_is_only_to_read_is_resumed(whole: Path, tmp_path: Path
 @pytest.mark.usefixtures("fake_core")
 def test_a_new_folder_is_held_before_it_is_looked_into(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     settings = Settings(num_frames=1, policy=ResetPolicy.kitti())
-    put, refusals = LocalSink.put, []
+    put = LocalSink.put
+    refusals: list[str] = []
 
     def put_late(self: LocalSink, name: str, data: bytes) -> None:
         # Another generator looks at the folder after ours has found it empty and before anything is in it.
@@ -285,13 +286,16 @@ def test_a_worker_that_says_nothing_is_named(core: object, tmp_path: Path, monke
 
 def test_two_runs_in_one_folder_do_not_meet(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    with start(out, "-n", 40, *SIZE, fault="slow=0.05") as process:
-        wait_for(out / "training" / "meta" / "000002.json", process)
-        second = run(out, "-n", 40, *SIZE, "--resume")
+    # The first would take minutes: it goes on, however late the second starts.
+    with start(out, "-n", 400, *SIZE, fault="slow=1") as process:
+        wait_for(out / "training" / "meta" / "000001.json", process)
+        second = run(out, "-n", 400, *SIZE, "--resume")
         assert second.returncode == FAILED
         assert second.stderr == f"cadet-gen: another cadet-gen is writing to {out}: let it end first\n"
+        assert process.poll() is None
+        os.killpg(process.pid, signal.SIGINT)
         process.communicate(timeout=60)
-        assert process.returncode == FINE
+        assert process.returncode == INTERRUPTED
 
 
 def test_every_fifth_episode_is_validation(tmp_path: Path) -> None:

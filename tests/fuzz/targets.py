@@ -67,7 +67,7 @@ def _read_calib(text: str) -> object:
 
 
 def _read_lidar(text: str) -> object:
-    return cadet.Lidar.custom(BeamTable.from_toml(text)).num_rings
+    return cadet.Lidar.custom(BeamTable.from_toml(text)).to_native().num_rings
 
 
 _LIBRARY = car_obj().split("\n", 1)[0].removeprefix("mtllib ")

@@ -25,7 +25,7 @@ def _misbehave(value: Input) -> object:
         while True:
             pass
     if value == "memory":
-        return bytearray(fuzz.harness.BYTES + 1)
+        return bytearray(2 * fuzz.harness.BYTES)
     raise CadetError("refused")
 
 
@@ -33,8 +33,8 @@ def _misbehave(value: Input) -> object:
     ("value", "what"), [("exit", "SystemExit in test_readers.py:"), ("forever", "took more"), ("memory", "MemoryError")]
 )
 def test_the_harness_sees(value: str, what: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(fuzz.harness, "SECONDS_AN_INPUT", 0.2)
+    monkeypatch.setattr(fuzz.harness, "SECONDS_AN_INPUT", 0.5)
     target = Target("bad", lambda rng: value if rng.random() < 0.5 else "fine", _misbehave)
-    _, failures = feed(target, 0.6)
+    _, failures = feed(target, 1.0)
     assert [failure.what[: len(what)] for failure in failures] == [what]
     assert input_of(target, failures[0].number) == value
