@@ -21,7 +21,7 @@ unexport PYTHONPATH
 unexport PYTHONHOME
 
 .PHONY: help check-rust check-python setup build build-dev demo test test-core lint test-rust test-python emulator golden \
-	bench bench-peers fmt clean
+	fuzz bench bench-peers fmt clean
 .NOTPARALLEL:
 
 help: ## List the targets
@@ -98,6 +98,10 @@ emulator:
 		echo "Installing qemu's user mode"; \
 		$$as_root apt-get -qq update && $$as_root env DEBIAN_FRONTEND=noninteractive \
 			apt-get -qq install -y --no-install-recommends qemu-user > /dev/null
+
+fuzz: WITHOUT_AVOD := yes
+fuzz: build-dev ## Feed every reader with damaged files, a minute each (SECONDS=600 for longer)
+	PYTHONPATH=tests $(BIN)/python -m fuzz $(or $(SECONDS),60)
 
 golden: build ## Renew the digests that tests/generated/test_golden_bytes.py holds
 	$(BIN)/python tests/golden_frames.py --write

@@ -28,7 +28,7 @@ if not IS_CORE_BUILT:
     sys.modules["cadet._cadet"] = fake_native
 
 # Whole folders that look at what the real core makes.
-collect_ignore_glob = [] if IS_CORE_BUILT else ["generated/*", "avod/*"]
+collect_ignore_glob = [] if IS_CORE_BUILT else ["generated/*", "avod/*", "fuzz/*"]
 
 
 def pytest_report_header() -> list[str]:

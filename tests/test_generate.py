@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -15,9 +16,13 @@ from pathlib import Path
 
 import pytest
 
-from cadet import kitti
+from cadet import Camera, Lidar, ResetPolicy, Rig, kitti
 from cadet.cli import run_cadet_gen
+from cadet.errors import CadetError
+from cadet.generate import Settings, generate, pool
+from cadet.generate.folder import open_folder
 from cadet.generate.pool import interrupts_held
+from cadet.sink import LocalSink
 
 HERE = Path(__file__).parent
 SIZE = ("--image-size", "64x32")
@@ -207,15 +212,90 @@ def test_ctrl_c_ends_cleanly_and_says_how_to_go_on(whole: Path, tmp_path: Path) 
     assert tree(out) == tree(whole)
 
 
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("to_group", [False, True])
+def test_a_signal_to_end_is_answered_like_ctrl_c(tmp_path: Path, number: signal.Signals, to_group: bool) -> None:
+    out = tmp_path / "out"
+    with start(out, "-n", 45, *SIZE, "--workers", 2, fault="slow=0.3") as process:
+        wait_for(out / "training" / "meta" / "000001.json", process)
+        (os.killpg if to_group else os.kill)(process.pid, number)
+        _, stderr = process.communicate(timeout=20)
+    assert process.returncode == 128 + number
+    assert stderr.startswith(f"ended by {number.name}; at least ")
+    assert stderr.count("\n") == 1
+    assert not (out / ".partial").exists()
+
+
+def test_a_signal_that_is_ignored_at_the_start_stays_ignored(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+
+    def ignore() -> None:
+        signal.signal(signal.SIGHUP, signal.SIG_IGN)
+
+    with start(out, "-n", 3, *SIZE, "--workers", 1, fault="slow=0.3", preexec=ignore) as process:
+        wait_for(out / "training" / "meta" / "000000.json", process)
+        os.killpg(process.pid, signal.SIGHUP)
+        process.communicate(timeout=60)
+    assert process.returncode == FINE
+
+
+def test_a_whole_set_that_is_only_to_read_is_resumed(whole: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    shutil.copytree(whole, out)
+    again = ("-n", 45, "--seed", 3, *SIZE, "--resume")
+    done = run(out, *again, fault="readonly")
+    assert (done.returncode, done.stderr.count("\n")) == (FINE, 1)
+    assert done.stderr.startswith(f"45 frames (45 were there: it was complete) in {out}: ")
+    (out / "ImageSets" / "val.txt").write_text("000001\n")
+    done = run(out, *again, fault="readonly")
+    assert (done.returncode, done.stderr) == (FAILED, f"cadet-gen: {out}/ImageSets/val.txt: Read-only file system\n")
+
+
+@pytest.mark.usefixtures("fake_core")
+def test_a_new_folder_is_held_before_it_is_looked_into(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    settings = Settings(num_frames=1, policy=ResetPolicy.kitti())
+    put = LocalSink.put
+    refusals: list[str] = []
+
+    def put_late(self: LocalSink, name: str, data: bytes) -> None:
+        # Another generator looks at the folder after ours has found it empty and before anything is in it.
+        if not refusals:
+            with pytest.raises(CadetError) as refused, open_folder(tmp_path / "out", settings, resume=False):
+                pass
+            refusals.append(str(refused.value))
+        put(self, name, data)
+
+    monkeypatch.setattr(LocalSink, "put", put_late)
+    with open_folder(tmp_path / "out", settings, resume=False):
+        pass
+    assert refusals == [f"another cadet-gen is writing to {tmp_path / 'out'}: let it end first"]
+    assert sorted(tree(tmp_path / "out")) == ["run.json"]
+
+
+def test_a_worker_that_says_nothing_is_named(core: object, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pool, "SILENCE_S", 0.05)
+    monkeypatch.setattr(pool, "_POLL_S", 0.05)
+    lines: list[str] = []
+    rig = Rig(camera=Camera.kitti().resized(64, 32), lidar=Lidar.vlp16())
+    settings = Settings(num_frames=1, policy=ResetPolicy.kitti().with_rig(rig))
+    generate(tmp_path / "out", settings, workers=1, on_silence=lines.append)
+    # Starting alone takes longer.
+    assert lines
+    assert re.fullmatch(r"worker \d+ has not answered for \d+ s, in episode 0", lines[0])
+
+
 def test_two_runs_in_one_folder_do_not_meet(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    with start(out, "-n", 40, *SIZE, fault="slow=0.05") as process:
-        wait_for(out / "training" / "meta" / "000002.json", process)
-        second = run(out, "-n", 40, *SIZE, "--resume")
+    # The first would take minutes: it goes on, however late the second starts.
+    with start(out, "-n", 400, *SIZE, fault="slow=1") as process:
+        wait_for(out / "training" / "meta" / "000001.json", process)
+        second = run(out, "-n", 400, *SIZE, "--resume")
         assert second.returncode == FAILED
         assert second.stderr == f"cadet-gen: another cadet-gen is writing to {out}: let it end first\n"
+        assert process.poll() is None
+        os.killpg(process.pid, signal.SIGINT)
         process.communicate(timeout=60)
-        assert process.returncode == FINE
+        assert process.returncode == INTERRUPTED
 
 
 def test_every_fifth_episode_is_validation(tmp_path: Path) -> None:
@@ -311,8 +391,9 @@ WEATHERS = (
         (["HERE"], "HERE is not empty: name a new folder, or go on with --resume"),
         (["HERE", "--resume"], "HERE holds no run to go on with: there is no run.json in it; name a new folder"),
         (["HERE/conftest.py"], "Invalid value for 'OUT': Directory 'HERE/conftest.py' is a file."),
-        (["HERE/conftest.py/out"], "HERE/conftest.py/out/run.json: Not a directory"),
-        (["/proc/out"], "/proc/out/run.json: No such file or directory"),
+        (["HERE/conftest.py/out"], "HERE/conftest.py/out: Not a directory"),
+        (["/proc/out"], "/proc/out: No such file or directory"),
+        (["OUT", "--image-size", "8192x8192"], "Camera: 8192 x 8192 pixels, expected at most 16777216"),
         (
             ["WHOLE", "-n", "45", "--seed", "3", "--resume"],
             "WHOLE was begun with other settings: rig.camera.height was 32, now 375; give the same ones, or name a new",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import sys
 from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
@@ -11,11 +10,7 @@ from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 from avod.config import Config
 from cadet.errors import CadetError, MissingFileError
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
+from cadet.plain_text import toml_from_text
 
 T = TypeVar("T")
 
@@ -73,10 +68,7 @@ def _read(name: str, seen: tuple[str, ...]) -> dict[str, Any]:
         data = (resources.files("avod") / "configs" / f"{name}.toml").read_bytes()
     else:
         raise CadetError(f"unknown configuration {name!r}: expected a .toml file or one of {', '.join(config_names())}")
-    try:
-        table = tomllib.loads(data.decode("utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise CadetError(f"{name}: no TOML: {error}") from None
+    table = toml_from_text(data, name)
     base = table.pop("base", None)
     if base is None:
         return table

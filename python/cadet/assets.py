@@ -6,21 +6,16 @@ import hashlib
 import json
 import math
 import re
-import sys
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
-
 from cadet import _cadet
 from cadet.checks import as_pairs, as_path, as_tuple, check_kind, check_number, check_text, is_one_of, make_plain, shown
 from cadet.errors import CadetError, MissingFileError
+from cadet.plain_text import toml_from_text
 from cadet.summary import counts, summary
 
 CONFIG = "assets.toml"
@@ -197,11 +192,9 @@ def as_assets(assets: Assets | str | Path | None) -> Assets | None:
 
 def _read_config(root: Path) -> dict[str, Any]:
     try:
-        return tomllib.loads((root / CONFIG).read_text(encoding="utf-8"))
+        return toml_from_text((root / CONFIG).read_bytes(), CONFIG)
     except (FileNotFoundError, NotADirectoryError):
         raise MissingFileError(f"{str(root)!r}: no {CONFIG} in it") from None
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise CadetError(f"{CONFIG}: {error}") from None
 
 
 def _check_keys(owner: str, values: Mapping[str, Any], *, required: tuple[str, ...], optional: tuple[str, ...]) -> None:
@@ -244,7 +237,7 @@ def _as_tuple(values: Any) -> Any:
 
 
 def _inside(root: Path, name: object, owner: str) -> Path:
-    if not isinstance(name, str):
+    if not isinstance(name, str) or "\0" in name:
         raise CadetError(f"{owner}.mesh: expected the path of an OBJ file, got {name!r}")
     path = root / name
     if not path.resolve().is_relative_to(root.resolve()):
@@ -267,5 +260,8 @@ def _library_names(obj: str) -> list[str]:
 
 def _read_library(mesh: Path, name: str, owner: str) -> str:
     # Exporters write the paths of their own machine: the library lies beside the mesh.
-    beside = mesh.with_name(re.split(r"[/\\]", name)[-1] or "unnamed")
+    last = re.split(r"[/\\]", name)[-1]
+    if last in ("", ".", "..") or "\0" in last:
+        raise CadetError(f"{owner}: {mesh.name!r} names a material library {name!r}: expected a file's name")
+    beside = mesh.with_name(last)
     return _read_text(beside, f"{owner}: no material library {beside.name!r} beside {mesh.name!r}")

@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 import re
-import sys
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any, TypeVar
 
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
-
 from cadet.checks import as_path, check_number, make_plain, shown
 from cadet.errors import CadetError, MissingFileError
+from cadet.plain_text import toml_from_text
 from cadet.summary import summary
 
 T = TypeVar("T")
@@ -224,10 +219,7 @@ class BeamTable:
         Raises:
             CadetError: as `read`.
         """
-        try:
-            values = tomllib.loads(text)
-        except tomllib.TOMLDecodeError as error:
-            raise CadetError(f"{file}: {error}") from None
+        values = toml_from_text(text, file)
         try:
             return _table(values)
         except CadetError as error:

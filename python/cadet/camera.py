@@ -20,6 +20,9 @@ def _offset_m(calibration: KittiCalibration, column: Row3) -> Row3:
 
 _DEFAULT = kitti_calibration(MOST_FREQUENT)
 
+MAX_PIXELS = 1 << 24
+"""The most pixels of an image that is made, 4096 x 4096: a frame takes about 70 bytes of memory for each."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Camera:
@@ -56,6 +59,8 @@ class Camera:
     def __post_init__(self) -> None:
         for name in ("width", "height"):
             check_number("Camera", name, getattr(self, name), 16, 8192, whole=True)
+        if self.width * self.height > MAX_PIXELS:
+            raise CadetError(f"Camera: {self.width} x {self.height} pixels, expected at most {MAX_PIXELS}")
         for name in ("fx", "fy"):
             check_number("Camera", name, getattr(self, name), 1, 1e6)
         for name in ("cx", "cy"):

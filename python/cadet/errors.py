@@ -7,8 +7,19 @@ class CadetError(Exception):
     """Anything wrong with what the user gave: one line naming the file, the line and the reason."""
 
 
-class KittiFormatError(CadetError, ValueError):
-    """A KITTI file that breaks its format.
+class InternalError(CadetError):
+    """An error of cadet's own, which the user can't mend; its message asks for a report.
+
+    Args:
+        what: what happened and where, for whoever mends it.
+    """
+
+    def __init__(self, what: str) -> None:
+        super().__init__(f"internal error: {what}; please report it, with what led to it, as an issue of cadet")
+
+
+class FileFormatError(CadetError, ValueError):
+    """A file that breaks its format.
 
     Args:
         reason: what is wrong.
@@ -26,6 +37,10 @@ class KittiFormatError(CadetError, ValueError):
         self.file = file
         self.line = line
         self.column = column
+
+
+class KittiFormatError(FileFormatError):
+    """A KITTI file that breaks its format: `FileFormatError`'s arguments."""
 
 
 class ShapeError(CadetError, ValueError):

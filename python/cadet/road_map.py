@@ -40,10 +40,12 @@ class RoadMap:
         path = as_path("map", path)
         try:
             return cls(path.name, path.read_text(encoding="utf-8"))
-        except (FileNotFoundError, IsADirectoryError):
+        except (FileNotFoundError, NotADirectoryError, IsADirectoryError):
             raise MissingFileError(f"unknown map {str(path)!r}: expected an OpenDRIVE file (.xodr)") from None
         except UnicodeDecodeError:
             raise CadetError(f"{path.name}: no OpenDRIVE text: not UTF-8") from None
+        except ValueError as error:
+            raise CadetError(f"{str(path)!r}: {error}") from None
 
     @property
     def sha256(self) -> str:

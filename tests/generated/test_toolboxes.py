@@ -171,8 +171,8 @@ def test_difficulties_are_our_levels(root: Path) -> None:
             height = label.bbox[3] - label.bbox[1]
             passed = [
                 (height >= level.min_height_px if level.inclusive else height > level.min_height_px)
-                and label.occluded <= level.max_occlusion
-                and label.truncated <= level.max_truncation
+                and (level.max_occlusion is None or label.occluded <= level.max_occlusion)
+                and (level.max_truncation is None or label.truncated <= level.max_truncation)
                 for level in LEVELS["kitti"]
             ]
             ours.append(passed.index(True) if any(passed) else -1)

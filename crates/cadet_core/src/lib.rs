@@ -27,6 +27,7 @@ pub mod label;
 pub mod lidar;
 pub mod material;
 pub mod math;
+pub mod parallel;
 pub mod rig;
 pub mod rng;
 pub mod scene;

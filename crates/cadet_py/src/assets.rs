@@ -8,6 +8,7 @@ use pyo3::types::PyDict;
 
 use crate::error::BorderError;
 use crate::fields::Fields;
+use crate::guard;
 
 /// Vehicles built from a user's meshes, shared by all scenes that have them.
 #[pyclass(module = "cadet._cadet", frozen)]
@@ -20,7 +21,7 @@ impl Assets {
     #[new]
     fn new(py: Python<'_>, share: f64, vehicles: Vec<Bound<'_, PyDict>>) -> PyResult<Self> {
         let assets = vehicles.iter().map(vehicle).collect::<PyResult<Vec<_>>>()?;
-        let vehicles = py.detach(|| UserVehicles::new(share, &assets)).map_err(BorderError::from)?;
+        let vehicles = guard::detached(py, || UserVehicles::new(share, &assets))?;
         Ok(Self { vehicles })
     }
 

@@ -7,6 +7,7 @@ use numpy::{PyArray3, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 use crate::error::BorderError;
+use crate::guard;
 
 /// Points in either precision, three columns or more.
 #[derive(FromPyObject)]
@@ -77,16 +78,30 @@ pub(crate) fn bev_maps<'py>(
     let is_new = out.is_none();
     let out = out.unwrap_or_else(|| PyArray3::zeros(py, spec.shape(), false));
     {
-        let mut values = out.readwrite();
+        let in_use = "out: another call is writing to it, or it shares memory with the points: give each its own";
+        let mut values = out.try_readwrite().map_err(|_| BorderError::Unusable(in_use))?;
         let values = values.as_slice_mut()?;
-        if !is_new {
-            values.fill(0.0);
-        }
+        let clear = |values: &mut [f32]| {
+            if !is_new {
+                values.fill(0.0);
+            }
+        };
         match &points_cam {
-            Points::Single(points) => fill(&points.as_array(), |v| f64::from(*v), plane, &spec, values),
-            Points::Double(points) => fill(&points.as_array(), |v| *v, plane, &spec, values),
+            Points::Single(points) => {
+                let points = points.as_array();
+                guard::detached(py, || {
+                    clear(values);
+                    fill(&points, |v| f64::from(*v), plane, &spec, values)
+                })?;
+            }
+            Points::Double(points) => {
+                let points = points.as_array();
+                guard::detached(py, || {
+                    clear(values);
+                    fill(&points, |v| *v, plane, &spec, values)
+                })?;
+            }
         }
-        .map_err(BorderError::from)?;
     }
     Ok(out)
 }

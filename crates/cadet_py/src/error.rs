@@ -4,22 +4,35 @@ use pyo3::import_exception;
 use pyo3::prelude::*;
 
 import_exception!(cadet.errors, CadetError);
+import_exception!(cadet.errors, InternalError);
 import_exception!(cadet.errors, KittiFormatError);
 import_exception!(cadet.errors, MissingFileError);
 import_exception!(cadet.errors, NonFiniteError);
 import_exception!(cadet.errors, ShapeError);
 
-/// A core error on its way to Python.
-pub(crate) struct BorderError(cadet_core::Error);
+/// An error on its way to Python.
+pub(crate) enum BorderError {
+    /// The core refuses what it was given.
+    Core(cadet_core::Error),
+    /// A panic: what it said and where.
+    Panic(String),
+    /// An object that can't be used now: why.
+    Unusable(&'static str),
+}
 
 impl From<cadet_core::Error> for BorderError {
     fn from(error: cadet_core::Error) -> Self {
-        Self(error)
+        Self::Core(error)
     }
 }
 
 impl From<BorderError> for PyErr {
-    fn from(BorderError(error): BorderError) -> Self {
+    fn from(error: BorderError) -> Self {
+        let error = match error {
+            BorderError::Core(error) => error,
+            BorderError::Panic(text) => return InternalError::new_err(text),
+            BorderError::Unusable(reason) => return CadetError::new_err(reason),
+        };
         let text = error.to_string();
         match error {
             cadet_core::Error::NotFinite { .. } => NonFiniteError::new_err(text),

@@ -10,6 +10,7 @@ use pyo3::types::{PyDict, PyList};
 
 use crate::arrays;
 use crate::error::BorderError;
+use crate::guard;
 
 /// Name and least overlaps of each class.
 type Classes = Vec<(String, [f64; 3])>;
@@ -57,14 +58,14 @@ pub(crate) fn evaluate<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let settings = settings(classes, levels);
     settings.check().map_err(BorderError::from)?;
-    let (truths, detections) = read(py, truths, detections).map_err(BorderError::from)?;
+    let (truths, detections) = read(py, truths, detections)?;
     let mut unknown: Vec<String> = Vec::new();
     let pair = |(truths, parsed): (Vec<core::Truth>, core::ParsedDetections)| {
         unknown.extend(parsed.unknown_names);
         core::FramePair { truths, detections: parsed.detections }
     };
     let frames: Vec<core::FramePair> = truths.into_iter().zip(detections).map(pair).collect();
-    let curves = py.detach(|| core::evaluate(&frames, &settings)).map_err(BorderError::from)?;
+    let curves = guard::detached(py, || core::evaluate(&frames, &settings))?;
     unknown.sort_unstable();
     unknown.dedup();
     let result = PyDict::new(py);
@@ -81,13 +82,15 @@ pub(crate) fn evaluate<'py>(
 
 type Sides = (Vec<Vec<core::Truth>>, Vec<core::ParsedDetections>);
 
-fn read(py: Python<'_>, truths: Source<'_>, detections: Source<'_>) -> Result<Sides> {
+fn read(py: Python<'_>, truths: Source<'_>, detections: Source<'_>) -> std::result::Result<Sides, BorderError> {
     let truths = match truths {
-        Source::Files((folder, ids)) => py.detach(|| core::read_files(&folder, &ids, core::parse_truths))?,
+        Source::Files((folder, ids)) => guard::detached(py, || core::read_files(&folder, &ids, core::parse_truths))?,
         Source::Packed(packed) => unpack("truths", &packed, truth)?,
     };
     let detections = match detections {
-        Source::Files((folder, ids)) => py.detach(|| core::read_files(&folder, &ids, core::parse_detections))?,
+        Source::Files((folder, ids)) => {
+            guard::detached(py, || core::read_files(&folder, &ids, core::parse_detections))?
+        }
         Source::Packed(packed) => {
             let names = unknown_names(&packed);
             let mut parsed: Vec<_> = unpack("detections", &packed, detection)?
@@ -104,7 +107,7 @@ fn read(py: Python<'_>, truths: Source<'_>, detections: Source<'_>) -> Result<Si
         return Ok((truths, detections));
     }
     let (got, expected) = (detections.len().to_string(), format!("{} as truths", truths.len()));
-    Err(Error::Shape { what: "frames of detections", got, expected })
+    Err(Error::Shape { what: "frames of detections", got, expected }.into())
 }
 
 fn unknown_names((_, names, _): &Packed<'_>) -> Vec<String> {
@@ -199,7 +202,7 @@ pub(crate) fn box_iou<'py>(
 ) -> std::result::Result<Bound<'py, PyArray2<f64>>, BorderError> {
     let (a, b) = (boxes_cam("a", &a)?, boxes_cam("b", &b)?);
     let iou = if is_3d { core::iou_3d } else { core::iou_bev };
-    let matrix = py.detach(|| core::iou_matrix(&a, &b, iou));
+    let matrix = guard::detached(py, || core::iou_matrix(&a, &b, iou))?;
     Ok(arrays::plane(py, matrix, a.len(), b.len()))
 }
 
@@ -217,6 +220,6 @@ pub(crate) fn nms_bev<'py>(
         let (got, expected) = (format!("({},)", scores.len()), format!("({},)", boxes.len()));
         return Err(Error::Shape { what: "scores", got, expected }.into());
     }
-    let kept = py.detach(|| core::nms_bev(&boxes, &scores, threshold));
+    let kept = guard::detached(py, || Ok::<_, Error>(core::nms_bev(&boxes, &scores, threshold)))?;
     Ok(PyArray1::from_vec(py, kept.into_iter().map(|index| index as i64).collect()))
 }

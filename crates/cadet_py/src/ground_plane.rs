@@ -6,20 +6,27 @@ use numpy::ndarray::ArrayView2;
 use pyo3::prelude::*;
 
 use crate::bev::Points;
-use crate::error::BorderError;
+use crate::guard;
 
 /// The road's plane (a, b, c, d) in the frame that `cam_from_velo` (rows of 4) leads to.
 #[pyfunction]
 pub(crate) fn estimate_ground_plane(
+    py: Python<'_>,
     points_velo: Points<'_>,
     cam_from_velo: [[f64; 4]; 3],
     seed: u64,
 ) -> PyResult<[f64; 4]> {
     let plane = match &points_velo {
-        Points::Single(points) => estimate(&points.as_array(), |v| f64::from(*v), &cam_from_velo, seed),
-        Points::Double(points) => estimate(&points.as_array(), |v| *v, &cam_from_velo, seed),
+        Points::Single(points) => {
+            let points = points.as_array();
+            guard::detached(py, || estimate(&points, |v| f64::from(*v), &cam_from_velo, seed))
+        }
+        Points::Double(points) => {
+            let points = points.as_array();
+            guard::detached(py, || estimate(&points, |v| *v, &cam_from_velo, seed))
+        }
     };
-    Ok(plane.map_err(BorderError::from)?)
+    Ok(plane?)
 }
 
 fn estimate<T>(

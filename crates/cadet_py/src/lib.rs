@@ -8,6 +8,7 @@ mod evaluate;
 mod fields;
 mod frame;
 mod ground_plane;
+mod guard;
 mod image;
 mod lidar;
 mod rig;
@@ -17,9 +18,17 @@ mod weather;
 
 use pyo3::prelude::*;
 
+/// Panics: how panics arrive in Python is tested with it.
+#[pyfunction]
+#[pyo3(name = "_panic")]
+fn panic_for_tests(py: Python<'_>, text: String) -> Result<(), error::BorderError> {
+    guard::detached(py, || -> cadet_core::Result<()> { panic!("{text}") })
+}
+
 /// The Rust core of cadet. Private: use the typed wrappers of the package.
 #[pymodule(gil_used = false)]
 fn _cadet(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    guard::note_panics();
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<assets::Assets>()?;
     module.add_class::<lidar::Lidar>()?;
@@ -33,5 +42,6 @@ fn _cadet(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(weather::weather_names, module)?)?;
     module.add_function(wrap_pyfunction!(weather::weather_air, module)?)?;
     module.add_function(wrap_pyfunction!(weather::weather_recorded_scan, module)?)?;
+    module.add_function(wrap_pyfunction!(panic_for_tests, module)?)?;
     Ok(())
 }

@@ -1,6 +1,10 @@
 //! Scenes.
 
+use std::sync::{Mutex, TryLockError};
+
 use cadet_core::actor::ObjectClass;
+use cadet_core::camera::Calibration;
+use cadet_core::math::DPose3;
 use cadet_core::rng::StreamKey;
 use cadet_core::scene as core;
 use cadet_core::weather::Weather;
@@ -12,17 +16,20 @@ use crate::arrays;
 use crate::assets::Assets;
 use crate::error::BorderError;
 use crate::frame;
+use crate::guard;
 use crate::lidar::Lidar;
 use crate::rig;
 use crate::settings;
 
 type RayHits<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<i32>>, Bound<'py, PyArray2<f64>>);
+type Poses<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
 type Triangles<'py> = (Bound<'py, PyArray2<f32>>, Bound<'py, PyArray2<u32>>, Bound<'py, PyArray1<i32>>);
 
 /// A town, its traffic and a rig.
-#[pyclass(module = "cadet._cadet")]
+#[pyclass(module = "cadet._cadet", frozen)]
 pub(crate) struct Scene {
-    inner: core::Scene,
+    /// One thread at a time uses it. A panic on the way leaves it unusable.
+    inner: Mutex<core::Scene>,
 }
 
 fn town_source(map_name: Option<String>, map_xodr: Option<String>, default: core::TownSource) -> core::TownSource {
@@ -52,8 +59,8 @@ impl Scene {
         let weather = Weather::preset(weather).map_err(BorderError::from)?;
         let (rig, config) = (rig::from_dict(rig)?, settings::from_dict(config, assets)?);
         let key = StreamKey { seed, episode, attempt };
-        let inner = py.detach(|| core::Scene::random(key, &source, weather, rig, &config));
-        Ok(Self { inner: inner.map_err(BorderError::from)? })
+        let inner = guard::detached(py, || core::Scene::random(key, &source, weather, rig, &config))?;
+        Ok(Self { inner: Mutex::new(inner) })
     }
 
     #[staticmethod]
@@ -70,81 +77,60 @@ impl Scene {
         let source = town_source(map_name, map_xodr, core::TownSource::Flat);
         let weather = Weather::preset(weather).map_err(BorderError::from)?;
         let (rig, config) = (rig::from_dict(rig)?, settings::from_dict(config, assets)?);
-        let inner = py.detach(|| core::Scene::empty(&source, weather, rig, &config));
-        Ok(Self { inner: inner.map_err(BorderError::from)? })
+        let inner = guard::detached(py, || core::Scene::empty(&source, weather, rig, &config))?;
+        Ok(Self { inner: Mutex::new(inner) })
     }
 
     #[getter]
-    fn time_s(&self) -> f64 {
-        self.inner.time_s()
+    fn time_s(&self, py: Python<'_>) -> Result<f64, BorderError> {
+        self.with(py, |scene| Ok(scene.time_s()))
     }
 
     #[getter]
-    fn num_triangles(&mut self, py: Python<'_>) -> usize {
-        py.detach(|| self.inner.triangles().num_triangles())
+    fn num_triangles(&self, py: Python<'_>) -> Result<usize, BorderError> {
+        self.with(py, |scene| Ok(scene.triangles().num_triangles()))
     }
 
     #[getter]
-    fn num_actors(&mut self, py: Python<'_>) -> usize {
-        py.detach(|| self.inner.snapshot().actors.len())
+    fn num_actors(&self, py: Python<'_>) -> Result<usize, BorderError> {
+        self.with(py, |scene| Ok(scene.snapshot().actors.len()))
     }
 
-    fn add(
-        &mut self,
-        py: Python<'_>,
-        kind: &str,
-        x: f64,
-        y: f64,
-        yaw: f64,
-        model_seed: u64,
-    ) -> Result<i32, BorderError> {
+    fn add(&self, py: Python<'_>, kind: &str, x: f64, y: f64, yaw: f64, model_seed: u64) -> Result<i32, BorderError> {
         let class = ObjectClass::from_name(kind)?;
-        Ok(py.detach(|| self.inner.add(class, x, y, yaw, model_seed))?)
+        self.with(py, |scene| scene.add(class, x, y, yaw, model_seed))
     }
 
-    fn add_model(
-        &mut self,
-        py: Python<'_>,
-        kind: &str,
-        model: &str,
-        x: f64,
-        y: f64,
-        yaw: f64,
-    ) -> Result<i32, BorderError> {
+    fn add_model(&self, py: Python<'_>, kind: &str, model: &str, x: f64, y: f64, yaw: f64) -> Result<i32, BorderError> {
         let class = ObjectClass::from_name(kind)?;
-        Ok(py.detach(|| self.inner.add_user_vehicle(class, model, x, y, yaw))?)
+        self.with(py, |scene| scene.add_user_vehicle(class, model, x, y, yaw))
     }
 
-    fn move_ego(&mut self, py: Python<'_>, x: f64, y: f64, yaw: f64) -> Result<(), BorderError> {
-        Ok(py.detach(|| self.inner.move_ego(x, y, yaw))?)
+    fn move_ego(&self, py: Python<'_>, x: f64, y: f64, yaw: f64) -> Result<(), BorderError> {
+        self.with(py, |scene| scene.move_ego(x, y, yaw))
     }
 
-    fn step(&mut self, py: Python<'_>, seconds: f64) -> Result<(), BorderError> {
-        Ok(py.detach(|| self.inner.step(seconds))?)
+    fn step(&self, py: Python<'_>, seconds: f64) -> Result<(), BorderError> {
+        self.with(py, |scene| scene.step(seconds))
     }
 
-    fn drive(&mut self, py: Python<'_>, distance_m: f64, blocked_s: f64) -> Result<(), BorderError> {
-        Ok(py.detach(|| self.inner.drive(distance_m, blocked_s))?)
+    fn drive(&self, py: Python<'_>, distance_m: f64, blocked_s: f64) -> Result<(), BorderError> {
+        self.with(py, |scene| scene.drive(distance_m, blocked_s))
     }
 
-    fn capture<'py>(&mut self, py: Python<'py>, sample: u64, maps: bool) -> PyResult<Bound<'py, PyDict>> {
-        let captured = py.detach(|| self.inner.capture(sample, maps)).map_err(BorderError::from)?;
-        self.frame_to_dict(py, captured)
+    fn capture<'py>(&self, py: Python<'py>, sample: u64, maps: bool) -> PyResult<Bound<'py, PyDict>> {
+        let (captured, facts) = self.with(py, |scene| Ok((scene.capture(sample, maps)?, Facts::of(scene))))?;
+        facts.frame_to_dict(py, captured)
     }
 
-    fn capture_labelled<'py>(
-        &mut self,
-        py: Python<'py>,
-        sample: u64,
-        maps: bool,
-    ) -> PyResult<Option<Bound<'py, PyDict>>> {
-        let captured = py.detach(|| self.inner.capture_labelled(sample, maps)).map_err(BorderError::from)?;
-        captured.map(|frame| self.frame_to_dict(py, frame)).transpose()
+    fn capture_labelled<'py>(&self, py: Python<'py>, sample: u64, maps: bool) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let (captured, facts) = self.with(py, |scene| Ok((scene.capture_labelled(sample, maps)?, Facts::of(scene))))?;
+        captured.map(|frame| facts.frame_to_dict(py, frame)).transpose()
     }
 
     #[pyo3(signature = (lidar, ideal, sample))]
     fn scan<'py>(
-        &mut self,
+        &self,
         py: Python<'py>,
         lidar: Option<&Lidar>,
         ideal: bool,
@@ -153,15 +139,15 @@ impl Scene {
         let spec = lidar.map(|l| &l.spec);
         let dict = PyDict::new(py);
         let (points, ring, column, actor_id, range_m) = if ideal {
-            py.detach(|| {
-                let scan = self.inner.ideal_scan(spec);
-                let spec = spec.unwrap_or(&self.inner.rig().lidar);
+            self.with(py, |scene| {
+                let scan = scene.ideal_scan(spec);
+                let spec = spec.unwrap_or(&scene.rig().lidar);
                 let (ring, column) = spec.beam_numbers();
                 let range_m = scan.range_m.iter().map(|r| f64::from(*r)).collect();
-                (scan.points_velo(spec), ring, column, scan.actor_id, range_m)
-            })
+                Ok((scan.points_velo(spec), ring, column, scan.actor_id, range_m))
+            })?
         } else {
-            let s = py.detach(|| self.inner.scan(spec, sample)).map_err(BorderError::from)?;
+            let s = self.with(py, |scene| scene.scan(spec, sample))?;
             (s.points_velo, s.ring, s.column, s.actor_id, s.range_m)
         };
         dict.set_item("points_velo", arrays::rows(py, points))?;
@@ -173,7 +159,7 @@ impl Scene {
     }
 
     fn cast_rays<'py>(
-        &mut self,
+        &self,
         py: Python<'py>,
         origins_world: PyReadonlyArray2<'py, f64>,
         directions_world: PyReadonlyArray2<'py, f64>,
@@ -189,7 +175,7 @@ impl Scene {
             .into());
         }
         let rays: Vec<_> = origins.into_iter().zip(directions).collect();
-        let hits = py.detach(|| self.inner.cast_rays(&rays)).map_err(BorderError::from)?;
+        let hits = self.with(py, |scene| scene.cast_rays(&rays))?;
         let range = hits.iter().map(|h| h.as_ref().map_or(f64::INFINITY, |h| h.range_m)).collect();
         let actor = hits.iter().map(|h| h.as_ref().map_or(-1, |h| h.actor_id)).collect();
         let normals: Vec<_> =
@@ -197,40 +183,89 @@ impl Scene {
         Ok((PyArray1::from_vec(py, range), PyArray1::from_vec(py, actor), arrays::rows(py, normals)))
     }
 
-    fn triangles<'py>(&mut self, py: Python<'py>) -> Triangles<'py> {
-        let posed = self.inner.triangles();
-        let vertices = posed.vertices_world().map(|v| v.to_array()).collect();
-        let (mut faces, mut actor_ids) = (Vec::new(), Vec::new());
-        for instance in &posed.instances {
-            let start = instance.vertices.start as u32;
-            faces.extend(instance.mesh.faces.iter().map(|f| f.map(|i| i + start)));
-            actor_ids.resize(faces.len(), instance.actor_id);
-        }
-        (arrays::rows(py, vertices), arrays::rows(py, faces), PyArray1::from_vec(py, actor_ids))
+    fn triangles<'py>(&self, py: Python<'py>) -> Result<Triangles<'py>, BorderError> {
+        let (vertices, faces, actor_ids) = self.with(py, |scene| {
+            let posed = scene.triangles();
+            let vertices = posed.vertices_world().map(|v| v.to_array()).collect();
+            let (mut faces, mut actor_ids) = (Vec::new(), Vec::new());
+            for instance in &posed.instances {
+                let start = instance.vertices.start as u32;
+                faces.extend(instance.mesh.faces.iter().map(|f| f.map(|i| i + start)));
+                actor_ids.resize(faces.len(), instance.actor_id);
+            }
+            Ok((vertices, faces, actor_ids))
+        })?;
+        Ok((arrays::rows(py, vertices), arrays::rows(py, faces), PyArray1::from_vec(py, actor_ids)))
     }
 
-    fn sensor_poses<'py>(&mut self, py: Python<'py>) -> (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>) {
-        let (velo, cam) = self.inner.sensor_poses();
-        (arrays::pose(py, &velo), arrays::pose(py, &cam))
+    fn sensor_poses<'py>(&self, py: Python<'py>) -> Result<Poses<'py>, BorderError> {
+        let (velo, cam) = self.with(py, |scene| Ok(scene.sensor_poses()))?;
+        Ok((arrays::pose(py, &velo), arrays::pose(py, &cam)))
     }
 }
 
 impl Scene {
+    /// Lets the core work on the scene without the interpreter's lock, if no other thread does.
+    fn with<T: Send>(
+        &self,
+        py: Python<'_>,
+        work: impl FnOnce(&mut core::Scene) -> cadet_core::Result<T> + Send,
+    ) -> Result<T, BorderError> {
+        guard::detached(py, || {
+            let mut scene = self.inner.try_lock().map_err(|error| {
+                BorderError::Unusable(match error {
+                    TryLockError::WouldBlock => {
+                        "scene: another thread is using it; give each thread its own, or let them take turns"
+                    }
+                    TryLockError::Poisoned(_) => "scene: it can't be used after an internal error; make a new one",
+                })
+            })?;
+            Ok::<_, BorderError>(work(&mut scene)?)
+        })
+    }
+}
+
+/// What a frame's metadata say of its scene.
+struct Facts {
+    width: usize,
+    height: usize,
+    calibration: Calibration,
+    map: String,
+    weather: String,
+    sun_elevation_rad: f64,
+    sun_azimuth_rad: f64,
+    rig: String,
+    ego_from_velo: DPose3,
+}
+
+impl Facts {
+    fn of(scene: &core::Scene) -> Self {
+        let (rig, weather) = (scene.rig(), scene.weather());
+        Self {
+            width: rig.camera.width,
+            height: rig.camera.height,
+            calibration: rig.camera.calibration.clone(),
+            map: scene.map_name().to_owned(),
+            weather: weather.name.to_string(),
+            sun_elevation_rad: weather.sun_elevation_rad,
+            sun_azimuth_rad: weather.sun_azimuth_rad,
+            rig: rig.name.clone(),
+            ego_from_velo: rig.ego_from_velo,
+        }
+    }
+
     fn frame_to_dict<'py>(&self, py: Python<'py>, captured: core::Frame) -> PyResult<Bound<'py, PyDict>> {
-        let camera = &self.inner.rig().camera;
-        let dict = frame::to_dict(py, captured, camera.width, camera.height)?;
+        let dict = frame::to_dict(py, captured, self.width, self.height)?;
         let meta = dict.get_item("meta")?.expect("a frame has metadata");
-        let weather = self.inner.weather();
-        meta.set_item("map", self.inner.map_name())?;
-        meta.set_item("weather", &weather.name)?;
-        meta.set_item("rig", &self.inner.rig().name)?;
-        let ego_from_velo = arrays::pose_rows(&self.inner.rig().ego_from_velo);
-        meta.set_item("ego_from_velo", ego_from_velo.map(Vec::from).to_vec())?;
+        meta.set_item("map", &self.map)?;
+        meta.set_item("weather", &self.weather)?;
+        meta.set_item("rig", &self.rig)?;
+        meta.set_item("ego_from_velo", arrays::pose_rows(&self.ego_from_velo).map(Vec::from).to_vec())?;
         let sun = PyDict::new(py);
-        sun.set_item("elevation_rad", weather.sun_elevation_rad)?;
-        sun.set_item("azimuth_rad", weather.sun_azimuth_rad)?;
+        sun.set_item("elevation_rad", self.sun_elevation_rad)?;
+        sun.set_item("azimuth_rad", self.sun_azimuth_rad)?;
         meta.set_item("sun", sun)?;
-        dict.set_item("calib", rig::calibration_to_dict(py, &camera.calibration)?)?;
+        dict.set_item("calib", rig::calibration_to_dict(py, &self.calibration)?)?;
         Ok(dict)
     }
 }

@@ -7,6 +7,7 @@ use pyo3::prelude::*;
 
 use crate::arrays;
 use crate::error::BorderError;
+use crate::guard;
 
 type Weathered<'py> = (Bound<'py, PyArray2<f32>>, Bound<'py, PyArray1<i8>>);
 
@@ -38,7 +39,8 @@ pub(crate) fn weather_recorded_scan<'py>(
 ) -> Result<Weathered<'py>, BorderError> {
     let weather = Weather::of_air(fog, rain, snow, wetness)?;
     let points = arrays::to_rows("points_velo", &points_velo)?;
-    let left = py.detach(|| weather_recorded(&points, &weather, &Receiver::default(), sensor_height_m, seed))?;
+    let left =
+        guard::detached(py, || weather_recorded(&points, &weather, &Receiver::default(), sensor_height_m, seed))?;
     let fate = left.fate.iter().map(|f: &Fate| *f as i8).collect();
     Ok((arrays::rows(py, left.points_velo), PyArray1::from_vec(py, fate)))
 }

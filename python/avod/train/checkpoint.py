@@ -25,6 +25,7 @@ from avod.config_file import config_from_table, table_from_config
 from avod.model.network import AvodNetwork, abstract_network
 from cadet import __version__
 from cadet.errors import CadetError, MissingFileError
+from cadet.plain_text import json_from_text
 from cadet.summary import summary
 
 _FORMAT: Final = "avod-checkpoint"
@@ -99,10 +100,7 @@ def read_checkpoint(path: str | Path) -> Checkpoint:
         CadetError: damaged settings, or those of another format.
     """
     path = _resolve(Path(path))
-    try:
-        settings = json.loads((path / _SETTINGS).read_text(encoding="utf-8"))
-    except (UnicodeDecodeError, ValueError, RecursionError) as error:
-        raise CadetError(f"{path / _SETTINGS}: no JSON: {error}") from None
+    settings = json_from_text((path / _SETTINGS).read_bytes(), str(path / _SETTINGS))
     if not isinstance(settings, dict) or settings.get("format") != _FORMAT:
         raise CadetError(f"{path / _SETTINGS}: no avod checkpoint")
     if settings.get("version") != _FORMAT_VERSION:

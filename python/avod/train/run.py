@@ -93,7 +93,7 @@ def train(config: Config, run: Run, *, on_step: OnStep | None = None) -> Path:
         load_network(checkpoint, network)
         load_optimizer(checkpoint, network, optimizer)
         first_step, seed = checkpoint.step, checkpoint.seed
-    _check_unused(run.out, checkpoint, processes)
+    _check_unused(Path(run.out), checkpoint, processes)
     if first_step >= config.training.steps:
         raise CadetError(
             f"{run.resume_from}: {first_step} steps are done, and training ends at {config.training.steps}"

@@ -1,20 +1,31 @@
-"""The one place where errors end: a line on stderr and an exit code."""
+"""The one place where errors end: a line on stderr and an exit code.
+
+An error that nobody foresaw ends here too, in one line that asks for a report. `CADET_TRACEBACK=1` shows where any
+error came from.
+"""
 
 from __future__ import annotations
 
+import os
 import sys
+import traceback
+from pathlib import Path
 from typing import NoReturn
 
 import click
 
-from cadet.errors import CadetError
+from cadet.cli.signals import INTERRUPTED, exit_code, how_ended
+from cadet.errors import CadetError, InternalError
 
-INTERRUPTED = 130
 FAILED = 2
+UNFORESEEN = 70
+"""The exit code of sysexits.h for an error of the program's own."""
+TRACEBACK = "CADET_TRACEBACK"
+_MAX_MESSAGE = 2000
 
 
 def run(command: click.Command, name: str) -> NoReturn:
-    """Run a command: 0 if it went well, 2 with one line on stderr if not, 130 after Ctrl-C."""
+    """Run a command: 0 if it went well, 2 with one line on stderr if not, 70 after a bug, 130 after Ctrl-C."""
     try:
         code = command.main(prog_name=name, standalone_mode=False)
     except click.exceptions.NoArgsIsHelpError as error:
@@ -22,16 +33,41 @@ def run(command: click.Command, name: str) -> NoReturn:
         sys.exit(FAILED)
     except click.ClickException as error:
         _fail(name, error.format_message())
+    except InternalError as error:
+        _fail(name, str(error), UNFORESEEN)
     except CadetError as error:
         _fail(name, str(error))
     except OSError as error:
         _fail(name, f"{error.filename}: {error.strerror}" if error.filename else str(error))
-    except (click.Abort, KeyboardInterrupt):
+    except MemoryError:
+        _fail(name, "out of memory")
+    except KeyboardInterrupt as error:
+        sys.stderr.write(f"{name}: {how_ended(error)}\n")
+        sys.exit(exit_code(error))
+    except click.Abort:
         sys.stderr.write(f"{name}: interrupted\n")
         sys.exit(INTERRUPTED)
+    except (SystemExit, GeneratorExit):
+        raise
+    except BaseException as error:  # noqa: BLE001 - a panic of the core is none of Exception's kind
+        _fail(name, str(InternalError(_what_happened(error))), UNFORESEEN)
     sys.exit(code if isinstance(code, int) else 0)
 
 
-def _fail(name: str, message: str) -> NoReturn:
-    sys.stderr.write(f"{name}: {' '.join(message.split())}\n")
-    sys.exit(FAILED)
+def _what_happened(error: BaseException) -> str:
+    """Name an error and the place where it was raised."""
+    frames = traceback.extract_tb(error.__traceback__)
+    where = f" ({Path(frames[-1].filename).name}:{frames[-1].lineno})" if frames else ""
+    return f"{type(error).__name__}: {error}{where}"
+
+
+def _fail(name: str, message: str, code: int = FAILED) -> NoReturn:
+    if os.environ.get(TRACEBACK, "0") not in ("", "0"):
+        traceback.print_exc()
+    line = " ".join(message.split())
+    if len(line) > _MAX_MESSAGE:
+        line = f"{line[: _MAX_MESSAGE // 2]} ... {line[-_MAX_MESSAGE // 2 :]}"
+    # What a terminal can't show, such as halves of a surrogate pair in a file's name, is written as its number.
+    encoding = sys.stderr.encoding or "utf-8"
+    sys.stderr.write(f"{name}: {line.encode(encoding, 'backslashreplace').decode(encoding)}\n")
+    sys.exit(code)

@@ -15,8 +15,8 @@ from rich.console import Console
 from cadet import _cadet
 from cadet.assets import Assets
 from cadet.checks import check_number
-from cadet.cli.errors import INTERRUPTED
 from cadet.cli.progress import reporter
+from cadet.cli.signals import exit_code, how_ended, signals_end
 from cadet.errors import CadetError
 from cadet.generate import EXTRAS, Settings, Summary, WorkerError, generate
 from cadet.policy import POLICIES, ResetPolicy
@@ -105,12 +105,15 @@ def cadet_gen(
         num_done += 1
         report.advance(is_new=is_new)
 
+    def on_silence(text: str) -> None:
+        console.print(text, markup=False)
+
     try:
-        with report:
-            summary = generate(out, settings, workers=workers, resume=resume, on_frame=on_frame)
-    except KeyboardInterrupt:
-        console.print(f"interrupted; {_how_to_go_on(num_done, num_frames)}", markup=False)
-        return INTERRUPTED
+        with signals_end(), report:
+            summary = generate(out, settings, workers=workers, resume=resume, on_frame=on_frame, on_silence=on_silence)
+    except KeyboardInterrupt as error:
+        console.print(f"{how_ended(error)}; {_how_to_go_on(num_done, num_frames)}", markup=False)
+        return exit_code(error)
     except WorkerError as error:
         raise CadetError(f"{error}; {_how_to_go_on(num_done, num_frames)}") from None
     console.print(_closing(out, summary, time.monotonic() - start_s), markup=False)
@@ -178,6 +181,7 @@ def _how_to_go_on(num_done: int, num_frames: int) -> str:
 
 def _closing(out: Path, summary: Summary, seconds: float) -> str:
     labels = ", ".join(f"{count} {name}" for name, count in summary.labels.most_common())
-    kept = f" ({summary.num_kept} were there)" if summary.num_kept else ""
+    all_kept = "" if summary.num_new else ": it was complete"
+    kept = f" ({summary.num_kept} were there{all_kept})" if summary.num_kept else ""
     rate = f" at {summary.num_new / seconds:.1f}/s" if summary.num_new else ""
     return f"{summary.num_new + summary.num_kept} frames{kept} in {out}{rate}: {labels or 'no labels'}"

@@ -5,13 +5,15 @@ from __future__ import annotations
 import contextlib
 import fcntl
 import json
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
 from cadet.checks import shown
-from cadet.errors import CadetError
+from cadet.errors import CadetError, FileFormatError
 from cadet.generate.settings import Settings, differences
 from cadet.kitti.files import frame_ids
+from cadet.plain_text import json_from_text
 from cadet.sink import LocalSink
 
 RUN = "run.json"
@@ -29,19 +31,15 @@ def open_folder(root: Path, settings: Settings, *, resume: bool) -> Iterator[Loc
     """
     sink = LocalSink(root)
     identity = settings.identity()
-    if root.exists() and any(path.name != ".partial" for path in root.iterdir()):
-        if not resume:
-            raise CadetError(f"{root} is not empty: name a new folder, or go on with --resume")
-        _check_same_run(root, identity)
-        _check_no_more_frames(root, settings)
-    else:
-        sink.put(RUN, (json.dumps(identity, separators=(",", ":")) + "\n").encode("ascii"))
-    with (root / RUN).open("rb") as run_file:
-        # The lock goes with the process, however that ends.
-        try:
-            fcntl.flock(run_file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise CadetError(f"another cadet-gen is writing to {root}: let it end first") from None
+    root.mkdir(parents=True, exist_ok=True)
+    with _locked(root):
+        if any(path.name != ".partial" for path in root.iterdir()):
+            if not resume:
+                raise CadetError(f"{root} is not empty: name a new folder, or go on with --resume")
+            _check_same_run(root, identity)
+            _check_no_more_frames(root, settings)
+        else:
+            sink.put(RUN, (json.dumps(identity, separators=(",", ":")) + "\n").encode("ascii"))
         sink.remove_partial()
         try:
             yield sink
@@ -49,10 +47,28 @@ def open_folder(root: Path, settings: Settings, *, resume: bool) -> Iterator[Loc
             sink.remove_partial()
 
 
+@contextlib.contextmanager
+def _locked(root: Path) -> Iterator[None]:
+    """Hold a folder: the lock is on the folder itself, which no file's replacing changes, and goes with the process."""
+    folder = os.open(root, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    try:
+        fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        os.close(folder)
+        raise CadetError(f"another cadet-gen is writing to {root}: let it end first") from None
+    except OSError as error:
+        os.close(folder)
+        raise OSError(error.errno, f"cannot be locked: {error.strerror}", str(root)) from None
+    try:
+        yield
+    finally:
+        os.close(folder)
+
+
 def _check_same_run(root: Path, identity: dict[str, object]) -> None:
     try:
-        begun = json.loads((root / RUN).read_bytes())
-    except (FileNotFoundError, ValueError):
+        begun = json_from_text((root / RUN).read_bytes(), RUN)
+    except (FileNotFoundError, FileFormatError):
         raise CadetError(f"{root} holds no run to go on with: there is no {RUN} in it; name a new folder") from None
     _check_same_version(root, begun, identity)
     # What JSON makes of it, so that tuples and lists compare alike.

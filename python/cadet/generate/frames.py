@@ -6,7 +6,6 @@ every hash fits.
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from hashlib import sha256
 
@@ -15,6 +14,7 @@ from cadet.frame import Frame
 from cadet.generate.settings import Settings
 from cadet.kitti import encode_frame, encode_meta
 from cadet.kitti.files import SUFFIXES
+from cadet.plain_text import json_from_text
 from cadet.sink import Sink
 
 _HASHES = "sha256"
@@ -77,8 +77,8 @@ def _recorded(meta: bytes) -> dict[str, str]:
         ValueError: it carries none, or something else in their place.
     """
     try:
-        recorded = json.loads(meta)[_HASHES]
-    except (KeyError, TypeError, RecursionError):
+        recorded = json_from_text(meta, "meta")[_HASHES]
+    except (KeyError, TypeError):
         raise ValueError(f"no {_HASHES}") from None
     if not isinstance(recorded, dict) or not all(isinstance(digest, str) for digest in recorded.values()):
         raise ValueError(f"{_HASHES}: expected text by folder")

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import json
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from hashlib import sha256
 from typing import Any
 
@@ -15,6 +16,7 @@ from cadet.kitti.files import REQUIRED
 from cadet.sink import Sink
 
 MANIFEST = "manifest.json"
+_NOT_ALLOWED = (errno.EROFS, errno.EACCES, errno.EPERM)
 
 
 def put_manifest(sink: Sink, settings: Settings) -> Counter[str]:
@@ -29,7 +31,7 @@ def put_manifest(sink: Sink, settings: Settings) -> Counter[str]:
     for split, image_set in _image_sets(settings).items():
         data = image_set.to_text().encode("ascii")
         name = f"ImageSets/{split}.txt"
-        sink.put(name, data)
+        _put_unless_same(sink, name, lambda data=data: data)  # type: ignore[misc]
         hashes[name] = sha256(data).hexdigest()
     # Tools of others list these folders, be there a test frame or none.
     for folder in REQUIRED:
@@ -46,8 +48,31 @@ def put_manifest(sink: Sink, settings: Settings) -> Counter[str]:
             "labels": dict(sorted(types.items())),
         },
     }
-    sink.put(MANIFEST, _chunks(head, hashes, sink, settings))
+    _put_unless_same(sink, MANIFEST, lambda: _chunks(head, hashes, sink, settings))
     return types
+
+
+def _put_unless_same(sink: Sink, name: str, make: Callable[[], bytes | Iterator[bytes]]) -> None:
+    """Write an object; where that is not allowed, see whether it is there already: a whole set may be only to read."""
+    try:
+        sink.put(name, make())
+    except OSError as error:
+        made = make()
+        if error.errno not in _NOT_ALLOWED or not _is_there(sink, name, [made] if isinstance(made, bytes) else made):
+            raise
+
+
+def _is_there(sink: Sink, name: str, wanted: Iterable[bytes]) -> bool:
+    try:
+        there = memoryview(sink.read(name))
+    except OSError:
+        return False
+    at = 0
+    for chunk in wanted:
+        if there[at : at + len(chunk)] != chunk:
+            return False
+        at += len(chunk)
+    return at == len(there)
 
 
 def _chunks(head: dict[str, Any], hashes: dict[str, str], sink: Sink, settings: Settings) -> Iterator[bytes]:

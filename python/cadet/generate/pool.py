@@ -6,15 +6,21 @@ import contextlib
 import multiprocessing
 import signal
 import threading
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
 from pathlib import Path
+from typing import Final
 
 from cadet.errors import CadetError
 from cadet.generate.settings import Settings
 from cadet.generate.worker import EpisodeDone, Failed, Made, work
+
+SILENCE_S: Final = 60.0
+"""A worker that says nothing for so long is named."""
+_POLL_S: Final = 1.0
 
 
 class WorkerError(CadetError):
@@ -49,9 +55,19 @@ class Pool:
         settings: what to make.
         num_workers: processes.
         num_threads: threads of the core in each.
+        on_silence: called with a line about a worker that has not been heard of for `SILENCE_S`, again after as long.
     """
 
-    def __init__(self, root: Path, settings: Settings, num_workers: int, num_threads: int) -> None:
+    def __init__(
+        self,
+        root: Path,
+        settings: Settings,
+        num_workers: int,
+        num_threads: int,
+        on_silence: Callable[[str], None] = lambda text: None,
+    ) -> None:
+        self._on_silence = on_silence
+        self._last_heard_s: dict[Connection, float] = {}
         self._episodes = iter(range(settings.num_episodes))
         self._processes: dict[Connection, SpawnProcess] = {}
         self._working_on: dict[Connection, int] = {}
@@ -74,9 +90,11 @@ class Pool:
         for conn in list(self._processes):
             self._give(conn)
         while self._working_on:
-            ready = set(wait(list(self._working_on)))
+            ready = set(wait(list(self._working_on), timeout=_POLL_S))
             for conn in [conn for conn in self._working_on if conn in ready]:
+                self._last_heard_s[conn] = time.monotonic()
                 yield from self._hear(conn)
+            self._name_silent()
 
     def close(self) -> None:
         """End the workers: at rest ones leave, busy ones are stopped."""
@@ -91,7 +109,16 @@ class Pool:
                 process.join()
         self._processes.clear()
 
+    def _name_silent(self) -> None:
+        for conn, episode in self._working_on.items():
+            silent_s = time.monotonic() - self._last_heard_s[conn]
+            if silent_s >= SILENCE_S:
+                pid = self._processes[conn].pid
+                self._on_silence(f"worker {pid} has not answered for {silent_s:.0f} s, in episode {episode}")
+                self._last_heard_s[conn] = time.monotonic()
+
     def _give(self, conn: Connection) -> None:
+        self._last_heard_s[conn] = time.monotonic()
         episode = next(self._episodes, None)
         if episode is None:
             self._working_on.pop(conn, None)
@@ -118,5 +145,8 @@ class Pool:
         process = self._processes[conn]
         process.join(timeout=5.0)
         code = process.exitcode
+        if code in (-signal.SIGTERM, -signal.SIGHUP):
+            # A signal to the whole group is ours to answer: it may come a moment later than to the worker.
+            time.sleep(0.5)
         how = f"by signal {-code}" if code is not None and code < 0 else f"with exit code {code}"
         raise WorkerError(f"a worker died {how} in episode {self._working_on.get(conn, 0)}")

@@ -39,6 +39,7 @@ def generate(
     workers: int | None = None,
     resume: bool = False,
     on_frame: Callable[[bool], None] = lambda is_new: None,
+    on_silence: Callable[[str], None] = lambda text: None,
 ) -> Summary:
     """Write a dataset in KITTI's layout. The same settings give the same bytes, whatever else is asked.
 
@@ -48,6 +49,7 @@ def generate(
         workers: processes; one for each processor if None.
         resume: go on in a folder that a run with the same settings has left.
         on_frame: called for each frame, with whether it was written or had been there.
+        on_silence: called with a line about each worker that has said nothing for a minute.
 
     Raises:
         CadetError: a folder that is not empty or holds another run, or no labelled object to be found.
@@ -61,7 +63,7 @@ def generate(
     workers = int(workers)
     num_new = num_kept = 0
     with open_folder(folder, settings, resume=resume) as sink:
-        pool = Pool(folder.absolute(), settings, workers, max(1, num_processors() // workers))
+        pool = Pool(folder.absolute(), settings, workers, max(1, num_processors() // workers), on_silence)
         try:
             for made in pool.frames():
                 num_new += made.is_new

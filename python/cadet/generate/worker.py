@@ -9,7 +9,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 
 from cadet.episode import Episode
-from cadet.errors import CadetError
+from cadet.errors import CadetError, InternalError
 from cadet.generate.frames import is_whole, put_frame
 from cadet.generate.settings import Settings
 from cadet.sink import LocalSink, Sink
@@ -73,6 +73,8 @@ def _outcome(sink: Sink, settings: Settings, episode: int, conn: Connection) -> 
         make_episode(sink, settings, episode, conn)
     except ConnectionError:
         raise
+    except InternalError as error:
+        return Failed(f"{error} (episode {episode})", is_users=False)
     except CadetError as error:
         return Failed(str(error), is_users=True)
     except OSError as error:

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from cadet.arrays import check_array
 from cadet.checks import check_image_size, check_kind
-from cadet.errors import KittiFormatError, ShapeError
+from cadet.errors import CadetError, KittiFormatError, ShapeError
+from cadet.kitti.numbers import number_from_text
 from cadet.summary import summary
 
 _SHAPES: Final = {
@@ -134,10 +135,31 @@ class Calibration:
 
     @cached_property
     def velo_from_cam(self) -> NDArray[np.float64]:
-        """(4, 4) float64, read-only: the inverse of `cam_from_velo`."""
-        matrix = np.linalg.inv(self.cam_from_velo).astype(np.float64)
+        """(4, 4) float64, read-only: the inverse of `cam_from_velo`.
+
+        Raises:
+            CadetError: there is none.
+        """
+        try:
+            matrix = np.linalg.inv(self.cam_from_velo).astype(np.float64)
+        except np.linalg.LinAlgError:
+            raise CadetError("calib: R0_rect times Tr_velo_to_cam is singular: it has no inverse") from None
         matrix.setflags(write=False)
         return matrix
+
+    @cached_property
+    def eye_cam(self) -> NDArray[np.float64]:
+        """(3,) float64, read-only: where camera 2 stands in the cam frame, metres.
+
+        Raises:
+            CadetError: P2 is no camera's.
+        """
+        try:
+            eye = -np.linalg.solve(self.P2[:, :3], self.P2[:, 3]).astype(np.float64)
+        except np.linalg.LinAlgError:
+            raise CadetError("calib: the first three columns of P2 are singular: it is no camera's") from None
+        eye.setflags(write=False)
+        return eye
 
     def points_cam_from_velo(self, points_velo: NDArray[Any]) -> NDArray[np.float64]:
         """Bring points from the velo frame into the cam frame.
@@ -158,6 +180,7 @@ class Calibration:
 
         Raises:
             ShapeError: fewer than three columns.
+            CadetError: there is no way back.
         """
         return _transform(self.velo_from_cam, points_cam, "points_cam")
 
@@ -256,7 +279,7 @@ def _parse_matrix(values: list[str], key: str, where: tuple[str, int]) -> NDArra
     if len(values) != rows * columns:
         raise KittiFormatError(f"{key}: expected {rows * columns} numbers, got {len(values)}", *where)
     try:
-        matrix = np.array([float(value) for value in values])
+        matrix = np.array([number_from_text(value) for value in values])
     except ValueError as error:
         raise KittiFormatError(f"{key}: {error}", *where) from None
     if not np.isfinite(matrix).all():

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet.checks import as_path, check_flag, check_kind
-from cadet.errors import CadetError, FrameExistsError, KittiFormatError, MissingFileError
+from cadet.errors import CadetError, FileFormatError, FrameExistsError, KittiFormatError, MissingFileError
 from cadet.frame import Frame
 from cadet.kitti import images
 from cadet.kitti.calib import Calibration
@@ -32,6 +32,7 @@ from cadet.kitti.image_sets import list_frame, other_split, read_image_set
 from cadet.kitti.label import Label, labels_from_text, text_from_labels
 from cadet.kitti.planes import plane_from_text, text_from_plane
 from cadet.kitti.velodyne import bytes_from_points, points_from_bytes
+from cadet.plain_text import json_from_text
 
 
 def read_frame(root: str | Path, frame_id: str | int) -> Frame:
@@ -316,17 +317,12 @@ def _read_instance(folder: Path, frame_id: str, image_shape: tuple[int, ...]) ->
     return None if pixels is None else images.instance_from_pixels(pixels)
 
 
-def _refuse_constant(constant: str) -> object:
-    raise ValueError(f"{constant} is no number")
-
-
 def _read_meta(folder: Path, frame_id: str) -> dict[str, Any]:
     data, name = _read_bytes(folder, "meta", frame_id)
     try:
-        meta = json.loads(data, parse_constant=_refuse_constant)
-    except (ValueError, RecursionError) as error:
-        line = getattr(error, "lineno", None)
-        raise KittiFormatError(f"no JSON: {error}", name, line) from None
+        meta = json_from_text(data, name)
+    except FileFormatError as error:
+        raise KittiFormatError(error.reason, name, error.line) from None
     if not isinstance(meta, dict):
         raise KittiFormatError(f"expected a JSON object, got {type(meta).__name__}", name, 1)
     return meta

@@ -17,14 +17,13 @@ from numpy.typing import NDArray
 from cadet import _cadet
 from cadet.arrays import check_array
 from cadet.errors import CadetError, KittiFormatError, ShapeError
+from cadet.kitti.png_header import check_png
 
 DEPTH_STEPS_PER_M: Final = 256.0
 """16-bit depth values a metre."""
 
 _MAX_UINT16: Final = 65535
 _NUM_COLORS: Final = 3
-_PNG_START: Final = b"\x89PNG\r\n\x1a\n"
-_PNG_END: Final = b"IEND\xaeB`\x82"
 
 
 def encode_png(image: NDArray[Any]) -> bytes:
@@ -110,10 +109,7 @@ def instance_from_pixels(pixels: NDArray[np.uint16]) -> NDArray[np.int32]:
 
 
 def _decode(data: bytes, file: str) -> NDArray[Any]:
-    if not data.startswith(_PNG_START):
-        raise KittiFormatError(f"no PNG image ({len(data)} bytes)", file)
-    if _PNG_END not in data:
-        raise KittiFormatError(f"truncated PNG image ({len(data)} bytes)", file)
+    check_png(data, file)
     try:
         image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
     except cv2.error as error:

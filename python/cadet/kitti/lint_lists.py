@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import os
 import sys
 from collections.abc import Callable, Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Final
 
-from cadet.errors import KittiFormatError
+from cadet.errors import FileFormatError, KittiFormatError
 from cadet.kitti.files import REQUIRED, SUFFIXES
 from cadet.kitti.finding import Finding, Severity
 from cadet.kitti.image_sets import ImageSet
+from cadet.plain_text import json_from_text
 
 MANIFEST: Final = "manifest.json"
 
@@ -25,9 +25,9 @@ def lint_manifest(root: Path) -> tuple[tuple[float, float] | None, list[Finding]
     if not os.path.lexists(path):
         return None, []
     try:
-        manifest = json.loads(path.read_bytes())
-    except (ValueError, RecursionError) as error:
-        return None, [Finding(MANIFEST, getattr(error, "lineno", None), f"no JSON: {error}")]
+        manifest = json_from_text(path.read_bytes(), MANIFEST)
+    except FileFormatError as error:
+        return None, [Finding(MANIFEST, error.line, error.reason)]
     except OSError as error:
         return None, [_unreadable(MANIFEST, error)]
     rig = manifest.get("rig") if isinstance(manifest, dict) else None

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from cadet.arrays import check_array
 from cadet.errors import KittiFormatError
+from cadet.kitti.numbers import number_from_text
 
 _HEADER: Final = "# Matrix\nWIDTH 4\nHEIGHT 1\n"
 _NUM_LINES: Final = 4
@@ -32,7 +33,7 @@ def plane_from_text(text: str, file: str = "plane") -> NDArray[np.float64]:
     if len(fields) != _NUM_LINES:
         raise KittiFormatError(f"expected 4 numbers, got {len(fields)}", file, _NUM_LINES)
     try:
-        plane = np.array([float(field) for field in fields])
+        plane = np.array([number_from_text(field) for field in fields])
     except ValueError as error:
         raise KittiFormatError(str(error), file, _NUM_LINES) from None
     if not np.isfinite(plane).all():

@@ -18,6 +18,8 @@ _MIN_POINTS: Final = 1000
 _BACKWARD_DEG: Final = 1.0
 """Azimuths of one ring fall back by less, whatever rounding and the lasers' own corrections do."""
 _MAX_RINGS: Final = 300
+_MAX_PLACE_M: Final = 10_000.0
+"""No LIDAR sees farther; sums of squares of much larger numbers overflow."""
 
 
 @dataclass(frozen=True)
@@ -72,9 +74,12 @@ def read_scan(path: Path) -> Points:
     """Read a scan of float32 x, y, z, intensity.
 
     Raises:
-        CadetError: the file is cut off, holds NaN or infinity, or too few points to tell anything.
+        CadetError: the file is cut off, holds NaN, infinity or places beyond 10 km, or too few points to tell anything.
     """
     points = points_from_bytes(path.read_bytes(), path.name).astype(np.float64)
+    is_near = np.abs(points[:, :3]).max(axis=1, initial=0.0) <= _MAX_PLACE_M
+    if not is_near.all():
+        raise CadetError(f"{path.name}: point {int(np.argmin(is_near))} is farther away than {_MAX_PLACE_M:g} m")
     points = points[np.linalg.norm(points[:, :3], axis=1) > 0.0]
     if len(points) < _MIN_POINTS:
         raise CadetError(f"{path.name}: {len(points)} points, at least {_MIN_POINTS} are needed")

@@ -97,7 +97,7 @@ def _draw_view(canvas: style.Image, frame: Frame, scale: float) -> None:
 
 
 def _view_rays(calib: Calibration, width: int) -> list[NDArray[np.float64]]:
-    eye_cam = -np.linalg.solve(calib.P2[:, :3], calib.P2[:, 3])
+    eye_cam = calib.eye_cam
     columns = np.array([[0.0, 0.0, 1.0], [width - 1.0, 0.0, 1.0]])
     columns[:, 1] = calib.P2[1, 2]
     directions = np.linalg.solve(calib.P2[:, :3], columns.T).T

@@ -126,7 +126,7 @@ def _draw_heading(
 
 
 def _seen_edges(corners: NDArray[np.float64], calib: Calibration) -> list[bool]:
-    eye = -np.linalg.solve(calib.P2[:, :3], calib.P2[:, 3])
+    eye = calib.eye_cam
     middle = corners.mean(axis=0)
     seen: set[frozenset[int]] = set()
     for face in _FACES:

@@ -3,6 +3,7 @@
 use std::io::BufReader;
 use std::path::Path;
 
+use super::mesh_limits::{check_library, check_triangles};
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, Mesh, MeshBuilder};
 use crate::material::{Material, Palette, Pattern, Semantic};
@@ -129,7 +130,7 @@ pub(super) fn triangles(
     let load = tobj::LoadOptions { triangulate: true, ignore_points: true, ignore_lines: true, ..Default::default() };
     let loaded = tobj::load_obj_buf(&mut BufReader::new(text.as_bytes()), &load, |file| {
         let file = file.to_string_lossy();
-        match library(&file) {
+        match library(&file).and_then(|text| check_library(&text).map(|()| text)) {
             Ok(text) => tobj::load_mtl_buf(&mut BufReader::new(text.as_bytes())),
             Err(reason) => {
                 let _ = missing.borrow_mut().get_or_insert(format!("material library {file}: {reason}"));
@@ -174,6 +175,7 @@ pub(super) fn triangles(
     if triangles.is_empty() {
         return Err(fail("no triangle with an area".to_owned()));
     }
+    check_triangles(&triangles).map_err(fail)?;
     Ok(Triangles { triangles, materials })
 }
 
@@ -239,6 +241,19 @@ mod tests {
         assert_eq!(refuse("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), "bad.obj: no triangle with an area");
         assert_eq!(refuse(TETRAHEDRON), "bad.obj: material library two.mtl: not found");
         assert!(refuse("v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").contains("not finite"));
+        for (library, expected) in [
+            ("newmtl red\nKd 0.5\n", "line 2: Kd: expected three numbers, got \"0.5\""),
+            ("Ks 0.1 x 1", "line 1: Ks: expected three numbers, got \"0.1 x 1\""),
+            ("\n\nKa", "line 3: Ka: expected three numbers, got \"\""),
+        ] {
+            let error = obj("a.obj", TETRAHEDRON, &ImportOptions::default(), |_| Ok(library.to_owned())).unwrap_err();
+            assert_eq!(error.to_string(), format!("a.obj: material library two.mtl: {expected}"));
+        }
+        let fan: String = (0..1200).map(|i| format!("v {} {i} 1\n", i % 2)).collect();
+        let corners: String = (1..1200).map(|i| format!(" {i}")).collect();
+        assert!(
+            refuse(&format!("{fan}f{corners}\n")).contains("more than 1000 triangles meet in one place, (0, 0, 1)")
+        );
         for text in ["v 0 0\n", "v 0 0 0\nf 1 2 9\n", "f 1 2 3\n", "v a b c\n", "\u{0}\u{1}\n v 1 f / / /"] {
             assert!(refuse(text).starts_with("bad.obj: "));
         }

@@ -3,6 +3,7 @@
 mod annotated_sizes;
 pub mod annotation;
 pub mod import;
+mod mesh_limits;
 pub mod person;
 pub mod scenery;
 pub mod vehicle;

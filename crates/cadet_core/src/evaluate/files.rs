@@ -7,6 +7,7 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
+use crate::parallel;
 
 /// Reads the files `ID.txt` of a folder; a frame without an id has no file, and so nothing in it.
 ///
@@ -27,7 +28,7 @@ pub fn read_files<T: Default + Send>(
         parse(buffer, &format!("{parent}{name}"))
     };
     // Collecting the results first makes the first error the same whichever thread comes first.
-    let parsed: Vec<Result<T>> = ids.par_iter().map_init(Vec::new, read_one).collect();
+    let parsed: Vec<Result<T>> = parallel::run(|| ids.par_iter().map_init(Vec::new, read_one).collect());
     parsed.into_iter().collect()
 }
 

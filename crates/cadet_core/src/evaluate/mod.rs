@@ -24,12 +24,13 @@ use rayon::prelude::*;
 pub use curves::{MAX_THRESHOLDS, Samples, average_r11, average_r40, choose_thresholds, perfect};
 pub use files::read_files;
 pub use metric::{ClassLimits, Level, Metric, Settings};
-pub use nms::{iou_matrix, nms_bev};
+pub use nms::{MAX_PAIRS, iou_matrix, nms_bev};
 pub use objects::{BoxImg, Detection, FramePair, Kind, MIN_SCORE, Truth};
 pub use parse::{ParsedDetections, parse_detections, parse_truths};
 pub use rotated_iou::{BoxCam, intersection_bev, iou_3d, iou_bev};
 
 use crate::error::Result;
+use crate::parallel;
 use curves::Tally;
 use matching::{Contest, FirstPass, Matcher, View};
 use overlaps::FrameOverlaps;
@@ -75,6 +76,10 @@ pub struct Curve {
 /// [`crate::Error::OutOfRange`] and [`crate::Error::Unknown`] for settings that make no sense.
 pub fn evaluate(frames: &[FramePair], settings: &Settings) -> Result<Vec<Curve>> {
     settings.check()?;
+    Ok(parallel::run(|| curves_of(frames, settings)))
+}
+
+fn curves_of(frames: &[FramePair], settings: &Settings) -> Vec<Curve> {
     let floors = settings.floors();
     let overlaps: Vec<FrameOverlaps> =
         frames.par_iter().map(|frame| FrameOverlaps::new(frame, floors, |kind| settings.wants(kind))).collect();
@@ -111,7 +116,7 @@ pub fn evaluate(frames: &[FramePair], settings: &Settings) -> Result<Vec<Curve>>
             thresholds,
         }
     };
-    Ok(tasks.par_iter().map(curve).collect())
+    tasks.par_iter().map(curve).collect()
 }
 
 /// Whether any detection of a class says what a metric needs.

@@ -3,26 +3,42 @@
 use rayon::prelude::*;
 
 use super::rotated_iou::{BoxCam, iou_bev};
+use crate::error::{Error, Result};
+use crate::parallel;
 
 /// Fewer pairs than this are not worth a thread.
 const PAIRS_A_TASK: usize = 2048;
 
+/// The most pairs that [`iou_matrix`] takes: 2 GiB of numbers.
+pub const MAX_PAIRS: usize = 1 << 28;
+
 /// The IoU of every box of `a` with every box of `b`, row by row.
-#[must_use]
-pub fn iou_matrix(a: &[BoxCam], b: &[BoxCam], iou: fn(&BoxCam, &BoxCam) -> f64) -> Vec<f64> {
+///
+/// # Errors
+/// [`Error::OutOfRange`] for more than [`MAX_PAIRS`], or where the system has no room for fewer.
+pub fn iou_matrix(a: &[BoxCam], b: &[BoxCam], iou: fn(&BoxCam, &BoxCam) -> f64) -> Result<Vec<f64>> {
     if b.is_empty() {
-        return Vec::new();
+        return Ok(Vec::new());
     }
-    let mut matrix = vec![0.0; a.len() * b.len()];
+    let too_many = |expected: String| {
+        let value = format!("{} x {}", a.len(), b.len());
+        Error::OutOfRange { what: "number of pairs of boxes", value, expected }
+    };
+    let num_pairs = a.len().checked_mul(b.len()).filter(|pairs| *pairs <= MAX_PAIRS);
+    let num_pairs = num_pairs.ok_or_else(|| too_many(format!("at most {MAX_PAIRS}: give the boxes part by part")))?;
+    let mut matrix: Vec<f64> = Vec::new();
+    matrix.try_reserve_exact(num_pairs).map_err(|_| too_many("fewer: there is no memory for them".to_owned()))?;
+    matrix.resize(num_pairs, 0.0);
     let rows_a_task = PAIRS_A_TASK.div_ceil(b.len());
-    matrix.par_chunks_mut(rows_a_task * b.len()).zip(a.par_chunks(rows_a_task)).for_each(|(rows, a)| {
+    let fill = |(rows, a): (&mut [f64], &[BoxCam])| {
         for (row, a) in rows.chunks_exact_mut(b.len()).zip(a) {
             for (value, b) in row.iter_mut().zip(b) {
                 *value = iou(a, b);
             }
         }
-    });
-    matrix
+    };
+    parallel::run(|| matrix.par_chunks_mut(rows_a_task * b.len()).zip(a.par_chunks(rows_a_task)).for_each(fill));
+    Ok(matrix)
 }
 
 /// Keeps each box that no kept box of higher score overlaps by more than `threshold`, seen from above.
@@ -62,9 +78,18 @@ mod tests {
     }
 
     #[test]
+    fn a_matrix_beyond_the_limit_is_refused_before_it_is_made() {
+        let (many, few) = (vec![at(0.0); 1 << 20], vec![at(0.0); 257]);
+        let error = iou_matrix(&many, &few, iou_bev).unwrap_err().to_string();
+        let expected =
+            "number of pairs of boxes is 1048576 x 257, expected at most 268435456: give the boxes part by part";
+        assert_eq!(error, expected);
+    }
+
+    #[test]
     fn the_matrix_has_a_row_for_each_box_of_the_first() {
         let many: Vec<BoxCam> = (0..100).map(|i| at(f64::from(i) * 0.1)).collect();
-        let matrix = iou_matrix(&many, &many[..70], iou_bev);
+        let matrix = iou_matrix(&many, &many[..70], iou_bev).unwrap();
         assert_eq!(matrix.len(), 7000);
         for i in 0..100 {
             for j in 0..70 {

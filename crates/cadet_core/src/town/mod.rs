@@ -25,6 +25,7 @@ mod street_style;
 mod streetside;
 mod suburb;
 mod walkway;
+mod xodr_numbers;
 mod xodr_writer;
 
 pub use dressing::DressingConfig;

@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 
 use super::network::{Lane, LaneId, LaneKind, RoadNetwork};
+use super::xodr_numbers;
 use crate::error::{Error, Result};
 use crate::math::{DVec3, hypot, lerp};
 
@@ -18,18 +19,31 @@ const CURVED_RAD: f64 = 0.002;
 /// Points nearer than this to the one before are the same point.
 const SAME_POINT_M: f64 = 0.01;
 
+/// Lanes are at most this wide.
+const MAX_LANE_WIDTH_M: f64 = 100.0;
+
 /// Reads the text of an OpenDRIVE map, of any version.
 ///
 /// # Errors
-/// [`Error::Map`], naming `map_name` and the reason: not a map, no lanes, no driving lane, coordinates not finite.
+/// [`Error::Map`], naming `map_name` and the reason, with line or road where there is one: not a map, a number that
+/// shapes a road and is none, a road or lane that can't be built, no lanes, no driving lane, coordinates not finite,
+/// lanes wider than 100 m.
 pub fn load(map_name: &str, xodr_text: &str) -> Result<RoadNetwork> {
     let fail = |reason: String| Error::Map { map: map_name.to_owned(), reason };
-    let map = xodr::load_str(xodr_text).map_err(|e| fail(e.to_string()))?;
+    let empty_pieces = xodr_numbers::check(xodr_text)
+        .map_err(|(line, reason)| Error::Map { map: format!("{map_name}:{line}"), reason })?;
+    let (map, provenance) = xodr::load_str_with_provenance(xodr_text).map_err(|e| fail(e.to_string()))?;
+    if let Some(warning) = provenance.warnings.iter().find(|warning| loses_a_lane(warning, &empty_pieces)) {
+        return Err(fail(warning.to_string()));
+    }
     let baked: Vec<(&xodr::Lane, Option<Polyline>)> = map
         .lanes()
         .iter()
         .filter(|l| l.layer == xodr::Layer::Permanent)
-        .map(|l| Ok((l, polyline(l).map_err(|reason| fail(reason.to_owned()))?)))
+        .map(|lane| {
+            let road = || map.road_lane(lane.id).and_then(|place| map.road(place.road)).map_or("", xodr::Road::od_id);
+            Ok((lane, polyline(lane).map_err(|reason| fail(format!("road {:?}: {reason}", road())))?))
+        })
         .collect::<Result<_>>()?;
     // Lanes too short to have two points are stepped over: their followers become their predecessors' followers.
     let mut ids = BTreeMap::new();
@@ -72,6 +86,23 @@ pub fn load(map_name: &str, xodr_text: &str) -> Result<RoadNetwork> {
         return Err(fail(format!("none of the map's {} lanes is for driving", lanes.len())));
     }
     Ok(RoadNetwork { lanes })
+}
+
+/// Whether the reader left out what cars drive on. Smaller losses, such as a sign's or a road mark's, pass.
+fn loses_a_lane(warning: &xodr::Warning, empty_pieces: &[(String, f64)]) -> bool {
+    use xodr::Warning as W;
+    if let W::GeometryDropped { road_id, s: Some(s) } = warning {
+        return !empty_pieces.iter().any(|(road, place)| road == road_id && place == s);
+    }
+    matches!(
+        warning,
+        W::RoadSkipped { .. }
+            | W::GeometryDropped { .. }
+            | W::LaneIdUnreadable { .. }
+            | W::LaneOnWrongSide { .. }
+            | W::LaneIdRepeated { .. }
+            | W::IncludeDropped { .. }
+    )
 }
 
 /// A junction's number: its id where that is one, else a number made of its letters.
@@ -142,14 +173,18 @@ impl Polyline {
 }
 
 /// The lane's points, denser on curves; `None` where it is too short to have two.
-fn polyline(lane: &xodr::Lane) -> std::result::Result<Option<Polyline>, &'static str> {
+fn polyline(lane: &xodr::Lane) -> std::result::Result<Option<Polyline>, String> {
     let points: Vec<DVec3> =
         lane.center.points().iter().map(|p| DVec3::new(p.x.into(), p.y.into(), p.z.into())).collect();
     let tangents: Vec<DVec3> =
         lane.center.tangents().iter().map(|t| DVec3::new(t.x.into(), t.y.into(), t.z.into())).collect();
     let width = |i: usize| f64::from(lane.widths.get(i).or(lane.widths.last()).copied().unwrap_or(lane.width));
     if points.iter().any(|p| !p.is_finite() || p.abs().max_element() > 1e6) {
-        return Err("a lane's coordinates are not finite or beyond 1000 km");
+        return Err("a lane's coordinates are not finite or beyond 1000 km".to_owned());
+    }
+    let widest_m = (0..points.len()).map(width).fold(0.0, f64::max);
+    if widest_m > MAX_LANE_WIDTH_M {
+        return Err(format!("a lane is {widest_m:.1} m wide, expected at most {MAX_LANE_WIDTH_M} m"));
     }
     let mut line = Polyline { points: Vec::new(), widths: Vec::new() };
     let mut push = |p: DVec3, w: f64| {

@@ -1,0 +1,107 @@
+"""What is fed with damaged input, and what the input is made from: everything that reads a file of the user's."""
+
+from __future__ import annotations
+
+import json
+import random
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+import cadet
+from cadet import _cadet, kitti
+from cadet.assets import Assets, VehicleMesh
+from cadet.beam_table import BeamTable
+from cadet.kitti import images
+from cadet.kitti.planes import plane_from_text
+from cadet.kitti.velodyne import points_from_bytes
+from cadet.plain_text import json_from_text, toml_from_text
+from fuzz.mutations import damage_bytes, damage_text, nested
+from fuzz.road_text import ROADS
+from obj_meshes import MTL, car_obj
+from synthetic import make_calib, make_frame
+
+Input = str | bytes
+
+
+@dataclass(frozen=True)
+class Target:
+    """Something that reads: `read` gets what `make` makes, and returns or raises a CadetError."""
+
+    name: str
+    make: Callable[[random.Random], Input]
+    read: Callable[[Input], object]
+
+
+def _text(value: Input) -> str:
+    assert isinstance(value, str)
+    return value
+
+
+def _bytes(value: Input) -> bytes:
+    assert isinstance(value, bytes)
+    return value
+
+
+def _texts(name: str, valid: str, read: Callable[[str], object], *, nests: bool = False) -> Target:
+    def make(rng: random.Random) -> str:
+        return nested(rng) if nests and rng.random() < 0.05 else damage_text(rng, valid)
+
+    return Target(name, make, lambda value: read(_text(value)))
+
+
+def _files(name: str, valid: bytes, read: Callable[[bytes], object]) -> Target:
+    return Target(name, lambda rng: damage_bytes(rng, valid), lambda value: read(_bytes(value)))
+
+
+@cache
+def _small_rig() -> cadet.Rig:
+    return cadet.Rig(camera=cadet.Camera.kitti().resized(124, 38), lidar=cadet.Lidar.vlp16())
+
+
+def _read_calib(text: str) -> object:
+    calib = kitti.Calibration.from_text(text)
+    return calib.cam_to_velo(np.ones((2, 3))), calib.eye_cam
+
+
+def _read_lidar(text: str) -> object:
+    return cadet.Lidar.custom(BeamTable.from_toml(text)).to_native().num_rings
+
+
+_LIBRARY = car_obj().split("\n", 1)[0].removeprefix("mtllib ")
+
+
+def _read_mesh(text: str) -> object:
+    obj, _, mtl = text.partition("\f")
+    return Assets((VehicleMesh(name="car", type="Car", obj=obj, libraries=((_LIBRARY, mtl),), file="car.obj"),))
+
+
+def _read_roads(text: str) -> object:
+    return _cadet.Scene.empty(
+        map_name="map.xodr",
+        map_xodr=text,
+        weather="clear_noon",
+        rig=_small_rig().to_native(),
+        config=cadet.SceneConfig(num_cars=2, num_pedestrians=2).to_native(),
+        assets=None,
+    )
+
+
+_FRAME = make_frame()
+_META = json.dumps({"image_size": [1242, 375], "objects": [{"actor_id": 1}], "sha256": {"image_2": "0" * 64}})
+
+TARGETS = (
+    _texts("labels", "".join(f"{label.to_line()}\n" for label in _FRAME.labels), kitti.labels_from_text),
+    _texts("calib", make_calib().to_text(), _read_calib),
+    _texts("planes", "# Matrix\nWIDTH 4\nHEIGHT 1\n0.0 -1.0 0.0 1.65 \n", plane_from_text),
+    _texts("image sets", "000001\n000002\n000017\n", kitti.ImageSet.from_text),
+    _files("scans", _FRAME.points_velo[:50].tobytes(), points_from_bytes),
+    _files("images", images.encode_png(_FRAME.image[:20, :30]), images.decode_image),
+    _texts("JSON", _META, lambda text: json_from_text(text, "meta.json"), nests=True),
+    _texts("TOML", cadet.Lidar.vlp16().to_toml(), lambda text: toml_from_text(text, "file.toml"), nests=True),
+    _texts("LIDARs", cadet.Lidar.vlp16().to_toml(), _read_lidar, nests=True),
+    _texts("meshes", car_obj() + "\f" + MTL, _read_mesh),
+    _texts("roads", ROADS, _read_roads),
+)
