@@ -110,7 +110,11 @@ def test_toml_keeps_every_bit(
         ("firings = 2400\n", "", "mine.toml: firing.firings: missing key"),
         ("firings = 2400", "firings = 2.5", "mine.toml:16: firing.firings: expected a whole number from 1 to 65535"),
         ("= 1.5", "= 0.5", "mine.toml:15: firing.ticks_per_firing: expected a number from 1 to 1e+09, got 0.5"),
-        ("[firing]", "[firing", "mine.toml: no TOML: Expected ']' at the end of a table declaration (at line 12, "),
+        (
+            "[firing]",
+            "[firing",
+            "mine.toml: no TOML: Expected ']' at the end of a table declaration (at line 12, column 8)",
+        ),
     ],
 )
 def test_a_mistake_is_one_line_with_file_line_and_key(tmp_path: Path, old: str, new: str, message: str) -> None:
