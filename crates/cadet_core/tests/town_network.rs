@@ -220,7 +220,11 @@ fn damaged_maps_are_refused_or_read_but_never_panic() {
             }
             Err(error) => {
                 refused += 1;
-                assert!(error.to_string().starts_with("damaged.xodr: "));
+                let message = error.to_string();
+                let place = message.split(": ").next().unwrap_or("");
+                let line = place.strip_prefix("damaged.xodr").expect("the file");
+                let is_line = line.strip_prefix(':').is_some_and(|n| n.parse::<usize>().is_ok());
+                assert!(line.is_empty() || is_line, "{message}");
             }
         }
     }
