@@ -90,13 +90,13 @@ def test_a_log_alone_is_not_replaced_either(dataset: Path, tmp_path: Path) -> No
 
 def test_an_empty_list_says_what_to_do(dataset: Path) -> None:
     message = (
-        f"{dataset}/ImageSets/val.txt names no frames; choose another list: train (2); "
+        f"{dataset}/ImageSets/val.txt names no frames; choose another list: train (2), trainval (2); "
         "cadet-gen writes validation frames from the 21st on: -n 40 gives 20"
     )
     with pytest.raises(MissingFileError) as error:
         call("eval", "--checkpoint", "tiny_car", "--data", dataset)
     assert str(error.value) == message
-    with pytest.raises(MissingFileError, match="no such split"):
+    with pytest.raises(MissingFileError, match="no test frames"):
         call("eval", "--checkpoint", "tiny_car", "--data", dataset, "--split", "test")
     assert "2 frames" in call("eval", "--checkpoint", "tiny_car", "--data", dataset, "--split", "train").output
 

@@ -63,7 +63,7 @@ def _small_rig() -> cadet.Rig:
 
 def _read_calib(text: str) -> object:
     calib = kitti.Calibration.from_text(text)
-    return calib.cam_to_velo(np.ones((2, 3))), calib.eye_cam
+    return calib.points_velo_from_cam(np.ones((2, 3))), calib.eye_cam
 
 
 def _read_lidar(text: str) -> object:

@@ -74,7 +74,7 @@ def test_singular_calibrations_have_no_way_back_and_say_so() -> None:
     calib = make_calib()
     flat = replace(calib, R0_rect=np.diag([1.0, 1.0, 0.0]))
     with pytest.raises(CadetError, match=r"^calib: R0_rect times Tr_velo_to_cam is singular"):
-        flat.cam_to_velo(np.ones((1, 3)))
+        flat.points_velo_from_cam(np.ones((1, 3)))
     blind = replace(calib, P2=np.zeros((3, 4)))
     with pytest.raises(CadetError, match=r"^calib: the first three columns of P2 are singular"):
         blind.eye_cam  # noqa: B018

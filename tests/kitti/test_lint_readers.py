@@ -17,7 +17,7 @@ def findings(root: Path, *, strict: bool = True) -> list[str]:
 
 def test_a_dont_care_before_an_object_is_an_error_even_for_human_labels(tmp_path: Path) -> None:
     car, other, pedestrian, region = make_frame().labels
-    write_frame(tmp_path, 0, make_frame(labels=(car, region, other, DONT_CARE, pedestrian)))
+    write_frame(tmp_path, 0, make_frame(labels=(car, region, other, DONT_CARE, pedestrian)), split=None)
     message = "after the DontCare of line 2: objects must stand first, as in KITTI; OpenPCDet and MMDetection3D take"
     for strict in (True, False):
         assert findings(tmp_path, strict=strict) == [
@@ -27,7 +27,7 @@ def test_a_dont_care_before_an_object_is_an_error_even_for_human_labels(tmp_path
 
 
 def test_regions_alone_pass(tmp_path: Path) -> None:
-    write_frame(tmp_path, 0, make_frame(labels=(DONT_CARE, DONT_CARE)))
+    write_frame(tmp_path, 0, make_frame(labels=(DONT_CARE, DONT_CARE)), split=None)
     assert findings(tmp_path) == []
 
 
@@ -40,7 +40,7 @@ def test_regions_alone_pass(tmp_path: Path) -> None:
     ],
 )
 def test_lines_that_others_cannot_split_are_found(tmp_path: Path, old: str, new: str, message: str) -> None:
-    write_frame(tmp_path, 0, make_frame())
+    write_frame(tmp_path, 0, make_frame(), split=None)
     path = tmp_path / "training" / "label_2" / "000000.txt"
     path.write_text(path.read_text().replace(old, new, 1))
     (finding,) = findings(tmp_path)
@@ -48,7 +48,7 @@ def test_lines_that_others_cannot_split_are_found(tmp_path: Path, old: str, new:
 
 
 def test_line_ends_of_another_system_pass(tmp_path: Path) -> None:
-    write_frame(tmp_path, 0, make_frame())
+    write_frame(tmp_path, 0, make_frame(), split=None)
     for kind in ("label_2", "calib"):
         path = tmp_path / "training" / kind / "000000.txt"
         path.write_bytes(path.read_bytes().replace(b"\n", b"\r\n"))
@@ -56,7 +56,7 @@ def test_line_ends_of_another_system_pass(tmp_path: Path) -> None:
 
 
 def test_matrices_in_another_order_are_found(tmp_path: Path) -> None:
-    write_frame(tmp_path, 0, make_frame())
+    write_frame(tmp_path, 0, make_frame(), split=None)
     path = tmp_path / "training" / "calib" / "000000.txt"
     lines = path.read_text().split("\n")
     path.write_text("\n".join([*lines[:4], lines[5], lines[4], *lines[6:]]))
@@ -67,7 +67,7 @@ def test_matrices_in_another_order_are_found(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("old", ["P2: ", "P2:"])
 def test_two_blanks_in_a_calibration_are_found(tmp_path: Path, old: str) -> None:
-    write_frame(tmp_path, 0, make_frame())
+    write_frame(tmp_path, 0, make_frame(), split=None)
     path = tmp_path / "training" / "calib" / "000000.txt"
     path.write_text(path.read_text().replace(old, "P2:  ", 1))
     assert findings(tmp_path) == ["calib/000000.txt:3: error: expected one blank between numbers, as OpenPCDet does"]
@@ -79,7 +79,7 @@ def test_a_point_at_depth_0_is_found(tmp_path: Path) -> None:
     points_velo = np.hstack([calib.points_velo_from_cam(beside_cam), np.full((3, 1), 0.5)])
     # Single precision moves a coordinate by some tenths of a micrometre, more than what counts as 0.
     at_zero = calib.points_cam_from_velo(points_velo.astype(np.float32))[:, 2]
-    write_frame(tmp_path, 0, make_frame(points_velo=points_velo.astype(np.float32)))
+    write_frame(tmp_path, 0, make_frame(points_velo=points_velo.astype(np.float32)), split=None)
     num_zero = int((np.abs(at_zero) < 2.5e-7).sum())
     assert 0 < num_zero < 3
     (finding,) = findings(tmp_path)
@@ -90,7 +90,7 @@ def test_a_point_at_depth_0_is_found(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("missing", ["train", "val", "test"])
 def test_the_lists_that_others_read_must_be_there(tmp_path: Path, missing: str) -> None:
-    write_frame(tmp_path, 0, make_frame())
+    write_frame(tmp_path, 0, make_frame(), split=None)
     (tmp_path / "manifest.json").write_text("{}")
     (tmp_path / "ImageSets").mkdir()
     for split in {"train", "val", "test"} - {missing}:
@@ -100,8 +100,8 @@ def test_the_lists_that_others_read_must_be_there(tmp_path: Path, missing: str) 
 
 
 def test_test_frames_are_checked_too(tmp_path: Path) -> None:
-    write_frame(tmp_path, 0, make_frame())
-    write_frame(tmp_path, 1, make_frame())
+    write_frame(tmp_path, 0, make_frame(), split=None)
+    write_frame(tmp_path, 1, make_frame(), split=None)
     (tmp_path / "testing").mkdir()
     for kind in ("image_2", "velodyne", "calib", "label_2"):
         (tmp_path / "testing" / kind).mkdir()
