@@ -12,6 +12,7 @@ __all__ = [
     "Lidar",
     "Scene",
     "__version__",
+    "_panic",
     "bev_maps",
     "box_iou",
     "encode_png",

@@ -200,3 +200,14 @@ def test_without_labels_there_are_predictions_but_no_evaluation_and_no_training(
     ):
         with pytest.raises(CadetError, match=r"label_2/000000\.txt"):
             CliRunner().invoke(avod, [*arguments, *common], catch_exceptions=False)
+
+
+def test_test_frames_are_read_from_testing(tmp_path: Path) -> None:
+    write_frame(tmp_path, 1, make_frame())
+    shutil.copytree(tmp_path / "training", tmp_path / "testing")
+    (tmp_path / "training" / "velodyne" / "000001.bin").write_bytes(b"no scan")
+    (tmp_path / "ImageSets" / "test.txt").write_text("000001\n")
+    arguments = ["predict", "--checkpoint", "tiny_car", "--data", str(tmp_path), "--split", "test"]
+    result = CliRunner().invoke(avod, [*arguments, "--out", str(tmp_path / "found")], catch_exceptions=False)
+    assert result.exit_code == 0, result.output
+    assert [path.name for path in (tmp_path / "found").glob("*.txt")] == ["000001.txt"]

@@ -11,7 +11,7 @@ from avod.cli.options import (
     checkpoint_option,
     data_option,
     device_options,
-    frame_ids,
+    frames_of,
     frames_option,
     progress,
     resolve_device,
@@ -115,11 +115,11 @@ def predict_command(
 ) -> None:
     """Write KITTI's result files; a frame where nothing is found has an empty one."""
     detector = _detector(checkpoint, device, amp)
-    ids = frame_ids(data, split, frames)
+    samples, ids = frames_of(data, split, frames)
     sink = LocalSink(out)
     count = 0
     with progress(len(ids), "detecting") as advance:
-        for done, (frame_id, labels) in enumerate(predict(detector, data, ids, workers=workers), start=1):
+        for done, (frame_id, labels) in enumerate(predict(detector, samples, ids, workers=workers), start=1):
             sink.put(f"{frame_id}.txt", text_from_labels(labels).encode("ascii"))
             count += len(labels)
             advance(done, "")
@@ -155,7 +155,7 @@ def evaluate_command(
     """Print AP 3D and BEV, with 11 and with 40 recall positions."""
     if plot is not None:
         check_picture_path(plot)
-    ids = frame_ids(data, split, frames)
+    samples, ids = frames_of(data, split, frames)
     paths = [checkpoint]
     if last is not None:
         folder = checkpoint / "checkpoints"
@@ -170,7 +170,7 @@ def evaluate_command(
             names = detector.config.class_names
             report = evaluate_detector(
                 detector,
-                data,
+                samples,
                 ids,
                 levels=levels,
                 min_overlap=min_overlap,
@@ -203,7 +203,7 @@ def bench_command(
     if workers:
         raise CadetError("--workers: stages are timed one after the other, in one process")
     detector = _detector(checkpoint, device, amp)
-    timing = measure(detector, data, frame_ids(data, split, frames))
+    timing = measure(detector, *frames_of(data, split, frames))
     stages = {
         "maps, anchors, image": timing.prepare_ms,
         "network": timing.network_ms,

@@ -87,16 +87,17 @@ def resolve_precision(name: str | None) -> torch.dtype | None:
     return None if name is None else _PRECISIONS[name]
 
 
-def frame_ids(root: Path, split: str | None, limit: int | None) -> tuple[str, ...]:
-    """List the frames of a split.
+def frames_of(root: Path, split: str | None, limit: int | None) -> tuple[Path, tuple[str, ...]]:
+    """Find the folder of a split's frames, `root/testing` for "test", and their ids.
 
     Raises:
         MissingFileError: no folder or split, or no frame in it.
     """
     name = resolve_split(split)
-    ids = kitti.Dataset(root, name).ids[:limit]
+    dataset = kitti.Dataset(root, name)
+    ids = dataset.ids[:limit]
     check_not_empty(ids, root, name)
-    return ids
+    return dataset.folder, ids
 
 
 def resolve_split(name: str | None) -> str | None:

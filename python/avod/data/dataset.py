@@ -54,12 +54,15 @@ class TrainingData(Dataset[Any]):
     """
 
     def __init__(self, root: str | Path, split: str | None, config: Config, seed: int) -> None:
-        self.root = Path(root)
+        dataset = kitti.Dataset(root, split)
+        self.folder = dataset.folder
         self.config = config
-        ids = kitti.Dataset(root, split).ids
+        ids = dataset.ids
         names = set(config.class_names)
         least = config.training.min_objects
-        self.ids = tuple(i for i in ids if sum(label.type in names for label in kitti.read_labels(root, i)) >= least)
+        self.ids = tuple(
+            i for i in ids if sum(label.type in names for label in kitti.read_labels(self.folder, i)) >= least
+        )
         if not self.ids:
             wanted = ("a " if least == 1 else f"{least} of ") + " or ".join(config.class_names)
             raise CadetError(f"{root}: none of the {len(ids)} frames{_in(split)} holds {wanted} to learn from")
@@ -69,7 +72,7 @@ class TrainingData(Dataset[Any]):
         entry = self._order.entry(index)
         frame_id = self.ids[entry.frame]
         try:
-            frame = kitti.read_frame(self.root, frame_id)
+            frame = kitti.read_frame(self.folder, frame_id)
             return sample_from_frame(frame, frame_id, self.config, entry.augmentation)
         except CadetError as error:
             return error

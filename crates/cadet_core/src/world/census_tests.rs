@@ -89,7 +89,7 @@ fn people_walk_in_groups_and_stay_together() {
             assert!(leader.company.is_none(), "who leads follows nobody");
             in_company += 1;
             behind += usize::from(company.behind_m > 0.0);
-            let place_m = company.behind_m.hypot(company.aside_m);
+            let place_m = crate::math::hypot(company.behind_m, company.aside_m);
             if (walker.at() - leader.at()).length() < place_m + 1.5 {
                 together += 1;
             } else {
