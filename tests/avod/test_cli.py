@@ -60,6 +60,8 @@ def test_training_leaves_a_log_and_a_checkpoint(trained: Path) -> None:
         "model.safetensors",
         "optimizer.safetensors",
     ]
+    # Whoever may read one file may read all.
+    assert len({path.stat().st_mode for path in (trained / "checkpoints" / "000000010").iterdir()}) == 1
 
 
 def test_prediction_writes_a_file_for_each_frame(dataset: Path, trained: Path, tmp_path: Path) -> None:

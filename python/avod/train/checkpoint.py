@@ -17,7 +17,7 @@ from typing import Any, Final
 
 import torch
 from safetensors import SafetensorError, safe_open
-from safetensors.torch import load_file, save_file
+from safetensors.torch import load_file, save
 from torch import Tensor, nn
 
 from avod.config import Config
@@ -79,9 +79,10 @@ def save_checkpoint(
         "config": table_from_config(config),
         "made_with": {"cadet": __version__, "torch": torch.__version__},
     }
-    save_file({name: tensor.contiguous() for name, tensor in network.state_dict().items()}, aside / _MODEL)
+    # Not save_file, whose files nobody but their owner may read.
+    (aside / _MODEL).write_bytes(save({name: tensor.contiguous() for name, tensor in network.state_dict().items()}))
     if optimizer is not None:
-        save_file(_optimizer_tensors(network, optimizer), aside / _OPTIMIZER)
+        (aside / _OPTIMIZER).write_bytes(save(_optimizer_tensors(network, optimizer)))
     (aside / _SETTINGS).write_text(json.dumps(settings, indent=1) + "\n", encoding="utf-8")
     if path.exists():
         shutil.rmtree(path)
