@@ -17,7 +17,7 @@ from avod.cli.commands import avod
 from avod.figures import _running_mean
 from cadet.errors import CadetError, KittiFormatError
 from cadet.frame import Frame
-from cadet.kitti import ImageSet, labels_from_text, write_frame, write_image_set
+from cadet.kitti import labels_from_text, write_frame
 from synthetic import make_frame
 
 CONFIG = Path(__file__).parents[1] / "overfit.toml"
@@ -26,10 +26,8 @@ CONFIG = Path(__file__).parents[1] / "overfit.toml"
 @pytest.fixture(scope="module")
 def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = tmp_path_factory.mktemp("kitti")
-    for index in range(3):
-        write_frame(root, index, make_frame())
-    write_image_set(root, "train", ImageSet(("000000", "000001")))
-    write_image_set(root, "val", ImageSet(("000002",)))
+    for index, split in enumerate(("train", "train", "val")):
+        write_frame(root, index, make_frame(), split=split)
     return root
 
 

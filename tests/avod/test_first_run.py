@@ -24,7 +24,7 @@ from avod.train.run import Run, with_steps
 from cadet import __version__
 from cadet.cli import progress
 from cadet.errors import CadetError, MissingFileError
-from cadet.kitti import ImageSet, write_frame, write_image_set
+from cadet.kitti import write_frame
 from cadet.view import style
 from synthetic import make_frame
 
@@ -36,9 +36,7 @@ CONFIG = load_config(CONFIG_FILE)
 def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = tmp_path_factory.mktemp("kitti")
     for index in range(2):
-        write_frame(root, index, make_frame())
-    write_image_set(root, "train", ImageSet(("000000", "000001")))
-    write_image_set(root, "val", ImageSet(()))
+        write_frame(root, index, make_frame(), split="train")
     return root
 
 

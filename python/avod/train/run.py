@@ -93,7 +93,8 @@ def train(config: Config, run: Run, *, on_step: OnStep | None = None) -> Path:
         load_network(checkpoint, network)
         load_optimizer(checkpoint, network, optimizer)
         first_step, seed = checkpoint.step, checkpoint.seed
-    _check_unused(Path(run.out), checkpoint, processes)
+    out = Path(run.out)
+    _check_unused(out, checkpoint, processes)
     if first_step >= config.training.steps:
         raise CadetError(
             f"{run.resume_from}: {first_step} steps are done, and training ends at {config.training.steps}"
@@ -104,7 +105,6 @@ def train(config: Config, run: Run, *, on_step: OnStep | None = None) -> Path:
     if run.is_compiled:
         for pyramid in (network.bev_pyramid, network.image_pyramid):
             pyramid.compile(dynamic=False)
-    out = Path(run.out)
     folder = out / "checkpoints"
     log = None
     if processes.is_first:

@@ -31,6 +31,8 @@ KEYS: Final = tuple(_SHAPES)
 ZERO_DEPTH_M: Final = 2.5e-7
 """A depth that single precision may take for 0: what rounding makes of sums of matrix elements times coordinates."""
 
+_NEAR_ZERO_M: Final = 0.01
+"""Far more than single precision errs by within a scan's reach."""
 _NUM_DECIMALS: Final = 12
 _XYZ: Final = 3
 
@@ -255,9 +257,13 @@ def is_at_zero_depth(points_velo: NDArray[Any], calib: Calibration) -> NDArray[n
     if points_velo.shape[1] < _XYZ:
         raise ShapeError(f"points_velo: expected (N, 3) or wider, got {points_velo.shape}")
     a, b, c, d = calib.cam_from_velo[2].tolist()
-    x, y, z = points_velo[:, :3].astype(np.float64).T
+    kind = np.result_type(points_velo.dtype, np.float32)
+    # Few points come near, and looking at those alone is fast.
+    near = np.flatnonzero(np.abs(points_velo[:, :_XYZ] @ np.array([a, b, c], kind) + kind.type(d)) < _NEAR_ZERO_M)
+    x, y, z = points_velo[near, :_XYZ].astype(np.float64).T
+    is_zero = np.zeros(len(points_velo), bool)
     # Written out, since the order in which a product of matrices adds up differs between machines.
-    is_zero: NDArray[np.bool_] = np.abs(a * x + b * y + c * z + d) < ZERO_DEPTH_M
+    is_zero[near] = np.abs(a * x + b * y + c * z + d) < ZERO_DEPTH_M
     return is_zero
 
 

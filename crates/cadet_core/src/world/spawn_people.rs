@@ -41,7 +41,7 @@ impl World {
         let (ego, view) = self.ego_place();
         let model = Arc::new(PersonModel::generate(stream.next_u64()));
         let walks = model.walking_speed_mps > 0.0;
-        if let Some(leader) = self.group_to_join(slot, walks, ring_m.0, hidden, stream) {
+        if let Some(leader) = self.group_to_join(slot, walks, hidden.then_some((ego, ring_m.0)), stream) {
             let joined = match self.walkers[leader].motion {
                 Motion::Walks { walkway, s_m, direction } => {
                     self.in_a_row(slot, leader, stream, &model, (walkway, s_m, direction))
@@ -87,16 +87,15 @@ impl World {
         None
     }
 
-    /// The one who leads a group of people who walk, or who stand, that a newcomer joins.
+    /// The one who leads a group of people who walk, or who stand, that a newcomer joins; farther from a place than a
+    /// distance, if one is given.
     fn group_to_join(
         &self,
         slot: usize,
         walks: bool,
-        least_m: f64,
-        hidden: bool,
+        away: Option<(DVec2, f64)>,
         stream: &mut Stream,
     ) -> Option<usize> {
-        let (ego, _) = self.ego_place();
         let leader_of = |i: usize| self.walkers[i].company.map_or(i, |c| c.leader);
         let leader = (slot.saturating_sub(JOINS_WITHIN)..slot).rev().map(leader_of).find(|leader| {
             let of = &self.walkers[*leader];
@@ -105,7 +104,10 @@ impl World {
                 Motion::Stands => !walks,
                 Motion::Waits { .. } | Motion::Crosses { .. } => false,
             };
-            *leader != slot && alike && !of.is_placed && (!hidden || (of.at() - ego).length() > least_m)
+            *leader != slot
+                && alike
+                && !of.is_placed
+                && away.is_none_or(|(place, least_m)| (of.at() - place).length() > least_m)
         });
         let share = leader.map_or(0.0, |leader| match self.group_size(leader) {
             1 => COMPANY_SHARE,

@@ -33,8 +33,8 @@ const GROUND_TOLERANCE_M: f64 = 0.2;
 const GROUND_TOLERANCE_SHARE: f64 = 0.01;
 
 /// Puts the air of `weather` between a sensor with this receiver in the frame's origin and the points (x, y, z in
-/// metres, intensity 0..=1)
-/// that it saw in clear air, and wets what lies within 0.2 m plus 1 % of the range of the plane `z = -sensor_height_m`.
+/// metres, intensity 0..=1) that it saw in clear air, and wets what lies within 0.2 m plus 1 % of the range of the
+/// plane `z = -sensor_height_m`.
 ///
 /// A point's reflectance is taken to be its intensity, as in LISA. It was heard, so it had the least power that is heard
 /// or more; where its intensity says less, how much more is drawn (Pareto, exponent 3). Fog moves points and dims them but
