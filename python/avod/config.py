@@ -219,6 +219,10 @@ class SecondStageConfig:
     """Whether the second stage's losses reach the first through its boxes, as in AVOD, or only through features."""
     batch_size: int = 1024
     """Proposals that the loss samples; at most half are positive."""
+    proposal_height_m: float = 0.0
+    """Height that proposals, put on the ground, have when the second stage looks at them: each of its crops then shows
+    the same part of the vertical, and it regresses bottoms and heights from there. 0 keeps the first stage's bottoms
+    and heights, as AVOD does: the second stage then corrects errors that its crops do not show."""
     truth_proposals: int = 0
     """Copies of each true box, moved and scaled a little, that join the proposals in training: with them the second
     stage learns before the first finds objects. Faster R-CNN's implementations add the boxes as they are."""
@@ -241,6 +245,7 @@ class SecondStageConfig:
             check_number("SecondStageConfig", "hidden", width, 1, 65536, whole=True)
         check_number("SecondStageConfig", "dropout_keep", self.dropout_keep, 0.01, 1)
         check_number("SecondStageConfig", "batch_size", self.batch_size, 2, whole=True)
+        check_number("SecondStageConfig", "proposal_height_m", self.proposal_height_m, 0, 20)
         check_number("SecondStageConfig", "truth_proposals", self.truth_proposals, 0, 1024, whole=True)
         check_number("SecondStageConfig", "truth_steps", self.truth_steps, 0, whole=True)
         for name in ("negative_iou", "positive_iou"):

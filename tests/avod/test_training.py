@@ -8,7 +8,7 @@ import json
 import math
 import shutil
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -19,6 +19,7 @@ from avod.config_file import load_config
 from avod.data.dataset import sample_from_frame
 from avod.data.sample import Sample
 from avod.detector import Detector
+from avod.geometry.encoding import boxes_4c_from_anchors
 from avod.model.layers import ShiftBatchNorm
 from avod.model.network import AvodNetwork, FrameOutputs
 from avod.train import train
@@ -53,6 +54,27 @@ def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
         frame = make_frame()
         write_frame(root, index, dataclasses.replace(frame, image=np.roll(frame.image, 40 * index, axis=1)))
     return root
+
+
+def test_standing_proposals_hide_the_first_stages_heights_from_the_second(sample: Sample) -> None:
+    def boxes(height_m: float, first_stages_error_m: float) -> FrameOutputs:
+        config = dataclasses.replace(
+            CONFIG, second_stage=dataclasses.replace(CONFIG.second_stage, proposal_height_m=height_m)
+        )
+        network = new_network(config, 0).eval()
+        with torch.no_grad():
+            # The last layer's biases of y and height.
+            network.anchor_regressor.outputs[0].bias[[1, 4]] += first_stages_error_m
+            return cast("FrameOutputs", network([sample])[0])
+
+    right, wrong = boxes(2.0, 0.0), boxes(2.0, 0.3)
+    assert not torch.equal(right.anchor_offsets, wrong.anchor_offsets)
+    assert torch.equal(right.proposals, wrong.proposals)
+    assert torch.equal(right.box_offsets, wrong.box_offsets)
+    corners = boxes_4c_from_anchors(right.proposals, sample.plane)
+    torch.testing.assert_close(corners[:, 8:], torch.tensor([[0.0, 2.0]]).expand(len(corners), 2), atol=1e-5, rtol=0)
+    right, wrong = boxes(0.0, 0.0), boxes(0.0, 0.3)
+    assert not torch.equal(right.proposals, wrong.proposals)
 
 
 def test_the_learning_rate_falls_in_stairs() -> None:

@@ -12,7 +12,7 @@ from torch import Tensor, nn
 
 from avod.config import Config
 from avod.data.sample import Sample
-from avod.geometry.encoding import anchors_from_offsets
+from avod.geometry.encoding import anchors_from_offsets, standing_anchors
 from avod.geometry.projection import bev_boxes, ground_boxes, image_boxes
 from avod.model.layers import Convolution, Head
 from avod.model.path_drop import detection_masks, draw_masks, fuse
@@ -151,6 +151,8 @@ class AvodNetwork(nn.Module):
             proposals = proposals[chosen]
         if config.second_stage.gradient == "stopped":
             proposals = proposals.detach()
+        if config.second_stage.proposal_height_m > 0:
+            proposals = standing_anchors(proposals, sample.plane, config.second_stage.proposal_height_m)
         class_logits, box_offsets, vectors = self._judge_proposals(sample, features, proposals, masks)
         return FrameOutputs(anchor_logits, anchor_offsets, proposals, class_logits, box_offsets, vectors, targets)
 
