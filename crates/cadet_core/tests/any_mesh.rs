@@ -9,7 +9,7 @@ use cadet_core::geometry::Mesh;
 use cadet_core::instance::Instance;
 use cadet_core::math::{DPose3, DVec3, TAU, Vec3};
 use cadet_core::rng::Stream;
-use cadet_core::sense::{BeamGrid, Hits, Layer, NO_HIT, PinholeGrid, PosedScene, TurretGrid, TurretRing, cast};
+use cadet_core::sense::{BeamGrid, Hits, LaserRing, Layer, NO_HIT, PinholeGrid, PosedScene, SpinningGrid, cast};
 use proptest::prelude::*;
 
 /// Möller and Trumbore, "Fast, minimum storage ray/triangle intersection" (1997), from either side: the distance, and
@@ -88,14 +88,14 @@ fn check<G: BeamGrid>(scene: &PosedScene, grid: &G) -> Result<usize, TestCaseErr
     Ok(surely)
 }
 
-fn turret(pose: DPose3, heights: [f64; 2]) -> TurretGrid {
-    let ring = |i: u32| TurretRing {
+fn spinning(pose: DPose3, heights: [f64; 2]) -> SpinningGrid {
+    let ring = |i: u32| LaserRing {
         elevation_rad: (80.0 - 10.0 * f64::from(i)).to_radians(),
         height_m: heights[(i % 2) as usize],
         left_m: 0.1 * heights[(i % 2) as usize],
     };
     let azimuths: Vec<f64> = (0..60).map(|j| f64::from(j) * TAU / 60.0).collect();
-    TurretGrid::new(pose, &(0..17).map(ring).collect::<Vec<_>>(), &azimuths).expect("a valid turret")
+    SpinningGrid::new(pose, &(0..17).map(ring).collect::<Vec<_>>(), &azimuths).expect("a valid spinning")
 }
 
 fn pinhole(pose: DPose3) -> PinholeGrid {
@@ -143,8 +143,8 @@ proptest! {
         if turned {
             pose.rotation = random_rotation(&mut s);
         }
-        let _ = check(&scene, &turret(pose, [0.0, 0.0]))?;
-        let _ = check(&scene, &turret(pose, [0.21, 0.12]))?;
+        let _ = check(&scene, &spinning(pose, [0.0, 0.0]))?;
+        let _ = check(&scene, &spinning(pose, [0.21, 0.12]))?;
         let _ = check(&scene, &pinhole(pose))?;
     }
 
@@ -153,7 +153,7 @@ proptest! {
         let mut s = Stream::from_seed("inside", seed);
         let scene = posed(&[place(sphere(radius, 5), DPose3 { rotation: random_rotation(&mut s), ..at(3.0, -2.0, 1.0) }, 1)]);
         let pose = DPose3 { rotation: random_rotation(&mut s), ..at(3.0, -2.0, 1.0) };
-        let grid = turret(pose, [0.0, 0.0]);
+        let grid = spinning(pose, [0.0, 0.0]);
         let mut hits = Hits::new(grid.rows(), grid.columns());
         cast(&scene, &grid, Layer::All, |_| true, &mut hits);
         prop_assert!(hits.depth.iter().all(|d| d.is_finite()));
@@ -174,8 +174,8 @@ proptest! {
         let start = s.range(0.0, TAU);
         let corners = (0..3).map(|k| corner(start + f64::from(k) * TAU / 3.0, &mut s)).collect();
         let scene = posed(&[place(mesh(corners, vec![[0, 1, 2]]), at(0.0, 0.0, 0.0), 0)]);
-        let _ = check(&scene, &turret(DPose3::IDENTITY, [0.0, 0.0]))?;
-        let _ = check(&scene, &turret(DPose3::IDENTITY, [0.21, 0.12]))?;
+        let _ = check(&scene, &spinning(DPose3::IDENTITY, [0.0, 0.0]))?;
+        let _ = check(&scene, &spinning(DPose3::IDENTITY, [0.21, 0.12]))?;
     }
 }
 
@@ -187,8 +187,8 @@ fn columns_of_any_spacing_see_the_same_walls() {
     for n in [1, 2, 7, 8, 9, 500] {
         let mut azimuths: Vec<f64> = (0..n).map(|_| s.range(0.0, TAU)).collect();
         azimuths.sort_by(f64::total_cmp);
-        let rings = [0.3_f64, -0.2].map(|elevation_rad| TurretRing::on_axis(elevation_rad, 0.0));
-        let grid = TurretGrid::new(DPose3::IDENTITY, &rings, &azimuths).expect("valid");
+        let rings = [0.3_f64, -0.2].map(|elevation_rad| LaserRing::on_axis(elevation_rad, 0.0));
+        let grid = SpinningGrid::new(DPose3::IDENTITY, &rings, &azimuths).expect("valid");
         let mut hits = Hits::new(2, n);
         cast(&scene, &grid, Layer::All, |_| true, &mut hits);
         assert!(hits.depth.iter().all(|d| (19.9..20.001).contains(d)), "{n}: {:?}", hits.depth);

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use cadet_core::lidar::{LidarSpec, Receiver, ReturnMode, Scan, scan};
 use cadet_core::math::{self, DPose3, TAU, Vec3};
 use cadet_core::rng::Stream;
-use cadet_core::sense::{PosedScene, TurretRing};
+use cadet_core::sense::{LaserRing, PosedScene};
 use cadet_core::weather::Weather;
 use common::{at, cuboid, place, posed, sphere};
 
@@ -21,7 +21,7 @@ fn turn(scene: &PosedScene, spec: &LidarSpec) -> Scan {
 
 /// Beams 0.02 mrad apart that sweep over what lies ahead, and one that looks behind.
 fn fine_sweep() -> LidarSpec {
-    let ring = TurretRing::on_axis(0.0, 0.0);
+    let ring = LaserRing::on_axis(0.0, 0.0);
     let azimuths = (0..400).map(|i| 1e-3 + 2e-5 * f64::from(i)).chain([3.0]).collect();
     let spec = LidarSpec::new("sweep", vec![ring], azimuths).expect("valid");
     let silent = Receiver { range_noise_m: 0.0, ..*spec.receiver() };

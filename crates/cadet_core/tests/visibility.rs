@@ -7,21 +7,21 @@ use common::{Agreement, compare, cuboid, place, posed, random_rotation, random_s
 
 use cadet_core::math::{self, DPose3, DQuat, DVec3, TAU, Vec3};
 use cadet_core::rng::Stream;
-use cadet_core::sense::{BeamGrid, Hits, Layer, NO_HIT, PinholeGrid, TurretGrid, TurretRing, cast};
+use cadet_core::sense::{BeamGrid, Hits, LaserRing, Layer, NO_HIT, PinholeGrid, SpinningGrid, cast};
 use proptest::prelude::*;
 
 /// Rings from `top` to `bottom` degrees with heights that fall as the HDL-64E's do.
-fn turret(pose: DPose3, rings: usize, top: f64, bottom: f64, heights: [f64; 2], columns: usize) -> TurretGrid {
+fn spinning(pose: DPose3, rings: usize, top: f64, bottom: f64, heights: [f64; 2], columns: usize) -> SpinningGrid {
     let ring = |i: usize| {
         let t = i as f64 / (rings.max(2) - 1) as f64;
-        TurretRing {
+        LaserRing {
             elevation_rad: math::lerp(top, bottom, t).to_radians(),
             height_m: if t < 0.5 { heights[0] } else { heights[1] },
             left_m: [0.3, -0.2][i % 2] * (heights[0] - heights[1]),
         }
     };
     let azimuths: Vec<f64> = (0..columns).map(|j| j as f64 * TAU / columns as f64).collect();
-    TurretGrid::new(pose, &(0..rings).map(ring).collect::<Vec<_>>(), &azimuths).expect("a valid turret")
+    SpinningGrid::new(pose, &(0..rings).map(ring).collect::<Vec<_>>(), &azimuths).expect("a valid spinning")
 }
 
 fn pinhole(pose: DPose3) -> PinholeGrid {
@@ -36,18 +36,18 @@ fn assert_agrees(what: &str, agreement: &Agreement) {
 }
 
 #[test]
-fn turrets_agree_with_single_rays_on_random_scenes() {
+fn spinning_grids_agree_with_single_rays_on_random_scenes() {
     for seed in 0..6 {
         let mut s = Stream::from_seed("turret scenes", seed);
         let center = DVec3::new(s.range(-400.0, 400.0), s.range(-400.0, 400.0), s.range(-5.0, 30.0));
         let scene = posed(&random_scene(&mut s, center));
         let tilt = DQuat::from_rotation_x(s.normal() * 0.03) * DQuat::from_rotation_z(s.range(0.0, TAU));
         let pose = DPose3 { rotation: tilt, translation: center };
-        assert_agrees("kitti-like", &compare(&scene, &turret(pose, 64, 2.0, -25.0, [0.205, 0.12], 521)));
-        assert_agrees("wide", &compare(&scene, &turret(pose, 48, 80.0, -85.0, [0.1, -0.1], 180)));
-        assert_agrees("reversed", &compare(&scene, &turret(pose, 33, -30.0, 15.0, [-0.1, 0.3], 77)));
+        assert_agrees("kitti-like", &compare(&scene, &spinning(pose, 64, 2.0, -25.0, [0.205, 0.12], 521)));
+        assert_agrees("wide", &compare(&scene, &spinning(pose, 48, 80.0, -85.0, [0.1, -0.1], 180)));
+        assert_agrees("reversed", &compare(&scene, &spinning(pose, 33, -30.0, 15.0, [-0.1, 0.3], 77)));
         let any = DPose3 { rotation: random_rotation(&mut s), translation: center };
-        assert_agrees("turned over", &compare(&scene, &turret(any, 40, 60.0, -60.0, [0.0, 0.0], 128)));
+        assert_agrees("turned over", &compare(&scene, &spinning(any, 40, 60.0, -60.0, [0.0, 0.0], 128)));
     }
 }
 
@@ -90,7 +90,7 @@ proptest! {
         let center = if far { DVec3::new(300.0, -250.0, 10.0) } else { DVec3::ZERO };
         let scene = posed(&[soup(&mut s, n, 12.0, center)]);
         let pose = DPose3 { rotation: random_rotation(&mut s), translation: center };
-        assert_agrees("soup, turret", &compare(&scene, &turret(pose, 40, 70.0, -70.0, [0.2, 0.1], 90)));
+        assert_agrees("soup, spinning", &compare(&scene, &spinning(pose, 40, 70.0, -70.0, [0.2, 0.1], 90)));
         assert_agrees("soup, camera", &compare(&scene, &pinhole(pose)));
     }
 
@@ -102,7 +102,7 @@ proptest! {
         let scene = posed(&[place(sphere(radius, rings), around, 1)]);
         let inside = DVec3::new(s.normal(), s.normal(), s.normal()).normalize() * f64::from(radius) * 0.4;
         let pose = DPose3 { rotation: random_rotation(&mut s), translation: center + inside };
-        let grid = turret(pose, 60, 88.0, -88.0, [0.0, 0.0], 360);
+        let grid = spinning(pose, 60, 88.0, -88.0, [0.0, 0.0], 360);
         let mut hits = Hits::new(grid.rows(), grid.columns());
         cast(&scene, &grid, Layer::All, |_| true, &mut hits);
         prop_assert!(hits.depth.iter().all(|d| d.is_finite()));
@@ -129,7 +129,7 @@ fn ranges_to_a_plane_are_the_closed_form() {
     // z = -1.73 below the frame's origin: range = (1.73 + h) / -sin(elevation).
     let ground = place(cuboid(Vec3::new(400.0, 400.0, 0.5)), common::at(0.0, 0.0, -2.23), 0);
     let scene = posed(&[ground]);
-    let grid = turret(DPose3::IDENTITY, 64, 2.0, -25.0, [0.2, 0.12], 720);
+    let grid = spinning(DPose3::IDENTITY, 64, 2.0, -25.0, [0.2, 0.12], 720);
     let mut hits = Hits::new(grid.rows(), grid.columns());
     cast(&scene, &grid, Layer::All, |_| true, &mut hits);
     for row in 0..64 {
@@ -180,7 +180,7 @@ fn a_wall_in_the_camera_has_its_depth_and_its_edges() {
 #[test]
 fn equal_depths_go_to_the_earlier_instance() {
     let at = |id| place(cuboid(Vec3::splat(1.0)), common::at(10.0, 0.0, 0.0), id);
-    let grid = turret(DPose3::IDENTITY, 16, 5.0, -5.0, [0.0, 0.0], 720);
+    let grid = spinning(DPose3::IDENTITY, 16, 5.0, -5.0, [0.0, 0.0], 720);
     let mut hits = Hits::new(16, 720);
     cast(&posed(&[at(3), at(2), at(1)]), &grid, Layer::All, |_| true, &mut hits);
     assert!(hits.instance.contains(&0));

@@ -3,7 +3,7 @@
 use cadet_core::Error;
 use cadet_core::lidar::{BlindSector, Firing, LidarSpec, Receiver, ReturnMode};
 use cadet_core::math::TAU;
-use cadet_core::sense::TurretRing;
+use cadet_core::sense::LaserRing;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
@@ -69,7 +69,7 @@ impl Lidar {
         dict.set_item("min_range_m", spec.min_range_m)?;
         dict.set_item("max_range_m", spec.max_range_m)?;
         dict.set_item("range_noise_m", spec.receiver().range_noise_m)?;
-        let of_rings = |f: &dyn Fn(&TurretRing) -> f64| spec.rings().iter().map(f).collect::<Vec<f64>>();
+        let of_rings = |f: &dyn Fn(&LaserRing) -> f64| spec.rings().iter().map(f).collect::<Vec<f64>>();
         dict.set_item("elevation_deg", of_rings(&|r| rounded(r.elevation_rad.to_degrees())))?;
         dict.set_item("height_m", of_rings(&|r| rounded(r.height_m)))?;
         dict.set_item("left_m", of_rings(&|r| rounded(r.left_m)))?;
@@ -136,7 +136,7 @@ fn spec_from_table(dict: &Bound<'_, PyDict>) -> PyResult<LidarSpec> {
         }
     }
     let places = elevations_deg.iter().zip(heights_m).zip(lefts_m);
-    let ring = |((degrees, height_m), left_m): ((&f64, f64), f64)| TurretRing {
+    let ring = |((degrees, height_m), left_m): ((&f64, f64), f64)| LaserRing {
         elevation_rad: degrees.to_radians(),
         height_m,
         left_m,

@@ -1,8 +1,8 @@
 //! Small groups of neighbouring faces, for rejecting many triangles with one question.
 
+use super::bounds::Bounds;
 use super::closed::closed_surfaces;
 use super::lanes::{Lanes, lanes_of};
-use super::mesh::Bounds;
 use super::pieces::{MeshPiece, Surface, pieces_of};
 use crate::material::slot_bit;
 use crate::math::Vec3;

@@ -3,7 +3,8 @@
 use std::ops::Deref;
 use std::sync::{Arc, LazyLock};
 
-use super::mesh::{Bounds, Mesh};
+use super::bounds::Bounds;
+use super::mesh::Mesh;
 use crate::math::Vec3;
 
 /// A mesh that is made when somebody first looks at it, and then kept; copies share it.

@@ -2,7 +2,8 @@
 
 use std::collections::HashMap;
 
-use super::mesh::{Bounds, Mesh};
+use super::bounds::Bounds;
+use super::mesh::Mesh;
 use crate::math::{Mat3, Vec3};
 
 /// A mesh in the making: corners may be shared or repeated, [`MeshBuilder::build`] welds and splits them as needed.

@@ -1,5 +1,6 @@
 //! Meshes and the small geometry that everything shares.
 
+mod bounds;
 mod closed;
 mod cluster;
 mod columns;
@@ -9,10 +10,11 @@ mod mesh;
 mod mesh_builder;
 mod pieces;
 
+pub use bounds::Bounds;
 pub use cluster::{CLUSTER_FACES, Cluster, Piece, clusters_of};
 pub use columns::Column;
 pub use lanes::{LANES, Lanes, lanes_of};
 pub use lod::{LazyMesh, LodSet};
-pub use mesh::{Bounds, Mesh};
+pub use mesh::Mesh;
 pub use mesh_builder::MeshBuilder;
 pub use pieces::LEAST_WEIGHT;

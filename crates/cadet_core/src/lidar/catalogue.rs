@@ -7,7 +7,7 @@ use super::firing::Firing;
 use super::response::Receiver;
 use super::spec::LidarSpec;
 use crate::math::{self, TAU};
-use crate::sense::TurretRing;
+use crate::sense::LaserRing;
 
 /// Turns a second of all of them.
 const TURNS_PER_S: f64 = 10.0;
@@ -22,7 +22,7 @@ impl LidarSpec {
         // The data sheet's table: two banks of 16, fired in turn, 4/3 of a degree apart, lowest first.
         let elevation_deg =
             |k: usize| if k.is_multiple_of(2) { -92.0 / 3.0 } else { -28.0 / 3.0 } + 4.0 / 3.0 * (k / 2) as f64;
-        let ring = |k: usize| TurretRing::on_axis(elevation_deg(k).to_radians(), 0.0);
+        let ring = |k: usize| LaserRing::on_axis(elevation_deg(k).to_radians(), 0.0);
         let mut spec = staggered("hdl32e", (0..32).map(ring).collect(), 46.08e-6, 1.152e-6);
         (spec.min_range_m, spec.max_range_m) = (1.0, 100.0);
         noisy(spec, 0.02)
@@ -41,7 +41,7 @@ impl LidarSpec {
             let degrees = elevation_deg(k);
             let height_mm = BELOW_MM[(degrees.abs() as usize - 1) / 2];
             let up = if degrees > 0.0 { -1e-3 } else { 1e-3 };
-            TurretRing::on_axis(degrees.to_radians(), up * height_mm)
+            LaserRing::on_axis(degrees.to_radians(), up * height_mm)
         };
         let mut spec = staggered("vlp16", (0..16).map(ring).collect(), 55.296e-6, 2.304e-6);
         (spec.min_range_m, spec.max_range_m) = (1.0, 100.0);
@@ -63,11 +63,11 @@ impl LidarSpec {
 
 /// A Velodyne that fires one laser after the other, given in that order, each `laser_s` after the last and the next set
 /// `set_s` after this one.
-fn staggered(name: &str, fired: Vec<TurretRing>, set_s: f64, laser_s: f64) -> LidarSpec {
+fn staggered(name: &str, fired: Vec<LaserRing>, set_s: f64, laser_s: f64) -> LidarSpec {
     let columns = (1.0 / (TURNS_PER_S * set_s)).floor() as usize;
     // Seen from above it turns clockwise: what fires later stands clockwise of what fired before.
     let offset_rad = |k: usize| -(k as f64) * laser_s * TURNS_PER_S * TAU;
-    let mut rings: Vec<(TurretRing, f64)> = fired.into_iter().enumerate().map(|(k, r)| (r, offset_rad(k))).collect();
+    let mut rings: Vec<(LaserRing, f64)> = fired.into_iter().enumerate().map(|(k, r)| (r, offset_rad(k))).collect();
     rings.sort_by(|a, b| b.0.elevation_rad.total_cmp(&a.0.elevation_rad));
     let (rings, offsets_rad): (Vec<_>, Vec<_>) = rings.into_iter().unzip();
     LidarSpec::with_firing(name, rings, Firing::Uniform { columns })
@@ -87,7 +87,7 @@ fn os1(name: &str, rings: usize, columns: usize) -> LidarSpec {
     const LENS_RADIUS_M: f64 = 0.015_806;
     let ring = |k: usize| {
         let elevation_rad = (22.5 - 45.0 * k as f64 / (rings - 1) as f64).to_radians();
-        TurretRing::on_axis(elevation_rad, -LENS_RADIUS_M * math::tan(elevation_rad))
+        LaserRing::on_axis(elevation_rad, -LENS_RADIUS_M * math::tan(elevation_rad))
     };
     let mut spec = LidarSpec::with_firing(name, (0..rings).map(ring).collect(), Firing::Uniform { columns })
         .expect("a valid preset");

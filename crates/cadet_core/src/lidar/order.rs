@@ -1,7 +1,7 @@
 //! The order of a ring's returns: by where they lie, as KITTI's files have it. A laser beside the axis sees what is near
 //! at another azimuth than what is far, so that returns overtake each other and the seam.
 
-use super::scan::Scan;
+use super::returned_points::Scan;
 
 /// Rises with the azimuth of (x, y), counter-clockwise from forward, from 0 to 4 within a turn.
 fn turn_key([x, y, ..]: [f32; 4]) -> f64 {

@@ -4,7 +4,7 @@ use super::firing::Firing;
 use super::hdl64e;
 use super::spec::LidarSpec;
 use crate::error::{Error, Result};
-use crate::sense::TurretRing;
+use crate::sense::LaserRing;
 
 /// The names that [`LidarSpec::preset`] knows.
 pub const PRESETS: [&str; 7] = ["hdl64e_kitti", "hdl64e_uniform", "cadet", "hdl32e", "vlp16", "os1_64", "os1_128"];
@@ -52,7 +52,7 @@ impl LidarSpec {
     /// The LIDAR of the 2019 paper: 40 beams from +7 to -16 degrees out of one origin, 720,000 beams a second at 10 Hz.
     #[must_use]
     pub fn cadet() -> Self {
-        let ring = |k: usize| TurretRing::on_axis((7.0 - 23.0 * k as f64 / 39.0).to_radians(), 0.0);
+        let ring = |k: usize| LaserRing::on_axis((7.0 - 23.0 * k as f64 / 39.0).to_radians(), 0.0);
         Self::with_firing("cadet", (0..40).map(ring).collect(), Firing::Uniform { columns: 1800 })
             .expect("a valid preset")
     }
@@ -79,9 +79,9 @@ impl LidarSpec {
 /// scans lie on ticks of the encoder, up to the rounding of coordinates and a constant of each laser.
 const HDL64E_LEFT_M: f64 = 0.026;
 
-fn hdl64e_rings() -> Vec<TurretRing> {
+fn hdl64e_rings() -> Vec<LaserRing> {
     let left_m = |ring: usize| if ring.is_multiple_of(2) { -HDL64E_LEFT_M } else { HDL64E_LEFT_M };
-    let ring = |(ring, (degrees, height_m)): (usize, (f64, f64))| TurretRing {
+    let ring = |(ring, (degrees, height_m)): (usize, (f64, f64))| LaserRing {
         elevation_rad: degrees.to_radians(),
         height_m,
         left_m: left_m(ring),

@@ -4,8 +4,8 @@ use multiversion::multiversion;
 
 use super::reflection::{peak_share, spread_per_pulse};
 use super::response::{Receiver, intensity, saturated};
+use super::returned_points::Scan;
 use super::returns::{Arrival, Draws};
-use super::scan::{Scan, round};
 use super::spec::LidarSpec;
 
 /// Echoes that are received together.
@@ -169,4 +169,12 @@ fn receive(e: &Echoes, ring: RingReceiver, out: &mut Written) {
         let is_heard = receiver.hears(e.heard_power[i], e.detection[i]);
         out.is_kept[i] = is_heard & (written_m >= min_range_m) & (written_m < max_range_m);
     }
+}
+
+/// The nearest whole number, for numbers below 2^51: adding 1.5 * 2^52 leaves no place for a fraction. Without SSE 4.1
+/// `round` is a call.
+#[inline(always)]
+fn round(x: f64) -> f64 {
+    const NO_FRACTION: f64 = 6_755_399_441_055_744.0;
+    (x + NO_FRACTION) - NO_FRACTION
 }

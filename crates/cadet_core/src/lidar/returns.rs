@@ -3,7 +3,7 @@
 use super::air::{Air, Scatterer};
 use super::reflection::{fresnel, reflectance};
 use super::response::{Receiver, reading_noise};
-use super::spec::ReturnMode;
+use super::return_mode::ReturnMode;
 use crate::material::{LidarMaterial, Material, Semantic};
 use crate::rng::{Stream, nearly_normal};
 
@@ -201,7 +201,7 @@ mod tests {
     use crate::lidar::receiver::Waiting;
     use crate::lidar::{LidarSpec, Scan};
     use crate::material::Pattern;
-    use crate::sense::TurretRing;
+    use crate::sense::LaserRing;
     use crate::weather::Weather;
 
     fn surface(material: &Material, range_m: f64, cos_incidence: f64, actor_id: i32) -> Surface<'_> {
@@ -220,7 +220,7 @@ mod tests {
     fn written(arrival: Option<Arrival>, laser_gain: f64, draws: &Draws) -> Option<Return> {
         let mut waiting = Waiting::new();
         waiting.push(&arrival?, draws, 0, [[0.0; 3], [1.0, 0.0, 0.0]]);
-        let mut spec = LidarSpec::new("one", vec![TurretRing::on_axis(0.0, 0.0)], vec![0.0]).expect("valid");
+        let mut spec = LidarSpec::new("one", vec![LaserRing::on_axis(0.0, 0.0)], vec![0.0]).expect("valid");
         spec.laser_gains = vec![laser_gain];
         // Drops and flakes nearer than points of KITTI's files are to be seen here.
         spec.min_range_m = 0.0;

@@ -7,6 +7,7 @@
 use super::air::Air;
 use super::casting::{Casting, Standing};
 use super::receiver::Waiting;
+use super::returned_points::Scan;
 use super::returns::{Draws, arrival, first_echo};
 use super::spec::LidarSpec;
 use super::spread::chosen_echo;
@@ -29,21 +30,6 @@ pub struct IdealScan {
     pub face: Vec<u32>,
     /// -1 for a miss, 0 for the static world, at least 1 for actors.
     pub actor_id: Vec<i32>,
-}
-
-/// The returns of one turn: ring-major, azimuth rising counter-clockwise from forward. All arrays have one length.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Scan {
-    /// x, y, z in metres, rounded to 1 mm, and intensity in 0..=0.99, rounded to 0.01.
-    pub points_velo: Vec<[f32; 4]>,
-    /// Ring of each return.
-    pub ring: Vec<i32>,
-    /// Column of each return.
-    pub column: Vec<i32>,
-    /// 0 for the static world and the air, at least 1 for actors.
-    pub actor_id: Vec<i32>,
-    /// Range from the laser's own origin, before rounding.
-    pub range_m: Vec<f64>,
 }
 
 impl IdealScan {
@@ -156,24 +142,4 @@ fn scan_by<C: Casting>(casting: &C, spec: &LidarSpec, weather: &Weather, stream:
         }
     }
     out
-}
-
-impl Scan {
-    fn with_capacity(n: usize) -> Self {
-        Self {
-            points_velo: Vec::with_capacity(n),
-            ring: Vec::with_capacity(n),
-            column: Vec::with_capacity(n),
-            actor_id: Vec::with_capacity(n),
-            range_m: Vec::with_capacity(n),
-        }
-    }
-}
-
-/// The nearest whole number, for numbers below 2^51: adding 1.5 * 2^52 leaves no place for a fraction. Without SSE 4.1
-/// `round` is a call.
-#[inline(always)]
-pub(super) fn round(x: f64) -> f64 {
-    const NO_FRACTION: f64 = 6_755_399_441_055_744.0;
-    (x + NO_FRACTION) - NO_FRACTION
 }

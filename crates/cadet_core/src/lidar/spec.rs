@@ -4,46 +4,21 @@ use std::sync::Arc;
 
 use super::firing::Firing;
 use super::response::{MAX_DIVERGENCE_RAD, Receiver};
+use super::return_mode::ReturnMode;
 use super::spread::Spread;
 use crate::error::{Error, Result, finite};
 use crate::math::{self, DPose3, DVec3, TAU};
-use crate::sense::{TurretGrid, TurretRing};
-
-/// Which of several echoes of one pulse a sensor reports.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum ReturnMode {
-    /// The one with the most power: how KITTI's sensor was set.
-    #[default]
-    Strongest,
-    /// The farthest one that is heard.
-    Last,
-}
-
-impl ReturnMode {
-    /// The mode of that name: `strongest` or `last`.
-    ///
-    /// # Errors
-    /// [`Error::Unknown`], listing the names.
-    pub fn from_name(name: &str) -> Result<Self> {
-        match name {
-            "strongest" => Ok(Self::Strongest),
-            "last" => Ok(Self::Last),
-            _ => {
-                Err(Error::Unknown { what: "return mode", name: name.to_owned(), known: "strongest, last".to_owned() })
-            }
-        }
-    }
-}
+use crate::sense::{LaserRing, SpinningGrid};
 
 /// A spinning LIDAR.
 #[derive(Debug, Clone)]
 pub struct LidarSpec {
     name: String,
-    rings: Vec<TurretRing>,
+    rings: Vec<LaserRing>,
     firing: Firing,
     azimuths_rad: Vec<f64>,
     azimuth_offsets_rad: Vec<f64>,
-    turret: TurretGrid,
+    grid: SpinningGrid,
     receiver: Receiver,
     /// None for beams that meet surfaces as lines do.
     spread: Option<Arc<Spread>>,
@@ -92,18 +67,18 @@ impl LidarSpec {
     /// [`LidarSpec::with_receiver`].
     ///
     /// # Errors
-    /// [`Error::NotFinite`] and [`Error::OutOfRange`], as [`TurretGrid::new`] gives them.
-    pub fn new(name: &str, rings: Vec<TurretRing>, azimuths_rad: Vec<f64>) -> Result<Self> {
+    /// [`Error::NotFinite`] and [`Error::OutOfRange`], as [`SpinningGrid::new`] gives them.
+    pub fn new(name: &str, rings: Vec<LaserRing>, azimuths_rad: Vec<f64>) -> Result<Self> {
         Self::with_firing(name, rings, Firing::Listed(azimuths_rad))
     }
 
     /// A LIDAR with these rings that all fire in this pattern; the rest as [`LidarSpec::new`] has it.
     ///
     /// # Errors
-    /// As [`Firing::azimuths_rad`] and [`TurretGrid::new`].
-    pub fn with_firing(name: &str, rings: Vec<TurretRing>, firing: Firing) -> Result<Self> {
+    /// As [`Firing::azimuths_rad`] and [`SpinningGrid::new`].
+    pub fn with_firing(name: &str, rings: Vec<LaserRing>, firing: Firing) -> Result<Self> {
         let azimuths_rad = firing.azimuths_rad()?;
-        let turret = TurretGrid::new(DPose3::IDENTITY, &rings, &azimuths_rad)?;
+        let grid = SpinningGrid::new(DPose3::IDENTITY, &rings, &azimuths_rad)?;
         Ok(Self {
             name: name.to_owned(),
             laser_gains: vec![1.0; rings.len()],
@@ -112,7 +87,7 @@ impl LidarSpec {
             rings,
             firing,
             azimuths_rad,
-            turret,
+            grid,
             spread: None,
             returns: ReturnMode::Strongest,
             rolling: false,
@@ -128,11 +103,11 @@ impl LidarSpec {
     /// and smaller than the gap behind the last column.
     ///
     /// # Errors
-    /// As [`TurretGrid::staggered`].
+    /// As [`SpinningGrid::staggered`].
     pub fn staggered(mut self, offsets_rad: Vec<f64>) -> Result<Self> {
         self.azimuth_offsets_rad = offsets_rad.into_iter().map(|o| self.firing.reduced_offset_rad(o)).collect();
-        self.turret =
-            TurretGrid::staggered(DPose3::IDENTITY, &self.rings, &self.azimuths_rad, &self.azimuth_offsets_rad)?;
+        self.grid =
+            SpinningGrid::staggered(DPose3::IDENTITY, &self.rings, &self.azimuths_rad, &self.azimuth_offsets_rad)?;
         self.respread()
     }
 
@@ -251,8 +226,8 @@ impl LidarSpec {
         for ring in &mut self.rings {
             (ring.height_m, ring.left_m) = (0.0, 0.0);
         }
-        self.turret =
-            TurretGrid::staggered(DPose3::IDENTITY, &self.rings, &self.azimuths_rad, &self.azimuth_offsets_rad)
+        self.grid =
+            SpinningGrid::staggered(DPose3::IDENTITY, &self.rings, &self.azimuths_rad, &self.azimuth_offsets_rad)
                 .expect("checked when the spec was made, and 0 is a height");
         self = self.respread().expect("checked when the divergence was set, and 0 is a height");
         let name = format!("{}_single_origin", self.name);
@@ -272,7 +247,7 @@ impl LidarSpec {
 
     /// The lasers.
     #[must_use]
-    pub fn rings(&self) -> &[TurretRing] {
+    pub fn rings(&self) -> &[LaserRing] {
         &self.rings
     }
 
@@ -302,14 +277,14 @@ impl LidarSpec {
 
     /// The beams as a grid in the world.
     #[must_use]
-    pub fn grid(&self, world_from_velo: DPose3) -> TurretGrid {
-        self.turret.at(world_from_velo)
+    pub fn grid(&self, world_from_velo: DPose3) -> SpinningGrid {
+        self.grid.at(world_from_velo)
     }
 
     /// Unit direction of every column of a ring, without elevation: x and y.
     #[must_use]
     pub(super) fn headings(&self, ring: usize) -> &[[f64; 2]] {
-        self.turret.headings(ring)
+        self.grid.headings(ring)
     }
 
     /// Every beam, in the order of a scan's rows.
@@ -365,8 +340,8 @@ mod tests {
 
     #[test]
     fn bad_sensors_are_refused_by_name() {
-        let ring = |e: f64| TurretRing::on_axis(e, 0.0);
-        let text = |r: Vec<TurretRing>, a: Vec<f64>| LidarSpec::new("x", r, a).expect_err("bad").to_string();
+        let ring = |e: f64| LaserRing::on_axis(e, 0.0);
+        let text = |r: Vec<LaserRing>, a: Vec<f64>| LidarSpec::new("x", r, a).expect_err("bad").to_string();
         assert!(text(vec![], vec![0.0]).contains("number of rings is 0"));
         assert!(text(vec![ring(0.0)], vec![]).contains("number of columns is 0"));
         assert!(text(vec![ring(f64::NAN)], vec![0.0]).contains("ring elevation"));

@@ -9,11 +9,11 @@
 
 use super::air::Air;
 use super::response::Receiver;
+use super::return_mode::ReturnMode;
 use super::returns::{Echo, echo_power, is_echo_heard};
-use super::spec::ReturnMode;
 use crate::error::Result;
 use crate::math::{self, DPose3, DQuat, DVec3};
-use crate::sense::{BeamGrid, Hits, NO_HIT, TurretGrid, TurretRing};
+use crate::sense::{BeamGrid, Hits, LaserRing, NO_HIT, SpinningGrid};
 
 /// Ranges of neighbouring beams that differ by more than this, and by more than twice what the slope beside them
 /// explains, belong to different surfaces.
@@ -35,12 +35,12 @@ impl SubBeam {
     pub(super) const MISS: Self = Self { range_m: f32::INFINITY, instance: NO_HIT, face: NO_HIT };
 }
 
-/// The sub-beams of a sensor: a turret with two rings for each, turned a little to the right and to the left.
+/// The sub-beams of a sensor: a grid with two rings for each, turned a little to the right and to the left.
 #[derive(Debug, Clone)]
 pub(super) struct Spread {
     /// Full cone of a beam.
     pub divergence_rad: f64,
-    turret: TurretGrid,
+    grid: SpinningGrid,
     /// Rings by rising elevation.
     rings_upwards: Vec<u32>,
     /// Columns and rings that a spot reaches over.
@@ -50,30 +50,30 @@ pub(super) struct Spread {
 impl Spread {
     /// The sub-beams of these rings, azimuths and offsets of rings.
     pub(super) fn new(
-        rings: &[TurretRing],
+        rings: &[LaserRing],
         azimuths_rad: &[f64],
         offsets_rad: &[f64],
         divergence_rad: f64,
     ) -> Result<Self> {
         let quarter = divergence_rad / 4.0;
-        let sub_ring = |r: &TurretRing, up: f64| TurretRing { elevation_rad: r.elevation_rad + up, ..*r };
-        let sub_rings: Vec<TurretRing> =
+        let sub_ring = |r: &LaserRing, up: f64| LaserRing { elevation_rad: r.elevation_rad + up, ..*r };
+        let sub_rings: Vec<LaserRing> =
             rings.iter().flat_map(|r| [sub_ring(r, -quarter), sub_ring(r, quarter)]).collect();
         let sub_offsets: Vec<f64> = offsets_rad.iter().flat_map(|o| [*o; 2]).collect();
         let elevation = |ring: &u32| rings[*ring as usize].elevation_rad;
         let mut rings_upwards: Vec<u32> = (0..rings.len() as u32).collect();
         rings_upwards.sort_by(|a, b| elevation(a).total_cmp(&elevation(b)));
         let reach = [reach(azimuths_rad.iter().copied(), quarter), reach(rings_upwards.iter().map(elevation), quarter)];
-        let turret = TurretGrid::staggered(DPose3::IDENTITY, &sub_rings, azimuths_rad, &sub_offsets)?;
-        Ok(Self { divergence_rad, turret, rings_upwards, reach })
+        let grid = SpinningGrid::staggered(DPose3::IDENTITY, &sub_rings, azimuths_rad, &sub_offsets)?;
+        Ok(Self { divergence_rad, grid, rings_upwards, reach })
     }
 
     /// The sub-beams to the right and to the left of the beams, as grids in the world.
-    pub(super) fn grids(&self, world_from_velo: DPose3) -> [TurretGrid; 2] {
+    pub(super) fn grids(&self, world_from_velo: DPose3) -> [SpinningGrid; 2] {
         [-1.0, 1.0].map(|left| {
             let half_rad = 0.5 * left * self.divergence_rad / 4.0;
             let turn = DQuat::from_xyzw(0.0, 0.0, math::sin(half_rad), math::cos(half_rad));
-            self.turret.at(DPose3 { rotation: world_from_velo.rotation * turn, ..world_from_velo })
+            self.grid.at(DPose3 { rotation: world_from_velo.rotation * turn, ..world_from_velo })
         })
     }
 
@@ -85,7 +85,7 @@ impl Spread {
 
     /// The directions of a beam's sub-beams: right below and above, left below and above.
     pub(super) fn directions_velo(&self, beam: u32) -> [DVec3; 4] {
-        let num_columns = self.turret.columns();
+        let num_columns = self.grid.columns();
         let [right, left] = self.grids(DPose3::IDENTITY);
         let [below, above] = Self::cells(beam, num_columns);
         [(&right, below), (&right, above), (&left, below), (&left, above)]
@@ -247,7 +247,7 @@ mod tests {
 
     #[test]
     fn the_quarters_of_a_beam_share_it_as_a_disc_does() {
-        let level = TurretRing::on_axis(0.0, 0.0);
+        let level = LaserRing::on_axis(0.0, 0.0);
         let spread = Spread::new(&[level], &[0.0], &[0.0], 3e-3).expect("valid");
         let spots = spread.directions_velo(0).map(|d| (d.y / 1.5e-3, d.z / 1.5e-3));
         let mean_square = spots.iter().map(|(y, _)| y * y).sum::<f64>() / 4.0;
@@ -293,7 +293,7 @@ mod tests {
     fn edges_are_where_surfaces_part_and_not_where_they_lean() {
         let (rows, columns) = (5, 400);
         let mut hits = Hits::new(rows, columns);
-        let ring = |k: usize| TurretRing::on_axis(-0.03 - 0.01 * k as f64, 0.0);
+        let ring = |k: usize| LaserRing::on_axis(-0.03 - 0.01 * k as f64, 0.0);
         let azimuths: Vec<f64> = (0..columns).map(|j| j as f64 * TAU / columns as f64).collect();
         let spread = Spread::new(&[0, 1, 2, 3, 4].map(ring), &azimuths, &[0.0; 5], 3e-3).expect("valid");
         let edges_of = |hits: &Hits| spread.edge_beams(hits);

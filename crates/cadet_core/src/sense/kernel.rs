@@ -4,7 +4,8 @@ use multiversion::multiversion;
 
 use super::edges::EdgePlanes;
 use super::grid::{BeamGrid, Window};
-use super::hits::{FarthestOfBlocks, Hits};
+use super::hidden_windows::FarthestOfBlocks;
+use super::hits::Hits;
 use super::posed::{PosedInstance, PosedScene};
 use super::to_grid::ToGrid;
 use super::visible::{Visible, near_first, visible_clusters};

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::face_index::FaceIndex;
+use super::ground_kind::GroundKind;
 use super::ground_mesh::{self, Cover, Fineness, PlanMesh};
 use super::ground_region::{Regions, Ring};
 use super::height_field::HeightField;
@@ -22,17 +23,6 @@ const MARGIN_M: f64 = 160.0;
 const SAMPLE_STEP_M: f64 = 1.7;
 /// Side of a tile of visible ground.
 const TILE_M: f64 = 50.0;
-
-/// What the ground is at a place.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum GroundKind {
-    /// Carriageway, parking bays, cycle lanes.
-    Road,
-    /// Pavement and kerb stones.
-    Pavement,
-    /// Everything else: grass and soil.
-    Terrain,
-}
 
 /// The surface that wheels and feet touch.
 #[derive(Debug, Clone)]
@@ -81,7 +71,7 @@ impl Ground {
         let plan = ground_mesh::triangulate(&regions, &samples, (min, max), fineness)?;
         let surface = |p: DVec2| height.height(p) + roughness.map_or(0.0, |r| r.height_m(p));
         let mut ground = Self::assemble(&plan, regions, &surface, (min, max));
-        let paint = road_marking::draw(network, &ground);
+        let paint = road_marking::draw(network, &|x, y| ground.height_at(x, y));
         ground.paint(&paint);
         Ok(ground)
     }

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
-use super::ground::GroundKind;
+use super::ground_kind::GroundKind;
 use super::ground_region::{Inside, Regions, Ring, with_steps};
 use crate::error::{Error, Result};
 use crate::math::{DVec2, DVec3};

@@ -1,7 +1,8 @@
 //! Places to park: bays of the map, half on the pavement where bays are too narrow for a car, and stretches of kerb
 //! beside lanes wide enough.
 
-use super::ground::{Ground, GroundKind};
+use super::ground::Ground;
+use super::ground_kind::GroundKind;
 use super::network::{Lane, LaneKind, RoadNetwork};
 use super::{ParkingSpot, SpotKind};
 use crate::frames;

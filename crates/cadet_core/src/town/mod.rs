@@ -2,10 +2,12 @@
 
 mod belt;
 mod dressing;
+mod dressing_config;
 mod face_index;
 mod frontage;
 mod garden;
 mod ground;
+mod ground_kind;
 mod ground_mesh;
 mod ground_palette;
 mod ground_region;
@@ -24,17 +26,20 @@ mod street_plan;
 mod street_style;
 mod streetside;
 mod suburb;
+mod suburb_config;
 mod walkway;
 mod xodr_numbers;
 mod xodr_writer;
 
-pub use dressing::DressingConfig;
-pub use ground::{Ground, GroundKind};
+pub use dressing_config::DressingConfig;
+pub use ground::Ground;
+pub use ground_kind::GroundKind;
 pub use kerbside::parking_spots;
 pub use network::{Lane, LaneId, LaneKind, RoadNetwork};
 pub use opendrive::load as load_map;
 pub use roughness::Roughness;
-pub use suburb::{Suburb, SuburbConfig, generate as generate_suburb};
+pub use suburb::{Suburb, generate as generate_suburb};
+pub use suburb_config::SuburbConfig;
 pub use walkway::walkways;
 
 use crate::error::Result;

@@ -1,6 +1,5 @@
 //! Paint on the carriageway: dashed centre lines, stop lines and give-way lines, as thin quadrilaterals.
 
-use super::ground::Ground;
 use super::network::{Lane, LaneKind, RoadNetwork};
 use crate::math::{DVec2, DVec3};
 
@@ -19,9 +18,9 @@ const GIVE_WAY_M: (f64, f64, f64) = (0.5, 0.25, 0.35);
 /// Lines across a lane lie this far before its end.
 const BEFORE_JUNCTION_M: f64 = 0.8;
 
-/// The quadrilaterals, counter-clockwise from above.
-pub(super) fn draw(network: &RoadNetwork, ground: &Ground) -> Vec<[DVec3; 4]> {
-    let mut paint = Paint { ground, quads: Vec::new() };
+/// The quadrilaterals, counter-clockwise from above, laid on a ground that is so high at (x, y).
+pub(super) fn draw(network: &RoadNetwork, ground_height: &dyn Fn(f64, f64) -> Option<f64>) -> Vec<[DVec3; 4]> {
+    let mut paint = Paint { ground_height, quads: Vec::new() };
     let streets: Vec<&Lane> = network.driving().filter(|l| l.junction.is_none()).collect();
     let is_fast = |l: &Lane| l.speed_limit_mps > ZONE_30_MPS;
     for lane in streets.iter().filter(|l| is_fast(l)) {
@@ -72,7 +71,7 @@ fn has_opposite(lane: &Lane, streets: &[&Lane]) -> bool {
 }
 
 struct Paint<'a> {
-    ground: &'a Ground,
+    ground_height: &'a dyn Fn(f64, f64) -> Option<f64>,
     quads: Vec<[DVec3; 4]>,
 }
 
@@ -107,7 +106,7 @@ impl Paint<'_> {
     }
 
     fn quad(&mut self, corners: [DVec2; 4]) {
-        let lifted = corners.map(|p| self.ground.height_at(p.x, p.y).map(|z| p.extend(z + LIFT_M)));
+        let lifted = corners.map(|p| (self.ground_height)(p.x, p.y).map(|z| p.extend(z + LIFT_M)));
         if let [Some(a), Some(b), Some(c), Some(d)] = lifted {
             // A corner on a pavement would tilt the paint up the kerb.
             let (lo, hi) = [b, c, d].iter().fold((a.z, a.z), |(l, h), p| (l.min(p.z), h.max(p.z)));

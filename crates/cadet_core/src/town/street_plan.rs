@@ -1,7 +1,7 @@
 //! Lays out a suburb: an irregular grid of streets, thinned to T-junctions, with bends at its corners.
 
 use super::plan_curve::{PlanCurve, PlanPose, heading_of, unit};
-use super::suburb::SuburbConfig;
+use super::suburb_config::SuburbConfig;
 use crate::math::{self, DVec2, PI, TAU, wrap_angle};
 use crate::rng::{Stream, StreamKey};
 

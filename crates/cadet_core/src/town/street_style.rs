@@ -1,6 +1,6 @@
 //! What one street has in common: its houses, boundaries, trees and lamps, drawn once a street.
 
-use super::dressing::DressingConfig;
+use super::dressing_config::DressingConfig;
 use crate::assets::scenery::{FenceKind, HouseKind, PoleKind, num_variants};
 use crate::rng::{Stream, StreamKey};
 

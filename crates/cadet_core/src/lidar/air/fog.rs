@@ -1,7 +1,7 @@
 //! What fog itself sends back (Hahner et al., ICCV 2021).
 
 use super::super::response::LIGHT_M_PER_S;
-use super::{CLOSED_M, crossover};
+use super::crossover::{CLOSED_M, crossover};
 use crate::math::{self, PI};
 
 /// Differential reflectance of a hard target, gamma / pi: fits the paper's units to real scans. There gamma = 1e-6 goes

@@ -1,5 +1,6 @@
 //! What fog, rain and snow do to a beam on its way. In clear air nothing is drawn and every factor is exactly 1.
 
+mod crossover;
 mod fog;
 mod ground;
 mod particles;
@@ -16,9 +17,6 @@ use crate::math;
 use crate::rng::Dice;
 use crate::weather::Weather;
 
-/// The receiver sees nothing nearer than this, and all of its beam from [`OPEN_M`] on.
-const CLOSED_M: f64 = 0.9;
-const OPEN_M: f64 = 1.0;
 /// Fog's answer is spread behind its strongest place by this times a Beta(2, 20) number: 0.9 m on average.
 const FOG_SPREAD_M: f64 = 10.0;
 
@@ -166,11 +164,6 @@ impl Air {
         }
         1.0 - self.wetness * (1.0 - ground::under_water(reflectance, cos_incidence))
     }
-}
-
-/// The receiver's view of its own beam: 0 below 0.9 m, linear to 1 at 1.0 m.
-fn crossover(range_m: f64) -> f64 {
-    ((range_m - CLOSED_M) / (OPEN_M - CLOSED_M)).clamp(0.0, 1.0)
 }
 
 /// Beta(2, 20): the second smallest of 21 uniform numbers.

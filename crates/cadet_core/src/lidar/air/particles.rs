@@ -9,7 +9,7 @@
 //! above a limit, and the number of bright ones along the beam is Poisson. That is exact and costs one random number on
 //! most beams. All others only dim what is behind them, by the mean.
 
-use super::{CLOSED_M, crossover};
+use super::crossover::{CLOSED_M, crossover};
 use crate::lidar::Receiver;
 use crate::math::{self, PI};
 use crate::rng::Dice;

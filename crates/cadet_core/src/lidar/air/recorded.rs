@@ -1,5 +1,6 @@
 //! Weather on a scan that was recorded in clear air: anyone's KITTI file, or one of ours.
 
+use super::crossover::CLOSED_M;
 use super::{Air, Scatterer};
 use crate::error::{Error, Result, finite};
 use crate::lidar::Receiver;
@@ -85,7 +86,7 @@ fn weather_point(point: [f32; 4], air: &Air, receiver: &Receiver, sensor_height_
     let threshold = receiver.threshold;
     let [x, y, z, intensity] = point.map(f64::from);
     let range_m = (x * x + y * y + z * z).sqrt();
-    if range_m < super::CLOSED_M {
+    if range_m < CLOSED_M {
         return (Fate::Kept, point);
     }
     let is_ground = (z + sensor_height_m).abs() < GROUND_TOLERANCE_M + GROUND_TOLERANCE_SHARE * range_m;

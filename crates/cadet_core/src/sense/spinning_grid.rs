@@ -7,7 +7,8 @@ use std::sync::Arc;
 use super::edges::EdgePlanes;
 use super::grid::{Beam, BeamGrid, Window, tangents_of_circle};
 use super::hits::Hits;
-use super::turret_table::{AZIMUTH_MARGIN, POLAR, SortedRow, TURN, Table, azimuth_of};
+use super::laser_ring::LaserRing;
+use super::spinning_table::{AZIMUTH_MARGIN, POLAR, SortedRow, TURN, Table, azimuth_of};
 use crate::error::{Error, Result, finite};
 use crate::geometry::{LANES, Lanes};
 use crate::math::{self, DPose3, DVec3, TAU, Vec3};
@@ -17,60 +18,35 @@ const BLOCK: usize = 32;
 /// Beams that are tested together.
 const EIGHT: usize = 8;
 
-/// One laser of a turret.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TurretRing {
-    /// Elevation of the beam over the horizon.
-    pub elevation_rad: f64,
-    /// Height of the laser's origin over the sensor's frame.
-    pub height_m: f64,
-    /// How far to the left of the axis the laser sits, as it looks: its beams pass the axis at this distance.
-    pub left_m: f64,
-}
-
-impl TurretRing {
-    /// A laser on the axis.
-    #[must_use]
-    pub fn on_axis(elevation_rad: f64, height_m: f64) -> Self {
-        Self { elevation_rad, height_m, left_m: 0.0 }
-    }
-
-    /// Where a beam with this heading (cosine and sine of its azimuth) starts, in the sensor's frame.
-    #[must_use]
-    pub fn origin_velo(&self, [cos, sin]: [f64; 2]) -> DVec3 {
-        DVec3::new(-self.left_m * sin, self.left_m * cos, self.height_m)
-    }
-}
-
 /// The farthest from the axis that a laser may sit.
 const MOST_LEFT_M: f64 = 0.5;
 
-/// A turret in the world: row = ring (in the order given), column = azimuth. Depth is the range from the laser's own
-/// origin ([`TurretRing::origin_velo`]).
+/// The beams of a spinning LIDAR in the world: row = ring (in the order given), column = azimuth. Depth is the range from the laser's own
+/// origin ([`LaserRing::origin_velo`]).
 #[derive(Debug, Clone)]
-pub struct TurretGrid {
+pub struct SpinningGrid {
     world_from_velo: DPose3,
     table: Arc<Table>,
 }
 
-impl TurretGrid {
-    /// A turret with these lasers, all firing at `azimuths_rad`: rising, in [0, 2 pi), counter-clockwise from x.
+impl SpinningGrid {
+    /// A LIDAR with these lasers, all firing at `azimuths_rad`: rising, in [0, 2 pi), counter-clockwise from x.
     ///
     /// # Errors
     /// [`Error::NotFinite`]; [`Error::OutOfRange`] for no ring or column, more than 65,535 of them, an elevation beyond
     /// 89 degrees, or azimuths that do not rise within one turn.
-    pub fn new(world_from_velo: DPose3, rings: &[TurretRing], azimuths_rad: &[f64]) -> Result<Self> {
+    pub fn new(world_from_velo: DPose3, rings: &[LaserRing], azimuths_rad: &[f64]) -> Result<Self> {
         Self::staggered(world_from_velo, rings, azimuths_rad, &vec![0.0; rings.len()])
     }
 
-    /// A turret whose rings each fire a little later in the turn: ring k at `azimuths_rad[j] + offsets_rad[k]`, with
+    /// A LIDAR whose rings each fire a little later in the turn: ring k at `azimuths_rad[j] + offsets_rad[k]`, with
     /// offsets of at least 0 that keep the last column inside the turn.
     ///
     /// # Errors
-    /// As [`TurretGrid::new`]; [`Error::Shape`] for another number of offsets than of rings.
+    /// As [`SpinningGrid::new`]; [`Error::Shape`] for another number of offsets than of rings.
     pub fn staggered(
         world_from_velo: DPose3,
-        rings: &[TurretRing],
+        rings: &[LaserRing],
         azimuths_rad: &[f64],
         offsets_rad: &[f64],
     ) -> Result<Self> {
@@ -119,21 +95,21 @@ impl TurretGrid {
         self.table.headings(ring)
     }
 
-    /// The same turret somewhere else; the tables are shared.
+    /// The same LIDAR somewhere else; the tables are shared.
     #[must_use]
     pub fn at(&self, world_from_velo: DPose3) -> Self {
         Self { world_from_velo, table: Arc::clone(&self.table) }
     }
 }
 
-/// Where a vertex falls on a turret's grid: the first of the rows that may pass through it, the first tick of the
+/// Where a vertex falls on the grid: the first of the rows that may pass through it, the first tick of the
 /// azimuth, and the ends of both counted down from `u16::MAX`. The bounds of several are the least of each number.
 ///
 /// A vertex near the axis or at the seam has all ticks: what it belongs to takes the slow path.
-pub type TurretFootprint = [u16; 4];
+pub type SpinningFootprint = [u16; 4];
 
-impl BeamGrid for TurretGrid {
-    type Footprint = TurretFootprint;
+impl BeamGrid for SpinningGrid {
+    type Footprint = SpinningFootprint;
 
     fn rows(&self) -> usize {
         self.table.rings.len()
@@ -292,7 +268,7 @@ impl BeamGrid for TurretGrid {
     }
 }
 
-impl TurretGrid {
+impl SpinningGrid {
     /// `base` is where the row begins among the beams, and among the headings.
     #[inline(always)]
     fn cast_row(&self, planes: &RowPlanes, base: [usize; 2], columns: &Range<usize>, hits: &mut Hits, ids: [u32; 2]) {
@@ -345,8 +321,8 @@ impl TurretGrid {
 
 /// The bounds of a triangle's corners: first row, end of rows, first tick, end of ticks.
 #[inline(always)]
-fn bounds_of([a, b, c]: &[TurretFootprint; 3]) -> [i32; 4] {
-    let least: TurretFootprint = std::array::from_fn(|i| a[i].min(b[i]).min(c[i]));
+fn bounds_of([a, b, c]: &[SpinningFootprint; 3]) -> [i32; 4] {
+    let least: SpinningFootprint = std::array::from_fn(|i| a[i].min(b[i]).min(c[i]));
     let [first, end, first_tick, end_tick] = least.map(i32::from);
     let most = i32::from(u16::MAX);
     [first, most - end, first_tick, most - end_tick]

@@ -1,7 +1,7 @@
-//! A turret's tables: which rows and columns may pass through a point or a triangle.
+//! The tables of a spinning LIDAR's beams: which rows and columns may pass through a point or a triangle.
 
 use super::grid::Window;
-use super::turret::TurretRing;
+use super::laser_ring::LaserRing;
 use crate::math::{self, Vec3};
 
 /// Error of the single-precision azimuth, in radians: its polynomial and the rounding of coordinates.
@@ -22,7 +22,7 @@ pub(super) const HALF_TURN: f32 = std::f32::consts::PI;
 /// What does not depend on the pose. "Sorted" rows run from the highest elevation to the lowest.
 #[derive(Debug)]
 pub(super) struct Table {
-    pub(super) rings: Vec<TurretRing>,
+    pub(super) rings: Vec<LaserRing>,
     /// Ring number of each sorted row.
     pub(super) ring_of_row: Vec<u32>,
     /// Tangent of the elevation, 1 / cosine of it, height: of each sorted row.
@@ -211,7 +211,7 @@ impl Ticks {
 }
 
 impl Table {
-    pub(super) fn new(rings: &[TurretRing], azimuths_rad: &[f64], offsets_rad: &[f64]) -> Self {
+    pub(super) fn new(rings: &[LaserRing], azimuths_rad: &[f64], offsets_rad: &[f64]) -> Self {
         let mut ring_of_row: Vec<u32> = (0..rings.len() as u32).collect();
         ring_of_row.sort_by(|a, b| rings[*b as usize].elevation_rad.total_cmp(&rings[*a as usize].elevation_rad));
         let rows: Vec<SortedRow> = ring_of_row

@@ -1,0 +1,65 @@
+//! A coarse map of how far beams have come, which tells what is hidden.
+
+use super::grid::{BeamGrid, Window};
+
+/// Columns of a block.
+const BLOCK: usize = 16;
+
+/// For each [`BLOCK`] beams of a row a depth that none of them exceeds: it answers most questions about what is hidden
+/// without a look at the beams. Depths only shrink, so a bound from before still holds.
+#[derive(Debug)]
+pub(super) struct FarthestOfBlocks {
+    per_row: usize,
+    bounds: Vec<f32>,
+}
+
+impl FarthestOfBlocks {
+    /// Bounds that always hold.
+    pub(super) fn new(rows: usize, columns: usize) -> Self {
+        let per_row = columns.div_ceil(BLOCK);
+        Self { per_row, bounds: vec![f32::INFINITY; rows * per_row] }
+    }
+
+    /// True if all beams of the window have met something nearer than `near_depth`.
+    #[inline(always)]
+    pub(super) fn hides<G: BeamGrid>(&mut self, grid: &G, depths: &[f32], window: &Window, near_depth: f32) -> bool {
+        let columns = grid.columns();
+        let (first, last) = (window.columns.start / BLOCK, window.columns.end.saturating_sub(1) / BLOCK);
+        for row in window.rows.clone() {
+            let row_start = grid.row_start(row);
+            let row_depths = &depths[row_start..row_start + columns];
+            let bounds = &mut self.bounds[row_start / columns * self.per_row..][..self.per_row];
+            for block in first..=last {
+                let bound = &mut bounds[block];
+                if *bound < near_depth {
+                    continue;
+                }
+                let (from, to) = (block * BLOCK, ((block + 1) * BLOCK).min(columns));
+                *bound = farthest(&row_depths[from..to]);
+                if *bound >= near_depth {
+                    let inside = &row_depths[from.max(window.columns.start)..to.min(window.columns.end)];
+                    for depth in inside {
+                        if *depth >= near_depth {
+                            return false;
+                        }
+                    }
+                }
+            }
+        }
+        true
+    }
+}
+
+#[inline(always)]
+fn farthest(depths: &[f32]) -> f32 {
+    let larger = |a: f32, b: f32| if a > b { a } else { b };
+    if let Ok(block) = <&[f32; BLOCK]>::try_from(depths) {
+        let mut most = [0.0_f32; 8];
+        for i in 0..8 {
+            most[i] = larger(block[i], block[i + 8]);
+        }
+        let four: [f32; 4] = std::array::from_fn(|i| larger(most[i], most[i + 4]));
+        return larger(larger(four[0], four[2]), larger(four[1], four[3]));
+    }
+    depths.iter().copied().fold(0.0, larger)
+}
