@@ -18,6 +18,7 @@ else:
     import tomli as tomllib
 
 ROOT = Path(__file__).parents[1]
+PAGES = sorted(str(page.relative_to(ROOT)) for folder in (ROOT, ROOT / "docs") for page in folder.glob("*.md"))
 
 
 def test_every_page_is_linked_and_every_link_leads_somewhere() -> None:
@@ -25,6 +26,26 @@ def test_every_page_is_linked_and_every_link_leads_somewhere() -> None:
     assert {f"docs/{page.name}" for page in (ROOT / "docs").glob("*.md")} <= links
     for link in links:
         assert re.match(r"https?://", link) or (ROOT / link).exists(), link
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_links_of_a_page_lead_somewhere(page: str) -> None:
+    text = (ROOT / page).read_text()
+    for link in re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", text):
+        assert re.match(r"https?://", link) or (ROOT / page).parent.joinpath(link).exists(), link
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_a_page_names_no_source_that_readers_lack(page: str) -> None:
+    """A name such as `lidar/response.rs` may leave out the leading folders."""
+    sources = [
+        f"/{path.relative_to(ROOT)}"
+        for folder in ("benches", "crates", "python", "tests")
+        for path in (ROOT / folder).rglob("*")
+        if path.suffix in (".py", ".rs")
+    ]
+    for name in re.findall(r"`([\w./]+\.(?:py|rs))`", (ROOT / page).read_text()):
+        assert any(source.endswith(f"/{name}") for source in sources), name
 
 
 def test_every_extra_is_used() -> None:
