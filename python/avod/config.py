@@ -223,6 +223,10 @@ class SecondStageConfig:
     """Height that proposals, put on the ground, have when the second stage looks at them: each of its crops then shows
     the same part of the vertical, and it regresses bottoms and heights from there. 0 keeps the first stage's bottoms
     and heights, as AVOD does: the second stage then corrects errors that its crops do not show."""
+    height_cells: int = 0
+    """Parts along each side of a proposal, seen from above, whose points' greatest heights join the crops, with the
+    greatest of all. 0 in AVOD, whose crops hold heights as features of many cells: a short training hardly learns a
+    car's height from them."""
     truth_proposals: int = 0
     """Copies of each true box, moved and scaled a little, that join the proposals in training: with them the second
     stage learns before the first finds objects. Faster R-CNN's implementations add the boxes as they are."""
@@ -234,6 +238,8 @@ class SecondStageConfig:
     """... and those that overlap one by more than this carry its class."""
     regression_weight: float = 5.0
     """Of the box loss against the class loss."""
+    vertical_weight: float = 1.0
+    """Of bottom and top in the box loss, against 1 of each of the corners' eight coordinates; 1 in AVOD."""
     orientation_weight: float = 1.0
     """Of the loss of the angle vector."""
 
@@ -246,11 +252,12 @@ class SecondStageConfig:
         check_number("SecondStageConfig", "dropout_keep", self.dropout_keep, 0.01, 1)
         check_number("SecondStageConfig", "batch_size", self.batch_size, 2, whole=True)
         check_number("SecondStageConfig", "proposal_height_m", self.proposal_height_m, 0, 20)
+        check_number("SecondStageConfig", "height_cells", self.height_cells, 0, 16, whole=True)
         check_number("SecondStageConfig", "truth_proposals", self.truth_proposals, 0, 1024, whole=True)
         check_number("SecondStageConfig", "truth_steps", self.truth_steps, 0, whole=True)
         for name in ("negative_iou", "positive_iou"):
             check_number("SecondStageConfig", name, getattr(self, name), 0, 1)
-        for name in ("regression_weight", "orientation_weight"):
+        for name in ("regression_weight", "vertical_weight", "orientation_weight"):
             check_number("SecondStageConfig", name, getattr(self, name), 0)
         _check_order("SecondStageConfig", self.negative_iou, self.positive_iou)
 
@@ -361,6 +368,8 @@ class Config:
         names = self.class_names
         if not names or len(set(names)) < len(names):
             raise CadetError(f"Config.classes: expected at least one, each once, got {list(names)}")
+        if self.second_stage.height_cells and "max_height" not in (*self.bev.slice_maps, *self.bev.cloud_maps):
+            raise CadetError("Config.second_stage.height_cells: expected 0 where no map holds max_height")
         stride = self.extractor.stride
         _, rows, columns = self.bev.shape
         for name, size in (("image.size[0]", self.image.size[0]), ("bev.x_m: cells", columns)):

@@ -13,6 +13,7 @@ from torch import Tensor, nn
 from avod.config import Config
 from avod.data.sample import Sample
 from avod.geometry.encoding import anchors_from_offsets, standing_anchors
+from avod.geometry.height_profile import cell_tops, height_profiles
 from avod.geometry.projection import bev_boxes, ground_boxes, image_boxes
 from avod.model.layers import Convolution, Head
 from avod.model.path_drop import detection_masks, draw_masks, fuse
@@ -91,8 +92,9 @@ class AvodNetwork(nn.Module):
         hidden = (rpn.hidden, rpn.hidden)
         self.anchor_classifier = Head(rpn.crop_size**2, hidden, (2,), rpn.dropout_keep)
         self.anchor_regressor = Head(rpn.crop_size**2, hidden, (_NUM_ANCHOR_OFFSETS,), rpn.dropout_keep)
+        num_heights = second.height_cells**2 + 1 if second.height_cells else 0
         self.second_stage = Head(
-            width * second.crop_size**2,
+            width * second.crop_size**2 + num_heights,
             second.hidden,
             (len(config.classes) + 1, _NUM_BOX_OFFSETS, _NUM_VECTOR),
             second.dropout_keep,
@@ -170,7 +172,12 @@ class AvodNetwork(nn.Module):
     def _judge_proposals(
         self, sample: Sample, features: FrameFeatures, proposals: Tensor, masks: tuple[float, float]
     ) -> tuple[Tensor, Tensor, Tensor]:
-        crops = self._crops(sample, proposals, features.image, features.bev, masks, self.config.second_stage.crop_size)
+        second = self.config.second_stage
+        crops = self._crops(sample, proposals, features.image, features.bev, masks, second.crop_size)
+        if second.height_cells:
+            tops_m = cell_tops(sample.bev, self.config.bev)
+            heights = height_profiles(tops_m, proposals.detach(), self.config.bev, second.height_cells)
+            crops = torch.cat([crops, heights * float(masks[1] > 0.0)], dim=1)
         with self._arithmetic(crops):
             outputs = self.second_stage(crops)
         logits, offsets, vectors = (output.to(crops.dtype) for output in outputs)
