@@ -134,7 +134,8 @@ class Scene:
         """Make a scene without traffic, the ego at the start of a lane, to script.
 
         Args:
-            map: an OpenDRIVE file; None is a plain square with a straight road along x.
+            map: an OpenDRIVE file; None is a level square of 400 m with a road of two lanes along x between lawns. The
+                ego stands at the origin, in the right lane.
             weather: a preset of `weather_names()`.
             rig: the sensors; `Rig.kitti()` if None.
             config: its `label` says what gets a label.

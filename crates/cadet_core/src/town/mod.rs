@@ -3,6 +3,7 @@
 mod belt;
 mod dressing;
 mod face_index;
+mod flat_road;
 mod frontage;
 mod garden;
 mod ground;
@@ -111,10 +112,12 @@ impl Town {
         Self::dressed(key, map_name, load_map(map_name, xodr_text)?, dressing)
     }
 
-    /// A flat square of asphalt of 400 m, with no lanes and nothing on it: for tests and scripted scenes.
+    /// A flat square of 400 m, with no lanes and nothing on it: for tests and scripted scenes. Wheels may go anywhere;
+    /// for the sensors it is a road along x between lawns.
     #[must_use]
     pub fn flat() -> Self {
-        let ground = Ground::flat(200.0);
+        let mut ground = Ground::flat(200.0);
+        ground.tiles = flat_road::tiles(200.0);
         Self {
             name: "flat".to_owned(),
             network: RoadNetwork::default(),
