@@ -12,6 +12,7 @@ mod ground_palette;
 mod ground_region;
 mod height_field;
 mod kerbside;
+mod map_warnings;
 mod network;
 mod occupancy;
 mod opendrive;
@@ -33,7 +34,7 @@ pub use dressing::DressingConfig;
 pub use ground::{Ground, GroundKind};
 pub use kerbside::parking_spots;
 pub use network::{Lane, LaneId, LaneKind, RoadNetwork};
-pub use opendrive::load as load_map;
+pub use opendrive::{load as load_map, load_with_warnings as load_map_with_warnings};
 pub use roughness::Roughness;
 pub use suburb::{Suburb, SuburbConfig, generate as generate_suburb};
 pub use walkway::walkways;
@@ -91,6 +92,8 @@ pub struct Town {
     pub parking: Vec<ParkingSpot>,
     /// Where people walk.
     pub walkways: Vec<Walkway>,
+    /// What the map's reader passed over, a line each that names map and road.
+    pub map_warnings: Vec<String>,
 }
 
 impl Town {
@@ -109,7 +112,8 @@ impl Town {
     /// [`crate::Error::Map`] where the text is no map or has no street; [`crate::Error::OutOfRange`] for a dressing
     /// outside its documented limits.
     pub fn from_opendrive(key: &StreamKey, map_name: &str, xodr_text: &str, dressing: &DressingConfig) -> Result<Self> {
-        Self::dressed(key, map_name, load_map(map_name, xodr_text)?, dressing)
+        let (network, map_warnings) = load_map_with_warnings(map_name, xodr_text)?;
+        Ok(Self { map_warnings, ..Self::dressed(key, map_name, network, dressing)? })
     }
 
     /// A flat square of 400 m, with no lanes and nothing on it: for tests and scripted scenes. Wheels may go anywhere;
@@ -125,6 +129,7 @@ impl Town {
             ground,
             parking: Vec::new(),
             walkways: Vec::new(),
+            map_warnings: Vec::new(),
         }
     }
 
@@ -138,6 +143,6 @@ impl Town {
         let mut parking = parking_spots(&network, &ground, key);
         parking.append(&mut dressing.drives);
         let walkways = walkways(&ground);
-        Ok(Self { name: name.to_owned(), network, ground, scenery, parking, walkways })
+        Ok(Self { name: name.to_owned(), network, ground, scenery, parking, walkways, map_warnings: Vec::new() })
     }
 }
