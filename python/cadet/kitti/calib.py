@@ -193,14 +193,15 @@ class Calibration:
 
         Returns:
             (N, 2) float64 [u, v] in pixels, (0, 0) the centre of the top-left pixel; NaN for points in or behind
-            camera 2's own plane, which have no image.
+            camera 2's own plane, which have no image. Not finite for points beyond what float64 holds in pixels.
 
         Raises:
             ShapeError: fewer than three columns.
         """
-        homogeneous = _transform(self.P2, points_cam, "points_cam")
-        depth = np.where(homogeneous[:, 2] > 0.0, homogeneous[:, 2], np.nan)
-        points_img: NDArray[np.float64] = homogeneous[:, :2] / depth[:, None]
+        with np.errstate(over="ignore", invalid="ignore"):
+            homogeneous = _transform(self.P2, points_cam, "points_cam")
+            depth = np.where(homogeneous[:, 2] > 0.0, homogeneous[:, 2], np.nan)
+            points_img: NDArray[np.float64] = homogeneous[:, :2] / depth[:, None]
         return points_img
 
 
