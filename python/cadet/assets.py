@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import json
 import math
@@ -251,6 +252,10 @@ def _read_text(path: Path, missing: str) -> str:
         # Comments in any encoding do no harm; numbers and keywords are ASCII.
         return path.read_bytes().decode("utf-8", errors="replace")
     except (FileNotFoundError, IsADirectoryError, NotADirectoryError):
+        raise MissingFileError(missing) from None
+    except OSError as error:
+        if error.errno != errno.ENAMETOOLONG:
+            raise
         raise MissingFileError(missing) from None
 
 
