@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from cadet import CadetWarning, Environment, Scene
+from cadet import Assets, CadetWarning, Environment, Scene
 from cadet.notices import notice
+from obj_meshes import assets_folder
 from test_generate import FINE, SIZE, run
 
 pytestmark = pytest.mark.usefixtures("fake_core")
@@ -57,3 +58,15 @@ def test_cadet_gen_prints_a_maps_losses_in_one_line_however_many_workers_read_it
     done = run(tmp_path / "out", "-n", 60, *SIZE, "--map", lossy, "--workers", 2)
     assert done.returncode == FINE, done.stderr
     assert [line for line in done.stderr.splitlines() if "lossy" in line] == [f"cadet-gen: warning: {LINE}"]
+
+
+def test_meshes_that_say_too_little_are_warned_of_at_the_callers_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("cadet._cadet.Assets.assumptions", lambda self: ["car.obj: glass is assumed"])
+    own = assets_folder(tmp_path / "own")
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        Assets.read(own)
+        Scene.empty(assets=Assets.read(own))
+    assert [(str(warning.message), warning.filename) for warning in caught] == [("car.obj: glass is assumed", __file__)]

@@ -5,11 +5,10 @@ from __future__ import annotations
 import sys
 import warnings
 from collections.abc import Hashable, Iterable
-from pathlib import Path
 
 from cadet.errors import CadetWarning
 
-_PACKAGE = str(Path(__file__).parent)
+_PACKAGE = __name__.split(".")[0]
 _said: set[tuple[str, Hashable]] = set()
 
 
@@ -24,6 +23,7 @@ def notice(lines: Iterable[str], about: Hashable) -> None:
 def _level_outside() -> int:
     """Return the stack level, as `notice` counts it, of the first caller outside of this package."""
     level, frame = 1, sys._getframe(1)
-    while frame.f_back is not None and frame.f_code.co_filename.startswith(_PACKAGE):
+    # By the module's name, since the constructors that dataclasses write have no file.
+    while frame.f_back is not None and str(frame.f_globals.get("__name__")).split(".")[0] == _PACKAGE:
         level, frame = level + 1, frame.f_back
     return level
