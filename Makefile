@@ -11,7 +11,8 @@ DEMO := demo
 # What the development tools are installed with: avod brings torch, some gigabytes. WITHOUT_AVOD leaves both out.
 EXTRAS = dev$(if $(WITHOUT_AVOD),,$(comma)avod)
 comma := ,
-DEVELOP = VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/maturin develop --release --locked
+# maturin's pip tells of every dependency that it leaves out; errors are shown all the same.
+DEVELOP = PIP_QUIET=1 PIP_DISABLE_PIP_VERSION_CHECK=1 VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/maturin develop --release --locked
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 
 # One interpreter for maturin, clippy and the tests, so that the bindings are compiled once.

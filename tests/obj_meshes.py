@@ -41,7 +41,7 @@ def wall_obj() -> str:
 
 
 CAR = '[[vehicle]]\nname = "mine"\nclass = "Car"\nmesh = "meshes/car.obj"\n'
-WALL = '[[vehicle]]\nname = "wall"\nclass = "Truck"\nmesh = "meshes/wall.obj"\n'
+WALL = '[[vehicle]]\nname = "wall"\nclass = "Truck"\nmesh = "meshes/wall.obj"\nmaterials.glass = []\n'
 
 
 def assets_folder(root: Path, toml: str = CAR) -> Path:

@@ -111,6 +111,7 @@ BAD: list[tuple[Callable[[Path], None], str]] = [
     (_toml('"mine"', "[1]"), "assets.toml: vehicle [1].name: expected"),
     (_toml('"Car"', '"Tank"'), "assets.toml: vehicle 'mine'.class: expected one of Car, Van, Truck, got 'Tank'"),
     (_toml('"meshes/car.obj"', "7"), "assets.toml: vehicle 1.mesh: expected the path of an OBJ file, got 7"),
+    (_toml("meshes/car", "c" * 300), f"assets.toml: vehicle 1: no mesh '{'c' * 300}.obj'"),
     (_toml("meshes/car", "car"), "assets.toml: vehicle 1: no mesh 'car.obj'"),
     (_toml("meshes/car.obj", "meshes"), "assets.toml: vehicle 1: no mesh 'meshes'"),
     (_toml("meshes", "../meshes"), "assets.toml: vehicle 1.mesh: '../meshes/car.obj' leads out of the folder"),

@@ -10,6 +10,7 @@ from cadet.config import LabelConfig, SceneConfig
 from cadet.environment import Environment
 from cadet.errors import (
     CadetError,
+    CadetWarning,
     FrameExistsError,
     KittiFormatError,
     MissingFileError,
@@ -32,6 +33,7 @@ __all__ = [
     "BeamTable",
     "BevConfig",
     "CadetError",
+    "CadetWarning",
     "Calibration",
     "Camera",
     "Detections",

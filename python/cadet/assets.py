@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import json
 import math
@@ -15,6 +16,7 @@ from typing import Any
 from cadet import _cadet
 from cadet.checks import as_pairs, as_path, as_tuple, check_kind, check_number, check_text, is_one_of, make_plain, shown
 from cadet.errors import CadetError, MissingFileError
+from cadet.notices import notice
 from cadet.plain_text import toml_from_text
 from cadet.summary import counts, summary
 
@@ -141,7 +143,7 @@ class Assets:
             if names.count(name) > 1:
                 raise CadetError(f"assets: two vehicles are named {name!r}")
         # Bad meshes are refused here rather than in the middle of a run.
-        self.to_native()
+        notice(self.to_native().assumptions(), about=tuple(vehicle.sha256 for vehicle in self.vehicles))
 
     @classmethod
     def read(cls, folder: str | Path) -> Assets:
@@ -250,6 +252,10 @@ def _read_text(path: Path, missing: str) -> str:
         # Comments in any encoding do no harm; numbers and keywords are ASCII.
         return path.read_bytes().decode("utf-8", errors="replace")
     except (FileNotFoundError, IsADirectoryError, NotADirectoryError):
+        raise MissingFileError(missing) from None
+    except OSError as error:
+        if error.errno != errno.ENAMETOOLONG:
+            raise
         raise MissingFileError(missing) from None
 
 

@@ -104,7 +104,9 @@ def project_boxes(boxes_cam: NDArray[Any], calib: Calibration) -> NDArray[np.flo
     """
     _check_calib(calib)
     corners = corners_cam(boxes_cam)
-    starts, ends = clip_segments(corners[:, [a for a, _ in EDGES]], corners[:, [b for _, b in EDGES]])
+    # What is too far away for a number becomes NaN at the end.
+    with np.errstate(over="ignore", invalid="ignore"):
+        starts, ends = clip_segments(corners[:, [a for a, _ in EDGES]], corners[:, [b for _, b in EDGES]])
     ends_cam = np.concatenate([starts, ends], axis=1)
     points_img = calib.project(ends_cam.reshape(-1, 3)).reshape(*ends_cam.shape[:2], 2)
     is_cut_off = np.isnan(points_img[..., :1])

@@ -13,6 +13,7 @@ from cadet.errors import CadetError
 from cadet.frame import Frame
 from cadet.kitti import Calibration, Label
 from cadet.kitti.calib import is_at_zero_depth
+from cadet.notices import notice
 from cadet.policy import EpisodeSpec, ResetPolicy
 
 
@@ -22,7 +23,7 @@ def build_scene(spec: EpisodeSpec) -> _cadet.Scene:
     Raises:
         CadetError: a map that can't be read or driven.
     """
-    return _cadet.Scene.random(
+    scene = _cadet.Scene.random(
         spec.seed,
         spec.episode,
         spec.attempt,
@@ -33,6 +34,9 @@ def build_scene(spec: EpisodeSpec) -> _cadet.Scene:
         config=spec.config.to_native(spec.rig.camera.image_scale),
         assets=None if spec.assets is None else spec.assets.to_native(),
     )
+    if spec.road_map is not None:
+        notice(scene.map_warnings(), about=spec.road_map)
+    return scene
 
 
 def frame_from_native(captured: dict[str, Any], extra_meta: dict[str, Any]) -> Frame:

@@ -7,6 +7,10 @@ class CadetError(Exception):
     """Anything wrong with what the user gave: one line naming the file, the line and the reason."""
 
 
+class CadetWarning(UserWarning):
+    """Something that was passed over or assumed, and that the user may want to mend."""
+
+
 class InternalError(CadetError):
     """An error of cadet's own, which the user can't mend; its message asks for a report.
 

@@ -16,6 +16,7 @@ from cadet.checks import as_seed, check_flag, check_kind, check_number, check_te
 from cadet.config import SceneConfig
 from cadet.episode import Episode, frame_from_native
 from cadet.frame import Frame
+from cadet.notices import notice
 from cadet.policy import ResetPolicy, choose_policy, draw_with
 from cadet.rig import Lidar, Rig
 from cadet.road_map import RoadMap
@@ -134,7 +135,8 @@ class Scene:
         """Make a scene without traffic, the ego at the start of a lane, to script.
 
         Args:
-            map: an OpenDRIVE file; None is a plain square with a straight road along x.
+            map: an OpenDRIVE file; None is a level square of 400 m with a road of two lanes along x between lawns. The
+                ego stands at the origin, in the right lane.
             weather: a preset of `weather_names()`.
             rig: the sensors; `Rig.kitti()` if None.
             config: its `label` says what gets a label.
@@ -158,6 +160,8 @@ class Scene:
             config=config.to_native(rig.camera.image_scale),
             assets=None if own is None else own.to_native(),
         )
+        if road_map is not None:
+            notice(native.map_warnings(), about=road_map)
         return cls(native)
 
     def __repr__(self) -> str:

@@ -80,6 +80,21 @@ def test_splits_choose_frames(folders: tuple[Path, Path], tmp_path: Path) -> Non
         cadet.evaluate(gt, det, split=lists / "train.txt")
 
 
+def test_the_test_split_is_read_from_testing(folders: tuple[Path, Path], tmp_path: Path) -> None:
+    gt, det = folders
+    ids = [f"{index:06d}" for index in range(40, 50)]
+    (tmp_path / "testing" / "label_2").mkdir(parents=True)
+    (tmp_path / "ImageSets").mkdir()
+    (tmp_path / "ImageSets" / "test.txt").write_text("\n".join(ids))
+    (tmp_path / "ImageSets" / "val.txt").write_text("000003")
+    for frame_id in ids:
+        (gt / f"{frame_id}.txt").rename(tmp_path / "testing" / "label_2" / f"{frame_id}.txt")
+    expected = cadet.evaluate({i: GT[int(i)] for i in ids}, {i: DET[int(i)] for i in ids})
+    assert cadet.evaluate(tmp_path, det, split="test") == expected
+    assert cadet.evaluate(tmp_path / "testing", det, split="test") == expected
+    assert cadet.evaluate(tmp_path, det, split="val").num_frames == 1
+
+
 def test_a_result_without_labels_is_refused(folders: tuple[Path, Path]) -> None:
     gt, det = folders
     (gt / "000007.txt").unlink()

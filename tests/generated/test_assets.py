@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import re
+import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from unittest.mock import ANY
 
 import numpy as np
 import pytest
@@ -15,7 +17,7 @@ import cadet
 from cadet.boxes import points_in_boxes
 from cadet.cli import run_cadet_gen
 from cadet.kitti.lint import lint
-from obj_meshes import CAR, assets_folder
+from obj_meshes import CAR, Block, assets_folder, obj_of
 from sensed import sense
 
 MESHES = Path(__file__).resolve().parents[3] / "shared" / "meshes"
@@ -53,7 +55,10 @@ def real_assets(root: Path) -> Path:
 
 @pytest.fixture(scope="module")
 def real(tmp_path_factory: pytest.TempPathFactory) -> cadet.Assets:
-    return cadet.Assets.read(real_assets(tmp_path_factory.mktemp("real") / "own"))
+    with warnings.catch_warnings():
+        # Three of them name no panes.
+        warnings.simplefilter("ignore", cadet.CadetWarning)
+        return cadet.Assets.read(real_assets(tmp_path_factory.mktemp("real") / "own"))
 
 
 def gen(*arguments: object) -> None:
@@ -124,7 +129,9 @@ def test_a_mesh_drives_parks_and_is_labelled(tmp_path: Path) -> None:
     assert inside >= 0.98 * total
 
 
-@pytest.mark.parametrize(("materials", "is_clear"), [("", True), ("materials.interior = ['Glass']", False)])
+@pytest.mark.parametrize(
+    ("materials", "is_clear"), [("", True), ("materials.interior = ['Glass']\nmaterials.glass = []", False)]
+)
 def test_panes_let_both_sensors_through(materials: str, is_clear: bool, tmp_path: Path) -> None:
     own = assets_folder(tmp_path / "own", CAR + materials)
     images = []
@@ -245,3 +252,27 @@ def test_boxes_of_real_meshes_contain_their_points(real: cadet.Assets) -> None:
     assert len(met) >= 3, met
     assert total > 1500
     assert inside >= 0.98 * total
+
+
+def test_beams_and_the_camera_look_through_panes_that_are_assumed(tmp_path: Path) -> None:
+    blocks: list[Block] = [("Body", (-2.0, -0.85, 0.2), (2.0, 0.85, 0.9)), ("Body", (-1.6, -0.8, 0.9), (0.9, 0.8, 1.5))]
+    deep, inner = {}, {}
+    for name, glass in (("closed", "materials.glass = []\n"), ("open", "")):
+        own = assets_folder(tmp_path / name, CAR + glass)
+        (own / "meshes" / "car.obj").write_text(obj_of(blocks))
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            scene = cadet.Scene.empty(assets=own)
+        said = [str(warning.message) for warning in caught]
+        assert [text.split(": ")[:2] for text in said] == ([["meshes/car.obj", ANY]] if name == "open" else [])
+        car = scene.add("car", x=10.0, y=0.0, yaw=1.5, model="mine")
+        lidar = cadet.Lidar.hdl64e_kitti()
+        scan, ideal = scene.scan(lidar), scene.scan(lidar, ideal=True)
+        columns = lidar.beam_table().num_columns
+        range_m = np.full(len(ideal.range_m), np.nan)
+        range_m[scan.ring * columns + scan.column] = scan.range_m
+        deep[name] = int((range_m - ideal.range_m > 0.15)[ideal.actor_id == car].sum())
+        inner[name] = scene.capture().image.astype(float)
+    assert deep["closed"] == 0 and deep["open"] > 30, deep
+    changed = np.abs(inner["open"] - inner["closed"]).max(axis=2) > 15
+    assert changed.sum() > 500, "panes show what is behind them"

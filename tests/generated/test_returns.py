@@ -129,7 +129,7 @@ def test_signs_overflow_the_receiver_from_the_front_alone(points: dict[str, NDAr
 
 
 def test_windows_swallow_beams_and_interiors_return_some() -> None:
-    """Beams that meet the windows' band of a car; on a plane, so that what goes through comes back from the ground."""
+    """Beams that meet the windows' band of a car; what goes through both sides comes back from the lawn or the road."""
     lidar = cadet.Lidar.hdl64e_kitti()
     origins, directions, _, _ = lidar.rays()
     columns = lidar.beam_table().num_columns
@@ -151,7 +151,8 @@ def test_windows_swallow_beams_and_interiors_return_some() -> None:
     body, windows = fates / fates.sum(axis=1, keepdims=True)
     lost, surface, interior, behind = windows
     assert body[1] > 0.85 and body[2] + body[3] < 0.03, body
-    assert surface < 0.5 and 0.15 <= interior <= 0.6 and 0.1 <= lost <= 0.5 and behind <= 0.15, windows
+    # A lawn, which is twice as bright as asphalt at 905 nm, returns more of the beams that have lost most in two panes.
+    assert surface < 0.5 and 0.15 <= interior <= 0.6 and 0.1 <= lost <= 0.5 and behind <= 0.18, windows
 
 
 @needs_kitti

@@ -150,6 +150,35 @@ def test_points_in_boxes_are_ours(root: Path) -> None:
     assert num_boxes > 0
 
 
+def test_upright_boxes_differ_from_ours_by_the_calibrations_tilt_alone(root: Path) -> None:
+    """MMDetection3D takes boxes into the LIDAR's frame by place and heading, and drops the camera's tilt."""
+    num_ours = num_theirs = 0
+    for frame_id, info, frame in infos(root, "trainval"):
+        velo_from_cam = frame.calib.velo_from_cam
+        tilt_rad = np.arccos(-velo_from_cam[2, 1])
+        points_velo = info.points_velo[:, :3].astype(float)
+        points_cam = frame.calib.points_cam_from_velo(points_velo)
+        for x, y, z, length, width, height, rotation_y in info.boxes_cam:
+            half = np.array([length, width, height]) / 2
+            place_velo = velo_from_cam[:3, :3] @ [x, y, z] + velo_from_cam[:3, 3]
+            outside = []
+            for points, place, heading, axes, up in (
+                (points_cam, [x, y, z], rotation_y, (0, 2, 1), -1.0),
+                (points_velo, place_velo, -rotation_y - np.pi / 2, (0, 1, 2), 1.0),
+            ):
+                along, across, above = (points - place)[:, axes].T
+                turn = heading * up
+                forward = np.cos(turn) * along + np.sin(turn) * across
+                left = -np.sin(turn) * along + np.cos(turn) * across
+                own = np.stack([forward, left, up * above - height / 2], axis=1)
+                outside.append((np.abs(own) - half).max(axis=1))
+            ours, theirs = (distance_m <= 0 for distance_m in outside)
+            limit_m = 2.0 * tilt_rad * np.linalg.norm(half) + 1e-3
+            assert (np.abs(outside[0][ours != theirs]) < limit_m).all(), frame_id
+            num_ours, num_theirs = num_ours + int(ours.sum()), num_theirs + int(theirs.sum())
+    assert 0.94 * num_ours < num_theirs < 1.02 * num_ours, (num_theirs, num_ours)
+
+
 def difficulty(info: Info, least_px: tuple[float, float, float], extra_px: float) -> list[int]:
     """0 easy, 1 moderate, 2 hard, -1 none: each object's first level that takes it."""
     found = []

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from cadet.boxes import project_boxes
 from cadet.errors import KittiFormatError, NonFiniteError, ShapeError
 from cadet.kitti import Calibration, points_in_image
 from synthetic import make_calib
@@ -116,6 +117,14 @@ def test_project_uses_the_fourth_column_and_has_no_image_of_what_is_behind() -> 
     depth = 10.0 + 0.003
     assert points_img[0] == pytest.approx([(360.0 + 3095.0 + 23.0) / depth, (180.0 + 900.0 + 0.1) / depth])
     assert np.isnan(points_img[1]).all()
+
+
+def test_points_too_far_away_for_a_number_have_no_image_and_no_warning() -> None:
+    far = np.array([[-1000.0, -1000.0, 1e308], [1e308, 0.0, 1e308], [1e308, 1e308, 1.0]])
+    assert not np.isfinite(make_calib().project(far)[1:]).all(axis=1).any()
+    assert not points_in_image(far[1:], make_calib(), (1242, 375)).any()
+    boxes_cam = np.array([[-1000.0, -1000.0, 1e308, 3.9, 1.6, 1.5, 0.0]])
+    assert project_boxes(boxes_cam, make_calib()).shape == (1, 4)
 
 
 def test_points_need_three_columns() -> None:

@@ -143,10 +143,10 @@ impl Scene {
         })
     }
 
-    /// The map's name.
+    /// The place, its map's name and what its map's reader passed over.
     #[must_use]
-    pub fn map_name(&self) -> &str {
-        &self.world.town().name
+    pub fn town(&self) -> &Town {
+        self.world.town()
     }
 
     /// The weather.

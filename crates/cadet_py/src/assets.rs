@@ -30,6 +30,11 @@ impl Assets {
         let models = self.vehicles.models().iter();
         models.map(|m| (m.name.clone(), m.class.kitti_name(), m.size_lwh.to_array())).collect()
     }
+
+    /// What was assumed of meshes that say too little of their materials, a line each.
+    fn assumptions(&self) -> Vec<String> {
+        self.vehicles.assumptions().to_vec()
+    }
 }
 
 fn vehicle(dict: &Bound<'_, PyDict>) -> PyResult<VehicleAsset> {

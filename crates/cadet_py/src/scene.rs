@@ -81,6 +81,11 @@ impl Scene {
         Ok(Self { inner: Mutex::new(inner) })
     }
 
+    /// What the map's reader passed over, a line each.
+    fn map_warnings(&self, py: Python<'_>) -> Result<Vec<String>, BorderError> {
+        self.with(py, |scene| Ok(scene.town().map_warnings.clone()))
+    }
+
     #[getter]
     fn time_s(&self, py: Python<'_>) -> Result<f64, BorderError> {
         self.with(py, |scene| Ok(scene.time_s()))
@@ -245,7 +250,7 @@ impl Facts {
             width: rig.camera.width,
             height: rig.camera.height,
             calibration: rig.camera.calibration.clone(),
-            map: scene.map_name().to_owned(),
+            map: scene.town().name.clone(),
             weather: weather.name.to_string(),
             sun_elevation_rad: weather.sun_elevation_rad,
             sun_azimuth_rad: weather.sun_azimuth_rad,

@@ -9,13 +9,14 @@ from __future__ import annotations
 import os
 import sys
 import traceback
+import warnings
 from pathlib import Path
-from typing import NoReturn
+from typing import NoReturn, TextIO
 
 import click
 
 from cadet.cli.signals import INTERRUPTED, exit_code, how_ended
-from cadet.errors import CadetError, InternalError
+from cadet.errors import CadetError, CadetWarning, InternalError
 
 FAILED = 2
 UNFORESEEN = 70
@@ -26,6 +27,7 @@ _MAX_MESSAGE = 2000
 
 def run(command: click.Command, name: str) -> NoReturn:
     """Run a command: 0 if it went well, 2 with one line on stderr if not, 70 after a bug, 130 after Ctrl-C."""
+    _show_warnings(name)
     try:
         code = command.main(prog_name=name, standalone_mode=False)
     except click.exceptions.NoArgsIsHelpError as error:
@@ -54,6 +56,27 @@ def run(command: click.Command, name: str) -> NoReturn:
     sys.exit(code if isinstance(code, int) else 0)
 
 
+def _show_warnings(name: str) -> None:
+    """Print cadet's own warnings as lines of the command."""
+    usual = warnings.showwarning
+
+    def show(
+        message: Warning | str,
+        category: type[Warning],
+        filename: str,
+        lineno: int,
+        file: TextIO | None = None,
+        line: str | None = None,
+    ) -> None:
+        if issubclass(category, CadetWarning):
+            _write(name, f"warning: {message}")
+        else:
+            usual(message, category, filename, lineno, file, line)
+
+    warnings.showwarning = show
+    warnings.simplefilter("always", CadetWarning)
+
+
 def _what_happened(error: BaseException) -> str:
     """Name an error and the place where it was raised."""
     frames = traceback.extract_tb(error.__traceback__)
@@ -64,10 +87,14 @@ def _what_happened(error: BaseException) -> str:
 def _fail(name: str, message: str, code: int = FAILED) -> NoReturn:
     if os.environ.get(TRACEBACK, "0") not in ("", "0"):
         traceback.print_exc()
+    _write(name, message)
+    sys.exit(code)
+
+
+def _write(name: str, message: str) -> None:
     line = " ".join(message.split())
     if len(line) > _MAX_MESSAGE:
         line = f"{line[: _MAX_MESSAGE // 2]} ... {line[-_MAX_MESSAGE // 2 :]}"
     # What a terminal can't show, such as halves of a surrogate pair in a file's name, is written as its number.
     encoding = sys.stderr.encoding or "utf-8"
     sys.stderr.write(f"{name}: {line.encode(encoding, 'backslashreplace').decode(encoding)}\n")
-    sys.exit(code)

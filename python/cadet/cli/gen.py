@@ -19,6 +19,7 @@ from cadet.cli.progress import reporter
 from cadet.cli.signals import exit_code, how_ended, signals_end
 from cadet.errors import CadetError
 from cadet.generate import EXTRAS, Settings, Summary, WorkerError, generate
+from cadet.notices import notice
 from cadet.policy import POLICIES, ResetPolicy
 from cadet.rig import LIDAR_PRESETS, RIG_PRESETS, Lidar, Rig
 from cadet.road_map import RoadMap
@@ -152,9 +153,10 @@ def _check_drivable(road_map: RoadMap) -> None:
     """Build the map once, so that a bad one is refused before anything is written."""
     native = Rig.kitti().to_native()
     config = ResetPolicy.kitti().draw(0, 0).config.to_native()
-    _cadet.Scene.empty(
+    scene = _cadet.Scene.empty(
         map_name=road_map.name, map_xodr=road_map.xodr, weather="clear_noon", rig=native, config=config, assets=None
     )
+    notice(scene.map_warnings(), about=road_map)
 
 
 def _with_sensors(policy: ResetPolicy, rig: str | None, image_size: str | None, lidar: str | None) -> ResetPolicy:

@@ -32,8 +32,8 @@ def evaluate(
     """Compute KITTI's average precision as the official program does, decision by decision.
 
     Args:
-        gt: a folder of label files, or one that holds `label_2` or `training/label_2`; or, in memory, a dictionary from
-            frame ids to `GroundTruth` or labels, or a sequence of them.
+        gt: a folder of label files, or one that holds `label_2` or `training/label_2` (`testing/label_2` for the split
+            "test"); or, in memory, a dictionary from frame ids to `GroundTruth` or labels, or a sequence of them.
         det: a folder of result files, or one that holds `data`; or `Detections` or labels with scores alike.
         classes: names as in KITTI's labels.
         recall: "r40", the mean over recall 1/40, ..., 1 (KITTI's since October 2019), or "r11" over 0, 0.1, ..., 1.

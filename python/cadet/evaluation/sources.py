@@ -54,7 +54,8 @@ def choose(gt: GroundTruthSource, det: DetectionSource, split: Split | None, fra
     """
     if not is_one_of(frames, FRAME_RULES):
         raise CadetError(f"frames: unknown rule {shown(frames)}, expected one of {', '.join(FRAME_RULES)}")
-    truths = _folder(gt, "label_2") if isinstance(gt, str | Path) else _by_id(gt, "gt")
+    holder = "testing" if isinstance(split, str) and split == "test" else "training"
+    truths = _folder(gt, "label_2", holder) if isinstance(gt, str | Path) else _by_id(gt, "gt")
     detections = _folder(det, "data") if isinstance(det, str | Path) else _by_id(det, "det")
     _check_pairing(gt, det)
     labelled, found = _ids(truths), set(_ids(detections))
@@ -76,10 +77,10 @@ def choose(gt: GroundTruthSource, det: DetectionSource, split: Split | None, fra
     )
 
 
-def _folder(path: str | Path, inner: str) -> Path:
+def _folder(path: str | Path, inner: str, holder: str = "training") -> Path:
     """Find the files of KITTI's usual layouts: the folder itself, or one inside."""
     path = Path(path)
-    for folder in (path / inner, path / "training" / inner):
+    for folder in (path / inner, path / holder / inner):
         if folder.is_dir():
             return folder
     if not path.is_dir():

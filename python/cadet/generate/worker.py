@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 import signal
+import warnings
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
 
 from cadet.episode import Episode
-from cadet.errors import CadetError, InternalError
+from cadet.errors import CadetError, CadetWarning, InternalError
 from cadet.generate.frames import is_whole, put_frame
 from cadet.generate.settings import Settings
 from cadet.sink import LocalSink, Sink
@@ -60,6 +61,8 @@ def work(conn: Connection, root: Path, settings: Settings, num_threads: int) -> 
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     # The core's threads times the workers should be the processors; read when the core first uses them.
     os.environ.setdefault("RAYON_NUM_THREADS", str(num_threads))
+    # The process that started this one has said what is to be said of maps.
+    warnings.simplefilter("ignore", CadetWarning)
     sink = LocalSink(root)
     try:
         while (episode := conn.recv()) is not None:

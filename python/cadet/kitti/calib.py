@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Final
@@ -186,16 +185,6 @@ class Calibration:
         """
         return _transform(self.velo_from_cam, points_cam, "points_cam")
 
-    def velo_to_cam(self, points_velo: NDArray[Any]) -> NDArray[np.float64]:
-        """Deprecated: the old name of `points_cam_from_velo`."""
-        _warn_of_old_name("velo_to_cam", "points_cam_from_velo", "cam_from_velo")
-        return self.points_cam_from_velo(points_velo)
-
-    def cam_to_velo(self, points_cam: NDArray[Any]) -> NDArray[np.float64]:
-        """Deprecated: the old name of `points_velo_from_cam`."""
-        _warn_of_old_name("cam_to_velo", "points_velo_from_cam", "velo_from_cam")
-        return self.points_velo_from_cam(points_cam)
-
     def project(self, points_cam: NDArray[Any]) -> NDArray[np.float64]:
         """Project points into the image with the whole of P2.
 
@@ -204,14 +193,15 @@ class Calibration:
 
         Returns:
             (N, 2) float64 [u, v] in pixels, (0, 0) the centre of the top-left pixel; NaN for points in or behind
-            camera 2's own plane, which have no image.
+            camera 2's own plane, which have no image. Not finite for points beyond what float64 holds in pixels.
 
         Raises:
             ShapeError: fewer than three columns.
         """
-        homogeneous = _transform(self.P2, points_cam, "points_cam")
-        depth = np.where(homogeneous[:, 2] > 0.0, homogeneous[:, 2], np.nan)
-        points_img: NDArray[np.float64] = homogeneous[:, :2] / depth[:, None]
+        with np.errstate(over="ignore", invalid="ignore"):
+            homogeneous = _transform(self.P2, points_cam, "points_cam")
+            depth = np.where(homogeneous[:, 2] > 0.0, homogeneous[:, 2], np.nan)
+            points_img: NDArray[np.float64] = homogeneous[:, :2] / depth[:, None]
         return points_img
 
 
@@ -265,11 +255,6 @@ def is_at_zero_depth(points_velo: NDArray[Any], calib: Calibration) -> NDArray[n
     # Written out, since the order in which a product of matrices adds up differs between machines.
     is_zero[near] = np.abs(a * x + b * y + c * z + d) < ZERO_DEPTH_M
     return is_zero
-
-
-def _warn_of_old_name(old: str, new: str, matrix: str) -> None:
-    message = f"Calibration.{old} is now Calibration.{new}(points); Calibration.{matrix} is the (4, 4) matrix"
-    warnings.warn(message, DeprecationWarning, stacklevel=3)
 
 
 def _transform(matrix: NDArray[np.float64], points: NDArray[Any], name: str) -> NDArray[np.float64]:

@@ -4,6 +4,7 @@ mod belt;
 mod dressing;
 mod dressing_config;
 mod face_index;
+mod flat_road;
 mod frontage;
 mod garden;
 mod ground;
@@ -13,6 +14,7 @@ mod ground_palette;
 mod ground_region;
 mod height_field;
 mod kerbside;
+mod map_warnings;
 mod network;
 mod occupancy;
 mod opendrive;
@@ -36,7 +38,7 @@ pub use ground::Ground;
 pub use ground_kind::GroundKind;
 pub use kerbside::parking_spots;
 pub use network::{Lane, LaneId, LaneKind, RoadNetwork};
-pub use opendrive::load as load_map;
+pub use opendrive::{load as load_map, load_with_warnings as load_map_with_warnings};
 pub use roughness::Roughness;
 pub use suburb::{Suburb, generate as generate_suburb};
 pub use suburb_config::SuburbConfig;
@@ -95,6 +97,8 @@ pub struct Town {
     pub parking: Vec<ParkingSpot>,
     /// Where people walk.
     pub walkways: Vec<Walkway>,
+    /// What the map's reader passed over, a line each that names map and road.
+    pub map_warnings: Vec<String>,
 }
 
 impl Town {
@@ -113,13 +117,16 @@ impl Town {
     /// [`crate::Error::Map`] where the text is no map or has no street; [`crate::Error::OutOfRange`] for a dressing
     /// outside its documented limits.
     pub fn from_opendrive(key: &StreamKey, map_name: &str, xodr_text: &str, dressing: &DressingConfig) -> Result<Self> {
-        Self::dressed(key, map_name, load_map(map_name, xodr_text)?, dressing)
+        let (network, map_warnings) = load_map_with_warnings(map_name, xodr_text)?;
+        Ok(Self { map_warnings, ..Self::dressed(key, map_name, network, dressing)? })
     }
 
-    /// A flat square of asphalt of 400 m, with no lanes and nothing on it: for tests and scripted scenes.
+    /// A flat square of 400 m, with no lanes and nothing on it: for tests and scripted scenes. Wheels may go anywhere;
+    /// for the sensors it is a road along x between lawns.
     #[must_use]
     pub fn flat() -> Self {
-        let ground = Ground::flat(200.0);
+        let mut ground = Ground::flat(200.0);
+        ground.tiles = flat_road::tiles(200.0);
         Self {
             name: "flat".to_owned(),
             network: RoadNetwork::default(),
@@ -127,6 +134,7 @@ impl Town {
             ground,
             parking: Vec::new(),
             walkways: Vec::new(),
+            map_warnings: Vec::new(),
         }
     }
 
@@ -140,6 +148,6 @@ impl Town {
         let mut parking = parking_spots(&network, &ground, key);
         parking.append(&mut dressing.drives);
         let walkways = walkways(&ground);
-        Ok(Self { name: name.to_owned(), network, ground, scenery, parking, walkways })
+        Ok(Self { name: name.to_owned(), network, ground, scenery, parking, walkways, map_warnings: Vec::new() })
     }
 }

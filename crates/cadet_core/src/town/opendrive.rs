@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use super::network::{Lane, LaneId, LaneKind, RoadNetwork};
-use super::xodr_numbers;
+use super::{map_warnings, xodr_numbers};
 use crate::error::{Error, Result};
 use crate::math::{DVec3, hypot, lerp};
 
@@ -29,6 +29,14 @@ const MAX_LANE_WIDTH_M: f64 = 100.0;
 /// shapes a road and is none, a road or lane that can't be built, no lanes, no driving lane, coordinates not finite,
 /// lanes wider than 100 m.
 pub fn load(map_name: &str, xodr_text: &str) -> Result<RoadNetwork> {
+    load_with_warnings(map_name, xodr_text).map(|(network, _)| network)
+}
+
+/// Reads a map, and says in lines that name it what was passed over on the way.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_with_warnings(map_name: &str, xodr_text: &str) -> Result<(RoadNetwork, Vec<String>)> {
     let fail = |reason: String| Error::Map { map: map_name.to_owned(), reason };
     let empty_pieces = xodr_numbers::check(xodr_text)
         .map_err(|(line, reason)| Error::Map { map: format!("{map_name}:{line}"), reason })?;
@@ -85,7 +93,7 @@ pub fn load(map_name: &str, xodr_text: &str) -> Result<RoadNetwork> {
     if !lanes.iter().any(|l| l.kind == LaneKind::Driving) {
         return Err(fail(format!("none of the map's {} lanes is for driving", lanes.len())));
     }
-    Ok(RoadNetwork { lanes })
+    Ok((RoadNetwork { lanes }, map_warnings::lines(map_name, &provenance.warnings)))
 }
 
 /// Whether the reader left out what cars drive on. Smaller losses, such as a sign's or a road mark's, pass.

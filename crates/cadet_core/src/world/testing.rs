@@ -77,7 +77,15 @@ pub(crate) fn line(a: DVec2, b: DVec2) -> Vec<DVec2> {
 }
 
 pub(crate) fn town(network: RoadNetwork, ground: Ground, walkways: Vec<Walkway>) -> Arc<Town> {
-    Arc::new(Town { name: "test".to_owned(), network, ground, scenery: Vec::new(), parking: Vec::new(), walkways })
+    Arc::new(Town {
+        name: "test".to_owned(),
+        network,
+        ground,
+        scenery: Vec::new(),
+        parking: Vec::new(),
+        walkways,
+        map_warnings: Vec::new(),
+    })
 }
 
 /// A plane of the given slope along x, with one straight lane.

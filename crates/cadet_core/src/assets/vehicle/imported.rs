@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use super::VehicleModel;
+use super::assumed_panes::{Face, Panes};
 use super::imported_materials::{MaterialRules, Role, material, opacity};
 use crate::actor::{AnnotatedBox, ObjectClass};
 use crate::assets::import::{ImportOptions, check_num_materials, triangles};
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, LodSet, MeshBuilder};
-use crate::material::{Palette, Semantic};
+use crate::material::{Material, Palette, Pattern, Semantic};
 use crate::math::{DVec3, Vec3};
 use crate::rng::Stream;
 
@@ -53,6 +54,14 @@ impl VehicleModel {
     /// material library, a rule that fits no material, or a size that no vehicle has. [`Error::Scene`] for a class that
     /// no vehicle has.
     pub fn from_asset(asset: &VehicleAsset) -> Result<Self> {
+        Self::with_assumptions(asset).map(|(model, _)| model)
+    }
+
+    /// The vehicle, and in one line what was assumed where the mesh says too little of its materials.
+    ///
+    /// # Errors
+    /// As [`VehicleModel::from_asset`].
+    pub fn with_assumptions(asset: &VehicleAsset) -> Result<(Self, Option<String>)> {
         let fail = |reason: String| Error::Mesh { name: asset.file.clone(), reason };
         let semantic = match asset.class {
             ObjectClass::Car => Semantic::Car,
@@ -69,33 +78,51 @@ impl VehicleModel {
             let known = asset.libraries.iter().find(|(name, _)| name == library);
             known.map(|(_, text)| text.clone()).ok_or_else(|| "no such file".to_owned())
         })?;
-        check_num_materials(&asset.file, read.materials.len() + 1)?;
+        // One for faces that name none, assumed glass and assumed seats.
+        check_num_materials(&asset.file, read.materials.len() + 3)?;
         asset.rules.check(&asset.file, &read.materials)?;
         let roles: Vec<Option<Role>> =
             read.materials.iter().map(|m| asset.rules.role(&m.name, opacity(m))).chain([None]).collect();
         let sources = read.materials.iter().map(Some).chain([None]);
-        let palette = sources.zip(&roles).map(|(m, role)| material(m, *role, semantic)).collect();
+        let mut palette: Vec<_> = sources.zip(&roles).map(|(m, role)| material(m, *role, semantic)).collect();
 
         let bounds = Bounds::of(read.triangles.iter().flat_map(|(corners, _)| *corners));
         let fit = Fit::new(&bounds, asset.size_lwh).map_err(fail)?;
-        let mut builder = MeshBuilder::new();
-        let mut tyre_corners = Vec::new();
-        for (corners, slot) in &read.triangles {
-            let [a, b, c] = corners.map(|p| fit.point(p));
-            // What a size that was asked for has pressed flat.
-            if (b - a).cross(c - a).length_squared() <= 1e-15 {
-                continue;
-            }
-            builder.triangle(a, b, c, *slot as u8);
-            if roles[*slot] == Some(Role::Tyre) {
-                tyre_corners.extend([a, b, c]);
-            }
-        }
-        if builder.num_faces() == 0 {
+        let placed = read.triangles.iter().map(|(corners, slot)| (corners.map(|p| fit.point(p)), *slot));
+        // What a size that was asked for has pressed flat.
+        let has_area = |([a, b, c], _): &Face| (*b - *a).cross(*c - *a).length_squared() > 1e-15;
+        let mut faces: Vec<Face> = placed.filter(has_area).collect();
+        if faces.is_empty() {
             return Err(fail("no triangle with an area".to_owned()));
         }
+        let tyre_corners: Vec<Vec3> = faces
+            .iter()
+            .filter(|(_, slot)| roles[*slot] == Some(Role::Tyre))
+            .flat_map(|(corners, _)| *corners)
+            .collect();
+        let mut builder = MeshBuilder::new();
+        let mut assumed = None;
+        let has = |role: Role| faces.iter().any(|(_, slot)| roles[*slot] == Some(role));
+        if !has(Role::Glass) && !asset.rules.names(Role::Glass) {
+            let has_seats = has(Role::Interior);
+            let is_body = |slot: usize| roles[slot].is_none();
+            let panes = Panes::find(&faces, asset.class, fit.size.as_vec3());
+            let glazed = panes.and_then(|p| p.glaze(&faces, is_body, palette.len()).map(|cut| (p, cut)));
+            assumed = Some(assumption(asset, &read.materials, &faces, glazed.is_some()));
+            if let Some((panes, cut)) = glazed {
+                faces = cut;
+                let cloth = Material::matt(semantic, [0.05; 3], Pattern::Cloth, 0.25);
+                palette.extend([material(None, Some(Role::Glass), semantic), cloth]);
+                if !has_seats {
+                    panes.add_seats(&mut builder, (palette.len() - 1) as u8);
+                }
+            }
+        }
+        for ([a, b, c], slot) in &faces {
+            builder.triangle(*a, *b, *c, *slot as u8);
+        }
         let wheels = Wheels::find(&tyre_corners, builder.positions(), fit.size.as_vec3());
-        Ok(Self {
+        let model = Self {
             name: asset.name.clone(),
             class: asset.class,
             size_lwh: fit.size,
@@ -106,8 +133,33 @@ impl VehicleModel {
             wheel_centers: wheels.centers,
             wheel_radius_m: f64::from(wheels.radius_m),
             palette: Arc::new(Palette::new(palette)),
-        })
+        };
+        Ok((model, assumed))
     }
+}
+
+/// Says what a mesh does not, and what is assumed instead.
+fn assumption(asset: &VehicleAsset, materials: &[tobj::Material], faces: &[Face], is_glazed: bool) -> String {
+    let names: Vec<&str> = materials
+        .iter()
+        .enumerate()
+        .filter(|(i, _)| faces.iter().any(|(_, s)| s == i))
+        .map(|(_, m)| m.name.as_str())
+        .collect();
+    let lacks = if names.is_empty() {
+        "no materials: grey paint is assumed".to_owned()
+    } else {
+        format!("no material for panes among {}", names.join(", "))
+    };
+    let panes = if is_glazed {
+        "glass is assumed where windows usually are, with seats behind it"
+    } else {
+        "no glass is assumed, since nothing stands where windows usually are"
+    };
+    format!(
+        "{}: {lacks}; {panes} (materials.glass in assets.toml names panes, [] says that there are none)",
+        asset.file
+    )
 }
 
 /// Moves a mesh into its box frame.
@@ -179,6 +231,7 @@ impl Wheels {
 pub struct UserVehicles {
     share: f64,
     models: Vec<Arc<VehicleModel>>,
+    assumptions: Vec<String>,
 }
 
 impl UserVehicles {
@@ -192,14 +245,23 @@ impl UserVehicles {
             return Err(Error::OutOfRange { what: "share of user vehicles", value: share.to_string(), expected });
         }
         let mut models: Vec<Arc<VehicleModel>> = Vec::with_capacity(assets.len());
+        let mut assumptions = Vec::new();
         for asset in assets {
             if models.iter().any(|m| m.name == asset.name) {
                 let reason = format!("the name {:?} is taken", asset.name);
                 return Err(Error::Mesh { name: asset.file.clone(), reason });
             }
-            models.push(Arc::new(VehicleModel::from_asset(asset)?));
+            let (model, assumed) = VehicleModel::with_assumptions(asset)?;
+            models.push(Arc::new(model));
+            assumptions.extend(assumed);
         }
-        Ok(Self { share, models })
+        Ok(Self { share, models, assumptions })
+    }
+
+    /// What was assumed of meshes that say too little: a line each, led by the file's name.
+    #[must_use]
+    pub fn assumptions(&self) -> &[String] {
+        &self.assumptions
     }
 
     /// The models, in the order given.

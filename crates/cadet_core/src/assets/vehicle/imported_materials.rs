@@ -75,6 +75,12 @@ impl MaterialRules {
         Role::ALL.into_iter().find(is_own).or_else(|| if opacity < 0.99 { Some(Role::Glass) } else { by_name() })
     }
 
+    /// True where the user says what is of a role, even if it is nothing.
+    #[must_use]
+    pub fn names(&self, role: Role) -> bool {
+        self.0.iter().any(|(named, _)| *named == role)
+    }
+
     /// Refuses a pattern that names none of a file's materials.
     ///
     /// # Errors
