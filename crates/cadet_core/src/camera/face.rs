@@ -1,7 +1,7 @@
 //! What all hits of a face share.
 
 use super::look::Rays;
-use super::pattern::hash2;
+use super::pattern::{hash2, value_noise};
 use crate::geometry::LEAST_WEIGHT;
 use crate::material::{Material, Pattern, Semantic};
 use crate::math::{Mat3, Vec3};
@@ -181,7 +181,7 @@ impl Face {
             to_c,
             weights_at_eye: [-to_b.dot(origin), -to_c.dot(origin)],
             least_weight: if raw.is_quad { LEAST_WEIGHT } else { 0.0 },
-            albedo: material.albedo.into(),
+            albedo: if is_leaf { clump(a, ab, stand) * Vec3::from(material.albedo) } else { material.albedo.into() },
             specular: material.specular,
             roughness: material.roughness,
             transmission: material.transmission,
@@ -194,6 +194,16 @@ impl Face {
         };
         (face, kind)
     }
+}
+
+/// How bright a leaf card of a plant is, by its corner and edge in the plant's frame: clumps of leaves stand out, others lie in
+/// their shade.
+#[inline(always)]
+fn clump(at: Vec3, edge: Vec3, stand: &Stand) -> f32 {
+    let (u, v) = (at.x + 0.7 * at.y, at.z + 0.7 * (at.y - at.x));
+    // What is longer than a clump, as the inside of hedges, has the mean of many.
+    let size = edge.dot(edge);
+    1.0 + (value_noise(u * 1.6, v * 1.6, stand.place_hash) - 0.5) * 1.7 / (1.0 + size * size)
 }
 
 fn is_vehicle(semantic: Semantic) -> bool {

@@ -140,8 +140,8 @@ pub fn albedo(pattern: Pattern, base: Vec3, at: &PatternPoint) -> Vec3 {
             let (length, width, joint, running) =
                 if pattern == Pattern::Slabs { (0.40, 0.40, 0.006, true) } else { (0.20, 0.10, 0.006, true) };
             let (stone, line) = stones(u, v, length, width, joint, running, px);
-            let each = 0.09 * centered(stone) * keep(width, px);
-            let dirt = 0.14 * (value_noise(u * 0.8, v * 0.8, 21) - 0.5) + 0.20 * grain(u, v, fine, 0.008, 22);
+            let each = 0.13 * centered(stone) * keep(width, px);
+            let dirt = 0.30 * (value_noise(u * 1.7, v * 1.7, 21) - 0.5) + 0.21 * grain(u, v, fine, 0.008, 22);
             base * ((1.0 + each + dirt) * (1.0 - 0.55 * line))
         }
         Pattern::Bricks => {
@@ -152,10 +152,14 @@ pub fn albedo(pattern: Pattern, base: Vec3, at: &PatternPoint) -> Vec3 {
             brick + (mortar - brick) * (0.8 * line)
         }
         Pattern::Render => {
-            // Stains run down a wall: stretched noise.
-            let stains = 0.10 * (value_noise(u * 0.7, v * 0.25, 41) - 0.5) * keep(1.5, px)
-                + 0.06 * (value_noise(u * 2.5, v * 0.6, 42) - 0.5) * keep(0.4, px);
-            base * (1.0 + stains + 0.18 * grain(u, v, fine, 0.006, 43))
+            // Stains run down a wall: stretched noise. Rain splashes soil on its foot.
+            let streak = value_noise(u * 2.9, v * 0.5, 41) - 0.5;
+            let stains = 0.16 * streak * keep(0.34, px);
+            let low = (1.0 - v * 0.9).clamp(0.0, 1.0);
+            let splashed = 0.30 * low * low * (0.6 + streak);
+            // The trowel leaves it uneven, over some pixels at any distance; sand is finer.
+            let uneven = 0.08 * grain(u, v, 3.0 * fine, 0.05, 42);
+            base * (1.0 + stains - splashed + uneven + 0.11 * grain(u, v, fine, 0.006, 43))
         }
         Pattern::Tiles => {
             let (row, in_row) = split(v * (1.0 / 0.33));
@@ -171,18 +175,20 @@ pub fn albedo(pattern: Pattern, base: Vec3, at: &PatternPoint) -> Vec3 {
         }
         Pattern::Grass => {
             let blades = 0.55 * grain(u, v, fine, 0.008, 61) + 0.35 * grain(u * 0.37, v * 0.37, px, 0.04, 64);
-            let tufts = 0.5 * (value_noise(u * 1.3, v * 1.3, 62) - 0.5) * keep(0.8, px);
-            let dry = value_noise(u * 0.3, v * 0.3, 63);
+            let tufts = 0.7 * (value_noise(u * 4.1, v * 4.1, 62) - 0.5) * keep(0.25, px);
+            // Patches that dry out are yellower and lighter.
+            let dry = value_noise(u * 0.8, v * 0.8, 63);
             let tint = Vec3::new(0.96 + 0.45 * dry * dry, 1.0, 1.25 - 0.2 * dry);
-            base * tint * (1.0 + blades + tufts).max(0.15)
+            base * tint * (1.0 + blades + tufts + 0.9 * (dry - 0.5) * keep(1.2, px)).max(0.15)
         }
         Pattern::Leaves => {
             let leaf = (at.face_hash >> 8) as i32 as f32 * (1.0 / 16_777_216.0);
             let tree = (at.place_hash >> 8) as i32 as f32 * (1.0 / 16_777_216.0);
             let yellow = ((at.face_hash & 0xFF) as i32 as f32 / 255.0 - 0.55).max(0.0);
-            let spread = 0.28 + 1.65 * leaf * leaf;
-            // A card holds many leaves: grain inside of it while it is large in the image.
-            let inside = 1.0 + 0.90 * grain(u, v, fine, 0.025, at.face_hash | 1);
+            let spread = 0.58 + 0.75 * leaf * leaf;
+            // A card holds many leaves, a few of them bright before the shade between them.
+            let bright = (0.5 + 1.0 * grain(u, v, 1.7 * px, 0.035, at.face_hash | 1)).clamp(0.0, 1.0);
+            let inside = 0.38 + 1.9 * bright * bright;
             let tint = Vec3::new(0.85 + 0.4 * tree + 0.5 * yellow, 0.95 + 0.25 * yellow, 1.12 + 0.2 * tree);
             base * tint * (spread * inside)
         }

@@ -155,8 +155,12 @@ pub(super) fn place_texture(l: &mut Lanes, m: usize, camera: &Camera, kind: Kind
         let [across, down] = [camera.right.normalize(), camera.down.normalize()];
         for i in 0..m {
             let point = get(&points, i);
-            u[i] = point.dot(across) + l.at_eye[0][i];
-            v[i] = point.dot(down) + l.at_eye[1][i];
+            let normal = get(&l.face_normal, i);
+            // Along the leaf: leaves seen edge-on, and the sides of hedges, would be streaks.
+            let [along, upwards] =
+                [across, down].map(|axis| 1.0 / (1.0 - normal.dot(axis) * normal.dot(axis)).max(0.02).sqrt());
+            u[i] = (point.dot(across) + l.at_eye[0][i]) * along;
+            v[i] = (point.dot(down) + l.at_eye[1][i]) * upwards;
         }
     } else {
         for i in 0..m {

@@ -3,6 +3,7 @@
 mod coarse_casters;
 mod lattice;
 mod pairs;
+mod thin_things;
 mod wet_ground;
 
 use std::sync::Arc;

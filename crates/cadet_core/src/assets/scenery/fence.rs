@@ -98,18 +98,22 @@ pub(super) fn mesh(kind: FenceKind, variant: usize, length: f32, detail: Detail)
         FenceKind::Railing => {
             let plinth: f32 = if variant % 2 == 1 { 0.55 } else { 0.3 };
             b.cuboid(v(0.0, -0.12, -0.5), v(length, 0.12, plinth), slot::MASONRY);
-            let spacing = detail.pick(0.12, 0.12, 0.6);
+            // Fewer and wider ones where a bar is thinner than half a pixel, so that it does not break into dashes; they
+            // hide as much.
+            let spacing = detail.pick(0.12, 0.24, 0.6);
+            let half = 0.055 * spacing;
             let count = (length / spacing).round().max(1.0);
             for i in 0..count as usize {
                 let x = length * (i as f32 + 0.5) / count;
                 if detail == Detail::Near {
                     tube(&mut b, (v(x, 0.0, plinth), 0.009), (v(x, 0.0, top), 0.009), 4, slot::BODY);
                 } else {
-                    slat(&mut b, [x - 0.008, x + 0.008, plinth, top], 0.0, detail);
+                    slat(&mut b, [x - half, x + half, plinth, top], 0.0, detail);
                 }
             }
-            for z in [plinth + 0.1, top - 0.08] {
-                b.cuboid(v(0.0, -0.02, z), v(length, 0.02, z + 0.03), slot::POST);
+            let rail = detail.pick(0.03, 0.03, 0.04);
+            for z in [plinth + 0.1, top - 0.05 - rail] {
+                b.cuboid(v(0.0, -0.02, z), v(length, 0.02, z + rail), slot::POST);
             }
             b.cuboid(v(0.0, -0.03, plinth), v(0.06, 0.03, top + 0.04), slot::POST);
         }
@@ -140,10 +144,11 @@ pub(super) fn mesh(kind: FenceKind, variant: usize, length: f32, detail: Detail)
                     slot::POST,
                 );
             }
-            let wires = detail.pick(7, 4, 2);
+            // Of the near mesh's wires so many are left as are half a pixel wide, and they hide as much as all did.
+            let (wires, radius) = detail.pick((7, 0.002), (3, 0.007), (1, 0.021));
             for k in 0..wires {
-                let z = 0.08 + (top - 0.12) * k as f32 / (wires - 1) as f32;
-                tube(&mut b, (v(0.0, 0.0, z), 0.002), (v(length, 0.0, z), 0.002), 3, slot::BODY);
+                let z = top - 0.04 - (top - 0.12) * k as f32 / wires as f32;
+                tube(&mut b, (v(0.0, 0.0, z), radius), (v(length, 0.0, z), radius), 3, slot::BODY);
             }
             if detail == Detail::Near {
                 let count = (length / 0.25).round().max(1.0);

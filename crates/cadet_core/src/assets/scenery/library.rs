@@ -130,9 +130,10 @@ pub fn fence(kind: FenceKind, variant: usize, piece: usize) -> SceneryModel {
             let length_m = PIECE_LENGTHS_M[piece];
             let name = format!("{}/{variant}/{length_m}", kind.name());
             let palette = fence_palette(&mut Stream::from_seed(kind.name(), variant as u64), kind.is_metal());
+            let limits_m = if kind == FenceKind::Wire { [8.0, 22.0, 100.0] } else { [25.0, 60.0, 160.0] };
             SceneryModel {
                 name,
-                shape: Detail::levels([25.0, 60.0, 160.0], move |d| fences::mesh(kind, variant, length_m as f32, d)),
+                shape: Detail::levels(limits_m, move |d| fences::mesh(kind, variant, length_m as f32, d)),
                 palette,
                 footprint_min: DVec2::new(0.0, -0.2),
                 footprint_max: DVec2::new(length_m, 0.2),

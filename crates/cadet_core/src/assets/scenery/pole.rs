@@ -70,7 +70,10 @@ fn v(x: f32, y: f32, z: f32) -> Vec3 {
 
 /// A post from below the ground to `top`.
 fn post(b: &mut MeshBuilder, radii: (f32, f32), top: f32, detail: Detail) {
-    tube(b, (v(0.0, 0.0, -0.4), radii.0), (v(0.0, 0.0, top), radii.1), detail.pick(12, 7, 4), slot::BODY);
+    // Half a pixel wide as far as 100 m, lest it breaks into dashes.
+    let least = detail.pick(0.0, 0.0, 0.04);
+    let (low, high) = (radii.0.max(least), radii.1.max(least));
+    tube(b, (v(0.0, 0.0, -0.4), low), (v(0.0, 0.0, top), high), detail.pick(12, 7, 6), slot::BODY);
 }
 
 /// A regular plate about (0.04, 0, z): a back of bare metal and layers of colour on the front.
@@ -117,7 +120,7 @@ pub(super) fn mesh(kind: PoleKind, variant: usize, detail: Detail) -> Mesh {
     match kind {
         PoleKind::Lamp => {
             let top = 4.2 + 0.6 * third;
-            tube(b_, (v(0.0, 0.0, -0.4), 0.075), (v(0.0, 0.0, 1.0), 0.07), detail.pick(12, 7, 4), slot::BODY);
+            tube(b_, (v(0.0, 0.0, -0.4), 0.075), (v(0.0, 0.0, 1.0), 0.07), detail.pick(12, 7, 6), slot::BODY);
             post(b_, (0.055, 0.035), top, detail);
             if variant.is_multiple_of(2) {
                 // A mushroom: a shallow cap over a glass body.
@@ -130,7 +133,7 @@ pub(super) fn mesh(kind: PoleKind, variant: usize, detail: Detail) -> Mesh {
         }
         PoleKind::ArmLamp => {
             let top = 7.0 + 0.5 * third;
-            let sides = detail.pick(12, 7, 4);
+            let sides = detail.pick(12, 7, 6);
             tube(b_, (v(0.0, 0.0, -0.4), 0.11), (v(0.0, 0.0, 1.2), 0.1), sides, slot::BODY);
             post(b_, (0.08, 0.045), top, detail);
             path_tube(b_, &[(v(0.0, 0.0, top - 0.05), 0.04), (v(1.5, 0.0, top + 0.25), 0.03)], 6, slot::BODY);

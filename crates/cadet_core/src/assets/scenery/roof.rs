@@ -73,7 +73,9 @@ impl Pitched {
         }
         let gutter_z = self.top_at(reach_x) - 0.12;
         let (gx, gy) = (reach_x + 0.05, if self.hipped { reach_y + 0.05 } else { reach_y });
-        let run = |b: &mut MeshBuilder, p: Vec3, q: Vec3| path_tube(b, &[(p, 0.065), (q, 0.065)], 6, slot::METAL);
+        let run = |b: &mut MeshBuilder, p: Vec3, q: Vec3| {
+            path_tube(b, &[(p, 0.065), (q, 0.065)], detail.pick(6, 4, 4), slot::METAL)
+        };
         for s in [-1.0, 1.0] {
             run(b, Vec3::new(s * gx, -gy, gutter_z), Vec3::new(s * gx, gy, gutter_z));
             if self.hipped {
