@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Final, Literal
 
 from cadet.bev import BevConfig
-from cadet.checks import check_number
+from cadet.checks import check_number, check_range
 from cadet.errors import CadetError
 from cadet.kitti import TYPES
 
@@ -219,14 +219,14 @@ class SecondStageConfig:
     """Whether the second stage's losses reach the first through its boxes, as in AVOD, or only through features."""
     batch_size: int = 1024
     """Proposals that the loss samples; at most half are positive."""
-    proposal_height_m: float = 0.0
-    """Height that proposals, put on the ground, have when the second stage looks at them: each of its crops then shows
-    the same part of the vertical, and it regresses bottoms and heights from there. 0 keeps the first stage's bottoms
-    and heights, as AVOD does: the second stage then corrects errors that its crops do not show."""
     height_cells: int = 0
     """Parts along each side of a proposal, seen from above, whose points' greatest heights join the crops, with the
     greatest of all. 0 in AVOD, whose crops hold heights as features of many cells: a short training hardly learns a
     car's height from them."""
+    standing_heights_m: tuple[float, float] = (0.0, 0.0)
+    """With `height_cells`: proposals stand on the ground and are as high as the highest point in them, within these
+    limits, when the second stage looks at them; it regresses bottoms and tops from there. (0, 0) keeps the first
+    stage's bottoms and heights, as AVOD does: the second then corrects errors that its crops do not show."""
     truth_proposals: int = 0
     """Copies of each true box, moved and scaled a little, that join the proposals in training: with them the second
     stage learns before the first finds objects. Faster R-CNN's implementations add the boxes as they are."""
@@ -251,7 +251,9 @@ class SecondStageConfig:
             check_number("SecondStageConfig", "hidden", width, 1, 65536, whole=True)
         check_number("SecondStageConfig", "dropout_keep", self.dropout_keep, 0.01, 1)
         check_number("SecondStageConfig", "batch_size", self.batch_size, 2, whole=True)
-        check_number("SecondStageConfig", "proposal_height_m", self.proposal_height_m, 0, 20)
+        check_range("SecondStageConfig", "standing_heights_m", self.standing_heights_m, 0, 20)
+        if self.standing_heights_m[1] > 0.0 and not self.height_cells:
+            raise CadetError("SecondStageConfig.standing_heights_m: expected (0, 0) without height_cells")
         check_number("SecondStageConfig", "height_cells", self.height_cells, 0, 16, whole=True)
         check_number("SecondStageConfig", "truth_proposals", self.truth_proposals, 0, 1024, whole=True)
         check_number("SecondStageConfig", "truth_steps", self.truth_steps, 0, whole=True)

@@ -65,3 +65,12 @@ def test_maps_without_heights_are_refused() -> None:
     ):
         Config(bev=flat, second_stage=second)
     assert Config(bev=flat).second_stage.height_cells == 0
+
+
+def test_standing_heights_need_measured_ones() -> None:
+    with pytest.raises(
+        CadetError, match=r"^SecondStageConfig\.standing_heights_m: expected \(0, 0\) without height_cells$"
+    ):
+        SecondStageConfig(standing_heights_m=(1.0, 2.0))
+    with pytest.raises(CadetError, match=r"^SecondStageConfig\.standing_heights_m: expected \(low, high\), got \(2"):
+        SecondStageConfig(height_cells=2, standing_heights_m=(2.0, 1.0))

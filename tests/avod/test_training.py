@@ -20,6 +20,7 @@ from avod.data.dataset import sample_from_frame
 from avod.data.sample import Sample
 from avod.detector import Detector
 from avod.geometry.encoding import boxes_4c_from_anchors
+from avod.geometry.height_profile import cell_tops, height_profiles
 from avod.model.layers import ShiftBatchNorm
 from avod.model.network import AvodNetwork, FrameOutputs
 from avod.train import train
@@ -57,23 +58,24 @@ def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_standing_proposals_hide_the_first_stages_heights_from_the_second(sample: Sample) -> None:
-    def boxes(height_m: float, first_stages_error_m: float) -> FrameOutputs:
-        config = dataclasses.replace(
-            CONFIG, second_stage=dataclasses.replace(CONFIG.second_stage, proposal_height_m=height_m)
-        )
-        network = new_network(config, 0).eval()
+    def boxes(limits_m: tuple[float, float], first_stages_error_m: float) -> FrameOutputs:
+        second_stage = dataclasses.replace(CONFIG.second_stage, height_cells=2, standing_heights_m=limits_m)
+        network = new_network(dataclasses.replace(CONFIG, second_stage=second_stage), 0).eval()
         with torch.no_grad():
-            # The last layer's biases of y and height.
-            network.anchor_regressor.outputs[0].bias[[1, 4]] += first_stages_error_m
+            last = cast("torch.nn.Linear", network.anchor_regressor.outputs[0])
+            last.bias[[1, 4]] += first_stages_error_m  # of y and height
             return cast("FrameOutputs", network([sample])[0])
 
-    right, wrong = boxes(2.0, 0.0), boxes(2.0, 0.3)
+    right, wrong = boxes((0.5, 2.0), 0.0), boxes((0.5, 2.0), 0.3)
     assert not torch.equal(right.anchor_offsets, wrong.anchor_offsets)
     assert torch.equal(right.proposals, wrong.proposals)
     assert torch.equal(right.box_offsets, wrong.box_offsets)
-    corners = boxes_4c_from_anchors(right.proposals, sample.plane)
-    torch.testing.assert_close(corners[:, 8:], torch.tensor([[0.0, 2.0]]).expand(len(corners), 2), atol=1e-5, rtol=0)
-    right, wrong = boxes(0.0, 0.0), boxes(0.0, 0.3)
+    bottoms_m, tops_m = boxes_4c_from_anchors(right.proposals, sample.plane)[:, 8:].unbind(dim=1)
+    torch.testing.assert_close(bottoms_m, torch.zeros_like(bottoms_m), atol=1e-5, rtol=0)
+    measured_m = height_profiles(cell_tops(sample.bev, CONFIG.bev), right.proposals, CONFIG.bev, 2)[:, -1]
+    torch.testing.assert_close(tops_m, measured_m.clamp(0.5, 2.0), atol=1e-5, rtol=0)
+    assert len(set(tops_m.tolist())) > 2
+    right, wrong = boxes((0.0, 0.0), 0.0), boxes((0.0, 0.0), 0.3)
     assert not torch.equal(right.proposals, wrong.proposals)
 
 

@@ -25,6 +25,8 @@ from cadet.summary import summary
 _NUM_ANCHOR_OFFSETS = 6
 _NUM_BOX_OFFSETS = 10
 _NUM_VECTOR = 2
+_HEIGHT_SCALE = 2.0
+"""Brings heights in metres to the spread of features."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,9 +155,14 @@ class AvodNetwork(nn.Module):
             proposals = proposals[chosen]
         if config.second_stage.gradient == "stopped":
             proposals = proposals.detach()
-        if config.second_stage.proposal_height_m > 0:
-            proposals = standing_anchors(proposals, sample.plane, config.second_stage.proposal_height_m)
-        class_logits, box_offsets, vectors = self._judge_proposals(sample, features, proposals, masks)
+        heights = None
+        if config.second_stage.height_cells:
+            tops_m = cell_tops(sample.bev, config.bev)
+            heights = height_profiles(tops_m, proposals.detach(), config.bev, config.second_stage.height_cells)
+            least_m, most_m = config.second_stage.standing_heights_m
+            if most_m > 0.0:
+                proposals = standing_anchors(proposals, sample.plane, heights[:, -1].clamp(least_m, most_m))
+        class_logits, box_offsets, vectors = self._judge_proposals(sample, features, proposals, heights, masks)
         return FrameOutputs(anchor_logits, anchor_offsets, proposals, class_logits, box_offsets, vectors, targets)
 
     def _judge_anchors(
@@ -170,14 +177,16 @@ class AvodNetwork(nn.Module):
         return logits.to(crops.dtype), offsets.to(crops.dtype)
 
     def _judge_proposals(
-        self, sample: Sample, features: FrameFeatures, proposals: Tensor, masks: tuple[float, float]
+        self,
+        sample: Sample,
+        features: FrameFeatures,
+        proposals: Tensor,
+        heights: Tensor | None,
+        masks: tuple[float, float],
     ) -> tuple[Tensor, Tensor, Tensor]:
-        second = self.config.second_stage
-        crops = self._crops(sample, proposals, features.image, features.bev, masks, second.crop_size)
-        if second.height_cells:
-            tops_m = cell_tops(sample.bev, self.config.bev)
-            heights = height_profiles(tops_m, proposals.detach(), self.config.bev, second.height_cells)
-            crops = torch.cat([crops, heights * float(masks[1] > 0.0)], dim=1)
+        crops = self._crops(sample, proposals, features.image, features.bev, masks, self.config.second_stage.crop_size)
+        if heights is not None:
+            crops = torch.cat([crops, heights * (_HEIGHT_SCALE * float(masks[1] > 0.0))], dim=1)
         with self._arithmetic(crops):
             outputs = self.second_stage(crops)
         logits, offsets, vectors = (output.to(crops.dtype) for output in outputs)
