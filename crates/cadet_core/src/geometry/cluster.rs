@@ -117,18 +117,22 @@ fn spread(x: f32) -> u64 {
 }
 
 fn cluster(surface: &Surface<'_>, of: &[(u64, MeshPiece)]) -> Cluster {
-    let chunk: Vec<u32> = of.iter().flat_map(|(_, piece)| piece.faces()).collect();
     let Surface { vertices, faces, slots, closed, .. } = *surface;
+    let chunk: Vec<u32> = of.iter().flat_map(|(_, piece)| piece.faces()).collect();
     // The corners in the order of their places, x, y and z as bits: what shares a place stands together.
-    let key = |i: u32, corner: u128| {
-        let [x, y, z] = vertices[i as usize].to_array().map(|v| u128::from(v.to_bits()));
-        x << 96 | y << 64 | z << 32 | corner
+    let key = |vertex: u32, corner: usize| {
+        let [x, y, z] = vertices[vertex as usize].to_array().map(|v| u128::from(v.to_bits()));
+        x << 96 | y << 64 | z << 32 | corner as u128
     };
-    let corners = chunk.iter().flat_map(|f| faces[*f as usize]);
-    let mut keys: Vec<u128> = corners.zip(0..).map(|(i, corner)| key(i, corner)).collect();
+    let mut keys = Vec::with_capacity(4 * of.len());
+    for (number, (_, MeshPiece { corners, .. })) in of.iter().enumerate() {
+        let count = if corners[2] == corners[3] { 3 } else { 4 };
+        keys.extend(corners[..count].iter().zip(4 * number..).map(|(vertex, corner)| key(*vertex, corner)));
+    }
     keys.sort_unstable();
     let mut points: Vec<Vec3> = Vec::with_capacity(keys.len());
-    let mut places = [[0; 3]; CLUSTER_FACES];
+    // Of each piece's corners.
+    let mut places = [[0_u8; 4]; CLUSTER_FACES];
     let mut last = None;
     for key in keys {
         if last != Some(key >> 32) {
@@ -136,7 +140,16 @@ fn cluster(surface: &Surface<'_>, of: &[(u64, MeshPiece)]) -> Cluster {
             points.push(Vec3::from_array([key >> 96, key >> 64, key >> 32].map(|bits| f32::from_bits(bits as u32))));
         }
         let corner = key as u32 as usize;
-        places[corner / 3][corner % 3] = (points.len() - 1) as u8;
+        places[corner / 4][corner % 4] = (points.len() - 1) as u8;
+    }
+    let (mut corners, mut pieces) = (Vec::with_capacity(chunk.len()), Vec::with_capacity(of.len()));
+    for ((_, piece), mut places) in of.iter().zip(places) {
+        if piece.corners[2] == piece.corners[3] {
+            places[3] = places[2];
+        }
+        pieces.push(Piece { corners: places, first: corners.len() as u8 });
+        let place = |vertex: u32| places[piece.corners.iter().position(|v| *v == vertex).unwrap_or(0)];
+        corners.extend(piece.faces().map(|f| faces[f as usize].map(place)));
     }
     let center = Bounds::of(points.iter().copied()).center();
     let radius = points.iter().map(|p| p.distance(center)).fold(0.0, f32::max);
@@ -145,28 +158,14 @@ fn cluster(surface: &Surface<'_>, of: &[(u64, MeshPiece)]) -> Cluster {
         radius_m: radius * 1.000_01 + 1e-6,
         slots: chunk.iter().fold(0, |bits, f| bits | slot_bit(slots[*f as usize])),
         closed_slots: chunk.iter().fold(0, |bits, f| bits | closed[*f as usize]),
-        corners: places[..chunk.len()].to_vec(),
-        pieces: cluster_pieces(surface, of, &places),
+        corners,
+        pieces,
         closed_pieces: (0..)
             .zip(of)
             .fold(0, |bits, (i, (_, piece))| bits | u64::from(closed[piece.first as usize] != 0) << i),
         lanes: lanes_of(&points),
         faces: chunk,
     }
-}
-
-/// `places`: the corners of the cluster's faces, as those of [`Cluster::corners`].
-fn cluster_pieces(surface: &Surface<'_>, of: &[(u64, MeshPiece)], places: &[[u8; 3]]) -> Vec<Piece> {
-    let mut number = 0;
-    let pieces = of.iter().map(|(_, piece)| {
-        let first = number;
-        number += piece.faces().count();
-        let vertices = || piece.faces().flat_map(|f| surface.faces[f as usize]);
-        let place =
-            |vertex: u32| places[first..number].as_flattened()[vertices().position(|v| v == vertex).unwrap_or(0)];
-        Piece { corners: piece.corners.map(place), first: first as u8 }
-    });
-    pieces.collect()
 }
 
 #[cfg(test)]

@@ -3,11 +3,13 @@
 mod closed;
 mod cluster;
 mod columns;
+mod edges;
 mod lanes;
 mod lod;
 mod mesh;
 mod mesh_builder;
 mod pieces;
+mod places;
 
 pub use cluster::{CLUSTER_FACES, Cluster, Piece, clusters_of};
 pub use columns::Column;
