@@ -92,11 +92,14 @@ pub fn clusters_of(
         let q = ((a + b + c) * (1.0 / 3.0) - bounds.min) * scale;
         spread(q.x) | spread(q.y) << 1 | spread(q.z) << 2
     };
-    let mut order: Vec<(u64, MeshPiece)> = pieces_of(&surface).into_iter().map(|piece| (key(&piece), piece)).collect();
-    order.sort_unstable_by_key(|(key, piece)| (*key, piece.first));
+    // The pieces come by rising faces: of those at one place the first stays the first.
+    let pieces = pieces_of(&surface);
+    let mut order: Vec<u64> = pieces.iter().zip(0..).map(|(piece, number)| key(piece) << 32 | number).collect();
+    order.sort_unstable();
+    let order: Vec<MeshPiece> = order.into_iter().map(|number| pieces[number as u32 as usize]).collect();
     let mut clusters = Vec::with_capacity(faces.len().div_ceil(CLUSTER_FACES));
     let (mut from, mut num_faces) = (0, 0);
-    for (i, (_, piece)) in order.iter().enumerate() {
+    for (i, piece) in order.iter().enumerate() {
         let more = piece.faces().count();
         if num_faces + more > CLUSTER_FACES {
             clusters.push(cluster(&surface, &order[from..i]));
@@ -113,19 +116,22 @@ pub fn clusters_of(
 /// The low ten bits of a number, two zeros after each.
 fn spread(x: f32) -> u64 {
     let x = x.clamp(0.0, 1023.0) as u64;
-    (0..10).fold(0, |out, bit| out | (x >> bit & 1) << (3 * bit))
+    let x = (x | x << 16) & 0x0300_00FF;
+    let x = (x | x << 8) & 0x0300_F00F;
+    let x = (x | x << 4) & 0x030C_30C3;
+    (x | x << 2) & 0x0924_9249
 }
 
-fn cluster(surface: &Surface<'_>, of: &[(u64, MeshPiece)]) -> Cluster {
+fn cluster(surface: &Surface<'_>, of: &[MeshPiece]) -> Cluster {
     let Surface { vertices, faces, slots, closed, .. } = *surface;
-    let chunk: Vec<u32> = of.iter().flat_map(|(_, piece)| piece.faces()).collect();
+    let chunk: Vec<u32> = of.iter().flat_map(MeshPiece::faces).collect();
     // The corners in the order of their places, x, y and z as bits: what shares a place stands together.
     let key = |vertex: u32, corner: usize| {
         let [x, y, z] = vertices[vertex as usize].to_array().map(|v| u128::from(v.to_bits()));
         x << 96 | y << 64 | z << 32 | corner as u128
     };
     let mut keys = Vec::with_capacity(4 * of.len());
-    for (number, (_, MeshPiece { corners, .. })) in of.iter().enumerate() {
+    for (number, MeshPiece { corners, .. }) in of.iter().enumerate() {
         let count = if corners[2] == corners[3] { 3 } else { 4 };
         keys.extend(corners[..count].iter().zip(4 * number..).map(|(vertex, corner)| key(*vertex, corner)));
     }
@@ -143,7 +149,7 @@ fn cluster(surface: &Surface<'_>, of: &[(u64, MeshPiece)]) -> Cluster {
         places[corner / 4][corner % 4] = (points.len() - 1) as u8;
     }
     let (mut corners, mut pieces) = (Vec::with_capacity(chunk.len()), Vec::with_capacity(of.len()));
-    for ((_, piece), mut places) in of.iter().zip(places) {
+    for (piece, mut places) in of.iter().zip(places) {
         if piece.corners[2] == piece.corners[3] {
             places[3] = places[2];
         }
@@ -162,7 +168,7 @@ fn cluster(surface: &Surface<'_>, of: &[(u64, MeshPiece)]) -> Cluster {
         pieces,
         closed_pieces: (0..)
             .zip(of)
-            .fold(0, |bits, (i, (_, piece))| bits | u64::from(closed[piece.first as usize] != 0) << i),
+            .fold(0, |bits, (i, piece)| bits | u64::from(closed[piece.first as usize] != 0) << i),
         lanes: lanes_of(&points),
         faces: chunk,
     }
@@ -172,6 +178,15 @@ fn cluster(surface: &Surface<'_>, of: &[(u64, MeshPiece)]) -> Cluster {
 mod tests {
     use super::*;
     use crate::geometry::MeshBuilder;
+
+    #[test]
+    fn bits_are_spread_by_threes() {
+        for x in 0..1024_u16 {
+            let expected = (0..10).fold(0, |out, bit| out | u64::from(x >> bit & 1) << (3 * bit));
+            assert_eq!(spread(f32::from(x)), expected, "{x}");
+        }
+        assert_eq!((spread(-3.0), spread(2000.0)), (0, spread(1023.0)));
+    }
 
     #[test]
     fn clusters_hold_every_face_once_and_within_their_spheres() {

@@ -16,6 +16,7 @@ pub(super) struct Surface<'a> {
 }
 
 /// One face of a mesh, or two that are drawn as one.
+#[derive(Clone, Copy)]
 pub(super) struct MeshPiece {
     pub first: u32,
     pub second: Option<u32>,
