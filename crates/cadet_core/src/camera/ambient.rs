@@ -214,29 +214,35 @@ impl SkyView {
         if !(0.0..limit).contains(&gx) || !(0.0..limit).contains(&gy) {
             return [0.85; 6];
         }
-        let (ix, iy) = (gx as usize, gy as usize);
-        let (fx, fy) = (gx - ix as f32, gy - iy as f32);
-        let mut sum = [0.0; 8];
-        for (cell, weight) in [
-            (iy * CELLS + ix, (1.0 - fx) * (1.0 - fy)),
-            (iy * CELLS + ix + 1, fx * (1.0 - fy)),
-            ((iy + 1) * CELLS + ix, (1.0 - fx) * fy),
-            ((iy + 1) * CELLS + ix + 1, fx * fy),
-        ] {
-            let over = point_world.z - self.floor[cell];
-            // Between which levels, without branches.
-            let upper: usize = LEVELS_M.iter().map(|l| usize::from(over >= *l)).sum();
-            let (low, high) = BETWEEN[upper];
-            let t = (over - LEVELS_M[low]) * PER_RISE[upper];
-            let probes = &self.probes[cell];
-            let (a, b) = (&probes[low], &probes[high]);
-            for k in 0..8 {
-                sum[k] += weight * (a[k] + (b[k] - a[k]) * t);
-            }
-        }
-        let [a, b, c, d, e, f, _, _] = sum;
+        let [a, b, c, d, e, f, _, _] = between(&self.floor, &self.probes, [gx, gy], point_world.z);
         [a, b, c, d, e, f]
     }
+}
+
+/// What the probes around a place say, which is given in cells and lies within them.
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+fn between(floor: &[f32], probes: &[Probes], [gx, gy]: [f32; 2], z: f32) -> [f32; 8] {
+    let (ix, iy) = (gx as usize, gy as usize);
+    let (fx, fy) = (gx - ix as f32, gy - iy as f32);
+    let mut sum = [0.0; 8];
+    for (cell, weight) in [
+        (iy * CELLS + ix, (1.0 - fx) * (1.0 - fy)),
+        (iy * CELLS + ix + 1, fx * (1.0 - fy)),
+        ((iy + 1) * CELLS + ix, (1.0 - fx) * fy),
+        ((iy + 1) * CELLS + ix + 1, fx * fy),
+    ] {
+        let over = z - floor[cell];
+        // Between which levels, without branches.
+        let upper: usize = LEVELS_M.iter().map(|l| usize::from(over >= *l)).sum();
+        let (low, high) = BETWEEN[upper];
+        let t = (over - LEVELS_M[low]) * PER_RISE[upper];
+        let probes = &probes[cell];
+        let (a, b) = (&probes[low], &probes[high]);
+        for k in 0..8 {
+            sum[k] += weight * (a[k] + (b[k] - a[k]) * t);
+        }
+    }
+    sum
 }
 
 /// The levels about a height that reaches so many of them, and the inverse of their distance.

@@ -1,5 +1,7 @@
 //! Which faces of a mesh bound solids, whose inner sides are never seen from outside.
 
+use super::edges::Edges;
+use super::places::lowest_at_place;
 use crate::material::slot_bit;
 use crate::math::{DVec3, Vec3};
 
@@ -11,27 +13,17 @@ use crate::math::{DVec3, Vec3};
 /// the viewer.
 #[must_use]
 pub(super) fn closed_surfaces(vertices: &[Vec3], faces: &[[u32; 3]], slots: &[u8]) -> Vec<u64> {
-    let places = places_of(vertices);
-    // Lower and higher place, whether the face passes them that way round, and the face.
-    let mut edges: Vec<(u32, u32, bool, u32)> = Vec::with_capacity(3 * faces.len());
-    for (corners, face) in faces.iter().zip(0..) {
-        let at = corners.map(|i| places[i as usize]);
-        for (from, to) in [(at[0], at[1]), (at[1], at[2]), (at[2], at[0])] {
-            if from != to {
-                edges.push((from.min(to), from.max(to), from < to, face));
-            }
-        }
-    }
-    edges.sort_unstable();
+    let places = lowest_at_place(vertices);
+    let edges = Edges::of(vertices.len(), faces.iter().map(|corners| corners.map(|i| places[i as usize])));
     let mut surfaces = Surfaces((0..faces.len() as u32).collect());
     let mut is_open = vec![false; faces.len()];
-    for group in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-        let forth = group.iter().filter(|e| e.2).count();
+    for group in edges.by_corners() {
+        let forth = group.iter().filter(|e| e.is_forth()).count();
         if 2 * forth != group.len() {
-            is_open[group[0].3 as usize] = true;
+            is_open[group[0].face() as usize] = true;
         }
         for pair in group.windows(2) {
-            surfaces.join(pair[0].3, pair[1].3);
+            surfaces.join(pair[0].face(), pair[1].face());
         }
     }
     // By the number of a surface's first face.
@@ -54,21 +46,6 @@ pub(super) fn closed_surfaces(vertices: &[Vec3], faces: &[[u32; 3]], slots: &[u8
             if is_closed { slots_of[surface] } else { 0 }
         })
         .collect()
-}
-
-/// For each vertex the lowest vertex at its place.
-fn places_of(vertices: &[Vec3]) -> Vec<u32> {
-    // Adding zero makes -0 a 0.
-    let bits = |i: u32| vertices[i as usize].to_array().map(|v| (v + 0.0).to_bits());
-    let mut order: Vec<([u32; 3], u32)> = (0..vertices.len() as u32).map(|i| (bits(i), i)).collect();
-    order.sort_unstable();
-    let mut places = vec![0; vertices.len()];
-    for group in order.chunk_by(|a, b| a.0 == b.0) {
-        for (_, i) in group {
-            places[*i as usize] = group[0].1;
-        }
-    }
-    places
 }
 
 /// Disjoint sets of faces.

@@ -92,11 +92,14 @@ pub fn clusters_of(
         let q = ((a + b + c) * (1.0 / 3.0) - bounds.min) * scale;
         spread(q.x) | spread(q.y) << 1 | spread(q.z) << 2
     };
-    let mut order: Vec<(u64, MeshPiece)> = pieces_of(&surface).into_iter().map(|piece| (key(&piece), piece)).collect();
-    order.sort_unstable_by_key(|(key, piece)| (*key, piece.first));
+    // The pieces come by rising faces: of those at one place the first stays the first.
+    let pieces = pieces_of(&surface);
+    let mut order: Vec<u64> = pieces.iter().zip(0..).map(|(piece, number)| key(piece) << 32 | number).collect();
+    order.sort_unstable();
+    let order: Vec<MeshPiece> = order.into_iter().map(|number| pieces[number as u32 as usize]).collect();
     let mut clusters = Vec::with_capacity(faces.len().div_ceil(CLUSTER_FACES));
     let (mut from, mut num_faces) = (0, 0);
-    for (i, (_, piece)) in order.iter().enumerate() {
+    for (i, piece) in order.iter().enumerate() {
         let more = piece.faces().count();
         if num_faces + more > CLUSTER_FACES {
             clusters.push(cluster(&surface, &order[from..i]));
@@ -113,22 +116,29 @@ pub fn clusters_of(
 /// The low ten bits of a number, two zeros after each.
 fn spread(x: f32) -> u64 {
     let x = x.clamp(0.0, 1023.0) as u64;
-    (0..10).fold(0, |out, bit| out | (x >> bit & 1) << (3 * bit))
+    let x = (x | x << 16) & 0x0300_00FF;
+    let x = (x | x << 8) & 0x0300_F00F;
+    let x = (x | x << 4) & 0x030C_30C3;
+    (x | x << 2) & 0x0924_9249
 }
 
-fn cluster(surface: &Surface<'_>, of: &[(u64, MeshPiece)]) -> Cluster {
-    let chunk: Vec<u32> = of.iter().flat_map(|(_, piece)| piece.faces()).collect();
+fn cluster(surface: &Surface<'_>, of: &[MeshPiece]) -> Cluster {
     let Surface { vertices, faces, slots, closed, .. } = *surface;
+    let chunk: Vec<u32> = of.iter().flat_map(MeshPiece::faces).collect();
     // The corners in the order of their places, x, y and z as bits: what shares a place stands together.
-    let key = |i: u32, corner: u128| {
-        let [x, y, z] = vertices[i as usize].to_array().map(|v| u128::from(v.to_bits()));
-        x << 96 | y << 64 | z << 32 | corner
+    let key = |vertex: u32, corner: usize| {
+        let [x, y, z] = vertices[vertex as usize].to_array().map(|v| u128::from(v.to_bits()));
+        x << 96 | y << 64 | z << 32 | corner as u128
     };
-    let corners = chunk.iter().flat_map(|f| faces[*f as usize]);
-    let mut keys: Vec<u128> = corners.zip(0..).map(|(i, corner)| key(i, corner)).collect();
+    let mut keys = Vec::with_capacity(4 * of.len());
+    for (number, MeshPiece { corners, .. }) in of.iter().enumerate() {
+        let count = if corners[2] == corners[3] { 3 } else { 4 };
+        keys.extend(corners[..count].iter().zip(4 * number..).map(|(vertex, corner)| key(*vertex, corner)));
+    }
     keys.sort_unstable();
     let mut points: Vec<Vec3> = Vec::with_capacity(keys.len());
-    let mut places = [[0; 3]; CLUSTER_FACES];
+    // Of each piece's corners.
+    let mut places = [[0_u8; 4]; CLUSTER_FACES];
     let mut last = None;
     for key in keys {
         if last != Some(key >> 32) {
@@ -136,7 +146,16 @@ fn cluster(surface: &Surface<'_>, of: &[(u64, MeshPiece)]) -> Cluster {
             points.push(Vec3::from_array([key >> 96, key >> 64, key >> 32].map(|bits| f32::from_bits(bits as u32))));
         }
         let corner = key as u32 as usize;
-        places[corner / 3][corner % 3] = (points.len() - 1) as u8;
+        places[corner / 4][corner % 4] = (points.len() - 1) as u8;
+    }
+    let (mut corners, mut pieces) = (Vec::with_capacity(chunk.len()), Vec::with_capacity(of.len()));
+    for (piece, mut places) in of.iter().zip(places) {
+        if piece.corners[2] == piece.corners[3] {
+            places[3] = places[2];
+        }
+        pieces.push(Piece { corners: places, first: corners.len() as u8 });
+        let place = |vertex: u32| places[piece.corners.iter().position(|v| *v == vertex).unwrap_or(0)];
+        corners.extend(piece.faces().map(|f| faces[f as usize].map(place)));
     }
     let center = Bounds::of(points.iter().copied()).center();
     let radius = points.iter().map(|p| p.distance(center)).fold(0.0, f32::max);
@@ -145,34 +164,29 @@ fn cluster(surface: &Surface<'_>, of: &[(u64, MeshPiece)]) -> Cluster {
         radius_m: radius * 1.000_01 + 1e-6,
         slots: chunk.iter().fold(0, |bits, f| bits | slot_bit(slots[*f as usize])),
         closed_slots: chunk.iter().fold(0, |bits, f| bits | closed[*f as usize]),
-        corners: places[..chunk.len()].to_vec(),
-        pieces: cluster_pieces(surface, of, &places),
+        corners,
+        pieces,
         closed_pieces: (0..)
             .zip(of)
-            .fold(0, |bits, (i, (_, piece))| bits | u64::from(closed[piece.first as usize] != 0) << i),
+            .fold(0, |bits, (i, piece)| bits | u64::from(closed[piece.first as usize] != 0) << i),
         lanes: lanes_of(&points),
         faces: chunk,
     }
-}
-
-/// `places`: the corners of the cluster's faces, as those of [`Cluster::corners`].
-fn cluster_pieces(surface: &Surface<'_>, of: &[(u64, MeshPiece)], places: &[[u8; 3]]) -> Vec<Piece> {
-    let mut number = 0;
-    let pieces = of.iter().map(|(_, piece)| {
-        let first = number;
-        number += piece.faces().count();
-        let vertices = || piece.faces().flat_map(|f| surface.faces[f as usize]);
-        let place =
-            |vertex: u32| places[first..number].as_flattened()[vertices().position(|v| v == vertex).unwrap_or(0)];
-        Piece { corners: piece.corners.map(place), first: first as u8 }
-    });
-    pieces.collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::geometry::MeshBuilder;
+
+    #[test]
+    fn bits_are_spread_by_threes() {
+        for x in 0..1024_u16 {
+            let expected = (0..10).fold(0, |out, bit| out | u64::from(x >> bit & 1) << (3 * bit));
+            assert_eq!(spread(f32::from(x)), expected, "{x}");
+        }
+        assert_eq!((spread(-3.0), spread(2000.0)), (0, spread(1023.0)));
+    }
 
     #[test]
     fn clusters_hold_every_face_once_and_within_their_spheres() {

@@ -1,9 +1,10 @@
 //! Builds meshes face by face; normals come at the end, smooth below a crease angle.
 
-use std::collections::HashMap;
+use std::hash::BuildHasherDefault;
 
 use super::bounds::Bounds;
 use super::mesh::Mesh;
+use super::places::{ByPlace, place_key};
 use crate::math::{Mat3, Vec3};
 
 /// A mesh in the making: corners may be shared or repeated, [`MeshBuilder::build`] welds and splits them as needed.
@@ -124,16 +125,13 @@ impl MeshBuilder {
     #[must_use]
     pub fn build(&self, name: &str, crease_rad: f32) -> Mesh {
         let cos_crease = crate::math::cosf(crease_rad);
-        // Looked up and never walked through, so its order does not matter.
-        let mut welded: HashMap<[u32; 3], u32> = HashMap::with_capacity(self.positions.len());
+        let mut welded = ByPlace::with_capacity_and_hasher(self.positions.len(), BuildHasherDefault::default());
         let mut points: Vec<Vec3> = Vec::with_capacity(self.positions.len());
-        // `+ 0.0` makes -0.0 and 0.0 one corner.
-        let key = |p: Vec3| [p.x + 0.0, p.y + 0.0, p.z + 0.0].map(f32::to_bits);
         let remap: Vec<u32> = self
             .positions
             .iter()
             .map(|p| {
-                *welded.entry(key(*p)).or_insert_with(|| {
+                *welded.entry(place_key(*p)).or_insert_with(|| {
                     points.push(*p);
                     (points.len() - 1) as u32
                 })
@@ -166,7 +164,7 @@ impl MeshBuilder {
                 let normal = if sum.length_squared() > 0.0 { sum.normalize() } else { *own_unit };
                 let mut copy = latest[v as usize];
                 while copy != u32::MAX {
-                    if key(normals[copy as usize]) == key(normal) {
+                    if place_key(normals[copy as usize]) == place_key(normal) {
                         return copy;
                     }
                     copy = before[copy as usize];

@@ -4,11 +4,13 @@ mod bounds;
 mod closed;
 mod cluster;
 mod columns;
+mod edges;
 mod lanes;
 mod lod;
 mod mesh;
 mod mesh_builder;
 mod pieces;
+mod places;
 
 pub use bounds::Bounds;
 pub use cluster::{CLUSTER_FACES, Cluster, Piece, clusters_of};

@@ -1,5 +1,6 @@
 //! Pairs of faces that lie in one plane: who draws them takes them for one.
 
+use super::edges::Edges;
 use crate::math::{DVec3, Vec3};
 
 /// What [`pieces_of`] asks of a mesh.
@@ -15,6 +16,7 @@ pub(super) struct Surface<'a> {
 }
 
 /// One face of a mesh, or two that are drawn as one.
+#[derive(Clone, Copy)]
 pub(super) struct MeshPiece {
     pub first: u32,
     pub second: Option<u32>,
@@ -43,18 +45,14 @@ const LEAST_TURN: f64 = 1e-3;
 /// Every face once, in order; two that share an edge, a plane and a material, and form a convex quadrilateral over which the
 /// shading normal changes evenly, are one piece, which goes by its first face.
 pub(super) fn pieces_of(surface: &Surface<'_>) -> Vec<MeshPiece> {
-    // Lower and higher vertex, and the face.
-    let mut edges: Vec<(u32, u32, u32)> = Vec::with_capacity(3 * surface.faces.len());
-    for ([a, b, c], face) in surface.faces.iter().zip(0..) {
-        edges.extend([(a, b), (b, c), (c, a)].map(|(p, q)| (*p.min(q), *p.max(q), face)));
-    }
-    edges.sort_unstable();
-    let mut pairs: Vec<MeshPiece> = Vec::new();
-    for group in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-        if let [(.., f), (.., g)] = group
-            && let Some(corners) = quad(surface, [*f, *g])
+    let edges = Edges::of(surface.vertices.len(), surface.faces.iter().copied());
+    let mut pairs: Vec<MeshPiece> = Vec::with_capacity(surface.faces.len() / 2);
+    for group in edges.by_corners() {
+        if let [f, g] = group
+            && let (f, g) = (f.face(), g.face())
+            && let Some(corners) = quad(surface, [f, g])
         {
-            pairs.push(MeshPiece { first: *f, second: Some(*g), corners });
+            pairs.push(MeshPiece { first: f, second: Some(g), corners });
         }
     }
     // Who made a quadrilateral wrote its halves one after the other.

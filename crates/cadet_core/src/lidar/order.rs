@@ -10,6 +10,9 @@ fn turn_key([x, y, ..]: [f32; 4]) -> f64 {
     if y < 0.0 { 3.0 + along } else { 1.0 - along }
 }
 
+/// Sorting is faster where returns move by more places than this in the mean.
+const STEPS: usize = 16;
+
 impl Scan {
     /// Orders the returns from `start` on by azimuth; those of equal azimuth stay as they are.
     pub(super) fn order_by_azimuth(&mut self, start: usize) {
@@ -17,13 +20,31 @@ impl Scan {
         if keys.is_sorted() {
             return;
         }
-        let mut order: Vec<u32> = (0..keys.len() as u32).collect();
-        order.sort_by(|a, b| keys[*a as usize].total_cmp(&keys[*b as usize]));
+        let order = order_of(&keys);
         permute(&mut self.points_velo[start..], &order);
         permute(&mut self.column[start..], &order);
         permute(&mut self.actor_id[start..], &order);
         permute(&mut self.range_m[start..], &order);
     }
+}
+
+/// A stable order by rising keys. Returns overtake each other by a few columns, and few pass the seam: so inserting one
+/// after the other takes a fifth of the time of sorting, unless a sensor's lasers stand far apart.
+fn order_of(keys: &[f64]) -> Vec<u32> {
+    let mut sorted: Vec<(f64, u32)> = keys.iter().copied().zip(0..).collect();
+    let mut steps_left = STEPS * keys.len();
+    for i in 1..sorted.len() {
+        let this = sorted[i];
+        let place = sorted[..i].iter().rposition(|before| before.0.total_cmp(&this.0).is_le()).map_or(0, |k| k + 1);
+        sorted.copy_within(place..i, place + 1);
+        sorted[place] = this;
+        let Some(left) = steps_left.checked_sub(i - place) else {
+            sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+            break;
+        };
+        steps_left = left;
+    }
+    sorted.into_iter().map(|(_, number)| number).collect()
 }
 
 fn permute<T: Copy>(values: &mut [T], order: &[u32]) {
@@ -35,6 +56,7 @@ fn permute<T: Copy>(values: &mut [T], order: &[u32]) {
 mod tests {
     use super::*;
     use crate::math::{self, TAU};
+    use crate::rng::Stream;
 
     #[test]
     fn keys_rise_all_around_the_turn() {
@@ -44,6 +66,18 @@ mod tests {
             .collect();
         assert!(keys.is_sorted() && keys[0] == 0.0 && keys[9_999] < 4.0);
         assert_eq!(turn_key([1.0, -0.0, 0.0, 0.0]), 0.0);
+    }
+
+    #[test]
+    fn the_order_is_that_of_a_stable_sort_however_far_returns_move() {
+        let mut s = Stream::from_seed("order", 0);
+        for (n, reach) in [(0, 1.0), (1, 1.0), (700, 0.0), (700, 3.0), (700, 40.0), (700, 1e4)] {
+            // Some keys are equal.
+            let keys: Vec<f64> = (0..n).map(|i| (f64::from(i) + s.range(0.0, reach)).floor() % 690.0).collect();
+            let mut expected: Vec<u32> = (0..n as u32).collect();
+            expected.sort_by(|a, b| keys[*a as usize].total_cmp(&keys[*b as usize]));
+            assert_eq!(order_of(&keys), expected, "{n} returns that move by {reach} places");
+        }
     }
 
     #[test]

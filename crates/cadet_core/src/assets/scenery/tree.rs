@@ -76,6 +76,8 @@ pub(super) struct TreeDesign {
 
 /// A crown's extent is measured with so many triangles of leaves, at most.
 const MEASURED_LEAVES: f32 = 2600.0;
+/// Beside the ego larger cards look like plates, not like leaves.
+const LARGEST_M: f32 = 0.3;
 /// Leaf area in a crown's cubic metre: with cards turned every way a beam meets half of it, exp(-0.5 x 1.8) = 0.41.
 const LEAF_AREA_PER_M3: f32 = 1.8;
 
@@ -142,16 +144,27 @@ impl TreeDesign {
                 let width_m = self.card_width_m(leaves);
                 width_m * (width_m / (0.2 * self.crown_radius)).max(1.0)
             }),
-            _ => tree_levels::of_tree(20_800.0, |leaves| self.card_width_m(leaves)),
+            _ => {
+                let mut most = 20_800.0;
+                while self.card_width_m(most) > LARGEST_M {
+                    most *= 2.0;
+                }
+                tree_levels::of_tree(most, |leaves| self.card_width_m(leaves))
+            }
         };
         // The finest ones are for the few trees beside the ego.
         let measured = levels.iter().position(|level| level.leaves <= MEASURED_LEAVES).unwrap_or(levels.len() - 1);
-        let (bounds, design) = (self.mesh(&levels[measured]).bounds, Arc::new(self));
-        let levels = levels.into_iter().map(|level| {
-            let design = Arc::clone(&design);
-            (level.to_m, LazyMesh::new(move || design.mesh(&level)))
-        });
-        LodSet { bounds, levels: levels.collect(), coarse_casters: 0 }
+        let (mesh, design) = (self.mesh(&levels[measured]), Arc::new(self));
+        let bounds = mesh.bounds;
+        let mut levels: Vec<(f32, LazyMesh)> = levels
+            .into_iter()
+            .map(|level| {
+                let design = Arc::clone(&design);
+                (level.to_m, LazyMesh::new(move || design.mesh(&level)))
+            })
+            .collect();
+        levels[measured].1 = LazyMesh::new(|| mesh);
+        LodSet { bounds, levels, coarse_casters: 0 }
     }
 
     /// Area of all leaves, m^2.
