@@ -5,6 +5,7 @@ mod appearance;
 mod arena;
 mod body;
 mod control;
+mod course;
 mod footprint;
 mod ground_shape;
 mod junctions;
@@ -21,6 +22,7 @@ mod surroundings;
 #[cfg(test)]
 mod tests;
 
+pub use course::{Course, ModelChoice, Overlap, Waypoint};
 pub use physics::DT_S;
 pub use simulation::World;
 pub use snapshot::{EgoState, Snapshot};

@@ -6,14 +6,18 @@ use std::sync::Arc;
 use super::arena::Arena;
 use super::body::{Body, settle};
 use super::control::Driver;
+use super::course::{Course, ModelChoice, Overlap};
 use super::physics::DT_S;
 use super::route::{EGO_STRAIGHT, Route};
 use super::slot::EGO;
 use super::snapshot::{EgoState, Snapshot};
-use super::spawn::{RENEW_EVERY, Spawner, TrafficConfig, add_person, add_vehicle, fill, place_ego, renew};
+use super::spawn::{
+    RENEW_EVERY, Spawner, TrafficConfig, add_person, add_vehicle, box_at, check_free, fill, place_ego, renew,
+};
 use crate::actor::ObjectClass;
 use crate::assets::vehicle::{UserVehicles, VehicleModel};
 use crate::error::{Error, Result};
+use crate::math::DVec2;
 use crate::rng::StreamKey;
 use crate::town::{LaneId, Town};
 
@@ -85,45 +89,42 @@ impl World {
         self.arena.physics.ground_at(x_m, y_m).map(|g| g.z_m)
     }
 
-    /// Adds a vehicle that stands, settled on the ground, or a person; returns the actor's id.
+    /// Adds an agent that stands or follows a script; returns its id.
     ///
     /// # Errors
-    /// [`Error::Scene`] for a place beyond the ground's edge or a class without a model, [`Error::NotFinite`].
-    pub fn add(&mut self, class: ObjectClass, x_m: f64, y_m: f64, yaw_rad: f64, model_seed: u64) -> Result<i32> {
-        match class {
-            ObjectClass::Car | ObjectClass::Van => {
-                let model = self.vehicle_model(class, model_seed)?;
-                add_vehicle(&mut self.arena, model, x_m, y_m, yaw_rad)
-            }
-            ObjectClass::Pedestrian => add_person(&mut self.arena, x_m, y_m, yaw_rad, model_seed),
-            _ => {
-                let name = class.kitti_name();
-                Err(Error::Scene { reason: format!("no model of class {name}: Car, Van or Pedestrian") })
-            }
-        }
-    }
-
-    /// Adds a user's vehicle by its name, standing settled on the ground; returns the actor's id.
-    ///
-    /// # Errors
-    /// [`Error::Unknown`] for a name that none has, [`Error::Scene`] for one of another class or a place beyond the
-    /// ground's edge, [`Error::NotFinite`].
-    pub fn add_user_vehicle(
+    /// [`Error::Scene`] for a place beyond the ground's edge or where somebody stands, a path that makes no sense, a class
+    /// without a model or a model of another class; [`Error::Unknown`] for a name that no model has;
+    /// [`Error::OutOfRange`] for a speed; [`Error::NotFinite`].
+    pub fn add(
         &mut self,
         class: ObjectClass,
-        name: &str,
-        x_m: f64,
-        y_m: f64,
-        yaw_rad: f64,
+        model: ModelChoice<'_>,
+        course: &Course,
+        overlap: Overlap,
     ) -> Result<i32> {
-        let model = Arc::clone(self.user_vehicles.by_name(name)?);
+        let model = match (class, model) {
+            (_, ModelChoice::Named(name)) => self.user_vehicle(class, name)?,
+            (ObjectClass::Car | ObjectClass::Van, ModelChoice::Seed(seed)) => self.vehicle_model(class, seed)?,
+            (ObjectClass::Pedestrian, ModelChoice::Seed(seed)) => {
+                return add_person(&mut self.arena, seed, course, overlap);
+            }
+            _ => {
+                let name = class.kitti_name();
+                return Err(Error::Scene { reason: format!("no model of class {name}: Car, Van or Pedestrian") });
+            }
+        };
+        add_vehicle(&mut self.arena, model, course, overlap)
+    }
+
+    /// A user's vehicle, as the annotator of the next agent would label it.
+    fn user_vehicle(&self, class: ObjectClass, name: &str) -> Result<Arc<VehicleModel>> {
+        let model = self.user_vehicles.by_name(name)?;
         if model.class != class {
             let (found, wanted) = (model.class.kitti_name(), class.kitti_name());
             return Err(Error::Scene { reason: format!("model {name:?} is a {found}, not a {wanted}") });
         }
         let annotator_seed = self.key.indexed("annotated box", self.arena.next_id() as u64).next_u64();
-        let model = Arc::new(VehicleModel::clone(&model).annotated_by(annotator_seed));
-        add_vehicle(&mut self.arena, model, x_m, y_m, yaw_rad)
+        Ok(Arc::new(VehicleModel::clone(model).annotated_by(annotator_seed)))
     }
 
     /// Fills the world: parked cars, then driven ones, then people. To be called once, before the first step.
@@ -141,12 +142,15 @@ impl World {
     /// Sets the ego down at (x, y), settled and standing; it stays there until [`World::drive`].
     ///
     /// # Errors
-    /// [`Error::Scene`] beyond the ground's edge, [`Error::NotFinite`].
-    pub fn move_ego(&mut self, x_m: f64, y_m: f64, yaw_rad: f64) -> Result<()> {
+    /// [`Error::Scene`] beyond the ground's edge or where somebody stands, [`Error::NotFinite`].
+    pub fn move_ego(&mut self, x_m: f64, y_m: f64, yaw_rad: f64, overlap: Overlap) -> Result<()> {
+        let Body::Sprung(chassis) = &self.arena.ego().body else { unreachable!("the ego has a sprung body") };
+        let settled = settle(&self.arena.physics, &chassis.model, x_m, y_m, yaw_rad)?;
+        let cover = box_at(&chassis.model, DVec2::new(x_m, y_m), yaw_rad);
+        check_free(&self.arena, Some(EGO), self.arena.ego().class, &cover, overlap)?;
         let Arena { agents, physics, streets, around, .. } = &mut self.arena;
         let ego = &mut agents[EGO];
         let Body::Sprung(chassis) = &mut ego.body else { unreachable!("the ego has a sprung body") };
-        let settled = settle(physics, &chassis.model, x_m, y_m, yaw_rad)?;
         chassis.place(physics, &settled.world_from_box);
         around.junctions.forget(EGO);
         let choices = self.key.indexed("ego route", self.steps);

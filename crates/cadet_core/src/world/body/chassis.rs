@@ -162,7 +162,7 @@ impl Chassis {
 
     /// Distance between the axles.
     pub fn wheelbase_m(&self) -> f64 {
-        f64::from(self.model.wheel_centers[0].x - self.model.wheel_centers[2].x)
+        self.model.wheelbase_m()
     }
 
     /// Distance of the rear axle behind the middle of the box.

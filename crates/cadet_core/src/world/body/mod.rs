@@ -2,12 +2,14 @@
 
 mod chassis;
 mod fixed;
+mod guided;
 mod settle;
 mod upright;
 mod wheels;
 
 pub(super) use chassis::Chassis;
 pub(super) use fixed::Fixed;
+pub(super) use guided::{Guided, Step};
 pub(super) use settle::settle;
 pub(super) use upright::Upright;
 
@@ -20,6 +22,8 @@ pub(super) enum Body {
     Sprung(Box<Chassis>),
     /// A vehicle that stands for good, settled on the ground.
     Fixed(Box<Fixed>),
+    /// A vehicle that its controller leads along the ground.
+    Guided(Box<Guided>),
     /// A person: upright on the ground, moved by the controller, not in rapier's world.
     Upright(Upright),
 }
@@ -30,6 +34,7 @@ impl Body {
         match self {
             Self::Sprung(chassis) => chassis.world_from_box(physics),
             Self::Fixed(fixed) => fixed.world_from_box,
+            Self::Guided(guided) => guided.world_from_box(),
             Self::Upright(upright) => upright.world_from_box(),
         }
     }
@@ -39,6 +44,7 @@ impl Body {
         match self {
             Self::Sprung(chassis) => chassis.velocity_world(physics),
             Self::Fixed(_) => DVec3::ZERO,
+            Self::Guided(guided) => guided.velocity_world,
             Self::Upright(upright) => upright.velocity_world,
         }
     }
@@ -55,6 +61,7 @@ impl Body {
     pub fn angular_velocity_world(&self, physics: &Physics) -> DVec3 {
         match self {
             Self::Sprung(chassis) => chassis.angular_velocity_world(physics),
+            Self::Guided(guided) => guided.angular_velocity_world,
             Self::Fixed(_) | Self::Upright(_) => DVec3::ZERO,
         }
     }
@@ -64,6 +71,7 @@ impl Body {
         match self {
             Self::Sprung(chassis) => Some(chassis.wheels()),
             Self::Fixed(fixed) => Some(fixed.box_from_wheels),
+            Self::Guided(guided) => Some(guided.box_from_wheels()),
             Self::Upright(_) => None,
         }
     }
@@ -73,6 +81,7 @@ impl Body {
         match self {
             Self::Sprung(chassis) => physics.remove(chassis.body),
             Self::Fixed(fixed) => physics.remove(fixed.body),
+            Self::Guided(guided) => physics.remove(guided.body),
             Self::Upright(_) => {}
         }
     }

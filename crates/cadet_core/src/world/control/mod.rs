@@ -1,4 +1,4 @@
-//! Who decides what an agent does: drivers, pedestrians, nobody.
+//! Who decides what an agent does: drivers, pedestrians, scripts, nobody.
 
 mod avoidance;
 mod controller;
@@ -7,9 +7,12 @@ mod driver;
 mod footing;
 mod idm;
 mod motion;
+mod on_road;
 mod parked;
+mod path;
 mod pedestrian;
 mod pursuit;
+mod scripted;
 mod stop_line;
 
 pub(super) use controller::{Controller, Own};
@@ -20,4 +23,6 @@ pub(super) use footing::BODY_M;
 pub(super) use idm::IdmParameters;
 pub(super) use motion::{Company, Motion, Walk};
 pub(super) use parked::Parked;
+pub(super) use path::TimedPath;
 pub(super) use pedestrian::Pedestrian;
+pub(super) use scripted::{PERSON_HALF_CHORD_M, Scripted};

@@ -5,10 +5,11 @@ use super::controller::{Controller, Own};
 use super::crossing::{CROSSING_MPS, is_free_to_cross, way_across};
 use super::footing::Nearby;
 use super::motion::{Company, Motion, Walk};
+use super::on_road::{is_on_road, keep_off};
 use crate::math::{self, DVec2};
 use crate::rng::Stream;
 use crate::world::appearance::Appearance;
-use crate::world::body::{Body, Upright};
+use crate::world::body::Body;
 use crate::world::footprint::Footprint;
 use crate::world::pavement::Pavements;
 use crate::world::physics::{DT_S, Physics};
@@ -281,29 +282,13 @@ impl Controller for Pedestrian {
         let Body::Upright(body) = body else { return None };
         match self.motion {
             Motion::Crosses { .. } => Some(keep_off(body, 1.5 * CROSSING_MPS)),
-            Motion::Stands => stands_on_road(body, roads).then(|| keep_off(body, 0.0)),
+            Motion::Stands => is_on_road(body, body.at(), roads).then(|| keep_off(body, 0.0)),
             Motion::Walks { .. } | Motion::Waits { .. } => None,
         }
     }
 
     fn forget(&mut self, gone: Slot) {
         self.company = self.company.filter(|c| c.leader != gone);
-    }
-}
-
-/// Whether somebody stands where cars drive.
-fn stands_on_road(body: &Upright, roads: &Roads) -> bool {
-    roads.nearest(body.position, None, 2.6).is_some() && !roads.is_pavement(body.at())
-}
-
-/// What drivers keep off: a person, and the way that the person will have gone soon.
-fn keep_off(body: &Upright, lead_m: f64) -> Footprint {
-    Footprint {
-        center: body.at() + body.heading() * (lead_m / 2.0),
-        heading: body.heading(),
-        half_length_m: lead_m / 2.0 + 0.5,
-        half_width_m: 0.5,
-        velocity: DVec2::ZERO,
     }
 }
 

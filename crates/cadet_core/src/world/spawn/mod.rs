@@ -5,6 +5,7 @@ mod driven;
 mod ego;
 mod groups;
 mod newcomers;
+mod overlap;
 mod parking;
 mod people;
 mod placed;
@@ -14,6 +15,7 @@ mod traffic;
 pub use config::TrafficConfig;
 
 pub(super) use ego::place_ego;
-pub(super) use placed::{add_person, add_vehicle};
+pub(super) use overlap::check_free;
+pub(super) use placed::{add_person, add_vehicle, box_at};
 pub(super) use spawner::Spawner;
 pub(super) use traffic::{RENEW_EVERY, fill, renew};

@@ -10,8 +10,8 @@ use crate::math::DVec3;
 use crate::rng::Stream;
 use crate::world::appearance::Appearance;
 use crate::world::arena::{Arena, Newcomer};
-use crate::world::body::{Body, Chassis, Fixed, Upright, settle};
-use crate::world::control::{Driver, IdmParameters, Parked, Pedestrian};
+use crate::world::body::{Body, Chassis, Fixed, Guided, Upright, settle};
+use crate::world::control::{Driver, IdmParameters, Parked, Pedestrian, Scripted};
 use crate::world::route::Route;
 
 /// A vehicle with somebody at the wheel.
@@ -44,6 +44,23 @@ pub(super) fn parked_vehicle(
         body: Body::Fixed(Box::new(Fixed::new(&mut arena.physics, &model, &settled, id))),
         controller: Box::new(Parked),
         appearance: Appearance::Vehicle { model, is_driven: false },
+        is_placed: false,
+    })
+}
+
+/// A vehicle that follows a script, with somebody at the wheel.
+///
+/// # Errors
+/// As [`settle`].
+pub(super) fn guided_vehicle(arena: &mut Arena, model: Arc<VehicleModel>, script: Scripted) -> Result<Newcomer> {
+    let (at, yaw_rad, velocity) = script.start();
+    let settled = settle(&arena.physics, &model, at.x, at.y, yaw_rad)?;
+    let body = Guided::new(&mut arena.physics, Arc::clone(&model), settled, yaw_rad, velocity);
+    Ok(Newcomer {
+        class: model.class,
+        body: Body::Guided(Box::new(body)),
+        controller: Box::new(script),
+        appearance: Appearance::Vehicle { model, is_driven: true },
         is_placed: false,
     })
 }
@@ -82,7 +99,15 @@ impl Person {
         Ok(Self { model, body, phase, pedestrian: Pedestrian::standing(choices) })
     }
 
-    /// The agent.
+    /// Somebody who follows a script.
+    pub fn led_by(self, script: Scripted) -> Newcomer {
+        let velocity_world = script.start().2.extend(0.0);
+        let body = Body::Upright(Upright { velocity_world, ..self.body });
+        let appearance = Appearance::Person { model: self.model, phase: self.phase };
+        Newcomer { class: ObjectClass::Pedestrian, body, controller: Box::new(script), appearance, is_placed: false }
+    }
+
+    /// Somebody who decides for themselves.
     pub fn into_newcomer(self) -> Newcomer {
         let Self { model, body, phase, pedestrian } = self;
         Newcomer {

@@ -2,6 +2,8 @@
 
 mod census;
 mod flow;
+mod placed;
+mod scripted;
 mod towns;
 
 use std::sync::Arc;
@@ -13,7 +15,7 @@ use super::control::{Driver, Motion, Pedestrian};
 use super::footprint::Footprint;
 use super::junctions::Junctions;
 use super::route::Roads;
-use super::{TrafficConfig, World};
+use super::{Course, ModelChoice, Overlap, TrafficConfig, Waypoint, World};
 use crate::actor::ObjectClass;
 use crate::error::{Error, Result};
 use crate::math::{self, DVec2, DVec3};
@@ -21,6 +23,11 @@ use crate::rng::StreamKey;
 use towns::{crossing, hills, hilly_ring, map, slope, suburb};
 
 const SECOND: u32 = 60;
+
+/// Adds an agent that stands.
+fn add(world: &mut World, class: ObjectClass, x_m: f64, y_m: f64, yaw_rad: f64, seed: u64) -> Result<i32> {
+    world.add(class, ModelChoice::Seed(seed), &Course::Stand { x_m, y_m, yaw_rad }, Overlap::Refuse)
+}
 
 /// The cars in traffic, the ego first.
 fn cars(world: &World) -> Vec<(&Agent, &Driver)> {
@@ -56,7 +63,7 @@ fn pitch_rad(world: &World) -> f64 {
 fn a_car_on_a_slope_settles_along_it_and_does_not_creep() {
     let mut world = World::new(slope(0.05), StreamKey::scene(1)).unwrap();
     for yaw in [0.0, 1.0, math::PI / 2.0, math::PI] {
-        world.move_ego(3.0, 2.0, yaw).unwrap();
+        world.move_ego(3.0, 2.0, yaw, Overlap::Refuse).unwrap();
         world.step(2 * SECOND);
         let before = world.ego();
         let up = before.world_from_ego.rotation * DVec3::Z;
@@ -203,8 +210,8 @@ fn a_car_keeps_its_distance_to_one_that_stands_in_its_lane() {
     let town = slope(0.03);
     for seed in 0..4 {
         let mut world = World::new(Arc::clone(&town), StreamKey::scene(seed)).unwrap();
-        world.move_ego(-60.0, 0.0, 0.0).unwrap();
-        world.add(ObjectClass::Car, 20.0, 0.1, 0.02, seed).unwrap();
+        world.move_ego(-60.0, 0.0, 0.0, Overlap::Refuse).unwrap();
+        add(&mut world, ObjectClass::Car, 20.0, 0.1, 0.02, seed).unwrap();
         let gone_m = world.drive(200.0, 3.0).unwrap();
         let half_m =
             [parked(&world)[0], world.arena.ego()].map(|a| footprint(&world, a).half_length_m).iter().sum::<f64>();
@@ -220,7 +227,8 @@ fn parked_wheels_touch_sloping_and_bent_ground() {
     for k in 0..40 {
         let a = f64::from(k) * 0.4;
         let (x, y) = ((20.0 + f64::from(k)) * math::cos(a), (20.0 + f64::from(k)) * math::sin(a));
-        world.add(ObjectClass::Car, x, y, f64::from(k), k as u64).unwrap();
+        let course = Course::Stand { x_m: x, y_m: y, yaw_rad: f64::from(k) };
+        world.add(ObjectClass::Car, ModelChoice::Seed(k as u64), &course, Overlap::Allow).unwrap();
         let parked = parked(&world).pop().unwrap();
         let pose = parked.body.world_from_box(&world.arena.physics);
         let Appearance::Vehicle { model, .. } = &parked.appearance else { unreachable!() };
@@ -284,15 +292,15 @@ fn lanes_that_cross_or_merge_exclude_each_other_and_forks_do_not() {
 fn what_makes_no_sense_is_refused() {
     let mut world = World::new(slope(0.0), StreamKey::scene(0)).unwrap();
     let is_scene = |r: Result<i32>| matches!(r, Err(Error::Scene { .. }));
-    assert!(is_scene(world.add(ObjectClass::Car, 1e4, 0.0, 0.0, 0)));
-    assert!(is_scene(world.add(ObjectClass::Pedestrian, 1e4, 0.0, 0.0, 0)));
-    assert!(is_scene(world.add(ObjectClass::Tram, 0.0, 0.0, 0.0, 0)));
-    assert!(matches!(world.add(ObjectClass::Car, f64::NAN, 0.0, 0.0, 0), Err(Error::NotFinite { .. })));
-    assert!(world.move_ego(0.0, f64::INFINITY, 0.0).is_err());
+    assert!(is_scene(add(&mut world, ObjectClass::Car, 1e4, 0.0, 0.0, 0)));
+    assert!(is_scene(add(&mut world, ObjectClass::Pedestrian, 1e4, 0.0, 0.0, 0)));
+    assert!(is_scene(add(&mut world, ObjectClass::Tram, 0.0, 0.0, 0.0, 0)));
+    assert!(matches!(add(&mut world, ObjectClass::Car, f64::NAN, 0.0, 0.0, 0), Err(Error::NotFinite { .. })));
+    assert!(world.move_ego(0.0, f64::INFINITY, 0.0, Overlap::Refuse).is_err());
     assert!(world.drive(-1.0, 2.0).is_err());
     assert!(world.spawn_traffic(&TrafficConfig { parking_occupancy: 1.5, ..TrafficConfig::default() }).is_err());
-    assert_eq!(world.add(ObjectClass::Van, 5.0, 4.0, 1.0, 0).unwrap(), 1);
-    assert_eq!(world.add(ObjectClass::Pedestrian, 5.0, 9.0, 1.0, 0).unwrap(), 2);
+    assert_eq!(add(&mut world, ObjectClass::Van, 5.0, 4.0, 1.0, 0).unwrap(), 1);
+    assert_eq!(add(&mut world, ObjectClass::Pedestrian, 5.0, 9.0, 1.0, 0).unwrap(), 2);
 }
 
 #[test]
