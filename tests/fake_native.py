@@ -141,16 +141,22 @@ class Scene:
         _check_map(map_name, map_xodr)
         return Scene((0, 0, 0), rig, weather, map_name)
 
-    def add(self, kind: str, x: float, y: float, yaw: float, model_seed: int) -> int:
-        self.calls.append(f"add {kind} {x} {y} {yaw} {model_seed}")
+    def add(
+        self,
+        kind: str,
+        model_seed: int,
+        model: str | None,
+        place: tuple[float, float, float] | None,
+        speed: float | None,
+        path: NDArray[np.float64] | None,
+        may_overlap: bool,
+    ) -> int:
+        where = place if path is None else path.tolist()
+        self.calls.append(f"add {kind} {model or model_seed} {where} {speed} {may_overlap}")
         return len(self.calls)
 
-    def add_model(self, kind: str, model: str, x: float, y: float, yaw: float) -> int:
-        self.calls.append(f"add_model {kind} {model} {x} {y} {yaw}")
-        return len(self.calls)
-
-    def move_ego(self, x: float, y: float, yaw: float) -> None:
-        self.calls.append(f"move_ego {x} {y} {yaw}")
+    def move_ego(self, x: float, y: float, yaw: float, may_overlap: bool) -> None:
+        self.calls.append(f"move_ego {x} {y} {yaw} {may_overlap}")
 
     def step(self, seconds: float) -> None:
         self.time_s += seconds

@@ -69,7 +69,7 @@ def test_scenes_and_environments_take_a_folder_or_what_was_read(tmp_path: Path) 
         assert Environment(assets=assets).policy.assets == Assets.read(folder)
         scene = Scene.empty(assets=assets)
         scene.add("car", x=9.0, y=1.0, yaw=0.5, model="mine")
-        assert scene._native.calls == ["add_model car mine 9.0 1.0 0.5"]  # type: ignore[attr-defined]
+        assert scene._native.calls == ["add car mine (9.0, 1.0, 0.5) None False"]  # type: ignore[attr-defined]
     with pytest.raises(CadetError, match=r"^assets: expected a folder or cadet.Assets, got 3$"):
         Scene.empty(assets=3)  # type: ignore[arg-type]
     with pytest.raises(CadetError, match=r"^ResetPolicy.assets: expected cadet.Assets, got 'x'$"):

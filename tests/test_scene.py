@@ -57,8 +57,17 @@ def test_actors_and_the_ego_go_where_they_are_put() -> None:
     scene = empty()
     assert scene.add("car", x=12, y=-3.5, yaw=0.1, model_seed=3) == 1
     scene.move_ego(x=1, y=2, yaw=3)
+    scene.add("van", x=0, y=0, yaw=1, speed=5, overlap="allow")
+    scene.add("pedestrian", path=[(0, 1, 2), (3, 4, 5)])
+    scene.move_ego(x=1, y=2, yaw=3, overlap="allow")
     native = cast(Any, scene)._native
-    assert native.calls == ["add car 12.0 -3.5 0.1 3", "move_ego 1.0 2.0 3.0"]
+    assert native.calls == [
+        "add car 3 (12.0, -3.5, 0.1) None False",
+        "move_ego 1.0 2.0 3.0 False",
+        "add van 0 (0.0, 0.0, 1.0) 5.0 True",
+        "add pedestrian 0 [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]] None False",
+        "move_ego 1.0 2.0 3.0 True",
+    ]
 
 
 def test_scans_rays_and_poses_pass_through() -> None:
@@ -94,6 +103,42 @@ def test_scans_rays_and_poses_pass_through() -> None:
             lambda: empty().add("car", x=0, y=0, yaw=0, model_seed=-1),
             CadetError,
             "add.model_seed: expected a whole number from 0 to 9223372036854775807, got -1",
+        ),
+        (
+            lambda: empty().add("car", x=0, y=0),
+            CadetError,
+            "place.yaw: expected a number from -1e+06 to 1e+06, got None",
+        ),
+        (
+            lambda: empty().add("car", x=0, y=0, yaw=0, path=[(0, 0, 0), (1, 1, 1)]),
+            CadetError,
+            "add.path: it says where the actor goes and how fast; leave out x, y, yaw and speed",
+        ),
+        (
+            lambda: empty().add("car", speed=3, path=[(0, 0, 0), (1, 1, 1)]),
+            CadetError,
+            "add.path: it says where the actor goes and how fast; leave out x, y, yaw and speed",
+        ),
+        (
+            lambda: empty().add("car", x=0, y=0, yaw=0, speed=-1),
+            CadetError,
+            "add.speed: expected a number from 0 to 70, got -1",
+        ),
+        (
+            lambda: empty().add("car", path=[(0, 0), (1, 1)]),
+            ShapeError,
+            "path: expected (n, 3) number, got (2, 2) float64",
+        ),
+        (lambda: empty().add("car", path=[(0, 0, NAN), (1, 1, 0)]), NonFiniteError, "path: not finite at [0, 2]"),
+        (
+            lambda: empty().add("car", x=0, y=0, yaw=0, overlap=cast(Any, True)),
+            CadetError,
+            'add.overlap: expected "refuse" or "allow", got True',
+        ),
+        (
+            lambda: empty().move_ego(x=0, y=0, yaw=0, overlap="no"),
+            CadetError,
+            'move_ego.overlap: expected "refuse" or "allow", got \'no\'',
         ),
         (lambda: empty().step(-1.0), CadetError, "step.seconds: expected a number from 0 to 3600, got -1.0"),
         (lambda: empty().scan(cast(Any, "cadet")), CadetError, "lidar: expected a Lidar, got 'cadet'"),

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +13,10 @@ from numpy.typing import NDArray
 from cadet import _cadet
 from cadet.arrays import as_array
 from cadet.assets import Assets, as_assets
-from cadet.checks import as_seed, check_flag, check_kind, check_number, check_text
+from cadet.checks import as_seed, check_flag, check_kind, check_number, check_text, is_one_of, shown
 from cadet.config import SceneConfig
 from cadet.episode import Episode, frame_from_native
+from cadet.errors import CadetError
 from cadet.frame import Frame
 from cadet.notices import notice
 from cadet.policy import ResetPolicy, choose_policy, draw_with
@@ -24,6 +26,7 @@ from cadet.summary import summary
 from cadet.weather import check_weather
 
 _MAX_PLACE_M = 1e6
+_MAX_SPEED_MPS = 70
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,47 +185,77 @@ class Scene:
         """Actors besides the ego, parked ones too."""
         return self._native.num_actors
 
-    def add(self, kind: str, *, x: float, y: float, yaw: float, model_seed: int = 0, model: str | None = None) -> int:
-        """Put an actor on the ground.
+    def add(
+        self,
+        kind: str,
+        *,
+        x: float | None = None,
+        y: float | None = None,
+        yaw: float | None = None,
+        model_seed: int = 0,
+        model: str | None = None,
+        speed: float | None = None,
+        path: Sequence[Sequence[float]] | NDArray[np.float64] | None = None,
+        overlap: str = "refuse",
+    ) -> int:
+        """Put an actor on the ground: one that stands at (x, y), goes straight on from there, or follows a path.
+
+        Who moves does so whatever the others do; cars brake for it, and people walk round it.
 
         Args:
             kind: "car", "van" or "pedestrian", in any letter case; with `model` that vehicle's class, "truck" too.
                 KITTI's other types have no shape and are refused.
-            x: metres, world frame: the middle of its box.
+            x: metres, world frame: the middle of its box. Left out with a path, as are `y` and `yaw`.
             y: metres, world frame.
             yaw: radians, counter-clockwise from east.
-            model_seed: draws its shape and color.
+            model_seed: draws its shape and color, for a person who moves one that walks.
             model: the name of one of the scene's own vehicles (`assets`), in place of a drawn shape.
+            speed: m/s along `yaw`, held to the edge of the ground: at most 70, and 12 for a person.
+            path: rows of (t, x, y), t in seconds from now and rising. Between two of them it goes straight at a
+                constant speed, heading where it goes; before the first and after the last it stands.
+            overlap: "refuse" a place where another actor or the ego stands, or "allow" it; where it starts is what
+                counts, not its way.
 
         Returns:
             Its actor id, as in `Frame.instance`.
 
         Raises:
             CadetError: an unknown kind or model, a kind without a shape or not the model's, a number that is not
-                finite, or a place off the ground.
+                finite or out of range, a place off the ground or where another stands, or a path that makes no sense.
         """
         check_text("add", "kind", kind)
         if model is not None:
             check_text("add", "model", model)
-        self._moved(x=x, y=y, yaw=yaw)
-        if model is not None:
-            return self._native.add_model(kind, model, float(x), float(y), float(yaw))
         check_number("add", "model_seed", model_seed, 0, 2**63 - 1, whole=True)
-        return self._native.add(kind, float(x), float(y), float(yaw), int(model_seed))
+        place, points = None, None
+        if path is None:
+            place = _place(x, y, yaw)
+        elif any(value is not None for value in (x, y, yaw, speed)):
+            raise CadetError("add.path: it says where the actor goes and how fast; leave out x, y, yaw and speed")
+        else:
+            points = _vectors("path", path)
+        if speed is not None:
+            check_number("add", "speed", speed, 0, _MAX_SPEED_MPS)
+            speed = float(speed)
+        may_overlap = _may_overlap("add", overlap)
+        self._forget_first()
+        return self._native.add(kind, int(model_seed), model, place, speed, points, may_overlap)
 
-    def move_ego(self, *, x: float, y: float, yaw: float) -> None:
+    def move_ego(self, *, x: float, y: float, yaw: float, overlap: str = "refuse") -> None:
         """Put the ego on the ground at a place, at rest.
 
         Args:
             x: metres, world frame: the middle of the car.
             y: metres, world frame.
             yaw: radians, counter-clockwise from east.
+            overlap: "refuse" a place where an actor stands, or "allow" it.
 
         Raises:
-            CadetError: a number that is not finite, or a place off the ground.
+            CadetError: a number that is not finite, or a place off the ground or where an actor stands.
         """
-        self._moved(x=x, y=y, yaw=yaw)
-        self._native.move_ego(float(x), float(y), float(yaw))
+        place, may_overlap = _place(x, y, yaw), _may_overlap("move_ego", overlap)
+        self._forget_first()
+        self._native.move_ego(*place, may_overlap)
 
     def step(self, seconds: float) -> None:
         """Let physics run, rounded to whole steps of 1/60 s.
@@ -289,16 +322,23 @@ class Scene:
         velo, cam = self._native.sensor_poses()
         return {"world_from_velo": velo, "world_from_cam": cam}
 
-    def _moved(self, **place: float) -> None:
-        for name, value in place.items():
-            check_number("place", name, value, -_MAX_PLACE_M, _MAX_PLACE_M)
-        self._forget_first()
-
     def _forget_first(self) -> None:
         self._first = None
         self._origin = {}
         self._num_moves += 1
 
 
-def _vectors(name: str, values: NDArray[np.float64] | list[list[float]]) -> NDArray[np.float64]:
+def _place(x: Any, y: Any, yaw: Any) -> tuple[float, float, float]:
+    for name, value in (("x", x), ("y", y), ("yaw", yaw)):
+        check_number("place", name, value, -_MAX_PLACE_M, _MAX_PLACE_M)
+    return float(x), float(y), float(yaw)
+
+
+def _may_overlap(owner: str, overlap: object) -> bool:
+    if not is_one_of(overlap, ("refuse", "allow")):
+        raise CadetError(f'{owner}.overlap: expected "refuse" or "allow", got {shown(overlap)}')
+    return overlap == "allow"
+
+
+def _vectors(name: str, values: NDArray[np.float64] | Sequence[Sequence[float]]) -> NDArray[np.float64]:
     return np.ascontiguousarray(as_array(values, name, ("n", 3), np.float64, finite=True))

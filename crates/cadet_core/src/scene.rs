@@ -14,7 +14,7 @@ use crate::rng::StreamKey;
 use crate::sense::{FaceTrees, Motion, PosedScene, RayCaster, RayHit, Resolution};
 use crate::town::{DressingConfig, GroundKind, SuburbConfig, Town};
 use crate::weather::Weather;
-use crate::world::{Snapshot, TrafficConfig, World};
+use crate::world::{Course, ModelChoice, Overlap, Snapshot, TrafficConfig, World};
 
 /// Where a scene's town comes from.
 #[derive(Debug, Clone)]
@@ -167,31 +167,28 @@ impl Scene {
         self.world.time_s()
     }
 
-    /// Adds an actor of a class at a place, standing on the ground, and returns its id.
+    /// Adds an actor that stands on the ground or follows a script, and returns its id.
     ///
     /// # Errors
-    /// A place that is not finite or off the ground, or a class that has no model.
-    pub fn add(&mut self, class: ObjectClass, x: f64, y: f64, yaw: f64, model_seed: u64) -> Result<i32> {
+    /// As [`World::add`].
+    pub fn add(
+        &mut self,
+        class: ObjectClass,
+        model: ModelChoice<'_>,
+        course: &Course,
+        overlap: Overlap,
+    ) -> Result<i32> {
         self.sensed = None;
-        self.world.add(class, finite("x", x)?, finite("y", y)?, finite("yaw", yaw)?, model_seed)
-    }
-
-    /// Adds a user's vehicle by the name of its model, standing on the ground, and returns its id.
-    ///
-    /// # Errors
-    /// A place that is not finite or off the ground, a name that no model has, or a model of another class.
-    pub fn add_user_vehicle(&mut self, class: ObjectClass, name: &str, x: f64, y: f64, yaw: f64) -> Result<i32> {
-        self.sensed = None;
-        self.world.add_user_vehicle(class, name, finite("x", x)?, finite("y", y)?, finite("yaw", yaw)?)
+        self.world.add(class, model, course, overlap)
     }
 
     /// Puts the ego on the ground at a place, at rest.
     ///
     /// # Errors
-    /// A place that is not finite or off the ground.
-    pub fn move_ego(&mut self, x: f64, y: f64, yaw: f64) -> Result<()> {
+    /// A place that is not finite, off the ground, or where somebody stands.
+    pub fn move_ego(&mut self, x: f64, y: f64, yaw: f64, overlap: Overlap) -> Result<()> {
         self.sensed = None;
-        self.world.move_ego(finite("x", x)?, finite("y", y)?, finite("yaw", yaw)?)
+        self.world.move_ego(finite("x", x)?, finite("y", y)?, finite("yaw", yaw)?, overlap)
     }
 
     /// Lets physics run, in whole steps of 1/60 s.

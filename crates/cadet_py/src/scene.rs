@@ -8,6 +8,7 @@ use cadet_core::math::DPose3;
 use cadet_core::rng::StreamKey;
 use cadet_core::scene as core;
 use cadet_core::weather::Weather;
+use cadet_core::world::{Course, ModelChoice, Overlap, Waypoint};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -37,6 +38,26 @@ fn town_source(map_name: Option<String>, map_xodr: Option<String>, default: core
         Some(text) => core::TownSource::OpenDrive { name: map_name.unwrap_or_else(|| "map".to_owned()), text },
         None => default,
     }
+}
+
+fn overlap(may_overlap: bool) -> Overlap {
+    if may_overlap { Overlap::Allow } else { Overlap::Refuse }
+}
+
+fn course(
+    place: Option<(f64, f64, f64)>,
+    speed: Option<f64>,
+    path: Option<&PyReadonlyArray2<'_, f64>>,
+) -> cadet_core::Result<Course> {
+    Ok(match (place, speed, path) {
+        (Some((x_m, y_m, yaw_rad)), None, None) => Course::Stand { x_m, y_m, yaw_rad },
+        (Some((x_m, y_m, yaw_rad)), Some(speed_mps), None) => Course::Straight { x_m, y_m, yaw_rad, speed_mps },
+        (None, None, Some(path)) => {
+            let points = arrays::to_vectors("path", path)?;
+            Course::Path(points.iter().map(|p| Waypoint { t_s: p.x, x_m: p.y, y_m: p.z }).collect())
+        }
+        _ => return Err(cadet_core::Error::Scene { reason: "expected a place, or a path alone".to_owned() }),
+    })
 }
 
 #[pymethods]
@@ -101,18 +122,26 @@ impl Scene {
         self.with(py, |scene| Ok(scene.snapshot().actors.len()))
     }
 
-    fn add(&self, py: Python<'_>, kind: &str, x: f64, y: f64, yaw: f64, model_seed: u64) -> Result<i32, BorderError> {
+    #[pyo3(signature = (kind, model_seed, model, place, speed, path, may_overlap))]
+    fn add(
+        &self,
+        py: Python<'_>,
+        kind: &str,
+        model_seed: u64,
+        model: Option<&str>,
+        place: Option<(f64, f64, f64)>,
+        speed: Option<f64>,
+        path: Option<PyReadonlyArray2<'_, f64>>,
+        may_overlap: bool,
+    ) -> Result<i32, BorderError> {
         let class = ObjectClass::from_name(kind)?;
-        self.with(py, |scene| scene.add(class, x, y, yaw, model_seed))
+        let model = model.map_or(ModelChoice::Seed(model_seed), ModelChoice::Named);
+        let course = course(place, speed, path.as_ref())?;
+        self.with(py, |scene| scene.add(class, model, &course, overlap(may_overlap)))
     }
 
-    fn add_model(&self, py: Python<'_>, kind: &str, model: &str, x: f64, y: f64, yaw: f64) -> Result<i32, BorderError> {
-        let class = ObjectClass::from_name(kind)?;
-        self.with(py, |scene| scene.add_user_vehicle(class, model, x, y, yaw))
-    }
-
-    fn move_ego(&self, py: Python<'_>, x: f64, y: f64, yaw: f64) -> Result<(), BorderError> {
-        self.with(py, |scene| scene.move_ego(x, y, yaw))
+    fn move_ego(&self, py: Python<'_>, x: f64, y: f64, yaw: f64, may_overlap: bool) -> Result<(), BorderError> {
+        self.with(py, |scene| scene.move_ego(x, y, yaw, overlap(may_overlap)))
     }
 
     fn step(&self, py: Python<'_>, seconds: f64) -> Result<(), BorderError> {

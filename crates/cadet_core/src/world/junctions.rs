@@ -1,8 +1,8 @@
 //! Right of way: who crosses a junction when. A lane across a junction is reserved before it is entered; lanes that
 //! come too near to each other exclude one another; the first to come is the first to go.
 
-use super::EGO;
 use super::route::Roads;
+use super::slot::{EGO, Slot};
 use crate::math::{self, DVec3};
 use crate::town::{Lane, LaneId, LaneKind};
 
@@ -14,7 +14,7 @@ const CLEARANCE_IN_BENDS_M: f64 = 3.3;
 /// One car's right to cross.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Reservation {
-    car: usize,
+    car: Slot,
     lane: LaneId,
     /// The lane on which it leaves the junction, and the room that it takes there.
     exit: LaneId,
@@ -28,7 +28,7 @@ struct Reservation {
 /// A car that waits at a junction.
 #[derive(Debug, Clone, Copy)]
 struct Waiting {
-    car: usize,
+    car: Slot,
     lane: LaneId,
     since_step: u64,
     seen_step: u64,
@@ -43,9 +43,9 @@ pub(super) enum Refusal {
     /// There is no room to leave it again.
     ExitFull,
     /// Somebody whose way crosses ours came earlier.
-    Earlier(usize),
+    Earlier(Slot),
     /// Somebody whose way crosses ours is in it or about to enter.
-    Taken(usize),
+    Taken(Slot),
 }
 
 /// Conflicts between lanes, and who holds and wants which.
@@ -84,16 +84,16 @@ impl Junctions {
         self.conflicts[lane.0].iter().map(|c| c.0).collect()
     }
 
-    pub fn holds(&self, car: usize, lane: LaneId) -> bool {
+    pub fn holds(&self, car: Slot, lane: LaneId) -> bool {
         self.held.iter().any(|r| r.car == car && r.lane == lane)
     }
 
-    pub fn holds_any(&self, car: usize) -> bool {
+    pub fn holds_any(&self, car: Slot) -> bool {
         self.held.iter().any(|r| r.car == car && r.clear_at_m.is_none())
     }
 
     /// Room on an exit lane that is promised to others than `car`, once to each, however many lanes it holds.
-    pub fn promised_m(&self, car: usize, exit: LaneId) -> f64 {
+    pub fn promised_m(&self, car: Slot, exit: LaneId) -> f64 {
         let promised = |r: &Reservation| r.car != car && r.exit == exit;
         let is_first =
             |(i, r): &(usize, &Reservation)| !self.held[..*i].iter().any(|q| q.car == r.car && q.exit == exit);
@@ -106,7 +106,7 @@ impl Junctions {
     /// Why it may not enter.
     pub fn request(
         &mut self,
-        car: usize,
+        car: Slot,
         lanes: &[LaneId],
         exit: LaneId,
         room_m: f64,
@@ -157,26 +157,26 @@ impl Junctions {
     }
 
     /// The car's tail has come this far along the lane that its middle is on.
-    pub fn advance(&mut self, car: usize, lane: LaneId, tail_m: f64) {
+    pub fn advance(&mut self, car: Slot, lane: LaneId, tail_m: f64) {
         for r in self.held.iter_mut().filter(|r| r.car == car && r.lane == lane) {
             r.tail_m = tail_m;
         }
     }
 
     /// The car's middle has left a lane; its tail follows when the odometer reads `clear_at_m`.
-    pub fn leaving(&mut self, car: usize, lane: LaneId, clear_at_m: f64) {
+    pub fn leaving(&mut self, car: Slot, lane: LaneId, clear_at_m: f64) {
         for r in self.held.iter_mut().filter(|r| r.car == car && r.lane == lane) {
             r.clear_at_m = Some(clear_at_m);
         }
     }
 
     /// Gives back what the car has cleared.
-    pub fn release_cleared(&mut self, car: usize, odometer_m: f64) {
+    pub fn release_cleared(&mut self, car: Slot, odometer_m: f64) {
         self.held.retain(|r| r.car != car || r.clear_at_m.is_none_or(|clear| odometer_m < clear));
     }
 
     /// Forgets a car: it was moved away.
-    pub fn forget(&mut self, car: usize) {
+    pub fn forget(&mut self, car: Slot) {
         self.held.retain(|r| r.car != car);
         self.waiting.retain(|w| w.car != car);
     }

@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use super::footprint::Footprint;
 use crate::math::{self, DVec2, DVec3};
 use crate::rng::Stream;
 use crate::town::{GroundKind, Lane, LaneId, LaneKind, RoadNetwork, Town};
@@ -68,6 +69,23 @@ impl Roads {
         self.lanes().iter().filter(move |l| {
             let (lo, hi) = self.bounds[l.id.0];
             l.kind == LaneKind::Driving && (at - at.clamp(lo, hi)).length() <= within_m
+        })
+    }
+
+    /// The lanes on which a car may be put: for driving, outside junctions.
+    pub fn open_lanes(&self) -> impl Iterator<Item = &Lane> {
+        self.lanes().iter().filter(|l| l.kind == LaneKind::Driving && l.junction.is_none())
+    }
+
+    /// Whether a rectangle is at least `room_m` away from the middle of every driving lane.
+    pub fn keeps_off_lanes(&self, rectangle: &Footprint, room_m: f64) -> bool {
+        let reach_m = rectangle.half_length_m + rectangle.half_width_m + room_m;
+        self.driving_near(rectangle.center, reach_m).all(|lane| {
+            lane.center
+                .iter()
+                .map(|p| p.truncate())
+                .filter(|p| (*p - rectangle.center).length() < reach_m)
+                .all(|p| (rectangle.closest_point(p) - p).length() > room_m)
         })
     }
 

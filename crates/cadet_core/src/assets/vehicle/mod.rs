@@ -110,6 +110,12 @@ impl VehicleModel {
         Self { annotated: margins.within(self.size_lwh), ..self }
     }
 
+    /// Distance between the axles.
+    #[must_use]
+    pub fn wheelbase_m(&self) -> f64 {
+        f64::from(self.wheel_centers[0].x - self.wheel_centers[2].x)
+    }
+
     /// The same vehicle with other extents. Its wheels stay round and on the ground: they grow with the height.
     fn stretched(&self, size_lwh: DVec3) -> Self {
         let scale = (size_lwh / self.size_lwh).as_vec3();

@@ -1,32 +1,33 @@
 //! That traffic flows: how often the ego stands where views are taken, and for how long.
 
-use super::car::Cause;
-use super::driver::Obstacle;
-use super::testing::suburb;
+use super::towns::suburb;
 use super::*;
-use crate::world::spawn::TrafficConfig;
+use crate::world::control::{Cause, Controller as _};
 
 /// What the ego brakes for, and where the people on the road near it are and want to go.
 fn what_stops_the_ego(world: &World) -> String {
-    let cause = world.cars[EGO].cause();
+    let cause = cars(world)[0].1.cause();
     if cause != Cause::Person {
         return format!("{cause:?}");
     }
-    let ego = world.cars[EGO].footprint(&world.physics);
-    let near = |w: &&Walker| (w.position.truncate() - ego.center).length() < 12.0;
-    let on_road = world.walkers.iter().filter(|w| w.in_the_way(&world.roads).is_some()).filter(near).map(|w| {
-        let p = w.position.truncate();
-        let away = |o: &Obstacle| (o.closest_point(p) - p).length();
+    let ego = footprint(world, world.arena.ego());
+    let walkers = walkers(world);
+    let roads = &world.arena.streets.roads;
+    let near = |(w, _): &&(&Agent, &Pedestrian)| (place(world, w) - ego.center).length() < 12.0;
+    let on_road = |(w, pedestrian): &&(&Agent, &Pedestrian)| pedestrian.on_road(&w.body, roads).is_some();
+    let on_road = walkers.iter().filter(on_road).filter(near).map(|(w, pedestrian)| {
+        let p = place(world, w);
+        let away = |o: &Footprint| (o.closest_point(p) - p).length();
         let nearest = |all: &mut dyn Iterator<Item = f64>| all.fold(f64::INFINITY, f64::min);
-        let parked_m = nearest(&mut world.parked.iter().map(|o| away(&o.footprint)));
-        let car_m = nearest(&mut world.cars.iter().map(|c| away(&c.footprint(&world.physics))));
-        let others = world.walkers.iter().filter(|o| o.id != w.id);
-        let person_m = nearest(&mut others.map(|o| (o.position.truncate() - p).length()));
+        let parked_m = nearest(&mut parked(world).iter().map(|a| away(&footprint(world, a))));
+        let car_m = nearest(&mut cars(world).iter().map(|(a, _)| away(&footprint(world, a))));
+        let others = walkers.iter().filter(|(o, _)| o.id != w.id);
+        let person_m = nearest(&mut others.map(|(o, _)| (place(world, o) - p).length()));
         format!(
             "{} at {p}, {:?}, {:.2} m/s; parked {parked_m:.2} m, car {car_m:.2} m (ego {:.2} m), person {person_m:.2} m away",
             w.id,
-            w.motion,
-            w.velocity.length(),
+            pedestrian.motion,
+            w.body.velocity_world(&world.arena.physics).length(),
             away(&ego)
         )
     });

@@ -1,9 +1,8 @@
 //! Who stands and for how long, and who walks into what, over many worlds filled as the default policy fills them.
 
-use super::driver::Obstacle;
-use super::testing::suburb;
+use super::towns::suburb;
 use super::*;
-use crate::world::spawn::TrafficConfig;
+use crate::world::DT_S;
 
 /// A person's body in the plane: a circle round the trunk. Arms and legs swing beyond it.
 const BODY_M: f64 = 0.22;
@@ -23,8 +22,8 @@ fn policy_world(seed: u64) -> World {
 
 /// The cars that have stood for `seconds`, what they brake for, and for whom those brake in turn.
 fn stuck(world: &World, seconds: f64) -> Vec<String> {
-    let stands = |c: &&Car| c.standing_steps as f64 * DT_S > seconds;
-    world.cars.iter().filter(stands).map(|c| format!("{} stands, {:?}", c.id, c.cause())).collect()
+    let stands = |(_, driver): &(&Agent, &Driver)| driver.standing_steps as f64 * DT_S > seconds;
+    cars(world).into_iter().filter(stands).map(|(a, driver)| format!("{} stands, {:?}", a.id, driver.cause())).collect()
 }
 
 #[test]
@@ -39,7 +38,8 @@ fn jams_dissolve() {
                 world.drive(10.0, 2.0).unwrap();
             }
             standing += u32::from(world.ego().velocity_world.length() < 0.1);
-            longest_s = world.cars.iter().map(|c| c.standing_steps as f64 * DT_S).fold(longest_s, f64::max);
+            longest_s =
+                cars(&world).iter().map(|(_, driver)| driver.standing_steps as f64 * DT_S).fold(longest_s, f64::max);
             let stuck = stuck(&world, 60.0);
             assert!(stuck.is_empty(), "seed {seed}, view {view}: {stuck:?}");
         }
@@ -54,21 +54,19 @@ fn nobody_walks_into_a_car_or_a_person() {
         let mut world = policy_world(seed);
         for tick in 0..240 {
             world.step(15);
-            let cars: Vec<(i32, Obstacle)> = world
-                .cars
-                .iter()
-                .map(|c| (c.id, c.footprint(&world.physics)))
-                .chain(world.parked.iter().map(|p| (p.id, p.footprint)))
-                .collect();
-            for (i, walker) in world.walkers.iter().enumerate() {
-                let p = walker.position.truncate();
-                for (id, car) in &cars {
+            let driven = cars(&world).into_iter().map(|(agent, _)| agent);
+            let vehicles: Vec<(i32, Footprint)> =
+                driven.chain(parked(&world)).map(|a| (a.id, footprint(&world, a))).collect();
+            let walkers = walkers(&world);
+            for (i, (walker, pedestrian)) in walkers.iter().enumerate() {
+                let p = place(&world, walker);
+                for (id, car) in &vehicles {
                     let apart_m = (car.closest_point(p) - p).length();
-                    let motion = walker.motion;
+                    let motion = pedestrian.motion;
                     assert!(apart_m >= BODY_M, "seed {seed}, tick {tick}: {} ({motion:?}) in car {id}", walker.id);
                 }
-                for other in &world.walkers[i + 1..] {
-                    let apart_m = (other.position.truncate() - p).length();
+                for (other, _) in &walkers[i + 1..] {
+                    let apart_m = (place(&world, other) - p).length();
                     assert!(apart_m >= 2.0 * BODY_M, "seed {seed}, tick {tick}: {} in {}", walker.id, other.id);
                 }
             }
@@ -78,19 +76,19 @@ fn nobody_walks_into_a_car_or_a_person() {
 
 #[test]
 fn people_walk_in_groups_and_stay_together() {
-    let (mut walkers, mut in_company, mut behind, mut together, mut parted) = (0, 0, 0, 0, 0);
+    let (mut num_walkers, mut in_company, mut behind, mut together, mut parted) = (0, 0, 0, 0, 0);
     for seed in 0..10 {
         let mut world = policy_world(seed);
         world.step(60 * 20);
-        walkers += world.walkers.len();
-        for walker in &world.walkers {
-            let Some(company) = walker.company else { continue };
-            let leader = &world.walkers[company.leader];
-            assert!(leader.company.is_none(), "who leads follows nobody");
+        num_walkers += walkers(&world).len();
+        for (walker, pedestrian) in walkers(&world) {
+            let Some(company) = pedestrian.company else { continue };
+            let leader = &world.arena.agents[company.leader];
+            assert!(leader.controlled_by::<Pedestrian>().unwrap().company.is_none(), "who leads follows nobody");
             in_company += 1;
             behind += usize::from(company.behind_m > 0.0);
-            let place_m = crate::math::hypot(company.behind_m, company.aside_m);
-            if (walker.at() - leader.at()).length() < place_m + 1.5 {
+            let place_m = math::hypot(company.behind_m, company.aside_m);
+            if (place(&world, walker) - place(&world, leader)).length() < place_m + 1.5 {
                 together += 1;
             } else {
                 parted += 1;
@@ -98,6 +96,6 @@ fn people_walk_in_groups_and_stay_together() {
         }
     }
     // Who stands stays, and corners and crossings part those who walk.
-    assert!(3 * in_company > walkers && 5 * behind > in_company, "{in_company} of {walkers}, {behind} behind");
+    assert!(3 * in_company > num_walkers && 5 * behind > in_company, "{in_company} of {num_walkers}, {behind} behind");
     assert!(together > 2 * parted, "{together} together, {parted} parted");
 }

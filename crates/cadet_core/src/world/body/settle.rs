@@ -1,14 +1,14 @@
 //! Sets a vehicle on the ground: height, pitch and roll from the ground under its four wheels.
 
-use super::physics::Physics;
 use crate::assets::vehicle::VehicleModel;
 use crate::error::{Error, Result, finite};
 use crate::frames;
 use crate::math::{self, DPose3, DVec3};
+use crate::world::physics::Physics;
 
 /// A vehicle at rest on the ground.
 #[derive(Debug, Clone)]
-pub(super) struct Settled {
+pub(crate) struct Settled {
     /// Pose of the box frame.
     pub world_from_box: DPose3,
     /// How far each wheel sits above (+) or below its design height, so that it touches the ground.
@@ -22,7 +22,7 @@ const TRAVEL_M: f64 = 0.12;
 ///
 /// # Errors
 /// [`Error::NotFinite`], or [`Error::Scene`] where a wheel would stand beyond the ground's edge.
-pub(super) fn settle(physics: &Physics, model: &VehicleModel, x_m: f64, y_m: f64, yaw_rad: f64) -> Result<Settled> {
+pub(crate) fn settle(physics: &Physics, model: &VehicleModel, x_m: f64, y_m: f64, yaw_rad: f64) -> Result<Settled> {
     finite("x", x_m)?;
     finite("y", y_m)?;
     finite("yaw", yaw_rad)?;

@@ -5,9 +5,10 @@ use std::sync::Arc;
 use rapier3d::control::{DynamicRayCastVehicleController, WheelTuning};
 use rapier3d::prelude::{MassProperties, RigidBodyBuilder, RigidBodyHandle, Vector};
 
-use super::physics::{DT_S, GRAVITY_MPS2, Physics, pose_f32, pose_f64};
+use super::wheels::wheel_pose;
 use crate::assets::vehicle::VehicleModel;
-use crate::math::{self, DPose3, DQuat, DVec3, TAU};
+use crate::math::{self, DPose3, DVec3, TAU};
+use crate::world::physics::{DT_S, GRAVITY_MPS2, Physics, pose_f32, pose_f64};
 
 /// Heave frequency of the body on its springs.
 const SUSPENSION_HZ: f64 = 1.35;
@@ -20,11 +21,8 @@ const STEER_RATE_RADPS: f64 = 0.9;
 /// Below this speed a car that means to stop is held where it is, as by its brakes.
 const HOLD_SPEED_MPS: f64 = 0.12;
 
-/// The pose of a wheel's mesh, in the box frame.
-pub(super) type WheelPose = DPose3;
-
 /// A car's physics.
-pub(super) struct Chassis {
+pub(crate) struct Chassis {
     pub body: RigidBodyHandle,
     pub model: Arc<VehicleModel>,
     controller: DynamicRayCastVehicleController,
@@ -164,7 +162,7 @@ impl Chassis {
 
     /// Distance between the axles.
     pub fn wheelbase_m(&self) -> f64 {
-        f64::from(self.model.wheel_centers[0].x - self.model.wheel_centers[2].x)
+        self.model.wheelbase_m()
     }
 
     /// Distance of the rear axle behind the middle of the box.
@@ -173,8 +171,8 @@ impl Chassis {
     }
 
     /// The wheels in the box frame: sprung, steered and rolled.
-    pub fn wheels(&self) -> [WheelPose; 4] {
-        let mut wheels = [WheelPose::default(); 4];
+    pub fn wheels(&self) -> [DPose3; 4] {
+        let mut wheels = [DPose3::default(); 4];
         for (i, (pose, wheel)) in wheels.iter_mut().zip(self.controller.wheels()).enumerate() {
             let top = wheel.chassis_connection_point_cs.as_dvec3();
             // Before the first step no ray has been cast: the wheels stand at their design height.
@@ -188,11 +186,4 @@ impl Chassis {
         }
         wheels
     }
-}
-
-/// The pose of wheel `index` in the box frame; right-hand wheels show their outer face to the right.
-pub(super) fn wheel_pose(center: DVec3, index: usize, steer_rad: f64, roll_rad: f64) -> WheelPose {
-    let side = if index % 2 == 1 { DQuat::from_rotation_z(math::PI) } else { DQuat::IDENTITY };
-    let rotation = DQuat::from_rotation_z(steer_rad) * DQuat::from_rotation_y(roll_rad) * side;
-    DPose3 { rotation, translation: center }
 }

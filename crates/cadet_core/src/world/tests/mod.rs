@@ -1,13 +1,58 @@
 //! The world as a whole: slopes, bends, queues, junctions, people, repeatability.
 
+mod census;
+mod flow;
+mod placed;
+mod scripted;
+mod towns;
+
 use std::sync::Arc;
 
-use super::testing::{crossing, hills, hilly_ring, map, slope, suburb};
-use super::*;
+use super::agent::Agent;
+use super::appearance::Appearance;
+use super::body::Body;
+use super::control::{Driver, Motion, Pedestrian};
+use super::footprint::Footprint;
+use super::junctions::Junctions;
+use super::route::Roads;
+use super::{Course, ModelChoice, Overlap, TrafficConfig, Waypoint, World};
+use crate::actor::ObjectClass;
+use crate::error::{Error, Result};
 use crate::math::{self, DVec2, DVec3};
-use crate::world::spawn::TrafficConfig;
+use crate::rng::StreamKey;
+use towns::{crossing, hills, hilly_ring, map, slope, suburb};
 
 const SECOND: u32 = 60;
+
+/// Adds an agent that stands.
+fn add(world: &mut World, class: ObjectClass, x_m: f64, y_m: f64, yaw_rad: f64, seed: u64) -> Result<i32> {
+    world.add(class, ModelChoice::Seed(seed), &Course::Stand { x_m, y_m, yaw_rad }, Overlap::Refuse)
+}
+
+/// The cars in traffic, the ego first.
+fn cars(world: &World) -> Vec<(&Agent, &Driver)> {
+    world.arena.controlled_by::<Driver>().map(|(_, agent, driver)| (agent, driver)).collect()
+}
+
+fn walkers(world: &World) -> Vec<(&Agent, &Pedestrian)> {
+    world.arena.controlled_by::<Pedestrian>().map(|(_, agent, pedestrian)| (agent, pedestrian)).collect()
+}
+
+fn parked(world: &World) -> Vec<&Agent> {
+    world.arena.agents.iter().filter(|a| matches!(a.body, Body::Fixed(_))).collect()
+}
+
+fn footprint(world: &World, agent: &Agent) -> Footprint {
+    agent.footprint(&world.arena.physics)
+}
+
+fn position(world: &World, agent: &Agent) -> DVec3 {
+    agent.body.world_from_box(&world.arena.physics).translation
+}
+
+fn place(world: &World, agent: &Agent) -> DVec2 {
+    position(world, agent).truncate()
+}
 
 fn pitch_rad(world: &World) -> f64 {
     let x = world.ego().world_from_ego.rotation * DVec3::X;
@@ -18,7 +63,7 @@ fn pitch_rad(world: &World) -> f64 {
 fn a_car_on_a_slope_settles_along_it_and_does_not_creep() {
     let mut world = World::new(slope(0.05), StreamKey::scene(1)).unwrap();
     for yaw in [0.0, 1.0, math::PI / 2.0, math::PI] {
-        world.move_ego(3.0, 2.0, yaw).unwrap();
+        world.move_ego(3.0, 2.0, yaw, Overlap::Refuse).unwrap();
         world.step(2 * SECOND);
         let before = world.ego();
         let up = before.world_from_ego.rotation * DVec3::Z;
@@ -67,14 +112,12 @@ fn watch(world: &mut World, seconds: u32, name: &str) -> f64 {
     let mut crossings = 0;
     for tick in 0..seconds * 4 {
         world.step(SECOND / 4);
-        let rectangles: Vec<(i32, Obstacle)> = world
-            .cars
-            .iter()
-            .map(|c| (c.id, c.footprint(&world.physics)))
-            .chain(world.parked.iter().map(|p| (p.id, p.footprint)))
-            .collect();
-        for (i, (id, a)) in rectangles.iter().enumerate().take(world.cars.len()) {
-            let pose = world.cars[i].chassis.world_from_box(&world.physics);
+        let driven: Vec<&Agent> = cars(world).into_iter().map(|(agent, _)| agent).collect();
+        let rectangles: Vec<(i32, Footprint)> =
+            driven.iter().copied().chain(parked(world)).map(|a| (a.id, footprint(world, a))).collect();
+        let walkers = walkers(world);
+        for (i, (id, a)) in rectangles.iter().enumerate().take(driven.len()) {
+            let pose = driven[i].body.world_from_box(&world.arena.physics);
             assert!(pose.translation.is_finite() && pose.rotation.is_finite(), "{name}: car {id} is lost");
             let up = pose.rotation * DVec3::Z;
             assert!(up.z > 0.9, "{name}: car {id} has tipped over at tick {tick}: {up}");
@@ -92,35 +135,36 @@ fn watch(world: &mut World, seconds: u32, name: &str) -> f64 {
                     b.velocity.length()
                 );
             }
-            for walker in &world.walkers {
-                let p = walker.position.truncate();
+            for (walker, _) in &walkers {
+                let p = place(world, walker);
                 let apart = (a.closest_point(p) - p).length();
                 assert!(apart > 0.05, "{name}: car {id} runs into walker {} at tick {tick}", walker.id);
             }
         }
-        for walker in &world.walkers {
-            assert!(walker.position.is_finite() && walker.phase.is_finite());
-            let p = walker.position;
+        for (walker, pedestrian) in &walkers {
+            let p = position(world, walker);
+            assert!(p.is_finite());
             assert!((p.z - world.ground_height(p.x, p.y).expect("on the ground")).abs() < 1e-6);
-            if matches!(walker.motion, pedestrian::Motion::Crosses { .. }) {
+            if matches!(pedestrian.motion, Motion::Crosses { .. }) {
                 crossings += 1;
             } else {
-                let lane = world.roads.nearest(p, None, 1.4);
+                let lane = world.arena.streets.roads.nearest(p, None, 1.4);
                 assert!(lane.is_none(), "{name}: walker {} is on lane {lane:?} at tick {tick}", walker.id);
             }
         }
     }
-    let driven = world.cars.len() as f64 * f64::from(seconds);
+    let (cars, num_walkers) = (cars(world), walkers(world).len());
+    let driven = cars.len() as f64 * f64::from(seconds);
     #[allow(clippy::print_stderr)]
     {
         eprintln!(
             "{name}: {} cars, {} parked, {} walkers, mean speed {:.2} m/s, crossing {:.3}, standing cars {}",
-            world.cars.len(),
-            world.parked.len(),
-            world.walkers.len(),
+            cars.len(),
+            parked(world).len(),
+            num_walkers,
             gone_m / driven,
-            f64::from(crossings) / (world.walkers.len().max(1) as f64 * f64::from(seconds * 4)),
-            world.cars.iter().filter(|c| c.standing_steps > 600).count(),
+            f64::from(crossings) / (num_walkers.max(1) as f64 * f64::from(seconds * 4)),
+            cars.iter().filter(|(_, driver)| driver.standing_steps > 600).count(),
         );
     }
     gone_m
@@ -132,9 +176,10 @@ fn cars_share_a_crossing_for_minutes_without_touching() {
         let mut world = World::new(crossing(), StreamKey::scene(seed)).unwrap();
         let config = TrafficConfig { num_cars: 14, num_pedestrians: 20, ..TrafficConfig::default() };
         world.spawn_traffic(&config).unwrap();
-        assert!(world.cars.len() >= 8, "{}", world.cars.len());
+        let num_cars = cars(&world).len();
+        assert!(num_cars >= 8, "{num_cars}");
         let gone_m = watch(&mut world, 60, &format!("crossing {seed}"));
-        assert!(gone_m > 1.5 * 60.0 * world.cars.len() as f64, "the traffic jams: {gone_m} m in all");
+        assert!(gone_m > 1.5 * 60.0 * num_cars as f64, "the traffic jams: {gone_m} m in all");
     }
 }
 
@@ -165,10 +210,11 @@ fn a_car_keeps_its_distance_to_one_that_stands_in_its_lane() {
     let town = slope(0.03);
     for seed in 0..4 {
         let mut world = World::new(Arc::clone(&town), StreamKey::scene(seed)).unwrap();
-        world.move_ego(-60.0, 0.0, 0.0).unwrap();
-        world.add(ObjectClass::Car, 20.0, 0.1, 0.02, seed).unwrap();
+        world.move_ego(-60.0, 0.0, 0.0, Overlap::Refuse).unwrap();
+        add(&mut world, ObjectClass::Car, 20.0, 0.1, 0.02, seed).unwrap();
         let gone_m = world.drive(200.0, 3.0).unwrap();
-        let half_m = world.parked[0].footprint.half_length_m + world.cars[EGO].half_length_m();
+        let half_m =
+            [parked(&world)[0], world.arena.ego()].map(|a| footprint(&world, a).half_length_m).iter().sum::<f64>();
         let gap_m = 80.0 - gone_m - half_m;
         assert!((3.9..6.0).contains(&gap_m), "stopped {gap_m} m behind");
     }
@@ -181,13 +227,15 @@ fn parked_wheels_touch_sloping_and_bent_ground() {
     for k in 0..40 {
         let a = f64::from(k) * 0.4;
         let (x, y) = ((20.0 + f64::from(k)) * math::cos(a), (20.0 + f64::from(k)) * math::sin(a));
-        world.add(ObjectClass::Car, x, y, f64::from(k), k as u64).unwrap();
-        let parked = world.parked.last().unwrap();
-        let pose = parked.settled.world_from_box;
+        let course = Course::Stand { x_m: x, y_m: y, yaw_rad: f64::from(k) };
+        world.add(ObjectClass::Car, ModelChoice::Seed(k as u64), &course, Overlap::Allow).unwrap();
+        let parked = parked(&world).pop().unwrap();
+        let pose = parked.body.world_from_box(&world.arena.physics);
+        let Appearance::Vehicle { model, .. } = &parked.appearance else { unreachable!() };
         assert!((pose.translation.truncate() - DVec2::new(x, y)).length() < 1e-9);
-        for wheel in parked.wheels() {
+        for wheel in parked.body.box_from_wheels().unwrap() {
             let up = pose.rotation * DVec3::Z;
-            let foot = pose.transform_point(wheel.translation) - up * parked.model.wheel_radius_m;
+            let foot = pose.transform_point(wheel.translation) - up * model.wheel_radius_m;
             let ground = world.ground_height(foot.x, foot.y).unwrap();
             assert!((foot.z - ground).abs() < 0.01, "a wheel is {} m above the ground", foot.z - ground);
         }
@@ -244,15 +292,15 @@ fn lanes_that_cross_or_merge_exclude_each_other_and_forks_do_not() {
 fn what_makes_no_sense_is_refused() {
     let mut world = World::new(slope(0.0), StreamKey::scene(0)).unwrap();
     let is_scene = |r: Result<i32>| matches!(r, Err(Error::Scene { .. }));
-    assert!(is_scene(world.add(ObjectClass::Car, 1e4, 0.0, 0.0, 0)));
-    assert!(is_scene(world.add(ObjectClass::Pedestrian, 1e4, 0.0, 0.0, 0)));
-    assert!(is_scene(world.add(ObjectClass::Tram, 0.0, 0.0, 0.0, 0)));
-    assert!(matches!(world.add(ObjectClass::Car, f64::NAN, 0.0, 0.0, 0), Err(Error::NotFinite { .. })));
-    assert!(world.move_ego(0.0, f64::INFINITY, 0.0).is_err());
+    assert!(is_scene(add(&mut world, ObjectClass::Car, 1e4, 0.0, 0.0, 0)));
+    assert!(is_scene(add(&mut world, ObjectClass::Pedestrian, 1e4, 0.0, 0.0, 0)));
+    assert!(is_scene(add(&mut world, ObjectClass::Tram, 0.0, 0.0, 0.0, 0)));
+    assert!(matches!(add(&mut world, ObjectClass::Car, f64::NAN, 0.0, 0.0, 0), Err(Error::NotFinite { .. })));
+    assert!(world.move_ego(0.0, f64::INFINITY, 0.0, Overlap::Refuse).is_err());
     assert!(world.drive(-1.0, 2.0).is_err());
     assert!(world.spawn_traffic(&TrafficConfig { parking_occupancy: 1.5, ..TrafficConfig::default() }).is_err());
-    assert_eq!(world.add(ObjectClass::Van, 5.0, 4.0, 1.0, 0).unwrap(), 1);
-    assert_eq!(world.add(ObjectClass::Pedestrian, 5.0, 9.0, 1.0, 0).unwrap(), 2);
+    assert_eq!(add(&mut world, ObjectClass::Van, 5.0, 4.0, 1.0, 0).unwrap(), 1);
+    assert_eq!(add(&mut world, ObjectClass::Pedestrian, 5.0, 9.0, 1.0, 0).unwrap(), 2);
 }
 
 #[test]

@@ -1,10 +1,12 @@
 //! Where somebody on foot may set the next step: nobody's body enters a vehicle or another person.
 
-use super::driver::Obstacle;
 use crate::math::{self, DVec2};
+use crate::world::footprint::Footprint;
+use crate::world::slot::Slot;
+use crate::world::surroundings::{PersonAt, VehicleAt};
 
 /// Radius of the circle in the plane that a person's trunk stays inside of; arms and legs swing beyond it.
-pub(super) const BODY_M: f64 = 0.24;
+pub(crate) const BODY_M: f64 = 0.24;
 /// Vehicles and people farther away than this are not met before the next look.
 const REACH_M: f64 = 1.5;
 /// The turns that are tried to get round what is in the way, first to the side on which one goes round already.
@@ -12,9 +14,9 @@ const TURNS_RAD: [f64; 4] = [0.5, 1.0, 1.5, 2.0];
 
 /// What somebody may meet until the next look round.
 #[derive(Debug, Clone)]
-pub(super) struct Nearby {
-    parked: Vec<Obstacle>,
-    people: Vec<usize>,
+pub(crate) struct Nearby {
+    parked: Vec<Footprint>,
+    people: Vec<Slot>,
     /// Side on which one goes round things: +1 left, -1 right. Kept until that side is shut, or one would go to and fro.
     side: f64,
 }
@@ -26,15 +28,13 @@ impl Default for Nearby {
 }
 
 impl Nearby {
-    /// Looks round from `places[index]`.
-    pub fn look(&mut self, index: usize, places: &[DVec2], parked: &[Obstacle]) {
-        let here = places[index];
+    /// Looks round from `here`.
+    pub fn look(&mut self, own: Slot, here: DVec2, people: &[PersonAt], parked: &[Footprint]) {
         self.parked.clear();
         self.parked.extend(parked.iter().filter(|o| (o.closest_point(here) - here).length() < REACH_M));
+        let is_near = |p: &&PersonAt| p.agent != own && (p.at - here).length() < REACH_M;
         self.people.clear();
-        self.people.extend(
-            places.iter().enumerate().filter(|(i, p)| *i != index && (**p - here).length() < REACH_M).map(|(i, _)| i),
-        );
+        self.people.extend(people.iter().filter(is_near).map(|p| p.agent));
     }
 
     /// The step from `from` to `to`, or one of its length beside it that `allowed` agrees to; `None` where something is
@@ -43,24 +43,26 @@ impl Nearby {
         &mut self,
         from: DVec2,
         to: DVec2,
-        places: &[DVec2],
-        cars: &[Obstacle],
+        people: &[PersonAt],
+        vehicles: &[VehicleAt],
         allowed: impl Fn(DVec2) -> bool,
     ) -> Option<DVec2> {
-        let near_cars: Vec<&Obstacle> =
-            cars.iter().filter(|c| (c.closest_point(from) - from).length() < REACH_M).collect();
+        let is_near = |o: &&Footprint| (o.closest_point(from) - from).length() < REACH_M;
+        let near_vehicles: Vec<&Footprint> = vehicles.iter().map(|v| &v.footprint).filter(is_near).collect();
+        let place_of = |agent: &Slot| people.binary_search_by_key(agent, |p| p.agent).ok().map(|i| people[i].at);
+        let near_people: Vec<DVec2> = self.people.iter().filter_map(place_of).collect();
         let is_free = |p: DVec2| {
-            let enters = |o: &Obstacle| {
+            let enters = |o: &Footprint| {
                 let (before, after) = ((o.closest_point(from) - from).length(), (o.closest_point(p) - p).length());
                 after < BODY_M && after < before
             };
-            let touches = |i: usize| {
-                let (before, after) = ((places[i] - from).length(), (places[i] - p).length());
+            let touches = |other: &DVec2| {
+                let (before, after) = ((*other - from).length(), (*other - p).length());
                 after < 2.0 * BODY_M && after < before
             };
             !self.parked.iter().any(enters)
-                && !near_cars.iter().any(|c| enters(c))
-                && !self.people.iter().any(|i| touches(*i))
+                && !near_vehicles.iter().any(|v| enters(v))
+                && !near_people.iter().any(touches)
         };
         if is_free(to) {
             return Some(to);
@@ -79,7 +81,7 @@ impl Nearby {
 mod tests {
     use super::*;
 
-    const CAR: Obstacle = Obstacle {
+    const CAR: Footprint = Footprint {
         center: DVec2::new(3.0, 0.0),
         heading: DVec2::X,
         half_length_m: 2.0,
@@ -87,17 +89,22 @@ mod tests {
         velocity: DVec2::ZERO,
     };
 
+    fn people(places: &[DVec2]) -> Vec<PersonAt> {
+        let person = |(agent, at): (Slot, &DVec2)| PersonAt { agent, at: *at, heading: DVec2::X, speed_mps: 0.0 };
+        places.iter().enumerate().map(person).collect()
+    }
+
     fn walk(start: DVec2, step: DVec2, others: &[DVec2], is_parked: bool) -> Vec<DVec2> {
-        let parked: &[Obstacle] = if is_parked { &[CAR] } else { &[] };
-        let cars: &[Obstacle] = if is_parked { &[] } else { &[CAR] };
+        let parked: &[Footprint] = if is_parked { &[CAR] } else { &[] };
+        let vehicles: &[VehicleAt] = if is_parked { &[] } else { &[VehicleAt { agent: 99, footprint: CAR }] };
         let mut places = vec![start];
         places.extend(others);
         let mut nearby = Nearby::default();
         (0..400)
             .map(|_| {
-                nearby.look(0, &places, parked);
                 let from = places[0];
-                places[0] = nearby.step(from, from + step, &places, cars, |_| true).unwrap_or(from);
+                nearby.look(0, from, &people(&places), parked);
+                places[0] = nearby.step(from, from + step, &people(&places), vehicles, |_| true).unwrap_or(from);
                 places[0]
             })
             .collect()
@@ -119,10 +126,12 @@ mod tests {
         let mut places = vec![DVec2::new(3.0, -2.0)];
         let mut nearby = Nearby::default();
         for _ in 0..600 {
-            nearby.look(0, &places, &[]);
             let from = places[0];
+            nearby.look(0, from, &people(&places), &[]);
             let to = from + (goal - from).normalize_or_zero() * 0.025;
-            places[0] = nearby.step(from, to, &places, &[CAR], |_| true).unwrap_or(from);
+            places[0] = nearby
+                .step(from, to, &people(&places), &[VehicleAt { agent: 99, footprint: CAR }], |_| true)
+                .unwrap_or(from);
             assert!((CAR.closest_point(places[0]) - places[0]).length() >= BODY_M);
         }
         assert!((places[0] - goal).length() < 0.1, "stayed at {}", places[0]);

@@ -1,0 +1,79 @@
+//! What an agent looks like: its model, and the parts of it that the sensors see.
+
+use std::sync::Arc;
+
+use crate::actor::AnnotatedBox;
+use crate::assets::person::PersonModel;
+use crate::assets::vehicle::VehicleModel;
+use crate::instance::Instance;
+use crate::math::{DPose3, DVec3};
+
+/// A model and the state of its parts.
+pub(super) enum Appearance {
+    Vehicle {
+        model: Arc<VehicleModel>,
+        /// Whether somebody is seen at the wheel.
+        is_driven: bool,
+    },
+    Person {
+        model: Arc<PersonModel>,
+        /// Phase of the gait cycle in [0, 1).
+        phase: f64,
+    },
+}
+
+impl Appearance {
+    /// Length, width, height.
+    pub fn size_lwh(&self) -> DVec3 {
+        match self {
+            Self::Vehicle { model, .. } => model.size_lwh,
+            Self::Person { model, .. } => model.size_lwh,
+        }
+    }
+
+    pub fn annotated(&self) -> AnnotatedBox {
+        match self {
+            Self::Vehicle { model, .. } => model.annotated,
+            Self::Person { model, .. } => model.annotated,
+        }
+    }
+
+    /// The model's name.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Vehicle { model, .. } => &model.name,
+            Self::Person { model, .. } => &model.name,
+        }
+    }
+
+    /// The posed parts. `box_from_wheels` is where the body has its wheels, if it has any.
+    pub fn parts(
+        &self,
+        world_from_box: DPose3,
+        box_from_wheels: Option<[DPose3; 4]>,
+        actor_id: i32,
+        parts: &mut Vec<Instance>,
+    ) {
+        let (palette, first) = match self {
+            Self::Vehicle { model, .. } => (&model.palette, Arc::clone(&model.body)),
+            Self::Person { model, phase } => (&model.palette, Arc::new(model.pose(*phase))),
+        };
+        let mut push = |shape, box_from_local: DPose3| {
+            let palette = Arc::clone(palette);
+            parts.push(Instance { shape, palette, world_from_local: world_from_box * box_from_local, actor_id });
+        };
+        let Self::Vehicle { model, is_driven } = self else {
+            push(first, DPose3::IDENTITY);
+            return;
+        };
+        push(first, DPose3::IDENTITY);
+        if let Some(driver) = model.driver.as_ref().filter(|_| *is_driven) {
+            push(Arc::clone(driver), DPose3::IDENTITY);
+        }
+        if let (Some(wheel), Some(box_from_wheels)) = (&model.wheel, box_from_wheels) {
+            for box_from_wheel in box_from_wheels {
+                push(Arc::clone(wheel), box_from_wheel);
+            }
+        }
+    }
+}

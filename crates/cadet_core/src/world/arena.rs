@@ -1,0 +1,199 @@
+//! All agents with what they share: bodies, streets, and what they know of each other.
+
+use std::sync::Arc;
+
+use super::agent::Agent;
+use super::appearance::Appearance;
+use super::body::Body;
+use super::control::Controller;
+use super::footprint::Footprint;
+use super::lane_use::OnLane;
+use super::physics::Physics;
+use super::slot::{EGO, Slot};
+use super::streets::Streets;
+use super::surroundings::{PersonAt, Surroundings, VehicleAt};
+use crate::actor::ObjectClass;
+use crate::error::Result;
+use crate::math::{DVec2, DVec3};
+use crate::town::Town;
+
+/// Room between a vehicle that stands and the middle of a lane at which drivers need not reckon with it.
+const OFF_LANES_M: f64 = 1.7;
+
+/// An agent before it has an id.
+pub(super) struct Newcomer {
+    pub class: ObjectClass,
+    pub body: Body,
+    pub controller: Box<dyn Controller>,
+    pub appearance: Appearance,
+    /// Put there by the user: never replaced.
+    pub is_placed: bool,
+}
+
+/// The agents by slot, the ego first.
+pub(super) struct Arena {
+    pub agents: Vec<Agent>,
+    pub physics: Physics,
+    pub streets: Streets,
+    pub around: Surroundings,
+    /// Slots of those that may move.
+    active: Vec<Slot>,
+    next_id: i32,
+}
+
+impl Arena {
+    /// # Errors
+    /// [`crate::Error::Scene`] for a ground without triangles.
+    pub fn new(town: &Arc<Town>) -> Result<Self> {
+        let physics = Physics::new(Arc::clone(town))?;
+        let streets = Streets::new(town);
+        let around = Surroundings::new(&streets.roads);
+        Ok(Self { agents: Vec::new(), physics, streets, around, active: Vec::new(), next_id: 0 })
+    }
+
+    /// The id that the next newcomer gets; the ego's is 0.
+    pub fn next_id(&self) -> i32 {
+        self.next_id
+    }
+
+    /// Puts an agent into the arena; returns its slot.
+    pub fn put(&mut self, newcomer: Newcomer) -> Slot {
+        let slot = self.agents.len();
+        let agent = self.named(newcomer);
+        if let Body::Fixed(_) = agent.body {
+            let footprint = agent.footprint(&self.physics);
+            self.around.standing.push(footprint);
+            if !self.streets.roads.keeps_off_lanes(&footprint, OFF_LANES_M) {
+                self.around.standing_in_lanes.push(footprint);
+            }
+        } else {
+            self.active.push(slot);
+        }
+        self.around.add_slot();
+        self.agents.push(agent);
+        slot
+    }
+
+    /// Puts an agent that moves in the place of one that has gone.
+    pub fn replace(&mut self, gone: Slot, newcomer: Newcomer) {
+        let agent = self.named(newcomer);
+        self.around.forget(gone);
+        for slot in &self.active {
+            self.agents[*slot].controller.forget(gone);
+        }
+        self.agents[gone].body.remove_from(&mut self.physics);
+        self.agents[gone] = agent;
+    }
+
+    fn named(&mut self, newcomer: Newcomer) -> Agent {
+        let Newcomer { class, body, controller, appearance, is_placed } = newcomer;
+        let id = self.next_id;
+        self.next_id += 1;
+        Agent { id, class, body, controller, appearance, is_placed }
+    }
+
+    /// The ego.
+    pub fn ego(&self) -> &Agent {
+        &self.agents[EGO]
+    }
+
+    /// Where the ego is and which way it looks, in the plane.
+    pub fn ego_place(&self) -> (DVec2, DVec2) {
+        let pose = self.ego().body.world_from_box(&self.physics);
+        (pose.translation.truncate(), (pose.rotation * DVec3::X).truncate().normalize())
+    }
+
+    /// The agents that may move, by slot.
+    pub fn active(&self) -> impl DoubleEndedIterator<Item = (Slot, &Agent)> {
+        self.active.iter().map(|slot| (*slot, &self.agents[*slot]))
+    }
+
+    /// Those that have a controller of one kind.
+    pub fn controlled_by<T: Controller>(&self) -> impl DoubleEndedIterator<Item = (Slot, &Agent, &T)> {
+        self.active().filter_map(|(slot, agent)| Some((slot, agent, agent.controlled_by::<T>()?)))
+    }
+
+    /// What the vehicles that move cover.
+    pub fn vehicles(&self) -> impl Iterator<Item = (Slot, Footprint)> {
+        let vehicles = self.active().filter(|(_, agent)| !matches!(agent.body, Body::Upright(_)));
+        vehicles.map(|(slot, agent)| (slot, agent.footprint(&self.physics)))
+    }
+
+    /// Where the people are.
+    pub fn people(&self) -> impl Iterator<Item = (Slot, DVec2)> {
+        self.active().filter_map(|(slot, agent)| match &agent.body {
+            Body::Upright(body) => Some((slot, body.at())),
+            _ => None,
+        })
+    }
+
+    /// What drivers have to keep off because of people on the road.
+    pub fn on_road(&self) -> impl Iterator<Item = Footprint> {
+        self.active().filter_map(|(_, agent)| agent.controller.on_road(&agent.body, &self.streets.roads))
+    }
+
+    /// All look around.
+    pub fn look(&mut self, step: u64) {
+        self.survey();
+        for slot in &self.active {
+            let (controller, own) = self.agents[*slot].parts_mut(*slot);
+            controller.look(own, &mut self.around, &self.streets, step);
+        }
+    }
+
+    /// One physics step, with what all do before it and after it.
+    pub fn step(&mut self) {
+        for slot in &self.active {
+            let (controller, own) = self.agents[*slot].parts_mut(*slot);
+            controller.act(own, &mut self.physics, &self.streets);
+        }
+        self.physics.step();
+        self.survey_places();
+        for slot in &self.active {
+            let (controller, own) = self.agents[*slot].parts_mut(*slot);
+            controller.track(own, &self.physics, &mut self.around, &self.streets);
+        }
+    }
+
+    /// Writes down where everybody is, and who drives where.
+    fn survey(&mut self) {
+        self.survey_places();
+        let around = &mut self.around;
+        for person in &mut around.people {
+            if let Body::Upright(body) = &self.agents[person.agent].body {
+                person.heading = body.heading();
+                person.speed_mps = body.velocity_world.truncate().length();
+            }
+        }
+        around.people_on_road.clear();
+        around.lane_use.clear();
+        for slot in &self.active {
+            let agent = &self.agents[*slot];
+            around.people_on_road.extend(agent.controller.on_road(&agent.body, &self.streets.roads));
+            if let Some((lane, s_m)) = agent.controller.on_lane() {
+                let half_length_m = agent.appearance.size_lwh().x / 2.0;
+                let speed_mps = agent.body.forward_mps(&self.physics);
+                around.lane_use.push(OnLane { lane, agent: *slot, s_m, half_length_m, speed_mps });
+            }
+        }
+    }
+
+    /// Writes down what vehicles cover and where people are.
+    fn survey_places(&mut self) {
+        let around = &mut self.around;
+        around.vehicles.clear();
+        around.people.clear();
+        for slot in &self.active {
+            let agent = &self.agents[*slot];
+            match &agent.body {
+                Body::Upright(body) => {
+                    let (heading, speed_mps) = (DVec2::X, 0.0);
+                    around.people.push(PersonAt { agent: *slot, at: body.at(), heading, speed_mps });
+                }
+                _ => {
+                    around.vehicles.push(VehicleAt { agent: *slot, footprint: agent.footprint(&self.physics) });
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! Which line along a pavement is free of things and people.
+
+use crate::math::DVec2;
+use crate::world::footprint::Footprint;
+use crate::world::pavement::Pavements;
+use crate::world::slot::Slot;
+use crate::world::surroundings::{PersonAt, Surroundings};
+
+/// Half a person's width, and the room they leave to things.
+pub(super) const SHOULDER_M: f64 = 0.3;
+
+/// Somebody who walks along a walkway.
+pub(super) struct OnWalkway {
+    pub slot: Slot,
+    pub at: DVec2,
+    pub walkway: usize,
+    pub s_m: f64,
+    /// +1 or -1.
+    pub direction: f64,
+    pub walking_speed_mps: f64,
+}
+
+/// The line nearest to `line_m` that is free in the next steps, to the own right first; `None` where there is no way
+/// past. Lines are offsets to the left of the walkway's, at most `widest_m` of them off the pavement.
+pub(super) fn free_line(
+    own: &OnWalkway,
+    line_m: f64,
+    widest_m: f64,
+    around: &Surroundings,
+    pavements: &Pavements,
+) -> Option<f64> {
+    let here = own.at;
+    let is_near = |o: &&Footprint| (o.center - here).length() < o.half_length_m + o.half_width_m + 3.5;
+    let near: Vec<&Footprint> = around.standing.iter().filter(is_near).collect();
+    let others: Vec<&PersonAt> =
+        around.people.iter().filter(|p| p.agent != own.slot && (p.at - here).length() < 3.2).collect();
+    let is_free = |lateral: f64| {
+        [0.7, 1.5, 2.3].iter().all(|ahead| {
+            let spot = pavements.spot(own.walkway, own.s_m + own.direction * ahead);
+            let p = spot.at + spot.tangent.perp() * lateral;
+            let clear_of_things = near.iter().all(|o| (o.closest_point(p) - p).length() > SHOULDER_M + 0.1);
+            let clear_of_people = others.iter().all(|other| {
+                // Where they will be when we get there.
+                let then = other.at + other.heading * (other.speed_mps * ahead / own.walking_speed_mps.max(0.5));
+                (then - p).length() > 2.0 * SHOULDER_M
+            });
+            clear_of_things && clear_of_people
+        })
+    };
+    let right = -own.direction;
+    let room_m = pavements.room_m(own.walkway).max(widest_m);
+    [0.0, 0.35, -0.35, 0.7, -0.7, 1.05, -1.05, 1.4, -1.4]
+        .iter()
+        .map(|d| line_m + right * d)
+        .filter(|l| l.abs() <= room_m)
+        .find(|l| is_free(*l))
+}

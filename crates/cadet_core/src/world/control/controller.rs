@@ -1,0 +1,45 @@
+//! The interface through which all agents act.
+
+use std::any::Any;
+
+use crate::town::LaneId;
+use crate::world::appearance::Appearance;
+use crate::world::body::Body;
+use crate::world::footprint::Footprint;
+use crate::world::physics::Physics;
+use crate::world::route::Roads;
+use crate::world::slot::Slot;
+use crate::world::streets::Streets;
+use crate::world::surroundings::Surroundings;
+
+/// What a controller steers.
+pub(crate) struct Own<'a> {
+    pub slot: Slot,
+    pub body: &'a mut Body,
+    pub appearance: &'a mut Appearance,
+}
+
+/// Decides what an agent does. All agents are called in the order of their slots.
+pub(crate) trait Controller: Any + Send + Sync {
+    /// Looks around; what it finds holds until the next look, a few steps later.
+    fn look(&mut self, _own: Own<'_>, _around: &mut Surroundings, _streets: &Streets, _step: u64) {}
+
+    /// Before the physics step: gives the body its commands.
+    fn act(&mut self, _own: Own<'_>, _physics: &mut Physics, _streets: &Streets) {}
+
+    /// After the physics step: finds out where the body has got to. `around` has everybody's new places.
+    fn track(&mut self, _own: Own<'_>, _physics: &Physics, _around: &mut Surroundings, _streets: &Streets) {}
+
+    /// The lane that it drives on, and how far along it the middle of the body is.
+    fn on_lane(&self) -> Option<(LaneId, f64)> {
+        None
+    }
+
+    /// What drivers have to keep off because of a person on the road.
+    fn on_road(&self, _body: &Body, _roads: &Roads) -> Option<Footprint> {
+        None
+    }
+
+    /// Somebody has gone, and a newcomer has its slot.
+    fn forget(&mut self, _gone: Slot) {}
+}

@@ -1,0 +1,84 @@
+//! The pedals: the intelligent driver model (Treiber, Hennecke, Helbing 2000).
+
+use crate::rng::Stream;
+use crate::world::footprint::Footprint;
+use crate::world::route::Ahead;
+
+/// Comfortable deceleration.
+pub(crate) const COMFORTABLE_MPS2: f64 = 2.0;
+const ACCELERATION_MPS2: f64 = 1.2;
+/// Bumper to bumper at a standstill, and the mean time gap: of traffic, and of who drives the sensors. Of KITTI's cars
+/// none is ahead in the own lane within 7 m of the camera, and one in a hundred within 20 m.
+const TRAFFIC_KEEPS: (f64, f64) = (2.0, 1.2);
+const EGO_KEEPS: (f64, f64) = (4.5, 2.2);
+const HARDEST_BRAKING_MPS2: f64 = -7.0;
+
+/// One driver's IDM parameters: desired speed and time gap are Gaussian over drivers.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct IdmParameters {
+    /// Desired speed as a fraction of what limit and bends allow.
+    pub desired_speed_factor: f64,
+    /// Time gap to the car ahead.
+    pub time_gap_s: f64,
+    /// Bumper to bumper at a standstill.
+    pub minimum_gap_m: f64,
+}
+
+impl IdmParameters {
+    pub fn draw(stream: &mut Stream) -> Self {
+        Self::keeping(TRAFFIC_KEEPS, stream)
+    }
+
+    /// Of the ego's driver, who keeps away from the car ahead.
+    pub fn draw_of_ego(stream: &mut Stream) -> Self {
+        Self::keeping(EGO_KEEPS, stream)
+    }
+
+    fn keeping((minimum_gap_m, time_gap_s): (f64, f64), stream: &mut Stream) -> Self {
+        Self {
+            desired_speed_factor: stream.clipped_normal(1.0, 0.09),
+            time_gap_s: stream.clipped_normal(time_gap_s, 0.25),
+            minimum_gap_m,
+        }
+    }
+
+    /// Acceleration on a free road.
+    pub fn free_road(&self, speed_mps: f64, desired_mps: f64) -> f64 {
+        let ratio = (speed_mps.max(0.0) / desired_mps.max(0.5)).min(2.0);
+        (ACCELERATION_MPS2 * (1.0 - ratio * ratio * ratio * ratio)).max(-3.0)
+    }
+
+    /// What a gap to something ahead takes off the free road's acceleration.
+    pub fn interaction(&self, speed_mps: f64, gap_m: f64, leader_mps: f64) -> f64 {
+        let v = speed_mps.max(0.0);
+        let closing = v * (v - leader_mps) / (2.0 * (ACCELERATION_MPS2 * COMFORTABLE_MPS2).sqrt());
+        let wanted = self.minimum_gap_m + (v * self.time_gap_s + closing).max(0.0);
+        let ratio = wanted / gap_m.max(0.2);
+        -ACCELERATION_MPS2 * ratio * ratio
+    }
+}
+
+/// The pedals: free road and the worst of the gaps, within what brakes can do.
+pub(crate) fn pedals(free_mps2: f64, worst_interaction_mps2: f64) -> f64 {
+    (free_mps2 + worst_interaction_mps2).clamp(HARDEST_BRAKING_MPS2, ACCELERATION_MPS2 * 1.2)
+}
+
+/// The gap from the front bumper to the first contact with an obstacle along the route, and the obstacle's speed along
+/// the route there. `corridor_m` is half the width that the car needs.
+pub(crate) fn gap_along(
+    ahead: &[Ahead],
+    spacing_m: f64,
+    half_length_m: f64,
+    corridor_m: f64,
+    obstacle: &Footprint,
+) -> Option<(f64, f64)> {
+    ahead.iter().find_map(|sample| {
+        let to = obstacle.closest_point(sample.at) - sample.at;
+        let along = to.dot(sample.tangent);
+        let across = sample.tangent.perp_dot(to).abs();
+        let gap_m = sample.distance_m + along - half_length_m;
+        // What the front has passed is beside us and no longer ours to avoid.
+        (along.abs() <= spacing_m && across < corridor_m && gap_m > -1.0)
+            .then(|| (gap_m, obstacle.velocity.dot(sample.tangent).max(0.0)))
+    })
+}

@@ -1,0 +1,28 @@
+//! Who decides what an agent does: drivers, pedestrians, scripts, nobody.
+
+mod avoidance;
+mod controller;
+mod crossing;
+mod driver;
+mod footing;
+mod idm;
+mod motion;
+mod on_road;
+mod parked;
+mod path;
+mod pedestrian;
+mod pursuit;
+mod scripted;
+mod stop_line;
+
+pub(super) use controller::{Controller, Own};
+#[cfg(test)]
+pub(super) use driver::Cause;
+pub(super) use driver::Driver;
+pub(super) use footing::BODY_M;
+pub(super) use idm::IdmParameters;
+pub(super) use motion::{Company, Motion, Walk};
+pub(super) use parked::Parked;
+pub(super) use path::TimedPath;
+pub(super) use pedestrian::Pedestrian;
+pub(super) use scripted::{PERSON_HALF_CHORD_M, Scripted};

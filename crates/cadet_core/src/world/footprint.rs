@@ -1,0 +1,52 @@
+//! Rectangles in the plane: what agents cover, and what others have to keep off.
+
+use crate::math::{DPose3, DVec2, DVec3};
+
+/// A rectangle on the ground, and how it moves.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Footprint {
+    pub center: DVec2,
+    /// Unit vector along its length.
+    pub heading: DVec2,
+    pub half_length_m: f64,
+    pub half_width_m: f64,
+    pub velocity: DVec2,
+}
+
+impl Footprint {
+    /// What a box covers in the plane.
+    pub fn of_box(world_from_box: &DPose3, size_lwh: DVec3, velocity: DVec2) -> Self {
+        Self {
+            center: world_from_box.translation.truncate(),
+            heading: (world_from_box.rotation * DVec3::X).truncate().normalize(),
+            half_length_m: size_lwh.x / 2.0,
+            half_width_m: size_lwh.y / 2.0,
+            velocity,
+        }
+    }
+
+    /// The point of the rectangle nearest to `p`.
+    pub fn closest_point(&self, p: DVec2) -> DVec2 {
+        let d = p - self.center;
+        let along = d.dot(self.heading).clamp(-self.half_length_m, self.half_length_m);
+        let across = d.dot(self.heading.perp()).clamp(-self.half_width_m, self.half_width_m);
+        self.center + self.heading * along + self.heading.perp() * across
+    }
+
+    /// Whether two rectangles overlap (separating axes).
+    pub fn overlaps(&self, other: &Self) -> bool {
+        let d = other.center - self.center;
+        let separated = |axis: DVec2| {
+            let extent = |o: &Self| {
+                o.half_length_m * o.heading.dot(axis).abs() + o.half_width_m * o.heading.perp().dot(axis).abs()
+            };
+            d.dot(axis).abs() > extent(self) + extent(other)
+        };
+        ![self.heading, self.heading.perp(), other.heading, other.heading.perp()].into_iter().any(separated)
+    }
+
+    /// The rectangle grown on all sides.
+    pub fn grown(&self, by_m: f64) -> Self {
+        Self { half_length_m: self.half_length_m + by_m, half_width_m: self.half_width_m + by_m, ..*self }
+    }
+}

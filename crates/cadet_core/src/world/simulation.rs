@@ -1,0 +1,253 @@
+//! The world: a town and its agents, stepped.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::arena::Arena;
+use super::body::{Body, settle};
+use super::control::Driver;
+use super::course::{Course, ModelChoice, Overlap};
+use super::physics::DT_S;
+use super::route::{EGO_STRAIGHT, Route};
+use super::slot::EGO;
+use super::snapshot::{EgoState, Snapshot};
+use super::spawn::{
+    RENEW_EVERY, Spawner, TrafficConfig, add_person, add_vehicle, box_at, check_free, fill, place_ego, renew,
+};
+use crate::actor::ObjectClass;
+use crate::assets::vehicle::{UserVehicles, VehicleModel};
+use crate::error::{Error, Result};
+use crate::math::DVec2;
+use crate::rng::StreamKey;
+use crate::town::{LaneId, Town};
+
+/// Steps between two looks around: nobody needs more than 20 a second.
+const LOOK_EVERY: u64 = 3;
+/// The longest that one call drives.
+const LONGEST_DRIVE_S: f64 = 120.0;
+
+/// A town with what moves in it, stepped at 1/60 s.
+///
+/// # Determinism
+/// A function of the town, the key and the calls made: the same calls give the same bits.
+pub struct World {
+    town: Arc<Town>,
+    key: StreamKey,
+    pub(super) arena: Arena,
+    /// Models by class and the seed that somebody named.
+    models: BTreeMap<(ObjectClass, u64), Arc<VehicleModel>>,
+    user_vehicles: UserVehicles,
+    traffic: Option<TrafficConfig>,
+    steps: u64,
+    respawns: u64,
+}
+
+impl World {
+    /// A town without traffic: the ego stands settled on a driving lane with a long way ahead of it, or in the middle
+    /// of the ground where there is no lane.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a ground without triangles, or one on which the ego finds no place.
+    pub fn new(town: Arc<Town>, key: StreamKey) -> Result<Self> {
+        let mut arena = Arena::new(&town)?;
+        let ego = place_ego(&mut arena, &town, key)?;
+        arena.put(ego);
+        Ok(Self {
+            town,
+            key,
+            arena,
+            models: BTreeMap::new(),
+            user_vehicles: UserVehicles::default(),
+            traffic: None,
+            steps: 0,
+            respawns: 0,
+        })
+    }
+
+    /// The same world with a user's vehicles among those that are spawned or added from now on.
+    #[must_use]
+    pub fn with_user_vehicles(mut self, user_vehicles: UserVehicles) -> Self {
+        self.user_vehicles = user_vehicles;
+        self
+    }
+
+    /// The town around.
+    #[must_use]
+    pub fn town(&self) -> &Arc<Town> {
+        &self.town
+    }
+
+    /// Seconds since the start.
+    #[must_use]
+    pub fn time_s(&self) -> f64 {
+        self.steps as f64 * DT_S
+    }
+
+    /// Height of the uppermost ground at a place; `None` beyond its edge.
+    #[must_use]
+    pub fn ground_height(&self, x_m: f64, y_m: f64) -> Option<f64> {
+        self.arena.physics.ground_at(x_m, y_m).map(|g| g.z_m)
+    }
+
+    /// Adds an agent that stands or follows a script; returns its id.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a place beyond the ground's edge or where somebody stands, a path that makes no sense, a class
+    /// without a model or a model of another class; [`Error::Unknown`] for a name that no model has;
+    /// [`Error::OutOfRange`] for a speed; [`Error::NotFinite`].
+    pub fn add(
+        &mut self,
+        class: ObjectClass,
+        model: ModelChoice<'_>,
+        course: &Course,
+        overlap: Overlap,
+    ) -> Result<i32> {
+        let model = match (class, model) {
+            (_, ModelChoice::Named(name)) => self.user_vehicle(class, name)?,
+            (ObjectClass::Car | ObjectClass::Van, ModelChoice::Seed(seed)) => self.vehicle_model(class, seed)?,
+            (ObjectClass::Pedestrian, ModelChoice::Seed(seed)) => {
+                return add_person(&mut self.arena, seed, course, overlap);
+            }
+            _ => {
+                let name = class.kitti_name();
+                return Err(Error::Scene { reason: format!("no model of class {name}: Car, Van or Pedestrian") });
+            }
+        };
+        add_vehicle(&mut self.arena, model, course, overlap)
+    }
+
+    /// A user's vehicle, as the annotator of the next agent would label it.
+    fn user_vehicle(&self, class: ObjectClass, name: &str) -> Result<Arc<VehicleModel>> {
+        let model = self.user_vehicles.by_name(name)?;
+        if model.class != class {
+            let (found, wanted) = (model.class.kitti_name(), class.kitti_name());
+            return Err(Error::Scene { reason: format!("model {name:?} is a {found}, not a {wanted}") });
+        }
+        let annotator_seed = self.key.indexed("annotated box", self.arena.next_id() as u64).next_u64();
+        Ok(Arc::new(VehicleModel::clone(model).annotated_by(annotator_seed)))
+    }
+
+    /// Fills the world: parked cars, then driven ones, then people. To be called once, before the first step.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a configuration that makes no sense.
+    pub fn spawn_traffic(&mut self, config: &TrafficConfig) -> Result<()> {
+        let Self { arena, key, user_vehicles, .. } = self;
+        fill(&mut Spawner { arena, key: *key, config, user_vehicles }, &self.town)?;
+        self.traffic = Some(config.clone());
+        self.set_ego_driving(true);
+        Ok(())
+    }
+
+    /// Sets the ego down at (x, y), settled and standing; it stays there until [`World::drive`].
+    ///
+    /// # Errors
+    /// [`Error::Scene`] beyond the ground's edge or where somebody stands, [`Error::NotFinite`].
+    pub fn move_ego(&mut self, x_m: f64, y_m: f64, yaw_rad: f64, overlap: Overlap) -> Result<()> {
+        let Body::Sprung(chassis) = &self.arena.ego().body else { unreachable!("the ego has a sprung body") };
+        let settled = settle(&self.arena.physics, &chassis.model, x_m, y_m, yaw_rad)?;
+        let cover = box_at(&chassis.model, DVec2::new(x_m, y_m), yaw_rad);
+        check_free(&self.arena, Some(EGO), self.arena.ego().class, &cover, overlap)?;
+        let Arena { agents, physics, streets, around, .. } = &mut self.arena;
+        let ego = &mut agents[EGO];
+        let Body::Sprung(chassis) = &mut ego.body else { unreachable!("the ego has a sprung body") };
+        chassis.place(physics, &settled.world_from_box);
+        around.junctions.forget(EGO);
+        let choices = self.key.indexed("ego route", self.steps);
+        let roads = &streets.roads;
+        let nearest = roads.nearest(settled.world_from_box.translation, Some(yaw_rad), 3.0);
+        let route = nearest.map(|(lane, s_m, _)| Route::new(lane, s_m, 0.0, EGO_STRAIGHT, choices, roads));
+        if let Some(driver) = ego.controlled_by_mut::<Driver>() {
+            driver.wait_on(route);
+        }
+        Ok(())
+    }
+
+    /// Advances by a number of steps of 1/60 s.
+    pub fn step(&mut self, num_steps: u32) {
+        for _ in 0..num_steps {
+            self.step_once();
+        }
+    }
+
+    /// Drives until the ego has gone `distance_m` along its route or has stood for `blocked_s` seconds, at most
+    /// 120 s; returns the distance gone.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a distance or a time that is negative or not finite.
+    pub fn drive(&mut self, distance_m: f64, blocked_s: f64) -> Result<f64> {
+        for (what, value) in [("distance", distance_m), ("blocked time", blocked_s)] {
+            if !(value.is_finite() && value >= 0.0) {
+                let expected = "a finite number, at least 0".to_owned();
+                return Err(Error::OutOfRange { what, value: value.to_string(), expected });
+            }
+        }
+        self.set_ego_driving(true);
+        let odometer = |world: &Self| world.ego_driver().route.as_ref().map_or(0.0, Route::odometer_m);
+        let start_m = odometer(self);
+        let mut standing = 0;
+        for _ in 0..(LONGEST_DRIVE_S / DT_S) as u32 {
+            if odometer(self) - start_m >= distance_m || f64::from(standing) * DT_S >= blocked_s {
+                break;
+            }
+            self.step_once();
+            standing = if self.ego_driver().standing_steps > 0 { standing + 1 } else { 0 };
+        }
+        Ok(odometer(self) - start_m)
+    }
+
+    /// The ego: pose of its box frame on the ground, and velocity.
+    #[must_use]
+    pub fn ego(&self) -> EgoState {
+        let (body, physics) = (&self.arena.ego().body, &self.arena.physics);
+        EgoState {
+            world_from_ego: body.world_from_box(physics),
+            velocity_world: body.velocity_world(physics),
+            angular_velocity_world: body.angular_velocity_world(physics),
+        }
+    }
+
+    /// The lane that the ego drives on.
+    #[must_use]
+    pub fn ego_lane(&self) -> Option<LaneId> {
+        self.ego_driver().route.as_ref().map(|r| r.lanes[0])
+    }
+
+    /// The world as it is now: the town's scenery, then the actors within 250 m of the ego by rising id.
+    #[must_use]
+    pub fn snapshot(&self) -> Snapshot {
+        Snapshot::of(&self.arena, &self.town, self.ego(), self.time_s())
+    }
+
+    fn ego_driver(&self) -> &Driver {
+        self.arena.ego().controlled_by().expect("the ego has a driver")
+    }
+
+    fn set_ego_driving(&mut self, drives: bool) {
+        if let Some(driver) = self.arena.agents[EGO].controlled_by_mut::<Driver>() {
+            driver.drives = drives && driver.route.is_some();
+        }
+    }
+
+    fn step_once(&mut self) {
+        if self.steps.is_multiple_of(LOOK_EVERY) {
+            self.arena.look(self.steps);
+        }
+        self.arena.step();
+        self.steps += 1;
+        if self.steps.is_multiple_of(RENEW_EVERY)
+            && let Self { arena, key, user_vehicles, traffic: Some(config), .. } = self
+        {
+            renew(&mut Spawner { arena, key: *key, config, user_vehicles }, &mut self.respawns);
+        }
+    }
+
+    fn vehicle_model(&mut self, class: ObjectClass, model_seed: u64) -> Result<Arc<VehicleModel>> {
+        if let Some(model) = self.models.get(&(class, model_seed)) {
+            return Ok(Arc::clone(model));
+        }
+        let model = Arc::new(VehicleModel::generate(class, model_seed)?);
+        self.models.insert((class, model_seed), Arc::clone(&model));
+        Ok(model)
+    }
+}

@@ -1,0 +1,118 @@
+//! Driven cars: at random free places of lanes.
+
+use std::sync::Arc;
+
+use super::config::{DRIVEN_MIX, DRIVEN_USER_MIX};
+use super::newcomers::driven_vehicle;
+use super::spawner::Spawner;
+use crate::assets::vehicle::VehicleModel;
+use crate::math::{self, DVec2, DVec3};
+use crate::rng::Stream;
+use crate::town::LaneId;
+use crate::world::arena::Newcomer;
+use crate::world::body::{Chassis, settle};
+use crate::world::control::IdmParameters;
+use crate::world::footprint::Footprint;
+use crate::world::physics::Physics;
+use crate::world::route::{CAR_STRAIGHT, LONG_STRAIGHT, Roads, Route};
+use crate::world::slot::Slot;
+
+/// A chassis standing at the start of a route, heading along it; `None` beyond the ground's edge.
+pub(super) fn chassis_on(
+    route: &Route,
+    model: &Arc<VehicleModel>,
+    speed_mps: f64,
+    physics: &mut Physics,
+    roads: &Roads,
+) -> Option<Chassis> {
+    let here = route.ahead(0.0, roads);
+    let yaw = math::atan2(here.tangent.y, here.tangent.x);
+    let settled = settle(physics, model, here.at.x, here.at.y, yaw).ok()?;
+    Some(Chassis::new(physics, Arc::clone(model), &settled.world_from_box, speed_mps))
+}
+
+impl Spawner<'_> {
+    /// A car for a slot at a random free place of a lane, between two distances from the ego; `hidden` keeps it out of
+    /// its view.
+    pub(super) fn new_car(
+        &mut self,
+        slot: Slot,
+        stream: &mut Stream,
+        ring_m: (f64, f64),
+        hidden: bool,
+    ) -> Option<Newcomer> {
+        let (ego, view) = self.arena.ego_place();
+        let (own_mix, mix) = (self.config.among_classes(&DRIVEN_USER_MIX), self.config.among_classes(&DRIVEN_MIX));
+        let model = match self.user_vehicles.draw(stream, &own_mix, |_| true) {
+            Some(model) => model,
+            None => {
+                let (class, _) = mix[stream.weighted(&mix.map(|(_, weight)| weight))];
+                Arc::new(VehicleModel::of_traffic(class, stream.next_u64()).expect("cars and vans have a shape"))
+            }
+        };
+        let roads = &self.arena.streets.roads;
+        let half_m = model.size_lwh.x / 2.0;
+        let straight = if half_m > 2.7 { LONG_STRAIGHT } else { CAR_STRAIGHT };
+        let mut places: Vec<(LaneId, f64, f64)> = Vec::new();
+        for lane in roads.open_lanes() {
+            let mut s = half_m + 1.0;
+            while s < lane.length_m() - half_m - 6.0 {
+                let p = lane.pose_at(s);
+                let to = p.translation.truncate() - ego;
+                let distance = to.length();
+                let in_view = to.dot(view) > 0.7 * distance && distance < 140.0;
+                if (ring_m.0..ring_m.1).contains(&distance) && !(hidden && in_view) {
+                    // Nearer is likelier, and newcomers head for the ego.
+                    let towards = (p.rotation * DVec3::X).truncate().dot(to) < 0.0;
+                    let weight = if hidden { if towards { 1.0 } else { 0.25 } } else { 40.0 / (distance + 30.0) };
+                    places.push((lane.id, s, weight));
+                }
+                s += 4.0;
+            }
+        }
+        let weights: Vec<f64> = places.iter().map(|p| p.2).collect();
+        let vehicles: Vec<(Slot, Footprint)> = self.arena.vehicles().collect();
+        let on_road: Vec<Footprint> = self.arena.on_road().collect();
+        for _ in 0..30 {
+            let (lane_id, s_m, _) = *places.get(stream.weighted(&weights))?;
+            let lane = roads.lane(lane_id);
+            let s_m = s_m + stream.range(0.0, 3.5);
+            let offset_m = stream.clipped_normal(0.0, 0.1);
+            let seed = self.key.indexed("car route", stream.next_u64());
+            let route = Route::new(lane_id, s_m, offset_m, straight, seed, roads);
+            let here = route.ahead(0.0, roads);
+            let rectangle = Footprint {
+                center: here.at,
+                heading: here.tangent,
+                half_length_m: half_m,
+                half_width_m: model.size_lwh.y / 2.0,
+                velocity: DVec2::ZERO,
+            };
+            // Sideways little room, along the lane a headway.
+            let long =
+                Footprint { half_length_m: half_m + 8.0, half_width_m: rectangle.half_width_m + 0.2, ..rectangle };
+            let taken = vehicles.iter().any(|(other, f)| {
+                // Who comes from behind needs room to brake.
+                let half_length_m = long.half_length_m + 1.8 * f.velocity.length();
+                *other != slot && (Footprint { half_length_m, ..long }.overlaps(f) || rectangle.grown(0.5).overlaps(f))
+            }) || self.arena.around.standing.iter().any(|o| rectangle.grown(0.1).overlaps(o))
+                || on_road.iter().any(|o| long.overlaps(o));
+            if taken || route.remaining_m(roads) < 30.0 {
+                continue;
+            }
+            // As fast as still allows a stop before the junction and behind whoever is ahead.
+            let free_m = vehicles
+                .iter()
+                .map(|(_, f)| (f.center - here.at).dot(here.tangent))
+                .filter(|d| *d > 0.0)
+                .fold(lane.length_m() - s_m, f64::min);
+            let stop = (2.0 * 1.5 * (free_m - half_m - 8.0).max(0.0)).sqrt();
+            let speed = (0.9 * route.speed_for_bends(8.0, 1.5, roads)).min(stop);
+            let idm = IdmParameters::draw(stream);
+            let physics = &mut self.arena.physics;
+            let Some(chassis) = chassis_on(&route, &model, speed, physics, roads) else { continue };
+            return Some(driven_vehicle(chassis, Some(route), idm));
+        }
+        None
+    }
+}

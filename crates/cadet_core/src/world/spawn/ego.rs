@@ -1,0 +1,78 @@
+//! The ego: its measures and where it starts.
+
+use std::sync::Arc;
+
+use super::driven::chassis_on;
+use super::newcomers::driven_vehicle;
+use crate::actor::{AnnotatedBox, ObjectClass};
+use crate::assets::vehicle::VehicleModel;
+use crate::error::{Error, Result};
+use crate::geometry::{Bounds, LodSet, MeshBuilder};
+use crate::material::{Material, Palette, Pattern, Semantic};
+use crate::math::{DVec3, Vec3};
+use crate::rng::StreamKey;
+use crate::town::{LaneId, Town};
+use crate::world::arena::{Arena, Newcomer};
+use crate::world::body::{Chassis, settle};
+use crate::world::control::IdmParameters;
+use crate::world::route::{EGO_STRAIGHT, Route};
+
+/// The ego's own measures: an estate car of 2006, like the one that recorded KITTI. Nobody sees it, so it has no shape
+/// but a box.
+fn ego_model() -> VehicleModel {
+    let (size_lwh, wheel_radius_m) = (DVec3::new(4.77, 1.82, 1.52), 0.316);
+    let (front, rear, side) = (1.44, -1.27, 0.78);
+    let mut block = MeshBuilder::new();
+    let half = (size_lwh / 2.0).as_vec3();
+    block.cuboid(Vec3::new(-half.x, -half.y, 0.2), Vec3::new(half.x, half.y, size_lwh.z as f32), 0);
+    let shape = Arc::new(LodSet::single(block.build("ego", 0.5)));
+    let paint = Material::matt(Semantic::Car, [0.3; 3], Pattern::Plain, 0.3);
+    VehicleModel {
+        name: "ego".to_owned(),
+        class: ObjectClass::Car,
+        size_lwh,
+        annotated: AnnotatedBox::exact(size_lwh),
+        body: Arc::clone(&shape),
+        driver: None,
+        wheel: Some(shape),
+        wheel_centers: [(front, side), (front, -side), (rear, side), (rear, -side)]
+            .map(|(x, y)| Vec3::new(x, y, wheel_radius_m as f32)),
+        wheel_radius_m,
+        palette: Arc::new(Palette::new(vec![paint])),
+    }
+}
+
+/// The ego on a lane from which it can drive far, or in the middle of the ground where there is no lane.
+///
+/// # Errors
+/// [`Error::Scene`] for a ground on which it finds no place.
+pub(crate) fn place_ego(arena: &mut Arena, town: &Town, key: StreamKey) -> Result<Newcomer> {
+    let model = Arc::new(ego_model());
+    let mut stream = key.stream("ego place");
+    let Arena { physics, streets, .. } = arena;
+    let roads = &streets.roads;
+    let mut lanes: Vec<LaneId> = roads.open_lanes().filter(|l| l.length_m() > 16.0).map(|l| l.id).collect();
+    let farthest = lanes.iter().map(|l| roads.reach_m(*l)).fold(0.0, f64::max);
+    lanes.retain(|l| roads.reach_m(*l) >= farthest.min(350.0));
+    let weights: Vec<f64> = lanes.iter().map(|l| roads.lane(*l).length_m()).collect();
+    let idm = IdmParameters::draw_of_ego(&mut key.stream("ego habits"));
+    for _ in 0..50 {
+        if lanes.is_empty() {
+            break;
+        }
+        let lane = roads.lane(lanes[stream.weighted(&weights)]);
+        let s_m = stream.range(4.0, (lane.length_m() - 8.0).max(5.0));
+        let offset_m = stream.clipped_normal(0.0, 0.08);
+        let route = Route::new(lane.id, s_m, offset_m, EGO_STRAIGHT, key.stream("ego route"), roads);
+        if let Some(chassis) = chassis_on(&route, &model, 0.0, physics, roads) {
+            return Ok(driven_vehicle(chassis, Some(route), idm));
+        }
+    }
+    let middle = Bounds::of(town.ground.vertices.iter().copied()).center().as_dvec3();
+    let settled =
+        settle(physics, &model, 0.0, 0.0, 0.0).or_else(|_| settle(physics, &model, middle.x, middle.y, 0.0)).map_err(
+            |_| Error::Scene { reason: "the ego finds no place: no drivable lane, no ground in the middle".into() },
+        )?;
+    let chassis = Chassis::new(physics, model, &settled.world_from_box, 0.0);
+    Ok(driven_vehicle(chassis, None, idm))
+}

@@ -1,0 +1,138 @@
+//! Groups of people: who joins whom, and where.
+
+use std::sync::Arc;
+
+use super::newcomers::Person;
+use super::spawner::Spawner;
+use crate::assets::person::PersonModel;
+use crate::math::{self, DVec2};
+use crate::rng::Stream;
+use crate::world::body::Body;
+use crate::world::control::{BODY_M, Company, Motion, Pedestrian};
+use crate::world::slot::Slot;
+
+/// How likely somebody joins another of the last few who came, and how likely a group of two and more grows.
+const COMPANY_SHARE: f64 = 0.75;
+const GROWS_SHARE: f64 = 0.7;
+const MOST_TOGETHER: usize = 7;
+/// A group is joined by who comes at most so many later.
+const JOINS_WITHIN: usize = 4;
+/// Between shoulders in a row, between rows, and between people who stand and talk.
+const ASIDE_M: (f64, f64) = (0.56, 0.86);
+const BEHIND_M: (f64, f64) = (0.85, 1.5);
+const TALK_M: (f64, f64) = (0.65, 1.1);
+
+impl Spawner<'_> {
+    /// The one who leads a group of people who walk, or who stand, that a newcomer joins; farther from a place than a
+    /// distance, if one is given.
+    pub(super) fn group_to_join(
+        &self,
+        slot: Slot,
+        walks: bool,
+        away: Option<(DVec2, f64)>,
+        stream: &mut Stream,
+    ) -> Option<Slot> {
+        let earlier = self.arena.controlled_by::<Pedestrian>().rev().filter(|(other, ..)| *other < slot);
+        let leaders = earlier.take(JOINS_WITHIN).map(|(other, _, p)| p.company.map_or(other, |c| c.leader));
+        let leader = leaders.into_iter().find(|leader| {
+            let is_alike = match self.pedestrian(*leader).motion {
+                Motion::Walks { .. } => walks,
+                Motion::Stands => !walks,
+                Motion::Waits { .. } | Motion::Crosses { .. } => false,
+            };
+            *leader != slot
+                && is_alike
+                && !self.arena.agents[*leader].is_placed
+                && away.is_none_or(|(place, least_m)| (self.place_of(*leader) - place).length() > least_m)
+        });
+        let share = leader.map_or(0.0, |leader| match self.group_size(leader) {
+            1 => COMPANY_SHARE,
+            size if size < MOST_TOGETHER => GROWS_SHARE,
+            _ => 0.0,
+        });
+        let joins = stream.chance(share);
+        leader.filter(|_| joins)
+    }
+
+    fn group_size(&self, leader: Slot) -> usize {
+        1 + self.members(leader).count()
+    }
+
+    fn members(&self, leader: Slot) -> impl Iterator<Item = &Pedestrian> {
+        let people = self.arena.controlled_by::<Pedestrian>().map(|(.., pedestrian)| pedestrian);
+        people.filter(move |p| p.company.is_some_and(|c| c.leader == leader))
+    }
+
+    /// Two abreast where the pavement has the room, one behind the other where not.
+    pub(super) fn in_a_row(
+        &mut self,
+        slot: Slot,
+        leader: Slot,
+        stream: &mut Stream,
+        model: &Arc<PersonModel>,
+        (walkway, s_m, direction): (usize, f64, f64),
+    ) -> Option<Person> {
+        let apart_m = stream.range(ASIDE_M.0, ASIDE_M.1);
+        let row_m = stream.range(BEHIND_M.0, BEHIND_M.1);
+        let (size, room) = (self.group_size(leader), self.arena.streets.pavements.room_m(walkway));
+        let lead_m = self.pedestrian(leader).lateral_m;
+        let has_room_for_two = room > apart_m / 2.0;
+        let (row, is_aside) = if has_room_for_two { (size / 2, size % 2 == 1) } else { (size, false) };
+        let behind_m = row as f64 * row_m;
+        let aside = self.members(leader).filter_map(|p| p.company).map(|c| c.aside_m).find(|m| *m != 0.0);
+        // They share the pavement: the one who leads makes way.
+        let side = aside.map_or(if lead_m > 0.0 { -1.0 } else { 1.0 }, f64::signum);
+        let aside_m = if is_aside { side * apart_m } else { 0.0 };
+        let lateral_m = (lead_m + aside_m).clamp(-room, room);
+        let s_m = self.arena.streets.pavements.wrapped(walkway, s_m - direction * behind_m)?;
+        if !self.has_room_for_person(self.on_pavement(walkway, s_m, lateral_m), slot, 2.0 * BODY_M) {
+            return None;
+        }
+        if aside.is_none() && is_aside {
+            let kept_m = if side > 0.0 { lead_m.min(room - apart_m) } else { lead_m.max(apart_m - room) };
+            if let Some(pedestrian) = self.arena.agents[leader].controlled_by_mut::<Pedestrian>() {
+                pedestrian.keep_to(kept_m);
+            }
+        }
+        let mut walker = self.walker_on(stream, Arc::clone(model), (walkway, s_m, direction), lateral_m)?;
+        walker.pedestrian.company = Some(Company { leader, aside_m, behind_m });
+        Some(walker)
+    }
+
+    /// Somebody who stands with others, turned to the first of them.
+    pub(super) fn in_a_circle(
+        &mut self,
+        slot: Slot,
+        leader: Slot,
+        stream: &mut Stream,
+        model: &Arc<PersonModel>,
+        hidden: bool,
+    ) -> Option<Person> {
+        let middle = self.place_of(leader);
+        let (distance_m, bearing) = (stream.range(TALK_M.0, TALK_M.1), stream.range(-math::PI, math::PI));
+        let away = DVec2::new(math::cos(bearing), math::sin(bearing));
+        let at = middle + away * distance_m;
+        if !self.arena.streets.roads.is_pavement(at) || !self.has_room_for_person(at, slot, 2.0 * BODY_M) {
+            return None;
+        }
+        if !hidden
+            && self.group_size(leader) == 1
+            && let Body::Upright(body) = &mut self.arena.agents[leader].body
+        {
+            body.yaw_rad = bearing;
+        }
+        let yaw_rad = math::wrap_angle(bearing + math::PI);
+        let mut walker = self.posed_walker(stream, Arc::clone(model), at, yaw_rad)?;
+        walker.pedestrian.company = Some(Company { leader, aside_m: 0.0, behind_m: 0.0 });
+        Some(walker)
+    }
+
+    /// Who walks or stands in a slot.
+    pub(super) fn pedestrian(&self, slot: Slot) -> &Pedestrian {
+        self.arena.agents[slot].controlled_by().expect("pedestrians join pedestrians")
+    }
+
+    fn place_of(&self, slot: Slot) -> DVec2 {
+        self.arena.agents[slot].body.world_from_box(&self.arena.physics).translation.truncate()
+    }
+}

@@ -1,0 +1,21 @@
+//! Who is where at the start, and who comes when others have gone: a file for each kind of placement.
+
+mod config;
+mod driven;
+mod ego;
+mod groups;
+mod newcomers;
+mod overlap;
+mod parking;
+mod people;
+mod placed;
+mod spawner;
+mod traffic;
+
+pub use config::TrafficConfig;
+
+pub(super) use ego::place_ego;
+pub(super) use overlap::check_free;
+pub(super) use placed::{add_person, add_vehicle, box_at};
+pub(super) use spawner::Spawner;
+pub(super) use traffic::{RENEW_EVERY, fill, renew};

@@ -1,0 +1,121 @@
+//! The kinds of agents: which body, controller and appearance go together.
+
+use std::sync::Arc;
+
+use crate::actor::ObjectClass;
+use crate::assets::person::PersonModel;
+use crate::assets::vehicle::VehicleModel;
+use crate::error::{Error, Result, finite};
+use crate::math::DVec3;
+use crate::rng::Stream;
+use crate::world::appearance::Appearance;
+use crate::world::arena::{Arena, Newcomer};
+use crate::world::body::{Body, Chassis, Fixed, Guided, Upright, settle};
+use crate::world::control::{Driver, IdmParameters, Parked, Pedestrian, Scripted};
+use crate::world::route::Route;
+
+/// A vehicle with somebody at the wheel.
+pub(super) fn driven_vehicle(chassis: Chassis, route: Option<Route>, idm: IdmParameters) -> Newcomer {
+    let model = Arc::clone(&chassis.model);
+    Newcomer {
+        class: model.class,
+        body: Body::Sprung(Box::new(chassis)),
+        controller: Box::new(Driver::new(route, idm)),
+        appearance: Appearance::Vehicle { model, is_driven: true },
+        is_placed: false,
+    }
+}
+
+/// A vehicle that stands for good, settled on the ground.
+///
+/// # Errors
+/// As [`settle`].
+pub(super) fn parked_vehicle(
+    arena: &mut Arena,
+    model: Arc<VehicleModel>,
+    x_m: f64,
+    y_m: f64,
+    yaw_rad: f64,
+) -> Result<Newcomer> {
+    let settled = settle(&arena.physics, &model, x_m, y_m, yaw_rad)?;
+    let id = arena.next_id();
+    Ok(Newcomer {
+        class: model.class,
+        body: Body::Fixed(Box::new(Fixed::new(&mut arena.physics, &model, &settled, id))),
+        controller: Box::new(Parked),
+        appearance: Appearance::Vehicle { model, is_driven: false },
+        is_placed: false,
+    })
+}
+
+/// A vehicle that follows a script, with somebody at the wheel.
+///
+/// # Errors
+/// As [`settle`].
+pub(super) fn guided_vehicle(arena: &mut Arena, model: Arc<VehicleModel>, script: Scripted) -> Result<Newcomer> {
+    let (at, yaw_rad, velocity) = script.start();
+    let settled = settle(&arena.physics, &model, at.x, at.y, yaw_rad)?;
+    let body = Guided::new(&mut arena.physics, Arc::clone(&model), settled, yaw_rad, velocity);
+    Ok(Newcomer {
+        class: model.class,
+        body: Body::Guided(Box::new(body)),
+        controller: Box::new(script),
+        appearance: Appearance::Vehicle { model, is_driven: true },
+        is_placed: false,
+    })
+}
+
+/// A person before anybody has told them where to go.
+pub(super) struct Person {
+    pub model: Arc<PersonModel>,
+    pub body: Upright,
+    /// Mid-stride if the model walks.
+    pub phase: f64,
+    pub pedestrian: Pedestrian,
+}
+
+impl Person {
+    /// Somebody who stands on the ground.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`], [`Error::Scene`] beyond the ground's edge.
+    pub fn standing(
+        arena: &Arena,
+        model: Arc<PersonModel>,
+        x_m: f64,
+        y_m: f64,
+        yaw_rad: f64,
+        seed: u64,
+    ) -> Result<Self> {
+        finite("x", x_m)?;
+        finite("y", y_m)?;
+        finite("yaw", yaw_rad)?;
+        let ground = arena.physics.ground_at(x_m, y_m).ok_or_else(|| Error::Scene {
+            reason: format!("a person at ({x_m}, {y_m}) would stand beyond the ground's edge"),
+        })?;
+        let mut choices = Stream::from_seed("walker", seed);
+        let phase = choices.unit();
+        let body = Upright::standing(DVec3::new(x_m, y_m, ground.z_m), yaw_rad);
+        Ok(Self { model, body, phase, pedestrian: Pedestrian::standing(choices) })
+    }
+
+    /// Somebody who follows a script.
+    pub fn led_by(self, script: Scripted) -> Newcomer {
+        let velocity_world = script.start().2.extend(0.0);
+        let body = Body::Upright(Upright { velocity_world, ..self.body });
+        let appearance = Appearance::Person { model: self.model, phase: self.phase };
+        Newcomer { class: ObjectClass::Pedestrian, body, controller: Box::new(script), appearance, is_placed: false }
+    }
+
+    /// Somebody who decides for themselves.
+    pub fn into_newcomer(self) -> Newcomer {
+        let Self { model, body, phase, pedestrian } = self;
+        Newcomer {
+            class: ObjectClass::Pedestrian,
+            body: Body::Upright(body),
+            controller: Box::new(pedestrian),
+            appearance: Appearance::Person { model, phase },
+            is_placed: false,
+        }
+    }
+}

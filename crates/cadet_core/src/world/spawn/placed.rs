@@ -1,0 +1,154 @@
+//! What the user puts into a scene: agents that stand, and agents that go along a path.
+
+use std::sync::Arc;
+
+use super::newcomers::{Person, guided_vehicle, parked_vehicle};
+use super::overlap::{Cover, check_free};
+use crate::actor::ObjectClass;
+use crate::assets::person::PersonModel;
+use crate::assets::vehicle::VehicleModel;
+use crate::error::{Error, Result, finite};
+use crate::frames;
+use crate::math::{self, DVec2};
+use crate::rng::Stream;
+use crate::world::arena::{Arena, Newcomer};
+use crate::world::body::settle;
+use crate::world::control::{PERSON_HALF_CHORD_M, Scripted, TimedPath};
+use crate::world::course::{Course, FASTEST_PERSON_MPS, FASTEST_VEHICLE_MPS, Overlap, Waypoint, check_path};
+use crate::world::footprint::Footprint;
+
+/// How far apart the places of a path are that have to be on the ground.
+const CHECKED_EVERY_M: f64 = 1.0;
+/// Who goes straight on stops after this way if the ground does not end before.
+const FARTHEST_M: f64 = 5000.0;
+
+/// Adds a vehicle, settled on the ground; returns its id.
+///
+/// # Errors
+/// [`Error::Scene`] beyond the ground's edge, where somebody stands, or for a path that makes no sense;
+/// [`Error::NotFinite`].
+pub(crate) fn add_vehicle(
+    arena: &mut Arena,
+    model: Arc<VehicleModel>,
+    course: &Course,
+    overlap: Overlap,
+) -> Result<i32> {
+    let class = model.class;
+    let is_ground = |arena: &Arena, at: DVec2, yaw_rad| settle(&arena.physics, &model, at.x, at.y, yaw_rad).map(|_| ());
+    let newcomer = match scripted(arena, course, FASTEST_VEHICLE_MPS, model.wheelbase_m() / 2.0, is_ground)? {
+        Some(script) => {
+            let (at, yaw_rad, _) = script.start();
+            check_free(arena, None, class, &box_at(&model, at, yaw_rad), overlap)?;
+            guided_vehicle(arena, model, script)?
+        }
+        None => {
+            let (at, yaw_rad) = standing(course)?;
+            check_free(arena, None, class, &box_at(&model, at, yaw_rad), overlap)?;
+            parked_vehicle(arena, model, at.x, at.y, yaw_rad)?
+        }
+    };
+    Ok(put(arena, newcomer))
+}
+
+/// Adds a person; returns the id. Who stands does so mid-stride if the model walks.
+///
+/// # Errors
+/// As [`add_vehicle`].
+pub(crate) fn add_person(arena: &mut Arena, model_seed: u64, course: &Course, overlap: Overlap) -> Result<i32> {
+    let is_ground = |arena: &Arena, at: DVec2, _| match arena.physics.ground_at(at.x, at.y) {
+        Some(_) => Ok(()),
+        None => Err(Error::Scene {
+            reason: format!("a person at ({}, {}) would walk beyond the ground's edge", at.x, at.y),
+        }),
+    };
+    let script = scripted(arena, course, FASTEST_PERSON_MPS, PERSON_HALF_CHORD_M, is_ground)?;
+    let (at, yaw_rad) = match &script {
+        Some(script) => (script.start().0, script.start().1),
+        None => standing(course)?,
+    };
+    check_free(arena, None, ObjectClass::Pedestrian, &Cover::Trunk(at), overlap)?;
+    let model = if script.is_some() { walking_model(model_seed) } else { PersonModel::generate(model_seed) };
+    let person = Person::standing(arena, Arc::new(model), at.x, at.y, yaw_rad, model_seed)?;
+    let newcomer = match script {
+        Some(script) => person.led_by(script),
+        None => person.into_newcomer(),
+    };
+    Ok(put(arena, newcomer))
+}
+
+/// What a vehicle covers at a place.
+pub(crate) fn box_at(model: &VehicleModel, at: DVec2, yaw_rad: f64) -> Cover {
+    Cover::Box(Footprint::of_box(&frames::upright(at.extend(0.0), yaw_rad), model.size_lwh, DVec2::ZERO))
+}
+
+/// The person of a seed, drawn again until one walks.
+fn walking_model(model_seed: u64) -> PersonModel {
+    let mut stream = Stream::from_seed("walking person", model_seed);
+    let mut model = PersonModel::generate(model_seed);
+    while model.walking_speed_mps <= 0.0 {
+        model = PersonModel::generate(stream.next_u64());
+    }
+    model
+}
+
+fn standing(course: &Course) -> Result<(DVec2, f64)> {
+    match course {
+        Course::Stand { x_m, y_m, yaw_rad } | Course::Straight { x_m, y_m, yaw_rad, .. } => {
+            Ok((DVec2::new(finite("x", *x_m)?, finite("y", *y_m)?), finite("yaw", *yaw_rad)?))
+        }
+        Course::Path(_) => unreachable!("a path has a script"),
+    }
+}
+
+/// The script of a course on which the agent moves. `is_ground` says whether it can be at a place, heading somewhere.
+fn scripted(
+    arena: &Arena,
+    course: &Course,
+    fastest_mps: f64,
+    half_chord_m: f64,
+    is_ground: impl Fn(&Arena, DVec2, f64) -> Result<()>,
+) -> Result<Option<Scripted>> {
+    let points = match course {
+        Course::Stand { .. } => return Ok(None),
+        Course::Straight { speed_mps, .. } => {
+            let speed_mps = finite("speed", *speed_mps)?;
+            if !(0.0..=fastest_mps).contains(&speed_mps) {
+                let expected = format!("0 to {fastest_mps} m/s");
+                return Err(Error::OutOfRange { what: "speed", value: speed_mps.to_string(), expected });
+            }
+            let (from, yaw_rad) = standing(course)?;
+            is_ground(arena, from, yaw_rad)?;
+            // At a standstill there is no way to head along.
+            if speed_mps == 0.0 {
+                return Ok(None);
+            }
+            let heading = DVec2::new(math::cos(yaw_rad), math::sin(yaw_rad));
+            let steps = (1..=(FARTHEST_M / CHECKED_EVERY_M) as u32).map(|k| f64::from(k) * CHECKED_EVERY_M);
+            let way_m =
+                steps.take_while(|s| is_ground(arena, from + heading * *s, yaw_rad).is_ok()).last().unwrap_or(0.0);
+            let to = from + heading * way_m;
+            if way_m == 0.0 {
+                return Ok(None);
+            }
+            [(0.0, from), (way_m / speed_mps, to)].map(|(t_s, p)| Waypoint { t_s, x_m: p.x, y_m: p.y }).to_vec()
+        }
+        Course::Path(points) => {
+            check_path(points, fastest_mps)?;
+            for pair in points.windows(2) {
+                let [a, b] = [pair[0], pair[1]].map(|p| DVec2::new(p.x_m, p.y_m));
+                let yaw_rad = math::atan2(b.y - a.y, b.x - a.x);
+                let count = ((b - a).length() / CHECKED_EVERY_M).ceil().max(1.0);
+                for k in 0..=count as u32 {
+                    is_ground(arena, a.lerp(b, f64::from(k) / count), yaw_rad)?;
+                }
+            }
+            points.clone()
+        }
+    };
+    Ok(Some(Scripted::new(TimedPath::new(&points), half_chord_m)))
+}
+
+fn put(arena: &mut Arena, newcomer: Newcomer) -> i32 {
+    let slot = arena.put(Newcomer { is_placed: true, ..newcomer });
+    arena.agents[slot].id
+}

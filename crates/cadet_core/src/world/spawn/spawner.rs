@@ -1,0 +1,28 @@
+//! What all placements need to know.
+
+use super::config::TrafficConfig;
+use crate::assets::vehicle::UserVehicles;
+use crate::rng::StreamKey;
+use crate::world::arena::Arena;
+use crate::world::control::Driver;
+use crate::world::route::Route;
+
+/// The streets that the ego will see while it drives this far are its way; in the side streets more cars are parked
+/// and more people walk than along it, as out of sight they belong to a town but not to a picture.
+pub(super) const EGO_WAY_M: f64 = 260.0;
+
+/// Puts agents into an arena.
+pub(crate) struct Spawner<'a> {
+    pub arena: &'a mut Arena,
+    pub key: StreamKey,
+    pub config: &'a TrafficConfig,
+    pub user_vehicles: &'a UserVehicles,
+}
+
+impl Spawner<'_> {
+    /// The way that the ego will drive, as far as it matters.
+    pub(super) fn ego_way(&self) -> Option<Route> {
+        let driver = self.arena.ego().controlled_by::<Driver>()?;
+        driver.route.as_ref().map(|r| r.foreseen(EGO_WAY_M, &self.arena.streets.roads))
+    }
+}

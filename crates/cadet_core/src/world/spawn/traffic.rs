@@ -1,0 +1,88 @@
+//! Traffic round the ego: all of it at the start, and newcomers for who has gone.
+
+use super::spawner::Spawner;
+use crate::error::Result;
+use crate::town::Town;
+use crate::world::agent::Agent;
+use crate::world::control::{Driver, Pedestrian};
+use crate::world::slot::{EGO, Slot};
+
+/// Steps between two looks at who has gone too far away.
+pub(crate) const RENEW_EVERY: u64 = 30;
+/// Cars farther from the ego than this give their place to new ones, which appear beyond what the ego can see.
+const CAR_GONE_M: f64 = 190.0;
+const CAR_APPEARS_M: (f64, f64) = (100.0, 170.0);
+const WALKER_GONE_M: f64 = 130.0;
+const WALKER_APPEARS_M: (f64, f64) = (90.0, 125.0);
+/// Nearest to the ego that cars and people start.
+const CAR_STARTS_M: f64 = 9.0;
+const WALKER_STARTS_M: f64 = 3.0;
+/// A car that has stood this long somewhere out of sight is stuck.
+const STUCK_STEPS: u64 = 60 * 45;
+
+/// Fills a world: parked cars, then driven ones, then people. To be called once, before the first step.
+///
+/// # Errors
+/// [`crate::Error::OutOfRange`] for a configuration that makes no sense.
+pub(crate) fn fill(spawner: &mut Spawner<'_>, town: &Town) -> Result<()> {
+    let config = spawner.config;
+    config.check()?;
+    spawner.park_cars(town)?;
+    let mut stream = spawner.key.stream("driven cars");
+    for _ in 0..config.num_cars {
+        let slot = spawner.arena.agents.len();
+        if let Some(car) = spawner.new_car(slot, &mut stream, (CAR_STARTS_M, config.car_radius_m), false) {
+            spawner.arena.put(car);
+        }
+    }
+    let mut stream = spawner.key.stream("people");
+    for _ in 0..config.num_pedestrians {
+        let slot = spawner.arena.agents.len();
+        let ring_m = (WALKER_STARTS_M, config.pedestrian_radius_m);
+        if let Some(walker) = spawner.new_walker(slot, &mut stream, ring_m, false) {
+            spawner.arena.put(walker);
+        }
+    }
+    Ok(())
+}
+
+/// Replaces who has gone too far from the ego by newcomers out of its sight; counts the attempts in `respawns`.
+pub(crate) fn renew(spawner: &mut Spawner<'_>, respawns: &mut u64) {
+    for slot in gone_cars(spawner) {
+        let mut stream = spawner.key.indexed("newcomers", *respawns);
+        *respawns += 1;
+        if let Some(car) = spawner.new_car(slot, &mut stream, CAR_APPEARS_M, true) {
+            spawner.arena.replace(slot, car);
+        }
+    }
+    for slot in gone_walkers(spawner) {
+        let mut stream = spawner.key.indexed("new people", *respawns);
+        *respawns += 1;
+        if let Some(walker) = spawner.new_walker(slot, &mut stream, WALKER_APPEARS_M, true) {
+            spawner.arena.replace(slot, walker);
+        }
+    }
+}
+
+fn gone_cars(spawner: &Spawner<'_>) -> Vec<Slot> {
+    let (ego, view) = spawner.arena.ego_place();
+    let is_gone = |(slot, agent, driver): &(Slot, &Agent, &Driver)| {
+        let to = agent.body.world_from_box(&spawner.arena.physics).translation.truncate() - ego;
+        let is_hidden = to.length() > 100.0 || (to.length() > 90.0 && to.dot(view) < 0.0);
+        let is_stuck = is_hidden && driver.standing_steps > STUCK_STEPS;
+        *slot != EGO && !agent.is_placed && (to.length() >= CAR_GONE_M || is_stuck)
+    };
+    spawner.arena.controlled_by::<Driver>().filter(is_gone).map(|(slot, ..)| slot).collect()
+}
+
+fn gone_walkers(spawner: &Spawner<'_>) -> Vec<Slot> {
+    let (ego, _) = spawner.arena.ego_place();
+    let people = spawner.arena.controlled_by::<Pedestrian>();
+    people
+        .filter(|(_, agent, _)| {
+            let at = agent.body.world_from_box(&spawner.arena.physics).translation.truncate();
+            !agent.is_placed && (at - ego).length() >= WALKER_GONE_M
+        })
+        .map(|(slot, ..)| slot)
+        .collect()
+}

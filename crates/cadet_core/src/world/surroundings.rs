@@ -1,0 +1,109 @@
+//! What agents know of each other: controllers read it, and write what others may know of them.
+
+use super::control::Walk;
+use super::footprint::Footprint;
+use super::junctions::Junctions;
+use super::lane_use::LaneUse;
+use super::route::{Ahead, Roads};
+use super::slot::Slot;
+use crate::math::DVec2;
+
+/// A vehicle that moves, or may.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct VehicleAt {
+    pub agent: Slot,
+    pub footprint: Footprint,
+}
+
+/// A person.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PersonAt {
+    pub agent: Slot,
+    pub at: DVec2,
+    /// Unit vector.
+    pub heading: DVec2,
+    pub speed_mps: f64,
+}
+
+/// The blackboard that all agents share.
+pub(super) struct Surroundings {
+    /// Vehicles that stand for good.
+    pub standing: Vec<Footprint>,
+    /// Those of them in or near a lane, which drivers have to reckon with.
+    pub standing_in_lanes: Vec<Footprint>,
+    /// Vehicles that move, by rising slot.
+    pub vehicles: Vec<VehicleAt>,
+    /// People, by rising slot.
+    pub people: Vec<PersonAt>,
+    /// What drivers have to keep off for the sake of people on the road.
+    pub people_on_road: Vec<Footprint>,
+    /// Who drives where.
+    pub lane_use: LaneUse,
+    pub junctions: Junctions,
+    /// By slot: the way that a driver has looked at, empty for others.
+    ways_ahead: Vec<Vec<Ahead>>,
+    /// By slot: what a pedestrian is about.
+    walks: Vec<Option<Walk>>,
+}
+
+impl Surroundings {
+    pub fn new(roads: &Roads) -> Self {
+        Self {
+            standing: Vec::new(),
+            standing_in_lanes: Vec::new(),
+            vehicles: Vec::new(),
+            people: Vec::new(),
+            people_on_road: Vec::new(),
+            lane_use: LaneUse::default(),
+            junctions: Junctions::new(roads),
+            ways_ahead: Vec::new(),
+            walks: Vec::new(),
+        }
+    }
+
+    /// Makes room for one agent more.
+    pub fn add_slot(&mut self) {
+        self.ways_ahead.push(Vec::new());
+        self.walks.push(None);
+    }
+
+    /// Forgets whoever was in a slot.
+    pub fn forget(&mut self, agent: Slot) {
+        self.junctions.forget(agent);
+        self.ways_ahead[agent].clear();
+        self.walks[agent] = None;
+    }
+
+    /// What a moving vehicle covers.
+    pub fn vehicle(&self, agent: Slot) -> Option<&Footprint> {
+        let i = self.vehicles.binary_search_by_key(&agent, |v| v.agent).ok()?;
+        Some(&self.vehicles[i].footprint)
+    }
+
+    /// A person has set a step.
+    pub fn move_person(&mut self, agent: Slot, at: DVec2) {
+        if let Ok(i) = self.people.binary_search_by_key(&agent, |p| p.agent) {
+            self.people[i].at = at;
+        }
+    }
+
+    /// The way that a driver has looked at.
+    pub fn way_ahead(&self, agent: Slot) -> &[Ahead] {
+        &self.ways_ahead[agent]
+    }
+
+    /// A driver's new way, to be filled in.
+    pub fn way_ahead_mut(&mut self, agent: Slot) -> &mut Vec<Ahead> {
+        &mut self.ways_ahead[agent]
+    }
+
+    /// What a pedestrian was about at the last look.
+    pub fn walk_of(&self, agent: Slot) -> Option<Walk> {
+        self.walks[agent]
+    }
+
+    /// Lets others know what a pedestrian is about.
+    pub fn set_walk(&mut self, agent: Slot, walk: Walk) {
+        self.walks[agent] = Some(walk);
+    }
+}
