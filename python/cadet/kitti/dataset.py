@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from cadet.checks import as_path, check_flag, check_kind
 from cadet.errors import CadetError, FileFormatError, FrameExistsError, KittiFormatError, MissingFileError
-from cadet.frame import Frame
 from cadet.kitti import images
 from cadet.kitti.calib import Calibration
 from cadet.kitti.files import (
@@ -28,6 +27,7 @@ from cadet.kitti.files import (
     split_folder,
     write_whole,
 )
+from cadet.kitti.frame import Frame
 from cadet.kitti.image_sets import list_frame, other_split, read_image_set
 from cadet.kitti.label import Label, labels_from_text, text_from_labels
 from cadet.kitti.planes import plane_from_text, text_from_plane

@@ -1,7 +1,7 @@
 //! The numbers of the labels' definitions.
 
 use super::box_cam::Boxes;
-use super::labeler::{ObjectMeta, Placed};
+use super::labeler::{Placed, Sighting};
 use crate::actor::ActorState;
 use crate::error::{Error, Result};
 
@@ -111,7 +111,7 @@ impl LabelConfig {
         let depth_m = placed.box_cam.location_cam.z;
         (self.min_depth_m..=reach_m).contains(&depth_m)
             && placed.bbox.v2 - placed.bbox.v1 >= self.min_height_px
-            && placed.truncated <= self.max_truncation
+            && placed.truncation <= self.max_truncation
     }
 
     /// The visible fraction that a label takes at a depth. KITTI's annotators left out what is mostly hidden the more
@@ -131,12 +131,12 @@ impl LabelConfig {
     }
 
     /// Whether the sensors support a label: returns, or else enough contrast.
-    pub(super) fn is_supported(&self, meta: &ObjectMeta) -> bool {
+    pub(super) fn is_supported(&self, seen: &Sighting) -> bool {
         let least = match self.boxes {
-            Boxes::Kitti => self.min_points.max(meta.least_points),
+            Boxes::Kitti => self.min_points.max(seen.least_points),
             Boxes::Exact => self.min_points,
         };
-        meta.num_points >= least && (meta.num_points > 0 || meta.contrast >= self.min_contrast)
+        seen.num_points >= least && (seen.num_points > 0 || seen.contrast >= self.min_contrast)
     }
 }
 
@@ -166,16 +166,21 @@ mod tests {
         BoxCam { size_lwh: DVec3::new(4.0, 1.6, 1.5), location_cam, rotation_y: 0.0 }
     }
 
-    fn placed(depth_m: f64, height_px: f64, truncated: f64) -> Placed {
+    fn placed(depth_m: f64, height_px: f64, truncation: f64) -> Placed {
         let bbox = Rect { u1: 500.0, v1: 150.0, u2: 600.0, v2: 150.0 + height_px };
-        Placed { box_cam: box_at(depth_m), bbox, truncated }
+        Placed { box_cam: box_at(depth_m), bbox, truncation }
     }
 
-    fn meta(num_points: usize, least_points: usize, contrast: f64) -> ObjectMeta {
-        ObjectMeta {
+    fn sighting(num_points: usize, least_points: usize, contrast: f64) -> Sighting {
+        Sighting {
             actor_id: 1,
             class: ObjectClass::Car,
             model: String::new(),
+            is_labelled: true,
+            truncation: 0.0,
+            occlusion_level: 0,
+            observation_angle: 0.0,
+            bbox: Rect { u1: 500.0, v1: 150.0, u2: 600.0, v2: 190.0 },
             visible_fraction: contrast,
             visible_pixels: 1000.0,
             contrast,
@@ -238,11 +243,11 @@ mod tests {
             (3, 4, 1.0, false, true),
             (4, 4, 0.01, true, true),
         ] {
-            let meta = meta(num_points, least_points, contrast);
-            assert_eq!((kitti.is_supported(&meta), exact.is_supported(&meta)), (of_kitti, of_exact), "{meta:?}");
+            let seen = sighting(num_points, least_points, contrast);
+            assert_eq!((kitti.is_supported(&seen), exact.is_supported(&seen)), (of_kitti, of_exact), "{seen:?}");
         }
         let five = LabelConfig { min_points: 5, ..exact };
-        assert!(five.is_supported(&meta(5, 0, 1.0)) && !five.is_supported(&meta(4, 0, 1.0)));
+        assert!(five.is_supported(&sighting(5, 0, 1.0)) && !five.is_supported(&sighting(4, 0, 1.0)));
     }
 
     #[test]

@@ -13,6 +13,7 @@ use super::spread::chosen_echo;
 use super::surfaces::Surfaces;
 use super::turning::Turning;
 use crate::error::Result;
+use crate::material::Semantic;
 use crate::math::{self, DPose3, DVec3};
 use crate::rng::Stream;
 use crate::sense::{Hits, Layer, PosedScene, cast};
@@ -42,11 +43,22 @@ pub struct Scan {
     pub column: Vec<i32>,
     /// 0 for the static world and the air, at least 1 for actors.
     pub actor_id: Vec<i32>,
+    /// What it came from; [`Semantic::Sky`] for fog, drops and flakes.
+    pub semantic: Vec<Semantic>,
     /// Range from the laser's own origin, before rounding.
     pub range_m: Vec<f64>,
 }
 
 impl IdealScan {
+    /// What each beam meets, [`Semantic::Sky`] for a miss; `scene` is the one that was scanned.
+    #[must_use]
+    pub fn semantic(&self, scene: &PosedScene) -> Vec<Semantic> {
+        let of = |(instance, face): (&u32, &u32)| {
+            scene.instances.get(*instance as usize).map_or(Semantic::Sky, |posed| posed.material(*face).semantic)
+        };
+        self.instance.iter().zip(&self.face).map(of).collect()
+    }
+
     /// Where each beam ends, x, y, z in metres in the velo frame, and an intensity of 0; four NaN for a miss.
     ///
     /// # Panics
@@ -165,6 +177,7 @@ impl Scan {
             ring: Vec::with_capacity(n),
             column: Vec::with_capacity(n),
             actor_id: Vec::with_capacity(n),
+            semantic: Vec::with_capacity(n),
             range_m: Vec::with_capacity(n),
         }
     }
