@@ -11,11 +11,12 @@ from cadet.checks import as_seed, as_tuple, check_kind, check_number, is_one_of,
 from cadet.errors import CadetError
 from cadet.exporter import Exporter, Place, Split
 from cadet.kitti.exporter import KittiExporter
+from cadet.nuscenes.exporter import NuscenesExporter
 from cadet.policy import ResetPolicy
 
 FORMAT_VERSION = 2
 """Rises with every change of what the same settings give."""
-_ALL: Final[tuple[Exporter, ...]] = (KittiExporter(),)
+_ALL: Final[tuple[Exporter, ...]] = (KittiExporter(), NuscenesExporter())
 EXPORTERS: Final = {exporter.name: exporter for exporter in _ALL}
 """The formats by name."""
 EXTRAS = tuple(dict.fromkeys(extra for exporter in _ALL for extra in exporter.extras))
