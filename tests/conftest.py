@@ -13,7 +13,19 @@ import pytest
 
 import fake_native
 
-_FAKED = ("Assets", "Camera", "Pose", "Rig", "Scene", "Lidar", "encode_png", "weather_names", "__version__")
+_FAKED = (
+    "Assets",
+    "Camera",
+    "LabelConfig",
+    "Pose",
+    "Rig",
+    "Scene",
+    "SceneConfig",
+    "Lidar",
+    "encode_png",
+    "weather_names",
+    "__version__",
+)
 
 
 def _is_core_built() -> bool:

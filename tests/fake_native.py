@@ -58,6 +58,10 @@ class Lidar:
         return Lidar(name, 0.2)
 
     @staticmethod
+    def presets() -> list[str]:
+        return ["hdl64e_kitti", "hdl64e_uniform", "cadet", "hdl32e", "vlp16", "os1_64", "os1_128"]
+
+    @staticmethod
     def from_table(table: Mapping[str, Any]) -> Lidar:
         return Lidar(table["name"], table["height_m"][0])
 
@@ -131,6 +135,36 @@ class Rig:
         self, name: str, *, cameras: Sequence[Camera], lidars: Sequence[tuple[str, Lidar, Sequence[Pose]]]
     ) -> None:
         self.name, self.cameras, self.lidars = name, cameras, lidars
+
+
+class LabelConfig:
+    def __init__(self, **numbers: Any) -> None:
+        assert {name for name, _ in self.settings()} < set(numbers)
+
+    @staticmethod
+    def settings() -> list[tuple[str, tuple[float, float, float, bool]]]:
+        inf = float("inf")
+        return [
+            ("min_height_px", (15.0, 0.0, inf, False)),
+            ("min_visible_fraction", (0.1, 0.0, 1.0, False)),
+            ("max_depth_m", (80.0, 0.0, inf, False)),
+            ("min_depth_m", (0.5, 0.0, inf, False)),
+            ("max_truncation", (0.95, 0.0, 1.0, False)),
+            ("min_contrast", (0.05, 0.0, 1.0, False)),
+            ("min_points", (0.0, 0.0, 1e6, True)),
+            ("dontcare_min_pixels", (8.0, 0.0, inf, False)),
+            ("corner_tolerance_m", (0.1, 0.0, inf, False)),
+            ("max_hidden_corners", (4.0, 1.0, 8.0, True)),
+        ]
+
+    @staticmethod
+    def default_occlusion_levels() -> tuple[float, float]:
+        return 0.8, 0.5
+
+
+class SceneConfig:
+    def __init__(self, **numbers: Any) -> None:
+        assert set(numbers) == {"num_cars", "num_pedestrians", "parking_occupancy", "vehicle_classes", "label"}
 
 
 class Sighting:
@@ -231,11 +265,10 @@ class Scene:
         map_xodr: str | None,
         weather: str,
         rig: Rig,
-        config: Mapping[str, Any],
+        config: SceneConfig,
         assets: Assets | None,
     ) -> Scene:
         _check_map(map_name, map_xodr)
-        assert set(config) == {"num_cars", "num_pedestrians", "parking_occupancy", "vehicle_classes", "label"}
         return Scene((seed, episode, attempt), rig, weather, map_name)
 
     @staticmethod
@@ -245,7 +278,7 @@ class Scene:
         map_xodr: str | None,
         weather: str,
         rig: Rig,
-        config: Mapping[str, Any],
+        config: SceneConfig,
         assets: Assets | None,
     ) -> Scene:
         _check_map(map_name, map_xodr)

@@ -24,7 +24,7 @@ PYTHON_ROOMS: dict[str, set[str]] = {
     "summary": set(),
     "checks": {"errors"},
     "arrays": {"errors"},
-    "config": {"checks", "errors"},
+    "config": {"checks", "errors", "_cadet"},
     "boxes": {"arrays", "checks", "errors", "kitti"},
     "pose": {"arrays", "checks", "errors"},
     "sample": {"rig", "summary", "_cadet"},

@@ -79,6 +79,12 @@ def test_without_maps_all_else_is_the_same() -> None:
     assert without.labels == with_maps.labels
 
 
+def test_the_fake_knows_the_cores_lists(core: Any) -> None:
+    assert core.Lidar.presets() == fake_native.Lidar.presets()
+    assert core.LabelConfig.settings() == fake_native.LabelConfig.settings()
+    assert core.LabelConfig.default_occlusion_levels() == fake_native.LabelConfig.default_occlusion_levels()
+
+
 def test_the_fake_knows_the_cores_weathers() -> None:
     assert list(weather_names()) == fake_native.WEATHERS
 

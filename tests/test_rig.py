@@ -9,6 +9,7 @@ import pytest
 from cadet import CadetError, Camera, Extrinsics, Lidar, Rig
 from cadet.kitti import Calibration
 from cadet.kitti.from_sample import calibration_of
+from cadet.lidar import LIDAR_PRESETS
 
 SHARED = Path(__file__).parents[2] / "shared"
 
@@ -137,7 +138,7 @@ def test_a_resized_camera_sees_what_a_resized_image_shows() -> None:
         (lambda: Camera().resized(9, 9), "Camera.width: expected a whole number from 16 to 8192, got 9"),
         (
             lambda: Lidar("vlp-16"),
-            "unknown lidar 'vlp-16'; known: hdl64e_kitti, hdl64e_uniform, cadet, hdl32e, vlp16, os1_64, os1_128",
+            f"unknown lidar 'vlp-16'; known: {', '.join(LIDAR_PRESETS)}",
         ),
         (lambda: Rig(lidar=cast(Lidar, "cadet")), "Rig.lidar: expected a Lidar, got 'cadet'"),
         (

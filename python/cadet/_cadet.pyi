@@ -12,10 +12,12 @@ __all__ = [
     "Assets",
     "Camera",
     "Capture",
+    "LabelConfig",
     "Lidar",
     "Pose",
     "Rig",
     "Scene",
+    "SceneConfig",
     "Sighting",
     "__version__",
     "_panic",
@@ -51,6 +53,8 @@ class Lidar:
     @staticmethod
     def preset(name: str) -> Lidar: ...
     @staticmethod
+    def presets() -> list[str]: ...
+    @staticmethod
     def from_table(table: Mapping[str, Any]) -> Lidar: ...
     @property
     def name(self) -> str: ...
@@ -62,6 +66,46 @@ class Lidar:
     def scanning(self, *, rolling: bool, returns: str, divergence_mrad: float) -> Lidar: ...
     def table(self) -> dict[str, Any]: ...
     def rays(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]: ...
+
+@final
+class LabelConfig:
+    """What gets a label (see `cadet.LabelConfig`)."""
+
+    def __new__(
+        cls,
+        *,
+        method: str,
+        boxes: str,
+        min_height_px: float,
+        min_visible_fraction: float,
+        max_depth_m: float,
+        min_depth_m: float,
+        max_truncation: float,
+        min_contrast: float,
+        min_points: int,
+        dontcare_min_pixels: float,
+        occlusion_levels: tuple[float, float],
+        corner_tolerance_m: float,
+        max_hidden_corners: int,
+    ) -> LabelConfig: ...
+    @staticmethod
+    def settings() -> list[tuple[str, tuple[float, float, float, bool]]]: ...
+    @staticmethod
+    def default_occlusion_levels() -> tuple[float, float]: ...
+
+@final
+class SceneConfig:
+    """How full a scene is (see `cadet.SceneConfig`)."""
+
+    def __new__(
+        cls,
+        *,
+        num_cars: int,
+        num_pedestrians: int,
+        parking_occupancy: float,
+        vehicle_classes: Sequence[str],
+        label: LabelConfig,
+    ) -> SceneConfig: ...
 
 @final
 class Pose:
@@ -206,7 +250,7 @@ class Scene:
         map_xodr: str | None,
         weather: str,
         rig: Rig,
-        config: Mapping[str, Any],
+        config: SceneConfig,
         assets: Assets | None,
     ) -> Scene: ...
     @staticmethod
@@ -216,7 +260,7 @@ class Scene:
         map_xodr: str | None,
         weather: str,
         rig: Rig,
-        config: Mapping[str, Any],
+        config: SceneConfig,
         assets: Assets | None,
     ) -> Scene: ...
     @property

@@ -26,7 +26,7 @@ def build_scene(spec: EpisodeSpec) -> _cadet.Scene:
         map_xodr=None if spec.road_map is None else spec.road_map.xodr,
         weather=spec.weather,
         rig=spec.mounted_rig.to_native(),
-        config=spec.config.to_native(spec.rig.camera.image_scale),
+        config=spec.config.scaled(spec.rig.camera.image_scale).to_native(),
         assets=None if spec.assets is None else spec.assets.to_native(),
     )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,9 @@ from cadet.errors import CadetError
 from cadet.summary import summary
 
 RETURN_MODES = ("strongest", "last")
-LIDAR_PRESETS = ("hdl64e_kitti", "hdl64e_uniform", "cadet", "hdl32e", "vlp16", "os1_64", "os1_128")
+_FILES = {path.stem: path for path in sorted((Path(__file__).parent / "presets" / "lidars").glob("*.toml"))}
+LIDAR_PRESETS = (*_cadet.Lidar.presets(), *_FILES)
+"""Sensors that the core makes, and those whose tables are shipped: a file is all that one more takes."""
 
 
 @dataclass(frozen=True)
@@ -53,6 +55,8 @@ class Lidar:
             raise CadetError(f"Lidar.returns: expected one of {', '.join(RETURN_MODES)}, got {shown(self.returns)}")
         check_number("Lidar", "divergence_mrad", self.divergence_mrad, 0, 20)
         make_plain(self)
+        if self.table is None and is_one_of(self.name, _FILES):
+            object.__setattr__(self, "table", _shipped(self.name))
         if self.table is not None:
             check_kind("Lidar", "table", self.table, BeamTable)
             if not is_one_of(self.name, (self.table.name,)):
@@ -185,6 +189,14 @@ class Lidar:
             native = _cadet.Lidar.from_table(self.table.to_native())
         native = native.single_origin() if self.single_origin else native
         return native.scanning(rolling=self.rolling, returns=self.returns, divergence_mrad=float(self.divergence_mrad))
+
+
+@cache
+def _shipped(name: str) -> BeamTable:
+    table = BeamTable.read(_FILES[name])
+    if table.name != name:
+        raise CadetError(f"{_FILES[name].name}: name: expected {name!r}, got {table.name!r}")
+    return table
 
 
 @lru_cache(maxsize=8)

@@ -131,7 +131,7 @@ class Scene:
             map_xodr=None if road_map is None else road_map.xodr,
             weather=check_weather(weather),
             rig=rig.to_native(),
-            config=config.to_native(rig.camera.image_scale),
+            config=config.scaled(rig.camera.image_scale).to_native(),
             assets=None if own is None else own.to_native(),
         )
         return cls(native, rig)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 from pathlib import Path
 
@@ -26,7 +27,7 @@ def test_samples_are_a_time_step_apart_and_agents_drive_on_between_them() -> Non
     np.testing.assert_allclose(np.diff(times), 0.1, atol=1e-9)
     assert any(label.type != "DontCare" for label in frames[0].labels)
     moved = 0
-    for before, after in zip(frames[:9], frames[1:10], strict=True):
+    for before, after in itertools.pairwise(frames[:10]):
         places = {agent.id: agent for agent in after.agents}
         for agent in before.agents:
             if agent.id in places and agent.speed_mps > 3.0:
@@ -58,7 +59,11 @@ def test_kitti_folders_hold_sequences_too(tmp_path: Path) -> None:
     ],
 )
 def test_rates_and_lengths_are_checked(
-    arguments: list[str], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    arguments: list[str],
+    message: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("sys.argv", ["cadet-gen", str(tmp_path / "out"), *arguments])
     with pytest.raises(SystemExit) as ended:
@@ -69,5 +74,5 @@ def test_rates_and_lengths_are_checked(
 
 
 def test_steps_that_physics_cannot_take_are_refused() -> None:
-    with pytest.raises(cadet.CadetError, match="expected whole steps of 1/60 s, got 0.11"):
+    with pytest.raises(cadet.CadetError, match=r"expected whole steps of 1/60 s, got 0\.11"):
         replace(cadet.ResetPolicy.kitti(), time_step_s=0.11)

@@ -39,6 +39,8 @@ fn _cadet(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<rig::Pose>()?;
     module.add_class::<rig::Rig>()?;
     module.add_class::<scene::Scene>()?;
+    module.add_class::<settings::LabelConfig>()?;
+    module.add_class::<settings::SceneConfig>()?;
     module.add_function(wrap_pyfunction!(bev::bev_maps, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::evaluate, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::box_iou, module)?)?;

@@ -1,7 +1,7 @@
 //! LIDAR specifications.
 
 use cadet_core::Error;
-use cadet_core::lidar::{BlindSector, Firing, LidarSpec, Receiver, ReturnMode};
+use cadet_core::lidar::{BlindSector, Firing, LidarSpec, PRESETS, Receiver, ReturnMode};
 use cadet_core::math::TAU;
 use cadet_core::sense::TurretRing;
 use numpy::{PyArray1, PyArray2};
@@ -27,6 +27,12 @@ impl Lidar {
     #[staticmethod]
     fn preset(name: &str) -> Result<Self, BorderError> {
         Ok(Self { spec: LidarSpec::preset(name)? })
+    }
+
+    /// The names that `preset` knows.
+    #[staticmethod]
+    fn presets() -> Vec<&'static str> {
+        PRESETS.to_vec()
     }
 
     /// The LIDAR of a `LidarTableDict`.

@@ -18,7 +18,7 @@ use crate::error::BorderError;
 use crate::guard;
 use crate::lidar::Lidar;
 use crate::rig::Rig;
-use crate::settings;
+use crate::settings::SceneConfig;
 
 type RayHits<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<i32>>, Bound<'py, PyArray2<f64>>);
 type Poses<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
@@ -51,12 +51,12 @@ impl Scene {
         map_xodr: Option<String>,
         weather: &str,
         rig: &Rig,
-        config: &Bound<'_, PyDict>,
+        config: &SceneConfig,
         assets: Option<&Assets>,
     ) -> PyResult<Self> {
         let source = town_source(map_name, map_xodr, core::TownSource::Suburb);
         let weather = Weather::preset(weather).map_err(BorderError::from)?;
-        let (rig, config) = (rig.rig.clone(), settings::from_dict(config, assets)?);
+        let (rig, config) = (rig.rig.clone(), config.with(assets));
         let key = StreamKey { seed, episode, attempt };
         let inner = guard::detached(py, || core::Scene::random(key, &source, weather, rig, &config))?;
         Ok(Self { inner: Mutex::new(inner) })
@@ -70,12 +70,12 @@ impl Scene {
         map_xodr: Option<String>,
         weather: &str,
         rig: &Rig,
-        config: &Bound<'_, PyDict>,
+        config: &SceneConfig,
         assets: Option<&Assets>,
     ) -> PyResult<Self> {
         let source = town_source(map_name, map_xodr, core::TownSource::Flat);
         let weather = Weather::preset(weather).map_err(BorderError::from)?;
-        let (rig, config) = (rig.rig.clone(), settings::from_dict(config, assets)?);
+        let (rig, config) = (rig.rig.clone(), config.with(assets));
         let inner = guard::detached(py, || core::Scene::empty(&source, weather, rig, &config))?;
         Ok(Self { inner: Mutex::new(inner) })
     }

@@ -9,15 +9,11 @@ from typing import Any, Final
 
 from cadet.errors import CadetError
 from cadet.exporter import Ending, Place
-from cadet.kitti import images
-from cadet.kitti.dataset import encode_meta
+from cadet.kitti.dataset import encode_facts, encode_maps, encode_meta
 from cadet.kitti.files import REQUIRED, SUFFIXES, frame_ids
 from cadet.kitti.from_sample import calibration_of, labels_of, meta_of, move_off_zero_depth
 from cadet.kitti.image_sets import ImageSet
-from cadet.kitti.label import text_from_labels
-from cadet.kitti.planes import text_from_plane
 from cadet.kitti.point_labels import bytes_from_point_labels, point_labels
-from cadet.kitti.velodyne import bytes_from_points
 from cadet.rig import RIGHT_CAMERA, Rig
 from cadet.sample import Sample, Wanted
 from cadet.sink import Sink
@@ -55,21 +51,11 @@ class KittiExporter:
     def encode(self, sample: Sample, extras: tuple[str, ...]) -> dict[str, bytes]:
         """Return the files by folder. Images are encoded by the core that made them."""
         calib, scan = calibration_of(sample.rig), sample.scan()
-        files = {
-            "image_2": sample.png(),
-            "velodyne": bytes_from_points(move_off_zero_depth(scan.points_velo, calib)),
-            "calib": calib.to_text().encode("ascii"),
-            "label_2": text_from_labels(labels_of(sample)).encode("ascii"),
-            "planes": text_from_plane(sample.plane).encode("ascii"),
-        }
+        points_velo = move_off_zero_depth(scan.points_velo, calib)
+        files = {"image_2": sample.png()} | encode_facts(points_velo, calib, labels_of(sample), sample.plane)
         maps = sample.maps() if any(name in extras for name in _MAPS) else None
         if maps is not None:
-            if "depth" in extras:
-                files["depth"] = images.encode_png(images.pixels_from_depth(maps.depth))
-            if "instance" in extras:
-                files["instance"] = images.encode_png(images.pixels_from_instance(maps.instance))
-            if "semantic" in extras:
-                files["semantic"] = images.encode_png(maps.semantic)
+            files |= encode_maps(*(getattr(maps, name) if name in extras else None for name in _MAPS))
         if RIGHT_CAMERA in extras:
             files[RIGHT_CAMERA] = sample.png(RIGHT_CAMERA)
         if "point_labels" in extras:

@@ -66,7 +66,7 @@ impl Distortion {
             let [uy, vy] = self.apply([at[0], at[1] + STEP]);
             let [a, b, c, d] = [(ux - u) / STEP, (uy - u) / STEP, (vx - v) / STEP, (vy - v) / STEP];
             let determinant = a * d - b * c;
-            if !(determinant.abs() > 1e-9) {
+            if determinant.is_nan() || determinant.abs() < 1e-9 {
                 return None;
             }
             at[0] -= (d * miss[0] - b * miss[1]) / determinant;

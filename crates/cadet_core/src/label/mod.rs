@@ -9,7 +9,7 @@ mod road_plane;
 mod silhouette;
 
 pub use box_cam::{BoxCam, Boxes, Rect};
-pub use config::{LabelConfig, OcclusionMethod};
+pub use config::{LabelConfig, OcclusionMethod, Setting};
 pub use labeler::{Sighting, add_points, may_label, sightings};
 pub use motion::TakenView;
 pub use road_plane::road_plane_cam;
