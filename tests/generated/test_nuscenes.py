@@ -92,6 +92,13 @@ def test_chains_run_through_each_scene_by_half_seconds(tables: dict[str, list[di
             if row["next"]:
                 assert rows[row["next"]]["prev"] == row["token"] and rows[row["next"]][key] == row[key]
     assert len(tables["sample_data"]) == CHANNELS * len(samples) == len(tables["ego_pose"])
+    assert sum(row["next"] == "" for row in tables["sample_data"]) == CHANNELS * SCENES
+    annotations = {row["token"]: row for row in tables["sample_annotation"]}
+    for instance in tables["instance"]:
+        count, at = 0, instance["first_annotation_token"]
+        while at:
+            count, last, at = count + 1, at, annotations[at]["next"]
+        assert (last, count) == (instance["last_annotation_token"], instance["nbr_annotations"])
 
 
 def test_files_are_there_in_the_size_that_the_tables_say(root: Path, tables: dict[str, list[dict[str, Any]]]) -> None:
