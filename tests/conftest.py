@@ -13,7 +13,19 @@ import pytest
 
 import fake_native
 
-_FAKED = ("Assets", "Scene", "Lidar", "encode_png", "weather_names", "__version__")
+_FAKED = (
+    "Assets",
+    "Camera",
+    "LabelConfig",
+    "Pose",
+    "Rig",
+    "Scene",
+    "SceneConfig",
+    "Lidar",
+    "encode_png",
+    "weather_names",
+    "__version__",
+)
 
 
 def _is_core_built() -> bool:
@@ -48,7 +60,7 @@ def fake_core(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
         monkeypatch.setattr(core, name, getattr(fake_native, name))
     monkeypatch.delenv("CADET_FAKE", raising=False)
     # What one core has built is nothing to the other.
-    caches = (importlib.import_module("cadet.assets")._native, importlib.import_module("cadet.rig")._to_native)
+    caches = (importlib.import_module("cadet.assets")._native, importlib.import_module("cadet.lidar")._to_native)
     for built in caches:
         built.cache_clear()
     yield fake_native

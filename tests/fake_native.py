@@ -58,6 +58,10 @@ class Lidar:
         return Lidar(name, 0.2)
 
     @staticmethod
+    def presets() -> list[str]:
+        return ["hdl64e_kitti", "hdl64e_uniform", "cadet", "hdl32e", "vlp16", "os1_64", "os1_128"]
+
+    @staticmethod
     def from_table(table: Mapping[str, Any]) -> Lidar:
         return Lidar(table["name"], table["height_m"][0])
 
@@ -101,8 +105,152 @@ class Assets:
         return [(name, "Car", [4.0, 1.8, 1.5]) for name in self.names]
 
 
+class Pose:
+    @staticmethod
+    def mounted(position_m: Sequence[float], roll_pitch_yaw_deg: Sequence[float]) -> Pose:
+        return Pose()
+
+    @staticmethod
+    def rigid(matrix: NDArray[np.float64]) -> Pose:
+        assert matrix.shape == (3, 4)
+        return Pose()
+
+    def inverse(self) -> Pose:
+        return self
+
+
+class Camera:
+    def __init__(
+        self,
+        name: str,
+        *,
+        width: int,
+        height: int,
+        projection: NDArray[np.float64],
+        distortion: Sequence[float],
+        mount: Sequence[Pose],
+    ) -> None:
+        self.name, self.width, self.height = name, width, height
+
+
+class Rig:
+    def __init__(
+        self, name: str, *, cameras: Sequence[Camera], lidars: Sequence[tuple[str, Lidar, Sequence[Pose]]]
+    ) -> None:
+        self.name, self.cameras, self.lidars = name, cameras, lidars
+
+
+class LabelConfig:
+    def __init__(self, **numbers: Any) -> None:
+        assert {name for name, _ in self.settings()} < set(numbers)
+
+    @staticmethod
+    def settings() -> list[tuple[str, tuple[float, float, float, bool]]]:
+        inf = float("inf")
+        return [
+            ("min_height_px", (15.0, 0.0, inf, False)),
+            ("min_visible_fraction", (0.1, 0.0, 1.0, False)),
+            ("max_depth_m", (80.0, 0.0, inf, False)),
+            ("min_depth_m", (0.5, 0.0, inf, False)),
+            ("max_truncation", (0.95, 0.0, 1.0, False)),
+            ("min_contrast", (0.05, 0.0, 1.0, False)),
+            ("min_points", (0.0, 0.0, 1e6, True)),
+            ("dontcare_min_pixels", (8.0, 0.0, inf, False)),
+            ("corner_tolerance_m", (0.1, 0.0, inf, False)),
+            ("max_hidden_corners", (4.0, 1.0, 8.0, True)),
+        ]
+
+    @staticmethod
+    def default_occlusion_levels() -> tuple[float, float]:
+        return 0.8, 0.5
+
+
+class SceneConfig:
+    def __init__(self, **numbers: Any) -> None:
+        assert set(numbers) == {"num_cars", "num_pedestrians", "parking_occupancy", "vehicle_classes", "label"}
+
+
+class Sighting:
+    def __init__(self, actor_id: int, *, is_labelled: bool) -> None:
+        self.actor_id, self.is_labelled = actor_id, is_labelled
+        self.class_name, self.model = "Car", "saloon/1"
+        self.truncation, self.occlusion_level, self.observation_angle = 0.0, 0, 0.1
+        self.bbox = (10.0, 5.0, 20.0, 9.0) if is_labelled else (1.0, 2.0, 3.0, 4.0)
+        self.visible_fraction = self.contrast = 1.0
+        self.visible_pixels, self.num_points = 40.0, 7
+        self.velocity_world = [0.0, 0.0, 0.0]
+        self.silhouette_bbox = self.bbox
+        self.corner_visible = [True] * 8
+        self.size_lwh, self.location_cam, self.rotation_y = [3.9, 1.6, 1.5], [1.0, 1.6, 20.0], 0.15
+
+
+class Agent:
+    def __init__(self, pixels: list[float] | None) -> None:
+        self.id, self.class_name, self.model = 1, "Car", "saloon/1"
+        self.size_lwh, self.velocity_world = [3.9, 1.6, 1.5], [0.0, 0.0, 0.0]
+        self.world_from_agent = np.eye(4).tolist()
+        self.pixels = pixels
+
+
+class Capture:
+    def __init__(
+        self,
+        scene: Scene,
+        words: list[int],
+        sightings: list[Sighting],
+        cameras: list[Camera],
+        lidars: list[str],
+        maps: bool,
+    ) -> None:
+        self.time_s, self.ego_speed_mps = scene.time_s, 0.0
+        self.ego_velocity_world = [0.0, 0.0, 0.0]
+        self.world_from_ego = np.eye(4).tolist()
+        self.world_from_ego[0][3] = scene.driven_m
+        self.ego_from_velo = np.eye(4).tolist()
+        self.map, self.weather, self.sun_rad, self.boxes = (
+            scene.map_name or "suburb",
+            scene.weather,
+            (0.7, 0.1),
+            "kitti",
+        )
+        self.plane = np.array([0.0, -1.0, 0.0, 1.65])
+        self.agents = [Agent([80.0, 40.0])]
+        self.sightings = sightings
+        self.names = ([camera.name for camera in cameras], lidars)
+        self._words, self._cameras, self._maps = words, cameras, maps
+
+    def image(self, index: int) -> NDArray[np.uint8]:
+        camera = self._cameras[index]
+        return self._noise(index).integers(0, 256, (camera.height, camera.width, 3), np.uint8)
+
+    def png(self, index: int) -> bytes:
+        return encode_png(self.image(index))
+
+    def maps(self, index: int) -> dict[str, NDArray[Any]] | None:
+        shape = (self._cameras[index].height, self._cameras[index].width)
+        if not self._maps:
+            return None
+        depth, instance = np.full(shape, 12.5, np.float32), np.zeros(shape, np.int32)
+        return {"depth": depth, "instance": instance, "semantic": np.ones(shape, np.uint8)}
+
+    def scan(self, index: int) -> dict[str, NDArray[Any]]:
+        points_velo = self._noise(100 + index).uniform(5.0, 9.0, (50, 4)).astype(np.float32)
+        zeros = np.zeros(len(points_velo), np.int32)
+        return {
+            "points_velo": points_velo,
+            "ring": zeros,
+            "column": zeros,
+            "actor_id": zeros + 1,
+            "semantic": zeros.astype(np.uint8) + 11,
+            "range_m": zeros.astype(np.float64),
+        }
+
+    def _noise(self, index: int) -> np.random.Generator:
+        return np.random.default_rng([*self._words, index])
+
+
 class Scene:
-    def __init__(self, key: tuple[int, int, int], rig: Mapping[str, Any], weather: str, map_name: str | None) -> None:
+    def __init__(self, key: tuple[int, int, int], rig: Rig, weather: str, map_name: str | None) -> None:
         self.key, self.rig, self.weather, self.map_name = key, rig, weather, map_name
         self.driven_m = self.time_s = 0.0
         self.num_views = 0
@@ -120,12 +268,11 @@ class Scene:
         map_name: str | None,
         map_xodr: str | None,
         weather: str,
-        rig: Mapping[str, Any],
-        config: Mapping[str, Any],
+        rig: Rig,
+        config: SceneConfig,
         assets: Assets | None,
     ) -> Scene:
         _check_map(map_name, map_xodr)
-        assert set(config) == {"num_cars", "num_pedestrians", "parking_occupancy", "vehicle_classes", "label"}
         return Scene((seed, episode, attempt), rig, weather, map_name)
 
     @staticmethod
@@ -134,8 +281,8 @@ class Scene:
         map_name: str | None,
         map_xodr: str | None,
         weather: str,
-        rig: Mapping[str, Any],
-        config: Mapping[str, Any],
+        rig: Rig,
+        config: SceneConfig,
         assets: Assets | None,
     ) -> Scene:
         _check_map(map_name, map_xodr)
@@ -165,36 +312,22 @@ class Scene:
         self.driven_m += distance_m
         self.time_s += blocked_s / 2
 
-    def capture(self, sample: int, maps: bool) -> dict[str, Any]:
+    def capture(self, sample: int, *, maps: bool, pixels: bool, cameras: list[int], lidars: list[int]) -> Capture:
         self._misbehave()
-        self.num_views += 1
-        camera = self.rig["camera"]
-        shape = (camera["height"], camera["width"])
         words = [*self.key, sample, round(self.driven_m), round(self.time_s * 60), crc32(self.weather.encode())]
-        noise = np.random.default_rng(words)
-        labels = [_dont_care()]
+        sightings = [Sighting(2, is_labelled=False)]
         blank = int(self.faults.get("blank", 0)) > self.key[2]
         # A third of the views shows nothing, so that sample and view numbers part.
         if "empty" not in self.faults and not blank and (self.num_views % 3 or self.num_views == 0):
-            labels.append(_car())
-        matrices = ("P0", "P1", "P2", "P3", "R0_rect", "Tr_velo_to_cam", "Tr_imu_to_velo")
-        captured = {
-            "image": noise.integers(0, 256, (*shape, 3), np.uint8),
-            "points_velo": noise.uniform(5.0, 9.0, (50, 4)).astype(np.float32),
-            "labels": labels,
-            "calib": {key: camera[key] for key in matrices},
-            "plane": np.array([0.0, -1.0, 0.0, 1.65]),
-            "meta": {"map": self.map_name or "suburb", "weather": self.weather, "driven_m": self.driven_m},
-        }
-        if maps:
-            captured["depth"] = np.full(shape, 12.5, np.float32)
-            captured["instance"] = np.zeros(shape, np.int32)
-            captured["semantic"] = np.ones(shape, np.uint8)
-        return captured
+            sightings.append(Sighting(1, is_labelled=True))
+        seen = [self.rig.cameras[i] for i in (0, *cameras)]
+        turned = [self.rig.lidars[i][0] for i in (0, *lidars)]
+        return Capture(self, words, sightings, seen, turned, maps)
 
-    def capture_labelled(self, sample: int, maps: bool) -> dict[str, Any] | None:
-        captured = self.capture(sample, maps)
-        return captured if any(label["type"] != "DontCare" for label in captured["labels"]) else None
+    def capture_labelled(self, sample: int, **wanted: Any) -> Capture | None:
+        self.num_views += 1
+        captured = self.capture(sample, **wanted)
+        return captured if any(seen.is_labelled for seen in captured.sightings) else None
 
     def scan(self, lidar: Lidar | None, ideal: bool, sample: int) -> dict[str, NDArray[Any]]:
         name = "rig" if lidar is None else lidar.name
@@ -205,6 +338,7 @@ class Scene:
             "ring": np.zeros(n, np.int32),
             "column": np.zeros(n, np.int32),
             "actor_id": np.full(n, -1, np.int32),
+            "semantic": np.zeros(n, np.uint8),
             "range_m": np.full(n, np.inf),
         }
 
@@ -234,29 +368,3 @@ class Scene:
 def _check_map(name: str | None, text: str | None) -> None:
     if text is not None and "<OpenDRIVE" not in text:
         raise _error(f"{name}: no OpenDRIVE")
-
-
-def _car() -> dict[str, Any]:
-    return {
-        "type": "Car",
-        "truncated": 0.0,
-        "occluded": 0,
-        "alpha": 0.1,
-        "bbox": (10.0, 5.0, 20.0, 9.0),
-        "dimensions_hwl": (1.5, 1.6, 3.9),
-        "location_cam": (1.0, 1.6, 20.0),
-        "rotation_y": 0.15,
-    }
-
-
-def _dont_care() -> dict[str, Any]:
-    return {
-        "type": "DontCare",
-        "truncated": -1.0,
-        "occluded": -1,
-        "alpha": -10.0,
-        "bbox": (1.0, 2.0, 3.0, 4.0),
-        "dimensions_hwl": (-1.0, -1.0, -1.0),
-        "location_cam": (-1000.0, -1000.0, -1000.0),
-        "rotation_y": -10.0,
-    }

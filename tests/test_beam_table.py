@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from cadet import BeamTable, CadetError, EncoderFiring, Laser, Lidar, ListedFiring, MissingFileError, UniformFiring
 from cadet.beam_table import Firing
 from cadet.cli import run_cadet
-from cadet.rig import LIDAR_PRESETS
+from cadet.lidar import LIDAR_PRESETS
 
 TEXT = """\
 name = "mine"

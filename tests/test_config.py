@@ -1,12 +1,12 @@
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 import pytest
 
 from cadet import CadetError, LabelConfig, SceneConfig
-from cadet.config import from_dict
 
 NAN = float("nan")
 
@@ -24,12 +24,6 @@ NAN = float("nan")
             "SceneConfig.parking_occupancy: expected a number from 0 to 1, got nan",
         ),
         (SceneConfig, {"label": None}, "SceneConfig.label: expected a LabelConfig, got None"),
-        (
-            SceneConfig,
-            {"num_car": 3},
-            "SceneConfig: unknown key 'num_car'; known: num_cars, num_pedestrians, parking_occupancy, vehicle_classes, "
-            "label",
-        ),
         (LabelConfig, {"method": "area"}, "LabelConfig.method: expected 'pixels' or 'corners', got 'area'"),
         (LabelConfig, {"boxes": "true"}, "LabelConfig.boxes: expected 'kitti' or 'exact', got 'true'"),
         (LabelConfig, {"boxes": None}, "LabelConfig.boxes: expected 'kitti' or 'exact', got None"),
@@ -71,7 +65,7 @@ NAN = float("nan")
 )
 def test_nonsense_is_refused_by_name(cls: type[Any], values: dict[str, Any], message: str) -> None:
     with pytest.raises(CadetError) as caught:
-        from_dict(cls, values)
+        cls(**values)
     assert str(caught.value) == message
 
 
@@ -79,10 +73,8 @@ def test_numpy_numbers_are_numbers() -> None:
     assert SceneConfig(num_cars=int(np.int64(3)), parking_occupancy=float(np.float32(0.5))).num_cars == 3
 
 
-def test_the_core_gets_a_flat_dictionary_with_the_normative_thresholds() -> None:
-    native = SceneConfig(num_cars=3).to_native()
-    assert native["num_cars"] == 3
-    assert native["label"] == {
+def test_the_normative_thresholds_are_the_defaults() -> None:
+    assert asdict(LabelConfig()) == {
         "method": "pixels",
         "boxes": "kitti",
         "min_height_px": 15.0,
@@ -97,3 +89,19 @@ def test_the_core_gets_a_flat_dictionary_with_the_normative_thresholds() -> None
         "corner_tolerance_m": 0.1,
         "max_hidden_corners": 4,
     }
+
+
+def test_every_number_of_the_core_is_a_field_and_reaches_it(core: Any) -> None:
+    numbers = dict(core.LabelConfig.settings())
+    assert set(asdict(LabelConfig())) == {*numbers, "method", "boxes", "occlusion_levels"}
+    defaults: dict[str, Any] = asdict(LabelConfig())
+    for name, (_, least, most, is_whole) in numbers.items():
+        kind: Any = int if is_whole else float
+        for value in {least, most} - {float("inf")}:
+            LabelConfig(**{**defaults, name: kind(value)}).to_native()
+        with pytest.raises(CadetError, match=f"LabelConfig.{name}"):
+            LabelConfig(**{**defaults, name: kind(least) - 1})
+        # The core refuses it by itself.
+        if most < float("inf"):
+            with pytest.raises(CadetError, match=name):
+                core.LabelConfig(**{**defaults, name: kind(most) + 1})

@@ -17,7 +17,9 @@ import pytest
 import fake_native
 from cadet import CadetError, Camera, Environment, Lidar, ResetPolicy, Rig, Scene, Semantic, kitti, weather_names
 from cadet.episode import Episode
+from cadet.kitti.from_sample import frame_from_sample
 from cadet.kitti.lint import lint
+from cadet.sample import Wanted
 
 pytestmark = pytest.mark.usefixtures("core")
 
@@ -68,13 +70,19 @@ def test_scene_environment_and_files_agree(dataset: Path) -> None:
 
 def test_without_maps_all_else_is_the_same() -> None:
     policy = ResetPolicy.kitti().with_rig(SMALL)
-    with_maps = Episode(policy, 5, 0).next_frame(0)
-    without = Episode(policy, 5, 0, maps=False).next_frame(0)
+    with_maps = frame_from_sample(Episode(policy, 5, 0).next_sample(0))
+    without = frame_from_sample(Episode(policy, 5, 0, wanted=Wanted(maps=False)).next_sample(0))
     assert with_maps.depth is not None
     assert (without.depth, without.instance, without.semantic) == (None, None, None)
     np.testing.assert_array_equal(without.image, with_maps.image)
     np.testing.assert_array_equal(without.points_velo, with_maps.points_velo)
     assert without.labels == with_maps.labels
+
+
+def test_the_fake_knows_the_cores_lists(core: Any) -> None:
+    assert core.Lidar.presets() == fake_native.Lidar.presets()
+    assert core.LabelConfig.settings() == fake_native.LabelConfig.settings()
+    assert core.LabelConfig.default_occlusion_levels() == fake_native.LabelConfig.default_occlusion_levels()
 
 
 def test_the_fake_knows_the_cores_weathers() -> None:

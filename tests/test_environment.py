@@ -79,7 +79,14 @@ def test_only_views_with_an_object_come_out_and_the_ego_drives_on_past_the_other
     frames = [env.step() for _ in range(6)]
     assert all(any(label.type == "Car" for label in frame.labels) for frame in frames)
     # The fake shows nothing in every third view: those were driven past, and samples count on.
-    assert [frame.meta and frame.meta["driven_m"] for frame in frames] == [0.0, 10.0, 30.0, 40.0, 60.0, 70.0]
+    assert [frame.meta and frame.meta["world_from_ego"][0][3] for frame in frames] == [
+        0.0,
+        10.0,
+        30.0,
+        40.0,
+        60.0,
+        70.0,
+    ]
     assert [frame.meta and frame.meta["sample"] for frame in frames] == [0, 1, 2, 3, 4, 5]
 
 
@@ -90,7 +97,7 @@ def test_after_empty_views_the_world_is_redrawn_inside_the_episode(monkeypatch: 
     frame = env.step()
     assert frame.meta is not None
     assert (frame.meta["episode"], frame.meta["sample"], frame.meta["attempt"]) == (0, 0, 2)
-    assert frame.meta["driven_m"] == 0.0
+    assert frame.meta["world_from_ego"][0][3] == 0.0
 
 
 def test_an_episode_without_objects_ends_in_an_error(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,6 +8,8 @@ import pytest
 
 from cadet import CadetError, Camera, Extrinsics, Lidar, Rig
 from cadet.kitti import Calibration
+from cadet.kitti.from_sample import calibration_of
+from cadet.lidar import LIDAR_PRESETS
 
 SHARED = Path(__file__).parents[2] / "shared"
 
@@ -16,16 +18,7 @@ KITTI_P2 = [[721.5377, 0.0, 609.5593, 44.85728], [0.0, 721.5377, 172.854, 0.2163
 
 
 def calibration(rig: Rig) -> Calibration:
-    camera = rig.to_native()["camera"]
-    return Calibration(
-        P0=camera["P0"],
-        P1=camera["P1"],
-        P2=camera["P2"],
-        P3=camera["P3"],
-        R0_rect=camera["R0_rect"],
-        Tr_velo_to_cam=camera["Tr_velo_to_cam"],
-        Tr_imu_to_velo=camera["Tr_imu_to_velo"],
-    )
+    return calibration_of(rig)
 
 
 def test_the_kitti_rig_has_kittis_projection_and_mount() -> None:
@@ -120,7 +113,7 @@ def test_the_papers_rig_has_one_origin() -> None:
     calib = calibration(rig)
     np.testing.assert_array_equal(calib.P2[:, 3], 0.0)
     np.testing.assert_array_equal(calib.cam_from_velo[:3, 3], 0.0)
-    assert rig.to_native()["single_origin"] is True
+    assert rig.lidar.single_origin is True
     assert rig.lidar.name == "hdl64e_kitti"
 
 
@@ -145,14 +138,14 @@ def test_a_resized_camera_sees_what_a_resized_image_shows() -> None:
         (lambda: Camera().resized(9, 9), "Camera.width: expected a whole number from 16 to 8192, got 9"),
         (
             lambda: Lidar("vlp-16"),
-            "unknown lidar 'vlp-16'; known: hdl64e_kitti, hdl64e_uniform, cadet, hdl32e, vlp16, os1_64, os1_128",
+            f"unknown lidar 'vlp-16'; known: {', '.join(LIDAR_PRESETS)}",
         ),
         (lambda: Rig(lidar=cast(Lidar, "cadet")), "Rig.lidar: expected a Lidar, got 'cadet'"),
         (
             lambda: Rig.kitti(calibration="2011_09_30"),
             "unknown calibration '2011_09_30'; known: 2011_09_26, 2011_09_28, 2011_09_29, 2011_10_03",
         ),
-        (lambda: Rig.named("velo"), "unknown rig 'velo'; known: kitti, paper, cadet"),
+        (lambda: Rig.named("velo"), "unknown rig 'velo'; known: kitti, paper, cadet, nuscenes"),
         (
             lambda: Rig(extrinsics=cast(Extrinsics, None)),
             "Rig.extrinsics: expected an Extrinsics, got None",

@@ -19,16 +19,20 @@ from cadet.errors import (
 )
 from cadet.evaluation import Detections, GroundTruth, Level, Report, box_iou_3d, box_iou_bev, evaluate, nms_bev
 from cadet.extrinsics import Extrinsics
-from cadet.frame import Frame
-from cadet.kitti import Calibration, Label
+from cadet.kitti import Calibration, Frame, Label
+from cadet.lidar import Lidar
+from cadet.mounted import MountedCamera, MountedLidar
 from cadet.policy import District, ResetPolicy
-from cadet.rig import Lidar, Rig
+from cadet.pose import Pose
+from cadet.rig import Rig
 from cadet.road_map import RoadMap
-from cadet.scene import RayHits, Scan, Scene
+from cadet.sample import Agent, Sample, Scan
+from cadet.scene import RayHits, Scene
 from cadet.semantic import Semantic
 from cadet.weather import weather_names
 
 __all__ = [
+    "Agent",
     "Assets",
     "BeamTable",
     "BevConfig",
@@ -52,12 +56,16 @@ __all__ = [
     "Lidar",
     "ListedFiring",
     "MissingFileError",
+    "MountedCamera",
+    "MountedLidar",
     "NonFiniteError",
+    "Pose",
     "RayHits",
     "Report",
     "ResetPolicy",
     "Rig",
     "RoadMap",
+    "Sample",
     "Scan",
     "Scene",
     "SceneConfig",

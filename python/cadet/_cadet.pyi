@@ -8,9 +8,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "Agent",
     "Assets",
+    "Camera",
+    "Capture",
+    "LabelConfig",
     "Lidar",
+    "Pose",
+    "Rig",
     "Scene",
+    "SceneConfig",
+    "Sighting",
     "__version__",
     "_panic",
     "bev_maps",
@@ -46,6 +54,8 @@ class Lidar:
     @staticmethod
     def preset(name: str) -> Lidar: ...
     @staticmethod
+    def presets() -> list[str]: ...
+    @staticmethod
     def from_table(table: Mapping[str, Any]) -> Lidar: ...
     @property
     def name(self) -> str: ...
@@ -57,6 +67,175 @@ class Lidar:
     def scanning(self, *, rolling: bool, returns: str, divergence_mrad: float) -> Lidar: ...
     def table(self) -> dict[str, Any]: ...
     def rays(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]: ...
+
+@final
+class LabelConfig:
+    """What gets a label (see `cadet.LabelConfig`)."""
+
+    def __new__(
+        cls,
+        *,
+        method: str,
+        boxes: str,
+        min_height_px: float,
+        min_visible_fraction: float,
+        max_depth_m: float,
+        min_depth_m: float,
+        max_truncation: float,
+        min_contrast: float,
+        min_points: int,
+        dontcare_min_pixels: float,
+        occlusion_levels: tuple[float, float],
+        corner_tolerance_m: float,
+        max_hidden_corners: int,
+    ) -> LabelConfig: ...
+    @staticmethod
+    def settings() -> list[tuple[str, tuple[float, float, float, bool]]]: ...
+    @staticmethod
+    def default_occlusion_levels() -> tuple[float, float]: ...
+
+@final
+class SceneConfig:
+    """How full a scene is (see `cadet.SceneConfig`)."""
+
+    def __new__(
+        cls,
+        *,
+        num_cars: int,
+        num_pedestrians: int,
+        parking_occupancy: float,
+        vehicle_classes: Sequence[str],
+        label: LabelConfig,
+    ) -> SceneConfig: ...
+
+@final
+class Pose:
+    """A rigid pose."""
+
+    @staticmethod
+    def mounted(position_m: Sequence[float], roll_pitch_yaw_deg: Sequence[float]) -> Pose: ...
+    @staticmethod
+    def rigid(matrix: NDArray[np.float64]) -> Pose: ...
+    def inverse(self) -> Pose: ...
+    def matrix(self) -> NDArray[np.float64]: ...
+
+@final
+class Camera:
+    """A camera with its name and place."""
+
+    def __new__(
+        cls,
+        name: str,
+        *,
+        width: int,
+        height: int,
+        projection: NDArray[np.float64],
+        distortion: Sequence[float],
+        mount: Sequence[Pose],
+    ) -> Camera: ...
+
+@final
+class Rig:
+    """Cameras and LIDARs on a car."""
+
+    def __new__(
+        cls, name: str, *, cameras: Sequence[Camera], lidars: Sequence[tuple[str, Lidar, Sequence[Pose]]]
+    ) -> Rig: ...
+
+@final
+class Agent:
+    """An actor around the ego (see `cadet.Agent`)."""
+
+    @property
+    def id(self) -> int: ...
+    @property
+    def class_name(self) -> str: ...
+    @property
+    def model(self) -> str: ...
+    @property
+    def size_lwh(self) -> list[float]: ...
+    @property
+    def world_from_agent(self) -> list[list[float]]: ...
+    @property
+    def velocity_world(self) -> list[float]: ...
+    @property
+    def pixels(self) -> list[float] | None: ...
+
+@final
+class Sighting:
+    """What the first camera sees of an actor."""
+
+    @property
+    def actor_id(self) -> int: ...
+    @property
+    def class_name(self) -> str: ...
+    @property
+    def model(self) -> str: ...
+    @property
+    def is_labelled(self) -> bool: ...
+    @property
+    def truncation(self) -> float: ...
+    @property
+    def occlusion_level(self) -> int: ...
+    @property
+    def observation_angle(self) -> float: ...
+    @property
+    def bbox(self) -> tuple[float, float, float, float]: ...
+    @property
+    def visible_fraction(self) -> float: ...
+    @property
+    def visible_pixels(self) -> float: ...
+    @property
+    def contrast(self) -> float: ...
+    @property
+    def num_points(self) -> int: ...
+    @property
+    def velocity_world(self) -> list[float]: ...
+    @property
+    def silhouette_bbox(self) -> tuple[float, float, float, float] | None: ...
+    @property
+    def corner_visible(self) -> list[bool]: ...
+    @property
+    def size_lwh(self) -> list[float]: ...
+    @property
+    def location_cam(self) -> list[float]: ...
+    @property
+    def rotation_y(self) -> float: ...
+
+@final
+class Capture:
+    """Everything that was asked for at one instant (see `cadet.Sample`)."""
+
+    @property
+    def time_s(self) -> float: ...
+    @property
+    def world_from_ego(self) -> list[list[float]]: ...
+    @property
+    def ego_from_velo(self) -> list[list[float]]: ...
+    @property
+    def ego_speed_mps(self) -> float: ...
+    @property
+    def ego_velocity_world(self) -> list[float]: ...
+    @property
+    def map(self) -> str: ...
+    @property
+    def weather(self) -> str: ...
+    @property
+    def sun_rad(self) -> tuple[float, float]: ...
+    @property
+    def boxes(self) -> str: ...
+    @property
+    def plane(self) -> NDArray[np.float64]: ...
+    @property
+    def agents(self) -> list[Agent]: ...
+    @property
+    def sightings(self) -> list[Sighting]: ...
+    @property
+    def names(self) -> tuple[list[str], list[str]]: ...
+    def image(self, index: int) -> NDArray[np.uint8]: ...
+    def png(self, index: int) -> bytes: ...
+    def maps(self, index: int) -> dict[str, NDArray[Any]] | None: ...
+    def scan(self, index: int) -> dict[str, NDArray[Any]]: ...
 
 @final
 class Scene:
@@ -71,8 +250,8 @@ class Scene:
         map_name: str | None,
         map_xodr: str | None,
         weather: str,
-        rig: Mapping[str, Any],
-        config: Mapping[str, Any],
+        rig: Rig,
+        config: SceneConfig,
         assets: Assets | None,
     ) -> Scene: ...
     @staticmethod
@@ -81,8 +260,8 @@ class Scene:
         map_name: str | None,
         map_xodr: str | None,
         weather: str,
-        rig: Mapping[str, Any],
-        config: Mapping[str, Any],
+        rig: Rig,
+        config: SceneConfig,
         assets: Assets | None,
     ) -> Scene: ...
     def map_warnings(self) -> list[str]: ...
@@ -105,8 +284,12 @@ class Scene:
     def move_ego(self, x: float, y: float, yaw: float, may_overlap: bool) -> None: ...
     def step(self, seconds: float) -> None: ...
     def drive(self, distance_m: float, blocked_s: float) -> None: ...
-    def capture(self, sample: int, maps: bool) -> dict[str, Any]: ...
-    def capture_labelled(self, sample: int, maps: bool) -> dict[str, Any] | None: ...
+    def capture(
+        self, sample: int, *, maps: bool, pixels: bool, cameras: Sequence[int], lidars: Sequence[int]
+    ) -> Capture: ...
+    def capture_labelled(
+        self, sample: int, *, maps: bool, pixels: bool, cameras: Sequence[int], lidars: Sequence[int]
+    ) -> Capture | None: ...
     def scan(self, lidar: Lidar | None, ideal: bool, sample: int) -> dict[str, NDArray[Any]]: ...
     def cast_rays(
         self, origins_world: NDArray[np.float64], directions_world: NDArray[np.float64]

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cadet import _cadet
 from cadet.checks import check_number, check_three, make_plain, shown
 from cadet.errors import CadetError
 from cadet.kitti_calibrations import MOST_FREQUENT, KittiCalibration, Row3, kitti_calibration
@@ -56,6 +57,9 @@ class Camera:
     image_scale: tuple[float, float] = (1.0, 1.0)
     """How often the image was stretched along the rows and the columns (`resized`); labels' pixel limits follow."""
 
+    distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0)
+    """k1, k2, p1, p2, k3 of OpenCV's lens model; all 0 for the rectified image that KITTI's files hold."""
+
     def __post_init__(self) -> None:
         for name in ("width", "height"):
             check_number("Camera", name, getattr(self, name), 16, 8192, whole=True)
@@ -71,7 +75,17 @@ class Camera:
             raise CadetError(f"Camera.image_scale: expected two numbers, got {shown(self.image_scale)}")
         for factor in self.image_scale:
             check_number("Camera", "image_scale", factor, 1e-4, 1e4)
+        if not isinstance(self.distortion, tuple) or len(self.distortion) != 5:
+            raise CadetError(f"Camera.distortion: expected k1, k2, p1, p2, k3, got {shown(self.distortion)}")
+        for coefficient in self.distortion:
+            check_number("Camera", "distortion", coefficient, -100, 100)
         make_plain(self)
+
+    def __repr__(self) -> str:
+        usual = {f.name: f.default for f in fields(self) if f.name in ("image_scale", "distortion")}
+        parts = {f.name: getattr(self, f.name) for f in fields(self)}
+        shown = {name: value for name, value in parts.items() if name not in usual or value != usual[name]}
+        return f"Camera({', '.join(f'{name}={value!r}' for name, value in shown.items())})"
 
     @classmethod
     def kitti(cls, *, calibration: str = MOST_FREQUENT) -> Camera:
@@ -94,7 +108,17 @@ class Camera:
         )
 
     @classmethod
-    def single(cls, width: int, height: int, *, fx: float, fy: float, cx: float, cy: float) -> Camera:
+    def single(
+        cls,
+        width: int,
+        height: int,
+        *,
+        fx: float,
+        fy: float,
+        cx: float,
+        cy: float,
+        distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0),
+    ) -> Camera:
         """A camera alone: its frame is that of camera 0, and all four projections are its own."""
         here = (0.0, 0.0, 0.0)
         return cls(
@@ -107,6 +131,7 @@ class Camera:
             cam1_from_cam0_m=here,
             cam2_from_cam0_m=here,
             cam3_from_cam0_m=here,
+            distortion=distortion,
         )
 
     def resized(self, width: int, height: int) -> Camera:
@@ -127,6 +152,32 @@ class Camera:
             cx=(self.cx + 0.5) * x - 0.5,
             cy=(self.cy + 0.5) * y - 0.5,
             image_scale=(self.image_scale[0] * x, self.image_scale[1] * y),
+        )
+
+    def unusual(self) -> dict[str, list[float]]:
+        """Return what most cameras do not have, for a manifest."""
+        found = {}
+        if self.image_scale != (1.0, 1.0):
+            found["image_scale"] = list(self.image_scale)
+        if any(self.distortion):
+            found["distortion"] = list(self.distortion)
+        return found
+
+    def to_native(self, name: str, projection: NDArray[np.float64], mount: list[_cadet.Pose]) -> _cadet.Camera:
+        """Return the camera as the core takes it.
+
+        Args:
+            name: names its images.
+            projection: one of `projections`.
+            mount: poses that lead from the ego to the camera's frame.
+        """
+        return _cadet.Camera(
+            name,
+            width=int(self.width),
+            height=int(self.height),
+            projection=projection,
+            distortion=[float(k) for k in self.distortion],
+            mount=mount,
         )
 
     def projection(self, offset_m: Row3) -> NDArray[np.float64]:

@@ -1,36 +1,35 @@
-"""What a scene contains and what gets a label: frozen, checked when made, unknown keys refused."""
+"""What a scene contains and what gets a label: frozen, checked when made."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields, replace
-from typing import Any, Literal, TypeVar
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any, Literal
 
+from cadet import _cadet
 from cadet.checks import check_kind, check_number, is_one_of, make_plain, shown
 from cadet.errors import CadetError
-
-T = TypeVar("T")
 
 VEHICLE_CLASSES = ("Car", "Van", "Truck")
 """KITTI's classes of vehicles that drive and park."""
 
 
-def from_dict(cls: type[T], values: Mapping[str, Any]) -> T:
-    """Make a configuration from a dictionary, refusing keys that it does not have.
+_NUMBERS = dict(_cadet.LabelConfig.settings())
+"""Default, least and greatest value of every number, and whether it counts."""
 
-    Raises:
-        CadetError: an unknown key, or a value that the configuration refuses.
-    """
-    known = [f.name for f in fields(cls)]  # type: ignore[arg-type]
-    unknown = sorted(set(values) - set(known))
-    if unknown:
-        raise CadetError(f"{cls.__name__}: unknown key {unknown[0]!r}; known: {', '.join(known)}")
-    return cls(**values)
+
+def _default(name: str) -> Any:
+    default, _, _, is_whole = _NUMBERS[name]
+    return int(default) if is_whole else default
+
+
+def _shortest(limit: float) -> float:
+    """Return a limit as messages show it: 8 for 8.0."""
+    return int(limit) if limit.is_integer() else limit
 
 
 @dataclass(frozen=True, kw_only=True)
 class LabelConfig:
-    """Every number of the labels' definitions.
+    """Every number of the labels' definitions; the core states their defaults and limits.
 
     Raises:
         CadetError: a number outside its range, or an unknown method.
@@ -43,28 +42,28 @@ class LabelConfig:
 
     Annotators' boxes are a little shorter than the vehicle, their bottoms a little over the ground, and their sizes
     are distributed as KITTI's; an actor keeps its box through an episode."""
-    min_height_px: float = 15.0
+    min_height_px: float = _default("min_height_px")
     """A label's 2D box is at least this high, in the image before it is resized (`Camera.resized`, `--image-size`)."""
-    min_visible_fraction: float = 0.1
+    min_visible_fraction: float = _default("min_visible_fraction")
     """A label's object shows at least this fraction of its silhouette."""
-    max_depth_m: float = 80.0
+    max_depth_m: float = _default("max_depth_m")
     """A label's object is at most this deep."""
-    min_depth_m: float = 0.5
+    min_depth_m: float = _default("min_depth_m")
     """A label's object is at least this deep."""
-    max_truncation: float = 0.95
+    max_truncation: float = _default("max_truncation")
     """A label's object is truncated by at most this."""
-    min_contrast: float = 0.05
+    min_contrast: float = _default("min_contrast")
     """An object without returns keeps at least this much of its contrast through fog, rain and snow to get a label."""
-    min_points: int = 0
+    min_points: int = _default("min_points")
     """A label's object has at least this many returns."""
-    dontcare_min_pixels: float = 8.0
+    dontcare_min_pixels: float = _default("dontcare_min_pixels")
     """An object without a label becomes DontCare if it shows at least this many pixels, in the image before it is
     resized."""
-    occlusion_levels: tuple[float, float] = (0.8, 0.5)
+    occlusion_levels: tuple[float, float] = _cadet.LabelConfig.default_occlusion_levels()
     """Visible fractions from which `occluded` is 0 and 1; below the second it is 2."""
-    corner_tolerance_m: float = 0.1
+    corner_tolerance_m: float = _default("corner_tolerance_m")
     """A corner is hidden by what is nearer than it by more than this."""
-    max_hidden_corners: int = 4
+    max_hidden_corners: int = _default("max_hidden_corners")
     """With this many hidden corners an object is occluded (method "corners")."""
 
     def scaled(self, image_scale: tuple[float, float]) -> LabelConfig:
@@ -83,16 +82,8 @@ class LabelConfig:
             raise CadetError(f"LabelConfig.method: expected 'pixels' or 'corners', got {shown(self.method)}")
         if not is_one_of(self.boxes, ("kitti", "exact")):
             raise CadetError(f"LabelConfig.boxes: expected 'kitti' or 'exact', got {shown(self.boxes)}")
-        check_number("LabelConfig", "min_height_px", self.min_height_px, 0)
-        check_number("LabelConfig", "min_visible_fraction", self.min_visible_fraction, 0, 1)
-        check_number("LabelConfig", "max_depth_m", self.max_depth_m, 0)
-        check_number("LabelConfig", "min_depth_m", self.min_depth_m, 0)
-        check_number("LabelConfig", "max_truncation", self.max_truncation, 0, 1)
-        check_number("LabelConfig", "min_contrast", self.min_contrast, 0, 1)
-        check_number("LabelConfig", "min_points", self.min_points, 0, 1_000_000, whole=True)
-        check_number("LabelConfig", "dontcare_min_pixels", self.dontcare_min_pixels, 0)
-        check_number("LabelConfig", "corner_tolerance_m", self.corner_tolerance_m, 0)
-        check_number("LabelConfig", "max_hidden_corners", self.max_hidden_corners, 1, 8, whole=True)
+        for name, (_, least, most, is_whole) in _NUMBERS.items():
+            check_number("LabelConfig", name, getattr(self, name), _shortest(least), _shortest(most), whole=is_whole)
         levels = self.occlusion_levels
         if not isinstance(levels, tuple) or len(levels) != 2:
             raise CadetError(f"LabelConfig.occlusion_levels: expected two fractions, got {shown(levels)}")
@@ -101,6 +92,10 @@ class LabelConfig:
         if levels[0] < levels[1]:
             raise CadetError(f"LabelConfig.occlusion_levels: expected the first to be the larger, got {levels!r}")
         make_plain(self)
+
+    def to_native(self) -> _cadet.LabelConfig:
+        """Return the numbers as the core takes them."""
+        return _cadet.LabelConfig(**asdict(self))
 
 
 def check_vehicle_classes(owner: str, classes: object) -> None:
@@ -146,10 +141,16 @@ class SceneConfig:
         check_kind("SceneConfig", "label", self.label, LabelConfig)
         make_plain(self)
 
-    def to_native(self, image_scale: tuple[float, float] = (1.0, 1.0)) -> dict[str, Any]:
-        """Return the fields as the core takes them: a flat dictionary whose `label` is a dictionary too.
+    def scaled(self, image_scale: tuple[float, float]) -> SceneConfig:
+        """Return the configuration for an image that was stretched: see `LabelConfig.scaled`."""
+        return replace(self, label=self.label.scaled(image_scale))
 
-        Args:
-            image_scale: that of the camera; the labels' pixel limits are scaled with it.
-        """
-        return asdict(replace(self, label=self.label.scaled(image_scale)))
+    def to_native(self) -> _cadet.SceneConfig:
+        """Return the configuration as the core takes it."""
+        return _cadet.SceneConfig(
+            num_cars=self.num_cars,
+            num_pedestrians=self.num_pedestrians,
+            parking_occupancy=float(self.parking_occupancy),
+            vehicle_classes=list(self.vehicle_classes),
+            label=self.label.to_native(),
+        )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 from cadet.assets import Assets
@@ -9,9 +10,10 @@ from cadet.checks import as_seed, check_number
 from cadet.config import SceneConfig
 from cadet.episode import Episode
 from cadet.errors import CadetError
-from cadet.frame import Frame
+from cadet.kitti import Frame, frame_from_sample
 from cadet.policy import ResetPolicy, choose_policy, draw_with
 from cadet.rig import Rig
+from cadet.sample import Wanted
 from cadet.summary import summary
 
 
@@ -27,6 +29,7 @@ class Environment:
         weather: a preset of `weather_names()`; drawn if None.
         config: how full every scene is, and what gets a label; drawn if None.
         assets: the user's own vehicles, or their folder; the policy's if None.
+        sensors: names of sensors besides the first camera and LIDAR; None for all that the rig has in `more`.
 
     Raises:
         CadetError: an unknown policy or weather, no rig or configuration, a map that can't be read, or bad assets.
@@ -42,9 +45,13 @@ class Environment:
         weather: str | None = None,
         config: SceneConfig | None = None,
         assets: Assets | str | Path | None = None,
+        sensors: Iterable[str] | None = None,
     ) -> None:
         self.policy = choose_policy(policy, map=map, weather=weather, rig=rig, assets=assets)
         self._draw = draw_with(self.policy, config)
+        self._wanted = Wanted.all_of(sensors)
+        for rig_of_policy, _ in self.policy.rigs:
+            rig_of_policy.wanted(self._wanted.sensors)
         self._current: Episode | None = None
         self._next_sample = 0
 
@@ -63,7 +70,7 @@ class Environment:
             CadetError: a seed or an episode that is no whole number of at least 0.
         """
         check_number("reset", "episode", episode, 0, 10**9, whole=True)
-        self._current = Episode(self.policy, as_seed(seed), int(episode), self._draw)
+        self._current = Episode(self.policy, as_seed(seed), int(episode), self._draw, wanted=self._wanted)
         self._next_sample = 0
 
     def step(self) -> Frame:
@@ -76,9 +83,9 @@ class Environment:
             raise CadetError("step: call reset(seed=...) first")
         if self._next_sample == self.policy.samples_per_episode:
             self.reset(seed=self._current.seed, episode=self._current.number + 1)
-        frame = self._current.next_frame(self._next_sample)
+        sample = self._current.next_sample(self._next_sample)
         self._next_sample += 1
-        return frame
+        return frame_from_sample(sample)
 
     @property
     def episode(self) -> int:

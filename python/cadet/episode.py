@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import Any, TypeVar
 
 from cadet import _cadet
 from cadet.errors import CadetError
-from cadet.frame import Frame
-from cadet.kitti import Calibration, Label
-from cadet.kitti.calib import is_at_zero_depth
 from cadet.notices import notice
 from cadet.policy import EpisodeSpec, ResetPolicy
+from cadet.rig import Rig
+from cadet.sample import Sample, Wanted
 
 
 def build_scene(spec: EpisodeSpec) -> _cadet.Scene:
@@ -30,8 +26,8 @@ def build_scene(spec: EpisodeSpec) -> _cadet.Scene:
         map_name=None if spec.road_map is None else spec.road_map.name,
         map_xodr=None if spec.road_map is None else spec.road_map.xodr,
         weather=spec.weather,
-        rig=spec.rig.pitched(spec.car_pitch_deg).to_native(),
-        config=spec.config.to_native(spec.rig.camera.image_scale),
+        rig=spec.mounted_rig.to_native(),
+        config=spec.config.scaled(spec.rig.camera.image_scale).to_native(),
         assets=None if spec.assets is None else spec.assets.to_native(),
     )
     if spec.road_map is not None:
@@ -39,43 +35,17 @@ def build_scene(spec: EpisodeSpec) -> _cadet.Scene:
     return scene
 
 
-def frame_from_native(captured: dict[str, Any], extra_meta: dict[str, Any]) -> Frame:
-    """Make a frame of what the core captured, its metadata led by `extra_meta`."""
-    calib = Calibration(**captured["calib"])
-    return Frame(
-        image=captured["image"],
-        points_velo=move_off_zero_depth(captured["points_velo"], calib),
-        labels=tuple(Label(**line) for line in captured["labels"]),
-        calib=calib,
-        plane=captured["plane"],
-        depth=captured.get("depth"),
-        instance=captured.get("instance"),
-        semantic=captured.get("semantic"),
-        meta={**extra_meta, **captured["meta"]},
-    )
+Captured = TypeVar("Captured")
 
 
-def move_off_zero_depth(points_velo: NDArray[np.float32], calib: Calibration) -> NDArray[np.float32]:
-    """Round points with z = 0 in the cam frame to the next millimetre outwards: other programs divide by z.
+def capture(how: Callable[..., Captured], rig: Rig, number: int, wanted: Wanted) -> Captured:
+    """Let one of the core's methods capture what is wanted; `number` names the noise.
 
-    Coordinates are whole millimetres, so with LIDAR and camera in one point every point whose x rounds to 0 has no
-    depth; `Rig.cadet()` has two columns of such beams, to the left and to the right.
-
-    Args:
-        points_velo: (N, 4) float32 [x, y, z, intensity], metres, velo frame.
-        calib: the calibration.
-
-    Returns:
-        (N, 4) float32; the same array if no point lies there.
+    Raises:
+        CadetError: the rig lacks a sensor that is wanted.
     """
-    is_zero = is_at_zero_depth(points_velo, calib)
-    if not is_zero.any():
-        return points_velo
-    axis = int(np.argmax(np.abs(calib.cam_from_velo[2, :3])))
-    moved = points_velo.copy()
-    millimetres = np.rint(moved[is_zero, axis].astype(np.float64) * 1e3)
-    moved[is_zero, axis] = (millimetres + np.where(millimetres < 0.0, -1.0, 1.0)) / 1e3
-    return moved
+    cameras, lidars = rig.wanted(wanted.sensors)
+    return how(number, maps=wanted.maps, pixels=wanted.shares, cameras=cameras, lidars=lidars)
 
 
 class Episode:
@@ -86,7 +56,7 @@ class Episode:
         seed: the dataset's seed.
         episode: the episode's number.
         draw: replaces the policy's own draw.
-        maps: give frames their depth, instance and semantic maps.
+        wanted: what each sample has; by default all sensors that are mounted, with their maps.
     """
 
     def __init__(
@@ -96,21 +66,22 @@ class Episode:
         episode: int,
         draw: Callable[[int, int, int], EpisodeSpec] | None = None,
         *,
-        maps: bool = True,
+        wanted: Wanted | None = None,
     ) -> None:
         self.policy = policy
         self.seed = seed
         self.number = episode
         self.scene: _cadet.Scene | None = None
         self._draw = draw or policy.draw
-        self._maps = maps
+        self._wanted = wanted or Wanted()
         self._attempt = 0
         self._num_empty = 0
         self._spec: EpisodeSpec | None = None
 
-    def next_frame(self, sample: int) -> Frame:
-        """Drive on and return the next view with a labelled object as frame `sample` of the episode.
+    def next_sample(self, number: int) -> Sample:
+        """Drive on and return the next view with a labelled object as sample `number` of the episode.
 
+        In a sequence (`ResetPolicy.time_step_s`) this holds for the first sample; the others follow by time.
         The first view of a world is taken where the ego stands. A view in which nothing has moved since the last one
         (docs/labels.md) is passed over like one without a labelled object, and both count towards the world's redraw.
 
@@ -118,28 +89,39 @@ class Episode:
             CadetError: no world showed a labelled object.
         """
         while True:
-            scene, spec = self._advance()
-            captured = scene.capture_labelled(sample, self._maps)
+            scene, spec = self._advance(number)
+            if self._is_in_sequence(number):
+                taken = capture(scene.capture, spec.mounted_rig, number, self._wanted)
+                return Sample(taken, spec.mounted_rig, self._origin(number, spec))
+            captured = capture(scene.capture_labelled, spec.mounted_rig, number, self._wanted)
             if captured is None:
                 self._num_empty += 1
                 if self._num_empty >= self.policy.empty_views_limit:
                     self._redraw()
                 continue
             self._num_empty = 0
-            origin = {
-                "seed": self.seed,
-                "episode": self.number,
-                "sample": sample,
-                "attempt": self._attempt,
-                "policy": self.policy.name,
-                "district": spec.district,
-            }
-            return frame_from_native(captured, origin)
+            return Sample(captured, spec.mounted_rig, self._origin(number, spec))
 
-    def _advance(self) -> tuple[_cadet.Scene, EpisodeSpec]:
+    def _is_in_sequence(self, number: int) -> bool:
+        """Tell whether the sample follows another one by time alone."""
+        return self.policy.time_step_s is not None and number > 0
+
+    def _origin(self, number: int, spec: EpisodeSpec) -> dict[str, Any]:
+        return {
+            "seed": self.seed,
+            "episode": self.number,
+            "sample": number,
+            "attempt": self._attempt,
+            "policy": self.policy.name,
+            "district": spec.district,
+        }
+
+    def _advance(self, number: int) -> tuple[_cadet.Scene, EpisodeSpec]:
         if self.scene is None or self._spec is None:
             self._spec = self._draw(self.seed, self.number, self._attempt)
             self.scene = build_scene(self._spec)
+        elif self._is_in_sequence(number):
+            self.scene.step(float(self.policy.time_step_s or 0.0))
         else:
             self.scene.drive(float(self.policy.distance_m), float(self.policy.blocked_s))
         return self.scene, self._spec

@@ -74,6 +74,13 @@ class Extrinsics:
         velo_to_cam = ((0.0, -1.0, 0.0, y), (0.0, 0.0, -1.0, z), (1.0, 0.0, 0.0, -x))
         return cls(r0_rect=_IDENTITY, tr_velo_to_cam=velo_to_cam, tr_imu_to_velo=_NOT_MOVED)
 
+    def cam_from_velo(self) -> NDArray[np.float64]:
+        """Return the (3, 4) float64 product of `r0_rect` and `tr_velo_to_cam`."""
+        # Written out, since the order in which a product of matrices adds up differs between machines.
+        columns = list(zip(*self.tr_velo_to_cam, strict=True))
+        rows = [[(r[0] * t[0] + r[1] * t[1]) + r[2] * t[2] for t in columns] for r in self.r0_rect]
+        return np.array(rows, np.float64)
+
     def matrices(self) -> dict[str, NDArray[np.float64]]:
         """Return the matrices by KITTI's keys, float64."""
         return {

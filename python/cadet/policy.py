@@ -28,6 +28,8 @@ from cadet.road_map import RoadMap
 from cadet.summary import summary
 from cadet.weather import check_weather, weather_names
 
+STEPS_PER_S = 60
+"""Steps of physics a second."""
 POLICIES = ("kitti", "paper")
 """The names that `ResetPolicy.named` knows."""
 
@@ -82,6 +84,11 @@ class EpisodeSpec:
     assets: Assets | None = None
     """The user's own vehicles."""
 
+    @property
+    def mounted_rig(self) -> Rig:
+        """The sensors as they stand on the car with its load."""
+        return self.rig.pitched(self.car_pitch_deg)
+
 
 @dataclass(frozen=True, kw_only=True)
 class ResetPolicy:
@@ -97,6 +104,8 @@ class ResetPolicy:
     """Samples between two resets."""
     distance_m: float = 10.0
     """How far the ego drives along its lane between two views."""
+    time_step_s: float | None = None
+    """Samples of an episode follow each other after this time, whatever they show, in place of a distance."""
     blocked_s: float = 2.0
     """A view is taken all the same once the ego has stood this long."""
     empty_views_limit: int = 10
@@ -143,6 +152,7 @@ class ResetPolicy:
             check_number("ResetPolicy", name, getattr(self, name), 1, 100_000, whole=True)
         check_number("ResetPolicy", "distance_m", self.distance_m, 0, 1000)
         check_number("ResetPolicy", "blocked_s", self.blocked_s, 0.1, 600)
+        _check_time_step(self.time_step_s)
         check_number("ResetPolicy", "car_pitch_sd_deg", self.car_pitch_sd_deg, 0, 5)
         check_vehicle_classes("ResetPolicy", self.vehicle_classes)
         for name in ("weathers", "districts", "rigs"):
@@ -212,6 +222,24 @@ class ResetPolicy:
             raise CadetError(f"unknown policy {shown(name)}; known: {', '.join(POLICIES)}")
         return presets[name]()
 
+    def as_sequence(self, *, hz: float, length_s: float) -> ResetPolicy:
+        """Return the policy with episodes of `length_s` seconds, in which `hz` samples a second are taken.
+
+        The first sample shows a labelled object; the others show what is there.
+
+        Raises:
+            CadetError: a rate that does not divide the 60 steps of a second, or a length without a sample.
+        """
+        check_number("", "hz", hz, 1 / 600, STEPS_PER_S)
+        check_number("", "length", length_s, 0, 36_000)
+        steps = STEPS_PER_S / hz
+        if abs(steps - round(steps)) > 1e-6:
+            raise CadetError(f"hz: expected a rate that divides the {STEPS_PER_S} steps of a second, got {hz:g}")
+        count = int(length_s * hz + 1e-6)
+        if count < 1:
+            raise CadetError(f"length: expected at least {1 / hz:g} s for a sample, got {length_s:g}")
+        return replace(self, time_step_s=round(steps) / STEPS_PER_S, samples_per_episode=count)
+
     def with_rig(self, rig: Rig) -> ResetPolicy:
         """Return the policy with this rig in every episode.
 
@@ -263,6 +291,8 @@ class ResetPolicy:
         """Return the policy in plain values, maps and assets by name and hash, for a manifest."""
         values = asdict(replace(self, assets=None))
         values["rigs"] = {rig.name: weight for rig, weight in self.rigs}
+        if self.time_step_s is None:
+            del values["time_step_s"]
         if self.assets is None:
             del values["assets"]
         else:
@@ -271,6 +301,14 @@ class ResetPolicy:
         values["districts"] = [{**asdict(district), "weight": weight} for district, weight in self.districts]
         values["weathers"] = dict(self.weathers)
         return values
+
+
+def _check_time_step(time_step_s: float | None) -> None:
+    if time_step_s is None:
+        return
+    check_number("ResetPolicy", "time_step_s", time_step_s, 1 / STEPS_PER_S, 600)
+    if abs(time_step_s * STEPS_PER_S - round(time_step_s * STEPS_PER_S)) > 1e-6:
+        raise CadetError(f"ResetPolicy.time_step_s: expected whole steps of 1/60 s, got {time_step_s:g}")
 
 
 def choose_policy(

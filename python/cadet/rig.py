@@ -1,240 +1,46 @@
-"""The sensors and where they sit: LIDAR, camera, and the calibration that follows."""
+"""The sensors and where they sit: any number of cameras and LIDARs on the car."""
 
 from __future__ import annotations
 
 import hashlib
 import json
-from dataclasses import dataclass, fields, replace
-from functools import lru_cache
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, TypedDict
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cadet import _cadet
-from cadet.beam_table import BeamTable
 from cadet.camera import Camera
-from cadet.checks import (
-    as_path,
-    check_flag,
-    check_kind,
-    check_number,
-    check_text,
-    check_three,
-    is_one_of,
-    make_plain,
-    shown,
-)
+from cadet.checks import as_tuple, check_kind, check_number, check_text, check_three, is_one_of, make_plain, shown
 from cadet.errors import CadetError
 from cadet.extrinsics import Extrinsics
 from cadet.kitti_calibrations import KITTI_CALIBRATIONS, MOST_FREQUENT, Row3, kitti_calibration
+from cadet.lidar import Lidar
+from cadet.mounted import MountedCamera, MountedLidar
+from cadet.pose import rotation_of_angles
+from cadet.rig_file import rig_fields
 from cadet.summary import summary
 
-RETURN_MODES = ("strongest", "last")
-RIG_PRESETS = ("kitti", "paper", "cadet")
-LIDAR_PRESETS = ("hdl64e_kitti", "hdl64e_uniform", "cadet", "hdl32e", "vlp16", "os1_64", "os1_128")
-
-
-class CameraDict(TypedDict):
-    """A camera as the core takes it: KITTI's matrices, float64, and the image's size."""
-
-    width: int
-    height: int
-    P0: NDArray[np.float64]
-    P1: NDArray[np.float64]
-    P2: NDArray[np.float64]
-    P3: NDArray[np.float64]
-    R0_rect: NDArray[np.float64]
-    Tr_velo_to_cam: NDArray[np.float64]
-    Tr_imu_to_velo: NDArray[np.float64]
-
-
-class RigDict(TypedDict):
-    """A rig as the core takes it.
-
-    `lidar` is a preset's name or a whole table (`BeamTable.to_native`), `single_origin` puts all its lasers into one
-    point, and `velo_in_ego` is the LIDAR's origin [x, y, z] in the ego's frame (x forward, y left, z up from the road
-    under the middle of the car), metres; `velo_roll_pitch_yaw_deg` are its angles there.
-    """
-
-    name: str
-    lidar: str | dict[str, Any]
-    single_origin: bool
-    rolling: bool
-    returns: str
-    divergence_mrad: float
-    velo_in_ego: list[float]
-    velo_roll_pitch_yaw_deg: list[float]
-    camera: CameraDict
-
-
-@dataclass(frozen=True)
-class Lidar:
-    """A LIDAR's beams, by preset or by a table of one's own, and how it takes a scan (docs/scan.md).
-
-    Args:
-        name: one of `LIDAR_PRESETS`, or the table's name.
-        single_origin: all lasers leave one point, where the HDL-64E's sit at different heights.
-        table: a sensor that is no preset; `Lidar.custom` and `Lidar.from_toml` give it its name.
-        rolling: the car and all actors move during the turn, from 0.05 s before the image to 0.05 s after it, azimuth 0
-            (forward) at its instant; points stay in the frame of their own firing.
-        returns: "strongest" or "last": what is reported where a beam meets several surfaces.
-        divergence_mrad: how far a beam opens (the full cone), so that it meets several surfaces at depth edges; 0 for
-            beams that meet surfaces as lines do; drops and flakes then see the sensor's own 2 mrad. The HDL-64E's is 2
-            to 3.
-
-    Raises:
-        CadetError: an unknown preset, a table of another name or that makes no sensor, or a setting out of range.
-    """
-
-    name: str = "hdl64e_kitti"
-    single_origin: bool = False
-    table: BeamTable | None = None
-    rolling: bool = False
-    returns: str = "strongest"
-    divergence_mrad: float = 0.0
-
-    def __post_init__(self) -> None:
-        for name in ("single_origin", "rolling"):
-            check_flag("Lidar", name, getattr(self, name))
-        if not is_one_of(self.returns, RETURN_MODES):
-            raise CadetError(f"Lidar.returns: expected one of {', '.join(RETURN_MODES)}, got {shown(self.returns)}")
-        check_number("Lidar", "divergence_mrad", self.divergence_mrad, 0, 20)
-        make_plain(self)
-        if self.table is not None:
-            check_kind("Lidar", "table", self.table, BeamTable)
-            if not is_one_of(self.name, (self.table.name,)):
-                raise CadetError(f"Lidar.name: expected the table's, {self.table.name!r}, got {shown(self.name)}")
-            # What the table's own checks cannot see is refused here rather than in the middle of a run.
-            self.to_native()
-        elif not is_one_of(self.name, LIDAR_PRESETS):
-            raise CadetError(f"unknown lidar {shown(self.name)}; known: {', '.join(LIDAR_PRESETS)}")
-
-    def __repr__(self) -> str:
-        changed = {f.name: getattr(self, f.name) for f in fields(self)[1:] if getattr(self, f.name) != f.default}
-        return summary(self, name=self.name, **changed)
-
-    @classmethod
-    def hdl64e_kitti(cls, *, rolling: bool = False, returns: str = "strongest", divergence_mrad: float = 0.0) -> Lidar:
-        """The Velodyne of KITTI: 64 lasers, each with its own elevation and height, 137,728 beams a turn."""
-        return cls("hdl64e_kitti", rolling=rolling, returns=returns, divergence_mrad=divergence_mrad)
-
-    @classmethod
-    def hdl64e_uniform(
-        cls, *, rolling: bool = False, returns: str = "strongest", divergence_mrad: float = 0.0
-    ) -> Lidar:
-        """The same elevations from one point in 2,083 uniform columns: 133,312 beams, the benchmark's scan."""
-        return cls("hdl64e_uniform", rolling=rolling, returns=returns, divergence_mrad=divergence_mrad)
-
-    @classmethod
-    def cadet(cls, *, rolling: bool = False, returns: str = "strongest", divergence_mrad: float = 0.0) -> Lidar:
-        """The 2019 paper's LIDAR: 40 beams from +7 to -16 degrees."""
-        return cls("cadet", rolling=rolling, returns=returns, divergence_mrad=divergence_mrad)
-
-    @classmethod
-    def hdl32e(cls, *, rolling: bool = False, returns: str = "strongest", divergence_mrad: float = 0.0) -> Lidar:
-        """Velodyne's HDL-32E: 32 lasers from +10.67 to -30.67 degrees, 2,170 columns a turn."""
-        return cls("hdl32e", rolling=rolling, returns=returns, divergence_mrad=divergence_mrad)
-
-    @classmethod
-    def vlp16(cls, *, rolling: bool = False, returns: str = "strongest", divergence_mrad: float = 0.0) -> Lidar:
-        """Velodyne's VLP-16: 16 lasers from +15 to -15 degrees, 1,808 columns a turn."""
-        return cls("vlp16", rolling=rolling, returns=returns, divergence_mrad=divergence_mrad)
-
-    @classmethod
-    def os1_64(cls, *, rolling: bool = False, returns: str = "strongest", divergence_mrad: float = 0.0) -> Lidar:
-        """A sensor like Ouster's OS1-64: 64 lasers from +22.5 to -22.5 degrees, 1,024 columns a turn."""
-        return cls("os1_64", rolling=rolling, returns=returns, divergence_mrad=divergence_mrad)
-
-    @classmethod
-    def os1_128(cls, *, rolling: bool = False, returns: str = "strongest", divergence_mrad: float = 0.0) -> Lidar:
-        """A sensor like Ouster's OS1-128: 128 lasers from +22.5 to -22.5 degrees, 2,048 columns a turn."""
-        return cls("os1_128", rolling=rolling, returns=returns, divergence_mrad=divergence_mrad)
-
-    @classmethod
-    def custom(cls, table: BeamTable) -> Lidar:
-        """A sensor of one's own.
-
-        Raises:
-            CadetError: no table, or one that makes no sensor.
-        """
-        check_kind("Lidar", "table", table, BeamTable)
-        return cls(table.name, table=table)
-
-    @classmethod
-    def from_toml(cls, path: str | Path) -> Lidar:
-        """Read a sensor of one's own from a TOML file (docs/lidars.md says what is in it).
-
-        Raises:
-            MissingFileError: there is no such file.
-            CadetError: anything that is wrong with it: one line with the file, its line where known, key and reason.
-        """
-        table = BeamTable.read(path)
-        try:
-            return cls.custom(table)
-        except CadetError as error:
-            raise CadetError(f"{as_path('path', path).name}: {error}") from None
-
-    @classmethod
-    def named(cls, name_or_file: str | Path) -> Lidar:
-        """Return the preset of that name, or what a TOML file holds.
-
-        Raises:
-            CadetError: neither, or as `from_toml`.
-        """
-        path = as_path("lidar", name_or_file)
-        if str(path) in LIDAR_PRESETS:
-            return cls(str(path))
-        if path.suffix == ".toml":
-            return cls.from_toml(path)
-        raise CadetError(
-            f"unknown lidar {shown(str(path))}; known: {', '.join(LIDAR_PRESETS)}, or the path of a .toml file"
-        )
-
-    def beam_table(self) -> BeamTable:
-        """Return every laser and number of the sensor, presets' too."""
-        return BeamTable.from_native(self.to_native().table())
-
-    def to_toml(self) -> str:
-        """Return the sensor as TOML, to start one's own from; `from_toml` reads it."""
-        return self.beam_table().to_toml()
-
-    def rays(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]:
-        """Return every beam of a turn, in the order of an ideal scan's rows.
-
-        Returns:
-            origins_velo (B, 3) metres, directions_velo (B, 3) of unit length, ring (B,) from the top, column (B,).
-        """
-        return self.to_native().rays()
-
-    def to_native(self) -> _cadet.Lidar:
-        """Return the core's LIDAR; the last few made are kept, as each holds tables of its beams."""
-        return _to_native(self)
-
-    def _make_native(self) -> _cadet.Lidar:
-        if self.table is None:
-            native = _cadet.Lidar.preset(self.name)
-        else:
-            native = _cadet.Lidar.from_table(self.table.to_native())
-        native = native.single_origin() if self.single_origin else native
-        return native.scanning(rolling=self.rolling, returns=self.returns, divergence_mrad=float(self.divergence_mrad))
-
-
-@lru_cache(maxsize=8)
-def _to_native(lidar: Lidar) -> _cadet.Lidar:
-    return lidar._make_native()
-
+RIG_PRESETS = ("kitti", "paper", "cadet", "nuscenes")
+_PRESETS = Path(__file__).parent / "presets" / "rigs"
+RIGHT_CAMERA = "image_3"
+"""The right color camera of a rig whose calibration has one: rendered where it is asked for by name."""
 
 _DEFAULT = kitti_calibration(MOST_FREQUENT)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Rig:
-    """A LIDAR on the ego vehicle and a camera beside it, KITTI's by default.
+    """Named sensors on the ego vehicle: a LIDAR and a camera beside it, KITTI's by default, and any number more.
+
+    The first camera and the first LIDAR give `Frame.image` and `Frame.points_velo`, and labels stand in that camera's
+    frame. KITTI's calibration says how the two stand to each other; all others stand at poses of their own (`more`).
 
     Raises:
-        CadetError: a number outside its range.
+        CadetError: a number outside its range, or two sensors of a name.
     """
 
     name: str = "custom"
@@ -250,13 +56,33 @@ class Rig:
     velo_roll_pitch_yaw_deg: Row3 = (0.0, _DEFAULT.lidar_pitch_deg, 0.0)
     """How the LIDAR is turned there: about its own x axis (left side up), then y (nose down), then z (to the left)."""
 
+    camera_name: str = "image_2"
+    """Names the camera's images."""
+    lidar_name: str = "velodyne"
+    """Names the LIDAR's scans."""
+    more: tuple[MountedCamera | MountedLidar, ...] = ()
+    """More sensors, each with its name and its pose on the ego."""
+    origin_in_ego_m: Row3 = (0.0, 0.0, 0.0)
+    """Where the ego's frame begins by a dataset's convention, such as under the rear axle: exporters to such a format
+    give the ego's pose there."""
+
     def __post_init__(self) -> None:
         for name, kind in (("lidar", Lidar), ("camera", Camera), ("extrinsics", Extrinsics)):
             check_kind("Rig", name, getattr(self, name), kind)
-        check_text("Rig", "name", self.name)
+        for name in ("name", "camera_name", "lidar_name"):
+            check_text("Rig", name, getattr(self, name))
         check_three("Rig", "velo_in_ego_m", self.velo_in_ego_m, 20)
+        check_three("Rig", "origin_in_ego_m", self.origin_in_ego_m, 20)
         check_three("Rig", "velo_roll_pitch_yaw_deg", self.velo_roll_pitch_yaw_deg, 180)
+        object.__setattr__(self, "more", as_tuple("Rig", "more", self.more, "MountedCamera and MountedLidar"))
+        for mounted in self.more:
+            if not isinstance(mounted, (MountedCamera, MountedLidar)):
+                raise CadetError(f"Rig.more: expected MountedCamera or MountedLidar, got {shown(mounted)}")
         make_plain(self)
+        names = [self.camera_name, self.lidar_name, *(mounted.name for mounted in self.more)]
+        for name in names:
+            if names.count(name) > 1:
+                raise CadetError(f"Rig: expected a different name for each sensor, got {shown(name)} twice")
 
     @classmethod
     def kitti(cls, *, calibration: str = MOST_FREQUENT) -> Rig:
@@ -316,13 +142,32 @@ class Rig:
         )
 
     @classmethod
+    def nuscenes(cls) -> Rig:
+        """NuScenes' car: six cameras of 1600 x 900 pixels all around, and the HDL-32E on the roof.
+
+        The first camera is CAM_FRONT. Other than nuScenes' the ego's frame begins under the middle of the car, ahead of
+        the rear axle; `origin_in_ego_m` says where nuScenes' does.
+        """
+        return cls.from_toml(_PRESETS / "nuscenes.toml")
+
+    @classmethod
+    def from_toml(cls, path: str | Path) -> Rig:
+        """Read a rig of one's own from a TOML file (docs/rigs.md says what is in it).
+
+        Raises:
+            MissingFileError: there is no such file.
+            CadetError: anything that is wrong with it: one line with the file, key and reason.
+        """
+        return cls(**rig_fields(path))
+
+    @classmethod
     def named(cls, name: str) -> Rig:
         """Return the preset of that name, one of `RIG_PRESETS`.
 
         Raises:
             CadetError: there is none.
         """
-        presets = {"kitti": cls.kitti, "paper": cls.paper, "cadet": cls.cadet}
+        presets = {"kitti": cls.kitti, "paper": cls.paper, "cadet": cls.cadet, "nuscenes": cls.nuscenes}
         if not is_one_of(name, presets):
             raise CadetError(f"unknown rig {shown(name)}; known: {', '.join(RIG_PRESETS)}")
         return presets[name]()
@@ -335,7 +180,16 @@ class Rig:
             camera=self.camera,
             velo_in_ego_m=self.velo_in_ego_m,
             velo_roll_pitch_yaw_deg=self.velo_roll_pitch_yaw_deg,
+            more=[mounted.name for mounted in self.more] or None,
         )
+
+    def with_sensors(self, *sensors: MountedCamera | MountedLidar) -> Rig:
+        """Return the rig with more sensors.
+
+        Raises:
+            CadetError: what is no mounted sensor, or a name that another one has.
+        """
+        return replace(self, more=self.more + sensors)
 
     def pitched(self, angle_deg: float) -> Rig:
         """Return the rig on a car that stands `angle_deg` deeper in front than behind.
@@ -345,42 +199,123 @@ class Rig:
         """
         check_number("", "angle_deg", angle_deg, -90, 90)
         roll, pitch, yaw = self.velo_roll_pitch_yaw_deg
-        return replace(self, velo_roll_pitch_yaw_deg=(roll, pitch + angle_deg, yaw))
+        pitched = replace(self, velo_roll_pitch_yaw_deg=(roll, pitch + angle_deg, yaw))
+        # The sensors keep their places to each other.
+        turned = pitched._ego_from_velo() @ np.linalg.inv(self._ego_from_velo())
+        more = tuple(replace(mounted, pose=mounted.pose.carried_by(turned)) for mounted in self.more)
+        return replace(pitched, more=more)
 
-    def to_native(self) -> RigDict:
+    @property
+    def has_right_camera(self) -> bool:
+        """Whether there is a right color camera, `image_3`: KITTI's, rectified with the left one."""
+        is_named = any(mounted.name == RIGHT_CAMERA for mounted in self.more)
+        return not is_named and self.camera.cam3_from_cam0_m != self.camera.cam2_from_cam0_m
+
+    @property
+    def camera_names(self) -> tuple[str, ...]:
+        """The cameras that can take an image, the first one first."""
+        right = (RIGHT_CAMERA,) if self.has_right_camera else ()
+        return (self.camera_name, *right, *(m.name for m in self.more if isinstance(m, MountedCamera)))
+
+    @property
+    def lidar_names(self) -> tuple[str, ...]:
+        """The LIDARs, the first one first."""
+        return (self.lidar_name, *(m.name for m in self.more if isinstance(m, MountedLidar)))
+
+    def wanted(self, sensors: Iterable[str] | None) -> tuple[list[int], list[int]]:
+        """Return what is to be captured besides the first camera and LIDAR, by places in both lists of names.
+
+        Args:
+            sensors: names; None for all of `more`.
+
+        Raises:
+            CadetError: the rig has no sensor of that name.
+        """
+        if sensors is None:
+            sensors = [mounted.name for mounted in self.more]
+        cameras, lidars = self.camera_names, self.lidar_names
+        found: tuple[set[int], set[int]] = (set(), set())
+        for name in as_tuple("", "sensors", sensors, "sensors' names"):
+            if not is_one_of(name, cameras + lidars):
+                known = ", ".join(cameras + lidars)
+                raise CadetError(f"the rig {self.name} has no sensor {shown(name)}; it has {known}")
+            if name in cameras:
+                found[0].add(cameras.index(name))
+            else:
+                found[1].add(lidars.index(name))
+        return sorted(found[0] - {0}), sorted(found[1] - {0})
+
+    def ego_from_sensor(self, name: str) -> NDArray[np.float64]:
+        """Return the (4, 4) pose of a sensor's frame on the ego; image_3's frame is that of the first camera.
+
+        Raises:
+            CadetError: the rig has no sensor of that name.
+        """
+        self.wanted((name,))
+        for mounted in self.more:
+            if mounted.name == name:
+                return mounted.pose.matrix()
+        if name == self.lidar_name:
+            return self._ego_from_velo()
+        cam_from_velo = np.vstack([self.extrinsics.cam_from_velo(), [0.0, 0.0, 0.0, 1.0]])
+        pose: NDArray[np.float64] = self._ego_from_velo() @ np.linalg.inv(cam_from_velo)
+        return pose
+
+    def sensor(self, name: str) -> Camera | Lidar:
+        """Return the sensor of a name; image_3 is the rig's camera seen from its right lens.
+
+        Raises:
+            CadetError: the rig has none.
+        """
+        self.wanted((name,))
+        for mounted in self.more:
+            if mounted.name == name:
+                return mounted.camera if isinstance(mounted, MountedCamera) else mounted.lidar
+        return self.lidar if name == self.lidar_name else self.camera
+
+    def to_native(self) -> _cadet.Rig:
         """Return the rig as the core takes it."""
-        projections, extrinsics = self.camera.projections(), self.extrinsics.matrices()
-        return RigDict(
-            name=self.name,
-            lidar=self.lidar.name if self.lidar.table is None else self.lidar.table.to_native(),
-            single_origin=self.lidar.single_origin,
-            rolling=self.lidar.rolling,
-            returns=self.lidar.returns,
-            divergence_mrad=float(self.lidar.divergence_mrad),
-            velo_in_ego=[float(v) for v in self.velo_in_ego_m],
-            velo_roll_pitch_yaw_deg=[float(v) for v in self.velo_roll_pitch_yaw_deg],
-            camera=CameraDict(
-                width=int(self.camera.width),
-                height=int(self.camera.height),
-                P0=projections["P0"],
-                P1=projections["P1"],
-                P2=projections["P2"],
-                P3=projections["P3"],
-                R0_rect=extrinsics["R0_rect"],
-                Tr_velo_to_cam=extrinsics["Tr_velo_to_cam"],
-                Tr_imu_to_velo=extrinsics["Tr_imu_to_velo"],
-            ),
-        )
+        velo = _cadet.Pose.mounted(list(self.velo_in_ego_m), list(self.velo_roll_pitch_yaw_deg))
+        beside = [velo, _cadet.Pose.rigid(self.extrinsics.cam_from_velo()).inverse()]
+        projections = self.camera.projections()
+        cameras = [self.camera.to_native(self.camera_name, projections["P2"], beside)]
+        if self.has_right_camera:
+            cameras.append(self.camera.to_native(RIGHT_CAMERA, projections["P3"], beside))
+        lidars = [(self.lidar_name, self.lidar.to_native(), [velo])]
+        for mounted in self.more:
+            at = [_cadet.Pose.rigid(mounted.pose.matrix()[:3].copy())]
+            if isinstance(mounted, MountedCamera):
+                cameras.append(mounted.camera.to_native(mounted.name, mounted.camera.projections()["P2"], at))
+            else:
+                lidars.append((mounted.name, mounted.lidar.to_native(), at))
+        return _cadet.Rig(self.name, cameras=cameras, lidars=lidars)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the rig in plain numbers, for a manifest."""
-        native = self.to_native()
-        camera = {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in native["camera"].items()}
-        if self.camera.image_scale != (1.0, 1.0):
-            camera["image_scale"] = list(self.camera.image_scale)
-        beams = self.lidar.to_native().table()
-        return {**native, "camera": camera, "range_m": [beams["min_range_m"], beams["max_range_m"]]}
+        camera: dict[str, Any] = {"width": int(self.camera.width), "height": int(self.camera.height)}
+        matrices = {**self.camera.projections(), **self.extrinsics.matrices()}
+        camera |= {key: matrix.tolist() for key, matrix in matrices.items()}
+        camera |= self.camera.unusual()
+        plain: dict[str, Any] = {
+            "name": self.name,
+            **self.lidar.to_dict(),
+            "velo_in_ego": [float(v) for v in self.velo_in_ego_m],
+            "velo_roll_pitch_yaw_deg": [float(v) for v in self.velo_roll_pitch_yaw_deg],
+            "camera": camera,
+            "range_m": self.lidar.range_m(),
+        }
+        if self.more:
+            plain["names"] = [self.camera_name, self.lidar_name]
+            plain["origin_in_ego"] = [float(v) for v in self.origin_in_ego_m]
+            plain["more"] = {mounted.name: mounted.to_dict() for mounted in self.more}
+        return plain
 
     def sha256(self) -> str:
         """Return a digest of all numbers of the rig."""
         return hashlib.sha256(json.dumps(self.to_dict(), sort_keys=True).encode("ascii")).hexdigest()
+
+    def _ego_from_velo(self) -> NDArray[np.float64]:
+        matrix = np.eye(4)
+        matrix[:3, :3] = rotation_of_angles(*self.velo_roll_pitch_yaw_deg)
+        matrix[:3, 3] = self.velo_in_ego_m
+        return matrix

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -15,45 +14,20 @@ from cadet.arrays import as_array
 from cadet.assets import Assets, as_assets
 from cadet.checks import as_seed, check_flag, check_kind, check_number, check_text, is_one_of, shown
 from cadet.config import SceneConfig
-from cadet.episode import Episode, frame_from_native
+from cadet.episode import Episode, capture
 from cadet.errors import CadetError
-from cadet.frame import Frame
+from cadet.kitti import Frame, frame_from_sample
+from cadet.lidar import Lidar
 from cadet.notices import notice
 from cadet.policy import ResetPolicy, choose_policy, draw_with
-from cadet.rig import Lidar, Rig
+from cadet.rig import Rig
 from cadet.road_map import RoadMap
+from cadet.sample import Sample, Scan, Wanted
 from cadet.summary import summary
 from cadet.weather import check_weather
 
 _MAX_PLACE_M = 1e6
 _MAX_SPEED_MPS = 70
-
-
-@dataclass(frozen=True, eq=False)
-class Scan:
-    """One turn of a LIDAR, ring-major, azimuth rising counter-clockwise from forward.
-
-    An ideal scan has one row for each of `Lidar.rays()`, in the same order; a normal one only its returns.
-
-    Attributes:
-        points_velo: (N, 4) float32 [x, y, z, intensity], metres in the velo frame.
-        ring: (N,) int32, 0 at the top.
-        column: (N,) int32, 0 forward.
-        actor_id: (N,) int32, as in `Frame.instance`; -1 for a miss.
-        range_m: (N,) float64 from the laser's origin; inf for a miss.
-    """
-
-    points_velo: NDArray[np.float32]
-    ring: NDArray[np.int32]
-    column: NDArray[np.int32]
-    actor_id: NDArray[np.int32]
-    range_m: NDArray[np.float64]
-
-    def __repr__(self) -> str:
-        num_rings = len(np.unique(self.ring))
-        return summary(
-            self, points_velo=self.points_velo, num_rings=num_rings, num_hits=int((self.actor_id >= 0).sum())
-        )
 
 
 class RayHits(NamedTuple):
@@ -81,12 +55,13 @@ class Scene:
     y down, z forward. Metres, radians and seconds throughout.
     """
 
-    def __init__(self, native: _cadet.Scene, first: Frame | None = None) -> None:
+    def __init__(self, native: _cadet.Scene, rig: Rig, first: Sample | None = None) -> None:
         """Wrap the core's scene; users call `random` or `empty`."""
         self._native = native
+        self._rig = rig
         self._first = first
         # What a capture of the very first instant says of itself beyond what the core knows.
-        self._origin = {} if first is None or first.meta is None else dict(first.meta)
+        self._origin = {} if first is None else first.origin
         self._num_moves = 0
 
     @classmethod
@@ -121,9 +96,9 @@ class Scene:
         """
         chosen = choose_policy(policy, map=map, weather=weather, rig=rig, assets=assets)
         episode = Episode(chosen, as_seed(seed), 0, draw_with(chosen, config))
-        first = episode.next_frame(0)
+        first = episode.next_sample(0)
         assert episode.scene is not None
-        return cls(episode.scene, first)
+        return cls(episode.scene, first.rig, first)
 
     @classmethod
     def empty(
@@ -160,12 +135,12 @@ class Scene:
             map_xodr=None if road_map is None else road_map.xodr,
             weather=check_weather(weather),
             rig=rig.to_native(),
-            config=config.to_native(rig.camera.image_scale),
+            config=config.scaled(rig.camera.image_scale).to_native(),
             assets=None if own is None else own.to_native(),
         )
         if road_map is not None:
             notice(native.map_warnings(), about=road_map)
-        return cls(native)
+        return cls(native, rig)
 
     def __repr__(self) -> str:
         return summary(self, time_s=self.time_s, num_actors=self.num_actors, num_triangles=self.num_triangles)
@@ -267,13 +242,21 @@ class Scene:
         self._forget_first()
         self._native.step(float(seconds))
 
-    def capture(self) -> Frame:
-        """Return what the rig sees now. At the same instant it returns the same frame, noise and `meta` included."""
-        if self._first is not None:
-            frame, self._first = self._first, None
-            return frame
-        extra_meta = self._origin or {"sample": self._num_moves}
-        return frame_from_native(self._native.capture(self._num_moves, True), extra_meta)
+    def capture(self, *, sensors: Iterable[str] | None = None) -> Frame:
+        """Return what the rig sees now. At the same instant it returns the same frame, noise and `meta` included.
+
+        Args:
+            sensors: names of sensors besides the first camera and LIDAR; None for all that the rig has in `more`. The
+                right color camera, "image_3", must be named. What is not asked for is not rendered.
+
+        Raises:
+            CadetError: the rig has no sensor of a name.
+        """
+        if sensors is None and self._first is not None:
+            sample, self._first = self._first, None
+            return frame_from_sample(sample)
+        native = capture(self._native.capture, self._rig, self._num_moves, Wanted.all_of(sensors))
+        return frame_from_sample(Sample(native, self._rig, self._origin or {"sample": self._num_moves}))
 
     def scan(self, lidar: Lidar | None = None, *, ideal: bool = False) -> Scan:
         """Turn a LIDAR once.

@@ -16,8 +16,8 @@ from click.testing import CliRunner, Result
 from avod.cli.commands import avod
 from avod.figures import _running_mean
 from cadet.errors import CadetError, KittiFormatError
-from cadet.frame import Frame
 from cadet.kitti import labels_from_text, write_frame
+from cadet.kitti.frame import Frame
 from synthetic import make_frame
 
 CONFIG = Path(__file__).parents[1] / "overfit.toml"

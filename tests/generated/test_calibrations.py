@@ -12,6 +12,7 @@ import pytest
 import cadet
 from cadet import ResetPolicy, Rig
 from cadet.generate import Settings, generate
+from cadet.kitti.from_sample import calibration_of
 from cadet.view.sheet import overview, view_frame
 
 NUM_EPISODES = 6
@@ -49,11 +50,11 @@ def test_files_say_what_the_manifest_and_the_rig_say(root: Path) -> None:
         rig = presets[frame.meta["rig"]]
         assert rig == spec.rig
         assert frame.image_size == (rig.camera.width, rig.camera.height)
-        native = rig.to_native()["camera"]
-        np.testing.assert_array_equal(frame.calib.P2, native["P2"])
-        np.testing.assert_array_equal(frame.calib.P3, native["P3"])
-        np.testing.assert_array_equal(frame.calib.R0_rect, native["R0_rect"])
-        np.testing.assert_array_equal(frame.calib.Tr_velo_to_cam, native["Tr_velo_to_cam"])
+        expected = calibration_of(rig)
+        np.testing.assert_array_equal(frame.calib.P2, expected.P2)
+        np.testing.assert_array_equal(frame.calib.P3, expected.P3)
+        np.testing.assert_array_equal(frame.calib.R0_rect, expected.R0_rect)
+        np.testing.assert_array_equal(frame.calib.Tr_velo_to_cam, expected.Tr_velo_to_cam)
         # The LIDAR's x axis points down by the mount's pitch and the load's.
         pitch_deg = rig.velo_roll_pitch_yaw_deg[1] + spec.car_pitch_deg
         assert np.degrees(-np.arcsin(frame.meta["ego_from_velo"][2][0])) == pytest.approx(pitch_deg, abs=1e-9)

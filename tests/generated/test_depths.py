@@ -7,8 +7,8 @@ import pytest
 
 import cadet
 from cadet import Rig
-from cadet.episode import move_off_zero_depth
 from cadet.kitti import Calibration
+from cadet.kitti.from_sample import move_off_zero_depth
 from cadet.rig import RIG_PRESETS
 from synthetic import make_calib
 

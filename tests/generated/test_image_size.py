@@ -45,8 +45,8 @@ def test_as_many_objects_are_labelled_at_every_size(counts: dict[str, tuple[int,
 def test_limits_follow_rows_and_area() -> None:
     camera = cadet.Camera.kitti().resized(621, 375)
     assert camera.image_scale == (0.5, 1.0)
-    native = cadet.SceneConfig().to_native(camera.image_scale)["label"]
-    assert (native["min_height_px"], native["dontcare_min_pixels"]) == (15.0, 4.0)
+    label = cadet.SceneConfig().scaled(camera.image_scale).label
+    assert (label.min_height_px, label.dontcare_min_pixels) == (15.0, 4.0)
     back = camera.resized(1242, 375)
     assert back == cadet.Camera.kitti()
-    assert cadet.SceneConfig().to_native(back.image_scale) == cadet.SceneConfig().to_native()
+    assert cadet.SceneConfig().scaled(back.image_scale) == cadet.SceneConfig()

@@ -14,7 +14,7 @@ import pytest
 
 from cadet import CadetError, Camera, EncoderFiring, Lidar, Rig, Scene, kitti
 from cadet.kitti.lint import lint
-from cadet.rig import LIDAR_PRESETS
+from cadet.lidar import LIDAR_PRESETS
 
 ROOT = Path(__file__).parents[2]
 

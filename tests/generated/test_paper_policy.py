@@ -11,6 +11,8 @@ import pytest
 import cadet
 from cadet import LabelConfig, ResetPolicy
 from cadet.episode import Episode
+from cadet.kitti.from_sample import labels_of
+from cadet.sample import Wanted
 
 EPISODES, SAMPLES = 30, 7
 
@@ -22,9 +24,9 @@ def test_labels_a_frame_are_the_papers() -> None:
     policy = policy.with_each_rig(lambda rig: replace(rig, camera=rig.camera.resized(310, 94)))
     counts: Counter[str] = Counter()
     for number in range(EPISODES):
-        episode = Episode(policy, 8, number, maps=False)
+        episode = Episode(policy, 8, number, wanted=Wanted(maps=False))
         for sample in range(SAMPLES):
-            counts.update(label.type for label in episode.next_frame(sample).labels)
+            counts.update(label.type for label in labels_of(episode.next_sample(sample)))
     num_frames = EPISODES * SAMPLES
     assert set(counts) <= {"Car", "Pedestrian", "DontCare"}
     assert abs(counts["Car"] / num_frames - 1.4) < 0.35

@@ -9,8 +9,8 @@ import pytest
 from numpy.typing import NDArray
 
 from cadet.errors import CadetError, FrameExistsError, KittiFormatError, MissingFileError, NonFiniteError, ShapeError
-from cadet.frame import Frame
 from cadet.kitti import Dataset, ImageSet, images, read_frame, read_labels, write_frame, write_image_set
+from cadet.kitti.frame import Frame
 from synthetic import make_frame
 
 

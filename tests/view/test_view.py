@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from cadet import boxes, view
 from cadet.errors import CadetError, MissingFileError
-from cadet.frame import Frame
 from cadet.kitti import images, read_frame, write_frame
+from cadet.kitti.frame import Frame
 from cadet.view import style
 from real_kitti import ROOT, needs_kitti
 from synthetic import DONT_CARE, make_calib, make_frame, make_label

@@ -22,13 +22,11 @@ pub enum ObjectClass {
     Tram,
     /// Trailers, motorbikes and the like.
     Misc,
-    /// A region where nothing is scored.
-    DontCare,
 }
 
 impl ObjectClass {
     /// Every class.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 8] = [
         Self::Car,
         Self::Van,
         Self::Truck,
@@ -37,7 +35,6 @@ impl ObjectClass {
         Self::Cyclist,
         Self::Tram,
         Self::Misc,
-        Self::DontCare,
     ];
 
     /// The name in KITTI's label files.
@@ -52,7 +49,6 @@ impl ObjectClass {
             Self::Cyclist => "Cyclist",
             Self::Tram => "Tram",
             Self::Misc => "Misc",
-            Self::DontCare => "DontCare",
         }
     }
 

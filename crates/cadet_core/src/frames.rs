@@ -1,5 +1,6 @@
 //! Poses, and the conversions between the world's, the LIDAR's and the camera's axes.
 
+use crate::error::{Error, Result, finite};
 use crate::math::{DMat3, DPose3, DQuat, DVec3};
 
 /// The pose of a thing that stands upright at a place, turned by `yaw_rad` about z.
@@ -28,6 +29,29 @@ pub fn facing(position: DVec3, forward: DVec3, up: DVec3) -> DPose3 {
     DPose3 { rotation, translation: position }
 }
 
+/// The pose of a 3 x 4 matrix whose rotation has only the digits of a file: it is made orthonormal again, x first.
+///
+/// # Errors
+/// An entry that is not finite, or what is no rotation to four digits.
+pub fn rigid(what: &'static str, rows: &[[f64; 4]; 3]) -> Result<DPose3> {
+    for value in rows.iter().flatten() {
+        let _ = finite(what, *value)?;
+    }
+    let column = |j: usize| DVec3::new(rows[0][j], rows[1][j], rows[2][j]);
+    let given = [column(0), column(1), column(2)];
+    let determinant = given[0].cross(given[1]).dot(given[2]);
+    let is_orthonormal =
+        (0..3).all(|i| (0..3).all(|j| (given[i].dot(given[j]) - f64::from(u8::from(i == j))).abs() < 1e-4));
+    if !is_orthonormal || determinant <= 0.0 {
+        let value = format!("determinant {determinant:.6}");
+        return Err(Error::OutOfRange { what, value, expected: "a rotation".to_owned() });
+    }
+    let x = given[0].normalize();
+    let y = (given[1] - x * x.dot(given[1])).normalize();
+    let rotation = DQuat::from_mat3(&DMat3::from_cols(x, y, x.cross(y)));
+    Ok(DPose3 { rotation, translation: column(3) })
+}
+
 /// The heading of a pose's x axis about the world's z, in radians.
 #[must_use]
 pub fn yaw_of(pose: &DPose3) -> f64 {
@@ -44,6 +68,19 @@ pub fn cam_axes_from_velo_axes() -> DMat3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn matrices_of_files_become_poses_and_mirrors_are_refused() {
+        let rows = [[0.0, -1.0, 0.0, 0.1], [0.0, 0.0, -1.0, -0.08], [1.0, 0.0, 0.0, -0.27]];
+        let pose = rigid("matrix", &rows).expect("rigid");
+        let ahead = pose.rotation * DVec3::new(10.0, 2.0, 1.0) + pose.translation;
+        assert!((ahead - DVec3::new(-1.9, -1.08, 9.73)).length() < 1e-9, "{ahead}");
+        let mut mirror = rows;
+        mirror[0][1] = 1.0;
+        let mut hole = rows;
+        hole[2][3] = f64::NAN;
+        assert!(rigid("matrix", &mirror).is_err() && rigid("matrix", &hole).is_err());
+    }
 
     #[test]
     fn a_mounts_angles_have_the_signs_that_they_are_said_to_have() {

@@ -3,10 +3,10 @@
 mod arrays;
 mod assets;
 mod bev;
+mod capture;
 mod error;
 mod evaluate;
 mod fields;
-mod frame;
 mod ground_plane;
 mod guard;
 mod image;
@@ -31,8 +31,16 @@ fn _cadet(module: &Bound<'_, PyModule>) -> PyResult<()> {
     guard::note_panics();
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<assets::Assets>()?;
+    module.add_class::<capture::Agent>()?;
+    module.add_class::<capture::Capture>()?;
+    module.add_class::<capture::Sighting>()?;
     module.add_class::<lidar::Lidar>()?;
+    module.add_class::<rig::Camera>()?;
+    module.add_class::<rig::Pose>()?;
+    module.add_class::<rig::Rig>()?;
     module.add_class::<scene::Scene>()?;
+    module.add_class::<settings::LabelConfig>()?;
+    module.add_class::<settings::SceneConfig>()?;
     module.add_function(wrap_pyfunction!(bev::bev_maps, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::evaluate, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::box_iou, module)?)?;

@@ -1,12 +1,12 @@
 //! LIDAR specifications.
 
 use cadet_core::Error;
-use cadet_core::lidar::{BlindSector, Firing, LidarSpec, Receiver, ReturnMode};
+use cadet_core::lidar::{BlindSector, Firing, LidarSpec, PRESETS, Receiver, ReturnMode};
 use cadet_core::math::TAU;
 use cadet_core::sense::LaserRing;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString};
+use pyo3::types::PyDict;
 
 use crate::arrays;
 use crate::error::BorderError;
@@ -27,6 +27,12 @@ impl Lidar {
     #[staticmethod]
     fn preset(name: &str) -> Result<Self, BorderError> {
         Ok(Self { spec: LidarSpec::preset(name)? })
+    }
+
+    /// The names that `preset` knows.
+    #[staticmethod]
+    fn presets() -> Vec<&'static str> {
+        PRESETS.to_vec()
     }
 
     /// The LIDAR of a `LidarTableDict`.
@@ -112,14 +118,6 @@ pub(crate) fn scanning(
     spec.rolling = rolling;
     spec.returns = ReturnMode::from_name(returns)?;
     Ok(spec)
-}
-
-/// The LIDAR of a rig: a preset's name or a table.
-pub(crate) fn spec_from_any(value: &Bound<'_, PyAny>) -> PyResult<LidarSpec> {
-    if let Ok(name) = value.cast::<PyString>() {
-        return Ok(LidarSpec::preset(name.to_str()?).map_err(BorderError::from)?);
-    }
-    spec_from_table(value.cast::<PyDict>()?)
 }
 
 fn spec_from_table(dict: &Bound<'_, PyDict>) -> PyResult<LidarSpec> {

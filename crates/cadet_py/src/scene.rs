@@ -3,10 +3,9 @@
 use std::sync::{Mutex, TryLockError};
 
 use cadet_core::actor::ObjectClass;
-use cadet_core::camera::Calibration;
-use cadet_core::math::DPose3;
+use cadet_core::lidar::Scan;
 use cadet_core::rng::StreamKey;
-use cadet_core::scene as core;
+use cadet_core::scene::{self as core, Request};
 use cadet_core::weather::Weather;
 use cadet_core::world::{Course, ModelChoice, Overlap, Waypoint};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
@@ -15,12 +14,12 @@ use pyo3::types::PyDict;
 
 use crate::arrays;
 use crate::assets::Assets;
+use crate::capture::{Capture, scan_to_dict};
 use crate::error::BorderError;
-use crate::frame;
 use crate::guard;
 use crate::lidar::Lidar;
-use crate::rig;
-use crate::settings;
+use crate::rig::Rig;
+use crate::settings::SceneConfig;
 
 type RayHits<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<i32>>, Bound<'py, PyArray2<f64>>);
 type Poses<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
@@ -72,13 +71,13 @@ impl Scene {
         map_name: Option<String>,
         map_xodr: Option<String>,
         weather: &str,
-        rig: &Bound<'_, PyDict>,
-        config: &Bound<'_, PyDict>,
+        rig: &Rig,
+        config: &SceneConfig,
         assets: Option<&Assets>,
     ) -> PyResult<Self> {
         let source = town_source(map_name, map_xodr, core::TownSource::Suburb);
         let weather = Weather::preset(weather).map_err(BorderError::from)?;
-        let (rig, config) = (rig::from_dict(rig)?, settings::from_dict(config, assets)?);
+        let (rig, config) = (rig.rig.clone(), config.with(assets));
         let key = StreamKey { seed, episode, attempt };
         let inner = guard::detached(py, || core::Scene::random(key, &source, weather, rig, &config))?;
         Ok(Self { inner: Mutex::new(inner) })
@@ -91,13 +90,13 @@ impl Scene {
         map_name: Option<String>,
         map_xodr: Option<String>,
         weather: &str,
-        rig: &Bound<'_, PyDict>,
-        config: &Bound<'_, PyDict>,
+        rig: &Rig,
+        config: &SceneConfig,
         assets: Option<&Assets>,
     ) -> PyResult<Self> {
         let source = town_source(map_name, map_xodr, core::TownSource::Flat);
         let weather = Weather::preset(weather).map_err(BorderError::from)?;
-        let (rig, config) = (rig::from_dict(rig)?, settings::from_dict(config, assets)?);
+        let (rig, config) = (rig.rig.clone(), config.with(assets));
         let inner = guard::detached(py, || core::Scene::empty(&source, weather, rig, &config))?;
         Ok(Self { inner: Mutex::new(inner) })
     }
@@ -152,14 +151,32 @@ impl Scene {
         self.with(py, |scene| scene.drive(distance_m, blocked_s))
     }
 
-    fn capture<'py>(&self, py: Python<'py>, sample: u64, maps: bool) -> PyResult<Bound<'py, PyDict>> {
-        let (captured, facts) = self.with(py, |scene| Ok((scene.capture(sample, maps)?, Facts::of(scene))))?;
-        facts.frame_to_dict(py, captured)
+    #[pyo3(signature = (sample, *, maps, pixels, cameras, lidars))]
+    fn capture(
+        &self,
+        py: Python<'_>,
+        sample: u64,
+        maps: bool,
+        pixels: bool,
+        cameras: Vec<usize>,
+        lidars: Vec<usize>,
+    ) -> Result<Capture, BorderError> {
+        let request = Request { sample, with_maps: maps, with_pixels: pixels, cameras, lidars };
+        self.with(py, |scene| Ok(Capture::new(scene.capture(&request)?, scene)))
     }
 
-    fn capture_labelled<'py>(&self, py: Python<'py>, sample: u64, maps: bool) -> PyResult<Option<Bound<'py, PyDict>>> {
-        let (captured, facts) = self.with(py, |scene| Ok((scene.capture_labelled(sample, maps)?, Facts::of(scene))))?;
-        captured.map(|frame| facts.frame_to_dict(py, frame)).transpose()
+    #[pyo3(signature = (sample, *, maps, pixels, cameras, lidars))]
+    fn capture_labelled(
+        &self,
+        py: Python<'_>,
+        sample: u64,
+        maps: bool,
+        pixels: bool,
+        cameras: Vec<usize>,
+        lidars: Vec<usize>,
+    ) -> Result<Option<Capture>, BorderError> {
+        let request = Request { sample, with_maps: maps, with_pixels: pixels, cameras, lidars };
+        self.with(py, |scene| Ok(scene.capture_labelled(&request)?.map(|frame| Capture::new(frame, scene))))
     }
 
     #[pyo3(signature = (lidar, ideal, sample))]
@@ -171,25 +188,24 @@ impl Scene {
         sample: u64,
     ) -> PyResult<Bound<'py, PyDict>> {
         let spec = lidar.map(|l| &l.spec);
-        let dict = PyDict::new(py);
-        let (points, ring, column, actor_id, range_m) = if ideal {
-            self.with(py, |scene| {
-                let scan = scene.ideal_scan(spec);
-                let spec = spec.unwrap_or(&scene.rig().lidar);
-                let (ring, column) = spec.beam_numbers();
-                let range_m = scan.range_m.iter().map(|r| f64::from(*r)).collect();
-                Ok((scan.points_velo(spec), ring, column, scan.actor_id, range_m))
-            })?
-        } else {
-            let s = self.with(py, |scene| scene.scan(spec, sample))?;
-            (s.points_velo, s.ring, s.column, s.actor_id, s.range_m)
-        };
-        dict.set_item("points_velo", arrays::rows(py, points))?;
-        dict.set_item("ring", PyArray1::from_vec(py, ring))?;
-        dict.set_item("column", PyArray1::from_vec(py, column))?;
-        dict.set_item("actor_id", PyArray1::from_vec(py, actor_id))?;
-        dict.set_item("range_m", PyArray1::from_vec(py, range_m))?;
-        Ok(dict)
+        let scan = self.with(py, |scene| {
+            if !ideal {
+                return scene.scan(spec, sample);
+            }
+            let scan = scene.ideal_scan(spec);
+            let posed = scene.triangles();
+            let spec = spec.unwrap_or(scene.rig().lidar());
+            let (ring, column) = spec.beam_numbers();
+            Ok(Scan {
+                points_velo: scan.points_velo(spec),
+                ring,
+                column,
+                semantic: scan.semantic(&posed),
+                range_m: scan.range_m.iter().map(|r| f64::from(*r)).collect(),
+                actor_id: scan.actor_id,
+            })
+        })?;
+        scan_to_dict(py, scan)
     }
 
     fn cast_rays<'py>(
@@ -256,50 +272,5 @@ impl Scene {
             })?;
             Ok::<_, BorderError>(work(&mut scene)?)
         })
-    }
-}
-
-/// What a frame's metadata say of its scene.
-struct Facts {
-    width: usize,
-    height: usize,
-    calibration: Calibration,
-    map: String,
-    weather: String,
-    sun_elevation_rad: f64,
-    sun_azimuth_rad: f64,
-    rig: String,
-    ego_from_velo: DPose3,
-}
-
-impl Facts {
-    fn of(scene: &core::Scene) -> Self {
-        let (rig, weather) = (scene.rig(), scene.weather());
-        Self {
-            width: rig.camera.width,
-            height: rig.camera.height,
-            calibration: rig.camera.calibration.clone(),
-            map: scene.town().name.clone(),
-            weather: weather.name.to_string(),
-            sun_elevation_rad: weather.sun_elevation_rad,
-            sun_azimuth_rad: weather.sun_azimuth_rad,
-            rig: rig.name.clone(),
-            ego_from_velo: rig.ego_from_velo,
-        }
-    }
-
-    fn frame_to_dict<'py>(&self, py: Python<'py>, captured: core::Frame) -> PyResult<Bound<'py, PyDict>> {
-        let dict = frame::to_dict(py, captured, self.width, self.height)?;
-        let meta = dict.get_item("meta")?.expect("a frame has metadata");
-        meta.set_item("map", &self.map)?;
-        meta.set_item("weather", &self.weather)?;
-        meta.set_item("rig", &self.rig)?;
-        meta.set_item("ego_from_velo", arrays::pose_rows(&self.ego_from_velo).map(Vec::from).to_vec())?;
-        let sun = PyDict::new(py);
-        sun.set_item("elevation_rad", self.sun_elevation_rad)?;
-        sun.set_item("azimuth_rad", self.sun_azimuth_rad)?;
-        meta.set_item("sun", sun)?;
-        dict.set_item("calib", rig::calibration_to_dict(py, &self.calibration)?)?;
-        Ok(dict)
     }
 }

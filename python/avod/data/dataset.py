@@ -13,7 +13,7 @@ from avod.data.order import Order
 from avod.data.sample import Sample
 from cadet import kitti
 from cadet.errors import CadetError
-from cadet.frame import Frame
+from cadet.kitti.frame import Frame
 
 
 def sample_from_frame(frame: Frame, frame_id: str, config: Config, augmentation: Augmentation = UNCHANGED) -> Sample:

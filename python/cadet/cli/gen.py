@@ -18,10 +18,11 @@ from cadet.checks import check_number
 from cadet.cli.progress import reporter
 from cadet.cli.signals import exit_code, how_ended, signals_end
 from cadet.errors import CadetError
-from cadet.generate import EXTRAS, Settings, Summary, WorkerError, generate
+from cadet.generate import EXPORTERS, EXTRAS, Settings, Summary, WorkerError, generate
+from cadet.lidar import LIDAR_PRESETS, Lidar
 from cadet.notices import notice
 from cadet.policy import POLICIES, ResetPolicy
-from cadet.rig import LIDAR_PRESETS, RIG_PRESETS, Lidar, Rig
+from cadet.rig import RIG_PRESETS, Rig
 from cadet.road_map import RoadMap
 from cadet.weather import check_weather, weather_names
 
@@ -44,6 +45,10 @@ _LEAST_FRACTION = 1e-6
     type=click.Path(path_type=Path),
     help="Own vehicle meshes: a folder with an assets.toml (docs/assets.md).",
 )
+@click.option("--format", "dataset_format", type=click.Choice(list(EXPORTERS)), default="kitti", show_default=True)
+@click.option("--sequence", is_flag=True, help="Episodes of some seconds, a sample each time step, not each 10 m.")
+@click.option("--hz", type=float, help="Samples a second of a sequence.  [default: 2]")
+@click.option("--length", metavar="SECONDS", help="Length of a sequence, such as 20s.  [default: 20s]")
 @click.option("--workers", type=click.IntRange(1, 1024), help="Processes.  [default: one for each processor]")
 @click.option("--image-size", metavar="WxH", help="Scale the image to this size, such as 621x188.")
 @click.option("--write", "write", metavar="LIST", default="", help=f"Write these too: {','.join(EXTRAS)}.")
@@ -72,6 +77,10 @@ def cadet_gen(
     maps: tuple[str, ...],
     weathers: tuple[str, ...],
     assets: Path | None,
+    dataset_format: str,
+    sequence: bool,
+    hz: float | None,
+    length: str | None,
     workers: int | None,
     image_size: str | None,
     write: str,
@@ -79,11 +88,12 @@ def cadet_gen(
     val_fraction: float,
     test_fraction: float,
 ) -> int:
-    """Write a KITTI-format dataset of made-up suburbs to the folder OUT.
+    """Write a dataset of made-up suburbs to the folder OUT, in KITTI's format or nuScenes'.
 
     \b
     cadet-gen out -n 10000 --seed 0
     cadet-gen out -n 20000 --seed 0 --resume          # the first 10000 stay as they are
+    cadet-gen scenes -n 160 --format nuscenes --sequence --hz 2 --length 20s
     cadet-gen rain -n 500 --weather hard_rain_noon --write depth,instance
 
     Weathers: {weathers}
@@ -91,7 +101,13 @@ def cadet_gen(
     settings = Settings(
         seed=seed,
         num_frames=num_frames,
-        policy=_with_sensors(_policy(policy, maps, weathers, assets), rig, image_size, lidar),
+        policy=_in_time(
+            _with_sensors(_policy(policy, maps, weathers, assets), _rig_for(dataset_format, rig), image_size, lidar),
+            sequence,
+            hz,
+            length,
+        ),
+        format=dataset_format,
         extras=tuple(name.strip() for name in write.split(",") if name.strip()),
         val_period=_period("--val-fraction", val_fraction),
         test_period=_period("--test-fraction", test_fraction),
@@ -157,6 +173,27 @@ def _check_drivable(road_map: RoadMap) -> None:
         map_name=road_map.name, map_xodr=road_map.xodr, weather="clear_noon", rig=native, config=config, assets=None
     )
     notice(scene.map_warnings(), about=road_map)
+
+
+def _rig_for(dataset_format: str, rig: str | None) -> str | None:
+    """Return the rig that was asked for; nuScenes' own for its format if none was."""
+    return "nuscenes" if rig is None and dataset_format == "nuscenes" else rig
+
+
+def _in_time(policy: ResetPolicy, sequence: bool, hz: float | None, length: str | None) -> ResetPolicy:
+    """Let samples follow each other by time, if that was asked for."""
+    if not sequence:
+        for name, value in (("--hz", hz), ("--length", length)):
+            if value is not None:
+                raise CadetError(f"{name}: only for a --sequence")
+        return policy
+    match = re.fullmatch(r"(\d{1,5}(?:\.\d{1,3})?)s?", "20s" if length is None else length)
+    if match is None:
+        raise CadetError(f"--length: expected seconds such as 20s, got {length!r}")
+    try:
+        return policy.as_sequence(hz=2.0 if hz is None else hz, length_s=float(match[1]))
+    except CadetError as error:
+        raise CadetError(f"--{error}") from None
 
 
 def _with_sensors(policy: ResetPolicy, rig: str | None, image_size: str | None, lidar: str | None) -> ResetPolicy:

@@ -10,8 +10,8 @@ from rich.console import Console
 from rich.table import Table
 
 from cadet.errors import CadetError, MissingFileError
+from cadet.lidar import LIDAR_PRESETS, Lidar
 from cadet.lidar_fit import LidarFit, fit_lidar
-from cadet.rig import LIDAR_PRESETS, Lidar
 
 
 @click.command(name="lidar")

@@ -2,6 +2,6 @@
 
 from cadet.generate.pool import WorkerError
 from cadet.generate.run import Summary, generate
-from cadet.generate.settings import EXTRAS, Settings
+from cadet.generate.settings import EXPORTERS, EXTRAS, Settings
 
-__all__ = ["EXTRAS", "Settings", "Summary", "WorkerError", "generate"]
+__all__ = ["EXPORTERS", "EXTRAS", "Settings", "Summary", "WorkerError", "generate"]

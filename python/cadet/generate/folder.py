@@ -12,7 +12,6 @@ from pathlib import Path
 from cadet.checks import shown
 from cadet.errors import CadetError, FileFormatError
 from cadet.generate.settings import Settings, differences
-from cadet.kitti.files import frame_ids
 from cadet.plain_text import json_from_text
 from cadet.sink import LocalSink
 
@@ -96,7 +95,6 @@ def _check_same_version(root: Path, begun: object, identity: dict[str, object]) 
 
 
 def _check_no_more_frames(root: Path, settings: Settings) -> None:
-    # Strange files, such as a copy that a file manager made, are no frames.
-    ids = [frame_id for part in ("training", "testing") for frame_id in frame_ids(root / part)]
-    if ids and int(max(ids)) >= settings.num_frames:
-        raise CadetError(f"{root} has frames up to {max(ids)} already: give at least -n {int(max(ids)) + 1}")
+    most = max(settings.exporter.written(root), default=-1)
+    if most >= settings.num_frames:
+        raise CadetError(f"{root} has frames up to {most:06d} already: give at least -n {most + 1}")

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, Final, Literal, TypeAlias
+from typing import Any, Final
 
 from cadet import _cadet
 from cadet.checks import as_seed, as_tuple, check_kind, check_number, is_one_of, make_plain, shown
 from cadet.errors import CadetError
+from cadet.exporter import Exporter, Place, Split
+from cadet.kitti.exporter import KittiExporter
+from cadet.nuscenes.exporter import NuscenesExporter
 from cadet.policy import ResetPolicy
-
-Split: TypeAlias = Literal["train", "val", "test"]
 
 FORMAT_VERSION = 2
 """Rises with every change of what the same settings give."""
-EXTRAS = ("depth", "instance", "semantic")
-"""Folders that are written on demand."""
-BASE_FOLDERS = ("image_2", "velodyne", "calib", "label_2", "planes")
-"""Folders that every frame has a file in, besides `meta`."""
+_ALL: Final[tuple[Exporter, ...]] = (KittiExporter(), NuscenesExporter())
+EXPORTERS: Final = {exporter.name: exporter for exporter in _ALL}
+"""The formats by name."""
+EXTRAS = tuple(dict.fromkeys(extra for exporter in _ALL for extra in exporter.extras))
+"""Files that some format writes on demand."""
 _TEST_EPISODE: Final = 2
 
 
@@ -36,8 +38,10 @@ class Settings:
     """Frames 0 to this; a larger number never changes a frame."""
     policy: ResetPolicy
     """Draws worlds and rigs. A preset's name stands for it when settings are made."""
+    format: str = "kitti"
+    """One of `EXPORTERS`."""
     extras: tuple[str, ...] = ()
-    """Folders to write besides `BASE_FOLDERS`: some of `EXTRAS`."""
+    """What to write besides what every sample of the format has."""
     val_period: int = 5
     """Episode e is validation if e % val_period == 1, so that two episodes have some; 0 for none."""
     test_period: int = 0
@@ -56,15 +60,25 @@ class Settings:
         if self.test_period in (1, 2):
             raise CadetError(f"Settings.test_period: expected 0 or at least 3, got {self.test_period}")
         object.__setattr__(self, "extras", as_tuple("Settings", "extras", self.extras, "folders' names"))
+        if not is_one_of(self.format, EXPORTERS):
+            raise CadetError(f"unknown format {shown(self.format)}; known: {', '.join(EXPORTERS)}")
         for extra in self.extras:
-            if not is_one_of(extra, EXTRAS):
-                raise CadetError(f"cannot write {shown(extra)}; known: {', '.join(EXTRAS)}")
+            if not is_one_of(extra, self.exporter.extras):
+                known = ", ".join(self.exporter.extras) or "none"
+                raise CadetError(f"cannot write {shown(extra)}; known: {known}")
+        for rig, _ in self.policy.rigs:
+            self.exporter.check(rig, self.extras)
         make_plain(self)
 
     @property
-    def folders(self) -> tuple[str, ...]:
-        """The folders that each frame has a file in, besides `meta`."""
-        return BASE_FOLDERS + tuple(extra for extra in EXTRAS if extra in self.extras)
+    def exporter(self) -> Exporter:
+        """The format."""
+        return EXPORTERS[self.format]
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """The kinds of files that each sample has, besides its record."""
+        return self.exporter.kinds([rig for rig, _ in self.policy.rigs], self.extras)
 
     @property
     def num_episodes(self) -> int:
@@ -76,9 +90,19 @@ class Settings:
         per_episode = self.policy.samples_per_episode
         return min(per_episode, self.num_frames - episode * per_episode)
 
-    def frame_id(self, episode: int, sample: int) -> str:
-        """Return the id of a sample: six digits."""
-        return f"{episode * self.policy.samples_per_episode + sample:06d}"
+    def place(self, number: int) -> Place:
+        """Return which sample of the dataset a number means."""
+        episode, sample = divmod(number, self.policy.samples_per_episode)
+        return Place(number, episode, sample, self.split(episode))
+
+    def places(self) -> Iterator[Place]:
+        """Yield every sample's place."""
+        return (self.place(number) for number in range(self.num_frames))
+
+    def places_of(self, episode: int) -> list[Place]:
+        """Return the places of an episode's samples."""
+        first = episode * self.policy.samples_per_episode
+        return [self.place(first + sample) for sample in range(self.num_samples(episode))]
 
     def split(self, episode: int) -> Split:
         """Return the split of an episode: a function of its number alone, so that more frames move none."""
@@ -86,19 +110,17 @@ class Settings:
             return "test"
         return "val" if self.val_period > 0 and episode % self.val_period == 1 else "train"
 
-    def part(self, frame_id: str) -> str:
-        """Return the folder of a frame: "testing" for test frames, else "training"."""
-        is_test = self.split(int(frame_id) // self.policy.samples_per_episode) == "test"
-        return "testing" if is_test else "training"
-
     def identity(self) -> dict[str, Any]:
         """Return what must not change between a run and its resumption, in plain values: all but `num_frames`."""
         rigs = [rig for rig, _ in self.policy.rigs]
+        # Every run was KITTI's once.
+        format_name = {} if self.format == "kitti" else {"dataset_format": self.format}
         return {
             "format": FORMAT_VERSION,
+            **format_name,
             "cadet": _cadet.__version__,
             "seed": self.seed,
-            "write": list(self.folders),
+            "write": list(self.kinds),
             "val_period": self.val_period,
             "test_period": self.test_period,
             "policy": self.policy.to_dict(),

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from cadet.episode import Episode
 from cadet.errors import CadetError, CadetWarning, InternalError
-from cadet.generate.frames import is_whole, put_frame
+from cadet.generate.frames import is_whole, put_sample
 from cadet.generate.settings import Settings
 from cadet.sink import LocalSink, Sink
 
@@ -40,18 +40,18 @@ class Failed:
 
 def make_episode(sink: Sink, settings: Settings, episode: int, conn: Connection) -> None:
     """Write the frames of an episode that are not whole yet, telling `conn` of each."""
-    ids = [settings.frame_id(episode, sample) for sample in range(settings.num_samples(episode))]
-    missing = [sample for sample, frame_id in enumerate(ids) if not is_whole(sink, settings, frame_id)]
-    for _ in range(len(ids) - len(missing)):
+    places = settings.places_of(episode)
+    missing = [place.sample for place in places if not is_whole(sink, settings, place)]
+    for _ in range(len(places) - len(missing)):
         conn.send(Made(is_new=False))
     if not missing:
         return
-    views = Episode(settings.policy, settings.seed, episode, maps=bool(settings.extras))
+    views = Episode(settings.policy, settings.seed, episode, wanted=settings.exporter.wanted(settings.extras))
     # Driving leads from view to view, so frames that are there already are seen again, but not written.
-    for sample in range(missing[-1] + 1):
-        frame = views.next_frame(sample)
-        if sample in missing:
-            put_frame(sink, settings, ids[sample], frame)
+    for number in range(missing[-1] + 1):
+        sample = views.next_sample(number)
+        if number in missing:
+            put_sample(sink, settings, places[number], sample)
             conn.send(Made(is_new=True))
 
 

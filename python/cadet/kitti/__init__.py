@@ -3,6 +3,8 @@
 from cadet.kitti.calib import Calibration, points_in_image
 from cadet.kitti.dataset import Dataset, encode_frame, encode_meta, read_calib, read_frame, read_labels, write_frame
 from cadet.kitti.finding import Finding
+from cadet.kitti.frame import Frame
+from cadet.kitti.from_sample import frame_from_sample
 from cadet.kitti.image_sets import ImageSet, read_image_set, write_image_set
 from cadet.kitti.label import TYPES, Label, boxes_cam_from_labels, labels_from_text, text_from_labels
 from cadet.kitti.lint import lint, lint_frame
@@ -13,12 +15,14 @@ __all__ = [
     "Calibration",
     "Dataset",
     "Finding",
+    "Frame",
     "ImageSet",
     "Label",
     "boxes_cam_from_labels",
     "encode_frame",
     "encode_meta",
     "estimate_plane",
+    "frame_from_sample",
     "labels_from_text",
     "lint",
     "lint_frame",

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from cadet.checks import as_path, check_flag, check_kind
 from cadet.errors import CadetError, FileFormatError, FrameExistsError, KittiFormatError, MissingFileError
-from cadet.frame import Frame
 from cadet.kitti import images
 from cadet.kitti.calib import Calibration
 from cadet.kitti.files import (
@@ -28,6 +27,7 @@ from cadet.kitti.files import (
     split_folder,
     write_whole,
 )
+from cadet.kitti.frame import Frame
 from cadet.kitti.image_sets import list_frame, other_split, read_image_set
 from cadet.kitti.label import Label, labels_from_text, text_from_labels
 from cadet.kitti.planes import plane_from_text, text_from_plane
@@ -130,22 +130,45 @@ def encode_frame(frame: Frame) -> dict[str, bytes]:
         CadetError: what the format cannot hold: an instance id above 65534, a `meta` that is no JSON.
     """
     check_kind("", "frame", frame, Frame)
-    contents = {
-        "image_2": images.encode_png(frame.image),
-        "velodyne": bytes_from_points(frame.points_velo),
-        "calib": frame.calib.to_text().encode("ascii"),
-        "label_2": text_from_labels(frame.labels).encode("ascii"),
-    }
-    if frame.plane is not None:
-        contents["planes"] = text_from_plane(frame.plane).encode("ascii")
+    contents = {"image_2": images.encode_png(frame.image)}
+    contents |= encode_facts(frame.points_velo, frame.calib, frame.labels, frame.plane)
     if frame.meta is not None:
         contents["meta"] = encode_meta(frame.meta)
-    if frame.depth is not None:
-        contents["depth"] = images.encode_png(images.pixels_from_depth(frame.depth))
-    if frame.instance is not None:
-        contents["instance"] = images.encode_png(images.pixels_from_instance(frame.instance))
-    if frame.semantic is not None:
-        contents["semantic"] = images.encode_png(frame.semantic)
+    return contents | encode_maps(frame.depth, frame.instance, frame.semantic)
+
+
+def encode_facts(
+    points_velo: NDArray[np.float32],
+    calib: Calibration,
+    labels: tuple[Label, ...],
+    plane: NDArray[np.float64] | None,
+) -> dict[str, bytes]:
+    """Return the bytes of a frame's files but those of images and `meta`, by folder."""
+    contents = {
+        "velodyne": bytes_from_points(points_velo),
+        "calib": calib.to_text().encode("ascii"),
+        "label_2": text_from_labels(labels).encode("ascii"),
+    }
+    if plane is not None:
+        contents["planes"] = text_from_plane(plane).encode("ascii")
+    return contents
+
+
+def encode_maps(
+    depth: NDArray[np.float32] | None, instance: NDArray[np.int32] | None, semantic: NDArray[np.uint8] | None
+) -> dict[str, bytes]:
+    """Return the bytes of those maps that are not None, by folder.
+
+    Raises:
+        CadetError: an instance id above 65534.
+    """
+    contents = {}
+    if depth is not None:
+        contents["depth"] = images.encode_png(images.pixels_from_depth(depth))
+    if instance is not None:
+        contents["instance"] = images.encode_png(images.pixels_from_instance(instance))
+    if semantic is not None:
+        contents["semantic"] = images.encode_png(semantic)
     return contents
 
 

@@ -23,6 +23,8 @@ SUFFIXES: Final = {
     "depth": ".png",
     "instance": ".png",
     "semantic": ".png",
+    "image_3": ".png",
+    "point_labels": ".label",
 }
 """Every folder of a training set and the suffix of its files."""
 

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet.errors import CadetError, KittiFormatError, MissingFileError
-from cadet.frame import Frame
 from cadet.kitti import dataset
 from cadet.kitti.calib import Calibration
 from cadet.kitti.files import check_id, display_name, file_path, frame_ids, sample_folder, testing_folder
 from cadet.kitti.finding import Finding, Problem, Severity
+from cadet.kitti.frame import Frame
 from cadet.kitti.label import Label
 from cadet.kitti.lint_labels import ROUNDING, lint_labels
 from cadet.kitti.lint_lists import MANIFEST, is_number, lint_folders, lint_lists, lint_manifest, printable

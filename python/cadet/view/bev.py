@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from cadet import boxes
 from cadet.checks import check_number
-from cadet.frame import Frame
 from cadet.kitti.calib import Calibration
+from cadet.kitti.frame import Frame
 from cadet.kitti.label import Label
 from cadet.view import style
 

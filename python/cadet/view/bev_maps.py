@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from cadet import bev
 from cadet.bev import BevConfig
 from cadet.errors import CadetError
-from cadet.frame import Frame
 from cadet.kitti.calib import points_in_image
+from cadet.kitti.frame import Frame
 from cadet.kitti.plane_estimate import estimate_plane
 from cadet.view import style
 from cadet.view.picture import check_picture_path, write_picture

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet import boxes
-from cadet.frame import Frame
 from cadet.kitti.calib import Calibration, points_in_image
+from cadet.kitti.frame import Frame
 from cadet.kitti.label import Label
 from cadet.view import style
 from cadet.view.visibility import corner_visibility

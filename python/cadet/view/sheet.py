@@ -12,10 +12,10 @@ import cv2
 import numpy as np
 
 from cadet.errors import CadetError
-from cadet.frame import Frame
 from cadet.kitti.calib import points_in_image
 from cadet.kitti.dataset import read_frame
 from cadet.kitti.files import check_id
+from cadet.kitti.frame import Frame
 from cadet.kitti.label import Label
 from cadet.view import style
 from cadet.view.bev import bev_figure, height_colors

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet import boxes
-from cadet.frame import Frame
 from cadet.kitti.calib import points_in_image
+from cadet.kitti.frame import Frame
 from cadet.kitti.label import Label, boxes_cam_from_labels
 
 _DEPTH_MARGIN_M: Final = 0.1

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use cadet_core::camera::{Calibration, CameraModel, View};
+use cadet_core::camera::{CameraModel, View};
 use cadet_core::frames;
 use cadet_core::lidar::LidarSpec;
 use cadet_core::math::DVec3;
-use cadet_core::nalgebra::{Matrix3, Matrix3x4};
-use cadet_core::rig::Rig;
+use cadet_core::nalgebra::Matrix3x4;
+use cadet_core::rig::{Mount, Mounted, Rig};
 use cadet_core::rng::StreamKey;
 use cadet_core::scene::{Scene, SceneConfig, TownSource};
 use cadet_core::sense::PosedScene;
@@ -25,49 +25,24 @@ pub const VIEWS: [(u64, &str); 6] = [
 
 /// `cadet.Rig.kitti()`.
 fn kitti_rig() -> Rig {
-    let p = |x: f64, y: f64, z: f64| {
-        Matrix3x4::new(721.5377, 0.0, 609.5593, x, 0.0, 721.5377, 172.854, y, 0.0, 0.0, 1.0, z)
+    let (x, y, z) = (44.857_28, 0.216_379_1, 0.002_745_884);
+    let p2 = Matrix3x4::new(721.5377, 0.0, 609.5593, x, 0.0, 721.5377, 172.854, y, 0.0, 0.0, 1.0, z);
+    // R0_rect times Tr_velo_to_cam.
+    let cam_from_velo = [
+        [0.000_234_774, -0.999_944_155, -0.010_563_478, -0.002_796_817],
+        [0.010_449_407, 0.010_565_354, -0.999_889_574, -0.075_108_791],
+        [0.999_945_389, 0.000_124_365, 0.010_451_303, -0.272_132_796],
+    ];
+    let velo = frames::mounted(DVec3::new(0.0, 0.0, 1.73), 0.0, 0.37_f64.to_radians(), 0.0);
+    let cam = frames::rigid("cam_from_velo", &cam_from_velo).expect("a rotation").inverse();
+    let camera = Mounted {
+        name: "image_2".to_owned(),
+        sensor: CameraModel::new(1242, 375, p2, None).expect("valid"),
+        mount: Mount::new(vec![velo, cam]),
     };
-    let calibration = Calibration {
-        projections: [
-            p(0.0, 0.0, 0.0),
-            p(-387.5744, 0.0, 0.0),
-            p(44.857_28, 0.216_379_1, 0.002_745_884),
-            p(-339.5242, 2.199_936, 0.002_729_905),
-        ],
-        r0_rect: Matrix3::new(
-            0.999_923_9,
-            0.009_837_76,
-            -0.007_445_048,
-            -0.009_869_795,
-            0.999_942_1,
-            -0.004_278_459,
-            0.007_402_527,
-            0.004_351_614,
-            0.999_963_1,
-        ),
-        tr_velo_to_cam: Matrix3x4::new(
-            0.007_533_745,
-            -0.999_971_4,
-            -0.000_616_602,
-            -0.004_069_766,
-            0.014_802_49,
-            0.000_728_073_3,
-            -0.999_890_2,
-            -0.076_316_18,
-            0.999_862_1,
-            0.007_523_79,
-            0.014_807_55,
-            -0.271_780_6,
-        ),
-        tr_imu_to_velo: Matrix3x4::identity(),
-    };
-    Rig {
-        name: "kitti".to_owned(),
-        lidar: LidarSpec::hdl64e_kitti(),
-        camera: CameraModel::new(1242, 375, calibration).expect("valid"),
-        ego_from_velo: frames::mounted(DVec3::new(0.0, 0.0, 1.73), 0.0, 0.37_f64.to_radians(), 0.0),
-    }
+    let lidar =
+        Mounted { name: "velodyne".to_owned(), sensor: LidarSpec::hdl64e_kitti(), mount: Mount::new(vec![velo]) };
+    Rig::new("kitti".to_owned(), vec![camera], vec![lidar]).expect("a rig")
 }
 
 /// A suburb with traffic.
@@ -80,5 +55,5 @@ pub fn suburb(seed: u64, weather: &str) -> Scene {
 /// The triangles of the present instant, and the camera's view.
 pub fn place(scene: &mut Scene) -> (Arc<PosedScene>, View) {
     let (_, world_from_cam) = scene.sensor_poses();
-    (scene.triangles(), View::new(&scene.rig().camera, &world_from_cam))
+    (scene.triangles(), View::new(scene.rig().camera(), &world_from_cam))
 }

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::ops::Range;
 
-use super::CameraModel;
+use super::{CameraModel, Warp};
 use crate::error::Result;
 use crate::material::Semantic;
 use crate::math::{DPose3, DVec3, Vec3};
@@ -23,11 +23,10 @@ pub struct View {
 }
 
 impl View {
-    /// The view of a camera's P2, whose optical centre lies beside that of camera 0.
-    ///
-    /// `world_from_cam`: the pose of camera 0.
+    /// The pinhole view of a camera, before its lens; `world_from_cam` is the pose of the camera's frame.
     #[must_use]
     pub fn new(camera: &CameraModel, world_from_cam: &DPose3) -> Self {
+        let camera = camera.pinhole();
         let center_world = world_from_cam.rotation * camera.optical_center_cam() + world_from_cam.translation;
         Self {
             intrinsics: camera.intrinsics(),
@@ -65,6 +64,18 @@ impl Seen {
     pub fn depth_at(&self, row: usize, column: usize) -> f32 {
         let (x, y) = (self.grid.columns_x(2 * row)[column], self.grid.rows_y()[2 * row]);
         self.samples.0.front(2 * row, column).map_or(f32::INFINITY, |(face, _)| face.depth_at(x, y))
+    }
+
+    /// The same as a lens shows it.
+    #[must_use]
+    pub fn maps_through(&self, scene: &PosedScene, warp: Option<&Warp>) -> Maps {
+        let maps = self.maps(scene);
+        let Some(warp) = warp else { return maps };
+        Maps {
+            depth: warp.nearest(&maps.depth),
+            instance: warp.nearest(&maps.instance),
+            semantic: warp.nearest(&maps.semantic),
+        }
     }
 
     /// What the pixels' centres show. `scene`: the one that was looked at.

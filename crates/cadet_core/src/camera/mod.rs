@@ -1,9 +1,10 @@
-//! The camera: model and calibration, shading, sky, shadows, noise, PNG.
+//! The camera: model and lens, shading, sky, shadows, noise, PNG.
 
 mod ambient;
 mod block_sums;
 mod collect;
 mod contact;
+mod distortion;
 mod exposure;
 mod face;
 mod faces;
@@ -23,8 +24,9 @@ mod sky;
 #[cfg(test)]
 mod tests;
 
+pub use distortion::{Distortion, Warp};
 pub use look::{Maps, Seen, View, look};
 #[cfg(test)]
 pub(crate) use model::tests::kitti_like;
-pub use model::{Calibration, CameraModel, Pixel};
-pub use render::{Rendered, paint};
+pub use model::{CameraModel, Pixel};
+pub use render::{Rendered, paint, paint_through};

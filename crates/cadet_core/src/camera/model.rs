@@ -1,46 +1,33 @@
-//! The camera's model: KITTI's calibration and what follows from it.
+//! The camera's model: how points become pixels.
 
-use nalgebra::{Matrix3, Matrix3x4, Vector4};
+use std::sync::Arc;
 
+use nalgebra::{Matrix3x4, Vector4};
+
+use super::distortion::{Distortion, Warp};
 use crate::error::{Error, Result, finite};
-use crate::math::{DMat3, DPose3, DQuat, DVec2, DVec3};
+use crate::math::{DPose3, DVec2, DVec3};
 
-/// KITTI's calibration of one recording day: the matrices of a `calib` file.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Calibration {
-    /// Projections P0-P3 of the rectified cameras, from the frame of camera 0 to pixels.
-    pub projections: [Matrix3x4<f64>; 4],
-    /// Rectifying rotation of camera 0.
-    pub r0_rect: Matrix3<f64>,
-    /// From the LIDAR to the unrectified camera 0.
-    pub tr_velo_to_cam: Matrix3x4<f64>,
-    /// From the inertial unit to the LIDAR.
-    pub tr_imu_to_velo: Matrix3x4<f64>,
-}
-
-impl Calibration {
-    /// The rigid pose `cam_from_velo` = `R0_rect` x `Tr_velo_to_cam` of the rectified camera 0.
-    #[must_use]
-    pub fn cam_from_velo(&self) -> DPose3 {
-        let m = self.r0_rect * self.tr_velo_to_cam;
-        let column = |j: usize| DVec3::new(m[(0, j)], m[(1, j)], m[(2, j)]);
-        // Files carry seven digits: make the rotation orthonormal again, x first.
-        let x = column(0).normalize();
-        let y = (column(1) - x * x.dot(column(1))).normalize();
-        let rotation = DQuat::from_mat3(&DMat3::from_cols(x, y, x.cross(y)));
-        DPose3 { rotation, translation: column(3) }
-    }
-}
-
-/// The left colour camera (P2): its image is rendered, and labels are projected with it.
+/// A camera: the size of its image, and how points of its frame (x right, y down, z forward) are projected into it.
+///
+/// The optical centre need not be the frame's origin: KITTI's cameras share the frame of camera 0, and the fourth column
+/// of a projection says where each of them stands.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CameraModel {
     /// Image width in pixels.
     pub width: usize,
     /// Image height in pixels.
     pub height: usize,
-    /// The matrices.
-    pub calibration: Calibration,
+    /// From the frame to pixels.
+    projection: Matrix3x4<f64>,
+    /// A lens that bends straight lines.
+    lens: Option<Lens>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct Lens {
+    distortion: Distortion,
+    warp: Arc<Warp>,
 }
 
 /// A point seen by the camera.
@@ -48,7 +35,7 @@ pub struct CameraModel {
 pub struct Pixel {
     /// Column and row; (0, 0) is the centre of the top-left pixel.
     pub uv: DVec2,
-    /// Depth along the optical axis of P2, metres.
+    /// Depth along the optical axis, metres.
     pub depth_m: f64,
 }
 
@@ -56,83 +43,113 @@ impl CameraModel {
     /// Checks the numbers and makes a camera.
     ///
     /// # Errors
-    /// A size outside 16..=8192 pixels, a matrix entry that is not finite, focal lengths that are not positive, skew,
-    /// or a velo-to-camera matrix that is no rotation.
-    pub fn new(width: usize, height: usize, calibration: Calibration) -> Result<Self> {
+    /// A size outside 16..=8192 pixels, a matrix entry that is not finite, focal lengths that are not positive, skew, or
+    /// a lens that folds the image.
+    pub fn new(
+        width: usize,
+        height: usize,
+        projection: Matrix3x4<f64>,
+        distortion: Option<Distortion>,
+    ) -> Result<Self> {
         for (what, value) in [("image width", width), ("image height", height)] {
             if !(16..=8192).contains(&value) {
                 let expected = "16 to 8192 pixels".to_owned();
                 return Err(Error::OutOfRange { what, value: value.to_string(), expected });
             }
         }
-        let c = &calibration;
-        let matrices = c.projections.iter().chain([&c.tr_velo_to_cam, &c.tr_imu_to_velo]);
-        for value in matrices.flat_map(|m| m.iter()).chain(c.r0_rect.iter()) {
-            let _ = finite("calibration entry", *value)?;
+        let p = &projection;
+        for value in p.iter() {
+            let _ = finite("projection entry", *value)?;
         }
-        let p2 = &c.projections[2];
-        if p2[(0, 0)] <= 0.0 || p2[(1, 1)] <= 0.0 || p2[(0, 1)] != 0.0 || p2[(1, 0)] != 0.0 {
+        if p[(0, 0)] <= 0.0 || p[(1, 1)] <= 0.0 || p[(0, 1)] != 0.0 || p[(1, 0)] != 0.0 {
             return Err(Error::OutOfRange {
-                what: "P2",
-                value: format!("fx {}, fy {}, skew {}", p2[(0, 0)], p2[(1, 1)], p2[(0, 1)]),
+                what: "projection",
+                value: format!("fx {}, fy {}, skew {}", p[(0, 0)], p[(1, 1)], p[(0, 1)]),
                 expected: "positive focal lengths and no skew".to_owned(),
             });
         }
-        if (p2[(2, 0)], p2[(2, 1)], p2[(2, 2)]) != (0.0, 0.0, 1.0) {
+        if (p[(2, 0)], p[(2, 1)], p[(2, 2)]) != (0.0, 0.0, 1.0) {
             return Err(Error::OutOfRange {
-                what: "P2's last row",
-                value: format!("{} {} {}", p2[(2, 0)], p2[(2, 1)], p2[(2, 2)]),
+                what: "the projection's last row",
+                value: format!("{} {} {}", p[(2, 0)], p[(2, 1)], p[(2, 2)]),
                 expected: "0 0 1".to_owned(),
             });
         }
-        let m = c.r0_rect * c.tr_velo_to_cam;
-        let r = m.fixed_columns::<3>(0);
-        let rigid = (r * r.transpose() - Matrix3::identity()).abs().max() < 1e-4 && r.determinant() > 0.0;
-        if !rigid {
-            return Err(Error::OutOfRange {
-                what: "R0_rect x Tr_velo_to_cam",
-                value: format!("determinant {:.6}", r.determinant()),
-                expected: "a rotation".to_owned(),
-            });
+        let mut camera = Self { width, height, projection, lens: None };
+        if let Some(distortion) = distortion {
+            let warp = Arc::new(Warp::new(&distortion, camera.intrinsics(), width, height)?);
+            camera.lens = Some(Lens { distortion, warp });
         }
-        Ok(Self { width, height, calibration })
+        Ok(camera)
     }
 
-    /// (fx, fy, cx, cy) of P2.
+    /// The pinhole camera whose image the lens distorts: this one without a lens, wide enough to hold all that it sees.
+    #[must_use]
+    pub fn pinhole(&self) -> Self {
+        let Some(lens) = &self.lens else { return self.clone() };
+        let [right, down] = lens.warp.before;
+        let mut projection = self.projection;
+        let z = projection[(2, 3)];
+        projection[(0, 2)] += right;
+        projection[(1, 2)] += down;
+        projection[(0, 3)] += right * z;
+        projection[(1, 3)] += down * z;
+        Self { width: lens.warp.width, height: lens.warp.height, projection, lens: None }
+    }
+
+    /// How the image is taken from the pinhole camera's; `None` without distortion.
+    #[must_use]
+    pub fn warp(&self) -> Option<&Warp> {
+        self.lens.as_ref().map(|lens| &*lens.warp)
+    }
+
+    /// (fx, fy, cx, cy).
     #[must_use]
     pub fn intrinsics(&self) -> [f64; 4] {
-        let p = &self.calibration.projections[2];
+        let p = &self.projection;
         [p[(0, 0)], p[(1, 1)], p[(0, 2)], p[(1, 2)]]
     }
 
-    /// The optical centre of P2 in the frame of camera 0: where P2 maps to (0, 0, 0).
+    /// The optical centre in the camera's frame: where the projection maps to (0, 0, 0).
     #[must_use]
     pub fn optical_center_cam(&self) -> DVec3 {
-        let p = &self.calibration.projections[2];
+        let p = &self.projection;
         let [fx, fy, cx, cy] = self.intrinsics();
         let z = p[(2, 3)];
         -DVec3::new((p[(0, 3)] - cx * z) / fx, (p[(1, 3)] - cy * z) / fy, z)
     }
 
-    /// The pose of P2's optical centre, given that of camera 0; the axes are the same.
+    /// The pose of the optical centre, given that of the camera's frame; the axes are the same.
     #[must_use]
     pub fn optical_pose(&self, world_from_cam: &DPose3) -> DPose3 {
         let offset_world = world_from_cam.rotation * self.optical_center_cam();
         DPose3 { rotation: world_from_cam.rotation, translation: world_from_cam.translation + offset_world }
     }
 
-    /// The homogeneous pixel (u z, v z, z) of a point of the frame of camera 0.
+    /// The homogeneous pixel (u z, v z, z) of a point of the camera's frame, as a pinhole sees it.
     #[must_use]
     pub fn homogeneous(&self, point_cam: DVec3) -> DVec3 {
-        let h = self.calibration.projections[2] * Vector4::new(point_cam.x, point_cam.y, point_cam.z, 1.0);
+        let h = self.projection * Vector4::new(point_cam.x, point_cam.y, point_cam.z, 1.0);
         DVec3::new(h.x, h.y, h.z)
     }
 
-    /// Projects a point of the frame of camera 0 with the whole P2. `None` at or behind the optical centre.
+    /// Projects a point of the camera's frame. `None` at or behind the optical centre.
     #[must_use]
     pub fn project(&self, point_cam: DVec3) -> Option<Pixel> {
         let h = self.homogeneous(point_cam);
-        (h.z > 1e-9).then(|| Pixel { uv: DVec2::new(h.x / h.z, h.y / h.z), depth_m: h.z })
+        if h.z <= 1e-9 {
+            return None;
+        }
+        let (u, v) = (h.x / h.z, h.y / h.z);
+        let uv = match &self.lens {
+            None => DVec2::new(u, v),
+            Some(lens) => {
+                let [fx, fy, cx, cy] = self.intrinsics();
+                let [x, y] = lens.distortion.apply_within_reach([(u - cx) / fx, (v - cy) / fy]);
+                DVec2::new(x * fx + cx, y * fy + cy)
+            }
+        };
+        Some(Pixel { uv, depth_m: h.z })
     }
 }
 
@@ -140,23 +157,14 @@ impl CameraModel {
 pub(crate) mod tests {
     use super::*;
 
-    /// A camera like KITTI's of 2011-09-26 (rounded), for tests.
+    /// A camera like KITTI's camera 2 of 2011-09-26 (rounded), for tests.
     pub(crate) fn kitti_like() -> CameraModel {
-        let p = |x: f64, y: f64, z: f64| {
-            Matrix3x4::new(721.5377, 0.0, 609.5593, x, 0.0, 721.5377, 172.854, y, 0.0, 0.0, 1.0, z)
-        };
-        let calibration = Calibration {
-            projections: [
-                p(0.0, 0.0, 0.0),
-                p(-387.5744, 0.0, 0.0),
-                p(44.857_28, 0.216_379_1, 0.002_745_884),
-                p(-339.5242, 2.199_936, 0.002_729_905),
-            ],
-            r0_rect: Matrix3::identity(),
-            tr_velo_to_cam: Matrix3x4::new(0.0, -1.0, 0.0, 0.0, 0.0, 0.0, -1.0, -0.08, 1.0, 0.0, 0.0, -0.27),
-            tr_imu_to_velo: Matrix3x4::identity(),
-        };
-        CameraModel::new(1242, 375, calibration).expect("valid")
+        CameraModel::new(1242, 375, kitti_p2(), None).expect("valid")
+    }
+
+    fn kitti_p2() -> Matrix3x4<f64> {
+        let (x, y, z) = (44.857_28, 0.216_379_1, 0.002_745_884);
+        Matrix3x4::new(721.5377, 0.0, 609.5593, x, 0.0, 721.5377, 172.854, y, 0.0, 0.0, 1.0, z)
     }
 
     #[test]
@@ -171,24 +179,31 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn the_lidar_looks_along_the_camera() {
-        let cam_from_velo = kitti_like().calibration.cam_from_velo();
-        let ahead = cam_from_velo.rotation * DVec3::new(10.0, 2.0, 1.0) + cam_from_velo.translation;
-        assert!((ahead - DVec3::new(-2.0, -1.08, 9.73)).length() < 1e-9, "{ahead}");
+    fn a_lens_moves_pixels_but_not_the_center_and_its_pinhole_sees_the_same_rays() {
+        let lens = Distortion::from_opencv([-0.3, 0.09, 0.0, 0.0, 0.0]);
+        let (straight, bent) = (kitti_like(), CameraModel::new(1242, 375, kitti_p2(), lens).expect("valid"));
+        let center = bent.optical_center_cam();
+        assert_eq!(center, straight.optical_center_cam());
+        let pinhole = bent.pinhole();
+        assert!((pinhole.optical_center_cam() - center).length() < 1e-9);
+        assert!(pinhole.width > 1242 && pinhole.height > 375 && pinhole.warp().is_none());
+        let beside = center + DVec3::new(-3.0, 0.4, 5.0);
+        let pixel = |camera: &CameraModel| camera.project(beside).expect("in front").uv;
+        // r^2 is 0.3664, so that the image shrinks by 1 - 0.3 r^2 + 0.09 r^4.
+        let shrunk = (pixel(&bent) - DVec2::new(609.5593, 172.854)).length()
+            / (pixel(&straight) - DVec2::new(609.5593, 172.854)).length();
+        assert!((shrunk - (1.0 - 0.3 * 0.3664 + 0.09 * 0.3664 * 0.3664)).abs() < 1e-9, "{shrunk}");
+        let before = DVec2::from_array(bent.warp().expect("a lens").before);
+        assert!((pixel(&pinhole) - pixel(&straight) - before).length() < 1e-9);
     }
 
     #[test]
     fn nonsense_is_refused() {
-        let good = kitti_like();
-        assert!(CameraModel::new(0, 375, good.calibration.clone()).is_err());
-        let mut bad = good.calibration.clone();
-        bad.tr_velo_to_cam[(0, 0)] = f64::NAN;
-        assert!(CameraModel::new(1242, 375, bad).is_err());
-        let mut bad = good.calibration.clone();
-        bad.tr_velo_to_cam[(0, 1)] = 1.0;
-        assert!(CameraModel::new(1242, 375, bad).is_err(), "a mirror is no rotation");
-        let mut bad = good.calibration;
-        bad.projections[2][(0, 0)] = -1.0;
-        assert!(CameraModel::new(1242, 375, bad).is_err());
+        assert!(CameraModel::new(0, 375, kitti_p2(), None).is_err());
+        for (at, value) in [((0, 0), f64::NAN), ((0, 0), -1.0), ((0, 1), 0.1), ((2, 2), 2.0)] {
+            let mut bad = kitti_p2();
+            bad[at] = value;
+            assert!(CameraModel::new(1242, 375, bad, None).is_err(), "{at:?} {value}");
+        }
     }
 }

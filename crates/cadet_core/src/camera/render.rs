@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 
 use super::ambient::SkyView;
+use super::distortion::Warp;
 use super::exposure::{WHITE_BALANCE, gain_for_mean_luma, metered};
 use super::look::{Maps, Rays, Seen, View, seen_points};
 use super::noise::{ROWS_BEFORE, blur, expose};
@@ -48,6 +49,19 @@ thread_local! {
 /// A function of its arguments; one thread. `stream` feeds the exposure and the noise alone.
 #[must_use]
 pub fn paint(scene: &PosedScene, view: &View, weather: &Weather, seen: &Seen, stream: &mut Stream) -> Vec<u8> {
+    paint_through(scene, view, weather, seen, None, stream)
+}
+
+/// The same through a lens that bends the image: `warp` takes it from the view's, before the sensor's noise.
+#[must_use]
+pub fn paint_through(
+    scene: &PosedScene,
+    view: &View,
+    weather: &Weather,
+    seen: &Seen,
+    warp: Option<&Warp>,
+    stream: &mut Stream,
+) -> Vec<u8> {
     let (width, height) = (view.width, view.height);
     let mut scratch = SCRATCH.take();
     let light = radiance(scene, view, weather, seen, &mut scratch);
@@ -57,7 +71,14 @@ pub fn paint(scene: &PosedScene, view: &View, weather: &Weather, seen: &Seen, st
     let veil = sums.map(|s| (f64::from(VEILING_GLARE) * s / (width * height) as f64) as f32);
     let target = stream.clipped_normal(MEAN_LUMA.0, MEAN_LUMA.1) as f32;
     let gain = gain_for_mean_luma(&metered(blurred, veil, 37), target, 1);
-    let image = expose(blurred, width, height, veil, WHITE_BALANCE.map(|g| g * gain), stream);
+    let gains = WHITE_BALANCE.map(|g| g * gain);
+    let image = match warp {
+        None => expose(blurred, width, height, veil, gains, stream),
+        Some(warp) => {
+            let (width, height) = warp.image_size();
+            expose(&warp.colors(blurred), width, height, veil, gains, stream)
+        }
+    };
     scratch.shadows = light.shadows.map(Shadows::into_buffers).unwrap_or_default();
     SCRATCH.set(scratch);
     image

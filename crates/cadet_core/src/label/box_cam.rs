@@ -141,7 +141,13 @@ impl BoxCam {
             let (a, b) = (corners[*i], corners[*j]);
             ((a.z < NEAR_M) != (b.z < NEAR_M)).then(|| a + (b - a) * ((NEAR_M - a.z) / (b.z - a.z)))
         });
-        let points = corners.into_iter().filter(|p| p.z >= NEAR_M).chain(crossings);
+        // A lens bends the edges, so that their ends do not bound them.
+        let num_between = if camera.warp().is_some() { 15 } else { 0 };
+        let between = EDGES.iter().flat_map(|(i, j)| {
+            let (a, b) = (corners[*i], corners[*j]);
+            (1..=num_between).map(move |k| a + (b - a) * (f64::from(k) / f64::from(num_between + 1)))
+        });
+        let points = corners.into_iter().chain(between).filter(|p| p.z >= NEAR_M).chain(crossings);
         points.filter_map(|p| camera.project(p)).map(|p| p.uv).fold(None, |rect, p| {
             let r: Rect = rect.unwrap_or(Rect { u1: p.x, v1: p.y, u2: p.x, v2: p.y });
             Some(Rect { u1: r.u1.min(p.x), v1: r.v1.min(p.y), u2: r.u2.max(p.x), v2: r.v2.max(p.y) })

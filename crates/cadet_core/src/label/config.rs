@@ -1,7 +1,7 @@
 //! The numbers of the labels' definitions.
 
 use super::box_cam::Boxes;
-use super::labeler::{ObjectMeta, Placed};
+use super::labeler::{Placed, Sighting};
 use crate::actor::ActorState;
 use crate::error::{Error, Result};
 
@@ -14,93 +14,119 @@ pub enum OcclusionMethod {
     Corners,
 }
 
-/// Every number of the labels' definitions.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LabelConfig {
-    /// How occlusion is measured.
-    pub method: OcclusionMethod,
-    /// Which boxes labels hold.
-    pub boxes: Boxes,
-    /// A label's box is at least this high.
-    pub min_height_px: f64,
-    /// A label's object shows at least this fraction of its silhouette.
-    pub min_visible_fraction: f64,
-    /// A label's object is at most this deep.
-    pub max_depth_m: f64,
-    /// A label's object is at least this deep.
-    pub min_depth_m: f64,
-    /// A label's object is truncated by at most this.
-    pub max_truncation: f64,
-    /// An object without returns keeps at least this much of its contrast through the air to get a label.
-    pub min_contrast: f64,
-    /// A label's object has at least this many returns.
-    pub min_points: usize,
-    /// An object without a label becomes DontCare if it shows at least this many pixels.
-    pub dontcare_min_pixels: f64,
-    /// Visible fractions from which the occlusion level is 0 and 1; below, it is 2.
-    pub occlusion_levels: [f64; 2],
-    /// A corner is hidden by what is nearer than it by more than this.
-    pub corner_tolerance_m: f64,
-    /// With this many hidden corners the object is occluded.
-    pub max_hidden_corners: usize,
+/// A number of the labels' definitions: what it is by default, and between which numbers it may lie.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Setting {
+    /// Its name.
+    pub name: &'static str,
+    /// Its default.
+    pub default: f64,
+    /// The least number allowed.
+    pub least: f64,
+    /// The greatest number allowed.
+    pub most: f64,
+    /// Whether it counts.
+    pub is_whole: bool,
 }
 
-impl Default for LabelConfig {
-    fn default() -> Self {
-        Self {
-            method: OcclusionMethod::Pixels,
-            boxes: Boxes::Kitti,
-            min_height_px: 15.0,
-            min_visible_fraction: 0.1,
-            max_depth_m: 80.0,
-            min_depth_m: 0.5,
-            max_truncation: 0.95,
-            min_contrast: 0.05,
-            min_points: 0,
-            dontcare_min_pixels: 8.0,
-            occlusion_levels: [0.8, 0.5],
-            corner_tolerance_m: 0.1,
-            max_hidden_corners: 4,
+/// States every number once: the struct, its defaults and its limits follow.
+macro_rules! label_config {
+    ($($(#[$doc:meta])* $name:ident: $kind:ident = $default:literal, $least:literal to $most:expr;)*) => {
+        /// The labels' definitions.
+        #[derive(Debug, Clone, PartialEq)]
+        pub struct LabelConfig {
+            /// How occlusion is measured.
+            pub method: OcclusionMethod,
+            /// Which boxes labels hold.
+            pub boxes: Boxes,
+            /// Visible fractions from which the occlusion level is 0 and 1; below, it is 2.
+            pub occlusion_levels: [f64; 2],
+            $($(#[$doc])* pub $name: $kind,)*
         }
-    }
+
+        impl LabelConfig {
+            /// All numbers but [`LabelConfig::occlusion_levels`].
+            pub const SETTINGS: &[Setting] = &[$(Setting {
+                name: stringify!($name),
+                default: $default as f64,
+                least: $least as f64,
+                most: $most,
+                is_whole: label_config!(@is_whole $kind),
+            }),*];
+
+            /// The numbers in the order of [`LabelConfig::SETTINGS`].
+            fn numbers(&self) -> Vec<f64> {
+                vec![$(self.$name as f64),*]
+            }
+        }
+
+        impl Default for LabelConfig {
+            fn default() -> Self {
+                Self {
+                    method: OcclusionMethod::Pixels,
+                    boxes: Boxes::Kitti,
+                    occlusion_levels: Self::OCCLUSION_LEVELS,
+                    $($name: $default,)*
+                }
+            }
+        }
+    };
+    (@is_whole f64) => { false };
+    (@is_whole usize) => { true };
+}
+
+label_config! {
+    /// A label's box is at least this high, pixels.
+    min_height_px: f64 = 15.0, 0 to f64::INFINITY;
+    /// A label's object shows at least this fraction of its silhouette.
+    min_visible_fraction: f64 = 0.1, 0 to 1.0;
+    /// A label's object is at most this deep, metres.
+    max_depth_m: f64 = 80.0, 0 to f64::INFINITY;
+    /// A label's object is at least this deep, metres.
+    min_depth_m: f64 = 0.5, 0 to f64::INFINITY;
+    /// A label's object is truncated by at most this.
+    max_truncation: f64 = 0.95, 0 to 1.0;
+    /// An object without returns keeps at least this much of its contrast through the air to get a label.
+    min_contrast: f64 = 0.05, 0 to 1.0;
+    /// A label's object has at least this many returns.
+    min_points: usize = 0, 0 to 1e6;
+    /// An object without a label is kept as unlabelled if it shows at least this many pixels.
+    dontcare_min_pixels: f64 = 8.0, 0 to f64::INFINITY;
+    /// A corner is hidden by what is nearer than it by more than this, metres.
+    corner_tolerance_m: f64 = 0.1, 0 to f64::INFINITY;
+    /// With this many hidden corners the object is occluded.
+    max_hidden_corners: usize = 4, 1 to 8.0;
 }
 
 impl LabelConfig {
+    /// The default of [`LabelConfig::occlusion_levels`].
+    pub const OCCLUSION_LEVELS: [f64; 2] = [0.8, 0.5];
+
     /// Refuses numbers that mean nothing.
     ///
     /// # Errors
     /// [`Error::OutOfRange`], naming the field.
     pub fn validated(self) -> Result<Self> {
-        let fail = |what, value: f64, expected: &str| {
-            Err(Error::OutOfRange { what, value: value.to_string(), expected: expected.to_owned() })
-        };
-        let fraction = |v: f64| (0.0..=1.0).contains(&v);
-        let not_negative = |v: f64| v.is_finite() && v >= 0.0;
-        for (what, value) in [
-            ("min_height_px", self.min_height_px),
-            ("max_depth_m", self.max_depth_m),
-            ("min_depth_m", self.min_depth_m),
-            ("dontcare_min_pixels", self.dontcare_min_pixels),
-            ("corner_tolerance_m", self.corner_tolerance_m),
-        ] {
-            if !not_negative(value) {
-                return fail(what, value, "a finite number that is not negative");
+        let fail =
+            |what, value: f64, expected: String| Err(Error::OutOfRange { what, value: value.to_string(), expected });
+        for (setting, value) in Self::SETTINGS.iter().zip(self.numbers()) {
+            if !value.is_finite() || !(setting.least..=setting.most).contains(&value) {
+                let expected = if setting.most.is_finite() {
+                    format!("{} to {}", setting.least, setting.most)
+                } else {
+                    format!("a finite number of at least {}", setting.least)
+                };
+                return fail(setting.name, value, expected);
             }
         }
         let [level0, level1] = self.occlusion_levels;
-        for (what, value) in [
-            ("min_visible_fraction", self.min_visible_fraction),
-            ("max_truncation", self.max_truncation),
-            ("min_contrast", self.min_contrast),
-            ("occlusion level 0", level0),
-            ("level 1", level1),
-        ] {
-            if !fraction(value) {
-                return fail(what, value, "0 to 1");
+        for (what, value) in [("occlusion level 0", level0), ("occlusion level 1", level1)] {
+            if !(0.0..=1.0).contains(&value) {
+                return fail(what, value, "0 to 1".to_owned());
             }
         }
         if level0 < level1 {
-            return fail("occlusion level 0", level0, "at least level 1's threshold");
+            return fail("occlusion level 0", level0, "at least level 1's threshold".to_owned());
         }
         Ok(self)
     }
@@ -111,7 +137,7 @@ impl LabelConfig {
         let depth_m = placed.box_cam.location_cam.z;
         (self.min_depth_m..=reach_m).contains(&depth_m)
             && placed.bbox.v2 - placed.bbox.v1 >= self.min_height_px
-            && placed.truncated <= self.max_truncation
+            && placed.truncation <= self.max_truncation
     }
 
     /// The visible fraction that a label takes at a depth. KITTI's annotators left out what is mostly hidden the more
@@ -131,12 +157,12 @@ impl LabelConfig {
     }
 
     /// Whether the sensors support a label: returns, or else enough contrast.
-    pub(super) fn is_supported(&self, meta: &ObjectMeta) -> bool {
+    pub(super) fn is_supported(&self, seen: &Sighting) -> bool {
         let least = match self.boxes {
-            Boxes::Kitti => self.min_points.max(meta.least_points),
+            Boxes::Kitti => self.min_points.max(seen.least_points),
             Boxes::Exact => self.min_points,
         };
-        meta.num_points >= least && (meta.num_points > 0 || meta.contrast >= self.min_contrast)
+        seen.num_points >= least && (seen.num_points > 0 || seen.contrast >= self.min_contrast)
     }
 }
 
@@ -166,16 +192,21 @@ mod tests {
         BoxCam { size_lwh: DVec3::new(4.0, 1.6, 1.5), location_cam, rotation_y: 0.0 }
     }
 
-    fn placed(depth_m: f64, height_px: f64, truncated: f64) -> Placed {
+    fn placed(depth_m: f64, height_px: f64, truncation: f64) -> Placed {
         let bbox = Rect { u1: 500.0, v1: 150.0, u2: 600.0, v2: 150.0 + height_px };
-        Placed { box_cam: box_at(depth_m), bbox, truncated }
+        Placed { box_cam: box_at(depth_m), bbox, truncation }
     }
 
-    fn meta(num_points: usize, least_points: usize, contrast: f64) -> ObjectMeta {
-        ObjectMeta {
+    fn sighting(num_points: usize, least_points: usize, contrast: f64) -> Sighting {
+        Sighting {
             actor_id: 1,
             class: ObjectClass::Car,
             model: String::new(),
+            is_labelled: true,
+            truncation: 0.0,
+            occlusion_level: 0,
+            observation_angle: 0.0,
+            bbox: Rect { u1: 500.0, v1: 150.0, u2: 600.0, v2: 190.0 },
             visible_fraction: contrast,
             visible_pixels: 1000.0,
             contrast,
@@ -238,11 +269,11 @@ mod tests {
             (3, 4, 1.0, false, true),
             (4, 4, 0.01, true, true),
         ] {
-            let meta = meta(num_points, least_points, contrast);
-            assert_eq!((kitti.is_supported(&meta), exact.is_supported(&meta)), (of_kitti, of_exact), "{meta:?}");
+            let seen = sighting(num_points, least_points, contrast);
+            assert_eq!((kitti.is_supported(&seen), exact.is_supported(&seen)), (of_kitti, of_exact), "{seen:?}");
         }
         let five = LabelConfig { min_points: 5, ..exact };
-        assert!(five.is_supported(&meta(5, 0, 1.0)) && !five.is_supported(&meta(4, 0, 1.0)));
+        assert!(five.is_supported(&sighting(5, 0, 1.0)) && !five.is_supported(&sighting(4, 0, 1.0)));
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Decides what gets a label, what becomes DontCare and what is left out.
+//! Decides what gets a label, what is seen without one, and what is left out.
 
 use crate::actor::{ActorState, ObjectClass};
 use crate::camera::{CameraModel, Seen};
@@ -10,32 +10,25 @@ use super::config::{LabelConfig, OcclusionMethod};
 use super::corners::visible_corners;
 use super::silhouette::{ActorInstances, SAMPLES_PER_PIXEL, silhouette};
 
-/// One line of a label file.
+/// An actor that a camera sees: what its label is made of, if it gets one.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Label {
-    /// KITTI's class.
-    pub class: ObjectClass,
-    /// 0 (whole) to 1 (outside the image), -1 for DontCare.
-    pub truncated: f64,
-    /// 0 to 2, -1 for DontCare.
-    pub occluded: i32,
-    /// Observation angle, -10 for DontCare.
-    pub alpha: f64,
-    /// Pixels.
-    pub bbox: Rect,
-    /// The box; `None` for DontCare.
-    pub box_cam: Option<BoxCam>,
-}
-
-/// What is known of a labelled object beyond the label's line.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ObjectMeta {
+pub struct Sighting {
     /// The actor.
     pub actor_id: i32,
-    /// Its class, for DontCare too.
+    /// Its class.
     pub class: ObjectClass,
     /// Its model.
     pub model: String,
+    /// Whether it gets a label. What gets none is seen all the same: a detector should not be scored there.
+    pub is_labelled: bool,
+    /// Share of the box's projection outside the image.
+    pub truncation: f64,
+    /// 0 visible, 1 partly hidden, 2 mostly hidden.
+    pub occlusion_level: u8,
+    /// Heading of the box less its bearing from the camera, radians.
+    pub observation_angle: f64,
+    /// The box's projection inside the image.
+    pub bbox: Rect,
     /// Visible samples / samples of the silhouette inside the image, times `contrast`.
     pub visible_fraction: f64,
     /// Visible pixels (half of the visible samples).
@@ -48,29 +41,12 @@ pub struct ObjectMeta {
     pub least_points: usize,
     /// World velocity, m/s.
     pub velocity_world: DVec3,
-    /// Rectangle round the silhouette inside the image.
+    /// Rectangle round the silhouette inside the image; `None` where nothing is seen and behind a lens that bends.
     pub silhouette_bbox: Option<Rect>,
     /// Whether each corner of the 3D box is in view and not hidden.
     pub corner_visible: [bool; 8],
-    /// The box, for DontCare too.
+    /// The box.
     pub box_cam: BoxCam,
-}
-
-/// A label and what stands behind it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Labeled {
-    /// The line.
-    pub label: Label,
-    /// The sidecar.
-    pub meta: ObjectMeta,
-}
-
-impl Labeled {
-    /// Whether this is an object's label, not a `DontCare` region.
-    #[must_use]
-    pub fn is_object(&self) -> bool {
-        self.label.class != ObjectClass::DontCare
-    }
 }
 
 /// An actor's box and what the image holds of its projection.
@@ -79,7 +55,7 @@ pub(super) struct Placed {
     /// The projection inside the image.
     pub bbox: Rect,
     /// Share of the projection outside it.
-    pub truncated: f64,
+    pub truncation: f64,
 }
 
 impl Placed {
@@ -88,7 +64,7 @@ impl Placed {
         let box_cam = BoxCam::of(actor, boxes, cam_from_world);
         let whole = box_cam.project(camera)?;
         let bbox = whole.clipped(camera.width, camera.height)?;
-        Some(Self { box_cam, bbox, truncated: truncation(&whole, &bbox) })
+        Some(Self { box_cam, bbox, truncation: truncation(&whole, &bbox) })
     }
 }
 
@@ -101,36 +77,28 @@ pub fn may_label(config: &LabelConfig, actors: &[ActorState], camera: &CameraMod
     })
 }
 
-/// Counts the returns of each object, and turns labels that no sensor supports into `DontCare`: objects first, each
+/// Counts the returns of each object, and takes the labels away that no sensor supports: labelled objects first, each
 /// group by rising id. `point_actor_ids` names the actor of each return.
-pub fn add_points(config: &LabelConfig, labels: &mut [Labeled], point_actor_ids: &[i32]) {
-    for labeled in labels.iter_mut() {
-        let id = labeled.meta.actor_id;
-        labeled.meta.num_points = point_actor_ids.iter().filter(|of| **of == id).count();
-        if labeled.is_object() && !config.is_supported(&labeled.meta) {
-            labeled.label = Label::dont_care(labeled.label.bbox);
-        }
+pub fn add_points(config: &LabelConfig, sightings: &mut [Sighting], point_actor_ids: &[i32]) {
+    for sighting in sightings.iter_mut() {
+        let id = sighting.actor_id;
+        sighting.num_points = point_actor_ids.iter().filter(|of| **of == id).count();
+        sighting.is_labelled &= config.is_supported(sighting);
     }
-    put_objects_first(labels);
+    put_labelled_first(sightings);
 }
 
-fn put_objects_first(labels: &mut [Labeled]) {
-    labels.sort_by_key(|l| (!l.is_object(), l.meta.actor_id));
+fn put_labelled_first(sightings: &mut [Sighting]) {
+    sightings.sort_by_key(|s| (!s.is_labelled, s.actor_id));
 }
 
-impl Label {
-    fn dont_care(bbox: Rect) -> Self {
-        Self { class: ObjectClass::DontCare, truncated: -1.0, occluded: -1, alpha: -10.0, bbox, box_cam: None }
-    }
-}
-
-/// Labels every actor that the camera sees, objects first and then `DontCare`, each in the order of their ids;
-/// [`add_points`] adds the returns.
+/// Every actor that the camera sees well enough to be labelled or left out of scoring: labelled ones first, each group
+/// in the order of their ids; [`add_points`] adds the returns.
 ///
 /// # Frames and units
-/// `world_from_cam` is the pose of the rectified camera 0; `extinction_per_m` is the air's.
+/// `world_from_cam` is the pose of the camera's frame, in which boxes are given; `extinction_per_m` is the air's.
 #[must_use]
-pub fn label_actors(
+pub fn sightings(
     config: &LabelConfig,
     actors: &[ActorState],
     scene: &PosedScene,
@@ -138,17 +106,17 @@ pub fn label_actors(
     world_from_cam: &DPose3,
     seen: &Seen,
     extinction_per_m: f64,
-) -> Vec<Labeled> {
+) -> Vec<Sighting> {
     let cam_from_world = world_from_cam.inverse();
-    let mut labels = Vec::new();
+    let mut found = Vec::new();
     // By default what is hidden altogether gets nothing.
     let even_if_hidden = config.min_visible_fraction == 0.0 || config.dontcare_min_pixels == 0.0;
-    let instances = ActorInstances::new(scene);
+    let (pinhole, instances) = (camera.pinhole(), ActorInstances::new(scene));
     let mut buffer = VisibilityBuffer::default();
     for actor in actors {
         let Some(placed) = Placed::new(actor, config.boxes, camera, &cam_from_world) else { continue };
         let outline =
-            silhouette(scene, &instances, actor.id, camera, world_from_cam, seen, even_if_hidden, &mut buffer);
+            silhouette(scene, &instances, actor.id, &pinhole, world_from_cam, seen, even_if_hidden, &mut buffer);
         let uncovered_fraction =
             if outline.samples == 0 { 0.0 } else { outline.visible_samples as f64 / outline.samples as f64 };
         // Koschmieder: contrast falls exponentially with the way through the air.
@@ -156,43 +124,43 @@ pub fn label_actors(
         let contrast = math::exp(-extinction_per_m * away_m);
         let visible_fraction = uncovered_fraction * contrast;
         let visible_pixels = outline.visible_samples as f64 / SAMPLES_PER_PIXEL as f64;
-        let corner_visible = visible_corners(&placed.box_cam.corners_cam(), camera, seen, config.corner_tolerance_m);
+        let corner_visible = visible_corners(&placed.box_cam.corners_cam(), &pinhole, seen, config.corner_tolerance_m);
         let hidden_corners = corner_visible.iter().filter(|v| !**v).count();
-        let occluded = match config.method {
+        let occlusion_level = match config.method {
             OcclusionMethod::Pixels => {
-                Some(config.occlusion_levels.iter().filter(|limit| visible_fraction < **limit).count() as i32)
+                config.occlusion_levels.iter().filter(|limit| visible_fraction < **limit).count() as u8
             }
-            OcclusionMethod::Corners => (hidden_corners < config.max_hidden_corners).then_some(0),
+            OcclusionMethod::Corners => 0,
         };
+        let is_hidden = config.method == OcclusionMethod::Corners && hidden_corners >= config.max_hidden_corners;
         let least_visible = config.least_visible_fraction(placed.box_cam.location_cam.z);
-        let is_admitted = config.admits(&placed, actor) && visible_fraction >= least_visible;
-        let Placed { box_cam, bbox, truncated } = placed;
-        let label = match occluded {
-            Some(occluded) if is_admitted => {
-                let alpha = box_cam.alpha();
-                Label { class: actor.class, truncated, occluded, alpha, bbox, box_cam: Some(box_cam) }
-            }
-            _ if visible_pixels >= config.dontcare_min_pixels => Label::dont_care(bbox),
-            _ => continue,
-        };
-        let meta = ObjectMeta {
+        let is_labelled = !is_hidden && config.admits(&placed, actor) && visible_fraction >= least_visible;
+        if !is_labelled && visible_pixels < config.dontcare_min_pixels {
+            continue;
+        }
+        let Placed { box_cam, bbox, truncation } = placed;
+        found.push(Sighting {
             actor_id: actor.id,
             class: actor.class,
             model: actor.model.clone(),
+            is_labelled,
+            truncation,
+            occlusion_level,
+            observation_angle: box_cam.alpha(),
+            bbox,
             visible_fraction,
             visible_pixels,
             contrast,
             num_points: 0,
             least_points: actor.annotated.least_points,
             velocity_world: actor.velocity_world,
-            silhouette_bbox: outline.bounds,
+            silhouette_bbox: outline.bounds.filter(|_| camera.warp().is_none()),
             corner_visible,
             box_cam,
-        };
-        labels.push(Labeled { label, meta });
+        });
     }
-    put_objects_first(&mut labels);
-    labels
+    put_labelled_first(&mut found);
+    found
 }
 
 #[cfg(test)]
@@ -236,13 +204,13 @@ mod tests {
         (actor, instance)
     }
 
-    fn labels(config: &LabelConfig, cars: &[(ActorState, Instance)], extinction_per_m: f64) -> Vec<Labeled> {
+    fn labels(config: &LabelConfig, cars: &[(ActorState, Instance)], extinction_per_m: f64) -> Vec<Sighting> {
         let (actors, instances): (Vec<ActorState>, Vec<Instance>) = cars.iter().cloned().unzip();
         let scene = PosedScene::new(&instances, EYE);
         let rotation = DQuat::from_mat3(&frames::cam_axes_from_velo_axes().transpose());
         let (camera, world_from_cam) = (kitti_like(), DPose3 { rotation, translation: EYE });
         let seen = look(&scene, &View::new(&camera, &world_from_cam)).expect("a view");
-        label_actors(config, &actors, &scene, &camera, &world_from_cam, &seen, extinction_per_m)
+        sightings(config, &actors, &scene, &camera, &world_from_cam, &seen, extinction_per_m)
     }
 
     fn exact() -> LabelConfig {
@@ -256,11 +224,11 @@ mod tests {
         assert_eq!(clear.len(), 2);
         for extinction_per_m in [0.01, 0.05] {
             for (foggy, clear) in labels(&exact(), &cars, extinction_per_m).iter().zip(&clear) {
-                let center = cars[(foggy.meta.actor_id - 1) as usize].0.center_world();
+                let center = cars[(foggy.actor_id - 1) as usize].0.center_world();
                 let expected = math::exp(-extinction_per_m * (center - EYE).length());
-                assert!((foggy.meta.contrast - expected).abs() < 1e-12 && clear.meta.contrast == 1.0);
-                assert!((foggy.meta.visible_fraction - clear.meta.visible_fraction * expected).abs() < 1e-12);
-                assert_eq!(foggy.meta.visible_pixels, clear.meta.visible_pixels);
+                assert!((foggy.contrast - expected).abs() < 1e-12 && clear.contrast == 1.0);
+                assert!((foggy.visible_fraction - clear.visible_fraction * expected).abs() < 1e-12);
+                assert_eq!(foggy.visible_pixels, clear.visible_pixels);
             }
         }
     }
@@ -270,20 +238,19 @@ mod tests {
         let at_20_m = [car(1, 20.0, 0.0)];
         // ln 10 / 20 m leaves a tenth.
         for (extinction_per_m, occluded) in [(0.0, 0), (0.02, 1), (0.05, 2)] {
-            let labeled = &labels(&exact(), &at_20_m, extinction_per_m)[0];
-            assert_eq!((labeled.label.class, labeled.label.occluded), (ObjectClass::Car, occluded));
+            let seen = &labels(&exact(), &at_20_m, extinction_per_m)[0];
+            assert_eq!((seen.is_labelled, seen.occlusion_level), (true, occluded));
         }
         let hidden = &labels(&exact(), &at_20_m, 0.13)[0];
-        assert_eq!(hidden.label.class, ObjectClass::DontCare);
-        assert!(hidden.label.box_cam.is_none() && hidden.meta.visible_pixels > 100.0);
+        assert!(!hidden.is_labelled && hidden.visible_pixels > 100.0);
     }
 
     #[test]
-    fn returns_are_counted_and_labels_without_support_become_dont_care_after_the_objects() {
+    fn returns_are_counted_and_what_has_no_support_loses_its_label_and_stands_last() {
         let config = LabelConfig { min_points: 2, ..exact() };
         let mut found = labels(&config, &[car(1, 20.0, 0.0), car(2, 30.0, 6.0)], 0.0);
         add_points(&config, &mut found, &[2, 0, 1, 2, -1, 7]);
-        let of = |l: &Labeled| (l.meta.actor_id, l.meta.num_points, l.label.class);
-        assert_eq!(found.iter().map(of).collect::<Vec<_>>(), [(2, 2, ObjectClass::Car), (1, 1, ObjectClass::DontCare)]);
+        let of = |s: &Sighting| (s.actor_id, s.num_points, s.is_labelled);
+        assert_eq!(found.iter().map(of).collect::<Vec<_>>(), [(2, 2, true), (1, 1, false)]);
     }
 }

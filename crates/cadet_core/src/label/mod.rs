@@ -1,4 +1,4 @@
-//! Labels: KITTI's boxes, truncation and both occlusion methods, by the definitions of `docs/labels.md`.
+//! What a camera sees of actors and what of it gets a label: boxes, truncation, both occlusion methods, by the definitions of `docs/labels.md`.
 
 mod box_cam;
 mod config;
@@ -9,7 +9,8 @@ mod road_plane;
 mod silhouette;
 
 pub use box_cam::{BoxCam, Boxes, Rect};
-pub use config::{LabelConfig, OcclusionMethod};
-pub use labeler::{Label, Labeled, ObjectMeta, add_points, label_actors, may_label};
+pub use config::{LabelConfig, OcclusionMethod, Setting};
+pub use labeler::{Sighting, add_points, may_label, sightings};
 pub use motion::TakenView;
 pub use road_plane::road_plane_cam;
+pub use silhouette::pixels_of_actors;

@@ -1,7 +1,7 @@
 //! Whether a view shows something that the view before did not: the ego or a labelled object has moved.
 
 use super::box_cam::Rect;
-use super::labeler::Labeled;
+use super::labeler::Sighting;
 use crate::math::DPose3;
 
 /// A view that was taken: where the ego was, and the rectangles of what was labelled.
@@ -19,8 +19,8 @@ impl TakenView {
 
     /// Remembers a view.
     #[must_use]
-    pub fn new(world_from_ego: DPose3, labels: &[Labeled]) -> Self {
-        let objects = labels.iter().filter(|l| l.is_object()).map(|l| (l.meta.actor_id, l.label.bbox)).collect();
+    pub fn new(world_from_ego: DPose3, sightings: &[Sighting]) -> Self {
+        let objects = sightings.iter().filter(|s| s.is_labelled).map(|s| (s.actor_id, s.bbox)).collect();
         Self { world_from_ego, objects }
     }
 
@@ -32,12 +32,12 @@ impl TakenView {
 
     /// Whether a labelled object has come into view since, or moved visibly.
     #[must_use]
-    pub fn object_has_moved(&self, labels: &[Labeled], image_width: usize) -> bool {
+    pub fn object_has_moved(&self, sightings: &[Sighting], image_width: usize) -> bool {
         let least_px = Self::OBJECT_MOVED * image_width as f64;
-        labels.iter().filter(|l| l.is_object()).any(|l| {
-            let before = self.objects.iter().find(|o| o.0 == l.meta.actor_id);
+        sightings.iter().filter(|s| s.is_labelled).any(|s| {
+            let before = self.objects.iter().find(|o| o.0 == s.actor_id);
             before.is_none_or(|(_, before)| {
-                let (a, b) = (before, &l.label.bbox);
+                let (a, b) = (before, &s.bbox);
                 let sides = [a.u1 - b.u1, a.v1 - b.v1, a.u2 - b.u2, a.v2 - b.v2];
                 sides.iter().any(|d| d.abs() >= least_px)
             })
@@ -48,33 +48,33 @@ impl TakenView {
 #[cfg(test)]
 mod tests {
     use super::super::box_cam::BoxCam;
-    use super::super::labeler::{Label, ObjectMeta};
     use super::*;
     use crate::actor::ObjectClass;
     use crate::math::{DQuat, DVec3};
 
     const WIDTH: usize = 1242;
 
-    fn labeled(actor_id: i32, class: ObjectClass, u1: f64) -> Labeled {
-        let bbox = Rect { u1, v1: 150.0, u2: u1 + 80.0, v2: 210.0 };
+    fn sighting(actor_id: i32, is_labelled: bool, u1: f64) -> Sighting {
         let box_cam =
             BoxCam { size_lwh: DVec3::new(4.0, 1.6, 1.5), location_cam: DVec3::new(0.0, 1.6, 18.0), rotation_y: 0.0 };
-        Labeled {
-            label: Label { class, truncated: 0.0, occluded: 0, alpha: 0.0, bbox, box_cam: Some(box_cam) },
-            meta: ObjectMeta {
-                actor_id,
-                class: ObjectClass::Car,
-                model: String::new(),
-                visible_fraction: 1.0,
-                visible_pixels: 4800.0,
-                contrast: 1.0,
-                least_points: 0,
-                num_points: 0,
-                velocity_world: DVec3::ZERO,
-                silhouette_bbox: None,
-                corner_visible: [true; 8],
-                box_cam,
-            },
+        Sighting {
+            actor_id,
+            class: ObjectClass::Car,
+            model: String::new(),
+            is_labelled,
+            truncation: 0.0,
+            occlusion_level: 0,
+            observation_angle: 0.0,
+            bbox: Rect { u1, v1: 150.0, u2: u1 + 80.0, v2: 210.0 },
+            visible_fraction: 1.0,
+            visible_pixels: 4800.0,
+            contrast: 1.0,
+            least_points: 0,
+            num_points: 0,
+            velocity_world: DVec3::ZERO,
+            silhouette_bbox: None,
+            corner_visible: [true; 8],
+            box_cam,
         }
     }
 
@@ -91,24 +91,22 @@ mod tests {
 
     #[test]
     fn objects_move_by_pixels_of_the_image_or_come_into_view() {
-        let car = |u| labeled(1, ObjectClass::Car, u);
+        let car = |u| sighting(1, true, u);
         let taken = TakenView::new(ego_at(0.0), &[car(500.0)]);
         assert!(!taken.object_has_moved(&[car(500.0)], WIDTH));
         assert!(!taken.object_has_moved(&[car(507.0)], WIDTH) && taken.object_has_moved(&[car(509.0)], WIDTH));
         assert!(taken.object_has_moved(&[car(495.0)], WIDTH / 2), "pixels scale with the image");
-        assert!(taken.object_has_moved(&[car(500.0), labeled(2, ObjectClass::Pedestrian, 40.0)], WIDTH));
-        // Who left is no reason to look again, and nobody sees what DontCare does.
+        assert!(taken.object_has_moved(&[car(500.0), sighting(2, true, 40.0)], WIDTH));
+        // Who left is no reason to look again, and nobody looks at what has no label.
         assert!(!taken.object_has_moved(&[], WIDTH));
-        assert!(!taken.object_has_moved(&[car(500.0), labeled(2, ObjectClass::DontCare, 40.0)], WIDTH));
+        assert!(!taken.object_has_moved(&[car(500.0), sighting(2, false, 40.0)], WIDTH));
     }
 
     #[test]
     fn small_motions_add_up_against_the_view_that_was_taken() {
-        let taken = TakenView::new(ego_at(0.0), &[labeled(1, ObjectClass::Car, 500.0)]);
-        let moved: Vec<bool> = [503.0, 506.0, 509.0]
-            .iter()
-            .map(|u| taken.object_has_moved(&[labeled(1, ObjectClass::Car, *u)], WIDTH))
-            .collect();
+        let taken = TakenView::new(ego_at(0.0), &[sighting(1, true, 500.0)]);
+        let moved: Vec<bool> =
+            [503.0, 506.0, 509.0].iter().map(|u| taken.object_has_moved(&[sighting(1, true, *u)], WIDTH)).collect();
         assert_eq!(moved, [false, false, true]);
     }
 }

@@ -1,5 +1,6 @@
 //! An actor's outline alone, as the camera would see it with nothing else in the world.
 
+use crate::actor::ActorState;
 use crate::camera::{CameraModel, Seen};
 use crate::math::{DPose3, DVec3};
 use crate::sense::{PinholeGrid, PosedInstance, PosedScene, VisibilityBuffer, draw_instances};
@@ -89,6 +90,26 @@ pub(super) fn silhouette(
         found.bounds = Some(Rect { u1, v1: v(of_rows.start), u2, v2: v(of_rows.end - 1) });
     }
     found
+}
+
+/// Pixels of each actor's outline inside a camera's image, and those of them where nothing is in front: what is counted
+/// over several cameras tells how much of an actor any of them sees.
+#[must_use]
+pub fn pixels_of_actors(
+    actors: &[ActorState],
+    scene: &PosedScene,
+    camera: &CameraModel,
+    world_from_cam: &DPose3,
+    seen: &Seen,
+) -> Vec<[f64; 2]> {
+    let (pinhole, instances) = (camera.pinhole(), ActorInstances::new(scene));
+    let mut buffer = VisibilityBuffer::default();
+    let pixels = |samples: usize| samples as f64 / SAMPLES_PER_PIXEL as f64;
+    let of = |actor: &ActorState| {
+        let found = silhouette(scene, &instances, actor.id, &pinhole, world_from_cam, seen, true, &mut buffer);
+        [pixels(found.samples), pixels(found.visible_samples)]
+    };
+    actors.iter().map(of).collect()
 }
 
 /// Pixels that hold what of the instances' bounds lies in front of the camera; infinite on a side where they reach

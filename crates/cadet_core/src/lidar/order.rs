@@ -24,6 +24,7 @@ impl Scan {
         permute(&mut self.points_velo[start..], &order);
         permute(&mut self.column[start..], &order);
         permute(&mut self.actor_id[start..], &order);
+        permute(&mut self.semantic[start..], &order);
         permute(&mut self.range_m[start..], &order);
     }
 }
@@ -55,6 +56,7 @@ fn permute<T: Copy>(values: &mut [T], order: &[u32]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::material::Semantic::{Car, Fence, Person, Pole, Road, Van};
     use crate::math::{self, TAU};
     use crate::rng::Stream;
 
@@ -89,11 +91,13 @@ mod tests {
             ring: vec![0, 1, 1, 1, 1, 1],
             column: (0..6).collect(),
             actor_id: (10..16).collect(),
+            semantic: [Road, Car, Van, Pole, Fence, Person].to_vec(),
             range_m: (20..26).map(f64::from).collect(),
         };
         scan.order_by_azimuth(1);
         assert_eq!(scan.column, [0, 3, 4, 5, 1, 2]);
         assert_eq!(scan.actor_id, [10, 13, 14, 15, 11, 12]);
+        assert_eq!(scan.semantic, [Road, Pole, Fence, Person, Car, Van]);
         assert_eq!(scan.range_m, [20.0, 23.0, 24.0, 25.0, 21.0, 22.0]);
         assert_eq!(scan.points_velo[1], point(0.1));
     }

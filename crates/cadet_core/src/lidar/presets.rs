@@ -6,8 +6,30 @@ use super::spec::LidarSpec;
 use crate::error::{Error, Result};
 use crate::sense::LaserRing;
 
+/// A sensor's name and what makes it.
+type Preset = (&'static str, fn() -> LidarSpec);
+
+/// The one list of sensors that are made in code.
+const BY_NAME: [Preset; 7] = [
+    ("hdl64e_kitti", LidarSpec::hdl64e_kitti),
+    ("hdl64e_uniform", LidarSpec::hdl64e_uniform),
+    ("cadet", LidarSpec::cadet),
+    ("hdl32e", LidarSpec::hdl32e),
+    ("vlp16", LidarSpec::vlp16),
+    ("os1_64", LidarSpec::os1_64),
+    ("os1_128", LidarSpec::os1_128),
+];
+
 /// The names that [`LidarSpec::preset`] knows.
-pub const PRESETS: [&str; 7] = ["hdl64e_kitti", "hdl64e_uniform", "cadet", "hdl32e", "vlp16", "os1_64", "os1_128"];
+pub const PRESETS: [&str; BY_NAME.len()] = {
+    let mut names = [""; BY_NAME.len()];
+    let mut i = 0;
+    while i < names.len() {
+        names[i] = BY_NAME[i].0;
+        i += 1;
+    }
+    names
+};
 
 /// (elevation in degrees, height of the laser's origin in metres) of KITTI's HDL-64E, from the top ring down; fitted to
 /// its scans with a median residual of 0.25 mm.
@@ -62,16 +84,11 @@ impl LidarSpec {
     /// # Errors
     /// [`Error::Unknown`], listing [`PRESETS`].
     pub fn preset(name: &str) -> Result<Self> {
-        match name {
-            "hdl64e_kitti" => Ok(Self::hdl64e_kitti()),
-            "hdl64e_uniform" => Ok(Self::hdl64e_uniform()),
-            "cadet" => Ok(Self::cadet()),
-            "hdl32e" => Ok(Self::hdl32e()),
-            "vlp16" => Ok(Self::vlp16()),
-            "os1_64" => Ok(Self::os1_64()),
-            "os1_128" => Ok(Self::os1_128()),
-            _ => Err(Error::Unknown { what: "lidar", name: name.to_owned(), known: PRESETS.join(", ") }),
-        }
+        BY_NAME.iter().find(|(known, _)| *known == name).map(|(_, make)| make()).ok_or_else(|| Error::Unknown {
+            what: "lidar",
+            name: name.to_owned(),
+            known: PRESETS.join(", "),
+        })
     }
 }
 

@@ -7,6 +7,7 @@ use super::response::{Receiver, intensity, saturated};
 use super::returned_points::Scan;
 use super::returns::{Arrival, Draws};
 use super::spec::LidarSpec;
+use crate::material::Semantic;
 
 /// Echoes that are received together.
 const MANY: usize = 64;
@@ -18,6 +19,7 @@ pub(super) struct Waiting {
     n: usize,
     column: [i32; MANY],
     actor_id: [i32; MANY],
+    semantic: [Semantic; MANY],
     echo: Echoes,
     written: Written,
 }
@@ -61,6 +63,7 @@ impl Waiting {
             n: 0,
             column: [0; MANY],
             actor_id: [0; MANY],
+            semantic: [Semantic::Sky; MANY],
             echo: Echoes {
                 range_m: none,
                 power: none,
@@ -95,6 +98,7 @@ impl Waiting {
         let (i, e) = (self.n, &mut self.echo);
         self.column[i] = column as i32;
         self.actor_id[i] = arrival.actor_id;
+        self.semantic[i] = arrival.semantic;
         e.range_m[i] = arrival.range_m;
         e.power[i] = arrival.power;
         e.heard_power[i] = arrival.heard_power;
@@ -131,6 +135,7 @@ impl Waiting {
             out.ring.push(ring as i32);
             out.column.push(self.column[i]);
             out.actor_id.push(self.actor_id[i]);
+            out.semantic.push(self.semantic[i]);
             out.range_m.push(w.range_m[i]);
         }
         self.n = 0;

@@ -1,5 +1,7 @@
 //! The points that one turn returns.
 
+use crate::material::Semantic;
+
 /// The returns of one turn: ring-major, azimuth rising counter-clockwise from forward. All arrays have one length.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Scan {
@@ -11,6 +13,8 @@ pub struct Scan {
     pub column: Vec<i32>,
     /// 0 for the static world and the air, at least 1 for actors.
     pub actor_id: Vec<i32>,
+    /// What it came from; [`Semantic::Sky`] for fog, drops and flakes.
+    pub semantic: Vec<Semantic>,
     /// Range from the laser's own origin, before rounding.
     pub range_m: Vec<f64>,
 }
@@ -22,6 +26,7 @@ impl Scan {
             ring: Vec::with_capacity(n),
             column: Vec::with_capacity(n),
             actor_id: Vec::with_capacity(n),
+            semantic: Vec::with_capacity(n),
             range_m: Vec::with_capacity(n),
         }
     }

@@ -33,6 +33,8 @@ pub(super) struct Arrival {
     /// Standard deviation of its reading.
     pub reading_noise: f64,
     pub actor_id: i32,
+    /// [`Semantic::Sky`] for fog, drops and flakes.
+    pub semantic: Semantic,
 }
 
 /// The random numbers of one beam: always the same count, so that no beam's fate moves another's.
@@ -100,6 +102,7 @@ pub(super) fn arrival(
             cos_incidence: 1.0,
             reading_noise: AIR_NOISE,
             actor_id: 0,
+            semantic: Semantic::Sky,
         });
     }
     echo.map(|e| of_target(&e, power))
@@ -114,6 +117,7 @@ fn of_target(echo: &Echo, power: f64) -> Arrival {
         cos_incidence: echo.cos_incidence,
         reading_noise: echo.reading_noise,
         actor_id: echo.actor_id,
+        semantic: echo.semantic,
     }
 }
 

@@ -14,6 +14,7 @@ use super::spread::chosen_echo;
 use super::surfaces::Surfaces;
 use super::turning::Turning;
 use crate::error::Result;
+use crate::material::Semantic;
 use crate::math::{self, DPose3, DVec3};
 use crate::rng::Stream;
 use crate::sense::{Hits, Layer, PosedScene, cast};
@@ -33,6 +34,15 @@ pub struct IdealScan {
 }
 
 impl IdealScan {
+    /// What each beam meets, [`Semantic::Sky`] for a miss; `scene` is the one that was scanned.
+    #[must_use]
+    pub fn semantic(&self, scene: &PosedScene) -> Vec<Semantic> {
+        let of = |(instance, face): (&u32, &u32)| {
+            scene.instances.get(*instance as usize).map_or(Semantic::Sky, |posed| posed.material(*face).semantic)
+        };
+        self.instance.iter().zip(&self.face).map(of).collect()
+    }
+
     /// Where each beam ends, x, y, z in metres in the velo frame, and an intensity of 0; four NaN for a miss.
     ///
     /// # Panics

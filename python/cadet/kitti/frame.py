@@ -1,9 +1,9 @@
-"""One synchronised sample of the sensors and its ground truth."""
+"""A sample as KITTI sees it: one image, one scan, labels and a calibration."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 from cadet.arrays import check_array
 from cadet.checks import check_kind
 from cadet.errors import ShapeError
+from cadet.kitti.calib import Calibration
+from cadet.kitti.label import Label
+from cadet.sample import Agent, Sample, Scan
 from cadet.summary import counts, summary
-
-if TYPE_CHECKING:
-    from cadet.kitti.calib import Calibration
-    from cadet.kitti.label import Label
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +33,7 @@ class Frame:
         instance: (H, W) int32: -1 sky, 0 static world, >= 1 actors.
         semantic: (H, W) uint8, values of `cadet.Semantic`.
         meta: what else the generator knows, as it stands in `meta/ID.json`.
+        sample: what it was made from: all sensors and agents; None for a frame that was read or made by hand.
 
     Raises:
         ShapeError: an array has the wrong shape or dtype.
@@ -50,6 +50,7 @@ class Frame:
     instance: NDArray[np.int32] | None = None
     semantic: NDArray[np.uint8] | None = None
     meta: dict[str, Any] | None = None
+    sample: Sample | None = None
 
     def __post_init__(self) -> None:
         check_array(self.image, "image", ("H", "W", 3), np.uint8)
@@ -67,15 +68,35 @@ class Frame:
             check_array(self.semantic, "semantic", (height, width), np.uint8)
         if not isinstance(self.labels, tuple):
             raise ShapeError(f"labels: expected a tuple of Label, got {type(self.labels).__name__}")
-        # Not at the top: `kitti` uses this module.
-        from cadet.kitti.calib import Calibration
-        from cadet.kitti.label import Label
-
         for label in self.labels:
             check_kind("", "labels", label, Label)
         check_kind("", "calib", self.calib, Calibration)
         if self.meta is not None:
             check_kind("", "meta", self.meta, dict)
+        if self.sample is not None:
+            check_kind("", "sample", self.sample, Sample)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what a pickled frame keeps: all but the core's own capture."""
+        return {**self.__dict__, "sample": None}
+
+    @property
+    def images(self) -> dict[str, NDArray[np.uint8]]:
+        """Every camera's image by its name: this one and those of the rig's other cameras."""
+        if self.sample is None:
+            return {"image_2": self.image}
+        first, *others = self.sample.image_names
+        return {first: self.image} | {name: self.sample.image(name) for name in others}
+
+    @property
+    def scans(self) -> dict[str, Scan]:
+        """Every LIDAR's scan by its name; empty for a frame that was read or made by hand."""
+        return {} if self.sample is None else {name: self.sample.scan(name) for name in self.sample.scan_names}
+
+    @property
+    def agents(self) -> tuple[Agent, ...]:
+        """Every vehicle and person around the ego; empty for a frame that was read or made by hand."""
+        return () if self.sample is None else self.sample.agents
 
     @property
     def image_size(self) -> tuple[int, int]:

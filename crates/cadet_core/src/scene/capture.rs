@@ -1,0 +1,258 @@
+//! What a scene's rig sees: images, scans, and what is known of the agents in them.
+
+use std::sync::Arc;
+
+use super::Scene;
+use crate::actor::ActorState;
+use crate::camera::{CameraModel, Rendered, Seen, View, look, paint_through};
+use crate::error::{Error, Result};
+use crate::label::{Boxes, Sighting, TakenView, add_points, may_label, pixels_of_actors, road_plane_cam, sightings};
+use crate::lidar::{LidarSpec, Scan, Turning, scan, turning_scan};
+use crate::math::{DPose3, DVec3};
+use crate::rig::Mounted;
+use crate::sense::Motion;
+use crate::town::GroundKind;
+
+/// What is to be captured besides the first camera's image and the first LIDAR's scan. What is not asked for costs
+/// nothing.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Request {
+    /// Names the random streams of noise.
+    pub sample: u64,
+    /// Depth, instances and classes with every image.
+    pub with_maps: bool,
+    /// How much of each actor the images show together.
+    pub with_pixels: bool,
+    /// More cameras, by their place in [`Rig::cameras`](crate::rig::Rig::cameras).
+    pub cameras: Vec<usize>,
+    /// More LIDARs, by their place in [`Rig::lidars`](crate::rig::Rig::lidars).
+    pub lidars: Vec<usize>,
+}
+
+/// An image with the maps that belong to it.
+#[derive(Debug, Clone)]
+pub struct Image {
+    /// The camera's name.
+    pub name: String,
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Colors, and maps if asked for.
+    pub rendered: Rendered,
+}
+
+/// Everything that was asked for at one instant.
+#[derive(Debug, Clone)]
+pub struct Frame {
+    /// Seconds since the scene's start.
+    pub time_s: f64,
+    /// The ego's pose.
+    pub world_from_ego: DPose3,
+    /// The ego's velocity, m/s.
+    pub ego_velocity_world: DVec3,
+    /// Every actor around the ego, by rising id.
+    pub actors: Vec<ActorState>,
+    /// Pixels of each actor's outline in the images together, and those that are seen; empty unless asked for.
+    pub pixels: Vec<[f64; 2]>,
+    /// What the first camera sees of actors: those with a label by rising id, then the others.
+    pub sightings: Vec<Sighting>,
+    /// Which boxes the sightings hold.
+    pub boxes: Boxes,
+    /// The road's plane in the first camera's frame.
+    pub plane: [f64; 4],
+    /// The first camera's image, then the others in the order in which they were asked for.
+    pub images: Vec<Image>,
+    /// The first LIDAR's scan, then the others with their names.
+    pub scans: Vec<(String, Scan)>,
+}
+
+/// What the first camera looks at, before light and color.
+struct Looked {
+    view: View,
+    seen: Seen,
+    sightings: Vec<Sighting>,
+}
+
+impl Scene {
+    /// What the rig sees now.
+    ///
+    /// # Errors
+    /// A sensor that the rig lacks; [`Error::Scene`] where no ground lies ahead of the first camera.
+    pub fn capture(&mut self, request: &Request) -> Result<Frame> {
+        self.check(request)?;
+        let looked = self.look()?;
+        self.finish(request, looked)
+    }
+
+    /// The same, or `None` where nothing in the first camera's view gets a label, or where neither the ego nor anything
+    /// labelled has moved since the last view that this returned: much cheaper than a frame that is thrown away.
+    ///
+    /// # Errors
+    /// As [`Scene::capture`].
+    pub fn capture_labelled(&mut self, request: &Request) -> Result<Option<Frame>> {
+        self.check(request)?;
+        let (_, world_from_cam) = self.sensor_poses();
+        let sensed = self.sensed();
+        let actors = Arc::clone(&sensed.snapshot);
+        if !may_label(&self.label, &actors.actors, self.rig.camera(), &world_from_cam) {
+            return Ok(None);
+        }
+        let looked = self.look()?;
+        if !looked.sightings.iter().any(|s| s.is_labelled) {
+            return Ok(None);
+        }
+        let (world_from_ego, width) = (self.snapshot().ego.world_from_ego, self.rig.camera().width);
+        let has_moved =
+            |t: &TakenView| t.ego_has_moved(&world_from_ego) || t.object_has_moved(&looked.sightings, width);
+        if self.taken.as_ref().is_some_and(|t| !has_moved(t)) {
+            return Ok(None);
+        }
+        let frame = self.finish(request, looked)?;
+        // The scan may have taken the last label away.
+        if !frame.sightings.iter().any(|s| s.is_labelled) {
+            return Ok(None);
+        }
+        self.taken = Some(TakenView::new(world_from_ego, &frame.sightings));
+        Ok(Some(frame))
+    }
+
+    fn check(&self, request: &Request) -> Result<()> {
+        let counts = [
+            ("camera", &request.cameras, self.rig.cameras().len()),
+            ("LIDAR", &request.lidars, self.rig.lidars().len()),
+        ];
+        for (what, wanted, count) in counts {
+            if let Some(index) = wanted.iter().find(|i| !(1..count).contains(*i)) {
+                return Err(Error::OutOfRange {
+                    what,
+                    value: index.to_string(),
+                    expected: format!("one of the rig's {count}, other than the first"),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn look(&mut self) -> Result<Looked> {
+        let (_, world_from_cam) = self.sensor_poses();
+        let (posed, snapshot) = (self.triangles(), Arc::clone(&self.sensed().snapshot));
+        let camera = self.rig.camera();
+        let view = View::new(camera, &world_from_cam);
+        let seen = look(&posed, &view)?;
+        let extinction_per_m = self.weather.extinction_per_m();
+        let sightings =
+            sightings(&self.label, &snapshot.actors, &posed, camera, &world_from_cam, &seen, extinction_per_m);
+        Ok(Looked { view, seen, sightings })
+    }
+
+    fn finish(&mut self, request: &Request, looked: Looked) -> Result<Frame> {
+        let snapshot = Arc::clone(&self.sensed().snapshot);
+        let Looked { view, seen, mut sightings } = looked;
+        let mut images = vec![self.image(0, request, &view, &seen)];
+        let mut pixels = if request.with_pixels { self.pixels(0, &seen) } else { Vec::new() };
+        // Its memory serves the next camera.
+        drop(seen);
+        for index in &request.cameras {
+            let mounted = &self.rig.cameras()[*index];
+            let view = View::new(&mounted.sensor, &mounted.mount.world_from_sensor(&snapshot.ego.world_from_ego));
+            let seen = look(&self.triangles(), &view)?;
+            images.push(self.image(*index, request, &view, &seen));
+            if request.with_pixels {
+                for (sum, more) in pixels.iter_mut().zip(self.pixels(*index, &seen)) {
+                    *sum = [sum[0] + more[0], sum[1] + more[1]];
+                }
+            }
+        }
+        let mut scans = Vec::with_capacity(1 + request.lidars.len());
+        for index in std::iter::once(0).chain(request.lidars.iter().copied()) {
+            scans.push((self.rig.lidars()[index].name.clone(), self.turn(index, None, request.sample)?));
+        }
+        add_points(&self.label, &mut sightings, &scans[0].1.actor_id);
+        Ok(Frame {
+            time_s: snapshot.time_s,
+            world_from_ego: snapshot.ego.world_from_ego,
+            ego_velocity_world: snapshot.ego.velocity_world,
+            actors: snapshot.actors.clone(),
+            pixels,
+            sightings,
+            boxes: self.label.boxes,
+            plane: self.plane()?,
+            images,
+            scans,
+        })
+    }
+
+    fn image(&mut self, index: usize, request: &Request, view: &View, seen: &Seen) -> Image {
+        let posed = self.triangles();
+        let Mounted { name, sensor, .. } = &self.rig.cameras()[index];
+        let CameraModel { width, height, .. } = *sensor;
+        let warp = sensor.warp();
+        let mut stream = self.key.indexed(&stream_name("camera", index, name), request.sample);
+        let image = paint_through(&posed, view, &self.weather, seen, warp, &mut stream);
+        let maps = request.with_maps.then(|| seen.maps_through(&posed, warp));
+        Image { name: name.clone(), width, height, rendered: Rendered { image, maps } }
+    }
+
+    fn pixels(&mut self, index: usize, seen: &Seen) -> Vec<[f64; 2]> {
+        let (posed, snapshot) = (self.triangles(), Arc::clone(&self.sensed().snapshot));
+        let mounted = &self.rig.cameras()[index];
+        let world_from_cam = mounted.mount.world_from_sensor(&snapshot.ego.world_from_ego);
+        pixels_of_actors(&snapshot.actors, &posed, &mounted.sensor, &world_from_cam, seen)
+    }
+
+    fn plane(&mut self) -> Result<[f64; 4]> {
+        let (_, world_from_cam) = self.sensor_poses();
+        let ground = &self.world.town().ground;
+        road_plane_cam(
+            &world_from_cam,
+            |p| ground.height_at(p.x, p.y).filter(|_| ground.kind_at(p.x, p.y) == Some(GroundKind::Road)),
+            |p| ground.height_at(p.x, p.y),
+        )
+        .ok_or_else(|| Error::Scene { reason: "no ground ahead of the camera".to_owned() })
+    }
+
+    /// A scan with returns, noise and weather, by `lidar` or by the rig's first.
+    ///
+    /// # Errors
+    /// A LIDAR whose numbers make no sense.
+    pub fn scan(&mut self, lidar: Option<&LidarSpec>, sample: u64) -> Result<Scan> {
+        self.turn(0, lidar, sample)
+    }
+
+    /// One turn of the LIDAR at a place of the rig, or of another one in that place.
+    fn turn(&mut self, index: usize, in_its_place: Option<&LidarSpec>, sample: u64) -> Result<Scan> {
+        let (posed, snapshot) = (self.triangles(), Arc::clone(&self.sensed().snapshot));
+        let Mounted { name, sensor, mount } = &self.rig.lidars()[index];
+        let world_from_velo = mount.world_from_sensor(&snapshot.ego.world_from_ego);
+        let spec = in_its_place.unwrap_or(sensor);
+        let mut stream = self.key.indexed(&stream_name("lidar", index, name), sample);
+        if !spec.rolling {
+            return scan(&posed, &world_from_velo, spec, &self.weather, &mut stream);
+        }
+        let of_ego = &snapshot.ego;
+        let motion = |pose: &DPose3, velocity_world, angular_velocity_world| Motion {
+            pivot_world: pose.translation,
+            velocity_world,
+            angular_velocity_world,
+        };
+        let ego = motion(&of_ego.world_from_ego, of_ego.velocity_world, of_ego.angular_velocity_world);
+        // Actors stand in the order of their ids.
+        let motion_of = |id: i32| match snapshot.actors.binary_search_by_key(&id, |a| a.id) {
+            Ok(i) => {
+                let actor = &snapshot.actors[i];
+                motion(&actor.world_from_box, actor.velocity_world, actor.angular_velocity_world)
+            }
+            Err(_) => Motion::default(),
+        };
+        let turning = Turning::new(posed, &mut self.trees, spec, world_from_velo, ego, motion_of);
+        let scan = turning_scan(&turning, spec, &self.weather, &mut stream);
+        self.trees.forget_unused();
+        scan
+    }
+}
+
+/// The random stream of a sensor's noise: the first of a kind has the kind's own, so that more sensors change nothing.
+fn stream_name(kind: &str, index: usize, name: &str) -> String {
+    if index == 0 { kind.to_owned() } else { format!("{kind} {name}") }
+}

@@ -1,0 +1,231 @@
+//! What a rig captured: neutral facts, which exporters turn into a format's files.
+
+use cadet_core::camera::png::encode_rgb8;
+use cadet_core::label::{Rect, Sighting as CoreSighting};
+use cadet_core::lidar::Scan;
+use cadet_core::math::DPose3;
+use cadet_core::scene as core;
+use numpy::{PyArray1, PyArray3};
+use pyo3::exceptions::PyIndexError;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+
+use crate::arrays;
+use crate::guard;
+
+type Corners = (f64, f64, f64, f64);
+
+/// Everything that was asked for at one instant.
+#[pyclass(frozen, module = "cadet._cadet")]
+pub(crate) struct Capture {
+    frame: core::Frame,
+    map: String,
+    weather: String,
+    sun_rad: (f64, f64),
+    ego_from_velo: DPose3,
+}
+
+/// An actor around the ego.
+#[pyclass(frozen, get_all, module = "cadet._cadet")]
+pub(crate) struct Agent {
+    id: i32,
+    class_name: &'static str,
+    model: String,
+    size_lwh: [f64; 3],
+    world_from_agent: [[f64; 4]; 4],
+    velocity_world: [f64; 3],
+    /// Of its outline in all images, and seen; `None` unless asked for.
+    pixels: Option<[f64; 2]>,
+}
+
+/// What the first camera sees of an actor.
+#[pyclass(frozen, get_all, module = "cadet._cadet")]
+pub(crate) struct Sighting {
+    actor_id: i32,
+    class_name: &'static str,
+    model: String,
+    is_labelled: bool,
+    truncation: f64,
+    occlusion_level: u8,
+    observation_angle: f64,
+    bbox: Corners,
+    visible_fraction: f64,
+    visible_pixels: f64,
+    contrast: f64,
+    num_points: usize,
+    velocity_world: [f64; 3],
+    silhouette_bbox: Option<Corners>,
+    corner_visible: Vec<bool>,
+    size_lwh: [f64; 3],
+    location_cam: [f64; 3],
+    rotation_y: f64,
+}
+
+impl From<&CoreSighting> for Sighting {
+    fn from(s: &CoreSighting) -> Self {
+        Self {
+            actor_id: s.actor_id,
+            class_name: s.class.kitti_name(),
+            model: s.model.clone(),
+            is_labelled: s.is_labelled,
+            truncation: s.truncation,
+            occlusion_level: s.occlusion_level,
+            observation_angle: s.observation_angle,
+            bbox: corners(&s.bbox),
+            visible_fraction: s.visible_fraction,
+            visible_pixels: s.visible_pixels,
+            contrast: s.contrast,
+            num_points: s.num_points,
+            velocity_world: s.velocity_world.to_array(),
+            silhouette_bbox: s.silhouette_bbox.as_ref().map(corners),
+            corner_visible: s.corner_visible.to_vec(),
+            size_lwh: s.box_cam.size_lwh.to_array(),
+            location_cam: s.box_cam.location_cam.to_array(),
+            rotation_y: s.box_cam.rotation_y,
+        }
+    }
+}
+
+fn corners(rect: &Rect) -> Corners {
+    (rect.u1, rect.v1, rect.u2, rect.v2)
+}
+
+impl Capture {
+    pub(crate) fn new(frame: core::Frame, scene: &core::Scene) -> Self {
+        let weather = scene.weather();
+        Self {
+            frame,
+            map: scene.town().name.clone(),
+            weather: weather.name.to_string(),
+            sun_rad: (weather.sun_elevation_rad, weather.sun_azimuth_rad),
+            ego_from_velo: scene.rig().lidars()[0].mount.ego_from_sensor(),
+        }
+    }
+
+    fn image_at(&self, index: usize) -> PyResult<&core::Image> {
+        self.frame.images.get(index).ok_or_else(|| PyIndexError::new_err(format!("no image {index}")))
+    }
+}
+
+#[pymethods]
+impl Capture {
+    #[getter]
+    fn time_s(&self) -> f64 {
+        self.frame.time_s
+    }
+
+    /// Rows of a 4 x 4 matrix.
+    #[getter]
+    fn world_from_ego(&self) -> [[f64; 4]; 4] {
+        arrays::pose_rows(&self.frame.world_from_ego)
+    }
+
+    #[getter]
+    fn ego_from_velo(&self) -> [[f64; 4]; 4] {
+        arrays::pose_rows(&self.ego_from_velo)
+    }
+
+    #[getter]
+    fn ego_speed_mps(&self) -> f64 {
+        self.frame.ego_velocity_world.length()
+    }
+
+    #[getter]
+    fn ego_velocity_world(&self) -> [f64; 3] {
+        self.frame.ego_velocity_world.to_array()
+    }
+
+    #[getter]
+    fn map(&self) -> &str {
+        &self.map
+    }
+
+    #[getter]
+    fn weather(&self) -> &str {
+        &self.weather
+    }
+
+    /// Elevation and azimuth.
+    #[getter]
+    fn sun_rad(&self) -> (f64, f64) {
+        self.sun_rad
+    }
+
+    #[getter]
+    fn boxes(&self) -> &'static str {
+        self.frame.boxes.name()
+    }
+
+    #[getter]
+    fn plane<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.frame.plane)
+    }
+
+    #[getter]
+    fn agents(&self) -> Vec<Agent> {
+        let agent = |(i, a): (usize, &cadet_core::actor::ActorState)| Agent {
+            id: a.id,
+            class_name: a.class.kitti_name(),
+            model: a.model.clone(),
+            size_lwh: a.size_lwh.to_array(),
+            world_from_agent: arrays::pose_rows(&a.world_from_box),
+            velocity_world: a.velocity_world.to_array(),
+            pixels: self.frame.pixels.get(i).copied(),
+        };
+        self.frame.actors.iter().enumerate().map(agent).collect()
+    }
+
+    #[getter]
+    fn sightings(&self) -> Vec<Sighting> {
+        self.frame.sightings.iter().map(Sighting::from).collect()
+    }
+
+    /// Names of the images and of the scans.
+    #[getter]
+    fn names(&self) -> (Vec<String>, Vec<String>) {
+        let images = self.frame.images.iter().map(|i| i.name.clone()).collect();
+        (images, self.frame.scans.iter().map(|(name, _)| name.clone()).collect())
+    }
+
+    fn image<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Bound<'py, PyArray3<u8>>> {
+        let image = self.image_at(index)?;
+        Ok(arrays::rgb(py, image.rendered.image.clone(), image.height, image.width))
+    }
+
+    /// The image as a PNG file.
+    fn png<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Bound<'py, PyBytes>> {
+        let image = self.image_at(index)?;
+        let pixels = &image.rendered.image;
+        let bytes = guard::detached(py, || encode_rgb8(image.width as u32, image.height as u32, pixels))?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// Depth, instances and classes of an image; `None` unless asked for.
+    fn maps<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let image = self.image_at(index)?;
+        let Some(maps) = &image.rendered.maps else { return Ok(None) };
+        let dict = PyDict::new(py);
+        dict.set_item("depth", arrays::plane(py, maps.depth.clone(), image.height, image.width))?;
+        dict.set_item("instance", arrays::plane(py, maps.instance.clone(), image.height, image.width))?;
+        dict.set_item("semantic", arrays::plane(py, maps.semantic.clone(), image.height, image.width))?;
+        Ok(Some(dict))
+    }
+
+    fn scan<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Bound<'py, PyDict>> {
+        let (_, scan) = self.frame.scans.get(index).ok_or_else(|| PyIndexError::new_err(format!("no scan {index}")))?;
+        scan_to_dict(py, scan.clone())
+    }
+}
+
+/// A scan by the fields of `cadet.Scan`.
+pub(crate) fn scan_to_dict(py: Python<'_>, scan: Scan) -> PyResult<Bound<'_, PyDict>> {
+    let semantic = scan.semantic.into_iter().map(|s| s as u8).collect();
+    let dict = PyDict::new(py);
+    dict.set_item("points_velo", arrays::rows(py, scan.points_velo))?;
+    dict.set_item("ring", PyArray1::from_vec(py, scan.ring))?;
+    dict.set_item("column", PyArray1::from_vec(py, scan.column))?;
+    dict.set_item("actor_id", PyArray1::from_vec(py, scan.actor_id))?;
+    dict.set_item("semantic", PyArray1::<u8>::from_vec(py, semantic))?;
+    dict.set_item("range_m", PyArray1::from_vec(py, scan.range_m))?;
+    Ok(dict)
+}

@@ -1,0 +1,88 @@
+"""What a dataset's format must be able to do: `cadet.kitti` and `cadet.nuscenes` are two of them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal, Protocol, TypeAlias
+
+from cadet.rig import Rig
+from cadet.sample import Sample, Wanted
+from cadet.sink import Sink
+
+Split: TypeAlias = Literal["train", "val", "test"]
+
+
+@dataclass(frozen=True)
+class Place:
+    """Which sample of a dataset one is."""
+
+    number: int
+    """Of all samples, from 0; six digits name its files."""
+    episode: int
+    """The episode."""
+    sample: int
+    """The sample within the episode."""
+    split: Split
+    """The episode's split."""
+
+    @property
+    def id(self) -> str:
+        """The number as six digits."""
+        return f"{self.number:06d}"
+
+
+@dataclass(frozen=True)
+class Ending:
+    """What a dataset ends with, once all samples are there."""
+
+    files: Mapping[str, bytes]
+    """Lists or tables by name, in the order in which they are written."""
+    labels: Counter[str]
+    """Labelled objects by type."""
+    folders: tuple[str, ...] = field(default=())
+    """Folders that must be there, be they empty or not."""
+
+
+class Exporter(Protocol):
+    """A format. Every sample has some files and one record, which is written last and carries their hashes."""
+
+    name: str
+    """The value of `--format`."""
+    extras: tuple[str, ...]
+    """Kinds of files that are written on demand."""
+    base: tuple[str, ...]
+    """Kinds of files that every sample has on every rig."""
+
+    def check(self, rig: Rig, extras: tuple[str, ...]) -> None:
+        """Refuse a rig that the format, or what was asked for, has no use for.
+
+        Raises:
+            CadetError: in one line.
+        """
+
+    def wanted(self, extras: tuple[str, ...]) -> Wanted:
+        """Return what must be captured."""
+
+    def kinds(self, rigs: Iterable[Rig], extras: tuple[str, ...]) -> tuple[str, ...]:
+        """Return the kinds of files that a sample has."""
+
+    def path(self, place: Place, kind: str) -> str:
+        """Return a file's name, relative to the dataset's root; of the record where the kind is "record"."""
+
+    def encode(self, sample: Sample, extras: tuple[str, ...]) -> dict[str, bytes]:
+        """Return a sample's files by kind."""
+
+    def record(self, sample: Sample) -> dict[str, Any]:
+        """Return what the record says of a sample, besides the hashes: plain values."""
+
+    def record_bytes(self, record: Mapping[str, Any]) -> bytes:
+        """Return the record as it is written."""
+
+    def written(self, root: Path) -> Iterable[int]:
+        """Return the numbers of the samples of which something lies in a dataset's folder."""
+
+    def finish(self, sink: Sink, places: Iterable[Place]) -> Ending:
+        """Return what the dataset ends with, from the records and files that are there."""

@@ -1,0 +1,89 @@
+"""KITTI's folder as an exporter's."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from cadet.errors import CadetError
+from cadet.exporter import Ending, Place
+from cadet.kitti.dataset import encode_facts, encode_maps, encode_meta
+from cadet.kitti.files import REQUIRED, SUFFIXES, frame_ids
+from cadet.kitti.from_sample import calibration_of, labels_of, meta_of, move_off_zero_depth
+from cadet.kitti.image_sets import ImageSet
+from cadet.kitti.point_labels import bytes_from_point_labels, point_labels
+from cadet.rig import RIGHT_CAMERA, Rig
+from cadet.sample import Sample, Wanted
+from cadet.sink import Sink
+
+_MAPS: Final = ("depth", "instance", "semantic")
+
+
+class KittiExporter:
+    """One image, one scan, labels, a calibration and a plane for each sample; see `cadet.exporter.Exporter`."""
+
+    name = "kitti"
+    extras: tuple[str, ...] = (*_MAPS, RIGHT_CAMERA, "point_labels")
+    base: tuple[str, ...] = ("image_2", "velodyne", "calib", "label_2", "planes")
+
+    def check(self, rig: Rig, extras: tuple[str, ...]) -> None:
+        """Refuse a right image of a rig without a right camera."""
+        if RIGHT_CAMERA in extras and not rig.has_right_camera:
+            raise CadetError(f"cannot write {RIGHT_CAMERA}: the rig {rig.name} has no right color camera")
+
+    def wanted(self, extras: tuple[str, ...]) -> Wanted:
+        """Return what the folders need."""
+        sensors = (RIGHT_CAMERA,) if RIGHT_CAMERA in extras else ()
+        return Wanted(sensors=sensors, maps=any(name in extras for name in _MAPS))
+
+    def kinds(self, rigs: Iterable[Rig], extras: tuple[str, ...]) -> tuple[str, ...]:
+        """Return the folders."""
+        return self.base + tuple(extra for extra in self.extras if extra in extras)
+
+    def path(self, place: Place, kind: str) -> str:
+        """Return a file's name under `training` or `testing`."""
+        folder = "meta" if kind == "record" else kind
+        part = "testing" if place.split == "test" else "training"
+        return f"{part}/{folder}/{place.id}{SUFFIXES[folder]}"
+
+    def encode(self, sample: Sample, extras: tuple[str, ...]) -> dict[str, bytes]:
+        """Return the files by folder. Images are encoded by the core that made them."""
+        calib, scan = calibration_of(sample.rig), sample.scan()
+        points_velo = move_off_zero_depth(scan.points_velo, calib)
+        files = {"image_2": sample.png()} | encode_facts(points_velo, calib, labels_of(sample), sample.plane)
+        maps = sample.maps() if any(name in extras for name in _MAPS) else None
+        if maps is not None:
+            files |= encode_maps(*(getattr(maps, name) if name in extras else None for name in _MAPS))
+        if RIGHT_CAMERA in extras:
+            files[RIGHT_CAMERA] = sample.png(RIGHT_CAMERA)
+        if "point_labels" in extras:
+            files["point_labels"] = bytes_from_point_labels(point_labels(scan, sample.agents))
+        return files
+
+    def record(self, sample: Sample) -> dict[str, Any]:
+        """Return the `meta` of a sample."""
+        return meta_of(sample)
+
+    def record_bytes(self, record: Mapping[str, Any]) -> bytes:
+        """Return the `meta` file."""
+        return encode_meta(dict(record))
+
+    def written(self, root: Path) -> list[int]:
+        """Return the numbers of the frames. Strange files, such as a copy that a file manager made, are no frames."""
+        return [int(frame_id) for part in ("training", "testing") for frame_id in frame_ids(root / part)]
+
+    def finish(self, sink: Sink, places: Iterable[Place]) -> Ending:
+        """Return `ImageSets`, and count the labels of the files."""
+        ids: dict[str, list[str]] = {"train": [], "val": [], "trainval": [], "test": []}
+        types: Counter[str] = Counter()
+        for place in places:
+            ids[place.split].append(place.id)
+            if place.split != "test":
+                ids["trainval"].append(place.id)
+            lines = sink.read(self.path(place, "label_2")).decode("ascii").splitlines()
+            types.update(line.split(" ", 1)[0] for line in lines)
+        files = {f"ImageSets/{split}.txt": ImageSet(tuple(i)).to_text().encode("ascii") for split, i in ids.items()}
+        # Tools of others list these folders, be there a test frame or none.
+        return Ending(files, types, tuple(f"testing/{folder}" for folder in REQUIRED))

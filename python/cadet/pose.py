@@ -1,0 +1,143 @@
+"""Where a thing stands and how it is turned."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cadet.arrays import check_array
+from cadet.checks import check_number, check_three, make_plain, shown
+from cadet.errors import CadetError
+
+Row3: TypeAlias = tuple[float, float, float]
+Row4: TypeAlias = tuple[float, float, float, float]
+
+# x right, y down, z forward, in a frame of x forward, y left, z up.
+_CAMERA_AXES = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+# Published quaternions carry a dozen digits; a slip of the pen shows in the first few.
+_UNIT_TOLERANCE = 1e-4
+_FARTHEST_M = 1000.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pose:
+    """A place and a rotation in the frame of what carries it: all six degrees of freedom.
+
+    Raises:
+        CadetError: numbers out of range, or a quaternion that is not of length 1.
+    """
+
+    position_m: Row3 = (0.0, 0.0, 0.0)
+    """The origin, metres."""
+    quaternion_wxyz: Row4 = (1.0, 0.0, 0.0, 0.0)
+    """The rotation: a unit quaternion, the real part first."""
+
+    def __post_init__(self) -> None:
+        check_three("Pose", "position_m", self.position_m, _FARTHEST_M)
+        quaternion = self.quaternion_wxyz
+        if not isinstance(quaternion, tuple) or len(quaternion) != 4:
+            raise CadetError(f"Pose.quaternion_wxyz: expected four numbers, got {shown(quaternion)}")
+        for number in quaternion:
+            check_number("Pose", "quaternion_wxyz", number, -1.001, 1.001)
+        if abs(math.hypot(*quaternion) - 1.0) > _UNIT_TOLERANCE:
+            raise CadetError(f"Pose.quaternion_wxyz: expected a length of 1, got {math.hypot(*quaternion):.6g}")
+        make_plain(self)
+
+    @classmethod
+    def of_angles(
+        cls, position_m: Row3, *, roll_deg: float = 0.0, pitch_deg: float = 0.0, yaw_deg: float = 0.0
+    ) -> Pose:
+        """Return the pose of a sensor whose axes are x forward, y left, z up, such as a LIDAR.
+
+        Args:
+            position_m: its place in the ego's frame.
+            roll_deg: about its own x axis, left side up.
+            pitch_deg: then about y, nose down.
+            yaw_deg: then about z, to the left.
+
+        Raises:
+            CadetError: an angle that is no number from -180 to 180, or a bad place.
+        """
+        check_three("Pose", "roll_deg, pitch_deg, yaw_deg", (roll_deg, pitch_deg, yaw_deg), 180)
+        return cls.from_matrix(_matrix(position_m, rotation_of_angles(roll_deg, pitch_deg, yaw_deg)))
+
+    @classmethod
+    def of_camera(
+        cls, position_m: Row3, *, roll_deg: float = 0.0, pitch_deg: float = 0.0, yaw_deg: float = 0.0
+    ) -> Pose:
+        """Return the pose of a camera's frame: x right, y down, z forward; it looks ahead where all angles are 0.
+
+        Raises:
+            CadetError: as `of_angles`.
+        """
+        check_three("Pose", "roll_deg, pitch_deg, yaw_deg", (roll_deg, pitch_deg, yaw_deg), 180)
+        return cls.from_matrix(_matrix(position_m, rotation_of_angles(roll_deg, pitch_deg, yaw_deg) @ _CAMERA_AXES))
+
+    @classmethod
+    def from_matrix(cls, matrix: NDArray[np.float64]) -> Pose:
+        """Return the pose of a (4, 4) or (3, 4) float64 matrix.
+
+        Raises:
+            ShapeError: another shape or dtype.
+            CadetError: its first three columns are no rotation.
+        """
+        check_array(matrix, "matrix", (len(matrix), 4), np.float64, finite=True)
+        r = matrix[:3, :3]
+        if np.abs(r @ r.T - np.eye(3)).max() > _UNIT_TOLERANCE or np.linalg.det(r) <= 0.0:
+            raise CadetError("Pose: expected a rotation in the matrix's first three columns")
+        x, y, z = matrix[:3, 3].tolist()
+        return cls(position_m=(x, y, z), quaternion_wxyz=quaternion_of(r))
+
+    def matrix(self) -> NDArray[np.float64]:
+        """Return the (4, 4) float64 matrix that takes points of this frame into the carrier's."""
+        w, x, y, z = np.array(self.quaternion_wxyz) / math.hypot(*self.quaternion_wxyz)
+        rotation = np.array(
+            [
+                [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+                [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+            ]
+        )
+        return _matrix(self.position_m, rotation)
+
+    def carried_by(self, carrier: NDArray[np.float64]) -> Pose:
+        """Return the pose in the frame that the (4, 4) matrix `carrier` leads to."""
+        return Pose.from_matrix(carrier @ self.matrix())
+
+
+def rotation_of_angles(roll_deg: float, pitch_deg: float, yaw_deg: float) -> NDArray[np.float64]:
+    """Return the (3, 3) rotation by roll about x, then pitch about y, then yaw about z."""
+    (cr, cp, cy), (sr, sp, sy) = (f(np.radians([roll_deg, pitch_deg, yaw_deg])) for f in (np.cos, np.sin))
+    about_z = np.array([[cy, -sy, 0.0], [sy, cy, 0.0], [0.0, 0.0, 1.0]])
+    about_y = np.array([[cp, 0.0, sp], [0.0, 1.0, 0.0], [-sp, 0.0, cp]])
+    about_x = np.array([[1.0, 0.0, 0.0], [0.0, cr, -sr], [0.0, sr, cr]])
+    rotation: NDArray[np.float64] = about_z @ about_y @ about_x
+    return rotation
+
+
+def quaternion_of(rotation: NDArray[np.float64]) -> Row4:
+    """Return the unit quaternion (w, x, y, z) of a (3, 3) rotation; of both, the one whose w is not negative."""
+    (a, b, c), (d, e, f), (g, h, i) = rotation.tolist()
+    # Of four ways the one that divides by the largest number.
+    squares = (1 + a + e + i, 1 + a - e - i, 1 - a + e - i, 1 - a - e + i)
+    largest = squares.index(max(squares))
+    numbers = (
+        (squares[0], h - f, c - g, d - b),
+        (h - f, squares[1], b + d, c + g),
+        (c - g, b + d, squares[2], f + h),
+        (d - b, c + g, f + h, squares[3]),
+    )[largest]
+    sign = -1.0 if numbers[0] < 0.0 else 1.0
+    w, x, y, z = (sign * number / math.hypot(*numbers) for number in numbers)
+    return w, x, y, z
+
+
+def _matrix(position_m: Row3, rotation: NDArray[np.float64]) -> NDArray[np.float64]:
+    matrix = np.eye(4)
+    matrix[:3, :3] = rotation
+    matrix[:3, 3] = position_m
+    return matrix

@@ -1,0 +1,62 @@
+from __future__ import annotations
+
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from cadet import CadetError, Pose
+from cadet.pose import quaternion_of, rotation_of_angles
+
+IDENTITY = (1.0, 0.0, 0.0, 0.0)
+
+
+def test_a_camera_ahead_looks_along_the_egos_x_axis_with_its_rows_down() -> None:
+    pose = Pose.of_camera((1.5, 0.2, 1.6)).matrix()
+    np.testing.assert_allclose(pose @ [0.0, 0.0, 10.0, 1.0], [11.5, 0.2, 1.6, 1.0], atol=1e-12)
+    np.testing.assert_allclose(pose @ [1.0, 0.0, 0.0, 1.0], [1.5, -0.8, 1.6, 1.0], atol=1e-12)
+    np.testing.assert_allclose(pose @ [0.0, 1.0, 0.0, 1.0], [1.5, 0.2, 0.6, 1.0], atol=1e-12)
+    left = Pose.of_camera((0.0, 0.0, 0.0), yaw_deg=90).matrix()
+    np.testing.assert_allclose(left @ [0.0, 0.0, 1.0, 1.0], [0.0, 1.0, 0.0, 1.0], atol=1e-12)
+
+
+def test_angles_have_the_signs_of_the_docstring() -> None:
+    down = Pose.of_angles((0.0, 0.0, 1.7), pitch_deg=10).matrix()
+    assert (down @ [1.0, 0.0, 0.0, 0.0])[2] == pytest.approx(-np.sin(np.radians(10)))
+    left_up = Pose.of_angles((0.0, 0.0, 1.7), roll_deg=10).matrix()
+    assert (left_up @ [0.0, 1.0, 0.0, 0.0])[2] == pytest.approx(np.sin(np.radians(10)))
+
+
+def test_quaternions_and_matrices_say_the_same_for_any_rotation() -> None:
+    """Against Rodrigues' formula: half turns, where the real part is 0, too."""
+    rng = np.random.default_rng(0)
+    for angle in (*rng.uniform(-np.pi, np.pi, 50), np.pi, 1e-9):
+        axis = rng.normal(size=3)
+        axis /= np.linalg.norm(axis)
+        cross = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+        expected = np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+        w, x, y, z = quaternion_of(expected)
+        assert w >= 0.0
+        np.testing.assert_allclose(Pose(quaternion_wxyz=(w, x, y, z)).matrix()[:3, :3], expected, atol=1e-12)
+
+
+def test_carriers_come_first() -> None:
+    carrier = Pose.of_angles((1.0, 0.0, 0.0), yaw_deg=90).matrix()
+    carried = Pose(position_m=(2.0, 0.0, 0.5)).carried_by(carrier)
+    assert carried.position_m == pytest.approx((1.0, 2.0, 0.5))
+    np.testing.assert_allclose(carried.matrix()[:3, :3], rotation_of_angles(0, 0, 90), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Pose(quaternion_wxyz=(1.0, 0.1, 0.0, 0.0)), "expected a length of 1, got 1.00499"),
+        (lambda: Pose(quaternion_wxyz=cast(Any, (1.0, 0.0))), "expected four numbers"),
+        (lambda: Pose(position_m=(float("nan"), 0.0, 0.0)), "Pose.position_m"),
+        (lambda: Pose.of_angles((0.0, 0.0, 0.0), yaw_deg=181), "expected a number from -180 to 180"),
+        (lambda: Pose.from_matrix(np.diag([1.0, 1.0, -1.0, 1.0])), "expected a rotation"),
+    ],
+)
+def test_nonsense_is_refused(make: Any, message: str) -> None:
+    with pytest.raises(CadetError, match=message):
+        make()
