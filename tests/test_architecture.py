@@ -254,7 +254,6 @@ CIRCLES: list[set[str]] = [
     {"camera::faces", "camera::lanes", "camera::shade", "camera::sky"},
     {"camera::shadow", "camera::shadow::casters", "camera::shadow::setup"},
     {"label::config", "label::labeler"},
-    {"world", "world::car", "world::junctions", "world::parked", "world::pedestrian"},
 ]
 
 
