@@ -248,17 +248,8 @@ def test_importing_the_package_needs_numpy_and_opencv_alone() -> None:
         assert tops <= standard | NEEDED, f"{path.relative_to(ROOT)} imports {sorted(tops - standard - NEEDED)}"
 
 
-# Groups of files of the core that still use each other in a circle: to be cut, never to grow.
-CIRCLES: list[set[str]] = [
-    {"camera::collect", "camera::paint"},
-    {"camera::faces", "camera::lanes", "camera::shade", "camera::sky"},
-    {"camera::shadow", "camera::shadow::casters", "camera::shadow::setup"},
-    {"label::config", "label::labeler"},
-]
-
-
 def test_files_of_the_core_use_each_other_in_one_direction() -> None:
-    assert [group for group in circles(Modules(CORE)) if set(group) not in CIRCLES] == []
+    assert circles(Modules(CORE)) == []
 
 
 def test_a_circle_is_found_through_what_a_parent_passes_on(tmp_path: Path) -> None:

@@ -5,12 +5,12 @@ use std::ops::Range;
 
 use super::faces::{Faces, Hit};
 use super::hits::{BEHIND_STRIDE, Patch, SampleBits};
+use super::light::Light;
 use super::look::{Rays, View};
 use super::noise::MIDDLE_PX;
-use super::paint::{BAND, Painter};
+use super::painter::{BAND, Painter};
 use super::parts::{FIRSTS, Part, any_of_pixels, bits_of, nearer, place_of, read, samples_within, split, whole_pixels};
-use super::shade::Light;
-use super::sky::SkyRows;
+use super::sky_rows::SkyRows;
 use crate::sense::{BLOCK, VisibilityBuffer};
 
 /// A face that is seen by so few of a block's 64 samples is too small to show how the light changes on it.

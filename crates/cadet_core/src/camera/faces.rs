@@ -1,9 +1,9 @@
 //! Which faces were seen lately, and what of the sky they see: neighbouring pixels mostly show the same one.
 
 use super::face::{Face, Kind, Raw, Stand};
+use super::light::Light;
 use super::look::{Rays, View};
 use super::pattern::hash2;
-use super::shade::Light;
 use crate::geometry::Mesh;
 use crate::material::{Material, Pattern};
 use crate::math::Vec3;

@@ -9,18 +9,22 @@ mod exposure;
 mod face;
 mod faces;
 mod hits;
-mod lanes;
+mod light;
 mod look;
 mod model;
 mod noise;
 mod paint;
+mod painter;
 mod parts;
 mod pattern;
 pub mod png;
 mod render;
 mod shade;
+mod shading_batch;
+mod shading_pass;
 mod shadow;
 mod sky;
+mod sky_rows;
 #[cfg(test)]
 mod tests;
 

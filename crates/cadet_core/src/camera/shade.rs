@@ -5,95 +5,18 @@
 
 use multiversion::multiversion;
 
-use super::ambient::SkyView;
 use super::face::{Flags, Kind};
 use super::hits::{LANES, STRIDE};
-use super::lanes::{Lanes, get, put};
+use super::light::{Light, clear_share};
 use super::pattern::{self, PatternPoint};
-use super::shadow::Shadows;
+use super::shading_batch::{ShadingBatch, ShadingCamera, get, put};
 use super::sky::Sky;
 use crate::material::Pattern;
 use crate::math::Vec3;
-use crate::weather::Weather;
-
-/// All the light of a scene.
-#[derive(Debug, Clone)]
-pub struct Light {
-    /// Sun and sky.
-    pub sky: Sky,
-    /// The sun's shadows; none under an overcast sky.
-    pub shadows: Option<Shadows>,
-    /// What hides the sky.
-    pub sky_view: SkyView,
-    /// 0 is dry, 1 a film of water.
-    pub wetness: f32,
-    /// Extinction of the air, 1/m.
-    pub extinction_per_m: f32,
-    /// Cover of snow on level ground, 0..1.
-    pub snow: f32,
-}
-
-/// Haze of clear air, 1/m.
-const CLEAR_AIR_PER_M: f32 = 0.000_8;
-
-impl Light {
-    /// Puts the parts together.
-    #[must_use]
-    pub fn new(weather: &Weather, sky: Sky, shadows: Option<Shadows>, sky_view: SkyView) -> Self {
-        Self {
-            sky,
-            shadows,
-            sky_view,
-            wetness: weather.wetness as f32,
-            extinction_per_m: CLEAR_AIR_PER_M + weather.extinction_per_m() as f32,
-            snow: weather.snow_cover() as f32,
-        }
-    }
-
-    /// The air between: haze, fog, rain.
-    #[inline(always)]
-    #[must_use]
-    pub fn through_air(&self, radiance: Vec3, view_world: Vec3, distance_m: f32) -> Vec3 {
-        let t = clear_share(self.extinction_per_m, distance_m);
-        radiance * t + self.air(view_world) * (1.0 - t)
-    }
-
-    /// Radiance of the air along a view, were it endless.
-    #[inline(always)]
-    #[must_use]
-    pub fn air(&self, view_world: Vec3) -> Vec3 {
-        self.sky.radiance(Vec3::new(view_world.x, view_world.y, view_world.z.max(0.02))) * 0.8
-    }
-}
-
-/// Share of the light that the air lets through: exp(-x) by (1 + x/16)^-16.
-#[inline(always)]
-fn clear_share(extinction_per_m: f32, distance_m: f32) -> f32 {
-    let mut t = 1.0 / (1.0 + extinction_per_m * distance_m * (1.0 / 16.0));
-    t *= t;
-    t *= t;
-    t *= t;
-    t * t
-}
-
-/// The same for all hits of an image.
-#[derive(Debug, Clone, Copy)]
-pub struct Camera {
-    /// World coordinates.
-    pub eye: Vec3,
-    /// Directions of image points, of length 1 along the optical axis: `corner + right * u + down * v`.
-    pub corner: Vec3,
-    /// See `corner`.
-    pub right: Vec3,
-    /// See `corner`.
-    pub down: Vec3,
-    /// Size of a pixel at 1 m.
-    pub pixel_per_m: f32,
-}
 
 /// Where the hits are, how the surfaces lie there, and the sun to them.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-pub(super) fn geometry(l: &mut Lanes, m: usize, camera: &Camera, sun: Vec3, kind: Kind) {
+pub(super) fn geometry(l: &mut ShadingBatch, m: usize, camera: &ShadingCamera, sun: Vec3, kind: Kind) {
     let m = m.min(LANES);
     let mut depth = [0.0; LANES];
     for i in 0..m {
@@ -138,7 +61,7 @@ pub(super) fn geometry(l: &mut Lanes, m: usize, camera: &Camera, sun: Vec3, kind
 
 /// The coordinates of the texture in the left or the right pixels.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-pub(super) fn place_texture(l: &mut Lanes, m: usize, camera: &Camera, kind: Kind, pixel: usize) {
+pub(super) fn place_texture(l: &mut ShadingBatch, m: usize, camera: &ShadingCamera, kind: Kind, pixel: usize) {
     let m = m.min(LANES);
     let side = if pixel == 0 { -1.0 } else { 1.0 };
     let mut points = [[0.0; LANES]; 3];
@@ -173,7 +96,7 @@ pub(super) fn place_texture(l: &mut Lanes, m: usize, camera: &Camera, kind: Kind
 
 /// The albedo, by the kind's texture.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-pub(super) fn texture(l: &mut Lanes, m: usize, pattern: Pattern, pixel: usize) {
+pub(super) fn texture(l: &mut ShadingBatch, m: usize, pattern: Pattern, pixel: usize) {
     let [u, v] = &l.texture[pixel];
     macro_rules! fill {
         ($($of:ident),*) => {
@@ -200,7 +123,7 @@ pub(super) fn texture(l: &mut Lanes, m: usize, pattern: Pattern, pixel: usize) {
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-pub(super) fn snow(l: &mut Lanes, m: usize, camera: &Camera, snow: f32, pixel: usize) {
+pub(super) fn snow(l: &mut ShadingBatch, m: usize, camera: &ShadingCamera, snow: f32, pixel: usize) {
     let side = if pixel == 0 { -1.0 } else { 1.0 };
     let (eye, right) = (camera.eye, camera.right);
     for i in 0..m.min(LANES) {
@@ -219,7 +142,7 @@ pub(super) fn snow(l: &mut Lanes, m: usize, camera: &Camera, snow: f32, pixel: u
 
 /// The light that a matt surface gets.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-pub(super) fn diffuse(l: &mut Lanes, m: usize, sky: &Sky, kind: Kind, wetness: f32) {
+pub(super) fn diffuse(l: &mut ShadingBatch, m: usize, sky: &Sky, kind: Kind, wetness: f32) {
     let is_leaf = kind.pattern == Pattern::Leaves;
     if !kind.is_flat() {
         for i in 0..m.min(LANES) {
@@ -252,7 +175,7 @@ const WET_ROUGHNESS: f32 = 0.55;
 
 /// Adds what a coat or a film of water mirrors.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-pub(super) fn gloss(l: &mut Lanes, m: usize, sky: &Sky, eye: Vec3, wetness: f32) {
+pub(super) fn gloss(l: &mut ShadingBatch, m: usize, sky: &Sky, eye: Vec3, wetness: f32) {
     for i in 0..m.min(LANES) {
         let (view, normal) = (get(&l.view, i), get(&l.normal, i));
         let (x, y) = (l.point[0][i] + eye.x, l.point[1][i] + eye.y);
@@ -285,7 +208,7 @@ pub(super) fn gloss(l: &mut Lanes, m: usize, sky: &Sky, eye: Vec3, wetness: f32)
 
 /// A pane; what is seen through it takes the place of an albedo.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-pub(super) fn pane(l: &mut Lanes, m: usize, sky: &Sky) {
+pub(super) fn pane(l: &mut ShadingBatch, m: usize, sky: &Sky) {
     for i in 0..m.min(LANES) {
         let (view, normal) = (get(&l.view, i), get(&l.normal, i));
         let cos_view = (-view.dot(normal)).clamp(0.0, 1.0);
@@ -305,7 +228,7 @@ pub(super) fn pane(l: &mut Lanes, m: usize, sky: &Sky) {
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-pub(super) fn through_air(l: &mut Lanes, m: usize, light: &Light) {
+pub(super) fn through_air(l: &mut ShadingBatch, m: usize, light: &Light) {
     for i in 0..m.min(LANES) {
         let clear = clear_share(light.extinction_per_m, l.distance_m[i]);
         let (matt, sheen) = (get(&l.matt, i), get(&l.sheen, i));
@@ -317,7 +240,7 @@ pub(super) fn through_air(l: &mut Lanes, m: usize, light: &Light) {
 /// What arrives at the pixels: light is known in the middles of pairs, and changes evenly from one to the next of a row, and so
 /// beyond the first and the last: where blocks meet, it changes by as much as elsewhere.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-pub(super) fn mix(l: &mut Lanes, m: usize) {
+pub(super) fn mix(l: &mut ShadingBatch, m: usize) {
     let m = m.min(LANES);
     let [of_left, of_right] = &mut l.out;
     let goes_on = &l.goes_on;

@@ -1,7 +1,7 @@
 //! The numbers of the labels' definitions.
 
 use super::box_cam::Boxes;
-use super::labeler::{Placed, Sighting};
+use super::sighting::{Placed, Sighting};
 use crate::actor::ActorState;
 use crate::error::{Error, Result};
 

@@ -1,72 +1,14 @@
 //! Decides what gets a label, what is seen without one, and what is left out.
 
-use crate::actor::{ActorState, ObjectClass};
+use crate::actor::ActorState;
 use crate::camera::{CameraModel, Seen};
-use crate::math::{self, DPose3, DVec3};
+use crate::math::{self, DPose3};
 use crate::sense::{PosedScene, VisibilityBuffer};
 
-use super::box_cam::{BoxCam, Boxes, Rect, truncation};
 use super::config::{LabelConfig, OcclusionMethod};
 use super::corners::visible_corners;
+use super::sighting::{Placed, Sighting};
 use super::silhouette::{ActorInstances, SAMPLES_PER_PIXEL, silhouette};
-
-/// An actor that a camera sees: what its label is made of, if it gets one.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Sighting {
-    /// The actor.
-    pub actor_id: i32,
-    /// Its class.
-    pub class: ObjectClass,
-    /// Its model.
-    pub model: String,
-    /// Whether it gets a label. What gets none is seen all the same: a detector should not be scored there.
-    pub is_labelled: bool,
-    /// Share of the box's projection outside the image.
-    pub truncation: f64,
-    /// 0 visible, 1 partly hidden, 2 mostly hidden.
-    pub occlusion_level: u8,
-    /// Heading of the box less its bearing from the camera, radians.
-    pub observation_angle: f64,
-    /// The box's projection inside the image.
-    pub bbox: Rect,
-    /// Visible samples / samples of the silhouette inside the image, times `contrast`.
-    pub visible_fraction: f64,
-    /// Visible pixels (half of the visible samples).
-    pub visible_pixels: f64,
-    /// What is left of its contrast through fog, rain and snow; 1 in clear air.
-    pub contrast: f64,
-    /// Returns of the scan from the actor.
-    pub num_points: usize,
-    /// Returns that an annotator of KITTI would have needed.
-    pub least_points: usize,
-    /// World velocity, m/s.
-    pub velocity_world: DVec3,
-    /// Rectangle round the silhouette inside the image; `None` where nothing is seen and behind a lens that bends.
-    pub silhouette_bbox: Option<Rect>,
-    /// Whether each corner of the 3D box is in view and not hidden.
-    pub corner_visible: [bool; 8],
-    /// The box.
-    pub box_cam: BoxCam,
-}
-
-/// An actor's box and what the image holds of its projection.
-pub(super) struct Placed {
-    pub box_cam: BoxCam,
-    /// The projection inside the image.
-    pub bbox: Rect,
-    /// Share of the projection outside it.
-    pub truncation: f64,
-}
-
-impl Placed {
-    /// `None` out of the image.
-    fn new(actor: &ActorState, boxes: Boxes, camera: &CameraModel, cam_from_world: &DPose3) -> Option<Self> {
-        let box_cam = BoxCam::of(actor, boxes, cam_from_world);
-        let whole = box_cam.project(camera)?;
-        let bbox = whole.clipped(camera.width, camera.height)?;
-        Some(Self { box_cam, bbox, truncation: truncation(&whole, &bbox) })
-    }
-}
 
 /// Whether some actor would get a label if nothing hid it: cheap, and `false` means that there is none to label.
 #[must_use]
@@ -167,14 +109,15 @@ pub fn sightings(
 mod tests {
     use std::sync::Arc;
 
+    use super::super::box_cam::Boxes;
     use super::*;
-    use crate::actor::AnnotatedBox;
+    use crate::actor::{AnnotatedBox, ObjectClass};
     use crate::camera::{View, kitti_like, look};
     use crate::frames;
     use crate::geometry::{LodSet, MeshBuilder};
     use crate::instance::Instance;
     use crate::material::{Material, Palette, Pattern, Semantic};
-    use crate::math::{DQuat, Vec3};
+    use crate::math::{DQuat, DVec3, Vec3};
 
     const EYE: DVec3 = DVec3::new(0.0, 0.0, 1.65);
 

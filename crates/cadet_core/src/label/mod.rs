@@ -6,11 +6,13 @@ mod corners;
 mod labeler;
 mod motion;
 mod road_plane;
+mod sighting;
 mod silhouette;
 
 pub use box_cam::{BoxCam, Boxes, Rect};
 pub use config::{LabelConfig, OcclusionMethod, Setting};
-pub use labeler::{Sighting, add_points, may_label, sightings};
+pub use labeler::{add_points, may_label, sightings};
 pub use motion::TakenView;
 pub use road_plane::road_plane_cam;
+pub use sighting::Sighting;
 pub use silhouette::pixels_of_actors;

@@ -1,7 +1,7 @@
 //! Whether a view shows something that the view before did not: the ego or a labelled object has moved.
 
 use super::box_cam::Rect;
-use super::labeler::Sighting;
+use super::sighting::Sighting;
 use crate::math::DPose3;
 
 /// A view that was taken: where the ego was, and the rectangles of what was labelled.

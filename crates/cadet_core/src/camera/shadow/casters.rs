@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use multiversion::multiversion;
 
+use super::map::{EMPTY, HIGHEST, Map, SIZE, STRIDE, TILE, least, most, steps};
 use super::setup::{Corners, Plane, Setup, rounded};
-use super::{EMPTY, HIGHEST, Map, SIZE, STRIDE, TILE, least, most, steps};
 use crate::geometry::{CLUSTER_FACES, Cluster, LANES, Piece};
 use crate::material::Material;
 use crate::math::{DMat3, Mat3, Vec3};

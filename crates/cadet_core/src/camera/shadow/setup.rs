@@ -1,6 +1,6 @@
 //! Faces about to be drawn onto a shadow map, eight at a time.
 
-use super::{HIGHEST, SIZE, least, most};
+use super::map::{HIGHEST, SIZE, least, most};
 use crate::geometry::LANES;
 
 /// The corners of [`LANES`] faces: x and y in texels, z in steps. A triangle's last one stands twice.

@@ -1,174 +1,28 @@
-//! Many hits of one kind, one a lane: what is known of them, and what is found.
+//! The shading pass of a batch: it gathers what is known of the hits, and shades them.
 
 use multiversion::multiversion;
 
 use super::face::{Face, Flags, Kind};
 use super::faces::{Open, PER_BLOCK};
 use super::hits::{ACROSS, BEHIND_STRIDE, Cell, DOWN, Hits, LANES, Lane, STRIDE};
-use super::shade::{Camera, Light, diffuse, geometry, gloss, mix, pane, place_texture, snow, texture, through_air};
-use super::shadow::{Asked, Neighbours};
+use super::light::Light;
+use super::shade::{diffuse, geometry, gloss, mix, pane, place_texture, snow, texture, through_air};
+use super::shading_batch::{Lane3, ShadingBatch, ShadingCamera, put};
+use super::shadow::Asked;
 use crate::material::Pattern;
 use crate::math::Vec3;
 
-pub type Lane3 = [Lane; 3];
-
-/// Lanes that are filled together.
+/// ShadingBatch that are filled together.
 const RUN: usize = 8;
 
-/// Pairs of pixels that show faces of one kind, lane by lane; each kind fills what it needs. Two of a thing are of the left
-/// pixel and of the right one.
-pub struct Lanes {
-    /// Number of the patch; see [`Hits::patches`].
-    pub patch: [u32; STRIDE],
-    /// The left pixel: where its colour is added. At first the block's first pixel.
-    pub target: [u32; STRIDE],
-    /// From a pixel of the target to the one below.
-    pub stride: [u32; STRIDE],
-    /// The left pixel, where what is seen through a pane is kept. At first that of the block's first pixel.
-    pub behind: [u32; STRIDE],
-    /// What the pixels' colours count.
-    pub weights: [Lane; 2],
-    /// The middle of the samples that show the face. At first the block's first pixel; so is the nearness.
-    pub u: Lane,
-    pub v: Lane,
-    /// 1 / z, 1/m.
-    pub nearness: Lane,
-    pub nearness_by_column: Lane,
-    pub nearness_by_row: Lane,
-    /// Where it lies in its block, from 0 at the first corner to 1 at the last.
-    pub across: Lane,
-    pub down: Lane,
-    /// From the middle to the right pixel, columns, where both pixels show the face; else 0.
-    pub aside: Lane,
-    /// All bits where the next lane has the next pair of pixels, and both are whole.
-    pub goes_on: [u32; STRIDE],
-    pub face_normal: Lane3,
-    pub axis_u: Lane3,
-    pub axis_v: Lane3,
-    pub at_eye: [Lane; 2],
-    pub normal_ab: Lane3,
-    pub normal_ac: Lane3,
-    pub to_b: Lane3,
-    pub to_c: Lane3,
-    pub weights_at_eye: [Lane; 2],
-    pub least_weight: Lane,
-    pub specular: Lane,
-    pub roughness: Lane,
-    pub transmission: Lane,
-    pub face_hash: [u32; STRIDE],
-    pub place_hash: [u32; STRIDE],
-    pub flags: [u32; STRIDE],
-    /// The sky's visibility towards the six half axes; flat faces know four of them.
-    pub open: [Lane; 6],
-    /// Light from all around, without what cars near by hide.
-    pub around: Lane3,
-    /// Unit vectors from the eye.
-    pub view: Lane3,
-    /// Relative to the eye.
-    pub point: Lane3,
-    pub distance_m: Lane,
-    /// Geometric mean of a pixel's extents on the surface, and its width square to the view.
-    pub footprint_m: Lane,
-    pub pixel_m: Lane,
-    /// Coordinates of the texture.
-    pub texture: [[Lane; 2]; 2],
-    /// At first of the first corner, then the unit shading normal.
-    pub normal: Lane3,
-    pub cos_sun: Lane,
-    pub cos_face: Lane,
-    pub is_asked: [bool; STRIDE],
-    neighbours: Neighbours<STRIDE>,
-    pub lit: Lane,
-    pub near: Lane,
-    /// Of the material.
-    pub material: Lane3,
-    /// Of the place.
-    pub albedo: [Lane3; 2],
-    /// What arrives at the camera if the albedo is one.
-    pub matt: Lane3,
-    /// What arrives whatever the albedo is: from mirrors and from the air.
-    pub sheen: Lane3,
-    /// The radiance that arrives at the camera.
-    pub out: [Lane3; 2],
-}
-
-#[inline(always)]
-pub fn get<const N: usize>(lanes: &[[f32; N]; 3], i: usize) -> Vec3 {
-    Vec3::new(lanes[0][i], lanes[1][i], lanes[2][i])
-}
-
-#[inline(always)]
-pub fn put<const N: usize>(lanes: &mut [[f32; N]; 3], i: usize, v: Vec3) {
-    (lanes[0][i], lanes[1][i], lanes[2][i]) = (v.x, v.y, v.z);
-}
-
-impl Default for Lanes {
-    fn default() -> Self {
-        const O: Lane = [0.0; STRIDE];
-        const O3: Lane3 = [O; 3];
-        Self {
-            patch: [0; STRIDE],
-            target: [0; STRIDE],
-            stride: [0; STRIDE],
-            behind: [0; STRIDE],
-            weights: [O; 2],
-            u: O,
-            v: O,
-            nearness: O,
-            nearness_by_column: O,
-            nearness_by_row: O,
-            across: O,
-            down: O,
-            aside: O,
-            goes_on: [0; STRIDE],
-            face_normal: O3,
-            axis_u: O3,
-            axis_v: O3,
-            at_eye: [O; 2],
-            normal_ab: O3,
-            normal_ac: O3,
-            to_b: O3,
-            to_c: O3,
-            weights_at_eye: [O; 2],
-            least_weight: O,
-            specular: O,
-            roughness: O,
-            transmission: O,
-            face_hash: [0; STRIDE],
-            place_hash: [0; STRIDE],
-            flags: [0; STRIDE],
-            open: [O; 6],
-            around: O3,
-            view: O3,
-            point: O3,
-            distance_m: O,
-            footprint_m: O,
-            pixel_m: O,
-            texture: [[O; 2]; 2],
-            normal: O3,
-            cos_sun: O,
-            cos_face: O,
-            is_asked: [false; STRIDE],
-            neighbours: Neighbours::default(),
-            lit: O,
-            near: O,
-            material: O3,
-            albedo: [O3; 2],
-            matt: O3,
-            sheen: O3,
-            out: [O3; 2],
-        }
-    }
-}
-
-impl Lanes {
+impl ShadingBatch {
     /// Shades patches of a kind; the outcome is in `out`, where it belongs in `target` and `weights`.
     ///
     /// `rgb`: the picture, where panes find what is behind them.
     pub fn shade(
         &mut self,
         light: &Light,
-        camera: &Camera,
+        camera: &ShadingCamera,
         kind: Kind,
         hits: &Hits,
         (faces, open): (&[Face], &[Open]),
@@ -233,7 +87,7 @@ impl Lanes {
 
 /// Asks for what the sun sees of the first `n` lanes; true if there is any.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn ask_sun(l: &mut Lanes, kind: Kind, n: usize) -> bool {
+fn ask_sun(l: &mut ShadingBatch, kind: Kind, n: usize) -> bool {
     let is_leaf = kind.pattern == Pattern::Leaves;
     let mut any = [0_u8; LANES];
     for i in 0..LANES {
@@ -247,7 +101,7 @@ fn ask_sun(l: &mut Lanes, kind: Kind, n: usize) -> bool {
 
 /// Asks for what vehicles leave of the sky to the first `n` lanes.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn ask_contacts(l: &mut Lanes, n: usize) {
+fn ask_contacts(l: &mut ShadingBatch, n: usize) {
     for i in 0..LANES {
         l.is_asked[i] = (i < n) & (l.flags[i] & Flags::CONTACT > 0);
     }
@@ -271,7 +125,7 @@ fn run3(lanes: &mut Lane3, start: usize, value: Vec3) {
 
 /// What lanes share with their patch.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn gather_patches(l: &mut Lanes, hits: &Hits, n: usize) {
+fn gather_patches(l: &mut ShadingBatch, hits: &Hits, n: usize) {
     for (number, (_, patch)) in hits.patches.iter().enumerate() {
         for i in hits.lanes_of(number, n).step_by(RUN) {
             run(&mut l.patch, i, number as u32);
@@ -290,7 +144,7 @@ fn gather_patches(l: &mut Lanes, hits: &Hits, n: usize) {
 
 /// Where each lane lies within its patch.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn spread(l: &mut Lanes, hits: &Hits, n: usize) {
+fn spread(l: &mut ShadingBatch, hits: &Hits, n: usize) {
     let m = n.next_multiple_of(16).min(LANES);
     for i in 0..m {
         let cell = hits.cells[i];
@@ -324,7 +178,7 @@ fn spread(l: &mut Lanes, hits: &Hits, n: usize) {
 const FARTHEST: f32 = 1e-6;
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn gather_faces(l: &mut Lanes, kind: Kind, hits: &Hits, n: usize, faces: &[Face]) {
+fn gather_faces(l: &mut ShadingBatch, kind: Kind, hits: &Hits, n: usize, faces: &[Face]) {
     let (has_coat, is_leaf) = (kind.is_glossy || kind.is_pane, kind.pattern == Pattern::Leaves);
     let has_axes = kind.pattern != Pattern::Plain && !is_leaf;
     for (number, (_, patch)) in hits.patches.iter().enumerate() {
@@ -367,7 +221,7 @@ fn gather_faces(l: &mut Lanes, kind: Kind, hits: &Hits, n: usize, faces: &[Face]
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn gather_open(l: &mut Lanes, kind: Kind, hits: &Hits, n: usize, open: &[Open]) {
+fn gather_open(l: &mut ShadingBatch, kind: Kind, hits: &Hits, n: usize, open: &[Open]) {
     if kind.pattern == Pattern::Leaves {
         for (number, (_, patch)) in hits.patches.iter().enumerate() {
             let of_patch = open[patch.open as usize];

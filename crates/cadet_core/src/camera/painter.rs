@@ -1,0 +1,92 @@
+//! Collects hits by shader variant, shades full batches, and adds their colors to the picture.
+
+use super::face::Kind;
+use super::faces::Faces;
+use super::hits::{BEHIND, Hits, LANES, Patch, SampleBits};
+use super::light::Light;
+use super::shading_batch::{ShadingBatch, ShadingCamera};
+
+/// Rows that are collected together.
+pub(super) const BAND: usize = 8;
+
+/// Shades hits of a kind as soon as there are enough, and adds them to the picture.
+pub(super) struct Painter<'a> {
+    /// By kind.
+    pub hits: Vec<Hits>,
+    pub batch: Box<ShadingBatch>,
+    pub light: &'a Light,
+    pub camera: ShadingCamera,
+    /// Where pixels begin that have what is seen through panes, and how many there are.
+    pub first_behind: usize,
+    pub behind: usize,
+    pub rgb: &'a mut [f32],
+}
+
+impl Painter<'_> {
+    /// Empties some rows' pixels and those behind panes.
+    pub fn clear(&mut self, pixels: std::ops::Range<usize>) {
+        self.rgb[pixels.start * 3..pixels.end * 3].fill(0.0);
+        self.behind = 0;
+    }
+
+    /// The first of [`BEHIND`] black pixels for what is seen through the panes of a block.
+    pub fn new_behind(&mut self) -> u32 {
+        let first = self.first_behind + self.behind;
+        self.behind += BEHIND;
+        self.rgb[first * 3..(first + BEHIND) * 3].fill(0.0);
+        first as u32
+    }
+
+    /// Colours of some pixels in a row.
+    #[inline]
+    pub fn row(&mut self, first: usize, count: usize) -> &mut [f32] {
+        &mut self.rgb[first * 3..(first + count) * 3]
+    }
+
+    /// Adds a colour to a pixel.
+    #[inline]
+    pub fn add(&mut self, pixel: u32, weight: f32, color: [f32; 3]) {
+        let at = pixel as usize * 3;
+        for (sum, c) in self.rgb[at..at + 3].iter_mut().zip(color) {
+            *sum += weight * c;
+        }
+    }
+
+    /// What a face shows in a block. What is behind a pane must be shaded.
+    #[inline]
+    pub fn push(&mut self, faces: &Faces, kind: u32, patch: &Patch, samples: SampleBits) {
+        let hits = &mut self.hits[kind as usize];
+        hits.push(patch, samples);
+        if hits.is_full() {
+            self.shade(faces, kind as usize);
+        }
+    }
+
+    /// Shades all that waits.
+    pub fn shade_all(&mut self, faces: &Faces) {
+        for kind in 0..self.hits.len() {
+            self.shade(faces, kind);
+        }
+    }
+
+    #[inline(never)]
+    fn shade(&mut self, faces: &Faces, kind: usize) {
+        let hits = &mut self.hits[kind];
+        if hits.count == 0 {
+            return;
+        }
+        let known = (faces.faces.as_slice(), faces.open.as_slice());
+        self.batch.shade(self.light, &self.camera, Kind::of(kind), hits, known, self.rgb);
+        let n = hits.count.min(LANES);
+        hits.clear();
+        let [left, right] = &self.batch.out;
+        for (i, pixel) in self.batch.target[..n].iter().enumerate() {
+            if let Some(pixels) = self.rgb[*pixel as usize * 3..].first_chunk_mut::<6>() {
+                let added = [left[0][i], left[1][i], left[2][i], right[0][i], right[1][i], right[2][i]];
+                for k in 0..6 {
+                    pixels[k] += added[k];
+                }
+            }
+        }
+    }
+}
