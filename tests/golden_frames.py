@@ -12,7 +12,7 @@ from __future__ import annotations
 import hashlib
 import json
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -30,10 +30,14 @@ class Case:
     rig: str = "kitti"
     weather: str | None = None
     """Drawn by the policy if None."""
+    image_size: tuple[int, int] | None = None
+    """Of every camera; the rig's own if None."""
 
     def capture(self) -> cadet.Frame:
         """Make the frame, with all its maps."""
         policy, rig = getattr(cadet.ResetPolicy, self.policy)(), getattr(cadet.Rig, self.rig)()
+        if self.image_size is not None:
+            rig = _resized(rig, self.image_size)
         return cadet.Scene.random(seed=0, policy=policy, rig=rig, weather=self.weather).capture()
 
 
@@ -42,14 +46,25 @@ CASES = {
     "paper": Case(policy="paper", rig="paper"),
     "cadet": Case(rig="cadet"),
     "rain": Case(weather="hard_rain_noon"),
+    # Six cameras: small ones, since an emulated processor makes them too.
+    "nuscenes": Case(rig="nuscenes", weather="clear_noon", image_size=(320, 180)),
 }
+
+
+def _resized(rig: cadet.Rig, size: tuple[int, int]) -> cadet.Rig:
+    more = tuple(
+        replace(one, camera=one.camera.resized(*size)) if isinstance(one, cadet.MountedCamera) else one
+        for one in rig.more
+    )
+    return replace(rig, camera=rig.camera.resized(*size), more=more)
 
 
 def digest(frame: cadet.Frame) -> str:
     """Hash all that a frame holds."""
     found = hashlib.sha256()
     maps = (frame.depth, frame.instance, frame.semantic)
-    for part in (frame.image, frame.points_velo, frame.plane, *maps):
+    others = [image for name, image in frame.images.items() if name != next(iter(frame.images))]
+    for part in (frame.image, frame.points_velo, frame.plane, *maps, *others):
         assert part is not None
         found.update(f"{part.dtype} {part.shape}".encode())
         found.update(np.ascontiguousarray(part).tobytes())
