@@ -17,7 +17,7 @@ from cadet.kitti import TYPES
 Size = tuple[float, float, float]
 
 CAR_SIZES: Final[tuple[Size, ...]] = ((3.514, 1.581, 1.511), (4.236, 1.653, 1.547))
-"""Two clusters (l, w, h) of KITTI's cars, metres."""
+"""Two clusters (l, w, h) of KITTI's cars, meters."""
 
 MAX_PIXELS: Final = 2**23
 """The most pixels of the image after resizing, and the most cells of a map: for each the network keeps many numbers."""
@@ -81,7 +81,7 @@ class AnchorConfig:
     """
 
     stride_m: float = 0.5
-    """Between neighbours, in x and in z."""
+    """Between neighbors, in x and in z."""
     min_height_m: float = 0.2
     """Points from this height over the ground plane up make a cell occupied ..."""
     max_height_m: float = 2.0
@@ -266,7 +266,7 @@ class SecondStageConfig:
 
 @dataclass(frozen=True, kw_only=True)
 class TrainingConfig:
-    """The optimiser, its schedule, and what is drawn.
+    """The optimizer, its schedule, and what is drawn.
 
     Raises:
         CadetError: a number outside its range.

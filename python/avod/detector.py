@@ -84,7 +84,7 @@ class Detector:
         """Detect objects in a frame.
 
         Args:
-            points_velo: (N, 4) float32 [x, y, z, intensity], metres, velo frame. Without points nothing is found.
+            points_velo: (N, 4) float32 [x, y, z, intensity], meters, velo frame. Without points nothing is found.
             image: (H, W, 3) uint8 RGB, of any size that fits the calibration.
             calib: the calibration.
             plane: (4,) ground plane in the cam frame; it is estimated from the points if None, or if the

@@ -89,7 +89,7 @@ def loss_figure(rows: Sequence[dict[str, float]], size: tuple[int, int] = (960, 
 
 
 def _running_mean(values: Sequence[float]) -> NDArray[np.float64]:
-    """Average every value with its neighbours, a thirtieth of all, fewer at the ends."""
+    """Average every value with its neighbors, a thirtieth of all, fewer at the ends."""
     reach = len(values) // 60
     sums = np.cumsum([0.0, *values])
     first = np.maximum(np.arange(len(values)) - reach, 0)

@@ -26,7 +26,7 @@ class Boxes:
     """Detected boxes of a frame, best first.
 
     Attributes:
-        boxes_cam: (D, 7), bottom centre in the cam frame.
+        boxes_cam: (D, 7), bottom center in the cam frame.
         scores: (D,) probability of the class.
         classes: (D,) int64, 1 for the first class.
     """

@@ -49,13 +49,13 @@ class VehicleMesh:
     file: str = "mesh"
     """The file's name, for messages."""
     scale: float = 1.0
-    """Metres per unit of the file."""
+    """Meters per unit of the file."""
     yaw_deg: float = 0.0
     """Turns the mesh about the vertical, counter-clockwise seen from above, so that its front looks along +x."""
     up: str = "z"
     """The file's axis that points up: one of `UPS`."""
     size_lwh: tuple[float, float, float] | None = None
-    """Stretches the mesh to this length, width and height, metres."""
+    """Stretches the mesh to this length, width and height, meters."""
     materials: tuple[tuple[str, tuple[str, ...]], ...] = ()
     """For some of `ROLES`: patterns of the names of their materials, in place of the usual ones."""
 

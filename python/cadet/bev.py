@@ -141,7 +141,7 @@ def maps(
     """Make the maps of a point cloud. No image filter inside: see `cadet.kitti.points_in_image`.
 
     Args:
-        points_cam: (N, 3) or wider, float32 or float64, metres, frame of camera 0. May be empty.
+        points_cam: (N, 3) or wider, float32 or float64, meters, frame of camera 0. May be empty.
         plane: (4,) a, b, c, d of the ground in the same frame, of any length and sign.
         config: which maps; AVOD's own by default.
         out: (C, H, W) float32, C-contiguous and aligned, to be overwritten: a fresh array costs about as much as the

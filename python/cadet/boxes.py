@@ -1,9 +1,9 @@
 """Oriented boxes: corners, projection, truncation, membership, and the step between the cam and velo frames.
 
-`boxes_cam` is (M, 7) [x, y, z, l, w, h, rotation_y], the bottom face's centre in the rectified frame of camera 0.
-`boxes_velo` is (M, 7) [x, y, z, l, w, h, yaw], the geometric centre in the velo frame, yaw
+`boxes_cam` is (M, 7) [x, y, z, l, w, h, rotation_y], the bottom face's center in the rectified frame of camera 0.
+`boxes_velo` is (M, 7) [x, y, z, l, w, h, yaw], the geometric center in the velo frame, yaw
 counter-clockwise seen from above.
-`boxes_img` is (M, 4) [left, top, right, bottom] in pixels, (0, 0) the centre of the top-left pixel.
+`boxes_img` is (M, 4) [left, top, right, bottom] in pixels, (0, 0) the center of the top-left pixel.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from cadet.kitti.calib import Calibration
 
 NEAR_M: Final = 0.1
-"""Boxes are cut here, in metres before the cam frame's origin, when they are projected."""
+"""Boxes are cut here, in meters before the cam frame's origin, when they are projected."""
 
 EDGES: Final = ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7))
 """The twelve edges of a box, as pairs of corners of `corners_cam`."""
@@ -66,7 +66,7 @@ def corners_cam(boxes_cam: NDArray[Any]) -> NDArray[np.float64]:
     """List the corners of boxes.
 
     Args:
-        boxes_cam: (M, 7), metres and radians. May be empty.
+        boxes_cam: (M, 7), meters and radians. May be empty.
 
     Returns:
         (M, 8, 3) float64 in the cam frame: bottom front left, front right, rear right, rear left, then the top alike,
@@ -92,7 +92,7 @@ def project_boxes(boxes_cam: NDArray[Any], calib: Calibration) -> NDArray[np.flo
     A box that reaches behind `NEAR_M` is cut there first, edge by edge, so it keeps its finite, visible part.
 
     Args:
-        boxes_cam: (M, 7), metres and radians. May be empty.
+        boxes_cam: (M, 7), meters and radians. May be empty.
         calib: the calibration, whose whole P2 projects.
 
     Returns:
@@ -123,7 +123,7 @@ def clip_segments(
     """Cut segments where they pass behind `NEAR_M`.
 
     Args:
-        starts_cam: (..., 3) metres, cam frame.
+        starts_cam: (..., 3) meters, cam frame.
         ends_cam: (..., 3) likewise.
 
     Returns:
@@ -173,7 +173,7 @@ def truncation(boxes_cam: NDArray[Any], calib: Calibration, image_size: tuple[in
     """Compute which share of each projected box the image cuts off: 1 - clipped area / whole area.
 
     Args:
-        boxes_cam: (M, 7), metres and radians.
+        boxes_cam: (M, 7), meters and radians.
         calib: the calibration.
         image_size: width and height in pixels.
 
@@ -195,8 +195,8 @@ def points_in_boxes(points_cam: NDArray[Any], boxes_cam: NDArray[Any], margin_m:
     """Tell which points lie inside which boxes.
 
     Args:
-        points_cam: (N, 3) or wider, metres, cam frame. May be empty.
-        boxes_cam: (M, 7), metres and radians. May be empty.
+        points_cam: (N, 3) or wider, meters, cam frame. May be empty.
+        boxes_cam: (M, 7), meters and radians. May be empty.
         margin_m: grows every box by this on all six sides; negative shrinks.
 
     Returns:
@@ -227,7 +227,7 @@ def points_in_boxes(points_cam: NDArray[Any], boxes_cam: NDArray[Any], margin_m:
 def boxes_velo_from_cam(boxes_cam: NDArray[Any], calib: Calibration) -> NDArray[np.float64]:
     """Bring boxes from the cam frame into the velo frame: (M, 7) to (M, 7).
 
-    The centre moves exactly; yaw = -(rotation_y + pi/2), as everywhere for KITTI, which leaves out the fraction of a
+    The center moves exactly; yaw = -(rotation_y + pi/2), as everywhere for KITTI, which leaves out the fraction of a
     degree by which the two frames are tilted.
 
     Raises:

@@ -49,7 +49,7 @@ class Camera:
     cy: float = _DEFAULT.center_px[1]
     """Row of the optical axis."""
     cam1_from_cam0_m: Row3 = _offset_m(_DEFAULT, _DEFAULT.p1_column)
-    """Where camera 0 stands in the frame of camera 1, the right grey one: the translation behind P1's fourth column."""
+    """Where camera 0 stands in the frame of camera 1, the right gray one: the translation behind P1's fourth column."""
     cam2_from_cam0_m: Row3 = _offset_m(_DEFAULT, _DEFAULT.p2_column)
     """The same of camera 2, which takes the image."""
     cam3_from_cam0_m: Row3 = _offset_m(_DEFAULT, _DEFAULT.p3_column)

@@ -77,7 +77,7 @@ class Environment:
         """Drive the policy's distance and return what the rig sees; the episode's end leads into the next one.
 
         Raises:
-            CadetError: `reset` was not called, or no world of the episode showed a labelled object.
+            CadetError: `reset` was not called, or no world of the episode showed a labeled object.
         """
         if self._current is None:
             raise CadetError("step: call reset(seed=...) first")

@@ -1,4 +1,4 @@
-"""One reset and its samples: draws the world, drives, and looks until something labelled is in view."""
+"""One reset and its samples: draws the world, drives, and looks until something labeled is in view."""
 
 from __future__ import annotations
 
@@ -79,14 +79,14 @@ class Episode:
         self._spec: EpisodeSpec | None = None
 
     def next_sample(self, number: int) -> Sample:
-        """Drive on and return the next view with a labelled object as sample `number` of the episode.
+        """Drive on and return the next view with a labeled object as sample `number` of the episode.
 
         In a sequence (`ResetPolicy.time_step_s`) this holds for the first sample; the others follow by time.
         The first view of a world is taken where the ego stands. A view in which nothing has moved since the last one
-        (docs/labels.md) is passed over like one without a labelled object, and both count towards the world's redraw.
+        (docs/labels.md) is passed over like one without a labeled object, and both count towards the world's redraw.
 
         Raises:
-            CadetError: no world showed a labelled object.
+            CadetError: no world showed a labeled object.
         """
         while True:
             scene, spec = self._advance(number)

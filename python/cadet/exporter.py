@@ -41,7 +41,7 @@ class Ending:
     files: Mapping[str, bytes]
     """Lists or tables by name, in the order in which they are written."""
     labels: Counter[str]
-    """Labelled objects by type."""
+    """Labeled objects by type."""
     folders: tuple[str, ...] = field(default=())
     """Folders that must be there, be they empty or not."""
 

@@ -32,9 +32,9 @@ class Extrinsics:
     r0_rect: tuple[Row3, Row3, Row3] = _DEFAULT.r0_rect
     """The rotation that rectifies camera 0."""
     tr_velo_to_cam: tuple[Row4, Row4, Row4] = _DEFAULT.tr_velo_to_cam
-    """From the LIDAR to camera 0 before it is rectified, metres."""
+    """From the LIDAR to camera 0 before it is rectified, meters."""
     tr_imu_to_velo: tuple[Row4, Row4, Row4] = TR_IMU_TO_VELO
-    """From the inertial unit to the LIDAR, metres."""
+    """From the inertial unit to the LIDAR, meters."""
 
     def __post_init__(self) -> None:
         for name, num_columns in (("r0_rect", 3), ("tr_velo_to_cam", 4), ("tr_imu_to_velo", 4)):

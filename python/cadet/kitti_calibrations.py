@@ -38,7 +38,7 @@ class KittiCalibration:
     tr_velo_to_cam: tuple[Row4, Row4, Row4]
     """Tr_velo_to_cam."""
     lidar_pitch_deg: float
-    """How far the LIDAR looks down on the road it stands on: the mean over the drives, by the bottoms of the labelled
+    """How far the LIDAR looks down on the road it stands on: the mean over the drives, by the bottoms of the labeled
     boxes (17,000, 2,200, 1,600 and 1,200 nearer than 35 m) and by scans. Its roll is 0.0 within 0.2 degrees."""
 
 

@@ -159,12 +159,12 @@ class Lidar:
         """Return every beam of a turn, in the order of an ideal scan's rows.
 
         Returns:
-            origins_velo (B, 3) metres, directions_velo (B, 3) of unit length, ring (B,) from the top, column (B,).
+            origins_velo (B, 3) meters, directions_velo (B, 3) of unit length, ring (B,) from the top, column (B,).
         """
         return self.to_native().rays()
 
     def range_m(self) -> list[float]:
-        """Return the nearest and the farthest range, metres."""
+        """Return the nearest and the farthest range, meters."""
         beams = self.to_native().table()
         return [beams["min_range_m"], beams["max_range_m"]]
 

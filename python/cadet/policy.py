@@ -109,7 +109,7 @@ class ResetPolicy:
     blocked_s: float = 2.0
     """A view is taken all the same once the ego has stood this long."""
     empty_views_limit: int = 10
-    """After so many views in a row without a labelled object, or without motion since the view before, the world is
+    """After so many views in a row without a labeled object, or without motion since the view before, the world is
     redrawn inside the episode."""
     attempts_limit: int = 50
     """After so many redrawn worlds an episode is given up with an error."""
@@ -196,7 +196,7 @@ class ResetPolicy:
     def paper(cls) -> ResetPolicy:
         """The 2019 paper's resets and rig: cars and pedestrians alone, exact boxes, every weather equally likely.
 
-        As in the paper's 10,000 frames, 1.4 cars and 0.49 pedestrians are labelled in a frame.
+        As in the paper's 10,000 frames, 1.4 cars and 0.49 pedestrians are labeled in a frame.
         """
         return cls(
             name="paper",
@@ -225,7 +225,7 @@ class ResetPolicy:
     def as_sequence(self, *, hz: float, length_s: float) -> ResetPolicy:
         """Return the policy with episodes of `length_s` seconds, in which `hz` samples a second are taken.
 
-        The first sample shows a labelled object; the others show what is there.
+        The first sample shows a labeled object; the others show what is there.
 
         Raises:
             CadetError: a rate that does not divide the 60 steps of a second, or a length without a sample.
@@ -352,7 +352,7 @@ def draw_with(policy: ResetPolicy, config: SceneConfig | None) -> Callable[[int,
     return lambda seed, episode, attempt: replace(policy.draw(seed, episode, attempt), config=config)
 
 
-# The mean pitch of KITTI's camera, by the bottoms of the labelled boxes, differs by this much between the drives of
+# The mean pitch of KITTI's camera, by the bottoms of the labeled boxes, differs by this much between the drives of
 # 2011_09_26, the error of each mean taken off.
 _KITTI_CAR_PITCH_SD_DEG = 0.12
 

@@ -32,7 +32,7 @@ class Pose:
     """
 
     position_m: Row3 = (0.0, 0.0, 0.0)
-    """The origin, metres."""
+    """The origin, meters."""
     quaternion_wxyz: Row4 = (1.0, 0.0, 0.0, 0.0)
     """The rotation: a unit quaternion, the real part first."""
 

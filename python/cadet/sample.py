@@ -22,7 +22,7 @@ class Scan:
     An ideal scan has one row for each of `Lidar.rays()`, in the same order; a normal one only its returns.
 
     Attributes:
-        points_velo: (N, 4) float32 [x, y, z, intensity], metres in the velo frame.
+        points_velo: (N, 4) float32 [x, y, z, intensity], meters in the velo frame.
         ring: (N,) int32, 0 at the top.
         column: (N,) int32, 0 forward.
         actor_id: (N,) int32, as in `Frame.instance`; -1 for a miss.
@@ -62,10 +62,10 @@ class Wanted:
 
 
 class Maps(NamedTuple):
-    """What the pixels' centres of an image show.
+    """What the pixels' centers of an image show.
 
     Attributes:
-        depth: (H, W) float32, metres along the optical axis, inf for sky.
+        depth: (H, W) float32, meters along the optical axis, inf for sky.
         instance: (H, W) int32: -1 sky, 0 static world, >= 1 agents.
         semantic: (H, W) uint8, values of `cadet.Semantic`.
     """
@@ -83,7 +83,7 @@ class Agent:
         id: at least 1, the same for as long as it lives.
         type: its class, such as "Car".
         model: its model's name.
-        size_lwh: length, width and height in metres.
+        size_lwh: length, width and height in meters.
         world_from_agent: (4, 4) float64: x forward, y left, z up, origin in the middle of its bottom.
         velocity_world: m/s.
         visible_share: of its outline in all images of the sample, the share that is seen; None unless asked for, and

@@ -52,7 +52,7 @@ class Scene:
     """A town with traffic and sensors. Make one with `Scene.random` or `Scene.empty`.
 
     Frames: world is x east, y north, z up; velo is x forward, y left, z up; cam is the rectified camera 0, x right,
-    y down, z forward. Metres, radians and seconds throughout.
+    y down, z forward. Meters, radians and seconds throughout.
     """
 
     def __init__(self, native: _cadet.Scene, rig: Rig, first: Sample | None = None) -> None:
@@ -76,7 +76,7 @@ class Scene:
         policy: ResetPolicy | str | None = None,
         assets: Assets | str | Path | None = None,
     ) -> Scene:
-        """Draw a suburb with traffic in which at least one labelled object is in view.
+        """Draw a suburb with traffic in which at least one labeled object is in view.
 
         `Scene.random(seed=s)` is episode 0, sample 0 of `cadet-gen --seed s`.
 
@@ -90,7 +90,7 @@ class Scene:
             assets: the user's own vehicles, or their folder; the policy's if None.
 
         Raises:
-            CadetError: a map that can't be read or driven, an unknown weather, bad assets, or no labelled object to be
+            CadetError: a map that can't be read or driven, an unknown weather, bad assets, or no labeled object to be
                 found.
             MissingFileError: there is no such map, or no such assets.
         """
@@ -180,8 +180,8 @@ class Scene:
         Args:
             kind: "car", "van" or "pedestrian", in any letter case; with `model` that vehicle's class, "truck" too.
                 KITTI's other types have no shape and are refused.
-            x: metres, world frame: the middle of its box. Left out with a path, as are `y` and `yaw`.
-            y: metres, world frame.
+            x: meters, world frame: the middle of its box. Left out with a path, as are `y` and `yaw`.
+            y: meters, world frame.
             yaw: radians, counter-clockwise from east.
             model_seed: draws its shape and color, for a person who moves one that walks.
             model: the name of one of the scene's own vehicles (`assets`), in place of a drawn shape.
@@ -220,8 +220,8 @@ class Scene:
         """Put the ego on the ground at a place, at rest.
 
         Args:
-            x: metres, world frame: the middle of the car.
-            y: metres, world frame.
+            x: meters, world frame: the middle of the car.
+            y: meters, world frame.
             yaw: radians, counter-clockwise from east.
             overlap: "refuse" a place where an actor stands, or "allow" it.
 

@@ -116,7 +116,7 @@ def apply(
     in pieces. Rows keep their order. With no weather the points come back bit for bit, in a new array.
 
     Args:
-        points_velo: (N, 4) float32: x, y, z in metres from the sensor, intensity in 0..1. Not changed. May be empty.
+        points_velo: (N, 4) float32: x, y, z in meters from the sensor, intensity in 0..1. Not changed. May be empty.
         fog: attenuation alpha, 1/m, 0 to 10; 0.06 is seen through for 50 m.
         rain: mm/h, 0 to 1000.
         snow: mm/h of water, 0 to 100.

@@ -153,7 +153,7 @@ def all_taken(config: Config) -> Config:
 
 
 class Frozen(AvodNetwork):
-    """A network in training whose normalisation keeps to its averages, so that no frame changes another's maps."""
+    """A network in training whose normalization keeps to its averages, so that no frame changes another's maps."""
 
     def train(self, mode: bool = True) -> Frozen:
         super().train(mode)

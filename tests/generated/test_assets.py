@@ -1,4 +1,4 @@
-"""A user's meshes in generated frames: labelled, seen by both sensors, inside their boxes, the same for any workers."""
+"""A user's meshes in generated frames: labeled, seen by both sensors, inside their boxes, the same for any workers."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def tree(root: Path) -> dict[str, bytes]:
 
 
 def share_inside(frame: cadet.Frame, scan: cadet.Scan, names: Sequence[str]) -> tuple[int, int, set[str]]:
-    """Count a frame's points on labelled actors of some models: those in their boxes, all, and the models met."""
+    """Count a frame's points on labeled actors of some models: those in their boxes, all, and the models met."""
     assert frame.meta is not None
     cam_from_velo = frame.calib.cam_from_velo
     points_cam = scan.points_velo[:, :3].astype(float) @ cam_from_velo[:3, :3].T + cam_from_velo[:3, 3]
@@ -211,7 +211,7 @@ def test_a_real_mesh_looks_ahead_and_stands_on_its_wheels(real: cadet.Assets, nu
     length_m = np.ptp(own[:, 0])
     assert abs(own[:, 2].min()) < 0.03
     assert np.allclose([own[:, 0].min(), own[:, 1].min()], -np.ptp(own, axis=0)[:2] / 2, atol=0.02)
-    # Tyres touch the ground in all four corners.
+    # Tires touch the ground in all four corners.
     feet = own[own[:, 2] < 0.06]
     corners = {(x > 0, y > 0) for x, y, _ in feet}
     assert len(corners) == 4

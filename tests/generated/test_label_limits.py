@@ -1,4 +1,4 @@
-"""What keeps an object from being labelled: fog, the image's edge, nearness, too few returns."""
+"""What keeps an object from being labeled: fog, the image's edge, nearness, too few returns."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from obj_meshes import WALL, assets_folder
 from sensed import objects_of
 
 PLACES = [(11.0, -5.8), (19.0, 7.7), (29.0, -6.2), (41.0, 8.7), (56.0, -5.4), (73.0, 6.4)]
-"""Of cars that do not hide each other, metres ahead and to the left."""
+"""Of cars that do not hide each other, meters ahead and to the left."""
 
 Found = dict[int, tuple[cadet.Label, dict[str, Any]]]
 

@@ -145,7 +145,7 @@ def camera_center_world(sensed: Sensed) -> NDArray[np.float64]:
 
 
 def test_pixels_of_labelled_actors_are_those_that_parry_meets() -> None:
-    """Parry, which knows nothing of the kernel, must meet the labelled actor first along its pixels' rays."""
+    """Parry, which knows nothing of the kernel, must meet the labeled actor first along its pixels' rays."""
     scene = cadet.Scene.random(seed=3, weather="clear_noon")
     sensed = sense(scene)
     p2 = sensed.frame.calib.P2
@@ -305,7 +305,7 @@ def test_planes_lie_on_the_road(street_frames: list[Sensed]) -> None:
 def test_objects_stand_before_dontcare_in_the_file_and_in_the_meta() -> None:
     scene = cadet.Scene.empty()
     scene.move_ego(x=0, y=0, yaw=0)
-    # Too far to be labelled (1 and 3), near enough (2 and 4).
+    # Too far to be labeled (1 and 3), near enough (2 and 4).
     for kind, x, y in [("car", 84, 5), ("car", 16, -4), ("car", 85, -9), ("pedestrian", 13, 3)]:
         scene.add(kind, x=x, y=y, yaw=1.5)
     files = encode_frame(scene.capture())

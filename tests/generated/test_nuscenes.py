@@ -133,7 +133,7 @@ def test_boxes_lie_on_their_points_and_in_the_images(root: Path, tables: dict[st
                 width, length, height = annotation["size"]
                 local = np.abs((world @ np.linalg.inv(matrix(annotation)).T)[:, :3])
                 inside = (local <= np.array([length, width, height]) / 2 + 0.1).all(axis=1).sum()
-                # Curbs and neighbours add some; a driver's arm or a mirror is missing.
+                # Curbs and neighbors add some; a driver's arm or a mirror is missing.
                 assert inside >= 0.9 * annotation["num_lidar_pts"] - 1
                 num_boxes += annotation["num_lidar_pts"] > 20
         else:

@@ -1,4 +1,4 @@
-"""How full the paper policy's streets are: 1.4 cars and 0.49 pedestrians labelled in a frame."""
+"""How full the paper policy's streets are: 1.4 cars and 0.49 pedestrians labeled in a frame."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ from sensed import Sensed
 
 @pytest.fixture(scope="module")
 def points() -> dict[str, NDArray[np.float64]]:
-    """Points by class: rows of range in metres and intensity; for cars also the share of the box's height."""
+    """Points by class: rows of range in meters and intensity; for cars also the share of the box's height."""
     names = ("asphalt", "foliage", "facades", "people", "signs")
     by_class: dict[str, list[NDArray[np.float64]]] = {name: [] for name in names}
     cars = []

@@ -241,7 +241,7 @@ def test_the_right_image_is_written_beside_the_left_one(tmp_path: Path) -> None:
     assert {40, 50} <= set(classes.tolist())
     vehicles = np.isin(classes, [10, 18, 252, 258])
     assert (instances[vehicles] > 0).all() and (instances[np.isin(classes, [40, 48, 50, 70, 72])] == 0).all()
-    # What is labelled a car has as many points of its instance as its line's meta says.
+    # What is labeled a car has as many points of its instance as its line's meta says.
     frame = cadet.kitti.read_frame(tmp_path / "out", 0)
     assert frame.meta is not None
     for one in frame.meta["objects"]:

@@ -100,7 +100,7 @@ def test_lint_finds_no_error() -> None:
 
 @functools.cache
 def labelled_boxes() -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Overlap with and without P2's fourth column, truncation of the projected boxes, labelled truncation."""
+    """Overlap with and without P2's fourth column, truncation of the projected boxes, labeled truncation."""
     rows = []
     for path in files("labels_200/calib/*.txt"):
         labels = [

@@ -96,7 +96,7 @@ def test_a_box_around_the_camera_can_be_drawn() -> None:
     drawn, without = (view.figures(make_frame(labels=labels)) for labels in ((around,), ()))
     for name in ("boxes", "corners", "bev"):
         assert (drawn[name] != without[name]).any(), name
-    # From above: the outline of 6 x 2 m, 12 pixels a metre, lies about the sensor's place at (480, 840).
+    # From above: the outline of 6 x 2 m, 12 pixels a meter, lies about the sensor's place at (480, 840).
     changed = np.argwhere((drawn["bev"] != without["bev"]).any(axis=2))
     rows, columns = changed[:, 0], changed[:, 1]
     assert 6.0 * 12 / 2 < np.ptp(rows) < 8.0 * 12 and 2.0 * 12 - 2 <= np.ptp(columns) < 3.0 * 12

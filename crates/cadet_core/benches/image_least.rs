@@ -1,4 +1,4 @@
-//! What an image of a suburb costs at least: on a shared machine means follow the neighbours, the least of many runs hardly.
+//! What an image of a suburb costs at least: on a shared machine means follow the neighbors, the least of many runs hardly.
 //!
 //! `cargo bench -p cadet_core --bench image_least -- 40` takes each image 40 times; the number may be left out.
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]

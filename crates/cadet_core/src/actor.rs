@@ -1,4 +1,4 @@
-//! What is labelled: KITTI's classes and the state of an actor.
+//! What is labeled: KITTI's classes and the state of an actor.
 
 use crate::error::{Error, Result};
 use crate::math::{DPose3, DVec3};
@@ -70,9 +70,9 @@ impl ObjectClass {
 pub struct AnnotatedBox {
     /// Length, width, height.
     pub size_lwh: DVec3,
-    /// Its bottom centre.
+    /// Its bottom center.
     pub bottom_center_in_box: DVec3,
-    /// The greatest depth at which it is drawn, metres: annotators leave out far objects.
+    /// The greatest depth at which it is drawn, meters: annotators leave out far objects.
     pub farthest_m: f64,
     /// Returns that an annotator needs to draw it.
     pub least_points: usize,
@@ -99,7 +99,7 @@ pub struct ActorState {
     pub size_lwh: DVec3,
     /// What an annotator would draw instead.
     pub annotated: AnnotatedBox,
-    /// The box frame: x forward, y left, z up, origin at the box's **bottom centre**.
+    /// The box frame: x forward, y left, z up, origin at the box's **bottom center**.
     pub world_from_box: DPose3,
     /// Velocity of the box's origin, m/s.
     pub velocity_world: DVec3,
@@ -108,13 +108,13 @@ pub struct ActorState {
 }
 
 impl ActorState {
-    /// The box's geometric centre.
+    /// The box's geometric center.
     #[must_use]
     pub fn center_world(&self) -> DVec3 {
         self.world_of(&AnnotatedBox::exact(self.size_lwh))
     }
 
-    /// The geometric centre of a box that is given in the actor's box frame.
+    /// The geometric center of a box that is given in the actor's box frame.
     #[must_use]
     pub fn world_of(&self, own: &AnnotatedBox) -> DVec3 {
         let center = own.bottom_center_in_box + DVec3::new(0.0, 0.0, own.size_lwh.z / 2.0);

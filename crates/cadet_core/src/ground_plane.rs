@@ -6,18 +6,18 @@ use crate::error::{Error, Result};
 use crate::math;
 use crate::rng::Stream;
 
-/// Where the ground is looked for, in the frame of camera 0, metres: ahead, to either side, below the camera.
+/// Where the ground is looked for, in the frame of camera 0, meters: ahead, to either side, below the camera.
 const AHEAD_M: (f64, f64) = (2.0, 50.0);
 const ASIDE_M: f64 = 8.0;
 const BELOW_M: (f64, f64) = (0.3, 4.5);
-/// Side of the square cells of ground that count once each, however many returns they hold, metres.
+/// Side of the square cells of ground that count once each, however many returns they hold, meters.
 const CELL_M: f64 = 0.5;
 const NUM_COLUMNS: usize = (2.0 * ASIDE_M / CELL_M) as usize;
 const NUM_ROWS: usize = (AHEAD_M.1 / CELL_M) as usize;
 /// The height of a cell is this quantile of its returns, counted from the lowest: above the outliers, below what stands
 /// on the ground.
 const QUANTILE: f64 = 0.25;
-/// Half the width of a usual street, metres: cells farther to the side than this count for less.
+/// Half the width of a usual street, meters: cells farther to the side than this count for less.
 const STREET_M: f64 = 4.0;
 const MIN_POINTS: usize = 30;
 
@@ -29,7 +29,7 @@ const HEIGHT_M: (f64, f64) = (0.5, 3.5);
 const SUPPORT_M: f64 = 0.06;
 const WIDENS_PER_M: f64 = 0.0125;
 
-/// Reweighted least squares: the width of the weight falls from the first to the second, metres; below the plane it is
+/// Reweighted least squares: the width of the weight falls from the first to the second, meters; below the plane it is
 /// twice as wide, since what stands on the ground is above it.
 const WIDTH_M: (f64, f64) = (0.08, 0.03);
 const WIDTH_STEP_M: f64 = 0.008;
@@ -47,7 +47,7 @@ type Slopes = Vector3<f64>;
 
 /// A cell's representative return.
 struct GroundCell {
-    /// (1, x, z), metres.
+    /// (1, x, z), meters.
     regressors: Vector3<f64>,
     y_m: f64,
     /// What the cell counts in sums.
@@ -61,7 +61,7 @@ struct GroundCell {
 /// "Random Sample Consensus", 1981).
 ///
 /// # Frames and units
-/// `points_cam`: metres, frame of camera 0 (x right, y down, z forward), all finite.
+/// `points_cam`: meters, frame of camera 0 (x right, y down, z forward), all finite.
 ///
 /// # Errors
 /// [`Error::Ground`] for fewer than 30 returns 2 to 50 m ahead, 8 m to either side and 0.3 to 4.5 m below the camera, or

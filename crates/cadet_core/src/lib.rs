@@ -6,7 +6,7 @@
 //! # Frames and units
 //!
 //! `_world` is x east, y north, z up; `_velo` x forward, y left, z up; `_cam` x right, y down, z forward.
-//! Metres, radians and seconds everywhere unless a name says otherwise.
+//! Meters, radians and seconds everywhere unless a name says otherwise.
 //!
 //! # Determinism
 //!

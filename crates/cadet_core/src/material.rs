@@ -79,9 +79,9 @@ impl LidarMaterial {
 /// A procedural texture, evaluated at the hit in local coordinates (or in world coordinates for the ground).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pattern {
-    /// One colour.
+    /// One color.
     Plain,
-    /// Fine grain with patches and darker tyre tracks.
+    /// Fine grain with patches and darker tire tracks.
     Asphalt,
     /// Square slabs with joints.
     Slabs,
@@ -123,7 +123,7 @@ impl Pattern {
 /// A surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Material {
-    /// Linear RGB albedo (metals: the colour of the reflection), 0..1.
+    /// Linear RGB albedo (metals: the color of the reflection), 0..1.
     pub albedo: [f32; 3],
     /// 0 is a mirror, 1 is chalk.
     pub roughness: f32,

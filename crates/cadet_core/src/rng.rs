@@ -15,7 +15,7 @@ pub struct StreamKey {
     pub seed: u64,
     /// The episode: one reset and its samples.
     pub episode: u64,
-    /// Redraws of the world inside the episode after views without a labelled object.
+    /// Redraws of the world inside the episode after views without a labeled object.
     pub attempt: u64,
 }
 

@@ -30,7 +30,7 @@ pub struct Weather {
 /// How many drops or flakes there are and how large: diameters are exponential.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SizeDistribution {
-    /// Particles of all sizes in a cubic metre.
+    /// Particles of all sizes in a cubic meter.
     pub number_per_m3: f64,
     /// One over the mean diameter, 1/m.
     pub slope_per_m: f64,
@@ -133,7 +133,7 @@ impl Weather {
         Ok(weather)
     }
 
-    /// Checks what is in the air and on the ground: fog of at most 10 per metre, rain of at most 1000 and snow of at most
+    /// Checks what is in the air and on the ground: fog of at most 10 per meter, rain of at most 1000 and snow of at most
     /// 100 mm/h, wetness of 0 to 1.
     ///
     /// # Errors
@@ -152,7 +152,7 @@ impl Weather {
         Ok(())
     }
 
-    /// The rain's drops (Marshall and Palmer 1948): 8000 exp(-4.1 rate^-0.21 D) a cubic metre and mm of diameter.
+    /// The rain's drops (Marshall and Palmer 1948): 8000 exp(-4.1 rate^-0.21 D) a cubic meter and mm of diameter.
     #[must_use]
     pub fn drops(&self) -> Option<SizeDistribution> {
         (self.rain_mm_per_h > 0.0).then(|| {
@@ -161,7 +161,7 @@ impl Weather {
         })
     }
 
-    /// The snow's flakes (Gunn and Marshall 1958): 3800 rate^-0.87 exp(-2.55 rate^-0.48 D) a cubic metre and mm of the
+    /// The snow's flakes (Gunn and Marshall 1958): 3800 rate^-0.87 exp(-2.55 rate^-0.48 D) a cubic meter and mm of the
     /// drop's diameter D that a flake melts to.
     #[must_use]
     pub fn flakes(&self) -> Option<SizeDistribution> {

@@ -38,7 +38,7 @@ fn share_that_goes_on(network: &RoadNetwork, distance_m: f64) -> f64 {
     driving.iter().filter(|r| **r >= distance_m).count() as f64 / driving.len() as f64
 }
 
-/// The widest gap in metres and the sharpest kink in degrees between driving lanes that follow each other.
+/// The widest gap in meters and the sharpest kink in degrees between driving lanes that follow each other.
 fn worst_joint(network: &RoadNetwork) -> (f64, f64) {
     let heading = |a: DVec3, b: DVec3| atan2(b.y - a.y, b.x - a.x);
     let mut worst = (0.0_f64, 0.0_f64);

@@ -115,7 +115,7 @@ fn a_wall_is_sheared_by_the_speed_of_the_car() {
 
 #[test]
 fn a_car_that_crosses_is_stretched_or_shortened() {
-    // A face 4 m long 15 m ahead, centred on the axis; it is seen under an angle, and the beam sweeps leftwards.
+    // A face 4 m long 15 m ahead, centered on the axis; it is seen under an angle, and the beam sweeps leftwards.
     let length_m = 4.0;
     let car = || place(cuboid(Vec3::new(0.9, 2.0, 0.75)), at(15.9, 0.0, -0.9), 7);
     let spec = noiseless();

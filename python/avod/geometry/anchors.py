@@ -63,7 +63,7 @@ def occupancy(
     """Tell which cells of the ground hold a point between the two heights of the configuration.
 
     Args:
-        points_cam: (N, 3) or wider, metres; those that the image sees. May be empty.
+        points_cam: (N, 3) or wider, meters; those that the image sees. May be empty.
         plane: (4,) [a, b, c, d].
         config: the heights.
         bev: extent and size of the cells.

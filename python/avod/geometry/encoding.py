@@ -42,7 +42,7 @@ def anchors_from_offsets(anchors: Tensor, offsets: Tensor) -> Tensor:
 
 
 def ground_y(x: Tensor, z: Tensor, plane: Tensor) -> Tensor:
-    """Find the ground plane under points: y, cam frame, metres."""
+    """Find the ground plane under points: y, cam frame, meters."""
     return -(plane[0] * x + plane[2] * z + plane[3]) / plane[1]
 
 
@@ -62,7 +62,7 @@ def boxes_4c_from_boxes(boxes_cam: Tensor, plane: Tensor) -> Tensor:
     """Give boxes as corners and heights: (N, 7) and (4,) to (N, 10).
 
     The first corner is the one that is at (+x, +z) once the box is turned to the nearest multiple of 90 degrees, so
-    each corner's nearest neighbour in an anchor has the same place. Which end is the front is lost.
+    each corner's nearest neighbor in an anchor has the same place. Which end is the front is lost.
     """
     x, y, z, _, _, _, rotation_y = boxes_cam.unbind(dim=1)
     _, _, _, dx, dy, dz = anchors_from_boxes(boxes_cam).unbind(dim=1)

@@ -15,7 +15,7 @@ _SAMPLES: Final = 8
 
 
 def cell_tops(bev: Tensor, config: BevConfig) -> Tensor:
-    """Return the greatest height over the ground in each cell of the maps: (C, H, W) to (H, W), metres; 0 where empty.
+    """Return the greatest height over the ground in each cell of the maps: (C, H, W) to (H, W), meters; 0 where empty.
 
     Args:
         bev: maps by `config`, "max_height" among them.
@@ -44,7 +44,7 @@ def height_profiles(tops_m: Tensor, anchors: Tensor, config: BevConfig, num_cell
         num_cells: parts along each side.
 
     Returns:
-        (N, num_cells ** 2 + 1) metres, the whole last; places off the maps count as empty.
+        (N, num_cells ** 2 + 1) meters, the whole last; places off the maps count as empty.
     """
     rows, columns = tops_m.shape
     side = num_cells * _SAMPLES

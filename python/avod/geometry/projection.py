@@ -17,7 +17,7 @@ def bev_boxes(anchors: Tensor, bev: BevConfig) -> Tensor:
     """Bound anchors from above.
 
     Args:
-        anchors: (N, 6), metres.
+        anchors: (N, 6), meters.
         bev: the extent.
 
     Returns:
@@ -37,7 +37,7 @@ def bev_boxes(anchors: Tensor, bev: BevConfig) -> Tensor:
 
 
 def ground_boxes(anchors: Tensor) -> Tensor:
-    """Bound anchors from above in metres: (N, 6) to (N, 4) [z1, x1, z2, x2]."""
+    """Bound anchors from above in meters: (N, 6) to (N, 4) [z1, x1, z2, x2]."""
     x, z, half_x, half_z = anchors[:, 0], anchors[:, 2], anchors[:, 3] / 2.0, anchors[:, 5] / 2.0
     return torch.stack([z - half_z, x - half_x, z + half_z, x + half_x], dim=1)
 
@@ -46,7 +46,7 @@ def image_boxes(anchors: Tensor, projection: Tensor, image_size: tuple[int, int]
     """Bound the projections of anchors' corners.
 
     Args:
-        anchors: (N, 6), metres.
+        anchors: (N, 6), meters.
         projection: (3, 4) P2, pixels, the same dtype.
         image_size: width and height of the image that P2 belongs to.
 

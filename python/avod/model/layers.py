@@ -13,7 +13,7 @@ from avod.config import ExtractorConfig
 
 
 class ShiftBatchNorm(nn.Module):
-    """Batch normalisation that learns a shift but no scale, which the next layer would undo.
+    """Batch normalization that learns a shift but no scale, which the next layer would undo.
 
     Args:
         channels: of the feature map.
@@ -35,7 +35,7 @@ class ShiftBatchNorm(nn.Module):
         self.epsilon = config.batch_norm_epsilon
 
     def forward(self, features: Tensor) -> Tensor:
-        """Normalise with the batch's statistics in training, else with the moving averages."""
+        """Normalize with the batch's statistics in training, else with the moving averages."""
         return functional.batch_norm(
             features,
             self.running_mean,
@@ -54,12 +54,12 @@ class ShiftBatchNorm(nn.Module):
 
 
 class Convolution(nn.Module):
-    """Convolution of stride 1 that keeps the size, without bias; then batch normalisation and ReLU.
+    """Convolution of stride 1 that keeps the size, without bias; then batch normalization and ReLU.
 
     Args:
         num_in: channels that come in.
         num_out: channels that go out.
-        config: of the batch normalisation.
+        config: of the batch normalization.
         kernel: side of the kernel, odd.
     """
 
@@ -79,7 +79,7 @@ class Convolution(nn.Module):
 
 
 class UpConvolution(nn.Module):
-    """Transposed 3 x 3 convolution of stride 2 without bias; then batch normalisation and ReLU.
+    """Transposed 3 x 3 convolution of stride 2 without bias; then batch normalization and ReLU.
 
     Pixel i of the input goes to pixels 2 i, 2 i + 1 and 2 i + 2 of the output, which is trimmed at its end to twice the
     size: TensorFlow's "SAME". PyTorch's usual padding of 1 would shift it by one pixel.
@@ -87,7 +87,7 @@ class UpConvolution(nn.Module):
     Args:
         num_in: channels that come in.
         num_out: channels that go out.
-        config: of the batch normalisation.
+        config: of the batch normalization.
     """
 
     def __init__(self, num_in: int, num_out: int, config: ExtractorConfig) -> None:

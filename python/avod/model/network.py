@@ -26,7 +26,7 @@ _NUM_ANCHOR_OFFSETS = 6
 _NUM_BOX_OFFSETS = 10
 _NUM_VECTOR = 2
 _HEIGHT_SCALE = 2.0
-"""Brings heights in metres to the spread of features."""
+"""Brings heights in meters to the spread of features."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +38,7 @@ class FrameOutputs:
         anchor_offsets: (N, 6).
         proposals: (P, 6) anchors as the first stage regresses them, best first; in training those that were sampled.
         class_logits: (P, K + 1), background first.
-        box_offsets: (P, 10) from the proposals' corners and heights, metres.
+        box_offsets: (P, 10) from the proposals' corners and heights, meters.
         vectors: (P, 2) of headings.
         targets: what the proposals should become; None outside training.
     """

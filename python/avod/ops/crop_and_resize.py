@@ -30,7 +30,7 @@ def crop_and_resize(features: Tensor, boxes: Tensor, size: int) -> Tensor:
     columns, column_weights = _neighbours(boxes[:, 1], boxes[:, 3], width, size)
     indices = rows[:, :, None, :, None] * width + columns[:, None, :, None, :]
     weights = row_weights[:, :, None, :, None] * column_weights[:, None, :, None, :]
-    # Pixels are the rows of an embedding; a sample is the weighted sum of its four neighbours.
+    # Pixels are the rows of an embedding; a sample is the weighted sum of its four neighbors.
     pixels = features.permute(1, 2, 0).reshape(height * width, channels).to(boxes.dtype)
     samples = functional.embedding_bag(
         indices.reshape(-1, 4), pixels, per_sample_weights=weights.reshape(-1, 4), mode="sum"

@@ -42,7 +42,7 @@ class Run:
         split: a list of `ImageSets`; None for every frame.
         seed: of weights, order and draws; a resumed training keeps its own.
         init: a checkpoint whose weights training begins with, at step 0.
-        resume_from: a checkpoint from which training goes on with optimiser, step and schedule, on the same data or
+        resume_from: a checkpoint from which training goes on with optimizer, step and schedule, on the same data or
             other.
         device: where the network runs.
         precision: of the arithmetic of layers, None for float32.

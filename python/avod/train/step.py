@@ -30,7 +30,7 @@ def learning_rate(step: int, config: TrainingConfig) -> float:
 
 
 def make_optimizer(network: nn.Module, config: TrainingConfig) -> torch.optim.Adam:
-    """Make AVOD's optimiser: Adam without weight decay, which is configured there but never reaches the loss."""
+    """Make AVOD's optimizer: Adam without weight decay, which is configured there but never reaches the loss."""
     return torch.optim.Adam(network.parameters(), lr=config.learning_rate, betas=(0.9, 0.999), eps=1e-8)
 
 

@@ -21,12 +21,12 @@ MIN_SCORE = -1e7
 
 @dataclass(frozen=True, eq=False)
 class GroundTruth:
-    """The labelled objects of a frame, in the order of its label file. Lists are taken for arrays.
+    """The labeled objects of a frame, in the order of its label file. Lists are taken for arrays.
 
     Attributes:
         types: n names; their letter case does not matter, names that KITTI lacks take no part.
         boxes_img: (n, 4) [left, top, right, bottom] in pixels.
-        boxes_cam: (n, 7) [x, y, z, l, w, h, rotation_y], bottom centre in the cam frame.
+        boxes_cam: (n, 7) [x, y, z, l, w, h, rotation_y], bottom center in the cam frame.
         alphas: (n,) observation angles in radians.
         truncated: (n,) 0 (whole) .. 1 (outside the image).
         occluded: (n,) levels 0 visible .. 3 unknown.
@@ -72,7 +72,7 @@ class Detections:
     Attributes:
         types: n names; their letter case does not matter.
         boxes_img: (n, 4) [left, top, right, bottom] in pixels. They decide about height in all metrics.
-        boxes_cam: (n, 7) [x, y, z, l, w, h, rotation_y], bottom centre in the cam frame.
+        boxes_cam: (n, 7) [x, y, z, l, w, h, rotation_y], bottom center in the cam frame.
         alphas: (n,) observation angles in radians; a single -10 switches AOS off.
         scores: (n,) any numbers above -1e7, higher is surer.
 

@@ -21,7 +21,7 @@ def box_iou_bev(a: NDArray[Any], b: NDArray[Any]) -> NDArray[np.float64]:
     Exact up to rounding in double precision, at any heading: equal boxes give 1, parallel edges are no special case.
 
     Args:
-        a: (n, 7) [x, y, z, l, w, h, rotation_y], bottom centre in the cam frame, metres and radians. May be empty.
+        a: (n, 7) [x, y, z, l, w, h, rotation_y], bottom center in the cam frame, meters and radians. May be empty.
         b: (m, 7) likewise.
 
     Returns:
@@ -39,7 +39,7 @@ def box_iou_3d(a: NDArray[Any], b: NDArray[Any]) -> NDArray[np.float64]:
     """Compute the intersection over union of each pair of boxes' volumes; a box reaches from y - h up to y.
 
     Args:
-        a: (n, 7) [x, y, z, l, w, h, rotation_y], bottom centre in the cam frame, metres and radians. May be empty.
+        a: (n, 7) [x, y, z, l, w, h, rotation_y], bottom center in the cam frame, meters and radians. May be empty.
         b: (m, 7) likewise.
 
     Returns:

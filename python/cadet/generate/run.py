@@ -52,7 +52,7 @@ def generate(
         on_silence: called with a line about each worker that has said nothing for a minute.
 
     Raises:
-        CadetError: a folder that is not empty or holds another run, or no labelled object to be found.
+        CadetError: a folder that is not empty or holds another run, or no labeled object to be found.
         WorkerError: a worker died; what it wrote is whole, and `resume` goes on.
         OSError: the folder can't be written.
     """

@@ -43,13 +43,13 @@ class Calibration:
     The cam frame is the rectified camera 0; the image is camera 2's, so projecting needs the whole of P2.
 
     Attributes:
-        P0: (3, 4) projection of the cam frame into the left grey camera, pixels.
-        P1: (3, 4) the right grey camera.
-        P2: (3, 4) the left colour camera: the one of `image_2`.
-        P3: (3, 4) the right colour camera.
+        P0: (3, 4) projection of the cam frame into the left gray camera, pixels.
+        P1: (3, 4) the right gray camera.
+        P2: (3, 4) the left color camera: the one of `image_2`.
+        P3: (3, 4) the right color camera.
         R0_rect: (3, 3) rotation into the rectified frame of camera 0.
-        Tr_velo_to_cam: (3, 4) the velo frame into camera 0 before rectification, metres.
-        Tr_imu_to_velo: (3, 4) the IMU's frame into the velo frame, metres.
+        Tr_velo_to_cam: (3, 4) the velo frame into camera 0 before rectification, meters.
+        Tr_imu_to_velo: (3, 4) the IMU's frame into the velo frame, meters.
         has_blank_line: whether the file ends with a blank line, as most of KITTI's do; kept so that text round trips.
             Ours end without, as the others of KITTI's do: pykitti stops at it.
 
@@ -150,7 +150,7 @@ class Calibration:
 
     @cached_property
     def eye_cam(self) -> NDArray[np.float64]:
-        """(3,) float64, read-only: where camera 2 stands in the cam frame, metres.
+        """(3,) float64, read-only: where camera 2 stands in the cam frame, meters.
 
         Raises:
             CadetError: P2 is no camera's.
@@ -166,10 +166,10 @@ class Calibration:
         """Bring points from the velo frame into the cam frame.
 
         Args:
-            points_velo: (N, 3) or wider, metres; columns past the third are dropped.
+            points_velo: (N, 3) or wider, meters; columns past the third are dropped.
 
         Returns:
-            (N, 3) float64, metres.
+            (N, 3) float64, meters.
 
         Raises:
             ShapeError: fewer than three columns.
@@ -177,7 +177,7 @@ class Calibration:
         return _transform(self.cam_from_velo, points_velo, "points_velo")
 
     def points_velo_from_cam(self, points_cam: NDArray[Any]) -> NDArray[np.float64]:
-        """Bring points from the cam frame into the velo frame: (N, 3) or wider to (N, 3) float64, metres.
+        """Bring points from the cam frame into the velo frame: (N, 3) or wider to (N, 3) float64, meters.
 
         Raises:
             ShapeError: fewer than three columns.
@@ -189,10 +189,10 @@ class Calibration:
         """Project points into the image with the whole of P2.
 
         Args:
-            points_cam: (N, 3) or wider, metres.
+            points_cam: (N, 3) or wider, meters.
 
         Returns:
-            (N, 2) float64 [u, v] in pixels, (0, 0) the centre of the top-left pixel; NaN for points in or behind
+            (N, 2) float64 [u, v] in pixels, (0, 0) the center of the top-left pixel; NaN for points in or behind
             camera 2's own plane, which have no image. Not finite for points beyond what float64 holds in pixels.
 
         Raises:
@@ -209,7 +209,7 @@ def points_in_image(points_cam: NDArray[Any], calib: Calibration, image_size: tu
     """Tell which points the image sees: z > 0, 0 < u < W and 0 < v < H, all strict.
 
     Args:
-        points_cam: (N, 3) or wider, metres, cam frame. May be empty.
+        points_cam: (N, 3) or wider, meters, cam frame. May be empty.
         calib: the calibration, whose P2 projects.
         image_size: width and height in pixels.
 
@@ -234,7 +234,7 @@ def is_at_zero_depth(points_velo: NDArray[Any], calib: Calibration) -> NDArray[n
     """Tell which points have z = 0 in the cam frame, to single precision: programs divide by it.
 
     Args:
-        points_velo: (N, 3) or wider, metres, velo frame. May be empty.
+        points_velo: (N, 3) or wider, meters, velo frame. May be empty.
         calib: the calibration.
 
     Returns:

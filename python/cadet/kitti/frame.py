@@ -25,11 +25,11 @@ class Frame:
 
     Attributes:
         image: (H, W, 3) uint8, RGB.
-        points_velo: (N, 4) float32 [x, y, z, intensity]: metres in the velo frame, intensity 0..1.
+        points_velo: (N, 4) float32 [x, y, z, intensity]: meters in the velo frame, intensity 0..1.
         labels: KITTI's labels, DontCare regions among them.
         calib: the calibration.
-        plane: (4,) float64 [a, b, c, d]: the ground in the cam frame, unit normal, b < 0, metres.
-        depth: (H, W) float32, metres along the optical axis, inf for sky.
+        plane: (4,) float64 [a, b, c, d]: the ground in the cam frame, unit normal, b < 0, meters.
+        depth: (H, W) float32, meters along the optical axis, inf for sky.
         instance: (H, W) int32: -1 sky, 0 static world, >= 1 actors.
         semantic: (H, W) uint8, values of `cadet.Semantic`.
         meta: what else the generator knows, as it stands in `meta/ID.json`.

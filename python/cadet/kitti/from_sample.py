@@ -74,7 +74,7 @@ def move_off_zero_depth(points_velo: NDArray[np.float32], calib: Calibration) ->
     depth; `Rig.cadet()` has two columns of such beams, to the left and to the right.
 
     Args:
-        points_velo: (N, 4) float32 [x, y, z, intensity], metres, velo frame.
+        points_velo: (N, 4) float32 [x, y, z, intensity], meters, velo frame.
         calib: the calibration.
 
     Returns:

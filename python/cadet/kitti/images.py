@@ -1,6 +1,6 @@
 """The PNG files of a KITTI folder: camera images, and depth, instances and classes in the encodings of this module.
 
-depth: 16 bit, metres times 256 as in KITTI's depth benchmark, rounded; 0 is sky. Steps of 3.9 mm; what is farther than
+depth: 16 bit, meters times 256 as in KITTI's depth benchmark, rounded; 0 is sky. Steps of 3.9 mm; what is farther than
 255.996 m is written as that.
 instance: 16 bit, id + 1, so 0 is sky (-1) and 1 the static world (0).
 semantic: 8 bit, the values themselves.
@@ -20,7 +20,7 @@ from cadet.errors import CadetError, KittiFormatError, ShapeError
 from cadet.kitti.png_header import check_png
 
 DEPTH_STEPS_PER_M: Final = 256.0
-"""16-bit depth values a metre."""
+"""16-bit depth values a meter."""
 
 _MAX_UINT16: Final = 65535
 _NUM_COLORS: Final = 3
@@ -71,7 +71,7 @@ def decode_map(data: bytes, file: str, dtype: type[np.generic]) -> NDArray[Any]:
 
 
 def pixels_from_depth(depth: NDArray[np.float32]) -> NDArray[np.uint16]:
-    """Encode depth in metres, inf for sky, as 16 bit.
+    """Encode depth in meters, inf for sky, as 16 bit.
 
     Raises:
         ShapeError: not (H, W) float32.
@@ -83,7 +83,7 @@ def pixels_from_depth(depth: NDArray[np.float32]) -> NDArray[np.uint16]:
 
 
 def depth_from_pixels(pixels: NDArray[np.uint16]) -> NDArray[np.float32]:
-    """Decode 16-bit depth to metres, inf for sky: (H, W) float32."""
+    """Decode 16-bit depth to meters, inf for sky: (H, W) float32."""
     depth = pixels.astype(np.float32) / np.float32(DEPTH_STEPS_PER_M)
     depth[pixels == 0] = np.inf
     return depth

@@ -41,8 +41,8 @@ class Label:
         occluded: 0 visible, 1 partly, 2 largely occluded, 3 unknown, -1 for DontCare.
         alpha: observation angle in radians, rotation_y - atan2(x, z), -10 unknown.
         bbox: (left, top, right, bottom) in pixels.
-        dimensions_hwl: (height, width, length) in metres.
-        location_cam: (x, y, z) of the bottom face's centre in the cam frame, metres.
+        dimensions_hwl: (height, width, length) in meters.
+        location_cam: (x, y, z) of the bottom face's center in the cam frame, meters.
         rotation_y: heading about the cam frame's y axis in radians, 0 along x.
         score: a detection's confidence; None for a label.
 
@@ -144,7 +144,7 @@ class Label:
 
     @property
     def box_cam(self) -> NDArray[np.float64]:
-        """(7,) float64 [x, y, z, l, w, h, rotation_y]: bottom centre in the cam frame, metres and radians."""
+        """(7,) float64 [x, y, z, l, w, h, rotation_y]: bottom center in the cam frame, meters and radians."""
         height, width, length = self.dimensions_hwl
         return np.array([*self.location_cam, length, width, height, self.rotation_y], np.float64)
 

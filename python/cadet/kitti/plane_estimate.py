@@ -20,12 +20,12 @@ def estimate_plane(points_velo: NDArray[Any], calib: Calibration, seed: int = 0)
     Looks at points 2 to 50 m ahead, 8 m to either side and below the camera. The same seed gives the same plane.
 
     Args:
-        points_velo: (N, 3) or wider, metres, velo frame.
+        points_velo: (N, 3) or wider, meters, velo frame.
         calib: the calibration.
         seed: of the random samples, at least 0.
 
     Returns:
-        (4,) float64 a, b, c, d in the frame of camera 0: unit normal, b < 0, d the camera's height in metres.
+        (4,) float64 a, b, c, d in the frame of camera 0: unit normal, b < 0, d the camera's height in meters.
 
     Raises:
         ShapeError: `points_velo` has fewer than three columns.

@@ -21,7 +21,7 @@ def points_from_bytes(data: bytes, file: str = "velodyne") -> NDArray[np.float32
         file: its name for messages.
 
     Returns:
-        (N, 4) float32 [x, y, z, intensity], metres in the velo frame.
+        (N, 4) float32 [x, y, z, intensity], meters in the velo frame.
 
     Raises:
         KittiFormatError: the file is cut off inside a point, or holds NaN or infinity.

@@ -21,10 +21,10 @@ _NUM_CORNERS: Final = 8
 
 
 def corner_visibility(frame: Frame, labels: list[Label]) -> tuple[NDArray[np.bool_], str]:
-    """Tell which corners of labelled boxes the camera sees, from the best source at hand.
+    """Tell which corners of labeled boxes the camera sees, from the best source at hand.
 
     In this order: `frame.meta`, where the generator noted it; the depth image, by the rule that a corner is hidden if
-    all four diagonal neighbours are nearer by more than 0.1 m; else an estimate from the LIDAR, by which a corner is
+    all four diagonal neighbors are nearer by more than 0.1 m; else an estimate from the LIDAR, by which a corner is
     hidden if most returns from above the ground within a few pixels of it are nearer by more than 0.3 m. Corners
     outside the image or behind the camera count as hidden always.
 

@@ -4,7 +4,7 @@
 use crate::math::DVec3;
 use crate::rng::Stream;
 
-/// Sizes of a class, metres, none beyond those that were labelled.
+/// Sizes of a class, meters, none beyond those that were labeled.
 pub(super) struct Mixture {
     components: &'static [Component],
     least_lwh: DVec3,

@@ -10,7 +10,7 @@ use crate::rng::Stream;
 
 use super::annotated_sizes::{CARS, PEOPLE, VANS};
 
-/// How far a body reaches beyond its annotated box, metres; negative where it ends inside.
+/// How far a body reaches beyond its annotated box, meters; negative where it ends inside.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Margins {
     front_m: f64,
@@ -32,7 +32,7 @@ const VEHICLE_SIDE_M: (f64, f64) = (-0.01, 0.04);
 const VEHICLE_TOP_M: (f64, f64) = (0.02, 0.01);
 /// The bottoms of KITTI's cars lie this far over the ground beside them: 63 cars and vans of 45 real frames.
 const VEHICLE_BOTTOM_M: (f64, f64) = (0.045, 0.025);
-/// The greatest depth at which an object is labelled: 95 % of KITTI's cars lie within 59 m, of its vans within 70 m, of
+/// The greatest depth at which an object is labeled: 95 % of KITTI's cars lie within 59 m, of its vans within 70 m, of
 /// its pedestrians within 38 m, though more of them are seen farther away.
 const CAR_FARTHEST_M: (f64, f64) = (70.0, 12.0);
 const VAN_FARTHEST_M: (f64, f64) = (74.0, 8.0);
@@ -49,7 +49,7 @@ const PERSON_TOP_M: (f64, f64) = (-0.02, 0.01);
 const PERSON_BOTTOM_M: (f64, f64) = (0.035, 0.02);
 
 impl Margins {
-    /// Draws those of a vehicle; what is no car is large and labelled from farther away.
+    /// Draws those of a vehicle; what is no car is large and labeled from farther away.
     #[must_use]
     pub fn of_vehicle(class: ObjectClass, s: &mut Stream) -> Self {
         let mut draw = |(mean, sd): (f64, f64)| s.clipped_normal(mean, sd);

@@ -1,4 +1,4 @@
-//! Meshes from Wavefront OBJ files, with their colours.
+//! Meshes from Wavefront OBJ files, with their colors.
 
 use std::io::BufReader;
 use std::path::Path;
@@ -15,10 +15,10 @@ const CREASE_RAD: f32 = 0.7;
 const MAX_MATERIALS: usize = 256;
 const GREY: [f32; 3] = [0.4; 3];
 
-/// How a file's coordinates become ours (x forward, y left, z up, metres).
+/// How a file's coordinates become ours (x forward, y left, z up, meters).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ImportOptions {
-    /// Metres per unit of the file, above 0.
+    /// Meters per unit of the file, above 0.
     pub scale: f64,
     /// True where the file's y axis points up; else its z axis does.
     pub y_up: bool,
@@ -41,7 +41,7 @@ impl Default for ImportOptions {
 pub struct ImportedMesh {
     /// The mesh in our axes.
     pub mesh: Mesh,
-    /// One material for each of the file's, in its order; a last grey one where faces name none.
+    /// One material for each of the file's, in its order; a last gray one where faces name none.
     pub palette: Palette,
 }
 
@@ -179,7 +179,7 @@ pub(super) fn triangles(
     Ok(Triangles { triangles, materials })
 }
 
-/// The diffuse colour as albedo; what is dissolved is glass.
+/// The diffuse color as albedo; what is dissolved is glass.
 fn material(source: &tobj::Material, semantic: Semantic) -> Material {
     let value = |v: f32, default: f32| if v.is_finite() { v.clamp(0.0, 1.0) } else { default };
     let albedo = source.diffuse.unwrap_or(GREY).map(|c| value(c, 0.4));

@@ -9,9 +9,9 @@ use crate::sense::PosedScene;
 
 /// Cells along a side of the height map.
 const CELLS: usize = 144;
-/// Side of a cell, metres.
+/// Side of a cell, meters.
 const CELL_M: f32 = 1.0;
-/// Heights of the probes over the lowest surface of their cell, metres.
+/// Heights of the probes over the lowest surface of their cell, meters.
 const LEVELS_M: [f32; 4] = [0.3, 1.6, 4.0, 9.0];
 /// Distances at which a probe looks for what stands in the way, in cells.
 const STEPS: [f32; 7] = [1.2, 2.2, 3.5, 5.5, 9.0, 15.0, 26.0];
@@ -134,7 +134,7 @@ impl SkyView {
         top
     }
 
-    /// Blocks of `GRID_M` in which some probe may be asked for: those of the points and their neighbours, as
+    /// Blocks of `GRID_M` in which some probe may be asked for: those of the points and their neighbors, as
     /// [`SkyView::openness`] looks up to 2.7 m aside.
     fn asked_blocks(&self, seen_world: &[Vec3]) -> Vec<bool> {
         let mut seen = vec![false; GRID * GRID];
@@ -275,8 +275,8 @@ impl PaddedTop {
         Self(padded)
     }
 
-    /// For a row of cells: the squared cosine of the horizon's elevation in one direction, seen from `over` metres above
-    /// the floor. `line` has the steps to look at, in cells, with the inverse of their lengths in metres.
+    /// For a row of cells: the squared cosine of the horizon's elevation in one direction, seen from `over` meters above
+    /// the floor. `line` has the steps to look at, in cells, with the inverse of their lengths in meters.
     fn free_share(
         &self,
         y: usize,

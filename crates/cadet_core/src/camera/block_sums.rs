@@ -25,7 +25,7 @@ impl BlockSums {
         Self { side, blocks_per_m: 1.0 / block_m, sums }
     }
 
-    /// True if some block between two places has something; metres from the map's corner. What lies beyond the map counts
+    /// True if some block between two places has something; meters from the map's corner. What lies beyond the map counts
     /// as its rim.
     #[inline]
     pub fn any(&self, low: [f32; 2], high: [f32; 2]) -> bool {

@@ -66,14 +66,14 @@ struct Layer {
     sky: SampleBits,
 }
 
-/// Where the colours of a block's pixels go.
+/// Where the colors of a block's pixels go.
 #[derive(Clone, Copy)]
 struct Target {
     /// The first pixel's.
     first: u32,
     /// From there to the pixel below.
     stride: u32,
-    /// What a pixel's colour counts, if both samples show the same.
+    /// What a pixel's color counts, if both samples show the same.
     weight: f32,
 }
 
@@ -206,7 +206,7 @@ impl<'a> Collector<'a> {
             return;
         }
         let behind = self.painter.new_behind();
-        // Pixels of which one sample sees a pane have the colour of that sample behind it.
+        // Pixels of which one sample sees a pane have the color of that sample behind it.
         for (layer, weight) in tile.behind.iter().zip([1.0, 2.0]) {
             self.collect_layer(tile, layer, &Target { first: behind, stride: BEHIND_STRIDE, weight });
         }

@@ -10,7 +10,7 @@ use crate::sense::PosedScene;
 
 /// Cells along a side of the map.
 const CELLS: usize = 72;
-/// Side of a cell, metres.
+/// Side of a cell, meters.
 const CELL_M: f32 = 2.0;
 /// How far a body darkens what is about it, in its heights.
 const REACH: f32 = 1.5;
@@ -131,7 +131,7 @@ impl Contacts {
                     }
                 }
             }
-            // One order for all groups, so that a point's light does not depend on its neighbours.
+            // One order for all groups, so that a point's light does not depend on its neighbors.
             reaching.sort_unstable();
             for index in &reaching {
                 let axes = points.each_ref().map(|axis| &axis[start..end]);

@@ -35,7 +35,7 @@ pub fn gain_for_mean_luma(rgb: &[f32], target: f32, step: usize) -> f32 {
     gain
 }
 
-/// The camera's gains for R, G, B, beside the exposure: with them lit grey and the mean colour are KITTI's.
+/// The camera's gains for R, G, B, beside the exposure: with them lit gray and the mean color are KITTI's.
 pub const WHITE_BALANCE: [f32; 3] = [0.97, 1.0, 1.05];
 
 /// Every `step`-th pixel as the sensor will see it, but for the gain: with the veil, white-balanced.

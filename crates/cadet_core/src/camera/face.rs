@@ -60,7 +60,7 @@ pub struct Face {
     pub flags: u32,
     /// Shading normal in the first corner, towards the eye; see `normal_ab`.
     pub normal: Vec3,
-    /// Coordinates of the texture at the eye, metres.
+    /// Coordinates of the texture at the eye, meters.
     pub at_eye: [f32; 2],
     pub face_hash: u32,
     pub place_hash: u32,

@@ -1,4 +1,4 @@
-//! Which faces were seen lately, and what of the sky they see: neighbouring pixels mostly show the same one.
+//! Which faces were seen lately, and what of the sky they see: neighboring pixels mostly show the same one.
 
 use super::face::{Face, Kind, Raw, Stand};
 use super::light::Light;
@@ -246,7 +246,7 @@ impl<'a> Faces<'a> {
         self.asked_count = 0;
     }
 
-    /// True if two made faces of one instance show the same where they meet: the halves of a wall, neighbours on a rounded
+    /// True if two made faces of one instance show the same where they meet: the halves of a wall, neighbors on a rounded
     /// body.
     #[inline]
     pub fn are_alike(&self, first: u32, second: u32) -> bool {

@@ -19,7 +19,7 @@ pub const BEHIND: usize = 2 * ACROSS * DOWN;
 pub const BEHIND_STRIDE: u32 = 2 * ACROSS as u32;
 
 /// The samples of a block of 8 x 4 pixels, two a pixel, a bit each: column by column, from the top; the first of a pixel, which
-/// lies on its centre, comes before the second.
+/// lies on its center, comes before the second.
 pub type SampleBits = u64;
 
 /// What the lanes of one face in one block share.
@@ -29,11 +29,11 @@ pub struct Patch {
     pub face: u32,
     /// Index of the sky's visibility; see [`super::faces::Faces::open`].
     pub open: u32,
-    /// Pixel to which the colour of the block's first pixel is added.
+    /// Pixel to which the color of the block's first pixel is added.
     pub target: u32,
     /// From there to the pixel below.
     pub stride: u32,
-    /// Of panes: the first of [`BEHIND`] pixels that have the colours of what is seen through them.
+    /// Of panes: the first of [`BEHIND`] pixels that have the colors of what is seen through them.
     pub behind: u32,
     /// Image point between the samples of the block's first pixel.
     pub u: f32,
@@ -41,7 +41,7 @@ pub struct Patch {
     pub v: f32,
     /// 1 / z there, 1/m, and its change by column and by row.
     pub nearness: [f32; 3],
-    /// What a pixel's colour counts, if both samples show the face.
+    /// What a pixel's color counts, if both samples show the face.
     pub weight: f32,
 }
 
@@ -90,7 +90,7 @@ impl Hits {
         self.patches.push((start, *patch));
         let Some(cells) = self.cells[start..].first_chunk_mut::<{ ACROSS * DOWN }>() else { return };
         let pairs: [u64; ACROSS] = std::array::from_fn(|column| samples >> (16 * column));
-        // Row by row, so that neighbours stand together. Without branches: what is seen cannot be foretold.
+        // Row by row, so that neighbors stand together. Without branches: what is seen cannot be foretold.
         let mut count = 0;
         for row in 0..DOWN {
             for (column, pair) in pairs.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! What a camera's samples meet: depth and identity, before light and colour.
+//! What a camera's samples meet: depth and identity, before light and color.
 
 use std::cell::RefCell;
 use std::ops::Range;
@@ -12,13 +12,13 @@ use crate::sense::{BLOCK, PinholeGrid, PosedScene, VisibilityBuffer, draw};
 /// A pinhole camera at a place.
 #[derive(Debug, Clone)]
 pub struct View {
-    /// fx, fy, cx, cy in pixels; pixel (0, 0) has its centre at (0, 0).
+    /// fx, fy, cx, cy in pixels; pixel (0, 0) has its center at (0, 0).
     pub intrinsics: [f64; 4],
     /// Columns.
     pub width: usize,
     /// Rows.
     pub height: usize,
-    /// x right, y down, z forward, origin in the optical centre.
+    /// x right, y down, z forward, origin in the optical center.
     pub world_from_cam: DPose3,
 }
 
@@ -37,20 +37,20 @@ impl View {
     }
 }
 
-/// What the camera looks at, before light and colour.
+/// What the camera looks at, before light and color.
 #[derive(Debug)]
 pub struct Seen {
-    /// Two samples a pixel, in a quincunx: one on its centre, one half a pixel to the right and below.
+    /// Two samples a pixel, in a quincunx: one on its center, one half a pixel to the right and below.
     pub(super) samples: Samples,
     grid: PinholeGrid,
     /// Of the scene's instances.
     actor_ids: Vec<i32>,
 }
 
-/// What the pixels' centres show; every array is row-major.
+/// What the pixels' centers show; every array is row-major.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Maps {
-    /// z along the optical axis, metres; infinite for the sky.
+    /// z along the optical axis, meters; infinite for the sky.
     pub depth: Vec<f32>,
     /// -1 sky, 0 static world, actors from 1; panes carry their car's id.
     pub instance: Vec<i32>,
@@ -59,7 +59,7 @@ pub struct Maps {
 }
 
 impl Seen {
-    /// As [`Maps::depth`], at the centre of a pixel.
+    /// As [`Maps::depth`], at the center of a pixel.
     #[must_use]
     pub fn depth_at(&self, row: usize, column: usize) -> f32 {
         let (x, y) = (self.grid.columns_x(2 * row)[column], self.grid.rows_y()[2 * row]);
@@ -78,7 +78,7 @@ impl Seen {
         }
     }
 
-    /// What the pixels' centres show. `scene`: the one that was looked at.
+    /// What the pixels' centers show. `scene`: the one that was looked at.
     #[must_use]
     pub fn maps(&self, scene: &PosedScene) -> Maps {
         let buffer = &self.samples.0;
@@ -87,13 +87,13 @@ impl Seen {
         let mut instance = vec![-1; width * height];
         let mut semantic = vec![Semantic::Sky as u8; width * height];
         let (columns_x, rows_y) = (self.grid.columns_x(0), self.grid.rows_y());
-        // Neighbours mostly show the same face.
+        // Neighbors mostly show the same face.
         let mut last = (u32::MAX, -1, Semantic::Sky as u8);
         for number in 0..buffer.num_blocks() {
             let solid = buffer.solid(number);
             let (top, left) = (number / buffer.blocks_across * BLOCK, number % buffer.blocks_across * BLOCK);
             let panes = buffer.panes(number);
-            // The samples of every other row lie on the pixels' centres.
+            // The samples of every other row lie on the pixels' centers.
             for i in (0..BLOCK.min(2 * height - top)).step_by(2) {
                 let y = rows_y[top + i];
                 let line = (top + i) / 2 * width + left;
@@ -119,7 +119,7 @@ impl Seen {
         Maps { depth, instance, semantic }
     }
 
-    /// As [`Maps::instance`], at a sample: those of row 2 v lie on the centres of the pixels of row v, those of row 2 v + 1 half a
+    /// As [`Maps::instance`], at a sample: those of row 2 v lie on the centers of the pixels of row v, those of row 2 v + 1 half a
     /// pixel to the right and below.
     #[inline]
     #[must_use]
@@ -131,7 +131,7 @@ impl Seen {
     #[must_use]
     pub fn samples_of_actor(&self, actor_id: i32, rows: Range<usize>, columns: Range<usize>) -> usize {
         let buffer = &self.samples.0;
-        // Neighbours mostly show the same face.
+        // Neighbors mostly show the same face.
         let mut last = (u32::MAX, false);
         let mut count = 0;
         for row in rows {

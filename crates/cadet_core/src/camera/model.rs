@@ -10,7 +10,7 @@ use crate::math::{DPose3, DVec2, DVec3};
 
 /// A camera: the size of its image, and how points of its frame (x right, y down, z forward) are projected into it.
 ///
-/// The optical centre need not be the frame's origin: KITTI's cameras share the frame of camera 0, and the fourth column
+/// The optical center need not be the frame's origin: KITTI's cameras share the frame of camera 0, and the fourth column
 /// of a projection says where each of them stands.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CameraModel {
@@ -33,9 +33,9 @@ struct Lens {
 /// A point seen by the camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pixel {
-    /// Column and row; (0, 0) is the centre of the top-left pixel.
+    /// Column and row; (0, 0) is the center of the top-left pixel.
     pub uv: DVec2,
-    /// Depth along the optical axis, metres.
+    /// Depth along the optical axis, meters.
     pub depth_m: f64,
 }
 
@@ -110,7 +110,7 @@ impl CameraModel {
         [p[(0, 0)], p[(1, 1)], p[(0, 2)], p[(1, 2)]]
     }
 
-    /// The optical centre in the camera's frame: where the projection maps to (0, 0, 0).
+    /// The optical center in the camera's frame: where the projection maps to (0, 0, 0).
     #[must_use]
     pub fn optical_center_cam(&self) -> DVec3 {
         let p = &self.projection;
@@ -119,7 +119,7 @@ impl CameraModel {
         -DVec3::new((p[(0, 3)] - cx * z) / fx, (p[(1, 3)] - cy * z) / fy, z)
     }
 
-    /// The pose of the optical centre, given that of the camera's frame; the axes are the same.
+    /// The pose of the optical center, given that of the camera's frame; the axes are the same.
     #[must_use]
     pub fn optical_pose(&self, world_from_cam: &DPose3) -> DPose3 {
         let offset_world = world_from_cam.rotation * self.optical_center_cam();
@@ -133,7 +133,7 @@ impl CameraModel {
         DVec3::new(h.x, h.y, h.z)
     }
 
-    /// Projects a point of the camera's frame. `None` at or behind the optical centre.
+    /// Projects a point of the camera's frame. `None` at or behind the optical center.
     #[must_use]
     pub fn project(&self, point_cam: DVec3) -> Option<Pixel> {
         let h = self.homogeneous(point_cam);

@@ -7,9 +7,9 @@ use crate::rng::Stream;
 
 /// Noise variance in squared 8-bit values: constant and per value, for R, G, B.
 const VARIANCE: [(f32, f32); 3] = [(0.5, 0.035), (0.3, 0.018), (0.7, 0.040)];
-/// Neighbour tap of the noise filter: neighbours correlate with 0.35 across and down, as demosaiced noise does.
+/// Neighbor tap of the noise filter: neighbors correlate with 0.35 across and down, as demosaiced noise does.
 const NEIGHBOUR: f32 = 0.187;
-/// How far the middle of a pixel's two samples lies right of and below its centre, so that one of them lies on it.
+/// How far the middle of a pixel's two samples lies right of and below its center, so that one of them lies on it.
 pub const MIDDLE_PX: f32 = 0.25;
 /// Sigma of the point spread in pixels: with the pixel's own width the power at 0.2 to 0.45 cycles a pixel is that of
 /// KITTI's frames.
@@ -18,7 +18,7 @@ const PSF_SIGMA_PX: f32 = 0.60;
 /// Rows that must be free before the image that is blurred: it moves up into them.
 pub const ROWS_BEFORE: usize = 2;
 
-/// Blurs interleaved linear RGB by the lens's point spread, moving it by `MIDDLE_PX` onto the pixels' centres. The image
+/// Blurs interleaved linear RGB by the lens's point spread, moving it by `MIDDLE_PX` onto the pixels' centers. The image
 /// begins after `ROWS_BEFORE` rows; blurred, it begins where `rgb` does.
 ///
 /// Returns the sums over all pixels of R, G and B, of which none counts for more than `ceiling`.
@@ -202,7 +202,7 @@ mod tests {
     #[test]
     fn an_edge_rises_over_the_measured_width_where_it_is_and_light_is_kept() {
         let (w, h) = (40, 9);
-        // Samples lie a quarter pixel right of the pixels' centres: this edge is at 19.5 + 0.25.
+        // Samples lie a quarter pixel right of the pixels' centers: this edge is at 19.5 + 0.25.
         let mut rgb: Vec<f32> = (0..w * h * 3).map(|i| f32::from(u8::from((i / 3) % w >= 20))).collect();
         rgb.splice(0..0, vec![0.0; ROWS_BEFORE * w * 3]);
         let _ = blur(&mut rgb, w, h, 1.0);

@@ -1,4 +1,4 @@
-//! Gives what the camera's samples meet its colour: it is collected by kind, band by band of rows, and shaded together.
+//! Gives what the camera's samples meet its color: it is collected by kind, band by band of rows, and shaded together.
 
 use super::collect::Collector;
 use super::face::Kind;

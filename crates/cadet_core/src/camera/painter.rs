@@ -37,13 +37,13 @@ impl Painter<'_> {
         first as u32
     }
 
-    /// Colours of some pixels in a row.
+    /// Colors of some pixels in a row.
     #[inline]
     pub fn row(&mut self, first: usize, count: usize) -> &mut [f32] {
         &mut self.rgb[first * 3..(first + count) * 3]
     }
 
-    /// Adds a colour to a pixel.
+    /// Adds a color to a pixel.
     #[inline]
     pub fn add(&mut self, pixel: u32, weight: f32, color: [f32; 3]) {
         let at = pixel as usize * 3;

@@ -64,13 +64,13 @@ pub fn fbm(x: f32, y: f32, octaves: u32, salt: u32) -> f32 {
 /// Where a pattern is evaluated.
 #[derive(Debug, Clone, Copy)]
 pub struct PatternPoint {
-    /// Along the surface: world x and y on the ground, else metres along and up a wall.
+    /// Along the surface: world x and y on the ground, else meters along and up a wall.
     pub u: f32,
     /// See `u`.
     pub v: f32,
-    /// Size of a pixel on the surface, metres (the geometric mean of its two extents).
+    /// Size of a pixel on the surface, meters (the geometric mean of its two extents).
     pub footprint_m: f32,
-    /// Width of a pixel there square to the view, metres.
+    /// Width of a pixel there square to the view, meters.
     pub pixel_m: f32,
     /// Hash of the face, for what varies leaf by leaf.
     pub face_hash: u32,

@@ -12,7 +12,7 @@ pub fn encode_rgb8(width: u32, height: u32, pixels: &[u8]) -> Result<Vec<u8>> {
     encode(width, height, ColorType::Rgb, BitDepth::Eight, 3, pixels)
 }
 
-/// Encodes 8-bit grey, row-major: the semantic image.
+/// Encodes 8-bit gray, row-major: the semantic image.
 ///
 /// # Errors
 /// [`Error::Image`] where the size does not fit the pixels.
@@ -20,7 +20,7 @@ pub fn encode_gray8(width: u32, height: u32, pixels: &[u8]) -> Result<Vec<u8>> {
     encode(width, height, ColorType::Grayscale, BitDepth::Eight, 1, pixels)
 }
 
-/// Encodes 16-bit grey, row-major: depth and instances.
+/// Encodes 16-bit gray, row-major: depth and instances.
 ///
 /// # Errors
 /// [`Error::Image`] where the size does not fit the pixels.

@@ -1,4 +1,4 @@
-//! A picture of a posed scene: colour from two samples a pixel, depth and identity from the pixels' centres.
+//! A picture of a posed scene: color from two samples a pixel, depth and identity from the pixels' centers.
 
 use std::cell::RefCell;
 
@@ -43,7 +43,7 @@ thread_local! {
     static SCRATCH: RefCell<Scratch> = RefCell::default();
 }
 
-/// Gives what is seen its light and colour, and takes the picture: RGB, 8 bits, row-major.
+/// Gives what is seen its light and color, and takes the picture: RGB, 8 bits, row-major.
 ///
 /// # Determinism
 /// A function of its arguments; one thread. `stream` feeds the exposure and the noise alone.

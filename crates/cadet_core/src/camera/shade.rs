@@ -153,7 +153,7 @@ pub(super) fn diffuse(l: &mut ShadingBatch, m: usize, sky: &Sky, kind: Kind, wet
     }
     for i in 0..m.min(LANES) {
         let normal = get(&l.normal, i);
-        // Leaves get light through their neighbours, too.
+        // Leaves get light through their neighbors, too.
         let ambient = get(&l.around, i) * (l.near[i] * if is_leaf { 1.3 } else { 1.0 });
         let cos_sun = l.cos_sun[i];
         let facing = cos_sun.max(0.0);
@@ -192,7 +192,7 @@ pub(super) fn gloss(l: &mut ShadingBatch, m: usize, sky: &Sky, eye: Vec3, wetnes
         let open = [l.open[0][i], l.open[1][i], l.open[2][i], l.open[3][i]];
         let shine = environment(sky, mirrored, &open, roughness) * l.near[i].max(0.3)
             + highlight(sky, mirrored, roughness) * l.lit[i];
-        // Metals colour what they reflect.
+        // Metals color what they reflect.
         let is_metal = f0 > 0.5;
         let metal = get(&l.material, i);
         let tint = Vec3::new(

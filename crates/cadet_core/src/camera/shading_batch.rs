@@ -26,13 +26,13 @@ pub type Lane3 = [Lane; 3];
 pub struct ShadingBatch {
     /// Number of the patch; see [`Hits::patches`].
     pub patch: [u32; STRIDE],
-    /// The left pixel: where its colour is added. At first the block's first pixel.
+    /// The left pixel: where its color is added. At first the block's first pixel.
     pub target: [u32; STRIDE],
     /// From a pixel of the target to the one below.
     pub stride: [u32; STRIDE],
     /// The left pixel, where what is seen through a pane is kept. At first that of the block's first pixel.
     pub behind: [u32; STRIDE],
-    /// What the pixels' colours count.
+    /// What the pixels' colors count.
     pub weights: [Lane; 2],
     /// The middle of the samples that show the face. At first the block's first pixel; so is the nearness.
     pub u: Lane,

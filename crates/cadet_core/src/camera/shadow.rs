@@ -13,13 +13,13 @@ use crate::geometry::LANES;
 use crate::math::{DMat3, DVec3, Vec3};
 use crate::sense::PosedScene;
 
-/// (distance ahead of the camera of the middle, half the side), metres: near, far.
+/// (distance ahead of the camera of the middle, half the side), meters: near, far.
 const CASCADES: [(f64, f64); 2] = [(15.0, 20.0), (58.0, 68.0)];
-/// Steps of height in a metre: near, far. Sixteen bits reach 128 and 256 m to both sides of the map's middle.
+/// Steps of height in a meter: near, far. Sixteen bits reach 128 and 256 m to both sides of the map's middle.
 const STEPS_PER_M: [f32; 2] = [256.0, 128.0];
 /// Of a cluster's leaves one in so many is drawn: near, far.
 const LEAF_STEPS: [usize; 2] = [1, 2];
-/// How far below the points that are known some more may be seen on the same tiles, metres.
+/// How far below the points that are known some more may be seen on the same tiles, meters.
 const SEEN_BELOW_M: f32 = 0.3;
 
 /// The sun's view of a scene around a camera.
@@ -32,7 +32,7 @@ pub struct Shadows {
 }
 
 impl Shadows {
-    /// Rasterises the casters. `sun_world` is the unit vector to the sun, `forward_world` the camera's axis.
+    /// Rasterizes the casters. `sun_world` is the unit vector to the sun, `forward_world` the camera's axis.
     ///
     /// `seen_world`: points all over what the camera sees; only there are shadows known. Without them, everywhere.
     /// `buffers` are the maps of an earlier frame ([`Shadows::into_buffers`]), whose memory is used again.
@@ -158,7 +158,7 @@ struct OnMaps<const N: usize> {
 #[derive(Debug)]
 pub struct Neighbours<const N: usize> {
     at: OnMaps<N>,
-    /// By rows: what is done goes over four neighbours of every point in turn.
+    /// By rows: what is done goes over four neighbors of every point in turn.
     texels: [[[i16; 4]; N]; 4],
     heights: [[i16; 4]; N],
     /// Shares of the first and the last row, and of the columns.
@@ -291,7 +291,7 @@ fn mark(maps: &[Map], [right, up, sun]: [Vec3; 3], points_world: &[Vec3], lowest
                     let end = SIZE as f32 - rim;
                     (u >= rim) & (v >= rim) & (u < end) & (v < end)
                 };
-                // At a border it may be the neighbour: those around a marked one are drawn as well.
+                // At a border it may be the neighbor: those around a marked one are drawn as well.
                 let tile = |texel: f32| {
                     split(least(most(texel, 0.0), SIZE as f32) * (1.0 / TILE as f32)).0.clamp(0, TILES as i32 - 1)
                 };

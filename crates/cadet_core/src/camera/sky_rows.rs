@@ -42,7 +42,7 @@ impl<'a> SkyRows<'a> {
         }
     }
 
-    /// The colour of a pixel.
+    /// The color of a pixel.
     #[inline]
     pub fn at(&mut self, column: usize, row: usize) -> [f32; 3] {
         let mut color = [0.0; 3];
@@ -50,7 +50,7 @@ impl<'a> SkyRows<'a> {
         color
     }
 
-    /// Colours of pixels side by side, interleaved.
+    /// Colors of pixels side by side, interleaved.
     #[inline]
     pub fn fill(&mut self, column: usize, row: usize, colors: &mut [f32]) {
         let above = row / STEP;

@@ -253,7 +253,7 @@ fn the_ground_under_a_car_is_nearly_black_and_overcast_casts_no_shadow() {
         let values = (0..13).map(|i| f64::from(r.image[(v * SIZE.0 + cx as usize - 6 + i) * 3 + 1]));
         values.sum::<f64>() / 13.0
     };
-    // A bright grey sky scatters more veil into the dark.
+    // A bright gray sky scatters more veil into the dark.
     for (name, share) in [("clear_noon", 0.35), ("soft_rain_noon", 0.5)] {
         let mut weather = Weather::preset(name).unwrap();
         weather.wetness = 0.0;
@@ -296,7 +296,7 @@ fn a_shadows_edge_is_as_soft_as_three_texels_and_rises_steadily() {
     // The sun stands in the plane y = 0, so that light falls square to the plate's edge.
     let s = Sky::new(&clear_sun_from(180.0)).sun_world;
     let shadows = Shadows::new(&scene, DVec3::new(0.0, 0.0, EYE_HEIGHT_M), DVec3::X, s, None, Vec::new());
-    // Metres of level ground for a texel of the near map.
+    // Meters of level ground for a texel of the near map.
     let step = 40.0 / 1536.0 / s.z;
     let edge = 12.0 - s.x * 3.0 / s.z;
     let at = |texels: f32| sunlit(&shadows, Vec3::new(edge + texels * step, 0.3, 0.0), Vec3::Z, s.z);
@@ -309,7 +309,7 @@ fn a_shadows_edge_is_as_soft_as_three_texels_and_rises_steadily() {
     assert_eq!(sunlit(&shadows, Vec3::new(400.0, 0.0, 0.0), Vec3::Z, s.z), 1.0);
 }
 
-/// The mean of what the sun's light leaves of level points about (x, y), up to `half` metres beside it.
+/// The mean of what the sun's light leaves of level points about (x, y), up to `half` meters beside it.
 fn mean_sunlit(shadows: &Shadows, s: Vec3, (x, y): (f32, f32), half: f32, per_side: i32) -> f32 {
     let at = |i: i32| (2.0 * (i as f32 + 0.5) / per_side as f32 - 1.0) * half;
     let points = (0..per_side * per_side).map(|k| Vec3::new(x + at(k / per_side), y + at(k % per_side), 0.0));
@@ -341,7 +341,7 @@ fn a_plates_shadow_has_the_plates_area_in_both_maps() {
 #[test]
 fn crowns_cover_in_the_far_map_what_all_of_their_leaves_cover() {
     let s = Sky::new(&clear_sun_from(40.0)).sun_world;
-    // Far apart, so that the area they cover is theirs: leaves a fifth of a metre long, turned to all sides.
+    // Far apart, so that the area they cover is theirs: leaves a fifth of a meter long, turned to all sides.
     let leaves_at = |x: f32, pattern: Pattern| {
         let mut stream = Stream::from_seed("leaves", 4);
         let mut number = move || stream.range(-1.0, 1.0) as f32;

@@ -35,7 +35,7 @@ pub(super) struct View<'a> {
 enum Mark {
     /// It must be found.
     Valid,
-    /// It may be found: too hard for the level, or of the neighbour class.
+    /// It may be found: too hard for the level, or of the neighbor class.
     Ignored,
 }
 

@@ -87,7 +87,7 @@ impl Settings {
         std::array::from_fn(|metric| self.classes.iter().map(|c| c.min_overlap[metric]).fold(1.0, f64::min))
     }
 
-    /// Whether objects of this kind take part, as a class or a neighbour of one.
+    /// Whether objects of this kind take part, as a class or a neighbor of one.
     pub(super) fn wants(&self, kind: Kind) -> bool {
         self.classes.iter().any(|limits| limits.class == kind || limits.class.neighbour() == Some(kind))
     }

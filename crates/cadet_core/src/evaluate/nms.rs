@@ -68,7 +68,7 @@ mod tests {
 
     #[test]
     fn a_suppressed_box_suppresses_nothing() {
-        // Neighbours share 0.6 of their union, next but ones 1/3.
+        // Neighbors share 0.6 of their union, next but ones 1/3.
         let boxes = [at(0.0), at(1.0), at(2.0), at(3.0)];
         assert_eq!(nms_bev(&boxes, &[0.9, 0.8, 0.7, 0.6], 0.5), [0, 2]);
         assert_eq!(nms_bev(&boxes, &[0.8, 0.9, 0.7, 0.6], 0.5), [1, 3]);

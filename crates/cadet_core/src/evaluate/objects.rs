@@ -1,4 +1,4 @@
-//! What is compared: the labelled objects and the detections of a frame.
+//! What is compared: the labeled objects and the detections of a frame.
 
 use super::rotated_iou::BoxCam;
 
@@ -7,21 +7,21 @@ use super::rotated_iou::BoxCam;
 pub enum Kind {
     /// A car.
     Car,
-    /// A van: a neighbour of [`Kind::Car`].
+    /// A van: a neighbor of [`Kind::Car`].
     Van,
     /// A truck.
     Truck,
     /// A walker.
     Pedestrian,
-    /// A sitting person: a neighbour of [`Kind::Pedestrian`].
+    /// A sitting person: a neighbor of [`Kind::Pedestrian`].
     PersonSitting,
     /// A rider and the bicycle.
     Cyclist,
     /// A tram.
     Tram,
-    /// Anything else that is labelled.
+    /// Anything else that is labeled.
     Misc,
-    /// A region that nobody labelled.
+    /// A region that nobody labeled.
     DontCare,
     /// A name that KITTI does not have.
     Unknown,
@@ -107,7 +107,7 @@ pub struct Truth {
     pub kind: Kind,
     /// Share outside the image, 0..1; -1 unknown.
     pub truncated: f64,
-    /// Occlusion level, 0 visible .. 3 unknown; -1 in regions that nobody labelled.
+    /// Occlusion level, 0 visible .. 3 unknown; -1 in regions that nobody labeled.
     pub occluded: f64,
     /// Observation angle in radians.
     pub alpha: f64,

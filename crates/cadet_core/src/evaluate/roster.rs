@@ -6,7 +6,7 @@ use super::metric::Metric;
 use super::objects::{FramePair, Kind};
 use super::overlaps::FrameOverlaps;
 
-/// An object of the class or of its neighbour.
+/// An object of the class or of its neighbor.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Entrant {
     /// Its index in the frame.

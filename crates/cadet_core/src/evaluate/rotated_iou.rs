@@ -6,7 +6,7 @@
 
 use crate::math;
 
-/// A box in KITTI's rectified camera frame (x right, y down, z forward): metres and radians, bottom centre.
+/// A box in KITTI's rectified camera frame (x right, y down, z forward): meters and radians, bottom center.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoxCam {
     /// Right.
@@ -38,19 +38,19 @@ impl BoxCam {
         [self.x, self.y, self.z, self.length, self.width, self.height, self.rotation_y]
     }
 
-    /// Area seen from above, in square metres. KITTI's -1 x -1 m mark for "unknown" has area 1.
+    /// Area seen from above, in square meters. KITTI's -1 x -1 m mark for "unknown" has area 1.
     #[must_use]
     pub fn area_bev(&self) -> f64 {
         self.length * self.width
     }
 
-    /// Volume in cubic metres.
+    /// Volume in cubic meters.
     #[must_use]
     pub fn volume(&self) -> f64 {
         self.height * self.area_bev()
     }
 
-    /// The height shared with another box in metres, 0 where they only touch.
+    /// The height shared with another box in meters, 0 where they only touch.
     #[must_use]
     pub fn shared_height(&self, other: &Self) -> f64 {
         // The least of bottom - top over both boxes, written so that equal boxes share exactly their height.
@@ -64,7 +64,7 @@ impl BoxCam {
     }
 }
 
-/// The area in square metres that two boxes share seen from above. Exactly symmetric in its arguments.
+/// The area in square meters that two boxes share seen from above. Exactly symmetric in its arguments.
 ///
 /// A box whose length and width differ in sign bounds no rectangle and shares nothing.
 #[must_use]

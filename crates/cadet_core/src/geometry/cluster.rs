@@ -1,4 +1,4 @@
-//! Small groups of neighbouring faces, for rejecting many triangles with one question.
+//! Small groups of neighboring faces, for rejecting many triangles with one question.
 
 use super::bounds::Bounds;
 use super::closed::closed_surfaces;
@@ -10,12 +10,12 @@ use crate::math::Vec3;
 /// The most faces in a cluster.
 pub const CLUSTER_FACES: usize = 64;
 
-/// Up to [`CLUSTER_FACES`] neighbouring faces of a mesh, with their own short list of vertices.
+/// Up to [`CLUSTER_FACES`] neighboring faces of a mesh, with their own short list of vertices.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cluster {
     /// Middle of the bounding sphere, local coordinates.
     pub center: Vec3,
-    /// Radius of the bounding sphere, metres.
+    /// Radius of the bounding sphere, meters.
     pub radius_m: f32,
     /// Bit s is set where a face has material slot s; bit 63 stands for 63 and above.
     pub slots: u64,

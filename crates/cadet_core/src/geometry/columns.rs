@@ -6,7 +6,7 @@ use super::cluster::Cluster;
 use super::lanes::LANES;
 use crate::math::Vec3;
 
-/// Side of a grid's cells, metres: whichever way the grid is turned, each square metre that it covers has a cell's middle.
+/// Side of a grid's cells, meters: whichever way the grid is turned, each square meter that it covers has a cell's middle.
 const PITCH_M: f32 = 0.7;
 /// The most cells along a grid; what is larger has larger cells.
 const MAX_CELLS: f32 = 512.0;
@@ -185,7 +185,7 @@ mod tests {
             assert!(c.x.abs() <= 10.0 && c.y.abs() <= 6.0, "{c:?}");
             assert!((c.low - height(c.x, c.y)).abs() < 1e-4 && c.low == c.high, "{c:?}");
         }
-        // Turned by any angle, each square metre well inside has one.
+        // Turned by any angle, each square meter well inside has one.
         for turn in [0.0_f32, 0.3, 0.785, 1.2] {
             let (s, c) = (crate::math::sinf(turn), crate::math::cosf(turn));
             let turned: Vec<_> = columns.iter().map(|p| [c * p.x - s * p.y, s * p.x + c * p.y]).collect();

@@ -40,7 +40,7 @@ impl PartialEq for LazyMesh {
 pub struct LodSet {
     /// Bounds of the finest level.
     pub bounds: Bounds,
-    /// (used up to this distance from the ego in metres by sensors as fine as KITTI's, mesh); beyond the last limit the
+    /// (used up to this distance from the ego in meters by sensors as fine as KITTI's, mesh); beyond the last limit the
     /// shape is left out.
     pub levels: Vec<(f32, LazyMesh)>,
     /// Of the first so many levels the next one casts the shadow: it differs by about a shadow map's texel at most.

@@ -11,7 +11,7 @@ use crate::math::Vec3;
 /// Faces are counter-clockwise seen from outside. Vertices are repeated where the shading has a crease.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
-    /// Local coordinates, metres.
+    /// Local coordinates, meters.
     pub vertices: Vec<Vec3>,
     /// Unit shading normals, one a vertex.
     pub normals: Vec<Vec3>,

@@ -30,7 +30,7 @@ impl MeshPiece {
     }
 }
 
-/// A corner this far from the plane of the others lies in it, metres: far less than a sensor tells.
+/// A corner this far from the plane of the others lies in it, meters: far less than a sensor tells.
 const FLAT_M: f64 = 2e-4;
 /// The same, share of the shorter diagonal.
 const FLAT: f64 = 5e-3;

@@ -8,7 +8,7 @@ use crate::math::{self, DPose3, DVec3};
 /// Boxes are clipped at this depth before they are projected.
 const NEAR_M: f64 = 0.1;
 
-/// An axis-aligned rectangle in pixels; (0, 0) is the centre of the top-left pixel.
+/// An axis-aligned rectangle in pixels; (0, 0) is the center of the top-left pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rect {
     /// Left.
@@ -86,7 +86,7 @@ impl Boxes {
 /// KITTI's box: upright in the camera frame, turned about the camera's y axis only.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoxCam {
-    /// Bottom centre in the frame of camera 0.
+    /// Bottom center in the frame of camera 0.
     pub location_cam: DVec3,
     /// Length, width, height.
     pub size_lwh: DVec3,
@@ -95,7 +95,7 @@ pub struct BoxCam {
 }
 
 impl BoxCam {
-    /// One of an actor's boxes in the camera frame: its centre and heading. Pitch and roll relative to the camera are
+    /// One of an actor's boxes in the camera frame: its center and heading. Pitch and roll relative to the camera are
     /// lost, as KITTI's format has no room for them.
     #[must_use]
     pub fn of(actor: &ActorState, boxes: Boxes, cam_from_world: &DPose3) -> Self {

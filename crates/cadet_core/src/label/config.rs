@@ -80,9 +80,9 @@ label_config! {
     min_height_px: f64 = 15.0, 0 to f64::INFINITY;
     /// A label's object shows at least this fraction of its silhouette.
     min_visible_fraction: f64 = 0.1, 0 to 1.0;
-    /// A label's object is at most this deep, metres.
+    /// A label's object is at most this deep, meters.
     max_depth_m: f64 = 80.0, 0 to f64::INFINITY;
-    /// A label's object is at least this deep, metres.
+    /// A label's object is at least this deep, meters.
     min_depth_m: f64 = 0.5, 0 to f64::INFINITY;
     /// A label's object is truncated by at most this.
     max_truncation: f64 = 0.95, 0 to 1.0;
@@ -90,9 +90,9 @@ label_config! {
     min_contrast: f64 = 0.05, 0 to 1.0;
     /// A label's object has at least this many returns.
     min_points: usize = 0, 0 to 1e6;
-    /// An object without a label is kept as unlabelled if it shows at least this many pixels.
+    /// An object without a label is kept as unlabeled if it shows at least this many pixels.
     dontcare_min_pixels: f64 = 8.0, 0 to f64::INFINITY;
-    /// A corner is hidden by what is nearer than it by more than this, metres.
+    /// A corner is hidden by what is nearer than it by more than this, meters.
     corner_tolerance_m: f64 = 0.1, 0 to f64::INFINITY;
     /// With this many hidden corners the object is occluded.
     max_hidden_corners: usize = 4, 1 to 8.0;

@@ -5,8 +5,8 @@ use crate::math::DVec3;
 
 /// Which corners are in view and not hidden.
 ///
-/// A corner is hidden where all four diagonal neighbours in the depth map are nearer than it by more than
-/// `tolerance_m`; outside the image or behind the camera it counts as hidden. (The paper's wording, *any* neighbour,
+/// A corner is hidden where all four diagonal neighbors in the depth map are nearer than it by more than
+/// `tolerance_m`; outside the image or behind the camera it counts as hidden. (The paper's wording, *any* neighbor,
 /// would hide the lower corners of every car behind the ground in front of it.)
 pub(super) fn visible_corners(
     corners_cam: &[DVec3; 8],

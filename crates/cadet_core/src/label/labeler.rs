@@ -19,7 +19,7 @@ pub fn may_label(config: &LabelConfig, actors: &[ActorState], camera: &CameraMod
     })
 }
 
-/// Counts the returns of each object, and takes the labels away that no sensor supports: labelled objects first, each
+/// Counts the returns of each object, and takes the labels away that no sensor supports: labeled objects first, each
 /// group by rising id. `point_actor_ids` names the actor of each return.
 pub fn add_points(config: &LabelConfig, sightings: &mut [Sighting], point_actor_ids: &[i32]) {
     for sighting in sightings.iter_mut() {
@@ -34,7 +34,7 @@ fn put_labelled_first(sightings: &mut [Sighting]) {
     sightings.sort_by_key(|s| (!s.is_labelled, s.actor_id));
 }
 
-/// Every actor that the camera sees well enough to be labelled or left out of scoring: labelled ones first, each group
+/// Every actor that the camera sees well enough to be labeled or left out of scoring: labeled ones first, each group
 /// in the order of their ids; [`add_points`] adds the returns.
 ///
 /// # Frames and units

@@ -1,10 +1,10 @@
-//! Whether a view shows something that the view before did not: the ego or a labelled object has moved.
+//! Whether a view shows something that the view before did not: the ego or a labeled object has moved.
 
 use super::box_cam::Rect;
 use super::sighting::Sighting;
 use crate::math::DPose3;
 
-/// A view that was taken: where the ego was, and the rectangles of what was labelled.
+/// A view that was taken: where the ego was, and the rectangles of what was labeled.
 #[derive(Debug, Clone)]
 pub struct TakenView {
     world_from_ego: DPose3,
@@ -30,7 +30,7 @@ impl TakenView {
         (world_from_ego.translation - self.world_from_ego.translation).length() >= Self::EGO_MOVED_M
     }
 
-    /// Whether a labelled object has come into view since, or moved visibly.
+    /// Whether a labeled object has come into view since, or moved visibly.
     #[must_use]
     pub fn object_has_moved(&self, sightings: &[Sighting], image_width: usize) -> bool {
         let least_px = Self::OBJECT_MOVED * image_width as f64;

@@ -3,7 +3,7 @@
 use super::spec::BlindSector;
 
 /// Gain of each laser, from the top ring down: how the quantiles of its intensities (3 to 22 m, six KITTI frames) lie about
-/// those of its neighbours. Rings 15, 21, 36 and 51 report the most zeros.
+/// those of its neighbors. Rings 15, 21, 36 and 51 report the most zeros.
 #[rustfmt::skip]
 pub(super) const GAINS: [f64; 64] = [
     1.19, 0.98, 1.00, 0.67, 1.06, 0.83, 1.22, 0.93, 1.23, 0.82, 1.00, 1.20, 1.20, 1.01, 0.90, 0.77,

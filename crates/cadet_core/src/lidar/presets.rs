@@ -31,7 +31,7 @@ pub const PRESETS: [&str; BY_NAME.len()] = {
     names
 };
 
-/// (elevation in degrees, height of the laser's origin in metres) of KITTI's HDL-64E, from the top ring down; fitted to
+/// (elevation in degrees, height of the laser's origin in meters) of KITTI's HDL-64E, from the top ring down; fitted to
 /// its scans with a median residual of 0.25 mm.
 #[rustfmt::skip]
 const HDL64E: [(f64, f64); 64] = [

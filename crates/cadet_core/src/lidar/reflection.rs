@@ -44,7 +44,7 @@ pub(super) fn peak_share(spread_per_pulse: f64, range_m: f64, cos_incidence: f64
     1.0 / (1.0 + depth * depth * (1.0 - square) / square).sqrt()
 }
 
-/// How far the power of a spot spreads about its middle (a quarter of the cone, as in an even disc), in pulses per metre.
+/// How far the power of a spot spreads about its middle (a quarter of the cone, as in an even disc), in pulses per meter.
 pub(super) fn spread_per_pulse(receiver: &Receiver) -> f64 {
     receiver.divergence_rad / 4.0 / receiver.pulse_m()
 }

@@ -5,7 +5,7 @@ use crate::material::Semantic;
 /// The returns of one turn: ring-major, azimuth rising counter-clockwise from forward. All arrays have one length.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Scan {
-    /// x, y, z in metres, rounded to 1 mm, and intensity in 0..=0.99, rounded to 0.01.
+    /// x, y, z in meters, rounded to 1 mm, and intensity in 0..=0.99, rounded to 0.01.
     pub points_velo: Vec<[f32; 4]>,
     /// Ring of each return.
     pub ring: Vec<i32>,

@@ -43,7 +43,7 @@ impl IdealScan {
         self.instance.iter().zip(&self.face).map(of).collect()
     }
 
-    /// Where each beam ends, x, y, z in metres in the velo frame, and an intensity of 0; four NaN for a miss.
+    /// Where each beam ends, x, y, z in meters in the velo frame, and an intensity of 0; four NaN for a miss.
     ///
     /// # Panics
     /// With another sensor than the scan's.

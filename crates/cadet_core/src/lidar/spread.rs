@@ -2,7 +2,7 @@
 //!
 //! A beam of divergence D (the full cone) is taken for a disc of even power. Four sub-beams at (+-D/4, +-D/4) in
 //! azimuth and elevation have the disc's second moments, and each carries a quarter of the pulse. Echoes that return
-//! within one pulse length of another reach the receiver as one, at their common centre: a mixed point between two
+//! within one pulse length of another reach the receiver as one, at their common center: a mixed point between two
 //! surfaces. What lies farther apart makes echoes of its own, of which the sensor reports the strongest or the last.
 //!
 //! Beams away from edges are left alone: there the middle stands for the whole spot.
@@ -15,7 +15,7 @@ use crate::error::Result;
 use crate::math::{self, DPose3, DQuat, DVec3};
 use crate::sense::{BeamGrid, Hits, LaserRing, NO_HIT, SpinningGrid};
 
-/// Ranges of neighbouring beams that differ by more than this, and by more than twice what the slope beside them
+/// Ranges of neighboring beams that differ by more than this, and by more than twice what the slope beside them
 /// explains, belong to different surfaces.
 const EDGE_M: f32 = 0.25;
 
@@ -197,7 +197,7 @@ fn rank(echo: &Echo, air: &Air) -> f64 {
 }
 
 /// One echo of several that arrive together, each with a quarter of the pulse: their power adds up, their range is its
-/// centre, and the strongest gives its name.
+/// center, and the strongest gives its name.
 fn merged(quarters: &[Option<Echo>]) -> Echo {
     let raw_power = |e: &Echo| e.reflectance / (e.range_m * e.range_m);
     let echoes = || quarters.iter().flatten();

@@ -7,7 +7,7 @@ use super::texture;
 use crate::math::DVec3;
 use crate::sense::NO_HIT;
 
-/// Looks surfaces up. Neighbours often meet the same face, so the last one is remembered.
+/// Looks surfaces up. Neighbors often meet the same face, so the last one is remembered.
 pub(super) struct Surfaces<'a, C> {
     casting: &'a C,
     last: (u32, u32),

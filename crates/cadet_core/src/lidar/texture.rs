@@ -1,6 +1,6 @@
 //! How the reflectance of paved ground differs from place to place.
 //!
-//! Neighbouring readings on KITTI's roads are alike: stones, stains, patches and worn tracks are wider than a beam's spot.
+//! Neighboring readings on KITTI's roads are alike: stones, stains, patches and worn tracks are wider than a beam's spot.
 //! Here that is a fixed function of the place in the world, the same for every sensor, view and run: octaves of value
 //! noise from 0.2 m to 6.4 m, made once as a square that repeats.
 

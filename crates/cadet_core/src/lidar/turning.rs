@@ -1,6 +1,6 @@
 //! A sensor that turns while it and the world move.
 //!
-//! A turn takes 0.1 s and is centred on the instant of the image: the beam looks straight ahead at that instant, as the
+//! A turn takes 0.1 s and is centered on the instant of the image: the beam looks straight ahead at that instant, as the
 //! trigger of KITTI's cameras asks for, and the seam is behind the car. Seen from above the sensor turns
 //! counter-clockwise ("Vision meets Robotics: The KITTI Dataset", Geiger et al. 2013), so the right-hand side is seen
 //! before the instant and the left-hand side after it. Points stay in the frame of their own firing, as in KITTI's

@@ -86,7 +86,7 @@ impl Scene {
     }
 
     /// The same, or `None` where nothing in the first camera's view gets a label, or where neither the ego nor anything
-    /// labelled has moved since the last view that this returned: much cheaper than a frame that is thrown away.
+    /// labeled has moved since the last view that this returned: much cheaper than a frame that is thrown away.
     ///
     /// # Errors
     /// As [`Scene::capture`].

@@ -3,7 +3,7 @@
 use crate::instance::Instance;
 use crate::math::DVec3;
 
-/// The finest angle between neighbouring samples of the sensors that look at a scene.
+/// The finest angle between neighboring samples of the sensors that look at a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Resolution {
     finest_rad: f32,
@@ -30,7 +30,7 @@ impl Resolution {
 /// Of KITTI's rectified images.
 const FOCAL_LENGTH_PX: f32 = 721.537_7;
 
-/// How far an instance is from the viewer, metres: from the sphere around the bounds of its shape, so that the choice of a
+/// How far an instance is from the viewer, meters: from the sphere around the bounds of its shape, so that the choice of a
 /// level does not depend on the choice.
 pub(super) fn distance_m(instance: &Instance, viewer_world: DVec3) -> f32 {
     let bounds = &instance.shape.bounds;

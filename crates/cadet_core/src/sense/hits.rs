@@ -10,7 +10,7 @@ pub struct Hits {
     pub rows: usize,
     /// Number of columns.
     pub columns: usize,
-    /// The grid's depth in metres: range for a LIDAR, z along the optical axis for a camera; infinite for a miss.
+    /// The grid's depth in meters: range for a LIDAR, z along the optical axis for a camera; infinite for a miss.
     pub depth: Vec<f32>,
     /// Index into [`super::PosedScene::instances`], [`NO_HIT`] for a miss.
     pub instance: Vec<u32>,

@@ -43,7 +43,7 @@ mod tests {
     use super::*;
     use crate::math::{cos, sin};
 
-    /// A square of a metre about a middle, turned about z and then about x.
+    /// A square of a meter about a middle, turned about z and then about x.
     fn square(middle: DVec3, turn: f64, tilt: f64) -> [DVec3; 4] {
         [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|(x, y)| {
             let (x, y) = (x * cos(turn) - y * sin(turn), x * sin(turn) + y * cos(turn));

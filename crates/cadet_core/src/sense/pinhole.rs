@@ -36,7 +36,7 @@ const NARROW_ABOVE: usize = 6;
 impl PinholeGrid {
     /// A grid in the image of a camera with focal lengths `fx`, `fy` and principal point `cx`, `cy` (pixels).
     ///
-    /// `world_from_cam`: x right, y down, z forward, origin in the optical centre.
+    /// `world_from_cam`: x right, y down, z forward, origin in the optical center.
     ///
     /// # Errors
     /// [`Error::NotFinite`], and [`Error::OutOfRange`] for focal lengths or spacings that are not positive or an empty
@@ -76,7 +76,7 @@ impl PinholeGrid {
         })
     }
 
-    /// Two samples a pixel: on its centre, and half a pixel to the right and below. Rows lie half a pixel apart, the
+    /// Two samples a pixel: on its center, and half a pixel to the right and below. Rows lie half a pixel apart, the
     /// first at `v0`; each has one sample a pixel, the first at `u0` or, in odd rows, half a pixel right of it.
     ///
     /// # Errors

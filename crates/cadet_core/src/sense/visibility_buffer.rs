@@ -25,7 +25,7 @@ pub struct DrawnFace {
 }
 
 impl DrawnFace {
-    /// z in metres of the face's plane at x / z, y / z.
+    /// z in meters of the face's plane at x / z, y / z.
     #[inline]
     #[must_use]
     pub fn depth_at(&self, x: f64, y: f64) -> f32 {
@@ -63,7 +63,7 @@ impl Block {
     pub(super) const EMPTY: Self = Self { nearness: [[0.0; BLOCK]; BLOCK], face: [[0; BLOCK]; BLOCK] };
 }
 
-/// What the samples of an image see, in blocks of 8 x 8: neighbours stand together in memory, and what lies behind a
+/// What the samples of an image see, in blocks of 8 x 8: neighbors stand together in memory, and what lies behind a
 /// whole block is found with one comparison.
 #[derive(Debug, Default)]
 pub struct VisibilityBuffer {

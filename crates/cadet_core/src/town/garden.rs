@@ -62,7 +62,7 @@ pub(super) fn fill(
     } else if let Some(house) = &plot.house {
         close_gaps(plot, house, &ways, s, placer);
     }
-    // One side of each plot: its neighbour closes the other.
+    // One side of each plot: its neighbor closes the other.
     let side = if s.chance(0.5) { boundary } else { Boundary::draw(s) };
     let first = if fronted { 1.2 } else { behind };
     if plot.depth_m > first + 3.0 && side != Boundary::Open {
@@ -138,7 +138,7 @@ fn pave(plot: &Plot, [a0, a1]: Way, depth_m: f64, placer: &mut Placer) {
     }
 }
 
-/// Walls between a house on the pavement's line and its neighbours.
+/// Walls between a house on the pavement's line and its neighbors.
 fn close_gaps(plot: &Plot, house: &PlacedHouse, ways: &[Way], s: &mut Stream, placer: &mut Placer) {
     let (half, width) = (plot.length_m / 2.0, house.model.footprint_size().y);
     let (left, right) = (house.along_m - width / 2.0, house.along_m + width / 2.0);

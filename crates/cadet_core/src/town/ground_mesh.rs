@@ -89,7 +89,7 @@ pub(super) fn triangulate(
         }
     }
     let vertices: Vec<Point2<f64>> = cloud.points.iter().map(|p| Point2::new(p.x, p.y)).collect();
-    // Outlines never cross, so no edge is refused; were one refused, its neighbours' triangles would only be coarser.
+    // Outlines never cross, so no edge is refused; were one refused, its neighbors' triangles would only be coarser.
     let mesh = ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(vertices, edges, |_| {})
         .map_err(|e| Error::Map { map: "ground".to_owned(), reason: e.to_string() })?;
     let [inside_carriageway, inside_kerb, inside_pavement] =
@@ -199,7 +199,7 @@ impl Raster {
         self.marked[j * self.columns + i] = true;
     }
 
-    /// True where the cell of `p` or one of its eight neighbours is marked.
+    /// True where the cell of `p` or one of its eight neighbors is marked.
     fn is_marked_around(&self, p: DVec2) -> bool {
         let (i, j) = self.cell(p);
         (j.saturating_sub(1)..=(j + 1).min(self.rows - 1)).any(|row| {

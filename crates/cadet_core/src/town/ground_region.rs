@@ -103,7 +103,7 @@ fn pavement_width(network: &RoadNetwork) -> f64 {
     widths.get(widths.len() / 4).copied().unwrap_or(2.0).clamp(1.2, 4.5)
 }
 
-/// Metres to integers and back.
+/// Meters to integers and back.
 struct Frame {
     origin: DVec2,
 }

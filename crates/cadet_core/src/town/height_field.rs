@@ -6,7 +6,7 @@
 
 use crate::math::{DVec2, DVec3};
 
-/// The coarsest and the finest lattice: cells per side of the area, and metres per cell.
+/// The coarsest and the finest lattice: cells per side of the area, and meters per cell.
 const COARSEST_CELLS: f64 = 3.0;
 const FINEST_CELL_M: f64 = 4.0;
 /// Below this span of heights a map is flat.

@@ -87,7 +87,7 @@ impl<'a> Placer<'a> {
         self.standing.iter().rev().take(1500).any(|s| s.rect.half.x > 2.5 && s.rect.contains(at, margin_m))
     }
 
-    /// Runs a boundary from one place to another, in one colour.
+    /// Runs a boundary from one place to another, in one color.
     pub fn run(&mut self, boundary: Boundary, palette: &Arc<Palette>, from: DVec2, to: DVec2) {
         let length = (to - from).length();
         let along = (to - from).normalize_or_zero();

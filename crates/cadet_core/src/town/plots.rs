@@ -54,7 +54,7 @@ impl Plot {
         OrientedRect { center, axis: self.along, half: DVec2::new((a1 - a0) / 2.0, (d1 - d0) / 2.0) }
     }
 
-    /// Places along its front, half a metre apart.
+    /// Places along its front, half a meter apart.
     fn front_line(&self) -> impl Iterator<Item = DVec2> + '_ {
         let steps = (self.length_m / 0.5).ceil();
         (0..=steps as usize).map(move |k| self.at(self.length_m * (k as f64 / steps - 0.5), 0.0))

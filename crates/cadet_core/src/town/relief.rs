@@ -60,7 +60,7 @@ impl Relief {
         self.waves.iter().map(|w| w.amplitude_m * math::sin(w.k.dot(p) + w.phase)).sum()
     }
 
-    /// Slope at a place: metres up per metre east and north.
+    /// Slope at a place: meters up per meter east and north.
     pub(super) fn gradient(&self, p: DVec2) -> DVec2 {
         self.waves.iter().fold(DVec2::ZERO, |g, w| g + w.k * (w.amplitude_m * math::cos(w.k.dot(p) + w.phase)))
     }

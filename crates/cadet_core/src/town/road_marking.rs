@@ -1,4 +1,4 @@
-//! Paint on the carriageway: dashed centre lines, stop lines and give-way lines, as thin quadrilaterals.
+//! Paint on the carriageway: dashed center lines, stop lines and give-way lines, as thin quadrilaterals.
 
 use super::network::{Lane, LaneKind, RoadNetwork};
 use crate::math::{DVec2, DVec3};
@@ -7,7 +7,7 @@ const LIFT_M: f64 = 0.0045;
 const LINE_WIDTH_M: f64 = 0.12;
 /// A dash and the gap after it.
 const DASH_M: (f64, f64) = (3.0, 6.0);
-/// Streets at most this fast have no centre line, and no priority at junctions.
+/// Streets at most this fast have no center line, and no priority at junctions.
 const ZONE_30_MPS: f64 = 8.5;
 const MIN_CARRIAGEWAY_M: f64 = 5.5;
 /// Paint is laid in pieces this long, so that it hugs the triangles below.

@@ -1,4 +1,4 @@
-//! How uneven streets are over metres: long-wave roughness as a sum of sines, so that heights are a closed form.
+//! How uneven streets are over meters: long-wave roughness as a sum of sines, so that heights are a closed form.
 
 use crate::math::{self, DVec2, TAU};
 use crate::rng::Stream;

@@ -95,7 +95,7 @@ struct Grid {
     columns: usize,
     rows: usize,
     at: Vec<DVec2>,
-    /// East, north, west, south neighbour of each node.
+    /// East, north, west, south neighbor of each node.
     links: Vec<[Option<usize>; 4]>,
 }
 
@@ -360,7 +360,7 @@ fn trace(grid: &Grid, stream: &mut Stream) -> (Vec<Chain>, Vec<[f64; 4]>) {
     (chains, headings)
 }
 
-/// Moves each arm's end out until the kerbs' corner arc fits between it and its neighbours.
+/// Moves each arm's end out until the kerbs' corner arc fits between it and its neighbors.
 fn cut_back(arms: &mut [Arm], corner_radius_m: f64) {
     let n = arms.len();
     for i in 0..n {

@@ -1,4 +1,4 @@
-//! Made-up ground truth and detections, with everything that KITTI's rules tell apart: neighbour classes, levels,
+//! Made-up ground truth and detections, with everything that KITTI's rules tell apart: neighbor classes, levels,
 //! heights on a limit, equal scores, duplicates, wrong names, small detections, DontCare regions, empty frames.
 #![allow(dead_code)]
 

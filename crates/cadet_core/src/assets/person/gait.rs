@@ -45,7 +45,7 @@ pub(super) struct Posture {
     /// Rotation of pelvis and of shoulders about z, radians.
     pub pelvis_yaw: f32,
     pub shoulder_yaw: f32,
-    /// Sideways shift of the pelvis, metres to the left.
+    /// Sideways shift of the pelvis, meters to the left.
     pub sway: f32,
     /// Trunk's forward lean, radians.
     pub lean: f32,

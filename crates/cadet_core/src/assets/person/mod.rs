@@ -22,7 +22,7 @@ use tube::Tubes;
 
 /// Phases of the gait cycle that have a shape: 3 cm of way each.
 const NUM_PHASES: usize = 48;
-/// Where the levels of detail end, metres from the ego: a person is 140 and 57 pixels of KITTI's camera high there.
+/// Where the levels of detail end, meters from the ego: a person is 140 and 57 pixels of KITTI's camera high there.
 const LEVEL_LIMITS_M: [f32; 3] = [9.0, 22.0, f32::INFINITY];
 
 /// A person's shape, in the box frame: x forward, y left, z up, origin on the ground.
@@ -36,7 +36,7 @@ pub struct PersonModel {
     pub annotated: AnnotatedBox,
     /// Walking speed that the stride fits, m/s; 0 for a person who stands.
     pub walking_speed_mps: f64,
-    /// Length of a full gait cycle (two steps) on the ground, metres.
+    /// Length of a full gait cycle (two steps) on the ground, meters.
     pub cycle_length_m: f64,
     /// The materials.
     pub palette: Arc<Palette>,

@@ -78,7 +78,7 @@ pub(super) enum Headwear {
     Hat,
 }
 
-/// A person's measures in metres, and how the person moves.
+/// A person's measures in meters, and how the person moves.
 #[derive(Debug, Clone)]
 pub(super) struct Proportions {
     pub kind: Kind,
@@ -108,7 +108,7 @@ pub(super) struct Proportions {
     pub head: f32,
     /// 0 for a person who stands, m/s.
     pub speed: f32,
-    /// Two steps, metres.
+    /// Two steps, meters.
     pub cycle_length: f32,
     pub lean: f32,
     pub elbow: f32,

@@ -13,7 +13,7 @@ pub enum FurnitureKind {
     SmallBin,
     /// A two-wheeled 240 l bin.
     LargeBin,
-    /// A grey distribution cabinet.
+    /// A gray distribution cabinet.
     Cabinet,
     /// A yellow post box on a foot.
     PostBox,

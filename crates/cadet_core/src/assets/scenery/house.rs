@@ -22,7 +22,7 @@ pub enum HouseKind {
     Village,
     /// A tall block of the closed kind, on the pavement's line.
     Block,
-    /// Two to four storeys of flats with balconies.
+    /// Two to four stories of flats with balconies.
     Flats,
 }
 
@@ -115,7 +115,7 @@ impl HouseDesign {
         };
         let flat_roof = kind == HouseKind::Flats && s.chance(0.4);
         let loft = match kind {
-            // One storey under a steep roof has a knee wall.
+            // One story under a steep roof has a knee wall.
             HouseKind::Detached | HouseKind::Village if storeys == 1 => range(s, 0.5, 1.1),
             _ => range(s, 0.15, 0.35),
         };

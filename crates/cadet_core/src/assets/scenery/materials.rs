@@ -1,4 +1,4 @@
-//! Colours and reflectances of the scenery, and the palettes that instances of one prototype may wear.
+//! Colors and reflectances of the scenery, and the palettes that instances of one prototype may wear.
 
 use std::sync::Arc;
 
@@ -75,7 +75,7 @@ pub mod furniture_slot {
     pub const INK: u8 = 4;
     /// Wheels, dark parts.
     pub const DARK: u8 = 5;
-    /// Backs and rims of plates: bare aluminium.
+    /// Backs and rims of plates: bare aluminum.
     pub const BACK: u8 = 6;
 }
 
@@ -100,7 +100,7 @@ fn pane() -> Material {
     }
 }
 
-/// The colours of one house: walls and roofs by the shares of a South German suburb.
+/// The colors of one house: walls and roofs by the shares of a South German suburb.
 #[must_use]
 pub fn house_palette(stream: &mut Stream, flat_roof: bool) -> Arc<Palette> {
     let (wall, wall_pattern, wall_905) = match stream.weighted(&[0.38, 0.17, 0.10, 0.08, 0.07, 0.10, 0.06, 0.04]) {
@@ -170,7 +170,7 @@ fn leaf(albedo: [f32; 3], reflectance: f32) -> Material {
     m
 }
 
-/// The colours of one plant: `evergreen` ones are darker and bluer; a few broad-leaved ones are copper or turning.
+/// The colors of one plant: `evergreen` ones are darker and bluer; a few broad-leaved ones are copper or turning.
 #[must_use]
 pub fn plant_palette(stream: &mut Stream, evergreen: bool) -> Arc<Palette> {
     let base = if evergreen {
@@ -195,7 +195,7 @@ pub fn plant_palette(stream: &mut Stream, evergreen: bool) -> Arc<Palette> {
     ]))
 }
 
-/// The colours of a fence: paint or bare wood, and the masonry below it.
+/// The colors of a fence: paint or bare wood, and the masonry below it.
 #[must_use]
 pub fn fence_palette(stream: &mut Stream, metal: bool) -> Arc<Palette> {
     let body = if metal {
@@ -235,7 +235,7 @@ fn plate(semantic: Semantic, albedo: [f32; 3]) -> Material {
     m
 }
 
-/// The colours of poles, signs and other furniture; `semantic` is the class of the body, plates are signs.
+/// The colors of poles, signs and other furniture; `semantic` is the class of the body, plates are signs.
 #[must_use]
 pub fn furniture_palette(stream: &mut Stream, semantic: Semantic, body: [f32; 3], accent: [f32; 3]) -> Arc<Palette> {
     let body = jitter(stream, body, 0.15, 0.03);

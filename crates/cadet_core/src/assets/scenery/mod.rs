@@ -51,13 +51,13 @@ pub struct SceneryModel {
 }
 
 impl SceneryModel {
-    /// The model placed in the world, in its own colours.
+    /// The model placed in the world, in its own colors.
     #[must_use]
     pub fn at(&self, world_from_local: DPose3) -> Instance {
         self.wearing(Arc::clone(&self.palette), world_from_local)
     }
 
-    /// The model placed in the world, in other colours: `palette` has the prototype's slots.
+    /// The model placed in the world, in other colors: `palette` has the prototype's slots.
     #[must_use]
     pub fn wearing(&self, palette: Arc<Palette>, world_from_local: DPose3) -> Instance {
         debug_assert_eq!(palette.materials().len(), self.palette.materials().len());

@@ -76,7 +76,7 @@ fn post(b: &mut MeshBuilder, radii: (f32, f32), top: f32, detail: Detail) {
     tube(b, (v(0.0, 0.0, -0.4), low), (v(0.0, 0.0, top), high), detail.pick(12, 7, 6), slot::BODY);
 }
 
-/// A regular plate about (0.04, 0, z): a back of bare metal and layers of colour on the front.
+/// A regular plate about (0.04, 0, z): a back of bare metal and layers of color on the front.
 fn plate(b: &mut MeshBuilder, z: f32, sides: usize, turn_rad: f32, layers: &[(f32, u8)]) {
     let Some((radius, _)) = layers.first() else { return };
     let ring = |x: f32| -> Vec<Vec3> {

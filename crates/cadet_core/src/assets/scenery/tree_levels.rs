@@ -19,7 +19,7 @@ pub(super) struct Level {
 const NEAR_WIDTHS: f32 = 60.0;
 /// The same beyond [`NEAR_M`]: 23 pixels.
 const FAR_WIDTHS: f32 = 32.0;
-/// What is further away is a crown to the eye, not leaves, and a LIDAR gets hardly an echo from it: metres.
+/// What is further away is a crown to the eye, not leaves, and a LIDAR gets hardly an echo from it: meters.
 const NEAR_M: f32 = 80.0;
 /// No crown has fewer triangles.
 const FEWEST: f32 = 40.0;

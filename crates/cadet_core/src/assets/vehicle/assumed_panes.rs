@@ -10,13 +10,13 @@ const CAR_BAND: (f32, f32) = (0.66, 0.91);
 const CAB_BAND: (f32, f32) = (0.45, 0.75);
 /// Behind the cab a truck may be a box.
 const CAB_LENGTH_M: f32 = 1.8;
-/// What stays of the shell at the ends of a row of windows, and between its two, metres.
+/// What stays of the shell at the ends of a row of windows, and between its two, meters.
 const PILLAR_M: f32 = 0.09;
 /// The roof's normal is steeper than this; windscreens lie at 20 degrees and more.
 const MAX_UP: f32 = 0.94;
-/// Mirrors stick out from the shell by more than this, metres.
+/// Mirrors stick out from the shell by more than this, meters.
 const STICKS_OUT_M: f32 = 0.02;
-/// Smaller panes than this altogether are none, square metres.
+/// Smaller panes than this altogether are none, square meters.
 const MIN_AREA_M2: f32 = 0.3;
 
 /// Triangle and slot, in the box frame.
@@ -148,7 +148,7 @@ fn split(corners: &[Vec3; 3], axis: usize, at: f32) -> [Vec<[Vec3; 3]>; 2] {
                 ring.push(a);
             }
             if side(&a) * side(&b) < 0.0 {
-                // From the lower to the higher corner, so that neighbours meet in the same point.
+                // From the lower to the higher corner, so that neighbors meet in the same point.
                 let (lo, hi) = if a[axis] < b[axis] { (a, b) } else { (b, a) };
                 let mut p = lo + (hi - lo) * (-side(&lo) / (side(&hi) - side(&lo)));
                 p[axis] = at;

@@ -15,7 +15,7 @@ pub(super) struct Fittings {
     pub roof_rails: bool,
     pub aerial: bool,
     pub two_line_plate: bool,
-    /// Height of the rear plate's centre, metres.
+    /// Height of the rear plate's center, meters.
     pub rear_plate_z: f32,
 }
 

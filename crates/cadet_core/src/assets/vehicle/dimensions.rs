@@ -19,7 +19,7 @@ pub(super) enum Windows {
     PanelVan,
 }
 
-/// The mean shape of a kind of vehicle. Length, width and height in metres as KITTI's annotators label it, to which the
+/// The mean shape of a kind of vehicle. Length, width and height in meters as KITTI's annotators label it, to which the
 /// mean margins of labels are added; fractions of the drawn length or height where named so.
 #[derive(Debug)]
 pub(super) struct Archetype {
@@ -310,7 +310,7 @@ const VANS: [Archetype; 4] = [
     },
 ];
 
-/// One vehicle's measures, metres in the box frame.
+/// One vehicle's measures, meters in the box frame.
 #[derive(Debug, Clone)]
 pub(super) struct Dimensions {
     pub name: &'static str,

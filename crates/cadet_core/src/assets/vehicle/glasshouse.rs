@@ -6,10 +6,10 @@ use super::paint::slot;
 use super::surface::{Outward, Surface};
 use crate::math::{Vec3, lerp};
 
-/// High vans have a panel above panes of the usual height: how far panes reach above the belt line at most, metres.
+/// High vans have a panel above panes of the usual height: how far panes reach above the belt line at most, meters.
 pub(super) const SCREEN_TO_M: f32 = 0.80;
 pub(super) const SIDE_PANES_TO_M: f32 = 0.70;
-/// How far panes lie inside the shell, metres.
+/// How far panes lie inside the shell, meters.
 const PANE_INSET: f32 = 0.006;
 
 /// The rows with the panes' upper edge brought down to a fraction of the way to the roof.

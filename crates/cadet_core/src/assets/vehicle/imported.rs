@@ -15,9 +15,9 @@ use crate::rng::Stream;
 
 /// Faces that meet at more than this angle show an edge.
 const CREASE_RAD: f32 = 0.6;
-/// What can pass for a vehicle: length, width, height in metres.
+/// What can pass for a vehicle: length, width, height in meters.
 const LIMITS_M: [(&str, f64, f64); 3] = [("long", 1.0, 30.0), ("wide", 0.3, 5.0), ("high", 0.3, 6.0)];
-/// What is lower than this belongs to a tyre rather than to the body, metres.
+/// What is lower than this belongs to a tire rather than to the body, meters.
 const TYRE_FOOT_M: f32 = 0.15;
 
 /// A user's mesh and what is to be known about it.
@@ -33,15 +33,15 @@ pub struct VehicleAsset {
     pub obj: String,
     /// Material libraries: the name that the OBJ file uses, and the text.
     pub libraries: Vec<(String, String)>,
-    /// Metres per unit of the file, above 0.
+    /// Meters per unit of the file, above 0.
     pub scale: f64,
     /// Turns the mesh about the vertical, counter-clockwise seen from above, so that its front looks along +x.
     pub yaw_rad: f64,
     /// True where the file's y axis points up; else its z axis does.
     pub y_up: bool,
-    /// Stretches the mesh to this length, width and height, metres.
+    /// Stretches the mesh to this length, width and height, meters.
     pub size_lwh: Option<DVec3>,
-    /// Which materials are glass, tyres, ...
+    /// Which materials are glass, tires, ...
     pub rules: MaterialRules,
 }
 
@@ -204,7 +204,7 @@ struct Wheels {
 }
 
 impl Wheels {
-    /// Finds the axles by what touches the ground, tyres if the materials tell which these are.
+    /// Finds the axles by what touches the ground, tires if the materials tell which these are.
     fn find(tyres: &[Vec3], all: &[Vec3], size: Vec3) -> Self {
         let feet = if tyres.is_empty() { all } else { tyres };
         let low = |ahead: bool| {

@@ -1,4 +1,4 @@
-//! What a user's materials are made of: the part of a vehicle that their names tell, and the colour that they state.
+//! What a user's materials are made of: the part of a vehicle that their names tell, and the color that they state.
 
 use super::paint::{coated, glass};
 use crate::error::{Error, Result};
@@ -9,7 +9,7 @@ use crate::material::{Material, Pattern, Semantic};
 pub enum Role {
     /// Panes: camera and laser look through.
     Glass,
-    /// Tyres, and wheels where they have one material with them.
+    /// Tires, and wheels where they have one material with them.
     Tyre,
     /// Number plates, which throw the laser straight back.
     Plate,
@@ -126,7 +126,7 @@ pub(super) fn opacity(source: &tobj::Material) -> f32 {
     source.dissolve.filter(|d| d.is_finite()).map_or(1.0, |d| d.clamp(0.0, 1.0))
 }
 
-/// A material for eye and laser: the colour is the file's, the rest follows from the role.
+/// A material for eye and laser: the color is the file's, the rest follows from the role.
 pub(super) fn material(source: Option<&tobj::Material>, role: Option<Role>, semantic: Semantic) -> Material {
     let stated = source.and_then(|m| m.diffuse).unwrap_or([0.4; 3]);
     let albedo = stated.map(|c| if c.is_finite() { c.clamp(0.008, 0.85) } else { 0.4 });

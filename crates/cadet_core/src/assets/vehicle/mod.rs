@@ -40,18 +40,18 @@ use paint::slot;
 use surface::Surface;
 use wheels::Rim;
 
-/// Where the levels of detail end, metres from the ego: a car is a hundred pixels of KITTI's camera high at the first limit,
+/// Where the levels of detail end, meters from the ego: a car is a hundred pixels of KITTI's camera high at the first limit,
 /// and looking through its windows shows nothing beyond the third.
 const LEVEL_LIMITS_M: [f32; LEVELS] = [11.0, 32.0, 80.0, f32::INFINITY];
 const LEVELS: usize = 4;
-/// Nobody sees wheels beyond this distance (a wheel is 3 pixels tall there), metres.
+/// Nobody sees wheels beyond this distance (a wheel is 3 pixels tall there), meters.
 const WHEELS_TO_M: f32 = 150.0;
-/// Nobody sees who sits inside beyond this distance, metres.
+/// Nobody sees who sits inside beyond this distance, meters.
 const OCCUPANTS_TO_M: f32 = 70.0;
 /// Faces that meet at more than this angle show an edge.
 const CREASE_RAD: f32 = 0.55;
 
-/// A vehicle's shape, in its box frame: x forward, y left, z up, origin at the box's bottom centre.
+/// A vehicle's shape, in its box frame: x forward, y left, z up, origin at the box's bottom center.
 #[derive(Debug, Clone)]
 pub struct VehicleModel {
     /// For example `"compact/12345"`.
@@ -66,12 +66,12 @@ pub struct VehicleModel {
     pub body: Arc<LodSet>,
     /// The driver, and a passenger in three of ten, in the box frame: shown in moving vehicles.
     pub driver: Option<Arc<LodSet>>,
-    /// A wheel about its own centre, axle along y, outer face towards +y (the left side); `None` where the wheels are
+    /// A wheel about its own center, axle along y, outer face towards +y (the left side); `None` where the wheels are
     /// part of the body.
     pub wheel: Option<Arc<LodSet>>,
-    /// Wheel centres in the box frame: front left, front right, rear left, rear right.
+    /// Wheel centers in the box frame: front left, front right, rear left, rear right.
     pub wheel_centers: [Vec3; 4],
-    /// Tyre radius: also the height of the wheel centres.
+    /// Tire radius: also the height of the wheel centers.
     pub wheel_radius_m: f64,
     /// The materials of body, driver and wheels.
     pub palette: Arc<Palette>,
@@ -132,7 +132,7 @@ impl VehicleModel {
         }
     }
 
-    /// The same vehicle in the colours of another.
+    /// The same vehicle in the colors of another.
     #[must_use]
     pub fn painted(&self, paint_seed: u64) -> Self {
         let palette = paint::palette(self.class, &mut Stream::from_seed("vehicle paint", paint_seed));

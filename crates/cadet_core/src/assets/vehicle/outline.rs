@@ -3,7 +3,7 @@
 use super::dimensions::Dimensions;
 use crate::math::{Vec3, powf};
 
-/// Height fractions at which the section bends, and how far the flank lies inside the widest line there, metres.
+/// Height fractions at which the section bends, and how far the flank lies inside the widest line there, meters.
 const SECTION: [(f32, f32); 10] = [
     (0.0, 0.075),
     (0.08, 0.042),
@@ -16,7 +16,7 @@ const SECTION: [(f32, f32); 10] = [
     (0.97, 0.032),
     (1.0, 0.050),
 ];
-/// How far nose and tail lie behind their foremost line at the same height fractions, metres.
+/// How far nose and tail lie behind their foremost line at the same height fractions, meters.
 const NOSE_SETBACK: [f32; 10] = [0.07, 0.03, 0.005, 0.0, 0.015, 0.035, 0.055, 0.085, 0.12, 0.16];
 const TAIL_SETBACK: [f32; 10] = [0.07, 0.03, 0.004, 0.0, 0.010, 0.022, 0.032, 0.044, 0.060, 0.085];
 

@@ -1,4 +1,4 @@
-//! The materials of vehicles: a palette with fixed slots, and the colours of the stock around 2011.
+//! The materials of vehicles: a palette with fixed slots, and the colors of the stock around 2011.
 
 use crate::actor::ObjectClass;
 use crate::material::{LidarMaterial, Material, Palette, Pattern, Semantic};
@@ -36,7 +36,7 @@ pub(super) mod slot {
     pub const LETTERS: u8 = 20;
 }
 
-/// A colour of the stock: share, albedo, spread, LIDAR reflectance below the coat, and what is on top.
+/// A color of the stock: share, albedo, spread, LIDAR reflectance below the coat, and what is on top.
 type Colour = (f64, [f32; 3], f32, (f64, f64), Coat);
 
 /// What lies over a paint's pigments: clear coat alone, or metal flakes below it.
@@ -59,7 +59,7 @@ impl Coat {
     }
 }
 
-/// Reflectances as measured at 905 nm (black 2-5 %, dark metallic 4-10, grey 8-15, silver 25-40 and peaked, white 70-80,
+/// Reflectances as measured at 905 nm (black 2-5 %, dark metallic 4-10, gray 8-15, silver 25-40 and peaked, white 70-80,
 /// red 40-65, blue 10-40, green 15-35) less what the coat itself mirrors: of black's 2-5 %, 4 are the mirror's.
 const COLOURS: [Colour; 14] = [
     (18.0, [0.42, 0.43, 0.44], 0.06, (0.10, 0.22), Coat::Flakes),

@@ -5,7 +5,7 @@ pub(super) const SIZE: usize = 1536;
 /// Texels along a side of a tile: what shades no tile that the camera sees is not drawn.
 pub(super) const TILE: usize = 16;
 pub(super) const TILES: usize = SIZE / TILE;
-/// From a row of texels to the next: an odd number of cache lines, else neighbours would crowd in a few of its sets.
+/// From a row of texels to the next: an odd number of cache lines, else neighbors would crowd in a few of its sets.
 pub(super) const STRIDE: usize = SIZE + 16;
 /// The height of what nothing was drawn on.
 pub(super) const EMPTY: i16 = i16::MIN;

@@ -45,7 +45,7 @@ fn a_coarse_shadow_lies_where_the_fine_one_does() {
         let person = PersonModel::generate(seed);
         let pose = person.pose(0.3);
         for (shape, palette, half_m) in [(&*car.body, &car.palette, 3.5), (&pose, &person.palette, 1.5)] {
-            // In the near map, by the finest level's neighbour; in the far one, by that one's.
+            // In the near map, by the finest level's neighbor; in the far one, by that one's.
             for x in [7.0, 40.0] {
                 let (palette, shape_of) = (Arc::clone(palette), Arc::new(shape.clone()));
                 let world_from_local = upright(DVec3::new(x, 0.0, 0.0), 0.7);

@@ -91,7 +91,7 @@ fn an_image_of_any_size_is_a_part_of_a_larger_one() {
 
 #[test]
 fn a_texture_is_as_fine_as_the_pixels() {
-    // Joints of bricks are as thin as pixels: neighbours that are shaded at once differ as much as those that are not.
+    // Joints of bricks are as thin as pixels: neighbors that are shaded at once differ as much as those that are not.
     let bricks = Material::matt(Semantic::Building, [0.4, 0.3, 0.25], Pattern::Bricks, 0.3);
     let wall = [cuboid(Vec3::new(7.0, -9.0, -3.0), Vec3::new(7.5, 9.0, 9.0), bricks, 0)];
     let image = radiance_of(&wall, &view(), &clear_sun_from(180.0));

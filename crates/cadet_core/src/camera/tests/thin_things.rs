@@ -20,7 +20,7 @@ const FINER: usize = 6;
 enum Part {
     /// Stretches of rows.
     All,
-    /// What is higher than this above the ground, metres; stretches of columns.
+    /// What is higher than this above the ground, meters; stretches of columns.
     Above(f64),
 }
 

@@ -5,7 +5,7 @@ use super::crossover::{CLOSED_M, crossover};
 use crate::math::{self, PI};
 
 /// Differential reflectance of a hard target, gamma / pi: fits the paper's units to real scans. There gamma = 1e-6 goes
-/// with a pulse of 20 ns; with the sensor's 5 ns this one lets dense fog (0.06 per metre) take over at the same range.
+/// with a pulse of 20 ns; with the sensor's 5 ns this one lets dense fog (0.06 per meter) take over at the same range.
 const BETA_0: f64 = 0.596e-6 / PI;
 /// Step of the integral's variable: 0.9 m and 1.0 m, where the crossover bends, are nodes of it.
 const STEP_M: f64 = 0.01;

@@ -23,7 +23,7 @@ const FOG_SPREAD_M: f64 = 10.0;
 /// The air and the wet or white ground of one scan.
 #[derive(Debug, Clone)]
 pub(super) struct Air {
-    /// Attenuation per metre, one way: fog's, the drops', the flakes'.
+    /// Attenuation per meter, one way: fog's, the drops', the flakes'.
     fog_alpha_per_m: f64,
     alpha_per_m: f64,
     fog: Option<Fog>,

@@ -32,7 +32,7 @@ pub(super) struct Particles {
     divergence_rad: f64,
     /// The weakest echo that is drawn, in units of reflectance / range^2.
     least_power: f64,
-    /// Two-way attenuation of their echo, per metre.
+    /// Two-way attenuation of their echo, per meter.
     dimming_per_m: f64,
     /// Of the exponential distribution of diameters, 1/m.
     slope_per_m: f64,
@@ -98,7 +98,7 @@ impl Particles {
         self.least_power * range_m * range_m / full.max(1e-300)
     }
 
-    /// Bright particles a metre of beam at a range, and the share that each covers on average.
+    /// Bright particles a meter of beam at a range, and the share that each covers on average.
     fn bright_at(&self, number_per_m3: f64, range_m: f64) -> (f64, f64) {
         let width_m = self.divergence_rad * range_m;
         let least = self.least_share(range_m);

@@ -34,7 +34,7 @@ const GROUND_TOLERANCE_M: f64 = 0.2;
 const GROUND_TOLERANCE_SHARE: f64 = 0.01;
 
 /// Puts the air of `weather` between a sensor with this receiver in the frame's origin and the points (x, y, z in
-/// metres, intensity 0..=1) that it saw in clear air, and wets what lies within 0.2 m plus 1 % of the range of the
+/// meters, intensity 0..=1) that it saw in clear air, and wets what lies within 0.2 m plus 1 % of the range of the
 /// plane `z = -sensor_height_m`.
 ///
 /// A point's reflectance is taken to be its intensity, as in LISA. It was heard, so it had the least power that is heard
@@ -43,7 +43,7 @@ const GROUND_TOLERANCE_SHARE: f64 = 0.01;
 /// receiver's noise of the weaker echo has more than that of the echo in clear air.
 ///
 /// # Determinism
-/// A point's fate depends on itself, on the weather and on `seed`, not on its neighbours: a scan may be cut in pieces.
+/// A point's fate depends on itself, on the weather and on `seed`, not on its neighbors: a scan may be cut in pieces.
 ///
 /// # Errors
 /// [`Error::NotFinite`] or [`Error::OutOfRange`] for bad weather, coordinates or intensities.

@@ -26,7 +26,7 @@ fn fog_moves_what_its_own_echo_outshines() {
     let air = air(alpha, 0.0, 0.0);
     let half = math::ln(2.0) / (2.0 * alpha);
     assert!((air.meet(half, 1e-3, 0).transmittance - 0.5).abs() < 1e-12);
-    // i_soft > i', with max I = 2.3e-9 s at 0.06 per metre (see fog.rs for the table's own test).
+    // i_soft > i', with max I = 2.3e-9 s at 0.06 per meter (see fog.rs for the table's own test).
     let peak = (0..500).map(|k| response(alpha, 0.9 + 0.01 * f64::from(k))).fold(0.0, f64::max);
     let beta_over_beta0 = 0.046 * alpha / math::ln(20.0) / (0.596e-6 / PI);
     let mut moved = 0;
@@ -149,7 +149,7 @@ fn flakes_cover_targets_but_dim_them_by_beer_and_lambert_on_average() {
 
 #[test]
 fn more_weather_leaves_less() {
-    // Share of targets at 12 m, as strong as grey paint, that still answer; and what is left of them.
+    // Share of targets at 12 m, as strong as gray paint, that still answer; and what is left of them.
     let kept = |fog, rain, snow, range_m: f64| {
         let air = air(fog, rain, snow);
         let all: Vec<Meeting> = (0..8000).map(|k| air.meet(range_m, 0.1 / (range_m * range_m), key(k))).collect();

@@ -115,7 +115,7 @@ impl Chassis {
             wheel.steering = if i < 2 { self.steer_rad as f32 } else { 0.0 };
         }
         physics.push_wheels(&mut self.controller);
-        // The tyres carry the slope's pull sideways at once; rapier's friction alone would let the car creep. It goes
+        // The tires carry the slope's pull sideways at once; rapier's friction alone would let the car creep. It goes
         // last, or that friction would take it for a sideways motion and fight it.
         let body = &mut physics.world.bodies[self.body];
         if on_ground >= 3 {

@@ -21,11 +21,11 @@ pub struct TrafficConfig {
     /// Mean fraction of the parking places along the ego's way that are taken, in [0, 1]; it varies from street to
     /// street, and side streets and drives are fuller: its power of 0.35.
     pub parking_occupancy: f64,
-    /// Driven cars start within this distance of the ego, metres.
+    /// Driven cars start within this distance of the ego, meters.
     pub car_radius_m: f64,
-    /// People start within this distance of the ego, metres.
+    /// People start within this distance of the ego, meters.
     pub pedestrian_radius_m: f64,
-    /// Distance from the ego within which parking places are filled, metres.
+    /// Distance from the ego within which parking places are filled, meters.
     pub parking_radius_m: f64,
     /// Classes of the vehicles that drive and park, cars among them; the shares of those left out go to the others.
     pub vehicle_classes: Vec<ObjectClass>,

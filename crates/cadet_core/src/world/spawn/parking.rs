@@ -20,7 +20,7 @@ const BACKED_IN_SHARE: f64 = 0.2;
 const EMPTY_ROWS_SHARE: f64 = 0.5;
 /// Room that a parked vehicle needs along its spot beyond its length.
 const LEAST_GAP_M: f64 = 0.3;
-/// How much a vehicle may be longer than its spot in a row, at a neighbour's cost, and wider than any spot.
+/// How much a vehicle may be longer than its spot in a row, at a neighbor's cost, and wider than any spot.
 const MOST_OVER_SPOT_M: f64 = 2.2;
 const MOST_OVER_WIDTH_M: f64 = 0.45;
 
@@ -66,7 +66,7 @@ impl Spawner<'_> {
             let wrong_way = if draw.chance(turned_share) { math::PI } else { 0.0 };
             let slack_m = (spot.length_m - model.size_lwh.x).max(0.0) / 2.0;
             let mut along_m = draw.clipped_normal(0.0, 0.35).clamp(-slack_m, slack_m);
-            // What is longer than its spot takes room from one neighbour.
+            // What is longer than its spot takes room from one neighbor.
             let over_m = (model.size_lwh.x + LEAST_GAP_M - spot.length_m).max(0.0) / 2.0;
             if draw.chance(0.5) {
                 along_m = -along_m;
