@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cadet import CadetError, Pose
-from cadet.pose import quaternion_of, rotation_of_angles
+from cadet.pose import inverse, product, quaternion_of, rotation_of_angles
 
 IDENTITY = (1.0, 0.0, 0.0, 0.0)
 
@@ -60,3 +60,21 @@ def test_carriers_come_first() -> None:
 def test_nonsense_is_refused(make: Any, message: str) -> None:
     with pytest.raises(CadetError, match=message):
         make()
+
+
+def test_products_inverses_and_rotations_agree_with_numpys() -> None:
+    rng = np.random.default_rng(0)
+    for _ in range(50):
+        roll, pitch, yaw = rng.uniform(-180.0, 180.0, 3)
+        (cr, cp, cy), (sr, sp, sy) = (f(np.radians([roll, pitch, yaw])) for f in (np.cos, np.sin))
+        about_x = np.array([[1, 0, 0], [0, cr, -sr], [0, sr, cr]])
+        about_y = np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
+        about_z = np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]])
+        np.testing.assert_allclose(rotation_of_angles(roll, pitch, yaw), about_z @ about_y @ about_x, atol=1e-15)
+        matrix = np.eye(4)
+        matrix[:3] = rng.normal(size=(3, 4))
+        np.testing.assert_allclose(product(matrix, inverse(matrix)), np.eye(4), atol=1e-10)
+        np.testing.assert_allclose(product(matrix[:3], matrix), matrix[:3] @ matrix, atol=1e-13)
+    for quarters in range(-2, 3):
+        turned = rotation_of_angles(0.0, 0.0, 90.0 * quarters)
+        assert set(np.abs(turned).ravel().tolist()) == {0.0, 1.0}, "right angles are exact"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -75,7 +76,9 @@ class Pose:
             CadetError: as `of_angles`.
         """
         check_three("Pose", "roll_deg, pitch_deg, yaw_deg", (roll_deg, pitch_deg, yaw_deg), 180)
-        return cls.from_matrix(_matrix(position_m, rotation_of_angles(roll_deg, pitch_deg, yaw_deg) @ _CAMERA_AXES))
+        return cls.from_matrix(
+            _matrix(position_m, product(rotation_of_angles(roll_deg, pitch_deg, yaw_deg), _CAMERA_AXES))
+        )
 
     @classmethod
     def from_matrix(cls, matrix: NDArray[np.float64]) -> Pose:
@@ -94,7 +97,8 @@ class Pose:
 
     def matrix(self) -> NDArray[np.float64]:
         """Return the (4, 4) float64 matrix that takes points of this frame into the carrier's."""
-        w, x, y, z = np.array(self.quaternion_wxyz) / math.hypot(*self.quaternion_wxyz)
+        length = math.sqrt(_dot(self.quaternion_wxyz, self.quaternion_wxyz))
+        w, x, y, z = (number / length for number in self.quaternion_wxyz)
         rotation = np.array(
             [
                 [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -106,17 +110,62 @@ class Pose:
 
     def carried_by(self, carrier: NDArray[np.float64]) -> Pose:
         """Return the pose in the frame that the (4, 4) matrix `carrier` leads to."""
-        return Pose.from_matrix(carrier @ self.matrix())
+        return Pose.from_matrix(product(carrier, self.matrix()))
 
 
 def rotation_of_angles(roll_deg: float, pitch_deg: float, yaw_deg: float) -> NDArray[np.float64]:
     """Return the (3, 3) rotation by roll about x, then pitch about y, then yaw about z."""
-    (cr, cp, cy), (sr, sp, sy) = (f(np.radians([roll_deg, pitch_deg, yaw_deg])) for f in (np.cos, np.sin))
+    (cr, sr), (cp, sp), (cy, sy) = (_cos_sin(angle) for angle in (roll_deg, pitch_deg, yaw_deg))
     about_z = np.array([[cy, -sy, 0.0], [sy, cy, 0.0], [0.0, 0.0, 1.0]])
     about_y = np.array([[cp, 0.0, sp], [0.0, 1.0, 0.0], [-sp, 0.0, cp]])
     about_x = np.array([[1.0, 0.0, 0.0], [0.0, cr, -sr], [0.0, sr, cr]])
-    rotation: NDArray[np.float64] = about_z @ about_y @ about_x
-    return rotation
+    return product(product(about_z, about_y), about_x)
+
+
+# NumPy's products, inverses, sines and cosines differ in their last bits from processor to processor, and a sensor's
+# pose goes into every byte that it sees. Python's floats are added and multiplied the same everywhere.
+
+
+def product(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Multiply two matrices, (n, k) and (k, m), with the same bits on every processor."""
+    rows, columns = a.tolist(), b.T.tolist()
+    return np.array([[_dot(row, column) for column in columns] for row in rows], np.float64)
+
+
+def inverse(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Invert an affine (4, 4) matrix, with the same bits on every processor."""
+    (a, b, c, x), (d, e, f, y), (g, h, i, z), _ = matrix.tolist()
+    cofactors = (
+        (e * i - f * h, c * h - b * i, b * f - c * e),
+        (f * g - d * i, a * i - c * g, c * d - a * f),
+        (d * h - e * g, b * g - a * h, a * e - b * d),
+    )
+    determinant = _dot((a, b, c), [row[0] for row in cofactors])
+    rows = [[number / determinant for number in row] for row in cofactors]
+    return np.array([[*row, -_dot(row, (x, y, z))] for row in rows] + [[0.0, 0.0, 0.0, 1.0]], np.float64)
+
+
+def _dot(a: Sequence[float], b: Sequence[float]) -> float:
+    total = 0.0
+    for p, q in zip(a, b, strict=True):
+        total += p * q
+    return total
+
+
+def _cos_sin(angle_deg: float) -> tuple[float, float]:
+    """Return cosine and sine of an angle by their series about the nearest right angle."""
+    quarters = round(angle_deg / 90.0)
+    angle = math.radians(angle_deg - 90.0 * quarters)
+    cosine, sine, term = 1.0, 0.0, 1.0
+    # Up to pi / 4 the twentieth term is below 1e-20.
+    for n in range(1, 20):
+        term *= angle / n
+        sign = -1.0 if n % 4 in (2, 3) else 1.0
+        if n % 2:
+            sine += sign * term
+        else:
+            cosine += sign * term
+    return ((cosine, sine), (-sine, cosine), (-cosine, -sine), (sine, -cosine))[quarters % 4]
 
 
 def quaternion_of(rotation: NDArray[np.float64]) -> Row4:
@@ -132,7 +181,8 @@ def quaternion_of(rotation: NDArray[np.float64]) -> Row4:
         (d - b, c + g, f + h, squares[3]),
     )[largest]
     sign = -1.0 if numbers[0] < 0.0 else 1.0
-    w, x, y, z = (sign * number / math.hypot(*numbers) for number in numbers)
+    length = math.sqrt(_dot(numbers, numbers))
+    w, x, y, z = (sign * number / length for number in numbers)
     return w, x, y, z
 
 

@@ -20,7 +20,7 @@ from cadet.extrinsics import Extrinsics
 from cadet.kitti_calibrations import KITTI_CALIBRATIONS, MOST_FREQUENT, Row3, kitti_calibration
 from cadet.lidar import Lidar
 from cadet.mounted import MountedCamera, MountedLidar
-from cadet.pose import rotation_of_angles
+from cadet.pose import inverse, product, rotation_of_angles
 from cadet.rig_file import rig_fields
 from cadet.summary import summary
 
@@ -201,7 +201,7 @@ class Rig:
         roll, pitch, yaw = self.velo_roll_pitch_yaw_deg
         pitched = replace(self, velo_roll_pitch_yaw_deg=(roll, pitch + angle_deg, yaw))
         # The sensors keep their places to each other.
-        turned = pitched._ego_from_velo() @ np.linalg.inv(self._ego_from_velo())
+        turned = product(pitched._ego_from_velo(), inverse(self._ego_from_velo()))
         more = tuple(replace(mounted, pose=mounted.pose.carried_by(turned)) for mounted in self.more)
         return replace(pitched, more=more)
 
@@ -258,8 +258,7 @@ class Rig:
         if name == self.lidar_name:
             return self._ego_from_velo()
         cam_from_velo = np.vstack([self.extrinsics.cam_from_velo(), [0.0, 0.0, 0.0, 1.0]])
-        pose: NDArray[np.float64] = self._ego_from_velo() @ np.linalg.inv(cam_from_velo)
-        return pose
+        return product(self._ego_from_velo(), inverse(cam_from_velo))
 
     def sensor(self, name: str) -> Camera | Lidar:
         """Return the sensor of a name; image_3 is the rig's camera seen from its right lens.

@@ -17,7 +17,7 @@ from cadet.extrinsics import Extrinsics
 from cadet.lidar import Lidar
 from cadet.mounted import MountedCamera, MountedLidar
 from cadet.plain_text import toml_from_text
-from cadet.pose import Pose, Row3, rotation_of_angles
+from cadet.pose import Pose, Row3, inverse, product, rotation_of_angles
 
 _POSE = {"position_m", "quaternion_wxyz"}
 _CAMERA = {"name", "size", "focal_px", "center_px", "distortion"} | _POSE
@@ -52,7 +52,7 @@ def _fields(values: Mapping[str, Any]) -> dict[str, Any]:
     angles = _angles_of(velo[:3, :3])
     # What the rounded angles leave is the camera's to take.
     velo[:3, :3] = rotation_of_angles(*angles)
-    cam_from_velo = np.linalg.inv(camera.pose.matrix()) @ velo
+    cam_from_velo = product(inverse(camera.pose.matrix()), velo)
     rows: Any = tuple(tuple(row) for row in cam_from_velo[:3].tolist())
     here = Extrinsics.aligned()
     return {

@@ -17,7 +17,7 @@ from cadet.errors import CadetError, FileFormatError
 from cadet.exporter import Ending, Place
 from cadet.nuscenes.tables import Tables
 from cadet.plain_text import json_from_text
-from cadet.pose import quaternion_of
+from cadet.pose import inverse, product, quaternion_of
 from cadet.rig import Rig
 from cadet.sample import Agent, Sample, Scan, Wanted
 from cadet.sink import Sink
@@ -88,7 +88,7 @@ class NuscenesExporter:
         shift[:3, 3] = rig.origin_in_ego_m
         sensors = {}
         for name in (*sample.image_names, *sample.scan_names):
-            pose = np.linalg.inv(shift) @ rig.ego_from_sensor(name)
+            pose = product(inverse(shift), rig.ego_from_sensor(name))
             sensor = rig.sensor(name)
             intrinsic = []
             if isinstance(sensor, Camera):
@@ -104,7 +104,7 @@ class NuscenesExporter:
             "time_s": sample.time_s,
             "map": sample.map,
             "weather": sample.weather,
-            "ego": _place(sample.world_from_ego @ shift),
+            "ego": _place(product(sample.world_from_ego, shift)),
             "sensors": sensors,
             "objects": list(_objects(sample)),
         }
@@ -165,7 +165,7 @@ def _object(agent: Agent, num_points: int) -> dict[str, Any]:
         "type": agent.type,
         "model": agent.model,
         "size_wlh": [width, length, height],
-        **_place(agent.world_from_agent @ middle),
+        **_place(product(agent.world_from_agent, middle)),
         "speed_mps": agent.speed_mps,
         "visible_share": agent.visible_share,
         "num_points": num_points,
