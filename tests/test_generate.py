@@ -216,7 +216,12 @@ def test_ctrl_c_ends_cleanly_and_says_how_to_go_on(whole: Path, tmp_path: Path) 
 @pytest.mark.parametrize("to_group", [False, True])
 def test_a_signal_to_end_is_answered_like_ctrl_c(tmp_path: Path, number: signal.Signals, to_group: bool) -> None:
     out = tmp_path / "out"
-    with start(out, "-n", 45, *SIZE, "--workers", 2, fault="slow=0.3") as process:
+
+    def heed() -> None:
+        """Under nohup, SIGHUP is ignored by all that is started."""
+        signal.signal(number, signal.SIG_DFL)
+
+    with start(out, "-n", 45, *SIZE, "--workers", 2, fault="slow=0.3", preexec=heed) as process:
         wait_for(out / "training" / "meta" / "000001.json", process)
         (os.killpg if to_group else os.kill)(process.pid, number)
         _, stderr = process.communicate(timeout=20)

@@ -13,7 +13,7 @@ import traceback
 import warnings
 from dataclasses import dataclass
 
-from cadet.errors import CadetError
+from cadet.errors import CadetError, CadetWarning
 from fuzz.targets import Input, Target
 
 SECONDS_AN_INPUT = 20.0
@@ -57,6 +57,8 @@ def outcome(target: Target, value: Input) -> str:
     """Return what went wrong with an input; nothing if it was read or refused in one line."""
     try:
         target.read(value)
+    except CadetWarning:  # what is assumed where a file says nothing
+        return ""
     except CadetError as error:
         if "internal error" in str(error) or "\n" in str(error):
             return f"refused with {str(error)[:300]!r}"
