@@ -152,3 +152,14 @@ def test_the_images_borders_are_outside() -> None:
     )
     assert points_in_image(points_cam, calib, (4, 3)).tolist() == [False] * 6 + [True] * 2
     assert points_in_image(np.zeros((0, 3)), calib, (4, 3)).shape == (0,)
+
+
+def test_old_names_of_the_transforms_warn_and_work() -> None:
+    calib = make_calib()
+    points = np.array([[10.0, 1.0, -1.0], [25.0, -3.0, 0.5]])
+    with pytest.warns(DeprecationWarning, match=r"^Calibration\.velo_to_cam is now Calibration\.points_cam_from_velo"):
+        points_cam = calib.velo_to_cam(points)
+    with pytest.warns(DeprecationWarning, match=r"^Calibration\.cam_to_velo is now Calibration\.points_velo_from_cam"):
+        points_velo = calib.cam_to_velo(points_cam)
+    np.testing.assert_array_equal(points_cam, calib.points_cam_from_velo(points))
+    np.testing.assert_allclose(points_velo, points, atol=1e-9)

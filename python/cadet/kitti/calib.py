@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Final
@@ -185,6 +186,16 @@ class Calibration:
         """
         return _transform(self.velo_from_cam, points_cam, "points_cam")
 
+    def velo_to_cam(self, points_velo: NDArray[Any]) -> NDArray[np.float64]:
+        """Deprecated: the old name of `points_cam_from_velo`."""
+        _warn_of_old_name("velo_to_cam", "points_cam_from_velo", "cam_from_velo")
+        return self.points_cam_from_velo(points_velo)
+
+    def cam_to_velo(self, points_cam: NDArray[Any]) -> NDArray[np.float64]:
+        """Deprecated: the old name of `points_velo_from_cam`."""
+        _warn_of_old_name("cam_to_velo", "points_velo_from_cam", "velo_from_cam")
+        return self.points_velo_from_cam(points_cam)
+
     def project(self, points_cam: NDArray[Any]) -> NDArray[np.float64]:
         """Project points into the image with the whole of P2.
 
@@ -280,3 +291,8 @@ def _parse_matrix(values: list[str], key: str, where: tuple[str, int]) -> NDArra
 
 def _scientific(value: float) -> str:
     return np.format_float_scientific(value, min_digits=_NUM_DECIMALS, exp_digits=2)
+
+
+def _warn_of_old_name(old: str, new: str, matrix: str) -> None:
+    message = f"Calibration.{old} is now Calibration.{new}(points); Calibration.{matrix} is the (4, 4) matrix"
+    warnings.warn(message, DeprecationWarning, stacklevel=3)
