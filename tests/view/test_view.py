@@ -14,6 +14,7 @@ from cadet.errors import CadetError, MissingFileError
 from cadet.kitti import images, read_frame, write_frame
 from cadet.kitti.frame import Frame
 from cadet.view import style
+from cadet.view.style import dashes
 from real_kitti import ROOT, needs_kitti
 from synthetic import DONT_CARE, make_calib, make_frame, make_label
 
@@ -244,3 +245,13 @@ def test_a_real_frame_is_drawn(frame_id: str) -> None:
     changed = np.abs(drawn["lidar"].astype(int) - style.dimmed(frame.image, 0.5, 0.35)).max(axis=2) > 30
     assert changed[250:].mean() > 0.2
     assert changed[:60].mean() < 0.01
+
+
+def test_damaged_numbers_far_away_cost_neither_memory_nor_warnings() -> None:
+    lines = list(dashes(np.array([-1e18, 0.0]), np.array([1e18, 3.0])))
+    assert 1_000 < len(lines) < 100_000
+    frame = make_frame()
+    far = np.array([[3e38, -3e38, 1.0, 0.5]], np.float32)
+    with np.errstate(over="ignore"):
+        drawn = view.bev_figure(replace(frame, points_velo=np.concatenate([frame.points_velo, far])))
+    np.testing.assert_array_equal(drawn, view.bev_figure(frame))

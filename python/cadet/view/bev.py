@@ -110,7 +110,9 @@ def _draw_points(canvas: style.Image, frame: Frame, scale: float) -> None:
     plane = _FLAT_PLANE if frame.plane is None else frame.plane
     height_m = frame.calib.points_cam_from_velo(frame.points_velo) @ plane[:3] + plane[3]
     fine = (canvas.shape[0] * 2, canvas.shape[1] * 2)
-    pixels = np.floor((_pixels(frame.points_velo.astype(np.float64), scale) + 0.5) * 2.0).astype(np.intp)
+    places = np.floor((_pixels(frame.points_velo.astype(np.float64), scale) + 0.5) * 2.0)
+    # Far beyond the canvas a number may be none of an integer's.
+    pixels = np.clip(places, -1.0, max(fine)).astype(np.intp)
     is_inside = ((pixels >= 0) & (pixels < [fine[1], fine[0]])).all(axis=1)
     pixels, height_m, intensity = pixels[is_inside], height_m[is_inside], frame.points_velo[is_inside, 3]
     order = np.argsort(height_m, kind="stable")

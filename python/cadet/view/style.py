@@ -140,8 +140,9 @@ def tag_bounds(
 def dashes(
     start: NDArray[Any], end: NDArray[Any], length_px: float = 5.0
 ) -> Iterable[tuple[NDArray[np.float64], NDArray[np.float64]]]:
-    """Cut a line into dashes."""
-    span = float(np.linalg.norm(np.asarray(end) - start))
+    """Cut a line into dashes, as far as they can lie in an image."""
+    start, end = (np.clip(point, -_MAX_COORDINATE_PX, _MAX_COORDINATE_PX) for point in (start, end))
+    span = float(np.linalg.norm(end - start))
     cuts = np.arange(0.0, max(span, 1e-9), 2.0 * length_px)
     for cut in cuts:
         ends = np.array([cut, min(cut + length_px, span)]) / max(span, 1e-9)
