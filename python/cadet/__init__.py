@@ -1,4 +1,4 @@
-"""KITTI-format driving data from made-up suburbs: images, LIDAR scans and exact 3D labels, with no GPU."""
+"""KITTI-format driving data from procedurally generated suburbs: images, LIDAR scans, exact 3D labels, with no GPU."""
 
 from cadet import bev, kitti
 from cadet._cadet import __version__

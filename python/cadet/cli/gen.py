@@ -88,7 +88,7 @@ def cadet_gen(
     val_fraction: float,
     test_fraction: float,
 ) -> int:
-    """Write a dataset of made-up suburbs to the folder OUT, in KITTI's format or nuScenes'.
+    """Write a dataset of procedurally generated suburbs to the folder OUT, in KITTI's format or nuScenes'.
 
     \b
     cadet-gen out -n 10000 --seed 0

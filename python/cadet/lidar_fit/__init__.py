@@ -1,4 +1,4 @@
-"""A sensor fitted to anyone's scans: lasers, firing pattern, ranges, noise and gains."""
+"""A sensor fitted to recorded scans: lasers, firing pattern, ranges, noise and gains."""
 
 from cadet.lidar_fit.fit import LidarFit, RingFit, fit_lidar
 
