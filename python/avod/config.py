@@ -169,6 +169,8 @@ class RpnConfig:
 
     crop_size: int = 3
     """Samples of a crop along each axis."""
+    bottleneck_channels: int = 1
+    """Channels that the first stage sees of each modality's feature map: AVOD's 1."""
     hidden: int = 256
     """Width of both hidden layers of each head."""
     dropout_keep: float = 0.5
@@ -190,6 +192,7 @@ class RpnConfig:
 
     def __post_init__(self) -> None:
         check_number("RpnConfig", "crop_size", self.crop_size, 2, 64, whole=True)
+        check_number("RpnConfig", "bottleneck_channels", self.bottleneck_channels, 1, 1024, whole=True)
         check_number("RpnConfig", "hidden", self.hidden, 1, 65536, whole=True)
         check_number("RpnConfig", "dropout_keep", self.dropout_keep, 0.01, 1)
         check_number("RpnConfig", "train_proposals", self.train_proposals, 1, whole=True)

@@ -174,3 +174,13 @@ def test_the_default_is_avods() -> None:
     assert (config.rpn.train_proposals, config.rpn.proposals, config.rpn.batch_size) == (1024, 300, 512)
     assert (config.rpn.nms_iou, config.detection.nms_iou, config.detection.max_detections) == (0.8, 0.01, 100)
     assert (config.second_stage.batch_size, config.second_stage.gradient) == (1024, "through")
+
+
+def test_the_first_stage_sees_as_many_channels_of_each_map_as_it_is_told() -> None:
+    config = dataclasses.replace(Config(), rpn=dataclasses.replace(Config().rpn, bottleneck_channels=4))
+    with torch.device("meta"):
+        wide, avods = AvodNetwork(config), AvodNetwork(Config())
+    crop, hidden, fused = config.rpn.crop_size**2, config.rpn.hidden, config.extractor.fused_channels[-1]
+    # Three more kernels and shifts for each map, three more crops into each of the two heads.
+    assert count(wide) - count(avods) == 2 * 3 * (fused + 1) + 2 * 3 * crop * hidden
+    assert wide.bev_bottleneck.convolution.out_channels == wide.image_bottleneck.convolution.out_channels == 4

@@ -62,8 +62,8 @@ class FrameFeatures:
     Attributes:
         bev: (C, H, W).
         image: (C, h, w).
-        bev_bottleneck: (1, H, W), for the first stage.
-        image_bottleneck: (1, h, w), likewise.
+        bev_bottleneck: (B, H, W), for the first stage, B `bottleneck_channels`.
+        image_bottleneck: (B, h, w), likewise.
     """
 
     bev: Tensor
@@ -89,11 +89,12 @@ class AvodNetwork(nn.Module):
         rpn, second = config.rpn, config.second_stage
         self.bev_pyramid = FeaturePyramid(config.bev.shape[0], config.extractor)
         self.image_pyramid = FeaturePyramid(3, config.extractor)
-        self.bev_bottleneck = Convolution(width, 1, config.extractor, kernel=1)
-        self.image_bottleneck = Convolution(width, 1, config.extractor, kernel=1)
+        self.bev_bottleneck = Convolution(width, rpn.bottleneck_channels, config.extractor, kernel=1)
+        self.image_bottleneck = Convolution(width, rpn.bottleneck_channels, config.extractor, kernel=1)
         hidden = (rpn.hidden, rpn.hidden)
-        self.anchor_classifier = Head(rpn.crop_size**2, hidden, (2,), rpn.dropout_keep)
-        self.anchor_regressor = Head(rpn.crop_size**2, hidden, (_NUM_ANCHOR_OFFSETS,), rpn.dropout_keep)
+        num_cropped = rpn.bottleneck_channels * rpn.crop_size**2
+        self.anchor_classifier = Head(num_cropped, hidden, (2,), rpn.dropout_keep)
+        self.anchor_regressor = Head(num_cropped, hidden, (_NUM_ANCHOR_OFFSETS,), rpn.dropout_keep)
         num_heights = second.height_cells**2 + 1 if second.height_cells else 0
         self.second_stage = Head(
             width * second.crop_size**2 + num_heights,
