@@ -84,8 +84,13 @@ impl FaceIndex {
     }
 
     /// The triangles that may hold a place, by rising number; none where it is not finite.
+    #[inline]
     pub(super) fn candidates(&self, p: DVec2) -> impl Iterator<Item = u32> {
-        self.within(p, p)
+        let (i, j) = self.cell(p);
+        let cell = j * self.columns + i;
+        let range = if p.is_finite() { self.first[cell] as usize..self.first[cell + 1] as usize } else { 0..0 };
+        let p = to_f32(p);
+        self.faces[range].iter().filter(move |e| e.touches(p, p)).map(|e| e.face)
     }
 
     /// The triangles that may touch a rectangle, some of them more than once; none where it is not finite.

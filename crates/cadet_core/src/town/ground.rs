@@ -70,10 +70,7 @@ impl Ground {
         let fineness = if is_level { Fineness::FLAT } else { Fineness::HILLY };
         let plan = ground_mesh::triangulate(&regions, &samples, (min, max), fineness)?;
         let surface = |p: DVec2| height.height(p) + roughness.map_or(0.0, |r| r.height_m(p));
-        let mut ground = Self::assemble(&plan, regions, &surface, (min, max));
-        let paint = road_marking::draw(network, &|x, y| ground.height_at(x, y));
-        ground.paint(&paint);
-        Ok(ground)
+        Ok(Self::assemble(&plan, regions, &surface, (min, max), Some(network)))
     }
 
     /// A flat square of asphalt around the origin, for tests and for scenes without a map.
@@ -94,7 +91,7 @@ impl Ground {
             walks: Vec::new(),
             pavement_width_m: 0.0,
         };
-        Self::assemble(&plan, regions, &|_| 0.0, (DVec2::splat(-half), DVec2::splat(half)))
+        Self::assemble(&plan, regions, &|_| 0.0, (DVec2::splat(-half), DVec2::splat(half)), None)
     }
 
     /// The same outlines and tiles over another surface, all of it carriageway.
@@ -108,20 +105,30 @@ impl Ground {
         self
     }
 
-    fn assemble(plan: &PlanMesh, regions: Regions, height: &dyn Fn(DVec2) -> f64, (min, max): (DVec2, DVec2)) -> Self {
+    fn assemble(
+        plan: &PlanMesh,
+        regions: Regions,
+        height: &dyn Fn(DVec2) -> f64,
+        (min, max): (DVec2, DVec2),
+        marked: Option<&RoadNetwork>,
+    ) -> Self {
         let surface = Surface::raise(plan, height);
         let kinds: Vec<GroundKind> = plan.kinds.iter().map(|c| c.kind()).collect();
         let vertices: Vec<Vec3> = surface.corners.iter().map(|p| p.as_vec3()).collect();
         let index = FaceIndex::new(&vertices, &surface.faces, min, max);
-        Self {
-            tiles: surface.tiles(plan),
+        let mut ground = Self {
+            tiles: Vec::new(),
             vertices: Arc::new(vertices),
-            faces: Arc::new(surface.faces),
+            faces: Arc::clone(&surface.faces),
             pavement_width_m: regions.pavement_width_m,
             kinds: Arc::new(kinds),
             index: Arc::new(index),
             outlines: Arc::new(regions),
-        }
+        };
+        // Markings are no part of the surface that wheels touch.
+        let markings = marked.map(|network| road_marking::draw(network, &|x, y| ground.height_at(x, y)));
+        ground.tiles = surface.tiles(plan, &markings.unwrap_or_default());
+        ground
     }
 
     /// Height of the surface at a place, pavements included; `None` beyond its edge.
@@ -192,32 +199,6 @@ impl Ground {
         }
         best
     }
-
-    /// Adds painted quadrilaterals to the tiles; they are no part of the surface that wheels touch.
-    fn paint(&mut self, quads: &[[DVec3; 4]]) {
-        let mut by_tile: BTreeMap<(i64, i64), Vec<&[DVec3; 4]>> = BTreeMap::new();
-        for quad in quads {
-            by_tile.entry(tile_of((quad[0] + quad[2]).truncate() / 2.0)).or_default().push(quad);
-        }
-        for tile in &mut self.tiles {
-            let origin = tile.world_from_local.translation;
-            let Some(quads) = by_tile.get(&tile_of(origin.truncate() + TILE_M / 2.0)) else { continue };
-            let Some((_, mesh)) = tile.shape.levels.first() else { continue };
-            let mut parts = TileParts {
-                vertices: mesh.vertices.clone(),
-                normals: mesh.normals.clone(),
-                faces: mesh.faces.clone(),
-                slots: mesh.slots.clone(),
-            };
-            for quad in quads {
-                let normal = (quad[1] - quad[0]).cross(quad[3] - quad[0]).normalize_or_zero();
-                parts.quad(quad.map(|p| p - origin), normal, ground_palette::MARKING);
-            }
-            if let Some(mesh) = parts.mesh() {
-                tile.shape = Arc::new(LodSet::single(mesh));
-            }
-        }
-    }
 }
 
 /// The lane's points, without those that follow closer than [`SAMPLE_STEP_M`].
@@ -240,7 +221,7 @@ fn tile_of(p: DVec2) -> (i64, i64) {
 struct Surface {
     corners: Vec<DVec3>,
     /// One a plan triangle in the same order, then two a kerb edge.
-    faces: Vec<[u32; 3]>,
+    faces: Arc<Vec<[u32; 3]>>,
 }
 
 impl Surface {
@@ -268,11 +249,11 @@ impl Surface {
             faces.push([b0, a0, a1]);
             faces.push([b0, a1, b1]);
         }
-        Self { corners, faces }
+        Self { corners, faces: Arc::new(faces) }
     }
 
-    /// The visible surface, cut into tiles.
-    fn tiles(&self, plan: &PlanMesh) -> Vec<Instance> {
+    /// The visible surface, cut into tiles, with markings: quadrilaterals over the surface.
+    fn tiles(&self, plan: &PlanMesh, markings: &[[DVec3; 4]]) -> Vec<Instance> {
         let mut normals = vec![DVec3::ZERO; self.corners.len()];
         let num_flat = plan.faces.len();
         let at = |f: &[u32; 3]| f.map(|i| self.corners[i as usize]);
@@ -286,6 +267,10 @@ impl Surface {
         for (i, face) in self.faces.iter().enumerate() {
             let [a, b, c] = at(face);
             members.entry(tile_of(((a + b + c) / 3.0).truncate())).or_default().push(i);
+        }
+        let mut markings_by_tile: BTreeMap<(i64, i64), Vec<&[DVec3; 4]>> = BTreeMap::new();
+        for quad in markings {
+            markings_by_tile.entry(tile_of((quad[0] + quad[2]).truncate() / 2.0)).or_default().push(quad);
         }
         let palette = Arc::new(ground_palette::palette());
         let mut local = vec![u32::MAX; self.corners.len()];
@@ -319,6 +304,10 @@ impl Surface {
                 let [a, b, c] = at(&self.faces[*m]);
                 let normal = (b - a).cross(c - a).normalize_or(DVec3::X);
                 parts.triangle([a - origin, b - origin, c - origin], normal, ground_palette::KERB);
+            }
+            for quad in markings_by_tile.get(&(i, j)).into_iter().flatten() {
+                let normal = (quad[1] - quad[0]).cross(quad[3] - quad[0]).normalize_or_zero();
+                parts.quad(quad.map(|p| p - origin), normal, ground_palette::MARKING);
             }
             if let Some(mesh) = parts.mesh() {
                 tiles.push(Instance {
