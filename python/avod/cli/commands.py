@@ -19,7 +19,6 @@ from avod.cli.options import (
     resolve_split,
     split_option,
 )
-from avod.config import Config
 from avod.config_file import config_names, load_config
 from avod.detector import Detector
 from avod.evaluate import Scored, best, evaluate_detector, score, table
@@ -99,16 +98,16 @@ def train_command(
                 settings, run, on_step=lambda step, losses: advance(step, f"loss {float(losses['total']):.3f}")
             )
     except KeyboardInterrupt as error:
-        click.echo(f"{how_ended(error)}; {_how_to_go_on(out, settings)}", err=True)
+        click.echo(f"{how_ended(error)}; {_how_to_go_on(out, settings.training.checkpoint_steps)}", err=True)
         return exit_code(error)
     click.echo(f"last checkpoint: {last}", err=True)
     return 0
 
 
-def _how_to_go_on(out: Path, settings: Config) -> str:
+def _how_to_go_on(out: Path, checkpoint_steps: int) -> str:
     written = checkpoints(out / "checkpoints")
     if not written:
-        return f"no checkpoint yet: there is one every {settings.training.checkpoint_steps} steps"
+        return f"no checkpoint yet: there is one every {checkpoint_steps} steps"
     return f"last checkpoint: {written[-1]}; go on from it by --resume-from {out}"
 
 
