@@ -257,11 +257,10 @@ def test_numpys_small_numbers_are_not_confined_to_their_bits() -> None:
     camera = cadet.Camera(width=np.uint8(200), height=np.uint8(100), fx=np.float16(700.0))  # type: ignore[arg-type]
     assert camera == cadet.Camera(width=200, height=100, fx=700.0)
     assert cadet.BevConfig(num_slices=np.uint8(200), x_m=(0.0, 8.0)).shape[0] == 201  # type: ignore[arg-type]
-    assert kitti.Label(**{**LABEL, "truncated": np.float16(0.5)}).truncated == 0.5
+    half: Any = np.float16(0.5)
+    assert dataclasses.replace(frame().labels[0], truncated=half).truncated == 0.5
     points = frame().points_velo
-    np.testing.assert_array_equal(
-        cadet.weather.apply(points, rain=np.float16(3.0)), cadet.weather.apply(points, rain=3.0)
-    )
+    np.testing.assert_array_equal(cadet.weather.apply(points, rain=half), cadet.weather.apply(points, rain=0.5))
 
 
 @pytest.mark.parametrize("occluded", [0.5, 1.0, True, "0", None])
