@@ -105,6 +105,7 @@ PYTHON_ROOMS: dict[str, set[str]] = {
         "nuscenes",
         "plain_text",
         "policy",
+        "rig",
         "sample",
         "sink",
         "_cadet",

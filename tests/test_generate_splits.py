@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from cadet import kitti
-from cadet.errors import MissingFileError
+from cadet import Rig, kitti
+from cadet.errors import CadetError, MissingFileError
 from cadet.generate.settings import Settings
 from cadet.policy import ResetPolicy
 from test_generate import FAILED, FINE, SIZE, run, tree
@@ -178,3 +179,13 @@ def test_resuming_makes_a_frame_anew_whose_meta_holds_no_hashes(tmp_path: Path, 
     done = run(out, "-n", 1, *SIZE, "--resume")
     assert done.returncode == FINE, done.stderr
     assert tree(out) == whole
+
+
+def test_a_rig_of_the_settings_replaces_those_of_the_policy() -> None:
+    given = Settings(policy=ResetPolicy.kitti(), rig=Rig.paper())
+    asked = Settings(policy=ResetPolicy.kitti().with_rig(Rig.paper()))
+    assert given == asked and given.identity() == asked.identity()
+    assert given.identity() != Settings(policy=ResetPolicy.kitti()).identity()
+    assert replace(given, num_frames=40).identity() == asked.identity()
+    with pytest.raises(CadetError, match="rig: expected"):
+        Settings(policy=ResetPolicy.kitti(), rig="paper")  # type: ignore[arg-type]

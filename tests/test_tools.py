@@ -66,6 +66,7 @@ def test_check_names_file_and_line_and_exits_1(
     ("arguments", "message"),
     [
         (["view", "nothing/000012"], "nothing: no KITTI folder: neither training/calib nor calib lies there"),
+        (["view", "nothing/12"], "nothing/12: no such folder; a frame's id has six digits: nothing/000012"),
         (["view", "nothing", "-o", "x.png"], "nothing: no KITTI folder: neither training/calib nor calib lies there"),
         (["check", "nothing"], "nothing: no KITTI folder: neither training/calib nor calib lies there"),
         (["draw"], "No such command 'draw'."),

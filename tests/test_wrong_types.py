@@ -253,6 +253,16 @@ def test_numpy_numbers_are_numbers_everywhere() -> None:
     )
 
 
+def test_numpys_small_numbers_are_not_confined_to_their_bits() -> None:
+    camera = cadet.Camera(width=np.uint8(200), height=np.uint8(100), fx=np.float16(700.0))  # type: ignore[arg-type]
+    assert camera == cadet.Camera(width=200, height=100, fx=700.0)
+    assert cadet.BevConfig(num_slices=np.uint8(200), x_m=(0.0, 8.0)).shape[0] == 201  # type: ignore[arg-type]
+    half: Any = np.float16(0.5)
+    assert dataclasses.replace(frame().labels[0], truncated=half).truncated == 0.5
+    points = frame().points_velo
+    np.testing.assert_array_equal(cadet.weather.apply(points, rain=half), cadet.weather.apply(points, rain=0.5))
+
+
 @pytest.mark.parametrize("occluded", [0.5, 1.0, True, "0", None])
 def test_a_level_of_occlusion_is_a_whole_number(occluded: Any) -> None:
     with pytest.raises(CadetError, match=r"^occluded: expected a whole number -1\.\.3, got "):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import os
 from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
@@ -60,10 +61,9 @@ def _read(name: str, seen: tuple[str, ...]) -> dict[str, Any]:
     if name in seen:
         raise CadetError(f"{name}: base: configurations build on each other in a circle: {' -> '.join((*seen, name))}")
     if name.endswith(".toml"):
-        path = Path(name)
-        if not path.is_file():
+        if not os.path.isfile(name):  # noqa: PTH113 - Path.is_file raises for names that are too long
             raise MissingFileError(f"{name}: no such file")
-        data = path.read_bytes()
+        data = Path(name).read_bytes()
     elif name in config_names():
         data = (resources.files("avod") / "configs" / f"{name}.toml").read_bytes()
     else:

@@ -60,6 +60,7 @@ class BevConfig:
     the scan's order among those in the topmost `cell_m` of the y axis. Least heights are the least in both."""
 
     def __post_init__(self) -> None:
+        make_plain(self)
         for name in ("slice_maps", "cloud_maps"):
             features = as_tuple("BevConfig", name, getattr(self, name), "maps' names")
             object.__setattr__(self, name, features)
@@ -95,7 +96,6 @@ class BevConfig:
             )
         if not is_one_of(self.height, ("max", "reference")):
             raise CadetError(f"BevConfig.height: expected 'max' or 'reference', got {shown(self.height)}")
-        make_plain(self)
 
     @classmethod
     def default(cls) -> BevConfig:

@@ -61,6 +61,7 @@ class Camera:
     """k1, k2, p1, p2, k3 of OpenCV's lens model; all 0 for the rectified image that KITTI's files hold."""
 
     def __post_init__(self) -> None:
+        make_plain(self)
         for name in ("width", "height"):
             check_number("Camera", name, getattr(self, name), 16, 8192, whole=True)
         if self.width * self.height > MAX_PIXELS:
@@ -79,7 +80,6 @@ class Camera:
             raise CadetError(f"Camera.distortion: expected k1, k2, p1, p2, k3, got {shown(self.distortion)}")
         for coefficient in self.distortion:
             check_number("Camera", "distortion", coefficient, -100, 100)
-        make_plain(self)
 
     def __repr__(self) -> str:
         usual = {f.name: f.default for f in fields(self) if f.name in ("image_scale", "distortion")}

@@ -41,7 +41,8 @@ def check_number(
         CadetError: naming the field, the value and the range.
     """
     kinds = (int, np.integer) if whole else (int, float, np.integer, np.floating)
-    if isinstance(value, bool) or not isinstance(value, kinds) or not low <= value <= min(high, sys.float_info.max):
+    is_number = isinstance(value, kinds) and not isinstance(value, bool)
+    if not is_number or not low <= plain_number(value) <= min(high, sys.float_info.max):
         low_text, high_text = (str(limit) if whole else f"{limit:g}" for limit in (low, high))
         limits = f"of at least {low_text}" if high == float("inf") else f"from {low_text} to {high_text}"
         kind = "a whole number" if whole else "a number"
@@ -177,6 +178,11 @@ def as_path(name: str, path: object) -> Path:
     if not isinstance(text, str) or not text or "\0" in text:
         raise CadetError(f"{name}: expected a path, got {shown(path)}")
     return Path(text)
+
+
+def plain_number(value: Any) -> Any:
+    """Return Python's number for one of NumPy's, whose sums and comparisons are confined to its own few bits."""
+    return value.item() if isinstance(value, np.generic) else value
 
 
 def make_plain(settings: Any) -> None:

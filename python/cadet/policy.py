@@ -307,6 +307,7 @@ def _check_time_step(time_step_s: float | None) -> None:
     if time_step_s is None:
         return
     check_number("ResetPolicy", "time_step_s", time_step_s, 1 / STEPS_PER_S, 600)
+    time_step_s = float(time_step_s)
     if abs(time_step_s * STEPS_PER_S - round(time_step_s * STEPS_PER_S)) > 1e-6:
         raise CadetError(f"ResetPolicy.time_step_s: expected whole steps of 1/60 s, got {time_step_s:g}")
 

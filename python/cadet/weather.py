@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cadet import _cadet
 from cadet.arrays import check_array
-from cadet.checks import is_one_of, shown
+from cadet.checks import is_one_of, plain_number, shown
 from cadet.errors import CadetError, NonFiniteError
 
 
@@ -147,6 +147,6 @@ def apply(
 def _number(name: str, value: object) -> float:
     if not isinstance(value, Real) or isinstance(value, bool):
         raise CadetError(f"{name}: expected a number, got {shown(value)}")
-    if not abs(value) <= sys.float_info.max:  # type: ignore[operator]
+    if not abs(plain_number(value)) <= sys.float_info.max:
         raise NonFiniteError(f"{name}: not finite: {shown(value)}")
     return float(value)

@@ -62,6 +62,22 @@ def test_training_leaves_a_log_and_a_checkpoint(trained: Path) -> None:
     assert len({path.stat().st_mode for path in (trained / "checkpoints" / "000000010").iterdir()}) == 1
 
 
+def test_an_interrupted_training_says_how_to_go_on(
+    dataset: Path, trained: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupt(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("avod.cli.commands.train", interrupt)
+    for out, expected in (
+        (tmp_path, r"interrupted; no checkpoint yet: there is one every \d+ steps"),
+        (trained, r"interrupted; last checkpoint: \S+/000000010; go on from it by --resume-from \S+"),
+    ):
+        arguments = ["train", "--config", str(CONFIG), "--data", str(dataset), "--out", str(out)]
+        assert avod.main(arguments, standalone_mode=False) == 130
+        assert re.fullmatch(expected, capsys.readouterr().err.strip().splitlines()[-1])
+
+
 def test_prediction_writes_a_file_for_each_frame(dataset: Path, trained: Path, tmp_path: Path) -> None:
     result = call("predict", "--checkpoint", trained, "--data", dataset, "--out", tmp_path / "found")
     files = sorted((tmp_path / "found").iterdir())

@@ -89,6 +89,8 @@ def test_a_file_builds_on_another(tmp_path: Path) -> None:
         load_config(first)
     with pytest.raises(MissingFileError, match="no such file"):
         load_config(tmp_path / "third.toml")
+    with pytest.raises(MissingFileError, match=r"^x+\.toml: no such file$"):
+        load_config("x" * 300 + ".toml")
 
 
 def test_the_same_class_twice_is_refused() -> None:

@@ -136,6 +136,15 @@ def test_bad_input_is_one_clear_error(detector: Detector) -> None:
         detector.detect(frame.points_velo, frame.image[:1], frame.calib, frame.plane)
 
 
+def test_numbers_beyond_single_precision_are_refused(detector: Detector) -> None:
+    frame = make_frame()
+    with pytest.raises(CadetError, match=r"^plane: expected numbers that single precision holds, got 1e\+300$"):
+        detector.detect(frame.points_velo, frame.image, frame.calib, np.array([0.0, -1.0, 0.0, 1e300]))
+    far = dataclasses.replace(frame.calib, P2=frame.calib.P2 + np.array([[0.0, 0.0, 0.0, 1e300], [0.0] * 4, [0.0] * 4]))
+    with pytest.raises(CadetError, match=r"^projection: expected numbers"):
+        detector.detect(frame.points_velo, frame.image, far, frame.plane)
+
+
 def test_detection_is_the_same_twice(detector: Detector) -> None:
     frame = make_frame()
     first, second = (detector.detect(frame.points_velo, frame.image, frame.calib, frame.plane) for _ in range(2))

@@ -62,6 +62,8 @@ def test_splits_choose_frames(folders: tuple[Path, Path], tmp_path: Path) -> Non
     gt, det = folders
     ids = [f"{index:06d}" for index in range(0, 50, 2)]
     lists = tmp_path / "ImageSets"
+    with pytest.raises(MissingFileError, match=rf"^{gt}: no ImageSets lies beside these labels; name a list's file"):
+        cadet.evaluate(gt, det, split="val")
     lists.mkdir()
     (lists / "val.txt").write_text("\n".join(ids))
     (det / "000004.txt").unlink()

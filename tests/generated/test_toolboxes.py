@@ -133,7 +133,9 @@ def test_the_field_of_view_is_ours(root: Path) -> None:
     for frame_id, info, frame in infos(root, "trainval"):
         theirs = in_view(info)
         ours = points_in_image(frame.calib.points_cam_from_velo(frame.points_velo), frame.calib, frame.image_size)
-        # They divide by the camera frame's z, we by the depth before camera 2, 3 mm less: points at the border differ.
+        # They divide by the camera frame's z, we by the depth before camera 2, some millimeters more: their field of
+        # view ends a little earlier at the right and below.
+        assert np.sum(theirs & ~ours) <= 2, frame_id
         assert np.mean(theirs != ours) < 2e-3, frame_id
         assert ours.sum() > 10_000
 

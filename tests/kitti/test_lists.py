@@ -34,6 +34,14 @@ def test_a_set_written_frame_by_frame_is_read_by_split(tmp_path: Path) -> None:
     assert not [finding for finding in kitti.lint(tmp_path, strict=False) if finding.file.startswith("ImageSets")]
 
 
+def test_a_list_is_written_as_it_was_read_and_blank_lines_are_none() -> None:
+    for text in ("", "000001", "000001\n", "000003\n000001"):
+        assert ImageSet.from_text(text).to_text() == text
+    for text in ("\n", "\n\n", "000001\n\n", "\n000001\n"):
+        with pytest.raises(CadetError, match=r"train\.txt:\d: expected a six-digit id, got ''"):
+            ImageSet.from_text(text, "train.txt")
+
+
 def test_a_frame_written_again_stays_where_it_is(tmp_path: Path) -> None:
     write_frame(tmp_path, 0, make_frame(), split="val")
     before = lists_of(tmp_path)

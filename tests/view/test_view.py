@@ -255,3 +255,9 @@ def test_damaged_numbers_far_away_cost_neither_memory_nor_warnings() -> None:
     with np.errstate(over="ignore"):
         drawn = view.bev_figure(replace(frame, points_velo=np.concatenate([frame.points_velo, far])))
     np.testing.assert_array_equal(drawn, view.bev_figure(frame))
+    label = replace(frame.labels[0], location_cam=(1e308, 1.5, 10.0))
+    assert view.boxes_figure(replace(frame, labels=(label,))).shape == frame.image.shape
+    calib = make_calib()
+    velo_to_cam = calib.Tr_velo_to_cam.copy()
+    velo_to_cam[2, 3] = -1e308
+    view.bev_figure(replace(frame, calib=replace(calib, Tr_velo_to_cam=velo_to_cam)))

@@ -28,6 +28,7 @@ from avod.train.checkpoint import checkpoints, keep_best
 from avod.train.log import read_log
 from avod.train.run import Run, train, with_steps
 from cadet import __version__, kitti
+from cadet.cli.signals import exit_code, how_ended
 from cadet.errors import CadetError, MissingFileError
 from cadet.evaluation.limits import MIN_OVERLAP
 from cadet.kitti import text_from_labels
@@ -69,7 +70,7 @@ def train_command(
     device: str,
     amp: str | None,
     workers: int,
-) -> None:
+) -> int:
     """Train a detector.
 
     \b
@@ -91,9 +92,23 @@ def train_command(
         is_compiled=is_compiled,
         has_tensorboard=tensorboard,
     )
-    with progress(settings.training.steps, "training", "steps") as advance:
-        last = train(settings, run, on_step=lambda done, losses: advance(done, f"loss {float(losses['total']):.3f}"))
+    try:
+        with progress(settings.training.steps, "training", "steps") as advance:
+            last = train(
+                settings, run, on_step=lambda step, losses: advance(step, f"loss {float(losses['total']):.3f}")
+            )
+    except KeyboardInterrupt as error:
+        click.echo(f"{how_ended(error)}; {_how_to_go_on(out, settings.training.checkpoint_steps)}", err=True)
+        return exit_code(error)
     click.echo(f"last checkpoint: {last}", err=True)
+    return 0
+
+
+def _how_to_go_on(out: Path, checkpoint_steps: int) -> str:
+    written = checkpoints(out / "checkpoints")
+    if not written:
+        return f"no checkpoint yet: there is one every {checkpoint_steps} steps"
+    return f"last checkpoint: {written[-1]}; go on from it by --resume-from {out}"
 
 
 @avod.command(name="predict")

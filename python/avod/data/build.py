@@ -95,11 +95,11 @@ def build_sample(
         frame_id=frame_id,
         bev=torch.from_numpy(bev.maps(points_cam, plane, config.bev)),
         image=torch.from_numpy(prepare_image(image, config.image)),
-        anchors=_tensor(anchors),
-        plane=_tensor(plane),
-        projection=_tensor(projection),
+        anchors=_tensor("anchors", anchors),
+        plane=_tensor("plane", plane),
+        projection=_tensor("projection", projection),
         image_size=(width, height),
-        boxes_cam=_tensor(boxes_cam),
+        boxes_cam=_tensor("boxes_cam", boxes_cam),
         classes=torch.from_numpy(classes),
     )
 
@@ -141,5 +141,8 @@ def _objects(labels: tuple[Label, ...], config: Config) -> tuple[NDArray[np.floa
     return boxes_cam_from_labels(chosen), classes
 
 
-def _tensor(array: NDArray[np.float64]) -> torch.Tensor:
+def _tensor(name: str, array: NDArray[np.float64]) -> torch.Tensor:
+    largest = float(np.abs(array).max(initial=0.0))
+    if largest > float(np.finfo(np.float32).max):
+        raise CadetError(f"{name}: expected numbers that single precision holds, got {largest:g}")
     return torch.from_numpy(np.ascontiguousarray(array, dtype=np.float32))

@@ -10,7 +10,7 @@ import click
 from cadet import _cadet, kitti
 from cadet.cli.eval import evaluate_command
 from cadet.cli.lidar import fit_lidar_command, lidar_command
-from cadet.errors import CadetError
+from cadet.errors import CadetError, MissingFileError
 from cadet.kitti.files import frame_ids, testing_folder
 from cadet.kitti.lint import lint
 from cadet.view import overview, view_bev_maps, view_frame
@@ -39,6 +39,10 @@ def view(what: Path, out: Path | None, is_bev: bool) -> None:
     cadet view out -o overview.png          # some frames of the dataset
     """  # noqa: D301 - click reads the backspace
     is_frame = not what.is_dir() and re.fullmatch(r"\d{6}", what.name) is not None
+    if not is_frame and not what.exists() and re.fullmatch(r"\d{1,5}", what.name):
+        raise MissingFileError(
+            f"{what}: no such folder; a frame's id has six digits: {what.with_name(what.name.zfill(6))}"
+        )
     if is_bev and not is_frame:
         raise CadetError(f"{what}: --bev draws one frame; name it, as in {what}/000012")
     if out is not None:

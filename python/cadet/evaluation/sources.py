@@ -123,7 +123,9 @@ def _split_ids(split: Split, truths: Path | None) -> tuple[str, ...]:
         if truths is None:
             raise CadetError(f"split: {shown(split)} is looked for beside the labels' folder; in memory, give the ids")
         roots = (truths, *truths.resolve().parents[:2])
-        root = next((root for root in roots if (root / "ImageSets").is_dir()), roots[-1])
+        root = next((root for root in roots if (root / "ImageSets").is_dir()), None)
+        if root is None:
+            raise MissingFileError(f"{truths}: no ImageSets lies beside these labels; name a list's file as the split")
         named = read_image_set(root, str(split)).ids
         check_not_empty(named, root, str(split))
         return named

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Final
 
 from cadet import _cadet
@@ -13,6 +13,7 @@ from cadet.exporter import Exporter, Place, Split
 from cadet.kitti.exporter import KittiExporter
 from cadet.nuscenes.exporter import NuscenesExporter
 from cadet.policy import ResetPolicy
+from cadet.rig import Rig
 
 FORMAT_VERSION = 2
 """Rises with every change of what the same settings give."""
@@ -38,6 +39,8 @@ class Settings:
     """Frames 0 to this; a larger number never changes a frame."""
     policy: ResetPolicy
     """Draws worlds and rigs. A preset's name stands for it when settings are made."""
+    rig: Rig | None = field(default=None, compare=False)
+    """The sensors of every episode, in place of those that the policy draws."""
     format: str = "kitti"
     """One of `EXPORTERS`."""
     extras: tuple[str, ...] = ()
@@ -52,6 +55,8 @@ class Settings:
         if isinstance(self.policy, str):
             object.__setattr__(self, "policy", ResetPolicy.named(self.policy))
         check_kind("Settings", "policy", self.policy, ResetPolicy)
+        if self.rig is not None:
+            object.__setattr__(self, "policy", self.policy.with_rig(self.rig))
         check_number("Settings", "num_frames", self.num_frames, 1, 1_000_000, whole=True)
         check_number("Settings", "val_period", self.val_period, 0, 1_000_000, whole=True)
         if self.val_period == 1:

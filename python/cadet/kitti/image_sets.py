@@ -57,8 +57,8 @@ class ImageSet:
             KittiFormatError: a line is not a six-digit id, or repeats one.
         """
         ends_with_newline = text.endswith("\n") or not text
-        lines = text[:-1] if text.endswith("\n") else text
-        ids = tuple(lines.split("\n")) if lines else ()
+        # A blank line is no id, a lone one neither: other programs stop there.
+        ids = tuple(text.removesuffix("\n").split("\n")) if text else ()
         _check_ids(ids, file)
         return cls(ids, ends_with_newline)
 

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from cadet.checks import check_kind, is_one_of, shown
+from cadet.checks import check_kind, is_one_of, plain_number, shown
 from cadet.errors import KittiFormatError, NonFiniteError, ShapeError
 
 TYPES: Final = ("Car", "Van", "Truck", "Pedestrian", "Person_sitting", "Cyclist", "Tram", "Misc", "DontCare")
@@ -80,7 +80,7 @@ class Label:
         for name, value in zip(_FIELDS, self._numbers(), strict=False):
             if not isinstance(value, _NUMBERS) or isinstance(value, bool):
                 raise KittiFormatError(f"{name}: expected a number, got {shown(value)}")
-            if not abs(value) <= sys.float_info.max:
+            if not abs(plain_number(value)) <= sys.float_info.max:
                 raise NonFiniteError(f"{name}: not finite: {value if isinstance(value, float) else shown(value)}")
 
     @classmethod

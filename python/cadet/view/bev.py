@@ -21,6 +21,8 @@ ASIDE_M: Final = 40.0
 """How far the figure looks to either side."""
 
 _BEHIND_M: Final = 3.0
+# Points of damaged frames lie further away, up to where sums of coordinates are none.
+_FARTHEST_M: Final = 1e6
 _RING_STEP_M: Final = 10.0
 _HEIGHT_M: Final = (-0.3, 3.0)
 _FLAT_PLANE: Final = np.array([0.0, -1.0, 0.0, 1.65])
@@ -62,8 +64,9 @@ def bev_figure(frame: Frame, width: int = 960, *, has_text: bool = True) -> styl
 
 def _pixels(points_velo: NDArray[np.float64], scale: float) -> NDArray[np.float64]:
     """Place points (N, 2+) [x, y] of the velo frame on the canvas: (N, 2) [u, v]."""
-    u = (ASIDE_M - points_velo[:, 1]) * scale - 0.5
-    v = (AHEAD_M - points_velo[:, 0]) * scale - 0.5
+    near_velo = np.clip(points_velo[:, :2], -_FARTHEST_M, _FARTHEST_M)
+    u = (ASIDE_M - near_velo[:, 1]) * scale - 0.5
+    v = (AHEAD_M - near_velo[:, 0]) * scale - 0.5
     return np.stack([u, v], axis=1)
 
 
@@ -146,6 +149,8 @@ def _draw_box(canvas: style.Image, label: Label, calib: Calibration, scale: floa
     style.polygon(canvas, outline, color, 0.25)
     thickness = 2 if scale > _THICK_PX_PER_M else 1
     style.polyline(canvas, outline, color, thickness)
+    if np.abs(corners).max() > _FARTHEST_M:
+        return
     front, center = corners[:2].mean(axis=0), corners.mean(axis=0)
     ahead = (front - center) / np.linalg.norm(front - center)
     tick = _pixels(np.stack([center, front + _HEADING_M * ahead]), scale)

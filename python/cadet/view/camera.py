@@ -16,6 +16,7 @@ from cadet.view.visibility import corner_visibility
 
 _FACES: Final = ((0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7), (4, 5, 6, 7), (3, 2, 1, 0))
 _HEADING_M: Final = 1.0
+_FARTHEST_M: Final = 1e6
 _MIN_TAG_HEIGHT_PX: Final = 16.0
 
 
@@ -91,8 +92,13 @@ def corners_figure(frame: Frame, is_visible: NDArray[np.bool_] | None = None) ->
 def draw_wire_box(
     canvas: style.Image, label: Label, calib: Calibration, color: style.Color, *, has_heading: bool = True
 ) -> None:
-    """Draw a 3D box: edges of faces that look at the camera bright, the others faint; optionally where it heads."""
+    """Draw a 3D box: edges of faces that look at the camera bright, the others faint; optionally where it heads.
+
+    A damaged label's box may be too far away to be drawn.
+    """
     corners = boxes.corners_cam(label.box_cam[None])[0]
+    if np.abs(corners).max() > _FARTHEST_M:
+        return
     is_seen = _seen_edges(corners, calib)
     thickness = 2 if label.location_cam[2] < 30.0 else 1
     if has_heading and (corners[list(boxes.FRONT), 2] >= boxes.NEAR_M).all():

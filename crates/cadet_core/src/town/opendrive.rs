@@ -19,6 +19,8 @@ const CURVED_RAD: f64 = 0.002;
 /// Points nearer than this to the one before are the same point.
 const SAME_POINT_M: f64 = 0.01;
 
+/// Lanes are at most this far above or below 0: single precision rounds steeper roads' outlines to zigzags.
+const MAX_HEIGHT_M: f64 = 10_000.0;
 /// Lanes are at most this wide.
 const MAX_LANE_WIDTH_M: f64 = 100.0;
 
@@ -27,7 +29,7 @@ const MAX_LANE_WIDTH_M: f64 = 100.0;
 /// # Errors
 /// [`Error::Map`], naming `map_name` and the reason, with line or road where there is one: not a map, a number that
 /// shapes a road and is none, a road or lane that can't be built, no lanes, no driving lane, coordinates not finite,
-/// lanes wider than 100 m.
+/// heights beyond 10 km, lanes wider than 100 m.
 pub fn load(map_name: &str, xodr_text: &str) -> Result<RoadNetwork> {
     load_with_warnings(map_name, xodr_text).map(|(network, _)| network)
 }
@@ -189,6 +191,12 @@ fn polyline(lane: &xodr::Lane) -> std::result::Result<Option<Polyline>, String> 
     let width = |i: usize| f64::from(lane.widths.get(i).or(lane.widths.last()).copied().unwrap_or(lane.width));
     if points.iter().any(|p| !p.is_finite() || p.abs().max_element() > 1e6) {
         return Err("a lane's coordinates are not finite or beyond 1000 km".to_owned());
+    }
+    if let Some(p) = points.iter().find(|p| p.z.abs() > MAX_HEIGHT_M) {
+        return Err(format!(
+            "a lane is at a height of {:.0} m, expected at most {MAX_HEIGHT_M} m above or below 0",
+            p.z
+        ));
     }
     let widest_m = (0..points.len()).map(width).fold(0.0, f64::max);
     if widest_m > MAX_LANE_WIDTH_M {
