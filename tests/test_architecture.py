@@ -55,7 +55,7 @@ PYTHON_ROOMS: dict[str, set[str]] = {
     "beam_table": {"checks", "errors", "plain_text", "summary"},
     "kitti_calibrations": {"checks", "errors"},
     "camera": {"checks", "errors", "kitti_calibrations", "_cadet"},
-    "extrinsics": {"checks", "errors", "kitti_calibrations"},
+    "extrinsics": {"checks", "errors", "kitti_calibrations", "pose"},
     "lidar": {"beam_table", "checks", "errors", "summary", "_cadet"},
     "mounted": {"camera", "checks", "lidar", "pose"},
     "rig_file": {"camera", "checks", "errors", "extrinsics", "lidar", "mounted", "plain_text", "pose"},
@@ -231,7 +231,7 @@ def test_the_table_names_every_room_of_the_core() -> None:
     ("package", "rooms", "room"),
     [(PACKAGE, PYTHON_ROOMS, room) for room in PYTHON_ROOMS] + [(DETECTOR, AVOD_ROOMS, room) for room in AVOD_ROOMS],
 )
-def test_a_python_room_uses_only_its_neighbours(package: Path, rooms: dict[str, set[str]], room: str) -> None:
+def test_a_python_room_uses_only_its_neighbors(package: Path, rooms: dict[str, set[str]], room: str) -> None:
     for path in python_files(room, package):
         for name in imports(path):
             top, _, rest = name.partition(".")
@@ -276,7 +276,7 @@ def test_nothing_imports_torch_or_the_detector() -> None:
 
 
 @pytest.mark.parametrize("room", CORE_ROOMS)
-def test_a_core_room_uses_only_its_neighbours(room: str) -> None:
+def test_a_core_room_uses_only_its_neighbors(room: str) -> None:
     files = [path for path in (*core_files(CORE / room), CORE / f"{room}.rs") if path.is_file()]
     for path in files:
         known = {name for name in uses(path) if (CORE / name).is_dir() or (CORE / f"{name}.rs").is_file()}
