@@ -18,6 +18,7 @@ _FAKED = (
     "Camera",
     "LabelConfig",
     "Pose",
+    "Request",
     "Rig",
     "Scene",
     "SceneConfig",

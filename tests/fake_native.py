@@ -171,11 +171,11 @@ class SceneConfig:
 
 
 class Sighting:
-    def __init__(self, actor_id: int, *, is_labelled: bool) -> None:
-        self.actor_id, self.is_labelled = actor_id, is_labelled
+    def __init__(self, actor_id: int, *, is_labeled: bool) -> None:
+        self.actor_id, self.is_labeled = actor_id, is_labeled
         self.class_name, self.model = "Car", "saloon/1"
         self.truncation, self.occlusion_level, self.observation_angle = 0.0, 0, 0.1
-        self.bbox = (10.0, 5.0, 20.0, 9.0) if is_labelled else (1.0, 2.0, 3.0, 4.0)
+        self.bbox = (10.0, 5.0, 20.0, 9.0) if is_labeled else (1.0, 2.0, 3.0, 4.0)
         self.visible_fraction = self.contrast = 1.0
         self.visible_pixels, self.num_points = 40.0, 7
         self.velocity_world = [0.0, 0.0, 0.0]
@@ -190,6 +190,11 @@ class Agent:
         self.size_lwh, self.velocity_world = [3.9, 1.6, 1.5], [0.0, 0.0, 0.0]
         self.world_from_agent = np.eye(4).tolist()
         self.pixels = pixels
+
+
+class Request:
+    def __init__(self, sample: int, *, maps: bool, pixels: bool, cameras: Sequence[int], lidars: Sequence[int]) -> None:
+        self.sample, self.maps, self.cameras, self.lidars = sample, maps, cameras, lidars
 
 
 class Capture:
@@ -312,22 +317,22 @@ class Scene:
         self.driven_m += distance_m
         self.time_s += blocked_s / 2
 
-    def capture(self, sample: int, *, maps: bool, pixels: bool, cameras: list[int], lidars: list[int]) -> Capture:
+    def capture(self, request: Request) -> Capture:
         self._misbehave()
-        words = [*self.key, sample, round(self.driven_m), round(self.time_s * 60), crc32(self.weather.encode())]
-        sightings = [Sighting(2, is_labelled=False)]
+        words = [*self.key, request.sample, round(self.driven_m), round(self.time_s * 60), crc32(self.weather.encode())]
+        sightings = [Sighting(2, is_labeled=False)]
         blank = int(self.faults.get("blank", 0)) > self.key[2]
         # A third of the views shows nothing, so that sample and view numbers part.
         if "empty" not in self.faults and not blank and (self.num_views % 3 or self.num_views == 0):
-            sightings.append(Sighting(1, is_labelled=True))
-        seen = [self.rig.cameras[i] for i in (0, *cameras)]
-        turned = [self.rig.lidars[i][0] for i in (0, *lidars)]
-        return Capture(self, words, sightings, seen, turned, maps)
+            sightings.append(Sighting(1, is_labeled=True))
+        seen = [self.rig.cameras[i] for i in (0, *request.cameras)]
+        turned = [self.rig.lidars[i][0] for i in (0, *request.lidars)]
+        return Capture(self, words, sightings, seen, turned, request.maps)
 
-    def capture_labelled(self, sample: int, **wanted: Any) -> Capture | None:
+    def capture_labeled(self, request: Request) -> Capture | None:
         self.num_views += 1
-        captured = self.capture(sample, **wanted)
-        return captured if any(seen.is_labelled for seen in captured.sightings) else None
+        captured = self.capture(request)
+        return captured if any(seen.is_labeled for seen in captured.sightings) else None
 
     def scan(self, lidar: Lidar | None, ideal: bool, sample: int) -> dict[str, NDArray[Any]]:
         name = "rig" if lidar is None else lidar.name

@@ -14,7 +14,7 @@ from cadet.arrays import as_array
 from cadet.assets import Assets, as_assets
 from cadet.checks import as_seed, check_flag, check_kind, check_number, check_text, is_one_of, shown
 from cadet.config import SceneConfig
-from cadet.episode import Episode, capture
+from cadet.episode import Episode, request
 from cadet.errors import CadetError
 from cadet.kitti import Frame, frame_from_sample
 from cadet.lidar import Lidar
@@ -255,7 +255,7 @@ class Scene:
         if sensors is None and self._first is not None:
             sample, self._first = self._first, None
             return frame_from_sample(sample)
-        native = capture(self._native.capture, self._rig, self._num_moves, Wanted.all_of(sensors))
+        native = self._native.capture(request(self._rig, self._num_moves, Wanted.all_of(sensors)))
         return frame_from_sample(Sample(native, self._rig, self._origin or {"sample": self._num_moves}))
 
     def scan(self, lidar: Lidar | None = None, *, ideal: bool = False) -> Scan:

@@ -64,7 +64,7 @@ pub struct Scene {
     weather: Weather,
     rig: Rig,
     label: LabelConfig,
-    /// The last view that `Scene::capture_labelled` took.
+    /// The last view that `Scene::capture_labeled` took.
     taken: Option<TakenView>,
     /// The triangles of the present instant; dropped whenever the world moves.
     sensed: Option<Sensed>,

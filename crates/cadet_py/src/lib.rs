@@ -33,6 +33,7 @@ fn _cadet(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<assets::Assets>()?;
     module.add_class::<capture::Agent>()?;
     module.add_class::<capture::Capture>()?;
+    module.add_class::<capture::Request>()?;
     module.add_class::<capture::Sighting>()?;
     module.add_class::<lidar::Lidar>()?;
     module.add_class::<rig::Camera>()?;

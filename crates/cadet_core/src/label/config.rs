@@ -202,7 +202,7 @@ mod tests {
             actor_id: 1,
             class: ObjectClass::Car,
             model: String::new(),
-            is_labelled: true,
+            is_labeled: true,
             truncation: 0.0,
             occlusion_level: 0,
             observation_angle: 0.0,

@@ -84,7 +84,7 @@ mod tests {
         let road = |_| Some(1.0);
         let pitch = 0.05;
         let [a, b, c, d] = road_plane_cam(&camera(pitch), road, road).expect("ground");
-        // Nose down: the road's normal leans towards the camera's view axis less.
+        // Nose down: the road's normal leans toward the camera's view axis less.
         assert!(a.abs() < 1e-9 && (b + crate::math::cos(pitch)).abs() < 1e-9, "{b}");
         assert!((c.abs() - crate::math::sin(pitch)).abs() < 1e-9 && (d - 1.65).abs() < 1e-9, "{c} {d}");
     }

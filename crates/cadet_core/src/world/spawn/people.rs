@@ -50,8 +50,8 @@ impl Spawner<'_> {
         let pavements = &self.arena.streets.pavements;
         for walkway in pavements.usable() {
             let mut s = 1.0;
-            while s < self.arena.streets.pavements.length_m(walkway) - 1.0 {
-                let at = self.arena.streets.pavements.spot(walkway, s).at;
+            while s < pavements.length_m(walkway) - 1.0 {
+                let at = pavements.spot(walkway, s).at;
                 let to = at - ego;
                 let distance = to.length();
                 let in_view = to.dot(view) > 0.7 * distance && distance < 110.0;
@@ -65,9 +65,9 @@ impl Spawner<'_> {
         let weights: Vec<f64> = places.iter().map(|p| p.2).collect();
         for _ in 0..8 {
             let (walkway, s, _) = *places.get(stream.weighted(&weights))?;
-            let s_m = (s + stream.range(0.0, 2.9)).min(self.arena.streets.pavements.length_m(walkway) - 0.5);
+            let s_m = (s + stream.range(0.0, 2.9)).min(pavements.length_m(walkway) - 0.5);
             let direction = if stream.chance(0.5) { 1.0 } else { -1.0 };
-            let room = self.arena.streets.pavements.room_m(walkway);
+            let room = pavements.room_m(walkway);
             // A little to the own right.
             let lateral_m = stream.clipped_normal(-0.15 * direction, 0.35).clamp(-room, room);
             if self.has_room_for_person(self.on_pavement(walkway, s_m, lateral_m), slot, STRANGERS_M) {
