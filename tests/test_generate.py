@@ -360,7 +360,7 @@ def test_extras_are_written_on_demand(tmp_path: Path) -> None:
         ("die=0", "a worker died by signal 9 in episode 0; at least 0 of 4 frames are whole; go on with: "),
         ("panic=0", "Panic in episode 0: index out of bounds: the len is 3; at least 0 of 4 frames are whole; go on"),
         ("object=0", "scene: no ground ahead of the camera\n"),
-        ("empty", "episode 0: no labelled object in sight in 50 worlds of 10 views each; allow more traffic or labels"),
+        ("empty", "episode 0: no labeled object in sight in 50 worlds of 10 views each; allow more traffic or labels"),
     ],
 )
 def test_a_failing_worker_costs_one_line(tmp_path: Path, fault: str, message: str) -> None:

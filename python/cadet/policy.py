@@ -36,7 +36,7 @@ POLICIES = ("kitti", "paper")
 
 @dataclass(frozen=True, kw_only=True)
 class District:
-    """A kind of neighbourhood: ranges that a scene's numbers are drawn from, both ends included.
+    """A kind of neighborhood: ranges that a scene's numbers are drawn from, both ends included.
 
     Raises:
         CadetError: a range that is none.

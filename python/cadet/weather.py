@@ -24,7 +24,7 @@ class Fate(IntEnum):
     LOST = 1
     """Too weak to be heard."""
     SCATTERED = 2
-    """Fog, a drop or a flake answered in front of it: the point moved towards the sensor on its ray."""
+    """Fog, a drop or a flake answered in front of it: the point moved toward the sensor on its ray."""
 
 
 class Air(NamedTuple):

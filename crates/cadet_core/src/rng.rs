@@ -218,9 +218,9 @@ mod tests {
         let within: Vec<f64> = (0..n).map(|_| dice.unit()).collect();
         for units in [across, within] {
             let mean = units.iter().sum::<f64>() / n as f64;
-            let neighbours = units.windows(2).map(|w| (w[0] - 0.5) * (w[1] - 0.5)).sum::<f64>() / n as f64;
+            let neighbors = units.windows(2).map(|w| (w[0] - 0.5) * (w[1] - 0.5)).sum::<f64>() / n as f64;
             let low = units.iter().filter(|u| **u < 0.01).count();
-            assert!((mean - 0.5).abs() < 0.01 && neighbours.abs() < 0.003 && (150..250).contains(&low), "{mean}");
+            assert!((mean - 0.5).abs() < 0.01 && neighbors.abs() < 0.003 && (150..250).contains(&low), "{mean}");
         }
         assert_ne!(Dice::key(1, [2, 3, 4]), Dice::key(1, [3, 2, 4]));
         assert_ne!(Dice::key(1, [2, 3, 4]), Dice::key(2, [2, 3, 4]));

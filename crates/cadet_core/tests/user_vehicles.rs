@@ -29,7 +29,7 @@ fn block(obj: &mut String, num_blocks: &mut usize, material: &str, min: [f32; 3]
     }
 }
 
-/// A car in centimetres that looks along -y: 4.2 x 1.8 x 1.5 m, its axles 1.3 m before and 1.2 m behind the middle, a
+/// A car in centimeters that looks along -y: 4.2 x 1.8 x 1.5 m, its axles 1.3 m before and 1.2 m behind the middle, a
 /// cabin of panes with a seat inside. It floats 7 cm above the file's zero, beside its origin.
 fn car() -> VehicleAsset {
     let (mut obj, mut n) = ("mtllib car.mtl\n".to_owned(), 0);
@@ -73,7 +73,7 @@ fn assert_near(a: Vec3, b: Vec3) {
 }
 
 #[test]
-fn the_box_frame_is_centred_on_the_ground_with_the_front_forward() {
+fn the_box_frame_is_centered_on_the_ground_with_the_front_forward() {
     let model = VehicleModel::from_asset(&car()).unwrap();
     let bounds = model.body.select(0.0, 1.0).expect("near enough to be drawn").bounds;
     assert_near(bounds.min, Vec3::new(-2.1, -0.9, 0.0));

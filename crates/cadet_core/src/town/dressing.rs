@@ -120,7 +120,7 @@ mod tests {
                 (0..60).find(paved)
             };
             let front = reach(house.rect.axis).unwrap_or_else(|| panic!("{house:?} faces no street"));
-            assert!(front < 44, "{house:?}: {front} half metres to the pavement");
+            assert!(front < 44, "{house:?}: {front} half meters to the pavement");
         }
     }
 

@@ -101,8 +101,8 @@ pub(super) fn frontages(network: &RoadNetwork, site: &Site) -> Vec<Frontage> {
     let open: Vec<&Lane> = network.lanes.iter().filter(|l| l.junction.is_none()).collect();
     let mut frontages = Vec::new();
     for lane in open.iter().filter(|l| l.kind == LaneKind::Driving) {
-        let neighbours: Vec<&Lane> = open.iter().filter(|l| l.road == lane.road && l.id != lane.id).copied().collect();
-        let mut guesses: Vec<usize> = neighbours.iter().map(|l| l.center.len() / 2).collect();
+        let neighbors: Vec<&Lane> = open.iter().filter(|l| l.road == lane.road && l.id != lane.id).copied().collect();
+        let mut guesses: Vec<usize> = neighbors.iter().map(|l| l.center.len() / 2).collect();
         let mut sides: [Vec<(DVec2, f64)>; 2] = [Vec::new(), Vec::new()];
         let mut inner = [0, 0];
         let count = (lane.length_m().floor() as usize).max(1);
@@ -114,7 +114,7 @@ pub(super) fn frontages(network: &RoadNetwork, site: &Site) -> Vec<Frontage> {
             let own = lane.width_at(s) / 2.0;
             // (outer edge of all lanes, of the carriageway, another driving lane on this side) right and left.
             let (mut outer, mut road, mut has_driving) = ([own; 2], [own; 2], [false; 2]);
-            for (other, guess) in neighbours.iter().zip(&mut guesses) {
+            for (other, guess) in neighbors.iter().zip(&mut guesses) {
                 let Some((offset, half)) = beside(other, at, along, guess) else { continue };
                 let side = usize::from(offset > 0.0);
                 outer[side] = outer[side].max(offset.abs() + half);

@@ -288,7 +288,7 @@ mod tests {
         let width = 2.0 * lane;
         let rounded_inside = |r: f64| (4.0 - PI) * r * r; // four inner corners of radius r
         let cross = 2.0 * length * width - width * width + rounded_inside(CRACK_M.0);
-        // Thinning may shift the 400 m of outline by some millimetres.
+        // Thinning may shift the 400 m of outline by some millimeters.
         assert!((area(&regions.carriageway) - cross).abs() < 1.0, "{} {cross}", area(&regions.carriageway));
         // Grown by the default 2 m: a wider cross with rounded outer corners.
         let (w, l) = (width + 4.0, length + 4.0);

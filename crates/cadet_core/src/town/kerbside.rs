@@ -21,7 +21,7 @@ const HALF_BAY_SPOT_WIDTH_M: f64 = 1.65;
 const CLEAR_OF_JUNCTION_M: f64 = 10.0;
 /// Distance of a kerbside car's left flank from the middle of the lane beside it.
 const CLEAR_OF_LANE_M: f64 = 1.65;
-/// Room for a car in width; in a bay it lies towards the kerb.
+/// Room for a car in width; in a bay it lies toward the kerb.
 const SPOT_WIDTH_M: f64 = 1.9;
 const TYRE_TO_KERB_M: f64 = 0.1;
 /// A kerbside car stands on the pavement with at most this much of its width, and people pass in what is left.
@@ -104,7 +104,7 @@ fn bays(lane: &Lane, ground: &Ground, pitch: f64, spots: &mut Vec<ParkingSpot>) 
     }
 }
 
-/// Cars side by side, turned towards the kerb by one angle a row.
+/// Cars side by side, turned toward the kerb by one angle a row.
 fn angled_bays(lane: &Lane, ground: &Ground, stream: &mut Stream, spots: &mut Vec<ParkingSpot>) {
     let angle_rad = ANGLES_DEG[stream.weighted(&ANGLES_DEG.map(|(_, weight)| weight))].0.to_radians();
     let (sin, cos) = (math::sin(angle_rad), math::cos(angle_rad));

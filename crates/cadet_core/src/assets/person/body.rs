@@ -47,7 +47,7 @@ impl<'a> Frame<'a> {
     }
 
     fn spine(&self, z: f32) -> Vec3 {
-        // The sway fades towards the head.
+        // The sway fades toward the head.
         let sway = self.posture.sway * (1.0 - 0.5 * (z / self.p.trunk).clamp(0.0, 1.0));
         Vec3::new(0.0, sway, 0.0) + self.up() * z
     }

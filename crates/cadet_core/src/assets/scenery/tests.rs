@@ -153,7 +153,7 @@ fn crowns_let_a_third_to_a_half_of_the_beams_through_a_metre() {
                 }
             }
             let gap = open as f64 / all as f64;
-            assert!((0.25..0.6).contains(&gap), "{kind:?} {level}: gap fraction {gap:.2} per metre");
+            assert!((0.25..0.6).contains(&gap), "{kind:?} {level}: gap fraction {gap:.2} per meter");
         }
     }
 }

@@ -66,7 +66,7 @@ pub struct VehicleModel {
     pub body: Arc<LodSet>,
     /// The driver, and a passenger in three of ten, in the box frame: shown in moving vehicles.
     pub driver: Option<Arc<LodSet>>,
-    /// A wheel about its own center, axle along y, outer face towards +y (the left side); `None` where the wheels are
+    /// A wheel about its own center, axle along y, outer face toward +y (the left side); `None` where the wheels are
     /// part of the body.
     pub wheel: Option<Arc<LodSet>>,
     /// Wheel centers in the box frame: front left, front right, rear left, rear right.

@@ -60,7 +60,7 @@ impl TrafficConfig {
             ("parking radius", self.parking_radius_m),
         ] {
             if !(radius.is_finite() && radius > 0.0) {
-                return bad(what, radius.to_string(), "a positive number of metres");
+                return bad(what, radius.to_string(), "a positive number of meters");
             }
         }
         for (what, count, most) in
