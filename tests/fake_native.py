@@ -10,13 +10,18 @@ from __future__ import annotations
 import os
 import signal
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from types import SimpleNamespace
 from typing import Any
 from zlib import crc32
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+
+from fake_settings import LabelConfig, PropConfig, SceneConfig, SuburbConfig
+
+__all__ = ["LabelConfig", "PropConfig", "SceneConfig", "SuburbConfig"]
 
 __version__ = "0.0.0-fake"
 
@@ -47,6 +52,26 @@ def encode_png(image: NDArray[Any]) -> bytes:
     return data.tobytes()
 
 
+class UniformFiring(SimpleNamespace):
+    pass
+
+
+class EncoderFiring(SimpleNamespace):
+    pass
+
+
+class ListedFiring(SimpleNamespace):
+    pass
+
+
+class Laser(SimpleNamespace):
+    pass
+
+
+class BeamTable(SimpleNamespace):
+    pass
+
+
 class Lidar:
     def __init__(self, name: str, height_m: float) -> None:
         self.name = name
@@ -59,11 +84,11 @@ class Lidar:
 
     @staticmethod
     def presets() -> list[str]:
-        return ["hdl64e_kitti", "hdl64e_uniform", "cadet", "hdl32e", "vlp16", "os1_64", "os1_128"]
+        return ["hdl64e_kitti", "hdl64e_uniform", "cadet"]
 
     @staticmethod
-    def from_table(table: Mapping[str, Any]) -> Lidar:
-        return Lidar(table["name"], table["height_m"][0])
+    def from_table(table: BeamTable) -> Lidar:
+        return Lidar(table.name, table.rings[0].height_m)
 
     def single_origin(self) -> Lidar:
         return Lidar(self.name, 0.0)
@@ -71,32 +96,30 @@ class Lidar:
     def scanning(self, *, rolling: bool, returns: str, divergence_mrad: float) -> Lidar:
         return self
 
-    def table(self) -> dict[str, Any]:
-        return {
-            "name": self.name,
-            "min_range_m": 1.45,
-            "max_range_m": 80.0,
-            "range_noise_m": 0.0078,
-            "elevation_deg": [2.0, -2.0],
-            "height_m": [self._height_m] * 2,
-            "left_m": [0.0] * 2,
-            "azimuth_offset_deg": [0.0, 0.0],
-            "gain": [1.0, 1.0],
-            "blind_deg": [[], [(170.0, 190.0)]],
-            "firing": {"pattern": "uniform", "columns": 3},
-        }
+    def table(self) -> BeamTable:
+        rest = {"height_m": self._height_m, "left_m": 0.0, "azimuth_offset_deg": 0.0, "gain": 1.0}
+        rings = [
+            Laser(elevation_deg=2.0, blind_deg=[], **rest),
+            Laser(elevation_deg=-2.0, blind_deg=[(170.0, 190.0)], **rest),
+        ]
+        firing, ranges = UniformFiring(columns=3), {"min_range_m": 1.45, "max_range_m": 80.0, "range_noise_m": 0.0078}
+        return BeamTable(name=self.name, rings=rings, firing=firing, **ranges)
 
     def rays(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]:
         ring, column = np.divmod(np.arange(6, dtype=np.int32), np.int32(3))
         return np.full((6, 3), [0.0, 0.0, self._height_m]), np.eye(3)[column], ring, column
 
 
+class VehicleMesh(SimpleNamespace):
+    pass
+
+
 class Assets:
-    def __init__(self, share: float, vehicles: Sequence[Mapping[str, Any]]) -> None:
+    def __init__(self, share: float, vehicles: Sequence[VehicleMesh]) -> None:
         for vehicle in vehicles:
-            if "\nf " not in vehicle["obj"]:
-                raise _error(f"{vehicle['file']}: no faces: is it a Wavefront OBJ file?")
-        self.names = [vehicle["name"] for vehicle in vehicles]
+            if "\nf " not in vehicle.obj:
+                raise _error(f"{vehicle.file}: no faces: is it a Wavefront OBJ file?")
+        self.names = [vehicle.name for vehicle in vehicles]
 
     def assumptions(self) -> list[str]:
         return []
@@ -138,36 +161,6 @@ class Rig:
         self, name: str, *, cameras: Sequence[Camera], lidars: Sequence[tuple[str, Lidar, Sequence[Pose]]]
     ) -> None:
         self.name, self.cameras, self.lidars = name, cameras, lidars
-
-
-class LabelConfig:
-    def __init__(self, **numbers: Any) -> None:
-        assert {name for name, _ in self.settings()} < set(numbers)
-
-    @staticmethod
-    def settings() -> list[tuple[str, tuple[float, float, float, bool]]]:
-        inf = float("inf")
-        return [
-            ("min_height_px", (15.0, 0.0, inf, False)),
-            ("min_visible_fraction", (0.1, 0.0, 1.0, False)),
-            ("max_depth_m", (80.0, 0.0, inf, False)),
-            ("min_depth_m", (0.5, 0.0, inf, False)),
-            ("max_truncation", (0.95, 0.0, 1.0, False)),
-            ("min_contrast", (0.05, 0.0, 1.0, False)),
-            ("min_points", (0.0, 0.0, 1e6, True)),
-            ("dontcare_min_pixels", (8.0, 0.0, inf, False)),
-            ("corner_tolerance_m", (0.1, 0.0, inf, False)),
-            ("max_hidden_corners", (4.0, 1.0, 8.0, True)),
-        ]
-
-    @staticmethod
-    def default_occlusion_levels() -> tuple[float, float]:
-        return 0.8, 0.5
-
-
-class SceneConfig:
-    def __init__(self, **numbers: Any) -> None:
-        assert set(numbers) == {"num_cars", "num_pedestrians", "parking_occupancy", "vehicle_classes", "label"}
 
 
 class Sighting:

@@ -15,8 +15,8 @@ use crate::math::{DPose3, DVec3, TAU};
 use crate::rig::Rig;
 use crate::rng::StreamKey;
 use crate::sense::{FaceTrees, PosedScene, RayCaster, RayHit, Resolution};
-use crate::town::{DressingConfig, SuburbConfig, Town};
-use crate::weather::Weather;
+use crate::town::{PropConfig, SuburbConfig, Town};
+use crate::weather::{Sun, Weather};
 use crate::world::{Course, ModelChoice, Overlap, Snapshot, TrafficConfig, World};
 
 /// Where a scene's town comes from.
@@ -24,7 +24,7 @@ use crate::world::{Course, ModelChoice, Overlap, Snapshot, TrafficConfig, World}
 pub enum TownSource {
     /// Generated from the scene's key.
     Suburb,
-    /// An OpenDRIVE text, dressed from the scene's key.
+    /// An OpenDRIVE text with props drawn from the scene's key.
     OpenDrive {
         /// The map's name, for messages and metadata.
         name: String,
@@ -40,14 +40,16 @@ pub enum TownSource {
 pub struct SceneConfig {
     /// The suburb generator's.
     pub suburb: SuburbConfig,
-    /// The dressing's.
-    pub dressing: DressingConfig,
+    /// Those of prop placement.
+    pub props: PropConfig,
     /// The traffic's.
     pub traffic: TrafficConfig,
     /// The labels'.
     pub label: LabelConfig,
     /// A user's own vehicles.
     pub user_vehicles: UserVehicles,
+    /// Where the sun stands.
+    pub sun: Sun,
 }
 
 /// The present instant: poses, triangles and, once asked for, parry's trees over them.
@@ -80,7 +82,7 @@ const SETTLE_S: f64 = 2.0;
 const MAX_STEP_S: f64 = 3600.0;
 
 impl Scene {
-    /// A dressed town with traffic, settled for two seconds: a pure function of its arguments.
+    /// A town with props and traffic, settled for two seconds: a pure function of its arguments.
     ///
     /// # Errors
     /// A map that can't be read or driven, or numbers out of range.
@@ -92,7 +94,7 @@ impl Scene {
         config: &SceneConfig,
     ) -> Result<Self> {
         let mut scene = Self::bare(key, source, weather, rig, config)?;
-        scene.weather = scene.weather.with_sun_turned(&mut key.stream("sun"));
+        scene.weather = scene.weather.with_sun_turned(&mut key.stream("sun")).with_sun(&config.sun);
         scene.world.spawn_traffic(&config.traffic)?;
         scene.step(SETTLE_S)?;
         Ok(scene)
@@ -103,13 +105,14 @@ impl Scene {
     /// # Errors
     /// A map that can't be read or driven, or numbers out of range.
     pub fn empty(source: &TownSource, weather: Weather, rig: Rig, config: &SceneConfig) -> Result<Self> {
-        Self::bare(StreamKey::scene(0), source, weather, rig, config)
+        Self::bare(StreamKey::scene(0), source, weather.with_sun(&config.sun), rig, config)
     }
 
     fn bare(key: StreamKey, source: &TownSource, weather: Weather, rig: Rig, config: &SceneConfig) -> Result<Self> {
+        config.sun.check()?;
         let town = match source {
-            TownSource::Suburb => Town::suburb(&key, &config.suburb, &config.dressing)?,
-            TownSource::OpenDrive { name, text } => Town::from_opendrive(&key, name, text, &config.dressing)?,
+            TownSource::Suburb => Town::suburb(&key, &config.suburb, &config.props)?,
+            TownSource::OpenDrive { name, text } => Town::from_opendrive(&key, name, text, &config.props)?,
             TownSource::Flat => Town::flat(),
         };
         let world = World::new(Arc::new(town), key)?.with_user_vehicles(config.user_vehicles.clone());

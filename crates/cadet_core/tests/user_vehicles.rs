@@ -10,7 +10,7 @@ use cadet_core::geometry::Bounds;
 use cadet_core::material::{Material, Semantic};
 use cadet_core::math::{DVec3, Vec3};
 use cadet_core::rng::{Stream, StreamKey};
-use cadet_core::town::{DressingConfig, SuburbConfig, Town};
+use cadet_core::town::{PropConfig, SuburbConfig, Town};
 use cadet_core::world::{TrafficConfig, World};
 use proptest::prelude::*;
 
@@ -213,7 +213,7 @@ fn draws_keep_the_share_and_the_mix_of_classes() {
 
 fn street(share: f64, assets: &[VehicleAsset]) -> World {
     let key = StreamKey::scene(4);
-    let town = Town::suburb(&key, &SuburbConfig::default(), &DressingConfig::default()).unwrap();
+    let town = Town::suburb(&key, &SuburbConfig::default(), &PropConfig::default()).unwrap();
     let vehicles = UserVehicles::new(share, assets).unwrap();
     let mut world = World::new(Arc::new(town), key).unwrap().with_user_vehicles(vehicles);
     let config = TrafficConfig { num_cars: 8, num_pedestrians: 2, ..TrafficConfig::default() };

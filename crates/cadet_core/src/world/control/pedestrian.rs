@@ -48,7 +48,7 @@ pub(crate) struct Pedestrian {
     pub motion: Motion,
     /// Offset to the left of the walkway's line; what is, what was chosen, and what avoiding others asks for.
     pub lateral_m: f64,
-    habit_m: f64,
+    preferred_m: f64,
     wanted_m: f64,
     /// 0 to stop, 1 to walk on.
     pace: f64,
@@ -69,7 +69,7 @@ impl Pedestrian {
         Self {
             motion: Motion::Stands,
             lateral_m: 0.0,
-            habit_m: 0.0,
+            preferred_m: 0.0,
             wanted_m: 0.0,
             pace: 1.0,
             blocked_s: 0.0,
@@ -84,12 +84,12 @@ impl Pedestrian {
     /// Sets the person on their way along a walkway.
     pub fn start(&mut self, walkway: usize, s_m: f64, direction: f64, lateral_m: f64) {
         self.motion = Motion::Walks { walkway, s_m, direction };
-        (self.lateral_m, self.habit_m, self.wanted_m) = (lateral_m, lateral_m, lateral_m);
+        (self.lateral_m, self.preferred_m, self.wanted_m) = (lateral_m, lateral_m, lateral_m);
     }
 
     /// Changes the line along the walkway that the person keeps to.
     pub fn keep_to(&mut self, lateral_m: f64) {
-        (self.habit_m, self.wanted_m) = (lateral_m, lateral_m);
+        (self.preferred_m, self.wanted_m) = (lateral_m, lateral_m);
     }
 
     /// Where the next step would lead if nothing were in the way, and what one would be about then.
@@ -128,8 +128,8 @@ impl Pedestrian {
         let next = onward.get(self.choices.below(onward.len())).copied();
         let (walkway, direction) = next.unwrap_or((walkway, -direction));
         let s_m = if direction > 0.0 { 0.0 } else { pavements.length_m(walkway) };
-        self.habit_m = self.habit_m.clamp(-pavements.room_m(walkway), pavements.room_m(walkway));
-        self.wanted_m = self.habit_m;
+        self.preferred_m = self.preferred_m.clamp(-pavements.room_m(walkway), pavements.room_m(walkway));
+        self.wanted_m = self.preferred_m;
         Motion::Walks { walkway, s_m, direction }
     }
 
@@ -159,7 +159,7 @@ impl Pedestrian {
                 return;
             }
         }
-        self.avoid(&own, self.habit_m, around, &streets.pavements);
+        self.avoid(&own, self.preferred_m, around, &streets.pavements);
         if self.crosser && self.pace > 0.5 && self.choices.chance(LOOKS_ACROSS) {
             let position = own.at.extend(position_z);
             if let Some(wait) = way_across(position, walkway, s_m, around, streets) {
@@ -173,7 +173,7 @@ impl Pedestrian {
     /// Side-steps what stands and who comes, to return to the line `line_m`; stops where there is no way past, and turns
     /// back after a while.
     fn avoid(&mut self, own: &OnWalkway, line_m: f64, around: &Surroundings, pavements: &Pavements) {
-        match free_line(own, line_m, self.habit_m.abs(), around, pavements) {
+        match free_line(own, line_m, self.preferred_m.abs(), around, pavements) {
             Some(lateral_m) => {
                 self.wanted_m = lateral_m;
                 // Side-step first, then walk on.
