@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 
 from cadet import Assets, CadetError, Environment, MissingFileError, ResetPolicy, Scene, VehicleMesh
+from gen_process import FAILED, FINE, SIZE, run
 from obj_meshes import CAR, MTL, assets_folder, car_obj
-from test_generate import FAILED, FINE, SIZE, run
 
 pytestmark = pytest.mark.usefixtures("fake_core")
 

@@ -24,6 +24,7 @@ mod props;
 mod relief;
 mod road_marking;
 mod roughness;
+mod street_grid;
 mod street_plan;
 mod street_style;
 mod streetside;

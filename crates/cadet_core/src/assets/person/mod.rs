@@ -1,8 +1,11 @@
 //! People on foot: walkers with a gait cycle, and people who stand.
 
+mod arms;
 mod body;
 mod clothes;
+mod frame;
 mod gait;
+mod head;
 mod proportions;
 #[cfg(test)]
 mod tests;

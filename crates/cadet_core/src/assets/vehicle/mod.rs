@@ -1,5 +1,6 @@
 //! Vehicles: a lofted body with cut wheel arches and true glass over a furnished interior.
 
+mod archetypes;
 mod assumed_panes;
 mod body;
 mod details;
