@@ -60,6 +60,38 @@ struct Sensed {
 }
 
 /// A town, its traffic, its weather and a rig.
+///
+/// ```
+/// # use cadet_core::camera::CameraModel;
+/// # use cadet_core::frames;
+/// # use cadet_core::lidar::LidarSpec;
+/// # use cadet_core::math::{DVec3, PI};
+/// # use cadet_core::nalgebra::Matrix3x4;
+/// # use cadet_core::rig::{Mount, Mounted, Rig};
+/// use cadet_core::actor::ObjectClass;
+/// use cadet_core::scene::{Request, Scene, SceneConfig, TownSource};
+/// use cadet_core::weather::Weather;
+/// use cadet_core::world::{Course, ModelChoice, Overlap};
+///
+/// # let projection = Matrix3x4::new(300.0, 0.0, 160.0, 0.0, 0.0, 300.0, 60.0, 0.0, 0.0, 0.0, 1.0, 0.0);
+/// # let sensor = CameraModel::new(320, 120, projection, None)?;
+/// # let ego_from_cam = frames::mounted(DVec3::new(0.0, 0.0, 1.65), -PI / 2.0, 0.0, -PI / 2.0);
+/// # let camera = Mounted { name: "front".to_owned(), sensor, mount: Mount::new(vec![ego_from_cam]) };
+/// # let ego_from_velo = frames::mounted(DVec3::new(-0.3, 0.0, 1.73), 0.0, 0.0, 0.0);
+/// # let mount = Mount::new(vec![ego_from_velo]);
+/// # let lidar = Mounted { name: "top".to_owned(), sensor: LidarSpec::cadet(), mount };
+/// # let rig = Rig::new("mine".to_owned(), vec![camera], vec![lidar])?;
+/// // `rig` is made as in the example of `Rig`.
+/// let weather = Weather::preset("clear_noon")?;
+/// let mut scene = Scene::empty(&TownSource::Flat, weather, rig, &SceneConfig::default())?;
+/// let place = Course::Stand { x_m: 20.0, y_m: 0.0, yaw_rad: 0.0 };
+/// let car = scene.add(ObjectClass::Car, ModelChoice::Seed(3), &place, Overlap::Refuse)?;
+///
+/// let frame = scene.capture(&Request::default())?;
+/// assert_eq!((frame.images.len(), frame.scans.len()), (1, 1));
+/// assert_eq!(frame.sightings[0].actor_id, car);
+/// # Ok::<_, cadet_core::Error>(())
+/// ```
 pub struct Scene {
     key: StreamKey,
     world: World,

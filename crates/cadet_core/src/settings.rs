@@ -1,4 +1,4 @@
-//! Numbers that a user may set: the name, default, and limits of each are stated once, in [`settings!`].
+//! Numbers that a user may set: the name, default, and limits of each are stated once.
 
 use crate::error::{Error, Result};
 

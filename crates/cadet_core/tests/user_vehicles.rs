@@ -247,7 +247,7 @@ fn they_drive_and_park_among_the_others_and_none_changes_nothing() {
         for (x, y) in [(1.3, 0.75), (1.3, -0.75), (-1.2, 0.75), (-1.2, -0.75)] {
             let foot = actor.world_from_box.transform_point(DVec3::new(x, y, 0.0));
             let above_m = foot.z - world.ground_height(foot.x, foot.y).unwrap();
-            // Springs give under a car that brakes or turns; a kerb under one wheel tilts a parked one.
+            // Springs give under a car that brakes or turns; a curb under one wheel tilts a parked one.
             let limit_m = if actor.velocity_world.length() > 0.1 { 0.10 } else { 0.07 };
             assert!(above_m.abs() < limit_m, "{} {above_m} {}", actor.id, actor.velocity_world);
         }

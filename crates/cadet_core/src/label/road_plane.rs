@@ -8,7 +8,7 @@ use crate::math::{DPose3, DVec2, DVec3};
 const AHEAD_M: (f64, f64) = (2.0, 30.0);
 const ASIDE_M: f64 = 5.0;
 const STEP_M: f64 = 1.0;
-/// Fewer samples of road than this do not make a plane: pavements and verges join in.
+/// Fewer samples of road than this do not make a plane: sidewalks and verges join in.
 const MIN_SAMPLES: usize = 20;
 
 /// The least-squares plane a x + b y + c z + d = 0 of the road 2-30 m ahead, 5 m to either side, in the frame of

@@ -4,7 +4,7 @@ use super::occupancy::Site;
 use super::{Lane, LaneKind, RoadNetwork};
 use crate::math::DVec2;
 
-/// The outer edge of a street's pavement on one side. Points run with the traffic beside it, so that the plots lie to
+/// The outer edge of a street's sidewalk on one side. Points run with the traffic beside it, so that the plots lie to
 /// the **right** of it and the street to its left.
 #[derive(Debug, Clone)]
 pub(super) struct Frontage {
@@ -13,7 +13,7 @@ pub(super) struct Frontage {
     /// Points about 1 m apart.
     pub points: Vec<DVec2>,
     /// Distance from each point to the outer edge of the carriageway.
-    pub pavement_m: Vec<f64>,
+    pub sidewalk_m: Vec<f64>,
     /// Distance along it at each point.
     pub s_m: Vec<f64>,
     /// Speed limit of the lane beside it.
@@ -31,8 +31,8 @@ impl Frontage {
             }
             s_m.push(s);
         }
-        let (points, pavement_m) = edge.into_iter().unzip();
-        Self { road: lane.road, points, pavement_m, s_m, speed_limit_mps: lane.speed_limit_mps }
+        let (points, sidewalk_m) = edge.into_iter().unzip();
+        Self { road: lane.road, points, sidewalk_m, s_m, speed_limit_mps: lane.speed_limit_mps }
     }
 
     /// Length along the edge.
@@ -58,9 +58,9 @@ impl Frontage {
     }
 
     /// Width from the carriageway's edge to this edge.
-    pub fn pavement_at(&self, s: f64) -> f64 {
+    pub fn sidewalk_at(&self, s: f64) -> f64 {
         let (i, t) = self.segment(s);
-        self.pavement_m[i - 1] + (self.pavement_m[i] - self.pavement_m[i - 1]) * t
+        self.sidewalk_m[i - 1] + (self.sidewalk_m[i] - self.sidewalk_m[i - 1]) * t
     }
 
     /// The points strictly between two distances.
@@ -126,7 +126,7 @@ pub(super) fn frontages(network: &RoadNetwork, site: &Site) -> Vec<Frontage> {
             for side in 0..2 {
                 inner[side] += usize::from(has_driving[side]);
                 let out = right_of(along) * if side == 0 { 1.0 } else { -1.0 };
-                // Pavements that the map leaves out, but the ground has.
+                // Sidewalks that the map leaves out, but the ground has.
                 let mut reach = outer[side];
                 while reach < outer[side] + 4.0 && site.clearance_m(at + out * reach) < -0.1 {
                     reach += 0.2;

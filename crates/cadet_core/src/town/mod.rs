@@ -1,6 +1,7 @@
 //! A town: a road network from OpenDRIVE, the ground under it, and the props along its streets.
 
 mod belt;
+mod curbside;
 mod face_index;
 mod flat_road;
 mod frontage;
@@ -11,7 +12,6 @@ mod ground_mesh;
 mod ground_palette;
 mod ground_region;
 mod height_field;
-mod kerbside;
 mod map_warnings;
 mod network;
 mod occupancy;
@@ -34,9 +34,9 @@ mod walkway;
 mod xodr_numbers;
 mod xodr_writer;
 
+pub use curbside::parking_spots;
 pub use ground::Ground;
 pub use ground_kind::GroundKind;
-pub use kerbside::parking_spots;
 pub use network::{Lane, LaneId, LaneKind, RoadNetwork};
 pub use opendrive::{load as load_map, load_with_warnings as load_map_with_warnings};
 pub use prop_config::PropConfig;
@@ -53,9 +53,9 @@ use crate::rng::StreamKey;
 /// How cars stand in a parking place, and who fills it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SpotKind {
-    /// Along the kerb, at it or in a bay.
+    /// Along the curb, at it or in a bay.
     Parallel,
-    /// In a bay at an angle to the kerb, up to a right one.
+    /// In a bay at an angle to the curb, up to a right one.
     Angled,
     /// In the drive of a house.
     Drive,
@@ -74,7 +74,7 @@ pub struct ParkingSpot {
     pub width_m: f64,
 }
 
-/// A line that people walk along, on a pavement.
+/// A line that people walk along, on a sidewalk.
 #[derive(Debug, Clone)]
 pub struct Walkway {
     /// Points at most 2 m apart, on the ground.

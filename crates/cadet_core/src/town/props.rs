@@ -93,8 +93,8 @@ mod tests {
                     standing.rect.samples(0.5).filter_map(|p| ground.kind_at(p.x, p.y)).collect();
                 assert!(!kinds.contains(&GroundKind::Road), "seed {seed}: {standing:?} on the road");
                 let at_the_edge = standing.rect.half.max_element() < 0.75;
-                let paved = kinds.iter().filter(|k| **k == GroundKind::Pavement).count();
-                assert!(at_the_edge || paved == 0, "seed {seed}: {standing:?} on the pavement");
+                let paved = kinds.iter().filter(|k| **k == GroundKind::Sidewalk).count();
+                assert!(at_the_edge || paved == 0, "seed {seed}: {standing:?} on the sidewalk");
                 if is_house(standing) {
                     houses.push(standing);
                 }
@@ -120,7 +120,7 @@ mod tests {
                 (0..60).find(paved)
             };
             let front = reach(house.rect.axis).unwrap_or_else(|| panic!("{house:?} faces no street"));
-            assert!(front < 44, "{house:?}: {front} half meters to the pavement");
+            assert!(front < 44, "{house:?}: {front} half meters to the sidewalk");
         }
     }
 

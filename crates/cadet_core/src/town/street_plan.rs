@@ -6,25 +6,25 @@ use super::suburb_config::SuburbConfig;
 use crate::math::{self, DVec2, PI, TAU, wrap_angle};
 use crate::rng::{Stream, StreamKey};
 
-/// Kerb radius at residential corners, and where a collector takes part.
+/// Curb radius at residential corners, and where a collector takes part.
 const CORNER_RADIUS_M: (f64, f64) = (4.5, 7.0);
 /// Width of a parallel parking bay, gutter included.
 const BAY_WIDTH_M: f64 = 2.25;
-/// Depth of bays in which cars stand at an angle or across, and share of the streets with bays at both kerbs that have
+/// Depth of bays in which cars stand at an angle or across, and share of the streets with bays at both curbs that have
 /// them at both.
 pub(super) const DEEP_BAY_M: f64 = 5.5;
 const BOTH_DEEP_SHARE: f64 = 0.3;
 /// Deep bays begin this much farther from a junction than others.
 const DEEP_BAY_MARGIN_M: f64 = 4.0;
-/// Beside narrower lanes cars stand half on the pavement: in a bay they would be grazed.
+/// Beside narrower lanes cars stand half on the sidewalk: in a bay they would be grazed.
 const MIN_LANE_BESIDE_BAYS_M: f64 = 2.55;
-/// Share of the streets with wide lanes where cars stand half on the pavement all the same.
+/// Share of the streets with wide lanes where cars stand half on the sidewalk all the same.
 const HALF_BAYS_SHARE: f64 = 0.15;
-/// How far such cars stand from the middle of the lane, and how much of a car of usual width is on the pavement.
+/// How far such cars stand from the middle of the lane, and how much of a car of usual width is on the sidewalk.
 const HALF_BAY_FLANK_M: f64 = 1.6;
-const ON_PAVEMENT_M: (f64, f64) = (0.4, 1.0);
+const ON_SIDEWALK_M: (f64, f64) = (0.4, 1.0);
 const CAR_WIDTH_M: f64 = 1.65;
-/// Left of the pavement for walkers.
+/// Left of the sidewalk for walkers.
 const LEFT_FOR_WALKERS_M: f64 = 0.95;
 /// A junction begins at least this far from its middle.
 const MIN_CUT_M: f64 = 6.0;
@@ -43,9 +43,9 @@ pub(super) struct Street {
     pub(super) lane_width_m: f64,
     pub(super) sidewalk_width_m: f64,
     pub(super) speed_kmh: u32,
-    /// Stretch with bays at the right or the left kerb or both.
+    /// Stretch with bays at the right or the left curb or both.
     pub(super) bays: Option<(f64, f64)>,
-    /// Widths of the bays at the right and at the left kerb; 0 where there are none.
+    /// Widths of the bays at the right and at the left curb; 0 where there are none.
     pub(super) bay_widths_m: [f64; 2],
     /// The junctions at its start and its end.
     pub(super) junctions: [usize; 2],
@@ -59,8 +59,8 @@ pub(super) struct Turn {
     pub(super) to: (usize, End),
     /// From the middle of the one carriageway to the middle of the other.
     pub(super) curve: PlanCurve,
-    /// True where the turn follows the kerb, and so carries the pavement round the corner.
-    pub(super) along_kerb: bool,
+    /// True where the turn follows the curb, and so carries the sidewalk round the corner.
+    pub(super) along_curb: bool,
 }
 
 /// Streets, junctions and the ways through them.
@@ -133,12 +133,12 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
             let mut margin = (stream.range(5.0, 9.0), stream.range(5.0, 9.0));
             let (mut right, mut left) = (stream.chance(config.parking_share), stream.chance(config.parking_share));
             let mut bay_width_m = BAY_WIDTH_M;
-            let on_pavement_m = stream.range(ON_PAVEMENT_M.0, ON_PAVEMENT_M.1);
+            let on_sidewalk_m = stream.range(ON_SIDEWALK_M.0, ON_SIDEWALK_M.1);
             let (half_all_the_same, is_right) = (stream.chance(HALF_BAYS_SHARE), stream.chance(0.5));
             if style.lane_width_m < MIN_LANE_BESIDE_BAYS_M || half_all_the_same {
-                // On one side alone: the other pavement stays free.
-                let on_pavement_m = on_pavement_m.min(style.sidewalk_width_m - LEFT_FOR_WALKERS_M);
-                bay_width_m = HALF_BAY_FLANK_M + CAR_WIDTH_M - on_pavement_m - style.lane_width_m / 2.0;
+                // On one side alone: the other sidewalk stays free.
+                let on_sidewalk_m = on_sidewalk_m.min(style.sidewalk_width_m - LEFT_FOR_WALKERS_M);
+                bay_width_m = HALF_BAY_FLANK_M + CAR_WIDTH_M - on_sidewalk_m - style.lane_width_m / 2.0;
                 let any = right || left;
                 (right, left) = (any && is_right, any && !is_right);
             }
@@ -172,13 +172,13 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
                 let pose = |arm: &Arm| cuts[arm.street][usize::from(arm.end == End::Finish)];
                 let mut curve = PlanCurve::default();
                 curve.extend_to(pose(from).reversed(), pose(to));
-                let along_kerb = j == (i + 1) % arms.len();
+                let along_curb = j == (i + 1) % arms.len();
                 turns.push(Turn {
                     junction,
                     from: (from.street, from.end),
                     to: (to.street, to.end),
                     curve,
-                    along_kerb,
+                    along_curb,
                 });
             }
         }
@@ -186,7 +186,7 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
     StreetPlan { streets, turns, num_junctions }
 }
 
-/// Moves each arm's end out until the kerbs' corner arc fits between it and its neighbors.
+/// Moves each arm's end out until the curbs' corner arc fits between it and its neighbors.
 fn cut_back(arms: &mut [Arm], corner_radius_m: f64) {
     let n = arms.len();
     for i in 0..n {

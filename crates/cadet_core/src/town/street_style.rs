@@ -4,7 +4,7 @@ use super::prop_config::PropConfig;
 use crate::assets::scenery::{FenceKind, HouseKind, PoleKind, num_variants};
 use crate::rng::{Stream, StreamKey};
 
-/// What stands between a garden and the pavement.
+/// What stands between a garden and the sidewalk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Boundary {
     /// A hedge of a variant.

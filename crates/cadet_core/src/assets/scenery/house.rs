@@ -18,9 +18,9 @@ pub enum HouseKind {
     Semi,
     /// Four or five narrow houses in a row.
     Terrace,
-    /// An old house on the pavement's line, its gable often to the street.
+    /// An old house on the sidewalk's line, its gable often to the street.
     Village,
-    /// A tall block of the closed kind, on the pavement's line.
+    /// A tall block of the closed kind, on the sidewalk's line.
     Block,
     /// Two to four stories of flats with balconies.
     Flats,
@@ -92,7 +92,7 @@ impl HouseDesign {
         let story_height = if kind == HouseKind::Block { range(s, 3.2, 3.7) } else { range(s, 2.65, 2.85) };
         let plinth = match kind {
             HouseKind::Flats => range(s, 0.5, 0.9),
-            // On the pavement's line there is no room for steps.
+            // On the sidewalk's line there is no room for steps.
             HouseKind::Village | HouseKind::Block => range(s, 0.14, 0.19),
             _ => range(s, 0.25, 0.7),
         };
@@ -142,8 +142,8 @@ impl HouseDesign {
         }
     }
 
-    /// Houses that open onto the pavement.
-    fn on_pavement(&self) -> bool {
+    /// Houses that open onto the sidewalk.
+    fn on_sidewalk(&self) -> bool {
         matches!(self.kind, HouseKind::Village | HouseKind::Block)
     }
 
@@ -247,11 +247,11 @@ impl HouseDesign {
             let u = (o.rect[0] + o.rect[1]) / 2.0;
             let steps = ((self.plinth / 0.17).ceil() as usize).max(1);
             for k in 0..steps {
-                let out = 0.28 * (steps - k) as f32 + if self.on_pavement() { 0.0 } else { 0.35 };
+                let out = 0.28 * (steps - k) as f32 + if self.on_sidewalk() { 0.0 } else { 0.35 };
                 let top = self.plinth * (k + 1) as f32 / steps as f32;
                 plane.block(b, [u - 0.8, u + 0.8, -0.6, top], -out, 0.0, slot::STONE);
             }
-            if !self.on_pavement() {
+            if !self.on_sidewalk() {
                 plane.block(b, [u - 0.9, u + 0.9, o.rect[3] + 0.18, o.rect[3] + 0.28], -0.9, 0.0, slot::METAL);
             }
         }

@@ -51,7 +51,7 @@ impl Dimensions {
     /// Draws a vehicle of a class.
     ///
     /// # Errors
-    /// [`Error::Scene`] for a class other than Car and Van.
+    /// [`crate::Error::Scene`] for a class other than Car and Van.
     pub fn draw(class: ObjectClass, s: &mut Stream) -> Result<Self> {
         let kinds: &[Archetype] = match class {
             ObjectClass::Car => &CARS,

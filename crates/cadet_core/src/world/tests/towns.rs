@@ -165,7 +165,7 @@ pub(crate) fn crossing() -> Arc<Town> {
     town(network, ground(110.0, 5.0, &flat), walkways)
 }
 
-/// A generated suburb with ground, parking places and pavements, without props.
+/// A generated suburb with ground, parking places and sidewalks, without props.
 pub(crate) fn suburb(seed: u64) -> Arc<Town> {
     let key = StreamKey::scene(seed);
     let made = crate::town::generate_suburb(&key, &crate::town::SuburbConfig::default()).expect("a suburb");
