@@ -90,7 +90,7 @@ class VehicleMesh:
 
     @property
     def sha256(self) -> str:
-        """The hash of all that decides its looks: files and numbers, but not where they lay."""
+        """The hash of all that decides its looks: files and numbers, but not their folder."""
         values = asdict(self)
         del values["file"]
         return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()

@@ -251,7 +251,7 @@ class BeamTable:
 
     @classmethod
     def from_native(cls, table: _cadet.BeamTable) -> BeamTable:
-        """Make the table of what the core's LIDAR tells of itself."""
+        """Return the table of a LIDAR of the core."""
         kind = next(kind for kind in _PATTERNS.values() if kind.__name__ == type(table.firing).__name__)
         return cls(
             name=table.name,

@@ -1,4 +1,4 @@
-"""Bird's-eye-view maps of a point cloud: what AVOD and its kin take."""
+"""Bird's-eye-view maps of a point cloud: the input of AVOD and detectors like it."""
 
 from __future__ import annotations
 

@@ -202,7 +202,7 @@ class SceneConfig:
     num_cars: int = _SCENE.default("num_cars")
     """Driving vehicles kept around the ego: cars, one in eleven a van; trucks only among a user's own (`assets`)."""
     num_pedestrians: int = _SCENE.default("num_pedestrians")
-    """Pedestrians kept around the ego; nobody rides a bicycle."""
+    """Pedestrians kept around the ego; there are no cyclists."""
     parking_occupancy: float = _SCENE.default("parking_occupancy")
     """Share of the parking places along the ego's way that are taken; each street varies around it.
 

@@ -49,7 +49,7 @@ class District:
 
 
 # Kinds of street by how often KITTI's object frames show them; streets vary around the town's occupancy. Three frames
-# in four of KITTI show nobody on foot, a few show nine: so most districts have few people, and some have many.
+# in four of KITTI show no pedestrian, a few show nine: so most districts have few, and some have many.
 KITTI_DISTRICTS = (
     (District(name="parked_rows", parking_occupancy=(0.35, 0.85), num_cars=(11, 18), num_pedestrians=(8, 14)), 0.38),
     (District(name="quiet", parking_occupancy=(0.2, 0.4), num_cars=(9, 15), num_pedestrians=(3, 8)), 0.20),

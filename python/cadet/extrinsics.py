@@ -1,4 +1,4 @@
-"""How LIDAR, cameras and inertial unit of a rig stand to each other."""
+"""The poses of LIDAR, cameras, and inertial unit relative to each other."""
 
 from __future__ import annotations
 

@@ -112,7 +112,7 @@ class Agent:
 
 
 class Sample:
-    """Time, ego, agents and captures of one instant, in nobody's format: `cadet.kitti` and `cadet.nuscenes` read it.
+    """Time, ego, agents, and captures of one instant, in no dataset's format.
 
     Attributes:
         rig: the sensors, on the car as it was loaded.

@@ -259,11 +259,11 @@ class Scene:
         return frame_from_sample(Sample(native, self._rig, self._origin or {"sample": self._num_moves}))
 
     def scan(self, lidar: Lidar | None = None, *, ideal: bool = False) -> Scan:
-        """Turn a LIDAR once.
+        """Take a scan with a LIDAR.
 
         Args:
             lidar: the rig's own if None.
-            ideal: every triangle opaque, every ray answered, no noise, drop-out, weather or rounding; all rays at one
+            ideal: every triangle opaque, every hit returned, no noise, drop-out, weather or rounding; all rays at one
                 instant and as thin as lines, whatever the LIDAR's `rolling` and `divergence_mrad`.
         """
         if lidar is not None:
@@ -277,7 +277,7 @@ class Scene:
         origins_world: NDArray[np.float64] | list[list[float]],
         directions_world: NDArray[np.float64] | list[list[float]],
     ) -> RayHits:
-        """Cast arbitrary rays at the very triangles that the sensors see.
+        """Cast arbitrary rays at the triangles that the sensors see.
 
         Args:
             origins_world: (N, 3) float64 array, or a list of lists.
@@ -293,7 +293,7 @@ class Scene:
         return RayHits(*self._native.cast_rays(origins, directions))
 
     def triangles(self) -> tuple[NDArray[np.float32], NDArray[np.uint32], NDArray[np.int32]]:
-        """Return the very triangles that the sensors see, the ego excluded.
+        """Return the triangles that the sensors see, the ego excluded.
 
         Returns:
             vertices_world (V, 3) float32, faces (F, 3) uint32, actor_id (F,) int32 as in `Frame.instance`.

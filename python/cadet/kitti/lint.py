@@ -31,7 +31,7 @@ _XYZ: Final = 3
 def lint(root: str | Path, *, strict: bool | None = None) -> list[Finding]:
     """Check every frame of a KITTI folder: files, formats, and each field against its definition.
 
-    Whatever the files hold, and whether or not they can be read, the answer is a list.
+    Whatever the files hold, and whether or not they can be read, the result is a list.
 
     Args:
         root: the folder that holds `training`, `testing` and `ImageSets`.
