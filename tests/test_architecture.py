@@ -27,7 +27,7 @@ PYTHON_ROOMS: dict[str, set[str]] = {
     "notices": {"errors"},
     "checks": {"errors"},
     "arrays": {"errors"},
-    "config": {"checks", "errors", "_cadet"},
+    "config": {"checks", "errors", "summary", "_cadet"},
     "boxes": {"arrays", "checks", "errors", "kitti"},
     "pose": {"arrays", "checks", "errors"},
     "sample": {"rig", "summary", "_cadet"},

@@ -8,6 +8,7 @@ from typing import Any, Literal
 from cadet import _cadet
 from cadet.checks import check_kind, check_number, is_one_of, make_plain, shown
 from cadet.errors import CadetError
+from cadet.summary import summary
 
 VEHICLE_CLASSES = tuple(_cadet.SceneConfig.vehicle_classes())
 """KITTI's classes of vehicles that drive and park."""
@@ -227,6 +228,11 @@ class SceneConfig:
     """The sun's direction, counter-clockwise from east; drawn from the seed if None, south in `Scene.empty`."""
     label: LabelConfig = field(default_factory=LabelConfig)
     """What gets a label."""
+
+    def __repr__(self) -> str:
+        parts = {f.name: getattr(self, f.name) for f in fields(self)}
+        usual = {"suburb": SuburbConfig(), "props": PropConfig(), "label": LabelConfig()}
+        return summary(self, **{name: value for name, value in parts.items() if value != usual.get(name)})
 
     def __post_init__(self) -> None:
         _SCENE.check(self)
