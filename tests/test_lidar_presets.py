@@ -44,7 +44,7 @@ def test_numbers_are_the_data_sheets(name: str) -> None:
     table = cadet.Lidar(name).beam_table()
     elevations = [laser.elevation_deg for laser in table.rings]
     assert len(table.rings) == rings
-    assert (elevations[0], elevations[-1]) == (pytest.approx(top, abs=0.005), pytest.approx(bottom, abs=0.005))
+    assert [elevations[0], elevations[-1]] == pytest.approx([top, bottom], abs=0.005)
     assert rings * table.num_columns * 10 == pytest.approx(points_per_s, rel=2e-3)
     assert table.max_range_m == farthest_m
 
