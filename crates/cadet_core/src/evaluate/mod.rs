@@ -74,7 +74,7 @@ pub struct Curve {
 ///
 /// ```
 /// use cadet_core::evaluate::{
-///     ClassLimits, FramePair, Kind, Level, Settings, average_r40, evaluate, parse_detections, parse_truths,
+///     ClassLimits, FramePair, Kind, Level, Settings, evaluate, parse_detections, parse_truths,
 /// };
 ///
 /// let car = "Car 0.00 0 0.10 100.00 150.00 200.00 220.00 1.50 1.60 3.90 1.00 1.60 20.00 0.15";
@@ -87,7 +87,7 @@ pub struct Curve {
 /// let curves = evaluate(&frames, &Settings { classes: vec![class], levels: vec![easy] })?;
 /// // In the image, from above, and in 3D.
 /// assert_eq!(curves.len(), 3);
-/// assert!(curves.iter().all(|curve| curve.num_tp[0] == 1 && average_r40(&curve.precision) > 0.0));
+/// assert!(curves.iter().all(|curve| curve.num_tp[0] == 1 && curve.precision[0] == 1.0));
 /// # Ok::<_, cadet_core::Error>(())
 /// ```
 ///
