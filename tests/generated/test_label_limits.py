@@ -109,7 +109,7 @@ def test_what_is_all_but_outside_the_image_becomes_dontcare() -> None:
     assert outcomes == {("Car", False), ("Car", True), ("DontCare", True)}
 
 
-def test_what_is_not_half_a_metre_ahead_becomes_dontcare(tmp_path: Path) -> None:
+def test_what_is_not_half_a_meter_ahead_becomes_dontcare(tmp_path: Path) -> None:
     """A wall along the way whose middle lies beside the camera."""
     own = assets_folder(tmp_path / "own", WALL)
     for min_depth_m, offset_m, expected in [(0.5, 0.3, "DontCare"), (0.0, 0.3, "Truck"), (0.5, 0.8, "Truck")]:

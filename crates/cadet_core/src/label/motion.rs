@@ -83,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn the_ego_moves_by_half_a_metre_or_not_at_all() {
+    fn the_ego_moves_by_half_a_meter_or_not_at_all() {
         let taken = TakenView::new(ego_at(3.0), &[]);
         assert!(!taken.ego_has_moved(&ego_at(3.0)) && !taken.ego_has_moved(&ego_at(3.4)));
         assert!(taken.ego_has_moved(&ego_at(3.6)) && taken.ego_has_moved(&ego_at(2.4)));
