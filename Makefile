@@ -77,9 +77,11 @@ test-core: WITHOUT_AVOD := yes
 test-core: lint test-rust test-python ## The same without avod, and so without torch
 	@echo "avod was left out: 'make test' checks its types and runs its tests too"
 
-lint: build-dev ## Check formats, clippy, ruff and types
+lint: build-dev ## Check formats, clippy, docs, ruff and types
 	cargo fmt --all --check
 	cargo clippy --release --locked --workspace --all-targets -- -D warnings
+	RUSTDOCFLAGS='-D warnings' cargo doc --release --locked --quiet --no-deps --document-private-items \
+		-p cadet_core -p cadet_py
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy $(if $(WITHOUT_AVOD),--exclude '/avod/')

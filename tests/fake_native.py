@@ -10,13 +10,18 @@ from __future__ import annotations
 import os
 import signal
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from types import SimpleNamespace
 from typing import Any
 from zlib import crc32
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+
+from fake_settings import LabelConfig, PropConfig, SceneConfig, SuburbConfig
+
+__all__ = ["LabelConfig", "PropConfig", "SceneConfig", "SuburbConfig"]
 
 __version__ = "0.0.0-fake"
 
@@ -47,6 +52,26 @@ def encode_png(image: NDArray[Any]) -> bytes:
     return data.tobytes()
 
 
+class UniformFiring(SimpleNamespace):
+    pass
+
+
+class EncoderFiring(SimpleNamespace):
+    pass
+
+
+class ListedFiring(SimpleNamespace):
+    pass
+
+
+class Laser(SimpleNamespace):
+    pass
+
+
+class BeamTable(SimpleNamespace):
+    pass
+
+
 class Lidar:
     def __init__(self, name: str, height_m: float) -> None:
         self.name = name
@@ -59,11 +84,11 @@ class Lidar:
 
     @staticmethod
     def presets() -> list[str]:
-        return ["hdl64e_kitti", "hdl64e_uniform", "cadet", "hdl32e", "vlp16", "os1_64", "os1_128"]
+        return ["hdl64e_kitti", "hdl64e_uniform", "cadet"]
 
     @staticmethod
-    def from_table(table: Mapping[str, Any]) -> Lidar:
-        return Lidar(table["name"], table["height_m"][0])
+    def from_table(table: BeamTable) -> Lidar:
+        return Lidar(table.name, table.rings[0].height_m)
 
     def single_origin(self) -> Lidar:
         return Lidar(self.name, 0.0)
@@ -71,32 +96,30 @@ class Lidar:
     def scanning(self, *, rolling: bool, returns: str, divergence_mrad: float) -> Lidar:
         return self
 
-    def table(self) -> dict[str, Any]:
-        return {
-            "name": self.name,
-            "min_range_m": 1.45,
-            "max_range_m": 80.0,
-            "range_noise_m": 0.0078,
-            "elevation_deg": [2.0, -2.0],
-            "height_m": [self._height_m] * 2,
-            "left_m": [0.0] * 2,
-            "azimuth_offset_deg": [0.0, 0.0],
-            "gain": [1.0, 1.0],
-            "blind_deg": [[], [(170.0, 190.0)]],
-            "firing": {"pattern": "uniform", "columns": 3},
-        }
+    def table(self) -> BeamTable:
+        rest = {"height_m": self._height_m, "left_m": 0.0, "azimuth_offset_deg": 0.0, "gain": 1.0}
+        rings = [
+            Laser(elevation_deg=2.0, blind_deg=[], **rest),
+            Laser(elevation_deg=-2.0, blind_deg=[(170.0, 190.0)], **rest),
+        ]
+        firing, ranges = UniformFiring(columns=3), {"min_range_m": 1.45, "max_range_m": 80.0, "range_noise_m": 0.0078}
+        return BeamTable(name=self.name, rings=rings, firing=firing, **ranges)
 
     def rays(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]:
         ring, column = np.divmod(np.arange(6, dtype=np.int32), np.int32(3))
         return np.full((6, 3), [0.0, 0.0, self._height_m]), np.eye(3)[column], ring, column
 
 
+class VehicleMesh(SimpleNamespace):
+    pass
+
+
 class Assets:
-    def __init__(self, share: float, vehicles: Sequence[Mapping[str, Any]]) -> None:
+    def __init__(self, share: float, vehicles: Sequence[VehicleMesh]) -> None:
         for vehicle in vehicles:
-            if "\nf " not in vehicle["obj"]:
-                raise _error(f"{vehicle['file']}: no faces: is it a Wavefront OBJ file?")
-        self.names = [vehicle["name"] for vehicle in vehicles]
+            if "\nf " not in vehicle.obj:
+                raise _error(f"{vehicle.file}: no faces: is it a Wavefront OBJ file?")
+        self.names = [vehicle.name for vehicle in vehicles]
 
     def assumptions(self) -> list[str]:
         return []
@@ -140,42 +163,12 @@ class Rig:
         self.name, self.cameras, self.lidars = name, cameras, lidars
 
 
-class LabelConfig:
-    def __init__(self, **numbers: Any) -> None:
-        assert {name for name, _ in self.settings()} < set(numbers)
-
-    @staticmethod
-    def settings() -> list[tuple[str, tuple[float, float, float, bool]]]:
-        inf = float("inf")
-        return [
-            ("min_height_px", (15.0, 0.0, inf, False)),
-            ("min_visible_fraction", (0.1, 0.0, 1.0, False)),
-            ("max_depth_m", (80.0, 0.0, inf, False)),
-            ("min_depth_m", (0.5, 0.0, inf, False)),
-            ("max_truncation", (0.95, 0.0, 1.0, False)),
-            ("min_contrast", (0.05, 0.0, 1.0, False)),
-            ("min_points", (0.0, 0.0, 1e6, True)),
-            ("dontcare_min_pixels", (8.0, 0.0, inf, False)),
-            ("corner_tolerance_m", (0.1, 0.0, inf, False)),
-            ("max_hidden_corners", (4.0, 1.0, 8.0, True)),
-        ]
-
-    @staticmethod
-    def default_occlusion_levels() -> tuple[float, float]:
-        return 0.8, 0.5
-
-
-class SceneConfig:
-    def __init__(self, **numbers: Any) -> None:
-        assert set(numbers) == {"num_cars", "num_pedestrians", "parking_occupancy", "vehicle_classes", "label"}
-
-
 class Sighting:
-    def __init__(self, actor_id: int, *, is_labelled: bool) -> None:
-        self.actor_id, self.is_labelled = actor_id, is_labelled
+    def __init__(self, actor_id: int, *, is_labeled: bool) -> None:
+        self.actor_id, self.is_labeled = actor_id, is_labeled
         self.class_name, self.model = "Car", "saloon/1"
         self.truncation, self.occlusion_level, self.observation_angle = 0.0, 0, 0.1
-        self.bbox = (10.0, 5.0, 20.0, 9.0) if is_labelled else (1.0, 2.0, 3.0, 4.0)
+        self.bbox = (10.0, 5.0, 20.0, 9.0) if is_labeled else (1.0, 2.0, 3.0, 4.0)
         self.visible_fraction = self.contrast = 1.0
         self.visible_pixels, self.num_points = 40.0, 7
         self.velocity_world = [0.0, 0.0, 0.0]
@@ -190,6 +183,11 @@ class Agent:
         self.size_lwh, self.velocity_world = [3.9, 1.6, 1.5], [0.0, 0.0, 0.0]
         self.world_from_agent = np.eye(4).tolist()
         self.pixels = pixels
+
+
+class Request:
+    def __init__(self, sample: int, *, maps: bool, pixels: bool, cameras: Sequence[int], lidars: Sequence[int]) -> None:
+        self.sample, self.maps, self.cameras, self.lidars = sample, maps, cameras, lidars
 
 
 class Capture:
@@ -312,22 +310,22 @@ class Scene:
         self.driven_m += distance_m
         self.time_s += blocked_s / 2
 
-    def capture(self, sample: int, *, maps: bool, pixels: bool, cameras: list[int], lidars: list[int]) -> Capture:
+    def capture(self, request: Request) -> Capture:
         self._misbehave()
-        words = [*self.key, sample, round(self.driven_m), round(self.time_s * 60), crc32(self.weather.encode())]
-        sightings = [Sighting(2, is_labelled=False)]
+        words = [*self.key, request.sample, round(self.driven_m), round(self.time_s * 60), crc32(self.weather.encode())]
+        sightings = [Sighting(2, is_labeled=False)]
         blank = int(self.faults.get("blank", 0)) > self.key[2]
         # A third of the views shows nothing, so that sample and view numbers part.
         if "empty" not in self.faults and not blank and (self.num_views % 3 or self.num_views == 0):
-            sightings.append(Sighting(1, is_labelled=True))
-        seen = [self.rig.cameras[i] for i in (0, *cameras)]
-        turned = [self.rig.lidars[i][0] for i in (0, *lidars)]
-        return Capture(self, words, sightings, seen, turned, maps)
+            sightings.append(Sighting(1, is_labeled=True))
+        seen = [self.rig.cameras[i] for i in (0, *request.cameras)]
+        turned = [self.rig.lidars[i][0] for i in (0, *request.lidars)]
+        return Capture(self, words, sightings, seen, turned, request.maps)
 
-    def capture_labelled(self, sample: int, **wanted: Any) -> Capture | None:
+    def capture_labeled(self, request: Request) -> Capture | None:
         self.num_views += 1
-        captured = self.capture(sample, **wanted)
-        return captured if any(seen.is_labelled for seen in captured.sightings) else None
+        captured = self.capture(request)
+        return captured if any(seen.is_labeled for seen in captured.sightings) else None
 
     def scan(self, lidar: Lidar | None, ideal: bool, sample: int) -> dict[str, NDArray[Any]]:
         name = "rig" if lidar is None else lidar.name

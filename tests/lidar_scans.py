@@ -21,7 +21,7 @@ def azimuths_deg(table: BeamTable) -> NDArray[np.float64]:
 
 
 def yard_scan(table: BeamTable, seed: int) -> NDArray[np.float32]:
-    """Return a ring-major scan, rounded to millimetres: ground, walls, boxes; a tenth is lost."""
+    """Return a ring-major scan, rounded to millimeters: ground, walls, boxes; a tenth is lost."""
     generator = np.random.Generator(np.random.PCG64(seed))
     walls_m = generator.uniform(8.0, 30.0, 4)
     pillar = generator.uniform(0.0, 360.0, 25), generator.uniform(1.0, 6.0, 25), generator.uniform(3.0, 15.0, 25)

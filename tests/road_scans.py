@@ -21,7 +21,7 @@ class RoadStatistics:
     intensity_correlation: float
     """Of neighbors on a ring, less the mean of the ring there."""
     plane_residual_m: float
-    """Root mean square height over the plane fitted to the lane, 1.2 m to either side: no kerb is so near."""
+    """Root mean square height over the plane fitted to the lane, 1.2 m to either side: no curb is so near."""
     num_points: int
 
 
@@ -60,7 +60,7 @@ def road_statistics(points_velo: NDArray[np.float32]) -> RoadStatistics:
 
 
 def _plane(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Fit z = a x + b y + c to most of the points: kerbs and bumpers are left out step by step."""
+    """Fit z = a x + b y + c to most of the points: curbs and bumpers are left out step by step."""
     kept = points
     for tolerance_m in (0.3, 0.15, 0.1, 0.08, 0.08):
         matrix = np.c_[kept[:, :2], np.ones(len(kept))]

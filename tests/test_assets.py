@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 
 from cadet import Assets, CadetError, Environment, MissingFileError, ResetPolicy, Scene, VehicleMesh
+from gen_process import FAILED, FINE, SIZE, run
 from obj_meshes import CAR, MTL, assets_folder, car_obj
-from test_generate import FAILED, FINE, SIZE, run
 
 pytestmark = pytest.mark.usefixtures("fake_core")
 
@@ -103,8 +103,8 @@ BAD: list[tuple[Callable[[Path], None], str]] = [
     (_write("assets.toml", f"share = 1.5\n{CAR}"), "assets.share: expected a number from 0 to 1, got 1.5"),
     (_write("assets.toml", CAR + CAR), "assets: two vehicles are named 'mine'"),
     (
-        _write("assets.toml", f"{CAR}colour = 'red'\n"),
-        "assets.toml: vehicle 1: unknown key 'colour'; known: name",
+        _write("assets.toml", f"{CAR}color = 'red'\n"),
+        "assets.toml: vehicle 1: unknown key 'color'; known: name",
     ),
     (_toml('name = "mine"\n', ""), "assets.toml: vehicle 1: missing key 'name'"),
     (_toml('"mine"', '"a b"'), "assets.toml: vehicle 'a b'.name: expected 1 to 64 letters, digits, '_', '.' or '-'"),

@@ -1,12 +1,12 @@
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from typing import Any
 
 import numpy as np
 import pytest
 
-from cadet import CadetError, LabelConfig, SceneConfig
+from cadet import CadetError, LabelConfig, PropConfig, SceneConfig, SuburbConfig
 
 NAN = float("nan")
 
@@ -22,6 +22,25 @@ NAN = float("nan")
             SceneConfig,
             {"parking_occupancy": NAN},
             "SceneConfig.parking_occupancy: expected a number from 0 to 1, got nan",
+        ),
+        (SceneConfig, {"suburb": {}}, "SceneConfig.suburb: expected a SuburbConfig, got {}"),
+        (
+            SceneConfig,
+            {"sun_elevation_deg": -5},
+            "SceneConfig.sun_elevation_deg: expected a number from 3 to 90, got -5",
+        ),
+        (SuburbConfig, {"blocks": (1, 4)}, "SuburbConfig.blocks: expected a whole number from 2 to 12, got 1"),
+        (SuburbConfig, {"blocks": 4}, "SuburbConfig.blocks: expected 2 numbers, got 4"),
+        (
+            SuburbConfig,
+            {"block_m": (90.0, 80.0)},
+            "SuburbConfig.block_m: expected the second to be the larger, got (90.0, 80.0)",
+        ),
+        (PropConfig, {"greenery": 3}, "PropConfig.greenery: expected a number from 0 to 2, got 3"),
+        (
+            PropConfig,
+            {"house_shares": (0.0,) * 6},
+            "PropConfig.house_shares: expected a weight above 0, got (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)",
         ),
         (SceneConfig, {"label": None}, "SceneConfig.label: expected a LabelConfig, got None"),
         (LabelConfig, {"method": "area"}, "LabelConfig.method: expected 'pixels' or 'corners', got 'area'"),
@@ -54,7 +73,7 @@ NAN = float("nan")
         (
             LabelConfig,
             {"occlusion_levels": [0.8]},
-            "LabelConfig.occlusion_levels: expected two fractions, got [0.8]",
+            "LabelConfig.occlusion_levels: expected 2 numbers, got [0.8]",
         ),
         (
             LabelConfig,
@@ -91,17 +110,32 @@ def test_the_normative_thresholds_are_the_defaults() -> None:
     }
 
 
-def test_every_number_of_the_core_is_a_field_and_reaches_it(core: Any) -> None:
-    numbers = dict(core.LabelConfig.settings())
-    assert set(asdict(LabelConfig())) == {*numbers, "method", "boxes", "occlusion_levels"}
-    defaults: dict[str, Any] = asdict(LabelConfig())
-    for name, (_, least, most, is_whole) in numbers.items():
+@pytest.mark.parametrize("cls", [LabelConfig, PropConfig, SceneConfig, SuburbConfig])
+def test_every_number_of_the_core_is_a_field_and_reaches_it(core: Any, cls: type[Any]) -> None:
+    native = getattr(core, cls.__name__)
+    defaults = {f.name: getattr(cls(), f.name) for f in fields(cls)}
+    parts = {name: value.to_native() for name, value in defaults.items() if hasattr(value, "to_native")}
+    numbers = dict(native.settings())
+    others = {"method", "boxes", "vehicle_classes", *parts}
+    assert set(numbers) == set(defaults) - others
+    for name, (default, least, most, is_whole) in numbers.items():
         kind: Any = int if is_whole else float
-        for value in {least, most} - {float("inf")}:
-            LabelConfig(**{**defaults, name: kind(value)}).to_native()
-        with pytest.raises(CadetError, match=f"LabelConfig.{name}"):
-            LabelConfig(**{**defaults, name: kind(least) - 1})
+
+        def filled(value: float, count: int = len(default), kind: Any = kind) -> Any:
+            return tuple([kind(value)] * count) if count > 1 else kind(value)
+
+        for limit in {least, most} - {float("inf")}:
+            if name != "house_shares" or limit > 0.0:
+                cls(**{**defaults, name: filled(limit)}).to_native()
+        with pytest.raises(CadetError, match=f"{cls.__name__}.{name}"):
+            cls(**{**defaults, name: filled(least - 1)})
         # The core refuses it by itself.
         if most < float("inf"):
             with pytest.raises(CadetError, match=name):
-                core.LabelConfig(**{**defaults, name: kind(most) + 1})
+                native(**{**defaults, **parts, name: filled(most + 1)})
+
+
+def test_the_defaults_are_the_cores() -> None:
+    assert (SceneConfig().num_cars, SceneConfig().num_pedestrians, SceneConfig().sun_azimuth_deg) == (14, 24, None)
+    assert SuburbConfig().blocks == (4, 4) and isinstance(SuburbConfig().blocks[0], int)
+    assert len(PropConfig().house_shares) == 6 and PropConfig().greenery == 1.0

@@ -81,8 +81,9 @@ def test_without_maps_all_else_is_the_same() -> None:
 
 def test_the_fake_knows_the_cores_lists(core: Any) -> None:
     assert core.Lidar.presets() == fake_native.Lidar.presets()
-    assert core.LabelConfig.settings() == fake_native.LabelConfig.settings()
-    assert core.LabelConfig.default_occlusion_levels() == fake_native.LabelConfig.default_occlusion_levels()
+    assert core.SceneConfig.vehicle_classes() == fake_native.SceneConfig.vehicle_classes()
+    for name in ("LabelConfig", "PropConfig", "SceneConfig", "SuburbConfig"):
+        assert getattr(core, name).settings() == getattr(fake_native, name).settings()
 
 
 def test_the_fake_knows_the_cores_weathers() -> None:

@@ -107,7 +107,7 @@ def test_an_episode_without_objects_ends_in_an_error(monkeypatch: pytest.MonkeyP
     with pytest.raises(CadetError) as caught:
         env.step()
     assert str(caught.value) == (
-        "episode 0: no labelled object in sight in 2 worlds of 3 views each; allow more traffic or labels"
+        "episode 0: no labeled object in sight in 2 worlds of 3 views each; allow more traffic or labels"
     )
 
 

@@ -13,7 +13,7 @@ from cadet import Rig, kitti
 from cadet.errors import CadetError, MissingFileError
 from cadet.generate.settings import Settings
 from cadet.policy import ResetPolicy
-from test_generate import FAILED, FINE, SIZE, run, tree
+from gen_process import FAILED, FINE, SIZE, run, tree
 
 FOLDERS = ["calib", "image_2", "label_2", "meta", "planes", "velodyne"]
 

@@ -9,8 +9,8 @@ import pytest
 
 from cadet import Assets, CadetWarning, Environment, Scene
 from cadet.notices import notice
+from gen_process import FINE, SIZE, run
 from obj_meshes import assets_folder
-from test_generate import FINE, SIZE, run
 
 pytestmark = pytest.mark.usefixtures("fake_core")
 

@@ -6,10 +6,12 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
+import cadet
 from cadet import CadetError, Camera, Extrinsics, Lidar, Rig
 from cadet.kitti import Calibration
 from cadet.kitti.from_sample import calibration_of
 from cadet.lidar import LIDAR_PRESETS
+from cadet.rig import RIG_PRESETS
 
 SHARED = Path(__file__).parents[2] / "shared"
 
@@ -200,3 +202,9 @@ def test_how_a_scan_is_taken_is_checked_and_recorded() -> None:
 def test_impossible_scans_are_refused(settings: dict[str, Any], message: str) -> None:
     with pytest.raises(CadetError, match=message):
         Lidar(**settings)
+
+
+@pytest.mark.parametrize("path", sorted((Path(cadet.__file__).parent / "presets" / "rigs").glob("*.toml")), ids=str)
+def test_a_file_is_a_preset(path: Path) -> None:
+    assert path.stem in RIG_PRESETS
+    assert Rig.named(path.stem) == Rig.from_toml(path) and Rig.named(path.stem).name == path.stem

@@ -1,4 +1,4 @@
-"""What anchors and proposals should become, and which of them the losses look at."""
+"""Training targets of anchors and proposals, and which of them the losses use."""
 
 from __future__ import annotations
 

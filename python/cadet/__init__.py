@@ -6,7 +6,8 @@ from cadet.assets import Assets, VehicleMesh
 from cadet.beam_table import BeamTable, EncoderFiring, Laser, ListedFiring, UniformFiring
 from cadet.bev import BevConfig
 from cadet.camera import Camera
-from cadet.config import LabelConfig, SceneConfig
+from cadet.config import LabelConfig, PropConfig, SceneConfig, SuburbConfig
+from cadet.districts import District
 from cadet.environment import Environment
 from cadet.errors import (
     CadetError,
@@ -22,7 +23,7 @@ from cadet.extrinsics import Extrinsics
 from cadet.kitti import Calibration, Frame, Label
 from cadet.lidar import Lidar
 from cadet.mounted import MountedCamera, MountedLidar
-from cadet.policy import District, ResetPolicy
+from cadet.policy import ResetPolicy
 from cadet.pose import Pose
 from cadet.rig import Rig
 from cadet.road_map import RoadMap
@@ -60,6 +61,7 @@ __all__ = [
     "MountedLidar",
     "NonFiniteError",
     "Pose",
+    "PropConfig",
     "RayHits",
     "Report",
     "ResetPolicy",
@@ -71,6 +73,7 @@ __all__ = [
     "SceneConfig",
     "Semantic",
     "ShapeError",
+    "SuburbConfig",
     "UniformFiring",
     "VehicleMesh",
     "__version__",

@@ -1,8 +1,8 @@
 """The Rust core. Private: use the wrappers of `cadet`, which are typed, documented and keyword-only."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from os import PathLike
-from typing import Any, TypeAlias, final
+from typing import Any, Final, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,15 +10,25 @@ from numpy.typing import NDArray
 __all__ = [
     "Agent",
     "Assets",
+    "BeamTable",
+    "BevConfig",
     "Camera",
     "Capture",
+    "EncoderFiring",
     "LabelConfig",
+    "Laser",
     "Lidar",
+    "ListedFiring",
     "Pose",
+    "PropConfig",
+    "Request",
     "Rig",
     "Scene",
     "SceneConfig",
     "Sighting",
+    "SuburbConfig",
+    "UniformFiring",
+    "VehicleMesh",
     "__version__",
     "_panic",
     "bev_maps",
@@ -39,13 +49,106 @@ _EvaluationSource: TypeAlias = (
     tuple[str | PathLike[str], Sequence[str | None]] | tuple[Sequence[int], Sequence[str], NDArray[np.float64]]
 )
 
+# Of a configuration's numbers: name, then defaults (none where it is drawn), least and greatest value, and whether it
+# counts.
+_Settings: TypeAlias = list[tuple[str, tuple[list[float], float, float, bool]]]
+
+@final
+class VehicleMesh:
+    """A vehicle's mesh, not yet built (see `cadet.VehicleMesh`)."""
+
+    def __new__(
+        cls,
+        *,
+        name: str,
+        class_name: str,
+        file: str,
+        obj: str,
+        libraries: Sequence[tuple[str, str]],
+        scale: float,
+        yaw_rad: float,
+        y_up: bool,
+        size_lwh: tuple[float, float, float] | None,
+        materials: Sequence[tuple[str, Sequence[str]]],
+    ) -> VehicleMesh: ...
+
 @final
 class Assets:
     """Vehicles built from a user's meshes (see `cadet.Assets`)."""
 
-    def __new__(cls, share: float, vehicles: Sequence[Mapping[str, Any]]) -> Assets: ...
+    def __new__(cls, share: float, vehicles: Sequence[VehicleMesh]) -> Assets: ...
     def models(self) -> list[tuple[str, str, list[float]]]: ...
     def assumptions(self) -> list[str]: ...
+
+@final
+class UniformFiring:
+    """Equal steps of azimuth (see `cadet.UniformFiring`)."""
+
+    def __new__(cls, *, columns: int) -> UniformFiring: ...
+    columns: Final[int]
+
+@final
+class EncoderFiring:
+    """Firings on the ticks of an encoder (see `cadet.EncoderFiring`)."""
+
+    def __new__(
+        cls, *, ticks_per_turn: int, ticks_per_firing: float, firings: int, phase_ticks: float
+    ) -> EncoderFiring: ...
+    ticks_per_turn: Final[int]
+    ticks_per_firing: Final[float]
+    firings: Final[int]
+    phase_ticks: Final[float]
+
+@final
+class ListedFiring:
+    """Any azimuths (see `cadet.ListedFiring`)."""
+
+    def __new__(cls, *, azimuths_deg: Sequence[float]) -> ListedFiring: ...
+    azimuths_deg: Final[list[float]]
+
+_Firing: TypeAlias = UniformFiring | EncoderFiring | ListedFiring
+
+@final
+class Laser:
+    """One laser (see `cadet.Laser`)."""
+
+    def __new__(
+        cls,
+        *,
+        elevation_deg: float,
+        height_m: float,
+        left_m: float,
+        azimuth_offset_deg: float,
+        gain: float,
+        blind_deg: Sequence[tuple[float, float]],
+    ) -> Laser: ...
+    elevation_deg: Final[float]
+    height_m: Final[float]
+    left_m: Final[float]
+    azimuth_offset_deg: Final[float]
+    gain: Final[float]
+    blind_deg: Final[list[tuple[float, float]]]
+
+@final
+class BeamTable:
+    """A LIDAR's lasers and when they fire (see `cadet.BeamTable`)."""
+
+    def __new__(
+        cls,
+        *,
+        name: str,
+        rings: Sequence[Laser],
+        firing: _Firing,
+        min_range_m: float,
+        max_range_m: float,
+        range_noise_m: float,
+    ) -> BeamTable: ...
+    name: Final[str]
+    rings: Final[list[Laser]]
+    firing: Final[_Firing]
+    min_range_m: Final[float]
+    max_range_m: Final[float]
+    range_noise_m: Final[float]
 
 @final
 class Lidar:
@@ -56,16 +159,13 @@ class Lidar:
     @staticmethod
     def presets() -> list[str]: ...
     @staticmethod
-    def from_table(table: Mapping[str, Any]) -> Lidar: ...
-    @property
-    def name(self) -> str: ...
-    @property
-    def num_rings(self) -> int: ...
-    @property
-    def num_columns(self) -> int: ...
+    def from_table(table: BeamTable) -> Lidar: ...
+    name: Final[str]
+    num_rings: Final[int]
+    num_columns: Final[int]
     def single_origin(self) -> Lidar: ...
     def scanning(self, *, rolling: bool, returns: str, divergence_mrad: float) -> Lidar: ...
-    def table(self) -> dict[str, Any]: ...
+    def table(self) -> BeamTable: ...
     def rays(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]: ...
 
 @final
@@ -90,13 +190,36 @@ class LabelConfig:
         max_hidden_corners: int,
     ) -> LabelConfig: ...
     @staticmethod
-    def settings() -> list[tuple[str, tuple[float, float, float, bool]]]: ...
+    def settings() -> _Settings: ...
+
+@final
+class SuburbConfig:
+    """What kind of suburb is generated (see `cadet.SuburbConfig`)."""
+
+    def __new__(
+        cls,
+        *,
+        blocks: tuple[int, int],
+        block_m: tuple[float, float],
+        parking_share: float,
+        angled_share: float,
+        hilly_share: float,
+        max_slope: float,
+    ) -> SuburbConfig: ...
     @staticmethod
-    def default_occlusion_levels() -> tuple[float, float]: ...
+    def settings() -> _Settings: ...
+
+@final
+class PropConfig:
+    """Houses, gardens, and trees along the streets (see `cadet.PropConfig`)."""
+
+    def __new__(cls, *, house_shares: Sequence[float], greenery: float, belt_m: float) -> PropConfig: ...
+    @staticmethod
+    def settings() -> _Settings: ...
 
 @final
 class SceneConfig:
-    """How full a scene is (see `cadet.SceneConfig`)."""
+    """How full a scene is, what stands in it, and its sun (see `cadet.SceneConfig`)."""
 
     def __new__(
         cls,
@@ -104,9 +227,20 @@ class SceneConfig:
         num_cars: int,
         num_pedestrians: int,
         parking_occupancy: float,
+        car_radius_m: float,
+        pedestrian_radius_m: float,
+        parking_radius_m: float,
         vehicle_classes: Sequence[str],
+        suburb: SuburbConfig,
+        props: PropConfig,
+        sun_elevation_deg: float | None,
+        sun_azimuth_deg: float | None,
         label: LabelConfig,
     ) -> SceneConfig: ...
+    @staticmethod
+    def settings() -> _Settings: ...
+    @staticmethod
+    def vehicle_classes() -> list[str]: ...
 
 @final
 class Pose:
@@ -146,92 +280,62 @@ class Rig:
 class Agent:
     """An actor around the ego (see `cadet.Agent`)."""
 
-    @property
-    def id(self) -> int: ...
-    @property
-    def class_name(self) -> str: ...
-    @property
-    def model(self) -> str: ...
-    @property
-    def size_lwh(self) -> list[float]: ...
-    @property
-    def world_from_agent(self) -> list[list[float]]: ...
-    @property
-    def velocity_world(self) -> list[float]: ...
-    @property
-    def pixels(self) -> list[float] | None: ...
+    id: Final[int]
+    class_name: Final[str]
+    model: Final[str]
+    size_lwh: Final[list[float]]
+    world_from_agent: Final[list[list[float]]]
+    velocity_world: Final[list[float]]
+    pixels: Final[list[float] | None]
 
 @final
 class Sighting:
     """What the first camera sees of an actor."""
 
-    @property
-    def actor_id(self) -> int: ...
-    @property
-    def class_name(self) -> str: ...
-    @property
-    def model(self) -> str: ...
-    @property
-    def is_labelled(self) -> bool: ...
-    @property
-    def truncation(self) -> float: ...
-    @property
-    def occlusion_level(self) -> int: ...
-    @property
-    def observation_angle(self) -> float: ...
-    @property
-    def bbox(self) -> tuple[float, float, float, float]: ...
-    @property
-    def visible_fraction(self) -> float: ...
-    @property
-    def visible_pixels(self) -> float: ...
-    @property
-    def contrast(self) -> float: ...
-    @property
-    def num_points(self) -> int: ...
-    @property
-    def velocity_world(self) -> list[float]: ...
-    @property
-    def silhouette_bbox(self) -> tuple[float, float, float, float] | None: ...
-    @property
-    def corner_visible(self) -> list[bool]: ...
-    @property
-    def size_lwh(self) -> list[float]: ...
-    @property
-    def location_cam(self) -> list[float]: ...
-    @property
-    def rotation_y(self) -> float: ...
+    actor_id: Final[int]
+    class_name: Final[str]
+    model: Final[str]
+    is_labeled: Final[bool]
+    truncation: Final[float]
+    occlusion_level: Final[int]
+    observation_angle: Final[float]
+    bbox: Final[tuple[float, float, float, float]]
+    visible_fraction: Final[float]
+    visible_pixels: Final[float]
+    contrast: Final[float]
+    num_points: Final[int]
+    velocity_world: Final[list[float]]
+    silhouette_bbox: Final[tuple[float, float, float, float] | None]
+    corner_visible: Final[list[bool]]
+    size_lwh: Final[list[float]]
+    location_cam: Final[list[float]]
+    rotation_y: Final[float]
+
+@final
+class Request:
+    """What is to be captured; `sample` names the noise."""
+
+    def __new__(
+        cls, sample: int, *, maps: bool, pixels: bool, cameras: Sequence[int], lidars: Sequence[int]
+    ) -> Request: ...
 
 @final
 class Capture:
     """Everything that was asked for at one instant (see `cadet.Sample`)."""
 
-    @property
-    def time_s(self) -> float: ...
-    @property
-    def world_from_ego(self) -> list[list[float]]: ...
-    @property
-    def ego_from_velo(self) -> list[list[float]]: ...
-    @property
-    def ego_speed_mps(self) -> float: ...
-    @property
-    def ego_velocity_world(self) -> list[float]: ...
-    @property
-    def map(self) -> str: ...
-    @property
-    def weather(self) -> str: ...
-    @property
-    def sun_rad(self) -> tuple[float, float]: ...
-    @property
-    def boxes(self) -> str: ...
-    @property
-    def plane(self) -> NDArray[np.float64]: ...
-    @property
-    def agents(self) -> list[Agent]: ...
-    @property
-    def sightings(self) -> list[Sighting]: ...
-    @property
-    def names(self) -> tuple[list[str], list[str]]: ...
+    time_s: Final[float]
+    world_from_ego: Final[list[list[float]]]
+    ego_from_velo: Final[list[list[float]]]
+    ego_speed_mps: Final[float]
+    ego_velocity_world: Final[list[float]]
+    map: Final[str]
+    weather: Final[str]
+    sun_rad: Final[tuple[float, float]]
+    boxes: Final[str]
+    plane: Final[NDArray[np.float64]]
+    agents: Final[list[Agent]]
+    sightings: Final[list[Sighting]]
+    names: Final[tuple[list[str], list[str]]]
     def image(self, index: int) -> NDArray[np.uint8]: ...
     def png(self, index: int) -> bytes: ...
     def maps(self, index: int) -> dict[str, NDArray[Any]] | None: ...
@@ -265,12 +369,9 @@ class Scene:
         assets: Assets | None,
     ) -> Scene: ...
     def map_warnings(self) -> list[str]: ...
-    @property
-    def time_s(self) -> float: ...
-    @property
-    def num_triangles(self) -> int: ...
-    @property
-    def num_actors(self) -> int: ...
+    time_s: Final[float]
+    num_triangles: Final[int]
+    num_actors: Final[int]
     def add(
         self,
         kind: str,
@@ -284,12 +385,8 @@ class Scene:
     def move_ego(self, x: float, y: float, yaw: float, may_overlap: bool) -> None: ...
     def step(self, seconds: float) -> None: ...
     def drive(self, distance_m: float, blocked_s: float) -> None: ...
-    def capture(
-        self, sample: int, *, maps: bool, pixels: bool, cameras: Sequence[int], lidars: Sequence[int]
-    ) -> Capture: ...
-    def capture_labelled(
-        self, sample: int, *, maps: bool, pixels: bool, cameras: Sequence[int], lidars: Sequence[int]
-    ) -> Capture | None: ...
+    def capture(self, request: Request) -> Capture: ...
+    def capture_labeled(self, request: Request) -> Capture | None: ...
     def scan(self, lidar: Lidar | None, ideal: bool, sample: int) -> dict[str, NDArray[Any]]: ...
     def cast_rays(
         self, origins_world: NDArray[np.float64], directions_world: NDArray[np.float64]
@@ -306,10 +403,27 @@ def evaluate(
 ) -> dict[str, Any]: ...
 def box_iou(a: NDArray[np.float64], b: NDArray[np.float64], is_3d: bool) -> NDArray[np.float64]: ...
 def nms_bev(boxes: NDArray[np.float64], scores: NDArray[np.float64], threshold: float) -> NDArray[np.int64]: ...
+
+@final
+class BevConfig:
+    """Bird's-eye-view maps (see `cadet.bev.BevConfig`)."""
+
+    def __new__(
+        cls,
+        *,
+        slice_maps: Sequence[str],
+        cloud_maps: Sequence[str],
+        num_slices: int,
+        height_m: tuple[float, float],
+        range_cam_m: Sequence[tuple[float, float]],
+        cell_m: float,
+        height: str,
+    ) -> BevConfig: ...
+
 def bev_maps(
     points_cam: NDArray[np.float32] | NDArray[np.float64],
     plane: list[float],
-    settings: dict[str, Any],
+    config: BevConfig,
     out: NDArray[np.float32] | None = None,
 ) -> NDArray[np.float32]: ...
 def estimate_ground_plane(

@@ -90,25 +90,25 @@ class VehicleMesh:
 
     @property
     def sha256(self) -> str:
-        """The hash of all that decides its looks: files and numbers, but not where they lay."""
+        """The hash of all that decides its looks: files and numbers, but not their folder."""
         values = asdict(self)
         del values["file"]
         return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()
 
-    def to_native(self) -> dict[str, Any]:
+    def to_native(self) -> _cadet.VehicleMesh:
         """Return the fields as the core takes them."""
-        return {
-            "name": self.name,
-            "class": self.type,
-            "file": self.file,
-            "obj": self.obj,
-            "libraries": list(self.libraries),
-            "scale": float(self.scale),
-            "yaw_rad": math.radians(self.yaw_deg),
-            "y_up": self.up == "y",
-            "size_lwh": None if self.size_lwh is None else [float(side) for side in self.size_lwh],
-            "materials": [(role, list(patterns)) for role, patterns in self.materials],
-        }
+        return _cadet.VehicleMesh(
+            name=self.name,
+            class_name=self.type,
+            file=self.file,
+            obj=self.obj,
+            libraries=self.libraries,
+            scale=self.scale,
+            yaw_rad=math.radians(self.yaw_deg),
+            y_up=self.up == "y",
+            size_lwh=self.size_lwh,
+            materials=self.materials,
+        )
 
 
 @dataclass(frozen=True)

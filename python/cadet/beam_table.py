@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any, TypeVar
 
+from cadet import _cadet
 from cadet.checks import as_path, check_number, make_plain, shown
 from cadet.errors import CadetError, MissingFileError
 from cadet.plain_text import toml_from_text
@@ -249,26 +250,32 @@ class BeamTable:
         return "\n".join(lines) + "\n"
 
     @classmethod
-    def from_native(cls, table: Mapping[str, Any]) -> BeamTable:
-        """Make the table of what the core's LIDAR tells of itself."""
-        keys = ("elevation_deg", "height_m", "left_m", "azimuth_offset_deg", "gain", "blind_deg")
-        firing = _plain_firing(table["firing"])
+    def from_native(cls, table: _cadet.BeamTable) -> BeamTable:
+        """Return the table of a LIDAR of the core."""
+        kind = next(kind for kind in _PATTERNS.values() if kind.__name__ == type(table.firing).__name__)
         return cls(
-            name=table["name"],
-            rings=tuple(
-                Laser(
-                    elevation_deg=e, height_m=h, left_m=x, azimuth_offset_deg=a, gain=g, blind_deg=tuple(map(tuple, b))
-                )
-                for e, h, x, a, g, b in zip(*(table[key] for key in keys), strict=True)
-            ),
-            firing=_PATTERNS[firing.pop("pattern")](**firing),
-            min_range_m=table["min_range_m"],
-            max_range_m=table["max_range_m"],
-            range_noise_m=table["range_noise_m"],
+            name=table.name,
+            rings=tuple(Laser(**_values_of(Laser, laser)) for laser in table.rings),
+            firing=kind(**_values_of(kind, table.firing)),
+            min_range_m=table.min_range_m,
+            max_range_m=table.max_range_m,
+            range_noise_m=table.range_noise_m,
         )
 
-    def to_native(self) -> dict[str, Any]:
-        """Return the table as the core takes it, in plain values."""
+    def to_native(self) -> _cadet.BeamTable:
+        """Return the table as the core takes it."""
+        kind = getattr(_cadet, type(self.firing).__name__)
+        return _cadet.BeamTable(
+            name=self.name,
+            rings=[_cadet.Laser(**asdict(laser)) for laser in self.rings],
+            firing=kind(**asdict(self.firing)),
+            min_range_m=self.min_range_m,
+            max_range_m=self.max_range_m,
+            range_noise_m=self.range_noise_m,
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the table in plain values, for a manifest: a list for each number of the lasers."""
         firing = {key: list(v) if isinstance(v, tuple) else v for key, v in asdict(self.firing).items()}
         return {
             "name": self.name,
@@ -283,6 +290,11 @@ class BeamTable:
             "max_range_m": float(self.max_range_m),
             "range_noise_m": float(self.range_noise_m),
         }
+
+
+def _values_of(cls: type[Any], native: object) -> dict[str, Any]:
+    """Return what the core's object holds for the fields of a class here."""
+    return {f.name: _as_tuples(getattr(native, f.name)) for f in fields(cls)}
 
 
 def _pattern_of(firing: Firing) -> str:

@@ -1,4 +1,4 @@
-"""Bird's-eye-view maps of a point cloud: what AVOD and its kin take."""
+"""Bird's-eye-view maps of a point cloud: the input of AVOD and detectors like it."""
 
 from __future__ import annotations
 
@@ -119,17 +119,17 @@ class BevConfig:
         columns = round((self.x_m[1] - self.x_m[0]) / self.cell_m)
         return len(self.slice_maps) * self.num_slices + len(self.cloud_maps), rows, columns
 
-    def to_native(self) -> dict[str, Any]:
+    def to_native(self) -> _cadet.BevConfig:
         """Return the configuration as the core takes it."""
-        return {
-            "slice_maps": list(self.slice_maps),
-            "cloud_maps": list(self.cloud_maps),
-            "num_slices": self.num_slices,
-            "height_m": [self.height_lo_m, self.height_hi_m],
-            "range_cam_m": [list(self.x_m), list(self.y_m), list(self.z_m)],
-            "cell_m": self.cell_m,
-            "height": self.height,
-        }
+        return _cadet.BevConfig(
+            slice_maps=self.slice_maps,
+            cloud_maps=self.cloud_maps,
+            num_slices=self.num_slices,
+            height_m=(self.height_lo_m, self.height_hi_m),
+            range_cam_m=(self.x_m, self.y_m, self.z_m),
+            cell_m=self.cell_m,
+            height=self.height,
+        )
 
 
 def maps(

@@ -1,4 +1,4 @@
-"""The camera: what calibration files say of it."""
+"""The camera, as calibration files describe it."""
 
 from __future__ import annotations
 

@@ -2,29 +2,56 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any, Literal
 
 from cadet import _cadet
 from cadet.checks import check_kind, check_number, is_one_of, make_plain, shown
 from cadet.errors import CadetError
+from cadet.summary import summary
 
-VEHICLE_CLASSES = ("Car", "Van", "Truck")
+VEHICLE_CLASSES = tuple(_cadet.SceneConfig.vehicle_classes())
 """KITTI's classes of vehicles that drive and park."""
 
 
-_NUMBERS = dict(_cadet.LabelConfig.settings())
-"""Default, least and greatest value of every number, and whether it counts."""
+class _Numbers:
+    """A configuration's numbers as the core states them: defaults, limits, and whether they count."""
 
+    def __init__(self, owner: str, settings: list[tuple[str, tuple[list[float], float, float, bool]]]) -> None:
+        self._owner, self._settings = owner, dict(settings)
 
-def _default(name: str) -> Any:
-    default, _, _, is_whole = _NUMBERS[name]
-    return int(default) if is_whole else default
+    def default(self, name: str) -> Any:
+        """Return a number's default, a tuple where a field holds several, None where it is drawn."""
+        numbers, _, _, is_whole = self._settings[name]
+        plain = tuple(map(int, numbers)) if is_whole else tuple(numbers)
+        return plain if len(plain) > 1 else (plain or (None,))[0]
+
+    def limits(self, name: str) -> tuple[float, float]:
+        """Return a number's least and greatest value, as messages show them: 8 for 8.0."""
+        _, least, most, _ = self._settings[name]
+        return _shortest(least), _shortest(most)
+
+    def check(self, config: Any) -> None:
+        """Refuse numbers outside their limits."""
+        for name, (default, _, _, is_whole) in self._settings.items():
+            value = getattr(config, name)
+            if not default and value is None:
+                continue
+            if len(default) > 1 and (not isinstance(value, tuple) or len(value) != len(default)):
+                raise CadetError(f"{self._owner}.{name}: expected {len(default)} numbers, got {shown(value)}")
+            for number in value if len(default) > 1 else (value,):
+                check_number(self._owner, name, number, *self.limits(name), whole=is_whole)
 
 
 def _shortest(limit: float) -> float:
-    """Return a limit as messages show it: 8 for 8.0."""
     return int(limit) if limit.is_integer() else limit
+
+
+_LABEL = _Numbers("LabelConfig", _cadet.LabelConfig.settings())
+_PROPS = _Numbers("PropConfig", _cadet.PropConfig.settings())
+_SCENE = _Numbers("SceneConfig", _cadet.SceneConfig.settings())
+_SUBURB = _Numbers("SuburbConfig", _cadet.SuburbConfig.settings())
+scene_limits = _SCENE.limits
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,28 +69,28 @@ class LabelConfig:
 
     Annotators' boxes are a little shorter than the vehicle, their bottoms a little over the ground, and their sizes
     are distributed as KITTI's; an actor keeps its box through an episode."""
-    min_height_px: float = _default("min_height_px")
+    min_height_px: float = _LABEL.default("min_height_px")
     """A label's 2D box is at least this high, in the image before it is resized (`Camera.resized`, `--image-size`)."""
-    min_visible_fraction: float = _default("min_visible_fraction")
+    min_visible_fraction: float = _LABEL.default("min_visible_fraction")
     """A label's object shows at least this fraction of its silhouette."""
-    max_depth_m: float = _default("max_depth_m")
+    max_depth_m: float = _LABEL.default("max_depth_m")
     """A label's object is at most this deep."""
-    min_depth_m: float = _default("min_depth_m")
+    min_depth_m: float = _LABEL.default("min_depth_m")
     """A label's object is at least this deep."""
-    max_truncation: float = _default("max_truncation")
+    max_truncation: float = _LABEL.default("max_truncation")
     """A label's object is truncated by at most this."""
-    min_contrast: float = _default("min_contrast")
+    min_contrast: float = _LABEL.default("min_contrast")
     """An object without returns keeps at least this much of its contrast through fog, rain and snow to get a label."""
-    min_points: int = _default("min_points")
+    min_points: int = _LABEL.default("min_points")
     """A label's object has at least this many returns."""
-    dontcare_min_pixels: float = _default("dontcare_min_pixels")
+    dontcare_min_pixels: float = _LABEL.default("dontcare_min_pixels")
     """An object without a label becomes DontCare if it shows at least this many pixels, in the image before it is
     resized."""
-    occlusion_levels: tuple[float, float] = _cadet.LabelConfig.default_occlusion_levels()
+    occlusion_levels: tuple[float, float] = _LABEL.default("occlusion_levels")
     """Visible fractions from which `occluded` is 0 and 1; below the second it is 2."""
-    corner_tolerance_m: float = _default("corner_tolerance_m")
+    corner_tolerance_m: float = _LABEL.default("corner_tolerance_m")
     """A corner is hidden by what is nearer than it by more than this."""
-    max_hidden_corners: int = _default("max_hidden_corners")
+    max_hidden_corners: int = _LABEL.default("max_hidden_corners")
     """With this many hidden corners an object is occluded (method "corners")."""
 
     def scaled(self, image_scale: tuple[float, float]) -> LabelConfig:
@@ -82,13 +109,8 @@ class LabelConfig:
             raise CadetError(f"LabelConfig.method: expected 'pixels' or 'corners', got {shown(self.method)}")
         if not is_one_of(self.boxes, ("kitti", "exact")):
             raise CadetError(f"LabelConfig.boxes: expected 'kitti' or 'exact', got {shown(self.boxes)}")
-        for name, (_, least, most, is_whole) in _NUMBERS.items():
-            check_number("LabelConfig", name, getattr(self, name), _shortest(least), _shortest(most), whole=is_whole)
+        _LABEL.check(self)
         levels = self.occlusion_levels
-        if not isinstance(levels, tuple) or len(levels) != 2:
-            raise CadetError(f"LabelConfig.occlusion_levels: expected two fractions, got {shown(levels)}")
-        for level in levels:
-            check_number("LabelConfig", "occlusion_levels", level, 0, 1)
         if levels[0] < levels[1]:
             raise CadetError(f"LabelConfig.occlusion_levels: expected the first to be the larger, got {levels!r}")
         make_plain(self)
@@ -111,33 +133,112 @@ def check_vehicle_classes(owner: str, classes: object) -> None:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SceneConfig:
-    """How full a scene is, and what gets a label.
+class SuburbConfig:
+    """What kind of suburb is generated where there is no map.
 
     Raises:
         CadetError: a number outside its range.
     """
 
-    num_cars: int = 14
+    blocks: tuple[int, int] = _SUBURB.default("blocks")
+    """Number of blocks from side to side, in two directions."""
+    block_m: tuple[float, float] = _SUBURB.default("block_m")
+    """Shortest and longest block, meters."""
+    parking_share: float = _SUBURB.default("parking_share")
+    """Share of curbs with parking bays on streets wide enough for them."""
+    angled_share: float = _SUBURB.default("angled_share")
+    """Share of the streets with bays where cars stand at an angle in some of them."""
+    hilly_share: float = _SUBURB.default("hilly_share")
+    """Share of suburbs with hill streets."""
+    max_slope: float = _SUBURB.default("max_slope")
+    """Steepest slope of a hilly suburb."""
+
+    def __post_init__(self) -> None:
+        _SUBURB.check(self)
+        if self.block_m[0] > self.block_m[1]:
+            raise CadetError(f"SuburbConfig.block_m: expected the second to be the larger, got {self.block_m!r}")
+        make_plain(self)
+
+    def to_native(self) -> _cadet.SuburbConfig:
+        """Return the numbers as the core takes them."""
+        return _cadet.SuburbConfig(**asdict(self))
+
+
+@dataclass(frozen=True, kw_only=True)
+class PropConfig:
+    """Houses, gardens, and trees along the streets, of generated suburbs and of maps.
+
+    Raises:
+        CadetError: a number outside its range, or house shares that are all 0.
+    """
+
+    house_shares: tuple[float, float, float, float, float, float] = _PROPS.default("house_shares")
+    """Weights of detached and semi-detached houses, terraces, old village houses, closed blocks, and apartments."""
+    greenery: float = _PROPS.default("greenery")
+    """1 is a common suburb, 0 has no trees."""
+    belt_m: float = _PROPS.default("belt_m")
+    """Depth of the belt of trees behind the outermost plots, meters."""
+
+    def __post_init__(self) -> None:
+        _PROPS.check(self)
+        if sum(self.house_shares) <= 0:
+            raise CadetError(f"PropConfig.house_shares: expected a weight above 0, got {shown(self.house_shares)}")
+        make_plain(self)
+
+    def to_native(self) -> _cadet.PropConfig:
+        """Return the numbers as the core takes them."""
+        return _cadet.PropConfig(**asdict(self))
+
+
+@dataclass(frozen=True, kw_only=True)
+class SceneConfig:
+    """How full a scene is, what stands in it, where its sun is, and what gets a label.
+
+    The core states the defaults and limits of all numbers.
+
+    Raises:
+        CadetError: a number outside its range.
+    """
+
+    num_cars: int = _SCENE.default("num_cars")
     """Driving vehicles kept around the ego: cars, one in eleven a van; trucks only among a user's own (`assets`)."""
-    num_pedestrians: int = 24
-    """People on foot kept around the ego; nobody rides a bicycle."""
-    parking_occupancy: float = 0.6
+    num_pedestrians: int = _SCENE.default("num_pedestrians")
+    """Pedestrians kept around the ego; there are no cyclists."""
+    parking_occupancy: float = _SCENE.default("parking_occupancy")
     """Share of the parking places along the ego's way that are taken; each street varies around it.
 
     In side streets and drives it is this to the power of 0.35."""
+    car_radius_m: float = _SCENE.default("car_radius_m")
+    """Driving vehicles start within this distance of the ego."""
+    pedestrian_radius_m: float = _SCENE.default("pedestrian_radius_m")
+    """Pedestrians start within this distance of the ego."""
+    parking_radius_m: float = _SCENE.default("parking_radius_m")
+    """Parking places are filled within this distance of the ego."""
     vehicle_classes: tuple[str, ...] = VEHICLE_CLASSES
     """Classes of the vehicles that drive and park, "Car" among them, mixed as on KITTI's streets.
 
     Trucks come from the user's own vehicles alone."""
+    suburb: SuburbConfig = field(default_factory=SuburbConfig)
+    """What kind of suburb is generated where there is no map."""
+    props: PropConfig = field(default_factory=PropConfig)
+    """Houses, gardens, and trees along the streets."""
+    sun_elevation_deg: float | None = _SCENE.default("sun_elevation_deg")
+    """The sun's height over the horizon; the weather's, varied by the seed, if None."""
+    sun_azimuth_deg: float | None = _SCENE.default("sun_azimuth_deg")
+    """The sun's direction, counter-clockwise from east; drawn from the seed if None, south in `Scene.empty`."""
     label: LabelConfig = field(default_factory=LabelConfig)
     """What gets a label."""
 
+    def __repr__(self) -> str:
+        parts = {f.name: getattr(self, f.name) for f in fields(self)}
+        usual = {"suburb": SuburbConfig(), "props": PropConfig(), "label": LabelConfig()}
+        return summary(self, **{name: value for name, value in parts.items() if value != usual.get(name)})
+
     def __post_init__(self) -> None:
-        for name in ("num_cars", "num_pedestrians"):
-            check_number("SceneConfig", name, getattr(self, name), 0, 500, whole=True)
-        check_number("SceneConfig", "parking_occupancy", self.parking_occupancy, 0, 1)
+        _SCENE.check(self)
         check_vehicle_classes("SceneConfig", self.vehicle_classes)
+        check_kind("SceneConfig", "suburb", self.suburb, SuburbConfig)
+        check_kind("SceneConfig", "props", self.props, PropConfig)
         check_kind("SceneConfig", "label", self.label, LabelConfig)
         make_plain(self)
 
@@ -147,10 +248,6 @@ class SceneConfig:
 
     def to_native(self) -> _cadet.SceneConfig:
         """Return the configuration as the core takes it."""
-        return _cadet.SceneConfig(
-            num_cars=self.num_cars,
-            num_pedestrians=self.num_pedestrians,
-            parking_occupancy=float(self.parking_occupancy),
-            vehicle_classes=list(self.vehicle_classes),
-            label=self.label.to_native(),
-        )
+        numbers = {f.name: getattr(self, f.name) for f in fields(self)}
+        parts = {name: getattr(self, name).to_native() for name in ("suburb", "props", "label")}
+        return _cadet.SceneConfig(**{**numbers, **parts})

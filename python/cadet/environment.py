@@ -1,4 +1,4 @@
-"""Frame after frame from ever new streets: what `cadet-gen` writes, in memory."""
+"""Frame after frame from newly drawn streets: what `cadet-gen` writes, in memory."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from cadet.summary import summary
 
 
 class Environment:
-    """Drives through drawn worlds and captures a frame at set distances.
+    """Drives through generated worlds and captures a frame at set distances.
 
     The n-th frame after `reset(seed=s)` is the n-th frame of `cadet-gen --seed s` with the same policy and rig.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any
 
 from cadet import _cadet
 from cadet.errors import CadetError
@@ -35,17 +35,14 @@ def build_scene(spec: EpisodeSpec) -> _cadet.Scene:
     return scene
 
 
-Captured = TypeVar("Captured")
-
-
-def capture(how: Callable[..., Captured], rig: Rig, number: int, wanted: Wanted) -> Captured:
-    """Let one of the core's methods capture what is wanted; `number` names the noise.
+def request(rig: Rig, number: int, wanted: Wanted) -> _cadet.Request:
+    """Return what the core is to capture; `number` names the noise.
 
     Raises:
         CadetError: the rig lacks a sensor that is wanted.
     """
     cameras, lidars = rig.wanted(wanted.sensors)
-    return how(number, maps=wanted.maps, pixels=wanted.shares, cameras=cameras, lidars=lidars)
+    return _cadet.Request(number, maps=wanted.maps, pixels=wanted.shares, cameras=cameras, lidars=lidars)
 
 
 class Episode:
@@ -83,7 +80,7 @@ class Episode:
 
         In a sequence (`ResetPolicy.time_step_s`) this holds for the first sample; the others follow by time.
         The first view of a world is taken where the ego stands. A view in which nothing has moved since the last one
-        (docs/labels.md) is passed over like one without a labeled object, and both count towards the world's redraw.
+        (docs/labels.md) is passed over like one without a labeled object, and both count toward the world's redraw.
 
         Raises:
             CadetError: no world showed a labeled object.
@@ -91,9 +88,9 @@ class Episode:
         while True:
             scene, spec = self._advance(number)
             if self._is_in_sequence(number):
-                taken = capture(scene.capture, spec.mounted_rig, number, self._wanted)
+                taken = scene.capture(request(spec.mounted_rig, number, self._wanted))
                 return Sample(taken, spec.mounted_rig, self._origin(number, spec))
-            captured = capture(scene.capture_labelled, spec.mounted_rig, number, self._wanted)
+            captured = scene.capture_labeled(request(spec.mounted_rig, number, self._wanted))
             if captured is None:
                 self._num_empty += 1
                 if self._num_empty >= self.policy.empty_views_limit:
@@ -132,6 +129,6 @@ class Episode:
         self._attempt += 1
         if self._attempt >= self.policy.attempts_limit:
             raise CadetError(
-                f"episode {self.number}: no labelled object in sight in {self._attempt} worlds of "
+                f"episode {self.number}: no labeled object in sight in {self._attempt} worlds of "
                 f"{self.policy.empty_views_limit} views each; allow more traffic or labels"
             )

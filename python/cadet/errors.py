@@ -8,14 +8,14 @@ class CadetError(Exception):
 
 
 class CadetWarning(UserWarning):
-    """Something that was passed over or assumed, and that the user may want to mend."""
+    """Something that was skipped or assumed, and that the user may want to fix."""
 
 
 class InternalError(CadetError):
-    """An error of cadet's own, which the user can't mend; its message asks for a report.
+    """An error of cadet's own, which the user can't fix; its message asks for a report.
 
     Args:
-        what: what happened and where, for whoever mends it.
+        what: what happened and where, for the report of the error.
     """
 
     def __init__(self, what: str) -> None:
@@ -60,4 +60,4 @@ class MissingFileError(CadetError, FileNotFoundError):
 
 
 class FrameExistsError(CadetError, FileExistsError):
-    """A frame that would be overwritten without leave to do so."""
+    """A frame that would be overwritten without permission."""

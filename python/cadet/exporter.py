@@ -17,7 +17,7 @@ Split: TypeAlias = Literal["train", "val", "test"]
 
 @dataclass(frozen=True)
 class Place:
-    """Which sample of a dataset one is."""
+    """The place of a sample in a dataset."""
 
     number: int
     """Of all samples, from 0; six digits name its files."""

@@ -1,4 +1,4 @@
-"""How LIDAR, cameras and inertial unit of a rig stand to each other."""
+"""The poses of LIDAR, cameras, and inertial unit relative to each other."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from cadet.checks import check_number, check_three, make_plain, shown
 from cadet.errors import CadetError
 from cadet.kitti_calibrations import MOST_FREQUENT, TR_IMU_TO_VELO, Row3, Row4, kitti_calibration
+from cadet.pose import product
 
 _IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 _NOT_MOVED = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0))
@@ -76,10 +77,7 @@ class Extrinsics:
 
     def cam_from_velo(self) -> NDArray[np.float64]:
         """Return the (3, 4) float64 product of `r0_rect` and `tr_velo_to_cam`."""
-        # Written out, since the order in which a product of matrices adds up differs between machines.
-        columns = list(zip(*self.tr_velo_to_cam, strict=True))
-        rows = [[(r[0] * t[0] + r[1] * t[1]) + r[2] * t[2] for t in columns] for r in self.r0_rect]
-        return np.array(rows, np.float64)
+        return product(np.array(self.r0_rect, np.float64), np.array(self.tr_velo_to_cam, np.float64))
 
     def matrices(self) -> dict[str, NDArray[np.float64]]:
         """Return the matrices by KITTI's keys, float64."""

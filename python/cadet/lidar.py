@@ -19,7 +19,7 @@ from cadet.summary import summary
 RETURN_MODES = ("strongest", "last")
 _FILES = {path.stem: path for path in sorted((Path(__file__).parent / "presets" / "lidars").glob("*.toml"))}
 LIDAR_PRESETS = (*_cadet.Lidar.presets(), *_FILES)
-"""Sensors that the core makes, and those whose tables are shipped: a file is all that one more takes."""
+"""The sensors that the core makes, then those that are data: a file is all that one more takes."""
 
 
 @dataclass(frozen=True)
@@ -68,6 +68,8 @@ class Lidar:
 
     def __repr__(self) -> str:
         changed = {f.name: getattr(self, f.name) for f in fields(self)[1:] if getattr(self, f.name) != f.default}
+        if self._is_shipped():
+            del changed["table"]
         return summary(self, name=self.name, **changed)
 
     @classmethod
@@ -166,12 +168,12 @@ class Lidar:
     def range_m(self) -> list[float]:
         """Return the nearest and the farthest range, meters."""
         beams = self.to_native().table()
-        return [beams["min_range_m"], beams["max_range_m"]]
+        return [beams.min_range_m, beams.max_range_m]
 
     def to_dict(self) -> dict[str, Any]:
         """Return the sensor in plain values, for a manifest."""
         return {
-            "lidar": self.name if self.table is None else self.table.to_native(),
+            "lidar": self.name if self.table is None or self._is_shipped() else self.table.to_dict(),
             "single_origin": self.single_origin,
             "rolling": self.rolling,
             "returns": self.returns,
@@ -181,6 +183,10 @@ class Lidar:
     def to_native(self) -> _cadet.Lidar:
         """Return the core's LIDAR; the last few made are kept, as each holds tables of its beams."""
         return _to_native(self)
+
+    def _is_shipped(self) -> bool:
+        """Tell whether the table is the one that its name stands for."""
+        return self.name in _FILES and self.table == _shipped(self.name)
 
     def _make_native(self) -> _cadet.Lidar:
         if self.table is None:

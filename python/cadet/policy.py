@@ -20,7 +20,8 @@ from cadet.checks import (
     make_plain,
     shown,
 )
-from cadet.config import VEHICLE_CLASSES, LabelConfig, SceneConfig, check_vehicle_classes
+from cadet.config import VEHICLE_CLASSES, LabelConfig, SceneConfig, check_vehicle_classes, scene_limits
+from cadet.districts import KITTI_DISTRICTS, District
 from cadet.draws import Draws
 from cadet.errors import CadetError
 from cadet.rig import Rig
@@ -32,31 +33,6 @@ STEPS_PER_S = 60
 """Steps of physics a second."""
 POLICIES = ("kitti", "paper")
 """The names that `ResetPolicy.named` knows."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class District:
-    """A kind of neighbourhood: ranges that a scene's numbers are drawn from, both ends included.
-
-    Raises:
-        CadetError: a range that is none.
-    """
-
-    name: str
-    """For the metadata."""
-    parking_occupancy: tuple[float, float]
-    """Share of the parking places along the ego's way that are taken; side streets are fuller."""
-    num_cars: tuple[int, int]
-    """Driving vehicles kept around the ego."""
-    num_pedestrians: tuple[int, int]
-    """People kept around the ego."""
-
-    def __post_init__(self) -> None:
-        check_text("District", "name", self.name)
-        check_range("District", "parking_occupancy", self.parking_occupancy, 0, 1)
-        for name in ("num_cars", "num_pedestrians"):
-            check_range("District", name, getattr(self, name), 0, 500, whole=True)
-        make_plain(self)
 
 
 @dataclass(frozen=True)
@@ -125,6 +101,8 @@ class ResetPolicy:
     """How much the ego's pitch differs between episodes, by its load: a standard deviation."""
     vehicle_classes: tuple[str, ...] = VEHICLE_CLASSES
     """Classes of the vehicles that drive and park."""
+    sun_elevation_deg: tuple[float, float] | None = None
+    """Range that the sun's height over the horizon is drawn from; the weather's own if None."""
     label: LabelConfig = LabelConfig()
     """What gets a label."""
     assets: Assets | None = None
@@ -155,6 +133,7 @@ class ResetPolicy:
         _check_time_step(self.time_step_s)
         check_number("ResetPolicy", "car_pitch_sd_deg", self.car_pitch_sd_deg, 0, 5)
         check_vehicle_classes("ResetPolicy", self.vehicle_classes)
+        _check_sun(self.sun_elevation_deg)
         for name in ("weathers", "districts", "rigs"):
             pairs = as_pairs("ResetPolicy", name, getattr(self, name), "of one of them and its weight")
             object.__setattr__(self, name, pairs)
@@ -187,7 +166,7 @@ class ResetPolicy:
         return cls(
             name="kitti",
             weathers=_KITTI_WEATHERS,
-            districts=_KITTI_DISTRICTS,
+            districts=KITTI_DISTRICTS,
             rigs=Rig.every_kitti(),
             car_pitch_sd_deg=_KITTI_CAR_PITCH_SD_DEG,
         )
@@ -267,11 +246,17 @@ class ResetPolicy:
         # Car and rig stay the same however often the world is redrawn.
         rig = Draws(seed, episode, 0, "calibration").weighted(self.rigs)
         load = Draws(seed, episode, 0, "load")
+        sun = None
+        if self.sun_elevation_deg is not None:
+            sun = Draws(seed, episode, attempt, "sun").between(*self.sun_elevation_deg)
         config = SceneConfig(
             parking_occupancy=counts.between(*district.parking_occupancy),
             num_cars=counts.count(*district.num_cars),
             num_pedestrians=counts.count(*district.num_pedestrians),
             vehicle_classes=self.vehicle_classes,
+            suburb=district.suburb,
+            props=district.props,
+            sun_elevation_deg=sun,
             label=self.label,
         )
         return EpisodeSpec(
@@ -291,14 +276,15 @@ class ResetPolicy:
         """Return the policy in plain values, maps and assets by name and hash, for a manifest."""
         values = asdict(replace(self, assets=None))
         values["rigs"] = {rig.name: weight for rig, weight in self.rigs}
-        if self.time_step_s is None:
-            del values["time_step_s"]
+        for name in ("time_step_s", "sun_elevation_deg"):
+            if values[name] is None:
+                del values[name]
         if self.assets is None:
             del values["assets"]
         else:
             values["assets"] = self.assets.to_dict()
         values["maps"] = [{"name": m.name, "sha256": m.sha256} for m in self.maps]
-        values["districts"] = [{**asdict(district), "weight": weight} for district, weight in self.districts]
+        values["districts"] = [{**district.to_dict(), "weight": weight} for district, weight in self.districts]
         values["weathers"] = dict(self.weathers)
         return values
 
@@ -310,6 +296,11 @@ def _check_time_step(time_step_s: float | None) -> None:
     time_step_s = float(time_step_s)
     if abs(time_step_s * STEPS_PER_S - round(time_step_s * STEPS_PER_S)) > 1e-6:
         raise CadetError(f"ResetPolicy.time_step_s: expected whole steps of 1/60 s, got {time_step_s:g}")
+
+
+def _check_sun(elevation_deg: tuple[float, float] | None) -> None:
+    if elevation_deg is not None:
+        check_range("ResetPolicy", "sun_elevation_deg", elevation_deg, *scene_limits("sun_elevation_deg"))
 
 
 def choose_policy(
@@ -372,14 +363,4 @@ _KITTI_WEATHERS = (
     ("dense_fog", 0.005),
     ("snow", 0.005),
     ("dusk", 0.005),
-)
-
-# Kinds of street by how often KITTI's object frames show them; streets vary around the town's occupancy. Three frames
-# in four of KITTI show nobody on foot, a few show nine: so most districts have few people, and some have many.
-_KITTI_DISTRICTS = (
-    (District(name="parked_rows", parking_occupancy=(0.35, 0.85), num_cars=(11, 18), num_pedestrians=(8, 14)), 0.38),
-    (District(name="quiet", parking_occupancy=(0.2, 0.4), num_cars=(9, 15), num_pedestrians=(3, 8)), 0.20),
-    (District(name="main_road", parking_occupancy=(0.2, 0.55), num_cars=(26, 40), num_pedestrians=(8, 14)), 0.30),
-    (District(name="school_way", parking_occupancy=(0.3, 0.6), num_cars=(8, 16), num_pedestrians=(24, 40)), 0.05),
-    (District(name="inner_city", parking_occupancy=(0.4, 0.7), num_cars=(12, 24), num_pedestrians=(60, 120)), 0.07),
 )

@@ -19,7 +19,7 @@ Row4: TypeAlias = tuple[float, float, float, float]
 
 # x right, y down, z forward, in a frame of x forward, y left, z up.
 _CAMERA_AXES = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
-# Published quaternions carry a dozen digits; a slip of the pen shows in the first few.
+# Published quaternions carry a dozen digits; a typing error shows in the first few.
 _UNIT_TOLERANCE = 1e-4
 _FARTHEST_M = 1000.0
 

@@ -24,8 +24,9 @@ from cadet.pose import inverse, product, rotation_of_angles
 from cadet.rig_file import rig_fields
 from cadet.summary import summary
 
-RIG_PRESETS = ("kitti", "paper", "cadet", "nuscenes")
-_PRESETS = Path(__file__).parent / "presets" / "rigs"
+_FILES = {path.stem: path for path in sorted((Path(__file__).parent / "presets" / "rigs").glob("*.toml"))}
+RIG_PRESETS = ("kitti", "paper", "cadet", *_FILES)
+"""The rigs with class methods of their own, then those that are data: a file is all that one more takes."""
 RIGHT_CAMERA = "image_3"
 """The right color camera of a rig whose calibration has one: rendered where it is asked for by name."""
 
@@ -148,7 +149,7 @@ class Rig:
         The first camera is CAM_FRONT. Other than nuScenes' the ego's frame begins under the middle of the car, ahead of
         the rear axle; `origin_in_ego_m` says where nuScenes' does.
         """
-        return cls.from_toml(_PRESETS / "nuscenes.toml")
+        return cls.from_toml(_FILES["nuscenes"])
 
     @classmethod
     def from_toml(cls, path: str | Path) -> Rig:
@@ -167,10 +168,11 @@ class Rig:
         Raises:
             CadetError: there is none.
         """
-        presets = {"kitti": cls.kitti, "paper": cls.paper, "cadet": cls.cadet, "nuscenes": cls.nuscenes}
-        if not is_one_of(name, presets):
+        if not is_one_of(name, RIG_PRESETS):
             raise CadetError(f"unknown rig {shown(name)}; known: {', '.join(RIG_PRESETS)}")
-        return presets[name]()
+        if name in _FILES:
+            return cls.from_toml(_FILES[name])
+        return {"kitti": cls.kitti, "paper": cls.paper, "cadet": cls.cadet}[name]()
 
     def __repr__(self) -> str:
         return summary(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -105,11 +106,13 @@ class Agent:
     @property
     def speed_mps(self) -> float:
         """Speed in m/s."""
-        return float(np.linalg.norm(self.velocity_world))
+        # Not NumPy's norm: its last bit differs between processors, and datasets record this number.
+        x, y, z = self.velocity_world
+        return math.sqrt(x * x + y * y + z * z)
 
 
 class Sample:
-    """Time, ego, agents and captures of one instant, in nobody's format: `cadet.kitti` and `cadet.nuscenes` read it.
+    """Time, ego, agents, and captures of one instant, in no dataset's format.
 
     Attributes:
         rig: the sensors, on the car as it was loaded.

@@ -14,7 +14,7 @@ from cadet.arrays import as_array
 from cadet.assets import Assets, as_assets
 from cadet.checks import as_seed, check_flag, check_kind, check_number, check_text, is_one_of, shown
 from cadet.config import SceneConfig
-from cadet.episode import Episode, capture
+from cadet.episode import Episode, request
 from cadet.errors import CadetError
 from cadet.kitti import Frame, frame_from_sample
 from cadet.lidar import Lidar
@@ -255,15 +255,15 @@ class Scene:
         if sensors is None and self._first is not None:
             sample, self._first = self._first, None
             return frame_from_sample(sample)
-        native = capture(self._native.capture, self._rig, self._num_moves, Wanted.all_of(sensors))
+        native = self._native.capture(request(self._rig, self._num_moves, Wanted.all_of(sensors)))
         return frame_from_sample(Sample(native, self._rig, self._origin or {"sample": self._num_moves}))
 
     def scan(self, lidar: Lidar | None = None, *, ideal: bool = False) -> Scan:
-        """Turn a LIDAR once.
+        """Take a scan with a LIDAR.
 
         Args:
             lidar: the rig's own if None.
-            ideal: every triangle opaque, every ray answered, no noise, drop-out, weather or rounding; all rays at one
+            ideal: every triangle opaque, every hit returned, no noise, drop-out, weather or rounding; all rays at one
                 instant and as thin as lines, whatever the LIDAR's `rolling` and `divergence_mrad`.
         """
         if lidar is not None:
@@ -277,7 +277,7 @@ class Scene:
         origins_world: NDArray[np.float64] | list[list[float]],
         directions_world: NDArray[np.float64] | list[list[float]],
     ) -> RayHits:
-        """Cast arbitrary rays at the very triangles that the sensors see.
+        """Cast arbitrary rays at the triangles that the sensors see.
 
         Args:
             origins_world: (N, 3) float64 array, or a list of lists.
@@ -293,7 +293,7 @@ class Scene:
         return RayHits(*self._native.cast_rays(origins, directions))
 
     def triangles(self) -> tuple[NDArray[np.float32], NDArray[np.uint32], NDArray[np.int32]]:
-        """Return the very triangles that the sensors see, the ego excluded.
+        """Return the triangles that the sensors see, the ego excluded.
 
         Returns:
             vertices_world (V, 3) float32, faces (F, 3) uint32, actor_id (F,) int32 as in `Frame.instance`.

@@ -15,7 +15,7 @@ class Semantic(IntEnum):
     ROAD_MARKING = 2
     """Paint on the carriageway."""
     SIDEWALK = 3
-    """Pavement and kerb."""
+    """Sidewalk and curb."""
     TERRAIN = 4
     """Grass, soil, gardens, drives."""
     BUILDING = 5

@@ -1,4 +1,4 @@
-"""What an object says of itself in a line or a few: shapes and counts rather than all numbers."""
+"""The `repr` of objects, in one or a few lines: shapes and counts rather than all numbers."""
 
 from __future__ import annotations
 

@@ -22,9 +22,9 @@ class Fate(IntEnum):
     KEPT = 0
     """Still there: dimmer and, where rain or snow falls, a little noisier in range."""
     LOST = 1
-    """Too weak to be heard."""
+    """Below the detection threshold."""
     SCATTERED = 2
-    """Fog, a drop or a flake answered in front of it: the point moved towards the sensor on its ray."""
+    """Fog, a drop, or a flake in front of it gave the return: the point moved toward the sensor on its ray."""
 
 
 class Air(NamedTuple):
@@ -109,8 +109,9 @@ def apply(
 
     The physics is that of generated scans (docs/weather.md). Kept points lose intensity by `exp(-2 alpha range)`, and
     rain and snow move them along their rays by the noise of a weaker echo. Scattered points stand where fog, a drop or
-    a flake answered, between the sensor and the point, with that answer's intensity. Lost points are left out: those
-    that drops, flakes or water leave too weak to be heard. Fog alone loses none. Intensities are not rounded to 0.01.
+    a flake gave the return, between the sensor and the point, with that return's intensity. Lost points are left out:
+    those that drops, flakes or water leave below the detection threshold. Fog alone loses none. Intensities are not
+    rounded to 0.01.
 
     A point's fate depends on itself, on the weather and on `seed`, not on the rest of the array, so a scan may be cut
     in pieces. Rows keep their order. With no weather the points come back bit for bit, in a new array.

@@ -19,7 +19,7 @@ def draw_boxes(count: int, seed: int) -> NDArray[np.float64]:
 
 
 def opencv_intersection(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
-    # From above, rotation_y turns x towards -z; OpenCV turns its first axis towards its second.
+    # From above, rotation_y turns x toward -z; OpenCV turns its first axis toward its second.
     first, second = (((x, z), (length, width), -np.degrees(yaw)) for x, _, z, length, width, _, yaw in (a, b))
     _, points = cv2.rotatedRectangleIntersection(first, second)
     return 0.0 if points is None else cv2.contourArea(cv2.convexHull(points))

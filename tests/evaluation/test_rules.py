@@ -85,7 +85,7 @@ def test_an_overlap_of_exactly_the_limit_is_no_match() -> None:
         )
 
 
-def test_the_neighbour_class_is_neither_right_nor_wrong() -> None:
+def test_the_neighbor_class_is_neither_right_nor_wrong() -> None:
     car, van, truck = make_object(), make_object("Van", 1), make_object("Truck", 2)
     as_cars = [[detected(car, 0.5), detected(van, 0.9, type="Car")]] * FULL
     assert moderate([[car, van]] * FULL, as_cars) == 100.0

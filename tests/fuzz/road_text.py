@@ -16,7 +16,7 @@ def _lane(number: int, kind: str, width_m: float) -> str:
 
 
 def road(number: int, shape: str = "<line/>", *, x: float = 0.0, y: float = 0.0, length_m: float = 40.0) -> str:
-    """Return a road with a lane and a pavement on either side."""
+    """Return a road with a lane and a sidewalk on either side."""
     right = _lane(-1, "driving", 3.2) + _lane(-2, "sidewalk", 2.0)
     left = _lane(2, "sidewalk", 2.0) + _lane(1, "driving", 3.2)
     return (

@@ -109,7 +109,7 @@ def test_every_actor_of_a_mesh_is_annotated_apart(tmp_path: Path) -> None:
     assert lengths.std() > 0.03
 
 
-def test_a_mesh_drives_parks_and_is_labelled(tmp_path: Path) -> None:
+def test_a_mesh_drives_parks_and_is_labeled(tmp_path: Path) -> None:
     own = assets_folder(tmp_path / "own", f"share = 1.0\n{CAR}")
     policy = replace(cadet.ResetPolicy.kitti(), label=cadet.LabelConfig(boxes="exact"))
     scene = cadet.Scene.random(seed=2, weather="clear_noon", policy=policy, assets=own)

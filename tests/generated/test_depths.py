@@ -28,8 +28,8 @@ def test_no_rig_writes_a_point_of_depth_0(rig: Rig) -> None:
     assert len(frame.points_velo) > 10_000
     assert np.all(depths_in_single_precision(frame.points_velo, frame.calib) != 0.0)
     assert np.abs(frame.calib.points_cam_from_velo(frame.points_velo)[:, 2]).min() > 2.4e-7
-    millimetres = frame.points_velo[:, :3].astype(np.float64) * 1e3
-    np.testing.assert_allclose(millimetres, np.rint(millimetres), atol=0.004)
+    millimeters = frame.points_velo[:, :3].astype(np.float64) * 1e3
+    np.testing.assert_allclose(millimeters, np.rint(millimeters), atol=0.004)
 
 
 def test_a_column_to_the_side_would_give_such_points() -> None:

@@ -11,7 +11,7 @@ import cadet
 SIZES = {"full": (1242, 375), "half": (621, 188), "quarter": (310, 94)}
 
 
-def labelled(camera: cadet.Camera) -> tuple[int, int]:
+def labeled(camera: cadet.Camera) -> tuple[int, int]:
     """Count cars and DontCare regions along two rows of cars, seen by a camera."""
     rig = cadet.Rig(camera=camera, lidar=cadet.Lidar.vlp16())
     num_cars = num_dont_care = 0
@@ -29,17 +29,17 @@ def labelled(camera: cadet.Camera) -> tuple[int, int]:
 
 @pytest.fixture(scope="module")
 def counts() -> dict[str, tuple[int, int]]:
-    return {scale: labelled(cadet.Camera.kitti().resized(*size)) for scale, size in SIZES.items()}
+    return {scale: labeled(cadet.Camera.kitti().resized(*size)) for scale, size in SIZES.items()}
 
 
-def test_as_many_objects_are_labelled_at_every_size(counts: dict[str, tuple[int, int]]) -> None:
+def test_as_many_objects_are_labeled_at_every_size(counts: dict[str, tuple[int, int]]) -> None:
     full, _ = counts["full"]
     assert full >= 20
     for scale in ("half", "quarter"):
         assert counts[scale][0] == pytest.approx(full, rel=0.1), counts
     # A camera that was a quarter as large from the start has no limits to scale: it labels what 15 rows hold.
     unscaled = replace(cadet.Camera.kitti().resized(*SIZES["quarter"]), image_scale=(1.0, 1.0))
-    assert labelled(unscaled)[0] < 0.7 * full
+    assert labeled(unscaled)[0] < 0.7 * full
 
 
 def test_limits_follow_rows_and_area() -> None:

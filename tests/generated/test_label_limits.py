@@ -37,13 +37,13 @@ def cars_ahead(weather: str, config: cadet.SceneConfig) -> Found:
     return found_in(scene.capture())
 
 
-def is_labelled(found: Found) -> dict[int, bool]:
+def is_labeled(found: Found) -> dict[int, bool]:
     return {actor_id: label.type != "DontCare" for actor_id, (label, _) in found.items()}
 
 
 def test_fog_takes_of_what_is_visible_what_it_takes_of_the_contrast() -> None:
     clear, foggy = (cars_ahead(weather, exact()) for weather in ("clear_noon", "dense_fog"))
-    assert len(clear) == len(PLACES) and all(is_labelled(clear).values())
+    assert len(clear) == len(PLACES) and all(is_labeled(clear).values())
     assert set(foggy) == set(clear), "what fog hides from the labels is not to be counted against a detector"
     extinction_per_m = cadet.weather.air_of("dense_fog").fog
     for actor_id, (label, meta) in foggy.items():
@@ -62,13 +62,13 @@ def test_fog_takes_of_what_is_visible_what_it_takes_of_the_contrast() -> None:
 
 def test_what_neither_sensor_shows_has_no_label() -> None:
     found = cars_ahead("dense_fog", exact(min_visible_fraction=0.0))
-    labelled = is_labelled(found)
+    labeled = is_labeled(found)
     for actor_id, (_, meta) in found.items():
-        assert labelled[actor_id] == (meta["num_points"] > 0 or meta["contrast"] >= 0.05), meta
-    lost = [meta for actor_id, (_, meta) in found.items() if not labelled[actor_id]]
+        assert labeled[actor_id] == (meta["num_points"] > 0 or meta["contrast"] >= 0.05), meta
+    lost = [meta for actor_id, (_, meta) in found.items() if not labeled[actor_id]]
     assert lost and all(meta["num_points"] == 0 and meta["contrast"] < 0.05 for meta in lost)
     everything = cars_ahead("dense_fog", exact(min_visible_fraction=0.0, min_contrast=0.0))
-    assert all(is_labelled(everything).values()) and len(everything) == len(PLACES)
+    assert all(is_labeled(everything).values()) and len(everything) == len(PLACES)
 
 
 def test_streets_in_fog_have_labels_where_a_sensor_shows_an_object() -> None:
@@ -109,7 +109,7 @@ def test_what_is_all_but_outside_the_image_becomes_dontcare() -> None:
     assert outcomes == {("Car", False), ("Car", True), ("DontCare", True)}
 
 
-def test_what_is_not_half_a_metre_ahead_becomes_dontcare(tmp_path: Path) -> None:
+def test_what_is_not_half_a_meter_ahead_becomes_dontcare(tmp_path: Path) -> None:
     """A wall along the way whose middle lies beside the camera."""
     own = assets_folder(tmp_path / "own", WALL)
     for min_depth_m, offset_m, expected in [(0.5, 0.3, "DontCare"), (0.0, 0.3, "Truck"), (0.5, 0.8, "Truck")]:
@@ -131,4 +131,4 @@ def test_what_has_too_few_returns_becomes_dontcare() -> None:
     assert 0 < least < max(counts.values())
     for min_points in (least, least + 1):
         found = cars_ahead("clear_noon", exact(min_points=min_points))
-        assert is_labelled(found) == {actor_id: count >= min_points for actor_id, count in counts.items()}
+        assert is_labeled(found) == {actor_id: count >= min_points for actor_id, count in counts.items()}

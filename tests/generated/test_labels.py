@@ -19,7 +19,7 @@ from sensed import Sensed, objects_of, sense
 ROAD = (cadet.Semantic.ROAD, cadet.Semantic.ROAD_MARKING)
 
 
-def labelled(sensed: Sensed) -> list[tuple[cadet.Label, dict[str, Any]]]:
+def labeled(sensed: Sensed) -> list[tuple[cadet.Label, dict[str, Any]]]:
     pairs = zip(sensed.frame.labels, objects_of(sensed.frame), strict=True)
     return [(label, meta) for label, meta in pairs if label.type != "DontCare"]
 
@@ -30,10 +30,10 @@ def box_cam(label: cadet.Label) -> NDArray[np.float64]:
 
 
 def test_there_is_something_to_look_at(street_frames: list[Sensed]) -> None:
-    types = [label.type for s in street_frames for label, _ in labelled(s)]
+    types = [label.type for s in street_frames for label, _ in labeled(s)]
     assert types.count("Car") > 60
     assert types.count("Pedestrian") > 5
-    levels = {label.occluded for s in street_frames for label, _ in labelled(s)}
+    levels = {label.occluded for s in street_frames for label, _ in labeled(s)}
     assert levels == {0, 1, 2}
 
 
@@ -42,7 +42,7 @@ def test_boxes_contain_their_points(street_frames: list[Sensed]) -> None:
     for sensed in street_frames:
         cam_from_velo = sensed.frame.calib.cam_from_velo
         points = sensed.scan.points_velo[:, :3].astype(float) @ cam_from_velo[:3, :3].T + cam_from_velo[:3, 3]
-        for label, meta in labelled(sensed):
+        for label, meta in labeled(sensed):
             own = points[sensed.scan.actor_id == meta["actor_id"]]
             assert len(own) == meta["num_points"]
             if len(own) >= 20:
@@ -109,7 +109,7 @@ def test_an_actor_keeps_its_box_through_an_episode() -> None:
 
 def test_bbox_contains_the_silhouette_and_the_visible_pixels(street_frames: list[Sensed]) -> None:
     for sensed in street_frames:
-        for label, meta in labelled(sensed):
+        for label, meta in labeled(sensed):
             rows, columns = np.nonzero(sensed.frame.instance == meta["actor_id"])
             assert len(rows) > 0, "a label needs visible pixels"
             u1, v1, u2, v2 = label.bbox
@@ -125,7 +125,7 @@ def test_bbox_contains_the_silhouette_and_the_visible_pixels(street_frames: list
 def test_boxes_fit_their_silhouettes(street_frames: list[Sensed]) -> None:
     overlaps = []
     for sensed in street_frames:
-        for label, meta in labelled(sensed):
+        for label, meta in labeled(sensed):
             if label.truncated > 0 or label.type != "Car":
                 continue
             a, b = np.array(label.bbox), np.array(meta["silhouette_bbox"])
@@ -144,7 +144,7 @@ def camera_center_world(sensed: Sensed) -> NDArray[np.float64]:
     return center
 
 
-def test_pixels_of_labelled_actors_are_those_that_parry_meets() -> None:
+def test_pixels_of_labeled_actors_are_those_that_parry_meets() -> None:
     """Parry, which knows nothing of the kernel, must meet the labeled actor first along its pixels' rays."""
     scene = cadet.Scene.random(seed=3, weather="clear_noon")
     sensed = sense(scene)
@@ -152,7 +152,7 @@ def test_pixels_of_labelled_actors_are_those_that_parry_meets() -> None:
     world_from_cam = np.linalg.inv(sensed.cam_from_world)
     origin = camera_center_world(sensed)
     checked = 0
-    for _, meta in labelled(sensed):
+    for _, meta in labeled(sensed):
         rows, columns = np.nonzero(sensed.frame.instance == meta["actor_id"])
         pixels = np.stack([columns, rows, np.ones(len(rows))], axis=1).astype(float)
         directions = pixels @ np.linalg.inv(p2[:, :3]).T @ world_from_cam[:3, :3].T
@@ -194,7 +194,7 @@ def test_no_label_through_walls() -> None:
     for seed in range(6):
         scene = cadet.Scene.random(seed=seed, weather="clear_noon")
         sensed = sense(scene)
-        metas = {meta["actor_id"]: meta for _, meta in labelled(sensed)}
+        metas = {meta["actor_id"]: meta for _, meta in labeled(sensed)}
         shares = shares_in_sight(scene, sensed)
         hidden = {actor_id for actor_id, share in shares.items() if share == 0.0}
         assert not hidden & set(metas), (seed, [metas[actor_id] for actor_id in hidden & set(metas)])
@@ -265,7 +265,7 @@ def test_what_is_behind_a_wall_has_no_label(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.5, np.pi / 2, 2.5, -1.2, np.pi])
-def test_a_lone_car_is_labelled_where_it_was_put(yaw: float) -> None:
+def test_a_lone_car_is_labeled_where_it_was_put(yaw: float) -> None:
     config = cadet.SceneConfig(label=cadet.LabelConfig(boxes="exact"))
     scene = cadet.Scene.empty(weather="clear_noon", config=config)
     scene.move_ego(x=0.0, y=0.0, yaw=0.0)

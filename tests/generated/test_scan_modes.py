@@ -35,7 +35,7 @@ def test_where_nothing_moves_a_turn_is_the_scan_of_an_instant() -> None:
     still, turned = scene.scan(), scene.scan(cadet.Lidar(rolling=True))
     both, i, j = np.intersect1d(beams(still), beams(turned), return_indices=True)
     assert len(both) > 0.999 * max(len(still.ring), len(turned.ring)) > 20_000
-    # The ego stands on its springs, which are never quite at rest: a tenth of a millimetre.
+    # The ego stands on its springs, which are never quite at rest: a tenth of a millimeter.
     apart = np.abs(still.points_velo[i, :3] - turned.points_velo[j, :3]).max(axis=1) > 3e-3
     assert apart.mean() < 2e-3
     assert (still.actor_id[i] != turned.actor_id[j]).mean() < 1e-3
@@ -56,9 +56,9 @@ def test_a_turn_of_a_driving_car_is_the_ideal_scan_of_each_firings_pose(street: 
     same = (still.actor_id[i] == 0) & static[j]
     shift = np.abs(still.range_m[i] - turned.range_m[j])
     medians_m = []
-    for centre, low, high in ((0.0, 0.0, 0.06), (np.pi, 0.1 * 0.05 * speed, 0.05 * speed + 1.0)):
+    for center, low, high in ((0.0, 0.0, 0.06), (np.pi, 0.1 * 0.05 * speed, 0.05 * speed + 1.0)):
         # Upright walls along the road don't show the motion; the median over a sector of far points does.
-        near = np.abs(np.angle(np.exp(1j * (azimuth[j] - centre)))) < 0.06
+        near = np.abs(np.angle(np.exp(1j * (azimuth[j] - center)))) < 0.06
         chosen = same & near & (turned.points_velo[j, 2] > -1.2)
         assert chosen.sum() > 50
         medians_m.append(np.median(shift[chosen]))

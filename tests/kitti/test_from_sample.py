@@ -17,8 +17,8 @@ pytestmark = pytest.mark.usefixtures("fake_core")
 
 def make_sample() -> Sample:
     scene = fake_native.Scene((0, 0, 0), cast(Any, Rig.kitti().to_native()), "snow", None)
-    native = scene.capture(0, maps=True, pixels=True, cameras=[1], lidars=[])
-    native.sightings = [fake_native.Sighting(7, is_labelled=True), fake_native.Sighting(2, is_labelled=False)]
+    native = scene.capture(fake_native.Request(0, maps=True, pixels=True, cameras=[1], lidars=[]))
+    native.sightings = [fake_native.Sighting(7, is_labeled=True), fake_native.Sighting(2, is_labeled=False)]
     return Sample(cast(Any, native), Rig.kitti(), {"seed": 3})
 
 

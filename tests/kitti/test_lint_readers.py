@@ -77,7 +77,7 @@ def test_a_point_at_depth_0_is_found(tmp_path: Path) -> None:
     calib = make_calib()
     beside_cam = np.array([[5.0, 1.0, 0.0], [-6.0, 0.5, 0.0], [4.0, 1.0, 0.001]])
     points_velo = np.hstack([calib.points_velo_from_cam(beside_cam), np.full((3, 1), 0.5)])
-    # Single precision moves a coordinate by some tenths of a micrometre, more than what counts as 0.
+    # Single precision moves a coordinate by some tenths of a micrometer, more than what counts as 0.
     at_zero = calib.points_cam_from_velo(points_velo.astype(np.float32))[:, 2]
     write_frame(tmp_path, 0, make_frame(points_velo=points_velo.astype(np.float32)), split=None)
     num_zero = int((np.abs(at_zero) < 2.5e-7).sum())

@@ -16,7 +16,7 @@ CALIB = make_calib()
 
 
 def road_velo(plane: NDArray[np.float64], noise_m: float, seed: int = 0) -> NDArray[np.float64]:
-    """Return 6000 points of a plane, a third of them replaced by walls, cars' flanks and a pavement 12 cm higher."""
+    """Return 6000 points of a plane, a third of them replaced by walls, cars' flanks and a sidewalk 12 cm higher."""
     generator = np.random.default_rng(seed)
     n = 6000
     z = generator.uniform(3, 40, n)

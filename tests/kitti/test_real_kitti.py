@@ -99,7 +99,7 @@ def test_lint_finds_no_error() -> None:
 
 
 @functools.cache
-def labelled_boxes() -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+def labeled_boxes() -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Overlap with and without P2's fourth column, truncation of the projected boxes, labeled truncation."""
     rows = []
     for path in files("labels_200/calib/*.txt"):
@@ -131,15 +131,15 @@ def labelled_boxes() -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[
     return iou, iou_centered, truncation, truncated
 
 
-def test_projected_boxes_are_the_labelled_ones_with_the_whole_of_p2() -> None:
-    iou, iou_centered, _, _ = labelled_boxes()
+def test_projected_boxes_are_the_labeled_ones_with_the_whole_of_p2() -> None:
+    iou, iou_centered, _, _ = labeled_boxes()
     assert len(iou) > 900
     assert np.median(iou) > 0.97
     assert np.median(iou_centered) < 0.945
 
 
-def test_truncation_is_the_labelled_one() -> None:
-    _, _, truncation, truncated = labelled_boxes()
+def test_truncation_is_the_labeled_one() -> None:
+    _, _, truncation, truncated = labeled_boxes()
     is_cut = truncated > 0.0
     assert is_cut.sum() > 80
     assert np.corrcoef(truncation[is_cut], truncated[is_cut])[0, 1] > 0.998

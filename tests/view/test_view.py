@@ -172,7 +172,7 @@ def test_corners_are_red_where_hidden_and_green_where_visible() -> None:
 
 
 @pytest.mark.parametrize(("x", "y", "u", "v"), [(30.0, 0.0, 480, 480), (60.0, 20.0, 240, 120), (10.0, -30.0, 840, 720)])
-def test_a_return_seen_from_above_lies_12_pixels_a_metre_from_the_sensor(x: float, y: float, u: int, v: int) -> None:
+def test_a_return_seen_from_above_lies_12_pixels_a_meter_from_the_sensor(x: float, y: float, u: int, v: int) -> None:
     without = view.bev_figure(make_frame(labels=(), points_velo=np.zeros((0, 4), np.float32)))
     point = np.array([[x + 0.02, y - 0.02, 1.0, 1.0]], np.float32)
     drawn = view.bev_figure(make_frame(labels=(), points_velo=point))

@@ -21,7 +21,7 @@ fn bench(c: &mut Criterion) {
     for seed in SEEDS {
         let mut group = c.benchmark_group(format!("suburb {seed}"));
         let _ = group.sample_size(10).warm_up_time(Duration::from_secs(1)).measurement_time(Duration::from_secs(3));
-        let _ = group.bench_function("build, dress and settle", |b| b.iter(|| black_box(suburb(seed, "clear_noon"))));
+        let _ = group.bench_function("build and settle", |b| b.iter(|| black_box(suburb(seed, "clear_noon"))));
         let mut scene = suburb(seed, "clear_noon");
         let _ = group.bench_function("ideal uniform scan, posing included", |b| {
             b.iter(|| {

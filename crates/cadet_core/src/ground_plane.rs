@@ -179,7 +179,7 @@ fn widening(cell: &GroundCell) -> f64 {
 mod tests {
     use super::*;
 
-    /// Returns of a street y = s.x + s.y x + s.z z with noise of a centimetre, and of what stands beside and on it.
+    /// Returns of a street y = s.x + s.y x + s.z z with noise of a centimeter, and of what stands beside and on it.
     fn street(slopes: [f64; 3], clutter_share: f64, seed: u64) -> Vec<[f64; 3]> {
         let mut s = Stream::from_seed("street", seed);
         (0..6000)

@@ -32,6 +32,7 @@ pub mod rig;
 pub mod rng;
 pub mod scene;
 pub mod sense;
+pub mod settings;
 pub mod town;
 pub mod weather;
 pub mod world;

@@ -10,7 +10,7 @@ pub enum Semantic {
     Road = 1,
     /// Paint on the carriageway.
     RoadMarking = 2,
-    /// Pavement and kerb.
+    /// Sidewalk and curb.
     Sidewalk = 3,
     /// Grass, soil, gardens, drives.
     Terrain = 4,
@@ -43,7 +43,7 @@ pub enum Semantic {
 }
 
 impl Semantic {
-    /// True for what lies on the ground: carriageway, markings, pavement, terrain.
+    /// True for what lies on the ground: carriageway, markings, sidewalk, terrain.
     #[must_use]
     pub fn is_ground(self) -> bool {
         matches!(self, Self::Road | Self::RoadMarking | Self::Sidewalk | Self::Terrain)

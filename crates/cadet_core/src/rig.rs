@@ -42,6 +42,28 @@ pub struct Mounted<T> {
 }
 
 /// Cameras and LIDARs on the ego vehicle. The first camera's frame is the one that labels are given in.
+///
+/// ```
+/// use cadet_core::camera::CameraModel;
+/// use cadet_core::frames;
+/// use cadet_core::lidar::LidarSpec;
+/// use cadet_core::math::{DPose3, DVec3, PI};
+/// use cadet_core::nalgebra::Matrix3x4;
+/// use cadet_core::rig::{Mount, Mounted, Rig};
+///
+/// let projection = Matrix3x4::new(700.0, 0.0, 320.0, 0.0, 0.0, 700.0, 120.0, 0.0, 0.0, 0.0, 1.0, 0.0);
+/// let sensor = CameraModel::new(640, 240, projection, None)?;
+/// // Its z axis points ahead, its x axis to the right.
+/// let ego_from_cam = frames::mounted(DVec3::new(0.0, 0.0, 1.65), -PI / 2.0, 0.0, -PI / 2.0);
+/// let camera = Mounted { name: "front".to_owned(), sensor, mount: Mount::new(vec![ego_from_cam]) };
+/// let ego_from_velo = frames::mounted(DVec3::new(-0.3, 0.0, 1.73), 0.0, 0.0, 0.0);
+/// let lidar = Mounted { name: "top".to_owned(), sensor: LidarSpec::cadet(), mount: Mount::new(vec![ego_from_velo]) };
+/// let rig = Rig::new("mine".to_owned(), vec![camera], vec![lidar])?;
+///
+/// let world_from_cam = rig.world_from_cam(&DPose3::IDENTITY);
+/// assert!((world_from_cam.rotation * DVec3::Z - DVec3::X).length() < 1e-12);
+/// # Ok::<_, cadet_core::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Rig {
     /// For the metadata.

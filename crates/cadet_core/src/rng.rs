@@ -133,13 +133,14 @@ impl Stream {
     }
 }
 
-/// A few random numbers of one item among many, a beam of a scan, from a key of its own (SplitMix64).
+/// A counter-based generator (SplitMix64): a few random numbers of one item among many, such as a beam of a scan, from
+/// a key of its own.
 ///
-/// The key comes from a [`Stream`] or from [`Dice::key`], so that what one item draws moves no other.
+/// The key comes from a [`Stream`] or from [`CounterRng::key`], so that what one item draws moves no other.
 #[derive(Debug, Clone)]
-pub struct Dice(u64);
+pub struct CounterRng(u64);
 
-impl Dice {
+impl CounterRng {
     /// The numbers of a key.
     #[inline]
     #[must_use]
@@ -209,21 +210,21 @@ mod tests {
     }
 
     #[test]
-    fn dice_are_uniform_within_and_across_keys() {
+    fn counter_based_numbers_are_uniform_within_and_across_keys() {
         // SplitMix64's published first number for seed 0.
-        assert_eq!(Dice::new(0).next_u64(), 0xE220_A839_7B1D_CDAF);
+        assert_eq!(CounterRng::new(0).next_u64(), 0xE220_A839_7B1D_CDAF);
         let n = 20_000;
-        let across: Vec<f64> = (0..n).map(|k| Dice::new(Dice::key(1, [2, 3, k])).unit()).collect();
-        let mut dice = Dice::new(5);
-        let within: Vec<f64> = (0..n).map(|_| dice.unit()).collect();
+        let across: Vec<f64> = (0..n).map(|k| CounterRng::new(CounterRng::key(1, [2, 3, k])).unit()).collect();
+        let mut rng = CounterRng::new(5);
+        let within: Vec<f64> = (0..n).map(|_| rng.unit()).collect();
         for units in [across, within] {
             let mean = units.iter().sum::<f64>() / n as f64;
-            let neighbours = units.windows(2).map(|w| (w[0] - 0.5) * (w[1] - 0.5)).sum::<f64>() / n as f64;
+            let neighbors = units.windows(2).map(|w| (w[0] - 0.5) * (w[1] - 0.5)).sum::<f64>() / n as f64;
             let low = units.iter().filter(|u| **u < 0.01).count();
-            assert!((mean - 0.5).abs() < 0.01 && neighbours.abs() < 0.003 && (150..250).contains(&low), "{mean}");
+            assert!((mean - 0.5).abs() < 0.01 && neighbors.abs() < 0.003 && (150..250).contains(&low), "{mean}");
         }
-        assert_ne!(Dice::key(1, [2, 3, 4]), Dice::key(1, [3, 2, 4]));
-        assert_ne!(Dice::key(1, [2, 3, 4]), Dice::key(2, [2, 3, 4]));
+        assert_ne!(CounterRng::key(1, [2, 3, 4]), CounterRng::key(1, [3, 2, 4]));
+        assert_ne!(CounterRng::key(1, [2, 3, 4]), CounterRng::key(2, [2, 3, 4]));
     }
 
     #[test]

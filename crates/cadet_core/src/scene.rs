@@ -15,8 +15,8 @@ use crate::math::{DPose3, DVec3, TAU};
 use crate::rig::Rig;
 use crate::rng::StreamKey;
 use crate::sense::{FaceTrees, PosedScene, RayCaster, RayHit, Resolution};
-use crate::town::{DressingConfig, SuburbConfig, Town};
-use crate::weather::Weather;
+use crate::town::{PropConfig, SuburbConfig, Town};
+use crate::weather::{Sun, Weather};
 use crate::world::{Course, ModelChoice, Overlap, Snapshot, TrafficConfig, World};
 
 /// Where a scene's town comes from.
@@ -24,7 +24,7 @@ use crate::world::{Course, ModelChoice, Overlap, Snapshot, TrafficConfig, World}
 pub enum TownSource {
     /// Generated from the scene's key.
     Suburb,
-    /// An OpenDRIVE text, dressed from the scene's key.
+    /// An OpenDRIVE text with props drawn from the scene's key.
     OpenDrive {
         /// The map's name, for messages and metadata.
         name: String,
@@ -40,14 +40,16 @@ pub enum TownSource {
 pub struct SceneConfig {
     /// The suburb generator's.
     pub suburb: SuburbConfig,
-    /// The dressing's.
-    pub dressing: DressingConfig,
+    /// Those of prop placement.
+    pub props: PropConfig,
     /// The traffic's.
     pub traffic: TrafficConfig,
     /// The labels'.
     pub label: LabelConfig,
     /// A user's own vehicles.
     pub user_vehicles: UserVehicles,
+    /// Where the sun stands.
+    pub sun: Sun,
 }
 
 /// The present instant: poses, triangles and, once asked for, parry's trees over them.
@@ -58,13 +60,45 @@ struct Sensed {
 }
 
 /// A town, its traffic, its weather and a rig.
+///
+/// ```
+/// # use cadet_core::camera::CameraModel;
+/// # use cadet_core::frames;
+/// # use cadet_core::lidar::LidarSpec;
+/// # use cadet_core::math::{DVec3, PI};
+/// # use cadet_core::nalgebra::Matrix3x4;
+/// # use cadet_core::rig::{Mount, Mounted, Rig};
+/// use cadet_core::actor::ObjectClass;
+/// use cadet_core::scene::{Request, Scene, SceneConfig, TownSource};
+/// use cadet_core::weather::Weather;
+/// use cadet_core::world::{Course, ModelChoice, Overlap};
+///
+/// # let projection = Matrix3x4::new(300.0, 0.0, 160.0, 0.0, 0.0, 300.0, 60.0, 0.0, 0.0, 0.0, 1.0, 0.0);
+/// # let sensor = CameraModel::new(320, 120, projection, None)?;
+/// # let ego_from_cam = frames::mounted(DVec3::new(0.0, 0.0, 1.65), -PI / 2.0, 0.0, -PI / 2.0);
+/// # let camera = Mounted { name: "front".to_owned(), sensor, mount: Mount::new(vec![ego_from_cam]) };
+/// # let ego_from_velo = frames::mounted(DVec3::new(-0.3, 0.0, 1.73), 0.0, 0.0, 0.0);
+/// # let mount = Mount::new(vec![ego_from_velo]);
+/// # let lidar = Mounted { name: "top".to_owned(), sensor: LidarSpec::cadet(), mount };
+/// # let rig = Rig::new("mine".to_owned(), vec![camera], vec![lidar])?;
+/// // `rig` is made as in the example of `Rig`.
+/// let weather = Weather::preset("clear_noon")?;
+/// let mut scene = Scene::empty(&TownSource::Flat, weather, rig, &SceneConfig::default())?;
+/// let place = Course::Stand { x_m: 20.0, y_m: 0.0, yaw_rad: 0.0 };
+/// let car = scene.add(ObjectClass::Car, ModelChoice::Seed(3), &place, Overlap::Refuse)?;
+///
+/// let frame = scene.capture(&Request::default())?;
+/// assert_eq!((frame.images.len(), frame.scans.len()), (1, 1));
+/// assert_eq!(frame.sightings[0].actor_id, car);
+/// # Ok::<_, cadet_core::Error>(())
+/// ```
 pub struct Scene {
     key: StreamKey,
     world: World,
     weather: Weather,
     rig: Rig,
     label: LabelConfig,
-    /// The last view that `Scene::capture_labelled` took.
+    /// The last view that `Scene::capture_labeled` took.
     taken: Option<TakenView>,
     /// The triangles of the present instant; dropped whenever the world moves.
     sensed: Option<Sensed>,
@@ -80,7 +114,7 @@ const SETTLE_S: f64 = 2.0;
 const MAX_STEP_S: f64 = 3600.0;
 
 impl Scene {
-    /// A dressed town with traffic, settled for two seconds: a pure function of its arguments.
+    /// A town with props and traffic, settled for two seconds: a pure function of its arguments.
     ///
     /// # Errors
     /// A map that can't be read or driven, or numbers out of range.
@@ -92,7 +126,7 @@ impl Scene {
         config: &SceneConfig,
     ) -> Result<Self> {
         let mut scene = Self::bare(key, source, weather, rig, config)?;
-        scene.weather = scene.weather.with_sun_turned(&mut key.stream("sun"));
+        scene.weather = scene.weather.with_sun_turned(&mut key.stream("sun")).with_sun(&config.sun);
         scene.world.spawn_traffic(&config.traffic)?;
         scene.step(SETTLE_S)?;
         Ok(scene)
@@ -103,13 +137,14 @@ impl Scene {
     /// # Errors
     /// A map that can't be read or driven, or numbers out of range.
     pub fn empty(source: &TownSource, weather: Weather, rig: Rig, config: &SceneConfig) -> Result<Self> {
-        Self::bare(StreamKey::scene(0), source, weather, rig, config)
+        Self::bare(StreamKey::scene(0), source, weather.with_sun(&config.sun), rig, config)
     }
 
     fn bare(key: StreamKey, source: &TownSource, weather: Weather, rig: Rig, config: &SceneConfig) -> Result<Self> {
+        config.sun.check()?;
         let town = match source {
-            TownSource::Suburb => Town::suburb(&key, &config.suburb, &config.dressing)?,
-            TownSource::OpenDrive { name, text } => Town::from_opendrive(&key, name, text, &config.dressing)?,
+            TownSource::Suburb => Town::suburb(&key, &config.suburb, &config.props)?,
+            TownSource::OpenDrive { name, text } => Town::from_opendrive(&key, name, text, &config.props)?,
             TownSource::Flat => Town::flat(),
         };
         let world = World::new(Arc::new(town), key)?.with_user_vehicles(config.user_vehicles.clone());

@@ -3,6 +3,7 @@
 use crate::error::{Error, Result, finite};
 use crate::math::{self, PI, TAU};
 use crate::rng::Stream;
+use crate::settings::Setting;
 
 /// The state of the air, the sky and the ground.
 ///
@@ -25,6 +26,33 @@ pub struct Weather {
     pub snow_mm_per_h: f64,
     /// Attenuation of fog, 1/m (MOR = ln 20 / alpha); 0 is clear.
     pub fog_alpha_per_m: f64,
+}
+
+/// Where a user wants the sun; what is `None` is the weather's or drawn.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Sun {
+    /// Over the horizon.
+    pub elevation_deg: Option<f64>,
+    /// Counter-clockwise from east.
+    pub azimuth_deg: Option<f64>,
+}
+
+impl Sun {
+    /// Names and limits.
+    #[must_use]
+    pub fn settings() -> Vec<Setting> {
+        let of = |name, least, most| Setting { name, default: Vec::new(), least, most, is_whole: false };
+        vec![of("sun_elevation_deg", 3.0, 90.0), of("sun_azimuth_deg", -360.0, 360.0)]
+    }
+
+    /// Checks the angles.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`], naming the angle.
+    pub fn check(&self) -> Result<()> {
+        let angles = [self.elevation_deg, self.azimuth_deg];
+        Self::settings().iter().zip(&angles).try_for_each(|(setting, angle)| setting.check(angle.as_slice()))
+    }
 }
 
 /// How many drops or flakes there are and how large: diameters are exponential.
@@ -195,6 +223,14 @@ impl Weather {
         }
         self
     }
+
+    /// The same weather with its sun where a user wants it.
+    #[must_use]
+    pub fn with_sun(mut self, sun: &Sun) -> Self {
+        self.sun_elevation_rad = sun.elevation_deg.map_or(self.sun_elevation_rad, f64::to_radians);
+        self.sun_azimuth_rad = sun.azimuth_deg.map_or(self.sun_azimuth_rad, f64::to_radians);
+        self
+    }
 }
 
 #[cfg(test)]
@@ -215,6 +251,14 @@ mod tests {
         for rates in [[0.1, 1.0], [1.0, 30.0]] {
             assert!(of(rates[0], 0.0) < of(rates[1], 0.0) && of(0.0, rates[0]) < of(0.0, rates[1]));
         }
+    }
+
+    #[test]
+    fn a_sun_below_the_horizon_is_refused_by_name() {
+        let text = |elevation_deg| Sun { elevation_deg, azimuth_deg: None }.check().expect_err("bad").to_string();
+        assert!(text(Some(-5.0)).contains("sun_elevation_deg is -5, expected 3 to 90"));
+        assert!(text(Some(f64::NAN)).contains("sun_elevation_deg"));
+        Sun { elevation_deg: Some(90.0), azimuth_deg: Some(-360.0) }.check().expect("the limits themselves");
     }
 
     #[test]

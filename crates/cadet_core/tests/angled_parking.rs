@@ -1,4 +1,4 @@
-//! Bays in which cars stand at an angle to the kerb: in the map, on the ground, and the places to park in them.
+//! Bays in which cars stand at an angle to the curb: in the map, on the ground, and the places to park in them.
 
 #![allow(clippy::unwrap_used)]
 
@@ -11,7 +11,7 @@ use cadet_core::town::{
     parking_spots,
 };
 
-/// Wider than bays for cars along the kerb.
+/// Wider than bays for cars along the curb.
 const DEEP_M: f64 = 4.0;
 /// A car of usual size.
 const CAR_M: (f64, f64) = (4.2, 1.75);

@@ -59,7 +59,7 @@ fn a_shell_without_materials_gets_panes_on_all_sides_and_keeps_its_pillars() {
     let (model, assumed) = VehicleModel::with_assumptions(&shell()).unwrap();
     assert_eq!(
         assumed.unwrap(),
-        "shell.obj: no materials: grey paint is assumed; glass is assumed where windows usually are, with seats behind it \
+        "shell.obj: no materials: gray paint is assumed; glass is assumed where windows usually are, with seats behind it \
          (materials.glass in assets.toml names panes, [] says that there are none)"
     );
     assert!((model.size_lwh - DVec3::new(4.2, 2.12, 1.5)).abs().max_element() < 1e-4, "{}", model.size_lwh);
@@ -68,13 +68,13 @@ fn a_shell_without_materials_gets_panes_on_all_sides_and_keeps_its_pillars() {
     assert!(bounds.min.z > 0.6 * 1.5 && bounds.max.z < 0.95 * 1.5, "{bounds:?}");
     assert!(bounds.max.y.abs() < 0.9 && bounds.min.y.abs() < 0.9, "mirrors stay: {bounds:?}");
     let steepest = |[a, b, c]: &[Vec3; 3]| (*b - *a).cross(*c - *a).normalize();
-    let towards = |axis: Vec3| panes.iter().filter(|f| steepest(f).dot(axis) > 0.5).count();
+    let toward = |axis: Vec3| panes.iter().filter(|f| steepest(f).dot(axis) > 0.5).count();
     for axis in [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y] {
-        assert!(towards(axis) > 0, "no pane towards {axis}");
+        assert!(toward(axis) > 0, "no pane toward {axis}");
     }
     // The cabin's walls are 0.6 m high and about 2.3 m and 1.5 m long.
     let walls_m2 = 2.0 * 0.6 * (2.35 + 1.5);
-    assert!((0.25..0.75).contains(&(area_m2 / walls_m2)), "{area_m2} of {walls_m2} square metres");
+    assert!((0.25..0.75).contains(&(area_m2 / walls_m2)), "{area_m2} of {walls_m2} square meters");
     // Between the two side windows stands a pillar, and at the windscreen's ends too.
     let sides = panes.iter().filter(|f| steepest(f).y > 0.5).flatten();
     let (rear, front): (Vec<f32>, Vec<f32>) = sides.map(|p| p.x).partition(|x| *x < -0.52);
@@ -148,6 +148,6 @@ fn other_peoples_meshes_get_panes_of_a_cars_size() {
         let (model, assumed) = VehicleModel::with_assumptions(&asset).unwrap();
         assert!(assumed.unwrap().contains("; glass is assumed"), "{name}");
         let (_, area_m2) = faces_of(&model, Material::is_glass);
-        assert!(glazed_m2.contains(&area_m2), "{name}: {area_m2} square metres of glass");
+        assert!(glazed_m2.contains(&area_m2), "{name}: {area_m2} square meters of glass");
     }
 }

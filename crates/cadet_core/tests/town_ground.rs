@@ -11,7 +11,7 @@ use cadet_core::town::{
     walkways,
 };
 
-const KERB_M: f64 = 0.12;
+const CURB_M: f64 = 0.12;
 
 fn hilly() -> SuburbConfig {
     SuburbConfig { hilly_share: 1.0, ..SuburbConfig::default() }
@@ -41,7 +41,7 @@ fn rough(network: &RoadNetwork) -> Ground {
 }
 
 #[test]
-fn lanes_lie_on_the_ground_and_pavements_a_kerb_above() {
+fn lanes_lie_on_the_ground_and_sidewalks_a_curb_above() {
     for (name, network) in towns() {
         let ground = rough(&network);
         let height = |p: DVec3| ground.height_at(p.x, p.y).unwrap();
@@ -52,14 +52,14 @@ fn lanes_lie_on_the_ground_and_pavements_a_kerb_above() {
                 assert!(ground.normal_at(p.x, p.y).unwrap().z > 0.99, "{name} {p}");
             }
         }
-        // Where a pavement lane is really pavement (junctions of some maps run lanes across each other).
+        // Where a sidewalk lane is really sidewalk (junctions of some maps run lanes across each other).
         let walks = network.lanes.iter().filter(|l| l.kind == LaneKind::Sidewalk && l.junction.is_none());
         let (mut on, mut all) = (0, 0);
         for p in walks.flat_map(|l| &l.center) {
             all += 1;
-            on += usize::from(ground.kind_at(p.x, p.y) == Some(GroundKind::Pavement));
+            on += usize::from(ground.kind_at(p.x, p.y) == Some(GroundKind::Sidewalk));
         }
-        // At the ends of deep bays the kerb swings by 5.5 m over 2.5 m, and pavements round these corners.
+        // At the ends of deep bays the curb swings by 5.5 m over 2.5 m, and sidewalks round these corners.
         assert!(f64::from(on as u32) > 0.98 * f64::from(all as u32), "{name}: {on} of {all}");
     }
 }
@@ -113,7 +113,7 @@ fn open_edges(ground: &Ground) -> (usize, usize) {
 }
 
 #[test]
-fn the_surface_has_no_holes_and_kerbs_close_its_steps() {
+fn the_surface_has_no_holes_and_curbs_close_its_steps() {
     for (name, network) in towns() {
         let ground = rough(&network);
         assert!(ground.faces.len() < 80_000, "{name}: {} faces", ground.faces.len());
@@ -130,7 +130,7 @@ fn the_surface_has_no_holes_and_kerbs_close_its_steps() {
 }
 
 #[test]
-fn a_kerb_is_a_step_of_its_height_along_the_whole_carriageway() {
+fn a_curb_is_a_step_of_its_height_along_the_whole_carriageway() {
     let network = generate_suburb(&StreamKey::scene(1), &hilly()).unwrap().network;
     let ground = rough(&network);
     let mut steps = 0;
@@ -142,9 +142,9 @@ fn a_kerb_is_a_step_of_its_height_along_the_whole_carriageway() {
             let (inner, outer) = (middle + left * 0.02, middle - left * 0.02);
             let (low, high) =
                 (ground.height_at(inner.x, inner.y).unwrap(), ground.height_at(outer.x, outer.y).unwrap());
-            assert!((high - low - KERB_M).abs() < 0.01, "step of {} at {middle}", high - low);
+            assert!((high - low - CURB_M).abs() < 0.01, "step of {} at {middle}", high - low);
             assert_eq!(ground.kind_at(inner.x, inner.y), Some(GroundKind::Road));
-            assert_eq!(ground.kind_at(outer.x, outer.y), Some(GroundKind::Pavement));
+            assert_eq!(ground.kind_at(outer.x, outer.y), Some(GroundKind::Sidewalk));
             steps += 1;
         }
     }
@@ -200,7 +200,7 @@ fn visible_tiles_are_the_surface_and_paint_lies_just_above() {
 }
 
 #[test]
-fn people_walk_on_pavements_and_parked_cars_leave_the_lanes_free() {
+fn people_walk_on_sidewalks_and_parked_cars_leave_the_lanes_free() {
     for (name, network) in towns() {
         let key = StreamKey::scene(0);
         let ground = rough(&network);
@@ -213,7 +213,7 @@ fn people_walk_on_pavements_and_parked_cars_leave_the_lanes_free() {
             assert_eq!(walk.center.first(), walk.center.last(), "{name}: a loop");
             for p in &walk.center {
                 all += 1;
-                on += usize::from(ground.kind_at(p.x, p.y) == Some(GroundKind::Pavement));
+                on += usize::from(ground.kind_at(p.x, p.y) == Some(GroundKind::Sidewalk));
                 assert!((ground.height_at(p.x, p.y).unwrap() - p.z).abs() < 1e-9);
             }
         }
@@ -300,7 +300,7 @@ fn streets_fall_to_one_side_by_2_to_2_5_percent_and_crossings_lie_level() {
             } else if lane.length_m() > 50.0 {
                 let slope = slope_at(lane, lane.length_m() / 2.0);
                 let (length_m, width_m) = (lane.length_m(), lane.width_at(lane.length_m() / 2.0));
-                // Beside kerbs the surface between two lanes' samples is a little flatter on wide streets.
+                // Beside curbs the surface between two lanes' samples is a little flatter on wide streets.
                 assert!((0.014..0.029).contains(&slope.abs()), "seed {seed}: {slope}, {length_m} m by {width_m} m");
                 (left, right) = (left + i32::from(slope > 0.0), right + i32::from(slope < 0.0));
             }

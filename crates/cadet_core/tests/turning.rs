@@ -46,7 +46,7 @@ fn points_of(scan: &Scan, spec: &LidarSpec, actor_id: i32) -> Vec<(f64, DVec3)> 
 }
 
 #[test]
-fn a_turn_is_centred_on_the_instant_and_goes_counter_clockwise() {
+fn a_turn_is_centered_on_the_instant_and_goes_counter_clockwise() {
     assert_eq!(firing_time_s(0.0), 0.0);
     assert!((firing_time_s(PI / 2.0) - TURN_S / 4.0).abs() < 1e-12, "left is later");
     assert!((firing_time_s(1.5 * PI) + TURN_S / 4.0).abs() < 1e-12, "right is earlier");

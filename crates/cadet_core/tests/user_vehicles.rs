@@ -10,7 +10,7 @@ use cadet_core::geometry::Bounds;
 use cadet_core::material::{Material, Semantic};
 use cadet_core::math::{DVec3, Vec3};
 use cadet_core::rng::{Stream, StreamKey};
-use cadet_core::town::{DressingConfig, SuburbConfig, Town};
+use cadet_core::town::{PropConfig, SuburbConfig, Town};
 use cadet_core::world::{TrafficConfig, World};
 use proptest::prelude::*;
 
@@ -29,7 +29,7 @@ fn block(obj: &mut String, num_blocks: &mut usize, material: &str, min: [f32; 3]
     }
 }
 
-/// A car in centimetres that looks along -y: 4.2 x 1.8 x 1.5 m, its axles 1.3 m before and 1.2 m behind the middle, a
+/// A car in centimeters that looks along -y: 4.2 x 1.8 x 1.5 m, its axles 1.3 m before and 1.2 m behind the middle, a
 /// cabin of panes with a seat inside. It floats 7 cm above the file's zero, beside its origin.
 fn car() -> VehicleAsset {
     let (mut obj, mut n) = ("mtllib car.mtl\n".to_owned(), 0);
@@ -73,7 +73,7 @@ fn assert_near(a: Vec3, b: Vec3) {
 }
 
 #[test]
-fn the_box_frame_is_centred_on_the_ground_with_the_front_forward() {
+fn the_box_frame_is_centered_on_the_ground_with_the_front_forward() {
     let model = VehicleModel::from_asset(&car()).unwrap();
     let bounds = model.body.select(0.0, 1.0).expect("near enough to be drawn").bounds;
     assert_near(bounds.min, Vec3::new(-2.1, -0.9, 0.0));
@@ -213,7 +213,7 @@ fn draws_keep_the_share_and_the_mix_of_classes() {
 
 fn street(share: f64, assets: &[VehicleAsset]) -> World {
     let key = StreamKey::scene(4);
-    let town = Town::suburb(&key, &SuburbConfig::default(), &DressingConfig::default()).unwrap();
+    let town = Town::suburb(&key, &SuburbConfig::default(), &PropConfig::default()).unwrap();
     let vehicles = UserVehicles::new(share, assets).unwrap();
     let mut world = World::new(Arc::new(town), key).unwrap().with_user_vehicles(vehicles);
     let config = TrafficConfig { num_cars: 8, num_pedestrians: 2, ..TrafficConfig::default() };
@@ -247,7 +247,7 @@ fn they_drive_and_park_among_the_others_and_none_changes_nothing() {
         for (x, y) in [(1.3, 0.75), (1.3, -0.75), (-1.2, 0.75), (-1.2, -0.75)] {
             let foot = actor.world_from_box.transform_point(DVec3::new(x, y, 0.0));
             let above_m = foot.z - world.ground_height(foot.x, foot.y).unwrap();
-            // Springs give under a car that brakes or turns; a kerb under one wheel tilts a parked one.
+            // Springs give under a car that brakes or turns; a curb under one wheel tilts a parked one.
             let limit_m = if actor.velocity_world.length() > 0.1 { 0.10 } else { 0.07 };
             assert!(above_m.abs() < limit_m, "{} {above_m} {}", actor.id, actor.velocity_world);
         }

@@ -4,11 +4,49 @@ use cadet_core::actor::ObjectClass;
 use cadet_core::assets::vehicle::{MaterialRules, Role, UserVehicles, VehicleAsset};
 use cadet_core::math::DVec3;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
 use crate::error::BorderError;
-use crate::fields::Fields;
 use crate::guard;
+
+/// A vehicle's mesh, not yet built.
+#[pyclass(frozen, from_py_object, module = "cadet._cadet")]
+#[derive(Clone)]
+pub(crate) struct VehicleMesh {
+    asset: VehicleAsset,
+}
+
+#[pymethods]
+impl VehicleMesh {
+    #[new]
+    #[pyo3(signature = (*, name, class_name, file, obj, libraries, scale, yaw_rad, y_up, size_lwh, materials))]
+    fn new(
+        name: String,
+        class_name: &str,
+        file: String,
+        obj: String,
+        libraries: Vec<(String, String)>,
+        scale: f64,
+        yaw_rad: f64,
+        y_up: bool,
+        size_lwh: Option<[f64; 3]>,
+        materials: Vec<(String, Vec<String>)>,
+    ) -> Result<Self, BorderError> {
+        let rules = materials.into_iter().map(|(role, patterns)| Ok((Role::from_name(&role)?, patterns)));
+        let asset = VehicleAsset {
+            name,
+            class: ObjectClass::from_name(class_name)?,
+            file,
+            obj,
+            libraries,
+            scale,
+            yaw_rad,
+            y_up,
+            size_lwh: size_lwh.map(DVec3::from_array),
+            rules: MaterialRules(rules.collect::<cadet_core::Result<_>>()?),
+        };
+        Ok(Self { asset })
+    }
+}
 
 /// Vehicles built from a user's meshes, shared by all scenes that have them.
 #[pyclass(module = "cadet._cadet", frozen)]
@@ -19,8 +57,8 @@ pub(crate) struct Assets {
 #[pymethods]
 impl Assets {
     #[new]
-    fn new(py: Python<'_>, share: f64, vehicles: Vec<Bound<'_, PyDict>>) -> PyResult<Self> {
-        let assets = vehicles.iter().map(vehicle).collect::<PyResult<Vec<_>>>()?;
+    fn new(py: Python<'_>, share: f64, vehicles: Vec<VehicleMesh>) -> PyResult<Self> {
+        let assets: Vec<VehicleAsset> = vehicles.into_iter().map(|vehicle| vehicle.asset).collect();
         let vehicles = guard::detached(py, || UserVehicles::new(share, &assets))?;
         Ok(Self { vehicles })
     }
@@ -35,24 +73,4 @@ impl Assets {
     fn assumptions(&self) -> Vec<String> {
         self.vehicles.assumptions().to_vec()
     }
-}
-
-fn vehicle(dict: &Bound<'_, PyDict>) -> PyResult<VehicleAsset> {
-    let mut fields = Fields::new("vehicle", dict)?;
-    let rules = fields.take::<Vec<(String, Vec<String>)>>("materials")?.into_iter();
-    let rules = rules.map(|(role, patterns)| Ok((Role::from_name(&role)?, patterns)));
-    let asset = VehicleAsset {
-        name: fields.take("name")?,
-        class: ObjectClass::from_name(&fields.take::<String>("class")?).map_err(BorderError::from)?,
-        file: fields.take("file")?,
-        obj: fields.take("obj")?,
-        libraries: fields.take("libraries")?,
-        scale: fields.take("scale")?,
-        yaw_rad: fields.take("yaw_rad")?,
-        y_up: fields.take("y_up")?,
-        size_lwh: fields.take::<Option<[f64; 3]>>("size_lwh")?.map(DVec3::from_array),
-        rules: MaterialRules(rules.collect::<Result<_, cadet_core::Error>>().map_err(BorderError::from)?),
-    };
-    fields.finish()?;
-    Ok(asset)
 }

@@ -16,36 +16,45 @@ pub(crate) enum Points<'py> {
     Double(PyReadonlyArray2<'py, f64>),
 }
 
-/// What the maps are: as in Python's `BevConfig`.
-#[derive(FromPyObject)]
-pub(crate) struct Settings {
-    #[pyo3(item)]
-    slice_maps: Vec<String>,
-    #[pyo3(item)]
-    cloud_maps: Vec<String>,
-    #[pyo3(item)]
-    num_slices: usize,
-    #[pyo3(item)]
-    height_m: [f64; 2],
-    #[pyo3(item)]
-    range_cam_m: [[f64; 2]; 3],
-    #[pyo3(item)]
-    cell_m: f64,
-    #[pyo3(item)]
-    height: String,
+/// What the maps are: `cadet.bev.BevConfig.to_native()`.
+#[pyclass(frozen, module = "cadet._cadet")]
+pub(crate) struct BevConfig {
+    spec: BevSpec,
 }
 
-impl Settings {
-    fn into_spec(self) -> Result<BevSpec> {
-        Ok(BevSpec {
-            slice_maps: self.slice_maps.iter().map(|n| feature(n)).collect::<Result<_>>()?,
-            cloud_maps: self.cloud_maps.iter().map(|n| feature(n)).collect::<Result<_>>()?,
-            num_slices: self.num_slices,
-            height_m: self.height_m,
-            range_cam_m: self.range_cam_m,
-            cell_m: self.cell_m,
-            height_rule: if self.height == "reference" { HeightRule::Reference } else { HeightRule::Max },
-        })
+#[pymethods]
+impl BevConfig {
+    #[new]
+    #[pyo3(signature = (*, slice_maps, cloud_maps, num_slices, height_m, range_cam_m, cell_m, height))]
+    fn new(
+        slice_maps: Vec<String>,
+        cloud_maps: Vec<String>,
+        num_slices: usize,
+        height_m: [f64; 2],
+        range_cam_m: [[f64; 2]; 3],
+        cell_m: f64,
+        height: &str,
+    ) -> std::result::Result<Self, BorderError> {
+        let features = |names: &[String]| names.iter().map(|n| feature(n)).collect::<Result<_>>();
+        let spec = BevSpec {
+            slice_maps: features(&slice_maps)?,
+            cloud_maps: features(&cloud_maps)?,
+            num_slices,
+            height_m,
+            range_cam_m,
+            cell_m,
+            height_rule: height_rule(height)?,
+        };
+        spec.check()?;
+        Ok(Self { spec })
+    }
+}
+
+fn height_rule(name: &str) -> Result<HeightRule> {
+    match name {
+        "max" => Ok(HeightRule::Max),
+        "reference" => Ok(HeightRule::Reference),
+        _ => Err(Error::Unknown { what: "height rule", name: name.to_owned(), known: "max, reference".to_owned() }),
     }
 }
 
@@ -64,16 +73,15 @@ fn feature(name: &str) -> Result<Feature> {
 
 /// Fills `out` (C, H, W), or a new array, with the maps of `points_cam`.
 #[pyfunction]
-#[pyo3(signature = (points_cam, plane, settings, out=None))]
+#[pyo3(signature = (points_cam, plane, config, out=None))]
 pub(crate) fn bev_maps<'py>(
     py: Python<'py>,
     points_cam: Points<'py>,
     plane: [f64; 4],
-    settings: Settings,
+    config: &BevConfig,
     out: Option<Bound<'py, PyArray3<f32>>>,
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {
-    let spec = settings.into_spec().map_err(BorderError::from)?;
-    spec.check().map_err(BorderError::from)?;
+    let spec = &config.spec;
     // A new array's zeros come from the system: only cells with points are ever touched.
     let is_new = out.is_none();
     let out = out.unwrap_or_else(|| PyArray3::zeros(py, spec.shape(), false));
@@ -91,14 +99,14 @@ pub(crate) fn bev_maps<'py>(
                 let points = points.as_array();
                 guard::detached(py, || {
                     clear(values);
-                    fill(&points, |v| f64::from(*v), plane, &spec, values)
+                    fill(&points, |v| f64::from(*v), plane, spec, values)
                 })?;
             }
             Points::Double(points) => {
                 let points = points.as_array();
                 guard::detached(py, || {
                     clear(values);
-                    fill(&points, |v| *v, plane, &spec, values)
+                    fill(&points, |v| *v, plane, spec, values)
                 })?;
             }
         }

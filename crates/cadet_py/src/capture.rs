@@ -15,6 +15,21 @@ use crate::guard;
 
 type Corners = (f64, f64, f64, f64);
 
+/// What is to be captured.
+#[pyclass(frozen, module = "cadet._cadet")]
+pub(crate) struct Request {
+    pub(crate) inner: core::Request,
+}
+
+#[pymethods]
+impl Request {
+    #[new]
+    #[pyo3(signature = (sample, *, maps, pixels, cameras, lidars))]
+    fn new(sample: u64, maps: bool, pixels: bool, cameras: Vec<usize>, lidars: Vec<usize>) -> Self {
+        Self { inner: core::Request { sample, with_maps: maps, with_pixels: pixels, cameras, lidars } }
+    }
+}
+
 /// Everything that was asked for at one instant.
 #[pyclass(frozen, module = "cadet._cadet")]
 pub(crate) struct Capture {
@@ -44,7 +59,7 @@ pub(crate) struct Sighting {
     actor_id: i32,
     class_name: &'static str,
     model: String,
-    is_labelled: bool,
+    is_labeled: bool,
     truncation: f64,
     occlusion_level: u8,
     observation_angle: f64,
@@ -67,7 +82,7 @@ impl From<&CoreSighting> for Sighting {
             actor_id: s.actor_id,
             class_name: s.class.kitti_name(),
             model: s.model.clone(),
-            is_labelled: s.is_labelled,
+            is_labeled: s.is_labeled,
             truncation: s.truncation,
             occlusion_level: s.occlusion_level,
             observation_angle: s.observation_angle,

@@ -2,11 +2,11 @@
 
 mod arrays;
 mod assets;
+mod beam_table;
 mod bev;
 mod capture;
 mod error;
 mod evaluate;
-mod fields;
 mod ground_plane;
 mod guard;
 mod image;
@@ -31,8 +31,16 @@ fn _cadet(module: &Bound<'_, PyModule>) -> PyResult<()> {
     guard::note_panics();
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<assets::Assets>()?;
+    module.add_class::<assets::VehicleMesh>()?;
+    module.add_class::<beam_table::BeamTable>()?;
+    module.add_class::<beam_table::EncoderFiring>()?;
+    module.add_class::<beam_table::Laser>()?;
+    module.add_class::<beam_table::ListedFiring>()?;
+    module.add_class::<beam_table::UniformFiring>()?;
+    module.add_class::<bev::BevConfig>()?;
     module.add_class::<capture::Agent>()?;
     module.add_class::<capture::Capture>()?;
+    module.add_class::<capture::Request>()?;
     module.add_class::<capture::Sighting>()?;
     module.add_class::<lidar::Lidar>()?;
     module.add_class::<rig::Camera>()?;
@@ -40,7 +48,9 @@ fn _cadet(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<rig::Rig>()?;
     module.add_class::<scene::Scene>()?;
     module.add_class::<settings::LabelConfig>()?;
+    module.add_class::<settings::PropConfig>()?;
     module.add_class::<settings::SceneConfig>()?;
+    module.add_class::<settings::SuburbConfig>()?;
     module.add_function(wrap_pyfunction!(bev::bev_maps, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::evaluate, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::box_iou, module)?)?;

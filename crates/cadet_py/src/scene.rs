@@ -5,7 +5,7 @@ use std::sync::{Mutex, TryLockError};
 use cadet_core::actor::ObjectClass;
 use cadet_core::lidar::Scan;
 use cadet_core::rng::StreamKey;
-use cadet_core::scene::{self as core, Request};
+use cadet_core::scene as core;
 use cadet_core::weather::Weather;
 use cadet_core::world::{Course, ModelChoice, Overlap, Waypoint};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
@@ -14,7 +14,7 @@ use pyo3::types::PyDict;
 
 use crate::arrays;
 use crate::assets::Assets;
-use crate::capture::{Capture, scan_to_dict};
+use crate::capture::{Capture, Request, scan_to_dict};
 use crate::error::BorderError;
 use crate::guard;
 use crate::lidar::Lidar;
@@ -151,32 +151,12 @@ impl Scene {
         self.with(py, |scene| scene.drive(distance_m, blocked_s))
     }
 
-    #[pyo3(signature = (sample, *, maps, pixels, cameras, lidars))]
-    fn capture(
-        &self,
-        py: Python<'_>,
-        sample: u64,
-        maps: bool,
-        pixels: bool,
-        cameras: Vec<usize>,
-        lidars: Vec<usize>,
-    ) -> Result<Capture, BorderError> {
-        let request = Request { sample, with_maps: maps, with_pixels: pixels, cameras, lidars };
-        self.with(py, |scene| Ok(Capture::new(scene.capture(&request)?, scene)))
+    fn capture(&self, py: Python<'_>, request: &Request) -> Result<Capture, BorderError> {
+        self.with(py, |scene| Ok(Capture::new(scene.capture(&request.inner)?, scene)))
     }
 
-    #[pyo3(signature = (sample, *, maps, pixels, cameras, lidars))]
-    fn capture_labelled(
-        &self,
-        py: Python<'_>,
-        sample: u64,
-        maps: bool,
-        pixels: bool,
-        cameras: Vec<usize>,
-        lidars: Vec<usize>,
-    ) -> Result<Option<Capture>, BorderError> {
-        let request = Request { sample, with_maps: maps, with_pixels: pixels, cameras, lidars };
-        self.with(py, |scene| Ok(scene.capture_labelled(&request)?.map(|frame| Capture::new(frame, scene))))
+    fn capture_labeled(&self, py: Python<'_>, request: &Request) -> Result<Option<Capture>, BorderError> {
+        self.with(py, |scene| Ok(scene.capture_labeled(&request.inner)?.map(|frame| Capture::new(frame, scene))))
     }
 
     #[pyo3(signature = (lidar, ideal, sample))]

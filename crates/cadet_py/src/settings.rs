@@ -1,16 +1,24 @@
 //! A scene's numbers: `cadet.SceneConfig.to_native()`.
 
 use cadet_core::actor::ObjectClass;
+use cadet_core::assets::vehicle::UserVehicles;
 use cadet_core::label::{Boxes, LabelConfig as CoreLabelConfig, OcclusionMethod};
 use cadet_core::scene::SceneConfig as CoreSceneConfig;
+use cadet_core::settings::Setting;
+use cadet_core::town::{PropConfig as CorePropConfig, SuburbConfig as CoreSuburbConfig};
+use cadet_core::weather::Sun;
 use cadet_core::world::TrafficConfig;
 use pyo3::prelude::*;
 
 use crate::assets::Assets;
 use crate::error::{BorderError, CadetError};
 
-/// A number's default, least and greatest value, and whether it counts.
-type Limits = (f64, f64, f64, bool);
+/// A field's defaults (none where it is drawn), least and greatest value, and whether it counts.
+type Limits = (Vec<f64>, f64, f64, bool);
+
+fn limits(settings: Vec<Setting>) -> Vec<(&'static str, Limits)> {
+    settings.into_iter().map(|s| (s.name, (s.default, s.least, s.most, s.is_whole))).collect()
+}
 
 /// What gets a label.
 #[pyclass(frozen, from_py_object, module = "cadet._cadet")]
@@ -67,55 +75,134 @@ impl LabelConfig {
     /// Of every number by name: the only statement of them.
     #[staticmethod]
     fn settings() -> Vec<(&'static str, Limits)> {
-        let of = |s: &cadet_core::label::Setting| (s.name, (s.default, s.least, s.most, s.is_whole));
-        CoreLabelConfig::SETTINGS.iter().map(of).collect()
-    }
-
-    /// The default of `occlusion_levels`.
-    #[staticmethod]
-    fn default_occlusion_levels() -> (f64, f64) {
-        CoreLabelConfig::OCCLUSION_LEVELS.into()
+        limits(CoreLabelConfig::settings())
     }
 }
 
-/// How full a scene is, and what gets a label.
+/// What kind of suburb is generated.
+#[pyclass(frozen, from_py_object, module = "cadet._cadet")]
+#[derive(Clone)]
+pub(crate) struct SuburbConfig {
+    config: CoreSuburbConfig,
+}
+
+#[pymethods]
+impl SuburbConfig {
+    #[new]
+    #[pyo3(signature = (*, blocks, block_m, parking_share, angled_share, hilly_share, max_slope))]
+    fn new(
+        blocks: (usize, usize),
+        block_m: (f64, f64),
+        parking_share: f64,
+        angled_share: f64,
+        hilly_share: f64,
+        max_slope: f64,
+    ) -> Result<Self, BorderError> {
+        let config = CoreSuburbConfig { blocks, block_m, parking_share, angled_share, hilly_share, max_slope };
+        config.check()?;
+        Ok(Self { config })
+    }
+
+    /// Of every number by name.
+    #[staticmethod]
+    fn settings() -> Vec<(&'static str, Limits)> {
+        limits(CoreSuburbConfig::settings())
+    }
+}
+
+/// Houses, gardens, and trees along the streets.
+#[pyclass(frozen, from_py_object, module = "cadet._cadet")]
+#[derive(Clone)]
+pub(crate) struct PropConfig {
+    config: CorePropConfig,
+}
+
+#[pymethods]
+impl PropConfig {
+    #[new]
+    #[pyo3(signature = (*, house_shares, greenery, belt_m))]
+    fn new(house_shares: [f64; 6], greenery: f64, belt_m: f64) -> Result<Self, BorderError> {
+        let config = CorePropConfig { house_shares, greenery, belt_m };
+        config.check()?;
+        Ok(Self { config })
+    }
+
+    /// Of every number by name.
+    #[staticmethod]
+    fn settings() -> Vec<(&'static str, Limits)> {
+        limits(CorePropConfig::settings())
+    }
+}
+
+/// How full a scene is, what stands in it, where its sun is, and what gets a label.
 #[pyclass(frozen, module = "cadet._cadet")]
 pub(crate) struct SceneConfig {
-    traffic: TrafficConfig,
-    label: CoreLabelConfig,
+    /// All but the user's vehicles.
+    config: CoreSceneConfig,
 }
 
 #[pymethods]
 impl SceneConfig {
     #[new]
-    #[pyo3(signature = (*, num_cars, num_pedestrians, parking_occupancy, vehicle_classes, label))]
+    #[pyo3(signature = (
+        *, num_cars, num_pedestrians, parking_occupancy, car_radius_m, pedestrian_radius_m, parking_radius_m,
+        vehicle_classes, suburb, props, sun_elevation_deg, sun_azimuth_deg, label
+    ))]
     fn new(
         num_cars: usize,
         num_pedestrians: usize,
         parking_occupancy: f64,
+        car_radius_m: f64,
+        pedestrian_radius_m: f64,
+        parking_radius_m: f64,
         vehicle_classes: Vec<String>,
+        suburb: SuburbConfig,
+        props: PropConfig,
+        sun_elevation_deg: Option<f64>,
+        sun_azimuth_deg: Option<f64>,
         label: LabelConfig,
     ) -> Result<Self, BorderError> {
         let classes = vehicle_classes.iter().map(|name| ObjectClass::from_name(name));
         let traffic = TrafficConfig {
+            vehicle_classes: classes.collect::<Result<_, _>>()?,
             num_cars,
             num_pedestrians,
             parking_occupancy,
-            vehicle_classes: classes.collect::<Result<_, _>>()?,
-            ..TrafficConfig::default()
+            car_radius_m,
+            pedestrian_radius_m,
+            parking_radius_m,
         };
-        Ok(Self { traffic, label: label.config })
+        traffic.check()?;
+        let sun = Sun { elevation_deg: sun_elevation_deg, azimuth_deg: sun_azimuth_deg };
+        sun.check()?;
+        let config = CoreSceneConfig {
+            suburb: suburb.config,
+            props: props.config,
+            traffic,
+            label: label.config,
+            user_vehicles: UserVehicles::default(),
+            sun,
+        };
+        Ok(Self { config })
+    }
+
+    /// Of every number by name.
+    #[staticmethod]
+    fn settings() -> Vec<(&'static str, Limits)> {
+        limits([TrafficConfig::settings(), Sun::settings()].concat())
+    }
+
+    /// The classes of vehicles that may drive and park.
+    #[staticmethod]
+    fn vehicle_classes() -> Vec<&'static str> {
+        TrafficConfig::VEHICLE_CLASSES.iter().map(|class| class.kitti_name()).collect()
     }
 }
 
 impl SceneConfig {
     /// The core's, with the user's vehicles.
     pub(crate) fn with(&self, assets: Option<&Assets>) -> CoreSceneConfig {
-        CoreSceneConfig {
-            traffic: self.traffic.clone(),
-            label: self.label.clone(),
-            user_vehicles: assets.map_or_else(Default::default, |a| a.vehicles.clone()),
-            ..CoreSceneConfig::default()
-        }
+        let user_vehicles = assets.map_or_else(UserVehicles::default, |a| a.vehicles.clone());
+        CoreSceneConfig { user_vehicles, ..self.config.clone() }
     }
 }

@@ -107,7 +107,7 @@ def resolve_split(name: str | None) -> str | None:
 
 @contextmanager
 def progress(total: int, text: str, unit: str = "frames") -> Iterator[Callable[[int, str], None]]:
-    """Show a bar on a terminal and print lines elsewhere; yields what hears how many are done, and a note on the last.
+    """Show a bar on a terminal and print lines elsewhere; yields a callback that takes the count done and a note.
 
     What the first call counts beyond 1 was done before, by the training that is resumed.
     """

@@ -1,1 +1,1 @@
-"""From KITTI folders to what the network takes; everything is made on the fly."""
+"""From KITTI folders to the network's inputs, all computed on the fly."""

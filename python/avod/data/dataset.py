@@ -1,4 +1,4 @@
-"""KITTI folders, real or ours, as samples."""
+"""KITTI folders, real or generated, as samples."""
 
 from __future__ import annotations
 

@@ -39,8 +39,8 @@ def resize_bilinear(image: NDArray[np.uint8], size: tuple[int, int]) -> NDArray[
 
     Reference: tf.image.resize_bilinear of TensorFlow 1 with align_corners=False, that is without half-pixel centers.
     """
-    top, bottom, row_share = _neighbours(image.shape[0], size[1])
-    left, right, column_share = _neighbours(image.shape[1], size[0])
+    top, bottom, row_share = _neighbors(image.shape[0], size[1])
+    left, right, column_share = _neighbors(image.shape[1], size[0])
     pixels = image.astype(np.float32)
     rows = pixels[top] + (pixels[bottom] - pixels[top]) * row_share[:, None, None]
     before = rows[:, left]
@@ -74,7 +74,7 @@ def jitter_colors(image: NDArray[np.uint8], rng: np.random.Generator) -> NDArray
     return np.asarray(cv2.LUT(image, table[None]), np.uint8)
 
 
-def _neighbours(num_source: int, num_target: int) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.float32]]:
+def _neighbors(num_source: int, num_target: int) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.float32]]:
     position = np.arange(num_target, dtype=np.float32) * np.float32(num_source / num_target)
     low = np.minimum(np.floor(position).astype(np.intp), num_source - 1)
     return low, np.minimum(low + 1, num_source - 1), position - low.astype(np.float32)

@@ -1,4 +1,4 @@
-"""Left and right changed for each other: every function is its own inverse."""
+"""Left and right exchanged: every function is its own inverse."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def mirror_points(points_cam: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def mirror_plane(plane: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Mirror the ground plane (4,). Anchors made on it stand on the mirrored ground and need no mirroring more."""
+    """Mirror the ground plane (4,). Anchors made on it stand on the mirrored ground and need no further mirroring."""
     mirrored: NDArray[np.float64] = plane * np.array([-1.0, 1.0, 1.0, 1.0])
     return mirrored
 

@@ -1,4 +1,4 @@
-"""What the network takes of one frame."""
+"""The network's inputs for one frame."""
 
 from __future__ import annotations
 

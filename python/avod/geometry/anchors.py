@@ -90,8 +90,8 @@ def occupied_anchors(
 ) -> NDArray[np.bool_]:
     """Tell which anchors stand over enough occupied cells.
 
-    A summed-area table answers each anchor in four look-ups. An anchor covers the cells from that of its lower corner
-    up to, but without, that of its upper corner; corners are float32 and truncate toward zero, as in AVOD, so the keep
+    A summed-area table gives a count in four look-ups. An anchor covers the cells from that of its lower corner up to,
+    but without, that of its upper corner; corners are float32 and truncate toward zero, as in AVOD, so the keep
     masks agree to the last anchor.
 
     Args:

@@ -31,7 +31,7 @@ _HEIGHT_SCALE = 2.0
 
 @dataclass(frozen=True, eq=False)
 class FrameOutputs:
-    """What the network says about one frame, N anchors and P proposals.
+    """The network's outputs for one frame, N anchors and P proposals.
 
     Attributes:
         anchor_logits: (N, 2) of background and object.

@@ -27,7 +27,7 @@ def draw_masks(config: PathDropConfig, generator: torch.Generator) -> tuple[floa
 
 
 def detection_masks(config: PathDropConfig) -> tuple[float, float]:
-    """Return what detection sees: both modalities, but for one that training never kept."""
+    """Return what detection sees: both modalities, except one that training never kept."""
     image, bev = float(config.keep_image > 0.0), float(config.keep_bev > 0.0)
     return (image, bev) if image + bev > 0.0 else (1.0, 1.0)
 

@@ -26,8 +26,8 @@ def crop_and_resize(features: Tensor, boxes: Tensor, size: int) -> Tensor:
     Reference: tf.image.crop_and_resize, method "bilinear", extrapolation_value 0.
     """
     channels, height, width = features.shape
-    rows, row_weights = _neighbours(boxes[:, 0], boxes[:, 2], height, size)
-    columns, column_weights = _neighbours(boxes[:, 1], boxes[:, 3], width, size)
+    rows, row_weights = _neighbors(boxes[:, 0], boxes[:, 2], height, size)
+    columns, column_weights = _neighbors(boxes[:, 1], boxes[:, 3], width, size)
     indices = rows[:, :, None, :, None] * width + columns[:, None, :, None, :]
     weights = row_weights[:, :, None, :, None] * column_weights[:, None, :, None, :]
     # Pixels are the rows of an embedding; a sample is the weighted sum of its four neighbors.
@@ -38,7 +38,7 @@ def crop_and_resize(features: Tensor, boxes: Tensor, size: int) -> Tensor:
     return samples.reshape(len(boxes), size, size, channels).permute(0, 3, 1, 2)
 
 
-def _neighbours(low: Tensor, high: Tensor, num_pixels: int, size: int) -> tuple[Tensor, Tensor]:
+def _neighbors(low: Tensor, high: Tensor, num_pixels: int, size: int) -> tuple[Tensor, Tensor]:
     """Find the two pixels beside each sample of an axis: (N, size, 2) indices and weights, 0 for samples outside."""
     steps = torch.arange(size, dtype=low.dtype, device=low.device)
     last = num_pixels - 1

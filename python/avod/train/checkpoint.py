@@ -144,7 +144,7 @@ def trained_network(checkpoint: Checkpoint) -> AvodNetwork:
 
 
 def load_network(checkpoint: Checkpoint, network: AvodNetwork) -> None:
-    """Take a checkpoint's weights over.
+    """Load a checkpoint's weights.
 
     Raises:
         MissingFileError: no weights there.
@@ -160,7 +160,7 @@ def load_network(checkpoint: Checkpoint, network: AvodNetwork) -> None:
 
 
 def load_optimizer(checkpoint: Checkpoint, network: nn.Module, optimizer: torch.optim.Optimizer) -> None:
-    """Take a checkpoint's averages of gradients over.
+    """Load a checkpoint's averages of gradients.
 
     Raises:
         MissingFileError: the checkpoint has none, so nothing can go on from it.

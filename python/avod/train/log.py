@@ -46,7 +46,7 @@ class TrainingLog:
         self._board = _board(folder) if has_tensorboard else None
 
     def on_step(self, step: int, losses: Mapping[str, Tensor], rate: float, *, is_last: bool = False) -> None:
-        """Hear of a step's losses; `step` is how many steps are done, the last one's row is written in any case."""
+        """Record a step's losses; `step` is how many steps are done, the last one's row is written in any case."""
         for name in TERMS:
             self._sums[name] = self._sums.get(name, 0.0) + float(losses[name])
         self._count += 1

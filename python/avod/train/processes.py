@@ -12,7 +12,7 @@ from torch.nn.parallel import DistributedDataParallel
 
 @dataclass(frozen=True)
 class Processes:
-    """This process among its fellows.
+    """This process among the others of a training.
 
     Attributes:
         rank: this process, from 0.

@@ -33,7 +33,7 @@ OnStep = Callable[[int, dict[str, Tensor]], None]
 
 @dataclass(frozen=True, kw_only=True)
 class Run:
-    """What a training is told besides its configuration.
+    """The settings of a training besides its configuration.
 
     Attributes:
         data: a KITTI folder.

@@ -1,6 +1,6 @@
 """The one place where errors end: a line on stderr and an exit code.
 
-An error that nobody foresaw ends here too, in one line that asks for a report. `CADET_TRACEBACK=1` shows where any
+An unexpected error ends here too, in one line that asks for a report. `CADET_TRACEBACK=1` shows where any
 error came from.
 """
 

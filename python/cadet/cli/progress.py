@@ -13,7 +13,7 @@ _SECONDS_BETWEEN_LINES = 10.0
 
 
 class Reporter(Protocol):
-    """Hears of each frame, or whatever is counted."""
+    """Is called for each frame, or whatever is counted."""
 
     def __enter__(self) -> Reporter:
         """Begin."""

@@ -1,4 +1,4 @@
-"""Signals that end a command: all of them as Ctrl-C does, with a word and nothing half-written."""
+"""Signals that end a command: all of them as Ctrl-C does, with one line and no file half-written."""
 
 from __future__ import annotations
 

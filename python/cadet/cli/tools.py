@@ -1,4 +1,4 @@
-"""`cadet`: looks at datasets and results, ours or KITTI's."""
+"""`cadet`: shows, checks, and evaluates datasets, generated or real."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _FINDINGS_SHOWN = 50
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(_cadet.__version__, prog_name="cadet")
 def cadet() -> None:
-    """Look at KITTI-format datasets, made up or real. `cadet-gen` writes them."""
+    """Show, check, and evaluate datasets in KITTI's format, generated or real."""
 
 
 @cadet.command()

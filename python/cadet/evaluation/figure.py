@@ -1,4 +1,4 @@
-"""Precision over recall, drawn: a row for each class, a column for each metric, a line for each level."""
+"""Plots of precision over recall: a row for each class, a column for each metric, a line for each level."""
 
 from __future__ import annotations
 

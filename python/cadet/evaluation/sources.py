@@ -58,16 +58,16 @@ def choose(gt: GroundTruthSource, det: DetectionSource, split: Split | None, fra
     truths = _folder(gt, "label_2", holder) if isinstance(gt, str | Path) else _by_id(gt, "gt")
     detections = _folder(det, "data") if isinstance(det, str | Path) else _by_id(det, "det")
     _check_pairing(gt, det)
-    labelled, found = _ids(truths), set(_ids(detections))
+    labeled, found = _ids(truths), set(_ids(detections))
     if split is not None:
         known = _split_ids(split, truths if isinstance(truths, Path) else None)
     else:
         # A frame with results but no ground truth is an error, so it must not be left out here.
-        known = tuple(sorted(found.union(labelled)))
+        known = tuple(sorted(found.union(labeled)))
     ids = known if frames == "all" else tuple(frame_id for frame_id in known if frame_id in found)
     if not ids:
         raise MissingFileError(f"{_name(det if known else gt)}: no frames: expected files such as 000000.txt")
-    _check_labelled(ids, set(labelled), gt)
+    _check_labeled(ids, set(labeled), gt)
     results = [frame_id if frame_id in found else None for frame_id in ids]
     return Chosen(
         truths=_side(truths, ids, GroundTruth),
@@ -135,9 +135,9 @@ def _split_ids(split: Split, truths: Path | None) -> tuple[str, ...]:
     return tuple(dict.fromkeys(ids))
 
 
-def _check_labelled(ids: Iterable[str], labelled: set[str], gt: object) -> None:
+def _check_labeled(ids: Iterable[str], labeled: set[str], gt: object) -> None:
     for frame_id in ids:
-        if frame_id not in labelled:
+        if frame_id not in labeled:
             raise MissingFileError(f"{_name(gt)}: frame {frame_id} has no ground truth")
 
 

@@ -1,6 +1,6 @@
-"""One sample's files in a dataset: written so that a kill at any moment leaves it whole or recognisably not.
+"""One sample's files in a dataset: written so that a kill at any moment leaves it whole or recognizably incomplete.
 
-The record is written last and carries the hashes of its fellows, so a sample is whole if its record is there and every
+The record is written last and carries the hashes of the others, so a sample is whole if its record is there and every
 hash fits.
 """
 

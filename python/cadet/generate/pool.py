@@ -1,4 +1,4 @@
-"""Hands episodes to worker processes and hears of their frames."""
+"""Hands episodes to worker processes and collects reports of their frames."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class WorkerError(CadetError):
 
 @contextlib.contextmanager
 def interrupts_held() -> Iterator[None]:
-    """Hold Ctrl-C back while processes start: they are born deaf to it, and the parent answers it afterwards."""
+    """Hold Ctrl-C back while processes start: they ignore it from their start, and the parent handles it afterwards."""
     # Its own start would let interrupts through.
     resource_tracker.ensure_running()
     held: list[int] = []
@@ -55,7 +55,7 @@ class Pool:
         settings: what to make.
         num_workers: processes.
         num_threads: threads of the core in each.
-        on_silence: called with a line about a worker that has not been heard of for `SILENCE_S`, again after as long.
+        on_silence: called with a line about a worker that has sent nothing for `SILENCE_S`, repeated after as long.
     """
 
     def __init__(
@@ -84,7 +84,7 @@ class Pool:
         """Yield as frames get written or are found whole, until all are.
 
         Raises:
-            CadetError: a worker met what the user can mend.
+            CadetError: a worker met what the user can fix.
             WorkerError: a worker died or met a bug.
         """
         for conn in list(self._processes):
@@ -97,7 +97,7 @@ class Pool:
             self._name_silent()
 
     def close(self) -> None:
-        """End the workers: at rest ones leave, busy ones are stopped."""
+        """End the workers: idle ones exit, busy ones are stopped."""
         for conn, process in self._processes.items():
             if conn in self._working_on:
                 process.terminate()

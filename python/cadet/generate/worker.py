@@ -35,7 +35,7 @@ class Failed:
     message: str
     """One line."""
     is_users: bool
-    """Whether the user can mend it: settings, disk. Otherwise it is a bug of ours."""
+    """Whether the user can fix it: settings, disk. Otherwise it is a bug of ours."""
 
 
 def make_episode(sink: Sink, settings: Settings, episode: int, conn: Connection) -> None:

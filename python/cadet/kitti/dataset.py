@@ -36,7 +36,7 @@ from cadet.plain_text import json_from_text
 
 
 def read_frame(root: str | Path, frame_id: str | int) -> Frame:
-    """Read one frame of a KITTI folder, real or ours.
+    """Read one frame of a KITTI folder, real or generated.
 
     Args:
         root: the folder that holds `training`, or one that holds `calib` and its fellows itself.

@@ -50,7 +50,7 @@ def check_id(frame_id: str | int) -> str:
 
 
 def sample_folder(root: str | Path) -> Path:
-    """Find the folder that holds `calib` and its fellows: `root/training`, or `root` itself.
+    """Find the folder that holds `calib` and the other folders: `root/training`, or `root` itself.
 
     Raises:
         MissingFileError: neither is a KITTI folder.

@@ -46,7 +46,7 @@ def calibration_of(rig: Rig) -> Calibration:
 
 def labels_of(sample: Sample) -> tuple[Label, ...]:
     """Return the lines of a sample's label file: objects, then a DontCare region for what is seen without a label."""
-    return tuple(_label(seen) if seen.is_labelled else _dont_care(seen) for seen in sample.sightings)
+    return tuple(_label(seen) if seen.is_labeled else _dont_care(seen) for seen in sample.sightings)
 
 
 def meta_of(sample: Sample) -> dict[str, Any]:
@@ -68,9 +68,9 @@ def meta_of(sample: Sample) -> dict[str, Any]:
 
 
 def move_off_zero_depth(points_velo: NDArray[np.float32], calib: Calibration) -> NDArray[np.float32]:
-    """Round points with z = 0 in the cam frame to the next millimetre outwards: other programs divide by z.
+    """Round points with z = 0 in the cam frame to the next millimeter outwards: other programs divide by z.
 
-    Coordinates are whole millimetres, so with LIDAR and camera in one point every point whose x rounds to 0 has no
+    Coordinates are whole millimeters, so with LIDAR and camera in one point every point whose x rounds to 0 has no
     depth; `Rig.cadet()` has two columns of such beams, to the left and to the right.
 
     Args:
@@ -85,8 +85,8 @@ def move_off_zero_depth(points_velo: NDArray[np.float32], calib: Calibration) ->
         return points_velo
     axis = int(np.argmax(np.abs(calib.cam_from_velo[2, :3])))
     moved = points_velo.copy()
-    millimetres = np.rint(moved[is_zero, axis].astype(np.float64) * 1e3)
-    moved[is_zero, axis] = (millimetres + np.where(millimetres < 0.0, -1.0, 1.0)) / 1e3
+    millimeters = np.rint(moved[is_zero, axis].astype(np.float64) * 1e3)
+    moved[is_zero, axis] = (millimeters + np.where(millimeters < 0.0, -1.0, 1.0)) / 1e3
     return moved
 
 

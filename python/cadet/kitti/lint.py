@@ -31,7 +31,7 @@ _XYZ: Final = 3
 def lint(root: str | Path, *, strict: bool | None = None) -> list[Finding]:
     """Check every frame of a KITTI folder: files, formats, and each field against its definition.
 
-    Whatever the files hold, and whether or not they can be read, the answer is a list.
+    Whatever the files hold, and whether or not they can be read, the result is a list.
 
     Args:
         root: the folder that holds `training`, `testing` and `ImageSets`.
@@ -167,7 +167,7 @@ class _FrameLint:
             self._add("velodyne", None, f"intensity {intensity.min():.3f}..{intensity.max():.3f}, expected 0..1")
         range_m = np.linalg.norm(points_velo[:, :3].astype(np.float64), axis=1)
         low, high = self.scan_range_m if self.strict else (0.0, max(_LOOSE_RANGE_M, self.scan_range_m[1]))
-        # Rounding x, y and z to millimetres moves a point by up to 0.9 mm.
+        # Rounding x, y and z to millimeters moves a point by up to 0.9 mm.
         num_outside = int(((range_m < low - _MM) | (range_m > high + _MM)).sum())
         if num_outside:
             message = f"{num_outside} points with range outside {low}..{high} m (smallest {range_m.min():.3f}, "

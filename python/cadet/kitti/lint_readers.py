@@ -52,5 +52,5 @@ def lint_depths(points_velo: NDArray[np.float32], calib: Calibration, soft: Seve
     """Yield a problem if a point's depth is 0."""
     num_zero = int(is_at_zero_depth(points_velo, calib).sum())
     if num_zero:
-        limit = f"within {ZERO_DEPTH_M * 1e6:g} micrometres"
+        limit = f"within {ZERO_DEPTH_M * 1e6:g} micrometers"
         yield Problem(None, f"{num_zero} points with z = 0 in the cam frame ({limit}): OpenPCDet divides by it", soft)

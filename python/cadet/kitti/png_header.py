@@ -1,4 +1,4 @@
-"""What a PNG file says of itself, looked at before a decoder makes room for it."""
+"""The header of a PNG file, checked before a decoder allocates memory for the image."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _FRAME: Final = 12
 def check_png(data: bytes, file: str) -> None:
     """Refuse what is no PNG file, is cut off, or has more than `MAX_PIXELS`.
 
-    Every chunk must lie in the file with the length that it states: decoders make room for what is stated.
+    Every chunk must lie in the file with the length that it states: decoders allocate what is stated.
 
     Raises:
         KittiFormatError: naming the file and the reason.

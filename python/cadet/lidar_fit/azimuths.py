@@ -20,7 +20,7 @@ from cadet.lidar_fit.scans import Points
 
 _BINS: Final = 1 << 17
 _FAR_M: Final = 8.0
-"""Nearer points' azimuths are blurred by millimetres and by what the lasers stand beside the axis; rings that see
+"""Nearer points' azimuths are blurred by millimeters and by what the lasers stand beside the axis; rings that see
 nothing farther are told by their farther half."""
 _FEWEST_STEPS, _MOST_STEPS = 90, 20_000
 _COHERENT: Final = 0.25

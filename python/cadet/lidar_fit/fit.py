@@ -103,7 +103,7 @@ class LidarFit:
         hidden = sum(b - a for ring in self.rings for a, b in ring.laser.blind_deg) / (3.6 * len(self.rings))
         if hidden > 0.0:
             lines.append(f"What carries the sensor hides {hidden:.1f} % of its beams.")
-        lines.append("The gains follow the shares of zero intensities, ring against neighbouring rings.")
+        lines.append("The gains follow the shares of zero intensities, ring against neighboring rings.")
         return lines
 
 

@@ -13,7 +13,7 @@ from cadet.lidar_fit.scans import Points
 _TRIALS: Final = 96
 _SUBSAMPLE: Final = 500
 _LEAST_SCALE_M: Final = 0.0005
-"""Files with whole millimetres are no sharper."""
+"""Files with whole millimeters are no sharper."""
 OUTLIER_M: Final = 0.005
 
 

@@ -1,6 +1,6 @@
 """Lasers of points in no order: line after line is looked for among the points that are left.
 
-What tells a laser from a patch of ground is its reach: near and far, its points lie within a millimetre of one line.
+What tells a laser from a patch of ground is its reach: near and far, its points lie within a millimeter of one line.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ def _best_of_many(left: Points, lines: list[Line], generator: np.random.Generato
 
 
 def _height_limits(lines: list[Line]) -> tuple[float, float]:
-    """Lasers of one sensor leave its axis within some centimetres."""
+    """Lasers of one sensor leave its axis within some centimeters."""
     if len(lines) < 3:
         return -_HIGHEST_M, _HIGHEST_M
     heights = sorted(line.height_m for line in lines)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
@@ -86,9 +87,10 @@ class NuscenesExporter:
         # nuScenes' ego frame begins under the rear axle.
         shift = np.eye(4)
         shift[:3, 3] = rig.origin_in_ego_m
+        origin_from_ego = inverse(shift)
         sensors = {}
         for name in (*sample.image_names, *sample.scan_names):
-            pose = product(inverse(shift), rig.ego_from_sensor(name))
+            pose = product(origin_from_ego, rig.ego_from_sensor(name))
             sensor = rig.sensor(name)
             intrinsic = []
             if isinstance(sensor, Camera):
@@ -150,7 +152,8 @@ def _objects(sample: Sample) -> Iterator[dict[str, Any]]:
     here = sample.world_from_ego[:3, 3]
     for agent in sample.agents:
         num_points = int(counts[agent.id]) if agent.id < len(counts) else 0
-        distance_m = float(np.linalg.norm(agent.world_from_agent[:3, 3] - here))
+        x, y, z = (agent.world_from_agent[:3, 3] - here).tolist()
+        distance_m = math.sqrt(x * x + y * y + z * z)
         is_seen = (agent.visible_share or 0.0) >= _LEAST_SHARE and distance_m <= _FARTHEST_M
         if num_points > 0 or is_seen:
             yield _object(agent, num_points)

@@ -1,4 +1,4 @@
-"""Pictures of frames, real or ours: boxes, LIDAR returns, visible corners, and the view from above."""
+"""Pictures of frames, real or generated: boxes, LIDAR returns, visible corners, and the view from above."""
 
 from cadet.view.bev import bev_figure
 from cadet.view.bev_maps import bev_maps_figure, view_bev_maps

@@ -121,7 +121,7 @@ def overview(frames: Iterable[Frame], path: str | Path, *, width: int = 1600) ->
 
 
 def view_frame(root: str | Path, frame_id: str | int, out_path: str | Path) -> Path:
-    """Read a frame of a KITTI folder, real or ours, and write its sheet.
+    """Read a frame of a KITTI folder, real or generated, and write its sheet.
 
     Args:
         root: the folder that holds `training`.

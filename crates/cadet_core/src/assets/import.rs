@@ -223,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn colours_come_with_the_faces() {
+    fn colors_come_with_the_faces() {
         let imported = tetrahedron(&ImportOptions::default());
         assert_eq!(imported.palette.materials()[0].albedo, [0.8, 0.1, 0.1]);
         assert!(!imported.palette.materials()[0].is_glass() && imported.palette.materials()[1].is_glass());

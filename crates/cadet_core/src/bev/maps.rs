@@ -15,6 +15,27 @@ const FULL: usize = 15;
 /// Reference: AVOD (Ku et al., 2018), section III.A; configurations by "Multimodal 3D Object Detection from Simulated
 /// Pretraining" (2019).
 ///
+/// ```
+/// use cadet_core::bev::{BevSpec, Feature, HeightRule, maps};
+///
+/// let spec = BevSpec {
+///     slice_maps: vec![Feature::MaxHeight],
+///     cloud_maps: vec![Feature::Density],
+///     num_slices: 5,
+///     height_m: [-0.2, 2.3],
+///     range_cam_m: [[-40.0, 40.0], [-5.0, 3.0], [0.0, 70.0]],
+///     cell_m: 0.1,
+///     height_rule: HeightRule::Max,
+/// };
+/// let [channels, rows, columns] = spec.shape();
+/// let mut out = vec![0.0; channels * rows * columns];
+/// // A point 1 m over the ground, 10 m ahead; the camera is 1.65 m over the ground.
+/// maps([[0.05, 0.65, 10.05]].into_iter(), [0.0, -1.0, 0.0, 1.65], &spec, &mut out)?;
+/// assert_eq!((channels, rows, columns), (6, 700, 800));
+/// assert_eq!(out.iter().filter(|value| **value > 0.0).count(), 2);
+/// # Ok::<_, cadet_core::Error>(())
+/// ```
+///
 /// # Errors
 /// What [`BevSpec::check`] finds; a plane that is none; [`Error::Shape`] for an `out` of another size.
 pub fn maps(

@@ -23,7 +23,7 @@ pub enum HeightRule {
     Reference,
 }
 
-/// What [`super::maps`] makes: the slice maps of each slice from the lowest up, in the order of the list, then the
+/// What [`super::maps()`] makes: the slice maps of each slice from the lowest up, in the order of the list, then the
 /// cloud maps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BevSpec {

@@ -24,7 +24,7 @@ pub type Lane3 = [Lane; 3];
 /// Pairs of pixels that show faces of one kind, lane by lane; each kind fills what it needs. Two of a thing are of the left
 /// pixel and of the right one.
 pub struct ShadingBatch {
-    /// Number of the patch; see [`Hits::patches`].
+    /// Number of the patch; see `Hits::patches`.
     pub patch: [u32; STRIDE],
     /// The left pixel: where its color is added. At first the block's first pixel.
     pub target: [u32; STRIDE],

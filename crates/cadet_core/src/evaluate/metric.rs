@@ -89,7 +89,7 @@ impl Settings {
 
     /// Whether objects of this kind take part, as a class or a neighbor of one.
     pub(super) fn wants(&self, kind: Kind) -> bool {
-        self.classes.iter().any(|limits| limits.class == kind || limits.class.neighbour() == Some(kind))
+        self.classes.iter().any(|limits| limits.class == kind || limits.class.neighbor() == Some(kind))
     }
 }
 

@@ -72,6 +72,25 @@ pub struct Curve {
 ///
 /// A class without a detection that is usable in a metric has no curve there.
 ///
+/// ```
+/// use cadet_core::evaluate::{
+///     ClassLimits, FramePair, Kind, Level, Settings, evaluate, parse_detections, parse_truths,
+/// };
+///
+/// let car = "Car 0.00 0 0.10 100.00 150.00 200.00 220.00 1.50 1.60 3.90 1.00 1.60 20.00 0.15";
+/// let truths = parse_truths(car.as_bytes(), "000000.txt")?;
+/// let found = parse_detections(format!("{car} 0.9").as_bytes(), "000000.txt")?;
+/// let frames = [FramePair { truths, detections: found.detections }];
+///
+/// let class = ClassLimits { class: Kind::Car, min_overlap: [0.7; 3] };
+/// let easy = Level { min_height_px: 40.0, is_inclusive: false, max_occlusion: 0.0, max_truncation: 0.15 };
+/// let curves = evaluate(&frames, &Settings { classes: vec![class], levels: vec![easy] })?;
+/// // In the image, from above, and in 3D.
+/// assert_eq!(curves.len(), 3);
+/// assert!(curves.iter().all(|curve| curve.num_tp[0] == 1 && curve.precision[0] == 1.0));
+/// # Ok::<_, cadet_core::Error>(())
+/// ```
+///
 /// # Errors
 /// [`crate::Error::OutOfRange`] and [`crate::Error::Unknown`] for settings that make no sense.
 pub fn evaluate(frames: &[FramePair], settings: &Settings) -> Result<Vec<Curve>> {

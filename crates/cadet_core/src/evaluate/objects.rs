@@ -55,7 +55,7 @@ impl Kind {
 
     /// The type whose objects are so alike that taking them for this class is neither right nor wrong.
     #[must_use]
-    pub fn neighbour(self) -> Option<Self> {
+    pub fn neighbor(self) -> Option<Self> {
         match self {
             Self::Car => Some(Self::Van),
             Self::Pedestrian => Some(Self::PersonSitting),

@@ -59,7 +59,7 @@ impl Roster {
     pub(super) fn new(class: Kind, frames: &[FramePair], overlaps: &[FrameOverlaps]) -> Self {
         let entrants = Rows::collect(frames.iter().map(|frame| {
             let all = frame.truths.iter().enumerate();
-            let taking_part = all.filter(|(_, t)| t.kind == class || class.neighbour() == Some(t.kind));
+            let taking_part = all.filter(|(_, t)| t.kind == class || class.neighbor() == Some(t.kind));
             taking_part.map(|(index, t)| Entrant {
                 truth: index as u32,
                 is_own_class: t.kind == class,

@@ -4,6 +4,7 @@ use super::box_cam::Boxes;
 use super::sighting::{Placed, Sighting};
 use crate::actor::ActorState;
 use crate::error::{Error, Result};
+use crate::settings::settings;
 
 /// How occlusion is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,119 +15,52 @@ pub enum OcclusionMethod {
     Corners,
 }
 
-/// A number of the labels' definitions: what it is by default, and between which numbers it may lie.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Setting {
-    /// Its name.
-    pub name: &'static str,
-    /// Its default.
-    pub default: f64,
-    /// The least number allowed.
-    pub least: f64,
-    /// The greatest number allowed.
-    pub most: f64,
-    /// Whether it counts.
-    pub is_whole: bool,
-}
-
-/// States every number once: the struct, its defaults and its limits follow.
-macro_rules! label_config {
-    ($($(#[$doc:meta])* $name:ident: $kind:ident = $default:literal, $least:literal to $most:expr;)*) => {
-        /// The labels' definitions.
-        #[derive(Debug, Clone, PartialEq)]
-        pub struct LabelConfig {
-            /// How occlusion is measured.
-            pub method: OcclusionMethod,
-            /// Which boxes labels hold.
-            pub boxes: Boxes,
-            /// Visible fractions from which the occlusion level is 0 and 1; below, it is 2.
-            pub occlusion_levels: [f64; 2],
-            $($(#[$doc])* pub $name: $kind,)*
-        }
-
-        impl LabelConfig {
-            /// All numbers but [`LabelConfig::occlusion_levels`].
-            pub const SETTINGS: &[Setting] = &[$(Setting {
-                name: stringify!($name),
-                default: $default as f64,
-                least: $least as f64,
-                most: $most,
-                is_whole: label_config!(@is_whole $kind),
-            }),*];
-
-            /// The numbers in the order of [`LabelConfig::SETTINGS`].
-            fn numbers(&self) -> Vec<f64> {
-                vec![$(self.$name as f64),*]
-            }
-        }
-
-        impl Default for LabelConfig {
-            fn default() -> Self {
-                Self {
-                    method: OcclusionMethod::Pixels,
-                    boxes: Boxes::Kitti,
-                    occlusion_levels: Self::OCCLUSION_LEVELS,
-                    $($name: $default,)*
-                }
-            }
-        }
-    };
-    (@is_whole f64) => { false };
-    (@is_whole usize) => { true };
-}
-
-label_config! {
-    /// A label's box is at least this high, pixels.
-    min_height_px: f64 = 15.0, 0 to f64::INFINITY;
-    /// A label's object shows at least this fraction of its silhouette.
-    min_visible_fraction: f64 = 0.1, 0 to 1.0;
-    /// A label's object is at most this deep, meters.
-    max_depth_m: f64 = 80.0, 0 to f64::INFINITY;
-    /// A label's object is at least this deep, meters.
-    min_depth_m: f64 = 0.5, 0 to f64::INFINITY;
-    /// A label's object is truncated by at most this.
-    max_truncation: f64 = 0.95, 0 to 1.0;
-    /// An object without returns keeps at least this much of its contrast through the air to get a label.
-    min_contrast: f64 = 0.05, 0 to 1.0;
-    /// A label's object has at least this many returns.
-    min_points: usize = 0, 0 to 1e6;
-    /// An object without a label is kept as unlabeled if it shows at least this many pixels.
-    dontcare_min_pixels: f64 = 8.0, 0 to f64::INFINITY;
-    /// A corner is hidden by what is nearer than it by more than this, meters.
-    corner_tolerance_m: f64 = 0.1, 0 to f64::INFINITY;
-    /// With this many hidden corners the object is occluded.
-    max_hidden_corners: usize = 4, 1 to 8.0;
+settings! {
+    /// The labels' definitions.
+    LabelConfig;
+    others {
+        /// How occlusion is measured.
+        method: OcclusionMethod = OcclusionMethod::Pixels;
+        /// Which boxes labels hold.
+        boxes: Boxes = Boxes::Kitti;
+    }
+    numbers {
+        /// A label's box is at least this high, pixels.
+        min_height_px: f64 = 15.0, 0 to f64::INFINITY;
+        /// A label's object shows at least this fraction of its silhouette.
+        min_visible_fraction: f64 = 0.1, 0 to 1;
+        /// A label's object is at most this deep, meters.
+        max_depth_m: f64 = 80.0, 0 to f64::INFINITY;
+        /// A label's object is at least this deep, meters.
+        min_depth_m: f64 = 0.5, 0 to f64::INFINITY;
+        /// A label's object is truncated by at most this.
+        max_truncation: f64 = 0.95, 0 to 1;
+        /// An object without returns keeps at least this much of its contrast through the air to get a label.
+        min_contrast: f64 = 0.05, 0 to 1;
+        /// A label's object has at least this many returns.
+        min_points: usize = 0, 0 to 1e6;
+        /// An object without a label is kept as unlabeled if it shows at least this many pixels.
+        dontcare_min_pixels: f64 = 8.0, 0 to f64::INFINITY;
+        /// Visible fractions from which the occlusion level is 0 and 1; below, it is 2.
+        occlusion_levels: [f64; 2] = [0.8, 0.5], 0 to 1;
+        /// A corner is hidden by what is nearer than it by more than this, meters.
+        corner_tolerance_m: f64 = 0.1, 0 to f64::INFINITY;
+        /// With this many hidden corners the object is occluded.
+        max_hidden_corners: usize = 4, 1 to 8;
+    }
 }
 
 impl LabelConfig {
-    /// The default of [`LabelConfig::occlusion_levels`].
-    pub const OCCLUSION_LEVELS: [f64; 2] = [0.8, 0.5];
-
     /// Refuses numbers that mean nothing.
     ///
     /// # Errors
     /// [`Error::OutOfRange`], naming the field.
     pub fn validated(self) -> Result<Self> {
-        let fail =
-            |what, value: f64, expected: String| Err(Error::OutOfRange { what, value: value.to_string(), expected });
-        for (setting, value) in Self::SETTINGS.iter().zip(self.numbers()) {
-            if !value.is_finite() || !(setting.least..=setting.most).contains(&value) {
-                let expected = if setting.most.is_finite() {
-                    format!("{} to {}", setting.least, setting.most)
-                } else {
-                    format!("a finite number of at least {}", setting.least)
-                };
-                return fail(setting.name, value, expected);
-            }
-        }
+        self.check_settings()?;
         let [level0, level1] = self.occlusion_levels;
-        for (what, value) in [("occlusion level 0", level0), ("occlusion level 1", level1)] {
-            if !(0.0..=1.0).contains(&value) {
-                return fail(what, value, "0 to 1".to_owned());
-            }
-        }
         if level0 < level1 {
-            return fail("occlusion level 0", level0, "at least level 1's threshold".to_owned());
+            let expected = "at least level 1's threshold".to_owned();
+            return Err(Error::OutOfRange { what: "occlusion level 0", value: level0.to_string(), expected });
         }
         Ok(self)
     }
@@ -202,7 +136,7 @@ mod tests {
             actor_id: 1,
             class: ObjectClass::Car,
             model: String::new(),
-            is_labelled: true,
+            is_labeled: true,
             truncation: 0.0,
             occlusion_level: 0,
             observation_angle: 0.0,

@@ -25,13 +25,13 @@ pub fn add_points(config: &LabelConfig, sightings: &mut [Sighting], point_actor_
     for sighting in sightings.iter_mut() {
         let id = sighting.actor_id;
         sighting.num_points = point_actor_ids.iter().filter(|of| **of == id).count();
-        sighting.is_labelled &= config.is_supported(sighting);
+        sighting.is_labeled &= config.is_supported(sighting);
     }
-    put_labelled_first(sightings);
+    put_labeled_first(sightings);
 }
 
-fn put_labelled_first(sightings: &mut [Sighting]) {
-    sightings.sort_by_key(|s| (!s.is_labelled, s.actor_id));
+fn put_labeled_first(sightings: &mut [Sighting]) {
+    sightings.sort_by_key(|s| (!s.is_labeled, s.actor_id));
 }
 
 /// Every actor that the camera sees well enough to be labeled or left out of scoring: labeled ones first, each group
@@ -76,8 +76,8 @@ pub fn sightings(
         };
         let is_hidden = config.method == OcclusionMethod::Corners && hidden_corners >= config.max_hidden_corners;
         let least_visible = config.least_visible_fraction(placed.box_cam.location_cam.z);
-        let is_labelled = !is_hidden && config.admits(&placed, actor) && visible_fraction >= least_visible;
-        if !is_labelled && visible_pixels < config.dontcare_min_pixels {
+        let is_labeled = !is_hidden && config.admits(&placed, actor) && visible_fraction >= least_visible;
+        if !is_labeled && visible_pixels < config.dontcare_min_pixels {
             continue;
         }
         let Placed { box_cam, bbox, truncation } = placed;
@@ -85,7 +85,7 @@ pub fn sightings(
             actor_id: actor.id,
             class: actor.class,
             model: actor.model.clone(),
-            is_labelled,
+            is_labeled,
             truncation,
             occlusion_level,
             observation_angle: box_cam.alpha(),
@@ -101,7 +101,7 @@ pub fn sightings(
             box_cam,
         });
     }
-    put_labelled_first(&mut found);
+    put_labeled_first(&mut found);
     found
 }
 
@@ -177,15 +177,15 @@ mod tests {
     }
 
     #[test]
-    fn what_fog_hides_is_no_longer_labelled() {
+    fn what_fog_hides_is_no_longer_labeled() {
         let at_20_m = [car(1, 20.0, 0.0)];
         // ln 10 / 20 m leaves a tenth.
         for (extinction_per_m, occluded) in [(0.0, 0), (0.02, 1), (0.05, 2)] {
             let seen = &labels(&exact(), &at_20_m, extinction_per_m)[0];
-            assert_eq!((seen.is_labelled, seen.occlusion_level), (true, occluded));
+            assert_eq!((seen.is_labeled, seen.occlusion_level), (true, occluded));
         }
         let hidden = &labels(&exact(), &at_20_m, 0.13)[0];
-        assert!(!hidden.is_labelled && hidden.visible_pixels > 100.0);
+        assert!(!hidden.is_labeled && hidden.visible_pixels > 100.0);
     }
 
     #[test]
@@ -193,7 +193,7 @@ mod tests {
         let config = LabelConfig { min_points: 2, ..exact() };
         let mut found = labels(&config, &[car(1, 20.0, 0.0), car(2, 30.0, 6.0)], 0.0);
         add_points(&config, &mut found, &[2, 0, 1, 2, -1, 7]);
-        let of = |s: &Sighting| (s.actor_id, s.num_points, s.is_labelled);
+        let of = |s: &Sighting| (s.actor_id, s.num_points, s.is_labeled);
         assert_eq!(found.iter().map(of).collect::<Vec<_>>(), [(2, 2, true), (1, 1, false)]);
     }
 }

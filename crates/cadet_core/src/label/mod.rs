@@ -10,7 +10,7 @@ mod sighting;
 mod silhouette;
 
 pub use box_cam::{BoxCam, Boxes, Rect};
-pub use config::{LabelConfig, OcclusionMethod, Setting};
+pub use config::{LabelConfig, OcclusionMethod};
 pub use labeler::{add_points, may_label, sightings};
 pub use motion::TakenView;
 pub use road_plane::road_plane_cam;

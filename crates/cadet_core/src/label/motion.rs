@@ -20,7 +20,7 @@ impl TakenView {
     /// Remembers a view.
     #[must_use]
     pub fn new(world_from_ego: DPose3, sightings: &[Sighting]) -> Self {
-        let objects = sightings.iter().filter(|s| s.is_labelled).map(|s| (s.actor_id, s.bbox)).collect();
+        let objects = sightings.iter().filter(|s| s.is_labeled).map(|s| (s.actor_id, s.bbox)).collect();
         Self { world_from_ego, objects }
     }
 
@@ -34,7 +34,7 @@ impl TakenView {
     #[must_use]
     pub fn object_has_moved(&self, sightings: &[Sighting], image_width: usize) -> bool {
         let least_px = Self::OBJECT_MOVED * image_width as f64;
-        sightings.iter().filter(|s| s.is_labelled).any(|s| {
+        sightings.iter().filter(|s| s.is_labeled).any(|s| {
             let before = self.objects.iter().find(|o| o.0 == s.actor_id);
             before.is_none_or(|(_, before)| {
                 let (a, b) = (before, &s.bbox);
@@ -54,14 +54,14 @@ mod tests {
 
     const WIDTH: usize = 1242;
 
-    fn sighting(actor_id: i32, is_labelled: bool, u1: f64) -> Sighting {
+    fn sighting(actor_id: i32, is_labeled: bool, u1: f64) -> Sighting {
         let box_cam =
             BoxCam { size_lwh: DVec3::new(4.0, 1.6, 1.5), location_cam: DVec3::new(0.0, 1.6, 18.0), rotation_y: 0.0 };
         Sighting {
             actor_id,
             class: ObjectClass::Car,
             model: String::new(),
-            is_labelled,
+            is_labeled,
             truncation: 0.0,
             occlusion_level: 0,
             observation_angle: 0.0,
@@ -83,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn the_ego_moves_by_half_a_metre_or_not_at_all() {
+    fn the_ego_moves_by_half_a_meter_or_not_at_all() {
         let taken = TakenView::new(ego_at(3.0), &[]);
         assert!(!taken.ego_has_moved(&ego_at(3.0)) && !taken.ego_has_moved(&ego_at(3.4)));
         assert!(taken.ego_has_moved(&ego_at(3.6)) && taken.ego_has_moved(&ego_at(2.4)));

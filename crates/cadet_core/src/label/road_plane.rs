@@ -8,7 +8,7 @@ use crate::math::{DPose3, DVec2, DVec3};
 const AHEAD_M: (f64, f64) = (2.0, 30.0);
 const ASIDE_M: f64 = 5.0;
 const STEP_M: f64 = 1.0;
-/// Fewer samples of road than this do not make a plane: pavements and verges join in.
+/// Fewer samples of road than this do not make a plane: sidewalks and verges join in.
 const MIN_SAMPLES: usize = 20;
 
 /// The least-squares plane a x + b y + c z + d = 0 of the road 2-30 m ahead, 5 m to either side, in the frame of
@@ -84,7 +84,7 @@ mod tests {
         let road = |_| Some(1.0);
         let pitch = 0.05;
         let [a, b, c, d] = road_plane_cam(&camera(pitch), road, road).expect("ground");
-        // Nose down: the road's normal leans towards the camera's view axis less.
+        // Nose down: the road's normal leans toward the camera's view axis less.
         assert!(a.abs() < 1e-9 && (b + crate::math::cos(pitch)).abs() < 1e-9, "{b}");
         assert!((c.abs() - crate::math::sin(pitch)).abs() < 1e-9 && (d - 1.65).abs() < 1e-9, "{c} {d}");
     }

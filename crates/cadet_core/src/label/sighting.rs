@@ -15,7 +15,7 @@ pub struct Sighting {
     /// Its model.
     pub model: String,
     /// Whether it gets a label. What gets none is seen all the same: a detector should not be scored there.
-    pub is_labelled: bool,
+    pub is_labeled: bool,
     /// Share of the box's projection outside the image.
     pub truncation: f64,
     /// 0 visible, 1 partly hidden, 2 mostly hidden.

@@ -2,7 +2,6 @@
 
 mod air;
 mod casting;
-mod catalogue;
 mod firing;
 mod hdl64e;
 mod order;

@@ -9,15 +9,11 @@ use crate::sense::LaserRing;
 /// A sensor's name and what makes it.
 type Preset = (&'static str, fn() -> LidarSpec);
 
-/// The one list of sensors that are made in code.
-const BY_NAME: [Preset; 7] = [
+/// The sensors that are made in code; others are data of the Python package.
+const BY_NAME: [Preset; 3] = [
     ("hdl64e_kitti", LidarSpec::hdl64e_kitti),
     ("hdl64e_uniform", LidarSpec::hdl64e_uniform),
     ("cadet", LidarSpec::cadet),
-    ("hdl32e", LidarSpec::hdl32e),
-    ("vlp16", LidarSpec::vlp16),
-    ("os1_64", LidarSpec::os1_64),
-    ("os1_128", LidarSpec::os1_128),
 ];
 
 /// The names that [`LidarSpec::preset`] knows.

@@ -25,9 +25,9 @@ use crate::weather::Weather;
 pub struct IdealScan {
     /// Range from the beam's own origin, infinite for a miss.
     pub range_m: Vec<f32>,
-    /// Index into [`PosedScene::instances`], [`NO_HIT`] for a miss.
+    /// Index into [`PosedScene::instances`], [`NO_HIT`](crate::sense::NO_HIT) for a miss.
     pub instance: Vec<u32>,
-    /// Face of the instance's mesh, [`NO_HIT`] for a miss.
+    /// Face of the instance's mesh, [`NO_HIT`](crate::sense::NO_HIT) for a miss.
     pub face: Vec<u32>,
     /// -1 for a miss, 0 for the static world, at least 1 for actors.
     pub actor_id: Vec<i32>,
@@ -67,6 +67,24 @@ impl IdealScan {
 }
 
 /// Casts every beam of the sensor at once, all from one pose: an ideal sensor neither turns nor spreads its beams.
+///
+/// ```
+/// use cadet_core::frames;
+/// use cadet_core::lidar::{LidarSpec, ideal_scan};
+/// use cadet_core::math::DVec3;
+/// use cadet_core::sense::PosedScene;
+/// use cadet_core::town::Town;
+///
+/// let scene = PosedScene::new(&Town::flat().scenery, DVec3::ZERO);
+/// let lidar = LidarSpec::hdl64e_kitti();
+/// let world_from_velo = frames::mounted(DVec3::new(0.0, 0.0, 1.73), 0.0, 0.0, 0.0);
+/// let scan = ideal_scan(&scene, &world_from_velo, &lidar);
+///
+/// assert_eq!(scan.range_m.len(), lidar.num_beams());
+/// // The lowest laser meets the road some meters ahead, the highest one the sky.
+/// let lowest = 63 * lidar.azimuths_rad().len();
+/// assert!(scan.range_m[0].is_infinite() && (3.0..6.0).contains(&scan.range_m[lowest]));
+/// ```
 #[must_use]
 pub fn ideal_scan(scene: &PosedScene, world_from_velo: &DPose3, spec: &LidarSpec) -> IdealScan {
     let mut hits = Hits::new(spec.rings().len(), spec.azimuths_rad().len());

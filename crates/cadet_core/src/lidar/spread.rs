@@ -270,7 +270,7 @@ mod tests {
 
     #[test]
     fn sub_beams_stand_around_their_beam() {
-        for spec in [LidarSpec::hdl64e_kitti(), LidarSpec::vlp16()] {
+        for spec in [LidarSpec::hdl64e_kitti(), LidarSpec::cadet()] {
             let spec = spec.with_divergence(3e-3).expect("valid");
             let rays = spec.rays();
             let n = spec.num_beams();

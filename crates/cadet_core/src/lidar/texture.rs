@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 
 use crate::material::{Material, Pattern, Semantic};
 use crate::math::DVec2;
-use crate::rng::Dice;
+use crate::rng::CounterRng;
 
 /// Side of the square in cells, a power of two, and of a cell.
 const CELLS: usize = 512;
@@ -48,7 +48,8 @@ static TABLE: LazyLock<Vec<f32>> = LazyLock::new(|| {
     for (octave, (step, share)) in OCTAVES.into_iter().enumerate() {
         let nodes = CELLS / step;
         let node = |i: usize, j: usize| {
-            Dice::new(Dice::key(0x7E47, [octave as u64, (i % nodes) as u64, (j % nodes) as u64])).unit() - 0.5
+            CounterRng::new(CounterRng::key(0x7E47, [octave as u64, (i % nodes) as u64, (j % nodes) as u64])).unit()
+                - 0.5
         };
         let values: Vec<f64> = (0..nodes * nodes).map(|k| node(k % nodes, k / nodes)).collect();
         let value = |i: usize, j: usize| values[(j % nodes) * nodes + i % nodes];

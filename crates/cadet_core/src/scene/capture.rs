@@ -90,7 +90,7 @@ impl Scene {
     ///
     /// # Errors
     /// As [`Scene::capture`].
-    pub fn capture_labelled(&mut self, request: &Request) -> Result<Option<Frame>> {
+    pub fn capture_labeled(&mut self, request: &Request) -> Result<Option<Frame>> {
         self.check(request)?;
         let (_, world_from_cam) = self.sensor_poses();
         let sensed = self.sensed();
@@ -99,7 +99,7 @@ impl Scene {
             return Ok(None);
         }
         let looked = self.look()?;
-        if !looked.sightings.iter().any(|s| s.is_labelled) {
+        if !looked.sightings.iter().any(|s| s.is_labeled) {
             return Ok(None);
         }
         let (world_from_ego, width) = (self.snapshot().ego.world_from_ego, self.rig.camera().width);
@@ -110,7 +110,7 @@ impl Scene {
         }
         let frame = self.finish(request, looked)?;
         // The scan may have taken the last label away.
-        if !frame.sightings.iter().any(|s| s.is_labelled) {
+        if !frame.sightings.iter().any(|s| s.is_labeled) {
             return Ok(None);
         }
         self.taken = Some(TakenView::new(world_from_ego, &frame.sightings));

@@ -27,7 +27,7 @@ struct Entry {
 impl Entry {
     fn new(face: u32, [a, b, c]: [Vec3; 3]) -> Self {
         let (min, max) = (a.min(b).min(c), a.max(b).max(c));
-        // Whoever asks allows a hundred-thousandth of a triangle's size; far out, single precision rounds by millimetres.
+        // Whoever asks allows a hundred-thousandth of a triangle's size; far out, single precision rounds by millimeters.
         let margin = 1e-3 + 3e-5 * (max - min).max_element() + 3e-7 * min.abs().max(max.abs()).max_element();
         Self { min: [min.x - margin, min.y - margin], max: [max.x + margin, max.y + margin], face }
     }

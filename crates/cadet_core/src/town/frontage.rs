@@ -4,7 +4,7 @@ use super::occupancy::Site;
 use super::{Lane, LaneKind, RoadNetwork};
 use crate::math::DVec2;
 
-/// The outer edge of a street's pavement on one side. Points run with the traffic beside it, so that the plots lie to
+/// The outer edge of a street's sidewalk on one side. Points run with the traffic beside it, so that the plots lie to
 /// the **right** of it and the street to its left.
 #[derive(Debug, Clone)]
 pub(super) struct Frontage {
@@ -13,7 +13,7 @@ pub(super) struct Frontage {
     /// Points about 1 m apart.
     pub points: Vec<DVec2>,
     /// Distance from each point to the outer edge of the carriageway.
-    pub pavement_m: Vec<f64>,
+    pub sidewalk_m: Vec<f64>,
     /// Distance along it at each point.
     pub s_m: Vec<f64>,
     /// Speed limit of the lane beside it.
@@ -31,8 +31,8 @@ impl Frontage {
             }
             s_m.push(s);
         }
-        let (points, pavement_m) = edge.into_iter().unzip();
-        Self { road: lane.road, points, pavement_m, s_m, speed_limit_mps: lane.speed_limit_mps }
+        let (points, sidewalk_m) = edge.into_iter().unzip();
+        Self { road: lane.road, points, sidewalk_m, s_m, speed_limit_mps: lane.speed_limit_mps }
     }
 
     /// Length along the edge.
@@ -58,9 +58,9 @@ impl Frontage {
     }
 
     /// Width from the carriageway's edge to this edge.
-    pub fn pavement_at(&self, s: f64) -> f64 {
+    pub fn sidewalk_at(&self, s: f64) -> f64 {
         let (i, t) = self.segment(s);
-        self.pavement_m[i - 1] + (self.pavement_m[i] - self.pavement_m[i - 1]) * t
+        self.sidewalk_m[i - 1] + (self.sidewalk_m[i] - self.sidewalk_m[i - 1]) * t
     }
 
     /// The points strictly between two distances.
@@ -101,8 +101,8 @@ pub(super) fn frontages(network: &RoadNetwork, site: &Site) -> Vec<Frontage> {
     let open: Vec<&Lane> = network.lanes.iter().filter(|l| l.junction.is_none()).collect();
     let mut frontages = Vec::new();
     for lane in open.iter().filter(|l| l.kind == LaneKind::Driving) {
-        let neighbours: Vec<&Lane> = open.iter().filter(|l| l.road == lane.road && l.id != lane.id).copied().collect();
-        let mut guesses: Vec<usize> = neighbours.iter().map(|l| l.center.len() / 2).collect();
+        let neighbors: Vec<&Lane> = open.iter().filter(|l| l.road == lane.road && l.id != lane.id).copied().collect();
+        let mut guesses: Vec<usize> = neighbors.iter().map(|l| l.center.len() / 2).collect();
         let mut sides: [Vec<(DVec2, f64)>; 2] = [Vec::new(), Vec::new()];
         let mut inner = [0, 0];
         let count = (lane.length_m().floor() as usize).max(1);
@@ -114,7 +114,7 @@ pub(super) fn frontages(network: &RoadNetwork, site: &Site) -> Vec<Frontage> {
             let own = lane.width_at(s) / 2.0;
             // (outer edge of all lanes, of the carriageway, another driving lane on this side) right and left.
             let (mut outer, mut road, mut has_driving) = ([own; 2], [own; 2], [false; 2]);
-            for (other, guess) in neighbours.iter().zip(&mut guesses) {
+            for (other, guess) in neighbors.iter().zip(&mut guesses) {
                 let Some((offset, half)) = beside(other, at, along, guess) else { continue };
                 let side = usize::from(offset > 0.0);
                 outer[side] = outer[side].max(offset.abs() + half);
@@ -126,7 +126,7 @@ pub(super) fn frontages(network: &RoadNetwork, site: &Site) -> Vec<Frontage> {
             for side in 0..2 {
                 inner[side] += usize::from(has_driving[side]);
                 let out = right_of(along) * if side == 0 { 1.0 } else { -1.0 };
-                // Pavements that the map leaves out, but the ground has.
+                // Sidewalks that the map leaves out, but the ground has.
                 let mut reach = outer[side];
                 while reach < outer[side] + 4.0 && site.clearance_m(at + out * reach) < -0.1 {
                     reach += 0.2;

@@ -138,7 +138,7 @@ fn pave(plot: &Plot, [a0, a1]: Way, depth_m: f64, placer: &mut Placer) {
     }
 }
 
-/// Walls between a house on the pavement's line and its neighbors.
+/// Walls between a house on the sidewalk's line and its neighbors.
 fn close_gaps(plot: &Plot, house: &PlacedHouse, ways: &[Way], s: &mut Stream, placer: &mut Placer) {
     let (half, width) = (plot.length_m / 2.0, house.model.footprint_size().y);
     let (left, right) = (house.along_m - width / 2.0, house.along_m + width / 2.0);

@@ -1,4 +1,4 @@
-//! The ground: one continuous surface of road, pavement and terrain.
+//! The ground: one continuous surface of road, sidewalk and terrain.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use super::ground_region::{Regions, Ring};
 use super::height_field::HeightField;
 use super::network::{Lane, LaneKind, RoadNetwork};
 use super::roughness::Roughness;
-use super::xodr_writer::KERB_HEIGHT_M;
+use super::xodr_writer::CURB_HEIGHT_M;
 use super::{ground_palette, road_marking};
 use crate::error::Result;
 use crate::geometry::{LodSet, Mesh};
@@ -29,13 +29,13 @@ const TILE_M: f64 = 50.0;
 pub struct Ground {
     /// Corners of the surface, for the physics.
     pub vertices: Arc<Vec<Vec3>>,
-    /// Triangles of the surface, counter-clockwise from above; kerb faces, which stand upright, come last.
+    /// Triangles of the surface, counter-clockwise from above; curb faces, which stand upright, come last.
     pub faces: Arc<Vec<[u32; 3]>>,
     /// The same surface to look at, with road markings, in tiles of 50 m; their frames are axis-aligned, moved to the
     /// tile's corner.
     pub tiles: Vec<Instance>,
-    /// Width of pavements, kerb stone included, wherever the map does not say more.
-    pub pavement_width_m: f64,
+    /// Width of sidewalks, curb stone included, wherever the map does not say more.
+    pub sidewalk_width_m: f64,
     kinds: Arc<Vec<GroundKind>>,
     index: Arc<FaceIndex>,
     outlines: Arc<Regions>,
@@ -86,10 +86,10 @@ impl Ground {
         let ring = vec![Ring::from(corners)];
         let regions = Regions {
             carriageway: ring.clone(),
-            kerb: ring.clone(),
-            pavement: ring,
+            curb: ring.clone(),
+            sidewalk: ring,
             walks: Vec::new(),
-            pavement_width_m: 0.0,
+            sidewalk_width_m: 0.0,
         };
         Self::assemble(&plan, regions, &|_| 0.0, (DVec2::splat(-half), DVec2::splat(half)), None)
     }
@@ -120,7 +120,7 @@ impl Ground {
             tiles: Vec::new(),
             vertices: Arc::new(vertices),
             faces: Arc::clone(&surface.faces),
-            pavement_width_m: regions.pavement_width_m,
+            sidewalk_width_m: regions.sidewalk_width_m,
             kinds: Arc::new(kinds),
             index: Arc::new(index),
             outlines: Arc::new(regions),
@@ -131,7 +131,7 @@ impl Ground {
         ground
     }
 
-    /// Height of the surface at a place, pavements included; `None` beyond its edge.
+    /// Height of the surface at a place, sidewalks included; `None` beyond its edge.
     #[must_use]
     pub fn height_at(&self, x: f64, y: f64) -> Option<f64> {
         self.top_face(x, y).map(|(_, z)| z)
@@ -151,25 +151,25 @@ impl Ground {
         self.top_face(x, y).map(|(face, _)| self.kinds[face])
     }
 
-    /// Outline of the carriageway, where kerbs stand: closed rings, outer ones counter-clockwise, holes clockwise, the
+    /// Outline of the carriageway, where curbs stand: closed rings, outer ones counter-clockwise, holes clockwise, the
     /// first point not repeated.
     #[must_use]
     pub fn carriageway_outline(&self) -> &[Vec<DVec2>] {
         &self.outlines.carriageway
     }
 
-    /// Outline of carriageway and pavements together, where gardens begin; rings as in
+    /// Outline of carriageway and sidewalks together, where gardens begin; rings as in
     /// [`Self::carriageway_outline`].
     #[must_use]
-    pub fn pavement_outline(&self) -> &[Vec<DVec2>] {
-        &self.outlines.pavement
+    pub fn sidewalk_outline(&self) -> &[Vec<DVec2>] {
+        &self.outlines.sidewalk
     }
 
     pub(super) fn walk_rings(&self) -> &[Ring] {
         &self.outlines.walks
     }
 
-    /// Every face that may lie over or under the rectangle from `min` to `max`, kerb faces included; some come twice.
+    /// Every face that may lie over or under the rectangle from `min` to `max`, curb faces included; some come twice.
     pub(crate) fn faces_about(&self, min: DVec2, max: DVec2) -> impl Iterator<Item = u32> {
         self.index.within(min, max)
     }
@@ -182,7 +182,7 @@ impl Ground {
     fn top_face(&self, x: f64, y: f64) -> Option<(usize, f64)> {
         let p = DVec2::new(x, y);
         let mut best: Option<(usize, f64)> = None;
-        // Kerb faces, which stand upright, come last.
+        // Curb faces, which stand upright, come last.
         for face in self.index.candidates(p).take_while(|f| (*f as usize) < self.kinds.len()) {
             let [a, b, c] = self.corners(face as usize);
             let (u, v, w) = (b.truncate() - a.truncate(), c.truncate() - a.truncate(), p - a.truncate());
@@ -217,10 +217,10 @@ fn tile_of(p: DVec2) -> (i64, i64) {
     (cell.x as i64, cell.y as i64)
 }
 
-/// The surface in space: plan points at road level, plan points at kerb level, and the kerbs' faces between.
+/// The surface in space: plan points at road level, plan points at curb level, and the curbs' faces between.
 struct Surface {
     corners: Vec<DVec3>,
-    /// One a plan triangle in the same order, then two a kerb edge.
+    /// One a plan triangle in the same order, then two a curb edge.
     faces: Arc<Vec<[u32; 3]>>,
 }
 
@@ -235,7 +235,7 @@ impl Surface {
         for (face, cover) in plan.faces.iter().zip(&plan.kinds) {
             let raised = *cover != Cover::Carriageway;
             faces.push(face.map(|i| {
-                let (slot, lift) = if raised { (&mut high, KERB_HEIGHT_M) } else { (&mut low, 0.0) };
+                let (slot, lift) = if raised { (&mut high, CURB_HEIGHT_M) } else { (&mut low, 0.0) };
                 let slot = &mut slot[i as usize];
                 if *slot == u32::MAX {
                     *slot = corners.len() as u32;
@@ -244,7 +244,7 @@ impl Surface {
                 *slot
             }));
         }
-        for [a, b] in kerb_edges(plan) {
+        for [a, b] in curb_edges(plan) {
             let ([a0, b0], [a1, b1]) = ([a, b].map(|i| low[i as usize]), [a, b].map(|i| high[i as usize]));
             faces.push([b0, a0, a1]);
             faces.push([b0, a1, b1]);
@@ -299,11 +299,11 @@ impl Surface {
             for v in used {
                 local[v as usize] = u32::MAX;
             }
-            // Kerb faces come in pairs, and both of a pair may fall in different tiles: each is drawn on its own.
+            // Curb faces come in pairs, and both of a pair may fall in different tiles: each is drawn on its own.
             for m in upright.by_ref() {
                 let [a, b, c] = at(&self.faces[*m]);
                 let normal = (b - a).cross(c - a).normalize_or(DVec3::X);
-                parts.triangle([a - origin, b - origin, c - origin], normal, ground_palette::KERB);
+                parts.triangle([a - origin, b - origin, c - origin], normal, ground_palette::CURB);
             }
             for quad in markings_by_tile.get(&(i, j)).into_iter().flatten() {
                 let normal = (quad[1] - quad[0]).cross(quad[3] - quad[0]).normalize_or_zero();
@@ -323,10 +323,10 @@ impl Surface {
 }
 
 /// Edges with carriageway on the left and something else on the right.
-fn kerb_edges(plan: &PlanMesh) -> Vec<[u32; 2]> {
+fn curb_edges(plan: &PlanMesh) -> Vec<[u32; 2]> {
     let sides = |f: &[u32; 3]| [[f[0], f[1]], [f[1], f[2]], [f[2], f[0]]];
     let is_road = |c: &Cover| *c == Cover::Carriageway;
-    // Kerbs run between corners of the carriageway.
+    // Curbs run between corners of the carriageway.
     let mut is_on_road = vec![false; plan.points.len()];
     for (face, _) in plan.faces.iter().zip(&plan.kinds).filter(|(_, c)| is_road(c)) {
         face.iter().for_each(|v| is_on_road[*v as usize] = true);

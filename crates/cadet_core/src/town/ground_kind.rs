@@ -5,8 +5,8 @@
 pub enum GroundKind {
     /// Carriageway, parking bays, cycle lanes.
     Road,
-    /// Pavement and kerb stones.
-    Pavement,
+    /// Sidewalk and curb stones.
+    Sidewalk,
     /// Everything else: grass and soil.
     Terrain,
 }

@@ -1,4 +1,4 @@
-//! Cuts the plane into triangles along the outlines of carriageway, kerb and pavement, fine near streets.
+//! Cuts the plane into triangles along the outlines of carriageway, curb and sidewalk, fine near streets.
 
 use std::collections::HashMap;
 
@@ -31,7 +31,7 @@ const MIDDLE_M: f64 = 40.0;
 /// Inner points keep this distance from outlines.
 const CLEAR_M: f64 = 0.9;
 
-/// Triangles in plan, each of one kind; kerb stones are told from pavements.
+/// Triangles in plan, each of one kind; curb stones are told from sidewalks.
 pub(super) struct PlanMesh {
     pub(super) points: Vec<DVec2>,
     /// Counter-clockwise.
@@ -43,8 +43,8 @@ pub(super) struct PlanMesh {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Cover {
     Carriageway,
-    KerbStone,
-    Pavement,
+    CurbStone,
+    Sidewalk,
     Terrain,
 }
 
@@ -52,7 +52,7 @@ impl Cover {
     pub(super) fn kind(self) -> GroundKind {
         match self {
             Self::Carriageway => GroundKind::Road,
-            Self::KerbStone | Self::Pavement => GroundKind::Pavement,
+            Self::CurbStone | Self::Sidewalk => GroundKind::Sidewalk,
             Self::Terrain => GroundKind::Terrain,
         }
     }
@@ -71,7 +71,7 @@ pub(super) fn triangulate(
     let mut cloud = Cloud::default();
     let mut edges = Vec::new();
     let mut near_outline = Raster::new(min, max, CLEAR_M);
-    for ring in regions.carriageway.iter().chain(&regions.kerb).chain(&regions.pavement) {
+    for ring in regions.carriageway.iter().chain(&regions.curb).chain(&regions.sidewalk) {
         let ring = with_steps(ring, fineness.outline_m);
         with_steps(&ring, CLEAR_M / 2.0).iter().for_each(|p| near_outline.mark(*p));
         let indices: Vec<usize> = ring.iter().map(|p| cloud.add(*p)).collect();
@@ -92,8 +92,8 @@ pub(super) fn triangulate(
     // Outlines never cross, so no edge is refused; were one refused, its neighbors' triangles would only be coarser.
     let mesh = ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(vertices, edges, |_| {})
         .map_err(|e| Error::Map { map: "ground".to_owned(), reason: e.to_string() })?;
-    let [inside_carriageway, inside_kerb, inside_pavement] =
-        [&regions.carriageway, &regions.kerb, &regions.pavement].map(|r| Inside::new(r));
+    let [inside_carriageway, inside_curb, inside_sidewalk] =
+        [&regions.carriageway, &regions.curb, &regions.sidewalk].map(|r| Inside::new(r));
     let points: Vec<DVec2> = mesh.vertices().map(|v| DVec2::new(v.position().x, v.position().y)).collect();
     let (mut faces, mut kinds) = (Vec::new(), Vec::new());
     for face in mesh.inner_faces() {
@@ -104,14 +104,14 @@ pub(super) fn triangulate(
         }
         let middle = (a + b + c) / 3.0;
         // Each region lies inside of the next, and most of the plane outside of all.
-        let cover = if !inside_pavement.contains(middle) {
+        let cover = if !inside_sidewalk.contains(middle) {
             Cover::Terrain
         } else if inside_carriageway.contains(middle) {
             Cover::Carriageway
-        } else if inside_kerb.contains(middle) {
-            Cover::KerbStone
+        } else if inside_curb.contains(middle) {
+            Cover::CurbStone
         } else {
-            Cover::Pavement
+            Cover::Sidewalk
         };
         faces.push(corners);
         kinds.push(cover);

@@ -4,21 +4,21 @@ use super::ground_mesh::Cover;
 use crate::material::{Material, Palette, Pattern, Semantic};
 
 pub(super) const ASPHALT: u8 = 0;
-pub(super) const PAVEMENT: u8 = 1;
-pub(super) const KERB: u8 = 2;
+pub(super) const SIDEWALK: u8 = 1;
+pub(super) const CURB: u8 = 2;
 pub(super) const TERRAIN: u8 = 3;
 pub(super) const MARKING: u8 = 4;
 
 pub(super) fn slot(cover: Cover) -> u8 {
     match cover {
         Cover::Carriageway => ASPHALT,
-        Cover::KerbStone => KERB,
-        Cover::Pavement => PAVEMENT,
+        Cover::CurbStone => CURB,
+        Cover::Sidewalk => SIDEWALK,
         Cover::Terrain => TERRAIN,
     }
 }
 
-/// Old dry asphalt, concrete slabs and kerb stones, grass, worn paint; reflectances at 905 nm.
+/// Old dry asphalt, concrete slabs and curb stones, grass, worn paint; reflectances at 905 nm.
 pub(super) fn palette() -> Palette {
     Palette::new(vec![
         Material::matt(Semantic::Road, [0.115, 0.113, 0.110], Pattern::Asphalt, 0.23),

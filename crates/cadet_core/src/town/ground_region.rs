@@ -1,4 +1,4 @@
-//! Where carriageway, kerb and pavement lie in plan: clean rings made from the strips of lanes.
+//! Where carriageway, curb and sidewalk lie in plan: clean rings made from the strips of lanes.
 //!
 //! Boolean operations and offsets run on integers of 1 mm (crate `i_overlay`), which makes them exact in topology and
 //! the same on every machine.
@@ -25,14 +25,14 @@ type Shapes = Vec<Vec<Contour>>;
 const UNITS_PER_M: f64 = 1e3;
 /// Largest extent of a map: what 1 mm in 32 bits can hold, with room for the offsets' arithmetic.
 const MAX_EXTENT_M: f64 = 40_000.0;
-/// Width of a kerb stone.
-const KERB_WIDTH_M: f64 = 0.15;
+/// Width of a curb stone.
+const CURB_WIDTH_M: f64 = 0.15;
 /// Cracks up to twice this are closed.
 const CRACK_M: (f64, f64) = (0.4, 0.5);
 /// Strips are this much too wide to either side until cracks are closed: edges that two lanes share would else cross each
 /// other again and again within their rounding.
 const WIDEN_M: f64 = 0.02;
-/// Smaller islands in a carriageway, and smaller gaps between pavements, are filled.
+/// Smaller islands in a carriageway, and smaller gaps between sidewalks, are filled.
 const SMALL_HOLE_M2: (f64, f64) = (15.0, 60.0);
 /// Corners that stand out less are straightened: in outlines, and between the steps that lead to them.
 const STRAIGHT_M: f64 = 0.015;
@@ -41,16 +41,16 @@ const STRAIGHT_BETWEEN_M: f64 = 0.008;
 /// The regions of a road network in plan.
 #[derive(Debug, Clone)]
 pub(super) struct Regions {
-    /// Outline of the carriageway: the foot of the kerb.
+    /// Outline of the carriageway: the foot of the curb.
     pub(super) carriageway: Vec<Ring>,
-    /// Outline of carriageway and kerb stones.
-    pub(super) kerb: Vec<Ring>,
-    /// Outline of carriageway, kerb stones and pavement.
-    pub(super) pavement: Vec<Ring>,
-    /// Lines along the middle of the pavement.
+    /// Outline of carriageway and curb stones.
+    pub(super) curb: Vec<Ring>,
+    /// Outline of carriageway, curb stones and sidewalk.
+    pub(super) sidewalk: Vec<Ring>,
+    /// Lines along the middle of the sidewalk.
     pub(super) walks: Vec<Ring>,
-    /// Width of the pavement, kerb stone included, wherever the map does not say more.
-    pub(super) pavement_width_m: f64,
+    /// Width of the sidewalk, curb stone included, wherever the map does not say more.
+    pub(super) sidewalk_width_m: f64,
 }
 
 fn is_paved(kind: LaneKind) -> bool {
@@ -78,25 +78,25 @@ impl Regions {
         if carriageway.is_empty() {
             return Err(fail("the network has no carriageway".to_owned()));
         }
-        let pavement_width_m = pavement_width(network);
-        let mut pavement = strips(&|k| k == LaneKind::Sidewalk);
-        pavement.extend(grow(&carriageway, pavement_width_m + WIDEN_M).into_iter().flatten());
-        let pavement = clean(union(&pavement), CRACK_M.1, SMALL_HOLE_M2.1);
+        let sidewalk_width_m = sidewalk_width(network);
+        let mut sidewalk = strips(&|k| k == LaneKind::Sidewalk);
+        sidewalk.extend(grow(&carriageway, sidewalk_width_m + WIDEN_M).into_iter().flatten());
+        let sidewalk = clean(union(&sidewalk), CRACK_M.1, SMALL_HOLE_M2.1);
         let rings = |shapes: &Shapes| -> Vec<Ring> {
             shapes.iter().flatten().map(|c| frame.ring(c)).filter(|r| r.len() >= 3).collect()
         };
         Ok(Self {
-            kerb: rings(&grow(&carriageway, KERB_WIDTH_M)),
-            walks: rings(&grow(&carriageway, (KERB_WIDTH_M + pavement_width_m) / 2.0)),
+            curb: rings(&grow(&carriageway, CURB_WIDTH_M)),
+            walks: rings(&grow(&carriageway, (CURB_WIDTH_M + sidewalk_width_m) / 2.0)),
             carriageway: rings(&carriageway),
-            pavement: rings(&pavement),
-            pavement_width_m,
+            sidewalk: rings(&sidewalk),
+            sidewalk_width_m,
         })
     }
 }
 
-/// The width that three quarters of the map's pavements have; 2 m where it has none.
-fn pavement_width(network: &RoadNetwork) -> f64 {
+/// The width that three quarters of the map's sidewalks have; 2 m where it has none.
+fn sidewalk_width(network: &RoadNetwork) -> f64 {
     let sidewalks = network.lanes.iter().filter(|l| l.kind == LaneKind::Sidewalk && l.junction.is_none());
     let mut widths: Vec<f64> = sidewalks.map(|l| l.width_m[l.width_m.len() / 2]).filter(|w| *w > 0.5).collect();
     widths.sort_by(f64::total_cmp);
@@ -288,13 +288,13 @@ mod tests {
         let width = 2.0 * lane;
         let rounded_inside = |r: f64| (4.0 - PI) * r * r; // four inner corners of radius r
         let cross = 2.0 * length * width - width * width + rounded_inside(CRACK_M.0);
-        // Thinning may shift the 400 m of outline by some millimetres.
+        // Thinning may shift the 400 m of outline by some millimeters.
         assert!((area(&regions.carriageway) - cross).abs() < 1.0, "{} {cross}", area(&regions.carriageway));
         // Grown by the default 2 m: a wider cross with rounded outer corners.
         let (w, l) = (width + 4.0, length + 4.0);
         let outer = 2.0 * l * w - w * w - 2.0 * rounded_inside(2.0) + rounded_inside(CRACK_M.1);
-        assert!((area(&regions.pavement) - outer).abs() < 1.5, "{} {outer}", area(&regions.pavement));
-        let inside = Inside::new(&regions.pavement);
+        assert!((area(&regions.sidewalk) - outer).abs() < 1.5, "{} {outer}", area(&regions.sidewalk));
+        let inside = Inside::new(&regions.sidewalk);
         assert!(inside.contains(DVec2::new(0.0, 4.0)) && !inside.contains(DVec2::new(8.0, 8.0)));
         assert!(inside.contains(DVec2::new(0.0, -51.0)) && !inside.contains(DVec2::new(0.0, -53.0)));
     }

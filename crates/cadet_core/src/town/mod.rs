@@ -1,8 +1,7 @@
-//! A town: a road network from OpenDRIVE, the ground under it, and the dressing that makes a street of it.
+//! A town: a road network from OpenDRIVE, the ground under it, and the props along its streets.
 
 mod belt;
-mod dressing;
-mod dressing_config;
+mod curbside;
 mod face_index;
 mod flat_road;
 mod frontage;
@@ -13,7 +12,6 @@ mod ground_mesh;
 mod ground_palette;
 mod ground_region;
 mod height_field;
-mod kerbside;
 mod map_warnings;
 mod network;
 mod occupancy;
@@ -21,9 +19,12 @@ mod opendrive;
 mod placer;
 mod plan_curve;
 mod plots;
+mod prop_config;
+mod props;
 mod relief;
 mod road_marking;
 mod roughness;
+mod street_grid;
 mod street_plan;
 mod street_style;
 mod streetside;
@@ -33,12 +34,12 @@ mod walkway;
 mod xodr_numbers;
 mod xodr_writer;
 
-pub use dressing_config::DressingConfig;
+pub use curbside::parking_spots;
 pub use ground::Ground;
 pub use ground_kind::GroundKind;
-pub use kerbside::parking_spots;
 pub use network::{Lane, LaneId, LaneKind, RoadNetwork};
 pub use opendrive::{load as load_map, load_with_warnings as load_map_with_warnings};
+pub use prop_config::PropConfig;
 pub use roughness::Roughness;
 pub use suburb::{Suburb, generate as generate_suburb};
 pub use suburb_config::SuburbConfig;
@@ -52,9 +53,9 @@ use crate::rng::StreamKey;
 /// How cars stand in a parking place, and who fills it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SpotKind {
-    /// Along the kerb, at it or in a bay.
+    /// Along the curb, at it or in a bay.
     Parallel,
-    /// In a bay at an angle to the kerb, up to a right one.
+    /// In a bay at an angle to the curb, up to a right one.
     Angled,
     /// In the drive of a house.
     Drive,
@@ -73,7 +74,7 @@ pub struct ParkingSpot {
     pub width_m: f64,
 }
 
-/// A line that people walk along, on a pavement.
+/// A line that people walk along, on a sidewalk.
 #[derive(Debug, Clone)]
 pub struct Walkway {
     /// Points at most 2 m apart, on the ground.
@@ -106,19 +107,19 @@ impl Town {
     ///
     /// # Errors
     /// [`crate::Error::OutOfRange`] for a configuration outside its documented limits.
-    pub fn suburb(key: &StreamKey, suburb: &SuburbConfig, dressing: &DressingConfig) -> Result<Self> {
+    pub fn suburb(key: &StreamKey, suburb: &SuburbConfig, props: &PropConfig) -> Result<Self> {
         let Suburb { network, .. } = generate_suburb(key, suburb)?;
-        Self::dressed(key, "suburb", network, dressing)
+        Self::with_props(key, "suburb", network, props)
     }
 
-    /// An OpenDRIVE map, dressed by a key.
+    /// An OpenDRIVE map with props drawn from a key.
     ///
     /// # Errors
-    /// [`crate::Error::Map`] where the text is no map or has no street; [`crate::Error::OutOfRange`] for a dressing
-    /// outside its documented limits.
-    pub fn from_opendrive(key: &StreamKey, map_name: &str, xodr_text: &str, dressing: &DressingConfig) -> Result<Self> {
+    /// [`crate::Error::Map`] where the text is no map or has no street; [`crate::Error::OutOfRange`] for props
+    /// outside their documented limits.
+    pub fn from_opendrive(key: &StreamKey, map_name: &str, xodr_text: &str, props: &PropConfig) -> Result<Self> {
         let (network, map_warnings) = load_map_with_warnings(map_name, xodr_text)?;
-        Ok(Self { map_warnings, ..Self::dressed(key, map_name, network, dressing)? })
+        Ok(Self { map_warnings, ..Self::with_props(key, map_name, network, props)? })
     }
 
     /// A flat square of 400 m, with no lanes and nothing on it: for tests and scripted scenes. Wheels may go anywhere;
@@ -138,15 +139,15 @@ impl Town {
         }
     }
 
-    fn dressed(key: &StreamKey, name: &str, network: RoadNetwork, config: &DressingConfig) -> Result<Self> {
+    fn with_props(key: &StreamKey, name: &str, network: RoadNetwork, config: &PropConfig) -> Result<Self> {
         config.check()?;
         let roughness = Roughness::new(&mut key.stream("ground/roughness"));
         let ground = Ground::rough(&network, &roughness)?;
-        let mut dressing = dressing::dress(key, &network, &ground, config);
+        let mut props = props::place_props(key, &network, &ground, config);
         let mut scenery = ground.tiles.clone();
-        scenery.append(&mut dressing.instances);
+        scenery.append(&mut props.instances);
         let mut parking = parking_spots(&network, &ground, key);
-        parking.append(&mut dressing.drives);
+        parking.append(&mut props.drives);
         let walkways = walkways(&ground);
         Ok(Self { name: name.to_owned(), network, ground, scenery, parking, walkways, map_warnings: Vec::new() })
     }

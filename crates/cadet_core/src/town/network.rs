@@ -18,7 +18,7 @@ pub enum LaneKind {
     Parking,
     /// Bicycles.
     Biking,
-    /// Shoulders, kerbs, borders: paved, but nobody's.
+    /// Shoulders, curbs, borders: paved, but nobody's.
     Shoulder,
     /// Medians, verges and the like.
     Other,

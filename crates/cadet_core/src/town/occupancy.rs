@@ -92,7 +92,7 @@ impl Occupancy {
     }
 }
 
-/// Where the streets are, pavements included, and how high the ground lies.
+/// Where the streets are, sidewalks included, and how high the ground lies.
 #[derive(Debug)]
 pub(super) struct Site<'a> {
     ground: &'a Ground,
@@ -104,7 +104,7 @@ pub(super) struct Site<'a> {
     step_m: f64,
     columns: usize,
     rows: usize,
-    /// Distance to the pavements' outline at each grid point, negative inside, at most [`MAX_MARGIN_M`].
+    /// Distance to the sidewalks' outline at each grid point, negative inside, at most [`MAX_MARGIN_M`].
     clearance_m: Vec<f32>,
 }
 
@@ -117,7 +117,7 @@ const MAX_POINTS: f64 = 4.0e6;
 impl<'a> Site<'a> {
     /// Surveys the streets of a town.
     pub fn new(ground: &'a Ground) -> Self {
-        let points = ground.pavement_outline().iter().flatten();
+        let points = ground.sidewalk_outline().iter().flatten();
         let (min, max) =
             points.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi): (DVec2, DVec2), p| (lo.min(*p), hi.max(*p)));
         let origin = min - DVec2::splat(MAX_MARGIN_M + 1.0);
@@ -128,7 +128,7 @@ impl<'a> Site<'a> {
         let mut squared_m2 = vec![MAX_MARGIN_M * MAX_MARGIN_M; columns * rows];
         let mut site = Self { ground, min, max, origin, step_m, columns, rows, clearance_m };
         let mut crossings: Vec<Vec<f64>> = vec![Vec::new(); rows];
-        for ring in ground.pavement_outline() {
+        for ring in ground.sidewalk_outline() {
             for (i, a) in ring.iter().enumerate() {
                 let b = ring[(i + 1) % ring.len()];
                 site.lower_about(*a, b, &mut squared_m2);
@@ -170,7 +170,7 @@ impl<'a> Site<'a> {
         }
     }
 
-    /// Distance from a place to the pavements' outline, negative on streets, at most [`MAX_MARGIN_M`].
+    /// Distance from a place to the sidewalks' outline, negative on streets, at most [`MAX_MARGIN_M`].
     pub fn clearance_m(&self, p: DVec2) -> f64 {
         let at = (p - self.origin) / self.step_m;
         if at.x < 0.0 || at.y < 0.0 || at.x >= (self.columns - 1) as f64 || at.y >= (self.rows - 1) as f64 {
@@ -188,7 +188,7 @@ impl<'a> Site<'a> {
         self.ground.kind_at(p.x, p.y) == Some(GroundKind::Road)
     }
 
-    /// Whether a place is carriageway or pavement.
+    /// Whether a place is carriageway or sidewalk.
     pub fn is_street(&self, p: DVec2) -> bool {
         self.ground.kind_at(p.x, p.y).is_some_and(|kind| kind != GroundKind::Terrain)
     }

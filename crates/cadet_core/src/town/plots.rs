@@ -7,7 +7,7 @@ use crate::assets::scenery::{HouseKind, SceneryModel, house, num_variants};
 use crate::math::DVec2;
 use crate::rng::Stream;
 
-/// A plot: a rectangle whose front lies along the pavement.
+/// A plot: a rectangle whose front lies along the sidewalk.
 #[derive(Debug, Clone)]
 pub(super) struct Plot {
     /// Middle of the front.
@@ -74,9 +74,9 @@ impl Plot {
     }
 }
 
-/// Between the pavement's edge and the plot.
+/// Between the sidewalk's edge and the plot.
 const FRONT_GAP_M: f64 = 0.12;
-/// Where pavements swing out to deep bays between two points of the frontage, the front moves back by steps of the first,
+/// Where sidewalks swing out to deep bays between two points of the frontage, the front moves back by steps of the first,
 /// by no more than the second.
 const BACK_M: (f64, f64) = (0.1, 1.2);
 const GARAGE_BAY_M: f64 = 3.0;
@@ -84,7 +84,7 @@ const GARAGE_BAY_M: f64 = 3.0;
 /// straight front is shorter, by no more than this.
 const MOST_BENT_M: f64 = 0.6;
 
-/// A plot over [s, s + length] of a frontage, its front moved back until the pavement is clear of it.
+/// A plot over [s, s + length] of a frontage, its front moved back until the sidewalk is clear of it.
 fn plot_at(frontage: &Frontage, site: &Site, s: f64, length_m: f64, depth_m: f64) -> Option<Plot> {
     let (p, q) = (frontage.at(s), frontage.at(s + length_m));
     let along = (q - p).normalize_or_zero();

@@ -108,7 +108,7 @@ impl Paint<'_> {
     fn quad(&mut self, corners: [DVec2; 4]) {
         let lifted = corners.map(|p| (self.ground_height)(p.x, p.y).map(|z| p.extend(z + LIFT_M)));
         if let [Some(a), Some(b), Some(c), Some(d)] = lifted {
-            // A corner on a pavement would tilt the paint up the kerb.
+            // A corner on a sidewalk would tilt the paint up the curb.
             let (lo, hi) = [b, c, d].iter().fold((a.z, a.z), |(l, h), p| (l.min(p.z), h.max(p.z)));
             if hi - lo < 0.09 {
                 self.quads.push([a, b, c, d]);

@@ -33,7 +33,7 @@ impl Wave {
     }
 }
 
-/// Bumps and dips of a town's ground: a few millimetres to three centimetres.
+/// Bumps and dips of a town's ground: a few millimeters to three centimeters.
 #[derive(Debug, Clone)]
 pub struct Roughness {
     waves: Vec<Wave>,
@@ -70,7 +70,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bumps_are_of_a_centimetre_and_slopes_are_small() {
+    fn bumps_are_of_a_centimeter_and_slopes_are_small() {
         for seed in 0..5 {
             let roughness = Roughness::new(&mut Stream::from_seed("roughness", seed));
             let mut stream = Stream::from_seed("places", seed);

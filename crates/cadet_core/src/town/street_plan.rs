@@ -1,34 +1,31 @@
-//! Lays out a suburb: an irregular grid of streets, thinned to T-junctions, with bends at its corners.
+//! Lays out a suburb: streets, junctions, and parking bays along a grid.
 
 use super::plan_curve::{PlanCurve, PlanPose, heading_of, unit};
+use super::street_grid::{draw_grid, draw_styles, thin, trace};
 use super::suburb_config::SuburbConfig;
 use crate::math::{self, DVec2, PI, TAU, wrap_angle};
 use crate::rng::{Stream, StreamKey};
 
-/// Crossroads are thinned to this share of all nodes; the other nodes are T-junctions and bends.
-const CROSSROADS_SHARE: f64 = 0.3;
-/// Kerb radius at residential corners, and where a collector takes part.
+/// Curb radius at residential corners, and where a collector takes part.
 const CORNER_RADIUS_M: (f64, f64) = (4.5, 7.0);
 /// Width of a parallel parking bay, gutter included.
 const BAY_WIDTH_M: f64 = 2.25;
-/// Depth of bays in which cars stand at an angle or across, and share of the streets with bays at both kerbs that have
+/// Depth of bays in which cars stand at an angle or across, and share of the streets with bays at both curbs that have
 /// them at both.
 pub(super) const DEEP_BAY_M: f64 = 5.5;
 const BOTH_DEEP_SHARE: f64 = 0.3;
 /// Deep bays begin this much farther from a junction than others.
 const DEEP_BAY_MARGIN_M: f64 = 4.0;
-/// Beside narrower lanes cars stand half on the pavement: in a bay they would be grazed.
+/// Beside narrower lanes cars stand half on the sidewalk: in a bay they would be grazed.
 const MIN_LANE_BESIDE_BAYS_M: f64 = 2.55;
-/// Share of the streets with wide lanes where cars stand half on the pavement all the same.
+/// Share of the streets with wide lanes where cars stand half on the sidewalk all the same.
 const HALF_BAYS_SHARE: f64 = 0.15;
-/// How far such cars stand from the middle of the lane, and how much of a car of usual width is on the pavement.
+/// How far such cars stand from the middle of the lane, and how much of a car of usual width is on the sidewalk.
 const HALF_BAY_FLANK_M: f64 = 1.6;
-const ON_PAVEMENT_M: (f64, f64) = (0.4, 1.0);
+const ON_SIDEWALK_M: (f64, f64) = (0.4, 1.0);
 const CAR_WIDTH_M: f64 = 1.65;
-/// Left of the pavement for walkers.
+/// Left of the sidewalk for walkers.
 const LEFT_FOR_WALKERS_M: f64 = 0.95;
-/// Share of the streets with a wide carriageway.
-const WIDE_SHARE: f64 = 0.18;
 /// A junction begins at least this far from its middle.
 const MIN_CUT_M: f64 = 6.0;
 
@@ -46,9 +43,9 @@ pub(super) struct Street {
     pub(super) lane_width_m: f64,
     pub(super) sidewalk_width_m: f64,
     pub(super) speed_kmh: u32,
-    /// Stretch with bays at the right or the left kerb or both.
+    /// Stretch with bays at the right or the left curb or both.
     pub(super) bays: Option<(f64, f64)>,
-    /// Widths of the bays at the right and at the left kerb; 0 where there are none.
+    /// Widths of the bays at the right and at the left curb; 0 where there are none.
     pub(super) bay_widths_m: [f64; 2],
     /// The junctions at its start and its end.
     pub(super) junctions: [usize; 2],
@@ -62,8 +59,8 @@ pub(super) struct Turn {
     pub(super) to: (usize, End),
     /// From the middle of the one carriageway to the middle of the other.
     pub(super) curve: PlanCurve,
-    /// True where the turn follows the kerb, and so carries the pavement round the corner.
-    pub(super) along_kerb: bool,
+    /// True where the turn follows the curb, and so carries the sidewalk round the corner.
+    pub(super) along_curb: bool,
 }
 
 /// Streets, junctions and the ways through them.
@@ -74,13 +71,6 @@ pub(super) struct StreetPlan {
     pub(super) num_junctions: usize,
 }
 
-#[derive(Debug, Clone, Copy)]
-struct LineStyle {
-    lane_width_m: f64,
-    sidewalk_width_m: f64,
-    speed_kmh: u32,
-}
-
 /// A street's arm at a junction.
 struct Arm {
     street: usize,
@@ -89,36 +79,6 @@ struct Arm {
     half_width_m: f64,
     collector: bool,
     cut_m: f64,
-}
-
-struct Grid {
-    columns: usize,
-    rows: usize,
-    at: Vec<DVec2>,
-    /// East, north, west, south neighbor of each node.
-    links: Vec<[Option<usize>; 4]>,
-}
-
-impl Grid {
-    fn degree(&self, node: usize) -> usize {
-        self.links[node].iter().flatten().count()
-    }
-
-    fn unlink(&mut self, node: usize, direction: usize) {
-        if let Some(other) = self.links[node][direction].take() {
-            self.links[other][(direction + 2) % 4] = None;
-        }
-    }
-
-    /// Direction of the arm that leaves `node`: along the line through it where the line goes on behind.
-    fn arm_heading(&self, node: usize, direction: usize, stream: &mut Stream) -> f64 {
-        let wobble = stream.range(-0.1, 0.1);
-        let Some(ahead) = self.links[node][direction] else { return 0.0 };
-        match self.links[node][(direction + 2) % 4] {
-            Some(behind) => heading_of(self.at[ahead] - self.at[behind]),
-            None => heading_of(self.at[ahead] - self.at[node]) + wobble,
-        }
-    }
 }
 
 /// Draws a plan.
@@ -173,12 +133,12 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
             let mut margin = (stream.range(5.0, 9.0), stream.range(5.0, 9.0));
             let (mut right, mut left) = (stream.chance(config.parking_share), stream.chance(config.parking_share));
             let mut bay_width_m = BAY_WIDTH_M;
-            let on_pavement_m = stream.range(ON_PAVEMENT_M.0, ON_PAVEMENT_M.1);
+            let on_sidewalk_m = stream.range(ON_SIDEWALK_M.0, ON_SIDEWALK_M.1);
             let (half_all_the_same, is_right) = (stream.chance(HALF_BAYS_SHARE), stream.chance(0.5));
             if style.lane_width_m < MIN_LANE_BESIDE_BAYS_M || half_all_the_same {
-                // On one side alone: the other pavement stays free.
-                let on_pavement_m = on_pavement_m.min(style.sidewalk_width_m - LEFT_FOR_WALKERS_M);
-                bay_width_m = HALF_BAY_FLANK_M + CAR_WIDTH_M - on_pavement_m - style.lane_width_m / 2.0;
+                // On one side alone: the other sidewalk stays free.
+                let on_sidewalk_m = on_sidewalk_m.min(style.sidewalk_width_m - LEFT_FOR_WALKERS_M);
+                bay_width_m = HALF_BAY_FLANK_M + CAR_WIDTH_M - on_sidewalk_m - style.lane_width_m / 2.0;
                 let any = right || left;
                 (right, left) = (any && is_right, any && !is_right);
             }
@@ -212,13 +172,13 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
                 let pose = |arm: &Arm| cuts[arm.street][usize::from(arm.end == End::Finish)];
                 let mut curve = PlanCurve::default();
                 curve.extend_to(pose(from).reversed(), pose(to));
-                let along_kerb = j == (i + 1) % arms.len();
+                let along_curb = j == (i + 1) % arms.len();
                 turns.push(Turn {
                     junction,
                     from: (from.street, from.end),
                     to: (to.street, to.end),
                     curve,
-                    along_kerb,
+                    along_curb,
                 });
             }
         }
@@ -226,141 +186,7 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
     StreetPlan { streets, turns, num_junctions }
 }
 
-fn draw_grid(stream: &mut Stream, config: &SuburbConfig) -> Grid {
-    let (columns, rows) = (config.blocks.0 + 1, config.blocks.1 + 1);
-    let mut spread = |n: usize| {
-        let mut at = vec![0.0];
-        for i in 1..n {
-            at.push(at[i - 1] + stream.range(config.block_m.0, config.block_m.1));
-        }
-        let middle = at[n - 1] / 2.0;
-        at.into_iter().map(|v| v - middle).collect::<Vec<f64>>()
-    };
-    let (xs, ys) = (spread(columns), spread(rows));
-    // A slow wave through the whole grid bends its lines together; its slope stays below 0.24, so corners stay open.
-    let wave = |stream: &mut Stream| {
-        let length = stream.range(230.0, 400.0);
-        (length, stream.range(0.08, 0.24) * length / TAU, stream.range(0.0, TAU))
-    };
-    let (wave_x, wave_y) = (wave(stream), wave(stream));
-    let turn = unit(stream.range(0.0, TAU));
-    let mut at = Vec::with_capacity(columns * rows);
-    for y in &ys {
-        for x in &xs {
-            let jitter = DVec2::new(stream.clipped_normal(0.0, 3.5), stream.clipped_normal(0.0, 3.5));
-            let bent = DVec2::new(
-                x + wave_x.1 * math::sin(TAU * y / wave_x.0 + wave_x.2),
-                y + wave_y.1 * math::sin(TAU * x / wave_y.0 + wave_y.2),
-            );
-            at.push(turn.rotate(bent + jitter));
-        }
-    }
-    let links = (0..columns * rows)
-        .map(|n| {
-            let (i, j) = (n % columns, n / columns);
-            [
-                (i + 1 < columns).then_some(n + 1),
-                (j + 1 < rows).then_some(n + columns),
-                (i > 0).then(|| n - 1),
-                (j > 0).then(|| n - columns),
-            ]
-        })
-        .collect();
-    Grid { columns, rows, at, links }
-}
-
-/// Takes streets away until T-junctions prevail; no node is left with fewer than two streets.
-fn thin(grid: &mut Grid, stream: &mut Stream) {
-    let (columns, rows) = (grid.columns, grid.rows);
-    if columns > 3 && rows > 3 && stream.chance(0.6) {
-        let corner = [0, columns - 1, columns * (rows - 1), columns * rows - 1][stream.below(4)];
-        for direction in 0..4 {
-            grid.unlink(corner, direction);
-        }
-    }
-    let mut inner: Vec<(usize, usize)> = (0..columns * rows)
-        .flat_map(|n| [(n, 0), (n, 1)])
-        .filter(|(n, d)| {
-            let (i, j) = (n % columns, n / columns);
-            if *d == 0 { i + 1 < columns && j > 0 && j + 1 < rows } else { j + 1 < rows && i > 0 && i + 1 < columns }
-        })
-        .collect();
-    stream.shuffle(&mut inner);
-    let wanted = CROSSROADS_SHARE * (columns * rows) as f64;
-    for (node, direction) in inner {
-        let crossroads = (0..columns * rows).filter(|n| grid.degree(*n) == 4).count();
-        if (crossroads as f64) <= wanted {
-            break;
-        }
-        let both_cross = |other| grid.degree(node) == 4 && grid.degree(other) == 4;
-        if grid.links[node][direction].is_some_and(both_cross) {
-            grid.unlink(node, direction);
-        }
-    }
-}
-
-/// One style a row, then one a column: a street keeps its width across junctions.
-fn draw_styles(stream: &mut Stream, grid: &Grid) -> Vec<LineStyle> {
-    let lines = grid.rows + grid.columns;
-    let collectors = [stream.below(grid.rows), grid.rows + stream.below(grid.columns)];
-    let second = stream.chance(0.5);
-    (0..lines)
-        .map(|line| {
-            let collector = line == collectors[0] || (second && line == collectors[1]);
-            let (is_wide, wide_m) = (stream.chance(WIDE_SHARE), stream.range(6.8, 9.5));
-            let usual_m = if collector { stream.range(5.8, 6.5) } else { stream.range(4.75, 5.6) };
-            let carriageway = if is_wide { wide_m } else { usual_m };
-            LineStyle {
-                lane_width_m: (carriageway * 10.0).round() / 20.0,
-                sidewalk_width_m: (stream.range(1.5, 2.5) * 10.0).round() / 10.0,
-                speed_kmh: if collector { 50 } else { 30 },
-            }
-        })
-        .collect()
-}
-
-/// A walk along the grid from one junction to the next.
-struct Chain {
-    nodes: Vec<usize>,
-    /// The direction of the walk's first arm at its first node, and of its last arm at its last node.
-    leaves: usize,
-    arrives: usize,
-    /// Row, or number of rows plus column.
-    line: usize,
-}
-
-/// The streets of the grid, each once, and the heading of every arm.
-fn trace(grid: &Grid, stream: &mut Stream) -> (Vec<Chain>, Vec<[f64; 4]>) {
-    let headings: Vec<[f64; 4]> =
-        (0..grid.at.len()).map(|n| [0, 1, 2, 3].map(|d| grid.arm_heading(n, d, stream))).collect();
-    let mut seen = vec![[false; 4]; grid.at.len()];
-    let mut chains = Vec::new();
-    for node in (0..grid.at.len()).filter(|n| grid.degree(*n) >= 3) {
-        for leaves in 0..4 {
-            if seen[node][leaves] || grid.links[node][leaves].is_none() {
-                continue;
-            }
-            seen[node][leaves] = true;
-            let (mut nodes, mut at, mut direction) = (vec![node], node, leaves);
-            while let Some(next) = grid.links[at][direction] {
-                nodes.push(next);
-                at = next;
-                let back = (direction + 2) % 4;
-                if grid.degree(at) != 2 {
-                    direction = back;
-                    break;
-                }
-                direction = (0..4).find(|d| *d != back && grid.links[at][*d].is_some()).unwrap_or(back);
-            }
-            seen[at][direction] = true;
-            let line = if leaves % 2 == 0 { node / grid.columns } else { grid.rows + node % grid.columns };
-            chains.push(Chain { nodes, leaves, arrives: direction, line });
-        }
-    }
-    (chains, headings)
-}
-
-/// Moves each arm's end out until the kerbs' corner arc fits between it and its neighbors.
+/// Moves each arm's end out until the curbs' corner arc fits between it and its neighbors.
 fn cut_back(arms: &mut [Arm], corner_radius_m: f64) {
     let n = arms.len();
     for i in 0..n {

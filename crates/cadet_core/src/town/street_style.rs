@@ -1,10 +1,10 @@
 //! What one street has in common: its houses, boundaries, trees and lamps, drawn once a street.
 
-use super::dressing_config::DressingConfig;
+use super::prop_config::PropConfig;
 use crate::assets::scenery::{FenceKind, HouseKind, PoleKind, num_variants};
 use crate::rng::{Stream, StreamKey};
 
-/// What stands between a garden and the pavement.
+/// What stands between a garden and the sidewalk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Boundary {
     /// A hedge of a variant.
@@ -57,7 +57,7 @@ pub(super) struct StreetStyle {
 
 impl StreetStyle {
     /// The style of a road.
-    pub fn draw(key: &StreamKey, road: u32, speed_limit_mps: f64, config: &DressingConfig) -> Self {
+    pub fn draw(key: &StreamKey, road: u32, speed_limit_mps: f64, config: &PropConfig) -> Self {
         let mut stream = key.indexed("street", u64::from(road));
         let s = &mut stream;
         let kind = |s: &mut Stream| HouseKind::ALL[s.weighted(&config.house_shares)];

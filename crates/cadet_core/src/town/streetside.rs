@@ -1,4 +1,4 @@
-//! What stands along the pavement's edge: lamps, signs, street trees, cabinets.
+//! What stands along the sidewalk's edge: lamps, signs, street trees, cabinets.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use super::street_style::StreetStyle;
 use crate::assets::scenery::{FurnitureKind, PoleKind, TreeKind, furniture, pole, tree};
 use crate::rng::Stream;
 
-/// Lamps and signs stand this far inside the pavement's outer edge.
+/// Lamps and signs stand this far inside the sidewalk's outer edge.
 const POLE_INSET_M: f64 = 0.22;
 
 /// Furnishes one frontage.
@@ -17,8 +17,8 @@ pub(super) fn furnish(frontage: &Frontage, style: &StreetStyle, s: &mut Stream, 
     let put_pole = |placer: &mut Placer, kind: PoleKind, variant: usize, at_s: f64, against_traffic: bool| {
         let (along, at) = (frontage.along(at_s), frontage.at(at_s));
         let place = at - right_of(along) * POLE_INSET_M;
-        // On a narrow or missing pavement the pole goes behind its edge.
-        let place = if frontage.pavement_at(at_s) < 1.0 { at + right_of(along) * 0.12 } else { place };
+        // On a narrow or missing sidewalk the pole goes behind its edge.
+        let place = if frontage.sidewalk_at(at_s) < 1.0 { at + right_of(along) * 0.12 } else { place };
         // Where streets meet at a sharp angle the edge of one may lie on the other.
         if placer.site.is_road(place) {
             return;
@@ -61,7 +61,7 @@ pub(super) fn furnish(frontage: &Frontage, style: &StreetStyle, s: &mut Stream, 
             let corners = [-1.0, 0.0, 1.0].iter().flat_map(|k| [-0.45, 0.0, 0.45].map(|d| (0.7 * k, d)));
             let on_road =
                 corners.into_iter().any(|(a, d)| placer.site.is_road(place + frontage.along(at) * a + out * d));
-            if frontage.pavement_at(at) > 1.4 && !on_road {
+            if frontage.sidewalk_at(at) > 1.4 && !on_road {
                 placer.put(&model, Arc::clone(&model.palette), place, -out);
             }
         }

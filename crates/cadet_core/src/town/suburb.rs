@@ -25,7 +25,7 @@ fn draw_crossfall(stream: &mut Stream) -> f64 {
 /// Makes the suburb of a key: the same key gives the same text.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] for a configuration outside its documented limits.
+/// [`crate::Error::OutOfRange`] for a configuration outside its documented limits.
 pub fn generate(key: &StreamKey, config: &SuburbConfig) -> Result<Suburb> {
     config.check()?;
     let relief = Relief::new(&mut key.stream("suburb/relief"), config.hilly_share, config.max_slope);

@@ -7,12 +7,12 @@ use super::relief::Relief;
 use super::street_plan::{End, Street, StreetPlan, Turn};
 use crate::math;
 
-/// The kerb swings out into the bay over this length.
+/// The curb swings out into the bay over this length.
 const BAY_TAPER_M: f64 = 2.5;
 /// A street's slope across grows from its ends to the full over this length.
 const CROSSFALL_RAMP_M: f64 = 20.0;
-/// Height of a kerb: a pavement's lane lies this much above the carriageway.
-pub(super) const KERB_HEIGHT_M: f64 = 0.12;
+/// Height of a curb: a sidewalk's lane lies this much above the carriageway.
+pub(super) const CURB_HEIGHT_M: f64 = 0.12;
 
 /// A cubic a + b s + c s^2 + d s^3 from `s` on.
 struct Cubic {
@@ -110,7 +110,7 @@ fn contact(end: End) -> &'static str {
     }
 }
 
-/// The pavement's lane beside the carriageway's at a street's end.
+/// The sidewalk's lane beside the carriageway's at a street's end.
 fn sidewalk_beside(lane: i32) -> i32 {
     2 * lane
 }
@@ -165,7 +165,7 @@ fn street_sections(street: &Street) -> Vec<Section> {
                 successor: None,
             });
         }
-        // Bays take number 2 in the middle section, which moves the pavement to 3.
+        // Bays take number 2 in the middle section, which moves the sidewalk to 3.
         let number = |in_bay_section: bool| sign * if in_bay_section && has_bay(sign < 0) { 3 } else { 2 };
         let in_bays = bay.is_some() || (before && after);
         lanes.push(LaneRecord {
@@ -226,7 +226,7 @@ fn write_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &Turn, re
         predecessor: Some(arrives),
         successor: Some(leaves),
     }];
-    if turn.along_kerb {
+    if turn.along_curb {
         lanes.push(LaneRecord {
             id: -2,
             kind: "sidewalk",
@@ -254,7 +254,7 @@ fn write_junction(out: &mut String, plan: &StreetPlan, junction: usize) {
                 turn_id(plan, index)
             ),
         );
-        if turn.along_kerb {
+        if turn.along_curb {
             put(out, format_args!("<laneLink from=\"{}\" to=\"-2\"/>", sidewalk_beside(arrives)));
         }
         out.push_str("</connection>\n");
@@ -355,7 +355,7 @@ fn write_lane(out: &mut String, lane: &LaneRecord) {
         width.write(out, "width", "sOffset");
     }
     if lane.raised {
-        put(out, format_args!("<height sOffset=\"0.0\" inner=\"{KERB_HEIGHT_M}\" outer=\"{KERB_HEIGHT_M}\"/>\n"));
+        put(out, format_args!("<height sOffset=\"0.0\" inner=\"{CURB_HEIGHT_M}\" outer=\"{CURB_HEIGHT_M}\"/>\n"));
     }
     out.push_str("</lane>\n");
 }

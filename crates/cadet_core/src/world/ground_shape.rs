@@ -119,12 +119,12 @@ mod tests {
 
     use super::*;
     use crate::rng::{Stream, StreamKey};
-    use crate::town::{DressingConfig, SuburbConfig};
+    use crate::town::{PropConfig, SuburbConfig};
 
     #[test]
     fn rays_meet_what_they_meet_in_parrys_mesh() {
         let suburb = SuburbConfig { blocks: (2, 2), ..Default::default() };
-        let town = Town::suburb(&StreamKey::scene(3), &suburb, &DressingConfig::default()).unwrap();
+        let town = Town::suburb(&StreamKey::scene(3), &suburb, &PropConfig::default()).unwrap();
         let mesh = TriMesh::new(town.ground.vertices.to_vec(), town.ground.faces.to_vec()).unwrap();
         let shape = GroundShape::new(Arc::new(town));
         let (min, max) = (shape.bounds().min, shape.bounds().max);

@@ -89,7 +89,7 @@ impl Physics {
 
     /// The uppermost ground at a place; `None` beyond the edge.
     pub fn ground_at(&self, x_m: f64, y_m: f64) -> Option<GroundPoint> {
-        // A vertical ray may slip through an edge between two triangles: look a millimetre beside it.
+        // A vertical ray may slip through an edge between two triangles: look a millimeter beside it.
         [(0.0, 0.0), (1e-3, 0.7e-3), (-0.8e-3, 1.1e-3)].iter().find_map(|(dx, dy)| {
             let origin = Vector::new((x_m + dx) as f32, (y_m + dy) as f32, self.top_z_m);
             let ray = Ray::new(origin, Vector::new(0.0, 0.0, -1.0));

@@ -32,9 +32,9 @@ pub(super) struct Roads {
 }
 
 impl Roads {
-    /// Whether a place lies on a pavement.
-    pub fn is_pavement(&self, place: DVec2) -> bool {
-        self.town.ground.kind_at(place.x, place.y) == Some(GroundKind::Pavement)
+    /// Whether a place lies on a sidewalk.
+    pub fn is_sidewalk(&self, place: DVec2) -> bool {
+        self.town.ground.kind_at(place.x, place.y) == Some(GroundKind::Sidewalk)
     }
 
     pub fn new(town: Arc<Town>) -> Self {

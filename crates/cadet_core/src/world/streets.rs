@@ -2,18 +2,18 @@
 
 use std::sync::Arc;
 
-use super::pavement::Pavements;
 use super::route::Roads;
+use super::sidewalk::Sidewalks;
 use crate::town::Town;
 
-/// Roads to drive on and pavements to walk on.
+/// Roads to drive on and sidewalks to walk on.
 pub(super) struct Streets {
     pub roads: Roads,
-    pub pavements: Pavements,
+    pub sidewalks: Sidewalks,
 }
 
 impl Streets {
     pub fn new(town: &Arc<Town>) -> Self {
-        Self { roads: Roads::new(Arc::clone(town)), pavements: Pavements::new(Arc::clone(town)) }
+        Self { roads: Roads::new(Arc::clone(town)), sidewalks: Sidewalks::new(Arc::clone(town)) }
     }
 }

@@ -67,7 +67,7 @@ struct Rules<'a> {
 
 impl Rules<'_> {
     fn truth_mark(&self, t: &Truth) -> Mark {
-        let is_neighbour =
+        let is_neighbor =
             matches!((self.class, t.kind), (Kind::Car, Kind::Van) | (Kind::Pedestrian, Kind::PersonSitting));
         let height = t.box_img.y2 - t.box_img.y1;
         let is_low = if self.level.is_inclusive {
@@ -76,7 +76,7 @@ impl Rules<'_> {
             height <= self.level.min_height_px
         };
         let is_hard = t.occluded > self.level.max_occlusion || t.truncated > self.level.max_truncation || is_low;
-        match (t.kind == self.class, is_neighbour) {
+        match (t.kind == self.class, is_neighbor) {
             (true, _) if !is_hard => Mark::Counts,
             (true, _) | (_, true) => Mark::Ignored,
             _ => Mark::Unrelated,

@@ -1,8 +1,11 @@
 //! People on foot: walkers with a gait cycle, and people who stand.
 
+mod arms;
 mod body;
 mod clothes;
+mod frame;
 mod gait;
+mod head;
 mod proportions;
 #[cfg(test)]
 mod tests;
@@ -93,7 +96,7 @@ impl PersonModel {
     }
 }
 
-/// The body at a quantised phase with its lower sole on the ground.
+/// The body at a quantized phase with its lower sole on the ground.
 fn grounded(p: &Proportions, phase_index: usize, level: usize) -> Tubes {
     let posture =
         if p.speed > 0.0 { gait::walking(p, phase_index as f32 / NUM_PHASES as f32) } else { gait::standing(p) };

@@ -1,4 +1,4 @@
-//! One person's measures, gait and habits.
+//! One person's measures and gait.
 
 use crate::math;
 use crate::rng::Stream;

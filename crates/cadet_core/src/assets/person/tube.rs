@@ -10,7 +10,7 @@ use crate::math::{Vec3, cosf, sinf};
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ring {
     pub center: Vec3,
-    /// Along the tube, towards the next ring.
+    /// Along the tube, toward the next ring.
     pub along: Vec3,
     /// The direction of the first half axis; made square to `along`.
     pub forward: Vec3,

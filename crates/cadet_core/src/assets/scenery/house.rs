@@ -18,9 +18,9 @@ pub enum HouseKind {
     Semi,
     /// Four or five narrow houses in a row.
     Terrace,
-    /// An old house on the pavement's line, its gable often to the street.
+    /// An old house on the sidewalk's line, its gable often to the street.
     Village,
-    /// A tall block of the closed kind, on the pavement's line.
+    /// A tall block of the closed kind, on the sidewalk's line.
     Block,
     /// Two to four stories of flats with balconies.
     Flats,
@@ -51,8 +51,8 @@ pub(super) struct HouseDesign {
     pub depth: f32,
     pub width: f32,
     pub units: usize,
-    pub storeys: usize,
-    pub storey_height: f32,
+    pub stories: usize,
+    pub story_height: f32,
     pub plinth: f32,
     pub eaves: f32,
     pub slope: f32,
@@ -83,16 +83,16 @@ impl HouseDesign {
             HouseKind::Block => (1, range(s, 12.0, 19.0), range(s, 12.0, 13.5)),
             HouseKind::Flats => (2 + s.below(2), range(s, 18.0, 32.0), range(s, 10.0, 12.0)),
         };
-        let storeys = match kind {
+        let stories = match kind {
             HouseKind::Detached | HouseKind::Village => 1 + s.weighted(&[0.35, 0.65]),
             HouseKind::Semi | HouseKind::Terrace => 2,
             HouseKind::Block => 3 + s.below(2),
             HouseKind::Flats => 2 + s.below(3),
         };
-        let storey_height = if kind == HouseKind::Block { range(s, 3.2, 3.7) } else { range(s, 2.65, 2.85) };
+        let story_height = if kind == HouseKind::Block { range(s, 3.2, 3.7) } else { range(s, 2.65, 2.85) };
         let plinth = match kind {
             HouseKind::Flats => range(s, 0.5, 0.9),
-            // On the pavement's line there is no room for steps.
+            // On the sidewalk's line there is no room for steps.
             HouseKind::Village | HouseKind::Block => range(s, 0.14, 0.19),
             _ => range(s, 0.25, 0.7),
         };
@@ -116,7 +116,7 @@ impl HouseDesign {
         let flat_roof = kind == HouseKind::Flats && s.chance(0.4);
         let loft = match kind {
             // One story under a steep roof has a knee wall.
-            HouseKind::Detached | HouseKind::Village if storeys == 1 => range(s, 0.5, 1.1),
+            HouseKind::Detached | HouseKind::Village if stories == 1 => range(s, 0.5, 1.1),
             _ => range(s, 0.15, 0.35),
         };
         let dormers = !gable_to_street && !hipped && !flat_roof && s.chance(0.4);
@@ -125,10 +125,10 @@ impl HouseDesign {
             depth,
             width,
             units,
-            storeys,
-            storey_height,
+            stories,
+            story_height,
             plinth,
-            eaves: plinth + storeys as f32 * storey_height + loft,
+            eaves: plinth + stories as f32 * story_height + loft,
             slope: crate::math::tanf(degrees.to_radians()),
             overhang: range(s, 0.3, 0.6),
             gable_to_street,
@@ -142,8 +142,8 @@ impl HouseDesign {
         }
     }
 
-    /// Houses that open onto the pavement.
-    fn on_pavement(&self) -> bool {
+    /// Houses that open onto the sidewalk.
+    fn on_sidewalk(&self) -> bool {
         matches!(self.kind, HouseKind::Village | HouseKind::Block)
     }
 
@@ -179,9 +179,9 @@ impl HouseDesign {
             let door_column = if unit % 2 == 0 { columns - 1 } else { 0 };
             for column in 0..columns {
                 let u = part * unit as f32 + cell * (column as f32 + 0.5);
-                for storey in 0..self.storeys {
-                    let floor = self.plinth + self.storey_height * storey as f32;
-                    if doors > 0 && column == door_column && storey == 0 {
+                for story in 0..self.stories {
+                    let floor = self.plinth + self.story_height * story as f32;
+                    if doors > 0 && column == door_column && story == 0 {
                         let rect = [u - 0.55, u + 0.55, floor + 0.02, floor + 2.12];
                         openings.push(Opening { rect, filling: Filling::Door });
                     } else if s.chance(density) {
@@ -247,19 +247,19 @@ impl HouseDesign {
             let u = (o.rect[0] + o.rect[1]) / 2.0;
             let steps = ((self.plinth / 0.17).ceil() as usize).max(1);
             for k in 0..steps {
-                let out = 0.28 * (steps - k) as f32 + if self.on_pavement() { 0.0 } else { 0.35 };
+                let out = 0.28 * (steps - k) as f32 + if self.on_sidewalk() { 0.0 } else { 0.35 };
                 let top = self.plinth * (k + 1) as f32 / steps as f32;
                 plane.block(b, [u - 0.8, u + 0.8, -0.6, top], -out, 0.0, slot::STONE);
             }
-            if !self.on_pavement() {
+            if !self.on_sidewalk() {
                 plane.block(b, [u - 0.9, u + 0.9, o.rect[3] + 0.18, o.rect[3] + 0.28], -0.9, 0.0, slot::METAL);
             }
         }
         if self.balconies && front {
             let pitch = self.width / self.units as f32;
             for unit in 0..self.units {
-                for storey in 1..self.storeys {
-                    let (u, v) = (pitch * (unit as f32 + 0.45), self.plinth + self.storey_height * storey as f32);
+                for story in 1..self.stories {
+                    let (u, v) = (pitch * (unit as f32 + 0.45), self.plinth + self.story_height * story as f32);
                     let (u0, u1) = (u - 1.6, u + 1.6);
                     plane.block(b, [u0, u1, v - 0.18, v], -1.3, 0.0, slot::STONE);
                     plane.block(b, [u0, u1, v + 0.08, v + 0.95], -1.3, -1.25, slot::SHUTTER);

@@ -48,7 +48,7 @@ impl Leaves {
         let scale = to_corners.into_iter().map(|p| share_within(from_center, p, radius)).fold(1.0, f32::min);
         let corners = to_corners.map(|p| center + from_center + p * scale);
         let normal = (outward + direction(s) * 0.45).normalize_or(Vec3::Z);
-        // Counter-clockwise towards the shading normal: a card has two sides, this one counts as its front.
+        // Counter-clockwise toward the shading normal: a card has two sides, this one counts as its front.
         let flip = (corners[2] - corners[0]).cross(corners[3] - corners[1]).dot(normal) < 0.0;
         let base = self.vertices.len() as u32;
         self.faces

@@ -1,6 +1,6 @@
 //! Houses, plants, fences and street furniture: shared prototypes, each a pure function of its kind and variant.
 //!
-//! Every model stands upright in its own frame: z up, z = 0 at the ground, x towards whoever looks at it (the street
+//! Every model stands upright in its own frame: z up, z = 0 at the ground, x toward whoever looks at it (the street
 //! for houses, the driver for signs), or along the piece for fences and hedges. Foundations and trunks go on below
 //! z = 0, so that nothing floats on a slope.
 

@@ -6,7 +6,7 @@ use super::{Detail, Mesh};
 use crate::geometry::MeshBuilder;
 use crate::math::{PI, Vec3};
 
-/// What stands at the pavement's edge. Signs face +x, lamp arms reach out to +x.
+/// What stands at the sidewalk's edge. Signs face +x, lamp arms reach out to +x.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum PoleKind {
     /// A residential lamp: a straight pole with its head on top.

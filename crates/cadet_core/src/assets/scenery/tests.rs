@@ -134,7 +134,7 @@ fn house_walls_have_no_holes_but_windows() {
 }
 
 #[test]
-fn crowns_let_a_third_to_a_half_of_the_beams_through_a_metre() {
+fn crowns_let_a_third_to_a_half_of_the_beams_through_a_meter() {
     for kind in [TreeKind::Street, TreeKind::Garden, TreeKind::Wood] {
         for (detail, level) in [(0, "finest"), (1, "next"), (2, "third")] {
             let (mut open, mut all) = (0_usize, 0_usize);
@@ -153,7 +153,7 @@ fn crowns_let_a_third_to_a_half_of_the_beams_through_a_metre() {
                 }
             }
             let gap = open as f64 / all as f64;
-            assert!((0.25..0.6).contains(&gap), "{kind:?} {level}: gap fraction {gap:.2} per metre");
+            assert!((0.25..0.6).contains(&gap), "{kind:?} {level}: gap fraction {gap:.2} per meter");
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What is mounted on the shell: mirrors, plates, handles, shut lines, wipers, aerials, rails.
 
-use super::dimensions::Windows;
+use super::archetypes::Windows;
 use super::glasshouse::Glasshouse;
 use super::outline::Outline;
 use super::paint::slot;

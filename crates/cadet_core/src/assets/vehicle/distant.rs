@@ -1,9 +1,9 @@
 //! A whole vehicle beyond the distance at which anybody looks through its windows: they are dark panes, wheel arches are dark
 //! panels, and what is smaller than a pixel of KITTI's camera is left out.
 
+use super::archetypes::Windows;
 use super::body::{Styling, add_decks, shell_slot};
 use super::details::{Fittings, add_plates};
-use super::dimensions::Windows;
 use super::glasshouse::{Cell, Glasshouse, SCREEN_TO_M, SIDE_PANES_TO_M};
 use super::outline::{Column, Face, Outline};
 use super::paint::slot;

@@ -1,6 +1,6 @@
 //! Roof, pillars and panes above the belt line.
 
-use super::dimensions::Windows;
+use super::archetypes::Windows;
 use super::outline::Outline;
 use super::paint::slot;
 use super::surface::{Outward, Surface};

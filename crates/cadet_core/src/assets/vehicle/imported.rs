@@ -147,7 +147,7 @@ fn assumption(asset: &VehicleAsset, materials: &[tobj::Material], faces: &[Face]
         .map(|(_, m)| m.name.as_str())
         .collect();
     let lacks = if names.is_empty() {
-        "no materials: grey paint is assumed".to_owned()
+        "no materials: gray paint is assumed".to_owned()
     } else {
         format!("no material for panes among {}", names.join(", "))
     };

@@ -1,6 +1,6 @@
 //! What is seen through the panes: dashboard, seats, steering wheel, and the driver.
 
-use super::dimensions::Windows;
+use super::archetypes::Windows;
 use super::glasshouse::Glasshouse;
 use super::outline::Outline;
 use super::paint::slot;

@@ -1,5 +1,6 @@
 //! Vehicles: a lofted body with cut wheel arches and true glass over a furnished interior.
 
+mod archetypes;
 mod assumed_panes;
 mod body;
 mod details;
@@ -66,7 +67,7 @@ pub struct VehicleModel {
     pub body: Arc<LodSet>,
     /// The driver, and a passenger in three of ten, in the box frame: shown in moving vehicles.
     pub driver: Option<Arc<LodSet>>,
-    /// A wheel about its own center, axle along y, outer face towards +y (the left side); `None` where the wheels are
+    /// A wheel about its own center, axle along y, outer face toward +y (the left side); `None` where the wheels are
     /// part of the body.
     pub wheel: Option<Arc<LodSet>>,
     /// Wheel centers in the box frame: front left, front right, rear left, rear right.

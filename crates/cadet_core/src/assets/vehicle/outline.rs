@@ -189,7 +189,7 @@ impl Outline {
         Vec3::new(edge.x, edge.y * t, z)
     }
 
-    /// Half width of the shell's upper edge at x, rounded off towards nose and tail.
+    /// Half width of the shell's upper edge at x, rounded off toward nose and tail.
     pub fn edge_y(&self, x: f32) -> f32 {
         let half = self.d.length / 2.0;
         let lateral = |root: f32, tip: f32, back: f32, n: f32| {

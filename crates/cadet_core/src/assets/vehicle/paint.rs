@@ -37,7 +37,7 @@ pub(super) mod slot {
 }
 
 /// A color of the stock: share, albedo, spread, LIDAR reflectance below the coat, and what is on top.
-type Colour = (f64, [f32; 3], f32, (f64, f64), Coat);
+type Color = (f64, [f32; 3], f32, (f64, f64), Coat);
 
 /// What lies over a paint's pigments: clear coat alone, or metal flakes below it.
 #[derive(Debug, Clone, Copy)]
@@ -61,7 +61,7 @@ impl Coat {
 
 /// Reflectances as measured at 905 nm (black 2-5 %, dark metallic 4-10, gray 8-15, silver 25-40 and peaked, white 70-80,
 /// red 40-65, blue 10-40, green 15-35) less what the coat itself mirrors: of black's 2-5 %, 4 are the mirror's.
-const COLOURS: [Colour; 14] = [
+const COLOURS: [Color; 14] = [
     (18.0, [0.42, 0.43, 0.44], 0.06, (0.10, 0.22), Coat::Flakes),
     (18.0, [0.16, 0.165, 0.17], 0.06, (0.03, 0.09), Coat::DarkFlakes),
     (23.0, [0.016, 0.016, 0.018], 0.01, (0.004, 0.02), Coat::Clear),

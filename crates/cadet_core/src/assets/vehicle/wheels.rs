@@ -15,7 +15,7 @@ pub(super) struct Rim {
     pub fill: f32,
 }
 
-/// A wheel about its own center: axle along y, outer face towards +y.
+/// A wheel about its own center: axle along y, outer face toward +y.
 pub(super) fn wheel(d: &Dimensions, rim: Rim, level: usize) -> Surface {
     let mut surface = Surface::default();
     let sides = [26, 14, 8, 6][level];

@@ -7,7 +7,7 @@ use super::{View, look};
 use crate::math::{DMat3, DPose3, DQuat, DVec3};
 use crate::rng::StreamKey;
 use crate::sense::PosedScene;
-use crate::town::{DressingConfig, SuburbConfig, Town};
+use crate::town::{PropConfig, SuburbConfig, Town};
 use crate::weather::Weather;
 
 const SIZE: (usize, usize) = (1242, 375);
@@ -19,7 +19,7 @@ const MOST: f32 = 3.0;
 
 /// Views along the streets of a suburb.
 fn views(seed: u64, count: usize) -> Vec<(PosedScene, View)> {
-    let town = Town::suburb(&StreamKey::scene(seed), &SuburbConfig::default(), &DressingConfig::default()).unwrap();
+    let town = Town::suburb(&StreamKey::scene(seed), &SuburbConfig::default(), &PropConfig::default()).unwrap();
     let lanes: Vec<_> = town.network.driving().filter(|l| l.length_m() > 40.0).collect();
     let along = lanes.iter().step_by(lanes.len() / count).take(count);
     along

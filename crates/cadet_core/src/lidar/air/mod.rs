@@ -14,7 +14,7 @@ use super::reflection;
 use super::response::Receiver;
 use crate::material::{LidarMaterial, Semantic};
 use crate::math;
-use crate::rng::Dice;
+use crate::rng::CounterRng;
 use crate::weather::Weather;
 
 /// Fog's answer is spread behind its strongest place by this times a Beta(2, 20) number: 0.9 m on average.
@@ -87,7 +87,7 @@ impl Air {
         if self.is_clear() {
             return Meeting { transmittance: 1.0, answer: None };
         }
-        let mut dice = Dice::new(key);
+        let mut rng = CounterRng::new(key);
         let mut strongest: Option<particles::Particle> = None;
         let mut keep = |found: particles::Particle| {
             if strongest.is_none_or(|s| found.power > s.power) {
@@ -95,13 +95,13 @@ impl Air {
             }
         };
         if let Some(rain) = &self.rain {
-            rain.draw(range_m, &mut dice, &mut keep);
+            rain.draw(range_m, &mut rng, &mut keep);
         }
         let mut open = 1.0;
         let mut depth = 2.0 * self.alpha_per_m * range_m;
         if let Some(snow) = &self.snow {
             // On the way out the flakes that are drawn cover the beam themselves; the rest, and the way back, is the mean.
-            snow.draw(range_m, &mut dice, |flake| {
+            snow.draw(range_m, &mut rng, |flake| {
                 open *= 1.0 - flake.share;
                 keep(flake);
             });
@@ -115,7 +115,7 @@ impl Air {
             // Both echoes are proportional to the target's, so that targets of intensity 0 follow the same rule.
             if soft.gain > transmittance {
                 best = power * soft.gain;
-                let at_m = (soft.range_m + FOG_SPREAD_M * beta_2_20(&mut dice)).min(range_m);
+                let at_m = (soft.range_m + FOG_SPREAD_M * beta_2_20(&mut rng)).min(range_m);
                 answer = Some(AirReturn {
                     range_m: at_m,
                     reflectance: power * range_m * range_m * soft.gain,
@@ -167,8 +167,8 @@ impl Air {
 }
 
 /// Beta(2, 20): the second smallest of 21 uniform numbers.
-fn beta_2_20(dice: &mut Dice) -> f64 {
-    let (u, v) = (1.0 - dice.unit(), 1.0 - dice.unit());
+fn beta_2_20(rng: &mut CounterRng) -> f64 {
+    let (u, v) = (1.0 - rng.unit(), 1.0 - rng.unit());
     1.0 - math::exp(math::ln(u) / 21.0 + math::ln(v) / 20.0)
 }
 

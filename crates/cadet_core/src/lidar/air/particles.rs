@@ -12,7 +12,7 @@
 use super::crossover::{CLOSED_M, crossover};
 use crate::lidar::Receiver;
 use crate::math::{self, PI};
-use crate::rng::Dice;
+use crate::rng::CounterRng;
 use crate::weather::SizeDistribution;
 
 /// Reflectance of a drop: ((n - 1) / (n + 1))^2 with n = 1.328, water at 905 nm.
@@ -115,9 +115,9 @@ impl Particles {
     }
 
     /// Calls `found` for every bright particle of one beam that is nearer than `range_m`, in no order.
-    pub(super) fn draw(&self, range_m: f64, dice: &mut Dice, mut found: impl FnMut(Particle)) {
+    pub(super) fn draw(&self, range_m: f64, rng: &mut CounterRng, mut found: impl FnMut(Particle)) {
         // Poisson by its cumulative sum: most beams leave here.
-        let chance = dice.unit();
+        let chance = rng.unit();
         let mut probability = self.chance_of_none;
         let mut below = probability;
         let mut count = 0.0;
@@ -125,8 +125,8 @@ impl Particles {
             count += 1.0;
             probability *= self.mean_bright / count;
             below += probability;
-            let at_m = self.range_before(dice.unit() * self.mean_bright);
-            let size = dice.unit();
+            let at_m = self.range_before(rng.unit() * self.mean_bright);
+            let size = rng.unit();
             if let Some(particle) = self.particle(at_m, size).filter(|p| p.range_m < range_m) {
                 found(particle);
             }

@@ -5,7 +5,7 @@ use super::{Air, Scatterer};
 use crate::error::{Error, Result, finite};
 use crate::lidar::Receiver;
 use crate::math;
-use crate::rng::{Dice, nearly_normal};
+use crate::rng::{CounterRng, nearly_normal};
 use crate::weather::Weather;
 
 /// What became of a point.
@@ -91,7 +91,7 @@ fn weather_point(point: [f32; 4], air: &Air, receiver: &Receiver, sensor_height_
     }
     let is_ground = (z + sensor_height_m).abs() < GROUND_TOLERANCE_M + GROUND_TOLERANCE_SHARE * range_m;
     let wet = if is_ground { air.wet_share(intensity, -z / range_m) } else { 1.0 };
-    let beam = Dice::key(seed, beam_names(receiver.divergence_rad, x, y, z));
+    let beam = CounterRng::key(seed, beam_names(receiver.divergence_rad, x, y, z));
     let power = (intensity / (range_m * range_m)).max(threshold) * wet;
     let meeting = air.meet(range_m, power, beam);
     let moved = |to_m: f64, intensity: f64| {
@@ -111,14 +111,14 @@ fn weather_point(point: [f32; 4], air: &Air, receiver: &Receiver, sensor_height_
     if others_left >= 1.0 {
         return (Fate::Kept, [point[0], point[1], point[2], left as f32]);
     }
-    let mut dice = Dice::new(Dice::key(seed, point_names(point)));
-    let margin = 1.0 / libm::cbrt(1.0 - dice.unit());
+    let mut rng = CounterRng::new(CounterRng::key(seed, point_names(point)));
+    let margin = 1.0 / libm::cbrt(1.0 - rng.unit());
     let before = (intensity / (range_m * range_m) * fog_left).max(threshold * margin);
     if before * others_left < threshold {
         return (Fate::Lost, point);
     }
     let [was_m, is_m] = [before, before * others_left].map(|power| receiver.noise_m(power));
-    let noise_m = (is_m * is_m - was_m * was_m).max(0.0).sqrt() * nearly_normal(dice.next_u64());
+    let noise_m = (is_m * is_m - was_m * was_m).max(0.0).sqrt() * nearly_normal(rng.next_u64());
     (Fate::Kept, moved((range_m + noise_m).max(0.0), left))
 }
 

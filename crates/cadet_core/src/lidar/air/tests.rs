@@ -6,7 +6,7 @@ fn air(fog: f64, rain: f64, snow: f64) -> Air {
 }
 
 fn key(k: u64) -> u64 {
-    Dice::key(7, [k, 0, 0])
+    CounterRng::key(7, [k, 0, 0])
 }
 
 #[test]
@@ -66,9 +66,9 @@ fn response(alpha: f64, range_m: f64) -> f64 {
 
 #[test]
 fn beta_2_20_has_its_moments() {
-    let mut dice = Dice::new(1);
+    let mut rng = CounterRng::new(1);
     let n = 50_000;
-    let all: Vec<f64> = (0..n).map(|_| beta_2_20(&mut dice)).collect();
+    let all: Vec<f64> = (0..n).map(|_| beta_2_20(&mut rng)).collect();
     let mean = all.iter().sum::<f64>() / f64::from(n);
     let var = all.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / f64::from(n);
     assert!((mean - 2.0 / 22.0).abs() < 1e-3, "{mean}");
@@ -115,7 +115,7 @@ fn bright_particles_are_as_many_as_in_a_cone_full_of_them() {
         let (mut ours, mut our_beams, mut our_shares, mut our_ranges) = (0.0, 0.0, 0.0, 0.0);
         for k in 0..beams {
             let before = ours;
-            particles.draw(target_m, &mut Dice::new(key(k)), |p| {
+            particles.draw(target_m, &mut CounterRng::new(key(k)), |p| {
                 (ours, our_shares, our_ranges) = (ours + 1.0, our_shares + p.share, our_ranges + p.range_m);
                 assert!(p.power >= least * 0.999 && p.range_m < target_m, "{p:?}");
             });

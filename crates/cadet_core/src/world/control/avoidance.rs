@@ -1,8 +1,8 @@
-//! Which line along a pavement is free of things and people.
+//! Which line along a sidewalk is free of things and people.
 
 use crate::math::DVec2;
 use crate::world::footprint::Footprint;
-use crate::world::pavement::Pavements;
+use crate::world::sidewalk::Sidewalks;
 use crate::world::slot::Slot;
 use crate::world::surroundings::{PersonAt, Surroundings};
 
@@ -21,13 +21,13 @@ pub(super) struct OnWalkway {
 }
 
 /// The line nearest to `line_m` that is free in the next steps, to the own right first; `None` where there is no way
-/// past. Lines are offsets to the left of the walkway's, at most `widest_m` of them off the pavement.
+/// past. Lines are offsets to the left of the walkway's, at most `widest_m` of them off the sidewalk.
 pub(super) fn free_line(
     own: &OnWalkway,
     line_m: f64,
     widest_m: f64,
     around: &Surroundings,
-    pavements: &Pavements,
+    sidewalks: &Sidewalks,
 ) -> Option<f64> {
     let here = own.at;
     let is_near = |o: &&Footprint| (o.center - here).length() < o.half_length_m + o.half_width_m + 3.5;
@@ -36,7 +36,7 @@ pub(super) fn free_line(
         around.people.iter().filter(|p| p.agent != own.slot && (p.at - here).length() < 3.2).collect();
     let is_free = |lateral: f64| {
         [0.7, 1.5, 2.3].iter().all(|ahead| {
-            let spot = pavements.spot(own.walkway, own.s_m + own.direction * ahead);
+            let spot = sidewalks.spot(own.walkway, own.s_m + own.direction * ahead);
             let p = spot.at + spot.tangent.perp() * lateral;
             let clear_of_things = near.iter().all(|o| (o.closest_point(p) - p).length() > SHOULDER_M + 0.1);
             let clear_of_people = others.iter().all(|other| {
@@ -48,7 +48,7 @@ pub(super) fn free_line(
         })
     };
     let right = -own.direction;
-    let room_m = pavements.room_m(own.walkway).max(widest_m);
+    let room_m = sidewalks.room_m(own.walkway).max(widest_m);
     [0.0, 0.35, -0.35, 0.7, -0.7, 1.05, -1.05, 1.4, -1.4]
         .iter()
         .map(|d| line_m + right * d)

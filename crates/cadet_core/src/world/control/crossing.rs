@@ -10,7 +10,7 @@ use crate::world::surroundings::Surroundings;
 const MARGIN_S: f64 = 2.0;
 pub(super) const CROSSING_MPS: f64 = 1.5;
 
-/// The wait before crossing straight over from a place of a walkway: to a pavement with a driving lane between and nothing
+/// The wait before crossing straight over from a place of a walkway: to a sidewalk with a driving lane between and nothing
 /// parked in the way.
 pub(super) fn way_across(
     position: DVec3,
@@ -19,10 +19,10 @@ pub(super) fn way_across(
     around: &Surroundings,
     streets: &Streets,
 ) -> Option<Motion> {
-    let spot = streets.pavements.spot(walkway, s_m);
+    let spot = streets.sidewalks.spot(walkway, s_m);
     let from = position.truncate();
     [spot.tangent.perp(), -spot.tangent.perp()].into_iter().find_map(|across| {
-        let (other, other_s_m, to) = streets.pavements.opposite(walkway, from, across)?;
+        let (other, other_s_m, to) = streets.sidewalks.opposite(walkway, from, across)?;
         let way = |t: f64| from.lerp(to, t);
         let is_clear = (0..=20)
             .map(|k| way(f64::from(k) / 20.0))

@@ -38,7 +38,7 @@ impl Nearby {
     }
 
     /// The step from `from` to `to`, or one of its length beside it that `allowed` agrees to; `None` where something is
-    /// in the way on all sides. Who is too near to something already may step away from it, not towards it.
+    /// in the way on all sides. Who is too near to something already may step away from it, not toward it.
     pub fn step(
         &mut self,
         from: DVec2,

@@ -10,7 +10,7 @@ pub(crate) enum Motion {
     Stands,
     /// Along a walkway, `direction` +1 or -1.
     Walks { walkway: usize, s_m: f64, direction: f64 },
-    /// At the kerb, looking for a gap; then over to a place of another walkway.
+    /// At the curb, looking for a gap; then over to a place of another walkway.
     Waits { from: DVec2, to: DVec2, walkway: usize, s_m: f64 },
     /// On the road.
     Crosses { to: DVec2, walkway: usize, s_m: f64 },

@@ -7,12 +7,12 @@ use crate::world::route::Roads;
 
 /// Half the width and length of a person with some room.
 const ROOM_M: f64 = 0.5;
-/// Nearer than this to the middle of a lane one is on it, unless there is a pavement.
+/// Nearer than this to the middle of a lane one is on it, unless there is a sidewalk.
 const NEAR_LANE_M: f64 = 2.6;
 
 /// Whether a place is where cars drive: `at`, at the height of somebody on foot.
 pub(super) fn is_on_road(body: &Upright, at: DVec2, roads: &Roads) -> bool {
-    roads.nearest(at.extend(body.position.z), None, NEAR_LANE_M).is_some() && !roads.is_pavement(at)
+    roads.nearest(at.extend(body.position.z), None, NEAR_LANE_M).is_some() && !roads.is_sidewalk(at)
 }
 
 /// A person, and the way of `lead_m` that the person will have gone soon.

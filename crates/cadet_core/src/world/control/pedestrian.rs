@@ -1,4 +1,4 @@
-//! People on foot: they walk along pavements, keep out of each other's way, and cross the road when it is free.
+//! People on foot: they walk along sidewalks, keep out of each other's way, and cross the road when it is free.
 
 use super::avoidance::{OnWalkway, free_line};
 use super::controller::{Controller, Own};
@@ -11,9 +11,9 @@ use crate::rng::Stream;
 use crate::world::appearance::Appearance;
 use crate::world::body::Body;
 use crate::world::footprint::Footprint;
-use crate::world::pavement::Pavements;
 use crate::world::physics::{DT_S, Physics};
 use crate::world::route::Roads;
+use crate::world::sidewalk::Sidewalks;
 use crate::world::slot::Slot;
 use crate::world::streets::Streets;
 use crate::world::surroundings::Surroundings;
@@ -38,7 +38,7 @@ const HELD_S: f64 = 1.2;
 const BLOCKED_S: f64 = 2.5;
 /// A car slower than this stands.
 const STANDS_MPS: f64 = 0.3;
-/// At the far kerb among others one is over the road here.
+/// At the far curb among others one is over the road here.
 const OVER_M: f64 = 0.8;
 /// Seconds between two looks.
 const LOOK_S: f64 = 3.0 * DT_S;
@@ -48,7 +48,7 @@ pub(crate) struct Pedestrian {
     pub motion: Motion,
     /// Offset to the left of the walkway's line; what is, what was chosen, and what avoiding others asks for.
     pub lateral_m: f64,
-    habit_m: f64,
+    preferred_m: f64,
     wanted_m: f64,
     /// 0 to stop, 1 to walk on.
     pace: f64,
@@ -69,7 +69,7 @@ impl Pedestrian {
         Self {
             motion: Motion::Stands,
             lateral_m: 0.0,
-            habit_m: 0.0,
+            preferred_m: 0.0,
             wanted_m: 0.0,
             pace: 1.0,
             blocked_s: 0.0,
@@ -84,56 +84,56 @@ impl Pedestrian {
     /// Sets the person on their way along a walkway.
     pub fn start(&mut self, walkway: usize, s_m: f64, direction: f64, lateral_m: f64) {
         self.motion = Motion::Walks { walkway, s_m, direction };
-        (self.lateral_m, self.habit_m, self.wanted_m) = (lateral_m, lateral_m, lateral_m);
+        (self.lateral_m, self.preferred_m, self.wanted_m) = (lateral_m, lateral_m, lateral_m);
     }
 
     /// Changes the line along the walkway that the person keeps to.
     pub fn keep_to(&mut self, lateral_m: f64) {
-        (self.habit_m, self.wanted_m) = (lateral_m, lateral_m);
+        (self.preferred_m, self.wanted_m) = (lateral_m, lateral_m);
     }
 
     /// Where the next step would lead if nothing were in the way, and what one would be about then.
-    fn wanted_step(&mut self, here: DVec2, walking_speed_mps: f64, pavements: &Pavements) -> (DVec2, Motion) {
+    fn wanted_step(&mut self, here: DVec2, walking_speed_mps: f64, sidewalks: &Sidewalks) -> (DVec2, Motion) {
         match self.motion {
             Motion::Stands | Motion::Waits { .. } => (here, self.motion),
             Motion::Walks { walkway, s_m, direction } => {
                 let step_m = walking_speed_mps * self.pace * DT_S;
                 let limit_m = SIDESTEP_MPS * DT_S * self.pace.max(0.3);
-                if (self.target(pavements, walkway, s_m) - here).length() > OFF_LINE_M {
+                if (self.target(sidewalks, walkway, s_m) - here).length() > OFF_LINE_M {
                     // Corners and changes of walkway are walked, not jumped.
-                    let target = self.target(pavements, walkway, s_m);
+                    let target = self.target(sidewalks, walkway, s_m);
                     return (step_towards(here, target, step_m.max(limit_m)), self.motion);
                 }
                 self.lateral_m += (self.wanted_m - self.lateral_m).clamp(-limit_m, limit_m);
-                let motion = match pavements.wrapped(walkway, s_m + direction * step_m) {
+                let motion = match sidewalks.wrapped(walkway, s_m + direction * step_m) {
                     Some(s_m) => Motion::Walks { walkway, s_m, direction },
-                    None => self.turn_corner(pavements, walkway, direction),
+                    None => self.turn_corner(sidewalks, walkway, direction),
                 };
                 let Motion::Walks { walkway, s_m, .. } = motion else { return (here, motion) };
-                (step_towards(here, self.target(pavements, walkway, s_m), (step_m * 1.5).max(limit_m)), motion)
+                (step_towards(here, self.target(sidewalks, walkway, s_m), (step_m * 1.5).max(limit_m)), motion)
             }
             Motion::Crosses { to, .. } => (step_towards(here, to, CROSSING_MPS * self.pace * DT_S), self.motion),
         }
     }
 
     /// The point of the person's own line at a distance along a walkway.
-    fn target(&self, pavements: &Pavements, walkway: usize, s_m: f64) -> DVec2 {
-        let spot = pavements.spot(walkway, s_m);
+    fn target(&self, sidewalks: &Sidewalks, walkway: usize, s_m: f64) -> DVec2 {
+        let spot = sidewalks.spot(walkway, s_m);
         spot.at + spot.tangent.perp() * self.lateral_m
     }
 
-    fn turn_corner(&mut self, pavements: &Pavements, walkway: usize, direction: f64) -> Motion {
+    fn turn_corner(&mut self, sidewalks: &Sidewalks, walkway: usize, direction: f64) -> Motion {
         let at_end = direction > 0.0;
-        let onward = pavements.onward(walkway, at_end);
+        let onward = sidewalks.onward(walkway, at_end);
         let next = onward.get(self.choices.below(onward.len())).copied();
         let (walkway, direction) = next.unwrap_or((walkway, -direction));
-        let s_m = if direction > 0.0 { 0.0 } else { pavements.length_m(walkway) };
-        self.habit_m = self.habit_m.clamp(-pavements.room_m(walkway), pavements.room_m(walkway));
-        self.wanted_m = self.habit_m;
+        let s_m = if direction > 0.0 { 0.0 } else { sidewalks.length_m(walkway) };
+        self.preferred_m = self.preferred_m.clamp(-sidewalks.room_m(walkway), sidewalks.room_m(walkway));
+        self.wanted_m = self.preferred_m;
         Motion::Walks { walkway, s_m, direction }
     }
 
-    /// Looks around while walking: stays with a group, side-steps, stops, turns back, or stops at the kerb to cross.
+    /// Looks around while walking: stays with a group, side-steps, stops, turns back, or stops at the curb to cross.
     fn look_on_walkway(&mut self, own: OnWalkway, position_z: f64, around: &Surroundings, streets: &Streets) {
         let OnWalkway { walkway, s_m, direction, .. } = own;
         if self.held_s > HELD_S {
@@ -152,14 +152,14 @@ impl Pedestrian {
                 let direction = same;
                 self.motion = Motion::Walks { walkway, s_m, direction };
                 let behind_m = (theirs - s_m) * direction - company.behind_m;
-                let room = streets.pavements.room_m(walkway);
+                let room = streets.sidewalks.room_m(walkway);
                 let line_m = (walk.wanted_m + company.aside_m).clamp(-room, room);
-                self.avoid(&OnWalkway { direction, ..own }, line_m, around, &streets.pavements);
+                self.avoid(&OnWalkway { direction, ..own }, line_m, around, &streets.sidewalks);
                 self.pace = self.pace.min(1.0) * (walk.pace + 0.4 * behind_m).clamp(0.0, 1.4);
                 return;
             }
         }
-        self.avoid(&own, self.habit_m, around, &streets.pavements);
+        self.avoid(&own, self.preferred_m, around, &streets.sidewalks);
         if self.crosser && self.pace > 0.5 && self.choices.chance(LOOKS_ACROSS) {
             let position = own.at.extend(position_z);
             if let Some(wait) = way_across(position, walkway, s_m, around, streets) {
@@ -172,8 +172,8 @@ impl Pedestrian {
 
     /// Side-steps what stands and who comes, to return to the line `line_m`; stops where there is no way past, and turns
     /// back after a while.
-    fn avoid(&mut self, own: &OnWalkway, line_m: f64, around: &Surroundings, pavements: &Pavements) {
-        match free_line(own, line_m, self.habit_m.abs(), around, pavements) {
+    fn avoid(&mut self, own: &OnWalkway, line_m: f64, around: &Surroundings, sidewalks: &Sidewalks) {
+        match free_line(own, line_m, self.preferred_m.abs(), around, sidewalks) {
             Some(lateral_m) => {
                 self.wanted_m = lateral_m;
                 // Side-step first, then walk on.
@@ -231,11 +231,11 @@ impl Controller for Pedestrian {
     /// One step on foot: one person after the other, so that two never take the same place.
     fn track(&mut self, own: Own<'_>, physics: &Physics, around: &mut Surroundings, streets: &Streets) {
         let (Body::Upright(body), Appearance::Person { model, phase }) = (own.body, own.appearance) else { return };
-        let pavements = &streets.pavements;
+        let sidewalks = &streets.sidewalks;
         let (before, from, lateral_m) = (body.position, body.at(), self.lateral_m);
-        let (wanted, motion) = self.wanted_step(from, model.walking_speed_mps, pavements);
+        let (wanted, motion) = self.wanted_step(from, model.walking_speed_mps, sidewalks);
         let line = match motion {
-            Motion::Walks { walkway, s_m, .. } => Some(self.target(pavements, walkway, s_m)),
+            Motion::Walks { walkway, s_m, .. } => Some(self.target(sidewalks, walkway, s_m)),
             _ => None,
         };
         let keeps_to_line =

@@ -44,7 +44,7 @@ impl Scripted {
         (now.at, math::atan2(heading.y, heading.x), now.velocity)
     }
 
-    /// The turn of this step from a heading towards that of the path.
+    /// The turn of this step from a heading toward that of the path.
     fn turn_rad(&self, yaw_rad: f64, most_radps: f64) -> f64 {
         let Some(heading) = self.path.heading(self.s_m, self.half_chord_m) else { return 0.0 };
         let turn_rad = math::wrap_angle(math::atan2(heading.y, heading.x) - yaw_rad);

@@ -63,8 +63,8 @@ impl Spawner<'_> {
                 let in_view = to.dot(view) > 0.7 * distance && distance < 140.0;
                 if (ring_m.0..ring_m.1).contains(&distance) && !(hidden && in_view) {
                     // Nearer is likelier, and newcomers head for the ego.
-                    let towards = (p.rotation * DVec3::X).truncate().dot(to) < 0.0;
-                    let weight = if hidden { if towards { 1.0 } else { 0.25 } } else { 40.0 / (distance + 30.0) };
+                    let toward = (p.rotation * DVec3::X).truncate().dot(to) < 0.0;
+                    let weight = if hidden { if toward { 1.0 } else { 0.25 } } else { 40.0 / (distance + 30.0) };
                     places.push((lane.id, s, weight));
                 }
                 s += 4.0;

@@ -63,7 +63,7 @@ impl Spawner<'_> {
         people.filter(move |p| p.company.is_some_and(|c| c.leader == leader))
     }
 
-    /// Two abreast where the pavement has the room, one behind the other where not.
+    /// Two abreast where the sidewalk has the room, one behind the other where not.
     pub(super) fn in_a_row(
         &mut self,
         slot: Slot,
@@ -74,18 +74,18 @@ impl Spawner<'_> {
     ) -> Option<Person> {
         let apart_m = stream.range(ASIDE_M.0, ASIDE_M.1);
         let row_m = stream.range(BEHIND_M.0, BEHIND_M.1);
-        let (size, room) = (self.group_size(leader), self.arena.streets.pavements.room_m(walkway));
+        let (size, room) = (self.group_size(leader), self.arena.streets.sidewalks.room_m(walkway));
         let lead_m = self.pedestrian(leader).lateral_m;
         let has_room_for_two = room > apart_m / 2.0;
         let (row, is_aside) = if has_room_for_two { (size / 2, size % 2 == 1) } else { (size, false) };
         let behind_m = row as f64 * row_m;
         let aside = self.members(leader).filter_map(|p| p.company).map(|c| c.aside_m).find(|m| *m != 0.0);
-        // They share the pavement: the one who leads makes way.
+        // They share the sidewalk: the one who leads makes way.
         let side = aside.map_or(if lead_m > 0.0 { -1.0 } else { 1.0 }, f64::signum);
         let aside_m = if is_aside { side * apart_m } else { 0.0 };
         let lateral_m = (lead_m + aside_m).clamp(-room, room);
-        let s_m = self.arena.streets.pavements.wrapped(walkway, s_m - direction * behind_m)?;
-        if !self.has_room_for_person(self.on_pavement(walkway, s_m, lateral_m), slot, 2.0 * BODY_M) {
+        let s_m = self.arena.streets.sidewalks.wrapped(walkway, s_m - direction * behind_m)?;
+        if !self.has_room_for_person(self.on_sidewalk(walkway, s_m, lateral_m), slot, 2.0 * BODY_M) {
             return None;
         }
         if aside.is_none() && is_aside {
@@ -112,7 +112,7 @@ impl Spawner<'_> {
         let (distance_m, bearing) = (stream.range(TALK_M.0, TALK_M.1), stream.range(-math::PI, math::PI));
         let away = DVec2::new(math::cos(bearing), math::sin(bearing));
         let at = middle + away * distance_m;
-        if !self.arena.streets.roads.is_pavement(at) || !self.has_room_for_person(at, slot, 2.0 * BODY_M) {
+        if !self.arena.streets.roads.is_sidewalk(at) || !self.has_room_for_person(at, slot, 2.0 * BODY_M) {
             return None;
         }
         if !hidden

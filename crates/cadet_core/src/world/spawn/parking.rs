@@ -13,10 +13,10 @@ use crate::rng::Stream;
 use crate::town::{ParkingSpot, SpotKind, Town};
 use crate::world::footprint::Footprint;
 
-/// Share of the cars along a kerb that stand against the traffic, and of those at an angle that were backed in.
+/// Share of the cars along a curb that stand against the traffic, and of those at an angle that were backed in.
 const WRONG_WAY_SHARE: f64 = 0.05;
 const BACKED_IN_SHARE: f64 = 0.2;
-/// Share of the kerbs where nobody parks.
+/// Share of the curbs where nobody parks.
 const EMPTY_ROWS_SHARE: f64 = 0.5;
 /// Room that a parked vehicle needs along its spot beyond its length.
 const LEAST_GAP_M: f64 = 0.3;

@@ -1,4 +1,4 @@
-//! People at the start and newcomers: alone or in groups, on pavements.
+//! People at the start and newcomers: alone or in groups, on sidewalks.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use crate::world::slot::Slot;
 
 /// How many others mean to cross the road.
 const CROSSERS_SHARE: f64 = 0.4;
-/// Pavements this near to the ego's way are along it, and so many walk there of those who walk elsewhere.
+/// Sidewalks this near to the ego's way are along it, and so many walk there of those who walk elsewhere.
 const BESIDE_EGO_WAY_M: f64 = 14.0;
 const PEOPLE_ON_EGO_WAY: f64 = 0.7;
 /// Between people who do not know each other, and between a person and a parked car.
@@ -47,11 +47,11 @@ impl Spawner<'_> {
             (0..(EGO_WAY_M / 8.0) as usize).map(|k| r.ahead(k as f64 * 8.0, &self.arena.streets.roads).at).collect()
         });
         let mut places: Vec<(usize, f64, f64)> = Vec::new();
-        let pavements = &self.arena.streets.pavements;
-        for walkway in pavements.usable() {
+        let sidewalks = &self.arena.streets.sidewalks;
+        for walkway in sidewalks.usable() {
             let mut s = 1.0;
-            while s < self.arena.streets.pavements.length_m(walkway) - 1.0 {
-                let at = self.arena.streets.pavements.spot(walkway, s).at;
+            while s < sidewalks.length_m(walkway) - 1.0 {
+                let at = sidewalks.spot(walkway, s).at;
                 let to = at - ego;
                 let distance = to.length();
                 let in_view = to.dot(view) > 0.7 * distance && distance < 110.0;
@@ -65,12 +65,12 @@ impl Spawner<'_> {
         let weights: Vec<f64> = places.iter().map(|p| p.2).collect();
         for _ in 0..8 {
             let (walkway, s, _) = *places.get(stream.weighted(&weights))?;
-            let s_m = (s + stream.range(0.0, 2.9)).min(self.arena.streets.pavements.length_m(walkway) - 0.5);
+            let s_m = (s + stream.range(0.0, 2.9)).min(sidewalks.length_m(walkway) - 0.5);
             let direction = if stream.chance(0.5) { 1.0 } else { -1.0 };
-            let room = self.arena.streets.pavements.room_m(walkway);
+            let room = sidewalks.room_m(walkway);
             // A little to the own right.
             let lateral_m = stream.clipped_normal(-0.15 * direction, 0.35).clamp(-room, room);
-            if self.has_room_for_person(self.on_pavement(walkway, s_m, lateral_m), slot, STRANGERS_M) {
+            if self.has_room_for_person(self.on_sidewalk(walkway, s_m, lateral_m), slot, STRANGERS_M) {
                 let mut walker = self.walker_on(stream, model, (walkway, s_m, direction), lateral_m)?;
                 walker.pedestrian.crosser = walks && stream.chance(CROSSERS_SHARE);
                 return Some(walker.into_newcomer());
@@ -79,8 +79,8 @@ impl Spawner<'_> {
         None
     }
 
-    pub(super) fn on_pavement(&self, walkway: usize, s_m: f64, lateral_m: f64) -> DVec2 {
-        let spot = self.arena.streets.pavements.spot(walkway, s_m);
+    pub(super) fn on_sidewalk(&self, walkway: usize, s_m: f64, lateral_m: f64) -> DVec2 {
+        let spot = self.arena.streets.sidewalks.spot(walkway, s_m);
         spot.at + spot.tangent.perp() * lateral_m
     }
 
@@ -98,10 +98,10 @@ impl Spawner<'_> {
         (walkway, s_m, direction): (usize, f64, f64),
         lateral_m: f64,
     ) -> Option<Person> {
-        let heading = self.arena.streets.pavements.spot(walkway, s_m).tangent * direction;
+        let heading = self.arena.streets.sidewalks.spot(walkway, s_m).tangent * direction;
         let walks = model.walking_speed_mps > 0.0;
         let yaw_rad = if walks { math::atan2(heading.y, heading.x) } else { stream.range(-math::PI, math::PI) };
-        let mut walker = self.posed_walker(stream, model, self.on_pavement(walkway, s_m, lateral_m), yaw_rad)?;
+        let mut walker = self.posed_walker(stream, model, self.on_sidewalk(walkway, s_m, lateral_m), yaw_rad)?;
         if walks {
             walker.pedestrian.start(walkway, s_m, direction, lateral_m);
         }

@@ -152,7 +152,7 @@ pub(crate) fn crossing() -> Arc<Town> {
         }
     }
     for q in 0..4_usize {
-        // Coming in along arm 0 towards -x at y = +half: straight on to arm 2, right to arm 1, left to arm 3.
+        // Coming in along arm 0 toward -x at y = +half: straight on to arm 2, right to arm 1, left to arm 3.
         let straight = line(DVec2::new(near, half), DVec2::new(-near, half));
         let right = arc(DVec2::new(near, near), near - half, -math::PI / 2.0, -math::PI / 2.0);
         let left = arc(DVec2::new(near, -near), near + half, math::PI / 2.0, math::PI / 2.0);
@@ -165,7 +165,7 @@ pub(crate) fn crossing() -> Arc<Town> {
     town(network, ground(110.0, 5.0, &flat), walkways)
 }
 
-/// A generated suburb with ground, parking places and pavements, undressed.
+/// A generated suburb with ground, parking places and sidewalks, without props.
 pub(crate) fn suburb(seed: u64) -> Arc<Town> {
     let key = StreamKey::scene(seed);
     let made = crate::town::generate_suburb(&key, &crate::town::SuburbConfig::default()).expect("a suburb");

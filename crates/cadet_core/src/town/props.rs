@@ -1,17 +1,17 @@
-//! Dresses a network: houses, gardens, hedges, trees, lamps and signs; a function of network and seed.
+//! Prop placement: houses, gardens, hedges, trees, lamps and signs along a network; a function of network and seed.
 
-use super::dressing_config::DressingConfig;
 use super::frontage::frontages;
 use super::occupancy::{Occupancy, Site};
 use super::placer::{Placer, Standing};
+use super::prop_config::PropConfig;
 use super::street_style::StreetStyle;
 use super::{Ground, ParkingSpot, RoadNetwork, belt, garden, plots, streetside};
 use crate::instance::Instance;
 use crate::rng::StreamKey;
 
-/// What dressing adds to a town.
+/// What stands along the streets of a town.
 #[derive(Debug)]
-pub(super) struct Dressing {
+pub(super) struct Props {
     /// Everything that stands.
     pub instances: Vec<Instance>,
     /// Drives of garages, where a car may stand.
@@ -21,8 +21,8 @@ pub(super) struct Dressing {
     pub standing: Vec<Standing>,
 }
 
-/// Dresses a network.
-pub(super) fn dress(key: &StreamKey, network: &RoadNetwork, ground: &Ground, config: &DressingConfig) -> Dressing {
+/// Places the props of a network.
+pub(super) fn place_props(key: &StreamKey, network: &RoadNetwork, ground: &Ground, config: &PropConfig) -> Props {
     let site = Site::new(ground);
     let mut taken = Occupancy::default();
     let mut placer = Placer::new(&site);
@@ -40,7 +40,7 @@ pub(super) fn dress(key: &StreamKey, network: &RoadNetwork, ground: &Ground, con
         streetside::furnish(frontage, style, &mut stream("streetside", i), &mut placer);
     }
     belt::plant(&mut key.stream("belt"), config.greenery, config.belt_m, &frontages, &taken, &mut placer);
-    Dressing { instances: placer.instances, drives, standing: placer.standing }
+    Props { instances: placer.instances, drives, standing: placer.standing }
 }
 
 #[cfg(test)]
@@ -52,12 +52,12 @@ mod tests {
     use crate::math::DVec3;
     use crate::sense::PosedScene;
 
-    fn suburb(seed: u64) -> (RoadNetwork, Ground, Dressing) {
+    fn suburb(seed: u64) -> (RoadNetwork, Ground, Props) {
         let key = StreamKey::scene(seed);
         let network = generate_suburb(&key, &SuburbConfig { blocks: (3, 3), ..Default::default() }).unwrap().network;
         let ground = Ground::new(&network).unwrap();
-        let dressing = dress(&key, &network, &ground, &DressingConfig::default());
-        (network, ground, dressing)
+        let props = place_props(&key, &network, &ground, &PropConfig::default());
+        (network, ground, props)
     }
 
     fn is_house(standing: &Standing) -> bool {
@@ -86,15 +86,15 @@ mod tests {
     #[test]
     fn nothing_stands_in_the_way_and_houses_keep_apart() {
         for seed in [1, 2, 3] {
-            let (_, ground, dressing) = suburb(seed);
+            let (_, ground, props) = suburb(seed);
             let mut houses = Vec::new();
-            for standing in &dressing.standing {
+            for standing in &props.standing {
                 let kinds: Vec<GroundKind> =
                     standing.rect.samples(0.5).filter_map(|p| ground.kind_at(p.x, p.y)).collect();
                 assert!(!kinds.contains(&GroundKind::Road), "seed {seed}: {standing:?} on the road");
                 let at_the_edge = standing.rect.half.max_element() < 0.75;
-                let paved = kinds.iter().filter(|k| **k == GroundKind::Pavement).count();
-                assert!(at_the_edge || paved == 0, "seed {seed}: {standing:?} on the pavement");
+                let paved = kinds.iter().filter(|k| **k == GroundKind::Sidewalk).count();
+                assert!(at_the_edge || paved == 0, "seed {seed}: {standing:?} on the sidewalk");
                 if is_house(standing) {
                     houses.push(standing);
                 }
@@ -110,8 +110,8 @@ mod tests {
 
     #[test]
     fn houses_face_a_street() {
-        let (_, ground, dressing) = suburb(4);
-        for house in dressing.standing.iter().filter(|s| is_house(s)) {
+        let (_, ground, props) = suburb(4);
+        for house in props.standing.iter().filter(|s| is_house(s)) {
             let reach = |axis: crate::math::DVec2| {
                 let paved = |m: &usize| {
                     let p = house.rect.center + axis * (house.rect.half.x + *m as f64 * 0.5);
@@ -120,34 +120,34 @@ mod tests {
                 (0..60).find(paved)
             };
             let front = reach(house.rect.axis).unwrap_or_else(|| panic!("{house:?} faces no street"));
-            assert!(front < 44, "{house:?}: {front} half metres to the pavement");
+            assert!(front < 44, "{house:?}: {front} half meters to the sidewalk");
         }
     }
 
     #[test]
-    fn the_same_key_dresses_the_same_town() {
+    fn the_same_key_places_the_same_props() {
         let (network, ground, first) = suburb(5);
         let key = StreamKey::scene(5);
-        let again = dress(&key, &network, &ground, &DressingConfig::default());
+        let again = place_props(&key, &network, &ground, &PropConfig::default());
         assert_eq!(poses_hash(&first.instances), poses_hash(&again.instances));
-        let other = dress(&StreamKey::scene(6), &network, &ground, &DressingConfig::default());
+        let other = place_props(&StreamKey::scene(6), &network, &ground, &PropConfig::default());
         assert_ne!(poses_hash(&first.instances), poses_hash(&other.instances));
     }
 
     /// Houses, all else that stands within 50 m of the middle of some lanes, and the triangles in sight there.
-    fn around_lanes(config: &DressingConfig) -> Vec<[usize; 3]> {
+    fn around_lanes(config: &PropConfig) -> Vec<[usize; 3]> {
         let mut found = Vec::new();
         for seed in 0..2 {
             let key = StreamKey::scene(seed);
             let network = generate_suburb(&key, &SuburbConfig::default()).unwrap().network;
-            let dressing = dress(&key, &network, &Ground::new(&network).unwrap(), config);
+            let props = place_props(&key, &network, &Ground::new(&network).unwrap(), config);
             let lanes: Vec<_> = network.driving().filter(|l| l.length_m() > 40.0).collect();
             for lane in lanes.iter().step_by(lanes.len() / 5) {
                 let viewer = lane.pose_at(lane.length_m() / 2.0).translation + DVec3::Z * 1.7;
                 let is_near = |s: &&Standing| (s.rect.center - viewer.truncate()).length() < 50.0;
-                let near: Vec<&Standing> = dressing.standing.iter().filter(is_near).collect();
+                let near: Vec<&Standing> = props.standing.iter().filter(is_near).collect();
                 let houses = near.iter().filter(|s| is_house(s)).count();
-                let scene = PosedScene::new(&dressing.instances, viewer);
+                let scene = PosedScene::new(&props.instances, viewer);
                 found.push([houses, near.len() - houses, scene.num_triangles()]);
             }
         }
@@ -156,7 +156,7 @@ mod tests {
 
     #[test]
     fn streets_are_lined_but_not_too_heavy() {
-        let found = around_lanes(&DressingConfig::default());
+        let found = around_lanes(&PropConfig::default());
         let (houses_and_more, triangles) =
             (found.iter().map(|f| f[0] + f[1]).sum::<usize>(), found.iter().map(|f| f[2]).sum::<usize>());
         let least = |k: usize| found.iter().map(|f| f[k]).min().unwrap();
@@ -165,13 +165,13 @@ mod tests {
         assert!(least(0) >= 4 && least(1) >= 30, "{found:?}");
         assert!(found.iter().all(|f| f[2] < 900_000), "{found:?}");
         // The same streets without greenery are bare of plants, which are most of the triangles; fences and lamps stay.
-        let bare = around_lanes(&DressingConfig { greenery: 0.0, ..Default::default() });
+        let bare = around_lanes(&PropConfig { greenery: 0.0, ..Default::default() });
         let of = |k: usize| bare.iter().map(|f| f[k]).sum::<usize>();
         assert!(2 * of(2) < triangles && of(0) + of(1) < houses_and_more, "{bare:?} of {found:?}");
     }
 
     #[test]
-    fn imported_maps_are_dressed_clear_of_their_streets() {
+    fn imported_maps_have_props_clear_of_their_streets() {
         for map in ["Town01.xodr", "Town02.xodr"] {
             let path = format!("{}/../../../shared/maps/{map}", env!("CARGO_MANIFEST_DIR"));
             let Ok(text) = std::fs::read_to_string(path) else {
@@ -181,21 +181,21 @@ mod tests {
             let key = StreamKey::scene(1);
             let network = super::super::load_map(map, &text).unwrap();
             let ground = Ground::new(&network).unwrap();
-            let dressing = dress(&key, &network, &ground, &DressingConfig::default());
-            for standing in &dressing.standing {
+            let props = place_props(&key, &network, &ground, &PropConfig::default());
+            for standing in &props.standing {
                 let on_road = |p: crate::math::DVec2| ground.kind_at(p.x, p.y) == Some(GroundKind::Road);
                 assert!(!standing.rect.samples(0.5).any(on_road), "{map}: {standing:?} on the road");
             }
-            let houses = dressing.standing.iter().filter(|s| is_house(s)).count();
+            let houses = props.standing.iter().filter(|s| is_house(s)).count();
             assert!(houses > 80, "{map}: {houses} houses");
         }
     }
 
     #[test]
     fn a_bad_configuration_names_the_value() {
-        let bad = DressingConfig { greenery: 3.0, ..Default::default() };
-        assert_eq!(bad.check().unwrap_err().to_string(), "dressing greenery is 3, expected 0 to 2");
-        assert!(DressingConfig { house_shares: [0.0; 6], ..Default::default() }.check().is_err());
-        assert!(DressingConfig { belt_m: f64::NAN, ..Default::default() }.check().is_err());
+        let bad = PropConfig { greenery: 3.0, ..Default::default() };
+        assert_eq!(bad.check().unwrap_err().to_string(), "greenery is 3, expected 0 to 2");
+        assert!(PropConfig { house_shares: [0.0; 6], ..Default::default() }.check().is_err());
+        assert!(PropConfig { belt_m: f64::NAN, ..Default::default() }.check().is_err());
     }
 }

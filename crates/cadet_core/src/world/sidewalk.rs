@@ -1,4 +1,4 @@
-//! Pavements as walkers know them: lines to walk along, and where one leads on to another.
+//! Sidewalks as walkers know them: lines to walk along, and where one leads on to another.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use crate::town::{Town, Walkway};
 const CORNER_M: f64 = 2.5;
 
 /// The walkways of a town with distances along them.
-pub(super) struct Pavements {
+pub(super) struct Sidewalks {
     town: Arc<Town>,
     s_m: Vec<Vec<f64>>,
     /// Walkways that go on at the (start, end) of each: (walkway, +1 from its start or -1 from its end).
@@ -27,7 +27,7 @@ pub(super) struct Spot {
     pub tangent: DVec2,
 }
 
-impl Pavements {
+impl Sidewalks {
     pub fn new(town: Arc<Town>) -> Self {
         let lines = &town.walkways;
         let s_m: Vec<Vec<f64>> = lines

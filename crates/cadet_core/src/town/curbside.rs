@@ -1,4 +1,4 @@
-//! Places to park: bays of the map, half on the pavement where bays are too narrow for a car, and stretches of kerb
+//! Places to park: bays of the map, half on the sidewalk where bays are too narrow for a car, and stretches of curb
 //! beside lanes wide enough.
 
 use super::ground::Ground;
@@ -11,34 +11,34 @@ use crate::rng::{Stream, StreamKey};
 
 /// Distance between the middles of spots: drawn per row.
 const PITCH_M: (f64, f64) = (5.2, 6.0);
-/// Bays narrower than this are tapering off, or for cars that stand half on the pavement.
+/// Bays narrower than this are tapering off, or for cars that stand half on the sidewalk.
 const MIN_BAY_M: f64 = 1.8;
 /// The narrowest bay for those, and where they stand: distance of their left flank from the middle of the lane.
 const MIN_HALF_BAY_M: f64 = 0.7;
 const HALF_BAY_FLANK_M: f64 = 1.65;
 const HALF_BAY_SPOT_WIDTH_M: f64 = 1.65;
-/// No kerbside parking this near to the end of a lane.
+/// No curbside parking this near to the end of a lane.
 const CLEAR_OF_JUNCTION_M: f64 = 10.0;
-/// Distance of a kerbside car's left flank from the middle of the lane beside it.
+/// Distance of a curbside car's left flank from the middle of the lane beside it.
 const CLEAR_OF_LANE_M: f64 = 1.65;
-/// Room for a car in width; in a bay it lies towards the kerb.
+/// Room for a car in width; in a bay it lies toward the curb.
 const SPOT_WIDTH_M: f64 = 1.9;
-const TYRE_TO_KERB_M: f64 = 0.1;
-/// A kerbside car stands on the pavement with at most this much of its width, and people pass in what is left.
-const MAX_ON_PAVEMENT_M: f64 = 1.3;
+const TYRE_TO_CURB_M: f64 = 0.1;
+/// A curbside car stands on the sidewalk with at most this much of its width, and people pass in what is left.
+const MAX_ON_SIDEWALK_M: f64 = 1.3;
 const LEFT_FOR_WALKERS_M: f64 = 0.9;
-/// Bays at least this deep are for cars at an angle: 45, 60 or 90 degrees by these weights, noses to the kerb.
+/// Bays at least this deep are for cars at an angle: 45, 60 or 90 degrees by these weights, noses to the curb.
 const MIN_DEEP_BAY_M: f64 = 4.5;
 const ANGLES_DEG: [(f64, f64); 3] = [(45.0, 0.35), (60.0, 0.25), (90.0, 0.4)];
-/// A place in a deep bay, and how far the car's foremost corner stays from the kerb.
+/// A place in a deep bay, and how far the car's foremost corner stays from the curb.
 const ANGLED_SPOT_M: (f64, f64) = (4.75, 1.9);
 const ANGLED_PITCH_M: f64 = 2.45;
-const NOSE_TO_KERB_M: f64 = 0.25;
-/// Kerbside rows need kerbs this straight over a car's length, bays this straight.
+const NOSE_TO_CURB_M: f64 = 0.25;
+/// Curbside rows need curbs this straight over a car's length, bays this straight.
 const MAX_TURN_RAD: f64 = 0.06;
 const MAX_TURN_IN_BAY_RAD: f64 = 0.16;
 
-/// Where cars may be parked: in the map's bays, and at the kerb of wide lanes without bays.
+/// Where cars may be parked: in the map's bays, and at the curb of wide lanes without bays.
 #[must_use]
 pub fn parking_spots(network: &RoadNetwork, ground: &Ground, key: &StreamKey) -> Vec<ParkingSpot> {
     let mut spots = Vec::new();
@@ -53,7 +53,7 @@ pub fn parking_spots(network: &RoadNetwork, ground: &Ground, key: &StreamKey) ->
                 angled_bays(lane, ground, &mut stream, &mut spots);
             }
             LaneKind::Parking => bays(lane, ground, pitch, &mut spots),
-            LaneKind::Driving if lane.junction.is_none() => kerbside(lane, ground, pitch, &mut spots),
+            LaneKind::Driving if lane.junction.is_none() => curbside(lane, ground, pitch, &mut spots),
             _ => {}
         }
     }
@@ -78,8 +78,8 @@ fn half_bays(lane: &Lane, network: &RoadNetwork, ground: &Ground, pitch: f64, sp
         let beside = network.driving().filter(|l| l.road == lane.road).map(|l| l.project(pose.translation).1);
         let right = HALF_BAY_FLANK_M + HALF_BAY_SPOT_WIDTH_M / 2.0 - beside.fold(f64::INFINITY, f64::min);
         let edge = pose.transform_point(DVec3::new(0.0, -right - HALF_BAY_SPOT_WIDTH_M / 2.0, 0.0));
-        // Where there is no pavement to climb, nobody parks.
-        if right.abs() > 2.0 || ground.kind_at(edge.x, edge.y) != Some(GroundKind::Pavement) {
+        // Where there is no sidewalk to climb, nobody parks.
+        if right.abs() > 2.0 || ground.kind_at(edge.x, edge.y) != Some(GroundKind::Sidewalk) {
             continue;
         }
         if let Some(world_from_spot) = stand(ground, &pose, -right, pitch, HALF_BAY_SPOT_WIDTH_M) {
@@ -97,14 +97,14 @@ fn bays(lane: &Lane, ground: &Ground, pitch: f64, spots: &mut Vec<ParkingSpot>) 
     for s in row(lane, MIN_BAY_M, pitch) {
         let pose = lane.pose_at(s);
         let width_m = SPOT_WIDTH_M.min(lane.width_at(s));
-        let right = ((lane.width_at(s) - width_m) / 2.0 - TYRE_TO_KERB_M).max(0.0);
+        let right = ((lane.width_at(s) - width_m) / 2.0 - TYRE_TO_CURB_M).max(0.0);
         if let Some(world_from_spot) = stand(ground, &pose, -right, pitch, width_m) {
             spots.push(ParkingSpot { kind: SpotKind::Parallel, world_from_spot, length_m: pitch, width_m });
         }
     }
 }
 
-/// Cars side by side, turned towards the kerb by one angle a row.
+/// Cars side by side, turned toward the curb by one angle a row.
 fn angled_bays(lane: &Lane, ground: &Ground, stream: &mut Stream, spots: &mut Vec<ParkingSpot>) {
     let angle_rad = ANGLES_DEG[stream.weighted(&ANGLES_DEG.map(|(_, weight)| weight))].0.to_radians();
     let (sin, cos) = (math::sin(angle_rad), math::cos(angle_rad));
@@ -114,10 +114,10 @@ fn angled_bays(lane: &Lane, ground: &Ground, stream: &mut Stream, spots: &mut Ve
         let pose = lane.pose_at(s);
         let forward = (pose.rotation * DVec3::X).truncate().normalize_or_zero();
         let right = -forward.perp();
-        // Longer cars than most reach over the bay's inner edge rather than over the kerb.
+        // Longer cars than most reach over the bay's inner edge rather than over the curb.
         let usual_length_m = length_m - 0.3;
-        let to_kerb_m = (usual_length_m * sin + width_m * cos) / 2.0 + NOSE_TO_KERB_M;
-        let aside_m = (lane.width_at(s) / 2.0 - to_kerb_m).max(0.0);
+        let to_curb_m = (usual_length_m * sin + width_m * cos) / 2.0 + NOSE_TO_CURB_M;
+        let aside_m = (lane.width_at(s) / 2.0 - to_curb_m).max(0.0);
         let heading = forward * cos + right * sin;
         let place = pose.translation + (right * aside_m).extend(0.0);
         let turned = frames::upright(place, math::atan2(heading.y, heading.x));
@@ -127,11 +127,11 @@ fn angled_bays(lane: &Lane, ground: &Ground, stream: &mut Stream, spots: &mut Ve
     }
 }
 
-fn kerbside(lane: &Lane, ground: &Ground, pitch: f64, spots: &mut Vec<ParkingSpot>) {
+fn curbside(lane: &Lane, ground: &Ground, pitch: f64, spots: &mut Vec<ParkingSpot>) {
     let (mut s, end) = (CLEAR_OF_JUNCTION_M + pitch / 2.0, lane.length_m() - CLEAR_OF_JUNCTION_M - pitch / 2.0);
     while s <= end {
         let pose = lane.pose_at(s);
-        let right = kerbside_offset(lane, ground, s, pitch);
+        let right = curbside_offset(lane, ground, s, pitch);
         if let Some(world_from_spot) = right.and_then(|r| stand(ground, &pose, -r, pitch, SPOT_WIDTH_M)) {
             spots.push(ParkingSpot {
                 kind: SpotKind::Parallel,
@@ -149,8 +149,8 @@ fn turn_at(lane: &Lane, s: f64, pitch: f64) -> f64 {
     lane.pose_at(s - pitch / 2.0).rotation.angle_between(lane.pose_at(s + pitch / 2.0).rotation)
 }
 
-/// How far right of the lane's middle a car may stand, if it may: the kerb must be where half a car fits.
-fn kerbside_offset(lane: &Lane, ground: &Ground, s: f64, pitch: f64) -> Option<f64> {
+/// How far right of the lane's middle a car may stand, if it may: the curb must be where half a car fits.
+fn curbside_offset(lane: &Lane, ground: &Ground, s: f64, pitch: f64) -> Option<f64> {
     let (before, after) = (lane.pose_at(s - pitch / 2.0), lane.pose_at(s + pitch / 2.0));
     if turn_at(lane, s, pitch) > MAX_TURN_RAD {
         return None;
@@ -161,16 +161,16 @@ fn kerbside_offset(lane: &Lane, ground: &Ground, s: f64, pitch: f64) -> Option<f
             let p = pose.transform_point(DVec3::new(0.0, -right, 0.0));
             ground.kind_at(p.x, p.y)
         };
-        let kerb_is_far = kind(flank - MAX_ON_PAVEMENT_M) == Some(GroundKind::Road);
-        let room_to_walk = kind(flank + LEFT_FOR_WALKERS_M) == Some(GroundKind::Pavement);
-        if !(kerb_is_far && room_to_walk) {
+        let curb_is_far = kind(flank - MAX_ON_SIDEWALK_M) == Some(GroundKind::Road);
+        let room_to_walk = kind(flank + LEFT_FOR_WALKERS_M) == Some(GroundKind::Sidewalk);
+        if !(curb_is_far && room_to_walk) {
             return None;
         }
     }
     Some(CLEAR_OF_LANE_M + SPOT_WIDTH_M / 2.0)
 }
 
-/// The pose of a car that stands `left_m` left of `lane_pose`, its wheels on the ground (half on a kerb, if need be).
+/// The pose of a car that stands `left_m` left of `lane_pose`, its wheels on the ground (half on a curb, if need be).
 fn stand(ground: &Ground, lane_pose: &DPose3, left_m: f64, length: f64, width: f64) -> Option<DPose3> {
     let forward = (lane_pose.rotation * DVec3::X).truncate().normalize_or_zero();
     let left = forward.perp();

@@ -1,0 +1,142 @@
+//! Arms, and what a person carries.
+
+use super::clothes::slot;
+use super::frame::{Frame, SIDES};
+use super::gait::Arm;
+use super::proportions::{ArmPose, Kind, Load, Proportions, Top};
+use super::tube::{Ring, Tubes};
+use crate::math::{Vec3, cosf, sinf};
+
+pub(super) fn add_arm(tubes: &mut Tubes, p: &Proportions, frame: &Frame, side: f32, arm: Arm, level: usize) -> Vec3 {
+    let g = frame.g;
+    let (forward, left) = (frame.forward(p.trunk), frame.left(p.trunk) * side);
+    let shoulder = frame.spine(0.94 * p.trunk) + left * p.shoulder_half;
+    let out = sinf(arm.lift);
+    let upper = (forward * (sinf(arm.swing) * cosf(arm.lift)) + left * out
+        - Vec3::Z * (cosf(arm.swing) * cosf(arm.lift)))
+    .normalize();
+    // The forearm folds forward and inward, square to the upper arm.
+    let fold = forward * cosf(arm.inward) - left * sinf(arm.inward);
+    let fold = (fold - upper * fold.dot(upper)).normalize();
+    let fore = upper * cosf(arm.elbow) + fold * sinf(arm.elbow);
+    let elbow = shoulder + upper * p.upper_arm;
+    let wrist = elbow + fore * p.forearm;
+    let loose = match p.top {
+        Top::TShirt => 0.006,
+        Top::Shirt => 0.009,
+        Top::Jacket => 0.018,
+        Top::Coat => 0.025,
+    };
+    let short = p.top == Top::TShirt;
+    let (sleeve, bare) = (slot::TOP, if short { slot::SKIN } else { slot::TOP });
+    let low = if short { 0.0 } else { loose };
+    let thin = if p.kind == Kind::Woman { 0.90 } else { 1.0 };
+    let ring = |center: Vec3, along: Vec3, r: f32, extra: f32, slot: u8, level: usize| Ring {
+        center,
+        along,
+        forward: if along.z.abs() > 0.7 { forward } else { Vec3::Z },
+        half: [r * g * thin + extra; 2],
+        slot,
+        level,
+    };
+    let on_upper = |t: f32| shoulder + upper * (p.upper_arm * t);
+    let on_fore = |t: f32| elbow + fore * (p.forearm * t);
+    // One reference direction along the whole arm, so that the tube does not twist.
+    let reference = {
+        let c = upper.cross(fore);
+        if c.length_squared() > 1e-4 { c.normalize() } else { left }
+    };
+    let mut rings = [
+        ring(on_upper(-0.04), upper, 0.030, 0.5 * loose, sleeve, 0),
+        ring(on_upper(0.03), upper, 0.046, loose, sleeve, 2),
+        ring(on_upper(0.25), upper, 0.052, loose, sleeve, 0),
+        ring(on_upper(0.55), upper, 0.049, if short { 0.018 } else { loose }, bare, 1),
+        ring(on_upper(0.57), upper, 0.046, low, bare, if short { 0 } else { 9 }),
+        ring(on_upper(0.85), upper, 0.043, low, bare, 0),
+        ring(elbow, (upper + fore).normalize(), 0.042, low, bare, 2),
+        ring(on_fore(0.22), fore, 0.043, low, bare, 0),
+        ring(on_fore(0.60), fore, 0.036, low, bare, 1),
+        ring(on_fore(0.98), fore, 0.028, low, slot::SKIN, 2),
+    ];
+    for r in &mut rings {
+        r.forward = reference;
+        if r.level == 9 {
+            r.level = 0;
+        }
+    }
+    tubes.tube(&rings, SIDES[level][2], level, -1.0);
+    let scale = p.hand / 0.19;
+    let flat = |t: f32, a: f32, b: f32, level: usize| Ring {
+        center: wrist + fore * (t * p.hand),
+        along: fore,
+        forward: if upper.cross(fore).length_squared() > 1e-4 { fold } else { forward },
+        half: [a * scale, b * scale],
+        slot: slot::SKIN,
+        level,
+    };
+    let hand = [
+        flat(-0.05, 0.026, 0.020, 2),
+        flat(0.20, 0.040, 0.020, 0),
+        flat(0.48, 0.045, 0.021, 1),
+        flat(0.75, 0.036, 0.020, 2),
+        flat(0.86, 0.020, 0.013, 0),
+    ];
+    tubes.tube(&hand, SIDES[level][2] / 2 + 2, level, -1.0);
+    wrist + fore * (0.5 * p.hand)
+}
+
+/// An upright soft box.
+fn sack(tubes: &mut Tubes, center: Vec3, forward: Vec3, half: Vec3, level: usize) {
+    let rings: Vec<Ring> = [(-1.0, 0.70, 1), (-0.85, 1.0, 2), (0.0, 1.05, 0), (0.75, 0.92, 2), (1.0, 0.6, 1)]
+        .iter()
+        .map(|(z, s, keep)| Ring {
+            center: center + Vec3::Z * (z * half.z),
+            along: Vec3::Z,
+            forward,
+            half: [half.x * s * 1.12, half.y * s * 1.12],
+            slot: slot::BAG,
+            level: *keep,
+        })
+        .collect();
+    tubes.tube(&rings, SIDES[level][2], level, -1.0);
+}
+
+pub(super) fn add_load(tubes: &mut Tubes, p: &Proportions, frame: &Frame, wrists: [Vec3; 2], level: usize) {
+    let k = p.stature / 1.75;
+    match p.load {
+        Load::None => {}
+        Load::Backpack => {
+            let z = 0.60 * p.trunk;
+            let (f, loose) = (frame.forward(z), if p.top == Top::Coat { 0.045 } else { 0.02 });
+            let center = frame.spine(z) - f * (0.105 * frame.g + loose + 0.08 * k);
+            sack(tubes, center, f, Vec3::new(0.09, 0.15, 0.22) * k, level);
+        }
+        Load::ShoulderBag => {
+            let z = 0.05 * p.trunk;
+            let (f, left) = (frame.forward(z), frame.left(z));
+            let center = frame.spine(z) + left * (0.168 * frame.g + 0.065) - f * 0.08;
+            sack(tubes, center, f, Vec3::new(0.16, 0.055, 0.14), level);
+            if level < 2 {
+                let strap: Vec<Ring> =
+                    [center + Vec3::Z * 0.12, frame.spine(1.08 * p.trunk) + left * (0.8 * p.shoulder_half)]
+                        .iter()
+                        .map(|c| Ring {
+                            center: *c,
+                            along: Vec3::Z,
+                            forward: f,
+                            half: [0.02, 0.008],
+                            slot: slot::BAG,
+                            level: 2,
+                        })
+                        .collect();
+                tubes.tube(&strap, 4, level, -1.0);
+            }
+        }
+        Load::Shopping => {
+            let hand = usize::from(p.arms[0] != ArmPose::Carry);
+            let room = (wrists[hand].z + p.thigh + p.shank + p.ankle_height - 0.10).clamp(0.15, 0.42);
+            let center = wrists[hand] - Vec3::Z * (0.5 * room + 0.06);
+            sack(tubes, center, Vec3::X, Vec3::new(0.16, 0.075, 0.5 * room), level);
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! Where the trunk of a person is: positions by height above the hip joints.
+
+use super::gait::Posture;
+use super::proportions::Proportions;
+use super::tube::Ring;
+use crate::math::{Vec3, cosf, sinf};
+
+/// Corners a ring at each level of detail: trunk, legs, arms, head.
+pub(super) const SIDES: [[usize; 4]; 3] = [[24, 20, 16, 20], [12, 10, 8, 10], [6, 4, 4, 5]];
+
+/// Positions on the trunk by height above the hip joints.
+pub(super) struct Frame<'a> {
+    p: &'a Proportions,
+    pub posture: &'a Posture,
+    /// Scale of girths.
+    pub g: f32,
+}
+
+impl<'a> Frame<'a> {
+    pub fn new(p: &'a Proportions, posture: &'a Posture) -> Self {
+        Self { p, posture, g: p.girth * p.stature / 1.75 }
+    }
+
+    pub fn up(&self) -> Vec3 {
+        let lean = self.posture.lean;
+        Vec3::new(sinf(lean), 0.0, cosf(lean))
+    }
+
+    pub fn spine(&self, z: f32) -> Vec3 {
+        // The sway fades toward the head.
+        let sway = self.posture.sway * (1.0 - 0.5 * (z / self.p.trunk).clamp(0.0, 1.0));
+        Vec3::new(0.0, sway, 0.0) + self.up() * z
+    }
+
+    pub fn forward(&self, z: f32) -> Vec3 {
+        let t = (z / self.p.trunk).clamp(0.0, 1.0);
+        let yaw = self.posture.pelvis_yaw + (self.posture.shoulder_yaw - self.posture.pelvis_yaw) * t;
+        Vec3::new(cosf(yaw), sinf(yaw), 0.0)
+    }
+
+    pub fn left(&self, z: f32) -> Vec3 {
+        let f = self.forward(z);
+        Vec3::new(-f.y, f.x, 0.0)
+    }
+
+    pub fn ring(&self, z: f32, dx: f32, half: [f32; 2], slot: u8, level: usize) -> Ring {
+        let forward = self.forward(z);
+        Ring { center: self.spine(z) + forward * dx, along: self.up(), forward, half, slot, level }
+    }
+}
+
+/// Along a limb that hangs, swung forward by an angle.
+pub(super) fn down(angle: f32) -> Vec3 {
+    Vec3::new(sinf(angle), 0.0, -cosf(angle))
+}

@@ -1,0 +1,33 @@
+//! What is placed along the streets of a town.
+
+use crate::error::{Error, Result};
+use crate::settings::settings;
+
+settings! {
+    /// Houses, gardens, and trees along the streets of a town.
+    PropConfig;
+    others {}
+    numbers {
+        /// Weights of the house kinds, in the order of [`crate::assets::scenery::HouseKind::ALL`]; not all 0.
+        house_shares: [f64; 6] = [0.35, 0.15, 0.15, 0.15, 0.08, 0.12], 0 to 1e6;
+        /// How green it is: 1 is a common suburb, 0 has no trees.
+        greenery: f64 = 1.0, 0 to 2;
+        /// Depth of the belt of trees behind the outermost plots, meters.
+        belt_m: f64 = 40.0, 0 to 120;
+    }
+}
+
+impl PropConfig {
+    /// Checks the values.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`], naming the value and its limits.
+    pub fn check(&self) -> Result<()> {
+        self.check_settings()?;
+        if self.house_shares.iter().sum::<f64>() <= 0.0 {
+            let value = format!("{:?}", self.house_shares);
+            return Err(Error::OutOfRange { what: "house_shares", value, expected: "a weight above 0".to_owned() });
+        }
+        Ok(())
+    }
+}

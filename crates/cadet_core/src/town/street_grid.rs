@@ -1,0 +1,185 @@
+//! The irregular grid that a suburb's streets follow, thinned to T-junctions, with bends at its corners.
+
+use super::plan_curve::{heading_of, unit};
+use super::suburb_config::SuburbConfig;
+use crate::math::{self, DVec2, TAU};
+use crate::rng::Stream;
+
+/// Crossroads are thinned to this share of all nodes; the other nodes are T-junctions and bends.
+const CROSSROADS_SHARE: f64 = 0.3;
+/// Share of the streets with a wide carriageway.
+const WIDE_SHARE: f64 = 0.18;
+
+/// What the streets of one line of the grid have in common.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LineStyle {
+    pub lane_width_m: f64,
+    pub sidewalk_width_m: f64,
+    pub speed_kmh: u32,
+}
+
+/// Nodes on a bent grid, and the streets between them.
+pub(super) struct Grid {
+    pub columns: usize,
+    pub rows: usize,
+    pub at: Vec<DVec2>,
+    /// East, north, west, south neighbor of each node.
+    pub links: Vec<[Option<usize>; 4]>,
+}
+
+impl Grid {
+    pub fn degree(&self, node: usize) -> usize {
+        self.links[node].iter().flatten().count()
+    }
+
+    fn unlink(&mut self, node: usize, direction: usize) {
+        if let Some(other) = self.links[node][direction].take() {
+            self.links[other][(direction + 2) % 4] = None;
+        }
+    }
+
+    /// Direction of the arm that leaves `node`: along the line through it where the line goes on behind.
+    fn arm_heading(&self, node: usize, direction: usize, stream: &mut Stream) -> f64 {
+        let wobble = stream.range(-0.1, 0.1);
+        let Some(ahead) = self.links[node][direction] else { return 0.0 };
+        match self.links[node][(direction + 2) % 4] {
+            Some(behind) => heading_of(self.at[ahead] - self.at[behind]),
+            None => heading_of(self.at[ahead] - self.at[node]) + wobble,
+        }
+    }
+}
+
+/// Draws the nodes of a grid, all linked to their neighbors.
+pub(super) fn draw_grid(stream: &mut Stream, config: &SuburbConfig) -> Grid {
+    let (columns, rows) = (config.blocks.0 + 1, config.blocks.1 + 1);
+    let mut spread = |n: usize| {
+        let mut at = vec![0.0];
+        for i in 1..n {
+            at.push(at[i - 1] + stream.range(config.block_m.0, config.block_m.1));
+        }
+        let middle = at[n - 1] / 2.0;
+        at.into_iter().map(|v| v - middle).collect::<Vec<f64>>()
+    };
+    let (xs, ys) = (spread(columns), spread(rows));
+    // A slow wave through the whole grid bends its lines together; its slope stays below 0.24, so corners stay open.
+    let wave = |stream: &mut Stream| {
+        let length = stream.range(230.0, 400.0);
+        (length, stream.range(0.08, 0.24) * length / TAU, stream.range(0.0, TAU))
+    };
+    let (wave_x, wave_y) = (wave(stream), wave(stream));
+    let turn = unit(stream.range(0.0, TAU));
+    let mut at = Vec::with_capacity(columns * rows);
+    for y in &ys {
+        for x in &xs {
+            let jitter = DVec2::new(stream.clipped_normal(0.0, 3.5), stream.clipped_normal(0.0, 3.5));
+            let bent = DVec2::new(
+                x + wave_x.1 * math::sin(TAU * y / wave_x.0 + wave_x.2),
+                y + wave_y.1 * math::sin(TAU * x / wave_y.0 + wave_y.2),
+            );
+            at.push(turn.rotate(bent + jitter));
+        }
+    }
+    let links = (0..columns * rows)
+        .map(|n| {
+            let (i, j) = (n % columns, n / columns);
+            [
+                (i + 1 < columns).then_some(n + 1),
+                (j + 1 < rows).then_some(n + columns),
+                (i > 0).then(|| n - 1),
+                (j > 0).then(|| n - columns),
+            ]
+        })
+        .collect();
+    Grid { columns, rows, at, links }
+}
+
+/// Takes streets away until T-junctions prevail; no node is left with fewer than two streets.
+pub(super) fn thin(grid: &mut Grid, stream: &mut Stream) {
+    let (columns, rows) = (grid.columns, grid.rows);
+    if columns > 3 && rows > 3 && stream.chance(0.6) {
+        let corner = [0, columns - 1, columns * (rows - 1), columns * rows - 1][stream.below(4)];
+        for direction in 0..4 {
+            grid.unlink(corner, direction);
+        }
+    }
+    let mut inner: Vec<(usize, usize)> = (0..columns * rows)
+        .flat_map(|n| [(n, 0), (n, 1)])
+        .filter(|(n, d)| {
+            let (i, j) = (n % columns, n / columns);
+            if *d == 0 { i + 1 < columns && j > 0 && j + 1 < rows } else { j + 1 < rows && i > 0 && i + 1 < columns }
+        })
+        .collect();
+    stream.shuffle(&mut inner);
+    let wanted = CROSSROADS_SHARE * (columns * rows) as f64;
+    for (node, direction) in inner {
+        let crossroads = (0..columns * rows).filter(|n| grid.degree(*n) == 4).count();
+        if (crossroads as f64) <= wanted {
+            break;
+        }
+        let both_cross = |other| grid.degree(node) == 4 && grid.degree(other) == 4;
+        if grid.links[node][direction].is_some_and(both_cross) {
+            grid.unlink(node, direction);
+        }
+    }
+}
+
+/// One style a row, then one a column: a street keeps its width across junctions.
+pub(super) fn draw_styles(stream: &mut Stream, grid: &Grid) -> Vec<LineStyle> {
+    let lines = grid.rows + grid.columns;
+    let collectors = [stream.below(grid.rows), grid.rows + stream.below(grid.columns)];
+    let second = stream.chance(0.5);
+    (0..lines)
+        .map(|line| {
+            let collector = line == collectors[0] || (second && line == collectors[1]);
+            let (is_wide, wide_m) = (stream.chance(WIDE_SHARE), stream.range(6.8, 9.5));
+            let usual_m = if collector { stream.range(5.8, 6.5) } else { stream.range(4.75, 5.6) };
+            let carriageway = if is_wide { wide_m } else { usual_m };
+            LineStyle {
+                lane_width_m: (carriageway * 10.0).round() / 20.0,
+                sidewalk_width_m: (stream.range(1.5, 2.5) * 10.0).round() / 10.0,
+                speed_kmh: if collector { 50 } else { 30 },
+            }
+        })
+        .collect()
+}
+
+/// A walk along the grid from one junction to the next.
+pub(super) struct Chain {
+    pub nodes: Vec<usize>,
+    /// The direction of the walk's first arm at its first node, and of its last arm at its last node.
+    pub leaves: usize,
+    pub arrives: usize,
+    /// Row, or number of rows plus column.
+    pub line: usize,
+}
+
+/// The streets of the grid, each once, and the heading of every arm.
+pub(super) fn trace(grid: &Grid, stream: &mut Stream) -> (Vec<Chain>, Vec<[f64; 4]>) {
+    let headings: Vec<[f64; 4]> =
+        (0..grid.at.len()).map(|n| [0, 1, 2, 3].map(|d| grid.arm_heading(n, d, stream))).collect();
+    let mut seen = vec![[false; 4]; grid.at.len()];
+    let mut chains = Vec::new();
+    for node in (0..grid.at.len()).filter(|n| grid.degree(*n) >= 3) {
+        for leaves in 0..4 {
+            if seen[node][leaves] || grid.links[node][leaves].is_none() {
+                continue;
+            }
+            seen[node][leaves] = true;
+            let (mut nodes, mut at, mut direction) = (vec![node], node, leaves);
+            while let Some(next) = grid.links[at][direction] {
+                nodes.push(next);
+                at = next;
+                let back = (direction + 2) % 4;
+                if grid.degree(at) != 2 {
+                    direction = back;
+                    break;
+                }
+                direction = (0..4).find(|d| *d != back && grid.links[at][*d].is_some()).unwrap_or(back);
+            }
+            seen[at][direction] = true;
+            let line = if leaves % 2 == 0 { node / grid.columns } else { grid.rows + node % grid.columns };
+            chains.push(Chain { nodes, leaves, arrives: direction, line });
+        }
+    }
+    (chains, headings)
+}

@@ -1,0 +1,212 @@
+//! A LIDAR's table: `cadet.BeamTable.to_native()`.
+
+use cadet_core::Error;
+use cadet_core::lidar::{BlindSector, Firing as CoreFiring, LidarSpec, Receiver};
+use cadet_core::math::TAU;
+use cadet_core::sense::LaserRing;
+use pyo3::prelude::*;
+
+/// Equal steps of azimuth.
+#[pyclass(frozen, get_all, from_py_object, module = "cadet._cadet")]
+#[derive(Clone)]
+pub(crate) struct UniformFiring {
+    columns: usize,
+}
+
+#[pymethods]
+impl UniformFiring {
+    #[new]
+    #[pyo3(signature = (*, columns))]
+    fn new(columns: usize) -> Self {
+        Self { columns }
+    }
+}
+
+/// Firings on the ticks of an encoder.
+#[pyclass(frozen, get_all, from_py_object, module = "cadet._cadet")]
+#[derive(Clone)]
+pub(crate) struct EncoderFiring {
+    ticks_per_turn: u32,
+    ticks_per_firing: f64,
+    firings: usize,
+    phase_ticks: f64,
+}
+
+#[pymethods]
+impl EncoderFiring {
+    #[new]
+    #[pyo3(signature = (*, ticks_per_turn, ticks_per_firing, firings, phase_ticks))]
+    fn new(ticks_per_turn: u32, ticks_per_firing: f64, firings: usize, phase_ticks: f64) -> Self {
+        Self { ticks_per_turn, ticks_per_firing, firings, phase_ticks }
+    }
+}
+
+/// Any azimuths.
+#[pyclass(frozen, get_all, from_py_object, module = "cadet._cadet")]
+#[derive(Clone)]
+pub(crate) struct ListedFiring {
+    azimuths_deg: Vec<f64>,
+}
+
+#[pymethods]
+impl ListedFiring {
+    #[new]
+    #[pyo3(signature = (*, azimuths_deg))]
+    fn new(azimuths_deg: Vec<f64>) -> Self {
+        Self { azimuths_deg }
+    }
+}
+
+/// When all lasers fire.
+#[derive(Clone, FromPyObject, IntoPyObject)]
+pub(crate) enum Firing {
+    Uniform(UniformFiring),
+    Encoder(EncoderFiring),
+    Listed(ListedFiring),
+}
+
+/// One laser: a ring of the scan.
+#[pyclass(frozen, get_all, from_py_object, module = "cadet._cadet")]
+#[derive(Clone)]
+pub(crate) struct Laser {
+    elevation_deg: f64,
+    height_m: f64,
+    left_m: f64,
+    azimuth_offset_deg: f64,
+    gain: f64,
+    blind_deg: Vec<(f64, f64)>,
+}
+
+#[pymethods]
+impl Laser {
+    #[new]
+    #[pyo3(signature = (*, elevation_deg, height_m, left_m, azimuth_offset_deg, gain, blind_deg))]
+    fn new(
+        elevation_deg: f64,
+        height_m: f64,
+        left_m: f64,
+        azimuth_offset_deg: f64,
+        gain: f64,
+        blind_deg: Vec<(f64, f64)>,
+    ) -> Self {
+        Self { elevation_deg, height_m, left_m, azimuth_offset_deg, gain, blind_deg }
+    }
+}
+
+/// A spinning LIDAR.
+#[pyclass(frozen, get_all, module = "cadet._cadet")]
+pub(crate) struct BeamTable {
+    name: String,
+    rings: Vec<Laser>,
+    firing: Firing,
+    min_range_m: f64,
+    max_range_m: f64,
+    range_noise_m: f64,
+}
+
+#[pymethods]
+impl BeamTable {
+    #[new]
+    #[pyo3(signature = (*, name, rings, firing, min_range_m, max_range_m, range_noise_m))]
+    fn new(
+        name: String,
+        rings: Vec<Laser>,
+        firing: Firing,
+        min_range_m: f64,
+        max_range_m: f64,
+        range_noise_m: f64,
+    ) -> Self {
+        Self { name, rings, firing, min_range_m, max_range_m, range_noise_m }
+    }
+}
+
+impl BeamTable {
+    /// The table of a sensor, angles rounded to a billionth of a degree.
+    pub(crate) fn of(spec: &LidarSpec) -> Self {
+        let lasers = spec.rings().iter().zip(spec.azimuth_offsets_rad()).zip(&spec.laser_gains).enumerate();
+        let blind_deg = |ring: usize| {
+            let sectors = spec.blind_sectors.iter().filter(|s| s.ring == ring);
+            sectors.map(|s| (degrees(s.from_rad), degrees(s.to_rad))).collect()
+        };
+        let laser = |(ring, ((laser, offset_rad), gain)): (usize, ((&LaserRing, &f64), &f64))| Laser {
+            elevation_deg: degrees(laser.elevation_rad),
+            height_m: rounded(laser.height_m),
+            left_m: rounded(laser.left_m),
+            azimuth_offset_deg: degrees(*offset_rad),
+            gain: rounded(*gain),
+            blind_deg: blind_deg(ring),
+        };
+        Self {
+            name: spec.name().to_owned(),
+            rings: lasers.map(laser).collect(),
+            firing: firing_of(spec.firing()),
+            min_range_m: spec.min_range_m,
+            max_range_m: spec.max_range_m,
+            range_noise_m: spec.receiver().range_noise_m,
+        }
+    }
+
+    /// The sensor of a table.
+    pub(crate) fn spec(&self) -> Result<LidarSpec, Error> {
+        let ring = |laser: &Laser| LaserRing {
+            elevation_rad: laser.elevation_deg.to_radians(),
+            height_m: laser.height_m,
+            left_m: laser.left_m,
+        };
+        let offsets_rad = self.rings.iter().map(|laser| laser.azimuth_offset_deg.to_radians()).collect();
+        let rings = self.rings.iter().map(ring).collect();
+        let mut spec = LidarSpec::with_firing(&self.name, rings, self.firing.to_core())?.staggered(offsets_rad)?;
+        (spec.min_range_m, spec.max_range_m) = (self.min_range_m, self.max_range_m);
+        let receiver = Receiver { range_noise_m: self.range_noise_m, ..*spec.receiver() };
+        spec = spec.with_receiver(receiver)?;
+        spec.laser_gains = self.rings.iter().map(|laser| laser.gain).collect();
+        // A whole turn must not end beyond its end by rounding.
+        let radians = |degrees: f64| degrees.to_radians().min(TAU);
+        for (ring, laser) in self.rings.iter().enumerate() {
+            let sector = |(from, to): &(f64, f64)| BlindSector { ring, from_rad: radians(*from), to_rad: radians(*to) };
+            spec.blind_sectors.extend(laser.blind_deg.iter().map(sector));
+        }
+        spec.check()?;
+        Ok(spec)
+    }
+}
+
+impl Firing {
+    fn to_core(&self) -> CoreFiring {
+        match self {
+            Self::Uniform(firing) => CoreFiring::Uniform { columns: firing.columns },
+            Self::Encoder(firing) => CoreFiring::Encoder {
+                ticks_per_turn: firing.ticks_per_turn,
+                ticks_per_firing: firing.ticks_per_firing,
+                phase_ticks: firing.phase_ticks,
+                firings: firing.firings,
+            },
+            Self::Listed(firing) => CoreFiring::Listed(firing.azimuths_deg.iter().map(|a| a.to_radians()).collect()),
+        }
+    }
+}
+
+fn firing_of(firing: &CoreFiring) -> Firing {
+    match firing {
+        CoreFiring::Uniform { columns } => Firing::Uniform(UniformFiring { columns: *columns }),
+        CoreFiring::Encoder { ticks_per_turn, ticks_per_firing, phase_ticks, firings } => {
+            Firing::Encoder(EncoderFiring {
+                ticks_per_turn: *ticks_per_turn,
+                ticks_per_firing: *ticks_per_firing,
+                firings: *firings,
+                phase_ticks: *phase_ticks,
+            })
+        }
+        CoreFiring::Listed(azimuths_rad) => {
+            Firing::Listed(ListedFiring { azimuths_deg: azimuths_rad.iter().map(|a| degrees(*a)).collect() })
+        }
+    }
+}
+
+fn degrees(radians: f64) -> f64 {
+    rounded(radians.to_degrees())
+}
+
+fn rounded(x: f64) -> f64 {
+    (x * 1e9).round() / 1e9
+}

@@ -1,0 +1,59 @@
+"""Kinds of neighborhood: what a policy draws a scene's numbers from."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from cadet.checks import check_kind, check_range, check_text, make_plain
+from cadet.config import PropConfig, SuburbConfig, scene_limits
+
+
+@dataclass(frozen=True, kw_only=True)
+class District:
+    """A kind of neighborhood: ranges that a scene's numbers are drawn from, both ends included.
+
+    Raises:
+        CadetError: a range that is none.
+    """
+
+    name: str
+    """For the metadata."""
+    parking_occupancy: tuple[float, float]
+    """Share of the parking places along the ego's way that are taken; side streets are fuller."""
+    num_cars: tuple[int, int]
+    """Driving vehicles kept around the ego."""
+    num_pedestrians: tuple[int, int]
+    """Pedestrians kept around the ego."""
+    suburb: SuburbConfig = SuburbConfig()
+    """What kind of suburb is generated where there is no map."""
+    props: PropConfig = PropConfig()
+    """Houses, gardens, and trees along the streets."""
+
+    def __post_init__(self) -> None:
+        check_text("District", "name", self.name)
+        check_range("District", "parking_occupancy", self.parking_occupancy, *scene_limits("parking_occupancy"))
+        for name in ("num_cars", "num_pedestrians"):
+            check_range("District", name, getattr(self, name), *scene_limits(name), whole=True)
+        check_kind("District", "suburb", self.suburb, SuburbConfig)
+        check_kind("District", "props", self.props, PropConfig)
+        make_plain(self)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the district in plain values, for a manifest: `suburb` and `props` where they are not the default."""
+        values = asdict(self)
+        for name, default in (("suburb", SuburbConfig()), ("props", PropConfig())):
+            if getattr(self, name) == default:
+                del values[name]
+        return values
+
+
+# Kinds of street by how often KITTI's object frames show them; streets vary around the town's occupancy. Three frames
+# in four of KITTI show no pedestrian, a few show nine: so most districts have few, and some have many.
+KITTI_DISTRICTS = (
+    (District(name="parked_rows", parking_occupancy=(0.35, 0.85), num_cars=(11, 18), num_pedestrians=(8, 14)), 0.38),
+    (District(name="quiet", parking_occupancy=(0.2, 0.4), num_cars=(9, 15), num_pedestrians=(3, 8)), 0.20),
+    (District(name="main_road", parking_occupancy=(0.2, 0.55), num_cars=(26, 40), num_pedestrians=(8, 14)), 0.30),
+    (District(name="school_way", parking_occupancy=(0.3, 0.6), num_cars=(8, 16), num_pedestrians=(24, 40)), 0.05),
+    (District(name="inner_city", parking_occupancy=(0.4, 0.7), num_cars=(12, 24), num_pedestrians=(60, 120)), 0.07),
+)
