@@ -36,20 +36,20 @@ fn with_panes(mut instances: Vec<Instance>) -> Arc<PosedScene> {
     posed(&instances)
 }
 
-/// How much the nearness of a face may be off along a beam, by rounding and, of two faces that are drawn as one, by as much
+/// How much the inverse depth of a face may be off along a beam, by rounding and, of two faces that are drawn as one, by as much
 /// as they are bent and by the rounding of their corners.
 fn tolerance(
     scene: &PosedScene,
     grid: &PinholeGrid,
     face: Option<&DrawnFace>,
     (row, column): (usize, usize),
-    nearness: f64,
+    inverse_depth: f64,
 ) -> f64 {
-    let rounding = 2e-6 * nearness;
+    let rounding = 2e-6 * inverse_depth;
     let Some(face) = face.filter(|face| face.is_quad) else { return rounding };
     let [a, b, c] = scene.corners(face.instance, face.face).map(|p| p.as_dvec3());
     let slope = (b - a).cross(c - a).normalize().dot(grid.beam(row, column).direction_world).abs();
-    rounding + 3e-4 / slope * nearness * nearness
+    rounding + 3e-4 / slope * inverse_depth * inverse_depth
 }
 
 /// The same faces, but for rounding where two are equally deep; the buffer has been used before.
@@ -62,22 +62,23 @@ fn assert_same(scene: &PosedScene, grid: &PinholeGrid, rows: usize, columns: usi
     for row in 0..rows {
         for column in 0..columns {
             let at = row * columns + column;
-            let (seen, nearness) = buffer.front(row, column).map_or(((NO_HIT, NO_HIT), 0.0), |(face, nearness)| {
-                let depth = face.depth_at(grid.columns_x(row)[column], grid.rows_y()[row]);
-                assert!((depth * nearness - 1.0).abs() < 2e-6, "{depth} {nearness}");
-                ((face.instance, face.face), nearness)
-            });
+            let (seen, inverse_depth) =
+                buffer.front(row, column).map_or(((NO_HIT, NO_HIT), 0.0), |(face, inverse_depth)| {
+                    let depth = face.depth_at(grid.columns_x(row)[column], grid.rows_y()[row]);
+                    assert!((depth * inverse_depth - 1.0).abs() < 2e-6, "{depth} {inverse_depth}");
+                    ((face.instance, face.face), inverse_depth)
+                });
             let expected = 1.0 / f64::from(hits.depth[at]);
             let front = buffer.front(row, column).map(|(face, _)| face);
             let tolerance = |face, expected| tolerance(scene, grid, face, (row, column), expected);
-            let close = (f64::from(nearness) - expected).abs() <= tolerance(front, expected);
-            assert!(close, "{row} {column}: {seen:?} {nearness} {expected}");
+            let close = (f64::from(inverse_depth) - expected).abs() <= tolerance(front, expected);
+            assert!(close, "{row} {column}: {seen:?} {inverse_depth} {expected}");
             // Where the solid layer alone is nearest, panes say nothing.
             if seen != (hits.instance[at], hits.face[at]) {
                 assert!(seen.0 != NO_HIT && hits.instance[at] != NO_HIT);
             }
             let block = buffer.solid(row / BLOCK * buffer.blocks_across + column / BLOCK);
-            let behind = block.nearness[row % BLOCK][column % BLOCK];
+            let behind = block.inverse_depth[row % BLOCK][column % BLOCK];
             let face = (behind > 0.0).then(|| &buffer.faces[block.face[row % BLOCK][column % BLOCK] as usize]);
             let expected = 1.0 / f64::from(solid.depth[at]);
             assert!((f64::from(behind) - expected).abs() <= tolerance(face, expected), "{row} {column}: solid");

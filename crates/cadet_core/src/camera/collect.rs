@@ -235,18 +235,18 @@ impl<'a> Collector<'a> {
     fn patch(&mut self, tile: &Tile, part: &Part, target: &Target) -> (u32, Patch) {
         let (face, kind) = self.faces.made(part.face);
         let (u, v) = (tile.left as f32 + MIDDLE_PX, tile.top as f32 + MIDDLE_PX);
-        let nearness = self.faces.nearness_at(face, u, v);
+        let inverse_depth = self.faces.inverse_depth_at(face, u, v);
         // A sample half-way from the first to the last column that shows it.
         let columns = [part.samples.trailing_zeros() / 8, (63 - part.samples.leading_zeros()) / 8];
         let middle = (columns[0] + columns[1]) / 2 * 8;
         let middle = middle + (part.samples >> middle).trailing_zeros();
         let (column, row) = ((middle / 8) as f32, (middle % 8 / 2) as f32);
-        let there = nearness[0] + nearness[1] * column + nearness[2] * row;
+        let there = inverse_depth[0] + inverse_depth[1] * column + inverse_depth[2] * row;
         let is_lone = part.samples.count_ones() <= LONE;
-        let hit = Hit { u: u + column, v: v + row, nearness: there, is_lone };
-        let open = self.faces.open_index(face, tile.block, (u, v), nearness, hit);
+        let hit = Hit { u: u + column, v: v + row, inverse_depth: there, is_lone };
+        let open = self.faces.open_index(face, tile.block, (u, v), inverse_depth, hit);
         let &Target { first, stride, weight } = target;
-        (kind, Patch { face, open, target: first, stride, behind: 0, u, v, nearness, weight })
+        (kind, Patch { face, open, target: first, stride, behind: 0, u, v, inverse_depth, weight })
     }
 
     /// The sky in some samples.

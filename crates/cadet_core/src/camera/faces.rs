@@ -40,7 +40,7 @@ pub struct Hit {
     /// See `u`.
     pub v: f32,
     /// 1 / z, 1/m.
-    pub nearness: f32,
+    pub inverse_depth: f32,
     /// So few samples of the block show the face that the light there is theirs.
     pub is_lone: bool,
 }
@@ -79,7 +79,7 @@ pub struct Faces<'a> {
     pub faces: Vec<Face>,
     /// As `faces`.
     brief: Vec<Brief>,
-    /// As `faces`; see [`DrawnFace::nearness_on_image`].
+    /// As `faces`; see [`DrawnFace::inverse_depth_on_image`].
     planes: Vec<[f64; 3]>,
     /// What of the sky is seen: of a leaf one [`Open`], of other faces [`PER_BLOCK`] in each block.
     pub open: Vec<Open>,
@@ -105,7 +105,7 @@ const ALIKE: usize = 256;
 const CORNERS: usize = 1024;
 const ALIKE_FROM_M: f32 = 15.0;
 /// One over the farthest that a corner of a block is taken to be, 1/m.
-const MIN_NEARNESS: f32 = 1e-4;
+const MIN_INVERSE_DEPTH: f32 = 1e-4;
 const NOT_ALIKE: Alike = (NOWHERE, 0, 0, 0);
 
 /// Instance and cell of leaves that share what they see of the sky.
@@ -224,7 +224,7 @@ impl<'a> Faces<'a> {
             r.vertices = r.corners.map(|i| mesh.vertices[i as usize]);
             r.normals = r.corners.map(|i| mesh.normals[i as usize]);
         }
-        self.planes.extend(asked.iter().map(|n| self.drawn[*n as usize].nearness_on_image(self.intrinsics)));
+        self.planes.extend(asked.iter().map(|n| self.drawn[*n as usize].inverse_depth_on_image(self.intrinsics)));
         for raw in &raw {
             let placed = &self.placed[raw.instance as usize];
             let material = &placed.materials[usize::from(raw.slot)];
@@ -263,16 +263,23 @@ impl<'a> Faces<'a> {
 
     /// 1 / z of a made face's plane at an image point, 1/m, and its change by column and by row.
     #[inline]
-    pub fn nearness_at(&self, index: u32, u: f32, v: f32) -> [f32; 3] {
+    pub fn inverse_depth_at(&self, index: u32, u: f32, v: f32) -> [f32; 3] {
         let [first, by_column, by_row] = self.planes[index as usize];
         let here = first + by_column * f64::from(u) + by_row * f64::from(v);
         [here, by_column, by_row].map(|n| n as f32)
     }
 
     /// Index of the sky's visibility of a face in a block. The block's first corner is the image point (u, v) with the
-    /// nearness `nearness`; see [`Faces::nearness_at`]. `there`: the nearness at a hit.
+    /// inverse depth `inverse_depth`; see [`Faces::inverse_depth_at`]. `there`: the inverse depth at a hit.
     #[inline]
-    pub fn open_index(&mut self, index: u32, block: u32, (u, v): (f32, f32), nearness: [f32; 3], there: Hit) -> u32 {
+    pub fn open_index(
+        &mut self,
+        index: u32,
+        block: u32,
+        (u, v): (f32, f32),
+        inverse_depth: [f32; 3],
+        there: Hit,
+    ) -> u32 {
         let brief = &self.brief[index as usize];
         if brief.block == block || brief.block == EVERYWHERE {
             return brief.open;
@@ -280,7 +287,7 @@ impl<'a> Faces<'a> {
         if brief.is_leaf {
             self.find_open_leaf(index, &there)
         } else {
-            self.find_open(index, block, (u, v), nearness, &there)
+            self.find_open(index, block, (u, v), inverse_depth, &there)
         }
     }
 
@@ -288,7 +295,7 @@ impl<'a> Faces<'a> {
     /// nearer the likelier, so that no cell shows.
     #[inline(never)]
     fn find_open_leaf(&mut self, index: u32, hit: &Hit) -> u32 {
-        let depth = 1.0 / hit.nearness;
+        let depth = 1.0 / hit.inverse_depth;
         let point_world = self.rays.eye + self.rays.direction(hit.u, hit.v) * depth;
         // The power of two below, so that cells stay where they are as the camera moves.
         let cell_m = f32::from_bits((depth / CROWN_CELLS_AWAY).max(CROWN_CELL_M).to_bits() & 0xFF80_0000);
@@ -310,7 +317,7 @@ impl<'a> Faces<'a> {
     }
 
     #[inline(never)]
-    fn find_open(&mut self, index: u32, block: u32, (u, v): (f32, f32), nearness: [f32; 3], hit: &Hit) -> u32 {
+    fn find_open(&mut self, index: u32, block: u32, (u, v): (f32, f32), inverse_depth: [f32; 3], hit: &Hit) -> u32 {
         let brief = &mut self.brief[index as usize];
         let found = self.open.len() as u32;
         let normal = self.faces[index as usize].face_normal;
@@ -320,7 +327,7 @@ impl<'a> Faces<'a> {
             [coarse | brief.kind << 16, coarse ^ coarse >> 3 ^ brief.instance.wrapping_mul(37) ^ brief.kind]
         };
         // Near by, where faces are large in the image and coats mirror clearly, each face looks for itself.
-        if hit.nearness < 1.0 / ALIKE_FROM_M {
+        if hit.inverse_depth < 1.0 / ALIKE_FROM_M {
             let key = (block, brief.instance, coarse, u32::from(hit.is_lone));
             let (known, index) = &mut self.alike[in_cell as usize % ALIKE];
             if *known == key {
@@ -333,26 +340,26 @@ impl<'a> Faces<'a> {
         let brief = *brief;
         let is_flat = Kind::of(brief.kind as usize).is_flat();
         if hit.is_lone {
-            let point_world = self.rays.eye + self.rays.direction(hit.u, hit.v) * (1.0 / hit.nearness);
+            let point_world = self.rays.eye + self.rays.direction(hit.u, hit.v) * (1.0 / hit.inverse_depth);
             let even = [0.0; 8];
             self.open.extend([open_of(self.light, point_world, normal, is_flat), even, even, even]);
             return found;
         }
         let (column, row) = (block % self.blocks_across, block / self.blocks_across);
         // Between two pixels a face that is seen edge-on may leave the world: its plane is behind the eye there.
-        let at_hit = hit.nearness.max(MIN_NEARNESS);
+        let at_hit = hit.inverse_depth.max(MIN_INVERSE_DEPTH);
         let [first, right, below, across] = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| {
             let (du, dv) = ((i * BLOCK_COLUMNS) as f32, (j * BLOCK_ROWS) as f32);
             // The plane may end, or rise to the eye, before the corner.
-            let nearness = nearness[0] + nearness[1] * du + nearness[2] * dv;
-            let nearness = nearness.clamp(0.5 * at_hit, 2.0 * at_hit);
+            let inverse_depth = inverse_depth[0] + inverse_depth[1] * du + inverse_depth[2] * dv;
+            let inverse_depth = inverse_depth.clamp(0.5 * at_hit, 2.0 * at_hit);
             let corner = (row + j) * (self.blocks_across + 1) + column + i;
-            let is_far = nearness < 1.0 / ALIKE_FROM_M;
+            let is_far = inverse_depth < 1.0 / ALIKE_FROM_M;
             let key = (corner, brief.instance, if is_far { coarse } else { brief.look }, u32::from(is_far));
             let slot = corner.wrapping_mul(0x9E37_79B1) ^ in_cell.wrapping_mul(0x85EB_CA6B);
             let (known, open) = &mut self.corners[(slot >> 20) as usize % CORNERS];
             if *known != key {
-                let point_world = self.rays.eye + self.rays.direction(u + du, v + dv) * (1.0 / nearness);
+                let point_world = self.rays.eye + self.rays.direction(u + du, v + dv) * (1.0 / inverse_depth);
                 (*known, *open) = (key, open_of(self.light, point_world, normal, is_flat));
             }
             *open

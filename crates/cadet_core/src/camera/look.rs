@@ -98,11 +98,11 @@ impl Seen {
                 let y = rows_y[top + i];
                 let line = (top + i) / 2 * width + left;
                 for j in 0..BLOCK.min(width - left) {
-                    let (mut nearness, mut id) = (solid.nearness[i][j], solid.face[i][j]);
-                    if let Some(panes) = panes.filter(|p| p.nearness[i][j] > nearness) {
-                        (nearness, id) = (panes.nearness[i][j], panes.face[i][j]);
+                    let (mut inverse_depth, mut id) = (solid.inverse_depth[i][j], solid.face[i][j]);
+                    if let Some(panes) = panes.filter(|p| p.inverse_depth[i][j] > inverse_depth) {
+                        (inverse_depth, id) = (panes.inverse_depth[i][j], panes.face[i][j]);
                     }
-                    if nearness <= 0.0 {
+                    if inverse_depth <= 0.0 {
                         continue;
                     }
                     let face = &buffer.faces[id as usize];
@@ -220,10 +220,10 @@ pub(super) fn seen_points(rays: &Rays, samples: &Samples, out: &mut Vec<Vec3>) {
     for (block_row, first) in (0..buffer.num_blocks()).step_by(across).enumerate() {
         // Read at once, so that the processor waits for many lines together.
         rows.clear();
-        rows.extend((0..across).map(|column| buffer.solid(first + column).nearness[row_of(column, block_row)]));
+        rows.extend((0..across).map(|column| buffer.solid(first + column).inverse_depth[row_of(column, block_row)]));
         for (block_column, solid) in rows.iter().enumerate() {
             let (number, i) = (block_row * across + block_column, row_of(block_column, block_row));
-            let panes = buffer.panes(number).map(|panes| &panes.nearness[i]);
+            let panes = buffer.panes(number).map(|panes| &panes.inverse_depth[i]);
             for j in (block_row % 2..BLOCK).step_by(2) {
                 let (column, row) = (block_column * BLOCK + j, block_row * BLOCK + i);
                 let direction = rays.direction(column as f32, row as f32 * 0.5);

@@ -68,10 +68,10 @@ pub fn place_of(sample: u32) -> usize {
 /// Reads a block; returns the pixels' second samples that see another face than the first ones, too.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 pub fn read(block: &Block) -> (Numbers, SampleBits) {
-    let (nearness, face) = (block.nearness.as_flattened(), block.face.as_flattened());
+    let (inverse_depth, face) = (block.inverse_depth.as_flattened(), block.face.as_flattened());
     let mut numbers = [SKY; BLOCK * BLOCK];
     for i in 0..BLOCK * BLOCK {
-        numbers[i] = if nearness[i] > 0.0 { face[i] } else { SKY };
+        numbers[i] = if inverse_depth[i] > 0.0 { face[i] } else { SKY };
     }
     let mut differ = [0; TWO_ROWS];
     for two_rows in 0..BLOCK / 2 {
@@ -88,7 +88,7 @@ pub fn read(block: &Block) -> (Numbers, SampleBits) {
 /// Where the samples of one block are nearer than those of another.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 pub fn nearer(block: &Block, than: &Block) -> SampleBits {
-    let (a, b) = (block.nearness.as_flattened(), than.nearness.as_flattened());
+    let (a, b) = (block.inverse_depth.as_flattened(), than.inverse_depth.as_flattened());
     let mut found = [0; TWO_ROWS];
     for two_rows in 0..BLOCK / 2 {
         let at = two_rows * TWO_ROWS;
@@ -129,12 +129,12 @@ mod tests {
 
     /// A block whose samples see one of a few faces or nothing.
     fn block(seed: u32) -> Block {
-        let mut block = Block { nearness: [[0.0; BLOCK]; BLOCK], face: [[99; BLOCK]; BLOCK] };
+        let mut block = Block { inverse_depth: [[0.0; BLOCK]; BLOCK], face: [[99; BLOCK]; BLOCK] };
         for row in 0..BLOCK {
             for column in 0..BLOCK {
                 let n = (seed + 13 * row as u32 + 7 * column as u32).wrapping_mul(2_654_435_761) >> 29;
                 if n < 6 {
-                    (block.nearness[row][column], block.face[row][column]) = (0.1 + n as f32, n);
+                    (block.inverse_depth[row][column], block.face[row][column]) = (0.1 + n as f32, n);
                 }
             }
         }
@@ -158,7 +158,7 @@ mod tests {
                     let sample = bit(row, column);
                     let is_asked = row / 2 <= seed as usize % 4 && column <= seed as usize % 8;
                     assert_eq!(asked & sample != 0, is_asked);
-                    let is_sky = block.nearness[row][column] == 0.0;
+                    let is_sky = block.inverse_depth[row][column] == 0.0;
                     assert_eq!(sky & sample != 0, is_asked && is_sky);
                     let of: Vec<u32> = parts.iter().filter(|p| p.samples & sample != 0).map(|p| p.face).collect();
                     let want = if is_asked && !is_sky { vec![block.face[row][column]] } else { Vec::new() };
@@ -179,7 +179,7 @@ mod tests {
         assert_eq!(bits_of(found).fold(0, |all, bit| all | 1 << bit), found);
         for row in 0..BLOCK {
             for column in 0..BLOCK {
-                let is_nearer = |row: usize| front.nearness[row][column] > back.nearness[row][column];
+                let is_nearer = |row: usize| front.inverse_depth[row][column] > back.inverse_depth[row][column];
                 assert_eq!(found & bit(row, column) != 0, is_nearer(row));
                 let either = is_nearer(row / 2 * 2) || is_nearer(row / 2 * 2 + 1);
                 assert_eq!(any_of_pixels(found) & bit(row, column) != 0, either);

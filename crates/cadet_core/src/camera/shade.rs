@@ -20,7 +20,7 @@ pub(super) fn geometry(l: &mut ShadingBatch, m: usize, camera: &ShadingCamera, s
     let m = m.min(LANES);
     let mut depth = [0.0; LANES];
     for i in 0..m {
-        depth[i] = 1.0 / l.nearness[i];
+        depth[i] = 1.0 / l.inverse_depth[i];
     }
     for i in 0..m {
         let direction = camera.corner + camera.right * l.u[i] + camera.down * l.v[i];
@@ -69,9 +69,9 @@ pub(super) fn place_texture(l: &mut ShadingBatch, m: usize, camera: &ShadingCame
         let aside = l.aside[i] * side;
         let direction = camera.corner + camera.right * (l.u[i] + aside) + camera.down * l.v[i];
         // What is seen from its rim ends before the next pixel's middle.
-        let middle = l.nearness[i];
-        let nearness = (middle + l.nearness_by_column[i] * aside).max(0.5 * middle).min(2.0 * middle);
-        put(&mut points, i, direction * (1.0 / nearness));
+        let middle = l.inverse_depth[i];
+        let inverse_depth = (middle + l.inverse_depth_by_column[i] * aside).max(0.5 * middle).min(2.0 * middle);
+        put(&mut points, i, direction * (1.0 / inverse_depth));
     }
     let [u, v] = &mut l.texture[pixel];
     if kind.pattern == Pattern::Leaves {
@@ -128,7 +128,7 @@ pub(super) fn snow(l: &mut ShadingBatch, m: usize, camera: &ShadingCamera, snow:
     let (eye, right) = (camera.eye, camera.right);
     for i in 0..m.min(LANES) {
         // In the pixel itself: in the pair's middle, each pair would have its own drift.
-        let aside = l.aside[i] * side / l.nearness[i];
+        let aside = l.aside[i] * side / l.inverse_depth[i];
         let (x, y) = (l.point[0][i] + right.x * aside + eye.x, l.point[1][i] + right.y * aside + eye.y);
         let drift = pattern::value_noise(x * 0.6, y * 0.6, 0x5E0);
         let worn = if l.flags[i] & Flags::ROAD > 0 { 0.55 } else { 1.0 };

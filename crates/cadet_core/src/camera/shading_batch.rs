@@ -34,13 +34,13 @@ pub struct ShadingBatch {
     pub behind: [u32; STRIDE],
     /// What the pixels' colors count.
     pub weights: [Lane; 2],
-    /// The middle of the samples that show the face. At first the block's first pixel; so is the nearness.
+    /// The middle of the samples that show the face. At first the block's first pixel; so is the inverse depth.
     pub u: Lane,
     pub v: Lane,
     /// 1 / z, 1/m.
-    pub nearness: Lane,
-    pub nearness_by_column: Lane,
-    pub nearness_by_row: Lane,
+    pub inverse_depth: Lane,
+    pub inverse_depth_by_column: Lane,
+    pub inverse_depth_by_row: Lane,
     /// Where it lies in its block, from 0 at the first corner to 1 at the last.
     pub across: Lane,
     pub down: Lane,
@@ -120,9 +120,9 @@ impl Default for ShadingBatch {
             weights: [O; 2],
             u: O,
             v: O,
-            nearness: O,
-            nearness_by_column: O,
-            nearness_by_row: O,
+            inverse_depth: O,
+            inverse_depth_by_column: O,
+            inverse_depth_by_row: O,
             across: O,
             down: O,
             aside: O,

@@ -135,9 +135,9 @@ fn gather_patches(l: &mut ShadingBatch, hits: &Hits, n: usize) {
             run(&mut l.weights[0], i, patch.weight);
             run(&mut l.u, i, patch.u);
             run(&mut l.v, i, patch.v);
-            run(&mut l.nearness, i, patch.nearness[0]);
-            run(&mut l.nearness_by_column, i, patch.nearness[1]);
-            run(&mut l.nearness_by_row, i, patch.nearness[2]);
+            run(&mut l.inverse_depth, i, patch.inverse_depth[0]);
+            run(&mut l.inverse_depth_by_column, i, patch.inverse_depth[1]);
+            run(&mut l.inverse_depth_by_row, i, patch.inverse_depth[2]);
         }
     }
 }
@@ -156,8 +156,9 @@ fn spread(l: &mut ShadingBatch, hits: &Hits, n: usize) {
         let slant = 0.25 * ((b + d) - (a + c)) * inverse;
         let across = column as i32 as f32 + right * inverse + slant;
         let down = row as i32 as f32 + slant;
-        let nearness = l.nearness[i] + l.nearness_by_column[i] * across + l.nearness_by_row[i] * down;
-        l.nearness[i] = if nearness > FARTHEST { nearness } else { FARTHEST };
+        let inverse_depth =
+            l.inverse_depth[i] + l.inverse_depth_by_column[i] * across + l.inverse_depth_by_row[i] * down;
+        l.inverse_depth[i] = if inverse_depth > FARTHEST { inverse_depth } else { FARTHEST };
         (l.u[i], l.v[i]) = (l.u[i] + across, l.v[i] + down);
         (l.across[i], l.down[i]) = (across * (1.0 / (2 * ACROSS) as f32), down * (1.0 / DOWN as f32));
         l.aside[i] = if (left > 0.0) & (right > 0.0) { 0.5 } else { 0.0 };
@@ -174,7 +175,7 @@ fn spread(l: &mut ShadingBatch, hits: &Hits, n: usize) {
     }
 }
 
-/// The nearness of what is seen from its rim may be lost in rounding, 1/m.
+/// The inverse depth of what is seen from its rim may be lost in rounding, 1/m.
 const FARTHEST: f32 = 1e-6;
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]

@@ -315,7 +315,7 @@ impl Drawer<'_> {
                 let at = on_image.at((even[0] + odd[BLOCK - 1]) * 0.5, y);
                 let number = block_row * self.buffer.blocks_across + block_column;
                 if on_image.misses(&at)
-                    || self.buffer.states[number].floor > on_image.most_nearness(&at) * CLEARLY
+                    || self.buffer.states[number].floor > on_image.most_inverse_depth(&at) * CLEARLY
                     || self.buffer.is_block_hidden(number, z_m)
                 {
                     continue;

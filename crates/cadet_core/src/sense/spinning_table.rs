@@ -39,7 +39,7 @@ pub(super) struct Table {
     /// Where all lasers have one origin: the first row and the end of the rows that may pass through points whose
     /// tangents lie in a bin of `row_of_tangent`.
     pub(super) rows_of_bin: Option<Vec<[u16; 2]>>,
-    /// Where they have several: the same for a bin of nearness and a bin of tangents ([`rows_of_place`]).
+    /// Where they have several: the same for a bin of inverse distances and a bin of tangents ([`rows_of_place`]).
     pub(super) rows_of_place: Vec<[u16; 2]>,
     pub(super) azimuths: Vec<f32>,
     /// Cosines and sines of all columns' azimuths, once for each distinct offset of a ring; and both side by side.
@@ -112,30 +112,30 @@ impl Lookup {
     }
 }
 
-/// Bins of nearness, 1 / rho: [`NEAR_PER_BIN`] each, the last without an end.
-const NEAR_BINS: usize = 48;
-const NEAR_PER_BIN: f32 = 1.0 / 60.0;
+/// Bins of 1 / rho: [`INVERSE_RHO_PER_BIN`] each, the last without an end.
+const INVERSE_RHO_BINS: usize = 48;
+const INVERSE_RHO_PER_BIN: f32 = 1.0 / 60.0;
 /// Bins of `row_of_tangent` that share a range in [`rows_of_place`], as a power of two.
 const SHARED_BITS: u32 = 2;
 const TANGENT_BINS: usize = 4096;
 const PLACE_STRIDE: usize = TANGENT_BINS >> SHARED_BITS;
 
-/// The rows that may pass through points of a bin of tangents (over the middle height) and a bin of nearness.
+/// The rows that may pass through points of a bin of tangents (over the middle height) and a bin of inverse distances.
 ///
-/// Seen from the middle, a row at height h passes at the tangent `tan + (h - middle) / rho`: linear in the nearness, so
+/// Seen from the middle, a row at height h passes at the tangent `tan + (h - middle) / rho`: linear in 1 / rho, so
 /// that its ends in a bin bound it.
 fn rows_of_place(lookup: &Lookup, rows: &[SortedRow], height_span: [f32; 2]) -> Vec<[u16; 2]> {
     let middle = 0.5 * (height_span[0] + height_span[1]);
     let half_span = 0.5 * (height_span[1] - height_span[0]);
     let edge = |bin: f32| (bin - lookup.offset) / lookup.scale;
-    let mut out = Vec::with_capacity(NEAR_BINS * PLACE_STRIDE);
-    for near in 0..NEAR_BINS {
-        if near + 1 == NEAR_BINS {
-            out.resize(NEAR_BINS * PLACE_STRIDE, [0, rows.len() as u16]);
+    let mut out = Vec::with_capacity(INVERSE_RHO_BINS * PLACE_STRIDE);
+    for near in 0..INVERSE_RHO_BINS {
+        if near + 1 == INVERSE_RHO_BINS {
+            out.resize(INVERSE_RHO_BINS * PLACE_STRIDE, [0, rows.len() as u16]);
             break;
         }
-        let [least, most] = [near as f32 - 0.01, near as f32 + 1.01].map(|n| n * NEAR_PER_BIN);
-        let passes = |r: &SortedRow, nearness: f32| r.tangent as f32 + (r.height_m as f32 - middle) * nearness;
+        let [least, most] = [near as f32 - 0.01, near as f32 + 1.01].map(|n| n * INVERSE_RHO_PER_BIN);
+        let passes = |r: &SortedRow, inverse_rho: f32| r.tangent as f32 + (r.height_m as f32 - middle) * inverse_rho;
         let (mut lowest, mut highest): (Vec<f32>, Vec<f32>) =
             rows.iter().map(|r| (passes(r, least), passes(r, most))).map(|(a, b)| (a.min(b), a.max(b))).unzip();
         for i in 1..rows.len() {
@@ -303,10 +303,10 @@ impl Table {
         self.rows_from_guess(rho, z, self.row_of_tangent.guess((middle - z) / rho))
     }
 
-    /// About [`Table::rows_at`], for lasers at several heights, without a search: by nearness and a bin of tangents.
+    /// About [`Table::rows_at`], for lasers at several heights, without a search: by 1 / rho and a bin of tangents.
     #[inline(always)]
-    pub(super) fn rows_of_place(&self, nearness: f32, tangent_bin: u32) -> [u16; 2] {
-        let near = (nearness * (1.0 / NEAR_PER_BIN)).min(NEAR_BINS as f32 - 0.75) - 0.5;
+    pub(super) fn rows_of_place(&self, inverse_rho: f32, tangent_bin: u32) -> [u16; 2] {
+        let near = (inverse_rho * (1.0 / INVERSE_RHO_PER_BIN)).min(INVERSE_RHO_BINS as f32 - 0.75) - 0.5;
         // As in [`Lookup::bin`].
         let near = (near.max(0.0) + 8_388_608.0).to_bits() & 0xff;
         self.rows_of_place[near as usize * PLACE_STRIDE + (tangent_bin >> SHARED_BITS) as usize]

@@ -7,7 +7,7 @@ use super::grid::Window;
 
 /// Samples along a side of a block.
 pub const BLOCK: usize = 8;
-/// How much nearer than a bound's nearness a sample must be to hide what the bound stands for.
+/// How much nearer than a bound's inverse depth a sample must be to hide what the bound stands for.
 pub(super) const CLEARLY: f32 = 1.000_01;
 
 /// A face that was drawn.
@@ -35,7 +35,7 @@ impl DrawnFace {
 
     /// 1 / z of the face's plane at pixel (0, 0), and its changes to the next column and row, for a camera's fx, fy, cx, cy.
     #[must_use]
-    pub fn nearness_on_image(&self, [fx, fy, cx, cy]: [f64; 4]) -> [f64; 3] {
+    pub fn inverse_depth_on_image(&self, [fx, fy, cx, cy]: [f64; 4]) -> [f64; 3] {
         let inverse = 1.0 / self.volume;
         let (by_column, by_row) = (self.normal[0] * inverse / fx, self.normal[1] * inverse / fy);
         [self.normal[2] * inverse - by_column * cx - by_row * cy, by_column, by_row]
@@ -46,8 +46,8 @@ impl DrawnFace {
 #[derive(Debug, Clone)]
 pub struct Block {
     /// 1 / z in 1/m, 0 where there is none.
-    pub nearness: [[f32; BLOCK]; BLOCK],
-    /// The number of the face in [`VisibilityBuffer::faces`]; means nothing where the nearness is 0.
+    pub inverse_depth: [[f32; BLOCK]; BLOCK],
+    /// The number of the face in [`VisibilityBuffer::faces`]; means nothing where the inverse depth is 0.
     pub face: [[u32; BLOCK]; BLOCK],
 }
 
@@ -56,11 +56,11 @@ impl Block {
     #[inline]
     #[must_use]
     pub fn touch(&self) -> u32 {
-        let line = |row: usize| self.nearness[row][0].to_bits() ^ self.face[row][0];
+        let line = |row: usize| self.inverse_depth[row][0].to_bits() ^ self.face[row][0];
         line(0) ^ line(2) ^ line(4) ^ line(6)
     }
 
-    pub(super) const EMPTY: Self = Self { nearness: [[0.0; BLOCK]; BLOCK], face: [[0; BLOCK]; BLOCK] };
+    pub(super) const EMPTY: Self = Self { inverse_depth: [[0.0; BLOCK]; BLOCK], face: [[0; BLOCK]; BLOCK] };
 }
 
 /// What the samples of an image see, in blocks of 8 x 8: neighbors stand together in memory, and what lies behind a
@@ -95,7 +95,7 @@ static NOTHING: Block = Block::EMPTY;
 pub(super) struct BlockState {
     /// Samples that have met something, a bit each: column by column, from the top.
     pub met: u64,
-    /// A nearness that all samples reach.
+    /// An inverse depth that all samples reach.
     pub floor: f32,
     /// The floor may have risen.
     pub is_stale: bool,
@@ -163,7 +163,7 @@ impl VisibilityBuffer {
         let layer = if is_pane { &mut self.panes } else { &mut self.solid };
         let block = &mut layer[block];
         if is_fresh {
-            block.nearness = Block::EMPTY.nearness;
+            block.inverse_depth = Block::EMPTY.inverse_depth;
         }
         block
     }
@@ -192,7 +192,7 @@ impl VisibilityBuffer {
             return false;
         }
         let mut least = [f32::INFINITY; BLOCK];
-        for row in &self.solid[block].nearness {
+        for row in &self.solid[block].inverse_depth {
             for i in 0..BLOCK {
                 least[i] = if row[i] < least[i] { row[i] } else { least[i] };
             }
@@ -226,7 +226,7 @@ impl VisibilityBuffer {
                 if asked == u64::MAX {
                     return false;
                 }
-                for row in &self.solid[block].nearness[rows.clone()] {
+                for row in &self.solid[block].inverse_depth[rows.clone()] {
                     let mut open = [0; BLOCK];
                     for i in 0..BLOCK {
                         let asked = (i as u32).wrapping_sub(columns.start as u32) < columns.len() as u32;
@@ -246,27 +246,27 @@ impl VisibilityBuffer {
         row / BLOCK * self.blocks_across + column / BLOCK
     }
 
-    /// The number of the face that a sample sees first, be it a pane or solid, and its nearness; `None` for the sky.
+    /// The number of the face that a sample sees first, be it a pane or solid, and its inverse depth; `None` for the sky.
     #[inline]
     #[must_use]
     pub fn front_number(&self, row: usize, column: usize) -> Option<(u32, f32)> {
         let block = self.block_at(row, column);
         let (row, column) = (row % BLOCK, column % BLOCK);
         let solid = self.solid(block);
-        let (mut number, mut nearness) = (solid.face[row][column], solid.nearness[row][column]);
+        let (mut number, mut inverse_depth) = (solid.face[row][column], solid.inverse_depth[row][column]);
         if let Some(panes) = self.panes(block)
-            && panes.nearness[row][column] > nearness
+            && panes.inverse_depth[row][column] > inverse_depth
         {
-            (number, nearness) = (panes.face[row][column], panes.nearness[row][column]);
+            (number, inverse_depth) = (panes.face[row][column], panes.inverse_depth[row][column]);
         }
-        (nearness > 0.0).then_some((number, nearness))
+        (inverse_depth > 0.0).then_some((number, inverse_depth))
     }
 
-    /// The face that a sample sees first and its nearness; `None` for the sky.
+    /// The face that a sample sees first and its inverse depth; `None` for the sky.
     #[inline]
     #[must_use]
     pub fn front(&self, row: usize, column: usize) -> Option<(&DrawnFace, f32)> {
-        self.front_number(row, column).map(|(number, nearness)| (&self.faces[number as usize], nearness))
+        self.front_number(row, column).map(|(number, inverse_depth)| (&self.faces[number as usize], inverse_depth))
     }
 
     /// How many samples of a row see anything, and the columns from the first of them to the last.
@@ -275,8 +275,8 @@ impl VisibilityBuffer {
         let (mut count, mut span) = (0, self.columns..0);
         for block_column in 0..self.blocks_across {
             let block = row / BLOCK * self.blocks_across + block_column;
-            let solid = &self.solid(block).nearness[row % BLOCK];
-            let panes = self.panes(block).map(|panes| &panes.nearness[row % BLOCK]);
+            let solid = &self.solid(block).inverse_depth[row % BLOCK];
+            let panes = self.panes(block).map(|panes| &panes.inverse_depth[row % BLOCK]);
             // Blocks may reach beyond the image.
             for i in 0..BLOCK.min(self.columns - block_column * BLOCK) {
                 if solid[i] > 0.0 || panes.is_some_and(|p| p[i] > 0.0) {
