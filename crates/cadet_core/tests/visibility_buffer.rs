@@ -25,8 +25,8 @@ fn quincunx(pose: DPose3, rows: usize, columns: usize) -> PinholeGrid {
     PinholeGrid::quincunx(pose, [180.4, 180.4, 150.2, 43.3], [-3.0, -1.0], rows, columns).expect("a valid camera")
 }
 
-/// Every other instance becomes a pane.
-fn with_panes(mut instances: Vec<Instance>) -> Arc<PosedScene> {
+/// Every other instance becomes transparent.
+fn with_transparent_surfaces(mut instances: Vec<Instance>) -> Arc<PosedScene> {
     let mut materials = common::matt().materials().to_vec();
     materials[0].transmission = 0.8;
     let palette = Arc::new(Palette::new(materials));
@@ -57,7 +57,7 @@ fn assert_same(scene: &PosedScene, grid: &PinholeGrid, rows: usize, columns: usi
     draw(scene, grid, buffer);
     let mut hits = Hits::new(rows, columns);
     cast(scene, grid, Layer::Opaque, |_| true, &mut hits);
-    let solid = hits.clone();
+    let opaque = hits.clone();
     cast(scene, grid, Layer::Glass, |_| true, &mut hits);
     for row in 0..rows {
         for column in 0..columns {
@@ -73,15 +73,15 @@ fn assert_same(scene: &PosedScene, grid: &PinholeGrid, rows: usize, columns: usi
             let tolerance = |face, expected| tolerance(scene, grid, face, (row, column), expected);
             let close = (f64::from(inverse_depth) - expected).abs() <= tolerance(front, expected);
             assert!(close, "{row} {column}: {seen:?} {inverse_depth} {expected}");
-            // Where the solid layer alone is nearest, panes say nothing.
+            // Where the opaque layer alone is nearest, the transparent one says nothing.
             if seen != (hits.instance[at], hits.face[at]) {
                 assert!(seen.0 != NO_HIT && hits.instance[at] != NO_HIT);
             }
-            let block = buffer.solid(row / BLOCK * buffer.blocks_across + column / BLOCK);
+            let block = buffer.opaque(row / BLOCK * buffer.blocks_across + column / BLOCK);
             let behind = block.inverse_depth[row % BLOCK][column % BLOCK];
             let face = (behind > 0.0).then(|| &buffer.faces[block.face[row % BLOCK][column % BLOCK] as usize]);
-            let expected = 1.0 / f64::from(solid.depth[at]);
-            assert!((f64::from(behind) - expected).abs() <= tolerance(face, expected), "{row} {column}: solid");
+            let expected = 1.0 / f64::from(opaque.depth[at]);
+            assert!((f64::from(behind) - expected).abs() <= tolerance(face, expected), "{row} {column}: opaque");
         }
     }
 }
@@ -92,7 +92,7 @@ fn drawing_sees_what_casting_sees() {
     for seed in 0..12 {
         let mut s = Stream::from_seed("drawn scenes", seed);
         let center = DVec3::new(s.range(-400.0, 400.0), s.range(-400.0, 400.0), s.range(-5.0, 30.0));
-        let scene = with_panes(random_scene(&mut s, center));
+        let scene = with_transparent_surfaces(random_scene(&mut s, center));
         // Also images that end within a block.
         for (rows, columns) in [(94, 311), (94, 311), (90, 314), (3, 17)] {
             let pose = DPose3 { rotation: random_rotation(&mut s), translation: center };
@@ -133,7 +133,7 @@ fn pairs_of_faces_are_seen_as_the_faces_are() {
     for seed in 0..8 {
         let mut s = Stream::from_seed("drawn cards", seed);
         let center = DVec3::new(s.range(-400.0, 400.0), s.range(-400.0, 400.0), s.range(-5.0, 30.0));
-        let scene = with_panes(vec![cards(&mut s, 600, center), cards(&mut s, 200, center)]);
+        let scene = with_transparent_surfaces(vec![cards(&mut s, 600, center), cards(&mut s, 200, center)]);
         let pose = DPose3 { rotation: random_rotation(&mut s), translation: center };
         let mut buffer = VisibilityBuffer::default();
         for grid in [camera(pose, 94, 311), quincunx(pose, 94, 311)] {
@@ -164,7 +164,7 @@ proptest! {
     fn triangle_soups_are_drawn_as_they_are_cast(seed in 0_u64..1_000_000, n in 1_usize..300) {
         let mut s = Stream::from_seed("drawn soup", seed);
         let center = DVec3::new(300.0, -250.0, 10.0);
-        let scene = with_panes(vec![soup(&mut s, n, 12.0, center), soup(&mut s, n, 12.0, center)]);
+        let scene = with_transparent_surfaces(vec![soup(&mut s, n, 12.0, center), soup(&mut s, n, 12.0, center)]);
         let pose = DPose3 { rotation: random_rotation(&mut s), translation: center };
         for grid in [camera(pose, 94, 311), quincunx(pose, 94, 311)] {
             assert_same(&scene, &grid, 94, 311, &mut VisibilityBuffer::default());

@@ -28,8 +28,8 @@ pub struct Collector<'a> {
     /// What the blocks at hand show.
     parts: Vec<Part>,
     edges: Vec<Edge>,
-    /// Patches of panes, with their kinds and samples.
-    panes: Vec<(u32, Patch, SampleBits)>,
+    /// Patches of transparent surfaces, with their kinds and samples.
+    transparent: Vec<(u32, Patch, SampleBits)>,
     sky: SkyRows<'a>,
     width: usize,
 }
@@ -50,12 +50,12 @@ struct Tile {
     top: usize,
     left: usize,
     open: Layer,
-    /// Pixels whose samples see two faces and no pane; of [`Collector::edges`].
+    /// Pixels whose samples see two faces and no transparent surface; of [`Collector::edges`].
     edges: Range<usize>,
-    /// What is seen through panes by both samples of pixels, and by one of them.
+    /// What is seen through transparent surfaces by both samples of pixels, and by one of them.
     behind: [Layer; 2],
     /// Of [`Collector::parts`].
-    panes: Range<usize>,
+    transparent: Range<usize>,
 }
 
 /// What some samples of a block see.
@@ -87,8 +87,8 @@ impl<'a> Collector<'a> {
         light: &'a Light,
     ) -> Self {
         let sky = SkyRows::new(view.width, view.height, rays, light);
-        let (parts, edges, panes) = (Vec::new(), Vec::new(), Vec::new());
-        Self { buffer, faces, painter, parts, edges, panes, sky, width: view.width }
+        let (parts, edges, transparent) = (Vec::new(), Vec::new(), Vec::new());
+        Self { buffer, faces, painter, parts, edges, transparent, sky, width: view.width }
     }
 
     /// Collects the rows of a band.
@@ -106,7 +106,7 @@ impl<'a> Collector<'a> {
             for (row, left) in places.clone() {
                 let number = number_of(first_row + row, left);
                 if self.buffer.only_face(number).is_none() {
-                    touched ^= self.buffer.solid(number).touch();
+                    touched ^= self.buffer.opaque(number).touch();
                 }
             }
             let _ = std::hint::black_box(touched);
@@ -122,11 +122,11 @@ impl<'a> Collector<'a> {
                 self.collect(tile);
             }
         }
-        if !self.panes.is_empty() {
-            // Panes come after what they show.
+        if !self.transparent.is_empty() {
+            // Transparent surfaces come after what they show.
             self.painter.shade_all(&self.faces);
-            self.panes.sort_by_key(|(kind, ..)| *kind);
-            for (kind, patch, samples) in self.panes.drain(..) {
+            self.transparent.sort_by_key(|(kind, ..)| *kind);
+            for (kind, patch, samples) in self.transparent.drain(..) {
                 self.painter.push(&self.faces, kind, &patch, samples);
             }
             self.painter.shade_all(&self.faces);
@@ -147,13 +147,14 @@ impl<'a> Collector<'a> {
         let (first_part, first_edge) = (self.parts.len(), self.edges.len());
         let none = || Layer { parts: 0..0, sky: 0 };
         let block = number as u32;
-        let mut tile = Tile { block, top, left, open: none(), edges: 0..0, behind: [none(), none()], panes: 0..0 };
+        let mut tile =
+            Tile { block, top, left, open: none(), edges: 0..0, behind: [none(), none()], transparent: 0..0 };
         if let Some(face) = self.buffer.only_face(number) {
             self.parts.push(Part { face, samples: inside });
             tile.open.parts = first_part..self.parts.len();
         } else {
-            let (block, panes) = (self.buffer.solid(number), self.buffer.panes(number));
-            let behind = panes.map_or(0, |panes| nearer(panes, block) & inside);
+            let (block, transparent) = (self.buffer.opaque(number), self.buffer.transparent(number));
+            let behind = transparent.map_or(0, |transparent| nearer(transparent, block) & inside);
             let (open, both) = (inside & !behind, whole_pixels(behind));
             let (mut numbers, differ) = read(block);
             let whole_open = whole_pixels(open);
@@ -174,11 +175,11 @@ impl<'a> Collector<'a> {
             };
             tile.open = layer(open);
             tile.edges = first_edge..self.edges.len();
-            if let Some(panes) = panes.filter(|_| behind != 0) {
+            if let Some(transparent) = transparent.filter(|_| behind != 0) {
                 tile.behind = [layer(both), layer(behind & !both)];
                 let start = self.parts.len();
-                let _ = split(&read(panes).0, behind, &mut self.parts);
-                tile.panes = start..self.parts.len();
+                let _ = split(&read(transparent).0, behind, &mut self.parts);
+                tile.transparent = start..self.parts.len();
             }
         }
         for part in &self.parts[first_part..] {
@@ -202,18 +203,18 @@ impl<'a> Collector<'a> {
         let number = (tile.top * self.width + tile.left) as u32;
         let image = Target { first: number, stride: self.width as u32, weight: 1.0 };
         self.collect_layer(tile, &tile.open, &image);
-        if tile.panes.is_empty() {
+        if tile.transparent.is_empty() {
             return;
         }
         let behind = self.painter.new_behind();
-        // Pixels of which one sample sees a pane have the color of that sample behind it.
+        // Pixels of which one sample sees a transparent surface have the color of that sample behind it.
         for (layer, weight) in tile.behind.iter().zip([1.0, 2.0]) {
             self.collect_layer(tile, layer, &Target { first: behind, stride: BEHIND_STRIDE, weight });
         }
-        for i in tile.panes.clone() {
+        for i in tile.transparent.clone() {
             let part = self.parts[i];
             let (kind, patch) = self.patch(tile, &part, &image);
-            self.panes.push((kind, Patch { behind, ..patch }, part.samples));
+            self.transparent.push((kind, Patch { behind, ..patch }, part.samples));
         }
     }
 

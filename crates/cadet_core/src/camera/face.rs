@@ -16,7 +16,7 @@ pub struct Kind {
     /// It mirrors.
     pub is_glossy: bool,
     /// It is seen through.
-    pub is_pane: bool,
+    pub is_transparent: bool,
 }
 
 impl Kind {
@@ -28,7 +28,7 @@ impl Kind {
         (self.pattern as usize) * 8
             + usize::from(self.is_smooth)
             + 2 * usize::from(self.is_glossy)
-            + 4 * usize::from(self.is_pane)
+            + 4 * usize::from(self.is_transparent)
     }
 
     /// One normal, that of the plane, goes for the whole face: what light comes from all around is found once for many
@@ -43,7 +43,7 @@ impl Kind {
             pattern: Pattern::ALL[index / 8],
             is_smooth: index & 1 > 0,
             is_glossy: index & 2 > 0,
-            is_pane: index & 4 > 0,
+            is_transparent: index & 4 > 0,
         }
     }
 }
@@ -158,7 +158,7 @@ impl Face {
             pattern: material.pattern,
             is_smooth,
             is_glossy: !is_leaf && material.specular > 0.0 || is_wet,
-            is_pane: material.is_glass(),
+            is_transparent: material.is_glass(),
         };
         let flag = |bit: u32, is: bool| if is { bit } else { 0 };
         let none = Vec3::ZERO;

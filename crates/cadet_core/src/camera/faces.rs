@@ -121,7 +121,7 @@ const NO_PLANT: u32 = u32::MAX;
 /// Faces and visibilities are forgotten when there are so many.
 const MAX_FACES: usize = 2500;
 const MAX_OPEN: usize = 20_000;
-/// More than the samples of 64 x 8 pixels, solid and of panes.
+/// More than the samples of 64 x 8 pixels, of both layers.
 const MAX_ASKED: usize = 4096;
 
 impl<'a> Faces<'a> {

@@ -13,7 +13,7 @@ pub type Lane = [f32; STRIDE];
 /// Pairs of pixels side by side in a block, and rows of them.
 pub const ACROSS: usize = 4;
 pub const DOWN: usize = 4;
-/// What is seen through the panes of a block: its pixels row by row.
+/// What is seen through a block's transparent surfaces: its pixels row by row.
 pub const BEHIND: usize = 2 * ACROSS * DOWN;
 /// From a row of them to the next.
 pub const BEHIND_STRIDE: u32 = 2 * ACROSS as u32;
@@ -33,7 +33,7 @@ pub struct Patch {
     pub target: u32,
     /// From there to the pixel below.
     pub stride: u32,
-    /// Of panes: the first of [`BEHIND`] pixels that have the colors of what is seen through them.
+    /// Of transparent surfaces: the first of [`BEHIND`] pixels that have the colors of what is seen through them.
     pub behind: u32,
     /// Image point between the samples of the block's first pixel.
     pub u: f32,

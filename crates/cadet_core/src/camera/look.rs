@@ -52,7 +52,7 @@ pub struct Seen {
 pub struct Maps {
     /// z along the optical axis, meters; infinite for the sky.
     pub depth: Vec<f32>,
-    /// -1 sky, 0 static world, actors from 1; panes carry their car's id.
+    /// -1 sky, 0 static world, actors from 1; transparent surfaces carry their car's id.
     pub instance: Vec<i32>,
     /// [`Semantic`] as a byte.
     pub semantic: Vec<u8>,
@@ -90,17 +90,17 @@ impl Seen {
         // Neighbors mostly show the same face.
         let mut last = (u32::MAX, -1, Semantic::Sky as u8);
         for number in 0..buffer.num_blocks() {
-            let solid = buffer.solid(number);
+            let opaque = buffer.opaque(number);
             let (top, left) = (number / buffer.blocks_across * BLOCK, number % buffer.blocks_across * BLOCK);
-            let panes = buffer.panes(number);
+            let transparent = buffer.transparent(number);
             // The samples of every other row lie on the pixels' centers.
             for i in (0..BLOCK.min(2 * height - top)).step_by(2) {
                 let y = rows_y[top + i];
                 let line = (top + i) / 2 * width + left;
                 for j in 0..BLOCK.min(width - left) {
-                    let (mut inverse_depth, mut id) = (solid.inverse_depth[i][j], solid.face[i][j]);
-                    if let Some(panes) = panes.filter(|p| p.inverse_depth[i][j] > inverse_depth) {
-                        (inverse_depth, id) = (panes.inverse_depth[i][j], panes.face[i][j]);
+                    let (mut inverse_depth, mut id) = (opaque.inverse_depth[i][j], opaque.face[i][j]);
+                    if let Some(transparent) = transparent.filter(|p| p.inverse_depth[i][j] > inverse_depth) {
+                        (inverse_depth, id) = (transparent.inverse_depth[i][j], transparent.face[i][j]);
                     }
                     if inverse_depth <= 0.0 {
                         continue;
@@ -209,7 +209,7 @@ impl Rays {
     }
 }
 
-/// Points all over what the camera sees, one for every eight pixels; panes apart from what stands behind.
+/// Points all over what the camera sees, one for every eight pixels; transparent surfaces apart from what stands behind.
 pub(super) fn seen_points(rays: &Rays, samples: &Samples, out: &mut Vec<Vec3>) {
     out.clear();
     let buffer = &samples.0;
@@ -220,18 +220,18 @@ pub(super) fn seen_points(rays: &Rays, samples: &Samples, out: &mut Vec<Vec3>) {
     for (block_row, first) in (0..buffer.num_blocks()).step_by(across).enumerate() {
         // Read at once, so that the processor waits for many lines together.
         rows.clear();
-        rows.extend((0..across).map(|column| buffer.solid(first + column).inverse_depth[row_of(column, block_row)]));
-        for (block_column, solid) in rows.iter().enumerate() {
+        rows.extend((0..across).map(|column| buffer.opaque(first + column).inverse_depth[row_of(column, block_row)]));
+        for (block_column, opaque) in rows.iter().enumerate() {
             let (number, i) = (block_row * across + block_column, row_of(block_column, block_row));
-            let panes = buffer.panes(number).map(|panes| &panes.inverse_depth[i]);
+            let transparent = buffer.transparent(number).map(|transparent| &transparent.inverse_depth[i]);
             for j in (block_row % 2..BLOCK).step_by(2) {
                 let (column, row) = (block_column * BLOCK + j, block_row * BLOCK + i);
                 let direction = rays.direction(column as f32, row as f32 * 0.5);
-                if solid[j] > 0.0 {
-                    out.push(rays.eye + direction * (1.0 / solid[j]));
+                if opaque[j] > 0.0 {
+                    out.push(rays.eye + direction * (1.0 / opaque[j]));
                 }
-                if let Some(panes) = panes.filter(|panes| panes[j] > solid[j]) {
-                    out.push(rays.eye + direction * (1.0 / panes[j]));
+                if let Some(transparent) = transparent.filter(|transparent| transparent[j] > opaque[j]) {
+                    out.push(rays.eye + direction * (1.0 / transparent[j]));
                 }
             }
         }

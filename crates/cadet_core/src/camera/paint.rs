@@ -10,7 +10,7 @@ use super::painter::{BAND, Painter};
 use super::shading_batch::ShadingCamera;
 use crate::sense::{BLOCK, PosedScene};
 
-/// Values that [`paint`] needs room for: those of the image, and of what lies behind the panes of a band; and of the pixel
+/// Values that [`paint`] needs room for: those of the image, and of what lies behind a band's transparent surfaces; and of the pixel
 /// after the last.
 pub fn room_for(width: usize, height: usize) -> usize {
     (height * width + width.div_ceil(BLOCK) * BLOCK * BAND + 1) * 3

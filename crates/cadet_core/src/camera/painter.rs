@@ -16,20 +16,20 @@ pub(super) struct Painter<'a> {
     pub batch: Box<ShadingBatch>,
     pub light: &'a Light,
     pub camera: ShadingCamera,
-    /// Where pixels begin that have what is seen through panes, and how many there are.
+    /// Where pixels begin that have what is seen through transparent surfaces, and how many there are.
     pub first_behind: usize,
     pub behind: usize,
     pub rgb: &'a mut [f32],
 }
 
 impl Painter<'_> {
-    /// Empties some rows' pixels and those behind panes.
+    /// Empties some rows' pixels and those behind transparent surfaces.
     pub fn clear(&mut self, pixels: std::ops::Range<usize>) {
         self.rgb[pixels.start * 3..pixels.end * 3].fill(0.0);
         self.behind = 0;
     }
 
-    /// The first of [`BEHIND`] black pixels for what is seen through the panes of a block.
+    /// The first of [`BEHIND`] black pixels for what is seen through a block's transparent surfaces.
     pub fn new_behind(&mut self) -> u32 {
         let first = self.first_behind + self.behind;
         self.behind += BEHIND;
@@ -52,7 +52,7 @@ impl Painter<'_> {
         }
     }
 
-    /// What a face shows in a block. What is behind a pane must be shaded.
+    /// What a face shows in a block. What is behind a transparent surface must be shaded.
     #[inline]
     pub fn push(&mut self, faces: &Faces, kind: u32, patch: &Patch, samples: SampleBits) {
         let hits = &mut self.hits[kind as usize];

@@ -206,13 +206,13 @@ pub(super) fn gloss(l: &mut ShadingBatch, m: usize, sky: &Sky, eye: Vec3, wetnes
     }
 }
 
-/// A pane; what is seen through it takes the place of an albedo.
+/// A transparent surface; what is seen through it takes the place of an albedo.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-pub(super) fn pane(l: &mut ShadingBatch, m: usize, sky: &Sky) {
+pub(super) fn transparent(l: &mut ShadingBatch, m: usize, sky: &Sky) {
     for i in 0..m.min(LANES) {
         let (view, normal) = (get(&l.view, i), get(&l.normal, i));
         let cos_view = (-view.dot(normal)).clamp(0.0, 1.0);
-        // Both faces of the pane reflect.
+        // Both faces of a transparent surface of glass reflect.
         let f0 = l.specular[i].max(0.045) * 1.8;
         let fresnel = (f0 + (1.0 - f0) * fifth(1.0 - cos_view)).min(1.0);
         let mirrored = view + normal * (2.0 * cos_view);

@@ -30,7 +30,7 @@ pub struct ShadingBatch {
     pub target: [u32; STRIDE],
     /// From a pixel of the target to the one below.
     pub stride: [u32; STRIDE],
-    /// The left pixel, where what is seen through a pane is kept. At first that of the block's first pixel.
+    /// The left pixel, where what is seen through a transparent surface is kept. At first that of the block's first pixel.
     pub behind: [u32; STRIDE],
     /// What the pixels' colors count.
     pub weights: [Lane; 2],

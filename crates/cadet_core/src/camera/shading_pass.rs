@@ -6,7 +6,7 @@ use super::face::{Face, Flags, Kind};
 use super::faces::{Open, PER_BLOCK};
 use super::hits::{ACROSS, BEHIND_STRIDE, Cell, DOWN, Hits, LANES, Lane, STRIDE};
 use super::light::Light;
-use super::shade::{diffuse, geometry, gloss, mix, pane, place_texture, snow, texture, through_air};
+use super::shade::{diffuse, geometry, gloss, mix, place_texture, snow, texture, through_air, transparent};
 use super::shading_batch::{Lane3, ShadingBatch, ShadingCamera, put};
 use super::shadow::Asked;
 use crate::material::Pattern;
@@ -18,7 +18,7 @@ const RUN: usize = 8;
 impl ShadingBatch {
     /// Shades patches of a kind; the outcome is in `out`, where it belongs in `target` and `weights`.
     ///
-    /// `rgb`: the picture, where panes find what is behind them.
+    /// `rgb`: the picture, where transparent surfaces find what is behind them.
     pub fn shade(
         &mut self,
         light: &Light,
@@ -38,14 +38,14 @@ impl ShadingBatch {
         geometry(self, m, camera, light.sky.sun_world, kind);
         self.cast_shadows(light, camera.eye, kind, n);
         self.albedo = [self.material; 2];
-        if kind.is_pane {
+        if kind.is_transparent {
             for (i, pixel) in self.behind[..n].iter().enumerate() {
                 if let Some([a, b, c, d, e, f]) = rgb[*pixel as usize * 3..].first_chunk() {
                     put(&mut self.albedo[0], i, Vec3::new(*a, *b, *c));
                     put(&mut self.albedo[1], i, Vec3::new(*d, *e, *f));
                 }
             }
-            pane(self, m, &light.sky);
+            transparent(self, m, &light.sky);
         } else {
             for pixel in 0..2 {
                 if kind.pattern != Pattern::Plain {
@@ -91,7 +91,7 @@ fn ask_sun(l: &mut ShadingBatch, kind: Kind, n: usize) -> bool {
     let is_leaf = kind.pattern == Pattern::Leaves;
     let mut any = [0_u8; LANES];
     for i in 0..LANES {
-        let faces_sun = (l.cos_face[i] > 0.0) & ((l.cos_sun[i] > 0.0) | kind.is_pane);
+        let faces_sun = (l.cos_face[i] > 0.0) & ((l.cos_sun[i] > 0.0) | kind.is_transparent);
         let is_asked = (i < n) & (is_leaf | faces_sun);
         l.is_asked[i] = is_asked;
         any[i] = u8::from(is_asked);
@@ -180,7 +180,7 @@ const FARTHEST: f32 = 1e-6;
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn gather_faces(l: &mut ShadingBatch, kind: Kind, hits: &Hits, n: usize, faces: &[Face]) {
-    let (has_coat, is_leaf) = (kind.is_glossy || kind.is_pane, kind.pattern == Pattern::Leaves);
+    let (has_coat, is_leaf) = (kind.is_glossy || kind.is_transparent, kind.pattern == Pattern::Leaves);
     let has_axes = kind.pattern != Pattern::Plain && !is_leaf;
     for (number, (_, patch)) in hits.patches.iter().enumerate() {
         let face = &faces[patch.face as usize];
@@ -234,7 +234,7 @@ fn gather_open(l: &mut ShadingBatch, kind: Kind, hits: &Hits, n: usize, open: &[
         }
         return;
     }
-    let mirrors = kind.is_glossy || kind.is_pane;
+    let mirrors = kind.is_glossy || kind.is_transparent;
     for (number, (_, patch)) in hits.patches.iter().enumerate() {
         let Some(of_block) = open[patch.open as usize..].first_chunk::<PER_BLOCK>() else { continue };
         for i in hits.lanes_of(number, n).step_by(RUN) {

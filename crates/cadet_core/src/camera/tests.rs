@@ -75,13 +75,13 @@ fn picture(instances: &[Instance], weather: &Weather, seed: u64) -> Rendered {
 fn street() -> Vec<Instance> {
     let mut paint = gray(Semantic::Car, 0.3);
     (paint.specular, paint.roughness) = (0.05, 0.05);
-    let mut pane = gray(Semantic::Car, 0.9);
-    (pane.specular, pane.roughness, pane.transmission) = (0.04, 0.02, 0.8);
+    let mut glass = gray(Semantic::Car, 0.9);
+    (glass.specular, glass.roughness, glass.transmission) = (0.04, 0.02, 0.8);
     vec![
         ground(),
         cuboid(Vec3::new(20.0, 6.0, 0.0), Vec3::new(40.0, 16.0, 9.0), gray(Semantic::Building, 0.5), 0),
         cuboid(Vec3::new(9.0, -3.0, 0.25), Vec3::new(13.0, -1.4, 1.4), paint, 3),
-        cuboid(Vec3::new(8.0, -0.5, 0.2), Vec3::new(8.01, 1.5, 2.0), pane, 4),
+        cuboid(Vec3::new(8.0, -0.5, 0.2), Vec3::new(8.01, 1.5, 2.0), glass, 4),
         cuboid(Vec3::new(14.0, 0.5, 0.0), Vec3::new(14.4, 1.0, 1.8), gray(Semantic::Person, 0.2), 5),
     ]
 }
@@ -107,7 +107,7 @@ fn depth_at_pixel_centres_is_the_planes_and_the_sky_has_none() {
 }
 
 #[test]
-fn identity_agrees_between_the_two_samplings_and_panes_carry_their_cars_id() {
+fn identity_agrees_between_the_two_samplings_and_windows_carry_their_cars_id() {
     let (w, h) = SIZE;
     let Rendered { image, maps } = picture(&street(), &clear_sun_from(60.0), 0);
     let r = maps.unwrap();
@@ -118,11 +118,11 @@ fn identity_agrees_between_the_two_samplings_and_panes_carry_their_cars_id() {
         let centers = r.instance.iter().filter(|i| **i == id).count() as f64;
         let of_row = |row| (0..w).filter(|column| seen.actor_at_sample(row, *column) == id).count();
         let samples = (0..2 * h).map(of_row).sum::<usize>() as f64;
-        // The man stands behind the pane: only his head shows.
+        // The man stands behind the glass: only his head shows.
         assert!(samples > 0.0 || id == 5, "{id}");
         assert!((samples / 2.0 - centers).abs() <= 0.05 * centers + 12.0, "{id}: {samples} {centers}");
     }
-    // A point on the pane: u = cx - fx y / x, v = cy + fy (1.65 - z) / x.
+    // A point on the glass: u = cx - fx y / x, v = cy + fy (1.65 - z) / x.
     let [fx, fy, cx, cy] = INTRINSICS;
     let at = (cy + fy * 0.5 / 8.0).round() as usize * w + (cx - fx * 0.5 / 8.0).round() as usize;
     assert_eq!((r.instance[at], r.semantic[at]), (4, Semantic::Car as u8));

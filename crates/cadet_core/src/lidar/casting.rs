@@ -7,9 +7,9 @@ use crate::sense::{Hits, Layer, NO_HIT, PosedInstance, PosedScene, cast};
 
 /// What the beams of a turn meet, row-major.
 pub(super) struct Met {
-    /// The first surface that is no pane.
-    pub solid: Hits,
-    /// The same, but a pane where one stands before it.
+    /// The first opaque surface.
+    pub opaque: Hits,
+    /// The same, but a transparent surface where one stands before it.
     pub first: Hits,
 }
 
@@ -21,7 +21,7 @@ pub(super) trait Casting {
     /// Casts the middle of every beam.
     fn cast(&self, spec: &LidarSpec) -> Met;
 
-    /// Casts the sub-beams of some beams at what is no pane.
+    /// Casts the sub-beams of some beams at opaque surfaces.
     fn cast_spread(&self, spec: &LidarSpec, spread: &Spread, beams: &[u32]) -> Vec<[SubBeam; 4]>;
 
     /// A direction of a column's firing as it stands to an instance's triangles where [`Casting::scene`] has them.
@@ -61,12 +61,12 @@ impl Casting for Standing<'_> {
 
     fn cast(&self, spec: &LidarSpec) -> Met {
         let grid = spec.grid(*self.world_from_velo);
-        let mut solid = Hits::new(spec.rings().len(), spec.azimuths_rad().len());
-        cast(self.scene, &grid, Layer::Opaque, self.in_range(spec), &mut solid);
-        // Only panes in front of what is solid matter: they alone replace it.
-        let mut first = solid.clone();
+        let mut opaque = Hits::new(spec.rings().len(), spec.azimuths_rad().len());
+        cast(self.scene, &grid, Layer::Opaque, self.in_range(spec), &mut opaque);
+        // Only transparent surfaces in front of opaque ones matter: they alone replace them.
+        let mut first = opaque.clone();
         cast(self.scene, &grid, Layer::Glass, self.in_range(spec), &mut first);
-        Met { solid, first }
+        Met { opaque, first }
     }
 
     fn cast_spread(&self, spec: &LidarSpec, spread: &Spread, beams: &[u32]) -> Vec<[SubBeam; 4]> {
@@ -101,17 +101,17 @@ impl Casting for Standing<'_> {
 }
 
 impl Met {
-    /// The pane before a beam's solid surface.
+    /// The transparent surface before a beam's opaque one.
     #[inline]
-    pub(super) fn pane(&self, at: usize) -> Option<SubBeam> {
-        let (first, solid) = (of(&self.first, at), of(&self.solid, at));
-        ((first.instance, first.face) != (solid.instance, solid.face)).then_some(first)
+    pub(super) fn transparent(&self, at: usize) -> Option<SubBeam> {
+        let (first, opaque) = (of(&self.first, at), of(&self.opaque, at));
+        ((first.instance, first.face) != (opaque.instance, opaque.face)).then_some(first)
     }
 
-    /// A beam's solid surface.
+    /// A beam's opaque surface.
     #[inline]
-    pub(super) fn solid(&self, at: usize) -> SubBeam {
-        of(&self.solid, at)
+    pub(super) fn opaque(&self, at: usize) -> SubBeam {
+        of(&self.opaque, at)
     }
 }
 

@@ -49,7 +49,7 @@ pub(super) fn spread_per_pulse(receiver: &Receiver) -> f64 {
     receiver.divergence_rad / 4.0 / receiver.pulse_m()
 }
 
-/// Both faces of a pane of n = 1.5: 8 % up to 40 degrees, 17 % at 60, 56 % at 80.
+/// Both faces of a pane of glass of n = 1.5: 8 % up to 40 degrees, 17 % at 60, 56 % at 80.
 pub(super) fn fresnel(cos_incidence: f64) -> f64 {
     let grazing = (1.0 - cos_incidence) * (1.0 - cos_incidence);
     0.08 + 0.92 * grazing * grazing

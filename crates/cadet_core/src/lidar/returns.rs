@@ -40,7 +40,7 @@ pub(super) struct Arrival {
 /// The random numbers of one beam: always the same count, so that no beam's fate moves another's.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Draws {
-    pane: f64,
+    dirt: f64,
     pub(super) detection: f64,
     pub(super) saturation: f64,
     /// Names the beam to the air.
@@ -54,7 +54,7 @@ impl Draws {
         let [a, b, c, d, e] = std::array::from_fn(|_| stream.next_u64());
         let unit = |bits: u64| (bits & 0xffff_ffff) as f64 * (1.0 / 4_294_967_296.0);
         Self {
-            pane: unit(a >> 32),
+            dirt: unit(a >> 32),
             detection: unit(a),
             saturation: unit(b >> 32),
             air_key: b << 32 | c >> 32,
@@ -64,13 +64,13 @@ impl Draws {
     }
 }
 
-/// Share of a pane's area that is dirty or printed enough to answer itself.
+/// Share of a glass surface's area that is dirty or printed enough to answer itself.
 const DIRTY_SHARE: f64 = 0.08;
 /// Reflectance of that dirt.
 const DIRT: LidarMaterial = LidarMaterial::diffuse(0.08);
 /// Standard deviation of the reading of a drop, a flake or fog.
 const AIR_NOISE: f64 = 0.05;
-/// Within 2.5 degrees of the normal a pane's mirror image hits the receiver.
+/// Within 2.5 degrees of the normal a glass surface's mirror image hits the receiver.
 const GLINT_COS: f64 = 0.999;
 
 /// What reaches the receiver of an echo and of the air before it; None for nothing.
@@ -159,43 +159,43 @@ pub(super) struct Echo {
     pub semantic: Semantic,
 }
 
-/// What answers a beam that meets `pane` (a glass surface) and then `solid`.
-pub(super) fn first_echo(pane: Option<Surface<'_>>, solid: Option<Surface<'_>>, draws: &Draws) -> Option<Echo> {
-    let pane = pane.filter(|p| solid.is_none_or(|s| p.range_m < s.range_m));
+/// What answers a beam that meets `transparent` (a pane of glass) and then `opaque`.
+pub(super) fn first_echo(transparent: Option<Surface<'_>>, opaque: Option<Surface<'_>>, draws: &Draws) -> Option<Echo> {
+    let transparent = transparent.filter(|p| opaque.is_none_or(|s| p.range_m < s.range_m));
     let mut transmittance = 1.0;
-    if let Some(pane) = pane {
+    if let Some(transparent) = transparent {
         let own = |reflectance, retro| Echo {
-            range_m: pane.range_m,
+            range_m: transparent.range_m,
             reflectance,
-            cos_incidence: pane.cos_incidence,
-            reading_noise: reading_noise(pane.material.pattern),
+            cos_incidence: transparent.cos_incidence,
+            reading_noise: reading_noise(transparent.material.pattern),
             retro,
-            actor_id: pane.actor_id,
-            semantic: pane.material.semantic,
+            actor_id: transparent.actor_id,
+            semantic: transparent.material.semantic,
         };
-        if pane.cos_incidence > GLINT_COS {
+        if transparent.cos_incidence > GLINT_COS {
             return Some(own(1.0, false));
         }
-        if draws.pane < DIRTY_SHARE {
-            return Some(own(reflectance(&DIRT, pane.cos_incidence), false));
+        if draws.dirt < DIRTY_SHARE {
+            return Some(own(reflectance(&DIRT, transparent.cos_incidence), false));
         }
-        let once = f64::from(pane.material.lidar.transmission) * (1.0 - fresnel(pane.cos_incidence));
+        let once = f64::from(transparent.material.lidar.transmission) * (1.0 - fresnel(transparent.cos_incidence));
         transmittance = once * once;
-        if solid.is_some_and(|s| s.actor_id != pane.actor_id) {
+        if opaque.is_some_and(|s| s.actor_id != transparent.actor_id) {
             // Out again on the far side.
             transmittance *= transmittance;
         }
     }
-    let solid = solid?;
-    let lidar = &solid.material.lidar;
+    let opaque = opaque?;
+    let lidar = &opaque.material.lidar;
     Some(Echo {
-        range_m: solid.range_m,
-        reflectance: reflectance(lidar, solid.cos_incidence) * solid.texture * transmittance,
-        cos_incidence: solid.cos_incidence,
-        reading_noise: reading_noise(solid.material.pattern),
+        range_m: opaque.range_m,
+        reflectance: reflectance(lidar, opaque.cos_incidence) * opaque.texture * transmittance,
+        cos_incidence: opaque.cos_incidence,
+        reading_noise: reading_noise(opaque.material.pattern),
         retro: lidar.retro && transmittance > 0.05,
-        actor_id: solid.actor_id,
-        semantic: solid.material.semantic,
+        actor_id: opaque.actor_id,
+        semantic: opaque.material.semantic,
     })
 }
 
@@ -235,13 +235,13 @@ mod tests {
     }
 
     fn receive(
-        pane: Option<Surface<'_>>,
-        solid: Option<Surface<'_>>,
+        transparent: Option<Surface<'_>>,
+        opaque: Option<Surface<'_>>,
         air: &Air,
         laser_gain: f64,
         draws: &Draws,
     ) -> Option<Return> {
-        let echo = first_echo(pane, solid, draws);
+        let echo = first_echo(transparent, opaque, draws);
         written(arrival(echo, air, ReturnMode::Strongest, &Receiver::default(), draws), laser_gain, draws)
     }
 
@@ -254,12 +254,12 @@ mod tests {
     }
 
     /// Share of beams that return, share of zeros among them, mean intensity, over all lasers of KITTI's sensor.
-    fn statistics(pane: Option<Surface<'_>>, solid: Option<Surface<'_>>, air: &Air) -> (f64, f64, f64) {
+    fn statistics(transparent: Option<Surface<'_>>, opaque: Option<Surface<'_>>, air: &Air) -> (f64, f64, f64) {
         let mut stream = Stream::from_seed("returns", 1);
         let n = 20_000;
         let gains = LidarSpec::hdl64e_kitti().laser_gains;
         let all: Vec<Return> = (0..n)
-            .filter_map(|i| receive(pane, solid, air, gains[i % gains.len()], &Draws::new(&mut stream)))
+            .filter_map(|i| receive(transparent, opaque, air, gains[i % gains.len()], &Draws::new(&mut stream)))
             .collect();
         let count = all.len().max(1) as f64;
         let zeros = all.iter().filter(|r| r.intensity == 0.0).count() as f64 / count;
@@ -272,7 +272,7 @@ mod tests {
         let n = 50_000;
         let draws: Vec<Draws> = (0..n).map(|_| Draws::new(&mut stream)).collect();
         for (pick, mean, var) in [
-            ((|d: &Draws| d.pane) as fn(&Draws) -> f64, 0.5, 1.0 / 12.0),
+            ((|d: &Draws| d.dirt) as fn(&Draws) -> f64, 0.5, 1.0 / 12.0),
             (|d| d.detection, 0.5, 1.0 / 12.0),
             (|d| d.saturation, 0.5, 1.0 / 12.0),
             (|d| (d.air_key >> 32) as f64 / 4_294_967_296.0, 0.5, 1.0 / 12.0),

@@ -107,7 +107,7 @@ fn scan_by<C: Casting>(casting: &C, spec: &LidarSpec, weather: &Weather, stream:
     let (edges, split) = match spec.spread() {
         None => Default::default(),
         Some(spread) => {
-            let edges = spread.edge_beams(&met.solid);
+            let edges = spread.edge_beams(&met.opaque);
             let split = casting.cast_spread(spec, spread, &edges);
             (edges, split)
         }
@@ -132,13 +132,13 @@ fn scan_by<C: Casting>(casting: &C, spec: &LidarSpec, weather: &Weather, stream:
             }
             let direction_velo = DVec3::new(cos * heading[0], cos * heading[1], sin);
             let origin_velo = laser.origin_velo(*heading);
-            let pane = met.pane(beam).and_then(|p| in_front.at(p, column, origin_velo, direction_velo));
+            let transparent = met.transparent(beam).and_then(|p| in_front.at(p, column, origin_velo, direction_velo));
             let echo = if let Some((_, quarters)) = quarters {
-                let quarters =
-                    quarters.map(|q| first_echo(pane, behind.at(q, column, origin_velo, direction_velo), &draws));
+                let quarters = quarters
+                    .map(|q| first_echo(transparent, behind.at(q, column, origin_velo, direction_velo), &draws));
                 chosen_echo(quarters, spec.returns, &air, receiver, draws.detection)
             } else {
-                first_echo(pane, behind.at(met.solid(beam), column, origin_velo, direction_velo), &draws)
+                first_echo(transparent, behind.at(met.opaque(beam), column, origin_velo, direction_velo), &draws)
             };
             let Some(arrived) = arrival(echo, &air, spec.returns, receiver, &draws) else { continue };
             waiting.push(&arrived, &draws, column, [origin_velo.to_array(), direction_velo.to_array()]);

@@ -79,7 +79,7 @@ impl Casting for Firings<'_> {
 
     fn cast(&self, spec: &LidarSpec) -> Met {
         let (rows, columns) = (spec.rings().len(), spec.azimuths_rad().len());
-        let (mut solid, mut first) = (Hits::new(rows, columns), Hits::new(rows, columns));
+        let (mut opaque, mut first) = (Hits::new(rows, columns), Hits::new(rows, columns));
         for (ring, laser) in spec.rings().iter().enumerate() {
             let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
             for (column, (heading, (moment, world_from_velo))) in
@@ -89,11 +89,11 @@ impl Casting for Firings<'_> {
                 let direction = world_from_velo.rotation * DVec3::new(cos * heading[0], cos * heading[1], sin);
                 let found = moment.cast(origin, direction);
                 let at = ring * columns + column;
-                put(&mut solid, at, found.solid);
-                put(&mut first, at, found.pane.or(found.solid));
+                put(&mut opaque, at, found.opaque);
+                put(&mut first, at, found.transparent.or(found.opaque));
             }
         }
-        Met { solid, first }
+        Met { opaque, first }
     }
 
     fn cast_spread(&self, spec: &LidarSpec, spread: &Spread, beams: &[u32]) -> Vec<[SubBeam; 4]> {
@@ -104,7 +104,7 @@ impl Casting for Firings<'_> {
             let origin_velo = spec.rings()[ring].origin_velo(spec.headings(ring)[column]);
             let origin = world_from_velo.transform_point(origin_velo);
             spread.directions_velo(*beam).map(|direction_velo| {
-                let found = moment.cast(origin, world_from_velo.rotation * direction_velo).solid;
+                let found = moment.cast(origin, world_from_velo.rotation * direction_velo).opaque;
                 found.map_or(SubBeam::MISS, |f| SubBeam {
                     range_m: f.range_m as f32,
                     instance: f.instance,

@@ -17,9 +17,9 @@ use crate::math::DVec3;
 pub enum Layer {
     /// Every triangle.
     All,
-    /// All but panes.
+    /// All but transparent surfaces.
     Opaque,
-    /// Panes alone.
+    /// Transparent surfaces alone.
     Glass,
 }
 

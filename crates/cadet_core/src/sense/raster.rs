@@ -2,7 +2,7 @@
 //!
 //! The inside test is that of [`super::BeamGrid::cover`], bit for bit. What differs from casting onto any grid: depths are
 //! compared as 1 / z, which is affine on the image; blocks of 8 x 8 samples are drawn together; a hierarchy of depths
-//! hides clusters and triangles; and panes are drawn in the same pass as what is solid.
+//! hides clusters and triangles; and transparent surfaces are drawn in the same pass as opaque ones.
 
 use std::ops::Range;
 
@@ -153,7 +153,7 @@ struct Drawer<'a> {
 struct Candidate {
     instance: u32,
     face: u32,
-    is_pane: bool,
+    is_transparent: bool,
     has_one_side: bool,
     window: Window,
     least_z_m: f32,
@@ -211,11 +211,18 @@ impl Drawer<'_> {
                 }
                 let first = usize::from(piece.first);
                 let face = cluster.faces[first];
-                let is_pane =
+                let is_transparent =
                     if is_mixed { instance.material(face).is_glass() } else { cluster.slots & item.glass != 0 };
                 let (least_z_m, most_z_m) = (least_z_m[i], most_z_m[i]);
-                let mut candidate =
-                    Candidate { instance: item.instance, face, is_pane, has_one_side, window, least_z_m, most_z_m };
+                let mut candidate = Candidate {
+                    instance: item.instance,
+                    face,
+                    is_transparent,
+                    has_one_side,
+                    window,
+                    least_z_m,
+                    most_z_m,
+                };
                 let [a, b, c, d] = corners;
                 if !piece.is_quad() {
                     self.draw_face(&candidate, &Outline::triangle([a, b, c]));
@@ -320,8 +327,9 @@ impl Drawer<'_> {
                 {
                     continue;
                 }
-                let drawn = on_image.draw(self.buffer.block_mut(number, candidate.is_pane), &rows, &at, id, &exact);
-                self.buffer.note_drawn(number, candidate.is_pane, id, drawn);
+                let drawn =
+                    on_image.draw(self.buffer.block_mut(number, candidate.is_transparent), &rows, &at, id, &exact);
+                self.buffer.note_drawn(number, candidate.is_transparent, id, drawn);
                 is_drawn |= drawn != 0;
             }
         }

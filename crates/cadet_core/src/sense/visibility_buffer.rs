@@ -1,5 +1,5 @@
 //! What every sample of an image sees, as the number of a drawn face (the "visibility buffer" of Burns and Hunt, JCGT
-//! 2013), panes apart from what is solid.
+//! 2013), transparent surfaces apart from opaque ones.
 
 use std::ops::Range;
 
@@ -75,13 +75,13 @@ pub struct VisibilityBuffer {
     pub blocks_across: usize,
     /// The faces that were drawn, seen or not.
     pub faces: Vec<DrawnFace>,
-    /// What is solid; means nothing where nothing has been met.
-    solid: Vec<Block>,
+    /// Opaque surfaces; means nothing where nothing has been met.
+    opaque: Vec<Block>,
     /// Means nothing where there are none.
-    panes: Vec<Block>,
-    has_panes: Vec<bool>,
+    transparent: Vec<Block>,
+    has_transparent: Vec<bool>,
     pub(super) states: Vec<BlockState>,
-    /// The number of the face that all of a block's solid samples see, or [`SEVERAL`].
+    /// The number of the face that all of a block's opaque samples see, or [`SEVERAL`].
     only: Vec<u32>,
 }
 
@@ -90,7 +90,7 @@ const SEVERAL: u32 = u32::MAX;
 /// What a block sees where nothing was drawn.
 static NOTHING: Block = Block::EMPTY;
 
-/// What is known of a block's solid samples.
+/// What is known of a block's opaque samples.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct BlockState {
     /// Samples that have met something, a bit each: column by column, from the top.
@@ -118,35 +118,35 @@ impl VisibilityBuffer {
         let blocks = down * across;
         self.faces.clear();
         // Blocks are emptied when they are first drawn on.
-        self.solid.resize(blocks, Block::EMPTY);
-        self.panes.resize(blocks, Block::EMPTY);
+        self.opaque.resize(blocks, Block::EMPTY);
+        self.transparent.resize(blocks, Block::EMPTY);
         self.only.resize(blocks, SEVERAL);
-        self.has_panes.clear();
-        self.has_panes.resize(blocks, false);
+        self.has_transparent.clear();
+        self.has_transparent.resize(blocks, false);
         self.states.clear();
         self.states.resize(blocks, BlockState::default());
     }
 
-    /// What is solid in a block.
+    /// The opaque surfaces of a block.
     #[inline]
     #[must_use]
-    pub fn solid(&self, block: usize) -> &Block {
-        if self.states[block].met == 0 { &NOTHING } else { &self.solid[block] }
+    pub fn opaque(&self, block: usize) -> &Block {
+        if self.states[block].met == 0 { &NOTHING } else { &self.opaque[block] }
     }
 
-    /// The panes of a block, if it has any; those behind what is solid count as absent.
+    /// The transparent surfaces of a block, if it has any; those behind opaque ones count as absent.
     #[inline]
     #[must_use]
-    pub fn panes(&self, block: usize) -> Option<&Block> {
-        self.has_panes[block].then(|| &self.panes[block])
+    pub fn transparent(&self, block: usize) -> Option<&Block> {
+        self.has_transparent[block].then(|| &self.transparent[block])
     }
 
-    /// The number of the face that all of a block's samples see, if it has no panes.
+    /// The number of the face that all of a block's samples see, if it has no transparent surfaces.
     #[inline]
     #[must_use]
     pub fn only_face(&self, block: usize) -> Option<u32> {
         let only = self.only[block];
-        (only != SEVERAL && self.states[block].met != 0 && !self.has_panes[block]).then_some(only)
+        (only != SEVERAL && self.states[block].met != 0 && !self.has_transparent[block]).then_some(only)
     }
 
     /// Number of blocks.
@@ -158,9 +158,9 @@ impl VisibilityBuffer {
 
     /// A block to draw on; see [`VisibilityBuffer::note_drawn`].
     #[inline(always)]
-    pub(super) fn block_mut(&mut self, block: usize, is_pane: bool) -> &mut Block {
-        let is_fresh = if is_pane { !self.has_panes[block] } else { self.states[block].met == 0 };
-        let layer = if is_pane { &mut self.panes } else { &mut self.solid };
+    pub(super) fn block_mut(&mut self, block: usize, is_transparent: bool) -> &mut Block {
+        let is_fresh = if is_transparent { !self.has_transparent[block] } else { self.states[block].met == 0 };
+        let layer = if is_transparent { &mut self.transparent } else { &mut self.opaque };
         let block = &mut layer[block];
         if is_fresh {
             block.inverse_depth = Block::EMPTY.inverse_depth;
@@ -170,9 +170,9 @@ impl VisibilityBuffer {
 
     /// Notes what a block's samples see now: face `id` where bits are set, as in [`BlockState::met`].
     #[inline(always)]
-    pub(super) fn note_drawn(&mut self, block: usize, is_pane: bool, id: u32, drawn: u64) {
-        if is_pane {
-            self.has_panes[block] |= drawn != 0;
+    pub(super) fn note_drawn(&mut self, block: usize, is_transparent: bool, id: u32, drawn: u64) {
+        if is_transparent {
+            self.has_transparent[block] |= drawn != 0;
         } else if drawn != 0 {
             let state = &mut self.states[block];
             state.met |= drawn;
@@ -181,7 +181,7 @@ impl VisibilityBuffer {
         }
     }
 
-    /// True if all samples of a block have met something solid that is nearer than `z_m`.
+    /// True if all samples of a block have met something opaque that is nearer than `z_m`.
     #[inline(always)]
     pub(super) fn is_block_hidden(&mut self, block: usize, z_m: f32) -> bool {
         let state = &mut self.states[block];
@@ -192,7 +192,7 @@ impl VisibilityBuffer {
             return false;
         }
         let mut least = [f32::INFINITY; BLOCK];
-        for row in &self.solid[block].inverse_depth {
+        for row in &self.opaque[block].inverse_depth {
             for i in 0..BLOCK {
                 least[i] = if row[i] < least[i] { row[i] } else { least[i] };
             }
@@ -202,7 +202,7 @@ impl VisibilityBuffer {
         state.floor * z_m > CLEARLY
     }
 
-    /// True if all samples of a window have met something solid that is nearer than `z_m` (a depth below that of
+    /// True if all samples of a window have met something opaque that is nearer than `z_m` (a depth below that of
     /// every point in question).
     #[inline(always)]
     pub(super) fn is_hidden(&mut self, window: &Window, z_m: f32) -> bool {
@@ -226,7 +226,7 @@ impl VisibilityBuffer {
                 if asked == u64::MAX {
                     return false;
                 }
-                for row in &self.solid[block].inverse_depth[rows.clone()] {
+                for row in &self.opaque[block].inverse_depth[rows.clone()] {
                     let mut open = [0; BLOCK];
                     for i in 0..BLOCK {
                         let asked = (i as u32).wrapping_sub(columns.start as u32) < columns.len() as u32;
@@ -246,18 +246,18 @@ impl VisibilityBuffer {
         row / BLOCK * self.blocks_across + column / BLOCK
     }
 
-    /// The number of the face that a sample sees first, be it a pane or solid, and its inverse depth; `None` for the sky.
+    /// The number of the face that a sample sees first, transparent or opaque, and its inverse depth; `None` for the sky.
     #[inline]
     #[must_use]
     pub fn front_number(&self, row: usize, column: usize) -> Option<(u32, f32)> {
         let block = self.block_at(row, column);
         let (row, column) = (row % BLOCK, column % BLOCK);
-        let solid = self.solid(block);
-        let (mut number, mut inverse_depth) = (solid.face[row][column], solid.inverse_depth[row][column]);
-        if let Some(panes) = self.panes(block)
-            && panes.inverse_depth[row][column] > inverse_depth
+        let opaque = self.opaque(block);
+        let (mut number, mut inverse_depth) = (opaque.face[row][column], opaque.inverse_depth[row][column]);
+        if let Some(transparent) = self.transparent(block)
+            && transparent.inverse_depth[row][column] > inverse_depth
         {
-            (number, inverse_depth) = (panes.face[row][column], panes.inverse_depth[row][column]);
+            (number, inverse_depth) = (transparent.face[row][column], transparent.inverse_depth[row][column]);
         }
         (inverse_depth > 0.0).then_some((number, inverse_depth))
     }
@@ -275,11 +275,11 @@ impl VisibilityBuffer {
         let (mut count, mut span) = (0, self.columns..0);
         for block_column in 0..self.blocks_across {
             let block = row / BLOCK * self.blocks_across + block_column;
-            let solid = &self.solid(block).inverse_depth[row % BLOCK];
-            let panes = self.panes(block).map(|panes| &panes.inverse_depth[row % BLOCK]);
+            let opaque = &self.opaque(block).inverse_depth[row % BLOCK];
+            let transparent = self.transparent(block).map(|transparent| &transparent.inverse_depth[row % BLOCK]);
             // Blocks may reach beyond the image.
             for i in 0..BLOCK.min(self.columns - block_column * BLOCK) {
-                if solid[i] > 0.0 || panes.is_some_and(|p| p[i] > 0.0) {
+                if opaque[i] > 0.0 || transparent.is_some_and(|p| p[i] > 0.0) {
                     let column = block_column * BLOCK + i;
                     count += 1;
                     span = span.start.min(column)..column + 1;

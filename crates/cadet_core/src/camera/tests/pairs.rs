@@ -18,7 +18,7 @@ fn radiance_of(instances: &[Instance], view: &View, weather: &Weather) -> Vec<[f
     scratch.rgb.as_chunks::<3>().0[ROWS_BEFORE * view.width..][..view.width * view.height].to_vec()
 }
 
-/// The street before a brick wall, with cars, panes and shadows.
+/// The street before a brick wall, with cars, transparent surfaces and shadows.
 fn scene() -> Vec<Instance> {
     let bricks = Material::matt(Semantic::Building, [0.4, 0.3, 0.25], Pattern::Bricks, 0.3);
     let mut scene = street();
