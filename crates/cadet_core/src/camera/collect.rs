@@ -1,4 +1,4 @@
-//! Collects what a band of the image shows by kind: of each block of the visibility buffer every face once, with the samples
+//! Collects what a band of the image shows by shader variant: of each block of the visibility buffer every face once, with the samples
 //! that show it.
 
 use std::ops::Range;
@@ -28,7 +28,7 @@ pub struct Collector<'a> {
     /// What the blocks at hand show.
     parts: Vec<Part>,
     edges: Vec<Edge>,
-    /// Patches of transparent surfaces, with their kinds and samples.
+    /// Patches of transparent surfaces, with their shader variants and samples.
     transparent: Vec<(u32, Patch, SampleBits)>,
     sky: SkyRows<'a>,
     width: usize,
@@ -125,9 +125,9 @@ impl<'a> Collector<'a> {
         if !self.transparent.is_empty() {
             // Transparent surfaces come after what they show.
             self.painter.shade_all(&self.faces);
-            self.transparent.sort_by_key(|(kind, ..)| *kind);
-            for (kind, patch, samples) in self.transparent.drain(..) {
-                self.painter.push(&self.faces, kind, &patch, samples);
+            self.transparent.sort_by_key(|(variant, ..)| *variant);
+            for (variant, patch, samples) in self.transparent.drain(..) {
+                self.painter.push(&self.faces, variant, &patch, samples);
             }
             self.painter.shade_all(&self.faces);
         }
@@ -213,8 +213,8 @@ impl<'a> Collector<'a> {
         }
         for i in tile.transparent.clone() {
             let part = self.parts[i];
-            let (kind, patch) = self.patch(tile, &part, &image);
-            self.transparent.push((kind, Patch { behind, ..patch }, part.samples));
+            let (variant, patch) = self.patch(tile, &part, &image);
+            self.transparent.push((variant, Patch { behind, ..patch }, part.samples));
         }
     }
 
@@ -222,8 +222,8 @@ impl<'a> Collector<'a> {
         for i in layer.parts.clone() {
             let part = self.parts[i];
             if part.samples != 0 {
-                let (kind, patch) = self.patch(tile, &part, target);
-                self.painter.push(&self.faces, kind, &patch, part.samples);
+                let (variant, patch) = self.patch(tile, &part, target);
+                self.painter.push(&self.faces, variant, &patch, part.samples);
             }
         }
         if layer.sky != 0 {
@@ -231,10 +231,10 @@ impl<'a> Collector<'a> {
         }
     }
 
-    /// What a made face shows of a block, and its kind.
+    /// What a made face shows of a block, and its shader variant.
     #[inline]
     fn patch(&mut self, tile: &Tile, part: &Part, target: &Target) -> (u32, Patch) {
-        let (face, kind) = self.faces.made(part.face);
+        let (face, variant) = self.faces.made(part.face);
         let (u, v) = (tile.left as f32 + MIDDLE_PX, tile.top as f32 + MIDDLE_PX);
         let inverse_depth = self.faces.inverse_depth_at(face, u, v);
         // A sample half-way from the first to the last column that shows it.
@@ -247,7 +247,7 @@ impl<'a> Collector<'a> {
         let hit = Hit { u: u + column, v: v + row, inverse_depth: there, is_lone };
         let open = self.faces.open_index(face, tile.block, (u, v), inverse_depth, hit);
         let &Target { first, stride, weight } = target;
-        (kind, Patch { face, open, target: first, stride, behind: 0, u, v, inverse_depth, weight })
+        (variant, Patch { face, open, target: first, stride, behind: 0, u, v, inverse_depth, weight })
     }
 
     /// The sky in some samples.

@@ -6,9 +6,9 @@ use crate::geometry::LEAST_WEIGHT;
 use crate::material::{Material, Pattern, Semantic};
 use crate::math::{Mat3, Vec3};
 
-/// How a face is shaded: faces of one kind are shaded together.
+/// The code that shades a face: faces of one shader variant are shaded together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Kind {
+pub struct ShaderVariant {
     /// Its texture.
     pub pattern: Pattern,
     /// Its shading normal changes over the face.
@@ -19,8 +19,8 @@ pub struct Kind {
     pub is_transparent: bool,
 }
 
-impl Kind {
-    /// Number of kinds.
+impl ShaderVariant {
+    /// Number of variants.
     pub const COUNT: usize = Pattern::ALL.len() * 8;
 
     /// A number below `COUNT`.
@@ -37,7 +37,7 @@ impl Kind {
         !self.is_smooth && self.pattern != Pattern::Leaves
     }
 
-    /// The kind of a number.
+    /// The variant of a number.
     pub fn of(index: usize) -> Self {
         Self {
             pattern: Pattern::ALL[index / 8],
@@ -116,9 +116,9 @@ pub struct Stand {
 }
 
 impl Face {
-    /// Makes a face ready, and finds its kind.
+    /// Makes a face ready, and finds its shader variant.
     #[inline(always)]
-    pub fn make(raw: &Raw, stand: &Stand, material: &Material, rays: &Rays, is_raining: bool) -> (Self, Kind) {
+    pub fn make(raw: &Raw, stand: &Stand, material: &Material, rays: &Rays, is_raining: bool) -> (Self, ShaderVariant) {
         let ([a, b, c], [na, nb, nc]) = (raw.vertices, raw.normals);
         let turn = |v: Vec3| stand.world_from_local * v;
         let (ab, ac) = (b - a, c - a);
@@ -154,7 +154,7 @@ impl Face {
         let is_smooth = is_bent || nab.length_squared().max(nac.length_squared()) > 1e-6;
         let is_vehicle = is_vehicle(material.semantic);
         let is_wet = is_ground && is_raining;
-        let kind = Kind {
+        let variant = ShaderVariant {
             pattern: material.pattern,
             is_smooth,
             is_glossy: !is_leaf && material.specular > 0.0 || is_wet,
@@ -192,7 +192,7 @@ impl Face {
                 | flag(Flags::VEHICLE, is_vehicle)
                 | flag(Flags::ROAD, material.semantic == Semantic::Road),
         };
-        (face, kind)
+        (face, variant)
     }
 }
 

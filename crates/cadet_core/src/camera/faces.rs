@@ -1,6 +1,6 @@
 //! Which faces were seen lately, and what of the sky they see: neighboring pixels mostly show the same one.
 
-use super::face::{Face, Kind, Raw, Stand};
+use super::face::{Face, Raw, ShaderVariant, Stand};
 use super::light::Light;
 use super::look::{Rays, View};
 use super::pattern::hash2;
@@ -12,7 +12,7 @@ use crate::sense::{BLOCK, DrawnFace, PosedScene, VisibilityBuffer};
 /// What collecting needs of a face that was made ready.
 #[derive(Debug, Clone, Copy)]
 struct Brief {
-    kind: u32,
+    variant: u32,
     instance: u32,
     /// Material and normal, in so many steps that the eye sees none.
     look: u32,
@@ -228,12 +228,12 @@ impl<'a> Faces<'a> {
         for raw in &raw {
             let placed = &self.placed[raw.instance as usize];
             let material = &placed.materials[usize::from(raw.slot)];
-            let (face, kind) = Face::make(raw, &placed.stand, material, self.rays, self.light.wetness > 0.0);
-            let is_leaf = kind.pattern == Pattern::Leaves;
+            let (face, variant) = Face::make(raw, &placed.stand, material, self.rays, self.light.wetness > 0.0);
+            let is_leaf = variant.pattern == Pattern::Leaves;
             let [x, y, z] = face.face_normal.to_array().map(|n| (n * 14.0 + 15.5) as u32);
             let look = x | y << 5 | z << 10 | u32::from(raw.slot) << 16;
             self.brief.push(Brief {
-                kind: kind.index() as u32,
+                variant: variant.index() as u32,
                 instance: raw.instance,
                 look,
                 is_leaf,
@@ -254,11 +254,11 @@ impl<'a> Faces<'a> {
         (a.instance, a.look) == (b.instance, b.look)
     }
 
-    /// Index in `faces` of a drawn face that was asked for and made, and the number of its kind.
+    /// Index in `faces` of a drawn face that was asked for and made, and the number of its shader variant.
     #[inline]
     pub fn made(&self, number: u32) -> (u32, u32) {
         let index = self.made[number as usize].index;
-        (index, self.brief[index as usize].kind)
+        (index, self.brief[index as usize].variant)
     }
 
     /// 1 / z of a made face's plane at an image point, 1/m, and its change by column and by row.
@@ -324,7 +324,7 @@ impl<'a> Faces<'a> {
         let [coarse, in_cell] = {
             let coarse = normal.to_array().map(|n| (n * 7.0 + 8.0) as u32);
             let coarse = coarse[0] | coarse[1] << 4 | coarse[2] << 8;
-            [coarse | brief.kind << 16, coarse ^ coarse >> 3 ^ brief.instance.wrapping_mul(37) ^ brief.kind]
+            [coarse | brief.variant << 16, coarse ^ coarse >> 3 ^ brief.instance.wrapping_mul(37) ^ brief.variant]
         };
         // Near by, where faces are large in the image and coats mirror clearly, each face looks for itself.
         if hit.inverse_depth < 1.0 / ALIKE_FROM_M {
@@ -338,7 +338,7 @@ impl<'a> Faces<'a> {
         }
         (brief.block, brief.open) = (block, found);
         let brief = *brief;
-        let is_flat = Kind::of(brief.kind as usize).is_flat();
+        let is_flat = ShaderVariant::of(brief.variant as usize).is_flat();
         if hit.is_lone {
             let point_world = self.rays.eye + self.rays.direction(hit.u, hit.v) * (1.0 / hit.inverse_depth);
             let even = [0.0; 8];

@@ -1,4 +1,4 @@
-//! What waits to be shaded: faces of one kind together, lane by lane.
+//! What waits to be shaded: faces of one shader variant together, lane by lane.
 //!
 //! A lane is two pixels side by side, as far as they show one face: light and air are found once for both, the texture for each
 //! (coarse pixel shading: Vaidyanathan et al., HPG 2014). The lanes that show one face in one block of the image are a patch.
@@ -65,7 +65,7 @@ impl Cell {
     }
 }
 
-/// Patches of one kind. Lanes from `count` on mean nothing.
+/// Patches of one shader variant. Lanes from `count` on mean nothing.
 #[derive(Debug, Clone)]
 pub struct Hits {
     pub count: usize,

@@ -1,7 +1,7 @@
-//! Gives what the camera's samples meet its color: it is collected by kind, band by band of rows, and shaded together.
+//! Gives what the camera's samples meet its color: it is collected by shader variant, band by band of rows, and shaded together.
 
 use super::collect::Collector;
-use super::face::Kind;
+use super::face::ShaderVariant;
 use super::faces::Faces;
 use super::hits::Hits;
 use super::light::Light;
@@ -21,7 +21,7 @@ pub fn paint(scene: &PosedScene, view: &View, rays: &Rays, light: &Light, sample
     let (width, height) = (view.width, view.height);
     let image = width * height;
     let painter = Painter {
-        hits: vec![Hits::NONE; Kind::COUNT],
+        hits: vec![Hits::NONE; ShaderVariant::COUNT],
         batch: Box::default(),
         light,
         camera: ShadingCamera {

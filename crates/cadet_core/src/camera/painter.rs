@@ -1,6 +1,6 @@
 //! Collects hits by shader variant, shades full batches, and adds their colors to the picture.
 
-use super::face::Kind;
+use super::face::ShaderVariant;
 use super::faces::Faces;
 use super::hits::{BEHIND, Hits, LANES, Patch, SampleBits};
 use super::light::Light;
@@ -9,9 +9,9 @@ use super::shading_batch::{ShadingBatch, ShadingCamera};
 /// Rows that are collected together.
 pub(super) const BAND: usize = 8;
 
-/// Shades hits of a kind as soon as there are enough, and adds them to the picture.
+/// Shades hits of a shader variant as soon as there are enough, and adds them to the picture.
 pub(super) struct Painter<'a> {
-    /// By kind.
+    /// By shader variant.
     pub hits: Vec<Hits>,
     pub batch: Box<ShadingBatch>,
     pub light: &'a Light,
@@ -54,29 +54,29 @@ impl Painter<'_> {
 
     /// What a face shows in a block. What is behind a transparent surface must be shaded.
     #[inline]
-    pub fn push(&mut self, faces: &Faces, kind: u32, patch: &Patch, samples: SampleBits) {
-        let hits = &mut self.hits[kind as usize];
+    pub fn push(&mut self, faces: &Faces, variant: u32, patch: &Patch, samples: SampleBits) {
+        let hits = &mut self.hits[variant as usize];
         hits.push(patch, samples);
         if hits.is_full() {
-            self.shade(faces, kind as usize);
+            self.shade(faces, variant as usize);
         }
     }
 
     /// Shades all that waits.
     pub fn shade_all(&mut self, faces: &Faces) {
-        for kind in 0..self.hits.len() {
-            self.shade(faces, kind);
+        for variant in 0..self.hits.len() {
+            self.shade(faces, variant);
         }
     }
 
     #[inline(never)]
-    fn shade(&mut self, faces: &Faces, kind: usize) {
-        let hits = &mut self.hits[kind];
+    fn shade(&mut self, faces: &Faces, variant: usize) {
+        let hits = &mut self.hits[variant];
         if hits.count == 0 {
             return;
         }
         let known = (faces.faces.as_slice(), faces.open.as_slice());
-        self.batch.shade(self.light, &self.camera, Kind::of(kind), hits, known, self.rgb);
+        self.batch.shade(self.light, &self.camera, ShaderVariant::of(variant), hits, known, self.rgb);
         let n = hits.count.min(LANES);
         hits.clear();
         let [left, right] = &self.batch.out;

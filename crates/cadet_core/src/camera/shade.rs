@@ -1,11 +1,11 @@
-//! The light that leaves surfaces towards the camera: many hits of one kind at a time, one a lane.
+//! The light that leaves surfaces towards the camera: many hits of one shader variant at a time, one a lane.
 //!
 //! Every lane computes the same IEEE operations in the same order whatever the instruction set, so that the bytes are
 //! the same with wide registers and without.
 
 use multiversion::multiversion;
 
-use super::face::{Flags, Kind};
+use super::face::{Flags, ShaderVariant};
 use super::hits::{LANES, STRIDE};
 use super::light::{Light, clear_share};
 use super::pattern::{self, PatternPoint};
@@ -16,7 +16,7 @@ use crate::math::Vec3;
 
 /// Where the hits are, how the surfaces lie there, and the sun to them.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-pub(super) fn geometry(l: &mut ShadingBatch, m: usize, camera: &ShadingCamera, sun: Vec3, kind: Kind) {
+pub(super) fn geometry(l: &mut ShadingBatch, m: usize, camera: &ShadingCamera, sun: Vec3, variant: ShaderVariant) {
     let m = m.min(LANES);
     let mut depth = [0.0; LANES];
     for i in 0..m {
@@ -31,19 +31,19 @@ pub(super) fn geometry(l: &mut ShadingBatch, m: usize, camera: &ShadingCamera, s
         l.distance_m[i] = depth[i] * length;
         l.cos_face[i] = get(&l.face_normal, i).dot(sun);
     }
-    if kind.pattern != Pattern::Plain {
+    if variant.pattern != Pattern::Plain {
         for i in 0..m {
             let cos_view = get(&l.view, i).dot(get(&l.face_normal, i)).abs().max(0.02);
             l.pixel_m[i] = depth[i] * camera.pixel_per_m;
             l.footprint_m[i] = l.pixel_m[i] / cos_view.sqrt();
         }
     }
-    if kind.is_flat() {
+    if variant.is_flat() {
         l.normal = l.face_normal;
         l.cos_sun = l.cos_face;
         return;
     }
-    if kind.is_smooth {
+    if variant.is_smooth {
         for i in 0..m {
             let point = get(&l.point, i);
             let (least, most) = (l.least_weight[i], 1.0 - l.least_weight[i]);
@@ -61,7 +61,13 @@ pub(super) fn geometry(l: &mut ShadingBatch, m: usize, camera: &ShadingCamera, s
 
 /// The coordinates of the texture in the left or the right pixels.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-pub(super) fn place_texture(l: &mut ShadingBatch, m: usize, camera: &ShadingCamera, kind: Kind, pixel: usize) {
+pub(super) fn place_texture(
+    l: &mut ShadingBatch,
+    m: usize,
+    camera: &ShadingCamera,
+    variant: ShaderVariant,
+    pixel: usize,
+) {
     let m = m.min(LANES);
     let side = if pixel == 0 { -1.0 } else { 1.0 };
     let mut points = [[0.0; LANES]; 3];
@@ -74,7 +80,7 @@ pub(super) fn place_texture(l: &mut ShadingBatch, m: usize, camera: &ShadingCame
         put(&mut points, i, direction * (1.0 / inverse_depth));
     }
     let [u, v] = &mut l.texture[pixel];
-    if kind.pattern == Pattern::Leaves {
+    if variant.pattern == Pattern::Leaves {
         let [across, down] = [camera.right.normalize(), camera.down.normalize()];
         for i in 0..m {
             let point = get(&points, i);
@@ -94,7 +100,7 @@ pub(super) fn place_texture(l: &mut ShadingBatch, m: usize, camera: &ShadingCame
     }
 }
 
-/// The albedo, by the kind's texture.
+/// The albedo, by the variant's texture.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 pub(super) fn texture(l: &mut ShadingBatch, m: usize, pattern: Pattern, pixel: usize) {
     let [u, v] = &l.texture[pixel];
@@ -142,9 +148,9 @@ pub(super) fn snow(l: &mut ShadingBatch, m: usize, camera: &ShadingCamera, snow:
 
 /// The light that a matt surface gets.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-pub(super) fn diffuse(l: &mut ShadingBatch, m: usize, sky: &Sky, kind: Kind, wetness: f32) {
-    let is_leaf = kind.pattern == Pattern::Leaves;
-    if !kind.is_flat() {
+pub(super) fn diffuse(l: &mut ShadingBatch, m: usize, sky: &Sky, variant: ShaderVariant, wetness: f32) {
+    let is_leaf = variant.pattern == Pattern::Leaves;
+    if !variant.is_flat() {
         for i in 0..m.min(LANES) {
             let open = std::array::from_fn(|k| l.open[k][i]);
             let around = sky.all_around(get(&l.normal, i), &open);

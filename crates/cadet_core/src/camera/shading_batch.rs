@@ -21,7 +21,7 @@ pub struct ShadingCamera {
 
 pub type Lane3 = [Lane; 3];
 
-/// Pairs of pixels that show faces of one kind, lane by lane; each kind fills what it needs. Two of a thing are of the left
+/// Pairs of pixels that show faces of one shader variant, lane by lane; each variant fills what it needs. Two of a thing are of the left
 /// pixel and of the right one.
 pub struct ShadingBatch {
     /// Number of the patch; see [`Hits::patches`].

@@ -2,7 +2,7 @@
 
 use multiversion::multiversion;
 
-use super::face::{Face, Flags, Kind};
+use super::face::{Face, Flags, ShaderVariant};
 use super::faces::{Open, PER_BLOCK};
 use super::hits::{ACROSS, BEHIND_STRIDE, Cell, DOWN, Hits, LANES, Lane, STRIDE};
 use super::light::Light;
@@ -16,29 +16,29 @@ use crate::math::Vec3;
 const RUN: usize = 8;
 
 impl ShadingBatch {
-    /// Shades patches of a kind; the outcome is in `out`, where it belongs in `target` and `weights`.
+    /// Shades patches of a shader variant; the outcome is in `out`, where it belongs in `target` and `weights`.
     ///
     /// `rgb`: the picture, where transparent surfaces find what is behind them.
     pub fn shade(
         &mut self,
         light: &Light,
         camera: &ShadingCamera,
-        kind: Kind,
+        variant: ShaderVariant,
         hits: &Hits,
         (faces, open): (&[Face], &[Open]),
         rgb: &[f32],
     ) {
         let n = hits.count.min(LANES);
         gather_patches(self, hits, n);
-        gather_faces(self, kind, hits, n, faces);
+        gather_faces(self, variant, hits, n, faces);
         // Whole registers: what is left in the lanes beyond is nobody's.
         let m = n.next_multiple_of(16);
         spread(self, hits, n);
-        gather_open(self, kind, hits, n, open);
-        geometry(self, m, camera, light.sky.sun_world, kind);
-        self.cast_shadows(light, camera.eye, kind, n);
+        gather_open(self, variant, hits, n, open);
+        geometry(self, m, camera, light.sky.sun_world, variant);
+        self.cast_shadows(light, camera.eye, variant, n);
         self.albedo = [self.material; 2];
-        if kind.is_transparent {
+        if variant.is_transparent {
             for (i, pixel) in self.behind[..n].iter().enumerate() {
                 if let Some([a, b, c, d, e, f]) = rgb[*pixel as usize * 3..].first_chunk() {
                     put(&mut self.albedo[0], i, Vec3::new(*a, *b, *c));
@@ -48,16 +48,16 @@ impl ShadingBatch {
             transparent(self, m, &light.sky);
         } else {
             for pixel in 0..2 {
-                if kind.pattern != Pattern::Plain {
-                    place_texture(self, m, camera, kind, pixel);
-                    texture(self, m, kind.pattern, pixel);
+                if variant.pattern != Pattern::Plain {
+                    place_texture(self, m, camera, variant, pixel);
+                    texture(self, m, variant.pattern, pixel);
                 }
                 if light.snow > 0.0 {
                     snow(self, m, camera, light.snow, pixel);
                 }
             }
-            diffuse(self, m, &light.sky, kind, light.wetness);
-            if kind.is_glossy {
+            diffuse(self, m, &light.sky, variant, light.wetness);
+            if variant.is_glossy {
                 gloss(self, m, &light.sky, camera.eye, light.wetness);
             }
         }
@@ -66,9 +66,9 @@ impl ShadingBatch {
     }
 
     /// Looks up what the sun's shadows and the cars near by leave.
-    fn cast_shadows(&mut self, light: &Light, eye: Vec3, kind: Kind, n: usize) {
+    fn cast_shadows(&mut self, light: &Light, eye: Vec3, variant: ShaderVariant, n: usize) {
         match &light.shadows {
-            Some(shadows) if ask_sun(self, kind, n) => {
+            Some(shadows) if ask_sun(self, variant, n) => {
                 let asked = Asked {
                     points: &self.point,
                     normals: &self.face_normal,
@@ -87,11 +87,11 @@ impl ShadingBatch {
 
 /// Asks for what the sun sees of the first `n` lanes; true if there is any.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn ask_sun(l: &mut ShadingBatch, kind: Kind, n: usize) -> bool {
-    let is_leaf = kind.pattern == Pattern::Leaves;
+fn ask_sun(l: &mut ShadingBatch, variant: ShaderVariant, n: usize) -> bool {
+    let is_leaf = variant.pattern == Pattern::Leaves;
     let mut any = [0_u8; LANES];
     for i in 0..LANES {
-        let faces_sun = (l.cos_face[i] > 0.0) & ((l.cos_sun[i] > 0.0) | kind.is_transparent);
+        let faces_sun = (l.cos_face[i] > 0.0) & ((l.cos_sun[i] > 0.0) | variant.is_transparent);
         let is_asked = (i < n) & (is_leaf | faces_sun);
         l.is_asked[i] = is_asked;
         any[i] = u8::from(is_asked);
@@ -179,19 +179,19 @@ fn spread(l: &mut ShadingBatch, hits: &Hits, n: usize) {
 const FARTHEST: f32 = 1e-6;
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn gather_faces(l: &mut ShadingBatch, kind: Kind, hits: &Hits, n: usize, faces: &[Face]) {
-    let (has_coat, is_leaf) = (kind.is_glossy || kind.is_transparent, kind.pattern == Pattern::Leaves);
-    let has_axes = kind.pattern != Pattern::Plain && !is_leaf;
+fn gather_faces(l: &mut ShadingBatch, variant: ShaderVariant, hits: &Hits, n: usize, faces: &[Face]) {
+    let (has_coat, is_leaf) = (variant.is_glossy || variant.is_transparent, variant.pattern == Pattern::Leaves);
+    let has_axes = variant.pattern != Pattern::Plain && !is_leaf;
     for (number, (_, patch)) in hits.patches.iter().enumerate() {
         let face = &faces[patch.face as usize];
         for i in hits.lanes_of(number, n).step_by(RUN) {
             run3(&mut l.face_normal, i, face.face_normal);
             run3(&mut l.material, i, face.albedo);
             run(&mut l.flags, i, face.flags);
-            if !kind.is_flat() {
+            if !variant.is_flat() {
                 run3(&mut l.normal, i, face.normal);
             }
-            if kind.is_smooth {
+            if variant.is_smooth {
                 run3(&mut l.normal_ab, i, face.normal_ab);
                 run3(&mut l.normal_ac, i, face.normal_ac);
                 run3(&mut l.to_b, i, face.to_b);
@@ -222,8 +222,8 @@ fn gather_faces(l: &mut ShadingBatch, kind: Kind, hits: &Hits, n: usize, faces: 
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn gather_open(l: &mut ShadingBatch, kind: Kind, hits: &Hits, n: usize, open: &[Open]) {
-    if kind.pattern == Pattern::Leaves {
+fn gather_open(l: &mut ShadingBatch, variant: ShaderVariant, hits: &Hits, n: usize, open: &[Open]) {
+    if variant.pattern == Pattern::Leaves {
         for (number, (_, patch)) in hits.patches.iter().enumerate() {
             let of_patch = open[patch.open as usize];
             for i in hits.lanes_of(number, n).step_by(RUN) {
@@ -234,13 +234,13 @@ fn gather_open(l: &mut ShadingBatch, kind: Kind, hits: &Hits, n: usize, open: &[
         }
         return;
     }
-    let mirrors = kind.is_glossy || kind.is_transparent;
+    let mirrors = variant.is_glossy || variant.is_transparent;
     for (number, (_, patch)) in hits.patches.iter().enumerate() {
         let Some(of_block) = open[patch.open as usize..].first_chunk::<PER_BLOCK>() else { continue };
         for i in hits.lanes_of(number, n).step_by(RUN) {
             let (Some(across), Some(down)) = (l.across[i..].first_chunk(), l.down[i..].first_chunk()) else { continue };
             let at = (across, down);
-            if kind.is_flat() {
+            if variant.is_flat() {
                 for (k, lane) in l.around.iter_mut().enumerate() {
                     run_between(lane, i, of_block, k, at);
                 }
