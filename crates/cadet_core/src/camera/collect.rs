@@ -3,13 +3,16 @@
 
 use std::ops::Range;
 
+use super::coverage::{
+    CoverageMask, CoveredFace, FIRST_SAMPLES, any_of_pixels, bits_of, place_of, read_block, samples_within,
+    split_by_face, where_nearer, whole_pixels,
+};
 use super::faces::{Faces, Hit};
-use super::hits::{BEHIND_STRIDE, Patch, SampleBits};
 use super::light::Light;
 use super::look::{Rays, View};
 use super::noise::MIDDLE_PX;
 use super::painter::{BAND, Painter};
-use super::parts::{FIRSTS, Part, any_of_pixels, bits_of, nearer, place_of, read, samples_within, split, whole_pixels};
+use super::shading_queue::{BEHIND_STRIDE, FragmentGroup};
 use super::sky_rows::SkyRows;
 use crate::sense::{BLOCK, VisibilityBuffer};
 
@@ -20,16 +23,16 @@ const ROWS: usize = BLOCK / 2;
 /// Columns of a band that are collected together: what lies together in the image shares faces and shadow texels.
 const TOGETHER: usize = 64;
 
-/// Patches of a band, and what is known of their faces.
+/// Fragment groups of a band, and what is known of their faces.
 pub struct Collector<'a> {
     buffer: &'a VisibilityBuffer,
     faces: Faces<'a>,
     painter: Painter<'a>,
-    /// What the blocks at hand show.
-    parts: Vec<Part>,
+    /// The faces that the blocks at hand show.
+    covered: Vec<CoveredFace>,
     edges: Vec<Edge>,
-    /// Patches of transparent surfaces, with their shader variants and samples.
-    transparent: Vec<(u32, Patch, SampleBits)>,
+    /// Fragment groups of transparent surfaces, with their shader variants and samples.
+    transparent: Vec<(u32, FragmentGroup, CoverageMask)>,
     sky: SkyRows<'a>,
     width: usize,
 }
@@ -39,7 +42,7 @@ pub struct Collector<'a> {
 struct Edge {
     faces: [u32; 2],
     /// Its second sample.
-    second: SampleBits,
+    second: CoverageMask,
 }
 
 /// A block of the band.
@@ -54,16 +57,16 @@ struct Tile {
     edges: Range<usize>,
     /// What is seen through transparent surfaces by both samples of pixels, and by one of them.
     behind: [Layer; 2],
-    /// Of [`Collector::parts`].
+    /// Of [`Collector::covered`].
     transparent: Range<usize>,
 }
 
 /// What some samples of a block see.
 struct Layer {
-    /// Of [`Collector::parts`].
-    parts: Range<usize>,
+    /// Of [`Collector::covered`].
+    covered: Range<usize>,
     /// The samples that see nothing.
-    sky: SampleBits,
+    sky: CoverageMask,
 }
 
 /// Where the colors of a block's pixels go.
@@ -87,8 +90,8 @@ impl<'a> Collector<'a> {
         light: &'a Light,
     ) -> Self {
         let sky = SkyRows::new(view.width, view.height, rays, light);
-        let (parts, edges, transparent) = (Vec::new(), Vec::new(), Vec::new());
-        Self { buffer, faces, painter, parts, edges, transparent, sky, width: view.width }
+        let (covered, edges, transparent) = (Vec::new(), Vec::new(), Vec::new());
+        Self { buffer, faces, painter, covered, edges, transparent, sky, width: view.width }
     }
 
     /// Collects the rows of a band.
@@ -110,7 +113,7 @@ impl<'a> Collector<'a> {
                 }
             }
             let _ = std::hint::black_box(touched);
-            self.parts.clear();
+            self.covered.clear();
             self.edges.clear();
             for (tile, (row, left)) in tiles.iter_mut().zip(places) {
                 let number = number_of(first_row + row, left);
@@ -126,8 +129,8 @@ impl<'a> Collector<'a> {
             // Transparent surfaces come after what they show.
             self.painter.shade_all(&self.faces);
             self.transparent.sort_by_key(|(variant, ..)| *variant);
-            for (variant, patch, samples) in self.transparent.drain(..) {
-                self.painter.push(&self.faces, variant, &patch, samples);
+            for (variant, group, samples) in self.transparent.drain(..) {
+                self.painter.push(&self.faces, variant, &group, samples);
             }
             self.painter.shade_all(&self.faces);
         }
@@ -143,20 +146,20 @@ impl<'a> Collector<'a> {
     }
 
     /// Finds what a block shows, and asks for its faces.
-    fn find(&mut self, number: usize, (top, left): (usize, usize), inside: SampleBits) -> Tile {
-        let (first_part, first_edge) = (self.parts.len(), self.edges.len());
-        let none = || Layer { parts: 0..0, sky: 0 };
+    fn find(&mut self, number: usize, (top, left): (usize, usize), inside: CoverageMask) -> Tile {
+        let (first_covered, first_edge) = (self.covered.len(), self.edges.len());
+        let none = || Layer { covered: 0..0, sky: 0 };
         let block = number as u32;
         let mut tile =
             Tile { block, top, left, open: none(), edges: 0..0, behind: [none(), none()], transparent: 0..0 };
         if let Some(face) = self.buffer.only_face(number) {
-            self.parts.push(Part { face, samples: inside });
-            tile.open.parts = first_part..self.parts.len();
+            self.covered.push(CoveredFace { face, coverage: inside });
+            tile.open.covered = first_covered..self.covered.len();
         } else {
             let (block, transparent) = (self.buffer.opaque(number), self.buffer.transparent(number));
-            let behind = transparent.map_or(0, |transparent| nearer(transparent, block) & inside);
+            let behind = transparent.map_or(0, |transparent| where_nearer(transparent, block) & inside);
             let (open, both) = (inside & !behind, whole_pixels(behind));
-            let (mut numbers, differ) = read(block);
+            let (mut numbers, differ) = read_block(block);
             let whole_open = whole_pixels(open);
             for bit in bits_of(differ & (whole_open | both)) {
                 let (second, first) = (place_of(bit), place_of(bit - 1));
@@ -169,21 +172,21 @@ impl<'a> Collector<'a> {
                 }
             }
             let mut layer = |of| {
-                let start = self.parts.len();
-                let sky = split(&numbers, of, &mut self.parts);
-                Layer { parts: start..self.parts.len(), sky }
+                let start = self.covered.len();
+                let sky = split_by_face(&numbers, of, &mut self.covered);
+                Layer { covered: start..self.covered.len(), sky }
             };
             tile.open = layer(open);
             tile.edges = first_edge..self.edges.len();
             if let Some(transparent) = transparent.filter(|_| behind != 0) {
                 tile.behind = [layer(both), layer(behind & !both)];
-                let start = self.parts.len();
-                let _ = split(&read(transparent).0, behind, &mut self.parts);
-                tile.transparent = start..self.parts.len();
+                let start = self.covered.len();
+                let _ = split_by_face(&read_block(transparent).0, behind, &mut self.covered);
+                tile.transparent = start..self.covered.len();
             }
         }
-        for part in &self.parts[first_part..] {
-            self.faces.ask(part.face);
+        for covered in &self.covered[first_covered..] {
+            self.faces.ask(covered.face);
         }
         tile
     }
@@ -191,12 +194,12 @@ impl<'a> Collector<'a> {
     /// Passes on what a block shows.
     fn collect(&mut self, tile: &Tile) {
         // Pixels on the edge between faces that look alike are shaded once.
-        let parts = &mut self.parts[tile.open.parts.clone()];
+        let covered = &mut self.covered[tile.open.covered.clone()];
         for Edge { faces: [first, second], second: sample } in &self.edges[tile.edges.clone()] {
             if self.faces.are_alike(*first, *second) {
-                for part in parts.iter_mut() {
-                    part.samples |= if part.face == *first { *sample } else { 0 };
-                    part.samples &= if part.face == *second { !*sample } else { SampleBits::MAX };
+                for covered in covered.iter_mut() {
+                    covered.coverage |= if covered.face == *first { *sample } else { 0 };
+                    covered.coverage &= if covered.face == *second { !*sample } else { CoverageMask::MAX };
                 }
             }
         }
@@ -212,18 +215,18 @@ impl<'a> Collector<'a> {
             self.collect_layer(tile, layer, &Target { first: behind, stride: BEHIND_STRIDE, weight });
         }
         for i in tile.transparent.clone() {
-            let part = self.parts[i];
-            let (variant, patch) = self.patch(tile, &part, &image);
-            self.transparent.push((variant, Patch { behind, ..patch }, part.samples));
+            let covered = self.covered[i];
+            let (variant, group) = self.group(tile, &covered, &image);
+            self.transparent.push((variant, FragmentGroup { behind, ..group }, covered.coverage));
         }
     }
 
     fn collect_layer(&mut self, tile: &Tile, layer: &Layer, target: &Target) {
-        for i in layer.parts.clone() {
-            let part = self.parts[i];
-            if part.samples != 0 {
-                let (variant, patch) = self.patch(tile, &part, target);
-                self.painter.push(&self.faces, variant, &patch, part.samples);
+        for i in layer.covered.clone() {
+            let covered = self.covered[i];
+            if covered.coverage != 0 {
+                let (variant, group) = self.group(tile, &covered, target);
+                self.painter.push(&self.faces, variant, &group, covered.coverage);
             }
         }
         if layer.sky != 0 {
@@ -233,25 +236,25 @@ impl<'a> Collector<'a> {
 
     /// What a made face shows of a block, and its shader variant.
     #[inline]
-    fn patch(&mut self, tile: &Tile, part: &Part, target: &Target) -> (u32, Patch) {
-        let (face, variant) = self.faces.made(part.face);
+    fn group(&mut self, tile: &Tile, covered: &CoveredFace, target: &Target) -> (u32, FragmentGroup) {
+        let (face, variant) = self.faces.made(covered.face);
         let (u, v) = (tile.left as f32 + MIDDLE_PX, tile.top as f32 + MIDDLE_PX);
         let inverse_depth = self.faces.inverse_depth_at(face, u, v);
         // A sample half-way from the first to the last column that shows it.
-        let columns = [part.samples.trailing_zeros() / 8, (63 - part.samples.leading_zeros()) / 8];
+        let columns = [covered.coverage.trailing_zeros() / 8, (63 - covered.coverage.leading_zeros()) / 8];
         let middle = (columns[0] + columns[1]) / 2 * 8;
-        let middle = middle + (part.samples >> middle).trailing_zeros();
+        let middle = middle + (covered.coverage >> middle).trailing_zeros();
         let (column, row) = ((middle / 8) as f32, (middle % 8 / 2) as f32);
         let there = inverse_depth[0] + inverse_depth[1] * column + inverse_depth[2] * row;
-        let is_lone = part.samples.count_ones() <= LONE;
+        let is_lone = covered.coverage.count_ones() <= LONE;
         let hit = Hit { u: u + column, v: v + row, inverse_depth: there, is_lone };
         let open = self.faces.open_index(face, tile.block, (u, v), inverse_depth, hit);
         let &Target { first, stride, weight } = target;
-        (variant, Patch { face, open, target: first, stride, behind: 0, u, v, inverse_depth, weight })
+        (variant, FragmentGroup { face, open, target: first, stride, behind: 0, u, v, inverse_depth, weight })
     }
 
     /// The sky in some samples.
-    fn collect_sky(&mut self, tile: &Tile, samples: SampleBits, target: &Target) {
+    fn collect_sky(&mut self, tile: &Tile, samples: CoverageMask, target: &Target) {
         let columns = BLOCK.min(self.width - tile.left);
         for row in 0..ROWS {
             let of_row = samples_within(1, columns) << (2 * row);
@@ -260,7 +263,7 @@ impl<'a> Collector<'a> {
                 self.sky.fill(tile.left, line, self.painter.row(first, columns));
                 continue;
             }
-            for bit in bits_of(any_of_pixels(samples & of_row) & FIRSTS) {
+            for bit in bits_of(any_of_pixels(samples & of_row) & FIRST_SAMPLES) {
                 let column = place_of(bit) % BLOCK;
                 let color = self.sky.at(tile.left + column, line);
                 let share = if samples >> bit & 3 == 3 { 1.0 } else { 0.5 };

@@ -1,4 +1,4 @@
-//! What all hits of a face share.
+//! What all fragments of a face share.
 
 use super::look::Rays;
 use super::pattern::{hash2, value_noise};
@@ -48,7 +48,7 @@ impl ShaderVariant {
     }
 }
 
-/// A face made ready for its hits. Places are relative to the eye; vectors are in the world's frame.
+/// A face made ready for its fragments. Places are relative to the eye; vectors are in the world's frame.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(64))]
 pub struct Face {

@@ -3,15 +3,15 @@
 use super::collect::Collector;
 use super::face::ShaderVariant;
 use super::faces::Faces;
-use super::hits::Hits;
 use super::light::Light;
 use super::look::{Rays, Samples, View};
 use super::painter::{BAND, Painter};
 use super::shading_batch::ShadingCamera;
+use super::shading_queue::ShadingQueue;
 use crate::sense::{BLOCK, PosedScene};
 
-/// Values that [`paint`] needs room for: those of the image, and of what lies behind a band's transparent surfaces; and of the pixel
-/// after the last.
+/// Values that [`paint`] needs room for: those of the image, of what lies behind a band's transparent surfaces, and of the
+/// pixel after the last.
 pub fn room_for(width: usize, height: usize) -> usize {
     (height * width + width.div_ceil(BLOCK) * BLOCK * BAND + 1) * 3
 }
@@ -21,7 +21,7 @@ pub fn paint(scene: &PosedScene, view: &View, rays: &Rays, light: &Light, sample
     let (width, height) = (view.width, view.height);
     let image = width * height;
     let painter = Painter {
-        hits: vec![Hits::NONE; ShaderVariant::COUNT],
+        queues: vec![ShadingQueue::NONE; ShaderVariant::COUNT],
         batch: Box::default(),
         light,
         camera: ShadingCamera {

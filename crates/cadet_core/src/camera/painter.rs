@@ -1,18 +1,19 @@
-//! Collects hits by shader variant, shades full batches, and adds their colors to the picture.
+//! Collects fragment groups by shader variant, shades full batches, and adds their colors to the picture.
 
+use super::coverage::CoverageMask;
 use super::face::ShaderVariant;
 use super::faces::Faces;
-use super::hits::{BEHIND, Hits, LANES, Patch, SampleBits};
 use super::light::Light;
 use super::shading_batch::{ShadingBatch, ShadingCamera};
+use super::shading_queue::{BATCH_SIZE, BEHIND, FragmentGroup, ShadingQueue};
 
 /// Rows that are collected together.
 pub(super) const BAND: usize = 8;
 
-/// Shades hits of a shader variant as soon as there are enough, and adds them to the picture.
+/// Shades the groups of a shader variant as soon as there are enough, and adds them to the picture.
 pub(super) struct Painter<'a> {
     /// By shader variant.
-    pub hits: Vec<Hits>,
+    pub queues: Vec<ShadingQueue>,
     pub batch: Box<ShadingBatch>,
     pub light: &'a Light,
     pub camera: ShadingCamera,
@@ -54,31 +55,31 @@ impl Painter<'_> {
 
     /// What a face shows in a block. What is behind a transparent surface must be shaded.
     #[inline]
-    pub fn push(&mut self, faces: &Faces, variant: u32, patch: &Patch, samples: SampleBits) {
-        let hits = &mut self.hits[variant as usize];
-        hits.push(patch, samples);
-        if hits.is_full() {
+    pub fn push(&mut self, faces: &Faces, variant: u32, group: &FragmentGroup, samples: CoverageMask) {
+        let queue = &mut self.queues[variant as usize];
+        queue.push(group, samples);
+        if queue.is_full() {
             self.shade(faces, variant as usize);
         }
     }
 
     /// Shades all that waits.
     pub fn shade_all(&mut self, faces: &Faces) {
-        for variant in 0..self.hits.len() {
+        for variant in 0..self.queues.len() {
             self.shade(faces, variant);
         }
     }
 
     #[inline(never)]
     fn shade(&mut self, faces: &Faces, variant: usize) {
-        let hits = &mut self.hits[variant];
-        if hits.count == 0 {
+        let queue = &mut self.queues[variant];
+        if queue.count == 0 {
             return;
         }
         let known = (faces.faces.as_slice(), faces.open.as_slice());
-        self.batch.shade(self.light, &self.camera, ShaderVariant::of(variant), hits, known, self.rgb);
-        let n = hits.count.min(LANES);
-        hits.clear();
+        self.batch.shade(self.light, &self.camera, ShaderVariant::of(variant), queue, known, self.rgb);
+        let n = queue.count.min(BATCH_SIZE);
+        queue.clear();
         let [left, right] = &self.batch.out;
         for (i, pixel) in self.batch.target[..n].iter().enumerate() {
             if let Some(pixels) = self.rgb[*pixel as usize * 3..].first_chunk_mut::<6>() {

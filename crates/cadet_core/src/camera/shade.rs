@@ -1,24 +1,24 @@
-//! The light that leaves surfaces towards the camera: many hits of one shader variant at a time, one a lane.
+//! The light that leaves surfaces towards the camera: many pairs of one shader variant at a time.
 //!
-//! Every lane computes the same IEEE operations in the same order whatever the instruction set, so that the bytes are
+//! Every pair goes through the same IEEE operations in the same order whatever the instruction set, so that the bytes are
 //! the same with wide registers and without.
 
 use multiversion::multiversion;
 
 use super::face::{Flags, ShaderVariant};
-use super::hits::{LANES, STRIDE};
 use super::light::{Light, clear_share};
 use super::pattern::{self, PatternPoint};
 use super::shading_batch::{ShadingBatch, ShadingCamera, get, put};
+use super::shading_queue::{BATCH_SIZE, BATCH_STRIDE};
 use super::sky::Sky;
 use crate::material::Pattern;
 use crate::math::Vec3;
 
-/// Where the hits are, how the surfaces lie there, and the sun to them.
+/// Where the pairs lie, how the surfaces lie there, and the sun to them.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 pub(super) fn geometry(l: &mut ShadingBatch, m: usize, camera: &ShadingCamera, sun: Vec3, variant: ShaderVariant) {
-    let m = m.min(LANES);
-    let mut depth = [0.0; LANES];
+    let m = m.min(BATCH_SIZE);
+    let mut depth = [0.0; BATCH_SIZE];
     for i in 0..m {
         depth[i] = 1.0 / l.inverse_depth[i];
     }
@@ -68,9 +68,9 @@ pub(super) fn place_texture(
     variant: ShaderVariant,
     pixel: usize,
 ) {
-    let m = m.min(LANES);
+    let m = m.min(BATCH_SIZE);
     let side = if pixel == 0 { -1.0 } else { 1.0 };
-    let mut points = [[0.0; LANES]; 3];
+    let mut points = [[0.0; BATCH_SIZE]; 3];
     for i in 0..m {
         let aside = l.aside[i] * side;
         let direction = camera.corner + camera.right * (l.u[i] + aside) + camera.down * l.v[i];
@@ -109,7 +109,7 @@ pub(super) fn texture(l: &mut ShadingBatch, m: usize, pattern: Pattern, pixel: u
             match pattern {
                 Pattern::Plain => (),
                 $(Pattern::$of => {
-                    for i in 0..m.min(LANES) {
+                    for i in 0..m.min(BATCH_SIZE) {
                         let at = PatternPoint {
                             u: u[i],
                             v: v[i],
@@ -132,7 +132,7 @@ pub(super) fn texture(l: &mut ShadingBatch, m: usize, pattern: Pattern, pixel: u
 pub(super) fn snow(l: &mut ShadingBatch, m: usize, camera: &ShadingCamera, snow: f32, pixel: usize) {
     let side = if pixel == 0 { -1.0 } else { 1.0 };
     let (eye, right) = (camera.eye, camera.right);
-    for i in 0..m.min(LANES) {
+    for i in 0..m.min(BATCH_SIZE) {
         // In the pixel itself: in the pair's middle, each pair would have its own drift.
         let aside = l.aside[i] * side / l.inverse_depth[i];
         let (x, y) = (l.point[0][i] + right.x * aside + eye.x, l.point[1][i] + right.y * aside + eye.y);
@@ -151,13 +151,13 @@ pub(super) fn snow(l: &mut ShadingBatch, m: usize, camera: &ShadingCamera, snow:
 pub(super) fn diffuse(l: &mut ShadingBatch, m: usize, sky: &Sky, variant: ShaderVariant, wetness: f32) {
     let is_leaf = variant.pattern == Pattern::Leaves;
     if !variant.is_flat() {
-        for i in 0..m.min(LANES) {
+        for i in 0..m.min(BATCH_SIZE) {
             let open = std::array::from_fn(|k| l.open[k][i]);
             let around = sky.all_around(get(&l.normal, i), &open);
             (l.around[0][i], l.around[1][i], l.around[2][i]) = (around.x, around.y, around.z);
         }
     }
-    for i in 0..m.min(LANES) {
+    for i in 0..m.min(BATCH_SIZE) {
         let normal = get(&l.normal, i);
         // Leaves get light through their neighbors, too.
         let ambient = get(&l.around, i) * (l.near[i] * if is_leaf { 1.3 } else { 1.0 });
@@ -173,7 +173,7 @@ pub(super) fn diffuse(l: &mut ShadingBatch, m: usize, sky: &Sky, variant: Shader
         let wet = if normal.z > 0.5 { 1.0 - 0.45 * wetness } else { 1.0 };
         put(&mut l.matt, i, (sky.sun * direct * l.lit[i] + ambient) * wet);
     }
-    l.sheen = [[0.0; STRIDE]; 3];
+    l.sheen = [[0.0; BATCH_STRIDE]; 3];
 }
 
 /// Of ground on which the film begins: stones stand out of it, and drops stir it, so that it is no mirror.
@@ -182,7 +182,7 @@ const WET_ROUGHNESS: f32 = 0.55;
 /// Adds what a coat or a film of water mirrors.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 pub(super) fn gloss(l: &mut ShadingBatch, m: usize, sky: &Sky, eye: Vec3, wetness: f32) {
-    for i in 0..m.min(LANES) {
+    for i in 0..m.min(BATCH_SIZE) {
         let (view, normal) = (get(&l.view, i), get(&l.normal, i));
         let (x, y) = (l.point[0][i] + eye.x, l.point[1][i] + eye.y);
         let puddle = pattern::value_noise(x * 0.35, y * 0.35, 0xF11);
@@ -215,7 +215,7 @@ pub(super) fn gloss(l: &mut ShadingBatch, m: usize, sky: &Sky, eye: Vec3, wetnes
 /// A transparent surface; what is seen through it takes the place of an albedo.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 pub(super) fn transparent(l: &mut ShadingBatch, m: usize, sky: &Sky) {
-    for i in 0..m.min(LANES) {
+    for i in 0..m.min(BATCH_SIZE) {
         let (view, normal) = (get(&l.view, i), get(&l.normal, i));
         let cos_view = (-view.dot(normal)).clamp(0.0, 1.0);
         // Both faces of a transparent surface of glass reflect.
@@ -235,7 +235,7 @@ pub(super) fn transparent(l: &mut ShadingBatch, m: usize, sky: &Sky) {
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 pub(super) fn through_air(l: &mut ShadingBatch, m: usize, light: &Light) {
-    for i in 0..m.min(LANES) {
+    for i in 0..m.min(BATCH_SIZE) {
         let clear = clear_share(light.extinction_per_m, l.distance_m[i]);
         let (matt, sheen) = (get(&l.matt, i), get(&l.sheen, i));
         put(&mut l.matt, i, matt * clear);
@@ -247,12 +247,12 @@ pub(super) fn through_air(l: &mut ShadingBatch, m: usize, light: &Light) {
 /// beyond the first and the last: where blocks meet, it changes by as much as elsewhere.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 pub(super) fn mix(l: &mut ShadingBatch, m: usize) {
-    let m = m.min(LANES);
+    let m = m.min(BATCH_SIZE);
     let [of_left, of_right] = &mut l.out;
     let goes_on = &l.goes_on;
     for axis in 0..3 {
         let (matt, sheen) = (&l.matt[axis], &l.sheen[axis]);
-        // The first lane has none before it.
+        // The first pair has none before it.
         let first = [matt, sheen].map(|v| ends(v[0], 0.0, v[1], 0, goes_on[0]));
         of_left[axis][0] = (l.albedo[0][axis][0] * first[0][0] + first[1][0]) * l.weights[0][0];
         of_right[axis][0] = (l.albedo[1][axis][0] * first[0][1] + first[1][1]) * l.weights[1][0];

@@ -1,10 +1,11 @@
-//! Hits of one shader variant that are shaded together, as a structure of arrays: what is known of them, and what is found.
+//! Pairs of pixels of one shader variant that are shaded together, as a structure of arrays: what is known of them, and what
+//! is found.
 
-use super::hits::{Lane, STRIDE};
+use super::shading_queue::{BATCH_STRIDE, BatchScalar};
 use super::shadow::Neighbours;
 use crate::math::Vec3;
 
-/// The same for all hits of an image.
+/// The same for all pairs of an image.
 #[derive(Debug, Clone, Copy)]
 pub struct ShadingCamera {
     /// World coordinates.
@@ -19,104 +20,104 @@ pub struct ShadingCamera {
     pub pixel_per_m: f32,
 }
 
-pub type Lane3 = [Lane; 3];
+pub type BatchVector = [BatchScalar; 3];
 
-/// Pairs of pixels that show faces of one shader variant, lane by lane; each variant fills what it needs. Two of a thing are of the left
+/// Pairs of pixels that show faces of one shader variant; each variant fills what it needs. Two of a thing are of the left
 /// pixel and of the right one.
 pub struct ShadingBatch {
-    /// Number of the patch; see [`Hits::patches`].
-    pub patch: [u32; STRIDE],
+    /// Number of the group; see [`ShadingQueue::groups`].
+    pub group: [u32; BATCH_STRIDE],
     /// The left pixel: where its color is added. At first the block's first pixel.
-    pub target: [u32; STRIDE],
+    pub target: [u32; BATCH_STRIDE],
     /// From a pixel of the target to the one below.
-    pub stride: [u32; STRIDE],
+    pub stride: [u32; BATCH_STRIDE],
     /// The left pixel, where what is seen through a transparent surface is kept. At first that of the block's first pixel.
-    pub behind: [u32; STRIDE],
+    pub behind: [u32; BATCH_STRIDE],
     /// What the pixels' colors count.
-    pub weights: [Lane; 2],
+    pub weights: [BatchScalar; 2],
     /// The middle of the samples that show the face. At first the block's first pixel; so is the inverse depth.
-    pub u: Lane,
-    pub v: Lane,
+    pub u: BatchScalar,
+    pub v: BatchScalar,
     /// 1 / z, 1/m.
-    pub inverse_depth: Lane,
-    pub inverse_depth_by_column: Lane,
-    pub inverse_depth_by_row: Lane,
+    pub inverse_depth: BatchScalar,
+    pub inverse_depth_by_column: BatchScalar,
+    pub inverse_depth_by_row: BatchScalar,
     /// Where it lies in its block, from 0 at the first corner to 1 at the last.
-    pub across: Lane,
-    pub down: Lane,
+    pub across: BatchScalar,
+    pub down: BatchScalar,
     /// From the middle to the right pixel, columns, where both pixels show the face; else 0.
-    pub aside: Lane,
-    /// All bits where the next lane has the next pair of pixels, and both are whole.
-    pub goes_on: [u32; STRIDE],
-    pub face_normal: Lane3,
-    pub axis_u: Lane3,
-    pub axis_v: Lane3,
-    pub at_eye: [Lane; 2],
-    pub normal_ab: Lane3,
-    pub normal_ac: Lane3,
-    pub to_b: Lane3,
-    pub to_c: Lane3,
-    pub weights_at_eye: [Lane; 2],
-    pub least_weight: Lane,
-    pub specular: Lane,
-    pub roughness: Lane,
-    pub transmission: Lane,
-    pub face_hash: [u32; STRIDE],
-    pub place_hash: [u32; STRIDE],
-    pub flags: [u32; STRIDE],
+    pub aside: BatchScalar,
+    /// All bits where the next of the batch is the next pair of its row, and both are whole.
+    pub goes_on: [u32; BATCH_STRIDE],
+    pub face_normal: BatchVector,
+    pub axis_u: BatchVector,
+    pub axis_v: BatchVector,
+    pub at_eye: [BatchScalar; 2],
+    pub normal_ab: BatchVector,
+    pub normal_ac: BatchVector,
+    pub to_b: BatchVector,
+    pub to_c: BatchVector,
+    pub weights_at_eye: [BatchScalar; 2],
+    pub least_weight: BatchScalar,
+    pub specular: BatchScalar,
+    pub roughness: BatchScalar,
+    pub transmission: BatchScalar,
+    pub face_hash: [u32; BATCH_STRIDE],
+    pub place_hash: [u32; BATCH_STRIDE],
+    pub flags: [u32; BATCH_STRIDE],
     /// The sky's visibility towards the six half axes; flat faces know four of them.
-    pub open: [Lane; 6],
+    pub open: [BatchScalar; 6],
     /// Light from all around, without what cars near by hide.
-    pub around: Lane3,
+    pub around: BatchVector,
     /// Unit vectors from the eye.
-    pub view: Lane3,
+    pub view: BatchVector,
     /// Relative to the eye.
-    pub point: Lane3,
-    pub distance_m: Lane,
+    pub point: BatchVector,
+    pub distance_m: BatchScalar,
     /// Geometric mean of a pixel's extents on the surface, and its width square to the view.
-    pub footprint_m: Lane,
-    pub pixel_m: Lane,
+    pub footprint_m: BatchScalar,
+    pub pixel_m: BatchScalar,
     /// Coordinates of the texture.
-    pub texture: [[Lane; 2]; 2],
+    pub texture: [[BatchScalar; 2]; 2],
     /// At first of the first corner, then the unit shading normal.
-    pub normal: Lane3,
-    pub cos_sun: Lane,
-    pub cos_face: Lane,
-    pub is_asked: [bool; STRIDE],
-    pub neighbours: Neighbours<STRIDE>,
-    pub lit: Lane,
-    pub near: Lane,
+    pub normal: BatchVector,
+    pub cos_sun: BatchScalar,
+    pub cos_face: BatchScalar,
+    pub is_asked: [bool; BATCH_STRIDE],
+    pub neighbours: Neighbours<BATCH_STRIDE>,
+    pub lit: BatchScalar,
+    pub near: BatchScalar,
     /// Of the material.
-    pub material: Lane3,
+    pub material: BatchVector,
     /// Of the place.
-    pub albedo: [Lane3; 2],
+    pub albedo: [BatchVector; 2],
     /// What arrives at the camera if the albedo is one.
-    pub matt: Lane3,
+    pub matt: BatchVector,
     /// What arrives whatever the albedo is: from mirrors and from the air.
-    pub sheen: Lane3,
+    pub sheen: BatchVector,
     /// The radiance that arrives at the camera.
-    pub out: [Lane3; 2],
+    pub out: [BatchVector; 2],
 }
 
 #[inline(always)]
-pub fn get<const N: usize>(lanes: &[[f32; N]; 3], i: usize) -> Vec3 {
-    Vec3::new(lanes[0][i], lanes[1][i], lanes[2][i])
+pub fn get<const N: usize>(values: &[[f32; N]; 3], i: usize) -> Vec3 {
+    Vec3::new(values[0][i], values[1][i], values[2][i])
 }
 
 #[inline(always)]
-pub fn put<const N: usize>(lanes: &mut [[f32; N]; 3], i: usize, v: Vec3) {
-    (lanes[0][i], lanes[1][i], lanes[2][i]) = (v.x, v.y, v.z);
+pub fn put<const N: usize>(values: &mut [[f32; N]; 3], i: usize, v: Vec3) {
+    (values[0][i], values[1][i], values[2][i]) = (v.x, v.y, v.z);
 }
 
 impl Default for ShadingBatch {
     fn default() -> Self {
-        const O: Lane = [0.0; STRIDE];
-        const O3: Lane3 = [O; 3];
+        const O: BatchScalar = [0.0; BATCH_STRIDE];
+        const O3: BatchVector = [O; 3];
         Self {
-            patch: [0; STRIDE],
-            target: [0; STRIDE],
-            stride: [0; STRIDE],
-            behind: [0; STRIDE],
+            group: [0; BATCH_STRIDE],
+            target: [0; BATCH_STRIDE],
+            stride: [0; BATCH_STRIDE],
+            behind: [0; BATCH_STRIDE],
             weights: [O; 2],
             u: O,
             v: O,
@@ -126,7 +127,7 @@ impl Default for ShadingBatch {
             across: O,
             down: O,
             aside: O,
-            goes_on: [0; STRIDE],
+            goes_on: [0; BATCH_STRIDE],
             face_normal: O3,
             axis_u: O3,
             axis_v: O3,
@@ -140,9 +141,9 @@ impl Default for ShadingBatch {
             specular: O,
             roughness: O,
             transmission: O,
-            face_hash: [0; STRIDE],
-            place_hash: [0; STRIDE],
-            flags: [0; STRIDE],
+            face_hash: [0; BATCH_STRIDE],
+            place_hash: [0; BATCH_STRIDE],
+            flags: [0; BATCH_STRIDE],
             open: [O; 6],
             around: O3,
             view: O3,
@@ -154,7 +155,7 @@ impl Default for ShadingBatch {
             normal: O3,
             cos_sun: O,
             cos_face: O,
-            is_asked: [false; STRIDE],
+            is_asked: [false; BATCH_STRIDE],
             neighbours: Neighbours::default(),
             lit: O,
             near: O,

@@ -1,22 +1,24 @@
-//! The shading pass of a batch: it gathers what is known of the hits, and shades them.
+//! The shading pass of a batch: it gathers what is known of its pairs, and shades them.
 
 use multiversion::multiversion;
 
 use super::face::{Face, Flags, ShaderVariant};
 use super::faces::{Open, PER_BLOCK};
-use super::hits::{ACROSS, BEHIND_STRIDE, Cell, DOWN, Hits, LANES, Lane, STRIDE};
 use super::light::Light;
 use super::shade::{diffuse, geometry, gloss, mix, place_texture, snow, texture, through_air, transparent};
-use super::shading_batch::{Lane3, ShadingBatch, ShadingCamera, put};
+use super::shading_batch::{BatchVector, ShadingBatch, ShadingCamera, put};
+use super::shading_queue::{
+    BATCH_SIZE, BATCH_STRIDE, BEHIND_STRIDE, BatchScalar, PAIRS_ACROSS, PAIRS_DOWN, PixelPair, ShadingQueue,
+};
 use super::shadow::Asked;
 use crate::material::Pattern;
 use crate::math::Vec3;
 
-/// ShadingBatch that are filled together.
+/// Pairs that are filled together.
 const RUN: usize = 8;
 
 impl ShadingBatch {
-    /// Shades patches of a shader variant; the outcome is in `out`, where it belongs in `target` and `weights`.
+    /// Shades groups of a shader variant; the outcome is in `out`, where it belongs in `target` and `weights`.
     ///
     /// `rgb`: the picture, where transparent surfaces find what is behind them.
     pub fn shade(
@@ -24,17 +26,17 @@ impl ShadingBatch {
         light: &Light,
         camera: &ShadingCamera,
         variant: ShaderVariant,
-        hits: &Hits,
+        queue: &ShadingQueue,
         (faces, open): (&[Face], &[Open]),
         rgb: &[f32],
     ) {
-        let n = hits.count.min(LANES);
-        gather_patches(self, hits, n);
-        gather_faces(self, variant, hits, n, faces);
-        // Whole registers: what is left in the lanes beyond is nobody's.
+        let n = queue.count.min(BATCH_SIZE);
+        gather_groups(self, queue, n);
+        gather_faces(self, variant, queue, n, faces);
+        // Whole registers: what is left in the pairs beyond is nobody's.
         let m = n.next_multiple_of(16);
-        spread(self, hits, n);
-        gather_open(self, variant, hits, n, open);
+        spread(self, queue, n);
+        gather_open(self, variant, queue, n, open);
         geometry(self, m, camera, light.sky.sun_world, variant);
         self.cast_shadows(light, camera.eye, variant, n);
         self.albedo = [self.material; 2];
@@ -85,12 +87,12 @@ impl ShadingBatch {
     }
 }
 
-/// Asks for what the sun sees of the first `n` lanes; true if there is any.
+/// Asks for what the sun sees of the first `n` pairs; true if there is any.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn ask_sun(l: &mut ShadingBatch, variant: ShaderVariant, n: usize) -> bool {
     let is_leaf = variant.pattern == Pattern::Leaves;
-    let mut any = [0_u8; LANES];
-    for i in 0..LANES {
+    let mut any = [0_u8; BATCH_SIZE];
+    for i in 0..BATCH_SIZE {
         let faces_sun = (l.cos_face[i] > 0.0) & ((l.cos_sun[i] > 0.0) | variant.is_transparent);
         let is_asked = (i < n) & (is_leaf | faces_sun);
         l.is_asked[i] = is_asked;
@@ -99,57 +101,57 @@ fn ask_sun(l: &mut ShadingBatch, variant: ShaderVariant, n: usize) -> bool {
     any.into_iter().fold(0, |all, one| all | one) != 0
 }
 
-/// Asks for what vehicles leave of the sky to the first `n` lanes.
+/// Asks for what vehicles leave of the sky to the first `n` pairs.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn ask_contacts(l: &mut ShadingBatch, n: usize) {
-    for i in 0..LANES {
+    for i in 0..BATCH_SIZE {
         l.is_asked[i] = (i < n) & (l.flags[i] & Flags::CONTACT > 0);
     }
 }
 
-/// The lanes from `start` on; those that are nobody's yet are filled again when their turn comes.
+/// The pairs from `start` on; those that are nobody's yet are filled again when their turn comes.
 #[inline(always)]
-fn run<T: Copy>(lane: &mut [T; STRIDE], start: usize, value: T) {
-    if let Some(run) = lane[start..].first_chunk_mut() {
+fn run<T: Copy>(values: &mut [T; BATCH_STRIDE], start: usize, value: T) {
+    if let Some(run) = values[start..].first_chunk_mut() {
         *run = [value; RUN];
     }
 }
 
 #[inline(always)]
-fn run3(lanes: &mut Lane3, start: usize, value: Vec3) {
-    let [x, y, z] = lanes;
+fn run3(values: &mut BatchVector, start: usize, value: Vec3) {
+    let [x, y, z] = values;
     run(x, start, value.x);
     run(y, start, value.y);
     run(z, start, value.z);
 }
 
-/// What lanes share with their patch.
+/// What pairs share with their group.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn gather_patches(l: &mut ShadingBatch, hits: &Hits, n: usize) {
-    for (number, (_, patch)) in hits.patches.iter().enumerate() {
-        for i in hits.lanes_of(number, n).step_by(RUN) {
-            run(&mut l.patch, i, number as u32);
-            run(&mut l.target, i, patch.target);
-            run(&mut l.stride, i, patch.stride);
-            run(&mut l.behind, i, patch.behind);
-            run(&mut l.weights[0], i, patch.weight);
-            run(&mut l.u, i, patch.u);
-            run(&mut l.v, i, patch.v);
-            run(&mut l.inverse_depth, i, patch.inverse_depth[0]);
-            run(&mut l.inverse_depth_by_column, i, patch.inverse_depth[1]);
-            run(&mut l.inverse_depth_by_row, i, patch.inverse_depth[2]);
+fn gather_groups(l: &mut ShadingBatch, queue: &ShadingQueue, n: usize) {
+    for (number, (_, group)) in queue.groups.iter().enumerate() {
+        for i in queue.pairs_of(number, n).step_by(RUN) {
+            run(&mut l.group, i, number as u32);
+            run(&mut l.target, i, group.target);
+            run(&mut l.stride, i, group.stride);
+            run(&mut l.behind, i, group.behind);
+            run(&mut l.weights[0], i, group.weight);
+            run(&mut l.u, i, group.u);
+            run(&mut l.v, i, group.v);
+            run(&mut l.inverse_depth, i, group.inverse_depth[0]);
+            run(&mut l.inverse_depth_by_column, i, group.inverse_depth[1]);
+            run(&mut l.inverse_depth_by_row, i, group.inverse_depth[2]);
         }
     }
 }
 
-/// Where each lane lies within its patch.
+/// Where each pair lies within its block.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn spread(l: &mut ShadingBatch, hits: &Hits, n: usize) {
-    let m = n.next_multiple_of(16).min(LANES);
+fn spread(l: &mut ShadingBatch, queue: &ShadingQueue, n: usize) {
+    let m = n.next_multiple_of(16).min(BATCH_SIZE);
     for i in 0..m {
-        let cell = hits.cells[i];
-        let (column, row) = (2 * (cell & Cell::COLUMN), cell >> Cell::ROW_SHIFT & 3);
-        let [a, b, c, d] = [0, 1, 2, 3].map(|k| (cell >> (Cell::SAMPLES_SHIFT + k) & 1) as i32 as f32);
+        let pair = queue.pairs[i];
+        let (column, row) = (2 * (pair & PixelPair::COLUMN), pair >> PixelPair::ROW_SHIFT & 3);
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k| (pair >> (PixelPair::SAMPLES_SHIFT + k) & 1) as i32 as f32);
         let (left, right) = (a + b, c + d);
         let inverse = 1.0 / (left + right);
         // Samples lie a quarter of a pixel from the middle of their pixel's two, to both sides.
@@ -160,7 +162,7 @@ fn spread(l: &mut ShadingBatch, hits: &Hits, n: usize) {
             l.inverse_depth[i] + l.inverse_depth_by_column[i] * across + l.inverse_depth_by_row[i] * down;
         l.inverse_depth[i] = if inverse_depth > FARTHEST { inverse_depth } else { FARTHEST };
         (l.u[i], l.v[i]) = (l.u[i] + across, l.v[i] + down);
-        (l.across[i], l.down[i]) = (across * (1.0 / (2 * ACROSS) as f32), down * (1.0 / DOWN as f32));
+        (l.across[i], l.down[i]) = (across * (1.0 / (2 * PAIRS_ACROSS) as f32), down * (1.0 / PAIRS_DOWN as f32));
         l.aside[i] = if (left > 0.0) & (right > 0.0) { 0.5 } else { 0.0 };
         l.target[i] = l.target[i].wrapping_add(row.wrapping_mul(l.stride[i])).wrapping_add(column);
         l.behind[i] = l.behind[i].wrapping_add(row * BEHIND_STRIDE + column);
@@ -168,9 +170,10 @@ fn spread(l: &mut ShadingBatch, hits: &Hits, n: usize) {
         (l.weights[0][i], l.weights[1][i]) = (left * half, right * half);
     }
     for i in 0..m {
-        let (cell, next) = (hits.cells[i], hits.cells[i + 1]);
-        let is_whole = cell >> Cell::SAMPLES_SHIFT == Cell::ALL;
-        let is_next = (next == cell + 1) & (cell & Cell::COLUMN != Cell::COLUMN) & (l.patch[i] == l.patch[i + 1]);
+        let (pair, next) = (queue.pairs[i], queue.pairs[i + 1]);
+        let is_whole = pair >> PixelPair::SAMPLES_SHIFT == PixelPair::ALL;
+        let is_next =
+            (next == pair + 1) & (pair & PixelPair::COLUMN != PixelPair::COLUMN) & (l.group[i] == l.group[i + 1]);
         l.goes_on[i] = u32::from(is_whole & is_next & (i + 1 < n)).wrapping_neg();
     }
 }
@@ -179,12 +182,12 @@ fn spread(l: &mut ShadingBatch, hits: &Hits, n: usize) {
 const FARTHEST: f32 = 1e-6;
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn gather_faces(l: &mut ShadingBatch, variant: ShaderVariant, hits: &Hits, n: usize, faces: &[Face]) {
+fn gather_faces(l: &mut ShadingBatch, variant: ShaderVariant, queue: &ShadingQueue, n: usize, faces: &[Face]) {
     let (has_coat, is_leaf) = (variant.is_glossy || variant.is_transparent, variant.pattern == Pattern::Leaves);
     let has_axes = variant.pattern != Pattern::Plain && !is_leaf;
-    for (number, (_, patch)) in hits.patches.iter().enumerate() {
-        let face = &faces[patch.face as usize];
-        for i in hits.lanes_of(number, n).step_by(RUN) {
+    for (number, (_, group)) in queue.groups.iter().enumerate() {
+        let face = &faces[group.face as usize];
+        for i in queue.pairs_of(number, n).step_by(RUN) {
             run3(&mut l.face_normal, i, face.face_normal);
             run3(&mut l.material, i, face.albedo);
             run(&mut l.flags, i, face.flags);
@@ -222,36 +225,36 @@ fn gather_faces(l: &mut ShadingBatch, variant: ShaderVariant, hits: &Hits, n: us
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn gather_open(l: &mut ShadingBatch, variant: ShaderVariant, hits: &Hits, n: usize, open: &[Open]) {
+fn gather_open(l: &mut ShadingBatch, variant: ShaderVariant, queue: &ShadingQueue, n: usize, open: &[Open]) {
     if variant.pattern == Pattern::Leaves {
-        for (number, (_, patch)) in hits.patches.iter().enumerate() {
-            let of_patch = open[patch.open as usize];
-            for i in hits.lanes_of(number, n).step_by(RUN) {
-                for (lane, o) in l.open.iter_mut().zip(of_patch) {
-                    run(lane, i, o);
+        for (number, (_, group)) in queue.groups.iter().enumerate() {
+            let of_group = open[group.open as usize];
+            for i in queue.pairs_of(number, n).step_by(RUN) {
+                for (values, o) in l.open.iter_mut().zip(of_group) {
+                    run(values, i, o);
                 }
             }
         }
         return;
     }
     let mirrors = variant.is_glossy || variant.is_transparent;
-    for (number, (_, patch)) in hits.patches.iter().enumerate() {
-        let Some(of_block) = open[patch.open as usize..].first_chunk::<PER_BLOCK>() else { continue };
-        for i in hits.lanes_of(number, n).step_by(RUN) {
+    for (number, (_, group)) in queue.groups.iter().enumerate() {
+        let Some(of_block) = open[group.open as usize..].first_chunk::<PER_BLOCK>() else { continue };
+        for i in queue.pairs_of(number, n).step_by(RUN) {
             let (Some(across), Some(down)) = (l.across[i..].first_chunk(), l.down[i..].first_chunk()) else { continue };
             let at = (across, down);
             if variant.is_flat() {
-                for (k, lane) in l.around.iter_mut().enumerate() {
-                    run_between(lane, i, of_block, k, at);
+                for (k, values) in l.around.iter_mut().enumerate() {
+                    run_between(values, i, of_block, k, at);
                 }
                 if mirrors {
-                    for (k, lane) in l.open[..4].iter_mut().enumerate() {
-                        run_between(lane, i, of_block, 3 + k, at);
+                    for (k, values) in l.open[..4].iter_mut().enumerate() {
+                        run_between(values, i, of_block, 3 + k, at);
                     }
                 }
             } else {
-                for (k, lane) in l.open.iter_mut().enumerate() {
-                    run_between(lane, i, of_block, k, at);
+                for (k, values) in l.open.iter_mut().enumerate() {
+                    run_between(values, i, of_block, k, at);
                 }
             }
         }
@@ -261,13 +264,13 @@ fn gather_open(l: &mut ShadingBatch, variant: ShaderVariant, hits: &Hits, n: usi
 /// As [`run`], of what changes evenly from corner to corner of a block.
 #[inline(always)]
 fn run_between(
-    lane: &mut Lane,
+    values: &mut BatchScalar,
     start: usize,
     [first, rightwards, downwards, both]: &[Open; PER_BLOCK],
     k: usize,
     (across, down): (&[f32; RUN], &[f32; RUN]),
 ) {
-    if let Some(run) = lane[start..].first_chunk_mut::<RUN>() {
+    if let Some(run) = values[start..].first_chunk_mut::<RUN>() {
         for i in 0..RUN {
             let left = first[k] + downwards[k] * down[i];
             run[i] = left + (rightwards[k] + both[k] * down[i]) * across[i];
