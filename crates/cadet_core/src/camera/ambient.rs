@@ -43,16 +43,16 @@ const GRID_M: f32 = 4.0;
 const GRID: usize = (CELLS as f32 * CELL_M / GRID_M) as usize;
 
 impl SkyView {
-    /// Measures a scene around a camera that looks along `forward_world`, where `seen_world` has points.
+    /// Measures a scene around a camera that looks along `forward_world`, where `visible_world` has points.
     #[must_use]
-    pub fn new(scene: &PosedScene, eye_world: DVec3, forward_world: DVec3, seen_world: &[Vec3]) -> Self {
+    pub fn new(scene: &PosedScene, eye_world: DVec3, forward_world: DVec3, visible_world: &[Vec3]) -> Self {
         let flat = DVec3::new(forward_world.x, forward_world.y, 0.0).normalize_or_zero();
         let middle = eye_world + flat * 50.0;
         let half = f64::from(CELLS as f32 * CELL_M) / 2.0;
         // Whole cells, so that nothing flickers from frame to frame.
         let min = [(middle.x - half).floor() as f32, (middle.y - half).floor() as f32];
         let mut view = Self { min, floor: Vec::new(), probes: Vec::new(), contacts: Contacts::new(scene, min) };
-        let asked = view.asked_blocks(seen_world);
+        let asked = view.asked_blocks(visible_world);
         let top = view.measure_heights(scene, (eye_world.z - 1.65) as f32, &near_blocks(&asked));
         view.place_probes(&top, &asked);
         view
@@ -136,9 +136,9 @@ impl SkyView {
 
     /// Blocks of `GRID_M` in which some probe may be asked for: those of the points and their neighbors, as
     /// [`SkyView::openness`] looks up to 2.7 m aside.
-    fn asked_blocks(&self, seen_world: &[Vec3]) -> Vec<bool> {
+    fn asked_blocks(&self, visible_world: &[Vec3]) -> Vec<bool> {
         let mut seen = vec![false; GRID * GRID];
-        for p in seen_world.iter().step_by(3) {
+        for p in visible_world.iter().step_by(3) {
             let (x, y) = ((p.x - self.min[0]) / GRID_M, (p.y - self.min[1]) / GRID_M);
             if x >= 0.0 && y >= 0.0 && x < GRID as f32 && y < GRID as f32 {
                 seen[y as usize * GRID + x as usize] = true;

@@ -1,7 +1,7 @@
 //! What all fragments of a face share.
 
-use super::look::Rays;
 use super::pattern::{hash2, value_noise};
+use super::visibility_pass::Rays;
 use crate::geometry::LEAST_WEIGHT;
 use crate::material::{Material, Pattern, Semantic};
 use crate::math::{Mat3, Vec3};

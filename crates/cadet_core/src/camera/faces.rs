@@ -2,14 +2,14 @@
 
 use super::face::{Face, Raw, ShaderVariant, Stand};
 use super::light::Light;
-use super::look::{Rays, View};
 use super::pattern::hash2;
+use super::visibility_pass::{Rays, View};
 use crate::geometry::Mesh;
 use crate::material::{Material, Pattern};
 use crate::math::Vec3;
 use crate::sense::{BLOCK, DrawnFace, PosedScene, VisibilityBuffer};
 
-/// What collecting needs of a face that was made ready.
+/// What binning needs of a face that was made ready.
 #[derive(Debug, Clone, Copy)]
 struct Brief {
     variant: u32,

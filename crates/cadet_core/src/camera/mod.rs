@@ -2,21 +2,20 @@
 
 mod ambient;
 mod block_sums;
-mod collect;
 mod contact;
 mod coverage;
+mod deferred_shading;
 mod distortion;
 mod exposure;
 mod face;
 mod faces;
+mod fragment_binning;
 mod light;
-mod look;
 mod model;
 mod noise;
-mod paint;
-mod painter;
 mod pattern;
 pub mod png;
+mod radiance_pass;
 mod render;
 mod shade;
 mod shading_batch;
@@ -27,10 +26,11 @@ mod sky;
 mod sky_rows;
 #[cfg(test)]
 mod tests;
+mod visibility_pass;
 
 pub use distortion::{Distortion, Warp};
-pub use look::{Maps, Seen, View, look};
 #[cfg(test)]
 pub(crate) use model::tests::kitti_like;
 pub use model::{CameraModel, Pixel};
-pub use render::{Rendered, paint, paint_through};
+pub use render::{Rendered, render, render_through};
+pub use visibility_pass::{Maps, View, Visibility, visibility_pass};

@@ -34,7 +34,7 @@ pub struct Shadows {
 impl Shadows {
     /// Rasterizes the casters. `sun_world` is the unit vector to the sun, `forward_world` the camera's axis.
     ///
-    /// `seen_world`: points all over what the camera sees; only there are shadows known. Without them, everywhere.
+    /// `visible_world`: points all over what the camera sees; only there are shadows known. Without them, everywhere.
     /// `buffers` are the maps of an earlier frame ([`Shadows::into_buffers`]), whose memory is used again.
     #[must_use]
     pub fn new(
@@ -42,7 +42,7 @@ impl Shadows {
         eye_world: DVec3,
         forward_world: DVec3,
         sun_world: Vec3,
-        seen_world: Option<&[Vec3]>,
+        visible_world: Option<&[Vec3]>,
         mut buffers: Vec<Vec<i16>>,
     ) -> Self {
         let helper = if sun_world.z.abs() < 0.95 { Vec3::Z } else { Vec3::X };
@@ -69,16 +69,16 @@ impl Shadows {
                 drawn: vec![[SIZE, 0]; TILES],
             });
         }
-        shadows.mark_seen(seen_world);
+        shadows.mark_seen(visible_world);
         draw_casters(scene, &shadows.light_from_world(), &mut shadows.maps);
         shadows
     }
 
-    fn mark_seen(&mut self, seen_world: Option<&[Vec3]>) {
+    fn mark_seen(&mut self, visible_world: Option<&[Vec3]>) {
         // The last one stands for what is on no tile.
-        let unseen = vec![if seen_world.is_none() { f32::NEG_INFINITY } else { f32::INFINITY }; TILES * TILES + 1];
+        let unseen = vec![if visible_world.is_none() { f32::NEG_INFINITY } else { f32::INFINITY }; TILES * TILES + 1];
         let mut lowest = [unseen.clone(), unseen];
-        mark(&self.maps, [self.right, self.up, self.sun], seen_world.unwrap_or_default(), &mut lowest);
+        mark(&self.maps, [self.right, self.up, self.sun], visible_world.unwrap_or_default(), &mut lowest);
         for (map, lowest) in self.maps.iter_mut().zip(&lowest) {
             map.seen = SeenTiles::around(lowest);
         }

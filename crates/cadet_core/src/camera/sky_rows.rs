@@ -3,8 +3,8 @@
 use multiversion::multiversion;
 
 use super::light::Light;
-use super::look::Rays;
 use super::noise::MIDDLE_PX;
+use super::visibility_pass::Rays;
 use crate::math::Vec3;
 
 /// The sky in the image, from a coarse lattice: clouds are smooth over so few pixels.

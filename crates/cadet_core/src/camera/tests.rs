@@ -11,7 +11,7 @@ use std::sync::Arc;
 use super::ambient::SkyView;
 use super::shadow::{Asked, Neighbours, Shadows};
 use super::sky::Sky;
-use super::{Rendered, View, look, paint};
+use super::{Rendered, View, render, visibility_pass};
 use crate::frames::{facing, upright};
 use crate::geometry::{LodSet, Mesh, MeshBuilder};
 use crate::instance::Instance;
@@ -67,8 +67,8 @@ fn clear_sun_from(azimuth_deg: f64) -> Weather {
 
 fn picture(instances: &[Instance], weather: &Weather, seed: u64) -> Rendered {
     let posed = PosedScene::new(instances, DVec3::new(0.0, 0.0, EYE_HEIGHT_M));
-    let seen = look(&posed, &view()).unwrap();
-    let image = paint(&posed, &view(), weather, &seen, &mut Stream::from_seed("camera", seed));
+    let seen = visibility_pass(&posed, &view()).unwrap();
+    let image = render(&posed, &view(), weather, &seen, &mut Stream::from_seed("camera", seed));
     Rendered { image, maps: Some(seen.maps(&posed)) }
 }
 
@@ -113,7 +113,7 @@ fn identity_agrees_between_the_two_samplings_and_windows_carry_their_cars_id() {
     let r = maps.unwrap();
     assert_eq!((r.instance.len(), image.len()), (w * h, 3 * w * h));
     let posed = PosedScene::new(&street(), DVec3::new(0.0, 0.0, EYE_HEIGHT_M));
-    let seen = look(&posed, &view()).unwrap();
+    let seen = visibility_pass(&posed, &view()).unwrap();
     for id in [3, 4, 5] {
         let centers = r.instance.iter().filter(|i| **i == id).count() as f64;
         let of_row = |row| (0..w).filter(|column| seen.actor_at_sample(row, *column) == id).count();

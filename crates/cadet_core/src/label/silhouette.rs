@@ -1,7 +1,7 @@
 //! An actor's outline alone, as the camera would see it with nothing else in the world.
 
 use crate::actor::ActorState;
-use crate::camera::{CameraModel, Seen};
+use crate::camera::{CameraModel, Visibility};
 use crate::math::{DPose3, DVec3};
 use crate::sense::{PinholeGrid, PosedInstance, PosedScene, VisibilityBuffer, draw_instances};
 
@@ -47,7 +47,7 @@ pub(super) fn silhouette(
     actor_id: i32,
     camera: &CameraModel,
     world_from_cam: &DPose3,
-    seen: &Seen,
+    seen: &Visibility,
     even_if_hidden: bool,
     buffer: &mut VisibilityBuffer,
 ) -> Silhouette {
@@ -100,7 +100,7 @@ pub fn pixels_of_actors(
     scene: &PosedScene,
     camera: &CameraModel,
     world_from_cam: &DPose3,
-    seen: &Seen,
+    seen: &Visibility,
 ) -> Vec<[f64; 2]> {
     let (pinhole, instances) = (camera.pinhole(), ActorInstances::new(scene));
     let mut buffer = VisibilityBuffer::default();

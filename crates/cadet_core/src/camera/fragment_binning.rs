@@ -1,4 +1,4 @@
-//! Collects what a band of the image shows by shader variant: of each block of the visibility buffer every face once, with the samples
+//! Bins what a band of the image shows by shader variant: of each block of the visibility buffer every face once, with the samples
 //! that show it.
 
 use std::ops::Range;
@@ -7,27 +7,27 @@ use super::coverage::{
     CoverageMask, CoveredFace, FIRST_SAMPLES, any_of_pixels, bits_of, place_of, read_block, samples_within,
     split_by_face, where_nearer, whole_pixels,
 };
+use super::deferred_shading::{BAND, DeferredShader};
 use super::faces::{Faces, Hit};
 use super::light::Light;
-use super::look::{Rays, View};
 use super::noise::MIDDLE_PX;
-use super::painter::{BAND, Painter};
 use super::shading_queue::{BEHIND_STRIDE, FragmentGroup};
 use super::sky_rows::SkyRows;
+use super::visibility_pass::{Rays, View};
 use crate::sense::{BLOCK, VisibilityBuffer};
 
 /// A face that is seen by so few of a block's 64 samples is too small to show how the light changes on it.
 const LONE: u32 = 12;
 /// Rows of pixels of a block: two rows of samples each.
 const ROWS: usize = BLOCK / 2;
-/// Columns of a band that are collected together: what lies together in the image shares faces and shadow texels.
+/// Columns of a band that are binned together: what lies together in the image shares faces and shadow texels.
 const TOGETHER: usize = 64;
 
 /// Fragment groups of a band, and what is known of their faces.
-pub struct Collector<'a> {
+pub struct FragmentBinner<'a> {
     buffer: &'a VisibilityBuffer,
     faces: Faces<'a>,
-    painter: Painter<'a>,
+    shader: DeferredShader<'a>,
     /// The faces that the blocks at hand show.
     covered: Vec<CoveredFace>,
     edges: Vec<Edge>,
@@ -53,17 +53,17 @@ struct Tile {
     top: usize,
     left: usize,
     open: Layer,
-    /// Pixels whose samples see two faces and no transparent surface; of [`Collector::edges`].
+    /// Pixels whose samples see two faces and no transparent surface; of [`FragmentBinner::edges`].
     edges: Range<usize>,
     /// What is seen through transparent surfaces by both samples of pixels, and by one of them.
     behind: [Layer; 2],
-    /// Of [`Collector::covered`].
+    /// Of [`FragmentBinner::covered`].
     transparent: Range<usize>,
 }
 
 /// What some samples of a block see.
 struct Layer {
-    /// Of [`Collector::covered`].
+    /// Of [`FragmentBinner::covered`].
     covered: Range<usize>,
     /// The samples that see nothing.
     sky: CoverageMask,
@@ -80,24 +80,24 @@ struct Target {
     weight: f32,
 }
 
-impl<'a> Collector<'a> {
+impl<'a> FragmentBinner<'a> {
     pub fn new(
         buffer: &'a VisibilityBuffer,
         faces: Faces<'a>,
-        painter: Painter<'a>,
+        shader: DeferredShader<'a>,
         view: &View,
         rays: &'a Rays,
         light: &'a Light,
     ) -> Self {
         let sky = SkyRows::new(view.width, view.height, rays, light);
         let (covered, edges, transparent) = (Vec::new(), Vec::new(), Vec::new());
-        Self { buffer, faces, painter, covered, edges, transparent, sky, width: view.width }
+        Self { buffer, faces, shader, covered, edges, transparent, sky, width: view.width }
     }
 
-    /// Collects the rows of a band.
-    pub fn paint_band(&mut self, first_row: usize, rows: usize) {
+    /// Bins and shades the rows of a band.
+    pub fn shade_band(&mut self, first_row: usize, rows: usize) {
         let width = self.width;
-        self.painter.clear(first_row * width..(first_row + rows) * width);
+        self.shader.clear(first_row * width..(first_row + rows) * width);
         for start in (0..width).step_by(TOGETHER) {
             let mut tiles = [const { None }; TOGETHER / BLOCK * BAND / ROWS];
             let places = (start..(start + TOGETHER).min(width))
@@ -122,17 +122,17 @@ impl<'a> Collector<'a> {
             }
             self.faces.make_asked();
             for tile in tiles.iter().flatten() {
-                self.collect(tile);
+                self.bin(tile);
             }
         }
         if !self.transparent.is_empty() {
             // Transparent surfaces come after what they show.
-            self.painter.shade_all(&self.faces);
+            self.shader.shade_all(&self.faces);
             self.transparent.sort_by_key(|(variant, ..)| *variant);
             for (variant, group, samples) in self.transparent.drain(..) {
-                self.painter.push(&self.faces, variant, &group, samples);
+                self.shader.push(&self.faces, variant, &group, samples);
             }
-            self.painter.shade_all(&self.faces);
+            self.shader.shade_all(&self.faces);
         }
         if self.faces.are_many() {
             self.finish();
@@ -142,7 +142,7 @@ impl<'a> Collector<'a> {
 
     /// Shades what still waits.
     pub fn finish(&mut self) {
-        self.painter.shade_all(&self.faces);
+        self.shader.shade_all(&self.faces);
     }
 
     /// Finds what a block shows, and asks for its faces.
@@ -192,7 +192,7 @@ impl<'a> Collector<'a> {
     }
 
     /// Passes on what a block shows.
-    fn collect(&mut self, tile: &Tile) {
+    fn bin(&mut self, tile: &Tile) {
         // Pixels on the edge between faces that look alike are shaded once.
         let covered = &mut self.covered[tile.open.covered.clone()];
         for Edge { faces: [first, second], second: sample } in &self.edges[tile.edges.clone()] {
@@ -205,14 +205,14 @@ impl<'a> Collector<'a> {
         }
         let number = (tile.top * self.width + tile.left) as u32;
         let image = Target { first: number, stride: self.width as u32, weight: 1.0 };
-        self.collect_layer(tile, &tile.open, &image);
+        self.bin_layer(tile, &tile.open, &image);
         if tile.transparent.is_empty() {
             return;
         }
-        let behind = self.painter.new_behind();
+        let behind = self.shader.new_behind();
         // Pixels of which one sample sees a transparent surface have the color of that sample behind it.
         for (layer, weight) in tile.behind.iter().zip([1.0, 2.0]) {
-            self.collect_layer(tile, layer, &Target { first: behind, stride: BEHIND_STRIDE, weight });
+            self.bin_layer(tile, layer, &Target { first: behind, stride: BEHIND_STRIDE, weight });
         }
         for i in tile.transparent.clone() {
             let covered = self.covered[i];
@@ -221,16 +221,16 @@ impl<'a> Collector<'a> {
         }
     }
 
-    fn collect_layer(&mut self, tile: &Tile, layer: &Layer, target: &Target) {
+    fn bin_layer(&mut self, tile: &Tile, layer: &Layer, target: &Target) {
         for i in layer.covered.clone() {
             let covered = self.covered[i];
             if covered.coverage != 0 {
                 let (variant, group) = self.group(tile, &covered, target);
-                self.painter.push(&self.faces, variant, &group, covered.coverage);
+                self.shader.push(&self.faces, variant, &group, covered.coverage);
             }
         }
         if layer.sky != 0 {
-            self.collect_sky(tile, layer.sky, target);
+            self.fill_sky(tile, layer.sky, target);
         }
     }
 
@@ -254,20 +254,20 @@ impl<'a> Collector<'a> {
     }
 
     /// The sky in some samples.
-    fn collect_sky(&mut self, tile: &Tile, samples: CoverageMask, target: &Target) {
+    fn fill_sky(&mut self, tile: &Tile, samples: CoverageMask, target: &Target) {
         let columns = BLOCK.min(self.width - tile.left);
         for row in 0..ROWS {
             let of_row = samples_within(1, columns) << (2 * row);
             let (line, first) = (tile.top + row, target.first as usize + row * target.stride as usize);
             if samples & of_row == of_row {
-                self.sky.fill(tile.left, line, self.painter.row(first, columns));
+                self.sky.fill(tile.left, line, self.shader.row(first, columns));
                 continue;
             }
             for bit in bits_of(any_of_pixels(samples & of_row) & FIRST_SAMPLES) {
                 let column = place_of(bit) % BLOCK;
                 let color = self.sky.at(tile.left + column, line);
                 let share = if samples >> bit & 3 == 3 { 1.0 } else { 0.5 };
-                self.painter.add((first + column) as u32, share * target.weight, color);
+                self.shader.add((first + column) as u32, share * target.weight, color);
             }
         }
     }

@@ -1,26 +1,26 @@
-//! Gives what the camera's samples meet its color: it is collected by shader variant, band by band of rows, and shaded together.
+//! The radiance of every pixel: fragments are binned by shader variant, band by band of rows, and shaded in batches.
 
-use super::collect::Collector;
+use super::deferred_shading::{BAND, DeferredShader};
 use super::face::ShaderVariant;
 use super::faces::Faces;
+use super::fragment_binning::FragmentBinner;
 use super::light::Light;
-use super::look::{Rays, Samples, View};
-use super::painter::{BAND, Painter};
 use super::shading_batch::ShadingCamera;
 use super::shading_queue::ShadingQueue;
+use super::visibility_pass::{Rays, Samples, View};
 use crate::sense::{BLOCK, PosedScene};
 
-/// Values that [`paint`] needs room for: those of the image, of what lies behind a band's transparent surfaces, and of the
+/// Values that [`radiance_pass`] needs room for: those of the image, of what lies behind a band's transparent surfaces, and of the
 /// pixel after the last.
 pub fn room_for(width: usize, height: usize) -> usize {
     (height * width + width.div_ceil(BLOCK) * BLOCK * BAND + 1) * 3
 }
 
 /// Linear radiance of every pixel, interleaved RGB, into `rgb`, which has room for more; see [`room_for`].
-pub fn paint(scene: &PosedScene, view: &View, rays: &Rays, light: &Light, samples: &Samples, rgb: &mut [f32]) {
+pub fn radiance_pass(scene: &PosedScene, view: &View, rays: &Rays, light: &Light, samples: &Samples, rgb: &mut [f32]) {
     let (width, height) = (view.width, view.height);
     let image = width * height;
-    let painter = Painter {
+    let shader = DeferredShader {
         queues: vec![ShadingQueue::NONE; ShaderVariant::COUNT],
         batch: Box::default(),
         light,
@@ -36,9 +36,9 @@ pub fn paint(scene: &PosedScene, view: &View, rays: &Rays, light: &Light, sample
         rgb,
     };
     let faces = Faces::new(scene, view, rays, light, &samples.0);
-    let mut collector = Collector::new(&samples.0, faces, painter, view, rays, light);
+    let mut binner = FragmentBinner::new(&samples.0, faces, shader, view, rays, light);
     for first_row in (0..height).step_by(BAND) {
-        collector.paint_band(first_row, (height - first_row).min(BAND));
+        binner.shade_band(first_row, (height - first_row).min(BAND));
     }
-    collector.finish();
+    binner.finish();
 }

@@ -1,4 +1,4 @@
-//! What a camera's samples meet: depth and identity, before light and color.
+//! The visibility pass: what a camera's samples meet: depth and identity, before light and color.
 
 use std::cell::RefCell;
 use std::ops::Range;
@@ -37,9 +37,9 @@ impl View {
     }
 }
 
-/// What the camera looks at, before light and color.
+/// What the camera's samples see, before light and color.
 #[derive(Debug)]
-pub struct Seen {
+pub struct Visibility {
     /// Two samples a pixel, in a quincunx: one on its center, one half a pixel to the right and below.
     pub(super) samples: Samples,
     grid: PinholeGrid,
@@ -58,7 +58,7 @@ pub struct Maps {
     pub semantic: Vec<u8>,
 }
 
-impl Seen {
+impl Visibility {
     /// As [`Maps::depth`], at the center of a pixel.
     #[must_use]
     pub fn depth_at(&self, row: usize, column: usize) -> f32 {
@@ -127,7 +127,7 @@ impl Seen {
         self.samples.0.front(row, column).map_or(-1, |(face, _)| self.actor_ids[face.instance as usize])
     }
 
-    /// How many samples of a window see an actor; see [`Seen::actor_at_sample`].
+    /// How many samples of a window see an actor; see [`Visibility::actor_at_sample`].
     #[must_use]
     pub fn samples_of_actor(&self, actor_id: i32, rows: Range<usize>, columns: Range<usize>) -> usize {
         let buffer = &self.samples.0;
@@ -168,13 +168,13 @@ impl Drop for Samples {
 ///
 /// # Errors
 /// Those of [`PinholeGrid::new`]: a camera that is none.
-pub fn look(scene: &PosedScene, view: &View) -> Result<Seen> {
+pub fn visibility_pass(scene: &PosedScene, view: &View) -> Result<Visibility> {
     let (width, height) = (view.width, view.height);
     let grid = PinholeGrid::quincunx(view.world_from_cam, view.intrinsics, [0.0, 0.0], height * 2, width)?;
     let mut buffer = SPARE.take();
     draw(scene, &grid, &mut buffer);
     let actor_ids = scene.instances.iter().map(|i| i.actor_id).collect();
-    Ok(Seen { samples: Samples(buffer), grid, actor_ids })
+    Ok(Visibility { samples: Samples(buffer), grid, actor_ids })
 }
 
 /// World directions of the image's points, of length 1 along the optical axis.
@@ -210,7 +210,7 @@ impl Rays {
 }
 
 /// Points all over what the camera sees, one for every eight pixels; transparent surfaces apart from what stands behind.
-pub(super) fn seen_points(rays: &Rays, samples: &Samples, out: &mut Vec<Vec3>) {
+pub(super) fn visible_points(rays: &Rays, samples: &Samples, out: &mut Vec<Vec3>) {
     out.clear();
     let buffer = &samples.0;
     let across = buffer.blocks_across.max(1);

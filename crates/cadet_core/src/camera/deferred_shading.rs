@@ -1,4 +1,4 @@
-//! Collects fragment groups by shader variant, shades full batches, and adds their colors to the picture.
+//! Queues fragment groups by shader variant, shades full batches, and adds their colors to the picture.
 
 use super::coverage::CoverageMask;
 use super::face::ShaderVariant;
@@ -7,11 +7,11 @@ use super::light::Light;
 use super::shading_batch::{ShadingBatch, ShadingCamera};
 use super::shading_queue::{BATCH_SIZE, BEHIND, FragmentGroup, ShadingQueue};
 
-/// Rows that are collected together.
+/// Rows that are binned together.
 pub(super) const BAND: usize = 8;
 
 /// Shades the groups of a shader variant as soon as there are enough, and adds them to the picture.
-pub(super) struct Painter<'a> {
+pub(super) struct DeferredShader<'a> {
     /// By shader variant.
     pub queues: Vec<ShadingQueue>,
     pub batch: Box<ShadingBatch>,
@@ -23,7 +23,7 @@ pub(super) struct Painter<'a> {
     pub rgb: &'a mut [f32],
 }
 
-impl Painter<'_> {
+impl DeferredShader<'_> {
     /// Empties some rows' pixels and those behind transparent surfaces.
     pub fn clear(&mut self, pixels: std::ops::Range<usize>) {
         self.rgb[pixels.start * 3..pixels.end * 3].fill(0.0);
