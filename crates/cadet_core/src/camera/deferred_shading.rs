@@ -5,7 +5,7 @@ use super::face::ShaderVariant;
 use super::faces::Faces;
 use super::light::Light;
 use super::shading_batch::{ShadingBatch, ShadingCamera};
-use super::shading_queue::{BATCH_SIZE, BEHIND, FragmentGroup, ShadingQueue};
+use super::shading_queue::{BACKGROUND_PIXELS, BATCH_SIZE, FragmentGroup, ShadingQueue};
 
 /// Rows that are binned together.
 pub(super) const BAND: usize = 8;
@@ -18,8 +18,8 @@ pub(super) struct DeferredShader<'a> {
     pub light: &'a Light,
     pub camera: ShadingCamera,
     /// Where pixels begin that have what is seen through transparent surfaces, and how many there are.
-    pub first_behind: usize,
-    pub behind: usize,
+    pub first_background: usize,
+    pub background: usize,
     pub rgb: &'a mut [f32],
 }
 
@@ -27,14 +27,14 @@ impl DeferredShader<'_> {
     /// Empties some rows' pixels and those behind transparent surfaces.
     pub fn clear(&mut self, pixels: std::ops::Range<usize>) {
         self.rgb[pixels.start * 3..pixels.end * 3].fill(0.0);
-        self.behind = 0;
+        self.background = 0;
     }
 
-    /// The first of [`BEHIND`] black pixels for what is seen through a block's transparent surfaces.
-    pub fn new_behind(&mut self) -> u32 {
-        let first = self.first_behind + self.behind;
-        self.behind += BEHIND;
-        self.rgb[first * 3..(first + BEHIND) * 3].fill(0.0);
+    /// The first of [`BACKGROUND_PIXELS`] black pixels for what is seen through a block's transparent surfaces.
+    pub fn new_background(&mut self) -> u32 {
+        let first = self.first_background + self.background;
+        self.background += BACKGROUND_PIXELS;
+        self.rgb[first * 3..(first + BACKGROUND_PIXELS) * 3].fill(0.0);
         first as u32
     }
 
@@ -76,7 +76,7 @@ impl DeferredShader<'_> {
         if queue.count == 0 {
             return;
         }
-        let known = (faces.faces.as_slice(), faces.open.as_slice());
+        let known = (faces.faces.as_slice(), faces.ambient.as_slice());
         self.batch.shade(self.light, &self.camera, ShaderVariant::of(variant), queue, known, self.rgb);
         let n = queue.count.min(BATCH_SIZE);
         queue.clear();

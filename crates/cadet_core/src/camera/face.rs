@@ -64,7 +64,7 @@ pub struct Face {
     pub at_eye: [f32; 2],
     pub face_hash: u32,
     pub place_hash: u32,
-    pub specular: f32,
+    pub f0: f32,
     pub roughness: f32,
     pub transmission: f32,
     /// Axes of the texture; those of leaves are the camera's.
@@ -107,8 +107,8 @@ pub struct Raw {
     pub normals: [Vec3; 3],
 }
 
-/// Where an instance stands.
-pub struct Stand {
+/// An instance's transform, relative to the eye.
+pub struct InstanceTransform {
     pub world_from_local: Mat3,
     /// The origin of the mesh's frame, relative to the eye.
     pub origin: Vec3,
@@ -118,12 +118,18 @@ pub struct Stand {
 impl Face {
     /// Makes a face ready, and finds its shader variant.
     #[inline(always)]
-    pub fn make(raw: &Raw, stand: &Stand, material: &Material, rays: &Rays, is_raining: bool) -> (Self, ShaderVariant) {
+    pub fn make(
+        raw: &Raw,
+        transform: &InstanceTransform,
+        material: &Material,
+        rays: &Rays,
+        is_raining: bool,
+    ) -> (Self, ShaderVariant) {
         let ([a, b, c], [na, nb, nc]) = (raw.vertices, raw.normals);
-        let turn = |v: Vec3| stand.world_from_local * v;
+        let turn = |v: Vec3| transform.world_from_local * v;
         let (ab, ac) = (b - a, c - a);
         let normal_local = ab.cross(ac).normalize_or_zero();
-        let origin = turn(a) + stand.origin;
+        let origin = turn(a) + transform.origin;
         let face_normal = turn(normal_local);
         let side = if face_normal.dot(origin) > 0.0 { -1.0 } else { 1.0 };
         let face_normal = face_normal * side;
@@ -181,12 +187,16 @@ impl Face {
             to_c,
             weights_at_eye: [-to_b.dot(origin), -to_c.dot(origin)],
             least_weight: if raw.is_quad { LEAST_WEIGHT } else { 0.0 },
-            albedo: if is_leaf { clump(a, ab, stand) * Vec3::from(material.albedo) } else { material.albedo.into() },
-            specular: material.specular,
+            albedo: if is_leaf {
+                clump(a, ab, transform) * Vec3::from(material.albedo)
+            } else {
+                material.albedo.into()
+            },
+            f0: material.specular,
             roughness: material.roughness,
             transmission: material.transmission,
-            face_hash: hash2(raw.face as i32, 0, stand.place_hash),
-            place_hash: stand.place_hash,
+            face_hash: hash2(raw.face as i32, 0, transform.place_hash),
+            place_hash: transform.place_hash,
             flags: flag(Flags::GROUND, is_ground)
                 | flag(Flags::CONTACT, face_normal.z > 0.3 && !is_vehicle && !is_leaf)
                 | flag(Flags::VEHICLE, is_vehicle)
@@ -199,11 +209,11 @@ impl Face {
 /// How bright a leaf card of a plant is, by its corner and edge in the plant's frame: clumps of leaves stand out, others lie in
 /// their shade.
 #[inline(always)]
-fn clump(at: Vec3, edge: Vec3, stand: &Stand) -> f32 {
+fn clump(at: Vec3, edge: Vec3, transform: &InstanceTransform) -> f32 {
     let (u, v) = (at.x + 0.7 * at.y, at.z + 0.7 * (at.y - at.x));
     // What is longer than a clump, as the inside of hedges, has the mean of many.
     let size = edge.dot(edge);
-    1.0 + (value_noise(u * 1.6, v * 1.6, stand.place_hash) - 0.5) * 1.7 / (1.0 + size * size)
+    1.0 + (value_noise(u * 1.6, v * 1.6, transform.place_hash) - 0.5) * 1.7 / (1.0 + size * size)
 }
 
 fn is_vehicle(semantic: Semantic) -> bool {

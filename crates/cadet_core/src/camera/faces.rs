@@ -1,6 +1,6 @@
-//! Which faces were seen lately, and what of the sky they see: neighboring pixels mostly show the same one.
+//! Which faces were seen lately, and their ambient light: neighboring pixels mostly show the same one.
 
-use super::face::{Face, Raw, ShaderVariant, Stand};
+use super::face::{Face, InstanceTransform, Raw, ShaderVariant};
 use super::light::Light;
 use super::pattern::hash2;
 use super::visibility_pass::{Rays, View};
@@ -17,10 +17,10 @@ struct Brief {
     /// Material and normal, in so many steps that the eye sees none.
     look: u32,
     is_leaf: bool,
-    /// Number of the block for which the sky's visibility was last found, and where it is kept; leaves have one for all
+    /// Number of the block for which the ambient terms were last found, and where it is kept; leaves have one for all
     /// blocks.
     block: u32,
-    open: u32,
+    ambient: u32,
 }
 
 /// What is known of a drawn face.
@@ -52,17 +52,17 @@ const BLOCK_ROWS: u32 = BLOCK as u32 / 2;
 const NOT_MADE: u32 = u32::MAX;
 /// No block.
 const NOWHERE: u32 = u32::MAX;
-/// The block of leaves whose visibility of the sky is known.
+/// The block of leaves whose ambient terms are known.
 const EVERYWHERE: u32 = u32::MAX - 1;
 
 /// What shading needs of an instance, in single precision.
 struct Placed<'a> {
     mesh: &'a Mesh,
     materials: &'a [Material],
-    stand: Stand,
+    transform: InstanceTransform,
 }
 
-/// Faces and visibilities of the sky that were seen lately. Faces go by their numbers in the visibility buffer.
+/// Faces and ambient terms that were made lately. Faces go by their numbers in the visibility buffer.
 pub struct Faces<'a> {
     light: &'a Light,
     rays: &'a Rays,
@@ -81,19 +81,20 @@ pub struct Faces<'a> {
     brief: Vec<Brief>,
     /// As `faces`; see [`DrawnFace::inverse_depth_on_image`].
     planes: Vec<[f64; 3]>,
-    /// What of the sky is seen: of a leaf one [`Open`], of other faces [`PER_BLOCK`] in each block.
-    pub open: Vec<Open>,
+    /// Ambient terms: of a leaf one [`AmbientTerms`], of other faces [`PER_BLOCK`] in each block.
+    pub ambient: Vec<AmbientTerms>,
     /// Of faces of one instance that lie alike within a block, and where it is kept.
     alike: Vec<(Alike, u32)>,
     /// As `alike`, at the corners of blocks.
-    corners: Vec<(Alike, Open)>,
+    corners: Vec<(Alike, AmbientTerms)>,
     /// Of leaves that are near each other, and where it is kept.
     crowns: Vec<(Crown, u32)>,
 }
 
-/// The sky's visibility, padded, so that it is one load: towards the six half axes; for flat faces the light from all
-/// around, then the visibility towards the four level half axes.
-pub type Open = [f32; 8];
+/// Sky visibility and ambient light, padded, so that it is one load: the visibility towards the six half axes; for flat faces
+/// the ambient
+/// irradiance, then the visibility towards the four level half axes.
+pub type AmbientTerms = [f32; 8];
 
 /// In a block it changes evenly from corner to corner, so that nothing jumps where blocks meet: its value in the first
 /// corner, its changes to the right and downwards, and the change of the former by the latter.
@@ -118,9 +119,9 @@ const CROWN_CELLS_AWAY: f32 = 16.0;
 
 /// No leaf.
 const NO_PLANT: u32 = u32::MAX;
-/// Faces and visibilities are forgotten when there are so many.
+/// Faces and ambient terms are forgotten when there are so many.
 const MAX_FACES: usize = 2500;
-const MAX_OPEN: usize = 20_000;
+const MAX_AMBIENT: usize = 20_000;
 /// More than the samples of 64 x 8 pixels, of both layers.
 const MAX_ASKED: usize = 4096;
 
@@ -137,7 +138,7 @@ impl<'a> Faces<'a> {
         let placed = scene.instances.iter().map(|i| Placed {
             mesh: &i.mesh,
             materials: i.palette.materials(),
-            stand: Stand {
+            transform: InstanceTransform {
                 world_from_local: i.placement.rotation.as_mat3(),
                 origin: (i.placement.translation - eye).as_vec3(),
                 place_hash: hash2((i.center_world.x * 8.0) as i32, (i.center_world.y * 8.0) as i32, 0x97AC),
@@ -160,7 +161,7 @@ impl<'a> Faces<'a> {
             brief: Vec::with_capacity(2 * MAX_FACES),
             planes: Vec::with_capacity(2 * MAX_FACES),
             intrinsics: view.intrinsics,
-            open: Vec::with_capacity(2 * MAX_OPEN),
+            ambient: Vec::with_capacity(2 * MAX_AMBIENT),
             alike: vec![(NOT_ALIKE, 0); ALIKE],
             corners: vec![(NOT_ALIKE, [0.0; 8]); CORNERS],
             crowns: vec![(NO_CROWN, 0); CROWNS],
@@ -169,7 +170,7 @@ impl<'a> Faces<'a> {
 
     /// True if so much has been made that it leaves the cache.
     pub fn are_many(&self) -> bool {
-        self.faces.len() > MAX_FACES || self.open.len() > MAX_OPEN
+        self.faces.len() > MAX_FACES || self.ambient.len() > MAX_AMBIENT
     }
 
     /// Drops what has been made.
@@ -177,7 +178,7 @@ impl<'a> Faces<'a> {
         self.faces.clear();
         self.brief.clear();
         self.planes.clear();
-        self.open.clear();
+        self.ambient.clear();
         self.alike.fill((NOT_ALIKE, 0));
         self.crowns.fill((NO_CROWN, 0));
         for made in &mut self.made {
@@ -228,7 +229,7 @@ impl<'a> Faces<'a> {
         for raw in &raw {
             let placed = &self.placed[raw.instance as usize];
             let material = &placed.materials[usize::from(raw.slot)];
-            let (face, variant) = Face::make(raw, &placed.stand, material, self.rays, self.light.wetness > 0.0);
+            let (face, variant) = Face::make(raw, &placed.transform, material, self.rays, self.light.wetness > 0.0);
             let is_leaf = variant.pattern == Pattern::Leaves;
             let [x, y, z] = face.face_normal.to_array().map(|n| (n * 14.0 + 15.5) as u32);
             let look = x | y << 5 | z << 10 | u32::from(raw.slot) << 16;
@@ -238,7 +239,7 @@ impl<'a> Faces<'a> {
                 look,
                 is_leaf,
                 block: NOWHERE,
-                open: 0,
+                ambient: 0,
             });
             self.faces.push(face);
         }
@@ -269,10 +270,10 @@ impl<'a> Faces<'a> {
         [here, by_column, by_row].map(|n| n as f32)
     }
 
-    /// Index of the sky's visibility of a face in a block. The block's first corner is the image point (u, v) with the
+    /// Index of the ambient terms of a face in a block. The block's first corner is the image point (u, v) with the
     /// inverse depth `inverse_depth`; see [`Faces::inverse_depth_at`]. `there`: the inverse depth at a hit.
     #[inline]
-    pub fn open_index(
+    pub fn ambient_index(
         &mut self,
         index: u32,
         block: u32,
@@ -282,19 +283,19 @@ impl<'a> Faces<'a> {
     ) -> u32 {
         let brief = &self.brief[index as usize];
         if brief.block == block || brief.block == EVERYWHERE {
-            return brief.open;
+            return brief.ambient;
         }
         if brief.is_leaf {
-            self.find_open_leaf(index, &there)
+            self.find_leaf_ambient(index, &there)
         } else {
-            self.find_open(index, block, (u, v), inverse_depth, &there)
+            self.find_ambient(index, block, (u, v), inverse_depth, &there)
         }
     }
 
     /// A leaf's. Those of a plant that lie in one cell share it; each is put into a cell next to its own by chance, the
     /// nearer the likelier, so that no cell shows.
     #[inline(never)]
-    fn find_open_leaf(&mut self, index: u32, hit: &Hit) -> u32 {
+    fn find_leaf_ambient(&mut self, index: u32, hit: &Hit) -> u32 {
         let depth = 1.0 / hit.inverse_depth;
         let point_world = self.rays.eye + self.rays.direction(hit.u, hit.v) * depth;
         // The power of two below, so that cells stay where they are as the camera moves.
@@ -308,18 +309,18 @@ impl<'a> Faces<'a> {
         let (known, kept) = &mut self.crowns[mixed as usize % CROWNS];
         if *known != key {
             // Leaves turn to all sides.
-            let [a, b, c, d, e, f] = self.light.sky_view.openness(cell * cell_m, Vec3::ZERO);
-            (*known, *kept) = (key, self.open.len() as u32);
-            self.open.push([a, b, c, d, e, f, 0.0, 0.0]);
+            let [a, b, c, d, e, f] = self.light.sky_probes.sky_visibility(cell * cell_m, Vec3::ZERO);
+            (*known, *kept) = (key, self.ambient.len() as u32);
+            self.ambient.push([a, b, c, d, e, f, 0.0, 0.0]);
         }
-        (brief.block, brief.open) = (EVERYWHERE, *kept);
+        (brief.block, brief.ambient) = (EVERYWHERE, *kept);
         *kept
     }
 
     #[inline(never)]
-    fn find_open(&mut self, index: u32, block: u32, (u, v): (f32, f32), inverse_depth: [f32; 3], hit: &Hit) -> u32 {
+    fn find_ambient(&mut self, index: u32, block: u32, (u, v): (f32, f32), inverse_depth: [f32; 3], hit: &Hit) -> u32 {
         let brief = &mut self.brief[index as usize];
-        let found = self.open.len() as u32;
+        let found = self.ambient.len() as u32;
         let normal = self.faces[index as usize].face_normal;
         let [coarse, in_cell] = {
             let coarse = normal.to_array().map(|n| (n * 7.0 + 8.0) as u32);
@@ -331,18 +332,18 @@ impl<'a> Faces<'a> {
             let key = (block, brief.instance, coarse, u32::from(hit.is_lone));
             let (known, index) = &mut self.alike[in_cell as usize % ALIKE];
             if *known == key {
-                (brief.block, brief.open) = (block, *index);
+                (brief.block, brief.ambient) = (block, *index);
                 return *index;
             }
             (*known, *index) = (key, found);
         }
-        (brief.block, brief.open) = (block, found);
+        (brief.block, brief.ambient) = (block, found);
         let brief = *brief;
         let is_flat = ShaderVariant::of(brief.variant as usize).is_flat();
         if hit.is_lone {
             let point_world = self.rays.eye + self.rays.direction(hit.u, hit.v) * (1.0 / hit.inverse_depth);
             let even = [0.0; 8];
-            self.open.extend([open_of(self.light, point_world, normal, is_flat), even, even, even]);
+            self.ambient.extend([ambient_of(self.light, point_world, normal, is_flat), even, even, even]);
             return found;
         }
         let (column, row) = (block % self.blocks_across, block / self.blocks_across);
@@ -357,28 +358,29 @@ impl<'a> Faces<'a> {
             let is_far = inverse_depth < 1.0 / ALIKE_FROM_M;
             let key = (corner, brief.instance, if is_far { coarse } else { brief.look }, u32::from(is_far));
             let slot = corner.wrapping_mul(0x9E37_79B1) ^ in_cell.wrapping_mul(0x85EB_CA6B);
-            let (known, open) = &mut self.corners[(slot >> 20) as usize % CORNERS];
+            let (known, ambient) = &mut self.corners[(slot >> 20) as usize % CORNERS];
             if *known != key {
                 let point_world = self.rays.eye + self.rays.direction(u + du, v + dv) * (1.0 / inverse_depth);
-                (*known, *open) = (key, open_of(self.light, point_world, normal, is_flat));
+                (*known, *ambient) = (key, ambient_of(self.light, point_world, normal, is_flat));
             }
-            *open
+            *ambient
         });
-        let change = |from: &Open, to: &Open| -> Open { std::array::from_fn(|k| to[k] - from[k]) };
+        let change =
+            |from: &AmbientTerms, to: &AmbientTerms| -> AmbientTerms { std::array::from_fn(|k| to[k] - from[k]) };
         let (rightwards, further) = (change(&first, &right), change(&below, &across));
-        self.open.extend([first, rightwards, change(&first, &below), change(&rightwards, &further)]);
+        self.ambient.extend([first, rightwards, change(&first, &below), change(&rightwards, &further)]);
         found
     }
 }
 
-/// What a point of a surface sees of the sky.
+/// The ambient terms of a point of a surface.
 #[inline(always)]
-fn open_of(light: &Light, point_world: Vec3, normal: Vec3, is_flat: bool) -> Open {
-    let open = light.sky_view.openness(point_world, normal);
-    let [a, b, c, d, e, f] = open;
+fn ambient_of(light: &Light, point_world: Vec3, normal: Vec3, is_flat: bool) -> AmbientTerms {
+    let sky_visibility = light.sky_probes.sky_visibility(point_world, normal);
+    let [a, b, c, d, e, f] = sky_visibility;
     if is_flat {
-        let around = light.sky.all_around(normal, &open);
-        [around.x, around.y, around.z, a, b, c, d, 0.0]
+        let ambient = light.sky.ambient_with_bounce(normal, &sky_visibility);
+        [ambient.x, ambient.y, ambient.z, a, b, c, d, 0.0]
     } else {
         [a, b, c, d, e, f, 0.0, 0.0]
     }

@@ -11,7 +11,7 @@ use super::deferred_shading::{BAND, DeferredShader};
 use super::faces::{Faces, Hit};
 use super::light::Light;
 use super::noise::MIDDLE_PX;
-use super::shading_queue::{BEHIND_STRIDE, FragmentGroup};
+use super::shading_queue::{BACKGROUND_STRIDE, FragmentGroup};
 use super::sky_rows::SkyRows;
 use super::visibility_pass::{Rays, View};
 use crate::sense::{BLOCK, VisibilityBuffer};
@@ -52,11 +52,11 @@ struct Tile {
     /// First pixel row and column.
     top: usize,
     left: usize,
-    open: Layer,
+    uncovered: Layer,
     /// Pixels whose samples see two faces and no transparent surface; of [`FragmentBinner::edges`].
     edges: Range<usize>,
     /// What is seen through transparent surfaces by both samples of pixels, and by one of them.
-    behind: [Layer; 2],
+    background: [Layer; 2],
     /// Of [`FragmentBinner::covered`].
     transparent: Range<usize>,
 }
@@ -151,23 +151,23 @@ impl<'a> FragmentBinner<'a> {
         let none = || Layer { covered: 0..0, sky: 0 };
         let block = number as u32;
         let mut tile =
-            Tile { block, top, left, open: none(), edges: 0..0, behind: [none(), none()], transparent: 0..0 };
+            Tile { block, top, left, uncovered: none(), edges: 0..0, background: [none(), none()], transparent: 0..0 };
         if let Some(face) = self.buffer.only_face(number) {
             self.covered.push(CoveredFace { face, coverage: inside });
-            tile.open.covered = first_covered..self.covered.len();
+            tile.uncovered.covered = first_covered..self.covered.len();
         } else {
             let (block, transparent) = (self.buffer.opaque(number), self.buffer.transparent(number));
             let behind = transparent.map_or(0, |transparent| where_nearer(transparent, block) & inside);
-            let (open, both) = (inside & !behind, whole_pixels(behind));
+            let (uncovered, both) = (inside & !behind, whole_pixels(behind));
             let (mut numbers, differ) = read_block(block);
-            let whole_open = whole_pixels(open);
-            for bit in bits_of(differ & (whole_open | both)) {
+            let whole_uncovered = whole_pixels(uncovered);
+            for bit in bits_of(differ & (whole_uncovered | both)) {
                 let (second, first) = (place_of(bit), place_of(bit - 1));
                 let faces = [numbers[first], numbers[second]];
                 // They differ without order: the first stands for both.
                 if self.faces.are_of_one_plant(faces[0], faces[1]) {
                     numbers[second] = faces[0];
-                } else if whole_open >> bit & 1 == 1 {
+                } else if whole_uncovered >> bit & 1 == 1 {
                     self.edges.push(Edge { faces, second: 1 << bit });
                 }
             }
@@ -176,10 +176,10 @@ impl<'a> FragmentBinner<'a> {
                 let sky = split_by_face(&numbers, of, &mut self.covered);
                 Layer { covered: start..self.covered.len(), sky }
             };
-            tile.open = layer(open);
+            tile.uncovered = layer(uncovered);
             tile.edges = first_edge..self.edges.len();
             if let Some(transparent) = transparent.filter(|_| behind != 0) {
-                tile.behind = [layer(both), layer(behind & !both)];
+                tile.background = [layer(both), layer(behind & !both)];
                 let start = self.covered.len();
                 let _ = split_by_face(&read_block(transparent).0, behind, &mut self.covered);
                 tile.transparent = start..self.covered.len();
@@ -194,7 +194,7 @@ impl<'a> FragmentBinner<'a> {
     /// Passes on what a block shows.
     fn bin(&mut self, tile: &Tile) {
         // Pixels on the edge between faces that look alike are shaded once.
-        let covered = &mut self.covered[tile.open.covered.clone()];
+        let covered = &mut self.covered[tile.uncovered.covered.clone()];
         for Edge { faces: [first, second], second: sample } in &self.edges[tile.edges.clone()] {
             if self.faces.are_alike(*first, *second) {
                 for covered in covered.iter_mut() {
@@ -205,19 +205,19 @@ impl<'a> FragmentBinner<'a> {
         }
         let number = (tile.top * self.width + tile.left) as u32;
         let image = Target { first: number, stride: self.width as u32, weight: 1.0 };
-        self.bin_layer(tile, &tile.open, &image);
+        self.bin_layer(tile, &tile.uncovered, &image);
         if tile.transparent.is_empty() {
             return;
         }
-        let behind = self.shader.new_behind();
+        let background = self.shader.new_background();
         // Pixels of which one sample sees a transparent surface have the color of that sample behind it.
-        for (layer, weight) in tile.behind.iter().zip([1.0, 2.0]) {
-            self.bin_layer(tile, layer, &Target { first: behind, stride: BEHIND_STRIDE, weight });
+        for (layer, weight) in tile.background.iter().zip([1.0, 2.0]) {
+            self.bin_layer(tile, layer, &Target { first: background, stride: BACKGROUND_STRIDE, weight });
         }
         for i in tile.transparent.clone() {
             let covered = self.covered[i];
             let (variant, group) = self.group(tile, &covered, &image);
-            self.transparent.push((variant, FragmentGroup { behind, ..group }, covered.coverage));
+            self.transparent.push((variant, FragmentGroup { background, ..group }, covered.coverage));
         }
     }
 
@@ -248,9 +248,9 @@ impl<'a> FragmentBinner<'a> {
         let there = inverse_depth[0] + inverse_depth[1] * column + inverse_depth[2] * row;
         let is_lone = covered.coverage.count_ones() <= LONE;
         let hit = Hit { u: u + column, v: v + row, inverse_depth: there, is_lone };
-        let open = self.faces.open_index(face, tile.block, (u, v), inverse_depth, hit);
+        let ambient = self.faces.ambient_index(face, tile.block, (u, v), inverse_depth, hit);
         let &Target { first, stride, weight } = target;
-        (variant, FragmentGroup { face, open, target: first, stride, behind: 0, u, v, inverse_depth, weight })
+        (variant, FragmentGroup { face, ambient, target: first, stride, background: 0, u, v, inverse_depth, weight })
     }
 
     /// The sky in some samples.

@@ -1,8 +1,7 @@
 //! The camera: model and lens, shading, sky, shadows, noise, PNG.
 
-mod ambient;
 mod block_sums;
-mod contact;
+mod contact_occlusion;
 mod coverage;
 mod deferred_shading;
 mod distortion;
@@ -24,6 +23,7 @@ mod shading_queue;
 mod shadow;
 mod sky;
 mod sky_rows;
+mod sky_visibility;
 #[cfg(test)]
 mod tests;
 mod visibility_pass;

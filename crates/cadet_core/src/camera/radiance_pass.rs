@@ -31,8 +31,8 @@ pub fn radiance_pass(scene: &PosedScene, view: &View, rays: &Rays, light: &Light
             down: rays.down,
             pixel_per_m: 1.0 / view.intrinsics[0] as f32,
         },
-        first_behind: image,
-        behind: 0,
+        first_background: image,
+        background: 0,
         rgb,
     };
     let faces = Faces::new(scene, view, rays, light, &samples.0);

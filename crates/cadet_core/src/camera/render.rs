@@ -2,14 +2,14 @@
 
 use std::cell::RefCell;
 
-use super::ambient::SkyView;
 use super::distortion::Warp;
 use super::exposure::{WHITE_BALANCE, gain_for_mean_luma, metered};
 use super::light::Light;
 use super::noise::{ROWS_BEFORE, blur, expose};
 use super::radiance_pass::{radiance_pass, room_for};
-use super::shadow::Shadows;
+use super::shadow::ShadowMaps;
 use super::sky::Sky;
+use super::sky_visibility::SkyProbes;
 use super::visibility_pass::{Maps, Rays, View, Visibility, visible_points};
 use crate::math::{DVec3, Vec3};
 use crate::rng::Stream;
@@ -79,7 +79,7 @@ pub fn render_through(
             expose(&warp.colors(blurred), width, height, veil, gains, stream)
         }
     };
-    scratch.shadows = light.shadows.map(Shadows::into_buffers).unwrap_or_default();
+    scratch.shadows = light.shadows.map(ShadowMaps::into_buffers).unwrap_or_default();
     SCRATCH.set(scratch);
     image
 }
@@ -101,7 +101,7 @@ pub(super) fn radiance(
     light
 }
 
-/// Sun, sky, shadows and openness around a view.
+/// Sun, sky, shadows and sky visibility around a view.
 fn light_of(
     scene: &PosedScene,
     view: &View,
@@ -113,7 +113,7 @@ fn light_of(
     let eye = view.world_from_cam.translation;
     let forward = view.world_from_cam.rotation * DVec3::Z;
     let shadows =
-        sky.has_shadows().then(|| Shadows::new(scene, eye, forward, sky.sun_world, Some(visible_world), buffers));
-    let sky_view = SkyView::new(scene, eye, forward, visible_world);
-    Light::new(weather, sky, shadows, sky_view)
+        sky.has_shadows().then(|| ShadowMaps::new(scene, eye, forward, sky.sun_world, Some(visible_world), buffers));
+    let sky_probes = SkyProbes::new(scene, eye, forward, visible_world);
+    Light::new(weather, sky, shadows, sky_probes)
 }

@@ -6,7 +6,7 @@
 use multiversion::multiversion;
 
 use super::face::{Flags, ShaderVariant};
-use super::light::{Light, clear_share};
+use super::light::{Light, transmittance};
 use super::pattern::{self, PatternPoint};
 use super::shading_batch::{ShadingBatch, ShadingCamera, get, put};
 use super::shading_queue::{BATCH_SIZE, BATCH_STRIDE};
@@ -146,21 +146,21 @@ pub(super) fn snow(l: &mut ShadingBatch, m: usize, camera: &ShadingCamera, snow:
     }
 }
 
-/// The light that a matt surface gets.
+/// The light that a diffuse surface gets.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 pub(super) fn diffuse(l: &mut ShadingBatch, m: usize, sky: &Sky, variant: ShaderVariant, wetness: f32) {
     let is_leaf = variant.pattern == Pattern::Leaves;
     if !variant.is_flat() {
         for i in 0..m.min(BATCH_SIZE) {
-            let open = std::array::from_fn(|k| l.open[k][i]);
-            let around = sky.all_around(get(&l.normal, i), &open);
-            (l.around[0][i], l.around[1][i], l.around[2][i]) = (around.x, around.y, around.z);
+            let sky_visibility = std::array::from_fn(|k| l.sky_visibility[k][i]);
+            let ambient = sky.ambient_with_bounce(get(&l.normal, i), &sky_visibility);
+            (l.ambient[0][i], l.ambient[1][i], l.ambient[2][i]) = (ambient.x, ambient.y, ambient.z);
         }
     }
     for i in 0..m.min(BATCH_SIZE) {
         let normal = get(&l.normal, i);
         // Leaves get light through their neighbors, too.
-        let ambient = get(&l.around, i) * (l.near[i] * if is_leaf { 1.3 } else { 1.0 });
+        let ambient = get(&l.ambient, i) * (l.contact_occlusion[i] * if is_leaf { 1.3 } else { 1.0 });
         let cos_sun = l.cos_sun[i];
         let facing = cos_sun.max(0.0);
         let direct = if is_leaf {
@@ -171,33 +171,34 @@ pub(super) fn diffuse(l: &mut ShadingBatch, m: usize, sky: &Sky, variant: Shader
             Vec3::splat(facing)
         };
         let wet = if normal.z > 0.5 { 1.0 - 0.45 * wetness } else { 1.0 };
-        put(&mut l.matt, i, (sky.sun * direct * l.lit[i] + ambient) * wet);
+        put(&mut l.diffuse, i, (sky.sun * direct * l.shadow_factor[i] + ambient) * wet);
     }
-    l.sheen = [[0.0; BATCH_STRIDE]; 3];
+    l.specular = [[0.0; BATCH_STRIDE]; 3];
 }
 
 /// Of ground on which the film begins: stones stand out of it, and drops stir it, so that it is no mirror.
 const WET_ROUGHNESS: f32 = 0.55;
 
-/// Adds what a coat or a film of water mirrors.
+/// Adds the specular reflection of a coat or a film of water.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-pub(super) fn gloss(l: &mut ShadingBatch, m: usize, sky: &Sky, eye: Vec3, wetness: f32) {
+pub(super) fn specular(l: &mut ShadingBatch, m: usize, sky: &Sky, eye: Vec3, wetness: f32) {
     for i in 0..m.min(BATCH_SIZE) {
         let (view, normal) = (get(&l.view, i), get(&l.normal, i));
         let (x, y) = (l.point[0][i] + eye.x, l.point[1][i] + eye.y);
         let puddle = pattern::value_noise(x * 0.35, y * 0.35, 0xF11);
         let is_wet = l.flags[i] & Flags::GROUND > 0 && normal.z > 0.5;
         let film = if is_wet { (wetness * 1.5 - 0.9 * puddle).clamp(0.0, 1.0) } else { 0.0 };
-        let f0 = if film > 0.0 { 0.02 } else { l.specular[i] };
+        let f0 = if film > 0.0 { 0.02 } else { l.f0[i] };
         let roughness = if film > 0.0 { WET_ROUGHNESS - 0.2 * film } else { l.roughness[i] };
         let cos_view = (-view.dot(normal)).clamp(0.0, 1.0);
         let smooth = (1.0 - roughness) * (1.0 - roughness);
         let fresnel = f0 + (1.0 - f0) * fifth(1.0 - cos_view) * smooth;
         let fresnel = if f0 > 0.0 { fresnel } else { 0.0 };
         let mirrored = view + normal * (2.0 * cos_view);
-        let open = [l.open[0][i], l.open[1][i], l.open[2][i], l.open[3][i]];
-        let shine = environment(sky, mirrored, &open, roughness) * l.near[i].max(0.3)
-            + highlight(sky, mirrored, roughness) * l.lit[i];
+        let sky_visibility =
+            [l.sky_visibility[0][i], l.sky_visibility[1][i], l.sky_visibility[2][i], l.sky_visibility[3][i]];
+        let shine = environment(sky, mirrored, &sky_visibility, roughness) * l.contact_occlusion[i].max(0.3)
+            + highlight(sky, mirrored, roughness) * l.shadow_factor[i];
         // Metals color what they reflect.
         let is_metal = f0 > 0.5;
         let metal = get(&l.material, i);
@@ -206,9 +207,9 @@ pub(super) fn gloss(l: &mut ShadingBatch, m: usize, sky: &Sky, eye: Vec3, wetnes
             if is_metal { metal.y } else { 1.0 },
             if is_metal { metal.z } else { 1.0 },
         );
-        let matt = get(&l.matt, i);
-        put(&mut l.matt, i, matt * (1.0 - fresnel));
-        put(&mut l.sheen, i, shine * tint * fresnel);
+        let diffuse = get(&l.diffuse, i);
+        put(&mut l.diffuse, i, diffuse * (1.0 - fresnel));
+        put(&mut l.specular, i, shine * tint * fresnel);
     }
 }
 
@@ -219,15 +220,16 @@ pub(super) fn transparent(l: &mut ShadingBatch, m: usize, sky: &Sky) {
         let (view, normal) = (get(&l.view, i), get(&l.normal, i));
         let cos_view = (-view.dot(normal)).clamp(0.0, 1.0);
         // Both faces of a transparent surface of glass reflect.
-        let f0 = l.specular[i].max(0.045) * 1.8;
+        let f0 = l.f0[i].max(0.045) * 1.8;
         let fresnel = (f0 + (1.0 - f0) * fifth(1.0 - cos_view)).min(1.0);
         let mirrored = view + normal * (2.0 * cos_view);
-        let glint = highlight(sky, mirrored, 0.15) * l.lit[i];
+        let glint = highlight(sky, mirrored, 0.15) * l.shadow_factor[i];
         let tint = Vec3::new(0.93, 1.0, 0.95) * l.transmission[i];
-        let open = [l.open[0][i], l.open[1][i], l.open[2][i], l.open[3][i]];
-        let shine = environment(sky, mirrored, &open, 0.0) + glint;
-        put(&mut l.matt, i, tint * (1.0 - fresnel));
-        put(&mut l.sheen, i, shine * fresnel);
+        let sky_visibility =
+            [l.sky_visibility[0][i], l.sky_visibility[1][i], l.sky_visibility[2][i], l.sky_visibility[3][i]];
+        let shine = environment(sky, mirrored, &sky_visibility, 0.0) + glint;
+        put(&mut l.diffuse, i, tint * (1.0 - fresnel));
+        put(&mut l.specular, i, shine * fresnel);
         // What is behind has come through the air already.
         l.distance_m[i] = 0.0;
     }
@@ -236,31 +238,33 @@ pub(super) fn transparent(l: &mut ShadingBatch, m: usize, sky: &Sky) {
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 pub(super) fn through_air(l: &mut ShadingBatch, m: usize, light: &Light) {
     for i in 0..m.min(BATCH_SIZE) {
-        let clear = clear_share(light.extinction_per_m, l.distance_m[i]);
-        let (matt, sheen) = (get(&l.matt, i), get(&l.sheen, i));
-        put(&mut l.matt, i, matt * clear);
-        put(&mut l.sheen, i, sheen * clear + light.air(get(&l.view, i)) * (1.0 - clear));
+        let clear = transmittance(light.extinction_per_m, l.distance_m[i]);
+        let (diffuse, specular) = (get(&l.diffuse, i), get(&l.specular, i));
+        put(&mut l.diffuse, i, diffuse * clear);
+        put(&mut l.specular, i, specular * clear + light.in_scattered(get(&l.view, i)) * (1.0 - clear));
     }
 }
 
-/// What arrives at the pixels: light is known in the middles of pairs, and changes evenly from one to the next of a row, and so
+/// Resolves the pairs to pixels: light is known in the middles of pairs, and changes evenly from one to the next of a row, and so
 /// beyond the first and the last: where blocks meet, it changes by as much as elsewhere.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-pub(super) fn mix(l: &mut ShadingBatch, m: usize) {
+pub(super) fn resolve(l: &mut ShadingBatch, m: usize) {
     let m = m.min(BATCH_SIZE);
     let [of_left, of_right] = &mut l.out;
     let goes_on = &l.goes_on;
     for axis in 0..3 {
-        let (matt, sheen) = (&l.matt[axis], &l.sheen[axis]);
+        let (diffuse, specular) = (&l.diffuse[axis], &l.specular[axis]);
         // The first pair has none before it.
-        let first = [matt, sheen].map(|v| ends(v[0], 0.0, v[1], 0, goes_on[0]));
+        let first = [diffuse, specular].map(|v| at_both_pixels(v[0], 0.0, v[1], 0, goes_on[0]));
         of_left[axis][0] = (l.albedo[0][axis][0] * first[0][0] + first[1][0]) * l.weights[0][0];
         of_right[axis][0] = (l.albedo[1][axis][0] * first[0][1] + first[1][1]) * l.weights[1][0];
         for i in 1..m {
-            let [matt_left, matt_right] = ends(matt[i], matt[i - 1], matt[i + 1], goes_on[i - 1], goes_on[i]);
-            let [sheen_left, sheen_right] = ends(sheen[i], sheen[i - 1], sheen[i + 1], goes_on[i - 1], goes_on[i]);
-            of_left[axis][i] = (l.albedo[0][axis][i] * matt_left + sheen_left) * l.weights[0][i];
-            of_right[axis][i] = (l.albedo[1][axis][i] * matt_right + sheen_right) * l.weights[1][i];
+            let [diffuse_left, diffuse_right] =
+                at_both_pixels(diffuse[i], diffuse[i - 1], diffuse[i + 1], goes_on[i - 1], goes_on[i]);
+            let [specular_left, specular_right] =
+                at_both_pixels(specular[i], specular[i - 1], specular[i + 1], goes_on[i - 1], goes_on[i]);
+            of_left[axis][i] = (l.albedo[0][axis][i] * diffuse_left + specular_left) * l.weights[0][i];
+            of_right[axis][i] = (l.albedo[1][axis][i] * diffuse_right + specular_right) * l.weights[1][i];
         }
     }
 }
@@ -268,7 +272,7 @@ pub(super) fn mix(l: &mut ShadingBatch, m: usize) {
 /// Light in the left and the right pixel of a pair by that in its middle and in those of the pairs beside it, which are known
 /// where bits are set.
 #[inline(always)]
-fn ends(here: f32, before: f32, after: f32, has_before: u32, has_after: u32) -> [f32; 2] {
+fn at_both_pixels(here: f32, before: f32, after: f32, has_before: u32, has_after: u32) -> [f32; 2] {
     let (fall, rise) = (where_set(has_before, here - before), where_set(has_after, after - here));
     let (at_left, at_right) = (fall + where_set(!has_before, rise), rise + where_set(!has_after, fall));
     [(here - 0.25 * at_left).max(0.0), (here + 0.25 * at_right).max(0.0)]
@@ -282,11 +286,11 @@ fn where_set(mask: u32, v: f32) -> f32 {
 
 /// What a mirror shows: sky above the roofs and trees, a dark street below them, ground.
 #[inline(always)]
-fn environment(sky: &Sky, direction: Vec3, open: &[f32; 4], roughness: f32) -> Vec3 {
+fn environment(sky: &Sky, direction: Vec3, sky_visibility: &[f32; 4], roughness: f32) -> Vec3 {
     let d2 = direction * direction;
     let level = (d2.x + d2.y).max(1e-6);
-    let toward_x = if direction.x < 0.0 { open[1] } else { open[0] };
-    let toward_y = if direction.y < 0.0 { open[3] } else { open[2] };
+    let toward_x = if direction.x < 0.0 { sky_visibility[1] } else { sky_visibility[0] };
+    let toward_y = if direction.y < 0.0 { sky_visibility[3] } else { sky_visibility[2] };
     let free = (toward_x * d2.x + toward_y * d2.y) / level;
     // Sine of the skyline's elevation there, uneven as roofs and crowns are.
     let uneven = pattern::value_noise(direction.x * 7.0 + 31.0, direction.y * 7.0 + 31.0, 0xE17);

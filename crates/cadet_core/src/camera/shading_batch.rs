@@ -2,7 +2,7 @@
 //! is found.
 
 use super::shading_queue::{BATCH_STRIDE, BatchScalar};
-use super::shadow::Neighbours;
+use super::shadow::PcfTexels;
 use crate::math::Vec3;
 
 /// The same for all pairs of an image.
@@ -32,7 +32,7 @@ pub struct ShadingBatch {
     /// From a pixel of the target to the one below.
     pub stride: [u32; BATCH_STRIDE],
     /// The left pixel, where what is seen through a transparent surface is kept. At first that of the block's first pixel.
-    pub behind: [u32; BATCH_STRIDE],
+    pub background: [u32; BATCH_STRIDE],
     /// What the pixels' colors count.
     pub weights: [BatchScalar; 2],
     /// The middle of the samples that show the face. At first the block's first pixel; so is the inverse depth.
@@ -59,16 +59,16 @@ pub struct ShadingBatch {
     pub to_c: BatchVector,
     pub weights_at_eye: [BatchScalar; 2],
     pub least_weight: BatchScalar,
-    pub specular: BatchScalar,
+    pub f0: BatchScalar,
     pub roughness: BatchScalar,
     pub transmission: BatchScalar,
     pub face_hash: [u32; BATCH_STRIDE],
     pub place_hash: [u32; BATCH_STRIDE],
     pub flags: [u32; BATCH_STRIDE],
-    /// The sky's visibility towards the six half axes; flat faces know four of them.
-    pub open: [BatchScalar; 6],
-    /// Light from all around, without what cars near by hide.
-    pub around: BatchVector,
+    /// The sky visibility towards the six half axes; flat faces know four of them.
+    pub sky_visibility: [BatchScalar; 6],
+    /// Ambient irradiance, without contact occlusion.
+    pub ambient: BatchVector,
     /// Unit vectors from the eye.
     pub view: BatchVector,
     /// Relative to the eye.
@@ -84,17 +84,17 @@ pub struct ShadingBatch {
     pub cos_sun: BatchScalar,
     pub cos_face: BatchScalar,
     pub is_asked: [bool; BATCH_STRIDE],
-    pub neighbours: Neighbours<BATCH_STRIDE>,
-    pub lit: BatchScalar,
-    pub near: BatchScalar,
+    pub pcf_texels: PcfTexels<BATCH_STRIDE>,
+    pub shadow_factor: BatchScalar,
+    pub contact_occlusion: BatchScalar,
     /// Of the material.
     pub material: BatchVector,
     /// Of the place.
     pub albedo: [BatchVector; 2],
     /// What arrives at the camera if the albedo is one.
-    pub matt: BatchVector,
-    /// What arrives whatever the albedo is: from mirrors and from the air.
-    pub sheen: BatchVector,
+    pub diffuse: BatchVector,
+    /// What arrives whatever the albedo is: specular reflection and in-scattered light.
+    pub specular: BatchVector,
     /// The radiance that arrives at the camera.
     pub out: [BatchVector; 2],
 }
@@ -117,7 +117,7 @@ impl Default for ShadingBatch {
             group: [0; BATCH_STRIDE],
             target: [0; BATCH_STRIDE],
             stride: [0; BATCH_STRIDE],
-            behind: [0; BATCH_STRIDE],
+            background: [0; BATCH_STRIDE],
             weights: [O; 2],
             u: O,
             v: O,
@@ -138,14 +138,14 @@ impl Default for ShadingBatch {
             to_c: O3,
             weights_at_eye: [O; 2],
             least_weight: O,
-            specular: O,
+            f0: O,
             roughness: O,
             transmission: O,
             face_hash: [0; BATCH_STRIDE],
             place_hash: [0; BATCH_STRIDE],
             flags: [0; BATCH_STRIDE],
-            open: [O; 6],
-            around: O3,
+            sky_visibility: [O; 6],
+            ambient: O3,
             view: O3,
             point: O3,
             distance_m: O,
@@ -156,13 +156,13 @@ impl Default for ShadingBatch {
             cos_sun: O,
             cos_face: O,
             is_asked: [false; BATCH_STRIDE],
-            neighbours: Neighbours::default(),
-            lit: O,
-            near: O,
+            pcf_texels: PcfTexels::default(),
+            shadow_factor: O,
+            contact_occlusion: O,
             material: O3,
             albedo: [O3; 2],
-            matt: O3,
-            sheen: O3,
+            diffuse: O3,
+            specular: O3,
             out: [O3; 2],
         }
     }

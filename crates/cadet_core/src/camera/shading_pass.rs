@@ -3,14 +3,14 @@
 use multiversion::multiversion;
 
 use super::face::{Face, Flags, ShaderVariant};
-use super::faces::{Open, PER_BLOCK};
+use super::faces::{AmbientTerms, PER_BLOCK};
 use super::light::Light;
-use super::shade::{diffuse, geometry, gloss, mix, place_texture, snow, texture, through_air, transparent};
+use super::shade::{diffuse, geometry, place_texture, resolve, snow, specular, texture, through_air, transparent};
 use super::shading_batch::{BatchVector, ShadingBatch, ShadingCamera, put};
 use super::shading_queue::{
-    BATCH_SIZE, BATCH_STRIDE, BEHIND_STRIDE, BatchScalar, PAIRS_ACROSS, PAIRS_DOWN, PixelPair, ShadingQueue,
+    BACKGROUND_STRIDE, BATCH_SIZE, BATCH_STRIDE, BatchScalar, PAIRS_ACROSS, PAIRS_DOWN, PixelPair, ShadingQueue,
 };
-use super::shadow::Asked;
+use super::shadow::ShadowQuery;
 use crate::material::Pattern;
 use crate::math::Vec3;
 
@@ -27,7 +27,7 @@ impl ShadingBatch {
         camera: &ShadingCamera,
         variant: ShaderVariant,
         queue: &ShadingQueue,
-        (faces, open): (&[Face], &[Open]),
+        (faces, ambient): (&[Face], &[AmbientTerms]),
         rgb: &[f32],
     ) {
         let n = queue.count.min(BATCH_SIZE);
@@ -36,12 +36,12 @@ impl ShadingBatch {
         // Whole registers: what is left in the pairs beyond is nobody's.
         let m = n.next_multiple_of(16);
         spread(self, queue, n);
-        gather_open(self, variant, queue, n, open);
+        gather_ambient(self, variant, queue, n, ambient);
         geometry(self, m, camera, light.sky.sun_world, variant);
         self.cast_shadows(light, camera.eye, variant, n);
         self.albedo = [self.material; 2];
         if variant.is_transparent {
-            for (i, pixel) in self.behind[..n].iter().enumerate() {
+            for (i, pixel) in self.background[..n].iter().enumerate() {
                 if let Some([a, b, c, d, e, f]) = rgb[*pixel as usize * 3..].first_chunk() {
                     put(&mut self.albedo[0], i, Vec3::new(*a, *b, *c));
                     put(&mut self.albedo[1], i, Vec3::new(*d, *e, *f));
@@ -60,30 +60,30 @@ impl ShadingBatch {
             }
             diffuse(self, m, &light.sky, variant, light.wetness);
             if variant.is_glossy {
-                gloss(self, m, &light.sky, camera.eye, light.wetness);
+                specular(self, m, &light.sky, camera.eye, light.wetness);
             }
         }
         through_air(self, m, light);
-        mix(self, m);
+        resolve(self, m);
     }
 
-    /// Looks up what the sun's shadows and the cars near by leave.
+    /// Looks up shadow factors and contact occlusion.
     fn cast_shadows(&mut self, light: &Light, eye: Vec3, variant: ShaderVariant, n: usize) {
         match &light.shadows {
             Some(shadows) if ask_sun(self, variant, n) => {
-                let asked = Asked {
+                let asked = ShadowQuery {
                     points: &self.point,
                     normals: &self.face_normal,
                     cos_sun: &self.cos_face,
                     is_asked: &self.is_asked,
                     count: n,
                 };
-                shadows.sunlit(eye, &asked, &mut self.neighbours, &mut self.lit);
+                shadows.shadow_factors(eye, &asked, &mut self.pcf_texels, &mut self.shadow_factor);
             }
-            _ => self.lit.fill(0.0),
+            _ => self.shadow_factor.fill(0.0),
         }
         ask_contacts(self, n);
-        light.sky_view.contacts.shade(eye, &self.point, &self.is_asked, n, &mut self.near);
+        light.sky_probes.contacts.shade(eye, &self.point, &self.is_asked, n, &mut self.contact_occlusion);
     }
 }
 
@@ -133,7 +133,7 @@ fn gather_groups(l: &mut ShadingBatch, queue: &ShadingQueue, n: usize) {
             run(&mut l.group, i, number as u32);
             run(&mut l.target, i, group.target);
             run(&mut l.stride, i, group.stride);
-            run(&mut l.behind, i, group.behind);
+            run(&mut l.background, i, group.background);
             run(&mut l.weights[0], i, group.weight);
             run(&mut l.u, i, group.u);
             run(&mut l.v, i, group.v);
@@ -165,7 +165,7 @@ fn spread(l: &mut ShadingBatch, queue: &ShadingQueue, n: usize) {
         (l.across[i], l.down[i]) = (across * (1.0 / (2 * PAIRS_ACROSS) as f32), down * (1.0 / PAIRS_DOWN as f32));
         l.aside[i] = if (left > 0.0) & (right > 0.0) { 0.5 } else { 0.0 };
         l.target[i] = l.target[i].wrapping_add(row.wrapping_mul(l.stride[i])).wrapping_add(column);
-        l.behind[i] = l.behind[i].wrapping_add(row * BEHIND_STRIDE + column);
+        l.background[i] = l.background[i].wrapping_add(row * BACKGROUND_STRIDE + column);
         let half = 0.5 * l.weights[0][i];
         (l.weights[0][i], l.weights[1][i]) = (left * half, right * half);
     }
@@ -216,7 +216,7 @@ fn gather_faces(l: &mut ShadingBatch, variant: ShaderVariant, queue: &ShadingQue
                 run(&mut l.place_hash, i, face.place_hash);
             }
             if has_coat {
-                run(&mut l.specular, i, face.specular);
+                run(&mut l.f0, i, face.f0);
                 run(&mut l.roughness, i, face.roughness);
                 run(&mut l.transmission, i, face.transmission);
             }
@@ -225,12 +225,18 @@ fn gather_faces(l: &mut ShadingBatch, variant: ShaderVariant, queue: &ShadingQue
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn gather_open(l: &mut ShadingBatch, variant: ShaderVariant, queue: &ShadingQueue, n: usize, open: &[Open]) {
+fn gather_ambient(
+    l: &mut ShadingBatch,
+    variant: ShaderVariant,
+    queue: &ShadingQueue,
+    n: usize,
+    ambient: &[AmbientTerms],
+) {
     if variant.pattern == Pattern::Leaves {
         for (number, (_, group)) in queue.groups.iter().enumerate() {
-            let of_group = open[group.open as usize];
+            let of_group = ambient[group.ambient as usize];
             for i in queue.pairs_of(number, n).step_by(RUN) {
-                for (values, o) in l.open.iter_mut().zip(of_group) {
+                for (values, o) in l.sky_visibility.iter_mut().zip(of_group) {
                     run(values, i, o);
                 }
             }
@@ -239,21 +245,21 @@ fn gather_open(l: &mut ShadingBatch, variant: ShaderVariant, queue: &ShadingQueu
     }
     let mirrors = variant.is_glossy || variant.is_transparent;
     for (number, (_, group)) in queue.groups.iter().enumerate() {
-        let Some(of_block) = open[group.open as usize..].first_chunk::<PER_BLOCK>() else { continue };
+        let Some(of_block) = ambient[group.ambient as usize..].first_chunk::<PER_BLOCK>() else { continue };
         for i in queue.pairs_of(number, n).step_by(RUN) {
             let (Some(across), Some(down)) = (l.across[i..].first_chunk(), l.down[i..].first_chunk()) else { continue };
             let at = (across, down);
             if variant.is_flat() {
-                for (k, values) in l.around.iter_mut().enumerate() {
+                for (k, values) in l.ambient.iter_mut().enumerate() {
                     run_between(values, i, of_block, k, at);
                 }
                 if mirrors {
-                    for (k, values) in l.open[..4].iter_mut().enumerate() {
+                    for (k, values) in l.sky_visibility[..4].iter_mut().enumerate() {
                         run_between(values, i, of_block, 3 + k, at);
                     }
                 }
             } else {
-                for (k, values) in l.open.iter_mut().enumerate() {
+                for (k, values) in l.sky_visibility.iter_mut().enumerate() {
                     run_between(values, i, of_block, k, at);
                 }
             }
@@ -266,7 +272,7 @@ fn gather_open(l: &mut ShadingBatch, variant: ShaderVariant, queue: &ShadingQueu
 fn run_between(
     values: &mut BatchScalar,
     start: usize,
-    [first, rightwards, downwards, both]: &[Open; PER_BLOCK],
+    [first, rightwards, downwards, both]: &[AmbientTerms; PER_BLOCK],
     k: usize,
     (across, down): (&[f32; RUN], &[f32; RUN]),
 ) {

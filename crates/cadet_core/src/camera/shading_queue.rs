@@ -17,23 +17,23 @@ pub type BatchScalar = [f32; BATCH_STRIDE];
 pub const PAIRS_ACROSS: usize = 4;
 pub const PAIRS_DOWN: usize = 4;
 /// What is seen through a block's transparent surfaces: its pixels row by row.
-pub const BEHIND: usize = 2 * PAIRS_ACROSS * PAIRS_DOWN;
+pub const BACKGROUND_PIXELS: usize = 2 * PAIRS_ACROSS * PAIRS_DOWN;
 /// From a row of them to the next.
-pub const BEHIND_STRIDE: u32 = 2 * PAIRS_ACROSS as u32;
+pub const BACKGROUND_STRIDE: u32 = 2 * PAIRS_ACROSS as u32;
 
 /// What the pairs of one face in one block share.
 #[derive(Debug, Clone, Copy)]
 pub struct FragmentGroup {
     /// Index of the face.
     pub face: u32,
-    /// Index of the sky's visibility; see [`super::faces::Faces::open`].
-    pub open: u32,
+    /// Index of its ambient terms; see [`super::faces::Faces::ambient`].
+    pub ambient: u32,
     /// Pixel to which the color of the block's first pixel is added.
     pub target: u32,
     /// From there to the pixel below.
     pub stride: u32,
-    /// Of transparent surfaces: the first of [`BEHIND`] pixels that have the colors of what is seen through them.
-    pub behind: u32,
+    /// Of transparent surfaces: the first of [`BACKGROUND_PIXELS`] pixels that have the colors of what is seen through them.
+    pub background: u32,
     /// Image point between the samples of the block's first pixel.
     pub u: f32,
     /// See `u`.
@@ -122,10 +122,10 @@ mod tests {
 
     const GROUP: FragmentGroup = FragmentGroup {
         face: 7,
-        open: 9,
+        ambient: 9,
         target: 100,
         stride: 9,
-        behind: 0,
+        background: 0,
         u: 40.25,
         v: 3.25,
         inverse_depth: [0.5, 0.01, 0.02],

@@ -24,18 +24,18 @@ const SEEN_BELOW_M: f32 = 0.3;
 
 /// The sun's view of a scene around a camera.
 #[derive(Debug, Clone)]
-pub struct Shadows {
+pub struct ShadowMaps {
     right: Vec3,
     up: Vec3,
     sun: Vec3,
     maps: Vec<Map>,
 }
 
-impl Shadows {
+impl ShadowMaps {
     /// Rasterizes the casters. `sun_world` is the unit vector to the sun, `forward_world` the camera's axis.
     ///
     /// `visible_world`: points all over what the camera sees; only there are shadows known. Without them, everywhere.
-    /// `buffers` are the maps of an earlier frame ([`Shadows::into_buffers`]), whose memory is used again.
+    /// `buffers` are the maps of an earlier frame ([`ShadowMaps::into_buffers`]), whose memory is used again.
     #[must_use]
     pub fn new(
         scene: &PosedScene,
@@ -111,22 +111,22 @@ impl Shadows {
     /// Share of the sun that reaches each of some points, 0..1, by the shares of a square of three by three texels about
     /// it that lie no higher towards the sun ("percentage closer filtering": Reeves, Salesin & Cook 1987).
     ///
-    /// `eye_world`: what the points are relative to. `near`: what is found on the way.
-    pub fn sunlit<const N: usize>(
+    /// `eye_world`: what the points are relative to. `texels`: memory for what is looked up.
+    pub fn shadow_factors<const N: usize>(
         &self,
         eye_world: Vec3,
-        asked: &Asked<N>,
-        near: &mut Neighbours<N>,
-        lit: &mut [f32; N],
+        asked: &ShadowQuery<N>,
+        texels: &mut PcfTexels<N>,
+        factors: &mut [f32; N],
     ) {
-        place(self, eye_world, asked, &mut near.at);
-        look_up(&self.maps, asked, near, lit);
+        place(self, eye_world, asked, &mut texels.at);
+        filter(&self.maps, asked, texels, factors);
     }
 }
 
-/// The questions of [`Shadows::sunlit`], axis by axis.
+/// The questions of [`ShadowMaps::shadow_factors`], axis by axis.
 #[derive(Debug, Clone, Copy)]
-pub struct Asked<'a, const N: usize> {
+pub struct ShadowQuery<'a, const N: usize> {
     /// Points, relative to the eye.
     pub points: &'a [[f32; N]; 3],
     /// Unit geometric normals towards the viewer's side.
@@ -154,9 +154,9 @@ struct OnMaps<const N: usize> {
     z: [f32; N],
 }
 
-/// What [`Shadows::sunlit`] looks at, four by four texels about each point; memory that is used again.
+/// What [`ShadowMaps::shadow_factors`] looks at, four by four texels about each point; memory that is used again.
 #[derive(Debug)]
-pub struct Neighbours<const N: usize> {
+pub struct PcfTexels<const N: usize> {
     at: OnMaps<N>,
     /// By rows: what is done goes over four neighbors of every point in turn.
     texels: [[[i16; 4]; N]; 4],
@@ -167,7 +167,7 @@ pub struct Neighbours<const N: usize> {
     columns: [[f32; 4]; N],
 }
 
-impl<const N: usize> Default for Neighbours<N> {
+impl<const N: usize> Default for PcfTexels<N> {
     fn default() -> Self {
         let none = [[0.0; 4]; N];
         Self {
@@ -190,7 +190,7 @@ const NORMAL_OFFSET: f32 = 0.8;
 const REACH: f32 = 1.5;
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn place<const N: usize>(shadows: &Shadows, eye_world: Vec3, asked: &Asked<N>, out: &mut OnMaps<N>) {
+fn place<const N: usize>(shadows: &ShadowMaps, eye_world: Vec3, asked: &ShadowQuery<N>, out: &mut OnMaps<N>) {
     let count = asked.count.next_multiple_of(LANES).min(N);
     let axes = [shadows.right, shadows.up, shadows.sun];
     let eye = shadows.to_light(eye_world);
@@ -229,15 +229,15 @@ fn place<const N: usize>(shadows: &Shadows, eye_world: Vec3, asked: &Asked<N>, o
 ///
 /// Copies what is looked at first: the processor waits for many texels at once, and not for one point's after another's.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn look_up<const N: usize>(maps: &[Map], asked: &Asked<N>, near: &mut Neighbours<N>, lit: &mut [f32; N]) {
-    let Neighbours { at, texels, heights, top, bottom, columns } = near;
+fn filter<const N: usize>(maps: &[Map], asked: &ShadowQuery<N>, found: &mut PcfTexels<N>, factors: &mut [f32; N]) {
+    let PcfTexels { at, texels, heights, top, bottom, columns } = found;
     let mut which = [0_u16; N];
     let mut count = 0;
     for i in 0..asked.count.min(N) {
         which[count] = i as u16;
         let is_known = asked.is_asked[i] & (at.first[i] != NOWHERE);
         count += usize::from(is_known);
-        lit[i] = if asked.is_asked[i] { 1.0 } else { 0.0 };
+        factors[i] = if asked.is_asked[i] { 1.0 } else { 0.0 };
     }
     for (k, i) in which[..count].iter().enumerate() {
         let i = usize::from(*i);
@@ -267,7 +267,7 @@ fn look_up<const N: usize>(maps: &[Map], asked: &Asked<N>, near: &mut Neighbours
         *share = if sum > 8.95 { 1.0 } else { sum * (1.0 / 9.0) };
     }
     for (i, share) in which[..count].iter().zip(shares) {
-        lit[usize::from(*i)] = share;
+        factors[usize::from(*i)] = share;
     }
 }
 

@@ -1,4 +1,4 @@
-//! The sun, the sky and the light that falls from them: linear RGB, in units in which a white matt surface square to
+//! The sun, the sky and the light that falls from them: linear RGB, in units in which a white diffuse surface square to
 //! the clear sun shines with about 1.
 
 use super::pattern::fbm;
@@ -128,27 +128,27 @@ impl Sky {
         )
     }
 
-    /// Light of sky and ground on a surface, by its unit normal and its openness.
+    /// Light of sky and ground on a surface, by its unit normal and its sky visibility.
     #[inline(always)]
     #[must_use]
-    pub fn ambient(&self, normal: Vec3, open: &[f32; 6]) -> Vec3 {
+    pub fn ambient(&self, normal: Vec3, visibility: &[f32; 6]) -> Vec3 {
         // Of each axis the half that the normal faces; the other one counts nothing.
         let square = |v: f32| v.max(0.0) * v.max(0.0);
         let n = normal;
-        self.cube[0] * (square(n.x) * open[0])
-            + self.cube[1] * (square(-n.x) * open[1])
-            + self.cube[2] * (square(n.y) * open[2])
-            + self.cube[3] * (square(-n.y) * open[3])
-            + self.cube[4] * (square(n.z) * open[4])
-            + self.cube[5] * (square(-n.z) * open[5])
+        self.cube[0] * (square(n.x) * visibility[0])
+            + self.cube[1] * (square(-n.x) * visibility[1])
+            + self.cube[2] * (square(n.y) * visibility[2])
+            + self.cube[3] * (square(-n.y) * visibility[3])
+            + self.cube[4] * (square(n.z) * visibility[4])
+            + self.cube[5] * (square(-n.z) * visibility[5])
     }
 
     /// As [`Sky::ambient`], with what comes from that which hides the sky: sunlit walls and ground.
     #[inline(always)]
     #[must_use]
-    pub fn all_around(&self, normal: Vec3, open: &[f32; 6]) -> Vec3 {
-        let mean_open = (open[0] + open[1] + open[2] + open[3] + open[4]) * 0.2;
-        self.ambient(normal, open) + self.ground * (0.60 * (1.0 - mean_open))
+    pub fn ambient_with_bounce(&self, normal: Vec3, visibility: &[f32; 6]) -> Vec3 {
+        let mean_visibility = (visibility[0] + visibility[1] + visibility[2] + visibility[3] + visibility[4]) * 0.2;
+        self.ambient(normal, visibility) + self.ground * (0.60 * (1.0 - mean_visibility))
     }
 
     /// Cosine-weighted mean radiance about a normal, by a fixed spiral of directions.

@@ -8,9 +8,9 @@ mod wet_ground;
 
 use std::sync::Arc;
 
-use super::ambient::SkyView;
-use super::shadow::{Asked, Neighbours, Shadows};
+use super::shadow::{PcfTexels, ShadowMaps, ShadowQuery};
 use super::sky::Sky;
+use super::sky_visibility::SkyProbes;
 use super::{Rendered, View, render, visibility_pass};
 use crate::frames::{facing, upright};
 use crate::geometry::{LodSet, Mesh, MeshBuilder};
@@ -137,7 +137,7 @@ fn a_plates_shadow_falls_where_the_sun_ray_says() {
     for azimuth in [0.0, 75.0, 200.0, 310.0] {
         let sky = Sky::new(&clear_sun_from(azimuth));
         let s = sky.sun_world;
-        let shadows = Shadows::new(&scene, DVec3::new(0.0, 0.0, EYE_HEIGHT_M), DVec3::X, s, None, Vec::new());
+        let shadows = ShadowMaps::new(&scene, DVec3::new(0.0, 0.0, EYE_HEIGHT_M), DVec3::X, s, None, Vec::new());
         let (mut dark, mut bright) = (0, 0);
         for i in 0..120 {
             for j in 0..120 {
@@ -168,7 +168,7 @@ fn surfaces_that_face_the_sun_do_not_shade_themselves() {
         let mut weather = clear_sun_from(azimuth);
         weather.sun_elevation_rad = elevation.to_radians();
         let s = Sky::new(&weather).sun_world;
-        let shadows = Shadows::new(&scene, DVec3::new(0.0, 0.0, EYE_HEIGHT_M), DVec3::X, s, None, Vec::new());
+        let shadows = ShadowMaps::new(&scene, DVec3::new(0.0, 0.0, EYE_HEIGHT_M), DVec3::X, s, None, Vec::new());
         for face in 0..scene.instances[1].mesh.faces.len() as u32 {
             let [a, b, c] = scene.corners(1, face);
             let normal = (b - a).cross(c - a).normalize();
@@ -273,17 +273,17 @@ fn the_ground_under_a_car_is_nearly_black_and_overcast_casts_no_shadow() {
 }
 
 /// The sun that reaches one point.
-fn sunlit(shadows: &Shadows, point_world: Vec3, normal: Vec3, cos_sun: f32) -> f32 {
+fn sunlit(shadows: &ShadowMaps, point_world: Vec3, normal: Vec3, cos_sun: f32) -> f32 {
     let eye = Vec3::new(1.0, -2.0, 1.65);
     let mut lit = [f32::NAN; 16];
-    let asked = Asked {
+    let asked = ShadowQuery {
         points: &(point_world - eye).to_array().map(|v| [v; 16]),
         normals: &normal.to_array().map(|v| [v; 16]),
         cos_sun: &[cos_sun; 16],
         is_asked: &std::array::from_fn(|i| i != 3),
         count: 15,
     };
-    shadows.sunlit(eye, &asked, &mut Neighbours::default(), &mut lit);
+    shadows.shadow_factors(eye, &asked, &mut PcfTexels::default(), &mut lit);
     assert!(lit[3] == 0.0 && lit[15].is_nan());
     assert!(lit[..15].iter().enumerate().all(|(i, l)| i == 3 || *l == lit[0]));
     lit[0]
@@ -295,7 +295,7 @@ fn a_shadows_edge_is_as_soft_as_three_texels_and_rises_steadily() {
     let scene = PosedScene::new(&[ground(), plate], DVec3::ZERO);
     // The sun stands in the plane y = 0, so that light falls square to the plate's edge.
     let s = Sky::new(&clear_sun_from(180.0)).sun_world;
-    let shadows = Shadows::new(&scene, DVec3::new(0.0, 0.0, EYE_HEIGHT_M), DVec3::X, s, None, Vec::new());
+    let shadows = ShadowMaps::new(&scene, DVec3::new(0.0, 0.0, EYE_HEIGHT_M), DVec3::X, s, None, Vec::new());
     // Meters of level ground for a texel of the near map.
     let step = 40.0 / 1536.0 / s.z;
     let edge = 12.0 - s.x * 3.0 / s.z;
@@ -310,7 +310,7 @@ fn a_shadows_edge_is_as_soft_as_three_texels_and_rises_steadily() {
 }
 
 /// The mean of what the sun's light leaves of level points about (x, y), up to `half` meters beside it.
-fn mean_sunlit(shadows: &Shadows, s: Vec3, (x, y): (f32, f32), half: f32, per_side: i32) -> f32 {
+fn mean_sunlit(shadows: &ShadowMaps, s: Vec3, (x, y): (f32, f32), half: f32, per_side: i32) -> f32 {
     let at = |i: i32| (2.0 * (i as f32 + 0.5) / per_side as f32 - 1.0) * half;
     let points = (0..per_side * per_side).map(|k| Vec3::new(x + at(k / per_side), y + at(k % per_side), 0.0));
     points.map(|p| sunlit(shadows, p, Vec3::Z, s.z)).sum::<f32>() / (per_side * per_side) as f32
@@ -331,7 +331,7 @@ fn a_plates_shadow_has_the_plates_area_in_both_maps() {
         }
         let plate = instance(b.build("plate", 0.5), gray(Semantic::Fence, 0.5), DPose3::IDENTITY, 0);
         let scene = PosedScene::new(&[ground(), plate], DVec3::ZERO);
-        let shadows = Shadows::new(&scene, DVec3::new(0.0, 0.0, EYE_HEIGHT_M), DVec3::X, s, None, Vec::new());
+        let shadows = ShadowMaps::new(&scene, DVec3::new(0.0, 0.0, EYE_HEIGHT_M), DVec3::X, s, None, Vec::new());
         let middle = (x - s.x * z / s.z, -0.5 - s.y * z / s.z);
         let area = (1.0 - mean_sunlit(&shadows, s, middle, 4.0, 160)) * 64.0;
         assert!((area / 30.0 - 1.0).abs() < 0.015, "{x}: {area}");
@@ -354,7 +354,7 @@ fn crowns_cover_in_the_far_map_what_all_of_their_leaves_cover() {
         let material = Material::matt(Semantic::Vegetation, [0.1; 3], pattern, 0.3);
         let crown = instance(b.build("crown", 0.5), material, DPose3::IDENTITY, 0);
         let scene = PosedScene::new(&[ground(), crown], DVec3::ZERO);
-        let shadows = Shadows::new(&scene, DVec3::new(0.0, 0.0, EYE_HEIGHT_M), DVec3::X, s, None, Vec::new());
+        let shadows = ShadowMaps::new(&scene, DVec3::new(0.0, 0.0, EYE_HEIGHT_M), DVec3::X, s, None, Vec::new());
         let middle = (x - s.x * 8.0 / s.z, -s.y * 8.0 / s.z);
         1.0 - mean_sunlit(&shadows, s, middle, 11.0, 200)
     };
@@ -381,15 +381,15 @@ fn what_lies_below_all_that_is_seen_is_not_drawn_and_the_rest_shades_as_before()
             |z: f32| (0..6400).map(move |i| Vec3::new(x + (i % 80) as f32 * 0.05, (i / 80) as f32 * 0.075 - 3.0, z));
         let (roof, unseen): (Vec<Vec3>, Vec<Vec3>) =
             (grid(5.1).collect(), grid(low_z).map(|p| p - s * (2.0 / s.z)).collect());
-        let of = |seen: Option<&[Vec3]>| Shadows::new(&scene, eye, DVec3::X, s, seen, Vec::new());
+        let of = |seen: Option<&[Vec3]>| ShadowMaps::new(&scene, eye, DVec3::X, s, seen, Vec::new());
         let (all, some) = (of(None), of(Some(&roof)));
-        let lit = |shadows: &Shadows, points: &[Vec3]| -> Vec<f32> {
+        let lit = |shadows: &ShadowMaps, points: &[Vec3]| -> Vec<f32> {
             points.iter().map(|p| sunlit(shadows, *p, Vec3::Z, s.z)).collect()
         };
         assert_eq!(lit(&all, &roof), lit(&some, &roof));
         assert!(lit(&some, &roof).iter().filter(|lit| **lit == 0.0).count() > 500);
         // Were it asked all the same, it would not know of the lower roof.
-        let dark = |shadows: &Shadows| lit(shadows, &unseen).iter().filter(|lit| **lit == 0.0).count();
+        let dark = |shadows: &ShadowMaps| lit(shadows, &unseen).iter().filter(|lit| **lit == 0.0).count();
         assert!(dark(&all) > 5000 && dark(&some) == 0, "{} {}", dark(&all), dark(&some));
     }
 }
@@ -399,7 +399,8 @@ fn maps_do_not_remember_an_earlier_frame() {
     let s = Sky::new(&clear_sun_from(40.0)).sun_world;
     let eye = DVec3::new(0.0, 0.0, EYE_HEIGHT_M);
     let seen: Vec<Vec3> = (0..60).map(|i| Vec3::new(i as f32, (i % 7) as f32 - 3.0, 0.0)).collect();
-    let of = |scene: &PosedScene, seen: Option<&[Vec3]>, buffers| Shadows::new(scene, eye, DVec3::X, s, seen, buffers);
+    let of =
+        |scene: &PosedScene, seen: Option<&[Vec3]>, buffers| ShadowMaps::new(scene, eye, DVec3::X, s, seen, buffers);
     let first = PosedScene::new(&street(), eye);
     let second = PosedScene::new(&[ground()], eye);
     for seen in [None, Some(&seen[..])] {
@@ -416,7 +417,7 @@ fn vehicles_darken_a_point_alike_whoever_is_asked_with_it() {
         |y: f32, id| cuboid(Vec3::new(9.0, y - 0.9, 0.3), Vec3::new(13.0, y + 0.9, 1.5), gray(Semantic::Car, 0.3), id);
     let scene = PosedScene::new(&[ground(), car(0.0, 1), car(3.0, 2)], DVec3::ZERO);
     let eye = Vec3::new(0.0, 0.0, EYE_HEIGHT_M as f32);
-    let view = SkyView::new(&scene, eye.as_dvec3(), DVec3::X, &[]);
+    let view = SkyProbes::new(&scene, eye.as_dvec3(), DVec3::X, &[]);
     let at = |i: usize| Vec3::new(11.0, i as f32 * 0.09 - 5.0, 0.0);
     let points = [0, 1, 2].map(|axis| std::array::from_fn::<f32, 144, _>(|i| (at(i) - eye)[axis]));
     let mut together = [f32::NAN; 144];

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{EYE_HEIGHT_M, Shadows, Sky, clear_sun_from, ground, sunlit};
+use super::{EYE_HEIGHT_M, ShadowMaps, Sky, clear_sun_from, ground, sunlit};
 use crate::actor::ObjectClass;
 use crate::assets::person::PersonModel;
 use crate::assets::vehicle::VehicleModel;
@@ -19,7 +19,7 @@ fn lit_both_ways(instance: Instance, points: &[(Vec3, Vec3)]) -> Vec<[f32; 2]> {
         Instance { shape: Arc::new(LodSet { coarse_casters: 0, ..(*instance.shape).clone() }), ..instance.clone() };
     let shadows = [own, instance].map(|instance| {
         let scene = PosedScene::new(&[ground(), instance], DVec3::ZERO);
-        Shadows::new(&scene, DVec3::new(0.0, 0.0, EYE_HEIGHT_M), DVec3::X, s, None, Vec::new())
+        ShadowMaps::new(&scene, DVec3::new(0.0, 0.0, EYE_HEIGHT_M), DVec3::X, s, None, Vec::new())
     });
     let at = |(point, normal): &(Vec3, Vec3)| {
         shadows.each_ref().map(|shadows| sunlit(shadows, *point, *normal, normal.dot(s)))

@@ -1,9 +1,9 @@
-//! How much of the sky a place sees: a coarse height map of the scene, and probes over it.
+//! Directional sky visibility (ambient occlusion): a coarse height map of the scene, and probes over it.
 
 use multiversion::multiversion;
 
 use super::block_sums::BlockSums;
-use super::contact::Contacts;
+use super::contact_occlusion::ContactOcclusion;
 use crate::math::{DVec3, Vec3};
 use crate::sense::PosedScene;
 
@@ -21,28 +21,28 @@ const COVER_LEAK: f32 = 0.55;
 /// Crowns are not solid: they stand for lower obstacles.
 const CROWN_SHARE: f32 = 0.6;
 
-/// Openness per level.
+/// Sky visibility per level.
 type Probes = [[f32; 8]; LEVELS_M.len()];
 
-/// Openness towards +x, -x, +y, -y, +z, -z, each 0..1.
-pub type Openness = [f32; 6];
+/// Sky visibility towards +x, -x, +y, -y, +z, -z, each 0..1.
+pub type SkyVisibility = [f32; 6];
 
-/// The sky's visibility around a camera.
+/// The sky visibility around a camera.
 #[derive(Debug, Clone)]
-pub struct SkyView {
+pub struct SkyProbes {
     min: [f32; 2],
     /// Lowest surface of each cell.
     floor: Vec<f32>,
-    /// Openness per cell and level; padded, so that it is one load.
+    /// Sky visibility per cell and level; padded, so that it is one load.
     probes: Vec<Probes>,
     /// What vehicles and people leave of it to the ground.
-    pub contacts: Contacts,
+    pub contacts: ContactOcclusion,
 }
 
 const GRID_M: f32 = 4.0;
 const GRID: usize = (CELLS as f32 * CELL_M / GRID_M) as usize;
 
-impl SkyView {
+impl SkyProbes {
     /// Measures a scene around a camera that looks along `forward_world`, where `visible_world` has points.
     #[must_use]
     pub fn new(scene: &PosedScene, eye_world: DVec3, forward_world: DVec3, visible_world: &[Vec3]) -> Self {
@@ -51,7 +51,7 @@ impl SkyView {
         let half = f64::from(CELLS as f32 * CELL_M) / 2.0;
         // Whole cells, so that nothing flickers from frame to frame.
         let min = [(middle.x - half).floor() as f32, (middle.y - half).floor() as f32];
-        let mut view = Self { min, floor: Vec::new(), probes: Vec::new(), contacts: Contacts::new(scene, min) };
+        let mut view = Self { min, floor: Vec::new(), probes: Vec::new(), contacts: ContactOcclusion::new(scene, min) };
         let asked = view.asked_blocks(visible_world);
         let top = view.measure_heights(scene, (eye_world.z - 1.65) as f32, &near_blocks(&asked));
         view.place_probes(&top, &asked);
@@ -135,7 +135,7 @@ impl SkyView {
     }
 
     /// Blocks of `GRID_M` in which some probe may be asked for: those of the points and their neighbors, as
-    /// [`SkyView::openness`] looks up to 2.7 m aside.
+    /// [`SkyProbes::sky visibility`] looks up to 2.7 m aside.
     fn asked_blocks(&self, visible_world: &[Vec3]) -> Vec<bool> {
         let mut seen = vec![false; GRID * GRID];
         for p in visible_world.iter().step_by(3) {
@@ -203,9 +203,9 @@ impl SkyView {
         }
     }
 
-    /// Openness of a surface point with the given unit normal.
+    /// Sky visibility of a surface point with the given unit normal.
     #[must_use]
-    pub fn openness(&self, point_world: Vec3, normal: Vec3) -> Openness {
+    pub fn sky_visibility(&self, point_world: Vec3, normal: Vec3) -> SkyVisibility {
         // Off the surface, else a wall would sit in its own house.
         let p = point_world + normal * (1.7 * CELL_M);
         let gx = (p.x - self.min[0]) / CELL_M - 0.5;

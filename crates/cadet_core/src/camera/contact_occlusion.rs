@@ -1,4 +1,4 @@
-//! What vehicles and people leave of the sky's light to the ground under and beside them.
+//! Contact occlusion: what vehicles and people leave of the sky's light to the ground under and beside them.
 
 use std::ops::Range;
 
@@ -15,20 +15,20 @@ const CELL_M: f32 = 2.0;
 /// How far a body darkens what is about it, in its heights.
 const REACH: f32 = 1.5;
 
-/// The boxes of a scene's actors.
+/// The boxes of a scene's actors, which occlude the sky.
 #[derive(Debug, Clone)]
-pub struct Contacts {
+pub struct ContactOcclusion {
     min: [f32; 2],
-    blockers: Vec<Blocker>,
-    /// Blockers that reach each cell.
+    occluders: Vec<Occluder>,
+    /// Occluders that reach each cell.
     cells: Vec<Vec<u16>>,
-    /// Cells that some blocker reaches.
+    /// Cells that some occluder reaches.
     reached: BlockSums,
 }
 
 /// A box that shades the ground under and beside it: a vehicle's body.
 #[derive(Debug, Clone)]
-struct Blocker {
+struct Occluder {
     center: Vec3,
     axis_x: Vec3,
     axis_y: Vec3,
@@ -37,11 +37,11 @@ struct Blocker {
     height: f32,
 }
 
-impl Contacts {
+impl ContactOcclusion {
     /// The vehicles and people of a scene, on a map that begins at `min` of the world.
     #[must_use]
     pub fn new(scene: &PosedScene, min: [f32; 2]) -> Self {
-        let (mut blockers, mut cells) = (Vec::new(), vec![Vec::new(); CELLS * CELLS]);
+        let (mut occluders, mut cells) = (Vec::new(), vec![Vec::new(); CELLS * CELLS]);
         for instance in scene.instances.iter().filter(|i| i.actor_id >= 1) {
             let size = instance.mesh.bounds.size();
             if size.x < 0.25 || size.y < 0.25 || size.z < 0.5 || size.x > 30.0 {
@@ -49,7 +49,7 @@ impl Contacts {
             }
             let center = instance.center_world.as_vec3();
             let axis = |v: DVec3| (instance.placement.rotation * v).as_vec3();
-            let blocker = Blocker {
+            let occluder = Occluder {
                 center,
                 axis_x: axis(DVec3::X),
                 axis_y: axis(DVec3::Y),
@@ -70,20 +70,20 @@ impl Contacts {
                 let hi = (((d + r) / CELL_M).max(0.0) as usize).min(CELLS - 1);
                 lo..=hi
             };
-            let index = blockers.len().min(usize::from(u16::MAX)) as u16;
+            let index = occluders.len().min(usize::from(u16::MAX)) as u16;
             for y in range(dy) {
                 for x in range(dx) {
                     let middle = |i: usize| (i as f32 + 0.5) * CELL_M;
                     let d = Vec3::new(middle(x) - dx, middle(y) - dy, 0.0);
-                    if blocker.distance(d) <= reach {
+                    if occluder.distance(d) <= reach {
                         cells[y * CELLS + x].push(index);
                     }
                 }
             }
-            blockers.push(blocker);
+            occluders.push(occluder);
         }
         let reached = BlockSums::of(CELLS, CELL_M, |x, y| !cells[y * CELLS + x].is_empty());
-        Self { min, blockers, cells, reached }
+        Self { min, occluders, cells, reached }
     }
 
     /// Share of the sky's light that vehicles leave to points on the ground under or beside them, 0..1; 1 where it is not
@@ -94,10 +94,10 @@ impl Contacts {
         points: &[[f32; N]; 3],
         is_asked: &[bool; N],
         count: usize,
-        near: &mut [f32; N],
+        factor: &mut [f32; N],
     ) {
         const { assert!(N.is_multiple_of(TOGETHER), "groups are whole") };
-        near.fill(1.0);
+        factor.fill(1.0);
         let ([xs, ys, _], asked) =
             (points.each_ref().map(|axis| axis.as_chunks::<TOGETHER>().0), is_asked.as_chunks::<TOGETHER>().0);
         let (to_x, to_y) = (eye_world.x - self.min[0], eye_world.y - self.min[1]);
@@ -135,11 +135,11 @@ impl Contacts {
             reaching.sort_unstable();
             for index in &reaching {
                 let axes = points.each_ref().map(|axis| &axis[start..end]);
-                self.blockers[usize::from(*index)].darken(
+                self.occluders[usize::from(*index)].darken(
                     eye_world,
                     axes,
                     &is_asked[start..end],
-                    &mut near[start..end],
+                    &mut factor[start..end],
                 );
             }
         }
@@ -149,7 +149,7 @@ impl Contacts {
 /// Points that are looked at together.
 const TOGETHER: usize = 16;
 
-impl Blocker {
+impl Occluder {
     /// From the body seen from above to a point, relative to the middle.
     fn distance(&self, d: Vec3) -> f32 {
         let ox = (d.dot(self.axis_x).abs() - self.half[0]).max(0.0);
@@ -157,9 +157,9 @@ impl Blocker {
         (ox * ox + oy * oy).sqrt()
     }
 
-    /// Multiplies what the other blockers leave to some points by what this one leaves: 1 beyond `REACH`.
-    fn darken(&self, eye_world: Vec3, points: [&[f32]; 3], is_asked: &[bool], near: &mut [f32]) {
-        darken(self, self.center - eye_world, points, is_asked, near);
+    /// Multiplies what the other occluders leave to some points by what this one leaves: 1 beyond `REACH`.
+    fn darken(&self, eye_world: Vec3, points: [&[f32]; 3], is_asked: &[bool], factor: &mut [f32]) {
+        darken(self, self.center - eye_world, points, is_asked, factor);
     }
 
     #[inline(always)]
@@ -178,18 +178,18 @@ impl Blocker {
         let share = width / (width + distance);
         let fade = (2.0 * (REACH - distance / self.height)).clamp(0.0, 1.0);
         // The gap under the body darkens the last decimetres further.
-        let near = 0.18 * (1.0 - distance * (1.0 / 0.35)).max(0.0);
-        let beside = 1.0 - 0.5 * (1.0 - wall) * share * fade - near;
+        let gap_shadow = 0.18 * (1.0 - distance * (1.0 / 0.35)).max(0.0);
+        let beside = 1.0 - 0.5 * (1.0 - wall) * share * fade - gap_shadow;
         let left = if (x < 0.0) & (y < 0.0) { under } else { beside };
         if (-0.6..0.45).contains(&over) { left } else { 1.0 }
     }
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn darken(blocker: &Blocker, center: Vec3, [x, y, z]: [&[f32]; 3], is_asked: &[bool], near: &mut [f32]) {
-    for ((near, is_asked), ((x, y), z)) in near.iter_mut().zip(is_asked).zip(x.iter().zip(y).zip(z)) {
-        let left = blocker.leaves(Vec3::new(*x, *y, *z) - center);
-        *near *= if *is_asked { left } else { 1.0 };
+fn darken(occluder: &Occluder, center: Vec3, [x, y, z]: [&[f32]; 3], is_asked: &[bool], factor: &mut [f32]) {
+    for ((factor, is_asked), ((x, y), z)) in factor.iter_mut().zip(is_asked).zip(x.iter().zip(y).zip(z)) {
+        let left = occluder.leaves(Vec3::new(*x, *y, *z) - center);
+        *factor *= if *is_asked { left } else { 1.0 };
     }
 }
 
