@@ -87,22 +87,22 @@ impl ContactOcclusion {
     }
 
     /// Share of the sky's light that vehicles leave to points on the ground under or beside them, 0..1; 1 where it is not
-    /// asked. `points` are relative to the eye; the first `count` of them matter. There is room for whole groups of 16.
+    /// queried. `points` are relative to the eye; the first `count` of them matter. There is room for whole groups of 16.
     pub fn shade<const N: usize>(
         &self,
         eye_world: Vec3,
         points: &[[f32; N]; 3],
-        is_asked: &[bool; N],
+        is_queried: &[bool; N],
         count: usize,
         factor: &mut [f32; N],
     ) {
         const { assert!(N.is_multiple_of(TOGETHER), "groups are whole") };
         factor.fill(1.0);
-        let ([xs, ys, _], asked) =
-            (points.each_ref().map(|axis| axis.as_chunks::<TOGETHER>().0), is_asked.as_chunks::<TOGETHER>().0);
+        let ([xs, ys, _], queried) =
+            (points.each_ref().map(|axis| axis.as_chunks::<TOGETHER>().0), is_queried.as_chunks::<TOGETHER>().0);
         let (to_x, to_y) = (eye_world.x - self.min[0], eye_world.y - self.min[1]);
         let is_reached = |groups: Range<usize>| {
-            let [left, right, low, high] = bounds(&xs[groups.clone()], &ys[groups.clone()], &asked[groups]);
+            let [left, right, low, high] = bounds(&xs[groups.clone()], &ys[groups.clone()], &queried[groups]);
             left <= right && self.reached.any([left + to_x, low + to_y], [right + to_x, high + to_y])
         };
         let groups = count.div_ceil(TOGETHER);
@@ -115,7 +115,7 @@ impl ContactOcclusion {
             let (start, end) = (group * TOGETHER, ((group + 1) * TOGETHER).min(count));
             reaching.clear();
             let mut last = usize::MAX;
-            for i in (start..end).filter(|i| is_asked[*i]) {
+            for i in (start..end).filter(|i| is_queried[*i]) {
                 let gx = (points[0][i] + eye_world.x - self.min[0]) * (1.0 / CELL_M);
                 let gy = (points[1][i] + eye_world.y - self.min[1]) * (1.0 / CELL_M);
                 if gx < 0.0 || gy < 0.0 || gx >= CELLS as f32 || gy >= CELLS as f32 {
@@ -138,7 +138,7 @@ impl ContactOcclusion {
                 self.occluders[usize::from(*index)].darken(
                     eye_world,
                     axes,
-                    &is_asked[start..end],
+                    &is_queried[start..end],
                     &mut factor[start..end],
                 );
             }
@@ -158,8 +158,8 @@ impl Occluder {
     }
 
     /// Multiplies what the other occluders leave to some points by what this one leaves: 1 beyond `REACH`.
-    fn darken(&self, eye_world: Vec3, points: [&[f32]; 3], is_asked: &[bool], factor: &mut [f32]) {
-        darken(self, self.center - eye_world, points, is_asked, factor);
+    fn darken(&self, eye_world: Vec3, points: [&[f32]; 3], is_queried: &[bool], factor: &mut [f32]) {
+        darken(self, self.center - eye_world, points, is_queried, factor);
     }
 
     #[inline(always)]
@@ -186,31 +186,31 @@ impl Occluder {
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn darken(occluder: &Occluder, center: Vec3, [x, y, z]: [&[f32]; 3], is_asked: &[bool], factor: &mut [f32]) {
-    for ((factor, is_asked), ((x, y), z)) in factor.iter_mut().zip(is_asked).zip(x.iter().zip(y).zip(z)) {
+fn darken(occluder: &Occluder, center: Vec3, [x, y, z]: [&[f32]; 3], is_queried: &[bool], factor: &mut [f32]) {
+    for ((factor, is_queried), ((x, y), z)) in factor.iter_mut().zip(is_queried).zip(x.iter().zip(y).zip(z)) {
         let left = occluder.leaves(Vec3::new(*x, *y, *z) - center);
-        *factor *= if *is_asked { left } else { 1.0 };
+        *factor *= if *is_queried { left } else { 1.0 };
     }
 }
 
 /// The least and the greatest x, the least and the greatest y of the asked points; infinite the wrong way round without any.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn bounds(xs: &[[f32; TOGETHER]], ys: &[[f32; TOGETHER]], is_asked: &[[bool; TOGETHER]]) -> [f32; 4] {
+fn bounds(xs: &[[f32; TOGETHER]], ys: &[[f32; TOGETHER]], is_queried: &[[bool; TOGETHER]]) -> [f32; 4] {
     // One step a loop, on arrays of their own: so the compiler takes whole registers.
     let none = [f32::INFINITY; TOGETHER];
     let (mut left, mut right, mut low, mut high) = (none, [-f32::INFINITY; TOGETHER], none, [-f32::INFINITY; TOGETHER]);
-    for ((x, y), is_asked) in xs.iter().zip(ys).zip(is_asked) {
+    for ((x, y), is_queried) in xs.iter().zip(ys).zip(is_queried) {
         for i in 0..TOGETHER {
-            left[i] = if is_asked[i] & (x[i] < left[i]) { x[i] } else { left[i] };
+            left[i] = if is_queried[i] & (x[i] < left[i]) { x[i] } else { left[i] };
         }
         for i in 0..TOGETHER {
-            right[i] = if is_asked[i] & (x[i] > right[i]) { x[i] } else { right[i] };
+            right[i] = if is_queried[i] & (x[i] > right[i]) { x[i] } else { right[i] };
         }
         for i in 0..TOGETHER {
-            low[i] = if is_asked[i] & (y[i] < low[i]) { y[i] } else { low[i] };
+            low[i] = if is_queried[i] & (y[i] < low[i]) { y[i] } else { low[i] };
         }
         for i in 0..TOGETHER {
-            high[i] = if is_asked[i] & (y[i] > high[i]) { y[i] } else { high[i] };
+            high[i] = if is_queried[i] & (y[i] > high[i]) { y[i] } else { high[i] };
         }
     }
     let mut sides = [left, low, right, high];

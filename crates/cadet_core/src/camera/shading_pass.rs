@@ -71,19 +71,19 @@ impl ShadingBatch {
     fn cast_shadows(&mut self, light: &Light, eye: Vec3, variant: ShaderVariant, n: usize) {
         match &light.shadows {
             Some(shadows) if ask_sun(self, variant, n) => {
-                let asked = ShadowQuery {
+                let query = ShadowQuery {
                     points: &self.point,
                     normals: &self.face_normal,
                     cos_sun: &self.cos_face,
-                    is_asked: &self.is_asked,
+                    is_queried: &self.is_queried,
                     count: n,
                 };
-                shadows.shadow_factors(eye, &asked, &mut self.pcf_texels, &mut self.shadow_factor);
+                shadows.shadow_factors(eye, &query, &mut self.pcf_texels, &mut self.shadow_factor);
             }
             _ => self.shadow_factor.fill(0.0),
         }
         ask_contacts(self, n);
-        light.sky_probes.contacts.shade(eye, &self.point, &self.is_asked, n, &mut self.contact_occlusion);
+        light.sky_probes.contacts.shade(eye, &self.point, &self.is_queried, n, &mut self.contact_occlusion);
     }
 }
 
@@ -94,9 +94,9 @@ fn ask_sun(l: &mut ShadingBatch, variant: ShaderVariant, n: usize) -> bool {
     let mut any = [0_u8; BATCH_SIZE];
     for i in 0..BATCH_SIZE {
         let faces_sun = (l.cos_face[i] > 0.0) & ((l.cos_sun[i] > 0.0) | variant.is_transparent);
-        let is_asked = (i < n) & (is_leaf | faces_sun);
-        l.is_asked[i] = is_asked;
-        any[i] = u8::from(is_asked);
+        let is_queried = (i < n) & (is_leaf | faces_sun);
+        l.is_queried[i] = is_queried;
+        any[i] = u8::from(is_queried);
     }
     any.into_iter().fold(0, |all, one| all | one) != 0
 }
@@ -105,7 +105,7 @@ fn ask_sun(l: &mut ShadingBatch, variant: ShaderVariant, n: usize) -> bool {
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn ask_contacts(l: &mut ShadingBatch, n: usize) {
     for i in 0..BATCH_SIZE {
-        l.is_asked[i] = (i < n) & (l.flags[i] & Flags::CONTACT > 0);
+        l.is_queried[i] = (i < n) & (l.flags[i] & Flags::CONTACT > 0);
     }
 }
 

@@ -1,13 +1,13 @@
 //! Shadow maps: the scene's triangles seen from the sun, fine near the camera and coarser beyond.
 
-mod casters;
+mod face_setup;
 mod map;
-mod setup;
+mod rasterization;
 
 use multiversion::multiversion;
 
-use self::casters::draw_casters;
-use self::map::{EMPTY, HIGHEST, Map, SIZE, STRIDE, SeenTiles, TILE, TILES, least, most, steps};
+use self::map::{EMPTY, HIGHEST, Map, ReceiverTiles, SIZE, STRIDE, TILE, TILES, least, most, steps};
+use self::rasterization::rasterize_casters;
 use super::pattern::split;
 use crate::geometry::LANES;
 use crate::math::{DMat3, DVec3, Vec3};
@@ -20,7 +20,7 @@ const STEPS_PER_M: [f32; 2] = [256.0, 128.0];
 /// Of a cluster's leaves one in so many is drawn: near, far.
 const LEAF_STEPS: [usize; 2] = [1, 2];
 /// How far below the points that are known some more may be seen on the same tiles, meters.
-const SEEN_BELOW_M: f32 = 0.3;
+const RECEIVERS_BELOW_M: f32 = 0.3;
 
 /// The sun's view of a scene around a camera.
 #[derive(Debug, Clone)]
@@ -65,26 +65,26 @@ impl ShadowMaps {
                 steps_per_m,
                 leaf_step,
                 height,
-                seen: SeenTiles::default(),
+                receivers: ReceiverTiles::default(),
                 drawn: vec![[SIZE, 0]; TILES],
             });
         }
-        shadows.mark_seen(visible_world);
-        draw_casters(scene, &shadows.light_from_world(), &mut shadows.maps);
+        shadows.mark_receivers(visible_world);
+        rasterize_casters(scene, &shadows.light_from_world(), &mut shadows.maps);
         shadows
     }
 
-    fn mark_seen(&mut self, visible_world: Option<&[Vec3]>) {
+    fn mark_receivers(&mut self, visible_world: Option<&[Vec3]>) {
         // The last one stands for what is on no tile.
         let unseen = vec![if visible_world.is_none() { f32::NEG_INFINITY } else { f32::INFINITY }; TILES * TILES + 1];
         let mut lowest = [unseen.clone(), unseen];
-        mark(&self.maps, [self.right, self.up, self.sun], visible_world.unwrap_or_default(), &mut lowest);
+        mark_tiles(&self.maps, [self.right, self.up, self.sun], visible_world.unwrap_or_default(), &mut lowest);
         for (map, lowest) in self.maps.iter_mut().zip(&lowest) {
-            map.seen = SeenTiles::around(lowest);
+            map.receivers = ReceiverTiles::around(lowest);
         }
     }
 
-    /// The maps' memory, empty again: what an earlier frame drew must show nowhere, not even beside what is asked.
+    /// The maps' memory, empty again: what an earlier frame drew must show nowhere, not even beside what is query.
     #[must_use]
     pub fn into_buffers(self) -> Vec<Vec<i16>> {
         let emptied = |mut map: Map| {
@@ -115,12 +115,12 @@ impl ShadowMaps {
     pub fn shadow_factors<const N: usize>(
         &self,
         eye_world: Vec3,
-        asked: &ShadowQuery<N>,
+        query: &ShadowQuery<N>,
         texels: &mut PcfTexels<N>,
         factors: &mut [f32; N],
     ) {
-        place(self, eye_world, asked, &mut texels.at);
-        filter(&self.maps, asked, texels, factors);
+        project(self, eye_world, query, &mut texels.at);
+        filter(&self.maps, query, texels, factors);
     }
 }
 
@@ -134,8 +134,8 @@ pub struct ShadowQuery<'a, const N: usize> {
     /// Their cosines to the sun.
     pub cos_sun: &'a [f32; N],
     /// The others get 0.
-    pub is_asked: &'a [bool; N],
-    /// Beyond these nothing is asked.
+    pub is_queried: &'a [bool; N],
+    /// Beyond these nothing is query.
     pub count: usize,
 }
 
@@ -147,7 +147,7 @@ const NOWHERE: u32 = u32::MAX;
 /// Where points fall on the maps: the first texel of the four by four about it, counted through both maps, the shares of
 /// its column and row that lie outside of the square, and the height towards the sun.
 #[derive(Debug)]
-struct OnMaps<const N: usize> {
+struct MapCoordinates<const N: usize> {
     first: [u32; N],
     x: [f32; N],
     y: [f32; N],
@@ -157,7 +157,7 @@ struct OnMaps<const N: usize> {
 /// What [`ShadowMaps::shadow_factors`] looks at, four by four texels about each point; memory that is used again.
 #[derive(Debug)]
 pub struct PcfTexels<const N: usize> {
-    at: OnMaps<N>,
+    at: MapCoordinates<N>,
     /// By rows: what is done goes over four neighbors of every point in turn.
     texels: [[[i16; 4]; N]; 4],
     heights: [[i16; 4]; N],
@@ -171,7 +171,7 @@ impl<const N: usize> Default for PcfTexels<N> {
     fn default() -> Self {
         let none = [[0.0; 4]; N];
         Self {
-            at: OnMaps { first: [NOWHERE; N], x: [0.0; N], y: [0.0; N], z: [0.0; N] },
+            at: MapCoordinates { first: [NOWHERE; N], x: [0.0; N], y: [0.0; N], z: [0.0; N] },
             texels: [[[0; 4]; N]; 4],
             heights: [[0; 4]; N],
             top: none,
@@ -190,12 +190,12 @@ const NORMAL_OFFSET: f32 = 0.8;
 const REACH: f32 = 1.5;
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn place<const N: usize>(shadows: &ShadowMaps, eye_world: Vec3, asked: &ShadowQuery<N>, out: &mut OnMaps<N>) {
-    let count = asked.count.next_multiple_of(LANES).min(N);
+fn project<const N: usize>(shadows: &ShadowMaps, eye_world: Vec3, query: &ShadowQuery<N>, out: &mut MapCoordinates<N>) {
+    let count = query.count.next_multiple_of(LANES).min(N);
     let axes = [shadows.right, shadows.up, shadows.sun];
     let eye = shadows.to_light(eye_world);
-    let [px, py, pz] = asked.points;
-    let [nx, ny, nz] = asked.normals;
+    let [px, py, pz] = query.points;
+    let [nx, ny, nz] = query.normals;
     out.first[..count].fill(NOWHERE);
     // The near map has the last word.
     for (index, map) in shadows.maps.iter().enumerate().rev() {
@@ -204,7 +204,7 @@ fn place<const N: usize>(shadows: &ShadowMaps, eye_world: Vec3, asked: &ShadowQu
         let (texel_m, texels_per_m) = (map.texel_m, map.texels_per_m);
         for i in 0..count {
             let (point, normal) = (Vec3::new(px[i], py[i], pz[i]), Vec3::new(nx[i], ny[i], nz[i]));
-            let cos_sun = asked.cos_sun[i];
+            let cos_sun = query.cos_sun[i];
             // Normal offset: moves grazing surfaces off their own texels, where a depth bias alone leaks.
             let offset = texel_m * (NORMAL_OFFSET + 2.2 * (1.0 - cos_sun.abs())) + 0.006;
             let offset = if cos_sun < 0.0 { -offset } else { offset };
@@ -229,15 +229,15 @@ fn place<const N: usize>(shadows: &ShadowMaps, eye_world: Vec3, asked: &ShadowQu
 ///
 /// Copies what is looked at first: the processor waits for many texels at once, and not for one point's after another's.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn filter<const N: usize>(maps: &[Map], asked: &ShadowQuery<N>, found: &mut PcfTexels<N>, factors: &mut [f32; N]) {
+fn filter<const N: usize>(maps: &[Map], query: &ShadowQuery<N>, found: &mut PcfTexels<N>, factors: &mut [f32; N]) {
     let PcfTexels { at, texels, heights, top, bottom, columns } = found;
     let mut which = [0_u16; N];
     let mut count = 0;
-    for i in 0..asked.count.min(N) {
+    for i in 0..query.count.min(N) {
         which[count] = i as u16;
-        let is_known = asked.is_asked[i] & (at.first[i] != NOWHERE);
+        let is_known = query.is_queried[i] & (at.first[i] != NOWHERE);
         count += usize::from(is_known);
-        factors[i] = if asked.is_asked[i] { 1.0 } else { 0.0 };
+        factors[i] = if query.is_queried[i] { 1.0 } else { 0.0 };
     }
     for (k, i) in which[..count].iter().enumerate() {
         let i = usize::from(*i);
@@ -273,7 +273,7 @@ fn filter<const N: usize>(maps: &[Map], asked: &ShadowQuery<N>, found: &mut PcfT
 
 /// Marks the tiles of two maps that points fall on; the coarser one's are not asked within the rim of the finer one.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn mark(maps: &[Map], [right, up, sun]: [Vec3; 3], points_world: &[Vec3], lowest: &mut [Vec<f32>; 2]) {
+fn mark_tiles(maps: &[Map], [right, up, sun]: [Vec3; 3], points_world: &[Vec3], lowest: &mut [Vec<f32>; 2]) {
     for points in points_world.chunks(LANES) {
         let mut world = [[0.0; LANES]; 3];
         for (i, p) in points.iter().enumerate() {
@@ -304,7 +304,7 @@ fn mark(maps: &[Map], [right, up, sun]: [Vec3; 3], points_world: &[Vec3], lowest
                 };
                 is_finer[i] |= within(2.0 * MARGIN);
                 let w = sun.x * x[i] + sun.y * y[i] + sun.z * z[i];
-                heights[i] = (w - map.middle_z - SEEN_BELOW_M) * map.steps_per_m;
+                heights[i] = (w - map.middle_z - RECEIVERS_BELOW_M) * map.steps_per_m;
             }
             for (tile, height) in tiles[..points.len()].iter().zip(heights) {
                 let lowest = &mut lowest[*tile as usize];

@@ -1,8 +1,8 @@
 //! Pictures of small scenes against closed forms and invariances.
 
-mod coarse_casters;
 mod lattice;
 mod pairs;
+mod shadow_proxies;
 mod thin_things;
 mod wet_ground;
 
@@ -276,14 +276,14 @@ fn the_ground_under_a_car_is_nearly_black_and_overcast_casts_no_shadow() {
 fn sunlit(shadows: &ShadowMaps, point_world: Vec3, normal: Vec3, cos_sun: f32) -> f32 {
     let eye = Vec3::new(1.0, -2.0, 1.65);
     let mut lit = [f32::NAN; 16];
-    let asked = ShadowQuery {
+    let query = ShadowQuery {
         points: &(point_world - eye).to_array().map(|v| [v; 16]),
         normals: &normal.to_array().map(|v| [v; 16]),
         cos_sun: &[cos_sun; 16],
-        is_asked: &std::array::from_fn(|i| i != 3),
+        is_queried: &std::array::from_fn(|i| i != 3),
         count: 15,
     };
-    shadows.shadow_factors(eye, &asked, &mut PcfTexels::default(), &mut lit);
+    shadows.shadow_factors(eye, &query, &mut PcfTexels::default(), &mut lit);
     assert!(lit[3] == 0.0 && lit[15].is_nan());
     assert!(lit[..15].iter().enumerate().all(|(i, l)| i == 3 || *l == lit[0]));
     lit[0]

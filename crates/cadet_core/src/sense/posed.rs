@@ -67,7 +67,7 @@ pub struct PosedInstance {
     /// The mesh at the chosen level of detail.
     pub mesh: Arc<Mesh>,
     /// What casts its shadow in the sun.
-    pub caster: Arc<Mesh>,
+    pub shadow_proxy: Arc<Mesh>,
     /// Its materials.
     pub palette: Arc<Palette>,
     /// Where it stands.
@@ -136,13 +136,15 @@ impl PosedScene {
         let detail = resolution.detail();
         for instance in instances {
             let distance_m = distance_m(instance, viewer_world);
-            let Some((mesh, caster)) = instance.shape.select_with_caster(distance_m, detail) else { continue };
+            let Some((mesh, shadow_proxy)) = instance.shape.select_with_shadow_proxy(distance_m, detail) else {
+                continue;
+            };
             let placement = Placement::new(&instance.world_from_local);
             let start = num_vertices;
             num_vertices += mesh.vertices.len();
             scene.instances.push(PosedInstance {
                 mesh: Arc::clone(mesh),
-                caster: Arc::clone(caster),
+                shadow_proxy: Arc::clone(shadow_proxy),
                 palette: Arc::clone(&instance.palette),
                 placement,
                 vertices: start..num_vertices,

@@ -17,7 +17,7 @@ pub(super) struct Plane {
 
 /// [`LANES`] faces about to be drawn.
 #[derive(Default)]
-pub(super) struct Setup {
+pub(super) struct FaceSetup {
     /// The first column and row of texels whose middles lie within their bounds, and those after the last.
     pub bounds: [[i32; LANES]; 4],
     /// Not negative on the inner side of their edges.
@@ -32,7 +32,7 @@ pub(super) struct Setup {
     pub faces_sun: [bool; LANES],
 }
 
-impl Setup {
+impl FaceSetup {
     #[inline(always)]
     pub fn of(corners: &Corners) -> Self {
         let mut out = Self::default();
