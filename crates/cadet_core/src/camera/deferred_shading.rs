@@ -2,7 +2,7 @@
 
 use super::coverage::CoverageMask;
 use super::face::ShaderVariant;
-use super::faces::Faces;
+use super::face_cache::FaceCache;
 use super::light::Light;
 use super::shading_batch::{ShadingBatch, ShadingCamera};
 use super::shading_queue::{BACKGROUND_PIXELS, BATCH_SIZE, FragmentGroup, ShadingQueue};
@@ -55,7 +55,7 @@ impl DeferredShader<'_> {
 
     /// What a face shows in a block. What is behind a transparent surface must be shaded.
     #[inline]
-    pub fn push(&mut self, faces: &Faces, variant: u32, group: &FragmentGroup, samples: CoverageMask) {
+    pub fn push(&mut self, faces: &FaceCache, variant: u32, group: &FragmentGroup, samples: CoverageMask) {
         let queue = &mut self.queues[variant as usize];
         queue.push(group, samples);
         if queue.is_full() {
@@ -64,14 +64,14 @@ impl DeferredShader<'_> {
     }
 
     /// Shades all that waits.
-    pub fn shade_all(&mut self, faces: &Faces) {
+    pub fn shade_all(&mut self, faces: &FaceCache) {
         for variant in 0..self.queues.len() {
             self.shade(faces, variant);
         }
     }
 
     #[inline(never)]
-    fn shade(&mut self, faces: &Faces, variant: usize) {
+    fn shade(&mut self, faces: &FaceCache, variant: usize) {
         let queue = &mut self.queues[variant];
         if queue.count == 0 {
             return;

@@ -96,7 +96,7 @@ impl Flags {
 }
 
 /// What is read from memory to make a face ready.
-pub struct Raw {
+pub struct FaceVertices {
     pub instance: u32,
     pub face: u32,
     /// What is seen of it may be its partner.
@@ -119,7 +119,7 @@ impl Face {
     /// Makes a face ready, and finds its shader variant.
     #[inline(always)]
     pub fn make(
-        raw: &Raw,
+        raw: &FaceVertices,
         transform: &InstanceTransform,
         material: &Material,
         rays: &Rays,

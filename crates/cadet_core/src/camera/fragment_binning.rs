@@ -8,7 +8,7 @@ use super::coverage::{
     split_by_face, where_nearer, whole_pixels,
 };
 use super::deferred_shading::{BAND, DeferredShader};
-use super::faces::{Faces, Hit};
+use super::face_cache::{FaceCache, SurfacePoint};
 use super::light::Light;
 use super::noise::MIDDLE_PX;
 use super::shading_queue::{BACKGROUND_STRIDE, FragmentGroup};
@@ -26,7 +26,7 @@ const TOGETHER: usize = 64;
 /// Fragment groups of a band, and what is known of their faces.
 pub struct FragmentBinner<'a> {
     buffer: &'a VisibilityBuffer,
-    faces: Faces<'a>,
+    faces: FaceCache<'a>,
     shader: DeferredShader<'a>,
     /// The faces that the blocks at hand show.
     covered: Vec<CoveredFace>,
@@ -83,7 +83,7 @@ struct Target {
 impl<'a> FragmentBinner<'a> {
     pub fn new(
         buffer: &'a VisibilityBuffer,
-        faces: Faces<'a>,
+        faces: FaceCache<'a>,
         shader: DeferredShader<'a>,
         view: &View,
         rays: &'a Rays,
@@ -120,7 +120,7 @@ impl<'a> FragmentBinner<'a> {
                 let inside = samples_within((rows - row).min(ROWS), (width - left).min(BLOCK));
                 *tile = Some(self.find(number, (first_row + row, left), inside));
             }
-            self.faces.make_asked();
+            self.faces.make_requested();
             for tile in tiles.iter().flatten() {
                 self.bin(tile);
             }
@@ -134,9 +134,9 @@ impl<'a> FragmentBinner<'a> {
             }
             self.shader.shade_all(&self.faces);
         }
-        if self.faces.are_many() {
+        if self.faces.is_full() {
             self.finish();
-            self.faces.forget();
+            self.faces.clear();
         }
     }
 
@@ -145,7 +145,7 @@ impl<'a> FragmentBinner<'a> {
         self.shader.shade_all(&self.faces);
     }
 
-    /// Finds what a block shows, and asks for its faces.
+    /// Finds what a block shows, and requests its faces.
     fn find(&mut self, number: usize, (top, left): (usize, usize), inside: CoverageMask) -> Tile {
         let (first_covered, first_edge) = (self.covered.len(), self.edges.len());
         let none = || Layer { covered: 0..0, sky: 0 };
@@ -186,7 +186,7 @@ impl<'a> FragmentBinner<'a> {
             }
         }
         for covered in &self.covered[first_covered..] {
-            self.faces.ask(covered.face);
+            self.faces.request(covered.face);
         }
         tile
     }
@@ -247,8 +247,8 @@ impl<'a> FragmentBinner<'a> {
         let (column, row) = ((middle / 8) as f32, (middle % 8 / 2) as f32);
         let there = inverse_depth[0] + inverse_depth[1] * column + inverse_depth[2] * row;
         let is_lone = covered.coverage.count_ones() <= LONE;
-        let hit = Hit { u: u + column, v: v + row, inverse_depth: there, is_lone };
-        let ambient = self.faces.ambient_index(face, tile.block, (u, v), inverse_depth, hit);
+        let point = SurfacePoint { u: u + column, v: v + row, inverse_depth: there, is_lone };
+        let ambient = self.faces.ambient_index(face, tile.block, (u, v), inverse_depth, point);
         let &Target { first, stride, weight } = target;
         (variant, FragmentGroup { face, ambient, target: first, stride, background: 0, u, v, inverse_depth, weight })
     }

@@ -7,7 +7,7 @@ mod deferred_shading;
 mod distortion;
 mod exposure;
 mod face;
-mod faces;
+mod face_cache;
 mod fragment_binning;
 mod light;
 mod model;

@@ -2,7 +2,7 @@
 
 use super::deferred_shading::{BAND, DeferredShader};
 use super::face::ShaderVariant;
-use super::faces::Faces;
+use super::face_cache::FaceCache;
 use super::fragment_binning::FragmentBinner;
 use super::light::Light;
 use super::shading_batch::ShadingCamera;
@@ -35,7 +35,7 @@ pub fn radiance_pass(scene: &PosedScene, view: &View, rays: &Rays, light: &Light
         background: 0,
         rgb,
     };
-    let faces = Faces::new(scene, view, rays, light, &samples.0);
+    let faces = FaceCache::new(scene, view, rays, light, &samples.0);
     let mut binner = FragmentBinner::new(&samples.0, faces, shader, view, rays, light);
     for first_row in (0..height).step_by(BAND) {
         binner.shade_band(first_row, (height - first_row).min(BAND));

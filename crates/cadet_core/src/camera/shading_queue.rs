@@ -26,7 +26,7 @@ pub const BACKGROUND_STRIDE: u32 = 2 * PAIRS_ACROSS as u32;
 pub struct FragmentGroup {
     /// Index of the face.
     pub face: u32,
-    /// Index of its ambient terms; see [`super::faces::Faces::ambient`].
+    /// Index of its ambient terms; see [`super::face_cache::FaceCache::ambient`].
     pub ambient: u32,
     /// Pixel to which the color of the block's first pixel is added.
     pub target: u32,

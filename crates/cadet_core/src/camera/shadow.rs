@@ -84,7 +84,7 @@ impl ShadowMaps {
         }
     }
 
-    /// The maps' memory, empty again: what an earlier frame drew must show nowhere, not even beside what is query.
+    /// The maps' memory, empty again: what an earlier frame drew must show nowhere, not even beside what is queried.
     #[must_use]
     pub fn into_buffers(self) -> Vec<Vec<i16>> {
         let emptied = |mut map: Map| {
@@ -135,7 +135,7 @@ pub struct ShadowQuery<'a, const N: usize> {
     pub cos_sun: &'a [f32; N],
     /// The others get 0.
     pub is_queried: &'a [bool; N],
-    /// Beyond these nothing is query.
+    /// Beyond these nothing is queried.
     pub count: usize,
 }
 

@@ -1,6 +1,6 @@
 //! Which faces were seen lately, and their ambient light: neighboring pixels mostly show the same one.
 
-use super::face::{Face, InstanceTransform, Raw, ShaderVariant};
+use super::face::{Face, FaceVertices, InstanceTransform, ShaderVariant};
 use super::light::Light;
 use super::pattern::hash2;
 use super::visibility_pass::{Rays, View};
@@ -11,11 +11,11 @@ use crate::sense::{BLOCK, DrawnFace, PosedScene, VisibilityBuffer};
 
 /// What binning needs of a face that was made ready.
 #[derive(Debug, Clone, Copy)]
-struct Brief {
+struct BinningInfo {
     variant: u32,
     instance: u32,
     /// Material and normal, in so many steps that the eye sees none.
-    look: u32,
+    appearance: u32,
     is_leaf: bool,
     /// Number of the block for which the ambient terms were last found, and where it is kept; leaves have one for all
     /// blocks.
@@ -26,7 +26,7 @@ struct Brief {
 /// What is known of a drawn face.
 #[derive(Debug, Clone, Copy)]
 struct Made {
-    /// Index in [`Faces::faces`], or [`NOT_MADE`].
+    /// Index in [`FaceCache::faces`], or [`NOT_MADE`].
     index: u32,
     /// The plant of which it is a part, or [`NO_PLANT`].
     plant: u32,
@@ -34,7 +34,7 @@ struct Made {
 
 /// Where a sample meets a face.
 #[derive(Debug, Clone, Copy)]
-pub struct Hit {
+pub struct SurfacePoint {
     /// Image point.
     pub u: f32,
     /// See `u`.
@@ -56,44 +56,43 @@ const NOWHERE: u32 = u32::MAX;
 const EVERYWHERE: u32 = u32::MAX - 1;
 
 /// What shading needs of an instance, in single precision.
-struct Placed<'a> {
+struct CachedInstance<'a> {
     mesh: &'a Mesh,
     materials: &'a [Material],
     transform: InstanceTransform,
 }
 
 /// Faces and ambient terms that were made lately. Faces go by their numbers in the visibility buffer.
-pub struct Faces<'a> {
+pub struct FaceCache<'a> {
     light: &'a Light,
     rays: &'a Rays,
     intrinsics: [f64; 4],
     drawn: &'a [DrawnFace],
     blocks_across: u32,
-    placed: Vec<Placed<'a>>,
+    instances: Vec<CachedInstance<'a>>,
     made: Vec<Made>,
     /// Drawn faces that are to be made, and how many they are.
-    asked: Vec<u32>,
-    asked_count: usize,
-    raw: Vec<Raw>,
-    /// All since the last `forget`.
+    requested: Vec<u32>,
+    requested_count: usize,
+    raw: Vec<FaceVertices>,
+    /// All since the last `clear`.
     pub faces: Vec<Face>,
     /// As `faces`.
-    brief: Vec<Brief>,
+    info: Vec<BinningInfo>,
     /// As `faces`; see [`DrawnFace::inverse_depth_on_image`].
     planes: Vec<[f64; 3]>,
     /// Ambient terms: of a leaf one [`AmbientTerms`], of other faces [`PER_BLOCK`] in each block.
     pub ambient: Vec<AmbientTerms>,
     /// Of faces of one instance that lie alike within a block, and where it is kept.
-    alike: Vec<(Alike, u32)>,
-    /// As `alike`, at the corners of blocks.
-    corners: Vec<(Alike, AmbientTerms)>,
+    shared: Vec<(SharedKey, u32)>,
+    /// As `shared`, at the corners of blocks.
+    corners: Vec<(SharedKey, AmbientTerms)>,
     /// Of leaves that are near each other, and where it is kept.
-    crowns: Vec<(Crown, u32)>,
+    leaf_cells: Vec<(LeafKey, u32)>,
 }
 
 /// Sky visibility and ambient light, padded, so that it is one load: the visibility towards the six half axes; for flat faces
-/// the ambient
-/// irradiance, then the visibility towards the four level half axes.
+/// the ambient irradiance, then the visibility towards the four level half axes.
 pub type AmbientTerms = [f32; 8];
 
 /// In a block it changes evenly from corner to corner, so that nothing jumps where blocks meet: its value in the first
@@ -101,21 +100,21 @@ pub type AmbientTerms = [f32; 8];
 pub const PER_BLOCK: usize = 4;
 
 /// Block or corner of blocks, instance, and normal of a face, coarse or with its material.
-type Alike = (u32, u32, u32, u32);
-const ALIKE: usize = 256;
-const CORNERS: usize = 1024;
-const ALIKE_FROM_M: f32 = 15.0;
+type SharedKey = (u32, u32, u32, u32);
+const SHARED_SLOTS: usize = 256;
+const CORNER_SLOTS: usize = 1024;
+const SHARED_FROM_M: f32 = 15.0;
 /// One over the farthest that a corner of a block is taken to be, 1/m.
 const MIN_INVERSE_DEPTH: f32 = 1e-4;
-const NOT_ALIKE: Alike = (NOWHERE, 0, 0, 0);
+const NO_KEY: SharedKey = (NOWHERE, 0, 0, 0);
 
 /// Instance and cell of leaves that share what they see of the sky.
-type Crown = (u32, [i32; 3]);
-const CROWNS: usize = 512;
-const NO_CROWN: Crown = (u32::MAX, [0; 3]);
+type LeafKey = (u32, [i32; 3]);
+const LEAF_SLOTS: usize = 512;
+const NO_LEAF_KEY: LeafKey = (u32::MAX, [0; 3]);
 /// Least side of such a cell, and how many of their sides they are away, at least: 45 pixels of KITTI's camera at most.
-const CROWN_CELL_M: f32 = 0.5;
-const CROWN_CELLS_AWAY: f32 = 16.0;
+const LEAF_CELL_M: f32 = 0.5;
+const LEAF_CELLS_AWAY: f32 = 16.0;
 
 /// No leaf.
 const NO_PLANT: u32 = u32::MAX;
@@ -123,9 +122,9 @@ const NO_PLANT: u32 = u32::MAX;
 const MAX_FACES: usize = 2500;
 const MAX_AMBIENT: usize = 20_000;
 /// More than the samples of 64 x 8 pixels, of both layers.
-const MAX_ASKED: usize = 4096;
+const MAX_REQUESTED: usize = 4096;
 
-impl<'a> Faces<'a> {
+impl<'a> FaceCache<'a> {
     pub fn new(
         scene: &'a PosedScene,
         view: &View,
@@ -135,7 +134,7 @@ impl<'a> Faces<'a> {
     ) -> Self {
         let drawn = &buffer.faces;
         let eye = view.world_from_cam.translation;
-        let placed = scene.instances.iter().map(|i| Placed {
+        let placed = scene.instances.iter().map(|i| CachedInstance {
             mesh: &i.mesh,
             materials: i.palette.materials(),
             transform: InstanceTransform {
@@ -149,54 +148,54 @@ impl<'a> Faces<'a> {
         let made = |face: &DrawnFace| Made { index: NOT_MADE, plant: plants[face.instance as usize] };
         Self {
             made: drawn.iter().map(made).collect(),
-            asked: vec![0; MAX_ASKED],
-            asked_count: 0,
+            requested: vec![0; MAX_REQUESTED],
+            requested_count: 0,
             raw: Vec::new(),
             drawn,
             blocks_across: buffer.blocks_across as u32,
-            placed: placed.collect(),
+            instances: placed.collect(),
             light,
             rays,
             faces: Vec::with_capacity(2 * MAX_FACES),
-            brief: Vec::with_capacity(2 * MAX_FACES),
+            info: Vec::with_capacity(2 * MAX_FACES),
             planes: Vec::with_capacity(2 * MAX_FACES),
             intrinsics: view.intrinsics,
             ambient: Vec::with_capacity(2 * MAX_AMBIENT),
-            alike: vec![(NOT_ALIKE, 0); ALIKE],
-            corners: vec![(NOT_ALIKE, [0.0; 8]); CORNERS],
-            crowns: vec![(NO_CROWN, 0); CROWNS],
+            shared: vec![(NO_KEY, 0); SHARED_SLOTS],
+            corners: vec![(NO_KEY, [0.0; 8]); CORNER_SLOTS],
+            leaf_cells: vec![(NO_LEAF_KEY, 0); LEAF_SLOTS],
         }
     }
 
     /// True if so much has been made that it leaves the cache.
-    pub fn are_many(&self) -> bool {
+    pub fn is_full(&self) -> bool {
         self.faces.len() > MAX_FACES || self.ambient.len() > MAX_AMBIENT
     }
 
     /// Drops what has been made.
-    pub fn forget(&mut self) {
+    pub fn clear(&mut self) {
         self.faces.clear();
-        self.brief.clear();
+        self.info.clear();
         self.planes.clear();
         self.ambient.clear();
-        self.alike.fill((NOT_ALIKE, 0));
-        self.crowns.fill((NO_CROWN, 0));
+        self.shared.fill((NO_KEY, 0));
+        self.leaf_cells.fill((NO_LEAF_KEY, 0));
         for made in &mut self.made {
             made.index = NOT_MADE;
         }
     }
 
-    /// Notes a drawn face for [`Faces::make_asked`], unless it is made.
+    /// Notes a drawn face for [`FaceCache::make_requested`], unless it is made.
     ///
     /// Without branches: else the processor would wait for the memory of one face after the other.
     #[inline]
-    pub fn ask(&mut self, number: u32) {
+    pub fn request(&mut self, number: u32) {
         let made = &mut self.made[number as usize];
         let is_new = made.index == NOT_MADE;
-        let next = (self.faces.len() + self.asked_count) as u32;
+        let next = (self.faces.len() + self.requested_count) as u32;
         made.index = if is_new { next } else { made.index };
-        self.asked[self.asked_count % MAX_ASKED] = number;
-        self.asked_count += usize::from(is_new);
+        self.requested[self.requested_count % MAX_REQUESTED] = number;
+        self.requested_count += usize::from(is_new);
     }
 
     /// True if two drawn faces are of one plant.
@@ -206,37 +205,37 @@ impl<'a> Faces<'a> {
         a == b && a != NO_PLANT
     }
 
-    /// Makes the faces that were asked for. They are read step by step, so that the processor waits for the memory of
+    /// Makes the faces that were requested. They are read step by step, so that the processor waits for the memory of
     /// many at once.
-    pub fn make_asked(&mut self) {
-        let (mut raw, asked) = (std::mem::take(&mut self.raw), &self.asked[..self.asked_count]);
+    pub fn make_requested(&mut self) {
+        let (mut raw, requested) = (std::mem::take(&mut self.raw), &self.requested[..self.requested_count]);
         raw.clear();
         let (none, unread) = ([Vec3::ZERO; 3], [0; 3]);
-        raw.extend(asked.iter().map(|number| {
+        raw.extend(requested.iter().map(|number| {
             let DrawnFace { instance, face, is_quad, .. } = self.drawn[*number as usize];
-            Raw { instance, face, is_quad, slot: 0, corners: unread, vertices: none, normals: none }
+            FaceVertices { instance, face, is_quad, slot: 0, corners: unread, vertices: none, normals: none }
         }));
         for r in &mut raw {
-            let mesh = self.placed[r.instance as usize].mesh;
+            let mesh = self.instances[r.instance as usize].mesh;
             (r.slot, r.corners) = (mesh.slots[r.face as usize], mesh.faces[r.face as usize]);
         }
         for r in &mut raw {
-            let mesh = self.placed[r.instance as usize].mesh;
+            let mesh = self.instances[r.instance as usize].mesh;
             r.vertices = r.corners.map(|i| mesh.vertices[i as usize]);
             r.normals = r.corners.map(|i| mesh.normals[i as usize]);
         }
-        self.planes.extend(asked.iter().map(|n| self.drawn[*n as usize].inverse_depth_on_image(self.intrinsics)));
+        self.planes.extend(requested.iter().map(|n| self.drawn[*n as usize].inverse_depth_on_image(self.intrinsics)));
         for raw in &raw {
-            let placed = &self.placed[raw.instance as usize];
+            let placed = &self.instances[raw.instance as usize];
             let material = &placed.materials[usize::from(raw.slot)];
             let (face, variant) = Face::make(raw, &placed.transform, material, self.rays, self.light.wetness > 0.0);
             let is_leaf = variant.pattern == Pattern::Leaves;
             let [x, y, z] = face.face_normal.to_array().map(|n| (n * 14.0 + 15.5) as u32);
-            let look = x | y << 5 | z << 10 | u32::from(raw.slot) << 16;
-            self.brief.push(Brief {
+            let appearance = x | y << 5 | z << 10 | u32::from(raw.slot) << 16;
+            self.info.push(BinningInfo {
                 variant: variant.index() as u32,
                 instance: raw.instance,
-                look,
+                appearance,
                 is_leaf,
                 block: NOWHERE,
                 ambient: 0,
@@ -244,22 +243,22 @@ impl<'a> Faces<'a> {
             self.faces.push(face);
         }
         self.raw = raw;
-        self.asked_count = 0;
+        self.requested_count = 0;
     }
 
     /// True if two made faces of one instance show the same where they meet: the halves of a wall, neighbors on a rounded
     /// body.
     #[inline]
     pub fn are_alike(&self, first: u32, second: u32) -> bool {
-        let [a, b] = [first, second].map(|number| &self.brief[self.made[number as usize].index as usize]);
-        (a.instance, a.look) == (b.instance, b.look)
+        let [a, b] = [first, second].map(|number| &self.info[self.made[number as usize].index as usize]);
+        (a.instance, a.appearance) == (b.instance, b.appearance)
     }
 
-    /// Index in `faces` of a drawn face that was asked for and made, and the number of its shader variant.
+    /// Index in `faces` of a drawn face that was requested and made, and the number of its shader variant.
     #[inline]
     pub fn made(&self, number: u32) -> (u32, u32) {
         let index = self.made[number as usize].index;
-        (index, self.brief[index as usize].variant)
+        (index, self.info[index as usize].variant)
     }
 
     /// 1 / z of a made face's plane at an image point, 1/m, and its change by column and by row.
@@ -271,7 +270,7 @@ impl<'a> Faces<'a> {
     }
 
     /// Index of the ambient terms of a face in a block. The block's first corner is the image point (u, v) with the
-    /// inverse depth `inverse_depth`; see [`Faces::inverse_depth_at`]. `there`: the inverse depth at a hit.
+    /// inverse depth `inverse_depth`; see [`FaceCache::inverse_depth_at`]. `there`: the inverse depth at a hit.
     #[inline]
     pub fn ambient_index(
         &mut self,
@@ -279,13 +278,13 @@ impl<'a> Faces<'a> {
         block: u32,
         (u, v): (f32, f32),
         inverse_depth: [f32; 3],
-        there: Hit,
+        there: SurfacePoint,
     ) -> u32 {
-        let brief = &self.brief[index as usize];
-        if brief.block == block || brief.block == EVERYWHERE {
-            return brief.ambient;
+        let info = &self.info[index as usize];
+        if info.block == block || info.block == EVERYWHERE {
+            return info.ambient;
         }
-        if brief.is_leaf {
+        if info.is_leaf {
             self.find_leaf_ambient(index, &there)
         } else {
             self.find_ambient(index, block, (u, v), inverse_depth, &there)
@@ -295,51 +294,58 @@ impl<'a> Faces<'a> {
     /// A leaf's. Those of a plant that lie in one cell share it; each is put into a cell next to its own by chance, the
     /// nearer the likelier, so that no cell shows.
     #[inline(never)]
-    fn find_leaf_ambient(&mut self, index: u32, hit: &Hit) -> u32 {
+    fn find_leaf_ambient(&mut self, index: u32, hit: &SurfacePoint) -> u32 {
         let depth = 1.0 / hit.inverse_depth;
         let point_world = self.rays.eye + self.rays.direction(hit.u, hit.v) * depth;
         // The power of two below, so that cells stay where they are as the camera moves.
-        let cell_m = f32::from_bits((depth / CROWN_CELLS_AWAY).max(CROWN_CELL_M).to_bits() & 0xFF80_0000);
+        let cell_m = f32::from_bits((depth / LEAF_CELLS_AWAY).max(LEAF_CELL_M).to_bits() & 0xFF80_0000);
         let hash = self.faces[index as usize].face_hash;
         let aside = [hash, hash >> 10, hash >> 20].map(|h| (h & 0x3FF) as f32 * (1.0 / 1024.0));
         let cell = (point_world / cell_m + Vec3::from(aside)).floor();
-        let brief = &mut self.brief[index as usize];
-        let key = (brief.instance, cell.to_array().map(|c| c as i32));
-        let mixed = hash2(key.1[0] ^ key.1[2].wrapping_mul(0x3D4D), key.1[1], brief.instance);
-        let (known, kept) = &mut self.crowns[mixed as usize % CROWNS];
+        let info = &mut self.info[index as usize];
+        let key = (info.instance, cell.to_array().map(|c| c as i32));
+        let mixed = hash2(key.1[0] ^ key.1[2].wrapping_mul(0x3D4D), key.1[1], info.instance);
+        let (known, kept) = &mut self.leaf_cells[mixed as usize % LEAF_SLOTS];
         if *known != key {
             // Leaves turn to all sides.
             let [a, b, c, d, e, f] = self.light.sky_probes.sky_visibility(cell * cell_m, Vec3::ZERO);
             (*known, *kept) = (key, self.ambient.len() as u32);
             self.ambient.push([a, b, c, d, e, f, 0.0, 0.0]);
         }
-        (brief.block, brief.ambient) = (EVERYWHERE, *kept);
+        (info.block, info.ambient) = (EVERYWHERE, *kept);
         *kept
     }
 
     #[inline(never)]
-    fn find_ambient(&mut self, index: u32, block: u32, (u, v): (f32, f32), inverse_depth: [f32; 3], hit: &Hit) -> u32 {
-        let brief = &mut self.brief[index as usize];
+    fn find_ambient(
+        &mut self,
+        index: u32,
+        block: u32,
+        (u, v): (f32, f32),
+        inverse_depth: [f32; 3],
+        hit: &SurfacePoint,
+    ) -> u32 {
+        let info = &mut self.info[index as usize];
         let found = self.ambient.len() as u32;
         let normal = self.faces[index as usize].face_normal;
         let [coarse, in_cell] = {
             let coarse = normal.to_array().map(|n| (n * 7.0 + 8.0) as u32);
             let coarse = coarse[0] | coarse[1] << 4 | coarse[2] << 8;
-            [coarse | brief.variant << 16, coarse ^ coarse >> 3 ^ brief.instance.wrapping_mul(37) ^ brief.variant]
+            [coarse | info.variant << 16, coarse ^ coarse >> 3 ^ info.instance.wrapping_mul(37) ^ info.variant]
         };
         // Near by, where faces are large in the image and coats mirror clearly, each face looks for itself.
-        if hit.inverse_depth < 1.0 / ALIKE_FROM_M {
-            let key = (block, brief.instance, coarse, u32::from(hit.is_lone));
-            let (known, index) = &mut self.alike[in_cell as usize % ALIKE];
+        if hit.inverse_depth < 1.0 / SHARED_FROM_M {
+            let key = (block, info.instance, coarse, u32::from(hit.is_lone));
+            let (known, index) = &mut self.shared[in_cell as usize % SHARED_SLOTS];
             if *known == key {
-                (brief.block, brief.ambient) = (block, *index);
+                (info.block, info.ambient) = (block, *index);
                 return *index;
             }
             (*known, *index) = (key, found);
         }
-        (brief.block, brief.ambient) = (block, found);
-        let brief = *brief;
-        let is_flat = ShaderVariant::of(brief.variant as usize).is_flat();
+        (info.block, info.ambient) = (block, found);
+        let info = *info;
+        let is_flat = ShaderVariant::of(info.variant as usize).is_flat();
         if hit.is_lone {
             let point_world = self.rays.eye + self.rays.direction(hit.u, hit.v) * (1.0 / hit.inverse_depth);
             let even = [0.0; 8];
@@ -355,10 +361,10 @@ impl<'a> Faces<'a> {
             let inverse_depth = inverse_depth[0] + inverse_depth[1] * du + inverse_depth[2] * dv;
             let inverse_depth = inverse_depth.clamp(0.5 * at_hit, 2.0 * at_hit);
             let corner = (row + j) * (self.blocks_across + 1) + column + i;
-            let is_far = inverse_depth < 1.0 / ALIKE_FROM_M;
-            let key = (corner, brief.instance, if is_far { coarse } else { brief.look }, u32::from(is_far));
+            let is_far = inverse_depth < 1.0 / SHARED_FROM_M;
+            let key = (corner, info.instance, if is_far { coarse } else { info.appearance }, u32::from(is_far));
             let slot = corner.wrapping_mul(0x9E37_79B1) ^ in_cell.wrapping_mul(0x85EB_CA6B);
-            let (known, ambient) = &mut self.corners[(slot >> 20) as usize % CORNERS];
+            let (known, ambient) = &mut self.corners[(slot >> 20) as usize % CORNER_SLOTS];
             if *known != key {
                 let point_world = self.rays.eye + self.rays.direction(u + du, v + dv) * (1.0 / inverse_depth);
                 (*known, *ambient) = (key, ambient_of(self.light, point_world, normal, is_flat));
