@@ -13,7 +13,7 @@ use cadet_core::material::Palette;
 use cadet_core::math::{DPose3, DVec3, Vec3};
 use cadet_core::rng::Stream;
 use cadet_core::sense::{
-    BLOCK, BeamGrid, DrawnFace, Hits, Layer, NO_HIT, PinholeGrid, PosedScene, VisibilityBuffer, cast, draw,
+    BLOCK, BeamGrid, DrawnFace, Hits, Layer, NO_HIT, PinholeGrid, PosedScene, VisibilityBuffer, cast, rasterize,
 };
 use proptest::prelude::*;
 
@@ -149,7 +149,7 @@ fn equal_depths_go_to_the_earlier_instance_and_face() {
     let at = |id| place(common::cuboid([1.0; 3].into()), common::at(0.0, 0.0, 10.0), id);
     let grid = camera(DPose3::IDENTITY, 94, 311);
     let mut buffer = VisibilityBuffer::default();
-    draw(&posed(&[at(3), at(2), at(1)]), &grid, &mut buffer);
+    rasterize(&posed(&[at(3), at(2), at(1)]), &grid, &mut buffer);
     let seen: Vec<u32> = (0..94)
         .flat_map(|r| (0..311).map(move |c| (r, c)))
         .filter_map(|(r, c)| Some(buffer.front(r, c)?.0.instance))
@@ -177,7 +177,7 @@ proptest! {
         let scene = posed(&[place(sphere(radius, rings), DPose3::IDENTITY, 1)]);
         let inside = DVec3::new(s.normal(), s.normal(), s.normal()).normalize() * f64::from(radius) * 0.4;
         let mut buffer = VisibilityBuffer::default();
-        draw(&scene, &camera(DPose3 { rotation: random_rotation(&mut s), translation: inside }, 94, 311), &mut buffer);
+        rasterize(&scene, &camera(DPose3 { rotation: random_rotation(&mut s), translation: inside }, 94, 311), &mut buffer);
         prop_assert!((0..94).all(|r| (0..311).all(|c| buffer.front(r, c).is_some())));
     }
 }

@@ -104,15 +104,15 @@ impl<'a> FragmentBinner<'a> {
                 .step_by(BLOCK)
                 .flat_map(|left| (0..rows).step_by(ROWS).map(move |row| (row, left)));
             // Read at once, so that the processor waits for many lines of the memory together.
-            let mut touched = 0;
+            let mut prefetched = 0;
             let number_of = |row: usize, left: usize| row / ROWS * self.buffer.blocks_across + left / BLOCK;
             for (row, left) in places.clone() {
                 let number = number_of(first_row + row, left);
                 if self.buffer.only_face(number).is_none() {
-                    touched ^= self.buffer.opaque(number).touch();
+                    prefetched ^= self.buffer.opaque(number).prefetch();
                 }
             }
-            let _ = std::hint::black_box(touched);
+            let _ = std::hint::black_box(prefetched);
             self.covered.clear();
             self.edges.clear();
             for (tile, (row, left)) in tiles.iter_mut().zip(places) {

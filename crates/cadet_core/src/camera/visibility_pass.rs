@@ -7,7 +7,7 @@ use super::{CameraModel, Warp};
 use crate::error::Result;
 use crate::material::Semantic;
 use crate::math::{DPose3, DVec3, Vec3};
-use crate::sense::{BLOCK, PinholeGrid, PosedScene, VisibilityBuffer, draw};
+use crate::sense::{BLOCK, PinholeGrid, PosedScene, VisibilityBuffer, rasterize};
 
 /// A pinhole camera at a place.
 #[derive(Debug, Clone)]
@@ -172,7 +172,7 @@ pub fn visibility_pass(scene: &PosedScene, view: &View) -> Result<Visibility> {
     let (width, height) = (view.width, view.height);
     let grid = PinholeGrid::quincunx(view.world_from_cam, view.intrinsics, [0.0, 0.0], height * 2, width)?;
     let mut buffer = SPARE.take();
-    draw(scene, &grid, &mut buffer);
+    rasterize(scene, &grid, &mut buffer);
     let actor_ids = scene.instances.iter().map(|i| i.actor_id).collect();
     Ok(Visibility { samples: Samples(buffer), grid, actor_ids })
 }

@@ -3,7 +3,7 @@
 use crate::actor::ActorState;
 use crate::camera::{CameraModel, Visibility};
 use crate::math::{DPose3, DVec3};
-use crate::sense::{PinholeGrid, PosedInstance, PosedScene, VisibilityBuffer, draw_instances};
+use crate::sense::{PinholeGrid, PosedInstance, PosedScene, VisibilityBuffer, rasterize_instances};
 
 use super::box_cam::Rect;
 
@@ -72,7 +72,7 @@ pub(super) fn silhouette(
     let first = [c1 as f64, r1 as f64 / 2.0];
     let grid = PinholeGrid::quincunx(camera.optical_pose(world_from_cam), camera.intrinsics(), first, rows, columns)
         .expect("a checked camera and a window that is not empty");
-    draw_instances(scene, &grid, instances.of(actor_id), buffer);
+    rasterize_instances(scene, &grid, instances.of(actor_id), buffer);
     // Rows and columns by halves of a pixel.
     let (mut of_rows, mut of_columns) = (rows..0, 2 * columns..0);
     for r in 0..rows {

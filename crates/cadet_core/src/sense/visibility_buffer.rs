@@ -55,7 +55,7 @@ impl Block {
     /// Reads something of each cache line.
     #[inline]
     #[must_use]
-    pub fn touch(&self) -> u32 {
+    pub fn prefetch(&self) -> u32 {
         let line = |row: usize| self.inverse_depth[row][0].to_bits() ^ self.face[row][0];
         line(0) ^ line(2) ^ line(4) ^ line(6)
     }
@@ -96,8 +96,8 @@ pub(super) struct BlockState {
     /// Samples that have met something, a bit each: column by column, from the top.
     pub met: u64,
     /// An inverse depth that all samples reach.
-    pub floor: f32,
-    /// The floor may have risen.
+    pub least_inverse_depth: f32,
+    /// The least inverse depth may have risen.
     pub is_stale: bool,
 }
 
@@ -185,7 +185,7 @@ impl VisibilityBuffer {
     #[inline(always)]
     pub(super) fn is_block_hidden(&mut self, block: usize, z_m: f32) -> bool {
         let state = &mut self.states[block];
-        if state.floor * z_m > CLEARLY {
+        if state.least_inverse_depth * z_m > CLEARLY {
             return true;
         }
         if !state.is_stale || state.met != u64::MAX {
@@ -198,8 +198,8 @@ impl VisibilityBuffer {
             }
         }
         state.is_stale = false;
-        state.floor = least.into_iter().fold(f32::INFINITY, |a, b| if b < a { b } else { a });
-        state.floor * z_m > CLEARLY
+        state.least_inverse_depth = least.into_iter().fold(f32::INFINITY, |a, b| if b < a { b } else { a });
+        state.least_inverse_depth * z_m > CLEARLY
     }
 
     /// True if all samples of a window have met something opaque that is nearer than `z_m` (a depth below that of
@@ -211,7 +211,7 @@ impl VisibilityBuffer {
             let rows = window.rows.start.max(top) - top..window.rows.end.min(top + BLOCK) - top;
             for block_column in window.columns.start / BLOCK..=(window.columns.end - 1) / BLOCK {
                 let block = block_row * self.blocks_across + block_column;
-                if self.states[block].floor * z_m > CLEARLY {
+                if self.states[block].least_inverse_depth * z_m > CLEARLY {
                     continue;
                 }
                 let left = block_column * BLOCK;

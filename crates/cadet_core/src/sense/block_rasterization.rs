@@ -18,7 +18,7 @@ const EDGES: usize = 4;
 
 /// What is affine on the image, at a place.
 #[derive(Clone, Copy)]
-pub(super) struct Ways {
+pub(super) struct AffineValues {
     /// How far inside of each edge, in samples.
     edges: [f32; EDGES],
     /// 1/m.
@@ -58,10 +58,10 @@ pub(super) struct FaceOnImage {
     /// Of the inverse depth.
     inverse_depth: [f64; 3],
     /// By column and by row.
-    across: Ways,
-    down: Ways,
+    across: AffineValues,
+    down: AffineValues,
     /// What changes at most from a block's middle to its samples.
-    reach: Ways,
+    reach: AffineValues,
     /// An inverse depth that all of the face reaches.
     least_inverse_depth: f32,
     /// Half of how far the samples of odd rows lie further right, columns.
@@ -115,9 +115,9 @@ impl FaceOnImage {
             by_y,
             rest,
             inverse_depth,
-            across: Ways { edges: across, inverse_depth: x as f32 },
-            down: Ways { edges: down, inverse_depth: y as f32 },
-            reach: Ways { edges: reach, inverse_depth: reach_near },
+            across: AffineValues { edges: across, inverse_depth: x as f32 },
+            down: AffineValues { edges: down, inverse_depth: y as f32 },
+            reach: AffineValues { edges: reach, inverse_depth: reach_near },
             least_inverse_depth: 1.0 / most_z_m,
             shift: shift as f32,
             is_plain,
@@ -131,24 +131,24 @@ impl FaceOnImage {
 
     /// The functions at the middle of a block, given by x / z and y / z.
     #[inline(always)]
-    pub(super) fn at(&self, x: f64, y: f64) -> Ways {
+    pub(super) fn at(&self, x: f64, y: f64) -> AffineValues {
         let mut edges = [0.0; EDGES];
         for k in 0..EDGES {
             edges[k] = (self.by_x[k] * x + (self.by_y[k] * y + self.rest[k])) as f32;
         }
         let [by_x, by_y, rest] = self.inverse_depth;
-        Ways { edges, inverse_depth: (by_x * x + (by_y * y + rest)) as f32 }
+        AffineValues { edges, inverse_depth: (by_x * x + (by_y * y + rest)) as f32 }
     }
 
     /// An inverse depth that the face's plane does not reach on a block.
     #[inline(always)]
-    pub(super) fn most_inverse_depth(&self, at: &Ways) -> f32 {
+    pub(super) fn most_inverse_depth(&self, at: &AffineValues) -> f32 {
         if self.is_flat(at) { at.inverse_depth + self.reach.inverse_depth } else { f32::INFINITY }
     }
 
     /// True if single precision tells the inverse depth on a block to a millionth.
     #[inline(always)]
-    fn is_flat(&self, at: &Ways) -> bool {
+    fn is_flat(&self, at: &AffineValues) -> bool {
         let (inverse_depth, reach) = (at.inverse_depth, self.reach.inverse_depth);
         let least = inverse_depth - reach;
         let least = if least > self.least_inverse_depth { least } else { self.least_inverse_depth };
@@ -178,7 +178,7 @@ impl FaceOnImage {
 
     /// True if no sample of a block lies inside.
     #[inline(always)]
-    pub(super) fn misses(&self, at: &Ways) -> bool {
+    pub(super) fn misses(&self, at: &AffineValues) -> bool {
         let mut is_outside = false;
         for k in 0..EDGES {
             is_outside |= at.edges[k] + self.reach.edges[k] < -DOUBT;
@@ -195,7 +195,7 @@ impl FaceOnImage {
         &self,
         block: &mut Block,
         rows: &Range<usize>,
-        at: &Ways,
+        at: &AffineValues,
         id: u32,
         exact: &ExactBlock<'_>,
     ) -> u64 {
@@ -234,18 +234,18 @@ impl FaceOnImage {
     }
 
     #[inline(always)]
-    fn edge_rows(&self, at: &Ways, k: usize, row: usize) -> (TwoRows, f32) {
+    fn edge_rows(&self, at: &AffineValues, k: usize, row: usize) -> (TwoRows, f32) {
         self.rows([at.edges[k], self.across.edges[k], self.down.edges[k]], row)
     }
 
     #[inline(always)]
-    fn inverse_depth_rows(&self, at: &Ways, row: usize) -> (TwoRows, f32) {
+    fn inverse_depth_rows(&self, at: &AffineValues, row: usize) -> (TwoRows, f32) {
         self.rows([at.inverse_depth, self.across.inverse_depth, self.down.inverse_depth], row)
     }
 
     /// Draws on a block that lies inside of all edges.
     #[inline(always)]
-    fn draw_all(&self, block: &mut Block, at: &Ways, id: u32) -> u64 {
+    fn draw_all(&self, block: &mut Block, at: &AffineValues, id: u32) -> u64 {
         let mut nearer = [0_u32; 2 * BLOCK];
         let (mut value, step) = self.inverse_depth_rows(at, 0);
         for row in (0..BLOCK).step_by(2) {
@@ -296,7 +296,7 @@ fn draw_within<const EDGES: usize>(
     face: &FaceOnImage,
     block: &mut Block,
     rows: &Range<usize>,
-    at: &Ways,
+    at: &AffineValues,
     id: u32,
     nearer: &mut [u32; 2 * BLOCK],
     doubt: &mut [u32; 2 * BLOCK],
