@@ -54,7 +54,7 @@ fn tolerance(
 
 /// The same faces, but for rounding where two are equally deep; the buffer has been used before.
 fn assert_same(scene: &PosedScene, grid: &PinholeGrid, rows: usize, columns: usize, buffer: &mut VisibilityBuffer) {
-    draw(scene, grid, buffer);
+    rasterize(scene, grid, buffer);
     let mut hits = Hits::new(rows, columns);
     cast(scene, grid, Layer::Opaque, |_| true, &mut hits);
     let opaque = hits.clone();

@@ -34,18 +34,18 @@ fn lobe(roughness: f64, cos_incidence: f64) -> f64 {
     falling * falling / (4.0 * alpha2)
 }
 
-/// What the slant of a surface leaves of a pulse's peak: the spot's near and far edge answer one after the other.
+/// What the slant of a surface leaves of a pulse's peak: the spot's near and far edge return it one after the other.
 ///
-/// `spread_per_pulse` is [`spread_per_pulse`]'s.
+/// `spot_per_pulse` is [`spot_per_pulse`]'s.
 #[inline(always)]
-pub(super) fn peak_share(spread_per_pulse: f64, range_m: f64, cos_incidence: f64) -> f64 {
+pub(super) fn peak_share(spot_per_pulse: f64, range_m: f64, cos_incidence: f64) -> f64 {
     let square = (cos_incidence * cos_incidence).max(1e-6);
-    let depth = spread_per_pulse * range_m;
+    let depth = spot_per_pulse * range_m;
     1.0 / (1.0 + depth * depth * (1.0 - square) / square).sqrt()
 }
 
 /// How far the power of a spot spreads about its middle (a quarter of the cone, as in an even disc), in pulses per meter.
-pub(super) fn spread_per_pulse(receiver: &Receiver) -> f64 {
+pub(super) fn spot_per_pulse(receiver: &Receiver) -> f64 {
     receiver.divergence_rad / 4.0 / receiver.pulse_m()
 }
 
@@ -82,9 +82,9 @@ mod tests {
     }
 
     #[test]
-    fn a_slanted_spot_answers_late_and_low() {
+    fn a_slanted_spot_returns_late_and_low() {
         let receiver = Receiver { pulse_s: 5e-9, divergence_rad: 2e-3, ..Receiver::default() };
-        let share = |range_m, cos| peak_share(spread_per_pulse(&receiver), range_m, cos);
+        let share = |range_m, cos| peak_share(spot_per_pulse(&receiver), range_m, cos);
         assert_eq!(share(50.0, 1.0), 1.0);
         // Depth of the spot, in pulses, by hand: 30 m * 0.5 mrad * tan / 0.75 m = 0.35 at 86.7 degrees.
         let cos = 1.73 / 30.0;

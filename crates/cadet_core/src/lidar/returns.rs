@@ -1,4 +1,4 @@
-//! From what a beam meets to what reaches the receiver: which surface answers, and what glass and air leave of it.
+//! From what a beam meets to what reaches the receiver: which surface returns it, and what glass and air leave of it.
 
 use super::air::{Air, Scatterer};
 use super::reflection::{fresnel, reflectance};
@@ -25,8 +25,8 @@ pub(super) struct Arrival {
     pub range_m: f64,
     /// Reflectance / range^2.
     pub power: f64,
-    /// The power by which it is heard: a retroreflector's is a thousand times what it would be of a matt surface.
-    pub heard_power: f64,
+    /// The power by which it is detected: a retroreflector's is a thousand times what it would be of a matt surface.
+    pub detected_power: f64,
     /// True if it overflows the receiver.
     pub saturates: bool,
     pub cos_incidence: f64,
@@ -64,7 +64,7 @@ impl Draws {
     }
 }
 
-/// Share of a glass surface's area that is dirty or printed enough to answer itself.
+/// Share of a glass surface's area that is dirty or printed enough to return light itself.
 const DIRTY_SHARE: f64 = 0.08;
 /// Reflectance of that dirt.
 const DIRT: LidarMaterial = LidarMaterial::diffuse(0.08);
@@ -89,15 +89,15 @@ pub(super) fn arrival(
     let bright = echo.map_or(1.0, |e| brightness(&e));
     let meeting = air.meet(range_m, clear_power * bright, draws.air_key);
     let power = clear_power * meeting.transmittance;
-    let heard = |power: f64| receiver.hears(power * bright, draws.detection);
-    // The last echo that is heard is the target's, whatever stands before it.
-    if let Some(answer) = meeting.answer.filter(|_| mode == ReturnMode::Strongest || !heard(power)) {
-        let power = answer.reflectance / (answer.range_m * answer.range_m);
+    let detected = |power: f64| receiver.detects(power * bright, draws.detection);
+    // The last echo that is detected is the target's, whatever stands before it.
+    if let Some(air_return) = meeting.air_return.filter(|_| mode == ReturnMode::Strongest || !detected(power)) {
+        let power = air_return.reflectance / (air_return.range_m * air_return.range_m);
         return Some(Arrival {
-            range_m: answer.range_m,
+            range_m: air_return.range_m,
             power,
-            // Fog answers in the place of a target, which must have been heard without it; a drop is heard by itself.
-            heard_power: if answer.from == Scatterer::Fog { clear_power * bright } else { power },
+            // Fog returns in the place of a target, which must have been detected without it; a drop is detected by itself.
+            detected_power: if air_return.from == Scatterer::Fog { clear_power * bright } else { power },
             saturates: false,
             cos_incidence: 1.0,
             reading_noise: AIR_NOISE,
@@ -112,7 +112,7 @@ fn of_target(echo: &Echo, power: f64) -> Arrival {
     Arrival {
         range_m: echo.range_m,
         power,
-        heard_power: power * brightness(echo),
+        detected_power: power * brightness(echo),
         saturates: echo.retro,
         cos_incidence: echo.cos_incidence,
         reading_noise: echo.reading_noise,
@@ -130,7 +130,7 @@ fn clear_power(echo: &Echo, air: &Air) -> f64 {
     reflectance / (echo.range_m * echo.range_m)
 }
 
-/// What a retroreflector returns over what a white matt surface does: plates are heard at any range in clear air.
+/// What a retroreflector returns over what a white matt surface does: plates are detected at any range in clear air.
 #[inline]
 fn brightness(echo: &Echo) -> f64 {
     if echo.retro { 1e3 } else { 1.0 }
@@ -141,12 +141,12 @@ pub(super) fn echo_power(echo: &Echo, air: &Air) -> f64 {
     clear_power(echo, air) * air.transmittance(echo.range_m)
 }
 
-/// Whether the receiver hears an echo; `detection` is uniform in [0, 1).
-pub(super) fn is_echo_heard(echo: &Echo, air: &Air, receiver: &Receiver, detection: f64) -> bool {
-    receiver.hears(echo_power(echo, air) * brightness(echo), detection)
+/// Whether the receiver detects an echo; `detection` is uniform in [0, 1).
+pub(super) fn is_echo_detected(echo: &Echo, air: &Air, receiver: &Receiver, detection: f64) -> bool {
+    receiver.detects(echo_power(echo, air) * brightness(echo), detection)
 }
 
-/// The surface that answers, with the reflectance that is left after lobe and glass.
+/// The surface that returns it, with the reflectance that is left after lobe and glass.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Echo {
     pub range_m: f64,
@@ -159,7 +159,7 @@ pub(super) struct Echo {
     pub semantic: Semantic,
 }
 
-/// What answers a beam that meets `transparent` (a pane of glass) and then `opaque`.
+/// What returns the light of a beam that meets `transparent` (a pane of glass) and then `opaque`.
 pub(super) fn first_echo(transparent: Option<Surface<'_>>, opaque: Option<Surface<'_>>, draws: &Draws) -> Option<Echo> {
     let transparent = transparent.filter(|p| opaque.is_none_or(|s| p.range_m < s.range_m));
     let mut transmittance = 1.0;
@@ -202,7 +202,7 @@ pub(super) fn first_echo(transparent: Option<Surface<'_>>, opaque: Option<Surfac
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lidar::receiver::Waiting;
+    use crate::lidar::receiver::EchoBatch;
     use crate::lidar::{LidarSpec, Scan};
     use crate::material::Pattern;
     use crate::sense::LaserRing;
@@ -222,14 +222,14 @@ mod tests {
 
     /// What is written of what arrives from one beam that looks ahead, by a receiver of that gain.
     fn written(arrival: Option<Arrival>, laser_gain: f64, draws: &Draws) -> Option<Return> {
-        let mut waiting = Waiting::new();
-        waiting.push(&arrival?, draws, 0, [[0.0; 3], [1.0, 0.0, 0.0]]);
+        let mut batch = EchoBatch::new();
+        batch.push(&arrival?, draws, 0, [[0.0; 3], [1.0, 0.0, 0.0]]);
         let mut spec = LidarSpec::new("one", vec![LaserRing::on_axis(0.0, 0.0)], vec![0.0]).expect("valid");
         spec.laser_gains = vec![laser_gain];
         // Drops and flakes nearer than points of KITTI's files are to be seen here.
         spec.min_range_m = 0.0;
         let mut out = Scan::default();
-        waiting.receive(&spec, 0, &mut out);
+        batch.receive(&spec, 0, &mut out);
         let range_m = *out.range_m.first()?;
         Some(Return { range_m, intensity: f64::from(out.points_velo[0][3]), actor_id: out.actor_id[0] })
     }

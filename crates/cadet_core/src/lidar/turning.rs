@@ -10,9 +10,9 @@
 
 use std::sync::Arc;
 
-use super::casting::{Casting, Met, reach_m};
+use super::casting::{BeamHits, Casting, reach_m};
+use super::divergence::{DivergentBeams, SubBeam};
 use super::spec::LidarSpec;
-use super::spread::{Spread, SubBeam};
 use crate::math::{self, DPose3, DVec3, TAU};
 use crate::sense::{FaceHit, FaceTrees, Hits, Moment, Motion, MovingCaster, PosedScene};
 
@@ -77,7 +77,7 @@ impl Casting for Firings<'_> {
         self.scene
     }
 
-    fn cast(&self, spec: &LidarSpec) -> Met {
+    fn cast(&self, spec: &LidarSpec) -> BeamHits {
         let (rows, columns) = (spec.rings().len(), spec.azimuths_rad().len());
         let (mut opaque, mut first) = (Hits::new(rows, columns), Hits::new(rows, columns));
         for (ring, laser) in spec.rings().iter().enumerate() {
@@ -93,17 +93,17 @@ impl Casting for Firings<'_> {
                 put(&mut first, at, found.transparent.or(found.opaque));
             }
         }
-        Met { opaque, first }
+        BeamHits { opaque, first }
     }
 
-    fn cast_spread(&self, spec: &LidarSpec, spread: &Spread, beams: &[u32]) -> Vec<[SubBeam; 4]> {
+    fn cast_sub_beams(&self, spec: &LidarSpec, divergent: &DivergentBeams, beams: &[u32]) -> Vec<[SubBeam; 4]> {
         let columns = spec.azimuths_rad().len();
         let cast = |beam: &u32| {
             let (ring, column) = (*beam as usize / columns, *beam as usize % columns);
             let (moment, world_from_velo) = &self.columns[column];
             let origin_velo = spec.rings()[ring].origin_velo(spec.headings(ring)[column]);
             let origin = world_from_velo.transform_point(origin_velo);
-            spread.directions_velo(*beam).map(|direction_velo| {
+            divergent.directions_velo(*beam).map(|direction_velo| {
                 let found = moment.cast(origin, world_from_velo.rotation * direction_velo).opaque;
                 found.map_or(SubBeam::MISS, |f| SubBeam {
                     range_m: f.range_m as f32,

@@ -5,7 +5,7 @@ use super::grid::{BeamGrid, Window};
 /// Columns of a block.
 const BLOCK: usize = 16;
 
-/// For each [`BLOCK`] beams of a row a depth that none of them exceeds: it answers most questions about what is hidden
+/// For each [`BLOCK`] beams of a row a depth that none of them exceeds: it decides most questions about what is hidden
 /// without a look at the beams. Depths only shrink, so a bound from before still holds.
 #[derive(Debug)]
 pub(super) struct CoarseDepth {
