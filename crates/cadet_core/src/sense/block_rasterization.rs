@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use multiversion::multiversion;
 
+use super::depth_test::{ROW_BITS, any, bits_by_column, keep_nearer, mask};
 use super::outline::Outline;
 use super::pinhole::PinholeGrid;
 use super::visibility_buffer::{BLOCK, Block, DrawnFace};
@@ -27,8 +28,6 @@ pub(super) struct AffineValues {
 
 /// A row and the next.
 type TwoRows = [f32; 2 * BLOCK];
-/// Their bits, before they are shifted to the row.
-const ROW_BITS: [u32; 2 * BLOCK] = [1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 2, 2, 2];
 
 /// From a block's middle to its first sample, columns or rows.
 const HALF: f32 = (BLOCK - 1) as f32 / 2.0;
@@ -347,57 +346,4 @@ fn draw_within<const EDGES: usize>(
 pub(super) struct ExactBlock<'a> {
     pub columns_x: [&'a [f64; BLOCK]; 2],
     pub rows_y: &'a [f64; BLOCK],
-}
-
-/// Keeps what is nearer in an even row and the next: `bits` are those of positive numbers, or 0.
-///
-/// Numbers are compared by their bits: the compiler would make slow masked stores of a choice.
-#[inline(always)]
-fn keep_nearer(block: &mut Block, row: usize, bits: &[u32; 2 * BLOCK], id: u32, nearer: &mut [u32; 2 * BLOCK]) {
-    let (Some(inverse_depth), Some(face)) = (
-        block.inverse_depth.as_flattened_mut()[row * BLOCK..].first_chunk_mut::<{ 2 * BLOCK }>(),
-        block.face.as_flattened_mut()[row * BLOCK..].first_chunk_mut::<{ 2 * BLOCK }>(),
-    ) else {
-        return;
-    };
-    // One step a loop: so the compiler takes whole registers. `map` might become a function of its own.
-    let (mut old, old_ids) = ([0; 2 * BLOCK], *face);
-    for i in 0..2 * BLOCK {
-        old[i] = inverse_depth[i].to_bits();
-    }
-    let (mut is_nearer, mut new, mut new_ids) = ([0; 2 * BLOCK], [0.0; 2 * BLOCK], [0; 2 * BLOCK]);
-    for i in 0..2 * BLOCK {
-        is_nearer[i] = (old[i].wrapping_sub(bits[i]) as i32 >> 31) as u32;
-    }
-    for i in 0..2 * BLOCK {
-        new[i] = f32::from_bits(if bits[i] > old[i] { bits[i] } else { old[i] });
-    }
-    for i in 0..2 * BLOCK {
-        new_ids[i] = (id ^ old_ids[i]) & is_nearer[i] ^ old_ids[i];
-    }
-    for i in 0..2 * BLOCK {
-        nearer[i] |= is_nearer[i] & (ROW_BITS[i] << row);
-    }
-    (*inverse_depth, *face) = (new, new_ids);
-}
-
-#[inline(always)]
-fn mask(is: bool) -> u32 {
-    u32::from(is).wrapping_neg()
-}
-
-#[inline(always)]
-fn any(lanes: &[u32; 2 * BLOCK]) -> bool {
-    lanes.iter().fold(0, |all, lane| all | lane) != 0
-}
-
-/// The low bytes of eight columns, of even and of odd rows, as one number: column by column. The other bytes must be 0.
-#[inline(never)]
-#[must_use]
-pub fn bits_by_column(lanes: &[u32; 2 * BLOCK]) -> u64 {
-    let mut bytes = [0; BLOCK];
-    for i in 0..BLOCK {
-        bytes[i] = (lanes[i] | lanes[BLOCK + i]) as u8;
-    }
-    u64::from_le_bytes(bytes)
 }

@@ -1,8 +1,10 @@
 //! What a beam meets first: the posed triangles, the visibility kernel over grids of beams, and parry for single rays.
 
+mod azimuth_ticks;
 mod block_rasterization;
 mod cluster_culling;
 mod coarse_depth;
+mod depth_test;
 mod detail;
 mod edges;
 mod face_trees;
@@ -17,12 +19,14 @@ mod pinhole;
 mod posed;
 mod rasterization;
 mod raycast;
+mod row_lookup;
+mod row_planes;
 mod spinning_grid;
 mod spinning_table;
 mod to_grid;
 mod visibility_buffer;
 
-pub use block_rasterization::bits_by_column;
+pub use depth_test::bits_by_column;
 pub use detail::Resolution;
 pub use edges::EdgePlanes;
 pub use face_trees::FaceTrees;

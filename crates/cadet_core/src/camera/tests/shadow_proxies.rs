@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
-use super::{EYE_HEIGHT_M, ShadowMaps, Sky, clear_sun_from, ground, sunlit};
+use super::super::shadow::ShadowMaps;
+use super::super::sky::Sky;
+use super::shadow_maps::sunlit;
+use super::{EYE_HEIGHT_M, clear_sun_from, ground};
 use crate::actor::ObjectClass;
 use crate::assets::person::PersonModel;
 use crate::assets::vehicle::VehicleModel;
