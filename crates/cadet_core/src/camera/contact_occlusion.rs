@@ -14,6 +14,23 @@ const CELLS: usize = 72;
 const CELL_M: f32 = 2.0;
 /// How far a body darkens what is about it, in its heights.
 const REACH: f32 = 1.5;
+/// What is narrower, shorter, or lower is a wheel or a limb; what is longer no vehicle. Meters.
+const LEAST_SIZE_M: [f32; 3] = [0.25, 0.25, 0.5];
+const MOST_LENGTH_M: f32 = 30.0;
+/// Half of a body's extents, less what is rounded off.
+const HALF_BODY: f32 = 0.47;
+/// Half the diagonal of a cell, in cells.
+const HALF_DIAGONAL: f32 = 0.71;
+/// Height of the gap under a body, meters.
+const GAP_M: f32 = 0.22;
+/// Light under the middle of a body, and how much more there is at its edges.
+const UNDER: f32 = 0.03;
+const UNDER_EDGES: f32 = 0.42;
+/// The gap darkens what is nearer to the body than this, by so much.
+const GAP_SHADOW_M: f32 = 0.35;
+const GAP_SHADOW: f32 = 0.18;
+/// Heights over a body's bottom at which a point lies on the ground beside it, meters.
+const ON_GROUND_M: Range<f32> = -0.6..0.45;
 
 /// The boxes of a scene's actors, which occlude the sky.
 #[derive(Debug, Clone)]
@@ -44,8 +61,9 @@ impl ContactOcclusion {
         let (mut occluders, mut cells) = (Vec::new(), vec![Vec::new(); CELLS * CELLS]);
         for instance in scene.instances.iter().filter(|i| i.actor_id >= 1) {
             let size = instance.mesh.bounds.size();
-            if size.x < 0.25 || size.y < 0.25 || size.z < 0.5 || size.x > 30.0 {
-                continue; // wheels and limbs
+            let [x, y, z] = LEAST_SIZE_M;
+            if size.x < x || size.y < y || size.z < z || size.x > MOST_LENGTH_M {
+                continue;
             }
             let center = instance.center_world.as_vec3();
             let axis = |v: DVec3| (instance.placement.rotation * v).as_vec3();
@@ -53,13 +71,13 @@ impl ContactOcclusion {
                 center,
                 axis_x: axis(DVec3::X),
                 axis_y: axis(DVec3::Y),
-                half: [size.x * 0.47, size.y * 0.47],
+                half: [size.x * HALF_BODY, size.y * HALF_BODY],
                 bottom_z: center.z - size.z / 2.0,
                 height: size.z,
             };
             let (dx, dy) = (center.x - min[0], center.y - min[1]);
             // Half a cell's diagonal more: the cells' middles are asked.
-            let reach = REACH * size.z + 0.71 * CELL_M;
+            let reach = REACH * size.z + HALF_DIAGONAL * CELL_M;
             let r = 0.5 * (size.x * size.x + size.y * size.y).sqrt() + reach;
             let side = CELLS as f32 * CELL_M;
             if dx + r < 0.0 || dy + r < 0.0 || dx - r >= side || dy - r >= side {
@@ -167,9 +185,8 @@ impl Occluder {
         let over = d.z + (self.center.z - self.bottom_z);
         let (x, y) = (d.dot(self.axis_x).abs() - self.half[0], d.dot(self.axis_y).abs() - self.half[1]);
         // Under the body: light comes in flat through the gap at the nearest edges.
-        let gap = 0.22;
         let nearest = x.max(y).min(0.0);
-        let under = 0.03 + 0.42 * (gap * gap / (gap * gap + nearest * nearest));
+        let under = UNDER + UNDER_EDGES * (GAP_M * GAP_M / (GAP_M * GAP_M + nearest * nearest));
         let (ox, oy) = (x.max(0.0), y.max(0.0));
         let distance = (ox * ox + oy * oy).sqrt();
         // A wall of the body's height and of finite width hides up to half of the sky.
@@ -178,10 +195,10 @@ impl Occluder {
         let share = width / (width + distance);
         let fade = (2.0 * (REACH - distance / self.height)).clamp(0.0, 1.0);
         // The gap under the body darkens the last decimetres further.
-        let gap_shadow = 0.18 * (1.0 - distance * (1.0 / 0.35)).max(0.0);
+        let gap_shadow = GAP_SHADOW * (1.0 - distance * (1.0 / GAP_SHADOW_M)).max(0.0);
         let beside = 1.0 - 0.5 * (1.0 - wall) * share * fade - gap_shadow;
         let left = if (x < 0.0) & (y < 0.0) { under } else { beside };
-        if (-0.6..0.45).contains(&over) { left } else { 1.0 }
+        if ON_GROUND_M.contains(&over) { left } else { 1.0 }
     }
 }
 
@@ -220,7 +237,7 @@ fn bounds(xs: &[[f32; TOGETHER]], ys: &[[f32; TOGETHER]], is_queried: &[[bool; T
             *v = -*v;
         }
     }
-    for width in [8, 4, 2, 1] {
+    for width in [TOGETHER / 2, TOGETHER / 4, TOGETHER / 8, TOGETHER / 16] {
         for side in &mut sides {
             for i in 0..width {
                 side[i] = if side[i + width] < side[i] { side[i + width] } else { side[i] };

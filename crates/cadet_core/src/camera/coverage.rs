@@ -17,6 +17,8 @@ pub struct CoveredFace {
     pub coverage: CoverageMask,
 }
 
+/// The first sample of each column.
+const EVERY_COLUMN: CoverageMask = 0x0101_0101_0101_0101;
 /// The number of what shows nothing.
 pub const SKY: u32 = u32::MAX;
 /// The first samples of all pixels.
@@ -33,9 +35,9 @@ const ROW_BITS: [u32; TWO_ROWS] = [1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 2, 2, 
 /// The mask of some pixel rows and columns from a block's first on.
 #[inline]
 pub fn samples_within(rows: usize, columns: usize) -> CoverageMask {
-    let all = |bits: usize| if bits < 64 { (1 << bits) - 1 } else { CoverageMask::MAX };
+    let all = |bits: usize| if bits < CoverageMask::BITS as usize { (1 << bits) - 1 } else { CoverageMask::MAX };
     let of_column: CoverageMask = all(2 * rows.min(BLOCK / 2));
-    (of_column * 0x0101_0101_0101_0101) & all(BLOCK * columns.min(BLOCK))
+    (of_column * EVERY_COLUMN) & all(BLOCK * columns.min(BLOCK))
 }
 
 /// Both samples of the pixels of which any is set.

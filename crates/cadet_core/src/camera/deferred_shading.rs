@@ -76,7 +76,7 @@ impl DeferredShader<'_> {
         if queue.count == 0 {
             return;
         }
-        let known = (faces.faces.as_slice(), faces.ambient.as_slice());
+        let known = (faces.faces.as_slice(), faces.ambient.terms.as_slice());
         self.batch.shade(self.light, &self.camera, ShaderVariant::of(variant), queue, known, self.rgb);
         let n = queue.count.min(BATCH_SIZE);
         queue.clear();

@@ -1,6 +1,6 @@
 //! What all fragments of a face share.
 
-use super::pattern::{hash2, value_noise};
+use super::value_noise::{hash2, value_noise};
 use super::visibility_pass::Rays;
 use crate::geometry::LEAST_WEIGHT;
 use crate::material::{Material, Pattern, Semantic};
@@ -21,14 +21,14 @@ pub struct ShaderVariant {
 
 impl ShaderVariant {
     /// Number of variants.
-    pub const COUNT: usize = Pattern::ALL.len() * 8;
+    pub const COUNT: usize = Pattern::ALL.len() * PER_PATTERN;
 
     /// A number below `COUNT`.
     pub fn index(self) -> usize {
-        (self.pattern as usize) * 8
-            + usize::from(self.is_smooth)
-            + 2 * usize::from(self.is_glossy)
-            + 4 * usize::from(self.is_transparent)
+        (self.pattern as usize) * PER_PATTERN
+            + SMOOTH_BIT * usize::from(self.is_smooth)
+            + GLOSSY_BIT * usize::from(self.is_glossy)
+            + TRANSPARENT_BIT * usize::from(self.is_transparent)
     }
 
     /// One normal, that of the plane, goes for the whole face: what light comes from all around is found once for many
@@ -40,10 +40,10 @@ impl ShaderVariant {
     /// The variant of a number.
     pub fn of(index: usize) -> Self {
         Self {
-            pattern: Pattern::ALL[index / 8],
-            is_smooth: index & 1 > 0,
-            is_glossy: index & 2 > 0,
-            is_transparent: index & 4 > 0,
+            pattern: Pattern::ALL[index / PER_PATTERN],
+            is_smooth: index & SMOOTH_BIT > 0,
+            is_glossy: index & GLOSSY_BIT > 0,
+            is_transparent: index & TRANSPARENT_BIT > 0,
         }
     }
 }
@@ -80,6 +80,25 @@ pub struct Face {
     /// The least that a corner's weight may be; it is negative on the partner's half of a quadrilateral.
     pub least_weight: f32,
 }
+
+/// A face whose squared normal has less than this in the level plane is a floor or a roof: its texture lies along x and y.
+const LEVEL: f32 = 0.03;
+/// A shading normal whose cosine to the face's is smaller is bent, and one that changes by more than this squared is smooth.
+const UNBENT_COS: f32 = 0.999_9;
+const SMOOTH_CHANGE: f32 = 1e-6;
+/// Faces whose normal rises less, as those of walls, get no contact occlusion.
+const CONTACT_RISE: f32 = 0.3;
+/// Clumps of leaves: how the axes of the noise lie askew in the plant's, its cells per meter, and the contrast.
+const CLUMP_ASKEW: f32 = 0.7;
+const CLUMPS_PER_M: f32 = 1.6;
+const CLUMP_CONTRAST: f32 = 1.7;
+/// The least area of a face squared, four times, by which is divided.
+const LEAST_AREA: f32 = 1e-20;
+/// Variants of one pattern, and the bits that tell them apart.
+const PER_PATTERN: usize = 8;
+const SMOOTH_BIT: usize = 1;
+const GLOSSY_BIT: usize = 2;
+const TRANSPARENT_BIT: usize = 4;
 
 /// Bits of [`Face::flags`].
 pub struct Flags;
@@ -144,7 +163,7 @@ impl Face {
         } else {
             let n = normal_local;
             let flat = n.x * n.x + n.y * n.y;
-            let (along, up) = if flat < 0.03 {
+            let (along, up) = if flat < LEVEL {
                 (Vec3::X, Vec3::Y)
             } else {
                 // Along the wall, and up its slope.
@@ -156,8 +175,8 @@ impl Face {
         };
 
         let (nab, nac) = (nb - na, nc - na);
-        let is_bent = !is_leaf && na.dot(normal_local) < 0.999_9;
-        let is_smooth = is_bent || nab.length_squared().max(nac.length_squared()) > 1e-6;
+        let is_bent = !is_leaf && na.dot(normal_local) < UNBENT_COS;
+        let is_smooth = is_bent || nab.length_squared().max(nac.length_squared()) > SMOOTH_CHANGE;
         let is_vehicle = is_vehicle(material.semantic);
         let is_wet = is_ground && is_raining;
         let variant = ShaderVariant {
@@ -170,7 +189,7 @@ impl Face {
         let none = Vec3::ZERO;
         let (normal_ab, normal_ac, to_b, to_c) = if is_smooth {
             let (d11, d12, d22) = (ab.dot(ab), ab.dot(ac), ac.dot(ac));
-            let inverse = 1.0 / (d11 * d22 - d12 * d12).max(1e-20);
+            let inverse = 1.0 / (d11 * d22 - d12 * d12).max(LEAST_AREA);
             let (to_b, to_c) = (ab * d22 - ac * d12, ac * d11 - ab * d12);
             (turn(nab) * side, turn(nac) * side, turn(to_b) * inverse, turn(to_c) * inverse)
         } else {
@@ -198,7 +217,7 @@ impl Face {
             face_hash: hash2(raw.face as i32, 0, transform.place_hash),
             place_hash: transform.place_hash,
             flags: flag(Flags::GROUND, is_ground)
-                | flag(Flags::CONTACT, face_normal.z > 0.3 && !is_vehicle && !is_leaf)
+                | flag(Flags::CONTACT, face_normal.z > CONTACT_RISE && !is_vehicle && !is_leaf)
                 | flag(Flags::VEHICLE, is_vehicle)
                 | flag(Flags::ROAD, material.semantic == Semantic::Road),
         };
@@ -210,10 +229,11 @@ impl Face {
 /// their shade.
 #[inline(always)]
 fn clump(at: Vec3, edge: Vec3, transform: &InstanceTransform) -> f32 {
-    let (u, v) = (at.x + 0.7 * at.y, at.z + 0.7 * (at.y - at.x));
+    let (u, v) = (at.x + CLUMP_ASKEW * at.y, at.z + CLUMP_ASKEW * (at.y - at.x));
     // What is longer than a clump, as the inside of hedges, has the mean of many.
     let size = edge.dot(edge);
-    1.0 + (value_noise(u * 1.6, v * 1.6, transform.place_hash) - 0.5) * 1.7 / (1.0 + size * size)
+    1.0 + (value_noise(u * CLUMPS_PER_M, v * CLUMPS_PER_M, transform.place_hash) - 0.5) * CLUMP_CONTRAST
+        / (1.0 + size * size)
 }
 
 fn is_vehicle(semantic: Semantic) -> bool {

@@ -1,13 +1,14 @@
-//! Which faces were seen lately, and their ambient light: neighboring pixels mostly show the same one.
+//! Which faces were seen lately: neighboring pixels mostly show the same one.
 
-use super::face::{Face, FaceVertices, InstanceTransform, ShaderVariant};
+use super::ambient_cache::{AmbientCache, FlatSurface, NOWHERE, SurfacePoint};
+use super::face::{Face, FaceVertices, InstanceTransform};
 use super::light::Light;
-use super::pattern::hash2;
+use super::value_noise::hash2;
 use super::visibility_pass::{Rays, View};
 use crate::geometry::Mesh;
 use crate::material::{Material, Pattern};
 use crate::math::Vec3;
-use crate::sense::{BLOCK, DrawnFace, PosedScene, VisibilityBuffer};
+use crate::sense::{DrawnFace, PosedScene, VisibilityBuffer};
 
 /// What binning needs of a face that was made ready.
 #[derive(Debug, Clone, Copy)]
@@ -32,26 +33,7 @@ struct Made {
     plant: u32,
 }
 
-/// Where a sample meets a face.
-#[derive(Debug, Clone, Copy)]
-pub struct SurfacePoint {
-    /// Image point.
-    pub u: f32,
-    /// See `u`.
-    pub v: f32,
-    /// 1 / z, 1/m.
-    pub inverse_depth: f32,
-    /// So few samples of the block show the face that the light there is theirs.
-    pub is_lone: bool,
-}
-
-/// Pixels of a block.
-const BLOCK_COLUMNS: u32 = BLOCK as u32;
-const BLOCK_ROWS: u32 = BLOCK as u32 / 2;
-
 const NOT_MADE: u32 = u32::MAX;
-/// No block.
-const NOWHERE: u32 = u32::MAX;
 /// The block of leaves whose ambient terms are known.
 const EVERYWHERE: u32 = u32::MAX - 1;
 
@@ -62,13 +44,12 @@ struct CachedInstance<'a> {
     transform: InstanceTransform,
 }
 
-/// Faces and ambient terms that were made lately. Faces go by their numbers in the visibility buffer.
+/// Faces that were made lately, and their ambient terms. Faces go by their numbers in the visibility buffer.
 pub struct FaceCache<'a> {
     light: &'a Light,
     rays: &'a Rays,
     intrinsics: [f64; 4],
     drawn: &'a [DrawnFace],
-    blocks_across: u32,
     instances: Vec<CachedInstance<'a>>,
     made: Vec<Made>,
     /// Drawn faces that are to be made, and how many they are.
@@ -81,46 +62,22 @@ pub struct FaceCache<'a> {
     info: Vec<BinningInfo>,
     /// As `faces`; see [`DrawnFace::inverse_depth_on_image`].
     planes: Vec<[f64; 3]>,
-    /// Ambient terms: of a leaf one [`AmbientTerms`], of other faces [`PER_BLOCK`] in each block.
-    pub ambient: Vec<AmbientTerms>,
-    /// Of faces of one instance that lie alike within a block, and where it is kept.
-    shared: Vec<(SharedKey, u32)>,
-    /// As `shared`, at the corners of blocks.
-    corners: Vec<(SharedKey, AmbientTerms)>,
-    /// Of leaves that are near each other, and where it is kept.
-    leaf_cells: Vec<(LeafKey, u32)>,
+    pub ambient: AmbientCache<'a>,
 }
 
-/// Sky visibility and ambient light, padded, so that it is one load: the visibility towards the six half axes; for flat faces
-/// the ambient irradiance, then the visibility towards the four level half axes.
-pub type AmbientTerms = [f32; 8];
-
-/// In a block it changes evenly from corner to corner, so that nothing jumps where blocks meet: its value in the first
-/// corner, its changes to the right and downwards, and the change of the former by the latter.
-pub const PER_BLOCK: usize = 4;
-
-/// Block or corner of blocks, instance, and normal of a face, coarse or with its material.
-type SharedKey = (u32, u32, u32, u32);
-const SHARED_SLOTS: usize = 256;
-const CORNER_SLOTS: usize = 1024;
-const SHARED_FROM_M: f32 = 15.0;
-/// One over the farthest that a corner of a block is taken to be, 1/m.
-const MIN_INVERSE_DEPTH: f32 = 1e-4;
-const NO_KEY: SharedKey = (NOWHERE, 0, 0, 0);
-
-/// Instance and cell of leaves that share what they see of the sky.
-type LeafKey = (u32, [i32; 3]);
-const LEAF_SLOTS: usize = 512;
-const NO_LEAF_KEY: LeafKey = (u32::MAX, [0; 3]);
-/// Least side of such a cell, and how many of their sides they are away, at least: 45 pixels of KITTI's camera at most.
-const LEAF_CELL_M: f32 = 0.5;
-const LEAF_CELLS_AWAY: f32 = 16.0;
-
+/// An instance's place is hashed in steps of a part of a meter.
+const PLACES_PER_M: f64 = 8.0;
+const PLACE_SALT: u32 = 0x97AC;
+/// Components of normals are compared in so many steps from 0 to 1; each takes so many bits.
+const FINE_STEPS: f32 = 14.0;
+const FINE_ZERO: f32 = 15.5;
+const FINE_BITS: u32 = 5;
+/// Above a normal's bits.
+const REST_SHIFT: u32 = 16;
 /// No leaf.
 const NO_PLANT: u32 = u32::MAX;
-/// Faces and ambient terms are forgotten when there are so many.
+/// Faces and ambient terms are forgotten when there are so many faces.
 const MAX_FACES: usize = 2500;
-const MAX_AMBIENT: usize = 20_000;
 /// More than the samples of 64 x 8 pixels, of both layers.
 const MAX_REQUESTED: usize = 4096;
 
@@ -140,7 +97,11 @@ impl<'a> FaceCache<'a> {
             transform: InstanceTransform {
                 world_from_local: i.placement.rotation.as_mat3(),
                 origin: (i.placement.translation - eye).as_vec3(),
-                place_hash: hash2((i.center_world.x * 8.0) as i32, (i.center_world.y * 8.0) as i32, 0x97AC),
+                place_hash: hash2(
+                    (i.center_world.x * PLACES_PER_M) as i32,
+                    (i.center_world.y * PLACES_PER_M) as i32,
+                    PLACE_SALT,
+                ),
             },
         });
         let plants: Vec<u32> =
@@ -152,7 +113,6 @@ impl<'a> FaceCache<'a> {
             requested_count: 0,
             raw: Vec::new(),
             drawn,
-            blocks_across: buffer.blocks_across as u32,
             instances: placed.collect(),
             light,
             rays,
@@ -160,16 +120,13 @@ impl<'a> FaceCache<'a> {
             info: Vec::with_capacity(2 * MAX_FACES),
             planes: Vec::with_capacity(2 * MAX_FACES),
             intrinsics: view.intrinsics,
-            ambient: Vec::with_capacity(2 * MAX_AMBIENT),
-            shared: vec![(NO_KEY, 0); SHARED_SLOTS],
-            corners: vec![(NO_KEY, [0.0; 8]); CORNER_SLOTS],
-            leaf_cells: vec![(NO_LEAF_KEY, 0); LEAF_SLOTS],
+            ambient: AmbientCache::new(light, rays, buffer.blocks_across as u32),
         }
     }
 
     /// True if so much has been made that it leaves the cache.
     pub fn is_full(&self) -> bool {
-        self.faces.len() > MAX_FACES || self.ambient.len() > MAX_AMBIENT
+        self.faces.len() > MAX_FACES || self.ambient.is_full()
     }
 
     /// Drops what has been made.
@@ -178,8 +135,6 @@ impl<'a> FaceCache<'a> {
         self.info.clear();
         self.planes.clear();
         self.ambient.clear();
-        self.shared.fill((NO_KEY, 0));
-        self.leaf_cells.fill((NO_LEAF_KEY, 0));
         for made in &mut self.made {
             made.index = NOT_MADE;
         }
@@ -230,8 +185,8 @@ impl<'a> FaceCache<'a> {
             let material = &placed.materials[usize::from(raw.slot)];
             let (face, variant) = Face::make(raw, &placed.transform, material, self.rays, self.light.wetness > 0.0);
             let is_leaf = variant.pattern == Pattern::Leaves;
-            let [x, y, z] = face.face_normal.to_array().map(|n| (n * 14.0 + 15.5) as u32);
-            let appearance = x | y << 5 | z << 10 | u32::from(raw.slot) << 16;
+            let [x, y, z] = face.face_normal.to_array().map(|n| (n * FINE_STEPS + FINE_ZERO) as u32);
+            let appearance = x | y << FINE_BITS | z << (2 * FINE_BITS) | u32::from(raw.slot) << REST_SHIFT;
             self.info.push(BinningInfo {
                 variant: variant.index() as u32,
                 instance: raw.instance,
@@ -280,114 +235,17 @@ impl<'a> FaceCache<'a> {
         inverse_depth: [f32; 3],
         there: SurfacePoint,
     ) -> u32 {
-        let info = &self.info[index as usize];
+        let info = &mut self.info[index as usize];
         if info.block == block || info.block == EVERYWHERE {
             return info.ambient;
         }
-        if info.is_leaf {
-            self.find_leaf_ambient(index, &there)
+        let face = &self.faces[index as usize];
+        (info.block, info.ambient) = if info.is_leaf {
+            (EVERYWHERE, self.ambient.of_leaf(info.instance, face.face_hash, &there))
         } else {
-            self.find_ambient(index, block, (u, v), inverse_depth, &there)
-        }
-    }
-
-    /// A leaf's. Those of a plant that lie in one cell share it; each is put into a cell next to its own by chance, the
-    /// nearer the likelier, so that no cell shows.
-    #[inline(never)]
-    fn find_leaf_ambient(&mut self, index: u32, hit: &SurfacePoint) -> u32 {
-        let depth = 1.0 / hit.inverse_depth;
-        let point_world = self.rays.eye + self.rays.direction(hit.u, hit.v) * depth;
-        // The power of two below, so that cells stay where they are as the camera moves.
-        let cell_m = f32::from_bits((depth / LEAF_CELLS_AWAY).max(LEAF_CELL_M).to_bits() & 0xFF80_0000);
-        let hash = self.faces[index as usize].face_hash;
-        let aside = [hash, hash >> 10, hash >> 20].map(|h| (h & 0x3FF) as f32 * (1.0 / 1024.0));
-        let cell = (point_world / cell_m + Vec3::from(aside)).floor();
-        let info = &mut self.info[index as usize];
-        let key = (info.instance, cell.to_array().map(|c| c as i32));
-        let mixed = hash2(key.1[0] ^ key.1[2].wrapping_mul(0x3D4D), key.1[1], info.instance);
-        let (known, kept) = &mut self.leaf_cells[mixed as usize % LEAF_SLOTS];
-        if *known != key {
-            // Leaves turn to all sides.
-            let [a, b, c, d, e, f] = self.light.sky_probes.sky_visibility(cell * cell_m, Vec3::ZERO);
-            (*known, *kept) = (key, self.ambient.len() as u32);
-            self.ambient.push([a, b, c, d, e, f, 0.0, 0.0]);
-        }
-        (info.block, info.ambient) = (EVERYWHERE, *kept);
-        *kept
-    }
-
-    #[inline(never)]
-    fn find_ambient(
-        &mut self,
-        index: u32,
-        block: u32,
-        (u, v): (f32, f32),
-        inverse_depth: [f32; 3],
-        hit: &SurfacePoint,
-    ) -> u32 {
-        let info = &mut self.info[index as usize];
-        let found = self.ambient.len() as u32;
-        let normal = self.faces[index as usize].face_normal;
-        let [coarse, in_cell] = {
-            let coarse = normal.to_array().map(|n| (n * 7.0 + 8.0) as u32);
-            let coarse = coarse[0] | coarse[1] << 4 | coarse[2] << 8;
-            [coarse | info.variant << 16, coarse ^ coarse >> 3 ^ info.instance.wrapping_mul(37) ^ info.variant]
+            let surface = FlatSurface { instance: info.instance, variant: info.variant, appearance: info.appearance };
+            (block, self.ambient.of_block(&surface, face.face_normal, block, (u, v), inverse_depth, &there))
         };
-        // Near by, where faces are large in the image and coats mirror clearly, each face looks for itself.
-        if hit.inverse_depth < 1.0 / SHARED_FROM_M {
-            let key = (block, info.instance, coarse, u32::from(hit.is_lone));
-            let (known, index) = &mut self.shared[in_cell as usize % SHARED_SLOTS];
-            if *known == key {
-                (info.block, info.ambient) = (block, *index);
-                return *index;
-            }
-            (*known, *index) = (key, found);
-        }
-        (info.block, info.ambient) = (block, found);
-        let info = *info;
-        let is_flat = ShaderVariant::of(info.variant as usize).is_flat();
-        if hit.is_lone {
-            let point_world = self.rays.eye + self.rays.direction(hit.u, hit.v) * (1.0 / hit.inverse_depth);
-            let even = [0.0; 8];
-            self.ambient.extend([ambient_of(self.light, point_world, normal, is_flat), even, even, even]);
-            return found;
-        }
-        let (column, row) = (block % self.blocks_across, block / self.blocks_across);
-        // Between two pixels a face that is seen edge-on may leave the world: its plane is behind the eye there.
-        let at_hit = hit.inverse_depth.max(MIN_INVERSE_DEPTH);
-        let [first, right, below, across] = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| {
-            let (du, dv) = ((i * BLOCK_COLUMNS) as f32, (j * BLOCK_ROWS) as f32);
-            // The plane may end, or rise to the eye, before the corner.
-            let inverse_depth = inverse_depth[0] + inverse_depth[1] * du + inverse_depth[2] * dv;
-            let inverse_depth = inverse_depth.clamp(0.5 * at_hit, 2.0 * at_hit);
-            let corner = (row + j) * (self.blocks_across + 1) + column + i;
-            let is_far = inverse_depth < 1.0 / SHARED_FROM_M;
-            let key = (corner, info.instance, if is_far { coarse } else { info.appearance }, u32::from(is_far));
-            let slot = corner.wrapping_mul(0x9E37_79B1) ^ in_cell.wrapping_mul(0x85EB_CA6B);
-            let (known, ambient) = &mut self.corners[(slot >> 20) as usize % CORNER_SLOTS];
-            if *known != key {
-                let point_world = self.rays.eye + self.rays.direction(u + du, v + dv) * (1.0 / inverse_depth);
-                (*known, *ambient) = (key, ambient_of(self.light, point_world, normal, is_flat));
-            }
-            *ambient
-        });
-        let change =
-            |from: &AmbientTerms, to: &AmbientTerms| -> AmbientTerms { std::array::from_fn(|k| to[k] - from[k]) };
-        let (rightwards, further) = (change(&first, &right), change(&below, &across));
-        self.ambient.extend([first, rightwards, change(&first, &below), change(&rightwards, &further)]);
-        found
-    }
-}
-
-/// The ambient terms of a point of a surface.
-#[inline(always)]
-fn ambient_of(light: &Light, point_world: Vec3, normal: Vec3, is_flat: bool) -> AmbientTerms {
-    let sky_visibility = light.sky_probes.sky_visibility(point_world, normal);
-    let [a, b, c, d, e, f] = sky_visibility;
-    if is_flat {
-        let ambient = light.sky.ambient_with_bounce(normal, &sky_visibility);
-        [ambient.x, ambient.y, ambient.z, a, b, c, d, 0.0]
-    } else {
-        [a, b, c, d, e, f, 0.0, 0.0]
+        info.ambient
     }
 }

@@ -3,12 +3,13 @@
 
 use std::ops::Range;
 
+use super::ambient_cache::SurfacePoint;
 use super::coverage::{
     CoverageMask, CoveredFace, FIRST_SAMPLES, any_of_pixels, bits_of, place_of, read_block, samples_within,
     split_by_face, where_nearer, whole_pixels,
 };
 use super::deferred_shading::{BAND, DeferredShader};
-use super::face_cache::{FaceCache, SurfacePoint};
+use super::face_cache::FaceCache;
 use super::light::Light;
 use super::noise::MIDDLE_PX;
 use super::shading_queue::{BACKGROUND_STRIDE, FragmentGroup};
@@ -20,6 +21,8 @@ use crate::sense::{BLOCK, VisibilityBuffer};
 const LONE: u32 = 12;
 /// Rows of pixels of a block: two rows of samples each.
 const ROWS: usize = BLOCK / 2;
+/// Rows of samples of a block: bits of a column.
+const ROWS_OF_SAMPLES: u32 = BLOCK as u32;
 /// Columns of a band that are binned together: what lies together in the image shares faces and shadow texels.
 const TOGETHER: usize = 64;
 
@@ -241,10 +244,13 @@ impl<'a> FragmentBinner<'a> {
         let (u, v) = (tile.left as f32 + MIDDLE_PX, tile.top as f32 + MIDDLE_PX);
         let inverse_depth = self.faces.inverse_depth_at(face, u, v);
         // A sample half-way from the first to the last column that shows it.
-        let columns = [covered.coverage.trailing_zeros() / 8, (63 - covered.coverage.leading_zeros()) / 8];
-        let middle = (columns[0] + columns[1]) / 2 * 8;
+        let columns = [
+            covered.coverage.trailing_zeros() / ROWS_OF_SAMPLES,
+            (CoverageMask::BITS - 1 - covered.coverage.leading_zeros()) / ROWS_OF_SAMPLES,
+        ];
+        let middle = (columns[0] + columns[1]) / 2 * ROWS_OF_SAMPLES;
         let middle = middle + (covered.coverage >> middle).trailing_zeros();
-        let (column, row) = ((middle / 8) as f32, (middle % 8 / 2) as f32);
+        let (column, row) = ((middle / ROWS_OF_SAMPLES) as f32, (middle % ROWS_OF_SAMPLES / 2) as f32);
         let there = inverse_depth[0] + inverse_depth[1] * column + inverse_depth[2] * row;
         let is_lone = covered.coverage.count_ones() <= LONE;
         let point = SurfacePoint { u: u + column, v: v + row, inverse_depth: there, is_lone };

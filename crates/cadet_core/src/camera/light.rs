@@ -25,6 +25,11 @@ pub struct Light {
 
 /// Haze of clear air, 1/m.
 const CLEAR_AIR_PER_M: f32 = 0.000_8;
+/// The air shows the sky at this sine of an elevation or above, so much darker.
+const AIR_SINE: f32 = 0.02;
+const AIR_BRIGHTNESS: f32 = 0.8;
+/// exp(-x) is taken for (1 + x / n)^-n.
+const EXP_POWER: f32 = 16.0;
 
 impl Light {
     /// Puts the parts together.
@@ -52,14 +57,14 @@ impl Light {
     #[inline(always)]
     #[must_use]
     pub fn in_scattered(&self, view_world: Vec3) -> Vec3 {
-        self.sky.radiance(Vec3::new(view_world.x, view_world.y, view_world.z.max(0.02))) * 0.8
+        self.sky.radiance(Vec3::new(view_world.x, view_world.y, view_world.z.max(AIR_SINE))) * AIR_BRIGHTNESS
     }
 }
 
 /// Share of the light that the air lets through: exp(-x) by (1 + x/16)^-16.
 #[inline(always)]
 pub(super) fn transmittance(extinction_per_m: f32, distance_m: f32) -> f32 {
-    let mut t = 1.0 / (1.0 + extinction_per_m * distance_m * (1.0 / 16.0));
+    let mut t = 1.0 / (1.0 + extinction_per_m * distance_m * (1.0 / EXP_POWER));
     t *= t;
     t *= t;
     t *= t;

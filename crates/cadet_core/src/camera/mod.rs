@@ -1,5 +1,6 @@
 //! The camera: model and lens, shading, sky, shadows, noise, PNG.
 
+mod ambient_cache;
 mod block_sums;
 mod contact_occlusion;
 mod coverage;
@@ -12,7 +13,6 @@ mod fragment_binning;
 mod light;
 mod model;
 mod noise;
-mod pattern;
 pub mod png;
 mod radiance_pass;
 mod render;
@@ -26,6 +26,8 @@ mod sky_rows;
 mod sky_visibility;
 #[cfg(test)]
 mod tests;
+mod textures;
+mod value_noise;
 mod visibility_pass;
 
 pub use distortion::{Distortion, Warp};

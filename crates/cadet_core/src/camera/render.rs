@@ -30,6 +30,8 @@ pub struct Rendered {
 const VEILING_GLARE: f32 = 0.05;
 /// Mean luma that the exposure aims at, and its spread from frame to frame.
 const MEAN_LUMA: (f64, f64) = (91.0, 1.8);
+/// Every so many pixels one is metered: a prime number, so that no column is.
+const METERED_STEP: usize = 37;
 
 /// Memory that a thread keeps from frame to frame: touching fresh pages costs as much as the casting.
 #[derive(Default)]
@@ -70,7 +72,7 @@ pub fn render_through(
     let blurred = &scratch.rgb[..width * height * 3];
     let veil = sums.map(|s| (f64::from(VEILING_GLARE) * s / (width * height) as f64) as f32);
     let target = stream.clipped_normal(MEAN_LUMA.0, MEAN_LUMA.1) as f32;
-    let gain = gain_for_mean_luma(&metered(blurred, veil, 37), target, 1);
+    let gain = gain_for_mean_luma(&metered(blurred, veil, METERED_STEP), target, 1);
     let gains = WHITE_BALANCE.map(|g| g * gain);
     let image = match warp {
         None => expose(blurred, width, height, veil, gains, stream),

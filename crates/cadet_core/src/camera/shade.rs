@@ -7,10 +7,11 @@ use multiversion::multiversion;
 
 use super::face::{Flags, ShaderVariant};
 use super::light::{Light, transmittance};
-use super::pattern::{self, PatternPoint};
 use super::shading_batch::{ShadingBatch, ShadingCamera, get, put};
 use super::shading_queue::{BATCH_SIZE, BATCH_STRIDE};
 use super::sky::Sky;
+use super::textures::{self, PatternPoint};
+use super::value_noise::value_noise;
 use crate::material::Pattern;
 use crate::math::Vec3;
 
@@ -118,7 +119,7 @@ pub(super) fn texture(l: &mut ShadingBatch, m: usize, pattern: Pattern, pixel: u
                             face_hash: l.face_hash[i],
                             place_hash: l.place_hash[i],
                         };
-                        let albedo = pattern::albedo(Pattern::$of, get(&l.material, i), &at);
+                        let albedo = textures::albedo(Pattern::$of, get(&l.material, i), &at);
                         put(&mut l.albedo[pixel], i, albedo);
                     }
                 })*
@@ -136,7 +137,7 @@ pub(super) fn snow(l: &mut ShadingBatch, m: usize, camera: &ShadingCamera, snow:
         // In the pixel itself: in the pair's middle, each pair would have its own drift.
         let aside = l.aside[i] * side / l.inverse_depth[i];
         let (x, y) = (l.point[0][i] + right.x * aside + eye.x, l.point[1][i] + right.y * aside + eye.y);
-        let drift = pattern::value_noise(x * 0.6, y * 0.6, 0x5E0);
+        let drift = value_noise(x * 0.6, y * 0.6, 0x5E0);
         let worn = if l.flags[i] & Flags::ROAD > 0 { 0.55 } else { 1.0 };
         let lies = if l.flags[i] & Flags::VEHICLE > 0 { 0.0 } else { 1.0 };
         let level = ((l.normal[2][i] - 0.4) * 2.0).clamp(0.0, 1.0);
@@ -185,7 +186,7 @@ pub(super) fn specular(l: &mut ShadingBatch, m: usize, sky: &Sky, eye: Vec3, wet
     for i in 0..m.min(BATCH_SIZE) {
         let (view, normal) = (get(&l.view, i), get(&l.normal, i));
         let (x, y) = (l.point[0][i] + eye.x, l.point[1][i] + eye.y);
-        let puddle = pattern::value_noise(x * 0.35, y * 0.35, 0xF11);
+        let puddle = value_noise(x * 0.35, y * 0.35, 0xF11);
         let is_wet = l.flags[i] & Flags::GROUND > 0 && normal.z > 0.5;
         let film = if is_wet { (wetness * 1.5 - 0.9 * puddle).clamp(0.0, 1.0) } else { 0.0 };
         let f0 = if film > 0.0 { 0.02 } else { l.f0[i] };
@@ -293,7 +294,7 @@ fn environment(sky: &Sky, direction: Vec3, sky_visibility: &[f32; 4], roughness:
     let toward_y = if direction.y < 0.0 { sky_visibility[3] } else { sky_visibility[2] };
     let free = (toward_x * d2.x + toward_y * d2.y) / level;
     // Sine of the skyline's elevation there, uneven as roofs and crowns are.
-    let uneven = pattern::value_noise(direction.x * 7.0 + 31.0, direction.y * 7.0 + 31.0, 0xE17);
+    let uneven = value_noise(direction.x * 7.0 + 31.0, direction.y * 7.0 + 31.0, 0xE17);
     let skyline = (0.10 + 0.85 * (1.0 - free).max(0.0).sqrt()) * (0.65 + 0.7 * uneven);
     let soft = 0.02 + 0.35 * roughness;
     let above = ((direction.z - skyline) / soft + 0.5).clamp(0.0, 1.0);

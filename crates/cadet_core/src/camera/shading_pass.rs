@@ -2,8 +2,8 @@
 
 use multiversion::multiversion;
 
+use super::ambient_cache::{AmbientTerms, PER_BLOCK};
 use super::face::{Face, Flags, ShaderVariant};
-use super::face_cache::{AmbientTerms, PER_BLOCK};
 use super::light::Light;
 use super::shade::{diffuse, geometry, place_texture, resolve, snow, specular, texture, through_air, transparent};
 use super::shading_batch::{BatchVector, ShadingBatch, ShadingCamera, put};

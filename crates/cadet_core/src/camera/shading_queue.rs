@@ -16,6 +16,8 @@ pub type BatchScalar = [f32; BATCH_STRIDE];
 /// Pairs of pixels side by side in a block, and rows of them.
 pub const PAIRS_ACROSS: usize = 4;
 pub const PAIRS_DOWN: usize = 4;
+/// Bits of a column of pixels in a coverage mask.
+const COLUMN_BITS: usize = 2 * PAIRS_DOWN;
 /// What is seen through a block's transparent surfaces: its pixels row by row.
 pub const BACKGROUND_PIXELS: usize = 2 * PAIRS_ACROSS * PAIRS_DOWN;
 /// From a row of them to the next.
@@ -26,7 +28,7 @@ pub const BACKGROUND_STRIDE: u32 = 2 * PAIRS_ACROSS as u32;
 pub struct FragmentGroup {
     /// Index of the face.
     pub face: u32,
-    /// Index of its ambient terms; see [`super::face_cache::FaceCache::ambient`].
+    /// Index of its ambient terms; see [`super::ambient_cache::AmbientCache::terms`].
     pub ambient: u32,
     /// Pixel to which the color of the block's first pixel is added.
     pub target: u32,
@@ -88,12 +90,12 @@ impl ShadingQueue {
         let start = self.count.min(BATCH_SIZE - PAIRS_ACROSS * PAIRS_DOWN);
         self.groups.push((start, *group));
         let Some(pairs) = self.pairs[start..].first_chunk_mut::<{ PAIRS_ACROSS * PAIRS_DOWN }>() else { return };
-        let columns: [u64; PAIRS_ACROSS] = std::array::from_fn(|column| coverage >> (16 * column));
+        let columns: [u64; PAIRS_ACROSS] = std::array::from_fn(|column| coverage >> (2 * COLUMN_BITS * column));
         // Row by row, so that neighbors stand together. Without branches: what is seen cannot be foretold.
         let mut count = 0;
         for row in 0..PAIRS_DOWN {
             for (column, samples) in columns.iter().enumerate() {
-                let (left, right) = (samples >> (2 * row) & 3, samples >> (2 * row + 8) & 3);
+                let (left, right) = (samples >> (2 * row) & 3, samples >> (2 * row + COLUMN_BITS) & 3);
                 let seen = (left | right << 2) as u32;
                 pairs[count % (PAIRS_ACROSS * PAIRS_DOWN)] = PixelPair::new(seen, row, column).0;
                 count += usize::from(seen != 0);

@@ -8,7 +8,7 @@ use multiversion::multiversion;
 
 use self::map::{EMPTY, HIGHEST, Map, ReceiverTiles, SIZE, STRIDE, TILE, TILES, least, most, steps};
 use self::rasterization::rasterize_casters;
-use super::pattern::split;
+use super::value_noise::split;
 use crate::geometry::LANES;
 use crate::math::{DMat3, DVec3, Vec3};
 use crate::sense::PosedScene;
@@ -21,6 +21,10 @@ const STEPS_PER_M: [f32; 2] = [256.0, 128.0];
 const LEAF_STEPS: [usize; 2] = [1, 2];
 /// How far below the points that are known some more may be seen on the same tiles, meters.
 const RECEIVERS_BELOW_M: f32 = 0.3;
+/// Height of the camera over the ground, on which the maps' middles lie, meters.
+const EYE_HEIGHT_M: f64 = 1.6;
+/// A sun that stands higher, by the sine of its elevation, leaves no level axis to build a frame on but x.
+const NEAR_ZENITH: f32 = 0.95;
 
 /// The sun's view of a scene around a camera.
 #[derive(Debug, Clone)]
@@ -45,13 +49,13 @@ impl ShadowMaps {
         visible_world: Option<&[Vec3]>,
         mut buffers: Vec<Vec<i16>>,
     ) -> Self {
-        let helper = if sun_world.z.abs() < 0.95 { Vec3::Z } else { Vec3::X };
+        let helper = if sun_world.z.abs() < NEAR_ZENITH { Vec3::Z } else { Vec3::X };
         let right = helper.cross(sun_world).normalize();
         let up = sun_world.cross(right);
         let mut shadows = Self { right, up, sun: sun_world, maps: Vec::new() };
         let flat = DVec3::new(forward_world.x, forward_world.y, 0.0).normalize_or_zero();
         for (((ahead, half), steps_per_m), leaf_step) in CASCADES.into_iter().zip(STEPS_PER_M).zip(LEAF_STEPS) {
-            let middle = shadows.to_light((eye_world + flat * ahead - DVec3::Z * 1.6).as_vec3());
+            let middle = shadows.to_light((eye_world + flat * ahead - DVec3::Z * EYE_HEIGHT_M).as_vec3());
             let texel_m = (2.0 * half / SIZE as f64) as f32;
             // Whole texels, so that shadow edges do not crawl when the camera moves.
             let snap = |c: f32| ((c - half as f32) / texel_m).floor() * texel_m;
@@ -159,21 +163,21 @@ struct MapCoordinates<const N: usize> {
 pub struct PcfTexels<const N: usize> {
     at: MapCoordinates<N>,
     /// By rows: what is done goes over four neighbors of every point in turn.
-    texels: [[[i16; 4]; N]; 4],
-    heights: [[i16; 4]; N],
+    texels: [[[i16; SIDE]; N]; SIDE],
+    heights: [[i16; SIDE]; N],
     /// Shares of the first and the last row, and of the columns.
-    top: [[f32; 4]; N],
-    bottom: [[f32; 4]; N],
-    columns: [[f32; 4]; N],
+    top: [[f32; SIDE]; N],
+    bottom: [[f32; SIDE]; N],
+    columns: [[f32; SIDE]; N],
 }
 
 impl<const N: usize> Default for PcfTexels<N> {
     fn default() -> Self {
-        let none = [[0.0; 4]; N];
+        let none = [[0.0; SIDE]; N];
         Self {
             at: MapCoordinates { first: [NOWHERE; N], x: [0.0; N], y: [0.0; N], z: [0.0; N] },
-            texels: [[[0; 4]; N]; 4],
-            heights: [[0; 4]; N],
+            texels: [[[0; SIDE]; N]; SIDE],
+            heights: [[0; SIDE]; N],
             top: none,
             bottom: none,
             columns: none,
@@ -186,8 +190,17 @@ const MARGIN: f32 = 8.0;
 
 /// How far a point is moved along its normal where the sun stands square to it, texels.
 const NORMAL_OFFSET: f32 = 0.8;
+/// How much further where the sun grazes, texels, and everywhere, meters.
+const GRAZING_OFFSET: f32 = 2.2;
+const LEAST_OFFSET_M: f32 = 0.006;
+/// How much nearer to the sun points are taken to lie than they do, texels.
+const DEPTH_BIAS: f32 = 0.8;
 /// Half the side of the square, texels.
 const REACH: f32 = 1.5;
+/// Texels along a side of the square that is filtered, its area, and how much of that counts as all.
+const SIDE: usize = 4;
+const AREA: f32 = 4.0 * REACH * REACH;
+const ALL_LIT: f32 = 8.95;
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn project<const N: usize>(shadows: &ShadowMaps, eye_world: Vec3, query: &ShadowQuery<N>, out: &mut MapCoordinates<N>) {
@@ -200,13 +213,14 @@ fn project<const N: usize>(shadows: &ShadowMaps, eye_world: Vec3, query: &Shadow
     // The near map has the last word.
     for (index, map) in shadows.maps.iter().enumerate().rev() {
         let base = (index * MAP) as i32;
-        let (min_x, min_y, to_z) = (eye.x - map.min[0], eye.y - map.min[1], eye.z - map.middle_z + map.texel_m * 0.8);
+        let (min_x, min_y, to_z) =
+            (eye.x - map.min[0], eye.y - map.min[1], eye.z - map.middle_z + map.texel_m * DEPTH_BIAS);
         let (texel_m, texels_per_m) = (map.texel_m, map.texels_per_m);
         for i in 0..count {
             let (point, normal) = (Vec3::new(px[i], py[i], pz[i]), Vec3::new(nx[i], ny[i], nz[i]));
             let cos_sun = query.cos_sun[i];
             // Normal offset: moves grazing surfaces off their own texels, where a depth bias alone leaks.
-            let offset = texel_m * (NORMAL_OFFSET + 2.2 * (1.0 - cos_sun.abs())) + 0.006;
+            let offset = texel_m * (NORMAL_OFFSET + GRAZING_OFFSET * (1.0 - cos_sun.abs())) + LEAST_OFFSET_M;
             let offset = if cos_sun < 0.0 { -offset } else { offset };
             let p = point + normal * offset;
             let x = (axes[0].dot(p) + min_x) * texels_per_m;
@@ -243,18 +257,18 @@ fn filter<const N: usize>(maps: &[Map], query: &ShadowQuery<N>, found: &mut PcfT
         let i = usize::from(*i);
         let first = at.first[i] as usize;
         let map = &maps[first / MAP];
-        let rows = &map.height[first % MAP..][..3 * STRIDE + 4];
+        let rows = &map.height[first % MAP..][..(SIDE - 1) * STRIDE + SIDE];
         for (row, texels) in texels.iter_mut().enumerate() {
-            texels[k].copy_from_slice(&rows[row * STRIDE..row * STRIDE + 4]);
+            texels[k].copy_from_slice(&rows[row * STRIDE..row * STRIDE + SIDE]);
         }
         let (x, y) = (at.x[i], at.y[i]);
-        (top[k], bottom[k], heights[k]) = ([1.0 - y; 4], [y; 4], [steps(at.z[i]) as i16; 4]);
+        (top[k], bottom[k], heights[k]) = ([1.0 - y; SIDE], [y; SIDE], [steps(at.z[i]) as i16; SIDE]);
         columns[k] = [1.0 - x, 1.0, 1.0, x];
     }
     let [row_0, row_1, row_2, row_3] = texels.each_ref().map(|row| row.as_flattened());
     let (top, bottom, heights) = (top.as_flattened(), bottom.as_flattened(), heights.as_flattened());
     let sums = columns.as_flattened_mut();
-    for j in 0..(count * 4).next_multiple_of(2 * LANES).min(4 * N) {
+    for j in 0..(count * SIDE).next_multiple_of(2 * LANES).min(SIDE * N) {
         let z = heights[j];
         let share = |texel: i16, share: f32| if texel <= z { share } else { 0.0 };
         let ends = share(row_0[j], top[j]) + share(row_3[j], bottom[j]);
@@ -264,7 +278,7 @@ fn filter<const N: usize>(maps: &[Map], query: &ShadowQuery<N>, found: &mut PcfT
     for (share, [a, b, c, d]) in shares.iter_mut().zip(&columns[..count]) {
         let sum = (a + b) + (c + d);
         // Neither rounding nor the edge of a texel dims what is lit all over.
-        *share = if sum > 8.95 { 1.0 } else { sum * (1.0 / 9.0) };
+        *share = if sum > ALL_LIT { 1.0 } else { sum * (1.0 / AREA) };
     }
     for (i, share) in which[..count].iter().zip(shares) {
         factors[usize::from(*i)] = share;

@@ -23,6 +23,9 @@ pub struct SkyRows<'a> {
 const STEP: usize = 4;
 /// Sine of an elevation: what is nearer to the horizon is not interpolated.
 const NEAR_HORIZON: f32 = 0.015;
+/// Air of a larger extinction is fog (1/m), which hides the sky as if that were so far away (meters).
+const FOG_PER_M: f32 = 0.004;
+const SKY_IN_FOG_M: f32 = 400.0;
 
 impl<'a> SkyRows<'a> {
     /// No row yet.
@@ -95,8 +98,8 @@ fn exact(light: &Light, direction: Vec3) -> Vec3 {
     let view_world = direction * (1.0 / direction.dot(direction).sqrt());
     let radiance = light.sky.visible_radiance(view_world);
     // Fog hides the sky as it hides what is far.
-    let fog = light.extinction_per_m > 0.004;
-    if fog { light.through_air(radiance, view_world, 400.0) } else { radiance }
+    let fog = light.extinction_per_m > FOG_PER_M;
+    if fog { light.through_air(radiance, view_world, SKY_IN_FOG_M) } else { radiance }
 }
 
 /// [`exact`] in a row of directions, plane by plane.

@@ -20,6 +20,30 @@ const AZIMUTHS: usize = 8;
 const COVER_LEAK: f32 = 0.55;
 /// Crowns are not solid: they stand for lower obstacles.
 const CROWN_SHARE: f32 = 0.6;
+/// How far ahead of the camera the map's middle lies, and how high the camera stands over a road where nothing is known, meters.
+const AHEAD_M: f64 = 50.0;
+const EYE_HEIGHT_M: f64 = 1.65;
+/// Clusters of smaller radius lie in one cell; those of plants below the second are squares of cells. In cells.
+const ONE_CELL: f32 = 0.6;
+const LEAF_CLUSTER: f32 = 1.5;
+/// What stands so much over a probe begins to cover it, and covers it faster by the meter than this.
+const COVER_FROM_M: f32 = 0.8;
+const COVER_PER_M: f32 = 0.7;
+/// Of a cover, the shares of a probe's own cell and of each of the four beside it.
+const COVER_HERE: f32 = 0.4;
+const COVER_BESIDE: f32 = 0.15;
+/// What the azimuths beside a side's own count, and the sum of all three.
+const NEIGHBOR_AZIMUTH: f32 = 0.7;
+const AZIMUTH_SUM: f32 = 2.4;
+/// What faces down sees the sky by way of the ground: at least, and by the sky above.
+const DOWN_LEAST: f32 = 0.4;
+const DOWN_BY_ZENITH: f32 = 0.6;
+/// How far off the surface a point is taken to lie, in cells: else a wall would sit in its own house.
+const OFF_SURFACE: f32 = 1.7;
+/// The last places between two cells, with room for rounding.
+const LAST_CELL: f32 = CELLS as f32 - 1.001;
+/// Beyond the map.
+const UNKNOWN: SkyVisibility = [0.85; 6];
 
 /// Sky visibility per level.
 type Probes = [[f32; 8]; LEVELS_M.len()];
@@ -47,13 +71,13 @@ impl SkyProbes {
     #[must_use]
     pub fn new(scene: &PosedScene, eye_world: DVec3, forward_world: DVec3, visible_world: &[Vec3]) -> Self {
         let flat = DVec3::new(forward_world.x, forward_world.y, 0.0).normalize_or_zero();
-        let middle = eye_world + flat * 50.0;
+        let middle = eye_world + flat * AHEAD_M;
         let half = f64::from(CELLS as f32 * CELL_M) / 2.0;
         // Whole cells, so that nothing flickers from frame to frame.
         let min = [(middle.x - half).floor() as f32, (middle.y - half).floor() as f32];
         let mut view = Self { min, floor: Vec::new(), probes: Vec::new(), contacts: ContactOcclusion::new(scene, min) };
         let asked = view.asked_blocks(visible_world);
-        let top = view.measure_heights(scene, (eye_world.z - 1.65) as f32, &near_blocks(&asked));
+        let top = view.measure_heights(scene, (eye_world.z - EYE_HEIGHT_M) as f32, &near_blocks(&asked));
         view.place_probes(&top, &asked);
         view
     }
@@ -100,12 +124,12 @@ impl SkyProbes {
                     continue;
                 }
                 let cell = |d: f32| ((d / CELL_M).max(0.0) as usize).min(CELLS - 1);
-                if r < 0.6 * CELL_M {
+                if r < ONE_CELL * CELL_M {
                     // Smaller than a cell: no need to look at the faces.
                     mark(cell(dx), cell(dy), c.z - 0.5 * r, c.z + 0.5 * r);
                     continue;
                 }
-                if is_plant && r < 1.5 * CELL_M {
+                if is_plant && r < LEAF_CLUSTER * CELL_M {
                     // Leaves lie anywhere within.
                     let core = 0.5 * r;
                     for y in cell(dy - core)..=cell(dy + core) {
@@ -185,17 +209,18 @@ impl SkyProbes {
                     let zenith: f32 = free.iter().sum::<f32>() / AZIMUTHS as f32;
                     let around = |dx: isize, dy: isize| {
                         let near = |v: usize, d: isize| v.saturating_add_signed(d).min(CELLS - 1);
-                        ((top[near(y, dy) * CELLS + near(x, dx)] - z - 0.8) * 0.7).clamp(0.0, 1.0)
+                        ((top[near(y, dy) * CELLS + near(x, dx)] - z - COVER_FROM_M) * COVER_PER_M).clamp(0.0, 1.0)
                     };
-                    let covered =
-                        0.4 * around(0, 0) + 0.15 * (around(1, 0) + around(-1, 0) + around(0, 1) + around(0, -1));
+                    let covered = COVER_HERE * around(0, 0)
+                        + COVER_BESIDE * (around(1, 0) + around(-1, 0) + around(0, 1) + around(0, -1));
                     let cover = 1.0 - (1.0 - COVER_LEAK) * covered;
                     let side = |k: usize| {
-                        let (a, b) = (free[(k + 7) % 8], free[(k + 1) % 8]);
-                        (free[k] + 0.7 * (a + b)) * (1.0 / 2.4)
+                        let (a, b) = (free[(k + AZIMUTHS - 1) % AZIMUTHS], free[(k + 1) % AZIMUTHS]);
+                        (free[k] + NEIGHBOR_AZIMUTH * (a + b)) * (1.0 / AZIMUTH_SUM)
                     };
-                    let sides = [side(0), side(4), side(2), side(6)].map(|s| s * (0.5 + 0.5 * cover));
-                    let up_and_down = [zenith * cover, (0.4 + 0.6 * zenith) * cover];
+                    let sides = [side(0), side(AZIMUTHS / 2), side(AZIMUTHS / 4), side(3 * AZIMUTHS / 4)]
+                        .map(|s| s * (0.5 + 0.5 * cover));
+                    let up_and_down = [zenith * cover, (DOWN_LEAST + DOWN_BY_ZENITH * zenith) * cover];
                     self.probes[cell][level] =
                         [sides[0], sides[1], sides[2], sides[3], up_and_down[0], up_and_down[1], 0.0, 0.0];
                 }
@@ -206,13 +231,11 @@ impl SkyProbes {
     /// Sky visibility of a surface point with the given unit normal.
     #[must_use]
     pub fn sky_visibility(&self, point_world: Vec3, normal: Vec3) -> SkyVisibility {
-        // Off the surface, else a wall would sit in its own house.
-        let p = point_world + normal * (1.7 * CELL_M);
+        let p = point_world + normal * (OFF_SURFACE * CELL_M);
         let gx = (p.x - self.min[0]) / CELL_M - 0.5;
         let gy = (p.y - self.min[1]) / CELL_M - 0.5;
-        let limit = CELLS as f32 - 1.001;
-        if !(0.0..limit).contains(&gx) || !(0.0..limit).contains(&gy) {
-            return [0.85; 6];
+        if !(0.0..LAST_CELL).contains(&gx) || !(0.0..LAST_CELL).contains(&gy) {
+            return UNKNOWN;
         }
         let [a, b, c, d, e, f, _, _] = between(&self.floor, &self.probes, [gx, gy], point_world.z);
         [a, b, c, d, e, f]

@@ -209,13 +209,16 @@ impl Rays {
     }
 }
 
+/// The row of samples at which a block is looked at, by turns.
+const POINT_ROWS: [usize; 4] = [0, 4, 2, 6];
+
 /// Points all over what the camera sees, one for every eight pixels; transparent surfaces apart from what stands behind.
 pub(super) fn visible_points(rays: &Rays, samples: &Samples, out: &mut Vec<Vec3>) {
     out.clear();
     let buffer = &samples.0;
     let across = buffer.blocks_across.max(1);
     // Blocks look at different rows, so that what is thin is not passed by; one row is one cache line.
-    let row_of = |block_column: usize, block_row: usize| [0, 4, 2, 6][(block_column + block_row * 2) % 4];
+    let row_of = |block_column: usize, block_row: usize| POINT_ROWS[(block_column + block_row * 2) % POINT_ROWS.len()];
     let mut rows: Vec<[f32; BLOCK]> = Vec::with_capacity(across);
     for (block_row, first) in (0..buffer.num_blocks()).step_by(across).enumerate() {
         // Read at once, so that the processor waits for many lines together.

@@ -22,12 +22,11 @@ pub(super) fn rasterize_casters(scene: &PosedScene, light_from_world: &DMat3, ma
         }
         let castings: Vec<ShadowCasting> = instance.palette.materials().iter().map(ShadowCasting::of).collect();
         let slots_of = |casting: ShadowCasting| {
-            let of_casting = castings.iter().take(63).enumerate().filter(|(_, k)| **k == casting);
+            let of_casting = castings.iter().take(LAST_SLOT).enumerate().filter(|(_, k)| **k == casting);
             of_casting.fold(0, |bits, (slot, _)| bits | 1_u64 << slot)
         };
         let (never, always) = (slots_of(ShadowCasting::Never), slots_of(ShadowCasting::Always));
-        // Bit 63 may stand for several slots.
-        let leaves = instance.palette.leaf_slots() & !(1 << 63);
+        let leaves = instance.palette.leaf_slots() & !(1 << LAST_SLOT);
         let light_from_local = *light_from_world * instance.placement.rotation;
         let origin = (*light_from_world * instance.placement.translation).as_vec3();
         let light_from_local = light_from_local.as_mat3();
@@ -38,8 +37,7 @@ pub(super) fn rasterize_casters(scene: &PosedScene, light_from_world: &DMat3, ma
             let is_solid = cluster.closed_slots & !always == 0;
             let one_sided = if is_solid { cluster.closed_pieces } else { 0 };
             let center = light_from_local * cluster.center + origin;
-            // Far from the world's origin, single precision errs by millimetres.
-            let radius = cluster.radius_m + 0.01;
+            let radius = cluster.radius_m + ROUNDING_M;
             for map in maps.iter_mut().filter(|m| m.may_shade_receivers(center, radius)) {
                 map.project(cluster, &light_from_local, origin, &mut points);
                 if all_leaves && map.leaf_step > 1 {
@@ -55,6 +53,13 @@ pub(super) fn rasterize_casters(scene: &PosedScene, light_from_world: &DMat3, ma
         }
     }
 }
+
+/// Bit 63 of a cluster's slots may stand for several.
+const LAST_SLOT: usize = 63;
+/// Far from the world's origin, single precision errs by millimeters.
+const ROUNDING_M: f32 = 0.01;
+/// Ground whose normal's square has more than this upwards is level.
+const LEVEL: f32 = 0.9;
 
 /// A cluster's corners are bytes.
 const MAX_POINTS: usize = 256;
@@ -136,7 +141,7 @@ impl Map {
             });
             let normal = (b - a).cross(c - a);
             let rise = normal.dot(up);
-            rise * rise > 0.9 * normal.length_squared()
+            rise * rise > LEVEL * normal.length_squared()
         };
         let casts = move |piece: &Piece| {
             let face = cluster.faces[usize::from(piece.first)];
