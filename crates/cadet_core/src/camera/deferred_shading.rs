@@ -4,7 +4,7 @@ use super::coverage::CoverageMask;
 use super::face::ShaderVariant;
 use super::face_cache::FaceCache;
 use super::light::Light;
-use super::shading_batch::{ShadingBatch, ShadingCamera};
+use super::shading_pass::{ShadingCamera, ShadingPass};
 use super::shading_queue::{BACKGROUND_PIXELS, BATCH_SIZE, FragmentGroup, ShadingQueue};
 
 /// Rows that are binned together.
@@ -14,7 +14,7 @@ pub(super) const BAND: usize = 8;
 pub(super) struct DeferredShader<'a> {
     /// By shader variant.
     pub queues: Vec<ShadingQueue>,
-    pub batch: Box<ShadingBatch>,
+    pub pass: Box<ShadingPass>,
     pub light: &'a Light,
     pub camera: ShadingCamera,
     /// Where pixels begin that have what is seen through transparent surfaces, and how many there are.
@@ -77,11 +77,11 @@ impl DeferredShader<'_> {
             return;
         }
         let known = (faces.faces.as_slice(), faces.ambient.terms.as_slice());
-        self.batch.shade(self.light, &self.camera, ShaderVariant::of(variant), queue, known, self.rgb);
+        self.pass.shade(self.light, &self.camera, ShaderVariant::of(variant), queue, known, self.rgb);
         let n = queue.count.min(BATCH_SIZE);
         queue.clear();
-        let [left, right] = &self.batch.out;
-        for (i, pixel) in self.batch.target[..n].iter().enumerate() {
+        let [left, right] = self.pass.radiance();
+        for (i, pixel) in self.pass.targets()[..n].iter().enumerate() {
             if let Some(pixels) = self.rgb[*pixel as usize * 3..].first_chunk_mut::<6>() {
                 let added = [left[0][i], left[1][i], left[2][i], right[0][i], right[1][i], right[2][i]];
                 for k in 0..6 {

@@ -16,8 +16,6 @@ mod noise;
 pub mod png;
 mod radiance_pass;
 mod render;
-mod shade;
-mod shading_batch;
 mod shading_pass;
 mod shading_queue;
 mod shadow;

@@ -5,13 +5,13 @@ use super::face::ShaderVariant;
 use super::face_cache::FaceCache;
 use super::fragment_binning::FragmentBinner;
 use super::light::Light;
-use super::shading_batch::ShadingCamera;
+use super::shading_pass::ShadingCamera;
 use super::shading_queue::ShadingQueue;
 use super::visibility_pass::{Rays, Samples, View};
 use crate::sense::{BLOCK, PosedScene};
 
-/// Values that [`radiance_pass`] needs room for: those of the image, of what lies behind a band's transparent surfaces, and of the
-/// pixel after the last.
+/// Values that [`radiance_pass`] needs room for: those of the image, of what lies behind a band's transparent surfaces, and
+/// of the pixel after the last.
 pub fn room_for(width: usize, height: usize) -> usize {
     (height * width + width.div_ceil(BLOCK) * BLOCK * BAND + 1) * 3
 }
@@ -22,7 +22,7 @@ pub fn radiance_pass(scene: &PosedScene, view: &View, rays: &Rays, light: &Light
     let image = width * height;
     let shader = DeferredShader {
         queues: vec![ShadingQueue::NONE; ShaderVariant::COUNT],
-        batch: Box::default(),
+        pass: Box::default(),
         light,
         camera: ShadingCamera {
             eye: rays.eye,
