@@ -36,8 +36,8 @@ fn with_transparent_surfaces(mut instances: Vec<Instance>) -> Arc<PosedScene> {
     posed(&instances)
 }
 
-/// How much the inverse depth of a face may be off along a beam, by rounding and, of two faces that are drawn as one, by as much
-/// as they are bent and by the rounding of their corners.
+/// How much the inverse depth of a face may be off along a beam, by rounding and, of two faces that are drawn as one, by
+/// as much as they are bent and by the rounding of their corners.
 fn tolerance(
     scene: &PosedScene,
     grid: &PinholeGrid,

@@ -76,7 +76,7 @@ impl ContactOcclusion {
                 height: size.z,
             };
             let (dx, dy) = (center.x - min[0], center.y - min[1]);
-            // Half a cell's diagonal more: the cells' middles are asked.
+            // Half a cell's diagonal more: the distance is that of the cells' middles.
             let reach = REACH * size.z + HALF_DIAGONAL * CELL_M;
             let r = 0.5 * (size.x * size.x + size.y * size.y).sqrt() + reach;
             let side = CELLS as f32 * CELL_M;
@@ -124,7 +124,7 @@ impl ContactOcclusion {
             left <= right && self.reached.any([left + to_x, low + to_y], [right + to_x, high + to_y])
         };
         let groups = count.div_ceil(TOGETHER);
-        // Most are far from all vehicles: all are asked with one question first.
+        // Most are far from all vehicles: all are tested with one query first.
         if groups == 0 || !is_reached(0..groups) {
             return;
         }
@@ -210,7 +210,7 @@ fn darken(occluder: &Occluder, center: Vec3, [x, y, z]: [&[f32]; 3], is_queried:
     }
 }
 
-/// The least and the greatest x, the least and the greatest y of the asked points; infinite the wrong way round without any.
+/// The least and the greatest x, the least and the greatest y of the queried points; infinite the wrong way round without any.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn bounds(xs: &[[f32; TOGETHER]], ys: &[[f32; TOGETHER]], is_queried: &[[bool; TOGETHER]]) -> [f32; 4] {
     // One step a loop, on arrays of their own: so the compiler takes whole registers.

@@ -106,8 +106,8 @@ pub fn where_nearer(block: &Block, than: &Block) -> CoverageMask {
 
 /// Adds the faces that some samples show, in the order of their first samples; returns the samples that see nothing.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-pub fn split_by_face(numbers: &Numbers, asked: CoverageMask, covered: &mut Vec<CoveredFace>) -> CoverageMask {
-    let (mut left, mut sky) = (asked, 0);
+pub fn split_by_face(numbers: &Numbers, of: CoverageMask, covered: &mut Vec<CoveredFace>) -> CoverageMask {
+    let (mut left, mut sky) = (of, 0);
     while left != 0 {
         let face = numbers[place_of(left.trailing_zeros())];
         let mut found = [0; TWO_ROWS];
@@ -155,19 +155,19 @@ mod tests {
         for seed in 0..300 {
             let (block, mut covered) = (block(seed), vec![CoveredFace { face: 77, coverage: 1 }]);
             let (numbers, differ) = read_block(&block);
-            let asked = samples_within(1 + seed as usize % 4, 1 + seed as usize % 8);
-            let sky = split_by_face(&numbers, asked, &mut covered);
+            let of = samples_within(1 + seed as usize % 4, 1 + seed as usize % 8);
+            let sky = split_by_face(&numbers, of, &mut covered);
             assert_eq!(covered.remove(0), CoveredFace { face: 77, coverage: 1 });
             for row in 0..BLOCK {
                 for column in 0..BLOCK {
                     let sample = bit(row, column);
-                    let is_asked = row / 2 <= seed as usize % 4 && column <= seed as usize % 8;
-                    assert_eq!(asked & sample != 0, is_asked);
+                    let is_within = row / 2 <= seed as usize % 4 && column <= seed as usize % 8;
+                    assert_eq!(of & sample != 0, is_within);
                     let is_sky = block.inverse_depth[row][column] == 0.0;
-                    assert_eq!(sky & sample != 0, is_asked && is_sky);
-                    let of: Vec<u32> = covered.iter().filter(|p| p.coverage & sample != 0).map(|p| p.face).collect();
-                    let want = if is_asked && !is_sky { vec![block.face[row][column]] } else { Vec::new() };
-                    assert_eq!(of, want);
+                    assert_eq!(sky & sample != 0, is_within && is_sky);
+                    let faces: Vec<u32> = covered.iter().filter(|p| p.coverage & sample != 0).map(|p| p.face).collect();
+                    let want = if is_within && !is_sky { vec![block.face[row][column]] } else { Vec::new() };
+                    assert_eq!(faces, want);
                     let (a, b) = (numbers[row / 2 * 16 + column], numbers[row / 2 * 16 + 8 + column]);
                     let is_other = row % 2 == 1 && a != b && a != SKY && b != SKY;
                     assert_eq!(differ & sample != 0, is_other);

@@ -1,5 +1,5 @@
-//! Bins what a band of the image shows by shader variant: of each block of the visibility buffer every face once, with the samples
-//! that show it.
+//! Bins what a band of the image shows by shader variant: of each block of the visibility buffer every face once, with
+//! the samples that show it.
 
 use std::ops::Range;
 

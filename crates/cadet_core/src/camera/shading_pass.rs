@@ -89,7 +89,7 @@ impl ShadingPass {
         rgb: &[f32],
     ) {
         let n = queue.count.min(BATCH_SIZE);
-        // Whole registers: what is left in the pairs beyond is nobody's.
+        // Whole registers: what is computed of the pairs beyond is not used.
         let m = n.next_multiple_of(REGISTER);
         let Self { groups, inputs, geometry, incident, .. } = self;
         gather_groups(queue, n, groups);

@@ -23,7 +23,7 @@ const LEAF_STEPS: [usize; 2] = [1, 2];
 const RECEIVERS_BELOW_M: f32 = 0.3;
 /// Height of the camera over the ground, on which the maps' middles lie, meters.
 const EYE_HEIGHT_M: f64 = 1.6;
-/// A sun that stands higher, by the sine of its elevation, leaves no level axis to build a frame on but x.
+/// Above this sine of the sun's elevation the maps' axes are built on x in place of the vertical.
 const NEAR_ZENITH: f32 = 0.95;
 
 /// The sun's view of a scene around a camera.
@@ -185,7 +185,7 @@ impl<const N: usize> Default for PcfTexels<N> {
     }
 }
 
-/// Texels along a map's rim that are not asked: the next map knows them.
+/// Texels along a map's rim that are not looked up: the next map has them.
 const MARGIN: f32 = 8.0;
 
 /// How far a point is moved along its normal where the sun stands square to it, texels.
@@ -285,7 +285,7 @@ fn filter<const N: usize>(maps: &[Map], query: &ShadowQuery<N>, found: &mut PcfT
     }
 }
 
-/// Marks the tiles of two maps that points fall on; the coarser one's are not asked within the rim of the finer one.
+/// Marks the tiles of two maps that points fall on; the coarser one's are not marked within the rim of the finer one.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn mark_tiles(maps: &[Map], [right, up, sun]: [Vec3; 3], points_world: &[Vec3], lowest: &mut [Vec<f32>; 2]) {
     for points in points_world.chunks(LANES) {

@@ -11,7 +11,7 @@ const GROUND_ALBEDO: Vec3 = Vec3::new(0.150, 0.150, 0.140);
 const GROUND_SKY_SHARE: f32 = 0.8;
 const GROUND_SUN_SHARE: f32 = 0.65;
 
-/// The sun above the air, R, G, B, and the optical depths of clean air at the zenith (Rayleigh and aerosol).
+/// The sun above the air, R, G, B, and the optical depths of the air at the zenith.
 const SUN_ABOVE_AIR: [f32; 3] = [1.05, 1.05, 1.08];
 const ZENITH_OPTICAL_DEPTHS: [f32; 3] = [0.155, 0.180, 0.215];
 /// The sun is taken to stand at least so high, and the air to be so much thinner at the horizon: sines of elevations.

@@ -13,7 +13,7 @@ pub struct SkyRows<'a> {
     light: &'a Light,
     /// Points of the lattice along a row.
     points: usize,
-    /// Rows of the lattice, made when they are asked for.
+    /// Rows of the lattice, made when they are first needed.
     lattice: Vec<Vec<Vec3>>,
     /// Rows of the image that come near the horizon: the lattice is too coarse for its edge.
     has_horizon: Vec<bool>,

@@ -20,7 +20,8 @@ const AZIMUTHS: usize = 8;
 const COVER_LEAK: f32 = 0.55;
 /// Crowns are not solid: they stand for lower obstacles.
 const CROWN_SHARE: f32 = 0.6;
-/// How far ahead of the camera the map's middle lies, and how high the camera stands over a road where nothing is known, meters.
+/// How far ahead of the camera the map's middle lies, and how high the camera stands over a road where nothing is known,
+/// meters.
 const AHEAD_M: f64 = 50.0;
 const EYE_HEIGHT_M: f64 = 1.65;
 /// Clusters of smaller radius lie in one cell; those of plants below the second are squares of cells. In cells.
@@ -76,9 +77,9 @@ impl SkyProbes {
         // Whole cells, so that nothing flickers from frame to frame.
         let min = [(middle.x - half).floor() as f32, (middle.y - half).floor() as f32];
         let mut view = Self { min, floor: Vec::new(), probes: Vec::new(), contacts: ContactOcclusion::new(scene, min) };
-        let asked = view.asked_blocks(visible_world);
-        let top = view.measure_heights(scene, (eye_world.z - EYE_HEIGHT_M) as f32, &near_blocks(&asked));
-        view.place_probes(&top, &asked);
+        let needed = view.needed_blocks(visible_world);
+        let top = view.measure_heights(scene, (eye_world.z - EYE_HEIGHT_M) as f32, &near_blocks(&needed));
+        view.place_probes(&top, &needed);
         view
     }
 
@@ -158,9 +159,9 @@ impl SkyProbes {
         top
     }
 
-    /// Blocks of `GRID_M` in which some probe may be asked for: those of the points and their neighbors, as
-    /// [`SkyProbes::sky visibility`] looks up to 2.7 m aside.
-    fn asked_blocks(&self, visible_world: &[Vec3]) -> Vec<bool> {
+    /// Blocks of `GRID_M` in which some probe may be needed: those of the points and their neighbors, as
+    /// [`SkyProbes::sky_visibility`] looks up to 2.7 m aside.
+    fn needed_blocks(&self, visible_world: &[Vec3]) -> Vec<bool> {
         let mut seen = vec![false; GRID * GRID];
         for p in visible_world.iter().step_by(3) {
             let (x, y) = ((p.x - self.min[0]) / GRID_M, (p.y - self.min[1]) / GRID_M);
@@ -169,11 +170,11 @@ impl SkyProbes {
             }
         }
         let near = |i: usize| i.saturating_sub(1)..(i + 2).min(GRID);
-        let asked = |i: usize| near(i / GRID).any(|y| near(i % GRID).any(|x| seen[y * GRID + x]));
-        (0..GRID * GRID).map(asked).collect()
+        let needed = |i: usize| near(i / GRID).any(|y| near(i % GRID).any(|x| seen[y * GRID + x]));
+        (0..GRID * GRID).map(needed).collect()
     }
 
-    fn place_probes(&mut self, top: &[f32], asked_blocks: &[bool]) {
+    fn place_probes(&mut self, top: &[f32], needed_blocks: &[bool]) {
         const CELLS_PER_BLOCK: usize = CELLS / GRID;
         let directions: [(f32, f32); AZIMUTHS] = {
             let d = std::f32::consts::FRAC_1_SQRT_2;
@@ -189,8 +190,8 @@ impl SkyProbes {
         let padded = PaddedTop::new(top);
         let mut free = [[0.0_f32; CELLS]; AZIMUTHS];
         for y in 0..CELLS {
-            let asked = &asked_blocks[y / CELLS_PER_BLOCK * GRID..][..GRID];
-            let (Some(first), Some(last)) = (asked.iter().position(|a| *a), asked.iter().rposition(|a| *a)) else {
+            let needed = &needed_blocks[y / CELLS_PER_BLOCK * GRID..][..GRID];
+            let (Some(first), Some(last)) = (needed.iter().position(|a| *a), needed.iter().rposition(|a| *a)) else {
                 continue;
             };
             let columns = first * CELLS_PER_BLOCK..(last + 1) * CELLS_PER_BLOCK;
@@ -200,7 +201,7 @@ impl SkyProbes {
                     padded.free_share(y, columns.start, line, floor, *over, &mut free[columns.clone()]);
                 }
                 for x in columns.clone() {
-                    if !asked[x / CELLS_PER_BLOCK] {
+                    if !needed[x / CELLS_PER_BLOCK] {
                         continue;
                     }
                     let cell = y * CELLS + x;
@@ -273,12 +274,12 @@ const BETWEEN: [(usize, usize); LEVELS_M.len() + 1] = [(0, 0), (0, 1), (1, 2), (
 const PER_RISE: [f32; LEVELS_M.len() + 1] =
     [0.0, 1.0 / (LEVELS_M[1] - LEVELS_M[0]), 1.0 / (LEVELS_M[2] - LEVELS_M[1]), 1.0 / (LEVELS_M[3] - LEVELS_M[2]), 0.0];
 
-/// The blocks within the probes' longest step of some that are asked for.
-fn near_blocks(asked: &[bool]) -> BlockSums {
+/// The blocks within the probes' longest step of those that are needed.
+fn near_blocks(needed: &[bool]) -> BlockSums {
     const REACH: usize = 7;
     let near = |i: usize| i.saturating_sub(REACH)..(i + REACH + 1).min(GRID);
     // Along rows first, then along columns.
-    let rows: Vec<bool> = (0..GRID * GRID).map(|i| near(i % GRID).any(|x| asked[i / GRID * GRID + x])).collect();
+    let rows: Vec<bool> = (0..GRID * GRID).map(|i| near(i % GRID).any(|x| needed[i / GRID * GRID + x])).collect();
     BlockSums::of(GRID, GRID_M, |x, y| near(y).any(|y| rows[y * GRID + x]))
 }
 

@@ -119,8 +119,8 @@ impl Visibility {
         Maps { depth, instance, semantic }
     }
 
-    /// As [`Maps::instance`], at a sample: those of row 2 v lie on the centers of the pixels of row v, those of row 2 v + 1 half a
-    /// pixel to the right and below.
+    /// As [`Maps::instance`], at a sample: those of row 2 v lie on the centers of the pixels of row v, those of row 2 v +
+    /// 1 half a pixel to the right and below.
     #[inline]
     #[must_use]
     pub fn actor_at_sample(&self, row: usize, column: usize) -> i32 {

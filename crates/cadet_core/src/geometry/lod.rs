@@ -7,7 +7,7 @@ use super::bounds::Bounds;
 use super::mesh::Mesh;
 use crate::math::Vec3;
 
-/// A mesh that is made when somebody first looks at it, and then kept; copies share it.
+/// A mesh that is made when it is first used, and then kept; copies share it.
 #[derive(Debug, Clone)]
 pub struct LazyMesh(Arc<LazyLock<Arc<Mesh>, MakeMesh>>);
 
@@ -63,7 +63,7 @@ impl LodSet {
         Self { bounds, levels: std::iter::once(finest).chain(coarser).collect(), coarse_shadow_proxies: 0 }
     }
 
-    /// The same shape, longer, wider and higher by factors above 0; its meshes are made when somebody looks at them.
+    /// The same shape, longer, wider and higher by factors above 0; its meshes are made when they are first used.
     #[must_use]
     pub fn stretched(&self, scale: Vec3) -> Self {
         let bounds = Bounds { min: self.bounds.min * scale, max: self.bounds.max * scale };

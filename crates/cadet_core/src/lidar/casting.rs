@@ -13,7 +13,7 @@ pub(super) struct BeamHits {
     pub first: Hits,
 }
 
-/// Who says what beams meet: the kernel for a sensor at rest, parry for one that moves while it turns.
+/// Finds what beams meet: the kernel for a sensor at rest, parry for one that moves while it turns.
 pub(super) trait Casting {
     /// The scene, as it stands at the scan's instant.
     fn scene(&self) -> &PosedScene;

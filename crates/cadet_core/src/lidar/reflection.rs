@@ -6,7 +6,7 @@ use crate::material::LidarMaterial;
 /// Reflectance back to the sensor at an incidence angle, as a multiple of what a white Lambertian surface that faces
 /// the sensor returns.
 ///
-/// A matt surface keeps its brightness towards grazing angles (Lommel and Seeliger's law: asphalt looks the same from
+/// A diffuse surface keeps its brightness towards grazing angles (Lommel and Seeliger's law: asphalt looks the same from
 /// 4 m to 25 m); the material's exponent makes what lies under a coat fall faster than Lambert's cosine. A coat or metal
 /// flakes add a lobe about the normal, F exp(-tan^2 / a^2) / (4 a^2) for Fresnel reflectance F and roughness a: Cook and
 /// Torrance's model (1982) with Beckmann's distribution, seen from where the light comes from, near the normal.
@@ -19,7 +19,7 @@ pub(super) fn reflectance(lidar: &LidarMaterial, cos_incidence: f64) -> f64 {
     diffuse + f64::from(lidar.gloss) * lobe(f64::from(lidar.roughness).max(SMOOTHEST), cos_incidence)
 }
 
-/// Lommel and Seeliger's term: the cosine at which a matt surface has lost half of its brightness. Road that is seen at
+/// Lommel and Seeliger's term: the cosine at which a diffuse surface has lost half of its brightness. Road that is seen at
 /// 1.7 degrees (60 m ahead of KITTI's car) still returns.
 const ROUGH: f64 = 0.03;
 /// No painted sheet is flatter than this over the width of a beam.

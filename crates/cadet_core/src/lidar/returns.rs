@@ -25,7 +25,7 @@ pub(super) struct Arrival {
     pub range_m: f64,
     /// Reflectance / range^2.
     pub power: f64,
-    /// The power by which it is detected: a retroreflector's is a thousand times what it would be of a matt surface.
+    /// The power by which it is detected: a retroreflector's is a thousand times what it would be of a diffuse surface.
     pub detected_power: f64,
     /// True if it overflows the receiver.
     pub saturates: bool,
@@ -130,7 +130,7 @@ fn clear_power(echo: &Echo, air: &Air) -> f64 {
     reflectance / (echo.range_m * echo.range_m)
 }
 
-/// What a retroreflector returns over what a white matt surface does: plates are detected at any range in clear air.
+/// What a retroreflector returns over what a white diffuse surface does: plates are detected at any range in clear air.
 #[inline]
 fn brightness(echo: &Echo) -> f64 {
     if echo.retro { 1e3 } else { 1.0 }

@@ -1,12 +1,13 @@
 //! A sensor that turns while it and the world move.
 //!
 //! A turn takes 0.1 s and is centered on the instant of the image: the beam looks straight ahead at that instant, as the
-//! trigger of KITTI's cameras asks for, and the seam is behind the car. Seen from above the sensor turns
+//! trigger of KITTI's cameras requires, and the seam is behind the car. Seen from above the sensor turns
 //! counter-clockwise ("Vision meets Robotics: The KITTI Dataset", Geiger et al. 2013), so the right-hand side is seen
 //! before the instant and the left-hand side after it. Points stay in the frame of their own firing, as in KITTI's
 //! object frames.
 //!
-//! All lasers of a column fire at once, at its own moment. Bodies move with steady velocity and angular velocity; wheels don't roll and people's legs don't swing meanwhile.
+//! All lasers of a column fire at once, at its own moment. Bodies move with steady velocity and angular velocity; wheels
+//! don't roll and people's legs don't swing meanwhile.
 
 use std::sync::Arc;
 

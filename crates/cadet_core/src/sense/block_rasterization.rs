@@ -263,7 +263,7 @@ impl FaceOnImage {
     /// Draws the samples whose bits are set by the kernel's test ([`super::BeamGrid::cover`]), bit for bit.
     #[cold]
     #[inline(never)]
-    fn draw_exactly(&self, block: &mut Block, id: u32, asked: u64, exact: &ExactBlock<'_>) -> u64 {
+    fn draw_exactly(&self, block: &mut Block, id: u32, mask: u64, exact: &ExactBlock<'_>) -> u64 {
         let mut nearer = 0;
         let inverse = 1.0 / self.volume;
         for (row, y) in exact.rows_y.iter().enumerate() {
@@ -271,7 +271,7 @@ impl FaceOnImage {
             let facing = self.normal.y * y + self.normal.z;
             for (i, x) in exact.columns_x[row % 2].iter().enumerate() {
                 let bit = 1 << (BLOCK * i + row);
-                if asked & bit == 0 {
+                if mask & bit == 0 {
                     continue;
                 }
                 let is_in = (0..EDGES).all(|k| self.edges[k].x * x + rests[k] >= 0.0);

@@ -1,6 +1,6 @@
 //! The triangles of a snapshot in world coordinates: one set, the same for every sensor and for the user.
 //!
-//! Nothing is posed before somebody looks at it: a scan sees a fifth of a street's vertices. Whoever asks gets the same
+//! Instances are posed on demand: a scan sees a fifth of a street's vertices. Every caller gets the same
 //! bits, as a vertex always goes through [`Placement`].
 
 use std::ops::Range;

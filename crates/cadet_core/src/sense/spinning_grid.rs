@@ -21,8 +21,8 @@ const BLOCK: usize = 32;
 /// The farthest from the axis that a laser may sit.
 const MOST_LEFT_M: f64 = 0.5;
 
-/// The beams of a spinning LIDAR in the world: row = ring (in the order given), column = azimuth. Depth is the range from the laser's own
-/// origin ([`LaserRing::origin_velo`]).
+/// The beams of a spinning LIDAR in the world: row = ring (in the order given), column = azimuth. Depth is the range from
+/// the laser's own origin ([`LaserRing::origin_velo`]).
 #[derive(Debug, Clone)]
 pub struct SpinningGrid {
     world_from_velo: DPose3,

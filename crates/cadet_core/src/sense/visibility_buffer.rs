@@ -216,21 +216,21 @@ impl VisibilityBuffer {
                 }
                 let left = block_column * BLOCK;
                 let columns = window.columns.start.max(left) - left..window.columns.end.min(left + BLOCK) - left;
-                let asked = bits_of(&rows, &columns);
-                if asked & !self.states[block].met != 0 {
+                let window_bits = bits_of(&rows, &columns);
+                if window_bits & !self.states[block].met != 0 {
                     return false;
                 }
                 if self.is_block_hidden(block, z_m) {
                     continue;
                 }
-                if asked == u64::MAX {
+                if window_bits == u64::MAX {
                     return false;
                 }
                 for row in &self.opaque[block].inverse_depth[rows.clone()] {
                     let mut open = [0; BLOCK];
                     for i in 0..BLOCK {
-                        let asked = (i as u32).wrapping_sub(columns.start as u32) < columns.len() as u32;
-                        open[i] = u32::from(row[i] * z_m <= CLEARLY) & u32::from(asked);
+                        let is_within = (i as u32).wrapping_sub(columns.start as u32) < columns.len() as u32;
+                        open[i] = u32::from(row[i] * z_m <= CLEARLY) & u32::from(is_within);
                     }
                     if open.iter().fold(0, |all, o| all | o) != 0 {
                         return false;

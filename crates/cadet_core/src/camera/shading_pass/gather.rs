@@ -19,7 +19,7 @@ const SAMPLE_OFFSET_PX: f32 = 0.25;
 /// The inverse depth of what is seen from its rim may be lost in rounding, 1/m.
 const FARTHEST: f32 = 1e-6;
 
-/// The pairs from `start` on; those that are nobody's yet are filled again when their turn comes.
+/// The pairs from `start` on; what it writes beyond a group's pairs the next group overwrites.
 #[inline(always)]
 fn run<T: Copy>(values: &mut [T; BATCH_STRIDE], start: usize, value: T) {
     if let Some(run) = values[start..].first_chunk_mut() {

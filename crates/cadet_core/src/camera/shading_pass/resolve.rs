@@ -65,7 +65,7 @@ fn at_both_pixels(here: f32, before: f32, after: f32, has_before: u32, has_after
     [(here - PIXEL_OFFSET * at_left).max(0.0), (here + PIXEL_OFFSET * at_right).max(0.0)]
 }
 
-/// A number, or 0 where no bit is set: what is not asked for may be no number.
+/// A number, or 0 where no bit is set: what is masked out may be no number.
 #[inline(always)]
 fn where_set(mask: u32, v: f32) -> f32 {
     f32::from_bits(v.to_bits() & mask)

@@ -49,8 +49,8 @@ fn shown(instance: &Instance, eye: DVec3, finer: usize, of: Part) -> Vec<f64> {
     (0..stretches).map(|i| samples(i) as f64 / (2.0 * scale * scale)).collect()
 }
 
-/// Over stretches and small steps of the camera: how much more is shown than in the finer picture of the finest mesh, and how far
-/// single stretches are from it, as shares of the mean.
+/// Over stretches and small steps of the camera: how much more is shown than in the finer picture of the finest mesh, and
+/// how far single stretches are from it, as shares of the mean.
 fn errors(model: &SceneryModel, distance_m: f64, yaw: f64, of: Part) -> (f64, f64) {
     // Fences reach to both sides.
     let aside_m = if matches!(of, Part::Above(_)) { -4.8 } else { 0.0 };
