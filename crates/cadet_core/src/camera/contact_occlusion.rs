@@ -213,36 +213,17 @@ fn darken(occluder: &Occluder, center: Vec3, [x, y, z]: [&[f32]; 3], is_queried:
 /// The least and the greatest x, the least and the greatest y of the queried points; infinite the wrong way round without any.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn bounds(xs: &[[f32; TOGETHER]], ys: &[[f32; TOGETHER]], is_queried: &[[bool; TOGETHER]]) -> [f32; 4] {
-    // One step a loop, on arrays of their own: so the compiler takes whole registers.
-    let none = [f32::INFINITY; TOGETHER];
-    let (mut left, mut right, mut low, mut high) = (none, [-f32::INFINITY; TOGETHER], none, [-f32::INFINITY; TOGETHER]);
+    let (none, most) = ([f32::INFINITY; TOGETHER], [f32::NEG_INFINITY; TOGETHER]);
+    let (mut left, mut right, mut low, mut high) = (none, most, none, most);
     for ((x, y), is_queried) in xs.iter().zip(ys).zip(is_queried) {
         for i in 0..TOGETHER {
             left[i] = if is_queried[i] & (x[i] < left[i]) { x[i] } else { left[i] };
-        }
-        for i in 0..TOGETHER {
             right[i] = if is_queried[i] & (x[i] > right[i]) { x[i] } else { right[i] };
-        }
-        for i in 0..TOGETHER {
             low[i] = if is_queried[i] & (y[i] < low[i]) { y[i] } else { low[i] };
-        }
-        for i in 0..TOGETHER {
             high[i] = if is_queried[i] & (y[i] > high[i]) { y[i] } else { high[i] };
         }
     }
-    let mut sides = [left, low, right, high];
-    // The greatest as the least of the opposites.
-    for side in &mut sides[2..] {
-        for v in side {
-            *v = -*v;
-        }
-    }
-    for width in [TOGETHER / 2, TOGETHER / 4, TOGETHER / 8, TOGETHER / 16] {
-        for side in &mut sides {
-            for i in 0..width {
-                side[i] = if side[i + width] < side[i] { side[i + width] } else { side[i] };
-            }
-        }
-    }
-    [sides[0][0], -sides[2][0], sides[1][0], -sides[3][0]]
+    let least = |side: [f32; TOGETHER]| side.into_iter().fold(f32::INFINITY, f32::min);
+    let greatest = |side: [f32; TOGETHER]| side.into_iter().fold(f32::NEG_INFINITY, f32::max);
+    [least(left), greatest(right), least(low), greatest(high)]
 }
