@@ -6,7 +6,7 @@ use std::sync::Arc;
 use cadet_core::actor::ObjectClass;
 use cadet_core::assets::scenery::{HouseKind, TreeKind, house, tree};
 use cadet_core::assets::vehicle::VehicleModel;
-use cadet_core::camera::{View, look, paint, png};
+use cadet_core::camera::{View, png, render, visibility_pass};
 use cadet_core::frames::upright;
 use cadet_core::geometry::{LodSet, MeshBuilder};
 use cadet_core::instance::Instance;
@@ -64,10 +64,12 @@ fn images(c: &mut Criterion) {
         world_from_cam: DPose3 { rotation: DQuat::from_mat3(&axes), translation: EYE },
     };
     let picture = |weather: &Weather| {
-        let seen = look(&scene, &view).expect("looks");
-        paint(&scene, &view, weather, &seen, &mut Stream::from_seed("bench", 0))
+        let seen = visibility_pass(&scene, &view).expect("looks");
+        render(&scene, &view, weather, &seen, &mut Stream::from_seed("bench", 0))
     };
-    c.bench_function("look: what the samples see", |b| b.iter(|| black_box(look(&scene, &view).expect("looks"))));
+    c.bench_function("visibility pass: what the samples see", |b| {
+        b.iter(|| black_box(visibility_pass(&scene, &view).expect("looks")))
+    });
     for name in ["clear_noon", "soft_rain_noon"] {
         let weather = Weather::preset(name).expect("a preset");
         c.bench_function(&format!("image {name}"), |b| b.iter(|| black_box(picture(&weather))));

@@ -8,7 +8,7 @@ mod suburbs;
 use std::hint::black_box;
 use std::time::Instant;
 
-use cadet_core::camera::{look, paint};
+use cadet_core::camera::{render, visibility_pass};
 use cadet_core::rng::StreamKey;
 
 use suburbs::{VIEWS, place, suburb};
@@ -21,7 +21,7 @@ fn ms_since(start: Instant) -> f64 {
 fn main() {
     let runs: usize = std::env::args().find_map(|arg| arg.parse().ok()).unwrap_or(40).max(1);
     println!("1242 x 375, one thread, milliseconds: the least of {runs} runs, and the median of the whole");
-    println!("suburb  weather          look  paint  whole  median");
+    println!("suburb  weather          pass  shade  whole  median");
     let mut sums = [0.0; 2];
     for (seed, weather) in VIEWS {
         let mut scene = suburb(seed, weather);
@@ -31,9 +31,9 @@ fn main() {
         let mut times: Vec<[f64; 2]> = Vec::new();
         for _ in 0..runs {
             let start = Instant::now();
-            let seen = look(&posed, &view).expect("looks");
+            let seen = visibility_pass(&posed, &view).expect("looks");
             let look_ms = ms_since(start);
-            black_box(paint(&posed, &view, scene.weather(), &seen, &mut stream));
+            black_box(render(&posed, &view, scene.weather(), &seen, &mut stream));
             times.push([look_ms, ms_since(start)]);
         }
         let least = |of: fn(&[f64; 2]) -> f64| times.iter().map(of).fold(f64::INFINITY, f64::min);

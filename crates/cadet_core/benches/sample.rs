@@ -6,7 +6,7 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use cadet_core::camera::png::encode_rgb8;
-use cadet_core::camera::{look, paint};
+use cadet_core::camera::{render, visibility_pass};
 use cadet_core::lidar::LidarSpec;
 use cadet_core::rng::StreamKey;
 use cadet_core::scene::Request;
@@ -60,10 +60,10 @@ fn images(c: &mut Criterion) {
         let mut stream = StreamKey::scene(seed).indexed("camera", 0);
         scene.step(0.1).expect("drives");
         let (posed, view) = place(&mut scene);
-        let seen = look(&posed, &view).expect("looks");
-        let _ = group.bench_function("look", |b| b.iter(|| black_box(look(&posed, &view))));
-        let _ = group.bench_function("paint", |b| {
-            b.iter(|| black_box(paint(&posed, &view, scene.weather(), &seen, &mut stream)));
+        let seen = visibility_pass(&posed, &view).expect("looks");
+        let _ = group.bench_function("visibility_pass", |b| b.iter(|| black_box(visibility_pass(&posed, &view))));
+        let _ = group.bench_function("render", |b| {
+            b.iter(|| black_box(render(&posed, &view, scene.weather(), &seen, &mut stream)));
         });
         // New streets are not in the caches.
         let _ = group.bench_function("both, driving: each view once, a second apart", |b| {
@@ -73,8 +73,8 @@ fn images(c: &mut Criterion) {
                     scene.step(1.0).expect("drives");
                     let (posed, view) = place(&mut scene);
                     let start = Instant::now();
-                    let seen = look(&posed, &view).expect("looks");
-                    black_box(paint(&posed, &view, scene.weather(), &seen, &mut stream));
+                    let seen = visibility_pass(&posed, &view).expect("looks");
+                    black_box(render(&posed, &view, scene.weather(), &seen, &mut stream));
                     taken += start.elapsed();
                 }
                 taken

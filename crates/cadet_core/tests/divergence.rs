@@ -48,7 +48,7 @@ fn a_half_covered_beam_reports_what_its_shares_say() {
         for i in 0..got.ring.len() {
             // From the edge, in radii of the spot; the sub-beams stand at half of it.
             let u = (azimuths[got.column[i] as usize] - 5e-3) / (DIVERGENCE_RAD / 2.0);
-            // Half of the near wall's answer is four times half of the far one's.
+            // Half of the near wall's echo is four times half of the far one's.
             let id = match mode {
                 ReturnMode::Strongest => 1 + i32::from(u > 0.5),
                 ReturnMode::Last => 1 + i32::from(u > -0.5),
@@ -81,7 +81,7 @@ fn walls_within_a_pulse_of_each_other_mix() {
             _ => continue,
         };
         mixed += usize::from(expected_m == mixed_m);
-        // The two faces are seen straight on: their answers differ by range alone.
+        // The two faces are seen straight on: their echoes differ by range alone.
         assert!((got.range_m[i] - expected_m).abs() < 2e-3, "{u}: {} {expected_m}", got.range_m[i]);
     }
     assert!(mixed > 60, "{mixed}");

@@ -162,18 +162,18 @@ fn the_same_stream_gives_the_same_bytes_and_clear_weather_changes_none() {
 }
 
 #[test]
-fn panes_show_what_is_behind_them() {
+fn transparent_surfaces_show_what_is_behind_them() {
     let mut glass = common::matt().materials().to_vec();
     glass[0].transmission = 0.9;
     glass[0].lidar.transmission = 0.95;
-    let mut pane = place(cuboid(Vec3::new(0.01, 30.0, 30.0)), at(5.0, 0.0, 0.0), 1);
-    pane.palette = Arc::new(Palette::new(glass));
+    let mut window = place(cuboid(Vec3::new(0.01, 30.0, 30.0)), at(5.0, 0.0, 0.0), 1);
+    window.palette = Arc::new(Palette::new(glass));
     let wall = place(cuboid(Vec3::new(0.5, 30.0, 30.0)), at(9.5, 0.0, 0.0), 2);
-    let scene = posed(&[pane, wall]);
+    let scene = posed(&[window, wall]);
     let weather = Weather::preset("clear_noon").expect("exists");
     let spec = LidarSpec::cadet();
     let ideal = ideal_scan(&scene, &DPose3::IDENTITY, &spec);
-    assert!(ideal.actor_id.iter().all(|id| *id == 1 || *id == -1), "an ideal pane is opaque");
+    assert!(ideal.actor_id.iter().all(|id| *id == 1 || *id == -1), "to an ideal scan glass is opaque");
     let got = scan(&scene, &DPose3::IDENTITY, &spec, &weather, &mut Stream::from_seed("scan", 0)).expect("valid");
     let behind = got.actor_id.iter().filter(|id| **id == 2).count() as f64 / got.actor_id.len() as f64;
     assert!((0.75..0.97).contains(&behind), "{behind}");

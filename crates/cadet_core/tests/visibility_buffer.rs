@@ -13,7 +13,7 @@ use cadet_core::material::Palette;
 use cadet_core::math::{DPose3, DVec3, Vec3};
 use cadet_core::rng::Stream;
 use cadet_core::sense::{
-    BLOCK, BeamGrid, DrawnFace, Hits, Layer, NO_HIT, PinholeGrid, PosedScene, VisibilityBuffer, cast, draw,
+    BLOCK, BeamGrid, DrawnFace, Hits, Layer, NO_HIT, PinholeGrid, PosedScene, VisibilityBuffer, cast, rasterize,
 };
 use proptest::prelude::*;
 
@@ -25,8 +25,8 @@ fn quincunx(pose: DPose3, rows: usize, columns: usize) -> PinholeGrid {
     PinholeGrid::quincunx(pose, [180.4, 180.4, 150.2, 43.3], [-3.0, -1.0], rows, columns).expect("a valid camera")
 }
 
-/// Every other instance becomes a pane.
-fn with_panes(mut instances: Vec<Instance>) -> Arc<PosedScene> {
+/// Every other instance becomes transparent.
+fn with_transparent_surfaces(mut instances: Vec<Instance>) -> Arc<PosedScene> {
     let mut materials = common::matt().materials().to_vec();
     materials[0].transmission = 0.8;
     let palette = Arc::new(Palette::new(materials));
@@ -36,51 +36,52 @@ fn with_panes(mut instances: Vec<Instance>) -> Arc<PosedScene> {
     posed(&instances)
 }
 
-/// How much the nearness of a face may be off along a beam, by rounding and, of two faces that are drawn as one, by as much
-/// as they are bent and by the rounding of their corners.
+/// How much the inverse depth of a face may be off along a beam, by rounding and, of two faces that are drawn as one, by
+/// as much as they are bent and by the rounding of their corners.
 fn tolerance(
     scene: &PosedScene,
     grid: &PinholeGrid,
     face: Option<&DrawnFace>,
     (row, column): (usize, usize),
-    nearness: f64,
+    inverse_depth: f64,
 ) -> f64 {
-    let rounding = 2e-6 * nearness;
+    let rounding = 2e-6 * inverse_depth;
     let Some(face) = face.filter(|face| face.is_quad) else { return rounding };
     let [a, b, c] = scene.corners(face.instance, face.face).map(|p| p.as_dvec3());
     let slope = (b - a).cross(c - a).normalize().dot(grid.beam(row, column).direction_world).abs();
-    rounding + 3e-4 / slope * nearness * nearness
+    rounding + 3e-4 / slope * inverse_depth * inverse_depth
 }
 
 /// The same faces, but for rounding where two are equally deep; the buffer has been used before.
 fn assert_same(scene: &PosedScene, grid: &PinholeGrid, rows: usize, columns: usize, buffer: &mut VisibilityBuffer) {
-    draw(scene, grid, buffer);
+    rasterize(scene, grid, buffer);
     let mut hits = Hits::new(rows, columns);
     cast(scene, grid, Layer::Opaque, |_| true, &mut hits);
-    let solid = hits.clone();
+    let opaque = hits.clone();
     cast(scene, grid, Layer::Glass, |_| true, &mut hits);
     for row in 0..rows {
         for column in 0..columns {
             let at = row * columns + column;
-            let (seen, nearness) = buffer.front(row, column).map_or(((NO_HIT, NO_HIT), 0.0), |(face, nearness)| {
-                let depth = face.depth_at(grid.columns_x(row)[column], grid.rows_y()[row]);
-                assert!((depth * nearness - 1.0).abs() < 2e-6, "{depth} {nearness}");
-                ((face.instance, face.face), nearness)
-            });
+            let (seen, inverse_depth) =
+                buffer.front(row, column).map_or(((NO_HIT, NO_HIT), 0.0), |(face, inverse_depth)| {
+                    let depth = face.depth_at(grid.columns_x(row)[column], grid.rows_y()[row]);
+                    assert!((depth * inverse_depth - 1.0).abs() < 2e-6, "{depth} {inverse_depth}");
+                    ((face.instance, face.face), inverse_depth)
+                });
             let expected = 1.0 / f64::from(hits.depth[at]);
             let front = buffer.front(row, column).map(|(face, _)| face);
             let tolerance = |face, expected| tolerance(scene, grid, face, (row, column), expected);
-            let close = (f64::from(nearness) - expected).abs() <= tolerance(front, expected);
-            assert!(close, "{row} {column}: {seen:?} {nearness} {expected}");
-            // Where the solid layer alone is nearest, panes say nothing.
+            let close = (f64::from(inverse_depth) - expected).abs() <= tolerance(front, expected);
+            assert!(close, "{row} {column}: {seen:?} {inverse_depth} {expected}");
+            // Where the opaque layer alone is nearest, the transparent one says nothing.
             if seen != (hits.instance[at], hits.face[at]) {
                 assert!(seen.0 != NO_HIT && hits.instance[at] != NO_HIT);
             }
-            let block = buffer.solid(row / BLOCK * buffer.blocks_across + column / BLOCK);
-            let behind = block.nearness[row % BLOCK][column % BLOCK];
+            let block = buffer.opaque(row / BLOCK * buffer.blocks_across + column / BLOCK);
+            let behind = block.inverse_depth[row % BLOCK][column % BLOCK];
             let face = (behind > 0.0).then(|| &buffer.faces[block.face[row % BLOCK][column % BLOCK] as usize]);
-            let expected = 1.0 / f64::from(solid.depth[at]);
-            assert!((f64::from(behind) - expected).abs() <= tolerance(face, expected), "{row} {column}: solid");
+            let expected = 1.0 / f64::from(opaque.depth[at]);
+            assert!((f64::from(behind) - expected).abs() <= tolerance(face, expected), "{row} {column}: opaque");
         }
     }
 }
@@ -91,7 +92,7 @@ fn drawing_sees_what_casting_sees() {
     for seed in 0..12 {
         let mut s = Stream::from_seed("drawn scenes", seed);
         let center = DVec3::new(s.range(-400.0, 400.0), s.range(-400.0, 400.0), s.range(-5.0, 30.0));
-        let scene = with_panes(random_scene(&mut s, center));
+        let scene = with_transparent_surfaces(random_scene(&mut s, center));
         // Also images that end within a block.
         for (rows, columns) in [(94, 311), (94, 311), (90, 314), (3, 17)] {
             let pose = DPose3 { rotation: random_rotation(&mut s), translation: center };
@@ -132,7 +133,7 @@ fn pairs_of_faces_are_seen_as_the_faces_are() {
     for seed in 0..8 {
         let mut s = Stream::from_seed("drawn cards", seed);
         let center = DVec3::new(s.range(-400.0, 400.0), s.range(-400.0, 400.0), s.range(-5.0, 30.0));
-        let scene = with_panes(vec![cards(&mut s, 600, center), cards(&mut s, 200, center)]);
+        let scene = with_transparent_surfaces(vec![cards(&mut s, 600, center), cards(&mut s, 200, center)]);
         let pose = DPose3 { rotation: random_rotation(&mut s), translation: center };
         let mut buffer = VisibilityBuffer::default();
         for grid in [camera(pose, 94, 311), quincunx(pose, 94, 311)] {
@@ -148,7 +149,7 @@ fn equal_depths_go_to_the_earlier_instance_and_face() {
     let at = |id| place(common::cuboid([1.0; 3].into()), common::at(0.0, 0.0, 10.0), id);
     let grid = camera(DPose3::IDENTITY, 94, 311);
     let mut buffer = VisibilityBuffer::default();
-    draw(&posed(&[at(3), at(2), at(1)]), &grid, &mut buffer);
+    rasterize(&posed(&[at(3), at(2), at(1)]), &grid, &mut buffer);
     let seen: Vec<u32> = (0..94)
         .flat_map(|r| (0..311).map(move |c| (r, c)))
         .filter_map(|(r, c)| Some(buffer.front(r, c)?.0.instance))
@@ -163,7 +164,7 @@ proptest! {
     fn triangle_soups_are_drawn_as_they_are_cast(seed in 0_u64..1_000_000, n in 1_usize..300) {
         let mut s = Stream::from_seed("drawn soup", seed);
         let center = DVec3::new(300.0, -250.0, 10.0);
-        let scene = with_panes(vec![soup(&mut s, n, 12.0, center), soup(&mut s, n, 12.0, center)]);
+        let scene = with_transparent_surfaces(vec![soup(&mut s, n, 12.0, center), soup(&mut s, n, 12.0, center)]);
         let pose = DPose3 { rotation: random_rotation(&mut s), translation: center };
         for grid in [camera(pose, 94, 311), quincunx(pose, 94, 311)] {
             assert_same(&scene, &grid, 94, 311, &mut VisibilityBuffer::default());
@@ -176,7 +177,7 @@ proptest! {
         let scene = posed(&[place(sphere(radius, rings), DPose3::IDENTITY, 1)]);
         let inside = DVec3::new(s.normal(), s.normal(), s.normal()).normalize() * f64::from(radius) * 0.4;
         let mut buffer = VisibilityBuffer::default();
-        draw(&scene, &camera(DPose3 { rotation: random_rotation(&mut s), translation: inside }, 94, 311), &mut buffer);
+        rasterize(&scene, &camera(DPose3 { rotation: random_rotation(&mut s), translation: inside }, 94, 311), &mut buffer);
         prop_assert!((0..94).all(|r| (0..311).all(|c| buffer.front(r, c).is_some())));
     }
 }

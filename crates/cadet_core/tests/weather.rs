@@ -81,7 +81,7 @@ fn dense_fog_shortens_a_scan_as_the_formula_says() {
     for (beam, (range_m, intensity, actor_id)) in &clear {
         let after = fog.get(beam);
         if *range_m > crossing_m + 0.2 {
-            let (to_m, _, whose) = *after.expect("fog answers where something was heard");
+            let (to_m, _, whose) = *after.expect("fog returns where something was detected");
             assert!((2.0..10.0).contains(&to_m) && whose == 0, "{range_m} {to_m}");
             moved += 1;
         } else if *range_m < crossing_m - 0.2 {
@@ -97,7 +97,7 @@ fn dense_fog_shortens_a_scan_as_the_formula_says() {
             }
         }
     }
-    // Fog makes no sky answer: what is new had its target beyond the longest range that is written.
+    // Fog makes no sky return anything: what is new had its target beyond the longest range that is written.
     let ideal = ideal_scan(&yard(), &DPose3::IDENTITY, &thin_beams());
     let columns = thin_beams().azimuths_rad().len();
     for (ring, column) in fog.keys().filter(|beam| !clear.contains_key(*beam)) {
@@ -128,19 +128,19 @@ fn drops_and_flakes_answer_before_what_they_hide() {
     for (weather, furthest_m, at_least) in
         [(Weather { wetness: 0.0, ..preset("hard_rain_noon") }, 7.0, 200), (preset("snow"), 20.0, 1500)]
     {
-        let mut answers = 0;
+        let mut returns = 0;
         for (beam, (range_m, _, actor_id)) in &beams(&run(&weather, 1)) {
             let before = clear.get(beam);
             if before.is_some_and(|(clear_m, _, _)| (range_m - clear_m).abs() < 0.3) {
                 continue;
             }
-            answers += 1;
+            returns += 1;
             // Fallen snow shows ground that was too dark before; all else is in the air.
             let is_new_ground = before.is_none() && *range_m > furthest_m;
             let limit_m = before.map_or(furthest_m, |(clear_m, _, _)| clear_m.min(furthest_m));
             assert!(*actor_id == 0 && (*range_m < limit_m || is_new_ground), "{} {range_m} {before:?}", weather.name);
         }
-        assert!(answers > at_least, "{}: {answers}", weather.name);
+        assert!(returns > at_least, "{}: {returns}", weather.name);
     }
 }
 
@@ -178,8 +178,8 @@ fn what_weather_returns_follows_from_the_sensors_receiver() {
     assert!(in_air(&rain, with(narrow)) < drops / 2, "{} {drops}", in_air(&rain, with(narrow)));
     assert!(in_air(&rain, split) < drops / 2);
     let deaf = Receiver { threshold: 4.0 * usual.threshold, ..usual };
-    let heard = [in_air(&rain, with(deaf)), in_air(&preset("snow"), with(deaf))];
-    assert!(4 * heard[0] < 3 * drops && heard[1] < flakes, "{heard:?} of {drops} and {flakes}");
+    let detected = [in_air(&rain, with(deaf)), in_air(&preset("snow"), with(deaf))];
+    assert!(4 * detected[0] < 3 * drops && detected[1] < flakes, "{detected:?} of {drops} and {flakes}");
     // And recorded scans: less is lost by an ear that is as good as the scan's own.
     let clear = run(&preset("clear_noon"), 2);
     let left =

@@ -1,4 +1,5 @@
-//! Where there is something in the blocks of a square map, counted so that many blocks are asked with one question.
+//! Where there is something in the blocks of a square map, as a summed-area table (Crow, SIGGRAPH 1984): any rectangle of
+//! blocks is one query.
 
 /// Blocks of a map that have something.
 #[derive(Debug, Clone)]

@@ -14,6 +14,12 @@ pub struct Distortion {
 /// Steps of the iteration that inverts a lens, and how well it must have met its aim, in slopes.
 const MOST_STEPS: usize = 100;
 const TOLERANCE: f64 = 1e-9;
+/// A lens whose slopes change less than this, squared, folds.
+const LEAST_DETERMINANT: f64 = 1e-9;
+/// Places along a ray at which a lens is tested for folds.
+const FOLD_STEPS: i32 = 64;
+/// The largest side of a pinhole image, pixels.
+const MAX_SIDE_PX: f64 = 8192.0;
 
 impl Distortion {
     /// OpenCV's order: k1, k2, p1, p2, k3. `None` for a lens without distortion.
@@ -66,7 +72,7 @@ impl Distortion {
             let [uy, vy] = self.apply([at[0], at[1] + STEP]);
             let [a, b, c, d] = [(ux - u) / STEP, (uy - u) / STEP, (vx - v) / STEP, (vy - v) / STEP];
             let determinant = a * d - b * c;
-            if determinant.is_nan() || determinant.abs() < 1e-9 {
+            if determinant.is_nan() || determinant.abs() < LEAST_DETERMINANT {
                 return None;
             }
             at[0] -= (d * miss[0] - b * miss[1]) / determinant;
@@ -78,7 +84,7 @@ impl Distortion {
     /// Whether the image still goes outwards there with the ray: beyond, a polynomial folds back.
     fn is_single_valued(&self, [x, y]: [f64; 2]) -> bool {
         let [k1, k2, k3] = self.radial;
-        let steps = 64;
+        let steps = FOLD_STEPS;
         (0..=steps).all(|i| {
             let r2 = (x * x + y * y) * (f64::from(i) / f64::from(steps));
             1.0 + r2 * (3.0 * k1 + r2 * (5.0 * k2 + r2 * 7.0 * k3)) > 0.0
@@ -124,7 +130,7 @@ impl Warp {
             straight.iter().fold([f64::MAX; 2], |m, p| [m[0].min(p[0]), m[1].min(p[1])]).map(|x| x.floor() - 1.0);
         let most = straight.iter().fold([f64::MIN; 2], |m, p| [m[0].max(p[0]), m[1].max(p[1])]).map(|x| x.ceil() + 1.0);
         let size = [most[0] - least[0] + 1.0, most[1] - least[1] + 1.0];
-        if size.iter().any(|s| *s > 8192.0) {
+        if size.iter().any(|s| *s > MAX_SIDE_PX) {
             return Err(refused("one that keeps the image within 8192 pixels when it is straightened"));
         }
         let places = straight.iter().map(|p| [(p[0] - least[0]) as f32, (p[1] - least[1]) as f32]).collect();

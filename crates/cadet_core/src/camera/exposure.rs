@@ -2,6 +2,14 @@
 
 /// Weights of R, G, B in the luma.
 pub const LUMA: [f32; 3] = [0.2126, 0.7152, 0.0722];
+/// The largest value of an image.
+const WHITE: f32 = 255.0;
+/// A picture whose mean rises less with the gain is black; no gain is larger.
+const LEAST_SLOPE: f64 = 1e-9;
+const MAX_GAIN: f32 = 1e6;
+/// Newton's steps end when the mean is so near to the target, in values.
+const CLOSE_ENOUGH: f64 = 0.01;
+const MAX_STEPS: usize = 40;
 
 /// The gain from linear radiance to 8-bit values at which the mean luma is `target`, found on every `step`-th pixel;
 /// `rgb` is interleaved.
@@ -11,24 +19,24 @@ pub fn gain_for_mean_luma(rgb: &[f32], target: f32, step: usize) -> f32 {
     // Where nothing clips, the mean is proportional to the gain. Clipping bends it downwards, so that Newton's steps
     // from there come up to the root and never pass it.
     let mut gain = 0.0_f32;
-    for _ in 0..40 {
+    for _ in 0..MAX_STEPS {
         let (mut mean, mut slope) = ([0.0_f64; 3], [0.0_f64; 3]);
         for pixel in &pixels {
             for k in 0..3 {
-                let open = if pixel[k] * gain < 255.0 { pixel[k] } else { 0.0 };
+                let open = if pixel[k] * gain < WHITE { pixel[k] } else { 0.0 };
                 slope[k] += f64::from(open);
-                mean[k] += f64::from((pixel[k] * gain).min(255.0));
+                mean[k] += f64::from((pixel[k] * gain).min(WHITE));
             }
         }
         let luma = |v: [f64; 3]| v.iter().zip(LUMA).map(|(c, w)| c * f64::from(w)).sum::<f64>() / pixels.len() as f64;
         let (missing, slope) = (f64::from(target) - luma(mean), luma(slope));
         let next = gain + (missing / slope) as f32;
         // Black or empty images have no slope.
-        if !(slope > 1e-9 && next < 1e6) {
+        if !(slope > LEAST_SLOPE && next < MAX_GAIN) {
             return gain.max(1.0);
         }
         gain = next;
-        if missing < 0.01 {
+        if missing < CLOSE_ENOUGH {
             break;
         }
     }

@@ -1,14 +1,14 @@
-//! What all hits of a face share.
+//! What all fragments of a face share.
 
-use super::look::Rays;
-use super::pattern::{hash2, value_noise};
+use super::value_noise::{hash2, value_noise};
+use super::visibility_pass::Rays;
 use crate::geometry::LEAST_WEIGHT;
 use crate::material::{Material, Pattern, Semantic};
 use crate::math::{Mat3, Vec3};
 
-/// How a face is shaded: faces of one kind are shaded together.
+/// The code that shades a face: faces of one shader variant are shaded together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Kind {
+pub struct ShaderVariant {
     /// Its texture.
     pub pattern: Pattern,
     /// Its shading normal changes over the face.
@@ -16,19 +16,19 @@ pub struct Kind {
     /// It mirrors.
     pub is_glossy: bool,
     /// It is seen through.
-    pub is_pane: bool,
+    pub is_transparent: bool,
 }
 
-impl Kind {
-    /// Number of kinds.
-    pub const COUNT: usize = Pattern::ALL.len() * 8;
+impl ShaderVariant {
+    /// Number of variants.
+    pub const COUNT: usize = Pattern::ALL.len() * PER_PATTERN;
 
     /// A number below `COUNT`.
     pub fn index(self) -> usize {
-        (self.pattern as usize) * 8
-            + usize::from(self.is_smooth)
-            + 2 * usize::from(self.is_glossy)
-            + 4 * usize::from(self.is_pane)
+        (self.pattern as usize) * PER_PATTERN
+            + SMOOTH_BIT * usize::from(self.is_smooth)
+            + GLOSSY_BIT * usize::from(self.is_glossy)
+            + TRANSPARENT_BIT * usize::from(self.is_transparent)
     }
 
     /// One normal, that of the plane, goes for the whole face: what light comes from all around is found once for many
@@ -37,18 +37,18 @@ impl Kind {
         !self.is_smooth && self.pattern != Pattern::Leaves
     }
 
-    /// The kind of a number.
+    /// The variant of a number.
     pub fn of(index: usize) -> Self {
         Self {
-            pattern: Pattern::ALL[index / 8],
-            is_smooth: index & 1 > 0,
-            is_glossy: index & 2 > 0,
-            is_pane: index & 4 > 0,
+            pattern: Pattern::ALL[index / PER_PATTERN],
+            is_smooth: index & SMOOTH_BIT > 0,
+            is_glossy: index & GLOSSY_BIT > 0,
+            is_transparent: index & TRANSPARENT_BIT > 0,
         }
     }
 }
 
-/// A face made ready for its hits. Places are relative to the eye; vectors are in the world's frame.
+/// A face made ready for its fragments. Places are relative to the eye; vectors are in the world's frame.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(64))]
 pub struct Face {
@@ -64,7 +64,7 @@ pub struct Face {
     pub at_eye: [f32; 2],
     pub face_hash: u32,
     pub place_hash: u32,
-    pub specular: f32,
+    pub f0: f32,
     pub roughness: f32,
     pub transmission: f32,
     /// Axes of the texture; those of leaves are the camera's.
@@ -81,6 +81,25 @@ pub struct Face {
     pub least_weight: f32,
 }
 
+/// A face whose squared normal has less than this in the level plane is a floor or a roof: its texture lies along x and y.
+const LEVEL: f32 = 0.03;
+/// A shading normal whose cosine to the face's is smaller is bent, and one that changes by more than this squared is smooth.
+const UNBENT_COS: f32 = 0.999_9;
+const SMOOTH_CHANGE: f32 = 1e-6;
+/// Faces whose normal rises less, as those of walls, get no contact occlusion.
+const CONTACT_RISE: f32 = 0.3;
+/// Clumps of leaves: how the axes of the noise lie askew in the plant's, its cells per meter, and the contrast.
+const CLUMP_ASKEW: f32 = 0.7;
+const CLUMPS_PER_M: f32 = 1.6;
+const CLUMP_CONTRAST: f32 = 1.7;
+/// The least area of a face squared, four times, by which is divided.
+const LEAST_AREA: f32 = 1e-20;
+/// Variants of one pattern, and the bits that tell them apart.
+const PER_PATTERN: usize = 8;
+const SMOOTH_BIT: usize = 1;
+const GLOSSY_BIT: usize = 2;
+const TRANSPARENT_BIT: usize = 4;
+
 /// Bits of [`Face::flags`].
 pub struct Flags;
 
@@ -96,7 +115,7 @@ impl Flags {
 }
 
 /// What is read from memory to make a face ready.
-pub struct Raw {
+pub struct FaceVertices {
     pub instance: u32,
     pub face: u32,
     /// What is seen of it may be its partner.
@@ -107,8 +126,8 @@ pub struct Raw {
     pub normals: [Vec3; 3],
 }
 
-/// Where an instance stands.
-pub struct Stand {
+/// An instance's transform, relative to the eye.
+pub struct InstanceTransform {
     pub world_from_local: Mat3,
     /// The origin of the mesh's frame, relative to the eye.
     pub origin: Vec3,
@@ -116,14 +135,20 @@ pub struct Stand {
 }
 
 impl Face {
-    /// Makes a face ready, and finds its kind.
+    /// Makes a face ready, and finds its shader variant.
     #[inline(always)]
-    pub fn make(raw: &Raw, stand: &Stand, material: &Material, rays: &Rays, is_raining: bool) -> (Self, Kind) {
+    pub fn make(
+        raw: &FaceVertices,
+        transform: &InstanceTransform,
+        material: &Material,
+        rays: &Rays,
+        is_raining: bool,
+    ) -> (Self, ShaderVariant) {
         let ([a, b, c], [na, nb, nc]) = (raw.vertices, raw.normals);
-        let turn = |v: Vec3| stand.world_from_local * v;
+        let turn = |v: Vec3| transform.world_from_local * v;
         let (ab, ac) = (b - a, c - a);
         let normal_local = ab.cross(ac).normalize_or_zero();
-        let origin = turn(a) + stand.origin;
+        let origin = turn(a) + transform.origin;
         let face_normal = turn(normal_local);
         let side = if face_normal.dot(origin) > 0.0 { -1.0 } else { 1.0 };
         let face_normal = face_normal * side;
@@ -138,7 +163,7 @@ impl Face {
         } else {
             let n = normal_local;
             let flat = n.x * n.x + n.y * n.y;
-            let (along, up) = if flat < 0.03 {
+            let (along, up) = if flat < LEVEL {
                 (Vec3::X, Vec3::Y)
             } else {
                 // Along the wall, and up its slope.
@@ -150,21 +175,21 @@ impl Face {
         };
 
         let (nab, nac) = (nb - na, nc - na);
-        let is_bent = !is_leaf && na.dot(normal_local) < 0.999_9;
-        let is_smooth = is_bent || nab.length_squared().max(nac.length_squared()) > 1e-6;
+        let is_bent = !is_leaf && na.dot(normal_local) < UNBENT_COS;
+        let is_smooth = is_bent || nab.length_squared().max(nac.length_squared()) > SMOOTH_CHANGE;
         let is_vehicle = is_vehicle(material.semantic);
         let is_wet = is_ground && is_raining;
-        let kind = Kind {
+        let variant = ShaderVariant {
             pattern: material.pattern,
             is_smooth,
             is_glossy: !is_leaf && material.specular > 0.0 || is_wet,
-            is_pane: material.is_glass(),
+            is_transparent: material.is_glass(),
         };
         let flag = |bit: u32, is: bool| if is { bit } else { 0 };
         let none = Vec3::ZERO;
         let (normal_ab, normal_ac, to_b, to_c) = if is_smooth {
             let (d11, d12, d22) = (ab.dot(ab), ab.dot(ac), ac.dot(ac));
-            let inverse = 1.0 / (d11 * d22 - d12 * d12).max(1e-20);
+            let inverse = 1.0 / (d11 * d22 - d12 * d12).max(LEAST_AREA);
             let (to_b, to_c) = (ab * d22 - ac * d12, ac * d11 - ab * d12);
             (turn(nab) * side, turn(nac) * side, turn(to_b) * inverse, turn(to_c) * inverse)
         } else {
@@ -181,29 +206,34 @@ impl Face {
             to_c,
             weights_at_eye: [-to_b.dot(origin), -to_c.dot(origin)],
             least_weight: if raw.is_quad { LEAST_WEIGHT } else { 0.0 },
-            albedo: if is_leaf { clump(a, ab, stand) * Vec3::from(material.albedo) } else { material.albedo.into() },
-            specular: material.specular,
+            albedo: if is_leaf {
+                clump(a, ab, transform) * Vec3::from(material.albedo)
+            } else {
+                material.albedo.into()
+            },
+            f0: material.specular,
             roughness: material.roughness,
             transmission: material.transmission,
-            face_hash: hash2(raw.face as i32, 0, stand.place_hash),
-            place_hash: stand.place_hash,
+            face_hash: hash2(raw.face as i32, 0, transform.place_hash),
+            place_hash: transform.place_hash,
             flags: flag(Flags::GROUND, is_ground)
-                | flag(Flags::CONTACT, face_normal.z > 0.3 && !is_vehicle && !is_leaf)
+                | flag(Flags::CONTACT, face_normal.z > CONTACT_RISE && !is_vehicle && !is_leaf)
                 | flag(Flags::VEHICLE, is_vehicle)
                 | flag(Flags::ROAD, material.semantic == Semantic::Road),
         };
-        (face, kind)
+        (face, variant)
     }
 }
 
 /// How bright a leaf card of a plant is, by its corner and edge in the plant's frame: clumps of leaves stand out, others lie in
 /// their shade.
 #[inline(always)]
-fn clump(at: Vec3, edge: Vec3, stand: &Stand) -> f32 {
-    let (u, v) = (at.x + 0.7 * at.y, at.z + 0.7 * (at.y - at.x));
+fn clump(at: Vec3, edge: Vec3, transform: &InstanceTransform) -> f32 {
+    let (u, v) = (at.x + CLUMP_ASKEW * at.y, at.z + CLUMP_ASKEW * (at.y - at.x));
     // What is longer than a clump, as the inside of hedges, has the mean of many.
     let size = edge.dot(edge);
-    1.0 + (value_noise(u * 1.6, v * 1.6, stand.place_hash) - 0.5) * 1.7 / (1.0 + size * size)
+    1.0 + (value_noise(u * CLUMPS_PER_M, v * CLUMPS_PER_M, transform.place_hash) - 0.5) * CLUMP_CONTRAST
+        / (1.0 + size * size)
 }
 
 fn is_vehicle(semantic: Semantic) -> bool {

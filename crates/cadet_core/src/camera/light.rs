@@ -1,8 +1,8 @@
 //! The light of a scene, and the air that it goes through.
 
-use super::ambient::SkyView;
-use super::shadow::Shadows;
+use super::shadow::ShadowMaps;
 use super::sky::Sky;
+use super::sky_visibility::SkyProbes;
 use crate::math::Vec3;
 use crate::weather::Weather;
 
@@ -12,9 +12,9 @@ pub struct Light {
     /// Sun and sky.
     pub sky: Sky,
     /// The sun's shadows; none under an overcast sky.
-    pub shadows: Option<Shadows>,
+    pub shadows: Option<ShadowMaps>,
     /// What hides the sky.
-    pub sky_view: SkyView,
+    pub sky_probes: SkyProbes,
     /// 0 is dry, 1 a film of water.
     pub wetness: f32,
     /// Extinction of the air, 1/m.
@@ -25,15 +25,20 @@ pub struct Light {
 
 /// Haze of clear air, 1/m.
 const CLEAR_AIR_PER_M: f32 = 0.000_8;
+/// The air shows the sky at this sine of an elevation or above, so much darker.
+const AIR_SINE: f32 = 0.02;
+const AIR_BRIGHTNESS: f32 = 0.8;
+/// exp(-x) is taken for (1 + x / n)^-n.
+const EXP_POWER: f32 = 16.0;
 
 impl Light {
     /// Puts the parts together.
     #[must_use]
-    pub fn new(weather: &Weather, sky: Sky, shadows: Option<Shadows>, sky_view: SkyView) -> Self {
+    pub fn new(weather: &Weather, sky: Sky, shadows: Option<ShadowMaps>, sky_probes: SkyProbes) -> Self {
         Self {
             sky,
             shadows,
-            sky_view,
+            sky_probes,
             wetness: weather.wetness as f32,
             extinction_per_m: CLEAR_AIR_PER_M + weather.extinction_per_m() as f32,
             snow: weather.snow_cover() as f32,
@@ -44,22 +49,22 @@ impl Light {
     #[inline(always)]
     #[must_use]
     pub fn through_air(&self, radiance: Vec3, view_world: Vec3, distance_m: f32) -> Vec3 {
-        let t = clear_share(self.extinction_per_m, distance_m);
-        radiance * t + self.air(view_world) * (1.0 - t)
+        let t = transmittance(self.extinction_per_m, distance_m);
+        radiance * t + self.in_scattered(view_world) * (1.0 - t)
     }
 
-    /// Radiance of the air along a view, were it endless.
+    /// In-scattered radiance of the air along a view, were it endless.
     #[inline(always)]
     #[must_use]
-    pub fn air(&self, view_world: Vec3) -> Vec3 {
-        self.sky.radiance(Vec3::new(view_world.x, view_world.y, view_world.z.max(0.02))) * 0.8
+    pub fn in_scattered(&self, view_world: Vec3) -> Vec3 {
+        self.sky.radiance(Vec3::new(view_world.x, view_world.y, view_world.z.max(AIR_SINE))) * AIR_BRIGHTNESS
     }
 }
 
 /// Share of the light that the air lets through: exp(-x) by (1 + x/16)^-16.
 #[inline(always)]
-pub(super) fn clear_share(extinction_per_m: f32, distance_m: f32) -> f32 {
-    let mut t = 1.0 / (1.0 + extinction_per_m * distance_m * (1.0 / 16.0));
+pub(super) fn transmittance(extinction_per_m: f32, distance_m: f32) -> f32 {
+    let mut t = 1.0 / (1.0 + extinction_per_m * distance_m * (1.0 / EXP_POWER));
     t *= t;
     t *= t;
     t *= t;

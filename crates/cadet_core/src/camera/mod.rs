@@ -1,36 +1,36 @@
 //! The camera: model and lens, shading, sky, shadows, noise, PNG.
 
-mod ambient;
+mod ambient_cache;
 mod block_sums;
-mod collect;
-mod contact;
+mod contact_occlusion;
+mod coverage;
+mod deferred_shading;
 mod distortion;
 mod exposure;
 mod face;
-mod faces;
-mod hits;
+mod face_cache;
+mod fragment_binning;
 mod light;
-mod look;
 mod model;
 mod noise;
-mod paint;
-mod painter;
-mod parts;
-mod pattern;
 pub mod png;
+mod radiance_pass;
 mod render;
-mod shade;
-mod shading_batch;
 mod shading_pass;
+mod shading_queue;
 mod shadow;
 mod sky;
 mod sky_rows;
+mod sky_visibility;
 #[cfg(test)]
 mod tests;
+mod textures;
+mod value_noise;
+mod visibility_pass;
 
 pub use distortion::{Distortion, Warp};
-pub use look::{Maps, Seen, View, look};
 #[cfg(test)]
 pub(crate) use model::tests::kitti_like;
 pub use model::{CameraModel, Pixel};
-pub use render::{Rendered, paint, paint_through};
+pub use render::{Rendered, render, render_through};
+pub use visibility_pass::{Maps, View, Visibility, visibility_pass};

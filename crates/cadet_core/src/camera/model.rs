@@ -8,6 +8,11 @@ use super::distortion::{Distortion, Warp};
 use crate::error::{Error, Result, finite};
 use crate::math::{DPose3, DVec2, DVec3};
 
+/// Sides of an image, pixels.
+const SIDES_PX: std::ops::RangeInclusive<usize> = 16..=8192;
+/// What is nearer to the camera's plane is not projected, meters.
+const LEAST_DEPTH_M: f64 = 1e-9;
+
 /// A camera: the size of its image, and how points of its frame (x right, y down, z forward) are projected into it.
 ///
 /// The optical center need not be the frame's origin: KITTI's cameras share the frame of camera 0, and the fourth column
@@ -52,7 +57,7 @@ impl CameraModel {
         distortion: Option<Distortion>,
     ) -> Result<Self> {
         for (what, value) in [("image width", width), ("image height", height)] {
-            if !(16..=8192).contains(&value) {
+            if !SIDES_PX.contains(&value) {
                 let expected = "16 to 8192 pixels".to_owned();
                 return Err(Error::OutOfRange { what, value: value.to_string(), expected });
             }
@@ -137,7 +142,7 @@ impl CameraModel {
     #[must_use]
     pub fn project(&self, point_cam: DVec3) -> Option<Pixel> {
         let h = self.homogeneous(point_cam);
-        if h.z <= 1e-9 {
+        if h.z <= LEAST_DEPTH_M {
             return None;
         }
         let (u, v) = (h.x / h.z, h.y / h.z);

@@ -15,6 +15,27 @@ pub const MIDDLE_PX: f32 = 0.25;
 /// KITTI's frames.
 const PSF_SIGMA_PX: f32 = 0.60;
 
+/// Taps of the point spread, along and across.
+const TAPS: usize = 5;
+/// Values of a pixel, R, G, B, side by side.
+const RGB: usize = 3;
+/// Pixels by which the filters of a row reach beyond it.
+const PSF_REACH: usize = TAPS / 2;
+const NOISE_REACH: usize = 1;
+/// Sums of a row are kept apart so that their order does not depend on the registers: whole registers and whole pixels.
+const SUMS: usize = 24;
+/// Values far above white get no more noise.
+const MAX_VALUE: f32 = 2000.0;
+const WHITE: f32 = 255.0;
+/// 2^23: added to a number it leaves the nearest integer in the lowest bits.
+const ROUNDER: f32 = 8_388_608.0;
+/// Two of a number's four bytes.
+const EVEN_BYTES: u32 = 0x00FF_00FF;
+const LOW_HALF: u32 = 0xFFFF;
+/// Factors and shifts of a 32-bit hash (Wellons, "Prospecting for Hash Functions", 2018).
+const HASH_FACTORS: [u32; 2] = [0x7FEB_352D, 0x846C_A68B];
+const HASH_SHIFTS: [u32; 2] = [16, 15];
+
 /// Rows that must be free before the image that is blurred: it moves up into them.
 pub const ROWS_BEFORE: usize = 2;
 
@@ -36,13 +57,17 @@ pub fn blur(rgb: &mut [f32], width: usize, height: usize, ceiling: f32) -> [f64;
     for row in 0..ROWS_BEFORE {
         rgb.copy_within(ROWS_BEFORE * stride..(ROWS_BEFORE + 1) * stride, row * stride);
     }
-    let mut padded = vec![0.0_f32; stride + 12];
+    let mut padded = vec![0.0_f32; stride + 2 * PSF_REACH * RGB];
     for row in 0..height {
         let line = |r: usize| &rgb[r.min(height + 1) * stride..][..stride];
-        blur_down(&taps, [0, 1, 2, 3, 4].map(|k| line(row + k)), &mut padded[6..6 + stride]);
-        for i in 0..6 {
-            padded[i] = padded[6 + i % 3];
-            padded[6 + stride + i] = padded[3 + stride + i % 3];
+        blur_down(
+            &taps,
+            std::array::from_fn(|k| line(row + k)),
+            &mut padded[PSF_REACH * RGB..PSF_REACH * RGB + stride],
+        );
+        for i in 0..PSF_REACH * RGB {
+            padded[i] = padded[PSF_REACH * RGB + i % RGB];
+            padded[PSF_REACH * RGB + stride + i] = padded[(PSF_REACH - 1) * RGB + stride + i % RGB];
         }
         let out = &mut rgb[row * stride..(row + 1) * stride];
         let sums = blur_across(&taps, &padded, out, ceiling);
@@ -54,7 +79,7 @@ pub fn blur(rgb: &mut [f32], width: usize, height: usize, ceiling: f32) -> [f64;
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn blur_down(taps: &[f32; 5], [a, b, c, d, e]: [&[f32]; 5], out: &mut [f32]) {
+fn blur_down(taps: &[f32; TAPS], [a, b, c, d, e]: [&[f32]; TAPS], out: &mut [f32]) {
     let n = out.len();
     let (a, b, c, d, e) = (&a[..n], &b[..n], &c[..n], &d[..n], &e[..n]);
     let [wa, wb, wc, wd, we] = *taps;
@@ -63,17 +88,17 @@ fn blur_down(taps: &[f32; 5], [a, b, c, d, e]: [&[f32]; 5], out: &mut [f32]) {
     }
 }
 
-/// Returns sums of every 24th value, none above the ceiling: a fixed order whatever the instruction set.
+/// Returns sums of every [`SUMS`]th value, none above the ceiling: a fixed order whatever the instruction set.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn blur_across(taps: &[f32; 5], padded: &[f32], out: &mut [f32], ceiling: f32) -> [f32; 24] {
+fn blur_across(taps: &[f32; TAPS], padded: &[f32], out: &mut [f32], ceiling: f32) -> [f32; SUMS] {
     let n = out.len();
-    let (a, b, c, d, e) = (&padded[..n], &padded[3..][..n], &padded[6..][..n], &padded[9..][..n], &padded[12..][..n]);
+    let [a, b, c, d, e]: [&[f32]; TAPS] = std::array::from_fn(|k| &padded[k * RGB..][..n]);
     let [wa, wb, wc, wd, we] = *taps;
     for i in 0..n {
         out[i] = wa * a[i] + wb * b[i] + wc * c[i] + wd * d[i] + we * e[i];
     }
-    let mut sums = [0.0; 24];
-    for some in out.chunks(24) {
+    let mut sums = [0.0; SUMS];
+    for some in out.chunks(SUMS) {
         for (s, v) in sums.iter_mut().zip(some) {
             *s += v.min(ceiling);
         }
@@ -100,7 +125,7 @@ pub fn expose(
         per_value: (0..stride).map(|i| VARIANCE[i % 3].1).collect(),
     };
     // White noise with a border of one pixel; three rows of it are alive at a time.
-    let wide = stride + 6;
+    let wide = stride + 2 * NOISE_REACH * RGB;
     let mut rows = [vec![0.0_f32; wide], vec![0.0_f32; wide], vec![0.0_f32; wide]];
     let fill = |row: usize, out: &mut [f32]| white_noise(seed, (row * wide) as u32, out);
     fill(0, &mut rows[1]);
@@ -137,13 +162,13 @@ fn expose_row(s: &Sensor, [above, here, below]: [&[f32]; 3], down: &mut [f32], i
     }
     let (gain, offset, input) = (&s.gain[..n], &s.offset[..n], &input[..n]);
     let (variance, per_value) = (&s.variance[..n], &s.per_value[..n]);
-    let (left, middle, right) = (&down[..n], &down[3..][..n], &down[6..][..n]);
+    let (left, middle, right) = (&down[..n], &down[RGB..][..n], &down[2 * RGB..][..n]);
     for i in 0..n {
-        let value = (input[i] * gain[i] + offset[i]).clamp(0.0, 2000.0);
+        let value = (input[i] * gain[i] + offset[i]).clamp(0.0, MAX_VALUE);
         let sd = (variance[i] + per_value[i] * value).sqrt();
         let noisy = value + sd * (middle[i] + NEIGHBOUR * (left[i] + right[i]));
         // Rounded to the nearest by the mantissa's last bits.
-        let rounded = noisy.clamp(0.0, 255.0) + 8_388_608.0;
+        let rounded = noisy.clamp(0.0, WHITE) + ROUNDER;
         out[i] = rounded.to_bits() as u8;
     }
 }
@@ -154,12 +179,12 @@ fn white_noise(seed: u64, first: u32, out: &mut [f32]) {
     // Mean 8 * 127.5; variance 8 * (256^2 - 1) / 12.
     const MEAN: f32 = 1020.0;
     const PER_SD: f32 = 1.0 / 209.021_5;
-    let (low, high) = (seed as u32, (seed >> 32) as u32);
+    let (low, high) = (seed as u32, (seed >> u32::BITS) as u32);
     for (i, v) in out.iter_mut().enumerate() {
         let a = mix(first.wrapping_add(i as u32) ^ low);
         let b = mix(a ^ high);
-        let pairs = (a & 0x00FF_00FF) + (a >> 8 & 0x00FF_00FF) + (b & 0x00FF_00FF) + (b >> 8 & 0x00FF_00FF);
-        let sum = (pairs & 0xFFFF) + (pairs >> 16);
+        let pairs = (a & EVEN_BYTES) + (a >> 8 & EVEN_BYTES) + (b & EVEN_BYTES) + (b >> 8 & EVEN_BYTES);
+        let sum = (pairs & LOW_HALF) + (pairs >> 16);
         *v = (sum as i32 as f32 - MEAN) * PER_SD;
     }
 }
@@ -167,9 +192,9 @@ fn white_noise(seed: u64, first: u32, out: &mut [f32]) {
 /// A well mixed 32-bit hash: xorshifts and multiplications, as the finaliser of a hash has them.
 #[inline(always)]
 fn mix(mut x: u32) -> u32 {
-    x = (x ^ x >> 16).wrapping_mul(0x7FEB_352D);
-    x = (x ^ x >> 15).wrapping_mul(0x846C_A68B);
-    x ^ x >> 16
+    x = (x ^ x >> HASH_SHIFTS[0]).wrapping_mul(HASH_FACTORS[0]);
+    x = (x ^ x >> HASH_SHIFTS[1]).wrapping_mul(HASH_FACTORS[1]);
+    x ^ x >> HASH_SHIFTS[0]
 }
 
 #[cfg(test)]

@@ -4,6 +4,9 @@ use png::{BitDepth, ColorType, Compression, Encoder};
 
 use crate::error::{Error, Result};
 
+/// Room for a file's headers, bytes.
+const HEADERS: usize = 1024;
+
 /// Encodes 8-bit RGB, row-major.
 ///
 /// # Errors
@@ -42,7 +45,7 @@ fn encode(
         return Err(Error::Image { reason: format!("{} bytes for {width} x {height}, not {expected}", bytes.len()) });
     }
     let failed = |e: png::EncodingError| Error::Image { reason: e.to_string() };
-    let mut out = Vec::with_capacity(expected / 2 + 1024);
+    let mut out = Vec::with_capacity(expected / 2 + HEADERS);
     let mut encoder = Encoder::new(&mut out, width, height);
     encoder.set_color(color);
     encoder.set_depth(depth);

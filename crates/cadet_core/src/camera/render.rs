@@ -2,15 +2,15 @@
 
 use std::cell::RefCell;
 
-use super::ambient::SkyView;
 use super::distortion::Warp;
 use super::exposure::{WHITE_BALANCE, gain_for_mean_luma, metered};
 use super::light::Light;
-use super::look::{Maps, Rays, Seen, View, seen_points};
 use super::noise::{ROWS_BEFORE, blur, expose};
-use super::paint::{paint as paint_radiance, room_for};
-use super::shadow::Shadows;
+use super::radiance_pass::{radiance_pass, room_for};
+use super::shadow::ShadowMaps;
 use super::sky::Sky;
+use super::sky_visibility::SkyProbes;
+use super::visibility_pass::{Maps, Rays, View, Visibility, visible_points};
 use crate::math::{DVec3, Vec3};
 use crate::rng::Stream;
 use crate::sense::PosedScene;
@@ -30,11 +30,13 @@ pub struct Rendered {
 const VEILING_GLARE: f32 = 0.05;
 /// Mean luma that the exposure aims at, and its spread from frame to frame.
 const MEAN_LUMA: (f64, f64) = (91.0, 1.8);
+/// Every so many pixels one is metered: a prime number, so that no column is.
+const METERED_STEP: usize = 37;
 
 /// Memory that a thread keeps from frame to frame: touching fresh pages costs as much as the casting.
 #[derive(Default)]
 pub(super) struct Scratch {
-    seen_world: Vec<Vec3>,
+    visible_world: Vec<Vec3>,
     pub rgb: Vec<f32>,
     shadows: Vec<Vec<i16>>,
 }
@@ -43,22 +45,22 @@ thread_local! {
     static SCRATCH: RefCell<Scratch> = RefCell::default();
 }
 
-/// Gives what is seen its light and color, and takes the picture: RGB, 8 bits, row-major.
+/// Shades what is visible, exposes it, and adds the sensor's noise: RGB, 8 bits, row-major.
 ///
 /// # Determinism
 /// A function of its arguments; one thread. `stream` feeds the exposure and the noise alone.
 #[must_use]
-pub fn paint(scene: &PosedScene, view: &View, weather: &Weather, seen: &Seen, stream: &mut Stream) -> Vec<u8> {
-    paint_through(scene, view, weather, seen, None, stream)
+pub fn render(scene: &PosedScene, view: &View, weather: &Weather, seen: &Visibility, stream: &mut Stream) -> Vec<u8> {
+    render_through(scene, view, weather, seen, None, stream)
 }
 
 /// The same through a lens that bends the image: `warp` takes it from the view's, before the sensor's noise.
 #[must_use]
-pub fn paint_through(
+pub fn render_through(
     scene: &PosedScene,
     view: &View,
     weather: &Weather,
-    seen: &Seen,
+    seen: &Visibility,
     warp: Option<&Warp>,
     stream: &mut Stream,
 ) -> Vec<u8> {
@@ -70,7 +72,7 @@ pub fn paint_through(
     let blurred = &scratch.rgb[..width * height * 3];
     let veil = sums.map(|s| (f64::from(VEILING_GLARE) * s / (width * height) as f64) as f32);
     let target = stream.clipped_normal(MEAN_LUMA.0, MEAN_LUMA.1) as f32;
-    let gain = gain_for_mean_luma(&metered(blurred, veil, 37), target, 1);
+    let gain = gain_for_mean_luma(&metered(blurred, veil, METERED_STEP), target, 1);
     let gains = WHITE_BALANCE.map(|g| g * gain);
     let image = match warp {
         None => expose(blurred, width, height, veil, gains, stream),
@@ -79,7 +81,7 @@ pub fn paint_through(
             expose(&warp.colors(blurred), width, height, veil, gains, stream)
         }
     };
-    scratch.shadows = light.shadows.map(Shadows::into_buffers).unwrap_or_default();
+    scratch.shadows = light.shadows.map(ShadowMaps::into_buffers).unwrap_or_default();
     SCRATCH.set(scratch);
     image
 }
@@ -89,25 +91,31 @@ pub(super) fn radiance(
     scene: &PosedScene,
     view: &View,
     weather: &Weather,
-    seen: &Seen,
+    seen: &Visibility,
     scratch: &mut Scratch,
 ) -> Light {
     let rays = Rays::new(view);
-    seen_points(&rays, &seen.samples, &mut scratch.seen_world);
-    let light = light_of(scene, view, weather, &scratch.seen_world, std::mem::take(&mut scratch.shadows));
+    visible_points(&rays, &seen.samples, &mut scratch.visible_world);
+    let light = light_of(scene, view, weather, &scratch.visible_world, std::mem::take(&mut scratch.shadows));
     let first = ROWS_BEFORE * view.width * 3;
     scratch.rgb.resize(first + room_for(view.width, view.height), 0.0);
-    paint_radiance(scene, view, &rays, &light, &seen.samples, &mut scratch.rgb[first..]);
+    radiance_pass(scene, view, &rays, &light, &seen.samples, &mut scratch.rgb[first..]);
     light
 }
 
-/// Sun, sky, shadows and openness around a view.
-fn light_of(scene: &PosedScene, view: &View, weather: &Weather, seen_world: &[Vec3], buffers: Vec<Vec<i16>>) -> Light {
+/// Sun, sky, shadows and sky visibility around a view.
+fn light_of(
+    scene: &PosedScene,
+    view: &View,
+    weather: &Weather,
+    visible_world: &[Vec3],
+    buffers: Vec<Vec<i16>>,
+) -> Light {
     let sky = Sky::new(weather);
     let eye = view.world_from_cam.translation;
     let forward = view.world_from_cam.rotation * DVec3::Z;
     let shadows =
-        sky.has_shadows().then(|| Shadows::new(scene, eye, forward, sky.sun_world, Some(seen_world), buffers));
-    let sky_view = SkyView::new(scene, eye, forward, seen_world);
-    Light::new(weather, sky, shadows, sky_view)
+        sky.has_shadows().then(|| ShadowMaps::new(scene, eye, forward, sky.sun_world, Some(visible_world), buffers));
+    let sky_probes = SkyProbes::new(scene, eye, forward, visible_world);
+    Light::new(weather, sky, shadows, sky_probes)
 }

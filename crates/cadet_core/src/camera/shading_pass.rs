@@ -1,275 +1,213 @@
-//! The shading pass of a batch: it gathers what is known of the hits, and shades them.
+//! The shading pass of a batch: from pairs of pixels in a queue to the radiance of their pixels.
+//!
+//! Its steps and what they hand on: [`gather`] makes [`SurfaceInputs`] and the ambient part of [`IncidentLight`], [`geometry`]
+//! makes [`SurfaceGeometry`], shadows and contact occlusion complete [`IncidentLight`], [`base_color`] makes two base colors a
+//! pair, [`lighting`] makes [`OutgoingLight`], and [`resolve`] takes it through the air and to the pixels.
+
+mod base_color;
+mod batch;
+mod gather;
+mod geometry;
+mod lighting;
+mod reflections;
+mod resolve;
 
 use multiversion::multiversion;
 
-use super::face::{Face, Flags, Kind};
-use super::faces::{Open, PER_BLOCK};
-use super::hits::{ACROSS, BEHIND_STRIDE, Cell, DOWN, Hits, LANES, Lane, STRIDE};
+use self::base_color::{Side, place_texture, snow, texture};
+pub use self::batch::ShadingCamera;
+use self::batch::{BatchVector, GroupValues, IncidentLight, OutgoingLight, SurfaceGeometry, SurfaceInputs, put};
+use self::gather::{gather_ambient, gather_faces, gather_groups, place_pairs};
+use self::geometry::place_surfaces;
+use self::lighting::{ambient_of_normals, diffuse, specular, transparent};
+use self::resolve::{resolve, through_air};
+use super::ambient_cache::AmbientTerms;
+use super::face::{Face, Flags, ShaderVariant};
 use super::light::Light;
-use super::shade::{diffuse, geometry, gloss, mix, pane, place_texture, snow, texture, through_air};
-use super::shading_batch::{Lane3, ShadingBatch, ShadingCamera, put};
-use super::shadow::Asked;
+use super::shading_queue::{BATCH_SIZE, BATCH_STRIDE, BatchScalar, ShadingQueue};
+use super::shadow::{PcfTexels, ShadowQuery};
 use crate::material::Pattern;
 use crate::math::Vec3;
 
-/// ShadingBatch that are filled together.
-const RUN: usize = 8;
+/// Pairs that fill a register: steps go over whole ones.
+const REGISTER: usize = 16;
 
-impl ShadingBatch {
-    /// Shades patches of a kind; the outcome is in `out`, where it belongs in `target` and `weights`.
+/// The memory of a batch's structures, used again and again.
+pub struct ShadingPass {
+    groups: GroupValues,
+    inputs: SurfaceInputs,
+    geometry: SurfaceGeometry,
+    incident: IncidentLight,
+    /// Pairs for which a shadow factor or contact occlusion is looked up, and memory for that.
+    is_queried: [bool; BATCH_STRIDE],
+    pcf_texels: PcfTexels<BATCH_STRIDE>,
+    /// Coordinates of the texture, in the left and the right pixels.
+    texture: [[BatchScalar; 2]; 2],
+    /// What diffuse light is multiplied with, in the left and the right pixels: the albedo or, of transparent surfaces, what is
+    /// seen through them.
+    base_color: [BatchVector; 2],
+    /// Diffuse irradiance.
+    irradiance: BatchVector,
+    /// As light leaves the surfaces, and as it arrives at the camera.
+    outgoing: OutgoingLight,
+    arriving: OutgoingLight,
+    /// Radiance of the left and of the right pixels, weighted.
+    radiance: [BatchVector; 2],
+}
+
+impl Default for ShadingPass {
+    fn default() -> Self {
+        const NONE: BatchScalar = [0.0; BATCH_STRIDE];
+        Self {
+            groups: GroupValues::default(),
+            inputs: SurfaceInputs::default(),
+            geometry: SurfaceGeometry::default(),
+            incident: IncidentLight::default(),
+            is_queried: [false; BATCH_STRIDE],
+            pcf_texels: PcfTexels::default(),
+            texture: [[NONE; 2]; 2],
+            base_color: [[NONE; 3]; 2],
+            irradiance: [NONE; 3],
+            outgoing: OutgoingLight::default(),
+            arriving: OutgoingLight::default(),
+            radiance: [[NONE; 3]; 2],
+        }
+    }
+}
+
+impl ShadingPass {
+    /// Shades the groups that wait for a shader variant; see [`ShadingPass::targets`] and [`ShadingPass::radiance`].
     ///
-    /// `rgb`: the picture, where panes find what is behind them.
+    /// `rgb`: the picture, where transparent surfaces find what is behind them.
     pub fn shade(
         &mut self,
         light: &Light,
         camera: &ShadingCamera,
-        kind: Kind,
-        hits: &Hits,
-        (faces, open): (&[Face], &[Open]),
+        variant: ShaderVariant,
+        queue: &ShadingQueue,
+        (faces, ambient): (&[Face], &[AmbientTerms]),
         rgb: &[f32],
     ) {
-        let n = hits.count.min(LANES);
-        gather_patches(self, hits, n);
-        gather_faces(self, kind, hits, n, faces);
-        // Whole registers: what is left in the lanes beyond is nobody's.
-        let m = n.next_multiple_of(16);
-        spread(self, hits, n);
-        gather_open(self, kind, hits, n, open);
-        geometry(self, m, camera, light.sky.sun_world, kind);
-        self.cast_shadows(light, camera.eye, kind, n);
-        self.albedo = [self.material; 2];
-        if kind.is_pane {
-            for (i, pixel) in self.behind[..n].iter().enumerate() {
-                if let Some([a, b, c, d, e, f]) = rgb[*pixel as usize * 3..].first_chunk() {
-                    put(&mut self.albedo[0], i, Vec3::new(*a, *b, *c));
-                    put(&mut self.albedo[1], i, Vec3::new(*d, *e, *f));
-                }
-            }
-            pane(self, m, &light.sky);
+        let n = queue.count.min(BATCH_SIZE);
+        // Whole registers: what is computed of the pairs beyond is not used.
+        let m = n.next_multiple_of(REGISTER);
+        let Self { groups, inputs, geometry, incident, .. } = self;
+        gather_groups(queue, n, groups);
+        gather_faces(variant, queue, n, faces, inputs);
+        place_pairs(groups, queue, n, inputs);
+        gather_ambient(variant, queue, n, ambient, inputs, incident);
+        place_surfaces(inputs, m, camera, light.sky.sun_world, variant, geometry);
+        self.occlude(light, camera.eye, variant, n);
+        if variant.is_transparent {
+            self.look_through(n, rgb);
+            transparent(&self.inputs, &self.geometry, &self.incident, m, &light.sky, &mut self.outgoing);
         } else {
-            for pixel in 0..2 {
-                if kind.pattern != Pattern::Plain {
-                    place_texture(self, m, camera, kind, pixel);
-                    texture(self, m, kind.pattern, pixel);
-                }
-                if light.snow > 0.0 {
-                    snow(self, m, camera, light.snow, pixel);
-                }
-            }
-            diffuse(self, m, &light.sky, kind, light.wetness);
-            if kind.is_glossy {
-                gloss(self, m, &light.sky, camera.eye, light.wetness);
-            }
+            self.color(light, camera, variant, m);
+            self.reflect(light, camera.eye, variant, m);
         }
-        through_air(self, m, light);
-        mix(self, m);
+        let arriving = if variant.is_transparent {
+            // What is behind has come through the air already.
+            &self.outgoing
+        } else {
+            through_air(&self.geometry, &self.outgoing, m, light, &mut self.arriving);
+            &self.arriving
+        };
+        resolve(&self.inputs, &self.base_color, arriving, m, &mut self.radiance);
     }
 
-    /// Looks up what the sun's shadows and the cars near by leave.
-    fn cast_shadows(&mut self, light: &Light, eye: Vec3, kind: Kind, n: usize) {
+    /// Where the left pixels' colors are added; the right ones' follow.
+    pub fn targets(&self) -> &[u32; BATCH_STRIDE] {
+        &self.inputs.target
+    }
+
+    /// What is added to the left and to the right pixels.
+    pub fn radiance(&self) -> &[BatchVector; 2] {
+        &self.radiance
+    }
+
+    /// Looks up shadow factors and contact occlusion.
+    fn occlude(&mut self, light: &Light, eye: Vec3, variant: ShaderVariant, n: usize) {
+        let (is_queried, pcf_texels) = (&mut self.is_queried, &mut self.pcf_texels);
         match &light.shadows {
-            Some(shadows) if ask_sun(self, kind, n) => {
-                let asked = Asked {
-                    points: &self.point,
-                    normals: &self.face_normal,
-                    cos_sun: &self.cos_face,
-                    is_asked: &self.is_asked,
+            Some(shadows) if query_sun(&self.geometry, variant, n, is_queried) => {
+                let query = ShadowQuery {
+                    points: &self.geometry.point,
+                    normals: &self.inputs.face_normal,
+                    cos_sun: &self.geometry.cos_face,
+                    is_queried,
                     count: n,
                 };
-                shadows.sunlit(eye, &asked, &mut self.neighbours, &mut self.lit);
+                shadows.shadow_factors(eye, &query, pcf_texels, &mut self.incident.shadow_factor);
             }
-            _ => self.lit.fill(0.0),
+            _ => self.incident.shadow_factor.fill(0.0),
         }
-        ask_contacts(self, n);
-        light.sky_view.contacts.shade(eye, &self.point, &self.is_asked, n, &mut self.near);
+        query_contacts(&self.inputs.flags, n, is_queried);
+        let factors = &mut self.incident.contact_occlusion;
+        light.sky_probes.contacts.shade(eye, &self.geometry.point, is_queried, n, factors);
+    }
+
+    /// Takes what is behind transparent surfaces for their base color.
+    fn look_through(&mut self, n: usize, rgb: &[f32]) {
+        let [left, right] = &mut self.base_color;
+        for (i, pixel) in self.inputs.background[..n].iter().enumerate() {
+            if let Some([a, b, c, d, e, f]) = rgb[*pixel as usize * 3..].first_chunk() {
+                put(left, i, Vec3::new(*a, *b, *c));
+                put(right, i, Vec3::new(*d, *e, *f));
+            }
+        }
+    }
+
+    /// Finds the base color of opaque surfaces.
+    fn color(&mut self, light: &Light, camera: &ShadingCamera, variant: ShaderVariant, m: usize) {
+        let (inputs, geometry) = (&self.inputs, &self.geometry);
+        for ((side, color), at) in Side::BOTH.into_iter().zip(&mut self.base_color).zip(&mut self.texture) {
+            if variant.pattern == Pattern::Plain {
+                *color = inputs.albedo;
+            } else {
+                place_texture(inputs, m, camera, variant, side, at);
+                texture(inputs, geometry, at, m, variant.pattern, color);
+            }
+            if light.snow > 0.0 {
+                snow(inputs, geometry, m, camera, light.snow, side, color);
+            }
+        }
+    }
+
+    /// Finds what opaque surfaces reflect.
+    fn reflect(&mut self, light: &Light, eye: Vec3, variant: ShaderVariant, m: usize) {
+        if !variant.is_flat() {
+            ambient_of_normals(&self.geometry, m, &light.sky, &mut self.incident);
+        }
+        let (inputs, geometry, incident) = (&self.inputs, &self.geometry, &self.incident);
+        let irradiance = &mut self.irradiance;
+        diffuse(geometry, incident, m, (&light.sky, light.wetness), variant, irradiance);
+        if variant.is_glossy {
+            specular(inputs, geometry, incident, irradiance, m, (light, eye), &mut self.outgoing);
+        } else {
+            self.outgoing.diffuse = *irradiance;
+            self.outgoing.specular = [[0.0; BATCH_STRIDE]; 3];
+        }
     }
 }
 
-/// Asks for what the sun sees of the first `n` lanes; true if there is any.
+/// Which of the first `n` pairs the sun may reach; true if there is any.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn ask_sun(l: &mut ShadingBatch, kind: Kind, n: usize) -> bool {
-    let is_leaf = kind.pattern == Pattern::Leaves;
-    let mut any = [0_u8; LANES];
-    for i in 0..LANES {
-        let faces_sun = (l.cos_face[i] > 0.0) & ((l.cos_sun[i] > 0.0) | kind.is_pane);
-        let is_asked = (i < n) & (is_leaf | faces_sun);
-        l.is_asked[i] = is_asked;
-        any[i] = u8::from(is_asked);
+fn query_sun(geometry: &SurfaceGeometry, variant: ShaderVariant, n: usize, out: &mut [bool; BATCH_STRIDE]) -> bool {
+    let is_leaf = variant.pattern == Pattern::Leaves;
+    let mut any = [0_u8; BATCH_SIZE];
+    for i in 0..BATCH_SIZE {
+        let faces_sun = (geometry.cos_face[i] > 0.0) & ((geometry.cos_sun[i] > 0.0) | variant.is_transparent);
+        let is_queried = (i < n) & (is_leaf | faces_sun);
+        out[i] = is_queried;
+        any[i] = u8::from(is_queried);
     }
     any.into_iter().fold(0, |all, one| all | one) != 0
 }
 
-/// Asks for what vehicles leave of the sky to the first `n` lanes.
+/// Which of the first `n` pairs vehicles may hide from the sky.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn ask_contacts(l: &mut ShadingBatch, n: usize) {
-    for i in 0..LANES {
-        l.is_asked[i] = (i < n) & (l.flags[i] & Flags::CONTACT > 0);
-    }
-}
-
-/// The lanes from `start` on; those that are nobody's yet are filled again when their turn comes.
-#[inline(always)]
-fn run<T: Copy>(lane: &mut [T; STRIDE], start: usize, value: T) {
-    if let Some(run) = lane[start..].first_chunk_mut() {
-        *run = [value; RUN];
-    }
-}
-
-#[inline(always)]
-fn run3(lanes: &mut Lane3, start: usize, value: Vec3) {
-    let [x, y, z] = lanes;
-    run(x, start, value.x);
-    run(y, start, value.y);
-    run(z, start, value.z);
-}
-
-/// What lanes share with their patch.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn gather_patches(l: &mut ShadingBatch, hits: &Hits, n: usize) {
-    for (number, (_, patch)) in hits.patches.iter().enumerate() {
-        for i in hits.lanes_of(number, n).step_by(RUN) {
-            run(&mut l.patch, i, number as u32);
-            run(&mut l.target, i, patch.target);
-            run(&mut l.stride, i, patch.stride);
-            run(&mut l.behind, i, patch.behind);
-            run(&mut l.weights[0], i, patch.weight);
-            run(&mut l.u, i, patch.u);
-            run(&mut l.v, i, patch.v);
-            run(&mut l.nearness, i, patch.nearness[0]);
-            run(&mut l.nearness_by_column, i, patch.nearness[1]);
-            run(&mut l.nearness_by_row, i, patch.nearness[2]);
-        }
-    }
-}
-
-/// Where each lane lies within its patch.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn spread(l: &mut ShadingBatch, hits: &Hits, n: usize) {
-    let m = n.next_multiple_of(16).min(LANES);
-    for i in 0..m {
-        let cell = hits.cells[i];
-        let (column, row) = (2 * (cell & Cell::COLUMN), cell >> Cell::ROW_SHIFT & 3);
-        let [a, b, c, d] = [0, 1, 2, 3].map(|k| (cell >> (Cell::SAMPLES_SHIFT + k) & 1) as i32 as f32);
-        let (left, right) = (a + b, c + d);
-        let inverse = 1.0 / (left + right);
-        // Samples lie a quarter of a pixel from the middle of their pixel's two, to both sides.
-        let slant = 0.25 * ((b + d) - (a + c)) * inverse;
-        let across = column as i32 as f32 + right * inverse + slant;
-        let down = row as i32 as f32 + slant;
-        let nearness = l.nearness[i] + l.nearness_by_column[i] * across + l.nearness_by_row[i] * down;
-        l.nearness[i] = if nearness > FARTHEST { nearness } else { FARTHEST };
-        (l.u[i], l.v[i]) = (l.u[i] + across, l.v[i] + down);
-        (l.across[i], l.down[i]) = (across * (1.0 / (2 * ACROSS) as f32), down * (1.0 / DOWN as f32));
-        l.aside[i] = if (left > 0.0) & (right > 0.0) { 0.5 } else { 0.0 };
-        l.target[i] = l.target[i].wrapping_add(row.wrapping_mul(l.stride[i])).wrapping_add(column);
-        l.behind[i] = l.behind[i].wrapping_add(row * BEHIND_STRIDE + column);
-        let half = 0.5 * l.weights[0][i];
-        (l.weights[0][i], l.weights[1][i]) = (left * half, right * half);
-    }
-    for i in 0..m {
-        let (cell, next) = (hits.cells[i], hits.cells[i + 1]);
-        let is_whole = cell >> Cell::SAMPLES_SHIFT == Cell::ALL;
-        let is_next = (next == cell + 1) & (cell & Cell::COLUMN != Cell::COLUMN) & (l.patch[i] == l.patch[i + 1]);
-        l.goes_on[i] = u32::from(is_whole & is_next & (i + 1 < n)).wrapping_neg();
-    }
-}
-
-/// The nearness of what is seen from its rim may be lost in rounding, 1/m.
-const FARTHEST: f32 = 1e-6;
-
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn gather_faces(l: &mut ShadingBatch, kind: Kind, hits: &Hits, n: usize, faces: &[Face]) {
-    let (has_coat, is_leaf) = (kind.is_glossy || kind.is_pane, kind.pattern == Pattern::Leaves);
-    let has_axes = kind.pattern != Pattern::Plain && !is_leaf;
-    for (number, (_, patch)) in hits.patches.iter().enumerate() {
-        let face = &faces[patch.face as usize];
-        for i in hits.lanes_of(number, n).step_by(RUN) {
-            run3(&mut l.face_normal, i, face.face_normal);
-            run3(&mut l.material, i, face.albedo);
-            run(&mut l.flags, i, face.flags);
-            if !kind.is_flat() {
-                run3(&mut l.normal, i, face.normal);
-            }
-            if kind.is_smooth {
-                run3(&mut l.normal_ab, i, face.normal_ab);
-                run3(&mut l.normal_ac, i, face.normal_ac);
-                run3(&mut l.to_b, i, face.to_b);
-                run3(&mut l.to_c, i, face.to_c);
-                run(&mut l.weights_at_eye[0], i, face.weights_at_eye[0]);
-                run(&mut l.weights_at_eye[1], i, face.weights_at_eye[1]);
-                run(&mut l.least_weight, i, face.least_weight);
-            }
-            if has_axes {
-                run3(&mut l.axis_u, i, face.axes[0]);
-                run3(&mut l.axis_v, i, face.axes[1]);
-            }
-            if has_axes || is_leaf {
-                run(&mut l.at_eye[0], i, face.at_eye[0]);
-                run(&mut l.at_eye[1], i, face.at_eye[1]);
-            }
-            if is_leaf {
-                run(&mut l.face_hash, i, face.face_hash);
-                run(&mut l.place_hash, i, face.place_hash);
-            }
-            if has_coat {
-                run(&mut l.specular, i, face.specular);
-                run(&mut l.roughness, i, face.roughness);
-                run(&mut l.transmission, i, face.transmission);
-            }
-        }
-    }
-}
-
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn gather_open(l: &mut ShadingBatch, kind: Kind, hits: &Hits, n: usize, open: &[Open]) {
-    if kind.pattern == Pattern::Leaves {
-        for (number, (_, patch)) in hits.patches.iter().enumerate() {
-            let of_patch = open[patch.open as usize];
-            for i in hits.lanes_of(number, n).step_by(RUN) {
-                for (lane, o) in l.open.iter_mut().zip(of_patch) {
-                    run(lane, i, o);
-                }
-            }
-        }
-        return;
-    }
-    let mirrors = kind.is_glossy || kind.is_pane;
-    for (number, (_, patch)) in hits.patches.iter().enumerate() {
-        let Some(of_block) = open[patch.open as usize..].first_chunk::<PER_BLOCK>() else { continue };
-        for i in hits.lanes_of(number, n).step_by(RUN) {
-            let (Some(across), Some(down)) = (l.across[i..].first_chunk(), l.down[i..].first_chunk()) else { continue };
-            let at = (across, down);
-            if kind.is_flat() {
-                for (k, lane) in l.around.iter_mut().enumerate() {
-                    run_between(lane, i, of_block, k, at);
-                }
-                if mirrors {
-                    for (k, lane) in l.open[..4].iter_mut().enumerate() {
-                        run_between(lane, i, of_block, 3 + k, at);
-                    }
-                }
-            } else {
-                for (k, lane) in l.open.iter_mut().enumerate() {
-                    run_between(lane, i, of_block, k, at);
-                }
-            }
-        }
-    }
-}
-
-/// As [`run`], of what changes evenly from corner to corner of a block.
-#[inline(always)]
-fn run_between(
-    lane: &mut Lane,
-    start: usize,
-    [first, rightwards, downwards, both]: &[Open; PER_BLOCK],
-    k: usize,
-    (across, down): (&[f32; RUN], &[f32; RUN]),
-) {
-    if let Some(run) = lane[start..].first_chunk_mut::<RUN>() {
-        for i in 0..RUN {
-            let left = first[k] + downwards[k] * down[i];
-            run[i] = left + (rightwards[k] + both[k] * down[i]) * across[i];
-        }
+fn query_contacts(flags: &[u32; BATCH_STRIDE], n: usize, out: &mut [bool; BATCH_STRIDE]) {
+    for i in 0..BATCH_SIZE {
+        out[i] = (i < n) & (flags[i] & Flags::CONTACT > 0);
     }
 }

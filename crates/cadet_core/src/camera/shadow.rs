@@ -1,14 +1,14 @@
 //! Shadow maps: the scene's triangles seen from the sun, fine near the camera and coarser beyond.
 
-mod casters;
+mod face_setup;
 mod map;
-mod setup;
+mod rasterization;
 
 use multiversion::multiversion;
 
-use self::casters::draw_casters;
-use self::map::{EMPTY, HIGHEST, Map, SIZE, STRIDE, SeenTiles, TILE, TILES, least, most, steps};
-use super::pattern::split;
+use self::map::{EMPTY, HIGHEST, Map, ReceiverTiles, SIZE, STRIDE, TILE, TILES, least, most, steps};
+use self::rasterization::rasterize_casters;
+use super::value_noise::split;
 use crate::geometry::LANES;
 use crate::math::{DMat3, DVec3, Vec3};
 use crate::sense::PosedScene;
@@ -20,38 +20,42 @@ const STEPS_PER_M: [f32; 2] = [256.0, 128.0];
 /// Of a cluster's leaves one in so many is drawn: near, far.
 const LEAF_STEPS: [usize; 2] = [1, 2];
 /// How far below the points that are known some more may be seen on the same tiles, meters.
-const SEEN_BELOW_M: f32 = 0.3;
+const RECEIVERS_BELOW_M: f32 = 0.3;
+/// Height of the camera over the ground, on which the maps' middles lie, meters.
+const EYE_HEIGHT_M: f64 = 1.6;
+/// Above this sine of the sun's elevation the maps' axes are built on x in place of the vertical.
+const NEAR_ZENITH: f32 = 0.95;
 
 /// The sun's view of a scene around a camera.
 #[derive(Debug, Clone)]
-pub struct Shadows {
+pub struct ShadowMaps {
     right: Vec3,
     up: Vec3,
     sun: Vec3,
     maps: Vec<Map>,
 }
 
-impl Shadows {
+impl ShadowMaps {
     /// Rasterizes the casters. `sun_world` is the unit vector to the sun, `forward_world` the camera's axis.
     ///
-    /// `seen_world`: points all over what the camera sees; only there are shadows known. Without them, everywhere.
-    /// `buffers` are the maps of an earlier frame ([`Shadows::into_buffers`]), whose memory is used again.
+    /// `visible_world`: points all over what the camera sees; only there are shadows known. Without them, everywhere.
+    /// `buffers` are the maps of an earlier frame ([`ShadowMaps::into_buffers`]), whose memory is used again.
     #[must_use]
     pub fn new(
         scene: &PosedScene,
         eye_world: DVec3,
         forward_world: DVec3,
         sun_world: Vec3,
-        seen_world: Option<&[Vec3]>,
+        visible_world: Option<&[Vec3]>,
         mut buffers: Vec<Vec<i16>>,
     ) -> Self {
-        let helper = if sun_world.z.abs() < 0.95 { Vec3::Z } else { Vec3::X };
+        let helper = if sun_world.z.abs() < NEAR_ZENITH { Vec3::Z } else { Vec3::X };
         let right = helper.cross(sun_world).normalize();
         let up = sun_world.cross(right);
         let mut shadows = Self { right, up, sun: sun_world, maps: Vec::new() };
         let flat = DVec3::new(forward_world.x, forward_world.y, 0.0).normalize_or_zero();
         for (((ahead, half), steps_per_m), leaf_step) in CASCADES.into_iter().zip(STEPS_PER_M).zip(LEAF_STEPS) {
-            let middle = shadows.to_light((eye_world + flat * ahead - DVec3::Z * 1.6).as_vec3());
+            let middle = shadows.to_light((eye_world + flat * ahead - DVec3::Z * EYE_HEIGHT_M).as_vec3());
             let texel_m = (2.0 * half / SIZE as f64) as f32;
             // Whole texels, so that shadow edges do not crawl when the camera moves.
             let snap = |c: f32| ((c - half as f32) / texel_m).floor() * texel_m;
@@ -65,26 +69,26 @@ impl Shadows {
                 steps_per_m,
                 leaf_step,
                 height,
-                seen: SeenTiles::default(),
+                receivers: ReceiverTiles::default(),
                 drawn: vec![[SIZE, 0]; TILES],
             });
         }
-        shadows.mark_seen(seen_world);
-        draw_casters(scene, &shadows.light_from_world(), &mut shadows.maps);
+        shadows.mark_receivers(visible_world);
+        rasterize_casters(scene, &shadows.light_from_world(), &mut shadows.maps);
         shadows
     }
 
-    fn mark_seen(&mut self, seen_world: Option<&[Vec3]>) {
+    fn mark_receivers(&mut self, visible_world: Option<&[Vec3]>) {
         // The last one stands for what is on no tile.
-        let unseen = vec![if seen_world.is_none() { f32::NEG_INFINITY } else { f32::INFINITY }; TILES * TILES + 1];
+        let unseen = vec![if visible_world.is_none() { f32::NEG_INFINITY } else { f32::INFINITY }; TILES * TILES + 1];
         let mut lowest = [unseen.clone(), unseen];
-        mark(&self.maps, [self.right, self.up, self.sun], seen_world.unwrap_or_default(), &mut lowest);
+        mark_tiles(&self.maps, [self.right, self.up, self.sun], visible_world.unwrap_or_default(), &mut lowest);
         for (map, lowest) in self.maps.iter_mut().zip(&lowest) {
-            map.seen = SeenTiles::around(lowest);
+            map.receivers = ReceiverTiles::around(lowest);
         }
     }
 
-    /// The maps' memory, empty again: what an earlier frame drew must show nowhere, not even beside what is asked.
+    /// The maps' memory, empty again: what an earlier frame drew must show nowhere, not even beside what is queried.
     #[must_use]
     pub fn into_buffers(self) -> Vec<Vec<i16>> {
         let emptied = |mut map: Map| {
@@ -111,22 +115,22 @@ impl Shadows {
     /// Share of the sun that reaches each of some points, 0..1, by the shares of a square of three by three texels about
     /// it that lie no higher towards the sun ("percentage closer filtering": Reeves, Salesin & Cook 1987).
     ///
-    /// `eye_world`: what the points are relative to. `near`: what is found on the way.
-    pub fn sunlit<const N: usize>(
+    /// `eye_world`: what the points are relative to. `texels`: memory for what is looked up.
+    pub fn shadow_factors<const N: usize>(
         &self,
         eye_world: Vec3,
-        asked: &Asked<N>,
-        near: &mut Neighbours<N>,
-        lit: &mut [f32; N],
+        query: &ShadowQuery<N>,
+        texels: &mut PcfTexels<N>,
+        factors: &mut [f32; N],
     ) {
-        place(self, eye_world, asked, &mut near.at);
-        look_up(&self.maps, asked, near, lit);
+        project(self, eye_world, query, &mut texels.at);
+        filter(&self.maps, query, texels, factors);
     }
 }
 
-/// The questions of [`Shadows::sunlit`], axis by axis.
+/// The questions of [`ShadowMaps::shadow_factors`], axis by axis.
 #[derive(Debug, Clone, Copy)]
-pub struct Asked<'a, const N: usize> {
+pub struct ShadowQuery<'a, const N: usize> {
     /// Points, relative to the eye.
     pub points: &'a [[f32; N]; 3],
     /// Unit geometric normals towards the viewer's side.
@@ -134,8 +138,8 @@ pub struct Asked<'a, const N: usize> {
     /// Their cosines to the sun.
     pub cos_sun: &'a [f32; N],
     /// The others get 0.
-    pub is_asked: &'a [bool; N],
-    /// Beyond these nothing is asked.
+    pub is_queried: &'a [bool; N],
+    /// Beyond these nothing is queried.
     pub count: usize,
 }
 
@@ -147,33 +151,33 @@ const NOWHERE: u32 = u32::MAX;
 /// Where points fall on the maps: the first texel of the four by four about it, counted through both maps, the shares of
 /// its column and row that lie outside of the square, and the height towards the sun.
 #[derive(Debug)]
-struct OnMaps<const N: usize> {
+struct MapCoordinates<const N: usize> {
     first: [u32; N],
     x: [f32; N],
     y: [f32; N],
     z: [f32; N],
 }
 
-/// What [`Shadows::sunlit`] looks at, four by four texels about each point; memory that is used again.
+/// What [`ShadowMaps::shadow_factors`] looks at, four by four texels about each point; memory that is used again.
 #[derive(Debug)]
-pub struct Neighbours<const N: usize> {
-    at: OnMaps<N>,
+pub struct PcfTexels<const N: usize> {
+    at: MapCoordinates<N>,
     /// By rows: what is done goes over four neighbors of every point in turn.
-    texels: [[[i16; 4]; N]; 4],
-    heights: [[i16; 4]; N],
+    texels: [[[i16; SIDE]; N]; SIDE],
+    heights: [[i16; SIDE]; N],
     /// Shares of the first and the last row, and of the columns.
-    top: [[f32; 4]; N],
-    bottom: [[f32; 4]; N],
-    columns: [[f32; 4]; N],
+    top: [[f32; SIDE]; N],
+    bottom: [[f32; SIDE]; N],
+    columns: [[f32; SIDE]; N],
 }
 
-impl<const N: usize> Default for Neighbours<N> {
+impl<const N: usize> Default for PcfTexels<N> {
     fn default() -> Self {
-        let none = [[0.0; 4]; N];
+        let none = [[0.0; SIDE]; N];
         Self {
-            at: OnMaps { first: [NOWHERE; N], x: [0.0; N], y: [0.0; N], z: [0.0; N] },
-            texels: [[[0; 4]; N]; 4],
-            heights: [[0; 4]; N],
+            at: MapCoordinates { first: [NOWHERE; N], x: [0.0; N], y: [0.0; N], z: [0.0; N] },
+            texels: [[[0; SIDE]; N]; SIDE],
+            heights: [[0; SIDE]; N],
             top: none,
             bottom: none,
             columns: none,
@@ -181,32 +185,42 @@ impl<const N: usize> Default for Neighbours<N> {
     }
 }
 
-/// Texels along a map's rim that are not asked: the next map knows them.
+/// Texels along a map's rim that are not looked up: the next map has them.
 const MARGIN: f32 = 8.0;
 
 /// How far a point is moved along its normal where the sun stands square to it, texels.
 const NORMAL_OFFSET: f32 = 0.8;
+/// How much further where the sun grazes, texels, and everywhere, meters.
+const GRAZING_OFFSET: f32 = 2.2;
+const LEAST_OFFSET_M: f32 = 0.006;
+/// How much nearer to the sun points are taken to lie than they do, texels.
+const DEPTH_BIAS: f32 = 0.8;
 /// Half the side of the square, texels.
 const REACH: f32 = 1.5;
+/// Texels along a side of the square that is filtered, its area, and how much of that counts as all.
+const SIDE: usize = 4;
+const AREA: f32 = 4.0 * REACH * REACH;
+const ALL_LIT: f32 = 8.95;
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn place<const N: usize>(shadows: &Shadows, eye_world: Vec3, asked: &Asked<N>, out: &mut OnMaps<N>) {
-    let count = asked.count.next_multiple_of(LANES).min(N);
+fn project<const N: usize>(shadows: &ShadowMaps, eye_world: Vec3, query: &ShadowQuery<N>, out: &mut MapCoordinates<N>) {
+    let count = query.count.next_multiple_of(LANES).min(N);
     let axes = [shadows.right, shadows.up, shadows.sun];
     let eye = shadows.to_light(eye_world);
-    let [px, py, pz] = asked.points;
-    let [nx, ny, nz] = asked.normals;
+    let [px, py, pz] = query.points;
+    let [nx, ny, nz] = query.normals;
     out.first[..count].fill(NOWHERE);
     // The near map has the last word.
     for (index, map) in shadows.maps.iter().enumerate().rev() {
         let base = (index * MAP) as i32;
-        let (min_x, min_y, to_z) = (eye.x - map.min[0], eye.y - map.min[1], eye.z - map.middle_z + map.texel_m * 0.8);
+        let (min_x, min_y, to_z) =
+            (eye.x - map.min[0], eye.y - map.min[1], eye.z - map.middle_z + map.texel_m * DEPTH_BIAS);
         let (texel_m, texels_per_m) = (map.texel_m, map.texels_per_m);
         for i in 0..count {
             let (point, normal) = (Vec3::new(px[i], py[i], pz[i]), Vec3::new(nx[i], ny[i], nz[i]));
-            let cos_sun = asked.cos_sun[i];
+            let cos_sun = query.cos_sun[i];
             // Normal offset: moves grazing surfaces off their own texels, where a depth bias alone leaks.
-            let offset = texel_m * (NORMAL_OFFSET + 2.2 * (1.0 - cos_sun.abs())) + 0.006;
+            let offset = texel_m * (NORMAL_OFFSET + GRAZING_OFFSET * (1.0 - cos_sun.abs())) + LEAST_OFFSET_M;
             let offset = if cos_sun < 0.0 { -offset } else { offset };
             let p = point + normal * offset;
             let x = (axes[0].dot(p) + min_x) * texels_per_m;
@@ -229,32 +243,32 @@ fn place<const N: usize>(shadows: &Shadows, eye_world: Vec3, asked: &Asked<N>, o
 ///
 /// Copies what is looked at first: the processor waits for many texels at once, and not for one point's after another's.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn look_up<const N: usize>(maps: &[Map], asked: &Asked<N>, near: &mut Neighbours<N>, lit: &mut [f32; N]) {
-    let Neighbours { at, texels, heights, top, bottom, columns } = near;
+fn filter<const N: usize>(maps: &[Map], query: &ShadowQuery<N>, found: &mut PcfTexels<N>, factors: &mut [f32; N]) {
+    let PcfTexels { at, texels, heights, top, bottom, columns } = found;
     let mut which = [0_u16; N];
     let mut count = 0;
-    for i in 0..asked.count.min(N) {
+    for i in 0..query.count.min(N) {
         which[count] = i as u16;
-        let is_known = asked.is_asked[i] & (at.first[i] != NOWHERE);
+        let is_known = query.is_queried[i] & (at.first[i] != NOWHERE);
         count += usize::from(is_known);
-        lit[i] = if asked.is_asked[i] { 1.0 } else { 0.0 };
+        factors[i] = if query.is_queried[i] { 1.0 } else { 0.0 };
     }
     for (k, i) in which[..count].iter().enumerate() {
         let i = usize::from(*i);
         let first = at.first[i] as usize;
         let map = &maps[first / MAP];
-        let rows = &map.height[first % MAP..][..3 * STRIDE + 4];
+        let rows = &map.height[first % MAP..][..(SIDE - 1) * STRIDE + SIDE];
         for (row, texels) in texels.iter_mut().enumerate() {
-            texels[k].copy_from_slice(&rows[row * STRIDE..row * STRIDE + 4]);
+            texels[k].copy_from_slice(&rows[row * STRIDE..row * STRIDE + SIDE]);
         }
         let (x, y) = (at.x[i], at.y[i]);
-        (top[k], bottom[k], heights[k]) = ([1.0 - y; 4], [y; 4], [steps(at.z[i]) as i16; 4]);
+        (top[k], bottom[k], heights[k]) = ([1.0 - y; SIDE], [y; SIDE], [steps(at.z[i]) as i16; SIDE]);
         columns[k] = [1.0 - x, 1.0, 1.0, x];
     }
     let [row_0, row_1, row_2, row_3] = texels.each_ref().map(|row| row.as_flattened());
     let (top, bottom, heights) = (top.as_flattened(), bottom.as_flattened(), heights.as_flattened());
     let sums = columns.as_flattened_mut();
-    for j in 0..(count * 4).next_multiple_of(2 * LANES).min(4 * N) {
+    for j in 0..(count * SIDE).next_multiple_of(2 * LANES).min(SIDE * N) {
         let z = heights[j];
         let share = |texel: i16, share: f32| if texel <= z { share } else { 0.0 };
         let ends = share(row_0[j], top[j]) + share(row_3[j], bottom[j]);
@@ -264,16 +278,16 @@ fn look_up<const N: usize>(maps: &[Map], asked: &Asked<N>, near: &mut Neighbours
     for (share, [a, b, c, d]) in shares.iter_mut().zip(&columns[..count]) {
         let sum = (a + b) + (c + d);
         // Neither rounding nor the edge of a texel dims what is lit all over.
-        *share = if sum > 8.95 { 1.0 } else { sum * (1.0 / 9.0) };
+        *share = if sum > ALL_LIT { 1.0 } else { sum * (1.0 / AREA) };
     }
     for (i, share) in which[..count].iter().zip(shares) {
-        lit[usize::from(*i)] = share;
+        factors[usize::from(*i)] = share;
     }
 }
 
-/// Marks the tiles of two maps that points fall on; the coarser one's are not asked within the rim of the finer one.
+/// Marks the tiles of two maps that points fall on; the coarser one's are not marked within the rim of the finer one.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn mark(maps: &[Map], [right, up, sun]: [Vec3; 3], points_world: &[Vec3], lowest: &mut [Vec<f32>; 2]) {
+fn mark_tiles(maps: &[Map], [right, up, sun]: [Vec3; 3], points_world: &[Vec3], lowest: &mut [Vec<f32>; 2]) {
     for points in points_world.chunks(LANES) {
         let mut world = [[0.0; LANES]; 3];
         for (i, p) in points.iter().enumerate() {
@@ -304,7 +318,7 @@ fn mark(maps: &[Map], [right, up, sun]: [Vec3; 3], points_world: &[Vec3], lowest
                 };
                 is_finer[i] |= within(2.0 * MARGIN);
                 let w = sun.x * x[i] + sun.y * y[i] + sun.z * z[i];
-                heights[i] = (w - map.middle_z - SEEN_BELOW_M) * map.steps_per_m;
+                heights[i] = (w - map.middle_z - RECEIVERS_BELOW_M) * map.steps_per_m;
             }
             for (tile, height) in tiles[..points.len()].iter().zip(heights) {
                 let lowest = &mut lowest[*tile as usize];

@@ -1,12 +1,74 @@
-//! The sun, the sky and the light that falls from them: linear RGB, in units in which a white matt surface square to
+//! The sun, the sky and the light that falls from them: linear RGB, in units in which a white diffuse surface square to
 //! the clear sun shines with about 1.
 
-use super::pattern::fbm;
+use super::value_noise::fbm;
 use crate::math::{self, Vec3};
 use crate::weather::Weather;
 
 /// Mean albedo of what lies about: for the light that comes from below.
 const GROUND_ALBEDO: Vec3 = Vec3::new(0.150, 0.150, 0.140);
+/// Of the light of the sky and of the sun on open ground, the shares that lit ground shows in reflections: things cast shadows.
+const GROUND_SKY_SHARE: f32 = 0.8;
+const GROUND_SUN_SHARE: f32 = 0.65;
+
+/// The sun above the air, R, G, B, and the optical depths of the air at the zenith.
+const SUN_ABOVE_AIR: [f32; 3] = [1.05, 1.05, 1.08];
+const ZENITH_OPTICAL_DEPTHS: [f32; 3] = [0.155, 0.180, 0.215];
+/// The sun is taken to stand at least so high, and the air to be so much thinner at the horizon: sines of elevations.
+const LEAST_SINE: f32 = 0.02;
+const HORIZON_SINE: f32 = 0.02;
+/// Fog of this extinction hides the sun, 1/m.
+const HIDING_FOG_PER_M: f64 = 0.02;
+/// Cloudiness at which the sky begins to be overcast, and is.
+const OVERCAST_CLOUDINESS: (f64, f64) = (0.25, 0.75);
+/// Irradiance on level ground, with the sun at the horizon and by the sine of its elevation.
+const CLEAR_LEVEL: (f32, f32) = (0.034, 0.145);
+const OVERCAST_LEVEL: (f32, f32) = (0.020, 0.330);
+/// Colors of the clear sky, relative to each other.
+const ZENITH: Vec3 = Vec3::new(0.46, 0.84, 1.36);
+const HORIZON: Vec3 = Vec3::new(1.15, 1.50, 1.68);
+const GLOW: Vec3 = Vec3::new(5.0, 4.9, 4.6);
+/// Brightness of the visible sky over the one that lights the ground, and how much less of that an overcast sky has.
+const VISIBLE_OVER_LIGHTING: f32 = 1.7;
+const OVERCAST_VISIBLE: f32 = 0.5;
+/// R, G, B of a clear sky's light on surfaces.
+const SKYLIGHT_TINT: Vec3 = Vec3::new(0.90, 1.0, 1.09);
+/// The sun casts shadows from this irradiance and this sine of its elevation on.
+const SHADOW_IRRADIANCE: f32 = 0.004;
+const SHADOW_SINE: f32 = 0.01;
+/// The glow about the sun: how fast it falls with the angle, and its wide and its narrow part.
+const GLOW_FALL: f32 = 6.0;
+const WIDE_GLOW: f32 = 0.55;
+const NARROW_GLOW: f32 = 0.45;
+/// The overcast sky: gray at the horizon and its rise to the zenith (brighter there, as in the CIE's standard), red, and blue.
+const GRAY_HORIZON: f32 = 0.36;
+const GRAY_RISE: f32 = 0.30;
+const GRAY_RED: f32 = 0.985;
+const GRAY_BLUE: f32 = 1.03;
+/// Clouds lie on a plane, which ends at this sine of an elevation.
+const CLOUD_PLANE: f32 = 0.12;
+const CLOUD_CELLS: f32 = 1.3;
+const CLOUD_SHIFT: [f32; 2] = [40.0, 17.0];
+const CLOUD_OCTAVES: u32 = 4;
+const CLOUD_SALT: u32 = 0x51C7;
+/// An overcast sky has no gaps from here on, but folds: least brightness and contrast.
+const CLOSED: f32 = 0.9;
+const FOLDS: (f32, f32) = (0.88, 0.24);
+/// Clouds begin at this level of the noise without cloudiness, and so much lower with it.
+const CLOUDS_FROM: f32 = 0.80;
+const CLOUDS_LOWER: f32 = 0.55;
+/// How sharp their edges are, how fast they end towards the horizon, and how much of the sky they hide.
+const CLOUD_SHARPNESS: f32 = 4.0;
+const CLOUD_HORIZON: f32 = 8.0;
+const CLOUD_COVER: f32 = 0.85;
+/// Light of the sky and of the sun that they scatter, least brightness and contrast.
+const CLOUD_SKY: f32 = 1.1;
+const CLOUD_SUN: f32 = 0.16;
+const CLOUD_BRIGHTNESS: (f32, f32) = (0.9, 0.2);
+/// What hides the sky has this share of the radiance of sunlit ground.
+const BOUNCE: f32 = 0.60;
+/// The golden angle, radians: directions of a spiral that spread evenly.
+const GOLDEN_ANGLE: f32 = 2.399_963_2;
 
 /// Sun and sky of one weather.
 #[derive(Debug, Clone)]
@@ -36,40 +98,42 @@ impl Sky {
         let (sin_e, cos_e) = (math::sin(elevation) as f32, math::cos(elevation) as f32);
         let sun_world =
             Vec3::new(cos_e * math::cos(azimuth) as f32, cos_e * math::sin(azimuth) as f32, sin_e).normalize();
-        let sin_e = sin_e.max(0.02);
+        let sin_e = sin_e.max(LEAST_SINE);
         let falling = f64::from(u8::from(weather.rain_mm_per_h + weather.snow_mm_per_h > 0.0));
-        let fog = math::smoothstep(0.0, 0.02, weather.fog_alpha_per_m);
-        let overcast = math::smoothstep(0.25, 0.75, weather.cloudiness).max(fog).max(falling) as f32;
+        let fog = math::smoothstep(0.0, HIDING_FOG_PER_M, weather.fog_alpha_per_m);
+        let (open, closed) = OVERCAST_CLOUDINESS;
+        let overcast = math::smoothstep(open, closed, weather.cloudiness).max(fog).max(falling) as f32;
         // Air turns the low sun red: the blue is scattered out first.
-        let air = |tau: f32| math::expf(-tau / (sin_e + 0.02));
-        let sun = Vec3::new(1.05 * air(0.155), 1.05 * air(0.180), 1.08 * air(0.215)) * (1.0 - overcast);
-        let clear_level = 0.034 + 0.145 * sin_e;
-        let overcast_level = 0.020 + 0.330 * sin_e;
+        let air = |tau: f32| math::expf(-tau / (sin_e + HORIZON_SINE));
+        let [red, green, blue] = [0, 1, 2].map(|k| SUN_ABOVE_AIR[k] * air(ZENITH_OPTICAL_DEPTHS[k]));
+        let sun = Vec3::new(red, green, blue) * (1.0 - overcast);
+        let clear_level = CLEAR_LEVEL.0 + CLEAR_LEVEL.1 * sin_e;
+        let overcast_level = OVERCAST_LEVEL.0 + OVERCAST_LEVEL.1 * sin_e;
         let level = math::lerp(f64::from(clear_level), f64::from(overcast_level), f64::from(overcast)) as f32;
         let mut sky = Self {
             sun_world,
             sun,
             sky_on_level: Vec3::ZERO,
             ground: Vec3::ZERO,
-            zenith: Vec3::new(0.46, 0.84, 1.36),
-            horizon: Vec3::new(1.15, 1.50, 1.68),
-            glow: Vec3::new(5.0, 4.9, 4.6),
+            zenith: ZENITH,
+            horizon: HORIZON,
+            glow: GLOW,
             overcast,
             cloudiness: weather.cloudiness as f32,
             cube: [Vec3::ZERO; 6],
         };
         // The shapes above are relative. Measured skies are brighter against lit asphalt than the light that reaches the
         // ground of a street: what stands about hides their brightest part, the horizon.
-        let scale = (1.7 - 0.5 * overcast) * level / sky.irradiance(Vec3::Z).y;
+        let scale = (VISIBLE_OVER_LIGHTING - OVERCAST_VISIBLE * overcast) * level / sky.irradiance(Vec3::Z).y;
         for c in [&mut sky.zenith, &mut sky.horizon, &mut sky.glow] {
             *c *= scale;
         }
         // Distant walls and the camera's gains make the skylight on surfaces less blue than the sky itself.
         let open = sky.irradiance(Vec3::Z);
-        let clear_gains = Vec3::new(0.90, 1.0, 1.09) * level / open;
+        let clear_gains = SKYLIGHT_TINT * level / open;
         let gains = clear_gains + (Vec3::splat(level / open.y) - clear_gains) * overcast;
         sky.sky_on_level = sky.irradiance(Vec3::Z) * gains;
-        sky.ground = GROUND_ALBEDO * (sky.sky_on_level * 0.8 + sky.sun * (sin_e * 0.65));
+        sky.ground = GROUND_ALBEDO * (sky.sky_on_level * GROUND_SKY_SHARE + sky.sun * (sin_e * GROUND_SUN_SHARE));
         sky.cube = [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y, Vec3::Z, -Vec3::Z].map(|n| sky.irradiance(n) * gains);
         sky
     }
@@ -77,7 +141,7 @@ impl Sky {
     /// True if the sun casts shadows.
     #[must_use]
     pub fn has_shadows(&self) -> bool {
-        self.sun.y > 0.004 && self.sun_world.z > 0.01
+        self.sun.y > SHADOW_IRRADIANCE && self.sun_world.z > SHADOW_SINE
     }
 
     /// Smooth radiance of the sky without clouds' edges or the sun's disk; below the horizon, of the ground.
@@ -88,11 +152,11 @@ impl Sky {
         let low = 1.0 - up;
         let low2 = low * low;
         let gradient = self.zenith + (self.horizon - self.zenith) * (low2 * low2);
-        let q = 1.0 / (1.0 + 6.0 * (1.0 - direction.dot(self.sun_world)));
+        let q = 1.0 / (1.0 + GLOW_FALL * (1.0 - direction.dot(self.sun_world)));
         let q2 = q * q;
-        let clear = gradient + self.glow * (q2 * (0.55 + 0.45 * q2));
-        let gray = (self.zenith.y + self.horizon.y) * (0.36 + 0.30 * up);
-        let covered = Vec3::new(gray * 0.985, gray, gray * 1.03);
+        let clear = gradient + self.glow * (q2 * (WIDE_GLOW + NARROW_GLOW * q2));
+        let gray = (self.zenith.y + self.horizon.y) * (GRAY_HORIZON + GRAY_RISE * up);
+        let covered = Vec3::new(gray * GRAY_RED, gray, gray * GRAY_BLUE);
         let sky = clear + (covered - clear) * self.overcast;
         let is_up = up >= 0.0;
         Vec3::new(
@@ -108,16 +172,17 @@ impl Sky {
     pub fn visible_radiance(&self, direction: Vec3) -> Vec3 {
         let base = self.radiance(direction);
         let up = direction.z.max(0.0);
-        let over = 1.0 / (up + 0.12);
+        let over = 1.0 / (up + CLOUD_PLANE);
         let (x, y) = (direction.x * over, direction.y * over);
-        let puffs = fbm(x * 1.3 + 40.0, y * 1.3 - 17.0, 4, 0x51C7);
-        let sky = if self.overcast > 0.9 {
-            base * (0.88 + 0.24 * puffs)
+        let puffs = fbm(x * CLOUD_CELLS + CLOUD_SHIFT[0], y * CLOUD_CELLS - CLOUD_SHIFT[1], CLOUD_OCTAVES, CLOUD_SALT);
+        let sky = if self.overcast > CLOSED {
+            base * (FOLDS.0 + FOLDS.1 * puffs)
         } else {
-            let from = 0.80 - 0.55 * self.cloudiness;
-            let cover = ((puffs - from) * 4.0).clamp(0.0, 1.0) * (up * 8.0).min(1.0) * 0.85;
-            let lit = self.sky_on_level * 1.1 + self.sun * 0.16;
-            let white = Vec3::splat(lit.y) * (0.9 + 0.2 * puffs);
+            let from = CLOUDS_FROM - CLOUDS_LOWER * self.cloudiness;
+            let cover =
+                ((puffs - from) * CLOUD_SHARPNESS).clamp(0.0, 1.0) * (up * CLOUD_HORIZON).min(1.0) * CLOUD_COVER;
+            let lit = self.sky_on_level * CLOUD_SKY + self.sun * CLOUD_SUN;
+            let white = Vec3::splat(lit.y) * (CLOUD_BRIGHTNESS.0 + CLOUD_BRIGHTNESS.1 * puffs);
             base + (white - base).max(Vec3::ZERO) * cover
         };
         let is_up = direction.z >= 0.0;
@@ -128,27 +193,28 @@ impl Sky {
         )
     }
 
-    /// Light of sky and ground on a surface, by its unit normal and its openness.
+    /// Light of sky and ground on a surface, by its unit normal and its sky visibility.
     #[inline(always)]
     #[must_use]
-    pub fn ambient(&self, normal: Vec3, open: &[f32; 6]) -> Vec3 {
+    pub fn ambient(&self, normal: Vec3, visibility: &[f32; 6]) -> Vec3 {
         // Of each axis the half that the normal faces; the other one counts nothing.
         let square = |v: f32| v.max(0.0) * v.max(0.0);
         let n = normal;
-        self.cube[0] * (square(n.x) * open[0])
-            + self.cube[1] * (square(-n.x) * open[1])
-            + self.cube[2] * (square(n.y) * open[2])
-            + self.cube[3] * (square(-n.y) * open[3])
-            + self.cube[4] * (square(n.z) * open[4])
-            + self.cube[5] * (square(-n.z) * open[5])
+        self.cube[0] * (square(n.x) * visibility[0])
+            + self.cube[1] * (square(-n.x) * visibility[1])
+            + self.cube[2] * (square(n.y) * visibility[2])
+            + self.cube[3] * (square(-n.y) * visibility[3])
+            + self.cube[4] * (square(n.z) * visibility[4])
+            + self.cube[5] * (square(-n.z) * visibility[5])
     }
 
     /// As [`Sky::ambient`], with what comes from that which hides the sky: sunlit walls and ground.
     #[inline(always)]
     #[must_use]
-    pub fn all_around(&self, normal: Vec3, open: &[f32; 6]) -> Vec3 {
-        let mean_open = (open[0] + open[1] + open[2] + open[3] + open[4]) * 0.2;
-        self.ambient(normal, open) + self.ground * (0.60 * (1.0 - mean_open))
+    pub fn ambient_with_bounce(&self, normal: Vec3, visibility: &[f32; 6]) -> Vec3 {
+        let mean_visibility =
+            (visibility[0] + visibility[1] + visibility[2] + visibility[3] + visibility[4]) * (1.0 / 5.0);
+        self.ambient(normal, visibility) + self.ground * (BOUNCE * (1.0 - mean_visibility))
     }
 
     /// Cosine-weighted mean radiance about a normal, by a fixed spiral of directions.
@@ -158,7 +224,7 @@ impl Sky {
         for i in 0..N {
             let z = 1.0 - (2.0 * i as f32 + 1.0) / N as f32;
             let r = (1.0 - z * z).max(0.0).sqrt();
-            let turn = i as f32 * 2.399_963_2;
+            let turn = i as f32 * GOLDEN_ANGLE;
             let d = Vec3::new(r * math::cosf(turn), r * math::sinf(turn), z);
             sum += self.radiance(d) * d.dot(normal).max(0.0);
         }

@@ -3,8 +3,8 @@
 use multiversion::multiversion;
 
 use super::light::Light;
-use super::look::Rays;
 use super::noise::MIDDLE_PX;
+use super::visibility_pass::Rays;
 use crate::math::Vec3;
 
 /// The sky in the image, from a coarse lattice: clouds are smooth over so few pixels.
@@ -13,7 +13,7 @@ pub struct SkyRows<'a> {
     light: &'a Light,
     /// Points of the lattice along a row.
     points: usize,
-    /// Rows of the lattice, made when they are asked for.
+    /// Rows of the lattice, made when they are first needed.
     lattice: Vec<Vec<Vec3>>,
     /// Rows of the image that come near the horizon: the lattice is too coarse for its edge.
     has_horizon: Vec<bool>,
@@ -23,6 +23,9 @@ pub struct SkyRows<'a> {
 const STEP: usize = 4;
 /// Sine of an elevation: what is nearer to the horizon is not interpolated.
 const NEAR_HORIZON: f32 = 0.015;
+/// Air of a larger extinction is fog (1/m), which hides the sky as if that were so far away (meters).
+const FOG_PER_M: f32 = 0.004;
+const SKY_IN_FOG_M: f32 = 400.0;
 
 impl<'a> SkyRows<'a> {
     /// No row yet.
@@ -95,8 +98,8 @@ fn exact(light: &Light, direction: Vec3) -> Vec3 {
     let view_world = direction * (1.0 / direction.dot(direction).sqrt());
     let radiance = light.sky.visible_radiance(view_world);
     // Fog hides the sky as it hides what is far.
-    let fog = light.extinction_per_m > 0.004;
-    if fog { light.through_air(radiance, view_world, 400.0) } else { radiance }
+    let fog = light.extinction_per_m > FOG_PER_M;
+    if fog { light.through_air(radiance, view_world, SKY_IN_FOG_M) } else { radiance }
 }
 
 /// [`exact`] in a row of directions, plane by plane.

@@ -32,7 +32,7 @@ struct Columns {
     columns: Vec<Column>,
 }
 
-/// Columns that are found when they are first asked for. They follow from the mesh, so that all are equal.
+/// Columns that are found when they are first needed. They follow from the mesh, so that all are equal.
 #[derive(Debug, Clone, Default)]
 pub(super) struct LazyColumns(OnceLock<Columns>);
 

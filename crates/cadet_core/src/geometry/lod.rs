@@ -7,7 +7,7 @@ use super::bounds::Bounds;
 use super::mesh::Mesh;
 use crate::math::Vec3;
 
-/// A mesh that is made when somebody first looks at it, and then kept; copies share it.
+/// A mesh that is made when it is first used, and then kept; copies share it.
 #[derive(Debug, Clone)]
 pub struct LazyMesh(Arc<LazyLock<Arc<Mesh>, MakeMesh>>);
 
@@ -44,7 +44,7 @@ pub struct LodSet {
     /// shape is left out.
     pub levels: Vec<(f32, LazyMesh)>,
     /// Of the first so many levels the next one casts the shadow: it differs by about a shadow map's texel at most.
-    pub coarse_casters: usize,
+    pub coarse_shadow_proxies: usize,
 }
 
 impl LodSet {
@@ -52,7 +52,7 @@ impl LodSet {
     #[must_use]
     pub fn single(mesh: Mesh) -> Self {
         let bounds = mesh.bounds;
-        Self { bounds, levels: vec![(f32::INFINITY, LazyMesh::new(|| mesh))], coarse_casters: 0 }
+        Self { bounds, levels: vec![(f32::INFINITY, LazyMesh::new(|| mesh))], coarse_shadow_proxies: 0 }
     }
 
     /// A shape of which the finest level is there, and the others are made when they are needed.
@@ -60,10 +60,10 @@ impl LodSet {
     pub fn new((limit, finest): (f32, Mesh), coarser: impl IntoIterator<Item = (f32, LazyMesh)>) -> Self {
         let bounds = finest.bounds;
         let finest = (limit, LazyMesh::new(|| finest));
-        Self { bounds, levels: std::iter::once(finest).chain(coarser).collect(), coarse_casters: 0 }
+        Self { bounds, levels: std::iter::once(finest).chain(coarser).collect(), coarse_shadow_proxies: 0 }
     }
 
-    /// The same shape, longer, wider and higher by factors above 0; its meshes are made when somebody looks at them.
+    /// The same shape, longer, wider and higher by factors above 0; its meshes are made when they are first used.
     #[must_use]
     pub fn stretched(&self, scale: Vec3) -> Self {
         let bounds = Bounds { min: self.bounds.min * scale, max: self.bounds.max * scale };
@@ -89,18 +89,18 @@ impl LodSet {
     /// sensors: it is all that is left of the shape.
     #[must_use]
     pub fn select(&self, distance_m: f32, detail: f32) -> Option<&Arc<Mesh>> {
-        self.select_with_caster(distance_m, detail).map(|(mesh, _)| &**mesh)
+        self.select_with_shadow_proxy(distance_m, detail).map(|(mesh, _)| &**mesh)
     }
 
     /// As [`LodSet::select`], and the mesh that casts the shadow.
     #[must_use]
-    pub fn select_with_caster(&self, distance_m: f32, detail: f32) -> Option<(&LazyMesh, &LazyMesh)> {
+    pub fn select_with_shadow_proxy(&self, distance_m: f32, detail: f32) -> Option<(&LazyMesh, &LazyMesh)> {
         let last = self.levels.len().checked_sub(1)?;
         let reaches = |(level, (limit_m, _)): (usize, &(f32, LazyMesh))| {
             distance_m <= limit_m * if level == last { detail.max(1.0) } else { detail }
         };
         let level = self.levels.iter().enumerate().position(reaches)?;
-        let caster = if level < self.coarse_casters { level + 1 } else { level };
-        Some((&self.levels[level].1, &self.levels[caster.min(last)].1))
+        let proxy = if level < self.coarse_shadow_proxies { level + 1 } else { level };
+        Some((&self.levels[level].1, &self.levels[proxy.min(last)].1))
     }
 }

@@ -3,7 +3,7 @@
 use super::edges::Edges;
 use crate::math::{DVec3, Vec3};
 
-/// What [`pieces_of`] asks of a mesh.
+/// What [`pieces_of`] needs of a mesh.
 pub(super) struct Surface<'a> {
     pub vertices: &'a [Vec3],
     /// Shading normals, one a vertex.

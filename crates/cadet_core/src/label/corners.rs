@@ -1,6 +1,6 @@
 //! The 2019 paper's occlusion: which corners of the 3D box the depth map hides.
 
-use crate::camera::{CameraModel, Seen};
+use crate::camera::{CameraModel, Visibility};
 use crate::math::DVec3;
 
 /// Which corners are in view and not hidden.
@@ -11,7 +11,7 @@ use crate::math::DVec3;
 pub(super) fn visible_corners(
     corners_cam: &[DVec3; 8],
     camera: &CameraModel,
-    seen: &Seen,
+    seen: &Visibility,
     tolerance_m: f64,
 ) -> [bool; 8] {
     corners_cam.map(|corner| {

@@ -1,7 +1,7 @@
 //! Decides what gets a label, what is seen without one, and what is left out.
 
 use crate::actor::ActorState;
-use crate::camera::{CameraModel, Seen};
+use crate::camera::{CameraModel, Visibility};
 use crate::math::{self, DPose3};
 use crate::sense::{PosedScene, VisibilityBuffer};
 
@@ -46,7 +46,7 @@ pub fn sightings(
     scene: &PosedScene,
     camera: &CameraModel,
     world_from_cam: &DPose3,
-    seen: &Seen,
+    seen: &Visibility,
     extinction_per_m: f64,
 ) -> Vec<Sighting> {
     let cam_from_world = world_from_cam.inverse();
@@ -112,7 +112,7 @@ mod tests {
     use super::super::box_cam::Boxes;
     use super::*;
     use crate::actor::{AnnotatedBox, ObjectClass};
-    use crate::camera::{View, kitti_like, look};
+    use crate::camera::{View, kitti_like, visibility_pass};
     use crate::frames;
     use crate::geometry::{LodSet, MeshBuilder};
     use crate::instance::Instance;
@@ -152,7 +152,7 @@ mod tests {
         let scene = PosedScene::new(&instances, EYE);
         let rotation = DQuat::from_mat3(&frames::cam_axes_from_velo_axes().transpose());
         let (camera, world_from_cam) = (kitti_like(), DPose3 { rotation, translation: EYE });
-        let seen = look(&scene, &View::new(&camera, &world_from_cam)).expect("a view");
+        let seen = visibility_pass(&scene, &View::new(&camera, &world_from_cam)).expect("a view");
         sightings(config, &actors, &scene, &camera, &world_from_cam, &seen, extinction_per_m)
     }
 

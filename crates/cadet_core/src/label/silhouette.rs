@@ -1,9 +1,9 @@
 //! An actor's outline alone, as the camera would see it with nothing else in the world.
 
 use crate::actor::ActorState;
-use crate::camera::{CameraModel, Seen};
+use crate::camera::{CameraModel, Visibility};
 use crate::math::{DPose3, DVec3};
-use crate::sense::{PinholeGrid, PosedInstance, PosedScene, VisibilityBuffer, draw_instances};
+use crate::sense::{PinholeGrid, PosedInstance, PosedScene, VisibilityBuffer, rasterize_instances};
 
 use super::box_cam::Rect;
 
@@ -47,7 +47,7 @@ pub(super) fn silhouette(
     actor_id: i32,
     camera: &CameraModel,
     world_from_cam: &DPose3,
-    seen: &Seen,
+    seen: &Visibility,
     even_if_hidden: bool,
     buffer: &mut VisibilityBuffer,
 ) -> Silhouette {
@@ -72,7 +72,7 @@ pub(super) fn silhouette(
     let first = [c1 as f64, r1 as f64 / 2.0];
     let grid = PinholeGrid::quincunx(camera.optical_pose(world_from_cam), camera.intrinsics(), first, rows, columns)
         .expect("a checked camera and a window that is not empty");
-    draw_instances(scene, &grid, instances.of(actor_id), buffer);
+    rasterize_instances(scene, &grid, instances.of(actor_id), buffer);
     // Rows and columns by halves of a pixel.
     let (mut of_rows, mut of_columns) = (rows..0, 2 * columns..0);
     for r in 0..rows {
@@ -100,7 +100,7 @@ pub fn pixels_of_actors(
     scene: &PosedScene,
     camera: &CameraModel,
     world_from_cam: &DPose3,
-    seen: &Seen,
+    seen: &Visibility,
 ) -> Vec<[f64; 2]> {
     let (pinhole, instances) = (camera.pinhole(), ActorInstances::new(scene));
     let mut buffer = VisibilityBuffer::default();

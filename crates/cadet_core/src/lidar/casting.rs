@@ -1,28 +1,28 @@
 //! The first step of a scan: what each beam meets.
 
+use super::divergence::{DivergentBeams, SubBeam};
 use super::spec::LidarSpec;
-use super::spread::{Spread, SubBeam};
 use crate::math::{DMat3, DPose3, DVec3};
 use crate::sense::{Hits, Layer, NO_HIT, PosedInstance, PosedScene, cast};
 
 /// What the beams of a turn meet, row-major.
-pub(super) struct Met {
-    /// The first surface that is no pane.
-    pub solid: Hits,
-    /// The same, but a pane where one stands before it.
+pub(super) struct BeamHits {
+    /// The first opaque surface.
+    pub opaque: Hits,
+    /// The same, but a transparent surface where one stands before it.
     pub first: Hits,
 }
 
-/// Who says what beams meet: the kernel for a sensor at rest, parry for one that moves while it turns.
+/// Finds what beams meet: the kernel for a sensor at rest, parry for one that moves while it turns.
 pub(super) trait Casting {
     /// The scene, as it stands at the scan's instant.
     fn scene(&self) -> &PosedScene;
 
     /// Casts the middle of every beam.
-    fn cast(&self, spec: &LidarSpec) -> Met;
+    fn cast(&self, spec: &LidarSpec) -> BeamHits;
 
-    /// Casts the sub-beams of some beams at what is no pane.
-    fn cast_spread(&self, spec: &LidarSpec, spread: &Spread, beams: &[u32]) -> Vec<[SubBeam; 4]>;
+    /// Casts the sub-beams of some beams at opaque surfaces.
+    fn cast_sub_beams(&self, spec: &LidarSpec, divergent: &DivergentBeams, beams: &[u32]) -> Vec<[SubBeam; 4]>;
 
     /// A direction of a column's firing as it stands to an instance's triangles where [`Casting::scene`] has them.
     fn direction_world(&self, column: usize, instance: u32, direction_velo: DVec3) -> DVec3;
@@ -59,29 +59,29 @@ impl Casting for Standing<'_> {
         self.scene
     }
 
-    fn cast(&self, spec: &LidarSpec) -> Met {
+    fn cast(&self, spec: &LidarSpec) -> BeamHits {
         let grid = spec.grid(*self.world_from_velo);
-        let mut solid = Hits::new(spec.rings().len(), spec.azimuths_rad().len());
-        cast(self.scene, &grid, Layer::Opaque, self.in_range(spec), &mut solid);
-        // Only panes in front of what is solid matter: they alone replace it.
-        let mut first = solid.clone();
+        let mut opaque = Hits::new(spec.rings().len(), spec.azimuths_rad().len());
+        cast(self.scene, &grid, Layer::Opaque, self.in_range(spec), &mut opaque);
+        // Only transparent surfaces in front of opaque ones matter: they alone replace them.
+        let mut first = opaque.clone();
         cast(self.scene, &grid, Layer::Glass, self.in_range(spec), &mut first);
-        Met { solid, first }
+        BeamHits { opaque, first }
     }
 
-    fn cast_spread(&self, spec: &LidarSpec, spread: &Spread, beams: &[u32]) -> Vec<[SubBeam; 4]> {
+    fn cast_sub_beams(&self, spec: &LidarSpec, divergent: &DivergentBeams, beams: &[u32]) -> Vec<[SubBeam; 4]> {
         let (rows, columns) = (2 * spec.rings().len(), spec.azimuths_rad().len());
         let mut out = vec![[SubBeam::MISS; 4]; beams.len()];
-        for (side, grid) in spread.grids(*self.world_from_velo).iter().enumerate() {
+        for (side, grid) in divergent.grids(*self.world_from_velo).iter().enumerate() {
             // The kernel keeps what is nearer: a depth below 0 switches a beam off.
             let (depth, nothing) = (vec![-1.0; rows * columns], vec![NO_HIT; rows * columns]);
             let mut hits = Hits { rows, columns, depth, instance: nothing.clone(), face: nothing };
-            for at in beams.iter().flat_map(|beam| Spread::cells(*beam, columns)) {
+            for at in beams.iter().flat_map(|beam| DivergentBeams::cells(*beam, columns)) {
                 hits.depth[at] = f32::INFINITY;
             }
             cast(self.scene, grid, Layer::Opaque, self.in_range(spec), &mut hits);
             for (quarters, beam) in out.iter_mut().zip(beams) {
-                for (up, at) in Spread::cells(*beam, columns).into_iter().enumerate() {
+                for (up, at) in DivergentBeams::cells(*beam, columns).into_iter().enumerate() {
                     quarters[2 * side + up] = of(&hits, at);
                 }
             }
@@ -100,18 +100,18 @@ impl Casting for Standing<'_> {
     }
 }
 
-impl Met {
-    /// The pane before a beam's solid surface.
+impl BeamHits {
+    /// The transparent surface before a beam's opaque one.
     #[inline]
-    pub(super) fn pane(&self, at: usize) -> Option<SubBeam> {
-        let (first, solid) = (of(&self.first, at), of(&self.solid, at));
-        ((first.instance, first.face) != (solid.instance, solid.face)).then_some(first)
+    pub(super) fn transparent(&self, at: usize) -> Option<SubBeam> {
+        let (first, opaque) = (of(&self.first, at), of(&self.opaque, at));
+        ((first.instance, first.face) != (opaque.instance, opaque.face)).then_some(first)
     }
 
-    /// A beam's solid surface.
+    /// A beam's opaque surface.
     #[inline]
-    pub(super) fn solid(&self, at: usize) -> SubBeam {
-        of(&self.solid, at)
+    pub(super) fn opaque(&self, at: usize) -> SubBeam {
+        of(&self.opaque, at)
     }
 }
 

@@ -2,7 +2,9 @@
 
 mod air;
 mod casting;
+mod divergence;
 mod firing;
+mod ground_texture;
 mod hdl64e;
 mod order;
 mod presets;
@@ -14,9 +16,7 @@ mod returned_points;
 mod returns;
 mod scan;
 mod spec;
-mod spread;
 mod surfaces;
-mod texture;
 mod turning;
 
 pub use air::{Fate, Weathered, weather_recorded};

@@ -1,8 +1,8 @@
-//! The receiver, 64 arrivals of a ring together: what it hears of them and reports, and the points that are written.
+//! The receiver, 64 arrivals of a ring together: what it detects of them and reports, and the points that are written.
 
 use multiversion::multiversion;
 
-use super::reflection::{peak_share, spread_per_pulse};
+use super::reflection::{peak_share, spot_per_pulse};
 use super::response::{Receiver, intensity, saturated};
 use super::returned_points::Scan;
 use super::returns::{Arrival, Draws};
@@ -10,41 +10,41 @@ use super::spec::LidarSpec;
 use crate::material::Semantic;
 
 /// Echoes that are received together.
-const MANY: usize = 64;
+const BATCH_SIZE: usize = 64;
 
-type Many = [f64; MANY];
+type PerEcho = [f64; BATCH_SIZE];
 
 /// What arrives from the beams of one ring and waits for the receiver.
-pub(super) struct Waiting {
+pub(super) struct EchoBatch {
     n: usize,
-    column: [i32; MANY],
-    actor_id: [i32; MANY],
-    semantic: [Semantic; MANY],
+    column: [i32; BATCH_SIZE],
+    actor_id: [i32; BATCH_SIZE],
+    semantic: [Semantic; BATCH_SIZE],
     echo: Echoes,
     written: Written,
 }
 
 struct Echoes {
-    range_m: Many,
+    range_m: PerEcho,
     /// Reflectance / range^2 at the receiver.
-    power: Many,
-    heard_power: Many,
-    saturates: [bool; MANY],
-    cos_incidence: Many,
-    reading_noise: Many,
-    detection: Many,
-    saturation: Many,
-    range_normal: Many,
-    direction_velo: [Many; 3],
-    origin_velo: [Many; 3],
+    power: PerEcho,
+    detected_power: PerEcho,
+    saturates: [bool; BATCH_SIZE],
+    cos_incidence: PerEcho,
+    reading_noise: PerEcho,
+    detection: PerEcho,
+    saturation: PerEcho,
+    range_normal: PerEcho,
+    direction_velo: [PerEcho; 3],
+    origin_velo: [PerEcho; 3],
 }
 
 /// What comes out.
 struct Written {
-    point_velo: [[f32; MANY]; 3],
-    intensity: [f32; MANY],
-    range_m: Many,
-    is_kept: [bool; MANY],
+    point_velo: [[f32; BATCH_SIZE]; 3],
+    intensity: [f32; BATCH_SIZE],
+    range_m: PerEcho,
+    is_kept: [bool; BATCH_SIZE],
 }
 
 /// What all echoes of a ring have in common.
@@ -56,19 +56,19 @@ struct RingReceiver {
     max_range_m: f64,
 }
 
-impl Waiting {
+impl EchoBatch {
     pub(super) fn new() -> Box<Self> {
-        let none = [0.0; MANY];
+        let none = [0.0; BATCH_SIZE];
         Box::new(Self {
             n: 0,
-            column: [0; MANY],
-            actor_id: [0; MANY],
-            semantic: [Semantic::Sky; MANY],
+            column: [0; BATCH_SIZE],
+            actor_id: [0; BATCH_SIZE],
+            semantic: [Semantic::Sky; BATCH_SIZE],
             echo: Echoes {
                 range_m: none,
                 power: none,
-                heard_power: none,
-                saturates: [false; MANY],
+                detected_power: none,
+                saturates: [false; BATCH_SIZE],
                 cos_incidence: none,
                 reading_noise: none,
                 detection: none,
@@ -78,10 +78,10 @@ impl Waiting {
                 origin_velo: [none; 3],
             },
             written: Written {
-                point_velo: [[0.0; MANY]; 3],
-                intensity: [0.0; MANY],
+                point_velo: [[0.0; BATCH_SIZE]; 3],
+                intensity: [0.0; BATCH_SIZE],
                 range_m: none,
-                is_kept: [false; MANY],
+                is_kept: [false; BATCH_SIZE],
             },
         })
     }
@@ -101,7 +101,7 @@ impl Waiting {
         self.semantic[i] = arrival.semantic;
         e.range_m[i] = arrival.range_m;
         e.power[i] = arrival.power;
-        e.heard_power[i] = arrival.heard_power;
+        e.detected_power[i] = arrival.detected_power;
         e.saturates[i] = arrival.saturates;
         e.cos_incidence[i] = arrival.cos_incidence;
         e.reading_noise[i] = arrival.reading_noise * draws.gain_normal;
@@ -116,10 +116,10 @@ impl Waiting {
     }
 
     pub(super) fn is_full(&self) -> bool {
-        self.n == MANY
+        self.n == BATCH_SIZE
     }
 
-    /// Receives what waits and writes what is heard.
+    /// Receives what waits and writes what is detected.
     pub(super) fn receive(&mut self, spec: &LidarSpec, ring: usize, out: &mut Scan) {
         let receiver = RingReceiver {
             receiver: *spec.receiver(),
@@ -146,19 +146,19 @@ impl Waiting {
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn receive(e: &Echoes, ring: RingReceiver, out: &mut Written) {
     let RingReceiver { receiver, laser_gain, min_range_m, max_range_m } = ring;
-    let spread_per_pulse = spread_per_pulse(&receiver);
-    let mut reading: Many = [0.0; MANY];
-    for i in 0..MANY {
+    let spot_per_pulse = spot_per_pulse(&receiver);
+    let mut reading: PerEcho = [0.0; BATCH_SIZE];
+    for i in 0..BATCH_SIZE {
         let (range_m, power) = (e.range_m[i], e.power[i]);
-        // Hearing goes by a pulse's energy, the reading by its peak.
-        let peak = power * range_m * range_m * peak_share(spread_per_pulse, range_m, e.cos_incidence[i]);
+        // Detection goes by a pulse's energy, the reading by its peak.
+        let peak = power * range_m * range_m * peak_share(spot_per_pulse, range_m, e.cos_incidence[i]);
         reading[i] = intensity(peak, range_m, laser_gain, e.reading_noise[i]);
     }
-    for i in 0..MANY {
+    for i in 0..BATCH_SIZE {
         let reading = if e.saturates[i] { saturated(e.saturation[i]) } else { reading[i] };
         out.intensity[i] = (round(reading * 1e2).clamp(0.0, 99.0) / 1e2) as f32;
     }
-    for i in 0..MANY {
+    for i in 0..BATCH_SIZE {
         let (range_m, power) = (e.range_m[i], e.power[i]);
         let range_m = range_m + receiver.noise_m(power) * e.range_normal[i];
         out.range_m[i] = range_m;
@@ -171,8 +171,8 @@ fn receive(e: &Echoes, ring: RingReceiver, out: &mut Written) {
         }
         // What is kept is judged by the written point, from the frame's origin, as in KITTI's files.
         let written_m = (square[0] + square[1] + square[2]).sqrt();
-        let is_heard = receiver.hears(e.heard_power[i], e.detection[i]);
-        out.is_kept[i] = is_heard & (written_m >= min_range_m) & (written_m < max_range_m);
+        let is_detected = receiver.detects(e.detected_power[i], e.detection[i]);
+        out.is_kept[i] = is_detected & (written_m >= min_range_m) & (written_m < max_range_m);
     }
 }
 

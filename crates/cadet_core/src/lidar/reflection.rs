@@ -6,7 +6,7 @@ use crate::material::LidarMaterial;
 /// Reflectance back to the sensor at an incidence angle, as a multiple of what a white Lambertian surface that faces
 /// the sensor returns.
 ///
-/// A matt surface keeps its brightness towards grazing angles (Lommel and Seeliger's law: asphalt looks the same from
+/// A diffuse surface keeps its brightness towards grazing angles (Lommel and Seeliger's law: asphalt looks the same from
 /// 4 m to 25 m); the material's exponent makes what lies under a coat fall faster than Lambert's cosine. A coat or metal
 /// flakes add a lobe about the normal, F exp(-tan^2 / a^2) / (4 a^2) for Fresnel reflectance F and roughness a: Cook and
 /// Torrance's model (1982) with Beckmann's distribution, seen from where the light comes from, near the normal.
@@ -19,7 +19,7 @@ pub(super) fn reflectance(lidar: &LidarMaterial, cos_incidence: f64) -> f64 {
     diffuse + f64::from(lidar.gloss) * lobe(f64::from(lidar.roughness).max(SMOOTHEST), cos_incidence)
 }
 
-/// Lommel and Seeliger's term: the cosine at which a matt surface has lost half of its brightness. Road that is seen at
+/// Lommel and Seeliger's term: the cosine at which a diffuse surface has lost half of its brightness. Road that is seen at
 /// 1.7 degrees (60 m ahead of KITTI's car) still returns.
 const ROUGH: f64 = 0.03;
 /// No painted sheet is flatter than this over the width of a beam.
@@ -34,22 +34,22 @@ fn lobe(roughness: f64, cos_incidence: f64) -> f64 {
     falling * falling / (4.0 * alpha2)
 }
 
-/// What the slant of a surface leaves of a pulse's peak: the spot's near and far edge answer one after the other.
+/// What the slant of a surface leaves of a pulse's peak: the spot's near and far edge return it one after the other.
 ///
-/// `spread_per_pulse` is [`spread_per_pulse`]'s.
+/// `spot_per_pulse` is [`spot_per_pulse`]'s.
 #[inline(always)]
-pub(super) fn peak_share(spread_per_pulse: f64, range_m: f64, cos_incidence: f64) -> f64 {
+pub(super) fn peak_share(spot_per_pulse: f64, range_m: f64, cos_incidence: f64) -> f64 {
     let square = (cos_incidence * cos_incidence).max(1e-6);
-    let depth = spread_per_pulse * range_m;
+    let depth = spot_per_pulse * range_m;
     1.0 / (1.0 + depth * depth * (1.0 - square) / square).sqrt()
 }
 
 /// How far the power of a spot spreads about its middle (a quarter of the cone, as in an even disc), in pulses per meter.
-pub(super) fn spread_per_pulse(receiver: &Receiver) -> f64 {
+pub(super) fn spot_per_pulse(receiver: &Receiver) -> f64 {
     receiver.divergence_rad / 4.0 / receiver.pulse_m()
 }
 
-/// Both faces of a pane of n = 1.5: 8 % up to 40 degrees, 17 % at 60, 56 % at 80.
+/// Both faces of a pane of glass of n = 1.5: 8 % up to 40 degrees, 17 % at 60, 56 % at 80.
 pub(super) fn fresnel(cos_incidence: f64) -> f64 {
     let grazing = (1.0 - cos_incidence) * (1.0 - cos_incidence);
     0.08 + 0.92 * grazing * grazing
@@ -82,9 +82,9 @@ mod tests {
     }
 
     #[test]
-    fn a_slanted_spot_answers_late_and_low() {
+    fn a_slanted_spot_returns_late_and_low() {
         let receiver = Receiver { pulse_s: 5e-9, divergence_rad: 2e-3, ..Receiver::default() };
-        let share = |range_m, cos| peak_share(spread_per_pulse(&receiver), range_m, cos);
+        let share = |range_m, cos| peak_share(spot_per_pulse(&receiver), range_m, cos);
         assert_eq!(share(50.0, 1.0), 1.0);
         // Depth of the spot, in pulses, by hand: 30 m * 0.5 mrad * tan / 0.75 m = 0.35 at 86.7 degrees.
         let cos = 1.73 / 30.0;

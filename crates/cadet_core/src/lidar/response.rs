@@ -1,4 +1,4 @@
-//! What a receiver makes of an echo: whether it hears it, and the intensity that it reports.
+//! What a receiver makes of an echo: whether it detects it, and the intensity that it reports.
 //!
 //! Measured on KITTI's scans. On a surface that goes on, hardly a beam is lost at random (0.1 % on the ground up to
 //! 20 m, 1-2 % anywhere up to 50 m): detection is a threshold, not a chance that fades. The reported intensity is
@@ -19,7 +19,7 @@ pub struct Receiver {
     pub pulse_s: f64,
     /// The full cone of a beam.
     pub divergence_rad: f64,
-    /// Power, in units of reflectance / range^2, that is heard half of the time.
+    /// Power, in units of reflectance / range^2, that is detected half of the time.
     pub threshold: f64,
     /// Standard deviation of the range of a strong echo.
     pub range_noise_m: f64,
@@ -59,9 +59,9 @@ impl Receiver {
         Ok(())
     }
 
-    /// True if an echo of `power` (reflectance / range^2) is heard; `chance` is uniform in [0, 1).
+    /// True if an echo of `power` (reflectance / range^2) is detected; `chance` is uniform in [0, 1).
     #[inline(always)]
-    pub(super) fn hears(&self, power: f64, chance: f64) -> bool {
+    pub(super) fn detects(&self, power: f64, chance: f64) -> bool {
         let ratio = power / self.threshold;
         let cube = ratio * ratio * ratio;
         let odds = cube * cube;
@@ -86,7 +86,7 @@ const LEAST_READING: f64 = 0.035;
 const COMMON_READING: f64 = 0.5;
 
 /// Standard deviation of the reading from beam to beam on one surface: what is finer than a beam's spot differs. What is
-/// coarser on paved ground is [`super::texture`]'s.
+/// coarser on paved ground is [`super::ground_texture`]'s.
 ///
 /// From the quartiles in KITTI's scans: 0.05 within a laser's readings of a road, both together, 0.13 on foliage and people.
 pub(super) fn reading_noise(pattern: Pattern) -> f64 {
@@ -149,11 +149,11 @@ mod tests {
     }
 
     #[test]
-    fn hearing_is_a_threshold() {
+    fn detection_is_a_threshold() {
         let receiver = Receiver::default();
-        let is_heard = |ratio: f64, chance| receiver.hears(ratio * receiver.threshold, chance);
-        assert!(is_heard(2.5, 0.99) && !is_heard(0.4, 0.01));
-        assert!(is_heard(1.0, 0.49) && !is_heard(1.0, 0.51) && !is_heard(0.0, 0.0));
+        let is_detected = |ratio: f64, chance| receiver.detects(ratio * receiver.threshold, chance);
+        assert!(is_detected(2.5, 0.99) && !is_detected(0.4, 0.01));
+        assert!(is_detected(1.0, 0.49) && !is_detected(1.0, 0.51) && !is_detected(0.0, 0.0));
         assert!((receiver.threshold * 50.0 * 50.0 - 0.1).abs() < 1e-12, "10 % at 50 m");
     }
 

@@ -8,7 +8,7 @@ pub enum ReturnMode {
     /// The one with the most power: how KITTI's sensor was set.
     #[default]
     Strongest,
-    /// The farthest one that is heard.
+    /// The farthest one that is detected.
     Last,
 }
 

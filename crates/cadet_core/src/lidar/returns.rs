@@ -1,4 +1,4 @@
-//! From what a beam meets to what reaches the receiver: which surface answers, and what glass and air leave of it.
+//! From what a beam meets to what reaches the receiver: which surface returns it, and what glass and air leave of it.
 
 use super::air::{Air, Scatterer};
 use super::reflection::{fresnel, reflectance};
@@ -25,8 +25,8 @@ pub(super) struct Arrival {
     pub range_m: f64,
     /// Reflectance / range^2.
     pub power: f64,
-    /// The power by which it is heard: a retroreflector's is a thousand times what it would be of a matt surface.
-    pub heard_power: f64,
+    /// The power by which it is detected: a retroreflector's is a thousand times what it would be of a diffuse surface.
+    pub detected_power: f64,
     /// True if it overflows the receiver.
     pub saturates: bool,
     pub cos_incidence: f64,
@@ -40,7 +40,7 @@ pub(super) struct Arrival {
 /// The random numbers of one beam: always the same count, so that no beam's fate moves another's.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Draws {
-    pane: f64,
+    dirt: f64,
     pub(super) detection: f64,
     pub(super) saturation: f64,
     /// Names the beam to the air.
@@ -54,7 +54,7 @@ impl Draws {
         let [a, b, c, d, e] = std::array::from_fn(|_| stream.next_u64());
         let unit = |bits: u64| (bits & 0xffff_ffff) as f64 * (1.0 / 4_294_967_296.0);
         Self {
-            pane: unit(a >> 32),
+            dirt: unit(a >> 32),
             detection: unit(a),
             saturation: unit(b >> 32),
             air_key: b << 32 | c >> 32,
@@ -64,13 +64,13 @@ impl Draws {
     }
 }
 
-/// Share of a pane's area that is dirty or printed enough to answer itself.
+/// Share of a glass surface's area that is dirty or printed enough to return light itself.
 const DIRTY_SHARE: f64 = 0.08;
 /// Reflectance of that dirt.
 const DIRT: LidarMaterial = LidarMaterial::diffuse(0.08);
 /// Standard deviation of the reading of a drop, a flake or fog.
 const AIR_NOISE: f64 = 0.05;
-/// Within 2.5 degrees of the normal a pane's mirror image hits the receiver.
+/// Within 2.5 degrees of the normal a glass surface's mirror image hits the receiver.
 const GLINT_COS: f64 = 0.999;
 
 /// What reaches the receiver of an echo and of the air before it; None for nothing.
@@ -89,15 +89,15 @@ pub(super) fn arrival(
     let bright = echo.map_or(1.0, |e| brightness(&e));
     let meeting = air.meet(range_m, clear_power * bright, draws.air_key);
     let power = clear_power * meeting.transmittance;
-    let heard = |power: f64| receiver.hears(power * bright, draws.detection);
-    // The last echo that is heard is the target's, whatever stands before it.
-    if let Some(answer) = meeting.answer.filter(|_| mode == ReturnMode::Strongest || !heard(power)) {
-        let power = answer.reflectance / (answer.range_m * answer.range_m);
+    let detected = |power: f64| receiver.detects(power * bright, draws.detection);
+    // The last echo that is detected is the target's, whatever stands before it.
+    if let Some(air_return) = meeting.air_return.filter(|_| mode == ReturnMode::Strongest || !detected(power)) {
+        let power = air_return.reflectance / (air_return.range_m * air_return.range_m);
         return Some(Arrival {
-            range_m: answer.range_m,
+            range_m: air_return.range_m,
             power,
-            // Fog answers in the place of a target, which must have been heard without it; a drop is heard by itself.
-            heard_power: if answer.from == Scatterer::Fog { clear_power * bright } else { power },
+            // Fog returns in the place of a target, which must have been detected without it; a drop is detected by itself.
+            detected_power: if air_return.from == Scatterer::Fog { clear_power * bright } else { power },
             saturates: false,
             cos_incidence: 1.0,
             reading_noise: AIR_NOISE,
@@ -112,7 +112,7 @@ fn of_target(echo: &Echo, power: f64) -> Arrival {
     Arrival {
         range_m: echo.range_m,
         power,
-        heard_power: power * brightness(echo),
+        detected_power: power * brightness(echo),
         saturates: echo.retro,
         cos_incidence: echo.cos_incidence,
         reading_noise: echo.reading_noise,
@@ -130,7 +130,7 @@ fn clear_power(echo: &Echo, air: &Air) -> f64 {
     reflectance / (echo.range_m * echo.range_m)
 }
 
-/// What a retroreflector returns over what a white matt surface does: plates are heard at any range in clear air.
+/// What a retroreflector returns over what a white diffuse surface does: plates are detected at any range in clear air.
 #[inline]
 fn brightness(echo: &Echo) -> f64 {
     if echo.retro { 1e3 } else { 1.0 }
@@ -141,12 +141,12 @@ pub(super) fn echo_power(echo: &Echo, air: &Air) -> f64 {
     clear_power(echo, air) * air.transmittance(echo.range_m)
 }
 
-/// Whether the receiver hears an echo; `detection` is uniform in [0, 1).
-pub(super) fn is_echo_heard(echo: &Echo, air: &Air, receiver: &Receiver, detection: f64) -> bool {
-    receiver.hears(echo_power(echo, air) * brightness(echo), detection)
+/// Whether the receiver detects an echo; `detection` is uniform in [0, 1).
+pub(super) fn is_echo_detected(echo: &Echo, air: &Air, receiver: &Receiver, detection: f64) -> bool {
+    receiver.detects(echo_power(echo, air) * brightness(echo), detection)
 }
 
-/// The surface that answers, with the reflectance that is left after lobe and glass.
+/// The surface that returns it, with the reflectance that is left after lobe and glass.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Echo {
     pub range_m: f64,
@@ -159,50 +159,50 @@ pub(super) struct Echo {
     pub semantic: Semantic,
 }
 
-/// What answers a beam that meets `pane` (a glass surface) and then `solid`.
-pub(super) fn first_echo(pane: Option<Surface<'_>>, solid: Option<Surface<'_>>, draws: &Draws) -> Option<Echo> {
-    let pane = pane.filter(|p| solid.is_none_or(|s| p.range_m < s.range_m));
+/// What returns the light of a beam that meets `transparent` (a pane of glass) and then `opaque`.
+pub(super) fn first_echo(transparent: Option<Surface<'_>>, opaque: Option<Surface<'_>>, draws: &Draws) -> Option<Echo> {
+    let transparent = transparent.filter(|p| opaque.is_none_or(|s| p.range_m < s.range_m));
     let mut transmittance = 1.0;
-    if let Some(pane) = pane {
+    if let Some(transparent) = transparent {
         let own = |reflectance, retro| Echo {
-            range_m: pane.range_m,
+            range_m: transparent.range_m,
             reflectance,
-            cos_incidence: pane.cos_incidence,
-            reading_noise: reading_noise(pane.material.pattern),
+            cos_incidence: transparent.cos_incidence,
+            reading_noise: reading_noise(transparent.material.pattern),
             retro,
-            actor_id: pane.actor_id,
-            semantic: pane.material.semantic,
+            actor_id: transparent.actor_id,
+            semantic: transparent.material.semantic,
         };
-        if pane.cos_incidence > GLINT_COS {
+        if transparent.cos_incidence > GLINT_COS {
             return Some(own(1.0, false));
         }
-        if draws.pane < DIRTY_SHARE {
-            return Some(own(reflectance(&DIRT, pane.cos_incidence), false));
+        if draws.dirt < DIRTY_SHARE {
+            return Some(own(reflectance(&DIRT, transparent.cos_incidence), false));
         }
-        let once = f64::from(pane.material.lidar.transmission) * (1.0 - fresnel(pane.cos_incidence));
+        let once = f64::from(transparent.material.lidar.transmission) * (1.0 - fresnel(transparent.cos_incidence));
         transmittance = once * once;
-        if solid.is_some_and(|s| s.actor_id != pane.actor_id) {
+        if opaque.is_some_and(|s| s.actor_id != transparent.actor_id) {
             // Out again on the far side.
             transmittance *= transmittance;
         }
     }
-    let solid = solid?;
-    let lidar = &solid.material.lidar;
+    let opaque = opaque?;
+    let lidar = &opaque.material.lidar;
     Some(Echo {
-        range_m: solid.range_m,
-        reflectance: reflectance(lidar, solid.cos_incidence) * solid.texture * transmittance,
-        cos_incidence: solid.cos_incidence,
-        reading_noise: reading_noise(solid.material.pattern),
+        range_m: opaque.range_m,
+        reflectance: reflectance(lidar, opaque.cos_incidence) * opaque.texture * transmittance,
+        cos_incidence: opaque.cos_incidence,
+        reading_noise: reading_noise(opaque.material.pattern),
         retro: lidar.retro && transmittance > 0.05,
-        actor_id: solid.actor_id,
-        semantic: solid.material.semantic,
+        actor_id: opaque.actor_id,
+        semantic: opaque.material.semantic,
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lidar::receiver::Waiting;
+    use crate::lidar::receiver::EchoBatch;
     use crate::lidar::{LidarSpec, Scan};
     use crate::material::Pattern;
     use crate::sense::LaserRing;
@@ -222,26 +222,26 @@ mod tests {
 
     /// What is written of what arrives from one beam that looks ahead, by a receiver of that gain.
     fn written(arrival: Option<Arrival>, laser_gain: f64, draws: &Draws) -> Option<Return> {
-        let mut waiting = Waiting::new();
-        waiting.push(&arrival?, draws, 0, [[0.0; 3], [1.0, 0.0, 0.0]]);
+        let mut batch = EchoBatch::new();
+        batch.push(&arrival?, draws, 0, [[0.0; 3], [1.0, 0.0, 0.0]]);
         let mut spec = LidarSpec::new("one", vec![LaserRing::on_axis(0.0, 0.0)], vec![0.0]).expect("valid");
         spec.laser_gains = vec![laser_gain];
         // Drops and flakes nearer than points of KITTI's files are to be seen here.
         spec.min_range_m = 0.0;
         let mut out = Scan::default();
-        waiting.receive(&spec, 0, &mut out);
+        batch.receive(&spec, 0, &mut out);
         let range_m = *out.range_m.first()?;
         Some(Return { range_m, intensity: f64::from(out.points_velo[0][3]), actor_id: out.actor_id[0] })
     }
 
     fn receive(
-        pane: Option<Surface<'_>>,
-        solid: Option<Surface<'_>>,
+        transparent: Option<Surface<'_>>,
+        opaque: Option<Surface<'_>>,
         air: &Air,
         laser_gain: f64,
         draws: &Draws,
     ) -> Option<Return> {
-        let echo = first_echo(pane, solid, draws);
+        let echo = first_echo(transparent, opaque, draws);
         written(arrival(echo, air, ReturnMode::Strongest, &Receiver::default(), draws), laser_gain, draws)
     }
 
@@ -254,12 +254,12 @@ mod tests {
     }
 
     /// Share of beams that return, share of zeros among them, mean intensity, over all lasers of KITTI's sensor.
-    fn statistics(pane: Option<Surface<'_>>, solid: Option<Surface<'_>>, air: &Air) -> (f64, f64, f64) {
+    fn statistics(transparent: Option<Surface<'_>>, opaque: Option<Surface<'_>>, air: &Air) -> (f64, f64, f64) {
         let mut stream = Stream::from_seed("returns", 1);
         let n = 20_000;
         let gains = LidarSpec::hdl64e_kitti().laser_gains;
         let all: Vec<Return> = (0..n)
-            .filter_map(|i| receive(pane, solid, air, gains[i % gains.len()], &Draws::new(&mut stream)))
+            .filter_map(|i| receive(transparent, opaque, air, gains[i % gains.len()], &Draws::new(&mut stream)))
             .collect();
         let count = all.len().max(1) as f64;
         let zeros = all.iter().filter(|r| r.intensity == 0.0).count() as f64 / count;
@@ -272,7 +272,7 @@ mod tests {
         let n = 50_000;
         let draws: Vec<Draws> = (0..n).map(|_| Draws::new(&mut stream)).collect();
         for (pick, mean, var) in [
-            ((|d: &Draws| d.pane) as fn(&Draws) -> f64, 0.5, 1.0 / 12.0),
+            ((|d: &Draws| d.dirt) as fn(&Draws) -> f64, 0.5, 1.0 / 12.0),
             (|d| d.detection, 0.5, 1.0 / 12.0),
             (|d| d.saturation, 0.5, 1.0 / 12.0),
             (|d| (d.air_key >> 32) as f64 / 4_294_967_296.0, 0.5, 1.0 / 12.0),

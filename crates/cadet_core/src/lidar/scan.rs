@@ -1,16 +1,16 @@
 //! One turn of the LIDAR: exact, or as the sensor reports it.
 //!
 //! A scan is made in steps: casting says what beams meet (`casting`, `turning`), surfaces are looked up (`surfaces`),
-//! beams at depth edges are split (`spread`), what arrives is found (`returns`, `air`), and the receiver writes points
+//! beams at depth edges are split (`divergence`), what arrives is found (`returns`, `air`), and the receiver writes points
 //! (`receiver`).
 
 use super::air::Air;
 use super::casting::{Casting, Standing};
-use super::receiver::Waiting;
+use super::divergence::chosen_echo;
+use super::receiver::EchoBatch;
 use super::returned_points::Scan;
 use super::returns::{Draws, arrival, first_echo};
 use super::spec::LidarSpec;
-use super::spread::chosen_echo;
 use super::surfaces::Surfaces;
 use super::turning::Turning;
 use crate::error::Result;
@@ -122,11 +122,11 @@ pub fn turning_scan(turning: &Turning, spec: &LidarSpec, weather: &Weather, stre
 
 fn scan_by<C: Casting>(casting: &C, spec: &LidarSpec, weather: &Weather, stream: &mut Stream) -> Scan {
     let met = casting.cast(spec);
-    let (edges, split) = match spec.spread() {
+    let (edges, split) = match spec.divergent() {
         None => Default::default(),
-        Some(spread) => {
-            let edges = spread.edge_beams(&met.solid);
-            let split = casting.cast_spread(spec, spread, &edges);
+        Some(divergent) => {
+            let edges = divergent.edge_beams(&met.opaque);
+            let split = casting.cast_sub_beams(spec, divergent, &edges);
             (edges, split)
         }
     };
@@ -135,7 +135,7 @@ fn scan_by<C: Casting>(casting: &C, spec: &LidarSpec, weather: &Weather, stream:
     let air = Air::new(weather, receiver);
     let (mut behind, mut in_front) = (Surfaces::new(casting), Surfaces::new(casting));
     let mut out = Scan::with_capacity(spec.num_beams());
-    let mut waiting = Waiting::new();
+    let mut batch = EchoBatch::new();
     let mut beams = 0..;
     for (ring, laser) in spec.rings().iter().enumerate() {
         let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
@@ -150,21 +150,21 @@ fn scan_by<C: Casting>(casting: &C, spec: &LidarSpec, weather: &Weather, stream:
             }
             let direction_velo = DVec3::new(cos * heading[0], cos * heading[1], sin);
             let origin_velo = laser.origin_velo(*heading);
-            let pane = met.pane(beam).and_then(|p| in_front.at(p, column, origin_velo, direction_velo));
+            let transparent = met.transparent(beam).and_then(|p| in_front.at(p, column, origin_velo, direction_velo));
             let echo = if let Some((_, quarters)) = quarters {
-                let quarters =
-                    quarters.map(|q| first_echo(pane, behind.at(q, column, origin_velo, direction_velo), &draws));
+                let quarters = quarters
+                    .map(|q| first_echo(transparent, behind.at(q, column, origin_velo, direction_velo), &draws));
                 chosen_echo(quarters, spec.returns, &air, receiver, draws.detection)
             } else {
-                first_echo(pane, behind.at(met.solid(beam), column, origin_velo, direction_velo), &draws)
+                first_echo(transparent, behind.at(met.opaque(beam), column, origin_velo, direction_velo), &draws)
             };
             let Some(arrived) = arrival(echo, &air, spec.returns, receiver, &draws) else { continue };
-            waiting.push(&arrived, &draws, column, [origin_velo.to_array(), direction_velo.to_array()]);
-            if waiting.is_full() {
-                waiting.receive(spec, ring, &mut out);
+            batch.push(&arrived, &draws, column, [origin_velo.to_array(), direction_velo.to_array()]);
+            if batch.is_full() {
+                batch.receive(spec, ring, &mut out);
             }
         }
-        waiting.receive(spec, ring, &mut out);
+        batch.receive(spec, ring, &mut out);
         if laser.left_m != 0.0 {
             out.order_by_azimuth(first_return);
         }

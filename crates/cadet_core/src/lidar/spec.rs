@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
+use super::divergence::DivergentBeams;
 use super::firing::Firing;
 use super::response::{MAX_DIVERGENCE_RAD, Receiver};
 use super::return_mode::ReturnMode;
-use super::spread::Spread;
 use crate::error::{Error, Result, finite};
 use crate::math::{self, DPose3, DVec3, TAU};
 use crate::sense::{LaserRing, SpinningGrid};
@@ -21,7 +21,7 @@ pub struct LidarSpec {
     grid: SpinningGrid,
     receiver: Receiver,
     /// None for beams that meet surfaces as lines do.
-    spread: Option<Arc<Spread>>,
+    divergent: Option<Arc<DivergentBeams>>,
     /// Returns nearer than this to the frame's origin are not kept.
     pub min_range_m: f64,
     /// Returns as far from the frame's origin as this, or farther, are not kept.
@@ -88,7 +88,7 @@ impl LidarSpec {
             firing,
             azimuths_rad,
             grid,
-            spread: None,
+            divergent: None,
             returns: ReturnMode::Strongest,
             rolling: false,
             min_range_m: 1.45,
@@ -112,9 +112,10 @@ impl LidarSpec {
     }
 
     fn respread(mut self) -> Result<Self> {
-        if self.spread.is_some() {
+        if self.divergent.is_some() {
             let (rings, azimuths, offsets) = (&self.rings, &self.azimuths_rad, &self.azimuth_offsets_rad);
-            self.spread = Some(Arc::new(Spread::new(rings, azimuths, offsets, self.receiver.divergence_rad)?));
+            self.divergent =
+                Some(Arc::new(DivergentBeams::new(rings, azimuths, offsets, self.receiver.divergence_rad)?));
         }
         Ok(self)
     }
@@ -195,19 +196,19 @@ impl LidarSpec {
             });
         }
         if divergence_rad == 0.0 {
-            self.spread = None;
+            self.divergent = None;
             return Ok(self);
         }
         let receiver = Receiver { divergence_rad, ..self.receiver };
         receiver.check()?;
         self.receiver = receiver;
         let (rings, azimuths, offsets) = (&self.rings, &self.azimuths_rad, &self.azimuth_offsets_rad);
-        self.spread = Some(Arc::new(Spread::new(rings, azimuths, offsets, divergence_rad)?));
+        self.divergent = Some(Arc::new(DivergentBeams::new(rings, azimuths, offsets, divergence_rad)?));
         Ok(self)
     }
 
-    pub(super) fn spread(&self) -> Option<&Spread> {
-        self.spread.as_deref()
+    pub(super) fn divergent(&self) -> Option<&DivergentBeams> {
+        self.divergent.as_deref()
     }
 
     /// For every column of a ring, whether the car that carries the sensor is in the way.

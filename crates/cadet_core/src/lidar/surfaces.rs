@@ -1,9 +1,9 @@
 //! The second step of a scan: the surface behind a hit.
 
 use super::casting::Casting;
+use super::divergence::SubBeam;
+use super::ground_texture;
 use super::returns::Surface;
-use super::spread::SubBeam;
-use super::texture;
 use crate::math::DVec3;
 use crate::sense::NO_HIT;
 
@@ -44,9 +44,9 @@ impl<'a, C: Casting> Surfaces<'a, C> {
         let direction_world = self.casting.direction_world(column, instance, direction_velo);
         let range_m = f64::from(hit.range_m);
         let material = posed.material(face);
-        let texture = if texture::is_varied(material) {
+        let texture = if ground_texture::is_varied(material) {
             let place = self.casting.place_world(column, origin_velo + direction_velo * range_m);
-            texture::paved(place.truncate())
+            ground_texture::paved(place.truncate())
         } else {
             1.0
         };

@@ -1,18 +1,19 @@
 //! A sensor that turns while it and the world move.
 //!
 //! A turn takes 0.1 s and is centered on the instant of the image: the beam looks straight ahead at that instant, as the
-//! trigger of KITTI's cameras asks for, and the seam is behind the car. Seen from above the sensor turns
+//! trigger of KITTI's cameras requires, and the seam is behind the car. Seen from above the sensor turns
 //! counter-clockwise ("Vision meets Robotics: The KITTI Dataset", Geiger et al. 2013), so the right-hand side is seen
 //! before the instant and the left-hand side after it. Points stay in the frame of their own firing, as in KITTI's
 //! object frames.
 //!
-//! All lasers of a column fire at once, at its own moment. Bodies move with steady velocity and angular velocity; wheels don't roll and people's legs don't swing meanwhile.
+//! All lasers of a column fire at once, at its own moment. Bodies move with steady velocity and angular velocity; wheels
+//! don't roll and people's legs don't swing meanwhile.
 
 use std::sync::Arc;
 
-use super::casting::{Casting, Met, reach_m};
+use super::casting::{BeamHits, Casting, reach_m};
+use super::divergence::{DivergentBeams, SubBeam};
 use super::spec::LidarSpec;
-use super::spread::{Spread, SubBeam};
 use crate::math::{self, DPose3, DVec3, TAU};
 use crate::sense::{FaceHit, FaceTrees, Hits, Moment, Motion, MovingCaster, PosedScene};
 
@@ -77,9 +78,9 @@ impl Casting for Firings<'_> {
         self.scene
     }
 
-    fn cast(&self, spec: &LidarSpec) -> Met {
+    fn cast(&self, spec: &LidarSpec) -> BeamHits {
         let (rows, columns) = (spec.rings().len(), spec.azimuths_rad().len());
-        let (mut solid, mut first) = (Hits::new(rows, columns), Hits::new(rows, columns));
+        let (mut opaque, mut first) = (Hits::new(rows, columns), Hits::new(rows, columns));
         for (ring, laser) in spec.rings().iter().enumerate() {
             let (cos, sin) = (math::cos(laser.elevation_rad), math::sin(laser.elevation_rad));
             for (column, (heading, (moment, world_from_velo))) in
@@ -89,22 +90,22 @@ impl Casting for Firings<'_> {
                 let direction = world_from_velo.rotation * DVec3::new(cos * heading[0], cos * heading[1], sin);
                 let found = moment.cast(origin, direction);
                 let at = ring * columns + column;
-                put(&mut solid, at, found.solid);
-                put(&mut first, at, found.pane.or(found.solid));
+                put(&mut opaque, at, found.opaque);
+                put(&mut first, at, found.transparent.or(found.opaque));
             }
         }
-        Met { solid, first }
+        BeamHits { opaque, first }
     }
 
-    fn cast_spread(&self, spec: &LidarSpec, spread: &Spread, beams: &[u32]) -> Vec<[SubBeam; 4]> {
+    fn cast_sub_beams(&self, spec: &LidarSpec, divergent: &DivergentBeams, beams: &[u32]) -> Vec<[SubBeam; 4]> {
         let columns = spec.azimuths_rad().len();
         let cast = |beam: &u32| {
             let (ring, column) = (*beam as usize / columns, *beam as usize % columns);
             let (moment, world_from_velo) = &self.columns[column];
             let origin_velo = spec.rings()[ring].origin_velo(spec.headings(ring)[column]);
             let origin = world_from_velo.transform_point(origin_velo);
-            spread.directions_velo(*beam).map(|direction_velo| {
-                let found = moment.cast(origin, world_from_velo.rotation * direction_velo).solid;
+            divergent.directions_velo(*beam).map(|direction_velo| {
+                let found = moment.cast(origin, world_from_velo.rotation * direction_velo).opaque;
                 found.map_or(SubBeam::MISS, |f| SubBeam {
                     range_m: f.range_m as f32,
                     instance: f.instance,

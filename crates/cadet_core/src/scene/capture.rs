@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::Scene;
 use crate::actor::ActorState;
-use crate::camera::{CameraModel, Rendered, Seen, View, look, paint_through};
+use crate::camera::{CameraModel, Rendered, View, Visibility, render_through, visibility_pass};
 use crate::error::{Error, Result};
 use crate::label::{Boxes, Sighting, TakenView, add_points, may_label, pixels_of_actors, road_plane_cam, sightings};
 use crate::lidar::{LidarSpec, Scan, Turning, scan, turning_scan};
@@ -70,7 +70,7 @@ pub struct Frame {
 /// What the first camera looks at, before light and color.
 struct Looked {
     view: View,
-    seen: Seen,
+    seen: Visibility,
     sightings: Vec<Sighting>,
 }
 
@@ -139,7 +139,7 @@ impl Scene {
         let (posed, snapshot) = (self.triangles(), Arc::clone(&self.sensed().snapshot));
         let camera = self.rig.camera();
         let view = View::new(camera, &world_from_cam);
-        let seen = look(&posed, &view)?;
+        let seen = visibility_pass(&posed, &view)?;
         let extinction_per_m = self.weather.extinction_per_m();
         let sightings =
             sightings(&self.label, &snapshot.actors, &posed, camera, &world_from_cam, &seen, extinction_per_m);
@@ -156,7 +156,7 @@ impl Scene {
         for index in &request.cameras {
             let mounted = &self.rig.cameras()[*index];
             let view = View::new(&mounted.sensor, &mounted.mount.world_from_sensor(&snapshot.ego.world_from_ego));
-            let seen = look(&self.triangles(), &view)?;
+            let seen = visibility_pass(&self.triangles(), &view)?;
             images.push(self.image(*index, request, &view, &seen));
             if request.with_pixels {
                 for (sum, more) in pixels.iter_mut().zip(self.pixels(*index, &seen)) {
@@ -183,18 +183,18 @@ impl Scene {
         })
     }
 
-    fn image(&mut self, index: usize, request: &Request, view: &View, seen: &Seen) -> Image {
+    fn image(&mut self, index: usize, request: &Request, view: &View, seen: &Visibility) -> Image {
         let posed = self.triangles();
         let Mounted { name, sensor, .. } = &self.rig.cameras()[index];
         let CameraModel { width, height, .. } = *sensor;
         let warp = sensor.warp();
         let mut stream = self.key.indexed(&stream_name("camera", index, name), request.sample);
-        let image = paint_through(&posed, view, &self.weather, seen, warp, &mut stream);
+        let image = render_through(&posed, view, &self.weather, seen, warp, &mut stream);
         let maps = request.with_maps.then(|| seen.maps_through(&posed, warp));
         Image { name: name.clone(), width, height, rendered: Rendered { image, maps } }
     }
 
-    fn pixels(&mut self, index: usize, seen: &Seen) -> Vec<[f64; 2]> {
+    fn pixels(&mut self, index: usize, seen: &Visibility) -> Vec<[f64; 2]> {
         let (posed, snapshot) = (self.triangles(), Arc::clone(&self.sensed().snapshot));
         let mounted = &self.rig.cameras()[index];
         let world_from_cam = mounted.mount.world_from_sensor(&snapshot.ego.world_from_ego);

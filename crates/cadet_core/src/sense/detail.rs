@@ -10,8 +10,8 @@ pub struct Resolution {
 }
 
 impl Resolution {
-    /// A pixel of KITTI's camera, 1.39 mrad: the limits of levels ([`crate::geometry::LodSet::levels`]) are given for it. The beams of its
-    /// LIDAR are 3.0 mrad apart.
+    /// A pixel of KITTI's camera, 1.39 mrad: the limits of levels ([`crate::geometry::LodSet::levels`]) are given for it.
+    /// The beams of its LIDAR are 3.0 mrad apart.
     pub const KITTI: Self = Self { finest_rad: 1.0 / FOCAL_LENGTH_PX };
     /// Of a camera with a focal length in pixels and a LIDAR with so many beams a turn.
     #[must_use]

@@ -1,4 +1,4 @@
-//! Trees over the faces of meshes, kept as long as somebody uses the mesh.
+//! Trees over the faces of meshes, kept as long as the mesh is used.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -27,7 +27,7 @@ impl FaceTrees {
         Arc::clone(tree)
     }
 
-    /// Drops the trees of meshes that nobody else holds any more: people's, whose every stride is a mesh of its own.
+    /// Drops the trees of meshes that nothing else holds any more: people's, whose every stride is a mesh of its own.
     pub fn forget_unused(&mut self) {
         self.by_mesh.retain(|_, (mesh, _)| Arc::strong_count(mesh) > 1);
     }

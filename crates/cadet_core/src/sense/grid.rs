@@ -50,7 +50,7 @@ pub(super) fn tangents_of_circle(across: f32, along: f32, radius_m: f32) -> Opti
     Some([(across * along - reach) / a, (across * along + reach) / a])
 }
 
-/// Beams in rows and columns, and what the visibility kernel asks of them.
+/// Beams in rows and columns, and what the visibility kernel needs of them.
 ///
 /// Bounds may be too wide but never too narrow; [`BeamGrid::cover`] decides exactly.
 pub trait BeamGrid {

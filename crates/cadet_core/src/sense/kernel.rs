@@ -2,13 +2,13 @@
 
 use multiversion::multiversion;
 
+use super::cluster_culling::{VisibleCluster, front_to_back, visible_clusters};
+use super::coarse_depth::CoarseDepth;
 use super::edges::EdgePlanes;
 use super::grid::{BeamGrid, Window};
-use super::hidden_windows::FarthestOfBlocks;
 use super::hits::Hits;
 use super::posed::{PosedInstance, PosedScene};
 use super::to_grid::ToGrid;
-use super::visible::{Visible, near_first, visible_clusters};
 use crate::geometry::{CLUSTER_FACES, Cluster, LANES};
 use crate::math::DVec3;
 
@@ -17,9 +17,9 @@ use crate::math::DVec3;
 pub enum Layer {
     /// Every triangle.
     All,
-    /// All but panes.
+    /// All but transparent surfaces.
     Opaque,
-    /// Panes alone.
+    /// Transparent surfaces alone.
     Glass,
 }
 
@@ -46,7 +46,7 @@ pub fn cast<G: BeamGrid>(
         to_grid,
         layer,
         slots,
-        farthest: FarthestOfBlocks::new(hits.rows, hits.columns),
+        farthest: CoarseDepth::new(hits.rows, hits.columns),
         scratch: Box::default(),
         hits,
     };
@@ -56,8 +56,8 @@ pub fn cast<G: BeamGrid>(
 /// Compiled once more for processors with wide registers. Every lane computes what the plain version does, operation by
 /// operation and none of them fused, so that the outcome is the same to the bit.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn cast_clusters<G: BeamGrid>(caster: &mut Caster<'_, G>, clusters: &[Visible]) {
-    for item in near_first(clusters) {
+fn cast_clusters<G: BeamGrid>(caster: &mut Caster<'_, G>, clusters: &[VisibleCluster]) {
+    for item in front_to_back(clusters) {
         if !caster.is_hidden(&item.windows(), item.near_depth) {
             caster.cast_cluster(&item);
         }
@@ -71,7 +71,7 @@ struct Caster<'a, G: BeamGrid> {
     layer: Layer,
     /// The bits of the material slots that the layer notices, for each instance.
     slots: Vec<u64>,
-    farthest: FarthestOfBlocks,
+    farthest: CoarseDepth,
     scratch: Box<Scratch<G::Footprint>>,
     hits: &'a mut Hits,
 }
@@ -118,7 +118,7 @@ impl<G: BeamGrid> Caster<'_, G> {
     }
 
     #[inline(always)]
-    fn cast_cluster(&mut self, item: &Visible) {
+    fn cast_cluster(&mut self, item: &VisibleCluster) {
         let instance = &self.scene.instances[item.instance as usize];
         let cluster = &instance.mesh.clusters[item.cluster as usize];
         self.project(instance, cluster);

@@ -1,11 +1,14 @@
 //! What a beam meets first: the posed triangles, the visibility kernel over grids of beams, and parry for single rays.
 
-mod block_drawing;
+mod azimuth_ticks;
+mod block_rasterization;
+mod cluster_culling;
+mod coarse_depth;
+mod depth_test;
 mod detail;
 mod edges;
 mod face_trees;
 mod grid;
-mod hidden_windows;
 mod hits;
 mod kernel;
 mod laser_ring;
@@ -14,15 +17,16 @@ mod moving;
 mod outline;
 mod pinhole;
 mod posed;
-mod raster;
+mod rasterization;
 mod raycast;
+mod row_lookup;
+mod row_planes;
 mod spinning_grid;
 mod spinning_table;
 mod to_grid;
 mod visibility_buffer;
-mod visible;
 
-pub use block_drawing::bits_by_column;
+pub use depth_test::bits_by_column;
 pub use detail::Resolution;
 pub use edges::EdgePlanes;
 pub use face_trees::FaceTrees;
@@ -34,7 +38,7 @@ pub use motion::Motion;
 pub use moving::{FaceHit, LayerHits, Moment, MovingCaster};
 pub use pinhole::PinholeGrid;
 pub use posed::{Placement, PosedInstance, PosedScene};
-pub use raster::{draw, draw_instances};
+pub use rasterization::{rasterize, rasterize_instances};
 pub use raycast::{RayCaster, RayHit};
 pub use spinning_grid::SpinningGrid;
 pub use visibility_buffer::{BLOCK, Block, DrawnFace, VisibilityBuffer};

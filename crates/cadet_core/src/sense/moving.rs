@@ -48,10 +48,10 @@ pub struct FaceHit {
 /// What a ray met.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LayerHits {
-    /// The first triangle that is no pane.
-    pub solid: Option<FaceHit>,
-    /// The first pane before it.
-    pub pane: Option<FaceHit>,
+    /// The first opaque triangle.
+    pub opaque: Option<FaceHit>,
+    /// The first transparent one before it.
+    pub transparent: Option<FaceHit>,
 }
 
 impl MovingCaster {
@@ -118,7 +118,7 @@ impl Moment<'_> {
     pub fn cast(&self, origin_world: DVec3, direction_world: DVec3) -> LayerHits {
         let caster = self.caster;
         let ray_world = Ray::new(origin_world.as_vec3(), direction_world.as_vec3());
-        let (solid, pane) = (Cell::new(None::<FaceHit>), Cell::new(None::<FaceHit>));
+        let (opaque, transparent) = (Cell::new(None::<FaceHit>), Cell::new(None::<FaceHit>));
         let _ = caster.over_instances.cast_ray(&ray_world, f32::MAX, |instance, _| {
             let frame = caster.instances[instance as usize].as_ref()?;
             let (origin, direction) = match frame.motion {
@@ -130,23 +130,23 @@ impl Moment<'_> {
             };
             let local = |v: DVec3| (frame.local_from_world * v).as_vec3();
             let ray = Ray::new(local(origin - frame.origin_world), local(direction));
-            let limit = solid.get().map_or(f32::MAX, |s| outward(s.range_m));
+            let limit = opaque.get().map_or(f32::MAX, |s| outward(s.range_m));
             let _ = frame.over_faces.cast_ray(&ray, limit, |face, _| {
                 let corners = caster.scene.corners(instance, face).map(|p| p.as_dvec3());
                 let range_m = meet(corners, origin, direction)?;
                 let found = FaceHit { range_m, instance, face };
                 let is_glass = caster.scene.instances[instance as usize].material(face).is_glass();
-                let best = if is_glass { &pane } else { &solid };
+                let best = if is_glass { &transparent } else { &opaque };
                 if best.get().is_none_or(|b| is_before(&found, &b)) {
                     best.set(Some(found));
                 }
-                // Panes don't end the search.
+                // Transparent surfaces don't end the search.
                 (!is_glass).then(|| outward(range_m))
             });
-            solid.get().filter(|s| s.instance == instance).map(|s| outward(s.range_m))
+            opaque.get().filter(|s| s.instance == instance).map(|s| outward(s.range_m))
         });
-        let solid = solid.get();
-        LayerHits { solid, pane: pane.get().filter(|p| solid.is_none_or(|s| p.range_m < s.range_m)) }
+        let opaque = opaque.get();
+        LayerHits { opaque, transparent: transparent.get().filter(|p| opaque.is_none_or(|s| p.range_m < s.range_m)) }
     }
 
     /// A direction as it stands to an instance's triangles where [`PosedScene`] has them, at the instant.

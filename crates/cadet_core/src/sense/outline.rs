@@ -29,7 +29,8 @@ impl Outline {
     pub fn quad([a, b, c, d]: [DVec3; 4]) -> Option<Self> {
         let Self { edges: [first, second, ..], normal, volume, .. } = Self::triangle([a, b, c]);
         let edges = [first, second, c.cross(d), d.cross(a)];
-        // Six times the volumes of the tetrahedra of three corners in a row and the camera: all of one sign, or it is seen dented.
+        // Six times the volumes of the tetrahedra of three corners in a row and the camera: all of one sign, or it is
+        // seen dented.
         let volumes = [edges[0].dot(c), edges[1].dot(d), edges[2].dot(a), edges[3].dot(b)];
         let least = volumes.into_iter().fold(f64::INFINITY, |a, b| if b < a { b } else { a });
         let most = volumes.into_iter().fold(f64::NEG_INFINITY, |a, b| if b > a { b } else { a });

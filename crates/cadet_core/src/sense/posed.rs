@@ -1,6 +1,6 @@
 //! The triangles of a snapshot in world coordinates: one set, the same for every sensor and for the user.
 //!
-//! Nothing is posed before somebody looks at it: a scan sees a fifth of a street's vertices. Whoever asks gets the same
+//! Instances are posed on demand: a scan sees a fifth of a street's vertices. Every caller gets the same
 //! bits, as a vertex always goes through [`Placement`].
 
 use std::ops::Range;
@@ -67,7 +67,7 @@ pub struct PosedInstance {
     /// The mesh at the chosen level of detail.
     pub mesh: Arc<Mesh>,
     /// What casts its shadow in the sun.
-    pub caster: Arc<Mesh>,
+    pub shadow_proxy: Arc<Mesh>,
     /// Its materials.
     pub palette: Arc<Palette>,
     /// Where it stands.
@@ -136,13 +136,15 @@ impl PosedScene {
         let detail = resolution.detail();
         for instance in instances {
             let distance_m = distance_m(instance, viewer_world);
-            let Some((mesh, caster)) = instance.shape.select_with_caster(distance_m, detail) else { continue };
+            let Some((mesh, shadow_proxy)) = instance.shape.select_with_shadow_proxy(distance_m, detail) else {
+                continue;
+            };
             let placement = Placement::new(&instance.world_from_local);
             let start = num_vertices;
             num_vertices += mesh.vertices.len();
             scene.instances.push(PosedInstance {
                 mesh: Arc::clone(mesh),
-                caster: Arc::clone(caster),
+                shadow_proxy: Arc::clone(shadow_proxy),
                 palette: Arc::clone(&instance.palette),
                 placement,
                 vertices: start..num_vertices,

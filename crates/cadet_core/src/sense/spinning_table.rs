@@ -1,24 +1,19 @@
 //! The tables of a spinning LIDAR's beams: which rows and columns may pass through a point or a triangle.
 
+use super::azimuth_ticks::{AZIMUTH_MARGIN, HALF_TURN, TURN, Ticks, azimuth_of};
 use super::grid::Window;
 use super::laser_ring::LaserRing;
+use super::row_lookup::{
+    BULGE, INVERSE_RHO_BINS, INVERSE_RHO_PER_BIN, Lookup, PLACE_STRIDE, SHARED_BITS, SortedRow, TANGENT_BINS,
+    rows_of_place,
+};
 use crate::math::{self, Vec3};
 
-/// Error of the single-precision azimuth, in radians: its polynomial and the rounding of coordinates.
-pub(super) const AZIMUTH_MARGIN: f32 = 4e-5;
-/// Triangles narrower than this are bounded by their corners, with [`BULGE`] for their edges.
-pub(super) const NARROW_RAD: f32 = 0.08;
-/// An edge is an arc of a great circle. Between corners `w` apart in azimuth it rises over the tangent of their
-/// elevations by a factor of at most 1 / cos(w / 2), which is 1.0008 for [`NARROW_RAD`].
-const BULGE: f32 = 1e-3;
 /// Points this many times as far from the axis as the lasers are look alike to all of them but for their azimuth: a
 /// beam that passes the axis at `left` meets the distance rho after sqrt(rho^2 - left^2), 0.03 % less.
 const OFF_AXIS: f32 = 40.0;
 /// Points nearer to the axis than this fraction of their distance have no azimuth worth the name.
 pub(super) const POLAR: f32 = 0.01;
-pub(super) const TURN: f32 = std::f32::consts::TAU;
-pub(super) const HALF_TURN: f32 = std::f32::consts::PI;
-
 /// What does not depend on the pose. "Sorted" rows run from the highest elevation to the lowest.
 #[derive(Debug)]
 pub(super) struct Table {
@@ -39,7 +34,7 @@ pub(super) struct Table {
     /// Where all lasers have one origin: the first row and the end of the rows that may pass through points whose
     /// tangents lie in a bin of `row_of_tangent`.
     pub(super) rows_of_bin: Option<Vec<[u16; 2]>>,
-    /// Where they have several: the same for a bin of nearness and a bin of tangents ([`rows_of_place`]).
+    /// Where they have several: the same for a bin of inverse distances and a bin of tangents ([`rows_of_place`]).
     pub(super) rows_of_place: Vec<[u16; 2]>,
     pub(super) azimuths: Vec<f32>,
     /// Cosines and sines of all columns' azimuths, once for each distinct offset of a ring; and both side by side.
@@ -51,163 +46,6 @@ pub(super) struct Table {
     /// Rings fire up to this much counter-clockwise of their column's azimuth, and never clockwise.
     pub(super) max_offset: f32,
     pub(super) ticks: Ticks,
-}
-
-#[derive(Debug, Clone, Copy)]
-pub(super) struct SortedRow {
-    pub(super) tangent: f64,
-    pub(super) secant: f64,
-    pub(super) height_m: f64,
-    pub(super) left_m: f64,
-}
-
-/// Counts of table entries below a value, to start an exact search from.
-#[derive(Debug)]
-pub(super) struct Lookup {
-    scale: f32,
-    offset: f32,
-    counts: Vec<u16>,
-}
-
-impl Lookup {
-    /// `count(x)` entries lie below x, for x in lo..hi.
-    pub(super) fn new(lo: f32, hi: f32, bins: usize, count: impl Fn(f32) -> usize) -> Self {
-        let scale = bins as f32 / (hi - lo);
-        let counts = (0..=bins).map(|b| count(lo + (b as f32 - 0.5) / scale) as u16).collect();
-        Self { scale, offset: -lo * scale, counts }
-    }
-
-    /// About the number of entries below `x`, which is clamped to the table.
-    #[inline]
-    pub(super) fn guess(&self, x: f32) -> usize {
-        self.guess_in_bin(self.bin(x))
-    }
-
-    #[inline]
-    pub(super) fn bin(&self, x: f32) -> u32 {
-        let bin = (x * self.scale + self.offset).max(0.0).min((self.counts.len() - 1) as f32);
-        // Adding 2^23 rounds to a whole number that stands in the low bits; a plain cast is slower as it saturates.
-        (bin + 8_388_608.0).to_bits() & 0xf_ffff
-    }
-
-    #[inline]
-    pub(super) fn guess_in_bin(&self, bin: u32) -> usize {
-        usize::from(self.counts[bin as usize])
-    }
-}
-
-impl Lookup {
-    /// For each bin the range of `sorted` (rising) entries that lie within `slack(x)` of an x in the bin.
-    fn ranges_of_bins(&self, sorted: &[f32], slack: impl Fn(f32) -> f32) -> Vec<[u16; 2]> {
-        let last = self.counts.len() - 1;
-        let range = |bin: usize| {
-            // Bins are rounded to, so that each reaches half a step to both sides; the outermost have no end.
-            let edge = |b: f32| (b - self.offset) / self.scale;
-            let (lo, hi) = (edge(bin as f32 - 0.51), edge(bin as f32 + 0.51));
-            let first = if bin == 0 { 0 } else { sorted.partition_point(|t| *t < lo - slack(lo)) };
-            let end = if bin == last { sorted.len() } else { sorted.partition_point(|t| *t <= hi + slack(hi)) };
-            [first as u16, end as u16]
-        };
-        (0..=last).map(range).collect()
-    }
-}
-
-/// Bins of nearness, 1 / rho: [`NEAR_PER_BIN`] each, the last without an end.
-const NEAR_BINS: usize = 48;
-const NEAR_PER_BIN: f32 = 1.0 / 60.0;
-/// Bins of `row_of_tangent` that share a range in [`rows_of_place`], as a power of two.
-const SHARED_BITS: u32 = 2;
-const TANGENT_BINS: usize = 4096;
-const PLACE_STRIDE: usize = TANGENT_BINS >> SHARED_BITS;
-
-/// The rows that may pass through points of a bin of tangents (over the middle height) and a bin of nearness.
-///
-/// Seen from the middle, a row at height h passes at the tangent `tan + (h - middle) / rho`: linear in the nearness, so
-/// that its ends in a bin bound it.
-fn rows_of_place(lookup: &Lookup, rows: &[SortedRow], height_span: [f32; 2]) -> Vec<[u16; 2]> {
-    let middle = 0.5 * (height_span[0] + height_span[1]);
-    let half_span = 0.5 * (height_span[1] - height_span[0]);
-    let edge = |bin: f32| (bin - lookup.offset) / lookup.scale;
-    let mut out = Vec::with_capacity(NEAR_BINS * PLACE_STRIDE);
-    for near in 0..NEAR_BINS {
-        if near + 1 == NEAR_BINS {
-            out.resize(NEAR_BINS * PLACE_STRIDE, [0, rows.len() as u16]);
-            break;
-        }
-        let [least, most] = [near as f32 - 0.01, near as f32 + 1.01].map(|n| n * NEAR_PER_BIN);
-        let passes = |r: &SortedRow, nearness: f32| r.tangent as f32 + (r.height_m as f32 - middle) * nearness;
-        let (mut lowest, mut highest): (Vec<f32>, Vec<f32>) =
-            rows.iter().map(|r| (passes(r, least), passes(r, most))).map(|(a, b)| (a.min(b), a.max(b))).unzip();
-        for i in 1..rows.len() {
-            lowest[i] = lowest[i].min(lowest[i - 1]);
-            let j = rows.len() - 1 - i;
-            highest[j] = highest[j].max(highest[j + 1]);
-        }
-        for bin in 0..PLACE_STRIDE {
-            let (from, to) = ((bin << SHARED_BITS) as f32 - 0.51, (((bin + 1) << SHARED_BITS) - 1) as f32 + 0.51);
-            // The lookup's tangents fall as the rows' rise.
-            let (high, low) = (-edge(from), -edge(to));
-            let slack = |t: f32| (BULGE + 6e-4) * (t.abs() + half_span * most) + 1e-4;
-            let first = if bin == 0 { 0 } else { lowest.partition_point(|t| *t > high + slack(high)) };
-            let end =
-                if bin + 1 == PLACE_STRIDE { rows.len() } else { highest.partition_point(|t| *t >= low - slack(low)) };
-            out.push([first as u16, end.max(first) as u16]);
-        }
-    }
-    out
-}
-
-/// A turn in equal steps on which the columns lie, exactly or nearly: an encoder has such.
-#[derive(Debug)]
-pub(super) struct Ticks {
-    per_rad: f32,
-    /// How far an azimuth in ticks may be wrong, and a column off its tick.
-    margin: f32,
-    /// Spans of no more ticks than this, which the rings' offsets widen, are narrower than [`NARROW_RAD`].
-    pub(super) narrow: u16,
-    /// Number of columns on ticks before each.
-    before: Vec<u16>,
-}
-
-/// Ticks a turn.
-const LEAST_TICKS: u32 = 2048;
-const MOST_TICKS: u32 = 16_384;
-
-impl Ticks {
-    fn new(azimuths_rad: &[f64], max_offset: f32) -> Self {
-        let off_by = |n: u32| {
-            let ticks = azimuths_rad.iter().map(move |a| a * f64::from(n) / std::f64::consts::TAU);
-            ticks.map(|t: f64| (t - t.round()).abs())
-        };
-        let fits = |n: &u32| off_by(*n).all(|off| off < 1e-4);
-        let n = (LEAST_TICKS..=MOST_TICKS).find(fits).unwrap_or(MOST_TICKS);
-        let per_rad = n as f32 / TURN;
-        let margin = off_by(n).fold(0.0, f64::max) as f32 + AZIMUTH_MARGIN * per_rad + 1e-6 * n as f32;
-        let mut before = vec![0_u16; n as usize + 3];
-        for azimuth in azimuths_rad {
-            before[(azimuth * f64::from(n) / std::f64::consts::TAU).round() as usize + 1] += 1;
-        }
-        for i in 1..before.len() {
-            before[i] += before[i - 1];
-        }
-        Self { per_rad, margin, narrow: ((NARROW_RAD + max_offset) * per_rad) as u16 - 1, before }
-    }
-
-    /// The first tick and the end of the ticks from one azimuth to another, in 0..=2 pi.
-    #[inline(always)]
-    pub(super) fn between(&self, lo_rad: f32, hi_rad: f32) -> (u16, u16) {
-        // Adding 2^23 rounds to a whole number that stands in the low bits; a plain cast is slower as it saturates.
-        let after = |t: f32| ((t.max(-0.5) + 0.5 + 8_388_608.0).to_bits() & 0xffff) as u16;
-        (after(lo_rad * self.per_rad - self.margin), after(hi_rad * self.per_rad + self.margin))
-    }
-
-    /// The columns on the ticks of a range.
-    #[inline(always)]
-    pub(super) fn columns(&self, first: u16, end: u16) -> std::ops::Range<usize> {
-        let last = self.before.len() - 1;
-        let at = |tick: u16| usize::from(self.before[usize::from(tick).min(last)]);
-        at(first)..at(end)
-    }
 }
 
 impl Table {
@@ -303,10 +141,10 @@ impl Table {
         self.rows_from_guess(rho, z, self.row_of_tangent.guess((middle - z) / rho))
     }
 
-    /// About [`Table::rows_at`], for lasers at several heights, without a search: by nearness and a bin of tangents.
+    /// About [`Table::rows_at`], for lasers at several heights, without a search: by 1 / rho and a bin of tangents.
     #[inline(always)]
-    pub(super) fn rows_of_place(&self, nearness: f32, tangent_bin: u32) -> [u16; 2] {
-        let near = (nearness * (1.0 / NEAR_PER_BIN)).min(NEAR_BINS as f32 - 0.75) - 0.5;
+    pub(super) fn rows_of_place(&self, inverse_rho: f32, tangent_bin: u32) -> [u16; 2] {
+        let near = (inverse_rho * (1.0 / INVERSE_RHO_PER_BIN)).min(INVERSE_RHO_BINS as f32 - 0.75) - 0.5;
         // As in [`Lookup::bin`].
         let near = (near.max(0.0) + 8_388_608.0).to_bits() & 0xff;
         self.rows_of_place[near as usize * PLACE_STRIDE + (tangent_bin >> SHARED_BITS) as usize]
@@ -422,40 +260,6 @@ impl Table {
             self.rows_at(farthest, high).0..self.rows.len()
         } else {
             0..self.rows.len()
-        }
-    }
-}
-
-/// The azimuth in [0, 2 pi] of a point, within 2e-6 rad; some number for the axis itself.
-#[inline]
-pub(super) fn azimuth_of(x: f32, y: f32) -> f32 {
-    let (ax, ay) = (x.abs(), y.abs());
-    let (small, large) = if ax < ay { (ax, ay) } else { (ay, ax) };
-    let t = small / large.max(f32::MIN_POSITIVE);
-    let s = t * t;
-    let p = -0.011_721_2_f32;
-    let p = p * s + 0.052_653_32;
-    let p = p * s - 0.116_432_87;
-    let p = p * s + 0.193_543_46;
-    let p = p * s - 0.332_623_47;
-    let p = (p * s + 0.999_977_26) * t;
-    let p = if ax < ay { std::f32::consts::FRAC_PI_2 - p } else { p };
-    let p = if x < 0.0 { HALF_TURN - p } else { p };
-    if y < 0.0 { TURN - p } else { p }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::math::TAU;
-
-    #[test]
-    fn the_fast_azimuth_is_within_its_margin() {
-        for i in 0..200_000 {
-            let exact = f64::from(i) * TAU / 200_000.0;
-            let (x, y) = ((3.0 * math::cos(exact)) as f32, (3.0 * math::sin(exact)) as f32);
-            let error = math::wrap_angle(f64::from(azimuth_of(x, y)) - exact).abs();
-            assert!(error < 0.5 * f64::from(AZIMUTH_MARGIN), "{error} at {exact}");
         }
     }
 }

@@ -1,5 +1,5 @@
 //! What every sample of an image sees, as the number of a drawn face (the "visibility buffer" of Burns and Hunt, JCGT
-//! 2013), panes apart from what is solid.
+//! 2013), transparent surfaces apart from opaque ones.
 
 use std::ops::Range;
 
@@ -7,7 +7,7 @@ use super::grid::Window;
 
 /// Samples along a side of a block.
 pub const BLOCK: usize = 8;
-/// How much nearer than a bound's nearness a sample must be to hide what the bound stands for.
+/// How much nearer than a bound's inverse depth a sample must be to hide what the bound stands for.
 pub(super) const CLEARLY: f32 = 1.000_01;
 
 /// A face that was drawn.
@@ -35,7 +35,7 @@ impl DrawnFace {
 
     /// 1 / z of the face's plane at pixel (0, 0), and its changes to the next column and row, for a camera's fx, fy, cx, cy.
     #[must_use]
-    pub fn nearness_on_image(&self, [fx, fy, cx, cy]: [f64; 4]) -> [f64; 3] {
+    pub fn inverse_depth_on_image(&self, [fx, fy, cx, cy]: [f64; 4]) -> [f64; 3] {
         let inverse = 1.0 / self.volume;
         let (by_column, by_row) = (self.normal[0] * inverse / fx, self.normal[1] * inverse / fy);
         [self.normal[2] * inverse - by_column * cx - by_row * cy, by_column, by_row]
@@ -46,8 +46,8 @@ impl DrawnFace {
 #[derive(Debug, Clone)]
 pub struct Block {
     /// 1 / z in 1/m, 0 where there is none.
-    pub nearness: [[f32; BLOCK]; BLOCK],
-    /// The number of the face in [`VisibilityBuffer::faces`]; means nothing where the nearness is 0.
+    pub inverse_depth: [[f32; BLOCK]; BLOCK],
+    /// The number of the face in [`VisibilityBuffer::faces`]; means nothing where the inverse depth is 0.
     pub face: [[u32; BLOCK]; BLOCK],
 }
 
@@ -55,12 +55,12 @@ impl Block {
     /// Reads something of each cache line.
     #[inline]
     #[must_use]
-    pub fn touch(&self) -> u32 {
-        let line = |row: usize| self.nearness[row][0].to_bits() ^ self.face[row][0];
+    pub fn prefetch(&self) -> u32 {
+        let line = |row: usize| self.inverse_depth[row][0].to_bits() ^ self.face[row][0];
         line(0) ^ line(2) ^ line(4) ^ line(6)
     }
 
-    pub(super) const EMPTY: Self = Self { nearness: [[0.0; BLOCK]; BLOCK], face: [[0; BLOCK]; BLOCK] };
+    pub(super) const EMPTY: Self = Self { inverse_depth: [[0.0; BLOCK]; BLOCK], face: [[0; BLOCK]; BLOCK] };
 }
 
 /// What the samples of an image see, in blocks of 8 x 8: neighbors stand together in memory, and what lies behind a
@@ -75,13 +75,13 @@ pub struct VisibilityBuffer {
     pub blocks_across: usize,
     /// The faces that were drawn, seen or not.
     pub faces: Vec<DrawnFace>,
-    /// What is solid; means nothing where nothing has been met.
-    solid: Vec<Block>,
+    /// Opaque surfaces; means nothing where nothing has been met.
+    opaque: Vec<Block>,
     /// Means nothing where there are none.
-    panes: Vec<Block>,
-    has_panes: Vec<bool>,
+    transparent: Vec<Block>,
+    has_transparent: Vec<bool>,
     pub(super) states: Vec<BlockState>,
-    /// The number of the face that all of a block's solid samples see, or [`SEVERAL`].
+    /// The number of the face that all of a block's opaque samples see, or [`SEVERAL`].
     only: Vec<u32>,
 }
 
@@ -90,14 +90,14 @@ const SEVERAL: u32 = u32::MAX;
 /// What a block sees where nothing was drawn.
 static NOTHING: Block = Block::EMPTY;
 
-/// What is known of a block's solid samples.
+/// What is known of a block's opaque samples.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct BlockState {
     /// Samples that have met something, a bit each: column by column, from the top.
     pub met: u64,
-    /// A nearness that all samples reach.
-    pub floor: f32,
-    /// The floor may have risen.
+    /// An inverse depth that all samples reach.
+    pub least_inverse_depth: f32,
+    /// The least inverse depth may have risen.
     pub is_stale: bool,
 }
 
@@ -118,35 +118,35 @@ impl VisibilityBuffer {
         let blocks = down * across;
         self.faces.clear();
         // Blocks are emptied when they are first drawn on.
-        self.solid.resize(blocks, Block::EMPTY);
-        self.panes.resize(blocks, Block::EMPTY);
+        self.opaque.resize(blocks, Block::EMPTY);
+        self.transparent.resize(blocks, Block::EMPTY);
         self.only.resize(blocks, SEVERAL);
-        self.has_panes.clear();
-        self.has_panes.resize(blocks, false);
+        self.has_transparent.clear();
+        self.has_transparent.resize(blocks, false);
         self.states.clear();
         self.states.resize(blocks, BlockState::default());
     }
 
-    /// What is solid in a block.
+    /// The opaque surfaces of a block.
     #[inline]
     #[must_use]
-    pub fn solid(&self, block: usize) -> &Block {
-        if self.states[block].met == 0 { &NOTHING } else { &self.solid[block] }
+    pub fn opaque(&self, block: usize) -> &Block {
+        if self.states[block].met == 0 { &NOTHING } else { &self.opaque[block] }
     }
 
-    /// The panes of a block, if it has any; those behind what is solid count as absent.
+    /// The transparent surfaces of a block, if it has any; those behind opaque ones count as absent.
     #[inline]
     #[must_use]
-    pub fn panes(&self, block: usize) -> Option<&Block> {
-        self.has_panes[block].then(|| &self.panes[block])
+    pub fn transparent(&self, block: usize) -> Option<&Block> {
+        self.has_transparent[block].then(|| &self.transparent[block])
     }
 
-    /// The number of the face that all of a block's samples see, if it has no panes.
+    /// The number of the face that all of a block's samples see, if it has no transparent surfaces.
     #[inline]
     #[must_use]
     pub fn only_face(&self, block: usize) -> Option<u32> {
         let only = self.only[block];
-        (only != SEVERAL && self.states[block].met != 0 && !self.has_panes[block]).then_some(only)
+        (only != SEVERAL && self.states[block].met != 0 && !self.has_transparent[block]).then_some(only)
     }
 
     /// Number of blocks.
@@ -158,21 +158,21 @@ impl VisibilityBuffer {
 
     /// A block to draw on; see [`VisibilityBuffer::note_drawn`].
     #[inline(always)]
-    pub(super) fn block_mut(&mut self, block: usize, is_pane: bool) -> &mut Block {
-        let is_fresh = if is_pane { !self.has_panes[block] } else { self.states[block].met == 0 };
-        let layer = if is_pane { &mut self.panes } else { &mut self.solid };
+    pub(super) fn block_mut(&mut self, block: usize, is_transparent: bool) -> &mut Block {
+        let is_fresh = if is_transparent { !self.has_transparent[block] } else { self.states[block].met == 0 };
+        let layer = if is_transparent { &mut self.transparent } else { &mut self.opaque };
         let block = &mut layer[block];
         if is_fresh {
-            block.nearness = Block::EMPTY.nearness;
+            block.inverse_depth = Block::EMPTY.inverse_depth;
         }
         block
     }
 
     /// Notes what a block's samples see now: face `id` where bits are set, as in [`BlockState::met`].
     #[inline(always)]
-    pub(super) fn note_drawn(&mut self, block: usize, is_pane: bool, id: u32, drawn: u64) {
-        if is_pane {
-            self.has_panes[block] |= drawn != 0;
+    pub(super) fn note_drawn(&mut self, block: usize, is_transparent: bool, id: u32, drawn: u64) {
+        if is_transparent {
+            self.has_transparent[block] |= drawn != 0;
         } else if drawn != 0 {
             let state = &mut self.states[block];
             state.met |= drawn;
@@ -181,28 +181,28 @@ impl VisibilityBuffer {
         }
     }
 
-    /// True if all samples of a block have met something solid that is nearer than `z_m`.
+    /// True if all samples of a block have met something opaque that is nearer than `z_m`.
     #[inline(always)]
     pub(super) fn is_block_hidden(&mut self, block: usize, z_m: f32) -> bool {
         let state = &mut self.states[block];
-        if state.floor * z_m > CLEARLY {
+        if state.least_inverse_depth * z_m > CLEARLY {
             return true;
         }
         if !state.is_stale || state.met != u64::MAX {
             return false;
         }
         let mut least = [f32::INFINITY; BLOCK];
-        for row in &self.solid[block].nearness {
+        for row in &self.opaque[block].inverse_depth {
             for i in 0..BLOCK {
                 least[i] = if row[i] < least[i] { row[i] } else { least[i] };
             }
         }
         state.is_stale = false;
-        state.floor = least.into_iter().fold(f32::INFINITY, |a, b| if b < a { b } else { a });
-        state.floor * z_m > CLEARLY
+        state.least_inverse_depth = least.into_iter().fold(f32::INFINITY, |a, b| if b < a { b } else { a });
+        state.least_inverse_depth * z_m > CLEARLY
     }
 
-    /// True if all samples of a window have met something solid that is nearer than `z_m` (a depth below that of
+    /// True if all samples of a window have met something opaque that is nearer than `z_m` (a depth below that of
     /// every point in question).
     #[inline(always)]
     pub(super) fn is_hidden(&mut self, window: &Window, z_m: f32) -> bool {
@@ -211,26 +211,26 @@ impl VisibilityBuffer {
             let rows = window.rows.start.max(top) - top..window.rows.end.min(top + BLOCK) - top;
             for block_column in window.columns.start / BLOCK..=(window.columns.end - 1) / BLOCK {
                 let block = block_row * self.blocks_across + block_column;
-                if self.states[block].floor * z_m > CLEARLY {
+                if self.states[block].least_inverse_depth * z_m > CLEARLY {
                     continue;
                 }
                 let left = block_column * BLOCK;
                 let columns = window.columns.start.max(left) - left..window.columns.end.min(left + BLOCK) - left;
-                let asked = bits_of(&rows, &columns);
-                if asked & !self.states[block].met != 0 {
+                let window_bits = bits_of(&rows, &columns);
+                if window_bits & !self.states[block].met != 0 {
                     return false;
                 }
                 if self.is_block_hidden(block, z_m) {
                     continue;
                 }
-                if asked == u64::MAX {
+                if window_bits == u64::MAX {
                     return false;
                 }
-                for row in &self.solid[block].nearness[rows.clone()] {
+                for row in &self.opaque[block].inverse_depth[rows.clone()] {
                     let mut open = [0; BLOCK];
                     for i in 0..BLOCK {
-                        let asked = (i as u32).wrapping_sub(columns.start as u32) < columns.len() as u32;
-                        open[i] = u32::from(row[i] * z_m <= CLEARLY) & u32::from(asked);
+                        let is_within = (i as u32).wrapping_sub(columns.start as u32) < columns.len() as u32;
+                        open[i] = u32::from(row[i] * z_m <= CLEARLY) & u32::from(is_within);
                     }
                     if open.iter().fold(0, |all, o| all | o) != 0 {
                         return false;
@@ -246,27 +246,27 @@ impl VisibilityBuffer {
         row / BLOCK * self.blocks_across + column / BLOCK
     }
 
-    /// The number of the face that a sample sees first, be it a pane or solid, and its nearness; `None` for the sky.
+    /// The number of the face that a sample sees first, transparent or opaque, and its inverse depth; `None` for the sky.
     #[inline]
     #[must_use]
     pub fn front_number(&self, row: usize, column: usize) -> Option<(u32, f32)> {
         let block = self.block_at(row, column);
         let (row, column) = (row % BLOCK, column % BLOCK);
-        let solid = self.solid(block);
-        let (mut number, mut nearness) = (solid.face[row][column], solid.nearness[row][column]);
-        if let Some(panes) = self.panes(block)
-            && panes.nearness[row][column] > nearness
+        let opaque = self.opaque(block);
+        let (mut number, mut inverse_depth) = (opaque.face[row][column], opaque.inverse_depth[row][column]);
+        if let Some(transparent) = self.transparent(block)
+            && transparent.inverse_depth[row][column] > inverse_depth
         {
-            (number, nearness) = (panes.face[row][column], panes.nearness[row][column]);
+            (number, inverse_depth) = (transparent.face[row][column], transparent.inverse_depth[row][column]);
         }
-        (nearness > 0.0).then_some((number, nearness))
+        (inverse_depth > 0.0).then_some((number, inverse_depth))
     }
 
-    /// The face that a sample sees first and its nearness; `None` for the sky.
+    /// The face that a sample sees first and its inverse depth; `None` for the sky.
     #[inline]
     #[must_use]
     pub fn front(&self, row: usize, column: usize) -> Option<(&DrawnFace, f32)> {
-        self.front_number(row, column).map(|(number, nearness)| (&self.faces[number as usize], nearness))
+        self.front_number(row, column).map(|(number, inverse_depth)| (&self.faces[number as usize], inverse_depth))
     }
 
     /// How many samples of a row see anything, and the columns from the first of them to the last.
@@ -275,11 +275,11 @@ impl VisibilityBuffer {
         let (mut count, mut span) = (0, self.columns..0);
         for block_column in 0..self.blocks_across {
             let block = row / BLOCK * self.blocks_across + block_column;
-            let solid = &self.solid(block).nearness[row % BLOCK];
-            let panes = self.panes(block).map(|panes| &panes.nearness[row % BLOCK]);
+            let opaque = &self.opaque(block).inverse_depth[row % BLOCK];
+            let transparent = self.transparent(block).map(|transparent| &transparent.inverse_depth[row % BLOCK]);
             // Blocks may reach beyond the image.
             for i in 0..BLOCK.min(self.columns - block_column * BLOCK) {
-                if solid[i] > 0.0 || panes.is_some_and(|p| p[i] > 0.0) {
+                if opaque[i] > 0.0 || transparent.is_some_and(|p| p[i] > 0.0) {
                     let column = block_column * BLOCK + i;
                     count += 1;
                     span = span.start.min(column)..column + 1;

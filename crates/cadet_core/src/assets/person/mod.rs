@@ -90,7 +90,7 @@ impl PersonModel {
             };
             let finest = grounded(&self.proportions, k, 0);
             let bounds = Bounds::of(finest.vertices.iter().map(|v| *v + self.offset));
-            LodSet { bounds, levels: (0..3).map(level).collect(), coarse_casters: 2 }
+            LodSet { bounds, levels: (0..3).map(level).collect(), coarse_shadow_proxies: 2 }
         });
         shape.clone()
     }

@@ -164,7 +164,7 @@ impl TreeDesign {
             })
             .collect();
         levels[measured].1 = LazyMesh::new(|| mesh);
-        LodSet { bounds, levels, coarse_casters: 0 }
+        LodSet { bounds, levels, coarse_shadow_proxies: 0 }
     }
 
     /// Area of all leaves, m^2.

@@ -182,7 +182,7 @@ impl VehicleModel {
                 let crease = if k + 1 == LEVELS { 0.5 * crease } else { crease };
                 (limit, LazyMesh::new(move || builder.build(name, crease)))
             });
-            Arc::new(LodSet { bounds, levels: levels.collect(), coarse_casters: 2 })
+            Arc::new(LodSet { bounds, levels: levels.collect(), coarse_shadow_proxies: 2 })
         };
         let mut fits = Vec::with_capacity(LEVELS);
         let body = lods(

@@ -23,22 +23,22 @@ pub(super) struct Map {
     /// Of leaves that are drawn together one in so many casts a shadow.
     pub(super) leaf_step: usize,
     pub(super) height: Vec<i16>,
-    pub(super) seen: SeenTiles,
+    pub(super) receivers: ReceiverTiles,
     /// The columns between which something was drawn, for each row of tiles.
     pub(super) drawn: Vec<[usize; 2]>,
 }
 
-/// How low the camera sees something on the tiles of a map and on those around them: what is nowhere higher shades
+/// How low the camera sees receivers on the tiles of a map and on those around them: what is nowhere higher shades
 /// nothing there.
 #[derive(Debug, Clone, Default)]
-pub(super) struct SeenTiles {
+pub(super) struct ReceiverTiles {
     /// Steps; of squares of 1, 2, 4 .. tiles that begin in each tile. Infinite where nothing is seen.
     pub(super) lowest: Vec<Vec<f32>>,
     /// The columns of texels between the first and the last seen tile, for each row of tiles.
     pub(super) spans: Vec<[usize; 2]>,
 }
 
-impl SeenTiles {
+impl ReceiverTiles {
     /// `lowest`: of each tile alone.
     pub(super) fn around(lowest: &[f32]) -> Self {
         let mut two = joined(&lowest[..TILES * TILES], 1);

@@ -3,7 +3,7 @@
 use super::super::exposure::{LUMA, gain_for_mean_luma};
 use super::super::noise::blur;
 use super::super::render::{Scratch, radiance};
-use super::{View, look};
+use super::{View, visibility_pass};
 use crate::math::{DMat3, DPose3, DQuat, DVec3};
 use crate::rng::StreamKey;
 use crate::sense::PosedScene;
@@ -36,7 +36,7 @@ fn views(seed: u64, count: usize) -> Vec<(PosedScene, View)> {
 
 /// Luma before the sensor's noise, exposed as a picture is.
 fn luma(scene: &PosedScene, view: &View, weather: &Weather) -> Vec<f32> {
-    let seen = look(scene, view).unwrap();
+    let seen = visibility_pass(scene, view).unwrap();
     let mut scratch = Scratch::default();
     let _ = radiance(scene, view, weather, &seen, &mut scratch);
     let _ = blur(&mut scratch.rgb, SIZE.0, SIZE.1, f32::INFINITY);

@@ -2,7 +2,7 @@
 
 use super::super::noise::ROWS_BEFORE;
 use super::super::render::{Scratch, radiance};
-use super::{EYE_HEIGHT_M, SIZE, View, clear_sun_from, cuboid, gray, look, street, view};
+use super::{EYE_HEIGHT_M, SIZE, View, clear_sun_from, cuboid, gray, street, view, visibility_pass};
 use crate::instance::Instance;
 use crate::material::{Material, Pattern, Semantic};
 use crate::math::{DVec3, Vec3};
@@ -12,13 +12,13 @@ use crate::weather::Weather;
 /// Linear radiance, RGB, pixel by pixel.
 fn radiance_of(instances: &[Instance], view: &View, weather: &Weather) -> Vec<[f32; 3]> {
     let posed = PosedScene::new(instances, DVec3::new(0.0, 0.0, EYE_HEIGHT_M));
-    let seen = look(&posed, view).unwrap();
+    let seen = visibility_pass(&posed, view).unwrap();
     let mut scratch = Scratch::default();
     let _ = radiance(&posed, view, weather, &seen, &mut scratch);
     scratch.rgb.as_chunks::<3>().0[ROWS_BEFORE * view.width..][..view.width * view.height].to_vec()
 }
 
-/// The street before a brick wall, with cars, panes and shadows.
+/// The street before a brick wall, with cars, transparent surfaces and shadows.
 fn scene() -> Vec<Instance> {
     let bricks = Material::matt(Semantic::Building, [0.4, 0.3, 0.25], Pattern::Bricks, 0.3);
     let mut scene = street();

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::assets::scenery::{FenceKind, PoleKind, SceneryModel, fence, pole};
-use crate::camera::{View, look};
+use crate::camera::{View, visibility_pass};
 use crate::frames::upright;
 use crate::geometry::LodSet;
 use crate::instance::Instance;
@@ -31,7 +31,7 @@ fn shown(instance: &Instance, eye: DVec3, finer: usize, of: Part) -> Vec<f64> {
     let (width, height, scale) = (SIZE.0 * finer, SIZE.1 * finer, finer as f64);
     let intrinsics = [FOCAL_PX * scale, FOCAL_PX * scale, scale * SIZE.0 as f64 / 2.0, scale * SIZE.1 as f64 * 0.7];
     let posed = PosedScene::new(std::slice::from_ref(instance), eye);
-    let seen = look(&posed, &View { intrinsics, width, height, world_from_cam }).unwrap();
+    let seen = visibility_pass(&posed, &View { intrinsics, width, height, world_from_cam }).unwrap();
     // So many pixels are taken together: some bars of a fence.
     let stretch = if matches!(of, Part::All) { 8 } else { 24 };
     let step = stretch * finer;
@@ -49,8 +49,8 @@ fn shown(instance: &Instance, eye: DVec3, finer: usize, of: Part) -> Vec<f64> {
     (0..stretches).map(|i| samples(i) as f64 / (2.0 * scale * scale)).collect()
 }
 
-/// Over stretches and small steps of the camera: how much more is shown than in the finer picture of the finest mesh, and how far
-/// single stretches are from it, as shares of the mean.
+/// Over stretches and small steps of the camera: how much more is shown than in the finer picture of the finest mesh, and
+/// how far single stretches are from it, as shares of the mean.
 fn errors(model: &SceneryModel, distance_m: f64, yaw: f64, of: Part) -> (f64, f64) {
     // Fences reach to both sides.
     let aside_m = if matches!(of, Part::Above(_)) { -4.8 } else { 0.0 };

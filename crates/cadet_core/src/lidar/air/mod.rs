@@ -17,7 +17,7 @@ use crate::math;
 use crate::rng::CounterRng;
 use crate::weather::Weather;
 
-/// Fog's answer is spread behind its strongest place by this times a Beta(2, 20) number: 0.9 m on average.
+/// Fog's return is spread behind its strongest place by this times a Beta(2, 20) number: 0.9 m on average.
 const FOG_SPREAD_M: f64 = 10.0;
 
 /// The air and the wet or white ground of one scan.
@@ -39,7 +39,7 @@ pub(super) struct Meeting {
     /// Power that is left of the target's echo.
     pub transmittance: f64,
     /// What the air itself returns, if it is stronger than the target.
-    pub answer: Option<AirReturn>,
+    pub air_return: Option<AirReturn>,
 }
 
 /// A return from a drop, a flake or fog.
@@ -51,12 +51,12 @@ pub(super) struct AirReturn {
     pub from: Scatterer,
 }
 
-/// What answers in a target's place.
+/// What returns in a target's place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Scatterer {
-    /// A drop or a flake, heard by itself.
+    /// A drop or a flake, detected by itself.
     Particle,
-    /// Fog: its response is known relative to a target's that was heard in clear air.
+    /// Fog: its response is known relative to a target's that was detected in clear air.
     Fog,
 }
 
@@ -85,7 +85,7 @@ impl Air {
     /// infinite range and a power of 0 stand for no target. `key` names the beam: the same key meets the same drops.
     pub(super) fn meet(&self, range_m: f64, power: f64, key: u64) -> Meeting {
         if self.is_clear() {
-            return Meeting { transmittance: 1.0, answer: None };
+            return Meeting { transmittance: 1.0, air_return: None };
         }
         let mut rng = CounterRng::new(key);
         let mut strongest: Option<particles::Particle> = None;
@@ -109,14 +109,14 @@ impl Air {
         }
         let transmittance = open * math::exp(-depth);
         let mut best = power * transmittance;
-        let mut answer = None;
+        let mut air_return = None;
         if let (Some(fog), true) = (&self.fog, range_m.is_finite()) {
             let soft = fog.before(range_m);
             // Both echoes are proportional to the target's, so that targets of intensity 0 follow the same rule.
             if soft.gain > transmittance {
                 best = power * soft.gain;
                 let at_m = (soft.range_m + FOG_SPREAD_M * beta_2_20(&mut rng)).min(range_m);
-                answer = Some(AirReturn {
+                air_return = Some(AirReturn {
                     range_m: at_m,
                     reflectance: power * range_m * range_m * soft.gain,
                     from: Scatterer::Fog,
@@ -124,13 +124,13 @@ impl Air {
             }
         }
         if let Some(particle) = strongest.filter(|p| p.power > best) {
-            answer = Some(AirReturn {
+            air_return = Some(AirReturn {
                 range_m: particle.range_m,
                 reflectance: particle.power * particle.range_m * particle.range_m,
                 from: Scatterer::Particle,
             });
         }
-        Meeting { transmittance, answer }
+        Meeting { transmittance, air_return }
     }
 
     /// What the air leaves of an echo on average: exactly 1 where it is clear.

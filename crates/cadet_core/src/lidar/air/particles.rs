@@ -1,11 +1,11 @@
-//! Drops and flakes in a beam: how many are bright enough to be heard, where, and how much of the beam they cover.
+//! Drops and flakes in a beam: how many are bright enough to be detected, where, and how much of the beam they cover.
 //!
 //! Rain as in LISA (2021): Marshall and Palmer's drops in the beam's cone, the strongest wins. Snow after Hahner et al.
 //! (CVPR 2022): flakes are discs, each takes its share of the beam, the target what is left. The paper samples discs in
 //! the plane that a laser sweeps and shares the beam's angle; here they stand in the cone and share its area, since a
 //! flake of 2 mm covers 3 % of the beam's width at 20 m but 0.1 % of its area.
 //!
-//! Only particles whose echo the receiver may hear are drawn: where sizes are exponential, so is what is
+//! Only particles whose echo the receiver may detect are drawn: where sizes are exponential, so is what is
 //! above a limit, and the number of bright ones along the beam is Poisson. That is exact and costs one random number on
 //! most beams. All others only dim what is behind them, by the mean.
 
@@ -19,7 +19,7 @@ use crate::weather::SizeDistribution;
 const DROP_REFLECTANCE: f64 = 0.328 * 0.328 / (2.328 * 2.328);
 /// Reflectance of a flake. A snow pack has 0.8, but a lone flake lets most of the light through.
 const FLAKE_REFLECTANCE: f64 = 0.3;
-/// What has less than this share of the power that is heard half of the time is left out: it is heard 1 time in 20.
+/// What has less than this share of the power that is detected half of the time is left out: it is detected 1 time in 20.
 const FAINTEST: f64 = 0.6;
 /// Step of the tables over the range.
 const STEP_M: f64 = 0.05;
@@ -92,7 +92,7 @@ impl Particles {
         particles
     }
 
-    /// Share of the beam that a particle at a range must cover to be heard.
+    /// Share of the beam that a particle at a range must cover to be detected.
     fn least_share(&self, range_m: f64) -> f64 {
         let full = self.reflectance * math::exp(-self.dimming_per_m * range_m) * crossover(range_m);
         self.least_power * range_m * range_m / full.max(1e-300)

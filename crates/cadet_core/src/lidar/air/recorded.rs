@@ -14,7 +14,7 @@ use crate::weather::Weather;
 pub enum Fate {
     /// Still there: dimmer, and with rain or snow a little noisier in range.
     Kept = 0,
-    /// Too weak to be heard.
+    /// Too weak to be detected.
     Lost = 1,
     /// Answered by fog, a drop or a flake in front of it.
     Scattered = 2,
@@ -37,7 +37,7 @@ const GROUND_TOLERANCE_SHARE: f64 = 0.01;
 /// meters, intensity 0..=1) that it saw in clear air, and wets what lies within 0.2 m plus 1 % of the range of the
 /// plane `z = -sensor_height_m`.
 ///
-/// A point's reflectance is taken to be its intensity, as in LISA. It was heard, so it had the least power that is heard
+/// A point's reflectance is taken to be its intensity, as in LISA. It was detected, so it had the least power that is detected
 /// or more; where its intensity says less, how much more is drawn (Pareto, exponent 3). Fog moves points and dims them but
 /// loses none (Hahner et al. 2021); drops, flakes and water lose those that fall below the threshold. Ranges get what the
 /// receiver's noise of the weaker echo has more than that of the echo in clear air.
@@ -98,12 +98,12 @@ fn weather_point(point: [f32; 4], air: &Air, receiver: &Receiver, sensor_height_
         let scale = to_m / range_m;
         [(x * scale) as f32, (y * scale) as f32, (z * scale) as f32, intensity.min(1.0) as f32]
     };
-    if let Some(answer) = meeting.answer {
-        let intensity = match answer.from {
-            Scatterer::Particle => answer.reflectance,
-            Scatterer::Fog => intensity * wet * (answer.reflectance / (power * range_m * range_m)),
+    if let Some(air_return) = meeting.air_return {
+        let intensity = match air_return.from {
+            Scatterer::Particle => air_return.reflectance,
+            Scatterer::Fog => intensity * wet * (air_return.reflectance / (power * range_m * range_m)),
         };
-        return (Fate::Scattered, moved(answer.range_m, intensity));
+        return (Fate::Scattered, moved(air_return.range_m, intensity));
     }
     let left = intensity * meeting.transmittance * wet;
     let fog_left = air.fog_transmittance(range_m);
@@ -215,7 +215,7 @@ mod tests {
                 pieces.fate.extend(got.fate);
             }
             assert_eq!(whole, pieces);
-            // Without drops and flakes nothing but the place of fog's answer is drawn.
+            // Without drops and flakes nothing but the place of fog's return is drawn.
             assert_ne!(whole, run(&points, air, 5), "{air:?}");
         }
     }

@@ -14,7 +14,7 @@ fn clear_air_does_nothing_at_all() {
     for name in ["clear_noon", "cloudy_sunset", "dusk"] {
         let air = Air::new(&Weather::preset(name).expect("exists"), &Receiver::default());
         for (range_m, power) in [(79.0, 1e-9), (0.1, 1.0), (f64::INFINITY, 0.0)] {
-            assert_eq!(air.meet(range_m, power, 3), Meeting { transmittance: 1.0, answer: None });
+            assert_eq!(air.meet(range_m, power, 3), Meeting { transmittance: 1.0, air_return: None });
         }
         assert_eq!(air.ground(Semantic::Road, 0.2, 0.1).to_bits(), 0.2_f64.to_bits());
     }
@@ -36,15 +36,15 @@ fn fog_moves_what_its_own_echo_outshines() {
         let meeting = air.meet(range_m, if k % 2 == 0 { 0.0 } else { 0.01 }, key(k));
         let (hard, soft) = (math::exp(-2.0 * alpha * range_m), range_m * range_m * beta_over_beta0 * peak);
         if (hard / soft - 1.0).abs() > 0.01 {
-            assert_eq!(meeting.answer.is_some(), soft > hard, "{range_m}");
+            assert_eq!(meeting.air_return.is_some(), soft > hard, "{range_m}");
         }
-        if let Some(answer) = meeting.answer {
+        if let Some(air_return) = meeting.air_return {
             moved += 1;
-            assert!(answer.from == Scatterer::Fog && (2.0..8.0).contains(&answer.range_m), "{answer:?}");
+            assert!(air_return.from == Scatterer::Fog && (2.0..8.0).contains(&air_return.range_m), "{air_return:?}");
         }
     }
     assert!(moved > 500, "{moved}");
-    assert_eq!(air.meet(f64::INFINITY, 0.0, 1).answer, None, "the sky was silent and stays so");
+    assert_eq!(air.meet(f64::INFINITY, 0.0, 1).air_return, None, "the sky was silent and stays so");
 }
 
 /// The paper's I(R), by the midpoint rule in time.
@@ -149,11 +149,11 @@ fn flakes_cover_targets_but_dim_them_by_beer_and_lambert_on_average() {
 
 #[test]
 fn more_weather_leaves_less() {
-    // Share of targets at 12 m, as strong as gray paint, that still answer; and what is left of them.
+    // Share of targets at 12 m, as strong as gray paint, that still return; and what is left of them.
     let kept = |fog, rain, snow, range_m: f64| {
         let air = air(fog, rain, snow);
         let all: Vec<Meeting> = (0..8000).map(|k| air.meet(range_m, 0.1 / (range_m * range_m), key(k))).collect();
-        let kept = all.iter().filter(|m| m.answer.is_none()).count() as f64 / all.len() as f64;
+        let kept = all.iter().filter(|m| m.air_return.is_none()).count() as f64 / all.len() as f64;
         (kept, all.iter().map(|m| m.transmittance).sum::<f64>() / all.len() as f64)
     };
     for rates in [[0.5, 4.0], [4.0, 30.0], [30.0, 150.0]] {

@@ -2,13 +2,13 @@
 //!
 //! The inside test is that of [`super::BeamGrid::cover`], bit for bit. What differs from casting onto any grid: depths are
 //! compared as 1 / z, which is affine on the image; blocks of 8 x 8 samples are drawn together; a hierarchy of depths
-//! hides clusters and triangles; and panes are drawn in the same pass as what is solid.
+//! hides clusters and triangles; and transparent surfaces are drawn in the same pass as opaque ones.
 
 use std::ops::Range;
 
 use multiversion::multiversion;
 
-use super::block_drawing::{ExactBlock, FaceOnImage};
+use super::block_rasterization::{ExactBlock, FaceOnImage};
 use super::grid::{BeamGrid, Window};
 use super::outline::Outline;
 use super::pinhole::PinholeGrid;
@@ -17,9 +17,9 @@ use super::visibility_buffer::{BLOCK, CLEARLY, VisibilityBuffer};
 use crate::geometry::{Cluster, LANES};
 use crate::math::{DMat3, DVec3, Vec3};
 
-/// [`draw_instances`], of every instance.
-pub fn draw(scene: &PosedScene, grid: &PinholeGrid, buffer: &mut VisibilityBuffer) {
-    draw_instances(scene, grid, 0..scene.instances.len(), buffer);
+/// [`rasterize_instances`], of every instance.
+pub fn rasterize(scene: &PosedScene, grid: &PinholeGrid, buffer: &mut VisibilityBuffer) {
+    rasterize_instances(scene, grid, 0..scene.instances.len(), buffer);
 }
 
 /// Draws the triangles of some instances (indices into [`PosedScene::instances`]) as the samples of `grid` see them;
@@ -27,7 +27,7 @@ pub fn draw(scene: &PosedScene, grid: &PinholeGrid, buffer: &mut VisibilityBuffe
 ///
 /// Of two surfaces at the same depth the one drawn first is seen: that of the nearer cluster, then of the earlier instance,
 /// cluster and face. Triangles have two sides, but for those of closed surfaces around which the camera is outside.
-pub fn draw_instances(
+pub fn rasterize_instances(
     scene: &PosedScene,
     grid: &PinholeGrid,
     instances: impl Iterator<Item = usize>,
@@ -36,8 +36,8 @@ pub fn draw_instances(
     buffer.reset(grid.rows(), grid.columns());
     let pose = grid.world_from_grid();
     let cam_from_world = DMat3::from_quat(pose.rotation).transpose();
-    let near_first = clusters_in_view(scene, grid, instances, cam_from_world, pose.translation);
-    let mut drawer = Drawer {
+    let front_to_back = clusters_in_view(scene, grid, instances, cam_from_world, pose.translation);
+    let mut rasterizer = Rasterizer {
         scene,
         grid,
         buffer,
@@ -47,7 +47,7 @@ pub fn draw_instances(
         rows_y: grid.padded_rows_y(BLOCK),
         corners: Box::default(),
     };
-    draw_clusters(&mut drawer, &near_first);
+    draw_clusters(&mut rasterizer, &front_to_back);
 }
 
 /// A cluster in view.
@@ -137,7 +137,7 @@ impl Default for Corners {
     }
 }
 
-struct Drawer<'a> {
+struct Rasterizer<'a> {
     scene: &'a PosedScene,
     grid: &'a PinholeGrid,
     buffer: &'a mut VisibilityBuffer,
@@ -153,7 +153,7 @@ struct Drawer<'a> {
 struct Candidate {
     instance: u32,
     face: u32,
-    is_pane: bool,
+    is_transparent: bool,
     has_one_side: bool,
     window: Window,
     least_z_m: f32,
@@ -161,15 +161,15 @@ struct Candidate {
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn draw_clusters(drawer: &mut Drawer<'_>, near_first: &[InView]) {
-    for item in near_first {
-        if !drawer.buffer.is_hidden(&item.window, item.near_m) {
-            drawer.draw_cluster(item);
+fn draw_clusters(rasterizer: &mut Rasterizer<'_>, front_to_back: &[InView]) {
+    for item in front_to_back {
+        if !rasterizer.buffer.is_hidden(&item.window, item.near_m) {
+            rasterizer.draw_cluster(item);
         }
     }
 }
 
-impl Drawer<'_> {
+impl Rasterizer<'_> {
     #[inline(always)]
     fn draw_cluster(&mut self, item: &InView) {
         let instance = &self.scene.instances[item.instance as usize];
@@ -211,11 +211,18 @@ impl Drawer<'_> {
                 }
                 let first = usize::from(piece.first);
                 let face = cluster.faces[first];
-                let is_pane =
+                let is_transparent =
                     if is_mixed { instance.material(face).is_glass() } else { cluster.slots & item.glass != 0 };
                 let (least_z_m, most_z_m) = (least_z_m[i], most_z_m[i]);
-                let mut candidate =
-                    Candidate { instance: item.instance, face, is_pane, has_one_side, window, least_z_m, most_z_m };
+                let mut candidate = Candidate {
+                    instance: item.instance,
+                    face,
+                    is_transparent,
+                    has_one_side,
+                    window,
+                    least_z_m,
+                    most_z_m,
+                };
                 let [a, b, c, d] = corners;
                 if !piece.is_quad() {
                     self.draw_face(&candidate, &Outline::triangle([a, b, c]));
@@ -315,13 +322,14 @@ impl Drawer<'_> {
                 let at = on_image.at((even[0] + odd[BLOCK - 1]) * 0.5, y);
                 let number = block_row * self.buffer.blocks_across + block_column;
                 if on_image.misses(&at)
-                    || self.buffer.states[number].floor > on_image.most_nearness(&at) * CLEARLY
+                    || self.buffer.states[number].least_inverse_depth > on_image.most_inverse_depth(&at) * CLEARLY
                     || self.buffer.is_block_hidden(number, z_m)
                 {
                     continue;
                 }
-                let drawn = on_image.draw(self.buffer.block_mut(number, candidate.is_pane), &rows, &at, id, &exact);
-                self.buffer.note_drawn(number, candidate.is_pane, id, drawn);
+                let drawn =
+                    on_image.draw(self.buffer.block_mut(number, candidate.is_transparent), &rows, &at, id, &exact);
+                self.buffer.note_drawn(number, candidate.is_transparent, id, drawn);
                 is_drawn |= drawn != 0;
             }
         }

@@ -1,4 +1,4 @@
-//! What vehicles and people leave of the sky's light to the ground under and beside them.
+//! Contact occlusion: what vehicles and people leave of the sky's light to the ground under and beside them.
 
 use std::ops::Range;
 
@@ -14,21 +14,38 @@ const CELLS: usize = 72;
 const CELL_M: f32 = 2.0;
 /// How far a body darkens what is about it, in its heights.
 const REACH: f32 = 1.5;
+/// What is narrower, shorter, or lower is a wheel or a limb; what is longer no vehicle. Meters.
+const LEAST_SIZE_M: [f32; 3] = [0.25, 0.25, 0.5];
+const MOST_LENGTH_M: f32 = 30.0;
+/// Half of a body's extents, less what is rounded off.
+const HALF_BODY: f32 = 0.47;
+/// Half the diagonal of a cell, in cells.
+const HALF_DIAGONAL: f32 = 0.71;
+/// Height of the gap under a body, meters.
+const GAP_M: f32 = 0.22;
+/// Light under the middle of a body, and how much more there is at its edges.
+const UNDER: f32 = 0.03;
+const UNDER_EDGES: f32 = 0.42;
+/// The gap darkens what is nearer to the body than this, by so much.
+const GAP_SHADOW_M: f32 = 0.35;
+const GAP_SHADOW: f32 = 0.18;
+/// Heights over a body's bottom at which a point lies on the ground beside it, meters.
+const ON_GROUND_M: Range<f32> = -0.6..0.45;
 
-/// The boxes of a scene's actors.
+/// The boxes of a scene's actors, which occlude the sky.
 #[derive(Debug, Clone)]
-pub struct Contacts {
+pub struct ContactOcclusion {
     min: [f32; 2],
-    blockers: Vec<Blocker>,
-    /// Blockers that reach each cell.
+    occluders: Vec<Occluder>,
+    /// Occluders that reach each cell.
     cells: Vec<Vec<u16>>,
-    /// Cells that some blocker reaches.
+    /// Cells that some occluder reaches.
     reached: BlockSums,
 }
 
 /// A box that shades the ground under and beside it: a vehicle's body.
 #[derive(Debug, Clone)]
-struct Blocker {
+struct Occluder {
     center: Vec3,
     axis_x: Vec3,
     axis_y: Vec3,
@@ -37,29 +54,30 @@ struct Blocker {
     height: f32,
 }
 
-impl Contacts {
+impl ContactOcclusion {
     /// The vehicles and people of a scene, on a map that begins at `min` of the world.
     #[must_use]
     pub fn new(scene: &PosedScene, min: [f32; 2]) -> Self {
-        let (mut blockers, mut cells) = (Vec::new(), vec![Vec::new(); CELLS * CELLS]);
+        let (mut occluders, mut cells) = (Vec::new(), vec![Vec::new(); CELLS * CELLS]);
         for instance in scene.instances.iter().filter(|i| i.actor_id >= 1) {
             let size = instance.mesh.bounds.size();
-            if size.x < 0.25 || size.y < 0.25 || size.z < 0.5 || size.x > 30.0 {
-                continue; // wheels and limbs
+            let [x, y, z] = LEAST_SIZE_M;
+            if size.x < x || size.y < y || size.z < z || size.x > MOST_LENGTH_M {
+                continue;
             }
             let center = instance.center_world.as_vec3();
             let axis = |v: DVec3| (instance.placement.rotation * v).as_vec3();
-            let blocker = Blocker {
+            let occluder = Occluder {
                 center,
                 axis_x: axis(DVec3::X),
                 axis_y: axis(DVec3::Y),
-                half: [size.x * 0.47, size.y * 0.47],
+                half: [size.x * HALF_BODY, size.y * HALF_BODY],
                 bottom_z: center.z - size.z / 2.0,
                 height: size.z,
             };
             let (dx, dy) = (center.x - min[0], center.y - min[1]);
-            // Half a cell's diagonal more: the cells' middles are asked.
-            let reach = REACH * size.z + 0.71 * CELL_M;
+            // Half a cell's diagonal more: the distance is that of the cells' middles.
+            let reach = REACH * size.z + HALF_DIAGONAL * CELL_M;
             let r = 0.5 * (size.x * size.x + size.y * size.y).sqrt() + reach;
             let side = CELLS as f32 * CELL_M;
             if dx + r < 0.0 || dy + r < 0.0 || dx - r >= side || dy - r >= side {
@@ -70,43 +88,43 @@ impl Contacts {
                 let hi = (((d + r) / CELL_M).max(0.0) as usize).min(CELLS - 1);
                 lo..=hi
             };
-            let index = blockers.len().min(usize::from(u16::MAX)) as u16;
+            let index = occluders.len().min(usize::from(u16::MAX)) as u16;
             for y in range(dy) {
                 for x in range(dx) {
                     let middle = |i: usize| (i as f32 + 0.5) * CELL_M;
                     let d = Vec3::new(middle(x) - dx, middle(y) - dy, 0.0);
-                    if blocker.distance(d) <= reach {
+                    if occluder.distance(d) <= reach {
                         cells[y * CELLS + x].push(index);
                     }
                 }
             }
-            blockers.push(blocker);
+            occluders.push(occluder);
         }
         let reached = BlockSums::of(CELLS, CELL_M, |x, y| !cells[y * CELLS + x].is_empty());
-        Self { min, blockers, cells, reached }
+        Self { min, occluders, cells, reached }
     }
 
     /// Share of the sky's light that vehicles leave to points on the ground under or beside them, 0..1; 1 where it is not
-    /// asked. `points` are relative to the eye; the first `count` of them matter. There is room for whole groups of 16.
+    /// queried. `points` are relative to the eye; the first `count` of them matter. There is room for whole groups of 16.
     pub fn shade<const N: usize>(
         &self,
         eye_world: Vec3,
         points: &[[f32; N]; 3],
-        is_asked: &[bool; N],
+        is_queried: &[bool; N],
         count: usize,
-        near: &mut [f32; N],
+        factor: &mut [f32; N],
     ) {
         const { assert!(N.is_multiple_of(TOGETHER), "groups are whole") };
-        near.fill(1.0);
-        let ([xs, ys, _], asked) =
-            (points.each_ref().map(|axis| axis.as_chunks::<TOGETHER>().0), is_asked.as_chunks::<TOGETHER>().0);
+        factor.fill(1.0);
+        let ([xs, ys, _], queried) =
+            (points.each_ref().map(|axis| axis.as_chunks::<TOGETHER>().0), is_queried.as_chunks::<TOGETHER>().0);
         let (to_x, to_y) = (eye_world.x - self.min[0], eye_world.y - self.min[1]);
         let is_reached = |groups: Range<usize>| {
-            let [left, right, low, high] = bounds(&xs[groups.clone()], &ys[groups.clone()], &asked[groups]);
+            let [left, right, low, high] = bounds(&xs[groups.clone()], &ys[groups.clone()], &queried[groups]);
             left <= right && self.reached.any([left + to_x, low + to_y], [right + to_x, high + to_y])
         };
         let groups = count.div_ceil(TOGETHER);
-        // Most are far from all vehicles: all are asked with one question first.
+        // Most are far from all vehicles: all are tested with one query first.
         if groups == 0 || !is_reached(0..groups) {
             return;
         }
@@ -115,7 +133,7 @@ impl Contacts {
             let (start, end) = (group * TOGETHER, ((group + 1) * TOGETHER).min(count));
             reaching.clear();
             let mut last = usize::MAX;
-            for i in (start..end).filter(|i| is_asked[*i]) {
+            for i in (start..end).filter(|i| is_queried[*i]) {
                 let gx = (points[0][i] + eye_world.x - self.min[0]) * (1.0 / CELL_M);
                 let gy = (points[1][i] + eye_world.y - self.min[1]) * (1.0 / CELL_M);
                 if gx < 0.0 || gy < 0.0 || gx >= CELLS as f32 || gy >= CELLS as f32 {
@@ -135,11 +153,11 @@ impl Contacts {
             reaching.sort_unstable();
             for index in &reaching {
                 let axes = points.each_ref().map(|axis| &axis[start..end]);
-                self.blockers[usize::from(*index)].darken(
+                self.occluders[usize::from(*index)].darken(
                     eye_world,
                     axes,
-                    &is_asked[start..end],
-                    &mut near[start..end],
+                    &is_queried[start..end],
+                    &mut factor[start..end],
                 );
             }
         }
@@ -149,7 +167,7 @@ impl Contacts {
 /// Points that are looked at together.
 const TOGETHER: usize = 16;
 
-impl Blocker {
+impl Occluder {
     /// From the body seen from above to a point, relative to the middle.
     fn distance(&self, d: Vec3) -> f32 {
         let ox = (d.dot(self.axis_x).abs() - self.half[0]).max(0.0);
@@ -157,9 +175,9 @@ impl Blocker {
         (ox * ox + oy * oy).sqrt()
     }
 
-    /// Multiplies what the other blockers leave to some points by what this one leaves: 1 beyond `REACH`.
-    fn darken(&self, eye_world: Vec3, points: [&[f32]; 3], is_asked: &[bool], near: &mut [f32]) {
-        darken(self, self.center - eye_world, points, is_asked, near);
+    /// Multiplies what the other occluders leave to some points by what this one leaves: 1 beyond `REACH`.
+    fn darken(&self, eye_world: Vec3, points: [&[f32]; 3], is_queried: &[bool], factor: &mut [f32]) {
+        darken(self, self.center - eye_world, points, is_queried, factor);
     }
 
     #[inline(always)]
@@ -167,9 +185,8 @@ impl Blocker {
         let over = d.z + (self.center.z - self.bottom_z);
         let (x, y) = (d.dot(self.axis_x).abs() - self.half[0], d.dot(self.axis_y).abs() - self.half[1]);
         // Under the body: light comes in flat through the gap at the nearest edges.
-        let gap = 0.22;
         let nearest = x.max(y).min(0.0);
-        let under = 0.03 + 0.42 * (gap * gap / (gap * gap + nearest * nearest));
+        let under = UNDER + UNDER_EDGES * (GAP_M * GAP_M / (GAP_M * GAP_M + nearest * nearest));
         let (ox, oy) = (x.max(0.0), y.max(0.0));
         let distance = (ox * ox + oy * oy).sqrt();
         // A wall of the body's height and of finite width hides up to half of the sky.
@@ -178,54 +195,35 @@ impl Blocker {
         let share = width / (width + distance);
         let fade = (2.0 * (REACH - distance / self.height)).clamp(0.0, 1.0);
         // The gap under the body darkens the last decimetres further.
-        let near = 0.18 * (1.0 - distance * (1.0 / 0.35)).max(0.0);
-        let beside = 1.0 - 0.5 * (1.0 - wall) * share * fade - near;
+        let gap_shadow = GAP_SHADOW * (1.0 - distance * (1.0 / GAP_SHADOW_M)).max(0.0);
+        let beside = 1.0 - 0.5 * (1.0 - wall) * share * fade - gap_shadow;
         let left = if (x < 0.0) & (y < 0.0) { under } else { beside };
-        if (-0.6..0.45).contains(&over) { left } else { 1.0 }
+        if ON_GROUND_M.contains(&over) { left } else { 1.0 }
     }
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn darken(blocker: &Blocker, center: Vec3, [x, y, z]: [&[f32]; 3], is_asked: &[bool], near: &mut [f32]) {
-    for ((near, is_asked), ((x, y), z)) in near.iter_mut().zip(is_asked).zip(x.iter().zip(y).zip(z)) {
-        let left = blocker.leaves(Vec3::new(*x, *y, *z) - center);
-        *near *= if *is_asked { left } else { 1.0 };
+fn darken(occluder: &Occluder, center: Vec3, [x, y, z]: [&[f32]; 3], is_queried: &[bool], factor: &mut [f32]) {
+    for ((factor, is_queried), ((x, y), z)) in factor.iter_mut().zip(is_queried).zip(x.iter().zip(y).zip(z)) {
+        let left = occluder.leaves(Vec3::new(*x, *y, *z) - center);
+        *factor *= if *is_queried { left } else { 1.0 };
     }
 }
 
-/// The least and the greatest x, the least and the greatest y of the asked points; infinite the wrong way round without any.
+/// The least and the greatest x, the least and the greatest y of the queried points; infinite the wrong way round without any.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn bounds(xs: &[[f32; TOGETHER]], ys: &[[f32; TOGETHER]], is_asked: &[[bool; TOGETHER]]) -> [f32; 4] {
-    // One step a loop, on arrays of their own: so the compiler takes whole registers.
-    let none = [f32::INFINITY; TOGETHER];
-    let (mut left, mut right, mut low, mut high) = (none, [-f32::INFINITY; TOGETHER], none, [-f32::INFINITY; TOGETHER]);
-    for ((x, y), is_asked) in xs.iter().zip(ys).zip(is_asked) {
+fn bounds(xs: &[[f32; TOGETHER]], ys: &[[f32; TOGETHER]], is_queried: &[[bool; TOGETHER]]) -> [f32; 4] {
+    let (none, most) = ([f32::INFINITY; TOGETHER], [f32::NEG_INFINITY; TOGETHER]);
+    let (mut left, mut right, mut low, mut high) = (none, most, none, most);
+    for ((x, y), is_queried) in xs.iter().zip(ys).zip(is_queried) {
         for i in 0..TOGETHER {
-            left[i] = if is_asked[i] & (x[i] < left[i]) { x[i] } else { left[i] };
-        }
-        for i in 0..TOGETHER {
-            right[i] = if is_asked[i] & (x[i] > right[i]) { x[i] } else { right[i] };
-        }
-        for i in 0..TOGETHER {
-            low[i] = if is_asked[i] & (y[i] < low[i]) { y[i] } else { low[i] };
-        }
-        for i in 0..TOGETHER {
-            high[i] = if is_asked[i] & (y[i] > high[i]) { y[i] } else { high[i] };
+            left[i] = if is_queried[i] & (x[i] < left[i]) { x[i] } else { left[i] };
+            right[i] = if is_queried[i] & (x[i] > right[i]) { x[i] } else { right[i] };
+            low[i] = if is_queried[i] & (y[i] < low[i]) { y[i] } else { low[i] };
+            high[i] = if is_queried[i] & (y[i] > high[i]) { y[i] } else { high[i] };
         }
     }
-    let mut sides = [left, low, right, high];
-    // The greatest as the least of the opposites.
-    for side in &mut sides[2..] {
-        for v in side {
-            *v = -*v;
-        }
-    }
-    for width in [8, 4, 2, 1] {
-        for side in &mut sides {
-            for i in 0..width {
-                side[i] = if side[i + width] < side[i] { side[i + width] } else { side[i] };
-            }
-        }
-    }
-    [sides[0][0], -sides[2][0], sides[1][0], -sides[3][0]]
+    let least = |side: [f32; TOGETHER]| side.into_iter().fold(f32::INFINITY, f32::min);
+    let greatest = |side: [f32; TOGETHER]| side.into_iter().fold(f32::NEG_INFINITY, f32::max);
+    [least(left), greatest(right), least(low), greatest(high)]
 }

@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
-use super::{EYE_HEIGHT_M, Shadows, Sky, clear_sun_from, ground, sunlit};
+use super::super::shadow::ShadowMaps;
+use super::super::sky::Sky;
+use super::shadow_maps::sunlit;
+use super::{EYE_HEIGHT_M, clear_sun_from, ground};
 use crate::actor::ObjectClass;
 use crate::assets::person::PersonModel;
 use crate::assets::vehicle::VehicleModel;
@@ -12,14 +15,16 @@ use crate::instance::Instance;
 use crate::math::{DVec3, Vec3};
 use crate::sense::PosedScene;
 
-/// The light of the sun on some points in an instance's scene, with its own and with its coarse caster.
+/// The light of the sun on some points in an instance's scene, with its own and with its shadow proxy.
 fn lit_both_ways(instance: Instance, points: &[(Vec3, Vec3)]) -> Vec<[f32; 2]> {
     let s = Sky::new(&clear_sun_from(120.0)).sun_world;
-    let own =
-        Instance { shape: Arc::new(LodSet { coarse_casters: 0, ..(*instance.shape).clone() }), ..instance.clone() };
+    let own = Instance {
+        shape: Arc::new(LodSet { coarse_shadow_proxies: 0, ..(*instance.shape).clone() }),
+        ..instance.clone()
+    };
     let shadows = [own, instance].map(|instance| {
         let scene = PosedScene::new(&[ground(), instance], DVec3::ZERO);
-        Shadows::new(&scene, DVec3::new(0.0, 0.0, EYE_HEIGHT_M), DVec3::X, s, None, Vec::new())
+        ShadowMaps::new(&scene, DVec3::new(0.0, 0.0, EYE_HEIGHT_M), DVec3::X, s, None, Vec::new())
     });
     let at = |(point, normal): &(Vec3, Vec3)| {
         shadows.each_ref().map(|shadows| sunlit(shadows, *point, *normal, normal.dot(s)))
@@ -61,7 +66,7 @@ fn a_coarse_shadow_lies_where_the_fine_one_does() {
 }
 
 #[test]
-fn a_vehicle_does_not_shade_itself_where_its_coarse_caster_stands_out() {
+fn a_vehicle_does_not_shade_itself_where_its_shadow_proxy_stands_out() {
     for seed in 0..6 {
         let car = VehicleModel::generate(ObjectClass::Car, seed).unwrap();
         for x in [7.0, 28.0] {

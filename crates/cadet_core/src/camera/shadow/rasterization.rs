@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use multiversion::multiversion;
 
+use super::face_setup::{Corners, FaceSetup, Plane, rounded};
 use super::map::{EMPTY, HIGHEST, Map, SIZE, STRIDE, TILE, least, most, steps};
-use super::setup::{Corners, Plane, Setup, rounded};
 use crate::geometry::{CLUSTER_FACES, Cluster, LANES, Piece};
 use crate::material::Material;
 use crate::math::{DMat3, Mat3, Vec3};
@@ -13,48 +13,53 @@ use crate::sense::{PosedInstance, PosedScene};
 
 /// Draws all that may shade what the camera sees.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-pub(super) fn draw_casters(scene: &PosedScene, light_from_world: &DMat3, maps: &mut [Map]) {
+pub(super) fn rasterize_casters(scene: &PosedScene, light_from_world: &DMat3, maps: &mut [Map]) {
     let mut points = [[[0.0; LANES]; MAX_POINTS / LANES]; 3];
     for instance in &scene.instances {
         let center = (*light_from_world * instance.center_world).as_vec3();
-        if !maps.iter().any(|m| m.is_asked_in(center, instance.radius_m as f32)) {
+        if !maps.iter().any(|m| m.may_shade_receivers(center, instance.radius_m as f32)) {
             continue;
         }
-        let kinds: Vec<Caster> = instance.palette.materials().iter().map(Caster::of).collect();
-        let slots_of = |kind: Caster| {
-            let of_kind = kinds.iter().take(63).enumerate().filter(|(_, k)| **k == kind);
-            of_kind.fold(0, |bits, (slot, _)| bits | 1_u64 << slot)
+        let castings: Vec<ShadowCasting> = instance.palette.materials().iter().map(ShadowCasting::of).collect();
+        let slots_of = |casting: ShadowCasting| {
+            let of_casting = castings.iter().take(LAST_SLOT).enumerate().filter(|(_, k)| **k == casting);
+            of_casting.fold(0, |bits, (slot, _)| bits | 1_u64 << slot)
         };
-        let (never, always) = (slots_of(Caster::Never), slots_of(Caster::Always));
-        // Bit 63 may stand for several slots.
-        let leaves = instance.palette.leaf_slots() & !(1 << 63);
+        let (never, always) = (slots_of(ShadowCasting::Never), slots_of(ShadowCasting::Always));
+        let leaves = instance.palette.leaf_slots() & !(1 << LAST_SLOT);
         let light_from_local = *light_from_world * instance.placement.rotation;
         let origin = (*light_from_world * instance.placement.translation).as_vec3();
         let light_from_local = light_from_local.as_mat3();
-        for cluster in instance.caster.clusters.iter().filter(|c| c.slots & !never != 0) {
+        for cluster in instance.shadow_proxy.clusters.iter().filter(|c| c.slots & !never != 0) {
             let all_cast = cluster.slots & !always == 0;
             let all_leaves = cluster.slots & !leaves == 0;
             // Of solids, the sides that face the sun cast the same shadow as all of them.
             let is_solid = cluster.closed_slots & !always == 0;
-            let solid = if is_solid { cluster.closed_pieces } else { 0 };
+            let one_sided = if is_solid { cluster.closed_pieces } else { 0 };
             let center = light_from_local * cluster.center + origin;
-            // Far from the world's origin, single precision errs by millimetres.
-            let radius = cluster.radius_m + 0.01;
-            for map in maps.iter_mut().filter(|m| m.is_asked_in(center, radius)) {
+            let radius = cluster.radius_m + ROUNDING_M;
+            for map in maps.iter_mut().filter(|m| m.may_shade_receivers(center, radius)) {
                 map.project(cluster, &light_from_local, origin, &mut points);
                 if all_leaves && map.leaf_step > 1 {
                     map.draw_some(&points, &cluster.pieces);
                 } else if all_cast {
-                    map.draw(&points, &cluster.pieces, solid, 1.0);
+                    map.draw(&points, &cluster.pieces, one_sided, 1.0);
                 } else {
                     let up = light_from_world.z_axis.as_vec3();
-                    let pieces: Vec<Piece> = map.casters_of(instance, cluster, &kinds, &points, up).collect();
+                    let pieces: Vec<Piece> = map.casters_of(instance, cluster, &castings, &points, up).collect();
                     map.draw(&points, &pieces, 0, 1.0);
                 }
             }
         }
     }
 }
+
+/// Bit 63 of a cluster's slots may stand for several.
+const LAST_SLOT: usize = 63;
+/// Far from the world's origin, single precision errs by millimeters.
+const ROUNDING_M: f32 = 0.01;
+/// Ground whose normal's square has more than this upwards is level.
+const LEVEL: f32 = 0.9;
 
 /// A cluster's corners are bytes.
 const MAX_POINTS: usize = 256;
@@ -68,14 +73,14 @@ fn point(points: &Points, i: u8) -> Vec3 {
 
 /// How the faces of a material cast shadows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Caster {
+enum ShadowCasting {
     Always,
     /// Level ground fills the maps and shades nothing; kerbs and banks do.
     UnlessLevel,
     Never,
 }
 
-impl Caster {
+impl ShadowCasting {
     fn of(material: &Material) -> Self {
         match () {
             () if material.is_glass() => Self::Never,
@@ -88,7 +93,7 @@ impl Caster {
 impl Map {
     /// True if a sphere in light coordinates may shade something that the camera sees.
     #[inline]
-    fn is_asked_in(&self, center: Vec3, radius: f32) -> bool {
+    fn may_shade_receivers(&self, center: Vec3, radius: f32) -> bool {
         let (x, y) = ((center.x - self.min[0]) * self.texels_per_m, (center.y - self.min[1]) * self.texels_per_m);
         let (r, size) = (radius * self.texels_per_m, SIZE as f32);
         if x + r < 0.0 || y + r < 0.0 || x - r >= size || y - r >= size {
@@ -96,7 +101,7 @@ impl Map {
         }
         let texel = |v: f32| (v.max(0.0) as usize).min(SIZE - 1);
         let highest = (center.z + radius - self.middle_z) * self.steps_per_m;
-        self.seen.any([texel(x - r), texel(y - r)], [texel(x + r), texel(y + r)], highest)
+        self.receivers.any([texel(x - r), texel(y - r)], [texel(x + r), texel(y + r)], highest)
     }
 
     /// Puts a cluster's vertices into `out`: x and y in texels, z in steps.
@@ -125,7 +130,7 @@ impl Map {
         &'a self,
         instance: &'a PosedInstance,
         cluster: &'a Cluster,
-        kinds: &'a [Caster],
+        castings: &'a [ShadowCasting],
         points: &'a Points,
         up: Vec3,
     ) -> impl Iterator<Item = Piece> + 'a {
@@ -136,14 +141,14 @@ impl Map {
             });
             let normal = (b - a).cross(c - a);
             let rise = normal.dot(up);
-            rise * rise > 0.9 * normal.length_squared()
+            rise * rise > LEVEL * normal.length_squared()
         };
         let casts = move |piece: &Piece| {
             let face = cluster.faces[usize::from(piece.first)];
-            match kinds[usize::from(instance.caster.slots[face as usize])] {
-                Caster::Always => true,
-                Caster::UnlessLevel => !is_level(piece.corners),
-                Caster::Never => false,
+            match castings[usize::from(instance.shadow_proxy.slots[face as usize])] {
+                ShadowCasting::Always => true,
+                ShadowCasting::UnlessLevel => !is_level(piece.corners),
+                ShadowCasting::Never => false,
             }
         };
         cluster.pieces.iter().copied().filter(casts)
@@ -162,10 +167,10 @@ impl Map {
         self.draw(points, &some[..count], 0, (pieces.len() as f32 / count as f32).sqrt());
     }
 
-    /// Draws faces, [`LANES`] of them set up at a time and enlarged about their middles. `solid`: a bit for each of the
+    /// Draws faces, [`LANES`] of them set up at a time and enlarged about their middles. `one_sided`: a bit for each of the
     /// first 64 that has one side.
     #[inline(always)]
-    fn draw(&mut self, points: &Points, pieces: &[Piece], solid: u64, scale: f32) {
+    fn draw(&mut self, points: &Points, pieces: &[Piece], one_sided: u64, scale: f32) {
         for (some, first) in pieces.chunks(LANES).zip((0_u32..).step_by(LANES)) {
             let mut lanes: Corners = [[[0.0; LANES]; 3]; 4];
             let mut is_quad = [false; LANES];
@@ -189,13 +194,13 @@ impl Map {
                     }
                 }
             }
-            let setup = Setup::of(&lanes);
-            let solid = solid.checked_shr(first).unwrap_or(0);
+            let setup = FaceSetup::of(&lanes);
+            let one_sided = one_sided.checked_shr(first).unwrap_or(0);
             let mut drawn = [0; LANES];
             let mut count = 0;
             for i in 0..LANES {
                 drawn[count] = i;
-                count += usize::from(setup.meets_texels[i] & (setup.faces_sun[i] | (solid >> i & 1 == 0)));
+                count += usize::from(setup.meets_texels[i] & (setup.faces_sun[i] | (one_sided >> i & 1 == 0)));
             }
             for i in drawn[..count].iter().map(|i| i % LANES) {
                 if is_quad[i] {
@@ -209,9 +214,9 @@ impl Map {
 
     /// Raises the texels whose middles lie within one of eight faces.
     #[inline(always)]
-    fn face<const EDGES: usize>(&mut self, setup: &Setup, i: usize) {
+    fn face<const EDGES: usize>(&mut self, setup: &FaceSetup, i: usize) {
         let [x0, y0, x1, y1] = setup.bounds.each_ref().map(|lanes| lanes[i] as usize);
-        if !self.seen.any([x0, y0], [x1 - 1, y1 - 1], setup.highest[i]) {
+        if !self.receivers.any([x0, y0], [x1 - 1, y1 - 1], setup.highest[i]) {
             return;
         }
         for [from, to] in &mut self.drawn[y0 / TILE..=(y1 - 1) / TILE] {
@@ -262,8 +267,8 @@ impl Map {
         let width = (x1 - x0) as i32 as f32;
         for top in (y0 / LANES * LANES..y1).step_by(LANES) {
             // Rows of no tile's border: they share what is seen.
-            let [seen_from, seen_to] = self.seen.spans[top / TILE];
-            let (from, to) = (x0.max(seen_from), x1.min(seen_to));
+            let [receivers_from, receivers_to] = self.receivers.spans[top / TILE];
+            let (from, to) = (x0.max(receivers_from), x1.min(receivers_to));
             if from >= to {
                 continue;
             }

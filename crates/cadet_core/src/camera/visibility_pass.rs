@@ -1,4 +1,4 @@
-//! What a camera's samples meet: depth and identity, before light and color.
+//! The visibility pass: what a camera's samples meet: depth and identity, before light and color.
 
 use std::cell::RefCell;
 use std::ops::Range;
@@ -7,7 +7,7 @@ use super::{CameraModel, Warp};
 use crate::error::Result;
 use crate::material::Semantic;
 use crate::math::{DPose3, DVec3, Vec3};
-use crate::sense::{BLOCK, PinholeGrid, PosedScene, VisibilityBuffer, draw};
+use crate::sense::{BLOCK, PinholeGrid, PosedScene, VisibilityBuffer, rasterize};
 
 /// A pinhole camera at a place.
 #[derive(Debug, Clone)]
@@ -37,9 +37,9 @@ impl View {
     }
 }
 
-/// What the camera looks at, before light and color.
+/// What the camera's samples see, before light and color.
 #[derive(Debug)]
-pub struct Seen {
+pub struct Visibility {
     /// Two samples a pixel, in a quincunx: one on its center, one half a pixel to the right and below.
     pub(super) samples: Samples,
     grid: PinholeGrid,
@@ -52,13 +52,13 @@ pub struct Seen {
 pub struct Maps {
     /// z along the optical axis, meters; infinite for the sky.
     pub depth: Vec<f32>,
-    /// -1 sky, 0 static world, actors from 1; panes carry their car's id.
+    /// -1 sky, 0 static world, actors from 1; transparent surfaces carry their car's id.
     pub instance: Vec<i32>,
     /// [`Semantic`] as a byte.
     pub semantic: Vec<u8>,
 }
 
-impl Seen {
+impl Visibility {
     /// As [`Maps::depth`], at the center of a pixel.
     #[must_use]
     pub fn depth_at(&self, row: usize, column: usize) -> f32 {
@@ -90,19 +90,19 @@ impl Seen {
         // Neighbors mostly show the same face.
         let mut last = (u32::MAX, -1, Semantic::Sky as u8);
         for number in 0..buffer.num_blocks() {
-            let solid = buffer.solid(number);
+            let opaque = buffer.opaque(number);
             let (top, left) = (number / buffer.blocks_across * BLOCK, number % buffer.blocks_across * BLOCK);
-            let panes = buffer.panes(number);
+            let transparent = buffer.transparent(number);
             // The samples of every other row lie on the pixels' centers.
             for i in (0..BLOCK.min(2 * height - top)).step_by(2) {
                 let y = rows_y[top + i];
                 let line = (top + i) / 2 * width + left;
                 for j in 0..BLOCK.min(width - left) {
-                    let (mut nearness, mut id) = (solid.nearness[i][j], solid.face[i][j]);
-                    if let Some(panes) = panes.filter(|p| p.nearness[i][j] > nearness) {
-                        (nearness, id) = (panes.nearness[i][j], panes.face[i][j]);
+                    let (mut inverse_depth, mut id) = (opaque.inverse_depth[i][j], opaque.face[i][j]);
+                    if let Some(transparent) = transparent.filter(|p| p.inverse_depth[i][j] > inverse_depth) {
+                        (inverse_depth, id) = (transparent.inverse_depth[i][j], transparent.face[i][j]);
                     }
-                    if nearness <= 0.0 {
+                    if inverse_depth <= 0.0 {
                         continue;
                     }
                     let face = &buffer.faces[id as usize];
@@ -119,15 +119,15 @@ impl Seen {
         Maps { depth, instance, semantic }
     }
 
-    /// As [`Maps::instance`], at a sample: those of row 2 v lie on the centers of the pixels of row v, those of row 2 v + 1 half a
-    /// pixel to the right and below.
+    /// As [`Maps::instance`], at a sample: those of row 2 v lie on the centers of the pixels of row v, those of row 2 v +
+    /// 1 half a pixel to the right and below.
     #[inline]
     #[must_use]
     pub fn actor_at_sample(&self, row: usize, column: usize) -> i32 {
         self.samples.0.front(row, column).map_or(-1, |(face, _)| self.actor_ids[face.instance as usize])
     }
 
-    /// How many samples of a window see an actor; see [`Seen::actor_at_sample`].
+    /// How many samples of a window see an actor; see [`Visibility::actor_at_sample`].
     #[must_use]
     pub fn samples_of_actor(&self, actor_id: i32, rows: Range<usize>, columns: Range<usize>) -> usize {
         let buffer = &self.samples.0;
@@ -168,13 +168,13 @@ impl Drop for Samples {
 ///
 /// # Errors
 /// Those of [`PinholeGrid::new`]: a camera that is none.
-pub fn look(scene: &PosedScene, view: &View) -> Result<Seen> {
+pub fn visibility_pass(scene: &PosedScene, view: &View) -> Result<Visibility> {
     let (width, height) = (view.width, view.height);
     let grid = PinholeGrid::quincunx(view.world_from_cam, view.intrinsics, [0.0, 0.0], height * 2, width)?;
     let mut buffer = SPARE.take();
-    draw(scene, &grid, &mut buffer);
+    rasterize(scene, &grid, &mut buffer);
     let actor_ids = scene.instances.iter().map(|i| i.actor_id).collect();
-    Ok(Seen { samples: Samples(buffer), grid, actor_ids })
+    Ok(Visibility { samples: Samples(buffer), grid, actor_ids })
 }
 
 /// World directions of the image's points, of length 1 along the optical axis.
@@ -209,29 +209,32 @@ impl Rays {
     }
 }
 
-/// Points all over what the camera sees, one for every eight pixels; panes apart from what stands behind.
-pub(super) fn seen_points(rays: &Rays, samples: &Samples, out: &mut Vec<Vec3>) {
+/// The row of samples at which a block is looked at, by turns.
+const POINT_ROWS: [usize; 4] = [0, 4, 2, 6];
+
+/// Points all over what the camera sees, one for every eight pixels; transparent surfaces apart from what stands behind.
+pub(super) fn visible_points(rays: &Rays, samples: &Samples, out: &mut Vec<Vec3>) {
     out.clear();
     let buffer = &samples.0;
     let across = buffer.blocks_across.max(1);
     // Blocks look at different rows, so that what is thin is not passed by; one row is one cache line.
-    let row_of = |block_column: usize, block_row: usize| [0, 4, 2, 6][(block_column + block_row * 2) % 4];
+    let row_of = |block_column: usize, block_row: usize| POINT_ROWS[(block_column + block_row * 2) % POINT_ROWS.len()];
     let mut rows: Vec<[f32; BLOCK]> = Vec::with_capacity(across);
     for (block_row, first) in (0..buffer.num_blocks()).step_by(across).enumerate() {
         // Read at once, so that the processor waits for many lines together.
         rows.clear();
-        rows.extend((0..across).map(|column| buffer.solid(first + column).nearness[row_of(column, block_row)]));
-        for (block_column, solid) in rows.iter().enumerate() {
+        rows.extend((0..across).map(|column| buffer.opaque(first + column).inverse_depth[row_of(column, block_row)]));
+        for (block_column, opaque) in rows.iter().enumerate() {
             let (number, i) = (block_row * across + block_column, row_of(block_column, block_row));
-            let panes = buffer.panes(number).map(|panes| &panes.nearness[i]);
+            let transparent = buffer.transparent(number).map(|transparent| &transparent.inverse_depth[i]);
             for j in (block_row % 2..BLOCK).step_by(2) {
                 let (column, row) = (block_column * BLOCK + j, block_row * BLOCK + i);
                 let direction = rays.direction(column as f32, row as f32 * 0.5);
-                if solid[j] > 0.0 {
-                    out.push(rays.eye + direction * (1.0 / solid[j]));
+                if opaque[j] > 0.0 {
+                    out.push(rays.eye + direction * (1.0 / opaque[j]));
                 }
-                if let Some(panes) = panes.filter(|panes| panes[j] > solid[j]) {
-                    out.push(rays.eye + direction * (1.0 / panes[j]));
+                if let Some(transparent) = transparent.filter(|transparent| transparent[j] > opaque[j]) {
+                    out.push(rays.eye + direction * (1.0 / transparent[j]));
                 }
             }
         }

@@ -20,7 +20,7 @@ const SPREAD: f64 = 0.27;
 /// No place is darker or brighter than this.
 const LIMITS: (f32, f32) = (0.3, 1.9);
 
-/// True for what [`paved`] speaks of: asphalt, slabs and blocks of the ground.
+/// True for what [`paved`] describes: asphalt, slabs and blocks of the ground.
 #[inline]
 pub(super) fn is_varied(material: &Material) -> bool {
     matches!(material.pattern, Pattern::Asphalt | Pattern::Slabs | Pattern::Blocks)

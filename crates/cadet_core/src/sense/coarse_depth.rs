@@ -5,15 +5,15 @@ use super::grid::{BeamGrid, Window};
 /// Columns of a block.
 const BLOCK: usize = 16;
 
-/// For each [`BLOCK`] beams of a row a depth that none of them exceeds: it answers most questions about what is hidden
+/// For each [`BLOCK`] beams of a row a depth that none of them exceeds: it decides most questions about what is hidden
 /// without a look at the beams. Depths only shrink, so a bound from before still holds.
 #[derive(Debug)]
-pub(super) struct FarthestOfBlocks {
+pub(super) struct CoarseDepth {
     per_row: usize,
     bounds: Vec<f32>,
 }
 
-impl FarthestOfBlocks {
+impl CoarseDepth {
     /// Bounds that always hold.
     pub(super) fn new(rows: usize, columns: usize) -> Self {
         let per_row = columns.div_ceil(BLOCK);

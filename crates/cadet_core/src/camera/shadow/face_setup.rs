@@ -3,8 +3,13 @@
 use super::map::{HIGHEST, SIZE, least, most};
 use crate::geometry::LANES;
 
+/// Faces of less area have none, square texels.
+const LEAST_AREA: f32 = 1e-9;
+/// Corners and edges of a face; a triangle's last corner stands twice.
+const EDGES: usize = 4;
+
 /// The corners of [`LANES`] faces: x and y in texels, z in steps. A triangle's last one stands twice.
-pub(super) type Corners = [[[f32; LANES]; 3]; 4];
+pub(super) type Corners = [[[f32; LANES]; 3]; EDGES];
 
 /// What is linear over each of [`LANES`] faces: its value in the middle of the first texel of the face's bounds, and how it
 /// changes from texel to texel.
@@ -17,11 +22,11 @@ pub(super) struct Plane {
 
 /// [`LANES`] faces about to be drawn.
 #[derive(Default)]
-pub(super) struct Setup {
+pub(super) struct FaceSetup {
     /// The first column and row of texels whose middles lie within their bounds, and those after the last.
     pub bounds: [[i32; LANES]; 4],
     /// Not negative on the inner side of their edges.
-    pub edges: [Plane; 4],
+    pub edges: [Plane; EDGES],
     /// Their heights, steps.
     pub z: Plane,
     /// The highest corners.
@@ -32,7 +37,7 @@ pub(super) struct Setup {
     pub faces_sun: [bool; LANES],
 }
 
-impl Setup {
+impl FaceSetup {
     #[inline(always)]
     pub fn of(corners: &Corners) -> Self {
         let mut out = Self::default();
@@ -47,7 +52,7 @@ impl Setup {
             let (abx, aby, abz) = (bx[i] - ax[i], by[i] - ay[i], bz[i] - az[i]);
             let (acx, acy, acz) = (cx[i] - ax[i], cy[i] - ay[i], cz[i] - az[i]);
             let area = abx * acy - aby * acx;
-            out.meets_texels[i] = (left < right) & (top < bottom) & (area.abs() > 1e-9);
+            out.meets_texels[i] = (left < right) & (top < bottom) & (area.abs() > LEAST_AREA);
             out.faces_sun[i] = area > 0.0;
             [out.bounds[0][i], out.bounds[1][i], out.bounds[2][i], out.bounds[3][i]] = [x0, y0, x1, y1];
             let inverse = 1.0 / area;
@@ -60,7 +65,7 @@ impl Setup {
             out.highest[i] = least(bounds([az[i], bz[i], cz[i], dz[i]]).1, HIGHEST);
         }
         for (k, edge) in out.edges.iter_mut().enumerate() {
-            let ([from_x, from_y, _], [to_x, to_y, _]) = (&corners[k], &corners[(k + 1) % 4]);
+            let ([from_x, from_y, _], [to_x, to_y, _]) = (&corners[k], &corners[(k + 1) % EDGES]);
             for i in 0..LANES {
                 let (x, y) = ((from_y[i] - to_y[i]) * sign[i], (to_x[i] - from_x[i]) * sign[i]);
                 edge.first[i] = x * (middle[0][i] - from_x[i]) + y * (middle[1][i] - from_y[i]);

@@ -10,7 +10,7 @@
 use super::air::Air;
 use super::response::Receiver;
 use super::return_mode::ReturnMode;
-use super::returns::{Echo, echo_power, is_echo_heard};
+use super::returns::{Echo, echo_power, is_echo_detected};
 use crate::error::Result;
 use crate::math::{self, DPose3, DQuat, DVec3};
 use crate::sense::{BeamGrid, Hits, LaserRing, NO_HIT, SpinningGrid};
@@ -37,7 +37,7 @@ impl SubBeam {
 
 /// The sub-beams of a sensor: a grid with two rings for each, turned a little to the right and to the left.
 #[derive(Debug, Clone)]
-pub(super) struct Spread {
+pub(super) struct DivergentBeams {
     /// Full cone of a beam.
     pub divergence_rad: f64,
     grid: SpinningGrid,
@@ -47,7 +47,7 @@ pub(super) struct Spread {
     reach: [usize; 2],
 }
 
-impl Spread {
+impl DivergentBeams {
     /// The sub-beams of these rings, azimuths and offsets of rings.
     pub(super) fn new(
         rings: &[LaserRing],
@@ -160,7 +160,7 @@ fn reach(sorted_rad: impl Iterator<Item = f64> + Clone, quarter_rad: f64) -> usi
 const MAX_REACH: usize = 64;
 
 /// What the receiver makes of the echoes of a beam's four quarters: the strongest that stand apart, or the last that is
-/// heard. None where none of them answers.
+/// detected. None where none of them returns anything.
 pub(super) fn chosen_echo(
     quarters: [Option<Echo>; 4],
     mode: ReturnMode,
@@ -182,7 +182,7 @@ pub(super) fn chosen_echo(
         rest = &rest[joined..];
         let is_better = match mode {
             ReturnMode::Strongest => chosen.is_none_or(|c| rank(&echo, air) > rank(&c, air)),
-            ReturnMode::Last => chosen.is_none() || is_echo_heard(&echo, air, receiver, detection),
+            ReturnMode::Last => chosen.is_none() || is_echo_detected(&echo, air, receiver, detection),
         };
         if is_better {
             chosen = Some(echo);
@@ -248,8 +248,8 @@ mod tests {
     #[test]
     fn the_quarters_of_a_beam_share_it_as_a_disc_does() {
         let level = LaserRing::on_axis(0.0, 0.0);
-        let spread = Spread::new(&[level], &[0.0], &[0.0], 3e-3).expect("valid");
-        let spots = spread.directions_velo(0).map(|d| (d.y / 1.5e-3, d.z / 1.5e-3));
+        let divergent = DivergentBeams::new(&[level], &[0.0], &[0.0], 3e-3).expect("valid");
+        let spots = divergent.directions_velo(0).map(|d| (d.y / 1.5e-3, d.z / 1.5e-3));
         let mean_square = spots.iter().map(|(y, _)| y * y).sum::<f64>() / 4.0;
         assert!((mean_square - 0.25).abs() < 1e-5, "a disc's second moment is a quarter of its radius squared");
         // A straight edge at a distance u from the middle, in any direction, leaves a segment's area.
@@ -276,7 +276,7 @@ mod tests {
             let n = spec.num_beams();
             for beam in [0, 1, n / 2 + 17, n - 1] {
                 let middle = rays.directions_velo[beam];
-                let subs = spec.spread().expect("set").directions_velo(beam as u32);
+                let subs = spec.divergent().expect("set").directions_velo(beam as u32);
                 let mean = (subs[0] + subs[1] + subs[2] + subs[3]) * 0.25;
                 assert!((mean - middle).length() < 2e-6);
                 let left = DVec3::new(-middle.y, middle.x, 0.0).normalize();
@@ -295,8 +295,8 @@ mod tests {
         let mut hits = Hits::new(rows, columns);
         let ring = |k: usize| LaserRing::on_axis(-0.03 - 0.01 * k as f64, 0.0);
         let azimuths: Vec<f64> = (0..columns).map(|j| j as f64 * TAU / columns as f64).collect();
-        let spread = Spread::new(&[0, 1, 2, 3, 4].map(ring), &azimuths, &[0.0; 5], 3e-3).expect("valid");
-        let edges_of = |hits: &Hits| spread.edge_beams(hits);
+        let divergent = DivergentBeams::new(&[0, 1, 2, 3, 4].map(ring), &azimuths, &[0.0; 5], 3e-3).expect("valid");
+        let edges_of = |hits: &Hits| divergent.edge_beams(hits);
         assert!(edges_of(&hits).is_empty(), "the sky has no edges");
         // A ring of road: from row to row the range grows by steps that grow themselves.
         for row in 0..rows {
@@ -322,46 +322,46 @@ mod tests {
     }
 
     #[test]
-    fn the_strongest_echo_wins_or_the_last_that_is_heard() {
+    fn the_strongest_echo_wins_or_the_last_that_is_detected() {
         let air = clear();
         let (near, far) = (echo(10.0, 0.3, 1), echo(14.0, 0.3, 2));
         let pick = |quarters, mode, detection| chosen(quarters, mode, detection).map(|e| e.actor_id);
         let half = [near, far, near, far];
         assert_eq!(pick(half, ReturnMode::Strongest, 0.5), Some(1));
         assert_eq!(pick(half, ReturnMode::Last, 0.5), Some(2));
-        // Three quarters of the spot at 14 m answer with more power than one at 10 m: 3 / 14^2 > 1 / 10^2.
+        // Three quarters of the spot at 14 m return more power than one at 10 m: 3 / 14^2 > 1 / 10^2.
         assert_eq!(pick([far, far, near, far], ReturnMode::Strongest, 0.5), Some(2));
         assert_eq!(pick([None, None, near, None], ReturnMode::Last, 0.5), Some(1));
         assert_eq!(pick([None; 4], ReturnMode::Strongest, 0.5), None);
         // The share of the spot is the share of the power.
-        let strongest = chosen(half, ReturnMode::Strongest, 0.5).expect("heard");
+        let strongest = chosen(half, ReturnMode::Strongest, 0.5).expect("detected");
         assert!((strongest.range_m - 10.0).abs() < 1e-12 && (strongest.reflectance - 0.15).abs() < 1e-12);
-        // A far surface is last as often as the receiver hears half of its power.
+        // A far surface is last as often as the receiver detects half of its power.
         let (n, weak) = (2_000, echo(70.0, 0.5, 2));
         let draws = (0..n).map(|i| f64::from(i) / f64::from(n));
         let last = draws.clone().filter(|d| pick([near, weak, near, weak], ReturnMode::Last, *d) == Some(2)).count();
         let half_power = echo(70.0, 0.25, 2).expect("some");
-        assert_eq!(last, draws.filter(|d| is_echo_heard(&half_power, &air, &Receiver::default(), *d)).count());
+        assert_eq!(last, draws.filter(|d| is_echo_detected(&half_power, &air, &Receiver::default(), *d)).count());
         assert!(last > 20 && last < 1_980, "{last}");
     }
 
     #[test]
     fn echoes_within_a_pulse_mix() {
         let two = [echo(20.0, 0.4, 1), echo(20.4, 0.2, 2), echo(20.4, 0.2, 2), echo(20.0, 0.4, 1)];
-        let mixed = chosen(two, ReturnMode::Last, 0.5).expect("heard");
+        let mixed = chosen(two, ReturnMode::Last, 0.5).expect("detected");
         let (p, q) = (0.4 / 400.0, 0.2 / (20.4 * 20.4));
         assert!((mixed.range_m - (p * 20.0 + q * 20.4) / (p + q)).abs() < 1e-12);
         assert!((mixed.reflectance / (mixed.range_m * mixed.range_m) - 0.5 * (p + q)).abs() < 1e-12);
         assert_eq!(mixed.actor_id, 1);
         // A shorter pulse tells them apart: its length is the receiver's.
         let short = Receiver { pulse_s: 2e-9, ..Receiver::default() };
-        let last = chosen_echo(two, ReturnMode::Last, &clear(), &short, 0.5).expect("heard");
+        let last = chosen_echo(two, ReturnMode::Last, &clear(), &short, 0.5).expect("detected");
         assert!((last.range_m - 20.4).abs() < 1e-12 && last.actor_id == 2, "{last:?}");
         let apart = [echo(20.0, 0.4, 1), echo(20.8, 0.4, 2), None, None];
-        assert_eq!(chosen(apart, ReturnMode::Last, 0.5).expect("heard").range_m, 20.8);
+        assert_eq!(chosen(apart, ReturnMode::Last, 0.5).expect("detected").range_m, 20.8);
         let mut plate = echo(20.8, 0.1, 3).expect("some");
         plate.retro = true;
         let beside = [echo(20.0, 0.9, 1), echo(20.0, 0.9, 1), echo(20.0, 0.9, 1), Some(plate)];
-        assert_eq!(chosen(beside, ReturnMode::Strongest, 0.5).expect("heard").actor_id, 3);
+        assert_eq!(chosen(beside, ReturnMode::Strongest, 0.5).expect("detected").actor_id, 3);
     }
 }

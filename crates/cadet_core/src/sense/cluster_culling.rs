@@ -7,7 +7,7 @@ use crate::math::Vec3;
 
 /// A cluster in view.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Visible {
+pub(super) struct VisibleCluster {
     pub near_depth: f32,
     /// Of the middle: what is large reaches far beyond its nearest point, and hides little.
     order_depth: f32,
@@ -17,7 +17,7 @@ pub(super) struct Visible {
     windows: [[u32; 4]; 2],
 }
 
-impl Visible {
+impl VisibleCluster {
     #[inline(always)]
     pub(super) fn windows(&self) -> [Window; 2] {
         self.windows.map(|w| {
@@ -38,7 +38,7 @@ pub(super) fn visible_clusters<G: BeamGrid>(
     to_grid: &ToGrid,
     slots: &[u64],
     keep: impl Fn(&PosedInstance) -> bool,
-) -> Vec<Visible> {
+) -> Vec<VisibleCluster> {
     let mut out = Vec::with_capacity(4 * scene.instances.len());
     for (index, instance) in scene.instances.iter().enumerate() {
         if !keep(instance) {
@@ -61,7 +61,7 @@ pub(super) fn visible_clusters<G: BeamGrid>(
             let center_grid = linear * cluster.center + offset;
             let (windows, near_depth) = grid.sphere_windows(center_grid, loosened(cluster.radius_m, center_grid));
             if windows.iter().any(|w| !w.is_empty()) {
-                out.push(Visible {
+                out.push(VisibleCluster {
                     near_depth,
                     order_depth: near_depth + cluster.radius_m,
                     instance: index as u32,
@@ -80,11 +80,11 @@ const FARTHEST_M: f32 = 131_072.0;
 
 /// The clusters in the order of depth, so nearly that it makes no difference: in steps of 1/128 of the depth, equal ones
 /// as they come.
-pub(super) fn near_first(clusters: &[Visible]) -> Vec<Visible> {
+pub(super) fn front_to_back(clusters: &[VisibleCluster]) -> Vec<VisibleCluster> {
     // The high bits of a positive number rise with it: its exponent and the first bits of its fraction.
     let high_bits = |depth: f32| (depth.to_bits() >> 16) as usize;
     let least = high_bits(NEAREST_M);
-    let key = |v: &Visible| high_bits(v.order_depth.clamp(NEAREST_M, FARTHEST_M)) - least;
+    let key = |v: &VisibleCluster| high_bits(v.order_depth.clamp(NEAREST_M, FARTHEST_M)) - least;
     let mut starts = vec![0_u32; high_bits(FARTHEST_M) - least + 2];
     clusters.iter().for_each(|v| starts[key(v) + 1] += 1);
     let mut sum = 0;
@@ -92,7 +92,7 @@ pub(super) fn near_first(clusters: &[Visible]) -> Vec<Visible> {
         sum += *start;
         *start = sum;
     }
-    let mut sorted = vec![Visible::default(); clusters.len()];
+    let mut sorted = vec![VisibleCluster::default(); clusters.len()];
     for v in clusters {
         let place = &mut starts[key(v)];
         sorted[*place as usize] = *v;
@@ -114,10 +114,10 @@ mod tests {
     #[test]
     fn the_order_is_that_of_depth_to_a_hundredth() {
         let depth = |i: u32| (i * 7919 % 1000) as f32 * 0.3 - 20.0;
-        let item = |i| Visible { order_depth: depth(i), instance: i, ..Visible::default() };
-        let mut clusters: Vec<Visible> = (0..1000).map(item).collect();
+        let item = |i| VisibleCluster { order_depth: depth(i), instance: i, ..VisibleCluster::default() };
+        let mut clusters: Vec<VisibleCluster> = (0..1000).map(item).collect();
         clusters[3].order_depth = f32::INFINITY;
-        let order = near_first(&clusters);
+        let order = front_to_back(&clusters);
         let mut seen: Vec<u32> = order.iter().map(|v| v.instance).collect();
         seen.sort_unstable();
         assert!(seen.iter().enumerate().all(|(i, n)| i as u32 == *n));

@@ -1,9 +1,9 @@
-//! How much of the sky a place sees: a coarse height map of the scene, and probes over it.
+//! Directional sky visibility (ambient occlusion): a coarse height map of the scene, and probes over it.
 
 use multiversion::multiversion;
 
 use super::block_sums::BlockSums;
-use super::contact::Contacts;
+use super::contact_occlusion::ContactOcclusion;
 use crate::math::{DVec3, Vec3};
 use crate::sense::PosedScene;
 
@@ -20,41 +20,66 @@ const AZIMUTHS: usize = 8;
 const COVER_LEAK: f32 = 0.55;
 /// Crowns are not solid: they stand for lower obstacles.
 const CROWN_SHARE: f32 = 0.6;
+/// How far ahead of the camera the map's middle lies, and how high the camera stands over a road where nothing is known,
+/// meters.
+const AHEAD_M: f64 = 50.0;
+const EYE_HEIGHT_M: f64 = 1.65;
+/// Clusters of smaller radius lie in one cell; those of plants below the second are squares of cells. In cells.
+const ONE_CELL: f32 = 0.6;
+const LEAF_CLUSTER: f32 = 1.5;
+/// What stands so much over a probe begins to cover it, and covers it faster by the meter than this.
+const COVER_FROM_M: f32 = 0.8;
+const COVER_PER_M: f32 = 0.7;
+/// Of a cover, the shares of a probe's own cell and of each of the four beside it.
+const COVER_HERE: f32 = 0.4;
+const COVER_BESIDE: f32 = 0.15;
+/// What the azimuths beside a side's own count, and the sum of all three.
+const NEIGHBOR_AZIMUTH: f32 = 0.7;
+const AZIMUTH_SUM: f32 = 2.4;
+/// What faces down sees the sky by way of the ground: at least, and by the sky above.
+const DOWN_LEAST: f32 = 0.4;
+const DOWN_BY_ZENITH: f32 = 0.6;
+/// How far off the surface a point is taken to lie, in cells: else a wall would sit in its own house.
+const OFF_SURFACE: f32 = 1.7;
+/// The last places between two cells, with room for rounding.
+const LAST_CELL: f32 = CELLS as f32 - 1.001;
+/// Beyond the map.
+const UNKNOWN: SkyVisibility = [0.85; 6];
 
-/// Openness per level.
+/// Sky visibility per level.
 type Probes = [[f32; 8]; LEVELS_M.len()];
 
-/// Openness towards +x, -x, +y, -y, +z, -z, each 0..1.
-pub type Openness = [f32; 6];
+/// Sky visibility towards +x, -x, +y, -y, +z, -z, each 0..1.
+pub type SkyVisibility = [f32; 6];
 
-/// The sky's visibility around a camera.
+/// The sky visibility around a camera.
 #[derive(Debug, Clone)]
-pub struct SkyView {
+pub struct SkyProbes {
     min: [f32; 2],
     /// Lowest surface of each cell.
     floor: Vec<f32>,
-    /// Openness per cell and level; padded, so that it is one load.
+    /// Sky visibility per cell and level; padded, so that it is one load.
     probes: Vec<Probes>,
     /// What vehicles and people leave of it to the ground.
-    pub contacts: Contacts,
+    pub contacts: ContactOcclusion,
 }
 
 const GRID_M: f32 = 4.0;
 const GRID: usize = (CELLS as f32 * CELL_M / GRID_M) as usize;
 
-impl SkyView {
-    /// Measures a scene around a camera that looks along `forward_world`, where `seen_world` has points.
+impl SkyProbes {
+    /// Measures a scene around a camera that looks along `forward_world`, where `visible_world` has points.
     #[must_use]
-    pub fn new(scene: &PosedScene, eye_world: DVec3, forward_world: DVec3, seen_world: &[Vec3]) -> Self {
+    pub fn new(scene: &PosedScene, eye_world: DVec3, forward_world: DVec3, visible_world: &[Vec3]) -> Self {
         let flat = DVec3::new(forward_world.x, forward_world.y, 0.0).normalize_or_zero();
-        let middle = eye_world + flat * 50.0;
+        let middle = eye_world + flat * AHEAD_M;
         let half = f64::from(CELLS as f32 * CELL_M) / 2.0;
         // Whole cells, so that nothing flickers from frame to frame.
         let min = [(middle.x - half).floor() as f32, (middle.y - half).floor() as f32];
-        let mut view = Self { min, floor: Vec::new(), probes: Vec::new(), contacts: Contacts::new(scene, min) };
-        let asked = view.asked_blocks(seen_world);
-        let top = view.measure_heights(scene, (eye_world.z - 1.65) as f32, &near_blocks(&asked));
-        view.place_probes(&top, &asked);
+        let mut view = Self { min, floor: Vec::new(), probes: Vec::new(), contacts: ContactOcclusion::new(scene, min) };
+        let needed = view.needed_blocks(visible_world);
+        let top = view.measure_heights(scene, (eye_world.z - EYE_HEIGHT_M) as f32, &near_blocks(&needed));
+        view.place_probes(&top, &needed);
         view
     }
 
@@ -100,12 +125,12 @@ impl SkyView {
                     continue;
                 }
                 let cell = |d: f32| ((d / CELL_M).max(0.0) as usize).min(CELLS - 1);
-                if r < 0.6 * CELL_M {
+                if r < ONE_CELL * CELL_M {
                     // Smaller than a cell: no need to look at the faces.
                     mark(cell(dx), cell(dy), c.z - 0.5 * r, c.z + 0.5 * r);
                     continue;
                 }
-                if is_plant && r < 1.5 * CELL_M {
+                if is_plant && r < LEAF_CLUSTER * CELL_M {
                     // Leaves lie anywhere within.
                     let core = 0.5 * r;
                     for y in cell(dy - core)..=cell(dy + core) {
@@ -134,22 +159,22 @@ impl SkyView {
         top
     }
 
-    /// Blocks of `GRID_M` in which some probe may be asked for: those of the points and their neighbors, as
-    /// [`SkyView::openness`] looks up to 2.7 m aside.
-    fn asked_blocks(&self, seen_world: &[Vec3]) -> Vec<bool> {
+    /// Blocks of `GRID_M` in which some probe may be needed: those of the points and their neighbors, as
+    /// [`SkyProbes::sky_visibility`] looks up to 2.7 m aside.
+    fn needed_blocks(&self, visible_world: &[Vec3]) -> Vec<bool> {
         let mut seen = vec![false; GRID * GRID];
-        for p in seen_world.iter().step_by(3) {
+        for p in visible_world.iter().step_by(3) {
             let (x, y) = ((p.x - self.min[0]) / GRID_M, (p.y - self.min[1]) / GRID_M);
             if x >= 0.0 && y >= 0.0 && x < GRID as f32 && y < GRID as f32 {
                 seen[y as usize * GRID + x as usize] = true;
             }
         }
         let near = |i: usize| i.saturating_sub(1)..(i + 2).min(GRID);
-        let asked = |i: usize| near(i / GRID).any(|y| near(i % GRID).any(|x| seen[y * GRID + x]));
-        (0..GRID * GRID).map(asked).collect()
+        let needed = |i: usize| near(i / GRID).any(|y| near(i % GRID).any(|x| seen[y * GRID + x]));
+        (0..GRID * GRID).map(needed).collect()
     }
 
-    fn place_probes(&mut self, top: &[f32], asked_blocks: &[bool]) {
+    fn place_probes(&mut self, top: &[f32], needed_blocks: &[bool]) {
         const CELLS_PER_BLOCK: usize = CELLS / GRID;
         let directions: [(f32, f32); AZIMUTHS] = {
             let d = std::f32::consts::FRAC_1_SQRT_2;
@@ -165,8 +190,8 @@ impl SkyView {
         let padded = PaddedTop::new(top);
         let mut free = [[0.0_f32; CELLS]; AZIMUTHS];
         for y in 0..CELLS {
-            let asked = &asked_blocks[y / CELLS_PER_BLOCK * GRID..][..GRID];
-            let (Some(first), Some(last)) = (asked.iter().position(|a| *a), asked.iter().rposition(|a| *a)) else {
+            let needed = &needed_blocks[y / CELLS_PER_BLOCK * GRID..][..GRID];
+            let (Some(first), Some(last)) = (needed.iter().position(|a| *a), needed.iter().rposition(|a| *a)) else {
                 continue;
             };
             let columns = first * CELLS_PER_BLOCK..(last + 1) * CELLS_PER_BLOCK;
@@ -176,7 +201,7 @@ impl SkyView {
                     padded.free_share(y, columns.start, line, floor, *over, &mut free[columns.clone()]);
                 }
                 for x in columns.clone() {
-                    if !asked[x / CELLS_PER_BLOCK] {
+                    if !needed[x / CELLS_PER_BLOCK] {
                         continue;
                     }
                     let cell = y * CELLS + x;
@@ -185,17 +210,18 @@ impl SkyView {
                     let zenith: f32 = free.iter().sum::<f32>() / AZIMUTHS as f32;
                     let around = |dx: isize, dy: isize| {
                         let near = |v: usize, d: isize| v.saturating_add_signed(d).min(CELLS - 1);
-                        ((top[near(y, dy) * CELLS + near(x, dx)] - z - 0.8) * 0.7).clamp(0.0, 1.0)
+                        ((top[near(y, dy) * CELLS + near(x, dx)] - z - COVER_FROM_M) * COVER_PER_M).clamp(0.0, 1.0)
                     };
-                    let covered =
-                        0.4 * around(0, 0) + 0.15 * (around(1, 0) + around(-1, 0) + around(0, 1) + around(0, -1));
+                    let covered = COVER_HERE * around(0, 0)
+                        + COVER_BESIDE * (around(1, 0) + around(-1, 0) + around(0, 1) + around(0, -1));
                     let cover = 1.0 - (1.0 - COVER_LEAK) * covered;
                     let side = |k: usize| {
-                        let (a, b) = (free[(k + 7) % 8], free[(k + 1) % 8]);
-                        (free[k] + 0.7 * (a + b)) * (1.0 / 2.4)
+                        let (a, b) = (free[(k + AZIMUTHS - 1) % AZIMUTHS], free[(k + 1) % AZIMUTHS]);
+                        (free[k] + NEIGHBOR_AZIMUTH * (a + b)) * (1.0 / AZIMUTH_SUM)
                     };
-                    let sides = [side(0), side(4), side(2), side(6)].map(|s| s * (0.5 + 0.5 * cover));
-                    let up_and_down = [zenith * cover, (0.4 + 0.6 * zenith) * cover];
+                    let sides = [side(0), side(AZIMUTHS / 2), side(AZIMUTHS / 4), side(3 * AZIMUTHS / 4)]
+                        .map(|s| s * (0.5 + 0.5 * cover));
+                    let up_and_down = [zenith * cover, (DOWN_LEAST + DOWN_BY_ZENITH * zenith) * cover];
                     self.probes[cell][level] =
                         [sides[0], sides[1], sides[2], sides[3], up_and_down[0], up_and_down[1], 0.0, 0.0];
                 }
@@ -203,16 +229,14 @@ impl SkyView {
         }
     }
 
-    /// Openness of a surface point with the given unit normal.
+    /// Sky visibility of a surface point with the given unit normal.
     #[must_use]
-    pub fn openness(&self, point_world: Vec3, normal: Vec3) -> Openness {
-        // Off the surface, else a wall would sit in its own house.
-        let p = point_world + normal * (1.7 * CELL_M);
+    pub fn sky_visibility(&self, point_world: Vec3, normal: Vec3) -> SkyVisibility {
+        let p = point_world + normal * (OFF_SURFACE * CELL_M);
         let gx = (p.x - self.min[0]) / CELL_M - 0.5;
         let gy = (p.y - self.min[1]) / CELL_M - 0.5;
-        let limit = CELLS as f32 - 1.001;
-        if !(0.0..limit).contains(&gx) || !(0.0..limit).contains(&gy) {
-            return [0.85; 6];
+        if !(0.0..LAST_CELL).contains(&gx) || !(0.0..LAST_CELL).contains(&gy) {
+            return UNKNOWN;
         }
         let [a, b, c, d, e, f, _, _] = between(&self.floor, &self.probes, [gx, gy], point_world.z);
         [a, b, c, d, e, f]
@@ -250,12 +274,12 @@ const BETWEEN: [(usize, usize); LEVELS_M.len() + 1] = [(0, 0), (0, 1), (1, 2), (
 const PER_RISE: [f32; LEVELS_M.len() + 1] =
     [0.0, 1.0 / (LEVELS_M[1] - LEVELS_M[0]), 1.0 / (LEVELS_M[2] - LEVELS_M[1]), 1.0 / (LEVELS_M[3] - LEVELS_M[2]), 0.0];
 
-/// The blocks within the probes' longest step of some that are asked for.
-fn near_blocks(asked: &[bool]) -> BlockSums {
+/// The blocks within the probes' longest step of those that are needed.
+fn near_blocks(needed: &[bool]) -> BlockSums {
     const REACH: usize = 7;
     let near = |i: usize| i.saturating_sub(REACH)..(i + REACH + 1).min(GRID);
     // Along rows first, then along columns.
-    let rows: Vec<bool> = (0..GRID * GRID).map(|i| near(i % GRID).any(|x| asked[i / GRID * GRID + x])).collect();
+    let rows: Vec<bool> = (0..GRID * GRID).map(|i| near(i % GRID).any(|x| needed[i / GRID * GRID + x])).collect();
     BlockSums::of(GRID, GRID_M, |x, y| near(y).any(|y| rows[y * GRID + x]))
 }
 

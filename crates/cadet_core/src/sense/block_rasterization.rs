@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use multiversion::multiversion;
 
+use super::depth_test::{ROW_BITS, any, bits_by_column, keep_nearer, mask};
 use super::outline::Outline;
 use super::pinhole::PinholeGrid;
 use super::visibility_buffer::{BLOCK, Block, DrawnFace};
@@ -18,17 +19,15 @@ const EDGES: usize = 4;
 
 /// What is affine on the image, at a place.
 #[derive(Clone, Copy)]
-pub(super) struct Ways {
+pub(super) struct AffineValues {
     /// How far inside of each edge, in samples.
     edges: [f32; EDGES],
     /// 1/m.
-    nearness: f32,
+    inverse_depth: f32,
 }
 
 /// A row and the next.
 type TwoRows = [f32; 2 * BLOCK];
-/// Their bits, before they are shifted to the row.
-const ROW_BITS: [u32; 2 * BLOCK] = [1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 2, 2, 2];
 
 /// From a block's middle to its first sample, columns or rows.
 const HALF: f32 = (BLOCK - 1) as f32 / 2.0;
@@ -39,31 +38,31 @@ const COLUMNS: TwoRows = [0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 0.5, 1.5, 2.5,
 const DOUBT: f32 = 1e-5;
 /// Edges so far from the middle of the image, in samples, are looked at exactly.
 const FAR: f64 = 1e8;
-/// How often the least nearness that is drawn may be contained in the block's; what is steeper is computed exactly.
+/// How often the least inverse depth that is drawn may be contained in the block's; what is steeper is computed exactly.
 const STEEP: f32 = 4.0;
 
 /// A triangle or a flat convex quadrilateral as functions that are affine on the image: how far a sample lies inside of
-/// each edge, in samples, and its nearness, 1/m.
+/// each edge, in samples, and its inverse depth, 1/m.
 pub(super) struct FaceOnImage {
     /// Towards the inside, not scaled.
     edges: [DVec3; EDGES],
     is_quad: bool,
-    /// Turned towards the camera, and volume: nearness = normal · (x, y, 1) / volume.
+    /// Turned towards the camera, and volume: inverse depth = normal · (x, y, 1) / volume.
     normal: DVec3,
     volume: f64,
     /// Of the edges, by x / z, by y / z, and the rest.
     by_x: [f64; EDGES],
     by_y: [f64; EDGES],
     rest: [f64; EDGES],
-    /// Of the nearness.
-    nearness: [f64; 3],
+    /// Of the inverse depth.
+    inverse_depth: [f64; 3],
     /// By column and by row.
-    across: Ways,
-    down: Ways,
+    across: AffineValues,
+    down: AffineValues,
     /// What changes at most from a block's middle to its samples.
-    reach: Ways,
-    /// A nearness that all of the face reaches.
-    least_nearness: f32,
+    reach: AffineValues,
+    /// An inverse depth that all of the face reaches.
+    least_inverse_depth: f32,
     /// Half of how far the samples of odd rows lie further right, columns.
     shift: f32,
     /// Single precision tells on which side of the edges samples lie.
@@ -103,8 +102,8 @@ impl FaceOnImage {
         }
         // Not where any is NaN.
         let is_plain = (most[0] < FAR) & (most[1] < FAR) & (most[2] < FAR) & (most[3] < FAR);
-        let nearness = (normal * (1.0 / volume)).to_array();
-        let (x, y) = (nearness[0] * column, nearness[1] * row);
+        let inverse_depth = (normal * (1.0 / volume)).to_array();
+        let (x, y) = (inverse_depth[0] * column, inverse_depth[1] * row);
         let reach_near = ((x.abs() * (half + shift) + y.abs() * half) * 1.000_01) as f32;
         Some(Self {
             edges,
@@ -114,11 +113,11 @@ impl FaceOnImage {
             by_x,
             by_y,
             rest,
-            nearness,
-            across: Ways { edges: across, nearness: x as f32 },
-            down: Ways { edges: down, nearness: y as f32 },
-            reach: Ways { edges: reach, nearness: reach_near },
-            least_nearness: 1.0 / most_z_m,
+            inverse_depth,
+            across: AffineValues { edges: across, inverse_depth: x as f32 },
+            down: AffineValues { edges: down, inverse_depth: y as f32 },
+            reach: AffineValues { edges: reach, inverse_depth: reach_near },
+            least_inverse_depth: 1.0 / most_z_m,
             shift: shift as f32,
             is_plain,
         })
@@ -131,28 +130,28 @@ impl FaceOnImage {
 
     /// The functions at the middle of a block, given by x / z and y / z.
     #[inline(always)]
-    pub(super) fn at(&self, x: f64, y: f64) -> Ways {
+    pub(super) fn at(&self, x: f64, y: f64) -> AffineValues {
         let mut edges = [0.0; EDGES];
         for k in 0..EDGES {
             edges[k] = (self.by_x[k] * x + (self.by_y[k] * y + self.rest[k])) as f32;
         }
-        let [by_x, by_y, rest] = self.nearness;
-        Ways { edges, nearness: (by_x * x + (by_y * y + rest)) as f32 }
+        let [by_x, by_y, rest] = self.inverse_depth;
+        AffineValues { edges, inverse_depth: (by_x * x + (by_y * y + rest)) as f32 }
     }
 
-    /// A nearness that the face's plane does not reach on a block.
+    /// An inverse depth that the face's plane does not reach on a block.
     #[inline(always)]
-    pub(super) fn most_nearness(&self, at: &Ways) -> f32 {
-        if self.is_flat(at) { at.nearness + self.reach.nearness } else { f32::INFINITY }
+    pub(super) fn most_inverse_depth(&self, at: &AffineValues) -> f32 {
+        if self.is_flat(at) { at.inverse_depth + self.reach.inverse_depth } else { f32::INFINITY }
     }
 
-    /// True if single precision tells the nearness on a block to a millionth.
+    /// True if single precision tells the inverse depth on a block to a millionth.
     #[inline(always)]
-    fn is_flat(&self, at: &Ways) -> bool {
-        let (nearness, reach) = (at.nearness, self.reach.nearness);
-        let least = nearness - reach;
-        let least = if least > self.least_nearness { least } else { self.least_nearness };
-        nearness.abs() + reach < STEEP * least
+    fn is_flat(&self, at: &AffineValues) -> bool {
+        let (inverse_depth, reach) = (at.inverse_depth, self.reach.inverse_depth);
+        let least = inverse_depth - reach;
+        let least = if least > self.least_inverse_depth { least } else { self.least_inverse_depth };
+        inverse_depth.abs() + reach < STEEP * least
     }
 
     /// The x / z between which the middles of blocks may lie that the face meets, in a row of blocks whose middles lie at
@@ -178,7 +177,7 @@ impl FaceOnImage {
 
     /// True if no sample of a block lies inside.
     #[inline(always)]
-    pub(super) fn misses(&self, at: &Ways) -> bool {
+    pub(super) fn misses(&self, at: &AffineValues) -> bool {
         let mut is_outside = false;
         for k in 0..EDGES {
             is_outside |= at.edges[k] + self.reach.edges[k] < -DOUBT;
@@ -195,7 +194,7 @@ impl FaceOnImage {
         &self,
         block: &mut Block,
         rows: &Range<usize>,
-        at: &Ways,
+        at: &AffineValues,
         id: u32,
         exact: &ExactBlock<'_>,
     ) -> u64 {
@@ -234,20 +233,20 @@ impl FaceOnImage {
     }
 
     #[inline(always)]
-    fn edge_rows(&self, at: &Ways, k: usize, row: usize) -> (TwoRows, f32) {
+    fn edge_rows(&self, at: &AffineValues, k: usize, row: usize) -> (TwoRows, f32) {
         self.rows([at.edges[k], self.across.edges[k], self.down.edges[k]], row)
     }
 
     #[inline(always)]
-    fn nearness_rows(&self, at: &Ways, row: usize) -> (TwoRows, f32) {
-        self.rows([at.nearness, self.across.nearness, self.down.nearness], row)
+    fn inverse_depth_rows(&self, at: &AffineValues, row: usize) -> (TwoRows, f32) {
+        self.rows([at.inverse_depth, self.across.inverse_depth, self.down.inverse_depth], row)
     }
 
     /// Draws on a block that lies inside of all edges.
     #[inline(always)]
-    fn draw_all(&self, block: &mut Block, at: &Ways, id: u32) -> u64 {
+    fn draw_all(&self, block: &mut Block, at: &AffineValues, id: u32) -> u64 {
         let mut nearer = [0_u32; 2 * BLOCK];
-        let (mut value, step) = self.nearness_rows(at, 0);
+        let (mut value, step) = self.inverse_depth_rows(at, 0);
         for row in (0..BLOCK).step_by(2) {
             let mut bits = [0; 2 * BLOCK];
             for i in 0..2 * BLOCK {
@@ -264,7 +263,7 @@ impl FaceOnImage {
     /// Draws the samples whose bits are set by the kernel's test ([`super::BeamGrid::cover`]), bit for bit.
     #[cold]
     #[inline(never)]
-    fn draw_exactly(&self, block: &mut Block, id: u32, asked: u64, exact: &ExactBlock<'_>) -> u64 {
+    fn draw_exactly(&self, block: &mut Block, id: u32, mask: u64, exact: &ExactBlock<'_>) -> u64 {
         let mut nearer = 0;
         let inverse = 1.0 / self.volume;
         for (row, y) in exact.rows_y.iter().enumerate() {
@@ -272,12 +271,12 @@ impl FaceOnImage {
             let facing = self.normal.y * y + self.normal.z;
             for (i, x) in exact.columns_x[row % 2].iter().enumerate() {
                 let bit = 1 << (BLOCK * i + row);
-                if asked & bit == 0 {
+                if mask & bit == 0 {
                     continue;
                 }
                 let is_in = (0..EDGES).all(|k| self.edges[k].x * x + rests[k] >= 0.0);
                 let value = ((self.normal.x * x + facing) * inverse) as f32;
-                let old = &mut block.nearness[row][i];
+                let old = &mut block.inverse_depth[row][i];
                 if is_in && value > *old {
                     (*old, block.face[row][i]) = (value, id);
                     nearer |= bit;
@@ -296,7 +295,7 @@ fn draw_within<const EDGES: usize>(
     face: &FaceOnImage,
     block: &mut Block,
     rows: &Range<usize>,
-    at: &Ways,
+    at: &AffineValues,
     id: u32,
     nearer: &mut [u32; 2 * BLOCK],
     doubt: &mut [u32; 2 * BLOCK],
@@ -306,7 +305,7 @@ fn draw_within<const EDGES: usize>(
     let (mut second, second_step) = face.edge_rows(at, 1, start);
     let (mut third, third_step) = face.edge_rows(at, 2, start);
     let (mut fourth, fourth_step) = if EDGES == 4 { face.edge_rows(at, 3, start) } else { ([0.0; 2 * BLOCK], 0.0) };
-    let (mut value, value_step) = face.nearness_rows(at, start);
+    let (mut value, value_step) = face.inverse_depth_rows(at, start);
     for row in (start..rows.end.min(BLOCK)).step_by(2) {
         let mut bits = [0; 2 * BLOCK];
         let mut least = [0.0; 2 * BLOCK];
@@ -347,57 +346,4 @@ fn draw_within<const EDGES: usize>(
 pub(super) struct ExactBlock<'a> {
     pub columns_x: [&'a [f64; BLOCK]; 2],
     pub rows_y: &'a [f64; BLOCK],
-}
-
-/// Keeps what is nearer in an even row and the next: `bits` are those of positive numbers, or 0.
-///
-/// Numbers are compared by their bits: the compiler would make slow masked stores of a choice.
-#[inline(always)]
-fn keep_nearer(block: &mut Block, row: usize, bits: &[u32; 2 * BLOCK], id: u32, nearer: &mut [u32; 2 * BLOCK]) {
-    let (Some(nearness), Some(face)) = (
-        block.nearness.as_flattened_mut()[row * BLOCK..].first_chunk_mut::<{ 2 * BLOCK }>(),
-        block.face.as_flattened_mut()[row * BLOCK..].first_chunk_mut::<{ 2 * BLOCK }>(),
-    ) else {
-        return;
-    };
-    // One step a loop: so the compiler takes whole registers. `map` might become a function of its own.
-    let (mut old, old_ids) = ([0; 2 * BLOCK], *face);
-    for i in 0..2 * BLOCK {
-        old[i] = nearness[i].to_bits();
-    }
-    let (mut is_nearer, mut new, mut new_ids) = ([0; 2 * BLOCK], [0.0; 2 * BLOCK], [0; 2 * BLOCK]);
-    for i in 0..2 * BLOCK {
-        is_nearer[i] = (old[i].wrapping_sub(bits[i]) as i32 >> 31) as u32;
-    }
-    for i in 0..2 * BLOCK {
-        new[i] = f32::from_bits(if bits[i] > old[i] { bits[i] } else { old[i] });
-    }
-    for i in 0..2 * BLOCK {
-        new_ids[i] = (id ^ old_ids[i]) & is_nearer[i] ^ old_ids[i];
-    }
-    for i in 0..2 * BLOCK {
-        nearer[i] |= is_nearer[i] & (ROW_BITS[i] << row);
-    }
-    (*nearness, *face) = (new, new_ids);
-}
-
-#[inline(always)]
-fn mask(is: bool) -> u32 {
-    u32::from(is).wrapping_neg()
-}
-
-#[inline(always)]
-fn any(lanes: &[u32; 2 * BLOCK]) -> bool {
-    lanes.iter().fold(0, |all, lane| all | lane) != 0
-}
-
-/// The low bytes of eight columns, of even and of odd rows, as one number: column by column. The other bytes must be 0.
-#[inline(never)]
-#[must_use]
-pub fn bits_by_column(lanes: &[u32; 2 * BLOCK]) -> u64 {
-    let mut bytes = [0; BLOCK];
-    for i in 0..BLOCK {
-        bytes[i] = (lanes[i] | lanes[BLOCK + i]) as u8;
-    }
-    u64::from_le_bytes(bytes)
 }

@@ -1,0 +1,140 @@
+//! The base color of a batch's surfaces: texture and snow.
+
+use multiversion::multiversion;
+
+use super::super::face::{Flags, ShaderVariant};
+use super::super::shading_queue::{BATCH_SIZE, BatchScalar};
+use super::super::textures::{self, PatternPoint};
+use super::super::value_noise::value_noise;
+use super::batch::{BatchVector, ShadingCamera, SurfaceGeometry, SurfaceInputs, get, put};
+use crate::material::Pattern;
+use crate::math::Vec3;
+
+/// Leaves that are seen nearly edge-on are stretched no further, by the squared sine of their angle to the view.
+const LEAST_SINE_SQUARED: f32 = 0.02;
+/// Drifts of snow: cells of noise per meter.
+const DRIFTS_PER_M: f32 = 0.6;
+const DRIFT_SALT: u32 = 0x5E0;
+/// What traffic leaves of the snow on roads.
+const WORN_SNOW: f32 = 0.55;
+/// Snow begins to lie where a normal rises by the first number, and covers faster than its rise by the second.
+const SNOW_RISE: (f32, f32) = (0.4, 2.0);
+const SNOW_ALBEDO: f32 = 0.8;
+
+/// Which of a pair's pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    Left,
+    Right,
+}
+
+impl Side {
+    pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
+
+    /// From the pair's middle, in half spacings.
+    fn offset(self) -> f32 {
+        if self == Self::Left { -1.0 } else { 1.0 }
+    }
+}
+
+/// The coordinates of the texture in the left or the right pixels.
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+pub fn place_texture(
+    inputs: &SurfaceInputs,
+    m: usize,
+    camera: &ShadingCamera,
+    variant: ShaderVariant,
+    side: Side,
+    out: &mut [BatchScalar; 2],
+) {
+    let m = m.min(BATCH_SIZE);
+    let side = side.offset();
+    let mut points = [[0.0; BATCH_SIZE]; 3];
+    for i in 0..m {
+        let aside = inputs.half_spacing[i] * side;
+        let direction = camera.corner + camera.right * (inputs.u[i] + aside) + camera.down * inputs.v[i];
+        // What is seen from its rim ends before the next pixel's middle.
+        let middle = inputs.inverse_depth[i];
+        let inverse_depth = (middle + inputs.inverse_depth_by_column[i] * aside).max(0.5 * middle).min(2.0 * middle);
+        put(&mut points, i, direction * (1.0 / inverse_depth));
+    }
+    let [u, v] = out;
+    if variant.pattern == Pattern::Leaves {
+        let [across, down] = [camera.right.normalize(), camera.down.normalize()];
+        for i in 0..m {
+            let point = get(&points, i);
+            let normal = get(&inputs.face_normal, i);
+            // Along the leaf: leaves seen edge-on, and the sides of hedges, would be streaks.
+            let [along, upwards] = [across, down]
+                .map(|axis| 1.0 / (1.0 - normal.dot(axis) * normal.dot(axis)).max(LEAST_SINE_SQUARED).sqrt());
+            u[i] = (point.dot(across) + inputs.at_eye[0][i]) * along;
+            v[i] = (point.dot(down) + inputs.at_eye[1][i]) * upwards;
+        }
+    } else {
+        for i in 0..m {
+            let point = get(&points, i);
+            u[i] = point.dot(get(&inputs.axis_u, i)) + inputs.at_eye[0][i];
+            v[i] = point.dot(get(&inputs.axis_v, i)) + inputs.at_eye[1][i];
+        }
+    }
+}
+
+/// The material's albedo, by the variant's texture.
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+pub fn texture(
+    inputs: &SurfaceInputs,
+    geometry: &SurfaceGeometry,
+    [u, v]: &[BatchScalar; 2],
+    m: usize,
+    pattern: Pattern,
+    out: &mut BatchVector,
+) {
+    macro_rules! fill {
+        ($($of:ident),*) => {
+            match pattern {
+                Pattern::Plain => (),
+                $(Pattern::$of => {
+                    for i in 0..m.min(BATCH_SIZE) {
+                        let at = PatternPoint {
+                            u: u[i],
+                            v: v[i],
+                            footprint_m: geometry.footprint_m[i],
+                            pixel_m: geometry.pixel_m[i],
+                            face_hash: inputs.face_hash[i],
+                            place_hash: inputs.place_hash[i],
+                        };
+                        put(out, i, textures::albedo(Pattern::$of, get(&inputs.albedo, i), &at));
+                    }
+                })*
+            }
+        };
+    }
+    fill!(Asphalt, Slabs, Blocks, Bricks, Render, Tiles, Grass, Leaves, Wood, Cloth);
+}
+
+/// Lays snow on the left or the right pixels.
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+pub fn snow(
+    inputs: &SurfaceInputs,
+    geometry: &SurfaceGeometry,
+    m: usize,
+    camera: &ShadingCamera,
+    snow: f32,
+    side: Side,
+    out: &mut BatchVector,
+) {
+    let side = side.offset();
+    let (eye, right) = (camera.eye, camera.right);
+    for i in 0..m.min(BATCH_SIZE) {
+        // In the pixel itself: in the pair's middle, each pair would have its own drift.
+        let aside = inputs.half_spacing[i] * side / inputs.inverse_depth[i];
+        let (x, y) = (geometry.point[0][i] + right.x * aside + eye.x, geometry.point[1][i] + right.y * aside + eye.y);
+        let drift = value_noise(x * DRIFTS_PER_M, y * DRIFTS_PER_M, DRIFT_SALT);
+        let worn = if inputs.flags[i] & Flags::ROAD > 0 { WORN_SNOW } else { 1.0 };
+        let lies = if inputs.flags[i] & Flags::VEHICLE > 0 { 0.0 } else { 1.0 };
+        let level = ((geometry.normal[2][i] - SNOW_RISE.0) * SNOW_RISE.1).clamp(0.0, 1.0);
+        let cover = level * (snow * worn * (0.5 + drift)).min(1.0) * lies;
+        let albedo = get(out, i);
+        put(out, i, albedo + (Vec3::splat(SNOW_ALBEDO) - albedo) * cover);
+    }
+}

@@ -1,0 +1,152 @@
+//! The light that a batch's surfaces send towards the camera.
+//!
+//! Every pair goes through the same IEEE operations in the same order whatever the instruction set, so that the bytes are
+//! the same with wide registers and without.
+
+use multiversion::multiversion;
+
+use super::super::face::{Flags, ShaderVariant};
+use super::super::light::Light;
+use super::super::shading_queue::BATCH_SIZE;
+use super::super::sky::Sky;
+use super::super::value_noise::value_noise;
+use super::batch::{BatchVector, IncidentLight, OutgoingLight, SurfaceGeometry, SurfaceInputs, get, put};
+use super::reflections::{environment, fifth, highlight};
+use crate::material::Pattern;
+use crate::math::Vec3;
+
+/// Leaves get ambient light through their neighbors, too.
+const LEAF_AMBIENT: f32 = 1.3;
+/// Leaves turn to all sides and let through a third of the light, yellower.
+const LEAF_TRANSMISSION: f32 = 0.40;
+const LEAF_TRANSMISSION_TINT: Vec3 = Vec3::new(0.85, 1.0, 0.50);
+/// Of the sun's light, the share that goes by the cosine, and what is scattered to all sides.
+const LEAF_DIRECT: f32 = 0.8;
+const LEAF_SCATTERED: f32 = 0.12;
+/// Surfaces whose normals rise more get wet, and lose this share of their diffuse light.
+const WET_RISE: f32 = 0.5;
+const WET_DARKENING: f32 = 0.45;
+/// Of ground on which the film begins: stones stand out of it, and drops stir it, so that it is no mirror.
+const WET_ROUGHNESS: f32 = 0.55;
+/// A full film is so much smoother.
+const SMOOTHER_BY_FILM: f32 = 0.2;
+/// Puddles: cells of noise per meter, and the film by wetness and by noise.
+const PUDDLES_PER_M: f32 = 0.35;
+const PUDDLE_SALT: u32 = 0xF11;
+const FILM_BY_WETNESS: f32 = 1.5;
+const FILM_BY_PUDDLE: f32 = 0.9;
+/// Reflectance of water at normal incidence (n = 1.33).
+const WATER_F0: f32 = 0.02;
+/// Contact occlusion leaves at least this share of what is mirrored.
+const LEAST_MIRRORED: f32 = 0.3;
+/// What reflects more at normal incidence is a metal, which colors what it reflects.
+const METAL_F0: f32 = 0.5;
+/// Reflectance of a face of glass at normal incidence (n = 1.54); both faces of a pane reflect.
+const GLASS_F0: f32 = 0.045;
+const BOTH_FACES: f32 = 1.8;
+const GLASS_ROUGHNESS: f32 = 0.15;
+const GLASS_TINT: Vec3 = Vec3::new(0.93, 1.0, 0.95);
+
+/// Ambient irradiance by shading normals, of faces that are not flat.
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+pub fn ambient_of_normals(geometry: &SurfaceGeometry, m: usize, sky: &Sky, incident: &mut IncidentLight) {
+    for i in 0..m.min(BATCH_SIZE) {
+        let sky_visibility = std::array::from_fn(|k| incident.sky_visibility[k][i]);
+        let ambient = sky.ambient_with_bounce(get(&geometry.normal, i), &sky_visibility);
+        put(&mut incident.ambient, i, ambient);
+    }
+}
+
+/// Diffuse irradiance: of sun and sky, on leaves of what comes through them; on wet ground what is left of it.
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+pub fn diffuse(
+    geometry: &SurfaceGeometry,
+    incident: &IncidentLight,
+    m: usize,
+    (sky, wetness): (&Sky, f32),
+    variant: ShaderVariant,
+    out: &mut BatchVector,
+) {
+    let is_leaf = variant.pattern == Pattern::Leaves;
+    for i in 0..m.min(BATCH_SIZE) {
+        let normal = get(&geometry.normal, i);
+        let ambient =
+            get(&incident.ambient, i) * (incident.contact_occlusion[i] * if is_leaf { LEAF_AMBIENT } else { 1.0 });
+        let cos_sun = geometry.cos_sun[i];
+        let facing = cos_sun.max(0.0);
+        let direct = if is_leaf {
+            let through = LEAF_TRANSMISSION_TINT * (LEAF_TRANSMISSION * (-cos_sun).max(0.0));
+            (Vec3::splat(facing) + through) * LEAF_DIRECT + Vec3::splat(LEAF_SCATTERED)
+        } else {
+            Vec3::splat(facing)
+        };
+        let wet = if normal.z > WET_RISE { 1.0 - WET_DARKENING * wetness } else { 1.0 };
+        put(out, i, (sky.sun * direct * incident.shadow_factor[i] + ambient) * wet);
+    }
+}
+
+/// What a coat or a film of water reflects, and what it leaves of the diffuse light.
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+pub fn specular(
+    inputs: &SurfaceInputs,
+    geometry: &SurfaceGeometry,
+    incident: &IncidentLight,
+    irradiance: &BatchVector,
+    m: usize,
+    (light, eye): (&Light, Vec3),
+    out: &mut OutgoingLight,
+) {
+    let (sky, wetness) = (&light.sky, light.wetness);
+    for i in 0..m.min(BATCH_SIZE) {
+        let (view, normal) = (get(&geometry.view, i), get(&geometry.normal, i));
+        let (x, y) = (geometry.point[0][i] + eye.x, geometry.point[1][i] + eye.y);
+        let puddle = value_noise(x * PUDDLES_PER_M, y * PUDDLES_PER_M, PUDDLE_SALT);
+        let is_wet = inputs.flags[i] & Flags::GROUND > 0 && normal.z > WET_RISE;
+        let film = if is_wet { (wetness * FILM_BY_WETNESS - FILM_BY_PUDDLE * puddle).clamp(0.0, 1.0) } else { 0.0 };
+        let f0 = if film > 0.0 { WATER_F0 } else { inputs.f0[i] };
+        let roughness = if film > 0.0 { WET_ROUGHNESS - SMOOTHER_BY_FILM * film } else { inputs.roughness[i] };
+        let cos_view = (-view.dot(normal)).clamp(0.0, 1.0);
+        let smooth = (1.0 - roughness) * (1.0 - roughness);
+        let fresnel = f0 + (1.0 - f0) * fifth(1.0 - cos_view) * smooth;
+        let fresnel = if f0 > 0.0 { fresnel } else { 0.0 };
+        let mirrored = view + normal * (2.0 * cos_view);
+        let [a, b, c, d, ..] = &incident.sky_visibility;
+        let reflected = environment(sky, mirrored, &[a[i], b[i], c[i], d[i]], roughness)
+            * incident.contact_occlusion[i].max(LEAST_MIRRORED)
+            + highlight(sky, mirrored, roughness) * incident.shadow_factor[i];
+        let is_metal = f0 > METAL_F0;
+        let metal = get(&inputs.albedo, i);
+        let tint = Vec3::new(
+            if is_metal { metal.x } else { 1.0 },
+            if is_metal { metal.y } else { 1.0 },
+            if is_metal { metal.z } else { 1.0 },
+        );
+        put(&mut out.diffuse, i, get(irradiance, i) * (1.0 - fresnel));
+        put(&mut out.specular, i, reflected * tint * fresnel);
+    }
+}
+
+/// Of transparent surfaces, whose base color is what is seen through them.
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+pub fn transparent(
+    inputs: &SurfaceInputs,
+    geometry: &SurfaceGeometry,
+    incident: &IncidentLight,
+    m: usize,
+    sky: &Sky,
+    out: &mut OutgoingLight,
+) {
+    for i in 0..m.min(BATCH_SIZE) {
+        let (view, normal) = (get(&geometry.view, i), get(&geometry.normal, i));
+        let cos_view = (-view.dot(normal)).clamp(0.0, 1.0);
+        let f0 = inputs.f0[i].max(GLASS_F0) * BOTH_FACES;
+        let fresnel = (f0 + (1.0 - f0) * fifth(1.0 - cos_view)).min(1.0);
+        let mirrored = view + normal * (2.0 * cos_view);
+        let glint = highlight(sky, mirrored, GLASS_ROUGHNESS) * incident.shadow_factor[i];
+        let tint = GLASS_TINT * inputs.transmission[i];
+        let [a, b, c, d, ..] = &incident.sky_visibility;
+        let reflected = environment(sky, mirrored, &[a[i], b[i], c[i], d[i]], 0.0) + glint;
+        put(&mut out.diffuse, i, tint * (1.0 - fresnel));
+        put(&mut out.specular, i, reflected * fresnel);
+    }
+}
