@@ -25,6 +25,7 @@ _SUBURB = {
     "block_m": ([72.0, 112.0], 60, 250),
     "parking_share": (0.55, 0, 1),
     "angled_share": (0.3, 0, 1),
+    "main_share": (0.0, 0, 1),
     "hilly_share": (0.2, 0, 1),
     "max_slope": (0.065, 0, 0.1),
 }

@@ -203,6 +203,7 @@ class SuburbConfig:
         block_m: tuple[float, float],
         parking_share: float,
         angled_share: float,
+        main_share: float,
         hilly_share: float,
         max_slope: float,
     ) -> SuburbConfig: ...

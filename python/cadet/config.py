@@ -148,6 +148,8 @@ class SuburbConfig:
     """Share of curbs with parking bays on streets wide enough for them."""
     angled_share: float = _SUBURB.default("angled_share")
     """Share of the streets with bays where cars stand at an angle in some of them."""
+    main_share: float = _SUBURB.default("main_share")
+    """Share of the streets faster than 30 km/h that are main roads: two lanes a direction, a green median, or both."""
     hilly_share: float = _SUBURB.default("hilly_share")
     """Share of suburbs with hill streets."""
     max_slope: float = _SUBURB.default("max_slope")

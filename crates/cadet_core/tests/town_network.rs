@@ -109,6 +109,30 @@ fn suburbs_can_be_driven_for_ever() {
 }
 
 #[test]
+fn main_roads_can_be_driven_for_ever_on_every_lane() {
+    let (mut with_median, mut with_two) = (0, 0);
+    for seed in 0..20 {
+        let config = SuburbConfig { main_share: 1.0, ..SuburbConfig::default() };
+        let network = generate_suburb(&StreamKey::scene(seed), &config).unwrap().network;
+        assert_drivable(&format!("suburb {seed}"), &network);
+        assert_eq!(network.driving().filter(|l| l.successors.is_empty()).count(), 0, "suburb {seed}");
+        with_median += usize::from(network.lanes.iter().any(|l| l.kind == LaneKind::Median));
+        let lanes_of = |road: u32| network.driving().filter(|l| l.road == road && l.junction.is_none()).count();
+        let widest = network.lanes.iter().map(|l| lanes_of(l.road)).max().unwrap();
+        with_two += usize::from(widest >= 4);
+        // Every suburb has a street that is faster than 30 km/h.
+        assert!(widest >= 4 || network.lanes.iter().any(|l| l.kind == LaneKind::Median), "suburb {seed}");
+    }
+    assert!(with_median >= 8 && with_two >= 8, "{with_median} with a median, {with_two} with two lanes a direction");
+}
+
+#[test]
+fn without_main_roads_a_suburb_has_none() {
+    let network = generate_suburb(&StreamKey::scene(1), &SuburbConfig::default()).unwrap().network;
+    assert!(network.lanes.iter().all(|l| l.kind != LaneKind::Median));
+}
+
+#[test]
 fn suburbs_differ_by_key_and_by_nothing_else() {
     let make = |seed| generate_suburb(&StreamKey::scene(seed), &SuburbConfig::default()).unwrap().xodr;
     assert_eq!(make(3), make(3));

@@ -89,16 +89,18 @@ pub(crate) struct SuburbConfig {
 #[pymethods]
 impl SuburbConfig {
     #[new]
-    #[pyo3(signature = (*, blocks, block_m, parking_share, angled_share, hilly_share, max_slope))]
+    #[pyo3(signature = (*, blocks, block_m, parking_share, angled_share, main_share, hilly_share, max_slope))]
     fn new(
         blocks: (usize, usize),
         block_m: (f64, f64),
         parking_share: f64,
         angled_share: f64,
+        main_share: f64,
         hilly_share: f64,
         max_slope: f64,
     ) -> Result<Self, BorderError> {
-        let config = CoreSuburbConfig { blocks, block_m, parking_share, angled_share, hilly_share, max_slope };
+        let config =
+            CoreSuburbConfig { blocks, block_m, parking_share, angled_share, main_share, hilly_share, max_slope };
         config.check()?;
         Ok(Self { config })
     }

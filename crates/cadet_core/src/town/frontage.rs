@@ -18,10 +18,12 @@ pub(super) struct Frontage {
     pub s_m: Vec<f64>,
     /// Speed limit of the lane beside it.
     pub speed_limit_mps: f64,
+    /// Whether the road has a median or two lanes a direction.
+    pub is_main_road: bool,
 }
 
 impl Frontage {
-    fn new(lane: &Lane, mut edge: Vec<(DVec2, f64)>) -> Self {
+    fn new(lane: &Lane, is_main_road: bool, mut edge: Vec<(DVec2, f64)>) -> Self {
         edge.dedup_by(|b, a| (b.0 - a.0).length() < 0.3);
         let mut s_m = Vec::with_capacity(edge.len());
         let mut s = 0.0;
@@ -32,7 +34,7 @@ impl Frontage {
             s_m.push(s);
         }
         let (points, sidewalk_m) = edge.into_iter().unzip();
-        Self { road: lane.road, points, sidewalk_m, s_m, speed_limit_mps: lane.speed_limit_mps }
+        Self { road: lane.road, points, sidewalk_m, s_m, speed_limit_mps: lane.speed_limit_mps, is_main_road }
     }
 
     /// Length along the edge.
@@ -102,6 +104,8 @@ pub(super) fn frontages(network: &RoadNetwork, site: &Site) -> Vec<Frontage> {
     let mut frontages = Vec::new();
     for lane in open.iter().filter(|l| l.kind == LaneKind::Driving) {
         let neighbors: Vec<&Lane> = open.iter().filter(|l| l.road == lane.road && l.id != lane.id).copied().collect();
+        let num_driving = 1 + neighbors.iter().filter(|l| l.kind == LaneKind::Driving).count();
+        let is_main_road = num_driving >= 4 || neighbors.iter().any(|l| l.kind == LaneKind::Median);
         let mut guesses: Vec<usize> = neighbors.iter().map(|l| l.center.len() / 2).collect();
         let mut sides: [Vec<(DVec2, f64)>; 2] = [Vec::new(), Vec::new()];
         let mut inner = [0, 0];
@@ -138,7 +142,7 @@ pub(super) fn frontages(network: &RoadNetwork, site: &Site) -> Vec<Frontage> {
         sides[1].reverse();
         for (side, edge) in sides.into_iter().enumerate() {
             if inner[side] * 2 <= count {
-                let frontage = Frontage::new(lane, edge);
+                let frontage = Frontage::new(lane, is_main_road, edge);
                 if frontage.points.len() > 3 {
                     frontages.push(frontage);
                 }

@@ -8,9 +8,9 @@ use super::ground_kind::GroundKind;
 use super::ground_mesh::{self, Cover, Fineness, PlanMesh};
 use super::ground_region::{Regions, Ring};
 use super::height_field::HeightField;
-use super::network::{Lane, LaneKind, RoadNetwork};
+use super::network::{Lane, LaneKind, PaintColor, PaintedQuad, RoadNetwork};
 use super::roughness::Roughness;
-use super::xodr_writer::CURB_HEIGHT_M;
+use super::xodr_lanes::CURB_HEIGHT_M;
 use super::{ground_palette, road_marking};
 use crate::error::Result;
 use crate::geometry::{LodSet, Mesh};
@@ -89,6 +89,7 @@ impl Ground {
             curb: ring.clone(),
             sidewalk: ring,
             walks: Vec::new(),
+            green: Vec::new(),
             sidewalk_width_m: 0.0,
         };
         Self::assemble(&plan, regions, &|_| 0.0, (DVec2::splat(-half), DVec2::splat(half)), None)
@@ -252,8 +253,8 @@ impl Surface {
         Self { corners, faces: Arc::new(faces) }
     }
 
-    /// The visible surface, cut into tiles, with markings: quadrilaterals over the surface.
-    fn tiles(&self, plan: &PlanMesh, markings: &[[DVec3; 4]]) -> Vec<Instance> {
+    /// The visible surface, cut into tiles, with markings over it.
+    fn tiles(&self, plan: &PlanMesh, markings: &[PaintedQuad]) -> Vec<Instance> {
         let mut normals = vec![DVec3::ZERO; self.corners.len()];
         let num_flat = plan.faces.len();
         let at = |f: &[u32; 3]| f.map(|i| self.corners[i as usize]);
@@ -268,9 +269,12 @@ impl Surface {
             let [a, b, c] = at(face);
             members.entry(tile_of(((a + b + c) / 3.0).truncate())).or_default().push(i);
         }
-        let mut markings_by_tile: BTreeMap<(i64, i64), Vec<&[DVec3; 4]>> = BTreeMap::new();
+        let mut markings_by_tile: BTreeMap<(i64, i64), Vec<&PaintedQuad>> = BTreeMap::new();
         for quad in markings {
-            markings_by_tile.entry(tile_of((quad[0] + quad[2]).truncate() / 2.0)).or_default().push(quad);
+            markings_by_tile
+                .entry(tile_of((quad.corners[0] + quad.corners[2]).truncate() / 2.0))
+                .or_default()
+                .push(quad);
         }
         let palette = Arc::new(ground_palette::palette());
         let mut local = vec![u32::MAX; self.corners.len()];
@@ -305,9 +309,13 @@ impl Surface {
                 let normal = (b - a).cross(c - a).normalize_or(DVec3::X);
                 parts.triangle([a - origin, b - origin, c - origin], normal, ground_palette::CURB);
             }
-            for quad in markings_by_tile.get(&(i, j)).into_iter().flatten() {
-                let normal = (quad[1] - quad[0]).cross(quad[3] - quad[0]).normalize_or_zero();
-                parts.quad(quad.map(|p| p - origin), normal, ground_palette::MARKING);
+            for PaintedQuad { corners, color } in markings_by_tile.get(&(i, j)).into_iter().flatten() {
+                let normal = (corners[1] - corners[0]).cross(corners[3] - corners[0]).normalize_or_zero();
+                let slot = match color {
+                    PaintColor::White => ground_palette::MARKING,
+                    PaintColor::Yellow => ground_palette::YELLOW_MARKING,
+                };
+                parts.quad(corners.map(|p| p - origin), normal, slot);
             }
             if let Some(mesh) = parts.mesh() {
                 tiles.push(Instance {

@@ -92,8 +92,8 @@ pub(super) fn triangulate(
     // Outlines never cross, so no edge is refused; were one refused, its neighbors' triangles would only be coarser.
     let mesh = ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(vertices, edges, |_| {})
         .map_err(|e| Error::Map { map: "ground".to_owned(), reason: e.to_string() })?;
-    let [inside_carriageway, inside_curb, inside_sidewalk] =
-        [&regions.carriageway, &regions.curb, &regions.sidewalk].map(|r| Inside::new(r));
+    let [inside_carriageway, inside_curb, inside_sidewalk, inside_green] =
+        [&regions.carriageway, &regions.curb, &regions.sidewalk, &regions.green].map(|r| Inside::new(r));
     let points: Vec<DVec2> = mesh.vertices().map(|v| DVec2::new(v.position().x, v.position().y)).collect();
     let (mut faces, mut kinds) = (Vec::new(), Vec::new());
     for face in mesh.inner_faces() {
@@ -110,6 +110,8 @@ pub(super) fn triangulate(
             Cover::Carriageway
         } else if inside_curb.contains(middle) {
             Cover::CurbStone
+        } else if inside_green.contains(middle) {
+            Cover::Terrain
         } else {
             Cover::Sidewalk
         };

@@ -8,6 +8,7 @@ pub(super) const SIDEWALK: u8 = 1;
 pub(super) const CURB: u8 = 2;
 pub(super) const TERRAIN: u8 = 3;
 pub(super) const MARKING: u8 = 4;
+pub(super) const YELLOW_MARKING: u8 = 5;
 
 pub(super) fn slot(cover: Cover) -> u8 {
     match cover {
@@ -26,5 +27,6 @@ pub(super) fn palette() -> Palette {
         Material::matt(Semantic::Sidewalk, [0.36, 0.35, 0.33], Pattern::Plain, 0.36),
         Material::matt(Semantic::Terrain, [0.075, 0.115, 0.040], Pattern::Grass, 0.45),
         Material::matt(Semantic::RoadMarking, [0.55, 0.55, 0.53], Pattern::Plain, 0.45),
+        Material::matt(Semantic::RoadMarking, [0.55, 0.40, 0.09], Pattern::Plain, 0.45),
     ])
 }

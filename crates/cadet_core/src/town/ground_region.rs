@@ -47,6 +47,8 @@ pub(super) struct Regions {
     pub(super) curb: Vec<Ring>,
     /// Outline of carriageway, curb stones and sidewalk.
     pub(super) sidewalk: Vec<Ring>,
+    /// Outline of medians, where grass grows inside of the curb stones.
+    pub(super) green: Vec<Ring>,
     /// Lines along the middle of the sidewalk.
     pub(super) walks: Vec<Ring>,
     /// Width of the sidewalk, curb stone included, wherever the map does not say more.
@@ -85,9 +87,18 @@ impl Regions {
         let rings = |shapes: &Shapes| -> Vec<Ring> {
             shapes.iter().flatten().map(|c| frame.ring(c)).filter(|r| r.len() >= 3).collect()
         };
+        let green = rings(&union(&strips(&|k| k == LaneKind::Median)));
+        let inside_green = Inside::new(&green);
+        let mut walks = rings(&grow(&carriageway, (CURB_WIDTH_M + sidewalk_width_m) / 2.0));
+        // Nobody walks round on a median.
+        walks.retain(|ring| {
+            let along = with_steps(ring, 2.0);
+            2 * along.iter().filter(|p| inside_green.contains(**p)).count() < along.len()
+        });
         Ok(Self {
             curb: rings(&grow(&carriageway, CURB_WIDTH_M)),
-            walks: rings(&grow(&carriageway, (CURB_WIDTH_M + sidewalk_width_m) / 2.0)),
+            walks,
+            green,
             carriageway: rings(&carriageway),
             sidewalk: rings(&sidewalk),
             sidewalk_width_m,

@@ -20,7 +20,9 @@ pub enum LaneKind {
     Biking,
     /// Shoulders, curbs, borders: paved, but nobody's.
     Shoulder,
-    /// Medians, verges and the like.
+    /// Green between the two directions.
+    Median,
+    /// Verges and the like.
     Other,
 }
 
@@ -90,11 +92,31 @@ impl Lane {
     }
 }
 
+/// Color of the paint on a road.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PaintColor {
+    /// White, and whatever a map names that is not yellow.
+    White,
+    /// Yellow: roadworks in Germany, the middle of the road elsewhere.
+    Yellow,
+}
+
+/// A piece of a painted line.
+#[derive(Debug, Clone, Copy)]
+pub struct PaintedQuad {
+    /// Counter-clockwise from above.
+    pub corners: [DVec3; 4],
+    /// Its color.
+    pub color: PaintColor,
+}
+
 /// The lanes of a town.
 #[derive(Debug, Clone, Default)]
 pub struct RoadNetwork {
     /// Every lane; a [`LaneId`] indexes it.
     pub lanes: Vec<Lane>,
+    /// Lines that the map has along its lanes.
+    pub lane_marks: Vec<PaintedQuad>,
 }
 
 impl RoadNetwork {
@@ -120,7 +142,7 @@ impl RoadNetwork {
                 speed_limit_mps: 50.0 / 3.6,
             }
         };
-        Self { lanes: vec![lane(0, -1.0), lane(1, 1.0)] }
+        Self { lanes: vec![lane(0, -1.0), lane(1, 1.0)], lane_marks: Vec::new() }
     }
 
     /// The lane of an id.

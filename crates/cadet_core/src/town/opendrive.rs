@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use super::network::{Lane, LaneId, LaneKind, RoadNetwork};
+use super::network::{Lane, LaneId, LaneKind, PaintColor, PaintedQuad, RoadNetwork};
 use super::{map_warnings, xodr_numbers};
 use crate::error::{Error, Result};
 use crate::math::{DVec3, hypot, lerp};
@@ -95,7 +95,24 @@ pub fn load_with_warnings(map_name: &str, xodr_text: &str) -> Result<(RoadNetwor
     if !lanes.iter().any(|l| l.kind == LaneKind::Driving) {
         return Err(fail(format!("none of the map's {} lanes is for driving", lanes.len())));
     }
-    Ok((RoadNetwork { lanes }, map_warnings::lines(map_name, &provenance.warnings)))
+    let lane_marks = lane_marks(&map);
+    Ok((RoadNetwork { lanes, lane_marks }, map_warnings::lines(map_name, &provenance.warnings)))
+}
+
+/// The painted lines of a map, without those of roadworks and those whose place is no number.
+fn lane_marks(map: &xodr::RoadNetwork) -> Vec<PaintedQuad> {
+    let is_permanent =
+        |id: &Option<xodr::LaneId>| id.and_then(|id| map.lane(id)).is_none_or(|l| l.layer == xodr::Layer::Permanent);
+    let marks = map.road_marks().iter().filter(|m| is_permanent(&m.left) && is_permanent(&m.right));
+    let point = |p: &xodr::Point| (DVec3::new(p.x.into(), p.y.into(), p.z.into()) * 1e4).round() / 1e4;
+    marks
+        .flat_map(|m| &m.lines)
+        .flat_map(|line| {
+            let color = if line.color == "yellow" { PaintColor::Yellow } else { PaintColor::White };
+            line.pieces.iter().map(move |piece| PaintedQuad { corners: [0, 1, 2, 3].map(|i| point(&piece[i])), color })
+        })
+        .filter(|quad| quad.corners.iter().all(|p| p.is_finite()))
+        .collect()
 }
 
 /// Whether the reader left out what cars drive on. Smaller losses, such as a sign's or a road mark's, pass.
@@ -128,6 +145,7 @@ fn kind_of(kind: xodr::LaneType) -> LaneKind {
         T::Parking | T::Stop => LaneKind::Parking,
         T::Biking => LaneKind::Biking,
         T::Shoulder | T::Border | T::Curb | T::Restricted | T::RoadWorks => LaneKind::Shoulder,
+        T::Median => LaneKind::Median,
         _ => LaneKind::Other,
     }
 }

@@ -5,7 +5,7 @@ use super::occupancy::{Occupancy, Site};
 use super::placer::{Placer, Standing};
 use super::prop_config::PropConfig;
 use super::street_style::StreetStyle;
-use super::{Ground, ParkingSpot, RoadNetwork, belt, garden, plots, streetside};
+use super::{Ground, ParkingSpot, RoadNetwork, belt, garden, median, plots, streetside};
 use crate::instance::Instance;
 use crate::rng::StreamKey;
 
@@ -28,8 +28,7 @@ pub(super) fn place_props(key: &StreamKey, network: &RoadNetwork, ground: &Groun
     let mut placer = Placer::new(&site);
     let mut drives = Vec::new();
     let frontages = frontages(network, &site);
-    let styles: Vec<StreetStyle> =
-        frontages.iter().map(|f| StreetStyle::draw(key, f.road, f.speed_limit_mps, config)).collect();
+    let styles: Vec<StreetStyle> = frontages.iter().map(|f| StreetStyle::of(key, f, config)).collect();
     let stream = |name: &str, index: usize| key.indexed(name, index as u64);
     for (i, (frontage, style)) in frontages.iter().zip(&styles).enumerate() {
         let plots = plots::lay_out(frontage, style, &site, &mut taken, &mut stream("plots", i));
@@ -39,6 +38,7 @@ pub(super) fn place_props(key: &StreamKey, network: &RoadNetwork, ground: &Groun
         }
         streetside::furnish(frontage, style, &mut stream("streetside", i), &mut placer);
     }
+    median::furnish(key, network, config.greenery, &mut placer);
     belt::plant(&mut key.stream("belt"), config.greenery, config.belt_m, &frontages, &taken, &mut placer);
     Props { instances: placer.instances, drives, standing: placer.standing }
 }

@@ -10,12 +10,31 @@ const CROSSROADS_SHARE: f64 = 0.3;
 /// Share of the streets with a wide carriageway.
 const WIDE_SHARE: f64 = 0.18;
 
+/// Shares of the main roads with two lanes a direction, and of those the share with a median; with one lane all have one.
+const TWO_LANES_SHARE: f64 = 0.6;
+const MEDIAN_SHARE: f64 = 0.7;
+
 /// What the streets of one line of the grid have in common.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LineStyle {
     pub lane_width_m: f64,
+    pub lanes_per_side: usize,
+    /// 0 where nothing parts the directions.
+    pub median_width_m: f64,
     pub sidewalk_width_m: f64,
     pub speed_kmh: u32,
+}
+
+impl LineStyle {
+    /// From the middle to the curb, parking bays left out.
+    pub fn half_width_m(&self) -> f64 {
+        self.median_width_m / 2.0 + self.lanes_per_side as f64 * self.lane_width_m
+    }
+
+    /// A street with a median or with several lanes a direction.
+    pub fn is_main_road(&self) -> bool {
+        self.lanes_per_side > 1 || self.median_width_m > 0.0
+    }
 }
 
 /// Nodes on a bent grid, and the streets between them.
@@ -136,11 +155,29 @@ pub(super) fn draw_styles(stream: &mut Stream, grid: &Grid) -> Vec<LineStyle> {
             let carriageway = if is_wide { wide_m } else { usual_m };
             LineStyle {
                 lane_width_m: (carriageway * 10.0).round() / 20.0,
+                lanes_per_side: 1,
+                median_width_m: 0.0,
                 sidewalk_width_m: (stream.range(1.5, 2.5) * 10.0).round() / 10.0,
                 speed_kmh: if collector { 50 } else { 30 },
             }
         })
         .collect()
+}
+
+/// Makes main roads of some of the streets that are faster than others.
+pub(super) fn widen_main_roads(stream: &mut Stream, share: f64, styles: &mut [LineStyle]) {
+    for style in styles.iter_mut().filter(|s| s.speed_kmh > 30) {
+        let (is_main, has_two, has_median) =
+            (stream.chance(share), stream.chance(TWO_LANES_SHARE), stream.chance(MEDIAN_SHARE));
+        let (lane_m, median_m) = (stream.range(3.0, 3.3), stream.range(1.6, 6.0));
+        let sidewalk_m = stream.range(2.0, 3.0);
+        if is_main {
+            style.lanes_per_side = if has_two { 2 } else { 1 };
+            style.median_width_m = if has_median || !has_two { (median_m * 10.0).round() / 10.0 } else { 0.0 };
+            style.lane_width_m = (lane_m * 20.0).round() / 20.0;
+            style.sidewalk_width_m = (sidewalk_m * 10.0).round() / 10.0;
+        }
+    }
 }
 
 /// A walk along the grid from one junction to the next.

@@ -1,7 +1,8 @@
 //! Lays out a suburb: streets, junctions, and parking bays along a grid.
 
+use super::junction_turns::{Arm, End, Turn, turns};
 use super::plan_curve::{PlanCurve, PlanPose, heading_of, unit};
-use super::street_grid::{draw_grid, draw_styles, thin, trace};
+use super::street_grid::{LineStyle, draw_grid, draw_styles, thin, trace, widen_main_roads};
 use super::suburb_config::SuburbConfig;
 use crate::math::{self, DVec2, PI, TAU, wrap_angle};
 use crate::rng::{Stream, StreamKey};
@@ -29,38 +30,17 @@ const LEFT_FOR_WALKERS_M: f64 = 0.95;
 /// A junction begins at least this far from its middle.
 const MIN_CUT_M: f64 = 6.0;
 
-/// Which end of a street.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum End {
-    Start,
-    Finish,
-}
-
 /// A street between two junctions; its reference line is the middle of the carriageway.
 #[derive(Debug, Clone)]
 pub(super) struct Street {
     pub(super) curve: PlanCurve,
-    pub(super) lane_width_m: f64,
-    pub(super) sidewalk_width_m: f64,
-    pub(super) speed_kmh: u32,
+    pub(super) style: LineStyle,
     /// Stretch with bays at the right or the left curb or both.
     pub(super) bays: Option<(f64, f64)>,
     /// Widths of the bays at the right and at the left curb; 0 where there are none.
     pub(super) bay_widths_m: [f64; 2],
     /// The junctions at its start and its end.
     pub(super) junctions: [usize; 2],
-}
-
-/// A way through a junction: one lane from one street's end to another's.
-#[derive(Debug, Clone)]
-pub(super) struct Turn {
-    pub(super) junction: usize,
-    pub(super) from: (usize, End),
-    pub(super) to: (usize, End),
-    /// From the middle of the one carriageway to the middle of the other.
-    pub(super) curve: PlanCurve,
-    /// True where the turn follows the curb, and so carries the sidewalk round the corner.
-    pub(super) along_curb: bool,
 }
 
 /// Streets, junctions and the ways through them.
@@ -71,22 +51,13 @@ pub(super) struct StreetPlan {
     pub(super) num_junctions: usize,
 }
 
-/// A street's arm at a junction.
-struct Arm {
-    street: usize,
-    end: End,
-    heading_rad: f64,
-    half_width_m: f64,
-    collector: bool,
-    cut_m: f64,
-}
-
 /// Draws a plan.
 pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
     let mut stream = key.stream("suburb/plan");
     let mut grid = draw_grid(&mut stream, config);
     thin(&mut grid, &mut stream);
-    let styles = draw_styles(&mut stream, &grid);
+    let mut styles = draw_styles(&mut stream, &grid);
+    widen_main_roads(&mut key.stream("suburb/main roads"), config.main_share, &mut styles);
     let (chains, headings) = trace(&grid, &mut stream);
     let mut junction_of = vec![usize::MAX; grid.at.len()];
     let mut num_junctions = 0;
@@ -107,8 +78,7 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
                 street,
                 end,
                 heading_rad: headings[node][direction],
-                half_width_m: style.lane_width_m,
-                collector: style.speed_kmh > 30,
+                style,
                 cut_m: 0.0,
             });
         }
@@ -135,7 +105,7 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
             let mut bay_width_m = BAY_WIDTH_M;
             let on_sidewalk_m = stream.range(ON_SIDEWALK_M.0, ON_SIDEWALK_M.1);
             let (half_all_the_same, is_right) = (stream.chance(HALF_BAYS_SHARE), stream.chance(0.5));
-            if style.lane_width_m < MIN_LANE_BESIDE_BAYS_M || half_all_the_same {
+            if style.lane_width_m < MIN_LANE_BESIDE_BAYS_M || (half_all_the_same && !style.is_main_road()) {
                 // On one side alone: the other sidewalk stays free.
                 let on_sidewalk_m = on_sidewalk_m.min(style.sidewalk_width_m - LEFT_FOR_WALKERS_M);
                 bay_width_m = HALF_BAY_FLANK_M + CAR_WIDTH_M - on_sidewalk_m - style.lane_width_m / 2.0;
@@ -156,33 +126,15 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
             let fits = length - margin.0 - margin.1 > 20.0;
             Street {
                 curve,
-                lane_width_m: style.lane_width_m,
-                sidewalk_width_m: style.sidewalk_width_m,
-                speed_kmh: style.speed_kmh,
+                style,
                 bays: (fits && (right || left)).then_some((margin.0, length - margin.1)),
                 bay_widths_m,
                 junctions: [junction_of[chain.nodes[0]], junction_of[chain.nodes[chain.nodes.len() - 1]]],
             }
         })
         .collect();
-    let mut turns = Vec::new();
-    for (junction, arms) in arms.iter().enumerate() {
-        for (i, from) in arms.iter().enumerate() {
-            for (j, to) in arms.iter().enumerate().filter(|(j, _)| *j != i) {
-                let pose = |arm: &Arm| cuts[arm.street][usize::from(arm.end == End::Finish)];
-                let mut curve = PlanCurve::default();
-                curve.extend_to(pose(from).reversed(), pose(to));
-                let along_curb = j == (i + 1) % arms.len();
-                turns.push(Turn {
-                    junction,
-                    from: (from.street, from.end),
-                    to: (to.street, to.end),
-                    curve,
-                    along_curb,
-                });
-            }
-        }
-    }
+    let pose = |arm: &Arm| cuts[arm.street][usize::from(arm.end == End::Finish)];
+    let turns = arms.iter().enumerate().flat_map(|(junction, arms)| turns(junction, arms, &pose)).collect();
     StreetPlan { streets, turns, num_junctions }
 }
 
@@ -195,10 +147,11 @@ fn cut_back(arms: &mut [Arm], corner_radius_m: f64) {
         if between > 0.85 * PI {
             continue;
         }
-        let radius = corner_radius_m + if arms[i].collector || arms[j].collector { 1.0 } else { 0.0 };
+        let radius =
+            corner_radius_m + if arms[i].style.speed_kmh.max(arms[j].style.speed_kmh) > 30 { 1.0 } else { 0.0 };
         let (sin, cos) = (math::sin(between), math::cos(between));
         let round = radius / math::tan(between / 2.0);
-        let (wi, wj) = (arms[i].half_width_m, arms[j].half_width_m);
+        let (wi, wj) = (arms[i].style.half_width_m(), arms[j].style.half_width_m());
         let (di, dj) = ((wj + wi * cos) / sin + round, (wi + wj * cos) / sin + round);
         arms[i].cut_m = arms[i].cut_m.max(di);
         arms[j].cut_m = arms[j].cut_m.max(dj);

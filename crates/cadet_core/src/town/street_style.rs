@@ -1,5 +1,6 @@
 //! What one street has in common: its houses, boundaries, trees and lamps, drawn once a street.
 
+use super::frontage::Frontage;
 use super::prop_config::PropConfig;
 use crate::assets::scenery::{FenceKind, HouseKind, PoleKind, num_variants};
 use crate::rng::{Stream, StreamKey};
@@ -56,8 +57,39 @@ pub(super) struct StreetStyle {
 }
 
 impl StreetStyle {
-    /// The style of a road.
-    pub fn draw(key: &StreamKey, road: u32, speed_limit_mps: f64, config: &PropConfig) -> Self {
+    /// The style of the road behind a frontage.
+    pub fn of(key: &StreamKey, frontage: &Frontage, config: &PropConfig) -> Self {
+        let style = Self::draw(key, frontage.road, frontage.speed_limit_mps, config);
+        if frontage.is_main_road {
+            style.beside_main_road(&mut key.indexed("main road", u64::from(frontage.road)), config.greenery)
+        } else {
+            style
+        }
+    }
+
+    /// Flats behind lawns, or no houses at all: woods, hedges, meadows.
+    fn beside_main_road(self, s: &mut Stream, greenery: f64) -> Self {
+        let [_, trees, fences, hedges, ..] = num_variants();
+        let is_built = s.chance(0.5);
+        let boundary = match s.weighted(&[0.45, 0.15, 0.1, 0.3]) {
+            0 => Boundary::Hedge(s.below(hedges)),
+            1 => Boundary::Fence(FenceKind::Wire, s.below(fences)),
+            2 => Boundary::Fence(FenceKind::Wall, s.below(fences)),
+            _ => Boundary::Open,
+        };
+        let has_trees = s.chance(0.75 * greenery.min(1.3));
+        Self {
+            houses: [HouseKind::Flats, [HouseKind::Block, HouseKind::Flats, HouseKind::Terrace][s.below(3)]],
+            setback_m: s.range(5.0, 8.0),
+            boundary,
+            trees_per_100_m2: greenery * if is_built { s.range(0.7, 1.8) } else { s.range(1.5, 4.0) },
+            street_trees: has_trees.then(|| (s.range(7.5, 14.0), s.below(trees))),
+            vacant_share: if is_built { s.range(0.15, 0.4) } else { s.range(0.75, 0.97) },
+            ..self
+        }
+    }
+
+    fn draw(key: &StreamKey, road: u32, speed_limit_mps: f64, config: &PropConfig) -> Self {
         let mut stream = key.indexed("street", u64::from(road));
         let s = &mut stream;
         let kind = |s: &mut Stream| HouseKind::ALL[s.weighted(&config.house_shares)];

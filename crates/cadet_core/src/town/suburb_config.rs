@@ -16,6 +16,8 @@ settings! {
         parking_share: f64 = 0.55, 0 to 1;
         /// Share of the streets with bays where cars stand at an angle or across in some of them.
         angled_share: f64 = 0.3, 0 to 1;
+        /// Share of the streets faster than 30 km/h that are main roads: two lanes a direction, a green median, or both.
+        main_share: f64 = 0.0, 0 to 1;
         /// Share of suburbs with hill streets.
         hilly_share: f64 = 0.2, 0 to 1;
         /// Steepest slope of a hilly suburb.

@@ -2,6 +2,7 @@
 
 mod census;
 mod flow;
+mod main_roads;
 mod placed;
 mod scripted;
 mod towns;

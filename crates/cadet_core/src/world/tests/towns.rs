@@ -172,6 +172,13 @@ pub(crate) fn suburb(seed: u64) -> Arc<Town> {
     furnished(&key, made.network)
 }
 
+/// The same, all of whose faster streets are main roads.
+pub(crate) fn main_roads(seed: u64) -> Arc<Town> {
+    let key = StreamKey::scene(seed);
+    let config = crate::town::SuburbConfig { blocks: (2, 2), main_share: 1.0, ..Default::default() };
+    furnished(&key, crate::town::generate_suburb(&key, &config).expect("a suburb").network)
+}
+
 /// One of the shared maps, where they are at hand.
 pub(crate) fn map(name: &str) -> Option<Arc<Town>> {
     let path = format!("{}/../../../shared/maps/{name}", env!("CARGO_MANIFEST_DIR"));

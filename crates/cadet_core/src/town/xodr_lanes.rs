@@ -1,0 +1,189 @@
+//! The lanes of a street as OpenDRIVE: median, driving lanes, parking bays, sidewalk, and the lines between them.
+
+use super::street_grid::LineStyle;
+use super::street_plan::Street;
+use super::xodr_text::{Cubic, put};
+
+/// Height of a curb: a sidewalk's lane lies this much above the carriageway.
+pub(super) const CURB_HEIGHT_M: f64 = 0.12;
+/// The curb swings out into the bay over this length.
+const BAY_TAPER_M: f64 = 2.5;
+/// Narrower carriageways have no center line.
+const CENTER_LINE_FROM_M: f64 = 5.5;
+/// Line and gap of a broken line in town, its width, and where the first begins (RMS-1, German guideline for markings).
+const DASH_M: (f64, f64) = (3.0, 6.0);
+const LINE_WIDTH_M: f64 = 0.12;
+const FIRST_DASH_M: f64 = 1.0;
+
+/// A painted line.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Line {
+    Broken,
+}
+
+/// A lane of a section.
+pub(super) struct LaneRecord {
+    pub id: i32,
+    pub kind: &'static str,
+    pub widths: Vec<Cubic>,
+    pub raised: bool,
+    /// Painted along its outer border.
+    pub outer_line: Option<Line>,
+    pub predecessor: Option<i32>,
+    pub successor: Option<i32>,
+}
+
+/// The lanes from a place on, up to the next section.
+pub(super) struct Section {
+    pub s: f64,
+    pub center_line: Option<Line>,
+    pub lanes: Vec<LaneRecord>,
+}
+
+/// Streets of a zone of 30 km/h and narrow ones have none, nor have those with a median.
+fn has_center_line(style: &LineStyle) -> bool {
+    style.speed_kmh > 30 && style.median_width_m == 0.0 && 2.0 * style.half_width_m() > CENTER_LINE_FROM_M
+}
+
+/// Id of a driving lane: 0 is beside the middle of the road; `sign` is that of its side's ids.
+pub(super) fn driving_id(style: &LineStyle, sign: i32, lane: usize) -> i32 {
+    sign * (i32::from(style.median_width_m > 0.0) + 1 + lane as i32)
+}
+
+/// Id of the sidewalk's lane where there are no bays.
+pub(super) fn sidewalk_id(style: &LineStyle, sign: i32) -> i32 {
+    driving_id(style, sign, style.lanes_per_side)
+}
+
+/// The lane sections of a street: one, or three where it has bays.
+pub(super) fn street_sections(street: &Street) -> Vec<Section> {
+    let style = &street.style;
+    let side = |sign: i32, bay: Option<f64>, before: bool, after: bool, has_bay: &dyn Fn(bool) -> bool| {
+        let through = |id: i32, kind: &'static str, width_m: f64| LaneRecord {
+            id,
+            kind,
+            widths: vec![Cubic::constant(width_m)],
+            raised: kind == "median",
+            outer_line: None,
+            predecessor: before.then_some(id),
+            successor: after.then_some(id),
+        };
+        let mut lanes = Vec::new();
+        if style.median_width_m > 0.0 {
+            lanes.push(through(sign, "median", style.median_width_m / 2.0));
+        }
+        for lane in 0..style.lanes_per_side {
+            let mut record = through(driving_id(style, sign, lane), "driving", style.lane_width_m);
+            record.outer_line = (lane + 1 < style.lanes_per_side).then_some(Line::Broken);
+            lanes.push(record);
+        }
+        let bay_id = sidewalk_id(style, sign);
+        if let Some(length) = bay {
+            let bay_m = street.bay_widths_m[usize::from(sign > 0)];
+            lanes.push(LaneRecord {
+                id: bay_id,
+                kind: "parking",
+                widths: vec![
+                    Cubic::hermite(0.0, BAY_TAPER_M, (0.0, 0.0), (bay_m, 0.0)),
+                    Cubic { s: BAY_TAPER_M, ..Cubic::constant(bay_m) },
+                    Cubic::hermite(length - BAY_TAPER_M, BAY_TAPER_M, (bay_m, 0.0), (0.0, 0.0)),
+                ],
+                raised: false,
+                outer_line: None,
+                predecessor: None,
+                successor: None,
+            });
+        }
+        // Bays take the sidewalk's number in the middle section, which moves the sidewalk out by one.
+        let number = |in_bay_section: bool| bay_id + if in_bay_section && has_bay(sign < 0) { sign } else { 0 };
+        let in_bays = bay.is_some() || (before && after);
+        lanes.push(LaneRecord {
+            id: number(in_bays),
+            kind: "sidewalk",
+            widths: vec![Cubic::constant(style.sidewalk_width_m)],
+            raised: true,
+            outer_line: None,
+            predecessor: before.then(|| number(!in_bays)),
+            successor: after.then(|| number(!in_bays)),
+        });
+        lanes
+    };
+    let has_bay = |right: bool| street.bays.is_some() && street.bay_widths_m[usize::from(!right)] > 0.0;
+    let section = |s: f64, bay: Option<f64>, before: bool, after: bool| {
+        let mut lanes = side(1, bay.filter(|_| has_bay(false)), before, after, &has_bay);
+        lanes.reverse();
+        lanes.extend(side(-1, bay.filter(|_| has_bay(true)), before, after, &has_bay));
+        let center_line = has_center_line(style).then_some(Line::Broken);
+        Section { s, center_line, lanes }
+    };
+    match street.bays {
+        None => vec![section(0.0, None, false, false)],
+        Some((from, to)) => vec![
+            section(0.0, None, false, true),
+            section(from, Some(to - from), true, true),
+            section(to, None, true, false),
+        ],
+    }
+}
+
+/// The lanes of a road.
+pub(super) fn write_lanes(out: &mut String, sections: &[Section]) {
+    out.push_str("<lanes>\n");
+    for section in sections {
+        put(out, format_args!("<laneSection s=\"{:.6}\">\n", section.s));
+        let side = |out: &mut String, name: &str, keep: &dyn Fn(i32) -> bool| {
+            if section.lanes.iter().any(|l| keep(l.id)) {
+                put(out, format_args!("<{name}>\n"));
+                section.lanes.iter().filter(|l| keep(l.id)).for_each(|l| write_lane(out, section.s, l));
+                put(out, format_args!("</{name}>\n"));
+            }
+        };
+        side(out, "left", &|id| id > 0);
+        out.push_str("<center><lane id=\"0\" type=\"none\" level=\"false\">");
+        write_line(out, section.s, section.center_line);
+        out.push_str("</lane></center>\n");
+        side(out, "right", &|id| id < 0);
+        out.push_str("</laneSection>\n");
+    }
+    out.push_str("</lanes>\n");
+}
+
+/// A line from `s` on, if there is one; dashes follow each other from the street's beginning.
+fn write_line(out: &mut String, s: f64, line: Option<Line>) {
+    let Some(Line::Broken) = line else {
+        put(out, format_args!("<roadMark sOffset=\"0.0\" type=\"none\" color=\"white\" width=\"{LINE_WIDTH_M}\"/>"));
+        return;
+    };
+    let period_m = DASH_M.0 + DASH_M.1;
+    let passed = ((s - FIRST_DASH_M) / period_m).ceil().max(0.0);
+    let first_m = FIRST_DASH_M + passed * period_m - s;
+    put(
+        out,
+        format_args!(
+            "<roadMark sOffset=\"0.0\" type=\"broken\" color=\"white\" width=\"{LINE_WIDTH_M}\">\
+             <type name=\"broken\" width=\"{LINE_WIDTH_M}\"><line length=\"{}\" space=\"{}\" tOffset=\"0.0\" \
+             sOffset=\"{first_m:.6}\" rule=\"caution\" width=\"{LINE_WIDTH_M}\"/></type></roadMark>",
+            DASH_M.0, DASH_M.1
+        ),
+    );
+}
+
+fn write_lane(out: &mut String, s: f64, lane: &LaneRecord) {
+    put(out, format_args!("<lane id=\"{}\" type=\"{}\" level=\"false\">\n<link>", lane.id, lane.kind));
+    for (element, id) in [("predecessor", lane.predecessor), ("successor", lane.successor)] {
+        if let Some(id) = id {
+            put(out, format_args!("<{element} id=\"{id}\"/>"));
+        }
+    }
+    out.push_str("</link>\n");
+    for width in &lane.widths {
+        width.write(out, "width", "sOffset");
+    }
+    if lane.outer_line.is_some() {
+        write_line(out, s, lane.outer_line);
+    }
+    if lane.raised {
+        put(out, format_args!("<height sOffset=\"0.0\" inner=\"{CURB_HEIGHT_M}\" outer=\"{CURB_HEIGHT_M}\"/>\n"));
+    }
+    out.push_str("</lane>\n");
+}

@@ -1,0 +1,46 @@
+//! Traffic on main roads: two lanes a direction, medians, large junctions.
+
+use super::towns::main_roads;
+use super::*;
+use crate::town::LaneKind;
+use crate::world::DT_S;
+
+#[test]
+fn traffic_flows_on_main_roads_without_touching_or_jamming() {
+    for seed in 0..6 {
+        let name = format!("main roads {seed}");
+        let mut world = World::new(main_roads(seed), StreamKey::scene(seed)).unwrap();
+        let config = TrafficConfig { num_cars: 24, num_pedestrians: 24, ..TrafficConfig::default() };
+        world.spawn_traffic(&config).unwrap();
+        let gone_m = watch(&mut world, 60, &name);
+        let num_cars = cars(&world).len() as f64;
+        assert!(gone_m > 2.0 * 60.0 * num_cars, "{name}: {gone_m} m in all by {num_cars} cars");
+        for (agent, driver) in cars(&world) {
+            let stood_s = driver.standing_steps as f64 * DT_S;
+            assert!(stood_s < 60.0, "{name}: {} stands for {stood_s} s, {:?}", agent.id, driver.cause());
+        }
+    }
+}
+
+#[test]
+fn nobody_parks_beside_an_inner_lane_or_walks_along_a_median() {
+    let (mut num_spots, mut num_walks) = (0, 0);
+    for seed in 0..6 {
+        let town = main_roads(seed);
+        let medians: Vec<_> = town.network.lanes.iter().filter(|l| l.kind == LaneKind::Median).collect();
+        let nearest_m =
+            |p| medians.iter().map(|l| l.project(p).1 - l.width_at(0.0) / 2.0).fold(f64::INFINITY, f64::min);
+        for spot in &town.parking {
+            num_spots += 1;
+            // Half a car's width and a lane lie between a median and whoever parks at the curb.
+            let apart_m = nearest_m(spot.world_from_spot.translation);
+            assert!(apart_m > 2.5, "seed {seed}: a place {apart_m} m from a median");
+        }
+        for walk in &town.walkways {
+            num_walks += 1;
+            let along = walk.center.iter().filter(|p| nearest_m(**p) < 0.0).count();
+            assert!(2 * along < walk.center.len(), "seed {seed}: a way of {} points on a median", walk.center.len());
+        }
+    }
+    assert!(num_spots > 100 && num_walks > 20, "{num_spots} {num_walks}");
+}
