@@ -24,13 +24,10 @@ use self::resolve::{resolve, through_air};
 use super::ambient_cache::AmbientTerms;
 use super::face::{Face, Flags, ShaderVariant};
 use super::light::Light;
-use super::shading_queue::{BATCH_SIZE, BATCH_STRIDE, BatchScalar, ShadingQueue};
+use super::shading_queue::{BATCH_SIZE, BATCH_STRIDE, BatchScalar, REGISTER, ShadingQueue};
 use super::shadow::{PcfTexels, ShadowQuery};
 use crate::material::Pattern;
 use crate::math::Vec3;
-
-/// Pairs that fill a register: steps go over whole ones.
-const REGISTER: usize = 16;
 
 /// The memory of a batch's structures, used again and again.
 pub struct ShadingPass {

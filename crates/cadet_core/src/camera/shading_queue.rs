@@ -6,10 +6,12 @@
 
 use super::coverage::CoverageMask;
 
+/// Pairs that fill a register: steps go over whole ones.
+pub const REGISTER: usize = 16;
 /// Pairs that are shaded together.
 pub const BATCH_SIZE: usize = 304;
 /// Room for runs that end beyond the last pair; arrays a power of two apart would share the sets of the cache.
-pub const BATCH_STRIDE: usize = BATCH_SIZE + 16;
+pub const BATCH_STRIDE: usize = BATCH_SIZE + REGISTER;
 /// One number a pair.
 pub type BatchScalar = [f32; BATCH_STRIDE];
 

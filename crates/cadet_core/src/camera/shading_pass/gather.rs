@@ -5,9 +5,9 @@ use multiversion::multiversion;
 use super::super::ambient_cache::{AmbientTerms, PER_BLOCK};
 use super::super::face::{Face, ShaderVariant};
 use super::super::shading_queue::{
-    BACKGROUND_STRIDE, BATCH_SIZE, BATCH_STRIDE, BatchScalar, PAIRS_ACROSS, PAIRS_DOWN, PixelPair, ShadingQueue,
+    BACKGROUND_STRIDE, BATCH_SIZE, BATCH_STRIDE, BatchScalar, PAIRS_ACROSS, PAIRS_DOWN, PixelPair, REGISTER,
+    ShadingQueue,
 };
-use super::REGISTER;
 use super::batch::{BatchVector, GroupValues, IncidentLight, SurfaceInputs};
 use crate::material::Pattern;
 use crate::math::Vec3;
