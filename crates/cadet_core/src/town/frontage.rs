@@ -104,11 +104,10 @@ pub(super) fn frontages(network: &RoadNetwork, site: &Site) -> Vec<Frontage> {
     let mut frontages = Vec::new();
     for lane in open.iter().filter(|l| l.kind == LaneKind::Driving) {
         let neighbors: Vec<&Lane> = open.iter().filter(|l| l.road == lane.road && l.id != lane.id).copied().collect();
-        let num_driving = 1 + neighbors.iter().filter(|l| l.kind == LaneKind::Driving).count();
-        let is_main_road = num_driving >= 4 || neighbors.iter().any(|l| l.kind == LaneKind::Median);
         let mut guesses: Vec<usize> = neighbors.iter().map(|l| l.center.len() / 2).collect();
         let mut sides: [Vec<(DVec2, f64)>; 2] = [Vec::new(), Vec::new()];
         let mut inner = [0, 0];
+        let mut num_wide = 0;
         let count = (lane.length_m().floor() as usize).max(1);
         for k in 0..=count {
             let s = lane.length_m() * k as f64 / count as f64;
@@ -118,6 +117,7 @@ pub(super) fn frontages(network: &RoadNetwork, site: &Site) -> Vec<Frontage> {
             let own = lane.width_at(s) / 2.0;
             // (outer edge of all lanes, of the carriageway, another driving lane on this side) right and left.
             let (mut outer, mut road, mut has_driving) = ([own; 2], [own; 2], [false; 2]);
+            let mut abreast = 1;
             for (other, guess) in neighbors.iter().zip(&mut guesses) {
                 let Some((offset, half)) = beside(other, at, along, guess) else { continue };
                 let side = usize::from(offset > 0.0);
@@ -126,7 +126,9 @@ pub(super) fn frontages(network: &RoadNetwork, site: &Site) -> Vec<Frontage> {
                     road[side] = road[side].max(offset.abs() + half);
                 }
                 has_driving[side] |= other.kind == LaneKind::Driving && offset.abs() > 0.5;
+                abreast += usize::from(other.kind == LaneKind::Driving);
             }
+            num_wide += usize::from(abreast >= 4);
             for side in 0..2 {
                 inner[side] += usize::from(has_driving[side]);
                 let out = right_of(along) * if side == 0 { 1.0 } else { -1.0 };
@@ -138,6 +140,8 @@ pub(super) fn frontages(network: &RoadNetwork, site: &Site) -> Vec<Frontage> {
                 sides[side].push((at + out * reach, reach - road[side]));
             }
         }
+        // Where two lane sections meet, the lanes of both are beside.
+        let is_main_road = 2 * num_wide > count || neighbors.iter().any(|l| l.kind == LaneKind::Median);
         // Along the left side the plots lie to the right the other way.
         sides[1].reverse();
         for (side, edge) in sides.into_iter().enumerate() {
