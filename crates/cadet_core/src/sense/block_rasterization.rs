@@ -308,23 +308,12 @@ fn draw_within<const EDGES: usize>(
     let (mut value, value_step) = face.inverse_depth_rows(at, start);
     for row in (start..rows.end.min(BLOCK)).step_by(2) {
         let mut bits = [0; 2 * BLOCK];
-        let mut least = [0.0; 2 * BLOCK];
         for i in 0..2 * BLOCK {
-            least[i] = if first[i] < second[i] { first[i] } else { second[i] };
-        }
-        for i in 0..2 * BLOCK {
-            least[i] = if least[i] < third[i] { least[i] } else { third[i] };
-        }
-        if EDGES == 4 {
-            for i in 0..2 * BLOCK {
-                least[i] = if least[i] < fourth[i] { least[i] } else { fourth[i] };
-            }
-        }
-        for i in 0..2 * BLOCK {
-            bits[i] = mask(least[i] >= DOUBT) & value[i].to_bits();
-        }
-        for i in 0..2 * BLOCK {
-            doubt[i] |= mask(least[i].abs() < DOUBT) & (ROW_BITS[i] << row);
+            let least = if first[i] < second[i] { first[i] } else { second[i] };
+            let least = if least < third[i] { least } else { third[i] };
+            let least = if EDGES < 4 || least < fourth[i] { least } else { fourth[i] };
+            bits[i] = mask(least >= DOUBT) & value[i].to_bits();
+            doubt[i] |= mask(least.abs() < DOUBT) & (ROW_BITS[i] << row);
         }
         keep_nearer(block, row, &bits, id, nearer);
         for (values, step) in

@@ -7,7 +7,7 @@ pub(super) const ROW_BITS: [u32; 2 * BLOCK] = [1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 
 
 /// Keeps what is nearer in an even row and the next: `bits` are those of positive numbers, or 0.
 ///
-/// Numbers are compared by their bits: the compiler would make slow masked stores of a choice.
+/// Numbers are compared by their bits, which rise as positive numbers do.
 #[inline(always)]
 pub(super) fn keep_nearer(
     block: &mut Block,
@@ -22,23 +22,14 @@ pub(super) fn keep_nearer(
     ) else {
         return;
     };
-    // One step a loop: so the compiler takes whole registers. `map` might become a function of its own.
-    let (mut old, old_ids) = ([0; 2 * BLOCK], *face);
+    let old_ids = *face;
+    let (mut new, mut new_ids) = ([0.0; 2 * BLOCK], [0; 2 * BLOCK]);
     for i in 0..2 * BLOCK {
-        old[i] = inverse_depth[i].to_bits();
-    }
-    let (mut is_nearer, mut new, mut new_ids) = ([0; 2 * BLOCK], [0.0; 2 * BLOCK], [0; 2 * BLOCK]);
-    for i in 0..2 * BLOCK {
-        is_nearer[i] = (old[i].wrapping_sub(bits[i]) as i32 >> 31) as u32;
-    }
-    for i in 0..2 * BLOCK {
-        new[i] = f32::from_bits(if bits[i] > old[i] { bits[i] } else { old[i] });
-    }
-    for i in 0..2 * BLOCK {
-        new_ids[i] = (id ^ old_ids[i]) & is_nearer[i] ^ old_ids[i];
-    }
-    for i in 0..2 * BLOCK {
-        nearer[i] |= is_nearer[i] & (ROW_BITS[i] << row);
+        let old = inverse_depth[i].to_bits();
+        let is_nearer = bits[i] > old;
+        new[i] = f32::from_bits(if is_nearer { bits[i] } else { old });
+        new_ids[i] = if is_nearer { id } else { old_ids[i] };
+        nearer[i] |= mask(is_nearer) & (ROW_BITS[i] << row);
     }
     (*inverse_depth, *face) = (new, new_ids);
 }
