@@ -121,14 +121,13 @@ impl<'a> AmbientCache<'a> {
         self.leaf_cells.fill((NO_LEAF_KEY, 0));
     }
 
-    /// A leaf's. Those of a plant that lie in one cell share it; each is put into a cell next to its own by chance, the
-    /// nearer the likelier, so that no cell shows.
+    /// A leaf's, by its middle relative to the eye. Those of a plant that lie in one cell share it; each is put into a cell
+    /// next to its own by chance, the nearer the likelier, so that no cell shows.
     #[inline(never)]
-    pub fn of_leaf(&mut self, instance: u32, hash: u32, hit: &SurfacePoint) -> u32 {
-        let depth = 1.0 / hit.inverse_depth;
-        let point_world = self.rays.eye + self.rays.direction(hit.u, hit.v) * depth;
+    pub fn of_leaf(&mut self, instance: u32, hash: u32, middle: Vec3) -> u32 {
+        let point_world = self.rays.eye + middle;
         // The power of two below, so that cells stay where they are as the camera moves.
-        let cell_m = f32::from_bits((depth / LEAF_CELLS_AWAY).max(LEAF_CELL_M).to_bits() & EXPONENT_BITS);
+        let cell_m = f32::from_bits((middle.length() / LEAF_CELLS_AWAY).max(LEAF_CELL_M).to_bits() & EXPONENT_BITS);
         let aside = [0, ASIDE_BITS, 2 * ASIDE_BITS]
             .map(|bits| (hash >> bits & (ASIDE_STEPS - 1)) as f32 * (1.0 / ASIDE_STEPS as f32));
         let cell = (point_world / cell_m + Vec3::from(aside)).floor();
