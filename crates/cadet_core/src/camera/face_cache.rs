@@ -247,7 +247,7 @@ impl<'a> FaceCache<'a> {
         (info.block, info.ambient) = if info.is_leaf {
             (EVERYWHERE, self.ambient.of_leaf(info.instance, face.face_hash, info.middle))
         } else {
-            let surface = FlatSurface { instance: info.instance, variant: info.variant, appearance: info.appearance };
+            let surface = FlatSurface { instance: info.instance, variant: info.variant };
             (block, self.ambient.of_block(&surface, face.face_normal, block, (u, v), inverse_depth, &there))
         };
         info.ambient
