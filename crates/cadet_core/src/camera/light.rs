@@ -45,6 +45,12 @@ impl Light {
         }
     }
 
+    /// No pixel counts for more than twice the sky's light on level ground in what the lens scatters.
+    #[must_use]
+    pub fn glare_ceiling(&self) -> f32 {
+        2.0 * self.sky.sky_on_level.y
+    }
+
     /// The air between: haze, fog, rain.
     #[inline(always)]
     #[must_use]

@@ -4,6 +4,7 @@ mod lattice;
 mod oracle;
 mod pairs;
 mod reference;
+mod rolling_shutter;
 mod shadow_maps;
 mod shadow_proxies;
 mod thin_things;
