@@ -151,6 +151,7 @@ class Camera:
         height: int,
         projection: NDArray[np.float64],
         distortion: Sequence[float],
+        rolling_shutter_s: float,
         mount: Sequence[Pose],
     ) -> None:
         self.name, self.width, self.height = name, width, height

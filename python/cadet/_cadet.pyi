@@ -266,6 +266,7 @@ class Camera:
         height: int,
         projection: NDArray[np.float64],
         distortion: Sequence[float],
+        rolling_shutter_s: float,
         mount: Sequence[Pose],
     ) -> Camera: ...
 

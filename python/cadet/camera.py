@@ -59,6 +59,8 @@ class Camera:
 
     distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0)
     """k1, k2, p1, p2, k3 of OpenCV's lens model; all 0 for the rectified image that KITTI's files hold."""
+    rolling_shutter_s: float = 0.0
+    """Seconds from the first row's exposure to the last's, about the frame's instant, 0 to 0.1; 0 for a global one."""
 
     def __post_init__(self) -> None:
         make_plain(self)
@@ -80,9 +82,11 @@ class Camera:
             raise CadetError(f"Camera.distortion: expected k1, k2, p1, p2, k3, got {shown(self.distortion)}")
         for coefficient in self.distortion:
             check_number("Camera", "distortion", coefficient, -100, 100)
+        check_number("Camera", "rolling_shutter_s", self.rolling_shutter_s, 0, 0.1)
 
     def __repr__(self) -> str:
-        usual = {f.name: f.default for f in fields(self) if f.name in ("image_scale", "distortion")}
+        rare = ("image_scale", "distortion", "rolling_shutter_s")
+        usual = {f.name: f.default for f in fields(self) if f.name in rare}
         parts = {f.name: getattr(self, f.name) for f in fields(self)}
         shown = {name: value for name, value in parts.items() if name not in usual or value != usual[name]}
         return f"Camera({', '.join(f'{name}={value!r}' for name, value in shown.items())})"
@@ -118,6 +122,7 @@ class Camera:
         cx: float,
         cy: float,
         distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0),
+        rolling_shutter_s: float = 0.0,
     ) -> Camera:
         """A camera alone: its frame is that of camera 0, and all four projections are its own."""
         here = (0.0, 0.0, 0.0)
@@ -132,6 +137,7 @@ class Camera:
             cam2_from_cam0_m=here,
             cam3_from_cam0_m=here,
             distortion=distortion,
+            rolling_shutter_s=rolling_shutter_s,
         )
 
     def resized(self, width: int, height: int) -> Camera:
@@ -154,13 +160,15 @@ class Camera:
             image_scale=(self.image_scale[0] * x, self.image_scale[1] * y),
         )
 
-    def unusual(self) -> dict[str, list[float]]:
+    def unusual(self) -> dict[str, list[float] | float]:
         """Return what most cameras do not have, for a manifest."""
-        found = {}
+        found: dict[str, list[float] | float] = {}
         if self.image_scale != (1.0, 1.0):
             found["image_scale"] = list(self.image_scale)
         if any(self.distortion):
             found["distortion"] = list(self.distortion)
+        if self.rolling_shutter_s > 0.0:
+            found["rolling_shutter_s"] = self.rolling_shutter_s
         return found
 
     def to_native(self, name: str, projection: NDArray[np.float64], mount: list[_cadet.Pose]) -> _cadet.Camera:
@@ -177,6 +185,7 @@ class Camera:
             height=int(self.height),
             projection=projection,
             distortion=[float(k) for k in self.distortion],
+            rolling_shutter_s=float(self.rolling_shutter_s),
             mount=mount,
         )
 

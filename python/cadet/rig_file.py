@@ -20,7 +20,7 @@ from cadet.plain_text import toml_from_text
 from cadet.pose import Pose, Row3, inverse, product, rotation_of_angles
 
 _POSE = {"position_m", "quaternion_wxyz"}
-_CAMERA = {"name", "size", "focal_px", "center_px", "distortion"} | _POSE
+_CAMERA = {"name", "size", "focal_px", "center_px", "distortion", "rolling_shutter_s"} | _POSE
 _LIDAR = {"name", "model", "rolling", "returns", "divergence_mrad"} | _POSE
 
 
@@ -71,14 +71,17 @@ def _fields(values: Mapping[str, Any]) -> dict[str, Any]:
 
 def _camera(number: int, table: Mapping[str, Any], origin: Row3) -> MountedCamera:
     owner = f"camera[{number}]"
-    _check_keys(f"{owner}.", table, _CAMERA, _CAMERA - {"distortion"})
+    _check_keys(f"{owner}.", table, _CAMERA, _CAMERA - {"distortion", "rolling_shutter_s"})
     size = _numbers(f"{owner}.size", table["size"], 2)
     if not all(value.is_integer() for value in size):
         raise CadetError(f"{owner}.size: expected whole numbers of pixels, got {shown(table['size'])}")
     fx, fy = _numbers(f"{owner}.focal_px", table["focal_px"], 2)
     cx, cy = _numbers(f"{owner}.center_px", table["center_px"], 2)
     bent = _numbers(f"{owner}.distortion", table.get("distortion", [0.0] * 5), 5)
-    camera = Camera.single(int(size[0]), int(size[1]), fx=fx, fy=fy, cx=cx, cy=cy, distortion=bent)
+    (rolling_s,) = _numbers(f"{owner}.rolling_shutter_s", [table.get("rolling_shutter_s", 0.0)], 1)
+    camera = Camera.single(
+        int(size[0]), int(size[1]), fx=fx, fy=fy, cx=cx, cy=cy, distortion=bent, rolling_shutter_s=rolling_s
+    )
     return MountedCamera(name=table["name"], camera=camera, pose=_pose(owner, table, origin))
 
 

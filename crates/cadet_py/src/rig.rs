@@ -60,19 +60,21 @@ pub(crate) struct Camera {
 
 #[pymethods]
 impl Camera {
-    /// `projection` is (3, 4), `distortion` k1, k2, p1, p2, k3, and `mount` leads from the ego to the camera's frame.
+    /// `projection` is (3, 4), `distortion` k1, k2, p1, p2, k3, `rolling_shutter_s` the time from the first row to the last, and `mount` leads from the ego to the camera's frame.
     #[new]
-    #[pyo3(signature = (name, *, width, height, projection, distortion, mount))]
+    #[pyo3(signature = (name, *, width, height, projection, distortion, rolling_shutter_s, mount))]
     fn new(
         name: String,
         width: usize,
         height: usize,
         projection: PyReadonlyArray2<'_, f64>,
         distortion: [f64; 5],
+        rolling_shutter_s: f64,
         mount: Vec<Pose>,
     ) -> std::result::Result<Self, BorderError> {
         let projection = matrix_3x4("projection", &projection)?;
-        let sensor = CameraModel::new(width, height, projection, Distortion::from_opencv(distortion))?;
+        let sensor = CameraModel::new(width, height, projection, Distortion::from_opencv(distortion))?
+            .with_rolling_shutter(rolling_shutter_s)?;
         Ok(Self { mounted: Mounted { name, sensor, mount: self::mount(&mount) } })
     }
 }

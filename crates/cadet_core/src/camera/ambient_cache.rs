@@ -25,8 +25,6 @@ pub struct SurfacePoint {
 pub struct FlatSurface {
     pub instance: u32,
     pub variant: u32,
-    /// Material and normal, in so many steps that the eye sees none.
-    pub appearance: u32,
 }
 
 /// Pixels of a block.
@@ -44,7 +42,7 @@ pub type AmbientTerms = [f32; 8];
 /// corner, its changes to the right and downwards, and the change of the former by the latter.
 pub const PER_BLOCK: usize = 4;
 
-/// Block or corner of blocks, instance, and normal of a face, coarse or with its material.
+/// Block or corner of blocks, and instance, normal, depth and nature of a face: faces of one plane share.
 type SharedKey = (u32, u32, u32, u32);
 const SHARED_SLOTS: usize = 256;
 const CORNER_SLOTS: usize = 1024;
@@ -64,11 +62,11 @@ const LEAF_CELLS_AWAY: f32 = 16.0;
 /// Ambient terms are forgotten when there are so many.
 const MAX_AMBIENT: usize = 20_000;
 /// Components of normals are compared in so many steps from 0 to 1; each takes so many bits.
-const COARSE_STEPS: f32 = 7.0;
-const COARSE_ZERO: f32 = 8.0;
-const COARSE_BITS: u32 = 4;
-/// Above a normal's bits.
-const VARIANT_SHIFT: u32 = 16;
+const NORMAL_STEPS: f32 = 511.0;
+const NORMAL_ZERO: f32 = 511.5;
+const NORMAL_BITS: u32 = 10;
+/// Bits of a depth that rounding may change.
+const ROUNDED_BITS: u32 = 10;
 /// Bits of a number that are its sign and its exponent: what is left is a power of two.
 const EXPONENT_BITS: u32 = 0xFF80_0000;
 /// Ten bits of a hash for each axis.
@@ -121,14 +119,13 @@ impl<'a> AmbientCache<'a> {
         self.leaf_cells.fill((NO_LEAF_KEY, 0));
     }
 
-    /// A leaf's. Those of a plant that lie in one cell share it; each is put into a cell next to its own by chance, the
-    /// nearer the likelier, so that no cell shows.
+    /// A leaf's, by its middle relative to the eye. Those of a plant that lie in one cell share it; each is put into a cell
+    /// next to its own by chance, the nearer the likelier, so that no cell shows.
     #[inline(never)]
-    pub fn of_leaf(&mut self, instance: u32, hash: u32, hit: &SurfacePoint) -> u32 {
-        let depth = 1.0 / hit.inverse_depth;
-        let point_world = self.rays.eye + self.rays.direction(hit.u, hit.v) * depth;
+    pub fn of_leaf(&mut self, instance: u32, hash: u32, middle: Vec3) -> u32 {
+        let point_world = self.rays.eye + middle;
         // The power of two below, so that cells stay where they are as the camera moves.
-        let cell_m = f32::from_bits((depth / LEAF_CELLS_AWAY).max(LEAF_CELL_M).to_bits() & EXPONENT_BITS);
+        let cell_m = f32::from_bits((middle.length() / LEAF_CELLS_AWAY).max(LEAF_CELL_M).to_bits() & EXPONENT_BITS);
         let aside = [0, ASIDE_BITS, 2 * ASIDE_BITS]
             .map(|bits| (hash >> bits & (ASIDE_STEPS - 1)) as f32 * (1.0 / ASIDE_STEPS as f32));
         let cell = (point_world / cell_m + Vec3::from(aside)).floor();
@@ -155,23 +152,22 @@ impl<'a> AmbientCache<'a> {
         inverse_depth: [f32; 3],
         hit: &SurfacePoint,
     ) -> u32 {
-        let &FlatSurface { instance, variant, appearance } = surface;
+        let &FlatSurface { instance, variant } = surface;
         let found = self.terms.len() as u32;
-        let [coarse, in_cell] = {
-            let coarse = normal.to_array().map(|n| (n * COARSE_STEPS + COARSE_ZERO) as u32);
-            let coarse = coarse[0] | coarse[1] << COARSE_BITS | coarse[2] << (2 * COARSE_BITS);
-            [coarse | variant << VARIANT_SHIFT, coarse ^ coarse >> 3 ^ instance.wrapping_mul(INSTANCE_FACTOR) ^ variant]
-        };
+        let [x, y, z] = normal.to_array().map(|n| (n * NORMAL_STEPS + NORMAL_ZERO) as u32);
+        let bearing = x | y << NORMAL_BITS | z << (2 * NORMAL_BITS);
+        let in_cell = bearing ^ bearing >> 7 ^ instance.wrapping_mul(INSTANCE_FACTOR) ^ variant;
+        let is_flat = ShaderVariant::of(variant as usize).is_flat();
         // Near by, where faces are large in the image and coats mirror clearly, each face looks for itself.
         if hit.inverse_depth < 1.0 / SHARED_FROM_M {
-            let key = (block, instance, coarse, u32::from(hit.is_lone));
+            let rest = depth_step(inverse_depth[0]) | u32::from(hit.is_lone) << 1 | u32::from(is_flat);
+            let key = (block, instance, bearing, rest);
             let (known, index) = &mut self.shared[in_cell as usize % SHARED_SLOTS];
             if *known == key {
                 return *index;
             }
             (*known, *index) = (key, found);
         }
-        let is_flat = ShaderVariant::of(variant as usize).is_flat();
         if hit.is_lone {
             let point_world = self.rays.eye + self.rays.direction(hit.u, hit.v) * (1.0 / hit.inverse_depth);
             let even = [0.0; 8];
@@ -187,8 +183,7 @@ impl<'a> AmbientCache<'a> {
             let inverse_depth = inverse_depth[0] + inverse_depth[1] * du + inverse_depth[2] * dv;
             let inverse_depth = inverse_depth.clamp(0.5 * at_hit, 2.0 * at_hit);
             let corner = (row + j) * (self.blocks_across + 1) + column + i;
-            let is_far = inverse_depth < 1.0 / SHARED_FROM_M;
-            let key = (corner, instance, if is_far { coarse } else { appearance }, u32::from(is_far));
+            let key = (corner, instance, bearing, depth_step(inverse_depth) | u32::from(is_flat));
             let slot = corner.wrapping_mul(CORNER_FACTORS[0]) ^ in_cell.wrapping_mul(CORNER_FACTORS[1]);
             let (known, ambient) = &mut self.corners[(slot >> SLOT_SHIFT) as usize % CORNER_SLOTS];
             if *known != key {
@@ -203,6 +198,11 @@ impl<'a> AmbientCache<'a> {
         self.terms.extend([first, rightwards, change(&first, &below), change(&rightwards, &further)]);
         found
     }
+}
+
+/// The depth of a plane in steps of 0.02 percent, which leave room for two more bits.
+fn depth_step(inverse_depth: f32) -> u32 {
+    inverse_depth.to_bits() >> ROUNDED_BITS << 2
 }
 
 /// The ambient terms of a point of a surface.

@@ -6,7 +6,7 @@ use multiversion::multiversion;
 
 use super::block_sums::BlockSums;
 use crate::math::{DVec3, Vec3};
-use crate::sense::PosedScene;
+use crate::sense::{PosedInstance, PosedScene};
 
 /// Cells along a side of the map.
 const CELLS: usize = 72;
@@ -45,8 +45,8 @@ pub struct ContactOcclusion {
 
 /// A box that shades the ground under and beside it: a vehicle's body.
 #[derive(Debug, Clone)]
-struct Occluder {
-    center: Vec3,
+pub(super) struct Occluder {
+    pub(super) center: Vec3,
     axis_x: Vec3,
     axis_y: Vec3,
     half: [f32; 2],
@@ -59,22 +59,9 @@ impl ContactOcclusion {
     #[must_use]
     pub fn new(scene: &PosedScene, min: [f32; 2]) -> Self {
         let (mut occluders, mut cells) = (Vec::new(), vec![Vec::new(); CELLS * CELLS]);
-        for instance in scene.instances.iter().filter(|i| i.actor_id >= 1) {
-            let size = instance.mesh.bounds.size();
-            let [x, y, z] = LEAST_SIZE_M;
-            if size.x < x || size.y < y || size.z < z || size.x > MOST_LENGTH_M {
-                continue;
-            }
-            let center = instance.center_world.as_vec3();
-            let axis = |v: DVec3| (instance.placement.rotation * v).as_vec3();
-            let occluder = Occluder {
-                center,
-                axis_x: axis(DVec3::X),
-                axis_y: axis(DVec3::Y),
-                half: [size.x * HALF_BODY, size.y * HALF_BODY],
-                bottom_z: center.z - size.z / 2.0,
-                height: size.z,
-            };
+        for instance in &scene.instances {
+            let Some(occluder) = Occluder::of(instance) else { continue };
+            let (center, size) = (occluder.center, instance.mesh.bounds.size());
             let (dx, dy) = (center.x - min[0], center.y - min[1]);
             // Half a cell's diagonal more: the distance is that of the cells' middles.
             let reach = REACH * size.z + HALF_DIAGONAL * CELL_M;
@@ -168,6 +155,25 @@ impl ContactOcclusion {
 const TOGETHER: usize = 16;
 
 impl Occluder {
+    /// An actor's body; its wheels and limbs are none.
+    pub(super) fn of(instance: &PosedInstance) -> Option<Self> {
+        let size = instance.mesh.bounds.size();
+        let [x, y, z] = LEAST_SIZE_M;
+        if instance.actor_id < 1 || size.x < x || size.y < y || size.z < z || size.x > MOST_LENGTH_M {
+            return None;
+        }
+        let center = instance.center_world.as_vec3();
+        let axis = |v: DVec3| (instance.placement.rotation * v).as_vec3();
+        Some(Self {
+            center,
+            axis_x: axis(DVec3::X),
+            axis_y: axis(DVec3::Y),
+            half: [size.x * HALF_BODY, size.y * HALF_BODY],
+            bottom_z: center.z - size.z / 2.0,
+            height: size.z,
+        })
+    }
+
     /// From the body seen from above to a point, relative to the middle.
     fn distance(&self, d: Vec3) -> f32 {
         let ox = (d.dot(self.axis_x).abs() - self.half[0]).max(0.0);
@@ -180,8 +186,9 @@ impl Occluder {
         darken(self, self.center - eye_world, points, is_queried, factor);
     }
 
+    /// What it leaves to a point, relative to the middle.
     #[inline(always)]
-    fn leaves(&self, d: Vec3) -> f32 {
+    pub(super) fn leaves(&self, d: Vec3) -> f32 {
         let over = d.z + (self.center.z - self.bottom_z);
         let (x, y) = (d.dot(self.axis_x).abs() - self.half[0], d.dot(self.axis_y).abs() - self.half[1]);
         // Under the body: light comes in flat through the gap at the nearest edges.

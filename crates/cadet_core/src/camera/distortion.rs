@@ -1,5 +1,7 @@
 //! Lens distortion by OpenCV's model, and the wider pinhole image from which a distorted one is taken.
 
+use std::ops::Range;
+
 use crate::error::{Error, Result};
 
 /// Where a ray of slope (x, y) comes through the lens: k1, k2, p1, p2, k3 as in OpenCV's `distCoeffs`.
@@ -153,23 +155,47 @@ impl Warp {
     #[must_use]
     pub fn colors(&self, rgb: &[f32]) -> Vec<f32> {
         let mut out = Vec::with_capacity(self.places.len() * 3);
-        for [u, v] in &self.places {
+        self.append_colors(0..self.image_size().1, 0, rgb, &mut out);
+        out
+    }
+
+    /// Some rows of the distorted image, of a pinhole image that begins at row `first_row`.
+    pub(super) fn append_colors(&self, rows: Range<usize>, first_row: usize, rgb: &[f32], out: &mut Vec<f32>) {
+        for [u, v] in self.places_of(rows) {
             let (column, row) = (*u as usize, *v as usize);
             let (right, below) = (u - column as f32, v - row as f32);
-            let first = (row * self.width + column) * 3;
+            let first = ((row - first_row) * self.width + column) * 3;
             let second = first + self.width * 3;
             for k in 0..3 {
                 let mix = |at: usize| rgb[at + k] * (1.0 - right) + rgb[at + 3 + k] * right;
                 out.push(mix(first) * (1.0 - below) + mix(second) * below);
             }
         }
-        out
     }
 
     /// The distorted map of a pinhole image's: of each pixel the nearest.
     #[must_use]
     pub fn nearest<T: Copy>(&self, values: &[T]) -> Vec<T> {
-        self.places.iter().map(|[u, v]| values[(v + 0.5) as usize * self.width + (u + 0.5) as usize]).collect()
+        let mut out = Vec::with_capacity(self.places.len());
+        self.append_nearest(0..self.image_size().1, 0, values, &mut out);
+        out
+    }
+
+    /// As [`Warp::append_colors`].
+    pub(super) fn append_nearest<T: Copy>(&self, rows: Range<usize>, first_row: usize, values: &[T], out: &mut Vec<T>) {
+        let at = |[u, v]: &[f32; 2]| ((v + 0.5) as usize - first_row) * self.width + (u + 0.5) as usize;
+        out.extend(self.places_of(rows).iter().map(|place| values[at(place)]));
+    }
+
+    fn places_of(&self, rows: Range<usize>) -> &[[f32; 2]] {
+        &self.places[rows.start * self.image_width..rows.end * self.image_width]
+    }
+
+    /// The rows of the pinhole image that some rows of the distorted one show.
+    pub(super) fn rows_needed(&self, rows: Range<usize>) -> Range<usize> {
+        let rows = self.places_of(rows).iter().map(|[_, v]| *v as usize);
+        let (first, last) = rows.fold((usize::MAX, 0), |(first, last), row| (first.min(row), last.max(row)));
+        first..last + 2
     }
 }
 

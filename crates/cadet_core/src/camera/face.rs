@@ -207,7 +207,7 @@ impl Face {
             weights_at_eye: [-to_b.dot(origin), -to_c.dot(origin)],
             least_weight: if raw.is_quad { LEAST_WEIGHT } else { 0.0 },
             albedo: if is_leaf {
-                clump(a, ab, transform) * Vec3::from(material.albedo)
+                clump(a, ab, transform.place_hash) * Vec3::from(material.albedo)
             } else {
                 material.albedo.into()
             },
@@ -228,12 +228,11 @@ impl Face {
 /// How bright a leaf card of a plant is, by its corner and edge in the plant's frame: clumps of leaves stand out, others lie in
 /// their shade.
 #[inline(always)]
-fn clump(at: Vec3, edge: Vec3, transform: &InstanceTransform) -> f32 {
+pub(super) fn clump(at: Vec3, edge: Vec3, place_hash: u32) -> f32 {
     let (u, v) = (at.x + CLUMP_ASKEW * at.y, at.z + CLUMP_ASKEW * (at.y - at.x));
     // What is longer than a clump, as the inside of hedges, has the mean of many.
     let size = edge.dot(edge);
-    1.0 + (value_noise(u * CLUMPS_PER_M, v * CLUMPS_PER_M, transform.place_hash) - 0.5) * CLUMP_CONTRAST
-        / (1.0 + size * size)
+    1.0 + (value_noise(u * CLUMPS_PER_M, v * CLUMPS_PER_M, place_hash) - 0.5) * CLUMP_CONTRAST / (1.0 + size * size)
 }
 
 fn is_vehicle(semantic: Semantic) -> bool {

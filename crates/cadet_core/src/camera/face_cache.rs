@@ -18,6 +18,8 @@ struct BinningInfo {
     /// Material and normal, in so many steps that the eye sees none.
     appearance: u32,
     is_leaf: bool,
+    /// Of a leaf card, relative to the eye.
+    middle: Vec3,
     /// Number of the block for which the ambient terms were last found, and where it is kept; leaves have one for all
     /// blocks.
     block: u32,
@@ -192,6 +194,8 @@ impl<'a> FaceCache<'a> {
                 instance: raw.instance,
                 appearance,
                 is_leaf,
+                middle: placed.transform.world_from_local * ((raw.vertices[0] + raw.vertices[2]) * 0.5)
+                    + placed.transform.origin,
                 block: NOWHERE,
                 ambient: 0,
             });
@@ -241,9 +245,9 @@ impl<'a> FaceCache<'a> {
         }
         let face = &self.faces[index as usize];
         (info.block, info.ambient) = if info.is_leaf {
-            (EVERYWHERE, self.ambient.of_leaf(info.instance, face.face_hash, &there))
+            (EVERYWHERE, self.ambient.of_leaf(info.instance, face.face_hash, info.middle))
         } else {
-            let surface = FlatSurface { instance: info.instance, variant: info.variant, appearance: info.appearance };
+            let surface = FlatSurface { instance: info.instance, variant: info.variant };
             (block, self.ambient.of_block(&surface, face.face_normal, block, (u, v), inverse_depth, &there))
         };
         info.ambient

@@ -27,6 +27,7 @@ pub struct CameraModel {
     projection: Matrix3x4<f64>,
     /// A lens that bends straight lines.
     lens: Option<Lens>,
+    rolling_shutter_s: f64,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -80,7 +81,7 @@ impl CameraModel {
                 expected: "0 0 1".to_owned(),
             });
         }
-        let mut camera = Self { width, height, projection, lens: None };
+        let mut camera = Self { width, height, projection, lens: None, rolling_shutter_s: 0.0 };
         if let Some(distortion) = distortion {
             let warp = Arc::new(Warp::new(&distortion, camera.intrinsics(), width, height)?);
             camera.lens = Some(Lens { distortion, warp });
@@ -99,7 +100,28 @@ impl CameraModel {
         projection[(1, 2)] += down;
         projection[(0, 3)] += right * z;
         projection[(1, 3)] += down * z;
-        Self { width: lens.warp.width, height: lens.warp.height, projection, lens: None }
+        let rolling_shutter_s = self.rolling_shutter_s;
+        Self { width: lens.warp.width, height: lens.warp.height, projection, lens: None, rolling_shutter_s }
+    }
+
+    /// The same camera, whose rows are exposed from the top to the bottom within so many seconds, from the first row's
+    /// instant to the last's; 0 for all at once.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] beyond 0 to 0.1 s, [`Error::NotFinite`].
+    pub fn with_rolling_shutter(mut self, rolling_shutter_s: f64) -> Result<Self> {
+        if !(0.0..=0.1).contains(&finite("rolling shutter", rolling_shutter_s)?) {
+            let (what, value) = ("rolling shutter", rolling_shutter_s.to_string());
+            return Err(Error::OutOfRange { what, value, expected: "0 to 0.1 s".to_owned() });
+        }
+        self.rolling_shutter_s = rolling_shutter_s;
+        Ok(self)
+    }
+
+    /// Seconds between the first row's exposure and the last's.
+    #[must_use]
+    pub fn rolling_shutter_s(&self) -> f64 {
+        self.rolling_shutter_s
     }
 
     /// How the image is taken from the pinhole camera's; `None` without distortion.

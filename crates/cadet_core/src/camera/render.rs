@@ -25,8 +25,7 @@ pub struct Rendered {
     pub maps: Option<Maps>,
 }
 
-/// Share of the mean radiance that lens and housing scatter over the image; no pixel counts for more than twice the sky's
-/// light on level ground.
+/// Share of the mean radiance that lens and housing scatter over the image; see [`Light::glare_ceiling`].
 const VEILING_GLARE: f32 = 0.05;
 /// Mean luma that the exposure aims at, and its spread from frame to frame.
 const MEAN_LUMA: (f64, f64) = (91.0, 1.8);
@@ -39,6 +38,13 @@ pub(super) struct Scratch {
     visible_world: Vec<Vec3>,
     pub rgb: Vec<f32>,
     shadows: Vec<Vec<i16>>,
+}
+
+impl Scratch {
+    /// Keeps the memory of the shadow maps.
+    pub fn reuse(&mut self, light: Light) {
+        self.shadows = light.shadows.map(ShadowMaps::into_buffers).unwrap_or_default();
+    }
 }
 
 thread_local! {
@@ -68,12 +74,9 @@ pub fn render_through(
     let mut scratch = SCRATCH.take();
     let light = radiance(scene, view, weather, seen, &mut scratch);
     // Lens and housing scatter a share of the light over the whole image: shadows are never fully black.
-    let sums = blur(&mut scratch.rgb, width, height, 2.0 * light.sky.sky_on_level.y);
+    let sums = blur(&mut scratch.rgb, width, height, light.glare_ceiling());
     let blurred = &scratch.rgb[..width * height * 3];
-    let veil = sums.map(|s| (f64::from(VEILING_GLARE) * s / (width * height) as f64) as f32);
-    let target = stream.clipped_normal(MEAN_LUMA.0, MEAN_LUMA.1) as f32;
-    let gain = gain_for_mean_luma(&metered(blurred, veil, METERED_STEP), target, 1);
-    let gains = WHITE_BALANCE.map(|g| g * gain);
+    let (veil, gains) = exposure(blurred, sums, stream);
     let image = match warp {
         None => expose(blurred, width, height, veil, gains, stream),
         Some(warp) => {
@@ -81,9 +84,18 @@ pub fn render_through(
             expose(&warp.colors(blurred), width, height, veil, gains, stream)
         }
     };
-    scratch.shadows = light.shadows.map(ShadowMaps::into_buffers).unwrap_or_default();
+    scratch.reuse(light);
     SCRATCH.set(scratch);
     image
+}
+
+/// The veil and the gains of R, G, B. `sums` are those of [`blur`].
+pub(super) fn exposure(blurred: &[f32], sums: [f64; 3], stream: &mut Stream) -> ([f32; 3], [f32; 3]) {
+    let num_pixels = (blurred.len() / 3) as f64;
+    let veil = sums.map(|s| (f64::from(VEILING_GLARE) * s / num_pixels) as f32);
+    let target = stream.clipped_normal(MEAN_LUMA.0, MEAN_LUMA.1) as f32;
+    let gain = gain_for_mean_luma(&metered(blurred, veil, METERED_STEP), target, 1);
+    (veil, WHITE_BALANCE.map(|g| g * gain))
 }
 
 /// Linear radiance of every pixel, interleaved RGB, into `scratch.rgb` from the row [`ROWS_BEFORE`] on; returns the light.

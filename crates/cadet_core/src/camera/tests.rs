@@ -1,7 +1,10 @@
 //! Pictures of small scenes against closed forms and invariances.
 
 mod lattice;
+mod oracle;
 mod pairs;
+mod reference;
+mod rolling_shutter;
 mod shadow_maps;
 mod shadow_proxies;
 mod thin_things;

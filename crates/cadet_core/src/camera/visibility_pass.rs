@@ -35,6 +35,17 @@ impl View {
             world_from_cam: DPose3 { rotation: world_from_cam.rotation, translation: center_world },
         }
     }
+
+    /// Some rows of the image, of a camera that has moved.
+    pub(super) fn rows(&self, rows: Range<usize>, displacement: &DPose3) -> Self {
+        let [fx, fy, cx, cy] = self.intrinsics;
+        Self {
+            intrinsics: [fx, fy, cx, cy - rows.start as f64],
+            width: self.width,
+            height: rows.len(),
+            world_from_cam: *displacement * self.world_from_cam,
+        }
+    }
 }
 
 /// What the camera's samples see, before light and color.
@@ -48,7 +59,7 @@ pub struct Visibility {
 }
 
 /// What the pixels' centers show; every array is row-major.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Maps {
     /// z along the optical axis, meters; infinite for the sky.
     pub depth: Vec<f32>,

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::Scene;
 use crate::actor::ActorState;
-use crate::camera::{CameraModel, Rendered, View, Visibility, render_through, visibility_pass};
+use crate::camera::{CameraModel, Moving, Rendered, View, Visibility, render_rolling, render_through, visibility_pass};
 use crate::error::{Error, Result};
 use crate::label::{Boxes, Sighting, TakenView, add_points, may_label, pixels_of_actors, road_plane_cam, sightings};
 use crate::lidar::{LidarSpec, Scan, Turning, scan, turning_scan};
@@ -12,6 +12,7 @@ use crate::math::{DPose3, DVec3};
 use crate::rig::Mounted;
 use crate::sense::Motion;
 use crate::town::GroundKind;
+use crate::world::{EgoState, Snapshot};
 
 /// What is to be captured besides the first camera's image and the first LIDAR's scan. What is not asked for costs
 /// nothing.
@@ -149,7 +150,7 @@ impl Scene {
     fn finish(&mut self, request: &Request, looked: Looked) -> Result<Frame> {
         let snapshot = Arc::clone(&self.sensed().snapshot);
         let Looked { view, seen, mut sightings } = looked;
-        let mut images = vec![self.image(0, request, &view, &seen)];
+        let mut images = vec![self.image(0, request, &view, &seen)?];
         let mut pixels = if request.with_pixels { self.pixels(0, &seen) } else { Vec::new() };
         // Its memory serves the next camera.
         drop(seen);
@@ -157,7 +158,7 @@ impl Scene {
             let mounted = &self.rig.cameras()[*index];
             let view = View::new(&mounted.sensor, &mounted.mount.world_from_sensor(&snapshot.ego.world_from_ego));
             let seen = visibility_pass(&self.triangles(), &view)?;
-            images.push(self.image(*index, request, &view, &seen));
+            images.push(self.image(*index, request, &view, &seen)?);
             if request.with_pixels {
                 for (sum, more) in pixels.iter_mut().zip(self.pixels(*index, &seen)) {
                     *sum = [sum[0] + more[0], sum[1] + more[1]];
@@ -183,15 +184,25 @@ impl Scene {
         })
     }
 
-    fn image(&mut self, index: usize, request: &Request, view: &View, seen: &Visibility) -> Image {
-        let posed = self.triangles();
-        let Mounted { name, sensor, .. } = &self.rig.cameras()[index];
+    fn image(&mut self, index: usize, request: &Request, view: &View, seen: &Visibility) -> Result<Image> {
+        let (posed, snapshot) = (self.triangles(), Arc::clone(&self.sensed().snapshot));
+        let Mounted { name, sensor, mount } = &self.rig.cameras()[index];
         let CameraModel { width, height, .. } = *sensor;
         let warp = sensor.warp();
         let mut stream = self.key.indexed(&stream_name("camera", index, name), request.sample);
-        let image = render_through(&posed, view, &self.weather, seen, warp, &mut stream);
-        let maps = request.with_maps.then(|| seen.maps_through(&posed, warp));
-        Image { name: name.clone(), width, height, rendered: Rendered { image, maps } }
+        let rendered = if sensor.rolling_shutter_s() > 0.0 {
+            let moving = Moving {
+                scene: &posed,
+                world_from_cam: &mount.world_from_sensor(&snapshot.ego.world_from_ego),
+                camera: motion_of_ego(&snapshot),
+                motion_of: |id| motion_of_actor(&snapshot, id),
+            };
+            render_rolling(&moving, sensor, &self.weather, request.with_maps, &mut stream)?
+        } else {
+            let image = render_through(&posed, view, &self.weather, seen, warp, &mut stream);
+            Rendered { image, maps: request.with_maps.then(|| seen.maps_through(&posed, warp)) }
+        };
+        Ok(Image { name: name.clone(), width, height, rendered })
     }
 
     fn pixels(&mut self, index: usize, seen: &Visibility) -> Vec<[f64; 2]> {
@@ -230,26 +241,29 @@ impl Scene {
         if !spec.rolling {
             return scan(&posed, &world_from_velo, spec, &self.weather, &mut stream);
         }
-        let of_ego = &snapshot.ego;
-        let motion = |pose: &DPose3, velocity_world, angular_velocity_world| Motion {
-            pivot_world: pose.translation,
-            velocity_world,
-            angular_velocity_world,
-        };
-        let ego = motion(&of_ego.world_from_ego, of_ego.velocity_world, of_ego.angular_velocity_world);
-        // Actors stand in the order of their ids.
-        let motion_of = |id: i32| match snapshot.actors.binary_search_by_key(&id, |a| a.id) {
-            Ok(i) => {
-                let actor = &snapshot.actors[i];
-                motion(&actor.world_from_box, actor.velocity_world, actor.angular_velocity_world)
-            }
-            Err(_) => Motion::default(),
-        };
+        let (ego, motion_of) = (motion_of_ego(&snapshot), |id| motion_of_actor(&snapshot, id));
         let turning = Turning::new(posed, &mut self.trees, spec, world_from_velo, ego, motion_of);
         let scan = turning_scan(&turning, spec, &self.weather, &mut stream);
         self.trees.forget_unused();
         scan
     }
+}
+
+fn motion_of_ego(snapshot: &Snapshot) -> Motion {
+    let EgoState { world_from_ego, velocity_world, angular_velocity_world } = snapshot.ego;
+    Motion { pivot_world: world_from_ego.translation, velocity_world, angular_velocity_world }
+}
+
+/// How the actor of an id moves.
+fn motion_of_actor(snapshot: &Snapshot, id: i32) -> Motion {
+    // They stand in the order of their ids.
+    snapshot.actors.binary_search_by_key(&id, |a| a.id).map_or_else(
+        |_| Motion::default(),
+        |i| {
+            let ActorState { world_from_box, velocity_world, angular_velocity_world, .. } = snapshot.actors[i];
+            Motion { pivot_world: world_from_box.translation, velocity_world, angular_velocity_world }
+        },
+    )
 }
 
 /// The random stream of a sensor's noise: the first of a kind has the kind's own, so that more sensors change nothing.

@@ -156,6 +156,20 @@ impl PosedScene {
         scene
     }
 
+    /// The same scene with its actors elsewhere: `displacement_of` says by their ids what takes them from where they are.
+    #[must_use]
+    pub fn moved(&self, displacement_of: impl Fn(i32) -> DPose3) -> Self {
+        let mut scene = self.clone();
+        for instance in scene.instances.iter_mut().filter(|i| i.actor_id > 0) {
+            let displacement = displacement_of(instance.actor_id);
+            let Placement { rotation, translation } = &mut instance.placement;
+            *rotation = DMat3::from_quat(displacement.rotation) * *rotation;
+            *translation = displacement.transform_point(*translation);
+            instance.center_world = displacement.transform_point(instance.center_world);
+        }
+        scene
+    }
+
     /// Every vertex, instance after instance.
     pub fn vertices_world(&self) -> impl Iterator<Item = Vec3> {
         self.instances.iter().flat_map(PosedInstance::vertices_world)

@@ -37,6 +37,17 @@ impl Side {
     }
 }
 
+/// Where the left or the right pixel of a pair meets its surface, relative to the eye.
+#[inline(always)]
+fn point_in_pixel(inputs: &SurfaceInputs, camera: &ShadingCamera, side: f32, i: usize) -> Vec3 {
+    let aside = inputs.half_spacing[i] * side;
+    let direction = camera.corner + camera.right * (inputs.u[i] + aside) + camera.down * inputs.v[i];
+    // What is seen from its rim ends before the next pixel's middle.
+    let middle = inputs.inverse_depth[i];
+    let inverse_depth = (middle + inputs.inverse_depth_by_column[i] * aside).max(0.5 * middle).min(2.0 * middle);
+    direction * (1.0 / inverse_depth)
+}
+
 /// The coordinates of the texture in the left or the right pixels.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 pub fn place_texture(
@@ -51,12 +62,7 @@ pub fn place_texture(
     let side = side.offset();
     let mut points = [[0.0; BATCH_SIZE]; 3];
     for i in 0..m {
-        let aside = inputs.half_spacing[i] * side;
-        let direction = camera.corner + camera.right * (inputs.u[i] + aside) + camera.down * inputs.v[i];
-        // What is seen from its rim ends before the next pixel's middle.
-        let middle = inputs.inverse_depth[i];
-        let inverse_depth = (middle + inputs.inverse_depth_by_column[i] * aside).max(0.5 * middle).min(2.0 * middle);
-        put(&mut points, i, direction * (1.0 / inverse_depth));
+        put(&mut points, i, point_in_pixel(inputs, camera, side, i));
     }
     let [u, v] = out;
     if variant.pattern == Pattern::Leaves {
@@ -124,11 +130,9 @@ pub fn snow(
     out: &mut BatchVector,
 ) {
     let side = side.offset();
-    let (eye, right) = (camera.eye, camera.right);
     for i in 0..m.min(BATCH_SIZE) {
         // In the pixel itself: in the pair's middle, each pair would have its own drift.
-        let aside = inputs.half_spacing[i] * side / inputs.inverse_depth[i];
-        let (x, y) = (geometry.point[0][i] + right.x * aside + eye.x, geometry.point[1][i] + right.y * aside + eye.y);
+        let Vec3 { x, y, .. } = point_in_pixel(inputs, camera, side, i) + camera.eye;
         let drift = value_noise(x * DRIFTS_PER_M, y * DRIFTS_PER_M, DRIFT_SALT);
         let worn = if inputs.flags[i] & Flags::ROAD > 0 { WORN_SNOW } else { 1.0 };
         let lies = if inputs.flags[i] & Flags::VEHICLE > 0 { 0.0 } else { 1.0 };

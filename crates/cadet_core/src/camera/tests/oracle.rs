@@ -1,0 +1,132 @@
+//! The fast renderer against the plain one, on generated suburbs, before blur and noise.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::reference::{Reference, SkyRate, gain, veil};
+use crate::camera::exposure::{WHITE_BALANCE, gain_for_mean_luma, metered};
+use crate::camera::kitti_like;
+use crate::camera::noise::ROWS_BEFORE;
+use crate::camera::render::{Scratch, radiance};
+use crate::camera::sky::Sky;
+use crate::camera::visibility_pass::{Maps, View, visibility_pass};
+use crate::frames;
+use crate::lidar::LidarSpec;
+use crate::math::{DMat3, DPose3, DQuat, DVec3, Vec3};
+use crate::rig::{Mount, Mounted, Rig};
+use crate::rng::StreamKey;
+use crate::scene::{Scene, SceneConfig, TownSource};
+use crate::sense::PosedScene;
+use crate::weather::Weather;
+
+/// What exposure aims at.
+const MEAN_LUMA: f32 = 91.0;
+/// Of 255.
+const NEAR_LEVELS: f32 = 2.0;
+
+fn rig() -> Rig {
+    let axes = DMat3::from_cols(-DVec3::Y, -DVec3::Z, DVec3::X);
+    let velo = frames::mounted(DVec3::new(0.0, 0.0, 1.73), 0.0, 0.0, 0.0);
+    let ahead = DPose3 { rotation: DQuat::from_mat3(&axes), translation: DVec3::new(0.27, 0.0, -0.08) };
+    let camera = Mounted { name: "image_2".to_owned(), sensor: kitti_like(), mount: Mount::new(vec![velo, ahead]) };
+    let lidar = Mounted { name: "velodyne".to_owned(), sensor: LidarSpec::cadet(), mount: Mount::new(vec![velo]) };
+    Rig::new("test".to_owned(), vec![camera], vec![lidar]).expect("a rig")
+}
+
+/// Some rows of a picture, four side by side each.
+struct Shot {
+    plain: Reference,
+    view: View,
+    weather: Weather,
+    tops: Vec<usize>,
+    /// The fast renderer's radiance in these rows.
+    fast: Vec<Vec3>,
+    maps: Maps,
+}
+
+impl Shot {
+    fn of(seed: u64, weather: &str, change: fn(&mut SceneConfig)) -> Self {
+        let weather = Weather::preset(weather).expect("a preset");
+        let mut config = SceneConfig::default();
+        change(&mut config);
+        let mut scene =
+            Scene::random(StreamKey::scene(seed), &TownSource::Suburb, weather, rig(), &config).expect("a suburb");
+        scene.step(0.1).expect("drives");
+        let (_, world_from_cam) = scene.sensor_poses();
+        let view = View::new(scene.rig().camera(), &world_from_cam);
+        let (posed, weather): (Arc<PosedScene>, _) = (scene.triangles(), scene.weather().clone());
+        let seen = visibility_pass(&posed, &view).expect("a view");
+        let mut scratch = Scratch::default();
+        let _ = radiance(&posed, &view, &weather, &seen, &mut scratch);
+        let image = &scratch.rgb[ROWS_BEFORE * view.width * 3..];
+        let pixel = |at: usize| Vec3::new(image[3 * at], image[3 * at + 1], image[3 * at + 2]);
+        let tops: Vec<usize> = (3..view.height / 4).step_by(12).map(|four| 4 * four).collect();
+        let fast = tops.iter().flat_map(|top| top * view.width..(top + 4) * view.width).map(pixel).collect();
+        Self { plain: Reference::new(&posed, &view, &weather), maps: seen.maps(&posed), view, weather, tops, fast }
+    }
+
+    /// What the plain renderer sees in the rows, light found as coarsely as the fast one promises, or in each pixel.
+    fn plain(&self, rate: Option<SkyRate>) -> Vec<Vec3> {
+        let pixel = |top: usize, i: usize| self.plain.pixel(top + i / self.view.width, i % self.view.width);
+        let four_rows = |top: &usize| match rate {
+            Some(rate) => self.plain.four_rows(*top, rate),
+            None => (0..4 * self.view.width).map(|i| pixel(*top, i)).collect(),
+        };
+        self.tops.iter().flat_map(four_rows).collect()
+    }
+
+    /// Shares of the pixels whose channels are all within two levels; and what those show that are not, by class.
+    fn agreement(&self, plain: &[Vec3]) -> (f64, BTreeMap<u8, usize>) {
+        let veil = veil(plain, 2.0 * Sky::new(&self.weather).sky_on_level.y);
+        let gains = gain(plain, veil, MEAN_LUMA);
+        let values: Vec<f32> = self.fast.iter().flat_map(|p| p.to_array()).collect();
+        let fast_gain = gain_for_mean_luma(&metered(&values, veil.to_array(), 1), MEAN_LUMA, 1) * WHITE_BALANCE[1];
+        assert!((fast_gain / gains.y - 1.0).abs() < 2e-3, "{fast_gain} {gains}");
+        let level = |radiance: Vec3| ((radiance + veil) * gains).min(Vec3::splat(255.0));
+        let mut far: BTreeMap<u8, usize> = BTreeMap::new();
+        for (i, (a, b)) in self.fast.iter().zip(plain).enumerate() {
+            if (level(*a) - level(*b)).abs().max_element() > NEAR_LEVELS {
+                let at = self.tops[i / (4 * self.view.width)] * self.view.width + i % (4 * self.view.width);
+                *far.entry(self.maps.semantic[at]).or_default() += 1;
+            }
+        }
+        (1.0 - far.values().sum::<usize>() as f64 / plain.len() as f64, far)
+    }
+}
+
+/// Seed, weather, and what is unlike in the suburb.
+type Setting = (u64, &'static str, fn(&mut SceneConfig));
+
+const SHOTS: [Setting; 8] = [
+    (0, "clear_noon", |_| ()),
+    (1, "clear_sunset", |config| config.props.house_shares = [0.0, 0.0, 0.0, 0.5, 0.2, 0.3]),
+    (2, "soft_rain_noon", |_| ()),
+    (3, "dense_fog", |config| config.traffic.num_pedestrians = 60),
+    (4, "snow", |config| config.suburb.hilly_share = 1.0),
+    (5, "dusk", |config| config.traffic.num_cars = 30),
+    (6, "wet_noon", |config| config.props.greenery = 0.2),
+    (7, "hard_rain_sunset", |_| ()),
+];
+
+#[test]
+fn it_agrees_with_the_plain_one_within_two_levels() {
+    let mut sum = 0.0;
+    for (seed, weather, change) in SHOTS {
+        let shot = Shot::of(seed, weather, change);
+        let (share, far) = shot.agreement(&shot.plain(Some(SkyRate::Block)));
+        assert!(share > 0.997, "{seed} {weather}: {share}, others by class: {far:?}");
+        sum += share;
+    }
+    let mean = sum / SHOTS.len() as f64;
+    assert!(mean > 0.999, "{mean}");
+}
+
+#[test]
+fn what_it_leaves_out_between_pixels_is_as_little_as_stated() {
+    for (seed, weather, change) in [SHOTS[0], SHOTS[2]] {
+        let shot = Shot::of(seed, weather, change);
+        let (by_pair, _) = shot.agreement(&shot.plain(Some(SkyRate::Pair)));
+        let (by_pixel, _) = shot.agreement(&shot.plain(None));
+        assert!(by_pair > 0.98 && by_pixel > 0.95, "{seed} {weather}: {by_pair} {by_pixel}");
+    }
+}
