@@ -1,5 +1,7 @@
 //! Paint on the road lies where the OpenDRIVE puts it, in its colors.
 
+#![allow(clippy::unwrap_used)]
+
 use cadet_core::geometry::Mesh;
 use cadet_core::material::Semantic;
 use cadet_core::math::DVec3;
