@@ -2,7 +2,7 @@
 //!
 //! Its steps and what they hand on: [`gather`] makes [`SurfaceInputs`] and the ambient part of [`IncidentLight`], [`geometry`]
 //! makes [`SurfaceGeometry`], shadows and contact occlusion complete [`IncidentLight`], [`base_color`] makes two base colors a
-//! pair, [`lighting`] makes [`OutgoingLight`], and [`resolve`] takes it through the air and to the pixels.
+//! pair, [`lighting`] makes [`OutgoingLight`], and [`resolve()`] takes it through the air and to the pixels.
 
 mod base_color;
 mod batch;
