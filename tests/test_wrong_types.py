@@ -267,3 +267,11 @@ def test_numpys_small_numbers_are_not_confined_to_their_bits() -> None:
 def test_a_level_of_occlusion_is_a_whole_number(occluded: Any) -> None:
     with pytest.raises(CadetError, match=r"^occluded: expected a whole number -1\.\.3, got "):
         kitti.Label(**{**LABEL, "occluded": occluded})
+
+
+@pytest.mark.parametrize("path", ["x" * 256, "a/" + "x" * 300 + "/b", "a/" * 2_500, "\ud800"])
+def test_a_path_that_no_file_can_have_is_refused_wherever_one_is_read(path: str) -> None:
+    readers = (cadet.RoadMap.read, cadet.Assets.read, cadet.Rig.from_toml, lambda text: kitti.read_image_set(".", text))
+    for read in readers:
+        with pytest.raises(CadetError, match=r"^\w+: (a path of \d+ bytes|expected a path, got )"):
+            read(path)

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Collection
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
@@ -16,6 +16,11 @@ from cadet.errors import CadetError
 MAX_SEED = 2**63 - 1
 
 _LONGEST_SHOWN = 100
+
+MAX_PATH_BYTES: Final = 4095
+"""Longest path on Linux (PATH_MAX without its end)."""
+MAX_NAME_BYTES: Final = 255
+"""Longest name of a file or folder on Linux's file systems (NAME_MAX)."""
 
 
 def shown(value: object) -> str:
@@ -177,6 +182,16 @@ def as_path(name: str, path: object) -> Path:
     text = os.fspath(path)
     if not isinstance(text, str) or not text or "\0" in text:
         raise CadetError(f"{name}: expected a path, got {shown(path)}")
+    try:
+        whole = os.fsencode(text)
+    except UnicodeEncodeError:
+        raise CadetError(f"{name}: expected a path, got {shown(path)}") from None
+    longest = max(len(part) for part in whole.split(b"/"))
+    if len(whole) > MAX_PATH_BYTES or longest > MAX_NAME_BYTES:
+        raise CadetError(
+            f"{name}: a path of {len(whole)} bytes with a name of {longest}, expected at most {MAX_PATH_BYTES} and "
+            f"{MAX_NAME_BYTES}"
+        )
     return Path(text)
 
 

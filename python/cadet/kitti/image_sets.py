@@ -126,7 +126,7 @@ def other_split(root: str | Path, frame_id: str, split: str) -> str:
 
 
 def _list_path(root: str | Path, split: str) -> Path:
-    return as_path("root", root) / "ImageSets" / f"{split}.txt"
+    return as_path("root", root) / "ImageSets" / as_path("split", f"{split}.txt")
 
 
 def _listed(root: str | Path, split: str) -> tuple[str, ...]:
