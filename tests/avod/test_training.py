@@ -308,7 +308,7 @@ def test_what_cannot_go_on_is_said(dataset: Path, tmp_path: Path) -> None:
     with pytest.raises(MissingFileError, match="no checkpoint"):
         run(dataset, tmp_path, 2, init=tmp_path / "nothing")
     wider = dataclasses.replace(CONFIG, rpn=dataclasses.replace(CONFIG.rpn, hidden=65))
-    with pytest.raises(CadetError, match=r"anchor_classifier\.layers\.0\.weight is \(64, 9\), expected \(65, 9\)"):
+    with pytest.raises(CadetError, match=r"anchor_classifier\.layers\.0\.weight is \(64, 36\), expected \(65, 36\)"):
         train(wider, Run(data=dataset, out=tmp_path, split=None, init=last))
     others = (CONFIG.classes[1], CONFIG.classes[0])
     with pytest.raises(CadetError, match="its configuration has another 'classes'; take its weights alone with --init"):
