@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import InitVar, dataclass
 from typing import Any, Final
 
 from cadet import _cadet
@@ -39,8 +39,8 @@ class Settings:
     """Frames 0 to this; a larger number never changes a frame."""
     policy: ResetPolicy
     """Draws worlds and rigs. A preset's name stands for it when settings are made."""
-    rig: Rig | None = field(default=None, compare=False)
-    """The sensors of every episode, in place of those that the policy draws."""
+    rig: InitVar[Rig | None] = None
+    """The sensors of every episode, in place of those that the policy draws. Not kept: `policy` then draws this rig."""
     format: str = "kitti"
     """One of `EXPORTERS`."""
     extras: tuple[str, ...] = ()
@@ -50,13 +50,13 @@ class Settings:
     test_period: int = 0
     """Episode e is test, and not validation, if e % test_period == 2; 0 for none."""
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, rig: Rig | None) -> None:
         as_seed(self.seed)
         if isinstance(self.policy, str):
             object.__setattr__(self, "policy", ResetPolicy.named(self.policy))
         check_kind("Settings", "policy", self.policy, ResetPolicy)
-        if self.rig is not None:
-            object.__setattr__(self, "policy", self.policy.with_rig(self.rig))
+        if rig is not None:
+            object.__setattr__(self, "policy", self.policy.with_rig(rig))
         check_number("Settings", "num_frames", self.num_frames, 1, 1_000_000, whole=True)
         check_number("Settings", "val_period", self.val_period, 0, 1_000_000, whole=True)
         if self.val_period == 1:
