@@ -56,7 +56,7 @@ struct Paint<'a> {
 }
 
 impl Paint<'_> {
-    /// A line's piece, cut into shorter ones.
+    /// A line's piece, cut into shorter ones; only its place in the plane counts.
     fn along(&mut self, mark: &PaintedQuad) {
         let [a, b, c, d] = mark.corners.map(|p| p.truncate());
         // The longer sides are along the line.
@@ -75,13 +75,9 @@ impl Paint<'_> {
 
     /// A bar across a lane from `from` to `to` left of its middle, `depth_m` long.
     fn across(&mut self, at: DVec2, left: DVec2, (from, to): (f64, f64), depth_m: f64) {
-        let back = left.perp() * depth_m;
-        let pieces = ((to - from) / PIECE_M).ceil().max(1.0) as usize;
-        let t = |k: usize| from + (to - from) * k as f64 / pieces as f64;
-        for k in 0..pieces {
-            let (a, b) = (at + left * t(k), at + left * t(k + 1));
-            self.quad([a, b, b + back, a + back], PaintColor::White);
-        }
+        let (a, b, back) = (at + left * from, at + left * to, left.perp() * depth_m);
+        let corners = [a, b, b + back, a + back].map(|p| p.extend(0.0));
+        self.along(&PaintedQuad { corners, color: PaintColor::White });
     }
 
     fn quad(&mut self, corners: [DVec2; 4], color: PaintColor) {

@@ -15,20 +15,13 @@ const DASH_M: (f64, f64) = (3.0, 6.0);
 const LINE_WIDTH_M: f64 = 0.12;
 const FIRST_DASH_M: f64 = 1.0;
 
-/// A painted line.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Line {
-    Broken,
-}
-
 /// A lane of a section.
 pub(super) struct LaneRecord {
     pub id: i32,
     pub kind: &'static str,
     pub widths: Vec<Cubic>,
-    pub raised: bool,
-    /// Painted along its outer border.
-    pub outer_line: Option<Line>,
+    /// Whether a broken line is painted along its outer border.
+    pub has_outer_line: bool,
     pub predecessor: Option<i32>,
     pub successor: Option<i32>,
 }
@@ -36,7 +29,7 @@ pub(super) struct LaneRecord {
 /// The lanes from a place on, up to the next section.
 pub(super) struct Section {
     pub s: f64,
-    pub center_line: Option<Line>,
+    pub has_center_line: bool,
     pub lanes: Vec<LaneRecord>,
 }
 
@@ -63,8 +56,7 @@ pub(super) fn street_sections(street: &Street) -> Vec<Section> {
             id,
             kind,
             widths: vec![Cubic::constant(width_m)],
-            raised: kind == "median",
-            outer_line: None,
+            has_outer_line: false,
             predecessor: before.then_some(id),
             successor: after.then_some(id),
         };
@@ -74,7 +66,7 @@ pub(super) fn street_sections(street: &Street) -> Vec<Section> {
         }
         for lane in 0..style.lanes_per_side {
             let mut record = through(driving_id(style, sign, lane), "driving", style.lane_width_m);
-            record.outer_line = (lane + 1 < style.lanes_per_side).then_some(Line::Broken);
+            record.has_outer_line = lane + 1 < style.lanes_per_side;
             lanes.push(record);
         }
         let bay_id = sidewalk_id(style, sign);
@@ -88,8 +80,7 @@ pub(super) fn street_sections(street: &Street) -> Vec<Section> {
                     Cubic { s: BAY_TAPER_M, ..Cubic::constant(bay_m) },
                     Cubic::hermite(length - BAY_TAPER_M, BAY_TAPER_M, (bay_m, 0.0), (0.0, 0.0)),
                 ],
-                raised: false,
-                outer_line: None,
+                has_outer_line: false,
                 predecessor: None,
                 successor: None,
             });
@@ -101,8 +92,7 @@ pub(super) fn street_sections(street: &Street) -> Vec<Section> {
             id: number(in_bays),
             kind: "sidewalk",
             widths: vec![Cubic::constant(style.sidewalk_width_m)],
-            raised: true,
-            outer_line: None,
+            has_outer_line: false,
             predecessor: before.then(|| number(!in_bays)),
             successor: after.then(|| number(!in_bays)),
         });
@@ -113,8 +103,7 @@ pub(super) fn street_sections(street: &Street) -> Vec<Section> {
         let mut lanes = side(1, bay.filter(|_| has_bay(false)), before, after, &has_bay);
         lanes.reverse();
         lanes.extend(side(-1, bay.filter(|_| has_bay(true)), before, after, &has_bay));
-        let center_line = has_center_line(style).then_some(Line::Broken);
-        Section { s, center_line, lanes }
+        Section { s, has_center_line: has_center_line(style), lanes }
     };
     match street.bays {
         None => vec![section(0.0, None, false, false)],
@@ -140,7 +129,14 @@ pub(super) fn write_lanes(out: &mut String, sections: &[Section]) {
         };
         side(out, "left", &|id| id > 0);
         out.push_str("<center><lane id=\"0\" type=\"none\" level=\"false\">");
-        write_line(out, section.s, section.center_line);
+        if section.has_center_line {
+            write_broken_line(out, section.s);
+        } else {
+            put(
+                out,
+                format_args!("<roadMark sOffset=\"0.0\" type=\"none\" color=\"white\" width=\"{LINE_WIDTH_M}\"/>"),
+            );
+        }
         out.push_str("</lane></center>\n");
         side(out, "right", &|id| id < 0);
         out.push_str("</laneSection>\n");
@@ -148,12 +144,8 @@ pub(super) fn write_lanes(out: &mut String, sections: &[Section]) {
     out.push_str("</lanes>\n");
 }
 
-/// A line from `s` on, if there is one; dashes follow each other from the street's beginning.
-fn write_line(out: &mut String, s: f64, line: Option<Line>) {
-    let Some(Line::Broken) = line else {
-        put(out, format_args!("<roadMark sOffset=\"0.0\" type=\"none\" color=\"white\" width=\"{LINE_WIDTH_M}\"/>"));
-        return;
-    };
+/// Dashes from `s` on, as they follow each other from the street's beginning.
+fn write_broken_line(out: &mut String, s: f64) {
     let period_m = DASH_M.0 + DASH_M.1;
     let passed = ((s - FIRST_DASH_M) / period_m).ceil().max(0.0);
     let first_m = FIRST_DASH_M + passed * period_m - s;
@@ -179,10 +171,10 @@ fn write_lane(out: &mut String, s: f64, lane: &LaneRecord) {
     for width in &lane.widths {
         width.write(out, "width", "sOffset");
     }
-    if lane.outer_line.is_some() {
-        write_line(out, s, lane.outer_line);
+    if lane.has_outer_line {
+        write_broken_line(out, s);
     }
-    if lane.raised {
+    if matches!(lane.kind, "median" | "sidewalk") {
         put(out, format_args!("<height sOffset=\"0.0\" inner=\"{CURB_HEIGHT_M}\" outer=\"{CURB_HEIGHT_M}\"/>\n"));
     }
     out.push_str("</lane>\n");

@@ -108,8 +108,7 @@ fn write_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &Turn, re
         id,
         kind,
         widths: vec![Cubic::hermite(0.0, length, (at_start_m, 0.0), (at_end_m, 0.0))],
-        raised: kind == "sidewalk",
-        outer_line: None,
+        has_outer_line: false,
         predecessor: links.map(|[from, _]| from),
         successor: links.map(|[_, to]| to),
     };
@@ -123,7 +122,7 @@ fn write_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &Turn, re
         let walked = [sidewalk_id(a, arrives), sidewalk_id(b, leaves)];
         lanes.push(lane(-2, "sidewalk", [a.sidewalk_width_m, b.sidewalk_width_m], Some(walked)));
     }
-    write_lanes(out, &[Section { s: 0.0, center_line: None, lanes }]);
+    write_lanes(out, &[Section { s: 0.0, has_center_line: false, lanes }]);
     out.push_str("</road>\n");
 }
 
