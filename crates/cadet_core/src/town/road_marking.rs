@@ -1,6 +1,8 @@
 //! Paint on the carriageway: the lines of the map, stop lines and give-way lines, as thin quadrilaterals.
 
-use super::network::{Lane, LaneKind, PaintColor, PaintedQuad, RoadNetwork};
+use std::collections::BTreeMap;
+
+use super::network::{Lane, PaintColor, PaintedQuad, RoadNetwork};
 use crate::math::{DVec2, DVec3};
 
 const LIFT_M: f64 = 0.0045;
@@ -24,13 +26,16 @@ pub(super) fn draw(network: &RoadNetwork, ground_height: &dyn Fn(f64, f64) -> Op
     let is_fast = |l: &Lane| l.speed_limit_mps > ZONE_30_MPS;
     for lane in &streets {
         let Some(junction) = lane.successors.iter().find_map(|n| network.lane(*n).junction) else { continue };
-        let arriving = streets.iter().filter(|o| {
-            o.kind == LaneKind::Driving && o.successors.iter().any(|n| network.lane(*n).junction == Some(junction))
-        });
-        let fast = arriving.clone().filter(|o| is_fast(o)).count();
+        // By street: of two lanes that arrive side by side, neither goes through because of the other.
+        let arriving: BTreeMap<u32, bool> = streets
+            .iter()
+            .filter(|o| o.successors.iter().any(|n| network.lane(*n).junction == Some(junction)))
+            .map(|o| (o.road, is_fast(o)))
+            .collect();
+        let fast = arriving.values().filter(|fast| **fast).count();
         let (at, side) = edge(lane, lane.length_m() - BEFORE_JUNCTION_M);
         let half = lane.width_at(lane.length_m()) / 2.0;
-        if fast == arriving.count() {
+        if fast == arriving.len() {
             paint.across(at, side, (-half + 0.1, half - 0.1), STOP_LINE_M);
         } else if fast > 1 && !is_fast(lane) {
             // A fast street goes through; where one only ends, nobody has to give way to it.
@@ -89,5 +94,56 @@ impl Paint<'_> {
                 self.quads.push(PaintedQuad { corners: [a, b, c, d], color });
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::town::{LaneId, LaneKind};
+
+    /// Lanes that end at the origin, one beside the other if they are of one road, and a lane that leads on.
+    fn junction_of(arriving: &[(u32, f64)]) -> RoadNetwork {
+        let lane = |id: usize, road: u32, center: Vec<DVec3>, speed_limit_mps: f64| Lane {
+            id: LaneId(id),
+            kind: LaneKind::Driving,
+            s_m: vec![0.0, 10.0],
+            width_m: vec![3.0; 2],
+            center,
+            successors: Vec::new(),
+            predecessors: Vec::new(),
+            junction: None,
+            road,
+            speed_limit_mps,
+        };
+        let beyond = arriving.len();
+        let mut lanes: Vec<Lane> = arriving
+            .iter()
+            .enumerate()
+            .map(|(i, (road, speed))| {
+                let along = DVec3::new(f64::from(*road).cos(), f64::from(*road).sin(), 0.0);
+                let beside = DVec3::new(-along.y, along.x, 0.0) * (3.0 * i as f64);
+                let mut lane = lane(i, *road, vec![beside - along * 14.0, beside - along * 4.0], *speed);
+                lane.successors = vec![LaneId(beyond)];
+                lane
+            })
+            .collect();
+        let mut across = lane(beyond, 99, vec![DVec3::ZERO, DVec3::X * 10.0], 8.0);
+        across.junction = Some(1);
+        lanes.push(across);
+        RoadNetwork { lanes, lane_marks: Vec::new() }
+    }
+
+    fn bars(arriving: &[(u32, f64)]) -> usize {
+        draw(&junction_of(arriving), &|_, _| Some(0.0)).len()
+    }
+
+    #[test]
+    fn side_streets_give_way_to_a_fast_street_that_goes_through_not_to_one_that_ends() {
+        let (fast, slow) = (13.9, 8.3);
+        assert!(bars(&[(1, fast), (2, fast), (3, slow)]) > 0, "both arms of a fast street arrive");
+        assert_eq!(bars(&[(1, fast), (2, slow), (3, slow)]), 0, "a fast street ends");
+        assert_eq!(bars(&[(1, fast), (1, fast), (2, slow), (3, slow)]), 0, "one of two lanes ends");
+        assert!(bars(&[(1, fast), (2, fast)]) > 0, "stop lines where all are fast");
     }
 }
