@@ -53,7 +53,16 @@ class District:
 KITTI_DISTRICTS = (
     (District(name="parked_rows", parking_occupancy=(0.35, 0.85), num_cars=(11, 18), num_pedestrians=(8, 14)), 0.38),
     (District(name="quiet", parking_occupancy=(0.2, 0.4), num_cars=(9, 15), num_pedestrians=(3, 8)), 0.20),
-    (District(name="main_road", parking_occupancy=(0.2, 0.55), num_cars=(26, 40), num_pedestrians=(8, 14)), 0.30),
+    (
+        District(
+            name="main_road",
+            parking_occupancy=(0.2, 0.55),
+            num_cars=(26, 40),
+            num_pedestrians=(8, 14),
+            suburb=SuburbConfig(main_share=1.0, blocks=(3, 2), block_m=(85.0, 160.0)),
+        ),
+        0.30,
+    ),
     (District(name="school_way", parking_occupancy=(0.3, 0.6), num_cars=(8, 16), num_pedestrians=(24, 40)), 0.05),
     (District(name="inner_city", parking_occupancy=(0.4, 0.7), num_cars=(12, 24), num_pedestrians=(60, 120)), 0.07),
 )
