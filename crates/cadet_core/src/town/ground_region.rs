@@ -4,8 +4,9 @@
 //! the same on every machine.
 
 use i_overlay::core::fill_rule::FillRule;
-use i_overlay::core::overlay::{Overlay, ShapeType};
+use i_overlay::core::overlay::{IntOverlayOptions, Overlay, ShapeType};
 use i_overlay::core::overlay_rule::OverlayRule;
+use i_overlay::core::solver::Solver;
 use i_overlay::i_float::int::angle::Angle;
 use i_overlay::i_float::int::point::IntPoint;
 use i_overlay::mesh::int::arc::ArcOptions;
@@ -147,7 +148,8 @@ impl Frame {
 }
 
 fn union(contours: &[Contour]) -> Shapes {
-    let mut overlay = Overlay::new(contours.iter().map(Vec::len).sum());
+    let num_points = contours.iter().map(Vec::len).sum();
+    let mut overlay = Overlay::new_custom(num_points, IntOverlayOptions::default(), Solver::FRAG);
     overlay.add_source(contours, ShapeType::Subject);
     overlay.overlay(OverlayRule::Subject, FillRule::NonZero)
 }
