@@ -33,6 +33,13 @@ impl Footprint {
         self.center + self.heading * along + self.heading.perp() * across
     }
 
+    /// Whether a point of the rectangle is nearer to `p` than `reach_m`.
+    pub fn is_within(&self, p: DVec2, reach_m: f64) -> bool {
+        // Most are far away: the sum of the sides tells without a look at the heading.
+        let farthest_m = reach_m + self.half_length_m + self.half_width_m;
+        (self.center - p).length_squared() < farthest_m * farthest_m && (self.closest_point(p) - p).length() < reach_m
+    }
+
     /// Whether two rectangles overlap (separating axes).
     pub fn overlaps(&self, other: &Self) -> bool {
         let d = other.center - self.center;

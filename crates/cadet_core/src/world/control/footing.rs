@@ -31,7 +31,7 @@ impl Nearby {
     /// Looks round from `here`.
     pub fn look(&mut self, own: Slot, here: DVec2, people: &[PersonAt], parked: &[Footprint]) {
         self.parked.clear();
-        self.parked.extend(parked.iter().filter(|o| (o.closest_point(here) - here).length() < REACH_M));
+        self.parked.extend(parked.iter().filter(|o| o.is_within(here, REACH_M)));
         let is_near = |p: &&PersonAt| p.agent != own && (p.at - here).length() < REACH_M;
         self.people.clear();
         self.people.extend(people.iter().filter(is_near).map(|p| p.agent));
@@ -47,7 +47,7 @@ impl Nearby {
         vehicles: &[VehicleAt],
         allowed: impl Fn(DVec2) -> bool,
     ) -> Option<DVec2> {
-        let is_near = |o: &&Footprint| (o.closest_point(from) - from).length() < REACH_M;
+        let is_near = |o: &&Footprint| o.is_within(from, REACH_M);
         let near_vehicles: Vec<&Footprint> = vehicles.iter().map(|v| &v.footprint).filter(is_near).collect();
         let place_of = |agent: &Slot| people.binary_search_by_key(agent, |p| p.agent).ok().map(|i| people[i].at);
         let near_people: Vec<DVec2> = self.people.iter().filter_map(place_of).collect();
