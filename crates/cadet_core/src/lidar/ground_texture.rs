@@ -32,15 +32,21 @@ pub(super) fn is_varied(material: &Material) -> bool {
 pub(super) fn paved(place_world: DVec2) -> f64 {
     let table: &[f32] = &TABLE;
     let at = place_world * (1.0 / CELL_M);
-    let cell = at.floor();
-    let (u, v) = ((at.x - cell.x) as f32, (at.y - cell.y) as f32);
+    let (i, j) = (floor(at.x), floor(at.y));
+    let (u, v) = ((at.x - i as f64) as f32, (at.y - j as f64) as f32);
     let wrap = |i: i64| i as usize & (CELLS - 1);
-    let (i, j) = (cell.x as i64, cell.y as i64);
     let (left, right) = (wrap(i), wrap(i + 1));
     let (low, high) = (wrap(j) * CELLS, wrap(j + 1) * CELLS);
     let below = table[low + left] + (table[low + right] - table[low + left]) * u;
     let above = table[high + left] + (table[high + right] - table[high + left]) * u;
     f64::from(below + (above - below) * v)
+}
+
+/// The integer below, of numbers that have one: without SSE 4.1 `f64::floor` is a call.
+#[inline]
+fn floor(x: f64) -> i64 {
+    let toward_zero = x as i64;
+    toward_zero - i64::from((toward_zero as f64) > x)
 }
 
 static TABLE: LazyLock<Vec<f32>> = LazyLock::new(|| {
