@@ -129,7 +129,7 @@ pub struct Material {
     pub roughness: f32,
     /// Reflectance at normal incidence of the coat: 0.04 for dielectrics, 0 for none, up to 1 for metals.
     pub specular: f32,
-    /// One-way transmission for the camera; above 0 the surface is glass.
+    /// One-way transmission for the camera; above 0 the surface is transparent.
     pub transmission: f32,
     /// Procedural variation.
     pub pattern: Pattern,
@@ -154,9 +154,9 @@ impl Material {
         }
     }
 
-    /// True for panes: the camera and the laser look through.
+    /// True if the camera and the laser look through.
     #[must_use]
-    pub fn is_glass(&self) -> bool {
+    pub fn is_transparent(&self) -> bool {
         self.transmission > 0.0
     }
 }
@@ -172,8 +172,8 @@ pub fn slot_bit(slot: u8) -> u64 {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Palette {
     materials: Vec<Material>,
-    solid_slots: u64,
-    glass_slots: u64,
+    opaque_slots: u64,
+    transparent_slots: u64,
     leaf_slots: u64,
     is_plant: bool,
     has_vegetation: bool,
@@ -187,12 +187,12 @@ impl Palette {
             let slots = materials.iter().zip(0_u8..);
             slots.filter(|(m, _)| is(m)).fold(0, |bits, (_, slot)| bits | slot_bit(slot))
         };
-        let (solid_slots, glass_slots) = (slots_of(|m| !m.is_glass()), slots_of(Material::is_glass));
+        let (opaque_slots, transparent_slots) = (slots_of(|m| !m.is_transparent()), slots_of(Material::is_transparent));
         let leaf_slots = slots_of(|m| m.pattern == Pattern::Leaves);
         let is_vegetation = |m: &Material| m.semantic == Semantic::Vegetation;
         let (is_plant, has_vegetation) =
             (leaf_slots != 0 && materials.iter().all(is_vegetation), materials.iter().any(is_vegetation));
-        Self { materials, solid_slots, glass_slots, leaf_slots, is_plant, has_vegetation }
+        Self { materials, opaque_slots, transparent_slots, leaf_slots, is_plant, has_vegetation }
     }
 
     /// Slot by slot.
@@ -201,16 +201,16 @@ impl Palette {
         &self.materials
     }
 
-    /// The bits ([`slot_bit`]) of all but panes.
+    /// The bits ([`slot_bit`]) of opaque materials.
     #[must_use]
-    pub fn solid_slots(&self) -> u64 {
-        self.solid_slots
+    pub fn opaque_slots(&self) -> u64 {
+        self.opaque_slots
     }
 
-    /// The bits of panes.
+    /// The bits of transparent materials.
     #[must_use]
-    pub fn glass_slots(&self) -> u64 {
-        self.glass_slots
+    pub fn transparent_slots(&self) -> u64 {
+        self.transparent_slots
     }
 
     /// The bits of leaves.

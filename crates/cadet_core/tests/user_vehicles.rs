@@ -80,7 +80,7 @@ fn the_box_frame_is_centered_on_the_ground_with_the_front_forward() {
     assert_near(bounds.max, Vec3::new(2.1, 0.9, 1.5));
     assert!((model.size_lwh - DVec3::new(4.2, 1.8, 1.5)).abs().max_element() < 1e-4);
     // The file's -y is ahead: the cabin reaches from 0.6 m before the middle to 1.7 m behind it.
-    let panes = bounds_of(&model, Material::is_glass);
+    let panes = bounds_of(&model, Material::is_transparent);
     assert_near(panes.min, Vec3::new(-1.7, -0.75, 0.9));
     assert_near(panes.max, Vec3::new(0.6, 0.75, 1.5));
     assert_eq!((model.name.as_str(), model.class), ("mine", ObjectClass::Car));
@@ -127,7 +127,7 @@ fn a_file_with_y_up_is_stood_upright() {
     let upright = VehicleModel::from_asset(&asset).unwrap();
     asset = VehicleAsset { obj, y_up: true, ..asset };
     let turned = VehicleModel::from_asset(&asset).unwrap();
-    let panes = [&upright, &turned].map(|m| bounds_of(m, Material::is_glass));
+    let panes = [&upright, &turned].map(|m| bounds_of(m, Material::is_transparent));
     assert_near(panes[0].min, panes[1].min);
     assert_near(panes[0].max, panes[1].max);
 }
@@ -137,8 +137,8 @@ fn materials_are_glass_rubber_cloth_and_paint() {
     let model = VehicleModel::from_asset(&car()).unwrap();
     let [paint, pane, seat, tyre, unnamed] = model.palette.materials()[..] else { panic!("{:?}", model.palette) };
     assert!(model.palette.materials().iter().all(|m| m.semantic == Semantic::Car));
-    assert!(pane.is_glass() && pane.transmission > 0.6 && pane.lidar.transmission > 0.6);
-    assert!([paint, seat, tyre, unnamed].iter().all(|m| !m.is_glass() && m.lidar.transmission == 0.0));
+    assert!(pane.is_transparent() && pane.transmission > 0.6 && pane.lidar.transmission > 0.6);
+    assert!([paint, seat, tyre, unnamed].iter().all(|m| !m.is_transparent() && m.lidar.transmission == 0.0));
     assert_eq!(paint.albedo, [0.6, 0.05, 0.04]);
     assert!(paint.lidar.reflectance > 0.4 && paint.lidar.lobe_exponent > 1.0, "red paint is bright at 905 nm");
     assert!(tyre.lidar.reflectance < 0.1 && tyre.albedo[0] < 0.1, "tyres are black whatever the file says");

@@ -173,7 +173,7 @@ fn a_wall_in_the_camera_has_its_depth_and_its_edges() {
     }
     hits.clear();
     cast(&scene, &grid, Layer::All, |i| i.actor_id != 7, &mut hits);
-    cast(&scene, &grid, Layer::Glass, |_| true, &mut hits);
+    cast(&scene, &grid, Layer::Transparent, |_| true, &mut hits);
     assert!(hits.depth.iter().all(|d| d.is_infinite()));
 }
 

@@ -58,7 +58,7 @@ fn assert_same(scene: &PosedScene, grid: &PinholeGrid, rows: usize, columns: usi
     let mut hits = Hits::new(rows, columns);
     cast(scene, grid, Layer::Opaque, |_| true, &mut hits);
     let opaque = hits.clone();
-    cast(scene, grid, Layer::Glass, |_| true, &mut hits);
+    cast(scene, grid, Layer::Transparent, |_| true, &mut hits);
     for row in 0..rows {
         for column in 0..columns {
             let at = row * columns + column;

@@ -226,7 +226,7 @@ mod tests {
     fn colors_come_with_the_faces() {
         let imported = tetrahedron(&ImportOptions::default());
         assert_eq!(imported.palette.materials()[0].albedo, [0.8, 0.1, 0.1]);
-        assert!(!imported.palette.materials()[0].is_glass() && imported.palette.materials()[1].is_glass());
+        assert!(!imported.palette.materials()[0].is_transparent() && imported.palette.materials()[1].is_transparent());
         assert_eq!(imported.mesh.slots, [0, 0, 1, 1]);
     }
 

@@ -183,7 +183,7 @@ impl Face {
             pattern: material.pattern,
             is_smooth,
             is_glossy: !is_leaf && material.specular > 0.0 || is_wet,
-            is_transparent: material.is_glass(),
+            is_transparent: material.is_transparent(),
         };
         let flag = |bit: u32, is: bool| if is { bit } else { 0 };
         let none = Vec3::ZERO;

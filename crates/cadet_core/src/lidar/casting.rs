@@ -65,7 +65,7 @@ impl Casting for Standing<'_> {
         cast(self.scene, &grid, Layer::Opaque, self.in_range(spec), &mut opaque);
         // Only transparent surfaces in front of opaque ones matter: they alone replace them.
         let mut first = opaque.clone();
-        cast(self.scene, &grid, Layer::Glass, self.in_range(spec), &mut first);
+        cast(self.scene, &grid, Layer::Transparent, self.in_range(spec), &mut first);
         BeamHits { opaque, first }
     }
 

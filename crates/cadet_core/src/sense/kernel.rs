@@ -20,7 +20,7 @@ pub enum Layer {
     /// All but transparent surfaces.
     Opaque,
     /// Transparent surfaces alone.
-    Glass,
+    Transparent,
 }
 
 /// Adds to `hits` what the beams of `grid` meet first among the triangles of the instances that `keep` accepts.
@@ -183,11 +183,11 @@ impl<G: BeamGrid> Caster<'_, G> {
 fn slots_of_layer(instance: &PosedInstance, layer: Layer) -> u64 {
     match layer {
         Layer::All => u64::MAX,
-        Layer::Glass => instance.palette.glass_slots(),
-        Layer::Opaque => instance.palette.solid_slots(),
+        Layer::Transparent => instance.palette.transparent_slots(),
+        Layer::Opaque => instance.palette.opaque_slots(),
     }
 }
 
 fn in_layer(instance: &PosedInstance, face: u32, layer: Layer) -> bool {
-    layer == Layer::All || instance.material(face).is_glass() == (layer == Layer::Glass)
+    layer == Layer::All || instance.material(face).is_transparent() == (layer == Layer::Transparent)
 }

@@ -135,13 +135,13 @@ impl Moment<'_> {
                 let corners = caster.scene.corners(instance, face).map(|p| p.as_dvec3());
                 let range_m = meet(corners, origin, direction)?;
                 let found = FaceHit { range_m, instance, face };
-                let is_glass = caster.scene.instances[instance as usize].material(face).is_glass();
-                let best = if is_glass { &transparent } else { &opaque };
+                let is_transparent = caster.scene.instances[instance as usize].material(face).is_transparent();
+                let best = if is_transparent { &transparent } else { &opaque };
                 if best.get().is_none_or(|b| is_before(&found, &b)) {
                     best.set(Some(found));
                 }
                 // Transparent surfaces don't end the search.
-                (!is_glass).then(|| outward(range_m))
+                (!is_transparent).then(|| outward(range_m))
             });
             opaque.get().filter(|s| s.instance == instance).map(|s| outward(s.range_m))
         });

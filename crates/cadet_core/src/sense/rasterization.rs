@@ -58,8 +58,8 @@ struct InView {
     instance: u32,
     cluster: u32,
     window: Window,
-    /// Bits of the slots that are glass.
-    glass: u64,
+    /// Bits of the slots that are transparent.
+    transparent_slots: u64,
     /// The camera is outside of the mesh's bounds: closed surfaces hide their inner sides.
     is_outside: bool,
 }
@@ -79,7 +79,7 @@ fn clusters_in_view(
         if window.is_empty() {
             continue;
         }
-        let glass = instance.palette.glass_slots();
+        let transparent_slots = instance.palette.transparent_slots();
         let cam_from_local = cam_from_world * instance.placement.rotation;
         let origin_cam = center_cam - cam_from_local * instance.mesh.bounds.center().as_dvec3();
         let eye_local = instance.placement.rotation.transpose() * (eye_world - instance.placement.translation);
@@ -95,7 +95,7 @@ fn clusters_in_view(
                     instance: index as u32,
                     cluster: number as u32,
                     window,
-                    glass,
+                    transparent_slots,
                     is_outside,
                 });
             }
@@ -176,10 +176,11 @@ impl Rasterizer<'_> {
         let cluster = &instance.mesh.clusters[item.cluster as usize];
         self.project(instance, cluster);
         // Bit 63 may stand for several slots.
-        let is_mixed =
-            (cluster.slots & item.glass != 0 && cluster.slots & !item.glass != 0) || cluster.slots >> 63 != 0;
+        let is_mixed = (cluster.slots & item.transparent_slots != 0 && cluster.slots & !item.transparent_slots != 0)
+            || cluster.slots >> 63 != 0;
         // What bounds a solid, and may be seen through nowhere, has one side.
-        let is_solid = item.is_outside && cluster.closed_slots & item.glass == 0 && cluster.closed_slots >> 63 == 0;
+        let is_solid =
+            item.is_outside && cluster.closed_slots & item.transparent_slots == 0 && cluster.closed_slots >> 63 == 0;
         let one_sided = if is_solid { cluster.closed_pieces } else { 0 };
         for (pieces, first) in cluster.pieces.chunks(LANES).zip((0..).step_by(LANES)) {
             let mut places = [[[0.0_f32; LANES]; 3]; 4];
@@ -211,8 +212,11 @@ impl Rasterizer<'_> {
                 }
                 let first = usize::from(piece.first);
                 let face = cluster.faces[first];
-                let is_transparent =
-                    if is_mixed { instance.material(face).is_glass() } else { cluster.slots & item.glass != 0 };
+                let is_transparent = if is_mixed {
+                    instance.material(face).is_transparent()
+                } else {
+                    cluster.slots & item.transparent_slots != 0
+                };
                 let (least_z_m, most_z_m) = (least_z_m[i], most_z_m[i]);
                 let mut candidate = Candidate {
                     instance: item.instance,

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::VehicleModel;
-use super::assumed_panes::{Face, Panes};
+use super::assumed_windows::{Face, Windows};
 use super::imported_materials::{MaterialRules, Role, material, opacity};
 use crate::actor::{AnnotatedBox, ObjectClass};
 use crate::assets::import::{ImportOptions, check_num_materials, triangles};
@@ -106,15 +106,15 @@ impl VehicleModel {
         if !has(Role::Glass) && !asset.rules.names(Role::Glass) {
             let has_seats = has(Role::Interior);
             let is_body = |slot: usize| roles[slot].is_none();
-            let panes = Panes::find(&faces, asset.class, fit.size.as_vec3());
-            let glazed = panes.and_then(|p| p.glaze(&faces, is_body, palette.len()).map(|cut| (p, cut)));
+            let windows = Windows::find(&faces, asset.class, fit.size.as_vec3());
+            let glazed = windows.and_then(|p| p.glaze(&faces, is_body, palette.len()).map(|cut| (p, cut)));
             assumed = Some(assumption(asset, &read.materials, &faces, glazed.is_some()));
-            if let Some((panes, cut)) = glazed {
+            if let Some((windows, cut)) = glazed {
                 faces = cut;
                 let cloth = Material::matt(semantic, [0.05; 3], Pattern::Cloth, 0.25);
                 palette.extend([material(None, Some(Role::Glass), semantic), cloth]);
                 if !has_seats {
-                    panes.add_seats(&mut builder, (palette.len() - 1) as u8);
+                    windows.add_seats(&mut builder, (palette.len() - 1) as u8);
                 }
             }
         }
@@ -149,15 +149,15 @@ fn assumption(asset: &VehicleAsset, materials: &[tobj::Material], faces: &[Face]
     let lacks = if names.is_empty() {
         "no materials: gray paint is assumed".to_owned()
     } else {
-        format!("no material for panes among {}", names.join(", "))
+        format!("no material for windows among {}", names.join(", "))
     };
-    let panes = if is_glazed {
+    let windows = if is_glazed {
         "glass is assumed where windows usually are, with seats behind it"
     } else {
         "no glass is assumed, since nothing stands where windows usually are"
     };
     format!(
-        "{}: {lacks}; {panes} (materials.glass in assets.toml names panes, [] says that there are none)",
+        "{}: {lacks}; {windows} (materials.glass in assets.toml names windows, [] says that there are none)",
         asset.file
     )
 }

@@ -1,7 +1,7 @@
 //! Vehicles: a lofted body with cut wheel arches and true glass over a furnished interior.
 
 mod archetypes;
-mod assumed_panes;
+mod assumed_windows;
 mod body;
 mod details;
 mod dimensions;

@@ -292,7 +292,7 @@ fn glass_passes_light_and_plates_are_retroreflective() {
     for seed in 0..50 {
         let palette = VehicleModel::generate(ObjectClass::Car, seed).unwrap().palette;
         for (i, m) in palette.materials().iter().enumerate() {
-            assert_eq!(m.is_glass(), is_pane(i as u8), "slot {i}");
+            assert_eq!(m.is_transparent(), is_pane(i as u8), "slot {i}");
             assert_eq!(m.lidar.transmission > 0.0, is_pane(i as u8), "slot {i}");
             assert_eq!(m.lidar.retro, i as u8 == slot::PLATE, "slot {i}");
             assert_eq!(m.semantic, crate::material::Semantic::Car);

@@ -83,7 +83,7 @@ enum ShadowCasting {
 impl ShadowCasting {
     fn of(material: &Material) -> Self {
         match () {
-            () if material.is_glass() => Self::Never,
+            () if material.is_transparent() => Self::Never,
             () if material.semantic.is_ground() => Self::UnlessLevel,
             () => Self::Always,
         }

@@ -188,7 +188,7 @@ impl Reference {
         let (sky, m, normal) = (&self.sky, s.material, self.normal_at(s, at));
         let is_leaf = m.pattern == Pattern::Leaves;
         let (cos_face, cos_sun) = (s.normal.dot(sky.sun_world), normal.dot(sky.sun_world));
-        let sees_sun = is_leaf || cos_face > 0.0 && (cos_sun > 0.0 || m.is_glass());
+        let sees_sun = is_leaf || cos_face > 0.0 && (cos_sun > 0.0 || m.is_transparent());
         let lit = match self.shadows.iter().find_map(|map| map.lit(at.world, s.normal, cos_face)) {
             _ if !sees_sun || self.shadows.is_empty() => 0.0,
             lit => lit.unwrap_or(1.0),
@@ -199,7 +199,7 @@ impl Reference {
         let cos_view = (-at.view.dot(normal)).clamp(0.0, 1.0);
         let mirrored = at.view + normal * (2.0 * cos_view);
         let schlick = |f0: f32, smooth: f32| f0 + (1.0 - f0) * [1.0 - cos_view; 5].iter().product::<f32>() * smooth;
-        if m.is_glass() {
+        if m.is_transparent() {
             // Both faces of a pane reflect. What is behind has come through the air already.
             let fresnel = schlick(m.specular.max(0.045) * 1.8, 1.0).min(1.0);
             let shine = environment(sky, mirrored, &toward, 0.0) + highlight(sky, mirrored, 0.15) * lit;

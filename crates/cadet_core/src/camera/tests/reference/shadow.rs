@@ -72,7 +72,7 @@ impl ShadowMap {
             let normal = (b - a).cross(c - a);
             // Level ground shades nothing; kerbs and banks do.
             let is_level = normal.z * normal.z > 0.9 * normal.length_squared();
-            if !(material.is_glass() || material.semantic.is_ground() && is_level) {
+            if !(material.is_transparent() || material.semantic.is_ground() && is_level) {
                 self.draw([a, b, c]);
                 self.draw([a, c, d]);
             }

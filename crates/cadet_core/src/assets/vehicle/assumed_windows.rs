@@ -1,10 +1,10 @@
-//! Panes for a mesh that names none: the shell is cut where vehicles usually have windows, and seats stand behind them.
+//! Windows for a mesh that names none: the shell is cut where vehicles usually have windows, and seats stand behind them.
 
 use crate::actor::ObjectClass;
 use crate::geometry::{Bounds, MeshBuilder};
 use crate::math::Vec3;
 
-/// Panes lie between these shares of the vehicle's height: roof and belt line of most cars.
+/// Windows lie between these shares of the vehicle's height: roof and belt line of most cars.
 const CAR_BAND: (f32, f32) = (0.66, 0.91);
 /// The cab of a truck or bus.
 const CAB_BAND: (f32, f32) = (0.45, 0.75);
@@ -16,14 +16,14 @@ const PILLAR_M: f32 = 0.09;
 const MAX_UP: f32 = 0.94;
 /// Mirrors stick out from the shell by more than this, meters.
 const STICKS_OUT_M: f32 = 0.02;
-/// Smaller panes than this altogether are none, square meters.
+/// Smaller windows than this altogether are none, square meters.
 const MIN_AREA_M2: f32 = 0.3;
 
 /// Triangle and slot, in the box frame.
 pub(super) type Face = ([Vec3; 3], usize);
 
-/// Where panes are assumed in a shell.
-pub(super) struct Panes {
+/// Where windows are assumed in a shell.
+pub(super) struct Windows {
     z: (f32, f32),
     /// Side windows, from the rear to the front: from and to.
     side: [(f32, f32); 2],
@@ -31,12 +31,12 @@ pub(super) struct Panes {
     half_width: f32,
     /// The shell's own half width, without mirrors.
     outside: f32,
-    /// Nothing behind this is a pane.
+    /// Nothing behind this is a window.
     from_x: f32,
 }
 
-impl Panes {
-    /// Finds where the panes of a shell are; `None` where nothing is steep at that height.
+impl Windows {
+    /// Finds where the windows of a shell are; `None` where nothing is steep at that height.
     pub(super) fn find(faces: &[Face], class: ObjectClass, size: Vec3) -> Option<Self> {
         let is_truck = class == ObjectClass::Truck;
         let (low, high) = if is_truck { CAB_BAND } else { CAR_BAND };
@@ -61,7 +61,7 @@ impl Panes {
         Some(Self { z, side, half_width, outside: outside + STICKS_OUT_M, from_x })
     }
 
-    /// Cuts the faces that `may_be` panes and gives those parts the slot of glass; `None` where hardly any is left.
+    /// Cuts the faces that `may_be` windows and gives those parts the slot of glass; `None` where hardly any is left.
     pub(super) fn glaze(&self, faces: &[Face], may_be: impl Fn(usize) -> bool, glass_slot: usize) -> Option<Vec<Face>> {
         let mut cut = Vec::with_capacity(2 * faces.len());
         let mut area_m2 = 0.0;
@@ -76,17 +76,17 @@ impl Panes {
                 parts = parts.iter().flat_map(|t| split(t, axis, at)).flatten().collect();
             }
             for part in parts {
-                let is_pane = self.is_pane((part[0] + part[1] + part[2]) / 3.0, normal);
-                if is_pane {
+                let is_window = self.is_window((part[0] + part[1] + part[2]) / 3.0, normal);
+                if is_window {
                     area_m2 += (part[1] - part[0]).cross(part[2] - part[0]).length() / 2.0;
                 }
-                cut.push((part, if is_pane { glass_slot } else { *slot }));
+                cut.push((part, if is_window { glass_slot } else { *slot }));
             }
         }
         (area_m2 >= MIN_AREA_M2).then_some(cut)
     }
 
-    /// Adds two rows of seats behind the panes, the front one alone in a cab.
+    /// Adds two rows of seats behind the windows, the front one alone in a cab.
     pub(super) fn add_seats(&self, builder: &mut MeshBuilder, slot: u8) {
         let half_width = self.half_width.min(0.68);
         let (top, foot) = (0.5 * (self.z.0 + self.z.1), self.z.0 - 0.45);
@@ -104,7 +104,7 @@ impl Panes {
         corners.iter().any(|p| p.z > self.z.0) && corners.iter().any(|p| p.z < self.z.1)
     }
 
-    /// The planes that bound panes on a face: the axis and where.
+    /// The planes that bound windows on a face: the axis and where.
     fn planes(&self, normal: Vec3) -> Vec<(usize, f32)> {
         let mut planes = vec![(2, self.z.0), (2, self.z.1)];
         if is_side(normal) {
@@ -115,7 +115,7 @@ impl Panes {
         planes
     }
 
-    fn is_pane(&self, p: Vec3, normal: Vec3) -> bool {
+    fn is_window(&self, p: Vec3, normal: Vec3) -> bool {
         let within = p.z > self.z.0 && p.z < self.z.1 && p.y.abs() <= self.outside && p.x >= self.from_x;
         let open = if is_side(normal) {
             self.side.iter().any(|(from, to)| p.x > *from && p.x < *to)

@@ -1,4 +1,4 @@
-//! Meshes that name no panes: where glass is assumed, where not, and what the user hears of it.
+//! Meshes that name no windows: where glass is assumed, where not, and what the user hears of it.
 
 #![allow(clippy::unwrap_used)]
 #![allow(clippy::print_stderr)]
@@ -55,78 +55,78 @@ fn faces_of(model: &VehicleModel, keep: impl Fn(&Material) -> bool) -> (Vec<[Vec
 }
 
 #[test]
-fn a_shell_without_materials_gets_panes_on_all_sides_and_keeps_its_pillars() {
+fn a_shell_without_materials_gets_windows_on_all_sides_and_keeps_its_pillars() {
     let (model, assumed) = VehicleModel::with_assumptions(&shell()).unwrap();
     assert_eq!(
         assumed.unwrap(),
         "shell.obj: no materials: gray paint is assumed; glass is assumed where windows usually are, with seats behind it \
-         (materials.glass in assets.toml names panes, [] says that there are none)"
+         (materials.glass in assets.toml names windows, [] says that there are none)"
     );
     assert!((model.size_lwh - DVec3::new(4.2, 2.12, 1.5)).abs().max_element() < 1e-4, "{}", model.size_lwh);
-    let (panes, area_m2) = faces_of(&model, Material::is_glass);
-    let bounds = Bounds::of(panes.iter().flatten().copied());
+    let (windows, area_m2) = faces_of(&model, Material::is_transparent);
+    let bounds = Bounds::of(windows.iter().flatten().copied());
     assert!(bounds.min.z > 0.6 * 1.5 && bounds.max.z < 0.95 * 1.5, "{bounds:?}");
     assert!(bounds.max.y.abs() < 0.9 && bounds.min.y.abs() < 0.9, "mirrors stay: {bounds:?}");
     let steepest = |[a, b, c]: &[Vec3; 3]| (*b - *a).cross(*c - *a).normalize();
-    let toward = |axis: Vec3| panes.iter().filter(|f| steepest(f).dot(axis) > 0.5).count();
+    let toward = |axis: Vec3| windows.iter().filter(|f| steepest(f).dot(axis) > 0.5).count();
     for axis in [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y] {
-        assert!(toward(axis) > 0, "no pane toward {axis}");
+        assert!(toward(axis) > 0, "no window toward {axis}");
     }
     // The cabin's walls are 0.6 m high and about 2.3 m and 1.5 m long.
     let walls_m2 = 2.0 * 0.6 * (2.35 + 1.5);
     assert!((0.25..0.75).contains(&(area_m2 / walls_m2)), "{area_m2} of {walls_m2} square meters");
     // Between the two side windows stands a pillar, and at the windscreen's ends too.
-    let sides = panes.iter().filter(|f| steepest(f).y > 0.5).flatten();
+    let sides = windows.iter().filter(|f| steepest(f).y > 0.5).flatten();
     let (rear, front): (Vec<f32>, Vec<f32>) = sides.map(|p| p.x).partition(|x| *x < -0.52);
     let gap_m = front.iter().copied().fold(9.0, f32::min) - rear.iter().copied().fold(-9.0, f32::max);
     assert!((0.05..0.2).contains(&gap_m), "{gap_m}");
-    let (seats, _) = faces_of(&model, |m| !m.is_glass() && m.specular == 0.0);
+    let (seats, _) = faces_of(&model, |m| !m.is_transparent() && m.specular == 0.0);
     let seats = Bounds::of(seats.into_iter().flatten());
     assert!(seats.min.z > 0.3 && seats.max.z < 1.35 && seats.max.y < 0.7, "{seats:?}");
 }
 
 #[test]
-fn the_shell_outside_of_its_panes_is_what_it_was() {
+fn the_shell_outside_of_its_windows_is_what_it_was() {
     let closed = VehicleAsset { rules: MaterialRules(vec![(Role::Glass, Vec::new())]), ..shell() };
     let (closed, nothing) = VehicleModel::with_assumptions(&closed).unwrap();
-    assert_eq!(nothing, None, "who says that there are no panes is asked no more");
+    assert_eq!(nothing, None, "who says that there are no windows is asked no more");
     let (glazed, _) = VehicleModel::with_assumptions(&shell()).unwrap();
     let (_, whole_m2) = faces_of(&closed, |_| true);
-    assert_eq!(faces_of(&closed, Material::is_glass).0, Vec::<[Vec3; 3]>::new());
-    let (_, rest_m2) = faces_of(&glazed, |m| m.is_glass() || m.specular > 0.0);
+    assert_eq!(faces_of(&closed, Material::is_transparent).0, Vec::<[Vec3; 3]>::new());
+    let (_, rest_m2) = faces_of(&glazed, |m| m.is_transparent() || m.specular > 0.0);
     assert!((whole_m2 - rest_m2).abs() < 1e-3 * whole_m2, "{whole_m2} {rest_m2}");
     let [a, b] = [&closed, &glazed].map(|m| m.body.finest().bounds);
     assert_eq!(a, b);
 }
 
 #[test]
-fn panes_of_their_own_material_are_left_alone() {
+fn windows_of_their_own_material_are_left_alone() {
     let mut asset = shell();
     asset.obj = format!("mtllib a.mtl\nusemtl Lack\n{}", asset.obj.replacen("f ", "usemtl Window\nf ", 2));
     asset.libraries = vec![("a.mtl".to_owned(), "newmtl Lack\nKd 1 0 0\nnewmtl Window\nKd 0 0 0\n".to_owned())];
     assert_eq!(VehicleModel::with_assumptions(&asset).unwrap().1, None);
     asset.obj = asset.obj.replace("usemtl Window", "usemtl Lack");
     let (_, assumed) = VehicleModel::with_assumptions(&asset).unwrap();
-    assert!(assumed.unwrap().starts_with("shell.obj: no material for panes among Lack; glass is assumed"));
+    assert!(assumed.unwrap().starts_with("shell.obj: no material for windows among Lack; glass is assumed"));
 }
 
 #[test]
-fn trucks_have_panes_at_the_cab_alone_and_walls_none() {
+fn trucks_have_windows_at_the_cab_alone_and_walls_none() {
     let truck = VehicleAsset { class: ObjectClass::Truck, size_lwh: Some(DVec3::new(8.0, 2.5, 3.2)), ..shell() };
     let (model, _) = VehicleModel::with_assumptions(&truck).unwrap();
-    let (panes, _) = faces_of(&model, Material::is_glass);
-    let bounds = Bounds::of(panes.into_iter().flatten());
+    let (windows, _) = faces_of(&model, Material::is_transparent);
+    let bounds = Bounds::of(windows.into_iter().flatten());
     assert!(bounds.min.x > 4.0 - 2.0, "{bounds:?}");
     let wall = "v -3 -.2 0\nv 3 -.2 0\nv 3 .2 0\nv -3 .2 0\nv -3 -.2 4\nv 3 -.2 4\nv 3 .2 4\nv -3 .2 4\n\
                 f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
     let wall = VehicleAsset { class: ObjectClass::Truck, obj: wall.to_owned(), ..shell() };
     let (model, assumed) = VehicleModel::with_assumptions(&wall).unwrap();
-    assert_eq!(faces_of(&model, Material::is_glass).0.len(), 0);
+    assert_eq!(faces_of(&model, Material::is_transparent).0.len(), 0);
     assert!(assumed.unwrap().contains("; no glass is assumed, since nothing stands where windows usually are"));
 }
 
 #[test]
-fn other_peoples_meshes_get_panes_of_a_cars_size() {
+fn other_peoples_meshes_get_windows_of_a_cars_size() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/meshes");
     if !std::path::Path::new(folder).is_dir() {
         eprintln!("skipped: no ../shared/meshes");
@@ -147,7 +147,7 @@ fn other_peoples_meshes_get_panes_of_a_cars_size() {
         };
         let (model, assumed) = VehicleModel::with_assumptions(&asset).unwrap();
         assert!(assumed.unwrap().contains("; glass is assumed"), "{name}");
-        let (_, area_m2) = faces_of(&model, Material::is_glass);
+        let (_, area_m2) = faces_of(&model, Material::is_transparent);
         assert!(glazed_m2.contains(&area_m2), "{name}: {area_m2} square meters of glass");
     }
 }
