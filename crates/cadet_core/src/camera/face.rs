@@ -235,6 +235,6 @@ pub(super) fn clump(at: Vec3, edge: Vec3, place_hash: u32) -> f32 {
     1.0 + (value_noise(u * CLUMPS_PER_M, v * CLUMPS_PER_M, place_hash) - 0.5) * CLUMP_CONTRAST / (1.0 + size * size)
 }
 
-fn is_vehicle(semantic: Semantic) -> bool {
+pub(super) fn is_vehicle(semantic: Semantic) -> bool {
     matches!(semantic, Semantic::Car | Semantic::Van | Semantic::Truck | Semantic::Tram | Semantic::OtherVehicle)
 }

@@ -7,6 +7,7 @@ mod reference;
 mod rolling_shutter;
 mod shadow_maps;
 mod shadow_proxies;
+mod sky_visibility;
 mod thin_things;
 mod wet_ground;
 

@@ -1,25 +1,27 @@
 //! Surfaces, and the light that leaves one point of them.
 
-use super::ambient::Open;
 use super::{Key, Reference};
-use crate::camera::face::clump;
+use crate::camera::contact_occlusion::Occluder;
+use crate::camera::face::{clump, is_vehicle};
 use crate::camera::shading_pass::{environment, highlight};
+use crate::camera::sky_visibility::SkyVisibility;
 use crate::camera::textures::{PatternPoint, albedo};
 use crate::camera::value_noise::{hash2, value_noise};
 use crate::geometry::{LEAST_WEIGHT, Mesh};
 use crate::material::{Material, Pattern, Semantic};
-use crate::math::{DVec3, Vec3};
+use crate::math::{DVec3, Vec3, expf};
 use crate::sense::PosedInstance;
 
-/// A face towards the eye. `corner` is the world's, `normal` that of its plane.
+/// A face towards the eye. `corners` are the world's, `normal` that of its plane.
 pub struct Surface<'a> {
     key: Key,
     posed: &'a PosedInstance,
     corners: [DVec3; 3],
     normal: Vec3,
     pub(super) material: &'a Material,
+    pub(super) is_leaf: bool,
+    is_ground: bool,
     place_hash: u32,
-    is_quad: bool,
 }
 
 /// A point of a surface that the camera sees.
@@ -31,52 +33,56 @@ pub struct Point {
     distance_m: f32,
 }
 
-/// Which face of a mesh stands for a face: the first of two that are a flat quadrilateral.
-pub struct Half {
-    pub first: u32,
-    is_quad: bool,
-}
-
-pub fn halves_of(mesh: &Mesh) -> Vec<Half> {
-    let mut halves: Vec<Half> = (0..mesh.faces.len() as u32).map(|first| Half { first, is_quad: false }).collect();
+/// Of every face of a mesh the one that stands for it: the first of two that are a flat quadrilateral.
+pub fn firsts_of(mesh: &Mesh) -> Vec<u32> {
+    let mut firsts = vec![0; mesh.faces.len()];
     for group in &mesh.clusters {
-        for piece in group.pieces.iter().filter(|p| p.is_quad()) {
-            let [first, second] = [0, 1].map(|k| group.faces[usize::from(piece.first) + k]);
-            for face in [first, second] {
-                halves[face as usize] = Half { first, is_quad: true };
+        for piece in &group.pieces {
+            let first = usize::from(piece.first);
+            for face in &group.faces[first..=first + usize::from(piece.is_quad())] {
+                firsts[*face as usize] = group.faces[first];
             }
         }
     }
-    halves
+    firsts
 }
 
 impl Reference {
+    /// World direction of an image point, of length 1 along the optical axis.
+    pub(super) fn direction(&self, [u, v]: [f64; 2]) -> DVec3 {
+        let [fx, fy, cx, cy] = self.view.intrinsics;
+        self.view.world_from_cam.rotation * DVec3::new((u - cx) / fx, (v - cy) / fy, 1.0)
+    }
+
     pub(super) fn surface(&self, key: Key) -> Surface<'_> {
         let posed = &self.scene.instances[key.0 as usize];
         let corners = self.scene.corners(key.0, key.1).map(|p| p.as_dvec3());
         let [a, b, c] = corners;
         let normal = (b - a).cross(c - a).normalize_or_zero();
         let is_turned = normal.dot(a - self.view.world_from_cam.translation) > 0.0;
+        let normal = if is_turned { -normal } else { normal }.as_vec3();
+        let material = posed.material(key.1);
         let [x, y] = [posed.center_world.x, posed.center_world.y].map(|c| (c * 8.0) as i32);
         Surface {
             key,
             posed,
             corners,
-            normal: if is_turned { -normal } else { normal }.as_vec3(),
-            material: posed.material(key.1),
+            normal,
+            material,
+            is_leaf: material.pattern == Pattern::Leaves,
+            is_ground: material.semantic.is_ground() && normal.z > 0.5,
             place_hash: hash2(x, y, 0x97AC),
-            is_quad: self.halves[key.0 as usize][key.1 as usize].is_quad,
         }
     }
 
     /// Where the ray of an image point meets a surface's plane.
-    pub(super) fn point(&self, surface: &Surface<'_>, u: f64, v: f64) -> Point {
-        self.point_between(surface, u, v, [0.0, 1e6])
+    pub(super) fn point(&self, surface: &Surface<'_>, place: [f64; 2]) -> Point {
+        self.point_within(surface, place, [0.0, 1e6])
     }
 
     /// The same, no nearer and no farther than some depths.
-    pub(super) fn point_between(&self, surface: &Surface<'_>, u: f64, v: f64, [near, far]: [f64; 2]) -> Point {
-        let (eye, direction) = (self.view.world_from_cam.translation, self.direction(u, v));
+    pub(super) fn point_within(&self, surface: &Surface<'_>, place: [f64; 2], [near, far]: [f64; 2]) -> Point {
+        let (eye, direction) = (self.view.world_from_cam.translation, self.direction(place));
         let normal = surface.normal.as_dvec3();
         let inverse_depth = normal.dot(direction) / normal.dot(surface.corners[0] - eye);
         let (depth_m, length) = (1.0 / inverse_depth.max(1.0 / far).min(1.0 / near), direction.length());
@@ -94,40 +100,33 @@ impl Reference {
 
     /// True for two faces of one instance, one material, and, but for what the eye does not see, one normal.
     pub(super) fn look_alike(&self, a: Key, b: Key) -> bool {
-        let [s, t] = [a, b].map(|key| self.surface(key));
-        let steps = |n: Vec3| n.to_array().map(|c| (c * 14.0 + 15.5) as u32);
-        let slot = |s: &Surface| s.posed.mesh.slots[s.key.1 as usize];
-        a.0 == b.0 && slot(&s) == slot(&t) && steps(s.normal) == steps(t.normal)
+        let of = |key: Key| {
+            let s = self.surface(key);
+            (key.0, s.posed.mesh.slots[key.1 as usize], s.normal.to_array().map(|c| (c * 14.0 + 15.5) as u32))
+        };
+        of(a) == of(b)
     }
 
-    pub(super) fn sky_at(&self, u: f64, v: f64) -> Vec3 {
-        let view = self.direction(u, v).normalize().as_vec3();
-        let radiance = self.sky.visible_radiance(view);
+    pub(super) fn sky_at(&self, place: [f64; 2]) -> Vec3 {
+        let view = self.direction(place).normalize().as_vec3();
+        let radiance = self.light.sky.visible_radiance(view);
         // Fog hides the sky as it hides what is far.
-        if self.extinction_per_m > 0.004 { self.through_air(radiance, view, 400.0) } else { radiance }
+        if self.light.extinction_per_m > 0.004 { self.through_air(radiance, view, 400.0) } else { radiance }
     }
 
     /// Beer-Lambert's extinction, and the air's own light (Koschmieder 1924).
     fn through_air(&self, radiance: Vec3, view: Vec3, distance_m: f32) -> Vec3 {
-        let clear = crate::math::expf(-self.extinction_per_m * distance_m);
-        let air = self.sky.radiance(Vec3::new(view.x, view.y, view.z.max(0.02))) * 0.8;
-        radiance * clear + air * (1.0 - clear)
-    }
-
-    fn is_ground(s: &Surface<'_>) -> bool {
-        s.material.semantic.is_ground() && s.normal.z > 0.5
+        let clear = expf(-self.light.extinction_per_m * distance_m);
+        radiance * clear + self.light.in_scattered(view) * (1.0 - clear)
     }
 
     /// The albedo with its texture and snow.
     pub(super) fn albedo(&self, s: &Surface<'_>, at: &Point) -> Vec3 {
-        let (m, [a, b, c]) =
-            (s.material, s.posed.mesh.faces[s.key.1 as usize].map(|i| s.posed.mesh.vertices[i as usize]));
-        let normal = (b - a).cross(c - a).normalize_or_zero();
-        let is_leaf = m.pattern == Pattern::Leaves;
-        let rotation = s.posed.placement.rotation;
-        let [u, v] = if Self::is_ground(s) {
+        let (m, placement) = (s.material, s.posed.placement);
+        let [a, b, c] = s.posed.mesh.faces[s.key.1 as usize].map(|i| s.posed.mesh.vertices[i as usize]);
+        let [u, v] = if s.is_ground {
             [at.world.x, at.world.y]
-        } else if is_leaf {
+        } else if s.is_leaf {
             // Across and down the image, drawn out along the leaf.
             [DVec3::X, DVec3::Y].map(|axis| {
                 let axis = (self.view.world_from_cam.rotation * axis).as_vec3();
@@ -136,65 +135,57 @@ impl Reference {
             })
         } else {
             // Along a wall and up its slope; x and y of what is level.
-            let local = (rotation.transpose() * (at.world.as_dvec3() - s.posed.placement.translation)).as_vec3();
+            let local = (placement.rotation.transpose() * (at.world.as_dvec3() - placement.translation)).as_vec3();
+            let normal = (b - a).cross(c - a).normalize_or_zero();
             let flat = Vec3::new(-normal.y, normal.x, 0.0);
             let is_level = flat.length_squared() < 0.03;
             let along = if is_level { Vec3::X } else { flat.normalize() };
             [along, if is_level { Vec3::Y } else { normal.cross(along) }].map(|axis| axis.dot(local))
         };
-        let cos_view = at.view.dot(s.normal).abs().max(0.02);
         let pixel_m = at.depth_m / self.view.intrinsics[0] as f32;
         let place = PatternPoint {
             u,
             v,
             pixel_m,
-            footprint_m: pixel_m / cos_view.sqrt(),
+            footprint_m: pixel_m / at.view.dot(s.normal).abs().max(0.02).sqrt(),
             face_hash: hash2(s.key.1 as i32, 0, s.place_hash),
             place_hash: s.place_hash,
         };
-        let base = Vec3::from(m.albedo) * if is_leaf { clump(a, b - a, s.place_hash) } else { 1.0 };
+        let base = Vec3::from(m.albedo) * if s.is_leaf { clump(a, b - a, s.place_hash) } else { 1.0 };
         let albedo = albedo(m.pattern, base, &place);
         let worn = if m.semantic == Semantic::Road { 0.55 } else { 1.0 };
         let lies = if is_vehicle(m.semantic) { 0.0 } else { 1.0 };
         let drift = value_noise(at.world.x * 0.6, at.world.y * 0.6, 0x5E0);
         let level = ((self.normal_at(s, at).z - 0.4) * 2.0).clamp(0.0, 1.0);
-        albedo + (Vec3::splat(0.8) - albedo) * level * (self.snow * worn * (0.5 + drift)).min(1.0) * lies
+        albedo + (Vec3::splat(0.8) - albedo) * level * (self.light.snow * worn * (0.5 + drift)).min(1.0) * lies
     }
 
-    /// The shading normal.
+    /// The shading normal: between those of the corners, but not far beyond the face.
     fn normal_at(&self, s: &Surface<'_>, at: &Point) -> Vec3 {
         let [a, b, c] = s.corners;
         let (ab, ac, to) = (b - a, c - a, at.world.as_dvec3() - a);
-        let (d11, d12, d22) = (ab.dot(ab), ab.dot(ac), ac.dot(ac));
-        let inverse = 1.0 / (d11 * d22 - d12 * d12).max(1e-20);
-        // Not beyond the face.
-        let least = if s.is_quad { f64::from(LEAST_WEIGHT) } else { 0.0 };
-        let wb = ((d22 * to.dot(ab) - d12 * to.dot(ac)) * inverse).max(least).min(1.0 - least);
-        let wc = ((d11 * to.dot(ac) - d12 * to.dot(ab)) * inverse).max(least).min(1.0 - least - wb);
-        let normals = s.posed.mesh.faces[s.key.1 as usize].map(|i| s.posed.mesh.normals[i as usize].as_dvec3());
-        let is_turned = (b - a).cross(c - a).dot(s.normal.as_dvec3()) < 0.0;
-        let flat = s.posed.placement.rotation.transpose() * s.normal.as_dvec3() * if is_turned { -1.0 } else { 1.0 };
-        let is_even = normals.iter().all(|n| (*n - normals[0]).length_squared() < 1e-6);
-        if s.material.pattern != Pattern::Leaves && is_even && normals[0].dot(flat) >= 0.999_9 {
-            return s.normal;
-        }
-        let local = normals[0] * (1.0 - wb - wc) + normals[1] * wb + normals[2] * wc;
-        let normal = (s.posed.placement.rotation * local).normalize_or_zero().as_vec3();
-        if is_turned { -normal } else { normal }
+        let plane = ab.cross(ac);
+        let least = f64::from(LEAST_WEIGHT);
+        let per_area = 1.0 / plane.length_squared().max(1e-20);
+        let wb = (to.cross(ac).dot(plane) * per_area).max(least).min(1.0 - least);
+        let wc = (ab.cross(to).dot(plane) * per_area).max(least).min(1.0 - least - wb);
+        let [na, nb, nc] = s.posed.mesh.faces[s.key.1 as usize].map(|i| s.posed.mesh.normals[i as usize].as_dvec3());
+        let normal = (s.posed.placement.rotation * (na * (1.0 - wb - wc) + nb * wb + nc * wc)).normalize_or_zero();
+        if plane.dot(s.normal.as_dvec3()) < 0.0 { -normal.as_vec3() } else { normal.as_vec3() }
     }
 
     /// Light that arrives at the camera: what counts with the albedo (or with what is behind), and what does not.
-    pub(super) fn light(&self, s: &Surface<'_>, at: &Point, open: &Open) -> [Vec3; 2] {
-        let (sky, m, normal) = (&self.sky, s.material, self.normal_at(s, at));
-        let is_leaf = m.pattern == Pattern::Leaves;
+    pub(super) fn light(&self, s: &Surface<'_>, at: &Point, open: &SkyVisibility) -> [Vec3; 2] {
+        let (sky, m, normal, wetness) = (&self.light.sky, s.material, self.normal_at(s, at), self.light.wetness);
         let (cos_face, cos_sun) = (s.normal.dot(sky.sun_world), normal.dot(sky.sun_world));
-        let sees_sun = is_leaf || cos_face > 0.0 && (cos_sun > 0.0 || m.is_transparent());
+        let sees_sun = s.is_leaf || cos_face > 0.0 && (cos_sun > 0.0 || m.is_transparent());
         let lit = match self.shadows.iter().find_map(|map| map.lit(at.world, s.normal, cos_face)) {
             _ if !sees_sun || self.shadows.is_empty() => 0.0,
             lit => lit.unwrap_or(1.0),
         };
-        let is_above_cars = s.normal.z <= 0.3 || is_vehicle(m.semantic) || is_leaf;
-        let contact = if is_above_cars { 1.0 } else { self.ambient.contact(at.world) };
+        let is_above_cars = s.normal.z <= 0.3 || is_vehicle(m.semantic) || s.is_leaf;
+        let left_of_sky = |body: &Occluder| body.leaves(at.world - body.center);
+        let contact: f32 = if is_above_cars { 1.0 } else { self.occluders.iter().map(left_of_sky).product() };
         let toward = [open[0], open[1], open[2], open[3]];
         let cos_view = (-at.view.dot(normal)).clamp(0.0, 1.0);
         let mirrored = at.view + normal * (2.0 * cos_view);
@@ -205,37 +196,32 @@ impl Reference {
             let shine = environment(sky, mirrored, &toward, 0.0) + highlight(sky, mirrored, 0.15) * lit;
             return [Vec3::new(0.93, 1.0, 0.95) * (m.transmission * (1.0 - fresnel)), shine * fresnel];
         }
-        let around = sky.ambient_with_bounce(normal, open) * contact;
-        let wet = if normal.z > 0.5 { 1.0 - 0.45 * self.wetness } else { 1.0 };
-        if is_leaf {
-            // Leaves turn to all sides, let a third of the light through, yellower, and get it through their neighbors.
-            let through = Vec3::new(0.85, 1.0, 0.50) * (0.40 * (-cos_sun).max(0.0));
-            let direct = (Vec3::splat(cos_sun.max(0.0)) + through) * 0.8 + Vec3::splat(0.12);
-            return self.of_air((sky.sun * direct * lit + around * 1.3) * wet, Vec3::ZERO, at);
-        }
-        let diffuse = (sky.sun * cos_sun.max(0.0) * lit + around) * wet;
+        // Leaves turn to all sides, let a third of the light through, yellower, and get it through their neighbors.
+        let through = Vec3::new(0.85, 1.0, 0.50) * (0.40 * (-cos_sun).max(0.0));
+        let facing = Vec3::splat(cos_sun.max(0.0));
+        let direct = if s.is_leaf { (facing + through) * 0.8 + Vec3::splat(0.12) } else { facing };
+        let around = sky.ambient_with_bounce(normal, open) * contact * if s.is_leaf { 1.3 } else { 1.0 };
+        let wet = if normal.z > 0.5 { 1.0 - 0.45 * wetness } else { 1.0 };
+        let diffuse = (sky.sun * direct * lit + around) * wet;
         let puddle = value_noise(at.world.x * 0.35, at.world.y * 0.35, 0xF11);
-        let is_wet = Self::is_ground(s) && normal.z > 0.5;
-        let film = if is_wet { (self.wetness * 1.5 - 0.9 * puddle).clamp(0.0, 1.0) } else { 0.0 };
+        let is_wet = s.is_ground && normal.z > 0.5;
+        let film = if is_wet { (wetness * 1.5 - 0.9 * puddle).clamp(0.0, 1.0) } else { 0.0 };
         let (f0, roughness) = if film > 0.0 { (0.02, 0.55 - 0.2 * film) } else { (m.specular, m.roughness) };
-        let fresnel = if f0 > 0.0 { schlick(f0, (1.0 - roughness) * (1.0 - roughness)) } else { 0.0 };
+        let is_matt = s.is_leaf || f0 == 0.0;
+        let fresnel = if is_matt { 0.0 } else { schlick(f0, (1.0 - roughness) * (1.0 - roughness)) };
         let shine = environment(sky, mirrored, &toward, roughness) * contact.max(0.3)
             + highlight(sky, mirrored, roughness) * lit;
         // Metals color what they reflect.
         let tint = if f0 > 0.5 { Vec3::from(m.albedo) } else { Vec3::ONE };
-        self.of_air(diffuse * (1.0 - fresnel), shine * tint * fresnel, at)
+        let clear = expf(-self.light.extinction_per_m * at.distance_m);
+        [diffuse * (1.0 - fresnel) * clear, self.through_air(shine * tint * fresnel, at.view, at.distance_m)]
     }
 
-    fn of_air(&self, diffuse: Vec3, specular: Vec3, at: &Point) -> [Vec3; 2] {
-        let added = self.through_air(specular, at.view, at.distance_m);
-        [diffuse * crate::math::expf(-self.extinction_per_m * at.distance_m), added]
-    }
-
-    /// The visibility of the sky. Leaves near each other see the same: cells of at least 0.5 m and 1/16 to 1/32 of the distance, each leaf in one next
-    /// to its own by chance.
-    pub(super) fn open(&self, s: &Surface<'_>, at: &Point) -> Open {
-        if s.material.pattern != Pattern::Leaves {
-            return self.ambient.open(at.world, s.normal);
+    /// The visibility of the sky. Leaves near each other see the same: cells of at least 0.5 m and 1/16 to 1/32 of the
+    /// distance, each leaf in one next to its own by chance.
+    pub(super) fn open(&self, s: &Surface<'_>, at: &Point) -> SkyVisibility {
+        if !s.is_leaf {
+            return self.light.sky_probes.sky_visibility(at.world, s.normal);
         }
         let middle = (s.corners[0] + s.corners[2]) * 0.5;
         let mut cell_m = 0.5;
@@ -245,10 +231,6 @@ impl Reference {
         let hash = hash2(s.key.1 as i32, 0, s.place_hash);
         let aside = [hash, hash >> 10, hash >> 20].map(|h| (h & 0x3FF) as f32 / 1024.0);
         let cell = (middle / cell_m).as_vec3() + Vec3::from(aside);
-        self.ambient.open(cell.floor() * cell_m as f32, Vec3::ZERO)
+        self.light.sky_probes.sky_visibility(cell.floor() * cell_m as f32, Vec3::ZERO)
     }
-}
-
-fn is_vehicle(semantic: Semantic) -> bool {
-    matches!(semantic, Semantic::Car | Semantic::Van | Semantic::Truck | Semantic::Tram | Semantic::OtherVehicle)
 }
