@@ -33,7 +33,6 @@ _FAKED = (
     "VehicleMesh",
     "encode_png",
     "weather_names",
-    "__version__",
 )
 
 
