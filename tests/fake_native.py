@@ -19,9 +19,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from fake_settings import LabelConfig, PropConfig, SceneConfig, SuburbConfig
+from fake_settings import LabelConfig, PropConfig, SceneConfig, SuburbConfig, limits
 
-__all__ = ["LabelConfig", "PropConfig", "SceneConfig", "SuburbConfig"]
+__all__ = ["LabelConfig", "PropConfig", "SceneConfig", "SuburbConfig", "limits"]
 
 __version__ = "0.0.0-fake"
 

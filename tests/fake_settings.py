@@ -44,6 +44,18 @@ _SCENE = {
     "sun_elevation_deg": ([], 3, 90),
     "sun_azimuth_deg": ([], -360, 360),
 }
+_LIMITS = {
+    "columns": (1.0, 65535.0),
+    "divergence_mrad": (0.0, 20.0),
+    "image_side_px": (16.0, 8192.0),
+    "rolling_shutter_s": (0.0, 0.1),
+    "speed_mps": (0.0, 70.0),
+    "step_s": (0.0, 3600.0),
+}
+
+
+def limits() -> dict[str, tuple[float, float]]:
+    return dict(_LIMITS)
 
 
 class _Config(SimpleNamespace):

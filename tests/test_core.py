@@ -86,6 +86,29 @@ def test_the_fake_knows_the_cores_lists(core: Any) -> None:
         assert getattr(core, name).settings() == getattr(fake_native, name).settings()
 
 
+def test_the_core_enforces_the_limits_that_it_states(core: Any) -> None:
+    """Python refuses what lies beyond them; behind it, the core's own checks know the same numbers."""
+    assert core.limits() == fake_native.limits()
+    limits = core.limits()
+    scene = Scene.empty(rig=SMALL)
+    for beyond in (limits["step_s"][1] + 1.0, -1.0):
+        with pytest.raises(CadetError, match="step"):
+            scene.step(beyond)
+        with pytest.raises(CadetError, match="seconds"):
+            scene._native.step(beyond)
+    most = limits["divergence_mrad"][1]
+    assert Lidar.vlp16(divergence_mrad=most).to_native()
+    for divergence_mrad in (most * 1.01, -0.1):
+        with pytest.raises(CadetError, match="divergence"):
+            core.Lidar.preset("hdl64e_kitti").scanning(
+                rolling=False, returns="strongest", divergence_mrad=divergence_mrad
+            )
+    least, most = limits["image_side_px"]
+    for side in (int(least) - 1, int(most) + 1):
+        with pytest.raises(CadetError, match=f"from {least:g} to {most:g}"):
+            SMALL.camera.resized(side, 100)
+
+
 def test_the_fake_knows_the_cores_weathers() -> None:
     assert list(weather_names()) == fake_native.WEATHERS
 

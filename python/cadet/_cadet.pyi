@@ -36,6 +36,7 @@ __all__ = [
     "encode_png",
     "estimate_ground_plane",
     "evaluate",
+    "limits",
     "nms_bev",
     "weather_air",
     "weather_names",
@@ -404,6 +405,7 @@ def evaluate(
     levels: Sequence[tuple[float, bool, float, float]],
 ) -> dict[str, Any]: ...
 def box_iou(a: NDArray[np.float64], b: NDArray[np.float64], is_3d: bool) -> NDArray[np.float64]: ...
+def limits() -> dict[str, tuple[float, float]]: ...
 def nms_bev(boxes: NDArray[np.float64], scores: NDArray[np.float64], threshold: float) -> NDArray[np.int64]: ...
 
 @final

@@ -19,6 +19,11 @@ T = TypeVar("T")
 _MAX_BEAMS = 1 << 23
 
 
+def _check_columns(name: str, columns: object) -> None:
+    least, most = _cadet.limits()["columns"]
+    check_number("firing", name, columns, int(least), int(most), whole=True)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Laser:
     """One laser: a ring of the scan.
@@ -71,7 +76,7 @@ class UniformFiring:
     """Firings a turn."""
 
     def __post_init__(self) -> None:
-        check_number("firing", "columns", self.columns, 1, 65535, whole=True)
+        _check_columns("columns", self.columns)
         make_plain(self)
 
 
@@ -95,7 +100,7 @@ class EncoderFiring:
     def __post_init__(self) -> None:
         check_number("firing", "ticks_per_turn", self.ticks_per_turn, 1, 1_000_000_000, whole=True)
         check_number("firing", "ticks_per_firing", self.ticks_per_firing, 1, 1e9)
-        check_number("firing", "firings", self.firings, 1, 65535, whole=True)
+        _check_columns("firings", self.firings)
         check_number("firing", "phase_ticks", self.phase_ticks, 0, 1e9)
         make_plain(self)
 

@@ -25,6 +25,11 @@ MAX_PIXELS = 1 << 24
 """The most pixels of an image that is made, 4096 x 4096: a frame takes about 70 bytes of memory for each."""
 
 
+def _check_side(name: str, size: object) -> None:
+    least, most = _cadet.limits()["image_side_px"]
+    check_number("Camera", name, size, int(least), int(most), whole=True)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Camera:
     """A rectified pinhole camera and the other three of its rig, KITTI's of 26 September 2011 by default.
@@ -65,7 +70,7 @@ class Camera:
     def __post_init__(self) -> None:
         make_plain(self)
         for name in ("width", "height"):
-            check_number("Camera", name, getattr(self, name), 16, 8192, whole=True)
+            _check_side(name, getattr(self, name))
         if self.width * self.height > MAX_PIXELS:
             raise CadetError(f"Camera: {self.width} x {self.height} pixels, expected at most {MAX_PIXELS}")
         for name in ("fx", "fy"):
@@ -82,7 +87,7 @@ class Camera:
             raise CadetError(f"Camera.distortion: expected k1, k2, p1, p2, k3, got {shown(self.distortion)}")
         for coefficient in self.distortion:
             check_number("Camera", "distortion", coefficient, -100, 100)
-        check_number("Camera", "rolling_shutter_s", self.rolling_shutter_s, 0, 0.1)
+        check_number("Camera", "rolling_shutter_s", self.rolling_shutter_s, *_cadet.limits()["rolling_shutter_s"])
 
     def __repr__(self) -> str:
         rare = ("image_scale", "distortion", "rolling_shutter_s")
@@ -147,7 +152,7 @@ class Camera:
             CadetError: a size that is no whole number of pixels, or out of range.
         """
         for name, size in (("width", width), ("height", height)):
-            check_number("Camera", name, size, 16, 8192, whole=True)
+            _check_side(name, size)
         x, y = width / self.width, height / self.height
         return replace(
             self,

@@ -53,7 +53,7 @@ class Lidar:
             check_flag("Lidar", name, getattr(self, name))
         if not is_one_of(self.returns, RETURN_MODES):
             raise CadetError(f"Lidar.returns: expected one of {', '.join(RETURN_MODES)}, got {shown(self.returns)}")
-        check_number("Lidar", "divergence_mrad", self.divergence_mrad, 0, 20)
+        check_number("Lidar", "divergence_mrad", self.divergence_mrad, *_cadet.limits()["divergence_mrad"])
         make_plain(self)
         if self.table is None and is_one_of(self.name, _FILES):
             object.__setattr__(self, "table", _shipped(self.name))

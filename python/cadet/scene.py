@@ -27,7 +27,6 @@ from cadet.summary import summary
 from cadet.weather import check_weather
 
 _MAX_PLACE_M = 1e6
-_MAX_SPEED_MPS = 70
 
 
 class RayHits(NamedTuple):
@@ -210,7 +209,7 @@ class Scene:
         else:
             points = _vectors("path", path)
         if speed is not None:
-            check_number("add", "speed", speed, 0, _MAX_SPEED_MPS)
+            check_number("add", "speed", speed, *_cadet.limits()["speed_mps"])
             speed = float(speed)
         may_overlap = _may_overlap("add", overlap)
         self._forget_first()
@@ -238,7 +237,7 @@ class Scene:
         Raises:
             CadetError: a time that is negative, not finite or longer than an hour.
         """
-        check_number("step", "seconds", seconds, 0, 3600)
+        check_number("step", "seconds", seconds, *_cadet.limits()["step_s"])
         self._forget_first()
         self._native.step(float(seconds))
 

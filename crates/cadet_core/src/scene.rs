@@ -110,8 +110,8 @@ pub struct Scene {
 const STEPS_PER_S: f64 = 60.0;
 /// How long a random scene settles before the first view.
 const SETTLE_S: f64 = 2.0;
-/// The longest time that one call may simulate.
-const MAX_STEP_S: f64 = 3600.0;
+/// The longest time that one call may simulate, seconds.
+pub const MAX_STEP_S: f64 = 3600.0;
 
 impl Scene {
     /// A town with props and traffic, settled for two seconds: a pure function of its arguments.

@@ -1,13 +1,17 @@
-//! A scene's numbers: `cadet.SceneConfig.to_native()`.
+//! A scene's numbers: `cadet.SceneConfig.to_native()`; and the limits of what calls and sensors take.
+
+use std::collections::BTreeMap;
 
 use cadet_core::actor::ObjectClass;
 use cadet_core::assets::vehicle::UserVehicles;
+use cadet_core::camera::{MAX_ROLLING_SHUTTER_S, SIDES_PX};
 use cadet_core::label::{Boxes, LabelConfig as CoreLabelConfig, OcclusionMethod};
-use cadet_core::scene::SceneConfig as CoreSceneConfig;
+use cadet_core::lidar::{MAX_COLUMNS, MAX_DIVERGENCE_RAD};
+use cadet_core::scene::{MAX_STEP_S, SceneConfig as CoreSceneConfig};
 use cadet_core::settings::Setting;
 use cadet_core::town::{PropConfig as CorePropConfig, SuburbConfig as CoreSuburbConfig};
 use cadet_core::weather::Sun;
-use cadet_core::world::TrafficConfig;
+use cadet_core::world::{FASTEST_VEHICLE_MPS, TrafficConfig};
 use pyo3::prelude::*;
 
 use crate::assets::Assets;
@@ -16,8 +20,21 @@ use crate::error::{BorderError, CadetError};
 /// A field's defaults (none where it is drawn), least and greatest value, and whether it counts.
 type Limits = (Vec<f64>, f64, f64, bool);
 
-fn limits(settings: Vec<Setting>) -> Vec<(&'static str, Limits)> {
+fn limits_of(settings: Vec<Setting>) -> Vec<(&'static str, Limits)> {
     settings.into_iter().map(|s| (s.name, (s.default, s.least, s.most, s.is_whole))).collect()
+}
+
+/// Least and greatest value of the numbers that calls and sensors take; those of configurations are their `settings()`.
+#[pyfunction]
+pub(crate) fn limits() -> BTreeMap<&'static str, (f64, f64)> {
+    BTreeMap::from([
+        ("columns", (1.0, MAX_COLUMNS as f64)),
+        ("divergence_mrad", (0.0, MAX_DIVERGENCE_RAD * 1e3)),
+        ("image_side_px", (*SIDES_PX.start() as f64, *SIDES_PX.end() as f64)),
+        ("rolling_shutter_s", (0.0, MAX_ROLLING_SHUTTER_S)),
+        ("speed_mps", (0.0, FASTEST_VEHICLE_MPS)),
+        ("step_s", (0.0, MAX_STEP_S)),
+    ])
 }
 
 /// What gets a label.
@@ -75,7 +92,7 @@ impl LabelConfig {
     /// Of every number by name: the only statement of them.
     #[staticmethod]
     fn settings() -> Vec<(&'static str, Limits)> {
-        limits(CoreLabelConfig::settings())
+        limits_of(CoreLabelConfig::settings())
     }
 }
 
@@ -108,7 +125,7 @@ impl SuburbConfig {
     /// Of every number by name.
     #[staticmethod]
     fn settings() -> Vec<(&'static str, Limits)> {
-        limits(CoreSuburbConfig::settings())
+        limits_of(CoreSuburbConfig::settings())
     }
 }
 
@@ -132,7 +149,7 @@ impl PropConfig {
     /// Of every number by name.
     #[staticmethod]
     fn settings() -> Vec<(&'static str, Limits)> {
-        limits(CorePropConfig::settings())
+        limits_of(CorePropConfig::settings())
     }
 }
 
@@ -191,7 +208,7 @@ impl SceneConfig {
     /// Of every number by name.
     #[staticmethod]
     fn settings() -> Vec<(&'static str, Limits)> {
-        limits([TrafficConfig::settings(), Sun::settings()].concat())
+        limits_of([TrafficConfig::settings(), Sun::settings()].concat())
     }
 
     /// The classes of vehicles that may drive and park.

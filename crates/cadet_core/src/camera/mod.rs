@@ -32,7 +32,7 @@ mod visibility_pass;
 pub use distortion::{Distortion, Warp};
 #[cfg(test)]
 pub(crate) use model::tests::kitti_like;
-pub use model::{CameraModel, Pixel};
+pub use model::{CameraModel, MAX_ROLLING_SHUTTER_S, Pixel, SIDES_PX};
 pub use render::{Rendered, render, render_through};
 pub use rolling_shutter::{Moving, render_rolling};
 pub use visibility_pass::{Maps, View, Visibility, visibility_pass};

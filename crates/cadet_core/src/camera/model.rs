@@ -9,7 +9,9 @@ use crate::error::{Error, Result, finite};
 use crate::math::{DPose3, DVec2, DVec3};
 
 /// Sides of an image, pixels.
-const SIDES_PX: std::ops::RangeInclusive<usize> = 16..=8192;
+pub const SIDES_PX: std::ops::RangeInclusive<usize> = 16..=8192;
+/// The longest time from the first row's exposure to the last's, seconds.
+pub const MAX_ROLLING_SHUTTER_S: f64 = 0.1;
 /// What is nearer to the camera's plane is not projected, meters.
 const LEAST_DEPTH_M: f64 = 1e-9;
 
@@ -49,7 +51,7 @@ impl CameraModel {
     /// Checks the numbers and makes a camera.
     ///
     /// # Errors
-    /// A size outside 16..=8192 pixels, a matrix entry that is not finite, focal lengths that are not positive, skew, or
+    /// A size outside [`SIDES_PX`], a matrix entry that is not finite, focal lengths that are not positive, skew, or
     /// a lens that folds the image.
     pub fn new(
         width: usize,
@@ -59,7 +61,7 @@ impl CameraModel {
     ) -> Result<Self> {
         for (what, value) in [("image width", width), ("image height", height)] {
             if !SIDES_PX.contains(&value) {
-                let expected = "16 to 8192 pixels".to_owned();
+                let expected = format!("{} to {} pixels", SIDES_PX.start(), SIDES_PX.end());
                 return Err(Error::OutOfRange { what, value: value.to_string(), expected });
             }
         }
@@ -108,11 +110,11 @@ impl CameraModel {
     /// instant to the last's; 0 for all at once.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] beyond 0 to 0.1 s, [`Error::NotFinite`].
+    /// [`Error::OutOfRange`] beyond 0 to [`MAX_ROLLING_SHUTTER_S`], [`Error::NotFinite`].
     pub fn with_rolling_shutter(mut self, rolling_shutter_s: f64) -> Result<Self> {
-        if !(0.0..=0.1).contains(&finite("rolling shutter", rolling_shutter_s)?) {
+        if !(0.0..=MAX_ROLLING_SHUTTER_S).contains(&finite("rolling shutter", rolling_shutter_s)?) {
             let (what, value) = ("rolling shutter", rolling_shutter_s.to_string());
-            return Err(Error::OutOfRange { what, value, expected: "0 to 0.1 s".to_owned() });
+            return Err(Error::OutOfRange { what, value, expected: format!("0 to {MAX_ROLLING_SHUTTER_S} s") });
         }
         self.rolling_shutter_s = rolling_shutter_s;
         Ok(self)

@@ -3,6 +3,9 @@
 use crate::error::{Error, Result, finite};
 use crate::math::TAU;
 
+/// The most columns of a turn.
+pub const MAX_COLUMNS: usize = u16::MAX as usize;
+
 /// The columns of a turn: azimuths at which every laser fires, counter-clockwise from forward.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Firing {
@@ -73,8 +76,9 @@ impl Firing {
 }
 
 fn check_columns(what: &'static str, columns: usize) -> Result<()> {
-    if columns == 0 || columns > usize::from(u16::MAX) {
-        return Err(Error::OutOfRange { what, value: columns.to_string(), expected: "1 to 65535".to_owned() });
+    if !(1..=MAX_COLUMNS).contains(&columns) {
+        let expected = format!("1 to {MAX_COLUMNS}");
+        return Err(Error::OutOfRange { what, value: columns.to_string(), expected });
     }
     Ok(())
 }

@@ -20,9 +20,9 @@ mod surfaces;
 mod turning;
 
 pub use air::{Fate, Weathered, weather_recorded};
-pub use firing::Firing;
+pub use firing::{Firing, MAX_COLUMNS};
 pub use presets::PRESETS;
-pub use response::Receiver;
+pub use response::{MAX_DIVERGENCE_RAD, Receiver};
 pub use return_mode::ReturnMode;
 pub use returned_points::Scan;
 pub use scan::{IdealScan, ideal_scan, scan, turning_scan};

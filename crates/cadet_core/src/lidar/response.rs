@@ -77,7 +77,7 @@ impl Receiver {
 }
 
 /// The widest cone of a beam.
-pub(super) const MAX_DIVERGENCE_RAD: f64 = 0.02;
+pub const MAX_DIVERGENCE_RAD: f64 = 0.02;
 /// The receiver compensates for range up to here.
 const COMPENSATED_M: f64 = 18.5;
 /// Readings below this are reported as 0.

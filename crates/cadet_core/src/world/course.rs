@@ -3,7 +3,7 @@
 use crate::error::{Error, Result, finite};
 
 /// The fastest that a scripted vehicle may go, and a scripted person.
-pub(super) const FASTEST_VEHICLE_MPS: f64 = 70.0;
+pub const FASTEST_VEHICLE_MPS: f64 = 70.0;
 pub(super) const FASTEST_PERSON_MPS: f64 = 12.0;
 
 /// Which model an agent gets.

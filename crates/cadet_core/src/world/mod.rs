@@ -22,7 +22,7 @@ mod surroundings;
 #[cfg(test)]
 mod tests;
 
-pub use course::{Course, ModelChoice, Overlap, Waypoint};
+pub use course::{Course, FASTEST_VEHICLE_MPS, ModelChoice, Overlap, Waypoint};
 pub use physics::DT_S;
 pub use simulation::World;
 pub use snapshot::{EgoState, Snapshot};
