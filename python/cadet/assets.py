@@ -120,7 +120,7 @@ class Assets:
         share: the fraction of driven and parked vehicles that are drawn from them.
 
     Raises:
-        CadetError: a mesh that makes no vehicle, or a share that is none.
+        CadetError: a mesh that can't be a vehicle, or a share outside 0 to 1.
     """
 
     vehicles: tuple[VehicleMesh, ...]

@@ -60,12 +60,12 @@ class Camera:
     cam3_from_cam0_m: Row3 = _offset_m(_DEFAULT, _DEFAULT.p3_column)
     """The same of camera 3, the right color one."""
     image_scale: tuple[float, float] = (1.0, 1.0)
-    """How often the image was stretched along the rows and the columns (`resized`); labels' pixel limits follow."""
+    """By what the image was scaled along the rows and the columns (`resized`); labels' pixel limits follow."""
 
     distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0)
     """k1, k2, p1, p2, k3 of OpenCV's lens model; all 0 for the rectified image that KITTI's files hold."""
     rolling_shutter_s: float = 0.0
-    """Seconds from the first row's exposure to the last's, about the frame's instant, 0 to 0.1; 0 for a global one."""
+    """Seconds from the first row's exposure to the last's, about the frame's instant, 0 to 0.1; 0: a global shutter."""
 
     def __post_init__(self) -> None:
         make_plain(self)

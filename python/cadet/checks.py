@@ -32,7 +32,7 @@ def shown(value: object) -> str:
 def check_number(
     owner: str, name: str, value: object, low: float, high: float = float("inf"), *, whole: bool = False
 ) -> None:
-    """Refuse what is no number of the range. NumPy's numbers are numbers.
+    """Refuse anything but a number in the range. NumPy's numbers are accepted.
 
     Args:
         owner: whose value it is, for the message; empty for a function's argument.
@@ -55,7 +55,7 @@ def check_number(
 
 
 def check_three(owner: str, name: str, values: object, limit: float) -> None:
-    """Refuse what is no tuple of three numbers from `-limit` to `limit`.
+    """Refuse anything but a tuple of three numbers from `-limit` to `limit`.
 
     Raises:
         CadetError: naming the field, the value and the range.
@@ -81,7 +81,7 @@ def check_image_size(size: object, name: str = "image_size") -> tuple[int, int]:
 
 
 def check_range(owner: str, name: str, values: object, low: float, high: float, *, whole: bool = False) -> None:
-    """Refuse what is no tuple of two numbers from `low` to `high`, the second at least as large as the first.
+    """Refuse anything but a tuple of two numbers from `low` to `high`, the second at least as large as the first.
 
     Raises:
         CadetError: naming the field, the value and the range.
@@ -105,7 +105,7 @@ def check_flag(owner: str, name: str, value: object) -> None:
 
 
 def check_kind(owner: str, name: str, value: object, kind: type[Any]) -> None:
-    """Refuse what is no object of a class.
+    """Refuse anything but an instance of a class.
 
     Raises:
         CadetError: naming the field, the class and the value.
@@ -116,7 +116,7 @@ def check_kind(owner: str, name: str, value: object, kind: type[Any]) -> None:
 
 
 def check_text(owner: str, name: str, value: object) -> None:
-    """Refuse what is no text.
+    """Refuse anything but text.
 
     Raises:
         CadetError: naming the field and the value.
@@ -126,7 +126,7 @@ def check_text(owner: str, name: str, value: object) -> None:
 
 
 def is_one_of(value: object, names: Collection[str]) -> bool:
-    """Tell whether `value` is one of some names; what is no text is none."""
+    """Tell whether `value` is one of the names; anything but text is not."""
     return isinstance(value, str) and value in names
 
 
@@ -161,10 +161,10 @@ def as_pairs(owner: str, name: str, values: object, what: str) -> tuple[tuple[An
 
 
 def as_seed(seed: object, name: str = "seed") -> int:
-    """Return a whole number that streams can be named by, NumPy's too, as Python's own.
+    """Return a seed as Python's own integer; NumPy's are accepted.
 
     Raises:
-        CadetError: it is none, or not from 0 to `MAX_SEED`.
+        CadetError: not a whole number from 0 to `MAX_SEED`.
     """
     if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or not 0 <= seed <= MAX_SEED:
         raise CadetError(f"{name}: expected a whole number from 0 to 2**63 - 1, got {shown(seed)}")

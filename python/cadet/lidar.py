@@ -1,4 +1,4 @@
-"""LIDARs: presets, sensors of one's own, and how they take a scan."""
+"""LIDARs: presets, custom sensors, and how they take a scan."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ LIDAR_PRESETS = (*_cadet.Lidar.presets(), *_FILES)
 
 @dataclass(frozen=True)
 class Lidar:
-    """A LIDAR's beams, by preset or by a table of one's own, and how it takes a scan (docs/scan.md).
+    """A LIDAR's beams, by preset or by a custom table, and how it takes a scan (docs/scan.md).
 
     Args:
         name: one of `LIDAR_PRESETS`, or the table's name.
         single_origin: all lasers leave one point, where the HDL-64E's sit at different heights.
-        table: a sensor that is no preset; `Lidar.custom` and `Lidar.from_toml` give it its name.
+        table: a sensor that is not a preset; `Lidar.custom` and `Lidar.from_toml` give it its name.
         rolling: the car and all actors move during the turn, from 0.05 s before the image to 0.05 s after it, azimuth 0
             (forward) at its instant; points stay in the frame of their own firing.
         returns: "strongest" or "last": what is reported where a beam meets several surfaces.
@@ -111,7 +111,7 @@ class Lidar:
 
     @classmethod
     def custom(cls, table: BeamTable) -> Lidar:
-        """A sensor of one's own.
+        """A custom sensor.
 
         Raises:
             CadetError: no table, or one that makes no sensor.
@@ -121,7 +121,7 @@ class Lidar:
 
     @classmethod
     def from_toml(cls, path: str | Path) -> Lidar:
-        """Read a sensor of one's own from a TOML file (docs/lidars.md says what is in it).
+        """Read a custom sensor from a TOML file (docs/lidars.md says what is in it).
 
         Raises:
             MissingFileError: there is no such file.
@@ -154,7 +154,7 @@ class Lidar:
         return BeamTable.from_native(self.to_native().table())
 
     def to_toml(self) -> str:
-        """Return the sensor as TOML, to start one's own from; `from_toml` reads it."""
+        """Return the sensor as TOML, to start a custom one from; `from_toml` reads it."""
         return self.beam_table().to_toml()
 
     def rays(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]:

@@ -26,7 +26,7 @@ def toml_from_text(text: str | bytes, file: str) -> dict[str, Any]:
         file: its name, for messages.
 
     Raises:
-        FileFormatError: no UTF-8, no TOML, nested deeper than `MAX_DEPTH`, or a whole number of thousands of digits.
+        FileFormatError: not UTF-8, not TOML, nested deeper than `MAX_DEPTH`, or a whole number of thousands of digits.
     """
     try:
         values = tomllib.loads(text if isinstance(text, str) else text.decode("utf-8"))
@@ -39,14 +39,14 @@ def toml_from_text(text: str | bytes, file: str) -> dict[str, Any]:
 
 
 def json_from_text(text: str | bytes, file: str) -> Any:
-    """Parse JSON, strictly: NaN and infinity are no numbers in it.
+    """Parse JSON, strictly: NaN and infinity are not numbers in it.
 
     Args:
         text: the text, or its bytes in UTF-8.
         file: its name, for messages.
 
     Raises:
-        FileFormatError: no UTF-8, no JSON, nested deeper than `MAX_DEPTH`, or a whole number of thousands of digits.
+        FileFormatError: not UTF-8, not JSON, nested deeper than `MAX_DEPTH`, or a whole number of thousands of digits.
     """
     try:
         values = json.loads(text, parse_constant=_refuse_constant)

@@ -1,4 +1,4 @@
-"""Where a thing stands and how it is turned."""
+"""Poses: where a thing stands and how it is turned."""
 
 from __future__ import annotations
 

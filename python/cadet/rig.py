@@ -87,7 +87,7 @@ class Rig:
 
     @classmethod
     def kitti(cls, *, calibration: str = MOST_FREQUENT) -> Rig:
-        """KITTI's car: HDL-64E 1.73 m up, camera 0 0.27 m ahead of it and 0.08 m lower, the image from camera 2.
+        """KITTI's car: HDL-64E 1.73 m up, camera 0 0.27 m ahead of it and 0.07 m lower, the image from camera 2.
 
         Args:
             calibration: the recording day: "2011_09_26" (81 % of KITTI's frames), "2011_09_28" (10 %), "2011_09_29"
@@ -146,14 +146,14 @@ class Rig:
     def nuscenes(cls) -> Rig:
         """NuScenes' car: six cameras of 1600 x 900 pixels all around, and the HDL-32E on the roof.
 
-        The first camera is CAM_FRONT. Other than nuScenes' the ego's frame begins under the middle of the car, ahead of
-        the rear axle; `origin_in_ego_m` says where nuScenes' does.
+        The first camera is CAM_FRONT. Unlike nuScenes' own, the ego's frame begins under the middle of the car, ahead
+        of the rear axle; `origin_in_ego_m` says where nuScenes' does.
         """
         return cls.from_toml(_FILES["nuscenes"])
 
     @classmethod
     def from_toml(cls, path: str | Path) -> Rig:
-        """Read a rig of one's own from a TOML file (docs/rigs.md says what is in it).
+        """Read a custom rig from a TOML file (docs/rigs.md says what is in it).
 
         Raises:
             MissingFileError: there is no such file.

@@ -19,7 +19,7 @@ class RoadMap:
         xodr: the whole text.
 
     Raises:
-        CadetError: what is no text.
+        CadetError: a name or a map that is not text.
     """
 
     name: str
@@ -35,7 +35,7 @@ class RoadMap:
 
         Raises:
             MissingFileError: there is no such file.
-            CadetError: it is no text. What the text says is checked when a scene is built from it.
+            CadetError: it is not text. What the text says is checked when a scene is built from it.
         """
         path = as_path("map", path)
         try:

@@ -174,7 +174,7 @@ class Scene:
     ) -> int:
         """Put an actor on the ground: one that stands at (x, y), goes straight on from there, or follows a path.
 
-        Who moves does so whatever the others do; cars brake for it, and people walk round it.
+        A moving actor ignores all others; cars brake for it, and people walk around it.
 
         Args:
             kind: "car", "van" or "pedestrian", in any letter case; with `model` that vehicle's class, "truck" too.
