@@ -101,7 +101,7 @@ impl FaceOnImage {
             reach[k] = ((x.abs() * (half + shift) + y.abs() * half) * 1.000_01) as f32;
         }
         // Not where any is NaN.
-        let is_plain = (most[0] < FAR) & (most[1] < FAR) & (most[2] < FAR) & (most[3] < FAR);
+        let is_plain = most.iter().all(|most| *most < FAR);
         let inverse_depth = (normal * (1.0 / volume)).to_array();
         let (x, y) = (inverse_depth[0] * column, inverse_depth[1] * row);
         let reach_near = ((x.abs() * (half + shift) + y.abs() * half) * 1.000_01) as f32;
@@ -301,32 +301,26 @@ fn draw_within<const EDGES: usize>(
     doubt: &mut [u32; 2 * BLOCK],
 ) {
     let start = rows.start & !1;
-    let (mut first, first_step) = face.edge_rows(at, 0, start);
-    let (mut second, second_step) = face.edge_rows(at, 1, start);
-    let (mut third, third_step) = face.edge_rows(at, 2, start);
-    let (mut fourth, fourth_step) = if EDGES == 4 { face.edge_rows(at, 3, start) } else { ([0.0; 2 * BLOCK], 0.0) };
+    let mut edges: [(TwoRows, f32); EDGES] = std::array::from_fn(|k| face.edge_rows(at, k, start));
     let (mut value, value_step) = face.inverse_depth_rows(at, start);
     for row in (start..rows.end.min(BLOCK)).step_by(2) {
         let mut bits = [0; 2 * BLOCK];
         for i in 0..2 * BLOCK {
-            let least = if first[i] < second[i] { first[i] } else { second[i] };
-            let least = if least < third[i] { least } else { third[i] };
-            let least = if EDGES < 4 || least < fourth[i] { least } else { fourth[i] };
+            let mut least = f32::INFINITY;
+            for (inside, _) in &edges {
+                least = if least < inside[i] { least } else { inside[i] };
+            }
             bits[i] = mask(least >= DOUBT) & value[i].to_bits();
             doubt[i] |= mask(least.abs() < DOUBT) & (ROW_BITS[i] << row);
         }
         keep_nearer(block, row, &bits, id, nearer);
-        for (values, step) in
-            [(&mut first, first_step), (&mut second, second_step), (&mut third, third_step), (&mut value, value_step)]
-        {
-            for v in values {
-                *v += step;
+        for (inside, step) in &mut edges {
+            for v in inside {
+                *v += *step;
             }
         }
-        if EDGES == 4 {
-            for v in &mut fourth {
-                *v += fourth_step;
-            }
+        for v in &mut value {
+            *v += value_step;
         }
     }
 }

@@ -113,13 +113,10 @@ impl Map {
             let mut posed = [[0.0; LANES]; 3];
             let [x, y, z] = local;
             for i in 0..LANES {
-                posed[0][i] = (m.x_axis.x * x[i] + m.y_axis.x * y[i] + m.z_axis.x * z[i] + x0) * scale;
-            }
-            for i in 0..LANES {
-                posed[1][i] = (m.x_axis.y * x[i] + m.y_axis.y * y[i] + m.z_axis.y * z[i] + y0) * scale;
-            }
-            for i in 0..LANES {
-                posed[2][i] = (m.x_axis.z * x[i] + m.y_axis.z * y[i] + m.z_axis.z * z[i] + z0) * self.steps_per_m;
+                let turned = *m * Vec3::new(x[i], y[i], z[i]);
+                posed[0][i] = (turned.x + x0) * scale;
+                posed[1][i] = (turned.y + y0) * scale;
+                posed[2][i] = (turned.z + z0) * self.steps_per_m;
             }
             [out[0][k], out[1][k], out[2][k]] = posed;
         }
@@ -173,14 +170,12 @@ impl Map {
     fn draw(&mut self, points: &Points, pieces: &[Piece], one_sided: u64, scale: f32) {
         for (some, first) in pieces.chunks(LANES).zip((0_u32..).step_by(LANES)) {
             let mut lanes: Corners = [[[0.0; LANES]; 3]; 4];
-            let mut is_quad = [false; LANES];
             for (i, piece) in some.iter().enumerate() {
                 for (lanes, k) in lanes.iter_mut().zip(piece.corners) {
                     for (lanes, axis) in lanes.iter_mut().zip(points) {
                         lanes[i] = axis.as_flattened()[usize::from(k)];
                     }
                 }
-                is_quad[i] = piece.is_quad();
             }
             if scale > 1.0 {
                 for axis in 0..3 {
@@ -196,25 +191,18 @@ impl Map {
             }
             let setup = FaceSetup::of(&lanes);
             let one_sided = one_sided.checked_shr(first).unwrap_or(0);
-            let mut drawn = [0; LANES];
-            let mut count = 0;
-            for i in 0..LANES {
-                drawn[count] = i;
-                count += usize::from(setup.meets_texels[i] & (setup.faces_sun[i] | (one_sided >> i & 1 == 0)));
-            }
-            for i in drawn[..count].iter().map(|i| i % LANES) {
-                if is_quad[i] {
-                    self.face::<4>(&setup, i);
-                } else {
-                    self.face::<3>(&setup, i);
+            for i in 0..some.len() {
+                if !setup.meets_texels[i] || !setup.faces_sun[i] && one_sided >> i & 1 == 1 {
+                    continue;
                 }
+                self.face(&setup, i);
             }
         }
     }
 
     /// Raises the texels whose middles lie within one of eight faces.
     #[inline(always)]
-    fn face<const EDGES: usize>(&mut self, setup: &FaceSetup, i: usize) {
+    fn face(&mut self, setup: &FaceSetup, i: usize) {
         let [x0, y0, x1, y1] = setup.bounds.each_ref().map(|lanes| lanes[i] as usize);
         if !self.receivers.any([x0, y0], [x1 - 1, y1 - 1], setup.highest[i]) {
             return;
@@ -223,41 +211,27 @@ impl Map {
             (*from, *to) = ((*from).min(x0), (*to).max(x1));
         }
         let plane = |plane: &Plane| [plane.first[i], plane.along_x[i], plane.along_y[i]];
-        // A triangle's third edge has no length.
         let edges = setup.edges.each_ref().map(plane);
-        let [[a, ax, ay], [b, bx, by], [c, cx, cy], [d, dx, dy]] = edges;
         let [z, zx, zy] = plane(&setup.z);
         if x1 - x0 <= 2 * LANES {
             // Small ones, which are most: testing eight texels at a time costs less than finding out where a row begins.
             let (highest, rows) = (setup.highest[i], y1 - y0);
             for first in (x0..x1).step_by(LANES) {
-                let none = [0.0; TWO_ROWS];
-                let (mut in_a, mut in_b, mut in_c, mut in_d, mut height) = (none, none, none, none, none);
-                for k in 0..TWO_ROWS {
-                    let x = (first - x0) as i32 as f32 + COLUMN[k];
-                    (in_a[k], in_b[k], in_d[k], height[k]) = (a + ax * x, b + bx * x, d + dx * x, z + zx * x);
-                    if EDGES == 4 {
-                        in_c[k] = c + cx * x;
-                    }
-                }
-                // By twos; of an odd number the last but one is drawn twice.
-                for top in (0..rows).step_by(2).map(|top| top.min(rows.saturating_sub(2))) {
-                    let mut heights = [0; TWO_ROWS];
-                    for k in 0..TWO_ROWS {
-                        let y = top as i32 as f32 + ROW[k];
-                        let inside = least(least(in_a[k] + ay * y, in_b[k] + by * y), in_d[k] + dy * y);
-                        let inside = if EDGES == 4 { least(inside, in_c[k] + cy * y) } else { inside };
-                        // Rounding may not lead beyond sixteen bits.
-                        let z = most(least(height[k] + zy * y, highest), -HIGHEST);
-                        heights[k] = if inside >= 0.0 { steps(z) } else { EMPTY.into() };
-                    }
-                    let texels = &mut self.height[(y0 + top) * STRIDE + first..];
-                    if let ([above, below], []) = heights.as_chunks::<LANES>() {
-                        raise(texels, above);
-                        if rows > 1 {
-                            raise(&mut texels[STRIDE..], below);
+                let columns: [f32; LANES] = std::array::from_fn(|k| (first - x0 + k) as i32 as f32);
+                for row in 0..rows {
+                    let y = row as i32 as f32;
+                    let mut heights = [0; LANES];
+                    for (height, x) in heights.iter_mut().zip(columns) {
+                        // A triangle's third edge has no length.
+                        let mut inside = f32::INFINITY;
+                        for [start, by_x, by_y] in edges {
+                            inside = least(inside, start + by_x * x + by_y * y);
                         }
+                        // Rounding may not lead beyond sixteen bits.
+                        let z = most(least(z + zx * x + zy * y, highest), -HIGHEST);
+                        *height = if inside >= 0.0 { steps(z) } else { EMPTY.into() };
                     }
+                    raise(&mut self.height[(y0 + row) * STRIDE + first..], &heights);
                 }
             }
             return;
@@ -313,12 +287,6 @@ impl Map {
         }
     }
 }
-
-/// Texels of two rows, one below the other, that are raised together.
-const TWO_ROWS: usize = 2 * LANES;
-/// Their columns and rows.
-const COLUMN: [f32; TWO_ROWS] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
-const ROW: [f32; TWO_ROWS] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0];
 
 /// Texels of a row that are raised together: as many as fit into a register.
 const WIDE: usize = 2 * LANES;
