@@ -55,15 +55,15 @@ def test_a_rolling_shutter_is_stamped_with_the_middle_of_its_exposures(tmp_path:
         policy = cadet.ResetPolicy.kitti().with_rig(rig).as_sequence(hz=2, length_s=1.0)
         generate(tmp_path / name, Settings(seed=1, num_frames=2, policy=policy, format="nuscenes"), workers=1)
         tables = [(tmp_path / name / VERSION / f"{table}.json").read_text() for table in ("sample_data", "ego_pose")]
-        images = sorted((tmp_path / name / "samples").glob("CAM_*/*.jpg"))
-        written[name] = (tables, {str(image.relative_to(tmp_path / name)): image.read_bytes() for image in images})
+        files = sorted((tmp_path / name / "samples").glob("CAM_*/*.jpg"))
+        written[name] = (tables, {str(file.relative_to(tmp_path / name)): file.read_bytes() for file in files})
     (tables, images), (others, rolled) = written["global"], written["rolling"]
     assert tables == others
     assert images.keys() == rolled.keys()
     # Only the front camera's rows are of other times, and only while the car moves.
-    changed = {name for name in images if images[name] != rolled[name]}
+    changed = {image for image in images if images[image] != rolled[image]}
     assert changed
-    assert all("CAM_FRONT/" in name for name in changed), changed
+    assert all("CAM_FRONT/" in image for image in changed), changed
 
 
 def matrix(row: dict[str, Any]) -> np.ndarray[Any, np.dtype[np.float64]]:
