@@ -100,6 +100,7 @@ impl Paint<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math;
     use crate::town::{LaneId, LaneKind};
 
     /// Lanes that end at the origin, one beside the other if they are of one road, and a lane that leads on.
@@ -121,7 +122,7 @@ mod tests {
             .iter()
             .enumerate()
             .map(|(i, (road, speed))| {
-                let along = DVec3::new(f64::from(*road).cos(), f64::from(*road).sin(), 0.0);
+                let along = DVec3::new(math::cos(f64::from(*road)), math::sin(f64::from(*road)), 0.0);
                 let beside = DVec3::new(-along.y, along.x, 0.0) * (3.0 * i as f64);
                 let mut lane = lane(i, *road, vec![beside - along * 14.0, beside - along * 4.0], *speed);
                 lane.successors = vec![LaneId(beyond)];
