@@ -59,13 +59,13 @@ KITTI_DISTRICTS = (
             parking_occupancy=(0.35, 0.85),
             num_cars=(11, 18),
             num_pedestrians=(8, 14),
-            num_cyclists=(0, 4),
+            num_cyclists=(0, 6),
         ),
         0.38,
     ),
     (
         District(
-            name="quiet", parking_occupancy=(0.2, 0.4), num_cars=(9, 15), num_pedestrians=(3, 8), num_cyclists=(0, 1)
+            name="quiet", parking_occupancy=(0.2, 0.4), num_cars=(9, 15), num_pedestrians=(3, 8), num_cyclists=(0, 3)
         ),
         0.20,
     ),
@@ -75,7 +75,7 @@ KITTI_DISTRICTS = (
             parking_occupancy=(0.2, 0.55),
             num_cars=(26, 40),
             num_pedestrians=(8, 14),
-            num_cyclists=(0, 4),
+            num_cyclists=(0, 8),
             suburb=SuburbConfig(main_share=1.0, blocks=(3, 2), block_m=(85.0, 160.0)),
         ),
         0.30,
@@ -86,7 +86,7 @@ KITTI_DISTRICTS = (
             parking_occupancy=(0.3, 0.6),
             num_cars=(8, 16),
             num_pedestrians=(24, 40),
-            num_cyclists=(2, 8),
+            num_cyclists=(3, 9),
         ),
         0.05,
     ),
@@ -96,7 +96,7 @@ KITTI_DISTRICTS = (
             parking_occupancy=(0.4, 0.7),
             num_cars=(12, 24),
             num_pedestrians=(60, 120),
-            num_cyclists=(3, 9),
+            num_cyclists=(4, 12),
         ),
         0.07,
     ),

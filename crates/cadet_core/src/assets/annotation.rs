@@ -251,6 +251,20 @@ mod tests {
                 tolerance_m: [0.06, 0.03, 0.03],
             },
         );
+        let cyclists: Vec<DVec3> =
+            (0..20_000).map(|k| cyclist_box(&mut Stream::from_seed("cyclist box", k)).size_lwh).collect();
+        check(
+            &cyclists,
+            &Labels {
+                quantiles: [
+                    [1.50, 1.59, 1.76, 1.95, 2.02],
+                    [0.34, 0.50, 0.60, 0.69, 0.83],
+                    [1.59, 1.64, 1.75, 1.82, 1.86],
+                ],
+                correlations: [0.321, 0.369, 0.130],
+                tolerance_m: [0.06, 0.07, 0.03],
+            },
+        );
     }
 
     #[test]

@@ -34,7 +34,7 @@ settings! {
         /// People start within this distance of the ego, meters.
         pedestrian_radius_m: f64 = 80.0, 1 to 1000;
         /// Cyclists start within this distance of the ego, meters.
-        cyclist_radius_m: f64 = 90.0, 1 to 1000;
+        cyclist_radius_m: f64 = 70.0, 1 to 1000;
         /// Distance from the ego within which parking places are filled, meters.
         parking_radius_m: f64 = 280.0, 1 to 1000;
     }

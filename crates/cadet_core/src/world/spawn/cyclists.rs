@@ -20,6 +20,9 @@ const STRAIGHT: f64 = 1.5;
 /// How likely somebody rides behind the last who came, and how far behind.
 const COMPANY_SHARE: f64 = 0.35;
 const BEHIND_M: (f64, f64) = (3.2, 7.0);
+/// How likely a lane on the ego's way is in comparison with others, and one on which one rides toward the ego.
+const ON_EGO_WAY: f64 = 0.15;
+const TOWARD_EGO: f64 = 3.0;
 /// Room before and behind at the start.
 const HEADWAY_M: f64 = 4.0;
 /// Shorter ways are not begun.
@@ -46,7 +49,15 @@ impl Spawner<'_> {
             }
         }
         let places = self.places_on(lanes_to_ride(&self.arena.streets.roads), model.size_lwh.x / 2.0, ring_m, hidden);
-        let weights: Vec<f64> = places.iter().map(|p| p.2).collect();
+        // Nobody overtakes, so who starts ahead of the ego would be followed for long; who comes toward it is seen.
+        let way: Vec<LaneId> = self.ego_way().map_or_else(Vec::new, |route| route.lanes.into());
+        let roads = &self.arena.streets.roads;
+        let share = |id: LaneId| match roads.lane(id).road {
+            _ if way.contains(&id) => ON_EGO_WAY,
+            road if way.iter().any(|on_way| roads.lane(*on_way).road == road) => TOWARD_EGO,
+            _ => 1.0,
+        };
+        let weights: Vec<f64> = places.iter().map(|(lane, _, weight)| weight * share(*lane)).collect();
         for _ in 0..30 {
             let (lane, s_m, _) = *places.get(stream.weighted(&weights))?;
             let s_m = s_m + stream.range(0.0, 3.5);

@@ -18,8 +18,8 @@ const WALKER_APPEARS_M: (f64, f64) = (90.0, 125.0);
 const CAR_STARTS_M: f64 = 9.0;
 const WALKER_STARTS_M: f64 = 3.0;
 /// The same of cyclists.
-const CYCLIST_GONE_M: f64 = 150.0;
-const CYCLIST_APPEARS_M: (f64, f64) = (80.0, 130.0);
+const CYCLIST_GONE_M: f64 = 115.0;
+const CYCLIST_APPEARS_M: (f64, f64) = (65.0, 105.0);
 const CYCLIST_STARTS_M: f64 = 8.0;
 /// A car that has stood this long somewhere out of sight is stuck.
 const STUCK_STEPS: u64 = 60 * 45;
