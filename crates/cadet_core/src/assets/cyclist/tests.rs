@@ -41,7 +41,7 @@ fn feet_stay_on_the_pedals_through_a_turn_of_the_crank_at_every_level() {
             // Two shapes a meter apart are told by the crank's turn alone.
             let turn = (phase * NUM_PHASES as f64).floor() / NUM_PHASES as f64 * std::f64::consts::TAU;
             let [x, z] = b.bottom_bracket;
-            let (sin, cos) = (turn.sin() as f32, turn.cos() as f32);
+            let (sin, cos) = (crate::math::sin(turn) as f32, crate::math::cos(turn) as f32);
             let legs = cyclist.pedaling(phase);
             for (level, (_, mesh)) in legs.levels.iter().enumerate() {
                 let shoes = corners(mesh, SHOES);
