@@ -37,9 +37,11 @@ _PROPS = {
 _SCENE = {
     "num_cars": (14, 0, 500),
     "num_pedestrians": (24, 0, 500),
+    "num_cyclists": (0, 0, 200),
     "parking_occupancy": (0.6, 0, 1),
     "car_radius_m": (110.0, 1, 1000),
     "pedestrian_radius_m": (80.0, 1, 1000),
+    "cyclist_radius_m": (70.0, 1, 1000),
     "parking_radius_m": (280.0, 1, 1000),
     "sun_elevation_deg": ([], 3, 90),
     "sun_azimuth_deg": ([], -360, 360),

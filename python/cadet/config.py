@@ -205,7 +205,9 @@ class SceneConfig:
     num_cars: int = _SCENE.default("num_cars")
     """Driving vehicles kept around the ego: cars, one in eleven a van; trucks only among a user's own (`assets`)."""
     num_pedestrians: int = _SCENE.default("num_pedestrians")
-    """Pedestrians kept around the ego; there are no cyclists."""
+    """Pedestrians kept around the ego."""
+    num_cyclists: int = _SCENE.default("num_cyclists")
+    """Cyclists kept around the ego: they ride on the right of driving lanes, and on a map's lanes for bicycles."""
     parking_occupancy: float = _SCENE.default("parking_occupancy")
     """Share of the parking places along the ego's way that are taken; each street varies around it.
 
@@ -214,6 +216,8 @@ class SceneConfig:
     """Driving vehicles start within this distance of the ego."""
     pedestrian_radius_m: float = _SCENE.default("pedestrian_radius_m")
     """Pedestrians start within this distance of the ego."""
+    cyclist_radius_m: float = _SCENE.default("cyclist_radius_m")
+    """Cyclists start within this distance of the ego."""
     parking_radius_m: float = _SCENE.default("parking_radius_m")
     """Parking places are filled within this distance of the ego."""
     vehicle_classes: tuple[str, ...] = VEHICLE_CLASSES

@@ -177,14 +177,15 @@ class Scene:
         A moving actor ignores all others; cars brake for it, and people walk around it.
 
         Args:
-            kind: "car", "van" or "pedestrian", in any letter case; with `model` that vehicle's class, "truck" too.
-                KITTI's other types have no shape and are refused.
+            kind: "car", "van", "pedestrian" or "cyclist", in any letter case; with `model` that vehicle's class,
+                "truck" too. KITTI's other types have no shape and are refused.
             x: meters, world frame: the middle of its box. Left out with a path, as are `y` and `yaw`.
             y: meters, world frame.
             yaw: radians, counter-clockwise from east.
             model_seed: draws its shape and color, for a person who moves one that walks.
             model: the name of one of the scene's own vehicles (`assets`), in place of a drawn shape.
-            speed: m/s along `yaw`, held to the edge of the ground: at most 70, and 12 for a person.
+            speed: m/s along `yaw`, held to the edge of the ground: at most 70, 12 for a person, and 20 for a
+                cyclist.
             path: rows of (t, x, y), t in seconds from now and rising. Between two of them it goes straight at a
                 constant speed, heading where it goes; before the first and after the last it stands.
             overlap: "refuse" a place where another actor or the ego stands, or "allow" it; where it starts is what

@@ -164,15 +164,18 @@ pub(crate) struct SceneConfig {
 impl SceneConfig {
     #[new]
     #[pyo3(signature = (
-        *, num_cars, num_pedestrians, parking_occupancy, car_radius_m, pedestrian_radius_m, parking_radius_m,
+        *, num_cars, num_pedestrians, num_cyclists, parking_occupancy, car_radius_m, pedestrian_radius_m,
+        cyclist_radius_m, parking_radius_m,
         vehicle_classes, suburb, props, sun_elevation_deg, sun_azimuth_deg, label
     ))]
     fn new(
         num_cars: usize,
         num_pedestrians: usize,
+        num_cyclists: usize,
         parking_occupancy: f64,
         car_radius_m: f64,
         pedestrian_radius_m: f64,
+        cyclist_radius_m: f64,
         parking_radius_m: f64,
         vehicle_classes: Vec<String>,
         suburb: SuburbConfig,
@@ -186,9 +189,11 @@ impl SceneConfig {
             vehicle_classes: classes.collect::<Result<_, _>>()?,
             num_cars,
             num_pedestrians,
+            num_cyclists,
             parking_occupancy,
             car_radius_m,
             pedestrian_radius_m,
+            cyclist_radius_m,
             parking_radius_m,
         };
         traffic.check()?;

@@ -1,6 +1,7 @@
 //! Boxes as KITTI's annotators drew them: the sizes of each class, and how far the true body reaches beyond them.
 //!
-//! The mixtures are fits to every label of KITTI's 7,481 training frames (28,742 cars, 2,914 vans, 4,487 pedestrians).
+//! The mixtures are fits to every label of KITTI's 7,481 training frames (28,742 cars, 2,914 vans, 4,487
+//! pedestrians, 1,627 cyclists).
 //! The margins are such that the points of near objects end where they do about KITTI's labels.
 
 use crate::actor::{AnnotatedBox, ObjectClass};
@@ -8,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::math::DVec3;
 use crate::rng::Stream;
 
-use super::annotated_sizes::{CARS, PEOPLE, VANS};
+use super::annotated_sizes::{CARS, CYCLISTS, Mixture, PEOPLE, VANS};
 
 /// How far a body reaches beyond its annotated box, meters; negative where it ends inside.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,6 +48,11 @@ const PERSON_PLACE_SD_M: f64 = 0.03;
 const SHORTEST_STRIDE_M: f64 = 0.7;
 const PERSON_TOP_M: (f64, f64) = (-0.02, 0.01);
 const PERSON_BOTTOM_M: (f64, f64) = (0.035, 0.02);
+/// 95 % of KITTI's cyclists lie within 53 m.
+const CYCLIST_FARTHEST_M: (f64, f64) = (52.0, 10.0);
+/// How much longer and wider a cyclist is than its box.
+const CYCLIST_LONGER_M: (f64, f64) = (0.02, 0.04);
+const CYCLIST_WIDER_M: (f64, f64) = (0.02, 0.03);
 
 impl Margins {
     /// Draws those of a vehicle; what is no car is large and labeled from farther away.
@@ -115,14 +121,33 @@ pub(super) fn no_such_vehicle(class: ObjectClass) -> Error {
 /// The annotated box of a person, in the box frame. It is drawn first: [`person_height_m`] tells how tall that one is.
 #[must_use]
 pub fn person_box(s: &mut Stream) -> AnnotatedBox {
-    let size_lwh = PEOPLE.draw(s);
+    box_round(&PEOPLE, PERSON_FARTHEST_M, s)
+}
+
+/// The same of a cyclist: [`cyclist_size`] tells how long, wide, and high it is.
+#[must_use]
+pub fn cyclist_box(s: &mut Stream) -> AnnotatedBox {
+    box_round(&CYCLISTS, CYCLIST_FARTHEST_M, s)
+}
+
+/// The length, width, and height of a cyclist of a given annotated box.
+#[must_use]
+pub fn cyclist_size(annotated: &AnnotatedBox, s: &mut Stream) -> DVec3 {
+    let mut more = |(mean, sd): (f64, f64)| s.clipped_normal(mean, sd);
+    let (longer_m, wider_m) = (more(CYCLIST_LONGER_M), more(CYCLIST_WIDER_M));
+    let height_m = person_height_m(annotated, s);
+    DVec3::new(annotated.size_lwh.x + longer_m, annotated.size_lwh.y + wider_m, height_m)
+}
+
+fn box_round(sizes: &Mixture, farthest_m: (f64, f64), s: &mut Stream) -> AnnotatedBox {
+    let size_lwh = sizes.draw(s);
     let mut place = |mean: f64, sd: f64| s.clipped_normal(mean, sd);
     let bottom_center_in_box = DVec3::new(
         place(0.0, PERSON_PLACE_SD_M),
         place(0.0, PERSON_PLACE_SD_M),
         place(PERSON_BOTTOM_M.0, PERSON_BOTTOM_M.1),
     );
-    let farthest_m = place(PERSON_FARTHEST_M.0, PERSON_FARTHEST_M.1);
+    let farthest_m = place(farthest_m.0, farthest_m.1);
     AnnotatedBox { size_lwh, bottom_center_in_box, farthest_m, least_points: least_points(s) }
 }
 
@@ -224,6 +249,20 @@ mod tests {
                 ],
                 correlations: [0.196, 0.273, 0.133],
                 tolerance_m: [0.06, 0.03, 0.03],
+            },
+        );
+        let cyclists: Vec<DVec3> =
+            (0..20_000).map(|k| cyclist_box(&mut Stream::from_seed("cyclist box", k)).size_lwh).collect();
+        check(
+            &cyclists,
+            &Labels {
+                quantiles: [
+                    [1.50, 1.59, 1.76, 1.95, 2.02],
+                    [0.34, 0.50, 0.60, 0.69, 0.83],
+                    [1.59, 1.64, 1.75, 1.82, 1.86],
+                ],
+                correlations: [0.321, 0.369, 0.130],
+                tolerance_m: [0.06, 0.07, 0.03],
             },
         );
     }

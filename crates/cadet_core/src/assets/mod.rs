@@ -2,6 +2,7 @@
 
 mod annotated_sizes;
 pub mod annotation;
+pub mod cyclist;
 pub mod import;
 mod mesh_limits;
 pub mod person;

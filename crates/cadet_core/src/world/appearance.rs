@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
+use super::ride::Ride;
 use crate::actor::AnnotatedBox;
+use crate::assets::cyclist::CyclistModel;
 use crate::assets::person::PersonModel;
 use crate::assets::vehicle::VehicleModel;
 use crate::instance::Instance;
@@ -20,6 +22,10 @@ pub(super) enum Appearance {
         /// Phase of the gait cycle in [0, 1).
         phase: f64,
     },
+    Cyclist {
+        model: Arc<CyclistModel>,
+        ride: Ride,
+    },
 }
 
 impl Appearance {
@@ -28,6 +34,7 @@ impl Appearance {
         match self {
             Self::Vehicle { model, .. } => model.size_lwh,
             Self::Person { model, .. } => model.size_lwh,
+            Self::Cyclist { model, .. } => model.size_lwh,
         }
     }
 
@@ -35,6 +42,7 @@ impl Appearance {
         match self {
             Self::Vehicle { model, .. } => model.annotated,
             Self::Person { model, .. } => model.annotated,
+            Self::Cyclist { model, .. } => model.annotated,
         }
     }
 
@@ -43,6 +51,7 @@ impl Appearance {
         match self {
             Self::Vehicle { model, .. } => &model.name,
             Self::Person { model, .. } => &model.name,
+            Self::Cyclist { model, .. } => &model.name,
         }
     }
 
@@ -54,25 +63,35 @@ impl Appearance {
         actor_id: i32,
         parts: &mut Vec<Instance>,
     ) {
-        let (palette, first) = match self {
-            Self::Vehicle { model, .. } => (&model.palette, Arc::clone(&model.body)),
-            Self::Person { model, phase } => (&model.palette, Arc::new(model.pose(*phase))),
+        let palette = match self {
+            Self::Vehicle { model, .. } => &model.palette,
+            Self::Person { model, .. } => &model.palette,
+            Self::Cyclist { model, .. } => &model.palette,
         };
         let mut push = |shape, box_from_local: DPose3| {
             let palette = Arc::clone(palette);
             parts.push(Instance { shape, palette, world_from_local: world_from_box * box_from_local, actor_id });
         };
-        let Self::Vehicle { model, is_driven } = self else {
-            push(first, DPose3::IDENTITY);
-            return;
-        };
-        push(first, DPose3::IDENTITY);
-        if let Some(driver) = model.driver.as_ref().filter(|_| *is_driven) {
-            push(Arc::clone(driver), DPose3::IDENTITY);
-        }
-        if let (Some(wheel), Some(box_from_wheels)) = (&model.wheel, box_from_wheels) {
-            for box_from_wheel in box_from_wheels {
-                push(Arc::clone(wheel), box_from_wheel);
+        match self {
+            Self::Person { model, phase } => push(Arc::new(model.pose(*phase)), DPose3::IDENTITY),
+            Self::Vehicle { model, is_driven } => {
+                push(Arc::clone(&model.body), DPose3::IDENTITY);
+                if let Some(driver) = model.driver.as_ref().filter(|_| *is_driven) {
+                    push(Arc::clone(driver), DPose3::IDENTITY);
+                }
+                if let (Some(wheel), Some(box_from_wheels)) = (&model.wheel, box_from_wheels) {
+                    for box_from_wheel in box_from_wheels {
+                        push(Arc::clone(wheel), box_from_wheel);
+                    }
+                }
+            }
+            Self::Cyclist { model, ride } => {
+                let box_from_leaning = ride.box_from_leaning();
+                push(model.body(ride.stands), box_from_leaning);
+                push(if ride.stands { model.standing() } else { model.pedaling(ride.crank) }, box_from_leaning);
+                for axle in model.axles() {
+                    push(Arc::clone(&model.wheel), box_from_leaning * ride.leaning_from_wheel(axle));
+                }
             }
         }
     }

@@ -2,9 +2,10 @@
 
 use crate::error::{Error, Result, finite};
 
-/// The fastest that a scripted vehicle may go, and a scripted person.
+/// The fastest that a scripted vehicle may go, a scripted person, and a scripted cyclist.
 pub const FASTEST_VEHICLE_MPS: f64 = 70.0;
 pub(super) const FASTEST_PERSON_MPS: f64 = 12.0;
+pub(super) const FASTEST_CYCLIST_MPS: f64 = 20.0;
 
 /// Which model an agent gets.
 #[derive(Debug, Clone, Copy)]

@@ -11,6 +11,7 @@ mod ground_shape;
 mod junctions;
 mod lane_use;
 mod physics;
+mod ride;
 mod route;
 mod sidewalk;
 mod simulation;

@@ -235,7 +235,11 @@ impl Route {
 
     /// One of the lanes that follow: at random, but no dead end where another way leads on.
     fn choose(&mut self, from: &Lane, roads: &Roads) -> Option<LaneId> {
-        let usable = || from.successors.iter().copied().filter(|s| roads.lane(*s).kind == LaneKind::Driving);
+        // Lanes for bicycles lead on to others where there are any.
+        let leads_on =
+            from.kind == LaneKind::Biking && from.successors.iter().any(|s| roads.lane(*s).kind == from.kind);
+        let kind = if leads_on { LaneKind::Biking } else { LaneKind::Driving };
+        let usable = || from.successors.iter().copied().filter(|s| roads.lane(*s).kind == kind);
         let longest = usable().map(|s| roads.reach_m(s)).fold(0.0, f64::max);
         let open: Vec<LaneId> = usable().filter(|s| roads.reach_m(*s) >= longest.min(250.0) - 1e-9).collect();
         let end = from.center[from.center.len() - 1] - from.center[from.center.len() - 2];

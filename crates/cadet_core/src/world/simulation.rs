@@ -12,7 +12,8 @@ use super::route::{EGO_STRAIGHT, Route};
 use super::slot::EGO;
 use super::snapshot::{EgoState, Snapshot};
 use super::spawn::{
-    RENEW_EVERY, Spawner, TrafficConfig, add_person, add_vehicle, box_at, check_free, fill, place_ego, renew,
+    RENEW_EVERY, Spawner, TrafficConfig, add_cyclist, add_person, add_vehicle, box_at, check_free, fill, place_ego,
+    renew,
 };
 use crate::actor::ObjectClass;
 use crate::assets::vehicle::{UserVehicles, VehicleModel};
@@ -108,9 +109,13 @@ impl World {
             (ObjectClass::Pedestrian, ModelChoice::Seed(seed)) => {
                 return add_person(&mut self.arena, seed, course, overlap);
             }
+            (ObjectClass::Cyclist, ModelChoice::Seed(seed)) => {
+                return add_cyclist(&mut self.arena, seed, course, overlap);
+            }
             _ => {
                 let name = class.kitti_name();
-                return Err(Error::Scene { reason: format!("no model of class {name}: Car, Van or Pedestrian") });
+                let known = "Car, Van, Pedestrian or Cyclist";
+                return Err(Error::Scene { reason: format!("no model of class {name}: {known}") });
             }
         };
         add_vehicle(&mut self.arena, model, course, overlap)
@@ -127,7 +132,7 @@ impl World {
         Ok(Arc::new(VehicleModel::clone(model).annotated_by(annotator_seed)))
     }
 
-    /// Fills the world: parked cars, then driven ones, then people. To be called once, before the first step.
+    /// Fills the world: parked cars, then driven ones, then people, then cyclists. To be called once, before the first step.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a configuration that makes no sense.
@@ -146,7 +151,7 @@ impl World {
     pub fn move_ego(&mut self, x_m: f64, y_m: f64, yaw_rad: f64, overlap: Overlap) -> Result<()> {
         let Body::Sprung(chassis) = &self.arena.ego().body else { unreachable!("the ego has a sprung body") };
         let settled = settle(&self.arena.physics, &chassis.model, x_m, y_m, yaw_rad)?;
-        let cover = box_at(&chassis.model, DVec2::new(x_m, y_m), yaw_rad);
+        let cover = box_at(chassis.model.size_lwh, DVec2::new(x_m, y_m), yaw_rad);
         check_free(&self.arena, Some(EGO), self.arena.ego().class, &cover, overlap)?;
         let Arena { agents, physics, streets, around, .. } = &mut self.arena;
         let ego = &mut agents[EGO];

@@ -7,10 +7,25 @@ use super::proportions::{ArmPose, Kind, Load, Proportions, Top};
 use super::tube::{Ring, Tubes};
 use crate::math::{Vec3, cosf, sinf};
 
-pub(super) fn add_arm(tubes: &mut Tubes, p: &Proportions, frame: &Frame, side: f32, arm: Arm, level: usize) -> Vec3 {
-    let g = frame.g;
+/// An arm: the shoulder, which way upper arm and forearm go, and which way the elbow folds.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::assets) struct ArmLine {
+    pub shoulder: Vec3,
+    pub upper: Vec3,
+    pub fore: Vec3,
+    pub fold: Vec3,
+    /// +1 on the left, -1 on the right.
+    pub side: f32,
+}
+
+/// The shoulder joint.
+pub(in crate::assets) fn shoulder(p: &Proportions, frame: &Frame, side: f32) -> Vec3 {
+    frame.spine(0.94 * p.trunk) + frame.left(p.trunk) * side * p.shoulder_half
+}
+
+/// An arm held at angles.
+pub(in crate::assets) fn arm_line(p: &Proportions, frame: &Frame, side: f32, arm: Arm) -> ArmLine {
     let (forward, left) = (frame.forward(p.trunk), frame.left(p.trunk) * side);
-    let shoulder = frame.spine(0.94 * p.trunk) + left * p.shoulder_half;
     let out = sinf(arm.lift);
     let upper = (forward * (sinf(arm.swing) * cosf(arm.lift)) + left * out
         - Vec3::Z * (cosf(arm.swing) * cosf(arm.lift)))
@@ -19,6 +34,20 @@ pub(super) fn add_arm(tubes: &mut Tubes, p: &Proportions, frame: &Frame, side: f
     let fold = forward * cosf(arm.inward) - left * sinf(arm.inward);
     let fold = (fold - upper * fold.dot(upper)).normalize();
     let fore = upper * cosf(arm.elbow) + fold * sinf(arm.elbow);
+    ArmLine { shoulder: shoulder(p, frame, side), upper, fore, fold, side }
+}
+
+/// Adds an arm and its hand; returns the middle of the hand.
+pub(in crate::assets) fn add_arm(
+    tubes: &mut Tubes,
+    p: &Proportions,
+    frame: &Frame,
+    line: &ArmLine,
+    level: usize,
+) -> Vec3 {
+    let ArmLine { shoulder, upper, fore, fold, side } = *line;
+    let g = frame.g;
+    let (forward, left) = (frame.forward(p.trunk), frame.left(p.trunk) * side);
     let elbow = shoulder + upper * p.upper_arm;
     let wrist = elbow + fore * p.forearm;
     let loose = match p.top {
@@ -101,7 +130,7 @@ fn sack(tubes: &mut Tubes, center: Vec3, forward: Vec3, half: Vec3, level: usize
     tubes.tube(&rings, SIDES[level][2], level, -1.0);
 }
 
-pub(super) fn add_load(tubes: &mut Tubes, p: &Proportions, frame: &Frame, wrists: [Vec3; 2], level: usize) {
+pub(in crate::assets) fn add_load(tubes: &mut Tubes, p: &Proportions, frame: &Frame, wrists: [Vec3; 2], level: usize) {
     let k = p.stature / 1.75;
     match p.load {
         Load::None => {}

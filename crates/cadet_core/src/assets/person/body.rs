@@ -1,6 +1,6 @@
 //! The body at a posture: tubes around a skeleton.
 
-use super::arms::{add_arm, add_load};
+use super::arms::{add_arm, add_load, arm_line};
 use super::clothes::slot;
 use super::frame::{Frame, SIDES, down};
 use super::gait::{Leg, Posture};
@@ -10,33 +10,54 @@ use super::tube::{Ring, Tubes};
 use crate::math::{Vec3, cosf, sinf};
 
 /// Builds the body with the hip joints' middle at the origin's height; the caller puts the soles on the ground.
-pub(super) fn body(p: &Proportions, posture: &Posture, level: usize) -> Tubes {
+pub(in crate::assets) fn body(p: &Proportions, posture: &Posture, level: usize) -> Tubes {
     let mut tubes = Tubes::default();
     let frame = Frame::new(p, posture);
     let mut knees = [Vec3::ZERO; 2];
     for (i, side) in [1.0_f32, -1.0].into_iter().enumerate() {
-        knees[i] = add_leg(&mut tubes, p, posture, side, posture.legs[i], level);
+        knees[i] = add_leg(&mut tubes, p, &leg_line(p, posture, side, posture.legs[i]), level);
     }
     add_trunk(&mut tubes, p, &frame, level);
     add_skirts(&mut tubes, p, &frame, knees, level);
     let mut wrists = [Vec3::ZERO; 2];
     for (i, side) in [1.0_f32, -1.0].into_iter().enumerate() {
-        wrists[i] = add_arm(&mut tubes, p, &frame, side, posture.arms[i], level);
+        wrists[i] = add_arm(&mut tubes, p, &frame, &arm_line(p, &frame, side, posture.arms[i]), level);
     }
     add_head(&mut tubes, p, &frame, level);
     add_load(&mut tubes, p, &frame, wrists, level);
     tubes
 }
 
-fn add_leg(tubes: &mut Tubes, p: &Proportions, posture: &Posture, side: f32, leg: Leg, level: usize) -> Vec3 {
-    let g = p.girth * p.stature / 1.75;
+/// A leg: where the hip joint is, which way thigh and shank go, and how the foot stands.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::assets) struct LegLine {
+    pub hip: Vec3,
+    /// Of unit length but for a slight slant.
+    pub thigh: Vec3,
+    pub shank: Vec3,
+    /// Toward the kneecap, about square to the leg.
+    pub forward: Vec3,
+    /// The sole's pitch, toes up positive.
+    pub sole: f32,
+    /// +1 on the left, -1 on the right.
+    pub side: f32,
+}
+
+fn leg_line(p: &Proportions, posture: &Posture, side: f32, leg: Leg) -> LegLine {
     let yaw = posture.pelvis_yaw;
     let hip = Vec3::new(-side * sinf(yaw) * p.hip_half, posture.sway + side * cosf(yaw) * p.hip_half, 0.0);
     // The leg leans in its plane so that the foot lands on its line.
     let foot_y = side * p.step_half_width.max(if p.speed == 0.0 { 0.10 } else { 0.0 });
     let slope = (foot_y - hip.y) / (p.thigh + p.shank);
     let slanted = |v: Vec3| Vec3::new(v.x, v.y - slope * v.z, v.z);
-    let (thigh, shank) = (slanted(down(leg.thigh)), slanted(down(leg.shank)));
+    let forward = Vec3::new(cosf(0.5 * (leg.thigh + leg.shank)), 0.0, sinf(0.5 * (leg.thigh + leg.shank)));
+    LegLine { hip, thigh: slanted(down(leg.thigh)), shank: slanted(down(leg.shank)), forward, sole: leg.sole, side }
+}
+
+/// Adds a leg and its foot; returns the knee.
+pub(in crate::assets) fn add_leg(tubes: &mut Tubes, p: &Proportions, line: &LegLine, level: usize) -> Vec3 {
+    let LegLine { hip, thigh, shank, forward, sole, side } = *line;
+    let g = p.girth * p.stature / 1.75;
     let knee = hip + thigh * p.thigh;
     let ankle = knee + shank * p.shank;
     let bare = matches!(p.legwear, Legwear::Shorts | Legwear::Skirt);
@@ -49,7 +70,6 @@ fn add_leg(tubes: &mut Tubes, p: &Proportions, posture: &Posture, side: f32, leg
     let upper = if p.legwear == Legwear::Skirt { slot::SKIN } else { slot::LEGS };
     let loose = if bare { 0.0 } else { wide };
     let bend = (thigh + shank).normalize();
-    let forward = Vec3::new(cosf(0.5 * (leg.thigh + leg.shank)), 0.0, sinf(0.5 * (leg.thigh + leg.shank)));
     let ring = |center: Vec3, along: Vec3, r: f32, extra: f32, slot: u8, level: usize| Ring {
         center,
         along: along.normalize(),
@@ -77,22 +97,24 @@ fn add_leg(tubes: &mut Tubes, p: &Proportions, posture: &Posture, side: f32, leg
         ring(on_shank(1.0), shank, 0.036, 1.5 * loose, lower, 2),
     ];
     tubes.tube(&rings, SIDES[level][1], level, -1.0);
-    add_foot(tubes, p, ankle, leg.sole, side, level);
+    add_foot(tubes, p, ankle, sole, side, level);
     knee
+}
+
+/// Along a foot and up from its sole.
+pub(in crate::assets) fn foot_axes(pitch: f32, side: f32) -> (Vec3, Vec3) {
+    let out = 0.10 * side;
+    (
+        Vec3::new(cosf(pitch) * cosf(out), cosf(pitch) * sinf(out), sinf(pitch)),
+        Vec3::new(-sinf(pitch), 0.0, cosf(pitch)),
+    )
 }
 
 fn add_foot(tubes: &mut Tubes, p: &Proportions, ankle: Vec3, sole: f32, side: f32, level: usize) {
     // Toes stay on the ground while the heel rises.
     let toe_pitch = if sole < 0.0 { sole + (-sole).min(0.75) } else { sole };
-    let turned = |pitch: f32| {
-        let out = 0.10 * side;
-        (
-            Vec3::new(cosf(pitch) * cosf(out), cosf(pitch) * sinf(out), sinf(pitch)),
-            Vec3::new(-sinf(pitch), 0.0, cosf(pitch)),
-        )
-    };
-    let (along, up) = turned(sole);
-    let (toe_along, toe_up) = turned(toe_pitch);
+    let (along, up) = foot_axes(sole, side);
+    let (toe_along, toe_up) = foot_axes(toe_pitch, side);
     let ball = ankle + along * p.ball_before_ankle - up * p.ankle_height;
     const CUT: f32 = -0.80;
     let scale = p.foot / 0.29;
@@ -127,7 +149,7 @@ fn add_foot(tubes: &mut Tubes, p: &Proportions, ankle: Vec3, sole: f32, side: f3
     tubes.tube(&rings, SIDES[level][1], level, CUT);
 }
 
-fn add_trunk(tubes: &mut Tubes, p: &Proportions, frame: &Frame, level: usize) {
+pub(in crate::assets) fn add_trunk(tubes: &mut Tubes, p: &Proportions, frame: &Frame, level: usize) {
     let g = frame.g;
     let t = p.trunk;
     let (hips, chest) = match p.kind {

@@ -5,7 +5,7 @@ use crate::material::{Material, Palette, Pattern, Semantic};
 use crate::rng::Stream;
 
 /// Slots of every person's palette.
-pub(super) mod slot {
+pub(in crate::assets) mod slot {
     pub const SKIN: u8 = 0;
     pub const HAIR: u8 = 1;
     pub const TOP: u8 = 2;
@@ -51,7 +51,7 @@ fn pick(stock: &[(f64, [f32; 3])], s: &mut Stream) -> [f32; 3] {
 }
 
 /// The materials of a person. Dyes are clear at 905 nm: the laser sees 0.3-0.7 whatever the eye sees.
-pub(super) fn palette(kind: Kind, headwear: Headwear, s: &mut Stream) -> Palette {
+pub(in crate::assets) fn palette(kind: Kind, headwear: Headwear, s: &mut Stream) -> Palette {
     let cloth = |albedo: [f32; 3], reflectance: f64| {
         Material::matt(Semantic::Person, albedo, Pattern::Cloth, reflectance as f32)
     };
@@ -67,7 +67,7 @@ pub(super) fn palette(kind: Kind, headwear: Headwear, s: &mut Stream) -> Palette
         )
     };
     let hair = match headwear {
-        Headwear::Hat => pick(&TOPS, s),
+        Headwear::Hat | Headwear::Helmet => pick(&TOPS, s),
         _ => pick(&HAIR[..if kind == Kind::Child { 4 } else { 5 }], s),
     };
     let is_leather = s.chance(0.5);

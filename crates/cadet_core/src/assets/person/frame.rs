@@ -6,10 +6,10 @@ use super::tube::Ring;
 use crate::math::{Vec3, cosf, sinf};
 
 /// Corners a ring at each level of detail: trunk, legs, arms, head.
-pub(super) const SIDES: [[usize; 4]; 3] = [[24, 20, 16, 20], [12, 10, 8, 10], [6, 4, 4, 5]];
+pub(in crate::assets) const SIDES: [[usize; 4]; 3] = [[24, 20, 16, 20], [12, 10, 8, 10], [6, 4, 4, 5]];
 
 /// Positions on the trunk by height above the hip joints.
-pub(super) struct Frame<'a> {
+pub(in crate::assets) struct Frame<'a> {
     p: &'a Proportions,
     pub posture: &'a Posture,
     /// Scale of girths.
@@ -50,6 +50,6 @@ impl<'a> Frame<'a> {
 }
 
 /// Along a limb that hangs, swung forward by an angle.
-pub(super) fn down(angle: f32) -> Vec3 {
+pub(in crate::assets) fn down(angle: f32) -> Vec3 {
     Vec3::new(sinf(angle), 0.0, -cosf(angle))
 }

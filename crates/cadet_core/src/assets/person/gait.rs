@@ -15,7 +15,7 @@ const STANCE: f32 = 0.6;
 
 /// A leg in its sagittal plane, radians: angles from straight down, positive forward.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Leg {
+pub(in crate::assets) struct Leg {
     /// The thigh's direction.
     pub thigh: f32,
     /// The shank's direction.
@@ -26,7 +26,7 @@ pub(super) struct Leg {
 
 /// An arm, radians.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Arm {
+pub(in crate::assets) struct Arm {
     /// The upper arm's swing, forward positive.
     pub swing: f32,
     /// The upper arm's lift to the side.
@@ -39,7 +39,7 @@ pub(super) struct Arm {
 
 /// A whole posture; index 0 is the left side.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Posture {
+pub(in crate::assets) struct Posture {
     pub legs: [Leg; 2],
     pub arms: [Arm; 2],
     /// Rotation of pelvis and of shoulders about z, radians.
@@ -117,7 +117,7 @@ fn walking_leg(p: &Proportions, phase: f32, scale: f32) -> Leg {
 }
 
 /// The posture of a walker at a phase of the cycle; the left heel strikes at 0.
-pub(super) fn walking(p: &Proportions, phase: f32) -> Posture {
+pub(in crate::assets) fn walking(p: &Proportions, phase: f32) -> Posture {
     let scale = (p.speed / 1.35).clamp(0.6, 1.3);
     let legs = [walking_leg(p, phase, scale), walking_leg(p, phase + 0.5, scale)];
     let turn = cosf(phase * TAU);
@@ -152,7 +152,7 @@ fn held_arm(p: &Proportions, pose: ArmPose, swing: f32) -> Arm {
 }
 
 /// The posture of a person who stands with the weight on one leg.
-pub(super) fn standing(p: &Proportions) -> Posture {
+pub(in crate::assets) fn standing(p: &Proportions) -> Posture {
     let straight = Leg { thigh: 0.0, shank: -0.01, sole: 0.0 };
     let bent = Leg { thigh: 0.16, shank: -0.10, sole: 0.0 };
     let is_left = p.weight_on_left;

@@ -6,7 +6,7 @@ use super::proportions::{Headwear, Proportions};
 use super::tube::{Ring, Tubes};
 use crate::math::Vec3;
 
-pub(super) fn add_head(tubes: &mut Tubes, p: &Proportions, frame: &Frame, level: usize) {
+pub(in crate::assets) fn add_head(tubes: &mut Tubes, p: &Proportions, frame: &Frame, level: usize) {
     let k = p.head / 0.223;
     let forward = Vec3::X;
     // The head stays upright whatever the trunk does.
@@ -68,6 +68,14 @@ pub(super) fn add_head(tubes: &mut Tubes, p: &Proportions, frame: &Frame, level:
             ring(0.90, -0.004, 0.098, 0.082, h, 0),
             ring(1.0, -0.006, 0.078, 0.064, h, 2),
             ring(1.05, -0.006, 0.040, 0.034, h, 0),
+        ],
+        Headwear::Helmet => vec![
+            ring(0.52, -0.030, 0.092, 0.086, h, 1),
+            ring(0.62, -0.008, 0.124, 0.100, h, 2),
+            ring(0.74, -0.004, 0.132, 0.102, h, 0),
+            ring(0.90, -0.008, 0.118, 0.090, h, 1),
+            ring(1.03, -0.012, 0.084, 0.064, h, 2),
+            ring(1.09, -0.014, 0.044, 0.034, h, 0),
         ],
     };
     tubes.tube(&hair, SIDES[level][3], level, -1.0);

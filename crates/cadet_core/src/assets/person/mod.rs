@@ -1,15 +1,15 @@
 //! People on foot: walkers with a gait cycle, and people who stand.
 
-mod arms;
-mod body;
-mod clothes;
-mod frame;
-mod gait;
-mod head;
-mod proportions;
+pub(super) mod arms;
+pub(super) mod body;
+pub(super) mod clothes;
+pub(super) mod frame;
+pub(super) mod gait;
+pub(super) mod head;
+pub(super) mod proportions;
 #[cfg(test)]
 mod tests;
-mod tube;
+pub(super) mod tube;
 
 use std::sync::{Arc, OnceLock};
 

@@ -5,7 +5,7 @@ use crate::rng::Stream;
 
 /// What an arm does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum ArmPose {
+pub(in crate::assets) enum ArmPose {
     /// Swings with the gait.
     Swing,
     /// Hangs.
@@ -24,7 +24,7 @@ pub(super) enum ArmPose {
 
 /// Who it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(in crate::assets) enum Kind {
     Man,
     Woman,
     Child,
@@ -42,7 +42,7 @@ impl Kind {
 
 /// What covers the legs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Legwear {
+pub(in crate::assets) enum Legwear {
     Trousers,
     WideTrousers,
     Shorts,
@@ -51,7 +51,7 @@ pub(super) enum Legwear {
 
 /// What covers the trunk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Top {
+pub(in crate::assets) enum Top {
     /// Short sleeves.
     TShirt,
     /// Long sleeves.
@@ -63,7 +63,7 @@ pub(super) enum Top {
 
 /// What is carried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Load {
+pub(in crate::assets) enum Load {
     None,
     ShoulderBag,
     Backpack,
@@ -72,15 +72,17 @@ pub(super) enum Load {
 
 /// What covers the head.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Headwear {
+pub(in crate::assets) enum Headwear {
     ShortHair,
     LongHair,
     Hat,
+    /// Of cyclists.
+    Helmet,
 }
 
 /// A person's measures in meters, and how the person moves.
 #[derive(Debug, Clone)]
-pub(super) struct Proportions {
+pub(in crate::assets) struct Proportions {
     pub kind: Kind,
     /// Height with shoes and hair.
     pub stature: f32,

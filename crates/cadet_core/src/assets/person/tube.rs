@@ -8,7 +8,7 @@ use crate::math::{Vec3, cosf, sinf};
 
 /// One ring of a tube.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Ring {
+pub(in crate::assets) struct Ring {
     pub center: Vec3,
     /// Along the tube, toward the next ring.
     pub along: Vec3,
@@ -36,7 +36,7 @@ fn circle(sides: usize) -> Cow<'static, [[f32; 2]]> {
 
 /// Tubes in the making, with corners shared inside each.
 #[derive(Debug, Default)]
-pub(super) struct Tubes {
+pub(in crate::assets) struct Tubes {
     pub vertices: Vec<Vec3>,
     faces: Vec<[u32; 3]>,
     slots: Vec<u8>,

@@ -102,7 +102,7 @@ impl Guided {
 }
 
 /// A velocity in the plane as one along the ground that a box stands on.
-fn along_ground(velocity: DVec2, world_from_box: &DPose3) -> DVec3 {
+pub(super) fn along_ground(velocity: DVec2, world_from_box: &DPose3) -> DVec3 {
     let up = world_from_box.rotation * DVec3::Z;
     velocity.extend(-up.truncate().dot(velocity) / up.z)
 }

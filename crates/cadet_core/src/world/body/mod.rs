@@ -1,6 +1,7 @@
 //! How an agent stands in the world: one interface to everything that has a pose.
 
 mod chassis;
+mod cycle;
 mod fixed;
 mod guided;
 mod settle;
@@ -8,6 +9,7 @@ mod upright;
 mod wheels;
 
 pub(super) use chassis::Chassis;
+pub(super) use cycle::{Cycle, stand_up};
 pub(super) use fixed::Fixed;
 pub(super) use guided::{Guided, Step};
 pub(super) use settle::settle;
@@ -24,6 +26,8 @@ pub(super) enum Body {
     Fixed(Box<Fixed>),
     /// A vehicle that its controller leads along the ground.
     Guided(Box<Guided>),
+    /// A bicycle that its rider leads along the ground.
+    Cycle(Box<Cycle>),
     /// A person: upright on the ground, moved by the controller, not in rapier's world.
     Upright(Upright),
 }
@@ -35,6 +39,7 @@ impl Body {
             Self::Sprung(chassis) => chassis.world_from_box(physics),
             Self::Fixed(fixed) => fixed.world_from_box,
             Self::Guided(guided) => guided.world_from_box(),
+            Self::Cycle(cycle) => cycle.world_from_box,
             Self::Upright(upright) => upright.world_from_box(),
         }
     }
@@ -45,6 +50,7 @@ impl Body {
             Self::Sprung(chassis) => chassis.velocity_world(physics),
             Self::Fixed(_) => DVec3::ZERO,
             Self::Guided(guided) => guided.velocity_world,
+            Self::Cycle(cycle) => cycle.velocity_world,
             Self::Upright(upright) => upright.velocity_world,
         }
     }
@@ -62,17 +68,18 @@ impl Body {
         match self {
             Self::Sprung(chassis) => chassis.angular_velocity_world(physics),
             Self::Guided(guided) => guided.angular_velocity_world,
+            Self::Cycle(cycle) => cycle.angular_velocity_world,
             Self::Fixed(_) | Self::Upright(_) => DVec3::ZERO,
         }
     }
 
-    /// The wheels in the box frame; `None` for a body without.
+    /// The four wheels in the box frame; `None` for a body that has not as many.
     pub fn box_from_wheels(&self) -> Option<[DPose3; 4]> {
         match self {
             Self::Sprung(chassis) => Some(chassis.wheels()),
             Self::Fixed(fixed) => Some(fixed.box_from_wheels),
             Self::Guided(guided) => Some(guided.box_from_wheels()),
-            Self::Upright(_) => None,
+            Self::Cycle(_) | Self::Upright(_) => None,
         }
     }
 
@@ -82,6 +89,7 @@ impl Body {
             Self::Sprung(chassis) => physics.remove(chassis.body),
             Self::Fixed(fixed) => physics.remove(fixed.body),
             Self::Guided(guided) => physics.remove(guided.body),
+            Self::Cycle(cycle) => physics.remove(cycle.body),
             Self::Upright(_) => {}
         }
     }

@@ -3,8 +3,10 @@
 mod avoidance;
 mod controller;
 mod crossing;
+mod cyclist;
 mod driver;
 mod footing;
+mod hazards;
 mod idm;
 mod motion;
 mod on_road;
@@ -16,10 +18,11 @@ mod scripted;
 mod stop_line;
 
 pub(super) use controller::{Controller, Own};
-#[cfg(test)]
-pub(super) use driver::Cause;
+pub(super) use cyclist::Cyclist;
 pub(super) use driver::Driver;
 pub(super) use footing::BODY_M;
+#[cfg(test)]
+pub(super) use hazards::Cause;
 pub(super) use idm::IdmParameters;
 pub(super) use motion::{Company, Motion, Walk};
 pub(super) use parked::Parked;

@@ -23,7 +23,7 @@ const SAMPLE_M: f64 = 1.25;
 /// Drivers keep off where a person will be in this time.
 const LEAD_S: f64 = 1.5;
 
-/// Moves a [`Body::Guided`] or a [`Body::Upright`] along a path.
+/// Moves a [`Body::Guided`], a [`Body::Cycle`], or a [`Body::Upright`] along a path.
 pub(crate) struct Scripted {
     path: TimedPath,
     /// Half the length of the chord of the path that the agent heads along.
@@ -54,7 +54,7 @@ impl Scripted {
 
 impl Controller for Scripted {
     fn look(&mut self, own: Own<'_>, around: &mut Surroundings, _streets: &Streets, _step: u64) {
-        if !matches!(own.body, Body::Guided(_)) {
+        if !matches!(own.body, Body::Guided(_) | Body::Cycle(_)) {
             return;
         }
         let count = ((self.path.length_m() - self.s_m).min(SEEN_AHEAD_M) / SAMPLE_M) as usize;
@@ -78,6 +78,11 @@ impl Controller for Scripted {
                 // Nobody turns a car that stands.
                 let turn_rad = if moved_m > 0.0 { self.turn_rad(body.yaw_rad(), VEHICLE_TURN_RADPS) } else { 0.0 };
                 body.guide(physics, &Step { at: now.at, velocity: now.velocity, moved_m, turn_rad });
+            }
+            (Body::Cycle(body), Appearance::Cyclist { model, ride }) => {
+                let turn_rad = if moved_m > 0.0 { self.turn_rad(body.yaw_rad, VEHICLE_TURN_RADPS) } else { 0.0 };
+                body.guide(physics, &Step { at: now.at, velocity: now.velocity, moved_m, turn_rad });
+                ride.advance(model, moved_m, turn_rad, true);
             }
             (Body::Upright(body), Appearance::Person { model, phase }) => {
                 let before = body.position;

@@ -1,6 +1,7 @@
 //! Where a driver stops before a junction, and asks for the way across it.
 
 use super::idm::COMFORTABLE_MPS2;
+use crate::math::DVec3;
 use crate::town::LaneId;
 use crate::world::junctions::{Junctions, Refusal};
 use crate::world::lane_use::LaneUse;
@@ -18,6 +19,20 @@ pub(super) struct Crossing<'a> {
     pub route: &'a Route,
     pub speed_mps: f64,
     pub half_length_m: f64,
+}
+
+/// Follows a body along its route, and gives back what its tail has cleared of junctions.
+pub(super) fn leave_junctions(
+    slot: Slot,
+    route: &mut Route,
+    position: DVec3,
+    tail_m: f64,
+    junctions: &mut Junctions,
+    roads: &Roads,
+) {
+    route.track(position, roads, |lane, end_m| junctions.leaving(slot, lane, end_m + tail_m));
+    junctions.advance(slot, route.lanes[0], route.s_m - tail_m);
+    junctions.release_cleared(slot, route.odometer_m());
 }
 
 /// The gap to a stop line where the next junction is not ours to cross, and why it is not.

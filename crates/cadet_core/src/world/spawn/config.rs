@@ -24,6 +24,8 @@ settings! {
         num_cars: usize = 14, 0 to 500;
         /// People kept around the ego.
         num_pedestrians: usize = 24, 0 to 500;
+        /// Cyclists kept around the ego.
+        num_cyclists: usize = 0, 0 to 200;
         /// Mean fraction of the parking places along the ego's way that are taken; it varies from street to street, and
         /// side streets and drives are fuller: its power of 0.35.
         parking_occupancy: f64 = 0.6, 0 to 1;
@@ -31,6 +33,8 @@ settings! {
         car_radius_m: f64 = 110.0, 1 to 1000;
         /// People start within this distance of the ego, meters.
         pedestrian_radius_m: f64 = 80.0, 1 to 1000;
+        /// Cyclists start within this distance of the ego, meters.
+        cyclist_radius_m: f64 = 70.0, 1 to 1000;
         /// Distance from the ego within which parking places are filled, meters.
         parking_radius_m: f64 = 280.0, 1 to 1000;
     }

@@ -8,7 +8,7 @@ use super::spawner::Spawner;
 use crate::assets::vehicle::VehicleModel;
 use crate::math::{self, DVec2, DVec3};
 use crate::rng::Stream;
-use crate::town::LaneId;
+use crate::town::{Lane, LaneId};
 use crate::world::arena::Newcomer;
 use crate::world::body::{Chassis, settle};
 use crate::world::control::IdmParameters;
@@ -32,29 +32,17 @@ pub(super) fn chassis_on(
 }
 
 impl Spawner<'_> {
-    /// A car for a slot at a random free place of a lane, between two distances from the ego; `hidden` keeps it out of
-    /// its view.
-    pub(super) fn new_car(
-        &mut self,
-        slot: Slot,
-        stream: &mut Stream,
+    /// Places of lanes for something of a half length, every 4 m: lane, distance along it, and weight.
+    pub(super) fn places_on<'a>(
+        &self,
+        lanes: impl Iterator<Item = &'a Lane>,
+        half_m: f64,
         ring_m: (f64, f64),
         hidden: bool,
-    ) -> Option<Newcomer> {
+    ) -> Vec<(LaneId, f64, f64)> {
         let (ego, view) = self.arena.ego_place();
-        let (own_mix, mix) = (self.config.among_classes(&DRIVEN_USER_MIX), self.config.among_classes(&DRIVEN_MIX));
-        let model = match self.user_vehicles.draw(stream, &own_mix, |_| true) {
-            Some(model) => model,
-            None => {
-                let (class, _) = mix[stream.weighted(&mix.map(|(_, weight)| weight))];
-                Arc::new(VehicleModel::of_traffic(class, stream.next_u64()).expect("cars and vans have a shape"))
-            }
-        };
-        let roads = &self.arena.streets.roads;
-        let half_m = model.size_lwh.x / 2.0;
-        let straight = if half_m > 2.7 { LONG_STRAIGHT } else { CAR_STRAIGHT };
         let mut places: Vec<(LaneId, f64, f64)> = Vec::new();
-        for lane in roads.open_lanes() {
+        for lane in lanes {
             let mut s = half_m + 1.0;
             while s < lane.length_m() - half_m - 6.0 {
                 let p = lane.pose_at(s);
@@ -70,6 +58,30 @@ impl Spawner<'_> {
                 s += 4.0;
             }
         }
+        places
+    }
+
+    /// A car for a slot at a random free place of a lane, between two distances from the ego; `hidden` keeps it out of
+    /// its view.
+    pub(super) fn new_car(
+        &mut self,
+        slot: Slot,
+        stream: &mut Stream,
+        ring_m: (f64, f64),
+        hidden: bool,
+    ) -> Option<Newcomer> {
+        let (own_mix, mix) = (self.config.among_classes(&DRIVEN_USER_MIX), self.config.among_classes(&DRIVEN_MIX));
+        let model = match self.user_vehicles.draw(stream, &own_mix, |_| true) {
+            Some(model) => model,
+            None => {
+                let (class, _) = mix[stream.weighted(&mix.map(|(_, weight)| weight))];
+                Arc::new(VehicleModel::of_traffic(class, stream.next_u64()).expect("cars and vans have a shape"))
+            }
+        };
+        let roads = &self.arena.streets.roads;
+        let half_m = model.size_lwh.x / 2.0;
+        let straight = if half_m > 2.7 { LONG_STRAIGHT } else { CAR_STRAIGHT };
+        let places = self.places_on(roads.open_lanes(), half_m, ring_m, hidden);
         let weights: Vec<f64> = places.iter().map(|p| p.2).collect();
         let vehicles: Vec<(Slot, Footprint)> = self.arena.vehicles().collect();
         let on_road: Vec<Footprint> = self.arena.on_road().collect();

@@ -1,6 +1,7 @@
 //! Who is where at the start, and who comes when others have gone: a file for each kind of placement.
 
 mod config;
+mod cyclists;
 mod driven;
 mod ego;
 mod groups;
@@ -16,6 +17,6 @@ pub use config::TrafficConfig;
 
 pub(super) use ego::place_ego;
 pub(super) use overlap::check_free;
-pub(super) use placed::{add_person, add_vehicle, box_at};
+pub(super) use placed::{add_cyclist, add_person, add_vehicle, box_at};
 pub(super) use spawner::Spawner;
 pub(super) use traffic::{RENEW_EVERY, fill, renew};

@@ -3,15 +3,17 @@
 use std::sync::Arc;
 
 use crate::actor::ObjectClass;
+use crate::assets::cyclist::CyclistModel;
 use crate::assets::person::PersonModel;
 use crate::assets::vehicle::VehicleModel;
 use crate::error::{Error, Result, finite};
-use crate::math::DVec3;
+use crate::math::{DPose3, DVec2, DVec3};
 use crate::rng::Stream;
 use crate::world::appearance::Appearance;
 use crate::world::arena::{Arena, Newcomer};
-use crate::world::body::{Body, Chassis, Fixed, Guided, Upright, settle};
-use crate::world::control::{Driver, IdmParameters, Parked, Pedestrian, Scripted};
+use crate::world::body::{Body, Chassis, Cycle, Fixed, Guided, Upright, settle};
+use crate::world::control::{Controller, Driver, IdmParameters, Parked, Pedestrian, Scripted};
+use crate::world::ride::Ride;
 use crate::world::route::Route;
 
 /// A vehicle with somebody at the wheel.
@@ -63,6 +65,25 @@ pub(super) fn guided_vehicle(arena: &mut Arena, model: Arc<VehicleModel>, script
         appearance: Appearance::Vehicle { model, is_driven: true },
         is_placed: false,
     })
+}
+
+/// A bicycle with its rider, at a pose with a yaw; `turn` in [0, 1) is how far wheels and cranks have turned.
+pub(super) fn ridden_bicycle(
+    arena: &mut Arena,
+    model: Arc<CyclistModel>,
+    (world_from_box, yaw_rad): (DPose3, f64),
+    velocity: DVec2,
+    controller: Box<dyn Controller>,
+    turn: f64,
+) -> Newcomer {
+    let body = Cycle::new(&mut arena.physics, &model, world_from_box, yaw_rad, velocity);
+    Newcomer {
+        class: ObjectClass::Cyclist,
+        body: Body::Cycle(Box::new(body)),
+        controller,
+        appearance: Appearance::Cyclist { model, ride: Ride::new(turn, velocity.length()) },
+        is_placed: false,
+    }
 }
 
 /// A person before anybody has told them where to go.

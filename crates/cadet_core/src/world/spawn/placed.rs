@@ -2,19 +2,22 @@
 
 use std::sync::Arc;
 
-use super::newcomers::{Person, guided_vehicle, parked_vehicle};
+use super::newcomers::{Person, guided_vehicle, parked_vehicle, ridden_bicycle};
 use super::overlap::{Cover, check_free};
 use crate::actor::ObjectClass;
+use crate::assets::cyclist::CyclistModel;
 use crate::assets::person::PersonModel;
 use crate::assets::vehicle::VehicleModel;
 use crate::error::{Error, Result, finite};
 use crate::frames;
-use crate::math::{self, DVec2};
+use crate::math::{self, DVec2, DVec3};
 use crate::rng::Stream;
 use crate::world::arena::{Arena, Newcomer};
-use crate::world::body::settle;
-use crate::world::control::{PERSON_HALF_CHORD_M, Scripted, TimedPath};
-use crate::world::course::{Course, FASTEST_PERSON_MPS, FASTEST_VEHICLE_MPS, Overlap, Waypoint, check_path};
+use crate::world::body::{settle, stand_up};
+use crate::world::control::{Controller, PERSON_HALF_CHORD_M, Parked, Scripted, TimedPath};
+use crate::world::course::{
+    Course, FASTEST_CYCLIST_MPS, FASTEST_PERSON_MPS, FASTEST_VEHICLE_MPS, Overlap, Waypoint, check_path,
+};
 use crate::world::footprint::Footprint;
 
 /// How far apart the places of a path are that have to be on the ground.
@@ -38,12 +41,12 @@ pub(crate) fn add_vehicle(
     let newcomer = match scripted(arena, course, FASTEST_VEHICLE_MPS, model.wheelbase_m() / 2.0, is_ground)? {
         Some(script) => {
             let (at, yaw_rad, _) = script.start();
-            check_free(arena, None, class, &box_at(&model, at, yaw_rad), overlap)?;
+            check_free(arena, None, class, &box_at(model.size_lwh, at, yaw_rad), overlap)?;
             guided_vehicle(arena, model, script)?
         }
         None => {
             let (at, yaw_rad) = standing(course)?;
-            check_free(arena, None, class, &box_at(&model, at, yaw_rad), overlap)?;
+            check_free(arena, None, class, &box_at(model.size_lwh, at, yaw_rad), overlap)?;
             parked_vehicle(arena, model, at.x, at.y, yaw_rad)?
         }
     };
@@ -76,9 +79,37 @@ pub(crate) fn add_person(arena: &mut Arena, model_seed: u64, course: &Course, ov
     Ok(put(arena, newcomer))
 }
 
-/// What a vehicle covers at a place.
-pub(crate) fn box_at(model: &VehicleModel, at: DVec2, yaw_rad: f64) -> Cover {
-    Cover::Box(Footprint::of_box(&frames::upright(at.extend(0.0), yaw_rad), model.size_lwh, DVec2::ZERO))
+/// Adds a bicycle with its rider; returns the id. Who stands has a foot on the ground.
+///
+/// # Errors
+/// As [`add_vehicle`].
+pub(crate) fn add_cyclist(arena: &mut Arena, model_seed: u64, course: &Course, overlap: Overlap) -> Result<i32> {
+    let model = Arc::new(CyclistModel::generate(model_seed));
+    let half_m = model.wheelbase_m / 2.0;
+    let is_ground =
+        |arena: &Arena, at: DVec2, yaw_rad| stand_up(&arena.physics, half_m, at.x, at.y, yaw_rad).map(|_| ());
+    let script = scripted(arena, course, FASTEST_CYCLIST_MPS, half_m, is_ground)?;
+    let (at, yaw_rad, velocity) = match &script {
+        Some(script) => script.start(),
+        None => {
+            let (at, yaw_rad) = standing(course)?;
+            (at, yaw_rad, DVec2::ZERO)
+        }
+    };
+    check_free(arena, None, ObjectClass::Cyclist, &box_at(model.size_lwh, at, yaw_rad), overlap)?;
+    let pose = stand_up(&arena.physics, half_m, at.x, at.y, yaw_rad)?;
+    let controller: Box<dyn Controller> = match script {
+        Some(script) => Box::new(script),
+        None => Box::new(Parked),
+    };
+    let turn = Stream::from_seed("wheels", model_seed).unit();
+    let newcomer = ridden_bicycle(arena, model, (pose, yaw_rad), velocity, controller, turn);
+    Ok(put(arena, newcomer))
+}
+
+/// What a box covers at a place.
+pub(crate) fn box_at(size_lwh: DVec3, at: DVec2, yaw_rad: f64) -> Cover {
+    Cover::Box(Footprint::of_box(&frames::upright(at.extend(0.0), yaw_rad), size_lwh, DVec2::ZERO))
 }
 
 /// The person of a seed, drawn again until one walks.

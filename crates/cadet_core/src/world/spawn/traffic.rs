@@ -4,7 +4,7 @@ use super::spawner::Spawner;
 use crate::error::Result;
 use crate::town::Town;
 use crate::world::agent::Agent;
-use crate::world::control::{Driver, Pedestrian};
+use crate::world::control::{Cyclist, Driver, Pedestrian};
 use crate::world::slot::{EGO, Slot};
 
 /// Steps between two looks at who has gone too far away.
@@ -17,10 +17,14 @@ const WALKER_APPEARS_M: (f64, f64) = (90.0, 125.0);
 /// Nearest to the ego that cars and people start.
 const CAR_STARTS_M: f64 = 9.0;
 const WALKER_STARTS_M: f64 = 3.0;
+/// The same of cyclists.
+const CYCLIST_GONE_M: f64 = 115.0;
+const CYCLIST_APPEARS_M: (f64, f64) = (65.0, 105.0);
+const CYCLIST_STARTS_M: f64 = 8.0;
 /// A car that has stood this long somewhere out of sight is stuck.
 const STUCK_STEPS: u64 = 60 * 45;
 
-/// Fills a world: parked cars, then driven ones, then people. To be called once, before the first step.
+/// Fills a world: parked cars, then driven ones, then people, then cyclists. To be called once, before the first step.
 ///
 /// # Errors
 /// [`crate::Error::OutOfRange`] for a configuration that makes no sense.
@@ -43,6 +47,14 @@ pub(crate) fn fill(spawner: &mut Spawner<'_>, town: &Town) -> Result<()> {
             spawner.arena.put(walker);
         }
     }
+    let mut stream = spawner.key.stream("cyclists");
+    for _ in 0..config.num_cyclists {
+        let slot = spawner.arena.agents.len();
+        let ring_m = (CYCLIST_STARTS_M, config.cyclist_radius_m);
+        if let Some(cyclist) = spawner.new_cyclist(slot, &mut stream, ring_m, false) {
+            spawner.arena.put(cyclist);
+        }
+    }
     Ok(())
 }
 
@@ -60,6 +72,13 @@ pub(crate) fn renew(spawner: &mut Spawner<'_>, respawns: &mut u64) {
         *respawns += 1;
         if let Some(walker) = spawner.new_walker(slot, &mut stream, WALKER_APPEARS_M, true) {
             spawner.arena.replace(slot, walker);
+        }
+    }
+    for slot in gone_cyclists(spawner) {
+        let mut stream = spawner.key.indexed("new cyclists", *respawns);
+        *respawns += 1;
+        if let Some(cyclist) = spawner.new_cyclist(slot, &mut stream, CYCLIST_APPEARS_M, true) {
+            spawner.arena.replace(slot, cyclist);
         }
     }
 }
@@ -85,4 +104,15 @@ fn gone_walkers(spawner: &Spawner<'_>) -> Vec<Slot> {
         })
         .map(|(slot, ..)| slot)
         .collect()
+}
+
+fn gone_cyclists(spawner: &Spawner<'_>) -> Vec<Slot> {
+    let (ego, view) = spawner.arena.ego_place();
+    let is_gone = |(_, agent, cyclist): &(Slot, &Agent, &Cyclist)| {
+        let to = agent.body.world_from_box(&spawner.arena.physics).translation.truncate() - ego;
+        let is_hidden = to.length() > 90.0 && to.dot(view) < 0.0;
+        let is_stuck = is_hidden && cyclist.standing_steps > STUCK_STEPS;
+        !agent.is_placed && (to.length() >= CYCLIST_GONE_M || is_stuck)
+    };
+    spawner.arena.controlled_by::<Cyclist>().filter(is_gone).map(|(slot, ..)| slot).collect()
 }

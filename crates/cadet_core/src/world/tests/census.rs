@@ -3,20 +3,20 @@
 use super::towns::suburb;
 use super::*;
 use crate::world::DT_S;
+use crate::world::control::Cyclist;
 
 /// A person's body in the plane: a circle round the trunk. Arms and legs swing beyond it.
 const BODY_M: f64 = 0.22;
 
-/// Occupancy, cars and people: the middles of the default policy's districts.
-const DISTRICTS: [(f64, usize, usize); 5] =
-    [(0.52, 13, 14), (0.27, 12, 6), (0.35, 28, 14), (0.45, 12, 27), (0.55, 18, 60)];
+/// Occupancy, cars, people, and cyclists: the middles of the default policy's districts.
+const DISTRICTS: [(f64, usize, usize, usize); 5] =
+    [(0.52, 13, 14, 3), (0.27, 12, 6, 1), (0.35, 28, 14, 4), (0.45, 12, 27, 6), (0.55, 18, 60, 8)];
 
 fn policy_world(seed: u64) -> World {
     let mut world = World::new(suburb(seed), StreamKey::scene(seed)).unwrap();
-    let (parking_occupancy, num_cars, num_pedestrians) = DISTRICTS[seed as usize % DISTRICTS.len()];
-    world
-        .spawn_traffic(&TrafficConfig { num_cars, num_pedestrians, parking_occupancy, ..TrafficConfig::default() })
-        .unwrap();
+    let (parking_occupancy, num_cars, num_pedestrians, num_cyclists) = DISTRICTS[seed as usize % DISTRICTS.len()];
+    let counts = TrafficConfig { num_cars, num_pedestrians, num_cyclists, ..TrafficConfig::default() };
+    world.spawn_traffic(&TrafficConfig { parking_occupancy, ..counts }).unwrap();
     world
 }
 
@@ -55,8 +55,9 @@ fn nobody_walks_into_a_car_or_a_person() {
         for tick in 0..240 {
             world.step(15);
             let driven = cars(&world).into_iter().map(|(agent, _)| agent);
+            let ridden = world.arena.controlled_by::<Cyclist>().map(|(_, agent, _)| agent);
             let vehicles: Vec<(i32, Footprint)> =
-                driven.chain(parked(&world)).map(|a| (a.id, footprint(&world, a))).collect();
+                driven.chain(ridden).chain(parked(&world)).map(|a| (a.id, footprint(&world, a))).collect();
             let walkers = walkers(&world);
             for (i, (walker, pedestrian)) in walkers.iter().enumerate() {
                 let p = place(&world, walker);

@@ -97,7 +97,7 @@ fn a_scripted_person_walks_with_the_gait_of_the_way_gone() {
         let slot = world.arena.agents.len() - 1;
         let phase = |world: &World| match &world.arena.agents[slot].appearance {
             Appearance::Person { model, phase } => (*phase, model.cycle_length_m, model.walking_speed_mps),
-            Appearance::Vehicle { .. } => unreachable!(),
+            Appearance::Vehicle { .. } | Appearance::Cyclist { .. } => unreachable!(),
         };
         let (at_start, cycle_m, walking_mps) = phase(&world);
         assert!(walking_mps > 0.0, "who moves walks");

@@ -1,0 +1,182 @@
+//! How a rider sits: hips over the saddle, hands on the grips, feet on the pedals or one of them on the ground.
+
+use super::bicycle::Bicycle;
+use crate::assets::person::arms::{ArmLine, add_arm, add_load, shoulder};
+use crate::assets::person::body::{LegLine, add_leg, add_trunk, foot_axes};
+use crate::assets::person::frame::Frame;
+use crate::assets::person::gait::{Arm, Leg, Posture};
+use crate::assets::person::head::add_head;
+use crate::assets::person::proportions::Proportions;
+use crate::assets::person::tube::Tubes;
+use crate::math::{Vec3, acosf, cosf, sinf};
+
+/// Share of the leg's length at the lowest pedal.
+const LEG_EXTENSION: f32 = 0.955;
+/// Share of the arm's length to the grips.
+const ARM_EXTENSION: f32 = 0.93;
+/// Half the height of a pedal: the sole is this much over its middle.
+pub(super) const PEDAL_HALF_M: f32 = 0.012;
+/// The saddle's top lies this much below the hip joints.
+pub(super) const SADDLE_BELOW_HIP_M: f32 = 0.085;
+/// Least and greatest lean of the trunk.
+const LEAN_RAD: [f32; 2] = [0.05, 0.90];
+/// How far forward from the saddle one slides who stands.
+const SLIDE_M: f32 = 0.20;
+/// The foot on the ground stands this far beside the middle.
+const FOOT_Y_M: f32 = 0.19;
+/// Phase of the crank of who stands with the right foot on the ground: the left pedal is up and forward.
+const START_PHASE: f32 = 0.14;
+
+/// Where hips and trunk are.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Seat {
+    pub hip: Vec3,
+    /// Forward lean of the trunk, radians.
+    pub lean: f32,
+}
+
+/// What the legs do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Legs {
+    /// Both feet on the pedals, the crank at a phase.
+    Pedal(f32),
+    /// One foot on the ground: on the left if +1.
+    Stand(f32),
+}
+
+impl Seat {
+    /// On the saddle, at the height at which the leg is nearly straight on the lowest pedal.
+    pub fn riding(p: &Proportions, bicycle: &Bicycle) -> Self {
+        let ankle = ankle_on(p, bicycle.pedal(1.0, 0.47), 1.0, sole_pitch(0.47));
+        let reach = LEG_EXTENSION * (p.thigh + p.shank);
+        let hip_at = |z: f32| bicycle.seat_tube(z) + Vec3::Z * SADDLE_BELOW_HIP_M;
+        let z = bisect(0.3, 1.3, |z| (hip_at(z) + Vec3::Y * p.hip_half - ankle).length() < reach);
+        Self::leaning(p, bicycle, hip_at(z))
+    }
+
+    /// Before the saddle, with a leg straight down to the ground.
+    pub fn standing(&self, p: &Proportions, bicycle: &Bicycle) -> Self {
+        let reach = 0.985 * (p.thigh + p.shank);
+        let aside = FOOT_Y_M - p.hip_half;
+        let z = (reach * reach - aside * aside).sqrt() + p.ankle_height;
+        Self::leaning(p, bicycle, Vec3::new(self.hip.x + SLIDE_M, 0.0, z.min(self.hip.z)))
+    }
+
+    /// As upright as the arms' reach asks for.
+    fn leaning(p: &Proportions, bicycle: &Bicycle, hip: Vec3) -> Self {
+        let arm = ARM_EXTENSION * arm_length(p);
+        let is_too_far = |lean: f32| {
+            let posture = posture(lean);
+            (hip + shoulder(p, &Frame::new(p, &posture), 1.0) - bicycle.grip).length() > arm
+        };
+        Self { hip, lean: bisect(LEAN_RAD[0], LEAN_RAD[1], is_too_far) }
+    }
+
+    /// Trunk, head, arms, and what is on the back.
+    pub fn upper_body(&self, p: &Proportions, bicycle: &Bicycle, level: usize) -> Tubes {
+        let mut tubes = Tubes::default();
+        let posture = posture(self.lean);
+        let frame = Frame::new(p, &posture);
+        add_trunk(&mut tubes, p, &frame, level);
+        let mut hands = [Vec3::ZERO; 2];
+        for (hand, side) in hands.iter_mut().zip([1.0, -1.0]) {
+            let grip = bicycle.grip * Vec3::new(1.0, side, 1.0) - self.hip;
+            let from = shoulder(p, &frame, side);
+            // Elbows point down and a little outward.
+            let elbow_to = Vec3::new(-0.35, 0.45 * side, -1.0);
+            let (upper, fore) = two_links(from, grip, p.upper_arm, p.forearm + 0.5 * p.hand, elbow_to);
+            let fold = (fore - upper * fore.dot(upper)).normalize_or(Vec3::X);
+            *hand = add_arm(&mut tubes, p, &frame, &ArmLine { shoulder: from, upper, fore, fold, side }, level);
+        }
+        add_head(&mut tubes, p, &frame, level);
+        add_load(&mut tubes, p, &frame, hands, level);
+        self.place(tubes)
+    }
+
+    /// The legs. Feet are on the pedals as far as the legs reach.
+    pub fn legs(&self, p: &Proportions, bicycle: &Bicycle, legs: Legs, level: usize) -> Tubes {
+        let mut tubes = Tubes::default();
+        for side in [1.0, -1.0] {
+            let (ankle, sole) = match legs {
+                Legs::Stand(down) if down == side => (Vec3::new(self.hip.x, side * FOOT_Y_M, p.ankle_height), 0.0),
+                _ => {
+                    let phase = legs.crank_phase();
+                    let own = if side > 0.0 { phase } else { phase + 0.5 };
+                    let sole = sole_pitch(own);
+                    (ankle_on(p, bicycle.pedal(side, phase), side, sole), sole)
+                }
+            };
+            let hip = Vec3::Y * (side * p.hip_half);
+            let knee_to = Vec3::new(1.0, 0.10 * side, 0.3);
+            let (thigh, shank) = two_links(hip, ankle - self.hip, p.thigh, p.shank, knee_to);
+            let leg = (thigh + shank).normalize_or(Vec3::NEG_Z);
+            let forward = (knee_to - leg * knee_to.dot(leg)).normalize();
+            add_leg(&mut tubes, p, &LegLine { hip, thigh, shank, forward, sole, side }, level);
+        }
+        self.place(tubes)
+    }
+
+    fn place(&self, mut tubes: Tubes) -> Tubes {
+        for v in &mut tubes.vertices {
+            *v += self.hip;
+        }
+        tubes
+    }
+}
+
+impl Legs {
+    /// Where the crank is.
+    pub fn crank_phase(self) -> f32 {
+        match self {
+            Self::Pedal(phase) => phase,
+            Self::Stand(down) => START_PHASE + if down < 0.0 { 0.0 } else { 0.5 },
+        }
+    }
+}
+
+fn arm_length(p: &Proportions) -> f32 {
+    p.upper_arm + p.forearm + 0.5 * p.hand
+}
+
+/// Toes down at the bottom and behind, level at the top; `phase` is the foot's own, 0 on top.
+fn sole_pitch(phase: f32) -> f32 {
+    -0.17 + 0.13 * cosf((phase + 0.12) * std::f32::consts::TAU)
+}
+
+/// The ankle of a foot whose ball is on a pedal.
+fn ankle_on(p: &Proportions, pedal: Vec3, side: f32, sole: f32) -> Vec3 {
+    let (along, up) = foot_axes(sole, side);
+    pedal + Vec3::Z * PEDAL_HALF_M - along * p.ball_before_ankle + up * p.ankle_height
+}
+
+/// The directions of two links from a joint to an end: the joint between them is on the side of `pole`. Out of reach
+/// they are straight.
+fn two_links(from: Vec3, to: Vec3, a: f32, b: f32, pole: Vec3) -> (Vec3, Vec3) {
+    let d = to - from;
+    let reach = d.length().clamp((a - b).abs() + 1e-3, 0.9995 * (a + b));
+    let along = d.normalize_or(Vec3::NEG_Z);
+    let aside = (pole - along * pole.dot(along)).normalize();
+    let angle = acosf(((a * a + reach * reach - b * b) / (2.0 * a * reach)).clamp(-1.0, 1.0));
+    let first = along * cosf(angle) + aside * sinf(angle);
+    let second = (along * reach - first * a).normalize();
+    (first, second)
+}
+
+fn posture(lean: f32) -> Posture {
+    let leg = Leg { thigh: 0.0, shank: 0.0, sole: 0.0 };
+    let arm = Arm { swing: 0.0, lift: 0.0, elbow: 0.0, inward: 0.0 };
+    Posture { legs: [leg; 2], arms: [arm; 2], pelvis_yaw: 0.0, shoulder_yaw: 0.0, sway: 0.0, lean }
+}
+
+/// The greatest value for which `holds` is true, if it is for all smaller ones.
+fn bisect(mut low: f32, mut high: f32, holds: impl Fn(f32) -> bool) -> f32 {
+    for _ in 0..24 {
+        let middle = 0.5 * (low + high);
+        if holds(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low
+}

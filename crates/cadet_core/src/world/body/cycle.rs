@@ -1,0 +1,84 @@
+//! A bicycle that its rider leads along the ground: two wheels one behind the other, upright.
+
+use rapier3d::prelude::{RigidBodyBuilder, RigidBodyHandle};
+
+use super::guided::{Step, along_ground};
+use crate::assets::cyclist::CyclistModel;
+use crate::error::{Error, Result, finite};
+use crate::frames;
+use crate::math::{self, DPose3, DVec2, DVec3};
+use crate::world::physics::{DT_S, Physics, pose_f32};
+
+/// How high above the ground the body begins that others bump into.
+const CLEARANCE_M: f64 = 0.2;
+
+/// A kinematic body.
+pub(crate) struct Cycle {
+    pub body: RigidBodyHandle,
+    half_wheelbase_m: f64,
+    pub world_from_box: DPose3,
+    pub yaw_rad: f64,
+    pub velocity_world: DVec3,
+    pub angular_velocity_world: DVec3,
+}
+
+/// Pose of the box frame of a bicycle with both wheels on the ground; a crossfall does not tip it.
+///
+/// # Errors
+/// [`Error::NotFinite`], or [`Error::Scene`] where a wheel would stand beyond the ground's edge.
+pub(crate) fn stand_up(physics: &Physics, half_wheelbase_m: f64, x_m: f64, y_m: f64, yaw_rad: f64) -> Result<DPose3> {
+    finite("x", x_m)?;
+    finite("y", y_m)?;
+    finite("yaw", yaw_rad)?;
+    let heading = DVec2::new(math::cos(yaw_rad), math::sin(yaw_rad));
+    let foot = |along_m: f64| {
+        let p = DVec2::new(x_m, y_m) + heading * along_m;
+        let ground = physics.ground_at(p.x, p.y).ok_or_else(|| Error::Scene {
+            reason: format!("a bicycle at ({x_m}, {y_m}) would stand beyond the ground's edge"),
+        })?;
+        Ok(p.extend(ground.z_m))
+    };
+    let (rear, front) = (foot(-half_wheelbase_m)?, foot(half_wheelbase_m)?);
+    let forward = front - rear;
+    let left = heading.perp().extend(0.0);
+    Ok(frames::facing((rear + front) / 2.0, forward, forward.cross(left)))
+}
+
+impl Cycle {
+    /// A bicycle on the ground that moves with a velocity in the plane.
+    pub fn new(
+        physics: &mut Physics,
+        model: &CyclistModel,
+        world_from_box: DPose3,
+        yaw_rad: f64,
+        velocity: DVec2,
+    ) -> Self {
+        let builder = RigidBodyBuilder::kinematic_position_based().pose(pose_f32(&world_from_box));
+        let body = physics.insert_vehicle(builder, model.size_lwh, CLEARANCE_M);
+        let velocity_world = along_ground(velocity, &world_from_box);
+        let half_wheelbase_m = model.wheelbase_m / 2.0;
+        Self { body, half_wheelbase_m, world_from_box, yaw_rad, velocity_world, angular_velocity_world: DVec3::ZERO }
+    }
+
+    /// The place in the plane.
+    pub fn at(&self) -> DVec2 {
+        self.world_from_box.translation.truncate()
+    }
+
+    /// Unit vector in the plane.
+    pub fn heading(&self) -> DVec2 {
+        DVec2::new(math::cos(self.yaw_rad), math::sin(self.yaw_rad))
+    }
+
+    /// Leads the body to its place after the physics step to come.
+    pub fn guide(&mut self, physics: &mut Physics, step: &Step) {
+        self.yaw_rad = math::wrap_angle(self.yaw_rad + step.turn_rad);
+        self.world_from_box = stand_up(physics, self.half_wheelbase_m, step.at.x, step.at.y, self.yaw_rad)
+            // A wheel has left the ground's edge: the body keeps its height.
+            .unwrap_or_else(|_| frames::upright(step.at.extend(self.world_from_box.translation.z), self.yaw_rad));
+        self.velocity_world = along_ground(step.velocity, &self.world_from_box);
+        self.angular_velocity_world = DVec3::Z * (step.turn_rad / DT_S);
+        let body = &mut physics.world.bodies[self.body];
+        body.set_next_kinematic_position(pose_f32(&self.world_from_box));
+    }
+}

@@ -1,0 +1,159 @@
+//! Who rides a bicycle on the road: on its right, slower than cars, and under the same rules.
+
+use super::controller::{Controller, Own};
+use super::hazards::{Cause, OnRoute, in_sight, worst_hazard};
+use super::idm::{IdmParameters, pedals};
+use super::stop_line::leave_junctions;
+use crate::math::{self, DVec2};
+use crate::rng::Stream;
+use crate::town::{LaneId, LaneKind};
+use crate::world::appearance::Appearance;
+use crate::world::body::{Body, Step};
+use crate::world::footprint::Footprint;
+use crate::world::physics::{DT_S, Physics};
+use crate::world::route::{Roads, Route};
+use crate::world::streets::Streets;
+use crate::world::surroundings::Surroundings;
+
+/// Speed on a free road: mean and spread, least and greatest.
+const CRUISE_MPS: (f64, f64) = (5.0, 0.6);
+const CRUISE_LIMITS_MPS: (f64, f64) = (4.0, 6.0);
+/// From the right border of the lane, which is the curb or the row of parked cars.
+const KEEPS_M: (f64, f64) = (0.8, 1.2);
+/// Room beside what stands in the lane.
+const ASIDE_M: f64 = 0.30;
+/// How far ahead that is looked for, and in which steps.
+const LOOKS_M: f64 = 14.0;
+const STEP_M: f64 = 1.25;
+/// How fast one changes sides, meters a look.
+const SHIFT_M: f64 = 0.03;
+/// Strongest acceleration, and braking; the tightest turn.
+const MOST_MPS2: f64 = 0.9;
+const HARDEST_MPS2: f64 = -4.5;
+const TIGHTEST_PER_M: f64 = 0.55;
+/// Who slows down by more than this does not pedal.
+const COASTS_MPS2: f64 = -0.3;
+const STANDS_MPS: f64 = 0.1;
+
+/// Rides a [`Body::Cycle`].
+pub(crate) struct Cyclist {
+    pub route: Route,
+    pub standing_steps: u64,
+    idm: IdmParameters,
+    cruise_mps: f64,
+    /// Distance kept from the lane's right border.
+    keeps_m: f64,
+    speed_mps: f64,
+    desired_mps: f64,
+    interaction_mps2: f64,
+    #[cfg_attr(not(test), allow(dead_code))]
+    cause: Cause,
+}
+
+impl Cyclist {
+    /// Somebody who stands at the start of a route.
+    pub fn new(route: Route, habits: &mut Stream) -> Self {
+        let cruise_mps = habits.clipped_normal(CRUISE_MPS.0, CRUISE_MPS.1);
+        let idm = IdmParameters { desired_speed_factor: 1.0, time_gap_s: habits.range(0.8, 1.3), minimum_gap_m: 1.3 };
+        Self {
+            route,
+            standing_steps: 0,
+            idm,
+            cruise_mps: cruise_mps.clamp(CRUISE_LIMITS_MPS.0, CRUISE_LIMITS_MPS.1),
+            keeps_m: habits.range(KEEPS_M.0, KEEPS_M.1),
+            speed_mps: 0.0,
+            desired_mps: 0.0,
+            interaction_mps2: 0.0,
+            cause: Cause::Nothing,
+        }
+    }
+
+    /// Starts at a speed.
+    pub fn start(&mut self, speed_mps: f64) {
+        (self.speed_mps, self.desired_mps) = (speed_mps, speed_mps);
+    }
+
+    /// What the cyclist brakes for.
+    #[cfg(test)]
+    pub fn cause(&self) -> Cause {
+        self.cause
+    }
+
+    /// The offset to the left of the lane's middle at which one rides before anything is in the way.
+    pub fn usual_offset_m(&self, roads: &Roads) -> f64 {
+        let lane = roads.lane(self.route.lanes[0]);
+        if lane.kind == LaneKind::Biking {
+            return 0.0;
+        }
+        -(lane.width_at(self.route.s_m) / 2.0 - self.keeps_m).max(0.0)
+    }
+
+    /// The same, farther to the left where something stands in the lane.
+    fn free_offset_m(&self, own: &Footprint, around: &Surroundings, roads: &Roads) -> f64 {
+        let usual_m = self.usual_offset_m(roads);
+        let is_near = |o: &&Footprint| (o.center - own.center).length() < LOOKS_M + o.half_length_m;
+        let near: Vec<&Footprint> = around.standing_in_lanes.iter().filter(is_near).collect();
+        if near.is_empty() {
+            return usual_m;
+        }
+        let places: Vec<(DVec2, DVec2)> = (0..(LOOKS_M / STEP_M) as usize)
+            .map(|k| self.route.ahead(k as f64 * STEP_M, roads))
+            .map(|a| (a.at - a.tangent.perp() * self.route.offset_m, a.tangent.perp()))
+            .collect();
+        let is_free = |offset_m: f64| {
+            let line = places.iter().map(|(middle, left)| *middle + *left * offset_m);
+            line.into_iter()
+                .all(|p| near.iter().all(|o| (o.closest_point(p) - p).length() > own.half_width_m + ASIDE_M))
+        };
+        (0..12).map(|k| usual_m + 0.12 * f64::from(k)).take_while(|m| *m < 0.3).find(|m| is_free(*m)).unwrap_or(0.0)
+    }
+}
+
+impl Controller for Cyclist {
+    fn look(&mut self, own: Own<'_>, around: &mut Surroundings, streets: &Streets, step: u64) {
+        let roads = &streets.roads;
+        let Some(footprint) = around.vehicle(own.slot).copied() else { return };
+        let offset_m = self.free_offset_m(&footprint, around, roads);
+        self.route.offset_m += (offset_m - self.route.offset_m).clamp(-SHIFT_M, SHIFT_M);
+        self.desired_mps = self.cruise_mps.min(self.route.speed_for_bends(self.speed_mps, 1.5, roads));
+        let mut ahead = std::mem::take(around.way_ahead_mut(own.slot));
+        ahead.clear();
+        ahead.extend(in_sight(&self.route, self.speed_mps, roads));
+        let rider = OnRoute { slot: own.slot, footprint: &footprint, route: &self.route, idm: &self.idm };
+        (self.interaction_mps2, self.cause) = worst_hazard(&rider, &ahead, around, roads, step);
+        *around.way_ahead_mut(own.slot) = ahead;
+    }
+
+    fn act(&mut self, own: Own<'_>, physics: &mut Physics, streets: &Streets) {
+        let (Body::Cycle(body), Appearance::Cyclist { model, ride }) = (own.body, own.appearance) else { return };
+        let wanted = pedals(self.idm.free_road(self.speed_mps, self.desired_mps), self.interaction_mps2);
+        let accel_mps2 = wanted.clamp(HARDEST_MPS2, MOST_MPS2);
+        self.speed_mps = (self.speed_mps + accel_mps2 * DT_S).max(0.0);
+        let moved_m = self.speed_mps * DT_S;
+        // Pure pursuit of the route.
+        let heading = body.heading();
+        let reach_m = (0.5 * self.speed_mps + 1.2).clamp(1.8, 4.2);
+        let to = self.route.ahead(reach_m, &streets.roads).at - body.at();
+        let curvature = 2.0 * heading.perp_dot(to) / to.length_squared().max(1.0);
+        let turn_rad = curvature.clamp(-TIGHTEST_PER_M, TIGHTEST_PER_M) * moved_m;
+        let turned = |angle_rad: f64| {
+            let (cos, sin) = (math::cos(angle_rad), math::sin(angle_rad));
+            heading * cos + heading.perp() * sin
+        };
+        let at = body.at() + turned(turn_rad / 2.0) * moved_m;
+        body.guide(physics, &Step { at, velocity: turned(turn_rad) * self.speed_mps, moved_m, turn_rad });
+        ride.advance(model, moved_m, turn_rad, accel_mps2 > COASTS_MPS2);
+    }
+
+    fn track(&mut self, own: Own<'_>, _physics: &Physics, around: &mut Surroundings, streets: &Streets) {
+        let Body::Cycle(body) = own.body else { return };
+        let tail_m = own.appearance.size_lwh().x / 2.0 + 0.5;
+        let position = body.world_from_box.translation;
+        leave_junctions(own.slot, &mut self.route, position, tail_m, &mut around.junctions, &streets.roads);
+        self.standing_steps = if self.speed_mps < STANDS_MPS { self.standing_steps + 1 } else { 0 };
+    }
+
+    fn on_lane(&self) -> Option<(LaneId, f64)> {
+        Some((self.route.lanes[0], self.route.s_m))
+    }
+}

@@ -1,0 +1,108 @@
+//! What who drives or rides along a route has to brake for: traffic, people, junctions, the end of the road.
+
+use super::idm::{COMFORTABLE_MPS2, IdmParameters, gap_along};
+use super::stop_line::{Crossing, stop_line};
+use crate::math::DVec2;
+use crate::world::footprint::Footprint;
+use crate::world::junctions::Refusal;
+use crate::world::route::{Ahead, Roads, Route};
+use crate::world::slot::Slot;
+use crate::world::surroundings::Surroundings;
+
+/// How far a driver looks.
+const SIGHT_M: f64 = 60.0;
+const SAMPLE_M: f64 = 1.25;
+/// Room kept beside what stands, and beside what moves.
+const SIDE_STANDING_M: f64 = 0.12;
+const SIDE_MOVING_M: f64 = 0.25;
+
+/// What a driver brakes for most: named for the tests.
+#[cfg_attr(not(test), allow(dead_code))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Cause {
+    /// Nothing: the road is free, or nobody drives.
+    Nothing,
+    /// A vehicle that stands for good in the lane.
+    Parked,
+    /// A vehicle that moves.
+    Vehicle(Slot),
+    /// A person on the road.
+    Person,
+    /// The end of the road.
+    RoadEnd,
+    /// A junction that others cross or queue behind.
+    Junction(Refusal),
+}
+
+/// Who goes along a route.
+pub(super) struct OnRoute<'a> {
+    pub slot: Slot,
+    pub footprint: &'a Footprint,
+    pub route: &'a Route,
+    pub idm: &'a IdmParameters,
+}
+
+/// The places ahead on a route that matter at a speed.
+pub(super) fn in_sight(route: &Route, speed_mps: f64, roads: &Roads) -> impl Iterator<Item = Ahead> {
+    let sight_m = (speed_mps * speed_mps / (2.0 * COMFORTABLE_MPS2) + 2.0 * speed_mps + 12.0).min(SIGHT_M);
+    let count = (sight_m / SAMPLE_M) as usize;
+    (0..count).map(|k| route.ahead(k as f64 * SAMPLE_M, roads))
+}
+
+/// What asks for the hardest braking, given the places ahead on the route: the acceleration that it takes off the free
+/// road's, and what it is.
+pub(super) fn worst_hazard(
+    on_route: &OnRoute<'_>,
+    ahead: &[Ahead],
+    around: &mut Surroundings,
+    roads: &Roads,
+    step: u64,
+) -> (f64, Cause) {
+    let OnRoute { slot, footprint: own, route, idm } = *on_route;
+    let speed = own.velocity.dot(own.heading);
+    let (low, high) =
+        ahead.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), a| (lo.min(a.at), hi.max(a.at)));
+    let mut worst = (0.0_f64, Cause::Nothing);
+    let mut brake_for = |interaction: f64, cause: Cause| {
+        if interaction < worst.0 {
+            worst = (interaction, cause);
+        }
+    };
+    let standing = || around.standing_in_lanes.iter().map(|o| (Cause::Parked, SIDE_STANDING_M, o));
+    let others = || around.vehicles.iter().filter(|v| v.agent != slot);
+    let moving = || others().map(|v| (Cause::Vehicle(v.agent), SIDE_MOVING_M, &v.footprint));
+    let people = around.people_on_road.iter().map(|o| (Cause::Person, SIDE_MOVING_M, o));
+    standing().chain(moving()).chain(people).for_each(|(cause, side_m, o)| {
+        let reach_m = o.half_length_m + o.half_width_m + own.half_width_m + side_m;
+        if (o.center - o.center.clamp(low, high)).length() < reach_m
+            && let Some((gap_m, leader_mps)) =
+                gap_along(ahead, SAMPLE_M, own.half_length_m, own.half_width_m + side_m, o)
+        {
+            brake_for(idm.interaction(speed, gap_m, leader_mps), cause);
+        }
+    });
+    // In a bend a car sweeps more than its corridor: would its rectangle meet another's a little farther on?
+    for reach_m in [0.8, 1.6, 2.6] {
+        let there = route.ahead(reach_m, roads);
+        let swept = Footprint { center: there.at, heading: there.tangent, ..*own }.grown(0.1);
+        let meets = |o: &Footprint| {
+            (o.center - own.center).length() < 14.0
+                && (o.center - own.center).dot(own.heading) > 0.0
+                && swept.overlaps(o)
+        };
+        if let Some((cause, ..)) = standing().chain(moving()).find(|(_, _, o)| meets(o)) {
+            brake_for(idm.interaction(speed, reach_m - 0.6, 0.0), cause);
+            break;
+        }
+    }
+    // The end of the road.
+    let end_m = route.remaining_m(roads) - own.half_length_m;
+    if end_m < SIGHT_M {
+        brake_for(idm.interaction(speed, end_m + 1.0, 0.0), Cause::RoadEnd);
+    }
+    let crossing = Crossing { slot, route, speed_mps: speed, half_length_m: own.half_length_m };
+    if let Some((gap_m, refusal)) = stop_line(&crossing, &mut around.junctions, &around.lane_use, roads, step) {
+        brake_for(idm.interaction(speed, gap_m, 0.0), Cause::Junction(refusal));
+    }
+    worst
+}

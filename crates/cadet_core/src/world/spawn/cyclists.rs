@@ -1,0 +1,144 @@
+//! Cyclists: at random free places on the right of streets, alone or behind another.
+
+use std::sync::Arc;
+
+use super::newcomers::ridden_bicycle;
+use super::spawner::Spawner;
+use crate::assets::cyclist::CyclistModel;
+use crate::math::{self, DVec2, DVec3};
+use crate::rng::Stream;
+use crate::town::{Lane, LaneId, LaneKind};
+use crate::world::arena::Newcomer;
+use crate::world::body::stand_up;
+use crate::world::control::Cyclist;
+use crate::world::footprint::Footprint;
+use crate::world::route::{Roads, Route};
+use crate::world::slot::Slot;
+
+/// How likely straight on is for a cyclist against turning off.
+const STRAIGHT: f64 = 1.5;
+/// How likely somebody rides behind the last who came, and how far behind.
+const COMPANY_SHARE: f64 = 0.35;
+const BEHIND_M: (f64, f64) = (3.2, 7.0);
+/// How likely a lane on the ego's way is in comparison with others, and one on which one rides toward the ego.
+const ON_EGO_WAY: f64 = 0.15;
+const TOWARD_EGO: f64 = 3.0;
+/// Room before and behind at the start.
+const HEADWAY_M: f64 = 4.0;
+/// Shorter ways are not begun.
+const SHORTEST_WAY_M: f64 = 30.0;
+
+impl Spawner<'_> {
+    /// A cyclist for a slot, between two distances from the ego; `hidden` keeps them out of its view.
+    pub(super) fn new_cyclist(
+        &mut self,
+        slot: Slot,
+        stream: &mut Stream,
+        ring_m: (f64, f64),
+        hidden: bool,
+    ) -> Option<Newcomer> {
+        let model = Arc::new(CyclistModel::generate(stream.next_u64()));
+        if stream.chance(COMPANY_SHARE)
+            && let Some((lane, s_m)) = self.last_cyclist(slot)
+        {
+            let behind_m = model.size_lwh.x + stream.range(BEHIND_M.0, BEHIND_M.1);
+            if s_m > behind_m + 1.0
+                && let Some(joined) = self.cyclist_at(slot, &model, (lane, s_m - behind_m), BEHIND_M.0 - 1.0, stream)
+            {
+                return Some(joined);
+            }
+        }
+        let places = self.places_on(lanes_to_ride(&self.arena.streets.roads), model.size_lwh.x / 2.0, ring_m, hidden);
+        // Nobody overtakes, so who starts ahead of the ego would be followed for long; who comes toward it is seen.
+        let way: Vec<LaneId> = self.ego_way().map_or_else(Vec::new, |route| route.lanes.into());
+        let roads = &self.arena.streets.roads;
+        let share = |id: LaneId| match roads.lane(id).road {
+            _ if way.contains(&id) => ON_EGO_WAY,
+            road if way.iter().any(|on_way| roads.lane(*on_way).road == road) => TOWARD_EGO,
+            _ => 1.0,
+        };
+        let weights: Vec<f64> = places.iter().map(|(lane, _, weight)| weight * share(*lane)).collect();
+        for _ in 0..30 {
+            let (lane, s_m, _) = *places.get(stream.weighted(&weights))?;
+            let s_m = s_m + stream.range(0.0, 3.5);
+            if let Some(newcomer) = self.cyclist_at(slot, &model, (lane, s_m), HEADWAY_M, stream) {
+                return Some(newcomer);
+            }
+        }
+        None
+    }
+
+    /// Where the cyclist who came last is, if they came just before and are not in a junction.
+    fn last_cyclist(&self, slot: Slot) -> Option<(LaneId, f64)> {
+        let (other, agent, cyclist) = self.arena.controlled_by::<Cyclist>().rev().find(|(other, ..)| *other != slot)?;
+        let lane = cyclist.route.lanes[0];
+        let is_near = other.abs_diff(slot) <= 2 && !agent.is_placed;
+        (is_near && self.arena.streets.roads.lane(lane).junction.is_none()).then_some((lane, cyclist.route.s_m))
+    }
+
+    /// A cyclist at a place of a lane, if it is free.
+    fn cyclist_at(
+        &mut self,
+        slot: Slot,
+        model: &Arc<CyclistModel>,
+        (lane, s_m): (LaneId, f64),
+        headway_m: f64,
+        stream: &mut Stream,
+    ) -> Option<Newcomer> {
+        let roads = &self.arena.streets.roads;
+        let seed = self.key.indexed("cyclist route", stream.next_u64());
+        let route = Route::new(lane, s_m, 0.0, STRAIGHT, seed, roads);
+        let mut habits = Stream::from_seed("cyclist habits", stream.next_u64());
+        let mut cyclist = Cyclist::new(route, &mut habits);
+        cyclist.route.offset_m = cyclist.usual_offset_m(roads);
+        let here = cyclist.route.ahead(0.0, roads);
+        let rectangle = Footprint {
+            center: here.at,
+            heading: here.tangent,
+            half_length_m: model.size_lwh.x / 2.0,
+            half_width_m: model.size_lwh.y / 2.0,
+            velocity: DVec2::ZERO,
+        };
+        let long = Footprint { half_length_m: rectangle.half_length_m + headway_m, ..rectangle.grown(0.2) };
+        let is_taken = self.arena.vehicles().any(|(other, f)| {
+            // Who comes from behind needs room to brake.
+            let is_behind = (f.center - here.at).dot(here.tangent) < 0.0;
+            let braking_m = if is_behind { f.velocity.length() } else { 0.0 };
+            let long = Footprint { half_length_m: long.half_length_m + braking_m, ..long };
+            other != slot && (long.overlaps(&f) || rectangle.grown(0.5).overlaps(&f))
+        }) || self.arena.around.standing.iter().any(|o| rectangle.grown(0.2).overlaps(o))
+            || self.arena.on_road().any(|o| long.overlaps(&o));
+        if is_taken || cyclist.route.remaining_m(roads) < SHORTEST_WAY_M {
+            return None;
+        }
+        // As fast as still allows a stop before the junction.
+        let free_m = roads.lane(lane).length_m() - s_m;
+        let stop_mps = (2.0 * (free_m - 6.0).max(0.0)).sqrt();
+        let speed_mps = cyclist.route.speed_for_bends(5.0, 1.5, roads).min(stop_mps).min(4.5);
+        cyclist.start(speed_mps);
+        let yaw_rad = math::atan2(here.tangent.y, here.tangent.x);
+        let pose = stand_up(&self.arena.physics, model.wheelbase_m / 2.0, here.at.x, here.at.y, yaw_rad).ok()?;
+        let velocity = here.tangent * speed_mps;
+        Some(ridden_bicycle(self.arena, Arc::clone(model), (pose, yaw_rad), velocity, Box::new(cyclist), stream.unit()))
+    }
+}
+
+/// Lanes for bicycles, and driving lanes that have none on their right.
+fn lanes_to_ride(roads: &Roads) -> impl Iterator<Item = &Lane> {
+    let is_outermost = |lane: &Lane| {
+        let s_m = lane.length_m() / 2.0;
+        let middle = lane.pose_at(s_m);
+        let right = middle.rotation * DVec3::NEG_Y;
+        let heading_rad = crate::frames::yaw_of(&middle);
+        let beside = middle.translation + right * lane.width_at(s_m);
+        roads.nearest(beside, Some(heading_rad), 1.0).is_none_or(|(other, ..)| other == lane.id)
+    };
+    roads.lanes().iter().filter(move |lane| {
+        lane.junction.is_none()
+            && match lane.kind {
+                LaneKind::Biking => true,
+                LaneKind::Driving => is_outermost(lane),
+                _ => false,
+            }
+    })
+}
