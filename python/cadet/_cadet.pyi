@@ -215,7 +215,9 @@ class SuburbConfig:
 class PropConfig:
     """Houses, gardens, and trees along the streets (see `cadet.PropConfig`)."""
 
-    def __new__(cls, *, house_shares: Sequence[float], greenery: float, belt_m: float) -> PropConfig: ...
+    def __new__(
+        cls, *, house_shares: Sequence[float], greenery: float, belt_m: float, clutter: float
+    ) -> PropConfig: ...
     @staticmethod
     def settings() -> _Settings: ...
 

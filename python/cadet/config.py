@@ -180,6 +180,8 @@ class PropConfig:
     """1 is a common suburb, 0 has no trees."""
     belt_m: float = _PROPS.default("belt_m")
     """Depth of the belt of trees behind the outermost plots, meters."""
+    clutter: float = _PROPS.default("clutter")
+    """What stands about: bins, containers, bicycles, benches, covered cars. 1 is a common suburb, 0 has none."""
 
     def __post_init__(self) -> None:
         _PROPS.check(self)

@@ -139,9 +139,9 @@ pub(crate) struct PropConfig {
 #[pymethods]
 impl PropConfig {
     #[new]
-    #[pyo3(signature = (*, house_shares, greenery, belt_m))]
-    fn new(house_shares: [f64; 6], greenery: f64, belt_m: f64) -> Result<Self, BorderError> {
-        let config = CorePropConfig { house_shares, greenery, belt_m };
+    #[pyo3(signature = (*, house_shares, greenery, belt_m, clutter))]
+    fn new(house_shares: [f64; 6], greenery: f64, belt_m: f64, clutter: f64) -> Result<Self, BorderError> {
+        let config = CorePropConfig { house_shares, greenery, belt_m, clutter };
         config.check()?;
         Ok(Self { config })
     }
