@@ -39,6 +39,7 @@ _SCENE = {
     "num_cars": (14, 0, 500),
     "num_pedestrians": (24, 0, 500),
     "parking_occupancy": (0.6, 0, 1),
+    "seat_occupancy": (0.1, 0, 1),
     "car_radius_m": (110.0, 1, 1000),
     "pedestrian_radius_m": (80.0, 1, 1000),
     "parking_radius_m": (280.0, 1, 1000),

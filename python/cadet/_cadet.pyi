@@ -234,6 +234,7 @@ class SceneConfig:
         car_radius_m: float,
         pedestrian_radius_m: float,
         parking_radius_m: float,
+        seat_occupancy: float,
         vehicle_classes: Sequence[str],
         suburb: SuburbConfig,
         props: PropConfig,

@@ -217,7 +217,10 @@ class SceneConfig:
     pedestrian_radius_m: float = _SCENE.default("pedestrian_radius_m")
     """Pedestrians start within this distance of the ego."""
     parking_radius_m: float = _SCENE.default("parking_radius_m")
-    """Parking places are filled within this distance of the ego."""
+    """Parking places and seats are filled within this distance of the ego."""
+    seat_occupancy: float = _SCENE.default("seat_occupancy")
+    """Share of the seats (benches, cafes' chairs, bus stops) on which somebody sits; there are few where
+    `PropConfig.clutter` is small."""
     vehicle_classes: tuple[str, ...] = VEHICLE_CLASSES
     """Classes of the vehicles that drive and park, "Car" among them, mixed as on KITTI's streets.
 

@@ -25,6 +25,8 @@ class District:
     """Driving vehicles kept around the ego."""
     num_pedestrians: tuple[int, int]
     """Pedestrians kept around the ego."""
+    seat_occupancy: tuple[float, float] = (0.0, 0.0)
+    """Share of the seats (benches, cafes' chairs, bus stops) on which somebody sits."""
     suburb: SuburbConfig = SuburbConfig()
     """What kind of suburb is generated where there is no map."""
     props: PropConfig = PropConfig()
@@ -32,7 +34,8 @@ class District:
 
     def __post_init__(self) -> None:
         check_text("District", "name", self.name)
-        check_range("District", "parking_occupancy", self.parking_occupancy, *scene_limits("parking_occupancy"))
+        for name in ("parking_occupancy", "seat_occupancy"):
+            check_range("District", name, getattr(self, name), *scene_limits(name))
         for name in ("num_cars", "num_pedestrians"):
             check_range("District", name, getattr(self, name), *scene_limits(name), whole=True)
         check_kind("District", "suburb", self.suburb, SuburbConfig)
@@ -51,7 +54,16 @@ class District:
 # Kinds of street by how often KITTI's object frames show them; streets vary around the town's occupancy. Three frames
 # in four of KITTI show no pedestrian, a few show nine: so most districts have few, and some have many.
 KITTI_DISTRICTS = (
-    (District(name="parked_rows", parking_occupancy=(0.35, 0.85), num_cars=(11, 18), num_pedestrians=(8, 14)), 0.38),
+    (
+        District(
+            name="parked_rows",
+            parking_occupancy=(0.35, 0.85),
+            num_cars=(11, 18),
+            num_pedestrians=(8, 14),
+            seat_occupancy=(0.0, 0.2),
+        ),
+        0.38,
+    ),
     (District(name="quiet", parking_occupancy=(0.2, 0.4), num_cars=(9, 15), num_pedestrians=(3, 8)), 0.20),
     (
         District(
@@ -59,10 +71,30 @@ KITTI_DISTRICTS = (
             parking_occupancy=(0.2, 0.55),
             num_cars=(26, 40),
             num_pedestrians=(8, 14),
+            seat_occupancy=(0.0, 0.3),
             suburb=SuburbConfig(main_share=1.0, blocks=(3, 2), block_m=(85.0, 160.0)),
         ),
         0.30,
     ),
-    (District(name="school_way", parking_occupancy=(0.3, 0.6), num_cars=(8, 16), num_pedestrians=(24, 40)), 0.05),
-    (District(name="inner_city", parking_occupancy=(0.4, 0.7), num_cars=(12, 24), num_pedestrians=(60, 120)), 0.07),
+    (
+        District(
+            name="school_way",
+            parking_occupancy=(0.3, 0.6),
+            num_cars=(8, 16),
+            num_pedestrians=(24, 40),
+            seat_occupancy=(0.1, 0.4),
+        ),
+        0.05,
+    ),
+    (
+        District(
+            name="inner_city",
+            parking_occupancy=(0.4, 0.7),
+            num_cars=(12, 24),
+            num_pedestrians=(60, 120),
+            seat_occupancy=(0.3, 0.7),
+            props=PropConfig(clutter=1.5),
+        ),
+        0.07,
+    ),
 )

@@ -253,6 +253,7 @@ class ResetPolicy:
             parking_occupancy=counts.between(*district.parking_occupancy),
             num_cars=counts.count(*district.num_cars),
             num_pedestrians=counts.count(*district.num_pedestrians),
+            seat_occupancy=Draws(seed, episode, attempt, "seats").between(*district.seat_occupancy),
             vehicle_classes=self.vehicle_classes,
             suburb=district.suburb,
             props=district.props,

@@ -165,7 +165,7 @@ impl SceneConfig {
     #[new]
     #[pyo3(signature = (
         *, num_cars, num_pedestrians, parking_occupancy, car_radius_m, pedestrian_radius_m, parking_radius_m,
-        vehicle_classes, suburb, props, sun_elevation_deg, sun_azimuth_deg, label
+        seat_occupancy, vehicle_classes, suburb, props, sun_elevation_deg, sun_azimuth_deg, label
     ))]
     fn new(
         num_cars: usize,
@@ -174,6 +174,7 @@ impl SceneConfig {
         car_radius_m: f64,
         pedestrian_radius_m: f64,
         parking_radius_m: f64,
+        seat_occupancy: f64,
         vehicle_classes: Vec<String>,
         suburb: SuburbConfig,
         props: PropConfig,
@@ -190,6 +191,7 @@ impl SceneConfig {
             car_radius_m,
             pedestrian_radius_m,
             parking_radius_m,
+            seat_occupancy,
         };
         traffic.check()?;
         let sun = Sun { elevation_deg: sun_elevation_deg, azimuth_deg: sun_azimuth_deg };

@@ -12,7 +12,8 @@ use super::route::{EGO_STRAIGHT, Route};
 use super::slot::EGO;
 use super::snapshot::{EgoState, Snapshot};
 use super::spawn::{
-    RENEW_EVERY, Spawner, TrafficConfig, add_person, add_vehicle, box_at, check_free, fill, place_ego, renew,
+    RENEW_EVERY, Spawner, TrafficConfig, add_person, add_seated, add_vehicle, box_at, check_free, fill, place_ego,
+    renew,
 };
 use crate::actor::ObjectClass;
 use crate::assets::vehicle::{UserVehicles, VehicleModel};
@@ -108,9 +109,13 @@ impl World {
             (ObjectClass::Pedestrian, ModelChoice::Seed(seed)) => {
                 return add_person(&mut self.arena, seed, course, overlap);
             }
+            (ObjectClass::PersonSitting, ModelChoice::Seed(seed)) => {
+                return add_seated(&mut self.arena, seed, course, overlap);
+            }
             _ => {
                 let name = class.kitti_name();
-                return Err(Error::Scene { reason: format!("no model of class {name}: Car, Van or Pedestrian") });
+                let known = "Car, Van, Pedestrian or Person_sitting";
+                return Err(Error::Scene { reason: format!("no model of class {name}: {known}") });
             }
         };
         add_vehicle(&mut self.arena, model, course, overlap)

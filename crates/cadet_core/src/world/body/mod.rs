@@ -24,7 +24,7 @@ pub(super) enum Body {
     Fixed(Box<Fixed>),
     /// A vehicle that its controller leads along the ground.
     Guided(Box<Guided>),
-    /// A person: upright on the ground, moved by the controller, not in rapier's world.
+    /// A person, on foot or on a seat, moved by the controller if at all, not in rapier's world.
     Upright(Upright),
 }
 
