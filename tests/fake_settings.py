@@ -33,12 +33,14 @@ _PROPS = {
     "house_shares": ([0.35, 0.15, 0.15, 0.15, 0.08, 0.12], 0, 1e6),
     "greenery": (1.0, 0, 2),
     "belt_m": (40.0, 0, 120),
+    "clutter": (1.0, 0, 3),
 }
 _SCENE = {
     "num_cars": (14, 0, 500),
     "num_pedestrians": (24, 0, 500),
     "num_cyclists": (0, 0, 200),
     "parking_occupancy": (0.6, 0, 1),
+    "seat_occupancy": (0.1, 0, 1),
     "car_radius_m": (110.0, 1, 1000),
     "pedestrian_radius_m": (80.0, 1, 1000),
     "cyclist_radius_m": (70.0, 1, 1000),

@@ -215,7 +215,9 @@ class SuburbConfig:
 class PropConfig:
     """Houses, gardens, and trees along the streets (see `cadet.PropConfig`)."""
 
-    def __new__(cls, *, house_shares: Sequence[float], greenery: float, belt_m: float) -> PropConfig: ...
+    def __new__(
+        cls, *, house_shares: Sequence[float], greenery: float, belt_m: float, clutter: float
+    ) -> PropConfig: ...
     @staticmethod
     def settings() -> _Settings: ...
 
@@ -234,6 +236,7 @@ class SceneConfig:
         pedestrian_radius_m: float,
         cyclist_radius_m: float,
         parking_radius_m: float,
+        seat_occupancy: float,
         vehicle_classes: Sequence[str],
         suburb: SuburbConfig,
         props: PropConfig,

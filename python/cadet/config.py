@@ -180,6 +180,8 @@ class PropConfig:
     """1 is a common suburb, 0 has no trees."""
     belt_m: float = _PROPS.default("belt_m")
     """Depth of the belt of trees behind the outermost plots, meters."""
+    clutter: float = _PROPS.default("clutter")
+    """What stands about: bins, containers, bicycles, benches, covered cars. 1 is a common suburb, 0 has none."""
 
     def __post_init__(self) -> None:
         _PROPS.check(self)
@@ -219,7 +221,10 @@ class SceneConfig:
     cyclist_radius_m: float = _SCENE.default("cyclist_radius_m")
     """Cyclists start within this distance of the ego."""
     parking_radius_m: float = _SCENE.default("parking_radius_m")
-    """Parking places are filled within this distance of the ego."""
+    """Parking places and seats are filled within this distance of the ego."""
+    seat_occupancy: float = _SCENE.default("seat_occupancy")
+    """Share of the seats (benches, cafes' chairs, bus stops) on which somebody sits; there are few where
+    `PropConfig.clutter` is small."""
     vehicle_classes: tuple[str, ...] = VEHICLE_CLASSES
     """Classes of the vehicles that drive and park, "Car" among them, mixed as on KITTI's streets.
 

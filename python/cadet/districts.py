@@ -27,6 +27,8 @@ class District:
     """Pedestrians kept around the ego."""
     num_cyclists: tuple[int, int] = (0, 0)
     """Cyclists kept around the ego."""
+    seat_occupancy: tuple[float, float] = (0.0, 0.0)
+    """Share of the seats (benches, cafes' chairs, bus stops) on which somebody sits."""
     suburb: SuburbConfig = SuburbConfig()
     """What kind of suburb is generated where there is no map."""
     props: PropConfig = PropConfig()
@@ -34,7 +36,8 @@ class District:
 
     def __post_init__(self) -> None:
         check_text("District", "name", self.name)
-        check_range("District", "parking_occupancy", self.parking_occupancy, *scene_limits("parking_occupancy"))
+        for name in ("parking_occupancy", "seat_occupancy"):
+            check_range("District", name, getattr(self, name), *scene_limits(name))
         for name in ("num_cars", "num_pedestrians", "num_cyclists"):
             check_range("District", name, getattr(self, name), *scene_limits(name), whole=True)
         check_kind("District", "suburb", self.suburb, SuburbConfig)
@@ -60,6 +63,7 @@ KITTI_DISTRICTS = (
             num_cars=(11, 18),
             num_pedestrians=(8, 14),
             num_cyclists=(0, 6),
+            seat_occupancy=(0.0, 0.2),
         ),
         0.38,
     ),
@@ -76,6 +80,7 @@ KITTI_DISTRICTS = (
             num_cars=(26, 40),
             num_pedestrians=(8, 14),
             num_cyclists=(0, 8),
+            seat_occupancy=(0.0, 0.3),
             suburb=SuburbConfig(main_share=1.0, blocks=(3, 2), block_m=(85.0, 160.0)),
         ),
         0.30,
@@ -87,6 +92,7 @@ KITTI_DISTRICTS = (
             num_cars=(8, 16),
             num_pedestrians=(24, 40),
             num_cyclists=(3, 9),
+            seat_occupancy=(0.1, 0.4),
         ),
         0.05,
     ),
@@ -97,6 +103,8 @@ KITTI_DISTRICTS = (
             num_cars=(12, 24),
             num_pedestrians=(60, 120),
             num_cyclists=(4, 12),
+            seat_occupancy=(0.3, 0.7),
+            props=PropConfig(clutter=1.5),
         ),
         0.07,
     ),

@@ -254,6 +254,7 @@ class ResetPolicy:
             num_cars=counts.count(*district.num_cars),
             num_pedestrians=counts.count(*district.num_pedestrians),
             num_cyclists=Draws(seed, episode, attempt, "cyclists").count(*district.num_cyclists),
+            seat_occupancy=Draws(seed, episode, attempt, "seats").between(*district.seat_occupancy),
             vehicle_classes=self.vehicle_classes,
             suburb=district.suburb,
             props=district.props,

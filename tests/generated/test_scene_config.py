@@ -68,6 +68,15 @@ def test_towns_without_greenery_have_no_trees() -> None:
     assert green > 100 and bare < 0.1 * green, f"{bare} {green}"
 
 
+def test_clutter_fills_the_streets() -> None:
+    def num_triangles(clutter: float) -> int:
+        config = SceneConfig(num_cars=0, num_pedestrians=0, props=PropConfig(clutter=clutter))
+        scene = Scene.random(seed=3, weather="clear_noon", rig=SMALL, config=config)
+        return len(scene.triangles()[1])
+
+    assert num_triangles(0.0) < num_triangles(1.0) < 1.5 * num_triangles(0.0)
+
+
 def test_a_policys_districts_and_sun_reach_the_scene() -> None:
     suburb, props = SuburbConfig(blocks=(2, 3)), PropConfig(greenery=0.5)
     district = cadet.District(

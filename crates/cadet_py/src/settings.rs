@@ -139,9 +139,9 @@ pub(crate) struct PropConfig {
 #[pymethods]
 impl PropConfig {
     #[new]
-    #[pyo3(signature = (*, house_shares, greenery, belt_m))]
-    fn new(house_shares: [f64; 6], greenery: f64, belt_m: f64) -> Result<Self, BorderError> {
-        let config = CorePropConfig { house_shares, greenery, belt_m };
+    #[pyo3(signature = (*, house_shares, greenery, belt_m, clutter))]
+    fn new(house_shares: [f64; 6], greenery: f64, belt_m: f64, clutter: f64) -> Result<Self, BorderError> {
+        let config = CorePropConfig { house_shares, greenery, belt_m, clutter };
         config.check()?;
         Ok(Self { config })
     }
@@ -165,7 +165,7 @@ impl SceneConfig {
     #[new]
     #[pyo3(signature = (
         *, num_cars, num_pedestrians, num_cyclists, parking_occupancy, car_radius_m, pedestrian_radius_m,
-        cyclist_radius_m, parking_radius_m,
+        cyclist_radius_m, parking_radius_m, seat_occupancy,
         vehicle_classes, suburb, props, sun_elevation_deg, sun_azimuth_deg, label
     ))]
     fn new(
@@ -177,6 +177,7 @@ impl SceneConfig {
         pedestrian_radius_m: f64,
         cyclist_radius_m: f64,
         parking_radius_m: f64,
+        seat_occupancy: f64,
         vehicle_classes: Vec<String>,
         suburb: SuburbConfig,
         props: PropConfig,
@@ -195,6 +196,7 @@ impl SceneConfig {
             pedestrian_radius_m,
             cyclist_radius_m,
             parking_radius_m,
+            seat_occupancy,
         };
         traffic.check()?;
         let sun = Sun { elevation_deg: sun_elevation_deg, azimuth_deg: sun_azimuth_deg };

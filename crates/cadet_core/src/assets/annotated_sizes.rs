@@ -110,3 +110,14 @@ pub(super) const CYCLISTS: Mixture = Mixture {
     least_lwh: DVec3::new(1.19, 0.34, 1.41),
     most_lwh: DVec3::new(2.17, 0.93, 2.09),
 };
+
+/// 222 labels of people who sit, of no more than 33 sizes.
+pub(super) const SITTERS: Mixture = Mixture {
+    components: &[
+        component(0.704, [0.684, 0.610, 1.251], [0.089, 0.076, 0.083], [0.47, 0.15, 0.10]),
+        component(0.247, [1.132, 0.520, 1.269], [0.180, 0.038, 0.067], [-0.57, 0.57, -0.39]),
+        component(0.050, [0.830, 0.750, 1.640], [0.030, 0.030, 0.030], [0.0, 0.0, 0.0]),
+    ],
+    least_lwh: DVec3::new(0.50, 0.45, 1.05),
+    most_lwh: DVec3::new(1.40, 0.80, 1.65),
+};

@@ -128,6 +128,7 @@ fn place_garage(
 /// Paves a way from the front to `depth` behind it.
 fn pave(plot: &Plot, [a0, a1]: Way, depth_m: f64, placer: &mut Placer) {
     let (model, length) = paving(a1 - a0 > 2.0);
+    placer.ways.push(plot.rect([a0, a1], [0.0, depth_m.max(0.1)]));
     let a = (a0 + a1) / 2.0;
     let mut d = -0.05;
     while d + 0.3 < depth_m {

@@ -29,6 +29,7 @@ mod roughness;
 mod street_grid;
 mod street_plan;
 mod street_style;
+mod street_things;
 mod streetside;
 mod suburb;
 mod suburb_config;
@@ -45,6 +46,7 @@ pub use network::{Lane, LaneId, LaneKind, PaintColor, PaintedQuad, RoadNetwork};
 pub use opendrive::{load as load_map, load_with_warnings as load_map_with_warnings};
 pub use prop_config::PropConfig;
 pub use roughness::Roughness;
+pub use street_things::{Obstacle, Seat};
 pub use suburb::{Suburb, generate as generate_suburb};
 pub use suburb_config::SuburbConfig;
 pub use walkway::walkways;
@@ -102,6 +104,10 @@ pub struct Town {
     pub parking: Vec<ParkingSpot>,
     /// Where people walk.
     pub walkways: Vec<Walkway>,
+    /// Things on sidewalks and in parking places that people and cars keep off.
+    pub obstacles: Vec<Obstacle>,
+    /// Where people may sit.
+    pub seats: Vec<Seat>,
     /// What the map's reader passed over, a line each that names map and road.
     pub map_warnings: Vec<String>,
 }
@@ -139,6 +145,8 @@ impl Town {
             ground,
             parking: Vec::new(),
             walkways: Vec::new(),
+            obstacles: Vec::new(),
+            seats: Vec::new(),
             map_warnings: Vec::new(),
         }
     }
@@ -147,12 +155,22 @@ impl Town {
         config.check()?;
         let roughness = Roughness::new(&mut key.stream("ground/roughness"));
         let ground = Ground::rough(&network, &roughness)?;
-        let mut props = props::place_props(key, &network, &ground, config);
+        let mut parking = parking_spots(&network, &ground, key);
+        let walkways = walkways(&ground);
+        let mut props = props::place_props(key, &network, &ground, &parking, &walkways, config);
         let mut scenery = ground.tiles.clone();
         scenery.append(&mut props.instances);
-        let mut parking = parking_spots(&network, &ground, key);
         parking.append(&mut props.drives);
-        let walkways = walkways(&ground);
-        Ok(Self { name: name.to_owned(), network, ground, scenery, parking, walkways, map_warnings: Vec::new() })
+        Ok(Self {
+            name: name.to_owned(),
+            network,
+            ground,
+            scenery,
+            parking,
+            walkways,
+            obstacles: props.things.obstacles,
+            seats: props.things.seats,
+            map_warnings: Vec::new(),
+        })
     }
 }

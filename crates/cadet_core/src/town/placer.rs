@@ -28,6 +28,8 @@ pub(super) struct Placer<'a> {
     pub site: &'a Site<'a>,
     pub instances: Vec<Instance>,
     pub standing: Vec<Standing>,
+    /// Ways to doors and garages.
+    pub ways: Vec<OrientedRect>,
     /// Trunks and shrubs so far: place and radius.
     plants: Vec<(DVec2, f64)>,
 }
@@ -35,7 +37,19 @@ pub(super) struct Placer<'a> {
 impl<'a> Placer<'a> {
     /// Nothing yet.
     pub fn new(site: &'a Site<'a>) -> Self {
-        Self { site, instances: Vec::new(), standing: Vec::new(), plants: Vec::new() }
+        Self { site, instances: Vec::new(), standing: Vec::new(), ways: Vec::new(), plants: Vec::new() }
+    }
+
+    /// How much stands so far.
+    pub fn mark(&self) -> (usize, usize) {
+        (self.instances.len(), self.standing.len())
+    }
+
+    /// Takes away what stands at [`mark`](Self::mark)s from one to another. Plants still keep their distance from those
+    /// that were there, so that what is drawn for them later stays.
+    pub fn clear(&mut self, (instances, standing): (usize, usize), to: (usize, usize)) {
+        self.instances.drain(instances..to.0);
+        self.standing.drain(standing..to.1);
     }
 
     /// Puts a model upright, its x axis along `facing`; houses go to the mean height of their corners, but never so

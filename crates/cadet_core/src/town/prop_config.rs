@@ -14,6 +14,9 @@ settings! {
         greenery: f64 = 1.0, 0 to 2;
         /// Depth of the belt of trees behind the outermost plots, meters.
         belt_m: f64 = 40.0, 0 to 120;
+        /// How much stands about in the streets, on vacant plots and in gardens (bins, containers, bicycles, benches): 1 is
+        /// a common suburb, 0 has none of it.
+        clutter: f64 = 1.0, 0 to 3;
     }
 }
 

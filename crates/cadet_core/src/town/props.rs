@@ -5,7 +5,8 @@ use super::occupancy::{Occupancy, Site};
 use super::placer::{Placer, Standing};
 use super::prop_config::PropConfig;
 use super::street_style::StreetStyle;
-use super::{Ground, ParkingSpot, RoadNetwork, belt, garden, median, plots, streetside};
+use super::street_things::{self, Lined, StreetThings};
+use super::{Ground, ParkingSpot, RoadNetwork, Walkway, belt, garden, median, plots, streetside};
 use crate::instance::Instance;
 use crate::rng::StreamKey;
 
@@ -16,13 +17,22 @@ pub(super) struct Props {
     pub instances: Vec<Instance>,
     /// Drives of garages, where a car may stand.
     pub drives: Vec<ParkingSpot>,
+    /// Things in the way of who walks or parks, and seats.
+    pub things: StreetThings,
     /// What stands where.
     #[cfg_attr(not(test), allow(dead_code))]
     pub standing: Vec<Standing>,
 }
 
 /// Places the props of a network.
-pub(super) fn place_props(key: &StreamKey, network: &RoadNetwork, ground: &Ground, config: &PropConfig) -> Props {
+pub(super) fn place_props(
+    key: &StreamKey,
+    network: &RoadNetwork,
+    ground: &Ground,
+    parking: &[ParkingSpot],
+    walkways: &[Walkway],
+    config: &PropConfig,
+) -> Props {
     let site = Site::new(ground);
     let mut taken = Occupancy::default();
     let mut placer = Placer::new(&site);
@@ -30,34 +40,56 @@ pub(super) fn place_props(key: &StreamKey, network: &RoadNetwork, ground: &Groun
     let frontages = frontages(network, &site);
     let styles: Vec<StreetStyle> = frontages.iter().map(|f| StreetStyle::of(key, f, config)).collect();
     let stream = |name: &str, index: usize| key.indexed(name, index as u64);
+    let mut lined = Vec::new();
     for (i, (frontage, style)) in frontages.iter().zip(&styles).enumerate() {
         let plots = plots::lay_out(frontage, style, &site, &mut taken, &mut stream("plots", i));
         let mut s = stream("gardens", i);
+        let mut things = stream("things/lots", i);
         for plot in &plots {
+            let before = placer.mark();
             garden::fill(plot, style, &mut s, &mut placer, &mut drives);
+            // What is built on a vacant plot takes the place of its garden.
+            if street_things::is_cleared(plot, config.clutter, &mut things) {
+                placer.clear(before, placer.mark());
+                lined.push(Lined { plot: plot.clone(), frontage: i, is_cleared: true });
+            } else {
+                lined.push(Lined { plot: plot.clone(), frontage: i, is_cleared: false });
+            }
         }
         streetside::furnish(frontage, style, &mut stream("streetside", i), &mut placer);
     }
     median::furnish(key, network, config.greenery, &mut placer);
     belt::plant(&mut key.stream("belt"), config.greenery, config.belt_m, &frontages, &taken, &mut placer);
-    Props { instances: placer.instances, drives, standing: placer.standing }
+    let streets = street_things::Streets { frontages: &frontages, styles: &styles, lined: &lined };
+    let things = street_things::place(key, &streets, (parking, &drives), walkways, config.clutter, &mut placer);
+    Props { instances: placer.instances, drives, things, standing: placer.standing }
 }
 
 #[cfg(test)]
 #[allow(clippy::print_stderr)]
 mod tests {
-    use super::super::{GroundKind, SuburbConfig, generate_suburb};
+    use super::super::{GroundKind, SuburbConfig, generate_suburb, parking_spots, walkways};
     use super::*;
-    use crate::assets::scenery::HouseKind;
+    use crate::assets::scenery::{HouseKind, ThingKind};
     use crate::math::DVec3;
     use crate::sense::PosedScene;
+
+    fn place(key: &StreamKey, network: &RoadNetwork, ground: &Ground, config: &PropConfig) -> Props {
+        place_props(key, network, ground, &parking_spots(network, ground, key), &walkways(ground), config)
+    }
 
     fn suburb(seed: u64) -> (RoadNetwork, Ground, Props) {
         let key = StreamKey::scene(seed);
         let network = generate_suburb(&key, &SuburbConfig { blocks: (3, 3), ..Default::default() }).unwrap().network;
         let ground = Ground::new(&network).unwrap();
-        let props = place_props(&key, &network, &ground, &PropConfig::default());
+        let props = place(&key, &network, &ground, &PropConfig::default());
         (network, ground, props)
+    }
+
+    /// Things, benches, and rails on sidewalks and in bays have tests of their own.
+    fn is_furniture(standing: &&Standing) -> bool {
+        let kind = standing.name.split('/').next().unwrap();
+        ThingKind::ALL.iter().any(|k| k.name() == kind) || ["bench", "guard-rail"].contains(&kind)
     }
 
     fn is_house(standing: &Standing) -> bool {
@@ -88,7 +120,7 @@ mod tests {
         for seed in [1, 2, 3] {
             let (_, ground, props) = suburb(seed);
             let mut houses = Vec::new();
-            for standing in &props.standing {
+            for standing in props.standing.iter().filter(|s| !is_furniture(s)) {
                 let kinds: Vec<GroundKind> =
                     standing.rect.samples(0.5).filter_map(|p| ground.kind_at(p.x, p.y)).collect();
                 assert!(!kinds.contains(&GroundKind::Road), "seed {seed}: {standing:?} on the road");
@@ -128,9 +160,9 @@ mod tests {
     fn the_same_key_places_the_same_props() {
         let (network, ground, first) = suburb(5);
         let key = StreamKey::scene(5);
-        let again = place_props(&key, &network, &ground, &PropConfig::default());
+        let again = place(&key, &network, &ground, &PropConfig::default());
         assert_eq!(poses_hash(&first.instances), poses_hash(&again.instances));
-        let other = place_props(&StreamKey::scene(6), &network, &ground, &PropConfig::default());
+        let other = place(&StreamKey::scene(6), &network, &ground, &PropConfig::default());
         assert_ne!(poses_hash(&first.instances), poses_hash(&other.instances));
     }
 
@@ -140,7 +172,7 @@ mod tests {
         for seed in 0..2 {
             let key = StreamKey::scene(seed);
             let network = generate_suburb(&key, &SuburbConfig::default()).unwrap().network;
-            let props = place_props(&key, &network, &Ground::new(&network).unwrap(), config);
+            let props = place(&key, &network, &Ground::new(&network).unwrap(), config);
             let lanes: Vec<_> = network.driving().filter(|l| l.length_m() > 40.0).collect();
             for lane in lanes.iter().step_by(lanes.len() / 5) {
                 let viewer = lane.pose_at(lane.length_m() / 2.0).translation + DVec3::Z * 1.7;
@@ -181,8 +213,8 @@ mod tests {
             let key = StreamKey::scene(1);
             let network = super::super::load_map(map, &text).unwrap();
             let ground = Ground::new(&network).unwrap();
-            let props = place_props(&key, &network, &ground, &PropConfig::default());
-            for standing in &props.standing {
+            let props = place(&key, &network, &ground, &PropConfig::default());
+            for standing in props.standing.iter().filter(|s| !is_furniture(s)) {
                 let on_road = |p: crate::math::DVec2| ground.kind_at(p.x, p.y) == Some(GroundKind::Road);
                 assert!(!standing.rect.samples(0.5).any(on_road), "{map}: {standing:?} on the road");
             }

@@ -17,9 +17,6 @@ use crate::error::Result;
 use crate::math::{DVec2, DVec3};
 use crate::town::Town;
 
-/// Room between a vehicle that stands and the middle of a lane at which drivers need not reckon with it.
-const OFF_LANES_M: f64 = 1.7;
-
 /// An agent before it has an id.
 pub(super) struct Newcomer {
     pub class: ObjectClass,
@@ -47,7 +44,13 @@ impl Arena {
     pub fn new(town: &Arc<Town>) -> Result<Self> {
         let physics = Physics::new(Arc::clone(town))?;
         let streets = Streets::new(town);
-        let around = Surroundings::new(&streets.roads);
+        let mut around = Surroundings::new(&streets.roads);
+        for o in &town.obstacles {
+            let (half_length_m, half_width_m) = (o.half.x, o.half.y);
+            let footprint =
+                Footprint { center: o.center, heading: o.axis, half_length_m, half_width_m, velocity: DVec2::ZERO };
+            around.stand(footprint, &streets.roads);
+        }
         Ok(Self { agents: Vec::new(), physics, streets, around, active: Vec::new(), next_id: 0 })
     }
 
@@ -62,10 +65,7 @@ impl Arena {
         let agent = self.named(newcomer);
         if let Body::Fixed(_) = agent.body {
             let footprint = agent.footprint(&self.physics);
-            self.around.standing.push(footprint);
-            if !self.streets.roads.keeps_off_lanes(&footprint, OFF_LANES_M) {
-                self.around.standing_in_lanes.push(footprint);
-            }
+            self.around.stand(footprint, &self.streets.roads);
         } else {
             self.active.push(slot);
         }

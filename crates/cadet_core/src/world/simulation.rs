@@ -12,8 +12,8 @@ use super::route::{EGO_STRAIGHT, Route};
 use super::slot::EGO;
 use super::snapshot::{EgoState, Snapshot};
 use super::spawn::{
-    RENEW_EVERY, Spawner, TrafficConfig, add_cyclist, add_person, add_vehicle, box_at, check_free, fill, place_ego,
-    renew,
+    RENEW_EVERY, Spawner, TrafficConfig, add_cyclist, add_person, add_seated, add_vehicle, box_at, check_free, fill,
+    place_ego, renew,
 };
 use crate::actor::ObjectClass;
 use crate::assets::vehicle::{UserVehicles, VehicleModel};
@@ -112,9 +112,12 @@ impl World {
             (ObjectClass::Cyclist, ModelChoice::Seed(seed)) => {
                 return add_cyclist(&mut self.arena, seed, course, overlap);
             }
+            (ObjectClass::PersonSitting, ModelChoice::Seed(seed)) => {
+                return add_seated(&mut self.arena, seed, course, overlap);
+            }
             _ => {
                 let name = class.kitti_name();
-                let known = "Car, Van, Pedestrian or Cyclist";
+                let known = "Car, Van, Pedestrian, Person_sitting or Cyclist";
                 return Err(Error::Scene { reason: format!("no model of class {name}: {known}") });
             }
         };

@@ -8,6 +8,9 @@ use super::route::{Ahead, Roads};
 use super::slot::Slot;
 use crate::math::DVec2;
 
+/// Room between a vehicle that stands and the middle of a lane at which drivers need not reckon with it.
+const OFF_LANES_M: f64 = 1.7;
+
 /// A vehicle that moves, or may.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct VehicleAt {
@@ -27,7 +30,7 @@ pub(super) struct PersonAt {
 
 /// The blackboard that all agents share.
 pub(super) struct Surroundings {
-    /// Vehicles that stand for good.
+    /// Vehicles and things that stand for good.
     pub standing: Vec<Footprint>,
     /// Those of them in or near a lane, which drivers have to reckon with.
     pub standing_in_lanes: Vec<Footprint>,
@@ -58,6 +61,14 @@ impl Surroundings {
             junctions: Junctions::new(roads),
             ways_ahead: Vec::new(),
             walks: Vec::new(),
+        }
+    }
+
+    /// Something stands there for good.
+    pub fn stand(&mut self, footprint: Footprint, roads: &Roads) {
+        self.standing.push(footprint);
+        if !roads.keeps_off_lanes(&footprint, OFF_LANES_M) {
+            self.standing_in_lanes.push(footprint);
         }
     }
 

@@ -1,4 +1,4 @@
-//! People on foot: walkers with a gait cycle, and people who stand.
+//! People: walkers with a gait cycle, people who stand, and people who sit.
 
 pub(super) mod arms;
 pub(super) mod body;
@@ -7,6 +7,7 @@ pub(super) mod frame;
 pub(super) mod gait;
 pub(super) mod head;
 pub(super) mod proportions;
+mod sitting;
 #[cfg(test)]
 mod tests;
 pub(super) mod tube;
@@ -20,7 +21,8 @@ use crate::material::Palette;
 use crate::math::{DVec3, Vec3};
 use crate::rng::Stream;
 
-use proportions::Proportions;
+use proportions::{Legwear, Load, Proportions, Top};
+use sitting::{HIP_BEFORE_MIDDLE_M, Sitting};
 use tube::Tubes;
 
 /// Phases of the gait cycle that have a shape: 3 cm of way each.
@@ -44,6 +46,8 @@ pub struct PersonModel {
     /// The materials.
     pub palette: Arc<Palette>,
     proportions: Arc<Proportions>,
+    /// How the person sits, if they do.
+    sitting: Option<Sitting>,
     /// From the pelvis' vertical to the middle of the cycle's bounds.
     offset: Vec3,
     shapes: Arc<[OnceLock<LodSet>; NUM_PHASES]>,
@@ -57,11 +61,36 @@ impl PersonModel {
         let annotated = annotation::person_box(&mut s);
         let stature_m = annotation::person_height_m(&annotated, &mut s);
         let p = Proportions::draw(annotation::is_standing(&annotated), stature_m, &mut s);
-        let palette = clothes::palette(p.kind, p.headwear, &mut s);
+        Self::of(p, None, annotated, model_seed, &mut s)
+    }
+
+    /// The person of a seed who sits on a seat of a height, of a size that goes with an annotated box drawn from KITTI's.
+    #[must_use]
+    pub fn sitting(model_seed: u64, seat_m: f64) -> Self {
+        let mut s = Stream::from_seed("sitting person", model_seed);
+        let annotated = annotation::sitting_box(&mut s);
+        let stature_m = annotation::sitting_stature_m(&annotated, &mut s);
+        let mut p = Proportions::draw(true, stature_m, &mut s);
+        // Bags are put down; what hangs over the legs of those who stand would hang through the seat.
+        p.load = Load::None;
+        p.legwear = if p.legwear == Legwear::Skirt { Legwear::WideTrousers } else { p.legwear };
+        p.top = if p.top == Top::Coat { Top::Jacket } else { p.top };
+        let mut sitting = Sitting::draw(seat_m as f32, annotated.size_lwh.x, &mut s);
+        // Clothes and girth tell how high the hips are over the seat.
+        for _ in 0..2 {
+            let body = grounded(&p, Some(&sitting), 0, 0);
+            let on_seat = body.vertices.iter().filter(|v| (-0.17..0.08).contains(&v.x) && v.y.abs() < 0.2 && v.z > 0.3);
+            sitting.hip_over_seat_m += sitting.seat_m - on_seat.map(|v| v.z).fold(f32::INFINITY, f32::min);
+        }
+        Self::of(p, Some(sitting), annotated, model_seed, &mut s)
+    }
+
+    fn of(p: Proportions, sitting: Option<Sitting>, annotated: AnnotatedBox, model_seed: u64, s: &mut Stream) -> Self {
+        let palette = clothes::palette(p.kind, p.headwear, s);
         let num_phases = if p.speed > 0.0 { NUM_PHASES / 2 } else { 1 };
         let bounds = (0..num_phases)
             .map(|k| 2 * k)
-            .map(|k| Bounds::of(grounded(&p, k, 0).vertices))
+            .map(|k| Bounds::of(grounded(&p, sitting.as_ref(), k, 0).vertices))
             .fold(Bounds::EMPTY, |a, b| Bounds { min: a.min.min(b.min), max: a.max.max(b.max) });
         let (size, center) = (bounds.size(), bounds.center());
         Self {
@@ -71,10 +100,17 @@ impl PersonModel {
             walking_speed_mps: f64::from(p.speed),
             cycle_length_m: f64::from(p.cycle_length),
             palette: Arc::new(palette),
+            sitting,
             offset: Vec3::new(-center.x, -center.y, 0.0),
             proportions: Arc::new(p),
             shapes: Arc::new([const { OnceLock::new() }; NUM_PHASES]),
         }
+    }
+
+    /// The box frame's origin, in the frame of the seat that somebody sits on: x forward, on the ground below its middle.
+    #[must_use]
+    pub fn seat_from_box(&self) -> DVec3 {
+        DVec3::new(f64::from(HIP_BEFORE_MIDDLE_M - self.offset.x), f64::from(-self.offset.y), 0.0)
     }
 
     /// The shape at a phase of the gait cycle in [0, 1), one of 48 that are made once; the left heel strikes at 0.
@@ -86,9 +122,13 @@ impl PersonModel {
             // Most people are far away, and few are seen in more than one phase from near by.
             let level = |i: usize| {
                 let (p, name, offset) = (Arc::clone(&self.proportions), self.name.clone(), self.offset);
-                (LEVEL_LIMITS_M[i], LazyMesh::new(move || grounded(&p, k, i).into_mesh(&name, offset)))
+                let sitting = self.sitting;
+                (
+                    LEVEL_LIMITS_M[i],
+                    LazyMesh::new(move || grounded(&p, sitting.as_ref(), k, i).into_mesh(&name, offset)),
+                )
             };
-            let finest = grounded(&self.proportions, k, 0);
+            let finest = grounded(&self.proportions, self.sitting.as_ref(), k, 0);
             let bounds = Bounds::of(finest.vertices.iter().map(|v| *v + self.offset));
             LodSet { bounds, levels: (0..3).map(level).collect(), coarse_shadow_proxies: 2 }
         });
@@ -96,12 +136,18 @@ impl PersonModel {
     }
 }
 
-/// The body at a quantized phase with its lower sole on the ground.
-fn grounded(p: &Proportions, phase_index: usize, level: usize) -> Tubes {
-    let posture =
-        if p.speed > 0.0 { gait::walking(p, phase_index as f32 / NUM_PHASES as f32) } else { gait::standing(p) };
+/// The body at a quantized phase with its lower sole on the ground, or with its seat on what it sits on.
+fn grounded(p: &Proportions, sitting: Option<&Sitting>, phase_index: usize, level: usize) -> Tubes {
+    let posture = match sitting {
+        Some(sitting) => sitting.posture(p),
+        None if p.speed > 0.0 => gait::walking(p, phase_index as f32 / NUM_PHASES as f32),
+        None => gait::standing(p),
+    };
     let mut tubes = body::body(p, &posture, level);
-    let low = tubes.vertices.iter().fold(f32::INFINITY, |a, v| a.min(v.z));
+    let low = match sitting {
+        Some(sitting) => -sitting.hip_m(),
+        None => tubes.vertices.iter().fold(f32::INFINITY, |a, v| a.min(v.z)),
+    };
     for v in &mut tubes.vertices {
         v.z -= low;
     }

@@ -150,3 +150,46 @@ fn a_phase_is_made_once() {
     let again = PersonModel::generate(0).pose(0.30);
     assert_eq!(*a.levels[1].1, *again.levels[1].1);
 }
+
+#[test]
+fn people_who_sit_rest_on_their_seat_with_their_feet_on_the_ground() {
+    for seat_m in [0.44, 0.46, 0.475] {
+        for person in (0..60).map(|seed| PersonModel::sitting(seed, seat_m)) {
+            let origin = person.seat_from_box().as_vec3();
+            for (level, (_, mesh)) in person.pose(0.0).levels.iter().enumerate() {
+                // Buttocks and the upper half of the thighs; at the seat's front edge those of short people slope.
+                let on_seat = mesh.vertices.iter().map(|v| *v + origin);
+                let on_seat = on_seat.filter(|v| v.x.abs() < 0.08 && v.y.abs() < 0.2 && v.z > 0.35);
+                let low = on_seat.map(|v| v.z).fold(f32::INFINITY, f32::min);
+                let slack = [0.02, 0.025, 0.05][level];
+                assert!((low - seat_m as f32).abs() < slack, "{}: {low} on a seat of {seat_m}", person.name);
+                let sole = mesh.bounds.min.z;
+                // Feet of short people hang a little.
+                assert!((-0.02..0.06).contains(&sole), "{} at level {level}: soles at {sole}", person.name);
+                assert!(mesh.bounds.max.z < person.size_lwh.z as f32 + 0.02, "{}", person.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn people_who_sit_are_about_as_large_as_their_boxes() {
+    let people: Vec<PersonModel> = (0..200).map(|seed| PersonModel::sitting(seed, 0.46)).collect();
+    let mean = |of: &dyn Fn(&PersonModel) -> f64| people.iter().map(of).sum::<f64>() / people.len() as f64;
+    let over = |k: usize| mean(&|p| p.size_lwh[k] - p.annotated.size_lwh[k]);
+    // KITTI's boxes: length 0.80, width 0.60, height 1.27 in the mean.
+    assert!((mean(&|p| p.annotated.size_lwh.x) - 0.80).abs() < 0.04);
+    assert!((mean(&|p| p.annotated.size_lwh.z) - 1.275).abs() < 0.02);
+    assert!(
+        over(0).abs() < 0.15 && over(1).abs() < 0.12 && over(2).abs() < 0.08,
+        "{} {} {}",
+        over(0),
+        over(1),
+        over(2)
+    );
+    // Long boxes are those of stretched legs.
+    let (short, long): (Vec<&PersonModel>, Vec<&PersonModel>) =
+        people.iter().partition(|p| p.annotated.size_lwh.x < 0.75);
+    let length = |of: &[&PersonModel]| of.iter().map(|p| p.size_lwh.x).sum::<f64>() / of.len() as f64;
+    assert!(length(&long) > length(&short) + 0.01, "{} {}", length(&long), length(&short));
+}

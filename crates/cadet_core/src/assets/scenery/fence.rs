@@ -19,11 +19,13 @@ pub enum FenceKind {
     Screen,
     /// Posts and wires.
     Wire,
+    /// A steel beam on posts, beside a main road; it faces -y.
+    GuardRail,
 }
 
 impl FenceKind {
     /// Every kind.
-    pub const ALL: [Self; 5] = [Self::Picket, Self::Railing, Self::Wall, Self::Screen, Self::Wire];
+    pub const ALL: [Self; 6] = [Self::Picket, Self::Railing, Self::Wall, Self::Screen, Self::Wire, Self::GuardRail];
 
     /// A short name.
     #[must_use]
@@ -34,13 +36,14 @@ impl FenceKind {
             Self::Wall => "wall",
             Self::Screen => "screen",
             Self::Wire => "wire",
+            Self::GuardRail => "guard-rail",
         }
     }
 
     /// True where the body is metal.
     #[must_use]
     pub fn is_metal(self) -> bool {
-        matches!(self, Self::Railing | Self::Wire)
+        matches!(self, Self::Railing | Self::Wire | Self::GuardRail)
     }
 
     /// Height above the ground.
@@ -53,6 +56,7 @@ impl FenceKind {
             (Self::Railing, true) | (Self::Wall, false) => 1.35,
             (Self::Wall, true) | (Self::Screen, false) => 1.75,
             (Self::Screen, true) => 1.95,
+            (Self::GuardRail, _) => 0.75,
             (Self::Wire, false) => 1.0,
             (Self::Wire, true) => 1.4,
         }
@@ -132,6 +136,24 @@ pub(super) fn mesh(kind: FenceKind, variant: usize, length: f32, detail: Detail)
             }
             for i in 0..posts_seen {
                 b.cuboid(v(post_at(i), -0.1, -0.4), v(post_at(i) + 0.09, -0.01, top + 0.03), slot::POST);
+            }
+        }
+        FenceKind::GuardRail => {
+            // Two waves, the sheet as thick as what it hides.
+            let sheet =
+                [(0.0, 0.0), (-0.08, 0.04), (-0.08, 0.12), (-0.01, 0.155), (-0.08, 0.19), (-0.08, 0.27), (0.0, 0.31)];
+            let outline: Vec<Vec3> = match detail {
+                Detail::Far => {
+                    [(-0.06, 0.0), (0.01, 0.0), (0.01, 0.31), (-0.06, 0.31)].map(|(y, z)| v(0.0, y, z)).to_vec()
+                }
+                _ => sheet.iter().chain(&[(0.012, 0.31), (0.012, 0.0)]).map(|(y, z)| v(0.0, *y, *z)).rev().collect(),
+            };
+            let low = top - 0.31;
+            let rings = [0.0, length].map(|x| outline.iter().map(|p| v(x, p.y, low + p.z)).collect::<Vec<_>>());
+            b.loft(&rings, slot::BODY, true);
+            for i in 0..posts_seen {
+                let x = post_at(i) + 0.4;
+                b.cuboid(v(x, 0.012, -0.4), v(x + 0.1, 0.09, top - 0.04), slot::POST);
             }
         }
         FenceKind::Wire => {

@@ -60,7 +60,7 @@ fn bin(b: &mut MeshBuilder, [w, d, h]: [f32; 3], detail: Detail) {
     // The lid slopes to the front; the handle sits at the back.
     let lid = |x0: f32, x1: f32, z0: f32, z1: f32| -> [Vec<Vec3>; 2] {
         let y = w / 2.0 + 0.01;
-        [-y, y].map(|y| vec![v(x0, y, z0), v(x0, y, body_top), v(x1, y, body_top), v(x1, y, z1)])
+        [y, -y].map(|y| vec![v(x0, y, z0), v(x0, y, body_top), v(x1, y, body_top), v(x1, y, z1)])
     };
     b.loft(&lid(-d / 2.0 - 0.01, d / 2.0 + 0.02, h, h - 0.04), slot::ACCENT, true);
     if detail != Detail::Far {

@@ -3,13 +3,13 @@
 use std::sync::{Arc, OnceLock};
 
 use super::house::HouseDesign;
-use super::materials::{fence_palette, furniture_palette, house_palette, plant_palette};
+use super::materials::{fence_palette, furniture_palette, house_palette, house_slot, plant_palette};
 use super::tree::TreeDesign;
 use super::{
-    Detail, FenceKind, FurnitureKind, HouseKind, PoleKind, SceneryModel, TreeKind, fence as fences, furniture as bins,
-    garage as garages, hedge as hedges, pole as poles,
+    Detail, FenceKind, FurnitureKind, HouseKind, PoleKind, SceneryModel, THING_VARIANTS, ThingKind, TreeKind,
+    fence as fences, furniture as bins, garage as garages, hedge as hedges, pole as poles, thing_palette, things,
 };
-use crate::geometry::{LodSet, MeshBuilder};
+use crate::geometry::{Bounds, LodSet, Mesh, MeshBuilder};
 use crate::material::{Material, Palette, Pattern, Semantic};
 use crate::math::{DVec2, Vec3};
 use crate::rng::Stream;
@@ -17,6 +17,8 @@ use crate::rng::Stream;
 /// Lengths that hedges and fences come in, the longest first.
 pub const PIECE_LENGTHS_M: [f64; 5] = [9.6, 4.8, 2.4, 1.2, 0.6];
 
+/// People pass below what is higher.
+pub const OVERHEAD_M: f64 = 1.9;
 const HOUSES: usize = 5;
 const TREES: usize = 8;
 const FENCES: usize = 2;
@@ -58,6 +60,18 @@ pub fn house(kind: HouseKind, variant: usize) -> SceneryModel {
             model(name, shape, palette, half, height_m)
         })
         .clone()
+}
+
+/// Where the doors of a house's front are: the y of their middles.
+#[must_use]
+pub fn house_doors(house: &SceneryModel) -> Vec<f64> {
+    let mesh: &Mesh = &house.shape.levels[0].1;
+    let front = house.footprint_max.x - 0.6;
+    let doors = mesh.faces.iter().zip(&mesh.slots).filter(|(_, slot)| **slot == house_slot::DOOR);
+    let corners = doors.flat_map(|(face, _)| face.map(|i| mesh.vertices[i as usize]));
+    let mut sides: Vec<f64> = corners.filter(|p| f64::from(p.x) > front).map(|p| f64::from(p.y)).collect();
+    sides.sort_by(f64::total_cmp);
+    sides.chunk_by(|a, b| b - a < 0.7).map(|door| (door[0] + door[door.len() - 1]) / 2.0).collect()
 }
 
 /// A garage of one or two bays; the doors face +x.
@@ -156,6 +170,7 @@ pub fn pole(kind: PoleKind, variant: usize) -> SceneryModel {
                 PoleKind::Lamp | PoleKind::ArmLamp if s.chance(0.4) => ([0.05, 0.07, 0.06], [0.50, 0.50, 0.48]),
                 PoleKind::DiamondSign => ([0.32, 0.33, 0.34], [0.55, 0.36, 0.02]),
                 PoleKind::TrafficLight => ([0.30, 0.31, 0.32], [0.02, 0.25, 0.10]),
+                PoleKind::Delineator => ([0.32, 0.33, 0.34], [0.62, 0.62, 0.60]),
                 PoleKind::Bollard => ([0.30, 0.03, 0.03], [0.5, 0.5, 0.5]),
                 _ => ([0.32, 0.33, 0.34], [0.46, 0.46, 0.45]),
             };
@@ -196,6 +211,31 @@ pub fn furniture(kind: FurnitureKind, variant: usize) -> SceneryModel {
             let shape = Detail::levels([25.0, 60.0, 120.0], move |d| bins::mesh(kind, variant, d));
             let size = shape.bounds.size().as_dvec3();
             model(name, shape, palette, DVec2::new(size.x, size.y) / 2.0, size.z)
+        })
+        .clone()
+}
+
+/// A thing beside the street. Its footprint is what of it lies below [`OVERHEAD_M`].
+#[must_use]
+pub fn thing(kind: ThingKind, variant: usize) -> SceneryModel {
+    static CELLS: [Cell; THING_VARIANTS * ThingKind::ALL.len()] = cells!(THING_VARIANTS * ThingKind::ALL.len());
+    let variant = variant % THING_VARIANTS;
+    CELLS[kind as usize * THING_VARIANTS + variant]
+        .get_or_init(|| {
+            let name = format!("{}/{variant}", kind.name());
+            let palette = thing_palette(kind, &mut Stream::from_seed(&name, 0));
+            let shape = Detail::levels(kind.limits_m(), move |d| things::mesh(kind, variant, d));
+            let finest = &shape.levels[0].1;
+            let below = Bounds::of(finest.vertices.iter().copied().filter(|p| f64::from(p.z) < OVERHEAD_M));
+            let height_m = f64::from(shape.bounds.max.z);
+            SceneryModel {
+                name,
+                palette,
+                footprint_min: below.min.truncate().as_dvec2(),
+                footprint_max: below.max.truncate().as_dvec2(),
+                height_m,
+                shape,
+            }
         })
         .clone()
 }

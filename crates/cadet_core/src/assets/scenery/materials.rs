@@ -79,7 +79,7 @@ pub mod furniture_slot {
     pub const BACK: u8 = 6;
 }
 
-fn jitter(stream: &mut Stream, rgb: [f32; 3], value: f64, hue: f64) -> [f32; 3] {
+pub(super) fn jitter(stream: &mut Stream, rgb: [f32; 3], value: f64, hue: f64) -> [f32; 3] {
     let v = stream.range(1.0 - value, 1.0 + value) as f32;
     rgb.map(|c| (c * v * stream.range(1.0 - hue, 1.0 + hue) as f32).clamp(0.004, 0.92))
 }
@@ -88,7 +88,7 @@ fn building(albedo: [f32; 3], pattern: Pattern, reflectance: f32) -> Material {
     Material::matt(Semantic::Building, albedo, pattern, reflectance)
 }
 
-fn pane() -> Material {
+pub(super) fn pane() -> Material {
     Material {
         albedo: [0.03, 0.035, 0.035],
         roughness: 0.03,
@@ -225,6 +225,17 @@ pub fn fence_palette(stream: &mut Stream, metal: bool) -> Arc<Palette> {
         Material::matt(Semantic::Fence, body.map(|c| c * 0.85), pattern, reflectance),
         Material::matt(Semantic::Fence, masonry, wall, 0.38),
     ]))
+}
+
+/// Galvanized steel.
+#[must_use]
+pub fn guard_rail_palette(stream: &mut Stream) -> Arc<Palette> {
+    let steel = jitter(stream, [0.34, 0.35, 0.36], 0.2, 0.03);
+    let mut sheet = Material::matt(Semantic::Fence, steel, Pattern::Plain, 0.4);
+    sheet.roughness = 0.5;
+    sheet.specular = 0.3;
+    let post = Material::matt(Semantic::Fence, steel.map(|c| c * 0.8), Pattern::Plain, 0.35);
+    Arc::new(Palette::new(vec![sheet, post, post]))
 }
 
 fn plate(semantic: Semantic, albedo: [f32; 3]) -> Material {

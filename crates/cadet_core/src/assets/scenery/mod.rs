@@ -16,6 +16,7 @@ mod library;
 pub mod materials;
 mod pole;
 mod roof;
+mod things;
 mod tree;
 mod tree_levels;
 
@@ -24,8 +25,12 @@ use std::sync::Arc;
 pub use fence::FenceKind;
 pub use furniture::FurnitureKind;
 pub use house::HouseKind;
-pub use library::{PIECE_LENGTHS_M, fence, furniture, garage, hedge, house, num_variants, paving, pole, tree};
+pub use library::{
+    OVERHEAD_M, PIECE_LENGTHS_M, fence, furniture, garage, hedge, house, house_doors, num_variants, paving, pole,
+    thing, tree,
+};
 pub use pole::PoleKind;
+pub use things::{BENCH_SEAT_M, CHAIR_SEAT_M, SHELTER_SEAT_M, THING_VARIANTS, ThingKind, thing_palette};
 pub use tree::TreeKind;
 
 use crate::geometry::{LazyMesh, LodSet, Mesh};

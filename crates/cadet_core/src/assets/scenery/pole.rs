@@ -29,11 +29,13 @@ pub enum PoleKind {
     TrafficLight,
     /// A bollard.
     Bollard,
+    /// A white post with a black band at the edge of a main road.
+    Delineator,
 }
 
 impl PoleKind {
     /// Every kind.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Lamp,
         Self::ArmLamp,
         Self::RoundSign,
@@ -44,6 +46,7 @@ impl PoleKind {
         Self::NameSign,
         Self::TrafficLight,
         Self::Bollard,
+        Self::Delineator,
     ];
 
     /// A short name.
@@ -60,6 +63,7 @@ impl PoleKind {
             Self::NameSign => "name-sign",
             Self::TrafficLight => "traffic-light",
             Self::Bollard => "bollard",
+            Self::Delineator => "delineator",
         }
     }
 }
@@ -191,6 +195,13 @@ pub(super) fn mesh(kind: PoleKind, variant: usize, detail: Detail) -> Mesh {
                     block(b_, v(0.34, 0.0, z + 0.11), v(0.16, 0.22, 0.015), slot::DARK);
                 }
             }
+        }
+        PoleKind::Delineator => {
+            let ring = |z: f32| vec![v(-0.05, -0.06, z), v(0.05, -0.06, z), v(0.05, 0.06, z), v(-0.05, 0.06, z)];
+            b.loft(&[ring(-0.3), ring(0.72)], slot::ACCENT, true);
+            b.loft(&[ring(0.72), ring(0.97)], slot::DARK, true);
+            b.loft(&[ring(0.97), ring(1.05)], slot::ACCENT, true);
+            block(&mut b, v(0.051, 0.0, 0.85), v(0.006, 0.04, 0.18), slot::WHITE);
         }
         PoleKind::Bollard => {
             post(b_, (0.055, 0.055), 0.88, detail);

@@ -28,7 +28,7 @@ pub(super) enum Body {
     Guided(Box<Guided>),
     /// A bicycle that its rider leads along the ground.
     Cycle(Box<Cycle>),
-    /// A person: upright on the ground, moved by the controller, not in rapier's world.
+    /// A person, on foot or on a seat, moved by the controller if at all, not in rapier's world.
     Upright(Upright),
 }
 

@@ -1,8 +1,8 @@
-//! Nobody is at the wheel.
+//! Nobody is at the wheel, or somebody sits.
 
 use super::controller::Controller;
 
-/// Leaves a vehicle where it stands.
+/// Leaves a vehicle or a person where they are.
 pub(crate) struct Parked;
 
 impl Controller for Parked {}

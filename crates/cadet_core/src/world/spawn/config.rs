@@ -29,13 +29,15 @@ settings! {
         /// Mean fraction of the parking places along the ego's way that are taken; it varies from street to street, and
         /// side streets and drives are fuller: its power of 0.35.
         parking_occupancy: f64 = 0.6, 0 to 1;
+        /// Mean fraction of the seats (benches, chairs of cafes, bus stops) that are taken.
+        seat_occupancy: f64 = 0.1, 0 to 1;
         /// Driven cars start within this distance of the ego, meters.
         car_radius_m: f64 = 110.0, 1 to 1000;
         /// People start within this distance of the ego, meters.
         pedestrian_radius_m: f64 = 80.0, 1 to 1000;
         /// Cyclists start within this distance of the ego, meters.
         cyclist_radius_m: f64 = 70.0, 1 to 1000;
-        /// Distance from the ego within which parking places are filled, meters.
+        /// Distance from the ego within which parking places and seats are filled, meters.
         parking_radius_m: f64 = 280.0, 1 to 1000;
     }
 }

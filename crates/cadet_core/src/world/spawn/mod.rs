@@ -10,6 +10,7 @@ mod overlap;
 mod parking;
 mod people;
 mod placed;
+mod seated;
 mod spawner;
 mod traffic;
 
@@ -18,5 +19,6 @@ pub use config::TrafficConfig;
 pub(super) use ego::place_ego;
 pub(super) use overlap::check_free;
 pub(super) use placed::{add_cyclist, add_person, add_vehicle, box_at};
+pub(super) use seated::add_seated;
 pub(super) use spawner::Spawner;
 pub(super) use traffic::{RENEW_EVERY, fill, renew};

@@ -24,7 +24,8 @@ const CYCLIST_STARTS_M: f64 = 8.0;
 /// A car that has stood this long somewhere out of sight is stuck.
 const STUCK_STEPS: u64 = 60 * 45;
 
-/// Fills a world: parked cars, then driven ones, then people, then cyclists. To be called once, before the first step.
+/// Fills a world: parked cars, then driven ones, then people on foot, then cyclists, then people who sit. To be called once,
+/// before the first step.
 ///
 /// # Errors
 /// [`crate::Error::OutOfRange`] for a configuration that makes no sense.
@@ -55,6 +56,7 @@ pub(crate) fn fill(spawner: &mut Spawner<'_>, town: &Town) -> Result<()> {
             spawner.arena.put(cyclist);
         }
     }
+    spawner.seat_people(town);
     Ok(())
 }
 

@@ -6,6 +6,7 @@ mod flow;
 mod main_roads;
 mod placed;
 mod scripted;
+mod seated;
 mod towns;
 
 use std::sync::Arc;

@@ -84,6 +84,8 @@ pub(crate) fn town(network: RoadNetwork, ground: Ground, walkways: Vec<Walkway>)
         scenery: Vec::new(),
         parking: Vec::new(),
         walkways,
+        obstacles: Vec::new(),
+        seats: Vec::new(),
         map_warnings: Vec::new(),
     })
 }

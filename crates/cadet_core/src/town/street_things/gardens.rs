@@ -1,0 +1,95 @@
+//! What stands in front gardens and drives.
+
+use super::super::ParkingSpot;
+use super::super::plots::Plot;
+use super::super::street_style::StreetStyle;
+use super::Furnisher;
+use crate::assets::scenery::{HouseKind, THING_VARIANTS, ThingKind, thing, thing_palette};
+use crate::frames;
+use crate::math::{DVec2, DVec3};
+use crate::rng::Stream;
+
+/// Share of the gardens that have something in front.
+const FURNISHED_SHARE: f64 = 0.45;
+/// Share of the drives that are roofed over.
+const CARPORT_SHARE: f64 = 0.12;
+/// Front gardens less deep than this have no room.
+const LEAST_SETBACK_M: f64 = 2.6;
+
+/// Furnishes the garden of a house, or a vacant plot's.
+pub(super) fn furnish(f: &mut Furnisher, plot: &Plot, _style: &StreetStyle, clutter: f64, s: &mut Stream) {
+    let Some(house) = plot.house.as_ref().filter(|h| h.setback_m >= LEAST_SETBACK_M) else { return };
+    if !s.chance((FURNISHED_SHARE * clutter).min(0.95)) {
+        return;
+    }
+    let is_flats = house.kind == HouseKind::Flats;
+    let half = plot.length_m / 2.0;
+    for _ in 0..1 + s.below(if is_flats { 4 } else { 3 }) {
+        let kind = if is_flats {
+            let kinds = [ThingKind::ShrubBed, ThingKind::Bicycle, ThingKind::LargeContainer, ThingKind::ClippedBush];
+            kinds[s.weighted(&[0.35, 0.25, 0.2, 0.2])]
+        } else {
+            let kinds = [
+                ThingKind::ClippedBush,
+                ThingKind::ShrubBed,
+                ThingKind::Tub,
+                ThingKind::Bicycle,
+                ThingKind::Shed,
+                ThingKind::WoodPile,
+                ThingKind::CoveredCycle,
+                ThingKind::CoveredCar,
+                ThingKind::Pallets,
+            ];
+            kinds[s.weighted(&[0.3, 0.14, 0.14, 0.14, 0.09, 0.06, 0.05, 0.05, 0.03])]
+        };
+        let count = match kind {
+            ThingKind::ClippedBush | ThingKind::LargeContainer => 1 + s.below(3),
+            ThingKind::Bicycle if is_flats => 2 + s.below(4),
+            _ => 1,
+        };
+        // Sheds stand beside or behind the house; all else in front of it.
+        let reach = if kind == ThingKind::Shed { plot.depth_m - 1.5 } else { house.setback_m - 0.5 };
+        let least = if kind == ThingKind::Shed { 0.6 * house.setback_m } else { 0.9 };
+        let (mut a, d) = (s.range(-half + 0.8, half - 0.8), s.range(least, reach.max(least + 0.1)));
+        let facing = match kind {
+            ThingKind::CoveredCar | ThingKind::CoveredCycle if s.chance(0.6) => plot.out(),
+            ThingKind::Bicycle => plot.along * if s.chance(0.5) { 1.0 } else { -1.0 } + plot.out() * s.range(-0.3, 0.3),
+            _ => -plot.out() + plot.along * s.range(-0.06, 0.06),
+        };
+        for _ in 0..count {
+            let model = thing(kind, s.below(THING_VARIANTS));
+            let _ = f.put_model(kind, &model, s, plot.at(a, d), facing);
+            a += model.footprint_size().max_element().min(1.8) + s.range(0.1, 0.5);
+            if a > half - 0.8 {
+                break;
+            }
+        }
+    }
+}
+
+/// Roofs a drive over, now and then: a car may still be parked below.
+pub(super) fn roof_over(f: &mut Furnisher, spot: &ParkingSpot, s: &mut Stream) {
+    let model = thing(ThingKind::Carport, s.below(THING_VARIANTS));
+    let wanted = s.chance(CARPORT_SHARE);
+    let palette = thing_palette(ThingKind::Carport, s);
+    let axis = (spot.world_from_spot.rotation * DVec3::X).truncate().normalize_or(DVec2::X);
+    let size = model.footprint_size();
+    if !wanted || size.x > spot.length_m + 0.1 || size.y < spot.width_m + 0.2 {
+        return;
+    }
+    let at = spot.world_from_spot.translation.truncate();
+    let rect = super::footprint(&model, at, axis);
+    // It stands on its posts, beside the car: only they must be free.
+    let feet = [(-1.0, -1.0), (-1.0, 1.0), (0.0, -1.0), (0.0, 1.0), (1.0, -1.0), (1.0, 1.0)].map(|(x, y)| {
+        let center = at + axis * (x * (rect.half.x - 0.06)) + axis.perp() * (y * (rect.half.y - 0.06));
+        super::OrientedRect { center, axis, half: DVec2::splat(0.06) }
+    });
+    let is_free = feet.iter().all(|foot| f.taken.is_free(foot) && !f.placer.site.is_street(foot.center));
+    if is_free && f.taken.is_free(&super::OrientedRect { half: rect.half - DVec2::splat(0.3), ..rect }) {
+        let position = spot.world_from_spot.translation;
+        f.placer
+            .instances
+            .push(model.wearing(palette, frames::upright(position, frames::yaw_of(&spot.world_from_spot))));
+        feet.iter().for_each(|foot| f.taken.take(*foot));
+    }
+}

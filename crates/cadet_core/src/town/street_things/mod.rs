@@ -1,0 +1,265 @@
+//! Things that stand about: on sidewalks' edges, in parking places, on vacant plots, in front gardens.
+
+mod bays;
+mod gardens;
+mod lots;
+mod sidewalk;
+
+pub(super) use lots::is_cleared;
+
+use std::sync::Arc;
+
+use super::frontage::Frontage;
+use super::occupancy::{Occupancy, OrientedRect};
+use super::placer::Placer;
+use super::plots::Plot;
+use super::street_style::StreetStyle;
+use super::{ParkingSpot, SpotKind, Walkway};
+use crate::assets::scenery::{SceneryModel, THING_VARIANTS, ThingKind, house_doors, thing, thing_palette};
+use crate::frames;
+use crate::material::Palette;
+use crate::math::{DPose3, DVec2, DVec3};
+use crate::rng::{Stream, StreamKey};
+
+/// What people and parked cars keep off: a rectangle on the ground.
+#[derive(Debug, Clone, Copy)]
+pub struct Obstacle {
+    /// Its middle.
+    pub center: DVec2,
+    /// Unit vector along its x axis.
+    pub axis: DVec2,
+    /// Half extents along and across the axis.
+    pub half: DVec2,
+}
+
+impl Obstacle {
+    fn rect(&self) -> OrientedRect {
+        OrientedRect { center: self.center, axis: self.axis, half: self.half }
+    }
+}
+
+/// Where somebody may sit.
+#[derive(Debug, Clone, Copy)]
+pub struct Seat {
+    /// The middle of the seat on the ground; who sits there looks along x.
+    pub world_from_seat: DPose3,
+    /// The seat's height over it.
+    pub height_m: f64,
+}
+
+/// What others need to know of the things.
+#[derive(Debug, Default)]
+pub(super) struct StreetThings {
+    pub obstacles: Vec<Obstacle>,
+    pub seats: Vec<Seat>,
+}
+
+/// A plot, and the frontage that it lies along.
+#[derive(Debug)]
+pub(super) struct Lined {
+    pub plot: Plot,
+    pub frontage: usize,
+    /// Nothing grows on it, and something is to be built there.
+    pub is_cleared: bool,
+}
+
+/// The streets of a town, as they were laid out.
+pub(super) struct Streets<'a> {
+    pub frontages: &'a [Frontage],
+    pub styles: &'a [StreetStyle],
+    pub lined: &'a [Lined],
+}
+
+/// No thing comes nearer to another, to a wall or to a trunk.
+const APART_M: f64 = 0.06;
+/// Between a door and what stands in front of it, and from the door's middle to either side.
+const DOOR_DEPTH_M: f64 = 2.2;
+const DOOR_HALF_M: f64 = 0.85;
+/// People pass a thing on a sidewalk if so much of its width is left beside it, and if some line that they walk along keeps
+/// so far from everything.
+const LEFT_FOR_WALKERS_M: f64 = 0.95;
+const SHOULDER_M: f64 = 0.42;
+
+/// Places things where they are free to stand, and remembers where.
+struct Furnisher<'a, 'b> {
+    placer: &'a mut Placer<'b>,
+    /// Walls, trunks, fences, things, parking places.
+    taken: Occupancy,
+    /// Ways to doors and garages.
+    ways: Occupancy,
+    /// Where cars park.
+    parked: Occupancy,
+    walkways: &'a [Walkway],
+    out: StreetThings,
+}
+
+/// Places the things of a town; parking places are those along streets and those in drives.
+pub(super) fn place(
+    key: &StreamKey,
+    streets: &Streets,
+    (parking, drives): (&[ParkingSpot], &[ParkingSpot]),
+    walkways: &[Walkway],
+    clutter: f64,
+    placer: &mut Placer,
+) -> StreetThings {
+    if clutter <= 0.0 {
+        return StreetThings::default();
+    }
+    let mut taken = Occupancy::default();
+    placer.standing.iter().for_each(|s| taken.take(s.rect));
+    let mut parked = Occupancy::default();
+    parking.iter().chain(drives).for_each(|spot| parked.take(rect_of(spot)));
+    let mut ways = Occupancy::default();
+    placer.ways.iter().for_each(|way| ways.take(*way));
+    for lined in streets.lined {
+        doors(&lined.plot).for_each(|door| ways.take(door));
+    }
+    let mut furnisher = Furnisher { placer, taken, ways, parked, walkways, out: StreetThings::default() };
+    for (i, lined) in streets.lined.iter().enumerate() {
+        let style = &streets.styles[lined.frontage];
+        let mut s = key.indexed("things/plot", i as u64);
+        if lined.is_cleared {
+            lots::build(&mut furnisher, &lined.plot, style, &mut s);
+        } else {
+            gardens::furnish(&mut furnisher, &lined.plot, style, clutter, &mut s);
+        }
+    }
+    for spot in drives.iter().filter(|spot| spot.kind == SpotKind::Drive) {
+        gardens::roof_over(&mut furnisher, spot, &mut key.indexed("things/drive", nearly(spot)));
+    }
+    for spot in parking {
+        bays::fill(&mut furnisher, spot, clutter, &mut key.indexed("things/bay", nearly(spot)));
+    }
+    for (i, frontage) in streets.frontages.iter().enumerate() {
+        let plots: Vec<&Plot> =
+            streets.lined.iter().filter(|l| l.frontage == i && !l.is_cleared).map(|l| &l.plot).collect();
+        let mut s = key.indexed("things/sidewalk", i as u64);
+        sidewalk::furnish(&mut furnisher, frontage, &streets.styles[i], &plots, clutter, &mut s);
+    }
+    furnisher.out
+}
+
+/// A number that goes with a place, for its stream.
+fn nearly(spot: &ParkingSpot) -> u64 {
+    let p = spot.world_from_spot.translation;
+    ((p.x * 10.0).round() as i64 as u64) << 32 | ((p.y * 10.0).round() as i64 as u64 & 0xffff_ffff)
+}
+
+/// The ground of a parking place.
+fn rect_of(spot: &ParkingSpot) -> OrientedRect {
+    let axis = (spot.world_from_spot.rotation * DVec3::X).truncate().normalize_or(DVec2::X);
+    let half = DVec2::new(spot.length_m, spot.width_m) / 2.0;
+    OrientedRect { center: spot.world_from_spot.translation.truncate(), axis, half }
+}
+
+/// The ground before the doors of a plot's house.
+fn doors(plot: &Plot) -> impl Iterator<Item = OrientedRect> + '_ {
+    plot.house.iter().flat_map(move |house| {
+        let before = (house.setback_m - DOOR_DEPTH_M).max(-1.3);
+        // The house looks toward the street, so its own y axis runs against the plot's.
+        house_doors(&house.model).into_iter().map(move |y| {
+            let a = house.along_m - y;
+            plot.rect([a - DOOR_HALF_M, a + DOOR_HALF_M], [before, house.setback_m])
+        })
+    })
+}
+
+fn grown(rect: &OrientedRect, by_m: f64) -> OrientedRect {
+    OrientedRect { half: rect.half + DVec2::splat(by_m), ..*rect }
+}
+
+/// The ground that a model covers.
+fn footprint(model: &SceneryModel, at: DVec2, facing: DVec2) -> OrientedRect {
+    let axis = facing.normalize_or(DVec2::X);
+    let middle = (model.footprint_min + model.footprint_max) / 2.0;
+    let center = at + axis * middle.x + axis.perp() * middle.y;
+    OrientedRect { center, axis, half: model.footprint_size() / 2.0 }
+}
+
+impl Furnisher<'_, '_> {
+    /// Whether a rectangle is free of everything, of ways to doors, of carriageways and parked cars.
+    fn is_free(&self, rect: &OrientedRect) -> bool {
+        self.taken.is_free(&grown(rect, APART_M))
+            && self.ways.is_free(rect)
+            && self.parked.is_free(&grown(rect, APART_M))
+            && !rect.samples(0.4).any(|p| self.placer.site.is_road(p))
+    }
+
+    /// Puts a thing of any size behind the sidewalk, if there is room.
+    fn put(&mut self, kind: ThingKind, s: &mut Stream, at: DVec2, facing: DVec2) -> bool {
+        let model = thing(kind, s.below(THING_VARIANTS));
+        self.put_model(kind, &model, s, at, facing)
+    }
+
+    /// Puts this very one.
+    fn put_model(&mut self, kind: ThingKind, model: &SceneryModel, s: &mut Stream, at: DVec2, facing: DVec2) -> bool {
+        let palette = thing_palette(kind, s);
+        let rect = footprint(model, at, facing);
+        let is_off_street = rect.samples(0.5).all(|p| !self.placer.site.is_street(p));
+        if !is_off_street || !self.is_free(&rect) {
+            return false;
+        }
+        self.placer.put(model, palette, at, facing);
+        self.taken.take(rect);
+        true
+    }
+
+    /// Puts a model on the sidewalk's outer edge, `inset_m` from it, if people still get past.
+    fn put_at_edge(&mut self, model: &SceneryModel, palette: Arc<Palette>, place: &EdgePlace) -> bool {
+        let rect = footprint(model, place.at, place.facing);
+        // How far it reaches in from the outer edge.
+        let depth_m = (place.edge - rect.center).dot(place.out)
+            + rect.axis.dot(place.out).abs() * rect.half.x
+            + rect.axis.perp().dot(place.out).abs() * rect.half.y;
+        let has_room = depth_m + LEFT_FOR_WALKERS_M <= place.sidewalk_m;
+        if !(has_room && self.is_free(&rect) && self.parked.is_free(&grown(&rect, 0.8)) && self.is_passable(&rect)) {
+            return false;
+        }
+        self.placer.put(model, palette, place.at, place.facing);
+        self.taken.take(rect);
+        self.out.obstacles.push(Obstacle { center: rect.center, axis: rect.axis, half: rect.half });
+        true
+    }
+
+    /// Whether people on every walkway get past a rectangle and what stands near it.
+    fn is_passable(&self, rect: &OrientedRect) -> bool {
+        let reach_m = rect.half.length() + 1.0;
+        let is_near = |p: DVec2, within_m: f64| (p - rect.center).length() < within_m;
+        let near: Vec<OrientedRect> =
+            self.out.obstacles.iter().map(Obstacle::rect).filter(|o| is_near(o.center, reach_m + 4.0)).collect();
+        let places = self.walkways.iter().flat_map(|w| w.center.windows(2).map(move |pair| (w.width_m, pair)));
+        let mut places = places.filter(|(_, pair)| is_near(pair[0].truncate(), reach_m + 2.0));
+        places.all(|(width_m, pair)| {
+            let (from, to) = (pair[0].truncate(), pair[1].truncate());
+            let left = (to - from).normalize_or(DVec2::X).perp();
+            let room_m = (width_m / 2.0 - 0.1).max(0.0);
+            (0..3).all(|k| {
+                let middle = from.lerp(to, f64::from(k) / 3.0);
+                let mut lines = (0..=10).map(|k| middle + left * (room_m * (f64::from(k) / 5.0 - 1.0)));
+                lines.any(|p| near.iter().chain([rect]).all(|o| !o.contains(p, SHOULDER_M)))
+            })
+        })
+    }
+
+    /// Remembers a seat of what was put last, `ahead_m` before its origin and `aside_m` to its left.
+    fn add_seat(&mut self, (ahead_m, aside_m): (f64, f64), height_m: f64) {
+        let Some(instance) = self.placer.instances.last() else { return };
+        let place = instance.world_from_local.transform_point(DVec3::new(ahead_m, aside_m, 0.0));
+        let world_from_seat = frames::upright(place, frames::yaw_of(&instance.world_from_local));
+        self.out.seats.push(Seat { world_from_seat, height_m });
+    }
+}
+
+/// A place at a sidewalk's outer edge.
+struct EdgePlace {
+    /// Where the model's origin goes.
+    at: DVec2,
+    facing: DVec2,
+    /// The nearest point of the edge, and the way out of the street there.
+    edge: DVec2,
+    out: DVec2,
+    sidewalk_m: f64,
+}
+
+#[cfg(test)]
+mod tests;

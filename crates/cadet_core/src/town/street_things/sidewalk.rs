@@ -1,0 +1,237 @@
+//! What stands on sidewalks, along their outer edges, where people still get past.
+
+use std::sync::Arc;
+
+use super::super::frontage::{Frontage, right_of};
+use super::super::plots::Plot;
+use super::super::street_style::{Boundary, StreetStyle};
+use super::{EdgePlace, Furnisher};
+use crate::assets::scenery::materials::guard_rail_palette;
+use crate::assets::scenery::{
+    BENCH_SEAT_M, CHAIR_SEAT_M, FenceKind, FurnitureKind, HouseKind, PoleKind, SceneryModel, THING_VARIANTS, ThingKind,
+    furniture, pole, thing, thing_palette,
+};
+use crate::math::DVec2;
+use crate::rng::Stream;
+
+/// Share of the streets where the bins are out for collection, and of their houses that have put some out.
+const COLLECTION_SHARE: f64 = 0.16;
+const BINS_OUT_SHARE: f64 = 0.7;
+/// Things keep this far from the ends of a frontage, where people turn the corner.
+const CORNER_M: f64 = 4.0;
+/// Between a thing's back and the sidewalk's outer edge.
+const INSET_M: f64 = 0.06;
+
+/// Furnishes one frontage; `plots` lie along it.
+pub(super) fn furnish(
+    f: &mut Furnisher,
+    frontage: &Frontage,
+    style: &StreetStyle,
+    plots: &[&Plot],
+    clutter: f64,
+    s: &mut Stream,
+) {
+    let length_m = frontage.length_m();
+    if length_m < 3.0 * CORNER_M {
+        return;
+    }
+    if s.chance((COLLECTION_SHARE * clutter).min(0.8)) {
+        for plot in plots.iter().filter(|p| p.house.is_some()) {
+            if s.chance(BINS_OUT_SHARE) {
+                bins(f, frontage, plot, s);
+            }
+        }
+    }
+    let is_urban = style.houses.iter().any(|k| matches!(k, HouseKind::Block | HouseKind::Village | HouseKind::Terrace));
+    let every = |f: &mut Furnisher, s: &mut Stream, spacing_m: f64, put: &dyn Fn(&mut Furnisher, &mut Stream, f64)| {
+        for _ in 0..s.poisson((clutter * length_m / spacing_m).min(30.0)) {
+            let at_m = s.range(CORNER_M, length_m - CORNER_M);
+            put(f, s, at_m);
+        }
+    };
+    let edge = |f: &mut Furnisher, s: &mut Stream, kind: ThingKind, at_m: f64| {
+        let model = thing(kind, s.below(THING_VARIANTS));
+        let palette = thing_palette(kind, s);
+        f.put_at_edge(&model, palette, &at_edge(frontage, &model, at_m));
+    };
+    every(f, s, 100.0, &|f, s, at_m| edge(f, s, ThingKind::Cabinet, at_m));
+    every(f, s, if is_urban { 45.0 } else { 140.0 }, &|f, s, at_m| leaning_cycles(f, frontage, at_m, s));
+    every(f, s, if is_urban { 120.0 } else { 400.0 }, &|f, s, at_m| bench(f, frontage, at_m, s));
+    if is_urban {
+        every(f, s, 110.0, &|f, s, at_m| edge(f, s, ThingKind::AdvertStand, at_m));
+        every(f, s, 130.0, &|f, s, at_m| edge(f, s, ThingKind::Tub, at_m));
+        every(f, s, 400.0, &|f, s, at_m| edge(f, s, ThingKind::AdvertColumn, at_m));
+    }
+    if style.houses[0] == HouseKind::Block || style.houses[0] == HouseKind::Village {
+        every(f, s, 160.0, &|f, s, at_m| cafe(f, frontage, at_m, s));
+    }
+    every(f, s, 250.0, &|f, s, at_m| bollards(f, frontage, at_m, s));
+    if frontage.is_main_road {
+        main_road(f, frontage, plots, s);
+    }
+}
+
+/// A model with its back to the outer edge, looking at the street.
+fn at_edge(frontage: &Frontage, model: &SceneryModel, at_m: f64) -> EdgePlace {
+    let out = right_of(frontage.along(at_m));
+    let edge = frontage.at(at_m);
+    let at = edge - out * (INSET_M - model.footprint_min.x);
+    EdgePlace { at, facing: -out, edge, out, sidewalk_m: frontage.sidewalk_at(at_m) }
+}
+
+/// A model whose x axis runs along the edge.
+fn along_edge(frontage: &Frontage, model: &SceneryModel, at_m: f64, is_forth: bool) -> EdgePlace {
+    let along = frontage.along(at_m);
+    let (out, edge) = (right_of(along), frontage.at(at_m));
+    let half = model.footprint_size().y / 2.0;
+    let facing = if is_forth { along } else { -along };
+    EdgePlace { at: edge - out * (INSET_M + half), facing, edge, out, sidewalk_m: frontage.sidewalk_at(at_m) }
+}
+
+/// Two to four bins before a plot.
+fn bins(f: &mut Furnisher, frontage: &Frontage, plot: &Plot, s: &mut Stream) {
+    let is_flats = plot.house.as_ref().is_some_and(|h| matches!(h.kind, HouseKind::Flats | HouseKind::Block));
+    let near = frontage.points.iter().position(|p| (*p - plot.front).length() < 1.0);
+    let Some(middle_m) = near.map(|i| frontage.s_m[i]) else { return };
+    let mut at_m = middle_m + s.range(-0.4, 0.4) * plot.length_m;
+    for _ in 0..1 + s.below(4) {
+        let (model, palette) = if is_flats && s.chance(0.5) {
+            let model = thing(ThingKind::LargeContainer, s.below(THING_VARIANTS));
+            (model, thing_palette(ThingKind::LargeContainer, s))
+        } else {
+            let kind = if s.chance(0.6) { FurnitureKind::SmallBin } else { FurnitureKind::LargeBin };
+            let model = furniture(kind, s.below(3));
+            let palette = Arc::clone(&model.palette);
+            (model, palette)
+        };
+        if (CORNER_M..frontage.length_m() - CORNER_M).contains(&at_m) {
+            f.put_at_edge(&model, palette, &at_edge(frontage, &model, at_m));
+        }
+        at_m += model.footprint_size().y + s.range(0.08, 0.3);
+    }
+}
+
+/// One to four that lean on the fence or the wall, one behind the other.
+fn leaning_cycles(f: &mut Furnisher, frontage: &Frontage, at_m: f64, s: &mut Stream) {
+    let is_forth = s.chance(0.5);
+    for k in 0..1 + s.below(4) {
+        let model = thing(ThingKind::Bicycle, s.below(THING_VARIANTS));
+        let palette = thing_palette(ThingKind::Bicycle, s);
+        let at_m = at_m + 2.0 * k as f64;
+        if at_m < frontage.length_m() - CORNER_M {
+            f.put_at_edge(&model, palette, &along_edge(frontage, &model, at_m, is_forth));
+        }
+    }
+}
+
+fn bench(f: &mut Furnisher, frontage: &Frontage, at_m: f64, s: &mut Stream) {
+    let model = furniture(FurnitureKind::Bench, s.below(3));
+    let palette = Arc::clone(&model.palette);
+    if f.put_at_edge(&model, palette, &at_edge(frontage, &model, at_m)) {
+        for aside_m in [-0.45, 0.4] {
+            f.add_seat((0.0, aside_m), BENCH_SEAT_M);
+        }
+    }
+}
+
+/// Tables with two chairs each, along the wall.
+fn cafe(f: &mut Furnisher, frontage: &Frontage, at_m: f64, s: &mut Stream) {
+    let (variant, chair_colors) = (s.below(THING_VARIANTS), thing_palette(ThingKind::CafeChair, s));
+    let has_parasols = s.chance(0.5);
+    for k in 0..2 + s.below(4) {
+        let table_m = at_m + 2.6 * k as f64;
+        if table_m > frontage.length_m() - CORNER_M {
+            break;
+        }
+        let table = thing(ThingKind::CafeTable, variant);
+        if !f.put_at_edge(&table, thing_palette(ThingKind::CafeTable, s), &at_edge(frontage, &table, table_m)) {
+            continue;
+        }
+        let depth_m = INSET_M + table.footprint_size().x / 2.0;
+        for side in [-1.0, 1.0] {
+            let chair = thing(ThingKind::CafeChair, variant);
+            let seat_m = table_m + side * (table.footprint_size().y / 2.0 + 0.36);
+            let mut place = along_edge(frontage, &chair, seat_m, side < 0.0);
+            place.at = place.edge - place.out * depth_m;
+            if f.put_at_edge(&chair, Arc::clone(&chair_colors), &place) {
+                f.add_seat((0.02, 0.0), CHAIR_SEAT_M);
+            }
+        }
+        if has_parasols && k % 2 == 0 {
+            let parasol = thing(ThingKind::Parasol, variant);
+            let place = at_edge(frontage, &parasol, table_m + 1.3);
+            f.put_at_edge(&parasol, thing_palette(ThingKind::Parasol, s), &place);
+        }
+    }
+}
+
+/// A row at the curb.
+fn bollards(f: &mut Furnisher, frontage: &Frontage, at_m: f64, s: &mut Stream) {
+    let (variant, spacing_m) = (s.below(6), s.range(1.4, 2.6));
+    let model = pole(PoleKind::Bollard, variant);
+    for k in 0..3 + s.below(7) {
+        let at_m = at_m + spacing_m * k as f64;
+        if at_m > frontage.length_m() - CORNER_M {
+            break;
+        }
+        let out = right_of(frontage.along(at_m));
+        let sidewalk_m = frontage.sidewalk_at(at_m);
+        let at = frontage.at(at_m) - out * (sidewalk_m - 0.32);
+        let rect = super::footprint(&model, at, -out);
+        if sidewalk_m > 1.6 && f.is_free(&rect) && f.parked.is_free(&super::grown(&rect, 0.4)) {
+            f.placer.put(&model, Arc::clone(&model.palette), at, -out);
+            f.taken.take(rect);
+        }
+    }
+}
+
+/// Traffic lights where a main road ends at a junction, and a guard rail where nobody lives.
+fn main_road(f: &mut Furnisher, frontage: &Frontage, plots: &[&Plot], s: &mut Stream) {
+    let length_m = frontage.length_m();
+    let put = |f: &mut Furnisher, model: &SceneryModel, at_m: f64, facing: DVec2| {
+        let at = frontage.at(at_m) - right_of(frontage.along(at_m)) * 0.24;
+        let rect = super::footprint(model, at, facing);
+        if f.is_free(&rect) {
+            f.placer.put(model, Arc::clone(&model.palette), at, facing);
+            f.taken.take(rect);
+        }
+    };
+    if s.chance(0.65) {
+        let light = pole(PoleKind::TrafficLight, s.below(6));
+        put(f, &light, length_m - 1.8, -frontage.along(length_m - 1.8));
+    }
+    let is_built = plots.iter().any(|p| p.house.is_some());
+    if !is_built && s.chance(0.4) {
+        let post = pole(PoleKind::Delineator, s.below(6));
+        let mut at_m = s.range(3.0, 20.0);
+        while at_m < length_m - 3.0 {
+            put(f, &post, at_m, -frontage.along(at_m));
+            at_m += 25.0;
+        }
+    }
+    if !is_built && s.chance(0.5) {
+        guard_rail(f, frontage, s);
+    }
+}
+
+/// Along the outer edge, in runs that follow it.
+fn guard_rail(f: &mut Furnisher, frontage: &Frontage, s: &mut Stream) {
+    let palette = guard_rail_palette(s);
+    let end_m = frontage.length_m() - s.range(6.0, 14.0);
+    let mut at_m = s.range(6.0, 14.0);
+    while at_m + 4.8 < end_m {
+        let inside = |m: f64| frontage.at(m) - right_of(frontage.along(m)) * 0.1;
+        let (from, to) = (inside(at_m), inside(at_m + 4.8));
+        let middle = (from + to) / 2.0;
+        let rect = super::OrientedRect {
+            center: middle,
+            axis: (to - from).normalize_or(DVec2::X),
+            half: DVec2::new((to - from).length() / 2.0, 0.12),
+        };
+        if f.is_free(&rect) {
+            f.placer.run(Boundary::Fence(FenceKind::GuardRail, 0), &palette, from, to);
+            f.taken.take(rect);
+        }
+        at_m += 4.8;
+    }
+}

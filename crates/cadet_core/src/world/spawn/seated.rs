@@ -1,0 +1,99 @@
+//! People who sit: on the seats of a town, and where the user wants them.
+
+use std::sync::Arc;
+
+use super::overlap::{Cover, check_free};
+use super::spawner::Spawner;
+use crate::actor::ObjectClass;
+use crate::assets::person::PersonModel;
+use crate::assets::scenery::CHAIR_SEAT_M;
+use crate::error::{Error, Result, finite};
+use crate::frames;
+use crate::math::{DPose3, DVec2, DVec3};
+use crate::rng::Stream;
+use crate::town::Town;
+use crate::world::appearance::Appearance;
+use crate::world::arena::{Arena, Newcomer};
+use crate::world::body::{Body, Upright};
+use crate::world::control::{BODY_M, Parked};
+use crate::world::course::{Course, Overlap};
+
+/// Seats this near to each other are used or left alone together.
+const TOGETHER_M: f64 = 12.0;
+
+impl Spawner<'_> {
+    /// Seats people near the ego, some seats beside each other; nobody gets up.
+    pub(super) fn seat_people(&mut self, town: &Town) {
+        let (ego, _) = self.arena.ego_place();
+        for (k, seat) in town.seats.iter().enumerate() {
+            let mut stream = self.key.indexed("seat", k as u64);
+            let at = seat.world_from_seat.translation.truncate();
+            // Seats of one place share their luck: a bench is full or empty rather than half of either.
+            let place = (at / TOGETHER_M).floor();
+            let index = (place.x as i64 as u64) << 32 | (place.y as i64 as u64 & 0xffff_ffff);
+            let is_used = self.key.indexed("seats of a place", index).unit() < self.config.seat_occupancy.sqrt();
+            let is_taken = stream.unit() < self.config.seat_occupancy.sqrt();
+            if !(is_used && is_taken) || (at - ego).length() > self.config.parking_radius_m {
+                continue;
+            }
+            let model = PersonModel::sitting(stream.next_u64(), seat.height_m);
+            let sitter = seated(model, &seat.world_from_seat, &mut stream);
+            let here = sitter.at();
+            if self.arena.people().all(|(_, other)| (other - here).length() > 2.0 * BODY_M) {
+                self.arena.put(sitter.into_newcomer());
+            }
+        }
+    }
+}
+
+/// Somebody on a seat.
+struct Seated {
+    model: Arc<PersonModel>,
+    body: Upright,
+}
+
+impl Seated {
+    fn at(&self) -> DVec2 {
+        self.body.at()
+    }
+
+    fn into_newcomer(self) -> Newcomer {
+        Newcomer {
+            class: ObjectClass::PersonSitting,
+            body: Body::Upright(self.body),
+            controller: Box::new(Parked),
+            appearance: Appearance::Person { model: self.model, phase: 0.0 },
+            is_placed: false,
+        }
+    }
+}
+
+/// Puts somebody on a seat, turned a little on it.
+fn seated(model: PersonModel, world_from_seat: &DPose3, stream: &mut Stream) -> Seated {
+    let yaw_rad = frames::yaw_of(world_from_seat) + stream.clipped_normal(0.0, 0.08);
+    let turned = frames::upright(world_from_seat.translation, yaw_rad);
+    let position = turned.transform_point(model.seat_from_box());
+    Seated { model: Arc::new(model), body: Upright::standing(position, yaw_rad) }
+}
+
+/// Adds somebody who sits at a chair's height with the middle of the box at a place; returns the id.
+///
+/// # Errors
+/// [`Error::Scene`] for a path, beyond the ground's edge, or where somebody is; [`Error::NotFinite`].
+pub(crate) fn add_seated(arena: &mut Arena, model_seed: u64, course: &Course, overlap: Overlap) -> Result<i32> {
+    let (x_m, y_m, yaw_rad) = match course {
+        Course::Stand { x_m, y_m, yaw_rad } => (*x_m, *y_m, *yaw_rad),
+        Course::Straight { x_m, y_m, yaw_rad, speed_mps } if *speed_mps == 0.0 => (*x_m, *y_m, *yaw_rad),
+        _ => return Err(Error::Scene { reason: "a Person_sitting does not move: no path and no speed".to_owned() }),
+    };
+    let at = DVec2::new(finite("x", x_m)?, finite("y", y_m)?);
+    let yaw_rad = finite("yaw", yaw_rad)?;
+    let ground = arena.physics.ground_at(at.x, at.y).ok_or_else(|| Error::Scene {
+        reason: format!("a person at ({}, {}) would sit beyond the ground's edge", at.x, at.y),
+    })?;
+    check_free(arena, None, ObjectClass::PersonSitting, &Cover::Trunk(at), overlap)?;
+    let model = Arc::new(PersonModel::sitting(model_seed, CHAIR_SEAT_M));
+    let body = Upright::standing(DVec3::new(at.x, at.y, ground.z_m), yaw_rad);
+    let slot = arena.put(Newcomer { is_placed: true, ..Seated { model, body }.into_newcomer() });
+    Ok(arena.agents[slot].id)
+}
