@@ -20,7 +20,7 @@ from cadet.checks import (
     make_plain,
     shown,
 )
-from cadet.config import VEHICLE_CLASSES, LabelConfig, SceneConfig, check_vehicle_classes, scene_limits
+from cadet.config import VEHICLE_CLASSES, LabelConfig, PropConfig, SceneConfig, check_vehicle_classes, scene_limits
 from cadet.districts import KITTI_DISTRICTS, District
 from cadet.draws import Draws
 from cadet.errors import CadetError
@@ -181,9 +181,18 @@ class ResetPolicy:
             name="paper",
             label=LabelConfig(boxes="exact"),
             weathers=tuple((name, 1.0) for name in weather_names()),
-            # In CARLA's towns of that time every car drove.
+            # In CARLA's towns of that time every car drove, and little stood about.
             districts=(
-                (District(name="town", parking_occupancy=(0.0, 0.0), num_cars=(4, 19), num_pedestrians=(0, 7)), 1.0),
+                (
+                    District(
+                        name="town",
+                        parking_occupancy=(0.0, 0.0),
+                        num_cars=(4, 19),
+                        num_pedestrians=(0, 7),
+                        props=PropConfig(clutter=0.0),
+                    ),
+                    1.0,
+                ),
             ),
             rigs=((Rig.paper(), 1.0),),
             vehicle_classes=("Car",),
