@@ -84,6 +84,44 @@ pub(super) const VANS: Mixture = Mixture {
     most_lwh: DVec3::new(6.91, 2.52, 2.91),
 };
 
+/// 1,094 labels, of no more than 33 sizes: small trucks, trucks of two axles, tall and long ones, city buses, semi-trailers.
+pub(super) const TRUCKS: Mixture = Mixture {
+    components: &[
+        component(0.099, [5.95, 2.25, 2.59], [0.36, 0.14, 0.17], [0.60, 0.05, -0.10]),
+        component(0.122, [7.14, 2.42, 3.34], [0.16, 0.20, 0.17], [0.30, 0.10, 0.30]),
+        component(0.045, [7.48, 2.47, 3.06], [0.08, 0.03, 0.14], [0.20, 0.0, 0.0]),
+        component(0.146, [7.98, 2.50, 3.51], [0.09, 0.13, 0.08], [0.10, -0.20, 0.20]),
+        component(0.055, [8.74, 2.53, 3.41], [0.10, 0.17, 0.09], [0.10, 0.20, 0.80]),
+        component(0.037, [9.05, 2.96, 4.17], [0.50, 0.03, 0.03], [0.70, 0.50, 0.0]),
+        component(0.163, [10.80, 2.88, 3.53], [0.05, 0.03, 0.02], [0.50, 0.0, -0.50]),
+        component(0.016, [11.85, 2.56, 3.00], [0.05, 0.07, 0.03], [0.0, 0.0, 0.0]),
+        component(0.281, [12.34, 2.63, 2.85], [0.04, 0.015, 0.02], [0.0, 0.0, 0.0]),
+        component(0.004, [13.60, 2.45, 3.28], [0.10, 0.03, 0.05], [0.0, 0.0, 0.0]),
+        component(0.070, [16.51, 2.52, 4.04], [0.15, 0.04, 0.02], [0.80, 0.0, 0.0]),
+    ],
+    least_lwh: DVec3::new(5.2, 2.0, 2.25),
+    most_lwh: DVec3::new(17.0, 3.05, 4.3),
+};
+
+/// 973 labels, of no more than 58 sizes: motorbikes, trailers low and tall, caravans, platforms, and long trailers, which
+/// find no parking place.
+pub(super) const MISC: Mixture = Mixture {
+    components: &[
+        component(0.255, [1.88, 0.62, 1.36], [0.20, 0.13, 0.22], [0.20, 0.10, 0.50]),
+        component(0.033, [2.78, 0.87, 1.43], [0.14, 0.07, 0.20], [-0.60, 0.50, -0.80]),
+        component(0.130, [2.24, 1.36, 1.52], [0.17, 0.13, 0.13], [0.70, 0.30, 0.20]),
+        component(0.110, [2.48, 1.70, 1.05], [0.20, 0.38, 0.13], [0.70, 0.20, 0.10]),
+        component(0.058, [1.65, 1.40, 2.29], [0.11, 0.11, 0.13], [-0.80, -0.80, 0.80]),
+        component(0.096, [2.47, 1.70, 2.15], [0.16, 0.23, 0.11], [0.60, 0.60, 0.80]),
+        component(0.068, [3.52, 2.07, 2.80], [0.40, 0.07, 0.06], [-0.80, 0.80, -0.70]),
+        component(0.130, [5.49, 2.12, 2.65], [0.27, 0.10, 0.18], [0.40, 0.50, 0.10]),
+        component(0.037, [5.82, 2.39, 0.95], [0.06, 0.03, 0.03], [0.0, 0.0, 0.0]),
+        component(0.080, [12.10, 2.62, 3.68], [0.46, 0.06, 0.21], [0.95, 0.95, 0.90]),
+    ],
+    least_lwh: DVec3::new(1.4, 0.42, 0.80),
+    most_lwh: DVec3::new(12.8, 2.75, 4.0),
+};
+
 /// 4,487 labels, of people who walk and who stand.
 pub(super) const PEOPLE: Mixture = Mixture {
     components: &[

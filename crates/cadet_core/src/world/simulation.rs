@@ -105,7 +105,9 @@ impl World {
     ) -> Result<i32> {
         let model = match (class, model) {
             (_, ModelChoice::Named(name)) => self.user_vehicle(class, name)?,
-            (ObjectClass::Car | ObjectClass::Van, ModelChoice::Seed(seed)) => self.vehicle_model(class, seed)?,
+            (ObjectClass::Car | ObjectClass::Van | ObjectClass::Truck | ObjectClass::Misc, ModelChoice::Seed(seed)) => {
+                self.vehicle_model(class, seed)?
+            }
             (ObjectClass::Pedestrian, ModelChoice::Seed(seed)) => {
                 return add_person(&mut self.arena, seed, course, overlap);
             }
@@ -117,7 +119,7 @@ impl World {
             }
             _ => {
                 let name = class.kitti_name();
-                let known = "Car, Van, Pedestrian, Person_sitting or Cyclist";
+                let known = "Car, Van, Truck, Misc, Pedestrian, Person_sitting or Cyclist";
                 return Err(Error::Scene { reason: format!("no model of class {name}: {known}") });
             }
         };

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::VehicleModel;
 use super::assumed_windows::{Face, Windows};
 use super::imported_materials::{MaterialRules, Role, material, opacity};
+use super::paint::Livery;
 use crate::actor::{AnnotatedBox, ObjectClass};
 use crate::assets::import::{ImportOptions, check_num_materials, triangles};
 use crate::error::{Error, Result};
@@ -133,6 +134,7 @@ impl VehicleModel {
             wheel_centers: wheels.centers,
             wheel_radius_m: f64::from(wheels.radius_m),
             palette: Arc::new(Palette::new(palette)),
+            livery: Livery::Private,
         };
         Ok((model, assumed))
     }

@@ -167,6 +167,11 @@ fn steering_wheel(o: &Outline, seats: &Seats) -> (Vec3, Mat3) {
 
 fn add_steering_wheel(surface: &mut Surface, o: &Outline, seats: &Seats, level: usize) {
     let (center, axes) = steering_wheel(o, seats);
+    add_wheel(surface, center, axes, 0.178, level);
+}
+
+/// A steering wheel.
+pub(super) fn add_wheel(surface: &mut Surface, center: Vec3, axes: Mat3, radius: f32, level: usize) {
     let (around, tube) = if level == 0 { (14, 5) } else { (7, 3) };
     let rings: Vec<Vec<Vec3>> = (0..=around)
         .map(|i| {
@@ -174,18 +179,18 @@ fn add_steering_wheel(surface: &mut Surface, o: &Outline, seats: &Seats, level: 
             (0..=tube)
                 .map(|j| {
                     let b = (j % tube) as f32 / tube as f32 * std::f32::consts::TAU;
-                    let r = 0.178 + 0.015 * cosf(b);
+                    let r = radius + 0.015 * cosf(b);
                     center + axes * Vec3::new(r * cosf(a), r * sinf(a), 0.015 * sinf(b))
                 })
                 .collect()
         })
         .collect();
     surface.sheet(&rings, Outward::From(center), |_, _| Some(slot::DARK));
-    surface.block(center - axes * Vec3::Z * 0.01, Vec3::new(0.07, 0.165, 0.012), axes, 6, slot::DARK);
+    surface.block(center - axes * Vec3::Z * 0.01, Vec3::new(0.07, radius - 0.013, 0.012), axes, 6, slot::DARK);
 }
 
 /// A person in a seat: head, torso and, for the driver, arms on the wheel.
-fn add_occupant(surface: &mut Surface, hip: Vec3, scale: f32, hands: Option<[Vec3; 2]>, level: usize) {
+pub(super) fn add_occupant(surface: &mut Surface, hip: Vec3, scale: f32, hands: Option<[Vec3; 2]>, level: usize) {
     let lean = leaning(0.30);
     let n = [12, 7, 5][level];
     let ring = |center: Vec3, half_x: f32, half_y: f32| -> Vec<Vec3> {
@@ -228,7 +233,8 @@ fn add_occupant(surface: &mut Surface, hip: Vec3, scale: f32, hands: Option<[Vec
     }
 }
 
-fn limb(surface: &mut Surface, a: Vec3, b: Vec3, r0: f32, r1: f32, n: usize, slot: u8) {
+/// A tube from `a` to `b`.
+pub(super) fn limb(surface: &mut Surface, a: Vec3, b: Vec3, r0: f32, r1: f32, n: usize, slot: u8) {
     let along = (b - a).normalize();
     let u = along.cross(if along.z.abs() < 0.9 { Vec3::Z } else { Vec3::X }).normalize();
     let v = along.cross(u);

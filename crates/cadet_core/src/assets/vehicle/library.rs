@@ -5,6 +5,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::VehicleModel;
 use super::dimensions::Dimensions;
+use super::work;
 use crate::actor::ObjectClass;
 use crate::error::Result;
 use crate::math::DVec3;
@@ -12,6 +13,8 @@ use crate::rng::Stream;
 
 const NUM_CARS: usize = 160;
 const NUM_VANS: usize = 80;
+const NUM_TRUCKS: usize = 96;
+const NUM_MISC: usize = 192;
 /// The most that a design is stretched along any axis where there is another choice.
 const MOST_STRETCH: f64 = 1.06;
 
@@ -25,13 +28,27 @@ struct Shelf {
 
 static CARS: [Cell; NUM_CARS] = [const { Cell::new() }; NUM_CARS];
 static VANS: [Cell; NUM_VANS] = [const { Cell::new() }; NUM_VANS];
+static TRUCKS: [Cell; NUM_TRUCKS] = [const { Cell::new() }; NUM_TRUCKS];
+static MISC: [Cell; NUM_MISC] = [const { Cell::new() }; NUM_MISC];
 static CAR_SIZES: OnceLock<Vec<DVec3>> = OnceLock::new();
 static VAN_SIZES: OnceLock<Vec<DVec3>> = OnceLock::new();
+static TRUCK_SIZES: OnceLock<Vec<DVec3>> = OnceLock::new();
+static MISC_SIZES: OnceLock<Vec<DVec3>> = OnceLock::new();
 
 fn shelf(class: ObjectClass) -> Shelf {
     match class {
         ObjectClass::Car => Shelf { cells: &CARS, sizes_lwh: &CAR_SIZES },
+        ObjectClass::Truck => Shelf { cells: &TRUCKS, sizes_lwh: &TRUCK_SIZES },
+        ObjectClass::Misc => Shelf { cells: &MISC, sizes_lwh: &MISC_SIZES },
         _ => Shelf { cells: &VANS, sizes_lwh: &VAN_SIZES },
+    }
+}
+
+/// The extents of the vehicle of a seed.
+fn size_of_seed(class: ObjectClass, model_seed: u64) -> Result<DVec3> {
+    match class {
+        ObjectClass::Truck | ObjectClass::Misc => Ok(work::size_of_seed(class, model_seed)),
+        _ => Ok(Dimensions::of_seed(class, model_seed)?.size_lwh()),
     }
 }
 
@@ -49,10 +66,10 @@ pub(super) fn least_stretch(class: ObjectClass, true_lwh: DVec3) -> Result<f64> 
 fn stretches(class: ObjectClass, true_lwh: DVec3) -> Result<Vec<f64>> {
     let Shelf { cells, sizes_lwh } = shelf(class);
     // Refuses classes without designs.
-    let first = Dimensions::of_seed(class, 0)?.size_lwh();
+    let first = size_of_seed(class, 0)?;
     let sizes_lwh = sizes_lwh.get_or_init(|| {
-        let rest = (1..cells.len() as u64).filter_map(|k| Dimensions::of_seed(class, k).ok());
-        std::iter::once(first).chain(rest.map(|d| d.size_lwh())).collect()
+        let rest = (1..cells.len() as u64).filter_map(|k| size_of_seed(class, k).ok());
+        std::iter::once(first).chain(rest).collect()
     });
     Ok(sizes_lwh.iter().map(|size| stretch(*size, true_lwh)).collect())
 }
@@ -60,7 +77,7 @@ fn stretches(class: ObjectClass, true_lwh: DVec3) -> Result<Vec<f64>> {
 /// One of the designs whose extents are about `true_lwh`, or else the nearest.
 ///
 /// # Errors
-/// [`crate::error::Error::Scene`] for a class other than Car and Van.
+/// [`crate::error::Error::Scene`] for a class without designs.
 pub(super) fn design_near(class: ObjectClass, true_lwh: DVec3, s: &mut Stream) -> Result<Arc<VehicleModel>> {
     let (stretches, cells) = (stretches(class, true_lwh)?, shelf(class).cells);
     let least = stretches.iter().copied().fold(f64::INFINITY, f64::min);

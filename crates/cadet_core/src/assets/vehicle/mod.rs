@@ -17,6 +17,8 @@ mod surface;
 #[cfg(test)]
 mod tests;
 mod wheels;
+mod work;
+mod work_paint;
 
 use std::sync::Arc;
 
@@ -30,6 +32,7 @@ use crate::rng::Stream;
 
 pub use imported::{UserVehicles, VehicleAsset};
 pub use imported_materials::{MaterialRules, Role};
+pub(crate) use paint::Livery;
 
 use body::Styling;
 use details::Fittings;
@@ -76,17 +79,26 @@ pub struct VehicleModel {
     pub wheel_radius_m: f64,
     /// The materials of body, driver and wheels.
     pub palette: Arc<Palette>,
+    /// What its colors are drawn from.
+    pub(crate) livery: Livery,
 }
 
 impl VehicleModel {
     /// The vehicle of a class and a seed.
     ///
     /// # Errors
-    /// [`crate::error::Error::Scene`] for a class other than Car and Van.
+    /// [`crate::error::Error::Scene`] for a class other than Car, Van, Truck and Misc.
     pub fn generate(class: ObjectClass, model_seed: u64) -> Result<Self> {
         let mut s = Stream::from_seed("vehicle", model_seed);
-        let d = Dimensions::draw(class, &mut s)?;
-        Ok(Self::of_dimensions(class, model_seed, d, &mut s).annotated_by(model_seed))
+        let made = match class {
+            ObjectClass::Truck => work::truck(model_seed, &mut s),
+            ObjectClass::Misc => work::towed(model_seed, &mut s),
+            _ => {
+                let d = Dimensions::draw(class, &mut s)?;
+                Self::of_dimensions(class, model_seed, d, &mut s)
+            }
+        };
+        Ok(made.annotated_by(model_seed))
     }
 
     /// A vehicle of traffic: its annotated size is drawn from KITTI's, its true extents follow, and its body is that of a
@@ -136,12 +148,12 @@ impl VehicleModel {
     /// The same vehicle in the colors of another.
     #[must_use]
     pub fn painted(&self, paint_seed: u64) -> Self {
-        let palette = paint::palette(self.class, &mut Stream::from_seed("vehicle paint", paint_seed));
+        let palette = paint::palette(self.class, self.livery, &mut Stream::from_seed("vehicle paint", paint_seed));
         Self { palette: Arc::new(palette), ..self.clone() }
     }
 
     fn of_dimensions(class: ObjectClass, model_seed: u64, d: Dimensions, s: &mut Stream) -> Self {
-        let palette = paint::palette(class, s);
+        let palette = paint::palette(class, Livery::Private, s);
         let is_old = s.chance(0.2);
         let styling = Styling {
             black_bumpers: if d.is_van { s.chance(0.5) } else { is_old },
@@ -171,21 +183,10 @@ impl VehicleModel {
         let outline = Outline::new(d.clone());
         let house = Glasshouse::new(&outline, slot::REAR_SIDE_GLASS);
         let seats = Seats::new(&outline, &house);
-        // As many levels as begin before `to_m`.
-        let lods = |make: &mut dyn FnMut(usize) -> Surface, crease: f32, to_m: f32| {
-            let count = 1 + LEVEL_LIMITS_M.iter().take_while(|limit| **limit < to_m).count();
-            let builders: Vec<_> = (0..count).map(|k| make(k).builder).collect();
-            let (bounds, name) = (builders[0].bounds(), d.name);
-            let levels = builders.into_iter().zip(0..).map(|(builder, k)| {
-                let limit = LEVEL_LIMITS_M[k].min(to_m);
-                // Of few large faces, panes and panels would run into each other.
-                let crease = if k + 1 == LEVELS { 0.5 * crease } else { crease };
-                (limit, LazyMesh::new(move || builder.build(name, crease)))
-            });
-            Arc::new(LodSet { bounds, levels: levels.collect(), coarse_shadow_proxies: 2 })
-        };
+        let size_lwh = d.size_lwh();
         let mut fits = Vec::with_capacity(LEVELS);
-        let body = lods(
+        let body = levels_of(
+            d.name,
             &mut |k| {
                 let is_distant = k == LEVELS - 1;
                 let mut surface = if is_distant {
@@ -193,7 +194,7 @@ impl VehicleModel {
                 } else {
                     Self::shell(&outline, &house, &styling, &fittings, has_sunroof, k)
                 };
-                let fit = Fit::of(&surface, &d);
+                let fit = Fit::of(&surface, size_lwh.as_vec3());
                 fits.push(fit);
                 if !is_distant {
                     details::add_mirrors_and_aerial(&mut surface, &outline, &house, &fittings, k);
@@ -205,7 +206,8 @@ impl VehicleModel {
             CREASE_RAD,
             f32::INFINITY,
         );
-        let driver = lods(
+        let driver = levels_of(
+            d.name,
             &mut |k| {
                 let mut surface = interior::occupants(&outline, &seats, has_passenger, k);
                 fits[k].apply(&mut surface);
@@ -215,7 +217,8 @@ impl VehicleModel {
             OCCUPANTS_TO_M,
         );
         let mut wheel_centers = [Vec3::ZERO; 4];
-        let wheel = lods(&mut |k| wheels::wheel(&d, rim, k), CREASE_RAD, WHEELS_TO_M);
+        let wheel =
+            levels_of(d.name, &mut |k| wheels::wheel(d.wheel_radius, d.tyre_width, rim, k), CREASE_RAD, WHEELS_TO_M);
         let hub_y = |x: f32| outline.half_width(x, 0.2) - 0.022 - d.tyre_width / 2.0;
         for (i, c) in wheel_centers.iter_mut().enumerate() {
             let x = d.axles_x[i / 2];
@@ -223,7 +226,6 @@ impl VehicleModel {
             *c = fits[0].point(Vec3::new(x, side * hub_y(x), d.wheel_radius));
             c.z = d.wheel_radius;
         }
-        let size_lwh = d.size_lwh();
         Self {
             name: format!("{}/{model_seed}", d.name),
             class,
@@ -235,6 +237,7 @@ impl VehicleModel {
             wheel_centers,
             wheel_radius_m: f64::from(d.wheel_radius),
             palette: Arc::new(palette),
+            livery: Livery::Private,
         }
     }
 
@@ -255,6 +258,20 @@ impl VehicleModel {
     }
 }
 
+/// The levels of detail of a shape, as many as begin before `to_m`.
+fn levels_of(name: &'static str, make: &mut dyn FnMut(usize) -> Surface, crease: f32, to_m: f32) -> Arc<LodSet> {
+    let count = 1 + LEVEL_LIMITS_M.iter().take_while(|limit| **limit < to_m).count();
+    let builders: Vec<_> = (0..count).map(|k| make(k).builder).collect();
+    let bounds = builders[0].bounds();
+    let levels = builders.into_iter().zip(0..).map(|(builder, k)| {
+        let limit = LEVEL_LIMITS_M[k].min(to_m);
+        // Of few large faces, panes and panels would run into each other.
+        let crease = if k + 1 == LEVELS { 0.5 * crease } else { crease };
+        (limit, LazyMesh::new(move || builder.build(name, crease)))
+    });
+    Arc::new(LodSet { bounds, levels: levels.collect(), coarse_shadow_proxies: 2 })
+}
+
 /// Maps a built shell onto its box; the numbers are within a percent of the identity.
 #[derive(Debug, Clone, Copy)]
 struct Fit {
@@ -263,10 +280,10 @@ struct Fit {
 }
 
 impl Fit {
-    fn of(shell: &Surface, d: &Dimensions) -> Self {
+    fn of(shell: &Surface, size_lwh: Vec3) -> Self {
         let bounds = Bounds::of(shell.builder.positions().iter().copied());
         let size = bounds.size();
-        let scale = Vec3::new(d.length / size.x, d.width / size.y, d.height / bounds.max.z);
+        let scale = Vec3::new(size_lwh.x / size.x, size_lwh.y / size.y, size_lwh.z / bounds.max.z);
         Self { scale, shift_x: -bounds.center().x * scale.x }
     }
 

@@ -78,8 +78,50 @@ const COLOURS: [Color; 14] = [
     (0.5, [0.62, 0.20, 0.02], 0.05, (0.40, 0.60), Coat::Clear),
 ];
 
+/// Further slots of what works: trucks, buses, trailers.
+pub(super) mod work_slot {
+    /// Panels of the body behind the cab.
+    pub const LOAD: u8 = 21;
+    /// Rails, axles, racks.
+    pub const FRAME: u8 = 22;
+    pub const ALU: u8 = 23;
+    pub const CANVAS: u8 = 24;
+    /// Wood.
+    pub const BOARD: u8 = 25;
+    pub const AMBER: u8 = 26;
+    /// Bands and letters.
+    pub const STRIPE: u8 = 27;
+    /// Earth, gravel, goods.
+    pub const CARGO: u8 = 28;
+    pub const BEACON: u8 = 29;
+    /// Ceilings and linings of buses.
+    pub const LINING: u8 = 30;
+}
+
+/// What the colors of a vehicle are drawn from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Livery {
+    /// Cars and vans, in the colors of the stock.
+    Private,
+    Freight,
+    Municipal,
+    Fire,
+    Bus,
+    Trailer,
+    Caravan,
+    Motorbike,
+}
+
 /// The materials of a vehicle.
-pub(super) fn palette(class: ObjectClass, s: &mut Stream) -> Palette {
+pub(super) fn palette(class: ObjectClass, livery: Livery, s: &mut Stream) -> Palette {
+    let mut materials = of_every_vehicle(class, s);
+    if livery != Livery::Private {
+        super::work_paint::add(&mut materials, livery, s);
+    }
+    Palette::new(materials)
+}
+
+fn of_every_vehicle(class: ObjectClass, s: &mut Stream) -> Vec<Material> {
     let semantic = match class {
         ObjectClass::Car => Semantic::Car,
         ObjectClass::Van => Semantic::Van,
@@ -128,7 +170,7 @@ pub(super) fn palette(class: ObjectClass, s: &mut Stream) -> Palette {
     let shirt = [s.range(0.03, 0.55) as f32, s.range(0.03, 0.5) as f32, s.range(0.03, 0.55) as f32];
     set(slot::SHIRT, Material::matt(semantic, shirt, Pattern::Cloth, s.range(0.3, 0.7) as f32));
     set(slot::CHROME, coated(semantic, [0.55; 3], 0.1, 0.5, 0.04));
-    Palette::new(materials)
+    materials
 }
 
 fn paint(class: ObjectClass, semantic: Semantic, s: &mut Stream) -> Material {

@@ -1,6 +1,5 @@
 //! Wheels: tire, rim with spokes, dark hub behind.
 
-use super::dimensions::Dimensions;
 use super::paint::slot;
 use super::surface::{Outward, Surface};
 use crate::math::{Vec3, cosf, sinf};
@@ -16,10 +15,10 @@ pub(super) struct Rim {
 }
 
 /// A wheel about its own center: axle along y, outer face toward +y.
-pub(super) fn wheel(d: &Dimensions, rim: Rim, level: usize) -> Surface {
+pub(super) fn wheel(radius: f32, tyre_width: f32, rim: Rim, level: usize) -> Surface {
     let mut surface = Surface::default();
     let sides = [26, 14, 8, 6][level];
-    let (r, half) = (d.wheel_radius, d.tyre_width / 2.0);
+    let (r, half) = (radius, tyre_width / 2.0);
     let rim_r = r - 0.10 * r / 0.31;
     let ring = |radius: f32, y: f32| -> Vec<Vec3> {
         (0..=sides)

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::driven::chassis_on;
 use super::newcomers::driven_vehicle;
 use crate::actor::{AnnotatedBox, ObjectClass};
-use crate::assets::vehicle::VehicleModel;
+use crate::assets::vehicle::{Livery, VehicleModel};
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, LodSet, MeshBuilder};
 use crate::material::{Material, Palette, Pattern, Semantic};
@@ -39,6 +39,7 @@ fn ego_model() -> VehicleModel {
             .map(|(x, y)| Vec3::new(x, y, wheel_radius_m as f32)),
         wheel_radius_m,
         palette: Arc::new(Palette::new(vec![paint])),
+        livery: Livery::Private,
     }
 }
 

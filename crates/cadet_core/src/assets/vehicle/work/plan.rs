@@ -1,0 +1,257 @@
+//! What kind of commercial vehicle a seed draws, and its measures.
+
+use super::super::paint::Livery;
+use crate::assets::annotated_sizes::{MISC, TRUCKS};
+use crate::assets::annotation::Margins;
+use crate::math::DVec3;
+use crate::rng::Stream;
+
+/// What a chassis carries.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Box,
+    Curtain,
+    Tipper,
+    Flatbed,
+    Tank,
+    Refuse,
+    Fire,
+    Semi,
+    Bus,
+}
+
+/// Shares of the kinds among trucks that are as long and as high as the limits say. KITTI's boxes of 12.3 x 2.6 x 2.9 m
+/// are city buses, those of 16.4 m and more semi-trailers.
+const SHORT: [(Kind, f64); 4] = [(Kind::Box, 0.40), (Kind::Flatbed, 0.30), (Kind::Tipper, 0.22), (Kind::Fire, 0.14)];
+const MEDIUM: [(Kind, f64); 7] = [
+    (Kind::Box, 0.34),
+    (Kind::Curtain, 0.16),
+    (Kind::Tipper, 0.14),
+    (Kind::Flatbed, 0.10),
+    (Kind::Refuse, 0.14),
+    (Kind::Tank, 0.06),
+    (Kind::Fire, 0.13),
+];
+const LONG: [(Kind, f64); 5] =
+    [(Kind::Box, 0.38), (Kind::Curtain, 0.28), (Kind::Refuse, 0.12), (Kind::Tank, 0.08), (Kind::Bus, 0.14)];
+
+/// One truck's measures, meters in the box frame.
+#[derive(Debug, Clone)]
+pub(super) struct Plan {
+    pub kind: Kind,
+    pub length: f32,
+    pub width: f32,
+    pub height: f32,
+    pub wheel_radius: f32,
+    pub tyre_width: f32,
+    /// x of the axles, the front one first, the one that the springs carry second.
+    pub axles_x: Vec<f32>,
+    /// The rear axles have twin tires, all but a trailer's.
+    pub twin: Vec<bool>,
+    /// From the front bumper to the cab's rear wall, its half width, and its roof.
+    pub cab_length: f32,
+    pub cab_half_w: f32,
+    pub cab_top: f32,
+    /// Upper edge of the frame.
+    pub deck: f32,
+    /// A random number per detail.
+    pub detail: [f32; 8],
+}
+
+impl Plan {
+    /// Draws a truck.
+    pub fn draw(s: &mut Stream) -> Self {
+        let size = TRUCKS.draw(s) + DVec3::from_array(Margins::mean_of_vehicles());
+        Self::of_size(size, s)
+    }
+
+    fn of_size(size: DVec3, s: &mut Stream) -> Self {
+        let (l, h) = (size.x, size.z);
+        let kind = if l > 14.5 {
+            Kind::Semi
+        } else if l > 11.2 && h < 3.4 {
+            Kind::Bus
+        } else if l > 9.8 {
+            pick(&LONG, s)
+        } else if l > 6.8 {
+            pick(&MEDIUM, s)
+        } else {
+            pick(&SHORT, s)
+        };
+        let detail = std::array::from_fn(|_| s.unit() as f32);
+        let [length, width, height] = size.as_vec3().to_array();
+        let half = length / 2.0;
+        let is_small = length < 6.9;
+        let wheel_radius = if is_small {
+            0.36 + 0.05 * detail[0]
+        } else if kind == Kind::Bus {
+            0.48
+        } else {
+            0.46 + 0.05 * detail[0]
+        };
+        let deck = if is_small { 0.72 + 0.1 * detail[1] } else { 0.98 + 0.12 * detail[1] };
+        let has_sleeper = kind == Kind::Semi || (length > 8.5 && detail[2] > 0.55);
+        let cab_length = if is_small {
+            1.60
+        } else if has_sleeper {
+            2.20
+        } else {
+            1.70 + 0.15 * detail[2]
+        };
+        let cab_height = if is_small {
+            2.12 + 0.16 * detail[3]
+        } else if kind == Kind::Semi {
+            3.25 + 0.4 * detail[3]
+        } else {
+            2.62 + 0.28 * detail[3]
+        };
+        let is_open = matches!(kind, Kind::Tipper | Kind::Flatbed);
+        // Of small ones that carry no body the cab is the highest.
+        let cab_top = if is_open && is_small { height.min(2.6) } else { cab_height.min(height - 0.12) };
+        let front = half
+            - if kind == Kind::Bus {
+                2.7
+            } else if is_small {
+                1.02
+            } else {
+                1.36
+            };
+        let (axles_x, twin) = match kind {
+            Kind::Semi => {
+                let last = -half + 1.6 + 0.9 * detail[4];
+                let drive = front - 3.65;
+                (vec![front, last + 1.31, last, last + 2.62, drive], vec![false, false, false, false, true])
+            }
+            Kind::Bus => (vec![front, front - 0.48 * length], vec![false, true]),
+            _ => {
+                let overhang = if is_small { 1.25 } else { 1.5 + 0.07 * length };
+                let rear = -half + overhang;
+                let is_tandem = length > 9.0 || (length > 7.6 && h > 3.2 && detail[4] > 0.6);
+                if is_tandem {
+                    (vec![front, rear + 1.0, rear - 0.35], vec![false, true, false])
+                } else {
+                    (vec![front, rear], vec![false, true])
+                }
+            }
+        };
+        Self {
+            kind,
+            length,
+            width,
+            height,
+            wheel_radius,
+            tyre_width: if is_small { 0.20 } else { 0.28 },
+            axles_x,
+            twin,
+            cab_length,
+            cab_half_w: (width / 2.0 - 0.02).min(if is_small { 1.02 } else { 1.24 }),
+            cab_top,
+            deck,
+            detail,
+        }
+    }
+
+    pub fn name(&self) -> &'static str {
+        match self.kind {
+            Kind::Box => "box_truck",
+            Kind::Curtain => "curtain_sider",
+            Kind::Tipper => "tipper",
+            Kind::Flatbed => "flatbed",
+            Kind::Tank => "tanker",
+            Kind::Refuse => "refuse_truck",
+            Kind::Fire => "fire_engine",
+            Kind::Semi => "semi_trailer",
+            Kind::Bus => "bus",
+        }
+    }
+
+    pub fn livery(&self) -> Livery {
+        match self.kind {
+            Kind::Refuse => Livery::Municipal,
+            Kind::Fire => Livery::Fire,
+            Kind::Bus => Livery::Bus,
+            _ => Livery::Freight,
+        }
+    }
+
+    pub fn front_x(&self) -> f32 {
+        self.length / 2.0
+    }
+
+    /// Where the load begins behind the cab.
+    pub fn load_front(&self) -> f32 {
+        let gap = if self.kind == Kind::Semi { 0.55 } else { 0.10 };
+        self.front_x() - self.cab_length - gap
+    }
+
+    /// y of the outer wheels' centers.
+    pub fn hub_y(&self) -> f32 {
+        self.width.min(2.56) / 2.0 - self.tyre_width / 2.0 - 0.02
+    }
+}
+
+fn pick<T: Copy>(shares: &[(T, f64)], s: &mut Stream) -> T {
+    shares[s.weighted(&shares.iter().map(|k| k.1).collect::<Vec<_>>())].0
+}
+
+/// What stands at the curb or is towed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Towed {
+    Motorbike,
+    Open,
+    Covered,
+    Caravan,
+    Container,
+    Platform,
+}
+
+/// One trailer's or motorbike's measures.
+#[derive(Debug, Clone)]
+pub(super) struct TowedPlan {
+    pub kind: Towed,
+    pub length: f32,
+    pub width: f32,
+    pub height: f32,
+    pub detail: [f32; 8],
+}
+
+impl TowedPlan {
+    pub fn draw(s: &mut Stream) -> Self {
+        let size = MISC.draw(s) + DVec3::from_array(Margins::mean_of_vehicles());
+        let (l, w, h) = (size.x, size.y, size.z);
+        let kind = if w < 0.95 && l < 2.6 {
+            Towed::Motorbike
+        } else if l > 4.2 && h < 1.5 {
+            Towed::Platform
+        } else if l > 7.5 {
+            Towed::Container
+        } else if h < 1.45 {
+            pick(&[(Towed::Open, 0.8), (Towed::Covered, 0.2)], s)
+        } else if l < 2.9 {
+            pick(&[(Towed::Covered, 0.8), (Towed::Container, 0.2)], s)
+        } else {
+            pick(&[(Towed::Caravan, 0.6), (Towed::Container, 0.3), (Towed::Covered, 0.1)], s)
+        };
+        let [length, width, height] = size.as_vec3().to_array();
+        Self { kind, length, width, height, detail: std::array::from_fn(|_| s.unit() as f32) }
+    }
+
+    pub fn name(&self) -> &'static str {
+        match self.kind {
+            Towed::Motorbike => "motorbike",
+            Towed::Open => "open_trailer",
+            Towed::Covered => "covered_trailer",
+            Towed::Caravan => "caravan",
+            Towed::Container => "box_trailer",
+            Towed::Platform => "platform_trailer",
+        }
+    }
+
+    pub fn livery(&self) -> Livery {
+        match self.kind {
+            Towed::Motorbike => Livery::Motorbike,
+            Towed::Caravan => Livery::Caravan,
+            _ => Livery::Trailer,
+        }
+    }
+}
