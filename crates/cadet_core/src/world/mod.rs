@@ -12,6 +12,7 @@ mod junctions;
 mod lane_use;
 mod physics;
 mod ride;
+mod room;
 mod route;
 mod sidewalk;
 mod simulation;

@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use super::footprint::Footprint;
+use super::room::{Needs, Room};
 use crate::math::{self, DVec2, DVec3};
 use crate::rng::Stream;
 use crate::town::{GroundKind, Lane, LaneId, LaneKind, RoadNetwork, Town};
@@ -17,6 +18,8 @@ const REACH_CAP_M: f64 = 600.0;
 pub(super) const EGO_STRAIGHT: f64 = 3.0;
 pub(super) const CAR_STRAIGHT: f64 = 1.2;
 pub(super) const LONG_STRAIGHT: f64 = 500.0;
+/// How much less likely a way is that has no room for a vehicle.
+const TOO_NARROW: f64 = 1e-5;
 /// How far ahead a route is always known.
 const ROUTE_AHEAD_M: f64 = 110.0;
 
@@ -29,6 +32,7 @@ pub(super) struct Roads {
     reach_m: Vec<f64>,
     /// Bounds of each lane in the plane.
     bounds: Vec<(DVec2, DVec2)>,
+    room: Room,
 }
 
 impl Roads {
@@ -39,7 +43,9 @@ impl Roads {
 
     pub fn new(town: Arc<Town>) -> Self {
         let lanes = &town.network.lanes;
-        let allowed_mps = lanes.iter().map(allowed_speeds).collect();
+        let curvatures: Vec<Vec<f64>> = lanes.iter().map(curvatures).collect();
+        let allowed_mps = lanes.iter().zip(&curvatures).map(|(l, c)| allowed_speeds(l, c)).collect();
+        let room = Room::beside(&curvatures);
         let bounds = lanes
             .iter()
             .map(|l| {
@@ -49,7 +55,19 @@ impl Roads {
             })
             .collect();
         let reach_m = reaches(&town.network);
-        Self { town, allowed_mps, reach_m, bounds }
+        Self { town, allowed_mps, reach_m, bounds, room }
+    }
+
+    /// Takes note of what stands for good, for those who are wider than cars.
+    pub fn note_standing(&mut self, standing: &[Footprint]) {
+        let mut room = std::mem::take(&mut self.room);
+        room.note_standing(standing, self);
+        self.room = room;
+    }
+
+    /// Whether a lane has what a vehicle needs.
+    pub fn fits(&self, id: LaneId, needs: Needs) -> bool {
+        self.room.fits(self.lane(id), needs)
     }
 
     pub fn lane(&self, id: LaneId) -> &Lane {
@@ -116,8 +134,17 @@ impl Roads {
     }
 }
 
-/// Curvature of the polyline at each point from the turn over about 3 m to either side, made a speed.
-fn allowed_speeds(lane: &Lane) -> Vec<f64> {
+/// What bends and limit allow at each point.
+fn allowed_speeds(lane: &Lane, curvatures: &[f64]) -> Vec<f64> {
+    let allowed = |curvature: &f64| {
+        let bend = if *curvature > 1e-4 { (LATERAL_MPS2 / curvature).sqrt() } else { f64::INFINITY };
+        bend.max(2.0).min(lane.speed_limit_mps.max(2.0))
+    };
+    curvatures.iter().map(allowed).collect()
+}
+
+/// Curvature of the polyline at each point from the turn over about 3 m to either side.
+fn curvatures(lane: &Lane) -> Vec<f64> {
     let at = |s: f64| {
         let s = s.clamp(0.0, lane.length_m());
         let i = lane.s_m.partition_point(|v| *v <= s).clamp(1, lane.center.len() - 1);
@@ -133,9 +160,7 @@ fn allowed_speeds(lane: &Lane) -> Vec<f64> {
             let (ab, bc) = (b - a, c - b);
             let span = (ab.length() + bc.length()) / 2.0;
             let turn = math::atan2(ab.perp_dot(bc), ab.dot(bc)).abs();
-            let curvature = if span > 0.5 { turn / span } else { 0.0 };
-            let bend = if curvature > 1e-4 { (LATERAL_MPS2 / curvature).sqrt() } else { f64::INFINITY };
-            bend.max(2.0).min(lane.speed_limit_mps.max(2.0))
+            if span > 0.5 { turn / span } else { 0.0 }
         })
         .collect()
 }
@@ -180,14 +205,42 @@ pub(super) struct Route {
     pub offset_m: f64,
     /// Weight of going straight on against turning off.
     straight: f64,
+    needs: Needs,
     choices: Stream,
 }
 
 impl Route {
     pub fn new(lane: LaneId, s_m: f64, offset_m: f64, straight: f64, choices: Stream, roads: &Roads) -> Self {
-        let mut route = Self { lanes: VecDeque::from([lane]), s_m, base_m: 0.0, offset_m, straight, choices };
+        Self::with_needs(lane, s_m, offset_m, straight, Needs::default(), choices, roads)
+    }
+
+    /// The route of a vehicle that does not fit everywhere.
+    pub fn with_needs(
+        lane: LaneId,
+        s_m: f64,
+        offset_m: f64,
+        straight: f64,
+        needs: Needs,
+        choices: Stream,
+        roads: &Roads,
+    ) -> Self {
+        let mut route = Self { lanes: VecDeque::from([lane]), s_m, base_m: 0.0, offset_m, straight, needs, choices };
         route.extend(roads);
         route
+    }
+
+    /// Whether the vehicle fits wherever it goes in the next `ahead_m`.
+    pub fn fits(&self, ahead_m: f64, roads: &Roads) -> bool {
+        if !self.needs.is_some() {
+            return true;
+        }
+        let route = self.foreseen(ahead_m, roads);
+        let mut start_m = -self.s_m;
+        route.lanes.iter().all(|lane| {
+            let fits = start_m > ahead_m || roads.fits(*lane, self.needs);
+            start_m += roads.lane(*lane).length_m();
+            fits
+        })
     }
 
     /// Distance driven along the route.
@@ -249,16 +302,23 @@ impl Route {
                 let c = &roads.lane(*s).center;
                 let out = c[c.len() - 1] - c[c.len() - 2];
                 let turn = math::atan2(end.x * out.y - end.y * out.x, end.x * out.x + end.y * out.y).abs();
-                match (turn < 0.6, turn < 2.5) {
+                let weight = match (turn < 0.6, turn < 2.5) {
                     (true, _) => self.straight,
                     (false, true) => 1.0,
                     // Turning round is for dead ends.
                     (false, false) => 0.02,
-                }
+                };
+                if self.needs.is_some() && !self.leads_on(*s, roads) { TOO_NARROW * weight } else { weight }
             })
             .collect();
         let i = self.choices.weighted(&weights);
         open.get(i).copied()
+    }
+
+    /// Whether a lane has room for the vehicle, and what follows a junction has it, too.
+    fn leads_on(&self, lane: LaneId, roads: &Roads) -> bool {
+        let is_fit = |id: &LaneId| roads.lane(*id).kind != LaneKind::Driving || roads.fits(*id, self.needs);
+        is_fit(&lane) && (roads.lane(lane).junction.is_none() || roads.lane(lane).successors.iter().all(is_fit))
     }
 
     /// The place `distance_m` ahead of the car's middle (behind it down to the lane's start), and the direction there;

@@ -3,6 +3,9 @@
 use crate::math::{self, DVec2};
 use crate::world::route::{Roads, Route};
 
+/// Longer than any car's or van's.
+const LONG_WHEELBASE_M: f64 = 4.4;
+
 /// Steering angle of pure pursuit: the arc from the rear axle through a point of the route ahead.
 pub(super) fn pursue(
     rear_axle: DVec2,
@@ -13,7 +16,10 @@ pub(super) fn pursue(
     route: &Route,
     roads: &Roads,
 ) -> f64 {
-    let reach_m = (0.55 * speed_mps.abs() + 1.6).clamp(3.0, 9.0);
+    // A long vehicle looks past its front axle.
+    let (least_m, most_m) =
+        if wheelbase_m > LONG_WHEELBASE_M { (0.85 * wheelbase_m, 1.9 * wheelbase_m) } else { (3.0, 9.0) };
+    let reach_m = (0.55 * speed_mps.abs() + 1.6).clamp(least_m, most_m);
     // The route measures from the box's middle, pursuit from the axle behind it.
     let place = route.ahead(reach_m - rear_axle_m, roads);
     // The middle of the car is to follow the line, so in a bend the axle runs inside of it.

@@ -2,14 +2,19 @@
 
 use crate::actor::ObjectClass;
 use crate::error::{Error, Result};
+use crate::rng::Stream;
 use crate::settings::settings;
 
-/// Shares of the classes among driven vehicles.
+/// Shares of cars and vans among driven vehicles that are no trucks.
 pub(super) const DRIVEN_MIX: [(ObjectClass, f64); 2] = [(ObjectClass::Car, 0.91), (ObjectClass::Van, 0.09)];
-/// The same among a user's own: trucks have no shape in code.
+/// Share of trucks among driven vehicles where the streets have room for them.
+pub(super) const DRIVEN_TRUCKS: f64 = 0.24;
+/// Shares of all classes among a user's own.
 pub(super) const DRIVEN_USER_MIX: [(ObjectClass, f64); 3] =
     [(ObjectClass::Car, 0.87), (ObjectClass::Van, 0.09), (ObjectClass::Truck, 0.04)];
-/// Shares of the classes among parked vehicles.
+/// Shares of trucks and of trailers and motorbikes among what is parked, where they fit.
+pub(super) const PARKED_RARE: [(ObjectClass, f64); 2] = [(ObjectClass::Truck, 0.02), (ObjectClass::Misc, 0.05)];
+/// Shares of cars and vans among the other parked vehicles.
 pub(super) const PARKED_MIX: [(ObjectClass, f64); 2] = [(ObjectClass::Car, 0.92), (ObjectClass::Van, 0.08)];
 
 settings! {
@@ -17,6 +22,7 @@ settings! {
     TrafficConfig;
     others {
         /// Classes of the vehicles that drive and park, cars among them; the shares of those left out go to the others.
+        /// Trailers and motorbikes (Misc) only park.
         vehicle_classes: Vec<ObjectClass> = TrafficConfig::VEHICLE_CLASSES.to_vec();
     }
     numbers {
@@ -44,7 +50,8 @@ settings! {
 
 impl TrafficConfig {
     /// The classes of vehicles that may drive and park.
-    pub const VEHICLE_CLASSES: [ObjectClass; 3] = [ObjectClass::Car, ObjectClass::Van, ObjectClass::Truck];
+    pub const VEHICLE_CLASSES: [ObjectClass; 4] =
+        [ObjectClass::Car, ObjectClass::Van, ObjectClass::Truck, ObjectClass::Misc];
 
     /// Checks the values.
     ///
@@ -60,6 +67,17 @@ impl TrafficConfig {
             });
         }
         Ok(())
+    }
+
+    /// The class of a rare vehicle, drawn from a seed alone: the others' draws don't depend on it.
+    pub(super) fn rare(&self, shares: &[(ObjectClass, f64)], seed: u64) -> Option<ObjectClass> {
+        let at = Stream::from_seed("rare vehicle", seed).unit();
+        let mut sum = 0.0;
+        let (class, _) = shares.iter().find(|(_, share)| {
+            sum += share;
+            at < sum
+        })?;
+        self.vehicle_classes.contains(class).then_some(*class)
     }
 
     /// The shares of a mix, 0 for classes that are left out.

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use super::config::{DRIVEN_MIX, DRIVEN_USER_MIX};
+use super::config::{DRIVEN_MIX, DRIVEN_TRUCKS, DRIVEN_USER_MIX};
 use super::newcomers::driven_vehicle;
 use super::spawner::Spawner;
+use crate::actor::ObjectClass;
 use crate::assets::vehicle::VehicleModel;
 use crate::math::{self, DVec2, DVec3};
 use crate::rng::Stream;
@@ -14,8 +15,14 @@ use crate::world::body::{Chassis, settle};
 use crate::world::control::IdmParameters;
 use crate::world::footprint::Footprint;
 use crate::world::physics::Physics;
+use crate::world::room::Needs;
 use crate::world::route::{CAR_STRAIGHT, LONG_STRAIGHT, Roads, Route};
 use crate::world::slot::Slot;
+
+/// Trucks take bends, and streets, at this share of a car's speed.
+const TRUCKS_SLOWER: f64 = 0.85;
+/// A newcomer that needs room has it for so long a way.
+const ROOM_AHEAD_M: f64 = 110.0;
 
 /// A chassis standing at the start of a route, heading along it; `None` beyond the ground's edge.
 pub(super) fn chassis_on(
@@ -75,13 +82,47 @@ impl Spawner<'_> {
             Some(model) => model,
             None => {
                 let (class, _) = mix[stream.weighted(&mix.map(|(_, weight)| weight))];
-                Arc::new(VehicleModel::of_traffic(class, stream.next_u64()).expect("cars and vans have a shape"))
+                let seed = stream.next_u64();
+                let of = |class| Arc::new(VehicleModel::of_traffic(class, seed).expect("the class has shapes"));
+                if let Some(truck) = self.config.rare(&[(ObjectClass::Truck, DRIVEN_TRUCKS)], seed)
+                    && let Some(newcomer) = self.place_truck(slot, stream, of(truck), ring_m, hidden)
+                {
+                    return Some(newcomer);
+                }
+                of(class)
             }
         };
+        self.place_car(slot, stream, model, Needs::default(), ring_m, hidden)
+    }
+
+    /// A truck where the streets have room for it, and for all its way to the next corners.
+    fn place_truck(
+        &mut self,
+        slot: Slot,
+        stream: &mut Stream,
+        model: Arc<VehicleModel>,
+        ring_m: (f64, f64),
+        hidden: bool,
+    ) -> Option<Newcomer> {
+        let needs = Needs::of_truck(model.size_lwh);
+        self.place_car(slot, stream, model, needs, ring_m, hidden)
+    }
+
+    /// A vehicle of a given shape.
+    fn place_car(
+        &mut self,
+        slot: Slot,
+        stream: &mut Stream,
+        model: Arc<VehicleModel>,
+        needs: Needs,
+        ring_m: (f64, f64),
+        hidden: bool,
+    ) -> Option<Newcomer> {
         let roads = &self.arena.streets.roads;
         let half_m = model.size_lwh.x / 2.0;
         let straight = if half_m > 2.7 { LONG_STRAIGHT } else { CAR_STRAIGHT };
-        let places = self.places_on(roads.open_lanes(), half_m, ring_m, hidden);
+        let lanes = roads.open_lanes().filter(|l| needs == Needs::default() || roads.fits(l.id, needs));
+        let places = self.places_on(lanes, half_m, ring_m, hidden);
         let weights: Vec<f64> = places.iter().map(|p| p.2).collect();
         let vehicles: Vec<(Slot, Footprint)> = self.arena.vehicles().collect();
         let on_road: Vec<Footprint> = self.arena.on_road().collect();
@@ -91,7 +132,7 @@ impl Spawner<'_> {
             let s_m = s_m + stream.range(0.0, 3.5);
             let offset_m = stream.clipped_normal(0.0, 0.1);
             let seed = self.key.indexed("car route", stream.next_u64());
-            let route = Route::new(lane_id, s_m, offset_m, straight, seed, roads);
+            let route = Route::with_needs(lane_id, s_m, offset_m, straight, needs, seed, roads);
             let here = route.ahead(0.0, roads);
             let rectangle = Footprint {
                 center: here.at,
@@ -109,7 +150,7 @@ impl Spawner<'_> {
                 *other != slot && (Footprint { half_length_m, ..long }.overlaps(f) || rectangle.grown(0.5).overlaps(f))
             }) || self.arena.around.standing.iter().any(|o| rectangle.grown(0.1).overlaps(o))
                 || on_road.iter().any(|o| long.overlaps(o));
-            if taken || route.remaining_m(roads) < 30.0 {
+            if taken || route.remaining_m(roads) < 30.0 || !route.fits(ROOM_AHEAD_M, roads) {
                 continue;
             }
             // As fast as still allows a stop before the junction and behind whoever is ahead.
@@ -120,7 +161,10 @@ impl Spawner<'_> {
                 .fold(lane.length_m() - s_m, f64::min);
             let stop = (2.0 * 1.5 * (free_m - half_m - 8.0).max(0.0)).sqrt();
             let speed = (0.9 * route.speed_for_bends(8.0, 1.5, roads)).min(stop);
-            let idm = IdmParameters::draw(stream);
+            let mut idm = IdmParameters::draw(stream);
+            if needs != Needs::default() {
+                idm.desired_speed_factor *= TRUCKS_SLOWER;
+            }
             let physics = &mut self.arena.physics;
             let Some(chassis) = chassis_on(&route, &model, speed, physics, roads) else { continue };
             return Some(driven_vehicle(chassis, Some(route), idm));

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::config::{PARKED_MIX, TrafficConfig};
+use super::config::{PARKED_MIX, PARKED_RARE, TrafficConfig};
 use super::newcomers::parked_vehicle;
 use super::spawner::Spawner;
 use crate::actor::ObjectClass;
@@ -23,6 +23,7 @@ const LEAST_GAP_M: f64 = 0.3;
 /// How much a vehicle may be longer than its spot in a row, at a neighbor's cost, and wider than any spot.
 const MOST_OVER_SPOT_M: f64 = 2.2;
 const MOST_OVER_WIDTH_M: f64 = 0.45;
+const RARE_OVER_WIDTH_M: f64 = 0.3;
 
 /// Room between a parked vehicle and the middle of every lane.
 const OFF_LANES_M: f64 = 1.25;
@@ -45,7 +46,8 @@ impl Spawner<'_> {
         let on_way: Vec<u32> = way.iter().flat_map(|r| r.lanes.iter()).map(|l| roads.lane(*l).road).collect();
         for spot in &town.parking {
             // Every place draws the same numbers whether it is filled or not, so that places don't depend on another.
-            let mut draw = Stream::from_seed("parking place", stream.next_u64());
+            let seed = stream.next_u64();
+            let mut draw = Stream::from_seed("parking place", seed);
             let at = spot.world_from_spot.translation;
             if (at.truncate() - ego).length() > config.parking_radius_m
                 || !self.is_taken(spot, config, &on_way, &mut draw)
@@ -55,7 +57,10 @@ impl Spawner<'_> {
             let over_m = if spot.kind == SpotKind::Parallel { MOST_OVER_SPOT_M } else { 0.0 };
             let model = match self.user_vehicles.draw(&mut draw, &parked_mix, |m| fits(spot, over_m, m)) {
                 Some(model) => model,
-                None => parked_model(spot, over_m, parked_mix[1].1, &mut draw)?,
+                None => match rare_model(spot, over_m, config, seed)? {
+                    Some(model) => model,
+                    None => parked_model(spot, over_m, parked_mix[1].1, &mut draw)?,
+                },
             };
             if !fits(spot, over_m, &model) {
                 continue;
@@ -115,6 +120,15 @@ impl Spawner<'_> {
         let share = used + spread * street.range(-1.0, 1.0);
         draw.chance(share.clamp(0.0, 1.0)) && !is_empty
     }
+}
+
+/// A truck, a trailer or a motorbike for some of the parking places, where it fits.
+fn rare_model(spot: &ParkingSpot, over_m: f64, config: &TrafficConfig, seed: u64) -> Result<Option<Arc<VehicleModel>>> {
+    let Some(class) = config.rare(&PARKED_RARE, seed) else { return Ok(None) };
+    let model = VehicleModel::of_traffic(class, seed)?;
+    // On a sidewalk it would leave no room to walk.
+    let is_narrow = model.size_lwh.y <= spot.width_m + RARE_OVER_WIDTH_M;
+    Ok((is_narrow && fits(spot, over_m, &model)).then(|| Arc::new(model)))
 }
 
 /// A model for a parking place: a car where a van would not fit.

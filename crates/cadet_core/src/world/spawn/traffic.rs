@@ -4,6 +4,7 @@ use super::spawner::Spawner;
 use crate::error::Result;
 use crate::town::Town;
 use crate::world::agent::Agent;
+use crate::world::arena::Arena;
 use crate::world::control::{Cyclist, Driver, Pedestrian};
 use crate::world::slot::{EGO, Slot};
 
@@ -21,6 +22,8 @@ const WALKER_STARTS_M: f64 = 3.0;
 const CYCLIST_GONE_M: f64 = 115.0;
 const CYCLIST_APPEARS_M: (f64, f64) = (65.0, 105.0);
 const CYCLIST_STARTS_M: f64 = 8.0;
+/// How far ahead a truck looks for a corner that it can't take.
+const CORNER_AHEAD_M: f64 = 35.0;
 /// A car that has stood this long somewhere out of sight is stuck.
 const STUCK_STEPS: u64 = 60 * 45;
 
@@ -33,6 +36,8 @@ pub(crate) fn fill(spawner: &mut Spawner<'_>, town: &Town) -> Result<()> {
     let config = spawner.config;
     config.check()?;
     spawner.park_cars(town)?;
+    let Arena { streets, around, .. } = &mut *spawner.arena;
+    streets.roads.note_standing(&around.standing);
     let mut stream = spawner.key.stream("driven cars");
     for _ in 0..config.num_cars {
         let slot = spawner.arena.agents.len();
@@ -91,7 +96,11 @@ fn gone_cars(spawner: &Spawner<'_>) -> Vec<Slot> {
         let to = agent.body.world_from_box(&spawner.arena.physics).translation.truncate() - ego;
         let is_hidden = to.length() > 100.0 || (to.length() > 90.0 && to.dot(view) < 0.0);
         let is_stuck = is_hidden && driver.standing_steps > STUCK_STEPS;
-        *slot != EGO && !agent.is_placed && (to.length() >= CAR_GONE_M || is_stuck)
+        // A truck leaves before a corner that it can't take, where the cameras ahead don't see it.
+        let is_unseen = to.length() > 100.0 || (to.length() > 35.0 && to.dot(view) < 0.6 * to.length());
+        let is_cornered = is_unseen
+            && driver.route.as_ref().is_some_and(|route| !route.fits(CORNER_AHEAD_M, &spawner.arena.streets.roads));
+        *slot != EGO && !agent.is_placed && (to.length() >= CAR_GONE_M || is_stuck || is_cornered)
     };
     spawner.arena.controlled_by::<Driver>().filter(is_gone).map(|(slot, ..)| slot).collect()
 }

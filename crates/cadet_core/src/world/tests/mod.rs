@@ -8,6 +8,7 @@ mod placed;
 mod scripted;
 mod seated;
 mod towns;
+mod trucks;
 
 use std::sync::Arc;
 
@@ -131,7 +132,8 @@ fn watch(world: &mut World, seconds: u32, name: &str) -> f64 {
             for (other, b) in &rectangles[i + 1..] {
                 assert!(
                     !a.overlaps(b),
-                    "{name}: cars {id} and {other} overlap at tick {tick}, {} and {}, speeds {} and {}",
+                    "{name}: cars {id} ({}) and {other} overlap at tick {tick}, {} and {}, speeds {} and {}",
+                    driven[i].appearance.name(),
                     a.center,
                     b.center,
                     a.velocity.length(),
@@ -151,8 +153,17 @@ fn watch(world: &mut World, seconds: u32, name: &str) -> f64 {
             if matches!(pedestrian.motion, Motion::Crosses { .. }) {
                 crossings += 1;
             } else {
-                let lane = world.arena.streets.roads.nearest(p, None, 1.4);
-                assert!(lane.is_none(), "{name}: walker {} is on lane {lane:?} at tick {tick}", walker.id);
+                // Narrow lanes end nearer to their middles.
+                let roads = &world.arena.streets.roads;
+                let is_within = |(id, s_m, d): &(_, f64, f64)| *d < roads.lane(*id).width_at(*s_m) / 2.0;
+                let lane = roads.nearest(p, None, 1.4).filter(is_within);
+                let near = || {
+                    let all = world.arena.agents.iter().filter(|a| !matches!(a.body, Body::Upright(_)));
+                    let apart = |a: &Agent| (footprint(world, a).closest_point(p.truncate()) - p.truncate()).length();
+                    let nearest = all.min_by(|a, b| apart(a).total_cmp(&apart(b))).expect("a vehicle");
+                    format!("{:?}, {:.2} m from {}", pedestrian.motion, apart(nearest), nearest.appearance.name())
+                };
+                assert!(lane.is_none(), "{name}: walker {} is on lane {lane:?} at tick {tick}, {}", walker.id, near());
             }
         }
     }

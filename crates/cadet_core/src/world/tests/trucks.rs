@@ -1,0 +1,99 @@
+//! Trucks, buses and trailers among the traffic: where they fit, and that nobody touches them or waits for ever.
+
+use super::towns::{main_roads, suburb};
+use super::*;
+use crate::town::LaneId;
+use crate::world::DT_S;
+use crate::world::room::Needs;
+
+/// The trucks that drive.
+fn trucks(world: &World) -> Vec<(&Agent, &Driver)> {
+    cars(world).into_iter().filter(|(agent, _)| agent.class == ObjectClass::Truck).collect()
+}
+
+#[test]
+fn trucks_share_the_streets_without_touching_or_jamming() {
+    let (mut num_trucks, mut gone_m, mut longest_m) = (0, 0.0, 0.0_f64);
+    for seed in 0..10 {
+        let (town, name) = match seed % 2 {
+            0 => (main_roads(seed), format!("main roads with trucks {seed}")),
+            _ => (suburb(seed), format!("suburb with trucks {seed}")),
+        };
+        let mut world = World::new(town, StreamKey::scene(seed)).unwrap();
+        let config = TrafficConfig { num_cars: 40, num_pedestrians: 30, ..TrafficConfig::default() };
+        world.spawn_traffic(&config).unwrap();
+        let before: Vec<(i32, DVec2)> = trucks(&world).iter().map(|(a, _)| (a.id, place(&world, a))).collect();
+        num_trucks += before.len();
+        watch(&mut world, 45, &name);
+        for (agent, driver) in trucks(&world) {
+            longest_m = longest_m.max(agent.appearance.size_lwh().x);
+            let stood_s = driver.standing_steps as f64 * DT_S;
+            assert!(stood_s < 40.0, "{name}: truck {} stands for {stood_s} s, {:?}", agent.id, driver.cause());
+            if let Some((_, from)) = before.iter().find(|(id, _)| *id == agent.id) {
+                gone_m += (place(&world, agent) - *from).length();
+            }
+        }
+    }
+    assert!(num_trucks >= 10 && longest_m > 9.0, "{num_trucks} trucks, up to {longest_m} m long");
+    // Of those that have not left before a corner.
+    assert!(gone_m > 200.0, "{num_trucks} trucks went {gone_m} m in all");
+}
+
+#[test]
+fn trucks_keep_to_lanes_that_have_room() {
+    let mut num_trucks = 0;
+    for seed in 0..8 {
+        let mut world = World::new(main_roads(seed), StreamKey::scene(seed)).unwrap();
+        world.spawn_traffic(&TrafficConfig { num_cars: 40, ..TrafficConfig::default() }).unwrap();
+        let roads = &world.arena.streets.roads;
+        for (agent, driver) in trucks(&world) {
+            let lane = roads.lane(driver.route.as_ref().unwrap().lanes[0]);
+            let width_m = agent.appearance.size_lwh().y;
+            assert!(lane.width_m.iter().all(|lane_m| *lane_m > width_m), "{width_m} m wide on {:?}", lane.width_m);
+            let standing = world.arena.around.standing.iter();
+            let apart = |p: DVec2| move |o: &Footprint| (o.closest_point(p) - p).length();
+            let least = lane.center.iter().flat_map(|p| standing.clone().map(apart(p.truncate()))).fold(9.0, f64::min);
+            assert!(least > width_m / 2.0 + 0.1, "something stands {least} m from the lane's middle");
+            num_trucks += 1;
+        }
+    }
+    assert!(num_trucks >= 4, "{num_trucks}");
+}
+
+#[test]
+fn what_is_long_does_not_turn_in_tight_corners() {
+    let town = crossing();
+    let roads = Roads::new(Arc::clone(&town));
+    let turning = |lane: &&crate::town::Lane| {
+        lane.junction.is_some() && !roads.fits(lane.id, Needs::of_truck(DVec3::new(12.3, 2.6, 2.9)))
+    };
+    // Of twelve ways across, four lead straight on; right turns have a radius of 8.5 m, left turns of 11.5 m.
+    assert_eq!(roads.lanes().iter().filter(turning).count(), 8);
+    let wide = Needs::of_truck(DVec3::new(6.5, 2.9, 2.6));
+    assert!(!roads.fits(LaneId(0), wide), "a lane of 3 m");
+}
+
+#[test]
+fn a_place_without_a_trailer_or_a_truck_holds_the_same_car() {
+    let fill = |seed: u64, vehicle_classes: &[ObjectClass]| {
+        let mut world = World::new(suburb(seed), StreamKey::scene(seed)).unwrap();
+        let vehicle_classes = vehicle_classes.to_vec();
+        let config = TrafficConfig { num_cars: 0, num_pedestrians: 0, vehicle_classes, ..TrafficConfig::default() };
+        world.spawn_traffic(&config).unwrap();
+        let key = |a: &&Agent| (a.class, place(&world, a).to_string(), a.appearance.size_lwh().to_string());
+        parked(&world).iter().map(key).collect::<Vec<_>>()
+    };
+    let is_rare = |v: &(ObjectClass, String, String)| !matches!(v.0, ObjectClass::Car | ObjectClass::Van);
+    let mut num_rare = 0;
+    for seed in 2..6 {
+        let plain = fill(seed, &[ObjectClass::Car, ObjectClass::Van]);
+        assert!(!plain.iter().any(is_rare));
+        let (rare, others): (Vec<_>, Vec<_>) =
+            fill(seed, &TrafficConfig::VEHICLE_CLASSES).into_iter().partition(is_rare);
+        num_rare += rare.len();
+        // But the neighbors of what is large.
+        let kept = others.iter().filter(|v| plain.contains(v)).count();
+        assert!(20 * kept >= 19 * others.len(), "seed {seed}: {kept} of {} stand where they did", others.len());
+    }
+    assert!(num_rare >= 5, "{num_rare}");
+}
