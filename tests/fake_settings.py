@@ -96,4 +96,4 @@ class SceneConfig(_Config):
 
     @staticmethod
     def vehicle_classes() -> list[str]:
-        return ["Car", "Van", "Truck"]
+        return ["Car", "Van", "Truck", "Misc"]

@@ -98,7 +98,7 @@ def test_a_manifest_names_maps_by_hash() -> None:
         ),
         (
             {"vehicle_classes": ("Van",)},
-            "ResetPolicy.vehicle_classes: expected a tuple of Car, Van, Truck, Car among them, got ('Van',)",
+            "ResetPolicy.vehicle_classes: expected a tuple of Car, Van, Truck, Misc, Car among them, got ('Van',)",
         ),
         ({"weathers": ()}, "ResetPolicy.weathers: expected at least one, got none"),
         ({"weathers": (("clear_noon", 0.0),)}, "ResetPolicy.weathers: expected a weight above 0, got none"),

@@ -205,7 +205,7 @@ class SceneConfig:
     """
 
     num_cars: int = _SCENE.default("num_cars")
-    """Driving vehicles kept around the ego: cars, one in eleven a van; trucks only among a user's own (`assets`)."""
+    """Driving vehicles kept around the ego: cars, one in eleven a van, and trucks where streets are wide."""
     num_pedestrians: int = _SCENE.default("num_pedestrians")
     """Pedestrians kept around the ego."""
     num_cyclists: int = _SCENE.default("num_cyclists")
@@ -228,7 +228,7 @@ class SceneConfig:
     vehicle_classes: tuple[str, ...] = VEHICLE_CLASSES
     """Classes of the vehicles that drive and park, "Car" among them, mixed as on KITTI's streets.
 
-    Trucks come from the user's own vehicles alone."""
+    "Misc" are trailers and motorbikes, which only park."""
     suburb: SuburbConfig = field(default_factory=SuburbConfig)
     """What kind of suburb is generated where there is no map."""
     props: PropConfig = field(default_factory=PropConfig)
