@@ -59,8 +59,8 @@ KITTI_DISTRICTS = (
     (
         District(
             name="parked_rows",
-            parking_occupancy=(0.35, 0.85),
-            num_cars=(11, 18),
+            parking_occupancy=(0.4, 0.9),
+            num_cars=(13, 21),
             num_pedestrians=(8, 14),
             num_cyclists=(0, 6),
             seat_occupancy=(0.0, 0.2),
@@ -69,15 +69,15 @@ KITTI_DISTRICTS = (
     ),
     (
         District(
-            name="quiet", parking_occupancy=(0.2, 0.4), num_cars=(9, 15), num_pedestrians=(3, 8), num_cyclists=(0, 3)
+            name="quiet", parking_occupancy=(0.25, 0.45), num_cars=(11, 18), num_pedestrians=(3, 8), num_cyclists=(0, 3)
         ),
         0.20,
     ),
     (
         District(
             name="main_road",
-            parking_occupancy=(0.2, 0.55),
-            num_cars=(26, 40),
+            parking_occupancy=(0.25, 0.65),
+            num_cars=(32, 50),
             num_pedestrians=(8, 14),
             num_cyclists=(0, 8),
             seat_occupancy=(0.0, 0.3),
