@@ -34,7 +34,7 @@ def test_what_is_added_is_labeled_about_its_points(kind: str) -> None:
         # Mirrors stick out, and annotators are off by some centimeters.
         assert len(own) > 20 and points_in_boxes(own, box, 0.2).mean() > 0.93, (meta["model"], len(own))
         mine = sensed.frame.instance == meta["actor_id"]
-        assert (sensed.frame.semantic[mine] == SEMANTIC[kind]).all()
+        assert sensed.frame.semantic is not None and (sensed.frame.semantic[mine] == SEMANTIC[kind]).all()
         models.add(meta["model"])
     assert len(models) == 8
 

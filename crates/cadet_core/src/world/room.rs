@@ -1,7 +1,6 @@
 //! Where there is room for what is wider or longer than a van.
 
 use super::footprint::Footprint;
-use super::route::Roads;
 use crate::math::DVec3;
 use crate::town::{Lane, LaneId};
 
@@ -47,17 +46,19 @@ impl Room {
         Self { tightest_m, clear_m: vec![f64::INFINITY; curvatures.len()] }
     }
 
-    /// Takes note of what stands for good.
-    pub fn note_standing(&mut self, standing: &[Footprint], roads: &Roads) {
-        for o in standing {
-            let reach_m = o.half_length_m + o.half_width_m + FARTHEST_M;
-            for lane in roads.driving_near(o.center, reach_m) {
-                let points = lane.center.iter().map(|p| p.truncate());
-                let near = points.filter(|p| (*p - o.center).length() < reach_m + 2.0);
-                let apart_m = near.map(|p| (o.closest_point(p) - p).length()).fold(f64::INFINITY, f64::min);
-                let LaneId(number) = lane.id;
-                self.clear_m[number] = self.clear_m[number].min(apart_m);
-            }
+    /// How far from its middle something that stands takes room from a lane.
+    pub fn reach_m(o: &Footprint) -> f64 {
+        o.half_length_m + o.half_width_m + FARTHEST_M
+    }
+
+    /// Takes note of what stands for good beside lanes.
+    pub fn note<'a>(&mut self, o: &Footprint, lanes: impl Iterator<Item = &'a Lane>) {
+        for lane in lanes {
+            let points = lane.center.iter().map(|p| p.truncate());
+            let near = points.filter(|p| (*p - o.center).length() < Self::reach_m(o) + 2.0);
+            let apart_m = near.map(|p| (o.closest_point(p) - p).length()).fold(f64::INFINITY, f64::min);
+            let LaneId(number) = lane.id;
+            self.clear_m[number] = self.clear_m[number].min(apart_m);
         }
     }
 

@@ -61,7 +61,9 @@ impl Roads {
     /// Takes note of what stands for good, for those who are wider than cars.
     pub fn note_standing(&mut self, standing: &[Footprint]) {
         let mut room = std::mem::take(&mut self.room);
-        room.note_standing(standing, self);
+        for o in standing {
+            room.note(o, self.driving_near(o.center, Room::reach_m(o)));
+        }
         self.room = room;
     }
 

@@ -148,12 +148,12 @@ impl VehicleModel {
     /// The same vehicle in the colors of another.
     #[must_use]
     pub fn painted(&self, paint_seed: u64) -> Self {
-        let palette = paint::palette(self.class, self.livery, &mut Stream::from_seed("vehicle paint", paint_seed));
+        let palette = work_paint::palette(self.class, self.livery, &mut Stream::from_seed("vehicle paint", paint_seed));
         Self { palette: Arc::new(palette), ..self.clone() }
     }
 
     fn of_dimensions(class: ObjectClass, model_seed: u64, d: Dimensions, s: &mut Stream) -> Self {
-        let palette = paint::palette(class, Livery::Private, s);
+        let palette = work_paint::palette(class, Livery::Private, s);
         let is_old = s.chance(0.2);
         let styling = Styling {
             black_bumpers: if d.is_van { s.chance(0.5) } else { is_old },

@@ -1,7 +1,7 @@
 //! The materials of vehicles: a palette with fixed slots, and the colors of the stock around 2011.
 
 use crate::actor::ObjectClass;
-use crate::material::{LidarMaterial, Material, Palette, Pattern, Semantic};
+use crate::material::{LidarMaterial, Material, Pattern, Semantic};
 use crate::rng::Stream;
 
 /// Slots of every vehicle's palette.
@@ -112,16 +112,8 @@ pub(crate) enum Livery {
     Motorbike,
 }
 
-/// The materials of a vehicle.
-pub(super) fn palette(class: ObjectClass, livery: Livery, s: &mut Stream) -> Palette {
-    let mut materials = of_every_vehicle(class, s);
-    if livery != Livery::Private {
-        super::work_paint::add(&mut materials, livery, s);
-    }
-    Palette::new(materials)
-}
-
-fn of_every_vehicle(class: ObjectClass, s: &mut Stream) -> Vec<Material> {
+/// The materials that every vehicle has.
+pub(super) fn of_every_vehicle(class: ObjectClass, s: &mut Stream) -> Vec<Material> {
     let semantic = match class {
         ObjectClass::Car => Semantic::Car,
         ObjectClass::Van => Semantic::Van,

@@ -1,7 +1,8 @@
 //! The colors of what works: hauliers' boxes and tarpaulins, refuse and fire engines, buses, trailers, motorbikes.
 
-use super::paint::{Livery, coated, slot, work_slot};
-use crate::material::{LidarMaterial, Material, Pattern};
+use super::paint::{Livery, coated, of_every_vehicle, slot, work_slot};
+use crate::actor::ObjectClass;
+use crate::material::{LidarMaterial, Material, Palette, Pattern};
 use crate::rng::Stream;
 
 /// Albedo and LIDAR reflectance of enamels and tarpaulins, without their spread.
@@ -73,8 +74,17 @@ fn pick(tones: &[(Tone, f64)], s: &mut Stream) -> Tone {
     tones[s.weighted(&tones.iter().map(|t| t.1).collect::<Vec<_>>())].0
 }
 
+/// The materials of a vehicle.
+pub(super) fn palette(class: ObjectClass, livery: Livery, s: &mut Stream) -> Palette {
+    let mut materials = of_every_vehicle(class, s);
+    if livery != Livery::Private {
+        add(&mut materials, livery, s);
+    }
+    Palette::new(materials)
+}
+
 /// Appends the slots of [`work_slot`], and repaints what such a vehicle has in a color of its own.
-pub(super) fn add(materials: &mut Vec<Material>, livery: Livery, s: &mut Stream) {
+fn add(materials: &mut Vec<Material>, livery: Livery, s: &mut Stream) {
     let semantic = materials[0].semantic;
     let (cab, load, band) = match livery {
         Livery::Municipal => {

@@ -2,7 +2,7 @@
 
 use super::super::paint::{slot, work_slot};
 use super::super::surface::{Outward, Surface};
-use super::load::{Room, block};
+use super::bay::{Room, block};
 use super::plan::Plan;
 use crate::math::Vec3;
 

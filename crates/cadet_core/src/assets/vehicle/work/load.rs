@@ -3,21 +3,12 @@
 use super::super::interior::limb;
 use super::super::paint::{slot, work_slot};
 use super::super::surface::{Outward, Surface};
+use super::bay::{Room, block};
 use super::closed_load::{add_box, add_curtain};
 use super::plan::{Kind, Plan};
 use super::special_load::{add_fire, add_refuse, add_tank};
 use crate::math::{Vec3, sinf};
 use std::f32::consts::TAU;
-
-/// The room that a load takes.
-#[derive(Clone, Copy)]
-pub(super) struct Room {
-    pub front: f32,
-    pub rear: f32,
-    pub half_w: f32,
-    pub floor: f32,
-    pub top: f32,
-}
 
 /// Adds the load behind the cab.
 pub(super) fn add_load(surface: &mut Surface, p: &Plan, level: usize) {
@@ -35,12 +26,6 @@ pub(super) fn add_load(surface: &mut Surface, p: &Plan, level: usize) {
         Kind::Fire => add_fire(surface, &room, level),
         Kind::Bus => {}
     }
-}
-
-/// A block between two x, as wide as the room less an inset.
-pub(super) fn block(surface: &mut Surface, r: &Room, x: (f32, f32), inset: f32, z: (f32, f32), slot: u8) {
-    let w = r.half_w - inset;
-    surface.builder.cuboid(Vec3::new(x.0, -w, z.0), Vec3::new(x.1, w, z.1), slot);
 }
 
 fn add_tipper(surface: &mut Surface, p: &Plan, r: &Room, level: usize) {

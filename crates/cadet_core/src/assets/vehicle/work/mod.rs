@@ -1,5 +1,6 @@
 //! Vehicles that work: trucks and buses, and what is parked beside the road without an engine or with two wheels.
 
+mod bay;
 mod cab;
 mod caravan;
 mod closed_load;
@@ -18,7 +19,7 @@ use std::sync::Arc;
 
 use super::surface::Surface;
 use super::wheels::wheel;
-use super::{CREASE_RAD, Fit, LEVELS, OCCUPANTS_TO_M, VehicleModel, WHEELS_TO_M, levels_of, paint};
+use super::{CREASE_RAD, Fit, LEVELS, OCCUPANTS_TO_M, VehicleModel, WHEELS_TO_M, levels_of, work_paint};
 use crate::actor::{AnnotatedBox, ObjectClass};
 use crate::math::{DVec3, Vec3};
 use crate::rng::Stream;
@@ -43,7 +44,7 @@ pub(super) fn size_of_seed(class: ObjectClass, model_seed: u64) -> DVec3 {
 /// The truck of a seed.
 pub(super) fn truck(model_seed: u64, s: &mut Stream) -> VehicleModel {
     let p = Plan::draw(s);
-    let palette = paint::palette(ObjectClass::Truck, p.livery(), s);
+    let palette = work_paint::palette(ObjectClass::Truck, p.livery(), s);
     let has_passenger = s.chance(0.35);
     let front: Front = if p.kind == Kind::Bus { Front::Coach(Coach::new(&p)) } else { Front::Cab(Cab::new(&p)) };
     let size = Vec3::new(p.length, p.width, p.height);
@@ -120,7 +121,7 @@ enum Front {
 /// The trailer or motorbike of a seed.
 pub(super) fn towed(model_seed: u64, s: &mut Stream) -> VehicleModel {
     let p = TowedPlan::draw(s);
-    let palette = paint::palette(ObjectClass::Misc, p.livery(), s);
+    let palette = work_paint::palette(ObjectClass::Misc, p.livery(), s);
     let size = Vec3::new(p.length, p.width, p.height);
     let body = levels_of(
         p.name(),

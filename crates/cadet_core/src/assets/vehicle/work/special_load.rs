@@ -3,7 +3,7 @@
 use super::super::interior::limb;
 use super::super::paint::{slot, work_slot};
 use super::super::surface::{Outward, Surface};
-use super::load::{Room, block};
+use super::bay::{Room, block};
 use crate::math::{Mat3, Quat, Vec3, cosf, powf, sinf};
 use std::f32::consts::TAU;
 

@@ -3,6 +3,7 @@
 use parry3d::query::{Ray, RayCast};
 use parry3d::shape::TriMesh;
 
+use super::super::paint;
 use super::*;
 use crate::assets::annotation::{Margins, vehicle_size};
 use crate::geometry::Mesh;
