@@ -223,7 +223,8 @@ fn street(share: f64, assets: &[VehicleAsset]) -> World {
 
 /// Model and place of every vehicle but the ego.
 fn vehicles(world: &World) -> Vec<(String, DVec3)> {
-    let actors = world.snapshot().actors.into_iter().filter(|a| a.class != ObjectClass::Pedestrian);
+    let is_on_foot = |class| matches!(class, ObjectClass::Pedestrian | ObjectClass::PersonSitting);
+    let actors = world.snapshot().actors.into_iter().filter(|a| !is_on_foot(a.class));
     actors.map(|a| (a.model, a.world_from_box.translation)).collect()
 }
 
