@@ -17,12 +17,12 @@ from cadet.errors import MissingFileError
 from cadet.evaluation import box_iou_3d
 from cadet.kitti import labels_from_text, write_frame
 
-_SEEDS = (100_001, 100_002, 100_003)
+_SEEDS = (100_001, 100_002, 100_003, 100_004, 100_005)
 
 
 @pytest.fixture(scope="module")
 def frames() -> list[cadet.Frame]:
-    """Drive for eight frames through each of three worlds."""
+    """Drive for eight frames through each of five worlds."""
     driven = []
     for seed in _SEEDS:
         environment = cadet.Environment()
@@ -54,7 +54,8 @@ def test_it_finds_the_cars_that_are_plain_to_see(frames: list[cadet.Frame]) -> N
         num_wrong += sum(not bool((row > 0.1).any()) for row in overlap)
     assert num_plain >= 8
     assert num_found >= 0.7 * num_plain
-    assert num_wrong <= 0.3 * num_plain
+    # Cars that are hidden too well for a label count as wrong, too.
+    assert num_wrong <= 0.25 * len(frames)
 
 
 def test_it_works_by_name_from_the_command_line(frames: list[cadet.Frame], tmp_path: Path) -> None:
