@@ -8,9 +8,11 @@ another way. `CADET_FAKE` makes it misbehave: "die=E", "panic=E" and "object=E" 
 from __future__ import annotations
 
 import os
+import re
 import signal
 import time
 from collections.abc import Sequence
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 from zlib import crc32
@@ -23,7 +25,10 @@ from fake_settings import LabelConfig, PropConfig, SceneConfig, SuburbConfig, li
 
 __all__ = ["LabelConfig", "PropConfig", "SceneConfig", "SuburbConfig", "limits"]
 
-__version__ = "0.0.0-fake"
+# The real core's, so that a folder that a process with the one began is no other version's to a process with the other.
+_VERSION = re.search(r'^version = "(.+)"$', (Path(__file__).parents[1] / "Cargo.toml").read_text("utf-8"), re.MULTILINE)
+assert _VERSION is not None
+__version__ = _VERSION.group(1)
 
 WEATHERS = ["clear_noon", "cloudy_noon", "wet_noon", "wet_cloudy_noon", "soft_rain_noon", "mid_rain_noon"]
 WEATHERS += ["hard_rain_noon", "clear_sunset", "cloudy_sunset", "wet_sunset", "wet_cloudy_sunset"]

@@ -116,7 +116,7 @@ def test_the_set_looks_like_a_detection_set(root: Path) -> None:
     counts = Counter(label.type for frame in cadet.kitti.Dataset(root) for label in frame.labels)
     assert 1.5 * NUM_FRAMES < counts["Car"] < 12 * NUM_FRAMES
     assert counts["Pedestrian"] > 0.1 * NUM_FRAMES
-    assert set(counts) <= {"Car", "Van", "Truck", "Pedestrian", "Person_sitting", "Cyclist", "DontCare"}
+    assert set(counts) <= {"Car", "Van", "Truck", "Pedestrian", "Person_sitting", "Cyclist", "Misc", "DontCare"}
     points = [len(frame.points_velo) for frame in cadet.kitti.Dataset(root)]
     assert 90_000 < np.median(points) < 135_000
 
