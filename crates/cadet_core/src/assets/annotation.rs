@@ -168,12 +168,7 @@ fn box_round(sizes: &Mixture, farthest_m: (f64, f64), s: &mut Stream) -> Annotat
 /// The annotated box of a person who sits, in the box frame.
 #[must_use]
 pub fn sitting_box(s: &mut Stream) -> AnnotatedBox {
-    let size_lwh = SITTERS.draw(s);
-    let mut place = |(mean, sd): (f64, f64)| s.clipped_normal(mean, sd);
-    let (x, y) = (place((0.0, PERSON_PLACE_SD_M)), place((0.0, PERSON_PLACE_SD_M)));
-    let bottom_center_in_box = DVec3::new(x, y, place(PERSON_BOTTOM_M));
-    let farthest_m = place(SITTER_FARTHEST_M);
-    AnnotatedBox { size_lwh, bottom_center_in_box, farthest_m, least_points: least_points(s) }
+    box_round(&SITTERS, SITTER_FARTHEST_M, s)
 }
 
 /// The height that somebody who sits has when they stand: those of high boxes are tall, but boxes differ more than people.
@@ -224,17 +219,19 @@ mod tests {
         tolerance_m: [f64; 3],
     }
 
-    fn check(sizes: &[DVec3], labels: &Labels) {
-        let axes: [Vec<f64>; 3] = std::array::from_fn(|k| sizes.iter().map(|s| s[k]).collect());
-        for (k, quantiles) in labels.quantiles.iter().enumerate() {
+    fn check_quantiles(sizes: &[DVec3], labels: &[[f64; 5]; 3], tolerance_m: [f64; 3]) {
+        for (k, quantiles) in labels.iter().enumerate() {
+            let mut axis: Vec<f64> = sizes.iter().map(|s| s[k]).collect();
             for (share, expected) in [0.05, 0.16, 0.5, 0.84, 0.95].iter().zip(quantiles) {
-                let got = quantile(&mut axes[k].clone(), *share);
-                assert!(
-                    (got - expected).abs() < labels.tolerance_m[k],
-                    "axis {k} at {share}: {got}, labels {expected}"
-                );
+                let got = quantile(&mut axis, *share);
+                assert!((got - expected).abs() < tolerance_m[k], "axis {k} at {share}: {got}, labels {expected}");
             }
         }
+    }
+
+    fn check(sizes: &[DVec3], labels: &Labels) {
+        check_quantiles(sizes, &labels.quantiles, labels.tolerance_m);
+        let axes: [Vec<f64>; 3] = std::array::from_fn(|k| sizes.iter().map(|s| s[k]).collect());
         for ((a, b), expected) in [(0, 1), (0, 2), (1, 2)].into_iter().zip(labels.correlations) {
             let got = correlation(&axes[a], &axes[b]);
             assert!((got - expected).abs() < 0.06, "axes {a} and {b}: {got}, labels {expected}");
@@ -303,15 +300,7 @@ mod tests {
         let sizes: Vec<DVec3> =
             (0..20_000).map(|k| sitting_box(&mut Stream::from_seed("sitting box", k)).size_lwh).collect();
         let labels = [[0.57, 0.61, 0.75, 1.11, 1.33], [0.50, 0.50, 0.59, 0.68, 0.75], [1.14, 1.18, 1.26, 1.34, 1.39]];
-        let tolerance_m = [0.1, 0.035, 0.04];
-        for (k, quantiles) in labels.iter().enumerate() {
-            let mut axis: Vec<f64> = sizes.iter().map(|s| s[k]).collect();
-            for (share, expected) in [0.05, 0.16, 0.5, 0.84, 0.95].iter().zip(quantiles) {
-                let got = quantile(&mut axis, *share);
-                let apart = (got - expected).abs();
-                assert!(apart < tolerance_m[k], "axis {k} at {share}: {got}, labels {expected}");
-            }
-        }
+        check_quantiles(&sizes, &labels, [0.1, 0.035, 0.04]);
     }
 
     #[test]
