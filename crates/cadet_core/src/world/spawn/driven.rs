@@ -121,7 +121,7 @@ impl Spawner<'_> {
         let roads = &self.arena.streets.roads;
         let half_m = model.size_lwh.x / 2.0;
         let straight = if half_m > 2.7 { LONG_STRAIGHT } else { CAR_STRAIGHT };
-        let lanes = roads.open_lanes().filter(|l| needs == Needs::default() || roads.fits(l.id, needs));
+        let lanes = roads.open_lanes().filter(|l| !needs.is_some() || roads.fits(l.id, needs));
         let places = self.places_on(lanes, half_m, ring_m, hidden);
         let weights: Vec<f64> = places.iter().map(|p| p.2).collect();
         let vehicles: Vec<(Slot, Footprint)> = self.arena.vehicles().collect();
@@ -162,7 +162,7 @@ impl Spawner<'_> {
             let stop = (2.0 * 1.5 * (free_m - half_m - 8.0).max(0.0)).sqrt();
             let speed = (0.9 * route.speed_for_bends(8.0, 1.5, roads)).min(stop);
             let mut idm = IdmParameters::draw(stream);
-            if needs != Needs::default() {
+            if needs.is_some() {
                 idm.desired_speed_factor *= TRUCKS_SLOWER;
             }
             let physics = &mut self.arena.physics;

@@ -2,9 +2,10 @@
 
 use super::spawner::Spawner;
 use crate::error::Result;
+use crate::rng::Stream;
 use crate::town::Town;
 use crate::world::agent::Agent;
-use crate::world::arena::Arena;
+use crate::world::arena::{Arena, Newcomer};
 use crate::world::control::{Cyclist, Driver, Pedestrian};
 use crate::world::slot::{EGO, Slot};
 
@@ -38,54 +39,50 @@ pub(crate) fn fill(spawner: &mut Spawner<'_>, town: &Town) -> Result<()> {
     spawner.park_cars(town)?;
     let Arena { streets, around, .. } = &mut *spawner.arena;
     streets.roads.note_standing(&around.standing);
-    let mut stream = spawner.key.stream("driven cars");
-    for _ in 0..config.num_cars {
-        let slot = spawner.arena.agents.len();
-        if let Some(car) = spawner.new_car(slot, &mut stream, (CAR_STARTS_M, config.car_radius_m), false) {
-            spawner.arena.put(car);
-        }
-    }
-    let mut stream = spawner.key.stream("people");
-    for _ in 0..config.num_pedestrians {
-        let slot = spawner.arena.agents.len();
-        let ring_m = (WALKER_STARTS_M, config.pedestrian_radius_m);
-        if let Some(walker) = spawner.new_walker(slot, &mut stream, ring_m, false) {
-            spawner.arena.put(walker);
-        }
-    }
-    let mut stream = spawner.key.stream("cyclists");
-    for _ in 0..config.num_cyclists {
-        let slot = spawner.arena.agents.len();
-        let ring_m = (CYCLIST_STARTS_M, config.cyclist_radius_m);
-        if let Some(cyclist) = spawner.new_cyclist(slot, &mut stream, ring_m, false) {
-            spawner.arena.put(cyclist);
-        }
-    }
+    let (car_m, walker_m, cyclist_m) = (config.car_radius_m, config.pedestrian_radius_m, config.cyclist_radius_m);
+    add(spawner, "driven cars", config.num_cars, (CAR_STARTS_M, car_m), Spawner::new_car);
+    add(spawner, "people", config.num_pedestrians, (WALKER_STARTS_M, walker_m), Spawner::new_walker);
+    add(spawner, "cyclists", config.num_cyclists, (CYCLIST_STARTS_M, cyclist_m), Spawner::new_cyclist);
     spawner.seat_people(town);
     Ok(())
 }
 
 /// Replaces who has gone too far from the ego by newcomers out of its sight; counts the attempts in `respawns`.
 pub(crate) fn renew(spawner: &mut Spawner<'_>, respawns: &mut u64) {
-    for slot in gone_cars(spawner) {
-        let mut stream = spawner.key.indexed("newcomers", *respawns);
-        *respawns += 1;
-        if let Some(car) = spawner.new_car(slot, &mut stream, CAR_APPEARS_M, true) {
-            spawner.arena.replace(slot, car);
+    let gone = gone_cars(spawner);
+    replace(spawner, "newcomers", respawns, &gone, CAR_APPEARS_M, Spawner::new_car);
+    let gone = gone_walkers(spawner);
+    replace(spawner, "new people", respawns, &gone, WALKER_APPEARS_M, Spawner::new_walker);
+    let gone = gone_cyclists(spawner);
+    replace(spawner, "new cyclists", respawns, &gone, CYCLIST_APPEARS_M, Spawner::new_cyclist);
+}
+
+/// Makes somebody for a slot, between two distances from the ego, hidden from it or not; `None` where there is no place.
+type Make<'s> = fn(&mut Spawner<'s>, Slot, &mut Stream, (f64, f64), bool) -> Option<Newcomer>;
+
+fn add<'s>(spawner: &mut Spawner<'s>, name: &'static str, count: usize, ring_m: (f64, f64), make: Make<'s>) {
+    let mut stream = spawner.key.stream(name);
+    for _ in 0..count {
+        let slot = spawner.arena.agents.len();
+        if let Some(newcomer) = make(spawner, slot, &mut stream, ring_m, false) {
+            spawner.arena.put(newcomer);
         }
     }
-    for slot in gone_walkers(spawner) {
-        let mut stream = spawner.key.indexed("new people", *respawns);
+}
+
+fn replace<'s>(
+    spawner: &mut Spawner<'s>,
+    name: &'static str,
+    respawns: &mut u64,
+    gone: &[Slot],
+    ring_m: (f64, f64),
+    make: Make<'s>,
+) {
+    for slot in gone {
+        let mut stream = spawner.key.indexed(name, *respawns);
         *respawns += 1;
-        if let Some(walker) = spawner.new_walker(slot, &mut stream, WALKER_APPEARS_M, true) {
-            spawner.arena.replace(slot, walker);
-        }
-    }
-    for slot in gone_cyclists(spawner) {
-        let mut stream = spawner.key.indexed("new cyclists", *respawns);
-        *respawns += 1;
-        if let Some(cyclist) = spawner.new_cyclist(slot, &mut stream, CYCLIST_APPEARS_M, true) {
-            spawner.arena.replace(slot, cyclist);
+        if let Some(newcomer) = make(spawner, *slot, &mut stream, ring_m, true) {
+            spawner.arena.replace(*slot, newcomer);
         }
     }
 }
