@@ -7,14 +7,15 @@ mod frames;
 mod naive;
 
 use cadet_core::evaluate::{
-    ClassLimits, FramePair, Kind, Level, Settings, average_r11, average_r40, evaluate, parse_detections, parse_truths,
+    ClassLimits, FramePair, Kind, Kinds, Level, Settings, average_r11, average_r40, evaluate, evaluate_draws,
+    parse_detections, parse_truths,
 };
 use cadet_core::rng::Stream;
 use proptest::prelude::*;
 
 /// Limits and levels beside KITTI's: low overlaps make several detections fight for an object.
 fn crowded() -> Settings {
-    let limits = |class, limit: f64| ClassLimits { class, min_overlap: [limit, 0.0, limit * 0.5] };
+    let limits = |class, limit: f64| ClassLimits::of(class, [limit, 0.0, limit * 0.5]);
     let level = |height, is_inclusive| Level {
         min_height_px: height,
         is_inclusive,
@@ -70,6 +71,79 @@ fn it_answers_as_the_rules_written_plainly_do() {
 }
 
 #[test]
+fn own_classes_and_optional_objects_follow_the_plain_rules_too() {
+    let kinds = |kinds: &[Kind]| kinds.iter().copied().collect::<Kinds>();
+    let mut settings = frames::kitti();
+    settings.classes = vec![
+        ClassLimits {
+            kinds: kinds(&[Kind::Car, Kind::Van, Kind::Truck]),
+            neighbors: kinds(&[Kind::Misc, Kind::Tram]),
+            min_overlap: [0.6, 0.5, 0.4],
+        },
+        ClassLimits { kinds: kinds(&[Kind::Car]), neighbors: Kinds::default(), min_overlap: [0.5; 3] },
+    ];
+    for seed in 0..3 {
+        let mut frames = frames::draw(seed, 120);
+        let mut rng = Stream::from_seed("optional", seed);
+        for frame in &mut frames {
+            frame.truths.iter_mut().for_each(|truth| truth.is_optional = rng.chance(0.3));
+            frame.detections.iter_mut().for_each(|detection| detection.is_optional = rng.chance(0.3));
+        }
+        assert_same(&frames, &settings);
+        crowd(&mut frames);
+        assert_same(&frames, &settings);
+        assert_same(&frames, &frames::kitti());
+    }
+}
+
+#[test]
+fn a_draw_has_the_ap_of_its_frames_written_one_after_the_other() {
+    let (frames, settings) = (frames::draw(5, 60), frames::kitti());
+    let mut rng = Stream::from_seed("draws", 5);
+    let mut draws: Vec<Vec<u32>> =
+        (0..6).map(|_| (0..60).map(|_| u32::try_from(rng.below(60)).unwrap()).collect()).collect();
+    draws.push((0..60).rev().collect());
+    let drawn = evaluate_draws(&frames, &settings, &draws).unwrap();
+    for (number, draw) in draws.iter().enumerate() {
+        let repeated: Vec<FramePair> = draw.iter().map(|&index| frames[index as usize].clone()).collect();
+        let curves = evaluate(&repeated, &settings).unwrap();
+        assert_eq!(curves.len(), drawn.len());
+        for (curve, ap) in curves.iter().zip(&drawn) {
+            assert_eq!((curve.class, curve.metric, curve.level), (ap.class, ap.metric, ap.level));
+            if curve.num_valid == 0 {
+                assert!(ap.ap[number].iter().chain(&ap.heading.as_ref().unwrap()[number]).all(|ap| ap.is_nan()));
+                continue;
+            }
+            assert_eq!(ap.ap[number], [average_r11(&curve.precision), average_r40(&curve.precision)]);
+            let heading = curve.heading.as_ref().unwrap();
+            let expected = [average_r11(heading), average_r40(heading)];
+            assert_eq!(ap.heading.as_ref().unwrap()[number], expected);
+        }
+    }
+}
+
+#[test]
+fn a_draw_without_objects_has_no_ap_and_frames_that_are_not_there_are_refused() {
+    let mut frames = frames::draw(6, 30);
+    frames[0] = FramePair::default();
+    let drawn = evaluate_draws(&frames, &frames::kitti(), &[vec![0; 30]]).unwrap();
+    assert!(drawn.iter().all(|curve| curve.ap[0].iter().all(|ap| ap.is_nan())));
+    assert!(evaluate_draws(&frames, &frames::kitti(), &[vec![30]]).is_err());
+}
+
+#[test]
+fn classes_that_make_no_sense_are_refused() {
+    let mut settings = frames::kitti();
+    for (kinds, neighbors) in
+        [(vec![], vec![]), (vec![Kind::DontCare], vec![]), (vec![Kind::Car], vec![Kind::Van, Kind::Car])]
+    {
+        settings.classes[0].kinds = kinds.into_iter().collect();
+        settings.classes[0].neighbors = neighbors.into_iter().collect();
+        assert!(evaluate(&[], &settings).is_err());
+    }
+}
+
+#[test]
 fn the_made_up_frames_are_like_a_validation_set() {
     let frames = frames::draw(1, 1000);
     let count = |f: fn(&FramePair) -> usize| frames.iter().map(f).sum::<usize>();
@@ -93,6 +167,7 @@ fn perfect_detections_get_all_that_few_objects_allow() {
                 box_img: t.box_img,
                 box_cam: t.box_cam,
                 score: 1.0,
+                is_optional: false,
             });
         frame.detections = copies.collect();
     }

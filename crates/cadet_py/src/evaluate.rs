@@ -12,8 +12,8 @@ use crate::arrays;
 use crate::error::BorderError;
 use crate::guard;
 
-/// Name and least overlaps of each class.
-type Classes = Vec<(String, [f64; 3])>;
+/// Types, neighbors and least overlaps of each class.
+type Classes = Vec<(Vec<String>, Vec<String>, [f64; 3])>;
 /// Least height, whether it belongs to the level, most occlusion, most truncation.
 type Levels = Vec<(f64, bool, f64, f64)>;
 /// The frames' objects one after the other: where each frame begins and the end, types, numbers.
@@ -32,7 +32,11 @@ fn settings(classes: Classes, levels: Levels) -> core::Settings {
     core::Settings {
         classes: classes
             .into_iter()
-            .map(|(name, min_overlap)| core::ClassLimits { class: core::Kind::from_name(&name), min_overlap })
+            .map(|(kinds, neighbors, min_overlap)| core::ClassLimits {
+                kinds: kinds_of(&kinds),
+                neighbors: kinds_of(&neighbors),
+                min_overlap,
+            })
             .collect(),
         levels: levels
             .into_iter()
@@ -44,6 +48,10 @@ fn settings(classes: Classes, levels: Levels) -> core::Settings {
             })
             .collect(),
     }
+}
+
+fn kinds_of(names: &[String]) -> core::Kinds {
+    names.iter().map(|name| core::Kind::from_name(name)).collect()
 }
 
 /// Evaluates detections against ground truth, each from files or from memory.
@@ -78,6 +86,98 @@ pub(crate) fn evaluate<'py>(
     }
     result.set_item("curves", list)?;
     Ok(result)
+}
+
+/// Where each draw begins and the end, and the drawn frames one draw after the other.
+type Draws<'py> = (Vec<usize>, PyReadonlyArray1<'py, u32>);
+
+fn split_draws((starts, indices): &Draws<'_>) -> std::result::Result<Vec<Vec<u32>>, BorderError> {
+    let indices = indices.as_array().to_vec();
+    if starts.first() != Some(&0) || starts.last() != Some(&indices.len()) || !starts.is_sorted() {
+        let got = format!("{} for {} starts", indices.len(), starts.len());
+        let expected = "frames split by rising starts".to_owned();
+        return Err(Error::Shape { what: "draws", got, expected }.into());
+    }
+    Ok(starts.windows(2).map(|pair| indices[pair[0]..pair[1]].to_vec()).collect())
+}
+
+/// AP of each class, metric and level in draws of frames with replacement.
+#[pyfunction]
+#[pyo3(signature = (truths, detections, *, classes, levels, draws))]
+pub(crate) fn evaluate_draws<'py>(
+    py: Python<'py>,
+    truths: Source<'py>,
+    detections: Source<'py>,
+    classes: Classes,
+    levels: Levels,
+    draws: Draws<'py>,
+) -> PyResult<Vec<Bound<'py, PyDict>>> {
+    let settings = settings(classes, levels);
+    settings.check().map_err(BorderError::from)?;
+    let (truths, detections) = read(py, truths, detections)?;
+    let pair = |(truths, parsed): (Vec<core::Truth>, core::ParsedDetections)| core::FramePair {
+        truths,
+        detections: parsed.detections,
+    };
+    let frames: Vec<core::FramePair> = truths.into_iter().zip(detections).map(pair).collect();
+    let draws = split_draws(&draws)?;
+    let drawn = guard::detached(py, || core::evaluate_draws(&frames, &settings, &draws))?;
+    let means = |ap: &[[f64; 2]]| arrays::plane(py, ap.as_flattened().to_vec(), ap.len(), 2);
+    let dict = |ap: &core::DrawnAp| {
+        let dict = PyDict::new(py);
+        dict.set_item("class", ap.class)?;
+        dict.set_item("metric", ap.metric as usize)?;
+        dict.set_item("level", ap.level)?;
+        dict.set_item("ap", means(&ap.ap))?;
+        dict.set_item("heading", ap.heading.as_deref().map(means))?;
+        Ok(dict)
+    };
+    drawn.iter().map(dict).collect()
+}
+
+/// Objects read from files: where each frame begins and the end, types, numbers.
+type PackedFiles<'py> = (Vec<usize>, Vec<&'static str>, Bound<'py, PyArray2<f64>>);
+
+/// Reads label files as `evaluate` takes them from memory.
+#[pyfunction]
+pub(crate) fn read_truths(
+    py: Python<'_>,
+    folder: PathBuf,
+    ids: Vec<Option<String>>,
+) -> std::result::Result<PackedFiles<'_>, BorderError> {
+    let frames = guard::detached(py, || core::read_files(&folder, &ids, core::parse_truths))?;
+    Ok(pack(py, &frames, |t: &core::Truth| (t.kind, truth_row(t))))
+}
+
+/// Reads result files likewise; a frame without one, whose id is None, has no detections.
+#[pyfunction]
+pub(crate) fn read_detections(
+    py: Python<'_>,
+    folder: PathBuf,
+    ids: Vec<Option<String>>,
+) -> std::result::Result<PackedFiles<'_>, BorderError> {
+    let parsed = guard::detached(py, || core::read_files(&folder, &ids, core::parse_detections))?;
+    let frames: Vec<Vec<core::Detection>> = parsed.into_iter().map(|parsed| parsed.detections).collect();
+    Ok(pack(py, &frames, |d: &core::Detection| (d.kind, detection_row(d))))
+}
+
+fn pack<'py, T, const N: usize>(
+    py: Python<'py>,
+    frames: &[Vec<T>],
+    row: impl Fn(&T) -> (core::Kind, [f64; N]),
+) -> PackedFiles<'py> {
+    let mut starts = vec![0];
+    let (mut names, mut numbers) = (Vec::new(), Vec::new());
+    for frame in frames {
+        for object in frame {
+            let (kind, values) = row(object);
+            names.push(kind.name());
+            numbers.extend_from_slice(&values);
+        }
+        starts.push(names.len());
+    }
+    let numbers = arrays::plane(py, numbers, names.len(), N);
+    (starts, names, numbers)
 }
 
 type Sides = (Vec<Vec<core::Truth>>, Vec<core::ParsedDetections>);
@@ -168,7 +268,7 @@ fn box_cam(n: &[f64]) -> core::BoxCam {
     core::BoxCam::from_array(std::array::from_fn(|i| n[i]))
 }
 
-fn truth(kind: core::Kind, n: [f64; 14]) -> core::Truth {
+fn truth(kind: core::Kind, n: [f64; 15]) -> core::Truth {
     core::Truth {
         kind,
         truncated: n[0],
@@ -176,11 +276,31 @@ fn truth(kind: core::Kind, n: [f64; 14]) -> core::Truth {
         alpha: n[2],
         box_img: box_img(&n[3..7]),
         box_cam: box_cam(&n[7..14]),
+        is_optional: n[14] != 0.0,
     }
 }
 
-fn detection(kind: core::Kind, n: [f64; 13]) -> core::Detection {
-    core::Detection { kind, alpha: n[0], box_img: box_img(&n[1..5]), box_cam: box_cam(&n[5..12]), score: n[12] }
+fn truth_row(t: &core::Truth) -> [f64; 15] {
+    let [x1, y1, x2, y2] = [t.box_img.x1, t.box_img.y1, t.box_img.x2, t.box_img.y2];
+    let [x, y, z, l, w, h, ry] = t.box_cam.to_array();
+    [t.truncated, t.occluded, t.alpha, x1, y1, x2, y2, x, y, z, l, w, h, ry, f64::from(u8::from(t.is_optional))]
+}
+
+fn detection_row(d: &core::Detection) -> [f64; 14] {
+    let [x1, y1, x2, y2] = [d.box_img.x1, d.box_img.y1, d.box_img.x2, d.box_img.y2];
+    let [x, y, z, l, w, h, ry] = d.box_cam.to_array();
+    [d.alpha, x1, y1, x2, y2, x, y, z, l, w, h, ry, d.score, f64::from(u8::from(d.is_optional))]
+}
+
+fn detection(kind: core::Kind, n: [f64; 14]) -> core::Detection {
+    core::Detection {
+        kind,
+        alpha: n[0],
+        box_img: box_img(&n[1..5]),
+        box_cam: box_cam(&n[5..12]),
+        score: n[12],
+        is_optional: n[13] != 0.0,
+    }
 }
 
 fn boxes_cam(what: &'static str, array: &PyReadonlyArray2<'_, f64>) -> Result<Vec<core::BoxCam>> {

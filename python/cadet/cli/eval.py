@@ -1,16 +1,23 @@
-"""`cadet eval`: KITTI's average precision."""
+"""`cadet eval`: KITTI's average precision, and what stands behind it."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from cadet.analysis import Analysis, analyze
+from cadet.analysis.bins import EDGES, parse_by
+from cadet.analysis.result import PARTS
+from cadet.analysis.run import DRAWS, MAX_DRAWS
+from cadet.analysis.tables import sections
+from cadet.checks import MAX_SEED
 from cadet.errors import CadetError
-from cadet.evaluation import LEVELS, Report, evaluate
+from cadet.evaluation import LEVELS, EvalClass, Report, read_rules
 from cadet.evaluation.limits import CLASSES, KNOWN_CLASSES, METRICS, MIN_OVERLAP
 from cadet.evaluation.report import RECALLS
 from cadet.view.picture import check_picture_path
@@ -19,7 +26,8 @@ from cadet.view.picture import check_picture_path
 @click.command(name="eval")
 @click.argument("gt", type=click.Path(path_type=Path))
 @click.argument("det", type=click.Path(path_type=Path))
-@click.option("--classes", metavar="LIST", default=",".join(CLASSES), show_default=True, help="Classes to evaluate.")
+@click.argument("det_b", type=click.Path(path_type=Path), required=False)
+@click.option("--classes", metavar="LIST", help=f"Classes to evaluate.  [default: the file's, or {','.join(CLASSES)}]")
 @click.option("--recall", type=click.Choice(list(RECALLS)), default="r40", show_default=True, help="Recall positions.")
 @click.option(
     "--min-overlap",
@@ -28,54 +36,113 @@ from cadet.view.picture import check_picture_path
     show_default=True,
     help=f"{' or '.join(MIN_OVERLAP)}, or limits such as Car=0.5,Van=0.7/0.5/0.5 ({', '.join(METRICS)}).",
 )
-@click.option("--levels", type=click.Choice(list(LEVELS)), default="kitti", show_default=True, help="Difficulties.")
+@click.option(
+    "--levels",
+    metavar="SET|FILE",
+    default="kitti",
+    show_default=True,
+    help=f"Difficulties: {' or '.join(LEVELS)}, or a .toml with own levels and classes.",
+)
 @click.option("--split", metavar="NAME|FILE", help="Evaluate the frames of a list of ImageSets, or of a file alone.")
 @click.option("--all-frames", is_flag=True, help="Count a missing result file as no detections.")
+@click.option("--operating", is_flag=True, help="Show the thresholds of the best F1.")
+@click.option("--errors", is_flag=True, help="Show AP as it would be without one kind of error, and the boxes' errors.")
+@click.option("--confusion", is_flag=True, help="Show which class is taken for which.")
+@click.option("--centers", is_flag=True, help="Show nuScenes' AP by distance of centers, and its errors.")
+@click.option(
+    "--by",
+    metavar="WHAT[=EDGES]",
+    multiple=True,
+    help=f"Show AP by {', '.join(EDGES)}, as in --by distance=0,20,40; may come again.",
+)
+@click.option("--details", is_flag=True, help="All of these, by distance and occlusion.")
+@click.option(
+    "--bootstrap",
+    metavar="N",
+    type=click.IntRange(0, MAX_DRAWS),
+    default=0,
+    help=f"Show 95 % intervals of N draws of frames.  [default for DET_B: {DRAWS}]",
+)
+@click.option(
+    "--groups", metavar="frames|episodes|FILE", help="What is drawn as a whole.  [default: episodes if known]"
+)
+@click.option("--seed", type=click.IntRange(0, MAX_SEED), default=0, show_default=True, help="Of the draws.")
 @click.option("--json", "as_json", is_flag=True, help="Print everything, whole curves too, as JSON.")
 @click.option("--markdown", "as_markdown", is_flag=True, help="Print Markdown.")
 @click.option("--plot", type=click.Path(path_type=Path, dir_okay=False), help="Draw the curves: a .png or .jpg.")
 def evaluate_command(
     gt: Path,
     det: Path,
-    classes: str,
+    det_b: Path | None,
+    classes: str | None,
     recall: str,
     min_overlap: str,
     levels: str,
     split: str | None,
     all_frames: bool,
+    by: tuple[str, ...],
+    details: bool,
+    bootstrap: int,
+    groups: str | None,
+    seed: int,
     as_json: bool,
     as_markdown: bool,
     plot: Path | None,
+    **asked: bool,
 ) -> None:
     """Compute KITTI's AP of the result files in DET against the labels in GT, as the official program does.
 
+    With DET_B, tell whether its detections are better.
+
     \b
     cadet eval out results
-    cadet eval out/training/label_2 results --split val --levels large_small
-    cadet eval out results --json > report.json
+    cadet eval out results --errors --by distance   # where AP is lost
+    cadet eval out results others --split val       # is B better?
+    cadet eval out results --details --json > report.json
     """  # noqa: D301 - click reads the backspace
     if as_json and as_markdown:
         raise CadetError("--json and --markdown exclude each other")
     if plot is not None:
         check_picture_path(plot)
-    report = evaluate(
+    bins: dict[str, Any] = {"distance": None, "occlusion": None} if details else {}
+    analysis = analyze(
         gt,
         det,
-        classes=tuple(name.strip() for name in classes.split(",")),
+        det_b,
+        parts=[name for name in PARTS if details or asked[name]],
+        by={**bins, **parse_by(by)},
+        bootstrap=bootstrap,
+        groups=groups,
+        seed=seed,
         recall=recall,
         min_overlap=min_overlap if min_overlap in MIN_OVERLAP else _limits(min_overlap),
-        levels=levels,
         split=split,
         frames="all" if all_frames else "results",
+        **_rules(levels, classes),
     )
     if plot is not None:
-        report.plot(plot)
+        analysis.report.plot(plot)
     if as_json:
-        click.echo(report.to_json(), nl=False)
+        click.echo(analysis.to_json(), nl=False)
     elif as_markdown:
-        click.echo(report.to_markdown(), nl=False)
+        click.echo(analysis.to_markdown(), nl=False)
     else:
-        _print(report, Console(highlight=False))
+        _print(analysis, Console(highlight=False))
+
+
+def _rules(levels: str, classes: str | None) -> dict[str, Any]:
+    """Find the levels and classes: sets by name, or those of a file, of which `--classes` chooses."""
+    own: dict[str, EvalClass] = {}
+    rules: dict[str, Any] = {"levels": levels, "classes": CLASSES}
+    if levels not in LEVELS:
+        if not levels.endswith(".toml"):
+            raise CadetError(f"--levels: expected {' or '.join(LEVELS)}, or a .toml file, got {levels!r}")
+        read = read_rules(levels)
+        own = {entry.name: entry for entry in read.classes}
+        rules = {"levels": read.levels or "kitti", "classes": read.classes or CLASSES}
+    if classes is not None:
+        rules["classes"] = [own.get(name.strip(), name.strip()) for name in classes.split(",")]
+    return rules
 
 
 def _limits(text: str) -> dict[str, float | list[float]]:
@@ -95,7 +162,15 @@ def _limits(text: str) -> dict[str, float | list[float]]:
     return limits
 
 
-def _print(report: Report, console: Console) -> None:
+def _print(analysis: Analysis, console: Console) -> None:
+    _print_report(analysis.report, console)
+    for section in sections(analysis):
+        click.echo(f"\n{section.to_text()}")
+    for note in analysis.notes:
+        console.print(f"Note: {note}", markup=False, soft_wrap=True, style="yellow")
+
+
+def _print_report(report: Report, console: Console) -> None:
     header, *rows = report.table()
     console.print(report.title(), markup=False, soft_wrap=True, style="bold")
     table = Table(box=box.SIMPLE_HEAD)

@@ -7,7 +7,7 @@ from typing import Any, Final, TypeAlias
 
 import numpy as np
 
-from cadet.checks import as_tuple, is_one_of, shown
+from cadet.checks import is_one_of, shown
 from cadet.errors import CadetError
 
 METRICS: Final = ("2d", "bev", "3d")
@@ -43,9 +43,11 @@ def resolve_limits(classes: Sequence[str], min_overlap: MinOverlap) -> dict[str,
         2D, BEV and 3D limit of each class.
 
     Raises:
-        CadetError: an unknown class or set, a class without limits, a limit outside 0 <= limit < 1.
+        CadetError: an unknown class or set, a class for which KITTI sets no limit, a limit outside 0 <= limit < 1.
     """
-    chosen = _check_classes(classes)
+    for name in classes:
+        if not is_one_of(name, KNOWN_CLASSES):
+            raise CadetError(f"classes: unknown class {shown(name)}, expected some of {', '.join(KNOWN_CLASSES)}")
     if isinstance(min_overlap, str):
         if min_overlap not in MIN_OVERLAP:
             names = ", ".join(MIN_OVERLAP)
@@ -59,41 +61,43 @@ def resolve_limits(classes: Sequence[str], min_overlap: MinOverlap) -> dict[str,
         for name in given:
             if name not in KNOWN_CLASSES:
                 raise CadetError(f"min_overlap: unknown class {name!r}, expected one of {', '.join(KNOWN_CLASSES)}")
-    return {name: _class_limits(name, given.get(name, {})) for name in chosen}
+    strict = MIN_OVERLAP["strict"]
+    return {name: class_limits(f"min_overlap[{name!r}]", given.get(name, {}), strict.get(name)) for name in classes}
 
 
-def _check_classes(classes: Sequence[str]) -> tuple[str, ...]:
-    chosen = (classes,) if isinstance(classes, str) else as_tuple("", "classes", classes, "names")
-    for name in chosen:
-        if not is_one_of(name, KNOWN_CLASSES):
-            raise CadetError(f"classes: unknown class {shown(name)}, expected some of {', '.join(KNOWN_CLASSES)}")
-    if not chosen or len(set(chosen)) < len(chosen):
-        raise CadetError(f"classes: expected at least one, each once, got {list(chosen)}")
-    return chosen
+def class_limits(
+    owner: str, given: ClassOverlap, strict: tuple[float, float, float] | None
+) -> tuple[float, float, float]:
+    """Check the limits of one class.
 
+    Args:
+        owner: whose limits they are, for messages.
+        given: one limit, three (2D, BEV, 3D), or a dictionary by metric.
+        strict: takes the place of metrics that the dictionary leaves out; None where all must be there.
 
-def _class_limits(name: str, given: ClassOverlap) -> tuple[float, float, float]:
+    Raises:
+        CadetError: not three limits with 0 <= limit < 1.
+    """
     if isinstance(given, Mapping):
-        values = _by_metric(name, given)
+        values = _by_metric(owner, given, strict)
     elif isinstance(given, (list, tuple)):
         values = list(given)
         if len(values) != len(METRICS):
-            raise CadetError(f"min_overlap[{name!r}]: expected 3 limits (2D, BEV, 3D), got {len(values)}")
+            raise CadetError(f"{owner}: expected 3 limits (2D, BEV, 3D), got {len(values)}")
     else:
         values = [given] * len(METRICS)
     for value in values:
         is_number = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
         if not is_number or not 0.0 <= value < 1.0:
-            raise CadetError(f"min_overlap[{name!r}]: {shown(value)} is no limit, expected 0 <= limit < 1")
+            raise CadetError(f"{owner}: {shown(value)} is no limit, expected 0 <= limit < 1")
     return float(values[0]), float(values[1]), float(values[2])
 
 
-def _by_metric(name: str, given: Mapping[str, float]) -> list[Any]:
+def _by_metric(owner: str, given: Mapping[str, float], strict: tuple[float, float, float] | None) -> list[Any]:
     unknown = [metric for metric in given if metric not in METRICS]
     if unknown:
-        raise CadetError(f"min_overlap[{name!r}]: unknown metric {unknown[0]!r}, expected some of {', '.join(METRICS)}")
-    strict = MIN_OVERLAP["strict"].get(name)
+        raise CadetError(f"{owner}: unknown metric {unknown[0]!r}, expected some of {', '.join(METRICS)}")
     missing = [metric for metric in METRICS if metric not in given]
     if missing and strict is None:
-        raise CadetError(f"min_overlap: KITTI sets no limit for {name}; give it one, such as {{{name!r}: 0.7}}")
+        raise CadetError(f"{owner}: no limit for {missing[0]}, and KITTI sets none; give one, such as 0.7")
     return [given[metric] if strict is None or metric in given else strict[i] for i, metric in enumerate(METRICS)]

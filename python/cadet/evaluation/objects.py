@@ -30,6 +30,8 @@ class GroundTruth:
         alphas: (n,) observation angles in radians.
         truncated: (n,) 0 (whole) .. 1 (outside the image).
         occluded: (n,) levels 0 visible .. 3 unknown.
+        optional: (n,) whether an object need not be found at any level: finding it is neither right nor wrong. None,
+            for no object, becomes an array of False.
 
     Raises:
         ShapeError: an array of another length.
@@ -42,6 +44,7 @@ class GroundTruth:
     alphas: NDArray[Any]
     truncated: NDArray[Any]
     occluded: NDArray[Any]
+    optional: NDArray[Any] | None = None
 
     def __post_init__(self) -> None:
         _check(self, ("alphas", "truncated", "occluded"))
@@ -60,9 +63,11 @@ class GroundTruth:
         return summary(self, types=counts(self.types), boxes_img=self.boxes_img, boxes_cam=self.boxes_cam)
 
     def rows(self) -> NDArray[np.float64]:
-        """Return (n, 14) as the core takes them."""
+        """Return (n, 15) as the core takes them."""
         first = (self.truncated, self.occluded, self.alphas)
-        return np.column_stack([*(a.astype(np.float64) for a in first), self.boxes_img, self.boxes_cam])
+        return np.column_stack(
+            [*(a.astype(np.float64) for a in first), self.boxes_img, self.boxes_cam, is_optional(self)]
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +80,8 @@ class Detections:
         boxes_cam: (n, 7) [x, y, z, l, w, h, rotation_y], bottom center in the cam frame.
         alphas: (n,) observation angles in radians; a single -10 switches AOS off.
         scores: (n,) any numbers above -1e7, higher is surer.
+        optional: (n,) whether a detection that finds no object is still no false positive. None, for no detection,
+            becomes an array of False.
 
     Raises:
         ShapeError: an array of another length.
@@ -87,6 +94,7 @@ class Detections:
     boxes_cam: NDArray[Any]
     alphas: NDArray[Any]
     scores: NDArray[Any]
+    optional: NDArray[Any] | None = None
 
     def __post_init__(self) -> None:
         _check(self, ("alphas", "scores"))
@@ -113,9 +121,15 @@ class Detections:
         )
 
     def rows(self) -> NDArray[np.float64]:
-        """Return (n, 13) as the core takes them."""
+        """Return (n, 14) as the core takes them."""
         first, last = self.alphas.astype(np.float64), self.scores.astype(np.float64)
-        return np.column_stack([first, self.boxes_img, self.boxes_cam, last])
+        return np.column_stack([first, self.boxes_img, self.boxes_cam, last, is_optional(self)])
+
+
+def is_optional(objects: GroundTruth | Detections) -> NDArray[np.bool_]:
+    """Return (n,) which objects are optional."""
+    assert objects.optional is not None, "filled in where objects are made"
+    return objects.optional
 
 
 def _from_labels(labels: tuple[Label, ...]) -> dict[str, Any]:
@@ -138,3 +152,7 @@ def _check(objects: GroundTruth | Detections, columns: tuple[str, ...]) -> None:
         object.__setattr__(
             objects, name, as_array(getattr(objects, name), name, shapes.get(name, (count,)), finite=True)
         )
+    optional = np.zeros(count, np.bool_) if objects.optional is None else np.asarray(objects.optional)
+    if optional.dtype != np.bool_ or optional.shape != (count,):
+        raise ShapeError(f"optional: expected ({count},) bool, got {optional.shape} {optional.dtype}")
+    object.__setattr__(objects, "optional", optional)

@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Final, TypeVar
 
+from cadet.evaluation.classes import EvalClass
 from cadet.evaluation.levels import Level
 from cadet.summary import summary
 
@@ -71,6 +72,7 @@ class Report:
         curves: whole curves, alike.
         best_ap: what a perfect result would get, by class and level: less than 100 for 40 objects or fewer.
         recall: "r40" or "r11".
+        classes: the classes, each with its types, neighbors and limits.
         min_overlap: the limits by class and metric "2d", "bev" and "3d".
         levels: the levels.
         frames: the frame rule, "results" or "all".
@@ -87,6 +89,7 @@ class Report:
     curves: ByLevel[Curve]
     best_ap: Mapping[str, Mapping[str, float]]
     recall: str
+    classes: tuple[EvalClass, ...]
     min_overlap: Mapping[str, Mapping[str, float]]
     levels: tuple[Level, ...]
     frames: str

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, Final
 
 from cadet import _cadet
 from cadet.checks import is_one_of, shown
 from cadet.errors import CadetError
+from cadet.evaluation.classes import EvalClass, resolve_classes
 from cadet.evaluation.levels import Level, resolve_levels
-from cadet.evaluation.limits import CLASSES, HEADING, METRICS, MinOverlap, resolve_limits
+from cadet.evaluation.limits import CLASSES, HEADING, METRICS, MinOverlap
 from cadet.evaluation.report import METRIC_TITLES, RECALLS, ByLevel, Curve, Report, by_level
 from cadet.evaluation.sources import Chosen, DetectionSource, GroundTruthSource, Split, choose
 
@@ -22,7 +24,7 @@ def evaluate(
     gt: GroundTruthSource,
     det: DetectionSource,
     *,
-    classes: Sequence[str] = CLASSES,
+    classes: Sequence[str | EvalClass] = CLASSES,
     recall: str = "r40",
     min_overlap: MinOverlap = "strict",
     levels: str | Sequence[Level] = "kitti",
@@ -35,10 +37,10 @@ def evaluate(
         gt: a folder of label files, or one that holds `label_2` or `training/label_2` (`testing/label_2` for the split
             "test"); or, in memory, a dictionary from frame ids to `GroundTruth` or labels, or a sequence of them.
         det: a folder of result files, or one that holds `data`; or `Detections` or labels with scores alike.
-        classes: names as in KITTI's labels.
+        classes: names as in KITTI's labels, or `EvalClass` objects.
         recall: "r40", the mean over recall 1/40, ..., 1 (KITTI's since October 2019), or "r11" over 0, 0.1, ..., 1.
         min_overlap: "strict" (KITTI's), "loose", or a dictionary that gives a class one limit, three (2D, BEV, 3D), or
-            a dictionary by metric. An overlap must exceed it.
+            a dictionary by metric. An overlap must exceed it. `EvalClass` objects bring their own.
         levels: "kitti", "large_small", or `Level` objects.
         split: a list of `ImageSets` beside the labels, a file that holds one, or ids; None for every frame.
         frames: "results" evaluates the frames that have a result file, be it empty, as KITTI's offline program does;
@@ -53,27 +55,60 @@ def evaluate(
         MissingFileError: a folder, split or label file that is not there; no frame at all.
         CadetError: an unknown class, set or rule.
     """
+    settings = make_settings(classes, recall, min_overlap, levels)
+    return report_of(choose(gt, det, split, frames), settings)
+
+
+@dataclass(frozen=True)
+class EvalSettings:
+    """What to evaluate.
+
+    Attributes:
+        classes: the classes.
+        recall: "r40" or "r11".
+        levels: the levels.
+    """
+
+    classes: tuple[EvalClass, ...]
+    recall: str
+    levels: tuple[Level, ...]
+
+    def core(self) -> dict[str, Any]:
+        """Return the settings as the core takes them."""
+        return {
+            "classes": [entry.core() for entry in self.classes],
+            "levels": [level.limits() for level in self.levels],
+        }
+
+
+def make_settings(
+    classes: Sequence[str | EvalClass], recall: str, min_overlap: MinOverlap, levels: str | Sequence[Level]
+) -> EvalSettings:
+    """Check what `evaluate` was given.
+
+    Raises:
+        CadetError: an unknown class, set or rule.
+    """
     if not is_one_of(recall, RECALLS):
         raise CadetError(f"recall: unknown rule {shown(recall)}, expected one of {', '.join(RECALLS)}")
-    limits = resolve_limits(classes, min_overlap)
-    chosen_levels = resolve_levels(levels)
-    chosen = choose(gt, det, split, frames)
-    result = _cadet.evaluate(
-        chosen.truths,
-        chosen.detections,
-        classes=list(limits.items()),
-        levels=[level.limits() for level in chosen_levels],
-    )
-    curves = _curves(result["curves"], tuple(limits), chosen_levels)
+    return EvalSettings(resolve_classes(classes, min_overlap), recall, resolve_levels(levels))
+
+
+def report_of(chosen: Chosen, settings: EvalSettings) -> Report:
+    """Evaluate frames that were chosen."""
+    result = _cadet.evaluate(*chosen.sources(), **settings.core())
+    names, recall, levels = tuple(entry.name for entry in settings.classes), settings.recall, settings.levels
+    curves = _curves(result["curves"], names, levels)
     best: dict[str, dict[str, float]] = {}
     for raw in result["curves"]:
-        best.setdefault(tuple(limits)[raw["class"]], {})[chosen_levels[raw["level"]].name] = raw["perfect"][recall]
+        best.setdefault(names[raw["class"]], {})[levels[raw["level"]].name] = raw["perfect"][recall]
     return Report(
         recall=recall,
-        min_overlap={name: dict(zip(METRICS, limit, strict=True)) for name, limit in limits.items()},
-        levels=chosen_levels,
-        frames=frames,
-        num_frames=chosen.num_frames,
+        classes=settings.classes,
+        min_overlap={entry.name: entry.limits() for entry in settings.classes},
+        levels=levels,
+        frames=chosen.frames,
+        num_frames=len(chosen.ids),
         num_missing=chosen.num_missing,
         num_gt=result["num_truths"],
         num_detections=result["num_detections"],
@@ -82,7 +117,7 @@ def evaluate(
         n_gt=by_level(curves, lambda curve: curve.n_gt),
         n_thresholds=by_level(curves, lambda curve: len(curve.scores)),
         best_ap=best,
-        warnings=_warnings(tuple(limits), curves, best, recall, result["unknown_names"], chosen),
+        warnings=_warnings(names, curves, best, recall, result["unknown_names"], len(chosen.ids)),
     )
 
 
@@ -115,14 +150,14 @@ def _warnings(
     best: dict[str, dict[str, float]],
     recall: str,
     unknown_names: list[str],
-    chosen: Chosen,
+    num_frames: int,
 ) -> tuple[str, ...]:
     warnings = []
     for name in classes:
         if name in curves:
             warnings += _class_warnings(name, curves[name], best[name], recall)
         else:
-            warnings.append(f"{name}: no usable detection in {chosen.num_frames} frames, so it is left out.")
+            warnings.append(f"{name}: no usable detection in {num_frames} frames, so it is left out.")
     measured = [metrics for metrics in curves.values() if "2d" in metrics]
     if measured and not any("aos" in metrics for metrics in measured):
         warnings.append("AOS is left out: a detection has alpha -10, unknown.")

@@ -9,11 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, TypeAlias, TypeVar
 
-import numpy as np
-
 from cadet.checks import as_tuple, is_one_of, shown
 from cadet.errors import CadetError, MissingFileError
 from cadet.evaluation.objects import Detections, GroundTruth
+from cadet.evaluation.packed import Packed, pack, read_packed
 from cadet.kitti import ImageSet, Label, read_image_set
 from cadet.kitti.image_sets import check_not_empty
 
@@ -30,19 +29,41 @@ _FILE: Final = re.compile(r"(\d{6})\.txt")
 
 @dataclass(frozen=True)
 class Chosen:
-    """The frames that count, as the core takes them.
+    """The frames that count.
 
     Attributes:
-        truths: a folder and ids, or packed objects.
+        ids: of the frames.
+        truths: a folder and the frames' ids, or objects in memory.
         detections: likewise; a frame without results has the id None.
-        num_frames: how many count.
         num_missing: how many of the split, or of all, have no results.
+        frames: the frame rule.
     """
 
-    truths: Any
-    detections: Any
-    num_frames: int
+    ids: tuple[str, ...]
+    truths: tuple[Path, list[str | None]] | Packed[GroundTruth]
+    detections: tuple[Path, list[str | None]] | Packed[Detections]
     num_missing: int
+    frames: str
+
+    def sources(self) -> tuple[Any, Any]:
+        """Return both sides as the core takes them."""
+        truths, detections = self.truths, self.detections
+        return (
+            truths.source() if isinstance(truths, Packed) else truths,
+            detections.source() if isinstance(detections, Packed) else detections,
+        )
+
+    def loaded(self) -> tuple[Packed[GroundTruth], Packed[Detections]]:
+        """Return both sides in memory; files are read.
+
+        Raises:
+            KittiFormatError: a malformed line.
+        """
+        truths, detections = self.truths, self.detections
+        return (
+            truths if isinstance(truths, Packed) else read_packed(*truths, GroundTruth),
+            detections if isinstance(detections, Packed) else read_packed(*detections, Detections),
+        )
 
 
 def choose(gt: GroundTruthSource, det: DetectionSource, split: Split | None, frames: str) -> Chosen:
@@ -70,10 +91,11 @@ def choose(gt: GroundTruthSource, det: DetectionSource, split: Split | None, fra
     _check_labeled(ids, set(labeled), gt)
     results = [frame_id if frame_id in found else None for frame_id in ids]
     return Chosen(
+        ids=tuple(ids),
         truths=_side(truths, ids, GroundTruth),
         detections=_side(detections, results, Detections),
-        num_frames=len(ids),
         num_missing=len(known) - sum(frame_id in found for frame_id in known),
+        frames=frames,
     )
 
 
@@ -148,10 +170,7 @@ def _name(source: object) -> str:
 def _side(side: Path | Mapping[str, Any], ids: Sequence[str | None], kind: type[GroundTruth] | type[Detections]) -> Any:
     if isinstance(side, Path):
         return side, list(ids)
-    objects = [_objects(() if frame_id is None else side[frame_id], kind, frame_id) for frame_id in ids]
-    starts = np.cumsum([0, *(len(frame.types) for frame in objects)]).tolist()
-    names = [name for frame in objects for name in frame.types]
-    return starts, names, np.ascontiguousarray(np.concatenate([frame.rows() for frame in objects]))
+    return pack([_objects(() if frame_id is None else side[frame_id], kind, frame_id) for frame_id in ids], kind)
 
 
 def _objects(given: Any, kind: type[GroundTruth] | type[Detections], frame_id: str | None) -> GroundTruth | Detections:

@@ -7,7 +7,7 @@
 
 use super::curves::{MAX_THRESHOLDS, Tally};
 use super::metric::{Level, Metric};
-use super::objects::{Detection, FramePair, Kind, Truth};
+use super::objects::{Detection, FramePair, Kinds, Truth};
 use super::overlaps::FrameOverlaps;
 use super::roster::{Claim, Entrant};
 use crate::math;
@@ -15,7 +15,7 @@ use crate::math;
 /// A class at a level in a metric.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Contest<'a> {
-    pub class: Kind,
+    pub kinds: Kinds,
     pub level: &'a Level,
     pub metric: Metric,
     pub min_overlap: f64,
@@ -35,7 +35,7 @@ pub(super) struct View<'a> {
 enum Mark {
     /// It must be found.
     Valid,
-    /// It may be found: too hard for the level, or of the neighbor class.
+    /// It may be found: too hard for the level, optional, or of a neighbor class.
     Ignored,
 }
 
@@ -45,7 +45,7 @@ impl Contest<'_> {
         let height = entrant.height_px;
         let is_high = height > level.min_height_px || (level.is_inclusive && height == level.min_height_px);
         let is_seen = entrant.occluded <= level.max_occlusion && entrant.truncated <= level.max_truncation;
-        if entrant.is_own_class && is_high && is_seen { Mark::Valid } else { Mark::Ignored }
+        if entrant.is_wanted && is_high && is_seen { Mark::Valid } else { Mark::Ignored }
     }
 
     /// Whether a detection, of any class, is too low to be right or wrong.
@@ -179,7 +179,7 @@ impl Matcher {
                 }
                 let detection = &view.frame.detections[overlap.detection as usize];
                 let is_small = contest.is_small(detection.height_px());
-                if is_small || detection.kind == contest.class {
+                if is_small || contest.kinds.contains(detection.kind) {
                     self.candidates.push(Candidate {
                         detection: overlap.detection as usize,
                         iou: overlap.iou,

@@ -1,6 +1,6 @@
 //! What is measured, for what and how strictly.
 
-use super::objects::Kind;
+use super::objects::{Kind, Kinds};
 use crate::error::{Error, Result};
 
 /// How overlap is measured.
@@ -35,10 +35,20 @@ pub struct Level {
 /// A class and the overlaps that its detections must exceed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClassLimits {
-    /// The class.
-    pub class: Kind,
+    /// The types that belong to it; a detection of any of them may find an object of any.
+    pub kinds: Kinds,
+    /// The types of objects that are so alike that taking them for this class is neither right nor wrong.
+    pub neighbors: Kinds,
     /// By metric; each in [0, 1).
     pub min_overlap: [f64; 3],
+}
+
+impl ClassLimits {
+    /// A class of one type and its neighbor in KITTI.
+    #[must_use]
+    pub fn of(kind: Kind, min_overlap: [f64; 3]) -> Self {
+        Self { kinds: Kinds::from_iter([kind]), neighbors: kind.neighbor().into_iter().collect(), min_overlap }
+    }
 }
 
 /// What to evaluate.
@@ -56,16 +66,21 @@ impl Settings {
     /// # Errors
     /// [`Error::OutOfRange`] and [`Error::Unknown`], naming what is wrong.
     pub fn check(&self) -> Result<()> {
-        for (index, limits) in self.classes.iter().enumerate() {
-            if matches!(limits.class, Kind::DontCare | Kind::Unknown) {
-                return Err(Error::Unknown {
-                    what: "class",
-                    name: limits.class.name().to_owned(),
-                    known: "Car, Van, Truck, Pedestrian, Person_sitting, Cyclist, Tram, Misc".to_owned(),
-                });
+        for limits in &self.classes {
+            for kind in [Kind::DontCare, Kind::Unknown] {
+                if limits.kinds.contains(kind) || limits.neighbors.contains(kind) {
+                    return Err(Error::Unknown {
+                        what: "class",
+                        name: kind.name().to_owned(),
+                        known: "Car, Van, Truck, Pedestrian, Person_sitting, Cyclist, Tram, Misc".to_owned(),
+                    });
+                }
             }
-            if self.classes[..index].iter().any(|other| other.class == limits.class) {
-                return Err(out_of_range("classes", limits.class.name(), "each class once"));
+            if limits.kinds.is_empty() {
+                return Err(out_of_range("types of a class", "none", "at least one"));
+            }
+            if limits.kinds.intersects(limits.neighbors) {
+                return Err(out_of_range("neighbors of a class", "one of its own types", "other types"));
             }
             if let Some(limit) = limits.min_overlap.iter().find(|limit| !(0.0..1.0).contains(*limit)) {
                 return Err(out_of_range("min_overlap", limit, "0 <= overlap < 1"));
@@ -89,7 +104,7 @@ impl Settings {
 
     /// Whether objects of this kind take part, as a class or a neighbor of one.
     pub(super) fn wants(&self, kind: Kind) -> bool {
-        self.classes.iter().any(|limits| limits.class == kind || limits.class.neighbor() == Some(kind))
+        self.classes.iter().any(|limits| limits.kinds.contains(kind) || limits.neighbors.contains(kind))
     }
 }
 

@@ -9,6 +9,7 @@
 //! whole numbers. Within a frame the order of lines breaks ties, as in KITTI's program.
 
 mod curves;
+mod draws;
 mod files;
 mod matching;
 mod metric;
@@ -16,33 +17,24 @@ mod nms;
 mod objects;
 mod overlaps;
 mod parse;
+mod prepared;
 mod roster;
 mod rotated_iou;
 
 use rayon::prelude::*;
 
 pub use curves::{MAX_THRESHOLDS, Samples, average_r11, average_r40, choose_thresholds, perfect};
+pub use draws::{DrawnAp, evaluate_draws};
 pub use files::read_files;
 pub use metric::{ClassLimits, Level, Metric, Settings};
 pub use nms::{MAX_PAIRS, iou_matrix, nms_bev};
-pub use objects::{BoxImg, Detection, FramePair, Kind, MIN_SCORE, Truth};
+pub use objects::{BoxImg, Detection, FramePair, Kind, Kinds, MIN_SCORE, Truth};
 pub use parse::{ParsedDetections, parse_detections, parse_truths};
 pub use rotated_iou::{BoxCam, intersection_bev, iou_3d, iou_bev};
 
 use crate::error::Result;
 use crate::parallel;
-use curves::Tally;
-use matching::{Contest, FirstPass, Matcher, View};
-use overlaps::FrameOverlaps;
-use roster::Roster;
-
-/// The mark of an observation angle that a detector does not estimate.
-const UNKNOWN_ALPHA: f64 = -10.0;
-/// The mark of a place that a detector does not estimate.
-const UNKNOWN_PLACE: f64 = -1000.0;
-
-/// The fewest frames that are worth a thread.
-const FRAMES_A_TASK: usize = 256;
+use prepared::Prepared;
 
 /// The result for one class, metric and level.
 #[derive(Debug, Clone, PartialEq)]
@@ -82,7 +74,7 @@ pub struct Curve {
 /// let found = parse_detections(format!("{car} 0.9").as_bytes(), "000000.txt")?;
 /// let frames = [FramePair { truths, detections: found.detections }];
 ///
-/// let class = ClassLimits { class: Kind::Car, min_overlap: [0.7; 3] };
+/// let class = ClassLimits::of(Kind::Car, [0.7; 3]);
 /// let easy = Level { min_height_px: 40.0, is_inclusive: false, max_occlusion: 0.0, max_truncation: 0.15 };
 /// let curves = evaluate(&frames, &Settings { classes: vec![class], levels: vec![easy] })?;
 /// // In the image, from above, and in 3D.
@@ -99,87 +91,25 @@ pub fn evaluate(frames: &[FramePair], settings: &Settings) -> Result<Vec<Curve>>
 }
 
 fn curves_of(frames: &[FramePair], settings: &Settings) -> Vec<Curve> {
-    let floors = settings.floors();
-    let overlaps: Vec<FrameOverlaps> =
-        frames.par_iter().map(|frame| FrameOverlaps::new(frame, floors, |kind| settings.wants(kind))).collect();
-    let has_alpha = frames.iter().flat_map(|frame| &frame.detections).all(|d| d.alpha != UNKNOWN_ALPHA);
-    let rosters: Vec<Roster> =
-        settings.classes.par_iter().map(|limits| Roster::new(limits.class, frames, &overlaps)).collect();
-    let mut tasks = Vec::new();
-    for (class, limits) in settings.classes.iter().enumerate() {
-        for metric in Metric::ALL {
-            if is_measured(frames, limits.class, metric) {
-                tasks.extend((0..settings.levels.len()).map(|level| (class, metric, level)));
-            }
-        }
-    }
+    let prepared = Prepared::new(frames, settings);
+    let indices: Vec<u32> = (0..frames.len() as u32).collect();
     let curve = |&(class, metric, level): &(usize, Metric, usize)| {
-        let limits = &settings.classes[class];
-        let contest = Contest {
-            class: limits.class,
-            level: &settings.levels[level],
-            metric,
-            min_overlap: limits.min_overlap[metric as usize],
-        };
-        let (found, thresholds, tally) = run(&contest, frames, &overlaps, &rosters[class]);
+        let contest = prepared.contest(class, metric, level);
+        let found = prepared.first_pass(&contest, class);
+        let num_valid = found.num_valid;
+        let (thresholds, tally) = prepared.second_pass(&contest, class, &indices, found);
         let count = thresholds.len();
         Curve {
             class,
             metric,
             level,
-            num_valid: found.num_valid,
+            num_valid,
             num_tp: tally.num_tp[..count].iter().map(|&n| n as u64).collect(),
             num_fp: tally.num_fp[..count].iter().map(|&n| n as u64).collect(),
             precision: tally.precision(count),
-            heading: (metric != Metric::Image || has_alpha).then(|| tally.heading_similarity(count)),
+            heading: prepared.has_heading(metric).then(|| tally.heading_similarity(count)),
             thresholds,
         }
     };
-    tasks.par_iter().map(curve).collect()
-}
-
-/// Whether any detection of a class says what a metric needs.
-fn is_measured(frames: &[FramePair], class: Kind, metric: Metric) -> bool {
-    frames.iter().flat_map(|frame| &frame.detections).filter(|d| d.kind == class).any(|d| {
-        let b = &d.box_cam;
-        let is_on_ground = b.x != UNKNOWN_PLACE && b.z != UNKNOWN_PLACE && b.width > 0.0 && b.length > 0.0;
-        match metric {
-            Metric::Image => d.box_img.x1 >= 0.0,
-            Metric::Bev => is_on_ground,
-            Metric::Volume => is_on_ground && b.y != UNKNOWN_PLACE && b.height > 0.0,
-        }
-    })
-}
-
-fn run(
-    contest: &Contest<'_>,
-    frames: &[FramePair],
-    overlaps: &[FrameOverlaps],
-    roster: &Roster,
-) -> (FirstPass, Vec<f64>, Tally) {
-    let view = |index: usize| View {
-        frame: &frames[index],
-        overlaps: &overlaps[index],
-        entrants: roster.entrants(index),
-        claims: roster.claims(index),
-    };
-    let indices = || (0..frames.len()).into_par_iter().with_min_len(FRAMES_A_TASK);
-    let mut found = indices()
-        .fold(Default::default, |(mut matcher, mut found): (Matcher, FirstPass), index| {
-            matcher.collect_scores(contest, &view(index), &mut found);
-            (matcher, found)
-        })
-        .map(|(_, found)| found)
-        .reduce(FirstPass::default, FirstPass::joined);
-    found.scores.sort_unstable_by(|a, b| b.total_cmp(a));
-    let thresholds = choose_thresholds(&found.scores, found.num_valid);
-    let tally = indices()
-        .fold(Default::default, |(mut matcher, mut tally): (Matcher, Tally), index| {
-            matcher.count(contest, &view(index), &thresholds, &mut tally);
-            (matcher, tally)
-        })
-        .map(|(_, tally)| tally)
-        .reduce(Tally::default, |a, b| a.plus(&b))
-        .accumulate();
-    (found, thresholds, tally)
+    prepared.tasks().par_iter().map(curve).collect()
 }

@@ -4,6 +4,7 @@ use super::rotated_iou::BoxCam;
 
 /// The type of an object as the evaluation tells them apart. Names are compared without letter case, as KITTI does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u8)]
 pub enum Kind {
     /// A car.
     Car,
@@ -64,6 +65,36 @@ impl Kind {
     }
 }
 
+/// A set of types.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Kinds(u16);
+
+impl Kinds {
+    /// Whether a type is one of these.
+    #[must_use]
+    pub fn contains(self, kind: Kind) -> bool {
+        self.0 & (1 << kind as u8) != 0
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// Whether a type is in both.
+    #[must_use]
+    pub fn intersects(self, other: Self) -> bool {
+        self.0 & other.0 != 0
+    }
+}
+
+impl FromIterator<Kind> for Kinds {
+    fn from_iter<I: IntoIterator<Item = Kind>>(kinds: I) -> Self {
+        Self(kinds.into_iter().fold(0, |bits, kind| bits | 1 << kind as u8))
+    }
+}
+
 /// An upright rectangle of the image, in pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoxImg {
@@ -115,6 +146,8 @@ pub struct Truth {
     pub box_img: BoxImg,
     /// Box in the rectified camera frame.
     pub box_cam: BoxCam,
+    /// Whether it may be found but need not, at any level. No file says so.
+    pub is_optional: bool,
 }
 
 /// A detection: a line of a result file. Truncation and occlusion of detections are not used.
@@ -130,6 +163,8 @@ pub struct Detection {
     pub box_cam: BoxCam,
     /// Confidence: any number above [`MIN_SCORE`], higher is surer.
     pub score: f64,
+    /// Whether it is no false positive where it finds nothing. No file says so.
+    pub is_optional: bool,
 }
 
 impl Detection {

@@ -19,7 +19,8 @@ struct Table {
     overlaps: Vec<Overlap>,
     /// Where the overlaps of each object begin, and the end.
     starts: Vec<u32>,
-    /// The largest share of each detection in one DontCare region; empty if the frame has none.
+    /// The largest share of each detection in one DontCare region, infinite for an optional one; empty if the frame has
+    /// neither.
     covered: Vec<f64>,
 }
 
@@ -59,6 +60,12 @@ impl FrameOverlaps {
                 }
             }
         }
+        for (index, _) in frame.detections.iter().enumerate().filter(|(_, detection)| detection.is_optional) {
+            for table in &mut tables {
+                table.covered.resize(frame.detections.len(), 0.0);
+                table.covered[index] = f64::INFINITY;
+            }
+        }
         Self { tables }
     }
 
@@ -68,7 +75,7 @@ impl FrameOverlaps {
         &table.overlaps[table.starts[truth] as usize..table.starts[truth + 1] as usize]
     }
 
-    /// The largest share of a detection that lies in one DontCare region.
+    /// The largest share of a detection that lies in one DontCare region, infinite for an optional one.
     pub(super) fn covered(&self, metric: Metric, detection: usize) -> f64 {
         self.tables[metric as usize].covered.get(detection).copied().unwrap_or(0.0)
     }

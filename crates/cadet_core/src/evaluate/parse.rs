@@ -38,7 +38,15 @@ pub fn parse_truths(text: &[u8], file: &str) -> Result<Vec<Truth>> {
         let (kind, n) = line.columns::<15>()?;
         let (box_img, box_cam) = boxes(&n);
         let occluded = line.whole(OCCLUDED)?;
-        truths.push(Truth { kind: Kind::from_name(kind), truncated: n[1], occluded, alpha: n[3], box_img, box_cam });
+        truths.push(Truth {
+            kind: Kind::from_name(kind),
+            truncated: n[1],
+            occluded,
+            alpha: n[3],
+            box_img,
+            box_cam,
+            is_optional: false,
+        });
     }
     Ok(truths)
 }
@@ -68,7 +76,7 @@ pub fn parse_detections(text: &[u8], file: &str) -> Result<ParsedDetections> {
         if n[SCORE] <= MIN_SCORE {
             return Err(line.error(SCORE, format!("expected a score above {MIN_SCORE:e}, got {}", n[SCORE])));
         }
-        parsed.detections.push(Detection { kind, alpha: n[3], box_img, box_cam, score: n[SCORE] });
+        parsed.detections.push(Detection { kind, alpha: n[3], box_img, box_cam, score: n[SCORE], is_optional: false });
     }
     Ok(parsed)
 }

@@ -2,16 +2,17 @@
 //!
 //! The frames themselves are several megabytes, too many to go through dozens of times.
 
-use super::metric::Metric;
-use super::objects::{FramePair, Kind};
+use super::metric::{ClassLimits, Metric};
+use super::objects::FramePair;
 use super::overlaps::FrameOverlaps;
 
-/// An object of the class or of its neighbor.
+/// An object of the class or of its neighbors.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Entrant {
     /// Its index in the frame.
     pub truth: u32,
-    pub is_own_class: bool,
+    /// Whether a level may ask for it.
+    pub is_wanted: bool,
     pub height_px: f64,
     pub occluded: f64,
     pub truncated: f64,
@@ -56,20 +57,20 @@ pub(super) struct Roster {
 }
 
 impl Roster {
-    pub(super) fn new(class: Kind, frames: &[FramePair], overlaps: &[FrameOverlaps]) -> Self {
+    pub(super) fn new(class: &ClassLimits, frames: &[FramePair], overlaps: &[FrameOverlaps]) -> Self {
         let entrants = Rows::collect(frames.iter().map(|frame| {
             let all = frame.truths.iter().enumerate();
-            let taking_part = all.filter(|(_, t)| t.kind == class || class.neighbor() == Some(t.kind));
+            let taking_part = all.filter(|(_, t)| class.kinds.contains(t.kind) || class.neighbors.contains(t.kind));
             taking_part.map(|(index, t)| Entrant {
                 truth: index as u32,
-                is_own_class: t.kind == class,
+                is_wanted: class.kinds.contains(t.kind) && !t.is_optional,
                 height_px: t.box_img.y2 - t.box_img.y1,
                 occluded: t.occluded,
                 truncated: t.truncated,
             })
         }));
         let claims = Rows::collect(frames.iter().zip(overlaps).map(|(frame, overlaps)| {
-            let own = frame.detections.iter().enumerate().filter(|(_, d)| d.kind == class);
+            let own = frame.detections.iter().enumerate().filter(|(_, d)| class.kinds.contains(d.kind));
             own.map(|(index, d)| Claim {
                 score: d.score,
                 height_px: d.height_px(),

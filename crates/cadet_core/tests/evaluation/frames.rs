@@ -27,7 +27,7 @@ const EVALUATED: [Kind; 3] = [Kind::Car, Kind::Pedestrian, Kind::Cyclist];
 pub fn kitti() -> Settings {
     let classes = EVALUATED.map(|class| {
         let limit = if class == Kind::Car { 0.7 } else { 0.5 };
-        ClassLimits { class, min_overlap: [limit; 3] }
+        ClassLimits::of(class, [limit; 3])
     });
     let levels = [(40.0, 0.0, 0.15), (25.0, 1.0, 0.30), (25.0, 2.0, 0.50)].map(|(height, occlusion, truncation)| {
         Level { min_height_px: height, is_inclusive: false, max_occlusion: occlusion, max_truncation: truncation }
@@ -98,6 +98,7 @@ fn draw_truth(rng: &mut Stream, kind: Kind, sizes: [f64; 3]) -> Truth {
         alpha: hundredths(wrap_angle(rotation_y - atan2(x, z))),
         box_img,
         box_cam,
+        is_optional: false,
     }
 }
 
@@ -139,6 +140,7 @@ fn draw_detection(rng: &mut Stream, truth: &Truth) -> Detection {
         box_cam,
         // Two decimals make equal scores common.
         score: hundredths((1.0 - 0.25 * noise + 0.15 * rng.normal()).clamp(0.01, 1.0)),
+        is_optional: false,
     }
 }
 
@@ -150,6 +152,7 @@ fn dont_care(left: f64, top: f64, width: f64, height: f64) -> Truth {
         alpha: -10.0,
         box_img: BoxImg { x1: left, y1: top, x2: left + width, y2: top + height },
         box_cam: BoxCam::from_array([-1000.0, -1000.0, -1000.0, -1.0, -1.0, -1.0, -10.0]),
+        is_optional: false,
     }
 }
 

@@ -1,8 +1,8 @@
 //! KITTI's rules written down plainly: every overlap anew, every frame again at every threshold.
 
 use cadet_core::evaluate::{
-    Detection, FramePair, Kind, Level, Metric, Samples, Settings, Truth, choose_thresholds, intersection_bev, iou_3d,
-    iou_bev,
+    Detection, FramePair, Kind, Kinds, Level, Metric, Samples, Settings, Truth, choose_thresholds, intersection_bev,
+    iou_3d, iou_bev,
 };
 use cadet_core::math::cos;
 
@@ -24,7 +24,8 @@ enum Mark {
 
 pub fn answer(frames: &[FramePair], settings: &Settings, class: usize, metric: Metric, level: usize) -> Answer {
     let rules = Rules {
-        class: settings.classes[class].class,
+        kinds: settings.classes[class].kinds,
+        neighbors: settings.classes[class].neighbors,
         limit: settings.classes[class].min_overlap[metric as usize],
         level: &settings.levels[level],
         metric,
@@ -59,7 +60,8 @@ pub fn answer(frames: &[FramePair], settings: &Settings, class: usize, metric: M
 }
 
 struct Rules<'a> {
-    class: Kind,
+    kinds: Kinds,
+    neighbors: Kinds,
     limit: f64,
     level: &'a Level,
     metric: Metric,
@@ -67,8 +69,7 @@ struct Rules<'a> {
 
 impl Rules<'_> {
     fn truth_mark(&self, t: &Truth) -> Mark {
-        let is_neighbor =
-            matches!((self.class, t.kind), (Kind::Car, Kind::Van) | (Kind::Pedestrian, Kind::PersonSitting));
+        let is_neighbor = self.neighbors.contains(t.kind);
         let height = t.box_img.y2 - t.box_img.y1;
         let is_low = if self.level.is_inclusive {
             height < self.level.min_height_px
@@ -76,8 +77,8 @@ impl Rules<'_> {
             height <= self.level.min_height_px
         };
         let is_hard = t.occluded > self.level.max_occlusion || t.truncated > self.level.max_truncation || is_low;
-        match (t.kind == self.class, is_neighbor) {
-            (true, _) if !is_hard => Mark::Counts,
+        match (self.kinds.contains(t.kind), is_neighbor) {
+            (true, _) if !is_hard && !t.is_optional => Mark::Counts,
             (true, _) | (_, true) => Mark::Ignored,
             _ => Mark::Unrelated,
         }
@@ -86,7 +87,7 @@ impl Rules<'_> {
     fn detection_mark(&self, d: &Detection) -> Mark {
         if (d.box_img.y1 - d.box_img.y2).abs() < self.level.min_height_px {
             Mark::Ignored
-        } else if d.kind == self.class {
+        } else if self.kinds.contains(d.kind) {
             Mark::Counts
         } else {
             Mark::Unrelated
@@ -176,7 +177,11 @@ impl Rules<'_> {
             }
         }
         let is_wrong = |(j, d): &(usize, &Detection)| {
-            self.detection_mark(d) == Mark::Counts && d.score >= threshold && !taken[*j] && !self.is_stuff(frame, d)
+            self.detection_mark(d) == Mark::Counts
+                && d.score >= threshold
+                && !taken[*j]
+                && !d.is_optional
+                && !self.is_stuff(frame, d)
         };
         let fp = frame.detections.iter().enumerate().filter(is_wrong).count();
         (tp, fp as u64, similarity)

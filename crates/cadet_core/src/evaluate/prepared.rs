@@ -1,0 +1,136 @@
+//! Frames whose overlaps are known, and KITTI's two passes over all or some of them.
+
+use rayon::prelude::*;
+
+use super::curves::{Tally, choose_thresholds};
+use super::matching::{Contest, FirstPass, Matcher, View};
+use super::metric::{ClassLimits, Metric, Settings};
+use super::objects::FramePair;
+use super::overlaps::FrameOverlaps;
+use super::roster::Roster;
+
+/// The mark of an observation angle that a detector does not estimate.
+const UNKNOWN_ALPHA: f64 = -10.0;
+/// The mark of a place that a detector does not estimate.
+const UNKNOWN_PLACE: f64 = -1000.0;
+
+/// The fewest frames that are worth a thread.
+const FRAMES_A_TASK: usize = 256;
+
+/// What is computed once for all classes, metrics and levels.
+#[derive(Debug)]
+pub(super) struct Prepared<'a> {
+    frames: &'a [FramePair],
+    settings: &'a Settings,
+    overlaps: Vec<FrameOverlaps>,
+    rosters: Vec<Roster>,
+    has_alpha: bool,
+}
+
+impl<'a> Prepared<'a> {
+    pub(super) fn new(frames: &'a [FramePair], settings: &'a Settings) -> Self {
+        let floors = settings.floors();
+        let overlaps: Vec<FrameOverlaps> =
+            frames.par_iter().map(|frame| FrameOverlaps::new(frame, floors, |kind| settings.wants(kind))).collect();
+        let has_alpha = frames.iter().flat_map(|frame| &frame.detections).all(|d| d.alpha != UNKNOWN_ALPHA);
+        let rosters: Vec<Roster> =
+            settings.classes.par_iter().map(|limits| Roster::new(limits, frames, &overlaps)).collect();
+        Self { frames, settings, overlaps, rosters, has_alpha }
+    }
+
+    /// Class, metric and level of each curve; a class without a detection that is usable in a metric has none there.
+    pub(super) fn tasks(&self) -> Vec<(usize, Metric, usize)> {
+        let mut tasks = Vec::new();
+        for (class, limits) in self.settings.classes.iter().enumerate() {
+            for metric in Metric::ALL {
+                if is_measured(self.frames, limits, metric) {
+                    tasks.extend((0..self.settings.levels.len()).map(|level| (class, metric, level)));
+                }
+            }
+        }
+        tasks
+    }
+
+    pub(super) fn contest(&self, class: usize, metric: Metric, level: usize) -> Contest<'a> {
+        let limits = &self.settings.classes[class];
+        Contest {
+            kinds: limits.kinds,
+            level: &self.settings.levels[level],
+            metric,
+            min_overlap: limits.min_overlap[metric as usize],
+        }
+    }
+
+    /// Whether headings can be compared: in the image only if every detection has an observation angle.
+    pub(super) fn has_heading(&self, metric: Metric) -> bool {
+        metric != Metric::Image || self.has_alpha
+    }
+
+    /// The first pass over all frames.
+    pub(super) fn first_pass(&self, contest: &Contest<'_>, class: usize) -> FirstPass {
+        (0..self.frames.len())
+            .into_par_iter()
+            .with_min_len(FRAMES_A_TASK)
+            .fold(Default::default, |(mut matcher, mut found): (Matcher, FirstPass), index| {
+                matcher.collect_scores(contest, &self.view(class, index), &mut found);
+                (matcher, found)
+            })
+            .map(|(_, found)| found)
+            .reduce(FirstPass::default, FirstPass::joined)
+    }
+
+    /// The first pass, frame by frame.
+    pub(super) fn first_passes(&self, contest: &Contest<'_>, class: usize) -> Vec<FirstPass> {
+        let pass = |matcher: &mut Matcher, index: usize| {
+            let mut found = FirstPass::default();
+            matcher.collect_scores(contest, &self.view(class, index), &mut found);
+            found
+        };
+        (0..self.frames.len()).into_par_iter().with_min_len(FRAMES_A_TASK).map_init(Matcher::default, pass).collect()
+    }
+
+    /// Chooses thresholds and counts at each of them, over frames that may come more than once.
+    pub(super) fn second_pass(
+        &self,
+        contest: &Contest<'_>,
+        class: usize,
+        indices: &[u32],
+        mut found: FirstPass,
+    ) -> (Vec<f64>, Tally) {
+        found.scores.sort_unstable_by(|a, b| b.total_cmp(a));
+        let thresholds = choose_thresholds(&found.scores, found.num_valid);
+        let tally = indices
+            .par_iter()
+            .with_min_len(FRAMES_A_TASK)
+            .fold(Default::default, |(mut matcher, mut tally): (Matcher, Tally), &index| {
+                matcher.count(contest, &self.view(class, index as usize), &thresholds, &mut tally);
+                (matcher, tally)
+            })
+            .map(|(_, tally)| tally)
+            .reduce(Tally::default, |a, b| a.plus(&b))
+            .accumulate();
+        (thresholds, tally)
+    }
+
+    fn view(&self, class: usize, index: usize) -> View<'_> {
+        View {
+            frame: &self.frames[index],
+            overlaps: &self.overlaps[index],
+            entrants: self.rosters[class].entrants(index),
+            claims: self.rosters[class].claims(index),
+        }
+    }
+}
+
+/// Whether any detection of a class says what a metric needs.
+fn is_measured(frames: &[FramePair], class: &ClassLimits, metric: Metric) -> bool {
+    frames.iter().flat_map(|frame| &frame.detections).filter(|d| class.kinds.contains(d.kind)).any(|d| {
+        let b = &d.box_cam;
+        let is_on_ground = b.x != UNKNOWN_PLACE && b.z != UNKNOWN_PLACE && b.width > 0.0 && b.length > 0.0;
+        match metric {
+            Metric::Image => d.box_img.x1 >= 0.0,
+            Metric::Bev => is_on_ground,
+            Metric::Volume => is_on_ground && b.y != UNKNOWN_PLACE && b.height > 0.0,
+        }
+    })
+}

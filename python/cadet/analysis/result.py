@@ -1,0 +1,111 @@
+"""What an analysis finds: the report of AP, and all that was asked for besides."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any, Final
+
+from cadet.analysis.bins import BinAp
+from cadet.analysis.bootstrap import Bootstrap
+from cadet.analysis.box_errors import BandErrors
+from cadet.analysis.centers import CenterAp
+from cadet.analysis.comparison import Comparison
+from cadet.analysis.confusion import Confusion
+from cadet.analysis.mending import MendedAp
+from cadet.analysis.operating import OperatingPoint
+from cadet.evaluation.report import ByLevel, Report
+from cadet.summary import summary
+
+PARTS: Final = ("operating", "errors", "confusion", "centers")
+"""What can be asked for by name, in the order of reports."""
+
+
+@dataclass(frozen=True)
+class ClassErrors:
+    """Where a class loses AP.
+
+    Attributes:
+        mended: AP by what would be right.
+        operating_point: the best threshold where a center within 2 m is right; None if there is no such detection.
+        false_alarms_a_frame: detections of at least its score that are near no object; None without it.
+        boxes: the errors of boxes of at least its score, by distance; empty without it.
+    """
+
+    mended: MendedAp
+    operating_point: OperatingPoint | None
+    false_alarms_a_frame: float | None
+    boxes: tuple[BandErrors, ...]
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """AP, and what stands behind it. What was not asked for is None.
+
+    Attributes:
+        report: AP by KITTI's rules.
+        operating_points: thresholds of the best F1 by class, metric and level; one where nothing was found has no key.
+        errors: by class; one without detections has no key.
+        by: AP bin by bin, by "distance", "points" or "occlusion"; empty if none was asked for.
+        confusion: which class is taken for which.
+        centers: nuScenes' AP and errors by class; one without objects within range has no key.
+        bootstrap: intervals of AP.
+        comparison: with a second set of detections.
+        notes: what a reader should know.
+    """
+
+    report: Report
+    operating_points: ByLevel[OperatingPoint] | None
+    errors: Mapping[str, ClassErrors] | None
+    by: Mapping[str, tuple[BinAp, ...]]
+    confusion: Confusion | None
+    centers: Mapping[str, CenterAp] | None
+    bootstrap: Bootstrap | None
+    comparison: Comparison | None
+    notes: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        return summary(self, classes=list(self.report.ap), num_frames=self.report.num_frames, parts=self.parts())
+
+    def __str__(self) -> str:
+        """Return the report and all tables as text."""
+        return self.to_text()
+
+    def parts(self) -> list[str]:
+        """Name what was asked for."""
+        names = ("operating_points", "errors", "by", "confusion", "centers", "bootstrap", "comparison")
+        return [name for name in names if getattr(self, name)]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return everything as plain values: the report's, and a key for each part that was asked for."""
+        values = asdict(self.report)
+        for name in self.parts():
+            values[name] = _plain(getattr(self, name))
+        if self.notes:
+            values["notes"] = list(self.notes)
+        return values
+
+    def to_json(self) -> str:
+        """Return everything as JSON. Without a part it is the report's."""
+        return json.dumps(self.to_dict(), indent=1, allow_nan=False) + "\n"
+
+    def to_text(self) -> str:
+        """Return the report and all tables as text."""
+        from cadet.analysis.tables import sections
+
+        return "\n".join([str(self.report), *(f"\n{section.to_text()}" for section in sections(self))])
+
+    def to_markdown(self) -> str:
+        """Return the report and all tables as Markdown."""
+        from cadet.analysis.tables import sections
+
+        return "\n".join([self.report.to_markdown(), *(section.to_markdown() for section in sections(self))])
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {key: _plain(inner) for key, inner in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(inner) for inner in value]
+    return asdict(value) if hasattr(value, "__dataclass_fields__") else value
