@@ -296,6 +296,9 @@ class DetectionConfig:
 
     nms_iou: float = 0.01
     """Boxes that overlap a better one by more than this, seen from above and turned to the axes, are dropped."""
+    suppression: Literal["all", "class"] = "all"
+    """Whether a box drops those of all classes, as in AVOD, or those of its own class alone: a pedestrian beside a car
+    overlaps it once both are turned to the axes."""
     max_detections: int = 100
     """Boxes kept in a frame."""
     min_score: float = 0.1

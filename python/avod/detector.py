@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -64,6 +65,28 @@ class Detector:
         """
         device = resolve_device(device)
         return cls(trained_network(read_checkpoint(path)), device=device, precision=precision)
+
+    def configure(
+        self, *, proposals: int | None = None, min_score: float | None = None, nms_iou: float | None = None
+    ) -> None:
+        """Change settings of detection, which no weight depends on; None leaves one as it is.
+
+        Args:
+            proposals: that the second stage looks at (`rpn.proposals`).
+            min_score: detections below this are left out (`detection.min_score`).
+            nms_iou: boxes that overlap a better one by more than this are left out (`detection.nms_iou`).
+
+        Raises:
+            CadetError: a number outside its range.
+        """
+        config = self.config
+        rpn = config.rpn if proposals is None else replace(config.rpn, proposals=proposals)
+        detection = config.detection
+        if min_score is not None:
+            detection = replace(detection, min_score=min_score)
+        if nms_iou is not None:
+            detection = replace(detection, nms_iou=nms_iou)
+        self.network.config = replace(config, rpn=rpn, detection=detection)
 
     def __repr__(self) -> str:
         num_weights = sum(parameter.numel() for parameter in self.network.parameters())

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from copy import copy
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any, Final
 
+from avod.config import PathDropConfig
 from avod.detector import Detector
-from avod.predict import predict
+from avod.predict import predict_all
 from cadet import kitti
+from cadet.analysis import Analysis, analyze
 from cadet.errors import CadetError
-from cadet.evaluation import Report, evaluate
+from cadet.evaluation import Report
 from cadet.evaluation.limits import MinOverlap
-from cadet.kitti import labels_from_text, text_from_labels
+from cadet.kitti import Label, labels_from_text, text_from_labels
 
 
 @dataclass(frozen=True)
@@ -31,36 +35,111 @@ class Scored:
     value: float
 
 
-def evaluate_detector(
-    detector: Detector,
+def evaluate_detector(detector: Detector, root: str | Path, ids: tuple[str, ...], **settings: Any) -> Report:
+    """Run a detector over frames and compute KITTI's AP of what it would write; settings as for `analyze_detectors`."""
+    return analyze_detector(detector, root, ids, **settings).report
+
+
+def analyze_detector(detector: Detector, root: str | Path, ids: tuple[str, ...], **settings: Any) -> Analysis:
+    """Run a detector over frames and analyze what it would write; settings as for `analyze_detectors`."""
+    (analysis,) = analyze_detectors([detector], root, ids, **settings)
+    return analysis
+
+
+def analyze_detectors(
+    detectors: Sequence[Detector],
     root: str | Path,
     ids: tuple[str, ...],
     *,
+    parts: tuple[str, ...] = (),
+    by: tuple[str, ...] = (),
     levels: str = "kitti",
     min_overlap: MinOverlap = "strict",
     workers: int = 0,
     on_frame: Callable[[], None] = lambda: None,
-) -> Report:
-    """Run a detector over frames and compute KITTI's AP of what it would write.
+) -> list[Analysis]:
+    """Run detectors over frames, each of which is read once, and analyze what they would write.
 
     All frames count, those without an object too; AVOD's own evaluation leaves those out for cars.
 
     Args:
-        detector: the detector.
+        detectors: one or more, whose inputs are the same.
         root: a KITTI folder with labels.
         ids: of the frames.
+        parts: as for `cadet.analyze`.
+        by: as for `cadet.analyze`, without points.
         levels: "kitti" or "large_small".
         min_overlap: as for `cadet.evaluate`.
         workers: processes that prepare frames.
         on_frame: hears of each frame that is done.
     """
-    found = {}
-    for frame_id, labels in predict(detector, root, ids, workers=workers):
-        # Through text, so that the numbers are those of the files.
-        found[frame_id] = labels_from_text(text_from_labels(labels))
+    found: list[dict[str, tuple[Label, ...]]] = [{} for _ in detectors]
+    for frame_id, by_detector in predict_all(detectors, root, ids, workers=workers):
+        for results, labels in zip(found, by_detector, strict=True):
+            # Through text, so that the numbers are those of the files.
+            results[frame_id] = labels_from_text(text_from_labels(labels))
         on_frame()
     truths = {frame_id: kitti.read_labels(root, frame_id) for frame_id in ids}
-    return evaluate(truths, found, classes=detector.config.class_names, levels=levels, min_overlap=min_overlap)
+    names = detectors[0].config.class_names
+    return [
+        analyze(truths, results, parts=parts, by=by, classes=names, levels=levels, min_overlap=min_overlap)
+        for results in found
+    ]
+
+
+ABLATIONS: Final[Mapping[str, tuple[bool, bool]]] = {"image masked": (False, True), "LIDAR masked": (True, False)}
+"""What is left of (image, LIDAR), by name."""
+
+
+def without(detector: Detector, *, has_image: bool, has_lidar: bool) -> Detector:
+    """Return a detector of the same weights that one sensor's feature maps are hidden from.
+
+    Both stages then see the other's crops alone, as path drop shows them in training. Points still choose the anchors
+    that are looked at, the ground plane, and how high proposals stand where the configuration measures that.
+
+    Raises:
+        CadetError: both sensors are left out.
+    """
+    if not has_image and not has_lidar:
+        raise CadetError("without image and LIDAR there is nothing to detect in")
+    network = copy(detector.network)
+    # A modality that training never kept is not seen in detection.
+    network.config = replace(
+        detector.config, path_drop=PathDropConfig(keep_image=float(has_image), keep_bev=float(has_lidar))
+    )
+    return Detector(network, device=detector.device, precision=detector.network.precision)
+
+
+def ablation(detector: Detector, root: str | Path, ids: tuple[str, ...], **settings: Any) -> dict[str, Analysis]:
+    """Evaluate a detector again without each sensor.
+
+    Args:
+        detector: the detector.
+        root: a KITTI folder with labels.
+        ids: of the frames.
+        settings: as for `analyze_detector`.
+
+    Returns:
+        Analyses by what was masked, with nuScenes' AP, which boxes of the wrong size or a little off have too.
+    """
+    analyses = {}
+    for name, (has_image, has_lidar) in ABLATIONS.items():
+        masked = without(detector, has_image=has_image, has_lidar=has_lidar)
+        analyses[name] = analyze_detector(masked, root, ids, **{**settings, "parts": ("centers",), "by": ()})
+    return analyses
+
+
+def ablation_table(analyses: Mapping[str, Analysis], class_names: tuple[str, ...]) -> list[list[str]]:
+    """Return AP 3D and BEV, R40, and nuScenes' mean AP by distance of centers, by what was masked; the header first."""
+    rows: list[list[str]] = []
+    for name, analysis in analyses.items():
+        header, *inner = table(analysis.report, class_names)
+        rows = rows or [["Sensors", *header, "AP centers"]]
+        for row in inner:
+            if row[1] == "R40":
+                centers = (analysis.centers or {}).get(row[0])
+                rows.append([name, *row, "-" if centers is None else f"{centers.mean_ap:.2f}"])
+    return rows
 
 
 def score(report: Report, class_names: tuple[str, ...]) -> float:

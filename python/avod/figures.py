@@ -18,6 +18,8 @@ from cadet.view import bev_figure, boxes_figure, style
 _MARGIN: Final = 12
 _TITLE: Final = 26
 _FEW_ROWS: Final = 10
+_LEAST: Final = 1e-6
+_AP_COLOR: Final = style.VISIBLE
 _CURVE_COLORS: Final = tuple(style.CLASS_COLORS.values())
 
 
@@ -42,11 +44,19 @@ def detection_figure(frame: Frame, found: tuple[Label, ...]) -> style.Image:
     return np.concatenate([columns[0], gap, columns[1]], axis=1)
 
 
-def loss_figure(rows: Sequence[dict[str, float]], size: tuple[int, int] = (960, 480)) -> style.Image:
+def loss_figure(
+    rows: Sequence[dict[str, float]],
+    validations: Sequence[dict[str, float]] = (),
+    size: tuple[int, int] = (960, 480),
+) -> style.Image:
     """Draw the losses of a training over its steps, on a logarithmic scale, each a running mean over the rows around.
+
+    Validations are marked where they are: their total loss on the same scale, and AP from 0 at the bottom to 100 % at
+    the top.
 
     Args:
         rows: of `log.csv`.
+        validations: rows of `val.csv`.
         size: width and height in pixels.
 
     Returns:
@@ -57,35 +67,87 @@ def loss_figure(rows: Sequence[dict[str, float]], size: tuple[int, int] = (960, 
     """
     if not rows:
         raise CadetError("the log has no rows to draw")
-    canvas = style.filled(size[1], size[0])
-    steps = np.array([row["step"] for row in rows])
-    curves = {name: np.maximum(_running_mean([row[name] for row in rows]), 1e-6) for name in TERMS}
-    low = np.floor(np.log10(min(values.min() for values in curves.values())))
-    high = np.ceil(np.log10(max(values.max() for values in curves.values())))
-    high = max(high, low + 1.0)
-    left, right, top, bottom = 60, size[0] - 150, 20, size[1] - 40
-    span = max(float(steps[-1] - steps[0]), 1.0)
-    for decade in np.arange(low, high + 1.0):
-        y = bottom - (decade - low) / (high - low) * (bottom - top)
-        style.stroke(canvas, (left, y), (right, y), style.GRID)
-        style.write(canvas, f"{10.0**decade:g}", 8, y + 4, 0.4, style.FAINT_TEXT)
-    for text, x in ((f"step {steps[0]:.0f}", left), (f"{steps[-1]:.0f}", right - 40)):
-        style.write(canvas, text, x, size[1] - 16, 0.4, style.FAINT_TEXT)
+    curves = {name: np.maximum(_running_mean([row[name] for row in rows]), _LEAST) for name in TERMS}
+    plot = _Plot(
+        np.array([row["step"] for row in [*rows, *validations]]),
+        np.concatenate([*curves.values(), [max(row["total"], _LEAST) for row in validations]]),
+        size,
+    )
+    steps = [row["step"] for row in rows]
     for index, (name, values) in enumerate(curves.items()):
         color = style.TEXT if name == "total" else _CURVE_COLORS[index]
-        points = np.stack(
-            [
-                left + (steps - steps[0]) / span * (right - left),
-                bottom - (np.log10(values) - low) / (high - low) * (bottom - top),
-            ],
-            axis=1,
-        )
-        style.polyline(canvas, points, color, 2 if name == "total" else 1, is_closed=False)
-        if len(points) < _FEW_ROWS:
-            for point in points:
-                style.dot(canvas, point, 3.0, color)
-        style.write(canvas, f"{name} {values[-1]:.3g}", right + 10, top + 14 + 20 * index, 0.4, color)
-    return canvas
+        has_dots = len(rows) < _FEW_ROWS
+        plot.curve(steps, plot.loss_y(values), color, width=2 if name == "total" else 1, has_dots=has_dots)
+        plot.legend(f"{name} {values[-1]:.3g}", color)
+    if validations:
+        steps = [row["step"] for row in validations]
+        totals = np.maximum([row["total"] for row in validations], _LEAST)
+        plot.curve(steps, plot.loss_y(totals), style.FAINT_TEXT, has_dots=True)
+        plot.legend(f"val total {totals[-1]:.3g}", style.FAINT_TEXT)
+        shares = np.array([row["ap"] for row in validations]) / 100.0
+        best = validations[int(np.flatnonzero(shares == shares.max())[-1])]
+        plot.curve(steps, plot.bottom - shares * (plot.bottom - plot.top), _AP_COLOR, width=2, has_dots=True)
+        plot.legend(f"val AP {validations[-1]['ap']:.1f} %", _AP_COLOR)
+        plot.legend(f"best {best['ap']:.1f} % at {best['step']:.0f}", _AP_COLOR)
+        plot.percents()
+    return plot.canvas
+
+
+class _Plot:
+    """Axes of steps and of losses, and what is drawn between them.
+
+    Args:
+        steps: all that are to be seen.
+        losses: likewise, positive.
+        size: width and height in pixels.
+    """
+
+    def __init__(self, steps: NDArray[np.float64], losses: NDArray[np.float64], size: tuple[int, int]) -> None:
+        self.canvas = style.filled(size[1], size[0])
+        self.left, self.right, self.top, self.bottom = 60, size[0] - 150, 20, size[1] - 40
+        self._first, self._span = float(steps.min()), max(float(steps.max() - steps.min()), 1.0)
+        self._low = float(np.floor(np.log10(losses.min())))
+        self._high = max(float(np.ceil(np.log10(losses.max()))), self._low + 1.0)
+        self._num_lines = 0
+        for decade in np.arange(self._low, self._high + 1.0):
+            y = float(self.loss_y(np.array([10.0**decade]))[0])
+            style.stroke(self.canvas, (self.left, y), (self.right, y), style.GRID)
+            style.write(self.canvas, f"{10.0**decade:g}", 8, y + 4, 0.4, style.FAINT_TEXT)
+        for text, x in ((f"step {steps.min():.0f}", self.left), (f"{steps.max():.0f}", self.right - 40)):
+            style.write(self.canvas, text, x, size[1] - 16, 0.4, style.FAINT_TEXT)
+
+    def loss_y(self, losses: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the rows of losses on the logarithmic axis."""
+        share = (np.log10(losses) - self._low) / (self._high - self._low)
+        rows: NDArray[np.float64] = self.bottom - share * (self.bottom - self.top)
+        return rows
+
+    def curve(
+        self,
+        steps: Sequence[float],
+        rows: NDArray[np.float64],
+        color: style.Color,
+        *,
+        width: int = 1,
+        has_dots: bool = False,
+    ) -> None:
+        """Draw a curve through points of steps and rows."""
+        x = self.left + (np.array(steps) - self._first) / self._span * (self.right - self.left)
+        points = np.stack([x, rows], axis=1)
+        style.polyline(self.canvas, points, color, width, is_closed=False)
+        for point in points if has_dots else ():
+            style.dot(self.canvas, point, 3.0, color)
+
+    def legend(self, text: str, color: style.Color) -> None:
+        """Write a further line to the right of the plot."""
+        style.write(self.canvas, text, self.right + 30, self.top + 14 + 20 * self._num_lines, 0.4, color)
+        self._num_lines += 1
+
+    def percents(self) -> None:
+        """Write a second axis, of shares, along the right side."""
+        for share in (0.0, 0.5, 1.0):
+            y = self.bottom - share * (self.bottom - self.top)
+            style.write(self.canvas, f"{100.0 * share:.0f}", self.right + 4, y + 4, 0.35, _AP_COLOR)
 
 
 def _running_mean(values: Sequence[float]) -> NDArray[np.float64]:

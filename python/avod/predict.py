@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,8 @@ import torch
 from torch.utils.data import DataLoader
 
 from avod.data.dataset import DetectionData, sample_from_frame
+from avod.data.packing import on_device
+from avod.data.workers import as_it_is, started
 from avod.detector import Detector
 from avod.results import detections
 from cadet import kitti
@@ -36,13 +38,39 @@ def predict(
     Raises:
         CadetError: a frame that cannot be read.
     """
-    data = DetectionData(root, ids, detector.config)
-    loader: DataLoader[Any] = DataLoader(data, batch_size=None, num_workers=workers, collate_fn=_same)
-    for frame_id, item in zip(ids, loader, strict=True):
+    for frame_id, (labels,) in predict_all([detector], root, ids, workers=workers):
+        yield frame_id, labels
+
+
+def predict_all(
+    detectors: Sequence[Detector], root: str | Path, ids: tuple[str, ...], *, workers: int = 0
+) -> Iterator[tuple[str, list[tuple[Label, ...]]]]:
+    """Detect objects with several detectors, such as the checkpoints of a training; each frame is read once.
+
+    Args:
+        detectors: one or more, whose inputs are the same.
+        root: a KITTI folder.
+        ids: of the frames.
+        workers: processes that read and prepare frames; 0 does so in between.
+
+    Yields:
+        Each id in turn, and every detector's labels with scores, best first.
+
+    Raises:
+        CadetError: a frame that cannot be read, or detectors that need different inputs.
+    """
+    config = detectors[0].config
+    for name in ("classes", "ground", "bev", "image", "anchors"):
+        if any(getattr(detector.config, name) != getattr(config, name) for detector in detectors):
+            raise CadetError(f"these detectors need different inputs, their {name!r} differ: run them one by one")
+    data = DetectionData(root, ids, config)
+    loader: DataLoader[Any] = DataLoader(data, batch_size=None, num_workers=min(workers, len(ids)), collate_fn=as_it_is)
+    for frame_id, item in zip(ids, started(loader), strict=True):
         if isinstance(item, CadetError):
             raise item
-        sample, frame = item
-        yield frame_id, detector.detect_sample(sample, frame.calib)
+        sample, calib = item
+        sample = on_device(sample, detectors[0].device)
+        yield frame_id, [detector.detect_sample(sample, calib) for detector in detectors]
 
 
 @dataclass(frozen=True)
@@ -98,7 +126,3 @@ def measure(detector: Detector, root: str | Path, ids: tuple[str, ...]) -> Timin
 def _wait(device: torch.device) -> None:
     if device.type == "cuda":
         torch.cuda.synchronize(device)
-
-
-def _same(item: Any) -> Any:
-    return item

@@ -42,7 +42,8 @@ class Boxes:
 def decode(outputs: FrameOutputs, plane: Tensor, config: DetectionConfig) -> Boxes:
     """Decode proposals, drop the lesser ones, choose headings.
 
-    Boxes are compared turned to the axes, all classes together, ranked by the greatest logit of a class.
+    Boxes are compared turned to the axes: all classes together, ranked by the greatest logit of a class, or each class
+    on its own, ranked by score.
 
     Args:
         outputs: of the network.
@@ -51,11 +52,20 @@ def decode(outputs: FrameOutputs, plane: Tensor, config: DetectionConfig) -> Box
     """
     boxes_4c = boxes_4c_from_anchors(outputs.proposals, plane) + outputs.box_offsets
     boxes_cam = boxes_from_4c(boxes_4c, plane)
-    ranks = outputs.class_logits[:, 1:].amax(dim=1)
-    kept = nms(ground_boxes(anchors_from_boxes(boxes_cam)), ranks, config.nms_iou, config.max_detections)
+    boxes_bev = ground_boxes(anchors_from_boxes(boxes_cam))
+    scores, classes = outputs.class_logits.softmax(dim=1)[:, 1:].max(dim=1)
+    if config.suppression == "class":
+        parts = [(classes == kind).nonzero().squeeze(1) for kind in range(outputs.class_logits.shape[1] - 1)]
+        kept = torch.cat(
+            [part[nms(boxes_bev[part], scores[part], config.nms_iou, config.max_detections)] for part in parts]
+        )
+    else:
+        ranks = outputs.class_logits[:, 1:].amax(dim=1)
+        kept = nms(boxes_bev, ranks, config.nms_iou, config.max_detections)
+    # The greatest logit need not have the highest score: that depends on the others' too.
+    kept = kept[torch.argsort(scores[kept], descending=True, stable=True)][: config.max_detections]
     fixed = fix_up(boxes_cam[kept], outputs.vectors[kept], is_reference=config.fix_up == "reference")
-    scores, classes = outputs.class_logits[kept].softmax(dim=1)[:, 1:].max(dim=1)
-    return Boxes(fixed, scores, classes + 1)
+    return Boxes(fixed, scores[kept], classes[kept] + 1)
 
 
 def labels_from_boxes(

@@ -8,7 +8,7 @@ import pytest
 from avod.config import AnchorConfig
 from avod.config_file import load_config
 from avod.data.build import build_sample, normal_plane
-from avod.geometry.anchors import anchor_grid, occupancy, occupied_anchors
+from avod.geometry.anchors import anchor_grid, anchors_over, occupancy
 from cadet.bev import BevConfig
 from cadet.kitti import read_frame
 from real_kitti import ROOT, needs_kitti
@@ -58,19 +58,20 @@ def test_the_filter_counts_cells() -> None:
         if 0.2 <= height < 2.0 and -8 < x < 8 and 0 < z < 12
     }
     assert {(int(x), int(z)) for x, z in np.argwhere(cells)} == expected_cells
-    found = occupied_anchors(anchors, cells, config, bev)
-    for (x, _, z, dx, _, dz), is_kept in zip(anchors, found, strict=True):
+    found = anchors_over(cells, PLANE, classes, config, bev)
+    kept = []
+    for x, _, z, dx, _, dz in anchors:
         x1, x2 = (min(max(int(np.float32(x + s * dx / 2) / np.float32(0.1)) + 80, 0), 160) for s in (-1, 1))
         z1, z2 = (min(max(int(np.float32(z + s * dz / 2) / np.float32(0.1)), 0), 120) for s in (-1, 1))
-        assert is_kept == (sum(x1 <= i < x2 and z1 <= j < z2 for i, j in expected_cells) >= 2)
-    assert 0 < found.sum() < len(found)
+        kept.append(sum(x1 <= i < x2 and z1 <= j < z2 for i, j in expected_cells) >= 2)
+    np.testing.assert_array_equal(found, anchors[kept])
+    assert 0 < sum(kept) < len(kept)
 
 
 def test_no_points_leave_no_anchors() -> None:
     config = load_config("car_default")
     cells = occupancy(np.zeros((0, 3)), PLANE, config.anchors, config.bev)
-    grid = anchor_grid(PLANE, config.classes, config.anchors, config.bev)
-    assert not occupied_anchors(grid, cells, config.anchors, config.bev).any()
+    assert not len(anchors_over(cells, PLANE, config.classes, config.anchors, config.bev))
 
 
 @needs_kitti

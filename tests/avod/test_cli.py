@@ -14,9 +14,16 @@ import pytest
 from click.testing import CliRunner, Result
 
 from avod.cli.commands import avod
+from avod.cli.options import resolve_workers
+from avod.config_file import load_config
+from avod.data.sample import Sample
+from avod.detector import Detector
+from avod.evaluate import analyze_detectors, evaluate_detector, score
 from avod.figures import _running_mean
+from avod.train.step import new_network
+from cadet import kitti
 from cadet.errors import CadetError, KittiFormatError
-from cadet.kitti import labels_from_text, write_frame
+from cadet.kitti import Calibration, Label, labels_from_text, write_frame
 from cadet.kitti.frame import Frame
 from synthetic import make_frame
 
@@ -68,10 +75,10 @@ def test_an_interrupted_training_says_how_to_go_on(
     def interrupt(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("avod.cli.commands.train", interrupt)
+    monkeypatch.setattr("avod.cli.train.train", interrupt)
     for out, expected in (
-        (tmp_path, r"interrupted; no checkpoint yet: there is one every \d+ steps"),
-        (trained, r"interrupted; last checkpoint: \S+/000000010; go on from it by --resume-from \S+"),
+        (tmp_path, r"interrupted; no checkpoint yet: --out \S+ --resume begins again"),
+        (trained, r"interrupted; last checkpoint: \S+/000000010; go on from it by --out \S+ --resume"),
     ):
         arguments = ["train", "--config", str(CONFIG), "--data", str(dataset), "--out", str(out)]
         assert avod.main(arguments, standalone_mode=False) == 130
@@ -97,6 +104,81 @@ def test_evaluation_prints_the_papers_rows_and_keeps_the_best(dataset: Path, tra
     assert re.search(r"^000000010 +\d+\.\d\d +best$", result.output, re.MULTILINE)
     for rule in ("R11", "R40"):
         assert re.search(rf"^ *Car +{rule}( +(-|\d+\.\d\d)){{6}}", result.output, re.MULTILINE), result.output
+
+
+def test_all_checkpoints_are_evaluated_on_one_reading(
+    dataset: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    config = tmp_path / "often.toml"
+    config.write_text(
+        f"base = {json.dumps(str(CONFIG))}\n[training]\ncheckpoint_steps = 1\n[detection]\nmin_score = 0.0\n"
+    )
+    run = tmp_path / "run"
+    call("train", "--config", config, "--data", dataset, "--out", run, "--steps", 3, "--workers", 0)
+    read: list[str] = []
+    right = kitti.read_frame
+
+    def counting(root: Path, frame_id: str, **options: bool) -> Frame:
+        read.append(frame_id)
+        return right(root, frame_id, **options)
+
+    monkeypatch.setattr("cadet.kitti.read_frame", counting)
+    result = call("eval", "--checkpoint", run, "--data", dataset, "--split", "all", "--last", 3, "--workers", 0)
+    assert read == ["000000", "000001", "000002"]
+    values = re.findall(r"^(\d{9})  (\d+\.\d\d)", result.output, re.MULTILINE)
+    for name, value in values:
+        detector = Detector.load(run / "checkpoints" / name)
+        report = evaluate_detector(detector, dataset, kitti.Dataset(dataset).ids)
+        assert f"{score(report, detector.config.class_names):.2f}" == value
+    assert [name for name, _ in values] == ["000000001", "000000002", "000000003"]
+
+
+def test_each_of_several_detectors_is_evaluated_by_what_it_finds(dataset: Path) -> None:
+    class Sure(Detector):
+        """Finds what `found` says."""
+
+        found: tuple[Label, ...] = ()
+
+        def detect_sample(self, sample: Sample, calib: Calibration) -> tuple[Label, ...]:
+            return self.found
+
+    network = new_network(load_config(CONFIG), 0)
+    detectors = [Sure(network), Sure(network), Sure(network)]
+    truths = tuple(dataclasses.replace(label, score=0.9) for label in make_frame().labels if not label.is_dont_care)
+    detectors[1].found = truths
+    ids = kitti.Dataset(dataset).ids
+    reports = [analysis.report for analysis in analyze_detectors(detectors, dataset, ids)]
+    blind, whole, other = (score(report, ("Car",)) for report in reports)
+    assert blind == other == 0.0 < whole
+    detectors[2].network = new_network(load_config("tiny_car"), 0)
+    with pytest.raises(CadetError, match="these detectors need different inputs, their 'classes' differ"):
+        analyze_detectors(detectors, dataset, ids)
+
+
+def test_detection_can_be_changed_for_one_run(dataset: Path, trained: Path, tmp_path: Path) -> None:
+    def detected(*options: object) -> list[Label]:
+        out = tmp_path / "_".join(map(str, options)) / "found"
+        call("predict", "--checkpoint", trained, "--data", dataset, "--frames", 1, "--out", out, *options)
+        return list(labels_from_text((out / "000000.txt").read_text()))
+
+    usual = detected()
+    scores = [label.score or 0.0 for label in usual]
+    assert scores == sorted(scores, reverse=True)
+    limit = f"{scores[len(scores) // 2]:.4f}"
+    above = detected("--score-threshold", limit)
+    assert 0 < len(above) < len(usual)
+    assert all((label.score or 0.0) >= float(limit) - 1e-4 for label in above)
+    assert len(detected("--proposals", 2)) <= 2 < len(usual)
+    assert len(detected("--nms-iou", 1.0)) > len(usual)
+    result = call("eval", "--checkpoint", trained, "--data", dataset, "--score-threshold", 1.0)
+    assert all(line.split()[2:] == ["-"] * 6 for line in table_of(result)), "nothing is found"
+
+
+def test_frames_are_read_by_as_many_processes_as_there_are_processors(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("os.sched_getaffinity", lambda pid: {1, 4, 5})
+    assert [resolve_workers(count) for count in (None, 0, 7)] == [3, 0, 7]
+    monkeypatch.setattr("os.sched_getaffinity", lambda pid: set(range(96)))
+    assert resolve_workers(None) == 16
 
 
 def test_the_bench_names_the_stages(dataset: Path, trained: Path) -> None:

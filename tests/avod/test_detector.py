@@ -165,3 +165,55 @@ def test_the_table_has_both_recalls_and_a_dash_for_what_was_never_found() -> Non
     assert score(report, ("Car", "Pedestrian")) == pytest.approx(curve.r40 / 2)
     scored = [Scored(Path(str(k)), report, value) for k, value in enumerate((3.0, 7.0, 7.0, 1.0))]
     assert best(scored).path == Path("2")
+
+
+def overlapping(logits: list[list[float]]) -> FrameOutputs:
+    """Return outputs of one box for each row, all at the same place."""
+    count = len(logits)
+    proposals = torch.tensor([[1.0, 1.6, 20.0, 4.0, 1.5, 1.8]]).repeat(count, 1)
+    return FrameOutputs(
+        torch.zeros((0, 2)),
+        torch.zeros((0, 6)),
+        proposals,
+        torch.tensor(logits),
+        torch.zeros((count, 10)),
+        torch.tensor([[1.0, 0.0]]).repeat(count, 1),
+    )
+
+
+def test_boxes_of_other_classes_stay_where_each_class_is_suppressed_on_its_own() -> None:
+    # A car, a pedestrian at the same place, and a second, less sure car.
+    outputs = overlapping([[0.0, 3.0, -1.0], [0.0, -1.0, 2.0], [0.0, 2.5, 0.0]])
+    together = decode(outputs, PLANE, CONFIG.detection)
+    assert together.classes.tolist() == [1]
+    apart = decode(outputs, PLANE, dataclasses.replace(CONFIG.detection, suppression="class"))
+    assert apart.classes.tolist() == [1, 2]
+    assert apart.scores[0] == together.scores[0]
+    one = dataclasses.replace(CONFIG.detection, suppression="class", max_detections=1)
+    assert decode(outputs, PLANE, one).classes.tolist() == [1]
+    assert load_config("all_default").detection.suppression == "class"
+    assert load_config("car_default").detection.suppression == load_config("people_default").detection.suppression
+
+
+def test_detections_come_best_score_first_though_ranked_by_logits() -> None:
+    # The first has the greater logit, and the lower score, since it looks much like background too.
+    outputs = overlapping([[4.9, 5.0, -5.0], [-5.0, 3.0, -5.0], [0.0, 1.0, -5.0]])
+    outputs.proposals[:, 0] += torch.tensor([0.0, 10.0, -10.0])
+    for suppression in ("all", "class"):
+        boxes = decode(outputs, PLANE, dataclasses.replace(CONFIG.detection, suppression=suppression))
+        assert boxes.scores.tolist() == sorted(boxes.scores.tolist(), reverse=True)
+        assert boxes.boxes_cam[:, 0].tolist() == pytest.approx([11.0, -9.0, 1.0], abs=1e-4)
+
+
+def test_settings_of_detection_can_be_changed_for_a_run() -> None:
+    detector = Detector(new_network(CONFIG, 0))
+    detector.configure(proposals=7, min_score=0.0, nms_iou=1.0)
+    frame = make_frame()
+    assert len(detector.detect(frame.points_velo, frame.image, frame.calib, frame.plane)) <= 7
+    assert detector.config.rpn == dataclasses.replace(CONFIG.rpn, proposals=7)
+    detection = dataclasses.replace(CONFIG.detection, min_score=0.0, nms_iou=1.0)
+    assert detector.config.detection == detection and detector.config.training == CONFIG.training
+    detector.configure()
+    assert detector.config.detection == detection
+    with pytest.raises(CadetError, match=r"DetectionConfig\.nms_iou: expected "):
+        detector.configure(nms_iou=1.5)

@@ -59,7 +59,7 @@ def test_a_folder_that_holds_a_training_is_not_used_again(dataset: Path, tmp_pat
     first = run(dataset, out, 4)
     before = contents(out)
     used = (
-        rf"^{out} holds another training: name a new folder with --out, or go on with this one by --resume-from {out}$"
+        rf"^{out} holds another training: name a new folder with --out, or go on with this one by --out {out} --resume$"
     )
     with pytest.raises(CadetError, match=used):
         run(dataset, out, 4)
@@ -69,12 +69,17 @@ def test_a_folder_that_holds_a_training_is_not_used_again(dataset: Path, tmp_pat
     with pytest.raises(CadetError, match=used):
         run(dataset, out, 6, resume_from=other)
     earlier = rf"^{out} holds checkpoints up to 000000004, and training is to go on from 000000002: go on from the last"
+    first_of_two = out / "checkpoints" / "000000002"
+    (first_of_two / "optimizer.safetensors").write_bytes((first / "optimizer.safetensors").read_bytes())
     with pytest.raises(CadetError, match=earlier):
-        run(dataset, out, 6, resume_from=out / "checkpoints" / "000000002")
+        run(dataset, out, 6, resume_from=first_of_two)
+    (first_of_two / "optimizer.safetensors").unlink()
     assert contents(out) == before
     assert run(dataset, out, 6, resume_from=out).name == "000000006"
     assert [row["step"] for row in read_log(out / "log.csv")] == [4, 6]
-    assert run(dataset, tmp_path / "new", 5, resume_from=out / "checkpoints" / "000000004").name == "000000005"
+    assert run(dataset, tmp_path / "new", 7, resume_from=out / "checkpoints" / "000000006").name == "000000007"
+    with pytest.raises(MissingFileError, match="of a training only the newest checkpoint can be resumed"):
+        run(dataset, tmp_path / "newer", 5, resume_from=out / "checkpoints" / "000000004")
 
 
 def test_a_log_alone_is_not_replaced_either(dataset: Path, tmp_path: Path) -> None:

@@ -21,10 +21,9 @@ from avod.data.sample import Sample
 from avod.detector import Detector
 from avod.geometry.encoding import boxes_4c_from_anchors
 from avod.geometry.height_profile import cell_tops, height_profiles
-from avod.model.layers import ShiftBatchNorm
 from avod.model.network import AvodNetwork, FrameOutputs
 from avod.train import train
-from avod.train.checkpoint import checkpoints, load_network, read_checkpoint
+from avod.train.checkpoint import load_network, read_checkpoint
 from avod.train.log import COLUMNS, read_log
 from avod.train.run import Run, with_steps
 from avod.train.step import (
@@ -35,6 +34,7 @@ from avod.train.step import (
     new_network,
     training_step,
 )
+from avod_runs import Frozen
 from cadet.errors import CadetError, MissingFileError
 from cadet.evaluation import box_iou_3d
 from cadet.kitti import write_frame
@@ -152,17 +152,6 @@ def all_taken(config: Config) -> Config:
     return dataclasses.replace(config, rpn=rpn, second_stage=dataclasses.replace(config.second_stage, batch_size=4096))
 
 
-class Frozen(AvodNetwork):
-    """A network in training whose normalization keeps to its averages, so that no frame changes another's maps."""
-
-    def train(self, mode: bool = True) -> Frozen:
-        super().train(mode)
-        for module in self.modules():
-            if isinstance(module, ShiftBatchNorm):
-                module.eval()
-        return self
-
-
 def test_several_frames_a_step_give_the_mean_of_their_losses_and_gradients(sample: Sample) -> None:
     config = all_taken(CONFIG)
     torch.manual_seed(0)
@@ -243,18 +232,6 @@ def tensors(path: Path) -> dict[str, torch.Tensor]:
     network = AvodNetwork(checkpoint.config)
     load_network(checkpoint, network)
     return dict(network.state_dict())
-
-
-def test_a_resumed_training_equals_one_that_never_stopped(dataset: Path, tmp_path: Path) -> None:
-    whole = run(dataset, tmp_path / "whole", 6)
-    run(dataset, tmp_path / "parts", 5)
-    shutil.rmtree(tmp_path / "parts" / "checkpoints" / "000000005")
-    resumed = run(dataset, tmp_path / "parts", 6, resume_from=tmp_path / "parts")
-    assert resumed.name == whole.name == "000000006"
-    for name, tensor in tensors(whole).items():
-        assert torch.equal(tensor, tensors(resumed)[name]), name
-    assert (whole / "optimizer.safetensors").read_bytes() == (resumed / "optimizer.safetensors").read_bytes()
-    assert [path.name for path in checkpoints(tmp_path / "whole" / "checkpoints")] == ["000000003", "000000006"]
 
 
 def test_workers_change_nothing(dataset: Path, tmp_path: Path) -> None:

@@ -1,34 +1,40 @@
-"""`avod`: train, predict, eval, bench, view."""
+"""`avod`: train, predict, eval, clusters, bench, view."""
 
 from __future__ import annotations
 
 import itertools
+import json
 from pathlib import Path
+from typing import Any
 
 import click
 
+from avod.cli.clusters import clusters_command
 from avod.cli.options import (
     checkpoint_option,
     data_option,
+    detection_options,
     device_options,
     frames_of,
     frames_option,
     progress,
     resolve_device,
     resolve_precision,
-    resolve_split,
+    resolve_workers,
     split_option,
 )
-from avod.config_file import config_names, load_config
+from avod.cli.train import train_command
 from avod.detector import Detector
-from avod.evaluate import Scored, best, evaluate_detector, score, table
+from avod.evaluate import ABLATIONS, Scored, ablation, ablation_table, analyze_detectors, best, score, table
 from avod.figures import detection_figure, loss_figure
 from avod.predict import measure, predict
 from avod.train.checkpoint import checkpoints, keep_best
 from avod.train.log import read_log
-from avod.train.run import Run, train, with_steps
+from avod.train.validation_log import read_validations
 from cadet import __version__, kitti
-from cadet.cli.signals import exit_code, how_ended
+from cadet.analysis import Analysis
+from cadet.analysis.result import PARTS
+from cadet.analysis.tables import sections
 from cadet.errors import CadetError, MissingFileError
 from cadet.evaluation.limits import MIN_OVERLAP
 from cadet.kitti import text_from_labels
@@ -42,73 +48,8 @@ def avod() -> None:
     """Train AVOD-FPN on KITTI folders and detect 3D objects with it."""
 
 
-@avod.command(name="train")
-@click.option("--config", metavar="NAME|FILE", required=True, help=f"One of {', '.join(config_names())}, or a .toml.")
-@data_option
-@split_option("train")
-@click.option("--out", metavar="DIR", required=True, type=click.Path(path_type=Path), help="Log and checkpoints.")
-@click.option("--steps", type=click.IntRange(1), help="Where training ends.  [default: the configuration's]")
-@click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True, help="Of all that is drawn.")
-@click.option("--init", metavar="DIR", type=click.Path(path_type=Path), help="Begin at step 0 with these weights.")
-@click.option(
-    "--resume-from", metavar="DIR", type=click.Path(path_type=Path), help="Go on with optimizer, step and schedule."
-)
-@click.option("--compile", "is_compiled", is_flag=True, help="Compile the feature pyramids.")
-@click.option("--tensorboard", is_flag=True, help="Write TensorBoard's files too.")
-@device_options
-def train_command(
-    config: str,
-    data: Path,
-    split: str | None,
-    out: Path,
-    steps: int | None,
-    seed: int,
-    init: Path | None,
-    resume_from: Path | None,
-    is_compiled: bool,
-    tensorboard: bool,
-    device: str,
-    amp: str | None,
-    workers: int,
-) -> int:
-    """Train a detector.
-
-    \b
-    avod train --config tiny_car --data set --out run
-    avod train --config car_default --data kitti --out tuned --resume-from run --steps 150000 --device cuda --amp bf16
-    torchrun --nproc-per-node 4 -m avod train ...
-    """  # noqa: D301 - click reads the backspace
-    settings = with_steps(load_config(config), steps)
-    run = Run(
-        data=data,
-        out=out,
-        split=resolve_split(split),
-        seed=seed,
-        init=init,
-        resume_from=resume_from,
-        device=resolve_device(device),
-        precision=resolve_precision(amp),
-        workers=workers,
-        is_compiled=is_compiled,
-        has_tensorboard=tensorboard,
-    )
-    try:
-        with progress(settings.training.steps, "training", "steps") as advance:
-            last = train(
-                settings, run, on_step=lambda step, losses: advance(step, f"loss {float(losses['total']):.3f}")
-            )
-    except KeyboardInterrupt as error:
-        click.echo(f"{how_ended(error)}; {_how_to_go_on(out, settings.training.checkpoint_steps)}", err=True)
-        return exit_code(error)
-    click.echo(f"last checkpoint: {last}", err=True)
-    return 0
-
-
-def _how_to_go_on(out: Path, checkpoint_steps: int) -> str:
-    written = checkpoints(out / "checkpoints")
-    if not written:
-        return f"no checkpoint yet: there is one every {checkpoint_steps} steps"
-    return f"last checkpoint: {written[-1]}; go on from it by --resume-from {out}"
+avod.add_command(train_command)
+avod.add_command(clusters_command)
 
 
 @avod.command(name="predict")
@@ -117,6 +58,7 @@ def _how_to_go_on(out: Path, checkpoint_steps: int) -> str:
 @split_option("all")
 @frames_option
 @click.option("--out", metavar="DIR", required=True, type=click.Path(path_type=Path), help="A file for each frame.")
+@detection_options
 @device_options
 def predict_command(
     checkpoint: Path,
@@ -124,17 +66,22 @@ def predict_command(
     split: str | None,
     frames: int | None,
     out: Path,
+    proposals: int | None,
+    min_score: float | None,
+    nms_iou: float | None,
     device: str,
     amp: str | None,
-    workers: int,
+    workers: int | None,
 ) -> None:
     """Write KITTI's result files; a frame where nothing is found has an empty one."""
     detector = _detector(checkpoint, device, amp)
+    detector.configure(proposals=proposals, min_score=min_score, nms_iou=nms_iou)
     samples, ids = frames_of(data, split, frames)
     sink = LocalSink(out)
     count = 0
+    results = predict(detector, samples, ids, workers=resolve_workers(workers))
     with progress(len(ids), "detecting") as advance:
-        for done, (frame_id, labels) in enumerate(predict(detector, samples, ids, workers=workers), start=1):
+        for done, (frame_id, labels) in enumerate(results, start=1):
             sink.put(f"{frame_id}.txt", text_from_labels(labels).encode("ascii"))
             count += len(labels)
             advance(done, "")
@@ -153,6 +100,10 @@ def predict_command(
 @click.option("--levels", type=click.Choice(["kitti", "large_small"]), default="kitti", show_default=True)
 @click.option("--min-overlap", type=click.Choice(list(MIN_OVERLAP)), default="strict", show_default=True)
 @click.option("--plot", type=click.Path(path_type=Path, dir_okay=False), help="Draw the curves: a .png or .jpg.")
+@click.option("--details", is_flag=True, help="Show all that cadet eval --details does.")
+@click.option("--ablate", is_flag=True, help="Evaluate again without the image and without the LIDAR.")
+@click.option("--json", "as_json", is_flag=True, help="Print everything, whole curves and details too, as JSON.")
+@detection_options
 @device_options
 def evaluate_command(
     checkpoint: Path,
@@ -163,11 +114,17 @@ def evaluate_command(
     levels: str,
     min_overlap: str,
     plot: Path | None,
+    details: bool,
+    ablate: bool,
+    as_json: bool,
+    proposals: int | None,
+    min_score: float | None,
+    nms_iou: float | None,
     device: str,
     amp: str | None,
-    workers: int,
+    workers: int | None,
 ) -> None:
-    """Print AP 3D and BEV, with 11 and with 40 recall positions."""
+    """Print AP 3D and BEV, with 11 and with 40 recall positions; with --details, where AP is lost."""
     if plot is not None:
         check_picture_path(plot)
     samples, ids = frames_of(data, split, frames)
@@ -177,31 +134,51 @@ def evaluate_command(
         paths = checkpoints(folder if folder.is_dir() else checkpoint)[-last:]
         if not paths:
             raise MissingFileError(f"{checkpoint}: no checkpoints")
-    scored, done = [], itertools.count(1)
-    names: tuple[str, ...] = ()
-    with progress(len(paths) * len(ids), "evaluating") as advance:
-        for path in paths:
-            detector = _detector(path, device, amp)
-            names = detector.config.class_names
-            report = evaluate_detector(
-                detector,
-                samples,
-                ids,
-                levels=levels,
-                min_overlap=min_overlap,
-                workers=workers,
-                on_frame=lambda: advance(next(done), ""),
-            )
-            scored.append(Scored(path, report, score(report, names)))
-    chosen = best(scored)
+    detectors = [_detector(path, device, amp) for path in paths]
+    for detector in detectors:
+        detector.configure(proposals=proposals, min_score=min_score, nms_iou=nms_iou)
+    names = detectors[0].config.class_names
+    ablated: dict[str, Analysis] = {}
+    done = itertools.count(1)
+    rules: dict[str, Any] = {"levels": levels, "min_overlap": min_overlap, "workers": resolve_workers(workers)}
+    rules |= {"parts": ("centers",)} if ablate else {}
+    rules |= {"parts": PARTS, "by": ("distance", "occlusion")} if details or as_json else {}
+    with progress((1 + len(ABLATIONS) * ablate) * len(ids), "evaluating") as advance:
+        rules["on_frame"] = lambda: advance(next(done), "")
+        analyses = analyze_detectors(detectors, samples, ids, **rules)
+        reports = [analysis.report for analysis in analyses]
+        scored = [Scored(path, report, score(report, names)) for path, report in zip(paths, reports, strict=True)]
+        chosen = best(scored)
+        number = scored.index(chosen)
+        analysis = analyses[number]
+        if ablate:
+            ablated = {"both": analysis, **ablation(detectors[number], samples, ids, **rules)}
     if last is not None:
         for item in scored:
-            click.echo(f"{item.path.name}  {item.value:.2f}{'  best' if item is chosen else ''}")
+            click.echo(f"{item.path.name}  {item.value:.2f}{'  best' if item is chosen else ''}", err=as_json)
         keep_best(chosen.path, checkpoint / "best")
     if plot is not None:
         chosen.report.plot(plot)
-    _print(table(chosen.report, names), f"{len(ids)} frames, {chosen.path}")
-    for warning in chosen.report.warnings:
+    if as_json:
+        masked = {name: _ablation_values(one) for name, one in ablated.items()}
+        values = analysis.to_dict() | ({"ablation": masked} if masked else {})
+        click.echo(json.dumps(values, indent=1, allow_nan=False))
+    else:
+        _show(analysis, ablated, names, f"{len(ids)} frames, {chosen.path}")
+
+
+def _ablation_values(analysis: Analysis) -> dict[str, Any]:
+    values = analysis.to_dict()
+    return {name: values.get(name, {}) for name in ("ap", "centers")}
+
+
+def _show(analysis: Analysis, ablated: dict[str, Analysis], names: tuple[str, ...], title: str) -> None:
+    _print(table(analysis.report, names), title)
+    if ablated:
+        _print(ablation_table(ablated, names), "\nAP without a sensor")
+    for section in sections(analysis):
+        click.echo(f"\n{section.to_text()}")
+    for warning in analysis.report.warnings:
         click.echo(f"Note: {warning}")
 
 
@@ -212,7 +189,7 @@ def evaluate_command(
 @click.option("--frames", type=click.IntRange(1), default=2000, show_default=True, help="The first so many.")
 @device_options
 def bench_command(
-    checkpoint: Path, data: Path, split: str | None, frames: int, device: str, amp: str | None, workers: int
+    checkpoint: Path, data: Path, split: str | None, frames: int, device: str, amp: str | None, workers: int | None
 ) -> None:
     """Print the mean time of inference by stage, as the paper measures it, in one process."""
     if workers:
@@ -247,7 +224,7 @@ def view_command(
     output: str,
     device: str,
     amp: str | None,
-    workers: int,
+    workers: int | None,
 ) -> None:
     """Draw detections beside labels, in the image and from above; or the losses of a training."""
     if workers:
@@ -256,7 +233,9 @@ def view_command(
     if log is not None:
         if checkpoint is not None or data is not None or frame_id is not None:
             raise CadetError("--log draws losses and takes no --checkpoint, --data or --frame")
-        click.echo(f"wrote {write_picture(output, loss_figure(read_log(log / 'log.csv')))}")
+        validations = read_validations(log / "val.csv") if (log / "val.csv").is_file() else []
+        figure = loss_figure(read_log(log / "log.csv"), validations)
+        click.echo(f"wrote {write_picture(output, figure)}")
         return
     if checkpoint is None or data is None or frame_id is None:
         raise CadetError("view needs --checkpoint, --data and --frame, or --log")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,7 +15,7 @@ from rich.console import Console
 from avod import device
 from cadet import kitti
 from cadet.cli.progress import reporter
-from cadet.errors import CadetError
+from cadet.errors import CadetError, MissingFileError
 from cadet.kitti.image_sets import check_not_empty
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -22,6 +23,10 @@ F = TypeVar("F", bound=Callable[..., Any])
 DEFAULT_THREADS = 4
 """The most threads of the CPU that commands take unasked."""
 
+DEFAULT_WORKERS = 16
+"""The most processes that read frames unasked."""
+
+_USUAL = ("train", "val", "trainval")
 _PRECISIONS = {"bf16": torch.bfloat16}
 
 data_option = click.option(
@@ -50,7 +55,9 @@ def device_options(command: F) -> F:
         click.option("--device", metavar="NAME", default="cpu", show_default=True, help="cpu, cuda, cuda:1, ..."),
         click.option("--amp", type=click.Choice(list(_PRECISIONS)), help="Arithmetic of layers.  [default: float32]"),
         click.option(
-            "--workers", type=click.IntRange(0, 256), default=0, show_default=True, help="Processes that read frames."
+            "--workers",
+            type=click.IntRange(0, 256),
+            help=f"Processes that read frames.  [default: this machine's processors, at most {DEFAULT_WORKERS}]",
         ),
         click.option(
             "--threads",
@@ -65,6 +72,27 @@ def device_options(command: F) -> F:
     return command
 
 
+def detection_options(command: F) -> F:
+    """Add the options that change settings of detection for one run."""
+    options = (
+        click.option("--proposals", type=click.IntRange(1, 65536), help="That the second stage looks at."),
+        click.option(
+            "--score-threshold", "min_score", type=click.FloatRange(0, 1), help="The least score that is written."
+        ),
+        click.option(
+            "--nms-iou", type=click.FloatRange(0, 1), help="Boxes that overlap a better one by more are dropped."
+        ),
+    )
+    for option in options:
+        command = option(command)
+    return command
+
+
+def resolve_workers(count: int | None) -> int:
+    """Return how many processes read frames; None for as many as processors that this process may use."""
+    return min(len(os.sched_getaffinity(0)), DEFAULT_WORKERS) if count is None else count
+
+
 def resolve_device(name: str) -> torch.device:
     """Find a device.
 
@@ -72,7 +100,7 @@ def resolve_device(name: str) -> torch.device:
         CadetError: an unknown one, or one that this machine lacks.
     """
     try:
-        return device.resolve_device(name)
+        return device.resolve_device(device.name_of_process(name))
     except CadetError as error:
         raise CadetError(f"--{error}") from None
 
@@ -94,10 +122,30 @@ def frames_of(root: Path, split: str | None, limit: int | None) -> tuple[Path, t
         MissingFileError: no folder or split, or no frame in it.
     """
     name = resolve_split(split)
+    check_split(root, name)
     dataset = kitti.Dataset(root, name)
     ids = dataset.ids[:limit]
     check_not_empty(ids, root, name)
     return dataset.folder, ids
+
+
+def check_split(root: Path, name: str | None) -> None:
+    """Say what to do where a folder lacks a list that is asked for, as KITTI's own archives do.
+
+    Raises:
+        MissingFileError: there is no such list.
+    """
+    folder = root / "ImageSets"
+    if name in (None, "test") or not root.is_dir() or (folder / f"{name}.txt").is_file():
+        return
+    present = ", ".join(sorted(path.stem for path in folder.glob("*.txt")))
+    hint = f"choose another list ({present}) or --split all" if present else "--split all takes every frame"
+    if name in _USUAL:
+        hint += (
+            "; KITTI's archives hold no lists: its usual split, 3,712 frames to train and 3,769 to validate, is the "
+            f"train.txt and val.txt that most detectors' repositories carry; put them into {folder}"
+        )
+    raise MissingFileError(f"{folder / f'{name}.txt'}: no such split: {hint}")
 
 
 def resolve_split(name: str | None) -> str | None:

@@ -5,24 +5,42 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from torch.utils.data import Dataset
+import numpy as np
+from numpy.typing import NDArray
+from torch.utils.data import Dataset, get_worker_info
 
 from avod.config import Config
-from avod.data.build import UNCHANGED, Augmentation, build_sample
+from avod.data.build import UNCHANGED, Augmentation, build_sample, ground_plane
 from avod.data.order import Order
+from avod.data.packing import PackedSample, packed
 from avod.data.sample import Sample
 from cadet import kitti
 from cadet.errors import CadetError
+from cadet.kitti import Calibration
 from cadet.kitti.frame import Frame
 
 
-def sample_from_frame(frame: Frame, frame_id: str, config: Config, augmentation: Augmentation = UNCHANGED) -> Sample:
+def sample_from_frame(
+    frame: Frame,
+    frame_id: str,
+    config: Config,
+    augmentation: Augmentation = UNCHANGED,
+    grounds: dict[str, NDArray[np.float64]] | None = None,
+    maps: NDArray[np.float32] | None = None,
+) -> Sample:
     """Make a sample of a frame; the ground is estimated from the scan where it has no plane, or where `config` says so.
+
+    `grounds` holds the ground of frames that were seen before, by id, and gets this one's; `maps` is memory for maps.
 
     Raises:
         CadetError: what `build_sample` raises, the frame named.
     """
     try:
+        ground = (grounds or {}).get(frame_id)
+        if ground is None:
+            ground = ground_plane(frame.points_velo, frame.calib, frame.plane, config)
+        if grounds is not None:
+            grounds[frame_id] = ground
         return build_sample(
             frame.points_velo,
             frame.image,
@@ -31,6 +49,8 @@ def sample_from_frame(frame: Frame, frame_id: str, config: Config, augmentation:
             config,
             labels=frame.labels,
             augmentation=augmentation,
+            ground=ground,
+            maps=maps,
             frame_id=frame_id,
         )
     except CadetError as error:
@@ -67,19 +87,21 @@ class TrainingData(Dataset[Any]):
             wanted = ("a " if least == 1 else f"{least} of ") + " or ".join(config.class_names)
             raise CadetError(f"{root}: none of the {len(ids)} frames{_in(split)} holds {wanted} to learn from")
         self._order = Order(len(self.ids), config.training, seed)
+        self._grounds: dict[str, NDArray[np.float64]] = {}
+        self._maker = _Maker(config)
 
-    def __getitem__(self, index: int) -> Sample | CadetError:
+    def __getitem__(self, index: int) -> Sample | PackedSample | CadetError:
         entry = self._order.entry(index)
         frame_id = self.ids[entry.frame]
         try:
-            frame = kitti.read_frame(self.folder, frame_id)
-            return sample_from_frame(frame, frame_id, self.config, entry.augmentation)
+            frame = kitti.read_frame(self.folder, frame_id, has_extras=False)
+            return self._maker.make(frame, frame_id, entry.augmentation, self._grounds)
         except CadetError as error:
             return error
 
 
 class DetectionData(Dataset[Any]):
-    """The frames of a folder in order, unchanged; items as in `TrainingData`.
+    """The frames of a folder in order, unchanged. An item is a sample and its calibration, or the error of reading it.
 
     Args:
         root: a KITTI folder.
@@ -90,17 +112,38 @@ class DetectionData(Dataset[Any]):
     def __init__(self, root: str | Path, ids: tuple[str, ...], config: Config) -> None:
         self.root = Path(root)
         self.ids = ids
-        self.config = config
+        self._maker = _Maker(config)
 
     def __len__(self) -> int:
         return len(self.ids)
 
-    def __getitem__(self, index: int) -> tuple[Sample, Frame] | CadetError:
+    def __getitem__(self, index: int) -> tuple[Sample | PackedSample, Calibration] | CadetError:
         try:
-            frame = kitti.read_frame(self.root, self.ids[index])
-            return sample_from_frame(frame, self.ids[index], self.config), frame
+            frame = kitti.read_frame(self.root, self.ids[index], has_extras=False)
+            return self._maker.make(frame, self.ids[index]), frame.calib
         except CadetError as error:
             return error
+
+
+class _Maker:
+    """Makes samples; in a worker they are packed for its parent, and their maps share their memory."""
+
+    def __init__(self, config: Config) -> None:
+        self._config = config
+        self._maps: NDArray[np.float32] | None = None
+
+    def make(
+        self,
+        frame: Frame,
+        frame_id: str,
+        augmentation: Augmentation = UNCHANGED,
+        grounds: dict[str, NDArray[np.float64]] | None = None,
+    ) -> Sample | PackedSample:
+        if get_worker_info() is None:
+            return sample_from_frame(frame, frame_id, self._config, augmentation, grounds)
+        if self._maps is None:
+            self._maps = np.empty(self._config.bev.shape, np.float32)
+        return packed(sample_from_frame(frame, frame_id, self._config, augmentation, grounds, self._maps))
 
 
 def _in(split: str | None) -> str:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 
 def mirror_image(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """Mirror the columns of an image (H, W, 3)."""
-    return np.ascontiguousarray(image[:, ::-1])
+    return np.asarray(cv2.flip(image, 1), np.uint8)
 
 
 def mirror_projection(projection: NDArray[np.float64], width: int) -> NDArray[np.float64]:

@@ -18,7 +18,7 @@ class Sample:
     Attributes:
         frame_id: six digits, or what names a frame that comes from no folder.
         bev: (C, H, W) maps of the bird's-eye view, row 0 far.
-        image: (3, h, w) RGB, resized, the mean taken off.
+        image: (3, h, w) uint8 RGB, resized.
         anchors: (N, 6) over occupied ground, cam frame.
         plane: (4,) [a, b, c, d], unit normal, b < 0.
         projection: (3, 4) P2 of the image before resizing.

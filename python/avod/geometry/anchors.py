@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any, Final
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -34,11 +35,8 @@ def anchor_grid(
         (N, 6) anchors. A class's come together; within, z falls, then x rises, then the sizes in turn, each along x and
         along z.
     """
-    a, b, c, d = plane
-    grids = [_flat_grid(item.anchor_sizes_lwh_m, config.stride_m, bev.x_m, bev.z_m) for item in classes]
-    anchors = np.concatenate(grids)
-    anchors[:, _Y] = -(a * anchors[:, _X] + c * anchors[:, _Z] + d) / b
-    return anchors
+    sizes = tuple(item.anchor_sizes_lwh_m for item in classes)
+    return _on_plane(_flat_grids(sizes, config.stride_m, bev.x_m, bev.z_m), plane)
 
 
 @lru_cache(maxsize=16)
@@ -85,32 +83,68 @@ def occupancy(
     return cells
 
 
-def occupied_anchors(
-    anchors: NDArray[np.float64], cells: NDArray[np.bool_], config: AnchorConfig, bev: BevConfig
-) -> NDArray[np.bool_]:
-    """Tell which anchors stand over enough occupied cells.
+def anchors_over(
+    cells: NDArray[np.bool_],
+    plane: NDArray[np.float64],
+    classes: Sequence[ObjectClass],
+    config: AnchorConfig,
+    bev: BevConfig,
+) -> NDArray[np.float64]:
+    """Make those anchors of the grid that stand over enough occupied cells.
 
     A summed-area table gives a count in four look-ups. An anchor covers the cells from that of its lower corner up to,
     but without, that of its upper corner; corners are float32 and truncate toward zero, as in AVOD, so the keep
-    masks agree to the last anchor.
+    masks agree to the last anchor. Where they lie does not depend on the plane, so it is computed once.
 
     Args:
-        anchors: (N, 6).
         cells: (cells in x, cells in z) bool, from `occupancy`.
-        config: how many cells are enough.
+        plane: (4,) [a, b, c, d], cam frame, unit normal, b < 0.
+        classes: whose sizes the anchors take.
+        config: the stride, and how many cells are enough.
         bev: extent and size of the cells.
 
     Returns:
-        (N,) bool.
+        (N, 6) anchors, in the order of `anchor_grid`.
     """
-    table = np.zeros((cells.shape[0] + 1, cells.shape[1] + 1), np.int32)
-    np.cumsum(np.cumsum(cells, axis=0, dtype=np.int32), axis=1, out=table[1:, 1:])
+    sizes = tuple(item.anchor_sizes_lwh_m for item in classes)
+    flat = np.asarray(cv2.integral(cells.view(np.uint8)), np.int32).ravel()
+    far, low_x, low_z, near = _corners(sizes, config.stride_m, bev.x_m, bev.z_m, bev.cell_m, cells.shape)
+    counts = flat[far] - flat[low_x] - flat[low_z] + flat[near]
+    return _on_plane(_flat_grids(sizes, config.stride_m, bev.x_m, bev.z_m)[counts >= config.min_occupied_cells], plane)
+
+
+@lru_cache(maxsize=16)
+def _flat_grids(
+    sizes: tuple[tuple[Size, ...], ...], stride_m: float, x_m: tuple[float, float], z_m: tuple[float, float]
+) -> NDArray[np.float64]:
+    grids = np.concatenate([_flat_grid(item, stride_m, x_m, z_m) for item in sizes])
+    grids.setflags(write=False)
+    return grids
+
+
+@lru_cache(maxsize=16)
+def _corners(
+    sizes: tuple[tuple[Size, ...], ...],
+    stride_m: float,
+    x_m: tuple[float, float],
+    z_m: tuple[float, float],
+    cell_m: float,
+    shape: tuple[int, int],
+) -> tuple[NDArray[np.intp], ...]:
+    """Return the places of the anchors' corners in a flat summed-area table."""
+    anchors = _flat_grids(sizes, stride_m, x_m, z_m)
     half_x, half_z = anchors[:, _DX] / 2.0, anchors[:, _DZ] / 2.0
-    x1, x2 = (_cell(anchors[:, _X] + half, bev.x_m[0], bev.cell_m, cells.shape[0]) for half in (-half_x, half_x))
-    z1, z2 = (_cell(anchors[:, _Z] + half, bev.z_m[0], bev.cell_m, cells.shape[1]) for half in (-half_z, half_z))
-    counts = table[x2, z2] - table[x1, z2] - table[x2, z1] + table[x1, z1]
-    enough: NDArray[np.bool_] = counts >= config.min_occupied_cells
-    return enough
+    x1, x2 = (_cell(anchors[:, _X] + half, x_m[0], cell_m, shape[0]) for half in (-half_x, half_x))
+    z1, z2 = (_cell(anchors[:, _Z] + half, z_m[0], cell_m, shape[1]) for half in (-half_z, half_z))
+    width = shape[1] + 1
+    return x2 * width + z2, x1 * width + z2, x2 * width + z1, x1 * width + z1
+
+
+def _on_plane(anchors: NDArray[np.float64], plane: NDArray[np.float64]) -> NDArray[np.float64]:
+    a, b, c, d = plane
+    placed = anchors.copy()
+    placed[:, _Y] = -(a * placed[:, _X] + c * placed[:, _Z] + d) / b
+    return placed
 
 
 def _cell(corner_m: NDArray[np.float64], start_m: float, cell_m: float, num_cells: int) -> NDArray[np.intp]:

@@ -36,11 +36,11 @@ class FrameOutputs:
     Attributes:
         anchor_logits: (N, 2) of background and object.
         anchor_offsets: (N, 6).
-        proposals: (P, 6) anchors as the first stage regresses them, best first; in training those that were sampled.
+        proposals: (P, 6) anchors as the first stage regresses them, best first; with targets those that were sampled.
         class_logits: (P, K + 1), background first.
         box_offsets: (P, 10) from the proposals' corners and heights, meters.
         vectors: (P, 2) of headings.
-        targets: what the proposals should become; None outside training.
+        targets: what the proposals should become; None where nothing is drawn.
     """
 
     anchor_logits: Tensor
@@ -82,6 +82,8 @@ class AvodNetwork(nn.Module):
         config: the detector.
     """
 
+    mean_rgb: Tensor
+
     def __init__(self, config: Config) -> None:
         super().__init__()
         self.config = config
@@ -102,6 +104,8 @@ class AvodNetwork(nn.Module):
             (len(config.classes) + 1, _NUM_BOX_OFFSETS, _NUM_VECTOR),
             second.dropout_keep,
         )
+        mean = torch.tensor(config.image.mean_rgb).view(3, 1, 1)
+        self.register_buffer("mean_rgb", mean, persistent=False)
         # Channels last is what convolutions on processors with bf16 and on GPUs like, and what crops read.
         self.to(memory_format=torch.channels_last)
         self.precision: torch.dtype | None = None
@@ -114,14 +118,15 @@ class AvodNetwork(nn.Module):
 
         Args:
             samples: one or more.
-            generator: on the CPU; draws path drop and the second stage's mini-batch. Needed in training mode alone.
-            has_truths: in training mode, copies of the true boxes join the proposals.
+            generator: on the CPU; draws path drop and the second stage's mini-batch. Needed in training mode; in
+                evaluation mode outputs have targets if it is given, and no path is dropped.
+            has_truths: with a generator, copies of the true boxes join the proposals.
 
         Returns:
             The outputs of each sample.
         """
         return [
-            self._frame(sample, features, generator, has_truths)
+            self.judge(sample, features, generator, has_truths=has_truths)
             for sample, features in zip(samples, self.extract(samples), strict=True)
         ]
 
@@ -129,13 +134,19 @@ class AvodNetwork(nn.Module):
         """Make the feature maps of samples."""
         with self._arithmetic(samples[0].bev):
             bev = self.bev_pyramid(_stacked([sample.bev for sample in samples]))
-            image = self.image_pyramid(_stacked([sample.image for sample in samples]))
+            image = self.image_pyramid(_stacked([sample.image for sample in samples]) - self.mean_rgb)
             bev_bottleneck, image_bottleneck = self.bev_bottleneck(bev), self.image_bottleneck(image)
         return [FrameFeatures(*maps) for maps in zip(bev, image, bev_bottleneck, image_bottleneck, strict=True)]
 
-    def _frame(
-        self, sample: Sample, features: FrameFeatures, generator: torch.Generator | None, has_truths: bool
+    def judge(
+        self,
+        sample: Sample,
+        features: FrameFeatures,
+        generator: torch.Generator | None = None,
+        *,
+        has_truths: bool = False,
     ) -> FrameOutputs:
+        """Run both stages on the feature maps of a sample; arguments as for `forward`."""
         config = self.config
         masks = detection_masks(config.path_drop)
         if self.training:
@@ -144,11 +155,10 @@ class AvodNetwork(nn.Module):
         anchor_logits, anchor_offsets = self._judge_anchors(sample, features, masks)
         regressed = anchors_from_offsets(sample.anchors, anchor_offsets)
         scores = anchor_logits.softmax(dim=1)[:, 1]
-        count = config.rpn.train_proposals if self.training else config.rpn.proposals
+        count = config.rpn.proposals if generator is None else config.rpn.train_proposals
         proposals = regressed[nms(ground_boxes(regressed), scores, config.rpn.nms_iou, count)]
         targets = None
-        if self.training:
-            assert generator is not None
+        if generator is not None:
             if has_truths:
                 truths = truth_proposals(sample, config.second_stage.truth_proposals, generator)
                 proposals = torch.cat([proposals, truths])

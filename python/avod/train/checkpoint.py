@@ -1,17 +1,18 @@
 """Checkpoints: a folder of tensors (safetensors) and settings (JSON). Loading one never runs code.
 
-000002000/checkpoint.json         format, step, seed, configuration, versions
+000002000/checkpoint.json         format, step, seed, configuration, data, versions, sums of the log's next row
 000002000/model.safetensors       weights and moving averages
-000002000/optimizer.safetensors   Adam's averages by parameter; may be left out where nothing is trained on
+000002000/optimizer.safetensors   Adam's averages by parameter; a training keeps them in its newest checkpoint alone
 """
 
 from __future__ import annotations
 
 import json
+import math
 import os
 import shutil
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
@@ -23,7 +24,7 @@ from torch import Tensor, nn
 from avod.config import Config
 from avod.config_file import config_from_table, table_from_config
 from avod.model.network import AvodNetwork, abstract_network
-from cadet import __version__
+from avod.train.made_with import made_with
 from cadet.errors import CadetError, MissingFileError
 from cadet.plain_text import json_from_text
 from cadet.summary import summary
@@ -48,12 +49,14 @@ class Checkpoint:
         step: how many steps were trained.
         seed: of the training.
         config: of the detector and its training.
+        pending: the sums of the log's next row, by term, and "count", the steps in them; empty if none are.
     """
 
     path: Path
     step: int
     seed: int
     config: Config
+    pending: Mapping[str, float] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         classes = self.config.class_names
@@ -61,14 +64,32 @@ class Checkpoint:
 
 
 def save_checkpoint(
-    folder: Path, network: nn.Module, optimizer: torch.optim.Optimizer | None, config: Config, *, step: int, seed: int
+    folder: Path,
+    network: nn.Module,
+    optimizer: torch.optim.Optimizer | None,
+    config: Config,
+    *,
+    step: int,
+    seed: int,
+    notes: Mapping[str, Any] | None = None,
+    name: str | None = None,
 ) -> Path:
     """Write a checkpoint under a folder, whole or not at all, and return its path.
 
     What random numbers and frames come next follows from seed and step, so these two are all there is to keep of them.
+
+    Args:
+        folder: of all checkpoints of the training.
+        network: its weights and moving averages are written.
+        optimizer: its averages are written; None for a checkpoint that nothing goes on from.
+        config: of the detector and its training.
+        step: how many steps are done.
+        seed: of the training.
+        notes: what else is written into the settings: data, split, the log's pending sums.
+        name: of the checkpoint's folder; by default its step, of nine digits.
     """
-    path = folder / f"{step:09d}"
-    aside = folder / f".{path.name}.{os.getpid()}.partial"
+    path = folder / (name or f"{step:09d}")
+    aside, old = (folder / f".{path.name}.{os.getpid()}.{kind}" for kind in ("partial", "old"))
     shutil.rmtree(aside, ignore_errors=True)
     aside.mkdir(parents=True)
     settings = {
@@ -77,17 +98,41 @@ def save_checkpoint(
         "step": step,
         "seed": seed,
         "config": table_from_config(config),
-        "made_with": {"cadet": __version__, "torch": torch.__version__},
+        "made_with": made_with(),
+        **(notes or {}),
     }
     # Not save_file, whose files nobody but their owner may read.
-    (aside / _MODEL).write_bytes(save({name: tensor.contiguous() for name, tensor in network.state_dict().items()}))
+    _write(aside / _MODEL, save({name: tensor.contiguous() for name, tensor in network.state_dict().items()}))
     if optimizer is not None:
-        (aside / _OPTIMIZER).write_bytes(save(_optimizer_tensors(network, optimizer)))
-    (aside / _SETTINGS).write_text(json.dumps(settings, indent=1) + "\n", encoding="utf-8")
+        _write(aside / _OPTIMIZER, save(_optimizer_tensors(network, optimizer)))
+    _write(aside / _SETTINGS, (json.dumps(settings, indent=1) + "\n").encode())
     if path.exists():
-        shutil.rmtree(path)
+        path.replace(old)
     aside.replace(path)
+    shutil.rmtree(old, ignore_errors=True)
     return path
+
+
+def forget_old(folder: Path, keep: int | None) -> None:
+    """Remove what only the newest checkpoint needs from the older ones, and all but the newest `keep`.
+
+    Called after a checkpoint is written whole, so that there is always one from which training can go on.
+    """
+    written = checkpoints(folder)
+    for path in written[:-1]:
+        (path / _OPTIMIZER).unlink(missing_ok=True)
+    for path in [] if keep is None else written[:-keep]:
+        # Gone at once, or a reader would find half of it.
+        aside = path.with_name(f".{path.name}.{os.getpid()}.old")
+        path.replace(aside)
+        shutil.rmtree(aside, ignore_errors=True)
+
+
+def remove_partial(folder: Path) -> None:
+    """Remove what a training that was killed had begun to write, or to remove."""
+    for kind in ("partial", "old"):
+        for path in folder.glob(f".*.{kind}"):
+            shutil.rmtree(path, ignore_errors=True)
 
 
 def read_checkpoint(path: str | Path) -> Checkpoint:
@@ -107,7 +152,8 @@ def read_checkpoint(path: str | Path) -> Checkpoint:
     if settings.get("version") != _FORMAT_VERSION:
         raise CadetError(f"{path / _SETTINGS}: version {settings.get('version')!r}, expected {_FORMAT_VERSION}")
     step, seed = (_count(settings, key, path) for key in ("step", "seed"))
-    return Checkpoint(path, step, seed, config_from_table(settings.get("config"), f"{path / _SETTINGS}: config"))
+    config = config_from_table(settings.get("config"), f"{path / _SETTINGS}: config")
+    return Checkpoint(path, step, seed, config, _pending(settings, path))
 
 
 def packaged_checkpoints() -> tuple[str, ...]:
@@ -168,7 +214,10 @@ def load_optimizer(checkpoint: Checkpoint, network: nn.Module, optimizer: torch.
     """
     file = checkpoint.path / _OPTIMIZER
     if not file.is_file():
-        raise MissingFileError(f"{file}: no such file: take this checkpoint's weights with --init instead")
+        raise MissingFileError(
+            f"{file}: no such file: of a training only the newest checkpoint can be resumed; "
+            "take this checkpoint's weights with --init instead"
+        )
     shapes, parameters = _shapes(file), dict(network.named_parameters())
     wanted = {f"{key}.{name}": tuple(value.shape) for name, value in parameters.items() for key in _AVERAGES}
     for name, shape in (wanted | {"step": ()}).items():
@@ -246,6 +295,23 @@ def _resolve(path: Path) -> Path:
     raise MissingFileError(
         f"{path}: no checkpoint: expected a folder with {_SETTINGS}, or one of {', '.join(packaged_checkpoints())}"
     )
+
+
+def _write(path: Path, data: bytes) -> None:
+    with path.open("wb") as file:
+        file.write(data)
+        file.flush()
+        # On the disk before it is renamed: else a loss of power leaves an empty file under the final name.
+        os.fsync(file.fileno())
+
+
+def _pending(settings: dict[str, Any], path: Path) -> dict[str, float]:
+    values = settings.get("pending", {})
+    if not isinstance(values, dict) or not all(
+        isinstance(value, int | float) and math.isfinite(value) for value in values.values()
+    ):
+        raise CadetError(f"{path / _SETTINGS}: pending: expected finite numbers by name")
+    return {str(name): float(value) for name, value in values.items()}
 
 
 def _count(settings: dict[str, Any], key: str, path: Path) -> int:

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
-import os
+import contextlib
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any, Final
 
 import torch
-from torch import distributed, nn
+from torch import Tensor, distributed, nn
 from torch.nn.parallel import DistributedDataParallel
+
+from avod.device import world_size
+from cadet.errors import CadetError
+
+_BACKENDS: Final = {"cpu": "gloo", "cuda": "nccl", "xpu": "xccl"}
 
 
 @dataclass(frozen=True)
@@ -17,20 +24,40 @@ class Processes:
     Attributes:
         rank: this process, from 0.
         world_size: how many there are.
+        device: where this one's network runs.
     """
 
     rank: int = 0
     world_size: int = 1
+    device: torch.device = torch.device("cpu")
 
     @classmethod
-    def current(cls) -> Processes:
-        """Join the others if `torchrun` started this process; else it is alone."""
-        world_size = int(os.environ.get("WORLD_SIZE", "1"))
-        if world_size == 1:
-            return cls()
-        if not distributed.is_initialized():
-            distributed.init_process_group("nccl" if torch.cuda.is_available() else "gloo")
-        return cls(distributed.get_rank(), world_size)
+    @contextlib.contextmanager
+    def joined(cls, device: torch.device) -> Iterator[Processes]:
+        """Join the others meanwhile, if `torchrun` started this process; else it is alone.
+
+        Args:
+            device: of this process; its kind decides how the processes talk to each other.
+
+        Raises:
+            CadetError: several processes on a kind of device that cannot share a training.
+        """
+        count = world_size()
+        if count == 1:
+            yield cls(device=device)
+            return
+        backend = _BACKENDS.get(device.type)
+        if backend is None:
+            raise CadetError(f"device: {device.type!r} cannot be shared by {count} processes")
+        if device.type == "cuda":
+            torch.cuda.set_device(device)
+        is_ours = not distributed.is_initialized()
+        if is_ours:
+            distributed.init_process_group(backend)
+        yield cls(distributed.get_rank(), count, device)
+        # Not after an error: the others may wait for this process elsewhere, and it for them.
+        if is_ours:
+            distributed.destroy_process_group()
 
     @property
     def is_first(self) -> bool:
@@ -42,3 +69,27 @@ class Processes:
         if self.world_size == 1:
             return network
         return DistributedDataParallel(network)
+
+    def mean(self, losses: dict[str, Tensor]) -> dict[str, Tensor]:
+        """Average losses over all processes; all hand in the same names."""
+        if self.world_size == 1 or not losses:
+            return losses
+        values = torch.stack([value.detach().to(self.device).float() for value in losses.values()])
+        distributed.all_reduce(values)
+        return dict(zip(losses, values / self.world_size, strict=True))
+
+    def any(self, flag: bool) -> bool:
+        """Say whether the flag is set in any process, so that all decide alike."""
+        if self.world_size == 1:
+            return flag
+        value = torch.tensor(float(flag), device=self.device)
+        distributed.all_reduce(value)
+        return bool(value > 0.0)
+
+    def gathered(self, value: Any) -> list[Any]:
+        """Return every process's value, by rank."""
+        if self.world_size == 1:
+            return [value]
+        values: list[Any] = [None] * self.world_size
+        distributed.all_gather_object(values, value)
+        return values

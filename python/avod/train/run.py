@@ -2,69 +2,46 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+import warnings
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import torch
-from torch import Tensor, nn
-from torch.utils.data import DataLoader
+from torch import Tensor
 
 from avod.config import Config
 from avod.data.dataset import TrainingData
-from avod.data.order import StepSampler
-from avod.data.sample import Sample
-from avod.train.checkpoint import (
-    Checkpoint,
-    checkpoints,
-    load_network,
-    load_optimizer,
-    read_checkpoint,
-    save_checkpoint,
-)
-from avod.train.log import TrainingLog, read_log
+from avod.model.network import AvodNetwork
+from avod.train.checkpoint import forget_old, remove_partial, save_checkpoint
+from avod.train.loader import batches, whole
+from avod.train.log import TrainingLog
 from avod.train.processes import Processes
-from avod.train.step import learning_rate, make_optimizer, new_network, training_step
-from cadet.errors import CadetError
+from avod.train.record import Record, check_resumed, checksum, with_skipped, write_record
+from avod.train.settings import Run
+from avod.train.start import Start, begin
+from avod.train.step import NonFiniteLossError, learning_rate, training_step
+from avod.train.validation_log import Validated, ValidationLog
+from cadet.errors import CadetError, CadetWarning
+
+__all__ = ["OnStep", "Run", "Validate", "train", "with_steps"]
 
 OnStep = Callable[[int, dict[str, Tensor]], None]
+Validate = Callable[[AvodNetwork, int, Processes], Validated | None]
+"""Judges a network after so many steps; None if it was told to stop."""
+
+BEST: str = "best_val"
+"""The folder, beside `checkpoints`, of the checkpoint that did best on the frames of validation."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Run:
-    """The settings of a training besides its configuration.
-
-    Attributes:
-        data: a KITTI folder.
-        out: where `log.csv` and `checkpoints` go: a folder without those of another training, unless `resume_from` is
-            this one's last checkpoint; the log then keeps its rows up to that step.
-        split: a list of `ImageSets`; None for every frame.
-        seed: of weights, order and draws; a resumed training keeps its own.
-        init: a checkpoint whose weights training begins with, at step 0.
-        resume_from: a checkpoint from which training goes on with optimizer, step and schedule, on the same data or
-            other.
-        device: where the network runs.
-        precision: of the arithmetic of layers, None for float32.
-        workers: processes that read samples; 0 reads them in between.
-        is_compiled: compile the pyramids.
-        has_tensorboard: write TensorBoard's files too.
-    """
-
-    data: str | Path
-    out: str | Path
-    split: str | None = "train"
-    seed: int = 0
-    init: str | Path | None = None
-    resume_from: str | Path | None = None
-    device: torch.device = torch.device("cpu")
-    precision: torch.dtype | None = None
-    workers: int = 0
-    is_compiled: bool = False
-    has_tensorboard: bool = False
-
-
-def train(config: Config, run: Run, *, on_step: OnStep | None = None) -> Path:
+def train(
+    config: Config,
+    run: Run,
+    *,
+    on_step: OnStep | None = None,
+    validate: Validate | None = None,
+    should_stop: Callable[[], bool] = lambda: False,
+) -> Path:
     """Train a detector and return its last checkpoint.
 
     Steps, frames and draws follow from seed and step, so a training that was stopped and goes on from a checkpoint
@@ -73,87 +50,16 @@ def train(config: Config, run: Run, *, on_step: OnStep | None = None) -> Path:
     Args:
         config: the detector and its training.
         run: data, folders, device.
-        on_step: hears of each step that is done, and its losses.
+        on_step: hears of each step that is done, and its losses; none for one that was skipped.
+        validate: judges the network every `run.val_every` steps and after the last; `avod.validate.Validator` does.
+        should_stop: is asked after each step; training then writes a checkpoint and ends.
 
     Raises:
         CadetError: bad data or checkpoints, or a loss that is no number.
     """
-    if run.init is not None and run.resume_from is not None:
-        raise CadetError("a training either begins with a checkpoint's weights or goes on from one, not both")
-    processes = Processes.current()
-    first_step, seed = 0, run.seed
-    checkpoint = None
-    network = new_network(config, seed).to(run.device)
-    optimizer = make_optimizer(network, config.training)
-    if run.init is not None:
-        load_network(read_checkpoint(run.init), network)
-    if run.resume_from is not None:
-        checkpoint = read_checkpoint(run.resume_from)
-        _check_same_detector(checkpoint, config)
-        load_network(checkpoint, network)
-        load_optimizer(checkpoint, network, optimizer)
-        first_step, seed = checkpoint.step, checkpoint.seed
-    out = Path(run.out)
-    _check_unused(out, checkpoint, processes)
-    if first_step >= config.training.steps:
-        raise CadetError(
-            f"{run.resume_from}: {first_step} steps are done, and training ends at {config.training.steps}"
-        )
-    data = TrainingData(run.data, run.split, config, seed)
-    network.precision = run.precision
-    network.train()
-    if run.is_compiled:
-        for pyramid in (network.bev_pyramid, network.image_pyramid):
-            pyramid.compile(dynamic=False)
-    folder = out / "checkpoints"
-    log = None
-    if processes.is_first:
-        out.mkdir(parents=True, exist_ok=True)
-        log = TrainingLog(out, first_step, has_tensorboard=run.has_tensorboard)
-    wrapped: nn.Module = processes.wrap(network)
-    last = folder / f"{config.training.steps:09d}"
-    steps = range(first_step, config.training.steps)
-    for step, samples in zip(steps, _batches(data, config, run, first_step, processes), strict=True):
-        losses = training_step(
-            wrapped, optimizer, _on_device(samples, run.device), config, step=step, seed=seed, rank=processes.rank
-        )
-        done = step + 1
-        if log is not None:
-            is_last = done == config.training.steps
-            log.on_step(done, losses, learning_rate(step, config.training), is_last=is_last)
-            if done % config.training.checkpoint_steps == 0 or is_last:
-                last = save_checkpoint(folder, network, optimizer, config, step=done, seed=seed)
-        if on_step is not None:
-            on_step(done, losses)
-    return last
-
-
-def _check_unused(out: Path, resumed: Checkpoint | None, processes: Processes) -> None:
-    """Refuse a folder that holds another training's log or checkpoints: two in one could not be told apart."""
-    if not processes.is_first:
-        return  # The first process may have begun to write.
-    present, log = checkpoints(out / "checkpoints"), out / "log.csv"
-    if resumed is not None and resumed.path.resolve().parent == (out / "checkpoints").resolve():
-        if present[-1].name != resumed.path.name:
-            raise CadetError(
-                f"{out} holds checkpoints up to {present[-1].name}, and training is to go on from {resumed.path.name}: "
-                f"go on from the last with --resume-from {out}, or name a new folder with --out"
-            )
-    elif present:
-        raise CadetError(
-            f"{out} holds another training: name a new folder with --out, or go on with this one by --resume-from {out}"
-        )
-    elif log.is_file() and read_log(log):
-        raise CadetError(f"{out} holds the log of another training: name a new folder with --out")
-
-
-def _check_same_detector(checkpoint: Checkpoint, config: Config) -> None:
-    """Refuse to go on with a network that was made for other inputs or classes: its weights might fit all the same."""
-    for name in ("classes", "bev", "image", "anchors", "extractor"):
-        if getattr(checkpoint.config, name) != getattr(config, name):
-            raise CadetError(
-                f"{checkpoint.path}: its configuration has another {name!r}; take its weights alone with --init"
-            )
+    with Processes.joined(run.device) as processes:
+        training = _Training(config, run, validate, processes)
+        return training.go_on(on_step, should_stop)
 
 
 def with_steps(config: Config, steps: int | None) -> Config:
@@ -161,26 +67,141 @@ def with_steps(config: Config, steps: int | None) -> Config:
     return config if steps is None else replace(config, training=replace(config.training, steps=steps))
 
 
-def _batches(
-    data: TrainingData, config: Config, run: Run, first_step: int, processes: Processes
-) -> Iterable[list[Sample | CadetError]]:
-    training = config.training
-    sampler = StepSampler(first_step, training.steps, training.frames_per_step, processes.rank, processes.world_size)
-    loader: DataLoader[Any] = DataLoader(
-        data,
-        batch_sampler=sampler,
-        num_workers=run.workers,
-        collate_fn=list,
-        pin_memory=run.device.type == "cuda",
-        persistent_workers=run.workers > 0,
-    )
-    return loader
+class _Training:
+    def __init__(self, config: Config, run: Run, validate: Validate | None, processes: Processes) -> None:
+        self.config, self.run, self.processes = config, run, processes
+        if run.val_every is not None and validate is None:
+            raise CadetError("Run.val_every: expected None without a function that validates")
+        self.validate = None if run.val_every is None else validate
+        self.out = Path(run.out)
+        self.start = start = begin(config, run, processes.device, is_first=processes.is_first)
+        if len(steps := set(processes.gathered(start.step))) > 1:
+            raise CadetError(f"{run.out}: the processes found different last steps there: {sorted(steps)}")
+        self.data = TrainingData(run.data, run.split, config, start.seed)
+        record = self._record(start)
+        self.skipped = frozenset(record.skipped_steps)
+        self.notes = {"data": record.data, "split": record.split}
+        self.network, self.optimizer = start.network, start.optimizer
+        self.network.precision = run.precision
+        self.network.train()
+        if run.is_compiled:
+            for pyramid in (self.network.bev_pyramid, self.network.image_pyramid):
+                pyramid.compile(dynamic=False)
+        self.folder = self.out / "checkpoints"
+        self.last = self.folder / f"{start.step:09d}"
+        self.log: TrainingLog | None = None
+        self.validations: ValidationLog | None = None
+        if processes.is_first:
+            self.out.mkdir(parents=True, exist_ok=True)
+            write_record(self.out, record)
+            remove_partial(self.folder)
+            self.log = TrainingLog(self.out, start.step, pending=start.pending, has_tensorboard=run.has_tensorboard)
+            if self.validate is not None:
+                self.validations = ValidationLog(self.out, start.step, config.class_names)
 
+    def go_on(self, on_step: OnStep | None, should_stop: Callable[[], bool]) -> Path:
+        config, first, processes = self.config.training, self.start.step, self.processes
+        wrapped = processes.wrap(self.network)
+        if self.start.goes_on and self._is_unvalidated(first):
+            self._validate(first)  # It was killed meanwhile.
+        seed = self.start.seed
+        loader = batches(self.data, config, first, processes, self.run.workers)
+        for step, samples in zip(range(first, config.steps), loader, strict=True):
+            losses: dict[str, Tensor] = {}
+            if step not in self.skipped:
+                try:
+                    losses = training_step(
+                        wrapped,
+                        self.optimizer,
+                        whole(samples, processes.device),
+                        self.config,
+                        step=step,
+                        seed=seed,
+                        rank=processes.rank,
+                    )
+                except NonFiniteLossError as error:
+                    raise NonFiniteLossError(
+                        f"{error}; look at its labels and points, or go on without this step by "
+                        f"--out {self.out} --resume --skip-step {step}"
+                    ) from None
+                losses = processes.mean(losses)
+            done = step + 1
+            is_last = done == config.steps
+            if self.log is not None:
+                self.log.on_step(done, losses, learning_rate(step, config), is_last=is_last)
+            if done % config.checkpoint_steps == 0 or is_last:
+                self._save(done)
+            if on_step is not None:
+                on_step(done, losses)
+            if self.validate is not None and (is_last or done % (self.run.val_every or 1) == 0):
+                self._validate(done)
+            if processes.any(should_stop()):
+                if self.last.name != f"{done:09d}":
+                    self._save(done)
+                break
+        processes.any(False)  # Nobody goes on before the first has written.
+        return self.last
 
-def _on_device(samples: list[Sample | CadetError], device: torch.device) -> list[Sample]:
-    moved = []
-    for sample in samples:
-        if isinstance(sample, CadetError):
-            raise sample
-        moved.append(sample.to(device))
-    return moved
+    def _save(self, step: int) -> None:
+        if self.log is not None:
+            notes = {**self.notes, "pending": self.log.pending}
+            self._write(self.folder, step, notes, has_optimizer=True)
+            forget_old(self.folder, self.run.keep)
+        self.last = self.folder / f"{step:09d}"
+
+    def _write(self, folder: Path, step: int, notes: dict[str, Any], *, has_optimizer: bool) -> None:
+        save_checkpoint(
+            folder,
+            self.network,
+            self.optimizer if has_optimizer else None,
+            self.config,
+            step=step,
+            seed=self.start.seed,
+            notes=notes,
+            name=None if has_optimizer else BEST,
+        )
+
+    def _is_unvalidated(self, step: int) -> bool:
+        every = self.run.val_every
+        is_due = self.validate is not None and step > 0 and every is not None and step % every == 0
+        return self.processes.any(is_due and self.validations is not None and step not in self.validations.steps)
+
+    def _validate(self, step: int) -> None:
+        assert self.validate is not None
+        found = self.validate(self.network, step, self.processes)
+        self.network.train()
+        if found is None or self.validations is None or self.log is None:
+            return
+        if self.validations.add(step, found):
+            notes = {**self.notes, "validated": {"ap": found.ap, "loss": found.losses["total"]}}
+            self._write(self.out, step, notes, has_optimizer=False)
+        scalars = {f"val/{name}": value for name, value in found.losses.items()}
+        self.log.add_scalars(step, scalars | {"val/ap": found.ap})
+
+    def _record(self, start: Start) -> Record:
+        run = self.run
+        record = Record(
+            config=self.config,
+            seed=start.seed,
+            data=str(Path(run.data).resolve()),
+            split=run.split,
+            num_frames=len(self.data.ids),
+            frames_crc32=checksum(self.data.ids),
+            init=start.init,
+            num_processes=self.processes.world_size,
+            device=run.device.type,
+            precision=None if run.precision is None else str(run.precision).removeprefix("torch."),
+            is_compiled=run.is_compiled,
+            keep=run.keep,
+            val_every=run.val_every,
+            val_split=run.val_split,
+        )
+        for step in run.skip_steps:
+            if step < start.step:
+                raise CadetError(f"--skip-step {step}: {start.step} steps are done, and training goes on from there")
+        if start.record is not None:
+            for line in check_resumed(self.out, start.record, record):
+                if self.processes.is_first:
+                    warnings.warn(line, CadetWarning, stacklevel=4)
+            record = with_skipped(record, start.record.skipped_steps)
+        return with_skipped(record, run.skip_steps)

@@ -103,6 +103,7 @@ def clip_gradients(network: nn.Module, max_norm: float, step: int, frame_ids: Se
     norms = torch.stack([gradient.norm() for _, gradient in named])
     if not bool(torch.isfinite(norms).all()):
         name = next(name for (name, _), norm in zip(named, norms, strict=True) if not bool(torch.isfinite(norm)))
+        name = name.removeprefix("module.")  # of the wrapper for several processes
         raise NonFiniteLossError(f"step {step}: the gradient of {name} is not finite on frame {', '.join(frame_ids)}")
     scales = max_norm / norms.clamp(min=max_norm)
     for (_, gradient), scale in zip(named, scales, strict=True):

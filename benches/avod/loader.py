@@ -1,0 +1,103 @@
+"""What a frame costs on its way to the network: `python benches/avod/loader.py DATA [--config car_default]`.
+
+DATA is a KITTI folder. Milliseconds of processor time on one thread: of each step the least of several runs, averaged
+over frames; a whole frame as training reads it, averaged over all augmentations, from the file to what the parent gets.
+"""
+
+from __future__ import annotations
+
+import argparse
+import pickle
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import torch
+
+from avod.config import Config
+from avod.config_file import load_config
+from avod.data.build import Augmentation, _points_cam_in_image, build_sample, ground_plane
+from avod.data.images import jitter_colors, resize_bilinear
+from avod.data.mirror import mirror_image
+from avod.data.packing import packed
+from avod.data.sample import Sample
+from avod.geometry.anchors import anchors_over, occupancy
+from cadet import bev, kitti
+from cadet.kitti.frame import Frame
+from cadet.kitti.velodyne import points_from_bytes
+
+_CHANGES = [Augmentation(is_mirrored, has_jitter) for is_mirrored in (False, True) for has_jitter in (False, True)]
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description="Time how avod prepares a frame.")
+    parser.add_argument("data", type=Path)
+    parser.add_argument("--config", default="car_default")
+    parser.add_argument("--frames", type=int, default=5)
+    parser.add_argument("--rounds", type=int, default=7)
+    args = parser.parse_args()
+    torch.set_num_threads(1)
+    cv2.setNumThreads(1)
+    config = load_config(args.config)
+    times: dict[str, list[float]] = {}
+    dataset = kitti.Dataset(args.data)
+    for frame_id in dataset.ids[: args.frames]:
+        for name, run in steps(dataset.folder, frame_id, config):
+            best = float("inf")
+            for _ in range(args.rounds):
+                start = time.process_time()
+                run()
+                best = min(best, time.process_time() - start)
+            times.setdefault(name, []).append(1e3 * best)
+    print(f"{args.config}, {args.frames} frames, OpenCV {cv2.__version__}, milliseconds of processor time")
+    for name, values in times.items():
+        print(f"{name:32s} {np.mean(values):7.2f}")
+
+
+def steps(folder: Path, frame_id: str, config: Config) -> Iterator[tuple[str, Callable[[], Any]]]:
+    """Yield what is done to a frame, by name."""
+    frame = kitti.read_frame(folder, frame_id, has_extras=False)
+    scan, image, calib = frame.points_velo, frame.image, frame.calib
+    plane = ground_plane(scan, calib, frame.plane, config)
+    points = _points_cam_in_image(scan, calib, frame.image_size)
+    cells = occupancy(points, plane, config.anchors, config.bev)
+    memory = np.empty(config.bev.shape, np.float32)
+
+    def made(change: Augmentation, frame: Frame) -> Sample:
+        return build_sample(
+            frame.points_velo, frame.image, frame.calib, frame.plane, config,
+            labels=frame.labels, augmentation=change, ground=plane, maps=memory,
+        )  # fmt: skip
+
+    sample = made(_CHANGES[0], frame)
+    sent = pickle.loads(pickle.dumps(packed(sample), protocol=5))
+    png, binary = (folder / kind / f"{frame_id}.{end}" for kind, end in (("image_2", "png"), ("velodyne", "bin")))
+    yield "reading a frame", lambda: kitti.read_frame(folder, frame_id, has_extras=False)
+    yield "  of it, the image", lambda: kitti.images.decode_image(png.read_bytes())
+    yield "  of it, the scan", lambda: points_from_bytes(binary.read_bytes())
+    yield "ground, once a frame", lambda: ground_plane(scan, calib, frame.plane, config)
+    yield "points in the image", lambda: _points_cam_in_image(scan, calib, frame.image_size)
+    yield "jitter, half of the samples", lambda: jitter_colors(image, np.random.default_rng(0))
+    yield "mirroring the image, half", lambda: mirror_image(image)
+    yield "resizing", lambda: resize_bilinear(image, config.image.size)
+    yield "occupied cells", lambda: occupancy(points, plane, config.anchors, config.bev)
+    yield "anchors", lambda: anchors_over(cells, plane, config.classes, config.anchors, config.bev)
+    yield "maps", lambda: bev.maps(points, plane, config.bev, memory)
+    yield "packing and pickling", lambda: pickle.dumps(packed(sample), protocol=5)
+    yield "unpacking, in the parent", lambda: sent.unpacked(torch.device("cpu"))
+    for change in _CHANGES:
+        # The mean over all changes, as training takes them in turn.
+        yield (
+            "a whole frame, in the worker",
+            lambda change=change: pickle.dumps(  # type: ignore[misc]
+                packed(made(change, kitti.read_frame(folder, frame_id, has_extras=False))), protocol=5
+            ),
+        )
+
+
+if __name__ == "__main__":
+    main()

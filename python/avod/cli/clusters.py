@@ -1,0 +1,46 @@
+"""`avod clusters`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from avod.cli.options import check_split, resolve_split, split_option
+from avod.clusters import anchor_sizes, toml_of
+from cadet.errors import CadetError
+from cadet.kitti import TYPES
+
+_MOST = 64
+
+
+@click.command(name="clusters")
+@click.argument("data", metavar="DATA", type=click.Path(path_type=Path))
+@split_option("train")
+@click.option(
+    "--class",
+    "classes",
+    metavar="NAME=COUNT",
+    multiple=True,
+    default=("Car=2", "Pedestrian=1", "Cyclist=1"),
+    show_default=True,
+    help="A class and how many sizes its anchors get; several times for several classes.",
+)
+def clusters_command(data: Path, split: str | None, classes: tuple[str, ...]) -> None:
+    """Fit anchor sizes to the labels of a KITTI folder, and print them as a configuration holds them.
+
+    \b
+    avod clusters kitti --split train --class Car=2 > sizes.toml
+    """  # noqa: D301 - click reads the backspace
+    name = resolve_split(split)
+    check_split(data, name)
+    click.echo(toml_of(anchor_sizes(data, name, dict(_count(text) for text in classes))), nl=False)
+
+
+def _count(text: str) -> tuple[str, int]:
+    name, _, count = text.partition("=")
+    if name not in TYPES or name == "DontCare" or not count.isascii() or not count.isdecimal():
+        raise CadetError(f"--class: expected a type of KITTI's labels and a count, such as Car=2, got {text!r}")
+    if not 1 <= int(count[:9]) <= _MOST:
+        raise CadetError(f"--class: expected 1 to {_MOST} sizes, got {text!r}")
+    return name, int(count)

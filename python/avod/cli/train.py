@@ -1,0 +1,213 @@
+"""`avod train`."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import click
+from click.core import ParameterSource
+
+from avod.cli.options import (
+    check_split,
+    device_options,
+    progress,
+    resolve_device,
+    resolve_precision,
+    resolve_split,
+    resolve_workers,
+    split_option,
+)
+from avod.cli.stopping import Stopping
+from avod.config import Config
+from avod.config_file import config_names, load_config
+from avod.device import is_first_process
+from avod.model.network import AvodNetwork
+from avod.train.checkpoint import checkpoints, read_checkpoint
+from avod.train.processes import Processes
+from avod.train.record import Record, read_record
+from avod.train.run import train, with_steps
+from avod.train.settings import Run
+from avod.train.validation_log import Validated
+from avod.validate import Validator
+from cadet.cli.signals import exit_code, how_ended
+from cadet.errors import CadetError, MissingFileError
+
+_SECONDS_BETWEEN_LINES: Final = 10.0
+_AMP: Final = {"bfloat16": "bf16"}
+
+
+@click.command(name="train")
+@click.option("--config", metavar="NAME|FILE", help=f"One of {', '.join(config_names())}, or a .toml.")
+@click.option("--data", metavar="DIR", type=click.Path(path_type=Path), help="A KITTI folder, real or ours.")
+@split_option("train")
+@click.option("--out", metavar="DIR", required=True, type=click.Path(path_type=Path), help="Logs and checkpoints.")
+@click.option("--steps", type=click.IntRange(1), help="Where training ends.  [default: the configuration's]")
+@click.option("--seed", type=click.IntRange(0, 2**63 - 1), help="Of all that is drawn.  [default: 0]")
+@click.option("--init", metavar="DIR", type=click.Path(path_type=Path), help="Begin at step 0 with these weights.")
+@click.option("--resume", is_flag=True, help="Go on with the training of --out where it stopped, as it was begun.")
+@click.option(
+    "--resume-from",
+    metavar="DIR",
+    type=click.Path(path_type=Path),
+    help="Go on with another training's optimizer, step and schedule.",
+)
+@click.option(
+    "--skip-step",
+    "skip_steps",
+    metavar="STEP",
+    type=click.IntRange(0),
+    multiple=True,
+    help="Leave out a step whose loss is no number; several times for several.",
+)
+@click.option("--max-minutes", type=click.FloatRange(0, min_open=True), help="Stop after so long; --resume goes on.")
+@click.option("--keep", type=click.IntRange(1), help="Checkpoints that stay, the newest.  [default: all]")
+@click.option("--val-every", metavar="STEPS", type=click.IntRange(1), help="Compute loss and AP on --val-split.")
+@click.option("--val-split", metavar="NAME", default="val", show_default=True, help="A list of ImageSets, or 'all'.")
+@click.option("--compile", "is_compiled", is_flag=True, help="Compile the feature pyramids.")
+@click.option("--tensorboard", is_flag=True, help="Write TensorBoard's files too.")
+@device_options
+@click.pass_context
+def train_command(context: click.Context, /, **options: Any) -> int:
+    """Train a detector.
+
+    Ctrl-C, SIGTERM and --max-minutes end the step and write a checkpoint; exit codes 130, 143 and 75.
+
+    \b
+    avod train --config tiny_car --data set --out run
+    avod train --out run --resume
+    avod train --config car_default --data kitti --out tuned --resume-from run --steps 150000 --device cuda --amp bf16
+    torchrun --nproc-per-node 4 -m avod train ...
+    """  # noqa: D301 - click reads the backspace
+    config, run = _settings(_Options(context, options))
+    stopping = Stopping(options["max_minutes"])
+    note = ""
+
+    def validated(text: str) -> None:
+        nonlocal note
+        note = text
+
+    def on_step(step: int, losses: dict[str, Any]) -> None:
+        loss = f"loss {float(losses['total']):.3f}" if losses else "left out"
+        advance(step, f"{loss}{note}")
+
+    is_first = is_first_process()
+    shown = progress(config.training.steps, "training", "steps") if is_first else contextlib.nullcontext(_say_nothing)
+    try:
+        with stopping, shown as advance:
+            validate = None if run.val_every is None else _validation(config, run, stopping, validated)
+            last = train(config, run, on_step=on_step, validate=validate, should_stop=stopping)
+    except KeyboardInterrupt as error:
+        click.echo(f"{how_ended(error)}; {_how_to_go_on(run.out)}", err=True)
+        return exit_code(error)
+    is_done = last.name == f"{config.training.steps:09d}"
+    if is_first:
+        text = f"last checkpoint: {last}" if is_done else f"{stopping.reason}; {_how_to_go_on(run.out)}"
+        click.echo(text, err=True)
+    return 0 if is_done else stopping.exit_code
+
+
+@dataclass(frozen=True)
+class _Options:
+    """The options of the command, and which of them were given."""
+
+    context: click.Context
+    values: dict[str, Any]
+
+    def get(self, name: str, recorded: Any) -> Any:
+        """Return an option, or what was recorded where it is not given and a training goes on."""
+        is_given = self.context.get_parameter_source(name) != ParameterSource.DEFAULT
+        return self.values[name] if is_given or not self.values["resume"] else recorded
+
+
+def _settings(options: _Options) -> tuple[Config, Run]:
+    values = options.values
+    out = values["out"]
+    record, config = _recorded(out) if values["resume"] else (None, None)
+    if values["config"] is not None:
+        config = load_config(values["config"])
+        # Where training ends was settled when it was begun, perhaps by --steps.
+        config = config if record is None else with_steps(config, record.config.training.steps)
+    data = values["data"] if values["data"] is not None or record is None else Path(record.data)
+    if config is None or data is None:
+        missing = "--config" if config is None else "--data"
+        raise CadetError(f"train needs {missing}: only a training that goes on by --resume knows its own")
+
+    def recorded(name: str, default: Any) -> Any:
+        return options.get(name, default if record is None else getattr(record, name))
+
+    split = resolve_split(recorded("split", "train"))
+    check_split(data, split)
+    val_every = recorded("val_every", None)
+    run = Run(
+        data=data,
+        out=out,
+        split=split,
+        seed=values["seed"],
+        init=values["init"],
+        resume=values["resume"],
+        resume_from=values["resume_from"],
+        skip_steps=values["skip_steps"],
+        keep=recorded("keep", None),
+        val_every=val_every,
+        val_split=resolve_split(recorded("val_split", "val")),
+        device=resolve_device(recorded("device", "cpu")),
+        precision=resolve_precision(options.get("amp", None if record is None else _AMP.get(record.precision or ""))),
+        workers=resolve_workers(values["workers"]),
+        is_compiled=recorded("is_compiled", False),
+        has_tensorboard=values["tensorboard"],
+    )
+    if val_every is not None:
+        check_split(data, run.val_split)
+    return with_steps(config, values["steps"]), run
+
+
+def _recorded(out: Path) -> tuple[Record | None, Config]:
+    """Return what a folder's training was begun with; without a record its checkpoint's configuration alone."""
+    try:
+        record = read_record(out)
+    except MissingFileError:
+        if not checkpoints(out / "checkpoints"):
+            raise
+        return None, read_checkpoint(out).config
+    return record, record.config
+
+
+def _validation(
+    config: Config, run: Run, stopping: Stopping, on_validated: Callable[[str], None]
+) -> Callable[[AvodNetwork, int, Processes], Validated | None]:
+    last_s = time.monotonic()
+
+    def on_frame(done: int, total: int) -> None:
+        nonlocal last_s
+        if is_first_process() and not sys.stderr.isatty() and time.monotonic() - last_s >= _SECONDS_BETWEEN_LINES:
+            last_s = time.monotonic()
+            click.echo(f"validating {done}/{total} frames", err=True)
+
+    validator = Validator(run.data, run.val_split, config, workers=run.workers, should_stop=stopping, on_frame=on_frame)
+
+    def validate(network: AvodNetwork, step: int, processes: Processes) -> Validated | None:
+        found = validator(network, step, processes)
+        if found is not None:
+            on_validated(
+                f", AP {found.ap:.2f} and loss {found.losses['total']:.3f} on {run.val_split or 'all'} at {step}"
+            )
+        return found
+
+    return validate
+
+
+def _say_nothing(done: int, note: str) -> None:
+    """Report no step: another process does."""
+
+
+def _how_to_go_on(out: str | Path) -> str:
+    written = checkpoints(Path(out) / "checkpoints")
+    if not written:
+        return f"no checkpoint yet: --out {out} --resume begins again"
+    return f"last checkpoint: {written[-1]}; go on from it by --out {out} --resume"

@@ -1,0 +1,57 @@
+"""Batches of samples for the steps of a training, made by other processes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import torch
+from torch.utils.data import DataLoader
+
+from avod.config import TrainingConfig
+from avod.data.dataset import TrainingData
+from avod.data.order import StepSampler
+from avod.data.packing import PackedSample, on_device
+from avod.data.sample import Sample
+from avod.data.workers import as_it_is, outlive_signals, started
+from avod.train.processes import Processes
+from cadet.errors import CadetError
+
+
+def batches(
+    data: TrainingData, training: TrainingConfig, first_step: int, processes: Processes, workers: int
+) -> Iterable[list[Sample | PackedSample | CadetError]]:
+    """Return the samples of each step, or the errors that reading them raised.
+
+    Args:
+        data: the frames.
+        training: where training ends, and how many frames a step has.
+        first_step: where it begins or goes on.
+        processes: each has frames of its own.
+        workers: processes that read samples; 0 reads them in between.
+    """
+    sampler = StepSampler(first_step, training.steps, training.frames_per_step, processes.rank, processes.world_size)
+    loader: DataLoader[Any] = DataLoader(
+        data,
+        batch_sampler=sampler,
+        num_workers=min(workers, len(sampler) * training.frames_per_step),
+        collate_fn=as_it_is,
+        pin_memory=processes.device.type == "cuda",
+        persistent_workers=workers > 0,
+        worker_init_fn=outlive_signals,
+    )
+    return started(loader)
+
+
+def whole(samples: list[Sample | PackedSample | CadetError], device: torch.device) -> list[Sample]:
+    """Bring samples to a device.
+
+    Raises:
+        CadetError: what reading one of them raised.
+    """
+    moved = []
+    for sample in samples:
+        if isinstance(sample, CadetError):
+            raise sample
+        moved.append(on_device(sample, device))
+    return moved

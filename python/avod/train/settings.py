@@ -1,0 +1,67 @@
+"""The settings of a training besides its configuration."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import torch
+
+from cadet.checks import check_number
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run:
+    """The settings of a training besides its configuration.
+
+    Attributes:
+        data: a KITTI folder.
+        out: where `run.json`, `log.csv` and `checkpoints` go: a folder without those of another training, unless
+            `resume` is set or `resume_from` is this one's last checkpoint; the logs then keep their rows up to there.
+        split: a list of `ImageSets`; None for every frame.
+        seed: of weights, order and draws; None for 0, or for that of the training that goes on.
+        init: a checkpoint whose weights training begins with, at step 0.
+        resume: go on with the training of `out`, as it was begun, from its last checkpoint, or from the start if it
+            has none yet.
+        resume_from: a checkpoint from which training goes on with optimizer, step and schedule, on the same data or
+            other.
+        skip_steps: steps that are left out, counted from 0: those whose loss was no number.
+        keep: how many checkpoints stay, None for all.
+        val_every: steps between two validations; None for none.
+        val_split: the list of frames that `validate` takes, for `run.json`.
+        device: where the network runs.
+        precision: of the arithmetic of layers, None for float32.
+        workers: processes that read samples; 0 reads them in between.
+        is_compiled: compile the pyramids.
+        has_tensorboard: write TensorBoard's files too.
+
+    Raises:
+        CadetError: a number outside its range.
+    """
+
+    data: str | Path
+    out: str | Path
+    split: str | None = "train"
+    seed: int | None = None
+    init: str | Path | None = None
+    resume: bool = False
+    resume_from: str | Path | None = None
+    skip_steps: tuple[int, ...] = ()
+    keep: int | None = None
+    val_every: int | None = None
+    val_split: str | None = "val"
+    device: torch.device = torch.device("cpu")
+    precision: torch.dtype | None = None
+    workers: int = 0
+    is_compiled: bool = False
+    has_tensorboard: bool = False
+
+    def __post_init__(self) -> None:
+        if self.seed is not None:
+            check_number("Run", "seed", self.seed, 0, 2**63 - 1, whole=True)
+        for name in ("keep", "val_every"):
+            if getattr(self, name) is not None:
+                check_number("Run", name, getattr(self, name), 1, whole=True)
+        for step in self.skip_steps:
+            check_number("Run", "skip_steps", step, 0, whole=True)
+        check_number("Run", "workers", self.workers, 0, 1024, whole=True)

@@ -1,0 +1,130 @@
+"""How well a network in training does on frames that it does not learn from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import torch
+from torch.utils.data import DataLoader
+
+from avod.config import Config
+from avod.data.dataset import DetectionData
+from avod.data.order import torch_generator
+from avod.data.packing import on_device
+from avod.data.workers import as_it_is, outlive_signals, started
+from avod.evaluate import score
+from avod.losses import frame_losses
+from avod.model.network import AvodNetwork
+from avod.results import detections
+from avod.targets import anchor_targets
+from avod.train.processes import Processes
+from avod.train.validation_log import Validated
+from cadet import kitti
+from cadet.errors import CadetError
+from cadet.evaluation import evaluate
+from cadet.kitti import labels_from_text, text_from_labels
+from cadet.kitti.image_sets import check_not_empty
+
+
+class Validator:
+    """Computes losses and KITTI's AP of a network over a split, for `avod.train.train`.
+
+    Mini-batches of the losses are drawn from a stream of the frame's own, so that validations can be compared with each
+    other, and training is the same with and without them.
+
+    Args:
+        root: a KITTI folder with labels.
+        split: a list of its `ImageSets`; None for every frame.
+        config: of the detector.
+        workers: processes that prepare frames; 0 does so in between.
+        should_stop: is asked after each frame; the validation is then given up.
+        on_frame: hears how many frames of this process are done, and how many there are.
+
+    Raises:
+        MissingFileError: no folder, split, frame, or label file.
+    """
+
+    def __init__(
+        self,
+        root: str | Path,
+        split: str | None,
+        config: Config,
+        *,
+        workers: int = 0,
+        should_stop: Callable[[], bool] = lambda: False,
+        on_frame: Callable[[int, int], None] = lambda done, total: None,
+    ) -> None:
+        dataset = kitti.Dataset(root, split)
+        check_not_empty(dataset.ids, root, split)
+        self.folder, self.ids = dataset.folder, dataset.ids
+        self._truths = {frame_id: kitti.read_labels(self.folder, frame_id) for frame_id in self.ids}
+        self._config, self._workers, self._should_stop = config, workers, should_stop
+        self._on_frame = on_frame
+
+    def __call__(self, network: AvodNetwork, step: int, processes: Processes) -> Validated | None:
+        """Validate a network, which is left in evaluation mode.
+
+        Args:
+            network: the same in all processes, which share the frames out.
+            step: how many steps are done, for messages.
+            processes: of the training.
+
+        Returns:
+            What was found; None if the validation was told to stop.
+
+        Raises:
+            CadetError: a frame that cannot be read, or outputs that are no numbers.
+        """
+        network.eval()
+        ids = self.ids[processes.rank :: processes.world_size]
+        data = DetectionData(self.folder, ids, self._config)
+        loader: DataLoader[Any] = DataLoader(
+            data,
+            batch_size=None,
+            num_workers=min(self._workers, len(ids)),
+            collate_fn=as_it_is,
+            worker_init_fn=outlive_signals,
+        )
+        texts: dict[str, str] = {}
+        losses: dict[str, dict[str, float]] = {}
+        is_stopped = False
+        for frame_id, item in zip(ids, started(loader), strict=True):
+            if isinstance(item, CadetError):
+                raise item
+            texts[frame_id], losses[frame_id] = self._judge(network, *item, step=step, device=processes.device)
+            self._on_frame(len(texts), len(ids))
+            if self._should_stop():
+                is_stopped = True
+                break
+        if processes.any(is_stopped):
+            return None
+        shares = processes.gathered((texts, losses))
+        found = {frame_id: labels_from_text(text) for share in shares for frame_id, text in share[0].items()}
+        by_frame = {frame_id: terms for share in shares for frame_id, terms in share[1].items()}
+        names = self._config.class_names
+        report = evaluate(self._truths, {frame_id: found[frame_id] for frame_id in self.ids}, classes=names)
+        # Summed in the split's order, whoever computed what.
+        means = {
+            term: sum(by_frame[frame_id][term] for frame_id in self.ids) / len(self.ids) for term in by_frame[ids[0]]
+        }
+        return Validated(means, score(report, names), {name: score(report, (name,)) for name in names})
+
+    def _judge(
+        self, network: AvodNetwork, sample: Any, calib: kitti.Calibration, *, step: int, device: torch.device
+    ) -> tuple[str, dict[str, float]]:
+        sample = on_device(sample, device)
+        with torch.inference_mode():
+            (features,) = network.extract([sample])
+            outputs = network.judge(sample, features)
+            generator = torch_generator(0, "validation", int(sample.frame_id))
+            judged = network.judge(sample, features, generator)
+            targets = anchor_targets(sample, self._config.rpn, generator)
+            losses = frame_losses(judged, targets, sample, self._config).by_name()
+            numbers = {name: float(value) for name, value in losses.items()}
+            is_finite = torch.isfinite(outputs.class_logits).all() & torch.isfinite(outputs.box_offsets).all()
+            if not bool(is_finite & torch.isfinite(losses["total"])):
+                raise CadetError(f"validation after step {step}: the outputs on frame {sample.frame_id} are not finite")
+            labels = detections(outputs, sample.plane, calib, sample.image_size, self._config)
+        return text_from_labels(labels), numbers

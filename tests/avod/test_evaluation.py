@@ -1,0 +1,89 @@
+"""What the packaged detector is worth with a sensor masked, and everything as JSON."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from click.testing import CliRunner
+
+import avod
+import cadet
+from avod.cli.commands import avod as command
+from avod.evaluate import ablation_table, analyze_detector, without
+from cadet.errors import CadetError
+from cadet.kitti import Label, write_frame
+
+
+@pytest.fixture(scope="module")
+def frames() -> list[cadet.Frame]:
+    environment = cadet.Environment()
+    environment.reset(seed=100_003)
+    return [environment.step() for _ in range(4)]
+
+
+@pytest.fixture(scope="module")
+def detector() -> avod.Detector:
+    return avod.Detector.load("tiny_car")
+
+
+def detect(detector: avod.Detector, frame: cadet.Frame, image: np.ndarray | None = None) -> tuple[Label, ...]:
+    return detector.detect(frame.points_velo, frame.image if image is None else image, frame.calib, frame.plane)
+
+
+def test_a_masked_image_changes_nothing_whatever_it_shows(detector: avod.Detector, frames: list[cadet.Frame]) -> None:
+    blind = without(detector, has_image=False, has_lidar=True)
+    noise = np.random.default_rng(0).integers(0, 256, frames[0].image.shape, np.uint8)
+    for frame in frames:
+        assert len(detect(blind, frame)) > 0
+        assert detect(blind, frame) == detect(blind, frame, noise)
+    assert any(detect(detector, frame) != detect(detector, frame, noise) for frame in frames)
+    assert any(detect(detector, frame) != detect(blind, frame) for frame in frames)
+
+
+def test_masked_lidar_maps_change_nothing_whatever_they_hold(
+    detector: avod.Detector, frames: list[cadet.Frame]
+) -> None:
+    from avod.data.build import build_sample
+
+    deaf = without(detector, has_image=True, has_lidar=False)
+    for frame in frames:
+        sample = build_sample(frame.points_velo, frame.image, frame.calib, frame.plane, detector.config)
+        empty = replace(sample, bev=sample.bev * 0.0)
+        # What the first stage says of its anchors; how high proposals stand is still measured by the LIDAR.
+        assert torch.equal(deaf.run(sample).anchor_logits, deaf.run(empty).anchor_logits)
+        assert torch.equal(deaf.run(sample).anchor_offsets, deaf.run(empty).anchor_offsets)
+        assert not torch.equal(detector.run(sample).anchor_logits, detector.run(empty).anchor_logits)
+
+
+def test_masking_leaves_the_detector_as_it_was(detector: avod.Detector, frames: list[cadet.Frame]) -> None:
+    before = detect(detector, frames[0])
+    without(detector, has_image=False, has_lidar=True)
+    assert detect(detector, frames[0]) == before
+    with pytest.raises(CadetError, match="nothing to detect in"):
+        without(detector, has_image=False, has_lidar=False)
+
+
+def test_the_command_writes_everything_as_json(
+    detector: avod.Detector, frames: list[cadet.Frame], tmp_path: Path
+) -> None:
+    for number, frame in enumerate(frames):
+        write_frame(tmp_path, number, frame, split="val")
+    arguments = ["eval", "--checkpoint", "tiny_car", "--data", str(tmp_path)]
+    result = CliRunner().invoke(command, [*arguments, "--ablate", "--json"], catch_exceptions=False)
+    data = json.loads(result.stdout)
+    ids = tuple(f"{number:06d}" for number in range(len(frames)))
+    analysis = analyze_detector(detector, tmp_path, ids, parts=("errors", "centers"))
+    assert data["errors"] == json.loads(analysis.to_json())["errors"]
+    assert {"operating_points", "by", "confusion", "centers", "curves"} <= set(data)
+    assert list(data["ablation"]) == ["both", "image masked", "LIDAR masked"]
+    assert data["ablation"]["both"] == {"ap": data["ap"], "centers": data["centers"]}
+    shown = CliRunner().invoke(command, [*arguments, "--ablate", "--details"], catch_exceptions=False).stdout
+    masked = ablation_table({"both": analysis}, ("Car",))
+    assert [line.split() for line in shown.splitlines() if line.startswith("both ")] == [masked[1]]
+    for text in ("image masked ", "LIDAR masked ", "AP by occlusion", "Car: found minus true"):
+        assert text in shown
