@@ -1,4 +1,4 @@
-"""A user's own vehicle meshes: a folder with Wavefront OBJ files and an `assets.toml` that says what they are."""
+"""A user's own vehicle meshes: a folder with OBJ or glTF files and an `assets.toml` that says what they are."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from typing import Any
 from cadet import _cadet
 from cadet.checks import as_pairs, as_path, as_tuple, check_kind, check_number, check_text, is_one_of, make_plain, shown
 from cadet.errors import CadetError, MissingFileError
+from cadet.gltf_file import GltfFile, gltf_from_bytes
 from cadet.notices import notice
 from cadet.plain_text import toml_from_text
 from cadet.summary import counts, summary
@@ -25,6 +26,8 @@ CONFIG = "assets.toml"
 CLASSES = ("Car", "Van", "Truck")
 ROLES = ("glass", "tyre", "plate", "lamp", "interior")
 UPS = ("z", "y")
+GLTF_SUFFIXES = (".gltf", ".glb")
+"""What ends in these is read as glTF 2.0, all else as Wavefront OBJ."""
 
 _REQUIRED = ("name", "class", "mesh")
 _OPTIONAL = ("scale", "yaw_deg", "up", "size_lwh", "materials")
@@ -42,10 +45,12 @@ class VehicleMesh:
     """The model's name in metadata: letters, digits, `_`, `.` and `-`."""
     type: str
     """KITTI's type: one of `CLASSES`."""
-    obj: str = field(repr=False)
-    """The text of the Wavefront OBJ file."""
+    obj: str = field(default="", repr=False)
+    """The text of the Wavefront OBJ file; empty for a glTF file."""
     libraries: tuple[tuple[str, str], ...] = field(default=(), repr=False)
     """Material libraries: the name that the OBJ file uses, and the text."""
+    gltf: GltfFile | None = field(default=None, repr=False)
+    """The glTF file, in place of an OBJ file."""
     file: str = "mesh"
     """The file's name, for messages."""
     scale: float = 1.0
@@ -53,7 +58,7 @@ class VehicleMesh:
     yaw_deg: float = 0.0
     """Turns the mesh about the vertical, counter-clockwise seen from above, so that its front looks along +x."""
     up: str = "z"
-    """The file's axis that points up: one of `UPS`."""
+    """An OBJ file's axis that points up: one of `UPS`. In glTF y points up and z forward."""
     size_lwh: tuple[float, float, float] | None = None
     """Stretches the mesh to this length, width and height, meters."""
     materials: tuple[tuple[str, tuple[str, ...]], ...] = ()
@@ -67,12 +72,7 @@ class VehicleMesh:
             raise CadetError(f"{owner}.class: expected one of {', '.join(CLASSES)}, got {shown(self.type)}")
         if not is_one_of(self.up, UPS):
             raise CadetError(f"{owner}.up: expected 'z' or 'y', got {shown(self.up)}")
-        check_text(owner, "obj", self.obj)
-        check_text(owner, "file", self.file)
-        object.__setattr__(self, "libraries", as_pairs(owner, "libraries", self.libraries, "of a name and a text"))
-        for name, text in self.libraries:
-            check_text(owner, "libraries", name)
-            check_text(owner, "libraries", text)
+        self._check_files(owner)
         check_number(owner, "scale", self.scale, 1e-9, 1e9)
         check_number(owner, "yaw_deg", self.yaw_deg, -360, 360)
         if self.size_lwh is not None:
@@ -88,11 +88,25 @@ class VehicleMesh:
                 raise CadetError(f"{owner}.materials.{role}: expected a list of names, got {shown(patterns)}")
         make_plain(self)
 
+    def _check_files(self, owner: str) -> None:
+        check_text(owner, "obj", self.obj)
+        check_text(owner, "file", self.file)
+        object.__setattr__(self, "libraries", as_pairs(owner, "libraries", self.libraries, "of a name and a text"))
+        for name, text in self.libraries:
+            check_text(owner, "libraries", name)
+            check_text(owner, "libraries", text)
+        if self.gltf is not None:
+            check_kind(owner, "gltf", self.gltf, GltfFile)
+            if self.obj or self.libraries:
+                raise CadetError(f"{owner}: expected an OBJ file or a glTF file, got both")
+
     @property
     def sha256(self) -> str:
         """The hash of all that decides its looks: files and numbers, but not their folder."""
         values = asdict(self)
-        del values["file"]
+        del values["file"], values["gltf"]
+        if self.gltf is not None:
+            values["gltf"] = self.gltf.sha256
         return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()
 
     def to_native(self) -> _cadet.VehicleMesh:
@@ -103,6 +117,9 @@ class VehicleMesh:
             file=self.file,
             obj=self.obj,
             libraries=self.libraries,
+            gltf=None if self.gltf is None else self.gltf.document,
+            buffers=() if self.gltf is None else self.gltf.buffers,
+            image_colors=() if self.gltf is None else self.gltf.image_colors,
             scale=self.scale,
             yaw_rad=math.radians(self.yaw_deg),
             y_up=self.up == "y",
@@ -146,12 +163,16 @@ class Assets:
         notice(self.to_native().assumptions(), about=tuple(vehicle.sha256 for vehicle in self.vehicles))
 
     @classmethod
-    def read(cls, folder: str | Path) -> Assets:
+    def read(cls, folder: str | Path, *, skip_bad: bool = False) -> Assets:
         """Read a folder with an `assets.toml`.
 
+        Args:
+            folder: the folder.
+            skip_bad: leave out vehicles whose meshes are missing or broken, with a `CadetWarning` for each.
+
         Raises:
-            MissingFileError: there is no `assets.toml`, or a mesh or a material library that it names is missing.
-            CadetError: anything else that is wrong with them, in one line.
+            MissingFileError: there is no `assets.toml`, or a file that it or a mesh names is missing.
+            CadetError: anything else that is wrong with them, in one line; with `skip_bad`, no vehicle that is left.
         """
         root = as_path("assets", folder)
         values = _read_config(root)
@@ -159,8 +180,22 @@ class Assets:
         tables = values["vehicle"]
         if not isinstance(tables, list) or not all(isinstance(table, Mapping) for table in tables):
             raise CadetError(f"{CONFIG}: vehicle: expected [[vehicle]] tables, got {tables!r}")
-        vehicles = tuple(_vehicle(root, number, table) for number, table in enumerate(tables, 1))
-        return cls(vehicles, values.get("share", 0.5))
+        share = values.get("share", 0.5)
+        vehicles = []
+        for number, table in enumerate(tables, 1):
+            try:
+                vehicle = _vehicle(root, number, table)
+                if skip_bad:
+                    cls((vehicle,), share)
+            except CadetError as error:
+                if not skip_bad:
+                    raise
+                notice([f"{error}; vehicle {number} is left out"], about=str(root.resolve()))
+                continue
+            vehicles.append(vehicle)
+        if skip_bad and tables and not vehicles:
+            raise CadetError(f"{str(root)!r}: none of its {len(tables)} vehicles can be used")
+        return cls(tuple(vehicles), share)
 
     def to_dict(self) -> dict[str, Any]:
         """Return what a manifest says of them: names and hashes, no paths."""
@@ -215,14 +250,22 @@ def _vehicle(root: Path, number: int, table: Mapping[str, Any]) -> VehicleMesh:
     if not isinstance(materials, Mapping):
         raise CadetError(f"{owner}.materials: expected a table, got {materials!r}")
     path = _inside(root, table["mesh"], owner)
-    obj = _read_text(path, f"{owner}: no mesh {table['mesh']!r}")
-    libraries = tuple((name, _read_library(path, name, owner)) for name in _library_names(obj))
+    obj, gltf = "", None
+    libraries: tuple[tuple[str, str], ...] = ()
+    if path.suffix.lower() in GLTF_SUFFIXES:
+        if "up" in table:
+            raise CadetError(f"{owner}.up: glTF files say themselves that y points up")
+        gltf = _read_gltf(root, path, table["mesh"], owner)
+    else:
+        obj = _read_text(path, f"{owner}: no mesh {table['mesh']!r}")
+        libraries = tuple((name, _read_library(path, name, owner)) for name in _library_names(obj))
     try:
         return VehicleMesh(
             name=table["name"],
             type=table["class"],
             obj=obj,
             libraries=libraries,
+            gltf=gltf,
             file=table["mesh"],
             scale=table.get("scale", 1.0),
             yaw_deg=table.get("yaw_deg", 0.0),
@@ -240,17 +283,31 @@ def _as_tuple(values: Any) -> Any:
 
 def _inside(root: Path, name: object, owner: str) -> Path:
     if not isinstance(name, str) or "\0" in name:
-        raise CadetError(f"{owner}.mesh: expected the path of an OBJ file, got {name!r}")
+        raise CadetError(f"{owner}.mesh: expected the path of an OBJ or glTF file, got {name!r}")
     path = root / name
     if not path.resolve().is_relative_to(root.resolve()):
         raise CadetError(f"{owner}.mesh: {name!r} leads out of the folder")
     return path
 
 
+def _read_gltf(root: Path, path: Path, mesh: str, owner: str) -> GltfFile:
+    def read_beside(name: str) -> bytes:
+        beside = path.parent / name
+        if "\0" in name or not beside.resolve().is_relative_to(root.resolve()):
+            raise CadetError(f"{owner}: {mesh!r} refers to {name!r}, which lies outside of the folder")
+        return _read_bytes(beside, f"{owner}: no file {name!r} beside {mesh!r}")
+
+    return gltf_from_bytes(_read_bytes(path, f"{owner}: no mesh {mesh!r}"), mesh, read_beside)
+
+
 def _read_text(path: Path, missing: str) -> str:
+    # Comments in any encoding do no harm; numbers and keywords are ASCII.
+    return _read_bytes(path, missing).decode("utf-8", errors="replace")
+
+
+def _read_bytes(path: Path, missing: str) -> bytes:
     try:
-        # Comments in any encoding do no harm; numbers and keywords are ASCII.
-        return path.read_bytes().decode("utf-8", errors="replace")
+        return path.read_bytes()
     except (FileNotFoundError, IsADirectoryError, NotADirectoryError):
         raise MissingFileError(missing) from None
     except OSError as error:

@@ -4,6 +4,7 @@
 #![allow(clippy::print_stderr)]
 
 use cadet_core::actor::ObjectClass;
+use cadet_core::assets::import::MeshSource;
 use cadet_core::assets::vehicle::{MaterialRules, Role, VehicleAsset, VehicleModel};
 use cadet_core::geometry::Bounds;
 use cadet_core::material::Material;
@@ -35,8 +36,7 @@ fn shell() -> VehicleAsset {
         name: "shell".to_owned(),
         class: ObjectClass::Car,
         file: "shell.obj".to_owned(),
-        obj,
-        libraries: Vec::new(),
+        source: MeshSource::Obj { text: obj, libraries: Vec::new() },
         scale: 1.0,
         yaw_rad: 0.0,
         y_up: false,
@@ -52,6 +52,12 @@ fn faces_of(model: &VehicleModel, keep: impl Fn(&Material) -> bool) -> (Vec<[Vec
     let faces: Vec<[Vec3; 3]> = kept.map(|(face, _)| face.map(|i| mesh.vertices[i as usize])).collect();
     let area_m2 = faces.iter().map(|[a, b, c]| (*b - *a).cross(*c - *a).length() / 2.0).sum();
     (faces, area_m2)
+}
+
+/// The text of an asset's OBJ file.
+fn text(asset: &mut VehicleAsset) -> &mut String {
+    let MeshSource::Obj { text, .. } = &mut asset.source else { panic!("no OBJ file") };
+    text
 }
 
 #[test]
@@ -102,10 +108,11 @@ fn the_shell_outside_of_its_windows_is_what_it_was() {
 #[test]
 fn windows_of_their_own_material_are_left_alone() {
     let mut asset = shell();
-    asset.obj = format!("mtllib a.mtl\nusemtl Lack\n{}", asset.obj.replacen("f ", "usemtl Window\nf ", 2));
-    asset.libraries = vec![("a.mtl".to_owned(), "newmtl Lack\nKd 1 0 0\nnewmtl Window\nKd 0 0 0\n".to_owned())];
+    let named = format!("mtllib a.mtl\nusemtl Lack\n{}", text(&mut asset).replacen("f ", "usemtl Window\nf ", 2));
+    let library = "newmtl Lack\nKd 1 0 0\nnewmtl Window\nKd 0 0 0\n".to_owned();
+    asset.source = MeshSource::Obj { text: named, libraries: vec![("a.mtl".to_owned(), library)] };
     assert_eq!(VehicleModel::with_assumptions(&asset).unwrap().1, None);
-    asset.obj = asset.obj.replace("usemtl Window", "usemtl Lack");
+    *text(&mut asset) = text(&mut asset).replace("usemtl Window", "usemtl Lack");
     let (_, assumed) = VehicleModel::with_assumptions(&asset).unwrap();
     assert!(assumed.unwrap().starts_with("shell.obj: no material for windows among Lack; glass is assumed"));
 }
@@ -119,7 +126,11 @@ fn trucks_have_windows_at_the_cab_alone_and_walls_none() {
     assert!(bounds.min.x > 4.0 - 2.0, "{bounds:?}");
     let wall = "v -3 -.2 0\nv 3 -.2 0\nv 3 .2 0\nv -3 .2 0\nv -3 -.2 4\nv 3 -.2 4\nv 3 .2 4\nv -3 .2 4\n\
                 f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
-    let wall = VehicleAsset { class: ObjectClass::Truck, obj: wall.to_owned(), ..shell() };
+    let wall = VehicleAsset {
+        class: ObjectClass::Truck,
+        source: MeshSource::Obj { text: wall.to_owned(), libraries: Vec::new() },
+        ..shell()
+    };
     let (model, assumed) = VehicleModel::with_assumptions(&wall).unwrap();
     assert_eq!(faces_of(&model, Material::is_transparent).0.len(), 0);
     assert!(assumed.unwrap().contains("; no glass is assumed, since nothing stands where windows usually are"));
@@ -139,8 +150,10 @@ fn other_peoples_meshes_get_windows_of_a_cars_size() {
         let library = std::fs::read_to_string(path.with_extension("mtl")).unwrap();
         let asset = VehicleAsset {
             class: if name == "bus" { ObjectClass::Truck } else { ObjectClass::Car },
-            obj: std::fs::read_to_string(&path).unwrap(),
-            libraries: vec![(format!("{name}.mtl"), library)],
+            source: MeshSource::Obj {
+                text: std::fs::read_to_string(&path).unwrap(),
+                libraries: vec![(format!("{name}.mtl"), library)],
+            },
             scale,
             yaw_rad: yaw_deg.to_radians(),
             ..shell()

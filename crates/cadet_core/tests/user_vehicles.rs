@@ -5,6 +5,7 @@
 use std::sync::Arc;
 
 use cadet_core::actor::ObjectClass;
+use cadet_core::assets::import::MeshSource;
 use cadet_core::assets::vehicle::{MaterialRules, Role, UserVehicles, VehicleAsset, VehicleModel};
 use cadet_core::geometry::Bounds;
 use cadet_core::material::{Material, Semantic};
@@ -49,8 +50,7 @@ fn car() -> VehicleAsset {
         name: "mine".to_owned(),
         class: ObjectClass::Car,
         file: "car.obj".to_owned(),
-        obj,
-        libraries: vec![("car.mtl".to_owned(), mtl.to_owned())],
+        source: MeshSource::Obj { text: obj, libraries: vec![("car.mtl".to_owned(), mtl.to_owned())] },
         scale: 0.01,
         yaw_rad: std::f64::consts::FRAC_PI_2,
         y_up: false,
@@ -70,6 +70,18 @@ fn bounds_of(model: &VehicleModel, keep: impl Fn(&Material) -> bool) -> Bounds {
 #[track_caller]
 fn assert_near(a: Vec3, b: Vec3) {
     assert!((a - b).abs().max_element() < 1e-4, "{a} is not {b}");
+}
+
+/// The text of an asset's OBJ file.
+fn text(asset: &mut VehicleAsset) -> &mut String {
+    let MeshSource::Obj { text, .. } = &mut asset.source else { panic!("no OBJ file") };
+    text
+}
+
+/// The material libraries of an asset's OBJ file.
+fn libraries(asset: &mut VehicleAsset) -> &mut Vec<(String, String)> {
+    let MeshSource::Obj { libraries, .. } = &mut asset.source else { panic!("no OBJ file") };
+    libraries
 }
 
 #[test]
@@ -97,7 +109,7 @@ fn wheels_are_found_by_their_tyres_and_touch_the_ground() {
     }
     // Without materials that tell, the lowest faces do.
     let mut unnamed = car();
-    unnamed.obj = unnamed.obj.replace("usemtl Wheel", "usemtl Lack");
+    *text(&mut unnamed) = text(&mut unnamed).replace("usemtl Wheel", "usemtl Lack");
     let found = VehicleModel::from_asset(&unnamed).unwrap();
     for (a, b) in found.wheel_centers.iter().zip(&model.wheel_centers) {
         assert!((a.truncate() - b.truncate()).length() < 1e-3, "{a} {b}");
@@ -122,10 +134,11 @@ fn a_file_with_y_up_is_stood_upright() {
         let v: Vec<f32> = line.split_whitespace().skip(1).map(|t| t.parse().unwrap()).collect();
         format!("v {} {} {}", v[0], v[2], -v[1])
     };
-    let lines = asset.obj.lines().map(|l| if l.starts_with("v ") { turn(l) } else { l.to_owned() });
+    let lines = text(&mut asset).lines().map(|l| if l.starts_with("v ") { turn(l) } else { l.to_owned() });
     let obj = lines.collect::<Vec<_>>().join("\n");
     let upright = VehicleModel::from_asset(&asset).unwrap();
-    asset = VehicleAsset { obj, y_up: true, ..asset };
+    *text(&mut asset) = obj;
+    asset.y_up = true;
     let turned = VehicleModel::from_asset(&asset).unwrap();
     let panes = [&upright, &turned].map(|m| bounds_of(m, Material::is_transparent));
     assert_near(panes[0].min, panes[1].min);
@@ -164,12 +177,18 @@ fn what_makes_no_vehicle_is_refused_by_name() {
         refuse(&|a| a.yaw_rad = 0.0),
         "car.obj: wider (4.20 m) than long (1.80 m): turn its front to +x with yaw_deg"
     );
-    assert_eq!(refuse(&|a| a.obj.clear()), "car.obj: no faces: is it a Wavefront OBJ file?");
-    assert_eq!(refuse(&|a| a.obj = "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3".into()), "car.obj: no triangle with an area");
-    assert_eq!(refuse(&|a| a.obj = "\u{89}PNG\r\n\u{1a}".to_owned()), "car.obj: no faces: is it a Wavefront OBJ file?");
-    assert_eq!(refuse(&|a| a.libraries.clear()), "car.obj: material library car.mtl: no such file");
-    assert!(refuse(&|a| a.obj = a.obj.replacen("v ", "v nan ", 1)).starts_with("car.obj: "));
-    assert!(refuse(&|a| a.obj = a.obj.replace("f ", "f 99999 ")).starts_with("car.obj: "));
+    assert_eq!(refuse(&|a| text(a).clear()), "car.obj: no faces: is it a Wavefront OBJ file?");
+    assert_eq!(
+        refuse(&|a| *text(a) = "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3".into()),
+        "car.obj: no triangle with an area"
+    );
+    assert_eq!(
+        refuse(&|a| *text(a) = "\u{89}PNG\r\n\u{1a}".to_owned()),
+        "car.obj: no faces: is it a Wavefront OBJ file?"
+    );
+    assert_eq!(refuse(&|a| libraries(a).clear()), "car.obj: material library car.mtl: no such file");
+    assert!(refuse(&|a| *text(a) = text(a).replacen("v ", "v nan ", 1)).starts_with("car.obj: "));
+    assert!(refuse(&|a| *text(a) = text(a).replace("f ", "f 99999 ")).starts_with("car.obj: "));
     assert!(refuse(&|a| a.yaw_rad = f64::NAN).contains("not finite"));
     assert!(refuse(&|a| a.size_lwh = Some(DVec3::NAN)).contains("check size_lwh"));
     assert_eq!(refuse(&|a| a.scale = -1.0), "mesh scale is -1, expected above 0 and finite");
@@ -180,7 +199,7 @@ fn what_makes_no_vehicle_is_refused_by_name() {
     assert_eq!(refuse(&|a| a.class = ObjectClass::Tram), "scene: no vehicle is of class Tram: Car, Van or Truck");
     let flat = "v 0 0 0\nv 4 0 0\nv 4 2 0\nf 1 2 3\n";
     assert_eq!(
-        refuse(&|a| (a.obj, a.scale) = (flat.to_owned(), 1.0)),
+        refuse(&|a| (*text(a), a.scale) = (flat.to_owned(), 1.0)),
         "car.obj: no body: its bounds are 2.000 x 4.000 x 0.000"
     );
 }
@@ -266,6 +285,10 @@ proptest! {
     ) {
         let size_lwh = size.map(|s| DVec3::new(s, 1.0, 1.0));
         let libraries = vec![("a".to_owned(), mtl)];
-        let _ = VehicleModel::from_asset(&VehicleAsset { obj: lines.join("\n"), libraries, size_lwh, ..car() });
+        let _ = VehicleModel::from_asset(&VehicleAsset {
+                source: MeshSource::Obj { text: lines.join("\n"), libraries },
+                size_lwh,
+                ..car()
+            });
     }
 }

@@ -1,6 +1,7 @@
 //! A user's own vehicles: `cadet.Assets.to_native()`.
 
 use cadet_core::actor::ObjectClass;
+use cadet_core::assets::import::MeshSource;
 use cadet_core::assets::vehicle::{MaterialRules, Role, UserVehicles, VehicleAsset};
 use cadet_core::math::DVec3;
 use pyo3::prelude::*;
@@ -18,13 +19,16 @@ pub(crate) struct VehicleMesh {
 #[pymethods]
 impl VehicleMesh {
     #[new]
-    #[pyo3(signature = (*, name, class_name, file, obj, libraries, scale, yaw_rad, y_up, size_lwh, materials))]
+    #[pyo3(signature = (*, name, class_name, file, obj, libraries, gltf, buffers, image_colors, scale, yaw_rad, y_up, size_lwh, materials))]
     fn new(
         name: String,
         class_name: &str,
         file: String,
         obj: String,
         libraries: Vec<(String, String)>,
+        gltf: Option<Vec<u8>>,
+        buffers: Vec<Vec<u8>>,
+        image_colors: Vec<Option<[f32; 3]>>,
         scale: f64,
         yaw_rad: f64,
         y_up: bool,
@@ -36,8 +40,10 @@ impl VehicleMesh {
             name,
             class: ObjectClass::from_name(class_name)?,
             file,
-            obj,
-            libraries,
+            source: match gltf {
+                Some(document) => MeshSource::Gltf { document, buffers, image_colors },
+                None => MeshSource::Obj { text: obj, libraries },
+            },
             scale,
             yaw_rad,
             y_up,

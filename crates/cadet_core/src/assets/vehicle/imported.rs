@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use super::VehicleModel;
 use super::assumed_windows::{Face, Windows};
-use super::imported_materials::{MaterialRules, Role, material, opacity};
+use super::imported_materials::{MaterialRules, Role, material};
 use super::paint::Livery;
 use crate::actor::{AnnotatedBox, ObjectClass};
-use crate::assets::import::{ImportOptions, check_num_materials, triangles};
+use crate::assets::import::{ImportOptions, MeshSource, SourceMaterial, check_num_materials, triangles};
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, LodSet, MeshBuilder};
 use crate::material::{Material, Palette, Pattern, Semantic};
@@ -30,15 +30,13 @@ pub struct VehicleAsset {
     pub class: ObjectClass,
     /// The mesh's file, for messages.
     pub file: String,
-    /// The text of the Wavefront OBJ file.
-    pub obj: String,
-    /// Material libraries: the name that the OBJ file uses, and the text.
-    pub libraries: Vec<(String, String)>,
+    /// What the file holds.
+    pub source: MeshSource,
     /// Meters per unit of the file, above 0.
     pub scale: f64,
     /// Turns the mesh about the vertical, counter-clockwise seen from above, so that its front looks along +x.
     pub yaw_rad: f64,
-    /// True where the file's y axis points up; else its z axis does.
+    /// True where an OBJ file's y axis points up; else its z axis does.
     pub y_up: bool,
     /// Stretches the mesh to this length, width and height, meters.
     pub size_lwh: Option<DVec3>,
@@ -51,7 +49,7 @@ impl VehicleModel {
     /// what annotators leave out is drawn for each actor ([`VehicleModel::annotated_by`]).
     ///
     /// # Errors
-    /// [`Error::Mesh`], naming the file: no OBJ, no face with an area, a coordinate that is not finite, a missing
+    /// [`Error::Mesh`], naming the file: not of its format, no face with an area, a coordinate that is not finite, a missing
     /// material library, a rule that fits no material, or a size that no vehicle has. [`Error::Scene`] for a class that
     /// no vehicle has.
     pub fn from_asset(asset: &VehicleAsset) -> Result<Self> {
@@ -75,15 +73,12 @@ impl VehicleModel {
         };
         let options =
             ImportOptions { scale: asset.scale, y_up: asset.y_up, yaw_rad: asset.yaw_rad, on_ground: false, semantic };
-        let read = triangles(&asset.file, &asset.obj, &options, |library| {
-            let known = asset.libraries.iter().find(|(name, _)| name == library);
-            known.map(|(_, text)| text.clone()).ok_or_else(|| "no such file".to_owned())
-        })?;
+        let read = triangles(&asset.file, &asset.source, &options)?;
         // One for faces that name none, assumed glass and assumed seats.
         check_num_materials(&asset.file, read.materials.len() + 3)?;
         asset.rules.check(&asset.file, &read.materials)?;
         let roles: Vec<Option<Role>> =
-            read.materials.iter().map(|m| asset.rules.role(&m.name, opacity(m))).chain([None]).collect();
+            read.materials.iter().map(|m| asset.rules.role(&m.name, m.opacity)).chain([None]).collect();
         let sources = read.materials.iter().map(Some).chain([None]);
         let mut palette: Vec<_> = sources.zip(&roles).map(|(m, role)| material(m, *role, semantic)).collect();
 
@@ -141,7 +136,7 @@ impl VehicleModel {
 }
 
 /// Says what a mesh does not, and what is assumed instead.
-fn assumption(asset: &VehicleAsset, materials: &[tobj::Material], faces: &[Face], is_glazed: bool) -> String {
+fn assumption(asset: &VehicleAsset, materials: &[SourceMaterial], faces: &[Face], is_glazed: bool) -> String {
     let names: Vec<&str> = materials
         .iter()
         .enumerate()

@@ -1,6 +1,7 @@
 //! What a user's materials are made of: the part of a vehicle that their names tell, and the color that they state.
 
 use super::paint::{coated, glass};
+use crate::assets::import::SourceMaterial;
 use crate::error::{Error, Result};
 use crate::material::{Material, Pattern, Semantic};
 
@@ -85,7 +86,7 @@ impl MaterialRules {
     ///
     /// # Errors
     /// [`Error::Mesh`], listing the materials that exist.
-    pub fn check(&self, file: &str, materials: &[tobj::Material]) -> Result<()> {
+    pub(crate) fn check(&self, file: &str, materials: &[SourceMaterial]) -> Result<()> {
         let lost = self.0.iter().flat_map(|(role, patterns)| patterns.iter().map(move |p| (role, p)));
         for (role, pattern) in lost {
             if !materials.iter().any(|m| matches(pattern, &m.name)) {
@@ -121,20 +122,15 @@ fn matches(pattern: &str, name: &str) -> bool {
     pattern[p..].iter().all(|c| *c == '*')
 }
 
-/// The opacity that a material states, 0..1.
-pub(super) fn opacity(source: &tobj::Material) -> f32 {
-    source.dissolve.filter(|d| d.is_finite()).map_or(1.0, |d| d.clamp(0.0, 1.0))
-}
-
 /// A material for eye and laser: the color is the file's, the rest follows from the role.
-pub(super) fn material(source: Option<&tobj::Material>, role: Option<Role>, semantic: Semantic) -> Material {
-    let stated = source.and_then(|m| m.diffuse).unwrap_or([0.4; 3]);
+pub(super) fn material(source: Option<&SourceMaterial>, role: Option<Role>, semantic: Semantic) -> Material {
+    let stated = source.and_then(|m| m.albedo).unwrap_or([0.4; 3]);
     let albedo = stated.map(|c| if c.is_finite() { c.clamp(0.008, 0.85) } else { 0.4 });
     let luma = 0.2126 * albedo[0] + 0.7152 * albedo[1] + 0.0722 * albedo[2];
     match role {
         Some(Role::Glass) => {
             // A file's panes state how much they dissolve; panes known by their name alone are clear.
-            let opacity = source.map_or(1.0, opacity);
+            let opacity = source.map_or(1.0, |m| m.opacity);
             let eye = if opacity < 0.99 { (0.87 * (1.0 - opacity)).clamp(0.15, 0.80) } else { 0.76 };
             glass(semantic, [0.83, 0.90, 0.86], eye, (eye * 1.04).min(0.80))
         }

@@ -3,38 +3,16 @@
 use std::io::BufReader;
 use std::path::Path;
 
-use super::mesh_limits::{check_library, check_triangles};
+use super::super::mesh_limits::check_library;
+use super::triangles::{ImportOptions, Placing, SourceMaterial, Triangles, check_num_materials, checked, has_area};
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, Mesh, MeshBuilder};
 use crate::material::{Material, Palette, Pattern, Semantic};
-use crate::math::{Vec3, cosf, sinf};
+use crate::math::Vec3;
 
 /// Shading is smooth across edges flatter than this.
 const CREASE_RAD: f32 = 0.7;
-/// A mesh's slots are bytes.
-const MAX_MATERIALS: usize = 256;
 const GREY: [f32; 3] = [0.4; 3];
-
-/// How a file's coordinates become ours (x forward, y left, z up, meters).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ImportOptions {
-    /// Meters per unit of the file, above 0.
-    pub scale: f64,
-    /// True where the file's y axis points up; else its z axis does.
-    pub y_up: bool,
-    /// Turn about the vertical after that, counter-clockwise seen from above.
-    pub yaw_rad: f64,
-    /// Moves the mesh so that the middle of its bounds lies above the origin and its lowest point at z = 0.
-    pub on_ground: bool,
-    /// The class that all of it has in the semantic image.
-    pub semantic: Semantic,
-}
-
-impl Default for ImportOptions {
-    fn default() -> Self {
-        Self { scale: 1.0, y_up: false, yaw_rad: 0.0, on_ground: true, semantic: Semantic::OtherVehicle }
-    }
-}
 
 /// A mesh and the materials that its slots name.
 #[derive(Debug, Clone)]
@@ -70,7 +48,7 @@ pub fn obj(
     options: &ImportOptions,
     library: impl Fn(&str) -> std::result::Result<String, String>,
 ) -> Result<ImportedMesh> {
-    let Triangles { triangles, materials } = triangles(name, text, options, library)?;
+    let Triangles { triangles, materials } = obj_triangles(name, text, options, library)?;
     let mut palette: Vec<Material> = materials.iter().map(|m| material(m, options.semantic)).collect();
     if triangles.iter().any(|(_, slot)| *slot == palette.len()) {
         palette.push(Material::matt(options.semantic, GREY, Pattern::Plain, 0.3));
@@ -89,42 +67,18 @@ pub fn obj(
     Ok(ImportedMesh { mesh: builder.build(name, CREASE_RAD), palette: Palette::new(palette) })
 }
 
-/// Refuses more materials than a mesh's slots can name.
-///
-/// # Errors
-/// [`Error::Mesh`].
-pub(super) fn check_num_materials(name: &str, num_materials: usize) -> Result<()> {
-    if num_materials <= MAX_MATERIALS {
-        return Ok(());
-    }
-    let reason = format!("{num_materials} materials, at most {MAX_MATERIALS}");
-    Err(Error::Mesh { name: name.to_owned(), reason })
-}
-
-/// A file's triangles in our axes and its materials as it states them.
-pub(super) struct Triangles {
-    /// Corners and material: an index into `materials`, or one past its end where the file names none.
-    pub triangles: Vec<([Vec3; 3], usize)>,
-    /// The materials of all libraries.
-    pub materials: Vec<tobj::Material>,
-}
-
 /// Reads the triangles that have an area, scaled, turned upright and by the yaw, at least one.
 ///
 /// # Errors
 /// As [`read_obj`].
-pub(super) fn triangles(
+pub(super) fn obj_triangles(
     name: &str,
     text: &str,
     options: &ImportOptions,
     library: impl Fn(&str) -> std::result::Result<String, String>,
 ) -> Result<Triangles> {
     let fail = |reason: String| Error::Mesh { name: name.to_owned(), reason };
-    if !(options.scale.is_finite() && options.scale > 0.0) {
-        let (value, expected) = (options.scale.to_string(), "above 0 and finite".to_owned());
-        return Err(Error::OutOfRange { what: "mesh scale", value, expected });
-    }
-    crate::error::finite("mesh yaw", options.yaw_rad)?;
+    let placing = Placing::new(options)?;
     // The loader reports a missing library only as such: the reason is kept here.
     let missing = std::cell::RefCell::new(None);
     let load = tobj::LoadOptions { triangulate: true, ignore_points: true, ignore_lines: true, ..Default::default() };
@@ -143,11 +97,9 @@ pub(super) fn triangles(
     }
     let (models, materials) = loaded.map_err(|e| fail(e.to_string()))?;
     let materials = materials.map_err(|e| fail(format!("material library: {e}")))?;
-    let (sin, cos) = (sinf(options.yaw_rad as f32), cosf(options.yaw_rad as f32));
+    let materials: Vec<SourceMaterial> = materials.into_iter().map(source_material).collect();
     let place = |p: &[f32]| {
-        let p = Vec3::new(p[0], p[1], p[2]) * options.scale as f32;
-        let p = if options.y_up { Vec3::new(p.x, -p.z, p.y) } else { p };
-        Vec3::new(cos * p.x - sin * p.y, sin * p.x + cos * p.y, p.z)
+        placing.place(if options.y_up { Vec3::new(p[0], -p[2], p[1]) } else { Vec3::new(p[0], p[1], p[2]) })
     };
     let mut triangles = Vec::new();
     for model in &models {
@@ -164,7 +116,7 @@ pub(super) fn triangles(
             let (Some(a), Some(b), Some(c)) = (corner(0), corner(1), corner(2)) else {
                 return Err(fail(format!("a face names corner {:?} of {}", face.iter().max(), corners.len())));
             };
-            if (b - a).cross(c - a).length_squared() > 1e-15 {
+            if has_area(&[a, b, c]) {
                 triangles.push(([a, b, c], slot));
             }
         }
@@ -172,21 +124,22 @@ pub(super) fn triangles(
     if models.iter().all(|m| m.mesh.indices.is_empty()) {
         return Err(fail("no faces: is it a Wavefront OBJ file?".to_owned()));
     }
-    if triangles.is_empty() {
-        return Err(fail("no triangle with an area".to_owned()));
-    }
-    check_triangles(&triangles).map_err(fail)?;
-    Ok(Triangles { triangles, materials })
+    checked(triangles, materials).map_err(fail)
+}
+
+fn source_material(stated: tobj::Material) -> SourceMaterial {
+    let opacity = stated.dissolve.filter(|d| d.is_finite()).map_or(1.0, |d| d.clamp(0.0, 1.0));
+    SourceMaterial { name: stated.name, albedo: stated.diffuse, opacity }
 }
 
 /// The diffuse color as albedo; what is dissolved is glass.
-fn material(source: &tobj::Material, semantic: Semantic) -> Material {
+fn material(source: &SourceMaterial, semantic: Semantic) -> Material {
     let value = |v: f32, default: f32| if v.is_finite() { v.clamp(0.0, 1.0) } else { default };
-    let albedo = source.diffuse.unwrap_or(GREY).map(|c| value(c, 0.4));
+    let albedo = source.albedo.unwrap_or(GREY).map(|c| value(c, 0.4));
     let luma = 0.2126 * albedo[0] + 0.7152 * albedo[1] + 0.0722 * albedo[2];
     // Most paints are clearer at 905 nm than they look.
     let mut m = Material::matt(semantic, albedo, Pattern::Plain, (0.08 + 0.7 * luma).min(0.8));
-    let opacity = value(source.dissolve.unwrap_or(1.0), 1.0);
+    let opacity = source.opacity;
     if opacity < 0.99 {
         m.transmission = 1.0 - opacity;
         m.lidar.transmission = 1.0 - opacity;
