@@ -101,11 +101,15 @@ pub enum Pattern {
     Wood,
     /// Cloth.
     Cloth,
+    /// Paint on a road, worn to the share that its albedo is of fresh paint.
+    Paint,
+    /// A lamp that is lit: it shines in its color, whatever light falls on it.
+    Lamp,
 }
 
 impl Pattern {
     /// All of them, in their order.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 13] = [
         Self::Plain,
         Self::Asphalt,
         Self::Slabs,
@@ -117,6 +121,8 @@ impl Pattern {
         Self::Leaves,
         Self::Wood,
         Self::Cloth,
+        Self::Paint,
+        Self::Lamp,
     ];
 }
 

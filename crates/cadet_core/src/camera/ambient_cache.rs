@@ -211,7 +211,7 @@ fn ambient_of(light: &Light, point_world: Vec3, normal: Vec3, is_flat: bool) -> 
     let sky_visibility = light.sky_probes.sky_visibility(point_world, normal);
     let [a, b, c, d, e, f] = sky_visibility;
     if is_flat {
-        let ambient = light.sky.ambient_with_bounce(normal, &sky_visibility);
+        let ambient = light.sky.ambient(normal, &sky_visibility);
         [ambient.x, ambient.y, ambient.z, a, b, c, d, 0.0]
     } else {
         [a, b, c, d, e, f, 0.0, 0.0]

@@ -12,6 +12,7 @@ mod face_cache;
 mod fragment_binning;
 mod light;
 mod model;
+mod mosaic;
 mod noise;
 pub mod png;
 mod radiance_pass;

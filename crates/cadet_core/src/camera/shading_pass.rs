@@ -19,6 +19,8 @@ pub use self::batch::ShadingCamera;
 use self::batch::{BatchVector, GroupValues, IncidentLight, OutgoingLight, SurfaceGeometry, SurfaceInputs, put};
 use self::gather::{gather_ambient, gather_faces, gather_groups, place_pairs};
 use self::geometry::place_surfaces;
+#[cfg(test)]
+pub(super) use self::lighting::LAMP_RADIANCE;
 use self::lighting::{ambient_of_normals, diffuse, specular, transparent};
 #[cfg(test)]
 pub(super) use self::reflections::{environment, highlight};
@@ -160,7 +162,7 @@ impl ShadingPass {
     fn color(&mut self, light: &Light, camera: &ShadingCamera, variant: ShaderVariant, m: usize) {
         let (inputs, geometry) = (&self.inputs, &self.geometry);
         for ((side, color), at) in Side::BOTH.into_iter().zip(&mut self.base_color).zip(&mut self.texture) {
-            if variant.pattern == Pattern::Plain {
+            if matches!(variant.pattern, Pattern::Plain | Pattern::Lamp) {
                 *color = inputs.albedo;
             } else {
                 place_texture(inputs, m, camera, variant, side, at);

@@ -5,8 +5,8 @@ use super::value_noise::fbm;
 use crate::math::{self, Vec3};
 use crate::weather::Weather;
 
-/// Mean albedo of what lies about: for the light that comes from below.
-const GROUND_ALBEDO: Vec3 = Vec3::new(0.150, 0.150, 0.140);
+/// Mean albedo of asphalt, paving, and lawns: for the light that comes from below.
+const GROUND_ALBEDO: Vec3 = Vec3::new(0.165, 0.165, 0.148);
 /// Of the light of the sky and of the sun on open ground, the shares that lit ground shows in reflections: things cast shadows.
 const GROUND_SKY_SHARE: f32 = 0.8;
 const GROUND_SUN_SHARE: f32 = 0.65;
@@ -25,19 +25,20 @@ const OVERCAST_CLOUDINESS: (f64, f64) = (0.25, 0.75);
 const CLEAR_LEVEL: (f32, f32) = (0.034, 0.145);
 const OVERCAST_LEVEL: (f32, f32) = (0.020, 0.330);
 /// Colors of the clear sky, relative to each other.
-const ZENITH: Vec3 = Vec3::new(0.46, 0.84, 1.36);
-const HORIZON: Vec3 = Vec3::new(1.15, 1.50, 1.68);
+const ZENITH: Vec3 = Vec3::new(0.52, 0.87, 1.31);
+const HORIZON: Vec3 = Vec3::new(1.25, 1.51, 1.64);
 const GLOW: Vec3 = Vec3::new(5.0, 4.9, 4.6);
 /// Brightness of the visible sky over the one that lights the ground, and how much less of that an overcast sky has.
-const VISIBLE_OVER_LIGHTING: f32 = 1.7;
-const OVERCAST_VISIBLE: f32 = 0.5;
+const VISIBLE_OVER_LIGHTING: f32 = 2.05;
+const OVERCAST_VISIBLE: f32 = 0.85;
 /// R, G, B of a clear sky's light on surfaces.
-const SKYLIGHT_TINT: Vec3 = Vec3::new(0.90, 1.0, 1.09);
+const SKYLIGHT_TINT: Vec3 = Vec3::new(0.87, 1.0, 1.10);
 /// The sun casts shadows from this irradiance and this sine of its elevation on.
 const SHADOW_IRRADIANCE: f32 = 0.004;
 const SHADOW_SINE: f32 = 0.01;
-/// The glow about the sun: how fast it falls with the angle, and its wide and its narrow part.
-const GLOW_FALL: f32 = 6.0;
+/// The glow about the sun: how fast it falls with the angle, as light that haze scatters (Henyey and Greenstein's g = 0.65), and
+/// its wide and its narrow part.
+const GLOW_FALL: f32 = 4.5;
 const WIDE_GLOW: f32 = 0.55;
 const NARROW_GLOW: f32 = 0.45;
 /// The overcast sky: gray at the horizon and its rise to the zenith (brighter there, as in the CIE's standard), red, and blue.
@@ -65,8 +66,14 @@ const CLOUD_COVER: f32 = 0.85;
 const CLOUD_SKY: f32 = 1.1;
 const CLOUD_SUN: f32 = 0.16;
 const CLOUD_BRIGHTNESS: (f32, f32) = (0.9, 0.2);
-/// What hides the sky has this share of the radiance of sunlit ground.
-const BOUNCE: f32 = 0.60;
+/// Mean albedo of what hides the sky, plaster, brick, leaves, fences, cars, with a tenth more for further bounces.
+const STANDING_ALBEDO: Vec3 = Vec3::new(0.255, 0.240, 0.200);
+/// Of the open sky's and the sun's light on such an upright surface, the shares that reach it between others like it.
+const STANDING_SKY_SHARE: f32 = 0.8;
+const STANDING_SUN_SHARE: f32 = 0.65;
+/// Ground before what hides the sky has this share of the radiance of open ground; under a roof, this one.
+const GROUND_BEFORE_WALLS: f32 = 0.8;
+const GROUND_UNDER_COVER: f32 = 0.35;
 /// The golden angle, radians: directions of a spiral that spread evenly.
 const GOLDEN_ANGLE: f32 = 2.399_963_2;
 
@@ -86,8 +93,10 @@ pub struct Sky {
     glow: Vec3,
     overcast: f32,
     cloudiness: f32,
-    /// Irradiance on surfaces that face +x, -x, +y, -y, +z, -z in the open.
-    cube: [Vec3; 6],
+    /// Irradiance on surfaces that face +x, -x, +y, -y, +z, -z where all of the sky is hidden, and how much more it is in
+    /// the open.
+    hidden: [Vec3; 6],
+    more_in_open: [Vec3; 6],
 }
 
 impl Sky {
@@ -120,7 +129,8 @@ impl Sky {
             glow: GLOW,
             overcast,
             cloudiness: weather.cloudiness as f32,
-            cube: [Vec3::ZERO; 6],
+            hidden: [Vec3::ZERO; 6],
+            more_in_open: [Vec3::ZERO; 6],
         };
         // The shapes above are relative. Measured skies are brighter against lit asphalt than the light that reaches the
         // ground of a street: what stands about hides their brightest part, the horizon.
@@ -134,7 +144,9 @@ impl Sky {
         let gains = clear_gains + (Vec3::splat(level / open.y) - clear_gains) * overcast;
         sky.sky_on_level = sky.irradiance(Vec3::Z) * gains;
         sky.ground = GROUND_ALBEDO * (sky.sky_on_level * GROUND_SKY_SHARE + sky.sun * (sin_e * GROUND_SUN_SHARE));
-        sky.cube = [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y, Vec3::Z, -Vec3::Z].map(|n| sky.irradiance(n) * gains);
+        let open = [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y, Vec3::Z, -Vec3::Z].map(|n| sky.irradiance(n) * gains);
+        sky.hidden = sky.irradiance_between_walls(&open);
+        sky.more_in_open = std::array::from_fn(|k| open[k] - sky.hidden[k]);
         sky
     }
 
@@ -193,28 +205,34 @@ impl Sky {
         )
     }
 
-    /// Light of sky and ground on a surface, by its unit normal and its sky visibility.
+    /// Light on a surface of the sky, of the ground, and of what hides the sky, by its unit normal and its sky visibility.
     #[inline(always)]
     #[must_use]
     pub fn ambient(&self, normal: Vec3, visibility: &[f32; 6]) -> Vec3 {
         // Of each axis the half that the normal faces; the other one counts nothing.
         let square = |v: f32| v.max(0.0) * v.max(0.0);
+        let along = |k: usize, share: f32| (self.hidden[k] + self.more_in_open[k] * visibility[k]) * share;
         let n = normal;
-        self.cube[0] * (square(n.x) * visibility[0])
-            + self.cube[1] * (square(-n.x) * visibility[1])
-            + self.cube[2] * (square(n.y) * visibility[2])
-            + self.cube[3] * (square(-n.y) * visibility[3])
-            + self.cube[4] * (square(n.z) * visibility[4])
-            + self.cube[5] * (square(-n.z) * visibility[5])
+        along(0, square(n.x))
+            + along(1, square(-n.x))
+            + along(2, square(n.y))
+            + along(3, square(-n.y))
+            + along(4, square(n.z))
+            + along(5, square(-n.z))
     }
 
-    /// As [`Sky::ambient`], with what comes from that which hides the sky: sunlit walls and ground.
-    #[inline(always)]
-    #[must_use]
-    pub fn ambient_with_bounce(&self, normal: Vec3, visibility: &[f32; 6]) -> Vec3 {
-        let mean_visibility =
-            (visibility[0] + visibility[1] + visibility[2] + visibility[3] + visibility[4]) * (1.0 / 5.0);
-        self.ambient(normal, visibility) + self.ground * (BOUNCE * (1.0 - mean_visibility))
+    /// Irradiance on surfaces along the six half axes before which walls hide all of the sky, one bounce of light; `open` is
+    /// that without walls. What faces away from the sun looks at sunlit walls, what faces it at shaded ones.
+    fn irradiance_between_walls(&self, open: &[Vec3; 6]) -> [Vec3; 6] {
+        let [x, y] = [self.sun_world.x, self.sun_world.y];
+        // A wall that one sees toward +x faces -x.
+        let walls = [(open[1], -x), (open[0], x), (open[3], -y), (open[2], y)].map(|(sky, cos_sun)| {
+            STANDING_ALBEDO * (sky * STANDING_SKY_SHARE + self.sun * (cos_sun.max(0.0) * STANDING_SUN_SHARE))
+        });
+        let mean = (walls[0] + walls[1] + walls[2] + walls[3]) * 0.25;
+        // The lower half of what a wall sees is ground.
+        let [a, b, c, d] = walls.map(|wall| (wall + self.ground * GROUND_BEFORE_WALLS) * 0.5);
+        [a, b, c, d, mean, self.ground * GROUND_UNDER_COVER]
     }
 
     /// Cosine-weighted mean radiance about a normal, by a fixed spiral of directions.
@@ -269,5 +287,25 @@ mod tests {
             let cube = sky.ambient(n, &[1.0; 6]).y;
             assert!((cube - exact).abs() < 0.25 * exact, "{n}: {cube} {exact}");
         }
+    }
+
+    #[test]
+    fn a_shaded_wall_is_lit_by_the_sunlit_one_across_the_street() {
+        let mut weather = Weather::preset("clear_noon").unwrap();
+        weather.sun_azimuth_rad = 0.0;
+        let sky = Sky::new(&weather);
+        let (shaded, sunward) = (sky.ambient(-Vec3::X, &[0.0; 6]), sky.ambient(Vec3::X, &[0.0; 6]));
+        // By hand, green, with the sun in the east: half of what the shaded wall sees is the wall across the street, half the
+        // ground before it.
+        let across = 0.240 * (0.8 * sky.ambient(Vec3::X, &[1.0; 6]).y + 0.65 * sky.sun.y * sky.sun_world.x);
+        assert!((shaded.y - 0.5 * (across + 0.8 * sky.ground.y)).abs() < 1e-6, "{shaded}");
+        assert!(shaded.y > 1.8 * sunward.y, "{shaded} {sunward}");
+        // Less than the sun, more than nothing, and the north and the south alike.
+        assert!(shaded.y < 0.25 * sky.sun.y);
+        let [north, south] = [Vec3::Y, -Vec3::Y].map(|n| sky.ambient(n, &[0.0; 6]).y);
+        assert!((north - south).abs() < 0.02 * north, "{north} {south}");
+        // Half open is halfway.
+        let [none, half, all] = [0.0, 0.5, 1.0].map(|v| sky.ambient(-Vec3::X, &[v; 6]).y);
+        assert!((half - 0.5 * (none + all)).abs() < 1e-6);
     }
 }

@@ -1,5 +1,6 @@
 //! Pictures of small scenes against closed forms and invariances.
 
+mod lamps;
 mod lattice;
 mod oracle;
 mod pairs;
@@ -153,7 +154,7 @@ fn lit_and_shaded_ground_differ_as_sun_and_sky_do() {
     };
     let (shaded, lit) = (mean_around(10.0, 0.0), mean_around(10.0, -5.5));
     // The veil lies over both: take it from the mean of the image, as a camera's maker would.
-    let veil = 0.05 * r.image.iter().skip(1).step_by(3).map(|v| f64::from(*v)).sum::<f64>() / (SIZE.0 * SIZE.1) as f64;
+    let veil = 0.025 * r.image.iter().skip(1).step_by(3).map(|v| f64::from(*v)).sum::<f64>() / (SIZE.0 * SIZE.1) as f64;
     let direct = f64::from(sky.sun.y * sky.sun_world.z);
     let expected = (direct + f64::from(sky.sky_on_level.y)) / f64::from(sky.sky_on_level.y);
     let measured = (lit - veil) / (shaded - veil);
@@ -171,7 +172,7 @@ fn every_weather_is_exposed_alike() {
             .map(|p| 0.2126 * f64::from(p[0]) + 0.7152 * f64::from(p[1]) + 0.0722 * f64::from(p[2]))
             .sum::<f64>()
             / (SIZE.0 * SIZE.1) as f64;
-        assert!((86.0..96.0).contains(&luma), "{name}: {luma}");
+        assert!((82.0..106.0).contains(&luma), "{name}: {luma}");
     }
 }
 

@@ -115,7 +115,7 @@ impl Courses {
 #[must_use]
 pub fn albedo(pattern: Pattern, base: Vec3, at: &PatternPoint) -> Vec3 {
     match pattern {
-        Pattern::Plain => base,
+        Pattern::Plain | Pattern::Lamp => base,
         Pattern::Asphalt => asphalt(base, at),
         Pattern::Slabs => paving(&SLABS, base, at),
         Pattern::Blocks => paving(&BLOCKS, base, at),
@@ -126,6 +126,7 @@ pub fn albedo(pattern: Pattern, base: Vec3, at: &PatternPoint) -> Vec3 {
         Pattern::Leaves => leaves(base, at),
         Pattern::Wood => wood(base, at),
         Pattern::Cloth => cloth(base, at),
+        Pattern::Paint => paint(base, at),
     }
 }
 
@@ -136,7 +137,9 @@ const ASPHALT_PATCHES: Mottle = Mottle::even(0.16, 0.45, 7);
 const ASPHALT_PATCH_M: f32 = 2.2;
 const ASPHALT_SPOTS: Mottle = Mottle { contrast: 0.09, cells_per_m: [1.9, 1.9], shift: Some(3.3), salt: 8 };
 const ASPHALT_SPOT_M: f32 = 0.5;
+/// Lighter stretches are warmer: red over blue from 0.94 to 1.06.
 const ASPHALT_STRETCHES: Mottle = Mottle::even(0.16, 0.06, 9);
+const ASPHALT_WARMTH: f32 = 0.4;
 
 #[inline(always)]
 fn asphalt(base: Vec3, at: &PatternPoint) -> Vec3 {
@@ -144,10 +147,46 @@ fn asphalt(base: Vec3, at: &PatternPoint) -> Vec3 {
     // Far stones are averaged, but patches of them remain.
     let Grain { contrast, finest_m, salt } = ASPHALT_GRAIN;
     let grain = contrast / (1.0 + fine * (1.0 / ASPHALT_AVERAGED_M)) * grain(u, v, fine, finest_m, salt);
+    let stretch = ASPHALT_STRETCHES.at(u, v);
     let patches = ASPHALT_PATCHES.at(u, v) * keep(ASPHALT_PATCH_M, px)
         + ASPHALT_SPOTS.at(u, v) * keep(ASPHALT_SPOT_M, px)
-        + ASPHALT_STRETCHES.at(u, v);
-    base * (1.0 + grain + patches)
+        + stretch;
+    let tint = Vec3::new(1.0 + ASPHALT_WARMTH * stretch, 1.0, 1.0 - ASPHALT_WARMTH * stretch);
+    base * tint * (1.0 + grain + patches)
+}
+
+/// Red albedo of asphalt and of fresh paint, white or yellow: where between them a line's mean lies says how much of its
+/// paint is left.
+const UNDER_PAINT: f32 = 0.148;
+const FRESH_PAINT: f32 = 0.43;
+const LEAST_PAINT: f32 = 0.05;
+/// Where paint has gone: noise in two sizes, cells per meter and share of the finer one; how soft the edges are.
+const GONE_PER_M: (f32, f32) = (7.0, 26.0);
+const GONE_FINE: f32 = 0.45;
+const GONE_SALT: u32 = 0x9A17;
+const GONE_SOFT: f32 = 0.22;
+const GONE_PATCH_M: f32 = 0.07;
+const PAINT_DIRT: Mottle = Mottle::even(0.16, 2.3, 0x9A18);
+
+/// The noise above which paint is left so that a share of it is: that of a bell about one half.
+#[inline(always)]
+fn gone_below(left: f32) -> f32 {
+    let d = left - 0.5;
+    0.5 - 0.14 * (2.4 * d + 6.0 * d * d * d)
+}
+
+#[inline(always)]
+fn paint(base: Vec3, at: &PatternPoint) -> Vec3 {
+    let (u, v) = (at.u, at.v);
+    let left = ((base.x - UNDER_PAINT) * (1.0 / (FRESH_PAINT - UNDER_PAINT))).clamp(LEAST_PAINT, 1.0);
+    let coarse = value_noise(u * GONE_PER_M.0, v * GONE_PER_M.0, GONE_SALT);
+    let fine = value_noise(u * GONE_PER_M.1, v * GONE_PER_M.1, GONE_SALT + 1);
+    let noise = coarse + (fine - coarse) * GONE_FINE;
+    let here = ((noise - gone_below(left)) * (1.0 / GONE_SOFT) + 0.5).clamp(0.0, 1.0);
+    let here = left + (here - left) * keep(GONE_PATCH_M, at.footprint_m);
+    let under = Vec3::splat(UNDER_PAINT);
+    let fresh = under + (base - under) * (1.0 / left);
+    (under + (fresh - under) * here) * (1.0 + PAINT_DIRT.at(u, v))
 }
 
 const SLABS: Courses = Courses { length_m: 0.40, width_m: 0.40, joint_m: 0.006, is_running: true };
@@ -262,7 +301,7 @@ fn grass(base: Vec3, at: &PatternPoint) -> Vec3 {
 }
 
 /// How bright a card of leaves is: least, and by its hash.
-const CARD_LEAST: f32 = 0.58;
+const CARD_LEAST: f32 = 0.70;
 const CARD_RANGE: f32 = 0.75;
 /// A card holds many leaves, a few of them bright before the shade between them.
 const LEAF_GRAIN_FINEST_M: f32 = 0.035;

@@ -20,11 +20,11 @@ const SPREAD: f64 = 0.27;
 /// No place is darker or brighter than this.
 const LIMITS: (f32, f32) = (0.3, 1.9);
 
-/// True for what [`paved`] describes: asphalt, slabs and blocks of the ground.
+/// True for what [`paved`] describes: asphalt, slabs and blocks of the ground, and the paint on them.
 #[inline]
 pub(super) fn is_varied(material: &Material) -> bool {
-    matches!(material.pattern, Pattern::Asphalt | Pattern::Slabs | Pattern::Blocks)
-        && matches!(material.semantic, Semantic::Road | Semantic::Sidewalk)
+    matches!(material.pattern, Pattern::Asphalt | Pattern::Slabs | Pattern::Blocks | Pattern::Paint)
+        && matches!(material.semantic, Semantic::Road | Semantic::Sidewalk | Semantic::RoadMarking)
 }
 
 /// Reflectance of paved ground at a place, as a multiple of its mean.

@@ -98,7 +98,7 @@ pub fn texture(
     macro_rules! fill {
         ($($of:ident),*) => {
             match pattern {
-                Pattern::Plain => (),
+                Pattern::Plain | Pattern::Lamp => (),
                 $(Pattern::$of => {
                     for i in 0..m.min(BATCH_SIZE) {
                         let at = PatternPoint {
@@ -115,7 +115,7 @@ pub fn texture(
             }
         };
     }
-    fill!(Asphalt, Slabs, Blocks, Bricks, Render, Tiles, Grass, Leaves, Wood, Cloth);
+    fill!(Asphalt, Slabs, Blocks, Bricks, Render, Tiles, Grass, Leaves, Wood, Cloth, Paint);
 }
 
 /// Lays snow on the left or the right pixels.

@@ -15,14 +15,14 @@ use super::reflections::{environment, fifth, highlight};
 use crate::material::Pattern;
 use crate::math::Vec3;
 
-/// Leaves get ambient light through their neighbors, too.
-const LEAF_AMBIENT: f32 = 1.3;
-/// Leaves turn to all sides and let through a third of the light, yellower.
-const LEAF_TRANSMISSION: f32 = 0.40;
+/// Leaves turn to all sides, and let through so much light for what they reflect, yellower.
+const LEAF_TRANSMISSION: f32 = 0.75;
+/// Ambient light reaches them on both sides.
+const LEAF_AMBIENT: f32 = 1.0 + LEAF_TRANSMISSION;
 const LEAF_TRANSMISSION_TINT: Vec3 = Vec3::new(0.85, 1.0, 0.50);
 /// Of the sun's light, the share that goes by the cosine, and what is scattered to all sides.
-const LEAF_DIRECT: f32 = 0.8;
-const LEAF_SCATTERED: f32 = 0.12;
+const LEAF_DIRECT: f32 = 0.9;
+const LEAF_SCATTERED: f32 = 0.20;
 /// Surfaces whose normals rise more get wet, and lose this share of their diffuse light.
 const WET_RISE: f32 = 0.5;
 const WET_DARKENING: f32 = 0.45;
@@ -47,12 +47,16 @@ const BOTH_FACES: f32 = 1.8;
 const GLASS_ROUGHNESS: f32 = 0.15;
 const GLASS_TINT: Vec3 = Vec3::new(0.93, 1.0, 0.95);
 
+/// Radiance of what shines of itself, per unit of its color: half that of a white wall in the sun, against which lights have
+/// to be seen.
+pub const LAMP_RADIANCE: f32 = 0.55;
+
 /// Ambient irradiance by shading normals, of faces that are not flat.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 pub fn ambient_of_normals(geometry: &SurfaceGeometry, m: usize, sky: &Sky, incident: &mut IncidentLight) {
     for i in 0..m.min(BATCH_SIZE) {
         let sky_visibility = std::array::from_fn(|k| incident.sky_visibility[k][i]);
-        let ambient = sky.ambient_with_bounce(get(&geometry.normal, i), &sky_visibility);
+        let ambient = sky.ambient(get(&geometry.normal, i), &sky_visibility);
         put(&mut incident.ambient, i, ambient);
     }
 }
@@ -67,6 +71,10 @@ pub fn diffuse(
     variant: ShaderVariant,
     out: &mut BatchVector,
 ) {
+    if variant.pattern == Pattern::Lamp {
+        out.iter_mut().for_each(|channel| channel.fill(LAMP_RADIANCE));
+        return;
+    }
     let is_leaf = variant.pattern == Pattern::Leaves;
     for i in 0..m.min(BATCH_SIZE) {
         let normal = get(&geometry.normal, i);

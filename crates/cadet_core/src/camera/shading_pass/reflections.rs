@@ -18,10 +18,11 @@ const UNEVEN_RANGE: f32 = 0.7;
 /// Width of its edge in the mirror, by sines: of a polished surface, and by roughness.
 const SHARPEST: f32 = 0.02;
 const SOFTER_BY_ROUGHNESS: f32 = 0.35;
-/// Streets end so far below the horizon, a sine; their walls have these shares of the light of sky and sun.
+/// Streets end so far below the horizon, a sine; what stands along them has these shares of the light of sky and sun, of the
+/// sun's none where one looks toward it and twice as much where one looks away.
 const STREET_BELOW: f32 = 0.01;
 const STREET_SKY: f32 = 0.16;
-const STREET_SUN: f32 = 0.030;
+const STREET_SUN: f32 = 0.045;
 /// Ground that is mirrored is darker than open ground.
 const MIRRORED_GROUND: f32 = 0.8;
 /// The sun is a disk: no lobe is narrower.
@@ -42,7 +43,7 @@ pub fn environment(sky: &Sky, direction: Vec3, sky_visibility: &[f32; 4], roughn
     let soft = SHARPEST + SOFTER_BY_ROUGHNESS * roughness;
     let above = ((direction.z - skyline) / soft + 0.5).clamp(0.0, 1.0);
     let over_ground = ((direction.z + STREET_BELOW) / soft + 0.5).clamp(0.0, 1.0);
-    let street = sky.sky_on_level * STREET_SKY + sky.sun * STREET_SUN;
+    let street = sky.sky_on_level * STREET_SKY + sky.sun * (STREET_SUN * (1.0 - direction.dot(sky.sun_world)));
     let up = Vec3::new(direction.x, direction.y, direction.z.max(0.0));
     let ground = sky.ground * MIRRORED_GROUND;
     let low = ground + (street - ground) * over_ground;

@@ -3,7 +3,7 @@
 use super::{Key, Reference};
 use crate::camera::contact_occlusion::Occluder;
 use crate::camera::face::{clump, is_vehicle};
-use crate::camera::shading_pass::{environment, highlight};
+use crate::camera::shading_pass::{LAMP_RADIANCE, environment, highlight};
 use crate::camera::sky_visibility::SkyVisibility;
 use crate::camera::textures::{PatternPoint, albedo};
 use crate::camera::value_noise::{hash2, value_noise};
@@ -196,13 +196,14 @@ impl Reference {
             let shine = environment(sky, mirrored, &toward, 0.0) + highlight(sky, mirrored, 0.15) * lit;
             return [Vec3::new(0.93, 1.0, 0.95) * (m.transmission * (1.0 - fresnel)), shine * fresnel];
         }
-        // Leaves turn to all sides, let a third of the light through, yellower, and get it through their neighbors.
-        let through = Vec3::new(0.85, 1.0, 0.50) * (0.40 * (-cos_sun).max(0.0));
+        // Leaves turn to all sides, and let three quarters as much light through as they reflect, yellower.
+        let through = Vec3::new(0.85, 1.0, 0.50) * (0.75 * (-cos_sun).max(0.0));
         let facing = Vec3::splat(cos_sun.max(0.0));
-        let direct = if s.is_leaf { (facing + through) * 0.8 + Vec3::splat(0.12) } else { facing };
-        let around = sky.ambient_with_bounce(normal, open) * contact * if s.is_leaf { 1.3 } else { 1.0 };
+        let direct = if s.is_leaf { (facing + through) * 0.9 + Vec3::splat(0.20) } else { facing };
+        let around = sky.ambient(normal, open) * contact * if s.is_leaf { 1.75 } else { 1.0 };
         let wet = if normal.z > 0.5 { 1.0 - 0.45 * wetness } else { 1.0 };
-        let diffuse = (sky.sun * direct * lit + around) * wet;
+        let shines = m.pattern == Pattern::Lamp;
+        let diffuse = if shines { Vec3::splat(LAMP_RADIANCE) } else { (sky.sun * direct * lit + around) * wet };
         let puddle = value_noise(at.world.x * 0.35, at.world.y * 0.35, 0xF11);
         let is_wet = s.is_ground && normal.z > 0.5;
         let film = if is_wet { (wetness * 1.5 - 0.9 * puddle).clamp(0.0, 1.0) } else { 0.0 };
