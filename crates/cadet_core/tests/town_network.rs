@@ -127,6 +127,50 @@ fn main_roads_can_be_driven_for_ever_on_every_lane() {
 }
 
 #[test]
+fn roads_with_tracks_can_be_driven_for_ever_and_tracks_go_on_to_the_last_junction() {
+    let mut with_tracks = 0;
+    for seed in 0..30 {
+        let config = SuburbConfig { main_share: 1.0, tram_share: 1.0, ..SuburbConfig::default() };
+        let network = generate_suburb(&StreamKey::scene(seed), &config).unwrap().network;
+        assert_drivable(&format!("suburb {seed}"), &network);
+        assert_eq!(network.driving().filter(|l| l.successors.is_empty()).count(), 0, "suburb {seed}");
+        if network.tracks().next().is_none() {
+            continue;
+        }
+        with_tracks += 1;
+        let is_track = |l: &&Lane| l.kind == LaneKind::Tram;
+        let streets = network.lanes.iter().filter(is_track).filter(|l| l.junction.is_none());
+        let ends = streets.clone().filter(|l| l.successors.is_empty()).count();
+        let begins = streets.clone().filter(|l| l.predecessors.is_empty()).count();
+        // A line is two tracks, and there are at most two lines.
+        assert!(ends == begins && (ends == 2 || ends == 4), "suburb {seed}: {ends} ends, {begins} beginnings");
+        for lane in network.lanes.iter().filter(is_track) {
+            for next in lane.successors.iter().map(|n| network.lane(*n)) {
+                let gap_m = (lane.center[lane.center.len() - 1] - next.center[0]).length();
+                assert!(gap_m < 0.01 && next.kind == LaneKind::Tram, "suburb {seed}: {gap_m} m between two tracks");
+            }
+            // Room for two trams beside each other.
+            assert!(lane.width_m.iter().all(|w| (3.15..3.6).contains(w)), "suburb {seed}: {:?}", lane.width_m);
+            if lane.junction.is_none() {
+                assert!(lane.surface.name().is_some(), "suburb {seed}: {:?}", lane.surface);
+                assert!(lane.length_m() > 5.0, "suburb {seed}: {} m from {}", lane.length_m(), lane.center[0]);
+            }
+        }
+    }
+    assert!(with_tracks >= 12, "{with_tracks} of 30");
+}
+
+#[test]
+fn the_tracks_of_a_map_are_read_whatever_they_are_called() {
+    let config = SuburbConfig { main_share: 1.0, tram_share: 1.0, ..SuburbConfig::default() };
+    let suburbs = (0..20).map(|seed| generate_suburb(&StreamKey::scene(seed), &config).unwrap());
+    let suburb = suburbs.into_iter().find(|s| s.network.tracks().next().is_some()).expect("a suburb with tracks");
+    let renamed = load_map("rail", &suburb.xodr.replace("type=\"tram\"", "type=\"rail\"")).unwrap();
+    let kinds = |n: &RoadNetwork| n.lanes.iter().map(|l| (l.kind, l.surface, l.successors.len())).collect::<Vec<_>>();
+    assert_eq!(kinds(&renamed), kinds(&suburb.network));
+}
+
+#[test]
 fn without_main_roads_a_suburb_has_none() {
     let network = generate_suburb(&StreamKey::scene(1), &SuburbConfig::default()).unwrap().network;
     assert!(network.lanes.iter().all(|l| l.kind != LaneKind::Median));

@@ -37,6 +37,8 @@ const VEHICLE_BOTTOM_M: (f64, f64) = (0.045, 0.025);
 /// its pedestrians within 38 m, though more of them are seen farther away.
 const CAR_FARTHEST_M: (f64, f64) = (70.0, 12.0);
 const VAN_FARTHEST_M: (f64, f64) = (74.0, 8.0);
+/// 95 % of the trams lie within 90 m.
+const TRAM_FARTHEST_M: (f64, f64) = (92.0, 6.0);
 /// 95 % of the trucks lie within 77 m, of what is Misc within 65 m.
 const TRUCK_FARTHEST_M: (f64, f64) = (82.0, 6.0);
 const MISC_FARTHEST_M: (f64, f64) = (70.0, 8.0);
@@ -76,6 +78,7 @@ impl Margins {
                 ObjectClass::Car => CAR_FARTHEST_M,
                 ObjectClass::Truck => TRUCK_FARTHEST_M,
                 ObjectClass::Misc => MISC_FARTHEST_M,
+                ObjectClass::Tram => TRAM_FARTHEST_M,
                 _ => VAN_FARTHEST_M,
             }),
             least_points: least_points(s),
@@ -128,7 +131,7 @@ pub fn vehicle_size(class: ObjectClass, s: &mut Stream) -> Result<DVec3> {
 /// The error of asking for a vehicle of a class that has no shapes.
 pub(super) fn no_such_vehicle(class: ObjectClass) -> Error {
     Error::Scene {
-        reason: format!("no vehicle of class {} is made in code: Car, Van, Truck or Misc", class.kitti_name()),
+        reason: format!("no vehicle of class {} is drawn by its size: Car, Van, Truck or Misc", class.kitti_name()),
     }
 }
 

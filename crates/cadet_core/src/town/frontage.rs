@@ -122,7 +122,7 @@ pub(super) fn frontages(network: &RoadNetwork, site: &Site) -> Vec<Frontage> {
                 let Some((offset, half)) = beside(other, at, along, guess) else { continue };
                 let side = usize::from(offset > 0.0);
                 outer[side] = outer[side].max(offset.abs() + half);
-                if matches!(other.kind, LaneKind::Driving | LaneKind::Parking | LaneKind::Biking) {
+                if matches!(other.kind, LaneKind::Driving | LaneKind::Parking | LaneKind::Biking | LaneKind::Tram) {
                     road[side] = road[side].max(offset.abs() + half);
                 }
                 has_driving[side] |= other.kind == LaneKind::Driving && offset.abs() > 0.5;
@@ -141,7 +141,8 @@ pub(super) fn frontages(network: &RoadNetwork, site: &Site) -> Vec<Frontage> {
             }
         }
         // Where two lane sections meet, the lanes of both are beside.
-        let is_main_road = 2 * num_wide > count || neighbors.iter().any(|l| l.kind == LaneKind::Median);
+        let is_main_road =
+            2 * num_wide > count || neighbors.iter().any(|l| matches!(l.kind, LaneKind::Median | LaneKind::Tram));
         // Along the left side the plots lie to the right the other way.
         sides[1].reverse();
         for (side, edge) in sides.into_iter().enumerate() {

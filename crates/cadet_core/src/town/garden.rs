@@ -3,18 +3,22 @@
 use std::sync::Arc;
 
 use super::placer::{Placer, boundary_depth_m, boundary_palette};
-use super::plots::{PlacedHouse, Plot};
+use super::plot::{PlacedHouse, Plot};
 use super::street_style::{Boundary, StreetStyle};
 use super::{ParkingSpot, SpotKind};
 use crate::assets::scenery::materials::house_palette;
 use crate::assets::scenery::{
-    FenceKind, FurnitureKind, HouseKind, TreeKind, furniture, garage, num_variants, paving, tree,
+    FenceKind, FurnitureKind, HouseKind, TreeKind, city_palette, furniture, garage, house_doors, num_variants, paving,
+    tree,
 };
 use crate::frames;
 use crate::math::DVec3;
 use crate::rng::Stream;
 
 const GATE_M: f64 = 1.3;
+/// Kept free on the sidewalk before a door.
+const DOOR_HALF_M: f64 = 0.85;
+const DOOR_DEPTH_M: f64 = 1.6;
 
 /// A strip of the plot that stays open, from the gate to a door or garage: [a0, a1] along the front.
 type Way = [f64; 2];
@@ -87,8 +91,18 @@ pub(super) fn fill(
 
 fn place_house(plot: &Plot, house: &PlacedHouse, s: &mut Stream, placer: &mut Placer) {
     let size = house.model.footprint_size();
-    let flat_roof = house.model.palette.materials()[2].pattern == crate::material::Pattern::Plain;
     let at = plot.at(house.along_m, house.setback_m + size.x / 2.0);
+    if house.is_city() {
+        placer.put(&house.model, city_palette(s), at, -plot.out());
+        placer.cover(&plot.house_parts());
+        for y in house_doors(&house.model) {
+            // The house looks toward the street, so its own y axis runs against the plot's.
+            let a = house.along_m - y;
+            placer.ways.push(plot.rect([a - DOOR_HALF_M, a + DOOR_HALF_M], [-DOOR_DEPTH_M, 0.0]));
+        }
+        return;
+    }
+    let flat_roof = house.model.palette.materials()[2].pattern == crate::material::Pattern::Plain;
     placer.put(&house.model, house_palette(s, flat_roof), at, -plot.out());
 }
 

@@ -3,15 +3,18 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use super::curb_edges::curb_edges;
 use super::face_index::FaceIndex;
 use super::ground_kind::GroundKind;
 use super::ground_mesh::{self, Cover, Fineness, PlanMesh};
 use super::ground_region::{Regions, Ring};
 use super::height_field::HeightField;
-use super::network::{Lane, LaneKind, PaintColor, PaintedQuad, RoadNetwork};
+use super::network::{Lane, LaneKind, PaintedQuad, RoadNetwork};
 use super::roughness::Roughness;
+use super::signals::Signals;
+use super::wear::Wear;
 use super::xodr_lanes::CURB_HEIGHT_M;
-use super::{ground_palette, road_marking};
+use super::{ground_palette, rails, road_marking};
 use crate::error::Result;
 use crate::geometry::{LodSet, Mesh};
 use crate::instance::Instance;
@@ -47,7 +50,7 @@ impl Ground {
     /// # Errors
     /// [`crate::Error::Map`] where the network has no carriageway or is larger than 40 km.
     pub fn new(network: &RoadNetwork) -> Result<Self> {
-        Self::laid(network, None)
+        Self::laid(network, None, &Wear::default(), &Signals::default())
     }
 
     /// The same with the bumps and dips that real streets have.
@@ -55,12 +58,26 @@ impl Ground {
     /// # Errors
     /// As [`Ground::new`].
     pub fn rough(network: &RoadNetwork, roughness: &Roughness) -> Result<Self> {
-        Self::laid(network, Some(roughness))
+        Self::laid(network, Some(roughness), &Wear::default(), &Signals::default())
     }
 
-    fn laid(network: &RoadNetwork, roughness: Option<&Roughness>) -> Result<Self> {
+    /// The same with the paint of a town: worn, and with stop lines and fords where there are traffic lights.
+    ///
+    /// # Errors
+    /// As [`Ground::new`].
+    pub(super) fn of_town(
+        network: &RoadNetwork,
+        roughness: &Roughness,
+        wear: &Wear,
+        signals: &Signals,
+    ) -> Result<Self> {
+        Self::laid(network, Some(roughness), wear, signals)
+    }
+
+    fn laid(network: &RoadNetwork, roughness: Option<&Roughness>, wear: &Wear, signals: &Signals) -> Result<Self> {
         let regions = Regions::of(network)?;
-        let paved = |k: LaneKind| matches!(k, LaneKind::Driving | LaneKind::Parking | LaneKind::Biking);
+        let paved =
+            |k: LaneKind| matches!(k, LaneKind::Driving | LaneKind::Parking | LaneKind::Biking | LaneKind::Tram);
         let samples: Vec<DVec3> = network.lanes.iter().filter(|l| paved(l.kind)).flat_map(spaced_points).collect();
         let everything = network.lanes.iter().flat_map(|l| &l.center).map(|p| p.truncate());
         let (min, max) = everything.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
@@ -70,7 +87,7 @@ impl Ground {
         let fineness = if is_level { Fineness::FLAT } else { Fineness::HILLY };
         let plan = ground_mesh::triangulate(&regions, &samples, (min, max), fineness)?;
         let surface = |p: DVec2| height.height(p) + roughness.map_or(0.0, |r| r.height_m(p));
-        Ok(Self::assemble(&plan, regions, &surface, (min, max), Some(network)))
+        Ok(Self::assemble(&plan, regions, &surface, (min, max), Some(&Painted { network, wear, signals })))
     }
 
     /// A flat square of asphalt around the origin, for tests and for scenes without a map.
@@ -90,6 +107,8 @@ impl Ground {
             sidewalk: ring,
             walks: Vec::new(),
             green: Vec::new(),
+            beds: Vec::new(),
+            bed_edges: Vec::new(),
             sidewalk_width_m: 0.0,
         };
         Self::assemble(&plan, regions, &|_| 0.0, (DVec2::splat(-half), DVec2::splat(half)), None)
@@ -111,7 +130,7 @@ impl Ground {
         regions: Regions,
         height: &dyn Fn(DVec2) -> f64,
         (min, max): (DVec2, DVec2),
-        marked: Option<&RoadNetwork>,
+        painted: Option<&Painted<'_>>,
     ) -> Self {
         let surface = Surface::raise(plan, height);
         let kinds: Vec<GroundKind> = plan.kinds.iter().map(|c| c.kind()).collect();
@@ -127,9 +146,19 @@ impl Ground {
             outlines: Arc::new(regions),
         };
         // Markings are no part of the surface that wheels touch.
-        let markings = marked.map(|network| road_marking::draw(network, &|x, y| ground.height_at(x, y)));
-        ground.tiles = surface.tiles(plan, &markings.unwrap_or_default());
+        let markings = painted.map(|of| {
+            let mut quads = road_marking::draw(of.network, of.signals, &|x, y| ground.surface_at(x, y));
+            rails::draw(of.network, &|x, y| ground.height_at(x, y), &mut quads);
+            quads
+        });
+        let wear = painted.map_or(Wear::default(), |of| *of.wear);
+        ground.tiles = surface.tiles(plan, &markings.unwrap_or_default(), &wear);
         ground
+    }
+
+    /// Height of the surface at a place, and whether it is a road.
+    fn surface_at(&self, x: f64, y: f64) -> Option<(f64, bool)> {
+        self.top_face(x, y).map(|(face, z)| (z, self.kinds[face] == GroundKind::Road))
     }
 
     /// Height of the surface at a place, sidewalks included; `None` beyond its edge.
@@ -202,6 +231,13 @@ impl Ground {
     }
 }
 
+/// What is painted on a ground.
+struct Painted<'a> {
+    network: &'a RoadNetwork,
+    wear: &'a Wear,
+    signals: &'a Signals,
+}
+
 /// The lane's points, without those that follow closer than [`SAMPLE_STEP_M`].
 fn spaced_points(lane: &Lane) -> Vec<DVec3> {
     let mut next_s = 0.0;
@@ -234,7 +270,7 @@ impl Surface {
         let mut high = vec![u32::MAX; n];
         let mut faces: Vec<[u32; 3]> = Vec::with_capacity(plan.faces.len());
         for (face, cover) in plan.faces.iter().zip(&plan.kinds) {
-            let raised = *cover != Cover::Carriageway;
+            let raised = !cover.is_low();
             faces.push(face.map(|i| {
                 let (slot, lift) = if raised { (&mut high, CURB_HEIGHT_M) } else { (&mut low, 0.0) };
                 let slot = &mut slot[i as usize];
@@ -254,7 +290,7 @@ impl Surface {
     }
 
     /// The visible surface, cut into tiles, with markings over it.
-    fn tiles(&self, plan: &PlanMesh, markings: &[PaintedQuad]) -> Vec<Instance> {
+    fn tiles(&self, plan: &PlanMesh, markings: &[PaintedQuad], wear: &Wear) -> Vec<Instance> {
         let mut normals = vec![DVec3::ZERO; self.corners.len()];
         let num_flat = plan.faces.len();
         let at = |f: &[u32; 3]| f.map(|i| self.corners[i as usize]);
@@ -309,12 +345,9 @@ impl Surface {
                 let normal = (b - a).cross(c - a).normalize_or(DVec3::X);
                 parts.triangle([a - origin, b - origin, c - origin], normal, ground_palette::CURB);
             }
-            for PaintedQuad { corners, color } in markings_by_tile.get(&(i, j)).into_iter().flatten() {
+            for PaintedQuad { corners, color, line } in markings_by_tile.get(&(i, j)).into_iter().flatten() {
                 let normal = (corners[1] - corners[0]).cross(corners[3] - corners[0]).normalize_or_zero();
-                let slot = match color {
-                    PaintColor::White => ground_palette::MARKING,
-                    PaintColor::Yellow => ground_palette::YELLOW_MARKING,
-                };
+                let slot = ground_palette::paint(*color, wear.level(*line));
                 parts.quad(corners.map(|p| p - origin), normal, slot);
             }
             if let Some(mesh) = parts.mesh() {
@@ -328,34 +361,6 @@ impl Surface {
         }
         tiles
     }
-}
-
-/// Edges with carriageway on the left and something else on the right.
-fn curb_edges(plan: &PlanMesh) -> Vec<[u32; 2]> {
-    let sides = |f: &[u32; 3]| [[f[0], f[1]], [f[1], f[2]], [f[2], f[0]]];
-    let is_road = |c: &Cover| *c == Cover::Carriageway;
-    // Curbs run between corners of the carriageway.
-    let mut is_on_road = vec![false; plan.points.len()];
-    for (face, _) in plan.faces.iter().zip(&plan.kinds).filter(|(_, c)| is_road(c)) {
-        face.iter().for_each(|v| is_on_road[*v as usize] = true);
-    }
-    let mut raised: Vec<[u32; 2]> = plan
-        .faces
-        .iter()
-        .zip(&plan.kinds)
-        .filter(|(_, c)| !is_road(c))
-        .flat_map(|(f, _)| sides(f))
-        .filter(|[a, b]| is_on_road[*a as usize] && is_on_road[*b as usize])
-        .map(|[a, b]| [b, a])
-        .collect();
-    raised.sort_unstable();
-    plan.faces
-        .iter()
-        .zip(&plan.kinds)
-        .filter(|(_, c)| is_road(c))
-        .flat_map(|(f, _)| sides(f))
-        .filter(|e| raised.binary_search(e).is_ok())
-        .collect()
 }
 
 #[derive(Default)]

@@ -6,6 +6,7 @@ use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
 use super::ground_kind::GroundKind;
 use super::ground_region::{Inside, Regions, Ring, with_steps};
+use super::network::LaneSurface;
 use crate::error::{Error, Result};
 use crate::math::{DVec2, DVec3};
 
@@ -46,12 +47,20 @@ pub(super) enum Cover {
     CurbStone,
     Sidewalk,
     Terrain,
+    /// The bed of a track, and the stones along it: level with the carriageway.
+    Bed(LaneSurface),
+    BedEdge,
 }
 
 impl Cover {
+    /// Whether it lies as low as the carriageway, without a curb between.
+    pub(super) fn is_low(self) -> bool {
+        self.kind() == GroundKind::Road
+    }
+
     pub(super) fn kind(self) -> GroundKind {
         match self {
-            Self::Carriageway => GroundKind::Road,
+            Self::Carriageway | Self::Bed(_) | Self::BedEdge => GroundKind::Road,
             Self::CurbStone | Self::Sidewalk => GroundKind::Sidewalk,
             Self::Terrain => GroundKind::Terrain,
         }
@@ -71,7 +80,8 @@ pub(super) fn triangulate(
     let mut cloud = Cloud::default();
     let mut edges = Vec::new();
     let mut near_outline = Raster::new(min, max, CLEAR_M);
-    for ring in regions.carriageway.iter().chain(&regions.curb).chain(&regions.sidewalk) {
+    let beds = regions.beds.iter().flat_map(|(_, rings)| rings).chain(&regions.bed_edges);
+    for ring in regions.carriageway.iter().chain(&regions.curb).chain(&regions.sidewalk).chain(beds) {
         let ring = with_steps(ring, fineness.outline_m);
         with_steps(&ring, CLEAR_M / 2.0).iter().for_each(|p| near_outline.mark(*p));
         let indices: Vec<usize> = ring.iter().map(|p| cloud.add(*p)).collect();
@@ -94,6 +104,9 @@ pub(super) fn triangulate(
         .map_err(|e| Error::Map { map: "ground".to_owned(), reason: e.to_string() })?;
     let [inside_carriageway, inside_curb, inside_sidewalk, inside_green] =
         [&regions.carriageway, &regions.curb, &regions.sidewalk, &regions.green].map(|r| Inside::new(r));
+    let inside_edges = Inside::new(&regions.bed_edges);
+    let inside_beds: Vec<(LaneSurface, Inside)> =
+        regions.beds.iter().map(|(surface, rings)| (*surface, Inside::new(rings))).collect();
     let points: Vec<DVec2> = mesh.vertices().map(|v| DVec2::new(v.position().x, v.position().y)).collect();
     let (mut faces, mut kinds) = (Vec::new(), Vec::new());
     for face in mesh.inner_faces() {
@@ -107,7 +120,11 @@ pub(super) fn triangulate(
         let cover = if !inside_sidewalk.contains(middle) {
             Cover::Terrain
         } else if inside_carriageway.contains(middle) {
-            Cover::Carriageway
+            match inside_beds.iter().find(|(_, bed)| bed.contains(middle)) {
+                Some((surface, _)) => Cover::Bed(*surface),
+                None if inside_edges.contains(middle) => Cover::BedEdge,
+                None => Cover::Carriageway,
+            }
         } else if inside_curb.contains(middle) {
             Cover::CurbStone
         } else if inside_green.contains(middle) {

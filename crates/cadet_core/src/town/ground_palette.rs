@@ -1,14 +1,27 @@
 //! What the ground is made of.
 
 use super::ground_mesh::Cover;
-use crate::material::{Material, Palette, Pattern, Semantic};
+use super::network::{LaneSurface, PaintColor};
+use super::wear::LEFT;
+use crate::material::{LidarMaterial, Material, Palette, Pattern, Semantic};
 
 pub(super) const ASPHALT: u8 = 0;
 pub(super) const SIDEWALK: u8 = 1;
 pub(super) const CURB: u8 = 2;
 pub(super) const TERRAIN: u8 = 3;
+/// White paint by wear, then yellow paint.
 pub(super) const MARKING: u8 = 4;
-pub(super) const YELLOW_MARKING: u8 = 5;
+const YELLOW_MARKING: u8 = MARKING + LEFT.len() as u8;
+const BALLAST: u8 = YELLOW_MARKING + LEFT.len() as u8;
+const TRACK_SLABS: u8 = BALLAST + 1;
+const TRACK_GRASS: u8 = BALLAST + 2;
+const BED_EDGE: u8 = BALLAST + 3;
+const RAIL: u8 = BALLAST + 4;
+const RAIL_SIDE: u8 = BALLAST + 5;
+/// Asphalt that shows where paint is gone.
+const ASPHALT_ALBEDO: f32 = 0.148;
+const ASPHALT_REFLECTANCE: f32 = 0.23;
+const PAINT_REFLECTANCE: f32 = 0.50;
 
 pub(super) fn slot(cover: Cover) -> u8 {
     match cover {
@@ -16,17 +29,62 @@ pub(super) fn slot(cover: Cover) -> u8 {
         Cover::CurbStone => CURB,
         Cover::Sidewalk => SIDEWALK,
         Cover::Terrain => TERRAIN,
+        Cover::Bed(LaneSurface::Grass) => TRACK_GRASS,
+        Cover::Bed(LaneSurface::Ballast) => BALLAST,
+        Cover::Bed(LaneSurface::Slabs) => TRACK_SLABS,
+        Cover::Bed(LaneSurface::Usual) => ASPHALT,
+        Cover::BedEdge => BED_EDGE,
     }
+}
+
+/// The slot of paint that is so worn, or of a rail, which is not.
+pub(super) fn paint(color: PaintColor, wear: usize) -> u8 {
+    let first = match color {
+        PaintColor::White => MARKING,
+        PaintColor::Yellow => YELLOW_MARKING,
+        PaintColor::Steel => return RAIL,
+        PaintColor::Dark => return RAIL_SIDE,
+    };
+    first + wear.min(LEFT.len() - 1) as u8
+}
+
+/// Paint of which a share is left: its albedo and reflectance are the mean over what is left and the asphalt between.
+fn worn_paint(fresh: [f32; 3], left: f32) -> Material {
+    let albedo = fresh.map(|c| ASPHALT_ALBEDO + (c - ASPHALT_ALBEDO) * left);
+    let reflectance = ASPHALT_REFLECTANCE + (PAINT_REFLECTANCE - ASPHALT_REFLECTANCE) * left;
+    Material::matt(Semantic::RoadMarking, albedo, Pattern::Paint, reflectance)
 }
 
 /// Old dry asphalt, concrete slabs and curb stones, grass, worn paint; reflectances at 905 nm.
 pub(super) fn palette() -> Palette {
-    Palette::new(vec![
-        Material::matt(Semantic::Road, [0.115, 0.113, 0.110], Pattern::Asphalt, 0.23),
-        Material::matt(Semantic::Sidewalk, [0.30, 0.29, 0.27], Pattern::Slabs, 0.33),
-        Material::matt(Semantic::Sidewalk, [0.36, 0.35, 0.33], Pattern::Plain, 0.36),
+    let mut materials = vec![
+        Material::matt(Semantic::Road, [0.150, 0.148, 0.145], Pattern::Asphalt, 0.23),
+        Material::matt(Semantic::Sidewalk, [0.235, 0.228, 0.213], Pattern::Slabs, 0.33),
+        Material::matt(Semantic::Sidewalk, [0.275, 0.268, 0.253], Pattern::Plain, 0.36),
         Material::matt(Semantic::Terrain, [0.075, 0.115, 0.040], Pattern::Grass, 0.45),
-        Material::matt(Semantic::RoadMarking, [0.55, 0.55, 0.53], Pattern::Plain, 0.45),
-        Material::matt(Semantic::RoadMarking, [0.55, 0.40, 0.09], Pattern::Plain, 0.45),
-    ])
+    ];
+    for fresh in [[0.43, 0.43, 0.415], [0.43, 0.31, 0.08]] {
+        materials.extend(LEFT.map(|left| worn_paint(fresh, left)));
+    }
+    materials.extend([
+        // Broken stone browned by rust, concrete, mown grass, edges of concrete.
+        Material::matt(Semantic::Terrain, [0.105, 0.090, 0.076], Pattern::Asphalt, 0.24),
+        Material::matt(Semantic::Road, [0.235, 0.228, 0.213], Pattern::Slabs, 0.30),
+        Material::matt(Semantic::Terrain, [0.085, 0.125, 0.043], Pattern::Grass, 0.45),
+        Material::matt(Semantic::Road, [0.25, 0.24, 0.225], Pattern::Plain, 0.33),
+        rail(),
+        Material::matt(Semantic::Road, [0.045, 0.036, 0.030], Pattern::Plain, 0.10),
+    ]);
+    Palette::new(materials)
+}
+
+/// The head of a rail, polished by wheels: it mirrors the sky for the camera, and sends little of a slanting beam back.
+fn rail() -> Material {
+    Material {
+        albedo: [0.30, 0.30, 0.31],
+        roughness: 0.3,
+        specular: 0.35,
+        lidar: LidarMaterial { gloss: 0.5, roughness: 0.25, ..LidarMaterial::diffuse(0.12) },
+        ..Material::matt(Semantic::Road, [0.0; 3], Pattern::Plain, 0.0)
+    }
 }

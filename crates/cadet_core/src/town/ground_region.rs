@@ -13,7 +13,7 @@ use i_overlay::mesh::int::arc::ArcOptions;
 use i_overlay::mesh::int::outline::offset::IntOutlineOffset;
 use i_overlay::mesh::int::style::{IntLineJoin, IntOutlineStyle};
 
-use super::network::{Lane, LaneKind, RoadNetwork};
+use super::network::{Lane, LaneKind, LaneSurface, RoadNetwork};
 use crate::error::{Error, Result};
 use crate::math::DVec2;
 
@@ -28,6 +28,9 @@ const UNITS_PER_M: f64 = 1e3;
 const MAX_EXTENT_M: f64 = 40_000.0;
 /// Width of a curb stone.
 const CURB_WIDTH_M: f64 = 0.15;
+/// Width of the stones that edge the bed of a track; they begin this far inside of it, so that no outline meets another.
+const BED_EDGE_M: f64 = 0.14;
+const BED_INSET_M: f64 = 0.04;
 /// Cracks up to twice this are closed.
 const CRACK_M: (f64, f64) = (0.4, 0.5);
 /// Strips are this much too wide to either side until cracks are closed: edges that two lanes share would else cross each
@@ -50,6 +53,10 @@ pub(super) struct Regions {
     pub(super) sidewalk: Vec<Ring>,
     /// Outline of medians, where grass grows inside of the curb stones.
     pub(super) green: Vec<Ring>,
+    /// Outline of the beds of tracks that are not paved with asphalt, stone edges left out, by what covers them.
+    pub(super) beds: Vec<(LaneSurface, Vec<Ring>)>,
+    /// The same with their edges of stone.
+    pub(super) bed_edges: Vec<Ring>,
     /// Lines along the middle of the sidewalk.
     pub(super) walks: Vec<Ring>,
     /// Width of the sidewalk, curb stone included, wherever the map does not say more.
@@ -57,7 +64,7 @@ pub(super) struct Regions {
 }
 
 fn is_paved(kind: LaneKind) -> bool {
-    matches!(kind, LaneKind::Driving | LaneKind::Parking | LaneKind::Biking | LaneKind::Shoulder)
+    matches!(kind, LaneKind::Driving | LaneKind::Parking | LaneKind::Biking | LaneKind::Shoulder | LaneKind::Tram)
 }
 
 impl Regions {
@@ -90,6 +97,13 @@ impl Regions {
         };
         let green = rings(&union(&strips(&|k| k == LaneKind::Median)));
         let inside_green = Inside::new(&green);
+        let beds_of = |surface: LaneSurface, inset_m: f64| {
+            let tracks = network.tracks().filter(|l| l.surface == surface && l.junction.is_none());
+            let strips: Vec<Contour> = tracks.filter_map(|l| frame.strip(l)).collect();
+            if strips.is_empty() { Vec::new() } else { rings(&grow(&clean(union(&strips), CRACK_M.0, 0.0), -inset_m)) }
+        };
+        let surfaces = [LaneSurface::Grass, LaneSurface::Ballast, LaneSurface::Slabs];
+        let with_beds = || surfaces.into_iter().filter(|s| network.tracks().any(|l| l.surface == *s));
         let mut walks = rings(&grow(&carriageway, (CURB_WIDTH_M + sidewalk_width_m) / 2.0));
         // Nobody walks round on a median.
         walks.retain(|ring| {
@@ -99,6 +113,8 @@ impl Regions {
         Ok(Self {
             curb: rings(&grow(&carriageway, CURB_WIDTH_M)),
             walks,
+            beds: with_beds().map(|s| (s, beds_of(s, BED_INSET_M + BED_EDGE_M))).collect(),
+            bed_edges: with_beds().flat_map(|s| beds_of(s, BED_INSET_M)).collect(),
             green,
             carriageway: rings(&carriageway),
             sidewalk: rings(&sidewalk),

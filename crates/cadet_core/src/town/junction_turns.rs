@@ -36,6 +36,8 @@ pub(super) struct Turn {
     pub(super) curve: PlanCurve,
     /// True where the turn follows the curb, and so carries the sidewalk round the corner.
     pub(super) along_curb: bool,
+    /// True for a track, which leads from the one street's to the other's; its curve is the middle of both roads.
+    pub(super) is_track: bool,
     /// Width of the paved strip to its left, where medians stop at the junction: at its beginning and its end.
     pub(super) paved_left_m: [f64; 2],
 }
@@ -63,6 +65,22 @@ pub(super) fn turns(junction: usize, arms: &[Arm], pose: &dyn Fn(&Arm) -> PlanPo
                 }
             }
         }
+        for (_, to) in others() {
+            if from.style.tracks.is_some() && to.style.tracks.is_some() && bend(to).abs() < STRAIGHT_RAD {
+                let mut curve = PlanCurve::default();
+                curve.extend_to(pose(from).reversed(), pose(to));
+                turns.push(Turn {
+                    junction,
+                    from: (from.street, from.end),
+                    to: (to.street, to.end),
+                    lanes: [0, 0],
+                    curve,
+                    along_curb: false,
+                    is_track: true,
+                    paved_left_m: [0.0; 2],
+                });
+            }
+        }
         for ((j, to), pairs) in others().zip(&pairs) {
             let outermost = [from, to].map(|arm| arm.style.lanes_per_side - 1);
             for lanes in pairs {
@@ -79,6 +97,7 @@ pub(super) fn turns(junction: usize, arms: &[Arm], pose: &dyn Fn(&Arm) -> PlanPo
                     to: (to.street, to.end),
                     lanes: *lanes,
                     curve,
+                    is_track: false,
                     along_curb: j == (i + 1) % arms.len() && *lanes == outermost,
                     paved_left_m: [from, to]
                         .map(|arm| if is_inner_and_straight { arm.style.median_width_m / 2.0 } else { 0.0 }),

@@ -1,6 +1,9 @@
 //! A town: a road network from OpenDRIVE, the ground under it, and the props along its streets.
 
 mod belt;
+mod city_paving;
+mod city_rows;
+mod curb_edges;
 mod curbside;
 mod face_index;
 mod flat_road;
@@ -12,20 +15,27 @@ mod ground_mesh;
 mod ground_palette;
 mod ground_region;
 mod height_field;
+mod junction_paint;
 mod junction_turns;
+mod map_lights;
 mod map_warnings;
 mod median;
 mod network;
 mod occupancy;
 mod opendrive;
+mod overhead_line;
+mod paint;
 mod placer;
 mod plan_curve;
+mod plot;
 mod plots;
 mod prop_config;
 mod props;
+mod rails;
 mod relief;
 mod road_marking;
 mod roughness;
+mod signals;
 mod street_grid;
 mod street_plan;
 mod street_style;
@@ -34,23 +44,27 @@ mod streetside;
 mod suburb;
 mod suburb_config;
 mod walkway;
+mod wear;
 mod xodr_lanes;
 mod xodr_numbers;
+mod xodr_signals;
 mod xodr_text;
 mod xodr_writer;
 
 pub use curbside::parking_spots;
 pub use ground::Ground;
 pub use ground_kind::GroundKind;
-pub use network::{Lane, LaneId, LaneKind, PaintColor, PaintedQuad, RoadNetwork};
+pub use network::{Lane, LaneId, LaneKind, LaneSurface, MapLight, PaintColor, PaintedQuad, RoadNetwork};
 pub use opendrive::{load as load_map, load_with_warnings as load_map_with_warnings};
 pub use prop_config::PropConfig;
 pub use roughness::Roughness;
+pub use signals::{Arm, Aspect, Head, Over, STOP_LINE_M, SignalPlan, SignalledJunction, Signals};
 pub use street_things::{Obstacle, Seat};
 pub use suburb::{Suburb, generate as generate_suburb};
 pub use suburb_config::SuburbConfig;
 pub use walkway::walkways;
 
+use self::wear::Wear;
 use crate::error::Result;
 use crate::instance::Instance;
 use crate::math::{DPose3, DVec3};
@@ -108,6 +122,8 @@ pub struct Town {
     pub obstacles: Vec<Obstacle>,
     /// Where people may sit.
     pub seats: Vec<Seat>,
+    /// Traffic lights; what stands of them is part of the scenery, their heads are not.
+    pub signals: Signals,
     /// What the map's reader passed over, a line each that names map and road.
     pub map_warnings: Vec<String>,
 }
@@ -147,6 +163,7 @@ impl Town {
             walkways: Vec::new(),
             obstacles: Vec::new(),
             seats: Vec::new(),
+            signals: Signals::default(),
             map_warnings: Vec::new(),
         }
     }
@@ -154,10 +171,12 @@ impl Town {
     fn with_props(key: &StreamKey, name: &str, network: RoadNetwork, config: &PropConfig) -> Result<Self> {
         config.check()?;
         let roughness = Roughness::new(&mut key.stream("ground/roughness"));
-        let ground = Ground::rough(&network, &roughness)?;
+        let mut signals = Signals::of(&network, key);
+        let wear = Wear::new(&mut key.stream("ground/paint"));
+        let ground = Ground::of_town(&network, &roughness, &wear, &signals)?;
         let mut parking = parking_spots(&network, &ground, key);
         let walkways = walkways(&ground);
-        let mut props = props::place_props(key, &network, &ground, &parking, &walkways, config);
+        let mut props = props::place_props(key, (&network, &mut signals), &ground, &parking, &walkways, config);
         let mut scenery = ground.tiles.clone();
         scenery.append(&mut props.instances);
         parking.append(&mut props.drives);
@@ -170,6 +189,7 @@ impl Town {
             walkways,
             obstacles: props.things.obstacles,
             seats: props.things.seats,
+            signals,
             map_warnings: Vec::new(),
         })
     }

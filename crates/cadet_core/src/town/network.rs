@@ -22,8 +22,44 @@ pub enum LaneKind {
     Shoulder,
     /// Green between the two directions.
     Median,
+    /// A track in a street: trams run here, and cars cross at junctions.
+    Tram,
     /// Verges and the like.
     Other,
+}
+
+/// What a lane is covered with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LaneSurface {
+    /// What its kind has: asphalt on carriageways.
+    #[default]
+    Usual,
+    /// Grass, between the rails too.
+    Grass,
+    /// Sleepers in ballast.
+    Ballast,
+    /// Slabs of concrete.
+    Slabs,
+}
+
+impl LaneSurface {
+    /// As OpenDRIVE's lane materials call it; `None` for what is not said.
+    #[must_use]
+    pub fn name(self) -> Option<&'static str> {
+        match self {
+            Self::Usual => None,
+            Self::Grass => Some("grass"),
+            Self::Ballast => Some("ballast"),
+            Self::Slabs => Some("concrete"),
+        }
+    }
+
+    /// The surface of a lane material's name; [`LaneSurface::Usual`] for any other.
+    #[must_use]
+    pub fn from_name(name: &str) -> Self {
+        let others = [Self::Grass, Self::Ballast, Self::Slabs];
+        others.into_iter().find(|s| s.name() == Some(name)).unwrap_or(Self::Usual)
+    }
 }
 
 /// A lane between two junctions, or across one.
@@ -33,6 +69,8 @@ pub struct Lane {
     pub id: LaneId,
     /// What it is for.
     pub kind: LaneKind,
+    /// What covers it.
+    pub surface: LaneSurface,
     /// The middle of the lane in driving direction; at least two points, none repeated, at most 2 m apart.
     pub center: Vec<DVec3>,
     /// Width at each point.
@@ -99,6 +137,10 @@ pub enum PaintColor {
     White,
     /// Yellow: roadworks in Germany, the middle of the road elsewhere.
     Yellow,
+    /// The bare steel of a rail's head: no paint, but laid on the ground as paint is.
+    Steel,
+    /// The groove beside it, a rail's foot, or a sleeper.
+    Dark,
 }
 
 /// A piece of a painted line.
@@ -108,6 +150,17 @@ pub struct PaintedQuad {
     pub corners: [DVec3; 4],
     /// Its color.
     pub color: PaintColor,
+    /// Which line it is a piece of: all pieces of one are equally worn.
+    pub line: u32,
+}
+
+/// A traffic light as a map has it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MapLight {
+    /// The lanes whose traffic it holds before a junction.
+    pub lanes: Vec<LaneId>,
+    /// The controller that it belongs to.
+    pub controller: Option<usize>,
 }
 
 /// The lanes of a town.
@@ -117,6 +170,8 @@ pub struct RoadNetwork {
     pub lanes: Vec<Lane>,
     /// Lines that the map has along its lanes.
     pub lane_marks: Vec<PaintedQuad>,
+    /// The traffic lights that the map has.
+    pub lights: Vec<MapLight>,
 }
 
 impl RoadNetwork {
@@ -132,6 +187,7 @@ impl RoadNetwork {
             Lane {
                 id: LaneId(id),
                 kind: LaneKind::Driving,
+                surface: LaneSurface::Usual,
                 center: s_m.iter().map(place).collect(),
                 width_m: vec![lane_width_m; s_m.len()],
                 s_m,
@@ -142,13 +198,18 @@ impl RoadNetwork {
                 speed_limit_mps: 50.0 / 3.6,
             }
         };
-        Self { lanes: vec![lane(0, -1.0), lane(1, 1.0)], lane_marks: Vec::new() }
+        Self { lanes: vec![lane(0, -1.0), lane(1, 1.0)], lane_marks: Vec::new(), lights: Vec::new() }
     }
 
     /// The lane of an id.
     #[must_use]
     pub fn lane(&self, id: LaneId) -> &Lane {
         &self.lanes[id.0]
+    }
+
+    /// The lanes that trams run on.
+    pub fn tracks(&self) -> impl Iterator<Item = &Lane> {
+        self.lanes.iter().filter(|l| l.kind == LaneKind::Tram)
     }
 
     /// The lanes that cars drive on.

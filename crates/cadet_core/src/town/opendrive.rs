@@ -5,8 +5,8 @@
 
 use std::collections::BTreeMap;
 
-use super::network::{Lane, LaneId, LaneKind, PaintColor, PaintedQuad, RoadNetwork};
-use super::{map_warnings, xodr_numbers};
+use super::network::{Lane, LaneId, LaneKind, LaneSurface, PaintColor, PaintedQuad, RoadNetwork};
+use super::{map_lights, map_warnings, xodr_numbers};
 use crate::error::{Error, Result};
 use crate::math::{DVec3, hypot, lerp};
 
@@ -73,11 +73,13 @@ pub fn load_with_warnings(map_name: &str, xodr_text: &str) -> Result<(RoadNetwor
             Some(xodr::SpeedLimit::Max(v)) if v.is_finite() && v > 0.5 => f64::from(v),
             _ => DEFAULT_SPEED_MPS,
         };
+        let surface = map.lane_material_at(lane.id, middle).map_or("", |m| m.surface.as_str());
         let mut successors = Vec::new();
         follow(lane, &by_xodr_id, &ids, 8, &mut successors);
         lanes.push(Lane {
             id: LaneId(lanes.len()),
             kind: kind_of(lane.kind),
+            surface: LaneSurface::from_name(surface),
             s_m: line.distances(),
             center: line.points.clone(),
             width_m: line.widths.clone(),
@@ -96,7 +98,8 @@ pub fn load_with_warnings(map_name: &str, xodr_text: &str) -> Result<(RoadNetwor
         return Err(fail(format!("none of the map's {} lanes is for driving", lanes.len())));
     }
     let lane_marks = lane_marks(&map);
-    Ok((RoadNetwork { lanes, lane_marks }, map_warnings::lines(map_name, &provenance.warnings)))
+    let lights = map_lights::read(&map, &ids, &lanes);
+    Ok((RoadNetwork { lanes, lane_marks, lights }, map_warnings::lines(map_name, &provenance.warnings)))
 }
 
 /// The painted lines of a map, without those of roadworks and those whose place is no number.
@@ -107,9 +110,11 @@ fn lane_marks(map: &xodr::RoadNetwork) -> Vec<PaintedQuad> {
     let point = |p: &xodr::Point| (DVec3::new(p.x.into(), p.y.into(), p.z.into()) * 1e4).round() / 1e4;
     marks
         .flat_map(|m| &m.lines)
-        .flat_map(|line| {
-            let color = if line.color == "yellow" { PaintColor::Yellow } else { PaintColor::White };
-            line.pieces.iter().map(move |piece| PaintedQuad { corners: [0, 1, 2, 3].map(|i| point(&piece[i])), color })
+        .zip(0_u32..)
+        .flat_map(|(painted, line)| {
+            let color = if painted.color == "yellow" { PaintColor::Yellow } else { PaintColor::White };
+            let corners = |piece: &[xodr::Point; 4]| [0, 1, 2, 3].map(|i| point(&piece[i]));
+            painted.pieces.iter().map(move |piece| PaintedQuad { corners: corners(piece), color, line })
         })
         .filter(|quad| quad.corners.iter().all(|p| p.is_finite()))
         .collect()
@@ -146,6 +151,7 @@ fn kind_of(kind: xodr::LaneType) -> LaneKind {
         T::Biking => LaneKind::Biking,
         T::Shoulder | T::Border | T::Curb | T::Restricted | T::RoadWorks => LaneKind::Shoulder,
         T::Median => LaneKind::Median,
+        T::Tram | T::Rail => LaneKind::Tram,
         _ => LaneKind::Other,
     }
 }

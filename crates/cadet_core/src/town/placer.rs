@@ -68,6 +68,12 @@ impl<'a> Placer<'a> {
         self.standing.push(Standing { rect, name: model.name.clone() });
     }
 
+    /// What was put last covers these rectangles instead of all of its footprint.
+    pub fn cover(&mut self, parts: &[OrientedRect]) {
+        let Some(last) = self.standing.pop() else { return };
+        self.standing.extend(parts.iter().map(|rect| Standing { rect: *rect, name: last.name.clone() }));
+    }
+
     /// Puts a tree or a shrub, turned anyhow, if it keeps its distance from other plants.
     pub fn plant(&mut self, kind: TreeKind, s: &mut Stream, at: DVec2) -> bool {
         let [_, variants, ..] = num_variants();

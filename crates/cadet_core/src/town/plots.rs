@@ -1,41 +1,13 @@
 //! Lays plots along the frontages: which house goes where, without overlaps.
 
+use super::city_rows;
 use super::frontage::{Frontage, right_of};
 use super::occupancy::{Occupancy, OrientedRect, Site};
+use super::plot::{PlacedHouse, Plot};
 use super::street_style::StreetStyle;
-use crate::assets::scenery::{HouseKind, SceneryModel, house, num_variants};
+use crate::assets::scenery::{HouseKind, house, num_variants};
 use crate::math::DVec2;
 use crate::rng::Stream;
-
-/// A plot: a rectangle whose front lies along the sidewalk.
-#[derive(Debug, Clone)]
-pub(super) struct Plot {
-    /// Middle of the front.
-    pub front: DVec2,
-    /// Along the front, with the traffic beside it.
-    pub along: DVec2,
-    /// Extent along the front.
-    pub length_m: f64,
-    /// Extent away from the street.
-    pub depth_m: f64,
-    /// Its house, if it has one.
-    pub house: Option<PlacedHouse>,
-}
-
-/// A house on its plot.
-#[derive(Debug, Clone)]
-pub(super) struct PlacedHouse {
-    /// What kind.
-    pub kind: HouseKind,
-    /// The prototype.
-    pub model: SceneryModel,
-    /// Middle of the house along the front, from the plot's middle.
-    pub along_m: f64,
-    /// Distance of its front wall from the plot's front.
-    pub setback_m: f64,
-    /// Bays of the garage beside it, 0 for none; it stands at the end of the plot where `along` grows.
-    pub garage_bays: usize,
-}
 
 impl Plot {
     /// Away from the street.
@@ -63,6 +35,21 @@ impl Plot {
     /// The whole of it.
     pub fn whole(&self) -> OrientedRect {
         self.rect([-self.length_m / 2.0, self.length_m / 2.0], [0.0, self.depth_m])
+    }
+
+    /// What its house covers: one rectangle, or two where a corner is cut.
+    pub fn house_parts(&self) -> Vec<OrientedRect> {
+        let (Some(house), Some(whole)) = (&self.house, self.house_rect()) else { return Vec::new() };
+        let Some(corner) = house.corner else { return vec![whole] };
+        let (w, d) = (house.model.footprint_size().y / 2.0, [house.setback_m, house.setback_m + whole.half.y * 2.0]);
+        // The house looks toward the street, so its own y axis runs against the plot's.
+        let strip = |a0: f64, a1: f64, d: [f64; 2]| {
+            let (a0, a1) = if corner.side > 0.0 { (-a1, -a0) } else { (a0, a1) };
+            self.rect([house.along_m + a0, house.along_m + a1], d)
+        };
+        // A hair's breadth apart: they are not to count as overlapping.
+        let cut_at = w - corner.cut_m;
+        vec![strip(-w, cut_at, d), strip(cut_at + 0.005, w, [d[0] + corner.cut_m, d[1]])]
     }
 
     /// The walls of its house.
@@ -130,7 +117,7 @@ fn propose(kind: HouseKind, style: &StreetStyle, s: &mut Stream) -> (f64, f64, P
         right += GARAGE_BAY_M * garage_bays as f64 + 0.3;
     }
     let depth = setback_m + model.footprint_size().x + back;
-    let house = PlacedHouse { kind, model, along_m: (left - right) / 2.0, setback_m, garage_bays };
+    let house = PlacedHouse { kind, model, along_m: (left - right) / 2.0, setback_m, garage_bays, corner: None };
     (width + left + right, depth, house)
 }
 
@@ -142,6 +129,9 @@ pub(super) fn lay_out(
     taken: &mut Occupancy,
     s: &mut Stream,
 ) -> Vec<Plot> {
+    if style.city.is_some() {
+        return city_rows::lay_out(frontage, site, taken, s);
+    }
     let mut plots = Vec::new();
     let mut from = 0.3;
     while from < frontage.length_m() - 3.0 {

@@ -17,6 +17,8 @@ settings! {
         /// How much stands about in the streets, on vacant plots and in gardens (bins, containers, bicycles, benches): 1 is
         /// a common suburb, 0 has none of it.
         clutter: f64 = 1.0, 0 to 3;
+        /// Share of the streets lined by closed rows of tall houses at the sidewalk, with shops.
+        city_share: f64 = 0.0, 0 to 1;
     }
 }
 

@@ -1,12 +1,15 @@
 //! Prop placement: houses, gardens, hedges, trees, lamps and signs along a network; a function of network and seed.
 
+use super::city_paving::Paving;
 use super::frontage::frontages;
 use super::occupancy::{Occupancy, Site};
 use super::placer::{Placer, Standing};
 use super::prop_config::PropConfig;
 use super::street_style::StreetStyle;
 use super::street_things::{self, Lined, StreetThings};
-use super::{Ground, ParkingSpot, RoadNetwork, Walkway, belt, garden, median, plots, streetside};
+use super::{
+    Ground, ParkingSpot, RoadNetwork, Signals, Walkway, belt, garden, median, overhead_line, plots, signals, streetside,
+};
 use crate::instance::Instance;
 use crate::rng::StreamKey;
 
@@ -27,7 +30,7 @@ pub(super) struct Props {
 /// Places the props of a network.
 pub(super) fn place_props(
     key: &StreamKey,
-    network: &RoadNetwork,
+    (network, signals): (&RoadNetwork, &mut Signals),
     ground: &Ground,
     parking: &[ParkingSpot],
     walkways: &[Walkway],
@@ -58,10 +61,17 @@ pub(super) fn place_props(
         }
         streetside::furnish(frontage, style, &mut stream("streetside", i), &mut placer);
     }
+    let mut paving = Paving::new(lined.iter().map(|l| &l.plot));
+    for (frontage, _) in frontages.iter().zip(&styles).filter(|(_, style)| style.city.is_some()) {
+        paving.pave(frontage, &mut placer);
+    }
     median::furnish(key, network, config.greenery, &mut placer);
+    overhead_line::string(key, network, &mut placer);
     belt::plant(&mut key.stream("belt"), config.greenery, config.belt_m, &frontages, &taken, &mut placer);
+    let mut posts = signals::place(signals, key, &mut placer);
     let streets = street_things::Streets { frontages: &frontages, styles: &styles, lined: &lined };
-    let things = street_things::place(key, &streets, (parking, &drives), walkways, config.clutter, &mut placer);
+    let mut things = street_things::place(key, &streets, (parking, &drives), walkways, config.clutter, &mut placer);
+    things.obstacles.append(&mut posts);
     Props { instances: placer.instances, drives, things, standing: placer.standing }
 }
 
@@ -75,7 +85,8 @@ mod tests {
     use crate::sense::PosedScene;
 
     fn place(key: &StreamKey, network: &RoadNetwork, ground: &Ground, config: &PropConfig) -> Props {
-        place_props(key, network, ground, &parking_spots(network, ground, key), &walkways(ground), config)
+        let parking = parking_spots(network, ground, key);
+        place_props(key, (network, &mut Signals::default()), ground, &parking, &walkways(ground), config)
     }
 
     fn suburb(seed: u64) -> (RoadNetwork, Ground, Props) {

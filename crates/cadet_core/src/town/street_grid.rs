@@ -1,5 +1,6 @@
 //! The irregular grid that a suburb's streets follow, thinned to T-junctions, with bends at its corners.
 
+use super::network::LaneSurface;
 use super::plan_curve::{heading_of, unit};
 use super::suburb_config::SuburbConfig;
 use crate::math::{self, DVec2, TAU};
@@ -13,6 +14,10 @@ const WIDE_SHARE: f64 = 0.18;
 /// Shares of the main roads with two lanes a direction, and of those the share with a median; with one lane all have one.
 const TWO_LANES_SHARE: f64 = 0.6;
 const MEDIAN_SHARE: f64 = 0.7;
+/// Width of the bed of two tracks, and what it is covered with.
+const TRACK_BED_M: (f64, f64) = (6.4, 7.0);
+const TRACK_BEDS: [(LaneSurface, f64); 3] =
+    [(LaneSurface::Ballast, 0.4), (LaneSurface::Grass, 0.4), (LaneSurface::Slabs, 0.2)];
 
 /// What the streets of one line of the grid have in common.
 #[derive(Debug, Clone, Copy)]
@@ -21,6 +26,8 @@ pub(super) struct LineStyle {
     pub lanes_per_side: usize,
     /// 0 where nothing parts the directions.
     pub median_width_m: f64,
+    /// The bed of the two tracks in the place of the median, if there are any.
+    pub tracks: Option<LaneSurface>,
     pub sidewalk_width_m: f64,
     pub speed_kmh: u32,
 }
@@ -51,9 +58,32 @@ impl Grid {
         self.links[node].iter().flatten().count()
     }
 
+    fn is_border(&self, node: usize) -> bool {
+        let (i, j) = (node % self.columns, node / self.columns);
+        i == 0 || j == 0 || i + 1 == self.columns || j + 1 == self.rows
+    }
+
     fn unlink(&mut self, node: usize, direction: usize) {
         if let Some(other) = self.links[node][direction].take() {
             self.links[other][(direction + 2) % 4] = None;
+        }
+    }
+
+    /// The nodes of a line: a row, or number of rows plus column.
+    fn line(&self, line: usize) -> Vec<usize> {
+        if line < self.rows {
+            (0..self.columns).map(|i| line * self.columns + i).collect()
+        } else {
+            (0..self.rows).map(|j| j * self.columns + line - self.rows).collect()
+        }
+    }
+
+    /// Links the nodes of a line to their neighbors on it.
+    fn relink(&mut self, line: usize) {
+        let ahead = usize::from(line >= self.rows);
+        for pair in self.line(line).windows(2) {
+            self.links[pair[0]][ahead] = Some(pair[1]);
+            self.links[pair[1]][ahead + 2] = Some(pair[0]);
         }
     }
 
@@ -143,7 +173,7 @@ pub(super) fn thin(grid: &mut Grid, stream: &mut Stream) {
 }
 
 /// One style a row, then one a column: a street keeps its width across junctions.
-pub(super) fn draw_styles(stream: &mut Stream, grid: &Grid) -> Vec<LineStyle> {
+pub(super) fn draw_styles(stream: &mut Stream, grid: &Grid, sidewalk_m: (f64, f64)) -> Vec<LineStyle> {
     let lines = grid.rows + grid.columns;
     let collectors = [stream.below(grid.rows), grid.rows + stream.below(grid.columns)];
     let second = stream.chance(0.5);
@@ -157,7 +187,8 @@ pub(super) fn draw_styles(stream: &mut Stream, grid: &Grid) -> Vec<LineStyle> {
                 lane_width_m: (carriageway * 10.0).round() / 20.0,
                 lanes_per_side: 1,
                 median_width_m: 0.0,
-                sidewalk_width_m: (stream.range(1.5, 2.5) * 10.0).round() / 10.0,
+                tracks: None,
+                sidewalk_width_m: (stream.range(sidewalk_m.0, sidewalk_m.1) * 10.0).round() / 10.0,
                 speed_kmh: if collector { 50 } else { 30 },
             }
         })
@@ -176,6 +207,22 @@ pub(super) fn widen_main_roads(stream: &mut Stream, share: f64, styles: &mut [Li
             style.median_width_m = if has_median || !has_two { (median_m * 10.0).round() / 10.0 } else { 0.0 };
             style.lane_width_m = (lane_m * 20.0).round() / 20.0;
             style.sidewalk_width_m = (sidewalk_m * 10.0).round() / 10.0;
+        }
+    }
+}
+
+/// Lays the two tracks of a tram in some of the main roads that cross the suburb from one side to the other.
+pub(super) fn lay_tracks(stream: &mut Stream, share: f64, styles: &mut [LineStyle], grid: &mut Grid) {
+    for (line, style) in styles.iter_mut().enumerate() {
+        let (has_tracks, bed_m) = (stream.chance(share), stream.range(TRACK_BED_M.0, TRACK_BED_M.1));
+        let bed = TRACK_BEDS[stream.weighted(&TRACK_BEDS.map(|b| b.1))].0;
+        let is_border = [0, grid.rows - 1, grid.rows, grid.rows + grid.columns - 1].contains(&line);
+        // Trams don't take the bends at the corners of a suburb.
+        let ends_at_junctions = grid.line(line).iter().all(|n| grid.degree(*n) >= 3 || !grid.is_border(*n));
+        if has_tracks && style.is_main_road() && !is_border && ends_at_junctions {
+            grid.relink(line);
+            style.tracks = Some(bed);
+            style.median_width_m = (bed_m * 5.0).round() / 5.0;
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::junction_turns::{Arm, End, Turn, turns};
 use super::plan_curve::{PlanCurve, PlanPose, heading_of, unit};
-use super::street_grid::{LineStyle, draw_grid, draw_styles, thin, trace, widen_main_roads};
+use super::street_grid::{LineStyle, draw_grid, draw_styles, lay_tracks, thin, trace, widen_main_roads};
 use super::suburb_config::SuburbConfig;
 use crate::math::{self, DVec2, PI, TAU, wrap_angle};
 use crate::rng::{Stream, StreamKey};
@@ -49,6 +49,8 @@ pub(super) struct StreetPlan {
     pub(super) streets: Vec<Street>,
     pub(super) turns: Vec<Turn>,
     pub(super) num_junctions: usize,
+    /// By junction, whether it has traffic lights.
+    pub(super) has_signals: Vec<bool>,
 }
 
 /// Draws a plan.
@@ -56,8 +58,9 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
     let mut stream = key.stream("suburb/plan");
     let mut grid = draw_grid(&mut stream, config);
     thin(&mut grid, &mut stream);
-    let mut styles = draw_styles(&mut stream, &grid);
+    let mut styles = draw_styles(&mut stream, &grid, config.sidewalk_m);
     widen_main_roads(&mut key.stream("suburb/main roads"), config.main_share, &mut styles);
+    lay_tracks(&mut key.stream("suburb/tracks"), config.tram_share, &mut styles, &mut grid);
     let (chains, headings) = trace(&grid, &mut stream);
     let mut junction_of = vec![usize::MAX; grid.at.len()];
     let mut num_junctions = 0;
@@ -93,6 +96,8 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
             cuts[arm.street][usize::from(arm.end == End::Finish)] = PlanPose::new(at, arm.heading_rad);
         }
     }
+    let mut lights = key.stream("suburb/signals");
+    let has_signals = arms.iter().map(|arms| has_signals(arms, config.signal_share, &mut lights)).collect();
     let streets: Vec<Street> = chains
         .iter()
         .zip(&cuts)
@@ -135,7 +140,16 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
         .collect();
     let pose = |arm: &Arm| cuts[arm.street][usize::from(arm.end == End::Finish)];
     let turns = arms.iter().enumerate().flat_map(|(junction, arms)| turns(junction, arms, &pose)).collect();
-    StreetPlan { streets, turns, num_junctions }
+    StreetPlan { streets, turns, num_junctions, has_signals }
+}
+
+/// Whether a junction has traffic lights: of fast streets that meet more often than of those that side streets join.
+fn has_signals(arms: &[Arm], share: f64, stream: &mut Stream) -> bool {
+    let drawn = stream.unit();
+    let fast = arms.iter().filter(|a| a.style.speed_kmh > 30).count();
+    let is_main = arms.iter().any(|a| a.style.is_main_road());
+    let share = if fast > 2 || is_main { share } else { share * share };
+    fast > 0 && drawn < share
 }
 
 /// Moves each arm's end out until the curbs' corner arc fits between it and its neighbors.

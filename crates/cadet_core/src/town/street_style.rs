@@ -33,6 +33,18 @@ impl Boundary {
     }
 }
 
+/// Share of the streets with closed rows whose lamps hang on wires.
+const WIRES_SHARE: f64 = 0.6;
+
+/// What goes with closed rows.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct CityStyle {
+    /// Spacing of lamps on wires, if there are any.
+    pub lamp_every_m: Option<f64>,
+    /// Spacing of trees in pits, if there are any.
+    pub tree_every_m: Option<f64>,
+}
+
 /// The hyper-parameters of one street: scenes differ from each other more than the houses of one.
 #[derive(Debug, Clone)]
 pub(super) struct StreetStyle {
@@ -54,13 +66,17 @@ pub(super) struct StreetStyle {
     pub vacant_share: f64,
     /// Share of plots with bins at the gate.
     pub bin_share: f64,
+    /// Closed rows of tall houses at the sidewalk, and what goes with them.
+    pub city: Option<CityStyle>,
 }
 
 impl StreetStyle {
     /// The style of the road behind a frontage.
     pub fn of(key: &StreamKey, frontage: &Frontage, config: &PropConfig) -> Self {
         let style = Self::draw(key, frontage.road, frontage.speed_limit_mps, config);
-        if frontage.is_main_road {
+        if key.indexed("city street", u64::from(frontage.road)).chance(config.city_share) {
+            style.in_the_city(&mut key.indexed("city style", u64::from(frontage.road)), config.greenery)
+        } else if frontage.is_main_road {
             style.beside_main_road(&mut key.indexed("main road", u64::from(frontage.road)), config.greenery)
         } else {
             style
@@ -89,6 +105,26 @@ impl StreetStyle {
         }
     }
 
+    /// Rows without gaps or front gardens.
+    fn in_the_city(self, s: &mut Stream, greenery: f64) -> Self {
+        let [_, _, fences, ..] = num_variants();
+        let (has_wires, has_trees) = (s.chance(WIRES_SHARE), s.chance((0.5 * greenery).min(1.0)));
+        Self {
+            houses: [HouseKind::Block; 2],
+            setback_m: 0.0,
+            boundary: Boundary::Fence(FenceKind::Wall, s.below(fences)),
+            trees_per_100_m2: 0.6 * self.trees_per_100_m2,
+            street_trees: None,
+            vacant_share: 0.0,
+            bin_share: 0.0,
+            city: Some(CityStyle {
+                lamp_every_m: has_wires.then(|| s.range(24.0, 34.0)),
+                tree_every_m: has_trees.then(|| s.range(8.0, 13.0)),
+            }),
+            ..self
+        }
+    }
+
     fn draw(key: &StreamKey, road: u32, speed_limit_mps: f64, config: &PropConfig) -> Self {
         let mut stream = key.indexed("street", u64::from(road));
         let s = &mut stream;
@@ -107,6 +143,7 @@ impl StreetStyle {
             lamp: (lamp_kind, s.below(poles), s.range(25.0, 35.0)),
             vacant_share: s.range(0.02, 0.16),
             bin_share: if s.chance(0.2) { 0.85 } else { 0.25 },
+            city: None,
         }
     }
 }

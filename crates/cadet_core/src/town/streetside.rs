@@ -6,10 +6,16 @@ use super::frontage::{Frontage, right_of};
 use super::placer::Placer;
 use super::street_style::StreetStyle;
 use crate::assets::scenery::{FurnitureKind, PoleKind, TreeKind, furniture, pole, tree};
+use crate::math::DVec2;
 use crate::rng::Stream;
 
 /// Lamps and signs stand this far inside the sidewalk's outer edge.
 const POLE_INSET_M: f64 = 0.22;
+
+/// Whether a place is before a door of a closed row; elsewhere doors lie behind gardens.
+fn is_before_door(placer: &Placer, style: &StreetStyle, place: DVec2, margin_m: f64) -> bool {
+    style.city.is_some() && placer.ways.iter().rev().take(400).any(|way| way.contains(place, margin_m))
+}
 
 /// Furnishes one frontage.
 pub(super) fn furnish(frontage: &Frontage, style: &StreetStyle, s: &mut Stream, placer: &mut Placer) {
@@ -20,7 +26,7 @@ pub(super) fn furnish(frontage: &Frontage, style: &StreetStyle, s: &mut Stream, 
         // On a narrow or missing sidewalk the pole goes behind its edge.
         let place = if frontage.sidewalk_at(at_s) < 1.0 { at + right_of(along) * 0.12 } else { place };
         // Where streets meet at a sharp angle the edge of one may lie on the other.
-        if placer.site.is_road(place) {
+        if placer.site.is_road(place) || is_before_door(placer, style, place, 0.3) {
             return;
         }
         let model = pole(kind, variant);
@@ -29,7 +35,7 @@ pub(super) fn furnish(frontage: &Frontage, style: &StreetStyle, s: &mut Stream, 
     };
     // Lamps on one side of the street: on the side whose stream says so.
     let (kind, variant, spacing) = style.lamp;
-    let lit = s.chance(0.6);
+    let lit = s.chance(0.6) && style.city.is_none_or(|city| city.lamp_every_m.is_none());
     let mut at = s.range(4.0, 12.0);
     while lit && at < length - 3.0 {
         put_pole(placer, kind, variant, at, false);
@@ -61,7 +67,7 @@ pub(super) fn furnish(frontage: &Frontage, style: &StreetStyle, s: &mut Stream, 
             let corners = [-1.0, 0.0, 1.0].iter().flat_map(|k| [-0.45, 0.0, 0.45].map(|d| (0.7 * k, d)));
             let on_road =
                 corners.into_iter().any(|(a, d)| placer.site.is_road(place + frontage.along(at) * a + out * d));
-            if frontage.sidewalk_at(at) > 1.4 && !on_road {
+            if frontage.sidewalk_at(at) > 1.4 && !on_road && !is_before_door(placer, style, place, 0.9) {
                 placer.put(&model, Arc::clone(&model.palette), place, -out);
             }
         }

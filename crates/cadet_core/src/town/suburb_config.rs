@@ -18,6 +18,12 @@ settings! {
         angled_share: f64 = 0.3, 0 to 1;
         /// Share of the streets faster than 30 km/h that are main roads: two lanes a direction, a green median, or both.
         main_share: f64 = 0.0, 0 to 1;
+        /// Narrowest and widest sidewalk of streets other than main roads, meters.
+        sidewalk_m: (f64, f64) = (1.5, 2.5), 1.2 to 4.5;
+        /// Share of the junctions of streets faster than 30 km/h that have traffic lights.
+        signal_share: f64 = 0.0, 0 to 1;
+        /// Share of the main roads across a suburb with the two tracks of a tram in the middle, instead of any median.
+        tram_share: f64 = 0.0, 0 to 1;
         /// Share of suburbs with hill streets.
         hilly_share: f64 = 0.2, 0 to 1;
         /// Steepest slope of a hilly suburb.
@@ -32,9 +38,13 @@ impl SuburbConfig {
     /// [`Error::OutOfRange`], naming the value and its limits.
     pub fn check(&self) -> Result<()> {
         self.check_settings()?;
-        if self.block_m.0 > self.block_m.1 {
-            let value = format!("{:?}", self.block_m);
-            return Err(Error::OutOfRange { what: "block_m", value, expected: "shortest <= longest".to_owned() });
+        for (what, range, expected) in
+            [("block_m", self.block_m, "shortest <= longest"), ("sidewalk_m", self.sidewalk_m, "narrowest <= widest")]
+        {
+            if range.0 > range.1 {
+                let value = format!("{range:?}");
+                return Err(Error::OutOfRange { what, value, expected: expected.to_owned() });
+            }
         }
         Ok(())
     }

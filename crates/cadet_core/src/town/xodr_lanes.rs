@@ -1,5 +1,6 @@
 //! The lanes of a street as OpenDRIVE: median, driving lanes, parking bays, sidewalk, and the lines between them.
 
+use super::network::LaneSurface;
 use super::street_grid::LineStyle;
 use super::street_plan::Street;
 use super::xodr_text::{Cubic, put};
@@ -20,6 +21,8 @@ pub(super) struct LaneRecord {
     pub id: i32,
     pub kind: &'static str,
     pub widths: Vec<Cubic>,
+    /// What covers it, where the map says so.
+    pub surface: LaneSurface,
     /// Whether a broken line is painted along its outer border.
     pub has_outer_line: bool,
     pub predecessor: Option<i32>,
@@ -56,13 +59,16 @@ pub(super) fn street_sections(street: &Street) -> Vec<Section> {
             id,
             kind,
             widths: vec![Cubic::constant(width_m)],
+            surface: LaneSurface::Usual,
             has_outer_line: false,
             predecessor: before.then_some(id),
             successor: after.then_some(id),
         };
         let mut lanes = Vec::new();
         if style.median_width_m > 0.0 {
-            lanes.push(through(sign, "median", style.median_width_m / 2.0));
+            let kind = if style.tracks.is_some() { "tram" } else { "median" };
+            let surface = style.tracks.unwrap_or_default();
+            lanes.push(LaneRecord { surface, ..through(sign, kind, style.median_width_m / 2.0) });
         }
         for lane in 0..style.lanes_per_side {
             let mut record = through(driving_id(style, sign, lane), "driving", style.lane_width_m);
@@ -80,6 +86,7 @@ pub(super) fn street_sections(street: &Street) -> Vec<Section> {
                     Cubic { s: BAY_TAPER_M, ..Cubic::constant(bay_m) },
                     Cubic::hermite(length - BAY_TAPER_M, BAY_TAPER_M, (bay_m, 0.0), (0.0, 0.0)),
                 ],
+                surface: LaneSurface::Usual,
                 has_outer_line: false,
                 predecessor: None,
                 successor: None,
@@ -92,6 +99,7 @@ pub(super) fn street_sections(street: &Street) -> Vec<Section> {
             id: number(in_bays),
             kind: "sidewalk",
             widths: vec![Cubic::constant(style.sidewalk_width_m)],
+            surface: LaneSurface::Usual,
             has_outer_line: false,
             predecessor: before.then(|| number(!in_bays)),
             successor: after.then(|| number(!in_bays)),
@@ -173,6 +181,9 @@ fn write_lane(out: &mut String, s: f64, lane: &LaneRecord) {
     }
     if lane.has_outer_line {
         write_broken_line(out, s);
+    }
+    if let Some(surface) = lane.surface.name() {
+        put(out, format_args!("<material sOffset=\"0.0\" surface=\"{surface}\" friction=\"0.7\"/>\n"));
     }
     if matches!(lane.kind, "median" | "sidewalk") {
         put(out, format_args!("<height sOffset=\"0.0\" inner=\"{CURB_HEIGHT_M}\" outer=\"{CURB_HEIGHT_M}\"/>\n"));

@@ -1,10 +1,12 @@
 //! Writes a street plan and its relief as OpenDRIVE 1.7.
 
 use super::junction_turns::{End, Turn};
+use super::network::LaneSurface;
 use super::plan_curve::PlanCurve;
 use super::relief::Relief;
 use super::street_plan::{Street, StreetPlan};
 use super::xodr_lanes::{LaneRecord, Section, driving_id, sidewalk_id, street_sections, write_lanes};
+use super::xodr_signals::{write_controllers, write_junction_controllers, write_signals};
 use super::xodr_text::{Cubic, put};
 use crate::math;
 
@@ -22,11 +24,12 @@ pub(super) fn write(name: &str, plan: &StreetPlan, relief: &Relief, crossfall: &
         format_args!("<header revMajor=\"1\" revMinor=\"7\" name=\"{name}\" version=\"1.00\" vendor=\"cadet\"/>\n"),
     );
     for (i, (street, fall)) in plan.streets.iter().zip(crossfall).enumerate() {
-        write_street(&mut out, i, street, relief, *fall);
+        write_street(&mut out, (plan, i), street, relief, *fall);
     }
     for (i, turn) in plan.turns.iter().enumerate() {
         write_turn(&mut out, plan, i, turn, relief);
     }
+    write_controllers(&mut out, plan);
     for junction in 0..plan.num_junctions {
         write_junction(&mut out, plan, junction);
     }
@@ -57,7 +60,13 @@ fn contact(end: End) -> &'static str {
     }
 }
 
-fn write_street(out: &mut String, index: usize, street: &Street, relief: &Relief, crossfall: f64) {
+fn write_street(
+    out: &mut String,
+    (plan, index): (&StreetPlan, usize),
+    street: &Street,
+    relief: &Relief,
+    crossfall: f64,
+) {
     let [from, to] = street.junctions;
     let length = street.curve.length_m();
     put(
@@ -74,6 +83,7 @@ fn write_street(out: &mut String, index: usize, street: &Street, relief: &Relief
     write_type(out, street.style.speed_kmh);
     write_shape(out, &street.curve, relief, crossfall);
     write_lanes(out, &street_sections(street));
+    write_signals(out, plan, index);
     out.push_str("</road>\n");
 }
 
@@ -108,6 +118,7 @@ fn write_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &Turn, re
         id,
         kind,
         widths: vec![Cubic::hermite(0.0, length, (at_start_m, 0.0), (at_end_m, 0.0))],
+        surface: LaneSurface::Usual,
         has_outer_line: false,
         predecessor: links.map(|[from, _]| from),
         successor: links.map(|[_, to]| to),
@@ -116,8 +127,13 @@ fn write_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &Turn, re
     if turn.paved_left_m.iter().any(|m| *m > 0.0) {
         lanes.push(lane(1, "restricted", turn.paved_left_m, None));
     }
-    let driven = [driving_id(a, arrives, turn.lanes[0]), driving_id(b, leaves, turn.lanes[1])];
-    lanes.push(lane(-1, "driving", [a.lane_width_m, b.lane_width_m], Some(driven)));
+    if turn.is_track {
+        let tracks_m = [a.median_width_m / 2.0, b.median_width_m / 2.0];
+        lanes.push(lane(-1, "tram", tracks_m, Some([arrives, leaves])));
+    } else {
+        let driven = [driving_id(a, arrives, turn.lanes[0]), driving_id(b, leaves, turn.lanes[1])];
+        lanes.push(lane(-1, "driving", [a.lane_width_m, b.lane_width_m], Some(driven)));
+    }
     if turn.along_curb {
         let walked = [sidewalk_id(a, arrives), sidewalk_id(b, leaves)];
         lanes.push(lane(-2, "sidewalk", [a.sidewalk_width_m, b.sidewalk_width_m], Some(walked)));
@@ -132,7 +148,7 @@ fn write_junction(out: &mut String, plan: &StreetPlan, junction: usize) {
     for (number, (index, turn)) in here.enumerate() {
         let style = &plan.streets[turn.from.0].style;
         let sign = signs_at(turn.from.1).0;
-        let arrives = driving_id(style, sign, turn.lanes[0]);
+        let arrives = if turn.is_track { sign } else { driving_id(style, sign, turn.lanes[0]) };
         put(
             out,
             format_args!(
@@ -147,6 +163,7 @@ fn write_junction(out: &mut String, plan: &StreetPlan, junction: usize) {
         }
         out.push_str("</connection>\n");
     }
+    write_junction_controllers(out, plan, junction);
     out.push_str("</junction>\n");
 }
 

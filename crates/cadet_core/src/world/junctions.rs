@@ -1,7 +1,7 @@
 //! Right of way: who crosses a junction when. A lane across a junction is reserved before it is entered; lanes that
 //! come too near to each other exclude one another; the first to come is the first to go.
 
-use super::route::Roads;
+use super::roads::Roads;
 use super::slot::{EGO, Slot};
 use crate::math::{self, DVec3};
 use crate::town::{Lane, LaneId, LaneKind};
@@ -30,9 +30,30 @@ struct Reservation {
 struct Waiting {
     car: Slot,
     lane: LaneId,
+    /// At a light, who turns left lets those who come toward it go first.
+    lets_pass: bool,
+    has_priority: bool,
     since_step: u64,
     seen_step: u64,
 }
+
+/// What a car asks for.
+pub(super) struct Request<'a> {
+    pub car: Slot,
+    /// The lanes across the junction, and the one after it.
+    pub lanes: &'a [LaneId],
+    pub exit: LaneId,
+    /// What the car takes of the exit, and whether there is so much.
+    pub room_m: f64,
+    pub exit_free: bool,
+    /// Whether it turns left at a light.
+    pub lets_pass: bool,
+    /// Whether all others let it go first: a tram.
+    pub has_priority: bool,
+}
+
+/// Who has let others pass for so long goes when its turn comes.
+const PATIENCE_STEPS: u64 = 18 * 60;
 
 /// Why a junction may not be entered yet.
 #[cfg_attr(not(test), allow(dead_code))]
@@ -46,6 +67,8 @@ pub(super) enum Refusal {
     Earlier(Slot),
     /// Somebody whose way crosses ours is in it or about to enter.
     Taken(Slot),
+    /// The light is not green.
+    Light,
 }
 
 /// Conflicts between lanes, and who holds and wants which.
@@ -60,8 +83,7 @@ pub(super) struct Junctions {
 impl Junctions {
     pub fn new(roads: &Roads) -> Self {
         let lanes = roads.lanes();
-        let crossing: Vec<&Lane> =
-            lanes.iter().filter(|l| l.kind == LaneKind::Driving && l.junction.is_some()).collect();
+        let crossing: Vec<&Lane> = lanes.iter().filter(|l| is_crossed(l)).collect();
         let mut conflicts = vec![Vec::new(); lanes.len()];
         for (i, a) in crossing.iter().enumerate() {
             for b in &crossing[i + 1..] {
@@ -100,19 +122,12 @@ impl Junctions {
         self.held.iter().enumerate().filter(|(_, r)| promised(r)).filter(is_first).map(|(_, r)| r.room_m).sum()
     }
 
-    /// Asks for a chain of lanes across a junction; `exit_free` says whether the car can leave it again.
+    /// Asks for a chain of lanes across a junction.
     ///
     /// # Errors
     /// Why it may not enter.
-    pub fn request(
-        &mut self,
-        car: Slot,
-        lanes: &[LaneId],
-        exit: LaneId,
-        room_m: f64,
-        exit_free: bool,
-        step: u64,
-    ) -> Result<(), Refusal> {
+    pub fn request(&mut self, asked: &Request<'_>, step: u64) -> Result<(), Refusal> {
+        let Request { car, lanes, exit, room_m, exit_free, lets_pass, has_priority } = *asked;
         let Some(&first) = lanes.first() else { return Ok(()) };
         if !exit_free {
             self.waiting.retain(|w| w.car != car);
@@ -120,19 +135,25 @@ impl Junctions {
         }
         let since_step = match self.waiting.iter_mut().find(|w| w.car == car) {
             Some(w) => {
-                (w.lane, w.seen_step) = (first, step);
+                (w.lane, w.seen_step, w.lets_pass) = (first, step, lets_pass);
                 w.since_step
             }
             None => {
-                self.waiting.push(Waiting { car, lane: first, since_step: step, seen_step: step });
+                let (since_step, seen_step) = (step, step);
+                self.waiting.push(Waiting { car, lane: first, lets_pass, has_priority, since_step, seen_step });
                 step
             }
         };
-        // The ego is let go first, then who came earlier and still asks.
+        // Trams are let go first. Who turns left lets others pass, for a while; then the ego is let go first, then who came
+        // earlier and still asks.
+        let rank = |has_priority: bool, car: Slot, lets_pass: bool, since: u64| {
+            (!has_priority, lets_pass && since + PATIENCE_STEPS > step, car != EGO, since, car)
+        };
+        let own_rank = rank(has_priority, car, lets_pass, since_step);
         let earlier = self.waiting.iter().find(|w| {
             w.car != car
                 && w.seen_step + 30 > step
-                && (w.car != EGO, w.since_step, w.car) < (car != EGO, since_step, car)
+                && rank(w.has_priority, w.car, w.lets_pass, w.since_step) < own_rank
                 && self.conflicts[first.0].iter().any(|c| c.0 == w.lane)
         });
         let taken = self.held.iter().find(|r| {
@@ -175,11 +196,21 @@ impl Junctions {
         self.held.retain(|r| r.car != car || r.clear_at_m.is_none_or(|clear| odometer_m < clear));
     }
 
+    /// Gives lanes back that the car has not entered: a light has changed.
+    pub fn renounce(&mut self, car: Slot, lanes: &[LaneId]) {
+        self.held.retain(|r| r.car != car || !lanes.contains(&r.lane));
+        self.waiting.retain(|w| w.car != car);
+    }
+
     /// Forgets a car: it was moved away.
     pub fn forget(&mut self, car: Slot) {
         self.held.retain(|r| r.car != car);
         self.waiting.retain(|w| w.car != car);
     }
+}
+
+fn is_crossed(lane: &Lane) -> bool {
+    matches!(lane.kind, LaneKind::Driving | LaneKind::Tram) && lane.junction.is_some()
 }
 
 fn bends(lane: &Lane) -> bool {

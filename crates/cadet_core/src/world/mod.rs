@@ -12,6 +12,7 @@ mod junctions;
 mod lane_use;
 mod physics;
 mod ride;
+mod roads;
 mod room;
 mod route;
 mod sidewalk;
@@ -23,6 +24,7 @@ mod streets;
 mod surroundings;
 #[cfg(test)]
 mod tests;
+mod track;
 
 pub use course::{Course, FASTEST_VEHICLE_MPS, ModelChoice, Overlap, Waypoint};
 pub use physics::DT_S;

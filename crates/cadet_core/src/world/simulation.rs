@@ -93,8 +93,8 @@ impl World {
     /// Adds an agent that stands or follows a script; returns its id.
     ///
     /// # Errors
-    /// [`Error::Scene`] for a place beyond the ground's edge or where somebody stands, a path that makes no sense, a class
-    /// without a model or a model of another class; [`Error::Unknown`] for a name that no model has;
+    /// [`Error::Scene`] for a place beyond the ground's edge or where somebody stands, a path that makes no sense, or a
+    /// model of another class; [`Error::Unknown`] for a name that no model has;
     /// [`Error::OutOfRange`] for a speed; [`Error::NotFinite`].
     pub fn add(
         &mut self,
@@ -105,9 +105,10 @@ impl World {
     ) -> Result<i32> {
         let model = match (class, model) {
             (_, ModelChoice::Named(name)) => self.user_vehicle(class, name)?,
-            (ObjectClass::Car | ObjectClass::Van | ObjectClass::Truck | ObjectClass::Misc, ModelChoice::Seed(seed)) => {
-                self.vehicle_model(class, seed)?
-            }
+            (
+                ObjectClass::Car | ObjectClass::Van | ObjectClass::Truck | ObjectClass::Tram | ObjectClass::Misc,
+                ModelChoice::Seed(seed),
+            ) => self.vehicle_model(class, seed)?,
             (ObjectClass::Pedestrian, ModelChoice::Seed(seed)) => {
                 return add_person(&mut self.arena, seed, course, overlap);
             }
@@ -116,11 +117,6 @@ impl World {
             }
             (ObjectClass::PersonSitting, ModelChoice::Seed(seed)) => {
                 return add_seated(&mut self.arena, seed, course, overlap);
-            }
-            _ => {
-                let name = class.kitti_name();
-                let known = "Car, Van, Truck, Misc, Pedestrian, Person_sitting or Cyclist";
-                return Err(Error::Scene { reason: format!("no model of class {name}: {known}") });
             }
         };
         add_vehicle(&mut self.arena, model, course, overlap)

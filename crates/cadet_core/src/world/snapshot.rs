@@ -35,7 +35,7 @@ pub struct Snapshot {
 }
 
 impl Snapshot {
-    /// The town's scenery, then the agents near the ego by rising id.
+    /// The town's scenery, the lights as they are lit, then the agents near the ego by rising id.
     pub(super) fn of(arena: &Arena, town: &Town, ego: EgoState, time_s: f64) -> Self {
         let middle = ego.world_from_ego.translation;
         let mut near: Vec<(&Agent, DPose3)> = arena.agents[1..]
@@ -45,6 +45,7 @@ impl Snapshot {
             .collect();
         near.sort_by_key(|(agent, _)| agent.id);
         let mut instances = town.scenery.clone();
+        town.signals.lit(time_s, middle.truncate(), &mut instances);
         let mut actors = Vec::with_capacity(near.len());
         for (agent, world_from_box) in near {
             agent.appearance.parts(world_from_box, agent.body.box_from_wheels(), agent.id, &mut instances);

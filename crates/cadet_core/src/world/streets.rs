@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::route::Roads;
+use super::roads::Roads;
 use super::sidewalk::Sidewalks;
 use crate::town::Town;
 

@@ -4,7 +4,8 @@ use super::control::Walk;
 use super::footprint::Footprint;
 use super::junctions::Junctions;
 use super::lane_use::LaneUse;
-use super::route::{Ahead, Roads};
+use super::roads::Roads;
+use super::route::Ahead;
 use super::slot::Slot;
 use crate::math::DVec2;
 

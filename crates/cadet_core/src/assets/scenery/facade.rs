@@ -1,55 +1,10 @@
 //! Walls with real openings: reveals, frames, panes and the dark rooms behind them.
 
 use super::Detail;
+use super::city::{Shop, fill_gate};
 use super::materials::house_slot as slot;
+use super::wall_plane::WallPlane;
 use crate::geometry::MeshBuilder;
-use crate::math::Vec3;
-
-/// The plane of a wall: `u` runs to the right seen from outside, z goes up, `u` x z points outside.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct WallPlane {
-    pub origin: Vec3,
-    pub u: Vec3,
-}
-
-impl WallPlane {
-    /// The point at (u, v) on the wall, `depth_m` behind its face.
-    fn at(&self, u: f32, v: f32, depth_m: f32) -> Vec3 {
-        self.origin + self.u * u + Vec3::Z * v - self.u.cross(Vec3::Z) * depth_m
-    }
-
-    /// A rectangle that faces outside.
-    fn rect(&self, b: &mut MeshBuilder, [u0, u1, v0, v1]: [f32; 4], depth_m: f32, slot: u8) {
-        if u1 > u0 && v1 > v0 {
-            b.quad(
-                self.at(u0, v0, depth_m),
-                self.at(u1, v0, depth_m),
-                self.at(u1, v1, depth_m),
-                self.at(u0, v1, depth_m),
-                slot,
-            );
-        }
-    }
-
-    /// The four sides of a rectangular hole, seen from within it, from depth `d0` to `d1`.
-    fn reveal(&self, b: &mut MeshBuilder, [u0, u1, v0, v1]: [f32; 4], d0: f32, d1: f32, slot: u8) {
-        let corners = [(u0, v0), (u1, v0), (u1, v1), (u0, v1)];
-        for i in 0..4 {
-            let ((ua, va), (ub, vb)) = (corners[i], corners[(i + 1) % 4]);
-            b.quad(self.at(ua, va, d0), self.at(ub, vb, d0), self.at(ub, vb, d1), self.at(ua, va, d1), slot);
-        }
-    }
-
-    /// A box on the wall, from depth `back` (positive inside) to `front` (negative outside).
-    pub(super) fn block(&self, b: &mut MeshBuilder, [u0, u1, v0, v1]: [f32; 4], front: f32, back: f32, slot: u8) {
-        self.rect(b, [u0, u1, v0, v1], front, slot);
-        let corners = [(u0, v0), (u1, v0), (u1, v1), (u0, v1)];
-        for i in 0..4 {
-            let ((ua, va), (ub, vb)) = (corners[i], corners[(i + 1) % 4]);
-            b.quad(self.at(ua, va, back), self.at(ub, vb, back), self.at(ub, vb, front), self.at(ua, va, front), slot);
-        }
-    }
-}
 
 /// What fills an opening.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,6 +15,10 @@ pub(super) enum Filling {
     Door,
     /// An up-and-over garage door.
     GarageDoor,
+    /// A shop's glass front with its door.
+    Shop(Shop),
+    /// The gateway to a court.
+    Gate,
 }
 
 /// A hole in a wall: [u0, u1, v0, v1] in the wall's plane.
@@ -76,6 +35,8 @@ pub(super) struct WallShape {
     pub bottom: f32,
     pub eaves: f32,
     pub apex: f32,
+    /// What the wall is made of.
+    pub face: u8,
 }
 
 /// How deep window frames lie behind the wall's face.
@@ -114,34 +75,41 @@ pub(super) fn wall(b: &mut MeshBuilder, plane: &WallPlane, shape: &WallShape, op
         let inside = |o: &&Opening| o.rect[0] <= u0 && o.rect[1] >= u1;
         for row in vs.windows(2) {
             if !cut.iter().filter(inside).any(|o| o.rect[2] <= row[0] && o.rect[3] >= row[1]) {
-                plane.rect(b, [u0, u1, row[0], row[1]], 0.0, slot::WALL);
+                plane.rect(b, [u0, u1, row[0], row[1]], 0.0, shape.face);
             }
         }
         if gabled {
             let mut from = shape.eaves;
             if let Some(o) = cut.iter().filter(inside).find(|o| !low(o)) {
-                plane.rect(b, [u0, u1, from, o.rect[2]], 0.0, slot::WALL);
+                plane.rect(b, [u0, u1, from, o.rect[2]], 0.0, shape.face);
                 from = o.rect[3];
             }
             let top = [plane.at(u1, roofline(u1).max(from), 0.0), plane.at(u0, roofline(u0).max(from), 0.0)];
-            b.quad(plane.at(u0, from, 0.0), plane.at(u1, from, 0.0), top[0], top[1], slot::WALL);
+            b.quad(plane.at(u0, from, 0.0), plane.at(u1, from, 0.0), top[0], top[1], shape.face);
         }
     }
     for opening in openings {
-        fill(b, plane, opening, detail);
+        fill(b, plane, opening, shape.face, detail);
     }
 }
 
-fn fill(b: &mut MeshBuilder, plane: &WallPlane, opening: &Opening, detail: Detail) {
+fn fill(b: &mut MeshBuilder, plane: &WallPlane, opening: &Opening, face: u8, detail: Detail) {
     let [u0, u1, v0, v1] = opening.rect;
     if detail == Detail::Far {
         // No hole: a dark panel just proud of the wall.
-        let slot = if matches!(opening.filling, Filling::Window { .. }) { slot::DARK_GLASS } else { slot::DOOR };
+        let is_glass = matches!(opening.filling, Filling::Window { .. } | Filling::Shop(_));
+        let slot = if is_glass { slot::DARK_GLASS } else { slot::DOOR };
         return plane.rect(b, opening.rect, -0.02, slot);
     }
+    match &opening.filling {
+        Filling::Shop(shop) => return shop.fill(b, plane, opening.rect, detail),
+        Filling::Gate => return fill_gate(b, plane, opening.rect, detail),
+        _ => {}
+    }
     let sides = if matches!(opening.filling, Filling::GarageDoor) { 0.22 } else { REVEAL_M };
-    plane.reveal(b, opening.rect, 0.0, sides, slot::WALL);
+    plane.reveal(b, opening.rect, 0.0, sides, face);
     match opening.filling {
+        Filling::Shop(_) | Filling::Gate => {}
         Filling::GarageDoor => {
             let ribs = detail.pick(12, 1, 1);
             for i in 0..ribs {

@@ -1,7 +1,9 @@
 //! Garages: one or two doors under a flat roof.
 
 use super::draw::CREASE_RAD;
-use super::facade::{Filling, Opening, WallPlane, WallShape, wall};
+use super::facade::{Filling, Opening, WallShape, wall};
+use super::materials::house_slot as slot;
+use super::wall_plane::WallPlane;
 use super::{Detail, Mesh, roof};
 use crate::geometry::MeshBuilder;
 use crate::math::Vec3;
@@ -28,7 +30,7 @@ pub(super) fn mesh(bays: usize, detail: Detail) -> Mesh {
         (Vec3::new(-x, -y, 0.0), Vec3::X, DEPTH_M, &[]),
     ];
     for (origin, u, width, openings) in sides {
-        let shape = WallShape { width, bottom: -1.0, eaves: HEIGHT_M, apex: HEIGHT_M };
+        let shape = WallShape { width, bottom: -1.0, eaves: HEIGHT_M, apex: HEIGHT_M, face: slot::WALL };
         wall(&mut b, &WallPlane { origin, u }, &shape, openings, detail);
     }
     roof::flat(&mut b, x, y, HEIGHT_M - 0.12);

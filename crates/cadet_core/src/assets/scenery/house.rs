@@ -1,9 +1,10 @@
 //! Houses of a South German suburb, from the terrace to the block of flats.
 
 use super::draw::{CREASE_RAD, block, range, tube};
-use super::facade::{Filling, Opening, WallPlane, WallShape, wall};
+use super::facade::{Filling, Opening, WallShape, wall};
 use super::materials::house_slot as slot;
 use super::roof::{Pitched, flat};
+use super::wall_plane::WallPlane;
 use super::{Detail, Mesh};
 use crate::geometry::MeshBuilder;
 use crate::math::{Mat3, Vec3};
@@ -218,7 +219,13 @@ impl HouseDesign {
             let rise = if gabled { rise } else { 0.0 };
             let openings = self.openings(&mut s, width, doors, gabled.then_some(rise), density);
             let plane = WallPlane { origin, u };
-            let shape = WallShape { width, bottom: self.plinth - 0.05, eaves: self.eaves, apex: self.eaves + rise };
+            let shape = WallShape {
+                width,
+                bottom: self.plinth - 0.05,
+                eaves: self.eaves,
+                apex: self.eaves + rise,
+                face: slot::WALL,
+            };
             wall(&mut b, &plane, &shape, &openings, detail);
             if detail != Detail::Far {
                 self.attach(&mut b, &plane, &openings, i == 0);
@@ -303,7 +310,7 @@ impl HouseDesign {
             let back = ((roof.ridge() + 0.16 - top) / roof.slope - 0.3).max(0.0);
             let half = 0.95;
             let plane = WallPlane { origin: Vec3::new(x, y - half, 0.0), u: Vec3::Y };
-            let shape = WallShape { width: 2.0 * half, bottom: foot - 0.4, eaves: top, apex: top };
+            let shape = WallShape { width: 2.0 * half, bottom: foot - 0.4, eaves: top, apex: top, face: slot::WALL };
             let rect = [half - 0.6, half + 0.6, foot + 0.15, top - 0.12];
             let filling = Filling::Window { sashes: 2, shutter: 0.0, curtain: false };
             wall(

@@ -2,12 +2,14 @@
 
 use std::sync::{Arc, OnceLock};
 
+use super::city::CityDesign;
 use super::house::HouseDesign;
 use super::materials::{fence_palette, furniture_palette, house_palette, house_slot, plant_palette};
 use super::tree::TreeDesign;
 use super::{
-    Detail, FenceKind, FurnitureKind, HouseKind, PoleKind, SceneryModel, THING_VARIANTS, ThingKind, TreeKind,
-    fence as fences, furniture as bins, garage as garages, hedge as hedges, pole as poles, thing_palette, things,
+    CityCorner, CityKind, Detail, FenceKind, FurnitureKind, HouseKind, NUM_CITY_HOUSES, PoleKind, SceneryModel,
+    THING_VARIANTS, ThingKind, TreeKind, city_palette, fence as fences, furniture as bins, garage as garages,
+    hedge as hedges, pole as poles, thing_palette, things,
 };
 use crate::geometry::{Bounds, LodSet, Mesh, MeshBuilder};
 use crate::material::{Material, Palette, Pattern, Semantic};
@@ -60,6 +62,27 @@ pub fn house(kind: HouseKind, variant: usize) -> SceneryModel {
             model(name, shape, palette, half, height_m)
         })
         .clone()
+}
+
+/// A house of a closed row; x is its depth (the front at +x), y its width along the street, and its cut corner.
+#[must_use]
+pub fn city_house(kind: CityKind, variant: usize) -> (SceneryModel, Option<CityCorner>) {
+    const MOST: usize = 12;
+    static CELLS: [Cell; 3 * MOST] = cells!(3 * MOST);
+    let variant = variant % NUM_CITY_HOUSES[kind as usize];
+    let design = CityDesign::new(kind, variant);
+    let corner = design.corner();
+    let model = CELLS[kind as usize * MOST + variant]
+        .get_or_init(|| {
+            let name = format!("{}/{variant}", kind.name());
+            let palette = city_palette(&mut Stream::from_seed(&name, 0));
+            let half = DVec2::new(f64::from(design.depth), f64::from(design.width)) / 2.0;
+            let height_m = f64::from(design.height());
+            let shape = Detail::levels([42.0, 88.0, f32::INFINITY], move |d| design.mesh(d));
+            model(name, shape, palette, half, height_m)
+        })
+        .clone();
+    (model, corner)
 }
 
 /// Where the doors of a house's front are: the y of their middles.
@@ -157,7 +180,7 @@ pub fn fence(kind: FenceKind, variant: usize, piece: usize) -> SceneryModel {
         .clone()
 }
 
-/// A lamp, sign, traffic light or bollard.
+/// A lamp, sign or bollard.
 #[must_use]
 pub fn pole(kind: PoleKind, variant: usize) -> SceneryModel {
     static CELLS: [Cell; POLES * PoleKind::ALL.len()] = cells!(POLES * PoleKind::ALL.len());
@@ -169,7 +192,6 @@ pub fn pole(kind: PoleKind, variant: usize) -> SceneryModel {
             let (body, accent) = match kind {
                 PoleKind::Lamp | PoleKind::ArmLamp if s.chance(0.4) => ([0.05, 0.07, 0.06], [0.50, 0.50, 0.48]),
                 PoleKind::DiamondSign => ([0.32, 0.33, 0.34], [0.55, 0.36, 0.02]),
-                PoleKind::TrafficLight => ([0.30, 0.31, 0.32], [0.02, 0.25, 0.10]),
                 PoleKind::Delineator => ([0.32, 0.33, 0.34], [0.62, 0.62, 0.60]),
                 PoleKind::Bollard => ([0.30, 0.03, 0.03], [0.5, 0.5, 0.5]),
                 _ => ([0.32, 0.33, 0.34], [0.46, 0.46, 0.45]),

@@ -104,13 +104,13 @@ pub(super) fn pane() -> Material {
 #[must_use]
 pub fn house_palette(stream: &mut Stream, flat_roof: bool) -> Arc<Palette> {
     let (wall, wall_pattern, wall_905) = match stream.weighted(&[0.38, 0.17, 0.10, 0.08, 0.07, 0.10, 0.06, 0.04]) {
-        0 => ([0.62, 0.60, 0.56], Pattern::Render, 0.68),
-        1 => ([0.60, 0.54, 0.43], Pattern::Render, 0.64),
-        2 => ([0.58, 0.49, 0.28], Pattern::Render, 0.56),
-        3 => ([0.55, 0.38, 0.31], Pattern::Render, 0.54),
-        4 => ([0.52, 0.38, 0.19], Pattern::Render, 0.50),
-        5 => ([0.34, 0.34, 0.34], Pattern::Render, 0.45),
-        6 => ([0.29, 0.125, 0.085], Pattern::Bricks, 0.35),
+        0 => ([0.57, 0.555, 0.515], Pattern::Render, 0.68),
+        1 => ([0.55, 0.495, 0.40], Pattern::Render, 0.64),
+        2 => ([0.53, 0.455, 0.27], Pattern::Render, 0.56),
+        3 => ([0.50, 0.355, 0.295], Pattern::Render, 0.54),
+        4 => ([0.48, 0.36, 0.19], Pattern::Render, 0.50),
+        5 => ([0.38, 0.38, 0.38], Pattern::Render, 0.45),
+        6 => ([0.31, 0.15, 0.11], Pattern::Bricks, 0.35),
         _ => ([0.33, 0.17, 0.13], Pattern::Blocks, 0.36),
     };
     let wall = jitter(stream, wall, 0.12, 0.04);
@@ -141,7 +141,7 @@ pub fn house_palette(stream: &mut Stream, flat_roof: bool) -> Arc<Palette> {
         m
     };
     let plain = |c: [f32; 3], r: f32| building(c, Pattern::Plain, r);
-    let plinth = wall.map(|c| c * 0.42 + 0.03);
+    let plinth = wall.map(|c| c * 0.5 + 0.03);
     let mut dark_glass = pane();
     dark_glass.transmission = 0.0;
     dark_glass.lidar = LidarMaterial { lobe_exponent: 2.0, ..LidarMaterial::diffuse(0.05) };
@@ -163,8 +163,11 @@ pub fn house_palette(stream: &mut Stream, flat_roof: bool) -> Arc<Palette> {
     ]))
 }
 
+/// What a leaf's skin reflects of all colors alike; leaves turn to all sides, so that it counts as diffuse.
+const LEAF_SKIN: f32 = 0.02;
+
 fn leaf(albedo: [f32; 3], reflectance: f32) -> Material {
-    let mut m = Material::matt(Semantic::Vegetation, albedo, Pattern::Leaves, reflectance);
+    let mut m = Material::matt(Semantic::Vegetation, albedo.map(|a| a + LEAF_SKIN), Pattern::Leaves, reflectance);
     m.roughness = 0.45;
     m.specular = 0.04;
     m
@@ -174,14 +177,14 @@ fn leaf(albedo: [f32; 3], reflectance: f32) -> Material {
 #[must_use]
 pub fn plant_palette(stream: &mut Stream, evergreen: bool) -> Arc<Palette> {
     let base = if evergreen {
-        [0.042, 0.068, 0.034]
+        [0.055, 0.088, 0.044]
     } else {
         match stream.weighted(&[0.50, 0.25, 0.13, 0.08, 0.04]) {
-            0 => [0.070, 0.105, 0.038],
-            1 => [0.055, 0.090, 0.042],
-            2 => [0.105, 0.130, 0.045],
-            3 => [0.150, 0.125, 0.040],
-            _ => [0.085, 0.045, 0.038],
+            0 => [0.091, 0.137, 0.050],
+            1 => [0.072, 0.117, 0.055],
+            2 => [0.137, 0.169, 0.058],
+            3 => [0.180, 0.150, 0.048],
+            _ => [0.100, 0.055, 0.046],
         }
     };
     let base = jitter(stream, base, 0.22, 0.07);

@@ -4,6 +4,7 @@
 //! for houses, the driver for signs), or along the piece for fences and hedges. Foundations and trunks go on below
 //! z = 0, so that nothing floats on a slope.
 
+mod city;
 mod draw;
 mod facade;
 mod fence;
@@ -14,23 +15,31 @@ mod house;
 mod leaves;
 mod library;
 pub mod materials;
+mod overhead;
 mod pole;
 mod roof;
 mod things;
+mod traffic_light;
 mod tree;
 mod tree_levels;
+mod wall_plane;
 
 use std::sync::Arc;
 
+pub use city::{CityCorner, CityKind, NUM_CITY_HOUSES, city_palette, flagstones, span_lamp, tree_pit};
 pub use fence::FenceKind;
 pub use furniture::FurnitureKind;
 pub use house::HouseKind;
 pub use library::{
-    OVERHEAD_M, PIECE_LENGTHS_M, fence, furniture, garage, hedge, house, house_doors, num_variants, paving, pole,
-    thing, tree,
+    OVERHEAD_M, PIECE_LENGTHS_M, city_house, fence, furniture, garage, hedge, house, house_doors, num_variants, paving,
+    pole, thing, tree,
 };
+pub use overhead::{WIRE_HEIGHT_M, contact_wire, span_wire, tram_mast};
 pub use pole::PoleKind;
 pub use things::{BENCH_SEAT_M, CHAIR_SEAT_M, SHELTER_SEAT_M, THING_VARIANTS, ThingKind, thing_palette};
+pub use traffic_light::{
+    HEAD_OFF_POST_M, HeadKind, MAST_ARMS_M, MAST_HEAD_M, POST_HEAD_M, SignalPost, WALK_HEAD_M, signal_head, signal_post,
+};
 pub use tree::TreeKind;
 
 use crate::geometry::{LazyMesh, LodSet, Mesh};

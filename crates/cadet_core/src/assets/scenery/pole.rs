@@ -1,4 +1,4 @@
-//! Lamps, traffic signs and traffic lights.
+//! Lamps and traffic signs.
 
 use super::draw::{CREASE_RAD, block, disc, path_tube, tube};
 use super::materials::furniture_slot as slot;
@@ -25,8 +25,6 @@ pub enum PoleKind {
     ParkingSign,
     /// Street names.
     NameSign,
-    /// A traffic light.
-    TrafficLight,
     /// A bollard.
     Bollard,
     /// A white post with a black band at the edge of a main road.
@@ -35,7 +33,7 @@ pub enum PoleKind {
 
 impl PoleKind {
     /// Every kind.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 10] = [
         Self::Lamp,
         Self::ArmLamp,
         Self::RoundSign,
@@ -44,7 +42,6 @@ impl PoleKind {
         Self::ZoneSign,
         Self::ParkingSign,
         Self::NameSign,
-        Self::TrafficLight,
         Self::Bollard,
         Self::Delineator,
     ];
@@ -61,7 +58,6 @@ impl PoleKind {
             Self::ZoneSign => "zone-sign",
             Self::ParkingSign => "parking-sign",
             Self::NameSign => "name-sign",
-            Self::TrafficLight => "traffic-light",
             Self::Bollard => "bollard",
             Self::Delineator => "delineator",
         }
@@ -184,17 +180,6 @@ pub(super) fn mesh(kind: PoleKind, variant: usize, detail: Detail) -> Mesh {
             post(b_, (0.03, 0.03), 2.75, detail);
             block(b_, v(0.04, 0.42, 2.62), v(0.02, 0.8, 0.2), slot::INK);
             block(b_, v(0.42, 0.04, 2.4), v(0.8, 0.02, 0.2), slot::INK);
-        }
-        PoleKind::TrafficLight => {
-            post(b_, (0.075, 0.065), 3.3, detail);
-            block(b_, v(0.16, 0.0, 2.75), v(0.2, 0.3, 0.95), slot::DARK);
-            for (k, s) in [slot::ACCENT, slot::DARK, slot::RED].into_iter().enumerate() {
-                let z = 2.45 + 0.3 * k as f32;
-                disc(b_, v(0.262, 0.0, z), 0.1, detail.pick(16, 10, 6), 0.0, s);
-                if detail == Detail::Near {
-                    block(b_, v(0.34, 0.0, z + 0.11), v(0.16, 0.22, 0.015), slot::DARK);
-                }
-            }
         }
         PoleKind::Delineator => {
             let ring = |z: f32| vec![v(-0.05, -0.06, z), v(0.05, -0.06, z), v(0.05, 0.06, z), v(-0.05, 0.06, z)];

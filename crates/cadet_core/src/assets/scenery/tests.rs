@@ -7,7 +7,7 @@ use crate::math::Vec3;
 use crate::rng::Stream;
 
 /// Distances at which a ray meets the faces of a mesh that a filter lets through, by Moeller and Trumbore.
-fn hits(mesh: &Mesh, origin: Vec3, direction: Vec3, wanted: impl Fn(u8) -> bool) -> Vec<(f32, u8)> {
+pub(super) fn hits(mesh: &Mesh, origin: Vec3, direction: Vec3, wanted: impl Fn(u8) -> bool) -> Vec<(f32, u8)> {
     let mut found = Vec::new();
     for (face, slot) in mesh.faces.iter().zip(&mesh.slots).filter(|(_, s)| wanted(**s)) {
         let [a, b, c] = face.map(|i| mesh.vertices[i as usize]);
@@ -36,6 +36,8 @@ fn every_model() -> Vec<SceneryModel> {
     models.extend(HouseKind::ALL.iter().flat_map(|k| (0..houses).map(|v| house(*k, v))));
     models.extend(TreeKind::ALL.iter().flat_map(|k| (0..trees).map(|v| tree(*k, v))));
     models.extend(FenceKind::ALL.iter().flat_map(|k| (0..fences).map(|v| fence(*k, v, 1))));
+    models.extend(CityKind::ALL.iter().flat_map(|k| (0..NUM_CITY_HOUSES[*k as usize]).map(|v| city_house(*k, v).0)));
+    models.push(tree_pit());
     models.extend((0..hedges).map(|v| hedge(v, 1)));
     models.extend(PoleKind::ALL.iter().flat_map(|k| (0..poles).map(|v| pole(*k, v))));
     models.extend(FurnitureKind::ALL.iter().flat_map(|k| (0..bins).map(|v| furniture(*k, v))));

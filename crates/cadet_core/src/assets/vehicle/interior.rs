@@ -233,6 +233,20 @@ pub(super) fn add_occupant(surface: &mut Surface, hip: Vec3, scale: f32, hands: 
     }
 }
 
+/// Seats for two on both sides of an aisle, by the hips of who would sit there; far away every other one.
+pub(super) fn add_seat_pairs(surface: &mut Surface, hips: Vec<Vec3>, level: usize) {
+    let sides = if level == 0 { 6 } else { 4 };
+    let seen = hips.into_iter().enumerate().filter(|(k, _)| level != 2 || k % 2 == 0);
+    for (_, hip) in seen {
+        let back = hip + Vec3::new(-0.2, 0.0, 0.28);
+        surface.block_pair(back, Vec3::new(0.05, 0.40, 0.36), Mat3::IDENTITY, sides, slot::CLOTH);
+        if level < 2 {
+            let cushion = hip + Vec3::new(0.02, 0.0, -0.08);
+            surface.block_pair(cushion, Vec3::new(0.22, 0.40, 0.06), Mat3::IDENTITY, 4, slot::CLOTH);
+        }
+    }
+}
+
 /// A tube from `a` to `b`.
 pub(super) fn limb(surface: &mut Surface, a: Vec3, b: Vec3, r0: f32, r1: f32, n: usize, slot: u8) {
     let along = (b - a).normalize();

@@ -13,8 +13,8 @@ use crate::rng::Stream;
 
 const NUM_CARS: usize = 160;
 const NUM_VANS: usize = 80;
-const NUM_TRUCKS: usize = 96;
-const NUM_MISC: usize = 192;
+const NUM_TRUCKS: usize = 72;
+const NUM_MISC: usize = 128;
 /// The most that a design is stretched along any axis where there is another choice.
 const MOST_STRETCH: f64 = 1.06;
 

@@ -16,6 +16,7 @@ mod paint;
 mod surface;
 #[cfg(test)]
 mod tests;
+pub(crate) mod tram;
 mod wheels;
 mod work;
 mod work_paint;
@@ -87,12 +88,13 @@ impl VehicleModel {
     /// The vehicle of a class and a seed.
     ///
     /// # Errors
-    /// [`crate::error::Error::Scene`] for a class other than Car, Van, Truck and Misc.
+    /// [`crate::error::Error::Scene`] for a class other than Car, Van, Truck, Tram and Misc.
     pub fn generate(class: ObjectClass, model_seed: u64) -> Result<Self> {
         let mut s = Stream::from_seed("vehicle", model_seed);
         let made = match class {
             ObjectClass::Truck => work::truck(model_seed, &mut s),
             ObjectClass::Misc => work::towed(model_seed, &mut s),
+            ObjectClass::Tram => tram::single_car(model_seed, &mut s),
             _ => {
                 let d = Dimensions::draw(class, &mut s)?;
                 Self::of_dimensions(class, model_seed, d, &mut s)

@@ -110,6 +110,7 @@ pub(crate) enum Livery {
     Trailer,
     Caravan,
     Motorbike,
+    Tram,
 }
 
 /// The materials that every vehicle has.
@@ -137,10 +138,10 @@ pub(super) fn of_every_vehicle(class: ObjectClass, s: &mut Stream) -> Vec<Materi
     set(slot::REAR_GLASS, glass(semantic, tint, rear_eye * 0.92, rear * 0.9));
     set(slot::DARK_GLASS, coated(semantic, [0.01; 3], 0.04, 0.03, 0.04));
 
-    set(slot::TYRE, coated(semantic, [0.025; 3], 0.8, 0.02, 0.05));
+    set(slot::TYRE, coated(semantic, [0.04; 3], 0.8, 0.02, 0.05));
     let rim = s.range(0.28, 0.5) as f32;
     set(slot::RIM, coated(semantic, [rim; 3], 0.35, 0.10, s.range(0.2, 0.4) as f32));
-    set(slot::PLASTIC, coated(semantic, [0.03; 3], 0.45, 0.04, 0.08));
+    set(slot::PLASTIC, coated(semantic, [0.042; 3], 0.45, 0.04, 0.08));
     set(slot::GRILLE, coated(semantic, [0.015; 3], 0.5, 0.03, 0.05));
     set(slot::LAMP, coated(semantic, [0.55, 0.56, 0.58], 0.08, 0.08, 0.30));
     set(slot::TAIL_LAMP, coated(semantic, [0.38, 0.012, 0.015], 0.10, 0.05, 0.55));

@@ -67,6 +67,15 @@ const BANDS: [(Tone, f64); 8] = [
     (BLACK, 0.10),
     (DARK_BLUE, 0.08),
 ];
+/// Colors of a tram's body, with those of its band and doors.
+const TRAMS: [((Tone, Tone), f64); 6] = [
+    ((YELLOW, RED), 0.46),
+    ((YELLOW, GRAY), 0.14),
+    ((CREAM, RED), 0.12),
+    ((WHITE, YELLOW), 0.14),
+    ((BLUE, WHITE), 0.07),
+    ((RED, WHITE), 0.07),
+];
 const BIKES: [(Tone, f64); 6] =
     [(BLACK, 0.35), (RED, 0.18), (SILVER, 0.20), (DARK_BLUE, 0.10), (GREEN, 0.05), (CREAM, 0.12)];
 
@@ -102,6 +111,10 @@ fn add(materials: &mut Vec<Material>, livery: Livery, s: &mut Stream) {
             WHITE,
             pick(&[(GRAY, 0.4), (BLUE, 0.2), (CREAM, 0.3), (RED, 0.1)], s),
         ),
+        Livery::Tram => {
+            let (body, band) = TRAMS[s.weighted(&TRAMS.map(|t| t.1))].0;
+            (body, GRAY, band)
+        }
         Livery::Motorbike => (pick(&BIKES, s), GRAY, BLACK),
         Livery::Freight | Livery::Trailer | Livery::Private => (pick(&CABS, s), pick(&BODIES, s), pick(&BANDS, s)),
     };

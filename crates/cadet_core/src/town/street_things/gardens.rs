@@ -1,7 +1,7 @@
 //! What stands in front gardens and drives.
 
 use super::super::ParkingSpot;
-use super::super::plots::Plot;
+use super::super::plot::Plot;
 use super::super::street_style::StreetStyle;
 use super::Furnisher;
 use crate::assets::scenery::{HouseKind, THING_VARIANTS, ThingKind, thing, thing_palette};

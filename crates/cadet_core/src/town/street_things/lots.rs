@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::super::plots::Plot;
+use super::super::plot::Plot;
 use super::super::street_style::StreetStyle;
 use super::Furnisher;
 use crate::assets::scenery::{

@@ -1,6 +1,7 @@
 //! Things that stand about: on sidewalks' edges, in parking places, on vacant plots, in front gardens.
 
 mod bays;
+mod city;
 mod gardens;
 mod lots;
 mod sidewalk;
@@ -12,7 +13,7 @@ use std::sync::Arc;
 use super::frontage::Frontage;
 use super::occupancy::{Occupancy, OrientedRect};
 use super::placer::Placer;
-use super::plots::Plot;
+use super::plot::Plot;
 use super::street_style::StreetStyle;
 use super::{ParkingSpot, SpotKind, Walkway};
 use crate::assets::scenery::{SceneryModel, THING_VARIANTS, ThingKind, house_doors, thing, thing_palette};
@@ -90,7 +91,14 @@ struct Furnisher<'a, 'b> {
     /// Where cars park.
     parked: Occupancy,
     walkways: &'a [Walkway],
+    /// The lowest and highest coordinates of each.
+    walkway_bounds: Vec<(DVec2, DVec2)>,
     out: StreetThings,
+}
+
+fn bounds_of(walkway: &Walkway) -> (DVec2, DVec2) {
+    let places = walkway.center.iter().map(|p| p.truncate());
+    places.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
 }
 
 /// Places the things of a town; parking places are those along streets and those in drives.
@@ -114,7 +122,9 @@ pub(super) fn place(
     for lined in streets.lined {
         doors(&lined.plot).for_each(|door| ways.take(door));
     }
-    let mut furnisher = Furnisher { placer, taken, ways, parked, walkways, out: StreetThings::default() };
+    let walkway_bounds = walkways.iter().map(bounds_of).collect();
+    let out = StreetThings::default();
+    let mut furnisher = Furnisher { placer, taken, ways, parked, walkways, walkway_bounds, out };
     for (i, lined) in streets.lined.iter().enumerate() {
         let style = &streets.styles[lined.frontage];
         let mut s = key.indexed("things/plot", i as u64);
@@ -134,6 +144,11 @@ pub(super) fn place(
         let plots: Vec<&Plot> =
             streets.lined.iter().filter(|l| l.frontage == i && !l.is_cleared).map(|l| &l.plot).collect();
         let mut s = key.indexed("things/sidewalk", i as u64);
+        if let Some(style) = &streets.styles[i].city {
+            let has_lamps = streets.frontages[..i].iter().all(|f| f.road != frontage.road);
+            let mut s = key.indexed("things/city", i as u64);
+            city::furnish(&mut furnisher, frontage, style, &plots, has_lamps, &mut s);
+        }
         sidewalk::furnish(&mut furnisher, frontage, &streets.styles[i], &plots, clutter, &mut s);
     }
     furnisher.out
@@ -227,7 +242,10 @@ impl Furnisher<'_, '_> {
         let is_near = |p: DVec2, within_m: f64| (p - rect.center).length() < within_m;
         let near: Vec<OrientedRect> =
             self.out.obstacles.iter().map(Obstacle::rect).filter(|o| is_near(o.center, reach_m + 4.0)).collect();
-        let places = self.walkways.iter().flat_map(|w| w.center.windows(2).map(move |pair| (w.width_m, pair)));
+        let is_about =
+            |(low, high): &(DVec2, DVec2)| (rect.center.clamp(*low, *high) - rect.center).length() < reach_m + 2.0;
+        let about = self.walkways.iter().zip(&self.walkway_bounds).filter(|(_, bounds)| is_about(bounds));
+        let places = about.flat_map(|(w, _)| w.center.windows(2).map(move |pair| (w.width_m, pair)));
         let mut places = places.filter(|(_, pair)| is_near(pair[0].truncate(), reach_m + 2.0));
         places.all(|(width_m, pair)| {
             let (from, to) = (pair[0].truncate(), pair[1].truncate());

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::super::frontage::{Frontage, right_of};
-use super::super::plots::Plot;
+use super::super::plot::Plot;
 use super::super::street_style::{Boundary, StreetStyle};
 use super::{EdgePlace, Furnisher};
 use crate::assets::scenery::materials::guard_rail_palette;
@@ -135,7 +135,7 @@ fn bench(f: &mut Furnisher, frontage: &Frontage, at_m: f64, s: &mut Stream) {
 }
 
 /// Tables with two chairs each, along the wall.
-fn cafe(f: &mut Furnisher, frontage: &Frontage, at_m: f64, s: &mut Stream) {
+pub(super) fn cafe(f: &mut Furnisher, frontage: &Frontage, at_m: f64, s: &mut Stream) {
     let (variant, chair_colors) = (s.below(THING_VARIANTS), thing_palette(ThingKind::CafeChair, s));
     let has_parasols = s.chance(0.5);
     for k in 0..2 + s.below(4) {
@@ -185,7 +185,7 @@ fn bollards(f: &mut Furnisher, frontage: &Frontage, at_m: f64, s: &mut Stream) {
     }
 }
 
-/// Traffic lights where a main road ends at a junction, and a guard rail where nobody lives.
+/// Delineators and a guard rail where nobody lives.
 fn main_road(f: &mut Furnisher, frontage: &Frontage, plots: &[&Plot], s: &mut Stream) {
     let length_m = frontage.length_m();
     let put = |f: &mut Furnisher, model: &SceneryModel, at_m: f64, facing: DVec2| {
@@ -196,9 +196,9 @@ fn main_road(f: &mut Furnisher, frontage: &Frontage, plots: &[&Plot], s: &mut St
             f.taken.take(rect);
         }
     };
+    // Lights stand where they rule; these draws are kept so that those after them stay.
     if s.chance(0.65) {
-        let light = pole(PoleKind::TrafficLight, s.below(6));
-        put(f, &light, length_m - 1.8, -frontage.along(length_m - 1.8));
+        let _ = s.below(6);
     }
     let is_built = plots.iter().any(|p| p.house.is_some());
     if !is_built && s.chance(0.4) {

@@ -3,6 +3,7 @@
 use super::super::frontage::frontages;
 use super::super::occupancy::Site;
 use super::super::props::place_props;
+use super::super::signals::Signals;
 use super::super::{
     Ground, GroundKind, PropConfig, RoadNetwork, SuburbConfig, generate_suburb, parking_spots, walkways,
 };
@@ -25,7 +26,14 @@ fn placed(seed: u64, clutter: f64) -> Placed {
     let ground = Ground::new(&network).unwrap();
     let parking = parking_spots(&network, &ground, &key);
     let walks = walkways(&ground);
-    let props = place_props(&key, &network, &ground, &parking, &walks, &PropConfig { clutter, ..Default::default() });
+    let props = place_props(
+        &key,
+        (&network, &mut Signals::default()),
+        &ground,
+        &parking,
+        &walks,
+        &PropConfig { clutter, ..Default::default() },
+    );
     Placed { network, ground, parking, props }
 }
 

@@ -7,7 +7,7 @@ use crate::world::appearance::Appearance;
 use crate::world::body::Body;
 use crate::world::footprint::Footprint;
 use crate::world::physics::Physics;
-use crate::world::route::Roads;
+use crate::world::roads::Roads;
 use crate::world::slot::Slot;
 use crate::world::streets::Streets;
 use crate::world::surroundings::Surroundings;

@@ -1,14 +1,21 @@
-//! Where people cross a road, and when.
+//! Where people cross a road, and when: where it is free, or on fords when their light is green.
 
 use super::avoidance::SHOULDER_M;
 use super::motion::Motion;
 use crate::math::{DVec2, DVec3};
+use crate::town::Over;
+use crate::world::physics::DT_S;
 use crate::world::streets::Streets;
 use crate::world::surroundings::Surroundings;
 
 /// Gap in traffic, in seconds before the car arrives, that people accept beyond the time they need.
 const MARGIN_S: f64 = 2.0;
 pub(super) const CROSSING_MPS: f64 = 1.5;
+/// Vehicles farther away do not matter on a ford; slower ones stand, or let pass; others stop so hard after so long.
+const FAR_M: f64 = 40.0;
+const SLOW_MPS: f64 = 0.3;
+const FIRM_MPS2: f64 = 3.0;
+const REACTION_S: f64 = 0.6;
 
 /// The wait before crossing straight over from a place of a walkway: to a sidewalk with a driving lane between and nothing
 /// parked in the way.
@@ -23,6 +30,9 @@ pub(super) fn way_across(
     let from = position.truncate();
     [spot.tangent.perp(), -spot.tangent.perp()].into_iter().find_map(|across| {
         let (other, other_s_m, to) = streets.sidewalks.opposite(walkway, from, across)?;
+        if streets.roads.signals().over(from, to) == Over::Nowhere {
+            return None;
+        }
         let way = |t: f64| from.lerp(to, t);
         let is_clear = (0..=20)
             .map(|k| way(f64::from(k) / 20.0))
@@ -34,14 +44,47 @@ pub(super) fn way_across(
     })
 }
 
-/// Whether no vehicle will be on the way across before one is over.
-pub(super) fn is_free_to_cross(from: DVec2, to: DVec2, around: &Surroundings) -> bool {
-    let need_s = (to - from).length() / CROSSING_MPS + MARGIN_S;
+/// Whether one may step off the curb: on a ford when it is green and nobody comes who could not stop, on a zebra crossing
+/// when nobody comes who could not stop, elsewhere when no vehicle will be on the way.
+pub(super) fn may_start(from: DVec2, to: DVec2, around: &Surroundings, streets: &Streets, step: u64) -> bool {
+    let signals = streets.roads.signals();
+    match signals.over(from, to) {
+        Over::Ford(ford) => signals.may_walk(ford, step as f64 * DT_S) && is_let_over(from, to, around),
+        Over::Zebra => is_let_over(from, to, around),
+        Over::Anywhere | Over::Nowhere => is_free_to_cross(from, to, around),
+    }
+}
+
+fn distance_to_way(from: DVec2, to: DVec2, p: DVec2) -> f64 {
     let way = to - from;
-    let distance_to_way = |p: DVec2| {
-        let t = ((p - from).dot(way) / way.length_squared()).clamp(0.0, 1.0);
-        (from + way * t - p).length()
-    };
+    let t = ((p - from).dot(way) / way.length_squared()).clamp(0.0, 1.0);
+    (from + way * t - p).length()
+}
+
+/// Whether no vehicle is on a ford or so near that it could not stop any more.
+fn is_let_over(from: DVec2, to: DVec2, around: &Surroundings) -> bool {
+    let distance_to_way = |p: DVec2| distance_to_way(from, to, p);
+    around.vehicles.iter().all(|vehicle| {
+        let footprint = &vehicle.footprint;
+        if (footprint.center - from).length() > (to - from).length() + FAR_M {
+            return true;
+        }
+        let nearest = footprint.closest_point(from + (to - from) * 0.5);
+        if distance_to_way(nearest) < 0.6 || distance_to_way(footprint.center) < footprint.half_width_m + 0.6 {
+            return false;
+        }
+        let speed = footprint.velocity.length();
+        let stops_m = speed * REACTION_S + speed * speed / (2.0 * FIRM_MPS2);
+        let ahead = around.way_ahead(vehicle.agent).iter();
+        let onto = ahead.filter(|a| distance_to_way(a.at) < footprint.half_width_m + 0.6);
+        speed < SLOW_MPS || onto.into_iter().all(|a| a.distance_m - footprint.half_length_m > stops_m)
+    })
+}
+
+/// Whether no vehicle will be on the way across before one is over.
+fn is_free_to_cross(from: DVec2, to: DVec2, around: &Surroundings) -> bool {
+    let need_s = (to - from).length() / CROSSING_MPS + MARGIN_S;
+    let distance_to_way = |p: DVec2| distance_to_way(from, to, p);
     around.vehicles.iter().all(|vehicle| {
         let footprint = &vehicle.footprint;
         let speed = footprint.velocity.length();

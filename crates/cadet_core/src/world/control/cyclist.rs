@@ -11,7 +11,8 @@ use crate::world::appearance::Appearance;
 use crate::world::body::{Body, Step};
 use crate::world::footprint::Footprint;
 use crate::world::physics::{DT_S, Physics};
-use crate::world::route::{Roads, Route};
+use crate::world::roads::Roads;
+use crate::world::route::Route;
 use crate::world::streets::Streets;
 use crate::world::surroundings::Surroundings;
 
@@ -119,7 +120,8 @@ impl Controller for Cyclist {
         let mut ahead = std::mem::take(around.way_ahead_mut(own.slot));
         ahead.clear();
         ahead.extend(in_sight(&self.route, self.speed_mps, roads));
-        let rider = OnRoute { slot: own.slot, footprint: &footprint, route: &self.route, idm: &self.idm };
+        let rider =
+            OnRoute { slot: own.slot, footprint: &footprint, route: &self.route, idm: &self.idm, train_m: None };
         (self.interaction_mps2, self.cause) = worst_hazard(&rider, &ahead, around, roads, step);
         *around.way_ahead_mut(own.slot) = ahead;
     }

@@ -67,7 +67,7 @@ impl Controller for Driver {
             let speed = footprint.velocity.dot(footprint.heading);
             self.desired_mps = self.idm.desired_speed_factor * route.speed_for_bends(speed, 1.5, roads);
             ahead.extend(in_sight(route, speed, roads));
-            let rider = OnRoute { slot: own.slot, footprint: &footprint, route, idm: &self.idm };
+            let rider = OnRoute { slot: own.slot, footprint: &footprint, route, idm: &self.idm, train_m: None };
             (self.interaction_mps2, self.cause) = worst_hazard(&rider, &ahead, around, roads, step);
         }
         *around.way_ahead_mut(own.slot) = ahead;

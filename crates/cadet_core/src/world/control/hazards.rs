@@ -5,7 +5,8 @@ use super::stop_line::{Crossing, stop_line};
 use crate::math::DVec2;
 use crate::world::footprint::Footprint;
 use crate::world::junctions::Refusal;
-use crate::world::route::{Ahead, Roads, Route};
+use crate::world::roads::Roads;
+use crate::world::route::{Ahead, Route};
 use crate::world::slot::Slot;
 use crate::world::surroundings::Surroundings;
 
@@ -40,6 +41,8 @@ pub(super) struct OnRoute<'a> {
     pub footprint: &'a Footprint,
     pub route: &'a Route,
     pub idm: &'a IdmParameters,
+    /// All of a train whose first car this is.
+    pub train_m: Option<f64>,
 }
 
 /// The places ahead on a route that matter at a speed.
@@ -58,7 +61,7 @@ pub(super) fn worst_hazard(
     roads: &Roads,
     step: u64,
 ) -> (f64, Cause) {
-    let OnRoute { slot, footprint: own, route, idm } = *on_route;
+    let OnRoute { slot, footprint: own, route, idm, train_m } = *on_route;
     let speed = own.velocity.dot(own.heading);
     let (low, high) =
         ahead.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), a| (lo.min(a.at), hi.max(a.at)));
@@ -100,7 +103,9 @@ pub(super) fn worst_hazard(
     if end_m < SIGHT_M {
         brake_for(idm.interaction(speed, end_m + 1.0, 0.0), Cause::RoadEnd);
     }
-    let crossing = Crossing { slot, route, speed_mps: speed, half_length_m: own.half_length_m };
+    let (half_length_m, is_tram) = (own.half_length_m, train_m.is_some());
+    let length_m = train_m.unwrap_or(2.0 * half_length_m);
+    let crossing = Crossing { slot, route, speed_mps: speed, half_length_m, length_m, is_tram };
     if let Some((gap_m, refusal)) = stop_line(&crossing, &mut around.junctions, &around.lane_use, roads, step) {
         brake_for(idm.interaction(speed, gap_m, 0.0), Cause::Junction(refusal));
     }

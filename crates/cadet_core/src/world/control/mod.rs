@@ -16,6 +16,7 @@ mod pedestrian;
 mod pursuit;
 mod scripted;
 mod stop_line;
+mod tram;
 
 pub(super) use controller::{Controller, Own};
 pub(super) use cyclist::Cyclist;
@@ -29,3 +30,4 @@ pub(super) use parked::Parked;
 pub(super) use path::TimedPath;
 pub(super) use pedestrian::Pedestrian;
 pub(super) use scripted::{PERSON_HALF_CHORD_M, Scripted};
+pub(super) use tram::{Coupled, Train, TramCar};

@@ -3,7 +3,7 @@
 use crate::math::DVec2;
 use crate::world::body::Upright;
 use crate::world::footprint::Footprint;
-use crate::world::route::Roads;
+use crate::world::roads::Roads;
 
 /// Half the width and length of a person with some room.
 const ROOM_M: f64 = 0.5;

@@ -2,7 +2,7 @@
 
 use super::avoidance::{OnWalkway, free_line};
 use super::controller::{Controller, Own};
-use super::crossing::{CROSSING_MPS, is_free_to_cross, way_across};
+use super::crossing::{CROSSING_MPS, may_start, way_across};
 use super::footing::Nearby;
 use super::motion::{Company, Motion, Walk};
 use super::on_road::{is_on_road, keep_off};
@@ -12,7 +12,7 @@ use crate::world::appearance::Appearance;
 use crate::world::body::Body;
 use crate::world::footprint::Footprint;
 use crate::world::physics::{DT_S, Physics};
-use crate::world::route::Roads;
+use crate::world::roads::Roads;
 use crate::world::sidewalk::Sidewalks;
 use crate::world::slot::Slot;
 use crate::world::streets::Streets;
@@ -38,6 +38,8 @@ const HELD_S: f64 = 1.2;
 const BLOCKED_S: f64 = 2.5;
 /// A car slower than this stands.
 const STANDS_MPS: f64 = 0.3;
+/// So much of the way over a zebra crossing is kept free ahead of somebody.
+const ZEBRA_LEAD_M: f64 = 6.0;
 /// At the far curb among others one is over the road here.
 const OVER_M: f64 = 0.8;
 /// Seconds between two looks.
@@ -195,7 +197,7 @@ impl Pedestrian {
 }
 
 impl Controller for Pedestrian {
-    fn look(&mut self, own: Own<'_>, around: &mut Surroundings, streets: &Streets, _step: u64) {
+    fn look(&mut self, own: Own<'_>, around: &mut Surroundings, streets: &Streets, step: u64) {
         let (Body::Upright(body), Appearance::Person { model, .. }) = (own.body, own.appearance) else { return };
         self.nearby.look(own.slot, body.at(), &around.people, &around.standing);
         match self.motion {
@@ -208,7 +210,7 @@ impl Controller for Pedestrian {
             Motion::Waits { from, to, walkway, s_m } => {
                 let across = (to - from).normalize_or(DVec2::X);
                 body.yaw_rad = math::atan2(across.y, across.x);
-                if is_free_to_cross(from, to, around) {
+                if may_start(from, to, around, streets, step) {
                     self.pace = 1.0;
                     self.motion = Motion::Crosses { to, walkway, s_m };
                 }
@@ -281,7 +283,12 @@ impl Controller for Pedestrian {
     fn on_road(&self, body: &Body, roads: &Roads) -> Option<Footprint> {
         let Body::Upright(body) = body else { return None };
         match self.motion {
-            Motion::Crosses { .. } => Some(keep_off(body, 1.5 * CROSSING_MPS)),
+            Motion::Crosses { to, .. } => {
+                // Drivers let pass who is on a zebra crossing, and not only out of their own way.
+                let is_let_over = roads.signals().is_on_zebra(body.at());
+                let whole_m = (to - body.at()).length().min(ZEBRA_LEAD_M);
+                Some(keep_off(body, if is_let_over { whole_m } else { 1.5 * CROSSING_MPS }))
+            }
             Motion::Stands => is_on_road(body, body.at(), roads).then(|| keep_off(body, 0.0)),
             Motion::Walks { .. } | Motion::Waits { .. } => None,
         }

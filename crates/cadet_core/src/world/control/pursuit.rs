@@ -1,7 +1,8 @@
 //! The steering wheel: pure pursuit of the route.
 
 use crate::math::{self, DVec2};
-use crate::world::route::{Roads, Route};
+use crate::world::roads::Roads;
+use crate::world::route::Route;
 
 /// Longer than any car's or van's.
 const LONG_WHEELBASE_M: f64 = 4.4;

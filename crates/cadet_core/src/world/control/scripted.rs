@@ -8,7 +8,8 @@ use crate::world::appearance::Appearance;
 use crate::world::body::{Body, Step};
 use crate::world::footprint::Footprint;
 use crate::world::physics::{DT_S, Physics};
-use crate::world::route::{Ahead, Roads};
+use crate::world::roads::Roads;
+use crate::world::route::Ahead;
 use crate::world::streets::Streets;
 use crate::world::surroundings::Surroundings;
 

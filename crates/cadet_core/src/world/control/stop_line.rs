@@ -1,17 +1,29 @@
 //! Where a driver stops before a junction, and asks for the way across it.
 
 use super::idm::COMFORTABLE_MPS2;
-use crate::math::DVec3;
-use crate::town::LaneId;
-use crate::world::junctions::{Junctions, Refusal};
+use crate::math::{self, DVec3};
+use crate::town::{Aspect, Lane, LaneId, STOP_LINE_M as PAINTED_M};
+use crate::world::junctions::{Junctions, Refusal, Request};
 use crate::world::lane_use::LaneUse;
-use crate::world::route::{Roads, Route};
+use crate::world::physics::DT_S;
+use crate::world::roads::Roads;
+use crate::world::route::Route;
 use crate::world::slot::{EGO, Slot};
 
 /// Where the front bumper stops before a junction's first point: out of the sweep of those who turn in.
 const STOP_LINE_M: f64 = 3.3;
-/// The ego asks for its way across a junction this much earlier than others do.
+/// The same before the line of a light.
+const LIGHT_LINE_M: f64 = PAINTED_M.1 + 0.9;
+/// Whose front is so far over that, a light does not hold any more: the painted line is farther yet.
+const OVER_LINE_M: f64 = -0.7;
+/// Lights are heeded from so much before one has to brake.
+const SEES_LIGHT_M: f64 = 12.0;
+/// How hard drivers brake at most when a light turns yellow, and when it is red.
+const YELLOW_MPS2: f64 = 3.0;
+const RED_MPS2: f64 = 6.5;
+/// The ego, and a tram, ask for their way across a junction this much earlier than others do.
 const EGO_ASKS_EARLIER_M: f64 = 20.0;
+const TRAM_ASKS_EARLIER_M: f64 = 25.0;
 
 /// Who wants to cross.
 pub(super) struct Crossing<'a> {
@@ -19,6 +31,10 @@ pub(super) struct Crossing<'a> {
     pub route: &'a Route,
     pub speed_mps: f64,
     pub half_length_m: f64,
+    /// All of a train; as long as the vehicle otherwise.
+    pub length_m: f64,
+    /// Whether it is a tram, which all others let go first.
+    pub is_tram: bool,
 }
 
 /// Follows a body along its route, and gives back what its tail has cleared of junctions.
@@ -43,21 +59,26 @@ pub(super) fn stop_line(
     roads: &Roads,
     step: u64,
 ) -> Option<(f64, Refusal)> {
-    let Crossing { slot, route, speed_mps, half_length_m } = *own;
-    let mut start_m = -route.s_m;
-    let mut k = 0;
-    for (i, id) in route.lanes.iter().enumerate() {
-        if i > 0 && roads.lane(*id).junction.is_some() && !junctions.holds(slot, *id) {
-            k = i;
-            break;
-        }
-        start_m += roads.lane(*id).length_m();
+    let Crossing { slot, route, speed_mps, half_length_m, length_m, is_tram } = *own;
+    if let Some(gap_m) = stop_at_light(own, junctions, roads, step) {
+        return Some((gap_m, Refusal::Light));
     }
-    let front_m = start_m - half_length_m - STOP_LINE_M;
-    let early_m = if slot == EGO { EGO_ASKS_EARLIER_M } else { 0.0 };
+    let (k, start_m) = next_junction(route, roads, &|id| !junctions.holds(slot, id))?;
+    let before = route.lanes[k - 1];
+    let is_held_by_light = roads.signals().arm_of(before).is_some();
+    let has_ford = is_held_by_light || roads.signals().has_zebra(before);
+    // Fords are kept free. Who is over the line before one waits at the junction itself.
+    let at_light_m = start_m - half_length_m - LIGHT_LINE_M;
+    let line_m = if has_ford && at_light_m > OVER_LINE_M { LIGHT_LINE_M } else { STOP_LINE_M };
+    let front_m = start_m - half_length_m - line_m;
+    let early_m = match (slot, is_tram) {
+        (EGO, _) => EGO_ASKS_EARLIER_M,
+        (_, true) => TRAM_ASKS_EARLIER_M,
+        _ => 0.0,
+    };
     let zone_m = speed_mps * speed_mps / (2.0 * COMFORTABLE_MPS2) + 0.5 * speed_mps.max(0.0) + 6.0 + early_m;
     // Over the line there is no stopping any more.
-    if k == 0 || front_m > zone_m || front_m < -STOP_LINE_M - 0.5 {
+    if front_m > zone_m || front_m < -STOP_LINE_M - 0.5 {
         return None;
     }
     // Not before those ahead of us.
@@ -67,10 +88,58 @@ pub(super) fn stop_line(
     if route.lanes.iter().take(k).enumerate().any(|(i, l)| is_behind_others(*l, i == 0)) {
         return Some((front_m + 1.5, Refusal::NotFirst));
     }
-    let chain: Vec<LaneId> =
-        route.lanes.iter().skip(k).copied().take_while(|l| roads.lane(*l).junction.is_some()).collect();
+    let chain = chain(route, k, roads);
     let exit = route.lanes.get(k + chain.len()).copied().unwrap_or(chain[chain.len() - 1]);
-    let room_m = 2.0 * half_length_m + 2.5;
+    let room_m = length_m + 2.5;
     let exit_free = lane_use.room_m(exit, slot) - junctions.promised_m(slot, exit) >= room_m;
-    junctions.request(slot, &chain, exit, room_m, exit_free, step).err().map(|refusal| (front_m + 1.5, refusal))
+    let lets_pass = is_held_by_light && turns_left(roads.lane(chain[0]));
+    let asked = Request { car: slot, lanes: &chain, exit, room_m, exit_free, lets_pass, has_priority: is_tram };
+    junctions.request(&asked, step).err().map(|refusal| (front_m + 1.5, refusal))
+}
+
+/// The first lane of a route that crosses a junction and `counts`: its place on the route, and how far ahead it begins.
+fn next_junction(route: &Route, roads: &Roads, counts: &dyn Fn(LaneId) -> bool) -> Option<(usize, f64)> {
+    let mut start_m = -route.s_m;
+    for (i, id) in route.lanes.iter().enumerate() {
+        if i > 0 && roads.lane(*id).junction.is_some() && counts(*id) {
+            return Some((i, start_m));
+        }
+        start_m += roads.lane(*id).length_m();
+    }
+    None
+}
+
+/// The lanes across the junction that begins at the `k`-th of a route.
+fn chain(route: &Route, k: usize, roads: &Roads) -> Vec<LaneId> {
+    route.lanes.iter().skip(k).copied().take_while(|l| roads.lane(*l).junction.is_some()).collect()
+}
+
+/// The gap to the line of a light at which we stop. What was ours of the junction is given back.
+fn stop_at_light(own: &Crossing<'_>, junctions: &mut Junctions, roads: &Roads, step: u64) -> Option<f64> {
+    let Crossing { slot, route, speed_mps, half_length_m, .. } = *own;
+    let (k, start_m) = next_junction(route, roads, &|_| true)?;
+    let aspect = roads.signals().aspect(route.lanes[k - 1], step as f64 * DT_S)?;
+    let front_m = start_m - half_length_m - LIGHT_LINE_M;
+    let braking_m = speed_mps.max(0.0) * speed_mps.max(0.0) / 2.0;
+    let seen_m = braking_m / COMFORTABLE_MPS2 + speed_mps.max(0.0) + SEES_LIGHT_M;
+    if aspect == Aspect::Green || front_m < OVER_LINE_M || front_m > seen_m {
+        return None;
+    }
+    let is_ours = junctions.holds(slot, route.lanes[k]);
+    // On yellow those go on who could stop only hard; on red nobody does who has not got past stopping at all.
+    let hardest_mps2 = if aspect == Aspect::Yellow { YELLOW_MPS2 } else { RED_MPS2 };
+    if is_ours && braking_m > hardest_mps2 * (front_m + 0.5).max(0.1) {
+        return None;
+    }
+    if is_ours {
+        junctions.renounce(slot, &chain(route, k, roads));
+    }
+    Some(front_m + 1.5)
+}
+
+/// Whether a lane across a junction turns left.
+fn turns_left(lane: &Lane) -> bool {
+    let c = &lane.center;
+    let (a, b) = ((c[1] - c[0]).truncate(), (c[c.len() - 1] - c[c.len() - 2]).truncate());
+    math::atan2(a.perp_dot(b), a.dot(b)) > 0.6
 }

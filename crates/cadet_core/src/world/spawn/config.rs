@@ -8,7 +8,7 @@ use crate::settings::settings;
 /// Shares of cars and vans among driven vehicles that are no trucks.
 pub(super) const DRIVEN_MIX: [(ObjectClass, f64); 2] = [(ObjectClass::Car, 0.91), (ObjectClass::Van, 0.09)];
 /// Share of trucks among driven vehicles where the streets have room for them.
-pub(super) const DRIVEN_TRUCKS: f64 = 0.24;
+pub(super) const DRIVEN_TRUCKS: f64 = 0.17;
 /// Shares of all classes among a user's own.
 pub(super) const DRIVEN_USER_MIX: [(ObjectClass, f64); 3] =
     [(ObjectClass::Car, 0.87), (ObjectClass::Van, 0.09), (ObjectClass::Truck, 0.04)];
@@ -32,6 +32,8 @@ settings! {
         num_pedestrians: usize = 24, 0 to 500;
         /// Cyclists kept around the ego.
         num_cyclists: usize = 0, 0 to 200;
+        /// Trams kept around the ego, where there are tracks.
+        num_trams: usize = 0, 0 to 20;
         /// Mean fraction of the parking places along the ego's way that are taken; it varies from street to street, and
         /// side streets and drives are fuller: its power of 0.35.
         parking_occupancy: f64 = 0.6, 0 to 1;

@@ -12,7 +12,8 @@ use crate::world::arena::Newcomer;
 use crate::world::body::stand_up;
 use crate::world::control::Cyclist;
 use crate::world::footprint::Footprint;
-use crate::world::route::{Roads, Route};
+use crate::world::roads::Roads;
+use crate::world::route::Route;
 use crate::world::slot::Slot;
 
 /// How likely straight on is for a cyclist against turning off.
@@ -20,6 +21,9 @@ const STRAIGHT: f64 = 1.5;
 /// How likely somebody rides behind the last who came, and how far behind.
 const COMPANY_SHARE: f64 = 0.35;
 const BEHIND_M: (f64, f64) = (3.2, 7.0);
+/// How far from a junction newcomers could stop; before the line of a light it is farther.
+const BEFORE_JUNCTION_M: f64 = 6.0;
+const BEFORE_LIGHT_M: f64 = 12.0;
 /// How likely a lane on the ego's way is in comparison with others, and one on which one rides toward the ego.
 const ON_EGO_WAY: f64 = 0.15;
 const TOWARD_EGO: f64 = 3.0;
@@ -113,7 +117,8 @@ impl Spawner<'_> {
         }
         // As fast as still allows a stop before the junction.
         let free_m = roads.lane(lane).length_m() - s_m;
-        let stop_mps = (2.0 * (free_m - 6.0).max(0.0)).sqrt();
+        let before_m = if roads.signals().arm_of(lane).is_some() { BEFORE_LIGHT_M } else { BEFORE_JUNCTION_M };
+        let stop_mps = (2.0 * (free_m - before_m).max(0.0)).sqrt();
         let speed_mps = cyclist.route.speed_for_bends(5.0, 1.5, roads).min(stop_mps).min(4.5);
         cyclist.start(speed_mps);
         let yaw_rad = math::atan2(here.tangent.y, here.tangent.x);

@@ -1,5 +1,6 @@
 //! Driven cars: at random free places of lanes.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::config::{DRIVEN_MIX, DRIVEN_TRUCKS, DRIVEN_USER_MIX};
@@ -15,10 +16,16 @@ use crate::world::body::{Chassis, settle};
 use crate::world::control::IdmParameters;
 use crate::world::footprint::Footprint;
 use crate::world::physics::Physics;
+use crate::world::roads::Roads;
 use crate::world::room::Needs;
-use crate::world::route::{CAR_STRAIGHT, LONG_STRAIGHT, Roads, Route};
+use crate::world::route::{CAR_STRAIGHT, LONG_STRAIGHT, Route};
 use crate::world::slot::Slot;
 
+/// How far from a junction, or from who is ahead, newcomers could stop; before the line of a light it is farther.
+const BEFORE_JUNCTION_M: f64 = 8.0;
+const BEFORE_LIGHT_M: f64 = 15.0;
+/// Nobody starts with the front so far from a lit junction: on the line, neither before nor over it.
+const ON_LINE_M: Range<f64> = 4.0..7.5;
 /// Trucks take bends, and streets, at this share of a car's speed.
 const TRUCKS_SLOWER: f64 = 0.85;
 /// A newcomer that needs room has it for so long a way.
@@ -131,6 +138,10 @@ impl Spawner<'_> {
             let lane = roads.lane(lane_id);
             let s_m = s_m + stream.range(0.0, 3.5);
             let offset_m = stream.clipped_normal(0.0, 0.1);
+            let is_lit = roads.signals().arm_of(lane_id).is_some();
+            if is_lit && ON_LINE_M.contains(&(lane.length_m() - s_m - half_m)) {
+                continue;
+            }
             let seed = self.key.indexed("car route", stream.next_u64());
             let route = Route::with_needs(lane_id, s_m, offset_m, straight, needs, seed, roads);
             let here = route.ahead(0.0, roads);
@@ -159,7 +170,8 @@ impl Spawner<'_> {
                 .map(|(_, f)| (f.center - here.at).dot(here.tangent))
                 .filter(|d| *d > 0.0)
                 .fold(lane.length_m() - s_m, f64::min);
-            let stop = (2.0 * 1.5 * (free_m - half_m - 8.0).max(0.0)).sqrt();
+            let before_m = if is_lit { BEFORE_LIGHT_M } else { BEFORE_JUNCTION_M };
+            let stop = (2.0 * 1.5 * (free_m - half_m - before_m).max(0.0)).sqrt();
             let speed = (0.9 * route.speed_for_bends(8.0, 1.5, roads)).min(stop);
             let mut idm = IdmParameters::draw(stream);
             if needs.is_some() {

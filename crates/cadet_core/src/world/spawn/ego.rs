@@ -1,5 +1,6 @@
 //! The ego: its measures and where it starts.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::driven::chassis_on;
@@ -11,7 +12,7 @@ use crate::geometry::{Bounds, LodSet, MeshBuilder};
 use crate::material::{Material, Palette, Pattern, Semantic};
 use crate::math::{DVec3, Vec3};
 use crate::rng::StreamKey;
-use crate::town::{LaneId, Town};
+use crate::town::{LaneId, LaneKind, Town};
 use crate::world::arena::{Arena, Newcomer};
 use crate::world::body::{Chassis, settle};
 use crate::world::control::IdmParameters;
@@ -43,6 +44,10 @@ fn ego_model() -> VehicleModel {
     }
 }
 
+/// How much likelier the ego starts on a street with tracks than on another: KITTI was recorded along the tram lines of
+/// Karlsruhe more often than across them.
+const BESIDE_TRACKS: f64 = 6.0;
+
 /// The ego on a lane from which it can drive far, or in the middle of the ground where there is no lane.
 ///
 /// # Errors
@@ -55,7 +60,12 @@ pub(crate) fn place_ego(arena: &mut Arena, town: &Town, key: StreamKey) -> Resul
     let mut lanes: Vec<LaneId> = roads.open_lanes().filter(|l| l.length_m() > 16.0).map(|l| l.id).collect();
     let farthest = lanes.iter().map(|l| roads.reach_m(*l)).fold(0.0, f64::max);
     lanes.retain(|l| roads.reach_m(*l) >= farthest.min(350.0));
-    let weights: Vec<f64> = lanes.iter().map(|l| roads.lane(*l).length_m()).collect();
+    let with_tracks: BTreeSet<_> = roads.lanes().iter().filter(|l| l.kind == LaneKind::Tram).map(|l| l.road).collect();
+    let weight = |id: &LaneId| {
+        let lane = roads.lane(*id);
+        lane.length_m() * if with_tracks.contains(&lane.road) { BESIDE_TRACKS } else { 1.0 }
+    };
+    let weights: Vec<f64> = lanes.iter().map(weight).collect();
     let idm = IdmParameters::draw_of_ego(&mut key.stream("ego habits"));
     for _ in 0..50 {
         if lanes.is_empty() {

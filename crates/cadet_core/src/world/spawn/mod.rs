@@ -13,6 +13,7 @@ mod placed;
 mod seated;
 mod spawner;
 mod traffic;
+mod trams;
 
 pub use config::TrafficConfig;
 

@@ -7,12 +7,12 @@ use crate::assets::cyclist::CyclistModel;
 use crate::assets::person::PersonModel;
 use crate::assets::vehicle::VehicleModel;
 use crate::error::{Error, Result, finite};
-use crate::math::{DPose3, DVec2, DVec3};
+use crate::math::{self, DPose3, DVec2, DVec3};
 use crate::rng::Stream;
 use crate::world::appearance::Appearance;
 use crate::world::arena::{Arena, Newcomer};
 use crate::world::body::{Body, Chassis, Cycle, Fixed, Guided, Upright, settle};
-use crate::world::control::{Controller, Driver, IdmParameters, Parked, Pedestrian, Scripted};
+use crate::world::control::{Controller, Driver, IdmParameters, Parked, Pedestrian, Scripted, TramCar};
 use crate::world::ride::Ride;
 use crate::world::route::Route;
 
@@ -62,6 +62,30 @@ pub(super) fn guided_vehicle(arena: &mut Arena, model: Arc<VehicleModel>, script
         class: model.class,
         body: Body::Guided(Box::new(body)),
         controller: Box::new(script),
+        appearance: Appearance::Vehicle { model, is_driven: true },
+        is_placed: false,
+    })
+}
+
+/// A car of a tram at a place of its track, heading along it.
+///
+/// # Errors
+/// As [`settle`].
+pub(super) fn tram_car(
+    arena: &mut Arena,
+    model: Arc<VehicleModel>,
+    (at, heading): (DVec2, DVec2),
+    speed_mps: f64,
+    controller: TramCar,
+) -> Result<Newcomer> {
+    let yaw_rad = math::atan2(heading.y, heading.x);
+    let settled = settle(&arena.physics, &model, at.x, at.y, yaw_rad)?;
+    let velocity = heading * speed_mps;
+    let body = Guided::new(&mut arena.physics, Arc::clone(&model), settled, yaw_rad, velocity);
+    Ok(Newcomer {
+        class: model.class,
+        body: Body::Guided(Box::new(body)),
+        controller: Box::new(controller),
         appearance: Appearance::Vehicle { model, is_driven: true },
         is_placed: false,
     })

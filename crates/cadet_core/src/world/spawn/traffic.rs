@@ -28,8 +28,8 @@ const CORNER_AHEAD_M: f64 = 35.0;
 /// A car that has stood this long somewhere out of sight is stuck.
 const STUCK_STEPS: u64 = 60 * 45;
 
-/// Fills a world: parked cars, then driven ones, then people on foot, then cyclists, then people who sit. To be called once,
-/// before the first step.
+/// Fills a world: parked cars, then driven ones, then people on foot, then cyclists, then people who sit,
+/// then trams. To be called once, before the first step.
 ///
 /// # Errors
 /// [`crate::Error::OutOfRange`] for a configuration that makes no sense.
@@ -44,6 +44,7 @@ pub(crate) fn fill(spawner: &mut Spawner<'_>, town: &Town) -> Result<()> {
     add(spawner, "people", config.num_pedestrians, (WALKER_STARTS_M, walker_m), Spawner::new_walker);
     add(spawner, "cyclists", config.num_cyclists, (CYCLIST_STARTS_M, cyclist_m), Spawner::new_cyclist);
     spawner.seat_people(town);
+    spawner.fill_tracks();
     Ok(())
 }
 
@@ -55,6 +56,7 @@ pub(crate) fn renew(spawner: &mut Spawner<'_>, respawns: &mut u64) {
     replace(spawner, "new people", respawns, &gone, WALKER_APPEARS_M, Spawner::new_walker);
     let gone = gone_cyclists(spawner);
     replace(spawner, "new cyclists", respawns, &gone, CYCLIST_APPEARS_M, Spawner::new_cyclist);
+    spawner.renew_trams(respawns);
 }
 
 /// Makes somebody for a slot, between two distances from the ego, hidden from it or not; `None` where there is no place.

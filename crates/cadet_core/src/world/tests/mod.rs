@@ -7,7 +7,9 @@ mod main_roads;
 mod placed;
 mod scripted;
 mod seated;
+mod signals;
 mod towns;
+mod trams;
 mod trucks;
 
 use std::sync::Arc;
@@ -17,8 +19,8 @@ use super::appearance::Appearance;
 use super::body::Body;
 use super::control::{Driver, Motion, Pedestrian};
 use super::footprint::Footprint;
-use super::junctions::Junctions;
-use super::route::Roads;
+use super::junctions::{Junctions, Refusal, Request};
+use super::roads::Roads;
 use super::{Course, ModelChoice, Overlap, TrafficConfig, Waypoint, World};
 use crate::actor::ObjectClass;
 use crate::error::{Error, Result};
@@ -308,7 +310,6 @@ fn what_makes_no_sense_is_refused() {
     let is_scene = |r: Result<i32>| matches!(r, Err(Error::Scene { .. }));
     assert!(is_scene(add(&mut world, ObjectClass::Car, 1e4, 0.0, 0.0, 0)));
     assert!(is_scene(add(&mut world, ObjectClass::Pedestrian, 1e4, 0.0, 0.0, 0)));
-    assert!(is_scene(add(&mut world, ObjectClass::Tram, 0.0, 0.0, 0.0, 0)));
     assert!(matches!(add(&mut world, ObjectClass::Car, f64::NAN, 0.0, 0.0, 0), Err(Error::NotFinite { .. })));
     assert!(world.move_ego(0.0, f64::INFINITY, 0.0, Overlap::Refuse).is_err());
     assert!(world.drive(-1.0, 2.0).is_err());

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::math::{self, DVec2, DVec3, TAU, Vec3};
 use crate::rng::StreamKey;
-use crate::town::{Ground, Lane, LaneId, LaneKind, RoadNetwork, Town, Walkway};
+use crate::town::{Ground, Lane, LaneId, LaneKind, LaneSurface, RoadNetwork, Town, Walkway};
 
 /// A grid of ground over [-half, half]² with height `z(x, y)`.
 pub(crate) fn ground(half_m: f64, step_m: f64, z: &dyn Fn(f64, f64) -> f64) -> Ground {
@@ -45,6 +45,7 @@ pub(crate) fn lane(
     network.lanes.push(Lane {
         id,
         kind: LaneKind::Driving,
+        surface: LaneSurface::Usual,
         width_m: vec![3.0; center.len()],
         center,
         s_m,
@@ -86,6 +87,7 @@ pub(crate) fn town(network: RoadNetwork, ground: Ground, walkways: Vec<Walkway>)
         walkways,
         obstacles: Vec::new(),
         seats: Vec::new(),
+        signals: crate::town::Signals::default(),
         map_warnings: Vec::new(),
     })
 }
@@ -178,6 +180,14 @@ pub(crate) fn suburb(seed: u64) -> Arc<Town> {
 pub(crate) fn main_roads(seed: u64) -> Arc<Town> {
     let key = StreamKey::scene(seed);
     let config = crate::town::SuburbConfig { blocks: (2, 2), main_share: 1.0, ..Default::default() };
+    furnished(&key, crate::town::generate_suburb(&key, &config).expect("a suburb").network)
+}
+
+/// The same, with the tracks of a tram wherever they may be.
+pub(crate) fn tram_roads(seed: u64) -> Arc<Town> {
+    let key = StreamKey::scene(seed);
+    let tracked = crate::town::SuburbConfig { main_share: 1.0, tram_share: 1.0, ..Default::default() };
+    let config = crate::town::SuburbConfig { blocks: (4, 2), block_m: (85.0, 130.0), ..tracked };
     furnished(&key, crate::town::generate_suburb(&key, &config).expect("a suburb").network)
 }
 

@@ -1,6 +1,6 @@
 //! A city bus: long windows, two or three doors on the right, a low floor with seats, and who sits on them.
 
-use super::super::interior::{add_occupant, add_wheel, limb};
+use super::super::interior::{add_occupant, add_seat_pairs, add_wheel, limb};
 use super::super::paint::{slot, work_slot};
 use super::super::surface::{Outward, Surface};
 use super::cab::plate;
@@ -198,28 +198,7 @@ impl Coach {
             vec![Vec3::new(b, 0.0, h.rows[5].0), Vec3::new(b, w, h.rows[5].0)],
         ];
         surface.pair(&back, Outward::Along(Vec3::X), |_, _| Some(slot::CLOTH));
-        for (k, hip) in self.seats().into_iter().enumerate() {
-            let sides = if level == 0 { 6 } else { 4 };
-            if level == 2 && k % 2 == 1 {
-                continue;
-            }
-            surface.block_pair(
-                hip + Vec3::new(-0.2, 0.0, 0.28),
-                Vec3::new(0.05, 0.40, 0.36),
-                Mat3::IDENTITY,
-                sides,
-                slot::CLOTH,
-            );
-            if level < 2 {
-                surface.block_pair(
-                    hip + Vec3::new(0.02, 0.0, -0.08),
-                    Vec3::new(0.22, 0.40, 0.06),
-                    Mat3::IDENTITY,
-                    4,
-                    slot::CLOTH,
-                );
-            }
-        }
+        add_seat_pairs(surface, self.seats(), level);
         if level < 2 {
             for x in &self.pillars {
                 for y in [-0.42, 0.42] {

@@ -7,7 +7,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 
 /// Which face of the shell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Part {
+pub(in super::super) enum Part {
     Front,
     FrontCorner,
     Side,
@@ -17,7 +17,7 @@ pub(super) enum Part {
 
 /// The shape of a shell.
 #[derive(Debug, Clone)]
-pub(super) struct Hull {
+pub(in super::super) struct Hull {
     pub front_x: f32,
     pub rear_x: f32,
     pub half_w: f32,
@@ -37,7 +37,7 @@ pub(super) struct Hull {
 
 /// A column of the left half ring.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Column {
+pub(in super::super) struct Column {
     pub x: f32,
     pub y: f32,
     part: Part,
@@ -45,7 +45,7 @@ pub(super) struct Column {
 
 /// A cell between two columns and two rows, by its middle.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Cell {
+pub(in super::super) struct Cell {
     pub part: Part,
     pub x: f32,
     /// Lateral fraction, 0 in the middle of front or rear.

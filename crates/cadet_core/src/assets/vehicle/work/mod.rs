@@ -28,6 +28,8 @@ use cab::Cab;
 use coach::Coach;
 use plan::{Kind, Plan, TowedPlan};
 
+pub(super) use hull::{Cell, Hull, Part};
+
 /// Length, width and height of the truck or trailer of a seed.
 pub(super) fn size_of_seed(class: ObjectClass, model_seed: u64) -> DVec3 {
     let mut s = Stream::from_seed("vehicle", model_seed);

@@ -8,6 +8,9 @@ use super::cab::plate;
 use super::plan::TowedPlan;
 use crate::math::{Mat3, Quat, Vec3};
 
+/// How high the saddle is, by the height.
+const SEAT: f32 = 0.62;
+
 impl TowedPlan {
     /// Adds a motorbike or a scooter.
     pub(super) fn add_motorbike(&self, surface: &mut Surface, level: usize) {
@@ -26,7 +29,7 @@ impl TowedPlan {
         for y in [0.07, -0.07] {
             limb(surface, Vec3::new(front, y, r), head + Vec3::Y * y, 0.022, 0.026, n, work_slot::ALU);
         }
-        let seat_z = 0.62 * high;
+        let seat_z = SEAT * high;
         let is_scooter = self.detail[0] > 0.55;
         if is_scooter {
             // Leg shield, foot board, body under the saddle.
@@ -51,40 +54,7 @@ impl TowedPlan {
                 slot::PAINT,
             );
         } else {
-            // Engine, tank, frame, exhaust.
-            let middle = 0.5 * (rear + front);
-            surface.block(
-                Vec3::new(middle, 0.0, 0.42),
-                Vec3::new(0.24, 0.17, 0.18),
-                Mat3::IDENTITY,
-                2 * n,
-                work_slot::FRAME,
-            );
-            let tank = Mat3::from_quat(Quat::from_rotation_y(0.12));
-            surface.block(
-                Vec3::new(middle + 0.10, 0.0, seat_z + 0.08),
-                Vec3::new(0.30, 0.14, 0.13),
-                tank,
-                2 * n,
-                slot::PAINT,
-            );
-            limb(surface, head, Vec3::new(rear, 0.0, r + 0.12), 0.05, 0.05, n, work_slot::FRAME);
-            limb(
-                surface,
-                Vec3::new(middle, -0.16, 0.33),
-                Vec3::new(rear - 0.1, -0.20, 0.40),
-                0.045,
-                0.06,
-                n,
-                slot::CHROME,
-            );
-            surface.block(
-                Vec3::new(front - 0.05, 0.0, 2.0 * r + 0.02),
-                Vec3::new(0.24, 0.07, 0.03),
-                Mat3::IDENTITY,
-                n,
-                slot::PAINT,
-            );
+            self.add_engine_and_frame(surface, [rear, front], head, n);
         }
         surface.block(
             Vec3::new(rear + 0.16, 0.0, seat_z),
@@ -155,5 +125,52 @@ impl TowedPlan {
         if level < 3 {
             plate(surface, -half + 0.03, seat_z - 0.22, 0.10, -1.0);
         }
+    }
+    /// Adds all between the axles `[rear, front]` and the steering `head` of a motorbike.
+    fn add_engine_and_frame(&self, surface: &mut Surface, [rear, front]: [f32; 2], head: Vec3, n: usize) {
+        let (r, seat_z, middle) = (self.wheel_radius(), SEAT * self.height, 0.5 * (rear + front));
+        // Crank case, cylinders that lean forward, tank, panels below the saddle, front fender.
+        let case = Vec3::new(0.27, 0.17, 0.15);
+        surface.block(Vec3::new(middle, 0.0, 0.40), case, Mat3::IDENTITY, 2 * n, work_slot::FRAME);
+        let lean = Mat3::from_quat(Quat::from_rotation_y(0.35));
+        let cylinders = Vec3::new(0.13, 0.14, 0.5 * (seat_z - 0.40));
+        surface.block(Vec3::new(middle + 0.13, 0.0, 0.5 * (seat_z + 0.45)), cylinders, lean, 2 * n, work_slot::ALU);
+        let tank = Mat3::from_quat(Quat::from_rotation_y(0.12));
+        surface.block(
+            Vec3::new(middle + 0.10, 0.0, seat_z + 0.07),
+            Vec3::new(0.31, 0.15, 0.13),
+            tank,
+            2 * n,
+            slot::PAINT,
+        );
+        let panel_z = 0.5 * (seat_z + 0.46);
+        let panels = Vec3::new(0.22, 0.12, 0.5 * (seat_z - 0.40));
+        surface.block(Vec3::new(middle - 0.27, 0.0, panel_z), panels, Mat3::IDENTITY, 2 * n, slot::PAINT);
+        let fender = Vec3::new(front - 0.05, 0.0, 2.0 * r + 0.02);
+        surface.block(fender, Vec3::new(0.24, 0.07, 0.03), Mat3::IDENTITY, n, slot::PAINT);
+        // Tubes: over the engine, down before it, and below it on both sides; the swing arm and its springs.
+        let down = Vec3::new(middle + 0.30, 0.0, 0.30);
+        limb(surface, head, Vec3::new(middle - 0.30, 0.0, seat_z - 0.06), 0.045, 0.04, n, work_slot::FRAME);
+        limb(surface, head, down, 0.03, 0.03, n, work_slot::FRAME);
+        for side in [1.0, -1.0] {
+            let at = |x: f32, y: f32, z: f32| Vec3::new(x, side * y, z);
+            limb(surface, down, at(middle - 0.25, 0.12, 0.28), 0.022, 0.022, n, work_slot::FRAME);
+            limb(surface, at(middle - 0.20, 0.10, 0.38), at(rear, 0.10, r), 0.035, 0.028, n, work_slot::ALU);
+            limb(
+                surface,
+                at(rear + 0.05, 0.12, r + 0.04),
+                at(rear + 0.20, 0.12, seat_z - 0.05),
+                0.03,
+                0.03,
+                n,
+                slot::DARK,
+            );
+        }
+        // The exhaust goes down before the engine and back along its right side.
+        let bend = Vec3::new(middle + 0.24, -0.15, 0.30);
+        limb(surface, Vec3::new(middle + 0.22, -0.05, seat_z - 0.18), bend, 0.025, 0.025, n, slot::CHROME);
+        limb(surface, bend, Vec3::new(middle - 0.20, -0.17, 0.28), 0.025, 0.03, n, slot::CHROME);
+        let end = Vec3::new(rear - 0.1, -0.20, 0.40);
+        limb(surface, Vec3::new(middle - 0.20, -0.17, 0.28), end, 0.045, 0.06, n, slot::CHROME);
     }
 }

@@ -1,0 +1,192 @@
+//! The arms of a junction: where their lanes end, how wide they are, and where people cross them.
+
+use crate::math::{self, DVec2, PI};
+use crate::town::network::{Lane, LaneId, LaneKind, RoadNetwork};
+
+/// Where the ford begins and ends before the junction.
+pub(crate) const FORD_M: (f64, f64) = (0.9, 4.3);
+/// Where the stop line of lights begins and ends before the junction.
+pub const STOP_LINE_M: (f64, f64) = (5.3, 5.8);
+/// Beyond the painted ford people still count as on it.
+const FORD_MARGIN_M: f64 = 0.4;
+/// Nobody crosses beside a ford so near to it: before the junction, in the junction, and to the side.
+const NO_CROSSING_M: (f64, f64) = (22.0, 10.0);
+/// Beyond the curbs, where people wait.
+const SIDEWALK_M: f64 = 5.0;
+/// Arms whose directions differ from opposite ones by less than this may go at once.
+const FACING_RAD: f64 = 0.8;
+/// Streets faster than this count as main ones.
+const MAIN_MPS: f64 = 12.0;
+/// Lanes of a road that end so near to each other end at the same junction.
+const ONE_END_M: f64 = 25.0;
+
+/// How people get over a street.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Over {
+    /// There is no ford near by.
+    Anywhere,
+    /// On the ford of an arm: junction and arm.
+    Ford((usize, usize)),
+    /// On a zebra crossing.
+    Zebra,
+    /// Not here: there is a ford a few steps away.
+    Nowhere,
+}
+
+/// A street where it meets a junction.
+#[derive(Debug, Clone)]
+pub struct Arm {
+    /// The lanes that lead into the junction, the rightmost first.
+    pub lanes: Vec<LaneId>,
+    /// The stage of the plan in which they go.
+    pub stage: usize,
+    /// Where the first of the lanes ends.
+    pub at: DVec2,
+    /// Unit vector into the junction.
+    pub along: DVec2,
+    /// From `at` to the curbs: to the left, and, negative, to the right.
+    pub left_m: f64,
+    /// See `left_m`.
+    pub right_m: f64,
+    /// When in the plan's cycle people may start over its ford.
+    pub(super) walk_s: Option<(f64, f64)>,
+    speed_limit_mps: f64,
+}
+
+impl Arm {
+    /// Whether it is a main road.
+    #[must_use]
+    pub fn is_main(&self) -> bool {
+        self.speed_limit_mps > MAIN_MPS
+    }
+
+    /// Length of the way across it.
+    #[must_use]
+    pub fn ford_length_m(&self) -> f64 {
+        self.left_m - self.right_m
+    }
+
+    /// Whether people get over it.
+    #[must_use]
+    pub fn has_ford(&self) -> bool {
+        self.walk_s.is_some()
+    }
+
+    /// Whether two arms lie opposite each other.
+    pub(super) fn faces(&self, other: &Self) -> bool {
+        let apart = math::atan2(self.along.perp_dot(other.along), self.along.dot(other.along)).abs();
+        PI - apart < FACING_RAD
+    }
+
+    /// The place so far before the junction and to the left of the end of the first lane.
+    #[must_use]
+    pub fn place(&self, before_m: f64, left_m: f64) -> DVec2 {
+        self.at - self.along * before_m + self.along.perp() * left_m
+    }
+
+    /// So far before the end of the first lane, and to its left.
+    fn local(&self, p: DVec2) -> (f64, f64) {
+        (-(p - self.at).dot(self.along), (p - self.at).dot(self.along.perp()))
+    }
+
+    /// Whether a way leads from curb to curb where the ford is.
+    pub(super) fn is_over(&self, from: DVec2, to: DVec2) -> bool {
+        let ((a, y_a), (b, y_b)) = (self.local(from), self.local(to));
+        let ford = FORD_M.0 - FORD_MARGIN_M..FORD_M.1 + FORD_MARGIN_M;
+        let is_between = y_a.min(y_b) < self.right_m && y_a.max(y_b) > self.left_m;
+        is_between && self.is_across(y_a) && self.is_across(y_b) && ford.contains(&a) && ford.contains(&b)
+    }
+
+    /// Whether a place is on the ford.
+    pub(super) fn is_on_ford(&self, place: DVec2) -> bool {
+        let (before_m, left_m) = self.local(place);
+        (FORD_M.0 - FORD_MARGIN_M..FORD_M.1 + FORD_MARGIN_M).contains(&before_m)
+            && (self.right_m - 0.5..self.left_m + 0.5).contains(&left_m)
+    }
+
+    fn is_across(&self, left_m: f64) -> bool {
+        left_m > self.right_m - SIDEWALK_M && left_m < self.left_m + SIDEWALK_M
+    }
+
+    /// How people get over this arm with lights: [`Over::Ford`] with zeros on its ford.
+    pub(super) fn over(&self, from: DVec2, to: DVec2) -> Over {
+        let (before_m, left_m) = self.local((from + to) / 2.0);
+        if !(-NO_CROSSING_M.1..NO_CROSSING_M.0).contains(&before_m) || !self.is_across(left_m) {
+            Over::Anywhere
+        } else if self.has_ford() && self.is_over(from, to) {
+            Over::Ford((0, 0))
+        } else {
+            Over::Nowhere
+        }
+    }
+}
+
+/// The arms of a junction, by road.
+pub(in crate::town) fn arms_of(network: &RoadNetwork, junction: u32) -> Vec<Arm> {
+    let leads_in =
+        |l: &&Lane| l.junction.is_none() && l.successors.iter().any(|n| network.lane(*n).junction == Some(junction));
+    let mut arms: Vec<(u32, Arm)> = Vec::new();
+    for lane in network.driving().filter(leads_in) {
+        let (at, along) = end_of(lane);
+        let is_same = |(road, arm): &&mut (u32, Arm)| {
+            *road == lane.road && (arm.at - at).length() < ONE_END_M && arm.along.dot(along) > 0.5
+        };
+        if let Some((_, arm)) = arms.iter_mut().find(is_same) {
+            // The rightmost lane comes first.
+            let is_to_the_right = (at - arm.at).dot(arm.along.perp()) < 0.0;
+            let place = if is_to_the_right { 0 } else { arm.lanes.len() };
+            arm.lanes.insert(place, lane.id);
+            if is_to_the_right {
+                (arm.at, arm.along) = (at, along);
+            }
+            continue;
+        }
+        let arm = Arm {
+            lanes: vec![lane.id],
+            stage: 0,
+            at,
+            along,
+            left_m: 0.0,
+            right_m: 0.0,
+            walk_s: None,
+            speed_limit_mps: lane.speed_limit_mps,
+        };
+        arms.push((lane.road, arm));
+    }
+    arms.into_iter()
+        .map(|(road, mut arm)| {
+            (arm.right_m, arm.left_m) = extent(network, road, &arm);
+            arm
+        })
+        .collect()
+}
+
+/// Where a lane ends in the plane, and which way it leads there.
+fn end_of(lane: &Lane) -> (DVec2, DVec2) {
+    let n = lane.center.len();
+    let (a, b) = (lane.center[n - 2].truncate(), lane.center[n - 1].truncate());
+    (b, (b - a).normalize_or(DVec2::X))
+}
+
+/// The carriageway's edges, right and left of an arm's first lane: of all lanes of its road that end or begin there.
+fn extent(network: &RoadNetwork, road: u32, arm: &Arm) -> (f64, f64) {
+    let is_paved = |l: &&Lane| {
+        let is_carriageway = matches!(
+            l.kind,
+            LaneKind::Driving | LaneKind::Biking | LaneKind::Shoulder | LaneKind::Parking | LaneKind::Median
+        );
+        l.road == road && l.junction.is_none() && is_carriageway
+    };
+    let mut edges = (0.0_f64, 0.0_f64);
+    for lane in network.lanes.iter().filter(is_paved) {
+        let last = lane.center.len() - 1;
+        for (end, width_m) in [(lane.center[0], lane.width_m[0]), (lane.center[last], lane.width_m[last])] {
+            let to = end.truncate() - arm.at;
+            let (before, left) = (-to.dot(arm.along), to.dot(arm.along.perp()));
+            if before.abs() < 3.0 && left.abs() < ONE_END_M {
+                edges = (edges.0.min(left - width_m / 2.0), edges.1.max(left + width_m / 2.0));
+            }
+        }
+    }
+    edges
+}

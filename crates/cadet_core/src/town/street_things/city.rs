@@ -1,0 +1,150 @@
+//! What closed rows have on and over their sidewalks: lamps on wires, trees in pits, rows of bicycles, tables.
+
+use std::sync::Arc;
+
+use super::super::frontage::{Frontage, right_of};
+use super::super::plot::Plot;
+use super::super::street_style::CityStyle;
+use super::{Furnisher, Obstacle, OrientedRect, footprint, grown, sidewalk};
+use crate::assets::scenery::{
+    THING_VARIANTS, ThingKind, TreeKind, num_variants, span_lamp, thing, thing_palette, tree, tree_pit,
+};
+use crate::frames;
+use crate::math::{DVec2, atan2};
+use crate::rng::Stream;
+
+/// Nothing stands so near to the ends of a frontage.
+const CORNER_M: f64 = 5.0;
+/// The widest street with lamps on wires, and how deep the wires go into the walls.
+const WIDEST_STREET_M: f64 = 31.0;
+const IN_WALL_M: f64 = 0.2;
+/// From the curb to the middle of a trunk, and what a crown may reach beyond the wall's line: it is pruned there.
+const TRUNK_M: f64 = 0.75;
+const PRUNED_M: f64 = 1.2;
+/// From the curb to the front wheels of bicycles in a row, and the narrowest sidewalk for them.
+const CYCLES_M: f64 = 0.35;
+const SIDEWALK_FOR_CYCLES_M: f64 = 3.1;
+/// Share of the houses with tables before them.
+const CAFE_SHARE: f64 = 0.16;
+
+/// Furnishes one frontage; lamps hang once over a street, which `has_lamps` says.
+pub(super) fn furnish(
+    f: &mut Furnisher,
+    frontage: &Frontage,
+    style: &CityStyle,
+    plots: &[&Plot],
+    has_lamps: bool,
+    s: &mut Stream,
+) {
+    let length_m = frontage.length_m();
+    if let (Some(spacing_m), true) = (style.lamp_every_m, has_lamps) {
+        let mut at_m = s.range(6.0, 14.0);
+        while at_m < length_m - 4.0 {
+            hang_lamp(f, frontage, at_m);
+            at_m += spacing_m;
+        }
+    }
+    if let Some(spacing_m) = style.tree_every_m {
+        let variant = s.below(num_variants()[1]);
+        let mut at_m = s.range(CORNER_M, CORNER_M + 6.0);
+        while at_m < length_m - CORNER_M {
+            plant(f, frontage, at_m, variant, s);
+            at_m += spacing_m * s.range(0.9, 1.1);
+        }
+    }
+    for plot in plots.iter().filter(|p| p.house.is_some()) {
+        let (has_cafe, has_cycles) = (s.chance(CAFE_SHARE), s.chance(0.25));
+        let nearest = |p: &DVec2| (*p - plot.front).length();
+        let near = (0..frontage.points.len())
+            .min_by(|a, b| nearest(&frontage.points[*a]).total_cmp(&nearest(&frontage.points[*b])));
+        let Some(middle_m) = near.map(|i| frontage.s_m[i]) else { continue };
+        if has_cafe && (CORNER_M..length_m - CORNER_M).contains(&middle_m) {
+            sidewalk::cafe(f, frontage, (middle_m - 0.35 * plot.length_m).max(CORNER_M), s);
+        }
+        if has_cycles {
+            cycles(f, frontage, middle_m + s.range(-4.0, 2.0), s);
+        }
+    }
+}
+
+/// A lamp on a wire to the opposite wall, if both walls are there.
+fn hang_lamp(f: &mut Furnisher, frontage: &Frontage, at_m: f64) {
+    let (edge, out) = (frontage.at(at_m), right_of(frontage.along(at_m)));
+    let is_wall = |p: DVec2| f.placer.standing.iter().any(|s| s.name.starts_with("city-") && s.rect.contains(p, 0.0));
+    let here = edge + out * 0.5;
+    if !is_wall(here) {
+        return;
+    }
+    let mut far_m = 4.0;
+    while far_m < WIDEST_STREET_M && !is_wall(edge - out * far_m) {
+        far_m += 0.25;
+    }
+    let (from, to) = (edge + out * IN_WALL_M, edge - out * (far_m + IN_WALL_M));
+    let Some(model) = span_lamp((to - from).length()).filter(|_| far_m < WIDEST_STREET_M) else { return };
+    // The wire is up to a meter longer: its ends must not come out of a cut corner.
+    let (middle, half_m) = (from.midpoint(to), (to - from).length().ceil() / 2.0);
+    if !is_wall(middle + out * half_m) || !is_wall(middle - out * half_m) {
+        return;
+    }
+    let position = f.placer.site.on_ground(middle);
+    let along = out.perp();
+    let pose = frames::upright(position, atan2(along.y, along.x));
+    f.placer.instances.push(model.at(pose));
+}
+
+/// A tree at the curb, if people and doors of cars have room beside it.
+fn plant(f: &mut Furnisher, frontage: &Frontage, at_m: f64, variant: usize, s: &mut Stream) {
+    let (out, sidewalk_m) = (right_of(frontage.along(at_m)), frontage.sidewalk_at(at_m));
+    let at = frontage.at(at_m) - out * (sidewalk_m - TRUNK_M);
+    let room_m = sidewalk_m - TRUNK_M + PRUNED_M;
+    let models = (0..num_variants()[1]).map(|k| tree(TreeKind::Street, variant + k));
+    let Some(model) = models.into_iter().find(|m| m.footprint_max.x <= room_m) else { return };
+    let trunk = OrientedRect { center: at, axis: out, half: DVec2::splat(0.22) };
+    if !(f.is_free(&trunk) && f.is_passable(&trunk) && f.parked.is_free(&grown(&trunk, 0.25))) {
+        return;
+    }
+    let pit = tree_pit();
+    if f.placer.plant_model(TreeKind::Street, &model, s, at) {
+        let pose = frames::upright(f.placer.site.on_ground(at), atan2(out.y, out.x));
+        f.placer.instances.push(pit.at(pose));
+        f.taken.take(trunk);
+        f.out.obstacles.push(Obstacle { center: trunk.center, axis: trunk.axis, half: trunk.half });
+    }
+}
+
+/// A row of bicycles at the curb, most of their hoops taken.
+fn cycles(f: &mut Furnisher, frontage: &Frontage, from_m: f64, s: &mut Stream) {
+    let count = 3 + s.below(6);
+    for k in 0..count {
+        let at_m = from_m + 0.75 * k as f64;
+        let has_cycle = s.chance(0.7);
+        if !(CORNER_M..frontage.length_m() - CORNER_M).contains(&at_m) {
+            continue;
+        }
+        let (along, sidewalk_m) = (frontage.along(at_m), frontage.sidewalk_at(at_m));
+        if sidewalk_m < SIDEWALK_FOR_CYCLES_M {
+            return;
+        }
+        let out = right_of(along);
+        let curb = frontage.at(at_m) - out * sidewalk_m;
+        for kind in [ThingKind::CycleHoop, ThingKind::Bicycle] {
+            if kind == ThingKind::Bicycle && !has_cycle {
+                continue;
+            }
+            let model = thing(kind, s.below(THING_VARIANTS));
+            let palette = thing_palette(kind, s);
+            let size = model.footprint_size();
+            let is_hoop = kind == ThingKind::CycleHoop;
+            // Hoops stand across their x axis, bicycles head along theirs.
+            let (deep_m, facing) = if is_hoop { (size.y, along) } else { (size.x, -out) };
+            let aside_m = if is_hoop { 0.0 } else { 0.3 };
+            let at = curb + out * (CYCLES_M + deep_m.max(1.6) / 2.0) + along * aside_m;
+            let rect = footprint(&model, at, facing);
+            if f.is_free(&rect) && f.parked.is_free(&grown(&rect, 0.3)) && f.is_passable(&rect) {
+                f.placer.put(&model, Arc::clone(&palette), at, facing);
+                f.taken.take(rect);
+                f.out.obstacles.push(Obstacle { center: rect.center, axis: rect.axis, half: rect.half });
+            }
+        }
+    }
+}

@@ -1,0 +1,185 @@
+//! The roads as drivers know them: how fast each bend may be taken, how far each lane leads, where there is room.
+
+use std::sync::Arc;
+
+use super::footprint::Footprint;
+use super::room::{Needs, Room};
+use crate::math::{self, DVec2, DVec3};
+use crate::town::{GroundKind, Lane, LaneId, LaneKind, RoadNetwork, Signals, Town};
+
+/// Lateral acceleration that drivers accept in bends.
+const LATERAL_MPS2: f64 = 2.0;
+/// Routes no longer than this count as equally long.
+const REACH_CAP_M: f64 = 600.0;
+
+/// What does not change about the roads, computed once.
+pub(super) struct Roads {
+    town: Arc<Town>,
+    /// Speed that bend and limit allow at each point of each lane.
+    allowed_mps: Vec<Vec<f64>>,
+    /// How far one can drive from each lane's start, capped.
+    reach_m: Vec<f64>,
+    /// Bounds of each lane in the plane.
+    bounds: Vec<(DVec2, DVec2)>,
+    room: Room,
+}
+
+impl Roads {
+    /// Whether a place lies on a sidewalk.
+    pub fn is_sidewalk(&self, place: DVec2) -> bool {
+        self.town.ground.kind_at(place.x, place.y) == Some(GroundKind::Sidewalk)
+    }
+
+    pub fn new(town: Arc<Town>) -> Self {
+        let lanes = &town.network.lanes;
+        let curvatures: Vec<Vec<f64>> = lanes.iter().map(curvatures).collect();
+        let allowed_mps = lanes.iter().zip(&curvatures).map(|(l, c)| allowed_speeds(l, c)).collect();
+        let room = Room::beside(&curvatures);
+        let bounds = lanes
+            .iter()
+            .map(|l| {
+                l.center.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| {
+                    (lo.min(p.truncate()), hi.max(p.truncate()))
+                })
+            })
+            .collect();
+        let reach_m = reaches(&town.network);
+        Self { town, allowed_mps, reach_m, bounds, room }
+    }
+
+    /// Takes note of what stands for good, for those who are wider than cars.
+    pub fn note_standing(&mut self, standing: &[Footprint]) {
+        let mut room = std::mem::take(&mut self.room);
+        for o in standing {
+            room.note(o, self.driving_near(o.center, Room::reach_m(o)));
+        }
+        self.room = room;
+    }
+
+    /// Whether a lane has what a vehicle needs.
+    pub fn fits(&self, id: LaneId, needs: Needs) -> bool {
+        self.room.fits(self.lane(id), needs)
+    }
+
+    pub fn lane(&self, id: LaneId) -> &Lane {
+        self.town.network.lane(id)
+    }
+
+    /// The traffic lights.
+    pub fn signals(&self) -> &Signals {
+        &self.town.signals
+    }
+
+    /// Speed that bend and limit allow at each point of a lane.
+    pub fn allowed_mps(&self, id: LaneId) -> &[f64] {
+        &self.allowed_mps[id.0]
+    }
+
+    pub fn lanes(&self) -> &[Lane] {
+        &self.town.network.lanes
+    }
+
+    pub fn reach_m(&self, id: LaneId) -> f64 {
+        self.reach_m[id.0]
+    }
+
+    /// Driving lanes whose bounds come within `within_m` of a place.
+    pub fn driving_near(&self, at: DVec2, within_m: f64) -> impl Iterator<Item = &Lane> {
+        self.lanes().iter().filter(move |l| {
+            let (lo, hi) = self.bounds[l.id.0];
+            l.kind == LaneKind::Driving && (at - at.clamp(lo, hi)).length() <= within_m
+        })
+    }
+
+    /// The lanes on which a car may be put: for driving, outside junctions.
+    pub fn open_lanes(&self) -> impl Iterator<Item = &Lane> {
+        self.lanes().iter().filter(|l| l.kind == LaneKind::Driving && l.junction.is_none())
+    }
+
+    /// Whether a rectangle is at least `room_m` away from the middle of every driving lane.
+    pub fn keeps_off_lanes(&self, rectangle: &Footprint, room_m: f64) -> bool {
+        let reach_m = rectangle.half_length_m + rectangle.half_width_m + room_m;
+        self.driving_near(rectangle.center, reach_m).all(|lane| {
+            lane.center
+                .iter()
+                .map(|p| p.truncate())
+                .filter(|p| (*p - rectangle.center).length() < reach_m)
+                .all(|p| (rectangle.closest_point(p) - p).length() > room_m)
+        })
+    }
+
+    /// The driving lane nearest to a place within `within_m`: (lane, distance along it, distance from it). With a
+    /// heading, only lanes that run within 60 degrees of it.
+    pub fn nearest(&self, at: DVec3, heading_rad: Option<f64>, within_m: f64) -> Option<(LaneId, f64, f64)> {
+        let p = at.truncate();
+        let mut best: Option<(LaneId, f64, f64)> = None;
+        for lane in self.lanes().iter().filter(|l| l.kind == LaneKind::Driving) {
+            let limit = best.map_or(within_m, |b| b.2);
+            let (lo, hi) = self.bounds[lane.id.0];
+            if (p - p.clamp(lo, hi)).length() > limit {
+                continue;
+            }
+            let (s_m, distance_m) = lane.project(at);
+            if distance_m >= limit {
+                continue;
+            }
+            if let Some(heading) = heading_rad {
+                let along = crate::frames::yaw_of(&lane.pose_at(s_m));
+                if math::wrap_angle(along - heading).abs() > math::PI / 3.0 {
+                    continue;
+                }
+            }
+            best = Some((lane.id, s_m, distance_m));
+        }
+        best
+    }
+}
+
+/// What bends and limit allow at each point.
+fn allowed_speeds(lane: &Lane, curvatures: &[f64]) -> Vec<f64> {
+    let allowed = |curvature: &f64| {
+        let bend = if *curvature > 1e-4 { (LATERAL_MPS2 / curvature).sqrt() } else { f64::INFINITY };
+        bend.max(2.0).min(lane.speed_limit_mps.max(2.0))
+    };
+    curvatures.iter().map(allowed).collect()
+}
+
+/// Curvature of the polyline at each point from the turn over about 3 m to either side.
+fn curvatures(lane: &Lane) -> Vec<f64> {
+    let at = |s: f64| {
+        let s = s.clamp(0.0, lane.length_m());
+        let i = lane.s_m.partition_point(|v| *v <= s).clamp(1, lane.center.len() - 1);
+        let t = (s - lane.s_m[i - 1]) / (lane.s_m[i] - lane.s_m[i - 1]);
+        lane.center[i - 1].truncate().lerp(lane.center[i].truncate(), t)
+    };
+    lane.s_m
+        .iter()
+        .map(|&s| {
+            let half = 3.0_f64.min(lane.length_m() / 2.0);
+            let s = s.clamp(half, lane.length_m() - half);
+            let (a, b, c) = (at(s - half), at(s), at(s + half));
+            let (ab, bc) = (b - a, c - b);
+            let span = (ab.length() + bc.length()) / 2.0;
+            let turn = math::atan2(ab.perp_dot(bc), ab.dot(bc)).abs();
+            if span > 0.5 { turn / span } else { 0.0 }
+        })
+        .collect()
+}
+
+fn reaches(network: &RoadNetwork) -> Vec<f64> {
+    let mut reach: Vec<f64> = network.lanes.iter().map(Lane::length_m).collect();
+    // Sweeps until nothing grows; on a ring everything reaches the cap.
+    for _ in 0..200 {
+        let mut grew = false;
+        for lane in network.lanes.iter().filter(|l| matches!(l.kind, LaneKind::Driving | LaneKind::Tram)) {
+            let onward = lane.successors.iter().map(|s| reach[s.0]).fold(0.0, f64::max);
+            let now = (lane.length_m() + onward).min(REACH_CAP_M.max(lane.length_m()));
+            grew |= now > reach[lane.id.0] + 1e-9;
+            reach[lane.id.0] = now;
+        }
+        if !grew {
+            break;
+        }
+    }
+    reach
+}

@@ -1,0 +1,168 @@
+//! Trams: on the tracks of a town, a few around the ego, each of several cars.
+
+use std::sync::Arc;
+
+use super::newcomers::tram_car;
+use super::spawner::Spawner;
+use crate::assets::vehicle::VehicleModel;
+use crate::assets::vehicle::tram::{num_cars_of, train_of_traffic};
+use crate::math::DVec2;
+use crate::rng::Stream;
+use crate::town::{LaneId, LaneKind};
+use crate::world::arena::Newcomer;
+use crate::world::control::{Coupled, Train, TramCar};
+use crate::world::footprint::Footprint;
+use crate::world::slot::Slot;
+use crate::world::track::Track;
+
+/// Trams farther from the ego than this give their place to others, which appear where it does not see them.
+const GONE_M: f64 = 210.0;
+const APPEARS_M: (f64, f64) = (95.0, 190.0);
+/// Trams start this far from the ego.
+const STARTS_M: (f64, f64) = (12.0, 130.0);
+/// What has reached the end of its line is taken away where nobody sees it.
+const UNSEEN_M: f64 = 100.0;
+/// Room before and behind at the start, and beside.
+const HEADWAY_M: f64 = 12.0;
+const BESIDE_M: f64 = 0.3;
+/// Speed at the start, and the deceleration at which it allows a stop before the next junction.
+const STARTS_MPS: (f64, f64) = (5.0, 10.0);
+const STOPS_MPS2: f64 = 1.0;
+/// Draws of a tram that has as many cars as the one whose slots it takes.
+const DRAWS: usize = 40;
+/// A cab stands over its bogie this far behind the front.
+const CAB_TO_BOGIE_M: f64 = 2.4;
+
+impl Spawner<'_> {
+    /// Places the trams of the start.
+    pub(super) fn fill_tracks(&mut self) {
+        let mut stream = self.key.stream("trams");
+        for _ in 0..self.config.num_trams {
+            let seed = stream.next_u64();
+            for newcomer in self.new_tram(seed, &mut stream, STARTS_M, false, &[]).unwrap_or_default() {
+                self.arena.put(newcomer);
+            }
+        }
+    }
+
+    /// Replaces trams that have gone too far away, or have reached the end of their line, unseen.
+    pub(super) fn renew_trams(&mut self, respawns: &mut u64) {
+        for slots in self.gone_trams() {
+            let mut stream = self.key.indexed("new trams", *respawns);
+            *respawns += 1;
+            let seeds = (0..DRAWS).map(|_| stream.next_u64()).collect::<Vec<_>>();
+            let Some(seed) = seeds.into_iter().find(|seed| num_cars_of(*seed) == slots.len()) else { continue };
+            let Some(newcomers) = self.new_tram(seed, &mut stream, APPEARS_M, true, &slots) else { continue };
+            for (slot, newcomer) in slots.iter().zip(newcomers) {
+                self.arena.replace(*slot, newcomer);
+            }
+        }
+    }
+
+    /// The slots of trams that may go, the first car's first.
+    fn gone_trams(&self) -> Vec<Vec<Slot>> {
+        let (ego, view) = self.arena.ego_place();
+        let cars: Vec<_> = self.arena.controlled_by::<TramCar>().collect();
+        let leaders = cars.iter().filter(|(_, agent, car)| car.leads() && !agent.is_placed);
+        leaders
+            .filter_map(|(_, _, leader)| {
+                let train: Vec<_> = cars.iter().filter(|(.., car)| car.is_of_train_of(leader)).collect();
+                let is_at_end = leader.shared().is_at_end();
+                let is_gone = train.iter().all(|(_, agent, _)| {
+                    let to = agent.body.world_from_box(&self.arena.physics).translation.truncate() - ego;
+                    let is_unseen = to.length() > UNSEEN_M || (to.length() > 30.0 && to.dot(view) < 0.0);
+                    to.length() > GONE_M || (is_at_end && is_unseen)
+                });
+                is_gone.then(|| train.iter().map(|(slot, ..)| *slot).collect())
+            })
+            .collect()
+    }
+
+    /// The cars of a tram at a random free place of the tracks between two distances from the ego; `hidden` keeps it out
+    /// of its view. It takes the place of those in the slots `but`.
+    fn new_tram(
+        &mut self,
+        seed: u64,
+        stream: &mut Stream,
+        ring_m: (f64, f64),
+        hidden: bool,
+        but: &[Slot],
+    ) -> Option<Vec<Newcomer>> {
+        let models = train_of_traffic(seed);
+        let length_m: f64 = models.iter().map(|m| m.size_lwh.x).sum();
+        let tracks = self.arena.streets.roads.lanes().iter();
+        let tracks = tracks.filter(|l| l.kind == LaneKind::Tram && l.junction.is_none());
+        let places = self.places_on(tracks, length_m / 2.0, ring_m, hidden);
+        let weights: Vec<f64> = places.iter().map(|(.., weight)| *weight).collect();
+        for _ in 0..12 {
+            let (lane, s_m, _) = *places.get(stream.weighted(&weights))?;
+            if let Some(newcomers) = self.tram_at(&models, length_m, (lane, s_m), stream, but) {
+                return Some(newcomers);
+            }
+        }
+        None
+    }
+
+    /// A tram with its middle at a place of a track, if it is free.
+    fn tram_at(
+        &mut self,
+        models: &[Arc<VehicleModel>],
+        length_m: f64,
+        (lane, s_m): (LaneId, f64),
+        stream: &mut Stream,
+        but: &[Slot],
+    ) -> Option<Vec<Newcomer>> {
+        let roads = &self.arena.streets.roads;
+        let track = Track::through(lane, roads);
+        let front_m = track.start_of(lane)? + s_m + length_m / 2.0;
+        let free_m = roads.lane(lane).length_m() - s_m - length_m / 2.0;
+        let speed_mps =
+            stream.range(STARTS_MPS.0, STARTS_MPS.1).min((2.0 * STOPS_MPS2 * (free_m - 5.0).max(0.0)).sqrt());
+        let train = Train { track, front_m, length_m, speed_mps };
+        let cars = coupled(models);
+        let footprints: Vec<Footprint> = models
+            .iter()
+            .zip(&cars)
+            .map(|(model, car)| {
+                let (center, heading) = train.place(car);
+                let [half_length_m, half_width_m] = [model.size_lwh.x, model.size_lwh.y].map(|m| m / 2.0);
+                Footprint { center, heading, half_length_m, half_width_m, velocity: DVec2::ZERO }
+            })
+            .collect();
+        let is_taken = footprints.iter().any(|own| {
+            let wide = own.grown(BESIDE_M);
+            let long = Footprint { half_length_m: own.half_length_m + HEADWAY_M, ..wide };
+            self.arena.vehicles().any(|(slot, other)| !but.contains(&slot) && long.overlaps(&other))
+                || self.arena.around.standing.iter().any(|o| own.overlaps(o))
+                || self.arena.on_road().any(|o| long.overlaps(&o))
+        });
+        if is_taken {
+            return None;
+        }
+        let places: Vec<(DVec2, DVec2)> = cars.iter().map(|car| train.place(car)).collect();
+        let controllers = TramCar::train(train, &cars, stream);
+        let cars = models.iter().zip(places).zip(controllers);
+        cars.map(|((model, place), controller)| {
+            tram_car(self.arena, Arc::clone(model), place, speed_mps, controller).ok()
+        })
+        .collect()
+    }
+}
+
+/// Where each car of a train is behind the front: over the joints to the others, and over a bogie below a cab.
+fn coupled(models: &[Arc<VehicleModel>]) -> Vec<Coupled> {
+    let mut from_m = 0.0;
+    let last = models.len() - 1;
+    models
+        .iter()
+        .enumerate()
+        .map(|(k, model)| {
+            let to_m = from_m + model.size_lwh.x;
+            let front_m = if k == 0 { from_m + CAB_TO_BOGIE_M } else { from_m };
+            let rear_m = if k == last { to_m - CAB_TO_BOGIE_M } else { to_m };
+            let car = Coupled { pivots_m: [front_m, rear_m], middle_m: (from_m + to_m) / 2.0 };
+            from_m = to_m;
+            car
+        })
+        .collect()
+}
