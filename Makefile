@@ -22,7 +22,7 @@ unexport PYTHONPATH
 unexport PYTHONHOME
 
 .PHONY: help check-rust check-python setup build build-dev demo test test-core lint test-rust test-python emulator golden \
-	fuzz bench bench-peers fmt clean
+	fuzz bench bench-peers gallery fmt clean
 .NOTPARALLEL:
 
 help: ## List the targets
@@ -115,6 +115,9 @@ bench: check-rust ## Measure the core with criterion
 bench-peers: WITHOUT_AVOD := yes
 bench-peers: build-dev ## Time the ideal scan against Embree and parry on the same triangles
 	$(BIN)/python benches/peers.py
+
+gallery: build ## Draw every family of actors, every district in several weathers, and scans to gallery/ (minutes)
+	$(BIN)/cadet gallery gallery $(if $(REAL),--real $(REAL))
 
 fmt: check-rust $(BIN)/ruff ## Format Rust and Python
 	cargo fmt --all

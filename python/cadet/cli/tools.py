@@ -9,6 +9,7 @@ import click
 
 from cadet import _cadet, kitti
 from cadet.cli.eval import evaluate_command
+from cadet.cli.gallery import gallery_command
 from cadet.cli.lidar import fit_lidar_command, lidar_command
 from cadet.errors import CadetError, MissingFileError
 from cadet.kitti.files import frame_ids, testing_folder
@@ -84,4 +85,5 @@ def check(root: Path, strict: bool | None) -> int:
 
 cadet.add_command(evaluate_command)
 cadet.add_command(fit_lidar_command)
+cadet.add_command(gallery_command)
 cadet.add_command(lidar_command)
