@@ -122,7 +122,7 @@ class VehicleMesh(SimpleNamespace):
 class Assets:
     def __init__(self, share: float, vehicles: Sequence[VehicleMesh]) -> None:
         for vehicle in vehicles:
-            if "\nf " not in vehicle.obj:
+            if vehicle.gltf is None and "\nf " not in vehicle.obj:
                 raise _error(f"{vehicle.file}: no faces: is it a Wavefront OBJ file?")
         self.names = [vehicle.name for vehicle in vehicles]
 

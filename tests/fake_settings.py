@@ -26,6 +26,9 @@ _SUBURB = {
     "parking_share": (0.55, 0, 1),
     "angled_share": (0.3, 0, 1),
     "main_share": (0.0, 0, 1),
+    "sidewalk_m": ([1.5, 2.5], 1.2, 4.5),
+    "signal_share": (0.0, 0, 1),
+    "tram_share": (0.0, 0, 1),
     "hilly_share": (0.2, 0, 1),
     "max_slope": (0.065, 0, 0.1),
 }
@@ -34,11 +37,13 @@ _PROPS = {
     "greenery": (1.0, 0, 2),
     "belt_m": (40.0, 0, 120),
     "clutter": (1.0, 0, 3),
+    "city_share": (0.0, 0, 1),
 }
 _SCENE = {
     "num_cars": (14, 0, 500),
     "num_pedestrians": (24, 0, 500),
     "num_cyclists": (0, 0, 200),
+    "num_trams": (0, 0, 20),
     "parking_occupancy": (0.6, 0, 1),
     "seat_occupancy": (0.1, 0, 1),
     "car_radius_m": (110.0, 1, 1000),

@@ -96,5 +96,6 @@ def test_meshes_that_the_reader_stops_on_are_refused(
 
 def test_a_meshs_name_holds_no_null_byte(tmp_path: Path) -> None:
     root = assets_folder(tmp_path / "assets", '[[vehicle]]\nname = "a"\nclass = "Car"\nmesh = "a\\u0000b"\n')
-    with pytest.raises(CadetError, match=r"^assets\.toml: vehicle 1\.mesh: expected the path of an OBJ file, got "):
+    message = r"^assets\.toml: vehicle 1\.mesh: expected the path of an OBJ or glTF file, got "
+    with pytest.raises(CadetError, match=message):
         Assets.read(root)

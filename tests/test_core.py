@@ -153,7 +153,6 @@ def test_a_scripted_car_is_where_it_was_put() -> None:
     ("use", "pattern"),
     [
         (lambda: Scene.empty().add("zeppelin", x=0, y=0, yaw=0), r"^unknown class \"zeppelin\"; known: Car, .*$"),
-        (lambda: Scene.empty().add("tram", x=9, y=0, yaw=0), r"^scene: no model of class Tram: Car, Van, Truck, Mi"),
         (lambda: Scene.empty().cast_rays([[0, 0, 9]], [[0, 0, 0]]), r"^.*direction.*$"),
         (lambda: Scene.empty(map=ROOT / "pyproject.toml"), r"^pyproject\.toml: .+$"),
     ],

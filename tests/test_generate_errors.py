@@ -84,7 +84,7 @@ WEATHERS = (
                 "--rig",
                 "kitti",
             ],
-            'WHOLE was begun with other settings: policy.name was "kitti", now "paper"; give the same ones, or name',
+            "WHOLE was begun with other settings: policy.blocked_s was 6.0, now 2.0; give the same ones, or name",
         ),
         (
             ["WHOLE", "-n", "40", "--seed", "3", "--image-size", "64x32", "--resume"],

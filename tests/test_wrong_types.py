@@ -173,6 +173,15 @@ CALLS: dict[str, tuple[Callable[..., Any], list[str]]] = {
         lambda **k: cadet.evaluate(**{"gt": [truth()], "det": [results()], **k}),
         ["gt", "det", "classes", "recall", "min_overlap", "levels", "split", "frames"],
     ),
+    "analyze": (
+        lambda **k: cadet.analyze(**{"gt": [truth()], "det": [results()], "bootstrap": 2, **k}),
+        ["gt", "det", "det_b", "parts", "by", "bootstrap", "groups", "seed", "classes", "levels"],
+    ),
+    "EvalClass": (
+        lambda **k: cadet.EvalClass(**{"name": "Car", "types": ("Car",), "min_overlap": 0.5, **k}),
+        ["name", "types", "min_overlap", "neighbors"],
+    ),
+    "read_rules": (cadet.read_rules, ["path"]),
     "nms_bev": (lambda **k: cadet.nms_bev(BOXES, np.array([0.1, 0.2]), **k), ["threshold"]),
     "weather.apply": (
         lambda **k: cadet.weather.apply(frame().points_velo[:9], **k),

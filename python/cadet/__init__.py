@@ -2,6 +2,7 @@
 
 from cadet import bev, kitti
 from cadet._cadet import __version__
+from cadet.analysis import Analysis, Comparison, analyze
 from cadet.assets import Assets, VehicleMesh
 from cadet.beam_table import BeamTable, EncoderFiring, Laser, ListedFiring, UniformFiring
 from cadet.bev import BevConfig
@@ -18,7 +19,18 @@ from cadet.errors import (
     NonFiniteError,
     ShapeError,
 )
-from cadet.evaluation import Detections, GroundTruth, Level, Report, box_iou_3d, box_iou_bev, evaluate, nms_bev
+from cadet.evaluation import (
+    Detections,
+    EvalClass,
+    GroundTruth,
+    Level,
+    Report,
+    box_iou_3d,
+    box_iou_bev,
+    evaluate,
+    nms_bev,
+    read_rules,
+)
 from cadet.extrinsics import Extrinsics
 from cadet.kitti import Calibration, Frame, Label
 from cadet.lidar import Lidar
@@ -30,10 +42,12 @@ from cadet.road_map import RoadMap
 from cadet.sample import Agent, Sample, Scan
 from cadet.scene import RayHits, Scene
 from cadet.semantic import Semantic
+from cadet.streaming import FrameStream, stream
 from cadet.weather import weather_names
 
 __all__ = [
     "Agent",
+    "Analysis",
     "Assets",
     "BeamTable",
     "BevConfig",
@@ -41,13 +55,16 @@ __all__ = [
     "CadetWarning",
     "Calibration",
     "Camera",
+    "Comparison",
     "Detections",
     "District",
     "EncoderFiring",
     "Environment",
+    "EvalClass",
     "Extrinsics",
     "Frame",
     "FrameExistsError",
+    "FrameStream",
     "GroundTruth",
     "KittiFormatError",
     "Label",
@@ -77,11 +94,14 @@ __all__ = [
     "UniformFiring",
     "VehicleMesh",
     "__version__",
+    "analyze",
     "bev",
     "box_iou_3d",
     "box_iou_bev",
     "evaluate",
     "kitti",
     "nms_bev",
+    "read_rules",
+    "stream",
     "weather_names",
 ]

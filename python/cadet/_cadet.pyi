@@ -36,8 +36,11 @@ __all__ = [
     "encode_png",
     "estimate_ground_plane",
     "evaluate",
+    "evaluate_draws",
     "limits",
     "nms_bev",
+    "read_detections",
+    "read_truths",
     "weather_air",
     "weather_names",
     "weather_recorded_scan",
@@ -66,6 +69,9 @@ class VehicleMesh:
         file: str,
         obj: str,
         libraries: Sequence[tuple[str, str]],
+        gltf: bytes | None,
+        buffers: Sequence[bytes],
+        image_colors: Sequence[tuple[float, float, float] | None],
         scale: float,
         yaw_rad: float,
         y_up: bool,
@@ -205,6 +211,9 @@ class SuburbConfig:
         parking_share: float,
         angled_share: float,
         main_share: float,
+        sidewalk_m: tuple[float, float],
+        signal_share: float,
+        tram_share: float,
         hilly_share: float,
         max_slope: float,
     ) -> SuburbConfig: ...
@@ -216,7 +225,7 @@ class PropConfig:
     """Houses, gardens, and trees along the streets (see `cadet.PropConfig`)."""
 
     def __new__(
-        cls, *, house_shares: Sequence[float], greenery: float, belt_m: float, clutter: float
+        cls, *, house_shares: Sequence[float], greenery: float, belt_m: float, clutter: float, city_share: float
     ) -> PropConfig: ...
     @staticmethod
     def settings() -> _Settings: ...
@@ -231,6 +240,7 @@ class SceneConfig:
         num_cars: int,
         num_pedestrians: int,
         num_cyclists: int,
+        num_trams: int,
         parking_occupancy: float,
         car_radius_m: float,
         pedestrian_radius_m: float,
@@ -406,9 +416,23 @@ def evaluate(
     truths: _EvaluationSource,
     detections: _EvaluationSource,
     *,
-    classes: Sequence[tuple[str, Sequence[float]]],
+    classes: Sequence[tuple[Sequence[str], Sequence[str], Sequence[float]]],
     levels: Sequence[tuple[float, bool, float, float]],
 ) -> dict[str, Any]: ...
+def evaluate_draws(
+    truths: _EvaluationSource,
+    detections: _EvaluationSource,
+    *,
+    classes: Sequence[tuple[Sequence[str], Sequence[str], Sequence[float]]],
+    levels: Sequence[tuple[float, bool, float, float]],
+    draws: tuple[Sequence[int], NDArray[np.uint32]],
+) -> list[dict[str, Any]]: ...
+def read_truths(
+    folder: str | PathLike[str], ids: Sequence[str | None]
+) -> tuple[list[int], list[str], NDArray[np.float64]]: ...
+def read_detections(
+    folder: str | PathLike[str], ids: Sequence[str | None]
+) -> tuple[list[int], list[str], NDArray[np.float64]]: ...
 def box_iou(a: NDArray[np.float64], b: NDArray[np.float64], is_3d: bool) -> NDArray[np.float64]: ...
 def limits() -> dict[str, tuple[float, float]]: ...
 def nms_bev(boxes: NDArray[np.float64], scores: NDArray[np.float64], threshold: float) -> NDArray[np.int64]: ...

@@ -150,6 +150,12 @@ class SuburbConfig:
     """Share of the streets with bays where cars stand at an angle in some of them."""
     main_share: float = _SUBURB.default("main_share")
     """Share of the streets faster than 30 km/h that are main roads: two lanes a direction, a green median, or both."""
+    sidewalk_m: tuple[float, float] = _SUBURB.default("sidewalk_m")
+    """Narrowest and widest sidewalk of streets other than main roads, meters."""
+    signal_share: float = _SUBURB.default("signal_share")
+    """Share of the junctions of streets faster than 30 km/h that have traffic lights."""
+    tram_share: float = _SUBURB.default("tram_share")
+    """Share of the main roads across a suburb with the two tracks of a tram in the middle, instead of any median."""
     hilly_share: float = _SUBURB.default("hilly_share")
     """Share of suburbs with hill streets."""
     max_slope: float = _SUBURB.default("max_slope")
@@ -157,8 +163,10 @@ class SuburbConfig:
 
     def __post_init__(self) -> None:
         _SUBURB.check(self)
-        if self.block_m[0] > self.block_m[1]:
-            raise CadetError(f"SuburbConfig.block_m: expected the second to be the larger, got {self.block_m!r}")
+        for name in ("block_m", "sidewalk_m"):
+            least, most = getattr(self, name)
+            if least > most:
+                raise CadetError(f"SuburbConfig.{name}: expected the second to be the larger, got {(least, most)!r}")
         make_plain(self)
 
     def to_native(self) -> _cadet.SuburbConfig:
@@ -182,6 +190,8 @@ class PropConfig:
     """Depth of the belt of trees behind the outermost plots, meters."""
     clutter: float = _PROPS.default("clutter")
     """What stands about: bins, containers, bicycles, benches, covered cars. 1 is a common suburb, 0 has none."""
+    city_share: float = _PROPS.default("city_share")
+    """Share of the streets lined by closed rows of tall houses at the sidewalk, with shops."""
 
     def __post_init__(self) -> None:
         _PROPS.check(self)
@@ -210,6 +220,8 @@ class SceneConfig:
     """Pedestrians kept around the ego."""
     num_cyclists: int = _SCENE.default("num_cyclists")
     """Cyclists kept around the ego: they ride on the right of driving lanes, and on a map's lanes for bicycles."""
+    num_trams: int = _SCENE.default("num_trams")
+    """Trams near the ego where there are tracks (`SuburbConfig.tram_share`, or a map's), of one to three cars."""
     parking_occupancy: float = _SCENE.default("parking_occupancy")
     """Share of the parking places along the ego's way that are taken; each street varies around it.
 

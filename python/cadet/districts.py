@@ -27,6 +27,8 @@ class District:
     """Pedestrians kept around the ego."""
     num_cyclists: tuple[int, int] = (0, 0)
     """Cyclists kept around the ego."""
+    num_trams: tuple[int, int] = (0, 0)
+    """Trams kept around the ego where there are tracks."""
     seat_occupancy: tuple[float, float] = (0.0, 0.0)
     """Share of the seats (benches, cafes' chairs, bus stops) on which somebody sits."""
     suburb: SuburbConfig = SuburbConfig()
@@ -38,7 +40,7 @@ class District:
         check_text("District", "name", self.name)
         for name in ("parking_occupancy", "seat_occupancy"):
             check_range("District", name, getattr(self, name), *scene_limits(name))
-        for name in ("num_cars", "num_pedestrians", "num_cyclists"):
+        for name in ("num_cars", "num_pedestrians", "num_cyclists", "num_trams"):
             check_range("District", name, getattr(self, name), *scene_limits(name), whole=True)
         check_kind("District", "suburb", self.suburb, SuburbConfig)
         check_kind("District", "props", self.props, PropConfig)
@@ -59,7 +61,7 @@ KITTI_DISTRICTS = (
     (
         District(
             name="parked_rows",
-            parking_occupancy=(0.4, 0.9),
+            parking_occupancy=(0.45, 0.95),
             num_cars=(13, 21),
             num_pedestrians=(8, 14),
             num_cyclists=(0, 6),
@@ -69,19 +71,21 @@ KITTI_DISTRICTS = (
     ),
     (
         District(
-            name="quiet", parking_occupancy=(0.25, 0.45), num_cars=(11, 18), num_pedestrians=(3, 8), num_cyclists=(0, 3)
+            name="quiet", parking_occupancy=(0.3, 0.5), num_cars=(12, 19), num_pedestrians=(3, 8), num_cyclists=(0, 3)
         ),
         0.20,
     ),
     (
         District(
             name="main_road",
-            parking_occupancy=(0.25, 0.65),
+            parking_occupancy=(0.3, 0.75),
             num_cars=(32, 50),
             num_pedestrians=(8, 14),
             num_cyclists=(0, 8),
+            num_trams=(2, 4),
             seat_occupancy=(0.0, 0.3),
-            suburb=SuburbConfig(main_share=1.0, blocks=(3, 2), block_m=(85.0, 160.0)),
+            suburb=SuburbConfig(main_share=1.0, signal_share=0.7, tram_share=1.0, blocks=(3, 2), block_m=(85.0, 160.0)),
+            props=PropConfig(city_share=0.2),
         ),
         0.30,
     ),
@@ -104,7 +108,8 @@ KITTI_DISTRICTS = (
             num_pedestrians=(60, 120),
             num_cyclists=(4, 12),
             seat_occupancy=(0.3, 0.7),
-            props=PropConfig(clutter=1.5),
+            suburb=SuburbConfig(sidewalk_m=(2.2, 3.8), signal_share=0.6),
+            props=PropConfig(clutter=1.5, city_share=0.95),
         ),
         0.07,
     ),

@@ -165,6 +165,8 @@ class ResetPolicy:
         """
         return cls(
             name="kitti",
+            # So long that red lights do not fill the set with one view.
+            blocked_s=6.0,
             weathers=_KITTI_WEATHERS,
             districts=KITTI_DISTRICTS,
             rigs=Rig.every_kitti(),
@@ -263,6 +265,7 @@ class ResetPolicy:
             num_cars=counts.count(*district.num_cars),
             num_pedestrians=counts.count(*district.num_pedestrians),
             num_cyclists=Draws(seed, episode, attempt, "cyclists").count(*district.num_cyclists),
+            num_trams=Draws(seed, episode, attempt, "trams").count(*district.num_trams),
             seat_occupancy=Draws(seed, episode, attempt, "seats").between(*district.seat_occupancy),
             vehicle_classes=self.vehicle_classes,
             suburb=district.suburb,

@@ -177,9 +177,9 @@ class Scene:
         A moving actor ignores all others; cars brake for it, and people walk around it.
 
         Args:
-            kind: "car", "van", "truck", "misc" (a trailer or a motorbike), "pedestrian", "person_sitting" (who sits at
-                a chair's height and does not move), or "cyclist", in any letter case; with `model` that vehicle's
-                class. KITTI's other types have no shape and are refused.
+            kind: "car", "van", "truck", "tram" (one car with a cab at both ends), "misc" (a trailer or a motorbike),
+                "pedestrian", "person_sitting" (who sits at a chair's height and does not move), or "cyclist", in any
+                letter case; with `model` that vehicle's class.
             x: meters, world frame: the middle of its box. Left out with a path, as are `y` and `yaw`.
             y: meters, world frame.
             yaw: radians, counter-clockwise from east.

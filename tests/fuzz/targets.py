@@ -12,14 +12,18 @@ import numpy as np
 
 import cadet
 from cadet import _cadet, kitti
+from cadet.analysis.groups import groups_from_text
 from cadet.assets import Assets, VehicleMesh
 from cadet.beam_table import BeamTable
+from cadet.evaluation import Rules
+from cadet.gltf_file import gltf_from_bytes
 from cadet.kitti import images
 from cadet.kitti.planes import plane_from_text
 from cadet.kitti.velodyne import points_from_bytes
 from cadet.plain_text import json_from_text, toml_from_text
 from fuzz.mutations import damage_bytes, damage_text, nested
 from fuzz.road_text import ROADS
+from gltf_meshes import glb, gltf_of
 from obj_meshes import MTL, car_obj
 from synthetic import make_calib, make_frame
 
@@ -78,6 +82,11 @@ def _read_mesh(text: str) -> object:
     return Assets((VehicleMesh(name="car", type="Car", obj=obj, libraries=((_LIBRARY, mtl),), file="car.obj"),))
 
 
+def _read_gltf(data: bytes) -> object:
+    gltf = gltf_from_bytes(data, "car.glb", lambda name: b"\0" * 64)
+    return Assets((VehicleMesh(name="car", type="Car", gltf=gltf, file="car.glb"),))
+
+
 def _read_roads(text: str) -> object:
     return _cadet.Scene.empty(
         map_name="map.xodr",
@@ -89,7 +98,18 @@ def _read_roads(text: str) -> object:
     )
 
 
+RULES = """
+[[level]]
+name = "Near"
+min_height_px = 40
+max_occlusion = 1
+[class.Vehicle]
+types = ["Car", "Van"]
+neighbors = ["Truck"]
+min_overlap = { 2d = 0.7, bev = 0.5, 3d = 0.5 }
+"""
 _FRAME = make_frame()
+_GLTF, _GLTF_BUFFER = gltf_of(car_obj())
 _META = json.dumps({"image_size": [1242, 375], "objects": [{"actor_id": 1}], "sha256": {"image_2": "0" * 64}})
 
 TARGETS = (
@@ -102,6 +122,9 @@ TARGETS = (
     _texts("JSON", _META, lambda text: json_from_text(text, "meta.json"), nests=True),
     _texts("TOML", cadet.Lidar.vlp16().to_toml(), lambda text: toml_from_text(text, "file.toml"), nests=True),
     _texts("LIDARs", cadet.Lidar.vlp16().to_toml(), _read_lidar, nests=True),
+    _texts("rules of evaluation", RULES, lambda text: Rules.from_toml(text, "rules.toml"), nests=True),
+    _texts("groups", "000001 a\n000002 a\n000017 b\n", lambda text: groups_from_text(text, "groups.txt")),
     _texts("meshes", car_obj() + "\f" + MTL, _read_mesh),
+    _files("glTF", glb(json.dumps(_GLTF).encode(), _GLTF_BUFFER), _read_gltf),
     _texts("roads", ROADS, _read_roads),
 )

@@ -100,7 +100,7 @@ def test_truncation_and_bbox_follow_from_the_box(root: Path) -> None:
             whole = np.array([*uv.min(axis=0), *uv.max(axis=0)])
             inside = np.clip(whole, 0, [width - 1, height - 1] * 2)
             # Two decimals of the box's numbers are worth this many pixels.
-            slack = 0.6 + 16.0 / label.location_cam[2]
+            slack = 0.7 + 16.0 / label.location_cam[2]
             assert np.abs(inside - label.bbox).max() < slack, (frame, label)
             expected = 1 - np.prod(inside[2:] - inside[:2]) / np.prod(whole[2:] - whole[:2])
             assert abs(expected - label.truncated) < 0.05
@@ -116,7 +116,7 @@ def test_the_set_looks_like_a_detection_set(root: Path) -> None:
     counts = Counter(label.type for frame in cadet.kitti.Dataset(root) for label in frame.labels)
     assert 1.5 * NUM_FRAMES < counts["Car"] < 12 * NUM_FRAMES
     assert counts["Pedestrian"] > 0.1 * NUM_FRAMES
-    assert set(counts) <= {"Car", "Van", "Truck", "Pedestrian", "Person_sitting", "Cyclist", "Misc", "DontCare"}
+    assert set(counts) <= {"Car", "Van", "Truck", "Pedestrian", "Person_sitting", "Cyclist", "Tram", "Misc", "DontCare"}
     points = [len(frame.points_velo) for frame in cadet.kitti.Dataset(root)]
     assert 90_000 < np.median(points) < 135_000
 
@@ -130,10 +130,11 @@ def test_the_papers_towns_drive(name: str, tmp_path: Path) -> None:
     source = MAPS / f"{name}.xodr"
     if not source.exists():
         pytest.skip(f"needs the paper's map {name}.xodr, which is not part of the project")
-    cadet_gen(tmp_path / "out", "-n", 6, "--seed", 2, "--policy", "paper", "--rig", "paper", "--map", source)
+    # One episode, longer than a red light.
+    cadet_gen(tmp_path / "out", "-n", 20, "--seed", 2, "--policy", "paper", "--rig", "paper", "--map", source)
     frames = list(cadet.kitti.Dataset(tmp_path / "out"))
     assert cadet.kitti.lint(tmp_path / "out", strict=True) == []
-    assert len(frames) == 6
-    assert sum(label.type == "Car" for frame in frames for label in frame.labels) >= 6
+    assert len(frames) == 20
+    assert sum(label.type == "Car" for frame in frames for label in frame.labels) >= 20
     places = [np.array(frame.meta["world_from_ego"])[:2, 3] for frame in frames if frame.meta is not None]
-    assert np.linalg.norm(places[-1] - places[0]) > 5, "the ego drives"
+    assert max(np.linalg.norm(place - places[0]) for place in places) > 5, "the ego drives"

@@ -78,6 +78,22 @@ def test_the_folder_of_the_samples_itself_is_a_root_and_labels_may_be_missing_al
     assert read_frame(tmp_path, 0).labels == ()
 
 
+def test_what_kitti_lacks_is_not_read_where_it_is_not_wanted(tmp_path: Path) -> None:
+    write_frame(tmp_path, 0, make_frame(has_maps=True))
+    for kind in ("depth", "instance", "semantic"):
+        (tmp_path / "training" / kind / "000000.png").write_bytes(b"no image")
+    (tmp_path / "training" / "meta" / "000000.json").write_bytes(b"no JSON")
+    frame, whole = read_frame(tmp_path, 0, has_extras=False), make_frame()
+    assert (frame.depth, frame.instance, frame.semantic, frame.meta) == (None, None, None, None)
+    np.testing.assert_array_equal(frame.image, whole.image)
+    np.testing.assert_array_equal(frame.points_velo, whole.points_velo)
+    assert frame.labels and frame.plane is not None
+    with pytest.raises(CadetError):
+        read_frame(tmp_path, 0)
+    with pytest.raises(CadetError, match="has_extras: expected True or False, got 1"):
+        read_frame(tmp_path, 0, has_extras=1)  # type: ignore[arg-type]
+
+
 def test_a_frame_is_not_overwritten_unasked(tmp_path: Path) -> None:
     write_frame(tmp_path, 0, make_frame(has_maps=True))
     before = all_files(tmp_path)

@@ -53,6 +53,9 @@ fn _cadet(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<settings::SuburbConfig>()?;
     module.add_function(wrap_pyfunction!(bev::bev_maps, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::evaluate, module)?)?;
+    module.add_function(wrap_pyfunction!(evaluate::evaluate_draws, module)?)?;
+    module.add_function(wrap_pyfunction!(evaluate::read_truths, module)?)?;
+    module.add_function(wrap_pyfunction!(evaluate::read_detections, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::box_iou, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::nms_bev, module)?)?;
     module.add_function(wrap_pyfunction!(ground_plane::estimate_ground_plane, module)?)?;

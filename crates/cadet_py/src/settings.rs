@@ -106,18 +106,34 @@ pub(crate) struct SuburbConfig {
 #[pymethods]
 impl SuburbConfig {
     #[new]
-    #[pyo3(signature = (*, blocks, block_m, parking_share, angled_share, main_share, hilly_share, max_slope))]
+    #[pyo3(signature = (
+        *, blocks, block_m, parking_share, angled_share, main_share, sidewalk_m, signal_share, tram_share, hilly_share,
+        max_slope,
+    ))]
     fn new(
         blocks: (usize, usize),
         block_m: (f64, f64),
         parking_share: f64,
         angled_share: f64,
         main_share: f64,
+        sidewalk_m: (f64, f64),
+        signal_share: f64,
+        tram_share: f64,
         hilly_share: f64,
         max_slope: f64,
     ) -> Result<Self, BorderError> {
-        let config =
-            CoreSuburbConfig { blocks, block_m, parking_share, angled_share, main_share, hilly_share, max_slope };
+        let config = CoreSuburbConfig {
+            blocks,
+            block_m,
+            parking_share,
+            angled_share,
+            main_share,
+            sidewalk_m,
+            signal_share,
+            tram_share,
+            hilly_share,
+            max_slope,
+        };
         config.check()?;
         Ok(Self { config })
     }
@@ -139,9 +155,15 @@ pub(crate) struct PropConfig {
 #[pymethods]
 impl PropConfig {
     #[new]
-    #[pyo3(signature = (*, house_shares, greenery, belt_m, clutter))]
-    fn new(house_shares: [f64; 6], greenery: f64, belt_m: f64, clutter: f64) -> Result<Self, BorderError> {
-        let config = CorePropConfig { house_shares, greenery, belt_m, clutter };
+    #[pyo3(signature = (*, house_shares, greenery, belt_m, clutter, city_share))]
+    fn new(
+        house_shares: [f64; 6],
+        greenery: f64,
+        belt_m: f64,
+        clutter: f64,
+        city_share: f64,
+    ) -> Result<Self, BorderError> {
+        let config = CorePropConfig { house_shares, greenery, belt_m, clutter, city_share };
         config.check()?;
         Ok(Self { config })
     }
@@ -164,7 +186,7 @@ pub(crate) struct SceneConfig {
 impl SceneConfig {
     #[new]
     #[pyo3(signature = (
-        *, num_cars, num_pedestrians, num_cyclists, parking_occupancy, car_radius_m, pedestrian_radius_m,
+        *, num_cars, num_pedestrians, num_cyclists, num_trams, parking_occupancy, car_radius_m, pedestrian_radius_m,
         cyclist_radius_m, parking_radius_m, seat_occupancy,
         vehicle_classes, suburb, props, sun_elevation_deg, sun_azimuth_deg, label
     ))]
@@ -172,6 +194,7 @@ impl SceneConfig {
         num_cars: usize,
         num_pedestrians: usize,
         num_cyclists: usize,
+        num_trams: usize,
         parking_occupancy: f64,
         car_radius_m: f64,
         pedestrian_radius_m: f64,
@@ -191,6 +214,7 @@ impl SceneConfig {
             num_cars,
             num_pedestrians,
             num_cyclists,
+            num_trams,
             parking_occupancy,
             car_radius_m,
             pedestrian_radius_m,

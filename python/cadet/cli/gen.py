@@ -45,6 +45,7 @@ _LEAST_FRACTION = 1e-6
     type=click.Path(path_type=Path),
     help="Own vehicle meshes: a folder with an assets.toml (docs/assets.md).",
 )
+@click.option("--skip-bad-assets", is_flag=True, help="Leave out vehicles whose meshes are missing or broken.")
 @click.option("--format", "dataset_format", type=click.Choice(list(EXPORTERS)), default="kitti", show_default=True)
 @click.option("--sequence", is_flag=True, help="Episodes of some seconds, a sample each time step, not each 10 m.")
 @click.option("--hz", type=float, help="Samples a second of a sequence.  [default: 2]")
@@ -77,6 +78,7 @@ def cadet_gen(
     maps: tuple[str, ...],
     weathers: tuple[str, ...],
     assets: Path | None,
+    skip_bad_assets: bool,
     dataset_format: str,
     sequence: bool,
     hz: float | None,
@@ -98,11 +100,14 @@ def cadet_gen(
 
     Weathers: {weathers}
     """  # noqa: D301 - click reads the backspace
+    if skip_bad_assets and assets is None:
+        raise CadetError("--skip-bad-assets: goes with --assets")
+    own = None if assets is None else Assets.read(assets, skip_bad=skip_bad_assets)
     settings = Settings(
         seed=seed,
         num_frames=num_frames,
         policy=_in_time(
-            _with_sensors(_policy(policy, maps, weathers, assets), _rig_for(dataset_format, rig), image_size, lidar),
+            _with_sensors(_policy(policy, maps, weathers, own), _rig_for(dataset_format, rig), image_size, lidar),
             sequence,
             hz,
             length,
@@ -152,7 +157,7 @@ def _period(option: str, fraction: float) -> int:
     return round(1.0 / fraction) if fraction > 0.0 else 0
 
 
-def _policy(name: str, maps: tuple[str, ...], weathers: tuple[str, ...], assets: Path | None) -> ResetPolicy:
+def _policy(name: str, maps: tuple[str, ...], weathers: tuple[str, ...], assets: Assets | None) -> ResetPolicy:
     policy = ResetPolicy.named(name)
     if maps:
         policy = replace(policy, maps=tuple(RoadMap.read(path) for path in maps))
@@ -161,7 +166,7 @@ def _policy(name: str, maps: tuple[str, ...], weathers: tuple[str, ...], assets:
     if weathers:
         policy = replace(policy, weathers=tuple((check_weather(weather), 1.0) for weather in weathers))
     if assets is not None:
-        policy = replace(policy, assets=Assets.read(assets))
+        policy = replace(policy, assets=assets)
     return policy
 
 

@@ -35,12 +35,13 @@ from cadet.kitti.velodyne import bytes_from_points, points_from_bytes
 from cadet.plain_text import json_from_text
 
 
-def read_frame(root: str | Path, frame_id: str | int) -> Frame:
+def read_frame(root: str | Path, frame_id: str | int, *, has_extras: bool = True) -> Frame:
     """Read one frame of a KITTI folder, real or generated.
 
     Args:
         root: the folder that holds `training`, or one that holds `calib` and its fellows itself.
         frame_id: six digits, or the number they make.
+        has_extras: read what KITTI's own frames lack too: depth, instance, semantic and meta; else they are None.
 
     Returns:
         The frame; labels are empty where the set has none, everything else optional is None where nothing was written.
@@ -49,21 +50,27 @@ def read_frame(root: str | Path, frame_id: str | int) -> Frame:
         MissingFileError: no KITTI folder, no such frame, or a file that its fellows have is missing.
         KittiFormatError: a damaged file, named with line and reason.
     """
+    check_flag("", "has_extras", has_extras)
     folder = sample_folder(root)
     frame_id = check_id(frame_id)
     image = images.decode_image(*_read_bytes(folder, "image_2", frame_id))
     points_velo = points_from_bytes(*_read_bytes(folder, "velodyne", frame_id))
     calib = Calibration.from_text(*_read_text(folder, "calib", frame_id))
+    extras: dict[str, Any] = {}
+    if has_extras:
+        extras = {
+            "depth": _read_depth(folder, frame_id, image.shape),
+            "instance": _read_instance(folder, frame_id, image.shape),
+            "semantic": _read_map(folder, "semantic", frame_id, np.uint8, image.shape),
+            "meta": _read_meta(folder, frame_id) if _has(folder, "meta", frame_id) else None,
+        }
     return Frame(
         image=image,
         points_velo=points_velo,
         labels=read_labels(folder, frame_id) if (folder / "label_2").is_dir() else (),
         calib=calib,
         plane=plane_from_text(*_read_text(folder, "planes", frame_id)) if _has(folder, "planes", frame_id) else None,
-        depth=_read_depth(folder, frame_id, image.shape),
-        instance=_read_instance(folder, frame_id, image.shape),
-        semantic=_read_map(folder, "semantic", frame_id, np.uint8, image.shape),
-        meta=_read_meta(folder, frame_id) if _has(folder, "meta", frame_id) else None,
+        **extras,
     )
 
 
