@@ -20,9 +20,12 @@ if is_ci() and not HAS_TORCH:
 collect_ignore_glob = [] if HAS_TORCH else ["test_*.py"]
 
 
-@pytest.fixture(autouse=True)
+@pytest.fixture(scope="session", autouse=True)
 def _one_thread() -> Iterator[None]:
-    """Run on one thread: small tensors gain nothing from more, and the machine is shared."""
+    """Run on one thread: small tensors gain nothing from more, and the number of threads changes the last bits.
+
+    Of the whole session, so that fixtures of a module, such as a training that others are compared with, see it too.
+    """
     import torch
 
     threads = torch.get_num_threads()

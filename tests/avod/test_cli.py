@@ -168,7 +168,7 @@ def test_detection_can_be_changed_for_one_run(dataset: Path, trained: Path, tmp_
     above = detected("--score-threshold", limit)
     assert 0 < len(above) < len(usual)
     assert all((label.score or 0.0) >= float(limit) - 1e-4 for label in above)
-    assert len(detected("--proposals", 2)) <= 2 < len(usual)
+    assert len(detected("--proposals", 1)) <= 1 < len(usual)
     assert len(detected("--nms-iou", 1.0)) > len(usual)
     result = call("eval", "--checkpoint", trained, "--data", dataset, "--score-threshold", 1.0)
     assert all(line.split()[2:] == ["-"] * 6 for line in table_of(result)), "nothing is found"
