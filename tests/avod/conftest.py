@@ -6,7 +6,6 @@ CI may not leave it out: `make test` installs torch, and `make test-core` does n
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Iterator
 
 import pytest
 
@@ -20,15 +19,12 @@ if is_ci() and not HAS_TORCH:
 collect_ignore_glob = [] if HAS_TORCH else ["test_*.py"]
 
 
-@pytest.fixture(scope="session", autouse=True)
-def _one_thread() -> Iterator[None]:
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup() -> None:
     """Run on one thread: small tensors gain nothing from more, and the number of threads changes the last bits.
 
-    Of the whole session, so that fixtures of a module, such as a training that others are compared with, see it too.
+    Before a module's fixtures too, such as a training that others are compared with, and whatever a test has set.
     """
     import torch
 
-    threads = torch.get_num_threads()
     torch.set_num_threads(1)
-    yield
-    torch.set_num_threads(threads)
