@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+import signal
 import sys
 from collections.abc import Iterator
 from importlib.machinery import PathFinder
@@ -46,6 +47,10 @@ IS_CORE_BUILT = _is_core_built()
 if not IS_CORE_BUILT:
     # The package can't be imported without a core, so the fake must stand before any test is.
     sys.modules["cadet._cadet"] = fake_native
+
+# A shell starts its background jobs with Ctrl-C ignored, and so would be what tests interrupt.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # Whole folders that look at what the real core makes.
 collect_ignore_glob = [] if IS_CORE_BUILT else ["generated/*", "avod/*", "fuzz/*"]

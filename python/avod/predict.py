@@ -13,7 +13,7 @@ from torch.utils.data import DataLoader
 
 from avod.data.dataset import DetectionData, sample_from_frame
 from avod.data.packing import on_device
-from avod.data.workers import as_it_is, started
+from avod.data.workers import as_it_is, running
 from avod.detector import Detector
 from avod.results import detections
 from cadet import kitti
@@ -65,12 +65,13 @@ def predict_all(
             raise CadetError(f"these detectors need different inputs, their {name!r} differ: run them one by one")
     data = DetectionData(root, ids, config)
     loader: DataLoader[Any] = DataLoader(data, batch_size=None, num_workers=min(workers, len(ids)), collate_fn=as_it_is)
-    for frame_id, item in zip(ids, started(loader), strict=True):
-        if isinstance(item, CadetError):
-            raise item
-        sample, calib = item
-        sample = on_device(sample, detectors[0].device)
-        yield frame_id, [detector.detect_sample(sample, calib) for detector in detectors]
+    with running(loader) as items:
+        for frame_id, item in zip(ids, items, strict=True):
+            if isinstance(item, CadetError):
+                raise item
+            sample, calib = item
+            sample = on_device(sample, detectors[0].device)
+            yield frame_id, [detector.detect_sample(sample, calib) for detector in detectors]
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from avod.config import Config
 from avod.data.dataset import DetectionData
 from avod.data.order import torch_generator
 from avod.data.packing import on_device
-from avod.data.workers import as_it_is, outlive_signals, started
+from avod.data.workers import as_it_is, outlive_signals, running
 from avod.evaluate import score
 from avod.losses import frame_losses
 from avod.model.network import AvodNetwork
@@ -90,14 +90,15 @@ class Validator:
         texts: dict[str, str] = {}
         losses: dict[str, dict[str, float]] = {}
         is_stopped = False
-        for frame_id, item in zip(ids, started(loader), strict=True):
-            if isinstance(item, CadetError):
-                raise item
-            texts[frame_id], losses[frame_id] = self._judge(network, *item, step=step, device=processes.device)
-            self._on_frame(len(texts), len(ids))
-            if self._should_stop():
-                is_stopped = True
-                break
+        with running(loader) as items:
+            for frame_id, item in zip(ids, items, strict=True):
+                if isinstance(item, CadetError):
+                    raise item
+                texts[frame_id], losses[frame_id] = self._judge(network, *item, step=step, device=processes.device)
+                self._on_frame(len(texts), len(ids))
+                if self._should_stop():
+                    is_stopped = True
+                    break
         if processes.any(is_stopped):
             return None
         shares = processes.gathered((texts, losses))

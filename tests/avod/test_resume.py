@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import multiprocessing
 import os
 import re
 import shutil
@@ -105,6 +106,16 @@ def test_a_process_that_a_signal_ends_leaves_a_training_that_goes_on(
     assert len(checkpoints(out / "checkpoints")) < 5
     assert call("train", "--out", out, "--resume").return_value == 0
     assert_same_training(out, unbroken)
+
+
+def test_no_worker_outlives_a_training_that_fails(config: Config, data: Path, tmp_path: Path) -> None:
+    def fail(step: int, losses: dict[str, Any]) -> None:
+        raise ZeroDivisionError(str(step))
+
+    with pytest.raises(ZeroDivisionError) as info:
+        short_run(config, data, tmp_path, STEPS, workers=2, on_step=fail)
+    # Python waits for its children at the end, and these hear no signal: gone while the error is still held.
+    assert info.tb is not None and multiprocessing.active_children() == []
 
 
 def test_a_second_signal_ends_at_once_and_signals_come_back() -> None:

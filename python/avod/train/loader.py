@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterator
+from contextlib import AbstractContextManager
 from typing import Any
 
 import torch
@@ -13,15 +14,15 @@ from avod.data.dataset import TrainingData
 from avod.data.order import StepSampler
 from avod.data.packing import PackedSample, on_device
 from avod.data.sample import Sample
-from avod.data.workers import as_it_is, outlive_signals, started
+from avod.data.workers import as_it_is, outlive_signals, running
 from avod.train.processes import Processes
 from cadet.errors import CadetError
 
 
 def batches(
     data: TrainingData, training: TrainingConfig, first_step: int, processes: Processes, workers: int
-) -> Iterable[list[Sample | PackedSample | CadetError]]:
-    """Return the samples of each step, or the errors that reading them raised.
+) -> AbstractContextManager[Iterator[list[Sample | PackedSample | CadetError]]]:
+    """Return what iterates, meanwhile, over the samples of each step, or the errors that reading them raised.
 
     Args:
         data: the frames.
@@ -40,7 +41,7 @@ def batches(
         persistent_workers=workers > 0,
         worker_init_fn=outlive_signals,
     )
-    return started(loader)
+    return running(loader)
 
 
 def whole(samples: list[Sample | PackedSample | CadetError], device: torch.device) -> list[Sample]:

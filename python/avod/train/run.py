@@ -8,10 +8,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from torch import Tensor
+from torch import Tensor, nn
 
 from avod.config import Config
 from avod.data.dataset import TrainingData
+from avod.data.sample import Sample
 from avod.model.network import AvodNetwork
 from avod.train.checkpoint import forget_old, remove_partial, save_checkpoint
 from avod.train.loader import batches, whole
@@ -104,43 +105,37 @@ class _Training:
         wrapped = processes.wrap(self.network)
         if self.start.goes_on and self._is_unvalidated(first):
             self._validate(first)  # It was killed meanwhile.
-        seed = self.start.seed
-        loader = batches(self.data, config, first, processes, self.run.workers)
-        for step, samples in zip(range(first, config.steps), loader, strict=True):
-            losses: dict[str, Tensor] = {}
-            if step not in self.skipped:
-                try:
-                    losses = training_step(
-                        wrapped,
-                        self.optimizer,
-                        whole(samples, processes.device),
-                        self.config,
-                        step=step,
-                        seed=seed,
-                        rank=processes.rank,
-                    )
-                except NonFiniteLossError as error:
-                    raise NonFiniteLossError(
-                        f"{error}; look at its labels and points, or go on without this step by "
-                        f"--out {self.out} --resume --skip-step {step}"
-                    ) from None
-                losses = processes.mean(losses)
-            done = step + 1
-            is_last = done == config.steps
-            if self.log is not None:
-                self.log.on_step(done, losses, learning_rate(step, config), is_last=is_last)
-            if done % config.checkpoint_steps == 0 or is_last:
-                self._save(done)
-            if on_step is not None:
-                on_step(done, losses)
-            if self.validate is not None and (is_last or done % (self.run.val_every or 1) == 0):
-                self._validate(done)
-            if processes.any(should_stop()):
-                if self.last.name != f"{done:09d}":
+        with batches(self.data, config, first, processes, self.run.workers) as samples_of_steps:
+            for step, samples in zip(range(first, config.steps), samples_of_steps, strict=True):
+                losses: dict[str, Tensor] = {}
+                if step not in self.skipped:
+                    losses = processes.mean(self._step(wrapped, step, whole(samples, processes.device)))
+                done = step + 1
+                is_last = done == config.steps
+                if self.log is not None:
+                    self.log.on_step(done, losses, learning_rate(step, config), is_last=is_last)
+                if done % config.checkpoint_steps == 0 or is_last:
                     self._save(done)
-                break
+                if on_step is not None:
+                    on_step(done, losses)
+                if self.validate is not None and (is_last or done % (self.run.val_every or 1) == 0):
+                    self._validate(done)
+                if processes.any(should_stop()):
+                    if self.last.name != f"{done:09d}":
+                        self._save(done)
+                    break
         processes.any(False)  # Nobody goes on before the first has written.
         return self.last
+
+    def _step(self, wrapped: nn.Module, step: int, samples: list[Sample]) -> dict[str, Tensor]:
+        seed, rank = self.start.seed, self.processes.rank
+        try:
+            return training_step(wrapped, self.optimizer, samples, self.config, step=step, seed=seed, rank=rank)
+        except NonFiniteLossError as error:
+            raise NonFiniteLossError(
+                f"{error}; look at its labels and points, or go on without this step by "
+                f"--out {self.out} --resume --skip-step {step}"
+            ) from None
 
     def _save(self, step: int) -> None:
         if self.log is not None:
