@@ -28,9 +28,11 @@ pub struct Cluster {
     pub corners: Vec<[u8; 3]>,
     /// The mesh's index of each face.
     pub faces: Vec<u32>,
+    /// A bit for each face, the first the lowest: it belongs to a closed surface that turns its outside outwards.
+    pub closed_faces: u64,
     /// The same faces for who draws them: two that form a flat convex quadrilateral are one piece.
     pub pieces: Vec<Piece>,
-    /// A bit for each piece, the first the lowest: it belongs to a closed surface that turns its outside outwards.
+    /// As `closed_faces`, for each piece.
     pub closed_pieces: u64,
 }
 
@@ -48,6 +50,7 @@ impl Cluster {
             lanes: self.lanes.iter().map(stretched).collect(),
             corners: self.corners.clone(),
             faces: self.faces.clone(),
+            closed_faces: self.closed_faces,
             pieces: self.pieces.clone(),
             closed_pieces: self.closed_pieces,
         }
@@ -166,12 +169,16 @@ fn cluster(surface: &Surface<'_>, of: &[MeshPiece]) -> Cluster {
         closed_slots: chunk.iter().fold(0, |bits, f| bits | closed[*f as usize]),
         corners,
         pieces,
-        closed_pieces: (0..)
-            .zip(of)
-            .fold(0, |bits, (i, piece)| bits | u64::from(closed[piece.first as usize] != 0) << i),
+        closed_faces: bits_of(chunk.iter().map(|face| closed[*face as usize] != 0)),
+        closed_pieces: bits_of(of.iter().map(|piece| closed[piece.first as usize] != 0)),
         lanes: lanes_of(&points),
         faces: chunk,
     }
+}
+
+/// The first as the lowest bit.
+fn bits_of(flags: impl Iterator<Item = bool>) -> u64 {
+    flags.zip(0..).fold(0, |bits, (flag, i)| bits | u64::from(flag) << i)
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use std::ops::Range;
 use multiversion::multiversion;
 
 use super::block_rasterization::{ExactBlock, FaceOnImage};
+use super::cluster_culling::OUTSIDE_M;
 use super::grid::{BeamGrid, Window};
 use super::outline::Outline;
 use super::pinhole::PinholeGrid;
@@ -113,8 +114,6 @@ fn loosened(radius_m: f32, center_cam: Vec3) -> f32 {
     radius_m * 1.000_01 + 1e-3 + 1e-6 * center_cam.abs().max_element()
 }
 
-/// How far outside of a mesh's bounds the camera is sure to be outside of the mesh.
-const OUTSIDE_M: f32 = 1e-3;
 /// Share of a point's coordinates by which single precision may err in its z.
 const SLACK: f32 = 1e-6;
 /// A cluster's corners are bytes.
