@@ -113,6 +113,7 @@ pub fn clusters_of(
     if from < order.len() {
         clusters.push(cluster(&surface, &order[from..]));
     }
+    clusters.shrink_to_fit();
     clusters
 }
 
@@ -127,7 +128,8 @@ fn spread(x: f32) -> u64 {
 
 fn cluster(surface: &Surface<'_>, of: &[MeshPiece]) -> Cluster {
     let Surface { vertices, faces, slots, closed, .. } = *surface;
-    let chunk: Vec<u32> = of.iter().flat_map(MeshPiece::faces).collect();
+    let mut chunk = Vec::with_capacity(of.iter().map(|piece| piece.faces().count()).sum());
+    chunk.extend(of.iter().flat_map(MeshPiece::faces));
     // The corners in the order of their places, x, y and z as bits: what shares a place stands together.
     let key = |vertex: u32, corner: usize| {
         let [x, y, z] = vertices[vertex as usize].to_array().map(|v| u128::from(v.to_bits()));
