@@ -2,7 +2,8 @@
 
 use super::bounds::Bounds;
 use super::closed::closed_surfaces;
-use super::lanes::{Lanes, lanes_of};
+use super::lanes::{LANES, Lanes, lanes_of};
+use super::normal_cone::NormalCone;
 use super::pieces::{MeshPiece, Surface, pieces_of};
 use crate::material::slot_bit;
 use crate::math::Vec3;
@@ -32,6 +33,8 @@ pub struct Cluster {
     pub closed_faces: u64,
     /// The same faces for who draws them: two that form a flat convex quadrilateral are one piece.
     pub pieces: Vec<Piece>,
+    /// About the faces' normals, if all of them belong to closed surfaces.
+    pub normal_cone: NormalCone,
     /// As `closed_faces`, for each piece.
     pub closed_pieces: u64,
 }
@@ -41,7 +44,7 @@ impl Cluster {
     pub(super) fn stretched(&self, scale: Vec3) -> Self {
         let along = scale.to_array();
         let stretched = |lanes: &Lanes| -> Lanes { std::array::from_fn(|k| lanes[k].map(|v| v * along[k])) };
-        Self {
+        let mut cluster = Self {
             center: self.center * scale,
             // A little more, for rounding.
             radius_m: self.radius_m * scale.max_element() * 1.000_001,
@@ -53,7 +56,28 @@ impl Cluster {
             closed_faces: self.closed_faces,
             pieces: self.pieces.clone(),
             closed_pieces: self.closed_pieces,
+            normal_cone: NormalCone::NONE,
+        };
+        cluster.find_normal_cone();
+        cluster
+    }
+
+    fn find_normal_cone(&mut self) {
+        let point = |i: u8| {
+            let (eight, k) = (&self.lanes[usize::from(i) / LANES], usize::from(i) % LANES);
+            Vec3::new(eight[0][k], eight[1][k], eight[2][k])
+        };
+        if self.closed_faces.count_ones() as usize == self.faces.len() {
+            self.normal_cone = NormalCone::of(self.corners.iter().map(|corners| corners.map(point)));
         }
+    }
+
+    /// True if the faces bound a solid, nothing of which is transparent: seen from outside, near sides hide the far ones.
+    #[inline(always)]
+    #[must_use]
+    pub fn is_of_solid(&self, transparent_slots: u64) -> bool {
+        // Bit 63 may stand for several slots.
+        self.closed_slots & transparent_slots == 0 && self.closed_slots >> 63 == 0
     }
 }
 
@@ -164,7 +188,7 @@ fn cluster(surface: &Surface<'_>, of: &[MeshPiece]) -> Cluster {
     }
     let center = Bounds::of(points.iter().copied()).center();
     let radius = points.iter().map(|p| p.distance(center)).fold(0.0, f32::max);
-    Cluster {
+    let mut cluster = Cluster {
         center,
         radius_m: radius * 1.000_01 + 1e-6,
         slots: chunk.iter().fold(0, |bits, f| bits | slot_bit(slots[*f as usize])),
@@ -175,7 +199,10 @@ fn cluster(surface: &Surface<'_>, of: &[MeshPiece]) -> Cluster {
         closed_pieces: bits_of(of.iter().map(|piece| closed[piece.first as usize] != 0)),
         lanes: lanes_of(&points),
         faces: chunk,
-    }
+        normal_cone: NormalCone::NONE,
+    };
+    cluster.find_normal_cone();
+    cluster
 }
 
 /// The first as the lowest bit.

@@ -13,8 +13,8 @@ pub(super) struct VisibleCluster {
     order_depth: f32,
     pub instance: u32,
     pub cluster: u32,
-    /// All beams start outside of the mesh's bounds: closed surfaces hide their inner sides.
-    pub is_outside: bool,
+    /// All beams start outside of the mesh, and closed surfaces hide their inner sides.
+    pub is_solid: bool,
     /// First row, end of rows, first column, end of columns: half as long as [`Window`]s, as there are many.
     windows: [[u32; 4]; 2],
 }
@@ -59,9 +59,15 @@ pub(super) fn visible_clusters<G: BeamGrid>(
         let (linear, offset) = (grid_from_local.as_mat3(), origin_grid.as_vec3());
         let origin_local =
             instance.placement.rotation.transpose() * (to_grid.origin_world - instance.placement.translation);
-        let is_outside = !instance.mesh.bounds.grown(reach_m).contains(origin_local.as_vec3());
+        let origin_local = origin_local.as_vec3();
+        let is_outside = !instance.mesh.bounds.grown(reach_m).contains(origin_local);
+        let transparent_slots = instance.palette.transparent_slots();
         for (number, cluster) in instance.mesh.clusters.iter().enumerate() {
-            if cluster.slots & slots == 0 {
+            let is_solid = is_outside && cluster.is_of_solid(transparent_slots);
+            if cluster.slots & slots == 0
+                || is_solid
+                    && cluster.normal_cone.is_turned_away(cluster.center, cluster.radius_m, origin_local, reach_m)
+            {
                 continue;
             }
             let center_grid = linear * cluster.center + offset;
@@ -72,7 +78,7 @@ pub(super) fn visible_clusters<G: BeamGrid>(
                     order_depth: near_depth + cluster.radius_m,
                     instance: index as u32,
                     cluster: number as u32,
-                    is_outside,
+                    is_solid,
                     windows: [compact(&windows[0]), compact(&windows[1])],
                 });
             }

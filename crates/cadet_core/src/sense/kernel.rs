@@ -127,10 +127,7 @@ impl<G: BeamGrid> Caster<'_, G> {
         let slots = self.slots[item.instance as usize];
         // Bit 63 may stand for several slots.
         let uniform = cluster.slots & !slots == 0 && cluster.slots >> 63 == 0;
-        let is_solid = item.is_outside
-            && cluster.closed_slots & instance.palette.transparent_slots() == 0
-            && cluster.closed_slots >> 63 == 0;
-        let one_sided = if is_solid { cluster.closed_faces } else { 0 };
+        let one_sided = if item.is_solid { cluster.closed_faces } else { 0 };
         for candidate in 0..num_candidates {
             let number = usize::from(self.scratch.candidates[candidate]);
             let (corners, face) = (cluster.corners[number], cluster.faces[number]);
