@@ -2,7 +2,8 @@
 
 use super::bounds::Bounds;
 use super::closed::closed_surfaces;
-use super::lanes::{Lanes, lanes_of};
+use super::lanes::{LANES, Lanes, lanes_of};
+use super::normal_cone::NormalCone;
 use super::pieces::{MeshPiece, Surface, pieces_of};
 use crate::material::slot_bit;
 use crate::math::Vec3;
@@ -28,9 +29,13 @@ pub struct Cluster {
     pub corners: Vec<[u8; 3]>,
     /// The mesh's index of each face.
     pub faces: Vec<u32>,
+    /// A bit for each face, the first the lowest: it belongs to a closed surface that turns its outside outwards.
+    pub closed_faces: u64,
     /// The same faces for who draws them: two that form a flat convex quadrilateral are one piece.
     pub pieces: Vec<Piece>,
-    /// A bit for each piece, the first the lowest: it belongs to a closed surface that turns its outside outwards.
+    /// About the faces' normals, if all of them belong to closed surfaces.
+    pub normal_cone: NormalCone,
+    /// As `closed_faces`, for each piece.
     pub closed_pieces: u64,
 }
 
@@ -39,7 +44,7 @@ impl Cluster {
     pub(super) fn stretched(&self, scale: Vec3) -> Self {
         let along = scale.to_array();
         let stretched = |lanes: &Lanes| -> Lanes { std::array::from_fn(|k| lanes[k].map(|v| v * along[k])) };
-        Self {
+        let mut cluster = Self {
             center: self.center * scale,
             // A little more, for rounding.
             radius_m: self.radius_m * scale.max_element() * 1.000_001,
@@ -48,9 +53,31 @@ impl Cluster {
             lanes: self.lanes.iter().map(stretched).collect(),
             corners: self.corners.clone(),
             faces: self.faces.clone(),
+            closed_faces: self.closed_faces,
             pieces: self.pieces.clone(),
             closed_pieces: self.closed_pieces,
+            normal_cone: NormalCone::NONE,
+        };
+        cluster.find_normal_cone();
+        cluster
+    }
+
+    fn find_normal_cone(&mut self) {
+        let point = |i: u8| {
+            let (eight, k) = (&self.lanes[usize::from(i) / LANES], usize::from(i) % LANES);
+            Vec3::new(eight[0][k], eight[1][k], eight[2][k])
+        };
+        if self.closed_faces.count_ones() as usize == self.faces.len() {
+            self.normal_cone = NormalCone::of(self.corners.iter().map(|corners| corners.map(point)));
         }
+    }
+
+    /// True if the faces bound a solid, nothing of which is transparent: seen from outside, near sides hide the far ones.
+    #[inline(always)]
+    #[must_use]
+    pub fn is_of_solid(&self, transparent_slots: u64) -> bool {
+        // Bit 63 may stand for several slots.
+        self.closed_slots & transparent_slots == 0 && self.closed_slots >> 63 == 0
     }
 }
 
@@ -110,6 +137,7 @@ pub fn clusters_of(
     if from < order.len() {
         clusters.push(cluster(&surface, &order[from..]));
     }
+    clusters.shrink_to_fit();
     clusters
 }
 
@@ -124,7 +152,8 @@ fn spread(x: f32) -> u64 {
 
 fn cluster(surface: &Surface<'_>, of: &[MeshPiece]) -> Cluster {
     let Surface { vertices, faces, slots, closed, .. } = *surface;
-    let chunk: Vec<u32> = of.iter().flat_map(MeshPiece::faces).collect();
+    let mut chunk = Vec::with_capacity(of.iter().map(|piece| piece.faces().count()).sum());
+    chunk.extend(of.iter().flat_map(MeshPiece::faces));
     // The corners in the order of their places, x, y and z as bits: what shares a place stands together.
     let key = |vertex: u32, corner: usize| {
         let [x, y, z] = vertices[vertex as usize].to_array().map(|v| u128::from(v.to_bits()));
@@ -159,19 +188,26 @@ fn cluster(surface: &Surface<'_>, of: &[MeshPiece]) -> Cluster {
     }
     let center = Bounds::of(points.iter().copied()).center();
     let radius = points.iter().map(|p| p.distance(center)).fold(0.0, f32::max);
-    Cluster {
+    let mut cluster = Cluster {
         center,
         radius_m: radius * 1.000_01 + 1e-6,
         slots: chunk.iter().fold(0, |bits, f| bits | slot_bit(slots[*f as usize])),
         closed_slots: chunk.iter().fold(0, |bits, f| bits | closed[*f as usize]),
         corners,
         pieces,
-        closed_pieces: (0..)
-            .zip(of)
-            .fold(0, |bits, (i, piece)| bits | u64::from(closed[piece.first as usize] != 0) << i),
+        closed_faces: bits_of(chunk.iter().map(|face| closed[*face as usize] != 0)),
+        closed_pieces: bits_of(of.iter().map(|piece| closed[piece.first as usize] != 0)),
         lanes: lanes_of(&points),
         faces: chunk,
-    }
+        normal_cone: NormalCone::NONE,
+    };
+    cluster.find_normal_cone();
+    cluster
+}
+
+/// The first as the lowest bit.
+fn bits_of(flags: impl Iterator<Item = bool>) -> u64 {
+    flags.zip(0..).fold(0, |bits, (flag, i)| bits | u64::from(flag) << i)
 }
 
 #[cfg(test)]

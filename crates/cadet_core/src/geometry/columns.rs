@@ -52,7 +52,8 @@ impl LazyColumns {
 
 impl Columns {
     fn new(clusters: &[Cluster]) -> Self {
-        let mut all = Self { starts: vec![0], columns: Vec::new() };
+        let mut all = Self { starts: Vec::with_capacity(clusters.len() + 1), columns: Vec::new() };
+        all.starts.push(0);
         let mut grid = Grid::default();
         for cluster in clusters {
             grid.reset(cluster);
@@ -67,6 +68,7 @@ impl Columns {
             grid.append_to(&mut all.columns);
             all.starts.push(all.columns.len() as u32);
         }
+        all.columns.shrink_to_fit();
         all
     }
 }

@@ -79,7 +79,7 @@ impl Mesh {
     pub fn in_cluster_order(self) -> Self {
         let order = self.clusters.iter().flat_map(|c| &c.faces);
         let (mut faces, mut slots) = (Vec::with_capacity(self.faces.len()), Vec::with_capacity(self.slots.len()));
-        let (mut vertices, mut normals) = (Vec::with_capacity(self.vertices.len()), Vec::new());
+        let (mut vertices, mut normals) = (Vec::new(), Vec::new());
         let mut renumbered = vec![u32::MAX; self.vertices.len()];
         for face in order.map(|f| *f as usize) {
             slots.push(self.slots[face]);
@@ -93,6 +93,9 @@ impl Mesh {
                 *number
             }));
         }
+        // Meshes of assets live as long as the process.
+        vertices.shrink_to_fit();
+        normals.shrink_to_fit();
         let bounds = Bounds::of(vertices.iter().copied());
         if bounds != self.bounds {
             // Vertices that no face has are gone, and with them the grid that faces were sorted by.

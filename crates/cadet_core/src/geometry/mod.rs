@@ -9,6 +9,7 @@ mod lanes;
 mod lod;
 mod mesh;
 mod mesh_builder;
+mod normal_cone;
 mod pieces;
 mod places;
 
@@ -19,4 +20,5 @@ pub use lanes::{LANES, Lanes, lanes_of};
 pub use lod::{LazyMesh, LodSet};
 pub use mesh::Mesh;
 pub use mesh_builder::MeshBuilder;
+pub use normal_cone::NormalCone;
 pub use pieces::LEAST_WEIGHT;

@@ -13,6 +13,8 @@ pub(super) struct VisibleCluster {
     order_depth: f32,
     pub instance: u32,
     pub cluster: u32,
+    /// All beams start outside of the mesh, and closed surfaces hide their inner sides.
+    pub is_solid: bool,
     /// First row, end of rows, first column, end of columns: half as long as [`Window`]s, as there are many.
     windows: [[u32; 4]; 2],
 }
@@ -40,6 +42,7 @@ pub(super) fn visible_clusters<G: BeamGrid>(
     keep: impl Fn(&PosedInstance) -> bool,
 ) -> Vec<VisibleCluster> {
     let mut out = Vec::with_capacity(4 * scene.instances.len());
+    let reach_m = grid.most_offset_m() as f32 + OUTSIDE_M;
     for (index, instance) in scene.instances.iter().enumerate() {
         if !keep(instance) {
             continue;
@@ -54,8 +57,17 @@ pub(super) fn visible_clusters<G: BeamGrid>(
         let grid_from_local = to_grid.rotation * instance.placement.rotation;
         let origin_grid = center_grid - grid_from_local * instance.mesh.bounds.center().as_dvec3();
         let (linear, offset) = (grid_from_local.as_mat3(), origin_grid.as_vec3());
+        let origin_local =
+            instance.placement.rotation.transpose() * (to_grid.origin_world - instance.placement.translation);
+        let origin_local = origin_local.as_vec3();
+        let is_outside = !instance.mesh.bounds.grown(reach_m).contains(origin_local);
+        let transparent_slots = instance.palette.transparent_slots();
         for (number, cluster) in instance.mesh.clusters.iter().enumerate() {
-            if cluster.slots & slots == 0 {
+            let is_solid = is_outside && cluster.is_of_solid(transparent_slots);
+            if cluster.slots & slots == 0
+                || is_solid
+                    && cluster.normal_cone.is_turned_away(cluster.center, cluster.radius_m, origin_local, reach_m)
+            {
                 continue;
             }
             let center_grid = linear * cluster.center + offset;
@@ -66,6 +78,7 @@ pub(super) fn visible_clusters<G: BeamGrid>(
                     order_depth: near_depth + cluster.radius_m,
                     instance: index as u32,
                     cluster: number as u32,
+                    is_solid,
                     windows: [compact(&windows[0]), compact(&windows[1])],
                 });
             }
@@ -73,6 +86,9 @@ pub(super) fn visible_clusters<G: BeamGrid>(
     }
     out
 }
+
+/// How far outside of a mesh's bounds a beam's origin is sure to be outside of the mesh.
+pub(super) const OUTSIDE_M: f32 = 1e-3;
 
 /// Depths beyond these have no order among themselves.
 const NEAREST_M: f32 = 0.03;

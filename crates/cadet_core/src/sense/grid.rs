@@ -93,6 +93,18 @@ pub trait BeamGrid {
         f32::NEG_INFINITY
     }
 
+    /// How far from the origin of the grid's frame a beam may start, meters.
+    #[inline(always)]
+    fn most_offset_m(&self) -> f64 {
+        0.0
+    }
+
+    /// True if every beam's origin lies behind a triangle, from where its corners run clockwise.
+    #[inline(always)]
+    fn is_turned_away(&self, [a, b, c]: &[DVec3; 3]) -> bool {
+        a.dot((*b - *a).cross(*c - *a)) > 0.0
+    }
+
     /// Calls `visit(row * columns + column, depth)` for every beam of the window that meets the triangle.
     fn cover(&self, triangle: &EdgePlanes, window: &Window, visit: impl FnMut(usize, f64));
 

@@ -26,7 +26,8 @@ pub enum Layer {
 /// Adds to `hits` what the beams of `grid` meet first among the triangles of the instances that `keep` accepts.
 ///
 /// Hits that are already there stay where they are nearer, so several casts into one `Hits` add up. A `hits` of another
-/// size is replaced by an empty one. Triangles have two sides. The order of the work does not show in the outcome.
+/// size is replaced by an empty one. Triangles have two sides, but for those of closed opaque surfaces around which all
+/// beams start outside. The order of the work does not show in the outcome.
 pub fn cast<G: BeamGrid>(
     scene: &PosedScene,
     grid: &G,
@@ -126,6 +127,7 @@ impl<G: BeamGrid> Caster<'_, G> {
         let slots = self.slots[item.instance as usize];
         // Bit 63 may stand for several slots.
         let uniform = cluster.slots & !slots == 0 && cluster.slots >> 63 == 0;
+        let one_sided = if item.is_solid { cluster.closed_faces } else { 0 };
         for candidate in 0..num_candidates {
             let number = usize::from(self.scratch.candidates[candidate]);
             let (corners, face) = (cluster.corners[number], cluster.faces[number]);
@@ -133,12 +135,14 @@ impl<G: BeamGrid> Caster<'_, G> {
                 continue;
             }
             let points = corners.map(|i| self.scratch.point(i));
+            if one_sided >> number & 1 == 1 && self.grid.is_turned_away(&points) {
+                continue;
+            }
             let footprints = corners.map(|i| self.scratch.footprints[usize::from(i)]);
             let windows = self.grid.windows(&points, &footprints);
             if windows.iter().all(Window::is_empty) {
                 continue;
             }
-            // Most far sides of closed meshes end here.
             if self.is_hidden(&windows, self.grid.near_depth(&points).max(item.near_depth)) {
                 continue;
             }

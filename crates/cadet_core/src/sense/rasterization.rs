@@ -9,6 +9,7 @@ use std::ops::Range;
 use multiversion::multiversion;
 
 use super::block_rasterization::{ExactBlock, FaceOnImage};
+use super::cluster_culling::OUTSIDE_M;
 use super::grid::{BeamGrid, Window};
 use super::outline::Outline;
 use super::pinhole::PinholeGrid;
@@ -60,8 +61,8 @@ struct InView {
     window: Window,
     /// Bits of the slots that are transparent.
     transparent_slots: u64,
-    /// The camera is outside of the mesh's bounds: closed surfaces hide their inner sides.
-    is_outside: bool,
+    /// The camera is outside of the mesh, and closed surfaces hide their inner sides.
+    is_solid: bool,
 }
 
 fn clusters_in_view(
@@ -83,9 +84,14 @@ fn clusters_in_view(
         let cam_from_local = cam_from_world * instance.placement.rotation;
         let origin_cam = center_cam - cam_from_local * instance.mesh.bounds.center().as_dvec3();
         let eye_local = instance.placement.rotation.transpose() * (eye_world - instance.placement.translation);
-        let is_outside = !instance.mesh.bounds.grown(OUTSIDE_M).contains(eye_local.as_vec3());
+        let eye_local = eye_local.as_vec3();
+        let is_outside = !instance.mesh.bounds.grown(OUTSIDE_M).contains(eye_local);
         let (linear, offset) = (cam_from_local.as_mat3(), origin_cam.as_vec3());
         for (number, cluster) in instance.mesh.clusters.iter().enumerate() {
+            let is_solid = is_outside && cluster.is_of_solid(transparent_slots);
+            if is_solid && cluster.normal_cone.is_turned_away(cluster.center, cluster.radius_m, eye_local, OUTSIDE_M) {
+                continue;
+            }
             let center_cam = linear * cluster.center + offset;
             let ([window, _], near_m) = grid.sphere_windows(center_cam, loosened(cluster.radius_m, center_cam));
             if !window.is_empty() {
@@ -96,7 +102,7 @@ fn clusters_in_view(
                     cluster: number as u32,
                     window,
                     transparent_slots,
-                    is_outside,
+                    is_solid,
                 });
             }
         }
@@ -113,8 +119,6 @@ fn loosened(radius_m: f32, center_cam: Vec3) -> f32 {
     radius_m * 1.000_01 + 1e-3 + 1e-6 * center_cam.abs().max_element()
 }
 
-/// How far outside of a mesh's bounds the camera is sure to be outside of the mesh.
-const OUTSIDE_M: f32 = 1e-3;
 /// Share of a point's coordinates by which single precision may err in its z.
 const SLACK: f32 = 1e-6;
 /// A cluster's corners are bytes.
@@ -178,10 +182,7 @@ impl Rasterizer<'_> {
         // Bit 63 may stand for several slots.
         let is_mixed = (cluster.slots & item.transparent_slots != 0 && cluster.slots & !item.transparent_slots != 0)
             || cluster.slots >> 63 != 0;
-        // What bounds a solid, and may be seen through nowhere, has one side.
-        let is_solid =
-            item.is_outside && cluster.closed_slots & item.transparent_slots == 0 && cluster.closed_slots >> 63 == 0;
-        let one_sided = if is_solid { cluster.closed_pieces } else { 0 };
+        let one_sided = if item.is_solid { cluster.closed_pieces } else { 0 };
         for (pieces, first) in cluster.pieces.chunks(LANES).zip((0..).step_by(LANES)) {
             let mut places = [[[0.0_f32; LANES]; 3]; 4];
             for (i, piece) in pieces.iter().enumerate() {

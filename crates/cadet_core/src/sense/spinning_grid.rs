@@ -237,6 +237,21 @@ impl BeamGrid for SpinningGrid {
         (nearest * 0.999_999 - 0.5 * (highest - lowest) - f64::from(self.table.most_left) - 1e-5) as f32
     }
 
+    #[inline(always)]
+    fn most_offset_m(&self) -> f64 {
+        let [lowest, highest] = self.table.height_span.map(|z| f64::from(z.abs()));
+        lowest.max(highest) + f64::from(self.table.most_left)
+    }
+
+    #[inline(always)]
+    fn is_turned_away(&self, [a, b, c]: &[DVec3; 3]) -> bool {
+        let [lowest, highest] = self.table.height_span.map(f64::from);
+        let normal = (*b - *a).cross(*c - *a);
+        let aside = f64::from(self.table.most_left) * (normal.x.abs() + normal.y.abs());
+        // Of the origins, the one that lies farthest along the normal.
+        a.dot(normal) > (normal.z * lowest).max(normal.z * highest) + aside
+    }
+
     #[inline]
     fn cover(&self, triangle: &EdgePlanes, window: &Window, mut visit: impl FnMut(usize, f64)) {
         for row in window.rows.clone() {
