@@ -116,6 +116,7 @@ PYTHON_ROOMS: dict[str, set[str]] = {
         "_cadet",
     },
     "streaming": {"assets", "checks", "config", "environment", "errors", "generate", "kitti", "policy", "rig"},
+    "report": {"boxes", "checks", "errors", "kitti", "plain_text", "process_map", "view", "_cadet"},
     "gallery": {"camera", "errors", "extrinsics", "kitti", "policy", "rig", "scene", "view"},
     "cli": {
         "analysis",
@@ -130,6 +131,7 @@ PYTHON_ROOMS: dict[str, set[str]] = {
         "lidar_fit",
         "notices",
         "policy",
+        "report",
         "rig",
         "road_map",
         "view",

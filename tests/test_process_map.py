@@ -16,12 +16,12 @@ def test_results_come_in_the_order_of_the_items(workers: int) -> None:
 
 
 def test_a_process_that_dies_is_one_line() -> None:
-    with pytest.raises(CadetError, match="^a worker process died"):
+    with pytest.raises(CadetError, match=r"^a worker process died"):
         list(process_map(os._exit, [3] * 40, workers=2))
 
 
 def test_an_error_of_the_function_is_raised() -> None:
-    with pytest.raises(ValueError, match="math domain error|expected a nonnegative input"):
+    with pytest.raises(ValueError, match=r"math domain error|expected a nonnegative input"):
         list(process_map(math.sqrt, [-1.0] * 40, workers=2))
 
 

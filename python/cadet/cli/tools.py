@@ -12,6 +12,7 @@ from cadet.cli.check import check_command
 from cadet.cli.eval import evaluate_command
 from cadet.cli.gallery import gallery_command
 from cadet.cli.lidar import fit_lidar_command, lidar_command
+from cadet.cli.report import report_command
 from cadet.errors import CadetError, MissingFileError
 from cadet.view import overview, view_bev_maps, view_frame
 from cadet.view.picture import check_picture_path
@@ -69,3 +70,4 @@ cadet.add_command(evaluate_command)
 cadet.add_command(fit_lidar_command)
 cadet.add_command(gallery_command)
 cadet.add_command(lidar_command)
+cadet.add_command(report_command)
