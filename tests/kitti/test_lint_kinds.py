@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from cadet.kitti import RULES, lint, write_frame
 from damages import KINDS, seal, write_set
-from synthetic import make_calib, make_frame, make_labels
+from synthetic import make_calib, make_frame, make_label, make_labels
 
 ROOT = Path(__file__).parents[2]
 
@@ -42,6 +44,19 @@ def test_each_kind_of_damage_is_named_and_nothing_else(kind: str, whole: Path, t
 def test_the_kinds_cover_the_rules() -> None:
     # What the system does not let read is in test_lint_damage.py.
     assert {rule for _, _, _, rule, _ in KINDS.values()} == set(RULES) - {"unreadable-file"}
+
+
+def test_a_street_with_other_cars_is_no_duplicate(tmp_path: Path) -> None:
+    """What a car sees that waits at a red light: image and scan stay, another car moves."""
+    frame = make_frame(seed=1)
+    for number, z in enumerate((14.0, 14.02, 17.0)):
+        moved = make_label("Car", (-2.0, 1.65, z, 4.1, 1.7, 1.5, 1.5), make_calib())
+        image = frame.image + np.uint8(number)  # darker than 250
+        write_frame(tmp_path, number, replace(frame, image=image, labels=(moved, *frame.labels[1:])), split=None)
+        points_velo = frame.points_velo[: len(frame.points_velo) - number]
+        (tmp_path / "training" / "velodyne" / f"{number:06d}.bin").write_bytes(points_velo.tobytes())
+    found = [(finding.file, finding.rule) for finding in lint(tmp_path, strict=True)]
+    assert found == [("image_2/000001.png", "duplicate-frame")]
 
 
 def test_workers_change_nothing(tmp_path: Path) -> None:
