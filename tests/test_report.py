@@ -135,6 +135,17 @@ def test_a_datasets_numbers(dataset: Path) -> None:
     assert (few, many) == (0, 9)
 
 
+def test_frames_without_labels_are_counted_apart(dataset: Path, tmp_path: Path) -> None:
+    """KITTI's own test frames have none."""
+    shutil.copytree(dataset, tmp_path / "set")
+    for kind in ("image_2", "velodyne", "calib"):
+        shutil.copytree(dataset / "training" / kind, tmp_path / "set" / "testing" / kind)
+    facts = gather(tmp_path / "set")
+    assert (facts.statistics.num_frames, facts.num_unlabeled) == (12, 12)
+    num_points = [len(frame.points_velo) for frame in kitti.Dataset(dataset)]
+    assert facts.num_points == sum(num_points)
+
+
 def test_statistics_come_back_from_their_text(dataset: Path) -> None:
     own = gather(dataset).statistics
     again = Statistics.from_text(own.to_text(), "x")
@@ -163,6 +174,10 @@ def test_bars_are_as_high_as_their_shares() -> None:
     svg = ElementTree.fromstring(histogram(quantity, np.array([30, 10, 0, 0]), np.array([1, 1, 2, 0])))
     heights = [float(bar.get("height", "nan")) for bar in svg.findall("rect")]
     assert heights[0] == pytest.approx(3 * heights[1], abs=0.2)
+    grid = [path.get("d", "") for path in svg.findall("path") if path.get("class") == "grid"]
+    zero, _, full = (float(d.partition(" ")[2].partition("H")[0]) for d in grid)
+    top = float((svg.findall("text")[2].text or "").removesuffix(" %"))
+    assert heights[0] == pytest.approx((zero - full) * 75 / top, abs=0.2)
     line = next(path.get("d", "") for path in svg.findall("path") if path.get("class") == "kitti")
     levels = [float(y) for _, y in re.findall(r"[ML]([\d.]+) ([\d.]+)", line)]
     bottom = levels[-1]

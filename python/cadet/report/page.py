@@ -192,7 +192,7 @@ def _gallery(gallery: list[Picture]) -> str:
 
 
 def _cloud(picture: Picture) -> str:
-    content = json.dumps(picture.cloud, separators=(",", ":")).replace("<", "\\u003c")
+    content = json.dumps(picture.cloud, separators=(",", ":"))
     return f'<script type="application/json" id="cloud-{picture.frame_id}">{content}</script>\n'
 
 
