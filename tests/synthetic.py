@@ -65,9 +65,9 @@ def make_labels(calib: Calibration) -> tuple[Label, ...]:
     )
 
 
-def make_points(labels: tuple[Label, ...], calib: Calibration) -> NDArray[np.float32]:
+def make_points(labels: tuple[Label, ...], calib: Calibration, seed: int = 0) -> NDArray[np.float32]:
     """Scatter returns over the road and the boxes' corners and centers, the road's first."""
-    rng = np.random.default_rng(3)
+    rng = np.random.default_rng(3 + seed)
     road_cam = np.stack([rng.uniform(-20, 20, 4000), np.full(4000, 1.65), rng.uniform(3, 60, 4000)], axis=1)
     stacked = np.stack([label.box_cam for label in labels if not label.is_dont_care])
     corners = boxes.corners_cam(stacked)
@@ -77,21 +77,27 @@ def make_points(labels: tuple[Label, ...], calib: Calibration) -> NDArray[np.flo
     return np.hstack([points_velo.round(3), intensity[:, None]]).astype(np.float32)
 
 
-def make_frame(*, has_maps: bool = False, **changes: Any) -> Frame:
-    """Make a frame; `changes` replace fields of it, `has_maps` adds depth, instance and semantic."""
+def make_frame(*, has_maps: bool = False, seed: int = 0, **changes: Any) -> Frame:
+    """Make a frame; `changes` replace fields of it, `has_maps` adds depth, instance and semantic.
+
+    Frames of several seeds have images and scans that do not look like each other's.
+    """
     calib = make_calib()
     labels = make_labels(calib)
     width, height = IMAGE_SIZE
     rng = np.random.default_rng(5)
     shade = np.linspace(200, 60, height).astype(np.uint8)[:, None, None]
     image = np.clip(shade + rng.integers(0, 20, (height, width, 3)), 0, 255).astype(np.uint8)
+    if seed:
+        tiles = np.random.default_rng(seed).integers(0, 2, (-(-height // 10), -(-width // 10)), np.uint8)
+        image //= 1 + np.kron(tiles, np.ones((10, 10), np.uint8))[:height, :width, None]
     fields: dict[str, Any] = {
         "image": image,
-        "points_velo": make_points(labels, calib),
+        "points_velo": make_points(labels, calib, seed),
         "labels": labels,
         "calib": calib,
         "plane": np.array([0.0, -1.0, 0.0, 1.65]),
-        "meta": {"episode": 0, "sample": 3, "weather": "clear_noon"},
+        "meta": {"episode": seed, "sample": 3, "weather": "clear_noon"},
     }
     if has_maps:
         fields |= _maps(labels, calib)

@@ -67,7 +67,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = tmp_path_factory.mktemp("docs")
     frame = make_frame()
     for number in range(_NUM_TRAIN + _NUM_VAL):
-        kitti.write_frame(root / "out", number, frame, split="train" if number < _NUM_TRAIN else "val")
+        kitti.write_frame(
+            root / "out", number, make_frame(seed=number), split="train" if number < _NUM_TRAIN else "val"
+        )
     shutil.copytree(root / "out", root / "set")
     (root / "results").mkdir()
     labels = [replace(label, score=0.9) for label in frame.labels if not label.is_dont_care]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import pytest
 
 from cadet import Environment, kitti
 from cadet.cli import run_cadet
+from synthetic import make_frame
 
 
 @pytest.fixture
@@ -51,15 +53,55 @@ def test_view_of_a_dataset_draws_some_of_its_frames(dataset: Path, monkeypatch: 
     assert two_rows.shape[0] > 1.8 * one_row.shape[0]
 
 
+@pytest.fixture
+def whole(tmp_path: Path) -> Path:
+    for number in range(2):
+        kitti.write_frame(tmp_path / "set", number, make_frame(seed=number))
+    return tmp_path / "set"
+
+
 def test_check_names_file_and_line_and_exits_1(
-    dataset: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    whole: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    labels = dataset / "training" / "label_2" / "000001.txt"
+    labels = whole / "training" / "label_2" / "000001.txt"
     labels.write_text("Car 0.00 0 0.10\n")
-    assert cadet(monkeypatch, "check", dataset) == 1
+    assert cadet(monkeypatch, "check", whole) == 1
     out = capsys.readouterr().out
-    assert "label_2/000001.txt:1: error: " in out
-    assert out.splitlines()[-1].startswith("2 frames, ")
+    head, row, *_, counts, last = out.splitlines()
+    assert head.split() == ["FRAME", "PLACE", "SEVERITY", "RULE", "WHAT"]
+    assert row.startswith("000001  label_2/000001.txt:1  error     damaged-file  ")
+    assert counts.split() == ["1", "0", "damaged-file"]
+    assert last == "2 frames, 1 errors, 0 warnings"
+
+
+def test_check_as_json(whole: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    (whole / "training" / "planes" / "000009.txt").write_text("")
+    assert cadet(monkeypatch, "check", whole, "--json", "--loose") == 0, "warnings alone"
+    found = json.loads(capsys.readouterr().out)
+    assert (found["frames"], found["errors"], found["warnings"]) == (2, 0, len(found["findings"]))
+    stray = [one for one in found["findings"] if one["rule"] == "stray-file"]
+    assert stray == [
+        {
+            "frame": "000009",
+            "file": "planes/000009.txt",
+            "line": None,
+            "rule": "stray-file",
+            "severity": "warning",
+            "message": "belongs to no frame",
+        }
+    ]
+    assert found["rules"]["stray-file"] == {"errors": 0, "warnings": 1}
+
+
+def test_check_prints_the_first_findings_or_all(
+    whole: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for number in range(100, 160):
+        (whole / "training" / "planes" / f"{number:06d}.txt").write_text("")
+    cadet(monkeypatch, "check", whole)
+    assert "more: --all prints them" in capsys.readouterr().out
+    cadet(monkeypatch, "check", whole, "--all")
+    assert capsys.readouterr().out.count("stray-file") == 61
 
 
 @pytest.mark.parametrize(

@@ -20,8 +20,8 @@ KINDS = {"image_2": ".png", "velodyne": ".bin", "calib": ".txt", "label_2": ".tx
 def root(tmp_path: Path) -> Path:
     """Three frames, the last without objects: its one finding shows that the lint got there."""
     for frame_id in range(2):
-        write_frame(tmp_path, frame_id, make_frame(), split=None)
-    write_frame(tmp_path, 2, make_frame(labels=()), split=None)
+        write_frame(tmp_path, frame_id, make_frame(seed=frame_id), split=None)
+    write_frame(tmp_path, 2, make_frame(labels=(), seed=2), split=None)
     return tmp_path
 
 

@@ -26,11 +26,11 @@ def test_a_set_written_frame_by_frame_is_read_by_split(tmp_path: Path) -> None:
         "trainval": ("000000", "000001", "000003"),
         "val": (),
     }
-    write_frame(tmp_path, "000002", frame, split="val")
+    write_frame(tmp_path, "000002", make_frame(seed=1), split="val")
     assert lists_of(tmp_path)["val"] == ("000002",)
     assert lists_of(tmp_path)["trainval"] == ("000000", "000001", "000002", "000003")
     assert len(Dataset(tmp_path, "train")) == 3
-    np.testing.assert_array_equal(Dataset(tmp_path, "val")[0].image, frame.image)
+    np.testing.assert_array_equal(Dataset(tmp_path, "val")[0].image, make_frame(seed=1).image)
     assert not [finding for finding in kitti.lint(tmp_path, strict=False) if finding.file.startswith("ImageSets")]
 
 

@@ -8,17 +8,16 @@ from pathlib import Path
 import click
 
 from cadet import _cadet, kitti
+from cadet.cli.check import check_command
 from cadet.cli.eval import evaluate_command
 from cadet.cli.gallery import gallery_command
 from cadet.cli.lidar import fit_lidar_command, lidar_command
+from cadet.cli.report import report_command
 from cadet.errors import CadetError, MissingFileError
-from cadet.kitti.files import frame_ids, testing_folder
-from cadet.kitti.lint import lint
 from cadet.view import overview, view_bev_maps, view_frame
 from cadet.view.picture import check_picture_path
 
 _OVERVIEW_ROWS = 4
-_FINDINGS_SHOWN = 50
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -66,24 +65,9 @@ def _view_some(root: Path, out: Path) -> Path:
     return overview((dataset[index * len(dataset) // rows] for index in range(rows)), out)
 
 
-@cadet.command()
-@click.argument("root", type=click.Path(path_type=Path))
-@click.option("--strict/--loose", default=None, help="Tolerances.  [default: strict for what cadet-gen wrote]")
-def check(root: Path, strict: bool | None) -> int:
-    """Check every file of a dataset against KITTI's definitions; exit 1 if anything is wrong."""
-    findings = lint(root, strict=strict)
-    for finding in findings[:_FINDINGS_SHOWN]:
-        click.echo(str(finding))
-    if len(findings) > _FINDINGS_SHOWN:
-        click.echo(f"... and {len(findings) - _FINDINGS_SHOWN} more")
-    num_errors = sum(finding.severity == "error" for finding in findings)
-    testing = testing_folder(root)
-    num_frames = len(kitti.Dataset(root)) + (0 if testing is None else len(frame_ids(testing)))
-    click.echo(f"{num_frames} frames, {num_errors} errors, {len(findings) - num_errors} warnings")
-    return 1 if num_errors else 0
-
-
+cadet.add_command(check_command)
 cadet.add_command(evaluate_command)
 cadet.add_command(fit_lidar_command)
 cadet.add_command(gallery_command)
 cadet.add_command(lidar_command)
+cadet.add_command(report_command)

@@ -2,15 +2,15 @@
 
 from cadet.kitti.calib import Calibration, points_in_image
 from cadet.kitti.dataset import Dataset, encode_frame, encode_meta, read_calib, read_frame, read_labels, write_frame
-from cadet.kitti.finding import Finding
 from cadet.kitti.frame import Frame
 from cadet.kitti.from_sample import frame_from_sample
 from cadet.kitti.image_sets import ImageSet, read_image_set, write_image_set
 from cadet.kitti.label import TYPES, Label, boxes_cam_from_labels, labels_from_text, text_from_labels
-from cadet.kitti.lint import lint, lint_frame
+from cadet.kitti.lint import RULES, Finding, lint, lint_frame
 from cadet.kitti.plane_estimate import estimate_plane
 
 __all__ = [
+    "RULES",
     "TYPES",
     "Calibration",
     "Dataset",

@@ -1,4 +1,4 @@
-"""The lint of what is no frame: lists, manifest, folders, files without a frame."""
+"""The lint of what is no frame: lists, folders, files without a frame."""
 
 from __future__ import annotations
 
@@ -8,38 +8,12 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Final
 
-from cadet.errors import FileFormatError, KittiFormatError
+from cadet.errors import KittiFormatError
 from cadet.kitti.files import REQUIRED, SUFFIXES
-from cadet.kitti.finding import Finding, Severity
 from cadet.kitti.image_sets import ImageSet
-from cadet.plain_text import json_from_text
-
-MANIFEST: Final = "manifest.json"
+from cadet.kitti.lint.finding import Finding, Severity
 
 _NEEDED_LISTS: Final = ("train", "val", "test")
-
-
-def lint_manifest(root: Path) -> tuple[tuple[float, float] | None, list[Finding]]:
-    """Read the ranges of a generated dataset's LIDAR; None where no manifest says them."""
-    path = root / MANIFEST
-    if not os.path.lexists(path):
-        return None, []
-    try:
-        manifest = json_from_text(path.read_bytes(), MANIFEST)
-    except FileFormatError as error:
-        return None, [Finding(MANIFEST, error.line, error.reason)]
-    except OSError as error:
-        return None, [_unreadable(MANIFEST, error)]
-    rig = manifest.get("rig") if isinstance(manifest, dict) else None
-    range_m = rig.get("range_m") if isinstance(rig, dict) else None
-    if range_m is None:
-        return None, []
-    if not (isinstance(range_m, list) and len(range_m) == 2 and all(is_number(x) for x in range_m)):
-        return None, [Finding(MANIFEST, None, "rig.range_m: expected two numbers")]
-    low, high = range_m
-    if not 0.0 <= low < high:
-        return None, [Finding(MANIFEST, None, f"rig.range_m: expected 0 <= low < high, got {low} and {high}")]
-    return (float(low), float(high)), []
 
 
 def lint_folders(folder: Path, ids: Collection[str], display: Callable[[Path], str]) -> Iterator[Finding]:
@@ -56,21 +30,28 @@ def lint_folders(folder: Path, ids: Collection[str], display: Callable[[Path], s
         except FileNotFoundError:
             continue
         except OSError as error:
-            yield _unreadable(display(folder / kind), error)
+            yield unreadable(display(folder / kind), error)
             continue
         if kind in REQUIRED:
             continue
         for name in names:
             if Path(name).stem not in ids or Path(name).suffix != suffix:
-                yield Finding(display(folder / kind / name), None, "belongs to no frame", "warning")
+                yield Finding(display(folder / kind / name), None, "stray-file", "belongs to no frame", "warning")
 
 
 def lint_lists(
-    root: Path, training: Collection[str], testing: Collection[str], *, strict: bool, generated: bool
+    sets: Mapping[str, ImageSet],
+    root: Path,
+    training: Collection[str],
+    testing: Collection[str],
+    *,
+    strict: bool,
+    generated: bool,
 ) -> list[Finding]:
     """Check that the lists that others read are there, name frames that are there, and name none twice.
 
     Args:
+        sets: the lists, by split.
         root: the folder that holds `ImageSets`.
         training: ids of the frames under `training`.
         testing: ids of the frames under `testing`.
@@ -79,21 +60,50 @@ def lint_lists(
             KITTI itself brings no lists, and numbers its test frames anew.
     """
     soft: Severity = "error" if strict else "warning"
-    sets, findings = _read_lists(root)
+    findings = []
     for split in _NEEDED_LISTS:
         if generated and not os.path.lexists(root / "ImageSets" / f"{split}.txt"):
             message = "missing: OpenPCDet and MMDetection3D stop without it; an empty list will do"
-            findings.append(Finding(f"ImageSets/{split}.txt", None, message))
+            findings.append(Finding(f"ImageSets/{split}.txt", None, "image-set", message))
     for split, image_set in sets.items():
         present, where = (testing, "testing") if split == "test" else (training, "training")
         absent = [frame_id for frame_id in image_set if frame_id not in present]
         if absent:
             message = f"{len(absent)} of {len(image_set)} ids have no frame in {where}, the first is {absent[0]}"
-            findings.append(Finding(f"ImageSets/{split}.txt", image_set.ids.index(absent[0]) + 1, message, soft))
+            line = image_set.ids.index(absent[0]) + 1
+            findings.append(Finding(f"ImageSets/{split}.txt", line, "image-set", message, soft))
     return findings + _lint_overlaps(sets, soft, generated=generated)
 
 
-def _read_lists(root: Path) -> tuple[dict[str, ImageSet], list[Finding]]:
+def lint_episodes(sets: Mapping[str, ImageSet], episodes: Mapping[str, tuple[object, object]]) -> list[Finding]:
+    """Find episodes that have frames in two splits: what the one trains on, the other has seen from 10 m farther.
+
+    Args:
+        sets: the lists, by split.
+        episodes: of the frames whose `meta` names one, by id: its seed and number.
+    """
+    findings = []
+    pairs = (("train", "val"), ("train", "test"), ("val", "test"))
+    for one, other in pairs:
+        members = set(sets.get(one, ()))
+        firsts = {
+            episodes[frame_id]: frame_id
+            for frame_id in reversed(sets.get(one, ImageSet(())).ids)
+            if frame_id in episodes
+        }
+        said = set()
+        for line, frame_id in enumerate(sets.get(other, ()), start=1):
+            episode = episodes.get(frame_id)
+            # A frame in both lists has been found already.
+            if episode in firsts and episode not in said and frame_id not in members:
+                said.add(episode)
+                message = f"{frame_id} is of episode {episode[1]}, of which {firsts[episode]} is in {one}"
+                findings.append(Finding(f"ImageSets/{other}.txt", line, "episode-overlap", message))
+    return findings
+
+
+def read_lists(root: Path) -> tuple[dict[str, ImageSet], list[Finding]]:
+    """Read every list of `root/ImageSets` by its split, and say which cannot be read."""
     sets: dict[str, ImageSet] = {}
     findings: list[Finding] = []
     try:
@@ -101,7 +111,7 @@ def _read_lists(root: Path) -> tuple[dict[str, ImageSet], list[Finding]]:
     except FileNotFoundError:
         return sets, findings
     except OSError as error:
-        return sets, [_unreadable("ImageSets", error)]
+        return sets, [unreadable("ImageSets", error)]
     for name in names:
         path = root / "ImageSets" / name
         if path.suffix != ".txt":
@@ -110,9 +120,9 @@ def _read_lists(root: Path) -> tuple[dict[str, ImageSet], list[Finding]]:
         try:
             sets[path.stem] = ImageSet.from_text(path.read_text(encoding="ascii", errors="replace"), shown)
         except KittiFormatError as error:
-            findings.append(Finding(shown, error.line, error.reason))
+            findings.append(Finding(shown, error.line, "image-set", error.reason))
         except OSError as error:
-            findings.append(_unreadable(shown, error))
+            findings.append(unreadable(shown, error))
     return sets, findings
 
 
@@ -123,9 +133,11 @@ def _lint_overlaps(sets: Mapping[str, ImageSet], soft: Severity, *, generated: b
         members = set(sets.get(one, ()))
         for line, frame_id in enumerate(sets.get(other, ()), start=1):
             if frame_id in members:
-                findings.append(Finding(f"ImageSets/{other}.txt", line, f"{frame_id} is in {one}, too"))
+                findings.append(
+                    Finding(f"ImageSets/{other}.txt", line, "split-overlap", f"{frame_id} is in {one}, too")
+                )
     if {"train", "val", "trainval"} <= set(sets) and set(sets["trainval"]) != {*sets["train"], *sets["val"]}:
-        findings.append(Finding("ImageSets/trainval.txt", None, "is not train and val together", soft))
+        findings.append(Finding("ImageSets/trainval.txt", None, "image-set", "is not train and val together", soft))
     return findings
 
 
@@ -134,8 +146,9 @@ def printable(name: str) -> str:
     return name if name.isprintable() else ascii(name)[1:-1]
 
 
-def _unreadable(file: str, error: OSError) -> Finding:
-    return Finding(file, None, f"cannot be read: {error.strerror or error}")
+def unreadable(file: str, error: OSError) -> Finding:
+    """Say that the system does not let read a file."""
+    return Finding(file, None, "unreadable-file", f"cannot be read: {error.strerror or error}")
 
 
 def is_number(value: object) -> bool:

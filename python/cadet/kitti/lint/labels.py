@@ -19,8 +19,8 @@ import numpy as np
 
 from cadet import boxes
 from cadet.kitti.calib import Calibration
-from cadet.kitti.finding import Problem, Severity
 from cadet.kitti.label import Label
+from cadet.kitti.lint.finding import Problem, Severity
 
 ROUNDING: Final = 0.0051
 """How far two decimals may be from the number."""
@@ -49,54 +49,62 @@ def lint_labels(
     soft: Severity = "error" if strict else "warning"
     for line, label in enumerate(labels, start=1):
         if label.score is not None:
-            yield Problem(line, "expected 15 fields, got 16: a label has no score")
-        yield from _lint_bbox(line, label, image_size, soft)
+            yield Problem(line, "label-field", "expected 15 fields, got 16: a label has no score")
+        bbox_problems = list(_lint_bbox(line, label, image_size, soft))
+        yield from bbox_problems
         if label.is_dont_care:
             yield from _lint_dont_care(line, label)
             continue
-        yield from _lint_fields(line, label, strict)
-        if _has_sensible_box(label):
-            yield from _lint_geometry(line, label, calib, image_size, strict)
+        field_problems = list(_lint_fields(line, label, strict))
+        yield from field_problems
+        # What follows from a wrong field is not said again.
+        if not field_problems and has_sensible_box(label):
+            problems = _lint_geometry(line, label, calib, image_size, strict)
+            yield from (one for one in problems if not (bbox_problems and one.rule == "label-projection"))
 
 
 def _lint_bbox(line: int, label: Label, image_size: tuple[int, int], soft: Severity) -> Iterator[Problem]:
     left, top, right, bottom = label.bbox
     if left >= right or top >= bottom:
-        yield Problem(line, f"bbox {label.bbox} is empty", soft)
+        yield Problem(line, "label-bbox", f"bbox {label.bbox} is empty", soft)
     elif min(left, top) < 0.0 or right > image_size[0] - 1 or bottom > image_size[1] - 1:
         limit = f"[0, {image_size[0] - 1}] x [0, {image_size[1] - 1}]"
-        yield Problem(line, f"bbox {label.bbox} leaves {limit}", soft)
+        yield Problem(line, "label-bbox", f"bbox {label.bbox} leaves {limit}", soft)
 
 
 def _lint_dont_care(line: int, label: Label) -> Iterator[Problem]:
     for name in ("truncated", "occluded", "alpha", "dimensions_hwl", "location_cam", "rotation_y"):
         value, wanted = getattr(label, name), getattr(_DONT_CARE, name)
         if value != wanted:
-            yield Problem(line, f"DontCare: {name} is {value}, expected {wanted}")
+            yield Problem(line, "dont-care", f"DontCare: {name} is {value}, expected {wanted}")
 
 
 def _lint_fields(line: int, label: Label, strict: bool) -> Iterator[Problem]:
     if not 0.0 <= label.truncated <= 1.0:
-        yield Problem(line, f"truncated {label.truncated}, expected 0..1")
+        yield Problem(line, "label-field", f"truncated {label.truncated}, expected 0..1")
     if label.occluded < 0:
-        yield Problem(line, f"occluded {label.occluded}, expected 0..3")
+        yield Problem(line, "label-field", f"occluded {label.occluded}, expected 0..3")
     elif strict and label.occluded == _UNKNOWN_OCCLUSION:
-        yield Problem(line, "occluded 3 (unknown), expected 0..2")
+        yield Problem(line, "label-field", "occluded 3 (unknown), expected 0..2")
     height, width, length = label.dimensions_hwl
     if min(label.dimensions_hwl) <= 0.0:
-        yield Problem(line, f"dimensions h w l {label.dimensions_hwl} are not positive")
+        yield Problem(line, "label-field", f"dimensions h w l {label.dimensions_hwl} are not positive")
     elif max(label.dimensions_hwl) > _MAX_SIZE_M:
-        yield Problem(line, f"dimensions h w l {label.dimensions_hwl}, expected up to {_MAX_SIZE_M:.0f} m")
+        yield Problem(
+            line, "label-field", f"dimensions h w l {label.dimensions_hwl}, expected up to {_MAX_SIZE_M:.0f} m"
+        )
     elif label.type == "Car" and length <= width:
-        yield Problem(line, f"a car {length} m long and {width} m wide: expected h w l, got {height} first")
+        yield Problem(
+            line, "label-field", f"a car {length} m long and {width} m wide: expected h w l, got {height} first"
+        )
     if max(map(abs, label.location_cam)) >= _MAX_PLACE_M:
-        yield Problem(line, f"location {label.location_cam}, expected less than {_MAX_PLACE_M:.0f} m")
+        yield Problem(line, "label-field", f"location {label.location_cam}, expected less than {_MAX_PLACE_M:.0f} m")
     for name in ("alpha", "rotation_y"):
         if abs(getattr(label, name)) > _MAX_ROTATION_RAD:
-            yield Problem(line, f"{name} {getattr(label, name)}, expected -pi..pi")
+            yield Problem(line, "label-field", f"{name} {getattr(label, name)}, expected -pi..pi")
 
 
-def _has_sensible_box(label: Label) -> bool:
+def has_sensible_box(label: Label) -> bool:
     """Tell whether box and angles are such that the geometry can be checked."""
     return (
         min(label.dimensions_hwl) > 0.0
@@ -113,11 +121,13 @@ def _lint_geometry(
     box_cam = label.box_cam[None]
     whole = boxes.project_boxes(box_cam, calib)
     if np.isnan(whole).any():
-        yield Problem(line, f"the box at {label.location_cam} lies behind the camera", soft)
+        yield Problem(line, "label-projection", f"the box at {label.location_cam} lies behind the camera", soft)
         return
     width_px, height_px = float(whole[0, 2] - whole[0, 0]), float(whole[0, 3] - whole[0, 1])
     if not (np.isfinite(whole).all() and width_px > 0.0 and height_px > 0.0):
-        yield Problem(line, f"the box at {label.location_cam} has no image: is the calibration right?", soft)
+        yield Problem(
+            line, "label-projection", f"the box at {label.location_cam} has no image: is the calibration right?", soft
+        )
         return
     expected = boxes.clip_boxes_img(whole, image_size)[0]
     rounding_px = _rounding_px(label, calib)
@@ -126,20 +136,22 @@ def _lint_geometry(
     if not (deviation_px <= rounding_px if strict else iou >= _LOOSE_IOU):
         projected = ", ".join(f"{x:.2f}" for x in expected)
         message = f"bbox {label.bbox} is off the projected box ({projected}) by {deviation_px:.2f} px, IoU {iou:.2f}"
-        yield Problem(line, message, soft)
+        yield Problem(line, "label-projection", message, soft)
 
     truncated = float(boxes.truncation(box_cam, calib, image_size)[0])
     border_px = float(min(*whole[0, :2], image_size[0] - 1 - whole[0, 2], image_size[1] - 1 - whole[0, 3]))
     is_whole = border_px > rounding_px
     rounding = ROUNDING + (0.0 if is_whole else 2.0 * rounding_px * (1.0 / width_px + 1.0 / height_px))
     if not abs(truncated - label.truncated) <= (rounding if strict else _LOOSE_TRUNCATION):
-        yield Problem(line, f"truncated {label.truncated}, expected {truncated:.2f}", soft)
+        yield Problem(line, "label-truncation", f"truncated {label.truncated}, expected {truncated:.2f}", soft)
 
     alpha = float(boxes.alpha_from_boxes(box_cam)[0])
     x, _, z = label.location_cam
     rounding = 2.0 * ROUNDING + 1.5 * ROUNDING / max(float(np.hypot(x, z)), boxes.NEAR_M)
     if not abs(float(boxes.wrap_angle(alpha - label.alpha))) <= (rounding if strict else _LOOSE_ALPHA_RAD):
-        yield Problem(line, f"alpha {label.alpha}, expected rotation_y - atan2(x, z) = {alpha:.2f}", soft)
+        yield Problem(
+            line, "label-alpha", f"alpha {label.alpha}, expected rotation_y - atan2(x, z) = {alpha:.2f}", soft
+        )
 
 
 def _rounding_px(label: Label, calib: Calibration) -> float:

@@ -1,0 +1,94 @@
+"""`cadet check`: what is wrong with a dataset."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import click
+
+from cadet.generate.run import num_processors
+from cadet.kitti.files import frame_ids, sample_folder, testing_folder
+from cadet.kitti.lint import Finding, lint
+
+_FINDINGS_SHOWN = 50
+
+
+@click.command(name="check")
+@click.argument("root", type=click.Path(path_type=Path))
+@click.option("--strict/--loose", default=None, help="Tolerances.  [default: strict for what cadet-gen wrote]")
+@click.option("--workers", type=click.IntRange(1, 1024), help="Processes.  [default: one for each processor]")
+@click.option("--all", "is_all", is_flag=True, help=f"Print every finding, not the first {_FINDINGS_SHOWN}.")
+@click.option("--json", "is_json", is_flag=True, help="Print all findings and counts as a JSON object.")
+def check_command(root: Path, strict: bool | None, workers: int | None, is_all: bool, is_json: bool) -> int:
+    """Check that a dataset is whole, keeps to KITTI's definitions, and holds together; exit 1 on any error.
+
+    \b
+    cadet check out
+    cadet check kitti --json > findings.json
+    """  # noqa: D301 - click reads the backspace
+    findings = lint(root, strict=strict, workers=workers or num_processors())
+    testing = testing_folder(root)
+    num_frames = len(frame_ids(sample_folder(root))) + (0 if testing is None else len(frame_ids(testing)))
+    errors = Counter(finding.rule for finding in findings if finding.severity == "error")
+    warnings = Counter(finding.rule for finding in findings if finding.severity == "warning")
+    if is_json:
+        click.echo(_json(root, num_frames, findings, errors, warnings))
+    else:
+        shown = findings if is_all else findings[:_FINDINGS_SHOWN]
+        _echo_findings(shown, len(findings) - len(shown))
+        _echo_counts(errors, warnings)
+        click.echo(f"{num_frames} frames, {errors.total()} errors, {warnings.total()} warnings")
+    return 1 if errors else 0
+
+
+def _echo_findings(findings: Sequence[Finding], num_left_out: int) -> None:
+    if not findings:
+        return
+    head = ("FRAME", "PLACE", "SEVERITY", "RULE", "WHAT")
+    rows = [(one.frame_id or "-", one.place, one.severity, one.rule, one.message) for one in findings]
+    _echo_table([head, *rows])
+    if num_left_out:
+        click.echo(f"... and {num_left_out} more: --all prints them")
+    click.echo()
+
+
+def _echo_counts(errors: Counter[str], warnings: Counter[str]) -> None:
+    rules = sorted({*errors, *warnings}, key=lambda rule: (-errors[rule], -warnings[rule], rule))
+    if rules:
+        rows = [(f"{errors[rule]:>6}", f"{warnings[rule]:>8}", rule) for rule in rules]
+        _echo_table([("ERRORS", "WARNINGS", "RULE"), *rows])
+
+
+def _echo_table(rows: Sequence[Sequence[str]]) -> None:
+    """Print columns as wide as their widest entry, the last as it is."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)][:-1]
+    for *cells, last in rows:
+        aligned: Iterable[str] = (cell.ljust(width) for cell, width in zip(cells, widths, strict=True))
+        click.echo("  ".join([*aligned, last]))
+
+
+def _json(
+    root: Path, num_frames: int, findings: Sequence[Finding], errors: Counter[str], warnings: Counter[str]
+) -> str:
+    content = {
+        "root": str(root),
+        "frames": num_frames,
+        "errors": errors.total(),
+        "warnings": warnings.total(),
+        "rules": {rule: {"errors": errors[rule], "warnings": warnings[rule]} for rule in sorted({*errors, *warnings})},
+        "findings": [
+            {
+                "frame": one.frame_id,
+                "file": one.file,
+                "line": one.line,
+                "rule": one.rule,
+                "severity": one.severity,
+                "message": one.message,
+            }
+            for one in findings
+        ],
+    }
+    return json.dumps(content, indent=1)

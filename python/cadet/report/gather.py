@@ -1,0 +1,162 @@
+"""What a report says of a dataset, gathered from its label files, scans, records, and manifest."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from cadet.boxes import points_in_boxes
+from cadet.errors import FileFormatError, KittiFormatError, MissingFileError
+from cadet.kitti import boxes_cam_from_labels, read_calib, read_image_set, read_labels
+from cadet.kitti.files import display_name, file_path, frame_ids, sample_folder, testing_folder
+from cadet.kitti.velodyne import points_from_bytes
+from cadet.plain_text import json_from_text
+from cadet.process_map import process_map
+from cadet.report.statistics import Statistics
+
+RECORDED: Final = ("weather", "district", "map", "rig")
+"""What the records of generated frames say in one word."""
+_MANIFEST: Final = "manifest.json"
+_SPLITS: Final = ("train", "val", "test")
+
+
+@dataclass
+class Facts:
+    """Everything that the figures and tables are made from.
+
+    Attributes:
+        name: the folder's.
+        statistics: of the labels.
+        recorded: number of frames by value, by name of `RECORDED`; empty for what no record says.
+        expected: share of the frames that the manifest's policy draws, by value, for "weather" and "district".
+        num_episodes: episodes that the records name.
+        splits: number of frames by list of `ImageSets`.
+        num_unlabeled: frames without a label file, as KITTI's test frames are.
+        num_points: returns of all scans of labeled frames.
+        made_with: seed, policy, and version out of the manifest, as text by name.
+    """
+
+    name: str
+    statistics: Statistics = field(default_factory=Statistics)
+    recorded: dict[str, Counter[str]] = field(default_factory=dict)
+    expected: dict[str, dict[str, float]] = field(default_factory=dict)
+    num_episodes: int = 0
+    splits: dict[str, int] = field(default_factory=dict)
+    num_unlabeled: int = 0
+    num_points: int = 0
+    made_with: dict[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class _FrameFacts:
+    statistics: Statistics
+    recorded: dict[str, str]
+    episode: object
+    num_points: int
+
+
+def gather(root: str | Path, *, workers: int = 1) -> Facts:
+    """Read a dataset's numbers.
+
+    Args:
+        root: the folder that holds `training`; frames of `testing` count where they have labels.
+        workers: processes that read frames; they change nothing in the result.
+
+    Raises:
+        MissingFileError: no KITTI folder, or one without a label file.
+        KittiFormatError: a damaged file; `cadet check` finds all of them.
+    """
+    root = Path(root)
+    facts = Facts(root.resolve().name)
+    tasks: list[tuple[Path, str]] = []
+    for folder in (sample_folder(root), testing_folder(root)):
+        if folder is not None:
+            ids = frame_ids(folder)
+            labeled = [one for one in ids if file_path(folder, "label_2", one).is_file()]
+            facts.num_unlabeled += len(ids) - len(labeled)
+            tasks += [(folder, one) for one in labeled]
+    if not tasks:
+        raise MissingFileError(f"{root}: no label files, and so nothing to report")
+    episodes: set[object] = set()
+    for part in process_map(_read_frame, tasks, workers=workers):
+        facts.statistics.merge(part.statistics)
+        facts.num_points += part.num_points
+        episodes |= {part.episode} - {None}
+        for name, value in part.recorded.items():
+            facts.recorded.setdefault(name, Counter())[value] += 1
+    facts.num_episodes = len(episodes)
+    facts.splits = {
+        split: len(read_image_set(root, split)) for split in _SPLITS if (root / "ImageSets" / f"{split}.txt").is_file()
+    }
+    _read_manifest(root, facts)
+    return facts
+
+
+def _read_frame(task: tuple[Path, str]) -> _FrameFacts:
+    folder, frame_id = task
+    labels = read_labels(folder, frame_id)
+    objects = [label for label in labels if not label.is_dont_care]
+    path = file_path(folder, "velodyne", frame_id)
+    points_velo = points_from_bytes(path.read_bytes(), display_name(path)) if path.is_file() else None
+    num_in_boxes = None
+    if points_velo is not None:
+        num_in_boxes = [0] * len(objects)
+        if objects:
+            points_cam = read_calib(folder, frame_id).points_cam_from_velo(points_velo)
+            num_in_boxes = points_in_boxes(points_cam, boxes_cam_from_labels(objects)).sum(axis=0).tolist()
+    statistics = Statistics()
+    statistics.add(labels, num_in_boxes)
+    meta = _read_meta(file_path(folder, "meta", frame_id))
+    recorded = {name: value for name in RECORDED if isinstance(value := meta.get(name), str)}
+    episode = meta.get("episode")
+    return _FrameFacts(
+        statistics,
+        recorded,
+        episode if isinstance(episode, int) else None,
+        0 if points_velo is None else len(points_velo),
+    )
+
+
+def _read_meta(path: Path) -> dict[str, Any]:
+    if not path.is_file():
+        return {}
+    try:
+        meta = json_from_text(path.read_bytes(), display_name(path))
+    except FileFormatError as error:
+        raise KittiFormatError(error.reason, display_name(path), error.line) from None
+    return meta if isinstance(meta, dict) else {}
+
+
+def _read_manifest(root: Path, facts: Facts) -> None:
+    path = root / _MANIFEST
+    if not path.is_file():
+        return
+    manifest = json_from_text(path.read_bytes(), _MANIFEST)
+    if not isinstance(manifest, dict):
+        raise FileFormatError("expected a JSON object", _MANIFEST)
+    policy = manifest.get("policy")
+    policy = policy if isinstance(policy, dict) else {}
+    rig = manifest.get("rig")
+    made_with = {
+        "seed": manifest.get("seed"),
+        "policy": policy.get("name"),
+        "LIDAR": rig.get("lidar") if isinstance(rig, dict) else None,
+        "cadet": manifest.get("cadet"),
+    }
+    facts.made_with = {name: str(value) for name, value in made_with.items() if isinstance(value, str | int)}
+    weathers, districts = policy.get("weathers"), policy.get("districts")
+    if isinstance(weathers, dict):
+        _expect(facts, "weather", weathers)
+    if isinstance(districts, list) and all(isinstance(one, dict) for one in districts):
+        _expect(facts, "district", {str(one.get("name")): one.get("weight") for one in districts})
+
+
+def _expect(facts: Facts, name: str, weights: dict[str, Any]) -> None:
+    numbers = {key: float(weight) for key, weight in weights.items() if isinstance(weight, int | float)}
+    total = float(np.sum(list(numbers.values())))
+    if total > 0.0:
+        facts.expected[name] = {key: weight / total for key, weight in numbers.items()}

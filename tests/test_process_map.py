@@ -1,0 +1,31 @@
+from __future__ import annotations
+
+import math
+import os
+
+import pytest
+
+from cadet.errors import CadetError
+from cadet.process_map import process_map
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_results_come_in_the_order_of_the_items(workers: int) -> None:
+    items = [float(number) for number in range(100, 0, -1)]
+    assert list(process_map(math.sqrt, items, workers=workers)) == [math.sqrt(item) for item in items]
+
+
+def test_a_process_that_dies_is_one_line() -> None:
+    with pytest.raises(CadetError, match=r"^a worker process died"):
+        list(process_map(os._exit, [3] * 40, workers=2))
+
+
+def test_an_error_of_the_function_is_raised() -> None:
+    with pytest.raises(ValueError, match=r"math domain error|expected a nonnegative input"):
+        list(process_map(math.sqrt, [-1.0] * 40, workers=2))
+
+
+@pytest.mark.parametrize("workers", [0, 1.5, 2000])
+def test_a_number_of_processes_that_is_none_is_refused(workers: float) -> None:
+    with pytest.raises(CadetError, match="workers"):
+        list(process_map(math.sqrt, [1.0], workers=workers))  # type: ignore[arg-type]
