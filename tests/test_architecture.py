@@ -79,7 +79,7 @@ PYTHON_ROOMS: dict[str, set[str]] = {
     "assets": {"checks", "errors", "gltf_file", "notices", "plain_text", "summary", "_cadet"},
     "districts": {"checks", "config"},
     "policy": {"assets", "checks", "config", "districts", "draws", "errors", "rig", "road_map", "summary", "weather"},
-    "episode": {"errors", "notices", "policy", "rig", "sample", "_cadet"},
+    "episode": {"checks", "errors", "notices", "policy", "rig", "sample", "_cadet"},
     "environment": {"assets", "checks", "config", "episode", "errors", "kitti", "policy", "rig", "sample", "summary"},
     "scene": {
         "arrays",
