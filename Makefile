@@ -22,7 +22,7 @@ unexport PYTHONPATH
 unexport PYTHONHOME
 
 .PHONY: help check-rust check-python setup build build-dev demo test test-core lint test-rust test-python emulator golden \
-	fuzz bench bench-peers gallery fmt clean
+	fuzz bench bench-peers gallery docs fmt clean
 .NOTPARALLEL:
 
 help: ## List the targets
@@ -119,10 +119,17 @@ bench-peers: build-dev ## Time the ideal scan against Embree and parry on the sa
 gallery: build ## Draw every family of actors, every district in several weathers, and scans to gallery/ (minutes)
 	$(BIN)/cadet gallery gallery $(if $(REAL),--real $(REAL))
 
+$(BIN)/mkdocs: pyproject.toml | $(BIN)/python
+	@$(PIP) install 'mkdocs>=1.6.1' 'mkdocs-material>=9.6' 'mkdocstrings[python]>=0.30'
+
+docs: $(BIN)/mkdocs ## Build the documentation's site into site/; a dead link or a page outside the menu is an error
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	@echo "Look at site/index.html"
+
 fmt: check-rust $(BIN)/ruff ## Format Rust and Python
 	cargo fmt --all
 	$(BIN)/ruff check --fix --exit-zero --quiet
 	$(BIN)/ruff format
 
-clean: ## Remove .venv, target/ and demo/
-	rm -rf $(VENV) target $(DEMO) python/cadet/_cadet*.so
+clean: ## Remove .venv, target/, demo/ and site/
+	rm -rf $(VENV) target $(DEMO) site python/cadet/_cadet*.so

@@ -57,6 +57,7 @@ _LIMITS = {
     "columns": (1.0, 65535.0),
     "divergence_mrad": (0.0, 20.0),
     "image_side_px": (16.0, 8192.0),
+    "lateral_m": (-5.0, 5.0),
     "rolling_shutter_s": (0.0, 0.1),
     "speed_mps": (0.0, 70.0),
     "step_s": (0.0, 3600.0),

@@ -1,12 +1,13 @@
 from __future__ import annotations
 
+import math
 from typing import Any, cast
 
 import numpy as np
 import pytest
 
 from cadet import CadetError, Pose
-from cadet.pose import inverse, product, quaternion_of, rotation_of_angles
+from cadet.pose import angle_of, angles_of_rotation, inverse, product, quaternion_of, rotation_of_angles
 
 IDENTITY = (1.0, 0.0, 0.0, 0.0)
 
@@ -60,6 +61,25 @@ def test_carriers_come_first() -> None:
 def test_nonsense_is_refused(make: Any, message: str) -> None:
     with pytest.raises(CadetError, match=message):
         make()
+
+
+def test_angles_agree_with_the_standard_librarys_and_take_rotations_apart() -> None:
+    rng = np.random.default_rng(1)
+    places = [
+        *rng.normal(size=(200, 2)),
+        *rng.normal(size=(50, 2)) * [1e-9, 1.0],
+        (1, 0),
+        (0, 1),
+        (-1, 0),
+        (0, -1),
+        (0, 0),
+    ]
+    for x, y in places:
+        assert angle_of(float(x), float(y)) == pytest.approx(math.atan2(y, x), abs=2e-15)
+    for roll, yaw in rng.uniform(-180.0, 180.0, (50, 2)):
+        pitch = rng.uniform(-89.0, 89.0)
+        found = angles_of_rotation(rotation_of_angles(roll, pitch, yaw))
+        np.testing.assert_allclose(np.degrees(found), [roll, pitch, yaw], atol=1e-10)
 
 
 def test_products_inverses_and_rotations_agree_with_numpys() -> None:

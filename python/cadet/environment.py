@@ -8,7 +8,7 @@ from pathlib import Path
 from cadet.assets import Assets
 from cadet.checks import as_seed, check_number
 from cadet.config import SceneConfig
-from cadet.episode import Episode
+from cadet.episode import Episode, as_command
 from cadet.errors import CadetError
 from cadet.kitti import Frame, frame_from_sample
 from cadet.policy import ResetPolicy, choose_policy, draw_with
@@ -73,16 +73,26 @@ class Environment:
         self._current = Episode(self.policy, as_seed(seed), int(episode), self._draw, wanted=self._wanted)
         self._next_sample = 0
 
-    def step(self) -> Frame:
-        """Drive the policy's distance and return what the rig sees; the episode's end leads into the next one.
+    def step(self, *, speed_mps: float | None = None, lateral_m: float = 0.0) -> Frame:
+        """Drive the policy's distance or time and return what the rig sees; the episode's end leads into the next one.
+
+        The first frame of an episode shows where the ego stands.
+
+        Args:
+            speed_mps: speed that the ego reaches and keeps, however others, signals, and bends are; its driver drives
+                if None.
+            lateral_m: meters to the left of the lane's middle that it keeps then, reached at 1 m/s.
 
         Raises:
-            CadetError: `reset` was not called, or no world of the episode showed a labeled object.
+            CadetError: `reset` was not called, no world of the episode showed a labeled object, or a command that is
+                out of range or where there is no lane.
         """
+        command = None if speed_mps is None else as_command("step", speed_mps, lateral_m)
         if self._current is None:
             raise CadetError("step: call reset(seed=...) first")
         if self._next_sample == self.policy.samples_per_episode:
             self.reset(seed=self._current.seed, episode=self._current.number + 1)
+        self._current.command = command
         sample = self._current.next_sample(self._next_sample)
         self._next_sample += 1
         return frame_from_sample(sample)

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from cadet import _cadet
+from cadet.checks import check_number
 from cadet.errors import CadetError
 from cadet.notices import notice
 from cadet.policy import EpisodeSpec, ResetPolicy
@@ -45,6 +46,18 @@ def request(rig: Rig, number: int, wanted: Wanted) -> _cadet.Request:
     return _cadet.Request(number, maps=wanted.maps, pixels=wanted.shares, cameras=cameras, lidars=lidars)
 
 
+def as_command(owner: str, speed_mps: float, lateral_m: float) -> tuple[float, float]:
+    """Return what the core takes as a command to the ego.
+
+    Raises:
+        CadetError: a number that is out of range.
+    """
+    limits = _cadet.limits()
+    check_number(owner, "speed_mps", speed_mps, *limits["speed_mps"])
+    check_number(owner, "lateral_m", lateral_m, *limits["lateral_m"])
+    return float(speed_mps), float(lateral_m)
+
+
 class Episode:
     """The samples of one episode, in order. The same arguments give the same frames.
 
@@ -69,6 +82,10 @@ class Episode:
         self.seed = seed
         self.number = episode
         self.scene: _cadet.Scene | None = None
+        self.command: tuple[float, float] | None = None
+        """Speed in m/s and offset to the left of the lane's middle in meters, for the ego to drive from now on; None
+        lets its driver drive."""
+        self._commanded: tuple[float, float] | None = None
         self._draw = draw or policy.draw
         self._wanted = wanted or Wanted()
         self._attempt = 0
@@ -117,7 +134,12 @@ class Episode:
         if self.scene is None or self._spec is None:
             self._spec = self._draw(self.seed, self.number, self._attempt)
             self.scene = build_scene(self._spec)
-        elif self._is_in_sequence(number):
+            self._commanded = None
+            return self.scene, self._spec
+        if self.command != self._commanded:
+            self.scene.command_ego(self.command)
+            self._commanded = self.command
+        if self._is_in_sequence(number):
             self.scene.step(float(self.policy.time_step_s or 0.0))
         else:
             self.scene.drive(float(self.policy.distance_m), float(self.policy.blocked_s))

@@ -1,4 +1,4 @@
-"""What a dataset's format must be able to do: `cadet.kitti` and `cadet.nuscenes` are two of them."""
+"""What a dataset's format must be able to do: those of `cadet.kitti`, `cadet.kitti_sequences`, and `cadet.nuscenes`."""
 
 from __future__ import annotations
 
@@ -55,6 +55,8 @@ class Exporter(Protocol):
     """Kinds of files that are written on demand."""
     base: tuple[str, ...]
     """Kinds of files that every sample has on every rig."""
+    needs_sequence: bool
+    """Whether the samples of an episode must follow each other by time."""
 
     def check(self, rig: Rig, extras: tuple[str, ...]) -> None:
         """Refuse a rig that the format, or what was asked for, has no use for.

@@ -115,7 +115,7 @@ class Pose:
 
 def rotation_of_angles(roll_deg: float, pitch_deg: float, yaw_deg: float) -> NDArray[np.float64]:
     """Return the (3, 3) rotation by roll about x, then pitch about y, then yaw about z."""
-    (cr, sr), (cp, sp), (cy, sy) = (_cos_sin(angle) for angle in (roll_deg, pitch_deg, yaw_deg))
+    (cr, sr), (cp, sp), (cy, sy) = (cos_sin(angle) for angle in (roll_deg, pitch_deg, yaw_deg))
     about_z = np.array([[cy, -sy, 0.0], [sy, cy, 0.0], [0.0, 0.0, 1.0]])
     about_y = np.array([[cp, 0.0, sp], [0.0, 1.0, 0.0], [-sp, 0.0, cp]])
     about_x = np.array([[1.0, 0.0, 0.0], [0.0, cr, -sr], [0.0, sr, cr]])
@@ -152,7 +152,7 @@ def _dot(a: Sequence[float], b: Sequence[float]) -> float:
     return total
 
 
-def _cos_sin(angle_deg: float) -> tuple[float, float]:
+def cos_sin(angle_deg: float) -> tuple[float, float]:
     """Return cosine and sine of an angle by their series about the nearest right angle."""
     quarters = round(angle_deg / 90.0)
     angle = math.radians(angle_deg - 90.0 * quarters)
@@ -184,6 +184,37 @@ def quaternion_of(rotation: NDArray[np.float64]) -> Row4:
     length = math.sqrt(_dot(numbers, numbers))
     w, x, y, z = (sign * number / length for number in numbers)
     return w, x, y, z
+
+
+def angles_of_rotation(rotation: NDArray[np.float64]) -> Row3:
+    """Return roll, pitch, and yaw in radians of a (3, 3) rotation, as `rotation_of_angles` takes them in degrees.
+
+    They have the same bits on every processor. Straight up or down, yaw is 0 as far as rounding allows.
+    """
+    (a, _, _), (d, _, _), (g, h, i) = rotation.tolist()
+    return angle_of(i, h), angle_of(math.sqrt(a * a + d * d), -g), angle_of(a, d)
+
+
+def angle_of(x: float, y: float) -> float:
+    """Return the angle of (x, y) from the x axis in radians, -pi to pi, with the same bits on every processor."""
+    if x == 0.0 and y == 0.0:
+        return 0.0
+    if abs(y) > abs(x):
+        return math.copysign(math.pi / 2, y) - _arctangent(x / y)
+    flat = _arctangent(y / x)
+    return flat if x > 0.0 else flat + math.copysign(math.pi, y)
+
+
+def _arctangent(ratio: float) -> float:
+    """Return the arctangent of -1 to 1: halved three times, then by its series."""
+    for _ in range(3):
+        ratio = ratio / (1.0 + math.sqrt(1.0 + ratio * ratio))
+    square, power, total = ratio * ratio, ratio, 0.0
+    # Up to the tangent of pi / 32 the eleventh term is below 1e-22.
+    for n in range(11):
+        total += (power if n % 2 == 0 else -power) / (2 * n + 1)
+        power *= square
+    return 8.0 * total
 
 
 def _matrix(position_m: Row3, rotation: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -150,6 +150,18 @@ class Sample:
         return self._native.ego_speed_mps
 
     @property
+    def ego_velocity_world(self) -> tuple[float, float, float]:
+        """The velocity of the ego's origin, m/s."""
+        vx, vy, vz = self._native.ego_velocity_world
+        return vx, vy, vz
+
+    @property
+    def ego_angular_velocity_world(self) -> tuple[float, float, float]:
+        """The ego's angular velocity, rad/s."""
+        wx, wy, wz = self._native.ego_angular_velocity_world
+        return wx, wy, wz
+
+    @property
     def map(self) -> str:
         """The map's name."""
         return self._native.map

@@ -14,7 +14,7 @@ from cadet.arrays import as_array
 from cadet.assets import Assets, as_assets
 from cadet.checks import as_seed, check_flag, check_kind, check_number, check_text, is_one_of, shown
 from cadet.config import SceneConfig
-from cadet.episode import Episode, request
+from cadet.episode import Episode, as_command, request
 from cadet.errors import CadetError
 from cadet.kitti import Frame, frame_from_sample
 from cadet.lidar import Lidar
@@ -232,6 +232,18 @@ class Scene:
         place, may_overlap = _place(x, y, yaw), _may_overlap("move_ego", overlap)
         self._forget_first()
         self._native.move_ego(*place, may_overlap)
+
+    def command_ego(self, *, speed_mps: float | None, lateral_m: float = 0.0) -> None:
+        """Drive the ego along its lane from the next step on, whatever others, signals, and bends are.
+
+        Args:
+            speed_mps: speed to reach and keep, by the pedals of its driver; None lets its driver drive.
+            lateral_m: meters to the left of the lane's middle to reach at 1 m/s and keep.
+
+        Raises:
+            CadetError: a number out of range, or the ego stands on no lane.
+        """
+        self._native.command_ego(None if speed_mps is None else as_command("command_ego", speed_mps, lateral_m))
 
     def step(self, seconds: float) -> None:
         """Let physics run, rounded to whole steps of 1/60 s.

@@ -223,7 +223,9 @@ def test_what_does_not_fit_is_refused() -> None:
     ):
         with pytest.raises(cadet.CadetError, match=message):
             Settings(policy=cadet.ResetPolicy.kitti().with_rig(rig), format="nuscenes")
-    with pytest.raises(cadet.CadetError, match="unknown format 'coco'; known: kitti, nuscenes"):
+    with pytest.raises(
+        cadet.CadetError, match="unknown format 'coco'; known: kitti, kitti_tracking, kitti_raw, nuscenes"
+    ):
         Settings(policy=cadet.ResetPolicy.kitti(), format="coco")
     with pytest.raises(cadet.CadetError, match="cannot write 'depth'; known: none"):
         Settings(policy=cadet.ResetPolicy.kitti(), format="nuscenes", extras=("depth",))

@@ -17,7 +17,7 @@ use crate::rng::StreamKey;
 use crate::sense::{FaceTrees, PosedScene, RayCaster, RayHit, Resolution};
 use crate::town::{PropConfig, SuburbConfig, Town};
 use crate::weather::{Sun, Weather};
-use crate::world::{Course, ModelChoice, Overlap, Snapshot, TrafficConfig, World};
+use crate::world::{Course, EgoCommand, ModelChoice, Overlap, Snapshot, TrafficConfig, World};
 
 /// Where a scene's town comes from.
 #[derive(Debug, Clone)]
@@ -206,6 +206,14 @@ impl Scene {
     pub fn move_ego(&mut self, x: f64, y: f64, yaw: f64, overlap: Overlap) -> Result<()> {
         self.sensed = None;
         self.world.move_ego(finite("x", x)?, finite("y", y)?, finite("yaw", yaw)?, overlap)
+    }
+
+    /// Drives the ego by command from the next step on; `None` lets its driver drive.
+    ///
+    /// # Errors
+    /// As [`World::command_ego`].
+    pub fn command_ego(&mut self, command: Option<EgoCommand>) -> Result<()> {
+        self.world.command_ego(command)
     }
 
     /// Lets physics run, in whole steps of 1/60 s.

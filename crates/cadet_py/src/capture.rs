@@ -151,6 +151,11 @@ impl Capture {
     }
 
     #[getter]
+    fn ego_angular_velocity_world(&self) -> [f64; 3] {
+        self.frame.ego_angular_velocity_world.to_array()
+    }
+
+    #[getter]
     fn map(&self) -> &str {
         &self.map
     }

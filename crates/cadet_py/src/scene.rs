@@ -7,7 +7,7 @@ use cadet_core::lidar::Scan;
 use cadet_core::rng::StreamKey;
 use cadet_core::scene as core;
 use cadet_core::weather::Weather;
-use cadet_core::world::{Course, ModelChoice, Overlap, Waypoint};
+use cadet_core::world::{Course, EgoCommand, ModelChoice, Overlap, Waypoint};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -141,6 +141,12 @@ impl Scene {
 
     fn move_ego(&self, py: Python<'_>, x: f64, y: f64, yaw: f64, may_overlap: bool) -> Result<(), BorderError> {
         self.with(py, |scene| scene.move_ego(x, y, yaw, overlap(may_overlap)))
+    }
+
+    #[pyo3(signature = (command))]
+    fn command_ego(&self, py: Python<'_>, command: Option<(f64, f64)>) -> Result<(), BorderError> {
+        let command = command.map(|(speed_mps, lateral_m)| EgoCommand::new(speed_mps, lateral_m)).transpose()?;
+        self.with(py, |scene| scene.command_ego(command))
     }
 
     fn step(&self, py: Python<'_>, seconds: f64) -> Result<(), BorderError> {

@@ -11,7 +11,7 @@ use cadet_core::scene::{MAX_STEP_S, SceneConfig as CoreSceneConfig};
 use cadet_core::settings::Setting;
 use cadet_core::town::{PropConfig as CorePropConfig, SuburbConfig as CoreSuburbConfig};
 use cadet_core::weather::Sun;
-use cadet_core::world::{FASTEST_VEHICLE_MPS, TrafficConfig};
+use cadet_core::world::{FASTEST_VEHICLE_MPS, MAX_LATERAL_M, TrafficConfig};
 use pyo3::prelude::*;
 
 use crate::assets::Assets;
@@ -31,6 +31,7 @@ pub(crate) fn limits() -> BTreeMap<&'static str, (f64, f64)> {
         ("columns", (1.0, MAX_COLUMNS as f64)),
         ("divergence_mrad", (0.0, MAX_DIVERGENCE_RAD * 1e3)),
         ("image_side_px", (*SIDES_PX.start() as f64, *SIDES_PX.end() as f64)),
+        ("lateral_m", (-MAX_LATERAL_M, MAX_LATERAL_M)),
         ("rolling_shutter_s", (0.0, MAX_ROLLING_SHUTTER_S)),
         ("speed_mps", (0.0, FASTEST_VEHICLE_MPS)),
         ("step_s", (0.0, MAX_STEP_S)),

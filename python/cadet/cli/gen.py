@@ -90,12 +90,13 @@ def cadet_gen(
     val_fraction: float,
     test_fraction: float,
 ) -> int:
-    """Write a dataset of procedurally generated suburbs to the folder OUT, in KITTI's format or nuScenes'.
+    """Write a dataset of procedurally generated suburbs to the folder OUT, in KITTI's formats or nuScenes'.
 
     \b
     cadet-gen out -n 10000 --seed 0
     cadet-gen out -n 20000 --seed 0 --resume          # the first 10000 stay as they are
     cadet-gen scenes -n 160 --format nuscenes --sequence --hz 2 --length 20s
+    cadet-gen drives -n 200 --format kitti_raw --sequence --hz 10 --length 20s
     cadet-gen rain -n 500 --weather hard_rain_noon --write depth,instance
 
     Weathers: {weathers}

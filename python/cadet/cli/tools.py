@@ -28,21 +28,33 @@ def cadet() -> None:
 
 @cadet.command()
 @click.argument("what", metavar="ROOT[/ID]", type=click.Path(path_type=Path))
-@click.option("-o", "--out", type=click.Path(path_type=Path, dir_okay=False), help="A .png or .jpg.  [default: ID.png]")
+@click.option(
+    "-o", "--out", type=click.Path(path_type=Path, dir_okay=False), help="A .png, .jpg or .rrd.  [default: ID.png]"
+)
+@click.option("--rerun", "is_rerun", is_flag=True, help="Write the frame's episode for Rerun.  [default: ID.rrd]")
 @click.option("--bev", "is_bev", is_flag=True, help="Draw the frame's bird's-eye-view maps.  [default PNG: ID_bev.png]")
-def view(what: Path, out: Path | None, is_bev: bool) -> None:
+def view(what: Path, out: Path | None, is_rerun: bool, is_bev: bool) -> None:
     """Draw a frame, or some frames of a dataset.
 
     \b
     cadet view out/000012                   # one frame: boxes, LIDAR returns, the view from above
     cadet view out/000012 --bev             # its maps from above, as AVOD and the paper's variants take them
     cadet view out -o overview.png          # some frames of the dataset
+    cadet view out --rerun -o episode.rrd   # the first episode over time; "rerun episode.rrd" shows it
     """  # noqa: D301 - click reads the backspace
     is_frame = not what.is_dir() and re.fullmatch(r"\d{6}", what.name) is not None
     if not is_frame and not what.exists() and re.fullmatch(r"\d{1,5}", what.name):
         raise MissingFileError(
             f"{what}: no such folder; a frame's id has six digits: {what.with_name(what.name.zfill(6))}"
         )
+    if is_rerun:
+        if is_bev:
+            raise CadetError("--rerun: shows scan, image and boxes; leave out --bev")
+        from cadet.view.recording import view_episode
+
+        root, name = (what.parent, what.name) if is_frame else (what, None)
+        click.echo(f"wrote {view_episode(root, name, out or Path(f'{name or what.resolve().name}.rrd'))}")
+        return
     if is_bev and not is_frame:
         raise CadetError(f"{what}: --bev draws one frame; name it, as in {what}/000012")
     if out is not None:

@@ -11,13 +11,14 @@ from cadet.checks import as_seed, as_tuple, check_kind, check_number, is_one_of,
 from cadet.errors import CadetError
 from cadet.exporter import Exporter, Place, Split
 from cadet.kitti.exporter import KittiExporter
+from cadet.kitti_sequences import KittiRawExporter, KittiTrackingExporter
 from cadet.nuscenes.exporter import NuscenesExporter
 from cadet.policy import ResetPolicy
 from cadet.rig import Rig
 
 FORMAT_VERSION = 2
 """Rises with every change of what the same settings give."""
-_ALL: Final[tuple[Exporter, ...]] = (KittiExporter(), NuscenesExporter())
+_ALL: Final[tuple[Exporter, ...]] = (KittiExporter(), KittiTrackingExporter(), KittiRawExporter(), NuscenesExporter())
 EXPORTERS: Final = {exporter.name: exporter for exporter in _ALL}
 """The formats by name."""
 EXTRAS = tuple(dict.fromkeys(extra for exporter in _ALL for extra in exporter.extras))
@@ -67,6 +68,8 @@ class Settings:
         object.__setattr__(self, "extras", as_tuple("Settings", "extras", self.extras, "folders' names"))
         if not is_one_of(self.format, EXPORTERS):
             raise CadetError(f"unknown format {shown(self.format)}; known: {', '.join(EXPORTERS)}")
+        if self.exporter.needs_sequence and self.policy.time_step_s is None:
+            raise CadetError(f"{self.format}: expected a sequence (--sequence, or ResetPolicy.as_sequence)")
         for extra in self.extras:
             if not is_one_of(extra, self.exporter.extras):
                 known = ", ".join(self.exporter.extras) or "none"

@@ -1,7 +1,16 @@
 """KITTI's object data: frozen dataclasses for its files, whole frames, and a lint."""
 
 from cadet.kitti.calib import Calibration, points_in_image
-from cadet.kitti.dataset import Dataset, encode_frame, encode_meta, read_calib, read_frame, read_labels, write_frame
+from cadet.kitti.dataset import (
+    Dataset,
+    encode_frame,
+    encode_meta,
+    read_calib,
+    read_frame,
+    read_labels,
+    read_meta,
+    write_frame,
+)
 from cadet.kitti.frame import Frame
 from cadet.kitti.from_sample import frame_from_sample
 from cadet.kitti.image_sets import ImageSet, read_image_set, write_image_set
@@ -31,6 +40,7 @@ __all__ = [
     "read_frame",
     "read_image_set",
     "read_labels",
+    "read_meta",
     "text_from_labels",
     "write_frame",
     "write_image_set",

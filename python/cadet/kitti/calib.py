@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from cadet.arrays import check_array
 from cadet.checks import check_image_size, check_kind
 from cadet.errors import CadetError, KittiFormatError, ShapeError
-from cadet.kitti.numbers import number_from_text
+from cadet.kitti.numbers import number_from_text, scientific_text
 from cadet.summary import summary
 
 _SHAPES: Final = {
@@ -33,7 +33,6 @@ ZERO_DEPTH_M: Final = 2.5e-7
 
 _NEAR_ZERO_M: Final = 0.01
 """Far more than single precision errs by within a scan's reach."""
-_NUM_DECIMALS: Final = 12
 _XYZ: Final = 3
 
 
@@ -123,7 +122,7 @@ class Calibration:
 
     def to_text(self) -> str:
         """Write the calibration as KITTI does: 12 decimals, more only where a number needs them to come back."""
-        lines = (f"{name}: {' '.join(_scientific(x) for x in getattr(self, name).flat)}\n" for name in _SHAPES)
+        lines = (f"{name}: {' '.join(scientific_text(x) for x in getattr(self, name).flat)}\n" for name in _SHAPES)
         return "".join(lines) + ("\n" if self.has_blank_line else "")
 
     @cached_property
@@ -287,10 +286,6 @@ def _parse_matrix(values: list[str], key: str, where: tuple[str, int]) -> NDArra
     if not np.isfinite(matrix).all():
         raise KittiFormatError(f"{key}: expected finite numbers", *where)
     return matrix.reshape(rows, columns)
-
-
-def _scientific(value: float) -> str:
-    return np.format_float_scientific(value, min_digits=_NUM_DECIMALS, exp_digits=2)
 
 
 def _warn_of_old_name(old: str, new: str, matrix: str) -> None:

@@ -94,6 +94,16 @@ def read_calib(root: str | Path, frame_id: str | int) -> Calibration:
     return Calibration.from_text(*_read_text(sample_folder(root), "calib", check_id(frame_id)))
 
 
+def read_meta(root: str | Path, frame_id: str | int) -> dict[str, Any] | None:
+    """Read only what else the generator knew of a frame; None where nothing was written, as of KITTI's own.
+
+    Raises:
+        KittiFormatError: no JSON object.
+    """
+    folder, frame_id = sample_folder(root), check_id(frame_id)
+    return _read_meta(folder, frame_id) if _has(folder, "meta", frame_id) else None
+
+
 def check_files(root: str | Path, frame_id: str | int) -> list[tuple[str, CadetError | OSError]]:
     """List what is wrong with each file of a frame: its folder, and the error that reading it raises.
 

@@ -27,6 +27,7 @@ class KittiExporter:
     name = "kitti"
     extras: tuple[str, ...] = (*_MAPS, RIGHT_CAMERA, "point_labels")
     base: tuple[str, ...] = ("image_2", "velodyne", "calib", "label_2", "planes")
+    needs_sequence = False
 
     def check(self, rig: Rig, extras: tuple[str, ...]) -> None:
         """Refuse a right image of a rig without a right camera."""

@@ -41,6 +41,7 @@ class NuscenesExporter:
     name = "nuscenes"
     extras: tuple[str, ...] = ()
     base: tuple[str, ...] = ()
+    needs_sequence = False
 
     def check(self, rig: Rig, extras: tuple[str, ...]) -> None:
         """Refuse names of sensors that are no names of folders, and lenses that nuScenes' tables have no room for."""

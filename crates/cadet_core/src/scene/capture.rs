@@ -52,6 +52,8 @@ pub struct Frame {
     pub world_from_ego: DPose3,
     /// The ego's velocity, m/s.
     pub ego_velocity_world: DVec3,
+    /// The ego's angular velocity, rad/s.
+    pub ego_angular_velocity_world: DVec3,
     /// Every actor around the ego, by rising id.
     pub actors: Vec<ActorState>,
     /// Pixels of each actor's outline in the images together, and those that are seen; empty unless asked for.
@@ -174,6 +176,7 @@ impl Scene {
             time_s: snapshot.time_s,
             world_from_ego: snapshot.ego.world_from_ego,
             ego_velocity_world: snapshot.ego.velocity_world,
+            ego_angular_velocity_world: snapshot.ego.angular_velocity_world,
             actors: snapshot.actors.clone(),
             pixels,
             sightings,

@@ -6,6 +6,7 @@ mod arena;
 mod body;
 mod control;
 mod course;
+mod ego_command;
 mod footprint;
 mod ground_shape;
 mod junctions;
@@ -27,6 +28,7 @@ mod tests;
 mod track;
 
 pub use course::{Course, FASTEST_VEHICLE_MPS, ModelChoice, Overlap, Waypoint};
+pub use ego_command::{EgoCommand, MAX_LATERAL_M};
 pub use physics::DT_S;
 pub use simulation::World;
 pub use snapshot::{EgoState, Snapshot};

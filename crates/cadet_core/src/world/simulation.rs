@@ -7,6 +7,7 @@ use super::arena::Arena;
 use super::body::{Body, settle};
 use super::control::Driver;
 use super::course::{Course, ModelChoice, Overlap};
+use super::ego_command::EgoCommand;
 use super::physics::DT_S;
 use super::route::{EGO_STRAIGHT, Route};
 use super::slot::EGO;
@@ -165,6 +166,20 @@ impl World {
         let route = nearest.map(|(lane, s_m, _)| Route::new(lane, s_m, 0.0, EGO_STRAIGHT, choices, roads));
         if let Some(driver) = ego.controlled_by_mut::<Driver>() {
             driver.wait_on(route);
+        }
+        Ok(())
+    }
+
+    /// Drives the ego by command from now on; `None` lets its driver drive.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a command where the ego stands on no lane.
+    pub fn command_ego(&mut self, command: Option<EgoCommand>) -> Result<()> {
+        if command.is_some() && self.ego_driver().route.is_none() {
+            return Err(Error::Scene { reason: "the ego stands on no lane to drive along".to_owned() });
+        }
+        if let Some(driver) = self.arena.agents[EGO].controlled_by_mut::<Driver>() {
+            driver.obey(command);
         }
         Ok(())
     }

@@ -8,6 +8,7 @@ use super::stop_line::leave_junctions;
 use crate::math::DVec3;
 use crate::town::LaneId;
 use crate::world::body::Body;
+use crate::world::ego_command::EgoCommand;
 use crate::world::physics::{DT_S, Physics};
 use crate::world::route::Route;
 use crate::world::streets::Streets;
@@ -15,6 +16,11 @@ use crate::world::surroundings::Surroundings;
 
 /// A car slower than this stands.
 const STANDS_MPS: f64 = 0.1;
+/// How soon a commanded speed is to be reached, within what the pedals can do.
+const RESPONSE_S: f64 = 0.5;
+/// How fast a car moves across its lane by command, and by how much of its speed: a jump would make it skid.
+const SIDEWAYS_MPS: f64 = 1.0;
+const SIDEWAYS_SHARE: f64 = 0.2;
 
 /// Drives a [`Body::Sprung`].
 pub(crate) struct Driver {
@@ -25,6 +31,9 @@ pub(crate) struct Driver {
     idm: IdmParameters,
     interaction_mps2: f64,
     desired_mps: f64,
+    command: Option<EgoCommand>,
+    /// The offset that the driver keeps unless commanded; `None` before the first command.
+    own_offset_m: Option<f64>,
     #[cfg_attr(not(test), allow(dead_code))]
     cause: Cause,
 }
@@ -38,6 +47,8 @@ impl Driver {
             idm,
             interaction_mps2: 0.0,
             desired_mps: 0.0,
+            command: None,
+            own_offset_m: None,
             cause: Cause::Nothing,
         }
     }
@@ -45,6 +56,32 @@ impl Driver {
     /// Waits at a place of another route.
     pub fn wait_on(&mut self, route: Option<Route>) {
         (self.route, self.drives, self.standing_steps) = (route, false, 0);
+        (self.command, self.own_offset_m) = (None, None);
+    }
+
+    /// Drives as commanded from now on, or on its own again.
+    pub fn obey(&mut self, command: Option<EgoCommand>) {
+        self.command = command;
+        self.drives = self.route.is_some();
+        if self.own_offset_m.is_none() {
+            self.own_offset_m = self.route.as_ref().map(|r| r.offset_m);
+        }
+    }
+
+    /// The acceleration that the pedals are to give.
+    fn pressed_mps2(&self, speed_mps: f64) -> f64 {
+        match self.command {
+            Some(command) => pedals((command.speed_mps - speed_mps) / RESPONSE_S, 0.0),
+            None => pedals(self.idm.free_road(speed_mps, self.desired_mps), self.interaction_mps2),
+        }
+    }
+
+    /// Moves the line that is followed to where it is wanted.
+    fn shift_line(&mut self, speed_mps: f64) {
+        let (Some(route), Some(own_m)) = (&mut self.route, self.own_offset_m) else { return };
+        let wanted_m = self.command.map_or(own_m, |c| c.lateral_m);
+        let most_m = SIDEWAYS_MPS.min(SIDEWAYS_SHARE * speed_mps.abs()) * DT_S;
+        route.offset_m += (wanted_m - route.offset_m).clamp(-most_m, most_m);
     }
 
     /// What the driver brakes for.
@@ -76,6 +113,7 @@ impl Controller for Driver {
     fn act(&mut self, own: Own<'_>, physics: &mut Physics, streets: &Streets) {
         let Body::Sprung(chassis) = own.body else { return };
         let speed = chassis.speed_mps(physics);
+        self.shift_line(speed);
         match self.route.as_ref().filter(|_| self.drives) {
             None => chassis.command(-3.0 * speed.clamp(-1.0, 1.0), 0.0, true, physics),
             Some(route) => {
@@ -85,7 +123,7 @@ impl Controller for Driver {
                 let rear_axle = pose.translation.truncate() - heading * axle_m;
                 let wheelbase_m = chassis.wheelbase_m();
                 let steer = pursue(rear_axle, heading, wheelbase_m, axle_m, speed, route, &streets.roads);
-                let mut accel = pedals(self.idm.free_road(speed, self.desired_mps), self.interaction_mps2);
+                let mut accel = self.pressed_mps2(speed);
                 let stand = accel < 0.05 && speed < 0.4;
                 // Brakes stop a car, they don't push it backwards.
                 if accel < 0.0 {

@@ -1,0 +1,89 @@
+"""The raw data's folder: a day and a drive for each episode, as the development kit and pykitti read it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from datetime import date, timedelta
+from typing import Final
+
+from cadet.exporter import Ending, Place
+from cadet.kitti_sequences.oxts import DATA_FORMAT, oxts_lines
+from cadet.kitti_sequences.raw_calibration import calibration_files
+from cadet.kitti_sequences.record import Record, calibration_of_record, drives, path_of_record
+from cadet.kitti_sequences.sequence_exporter import IMAGE, SCAN, SequenceExporter, lists_of_drives
+from cadet.kitti_sequences.tracklets import text_of_tracklets, tracklets_of
+from cadet.rig import RIGHT_CAMERA
+from cadet.sink import Sink
+
+_FIRST_DAY: Final = date(2020, 1, 1)
+_MONTHS: Final = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec")
+_FILES: Final = {IMAGE: ("image_02", "png"), RIGHT_CAMERA: ("image_03", "png"), SCAN: ("velodyne_points", "bin")}
+_NS_PER_S: Final = 1_000_000_000
+_SECONDS_OF_NOON: Final = 43_200
+
+
+class KittiRawExporter(SequenceExporter):
+    """KITTI's raw data, synchronized and rectified. Each episode is a day with a calibration and a drive of its own."""
+
+    name = "kitti_raw"
+
+    def path(self, place: Place, kind: str) -> str:
+        """Return a file's name, such as `DAY/DAY_drive_0003_sync/image_02/data/0000000012.png`, or the record's."""
+        if kind == "record":
+            return path_of_record(place)
+        folder, suffix = _FILES[kind]
+        return f"{_drive(place)}/{folder}/data/{place.sample:010d}.{suffix}"
+
+    def finish(self, sink: Sink, places: Iterable[Place]) -> Ending:
+        """Return calibration, times, oxts, and tracklets of each drive, and the lists of drives."""
+        files: dict[str, bytes] = {}
+        types: Counter[str] = Counter()
+        splits: dict[str, list[str]] = {"train": [], "val": [], "test": []}
+        for found, records in drives(sink, places):
+            first = found[0]
+            splits[first.split].append(_drive(first))
+            day, width_height = _day(first), records[0]["image_size"]
+            written = f"{day.day:02d}-{_MONTHS[day.month - 1]}-{day.year}"
+            calib = calibration_files(calibration_of_record(records[0]), (width_height[0], width_height[1]), written)
+            texts = {f"{_folder(day)}/{name}": text for name, text in calib.items()}
+            texts |= {f"{_drive(first)}/{name}": text for name, text in _drive_texts(records, day).items()}
+            files |= {name: text.encode("ascii") for name, text in texts.items()}
+            types.update(seen["type"] for record in records for seen in record["objects"] if seen["is_labeled"])
+        return Ending(files | lists_of_drives(splits), types)
+
+
+def _drive_texts(records: Sequence[Record], day: date) -> dict[str, str]:
+    times = "".join(f"{_time(record['time_s'], day)}\n" for record in records)
+    texts = {f"oxts/data/{index:010d}.txt": f"{line}\n" for index, line in enumerate(oxts_lines(records))}
+    texts["oxts/dataformat.txt"] = DATA_FORMAT
+    # All sensors see the same instant.
+    for name in (
+        "image_02/timestamps",
+        "oxts/timestamps",
+        *(f"velodyne_points/timestamps{s}" for s in ("", "_start", "_end")),
+    ):
+        texts[f"{name}.txt"] = times
+    texts["tracklet_labels.xml"] = text_of_tracklets(tracklets_of(records))
+    return texts
+
+
+def _time(time_s: float, day: date) -> str:
+    nanoseconds = round(time_s * _NS_PER_S)
+    seconds, fraction = divmod(nanoseconds, _NS_PER_S)
+    days, seconds = divmod(seconds + _SECONDS_OF_NOON, 86_400)
+    now = day + timedelta(days=days)
+    return f"{now.isoformat()} {seconds // 3600:02d}:{seconds // 60 % 60:02d}:{seconds % 60:02d}.{fraction:09d}"
+
+
+def _day(place: Place) -> date:
+    return _FIRST_DAY + timedelta(days=place.episode)
+
+
+def _folder(day: date) -> str:
+    return f"{day.year:04d}_{day.month:02d}_{day.day:02d}"
+
+
+def _drive(place: Place) -> str:
+    folder = _folder(_day(place))
+    return f"{folder}/{folder}_drive_{place.episode:04d}_sync"

@@ -1,0 +1,82 @@
+"""What KITTI's formats of sequences have in common: images, scans, and a record for each sample."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from cadet.errors import CadetError
+from cadet.exporter import Ending, Place
+from cadet.kitti.from_sample import calibration_of, move_off_zero_depth
+from cadet.kitti.velodyne import bytes_from_points
+from cadet.kitti_sequences.record import RECORDS, record_bytes, record_of
+from cadet.rig import RIGHT_CAMERA, Rig
+from cadet.sample import Sample, Wanted
+from cadet.sink import Sink
+
+IMAGE = "image_2"
+SCAN = "velodyne"
+
+
+class SequenceExporter:
+    """All but the names of files and the files that a drive ends with; see `cadet.exporter.Exporter`."""
+
+    name: str
+    extras: tuple[str, ...] = (RIGHT_CAMERA,)
+    base: tuple[str, ...] = (IMAGE, SCAN)
+    needs_sequence = True
+
+    def check(self, rig: Rig, extras: tuple[str, ...]) -> None:
+        """Refuse lenses for which rectified images have no room, and right images of a rig without a right camera."""
+        if any(rig.camera.distortion):
+            raise CadetError(f"cannot write images of the rig {rig.name}: {self.name} has no distortion")
+        if RIGHT_CAMERA in extras and not rig.has_right_camera:
+            raise CadetError(f"cannot write {RIGHT_CAMERA}: the rig {rig.name} has no right color camera")
+
+    def wanted(self, extras: tuple[str, ...]) -> Wanted:
+        """Return the right camera, if its images are to be written."""
+        return Wanted(sensors=tuple(extra for extra in self.extras if extra in extras), maps=False)
+
+    def kinds(self, rigs: Iterable[Rig], extras: tuple[str, ...]) -> tuple[str, ...]:
+        """Return the kinds of files."""
+        return self.base + tuple(extra for extra in self.extras if extra in extras)
+
+    def path(self, place: Place, kind: str) -> str:
+        """Return a file's name."""
+        raise NotImplementedError
+
+    def encode(self, sample: Sample, extras: tuple[str, ...]) -> dict[str, bytes]:
+        """Return the images and the scan."""
+        points_velo = move_off_zero_depth(sample.scan().points_velo, calibration_of(sample.rig))
+        files = {IMAGE: sample.png(), SCAN: bytes_from_points(points_velo)}
+        return files | {extra: sample.png(extra) for extra in self.extras if extra in extras}
+
+    def record(self, sample: Sample) -> dict[str, Any]:
+        """Return what the text files of the drive are made of."""
+        return record_of(sample)
+
+    def record_bytes(self, record: Mapping[str, Any]) -> bytes:
+        """Return the record as JSON."""
+        return record_bytes(record)
+
+    def written(self, root: Path) -> list[int]:
+        """Return the numbers of the samples that have a record."""
+        return [int(path.stem) for path in (root / RECORDS).glob("[0-9]" * 6 + ".json")]
+
+    def finish(self, sink: Sink, places: Iterable[Place]) -> Ending:
+        """Return the text files of all drives."""
+        raise NotImplementedError
+
+
+def lists_of_drives(drives: Mapping[str, list[str]]) -> dict[str, bytes]:
+    """Return `ImageSets` with the drives of each split.
+
+    Args:
+        drives: names by split, "train", "val", and "test".
+    """
+    sets = {**drives, "trainval": sorted([*drives["train"], *drives["val"]])}
+    return {
+        f"ImageSets/{split}.txt": "".join(f"{name}\n" for name in names).encode("ascii")
+        for split, names in sets.items()
+    }
