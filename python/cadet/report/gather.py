@@ -10,8 +10,8 @@ from typing import Any, Final
 import numpy as np
 
 from cadet.boxes import points_in_boxes
-from cadet.errors import FileFormatError, KittiFormatError, MissingFileError
-from cadet.kitti import boxes_cam_from_labels, read_calib, read_image_set, read_labels
+from cadet.errors import FileFormatError, MissingFileError
+from cadet.kitti import boxes_cam_from_labels, read_calib, read_image_set, read_labels, read_meta
 from cadet.kitti.files import display_name, file_path, frame_ids, sample_folder, testing_folder
 from cadet.kitti.velodyne import points_from_bytes
 from cadet.plain_text import json_from_text
@@ -110,7 +110,7 @@ def _read_frame(task: tuple[Path, str]) -> _FrameFacts:
             num_in_boxes = points_in_boxes(points_cam, boxes_cam_from_labels(objects)).sum(axis=0).tolist()
     statistics = Statistics()
     statistics.add(labels, num_in_boxes)
-    meta = _read_meta(file_path(folder, "meta", frame_id))
+    meta = read_meta(folder, frame_id) or {}
     recorded = {name: value for name in RECORDED if isinstance(value := meta.get(name), str)}
     episode = meta.get("episode")
     return _FrameFacts(
@@ -119,16 +119,6 @@ def _read_frame(task: tuple[Path, str]) -> _FrameFacts:
         episode if isinstance(episode, int) else None,
         0 if points_velo is None else len(points_velo),
     )
-
-
-def _read_meta(path: Path) -> dict[str, Any]:
-    if not path.is_file():
-        return {}
-    try:
-        meta = json_from_text(path.read_bytes(), display_name(path))
-    except FileFormatError as error:
-        raise KittiFormatError(error.reason, display_name(path), error.line) from None
-    return meta if isinstance(meta, dict) else {}
 
 
 def _read_manifest(root: Path, facts: Facts) -> None:
