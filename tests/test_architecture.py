@@ -139,12 +139,13 @@ PYTHON_ROOMS: dict[str, set[str]] = {
 # A room of the detector and the rooms that it may use; all may use `cadet`.
 AVOD_ROOMS: dict[str, set[str]] = {
     "training_config": set(),
-    "config": {"training_config"},
+    "augmentation_config": set(),
+    "config": {"augmentation_config", "training_config"},
     "config_file": {"config"},
     "device": set(),
     "ops": set(),
     "geometry": {"config"},
-    "data": {"config", "geometry"},
+    "data": {"augmentation_config", "clusters", "config", "geometry"},
     "targets": {"config", "data", "geometry", "ops"},
     "model": {"config", "data", "geometry", "ops", "targets"},
     "losses": {"config", "data", "geometry", "model", "targets"},
@@ -160,6 +161,7 @@ AVOD_ROOMS: dict[str, set[str]] = {
         "clusters",
         "config",
         "config_file",
+        "data",
         "detector",
         "device",
         "evaluate",

@@ -17,9 +17,11 @@ import cv2
 import numpy as np
 import torch
 
+from avod.augmentation_config import AugmentationConfig
 from avod.config import Config
 from avod.config_file import load_config
-from avod.data.build import Augmentation, _points_cam_in_image, build_sample, ground_plane
+from avod.data.augmentation import UNCHANGED, Augmentation
+from avod.data.build import _points_cam_in_image, build_sample, ground_plane
 from avod.data.images import jitter_colors, resize_bilinear
 from avod.data.mirror import mirror_image
 from avod.data.packing import packed
@@ -29,6 +31,15 @@ from cadet import bev, kitti
 from cadet.kitti.frame import Frame
 from cadet.kitti.velodyne import points_from_bytes
 
+_SWITCHES: dict[str, dict[str, Any]] = {
+    "rotation": {"rotation_deg": 10.0},
+    "scaling": {"scaling": 0.05},
+    "translation": {"translation_m": (1.0, 0.1, 1.0)},
+    "drop-out": {"point_dropout": 0.3},
+    "range noise": {"range_noise_m": 0.02},
+    "object scaling": {"object_scaling": 0.1},
+    "color shifts": {"brightness": 0.1, "contrast": 0.2, "hue_deg": 10.0},
+}
 _CHANGES = [Augmentation(is_mirrored, has_jitter) for is_mirrored in (False, True) for has_jitter in (False, True)]
 
 
@@ -97,6 +108,10 @@ def steps(folder: Path, frame_id: str, config: Config) -> Iterator[tuple[str, Ca
                 packed(made(change, kitti.read_frame(folder, frame_id, has_extras=False))), protocol=5
             ),
         )
+    for name, settings in _SWITCHES.items():
+        change = Augmentation(settings=AugmentationConfig(**settings))
+        yield f"a sample with {name}", lambda change=change: made(change, frame)  # type: ignore[misc]
+    yield "a sample without", lambda: made(UNCHANGED, frame)
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ from torch import Tensor
 
 from avod.config import Config
 from avod.data.dataset import TrainingData
+from avod.data.mixture import shares_of
 from avod.model.network import AvodNetwork
 from avod.train.checkpoint import forget_old, remove_partial, save_checkpoint
 from avod.train.loader import batches, whole
@@ -82,7 +83,10 @@ class _Training:
         self.skipped = frozenset(record.skipped_steps)
         self.notes = {"data": record.data, "split": record.split}
         self.network, self.optimizer = start.network, start.optimizer
+        self.average = start.average
         self.network.precision = run.precision
+        if self.average is not None:
+            self.average.network.precision = run.precision
         self.network.train()
         if run.is_compiled:
             for pyramid in (self.network.bev_pyramid, self.network.image_pyramid):
@@ -125,6 +129,8 @@ class _Training:
                         f"--out {self.out} --resume --skip-step {step}"
                     ) from None
                 losses = processes.mean(losses)
+                if self.average is not None:
+                    self.average.update(self.network, step)
             done = step + 1
             is_last = done == config.steps
             if self.log is not None:
@@ -157,6 +163,7 @@ class _Training:
             self.config,
             step=step,
             seed=self.start.seed,
+            average=None if self.average is None else self.average.network,
             notes=notes,
             name=None if has_optimizer else BEST,
         )
@@ -168,7 +175,8 @@ class _Training:
 
     def _validate(self, step: int) -> None:
         assert self.validate is not None
-        found = self.validate(self.network, step, self.processes)
+        judged = self.network if self.average is None else self.average.network
+        found = self.validate(judged, step, self.processes)
         self.network.train()
         if found is None or self.validations is None or self.log is None:
             return
@@ -180,10 +188,13 @@ class _Training:
 
     def _record(self, start: Start) -> Record:
         run = self.run
+        folders = shares_of(run.data)
+        names = tuple(str(folder.resolve()) for folder, _ in folders)
         record = Record(
             config=self.config,
             seed=start.seed,
-            data=str(Path(run.data).resolve()),
+            data=names[0] if len(names) == 1 else names,
+            shares=None if len(names) == 1 else tuple(share for _, share in folders),
             split=run.split,
             num_frames=len(self.data.ids),
             frames_crc32=checksum(self.data.ids),

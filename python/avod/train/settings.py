@@ -7,6 +7,7 @@ from pathlib import Path
 
 import torch
 
+from avod.data.mixture import Folders
 from cadet.checks import check_number
 
 
@@ -15,7 +16,7 @@ class Run:
     """The settings of a training besides its configuration.
 
     Attributes:
-        data: a KITTI folder.
+        data: a KITTI folder, or several, each with its share of the frames: `(("sim", 0.8), ("real", 0.2))`.
         out: where `run.json`, `log.csv` and `checkpoints` go: a folder without those of another training, unless
             `resume` is set or `resume_from` is this one's last checkpoint; the logs then keep their rows up to there.
         split: a list of `ImageSets`; None for every frame.
@@ -39,7 +40,7 @@ class Run:
         CadetError: a number outside its range.
     """
 
-    data: str | Path
+    data: Folders
     out: str | Path
     split: str | None = "train"
     seed: int | None = None
