@@ -16,30 +16,34 @@ from typing import Any
 import cv2
 import numpy as np
 import torch
+from numpy.typing import NDArray
 
 from avod.augmentation_config import AugmentationConfig
 from avod.config import Config
 from avod.config_file import load_config
-from avod.data.augmentation import UNCHANGED, Augmentation
+from avod.data.augmentation import Augmentation
 from avod.data.build import _points_cam_in_image, build_sample, ground_plane
-from avod.data.images import jitter_colors, resize_bilinear
+from avod.data.images import jitter_colors, resize_bilinear, shift_colors
 from avod.data.mirror import mirror_image
+from avod.data.object_sizes import resize_objects
 from avod.data.packing import packed
 from avod.data.sample import Sample
+from avod.data.scan_changes import drop_points, shift_ranges
+from avod.data.world import WorldChange
 from avod.geometry.anchors import anchors_over, occupancy
 from cadet import bev, kitti
+from cadet.kitti import boxes_cam_from_labels
 from cadet.kitti.frame import Frame
 from cadet.kitti.velodyne import points_from_bytes
 
-_SWITCHES: dict[str, dict[str, Any]] = {
-    "rotation": {"rotation_deg": 10.0},
-    "scaling": {"scaling": 0.05},
-    "translation": {"translation_m": (1.0, 0.1, 1.0)},
-    "drop-out": {"point_dropout": 0.3},
-    "range noise": {"range_noise_m": 0.02},
-    "object scaling": {"object_scaling": 0.1},
-    "color shifts": {"brightness": 0.1, "contrast": 0.2, "hue_deg": 10.0},
-}
+_EVERYTHING = AugmentationConfig(
+    rotation_deg=10.0,
+    scaling=0.05,
+    translation_m=(1.0, 0.1, 1.0),
+    point_dropout=0.3,
+    range_noise_m=0.02,
+    object_scaling=0.1,
+)
 _CHANGES = [Augmentation(is_mirrored, has_jitter) for is_mirrored in (False, True) for has_jitter in (False, True)]
 
 
@@ -100,6 +104,7 @@ def steps(folder: Path, frame_id: str, config: Config) -> Iterator[tuple[str, Ca
     yield "maps", lambda: bev.maps(points, plane, config.bev, memory)
     yield "packing and pickling", lambda: pickle.dumps(packed(sample), protocol=5)
     yield "unpacking, in the parent", lambda: sent.unpacked(torch.device("cpu"))
+    yield from switches(frame, points, config)
     for change in _CHANGES:
         # The mean over all changes, as training takes them in turn.
         yield (
@@ -108,10 +113,22 @@ def steps(folder: Path, frame_id: str, config: Config) -> Iterator[tuple[str, Ca
                 packed(made(change, kitti.read_frame(folder, frame_id, has_extras=False))), protocol=5
             ),
         )
-    for name, settings in _SWITCHES.items():
-        change = Augmentation(settings=AugmentationConfig(**settings))
-        yield f"a sample with {name}", lambda change=change: made(change, frame)  # type: ignore[misc]
-    yield "a sample without", lambda: made(UNCHANGED, frame)
+
+
+def switches(frame: Frame, points: NDArray[np.float64], config: Config) -> Iterator[tuple[str, Callable[[], Any]]]:
+    """Yield what `[augmentation]` may add, by name."""
+    change = Augmentation(settings=_EVERYTHING)
+    boxes, lidar = boxes_cam_from_labels(frame.labels), frame.calib.cam_from_velo[:3, 3]
+    boxes = boxes[boxes[:, 3] > 0.0]
+    classes = np.ones(len(boxes), np.int64)
+    world = WorldChange.drawn(change)
+    assert world is not None
+    resized = resize_bilinear(frame.image, config.image.size)
+    yield "+ rotation, scaling, translation", lambda: (world.points(points), world.projection(frame.calib.P2))
+    yield "+ point drop-out", lambda: drop_points(points, change)
+    yield "+ range noise", lambda: shift_ranges(points, lidar, change)
+    yield "+ object sizes", lambda: resize_objects(points, boxes, classes, change)
+    yield "+ brightness, contrast, hue", lambda: shift_colors(resized, 0.1, 1.2, 10.0)
 
 
 if __name__ == "__main__":

@@ -16,6 +16,7 @@ from avod.config import TrainingConfig
 from avod.data.dataset import TrainingData
 from avod.data.mixture import Mixture, set_seed, shares_of
 from avod.data.order import Order
+from avod.data.sample import Sample
 from avod.train.record import read_record
 from avod_runs import StopAfter, assert_same_training, short_run, small_config, write_set
 from cadet.errors import CadetError
@@ -99,7 +100,7 @@ def test_frames_of_several_folders_are_told_apart(tmp_path: Path) -> None:
     (two / "training" / "velodyne" / "000000.bin").write_bytes(b"12345")
     errors = {str(item) for index in range(40) if isinstance(item := data[index], CadetError)}
     assert len(errors) == 1 and "velodyne/000000.bin: truncated" in errors.pop()
-    names = {item.frame_id for index in range(40) if not isinstance(item := data[index], CadetError)}
+    names = {item.frame_id for index in range(40) if isinstance(item := data[index], Sample)}
     assert names == {f"{one}/000000", f"{one}/000001"}
 
 
