@@ -20,6 +20,8 @@ from avod.data.sample import Sample
 from avod.train.record import read_record
 from avod_runs import StopAfter, assert_same_training, short_run, small_config, write_set
 from cadet.errors import CadetError
+from cadet.object_bank import cut_objects, write_bank
+from synthetic import make_frame
 
 PLAIN = TrainingConfig(flip=False, pca_jitter=False)
 
@@ -133,3 +135,21 @@ def test_other_shares_are_another_training(tmp_path: Path) -> None:
     record.write_text(record.read_text().replace("0.75,", ""))
     with pytest.raises(CadetError, match="shares: expected one for each of 2 folders"):
         read_record(out)
+
+
+def test_sizes_and_bank_are_recorded(tmp_path: Path) -> None:
+    config = small_config(tmp_path)
+    data = write_set(tmp_path / "set")
+    write_bank(tmp_path / "bank", cut_objects(make_frame(), ("Car",), "set"))
+    file = tmp_path / "pasting.toml"
+    file.write_text(f'base = "{tmp_path / "small.toml"}"\n[augmentation]\npasted_objects = 2\n')
+    out = tmp_path / "run"
+    command = ["train", "--config", str(file), "--data", str(data), "--out", str(out), "--steps", "1"]
+    command += ["--bank", str(tmp_path / "bank"), "--sizes-from", str(data), "--threads", "1", "--workers", "0"]
+    CliRunner().invoke(avod, command, catch_exceptions=False, standalone_mode=False)
+    record = read_record(out)
+    # Of the two cars and the pedestrian that are in every frame.
+    assert record.config.augmentation.object_sizes_lwh_m == ((4.0, 1.65, 1.45), (0.8, 0.6, 1.8))
+    assert record.config.augmentation.pasted_objects == 2
+    assert record.config.class_names == config.class_names
+    assert record.bank == str(tmp_path / "bank") and isinstance(record.bank_crc32, int)

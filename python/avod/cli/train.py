@@ -63,6 +63,12 @@ _AMP: Final = {"bfloat16": "bf16"}
     type=click.Path(path_type=Path),
     help="Shift objects' sizes to the mean sizes of this folder's labels.",
 )
+@click.option(
+    "--bank",
+    metavar="DIR",
+    type=click.Path(path_type=Path),
+    help="Paste objects of this bank (cadet bank), as many as the configuration says.",
+)
 @click.option("--init", metavar="DIR", type=click.Path(path_type=Path), help="Begin at step 0 with these weights.")
 @click.option("--resume", is_flag=True, help="Go on with the training of --out where it stopped, as it was begun.")
 @click.option(
@@ -180,6 +186,7 @@ def _settings(options: _Options) -> tuple[Config, Run]:
         workers=resolve_workers(values["workers"]),
         is_compiled=recorded("is_compiled", False),
         has_tensorboard=values["tensorboard"],
+        bank=recorded("bank", None),
     )
     if val_every is not None:
         check_split(data[0][0], run.val_split)

@@ -17,11 +17,13 @@ from avod.data.mixture import Folders, Mixture, set_seed, shares_of
 from avod.data.object_sizes import size_shifts_m
 from avod.data.order import Order
 from avod.data.packing import PackedSample, packed
+from avod.data.paste import check_bank, paste_objects
 from avod.data.sample import Sample
 from cadet import kitti
 from cadet.errors import CadetError
 from cadet.kitti import Calibration
 from cadet.kitti.frame import Frame
+from cadet.object_bank import ObjectBank
 
 
 def sample_from_frame(
@@ -31,13 +33,15 @@ def sample_from_frame(
     augmentation: Augmentation = UNCHANGED,
     grounds: dict[str, NDArray[np.float64]] | None = None,
     maps: NDArray[np.float32] | None = None,
+    bank: ObjectBank | None = None,
 ) -> Sample:
     """Make a sample of a frame; the ground is estimated from the scan where it has no plane, or where `config` says so.
 
-    `grounds` holds the ground of frames that were seen before, by id, and gets this one's; `maps` is memory for maps.
+    `grounds` holds the ground of frames that were seen before, by id, and gets this one's; `maps` is memory for maps;
+    objects of `bank` are pasted into the frame.
 
     Raises:
-        CadetError: what `build_sample` raises, the frame named.
+        CadetError: what `build_sample` raises, the frame named, or a damaged bank.
     """
     try:
         ground = (grounds or {}).get(frame_id)
@@ -45,6 +49,8 @@ def sample_from_frame(
             ground = ground_plane(frame.points_velo, frame.calib, frame.plane, config)
         if grounds is not None:
             grounds[frame_id] = ground
+        if bank is not None:
+            frame = paste_objects(frame, ground, bank, config.class_names, augmentation)
         return build_sample(
             frame.points_velo,
             frame.image,
@@ -71,14 +77,20 @@ class TrainingData(Dataset[Any]):
         split: a list of their `ImageSets`; None for every frame.
         config: the detector and its training.
         seed: of the order and the augmentations.
+        bank: of the objects that are pasted; needed where the configuration asks for some, and refused where it does
+            not.
 
     Raises:
         MissingFileError: no folder, split or label file.
-        CadetError: no frame of a folder holds enough objects of the classes, or shares that are none.
+        CadetError: a bank that is missing, or that holds nothing of the classes; no frame of a folder holds enough
+            objects of the classes, or shares that are none.
     """
 
-    def __init__(self, data: Folders, split: str | None, config: Config, seed: int) -> None:
+    def __init__(
+        self, data: Folders, split: str | None, config: Config, seed: int, bank: ObjectBank | None = None
+    ) -> None:
         folders = shares_of(data)
+        check_bank(bank, config)
         self.config = config
         self._sets = [_Set.read(root, split, config, has_prefix=len(folders) > 1) for root, _ in folders]
         orders = [
@@ -86,7 +98,7 @@ class TrainingData(Dataset[Any]):
             for number, item in enumerate(self._sets)
         ]
         self._mixture = Mixture(orders, [share for _, share in folders], seed)
-        self._maker = _Maker(config)
+        self._maker = _Maker(config, bank)
 
     @property
     def ids(self) -> tuple[str, ...]:
@@ -171,8 +183,9 @@ class DetectionData(Dataset[Any]):
 class _Maker:
     """Makes samples; in a worker they are packed for its parent, and their maps share their memory."""
 
-    def __init__(self, config: Config) -> None:
+    def __init__(self, config: Config, bank: ObjectBank | None = None) -> None:
         self._config = config
+        self._bank = bank
         self._maps: NDArray[np.float32] | None = None
 
     def make(
@@ -183,10 +196,10 @@ class _Maker:
         grounds: dict[str, NDArray[np.float64]] | None = None,
     ) -> Sample | PackedSample:
         if get_worker_info() is None:
-            return sample_from_frame(frame, frame_id, self._config, augmentation, grounds)
+            return sample_from_frame(frame, frame_id, self._config, augmentation, grounds, bank=self._bank)
         if self._maps is None:
             self._maps = np.empty(self._config.bev.shape, np.float32)
-        return packed(sample_from_frame(frame, frame_id, self._config, augmentation, grounds, self._maps))
+        return packed(sample_from_frame(frame, frame_id, self._config, augmentation, grounds, self._maps, self._bank))
 
 
 def _in(split: str | None) -> str:

@@ -21,8 +21,13 @@ _FORMAT: Final = "avod-training"
 _VERSION: Final = 1
 # How far a training goes and how often it is written down changes no step; detection is no part of training.
 _FREE: Final = ("training.steps", "training.checkpoint_steps", "detection.")
-_REFUSED: Final = ("seed", "split", "shares", "num_frames", "frames_crc32", "init")
-_SAID: Final = ("data", "num_processes", "device", "precision", "is_compiled")
+_REFUSED: Final = ("seed", "split", "shares", "num_frames", "frames_crc32", "bank_crc32", "init")
+_WHAT: Final = {
+    "num_frames": "frames to learn from",
+    "frames_crc32": "a checksum of its frames' ids",
+    "bank_crc32": "a checksum of its bank's objects",
+}
+_SAID: Final = ("data", "bank", "num_processes", "device", "precision", "is_compiled")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,6 +51,8 @@ class Record:
         val_every: steps between two validations, None for none.
         val_split: the list of frames for those; None for every frame.
         shares: of the folders, where there are several.
+        bank: of the objects that are pasted into frames, or None.
+        bank_crc32: checksum of its list.
     """
 
     config: Config
@@ -64,6 +71,8 @@ class Record:
     val_every: int | None = None
     val_split: str | None = None
     shares: tuple[float, ...] | None = None
+    bank: str | None = None
+    bank_crc32: int | None = None
 
     @property
     def folders(self) -> tuple[tuple[Path, float], ...]:
@@ -140,9 +149,7 @@ def check_resumed(out: Path, old: Record, new: Record) -> Iterator[str]:
     for name in _REFUSED:
         was, now = getattr(old, name), getattr(new, name)
         if was != now:
-            what = {"num_frames": "frames to learn from", "frames_crc32": "a checksum of its frames' ids"}.get(
-                name, name
-            )
+            what = _WHAT.get(name, name)
             raise CadetError(
                 f"{out}: its training has {what} = {was!r}, and is to go on with {now!r}: it would be another training"
             )

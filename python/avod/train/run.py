@@ -24,6 +24,7 @@ from avod.train.start import Start, begin
 from avod.train.step import NonFiniteLossError, learning_rate, training_step
 from avod.train.validation_log import Validated, ValidationLog
 from cadet.errors import CadetError, CadetWarning
+from cadet.object_bank import ObjectBank
 
 __all__ = ["OnStep", "Run", "Validate", "train", "with_steps"]
 
@@ -78,7 +79,8 @@ class _Training:
         self.start = start = begin(config, run, processes.device, is_first=processes.is_first)
         if len(steps := set(processes.gathered(start.step))) > 1:
             raise CadetError(f"{run.out}: the processes found different last steps there: {sorted(steps)}")
-        self.data = TrainingData(run.data, run.split, config, start.seed)
+        self.bank = None if run.bank is None else ObjectBank(run.bank)
+        self.data = TrainingData(run.data, run.split, config, start.seed, self.bank)
         record = self._record(start)
         self.skipped = frozenset(record.skipped_steps)
         self.notes = {"data": record.data, "split": record.split}
@@ -206,6 +208,8 @@ class _Training:
             keep=run.keep,
             val_every=run.val_every,
             val_split=run.val_split,
+            bank=None if self.bank is None else str(self.bank.root.resolve()),
+            bank_crc32=None if self.bank is None else self.bank.crc32,
         )
         for step in run.skip_steps:
             if step < start.step:

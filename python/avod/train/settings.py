@@ -35,6 +35,7 @@ class Run:
         workers: processes that read samples; 0 reads them in between.
         is_compiled: compile the pyramids.
         has_tensorboard: write TensorBoard's files too.
+        bank: of objects that are pasted into frames, as many as the configuration says.
 
     Raises:
         CadetError: a number outside its range.
@@ -56,6 +57,7 @@ class Run:
     workers: int = 0
     is_compiled: bool = False
     has_tensorboard: bool = False
+    bank: str | Path | None = None
 
     def __post_init__(self) -> None:
         if self.seed is not None:
