@@ -11,6 +11,7 @@ import torch
 
 from avod.config import Config
 from avod.config_file import load_config
+from avod.data.mixture import Folders
 from avod.model.layers import ShiftBatchNorm
 from avod.model.network import AvodNetwork
 from avod.train import Run, train, with_steps
@@ -70,7 +71,7 @@ def write_set(root: Path, num_train: int = 3, num_val: int = 2) -> Path:
     return root
 
 
-def short_run(config: Config, data: Path, out: Path, steps: int, **options: Any) -> Path:
+def short_run(config: Config, data: Folders, out: Path, steps: int, **options: Any) -> Path:
     hooks = {name: options.pop(name) for name in ("on_step", "validate", "should_stop") if name in options}
     return train(with_steps(config, steps), Run(data=data, out=out, **options), **hooks)
 

@@ -1,4 +1,4 @@
-"""What a frame costs on its way to the network: `python benches/avod/loader.py DATA [--config car_default]`.
+"""What a frame costs on its way to the network: `python benches/avod/loader.py DATA [--config NAME] [--bank BANK]`.
 
 DATA is a KITTI folder. Milliseconds of processor time on one thread: of each step the least of several runs, averaged
 over frames; a whole frame as training reads it, averaged over all augmentations, from the file to what the parent gets.
@@ -16,19 +16,36 @@ from typing import Any
 import cv2
 import numpy as np
 import torch
+from numpy.typing import NDArray
 
+from avod.augmentation_config import AugmentationConfig
 from avod.config import Config
 from avod.config_file import load_config
-from avod.data.build import Augmentation, _points_cam_in_image, build_sample, ground_plane
-from avod.data.images import jitter_colors, resize_bilinear
+from avod.data.augmentation import Augmentation
+from avod.data.build import _points_cam_in_image, build_sample, ground_plane
+from avod.data.images import jitter_colors, resize_bilinear, shift_colors
 from avod.data.mirror import mirror_image
+from avod.data.object_sizes import resize_objects
 from avod.data.packing import packed
+from avod.data.paste import paste_objects
 from avod.data.sample import Sample
+from avod.data.scan_changes import drop_points, shift_ranges
+from avod.data.world import WorldChange
 from avod.geometry.anchors import anchors_over, occupancy
 from cadet import bev, kitti
+from cadet.kitti import boxes_cam_from_labels
 from cadet.kitti.frame import Frame
 from cadet.kitti.velodyne import points_from_bytes
+from cadet.object_bank import ObjectBank
 
+_EVERYTHING = AugmentationConfig(
+    rotation_deg=10.0,
+    scaling=0.05,
+    translation_m=(1.0, 0.1, 1.0),
+    point_dropout=0.3,
+    range_noise_m=0.02,
+    object_scaling=0.1,
+)
 _CHANGES = [Augmentation(is_mirrored, has_jitter) for is_mirrored in (False, True) for has_jitter in (False, True)]
 
 
@@ -37,6 +54,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Time how avod prepares a frame.")
     parser.add_argument("data", type=Path)
     parser.add_argument("--config", default="car_default")
+    parser.add_argument("--bank", type=Path, help="time pasting objects of this bank too")
     parser.add_argument("--frames", type=int, default=5)
     parser.add_argument("--rounds", type=int, default=7)
     args = parser.parse_args()
@@ -45,8 +63,9 @@ def main() -> None:
     config = load_config(args.config)
     times: dict[str, list[float]] = {}
     dataset = kitti.Dataset(args.data)
+    bank = None if args.bank is None else ObjectBank(args.bank)
     for frame_id in dataset.ids[: args.frames]:
-        for name, run in steps(dataset.folder, frame_id, config):
+        for name, run in (*steps(dataset.folder, frame_id, config), *pasting(dataset.folder, frame_id, config, bank)):
             best = float("inf")
             for _ in range(args.rounds):
                 start = time.process_time()
@@ -89,6 +108,7 @@ def steps(folder: Path, frame_id: str, config: Config) -> Iterator[tuple[str, Ca
     yield "maps", lambda: bev.maps(points, plane, config.bev, memory)
     yield "packing and pickling", lambda: pickle.dumps(packed(sample), protocol=5)
     yield "unpacking, in the parent", lambda: sent.unpacked(torch.device("cpu"))
+    yield from switches(frame, points, config)
     for change in _CHANGES:
         # The mean over all changes, as training takes them in turn.
         yield (
@@ -97,6 +117,42 @@ def steps(folder: Path, frame_id: str, config: Config) -> Iterator[tuple[str, Ca
                 packed(made(change, kitti.read_frame(folder, frame_id, has_extras=False))), protocol=5
             ),
         )
+
+
+def switches(frame: Frame, points: NDArray[np.float64], config: Config) -> Iterator[tuple[str, Callable[[], Any]]]:
+    """Yield what `[augmentation]` may add, by name."""
+    change = Augmentation(settings=_EVERYTHING)
+    boxes, lidar = boxes_cam_from_labels(frame.labels), frame.calib.cam_from_velo[:3, 3]
+    boxes = boxes[boxes[:, 3] > 0.0]
+    classes = np.ones(len(boxes), np.int64)
+    world = WorldChange.drawn(change)
+    assert world is not None
+    resized = resize_bilinear(frame.image, config.image.size)
+    yield "+ rotation, scaling, translation", lambda: (world.points(points), world.projection(frame.calib.P2))
+    yield "+ point drop-out", lambda: drop_points(points, change)
+    yield "+ range noise", lambda: shift_ranges(points, lidar, change)
+    yield "+ object sizes", lambda: resize_objects(points, boxes, classes, change)
+    yield "+ brightness, contrast, hue", lambda: shift_colors(resized, 0.1, 1.2, 10.0)
+
+
+def pasting(
+    folder: Path, frame_id: str, config: Config, bank: ObjectBank | None
+) -> Iterator[tuple[str, Callable[[], Any]]]:
+    """Yield what up to 4 and up to 12 pasted objects cost, from several seeds."""
+    if bank is None:
+        return
+    frame = kitti.read_frame(folder, frame_id, has_extras=False)
+    plane = ground_plane(frame.points_velo, frame.calib, frame.plane, config)
+    for count in (4, 12):
+        settings = AugmentationConfig(pasted_objects=count)
+        for seed in range(8):
+            change = Augmentation(settings=settings, seed=(seed,))
+            yield (
+                f"+ up to {count} objects pasted",
+                lambda change=change: paste_objects(  # type: ignore[misc]
+                    frame, plane, bank, config.class_names, change
+                ),
+            )
 
 
 if __name__ == "__main__":

@@ -1,8 +1,8 @@
-"""Sizes of anchors fitted to a folder's labels."""
+"""Sizes of a folder's labels: means, and anchors fitted to them."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -48,6 +48,32 @@ def anchor_sizes(root: str | Path, split: str | None, counts: Mapping[str, int])
         centers = k_means(rows, count)
         fitted[name] = centers[np.argsort(centers[:, 0], kind="stable")]
     return fitted
+
+
+def mean_sizes(labels: Iterable[kitti.Label], names: Sequence[str]) -> dict[str, NDArray[np.float64]]:
+    """Return the mean (3,) length, width, and height in meters of each class that has labels."""
+    sizes: dict[str, list[tuple[float, float, float]]] = {}
+    for label in labels:
+        if label.type in names:
+            height, width, length = label.dimensions_hwl
+            sizes.setdefault(label.type, []).append((length, width, height))
+    return {name: np.mean(rows, axis=0) for name, rows in sizes.items()}
+
+
+def mean_sizes_of(root: str | Path, names: Sequence[str]) -> tuple[tuple[float, float, float], ...]:
+    """Return the mean (l, w, h) of each class among all labels of a folder, meters, to the millimeter.
+
+    Raises:
+        CadetError: a class without a label there.
+    """
+    dataset = kitti.Dataset(root)
+    labels = (label for frame_id in dataset.ids for label in kitti.read_labels(dataset.folder, frame_id))
+    found = mean_sizes(labels, names)
+    for name in names:
+        if name not in found:
+            raise CadetError(f"{root}: none of {len(dataset)} frames has a label of {name}, whose mean size is wanted")
+    means = [found[name].round(3).tolist() for name in names]
+    return tuple((length, width, height) for length, width, height in means)
 
 
 def k_means(points: NDArray[np.float64], count: int) -> NDArray[np.float64]:

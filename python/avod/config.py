@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
+from avod.augmentation_config import AugmentationConfig
 from avod.training_config import TrainingConfig
 from cadet.bev import BevConfig
 from cadet.checks import check_number, check_range
@@ -21,6 +22,7 @@ __all__ = [
     "MAX_LAYERS",
     "MAX_PIXELS",
     "AnchorConfig",
+    "AugmentationConfig",
     "Config",
     "DetectionConfig",
     "ExtractorConfig",
@@ -345,6 +347,8 @@ class Config:
     """The second stage."""
     training: TrainingConfig = field(default_factory=TrainingConfig)
     """Training."""
+    augmentation: AugmentationConfig = field(default_factory=AugmentationConfig)
+    """Changes of training samples that AVOD lacks."""
     detection: DetectionConfig = field(default_factory=DetectionConfig)
     """Detection."""
 
@@ -354,6 +358,7 @@ class Config:
             raise CadetError(f"Config.classes: expected at least one, each once, got {list(names)}")
         if self.second_stage.height_cells and "max_height" not in (*self.bev.slice_maps, *self.bev.cloud_maps):
             raise CadetError("Config.second_stage.height_cells: expected 0 where no map holds max_height")
+        self.augmentation.check_classes(len(names))
         stride = self.extractor.stride
         _, rows, columns = self.bev.shape
         for name, size in (("image.size[0]", self.image.size[0]), ("bev.x_m: cells", columns)):

@@ -35,6 +35,8 @@ class TrainingConfig:
     """Mirror half of the samples."""
     pca_jitter: bool = True
     """Shift the colors of half of the samples along their principal axes."""
+    average_decay: float = 0.0
+    """Of a moving average of the weights, which checkpoints then hold; 0 keeps the last step's weights, as in AVOD."""
     checkpoint_steps: int = 2_000
     """Between two checkpoints."""
 
@@ -47,4 +49,5 @@ class TrainingConfig:
         check_number("TrainingConfig", "learning_rate", self.learning_rate, 1e-12, 10)
         check_number("TrainingConfig", "decay_factor", self.decay_factor, 1e-6, 1)
         check_number("TrainingConfig", "max_gradient_norm", self.max_gradient_norm, 1e-12)
+        check_number("TrainingConfig", "average_decay", self.average_decay, 0, 0.999999)
         check_number("TrainingConfig", "label_smoothing", self.label_smoothing, 0, 0.5)

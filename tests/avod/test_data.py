@@ -17,7 +17,8 @@ import torch
 from avod.config import TrainingConfig
 from avod.config_file import load_config
 from avod.data import mirror
-from avod.data.build import Augmentation, _points_cam_in_image, build_sample, normal_plane
+from avod.data.augmentation import Augmentation
+from avod.data.build import _points_cam_in_image, build_sample, normal_plane
 from avod.data.dataset import TrainingData, sample_from_frame
 from avod.data.images import jitter_colors, resize_bilinear
 from avod.data.order import Order, StepSampler

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar
@@ -146,6 +146,29 @@ def check_split(root: Path, name: str | None) -> None:
             f"train.txt and val.txt that most detectors' repositories carry; put them into {folder}"
         )
     raise MissingFileError(f"{folder / f'{name}.txt'}: no such split: {hint}")
+
+
+def parse_data(texts: Sequence[str]) -> tuple[tuple[Path, float], ...]:
+    """Read folders with their shares, as in "set:0.8"; one alone needs none.
+
+    Raises:
+        CadetError: several folders, and one without a share.
+    """
+    parsed = [_folder_and_share(text) for text in texts]
+    for folder, share in parsed:
+        if share is None and len(parsed) > 1:
+            raise CadetError(f"--data {folder}: several folders need a share each, as in --data {folder}:0.5")
+    return tuple((folder, 1.0 if share is None else share) for folder, share in parsed)
+
+
+def _folder_and_share(text: str) -> tuple[Path, float | None]:
+    name, colon, share = text.rpartition(":")
+    if colon and not Path(text).exists():
+        try:
+            return Path(name), float(share)
+        except ValueError:
+            pass
+    return Path(text), None
 
 
 def resolve_split(name: str | None) -> str | None:

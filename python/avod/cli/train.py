@@ -6,7 +6,7 @@ import contextlib
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -16,6 +16,7 @@ from click.core import ParameterSource
 from avod.cli.options import (
     check_split,
     device_options,
+    parse_data,
     progress,
     resolve_device,
     resolve_precision,
@@ -24,8 +25,10 @@ from avod.cli.options import (
     split_option,
 )
 from avod.cli.stopping import Stopping
+from avod.clusters import mean_sizes_of
 from avod.config import Config
 from avod.config_file import config_names, load_config
+from avod.data.mixture import shares_of
 from avod.device import is_first_process
 from avod.model.network import AvodNetwork
 from avod.train.checkpoint import checkpoints, read_checkpoint
@@ -44,11 +47,28 @@ _AMP: Final = {"bfloat16": "bf16"}
 
 @click.command(name="train")
 @click.option("--config", metavar="NAME|FILE", help=f"One of {', '.join(config_names())}, or a .toml.")
-@click.option("--data", metavar="DIR", type=click.Path(path_type=Path), help="A KITTI folder, real or ours.")
+@click.option(
+    "--data",
+    metavar="DIR[:SHARE]",
+    multiple=True,
+    help="A KITTI folder, real or ours; several with their shares of the frames.",
+)
 @split_option("train")
 @click.option("--out", metavar="DIR", required=True, type=click.Path(path_type=Path), help="Logs and checkpoints.")
 @click.option("--steps", type=click.IntRange(1), help="Where training ends.  [default: the configuration's]")
 @click.option("--seed", type=click.IntRange(0, 2**63 - 1), help="Of all that is drawn.  [default: 0]")
+@click.option(
+    "--sizes-from",
+    metavar="DIR",
+    type=click.Path(path_type=Path),
+    help="Shift objects' sizes to the mean sizes of this folder's labels.",
+)
+@click.option(
+    "--bank",
+    metavar="DIR",
+    type=click.Path(path_type=Path),
+    help="Paste objects of this bank (cadet bank), as many as the configuration says.",
+)
 @click.option("--init", metavar="DIR", type=click.Path(path_type=Path), help="Begin at step 0 with these weights.")
 @click.option("--resume", is_flag=True, help="Go on with the training of --out where it stopped, as it was begun.")
 @click.option(
@@ -81,6 +101,7 @@ def train_command(context: click.Context, /, **options: Any) -> int:
     \b
     avod train --config tiny_car --data set --out run
     avod train --out run --resume
+    avod train --config tiny_car --data set:0.8 --data kitti:0.2 --out mixed
     avod train --config car_default --data kitti --out tuned --resume-from run --steps 150000 --device cuda --amp bf16
     torchrun --nproc-per-node 4 -m avod train ...
     """  # noqa: D301 - click reads the backspace
@@ -133,16 +154,20 @@ def _settings(options: _Options) -> tuple[Config, Run]:
         config = load_config(values["config"])
         # Where training ends was settled when it was begun, perhaps by --steps.
         config = config if record is None else with_steps(config, record.config.training.steps)
-    data = values["data"] if values["data"] is not None or record is None else Path(record.data)
-    if config is None or data is None:
+    data = parse_data(values["data"]) if values["data"] or record is None else record.folders
+    if config is None or not data:
         missing = "--config" if config is None else "--data"
         raise CadetError(f"train needs {missing}: only a training that goes on by --resume knows its own")
+
+    if values["sizes_from"] is not None:
+        config = _with_sizes(config, values["sizes_from"])
 
     def recorded(name: str, default: Any) -> Any:
         return options.get(name, default if record is None else getattr(record, name))
 
     split = resolve_split(recorded("split", "train"))
-    check_split(data, split)
+    for folder, _ in data:
+        check_split(folder, split)
     val_every = recorded("val_every", None)
     run = Run(
         data=data,
@@ -161,10 +186,17 @@ def _settings(options: _Options) -> tuple[Config, Run]:
         workers=resolve_workers(values["workers"]),
         is_compiled=recorded("is_compiled", False),
         has_tensorboard=values["tensorboard"],
+        bank=recorded("bank", None),
     )
     if val_every is not None:
-        check_split(data, run.val_split)
+        check_split(data[0][0], run.val_split)
     return with_steps(config, values["steps"]), run
+
+
+def _with_sizes(config: Config, folder: Path) -> Config:
+    """Return the configuration with the mean sizes of a folder's labels."""
+    sizes = mean_sizes_of(folder, config.class_names)
+    return replace(config, augmentation=replace(config.augmentation, object_sizes_lwh_m=sizes))
 
 
 def _recorded(out: Path) -> tuple[Record | None, Config]:
@@ -189,7 +221,8 @@ def _validation(
             last_s = time.monotonic()
             click.echo(f"validating {done}/{total} frames", err=True)
 
-    validator = Validator(run.data, run.val_split, config, workers=run.workers, should_stop=stopping, on_frame=on_frame)
+    folder = shares_of(run.data)[0][0]
+    validator = Validator(folder, run.val_split, config, workers=run.workers, should_stop=stopping, on_frame=on_frame)
 
     def validate(network: AvodNetwork, step: int, processes: Processes) -> Validated | None:
         found = validator(network, step, processes)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -11,8 +10,12 @@ from numpy.typing import NDArray
 
 from avod.config import Config
 from avod.data import mirror
-from avod.data.images import jitter_colors, resize_bilinear
+from avod.data.augmentation import UNCHANGED, Augmentation
+from avod.data.images import jitter_colors, resize_bilinear, shift_colors
+from avod.data.object_sizes import resize_objects
 from avod.data.sample import Sample
+from avod.data.scan_changes import drop_points, shift_ranges
+from avod.data.world import WorldChange
 from avod.geometry.anchors import anchors_over, occupancy
 from cadet import bev
 from cadet.arrays import check_array
@@ -24,25 +27,6 @@ _ROUGH_ERROR: Final = 1e-5
 """Of sums of four products in single precision, as a share of the greatest product."""
 _MAX_ROUGH: Final = 1e30
 _FLAT_GROUND: Final = np.array([0.0, -1.0, 0.0, 1.65])
-
-
-@dataclass(frozen=True)
-class Augmentation:
-    """How a sample is changed in training.
-
-    Attributes:
-        is_mirrored: left and right change places.
-        has_jitter: the image's colors are shifted.
-        seed: of the shift.
-    """
-
-    is_mirrored: bool = False
-    has_jitter: bool = False
-    seed: tuple[int, ...] = (0,)
-
-
-UNCHANGED: Final = Augmentation()
-"""No change."""
 
 
 def build_sample(
@@ -88,18 +72,24 @@ def build_sample(
     plane = ground_plane(points_velo, calib, plane, config) if ground is None else ground
     points_cam = _points_cam_in_image(points_velo, calib, (width, height))
     projection, boxes_cam, classes = calib.P2, *_objects(labels, config)
+    points_cam = shift_ranges(points_cam, calib.cam_from_velo[:3, 3], augmentation)
+    points_cam = drop_points(points_cam, augmentation)
+    points_cam, boxes_cam = resize_objects(points_cam, boxes_cam, classes, augmentation)
     if augmentation.has_jitter:
         image = jitter_colors(image, np.random.default_rng(augmentation.seed))
     if augmentation.is_mirrored:
         image, projection = mirror.mirror_image(image), mirror.mirror_projection(projection, width)
         points_cam, plane = mirror.mirror_points(points_cam), mirror.mirror_plane(plane)
         boxes_cam = mirror.mirror_boxes(boxes_cam)
+    if (change := WorldChange.drawn(augmentation)) is not None:
+        points_cam, boxes_cam = change.points(points_cam), change.boxes(boxes_cam)
+        plane, projection = change.plane(plane), change.projection(projection)
     cells = occupancy(points_cam, plane, config.anchors, config.bev)
     anchors = anchors_over(cells, plane, config.classes, config.anchors, config.bev)
     return Sample(
         frame_id=frame_id,
         bev=torch.from_numpy(bev.maps(points_cam, plane, config.bev, maps)),
-        image=torch.from_numpy(resize_bilinear(image, config.image.size)).permute(2, 0, 1),
+        image=torch.from_numpy(_resized(image, config, augmentation)).permute(2, 0, 1),
         anchors=_tensor("anchors", anchors),
         plane=_tensor("plane", plane),
         projection=_tensor("projection", projection),
@@ -166,6 +156,17 @@ def _points_cam_in_image(
         points_velo = points_velo.take(np.flatnonzero(is_near), axis=0)
     points_cam = calib.points_cam_from_velo(points_velo)
     return points_cam[points_in_image(points_cam, calib, image_size)]
+
+
+def _resized(image: NDArray[np.uint8], config: Config, augmentation: Augmentation) -> NDArray[np.uint8]:
+    """Resize an image, and change the colors of what is then left of it."""
+    resized, settings = resize_bilinear(image, config.image.size), augmentation.settings
+    if not (settings.brightness or settings.contrast or settings.hue_deg):
+        return resized
+    brightness, contrast, hue = augmentation.stream("colors").uniform(-1.0, 1.0, 3)
+    return shift_colors(
+        resized, settings.brightness * brightness, 1.0 + settings.contrast * contrast, settings.hue_deg * hue
+    )
 
 
 def _objects(labels: tuple[Label, ...], config: Config) -> tuple[NDArray[np.float64], NDArray[np.int64]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -9,15 +10,20 @@ import numpy as np
 from numpy.typing import NDArray
 from torch.utils.data import Dataset, get_worker_info
 
-from avod.config import Config
-from avod.data.build import UNCHANGED, Augmentation, build_sample, ground_plane
+from avod.config import Config, Size
+from avod.data.augmentation import UNCHANGED, Augmentation
+from avod.data.build import build_sample, ground_plane
+from avod.data.mixture import Folders, Mixture, set_seed, shares_of
+from avod.data.object_sizes import size_shifts_m
 from avod.data.order import Order
 from avod.data.packing import PackedSample, packed
+from avod.data.paste import check_bank, paste_objects
 from avod.data.sample import Sample
 from cadet import kitti
 from cadet.errors import CadetError
 from cadet.kitti import Calibration
 from cadet.kitti.frame import Frame
+from cadet.object_bank import ObjectBank
 
 
 def sample_from_frame(
@@ -27,13 +33,15 @@ def sample_from_frame(
     augmentation: Augmentation = UNCHANGED,
     grounds: dict[str, NDArray[np.float64]] | None = None,
     maps: NDArray[np.float32] | None = None,
+    bank: ObjectBank | None = None,
 ) -> Sample:
     """Make a sample of a frame; the ground is estimated from the scan where it has no plane, or where `config` says so.
 
-    `grounds` holds the ground of frames that were seen before, by id, and gets this one's; `maps` is memory for maps.
+    `grounds` holds the ground of frames that were seen before, by id, and gets this one's; `maps` is memory for maps;
+    objects of `bank` are pasted into the frame.
 
     Raises:
-        CadetError: what `build_sample` raises, the frame named.
+        CadetError: what `build_sample` raises, the frame named, or a damaged bank.
     """
     try:
         ground = (grounds or {}).get(frame_id)
@@ -41,6 +49,8 @@ def sample_from_frame(
             ground = ground_plane(frame.points_velo, frame.calib, frame.plane, config)
         if grounds is not None:
             grounds[frame_id] = ground
+        if bank is not None:
+            frame = paste_objects(frame, ground, bank, config.class_names, augmentation)
         return build_sample(
             frame.points_velo,
             frame.image,
@@ -58,46 +68,91 @@ def sample_from_frame(
 
 
 class TrainingData(Dataset[Any]):
-    """The frames of a folder that hold enough objects of the classes, shuffled and changed, without end.
+    """The frames of folders that hold enough objects of the classes, shuffled and changed, without end.
 
     An item is a sample, or the error that reading it raised, so that the error comes whole out of a worker.
 
     Args:
-        root: a KITTI folder.
-        split: a list of its `ImageSets`; None for every frame.
+        data: a KITTI folder, or several with their shares.
+        split: a list of their `ImageSets`; None for every frame.
         config: the detector and its training.
         seed: of the order and the augmentations.
+        bank: of the objects that are pasted; needed where the configuration asks for some, and refused where it does
+            not.
 
     Raises:
         MissingFileError: no folder, split or label file.
-        CadetError: no frame holds enough objects of the classes.
+        CadetError: a bank that is missing, or that holds nothing of the classes; no frame of a folder holds enough
+            objects of the classes, or shares that are none.
     """
 
-    def __init__(self, root: str | Path, split: str | None, config: Config, seed: int) -> None:
-        dataset = kitti.Dataset(root, split)
-        self.folder = dataset.folder
+    def __init__(
+        self, data: Folders, split: str | None, config: Config, seed: int, bank: ObjectBank | None = None
+    ) -> None:
+        folders = shares_of(data)
+        check_bank(bank, config)
         self.config = config
-        ids = dataset.ids
-        names = set(config.class_names)
-        least = config.training.min_objects
-        self.ids = tuple(
-            i for i in ids if sum(label.type in names for label in kitti.read_labels(self.folder, i)) >= least
-        )
-        if not self.ids:
-            wanted = ("a " if least == 1 else f"{least} of ") + " or ".join(config.class_names)
-            raise CadetError(f"{root}: none of the {len(ids)} frames{_in(split)} holds {wanted} to learn from")
-        self._order = Order(len(self.ids), config.training, seed)
-        self._grounds: dict[str, NDArray[np.float64]] = {}
-        self._maker = _Maker(config)
+        self._sets = [_Set.read(root, split, config, has_prefix=len(folders) > 1) for root, _ in folders]
+        orders = [
+            Order(len(item.ids), config.training, set_seed(seed, number, len(folders)))
+            for number, item in enumerate(self._sets)
+        ]
+        self._mixture = Mixture(orders, [share for _, share in folders], seed)
+        self._maker = _Maker(config, bank)
+
+    @property
+    def ids(self) -> tuple[str, ...]:
+        """Name all frames; those of several folders begin with the folder's number."""
+        if len(self._sets) == 1:
+            return self._sets[0].ids
+        return tuple(f"{number}/{frame_id}" for number, item in enumerate(self._sets) for frame_id in item.ids)
 
     def __getitem__(self, index: int) -> Sample | PackedSample | CadetError:
-        entry = self._order.entry(index)
-        frame_id = self.ids[entry.frame]
+        number, entry = self._mixture.entry(index)
+        item = self._sets[number]
+        frame_id = item.ids[entry.frame]
+        augmentation = replace(entry.augmentation, settings=self.config.augmentation, size_shifts_m=item.size_shifts_m)
         try:
-            frame = kitti.read_frame(self.folder, frame_id, has_extras=False)
-            return self._maker.make(frame, frame_id, entry.augmentation, self._grounds)
+            frame = kitti.read_frame(item.folder, frame_id, has_extras=False)
+            return self._maker.make(frame, item.name_of(frame_id), augmentation, item.grounds)
         except CadetError as error:
             return error
+
+
+@dataclass(frozen=True)
+class _Set:
+    """One folder's frames.
+
+    Attributes:
+        folder: that holds `calib` and its fellows.
+        ids: of the frames that are learned from.
+        size_shifts_m: by which its objects' sizes differ from those that are wanted, class by class; empty for none.
+        prefix: of its frames' names in messages.
+        grounds: the ground of frames that were seen before.
+    """
+
+    folder: Path
+    ids: tuple[str, ...]
+    size_shifts_m: tuple[Size, ...]
+    prefix: str
+    grounds: dict[str, NDArray[np.float64]] = field(default_factory=dict)
+
+    @classmethod
+    def read(cls, root: Path, split: str | None, config: Config, *, has_prefix: bool) -> _Set:
+        """Read which frames of a folder hold enough objects of the classes."""
+        dataset = kitti.Dataset(root, split)
+        names, least = config.class_names, config.training.min_objects
+        labels = {i: kitti.read_labels(dataset.folder, i) for i in dataset.ids}
+        ids = tuple(i for i, found in labels.items() if sum(label.type in names for label in found) >= least)
+        if not ids:
+            wanted = ("a " if least == 1 else f"{least} of ") + " or ".join(names)
+            raise CadetError(f"{root}: none of the {len(labels)} frames{_in(split)} holds {wanted} to learn from")
+        shifts = size_shifts_m((label for i in ids for label in labels[i]), names, config.augmentation)
+        return cls(dataset.folder, ids, shifts, f"{root}/" if has_prefix else "")
+
+    def name_of(self, frame_id: str) -> str:
+        """Name a frame in messages."""
+        return self.prefix + frame_id
 
 
 class DetectionData(Dataset[Any]):
@@ -128,8 +183,9 @@ class DetectionData(Dataset[Any]):
 class _Maker:
     """Makes samples; in a worker they are packed for its parent, and their maps share their memory."""
 
-    def __init__(self, config: Config) -> None:
+    def __init__(self, config: Config, bank: ObjectBank | None = None) -> None:
         self._config = config
+        self._bank = bank
         self._maps: NDArray[np.float32] | None = None
 
     def make(
@@ -140,10 +196,10 @@ class _Maker:
         grounds: dict[str, NDArray[np.float64]] | None = None,
     ) -> Sample | PackedSample:
         if get_worker_info() is None:
-            return sample_from_frame(frame, frame_id, self._config, augmentation, grounds)
+            return sample_from_frame(frame, frame_id, self._config, augmentation, grounds, bank=self._bank)
         if self._maps is None:
             self._maps = np.empty(self._config.bev.shape, np.float32)
-        return packed(sample_from_frame(frame, frame_id, self._config, augmentation, grounds, self._maps))
+        return packed(sample_from_frame(frame, frame_id, self._config, augmentation, grounds, self._maps, self._bank))
 
 
 def _in(split: str | None) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 import cv2
@@ -59,3 +60,27 @@ def jitter_colors(image: NDArray[np.uint8], rng: np.random.Generator) -> NDArray
     # One table a channel: what becomes of each of the 256 values.
     table = (np.clip(np.arange(256.0)[:, None] / 255.0 + shift, 0.0, 1.0) * 255.0).astype(np.uint8)
     return np.asarray(cv2.LUT(image, table[None]), np.uint8)
+
+
+def shift_colors(image: NDArray[np.uint8], brightness: float, contrast: float, hue_deg: float) -> NDArray[np.uint8]:
+    """Change brightness, contrast, and hue of an image in one pass over its pixels.
+
+    Args:
+        image: (H, W, 3) uint8 RGB.
+        brightness: the share of white that is added to every channel.
+        contrast: by which the distances from the image's mean gray are multiplied.
+        hue_deg: by which colors are turned about the gray axis; 120 puts red in green's place.
+
+    Returns:
+        (H, W, 3) uint8, rounded once at the end.
+
+    Reference: Haeberli, "Matrix Operations for Image Processing" (1993).
+    """
+    gray = sum(cv2.mean(image)[:3]) / 3.0
+    angle = math.radians(hue_deg)
+    share, turn = (1.0 - math.cos(angle)) / 3.0, math.sin(angle) / math.sqrt(3.0)
+    # Rodrigues' formula about (1, 1, 1).
+    hue = math.cos(angle) * np.eye(3) + share + turn * np.array([[0.0, -1.0, 1.0], [1.0, 0.0, -1.0], [-1.0, 1.0, 0.0]])
+    offset = (1.0 - contrast) * gray + 255.0 * brightness
+    matrix = np.hstack([contrast * hue, np.full((3, 1), offset)])
+    return np.asarray(cv2.transform(image, matrix), np.uint8)

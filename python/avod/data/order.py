@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from torch.utils.data import Sampler
 
 from avod.config import TrainingConfig
-from avod.data.build import Augmentation
+from avod.data.augmentation import Augmentation
 
 
 def stream_seed(seed: int, name: str, *numbers: int) -> int:

@@ -1,8 +1,9 @@
 """Checkpoints: a folder of tensors (safetensors) and settings (JSON). Loading one never runs code.
 
 000002000/checkpoint.json         format, step, seed, configuration, data, versions, sums of the log's next row
-000002000/model.safetensors       weights and moving averages
-000002000/optimizer.safetensors   Adam's averages by parameter; a training keeps them in its newest checkpoint alone
+000002000/model.safetensors       weights and moving averages; with `average_decay` the weights' averages too
+000002000/optimizer.safetensors   Adam's averages by parameter, and with `average_decay` the last step's weights; a
+                                  training keeps them in its newest checkpoint alone
 """
 
 from __future__ import annotations
@@ -37,6 +38,7 @@ _OPTIMIZER: Final = "optimizer.safetensors"
 _PACKAGED: Final = Path(__file__).parents[1] / "checkpoints"
 _AVERAGES: Final = ("exp_avg", "exp_avg_sq")
 _MEANS: Final = "exp_avg."
+_WEIGHTS: Final = "weights."
 _FLOAT32: Final = "F32"
 
 
@@ -71,6 +73,7 @@ def save_checkpoint(
     *,
     step: int,
     seed: int,
+    average: nn.Module | None = None,
     notes: Mapping[str, Any] | None = None,
     name: str | None = None,
 ) -> Path:
@@ -80,11 +83,12 @@ def save_checkpoint(
 
     Args:
         folder: of all checkpoints of the training.
-        network: its weights and moving averages are written.
+        network: its weights and moving averages are written, or those of `average`.
         optimizer: its averages are written; None for a checkpoint that nothing goes on from.
         config: of the detector and its training.
         step: how many steps are done.
         seed: of the training.
+        average: the network whose weights are averages; the network's own then go with the optimizer's averages.
         notes: what else is written into the settings: data, split, the log's pending sums.
         name: of the checkpoint's folder; by default its step, of nine digits.
     """
@@ -102,9 +106,10 @@ def save_checkpoint(
         **(notes or {}),
     }
     # Not save_file, whose files nobody but their owner may read.
-    _write(aside / _MODEL, save({name: tensor.contiguous() for name, tensor in network.state_dict().items()}))
+    _write(aside / _MODEL, save(_weights(network if average is None else average)))
     if optimizer is not None:
-        _write(aside / _OPTIMIZER, save(_optimizer_tensors(network, optimizer)))
+        own = {} if average is None else _weights(network, _WEIGHTS)
+        _write(aside / _OPTIMIZER, save(_optimizer_tensors(network, optimizer) | own))
     _write(aside / _SETTINGS, (json.dumps(settings, indent=1) + "\n").encode())
     if path.exists():
         path.replace(old)
@@ -206,7 +211,7 @@ def load_network(checkpoint: Checkpoint, network: AvodNetwork) -> None:
 
 
 def load_optimizer(checkpoint: Checkpoint, network: nn.Module, optimizer: torch.optim.Optimizer) -> None:
-    """Load a checkpoint's averages of gradients.
+    """Load a checkpoint's averages of gradients, and the last step's weights if its own are averages.
 
     Raises:
         MissingFileError: the checkpoint has none, so nothing can go on from it.
@@ -223,11 +228,14 @@ def load_optimizer(checkpoint: Checkpoint, network: nn.Module, optimizer: torch.
     for name, shape in (wanted | {"step": ()}).items():
         if shapes.get(name) != (shape, _FLOAT32):
             raise CadetError(f"{file}: {name} does not fit: this is a checkpoint of another configuration")
+    own = {name.removeprefix(_WEIGHTS): shape for name, shape in shapes.items() if name.startswith(_WEIGHTS)}
+    if own:
+        _check_weights(file, own, network.state_dict())
     tensors = _load(file)
     for name, value in tensors.items():
         if not bool(torch.isfinite(value).all()):
             raise CadetError(f"{file}: {name} holds NaN or infinity")
-        if not name.startswith(_MEANS) and bool((value < 0.0).any()):
+        if not name.startswith((_MEANS, _WEIGHTS)) and bool((value < 0.0).any()):
             raise CadetError(f"{file}: {name} holds a negative number")
     for name, parameter in parameters.items():
         # Copied into the parameter's own device and memory format.
@@ -235,6 +243,12 @@ def load_optimizer(checkpoint: Checkpoint, network: nn.Module, optimizer: torch.
             key: torch.empty_like(parameter).detach().copy_(tensors[f"{key}.{name}"]) for key in _AVERAGES
         }
         optimizer.state[parameter] = {"step": tensors["step"].clone(), **state}
+    if own:
+        network.load_state_dict({name: tensors[_WEIGHTS + name] for name in own})
+
+
+def _weights(network: nn.Module, prefix: str = "") -> dict[str, Tensor]:
+    return {prefix + name: tensor.contiguous() for name, tensor in network.state_dict().items()}
 
 
 def _optimizer_tensors(network: nn.Module, optimizer: torch.optim.Optimizer) -> dict[str, Tensor]:

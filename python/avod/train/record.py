@@ -21,8 +21,13 @@ _FORMAT: Final = "avod-training"
 _VERSION: Final = 1
 # How far a training goes and how often it is written down changes no step; detection is no part of training.
 _FREE: Final = ("training.steps", "training.checkpoint_steps", "detection.")
-_REFUSED: Final = ("seed", "split", "num_frames", "frames_crc32", "init")
-_SAID: Final = ("data", "num_processes", "device", "precision", "is_compiled")
+_REFUSED: Final = ("seed", "split", "shares", "num_frames", "frames_crc32", "bank_crc32", "init")
+_WHAT: Final = {
+    "num_frames": "frames to learn from",
+    "frames_crc32": "a checksum of its frames' ids",
+    "bank_crc32": "a checksum of its bank's objects",
+}
+_SAID: Final = ("data", "bank", "num_processes", "device", "precision", "is_compiled")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,7 +37,7 @@ class Record:
     Attributes:
         config: of the detector and its training.
         seed: of all that is drawn.
-        data: the KITTI folder.
+        data: the KITTI folder, or several.
         split: the list of its `ImageSets`; None for every frame.
         num_frames: frames that are learned from.
         frames_crc32: checksum of their ids, whose order matters.
@@ -45,11 +50,14 @@ class Record:
         keep: how many checkpoints stay, None for all.
         val_every: steps between two validations, None for none.
         val_split: the list of frames for those; None for every frame.
+        shares: of the folders, where there are several.
+        bank: of the objects that are pasted into frames, or None.
+        bank_crc32: checksum of its list.
     """
 
     config: Config
     seed: int
-    data: str
+    data: str | tuple[str, ...]
     split: str | None
     num_frames: int
     frames_crc32: int
@@ -62,6 +70,16 @@ class Record:
     keep: int | None = None
     val_every: int | None = None
     val_split: str | None = None
+    shares: tuple[float, ...] | None = None
+    bank: str | None = None
+    bank_crc32: int | None = None
+
+    @property
+    def folders(self) -> tuple[tuple[Path, float], ...]:
+        """The folders of frames, and their shares."""
+        if isinstance(self.data, str):
+            return ((Path(self.data), 1.0),)
+        return tuple((Path(name), share) for name, share in zip(self.data, self.shares or (), strict=True))
 
 
 def checksum(ids: Sequence[str]) -> int:
@@ -96,10 +114,15 @@ def read_record(out: Path) -> Record:
     for item in fields(Record):
         if item.name != "config":
             value = table.get(item.name)
-            value = tuple(value) if item.name == "skipped_steps" and isinstance(value, list) else value
+            value = tuple(value) if isinstance(value, list) else value
             if not _is_of_kind(value, str(item.type)):
                 raise CadetError(f"{path}: {item.name}: expected {item.type}, got {value!r:.40}")
             values[item.name] = value
+    num_folders = len(values["data"]) if isinstance(values["data"], tuple) else 0
+    if num_folders != len(values["shares"] or ()):
+        raise CadetError(
+            f"{path}: shares: expected one for each of {num_folders} folders, got {values['shares']!r:.40}"
+        )
     return Record(**values)
 
 
@@ -126,9 +149,7 @@ def check_resumed(out: Path, old: Record, new: Record) -> Iterator[str]:
     for name in _REFUSED:
         was, now = getattr(old, name), getattr(new, name)
         if was != now:
-            what = {"num_frames": "frames to learn from", "frames_crc32": "a checksum of its frames' ids"}.get(
-                name, name
-            )
+            what = _WHAT.get(name, name)
             raise CadetError(
                 f"{out}: its training has {what} = {was!r}, and is to go on with {now!r}: it would be another training"
             )
@@ -153,10 +174,15 @@ def differences(old: object, new: object, path: str = "") -> Iterator[tuple[str,
 
 
 def _is_of_kind(value: object, kind: str) -> bool:
-    if kind.startswith("tuple"):
-        return isinstance(value, tuple) and all(isinstance(item, int) and item >= 0 for item in value)
     if value is None:
         return kind.endswith("None")
+    if isinstance(value, tuple):
+        item = next((name for name in ("int", "float", "str") if f"tuple[{name}, ...]" in kind), None)
+        return item is not None and all(_is_of_kind(entry, item) for entry in value)
+    if kind.startswith("tuple"):
+        return False
+    if kind == "float":
+        return isinstance(value, float) and 0.0 <= value <= 1.0
     if kind == "bool":
         return isinstance(value, bool)
     if kind.startswith("int"):

@@ -12,6 +12,7 @@ from torch import Tensor, nn
 
 from avod.config import Config
 from avod.data.dataset import TrainingData
+from avod.data.mixture import shares_of
 from avod.data.sample import Sample
 from avod.model.network import AvodNetwork
 from avod.train.checkpoint import forget_old, remove_partial, save_checkpoint
@@ -24,6 +25,7 @@ from avod.train.start import Start, begin
 from avod.train.step import NonFiniteLossError, learning_rate, training_step
 from avod.train.validation_log import Validated, ValidationLog
 from cadet.errors import CadetError, CadetWarning
+from cadet.object_bank import ObjectBank
 
 __all__ = ["OnStep", "Run", "Validate", "train", "with_steps"]
 
@@ -78,12 +80,16 @@ class _Training:
         self.start = start = begin(config, run, processes.device, is_first=processes.is_first)
         if len(steps := set(processes.gathered(start.step))) > 1:
             raise CadetError(f"{run.out}: the processes found different last steps there: {sorted(steps)}")
-        self.data = TrainingData(run.data, run.split, config, start.seed)
+        self.bank = None if run.bank is None else ObjectBank(run.bank)
+        self.data = TrainingData(run.data, run.split, config, start.seed, self.bank)
         record = self._record(start)
         self.skipped = frozenset(record.skipped_steps)
         self.notes = {"data": record.data, "split": record.split}
         self.network, self.optimizer = start.network, start.optimizer
+        self.average = start.average
         self.network.precision = run.precision
+        if self.average is not None:
+            self.average.network.precision = run.precision
         self.network.train()
         if run.is_compiled:
             for pyramid in (self.network.bev_pyramid, self.network.image_pyramid):
@@ -110,6 +116,8 @@ class _Training:
                 losses: dict[str, Tensor] = {}
                 if step not in self.skipped:
                     losses = processes.mean(self._step(wrapped, step, whole(samples, processes.device)))
+                    if self.average is not None:
+                        self.average.update(self.network, step)
                 done = step + 1
                 is_last = done == config.steps
                 if self.log is not None:
@@ -152,6 +160,7 @@ class _Training:
             self.config,
             step=step,
             seed=self.start.seed,
+            average=None if self.average is None else self.average.network,
             notes=notes,
             name=None if has_optimizer else BEST,
         )
@@ -163,7 +172,8 @@ class _Training:
 
     def _validate(self, step: int) -> None:
         assert self.validate is not None
-        found = self.validate(self.network, step, self.processes)
+        judged = self.network if self.average is None else self.average.network
+        found = self.validate(judged, step, self.processes)
         self.network.train()
         if found is None or self.validations is None or self.log is None:
             return
@@ -175,10 +185,13 @@ class _Training:
 
     def _record(self, start: Start) -> Record:
         run = self.run
+        folders = shares_of(run.data)
+        names = tuple(str(folder.resolve()) for folder, _ in folders)
         record = Record(
             config=self.config,
             seed=start.seed,
-            data=str(Path(run.data).resolve()),
+            data=names[0] if len(names) == 1 else names,
+            shares=None if len(names) == 1 else tuple(share for _, share in folders),
             split=run.split,
             num_frames=len(self.data.ids),
             frames_crc32=checksum(self.data.ids),
@@ -190,6 +203,8 @@ class _Training:
             keep=run.keep,
             val_every=run.val_every,
             val_split=run.val_split,
+            bank=None if self.bank is None else str(self.bank.root.resolve()),
+            bank_crc32=None if self.bank is None else self.bank.crc32,
         )
         for step in run.skip_steps:
             if step < start.step:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import torch
 
+from avod.data.mixture import Folders
 from cadet.checks import check_number
 
 
@@ -15,7 +16,7 @@ class Run:
     """The settings of a training besides its configuration.
 
     Attributes:
-        data: a KITTI folder.
+        data: a KITTI folder, or several, each with its share of the frames: `(("sim", 0.8), ("real", 0.2))`.
         out: where `run.json`, `log.csv` and `checkpoints` go: a folder without those of another training, unless
             `resume` is set or `resume_from` is this one's last checkpoint; the logs then keep their rows up to there.
         split: a list of `ImageSets`; None for every frame.
@@ -34,12 +35,13 @@ class Run:
         workers: processes that read samples; 0 reads them in between.
         is_compiled: compile the pyramids.
         has_tensorboard: write TensorBoard's files too.
+        bank: of objects that are pasted into frames, as many as the configuration says.
 
     Raises:
         CadetError: a number outside its range.
     """
 
-    data: str | Path
+    data: Folders
     out: str | Path
     split: str | None = "train"
     seed: int | None = None
@@ -55,6 +57,7 @@ class Run:
     workers: int = 0
     is_compiled: bool = False
     has_tensorboard: bool = False
+    bank: str | Path | None = None
 
     def __post_init__(self) -> None:
         if self.seed is not None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import torch
@@ -12,6 +12,7 @@ import torch
 from avod.config import Config
 from avod.config_file import table_from_config
 from avod.model.network import AvodNetwork
+from avod.train.average import WeightAverage
 from avod.train.checkpoint import Checkpoint, checkpoints, load_network, load_optimizer, read_checkpoint
 from avod.train.log import read_log
 from avod.train.record import Record, differences, read_record
@@ -33,6 +34,7 @@ class Start:
         init: the checkpoint whose weights the training began with, if any.
         record: what the training of this folder was begun with, if it goes on; None in a folder of an older version.
         goes_on: whether the training of this very folder goes on.
+        average: of the weights, if the configuration asks for one.
     """
 
     step: int
@@ -43,6 +45,7 @@ class Start:
     init: str | None = None
     record: Record | None = None
     goes_on: bool = False
+    average: WeightAverage | None = None
 
 
 def begin(config: Config, run: Run, device: torch.device, *, is_first: bool) -> Start:
@@ -79,7 +82,19 @@ def _new(config: Config, seed: int, device: torch.device, init: str | Path | Non
     network = new_network(config, seed).to(device)
     if init is not None:
         load_network(read_checkpoint(init), network)
-    return Start(0, seed, network, make_optimizer(network, config.training), init=None if init is None else str(init))
+    return Start(
+        0,
+        seed,
+        network,
+        make_optimizer(network, config.training),
+        init=None if init is None else str(init),
+        average=_average(network, config),
+    )
+
+
+def _average(network: AvodNetwork, config: Config) -> WeightAverage | None:
+    decay = config.training.average_decay
+    return WeightAverage(network, decay) if decay else None
 
 
 def _own(config: Config, run: Run, device: torch.device, out: Path) -> Start:
@@ -95,16 +110,7 @@ def _own(config: Config, run: Run, device: torch.device, out: Path) -> Start:
         except MissingFileError:
             record = None
         start = _continued(config, run, device, read_checkpoint(written[-1]))
-    return Start(
-        start.step,
-        start.seed,
-        start.network,
-        start.optimizer,
-        start.pending,
-        None if record is None else record.init,
-        record,
-        goes_on=True,
-    )
+    return replace(start, init=None if record is None else record.init, record=record, goes_on=True)
 
 
 def _from(config: Config, run: Run, device: torch.device, out: Path, is_first: bool) -> Start:
@@ -118,7 +124,7 @@ def _from(config: Config, run: Run, device: torch.device, out: Path, is_first: b
             if name not in ("training.steps", "training.checkpoint_steps"):
                 text = f"{checkpoint.path} was trained with {name} = {was!r}, and training goes on with {now!r}"
                 warnings.warn(text, CadetWarning, stacklevel=4)
-    return Start(start.step, start.seed, start.network, start.optimizer, start.pending, goes_on=goes_on)
+    return replace(start, goes_on=goes_on)
 
 
 def _continued(config: Config, run: Run, device: torch.device, checkpoint: Checkpoint) -> Start:
@@ -127,13 +133,14 @@ def _continued(config: Config, run: Run, device: torch.device, checkpoint: Check
     network = new_network(config, checkpoint.seed).to(device)
     optimizer = make_optimizer(network, config.training)
     load_network(checkpoint, network)
+    average = _average(network, config)
     load_optimizer(checkpoint, network, optimizer)
     if checkpoint.step >= config.training.steps:
         raise CadetError(
             f"{run.resume_from or checkpoint.path}: {checkpoint.step} steps are done, and training ends at "
             f"{config.training.steps}"
         )
-    return Start(checkpoint.step, checkpoint.seed, network, optimizer, checkpoint.pending)
+    return Start(checkpoint.step, checkpoint.seed, network, optimizer, checkpoint.pending, average=average)
 
 
 def _check_seed(run: Run, seed: int, where: Path) -> None:

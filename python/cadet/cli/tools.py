@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from cadet import _cadet, kitti
+from cadet.cli.bank import bank_command
 from cadet.cli.check import check_command
 from cadet.cli.eval import evaluate_command
 from cadet.cli.gallery import gallery_command
@@ -77,6 +78,7 @@ def _view_some(root: Path, out: Path) -> Path:
     return overview((dataset[index * len(dataset) // rows] for index in range(rows)), out)
 
 
+cadet.add_command(bank_command)
 cadet.add_command(check_command)
 cadet.add_command(evaluate_command)
 cadet.add_command(fit_lidar_command)

@@ -1,0 +1,190 @@
+"""A bank on disk: a folder of pictures and points, and a list that says what they are.
+
+bank.json            format, version, and of each object type, box, the crop's corners, source, and number of points
+objects/000000.png   the crop: RGB and opacity
+objects/000000.bin   its points: float32 x, y, z, intensity
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import zlib
+from collections import Counter
+from collections.abc import Iterable
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Final
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from cadet.checks import as_path
+from cadet.errors import CadetError, MissingFileError
+from cadet.kitti.velodyne import bytes_from_points, points_from_bytes
+from cadet.object_bank.object import BankObject
+from cadet.plain_text import json_from_text
+from cadet.sink import LocalSink
+from cadet.summary import counts, summary
+
+_LIST: Final = "bank.json"
+_FORMAT: Final = "cadet-object-bank"
+_VERSION: Final = 1
+_KEPT: Final = 512
+"""Objects that are kept in memory: about 20 kB each."""
+
+
+def write_bank(root: str | Path, objects: Iterable[BankObject]) -> Counter[str]:
+    """Write a bank; its list comes last, so that a folder with one is whole.
+
+    Args:
+        root: a new folder, or one without a bank.
+        objects: are read one by one.
+
+    Returns:
+        How many objects of each type there are.
+
+    Raises:
+        CadetError: a bank is there already, or there are no objects.
+    """
+    root = as_path("root", root)
+    if (root / _LIST).exists():
+        raise CadetError(f"{root} holds a bank already: name a new folder")
+    sink = LocalSink(root)
+    entries: list[dict[str, Any]] = []
+    for item in objects:
+        name = _name(len(entries))
+        is_done, png = cv2.imencode(".png", cv2.cvtColor(item.crop, cv2.COLOR_RGBA2BGRA))
+        if not is_done:
+            raise CadetError(f"{item.source}: a crop of {item.crop.shape} that no PNG file holds")
+        sink.put(f"{name}.png", png.tobytes())
+        sink.put(f"{name}.bin", bytes_from_points(item.points_scan))
+        entries.append(
+            {
+                "type": item.type,
+                "source": item.source,
+                "box_scan": item.box_scan.round(6).tolist(),
+                "corners_scan": item.corners_scan.round(6).tolist(),
+                "num_points": len(item.points_scan),
+            }
+        )
+    if not entries:
+        raise CadetError(f"{root}: no object to put into a bank: none is seen whole with enough points")
+    table = {"format": _FORMAT, "version": _VERSION, "objects": entries}
+    sink.put(_LIST, (json.dumps(table, indent=1) + "\n").encode())
+    sink.remove_partial()
+    return Counter(entry["type"] for entry in entries)
+
+
+class ObjectBank:
+    """The objects of a bank, read when asked for.
+
+    Args:
+        root: the folder.
+
+    Attributes:
+        types: of the objects, by number.
+        crc32: of the list: another bank has another one.
+
+    Raises:
+        MissingFileError: no bank there.
+        CadetError: a damaged list.
+    """
+
+    def __init__(self, root: str | Path) -> None:
+        self.root = as_path("root", root)
+        path = self.root / _LIST
+        if not path.is_file():
+            raise MissingFileError(f"{path}: no such file: expected a bank, as `cadet bank DATA -o BANK` makes one")
+        data = path.read_bytes()
+        table = json_from_text(data, str(path))
+        if not isinstance(table, dict) or table.get("format") != _FORMAT or table.get("version") != _VERSION:
+            raise CadetError(f"{path}: no list of an object bank of version {_VERSION}")
+        entries = table.get("objects")
+        if not isinstance(entries, list) or not entries:
+            raise CadetError(f"{path}: objects: expected a list of at least one")
+        self._entries = [_checked(entry, f"{path}: objects[{number}]") for number, entry in enumerate(entries)]
+        self.types: tuple[str, ...] = tuple(entry["type"] for entry in self._entries)
+        self.crc32 = zlib.crc32(data)
+        self._read = lru_cache(maxsize=_KEPT)(self._read_object)
+
+    def __len__(self) -> int:
+        return len(self._entries)
+
+    def __getitem__(self, number: int) -> BankObject:
+        """Read an object.
+
+        Raises:
+            IndexError: no such number.
+            MissingFileError: one of its files is not there.
+            CadetError: a damaged file.
+        """
+        if not 0 <= number < len(self._entries):
+            raise IndexError(number)
+        return self._read(number)
+
+    def __reduce__(self) -> tuple[type[ObjectBank], tuple[Path]]:
+        """Tell what travels to another process: where the bank is."""
+        return ObjectBank, (self.root,)
+
+    def __repr__(self) -> str:
+        return summary(self, root=str(self.root), objects=counts(self.types))
+
+    def _read_object(self, number: int) -> BankObject:
+        entry = self._entries[number]
+        png, binary = (self.root / f"{_name(number)}.{end}" for end in ("png", "bin"))
+        points = points_from_bytes(_read(binary), str(binary))
+        if len(points) != entry["num_points"]:
+            raise CadetError(f"{binary}: {len(points)} points, expected {entry['num_points']}")
+        crop = _decoded(_read(png), png)
+        try:
+            return BankObject(
+                entry["type"],
+                np.array(entry["box_scan"], np.float64),
+                points,
+                crop,
+                np.array(entry["corners_scan"], np.float64),
+                entry["source"],
+            )
+        except CadetError as error:
+            raise CadetError(f"{self.root / _LIST}: objects[{number}]: {error}") from None
+
+
+def _name(number: int) -> str:
+    return f"objects/{number:06d}"
+
+
+def _read(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except FileNotFoundError:
+        raise MissingFileError(f"{path}: no such file") from None
+
+
+def _decoded(data: bytes, path: Path) -> NDArray[np.uint8]:
+    try:
+        crop = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+    except cv2.error as error:
+        raise CadetError(f"{path}: damaged PNG image: {error.err}") from None
+    if crop is None or crop.dtype != np.uint8 or crop.ndim != 3 or crop.shape[2] != 4:
+        raise CadetError(f"{path}: expected a PNG image of four channels of 8 bit")
+    return np.asarray(cv2.cvtColor(crop, cv2.COLOR_BGRA2RGBA), np.uint8)
+
+
+def _checked(entry: Any, where: str) -> dict[str, Any]:
+    """Return an entry whose values are of the right kind; the objects themselves check the rest."""
+    if not isinstance(entry, dict):
+        raise CadetError(f"{where}: expected a table")
+    for name in ("type", "source"):
+        if not isinstance(entry.get(name), str):
+            raise CadetError(f"{where}: {name}: expected a text")
+    corners, count = entry.get("corners_scan"), entry.get("num_points")
+    rows = [entry.get("box_scan"), *(corners if isinstance(corners, list) and len(corners) == 4 else [None])]
+    for row, length in zip(rows, (7, 3, 3, 3, 3), strict=False):
+        is_row = isinstance(row, list) and len(row) == length
+        if not is_row or not all(isinstance(v, int | float) and math.isfinite(v) for v in row):
+            raise CadetError(f"{where}: expected box_scan of 7 numbers and corners_scan of 4 rows of 3")
+    if not isinstance(count, int) or isinstance(count, bool):
+        raise CadetError(f"{where}: num_points: expected a whole number")
+    return entry
