@@ -53,6 +53,12 @@ def wait_for(path: Path, process: subprocess.Popen[str]) -> None:
     assert path.exists(), "the run ended or hung before it wrote the frame"
 
 
+def workers_of(process: subprocess.Popen[str]) -> list[int]:
+    """Return the ids of the processes that make episodes: multiprocessing's resource tracker is none."""
+    children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+    return [int(pid) for pid in children if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()]
+
+
 def write_whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Write a dataset of 45 frames in three episodes, by one worker in one go."""
     out = tmp_path_factory.mktemp("whole") / "out"

@@ -16,11 +16,11 @@ import pytest
 
 from cadet import Camera, Lidar, ResetPolicy, Rig, kitti
 from cadet.errors import CadetError
-from cadet.generate import Settings, generate, pool
+from cadet.generate import Settings, generate, local_engine
 from cadet.generate.folder import open_folder
-from cadet.generate.pool import interrupts_held
+from cadet.generate.interrupts import interrupts_held
 from cadet.sink import LocalSink
-from gen_process import FAILED, FINE, INTERRUPTED, SIZE, run, start, tree, wait_for, write_whole
+from gen_process import FAILED, FINE, INTERRUPTED, SIZE, run, start, tree, wait_for, workers_of, write_whole
 
 
 @pytest.fixture(autouse=True)
@@ -102,6 +102,19 @@ def test_after_kill_9_resuming_gives_the_same_bytes(whole: Path, tmp_path: Path,
         os.killpg(process.pid, signal.SIGKILL)
     assert not (out / "manifest.json").exists()
     assert run(out, "-n", 45, "--seed", 3, *SIZE, "--resume").returncode == FINE
+    assert tree(out) == tree(whole)
+
+
+def test_a_worker_that_is_killed_is_replaced_and_the_bytes_stay(whole: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with start(out, "-n", 45, "--seed", 3, *SIZE, "--workers", 2, fault="slow=0.05") as process:
+        wait_for(out / "training" / "meta" / "000005.json", process)
+        os.kill(workers_of(process)[0], signal.SIGKILL)
+        _, stderr = process.communicate(timeout=60)
+    assert process.returncode == FINE, stderr
+    assert re.match(r"a worker died by signal 9 in episode \d: another one goes on\n", stderr)
+    # Frames that two workers have told of count once.
+    assert re.search(r"^45 frames( \(\d were there\))? in ", stderr, re.MULTILINE)
     assert tree(out) == tree(whole)
 
 
@@ -232,12 +245,12 @@ def test_a_new_folder_is_held_before_it_is_looked_into(tmp_path: Path, monkeypat
 
 
 def test_a_worker_that_says_nothing_is_named(core: object, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pool, "SILENCE_S", 0.05)
-    monkeypatch.setattr(pool, "_POLL_S", 0.05)
+    monkeypatch.setattr(local_engine, "SILENCE_S", 0.05)
+    monkeypatch.setattr(local_engine, "_POLL_S", 0.05)
     lines: list[str] = []
     rig = Rig(camera=Camera.kitti().resized(64, 32), lidar=Lidar.vlp16())
     settings = Settings(num_frames=1, policy=ResetPolicy.kitti().with_rig(rig))
-    generate(tmp_path / "out", settings, workers=1, on_silence=lines.append)
+    generate(tmp_path / "out", settings, workers=1, on_warning=lines.append)
     # Starting alone takes longer.
     assert lines
     assert re.fullmatch(r"worker \d+ has not answered for \d+ s, in episode 0", lines[0])

@@ -19,7 +19,6 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize(
     ("fault", "message"),
     [
-        ("die=0", "a worker died by signal 9 in episode 0; at least 0 of 4 frames are whole; go on with: "),
         ("panic=0", "Panic in episode 0: index out of bounds: the len is 3; at least 0 of 4 frames are whole; go on"),
         ("object=0", "scene: no ground ahead of the camera\n"),
         ("empty", "episode 0: no labeled object in sight in 50 worlds of 10 views each; allow more traffic or labels"),
@@ -31,6 +30,20 @@ def test_a_failing_worker_costs_one_line(tmp_path: Path, fault: str, message: st
     assert done.stderr.startswith(f"cadet-gen: {message}")
     assert done.stderr.count("\n") == 1
     assert run(tmp_path / "out", "-n", 4, *SIZE, "--resume").returncode == FINE
+
+
+def test_a_worker_that_dies_again_in_the_same_episode_is_named(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    done = run(out, "-n", 45, *SIZE, "--workers", 1, fault="die=1")
+    assert done.returncode == FAILED
+    first, second = done.stderr.splitlines()
+    assert first == "a worker died by signal 9 in episode 1: another one goes on"
+    assert second.startswith(
+        "cadet-gen: a worker died by signal 9 in episode 1, as the one before it did; "
+        "at least 20 of 45 frames are whole; go on with: cadet-gen "
+    )
+    assert (out / "training" / "meta" / "000019.json").exists()
+    assert "45 frames (20 were there)" in run(out, "-n", 45, *SIZE, "--resume").stderr
 
 
 WEATHERS = (

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any, Literal, Protocol, TypeAlias
 
 from cadet.rig import Rig
@@ -83,8 +82,8 @@ class Exporter(Protocol):
     def record_bytes(self, record: Mapping[str, Any]) -> bytes:
         """Return the record as it is written."""
 
-    def written(self, root: Path) -> Iterable[int]:
-        """Return the numbers of the samples of which something lies in a dataset's folder."""
+    def written(self, sink: Sink) -> Iterable[int]:
+        """Return the numbers of the samples of which something lies in a dataset."""
 
     def finish(self, sink: Sink, places: Iterable[Place]) -> Ending:
         """Return what the dataset ends with, from the records and files that are there."""

@@ -3,18 +3,55 @@
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import os
 import shutil
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import Protocol
+from typing import Final, Protocol
+
+from cadet.errors import CadetError
+
+_PARTIAL: Final = ".partial"
 
 
 class Sink(Protocol):
     """A store of named objects. Names are relative, with forward slashes: "training/image_2/000012.png"."""
 
+    @property
+    def location(self) -> str:
+        """The folder or URL that the names are relative to."""
+
+    def held(self) -> AbstractContextManager[None]:
+        """Keep other writers out meanwhile, where the store has a way to.
+
+        Raises:
+            CadetError: another writer has it.
+            OSError: the store can't be reached or made.
+        """
+
     def put(self, name: str, data: bytes | Iterable[bytes]) -> None:
-        """Store an object under its name, replacing an older one: readers see all of it or none of it."""
+        """Store an object under its name, replacing an older one: readers see all of it or none of it.
+
+        Raises:
+            OSError: it names the object, and nothing of it is left.
+        """
+
+    def put_new(self, name: str, data: bytes) -> None:
+        """Store an object that is not there yet.
+
+        Raises:
+            FileExistsError: it is there.
+            OSError: as for `put`.
+        """
+
+    def put_all(self, objects: Mapping[str, bytes]) -> None:
+        """Store several objects, each as `put` does, in any order.
+
+        Raises:
+            OSError: one could not be stored; the others may be there or not.
+        """
 
     def read(self, name: str) -> bytes:
         """Return an object's bytes.
@@ -23,8 +60,21 @@ class Sink(Protocol):
             FileNotFoundError: there is none of that name.
         """
 
+    def read_all(self, names: Sequence[str]) -> list[bytes]:
+        """Return the bytes of several objects.
+
+        Raises:
+            FileNotFoundError: one is not there.
+        """
+
+    def names(self, folder: str) -> list[str]:
+        """Return the names of what lies in a folder, without it; "" is the topmost. None if there is no such folder."""
+
     def make_folder(self, name: str) -> None:
         """Make a folder that may stay empty; a store that has no folders does nothing."""
+
+    def remove_partial(self) -> None:
+        """Remove what killed writers have left behind; only for who holds the store."""
 
 
 class LocalSink:
@@ -36,8 +86,36 @@ class LocalSink:
 
     def __init__(self, root: str | Path) -> None:
         self.root = Path(root)
-        self._partial = self.root / ".partial"
+        self._partial = self.root / _PARTIAL
         self._folders: set[Path] = set()
+
+    @property
+    def location(self) -> str:
+        """The folder."""
+        return str(self.root)
+
+    @contextlib.contextmanager
+    def held(self) -> Iterator[None]:
+        """Make the folder and lock it meanwhile.
+
+        The lock is on the folder itself, which no file's replacing changes, and goes with the process.
+
+        Raises:
+            CadetError: another writer has it.
+            OSError: the folder can't be made or locked.
+        """
+        self.root.mkdir(parents=True, exist_ok=True)
+        folder = os.open(self.root, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+        try:
+            try:
+                fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                raise CadetError(f"another cadet-gen is writing to {self.root}: let it end first") from None
+            except OSError as error:
+                raise OSError(error.errno, f"cannot be locked: {error.strerror}", str(self.root)) from None
+            yield
+        finally:
+            os.close(folder)
 
     def put(self, name: str, data: bytes | Iterable[bytes]) -> None:
         """Store an object under its name, replacing an older one: readers see all of it or none of it.
@@ -62,6 +140,26 @@ class LocalSink:
             # Writing names no file in its errors; the user wants to know which.
             raise OSError(error.errno, error.strerror, str(path)) from None
 
+    def put_new(self, name: str, data: bytes) -> None:
+        """Store an object that is not there yet; only for who holds the folder.
+
+        Raises:
+            FileExistsError: it is there.
+            OSError: as for `put`.
+        """
+        if (self.root / name).exists():
+            raise FileExistsError(f"{self.root / name} is there already")
+        self.put(name, data)
+
+    def put_all(self, objects: Mapping[str, bytes]) -> None:
+        """Store several objects, in their order.
+
+        Raises:
+            OSError: as for `put`.
+        """
+        for name, data in objects.items():
+            self.put(name, data)
+
     def read(self, name: str) -> bytes:
         """Return an object's bytes.
 
@@ -69,6 +167,21 @@ class LocalSink:
             FileNotFoundError: there is none of that name.
         """
         return (self.root / name).read_bytes()
+
+    def read_all(self, names: Sequence[str]) -> list[bytes]:
+        """Return the bytes of several objects.
+
+        Raises:
+            FileNotFoundError: one is not there.
+        """
+        return [self.read(name) for name in names]
+
+    def names(self, folder: str) -> list[str]:
+        """Return the names of what lies in a folder, sorted; none if there is no such folder."""
+        try:
+            return sorted(path.name for path in (self.root / folder).iterdir() if path.name != _PARTIAL)
+        except FileNotFoundError:
+            return []
 
     def make_folder(self, name: str) -> None:
         """Make a folder that may stay empty.

@@ -21,7 +21,8 @@ from cadet.checks import as_seed, check_number, shown
 from cadet.config import SceneConfig
 from cadet.environment import Environment
 from cadet.errors import CadetError, CadetWarning
-from cadet.generate.pool import WorkerError, interrupts_held
+from cadet.generate.engine import WorkerError
+from cadet.generate.interrupts import interrupts_held
 from cadet.generate.run import num_processors
 from cadet.kitti import Frame
 from cadet.policy import ResetPolicy

@@ -15,7 +15,7 @@ import pytest
 
 import cadet
 from cadet.camera import Camera
-from cadet.generate.pool import WorkerError
+from cadet.generate.engine import WorkerError
 
 # Three samples an episode and a small image: what is tested is the order.
 _RIG = replace(cadet.Rig.kitti(), camera=Camera.kitti().resized(310, 94), lidar=cadet.Lidar("vlp16"))

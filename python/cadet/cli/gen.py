@@ -15,10 +15,11 @@ from rich.console import Console
 from cadet import _cadet
 from cadet.assets import Assets
 from cadet.checks import check_number
+from cadet.cli.destination import Destination
 from cadet.cli.progress import reporter
 from cadet.cli.signals import exit_code, how_ended, signals_end
 from cadet.errors import CadetError
-from cadet.generate import EXPORTERS, EXTRAS, Settings, Summary, WorkerError, generate
+from cadet.generate import ENGINES, EXPORTERS, EXTRAS, Settings, Summary, WorkerError, generate
 from cadet.lidar import LIDAR_PRESETS, Lidar
 from cadet.notices import notice
 from cadet.policy import POLICIES, ResetPolicy
@@ -30,7 +31,7 @@ _LEAST_FRACTION = 1e-6
 
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
-@click.argument("out", type=click.Path(path_type=Path, file_okay=False))
+@click.argument("out", type=Destination())
 @click.version_option(_cadet.__version__, prog_name="cadet-gen")
 @click.option("-n", "num_frames", type=click.IntRange(1, 1_000_000), default=20, show_default=True, help="Frames.")
 @click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True, help="Same seed, same bytes.")
@@ -50,7 +51,11 @@ _LEAST_FRACTION = 1e-6
 @click.option("--sequence", is_flag=True, help="Episodes of some seconds, a sample each time step, not each 10 m.")
 @click.option("--hz", type=float, help="Samples a second of a sequence.  [default: 2]")
 @click.option("--length", metavar="SECONDS", help="Length of a sequence, such as 20s.  [default: 20s]")
-@click.option("--workers", type=click.IntRange(1, 1024), help="Processes.  [default: one for each processor]")
+@click.option(
+    "--workers", type=click.IntRange(1, 1024), help="Processes, or tasks at a time.  [default: one for each processor]"
+)
+@click.option("--engine", type=click.Choice(ENGINES), default="local", show_default=True, help="Who makes episodes.")
+@click.option("--address", help="Of the Ray cluster.  [default: RAY_ADDRESS, or a Ray of this machine alone]")
 @click.option("--image-size", metavar="WxH", help="Scale the image to this size, such as 621x188.")
 @click.option("--write", "write", metavar="LIST", default="", help=f"Write these too: {','.join(EXTRAS)}.")
 @click.option("--resume", is_flag=True, help="Go on in a folder that the same command has left.")
@@ -69,7 +74,7 @@ _LEAST_FRACTION = 1e-6
     help="Share of the episodes in testing/ and test.txt: the third of every round(1/F).",
 )
 def cadet_gen(
-    out: Path,
+    out: str | Path,
     num_frames: int,
     seed: int,
     policy: str,
@@ -84,25 +89,30 @@ def cadet_gen(
     hz: float | None,
     length: str | None,
     workers: int | None,
+    engine: str,
+    address: str | None,
     image_size: str | None,
     write: str,
     resume: bool,
     val_fraction: float,
     test_fraction: float,
 ) -> int:
-    """Write a dataset of procedurally generated suburbs to the folder OUT, in KITTI's formats or nuScenes'.
+    """Write a dataset of procedurally generated suburbs to the folder or URL OUT, in KITTI's formats or nuScenes'.
 
     \b
     cadet-gen out -n 10000 --seed 0
     cadet-gen out -n 20000 --seed 0 --resume          # the first 10000 stay as they are
     cadet-gen scenes -n 160 --format nuscenes --sequence --hz 2 --length 20s
     cadet-gen drives -n 200 --format kitti_raw --sequence --hz 10 --length 20s
+    cadet-gen s3://bucket/set -n 100000 --engine ray --address auto   # docs/scale.md
     cadet-gen rain -n 500 --weather hard_rain_noon --write depth,instance
 
     Weathers: {weathers}
     """  # noqa: D301 - click reads the backspace
     if skip_bad_assets and assets is None:
         raise CadetError("--skip-bad-assets: goes with --assets")
+    if address is not None and engine != "ray":
+        raise CadetError("--address: goes with --engine ray")
     own = None if assets is None else Assets.read(assets, skip_bad=skip_bad_assets)
     settings = Settings(
         seed=seed,
@@ -128,12 +138,21 @@ def cadet_gen(
         num_done += 1
         report.advance(is_new=is_new)
 
-    def on_silence(text: str) -> None:
+    def on_warning(text: str) -> None:
         console.print(text, markup=False)
 
     try:
         with signals_end(), report:
-            summary = generate(out, settings, workers=workers, resume=resume, on_frame=on_frame, on_silence=on_silence)
+            summary = generate(
+                out,
+                settings,
+                workers=workers,
+                engine=engine,
+                address=address,
+                resume=resume,
+                on_frame=on_frame,
+                on_warning=on_warning,
+            )
     except KeyboardInterrupt as error:
         console.print(f"{how_ended(error)}; {_how_to_go_on(num_done, num_frames)}", markup=False)
         return exit_code(error)
@@ -224,7 +243,7 @@ def _how_to_go_on(num_done: int, num_frames: int) -> str:
     return f"at least {num_done} of {num_frames} frames are whole; go on with: {command}"
 
 
-def _closing(out: Path, summary: Summary, seconds: float) -> str:
+def _closing(out: str | Path, summary: Summary, seconds: float) -> str:
     labels = ", ".join(f"{count} {name}" for name, count in summary.labels.most_common())
     all_kept = "" if summary.num_new else ": it was complete"
     kept = f" ({summary.num_kept} were there{all_kept})" if summary.num_kept else ""

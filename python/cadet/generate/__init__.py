@@ -1,7 +1,7 @@
 """Writes datasets: `cadet-gen` as a function."""
 
-from cadet.generate.pool import WorkerError
-from cadet.generate.run import Summary, generate
+from cadet.generate.engine import WorkerError
+from cadet.generate.run import ENGINES, Summary, generate
 from cadet.generate.settings import EXPORTERS, EXTRAS, Settings
 
-__all__ = ["EXPORTERS", "EXTRAS", "Settings", "Summary", "WorkerError", "generate"]
+__all__ = ["ENGINES", "EXPORTERS", "EXTRAS", "Settings", "Summary", "WorkerError", "generate"]

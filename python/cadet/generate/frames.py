@@ -23,8 +23,7 @@ def put_sample(sink: Sink, settings: Settings, place: Place, sample: Sample) -> 
     exporter = settings.exporter
     files = exporter.encode(sample, settings.extras)
     hashes = {kind: sha256(data).hexdigest() for kind, data in files.items()}
-    for kind, data in files.items():
-        sink.put(exporter.path(place, kind), data)
+    sink.put_all({exporter.path(place, kind): data for kind, data in files.items()})
     record = {**exporter.record(sample), _HASHES: hashes}
     sink.put(exporter.path(place, "record"), exporter.record_bytes(record))
 
@@ -36,7 +35,8 @@ def is_whole(sink: Sink, settings: Settings, place: Place) -> bool:
         recorded = _recorded(sink.read(path(place, "record")), settings)
         if set(recorded) != set(settings.kinds):
             return False
-        return all(sha256(sink.read(path(place, kind))).hexdigest() == digest for kind, digest in recorded.items())
+        found = sink.read_all([path(place, kind) for kind in recorded])
+        return all(sha256(data).hexdigest() == digest for data, digest in zip(found, recorded.values(), strict=True))
     except (FileNotFoundError, ValueError):
         return False
 

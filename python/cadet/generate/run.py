@@ -1,4 +1,4 @@
-"""A whole run: folder, workers, image sets, manifest."""
+"""A whole run: folder, engine, image sets, manifest."""
 
 from __future__ import annotations
 
@@ -7,12 +7,20 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Final
 
-from cadet.checks import as_path, check_kind, check_number
+from cadet.checks import check_kind, check_number, is_one_of, shown
+from cadet.errors import CadetError
+from cadet.generate.engine import Engine
 from cadet.generate.folder import open_folder
+from cadet.generate.local_engine import LocalEngine
 from cadet.generate.manifest import put_manifest
-from cadet.generate.pool import Pool
+from cadet.generate.ray_engine import RayEngine
 from cadet.generate.settings import Settings
+from cadet.object_sink import is_url, open_sink
+
+ENGINES: Final = ("local", "ray")
+"""What makes episodes: processes of this machine, or a Ray cluster."""
 
 
 @dataclass(frozen=True)
@@ -37,38 +45,62 @@ def generate(
     settings: Settings,
     *,
     workers: int | None = None,
+    engine: str = "local",
+    address: str | None = None,
     resume: bool = False,
     on_frame: Callable[[bool], None] = lambda is_new: None,
-    on_silence: Callable[[str], None] = lambda text: None,
+    on_warning: Callable[[str], None] = lambda text: None,
 ) -> Summary:
-    """Write a dataset in KITTI's layout. The same settings give the same bytes, whatever else is asked.
+    """Write a dataset. The same settings give the same bytes, whatever else is asked.
 
     Args:
-        root: its folder.
+        root: its folder, or the URL of one: `file://`, or an object store's (`s3://bucket/set`).
         settings: everything that decides its bytes.
-        workers: processes; one for each processor if None.
+        workers: processes; if None, one for each processor of the machine or cluster.
+        engine: one of `ENGINES`.
+        address: of the Ray cluster; if None, that of `RAY_ADDRESS`, or one of this machine alone.
         resume: go on in a folder that a run with the same settings has left.
         on_frame: called for each frame, with whether it was written or had been there.
-        on_silence: called with a line about each worker that has said nothing for a minute.
+        on_warning: called with a line about workers that died and were replaced, or have said nothing for a minute.
 
     Raises:
-        CadetError: a folder that is not empty or holds another run, or no labeled object to be found.
-        WorkerError: a worker died; what it wrote is whole, and `resume` goes on.
+        CadetError: a folder that is not empty or holds another run, no labeled object to be found, or no cluster.
+        WorkerError: workers died again and again; what they wrote is whole, and `resume` goes on.
         OSError: the folder can't be written.
     """
     check_kind("generate", "settings", settings, Settings)
-    folder = as_path("root", root)
-    workers = num_processors() if workers is None else workers
-    check_number("generate", "workers", workers, 1, 1024, whole=True)
-    workers = int(workers)
+    if not is_one_of(engine, ENGINES):
+        raise CadetError(f"unknown engine {shown(engine)}; known: {', '.join(ENGINES)}")
+    if address is not None and engine != "ray":
+        raise CadetError("generate.address: only for the engine ray")
+    if workers is not None:
+        check_number("generate", "workers", workers, 1, 1024, whole=True)
     num_new = num_kept = 0
-    with open_folder(folder, settings, resume=resume) as sink:
-        pool = Pool(folder.absolute(), settings, workers, max(1, num_processors() // workers), on_silence)
+    location = open_sink(root).location
+    if not is_url(location):
+        # Workers of a cluster are at home in folders of their own.
+        location = str(Path(location).absolute())
+    made_by = _engine(engine, location, settings, None if workers is None else int(workers), address, on_warning)
+    with open_folder(root, settings, resume=resume) as sink:
         try:
-            for made in pool.frames():
+            for made in made_by.frames():
                 num_new += made.is_new
                 num_kept += not made.is_new
                 on_frame(made.is_new)
         finally:
-            pool.close()
+            made_by.close()
         return Summary(num_new, num_kept, put_manifest(sink, settings))
+
+
+def _engine(
+    name: str,
+    location: str,
+    settings: Settings,
+    workers: int | None,
+    address: str | None,
+    on_warning: Callable[[str], None],
+) -> Engine:
+    if name == "ray":
+        return RayEngine(location, settings, workers, address, num_processors(), on_warning)
+    workers = num_processors() if workers is None else workers
+    return LocalEngine(location, settings, workers, max(1, num_processors() // workers), on_warning)

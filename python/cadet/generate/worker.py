@@ -1,26 +1,22 @@
-"""A process that makes whole episodes."""
+"""Makes whole episodes, in whatever process an engine runs it."""
 
 from __future__ import annotations
 
 import os
 import signal
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from multiprocessing.connection import Connection
-from pathlib import Path
 
 from cadet.episode import Episode
 from cadet.errors import CadetError, CadetWarning, InternalError
+from cadet.generate.engine import Failed, Made
 from cadet.generate.frames import is_whole, put_sample
 from cadet.generate.settings import Settings
-from cadet.sink import LocalSink, Sink
-
-
-@dataclass(frozen=True)
-class Made:
-    """A frame was written, or found whole."""
-
-    is_new: bool
+from cadet.object_sink import open_sink
+from cadet.sink import Sink
 
 
 @dataclass(frozen=True)
@@ -28,22 +24,21 @@ class EpisodeDone:
     """All frames of the episode are there: the worker waits for the next."""
 
 
-@dataclass(frozen=True)
-class Failed:
-    """The worker gives up."""
-
-    message: str
-    """One line."""
-    is_users: bool
-    """Whether the user can fix it: settings, disk. Otherwise it is a bug of ours."""
+def prepare(num_threads: int) -> None:
+    """Set a process up for episodes, before the core is first used in it."""
+    # The core's threads times the workers should be the processors; read when the core first uses them.
+    os.environ.setdefault("RAYON_NUM_THREADS", str(num_threads))
+    # The process that started this one has said what is to be said of maps.
+    warnings.simplefilter("ignore", CadetWarning)
 
 
-def make_episode(sink: Sink, settings: Settings, episode: int, conn: Connection) -> None:
-    """Write the frames of an episode that are not whole yet, telling `conn` of each."""
+def make_episode(sink: Sink, settings: Settings, episode: int, report: Callable[[Made], None]) -> None:
+    """Write the frames of an episode that are not whole yet, reporting each of its frames."""
     places = settings.places_of(episode)
     missing = [place.sample for place in places if not is_whole(sink, settings, place)]
-    for _ in range(len(places) - len(missing)):
-        conn.send(Made(is_new=False))
+    for place in places:
+        if place.sample not in missing:
+            report(Made(place.number, is_new=False))
     if not missing:
         return
     views = Episode(settings.policy, settings.seed, episode, wanted=settings.exporter.wanted(settings.extras))
@@ -52,28 +47,13 @@ def make_episode(sink: Sink, settings: Settings, episode: int, conn: Connection)
         sample = views.next_sample(number)
         if number in missing:
             put_sample(sink, settings, places[number], sample)
-            conn.send(Made(is_new=True))
+            report(Made(places[number].number, is_new=True))
 
 
-def work(conn: Connection, root: Path, settings: Settings, num_threads: int) -> None:
-    """Make the episodes whose numbers come in, until None comes or the parent is gone."""
-    # Ctrl-C reaches the whole process group; the parent decides what happens then.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    # The core's threads times the workers should be the processors; read when the core first uses them.
-    os.environ.setdefault("RAYON_NUM_THREADS", str(num_threads))
-    # The process that started this one has said what is to be said of maps.
-    warnings.simplefilter("ignore", CadetWarning)
-    sink = LocalSink(root)
+def outcome(episode: int, make: Callable[[], None]) -> EpisodeDone | Failed:
+    """Make an episode and return how it ended: no error but a lost connection to who listens gets out."""
     try:
-        while (episode := conn.recv()) is not None:
-            conn.send(_outcome(sink, settings, episode, conn))
-    except (EOFError, ConnectionError):
-        return
-
-
-def _outcome(sink: Sink, settings: Settings, episode: int, conn: Connection) -> EpisodeDone | Failed:
-    try:
-        make_episode(sink, settings, episode, conn)
+        make()
     except ConnectionError:
         raise
     except InternalError as error:
@@ -87,3 +67,16 @@ def _outcome(sink: Sink, settings: Settings, episode: int, conn: Connection) -> 
         text = " ".join(str(error).split()) or "no message"
         return Failed(f"{type(error).__name__} in episode {episode}: {text}", is_users=False)
     return EpisodeDone()
+
+
+def work(conn: Connection, root: str, settings: Settings, num_threads: int) -> None:
+    """Make the episodes whose numbers come in, until None comes or the parent is gone."""
+    # Ctrl-C reaches the whole process group; the parent decides what happens then.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    prepare(num_threads)
+    try:
+        sink = open_sink(root)
+        while (episode := conn.recv()) is not None:
+            conn.send(outcome(episode, partial(make_episode, sink, settings, episode, conn.send)))
+    except (EOFError, ConnectionError):
+        return

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 from typing import Any, Final
 
 from cadet.errors import CadetError
 from cadet.exporter import Ending, Place
 from cadet.kitti.dataset import encode_facts, encode_maps, encode_meta
-from cadet.kitti.files import REQUIRED, SUFFIXES, frame_ids
+from cadet.kitti.files import REQUIRED, SUFFIXES, ids_among
 from cadet.kitti.from_sample import calibration_of, labels_of, meta_of, move_off_zero_depth
 from cadet.kitti.image_sets import ImageSet
 from cadet.kitti.point_labels import bytes_from_point_labels, point_labels
@@ -71,9 +70,13 @@ class KittiExporter:
         """Return the `meta` file."""
         return encode_meta(dict(record))
 
-    def written(self, root: Path) -> list[int]:
+    def written(self, sink: Sink) -> set[int]:
         """Return the numbers of the frames. Strange files, such as a copy that a file manager made, are no frames."""
-        return [int(frame_id) for part in ("training", "testing") for frame_id in frame_ids(root / part)]
+        found = set()
+        for part in ("training", "testing"):
+            for kind in REQUIRED:
+                found |= {int(frame_id) for frame_id in ids_among(sink.names(f"{part}/{kind}"), kind)}
+        return found
 
     def finish(self, sink: Sink, places: Iterable[Place]) -> Ending:
         """Return `ImageSets`, and count the labels of the files."""

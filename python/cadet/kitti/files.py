@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Final
 
@@ -94,13 +94,17 @@ def display_name(path: Path) -> str:
 
 def frame_ids(folder: Path) -> tuple[str, ...]:
     """List the ids that any required folder has, sorted."""
-    ids = {
-        path.stem
-        for kind in REQUIRED
-        for path in (folder / kind).glob(f"*{SUFFIXES[kind]}")
-        if _ID.fullmatch(path.stem)
-    }
+    ids: set[str] = set()
+    for kind in REQUIRED:
+        ids |= ids_among((path.name for path in (folder / kind).glob(f"*{SUFFIXES[kind]}")), kind)
     return tuple(sorted(ids))
+
+
+def ids_among(names: Iterable[str], kind: str) -> set[str]:
+    """Return the ids of those names that are a file's of one kind (a key of `SUFFIXES`)."""
+    suffix = SUFFIXES[kind]
+    stems = (name.removesuffix(suffix) for name in names if name.endswith(suffix))
+    return {stem for stem in stems if _ID.fullmatch(stem)}
 
 
 def write_whole(contents: Mapping[Path, bytes]) -> None:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 from typing import Any
 
 from cadet.errors import CadetError
@@ -17,6 +17,7 @@ from cadet.sink import Sink
 
 IMAGE = "image_2"
 SCAN = "velodyne"
+_RECORD_NAME = re.compile(r"[0-9]{6}\.json")
 
 
 class SequenceExporter:
@@ -60,9 +61,9 @@ class SequenceExporter:
         """Return the record as JSON."""
         return record_bytes(record)
 
-    def written(self, root: Path) -> list[int]:
+    def written(self, sink: Sink) -> list[int]:
         """Return the numbers of the samples that have a record."""
-        return [int(path.stem) for path in (root / RECORDS).glob("[0-9]" * 6 + ".json")]
+        return [int(name[:6]) for name in sink.names(RECORDS) if _RECORD_NAME.fullmatch(name)]
 
     def finish(self, sink: Sink, places: Iterable[Place]) -> Ending:
         """Return the text files of all drives."""

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from pathlib import Path
 from typing import Any, Final
 
 import cv2
@@ -27,6 +27,7 @@ VERSION: Final = "v1.0-trainval"
 """The folder of the tables: the version that the devkit is told."""
 
 _RECORDS: Final = "records"
+_RECORD_NAME: Final = re.compile(r"[0-9]{6}\.json")
 _JPEG_QUALITY: Final = 95
 _FULL_SCALE: Final = 255.0
 _LEAST_SHARE: Final = 0.1
@@ -116,9 +117,9 @@ class NuscenesExporter:
         """Return the record as JSON."""
         return (json.dumps(record, separators=(",", ":"), allow_nan=False) + "\n").encode("ascii")
 
-    def written(self, root: Path) -> list[int]:
+    def written(self, sink: Sink) -> list[int]:
         """Return the numbers of the samples that have a record."""
-        return [int(path.stem) for path in (root / _RECORDS).glob("[0-9]" * 6 + ".json")]
+        return [int(name[:6]) for name in sink.names(_RECORDS) if _RECORD_NAME.fullmatch(name)]
 
     def finish(self, sink: Sink, places: Iterable[Place]) -> Ending:
         """Return the tables, made of all records."""
