@@ -119,7 +119,7 @@ bench-peers: build-dev ## Time the ideal scan against Embree and parry on the sa
 gallery: build ## Draw every family of actors, every district in several weathers, and scans to gallery/ (minutes)
 	$(BIN)/cadet gallery gallery $(if $(REAL),--real $(REAL))
 
-$(BIN)/mkdocs: pyproject.toml | $(BIN)/python
+$(BIN)/mkdocs: | $(BIN)/python
 	@$(PIP) install 'mkdocs>=1.6.1' 'mkdocs-material>=9.6' 'mkdocstrings[python]>=0.30'
 
 docs: $(BIN)/mkdocs ## Build the documentation's site into site/; a dead link or a page outside the menu is an error
