@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import fcntl
 import os
 import shutil
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import Final, Protocol
 
 from cadet.errors import CadetError
+from cadet.operating_system import FolderInUseError, locked_folder
 
 _PARTIAL: Final = ".partial"
 
@@ -105,17 +105,12 @@ class LocalSink:
             OSError: the folder can't be made or locked.
         """
         self.root.mkdir(parents=True, exist_ok=True)
-        folder = os.open(self.root, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
-        try:
+        with contextlib.ExitStack() as held:
             try:
-                fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
+                held.enter_context(locked_folder(self.root, self._partial / "lock"))
+            except FolderInUseError:
                 raise CadetError(f"another cadet-gen is writing to {self.root}: let it end first") from None
-            except OSError as error:
-                raise OSError(error.errno, f"cannot be locked: {error.strerror}", str(self.root)) from None
             yield
-        finally:
-            os.close(folder)
 
     def put(self, name: str, data: bytes | Iterable[bytes]) -> None:
         """Store an object under its name, replacing an older one: readers see all of it or none of it.

@@ -23,8 +23,8 @@ from cadet.environment import Environment
 from cadet.errors import CadetError, CadetWarning
 from cadet.generate.engine import WorkerError
 from cadet.generate.interrupts import interrupts_held
-from cadet.generate.run import num_processors
 from cadet.kitti import Frame
+from cadet.operating_system import num_processors
 from cadet.policy import ResetPolicy
 from cadet.rig import Rig
 

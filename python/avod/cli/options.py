@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,6 +16,7 @@ from cadet import kitti
 from cadet.cli.progress import reporter
 from cadet.errors import CadetError, MissingFileError
 from cadet.kitti.image_sets import check_not_empty
+from cadet.operating_system import num_processors
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -90,7 +90,7 @@ def detection_options(command: F) -> F:
 
 def resolve_workers(count: int | None) -> int:
     """Return how many processes read frames; None for as many as processors that this process may use."""
-    return min(len(os.sched_getaffinity(0)), DEFAULT_WORKERS) if count is None else count
+    return min(num_processors(), DEFAULT_WORKERS) if count is None else count
 
 
 def resolve_device(name: str) -> torch.device:

@@ -9,11 +9,12 @@ from types import FrameType, TracebackType
 from typing import Final
 
 from cadet.cli.signals import INTERRUPTED, Terminated
+from cadet.operating_system import ENDING_SIGNALS
 
 OUT_OF_TIME: Final = 75
 """The exit code when `--max-minutes` are over: sysexits.h's "try again later"."""
 
-_SIGNALS: Final = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+_SIGNALS: Final = (signal.SIGINT, *ENDING_SIGNALS)
 
 
 class Stopping:

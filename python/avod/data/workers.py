@@ -11,6 +11,8 @@ import cv2
 from torch.utils.data import DataLoader
 from torch.utils.data.dataloader import _MultiProcessingDataLoaderIter
 
+from cadet.operating_system import ENDING_SIGNALS
+
 
 @contextmanager
 def running(loader: DataLoader[Any]) -> Iterator[Iterator[Any]]:
@@ -39,7 +41,7 @@ def outlive_signals(_: int) -> None:
     Ctrl-C and most managers of jobs signal all processes of a group, and the parent still trains to the end of its
     step. They end when they are told to (`running`), or without a parent.
     """
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+    for number in (signal.SIGINT, *ENDING_SIGNALS):
         signal.signal(number, signal.SIG_IGN)
 
 

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import click
 
-from cadet.generate.run import num_processors
 from cadet.kitti.files import frame_ids, sample_folder, testing_folder
 from cadet.kitti.lint import Finding, lint
+from cadet.operating_system import num_processors
 
 _FINDINGS_SHOWN = 50
 

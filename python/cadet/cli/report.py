@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from cadet.generate.run import num_processors
+from cadet.operating_system import num_processors
 from cadet.report import write_report
 
 

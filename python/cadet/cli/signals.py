@@ -9,6 +9,8 @@ from collections.abc import Iterator
 from types import FrameType
 from typing import NoReturn
 
+from cadet.operating_system import ENDING_SIGNALS
+
 INTERRUPTED = 130
 """The exit code after Ctrl-C; after another signal it is 128 and the signal's number."""
 
@@ -35,8 +37,7 @@ def signals_end() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    signals = (signal.SIGTERM, signal.SIGHUP)
-    heard = [number for number in signals if signal.getsignal(number) is signal.SIG_DFL]
+    heard = [number for number in ENDING_SIGNALS if signal.getsignal(number) is signal.SIG_DFL]
     for number in heard:
         signal.signal(number, end)
     try:

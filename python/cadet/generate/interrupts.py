@@ -8,6 +8,8 @@ import threading
 from collections.abc import Iterator
 from multiprocessing import resource_tracker
 
+from cadet.operating_system import interrupts_blocked
+
 
 @contextlib.contextmanager
 def interrupts_held() -> Iterator[None]:
@@ -18,11 +20,10 @@ def interrupts_held() -> Iterator[None]:
     is_main = threading.current_thread() is threading.main_thread()
     # Blocked signals may still come by way of another thread.
     before = signal.signal(signal.SIGINT, lambda number, _: held.append(number)) if is_main else None
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
-        yield
+        with interrupts_blocked():
+            yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
         if is_main:
             signal.signal(signal.SIGINT, before)
     if held and callable(before):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import multiprocessing
-import signal
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -15,6 +14,7 @@ from cadet.generate.engine import SILENCE_S, Failed, Made, WorkerError
 from cadet.generate.interrupts import interrupts_held
 from cadet.generate.settings import Settings
 from cadet.generate.worker import EpisodeDone, work
+from cadet.operating_system import ENDING_SIGNALS
 
 _MOST_DEATHS: Final = 2
 _POLL_S: Final = 1.0
@@ -150,7 +150,7 @@ class LocalEngine:
         process = self._processes[conn]
         process.join(timeout=5.0)
         code = process.exitcode
-        if code in (-signal.SIGTERM, -signal.SIGHUP):
+        if code is not None and -code in ENDING_SIGNALS:
             # A signal to the whole group is ours to answer: it may come a moment later than to the worker.
             time.sleep(0.5)
         return f"by signal {-code}" if code is not None and code < 0 else f"with exit code {code}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -18,6 +17,7 @@ from cadet.generate.manifest import put_manifest
 from cadet.generate.ray_engine import RayEngine
 from cadet.generate.settings import Settings
 from cadet.object_sink import is_url, open_sink
+from cadet.operating_system import num_processors
 
 ENGINES: Final = ("local", "ray")
 """What makes episodes: processes of this machine, or a Ray cluster."""
@@ -33,11 +33,6 @@ class Summary:
     """Frames that were there already, whole."""
     labels: Counter[str]
     """Labels by type in the whole dataset."""
-
-
-def num_processors() -> int:
-    """Return how many processors this process may use."""
-    return len(os.sched_getaffinity(0))
 
 
 def generate(
