@@ -18,6 +18,7 @@ else:
     import tomli as tomllib
 
 ROOT = Path(__file__).parents[1]
+FOR_FSSPEC = {"gcsfs", "s3fs"}
 PAGES = sorted(str(page.relative_to(ROOT)) for folder in (ROOT, ROOT / "docs") for page in folder.glob("*.md"))
 
 
@@ -49,13 +50,14 @@ def test_a_page_names_no_source_that_readers_lack(page: str) -> None:
 
 
 def test_every_extra_is_used() -> None:
-    """An extra for users installs what some file of the package imports."""
+    """An extra for users installs what some file of the package imports, or fsspec for a URL's protocol."""
     extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
     code = "\n".join(path.read_text() for path in (ROOT / "python").rglob("*.py"))
     for extra in set(extras) - {"dev"}:
         for requirement in extras[extra]:
             name = re.split(r"[^A-Za-z0-9_-]", requirement)[0].replace("-", "_")
-            assert re.search(rf"^ *(?:import|from) {name}\b", code, re.MULTILINE), f"{extra}: {requirement}"
+            used = rf'^ *(?:import|from) {name}\b|\bload_extra\("{name}"'
+            assert name in FOR_FSSPEC or re.search(used, code, re.MULTILINE), f"{extra}: {requirement}"
 
 
 @pytest.mark.parametrize(("run", "name"), [(run_cadet, "cadet"), (run_cadet_gen, "cadet-gen")])

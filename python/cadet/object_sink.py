@@ -129,9 +129,12 @@ class ObjectSink:
         Raises:
             FileNotFoundError: one is not there.
         """
-        paths = [self._path(name) for name in names]
-        found: dict[str, bytes] = self._call(names[0], self._store.cat, paths, recursive=False) if paths else {}
-        return [found[path] for path in paths]
+        paths = {name: self._path(name) for name in names}
+        if not paths:
+            return []
+        found: dict[str, bytes | Exception]
+        found = self._call("", self._store.cat, list(paths.values()), recursive=False, on_error="return")
+        return [self._bytes(name, found[path]) for name, path in paths.items()]
 
     def names(self, folder: str) -> list[str]:
         """Return the names of what lies in a folder, sorted; none if no object's name begins so."""
@@ -151,19 +154,27 @@ class ObjectSink:
     def _path(self, name: str) -> str:
         return f"{self._root}/{name}"
 
+    def _bytes(self, name: str, data: bytes | Exception) -> bytes:
+        if isinstance(data, Exception):
+            raise self._named(name, data)
+        return data
+
     def _call(self, name: str, function: Callable[..., _Result], *arguments: Any, **options: Any) -> _Result:
-        """Call the store's library and name the object in its errors, which are of all kinds."""
-        where = f"{self.location}/{name}".rstrip("/")
+        """Call the store's library and name the object in its errors."""
         try:
             return function(*arguments, **options)
-        except FileNotFoundError as error:
-            raise FileNotFoundError(errno.ENOENT, _reason(error), where) from None
-        except FileExistsError:
-            raise FileExistsError(errno.EEXIST, "is there already", where) from None
-        except PermissionError as error:
-            raise PermissionError(errno.EACCES, _reason(error), where) from None
         except Exception as error:  # noqa: BLE001 - every store's library has errors of its own
-            raise OSError(errno.EIO, _reason(error), where) from None
+            raise self._named(name, error) from None
+
+    def _named(self, name: str, error: Exception) -> OSError:
+        where = f"{self.location}/{name}".rstrip("/")
+        if isinstance(error, FileNotFoundError):
+            return FileNotFoundError(errno.ENOENT, _reason(error), where)
+        if isinstance(error, FileExistsError):
+            return FileExistsError(errno.EEXIST, "is there already", where)
+        if isinstance(error, PermissionError):
+            return PermissionError(errno.EACCES, _reason(error), where)
+        return OSError(errno.EIO, _reason(error), where)
 
 
 def _reason(error: Exception) -> str:

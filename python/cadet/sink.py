@@ -7,6 +7,7 @@ import os
 import shutil
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
+from itertools import islice
 from pathlib import Path
 from typing import Final, Protocol
 
@@ -14,6 +15,7 @@ from cadet.errors import CadetError
 from cadet.operating_system import FolderInUseError, locked_folder
 
 _PARTIAL: Final = ".partial"
+_READ_AT_A_TIME: Final = 256
 
 
 class Sink(Protocol):
@@ -75,6 +77,17 @@ class Sink(Protocol):
 
     def remove_partial(self) -> None:
         """Remove what killed writers have left behind; only for who holds the store."""
+
+
+def read_each(sink: Sink, names: Iterable[str]) -> Iterator[bytes]:
+    """Yield the bytes of many objects in their order, some hundred read at a time.
+
+    Raises:
+        FileNotFoundError: one is not there.
+    """
+    rest = iter(names)
+    while some := list(islice(rest, _READ_AT_A_TIME)):
+        yield from sink.read_all(some)
 
 
 class LocalSink:

@@ -41,18 +41,22 @@ def is_whole(sink: Sink, settings: Settings, place: Place) -> bool:
         return False
 
 
-def recorded_hashes(sink: Sink, settings: Settings, place: Place) -> dict[str, str]:
+def recorded_hashes(settings: Settings, place: Place, data: bytes) -> dict[str, str]:
     """Return the hashes of a whole sample's files by name, the record's own included.
 
+    Args:
+        settings: the dataset's.
+        place: the sample's.
+        data: its record.
+
     Raises:
-        CadetError: the record was removed or damaged while the dataset was being written.
+        CadetError: the record was damaged while the dataset was being written.
     """
     path = settings.exporter.path
     name = path(place, "record")
     try:
-        data = sink.read(name)
         hashes = {path(place, kind): digest for kind, digest in _recorded(data, settings).items()}
-    except (FileNotFoundError, ValueError):
+    except ValueError:
         raise CadetError(f"{name} was changed by another program during the run") from None
     return {**hashes, name: sha256(data).hexdigest()}
 

@@ -9,9 +9,10 @@ from collections.abc import Callable, Iterable, Iterator
 from hashlib import sha256
 from typing import Any
 
+from cadet.errors import CadetError
 from cadet.generate.frames import recorded_hashes
 from cadet.generate.settings import Settings
-from cadet.sink import Sink
+from cadet.sink import Sink, read_each
 
 MANIFEST = "manifest.json"
 _NOT_ALLOWED = (errno.EROFS, errno.EACCES, errno.EPERM)
@@ -24,7 +25,18 @@ def put_manifest(sink: Sink, settings: Settings) -> Counter[str]:
 
     Returns:
         How many labels of each type there are.
+
+    Raises:
+        CadetError: a file was removed or damaged while the dataset was being written.
+        OSError: one can't be read or written.
     """
+    try:
+        return _put_ending(sink, settings)
+    except FileNotFoundError as error:
+        raise CadetError(f"{error.filename} was removed by another program during the run") from None
+
+
+def _put_ending(sink: Sink, settings: Settings) -> Counter[str]:
     ending = settings.exporter.finish(sink, settings.places())
     hashes: dict[str, str] = {}
     for name, data in ending.files.items():
@@ -71,8 +83,9 @@ def _chunks(head: dict[str, Any], hashes: dict[str, str], sink: Sink, settings: 
     """Yield the manifest frame by frame, so that its size does not bound the dataset's."""
     yield json.dumps(head, indent=1, allow_nan=False)[:-2].encode("ascii") + b',\n "sha256": {\n'
     yield _lines(hashes)
-    for place in settings.places():
-        yield b",\n" + _lines(recorded_hashes(sink, settings, place))
+    records = read_each(sink, (settings.exporter.path(place, "record") for place in settings.places()))
+    for place, record in zip(settings.places(), records, strict=True):
+        yield b",\n" + _lines(recorded_hashes(settings, place, record))
     yield b"\n }\n}\n"
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
+from itertools import tee
 from typing import Any, Final
 
 from cadet.errors import CadetError
@@ -15,7 +16,7 @@ from cadet.kitti.image_sets import ImageSet
 from cadet.kitti.point_labels import bytes_from_point_labels, point_labels
 from cadet.rig import RIGHT_CAMERA, Rig
 from cadet.sample import Sample, Wanted
-from cadet.sink import Sink
+from cadet.sink import Sink, read_each
 
 _MAPS: Final = ("depth", "instance", "semantic")
 
@@ -82,11 +83,13 @@ class KittiExporter:
         """Return `ImageSets`, and count the labels of the files."""
         ids: dict[str, list[str]] = {"train": [], "val": [], "trainval": [], "test": []}
         types: Counter[str] = Counter()
-        for place in places:
+        places, same = tee(places)
+        labels = read_each(sink, (self.path(place, "label_2") for place in same))
+        for place, text in zip(places, labels, strict=True):
             ids[place.split].append(place.id)
             if place.split != "test":
                 ids["trainval"].append(place.id)
-            lines = sink.read(self.path(place, "label_2")).decode("ascii").splitlines()
+            lines = text.decode("ascii").splitlines()
             types.update(line.split(" ", 1)[0] for line in lines)
         files = {f"ImageSets/{split}.txt": ImageSet(tuple(i)).to_text().encode("ascii") for split, i in ids.items()}
         # Tools of others list these folders, be there a test frame or none.

@@ -7,6 +7,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
+from itertools import tee
 from typing import Any, Final
 
 import cv2
@@ -21,7 +22,7 @@ from cadet.plain_text import json_from_text
 from cadet.pose import inverse, product, quaternion_of
 from cadet.rig import Rig
 from cadet.sample import Agent, Sample, Scan, Wanted
-from cadet.sink import Sink
+from cadet.sink import Sink, read_each
 
 VERSION: Final = "v1.0-trainval"
 """The folder of the tables: the version that the devkit is told."""
@@ -124,11 +125,13 @@ class NuscenesExporter:
     def finish(self, sink: Sink, places: Iterable[Place]) -> Ending:
         """Return the tables, made of all records."""
         tables = Tables()
-        for place in places:
+        places, same = tee(places)
+        records = read_each(sink, (self.path(place, "record") for place in same))
+        for place, data in zip(places, records, strict=True):
             name = self.path(place, "record")
             try:
-                record = json_from_text(sink.read(name), name)
-            except (FileNotFoundError, FileFormatError):
+                record = json_from_text(data, name)
+            except FileFormatError:
                 raise CadetError(f"{name} was changed by another program during the run") from None
             tables.add(place, record, {channel: self.path(place, kind) for channel, kind in _channels(record)})
         rows = tables.finished()
