@@ -1,4 +1,4 @@
-"""What a dataset's format must be able to do: `cadet.kitti` and `cadet.nuscenes` are two of them."""
+"""What a dataset's format must be able to do: `cadet.kitti`, `cadet.nuscenes` and `cadet.webdataset`."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any, Literal, Protocol, TypeAlias
 
 from cadet.rig import Rig
 from cadet.sample import Sample, Wanted
-from cadet.sink import Sink
+from cadet.sink import LocalSink, Sink
 
 Split: TypeAlias = Literal["train", "val", "test"]
 
@@ -27,6 +27,8 @@ class Place:
     """The sample within the episode."""
     split: Split
     """The episode's split."""
+    rank: int
+    """Of the samples of its split, from 0."""
 
     @property
     def id(self) -> str:
@@ -83,6 +85,12 @@ class Exporter(Protocol):
 
     def written(self, root: Path) -> Iterable[int]:
         """Return the numbers of the samples of which something lies in a dataset's folder."""
+
+    def store(self, sink: LocalSink) -> Sink:
+        """Return what takes the files, in a dataset's folder: the folder itself where a file of `path` is a file."""
+
+    def end_episode(self, sink: Sink, places: Iterable[Place]) -> None:
+        """Do what is to be done once the samples of an episode are whole, in the process that made them."""
 
     def finish(self, sink: Sink, places: Iterable[Place]) -> Ending:
         """Return what the dataset ends with, from the records and files that are there."""

@@ -47,6 +47,7 @@ _LEAST_FRACTION = 1e-6
 )
 @click.option("--skip-bad-assets", is_flag=True, help="Leave out vehicles whose meshes are missing or broken.")
 @click.option("--format", "dataset_format", type=click.Choice(list(EXPORTERS)), default="kitti", show_default=True)
+@click.option("--shard-size", type=click.IntRange(1, 10_000), help="Samples of a shard of webdataset.  [default: 1000]")
 @click.option("--sequence", is_flag=True, help="Episodes of some seconds, a sample each time step, not each 10 m.")
 @click.option("--hz", type=float, help="Samples a second of a sequence.  [default: 2]")
 @click.option("--length", metavar="SECONDS", help="Length of a sequence, such as 20s.  [default: 20s]")
@@ -80,6 +81,7 @@ def cadet_gen(
     assets: Path | None,
     skip_bad_assets: bool,
     dataset_format: str,
+    shard_size: int | None,
     sequence: bool,
     hz: float | None,
     length: str | None,
@@ -90,12 +92,13 @@ def cadet_gen(
     val_fraction: float,
     test_fraction: float,
 ) -> int:
-    """Write a dataset of procedurally generated suburbs to the folder OUT, in KITTI's format or nuScenes'.
+    """Write a dataset of procedurally generated suburbs to the folder OUT: KITTI's files, in shards or not, or nuScenes'.
 
     \b
     cadet-gen out -n 10000 --seed 0
     cadet-gen out -n 20000 --seed 0 --resume          # the first 10000 stay as they are
     cadet-gen scenes -n 160 --format nuscenes --sequence --hz 2 --length 20s
+    cadet-gen shards -n 100000 --format webdataset --shard-size 1000
     cadet-gen rain -n 500 --weather hard_rain_noon --write depth,instance
 
     Weathers: {weathers}
@@ -113,6 +116,7 @@ def cadet_gen(
             length,
         ),
         format=dataset_format,
+        shard_size=shard_size,
         extras=tuple(name.strip() for name in write.split(",") if name.strip()),
         val_period=_period("--val-fraction", val_fraction),
         test_period=_period("--test-fraction", test_fraction),

@@ -41,7 +41,7 @@ def generate(
     on_frame: Callable[[bool], None] = lambda is_new: None,
     on_silence: Callable[[str], None] = lambda text: None,
 ) -> Summary:
-    """Write a dataset in KITTI's layout. The same settings give the same bytes, whatever else is asked.
+    """Write a dataset. The same settings give the same bytes, whatever else is asked.
 
     Args:
         root: its folder.
@@ -71,4 +71,4 @@ def generate(
                 on_frame(made.is_new)
         finally:
             pool.close()
-        return Summary(num_new, num_kept, put_manifest(sink, settings))
+        return Summary(num_new, num_kept, put_manifest(settings.exporter.store(sink), settings))

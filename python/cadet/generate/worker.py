@@ -44,8 +44,13 @@ def make_episode(sink: Sink, settings: Settings, episode: int, conn: Connection)
     missing = [place.sample for place in places if not is_whole(sink, settings, place)]
     for _ in range(len(places) - len(missing)):
         conn.send(Made(is_new=False))
-    if not missing:
-        return
+    if missing:
+        _make_samples(sink, settings, episode, missing, conn)
+    settings.exporter.end_episode(sink, places)
+
+
+def _make_samples(sink: Sink, settings: Settings, episode: int, missing: list[int], conn: Connection) -> None:
+    places = settings.places_of(episode)
     views = Episode(settings.policy, settings.seed, episode, wanted=settings.exporter.wanted(settings.extras))
     # Driving leads from view to view, so frames that are there already are seen again, but not written.
     for number in range(missing[-1] + 1):
@@ -63,7 +68,7 @@ def work(conn: Connection, root: Path, settings: Settings, num_threads: int) -> 
     os.environ.setdefault("RAYON_NUM_THREADS", str(num_threads))
     # The process that started this one has said what is to be said of maps.
     warnings.simplefilter("ignore", CadetWarning)
-    sink = LocalSink(root)
+    sink = settings.exporter.store(LocalSink(root))
     try:
         while (episode := conn.recv()) is not None:
             conn.send(_outcome(sink, settings, episode, conn))

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -16,7 +17,7 @@ from cadet.kitti.image_sets import ImageSet
 from cadet.kitti.point_labels import bytes_from_point_labels, point_labels
 from cadet.rig import RIGHT_CAMERA, Rig
 from cadet.sample import Sample, Wanted
-from cadet.sink import Sink
+from cadet.sink import LocalSink, Sink
 
 _MAPS: Final = ("depth", "instance", "semantic")
 
@@ -74,16 +75,29 @@ class KittiExporter:
         """Return the numbers of the frames. Strange files, such as a copy that a file manager made, are no frames."""
         return [int(frame_id) for part in ("training", "testing") for frame_id in frame_ids(root / part)]
 
+    def store(self, sink: LocalSink) -> Sink:
+        """Return the folder as it is."""
+        return sink
+
+    def end_episode(self, sink: Sink, places: Iterable[Place]) -> None:
+        """Do nothing: each frame stands for itself."""
+
     def finish(self, sink: Sink, places: Iterable[Place]) -> Ending:
         """Return `ImageSets`, and count the labels of the files."""
-        ids: dict[str, list[str]] = {"train": [], "val": [], "trainval": [], "test": []}
-        types: Counter[str] = Counter()
-        for place in places:
-            ids[place.split].append(place.id)
-            if place.split != "test":
-                ids["trainval"].append(place.id)
-            lines = sink.read(self.path(place, "label_2")).decode("ascii").splitlines()
-            types.update(line.split(" ", 1)[0] for line in lines)
-        files = {f"ImageSets/{split}.txt": ImageSet(tuple(i)).to_text().encode("ascii") for split, i in ids.items()}
         # Tools of others list these folders, be there a test frame or none.
-        return Ending(files, types, tuple(f"testing/{folder}" for folder in REQUIRED))
+        folders = tuple(f"testing/{folder}" for folder in REQUIRED)
+        return replace(ending(places, lambda place: sink.read(self.path(place, "label_2"))), folders=folders)
+
+
+def ending(places: Iterable[Place], read_labels: Callable[[Place], bytes]) -> Ending:
+    """Return `ImageSets`, and count the labels of samples' label files."""
+    ids: dict[str, list[str]] = {"train": [], "val": [], "trainval": [], "test": []}
+    types: Counter[str] = Counter()
+    for place in places:
+        ids[place.split].append(place.id)
+        if place.split != "test":
+            ids["trainval"].append(place.id)
+        lines = read_labels(place).decode("ascii").splitlines()
+        types.update(line.split(" ", 1)[0] for line in lines)
+    files = {f"ImageSets/{split}.txt": ImageSet(tuple(i)).to_text().encode("ascii") for split, i in ids.items()}
+    return Ending(files, types)

@@ -21,7 +21,7 @@ from cadet.plain_text import json_from_text
 from cadet.pose import inverse, product, quaternion_of
 from cadet.rig import Rig
 from cadet.sample import Agent, Sample, Scan, Wanted
-from cadet.sink import Sink
+from cadet.sink import LocalSink, Sink
 
 VERSION: Final = "v1.0-trainval"
 """The folder of the tables: the version that the devkit is told."""
@@ -118,6 +118,13 @@ class NuscenesExporter:
     def written(self, root: Path) -> list[int]:
         """Return the numbers of the samples that have a record."""
         return [int(path.stem) for path in (root / _RECORDS).glob("[0-9]" * 6 + ".json")]
+
+    def store(self, sink: LocalSink) -> Sink:
+        """Return the folder as it is."""
+        return sink
+
+    def end_episode(self, sink: Sink, places: Iterable[Place]) -> None:
+        """Do nothing: the tables are made when all samples are there."""
 
     def finish(self, sink: Sink, places: Iterable[Place]) -> Ending:
         """Return the tables, made of all records."""
