@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, Protocol, TypeAlias
@@ -86,8 +86,8 @@ class Exporter(Protocol):
     def written(self, root: Path) -> Iterable[int]:
         """Return the numbers of the samples of which something lies in a dataset's folder."""
 
-    def store(self, sink: LocalSink) -> Sink:
-        """Return what takes the files, in a dataset's folder: the folder itself where a file of `path` is a file."""
+    def store(self, sink: LocalSink, place_of: Callable[[int], Place]) -> Sink:
+        """Return what takes the files: the dataset's folder itself, where a name of `path` is that of a file."""
 
     def end_episode(self, sink: Sink, places: Iterable[Place]) -> None:
         """Do what is to be done once the samples of an episode are whole, in the process that made them."""

@@ -92,7 +92,7 @@ def cadet_gen(
     val_fraction: float,
     test_fraction: float,
 ) -> int:
-    """Write a dataset of procedurally generated suburbs to the folder OUT: KITTI's files, in shards or not, or nuScenes'.
+    """Write a dataset of procedurally generated suburbs to the folder OUT: KITTI's, nuScenes', or shards.
 
     \b
     cadet-gen out -n 10000 --seed 0

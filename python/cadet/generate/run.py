@@ -71,4 +71,4 @@ def generate(
                 on_frame(made.is_new)
         finally:
             pool.close()
-        return Summary(num_new, num_kept, put_manifest(settings.exporter.store(sink), settings))
+        return Summary(num_new, num_kept, put_manifest(settings.exporter.store(sink, settings.place), settings))

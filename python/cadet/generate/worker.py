@@ -68,7 +68,7 @@ def work(conn: Connection, root: Path, settings: Settings, num_threads: int) -> 
     os.environ.setdefault("RAYON_NUM_THREADS", str(num_threads))
     # The process that started this one has said what is to be said of maps.
     warnings.simplefilter("ignore", CadetWarning)
-    sink = settings.exporter.store(LocalSink(root))
+    sink = settings.exporter.store(LocalSink(root), settings.place)
     try:
         while (episode := conn.recv()) is not None:
             conn.send(_outcome(sink, settings, episode, conn))

@@ -75,7 +75,7 @@ class KittiExporter:
         """Return the numbers of the frames. Strange files, such as a copy that a file manager made, are no frames."""
         return [int(frame_id) for part in ("training", "testing") for frame_id in frame_ids(root / part)]
 
-    def store(self, sink: LocalSink) -> Sink:
+    def store(self, sink: LocalSink, place_of: Callable[[int], Place]) -> Sink:
         """Return the folder as it is."""
         return sink
 

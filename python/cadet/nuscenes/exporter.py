@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -119,7 +119,7 @@ class NuscenesExporter:
         """Return the numbers of the samples that have a record."""
         return [int(path.stem) for path in (root / _RECORDS).glob("[0-9]" * 6 + ".json")]
 
-    def store(self, sink: LocalSink) -> Sink:
+    def store(self, sink: LocalSink, place_of: Callable[[int], Place]) -> Sink:
         """Return the folder as it is."""
         return sink
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,7 @@ from cadet.rig import Rig
 from cadet.sample import Sample, Wanted
 from cadet.sink import LocalSink, Sink
 from cadet.webdataset.member_names import member_name, parse_member_name
-from cadet.webdataset.shard_sink import ShardSink
+from cadet.webdataset.shard_sink import ShardSink, names_in_shards
 
 SHARD_SIZE = 1000
 """Samples of a shard, if nothing else is asked for: some 2 GB of KITTI's rig."""
@@ -62,9 +62,9 @@ class WebdatasetExporter:
         """Return the `meta` file."""
         return _KITTI.record_bytes(record)
 
-    def store(self, sink: LocalSink) -> ShardSink:
+    def store(self, sink: LocalSink, place_of: Callable[[int], Place]) -> ShardSink:
         """Return what takes samples' files and holds them in shards."""
-        return ShardSink(sink)
+        return ShardSink(sink, lambda number: self.shard(place_of(number)))
 
     def end_episode(self, sink: Sink, places: Iterable[Place]) -> None:
         """Pack the shards that an episode has filled."""
@@ -74,14 +74,14 @@ class WebdatasetExporter:
 
     def written(self, root: Path) -> set[int]:
         """Return the numbers of the samples of which something lies in a shard or aside."""
-        sink = self.store(LocalSink(root))
-        names = (parse_member_name(name) for shard in sink.shards() for name in sink.names(shard))
-        return {int(parsed[0]) for parsed in names if parsed is not None}
+        parsed = map(parse_member_name, names_in_shards(root))
+        return {int(name[0]) for name in parsed if name is not None}
 
     def finish(self, sink: Sink, places: Iterable[Place]) -> Ending:
         """Pack what is left, and return `ImageSets` and the number of labels."""
         assert isinstance(sink, ShardSink)
         for shard in sink.shards():
             sink.pack(shard)
+            sink.mend(shard)
         sink.remove_staging()
         return ending(places, lambda place: sink.read(self.path(place, "label_2")))

@@ -7,12 +7,15 @@ import tarfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Final
 
 from cadet.checks import shown
 from cadet.errors import MissingFileError
 from cadet.webdataset.index import SUFFIX, index_from_text
 from cadet.webdataset.member import ArchiveError, Member
 from cadet.webdataset.tar_reading import read_members
+
+_MAX_INDEX_BYTES: Final = 1 << 26
 
 
 @dataclass(frozen=True)
@@ -37,14 +40,25 @@ class Shard:
             MissingFileError: there is no such archive.
             ArchiveError: it, or its index, is one that `read_members` or `index_from_text` refuses.
         """
+        index = path.with_suffix(SUFFIX)
+        if not path.is_file() or not index.is_file():
+            return cls.by_headers(path)
+        if index.stat().st_size > _MAX_INDEX_BYTES:
+            raise ArchiveError(f"{index.stat().st_size} bytes, expected at most {_MAX_INDEX_BYTES}", str(index))
+        text = index.read_bytes().decode("ascii", errors="replace")
+        return cls(path, index_from_text(text, str(index)), is_indexed=True)
+
+    @classmethod
+    def by_headers(cls, path: Path) -> Shard:
+        """Find the files of an archive without its index.
+
+        Raises:
+            MissingFileError: there is no such archive.
+            ArchiveError: it is one that `read_members` refuses.
+        """
         if not path.is_file():
             raise MissingFileError(f"{path}: no such archive")
-        index = path.with_suffix(SUFFIX)
-        try:
-            text = index.read_bytes().decode("ascii", errors="replace")
-        except FileNotFoundError:
-            return cls(path, read_members(path, str(path)), is_indexed=False)
-        return cls(path, index_from_text(text, str(index)), is_indexed=True)
+        return cls(path, read_members(path, str(path)), is_indexed=False)
 
     def read(self, name: str) -> bytes:
         """Return a file's bytes.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import fcntl
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Final
 
@@ -29,11 +29,12 @@ class ShardSink:
 
     Args:
         sink: the folder.
+        shard_of: returns the shard that a frame belongs into, by its number.
     """
 
-    def __init__(self, sink: LocalSink) -> None:
-        self._sink = sink
-        self._read_last: tuple[str, tuple[int, ...], Shard] | None = None
+    def __init__(self, sink: LocalSink, shard_of: Callable[[int], str]) -> None:
+        self._sink, self._shard_of = sink, shard_of
+        self._seen: tuple[tuple[str, int, int, int], tuple[Shard, ...]] | None = None
 
     def put(self, name: str, data: bytes | Iterable[bytes]) -> None:
         """Store an object under its name, or aside if it belongs into a shard.
@@ -55,7 +56,7 @@ class ShardSink:
             return self._sink.read(f"{_STAGED}/{name}")
         except FileNotFoundError:
             shard, _, member = name.rpartition("/")
-            return self._read_member(shard, member)
+            return self._read_packed(shard, member)
 
     def make_folder(self, name: str) -> None:
         """Make a folder that may stay empty.
@@ -65,19 +66,9 @@ class ShardSink:
         """
         self._sink.make_folder(name)
 
-    def names(self, shard: str) -> set[str]:
-        """Return the members of a shard, packed or still aside."""
-        try:
-            packed = set(Shard.open(self._sink.root / shard).members)
-        except (CadetError, FileNotFoundError):
-            packed = set()
-        return packed | set(self._staged(shard))
-
     def shards(self) -> list[str]:
         """List the shards that are there or begun."""
-        root = self._sink.root
-        found = {str(path.relative_to(base)) for base in (root, root / _STAGED) for path in base.glob("*/*.tar")}
-        return sorted(found)
+        return _shards(self._sink.root)
 
     def pack(self, shard: str, *, only_at: int | None = None) -> None:
         """Write a shard and its index of all that belongs into it; nothing lies aside afterwards.
@@ -93,18 +84,26 @@ class ShardSink:
             staged = self._staged(shard)
             if not staged:
                 return
-            names = sorted(self.names(shard), key=member_order)
+            names = self._names(shard, staged)
             if only_at is not None and sum(_is_record(name) for name in names) < only_at:
                 return
-            members: dict[str, Member] = {}
-            files = ((name, self.read(f"{shard}/{name}")) for name in names)
-            index = str(Path(shard).with_suffix(SUFFIX))
-            # An index beside another archive than its own would be worse than none.
-            (self._sink.root / index).unlink(missing_ok=True)
-            self._sink.put(shard, archive_chunks(files, members))
-            self._sink.put(index, text_from_index(members).encode("ascii"))
+            self._write(shard, names)
             for name in staged:
                 (self._sink.root / _STAGED / shard / name).unlink()
+
+    def mend(self, shard: str) -> None:
+        """Write a packed shard anew if its headers or its end are damaged, and its index if it is not the shard's.
+
+        Raises:
+            OSError: as `LocalSink.put`.
+        """
+        try:
+            members = Shard.by_headers(self._sink.root / shard).members
+            is_indexed = self._sink.read(_index_of(shard)) == text_from_index(members).encode("ascii")
+        except (CadetError, FileNotFoundError):
+            is_indexed = False
+        if not is_indexed:
+            self._write(shard, self._names(shard, ()))
 
     def remove_staging(self) -> None:
         """Remove the folders of what lay aside, once all is packed; what is not packed stays."""
@@ -113,23 +112,56 @@ class ShardSink:
             with contextlib.suppress(OSError):
                 folder.rmdir()
 
+    def _packed(self, shard: str) -> tuple[Shard, ...]:
+        """Return a packed shard as its index shows it and as its headers do, if they can be read."""
+        path = self._sink.root / shard
+        try:
+            found = path.stat()
+        except FileNotFoundError:
+            return ()
+        version = (shard, found.st_ino, found.st_mtime_ns, found.st_size)
+        if self._seen is None or self._seen[0] != version:
+            views = []
+            for look in (Shard.open, Shard.by_headers):
+                with contextlib.suppress(CadetError):
+                    views.append(look(path))
+            self._seen = (version, tuple(views))
+        return self._seen[1]
+
+    def _read_packed(self, shard: str, name: str) -> bytes:
+        for packed in self._packed(shard):
+            with contextlib.suppress(CadetError, KeyError):
+                return packed.read(name)
+        # What can't be read is made again.
+        raise FileNotFoundError(f"{self._sink.root / shard}: no member {name}")
+
+    def _names(self, shard: str, staged: Iterable[str]) -> list[str]:
+        packed = {name for view in self._packed(shard) for name in view.members if self._is_of(shard, name)}
+        return sorted({*packed, *staged}, key=member_order)
+
+    def _write(self, shard: str, names: Iterable[str]) -> None:
+        members: dict[str, Member] = {}
+        index = _index_of(shard)
+        # An index beside another archive than its own would be worse than none.
+        (self._sink.root / index).unlink(missing_ok=True)
+        self._sink.put(shard, archive_chunks(self._files(shard, names), members))
+        self._sink.put(index, text_from_index(members).encode("ascii"))
+
+    def _files(self, shard: str, names: Iterable[str]) -> Iterator[tuple[str, bytes]]:
+        for name in names:
+            # An index that is another's may name what is not there.
+            with contextlib.suppress(FileNotFoundError):
+                yield name, self.read(f"{shard}/{name}")
+
+    def _is_of(self, shard: str, name: str) -> bool:
+        parsed = parse_member_name(name)
+        return parsed is not None and self._shard_of(int(parsed[0])) == shard
+
     def _staged(self, shard: str) -> list[str]:
         try:
             return sorted(path.name for path in (self._sink.root / _STAGED / shard).iterdir())
         except FileNotFoundError:
             return []
-
-    def _read_member(self, shard: str, member: str) -> bytes:
-        path = self._sink.root / shard
-        try:
-            found = path.stat()
-            version = (found.st_ino, found.st_mtime_ns, found.st_size)
-            if self._read_last is None or self._read_last[:2] != (shard, version):
-                self._read_last = (shard, version, Shard.open(path))
-            return self._read_last[2].read(member)
-        except (CadetError, KeyError):
-            # What can't be read is made again.
-            raise FileNotFoundError(f"{path}: no member {member}") from None
 
     @contextlib.contextmanager
     def _locked(self, shard: str) -> Iterator[None]:
@@ -145,6 +177,23 @@ class ShardSink:
             yield
         finally:
             os.close(folder)
+
+
+def names_in_shards(root: Path) -> Iterator[str]:
+    """Yield the names of all that a folder's shards hold or that lies aside for them; damaged shards hold nothing."""
+    for name in _shards(root):
+        with contextlib.suppress(CadetError):
+            yield from Shard.open(root / name).members
+        yield from (path.name for path in (root / _STAGED / name).glob("*"))
+
+
+def _shards(root: Path) -> list[str]:
+    found = {str(path.relative_to(base)) for base in (root, root / _STAGED) for path in base.glob("*/*.tar")}
+    return sorted(found)
+
+
+def _index_of(shard: str) -> str:
+    return shard.removesuffix(".tar") + SUFFIX
 
 
 def _is_record(name: str) -> bool:
