@@ -18,6 +18,7 @@ from typing import Any
 import pytest
 
 from cadet import ResetPolicy
+from cadet.convert import convert
 from cadet.errors import CadetError
 from cadet.generate import Settings
 from cadet.generate.folder import open_folder
@@ -70,6 +71,17 @@ def test_shards_hold_the_bytes_of_kittis_files_in_its_splits(shards: Path, as_ki
     for path in (as_kitti / "ImageSets").iterdir():
         assert (shards / "ImageSets" / path.name).read_bytes() == path.read_bytes()
     assert {path.name for path in shards.iterdir()} == {"ImageSets", "train", "val", "run.json", "manifest.json"}
+
+
+def test_converting_the_folder_gives_the_same_shards_and_back(shards: Path, as_kitti: Path, tmp_path: Path) -> None:
+    def without_run(root: Path) -> dict[str, str]:
+        return {name: digest for name, digest in tree(root).items() if name not in ("run.json", "manifest.json")}
+
+    convert(as_kitti, tmp_path / "shards", "webdataset", shard_size=8)
+    assert tree(tmp_path / "shards") == without_run(shards)
+    convert(shards, tmp_path / "kitti", "kitti")
+    assert tree(tmp_path / "kitti") == without_run(as_kitti)
+    assert (tmp_path / "kitti" / "testing" / "calib").is_dir()
 
 
 def test_headers_hold_nothing_of_the_machine(shards: Path) -> None:

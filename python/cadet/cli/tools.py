@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from cadet import _cadet, kitti
+from cadet.cli.convert import convert_command
 from cadet.cli.eval import evaluate_command
 from cadet.cli.gallery import gallery_command
 from cadet.cli.lidar import fit_lidar_command, lidar_command
@@ -83,6 +84,7 @@ def check(root: Path, strict: bool | None) -> int:
     return 1 if num_errors else 0
 
 
+cadet.add_command(convert_command)
 cadet.add_command(evaluate_command)
 cadet.add_command(fit_lidar_command)
 cadet.add_command(gallery_command)
