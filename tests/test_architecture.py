@@ -53,6 +53,8 @@ PYTHON_ROOMS: dict[str, set[str]] = {
     },
     "kitti_sequences": {"errors", "exporter", "kitti", "plain_text", "pose", "rig", "sample", "sink", "_cadet"},
     "nuscenes": {"camera", "errors", "exporter", "plain_text", "pose", "rig", "sample", "sink"},
+    "webdataset": {"checks", "errors", "exporter", "kitti", "operating_system", "rig", "sample", "sink"},
+    "convert": {"checks", "errors", "kitti", "sink", "webdataset"},
     "view": {"arrays", "bev", "boxes", "checks", "errors", "kitti"},
     "evaluation": {"arrays", "checks", "errors", "kitti", "plain_text", "summary", "view", "_cadet"},
     "analysis": {"boxes", "checks", "errors", "evaluation", "kitti", "plain_text", "summary", "_cadet"},
@@ -122,6 +124,7 @@ PYTHON_ROOMS: dict[str, set[str]] = {
         "rig",
         "sample",
         "sink",
+        "webdataset",
         "_cadet",
     },
     "gym": {
@@ -154,6 +157,7 @@ PYTHON_ROOMS: dict[str, set[str]] = {
         "analysis",
         "assets",
         "checks",
+        "convert",
         "errors",
         "evaluation",
         "gallery",
@@ -171,6 +175,7 @@ PYTHON_ROOMS: dict[str, set[str]] = {
         "road_map",
         "view",
         "weather",
+        "webdataset",
         "_cadet",
     },
 }

@@ -1,9 +1,9 @@
-"""What a dataset's format must be able to do: those of `cadet.kitti`, `cadet.kitti_sequences`, and `cadet.nuscenes`."""
+"""What a dataset's format must be able to do; `kitti`, `kitti_sequences`, `nuscenes`, and `webdataset` hold some."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, Protocol, TypeAlias
 
@@ -26,6 +26,8 @@ class Place:
     """The sample within the episode."""
     split: Split
     """The episode's split."""
+    rank: int
+    """Of the samples of its split, from 0."""
 
     @property
     def id(self) -> str:
@@ -43,6 +45,17 @@ class Ending:
     """Labeled objects by type."""
     folders: tuple[str, ...] = field(default=())
     """Folders that must be there, be they empty or not."""
+
+
+class FilesInPlace:
+    """What exporters do whose files lie in the dataset's folder as they are."""
+
+    def store(self, sink: Sink, place_of: Callable[[int], Place]) -> Sink:
+        """Return the folder as it is."""
+        return sink
+
+    def end_episode(self, sink: Sink, places: Iterable[Place]) -> None:
+        """Do nothing: each sample stands for itself."""
 
 
 class Exporter(Protocol):
@@ -84,6 +97,16 @@ class Exporter(Protocol):
 
     def written(self, sink: Sink) -> Iterable[int]:
         """Return the numbers of the samples of which something lies in a dataset."""
+
+    def store(self, sink: Sink, place_of: Callable[[int], Place]) -> Sink:
+        """Return what takes the files: the dataset's folder itself, where a name of `path` is that of a file.
+
+        Raises:
+            CadetError: the format cannot be written to such a store.
+        """
+
+    def end_episode(self, sink: Sink, places: Iterable[Place]) -> None:
+        """Do what is to be done once the samples of an episode are whole, in the process that made them."""
 
     def finish(self, sink: Sink, places: Iterable[Place]) -> Ending:
         """Return what the dataset ends with, from the records and files that are there."""

@@ -41,12 +41,14 @@ def interrupts_blocked() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def locked_folder(root: Path, lock_file: Path) -> Iterator[None]:
+def locked_folder(root: Path, lock_file: Path, *, waits: bool = False) -> Iterator[None]:
     """Hold a folder: the lock goes with the process, however it ends.
 
     Args:
         root: the folder. It is locked itself where that is possible, which no file's replacing changes.
         lock_file: what is locked in its place on Windows; made, with its folder, if it is not there.
+
+        waits: for another process to let it go.
 
     Raises:
         FolderInUseError: another process holds it.
@@ -58,7 +60,7 @@ def locked_folder(root: Path, lock_file: Path) -> Iterator[None]:
         lock_file.parent.mkdir(parents=True, exist_ok=True)
         with lock_file.open("a+b") as file:
             try:
-                msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+                msvcrt.locking(file.fileno(), msvcrt.LK_LOCK if waits else msvcrt.LK_NBLCK, 1)
             except OSError:
                 raise FolderInUseError from None
             yield
@@ -67,7 +69,7 @@ def locked_folder(root: Path, lock_file: Path) -> Iterator[None]:
 
     folder = os.open(root, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
     try:
-        fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        fcntl.flock(folder, fcntl.LOCK_EX if waits else fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         os.close(folder)
         raise FolderInUseError from None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import random
 from collections.abc import Callable
@@ -21,6 +22,9 @@ from cadet.kitti import images
 from cadet.kitti.planes import plane_from_text
 from cadet.kitti.velodyne import points_from_bytes
 from cadet.plain_text import json_from_text, toml_from_text
+from cadet.webdataset import Member, read_members
+from cadet.webdataset.index import index_from_text, text_from_index
+from fuzz.archives import damage_archive, tar_archive
 from fuzz.mutations import damage_bytes, damage_text, nested
 from fuzz.road_text import ROADS
 from gltf_meshes import glb, gltf_of
@@ -112,6 +116,14 @@ _FRAME = make_frame()
 _GLTF, _GLTF_BUFFER = gltf_of(car_obj())
 _META = json.dumps({"image_size": [1242, 375], "objects": [{"actor_id": 1}], "sha256": {"image_2": "0" * 64}})
 
+_ARCHIVE = tar_archive()
+_MEMBERS = {"000001.calib.txt": Member(512, 700), "000001.planes.txt": Member(2048, 3)}
+
+
+def _read_archive(value: Input) -> object:
+    return read_members(io.BytesIO(_bytes(value)), "000000.tar")
+
+
 TARGETS = (
     _texts("labels", "".join(f"{label.to_line()}\n" for label in _FRAME.labels), kitti.labels_from_text),
     _texts("calib", make_calib().to_text(), _read_calib),
@@ -127,4 +139,6 @@ TARGETS = (
     _texts("meshes", car_obj() + "\f" + MTL, _read_mesh),
     _files("glTF", glb(json.dumps(_GLTF).encode(), _GLTF_BUFFER), _read_gltf),
     _texts("roads", ROADS, _read_roads),
+    Target("archives", lambda rng: damage_archive(rng, _ARCHIVE), _read_archive),
+    _texts("indexes of archives", text_from_index(_MEMBERS), lambda text: index_from_text(text, "000000.idx")),
 )

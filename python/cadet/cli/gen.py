@@ -48,6 +48,7 @@ _LEAST_FRACTION = 1e-6
 )
 @click.option("--skip-bad-assets", is_flag=True, help="Leave out vehicles whose meshes are missing or broken.")
 @click.option("--format", "dataset_format", type=click.Choice(list(EXPORTERS)), default="kitti", show_default=True)
+@click.option("--shard-size", type=click.IntRange(1, 10_000), help="Samples of a shard of webdataset.  [default: 1000]")
 @click.option("--sequence", is_flag=True, help="Episodes of some seconds, a sample each time step, not each 10 m.")
 @click.option("--hz", type=float, help="Samples a second of a sequence.  [default: 2]")
 @click.option("--length", metavar="SECONDS", help="Length of a sequence, such as 20s.  [default: 20s]")
@@ -85,6 +86,7 @@ def cadet_gen(
     assets: Path | None,
     skip_bad_assets: bool,
     dataset_format: str,
+    shard_size: int | None,
     sequence: bool,
     hz: float | None,
     length: str | None,
@@ -97,7 +99,7 @@ def cadet_gen(
     val_fraction: float,
     test_fraction: float,
 ) -> int:
-    """Write a dataset of procedurally generated suburbs to the folder or URL OUT, in KITTI's formats or nuScenes'.
+    """Write a dataset of procedurally generated suburbs to the folder or URL OUT: KITTI's, nuScenes', or shards.
 
     \b
     cadet-gen out -n 10000 --seed 0
@@ -105,6 +107,7 @@ def cadet_gen(
     cadet-gen scenes -n 160 --format nuscenes --sequence --hz 2 --length 20s
     cadet-gen drives -n 200 --format kitti_raw --sequence --hz 10 --length 20s
     cadet-gen s3://bucket/set -n 100000 --engine ray --address auto   # docs/scale.md
+    cadet-gen shards -n 100000 --format webdataset --shard-size 1000
     cadet-gen rain -n 500 --weather hard_rain_noon --write depth,instance
 
     Weathers: {weathers}
@@ -124,6 +127,7 @@ def cadet_gen(
             length,
         ),
         format=dataset_format,
+        shard_size=shard_size,
         extras=tuple(name.strip() for name in write.split(",") if name.strip()),
         val_period=_period("--val-fraction", val_fraction),
         test_period=_period("--test-fraction", test_fraction),

@@ -10,6 +10,7 @@ import click
 from cadet import _cadet, kitti
 from cadet.cli.bank import bank_command
 from cadet.cli.check import check_command
+from cadet.cli.convert import convert_command
 from cadet.cli.eval import evaluate_command
 from cadet.cli.gallery import gallery_command
 from cadet.cli.lidar import fit_lidar_command, lidar_command
@@ -80,6 +81,7 @@ def _view_some(root: Path, out: Path) -> Path:
 
 cadet.add_command(bank_command)
 cadet.add_command(check_command)
+cadet.add_command(convert_command)
 cadet.add_command(evaluate_command)
 cadet.add_command(fit_lidar_command)
 cadet.add_command(gallery_command)

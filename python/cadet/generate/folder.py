@@ -10,7 +10,6 @@ from pathlib import Path
 from cadet.checks import shown
 from cadet.errors import CadetError, FileFormatError
 from cadet.generate.settings import Settings, differences
-from cadet.object_sink import open_sink
 from cadet.plain_text import json_from_text
 from cadet.sink import Sink
 
@@ -27,7 +26,7 @@ def open_folder(root: str | Path, settings: Settings, *, resume: bool) -> Iterat
             other settings, had more frames, or is still going on.
         OSError: the folder can't be made, read or written.
     """
-    sink = open_sink(root)
+    sink = settings.open(root)
     identity = settings.identity()
     with sink.held():
         if sink.names(""):

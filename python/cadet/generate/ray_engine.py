@@ -20,7 +20,6 @@ from cadet.generate.engine import SILENCE_S, Failed, Made, WorkerError
 from cadet.generate.folder import RUN
 from cadet.generate.settings import Settings
 from cadet.generate.worker import make_episode, outcome, prepare
-from cadet.object_sink import open_sink
 from cadet.sink import Sink
 
 _MOST_DEATHS: Final = 4
@@ -183,7 +182,7 @@ def run_episode(root: str, settings: Settings, version: str, episode: int) -> li
 
     def make() -> None:
         _check_version(version)
-        make_episode(_open(root), settings, episode, made.append)
+        make_episode(_open(root, settings), settings, episode, made.append)
 
     prepare(num_threads=1)
     ended = outcome(episode, make)
@@ -198,9 +197,9 @@ def _check_version(version: str) -> None:
         )
 
 
-def _open(root: str) -> Sink:
+def _open(root: str, settings: Settings) -> Sink:
     """Open the dataset, and see whether this node sees the same one as who has begun it."""
-    sink = open_sink(root)
+    sink = settings.open(root)
     try:
         sink.read(RUN)
     except FileNotFoundError:

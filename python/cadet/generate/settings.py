@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import InitVar, dataclass
+from dataclasses import InitVar, dataclass, replace
+from functools import lru_cache
+from pathlib import Path
 from typing import Any, Final
 
 from cadet import _cadet
@@ -13,17 +16,27 @@ from cadet.exporter import Exporter, Place, Split
 from cadet.kitti.exporter import KittiExporter
 from cadet.kitti_sequences import KittiRawExporter, KittiTrackingExporter
 from cadet.nuscenes.exporter import NuscenesExporter
+from cadet.object_sink import open_sink
 from cadet.policy import ResetPolicy
 from cadet.rig import Rig
+from cadet.sink import Sink
+from cadet.webdataset.exporter import WebdatasetExporter
 
 FORMAT_VERSION = 2
 """Rises with every change of what the same settings give."""
-_ALL: Final[tuple[Exporter, ...]] = (KittiExporter(), KittiTrackingExporter(), KittiRawExporter(), NuscenesExporter())
+_ALL: Final[tuple[Exporter, ...]] = (
+    KittiExporter(),
+    KittiTrackingExporter(),
+    KittiRawExporter(),
+    NuscenesExporter(),
+    WebdatasetExporter(),
+)
 EXPORTERS: Final = {exporter.name: exporter for exporter in _ALL}
 """The formats by name."""
 EXTRAS = tuple(dict.fromkeys(extra for exporter in _ALL for extra in exporter.extras))
 """Files that some format writes on demand."""
 _TEST_EPISODE: Final = 2
+_COUNTED_AT_ONCE: Final = 65536
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,6 +59,8 @@ class Settings:
     """One of `EXPORTERS`."""
     extras: tuple[str, ...] = ()
     """What to write besides what every sample of the format has."""
+    shard_size: int | None = None
+    """Samples of a shard, for a format that has shards; None for its own."""
     val_period: int = 5
     """Episode e is validation if e % val_period == 1, so that two episodes have some; 0 for none."""
     test_period: int = 0
@@ -70,6 +85,10 @@ class Settings:
             raise CadetError(f"unknown format {shown(self.format)}; known: {', '.join(EXPORTERS)}")
         if self.exporter.needs_sequence and self.policy.time_step_s is None:
             raise CadetError(f"{self.format}: expected a sequence (--sequence, or ResetPolicy.as_sequence)")
+        if self.shard_size is not None:
+            check_number("Settings", "shard_size", self.shard_size, 1, 10_000, whole=True)
+            if not isinstance(EXPORTERS[self.format], WebdatasetExporter):
+                raise CadetError(f"Settings.shard_size: the format {self.format} has no shards")
         for extra in self.extras:
             if not is_one_of(extra, self.exporter.extras):
                 known = ", ".join(self.exporter.extras) or "none"
@@ -81,7 +100,18 @@ class Settings:
     @property
     def exporter(self) -> Exporter:
         """The format."""
-        return EXPORTERS[self.format]
+        exporter = EXPORTERS[self.format]
+        if isinstance(exporter, WebdatasetExporter) and self.shard_size is not None:
+            return replace(exporter, shard_size=self.shard_size)
+        return exporter
+
+    def open(self, root: str | Path) -> Sink:
+        """Return what takes the dataset's files.
+
+        Raises:
+            CadetError: no folder and no URL, or one that the format cannot be written to.
+        """
+        return self.exporter.store(open_sink(root), self.place)
 
     @property
     def kinds(self) -> tuple[str, ...]:
@@ -101,7 +131,8 @@ class Settings:
     def place(self, number: int) -> Place:
         """Return which sample of the dataset a number means."""
         episode, sample = divmod(number, self.policy.samples_per_episode)
-        return Place(number, episode, sample, self.split(episode))
+        rank = self.policy.samples_per_episode * _num_before(episode, self.val_period, self.test_period) + sample
+        return Place(number, episode, sample, self.split(episode), rank)
 
     def places(self) -> Iterator[Place]:
         """Yield every sample's place."""
@@ -114,15 +145,15 @@ class Settings:
 
     def split(self, episode: int) -> Split:
         """Return the split of an episode: a function of its number alone, so that more frames move none."""
-        if self.test_period > 0 and episode % self.test_period == _TEST_EPISODE:
-            return "test"
-        return "val" if self.val_period > 0 and episode % self.val_period == 1 else "train"
+        return _split(episode, self.val_period, self.test_period)
 
     def identity(self) -> dict[str, Any]:
         """Return what must not change between a run and its resumption, in plain values: all but `num_frames`."""
         rigs = [rig for rig, _ in self.policy.rigs]
         # Every run was KITTI's once.
-        format_name = {} if self.format == "kitti" else {"dataset_format": self.format}
+        format_name: dict[str, Any] = {} if self.format == "kitti" else {"dataset_format": self.format}
+        if isinstance(self.exporter, WebdatasetExporter):
+            format_name["shard_size"] = self.exporter.shard_size
         return {
             "format": FORMAT_VERSION,
             **format_name,
@@ -135,6 +166,28 @@ class Settings:
             "rig": rigs[0].to_dict(),
             "other_rigs": {rig.name: rig.sha256() for rig in rigs[1:]},
         }
+
+
+def _split(episode: int, val_period: int, test_period: int) -> Split:
+    if test_period > 0 and episode % test_period == _TEST_EPISODE:
+        return "test"
+    return "val" if val_period > 0 and episode % val_period == 1 else "train"
+
+
+def _num_before(episode: int, val_period: int, test_period: int) -> int:
+    """Count the episodes before one that are of its split."""
+    return _ranks(-(-(episode + 1) // _COUNTED_AT_ONCE) * _COUNTED_AT_ONCE, val_period, test_period)[episode]
+
+
+@lru_cache(maxsize=8)
+def _ranks(num_episodes: int, val_period: int, test_period: int) -> list[int]:
+    counts: Counter[Split] = Counter()
+    ranks = []
+    for episode in range(num_episodes):
+        split = _split(episode, val_period, test_period)
+        ranks.append(counts[split])
+        counts[split] += 1
+    return ranks
 
 
 def differences(old: object, new: object, path: str = "") -> list[tuple[str, object, object]]:

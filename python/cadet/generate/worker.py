@@ -15,7 +15,6 @@ from cadet.errors import CadetError, CadetWarning, InternalError
 from cadet.generate.engine import Failed, Made
 from cadet.generate.frames import is_whole, put_sample
 from cadet.generate.settings import Settings
-from cadet.object_sink import open_sink
 from cadet.sink import Sink
 
 
@@ -39,8 +38,15 @@ def make_episode(sink: Sink, settings: Settings, episode: int, report: Callable[
     for place in places:
         if place.sample not in missing:
             report(Made(place.number, is_new=False))
-    if not missing:
-        return
+    if missing:
+        _make_samples(sink, settings, episode, missing, report)
+    settings.exporter.end_episode(sink, places)
+
+
+def _make_samples(
+    sink: Sink, settings: Settings, episode: int, missing: list[int], report: Callable[[Made], None]
+) -> None:
+    places = settings.places_of(episode)
     views = Episode(settings.policy, settings.seed, episode, wanted=settings.exporter.wanted(settings.extras))
     # Driving leads from view to view, so frames that are there already are seen again, but not written.
     for number in range(missing[-1] + 1):
@@ -75,7 +81,7 @@ def work(conn: Connection, root: str, settings: Settings, num_threads: int) -> N
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     prepare(num_threads)
     try:
-        sink = open_sink(root)
+        sink = settings.open(root)
         while (episode := conn.recv()) is not None:
             conn.send(outcome(episode, partial(make_episode, sink, settings, episode, conn.send)))
     except (EOFError, ConnectionError):

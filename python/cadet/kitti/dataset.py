@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import stat
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
@@ -14,13 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet.checks import as_path, check_flag, check_kind
-from cadet.errors import CadetError, FileFormatError, FrameExistsError, KittiFormatError, MissingFileError
+from cadet.errors import CadetError, FrameExistsError
 from cadet.kitti import images
 from cadet.kitti.calib import Calibration
 from cadet.kitti.files import (
     SUFFIXES,
     check_id,
-    display_name,
     file_path,
     frame_ids,
     sample_folder,
@@ -28,11 +25,20 @@ from cadet.kitti.files import (
     write_whole,
 )
 from cadet.kitti.frame import Frame
+from cadet.kitti.frame_files import (
+    FolderFiles,
+    frame_from_files,
+    labels_from_files,
+    meta_from_files,
+    read_depth,
+    read_instance,
+    read_map,
+    read_text,
+)
 from cadet.kitti.image_sets import list_frame, other_split, read_image_set
-from cadet.kitti.label import Label, labels_from_text, text_from_labels
+from cadet.kitti.label import Label, text_from_labels
 from cadet.kitti.planes import plane_from_text, text_from_plane
 from cadet.kitti.velodyne import bytes_from_points, points_from_bytes
-from cadet.plain_text import json_from_text
 
 
 def read_frame(root: str | Path, frame_id: str | int, *, has_extras: bool = True) -> Frame:
@@ -51,27 +57,7 @@ def read_frame(root: str | Path, frame_id: str | int, *, has_extras: bool = True
         KittiFormatError: a damaged file, named with line and reason.
     """
     check_flag("", "has_extras", has_extras)
-    folder = sample_folder(root)
-    frame_id = check_id(frame_id)
-    image = images.decode_image(*_read_bytes(folder, "image_2", frame_id))
-    points_velo = points_from_bytes(*_read_bytes(folder, "velodyne", frame_id))
-    calib = Calibration.from_text(*_read_text(folder, "calib", frame_id))
-    extras: dict[str, Any] = {}
-    if has_extras:
-        extras = {
-            "depth": _read_depth(folder, frame_id, image.shape),
-            "instance": _read_instance(folder, frame_id, image.shape),
-            "semantic": _read_map(folder, "semantic", frame_id, np.uint8, image.shape),
-            "meta": _read_meta(folder, frame_id) if _has(folder, "meta", frame_id) else None,
-        }
-    return Frame(
-        image=image,
-        points_velo=points_velo,
-        labels=read_labels(folder, frame_id) if (folder / "label_2").is_dir() else (),
-        calib=calib,
-        plane=plane_from_text(*_read_text(folder, "planes", frame_id)) if _has(folder, "planes", frame_id) else None,
-        **extras,
-    )
+    return frame_from_files(FolderFiles(sample_folder(root)), check_id(frame_id), has_extras=has_extras)
 
 
 def read_labels(root: str | Path, frame_id: str | int) -> tuple[Label, ...]:
@@ -81,7 +67,7 @@ def read_labels(root: str | Path, frame_id: str | int) -> tuple[Label, ...]:
         MissingFileError: there is no label file.
         KittiFormatError: a malformed line.
     """
-    return labels_from_text(*_read_text(sample_folder(root), "label_2", check_id(frame_id)))
+    return labels_from_files(FolderFiles(sample_folder(root)), check_id(frame_id))
 
 
 def read_calib(root: str | Path, frame_id: str | int) -> Calibration:
@@ -91,7 +77,7 @@ def read_calib(root: str | Path, frame_id: str | int) -> Calibration:
         MissingFileError: there is no calibration file.
         KittiFormatError: a missing key or malformed number.
     """
-    return Calibration.from_text(*_read_text(sample_folder(root), "calib", check_id(frame_id)))
+    return Calibration.from_text(*read_text(FolderFiles(sample_folder(root)), "calib", check_id(frame_id)))
 
 
 def read_meta(root: str | Path, frame_id: str | int) -> dict[str, Any] | None:
@@ -100,8 +86,8 @@ def read_meta(root: str | Path, frame_id: str | int) -> dict[str, Any] | None:
     Raises:
         KittiFormatError: no JSON object.
     """
-    folder, frame_id = sample_folder(root), check_id(frame_id)
-    return _read_meta(folder, frame_id) if _has(folder, "meta", frame_id) else None
+    files, frame_id = FolderFiles(sample_folder(root)), check_id(frame_id)
+    return meta_from_files(files, frame_id) if files.has("meta", frame_id) else None
 
 
 def check_files(root: str | Path, frame_id: str | int) -> list[tuple[str, CadetError | OSError]]:
@@ -112,29 +98,29 @@ def check_files(root: str | Path, frame_id: str | int) -> list[tuple[str, CadetE
     Raises:
         MissingFileError: no KITTI folder.
     """
-    folder = sample_folder(root)
+    files = FolderFiles(sample_folder(root))
     frame_id = check_id(frame_id)
     readers: dict[str, Callable[[], object]] = {
-        "image_2": lambda: images.decode_image(*_read_bytes(folder, "image_2", frame_id)),
-        "velodyne": lambda: points_from_bytes(*_read_bytes(folder, "velodyne", frame_id)),
-        "calib": lambda: read_calib(folder, frame_id),
+        "image_2": lambda: images.decode_image(*files.read("image_2", frame_id)),
+        "velodyne": lambda: points_from_bytes(*files.read("velodyne", frame_id)),
+        "calib": lambda: read_calib(files.folder, frame_id),
     }
     optional: dict[str, Callable[[], object]] = {
-        "planes": lambda: plane_from_text(*_read_text(folder, "planes", frame_id)),
-        "meta": lambda: _read_meta(folder, frame_id),
+        "planes": lambda: plane_from_text(*read_text(files, "planes", frame_id)),
+        "meta": lambda: meta_from_files(files, frame_id),
     }
-    readers |= {kind: reader for kind, reader in optional.items() if _has(folder, kind, frame_id)}
+    readers |= {kind: reader for kind, reader in optional.items() if files.has(kind, frame_id)}
     wrong = [(kind, error) for kind, reader in readers.items() if (error := _error_of(reader)) is not None]
     is_image_read = all(kind != "image_2" for kind, _ in wrong)
     if is_image_read:
-        shape = images.decode_image(*_read_bytes(folder, "image_2", frame_id)).shape
+        shape = images.decode_image(*files.read("image_2", frame_id)).shape
         maps: dict[str, Callable[[], object]] = {
-            "depth": lambda: _read_depth(folder, frame_id, shape),
-            "instance": lambda: _read_instance(folder, frame_id, shape),
-            "semantic": lambda: _read_map(folder, "semantic", frame_id, np.uint8, shape),
+            "depth": lambda: read_depth(files, frame_id, shape),
+            "instance": lambda: read_instance(files, frame_id, shape),
+            "semantic": lambda: read_map(files, "semantic", frame_id, np.uint8, shape),
         }
         wrong += [(kind, error) for kind, reader in maps.items() if (error := _error_of(reader)) is not None]
-    return wrong + _label_errors(folder, frame_id)
+    return wrong + _label_errors(files, frame_id)
 
 
 def encode_frame(frame: Frame) -> dict[str, bytes]:
@@ -284,6 +270,14 @@ class Dataset:
             return read_frame(self.folder, key)
         return read_frame(self.folder, self.ids[key])
 
+    def read_frame(self, frame_id: str, *, has_extras: bool = True) -> Frame:
+        """Read a frame of the folder: see `read_frame`."""
+        return read_frame(self.folder, frame_id, has_extras=has_extras)
+
+    def read_labels(self, frame_id: str) -> tuple[Label, ...]:
+        """Read only the labels of a frame of the folder: see `read_labels`."""
+        return read_labels(self.folder, frame_id)
+
     def __repr__(self) -> str:
         return f"Dataset({str(self.root)!r}, split={self.split!r}): {len(self)} frames"
 
@@ -296,73 +290,13 @@ def _error_of(reader: Callable[[], object]) -> CadetError | OSError | None:
     return None
 
 
-def _label_errors(folder: Path, frame_id: str) -> list[tuple[str, CadetError | OSError]]:
-    if not (folder / "label_2").is_dir():
+def _label_errors(files: FolderFiles, frame_id: str) -> list[tuple[str, CadetError | OSError]]:
+    if not files.has_kind("label_2"):
         return []
     try:
-        text, name = _read_text(folder, "label_2", frame_id)
+        text, name = read_text(files, "label_2", frame_id)
     except (CadetError, OSError) as error:
         return [("label_2", error)]
     lines = enumerate(text.removesuffix("\n").split("\n") if text else (), start=1)
     errors = [_error_of(partial(Label.from_line, line, name, number)) for number, line in lines]
     return [("label_2", error) for error in errors if error is not None]
-
-
-def _has(folder: Path, kind: str, frame_id: str) -> bool:
-    # Not is_file: a folder or a broken link in a file's place is to be found, not passed over.
-    return os.path.lexists(file_path(folder, kind, frame_id))
-
-
-def _read_bytes(folder: Path, kind: str, frame_id: str) -> tuple[bytes, str]:
-    path = file_path(folder, kind, frame_id)
-    try:
-        # Opening a pipe would wait for its writer.
-        if not stat.S_ISREG(path.stat().st_mode):
-            raise KittiFormatError("no regular file", display_name(path))
-        return path.read_bytes(), display_name(path)
-    except FileNotFoundError:
-        raise MissingFileError(f"{path}: no such file") from None
-
-
-def _read_text(folder: Path, kind: str, frame_id: str) -> tuple[str, str]:
-    data, name = _read_bytes(folder, kind, frame_id)
-    try:
-        return data.decode("ascii"), name
-    except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        raise KittiFormatError(f"byte 0x{data[error.start]:02x} is not ASCII", name, line) from None
-
-
-def _read_map(
-    folder: Path, kind: str, frame_id: str, dtype: type[np.generic], image_shape: tuple[int, ...]
-) -> NDArray[Any] | None:
-    if not _has(folder, kind, frame_id):
-        return None
-    data, name = _read_bytes(folder, kind, frame_id)
-    pixels = images.decode_map(data, name, dtype)
-    if pixels.shape != image_shape[:2]:
-        raise KittiFormatError(
-            f"{pixels.shape[1]} x {pixels.shape[0]} pixels, the image has {image_shape[1]} x {image_shape[0]}", name
-        )
-    return pixels
-
-
-def _read_depth(folder: Path, frame_id: str, image_shape: tuple[int, ...]) -> NDArray[np.float32] | None:
-    pixels = _read_map(folder, "depth", frame_id, np.uint16, image_shape)
-    return None if pixels is None else images.depth_from_pixels(pixels)
-
-
-def _read_instance(folder: Path, frame_id: str, image_shape: tuple[int, ...]) -> NDArray[np.int32] | None:
-    pixels = _read_map(folder, "instance", frame_id, np.uint16, image_shape)
-    return None if pixels is None else images.instance_from_pixels(pixels)
-
-
-def _read_meta(folder: Path, frame_id: str) -> dict[str, Any]:
-    data, name = _read_bytes(folder, "meta", frame_id)
-    try:
-        meta = json_from_text(data, name)
-    except FileFormatError as error:
-        raise KittiFormatError(error.reason, name, error.line) from None
-    if not isinstance(meta, dict):
-        raise KittiFormatError(f"expected a JSON object, got {type(meta).__name__}", name, 1)
-    return meta

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from itertools import tee
 from typing import Any, Final
 
 from cadet.errors import CadetError
-from cadet.exporter import Ending, Place
+from cadet.exporter import Ending, FilesInPlace, Place
 from cadet.kitti.dataset import encode_facts, encode_maps, encode_meta
 from cadet.kitti.files import REQUIRED, SUFFIXES, ids_among
 from cadet.kitti.from_sample import calibration_of, labels_of, meta_of, move_off_zero_depth
@@ -21,7 +22,7 @@ from cadet.sink import Sink, read_each
 _MAPS: Final = ("depth", "instance", "semantic")
 
 
-class KittiExporter:
+class KittiExporter(FilesInPlace):
     """One image, one scan, labels, a calibration and a plane for each sample; see `cadet.exporter.Exporter`."""
 
     name = "kitti"
@@ -81,16 +82,22 @@ class KittiExporter:
 
     def finish(self, sink: Sink, places: Iterable[Place]) -> Ending:
         """Return `ImageSets`, and count the labels of the files."""
-        ids: dict[str, list[str]] = {"train": [], "val": [], "trainval": [], "test": []}
-        types: Counter[str] = Counter()
         places, same = tee(places)
         labels = read_each(sink, (self.path(place, "label_2") for place in same))
-        for place, text in zip(places, labels, strict=True):
-            ids[place.split].append(place.id)
-            if place.split != "test":
-                ids["trainval"].append(place.id)
-            lines = text.decode("ascii").splitlines()
-            types.update(line.split(" ", 1)[0] for line in lines)
-        files = {f"ImageSets/{split}.txt": ImageSet(tuple(i)).to_text().encode("ascii") for split, i in ids.items()}
         # Tools of others list these folders, be there a test frame or none.
-        return Ending(files, types, tuple(f"testing/{folder}" for folder in REQUIRED))
+        folders = tuple(f"testing/{folder}" for folder in REQUIRED)
+        return replace(ending(places, labels), folders=folders)
+
+
+def ending(places: Iterable[Place], labels: Iterable[bytes]) -> Ending:
+    """Return `ImageSets`, and count the labels of samples' label files."""
+    ids: dict[str, list[str]] = {"train": [], "val": [], "trainval": [], "test": []}
+    types: Counter[str] = Counter()
+    for place, text in zip(places, labels, strict=True):
+        ids[place.split].append(place.id)
+        if place.split != "test":
+            ids["trainval"].append(place.id)
+        lines = text.decode("ascii").splitlines()
+        types.update(line.split(" ", 1)[0] for line in lines)
+    files = {f"ImageSets/{split}.txt": ImageSet(tuple(i)).to_text().encode("ascii") for split, i in ids.items()}
+    return Ending(files, types)

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from cadet.errors import CadetError
-from cadet.exporter import Ending, Place
+from cadet.exporter import Ending, FilesInPlace, Place
 from cadet.kitti.from_sample import calibration_of, move_off_zero_depth
 from cadet.kitti.velodyne import bytes_from_points
 from cadet.kitti_sequences.record import RECORDS, record_bytes, record_of
@@ -20,7 +20,7 @@ SCAN = "velodyne"
 _RECORD_NAME = re.compile(r"[0-9]{6}\.json")
 
 
-class SequenceExporter:
+class SequenceExporter(FilesInPlace):
     """All but the names of files and the files that a drive ends with; see `cadet.exporter.Exporter`."""
 
     name: str

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from cadet.camera import Camera
 from cadet.errors import CadetError, FileFormatError
-from cadet.exporter import Ending, Place
+from cadet.exporter import Ending, FilesInPlace, Place
 from cadet.nuscenes.tables import Tables
 from cadet.plain_text import json_from_text
 from cadet.pose import inverse, product, quaternion_of
@@ -37,7 +37,7 @@ _FARTHEST_M: Final = 80.0
 """An object without returns is annotated up to this distance from the ego."""
 
 
-class NuscenesExporter:
+class NuscenesExporter(FilesInPlace):
     """Key frames of all cameras and LIDARs, and tables of what they show; see `cadet.exporter.Exporter`."""
 
     name = "nuscenes"

@@ -1,0 +1,30 @@
+"""Names in shards: `000123.image_2.png` is the file `image_2/000123.png` of KITTI's folder."""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+from cadet.kitti.files import SUFFIXES
+
+_KINDS: Final = {f"{kind}{suffix}": kind for kind, suffix in SUFFIXES.items()}
+_RANKS: Final = {kind: rank for rank, kind in enumerate(SUFFIXES)}
+_NAME: Final = re.compile(r"([0-9]{6})\.(.+)")
+
+
+def member_name(frame_id: str, kind: str) -> str:
+    """Name a frame's file of one kind (a key of `cadet.kitti.files.SUFFIXES`)."""
+    return f"{frame_id}.{kind}{SUFFIXES[kind]}"
+
+
+def parse_member_name(name: str) -> tuple[str, str] | None:
+    """Return the frame's id and the kind of file; None for a name that no frame's file has."""
+    found = _NAME.fullmatch(name)
+    kind = None if found is None else _KINDS.get(found[2])
+    return None if found is None or kind is None else (found[1], kind)
+
+
+def member_order(name: str) -> tuple[str, int]:
+    """Sort members by frame, then as KITTI's folders are listed: one order of bytes, whoever wrote them first."""
+    parsed = parse_member_name(name)
+    return (name, 0) if parsed is None else (parsed[0], _RANKS[parsed[1]])
