@@ -270,5 +270,5 @@ def test_ranks_count_the_samples_of_each_split(val_period: int, test_period: int
 def test_a_store_of_objects_is_refused_before_anything_is_made() -> None:
     if importlib.util.find_spec("s3fs") is None:
         skip_or_fail_in_ci("s3fs is not installed (pip install 'cadet-sim[dev]')")
-    with pytest.raises(CadetError, match="^s3://bucket/set: shards are packed in a folder; copy them to a store"):
+    with pytest.raises(CadetError, match=r"^s3://bucket/set: shards are packed in a folder; copy them to a store"):
         Settings(**_SETTINGS, num_frames=8).open("s3://bucket/set")
