@@ -30,9 +30,11 @@ class Terminated(KeyboardInterrupt):
 @contextlib.contextmanager
 def signals_end() -> Iterator[None]:
     """Raise `Terminated` on SIGTERM and SIGHUP meanwhile. Who started us may have had us ignore them: that stays."""
+    raised: list[Terminated] = []
 
     def end(number: int, _: FrameType | None) -> NoReturn:
-        raise Terminated(number)
+        raised.append(Terminated(number))
+        raise raised[-1]
 
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -42,6 +44,11 @@ def signals_end() -> Iterator[None]:
         signal.signal(number, end)
     try:
         yield
+    except KeyboardInterrupt:
+        # Ray tells of any signal as of Ctrl-C.
+        if raised:
+            raise raised[-1] from None
+        raise
     finally:
         for number in heard:
             signal.signal(number, signal.SIG_DFL)
