@@ -37,6 +37,7 @@ from avod.train.validation_log import Validated
 from avod.validate import Validator
 from cadet.cli.signals import exit_code, how_ended
 from cadet.errors import CadetError, MissingFileError
+from cadet.webdataset.dataset import is_pattern
 
 _SECONDS_BETWEEN_LINES: Final = 10.0
 _AMP: Final = {"bfloat16": "bf16"}
@@ -44,7 +45,12 @@ _AMP: Final = {"bfloat16": "bf16"}
 
 @click.command(name="train")
 @click.option("--config", metavar="NAME|FILE", help=f"One of {', '.join(config_names())}, or a .toml.")
-@click.option("--data", metavar="DIR", type=click.Path(path_type=Path), help="A KITTI folder, real or ours.")
+@click.option(
+    "--data",
+    metavar="DIR|SHARDS",
+    type=click.Path(path_type=Path),
+    help="A KITTI folder, real or ours, or shards: their folder, or such as 'set/train/{000000..000099}.tar'.",
+)
 @split_option("train")
 @click.option("--out", metavar="DIR", required=True, type=click.Path(path_type=Path), help="Logs and checkpoints.")
 @click.option("--steps", type=click.IntRange(1), help="Where training ends.  [default: the configuration's]")
@@ -119,10 +125,13 @@ class _Options:
     context: click.Context
     values: dict[str, Any]
 
+    def is_given(self, name: str) -> bool:
+        """Tell whether an option stands in the command."""
+        return self.context.get_parameter_source(name) != ParameterSource.DEFAULT
+
     def get(self, name: str, recorded: Any) -> Any:
         """Return an option, or what was recorded where it is not given and a training goes on."""
-        is_given = self.context.get_parameter_source(name) != ParameterSource.DEFAULT
-        return self.values[name] if is_given or not self.values["resume"] else recorded
+        return self.values[name] if self.is_given(name) or not self.values["resume"] else recorded
 
 
 def _settings(options: _Options) -> tuple[Config, Run]:
@@ -144,6 +153,8 @@ def _settings(options: _Options) -> tuple[Config, Run]:
     split = resolve_split(recorded("split", "train"))
     check_split(data, split)
     val_every = recorded("val_every", None)
+    if is_pattern(data):
+        _check_no_split(options, val_every)
     run = Run(
         data=data,
         out=out,
@@ -165,6 +176,14 @@ def _settings(options: _Options) -> tuple[Config, Run]:
     if val_every is not None:
         check_split(data, run.val_split)
     return with_steps(config, values["steps"]), run
+
+
+def _check_no_split(options: _Options, val_every: int | None) -> None:
+    """Refuse what asks for a split of shards that were named one by one."""
+    if options.is_given("split"):
+        raise CadetError("--split: shards that --data names are all read; name the folder of all splits")
+    if val_every is not None:
+        raise CadetError("--val-every: shards that --data names have no --val-split; name the folder of all splits")
 
 
 def _recorded(out: Path) -> tuple[Record | None, Config]:

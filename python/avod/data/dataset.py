@@ -1,4 +1,4 @@
-"""KITTI folders, real or generated, as samples."""
+"""KITTI folders, real or generated, and shards of them, as samples."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from cadet import kitti
 from cadet.errors import CadetError
 from cadet.kitti import Calibration
 from cadet.kitti.frame import Frame
+from cadet.webdataset import ShardDataset, open_dataset
 
 
 def sample_from_frame(
@@ -63,7 +64,7 @@ class TrainingData(Dataset[Any]):
     An item is a sample, or the error that reading it raised, so that the error comes whole out of a worker.
 
     Args:
-        root: a KITTI folder.
+        root: a KITTI folder, a folder of shards, or a pattern that names shards: what `open_dataset` takes.
         split: a list of its `ImageSets`; None for every frame.
         config: the detector and its training.
         seed: of the order and the augmentations.
@@ -74,15 +75,12 @@ class TrainingData(Dataset[Any]):
     """
 
     def __init__(self, root: str | Path, split: str | None, config: Config, seed: int) -> None:
-        dataset = kitti.Dataset(root, split)
-        self.folder = dataset.folder
+        self._frames = open_dataset(root, split)
         self.config = config
-        ids = dataset.ids
+        ids = self._frames.ids
         names = set(config.class_names)
         least = config.training.min_objects
-        self.ids = tuple(
-            i for i in ids if sum(label.type in names for label in kitti.read_labels(self.folder, i)) >= least
-        )
+        self.ids = tuple(i for i in ids if sum(label.type in names for label in self._frames.read_labels(i)) >= least)
         if not self.ids:
             wanted = ("a " if least == 1 else f"{least} of ") + " or ".join(config.class_names)
             raise CadetError(f"{root}: none of the {len(ids)} frames{_in(split)} holds {wanted} to learn from")
@@ -94,7 +92,7 @@ class TrainingData(Dataset[Any]):
         entry = self._order.entry(index)
         frame_id = self.ids[entry.frame]
         try:
-            frame = kitti.read_frame(self.folder, frame_id, has_extras=False)
+            frame = self._frames.read_frame(frame_id, has_extras=False)
             return self._maker.make(frame, frame_id, entry.augmentation, self._grounds)
         except CadetError as error:
             return error
@@ -104,13 +102,13 @@ class DetectionData(Dataset[Any]):
     """The frames of a folder in order, unchanged. An item is a sample and its calibration, or the error of reading it.
 
     Args:
-        root: a KITTI folder.
-        ids: of the frames.
+        frames: of a KITTI folder or of shards.
+        ids: of those that are wanted.
         config: the detector.
     """
 
-    def __init__(self, root: str | Path, ids: tuple[str, ...], config: Config) -> None:
-        self.root = Path(root)
+    def __init__(self, frames: kitti.Dataset | ShardDataset, ids: tuple[str, ...], config: Config) -> None:
+        self._frames = frames
         self.ids = ids
         self._maker = _Maker(config)
 
@@ -119,7 +117,7 @@ class DetectionData(Dataset[Any]):
 
     def __getitem__(self, index: int) -> tuple[Sample | PackedSample, Calibration] | CadetError:
         try:
-            frame = kitti.read_frame(self.root, self.ids[index], has_extras=False)
+            frame = self._frames.read_frame(self.ids[index], has_extras=False)
             return self._maker.make(frame, self.ids[index]), frame.calib
         except CadetError as error:
             return error

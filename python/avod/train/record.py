@@ -32,7 +32,7 @@ class Record:
     Attributes:
         config: of the detector and its training.
         seed: of all that is drawn.
-        data: the KITTI folder.
+        data: the KITTI folder, or shards.
         split: the list of its `ImageSets`; None for every frame.
         num_frames: frames that are learned from.
         frames_crc32: checksum of their ids, whose order matters.
