@@ -63,7 +63,7 @@ def predict_all(
     for name in ("classes", "ground", "bev", "image", "anchors"):
         if any(getattr(detector.config, name) != getattr(config, name) for detector in detectors):
             raise CadetError(f"these detectors need different inputs, their {name!r} differ: run them one by one")
-    data = DetectionData(root, ids, config)
+    data = DetectionData(kitti.Dataset(root), ids, config)
     loader: DataLoader[Any] = DataLoader(data, batch_size=None, num_workers=min(workers, len(ids)), collate_fn=as_it_is)
     with running(loader) as items:
         for frame_id, item in zip(ids, items, strict=True):

@@ -26,6 +26,7 @@ from cadet.errors import CadetError
 from cadet.evaluation import evaluate
 from cadet.kitti import labels_from_text, text_from_labels
 from cadet.kitti.image_sets import check_not_empty
+from cadet.webdataset import open_dataset
 
 
 class Validator:
@@ -35,7 +36,7 @@ class Validator:
     other, and training is the same with and without them.
 
     Args:
-        root: a KITTI folder with labels.
+        root: a KITTI folder with labels, or a folder of shards.
         split: a list of its `ImageSets`; None for every frame.
         config: of the detector.
         workers: processes that prepare frames; 0 does so in between.
@@ -56,10 +57,10 @@ class Validator:
         should_stop: Callable[[], bool] = lambda: False,
         on_frame: Callable[[int, int], None] = lambda done, total: None,
     ) -> None:
-        dataset = kitti.Dataset(root, split)
-        check_not_empty(dataset.ids, root, split)
-        self.folder, self.ids = dataset.folder, dataset.ids
-        self._truths = {frame_id: kitti.read_labels(self.folder, frame_id) for frame_id in self.ids}
+        self._frames = open_dataset(root, split)
+        self.ids = self._frames.ids
+        check_not_empty(self.ids, root, split)
+        self._truths = {frame_id: self._frames.read_labels(frame_id) for frame_id in self.ids}
         self._config, self._workers, self._should_stop = config, workers, should_stop
         self._on_frame = on_frame
 
@@ -79,7 +80,7 @@ class Validator:
         """
         network.eval()
         ids = self.ids[processes.rank :: processes.world_size]
-        data = DetectionData(self.folder, ids, self._config)
+        data = DetectionData(self._frames, ids, self._config)
         loader: DataLoader[Any] = DataLoader(
             data,
             batch_size=None,

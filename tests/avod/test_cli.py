@@ -122,7 +122,7 @@ def test_all_checkpoints_are_evaluated_on_one_reading(
         read.append(frame_id)
         return right(root, frame_id, **options)
 
-    monkeypatch.setattr("cadet.kitti.read_frame", counting)
+    monkeypatch.setattr("cadet.kitti.dataset.read_frame", counting)
     result = call("eval", "--checkpoint", run, "--data", dataset, "--split", "all", "--last", 3, "--workers", 0)
     assert read == ["000000", "000001", "000002"]
     values = re.findall(r"^(\d{9})  (\d+\.\d\d)", result.output, re.MULTILINE)

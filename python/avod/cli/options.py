@@ -17,6 +17,7 @@ from cadet.cli.progress import reporter
 from cadet.errors import CadetError, MissingFileError
 from cadet.kitti.image_sets import check_not_empty
 from cadet.operating_system import num_processors
+from cadet.webdataset.dataset import is_shard_folder
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -136,7 +137,8 @@ def check_split(root: Path, name: str | None) -> None:
         MissingFileError: there is no such list.
     """
     folder = root / "ImageSets"
-    if name in (None, "test") or not root.is_dir() or (folder / f"{name}.txt").is_file():
+    is_listed = (folder / f"{name}.txt").is_file()
+    if name in (None, "test") or not root.is_dir() or is_listed or is_shard_folder(root):
         return
     present = ", ".join(sorted(path.stem for path in folder.glob("*.txt")))
     hint = f"choose another list ({present}) or --split all" if present else "--split all takes every frame"

@@ -40,6 +40,7 @@ from avod.train.validation_log import Validated
 from avod.validate import Validator
 from cadet.cli.signals import exit_code, how_ended
 from cadet.errors import CadetError, MissingFileError
+from cadet.webdataset.dataset import is_pattern
 
 _SECONDS_BETWEEN_LINES: Final = 10.0
 _AMP: Final = {"bfloat16": "bf16"}
@@ -49,9 +50,10 @@ _AMP: Final = {"bfloat16": "bf16"}
 @click.option("--config", metavar="NAME|FILE", help=f"One of {', '.join(config_names())}, or a .toml.")
 @click.option(
     "--data",
-    metavar="DIR[:SHARE]",
+    metavar="DIR|SHARDS[:SHARE]",
     multiple=True,
-    help="A KITTI folder, real or ours; several with their shares of the frames.",
+    help="A KITTI folder, real or ours, or shards: their folder, or such as 'set/train/{000000..000099}.tar'; "
+    "several with their shares of the frames.",
 )
 @split_option("train")
 @click.option("--out", metavar="DIR", required=True, type=click.Path(path_type=Path), help="Logs and checkpoints.")
@@ -140,10 +142,13 @@ class _Options:
     context: click.Context
     values: dict[str, Any]
 
+    def is_given(self, name: str) -> bool:
+        """Tell whether an option stands in the command."""
+        return self.context.get_parameter_source(name) != ParameterSource.DEFAULT
+
     def get(self, name: str, recorded: Any) -> Any:
         """Return an option, or what was recorded where it is not given and a training goes on."""
-        is_given = self.context.get_parameter_source(name) != ParameterSource.DEFAULT
-        return self.values[name] if is_given or not self.values["resume"] else recorded
+        return self.values[name] if self.is_given(name) or not self.values["resume"] else recorded
 
 
 def _settings(options: _Options) -> tuple[Config, Run]:
@@ -169,6 +174,8 @@ def _settings(options: _Options) -> tuple[Config, Run]:
     for folder, _ in data:
         check_split(folder, split)
     val_every = recorded("val_every", None)
+    if any(is_pattern(folder) for folder, _ in data):
+        _check_no_split(options, val_every)
     run = Run(
         data=data,
         out=out,
@@ -197,6 +204,14 @@ def _with_sizes(config: Config, folder: Path) -> Config:
     """Return the configuration with the mean sizes of a folder's labels."""
     sizes = mean_sizes_of(folder, config.class_names)
     return replace(config, augmentation=replace(config.augmentation, object_sizes_lwh_m=sizes))
+
+
+def _check_no_split(options: _Options, val_every: int | None) -> None:
+    """Refuse what asks for a split of shards that were named one by one."""
+    if options.is_given("split"):
+        raise CadetError("--split: shards that --data names are all read; name the folder of all splits")
+    if val_every is not None:
+        raise CadetError("--val-every: shards that --data names have no --val-split; name the folder of all splits")
 
 
 def _recorded(out: Path) -> tuple[Record | None, Config]:

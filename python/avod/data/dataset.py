@@ -1,4 +1,4 @@
-"""KITTI folders, real or generated, as samples."""
+"""KITTI folders, real or generated, and shards of them, as samples."""
 
 from __future__ import annotations
 
@@ -24,6 +24,7 @@ from cadet.errors import CadetError
 from cadet.kitti import Calibration
 from cadet.kitti.frame import Frame
 from cadet.object_bank import ObjectBank
+from cadet.webdataset import ShardDataset, open_dataset
 
 
 def sample_from_frame(
@@ -73,7 +74,8 @@ class TrainingData(Dataset[Any]):
     An item is a sample, or the error that reading it raised, so that the error comes whole out of a worker.
 
     Args:
-        data: a KITTI folder, or several with their shares.
+        data: a KITTI folder, a folder of shards, or a pattern that names shards, as `open_dataset` takes them; or
+            several with their shares.
         split: a list of their `ImageSets`; None for every frame.
         config: the detector and its training.
         seed: of the order and the augmentations.
@@ -113,7 +115,7 @@ class TrainingData(Dataset[Any]):
         frame_id = item.ids[entry.frame]
         augmentation = replace(entry.augmentation, settings=self.config.augmentation, size_shifts_m=item.size_shifts_m)
         try:
-            frame = kitti.read_frame(item.folder, frame_id, has_extras=False)
+            frame = item.frames.read_frame(frame_id, has_extras=False)
             return self._maker.make(frame, item.name_of(frame_id), augmentation, item.grounds)
         except CadetError as error:
             return error
@@ -124,14 +126,14 @@ class _Set:
     """One folder's frames.
 
     Attributes:
-        folder: that holds `calib` and its fellows.
+        frames: of a KITTI folder or of shards.
         ids: of the frames that are learned from.
         size_shifts_m: by which its objects' sizes differ from those that are wanted, class by class; empty for none.
         prefix: of its frames' names in messages.
         grounds: the ground of frames that were seen before.
     """
 
-    folder: Path
+    frames: kitti.Dataset | ShardDataset
     ids: tuple[str, ...]
     size_shifts_m: tuple[Size, ...]
     prefix: str
@@ -140,15 +142,15 @@ class _Set:
     @classmethod
     def read(cls, root: Path, split: str | None, config: Config, *, has_prefix: bool) -> _Set:
         """Read which frames of a folder hold enough objects of the classes."""
-        dataset = kitti.Dataset(root, split)
+        frames = open_dataset(root, split)
         names, least = config.class_names, config.training.min_objects
-        labels = {i: kitti.read_labels(dataset.folder, i) for i in dataset.ids}
+        labels = {i: frames.read_labels(i) for i in frames.ids}
         ids = tuple(i for i, found in labels.items() if sum(label.type in names for label in found) >= least)
         if not ids:
             wanted = ("a " if least == 1 else f"{least} of ") + " or ".join(names)
             raise CadetError(f"{root}: none of the {len(labels)} frames{_in(split)} holds {wanted} to learn from")
         shifts = size_shifts_m((label for i in ids for label in labels[i]), names, config.augmentation)
-        return cls(dataset.folder, ids, shifts, f"{root}/" if has_prefix else "")
+        return cls(frames, ids, shifts, f"{root}/" if has_prefix else "")
 
     def name_of(self, frame_id: str) -> str:
         """Name a frame in messages."""
@@ -159,13 +161,13 @@ class DetectionData(Dataset[Any]):
     """The frames of a folder in order, unchanged. An item is a sample and its calibration, or the error of reading it.
 
     Args:
-        root: a KITTI folder.
-        ids: of the frames.
+        frames: of a KITTI folder or of shards.
+        ids: of those that are wanted.
         config: the detector.
     """
 
-    def __init__(self, root: str | Path, ids: tuple[str, ...], config: Config) -> None:
-        self.root = Path(root)
+    def __init__(self, frames: kitti.Dataset | ShardDataset, ids: tuple[str, ...], config: Config) -> None:
+        self._frames = frames
         self.ids = ids
         self._maker = _Maker(config)
 
@@ -174,7 +176,7 @@ class DetectionData(Dataset[Any]):
 
     def __getitem__(self, index: int) -> tuple[Sample | PackedSample, Calibration] | CadetError:
         try:
-            frame = kitti.read_frame(self.root, self.ids[index], has_extras=False)
+            frame = self._frames.read_frame(self.ids[index], has_extras=False)
             return self._maker.make(frame, self.ids[index]), frame.calib
         except CadetError as error:
             return error

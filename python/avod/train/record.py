@@ -37,7 +37,7 @@ class Record:
     Attributes:
         config: of the detector and its training.
         seed: of all that is drawn.
-        data: the KITTI folder, or several.
+        data: the KITTI folder or shards, or several.
         split: the list of its `ImageSets`; None for every frame.
         num_frames: frames that are learned from.
         frames_crc32: checksum of their ids, whose order matters.
