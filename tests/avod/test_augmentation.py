@@ -154,6 +154,13 @@ def test_objects_are_resized_with_the_points_in_them() -> None:
         assert np.abs(new).max() <= 1.0 + 1e-9
 
 
+def test_a_point_in_two_boxes_follows_the_first() -> None:
+    boxes = np.array([[0.0, 1.6, 12.0, 4.0, 2.0, 1.5, 0.0], [1.0, 1.6, 12.0, 4.0, 2.0, 1.5, 0.0]])
+    change = Augmentation(size_shifts_m=((2.0, 0.0, 0.0),))
+    moved, _ = resize_objects(np.array([[1.0, 1.0, 12.5]]), boxes, np.array([1, 1]), change)
+    np.testing.assert_allclose(moved, [[1.5, 1.0, 12.5]], atol=1e-12)
+
+
 def shares(points: NDArray[np.float64], box: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return where points lie between opposite faces: -1 to 1 along, and across, and up."""
     corners = corners_cam(box[None])[0]

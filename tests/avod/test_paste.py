@@ -60,7 +60,7 @@ def make_object(box_cam: tuple[float, ...], kind: str = "Car", color: int = 255)
 
 
 def scene(points_cam: NDArray[np.float64] = NO_POINTS, boxes_cam: NDArray[np.float64] = NO_BOXES) -> Scene:
-    return Scene(points_cam, boxes_cam, PLANE, CALIB, IMAGE_SIZE)
+    return Scene.of(points_cam, boxes_cam, PLANE, CALIB, IMAGE_SIZE)
 
 
 def wall(z: float, low: tuple[float, float], high: tuple[float, float]) -> NDArray[np.float64]:
@@ -135,8 +135,9 @@ def test_points_behind_an_object_are_hidden_and_no_others() -> None:
     grown = placement.box_cam + [0, 0.15, 0, 0.3, 0.3, 0.3, 0]
     behind, near = (hits(points, box) for box in (placement.box_cam, grown))
     assert np.count_nonzero(behind) > 1000
-    assert placement.is_behind[behind].all(), "no ray goes through the object"
-    assert not placement.is_behind[~near].any(), "no ray that passes beside it is lost"
+    is_behind = np.isin(np.arange(len(points)), placement.behind)
+    assert is_behind[behind].all(), "no ray goes through the object"
+    assert not is_behind[~near].any(), "no ray that passes beside it is lost"
 
 
 def test_what_is_nearer_hides_the_object() -> None:
@@ -147,7 +148,7 @@ def test_what_is_nearer_hides_the_object() -> None:
     pole, back = wall(8.0, (0.3, -1.0), (0.35, 1.6)), wall(30.0, (-9, -3), (9, 1.6))
     placement = place(item, 0.0, scene(np.concatenate([pole, back])))
     assert placement is not None and 0.0 < placement.hidden < 0.1
-    assert not placement.is_behind[: len(pole)].any()
+    assert placement.behind.min() >= len(pole)
     kept = {tuple(point) for point in placement.points_cam[:, :3].round(4)}
     whole = item.points_scan[:, :3].astype(np.float64) + LIDAR
     hidden = np.array([tuple(point) not in kept for point in whole.round(4)])

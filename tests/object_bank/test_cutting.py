@@ -8,17 +8,19 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from numpy.typing import NDArray
 
-from cadet.boxes import points_in_boxes
+from cadet.boxes import corners_cam, points_in_boxes
 from cadet.cli.tools import cadet
 from cadet.errors import CadetError, MissingFileError
 from cadet.kitti import write_frame
 from cadet.kitti.frame import Frame
 from cadet.object_bank import BankObject, ObjectBank, cut_objects, write_bank
-from cadet.object_bank.silhouette import is_solid
+from cadet.object_bank.silhouette import is_solid, refined_silhouette, silhouette_from_points
 from synthetic import make_frame
 
 TYPES = ("Car", "Pedestrian", "Cyclist")
@@ -80,15 +82,45 @@ def test_an_instance_map_gives_the_silhouette_to_the_pixel() -> None:
 
 def test_without_an_instance_map_the_points_hull_fills_the_rectangle() -> None:
     frame = make_frame()
-    (car,) = cut(frame)
     left, top, right, bottom = frame.labels[0].bbox
-    assert car.crop.shape[:2] == pytest.approx((bottom - top + 1, right - left + 1), abs=1.5)
-    share = (car.crop[..., 3] > 0).mean()
-    assert 0.6 < share < 1.0
-    # A few points in a corner say nothing of an outline.
     cam = frame.calib.points_cam_from_velo(frame.points_velo)
+    points_img = frame.calib.project(cam[points_in_boxes(cam, frame.labels[0].box_cam[None])[:, 0]])
+    corners_img = frame.calib.project(corners_cam(frame.labels[0].box_cam[None])[0])
+    mask = silhouette_from_points(frame.image_size, points_img, corners_img, frame.labels[0].bbox)
+    assert mask is not None
+    rows, columns = np.nonzero(mask)
+    assert (rows.min(), rows.max()) == pytest.approx((top, bottom), abs=1.0)
+    assert (columns.min(), columns.max()) == pytest.approx((left, right), abs=1.0)
+    # Convex: between any two of its pixels all are.
+    for row in np.unique(rows):
+        inside = columns[rows == row]
+        assert len(inside) == inside.max() - inside.min() + 1
+    # A few points in a corner say nothing of an outline.
     is_low = points_in_boxes(cam, frame.labels[0].box_cam[None])[:, 0] & (cam[:, 1] < 1.0)
     assert cut(replace(frame, points_velo=frame.points_velo[~is_low]), min_points=2) == []
+
+
+def test_colors_refine_a_rough_silhouette() -> None:
+    rng = np.random.default_rng(0)
+    rows, columns = np.mgrid[:80, :120]
+    radii = np.sqrt(((columns - 60) / 30.0) ** 2 + ((rows - 40) / 20.0) ** 2)
+    truth = radii <= 1.0
+    colors = np.where(truth[..., None], (170, 60, 50), (90, 110, 100)) + rng.normal(0, 12, (80, 120, 3))
+    image: NDArray[np.uint8] = np.clip(colors, 0, 255).astype(np.uint8)
+    # Too large on the left and too small on the right.
+    rough = np.where(radii <= np.where(columns < 60, 1.2, 0.85), 255, 0).astype(np.uint8)
+    box = (30.0, 20.0, 90.0, 60.0)
+    found = refined_silhouette(image, rough, box) > 0
+    assert overlap(found, truth) > 0.96 > 0.8 > overlap(rough > 0, truth)
+    cv2.setRNGSeed(77)
+    np.testing.assert_array_equal(refined_silhouette(image, rough, box) > 0, found)
+    # Without colors to tell them apart the rough one stays, or nearly.
+    plain = np.full_like(image, 100)
+    assert overlap(refined_silhouette(plain, rough, box) > 0, rough > 0) > 0.5
+
+
+def overlap(a: NDArray[np.bool_], b: NDArray[np.bool_]) -> float:
+    return float(np.count_nonzero(a & b) / np.count_nonzero(a | b))
 
 
 def test_a_vehicle_that_something_hides_in_part_is_not_solid() -> None:

@@ -70,8 +70,11 @@ def paste_objects(
     if not augmentation.settings.pasted_objects or not by_class:
         return frame
     rng = augmentation.stream("paste")
+    count = int(rng.integers(augmentation.settings.pasted_objects + 1))
+    if not count:
+        return frame
     pasted = _Pasted(frame, plane)
-    for _ in range(int(rng.integers(augmentation.settings.pasted_objects + 1))):
+    for _ in range(count):
         numbers = by_class[int(rng.integers(len(by_class)))]
         item = bank[numbers[int(rng.integers(len(numbers)))]]
         for azimuth in rng.uniform(*pasted.azimuths, _TRIES):
@@ -94,12 +97,13 @@ class _Pasted:
         weights = np.hstack([calib.cam_from_velo[[0, 2], :3], np.zeros((2, 1))]).astype(np.float32)
         x, z = weights @ frame.points_velo.T + calib.cam_from_velo[[0, 2], 3:].astype(np.float32)
         is_near = (z > calib.cam_from_velo[2, 3]) & (x > left * z - _MARGIN_M) & (x < right * z + _MARGIN_M)
-        self._far_velo = frame.points_velo[~is_near]
-        self._points_velo = frame.points_velo[is_near]
+        self._far_velo = frame.points_velo.take(np.flatnonzero(~is_near), axis=0)
+        self._points_velo = frame.points_velo.take(np.flatnonzero(is_near), axis=0)
+        self._points_cam = calib.points_cam_from_velo(self._points_velo)
         self._image = frame.image.copy()
         self._labels = list(frame.labels)
         boxes_cam = boxes_cam_from_labels(label for label in frame.labels if not label.is_dont_care)
-        self.scene = Scene(calib.points_cam_from_velo(self._points_velo), boxes_cam, plane, calib, frame.image_size)
+        self.scene = Scene.of(calib.points_cam_from_velo(self._points_velo), boxes_cam, plane, calib, frame.image_size)
         self.azimuths = float(np.arctan(left)), float(np.arctan(right))
 
     def add(self, item: BankObject, placement: Placement) -> None:
@@ -112,13 +116,13 @@ class _Pasted:
         self._mark_covered(placement)
         velo = scene.calib.points_velo_from_cam(placement.points_cam)
         new = np.column_stack([velo, placement.points_cam[:, 3]]).astype(np.float32)
-        self._points_velo = np.concatenate([self._points_velo[~placement.is_behind], new])
+        self._points_velo = np.concatenate([np.delete(self._points_velo, placement.behind, axis=0), new])
         self._labels.append(_label(item.type, placement, scene.calib))
-        self.scene = replace(
-            scene,
-            points_cam=np.concatenate([scene.points_cam[~placement.is_behind], placement.points_cam[:, :3]]),
-            boxes_cam=np.concatenate([scene.boxes_cam, box_cam[None]]),
+        self._points_cam = np.concatenate(
+            [np.delete(self._points_cam, placement.behind, axis=0), placement.points_cam[:, :3]]
         )
+        boxes_cam = np.concatenate([scene.boxes_cam, box_cam[None]])
+        self.scene = Scene.of(self._points_cam, boxes_cam, scene.plane, scene.calib, scene.image_size)
 
     def frame(self) -> Frame:
         """Return the frame as it now is."""

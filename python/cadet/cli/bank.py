@@ -38,7 +38,7 @@ def bank_command(data: Path, out: Path, split: str | None, types: tuple[str, ...
     """Cut the objects that are seen whole out of a labeled KITTI folder, real or ours, with their points and pixels.
 
     `avod train --bank` pastes them into other frames. Sets written with `--write instance` give exact silhouettes; of
-    others they are the convex hulls of the objects' points.
+    others they are hulls of the objects' points, refined by colors.
 
     \b
     cadet bank kitti -o bank --split train

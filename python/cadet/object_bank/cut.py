@@ -14,7 +14,12 @@ from cadet.errors import CadetError
 from cadet.kitti import Label
 from cadet.kitti.frame import Frame
 from cadet.object_bank.object import BankObject
-from cadet.object_bank.silhouette import is_solid, silhouette_from_instances, silhouette_from_points
+from cadet.object_bank.silhouette import (
+    is_solid,
+    refined_silhouette,
+    silhouette_from_instances,
+    silhouette_from_points,
+)
 
 MIN_POINTS: Final = 20
 """Objects with fewer points are left where they are."""
@@ -33,7 +38,7 @@ def cut_objects(
     """Yield the objects of a frame that are seen whole: not occluded, not cut off, with enough points.
 
     The silhouette is the instance map's where the frame has one, else the convex hull of the object's points,
-    stretched to fill the label's rectangle.
+    stretched to fill the label's rectangle and refined by colors.
 
     Args:
         frame: with labels, and an instance map or none.
@@ -75,6 +80,7 @@ def _cut(
     if frame.instance is None:
         corners_img = frame.calib.project(corners_cam(label.box_cam[None])[0])
         mask = silhouette_from_points(frame.image_size, points_img[is_seen], corners_img, label.bbox)
+        mask = None if mask is None else refined_silhouette(frame.image, mask, label.bbox)
     else:
         mask = silhouette_from_instances(frame.instance, points_img[is_seen], label.bbox)
         if mask is not None and label.type not in _SLENDER and not is_solid(mask):
