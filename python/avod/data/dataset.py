@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -87,6 +88,16 @@ class TrainingData(Dataset[Any]):
         self._order = Order(len(self.ids), config.training, seed)
         self._grounds: dict[str, NDArray[np.float64]] = {}
         self._maker = _Maker(config)
+
+    @property
+    def num_frames(self) -> int:
+        """How many frames there are to learn from."""
+        return len(self.ids)
+
+    @property
+    def checksum(self) -> int:
+        """Tell lists of frames apart: their ids in their order."""
+        return zlib.crc32("\n".join(self.ids).encode())
 
     def __getitem__(self, index: int) -> Sample | PackedSample | CadetError:
         entry = self._order.entry(index)

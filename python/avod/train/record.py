@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import zlib
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
@@ -32,10 +31,10 @@ class Record:
     Attributes:
         config: of the detector and its training.
         seed: of all that is drawn.
-        data: the KITTI folder, or shards.
+        data: the KITTI folder, shards, or a simulation.
         split: the list of its `ImageSets`; None for every frame.
-        num_frames: frames that are learned from.
-        frames_crc32: checksum of their ids, whose order matters.
+        num_frames: frames that are learned from; 0 of a simulation, which has no end.
+        frames_crc32: checksum of their ids, whose order matters, or of all that a simulation's frames follow from.
         init: the checkpoint whose weights it began with, or None.
         num_processes: how many share a step.
         device: kind of device.
@@ -62,11 +61,6 @@ class Record:
     keep: int | None = None
     val_every: int | None = None
     val_split: str | None = None
-
-
-def checksum(ids: Sequence[str]) -> int:
-    """Return a checksum of frames' ids in their order."""
-    return zlib.crc32("\n".join(ids).encode())
 
 
 def write_record(out: Path, record: Record) -> None:

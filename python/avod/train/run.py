@@ -13,12 +13,13 @@ from torch import Tensor, nn
 from avod.config import Config
 from avod.data.dataset import TrainingData
 from avod.data.sample import Sample
+from avod.data.simulated import PREFIX, SimulatedData, is_simulation
 from avod.model.network import AvodNetwork
 from avod.train.checkpoint import forget_old, remove_partial, save_checkpoint
 from avod.train.loader import batches, whole
 from avod.train.log import TrainingLog
 from avod.train.processes import Processes
-from avod.train.record import Record, check_resumed, checksum, with_skipped, write_record
+from avod.train.record import Record, check_resumed, with_skipped, write_record
 from avod.train.settings import Run
 from avod.train.start import Start, begin
 from avod.train.step import NonFiniteLossError, learning_rate, training_step
@@ -68,6 +69,18 @@ def with_steps(config: Config, steps: int | None) -> Config:
     return config if steps is None else replace(config, training=replace(config.training, steps=steps))
 
 
+def _data(config: Config, run: Run, seed: int) -> TrainingData | SimulatedData:
+    if is_simulation(run.data):
+        return SimulatedData(str(run.data), config, seed)
+    return TrainingData(run.data, run.split, config, seed)
+
+
+def _full_name(data: str | Path) -> str:
+    if is_simulation(data):
+        return PREFIX + str(Path(str(data).removeprefix(PREFIX)).resolve())
+    return str(Path(data).resolve())
+
+
 class _Training:
     def __init__(self, config: Config, run: Run, validate: Validate | None, processes: Processes) -> None:
         self.config, self.run, self.processes = config, run, processes
@@ -78,7 +91,7 @@ class _Training:
         self.start = start = begin(config, run, processes.device, is_first=processes.is_first)
         if len(steps := set(processes.gathered(start.step))) > 1:
             raise CadetError(f"{run.out}: the processes found different last steps there: {sorted(steps)}")
-        self.data = TrainingData(run.data, run.split, config, start.seed)
+        self.data = _data(config, run, start.seed)
         record = self._record(start)
         self.skipped = frozenset(record.skipped_steps)
         self.notes = {"data": record.data, "split": record.split}
@@ -178,10 +191,10 @@ class _Training:
         record = Record(
             config=self.config,
             seed=start.seed,
-            data=str(Path(run.data).resolve()),
+            data=_full_name(run.data),
             split=run.split,
-            num_frames=len(self.data.ids),
-            frames_crc32=checksum(self.data.ids),
+            num_frames=self.data.num_frames,
+            frames_crc32=self.data.checksum,
             init=start.init,
             num_processes=self.processes.world_size,
             device=run.device.type,
