@@ -152,6 +152,18 @@ PYTHON_ROOMS: dict[str, set[str]] = {
         "rig",
     },
     "report": {"boxes", "checks", "errors", "kitti", "plain_text", "process_map", "view", "_cadet"},
+    "simulation": {
+        "assets",
+        "checks",
+        "errors",
+        "lidar",
+        "plain_text",
+        "policy",
+        "rig",
+        "road_map",
+        "streaming",
+        "weather",
+    },
     "gallery": {"camera", "errors", "extrinsics", "kitti", "policy", "rig", "scene", "view"},
     "cli": {
         "analysis",

@@ -94,7 +94,7 @@ def test_validation_takes_the_other_split_of_the_shards_folder(folder: Path, con
     ("option", "said"),
     [
         (("--split", "val"), "--split: shards that --data names are all read"),
-        (("--val-every", 2), "--val-every: shards that --data names have no --val-split"),
+        (("--val-every", 2), "--val-every: shards that --data names, and simulations, have no --val-split"),
     ],
 )
 def test_shards_that_are_named_have_no_splits(folder: Path, config: Config, option: tuple[str], said: str) -> None:

@@ -29,6 +29,7 @@ from avod.clusters import mean_sizes_of
 from avod.config import Config
 from avod.config_file import config_names, load_config
 from avod.data.mixture import shares_of
+from avod.data.simulated import is_simulation
 from avod.device import is_first_process
 from avod.model.network import AvodNetwork
 from avod.train.checkpoint import checkpoints, read_checkpoint
@@ -50,10 +51,10 @@ _AMP: Final = {"bfloat16": "bf16"}
 @click.option("--config", metavar="NAME|FILE", help=f"One of {', '.join(config_names())}, or a .toml.")
 @click.option(
     "--data",
-    metavar="DIR|SHARDS[:SHARE]",
+    metavar="DIR|SHARDS|sim:FILE[:SHARE]",
     multiple=True,
-    help="A KITTI folder, real or ours, or shards: their folder, or such as 'set/train/{000000..000099}.tar'; "
-    "several with their shares of the frames.",
+    help="A KITTI folder, shards ('set/train/{000000..000099}.tar'), or a simulation's TOML file; several folders "
+    "with their shares of the frames.",
 )
 @split_option("train")
 @click.option("--out", metavar="DIR", required=True, type=click.Path(path_type=Path), help="Logs and checkpoints.")
@@ -174,7 +175,7 @@ def _settings(options: _Options) -> tuple[Config, Run]:
     for folder, _ in data:
         check_split(folder, split)
     val_every = recorded("val_every", None)
-    if any(is_pattern(folder) for folder, _ in data):
+    if any(is_pattern(folder) or is_simulation(folder) for folder, _ in data):
         _check_no_split(options, val_every)
     run = Run(
         data=data,
@@ -207,11 +208,11 @@ def _with_sizes(config: Config, folder: Path) -> Config:
 
 
 def _check_no_split(options: _Options, val_every: int | None) -> None:
-    """Refuse what asks for a split of shards that were named one by one."""
+    """Refuse what asks for a split of shards that were named one by one, or of a simulation."""
     if options.is_given("split"):
-        raise CadetError("--split: shards that --data names are all read; name the folder of all splits")
+        raise CadetError("--split: shards that --data names are all read, and a simulation has no splits")
     if val_every is not None:
-        raise CadetError("--val-every: shards that --data names have no --val-split; name the folder of all splits")
+        raise CadetError("--val-every: shards that --data names, and simulations, have no --val-split to validate on")
 
 
 def _recorded(out: Path) -> tuple[Record | None, Config]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -108,6 +109,16 @@ class TrainingData(Dataset[Any]):
         if len(self._sets) == 1:
             return self._sets[0].ids
         return tuple(f"{number}/{frame_id}" for number, item in enumerate(self._sets) for frame_id in item.ids)
+
+    @property
+    def num_frames(self) -> int:
+        """How many frames there are to learn from."""
+        return len(self.ids)
+
+    @property
+    def checksum(self) -> int:
+        """Tell lists of frames apart: their ids in their order."""
+        return zlib.crc32("\n".join(self.ids).encode())
 
     def __getitem__(self, index: int) -> Sample | PackedSample | CadetError:
         number, entry = self._mixture.entry(index)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, contextmanager
+from itertools import islice
 from typing import Any
 
 import torch
@@ -14,13 +15,14 @@ from avod.data.dataset import TrainingData
 from avod.data.order import StepSampler
 from avod.data.packing import PackedSample, on_device
 from avod.data.sample import Sample
+from avod.data.simulated import SimulatedData
 from avod.data.workers import as_it_is, outlive_signals, running
 from avod.train.processes import Processes
 from cadet.errors import CadetError
 
 
 def batches(
-    data: TrainingData, training: TrainingConfig, first_step: int, processes: Processes, workers: int
+    data: TrainingData | SimulatedData, training: TrainingConfig, first_step: int, processes: Processes, workers: int
 ) -> AbstractContextManager[Iterator[list[Sample | PackedSample | CadetError]]]:
     """Return what iterates, meanwhile, over the samples of each step, or the errors that reading them raised.
 
@@ -29,8 +31,10 @@ def batches(
         training: where training ends, and how many frames a step has.
         first_step: where it begins or goes on.
         processes: each has frames of its own.
-        workers: processes that read samples; 0 reads them in between.
+        workers: processes that read samples, or simulate them; 0 does so in between.
     """
+    if isinstance(data, SimulatedData):
+        return _simulated(data, training, first_step, processes, workers)
     sampler = StepSampler(first_step, training.steps, training.frames_per_step, processes.rank, processes.world_size)
     loader: DataLoader[Any] = DataLoader(
         data,
@@ -42,6 +46,15 @@ def batches(
         worker_init_fn=outlive_signals,
     )
     return running(loader)
+
+
+@contextmanager
+def _simulated(
+    data: SimulatedData, training: TrainingConfig, first_step: int, processes: Processes, workers: int
+) -> Iterator[Iterator[list[Sample | PackedSample | CadetError]]]:
+    count = training.frames_per_step
+    with data.samples(first_step * count, processes.rank, processes.world_size, workers) as samples:
+        yield (list(islice(samples, count)) for _ in range(first_step, training.steps))
 
 
 def whole(samples: list[Sample | PackedSample | CadetError], device: torch.device) -> list[Sample]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import zlib
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
@@ -37,10 +36,10 @@ class Record:
     Attributes:
         config: of the detector and its training.
         seed: of all that is drawn.
-        data: the KITTI folder or shards, or several.
+        data: the KITTI folder, shards or simulation, or several folders.
         split: the list of its `ImageSets`; None for every frame.
-        num_frames: frames that are learned from.
-        frames_crc32: checksum of their ids, whose order matters.
+        num_frames: frames that are learned from; 0 of a simulation, which has no end.
+        frames_crc32: checksum of their ids, whose order matters, or of all that a simulation's frames follow from.
         init: the checkpoint whose weights it began with, or None.
         num_processes: how many share a step.
         device: kind of device.
@@ -80,11 +79,6 @@ class Record:
         if isinstance(self.data, str):
             return ((Path(self.data), 1.0),)
         return tuple((Path(name), share) for name, share in zip(self.data, self.shares or (), strict=True))
-
-
-def checksum(ids: Sequence[str]) -> int:
-    """Return a checksum of frames' ids in their order."""
-    return zlib.crc32("\n".join(ids).encode())
 
 
 def write_record(out: Path, record: Record) -> None:

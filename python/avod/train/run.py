@@ -14,12 +14,13 @@ from avod.config import Config
 from avod.data.dataset import TrainingData
 from avod.data.mixture import shares_of
 from avod.data.sample import Sample
+from avod.data.simulated import PREFIX, SimulatedData, is_simulation
 from avod.model.network import AvodNetwork
 from avod.train.checkpoint import forget_old, remove_partial, save_checkpoint
 from avod.train.loader import batches, whole
 from avod.train.log import TrainingLog
 from avod.train.processes import Processes
-from avod.train.record import Record, check_resumed, checksum, with_skipped, write_record
+from avod.train.record import Record, check_resumed, with_skipped, write_record
 from avod.train.settings import Run
 from avod.train.start import Start, begin
 from avod.train.step import NonFiniteLossError, learning_rate, training_step
@@ -70,6 +71,23 @@ def with_steps(config: Config, steps: int | None) -> Config:
     return config if steps is None else replace(config, training=replace(config.training, steps=steps))
 
 
+def _data(config: Config, run: Run, seed: int, bank: ObjectBank | None) -> TrainingData | SimulatedData:
+    folders = shares_of(run.data)
+    for name, _ in folders:
+        if is_simulation(name):
+            if len(folders) > 1:
+                raise CadetError(f"{name}: a simulation has no shares: train on it alone")
+            return SimulatedData(str(name), config, seed, bank)
+    return TrainingData(run.data, run.split, config, seed, bank)
+
+
+def _full_name(data: Path) -> str:
+    name = str(data)
+    if is_simulation(name):
+        return PREFIX + str(Path(name.removeprefix(PREFIX)).resolve())
+    return str(data.resolve())
+
+
 class _Training:
     def __init__(self, config: Config, run: Run, validate: Validate | None, processes: Processes) -> None:
         self.config, self.run, self.processes = config, run, processes
@@ -81,7 +99,7 @@ class _Training:
         if len(steps := set(processes.gathered(start.step))) > 1:
             raise CadetError(f"{run.out}: the processes found different last steps there: {sorted(steps)}")
         self.bank = None if run.bank is None else ObjectBank(run.bank)
-        self.data = TrainingData(run.data, run.split, config, start.seed, self.bank)
+        self.data = _data(config, run, start.seed, self.bank)
         record = self._record(start)
         self.skipped = frozenset(record.skipped_steps)
         self.notes = {"data": record.data, "split": record.split}
@@ -186,15 +204,15 @@ class _Training:
     def _record(self, start: Start) -> Record:
         run = self.run
         folders = shares_of(run.data)
-        names = tuple(str(folder.resolve()) for folder, _ in folders)
+        names = tuple(_full_name(folder) for folder, _ in folders)
         record = Record(
             config=self.config,
             seed=start.seed,
             data=names[0] if len(names) == 1 else names,
             shares=None if len(names) == 1 else tuple(share for _, share in folders),
             split=run.split,
-            num_frames=len(self.data.ids),
-            frames_crc32=checksum(self.data.ids),
+            num_frames=self.data.num_frames,
+            frames_crc32=self.data.checksum,
             init=start.init,
             num_processes=self.processes.world_size,
             device=run.device.type,
