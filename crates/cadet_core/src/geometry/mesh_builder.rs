@@ -22,6 +22,15 @@ impl MeshBuilder {
         Self::default()
     }
 
+    /// Gives back the memory that nothing was added to, before a builder waits for its mesh to be wanted.
+    #[must_use]
+    pub fn shrunk(mut self) -> Self {
+        self.positions.shrink_to_fit();
+        self.faces.shrink_to_fit();
+        self.slots.shrink_to_fit();
+        self
+    }
+
     /// Adds a corner and returns its index.
     pub fn vertex(&mut self, position: Vec3) -> u32 {
         self.positions.push(position);

@@ -263,7 +263,7 @@ impl VehicleModel {
 /// The levels of detail of a shape, as many as begin before `to_m`.
 fn levels_of(name: &'static str, make: &mut dyn FnMut(usize) -> Surface, crease: f32, to_m: f32) -> Arc<LodSet> {
     let count = 1 + LEVEL_LIMITS_M.iter().take_while(|limit| **limit < to_m).count();
-    let builders: Vec<_> = (0..count).map(|k| make(k).builder).collect();
+    let builders: Vec<_> = (0..count).map(|k| make(k).builder.shrunk()).collect();
     let bounds = builders[0].bounds();
     let levels = builders.into_iter().zip(0..).map(|(builder, k)| {
         let limit = LEVEL_LIMITS_M[k].min(to_m);
