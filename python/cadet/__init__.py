@@ -42,6 +42,7 @@ from cadet.road_map import RoadMap
 from cadet.sample import Agent, Sample, Scan
 from cadet.scene import RayHits, Scene
 from cadet.semantic import Semantic
+from cadet.simulation import Simulation
 from cadet.streaming import FrameStream, stream
 from cadet.weather import weather_names
 
@@ -90,6 +91,7 @@ __all__ = [
     "SceneConfig",
     "Semantic",
     "ShapeError",
+    "Simulation",
     "SuburbConfig",
     "UniformFiring",
     "VehicleMesh",
