@@ -14,7 +14,7 @@ import warnings
 from dataclasses import dataclass
 
 from cadet.errors import CadetError, CadetWarning
-from fuzz.targets import Input, Target
+from fuzz.target import Input, Target
 
 SECONDS_AN_INPUT = 20.0
 """Of processor time."""
@@ -37,16 +37,16 @@ def input_of(target: Target, number: int) -> Input:
     return target.make(random.Random(f"{target.name} {number}"))
 
 
-def fuzz(target: Target, seconds: float, *, first: int = 0) -> tuple[int, list[Failure]]:
-    """Feed a target with inputs from number `first` on.
+def fuzz(target: Target, seconds: float, *, first: int = 0, count: int = 1 << 60) -> tuple[int, list[Failure]]:
+    """Feed a target with inputs from number `first` on, for so many seconds or so many inputs.
 
     Returns:
         How many inputs there were, and the failures, at most one of each kind.
     """
     failures: dict[str, Failure] = {}
     end, number = time.monotonic() + seconds, first
-    while time.monotonic() < end:
-        number, what = _run_child(target, number, end)
+    while time.monotonic() < end and number < first + count:
+        number, what = _run_child(target, number, first + count, end)
         if what:
             failures.setdefault(what, Failure(target.name, number, what))
             number += 1
@@ -68,8 +68,8 @@ def outcome(target: Target, value: Input) -> str:
     return ""
 
 
-def _run_child(target: Target, first: int, end: float) -> tuple[int, str]:
-    """Run inputs until one fails or the time is over: the number reached, and what was wrong with it."""
+def _run_child(target: Target, first: int, last: int, end: float) -> tuple[int, str]:
+    """Run inputs up to `last` until one fails or the time is over: the number reached, and what was wrong with it."""
     from_child, to_parent = os.pipe()
     sys.stdout.flush()
     with warnings.catch_warnings():
@@ -79,7 +79,7 @@ def _run_child(target: Target, first: int, end: float) -> tuple[int, str]:
     if pid == 0:
         try:
             os.close(from_child)
-            _be_child(target, first, end, to_parent)
+            _be_child(target, first, last, end, to_parent)
         finally:
             os._exit(0)
     os.close(to_parent)
@@ -95,13 +95,13 @@ def _run_child(target: Target, first: int, end: float) -> tuple[int, str]:
     return (number, what) if what else (number + 1, "")
 
 
-def _be_child(target: Target, first: int, end: float, to_parent: int) -> None:
+def _be_child(target: Target, first: int, last: int, end: float, to_parent: int) -> None:
     used = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()  # noqa: PTH123, SIM115
     resource.setrlimit(resource.RLIMIT_AS, (used + BYTES, used + BYTES))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     signal.signal(signal.SIGPROF, signal.SIG_DFL)
     number = first
-    while time.monotonic() < end:
+    while number < last and time.monotonic() < end:
         os.write(to_parent, b"\0INPUT " + struct.pack("<q", number))
         signal.setitimer(signal.ITIMER_PROF, SECONDS_AN_INPUT)
         what = outcome(target, input_of(target, number))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import io
 import json
 import random
+import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -25,22 +25,13 @@ from cadet.plain_text import json_from_text, toml_from_text
 from cadet.webdataset import Member, read_members
 from cadet.webdataset.index import index_from_text, text_from_index
 from fuzz.archives import damage_archive, tar_archive
+from fuzz.checkpoints import checkpoint_targets
 from fuzz.mutations import damage_bytes, damage_text, nested
 from fuzz.road_text import ROADS
+from fuzz.target import Input, Target
 from gltf_meshes import glb, gltf_of
 from obj_meshes import MTL, car_obj
 from synthetic import make_calib, make_frame
-
-Input = str | bytes
-
-
-@dataclass(frozen=True)
-class Target:
-    """Something that reads: `read` gets what `make` makes, and returns or raises a CadetError."""
-
-    name: str
-    make: Callable[[random.Random], Input]
-    read: Callable[[Input], object]
 
 
 def _text(value: Input) -> str:
@@ -91,6 +82,13 @@ def _read_gltf(data: bytes) -> object:
     return Assets((VehicleMesh(name="car", type="Car", gltf=gltf, file="car.glb"),))
 
 
+def _read_simulation(text: str) -> object:
+    with tempfile.NamedTemporaryFile("w", suffix=".toml", encoding="utf-8", newline="") as file:
+        file.write(text)
+        file.flush()
+        return cadet.Simulation.read(file.name)
+
+
 def _read_roads(text: str) -> object:
     return _cadet.Scene.empty(
         map_name="map.xodr",
@@ -102,6 +100,15 @@ def _read_roads(text: str) -> object:
     )
 
 
+SIMULATION = """
+seed = 7
+policy = "paper"
+rig = "kitti"
+lidar = "vlp16"
+image_size = [310, 94]
+weathers = ["snow", "dusk"]
+samples_per_episode = 3
+"""
 RULES = """
 [[level]]
 name = "Near"
@@ -139,6 +146,8 @@ TARGETS = (
     _texts("meshes", car_obj() + "\f" + MTL, _read_mesh),
     _files("glTF", glb(json.dumps(_GLTF).encode(), _GLTF_BUFFER), _read_gltf),
     _texts("roads", ROADS, _read_roads),
+    _texts("simulations", SIMULATION, _read_simulation, nests=True),
     Target("archives", lambda rng: damage_archive(rng, _ARCHIVE), _read_archive),
     _texts("indexes of archives", text_from_index(_MEMBERS), lambda text: index_from_text(text, "000000.idx")),
+    *checkpoint_targets(),
 )

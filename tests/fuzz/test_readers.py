@@ -8,7 +8,8 @@ import fuzz.harness
 from cadet.errors import CadetError
 from fuzz.harness import fuzz as feed
 from fuzz.harness import input_of
-from fuzz.targets import TARGETS, Input, Target
+from fuzz.target import Input, Target
+from fuzz.targets import TARGETS
 
 
 @pytest.mark.parametrize("target", TARGETS, ids=lambda target: target.name)
