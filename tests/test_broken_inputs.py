@@ -51,6 +51,14 @@ def test_broken_roads_are_refused_with_file_and_road(core: Any, old: str, new: s
         scene_of(ROADS.replace(old, new, 1))
 
 
+@pytest.mark.parametrize("character", ["\n", "\r", "\t", "\x85"])
+def test_what_is_refused_is_told_in_one_line(core: Any, character: str) -> None:
+    """The XML reader quotes the character that it stumbles over."""
+    with pytest.raises(CadetError, match=r"m\.xodr: invalid OpenDRIVE XML: ") as refused:
+        scene_of(f'<OpenDRIVE><header revMajor="1"/{character}</OpenDRIVE>')
+    assert str(refused.value).isprintable()
+
+
 def test_a_piece_of_road_without_a_length_is_no_loss(core: Any) -> None:
     piece = '<geometry s="40.0" x="40" y="0" hdg="0" length="0"><line/></geometry>\n</planView>'
     assert scene_of(ROADS.replace("</planView>", piece, 1)).num_triangles == scene_of(ROADS).num_triangles

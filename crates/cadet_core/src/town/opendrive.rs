@@ -39,7 +39,7 @@ pub fn load(map_name: &str, xodr_text: &str) -> Result<RoadNetwork> {
 /// # Errors
 /// As [`load`].
 pub fn load_with_warnings(map_name: &str, xodr_text: &str) -> Result<(RoadNetwork, Vec<String>)> {
-    let fail = |reason: String| Error::Map { map: map_name.to_owned(), reason };
+    let fail = |reason: String| Error::Map { map: map_name.to_owned(), reason: in_one_line(&reason) };
     let empty_pieces = xodr_numbers::check(xodr_text)
         .map_err(|(line, reason)| Error::Map { map: format!("{map_name}:{line}"), reason })?;
     let (map, provenance) = xodr::load_str_with_provenance(xodr_text).map_err(|e| fail(e.to_string()))?;
@@ -103,6 +103,12 @@ pub fn load_with_warnings(map_name: &str, xodr_text: &str) -> Result<(RoadNetwor
 }
 
 /// The painted lines of a map, without those of roadworks and those whose place is no number.
+/// The same text where readers quote characters of the file as they are.
+fn in_one_line(text: &str) -> String {
+    let shown = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
+    text.chars().map(shown).collect()
+}
+
 fn lane_marks(map: &xodr::RoadNetwork) -> Vec<PaintedQuad> {
     let is_permanent =
         |id: &Option<xodr::LaneId>| id.and_then(|id| map.lane(id)).is_none_or(|l| l.layer == xodr::Layer::Permanent);
