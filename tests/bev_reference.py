@@ -45,6 +45,7 @@ def maps(points_cam: NDArray[Any], plane: NDArray[Any], config: BevConfig) -> ND
                 "max_height": max(heights) if config.height == "max" else next(h for y, h in inside if y == topmost),
                 "min_height": min(heights),
                 "density": min(1.0, math.log(len(inside) + 1) / math.log(16)),
+                "density_log64": min(1.0, math.log(len(inside) + 1) / math.log(64)),
             }
             for i, feature in enumerate(features):
                 out[first + i, row, column] = value[feature]

@@ -54,7 +54,7 @@ def test_any_cloud_gives_the_slow_maps(points: list[Any], height: Any, num_slice
     config = replace(
         SMALL,
         slice_maps=("min_height", "max_height"),
-        cloud_maps=("density", "min_height"),
+        cloud_maps=("density", "min_height", "density_log64"),
         height=height,
         num_slices=num_slices,
         cell_m=cell_m,

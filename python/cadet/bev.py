@@ -14,7 +14,7 @@ from cadet.arrays import check_array
 from cadet.checks import as_tuple, check_kind, check_number, check_range, is_one_of, make_plain, shown
 from cadet.errors import CadetError, ShapeError
 
-Feature = Literal["max_height", "min_height", "density"]
+Feature = Literal["max_height", "min_height", "density", "density_log64"]
 """A map: greatest or least height of a cell's points, or min(1, ln(N + 1) / ln 16)."""
 
 MAX_VALUES: Final = 2**27

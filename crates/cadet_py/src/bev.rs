@@ -63,10 +63,11 @@ fn feature(name: &str) -> Result<Feature> {
         "max_height" => Ok(Feature::MaxHeight),
         "min_height" => Ok(Feature::MinHeight),
         "density" => Ok(Feature::Density),
+        "density_log64" => Ok(Feature::DensityLog64),
         _ => Err(Error::Unknown {
             what: "BEV map",
             name: name.to_owned(),
-            known: "max_height, min_height, density".to_owned(),
+            known: "max_height, min_height, density, density_log64".to_owned(),
         }),
     }
 }

@@ -27,7 +27,12 @@ _POOLED: Final = 2
 _MARGIN: Final = 12
 _CAPTION: Final = 26
 _TITLE: Final = 30
-_FEATURES: Final = {"max_height": "max height", "min_height": "min height", "density": "density"}
+_FEATURES: Final = {
+    "max_height": "max height",
+    "min_height": "min height",
+    "density": "density",
+    "density_log64": "density, log 64",
+}
 
 
 def bev_maps_figure(frame: Frame) -> style.Image:

@@ -4,8 +4,14 @@ use super::spec::{BevSpec, Feature, HeightRule};
 use crate::error::{Error, Result, finite};
 use crate::math;
 
-/// Points at which a cell counts as full: ln(15 + 1) = ln 16.
-const FULL: usize = 15;
+/// What the logarithms of counts are divided by; a cell with one point less is full.
+const FULL: usize = 16;
+const FULL_LOG64: usize = 64;
+
+/// ln(n + 1) / ln N for n points.
+fn densities<const N: usize>() -> [f32; N] {
+    std::array::from_fn(|n| (math::ln(n as f64 + 1.0) / math::ln(N as f64)) as f32)
+}
 
 /// Fills `out` (channel, row, column; row 0 farthest) with the maps of points in the frame of camera 0.
 ///
@@ -196,7 +202,7 @@ impl Filler<'_> {
                 *value = -(height as f32);
                 self.touched.push((at, feature));
             }
-            Feature::Density => {
+            Feature::Density | Feature::DensityLog64 => {
                 if *value == 0.0 {
                     self.touched.push((at, feature));
                 }
@@ -206,10 +212,14 @@ impl Filler<'_> {
     }
 
     fn finish(mut self) {
-        let density: [f32; FULL + 1] = std::array::from_fn(|n| (math::ln(n as f64 + 1.0) / math::ln(16.0)) as f32);
+        let (density, log64) = (densities::<FULL>(), densities::<FULL_LOG64>());
         for (at, feature) in self.touched {
             let value = &mut self.out[at];
-            *value = if feature == Feature::Density { density[(*value as usize).min(FULL)] } else { -*value };
+            *value = match feature {
+                Feature::Density => density[(*value as usize).min(FULL - 1)],
+                Feature::DensityLog64 => log64[(*value as usize).min(FULL_LOG64 - 1)],
+                Feature::MaxHeight | Feature::MinHeight => -*value,
+            };
         }
         self.candidates.sort_unstable_by_key(|c| (c.0, c.1, c.2));
         self.candidates.dedup_by_key(|c| c.0);
@@ -258,16 +268,18 @@ mod tests {
     }
 
     #[test]
-    fn density_counts_and_saturates_at_fifteen() {
-        let spec = spec(&[], &[Feature::Density, Feature::MaxHeight, Feature::MinHeight]);
-        for n in 1..40 {
-            let points: Vec<[f64; 3]> = (0..n).map(|i| [0.2, 1.4 - 0.02 * f64::from(i), 1.2]).collect();
+    fn densities_count_and_saturate_at_one_less_than_their_logarithm() {
+        let spec = spec(&[], &[Feature::Density, Feature::MaxHeight, Feature::MinHeight, Feature::DensityLog64]);
+        for n in 1..80 {
+            let points: Vec<[f64; 3]> = (0..n).map(|i| [0.2, 1.4 - 0.01 * f64::from(i), 1.2]).collect();
             let out = filled(&points, &spec);
             let at = 3 * 8 + 4;
             let expected = (math::ln(f64::from(n + 1)) / math::ln(16.0)).min(1.0);
             assert!((f64::from(out[at]) - expected).abs() < 1e-6, "{n}: {}", out[at]);
-            assert!((out[48 + at] - (0.1 + 0.02 * (n - 1) as f32) / 2.0).abs() < 1e-6);
+            assert!((out[48 + at] - (0.1 + 0.01 * (n - 1) as f32) / 2.0).abs() < 1e-6);
             assert!((out[96 + at] - 0.05).abs() < 1e-6);
+            let expected = (math::ln(f64::from(n + 1)) / math::ln(64.0)).min(1.0);
+            assert!((f64::from(out[144 + at]) - expected).abs() < 1e-6, "{n}: {}", out[144 + at]);
         }
     }
 

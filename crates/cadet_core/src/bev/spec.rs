@@ -9,8 +9,10 @@ pub enum Feature {
     MaxHeight,
     /// Least height, in the same measure.
     MinHeight,
-    /// min(1, ln(N + 1) / ln 16) for N points in the cell.
+    /// min(1, ln(N + 1) / ln 16) for N points in the cell, as AVOD's.
     Density,
+    /// min(1, ln(N + 1) / ln 64), as MV3D's (Chen et al. 2017, section 3.1).
+    DensityLog64,
 }
 
 /// Which of a cell's points gives [`Feature::MaxHeight`].
