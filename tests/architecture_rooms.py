@@ -40,6 +40,7 @@ PYTHON_ROOMS: dict[str, set[str]] = {
     "nuscenes": {"camera", "errors", "exporter", "plain_text", "pose", "rig", "sample", "sink"},
     "webdataset": {"checks", "errors", "exporter", "kitti", "operating_system", "rig", "sample", "sink"},
     "convert": {"checks", "errors", "kitti", "sink", "webdataset"},
+    "bdd100k": {"checks", "errors", "kitti", "plain_text", "sink"},
     "view": {"arrays", "bev", "boxes", "checks", "errors", "kitti"},
     "evaluation": {"arrays", "checks", "errors", "kitti", "plain_text", "summary", "view", "_cadet"},
     "analysis": {"boxes", "checks", "errors", "evaluation", "kitti", "plain_text", "summary", "_cadet"},
@@ -153,6 +154,7 @@ PYTHON_ROOMS: dict[str, set[str]] = {
     "cli": {
         "analysis",
         "assets",
+        "bdd100k",
         "checks",
         "convert",
         "errors",
