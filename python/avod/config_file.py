@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 from avod.config import Config
+from cadet.checks import shown, shown_key
 from cadet.errors import CadetError, MissingFileError
 from cadet.plain_text import toml_from_text
 
@@ -88,11 +89,11 @@ def _merged(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, An
 def _build(cls: type[T], table: object, source: str, path: str) -> T:
     where = f"{source}: {path}" if path else source
     if not isinstance(table, Mapping):
-        raise CadetError(f"{where}: expected a table, got {table!r}")
+        raise CadetError(f"{where}: expected a table, got {shown(table)}")
     known = [f.name for f in dataclasses.fields(cls)]  # type: ignore[arg-type]
     for key in table:
         if key not in known:
-            raise CadetError(f"{source}: {_join(path, key)}: unknown key; known: {', '.join(known)}")
+            raise CadetError(f"{source}: {_join(path, shown_key(key))}: unknown key; known: {', '.join(known)}")
     hints = get_type_hints(cls)
     values = {key: _convert(hints[key], value, source, _join(path, key)) for key, value in table.items()}
     try:
@@ -109,12 +110,12 @@ def _convert(kind: Any, value: object, source: str, path: str) -> Any:
     if get_origin(kind) is Literal:
         if value not in get_args(kind):
             choices = ", ".join(repr(choice) for choice in get_args(kind))
-            raise CadetError(f"{source}: {path}: expected one of {choices}, got {value!r}")
+            raise CadetError(f"{source}: {path}: expected one of {choices}, got {shown(value)}")
         return value
     if kind is float and isinstance(value, int) and not isinstance(value, bool):
         return float(value)
     if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
-        raise CadetError(f"{source}: {path}: expected {_KINDS.get(kind, kind.__name__)}, got {value!r}")
+        raise CadetError(f"{source}: {path}: expected {_KINDS.get(kind, kind.__name__)}, got {shown(value)}")
     return value
 
 
@@ -123,7 +124,7 @@ _KINDS = {float: "a number", int: "a whole number", str: "a text", bool: "true o
 
 def _convert_tuple(kinds: tuple[Any, ...], value: object, source: str, path: str) -> tuple[Any, ...]:
     if not isinstance(value, list | tuple):
-        raise CadetError(f"{source}: {path}: expected an array, got {value!r}")
+        raise CadetError(f"{source}: {path}: expected an array, got {shown(value)}")
     if len(kinds) == 2 and kinds[1] is Ellipsis:
         kinds = (kinds[0],) * len(value)
     if len(kinds) != len(value):

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from cadet import _cadet
-from cadet.checks import as_path, check_number, make_plain, shown
+from cadet.checks import as_path, check_number, make_plain, shown, shown_key
 from cadet.errors import CadetError, MissingFileError
 from cadet.plain_text import toml_from_text
 from cadet.summary import summary
@@ -349,7 +349,7 @@ def _check_keys(owner: str, values: Mapping[str, Any], cls: type[Any]) -> None:
     known = {f.name: f.default for f in fields(cls)}
     for key in values:
         if key not in known:
-            raise CadetError(f"{owner}{key}: unknown key; known: {', '.join(known)}")
+            raise CadetError(f"{owner}{shown_key(key)}: unknown key; known: {', '.join(known)}")
     for key, default in known.items():
         # Dataclass fields without a default hold a marker of the library's own.
         if key not in values and not isinstance(default, (int, float, str, tuple)):

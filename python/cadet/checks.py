@@ -29,6 +29,11 @@ def shown(value: object) -> str:
     return text if len(text) <= _LONGEST_SHOWN else f"{text[: _LONGEST_SHOWN - 3]}..."
 
 
+def shown_key(key: str) -> str:
+    """Return a table's key for a message: as it is, unless it would not be seen as it is."""
+    return key if key.isprintable() and len(key) <= _LONGEST_SHOWN else shown(key)
+
+
 def check_number(
     owner: str, name: str, value: object, low: float, high: float = float("inf"), *, whole: bool = False
 ) -> None:

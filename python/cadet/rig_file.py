@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet.camera import Camera
-from cadet.checks import as_path, check_three, shown
+from cadet.checks import as_path, check_three, shown, shown_key
 from cadet.errors import CadetError, MissingFileError
 from cadet.extrinsics import Extrinsics
 from cadet.lidar import Lidar
@@ -116,7 +116,7 @@ def _tables(name: str, tables: object) -> list[Mapping[str, Any]]:
 def _check_keys(owner: str, values: Mapping[str, Any], known: set[str], needed: set[str]) -> None:
     for key in values:
         if key not in known:
-            raise CadetError(f"{owner}{key}: unknown key; known: {', '.join(sorted(known))}")
+            raise CadetError(f"{owner}{shown_key(key)}: unknown key; known: {', '.join(sorted(known))}")
     for key in sorted(needed):
         if key not in values:
             raise CadetError(f"{owner}{key}: missing key")

@@ -44,6 +44,7 @@ def test_class_groups() -> None:
     ("text", "message"),
     [
         ("[rpn]\nhiden = 3", "{file}: rpn.hiden: unknown key; known: crop_size, bottleneck_channels, hidden, "),
+        ('[rpn]\n"hid\\nen" = 3', "{file}: rpn.'hid\\nen': unknown key; known: crop_size, "),
         ("epochs = 3", "{file}: epochs: unknown key; known: classes, ground, bev, "),
         ("[[classes]]\nname = 'Car'\nsizes = []", "{file}: classes[0].sizes: unknown key; known: name, "),
         ("[rpn]\nhidden = 2.5", "{file}: rpn.hidden: expected a whole number, got 2.5"),
