@@ -391,6 +391,7 @@ class Scene:
     time_s: Final[float]
     num_triangles: Final[int]
     num_actors: Final[int]
+    agents: Final[list[Agent]]
     def add(
         self,
         kind: str,

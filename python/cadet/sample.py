@@ -194,7 +194,7 @@ class Sample:
     @cached_property
     def agents(self) -> tuple[Agent, ...]:
         """Every agent around the ego, by rising id."""
-        return tuple(_agent(native) for native in self._native.agents)
+        return tuple(agent_from_native(native) for native in self._native.agents)
 
     @cached_property
     def sightings(self) -> list[_cadet.Sighting]:
@@ -233,7 +233,8 @@ def _index(names: tuple[str, ...], name: str | None) -> int:
     return 0 if name is None else names.index(name)
 
 
-def _agent(native: _cadet.Agent) -> Agent:
+def agent_from_native(native: _cadet.Agent) -> Agent:
+    """Return what the core knows of an agent."""
     share = None
     if native.pixels is not None and native.pixels[0] > 0.0:
         share = native.pixels[1] / native.pixels[0]

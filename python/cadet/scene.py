@@ -22,7 +22,7 @@ from cadet.notices import notice
 from cadet.policy import ResetPolicy, choose_policy, draw_with
 from cadet.rig import Rig
 from cadet.road_map import RoadMap
-from cadet.sample import Sample, Scan, Wanted
+from cadet.sample import Agent, Sample, Scan, Wanted, agent_from_native
 from cadet.summary import summary
 from cadet.weather import check_weather
 
@@ -158,6 +158,11 @@ class Scene:
     def num_actors(self) -> int:
         """Actors besides the ego, parked ones too."""
         return self._native.num_actors
+
+    @property
+    def agents(self) -> tuple[Agent, ...]:
+        """Every agent around the ego now, parked vehicles too, by rising id; no sensor is asked."""
+        return tuple(agent_from_native(native) for native in self._native.agents)
 
     def add(
         self,

@@ -51,6 +51,19 @@ def test_labels_follow_the_path(scene: cadet.Scene) -> None:
     )
 
 
+def test_agents_are_known_without_a_sensor(scene: cadet.Scene) -> None:
+    car = scene.add("car", x=14.0, y=3.5, yaw=0.0, speed=5.0)
+    scene.add("pedestrian", x=11.0, y=0.0, yaw=0.0)
+    scene.step(1.0)
+    agents = {agent.id: agent for agent in scene.agents}
+    assert list(agents) == sorted(agents)
+    assert len(agents) == scene.num_actors == 2
+    assert agents[car].world_from_agent[:2, 3] == pytest.approx([19.0, 3.5], abs=0.1)
+    assert agents[car].speed_mps == pytest.approx(5.0, abs=1e-3)
+    meta = objects(scene)[car]
+    assert (agents[car].type, agents[car].model) == ("Car", meta["model"])
+
+
 def test_a_rolling_scan_sees_a_scripted_car_move_during_the_turn(core: Any) -> None:
     del core
 

@@ -1,5 +1,6 @@
 //! What a rig captured: neutral facts, which exporters turn into a format's files.
 
+use cadet_core::actor::ActorState;
 use cadet_core::camera::png::encode_rgb8;
 use cadet_core::label::{Rect, Sighting as CoreSighting};
 use cadet_core::lidar::Scan;
@@ -51,6 +52,20 @@ pub(crate) struct Agent {
     velocity_world: [f64; 3],
     /// Of its outline in all images, and seen; `None` unless asked for.
     pixels: Option<[f64; 2]>,
+}
+
+impl Agent {
+    pub(crate) fn of(actor: &ActorState, pixels: Option<[f64; 2]>) -> Self {
+        Self {
+            id: actor.id,
+            class_name: actor.class.kitti_name(),
+            model: actor.model.clone(),
+            size_lwh: actor.size_lwh.to_array(),
+            world_from_agent: arrays::pose_rows(&actor.world_from_box),
+            velocity_world: actor.velocity_world.to_array(),
+            pixels,
+        }
+    }
 }
 
 /// What the first camera sees of an actor.
@@ -183,16 +198,7 @@ impl Capture {
 
     #[getter]
     fn agents(&self) -> Vec<Agent> {
-        let agent = |(i, a): (usize, &cadet_core::actor::ActorState)| Agent {
-            id: a.id,
-            class_name: a.class.kitti_name(),
-            model: a.model.clone(),
-            size_lwh: a.size_lwh.to_array(),
-            world_from_agent: arrays::pose_rows(&a.world_from_box),
-            velocity_world: a.velocity_world.to_array(),
-            pixels: self.frame.pixels.get(i).copied(),
-        };
-        self.frame.actors.iter().enumerate().map(agent).collect()
+        self.frame.actors.iter().enumerate().map(|(i, a)| Agent::of(a, self.frame.pixels.get(i).copied())).collect()
     }
 
     #[getter]

@@ -14,7 +14,7 @@ use pyo3::types::PyDict;
 
 use crate::arrays;
 use crate::assets::Assets;
-use crate::capture::{Capture, Request, scan_to_dict};
+use crate::capture::{Agent, Capture, Request, scan_to_dict};
 use crate::error::BorderError;
 use crate::guard;
 use crate::lidar::Lidar;
@@ -119,6 +119,11 @@ impl Scene {
     #[getter]
     fn num_actors(&self, py: Python<'_>) -> Result<usize, BorderError> {
         self.with(py, |scene| Ok(scene.snapshot().actors.len()))
+    }
+
+    #[getter]
+    fn agents(&self, py: Python<'_>) -> Result<Vec<Agent>, BorderError> {
+        self.with(py, |scene| Ok(scene.snapshot().actors.iter().map(|actor| Agent::of(actor, None)).collect()))
     }
 
     #[pyo3(signature = (kind, model_seed, model, place, speed, path, may_overlap))]

@@ -1,0 +1,137 @@
+"""What is wrong with traffic: bodies in each other, off the ground, or standing for no end.
+
+    python benches/traffic.py -n 200 --seconds 60
+
+lets so many episodes of the default policy run for a minute, looks once a second, and prints the worst of each kind.
+
+* Overlap: how far one would have to be moved out of the other, boxes seen from above, agents whose heights overlap.
+  Arms and legs that swing are in people's boxes, so pairs with people have a row of their own, as have the coupled cars
+  of trams.
+* Height: of the bottom over the ground beside the four corners, where that is even to 1 cm: away from curbs. Who sits
+  on a chair is left out.
+* Standing: vehicles that have been seen to move, and stood since.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+import cadet
+
+PEOPLE = ("Pedestrian", "Person_sitting")
+ABOVE_M = 1.0
+BESIDE_M = 0.3
+EVEN_M = 0.01
+MOVING_MPS = 0.3
+
+
+@dataclass
+class Worst:
+    """The worst of each kind so far, and where it was."""
+
+    values: dict[str, float] = field(default_factory=dict)
+    places: dict[str, str] = field(default_factory=dict)
+    counts: dict[str, int] = field(default_factory=dict)
+
+    def meet(self, kind: str, value: float, limit: float, place: str) -> None:
+        """Take note of a value; what is beyond its limit is counted."""
+        self.counts[kind] = self.counts.get(kind, 0) + (value > limit)
+        if value > self.values.get(kind, -math.inf):
+            self.values[kind], self.places[kind] = value, place
+
+
+def corners_world(agent: cadet.Agent, grown_m: float = 0.0) -> NDArray[np.float64]:
+    """Return the corners of a box's bottom: (4, 3)."""
+    length, width = agent.size_lwh[0] / 2 + grown_m, agent.size_lwh[1] / 2 + grown_m
+    local = np.array([[length, width, 0, 1], [-length, width, 0, 1], [-length, -width, 0, 1], [length, -width, 0, 1]])
+    return (local @ agent.world_from_agent.T)[:, :3]
+
+
+def overlap_m(a: cadet.Agent, b: cadet.Agent) -> float:
+    """Return how far two rectangles reach into each other along the axis where it is least; below 0 apart."""
+    rectangles = [corners_world(agent)[:, :2] for agent in (a, b)]
+    least = math.inf
+    for agent in (a, b):
+        for axis in (agent.world_from_agent[:2, 0], agent.world_from_agent[:2, 1]):
+            spans = [rectangle @ (axis / np.linalg.norm(axis)) for rectangle in rectangles]
+            least = min(least, min(span.max() for span in spans) - max(span.min() for span in spans))
+    return least
+
+
+def near_pairs(agents: tuple[cadet.Agent, ...]) -> Iterator[tuple[cadet.Agent, cadet.Agent]]:
+    """Yield pairs whose circles touch and whose heights overlap."""
+    centers = np.array([agent.world_from_agent[:3, 3] for agent in agents])
+    reaches = np.array([math.hypot(*agent.size_lwh[:2]) / 2 for agent in agents])
+    for i, j in combinations(range(len(agents)), 2):
+        if abs(centers[i, 0] - centers[j, 0]) > reaches[i] + reaches[j]:
+            continue
+        low = max(centers[i, 2], centers[j, 2])
+        high = min(centers[i, 2] + agents[i].size_lwh[2], centers[j, 2] + agents[j].size_lwh[2])
+        if low < high and math.dist(centers[i, :2], centers[j, :2]) < reaches[i] + reaches[j]:
+            yield agents[i], agents[j]
+
+
+def heights_m(scene: cadet.Scene, agents: list[cadet.Agent]) -> Iterator[tuple[cadet.Agent, float]]:
+    """Yield agents that stand on even ground, and how far their bottoms are above it."""
+    if not agents:
+        return
+    corners = np.concatenate([corners_world(agent, BESIDE_M) for agent in agents])
+    origins = corners + [0.0, 0.0, ABOVE_M]
+    hits = scene.cast_rays(origins, np.tile([0.0, 0.0, -1.0], (len(origins), 1)))
+    above_m = np.where(hits.actor_id == 0, hits.range_m - ABOVE_M, np.nan).reshape(-1, 4)
+    for agent, heights in zip(agents, above_m, strict=True):
+        if np.ptp(heights) < 2 * EVEN_M:
+            yield agent, float(heights.mean())
+
+
+def kind_of(a: cadet.Agent, b: cadet.Agent) -> str:
+    """Name the row that a pair's overlap belongs to."""
+    if a.type == b.type == "Tram":
+        return "overlap of trams' cars, m"
+    return "overlap with people, m" if a.type in PEOPLE or b.type in PEOPLE else "overlap of vehicles, m"
+
+
+def watch(seed: int, seconds: int, worst: Worst) -> None:
+    """Let an episode run and look once a second."""
+    scene = cadet.Scene.random(seed=seed)
+    last_moved_s: dict[int, float] = {}
+    for second in range(seconds):
+        place = f"seed {seed}, second {second}: "
+        agents = scene.agents
+        for a, b in near_pairs(agents):
+            worst.meet(kind_of(a, b), overlap_m(a, b), 0.02, f"{place}{a.id} ({a.model}) and {b.id} ({b.model})")
+        for agent, height_m in heights_m(scene, [agent for agent in agents if agent.type != "Person_sitting"]):
+            kind = "above the ground, m" if height_m > 0 else "below the ground, m"
+            worst.meet(kind, abs(height_m), 0.03, f"{place}{agent.id} ({agent.model})")
+        for agent in agents:
+            if agent.speed_mps > MOVING_MPS:
+                last_moved_s[agent.id] = second
+            elif agent.id in last_moved_s and agent.type not in PEOPLE:
+                stood_s = second - last_moved_s[agent.id]
+                worst.meet("standing after it moved, s", stood_s, 60.0, f"{place}{agent.id} ({agent.model})")
+        scene.step(1.0)
+
+
+def main() -> None:
+    """Watch the episodes and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("-n", dest="count", type=int, default=200, help="episodes")
+    parser.add_argument("--seconds", type=int, default=60)
+    parser.add_argument("--seed", type=int, default=0, help="of the first episode")
+    options = parser.parse_args()
+    worst = Worst()
+    for seed in range(options.seed, options.seed + options.count):
+        watch(seed, options.seconds, worst)
+    for kind in sorted(worst.values):
+        print(f"{kind:28} {worst.values[kind]:8.3f}   {worst.counts[kind]:5} beyond its limit   {worst.places[kind]}")
+
+
+if __name__ == "__main__":
+    main()
