@@ -20,7 +20,10 @@ def test_the_papers_configurations_have_its_channels() -> None:
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"slice_maps": ("mean",)}, "BevConfig.slice_maps: expected max_height, min_height, density, got 'mean'"),
+        (
+            {"slice_maps": ("mean",)},
+            "BevConfig.slice_maps: expected max_height, min_height, density, density_log64, got 'mean'",
+        ),
         ({"slice_maps": (), "cloud_maps": ()}, "BevConfig: expected at least one slice map or cloud map, got none"),
         ({"num_slices": 0}, "BevConfig.num_slices: expected a whole number from 1 to 1000, got 0"),
         ({"height_hi_m": -0.2}, "BevConfig.height_hi_m: expected more than -0.2, got -0.2"),

@@ -55,7 +55,10 @@ def case(name: str, tmp_path: Path) -> tuple[Path, dict[str, Any]]:
     answers = folder / "expected.json" if folder.is_dir() else CASES / f"{name}.expected.json"
     if archive.is_file():
         with tarfile.open(archive) as packed:
-            packed.extractall(tmp_path, filter="data")
+            if hasattr(tarfile, "data_filter"):
+                packed.extractall(tmp_path, filter="data")
+            else:  # Python before 3.10.12 and 3.11.4
+                packed.extractall(tmp_path)
         folder = next(path.parent for path in tmp_path.rglob("label_2"))
     return folder, json.loads(answers.read_text())
 
