@@ -22,13 +22,14 @@ _LABEL = {
 }
 _SUBURB = {
     "blocks": ([4, 4], 2, 12),
-    "block_m": ([72.0, 112.0], 60, 250),
+    "block_m": ([72.0, 112.0], 60, 400),
     "parking_share": (0.55, 0, 1),
     "angled_share": (0.3, 0, 1),
     "main_share": (0.0, 0, 1),
     "sidewalk_m": ([1.5, 2.5], 1.2, 4.5),
     "signal_share": (0.0, 0, 1),
     "tram_share": (0.0, 0, 1),
+    "country_share": (0.0, 0, 1),
     "hilly_share": (0.2, 0, 1),
     "max_slope": (0.065, 0, 0.1),
 }

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from cadet import CadetError, District, ResetPolicy, Rig, RoadMap, weather_names
+from cadet.districts import DISTRICTS
 
 pytestmark = pytest.mark.usefixtures("fake_core")
 
@@ -120,3 +121,26 @@ def test_a_district_refuses_a_range_the_wrong_way_round() -> None:
     with pytest.raises(CadetError) as caught:
         District(name="x", parking_occupancy=(0.5, 0.4), num_cars=(0, 1), num_pedestrians=(0, 1))
     assert str(caught.value) == "District.parking_occupancy: expected (low, high), got (0.5, 0.4)"
+
+
+def test_districts_are_known_by_name_and_take_the_place_of_the_policys() -> None:
+    drawn = {district.name for district, _ in ResetPolicy.kitti().districts}
+    assert set(DISTRICTS) == drawn | {"country_road"} and len(DISTRICTS) == len(set(DISTRICTS))
+    assert all(District.named(name).name == name for name in DISTRICTS)
+    country = District.named("country_road")
+    # One of two: each as often as the other.
+    policy = ResetPolicy.kitti().with_districts(country, STREET)
+    found = Counter(policy.draw(0, episode).district for episode in range(400))
+    assert set(found) == {"country_road", "street"} and abs(found["street"] - 200) < 40
+    assert policy.draw(1, 0).config.suburb.country_share in (0.0, 1.0)
+    assert country.suburb.country_share == 1.0 and country.num_pedestrians == (0, 0)
+    # Nothing else of the policy changes.
+    assert replace(policy, districts=ResetPolicy.kitti().districts) == ResetPolicy.kitti()
+
+
+@pytest.mark.parametrize("name", ["country", "", 3, None])
+def test_an_unknown_district_is_refused_by_its_name(name: Any) -> None:
+    with pytest.raises(CadetError, match=r"unknown district .*; known: parked_rows, .*country_road"):
+        District.named(name)
+    with pytest.raises(CadetError, match=r"ResetPolicy\.districts: expected at least one"):
+        ResetPolicy.kitti().with_districts()

@@ -29,12 +29,14 @@ def test_every_key_changes_what_it_names(tmp_path: Path) -> None:
     (tmp_path / "mine.toml").write_text(cadet.Lidar.vlp16().to_toml())
     found = read(
         tmp_path,
-        'seed = 7\npolicy = "paper"\nlidar = "mine.toml"\nimage_size = [310, 94]\nweathers = ["snow", "dusk"]\n'
+        'seed = 7\npolicy = "paper"\ndistricts = ["country_road", "quiet"]\nlidar = "mine.toml"\n'
+        'image_size = [310, 94]\nweathers = ["snow", "dusk"]\n'
         'assets = "mine"\nsamples_per_episode = 3\n',
     )
     policy = found.policy
     assert (found.seed, policy.name, policy.samples_per_episode) == (7, "paper", 3)
     assert [name for name, _ in policy.weathers] == ["snow", "dusk"]
+    assert [district.name for district, _ in policy.districts] == ["country_road", "quiet"]
     assert policy.assets is not None
     for rig, _ in policy.rigs:
         assert (rig.camera.width, rig.camera.height) == (310, 94)
@@ -56,6 +58,7 @@ def test_simulations_differ_where_their_frames_do(tmp_path: Path) -> None:
         ("seed = -1", "seed: expected a whole number from 0"),
         ("seed = ", "no TOML"),
         ('policy = "town"', "policy: "),
+        ('districts = ["town"]', "districts: unknown district 'town'; known: parked_rows, "),
         ("policy = 3", "policy: value: expected a text, got 3"),
         ('rig = "car"', "rig: "),
         ('lidar = "missing.toml"', "lidar: "),

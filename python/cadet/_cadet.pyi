@@ -214,6 +214,7 @@ class SuburbConfig:
         sidewalk_m: tuple[float, float],
         signal_share: float,
         tram_share: float,
+        country_share: float,
         hilly_share: float,
         max_slope: float,
     ) -> SuburbConfig: ...

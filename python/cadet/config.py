@@ -156,6 +156,8 @@ class SuburbConfig:
     """Share of the junctions of streets faster than 30 km/h that have traffic lights."""
     tram_share: float = _SUBURB.default("tram_share")
     """Share of the main roads across a suburb with the two tracks of a tram in the middle, instead of any median."""
+    country_share: float = _SUBURB.default("country_share")
+    """Share of suburbs that are open country: winding roads between fields and woods, without curbs or sidewalks."""
     hilly_share: float = _SUBURB.default("hilly_share")
     """Share of suburbs with hill streets."""
     max_slope: float = _SUBURB.default("max_slope")

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, Final
 
-from cadet.checks import check_kind, check_range, check_text, make_plain
+from cadet.checks import check_kind, check_range, check_text, is_one_of, make_plain, shown
 from cadet.config import PropConfig, SuburbConfig, scene_limits
+from cadet.errors import CadetError
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,6 +46,17 @@ class District:
         check_kind("District", "suburb", self.suburb, SuburbConfig)
         check_kind("District", "props", self.props, PropConfig)
         make_plain(self)
+
+    @classmethod
+    def named(cls, name: str) -> District:
+        """Return the district of that name, one of `DISTRICTS`.
+
+        Raises:
+            CadetError: there is none.
+        """
+        if not is_one_of(name, _BY_NAME):
+            raise CadetError(f"unknown district {shown(name)}; known: {', '.join(DISTRICTS)}")
+        return _BY_NAME[name]
 
     def to_dict(self) -> dict[str, Any]:
         """Return the district in plain values, for a manifest: `suburb` and `props` where they are not the default."""
@@ -114,3 +126,18 @@ KITTI_DISTRICTS = (
         0.07,
     ),
 )
+
+# The edge of town and beyond: one lane a direction between fields and woods. KITTI's policy does not draw it.
+_COUNTRY_ROAD = District(
+    name="country_road",
+    parking_occupancy=(0.0, 0.5),
+    num_cars=(4, 11),
+    num_pedestrians=(0, 0),
+    num_cyclists=(0, 1),
+    suburb=SuburbConfig(country_share=1.0, blocks=(2, 2), block_m=(190.0, 320.0)),
+    props=PropConfig(greenery=1.1),
+)
+
+_BY_NAME: Final = {district.name: district for district in (*(one for one, _ in KITTI_DISTRICTS), _COUNTRY_ROAD)}
+DISTRICTS: Final = tuple(_BY_NAME)
+"""The names that `District.named` knows."""

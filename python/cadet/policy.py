@@ -239,6 +239,14 @@ class ResetPolicy:
         check_kind("", "rig", rig, Rig)
         return replace(self, rigs=((rig, 1.0),))
 
+    def with_districts(self, *districts: District) -> ResetPolicy:
+        """Return the policy with these districts, all equally likely.
+
+        Raises:
+            CadetError: none, or what is no district.
+        """
+        return replace(self, districts=tuple((district, 1.0) for district in districts))
+
     def with_each_rig(self, change: Callable[[Rig], Rig]) -> ResetPolicy:
         """Return the policy with each of its rigs changed."""
         return replace(self, rigs=tuple((change(rig), weight) for rig, weight in self.rigs))

@@ -9,6 +9,7 @@ from typing import Any, Final
 
 from cadet.assets import Assets
 from cadet.checks import as_path, as_seed, check_image_size, check_text, shown
+from cadet.districts import District
 from cadet.errors import CadetError, FileFormatError, MissingFileError
 from cadet.lidar import Lidar
 from cadet.plain_text import toml_from_text
@@ -18,7 +19,18 @@ from cadet.road_map import RoadMap
 from cadet.streaming import FrameStream, stream
 from cadet.weather import check_weather
 
-_KEYS: Final = ("seed", "policy", "rig", "lidar", "image_size", "weathers", "maps", "assets", "samples_per_episode")
+_KEYS: Final = (
+    "seed",
+    "policy",
+    "districts",
+    "rig",
+    "lidar",
+    "image_size",
+    "weathers",
+    "maps",
+    "assets",
+    "samples_per_episode",
+)
 
 
 @dataclass(frozen=True)
@@ -37,9 +49,9 @@ class Simulation:
     def read(cls, path: str | Path) -> Simulation:
         """Read a TOML file.
 
-        Its keys, none of which it must have: `seed`; `policy` and `rig`, names of presets; `lidar`, a preset or a file;
-        `image_size`, width and height in pixels; `weathers`, names of presets; `maps`, OpenDRIVE files; `assets`, a
-        folder; `samples_per_episode`. Files are relative to this one's folder.
+        Its keys, none of which it must have: `seed`; `policy` and `rig`, names of presets; `districts`, names of some;
+        `lidar`, a preset or a file; `image_size`, width and height in pixels; `weathers`, names of presets; `maps`,
+        OpenDRIVE files; `assets`, a folder; `samples_per_episode`. Files are relative to this one's folder.
 
         Raises:
             MissingFileError: no such file.
@@ -92,6 +104,10 @@ def _with_policy(policy: ResetPolicy, value: Any, folder: Path) -> ResetPolicy:
     return ResetPolicy.named(value)
 
 
+def _with_districts(policy: ResetPolicy, value: Any, folder: Path) -> ResetPolicy:
+    return policy.with_districts(*map(District.named, _texts(value)))
+
+
 def _with_rig(policy: ResetPolicy, value: Any, folder: Path) -> ResetPolicy:
     check_text("", "value", value)
     return policy.with_rig(Rig.named(value))
@@ -128,6 +144,7 @@ def _with_samples(policy: ResetPolicy, value: Any, folder: Path) -> ResetPolicy:
 # In the order in which they are applied: sensors go into the rig, and the rig into the policy.
 _CHANGES: Final[dict[str, Callable[[ResetPolicy, Any, Path], ResetPolicy]]] = {
     "policy": _with_policy,
+    "districts": _with_districts,
     "rig": _with_rig,
     "lidar": _with_lidar,
     "image_size": _with_image_size,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -93,3 +94,19 @@ def test_a_policys_districts_and_sun_reach_the_scene() -> None:
     # What is as usual is not listed, so that older datasets are resumed.
     usual = cadet.ResetPolicy.kitti().to_dict()
     assert "sun_elevation_deg" not in usual and "suburb" not in usual["districts"][0]
+
+
+def test_the_country_road_district_has_vegetation_and_fields_and_no_sidewalk() -> None:
+    policy = replace(
+        cadet.ResetPolicy.kitti().with_districts(cadet.District.named("country_road")), weathers=(("clear_noon", 1.0),)
+    )
+    wanted = {Semantic.ROAD, Semantic.ROAD_MARKING, Semantic.TERRAIN, Semantic.VEGETATION}
+    for seed in range(3):
+        frame = Scene.random(seed=seed, policy=policy, rig=SMALL).capture()
+        assert frame.semantic is not None
+        shown = {Semantic(value) for value in np.unique(frame.semantic)}
+        assert wanted <= shown and Semantic.SIDEWALK not in shown, shown
+        assert not any(label.type == "Pedestrian" for label in frame.labels)
+        # Woods or hills close the land: below the horizon no sky is left.
+        below = frame.semantic[int(frame.calib.P2[1, 2]) + 6 :]
+        assert (below != Semantic.SKY).all()

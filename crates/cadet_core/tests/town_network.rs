@@ -127,6 +127,47 @@ fn main_roads_can_be_driven_for_ever_on_every_lane() {
 }
 
 #[test]
+fn country_roads_can_be_driven_for_ever_between_their_verges() {
+    let mut with_edge_lines = 0;
+    for seed in 0..20 {
+        let config = SuburbConfig {
+            country_share: 1.0,
+            blocks: (2, 2),
+            block_m: (200.0, 320.0),
+            main_share: 1.0,
+            tram_share: 1.0,
+            ..SuburbConfig::default()
+        };
+        let network = generate_suburb(&StreamKey::scene(seed), &config).unwrap().network;
+        let name = format!("country {seed}");
+        assert_drivable(&name, &network);
+        assert_eq!(network.driving().filter(|l| l.successors.is_empty()).count(), 0, "{name}");
+        assert!(network.is_rural(), "{name}");
+        for lane in network.driving().filter(|l| l.junction.is_none()) {
+            let of_road =
+                |kind: LaneKind| network.lanes.iter().filter(|l| l.road == lane.road && l.kind == kind).count();
+            assert_eq!((of_road(LaneKind::Driving), of_road(LaneKind::Verge)), (2, 2), "{name}");
+            let (width_m, kmh) = (lane.width_at(5.0), lane.speed_limit_mps * 3.6);
+            assert!((2.7..=3.6).contains(&width_m) && (49.0..=81.0).contains(&kmh), "{name}: {width_m} m, {kmh} km/h");
+            // An edge line lies a quarter of a meter inside of the asphalt's edge.
+            let inside_m = |mark: &cadet_core::town::PaintedQuad| {
+                let middle = mark.corners.iter().sum::<DVec3>() / 4.0;
+                let (s_m, off_m) = lane.project(middle);
+                let is_beside = s_m > 1.0 && s_m < lane.length_m() - 1.0;
+                (is_beside && off_m < width_m / 2.0).then_some(width_m / 2.0 - off_m)
+            };
+            let edge: Vec<f64> = network.lane_marks.iter().filter_map(inside_m).collect();
+            assert!(edge.iter().all(|m| *m < 0.02 || (m - 0.25).abs() < 0.02), "{name}: {edge:?}");
+            with_edge_lines += usize::from(edge.iter().any(|m| *m > 0.2));
+        }
+        for lane in network.lanes.iter().filter(|l| l.kind == LaneKind::Verge && l.junction.is_none()) {
+            assert!((1.0..=1.7).contains(&lane.width_at(5.0)), "{name}: a verge of {} m", lane.width_at(5.0));
+        }
+    }
+    assert!(with_edge_lines > 100, "{with_edge_lines}");
+}
+
+#[test]
 fn roads_with_tracks_can_be_driven_for_ever_and_tracks_go_on_to_the_last_junction() {
     let mut with_tracks = 0;
     for seed in 0..30 {

@@ -108,8 +108,8 @@ pub(crate) struct SuburbConfig {
 impl SuburbConfig {
     #[new]
     #[pyo3(signature = (
-        *, blocks, block_m, parking_share, angled_share, main_share, sidewalk_m, signal_share, tram_share, hilly_share,
-        max_slope,
+        *, blocks, block_m, parking_share, angled_share, main_share, sidewalk_m, signal_share, tram_share,
+        country_share, hilly_share, max_slope,
     ))]
     fn new(
         blocks: (usize, usize),
@@ -120,6 +120,7 @@ impl SuburbConfig {
         sidewalk_m: (f64, f64),
         signal_share: f64,
         tram_share: f64,
+        country_share: f64,
         hilly_share: f64,
         max_slope: f64,
     ) -> Result<Self, BorderError> {
@@ -132,6 +133,7 @@ impl SuburbConfig {
             sidewalk_m,
             signal_share,
             tram_share,
+            country_share,
             hilly_share,
             max_slope,
         };

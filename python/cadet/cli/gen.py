@@ -18,6 +18,7 @@ from cadet.checks import check_number
 from cadet.cli.destination import Destination
 from cadet.cli.progress import reporter
 from cadet.cli.signals import exit_code, how_ended, signals_end
+from cadet.districts import DISTRICTS, District
 from cadet.errors import CadetError
 from cadet.generate import ENGINES, EXPORTERS, EXTRAS, Settings, Summary, WorkerError, generate
 from cadet.lidar import LIDAR_PRESETS, Lidar
@@ -36,6 +37,9 @@ _LEAST_FRACTION = 1e-6
 @click.option("-n", "num_frames", type=click.IntRange(1, 1_000_000), default=20, show_default=True, help="Frames.")
 @click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True, help="Same seed, same bytes.")
 @click.option("--policy", type=click.Choice(POLICIES), default="kitti", show_default=True, help="How worlds are drawn.")
+@click.option(
+    "--district", "districts", type=click.Choice(DISTRICTS), multiple=True, help="A kind of street; may be repeated."
+)
 @click.option("--rig", type=click.Choice(RIG_PRESETS), help="The sensors.  [default: the policy's, drawn by episode]")
 @click.option("--lidar", metavar="NAME|FILE", help=f"{', '.join(LIDAR_PRESETS)}, or a TOML file (docs/lidars.md).")
 @click.option("--map", "maps", metavar="FILE", multiple=True, help="An OpenDRIVE map; may be repeated.")
@@ -79,6 +83,7 @@ def cadet_gen(
     num_frames: int,
     seed: int,
     policy: str,
+    districts: tuple[str, ...],
     rig: str | None,
     lidar: str | None,
     maps: tuple[str, ...],
@@ -108,6 +113,7 @@ def cadet_gen(
     cadet-gen drives -n 200 --format kitti_raw --sequence --hz 10 --length 20s
     cadet-gen s3://bucket/set -n 100000 --engine ray --address auto   # docs/scale.md
     cadet-gen shards -n 100000 --format webdataset --shard-size 1000
+    cadet-gen fields -n 500 --district country_road
     cadet-gen rain -n 500 --weather hard_rain_noon --write depth,instance
 
     Weathers: {weathers}
@@ -121,7 +127,9 @@ def cadet_gen(
         seed=seed,
         num_frames=num_frames,
         policy=_in_time(
-            _with_sensors(_policy(policy, maps, weathers, own), _rig_for(dataset_format, rig), image_size, lidar),
+            _with_sensors(
+                _policy(policy, districts, maps, weathers, own), _rig_for(dataset_format, rig), image_size, lidar
+            ),
             sequence,
             hz,
             length,
@@ -181,8 +189,12 @@ def _period(option: str, fraction: float) -> int:
     return round(1.0 / fraction) if fraction > 0.0 else 0
 
 
-def _policy(name: str, maps: tuple[str, ...], weathers: tuple[str, ...], assets: Assets | None) -> ResetPolicy:
+def _policy(
+    name: str, districts: tuple[str, ...], maps: tuple[str, ...], weathers: tuple[str, ...], assets: Assets | None
+) -> ResetPolicy:
     policy = ResetPolicy.named(name)
+    if districts:
+        policy = policy.with_districts(*map(District.named, districts))
     if maps:
         policy = replace(policy, maps=tuple(RoadMap.read(path) for path in maps))
         for road_map in policy.maps:

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
+from cadet.districts import DISTRICTS, District
 from cadet.errors import CadetError, MissingFileError
 from cadet.gallery.studio import Sitter, portrait, survey
 from cadet.gallery.tiles import page
@@ -63,8 +64,8 @@ def _people() -> Iterator[Page]:
 
 
 def _streets() -> Iterator[Page]:
-    """Each district of the policy "kitti" in five weathers, dusk among them."""
-    for name in _district_names():
+    """Each district in five weathers, dusk among them."""
+    for name in DISTRICTS:
         tiles = []
         for weather in _WEATHERS:
             for frame in _views(name, weather, _VIEWS_PER_WEATHER):
@@ -76,7 +77,7 @@ def _scans() -> Iterator[Page]:
     """Scans of each district from above and in the image."""
     tiles = [
         (name, figure)
-        for name in _district_names()
+        for name in DISTRICTS
         for frame in _views(name, "clear_noon", _SCANS_PER_DISTRICT)
         for figure in _scan_figures(frame)
     ]
@@ -104,14 +105,9 @@ def _scan_figures(frame: Frame) -> tuple[style.Image, style.Image]:
     return lidar_figure(bare), bev_figure(bare, 700, has_text=False)
 
 
-def _district_names() -> list[str]:
-    return [district.name for district, _ in ResetPolicy.kitti().districts]
-
-
 def _views(district_name: str, weather: str, num: int) -> Iterator[Frame]:
-    policy = ResetPolicy.kitti()
-    chosen = tuple((district, 1.0) for district, _ in policy.districts if district.name == district_name)
-    policy = replace(policy, districts=chosen, weathers=((weather, 1.0),))
+    policy = ResetPolicy.kitti().with_districts(District.named(district_name))
+    policy = replace(policy, weathers=((weather, 1.0),))
     for seed in range(num):
         yield Scene.random(seed=seed, policy=policy).capture(sensors=())
 

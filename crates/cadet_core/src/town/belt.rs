@@ -49,13 +49,14 @@ pub(super) fn plant(
 }
 
 /// Points of the streets, sorted into squares whose side is the farthest distance that matters.
-struct Streets {
+pub(super) struct Streets {
     side_m: f64,
     squares: BTreeMap<(i64, i64), Vec<DVec2>>,
 }
 
 impl Streets {
-    fn new(points: impl Iterator<Item = DVec2>, reach_m: f64) -> Self {
+    /// The points, to be looked for within a distance.
+    pub(super) fn new(points: impl Iterator<Item = DVec2>, reach_m: f64) -> Self {
         let mut streets = Self { side_m: reach_m.max(CELL_M), squares: BTreeMap::new() };
         for point in points {
             streets.squares.entry(streets.square(point)).or_default().push(point);
@@ -68,7 +69,7 @@ impl Streets {
     }
 
     /// Distance to the nearest point; infinite or beyond the reach where none lies within it.
-    fn distance_m(&self, p: DVec2) -> f64 {
+    pub(super) fn distance_m(&self, p: DVec2) -> f64 {
         let (x, y) = self.square(p);
         let near = (x - 1..=x + 1).flat_map(|i| self.squares.range((i, y - 1)..=(i, y + 1)));
         near.flat_map(|(_, points)| points).map(|q| (*q - p).length_squared()).fold(f64::INFINITY, f64::min).sqrt()

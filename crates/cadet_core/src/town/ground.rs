@@ -1,31 +1,36 @@
 //! The ground: one continuous surface of road, sidewalk and terrain.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::curb_edges::curb_edges;
 use super::face_index::FaceIndex;
+use super::fields::{Crop, Land};
 use super::ground_kind::GroundKind;
 use super::ground_mesh::{self, Cover, Fineness, PlanMesh};
 use super::ground_region::{Regions, Ring};
+use super::ground_surface::{Heights, Surface};
 use super::height_field::HeightField;
-use super::network::{Lane, LaneKind, PaintedQuad, RoadNetwork};
+use super::network::{Lane, LaneKind, RoadNetwork};
+use super::roadside::DistanceFrom;
 use super::roughness::Roughness;
 use super::signals::Signals;
 use super::wear::Wear;
-use super::xodr_lanes::CURB_HEIGHT_M;
-use super::{ground_palette, rails, road_marking};
+use super::{rails, road_marking};
 use crate::error::Result;
-use crate::geometry::{LodSet, Mesh};
+
 use crate::instance::Instance;
-use crate::math::{DPose3, DQuat, DVec2, DVec3, Vec3};
+use crate::math::{DVec2, DVec3, Vec3};
 
 /// The ground goes on this far beyond the outermost lane.
 const MARGIN_M: f64 = 160.0;
 /// Heights are taken from lanes at least this far apart.
 const SAMPLE_STEP_M: f64 = 1.7;
-/// Side of a tile of visible ground.
-const TILE_M: f64 = 50.0;
+
+/// The corners of the ground under and around a network.
+pub(super) fn extent(network: &RoadNetwork) -> (DVec2, DVec2) {
+    let everything = network.lanes.iter().flat_map(|l| &l.center).map(|p| p.truncate());
+    let (min, max) = everything.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
+    ((min - MARGIN_M).floor(), (max + MARGIN_M).ceil())
+}
 
 /// The surface that wheels and feet touch.
 #[derive(Debug, Clone)]
@@ -50,7 +55,7 @@ impl Ground {
     /// # Errors
     /// [`crate::Error::Map`] where the network has no carriageway or is larger than 40 km.
     pub fn new(network: &RoadNetwork) -> Result<Self> {
-        Self::laid(network, None, &Wear::default(), &Signals::default())
+        Self::laid(network, None, &Wear::default(), &Signals::default(), None)
     }
 
     /// The same with the bumps and dips that real streets have.
@@ -58,10 +63,11 @@ impl Ground {
     /// # Errors
     /// As [`Ground::new`].
     pub fn rough(network: &RoadNetwork, roughness: &Roughness) -> Result<Self> {
-        Self::laid(network, Some(roughness), &Wear::default(), &Signals::default())
+        Self::laid(network, Some(roughness), &Wear::default(), &Signals::default(), None)
     }
 
-    /// The same with the paint of a town: worn, and with stop lines and fords where there are traffic lights.
+    /// The same with the paint of a town: worn, and with stop lines and fords where there are traffic lights; and with the
+    /// land about its roads where it is open country.
     ///
     /// # Errors
     /// As [`Ground::new`].
@@ -70,24 +76,36 @@ impl Ground {
         roughness: &Roughness,
         wear: &Wear,
         signals: &Signals,
+        land: Option<&Land>,
     ) -> Result<Self> {
-        Self::laid(network, Some(roughness), wear, signals)
+        Self::laid(network, Some(roughness), wear, signals, land)
     }
 
-    fn laid(network: &RoadNetwork, roughness: Option<&Roughness>, wear: &Wear, signals: &Signals) -> Result<Self> {
-        let regions = Regions::of(network)?;
+    fn laid(
+        network: &RoadNetwork,
+        roughness: Option<&Roughness>,
+        wear: &Wear,
+        signals: &Signals,
+        land: Option<&Land>,
+    ) -> Result<Self> {
+        let regions = Regions::of(network, land)?;
         let paved =
             |k: LaneKind| matches!(k, LaneKind::Driving | LaneKind::Parking | LaneKind::Biking | LaneKind::Tram);
         let samples: Vec<DVec3> = network.lanes.iter().filter(|l| paved(l.kind)).flat_map(spaced_points).collect();
-        let everything = network.lanes.iter().flat_map(|l| &l.center).map(|p| p.truncate());
-        let (min, max) = everything.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
-        let (min, max) = ((min - MARGIN_M).floor(), (max + MARGIN_M).ceil());
+        let (min, max) = extent(network);
         let height = HeightField::fit(&samples, min, max);
         let is_level = height.is_flat() && roughness.is_none();
         let fineness = if is_level { Fineness::FLAT } else { Fineness::HILLY };
         let plan = ground_mesh::triangulate(&regions, &samples, (min, max), fineness)?;
         let surface = |p: DVec2| height.height(p) + roughness.map_or(0.0, |r| r.height_m(p));
-        Ok(Self::assemble(&plan, regions, &surface, (min, max), Some(&Painted { network, wear, signals })))
+        let painted = Painted { network, wear, signals };
+        if !network.is_rural() {
+            return Ok(Self::assemble(&plan, regions, &Heights::town(&surface), (min, max), Some(&painted)));
+        }
+        let from_road = DistanceFrom::new(&regions.carriageway);
+        let beside = |p: DVec2| land.map_or(0.0, |l| l.roadside.height_m(p, from_road.distance_m(p)));
+        let heights = Heights { road: &surface, beside: &beside, has_curbs: false };
+        Ok(Self::assemble(&plan, regions, &heights, (min, max), Some(&painted)))
     }
 
     /// A flat square of asphalt around the origin, for tests and for scenes without a map.
@@ -110,8 +128,11 @@ impl Ground {
             beds: Vec::new(),
             bed_edges: Vec::new(),
             sidewalk_width_m: 0.0,
+            shoulder: Vec::new(),
+            roadside: Vec::new(),
+            fields: Vec::new(),
         };
-        Self::assemble(&plan, regions, &|_| 0.0, (DVec2::splat(-half), DVec2::splat(half)), None)
+        Self::assemble(&plan, regions, &Heights::town(&|_| 0.0), (DVec2::splat(-half), DVec2::splat(half)), None)
     }
 
     /// The same outlines and tiles over another surface, all of it carriageway.
@@ -128,11 +149,11 @@ impl Ground {
     fn assemble(
         plan: &PlanMesh,
         regions: Regions,
-        height: &dyn Fn(DVec2) -> f64,
+        heights: &Heights<'_>,
         (min, max): (DVec2, DVec2),
         painted: Option<&Painted<'_>>,
     ) -> Self {
-        let surface = Surface::raise(plan, height);
+        let surface = Surface::raise(plan, heights);
         let kinds: Vec<GroundKind> = plan.kinds.iter().map(|c| c.kind()).collect();
         let vertices: Vec<Vec3> = surface.corners.iter().map(|p| p.as_vec3()).collect();
         let index = FaceIndex::new(&vertices, &surface.faces, min, max);
@@ -195,6 +216,11 @@ impl Ground {
         &self.outlines.sidewalk
     }
 
+    /// What grows where in open country.
+    pub(super) fn fields(&self) -> &[(Crop, Vec<Ring>)] {
+        &self.outlines.fields
+    }
+
     pub(super) fn walk_rings(&self) -> &[Ring] {
         &self.outlines.walks
     }
@@ -247,145 +273,4 @@ fn spaced_points(lane: &Lane) -> Vec<DVec3> {
         keep
     });
     spaced.map(|(p, _)| *p).chain(lane.center.last().copied()).collect()
-}
-
-fn tile_of(p: DVec2) -> (i64, i64) {
-    let cell = (p / TILE_M).floor();
-    (cell.x as i64, cell.y as i64)
-}
-
-/// The surface in space: plan points at road level, plan points at curb level, and the curbs' faces between.
-struct Surface {
-    corners: Vec<DVec3>,
-    /// One a plan triangle in the same order, then two a curb edge.
-    faces: Arc<Vec<[u32; 3]>>,
-}
-
-impl Surface {
-    fn raise(plan: &PlanMesh, height: &dyn Fn(DVec2) -> f64) -> Self {
-        let n = plan.points.len();
-        let ground: Vec<f64> = plan.points.iter().map(|p| height(*p)).collect();
-        let mut corners = Vec::with_capacity(n + n / 2);
-        let mut low = vec![u32::MAX; n];
-        let mut high = vec![u32::MAX; n];
-        let mut faces: Vec<[u32; 3]> = Vec::with_capacity(plan.faces.len());
-        for (face, cover) in plan.faces.iter().zip(&plan.kinds) {
-            let raised = !cover.is_low();
-            faces.push(face.map(|i| {
-                let (slot, lift) = if raised { (&mut high, CURB_HEIGHT_M) } else { (&mut low, 0.0) };
-                let slot = &mut slot[i as usize];
-                if *slot == u32::MAX {
-                    *slot = corners.len() as u32;
-                    corners.push(plan.points[i as usize].extend(ground[i as usize] + lift));
-                }
-                *slot
-            }));
-        }
-        for [a, b] in curb_edges(plan) {
-            let ([a0, b0], [a1, b1]) = ([a, b].map(|i| low[i as usize]), [a, b].map(|i| high[i as usize]));
-            faces.push([b0, a0, a1]);
-            faces.push([b0, a1, b1]);
-        }
-        Self { corners, faces: Arc::new(faces) }
-    }
-
-    /// The visible surface, cut into tiles, with markings over it.
-    fn tiles(&self, plan: &PlanMesh, markings: &[PaintedQuad], wear: &Wear) -> Vec<Instance> {
-        let mut normals = vec![DVec3::ZERO; self.corners.len()];
-        let num_flat = plan.faces.len();
-        let at = |f: &[u32; 3]| f.map(|i| self.corners[i as usize]);
-        for face in &self.faces[..num_flat] {
-            let [a, b, c] = at(face);
-            for i in face {
-                normals[*i as usize] += (b - a).cross(c - a);
-            }
-        }
-        let mut members: BTreeMap<(i64, i64), Vec<usize>> = BTreeMap::new();
-        for (i, face) in self.faces.iter().enumerate() {
-            let [a, b, c] = at(face);
-            members.entry(tile_of(((a + b + c) / 3.0).truncate())).or_default().push(i);
-        }
-        let mut markings_by_tile: BTreeMap<(i64, i64), Vec<&PaintedQuad>> = BTreeMap::new();
-        for quad in markings {
-            markings_by_tile
-                .entry(tile_of((quad.corners[0] + quad.corners[2]).truncate() / 2.0))
-                .or_default()
-                .push(quad);
-        }
-        let palette = Arc::new(ground_palette::palette());
-        let mut local = vec![u32::MAX; self.corners.len()];
-        let mut tiles = Vec::with_capacity(members.len());
-        for ((i, j), members) in members {
-            let corner = DVec2::new(i as f64, j as f64) * TILE_M;
-            let lowest = members.first().map_or(0.0, |m| self.corners[self.faces[*m][0] as usize].z);
-            let origin = corner.extend(lowest.round());
-            let mut parts = TileParts::default();
-            let mut used = Vec::new();
-            let mut upright = members.iter().filter(|m| **m >= num_flat);
-            for m in members.iter().filter(|m| **m < num_flat) {
-                let face = self.faces[*m].map(|v| {
-                    let slot = &mut local[v as usize];
-                    if *slot == u32::MAX {
-                        *slot = parts.vertices.len() as u32;
-                        used.push(v);
-                        parts.vertices.push((self.corners[v as usize] - origin).as_vec3());
-                        parts.normals.push(normals[v as usize].normalize_or(DVec3::Z).as_vec3());
-                    }
-                    *slot
-                });
-                parts.faces.push(face);
-                parts.slots.push(ground_palette::slot(plan.kinds[*m]));
-            }
-            for v in used {
-                local[v as usize] = u32::MAX;
-            }
-            // Curb faces come in pairs, and both of a pair may fall in different tiles: each is drawn on its own.
-            for m in upright.by_ref() {
-                let [a, b, c] = at(&self.faces[*m]);
-                let normal = (b - a).cross(c - a).normalize_or(DVec3::X);
-                parts.triangle([a - origin, b - origin, c - origin], normal, ground_palette::CURB);
-            }
-            for PaintedQuad { corners, color, line } in markings_by_tile.get(&(i, j)).into_iter().flatten() {
-                let normal = (corners[1] - corners[0]).cross(corners[3] - corners[0]).normalize_or_zero();
-                let slot = ground_palette::paint(*color, wear.level(*line));
-                parts.quad(corners.map(|p| p - origin), normal, slot);
-            }
-            if let Some(mesh) = parts.mesh() {
-                tiles.push(Instance {
-                    shape: Arc::new(LodSet::single(mesh)),
-                    palette: Arc::clone(&palette),
-                    world_from_local: DPose3 { rotation: DQuat::IDENTITY, translation: origin },
-                    actor_id: 0,
-                });
-            }
-        }
-        tiles
-    }
-}
-
-#[derive(Default)]
-struct TileParts {
-    vertices: Vec<Vec3>,
-    normals: Vec<Vec3>,
-    faces: Vec<[u32; 3]>,
-    slots: Vec<u8>,
-}
-
-impl TileParts {
-    fn triangle(&mut self, corners: [DVec3; 3], normal: DVec3, slot: u8) {
-        let base = self.vertices.len() as u32;
-        self.vertices.extend(corners.map(|p| p.as_vec3()));
-        self.normals.extend([normal.as_vec3(); 3]);
-        self.faces.push([base, base + 1, base + 2]);
-        self.slots.push(slot);
-    }
-
-    fn quad(&mut self, [a, b, c, d]: [DVec3; 4], normal: DVec3, slot: u8) {
-        self.triangle([a, b, c], normal, slot);
-        self.triangle([a, c, d], normal, slot);
-    }
-
-    fn mesh(self) -> Option<Mesh> {
-        Mesh::new("ground", self.vertices, self.normals, self.faces, self.slots).ok()
-    }
 }

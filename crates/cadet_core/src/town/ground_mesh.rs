@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
+use super::fields::Crop;
 use super::ground_kind::GroundKind;
 use super::ground_region::{Inside, Regions, Ring, with_steps};
 use super::network::LaneSurface;
@@ -50,6 +51,10 @@ pub(super) enum Cover {
     /// The bed of a track, and the stones along it: level with the carriageway.
     Bed(LaneSurface),
     BedEdge,
+    /// What grows in open country.
+    Field(Crop),
+    /// Gravel and dry grass along the asphalt of country roads.
+    Shoulder,
 }
 
 impl Cover {
@@ -62,7 +67,7 @@ impl Cover {
         match self {
             Self::Carriageway | Self::Bed(_) | Self::BedEdge => GroundKind::Road,
             Self::CurbStone | Self::Sidewalk => GroundKind::Sidewalk,
-            Self::Terrain => GroundKind::Terrain,
+            Self::Terrain | Self::Field(_) | Self::Shoulder => GroundKind::Terrain,
         }
     }
 }
@@ -81,7 +86,8 @@ pub(super) fn triangulate(
     let mut edges = Vec::new();
     let mut near_outline = Raster::new(min, max, CLEAR_M);
     let beds = regions.beds.iter().flat_map(|(_, rings)| rings).chain(&regions.bed_edges);
-    for ring in regions.carriageway.iter().chain(&regions.curb).chain(&regions.sidewalk).chain(beds) {
+    let fields = regions.fields.iter().flat_map(|(_, rings)| rings).chain(&regions.roadside).chain(&regions.shoulder);
+    for ring in regions.carriageway.iter().chain(&regions.curb).chain(&regions.sidewalk).chain(beds).chain(fields) {
         let ring = with_steps(ring, fineness.outline_m);
         with_steps(&ring, CLEAR_M / 2.0).iter().for_each(|p| near_outline.mark(*p));
         let indices: Vec<usize> = ring.iter().map(|p| cloud.add(*p)).collect();
@@ -107,6 +113,8 @@ pub(super) fn triangulate(
     let inside_edges = Inside::new(&regions.bed_edges);
     let inside_beds: Vec<(LaneSurface, Inside)> =
         regions.beds.iter().map(|(surface, rings)| (*surface, Inside::new(rings))).collect();
+    let inside_shoulder = Inside::new(&regions.shoulder);
+    let inside_fields: Vec<(Crop, Inside)> = Crop::ALL.into_iter().map(|c| (c, inside_crop(regions, c))).collect();
     let points: Vec<DVec2> = mesh.vertices().map(|v| DVec2::new(v.position().x, v.position().y)).collect();
     let (mut faces, mut kinds) = (Vec::new(), Vec::new());
     for face in mesh.inner_faces() {
@@ -118,7 +126,12 @@ pub(super) fn triangulate(
         let middle = (a + b + c) / 3.0;
         // Each region lies inside of the next, and most of the plane outside of all.
         let cover = if !inside_sidewalk.contains(middle) {
-            Cover::Terrain
+            let field = inside_fields.iter().find(|(_, fields)| fields.contains(middle));
+            match field {
+                Some((crop, _)) => Cover::Field(*crop),
+                None if inside_shoulder.contains(middle) => Cover::Shoulder,
+                None => Cover::Terrain,
+            }
         } else if inside_carriageway.contains(middle) {
             match inside_beds.iter().find(|(_, bed)| bed.contains(middle)) {
                 Some((surface, _)) => Cover::Bed(*surface),
@@ -136,6 +149,12 @@ pub(super) fn triangulate(
         kinds.push(cover);
     }
     Ok(PlanMesh { points, faces, kinds })
+}
+
+/// The fields with a crop; no two of them overlap.
+fn inside_crop(regions: &Regions, crop: Crop) -> Inside {
+    let of_crop = regions.fields.iter().filter(|(c, _)| *c == crop);
+    Inside::new(&of_crop.flat_map(|(_, rings)| rings.clone()).collect::<Vec<Ring>>())
 }
 
 /// Points on a grid of 0.1 mm, each once.

@@ -1,5 +1,6 @@
 //! What the ground is made of.
 
+use super::fields::Crop;
 use super::ground_mesh::Cover;
 use super::network::{LaneSurface, PaintColor};
 use super::wear::LEFT;
@@ -18,6 +19,8 @@ const TRACK_GRASS: u8 = BALLAST + 2;
 const BED_EDGE: u8 = BALLAST + 3;
 const RAIL: u8 = BALLAST + 4;
 const RAIL_SIDE: u8 = BALLAST + 5;
+/// One slot a crop, in the order of [`Crop::ALL`].
+const FIELD: u8 = BALLAST + 6;
 /// Asphalt that shows where paint is gone.
 const ASPHALT_ALBEDO: f32 = 0.148;
 const ASPHALT_REFLECTANCE: f32 = 0.23;
@@ -34,6 +37,8 @@ pub(super) fn slot(cover: Cover) -> u8 {
         Cover::Bed(LaneSurface::Slabs) => TRACK_SLABS,
         Cover::Bed(LaneSurface::Usual) => ASPHALT,
         Cover::BedEdge => BED_EDGE,
+        Cover::Field(crop) => FIELD + crop as u8,
+        Cover::Shoulder => FIELD + Crop::ALL.len() as u8,
     }
 }
 
@@ -55,8 +60,25 @@ fn worn_paint(fresh: [f32; 3], left: f32) -> Material {
     Material::matt(Semantic::RoadMarking, albedo, Pattern::Paint, reflectance)
 }
 
+/// What grows on fields, and the soil under it; then the shoulder: gravel, dry grass between.
+fn fields() -> impl Iterator<Item = Material> {
+    let shoulder = Material::matt(Semantic::Terrain, [0.152, 0.146, 0.122], Pattern::Asphalt, 0.32);
+    let crops = Crop::ALL.map(|crop| {
+        let (albedo, reflectance) = match crop {
+            Crop::Meadow => ([0.090, 0.128, 0.044], 0.47),
+            Crop::Stubble => ([0.172, 0.160, 0.092], 0.42),
+            Crop::Soil => ([0.082, 0.074, 0.056], 0.26),
+            Crop::Greens => ([0.058, 0.112, 0.036], 0.50),
+            Crop::Maize => ([0.100, 0.100, 0.045], 0.40),
+            Crop::Wood => ([0.044, 0.050, 0.026], 0.32),
+        };
+        Material::matt(Semantic::Terrain, albedo, Pattern::Grass, reflectance)
+    });
+    crops.into_iter().chain([shoulder])
+}
+
 /// Old dry asphalt, concrete slabs and curb stones, grass, worn paint; reflectances at 905 nm.
-pub(super) fn palette() -> Palette {
+pub(super) fn palette(has_fields: bool) -> Palette {
     let mut materials = vec![
         Material::matt(Semantic::Road, [0.150, 0.148, 0.145], Pattern::Asphalt, 0.23),
         Material::matt(Semantic::Sidewalk, [0.235, 0.228, 0.213], Pattern::Slabs, 0.33),
@@ -75,6 +97,9 @@ pub(super) fn palette() -> Palette {
         rail(),
         Material::matt(Semantic::Road, [0.045, 0.036, 0.030], Pattern::Plain, 0.10),
     ]);
+    if has_fields {
+        materials.extend(fields());
+    }
     Palette::new(materials)
 }
 

@@ -13,6 +13,7 @@ use i_overlay::mesh::int::arc::ArcOptions;
 use i_overlay::mesh::int::outline::offset::IntOutlineOffset;
 use i_overlay::mesh::int::style::{IntLineJoin, IntOutlineStyle};
 
+use super::fields::{Crop, Land};
 use super::network::{Lane, LaneKind, LaneSurface, RoadNetwork};
 use crate::error::{Error, Result};
 use crate::math::DVec2;
@@ -38,6 +39,11 @@ const CRACK_M: (f64, f64) = (0.4, 0.5);
 const WIDEN_M: f64 = 0.02;
 /// Smaller islands in a carriageway, and smaller gaps between sidewalks, are filled.
 const SMALL_HOLE_M2: (f64, f64) = (15.0, 60.0);
+/// Width of the gravel along the asphalt of country roads.
+const SHOULDER_M: f64 = 0.45;
+/// Fields end so far from a ditch and from each other's middle line; smaller ones are left to grass.
+const BALK_M: f64 = 0.5;
+const LEAST_FIELD_M2: f64 = 250.0;
 /// Corners that stand out less are straightened: in outlines, and between the steps that lead to them.
 const STRAIGHT_M: f64 = 0.015;
 const STRAIGHT_BETWEEN_M: f64 = 0.008;
@@ -59,8 +65,14 @@ pub(super) struct Regions {
     pub(super) bed_edges: Vec<Ring>,
     /// Lines along the middle of the sidewalk.
     pub(super) walks: Vec<Ring>,
-    /// Width of the sidewalk, curb stone included, wherever the map does not say more.
+    /// Width of the sidewalk, curb stone included, wherever the map does not say more; 0 in open country.
     pub(super) sidewalk_width_m: f64,
+    /// Outline of country roads with their shoulders of gravel.
+    pub(super) shoulder: Vec<Ring>,
+    /// Lines along which the ground beside country roads bends.
+    pub(super) roadside: Vec<Ring>,
+    /// What grows where in open country.
+    pub(super) fields: Vec<(Crop, Vec<Ring>)>,
 }
 
 fn is_paved(kind: LaneKind) -> bool {
@@ -68,11 +80,11 @@ fn is_paved(kind: LaneKind) -> bool {
 }
 
 impl Regions {
-    /// The regions of a network.
+    /// The regions of a network, and of the land about it where that is open country.
     ///
     /// # Errors
     /// [`Error::Map`] where the network is larger than 40 km, or has no carriageway.
-    pub(super) fn of(network: &RoadNetwork) -> Result<Self> {
+    pub(super) fn of(network: &RoadNetwork, land: Option<&Land>) -> Result<Self> {
         let fail = |reason: String| Error::Map { map: "ground".to_owned(), reason };
         let points = || network.lanes.iter().flat_map(|l| &l.center).map(|p| p.truncate());
         let (min, max) = points().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
@@ -88,13 +100,14 @@ impl Regions {
         if carriageway.is_empty() {
             return Err(fail("the network has no carriageway".to_owned()));
         }
+        if network.is_rural() {
+            return Ok(Self::in_open_country(&frame, &carriageway, land));
+        }
         let sidewalk_width_m = sidewalk_width(network);
         let mut sidewalk = strips(&|k| k == LaneKind::Sidewalk);
         sidewalk.extend(grow(&carriageway, sidewalk_width_m + WIDEN_M).into_iter().flatten());
         let sidewalk = clean(union(&sidewalk), CRACK_M.1, SMALL_HOLE_M2.1);
-        let rings = |shapes: &Shapes| -> Vec<Ring> {
-            shapes.iter().flatten().map(|c| frame.ring(c)).filter(|r| r.len() >= 3).collect()
-        };
+        let rings = |shapes: &Shapes| frame.rings(shapes);
         let green = rings(&union(&strips(&|k| k == LaneKind::Median)));
         let inside_green = Inside::new(&green);
         let beds_of = |surface: LaneSurface, inset_m: f64| {
@@ -119,7 +132,29 @@ impl Regions {
             carriageway: rings(&carriageway),
             sidewalk: rings(&sidewalk),
             sidewalk_width_m,
+            shoulder: Vec::new(),
+            roadside: Vec::new(),
+            fields: Vec::new(),
         })
+    }
+
+    /// Without curbs and sidewalks: everything ends where the asphalt does.
+    fn in_open_country(frame: &Frame, carriageway: &Shapes, land: Option<&Land>) -> Self {
+        let edge = frame.rings(carriageway);
+        let bends_m = land.map_or_else(Vec::new, |l| l.roadside.bends_m().to_vec());
+        Self {
+            curb: edge.clone(),
+            sidewalk: edge.clone(),
+            walks: Vec::new(),
+            beds: Vec::new(),
+            bed_edges: Vec::new(),
+            green: Vec::new(),
+            sidewalk_width_m: 0.0,
+            shoulder: land.map_or_else(Vec::new, |_| frame.rings(&grow(carriageway, SHOULDER_M))),
+            roadside: bends_m.iter().flat_map(|m| frame.rings(&grow(carriageway, *m))).collect(),
+            fields: land.map_or_else(Vec::new, |l| frame.fields(carriageway, l)),
+            carriageway: edge,
+        }
     }
 }
 
@@ -153,6 +188,30 @@ impl Frame {
         let left = (0..n).rev().map(|i| self.point(at(i) + side(i)));
         let ring = thin_out(&right.chain(left).collect::<Contour>(), STRAIGHT_BETWEEN_M);
         (ring.len() >= 3).then_some(ring)
+    }
+
+    /// What roads and balks leave of each parcel.
+    fn fields(&self, carriageway: &Shapes, land: &Land) -> Vec<(Crop, Vec<Ring>)> {
+        let roads: Vec<Contour> = grow(carriageway, land.roadside.reach_m() + BALK_M).into_iter().flatten().collect();
+        let mut fields = Vec::new();
+        for parcel in &land.parcels {
+            let outline: Contour = parcel.outline.iter().map(|p| self.point(*p)).collect();
+            let mut overlay = Overlay::new_custom(outline.len() + 64, IntOverlayOptions::default(), Solver::FRAG);
+            overlay.add_source(&[outline], ShapeType::Subject);
+            overlay.add_source(&roads, ShapeType::Clip);
+            let left = overlay.overlay(OverlayRule::Difference, FillRule::NonZero);
+            for (piece, crop) in left.into_iter().zip(parcel.crops.iter().cycle()) {
+                let shrunk = grow(&vec![piece], -BALK_M);
+                for shape in shrunk.into_iter().filter(|s| s.first().is_some_and(|c| area_m2(c) > LEAST_FIELD_M2)) {
+                    fields.push((*crop, self.rings(&vec![shape])));
+                }
+            }
+        }
+        fields
+    }
+
+    fn rings(&self, shapes: &Shapes) -> Vec<Ring> {
+        shapes.iter().flatten().map(|c| self.ring(c)).filter(|r| r.len() >= 3).collect()
     }
 
     fn ring(&self, contour: &[IntPoint<i32>]) -> Ring {
@@ -313,7 +372,7 @@ mod tests {
             across.center.iter_mut().for_each(|p| *p = DVec3::new(-p.y, p.x, 0.0));
             network.lanes.push(across);
         }
-        let regions = Regions::of(&network).unwrap();
+        let regions = Regions::of(&network, None).unwrap();
         let width = 2.0 * lane;
         let rounded_inside = |r: f64| (4.0 - PI) * r * r; // four inner corners of radius r
         let cross = 2.0 * length * width - width * width + rounded_inside(CRACK_M.0);

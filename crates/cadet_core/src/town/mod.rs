@@ -3,9 +3,12 @@
 mod belt;
 mod city_paving;
 mod city_rows;
+mod country_roads;
+mod countryside;
 mod curb_edges;
 mod curbside;
 mod face_index;
+mod fields;
 mod flat_road;
 mod frontage;
 mod garden;
@@ -14,6 +17,7 @@ mod ground_kind;
 mod ground_mesh;
 mod ground_palette;
 mod ground_region;
+mod ground_surface;
 mod height_field;
 mod junction_paint;
 mod junction_turns;
@@ -34,6 +38,7 @@ mod props;
 mod rails;
 mod relief;
 mod road_marking;
+mod roadside;
 mod roughness;
 mod signals;
 mod street_grid;
@@ -173,11 +178,18 @@ impl Town {
         let roughness = Roughness::new(&mut key.stream("ground/roughness"));
         let mut signals = Signals::of(&network, key);
         let wear = Wear::new(&mut key.stream("ground/paint"));
-        let ground = Ground::of_town(&network, &roughness, &wear, &signals)?;
+        let land = fields::Land::of(&network, key, ground::extent(&network));
+        let ground = Ground::of_town(&network, &roughness, &wear, &signals, land.as_ref())?;
         let mut parking = parking_spots(&network, &ground, key);
         let walkways = walkways(&ground);
-        let mut props = props::place_props(key, (&network, &mut signals), &ground, &parking, &walkways, config);
         let mut scenery = ground.tiles.clone();
+        let mut props = match &land {
+            Some(land) => {
+                scenery.push(countryside::hills(key, &ground));
+                props::place_in_country(key, &network, land, &ground, config)
+            }
+            None => props::place_props(key, (&network, &mut signals), &ground, &parking, &walkways, config),
+        };
         scenery.append(&mut props.instances);
         parking.append(&mut props.drives);
         Ok(Self {

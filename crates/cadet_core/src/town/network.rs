@@ -22,6 +22,8 @@ pub enum LaneKind {
     Shoulder,
     /// Green between the two directions.
     Median,
+    /// A soft shoulder: grass beside a road without a curb.
+    Verge,
     /// A track in a street: trams run here, and cars cross at junctions.
     Tram,
     /// Verges and the like.
@@ -205,6 +207,22 @@ impl RoadNetwork {
     #[must_use]
     pub fn lane(&self, id: LaneId) -> &Lane {
         &self.lanes[id.0]
+    }
+
+    /// Whether the roads lie in open country: with verges, and without a sidewalk anywhere.
+    #[must_use]
+    pub fn is_rural(&self) -> bool {
+        let has = |kind: LaneKind| self.lanes.iter().any(|l| l.kind == kind);
+        has(LaneKind::Verge) && !has(LaneKind::Sidewalk)
+    }
+
+    /// Whether the traffic of a lane gives way at its end: out of town to every faster road of the junction.
+    #[must_use]
+    pub fn gives_way(&self, lane: &Lane) -> bool {
+        let Some(junction) = lane.successors.iter().find_map(|n| self.lane(*n).junction) else { return false };
+        let arrives = |o: &&Lane| o.successors.iter().any(|n| self.lane(*n).junction == Some(junction));
+        let faster_mps = lane.speed_limit_mps + 0.1;
+        self.driving().filter(|o| o.junction.is_none()).filter(arrives).any(|o| o.speed_limit_mps > faster_mps)
     }
 
     /// The lanes that trams run on.

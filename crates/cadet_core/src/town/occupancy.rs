@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use super::fields::Crop;
+use super::ground_region::Ring;
 use super::{Ground, GroundKind};
 use crate::math::{DVec2, DVec3};
 
@@ -181,6 +183,11 @@ impl<'a> Site<'a> {
         let value = |i: usize, j: usize| f64::from(self.clearance_m[j * self.columns + i]);
         let low = value(i, j) * (1.0 - u) + value(i + 1, j) * u;
         low * (1.0 - v) + (value(i, j + 1) * (1.0 - u) + value(i + 1, j + 1) * u) * v
+    }
+
+    /// What grows where in open country.
+    pub fn fields(&self) -> &'a [(Crop, Vec<Ring>)] {
+        self.ground.fields()
     }
 
     /// Whether cars drive or park at a place.

@@ -78,7 +78,7 @@ pub fn load_with_warnings(map_name: &str, xodr_text: &str) -> Result<(RoadNetwor
         follow(lane, &by_xodr_id, &ids, 8, &mut successors);
         lanes.push(Lane {
             id: LaneId(lanes.len()),
-            kind: kind_of(lane.kind),
+            kind: kind_of(lane.kind, LaneSurface::from_name(surface)),
             surface: LaneSurface::from_name(surface),
             s_m: line.distances(),
             center: line.points.clone(),
@@ -148,13 +148,14 @@ fn number_of(id: &str) -> u32 {
     id.parse().unwrap_or_else(|_| id.bytes().fold(0x811c_9dc5_u32, |h, b| (h ^ u32::from(b)).wrapping_mul(0x0100_0193)))
 }
 
-fn kind_of(kind: xodr::LaneType) -> LaneKind {
+fn kind_of(kind: xodr::LaneType, surface: LaneSurface) -> LaneKind {
     use xodr::LaneType as T;
     match kind {
         k if k.is_drivable() => LaneKind::Driving,
         T::Sidewalk => LaneKind::Sidewalk,
         T::Parking | T::Stop => LaneKind::Parking,
         T::Biking => LaneKind::Biking,
+        T::Shoulder if surface == LaneSurface::Grass => LaneKind::Verge,
         T::Shoulder | T::Border | T::Curb | T::Restricted | T::RoadWorks => LaneKind::Shoulder,
         T::Median => LaneKind::Median,
         T::Tram | T::Rail => LaneKind::Tram,

@@ -107,6 +107,15 @@ impl<'a> Placer<'a> {
         self.standing.iter().rev().take(1500).any(|s| s.rect.half.x > 2.5 && s.rect.contains(at, margin_m))
     }
 
+    /// Puts a piece that lies along +x on the ground between two places.
+    pub fn lay(&mut self, model: &SceneryModel, palette: Arc<Palette>, from: DVec2, to: DVec2) {
+        let (a, b) = (self.site.on_ground(from), self.site.on_ground(to));
+        self.instances.push(model.wearing(palette, frames::facing(a, b - a, DVec3::Z)));
+        let (axis, half) = ((to - from).normalize_or(DVec2::X), model.footprint_size() / 2.0);
+        let rect = OrientedRect { center: from + axis * half.x, axis, half };
+        self.standing.push(Standing { rect, name: model.name.clone() });
+    }
+
     /// Runs a boundary from one place to another, in one color.
     pub fn run(&mut self, boundary: Boundary, palette: &Arc<Palette>, from: DVec2, to: DVec2) {
         let length = (to - from).length();

@@ -1,6 +1,7 @@
 //! Prop placement: houses, gardens, hedges, trees, lamps and signs along a network; a function of network and seed.
 
 use super::city_paving::Paving;
+use super::fields::Land;
 use super::frontage::frontages;
 use super::occupancy::{Occupancy, Site};
 use super::placer::{Placer, Standing};
@@ -8,7 +9,8 @@ use super::prop_config::PropConfig;
 use super::street_style::StreetStyle;
 use super::street_things::{self, Lined, StreetThings};
 use super::{
-    Ground, ParkingSpot, RoadNetwork, Signals, Walkway, belt, garden, median, overhead_line, plots, signals, streetside,
+    Ground, ParkingSpot, RoadNetwork, Signals, Walkway, belt, countryside, garden, median, overhead_line, plots,
+    signals, streetside,
 };
 use crate::instance::Instance;
 use crate::rng::StreamKey;
@@ -73,6 +75,21 @@ pub(super) fn place_props(
     let mut things = street_things::place(key, &streets, (parking, &drives), walkways, config.clutter, &mut placer);
     things.obstacles.append(&mut posts);
     Props { instances: placer.instances, drives, things, standing: placer.standing }
+}
+
+/// Places what stands in open country.
+pub(super) fn place_in_country(
+    key: &StreamKey,
+    network: &RoadNetwork,
+    land: &Land,
+    ground: &Ground,
+    config: &PropConfig,
+) -> Props {
+    let site = Site::new(ground);
+    let mut placer = Placer::new(&site);
+    let frontages = frontages(network, &site);
+    let drives = countryside::furnish(key, (network, land), &frontages, config, &mut placer);
+    Props { instances: placer.instances, drives, things: StreetThings::default(), standing: placer.standing }
 }
 
 #[cfg(test)]

@@ -27,6 +27,7 @@ pub(super) fn draw(
     let mut paint = Paint { ground_height, is_on_roads: false, quads: Vec::new() };
     network.lane_marks.iter().for_each(|mark| paint.along(mark));
     let streets: Vec<&Lane> = network.driving().filter(|l| l.junction.is_none()).collect();
+    let is_rural = network.is_rural();
     let is_fast = |l: &Lane| l.speed_limit_mps > ZONE_30_MPS;
     for lane in &streets {
         let Some(junction) = lane.successors.iter().find_map(|n| network.lane(*n).junction) else { continue };
@@ -43,10 +44,11 @@ pub(super) fn draw(
         if signals.arm_of(lane.id).is_some() || signals.has_zebra(lane.id) {
             continue;
         }
-        if fast == arriving.len() {
+        // A fast street goes through; where one only ends, nobody has to give way to it.
+        let gives_way = if is_rural { network.gives_way(lane) } else { fast > 1 && !is_fast(lane) };
+        if fast == arriving.len() && !is_rural {
             paint.across(at, side, (-half + 0.1, half - 0.1), STOP_LINE_DEPTH_M, line);
-        } else if fast > 1 && !is_fast(lane) {
-            // A fast street goes through; where one only ends, nobody has to give way to it.
+        } else if gives_way {
             let mut t = -half + 0.1;
             while t + GIVE_WAY_M.0 < half {
                 paint.across(at, side, (t, t + GIVE_WAY_M.0), GIVE_WAY_M.2, line);

@@ -28,8 +28,18 @@ pub(super) struct LineStyle {
     pub median_width_m: f64,
     /// The bed of the two tracks in the place of the median, if there are any.
     pub tracks: Option<LaneSurface>,
+    /// Of the verge on country roads.
     pub sidewalk_width_m: f64,
     pub speed_kmh: u32,
+    /// What it has in open country.
+    pub country: Option<CountryRoad>,
+}
+
+/// What a road in open country has in place of curb and sidewalk.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct CountryRoad {
+    /// Whether a line is painted along both edges.
+    pub has_edge_lines: bool,
 }
 
 impl LineStyle {
@@ -190,6 +200,7 @@ pub(super) fn draw_styles(stream: &mut Stream, grid: &Grid, sidewalk_m: (f64, f6
                 tracks: None,
                 sidewalk_width_m: (stream.range(sidewalk_m.0, sidewalk_m.1) * 10.0).round() / 10.0,
                 speed_kmh: if collector { 50 } else { 30 },
+                country: None,
             }
         })
         .collect()

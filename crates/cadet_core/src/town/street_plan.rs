@@ -1,5 +1,6 @@
 //! Lays out a suburb: streets, junctions, and parking bays along a grid.
 
+use super::country_roads;
 use super::junction_turns::{Arm, End, Turn, turns};
 use super::plan_curve::{PlanCurve, PlanPose, heading_of, unit};
 use super::street_grid::{LineStyle, draw_grid, draw_styles, lay_tracks, thin, trace, widen_main_roads};
@@ -27,6 +28,8 @@ const ON_SIDEWALK_M: (f64, f64) = (0.4, 1.0);
 const CAR_WIDTH_M: f64 = 1.65;
 /// Left of the sidewalk for walkers.
 const LEFT_FOR_WALKERS_M: f64 = 0.95;
+/// Radius at the bends of a street between two junctions.
+const BEND_RADIUS_M: (f64, f64) = (14.0, 24.0);
 /// A junction begins at least this far from its middle.
 const MIN_CUT_M: f64 = 6.0;
 
@@ -60,6 +63,7 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
     thin(&mut grid, &mut stream);
     let mut styles = draw_styles(&mut stream, &grid, config.sidewalk_m);
     widen_main_roads(&mut key.stream("suburb/main roads"), config.main_share, &mut styles);
+    country_roads::draw(&mut key.stream("suburb/country"), config.country_share, &mut styles);
     lay_tracks(&mut key.stream("suburb/tracks"), config.tram_share, &mut styles, &mut grid);
     let (chains, headings) = trace(&grid, &mut stream);
     let mut junction_of = vec![usize::MAX; grid.at.len()];
@@ -98,13 +102,18 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
     }
     let mut lights = key.stream("suburb/signals");
     let has_signals = arms.iter().map(|arms| has_signals(arms, config.signal_share, &mut lights)).collect();
+    let mut winding = key.stream("suburb/winding");
     let streets: Vec<Street> = chains
         .iter()
         .zip(&cuts)
         .map(|(chain, [start, finish])| {
             let middle: Vec<DVec2> = chain.nodes[1..chain.nodes.len() - 1].iter().map(|n| grid.at[*n]).collect();
-            let curve = street_curve(*start, &middle, finish.reversed(), &mut stream);
             let style = styles[chain.line];
+            let bends_m = if style.country.is_some() { country_roads::BEND_RADIUS_M } else { BEND_RADIUS_M };
+            let mut curve = street_curve(*start, &middle, finish.reversed(), bends_m, &mut stream);
+            if style.country.is_some() {
+                curve = country_roads::wind(&curve, &mut winding);
+            }
             let mut margin = (stream.range(5.0, 9.0), stream.range(5.0, 9.0));
             let (mut right, mut left) = (stream.chance(config.parking_share), stream.chance(config.parking_share));
             let mut bay_width_m = BAY_WIDTH_M;
@@ -128,7 +137,7 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
                 margin = (margin.0 + DEEP_BAY_MARGIN_M, margin.1 + DEEP_BAY_MARGIN_M);
             }
             let length = curve.length_m();
-            let fits = length - margin.0 - margin.1 > 20.0;
+            let fits = length - margin.0 - margin.1 > 20.0 && style.country.is_none();
             Street {
                 curve,
                 style,
@@ -163,6 +172,7 @@ fn cut_back(arms: &mut [Arm], corner_radius_m: f64) {
         }
         let radius =
             corner_radius_m + if arms[i].style.speed_kmh.max(arms[j].style.speed_kmh) > 30 { 1.0 } else { 0.0 };
+        let radius = radius + if arms[i].style.country.is_some() { country_roads::CORNER_MORE_M } else { 0.0 };
         let (sin, cos) = (math::sin(between), math::cos(between));
         let round = radius / math::tan(between / 2.0);
         let (wi, wj) = (arms[i].style.half_width_m(), arms[j].style.half_width_m());
@@ -176,7 +186,13 @@ fn cut_back(arms: &mut [Arm], corner_radius_m: f64) {
 }
 
 /// From junction to junction by way of the bends between them.
-fn street_curve(start: PlanPose, middle: &[DVec2], end: PlanPose, stream: &mut Stream) -> PlanCurve {
+fn street_curve(
+    start: PlanPose,
+    middle: &[DVec2],
+    end: PlanPose,
+    bend_radius_m: (f64, f64),
+    stream: &mut Stream,
+) -> PlanCurve {
     let mut curve = PlanCurve::default();
     let mut at = start;
     for (i, bend) in middle.iter().enumerate() {
@@ -184,7 +200,7 @@ fn street_curve(start: PlanPose, middle: &[DVec2], end: PlanPose, stream: &mut S
         let (before, after) = (heading_of(*bend - at.at), heading_of(next - *bend));
         let turn = wrap_angle(after - before);
         let shorter = (*bend - at.at).length().min((next - *bend).length());
-        let drawn = stream.range(14.0, 24.0);
+        let drawn = stream.range(bend_radius_m.0, bend_radius_m.1);
         if turn.abs() < 0.4 {
             let pose = PlanPose::new(*bend, before + turn / 2.0);
             curve.extend_to(at, pose);

@@ -11,7 +11,7 @@ settings! {
         /// Number of blocks from side to side, in two directions.
         blocks: (usize, usize) = (4, 4), 2 to 12;
         /// Shortest and longest block, meters.
-        block_m: (f64, f64) = (72.0, 112.0), 60 to 250;
+        block_m: (f64, f64) = (72.0, 112.0), 60 to 400;
         /// Share of curbs with parking bays on streets wide enough for them.
         parking_share: f64 = 0.55, 0 to 1;
         /// Share of the streets with bays where cars stand at an angle or across in some of them.
@@ -24,6 +24,8 @@ settings! {
         signal_share: f64 = 0.0, 0 to 1;
         /// Share of the main roads across a suburb with the two tracks of a tram in the middle, instead of any median.
         tram_share: f64 = 0.0, 0 to 1;
+        /// Share of suburbs that are open country: winding roads between fields and woods, without curbs or sidewalks.
+        country_share: f64 = 0.0, 0 to 1;
         /// Share of suburbs with hill streets.
         hilly_share: f64 = 0.2, 0 to 1;
         /// Steepest slope of a hilly suburb.

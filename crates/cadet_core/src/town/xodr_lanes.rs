@@ -1,5 +1,6 @@
 //! The lanes of a street as OpenDRIVE: median, driving lanes, parking bays, sidewalk, and the lines between them.
 
+use super::country_roads::{self, EDGE_LINE_INSET_M};
 use super::network::LaneSurface;
 use super::street_grid::LineStyle;
 use super::street_plan::Street;
@@ -16,6 +17,15 @@ const DASH_M: (f64, f64) = (3.0, 6.0);
 const LINE_WIDTH_M: f64 = 0.12;
 const FIRST_DASH_M: f64 = 1.0;
 
+/// What is painted along the outer border of a lane.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum OuterLine {
+    None,
+    Broken,
+    /// The line along the edge of a carriageway, a little inside of it.
+    Edge,
+}
+
 /// A lane of a section.
 pub(super) struct LaneRecord {
     pub id: i32,
@@ -23,8 +33,8 @@ pub(super) struct LaneRecord {
     pub widths: Vec<Cubic>,
     /// What covers it, where the map says so.
     pub surface: LaneSurface,
-    /// Whether a broken line is painted along its outer border.
-    pub has_outer_line: bool,
+    /// What is painted along its outer border.
+    pub outer_line: OuterLine,
     pub predecessor: Option<i32>,
     pub successor: Option<i32>,
 }
@@ -32,13 +42,21 @@ pub(super) struct LaneRecord {
 /// The lanes from a place on, up to the next section.
 pub(super) struct Section {
     pub s: f64,
-    pub has_center_line: bool,
+    /// Line and gap of the broken line in the middle, if there is one.
+    pub center_line_m: Option<(f64, f64)>,
     pub lanes: Vec<LaneRecord>,
 }
 
 /// Streets of a zone of 30 km/h and narrow ones have none, nor have those with a median.
-fn has_center_line(style: &LineStyle) -> bool {
-    style.speed_kmh > 30 && style.median_width_m == 0.0 && 2.0 * style.half_width_m() > CENTER_LINE_FROM_M
+fn center_line_m(style: &LineStyle) -> Option<(f64, f64)> {
+    let has_one =
+        style.speed_kmh > 30 && style.median_width_m == 0.0 && 2.0 * style.half_width_m() > CENTER_LINE_FROM_M;
+    has_one.then_some(if style.country.is_some() { country_roads::DASH_M } else { DASH_M })
+}
+
+/// What the outermost lane of a road is, and what covers it.
+pub(super) fn outermost_lane(style: &LineStyle) -> (&'static str, LaneSurface) {
+    if style.country.is_some() { ("shoulder", LaneSurface::Grass) } else { ("sidewalk", LaneSurface::Usual) }
 }
 
 /// Id of a driving lane: 0 is beside the middle of the road; `sign` is that of its side's ids.
@@ -60,7 +78,7 @@ pub(super) fn street_sections(street: &Street) -> Vec<Section> {
             kind,
             widths: vec![Cubic::constant(width_m)],
             surface: LaneSurface::Usual,
-            has_outer_line: false,
+            outer_line: OuterLine::None,
             predecessor: before.then_some(id),
             successor: after.then_some(id),
         };
@@ -72,7 +90,11 @@ pub(super) fn street_sections(street: &Street) -> Vec<Section> {
         }
         for lane in 0..style.lanes_per_side {
             let mut record = through(driving_id(style, sign, lane), "driving", style.lane_width_m);
-            record.has_outer_line = lane + 1 < style.lanes_per_side;
+            if lane + 1 < style.lanes_per_side {
+                record.outer_line = OuterLine::Broken;
+            } else if style.country.is_some_and(|c| c.has_edge_lines) {
+                record.outer_line = OuterLine::Edge;
+            }
             lanes.push(record);
         }
         let bay_id = sidewalk_id(style, sign);
@@ -87,7 +109,7 @@ pub(super) fn street_sections(street: &Street) -> Vec<Section> {
                     Cubic::hermite(length - BAY_TAPER_M, BAY_TAPER_M, (bay_m, 0.0), (0.0, 0.0)),
                 ],
                 surface: LaneSurface::Usual,
-                has_outer_line: false,
+                outer_line: OuterLine::None,
                 predecessor: None,
                 successor: None,
             });
@@ -95,12 +117,13 @@ pub(super) fn street_sections(street: &Street) -> Vec<Section> {
         // Bays take the sidewalk's number in the middle section, which moves the sidewalk out by one.
         let number = |in_bay_section: bool| bay_id + if in_bay_section && has_bay(sign < 0) { sign } else { 0 };
         let in_bays = bay.is_some() || (before && after);
+        let (kind, surface) = outermost_lane(style);
         lanes.push(LaneRecord {
             id: number(in_bays),
-            kind: "sidewalk",
+            kind,
             widths: vec![Cubic::constant(style.sidewalk_width_m)],
-            surface: LaneSurface::Usual,
-            has_outer_line: false,
+            surface,
+            outer_line: OuterLine::None,
             predecessor: before.then(|| number(!in_bays)),
             successor: after.then(|| number(!in_bays)),
         });
@@ -111,7 +134,7 @@ pub(super) fn street_sections(street: &Street) -> Vec<Section> {
         let mut lanes = side(1, bay.filter(|_| has_bay(false)), before, after, &has_bay);
         lanes.reverse();
         lanes.extend(side(-1, bay.filter(|_| has_bay(true)), before, after, &has_bay));
-        Section { s, has_center_line: has_center_line(style), lanes }
+        Section { s, center_line_m: center_line_m(style), lanes }
     };
     match street.bays {
         None => vec![section(0.0, None, false, false)],
@@ -137,8 +160,8 @@ pub(super) fn write_lanes(out: &mut String, sections: &[Section]) {
         };
         side(out, "left", &|id| id > 0);
         out.push_str("<center><lane id=\"0\" type=\"none\" level=\"false\">");
-        if section.has_center_line {
-            write_broken_line(out, section.s);
+        if let Some(dash_m) = section.center_line_m {
+            write_broken_line(out, section.s, dash_m);
         } else {
             put(
                 out,
@@ -153,8 +176,8 @@ pub(super) fn write_lanes(out: &mut String, sections: &[Section]) {
 }
 
 /// Dashes from `s` on, as they follow each other from the street's beginning.
-fn write_broken_line(out: &mut String, s: f64) {
-    let period_m = DASH_M.0 + DASH_M.1;
+fn write_broken_line(out: &mut String, s: f64, dash_m: (f64, f64)) {
+    let period_m = dash_m.0 + dash_m.1;
     let passed = ((s - FIRST_DASH_M) / period_m).ceil().max(0.0);
     let first_m = FIRST_DASH_M + passed * period_m - s;
     put(
@@ -163,7 +186,20 @@ fn write_broken_line(out: &mut String, s: f64) {
             "<roadMark sOffset=\"0.0\" type=\"broken\" color=\"white\" width=\"{LINE_WIDTH_M}\">\
              <type name=\"broken\" width=\"{LINE_WIDTH_M}\"><line length=\"{}\" space=\"{}\" tOffset=\"0.0\" \
              sOffset=\"{first_m:.6}\" rule=\"caution\" width=\"{LINE_WIDTH_M}\"/></type></roadMark>",
-            DASH_M.0, DASH_M.1
+            dash_m.0, dash_m.1
+        ),
+    );
+}
+
+/// A solid line inside of the lane's outer border; `id` is the lane's.
+fn write_edge_line(out: &mut String, id: i32) {
+    let inside_m = if id > 0 { -EDGE_LINE_INSET_M } else { EDGE_LINE_INSET_M };
+    put(
+        out,
+        format_args!(
+            "<roadMark sOffset=\"0.0\" type=\"solid\" color=\"white\" width=\"{LINE_WIDTH_M}\">\
+             <type name=\"solid\" width=\"{LINE_WIDTH_M}\"><line length=\"0.0\" space=\"0.0\" tOffset=\"{inside_m}\" \
+             sOffset=\"0.0\" rule=\"no passing\" width=\"{LINE_WIDTH_M}\"/></type></roadMark>\n"
         ),
     );
 }
@@ -179,8 +215,10 @@ fn write_lane(out: &mut String, s: f64, lane: &LaneRecord) {
     for width in &lane.widths {
         width.write(out, "width", "sOffset");
     }
-    if lane.has_outer_line {
-        write_broken_line(out, s);
+    match lane.outer_line {
+        OuterLine::None => {}
+        OuterLine::Broken => write_broken_line(out, s, DASH_M),
+        OuterLine::Edge => write_edge_line(out, lane.id),
     }
     if let Some(surface) = lane.surface.name() {
         put(out, format_args!("<material sOffset=\"0.0\" surface=\"{surface}\" friction=\"0.7\"/>\n"));

@@ -4,8 +4,11 @@ use super::junction_turns::{End, Turn};
 use super::network::LaneSurface;
 use super::plan_curve::PlanCurve;
 use super::relief::Relief;
+use super::street_grid::LineStyle;
 use super::street_plan::{Street, StreetPlan};
-use super::xodr_lanes::{LaneRecord, Section, driving_id, sidewalk_id, street_sections, write_lanes};
+use super::xodr_lanes::{
+    LaneRecord, OuterLine, Section, driving_id, outermost_lane, sidewalk_id, street_sections, write_lanes,
+};
 use super::xodr_signals::{write_controllers, write_junction_controllers, write_signals};
 use super::xodr_text::{Cubic, put};
 use crate::math;
@@ -80,15 +83,21 @@ fn write_street(
             to + 1
         ),
     );
-    write_type(out, street.style.speed_kmh);
+    write_type(out, &street.style, street.style.speed_kmh);
     write_shape(out, &street.curve, relief, crossfall);
     write_lanes(out, &street_sections(street));
     write_signals(out, plan, index);
     out.push_str("</road>\n");
 }
 
-fn write_type(out: &mut String, speed_kmh: u32) {
-    let kind = if speed_kmh > 30 { "townCollector" } else { "lowSpeed" };
+fn write_type(out: &mut String, style: &LineStyle, speed_kmh: u32) {
+    let kind = if style.country.is_some() {
+        "rural"
+    } else if speed_kmh > 30 {
+        "townCollector"
+    } else {
+        "lowSpeed"
+    };
     put(out, format_args!("<type s=\"0.0\" type=\"{kind}\"><speed max=\"{speed_kmh}\" unit=\"km/h\"/></type>\n"));
 }
 
@@ -110,7 +119,7 @@ fn write_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &Turn, re
             contact(to_end)
         ),
     );
-    write_type(out, a.speed_kmh.min(b.speed_kmh));
+    write_type(out, a, a.speed_kmh.min(b.speed_kmh));
     // Crossings lie level: a street's crossfall begins and ends with its own piece.
     write_shape(out, &turn.curve, relief, 0.0);
     let (arrives, leaves) = (signs_at(from_end).0, signs_at(to_end).1);
@@ -119,7 +128,7 @@ fn write_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &Turn, re
         kind,
         widths: vec![Cubic::hermite(0.0, length, (at_start_m, 0.0), (at_end_m, 0.0))],
         surface: LaneSurface::Usual,
-        has_outer_line: false,
+        outer_line: OuterLine::None,
         predecessor: links.map(|[from, _]| from),
         successor: links.map(|[_, to]| to),
     };
@@ -136,9 +145,11 @@ fn write_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &Turn, re
     }
     if turn.along_curb {
         let walked = [sidewalk_id(a, arrives), sidewalk_id(b, leaves)];
-        lanes.push(lane(-2, "sidewalk", [a.sidewalk_width_m, b.sidewalk_width_m], Some(walked)));
+        let (kind, surface) = outermost_lane(a);
+        let widths_m = [a.sidewalk_width_m, b.sidewalk_width_m];
+        lanes.push(LaneRecord { surface, ..lane(-2, kind, widths_m, Some(walked)) });
     }
-    write_lanes(out, &[Section { s: 0.0, has_center_line: false, lanes }]);
+    write_lanes(out, &[Section { s: 0.0, center_line_m: None, lanes }]);
     out.push_str("</road>\n");
 }
 

@@ -63,6 +63,19 @@ impl Leaves {
         self.slots.extend([slot; 2]);
     }
 
+    /// Adds a blade: a slender triangle from its foot to its tip, `width` wide at the foot; its shading normal is `outward`.
+    pub fn blade(&mut self, s: &mut Stream, foot: Vec3, tip: Vec3, width: f32, outward: Vec3) {
+        let side = (tip - foot).cross(direction(s)).normalize_or(Vec3::X) * (width / 2.0);
+        let corners = [foot - side, foot + side, tip];
+        let normal = outward.normalize_or(Vec3::Z);
+        let is_front = (corners[1] - corners[0]).cross(corners[2] - corners[0]).dot(normal) >= 0.0;
+        let base = self.vertices.len() as u32;
+        self.faces.push(if is_front { [0, 1, 2] } else { [0, 2, 1] }.map(|i| base + i));
+        self.vertices.extend(corners);
+        self.normals.extend([normal; 3]);
+        self.slots.push([slot::LEAF, slot::LIGHT_LEAF, slot::DARK_LEAF][s.weighted(&[0.5, 0.3, 0.2])]);
+    }
+
     /// Joins the cards with what a builder holds (wood, a hedge's core), if it holds anything.
     pub fn build(self, name: &str, wood: &MeshBuilder) -> Mesh {
         let Self { mut vertices, mut normals, mut faces, mut slots } = self;

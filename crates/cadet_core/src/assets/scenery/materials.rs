@@ -241,6 +241,50 @@ pub fn guard_rail_palette(stream: &mut Stream) -> Arc<Palette> {
     Arc::new(Palette::new(vec![sheet, post, post]))
 }
 
+/// Tall grass and herbs: from green to dry.
+#[must_use]
+pub fn herbs_palette(stream: &mut Stream) -> Arc<Palette> {
+    let dry = stream.unit() as f32;
+    let base = [0.062 + 0.085 * dry * dry, 0.098 + 0.030 * dry * dry, 0.034 + 0.030 * dry * dry];
+    let base = jitter(stream, base, 0.12, 0.04);
+    Arc::new(Palette::new(vec![
+        leaf(base, 0.45),
+        leaf([base[0] * 1.5, base[1] * 1.3, base[2] * 1.2], 0.47),
+        leaf(base.map(|c| c * 0.6), 0.42),
+        Material::matt(Semantic::Vegetation, [0.12, 0.11, 0.07], Pattern::Wood, 0.40),
+    ]))
+}
+
+/// A field of maize in late summer: from green to straw.
+#[must_use]
+pub fn maize_palette(stream: &mut Stream) -> Arc<Palette> {
+    let ripe = stream.unit() as f32;
+    let base = [0.078 + 0.055 * ripe, 0.122 + 0.006 * ripe, 0.044 + 0.016 * ripe];
+    let base = jitter(stream, base, 0.12, 0.04);
+    Arc::new(Palette::new(vec![
+        leaf(base, 0.50),
+        leaf([base[0] * 1.45, base[1] * 1.3, base[2] * 1.2], 0.52),
+        leaf(base.map(|c| c * 0.55), 0.45),
+        Material::matt(Semantic::Vegetation, [0.16, 0.13, 0.07], Pattern::Wood, 0.40),
+    ]))
+}
+
+/// A house as a barn: weathered boards or bricks, wide gates of wood.
+#[must_use]
+pub fn barn_palette(stream: &mut Stream) -> Arc<Palette> {
+    let (wall, pattern) = match stream.below(3) {
+        0 => ([0.135, 0.090, 0.058], Pattern::Wood),
+        1 => ([0.28, 0.14, 0.10], Pattern::Bricks),
+        _ => ([0.40, 0.37, 0.31], Pattern::Render),
+    };
+    let mut materials = house_palette(stream, false).materials().to_vec();
+    materials[usize::from(house_slot::WALL)] = building(jitter(stream, wall, 0.15, 0.04), pattern, 0.42);
+    for slot in [house_slot::FRAME, house_slot::DOOR, house_slot::SHUTTER] {
+        materials[usize::from(slot)] = building([0.11, 0.075, 0.045], Pattern::Wood, 0.42);
+    }
+    Arc::new(Palette::new(materials))
+}
+
 fn plate(semantic: Semantic, albedo: [f32; 3]) -> Material {
     let mut m = Material::matt(semantic, albedo, Pattern::Plain, 0.9);
     m.roughness = 0.5;

@@ -5,6 +5,7 @@
 //! z = 0, so that nothing floats on a slope.
 
 mod city;
+mod crops;
 mod draw;
 mod facade;
 mod fence;
@@ -27,6 +28,7 @@ mod wall_plane;
 use std::sync::Arc;
 
 pub use city::{CityCorner, CityKind, NUM_CITY_HOUSES, city_palette, flagstones, span_lamp, tree_pit};
+pub use crops::{CROP_VARIANTS, HERBS_M, MAIZE_M, herbs, maize};
 pub use fence::FenceKind;
 pub use furniture::FurnitureKind;
 pub use house::HouseKind;

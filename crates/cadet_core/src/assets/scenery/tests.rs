@@ -38,6 +38,7 @@ fn every_model() -> Vec<SceneryModel> {
     models.extend(FenceKind::ALL.iter().flat_map(|k| (0..fences).map(|v| fence(*k, v, 1))));
     models.extend(CityKind::ALL.iter().flat_map(|k| (0..NUM_CITY_HOUSES[*k as usize]).map(|v| city_house(*k, v).0)));
     models.push(tree_pit());
+    models.extend((0..CROP_VARIANTS).flat_map(|v| [herbs(v), maize(v)]));
     models.extend((0..hedges).map(|v| hedge(v, 1)));
     models.extend(PoleKind::ALL.iter().flat_map(|k| (0..poles).map(|v| pole(*k, v))));
     models.extend(FurnitureKind::ALL.iter().flat_map(|k| (0..bins).map(|v| furniture(*k, v))));

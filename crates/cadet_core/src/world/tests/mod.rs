@@ -1,6 +1,7 @@
 //! The world as a whole: slopes, bends, queues, junctions, people, repeatability.
 
 mod census;
+mod country_roads;
 mod cyclists;
 mod flow;
 mod main_roads;

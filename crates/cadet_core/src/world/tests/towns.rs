@@ -183,6 +183,16 @@ pub(crate) fn main_roads(seed: u64) -> Arc<Town> {
     furnished(&key, crate::town::generate_suburb(&key, &config).expect("a suburb").network)
 }
 
+/// The same, in open country, with its ditches and fields.
+pub(crate) fn country_roads(seed: u64) -> Arc<Town> {
+    let key = StreamKey::scene(seed);
+    let config =
+        crate::town::SuburbConfig { country_share: 1.0, blocks: (2, 2), block_m: (180.0, 260.0), ..Default::default() };
+    Arc::new(
+        Town::suburb(&key, &config, &crate::town::PropConfig { greenery: 0.0, ..Default::default() }).expect("a town"),
+    )
+}
+
 /// The same, with the tracks of a tram wherever they may be.
 pub(crate) fn tram_roads(seed: u64) -> Arc<Town> {
     let key = StreamKey::scene(seed);

@@ -1,0 +1,45 @@
+//! What stands in open country: along the roads, on the fields, and where the land ends.
+
+mod farms;
+mod growth;
+mod horizon;
+mod roadsides;
+#[cfg(test)]
+mod tests;
+
+pub(super) use horizon::hills;
+
+use super::belt::Streets;
+use super::fields::Land;
+use super::frontage::Frontage;
+use super::occupancy::Occupancy;
+use super::placer::Placer;
+use super::prop_config::PropConfig;
+use super::{ParkingSpot, RoadNetwork};
+use crate::rng::StreamKey;
+
+/// Farther from all roads nothing is seen but the woods' outer trees.
+const SEEN_M: f64 = 150.0;
+
+/// Furnishes the land about all roads; drives of farms become places to park.
+pub(super) fn furnish(
+    key: &StreamKey,
+    (network, land): (&RoadNetwork, &Land),
+    frontages: &[Frontage],
+    config: &PropConfig,
+    placer: &mut Placer,
+) -> Vec<ParkingSpot> {
+    let streets = Streets::new(frontages.iter().flat_map(|f| f.points.iter().step_by(4).copied()), SEEN_M);
+    let mut taken = Occupancy::default();
+    let mut drives = Vec::new();
+    for (i, frontage) in frontages.iter().enumerate() {
+        let s = &mut key.indexed("country/farms", i as u64);
+        farms::build(key, s, frontage, land, config, &mut taken, placer, &mut drives);
+    }
+    for (i, frontage) in frontages.iter().enumerate() {
+        let s = &mut key.indexed("country/roadside", i as u64);
+        roadsides::furnish((key, network), s, frontage, land, config.greenery, &taken, placer);
+    }
+    growth::grow(key, &streets, config.greenery, &taken, placer);
+    drives
+}
