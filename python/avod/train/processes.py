@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Final
@@ -57,6 +58,9 @@ class Processes:
         yield cls(distributed.get_rank(), count, device)
         # Not after an error: the others may wait for this process elsewhere, and it for them.
         if is_ours:
+            # Wrapped networks hold the group in circles. What is not gone when Python ends takes the process down:
+            # https://github.com/pytorch/pytorch/issues/190489.
+            gc.collect()
             distributed.destroy_process_group()
 
     @property
