@@ -52,6 +52,7 @@ class Record:
         shares: of the folders, where there are several.
         bank: of the objects that are pasted into frames, or None.
         bank_crc32: checksum of its list.
+        frames: how many of the folder's frames were drawn to learn from, None for all.
     """
 
     config: Config
@@ -72,6 +73,7 @@ class Record:
     shares: tuple[float, ...] | None = None
     bank: str | None = None
     bank_crc32: int | None = None
+    frames: int | None = None
 
     @property
     def folders(self) -> tuple[tuple[Path, float], ...]:
