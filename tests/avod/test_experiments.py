@@ -1,0 +1,334 @@
+"""The experiments' cells, and that a kill in the middle changes no number of theirs."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from avod.config_file import load_config
+from avod.experiments.cells import Cell
+from avod.experiments.experiment import selected
+from avod.experiments.few_frames import few_frame_cells
+from avod.experiments.matrix import matrix_cells
+from avod.experiments.outcome import is_finished, read_outcomes
+from avod.experiments.record import begin_experiment, cell_folder
+from avod.experiments.scales import CLASSES, MAPS, SCALES, Scale
+from avod.experiments.sets import FrameSet, Sets
+from avod.train.checkpoint import checkpoints, read_checkpoint
+from avod.train.record import read_record
+from avod_experiments import STEPS, micro_cells, micro_scale, micro_sets, run_micro
+from avod_runs import weights
+from cadet.errors import CadetError, MissingFileError
+from cadet.operating_system import locked_folder
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("experiments")
+
+
+@pytest.fixture(scope="module")
+def sets(folder: Path) -> Sets:
+    return micro_sets(folder)
+
+
+@pytest.fixture(scope="module")
+def scale(folder: Path) -> Scale:
+    return micro_scale(folder)
+
+
+@pytest.fixture(scope="module")
+def finished(folder: Path, scale: Scale, sets: Sets) -> Path:
+    """Return the folder of a matrix that ran from its first step to its last."""
+    assert run_micro(folder / "unbroken", micro_cells(scale), scale, sets)
+    return folder / "unbroken"
+
+
+class StopFrom:
+    """Hears a signal after so many steps and frames."""
+
+    def __init__(self, calls: int) -> None:
+        self.left = calls
+
+    def __call__(self) -> bool:
+        self.left -= 1
+        return self.left <= 0
+
+
+class DieAfter:
+    """Ends a process where it stands, as a kill does: no checkpoint is written."""
+
+    def __init__(self, calls: int) -> None:
+        self.left = calls
+
+    def __call__(self) -> bool:
+        self.left -= 1
+        if self.left == 0:
+            raise MemoryError
+        return False
+
+
+def test_the_matrix_has_every_way_of_training_for_each_class_maps_and_seed() -> None:
+    cells = matrix_cells(SCALES["full"], tuple(CLASSES), MAPS, 2)
+    assert len({cell.name for cell in cells}) == len(cells) == 2 * 3 * 3 * 2
+    assert [cell.name for cell in cells[:4]] == [
+        "car-default-sim-seed0",
+        "car-default-real-seed0",
+        "car-default-tuned-seed0",
+        "car-max3_density3-sim-seed0",
+    ]
+    names = [cell.name for cell in cells]
+    for cell in cells:
+        # Sources come first, and are of the same seed, class and maps.
+        source = f"{cell.name.split('-tuned')[0]}-sim-seed{cell.seed}" if cell.trained == "tuned" else None
+        assert cell.source == source and (source is None or names.index(source) < names.index(cell.name))
+        assert cell.tests == {"sim": ("sim", "real"), "real": ("real",), "tuned": ("real", "sim")}[cell.trained]
+        short = {"Car": "car", "Pedestrian": "ped"}[cell.class_name]
+        expected = load_config(f"{short}_{cell.maps}")
+        assert dataclasses.replace(cell.config, training=expected.training) == expected
+
+
+def test_the_full_scale_is_the_papers() -> None:
+    sim, real, tuned = matrix_cells(SCALES["full"], ("Car",), ("default",), 1)
+    assert (sim.stops, real.stops, tuned.stops) == ((90_000, 120_000), (120_000,), (150_000,))
+    assert (tuned.branch_step, tuned.num_steps, tuned.first_step) == (90_000, 60_000, 90_000)
+    assert sim.config == real.config == load_config("car_default")
+    # A tuning of its own begins with the rate that the schedule has come to.
+    training = sim.config.training
+    rate = training.learning_rate * training.decay_factor ** (90_000 // training.decay_steps)
+    assert SCALES["full"].tuning.learning_rate == pytest.approx(rate)
+    assert [cell.last for cell in (sim, real, tuned)] == [20] * 3
+
+
+def test_the_tiny_scale_tunes_as_its_configuration_does() -> None:
+    sim, _, tuned = matrix_cells(SCALES["tiny"], ("Car",), ("default",), 1)
+    assert sim.config == load_config("tiny_car") and sim.stops == (3_000,)
+    assert tuned.config == load_config("tiny_car_tune")
+    assert (tuned.stops, tuned.branch_step, tuned.last) == ((350,), None, 1)
+
+
+@pytest.mark.parametrize(
+    ("name", "steps", "stops"),
+    [
+        ("full", 1_200, ((900, 1_200), (1_200,), (1_500,))),
+        ("full", 3, ((2, 3), (3,), (4,))),
+        ("full", 1, ((1,), (1,), (2,))),
+        ("tiny", 300, ((300,), (300,), (35,))),
+        ("tiny", 1, ((1,), (1,), (1,))),
+    ],
+)
+def test_fewer_steps_shorten_all_in_proportion(name: str, steps: int, stops: tuple[tuple[int, ...], ...]) -> None:
+    cells = matrix_cells(SCALES[name], ("Car",), ("default",), 1, steps)
+    assert tuple(cell.stops for cell in cells) == stops
+    whole = SCALES[name].config("Car", "default")
+    for cell in cells[:2]:
+        assert cell.config.training.decay_steps == max(
+            1, round(whole.training.decay_steps * steps / whole.training.steps)
+        )
+        share = steps / whole.training.steps
+        assert cell.config.second_stage.truth_steps == round(whole.second_stage.truth_steps * share)
+
+
+@pytest.mark.parametrize("name", ["tiny", "full"])
+def test_scratch_and_tuned_differ_in_their_beginning_and_rate_alone(name: str) -> None:
+    scale = SCALES[name]
+    cells = few_frame_cells(scale, ("Car",), ("default",), 2, (10, 40))
+    assert [cell.name for cell in cells[:5]] == [
+        "car-default-sim-seed0",
+        "car-default-real-10frames-seed0",
+        "car-default-tuned-10frames-seed0",
+        "car-default-real-40frames-seed0",
+        "car-default-tuned-40frames-seed0",
+    ]
+    assert len(cells) == 10
+    (pretrained, *rest) = cells[:5]
+    assert pretrained == matrix_cells(scale, ("Car",), ("default",), 1)[0]
+    for scratch, tuned in zip(rest[::2], rest[1::2], strict=True):
+        assert scratch.stops == tuned.stops == (scale.few_steps,)
+        assert (scratch.seed, scratch.frames, scratch.last) == (tuned.seed, tuned.frames, 1)
+        assert (scratch.source, tuned.source) == (None, pretrained.name)
+        own = scale.config("Car", "default").training
+        # As often as in the whole training, the rate falls.
+        falls = own.steps / own.decay_steps
+        assert scratch.config.training.steps / scratch.config.training.decay_steps == pytest.approx(falls, rel=0.01)
+        falls = scale.tuning.steps / scale.tuning.decay_steps
+        assert tuned.config.training.steps / tuned.config.training.decay_steps == pytest.approx(falls, rel=0.01)
+        assert tuned.config.training.learning_rate == scale.tuning.learning_rate < own.learning_rate
+
+
+def test_given_weights_take_the_place_of_the_pretraining() -> None:
+    cells = few_frame_cells(SCALES["tiny"], ("Car",), ("default",), 2, (10,), inits=(Path("tiny_car"),))
+    assert [cell.name for cell in cells] == [
+        "car-default-given-seed0",
+        "car-default-real-10frames-seed0",
+        "car-default-tuned-10frames-seed0",
+        "car-default-real-10frames-seed1",
+        "car-default-tuned-10frames-seed1",
+    ]
+    given, scratch, tuned = cells[:3]
+    assert given.stops == () and given.num_steps == 0 and given.tests == ("real",)
+    assert tuned.init == given.init == read_checkpoint("tiny_car").path and scratch.init is None
+    with pytest.raises(CadetError, match="--init: expected one checkpoint, or one for each of 3 seeds, got 2"):
+        few_frame_cells(SCALES["tiny"], ("Car",), ("default",), 3, (10,), inits=(Path("tiny_car"),) * 2)
+    with pytest.raises(CadetError, match="--init: these weights are of one class"):
+        few_frame_cells(SCALES["tiny"], tuple(CLASSES), ("default",), 1, (10,), inits=(Path("tiny_car"),))
+    with pytest.raises(CadetError, match=r"--init \S+tiny_car: its configuration has another 'classes'"):
+        few_frame_cells(SCALES["tiny"], ("Pedestrian",), ("default",), 1, (10,), inits=(Path("tiny_car"),))
+    with pytest.raises(MissingFileError, match="nothing: no checkpoint"):
+        few_frame_cells(SCALES["tiny"], ("Car",), ("default",), 1, (10,), inits=(Path("nothing"),))
+
+
+def run_until_finished(out: Path, cells: tuple[Cell, ...], scale: Scale, sets: Sets) -> int:
+    """Run cells that are killed, or told to stop, again and again; return how often."""
+    for attempt in range(40):
+        # A checkpoint every second step: three are enough to get on.
+        stop = DieAfter(3) if attempt % 2 else StopFrom(3)
+        try:
+            if run_micro(out, cells, scale, sets, stop):
+                return attempt
+        except MemoryError:
+            pass
+    raise AssertionError("it does not come to an end")
+
+
+@pytest.mark.timeout(240)
+@pytest.mark.parametrize("branch_step", [None, 3])
+def test_killed_again_and_again_it_has_the_numbers_of_an_unbroken_run(
+    folder: Path, sets: Sets, tmp_path: Path, branch_step: int | None
+) -> None:
+    scale = micro_scale(tmp_path, branch_step=branch_step, last=2)
+    cells = micro_cells(scale)
+    assert run_micro(tmp_path / "unbroken", cells, scale, sets)
+    assert run_until_finished(tmp_path / "broken", cells, scale, sets) > 5
+    for name in ("results.json", "table.md", "matrix.png"):
+        assert (tmp_path / "broken" / name).read_bytes() == (tmp_path / "unbroken" / name).read_bytes(), name
+    for cell in cells:
+        mine, other = (cell_folder(tmp_path / name, cell.name) for name in ("broken", "unbroken"))
+        for tested in cell.tests:
+            files = sorted(path.name for path in (other / f"detections_{tested}").iterdir())
+            assert files == [f"{frame_id}.txt" for frame_id in sets[tested].val_ids]
+            for file in files:
+                one, two = (path / f"detections_{tested}" / file for path in (mine, other))
+                assert one.read_bytes() == two.read_bytes() and one.stat().st_size > 0
+        assert (mine / "best" / "model.safetensors").read_bytes() == (other / "best" / "model.safetensors").read_bytes()
+
+
+def test_a_tuning_begins_where_it_should(finished: Path, scale: Scale, sets: Sets, tmp_path: Path) -> None:
+    sim, real, tuned = micro_cells(scale)
+    record = read_record(cell_folder(finished, tuned.name) / "run")
+    assert record.init == str(cell_folder(finished, sim.name) / "best")
+    assert (Path(str(record.data)), record.num_frames) == (sets["real"].folder.resolve(), 4)
+    assert Path(str(read_record(cell_folder(finished, sim.name) / "run").data)) == sets["sim"].folder.resolve()
+    assert (read_record(cell_folder(finished, real.name) / "run").init, record.config.training.steps) == (None, 2)
+    # The paper's way: optimizer and schedule of a step in the middle, and the source goes on as if nothing had been.
+    branched = micro_scale(tmp_path, branch_step=3)
+    cells = micro_cells(branched)
+    assert run_micro(tmp_path / "out", cells, branched, sets)
+    source, goal = (cell_folder(tmp_path / "out", cells[index].name) for index in (0, 2))
+    assert [path.name for path in checkpoints(source / "kept")] == ["000000003"]
+    assert (source / "kept" / "000000003" / "optimizer.safetensors").is_file()
+    assert read_checkpoint(goal / "best").step == 5
+    one, other = (weights(cell_folder(out, sim.name) / "best") for out in (tmp_path / "out", finished))
+    assert all((one[name] == other[name]).all() for name in one)
+
+
+def test_a_finished_cell_is_not_run_again(finished: Path, scale: Scale, sets: Sets) -> None:
+    cells = micro_cells(scale)
+    assert all(is_finished(finished, cell) for cell in cells)
+    before = {path: path.stat().st_mtime_ns for path in (finished / "cells").rglob("*") if path.is_file()}
+    assert run_micro(finished, cells, scale, sets, DieAfter(1))
+    assert {path: path.stat().st_mtime_ns for path in (finished / "cells").rglob("*") if path.is_file()} == before
+
+
+def test_pairs_on_a_few_frames_learn_from_the_same_ones(sets: Sets, folder: Path, finished: Path) -> None:
+    scale = micro_scale(folder)
+    cells = few_frame_cells(scale, ("Car",), ("default",), 1, (1, 3))
+    # The pre-training is the matrix's own.
+    assert run_micro(finished, cells, scale, sets)
+    checksums = {}
+    for cell in cells[1:]:
+        record = read_record(cell_folder(finished, cell.name) / "run")
+        assert record.num_frames == cell.frames and record.config.training.steps == 3
+        checksums[cell.trained, cell.frames] = record.frames_crc32
+    for count in (1, 3):
+        assert checksums["real", count] == checksums["tuned", count]
+    found = {(item.trained, item.frames): item for item in read_outcomes(finished) if item.tested == "real"}
+    assert set(found) == {(way, n) for way in ("real", "tuned") for n in (None, 1, 3)} | {("sim", None)}
+    assert (finished / "few_frames.png").is_file() and "from scratch" in (finished / "table.md").read_text()
+
+
+def test_another_experiment_in_the_same_folder_is_refused(
+    finished: Path, scale: Scale, sets: Sets, folder: Path
+) -> None:
+    def begin(scale: Scale = scale, steps: int | None = None, sets: Sets = sets) -> None:
+        begin_experiment(finished, scale, steps, sets)
+
+    begin()
+    with pytest.raises(CadetError, match=r"begun with scale = 'micro', and is to go on with 'full': name a new folder"):
+        begin(SCALES["full"])
+    with pytest.raises(CadetError, match="begun with steps = None, and is to go on with 3"):
+        begin(steps=3)
+    with pytest.raises(CadetError, match=r"begun with sets\.real\.num_train = 4, and is to go on with 3"):
+        begin(sets={"real": sets["sim"], "sim": sets["sim"]})
+    # Equal ids, other labels.
+    label = sets["real"].folder / "training" / "label_2" / f"{sets['real'].val_ids[0]}.txt"
+    text = label.read_text()
+    label.write_text(text.replace("Pedestrian", "Cyclist"))
+    changed = FrameSet.read(sets["real"].folder)
+    label.write_text(text)
+    with pytest.raises(CadetError, match=r"begun with sets\.real\.crc32 = \d+, and is to go on with \d+"):
+        begin(sets={"real": changed, "sim": sets["sim"]})
+    # A set that is not needed may be left out, and one may come later.
+    begin(sets={"real": sets["real"]})
+    begin()
+    cells = micro_cells(scale)
+    training = dataclasses.replace(cells[0].config.training, learning_rate=1e-3)
+    other = dataclasses.replace(cells[0], config=dataclasses.replace(cells[0].config, training=training))
+    (cell_folder(finished, other.name) / "test_real.json").rename(folder / "aside.json")
+    with pytest.raises(CadetError, match=r"sim-seed0: begun with config.training.learning_rate = 0.004, and is to"):
+        run_micro(finished, [other], scale, sets)
+    (folder / "aside.json").rename(cell_folder(finished, other.name) / "test_real.json")
+
+
+def test_cells_are_chosen_by_patterns(finished: Path, scale: Scale, tmp_path: Path) -> None:
+    cells = micro_cells(scale)
+    sim, real, tuned = cells
+    assert selected(cells, (), tmp_path) == cells
+    assert selected(cells, ("*-tuned-*", "*sim*"), tmp_path) == (sim, tuned)
+    assert selected(cells, ("*-tuned-*",), finished) == (tuned,)
+    with pytest.raises(CadetError, match="tuned-seed0 begins with the weights of car-default-sim-seed0, which is not"):
+        selected(cells, ("*-tuned-*",), tmp_path)
+    with pytest.raises(CadetError, match=re.escape("--cells ped-*: names none of car-default-sim-seed0, car-")):
+        selected(cells, ("ped-*",), tmp_path)
+
+
+def test_two_processes_do_not_run_one_cell(scale: Scale, sets: Sets, tmp_path: Path) -> None:
+    cells = micro_cells(scale)
+    place = cell_folder(tmp_path, cells[0].name)
+    place.mkdir(parents=True)
+    with (
+        locked_folder(place, place / ".lock"),
+        pytest.raises(CadetError, match="sim-seed0: another avod paper is at work on this cell"),
+    ):
+        run_micro(tmp_path, cells[:1], scale, sets)
+
+
+def test_a_damaged_file_is_named(finished: Path, scale: Scale, sets: Sets, folder: Path) -> None:
+    path = cell_folder(finished, micro_cells(scale)[1].name) / "test_real.json"
+    text = path.read_text()
+    for damaged, message in (
+        ("{", r"test_real.json:\d+: no JSON"),
+        ("{}", "test_real.json: no file of avod paper"),
+        (text.replace('"version": 1', '"version": 2'), "test_real.json: version 2, expected 1"),
+        (text.replace('"r40"', '"r41"'), "real-seed0: damaged: KeyError: 'r40'"),
+        (json.dumps({**json.loads(text), "ap": [1]}), "real-seed0: damaged: TypeError"),
+    ):
+        path.write_text(damaged)
+        with pytest.raises(CadetError, match=message):
+            read_outcomes(finished)
+    path.write_text(text)
+    assert len(read_outcomes(finished)) >= STEPS
