@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,14 +17,16 @@ from avod.experiments.figure import few_frames_figure, matrix_figure
 from avod.experiments.machine import Machine
 from avod.experiments.matrix import matrix_cells
 from avod.experiments.means import grouped
-from avod.experiments.outcome import Outcome
+from avod.experiments.outcome import Outcome, numbers_of
 from avod.experiments.published import published_ap
 from avod.experiments.scales import CLASSES, MAPS, SCALES
 from avod.experiments.statistics import MAX_SEEDS, mean_of
 from avod.experiments.table import plain_rows, tables
 from avod.train.processes import Processes
 from avod_experiments import micro_cells, micro_scale, micro_sets, silent
+from cadet import evaluate
 from cadet.view import style
+from synthetic import make_frame
 
 
 def outcome(trained: str, tested: str, ap: float, *, seed: int = 0, frames: int | None = None) -> Outcome:
@@ -112,6 +115,31 @@ def few(seeds: Sequence[int] = (0, 1)) -> list[Outcome]:
     return found
 
 
+def test_numbers_are_taken_out_of_reports_by_metric_level_and_rule() -> None:
+    truths = {f"{number:06d}": make_frame(seed=number).labels for number in range(50)}
+    # All are found where they are, and every second has half its height.
+    found = {
+        frame_id: tuple(
+            replace(
+                label, score=0.9, dimensions_hwl=(0.7, *label.dimensions_hwl[1:]) if index else label.dimensions_hwl
+            )
+            for index, label in enumerate(label for label in labels if label.type == "Car")
+        )
+        for frame_id, labels in truths.items()
+    }
+    reports = {levels: evaluate(truths, found, classes=("Car",), levels=levels) for levels in ("kitti", "large_small")}
+    numbers = numbers_of(reports, "Car")
+    assert set(numbers["3d"]) == {"Easy", "Moderate", "Hard", "Large", "Small"}
+    for levels, report in reports.items():
+        for metric in ("3d", "bev"):
+            for level, curve in report.curves["Car"][metric].items():
+                assert numbers[metric][level] == {"r11": curve.r11, "r40": curve.r40}, levels
+    assert numbers["bev"]["Large"]["r40"] > 99.0 and 10.0 < numbers["3d"]["Large"]["r40"] < 90.0
+    assert numbers["3d"]["Large"]["r11"] != numbers["3d"]["Large"]["r40"]
+    nothing = numbers_of({"kitti": evaluate(truths, dict.fromkeys(truths, ()), classes=("Car",))}, "Car")
+    assert nothing["3d"] == {level: {"r11": 0.0, "r40": 0.0} for level in ("Easy", "Moderate", "Hard")}
+
+
 def test_the_table_by_number_of_frames() -> None:
     header, *rows = table_after(tables(grouped(few())), "**AP R40 Moderate in percent by number of real frames")
     assert header[2:] == ["real frames", "3D from scratch", "BEV from scratch", "3D tuned", "BEV tuned"]
@@ -159,6 +187,8 @@ def test_bars_and_lines_stand_where_their_numbers_are() -> None:
     columns = canvas[:, round(chart.x(0.15))]
     rows = np.flatnonzero(columns[:, 0] > 200)
     assert rows.min() == pytest.approx(chart.y(60.0), abs=1.5) and rows.max() == pytest.approx(chart.y(0.0), abs=1.5)
+    panel = np.flatnonzero((canvas[:, round(chart.x(0.3))] == style.PANEL).all(axis=1))
+    assert (chart.y(80.0), chart.y(0.0)) == pytest.approx((panel.min(), panel.max()), abs=2.0)
     assert (chart.y(0.0) - chart.y(60.0)) / (chart.y(0.0) - chart.y(80.0)) == pytest.approx(0.75)
     rows = np.flatnonzero(canvas[:, round(chart.x(0.7)), 1] > 200)
     assert rows.mean() == pytest.approx(chart.y(20.0), abs=1.0)
@@ -193,6 +223,10 @@ def test_devices_share_cells_and_wait_for_sources() -> None:
     # No more devices help than the longest chain lets: sim, then tuned.
     assert shared_seconds(cells, seconds, 8) == 6.0
     assert shared_seconds([], {}, 2) == 0.0
+    # The first device is free at 5, and what comes next begins with what the second ends at 6.
+    waiting = [cells[index] for index in (0, 3, 1, 5)]
+    times = dict(zip((cell.name for cell in waiting), (4.0, 6.0, 1.0, 2.0), strict=True))
+    assert shared_seconds(waiting, times, 2) == 8.0
     # A source that is finished keeps nobody waiting.
     assert shared_seconds(cells[2:3], seconds, 1) == 2.0
     assert [hours(value) for value in (90.0, 5_400.0)] == ["1.5 min", "1.5 h"]

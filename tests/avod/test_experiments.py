@@ -5,11 +5,13 @@ from __future__ import annotations
 import dataclasses
 import json
 import re
+from collections import Counter
 from pathlib import Path
 
 import pytest
 
 from avod.config_file import load_config
+from avod.detector import Detector
 from avod.experiments.cells import Cell
 from avod.experiments.experiment import selected
 from avod.experiments.few_frames import few_frame_cells
@@ -17,12 +19,16 @@ from avod.experiments.matrix import matrix_cells
 from avod.experiments.outcome import is_finished, read_outcomes
 from avod.experiments.record import begin_experiment, cell_folder
 from avod.experiments.scales import CLASSES, MAPS, SCALES, Scale
-from avod.experiments.sets import FrameSet, Sets
+from avod.experiments.sets import FrameSet, Sets, check_sets
+from avod.predict import predict
 from avod.train.checkpoint import checkpoints, read_checkpoint
+from avod.train.log import read_log
 from avod.train.record import read_record
 from avod_experiments import STEPS, micro_cells, micro_scale, micro_sets, run_micro
-from avod_runs import weights
+from avod_runs import assert_same_training, weights
+from cadet import evaluate
 from cadet.errors import CadetError, MissingFileError
+from cadet.kitti import text_from_labels
 from cadet.operating_system import locked_folder
 
 
@@ -151,6 +157,7 @@ def test_scratch_and_tuned_differ_in_their_beginning_and_rate_alone(name: str) -
         assert scratch.stops == tuned.stops == (scale.few_steps,)
         assert (scratch.seed, scratch.frames, scratch.last) == (tuned.seed, tuned.frames, 1)
         assert (scratch.source, tuned.source) == (None, pretrained.name)
+        assert scratch.config.training.steps == tuned.config.training.steps == scale.few_steps
         own = scale.config("Car", "default").training
         # As often as in the whole training, the rate falls.
         falls = own.steps / own.decay_steps
@@ -236,6 +243,19 @@ def test_a_tuning_begins_where_it_should(finished: Path, scale: Scale, sets: Set
     assert all((one[name] == other[name]).all() for name in one)
 
 
+def test_what_was_killed_before_its_first_checkpoint_begins_again(
+    finished: Path, scale: Scale, sets: Sets, tmp_path: Path
+) -> None:
+    cells = micro_cells(scale)[:1]
+    begun, whole = (cell_folder(out, cells[0].name) / "run" for out in (tmp_path, finished))
+    begun.mkdir(parents=True)
+    for name in ("run.json", "log.csv"):
+        (begun / name).write_bytes((whole / name).read_bytes())
+    assert len(read_log(begun / "log.csv")) == 1
+    assert run_micro(tmp_path, cells, scale, sets)
+    assert_same_training(begun, whole)
+
+
 def test_a_finished_cell_is_not_run_again(finished: Path, scale: Scale, sets: Sets) -> None:
     cells = micro_cells(scale)
     assert all(is_finished(finished, cell) for cell in cells)
@@ -292,6 +312,51 @@ def test_another_experiment_in_the_same_folder_is_refused(
     with pytest.raises(CadetError, match=r"sim-seed0: begun with config.training.learning_rate = 0.004, and is to"):
         run_micro(finished, [other], scale, sets)
     (folder / "aside.json").rename(cell_folder(finished, other.name) / "test_real.json")
+
+
+def test_sets_that_lack_what_a_cell_needs_are_refused_before_it_starts(scale: Scale, sets: Sets) -> None:
+    sim, real, _ = micro_cells(scale)
+    few = dataclasses.replace(real, frames=4)
+    check_sets([sim, real, few], sets)
+    with pytest.raises(CadetError, match=r"real: 4 of its train frames hold Car or more, and car-default-real-5frames"):
+        check_sets([sim, dataclasses.replace(real, frames=5)], sets)
+    training = dataclasses.replace(real.config.training, min_objects=3)
+    picky = dataclasses.replace(real, config=dataclasses.replace(real.config, training=training))
+    with pytest.raises(CadetError, match=r"real: 0 of its train frames hold 3 of Car or more, and \S+ learns from 1"):
+        check_sets([picky], sets)
+    without = dict(sets["sim"].objects) | {"val": (Counter(Van=2),)}
+    with pytest.raises(CadetError, match="sim: its val frames hold no Car for car-default-sim-seed0 to find"):
+        check_sets([sim], {**sets, "sim": dataclasses.replace(sets["sim"], objects=without)})
+
+
+def test_the_best_of_the_last_checkpoints_counts(
+    scale: Scale, sets: Sets, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cells = [dataclasses.replace(micro_cells(scale)[0], last=2)]
+    aps = iter([30.0, 20.0, 10.0])
+    monkeypatch.setattr("avod.experiments.testing.score", lambda report, names: next(aps))
+    assert run_micro(tmp_path, cells, scale, sets)
+    place = cell_folder(tmp_path, cells[0].name)
+    written = checkpoints(place / "run" / "checkpoints")
+    assert [path.name for path in written] == ["000000002", "000000004"]
+    # Chosen on the first set, and tested as it is on the other.
+    assert [(item.tested, item.step) for item in read_outcomes(tmp_path)] == [("sim", 2), ("real", 2)]
+    assert (place / "best" / "model.safetensors").read_bytes() == (written[0] / "model.safetensors").read_bytes()
+    detector = Detector.load(written[0])
+    for tested in ("sim", "real"):
+        for frame_id, labels in predict(detector, sets[tested].folder, sets[tested].val_ids):
+            assert (place / f"detections_{tested}" / f"{frame_id}.txt").read_text() == text_from_labels(labels)
+
+
+def test_a_cells_numbers_are_those_of_cadet_eval(finished: Path, sets: Sets) -> None:
+    for item in read_outcomes(finished):
+        if item.frames is None:
+            place = finished / "cells" / f"car-default-{item.trained}-seed0" / f"detections_{item.tested}"
+            for levels in ("kitti", "large_small") if item.tested == "sim" else ("kitti",):
+                report = evaluate(sets[item.tested].folder, place, classes=["Car"], levels=levels)
+                for metric in ("3d", "bev"):
+                    for level, curve in report.curves["Car"][metric].items():
+                        assert item.ap[metric][level] == {"r11": curve.r11, "r40": curve.r40}
 
 
 def test_cells_are_chosen_by_patterns(finished: Path, scale: Scale, tmp_path: Path) -> None:

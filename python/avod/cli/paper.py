@@ -29,7 +29,7 @@ from avod.experiments.matrix import matrix_cells
 from avod.experiments.outcome import is_finished
 from avod.experiments.record import begin_cell, begin_experiment
 from avod.experiments.scales import CLASSES, MAPS, SCALES, Scale
-from avod.experiments.sets import TRAIN, VAL, FrameSet, Sets
+from avod.experiments.sets import TRAIN, VAL, FrameSet, Sets, check_sets
 from avod.experiments.statistics import MAX_SEEDS
 from avod.train.processes import Processes
 from cadet.cli.signals import exit_code, how_ended
@@ -84,6 +84,7 @@ def paper_command(**options: Any) -> int:
     """  # noqa: D301 - click reads the backspace
     plan = _plan(options)
     cells = selected(plan.cells, options["cells"], plan.out)
+    check_sets(cells, plan.sets)
     stopping = Stopping(options["max_minutes"])
     device = resolve_device(options["device"])
     try:

@@ -71,7 +71,7 @@ def _bars(canvas: style.Image, groups: Sequence[Group], title: str, metric: str)
         chart.label((number + 0.5) / len(names), maps)
         for index, (trained, color) in enumerate(_COLORS.items()):
             if (maps, trained) in bars:
-                low = (number + 0.5 + 0.27 * (index - 1.5)) / len(names)
+                low = (number + 0.38 + 0.27 * (index - 1)) / len(names)
                 chart.bar(low, low + 0.24 / len(names), bars[maps, trained][0], color, bars[maps, trained][1])
 
 
