@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import json
 import re
+import threading
 from collections import Counter
 from pathlib import Path
 
@@ -371,7 +373,10 @@ def test_cells_are_chosen_by_patterns(finished: Path, scale: Scale, tmp_path: Pa
         selected(cells, ("ped-*",), tmp_path)
 
 
-def test_two_processes_do_not_run_one_cell(scale: Scale, sets: Sets, tmp_path: Path) -> None:
+def test_two_processes_do_not_run_one_cell(
+    scale: Scale, sets: Sets, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("avod.experiments.experiment.WAIT_S", 0.1)
     cells = micro_cells(scale)
     place = cell_folder(tmp_path, cells[0].name)
     place.mkdir(parents=True)
@@ -380,6 +385,18 @@ def test_two_processes_do_not_run_one_cell(scale: Scale, sets: Sets, tmp_path: P
         pytest.raises(CadetError, match="sim-seed0: another avod paper is at work on this cell"),
     ):
         run_micro(tmp_path, cells[:1], scale, sets)
+
+
+def test_a_cell_waits_for_what_a_killed_process_left_behind(scale: Scale, sets: Sets, tmp_path: Path) -> None:
+    (cell, *_) = micro_cells(scale)
+    place = cell_folder(tmp_path, cell.name)
+    place.mkdir(parents=True)
+    with contextlib.ExitStack() as held:
+        held.enter_context(locked_folder(place, place / ".lock"))
+        timer = threading.Timer(0.5, held.close)
+        timer.start()
+        assert run_micro(tmp_path, [cell], scale, sets)
+        timer.join()
 
 
 def test_a_damaged_file_is_named(finished: Path, scale: Scale, sets: Sets, folder: Path) -> None:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import time
 from collections.abc import Callable, Iterator, Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
+from typing import Final
 
 from avod.experiments.cells import Cell
 from avod.experiments.figure import few_frames_figure, matrix_figure
@@ -21,6 +23,9 @@ from cadet.errors import CadetError
 from cadet.kitti.files import write_whole
 from cadet.operating_system import FolderInUseError, locked_folder
 from cadet.view.picture import write_picture
+
+WAIT_S: Final = 20.0
+"""How long a cell is waited for: the workers of a process that was killed notice it after 5 s, and hold its lock."""
 
 
 def selected(cells: Sequence[Cell], patterns: Sequence[str], out: Path) -> tuple[Cell, ...]:
@@ -107,10 +112,14 @@ def _held(folder: Path, machine: Machine) -> Iterator[None]:
         return
     folder.mkdir(parents=True, exist_ok=True)
     with contextlib.ExitStack() as held:
-        try:
-            held.enter_context(locked_folder(folder, folder / ".lock"))
-        except FolderInUseError:
-            raise CadetError(
-                f"{folder}: another avod paper is at work on this cell: choose others by --cells"
-            ) from None
+        end_s = time.monotonic() + WAIT_S
+        while True:
+            try:
+                held.enter_context(locked_folder(folder, folder / ".lock"))
+                break
+            except FolderInUseError:
+                if time.monotonic() >= end_s:
+                    where = f"{folder}: another avod paper is at work on this cell"
+                    raise CadetError(f"{where}: choose others by --cells") from None
+            time.sleep(0.25)
         yield
