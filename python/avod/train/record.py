@@ -53,6 +53,7 @@ class Record:
         bank: of the objects that are pasted into frames, or None.
         bank_crc32: checksum of its list.
         frames: how many of the folder's frames were drawn to learn from, None for all.
+        resume_from: the checkpoint of another training that it went on from, or None.
     """
 
     config: Config
@@ -74,6 +75,7 @@ class Record:
     bank: str | None = None
     bank_crc32: int | None = None
     frames: int | None = None
+    resume_from: str | None = None
 
     @property
     def folders(self) -> tuple[tuple[Path, float], ...]:

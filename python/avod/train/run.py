@@ -226,6 +226,7 @@ class _Training:
             bank=None if self.bank is None else str(self.bank.root.resolve()),
             bank_crc32=None if self.bank is None else self.bank.crc32,
             frames=run.frames,
+            resume_from=start.resume_from,
         )
         for step in run.skip_steps:
             if step < start.step:
