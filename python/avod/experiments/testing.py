@@ -16,7 +16,7 @@ from avod.experiments.record import cell_folder
 from avod.experiments.sets import FrameSet, Sets
 from avod.experiments.training import BEST, candidates
 from avod.predict import predict_all
-from avod.train.checkpoint import keep_checkpoint, read_checkpoint
+from avod.train.checkpoint import forget_old, keep_checkpoint, read_checkpoint
 from cadet import evaluate, kitti
 from cadet.evaluation import Report
 from cadet.kitti import labels_from_text, text_from_labels
@@ -44,6 +44,9 @@ def run_tests(cell: Cell, out: Path, sets: Sets, machine: Machine) -> bool:
         paths = candidates(cell, out) if number == 0 or not cell.stops else [folder / BEST]
         if not _test(cell, folder, paths, tested, sets[tested], machine):
             return False
+        if number == 0 and cell.stops and machine.processes.is_first:
+            # A hundred of them would fill a disk.
+            forget_old(paths[-1].parent, 1)
     return True
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +13,7 @@ from avod.experiments.record import cell_folder
 from avod.experiments.sets import TRAIN, Sets
 from avod.train import Run, train, with_steps
 from avod.train.checkpoint import checkpoints, keep_checkpoint
+from avod.train.record import has_record
 
 _KEPT = "kept"
 BEST = "best"
@@ -36,7 +36,7 @@ def train_cell(cell: Cell, out: Path, sets: Sets, machine: Machine) -> bool:
     for stop in cell.stops:
         written = checkpoints(folder / "run" / "checkpoints")
         if not written or int(written[-1].name) < stop:
-            _train_to(stop, cell, out, sets, machine, is_new=not written)
+            _train_to(stop, cell, out, sets, machine)
             written = checkpoints(folder / "run" / "checkpoints")
             if int(written[-1].name) < stop:
                 return False
@@ -47,10 +47,12 @@ def train_cell(cell: Cell, out: Path, sets: Sets, machine: Machine) -> bool:
 
 
 def candidates(cell: Cell, out: Path) -> list[Path]:
-    """Return the checkpoints that the one that counts is chosen from."""
+    """Return the checkpoints that the one that counts is chosen from: none that merely a stop has left."""
     if cell.init is not None and not cell.stops:
         return [cell.init]
-    return checkpoints(cell_folder(out, cell.name) / "run" / "checkpoints")[-cell.last :]
+    every = cell.config.training.checkpoint_steps
+    written = checkpoints(cell_folder(out, cell.name) / "run" / "checkpoints")
+    return [path for path in written if int(path.name) % every == 0 or int(path.name) in cell.stops][-cell.last :]
 
 
 def beginning(cell: Cell, out: Path) -> dict[str, Path]:
@@ -63,19 +65,17 @@ def beginning(cell: Cell, out: Path) -> dict[str, Path]:
     return {"resume_from": source / _KEPT / f"{cell.branch_step:09d}"}
 
 
-def _train_to(stop: int, cell: Cell, out: Path, sets: Sets, machine: Machine, *, is_new: bool) -> None:
+def _train_to(stop: int, cell: Cell, out: Path, sets: Sets, machine: Machine) -> None:
     folder = cell_folder(out, cell.name) / "run"
-    if is_new and folder.exists() and machine.processes.is_first:
-        # Killed before its first checkpoint: nothing to go on from.
-        shutil.rmtree(folder)
-    machine.processes.any(False)
-    begin: dict[str, Any] = beginning(cell, out) if is_new else {"resume": True}
+    # Decided by one for all: the first to begin writes what the others would find.
+    (is_begun, *_) = machine.processes.gathered(has_record(folder))
+    begin: dict[str, Any] = {"resume": True} if is_begun else beginning(cell, out)
     run = Run(
         data=sets[cell.data].folder,
         out=folder,
         split=TRAIN,
         seed=cell.seed,
-        keep=cell.last,
+        keep=1 if cell.last == 1 else None,
         device=machine.processes.device,
         precision=machine.precision,
         workers=machine.workers,
