@@ -201,6 +201,7 @@ AVOD_ROOMS: dict[str, set[str]] = {
     "evaluate": {"config", "detector", "predict"},
     "validate": {"config", "data", "evaluate", "losses", "model", "results", "targets", "train"},
     "figures": {"train"},
+    "experiments": {"config", "config_file", "detector", "evaluate", "predict", "train"},
     "clusters": set(),
     "cli": {
         "clusters",
@@ -210,6 +211,7 @@ AVOD_ROOMS: dict[str, set[str]] = {
         "detector",
         "device",
         "evaluate",
+        "experiments",
         "figures",
         "model",
         "predict",

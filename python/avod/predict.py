@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,7 @@ from torch.utils.data import DataLoader
 
 from avod.data.dataset import DetectionData, sample_from_frame
 from avod.data.packing import on_device
-from avod.data.workers import as_it_is, running
+from avod.data.workers import as_it_is, outlive_signals, running
 from avod.detector import Detector
 from avod.results import detections
 from cadet import kitti
@@ -44,7 +44,7 @@ def predict(
 
 def predict_all(
     detectors: Sequence[Detector], root: str | Path, ids: tuple[str, ...], *, workers: int = 0
-) -> Iterator[tuple[str, list[tuple[Label, ...]]]]:
+) -> Generator[tuple[str, list[tuple[Label, ...]]], None, None]:
     """Detect objects with several detectors, such as the checkpoints of a training; each frame is read once.
 
     Args:
@@ -64,7 +64,13 @@ def predict_all(
         if any(getattr(detector.config, name) != getattr(config, name) for detector in detectors):
             raise CadetError(f"these detectors need different inputs, their {name!r} differ: run them one by one")
     data = DetectionData(kitti.Dataset(root), ids, config)
-    loader: DataLoader[Any] = DataLoader(data, batch_size=None, num_workers=min(workers, len(ids)), collate_fn=as_it_is)
+    loader: DataLoader[Any] = DataLoader(
+        data,
+        batch_size=None,
+        num_workers=min(workers, len(ids)),
+        collate_fn=as_it_is,
+        worker_init_fn=outlive_signals,
+    )
     with running(loader) as items:
         for frame_id, item in zip(ids, items, strict=True):
             if isinstance(item, CadetError):

@@ -108,6 +108,25 @@ def test_a_process_that_a_signal_ends_leaves_a_training_that_goes_on(
     assert_same_training(out, unbroken)
 
 
+def test_what_went_on_from_another_training_and_was_killed_at_once_does_so_again(
+    config: Config, data: Path, unbroken: Path, tmp_path: Path
+) -> None:
+    def die(step: int, losses: dict[str, Any]) -> None:
+        raise ZeroDivisionError
+
+    config = dataclasses.replace(config, training=dataclasses.replace(config.training, checkpoint_steps=100))
+    short_run(config, data, tmp_path / "whole", STEPS + 4, resume_from=unbroken)
+    with pytest.raises(ZeroDivisionError):
+        short_run(config, data, tmp_path / "parts", STEPS + 4, resume_from=unbroken, on_step=die)
+    assert not checkpoints(tmp_path / "parts" / "checkpoints")
+    assert read_record(tmp_path / "parts").resume_from == str(checkpoints(unbroken / "checkpoints")[-1])
+    # Killed after a checkpoint of its own, it goes on from that one.
+    for after in (1, 2):
+        short_run(config, data, tmp_path / "parts", STEPS + 4, resume=True, should_stop=StopAfter(after))
+    short_run(config, data, tmp_path / "parts", STEPS + 4, resume=True)
+    assert_same_training(tmp_path / "parts", tmp_path / "whole")
+
+
 def test_no_worker_outlives_a_training_that_fails(config: Config, data: Path, tmp_path: Path) -> None:
     def fail(step: int, losses: dict[str, Any]) -> None:
         raise ZeroDivisionError(str(step))

@@ -1,4 +1,4 @@
-"""`avod`: train, predict, eval, clusters, bench, view."""
+"""`avod`: train, predict, eval, clusters, paper, bench, view."""
 
 from __future__ import annotations
 
@@ -23,12 +23,13 @@ from avod.cli.options import (
     resolve_workers,
     split_option,
 )
+from avod.cli.paper import paper_command
 from avod.cli.train import train_command
 from avod.detector import Detector
 from avod.evaluate import ABLATIONS, Scored, ablation, ablation_table, analyze_detectors, best, score, table
 from avod.figures import detection_figure, loss_figure
 from avod.predict import measure, predict
-from avod.train.checkpoint import checkpoints, keep_best
+from avod.train.checkpoint import checkpoints, keep_checkpoint
 from avod.train.log import read_log
 from avod.train.validation_log import read_validations
 from cadet import __version__, kitti
@@ -50,6 +51,7 @@ def avod() -> None:
 
 avod.add_command(train_command)
 avod.add_command(clusters_command)
+avod.add_command(paper_command)
 
 
 @avod.command(name="predict")
@@ -156,7 +158,7 @@ def evaluate_command(
     if last is not None:
         for item in scored:
             click.echo(f"{item.path.name}  {item.value:.2f}{'  best' if item is chosen else ''}", err=as_json)
-        keep_best(chosen.path, checkpoint / "best")
+        keep_checkpoint(chosen.path, checkpoint / "best")
     if plot is not None:
         chosen.report.plot(plot)
     if as_json:

@@ -57,6 +57,7 @@ _AMP: Final = {"bfloat16": "bf16"}
     "with their shares of the frames.",
 )
 @split_option("train")
+@click.option("--frames", type=click.IntRange(1), help="Learn from so many frames alone, drawn by the seed.")
 @click.option("--out", metavar="DIR", required=True, type=click.Path(path_type=Path), help="Logs and checkpoints.")
 @click.option("--steps", type=click.IntRange(1), help="Where training ends.  [default: the configuration's]")
 @click.option("--seed", type=click.IntRange(0, 2**63 - 1), help="Of all that is drawn.  [default: 0]")
@@ -195,6 +196,7 @@ def _settings(options: _Options) -> tuple[Config, Run]:
         is_compiled=recorded("is_compiled", False),
         has_tensorboard=values["tensorboard"],
         bank=recorded("bank", None),
+        frames=recorded("frames", None),
     )
     if val_every is not None:
         check_split(data[0][0], run.val_split)

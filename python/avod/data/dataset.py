@@ -20,6 +20,7 @@ from avod.data.order import Order
 from avod.data.packing import PackedSample, packed
 from avod.data.paste import check_bank, paste_objects
 from avod.data.sample import Sample
+from avod.data.subset import draw_frames
 from cadet import kitti
 from cadet.errors import CadetError
 from cadet.kitti import Calibration
@@ -82,20 +83,30 @@ class TrainingData(Dataset[Any]):
         seed: of the order and the augmentations.
         bank: of the objects that are pasted; needed where the configuration asks for some, and refused where it does
             not.
+        frames: learn from so many of them alone, which `seed` draws; None for all.
 
     Raises:
         MissingFileError: no folder, split or label file.
         CadetError: a bank that is missing, or that holds nothing of the classes; no frame of a folder holds enough
-            objects of the classes, or shares that are none.
+            objects of the classes, or fewer do than `frames`, or shares that are none.
     """
 
     def __init__(
-        self, data: Folders, split: str | None, config: Config, seed: int, bank: ObjectBank | None = None
+        self,
+        data: Folders,
+        split: str | None,
+        config: Config,
+        seed: int,
+        bank: ObjectBank | None = None,
+        frames: int | None = None,
     ) -> None:
         folders = shares_of(data)
         check_bank(bank, config)
+        if frames is not None and len(folders) > 1:
+            raise CadetError(f"--frames {frames}: several folders have shares instead: train on one")
         self.config = config
-        self._sets = [_Set.read(root, split, config, has_prefix=len(folders) > 1) for root, _ in folders]
+        drawn = None if frames is None else (frames, seed)
+        self._sets = [_Set.read(root, split, config, drawn, has_prefix=len(folders) > 1) for root, _ in folders]
         orders = [
             Order(len(item.ids), config.training, set_seed(seed, number, len(folders)))
             for number, item in enumerate(self._sets)
@@ -151,8 +162,10 @@ class _Set:
     grounds: dict[str, NDArray[np.float64]] = field(default_factory=dict)
 
     @classmethod
-    def read(cls, root: Path, split: str | None, config: Config, *, has_prefix: bool) -> _Set:
-        """Read which frames of a folder hold enough objects of the classes."""
+    def read(
+        cls, root: Path, split: str | None, config: Config, drawn: tuple[int, int] | None, *, has_prefix: bool
+    ) -> _Set:
+        """Read which frames of a folder hold enough objects of the classes; `drawn`: how many, and a seed."""
         frames = open_dataset(root, split)
         names, least = config.class_names, config.training.min_objects
         labels = {i: frames.read_labels(i) for i in frames.ids}
@@ -160,6 +173,10 @@ class _Set:
         if not ids:
             wanted = ("a " if least == 1 else f"{least} of ") + " or ".join(names)
             raise CadetError(f"{root}: none of the {len(labels)} frames{_in(split)} holds {wanted} to learn from")
+        if drawn is not None:
+            if drawn[0] > len(ids):
+                raise CadetError(f"--frames {drawn[0]}: {root}: {len(ids)} frames{_in(split)} hold enough objects")
+            ids = draw_frames(ids, *drawn)
         shifts = size_shifts_m((label for i in ids for label in labels[i]), names, config.augmentation)
         return cls(frames, ids, shifts, f"{root}/" if has_prefix else "")
 

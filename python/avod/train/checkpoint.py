@@ -171,11 +171,17 @@ def checkpoints(folder: Path) -> list[Path]:
     return sorted(path.parent for path in folder.glob(f"*/{_SETTINGS}") if path.parent.name.isdecimal())
 
 
-def keep_best(path: Path, kept: Path) -> None:
-    """Copy a checkpoint to a place of its own, replacing what was there, without what only training needs."""
+def keep_checkpoint(path: Path, kept: Path, *, has_optimizer: bool = False) -> None:
+    """Copy a checkpoint to a place of its own, replacing what was there.
+
+    Args:
+        path: of the checkpoint.
+        kept: of the copy.
+        has_optimizer: copy what only training needs, too.
+    """
     aside = kept.with_name(f".{kept.name}.{os.getpid()}.partial")
     shutil.rmtree(aside, ignore_errors=True)
-    shutil.copytree(path, aside, ignore=shutil.ignore_patterns(_OPTIMIZER))
+    shutil.copytree(path, aside, ignore=None if has_optimizer else shutil.ignore_patterns(_OPTIMIZER))
     shutil.rmtree(kept, ignore_errors=True)
     aside.replace(kept)
 

@@ -52,6 +52,8 @@ class Record:
         shares: of the folders, where there are several.
         bank: of the objects that are pasted into frames, or None.
         bank_crc32: checksum of its list.
+        frames: how many of the folder's frames were drawn to learn from, None for all.
+        resume_from: the checkpoint of another training that it went on from, or None.
     """
 
     config: Config
@@ -72,6 +74,8 @@ class Record:
     shares: tuple[float, ...] | None = None
     bank: str | None = None
     bank_crc32: int | None = None
+    frames: int | None = None
+    resume_from: str | None = None
 
     @property
     def folders(self) -> tuple[tuple[Path, float], ...]:
@@ -88,6 +92,11 @@ def write_record(out: Path, record: Record) -> None:
     write_whole({out / _NAME: (json.dumps(table, indent=1) + "\n").encode()})
 
 
+def has_record(out: Path) -> bool:
+    """Tell whether a training was begun in a folder."""
+    return (out / _NAME).is_file()
+
+
 def read_record(out: Path) -> Record:
     """Read `run.json`.
 
@@ -96,7 +105,7 @@ def read_record(out: Path) -> Record:
         CadetError: a damaged one, or one of another version.
     """
     path = out / _NAME
-    if not path.is_file():
+    if not has_record(out):
         raise MissingFileError(f"{path}: no such file: {out} holds no training that --resume could go on with")
     table = json_from_text(path.read_bytes(), str(path))
     if not isinstance(table, dict) or table.get("format") != _FORMAT:

@@ -77,8 +77,10 @@ def _data(config: Config, run: Run, seed: int, bank: ObjectBank | None) -> Train
         if is_simulation(name):
             if len(folders) > 1:
                 raise CadetError(f"{name}: a simulation has no shares: train on it alone")
+            if run.frames is not None:
+                raise CadetError(f"--frames {run.frames}: the frames of a simulation have no end to draw from")
             return SimulatedData(str(name), config, seed, bank)
-    return TrainingData(run.data, run.split, config, seed, bank)
+    return TrainingData(run.data, run.split, config, seed, bank, run.frames)
 
 
 def _full_name(data: Path) -> str:
@@ -223,6 +225,8 @@ class _Training:
             val_split=run.val_split,
             bank=None if self.bank is None else str(self.bank.root.resolve()),
             bank_crc32=None if self.bank is None else self.bank.crc32,
+            frames=run.frames,
+            resume_from=start.resume_from,
         )
         for step in run.skip_steps:
             if step < start.step:

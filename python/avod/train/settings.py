@@ -38,6 +38,8 @@ class Run:
         is_compiled: compile the pyramids.
         has_tensorboard: write TensorBoard's files too.
         bank: of objects that are pasted into frames, as many as the configuration says.
+        frames: learn from so many of the folder's frames alone, which the seed draws, the fewer among the more; None
+            for all that hold enough objects.
 
     Raises:
         CadetError: a number outside its range.
@@ -60,11 +62,12 @@ class Run:
     is_compiled: bool = False
     has_tensorboard: bool = False
     bank: str | Path | None = None
+    frames: int | None = None
 
     def __post_init__(self) -> None:
         if self.seed is not None:
             check_number("Run", "seed", self.seed, 0, 2**63 - 1, whole=True)
-        for name in ("keep", "val_every"):
+        for name in ("keep", "val_every", "frames"):
             if getattr(self, name) is not None:
                 check_number("Run", name, getattr(self, name), 1, whole=True)
         for step in self.skip_steps:

@@ -32,6 +32,7 @@ class Start:
         optimizer: with its averages.
         pending: sums of the log's next row.
         init: the checkpoint whose weights the training began with, if any.
+        resume_from: the checkpoint of another training that it went on from, if any.
         record: what the training of this folder was begun with, if it goes on; None in a folder of an older version.
         goes_on: whether the training of this very folder goes on.
         average: of the weights, if the configuration asks for one.
@@ -43,6 +44,7 @@ class Start:
     optimizer: torch.optim.Optimizer
     pending: Mapping[str, float] = field(default_factory=dict)
     init: str | None = None
+    resume_from: str | None = None
     record: Record | None = None
     goes_on: bool = False
     average: WeightAverage | None = None
@@ -103,14 +105,19 @@ def _own(config: Config, run: Run, device: torch.device, out: Path) -> Start:
         # Killed before its first checkpoint: from the start, as it was begun.
         record = read_record(out)
         _check_seed(run, record.seed, out)
-        start = _new(config, record.seed, device, record.init)
+        if record.resume_from is None:
+            start = _new(config, record.seed, device, record.init)
+        else:
+            start = _continued(config, run, device, read_checkpoint(record.resume_from))
     else:
         try:
             record = read_record(out)
         except MissingFileError:
             record = None
         start = _continued(config, run, device, read_checkpoint(written[-1]))
-    return replace(start, init=None if record is None else record.init, record=record, goes_on=True)
+    if record is not None:
+        start = replace(start, init=record.init, resume_from=record.resume_from, record=record)
+    return replace(start, goes_on=True)
 
 
 def _from(config: Config, run: Run, device: torch.device, out: Path, is_first: bool) -> Start:
@@ -124,7 +131,7 @@ def _from(config: Config, run: Run, device: torch.device, out: Path, is_first: b
             if name not in ("training.steps", "training.checkpoint_steps"):
                 text = f"{checkpoint.path} was trained with {name} = {was!r}, and training goes on with {now!r}"
                 warnings.warn(text, CadetWarning, stacklevel=4)
-    return replace(start, goes_on=goes_on)
+    return replace(start, goes_on=goes_on, resume_from=None if goes_on else str(checkpoint.path))
 
 
 def _continued(config: Config, run: Run, device: torch.device, checkpoint: Checkpoint) -> Start:

@@ -1,0 +1,90 @@
+"""What pre-training is worth by the number of real frames: from scratch and tuned, on the same frames."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import product
+from pathlib import Path
+from typing import Final
+
+from avod.experiments.cells import GIVEN, REAL, TUNED, Cell
+from avod.experiments.matrix import pretraining, proportion
+from avod.experiments.scales import Scale, tuned_config, with_length
+from avod.train.checkpoint import Checkpoint, read_checkpoint
+from cadet.errors import CadetError
+
+_INPUTS: Final = ("classes", "bev", "image", "anchors", "extractor")
+
+
+def few_frame_cells(
+    scale: Scale,
+    classes: Sequence[str],
+    maps: Sequence[str],
+    num_seeds: int,
+    frames: Sequence[int],
+    steps: int | None = None,
+    inits: Sequence[Path] = (),
+) -> tuple[Cell, ...]:
+    """List the cells in the order in which they are run, seed by seed.
+
+    For each number of frames there are two trainings of the same steps, on the same frames, which the seed draws: from
+    scratch with the configuration's schedule, and from pre-trained weights with that of the scale's tuning, both
+    stretched to these steps. No checkpoint is chosen: the last counts.
+
+    Args:
+        scale: their size.
+        classes: of the paper's.
+        maps: of the paper's configurations.
+        num_seeds: seeds 0, 1, ...
+        frames: how many real frames each pair of trainings learns from.
+        steps: of a training from scratch on all frames; the others are shortened in proportion. None for the scale's.
+        inits: pre-trained checkpoints, one or one a seed; none has them trained.
+
+    Raises:
+        MissingFileError: no checkpoint there.
+        CadetError: checkpoints for another number of seeds, of other inputs, or for several classes or maps.
+    """
+    given = _given(inits, classes, maps, num_seeds)
+    cells: list[Cell] = []
+    for seed, class_name, name in product(range(num_seeds), classes, maps):
+        whole = scale.config(class_name, name)
+        pretrained = pretraining(scale, class_name, name, seed, steps)
+        length = proportion(scale.few_steps, pretrained.config.training.steps, whole.training.steps)
+        source: str | None = pretrained.name
+        init = None
+        if given:
+            checkpoint = given[seed % len(given)]
+            _check_inputs(checkpoint, pretrained)
+            source, init = None, checkpoint.path
+            pretrained = replace(pretrained, trained=GIVEN, stops=(), tests=(REAL,), init=init, last=1)
+        if seed < len(given) or not given:
+            cells.append(pretrained)
+        for count in frames:
+            scratch = replace(
+                pretrained,
+                trained=REAL,
+                frames=count,
+                config=with_length(whole, length),
+                stops=(length,),
+                tests=(REAL,),
+                init=None,
+                last=1,
+            )
+            config = with_length(tuned_config(whole, scale.tuning), length)
+            cells += [scratch, replace(scratch, trained=TUNED, config=config, source=source, init=init)]
+    return tuple(cells)
+
+
+def _given(inits: Sequence[Path], classes: Sequence[str], maps: Sequence[str], num_seeds: int) -> list[Checkpoint]:
+    if inits and (len(classes) > 1 or len(maps) > 1):
+        raise CadetError("--init: these weights are of one class and one configuration of the maps: choose one of each")
+    if len(inits) not in (0, 1, num_seeds):
+        raise CadetError(f"--init: expected one checkpoint, or one for each of {num_seeds} seeds, got {len(inits)}")
+    return [read_checkpoint(path) for path in inits]
+
+
+def _check_inputs(checkpoint: Checkpoint, cell: Cell) -> None:
+    for name in _INPUTS:
+        if getattr(checkpoint.config, name) != getattr(cell.config, name):
+            raise CadetError(f"--init {checkpoint.path}: its configuration has another {name!r} than these experiments")
