@@ -131,7 +131,7 @@ KITTI_DISTRICTS = (
 _COUNTRY_ROAD = District(
     name="country_road",
     parking_occupancy=(0.0, 0.5),
-    num_cars=(4, 11),
+    num_cars=(8, 15),
     num_pedestrians=(0, 0),
     num_cyclists=(0, 1),
     suburb=SuburbConfig(country_share=1.0, blocks=(2, 2), block_m=(190.0, 320.0)),

@@ -62,7 +62,7 @@ pub(super) fn build(
         };
         taken.take(plot.whole());
         garden::fill(&plot, &style, s, placer, drives);
-        culvert(&plot, land, placer);
+        culvert(&plot, land, taken, placer);
         if !is_hamlet {
             barn(s, &plot, taken, placer);
         }
@@ -97,10 +97,11 @@ fn propose(s: &mut Stream, frontage: &Frontage, land: &Land, from_m: f64, is_ham
 }
 
 /// Paves the way from the carriageway to the plot's drive.
-fn culvert(plot: &Plot, land: &Land, placer: &mut Placer) {
+fn culvert(plot: &Plot, land: &Land, taken: &mut Occupancy, placer: &mut Placer) {
     let (model, piece_m) = paving(true);
     let a = plot.length_m / 2.0 - 1.8;
     let reach_m = land.roadside.reach_m() + BEHIND_M + 2.0;
+    taken.take(plot.rect([a - 1.7, a + 1.7], [-reach_m, 0.0]));
     let mut d = 0.0;
     while d > -reach_m {
         let [p, q] = [plot.at(a, d), plot.at(a, d - piece_m)];

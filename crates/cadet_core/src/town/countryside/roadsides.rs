@@ -14,8 +14,8 @@ use crate::math::{DVec2, wrap_angle};
 use crate::rng::{Stream, StreamKey};
 
 /// Delineators stand so far apart and so far from the carriageway (HLB, German guideline for delineators).
-pub(in crate::town) const DELINEATOR_EVERY_M: f64 = 50.0;
-pub(in crate::town) const DELINEATOR_OFF_M: f64 = 0.5;
+const DELINEATOR_EVERY_M: f64 = 50.0;
+const DELINEATOR_OFF_M: f64 = 0.5;
 /// Share of the roads with delineators, and how far they keep from junctions.
 const DELINEATOR_SHARE: f64 = 0.85;
 const CLEAR_OF_JUNCTION_M: f64 = 8.0;
@@ -48,10 +48,10 @@ pub(super) fn furnish(
     let mut road = key.indexed("country/road", u64::from(frontage.road));
     let (has_delineators, has_rails) = (road.chance(DELINEATOR_SHARE), road.chance(RAIL_SHARE));
     if has_delineators {
-        delineators(s, frontage, placer);
+        delineators(s, frontage, taken, placer);
     }
     if has_rails {
-        rails(s, frontage, placer);
+        rails(s, frontage, taken, placer);
     }
     signs(s, frontage, gives_way, placer);
     herbs_along(s, frontage, land, greenery, taken, placer);
@@ -72,7 +72,7 @@ fn beside(frontage: &Frontage, at_m: f64, off_m: f64) -> DVec2 {
 }
 
 /// The same distances from both ends, so that those of both sides face each other.
-fn delineators(s: &mut Stream, frontage: &Frontage, placer: &mut Placer) {
+fn delineators(s: &mut Stream, frontage: &Frontage, taken: &Occupancy, placer: &mut Placer) {
     let model = pole(PoleKind::Delineator, s.below(6));
     let room_m = frontage.length_m() - 2.0 * CLEAR_OF_JUNCTION_M;
     let count = (room_m / DELINEATOR_EVERY_M).floor();
@@ -82,7 +82,7 @@ fn delineators(s: &mut Stream, frontage: &Frontage, placer: &mut Placer) {
     let mut at_m = (frontage.length_m() - count * DELINEATOR_EVERY_M) / 2.0;
     for _ in 0..=count as usize {
         let place = beside(frontage, at_m, DELINEATOR_OFF_M);
-        if placer.site.is_clear(place, DELINEATOR_OFF_M - 0.1) {
+        if placer.site.is_clear(place, DELINEATOR_OFF_M - 0.1) && taken.is_free_at(place, 0.3) {
             placer.put(&model, Arc::clone(&model.palette), place, -frontage.along(at_m));
         }
         at_m += DELINEATOR_EVERY_M;
@@ -90,7 +90,7 @@ fn delineators(s: &mut Stream, frontage: &Frontage, placer: &mut Placer) {
 }
 
 /// Outside of bends.
-fn rails(s: &mut Stream, frontage: &Frontage, placer: &mut Placer) {
+fn rails(s: &mut Stream, frontage: &Frontage, taken: &Occupancy, placer: &mut Placer) {
     let palette = guard_rail_palette(s);
     let heading = |m: f64| {
         let along = frontage.along(m.clamp(0.0, frontage.length_m()));
@@ -101,7 +101,10 @@ fn rails(s: &mut Stream, frontage: &Frontage, placer: &mut Placer) {
     // Positive turns left, away from this side.
     let turns = |m: f64| wrap_angle(heading(m + 12.0) - heading(m - 8.0)) / 20.0 > 1.0 / RAIL_BELOW_RADIUS_M;
     let at = |k: usize| CLEAR_OF_JUNCTION_M + k as f64 * RAIL_PIECE_M;
-    let wanted: Vec<bool> = (0..count).map(|k| turns(at(k))).collect();
+    // The ways to farms stay open.
+    let is_open =
+        |k: usize| taken.is_free_at(beside(frontage, at(k) + RAIL_PIECE_M / 2.0, RAIL_OFF_M), RAIL_PIECE_M / 2.0);
+    let wanted: Vec<bool> = (0..count).map(|k| turns(at(k)) && is_open(k)).collect();
     let mut k = 0;
     while k < count {
         let run = wanted[k..].iter().take_while(|w| **w).count();

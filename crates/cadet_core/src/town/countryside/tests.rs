@@ -8,7 +8,6 @@ use super::super::signals::Signals;
 use super::super::wear::Wear;
 use super::super::{Ground, GroundKind, LaneKind, PropConfig, RoadNetwork, SuburbConfig, generate_suburb, ground};
 use super::horizon;
-use super::roadsides::{DELINEATOR_EVERY_M, DELINEATOR_OFF_M};
 use crate::math::{DVec2, DVec3};
 use crate::rng::{Stream, StreamKey};
 
@@ -37,14 +36,14 @@ impl Country {
         place_in_country(&self.key, &self.network, &self.land, &self.ground, &PropConfig::default())
     }
 
-    fn from_road(&self) -> DistanceFrom {
+    fn road_edges(&self) -> DistanceFrom {
         DistanceFrom::new(self.ground.carriageway_outline())
     }
 }
 
 /// Of paved ways to farms, which lie on the verge, nothing is told here: they have no footprint.
 #[test]
-fn nothing_stands_on_a_road_and_no_branch_hangs_over_one_lower_than_a_truck() {
+fn nothing_stands_on_a_road_and_no_branch_hangs_over_one_lower_than_a_van() {
     for seed in 0..4 {
         let country = Country::new(seed);
         let props = country.props();
@@ -59,12 +58,12 @@ fn nothing_stands_on_a_road_and_no_branch_hangs_over_one_lower_than_a_truck() {
                 off_m < l.width_at(s_m) / 2.0 - 0.3
             })
         };
-        for instance in props.instances.iter().filter(|i| i.palette.has_vegetation()).step_by(7) {
+        for instance in props.instances.iter().filter(|i| i.palette.has_vegetation()).step_by(3) {
             let low: Vec<DVec3> = instance.shape.levels[0]
                 .1
                 .vertices
                 .iter()
-                .step_by(11)
+                .step_by(5)
                 .map(|p| instance.world_from_local.transform_point(p.as_dvec3()))
                 .filter(|p| country.ground.height_at(p.x, p.y).is_some_and(|z| p.z - z < 2.2))
                 .collect();
@@ -84,7 +83,7 @@ fn delineators_stand_half_a_meter_from_the_asphalt_fifty_meters_apart() {
     let (mut count, mut apart_m) = (0, Vec::new());
     for seed in 0..6 {
         let country = Country::new(seed);
-        let from_road = country.from_road();
+        let edges = country.road_edges();
         let posts: Vec<DVec2> = country
             .props()
             .standing
@@ -94,18 +93,18 @@ fn delineators_stand_half_a_meter_from_the_asphalt_fifty_meters_apart() {
             .collect();
         count += posts.len();
         for (i, post) in posts.iter().enumerate() {
-            let off_m = from_road.distance_m(*post);
-            assert!((off_m - DELINEATOR_OFF_M).abs() < 0.12, "seed {seed}: {off_m} m from the asphalt");
+            let off_m = edges.distance_m(*post);
+            assert!((off_m - 0.5).abs() < 0.12, "seed {seed}: {off_m} m from the asphalt");
             // They are placed one after the other along one side of a road; the next side's first is seldom as far.
             let to_next_m = posts.get(i + 1).map_or(0.0, |n| (*n - *post).length());
-            if (0.84..1.1).contains(&(to_next_m / DELINEATOR_EVERY_M)) {
+            if (0.84..1.1).contains(&(to_next_m / 50.0)) {
                 apart_m.push(to_next_m);
             }
         }
     }
     assert!(count > 300 && 10 * apart_m.len() > 6 * count, "{count} posts, {} neighbors", apart_m.len());
     // The chord of a bend is shorter than its arc: by 2 m at a radius of 50 m.
-    let along = apart_m.iter().filter(|m| (**m - DELINEATOR_EVERY_M).abs() < 2.5).count();
+    let along = apart_m.iter().filter(|m| (**m - 50.0).abs() < 2.5).count();
     assert!(20 * along > 19 * apart_m.len(), "{along} of {}", apart_m.len());
 }
 
@@ -114,7 +113,7 @@ fn the_ground_has_the_section_of_its_roadside_and_no_curb() {
     for seed in 0..3 {
         let country = Country::new(seed);
         let (land, ground) = (&country.land, &country.ground);
-        let from_road = country.from_road();
+        let edges = country.road_edges();
         let mut s = Stream::from_seed("sections", seed);
         let lanes: Vec<_> = country.network.driving().filter(|l| l.junction.is_none() && l.length_m() > 60.0).collect();
         let mut worst = [0.0_f64; 4];
@@ -129,7 +128,7 @@ fn the_ground_has_the_section_of_its_roadside_and_no_curb() {
             let on_road = smooth(edge - out * 0.4);
             for (k, bend_m) in land.roadside.bends_m().into_iter().enumerate() {
                 let p = edge + out * bend_m;
-                if (from_road.distance_m(p) - bend_m).abs() > 0.05 {
+                if (edges.distance_m(p) - bend_m).abs() > 0.05 {
                     continue;
                 }
                 assert_eq!(ground.kind_at(p.x, p.y), Some(GroundKind::Terrain), "seed {seed}");
@@ -156,10 +155,10 @@ fn nobody_walks_or_parks_and_land_has_fields_of_all_kinds() {
         let none = [LaneKind::Sidewalk, LaneKind::Parking, LaneKind::Median];
         assert!(country.network.lanes.iter().all(|l| !none.contains(&l.kind)));
         crops.extend(country.ground.fields().iter().map(|(crop, _)| *crop));
-        let from_road = country.from_road();
+        let edges = country.road_edges();
         let reach_m = country.land.roadside.reach_m();
         for p in country.ground.fields().iter().flat_map(|(_, rings)| rings.iter().flatten()) {
-            let off_m = from_road.distance_m(*p);
+            let off_m = edges.distance_m(*p);
             assert!(off_m > reach_m + 0.9, "seed {seed}: a field {off_m} m from the asphalt, ditch to {reach_m}");
         }
     }
