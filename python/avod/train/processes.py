@@ -57,6 +57,10 @@ class Processes:
         yield cls(distributed.get_rank(), count, device)
         # Not after an error: the others may wait for this process elsewhere, and it for them.
         if is_ours:
+            if backend == "gloo":
+                # Gloo's threads may release the last tensors after Python has begun to end, which aborts the process.
+                # A barrier holds none, and takes so long that those before it are gone.
+                distributed.barrier()
             distributed.destroy_process_group()
 
     @property
