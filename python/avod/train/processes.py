@@ -61,6 +61,10 @@ class Processes:
             # Wrapped networks hold the group in circles. What is not gone when Python ends takes the process down:
             # https://github.com/pytorch/pytorch/issues/190489.
             gc.collect()
+            if backend == "gloo":
+                # Gloo's threads may release the last tensors after Python has begun to end, which aborts the process.
+                # A barrier holds none, and takes so long that those before it are gone.
+                distributed.barrier()
             distributed.destroy_process_group()
 
     @property
