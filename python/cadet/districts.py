@@ -134,7 +134,7 @@ _COUNTRY_ROAD = District(
     num_cars=(8, 15),
     num_pedestrians=(0, 0),
     num_cyclists=(0, 1),
-    suburb=SuburbConfig(country_share=1.0, blocks=(2, 2), block_m=(260.0, 400.0)),
+    suburb=SuburbConfig(country_share=1.0, blocks=(2, 2), block_m=(240.0, 350.0)),
     props=PropConfig(greenery=1.1),
 )
 
