@@ -22,7 +22,7 @@ _LABEL = {
 }
 _SUBURB = {
     "blocks": ([4, 4], 2, 12),
-    "block_m": ([72.0, 112.0], 60, 400),
+    "block_m": ([72.0, 112.0], 60, 350),
     "parking_share": (0.55, 0, 1),
     "angled_share": (0.3, 0, 1),
     "main_share": (0.0, 0, 1),

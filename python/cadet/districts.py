@@ -134,7 +134,7 @@ _COUNTRY_ROAD = District(
     num_cars=(8, 15),
     num_pedestrians=(0, 0),
     num_cyclists=(0, 1),
-    suburb=SuburbConfig(country_share=1.0, blocks=(2, 2), block_m=(190.0, 320.0)),
+    suburb=SuburbConfig(country_share=1.0, blocks=(2, 2), block_m=(240.0, 350.0)),
     props=PropConfig(greenery=1.1),
 )
 

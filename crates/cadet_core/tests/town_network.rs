@@ -238,6 +238,14 @@ fn every_allowed_suburb_can_be_driven_and_has_a_ground() {
         },
         SuburbConfig { blocks: (3, 3), block_m: (150.0, 250.0), parking_share: 1.0, ..SuburbConfig::default() },
         SuburbConfig { blocks: (6, 5), parking_share: 0.0, max_slope: 0.0, ..SuburbConfig::default() },
+        SuburbConfig { country_share: 1.0, blocks: (2, 3), block_m: (60.0, 60.0), ..SuburbConfig::default() },
+        SuburbConfig {
+            country_share: 1.0,
+            blocks: (2, 2),
+            block_m: (350.0, 350.0),
+            hilly_share: 1.0,
+            ..SuburbConfig::default()
+        },
     ];
     for (number, config) in extremes.iter().enumerate() {
         for seed in 0..5 {

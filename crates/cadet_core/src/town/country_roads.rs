@@ -21,8 +21,8 @@ pub(super) const DASH_M: (f64, f64) = (4.0, 8.0);
 pub(super) const BEND_RADIUS_M: (f64, f64) = (55.0, 95.0);
 pub(super) const CORNER_MORE_M: f64 = 4.0;
 /// A road swings from side to side: about so far apart, by so much of that distance.
-const SWING_M: f64 = 105.0;
-const SWING_SHARE: (f64, f64) = (0.03, 0.105);
+const SWING_M: f64 = 130.0;
+const SWING_SHARE: (f64, f64) = (0.015, 0.075);
 /// Shorter roads don't.
 const SHORTEST_M: f64 = 90.0;
 

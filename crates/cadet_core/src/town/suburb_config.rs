@@ -11,7 +11,7 @@ settings! {
         /// Number of blocks from side to side, in two directions.
         blocks: (usize, usize) = (4, 4), 2 to 12;
         /// Shortest and longest block, meters.
-        block_m: (f64, f64) = (72.0, 112.0), 60 to 400;
+        block_m: (f64, f64) = (72.0, 112.0), 60 to 350;
         /// Share of curbs with parking bays on streets wide enough for them.
         parking_share: f64 = 0.55, 0 to 1;
         /// Share of the streets with bays where cars stand at an angle or across in some of them.

@@ -20,7 +20,7 @@ const DELINEATOR_OFF_M: f64 = 0.5;
 const DELINEATOR_SHARE: f64 = 0.85;
 const CLEAR_OF_JUNCTION_M: f64 = 8.0;
 /// Guard rails stand outside of bends that are tighter than this, so far from the carriageway, in pieces.
-const RAIL_BELOW_RADIUS_M: f64 = 150.0;
+const RAIL_BELOW_RADIUS_M: f64 = 260.0;
 const RAIL_OFF_M: f64 = 0.95;
 const RAIL_PIECE_M: f64 = 4.8;
 const RAIL_SHARE: f64 = 0.6;
