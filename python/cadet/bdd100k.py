@@ -223,14 +223,7 @@ def _around(a: _Box, b: _Box) -> _Box:
 
 
 def _label(name: str, found: _Object) -> Label:
-    is_care = name != "DontCare"
-    return Label(
-        type=name,
-        truncated=float(found.is_truncated) * _FULLY_TRUNCATED if is_care else -1.0,
-        occluded=_UNKNOWN_OCCLUSION * found.is_occluded if is_care else -1,
-        alpha=-10.0,
-        bbox=found.box,
-        dimensions_hwl=(-1.0, -1.0, -1.0),
-        location_cam=(-1000.0, -1000.0, -1000.0),
-        rotation_y=-10.0,
-    )
+    if name == "DontCare":
+        return Label.in_image(name, found.box)
+    truncated = _FULLY_TRUNCATED if found.is_truncated else 0.0
+    return Label.in_image(name, found.box, truncated=truncated, occluded=_UNKNOWN_OCCLUSION if found.is_occluded else 0)

@@ -46,7 +46,9 @@ def calibration_of(rig: Rig) -> Calibration:
 
 def labels_of(sample: Sample) -> tuple[Label, ...]:
     """Return the lines of a sample's label file: objects, then a DontCare region for what is seen without a label."""
-    return tuple(_label(seen) if seen.is_labeled else _dont_care(seen) for seen in sample.sightings)
+    return tuple(
+        _label(seen) if seen.is_labeled else Label.in_image("DontCare", seen.bbox) for seen in sample.sightings
+    )
 
 
 def meta_of(sample: Sample) -> dict[str, Any]:
@@ -103,11 +105,6 @@ def _label(seen: _cadet.Sighting) -> Label:
         location_cam=(x, y, z),
         rotation_y=seen.rotation_y,
     )
-
-
-def _dont_care(seen: _cadet.Sighting) -> Label:
-    unknown = (-1000.0, -1000.0, -1000.0)
-    return Label("DontCare", -1.0, -1, -10.0, seen.bbox, (-1.0, -1.0, -1.0), unknown, -10.0)
 
 
 def _object(seen: _cadet.Sighting) -> dict[str, Any]:

@@ -84,6 +84,26 @@ class Label:
                 raise NonFiniteError(f"{name}: not finite: {value if isinstance(value, float) else shown(value)}")
 
     @classmethod
+    def in_image(
+        cls,
+        type: str,
+        bbox: tuple[float, float, float, float],
+        *,
+        truncated: float = _UNKNOWN_EXTENT,
+        occluded: int = -1,
+    ) -> Label:
+        """Return a label of which nothing is known in 3D, such as a DontCare region.
+
+        Args:
+            type: one of `TYPES`.
+            bbox: (left, top, right, bottom) in pixels.
+            truncated: as in a label; unknown by default.
+            occluded: likewise.
+        """
+        size, place = (_UNKNOWN_EXTENT,) * 3, (_UNKNOWN_PLACE,) * 3
+        return cls(type, truncated, occluded, _UNKNOWN_ANGLE, bbox, size, place, _UNKNOWN_ANGLE)
+
+    @classmethod
     def from_line(cls, line: str, file: str = "label", line_number: int = 1) -> Label:
         """Parse one line of a label or result file.
 

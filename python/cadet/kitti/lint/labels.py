@@ -32,7 +32,7 @@ _MAX_ROTATION_RAD: Final = 3.145
 _MAX_SIZE_M: Final = 100.0
 _MAX_PLACE_M: Final = 1000.0
 _UNKNOWN_OCCLUSION: Final = 3
-_DONT_CARE: Final = Label("DontCare", -1, -1, -10, (0, 0, 0, 0), (-1, -1, -1), (-1000, -1000, -1000), -10)
+_DONT_CARE: Final = Label.in_image("DontCare", (0, 0, 0, 0))
 
 
 def lint_labels(
