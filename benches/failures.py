@@ -29,6 +29,8 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Final
 
+from worker_processes import workers_of
+
 RUN: Final = "from cadet.cli import run_cadet_gen\nif __name__ == '__main__':\n    run_cadet_gen()"
 SIGNALS: Final = {"SIGINT to the group": 130, "SIGTERM to the command": 143, "kill -9 of the command": -9}
 """The exit code that each leads to."""
@@ -54,21 +56,11 @@ class Run:
             )
         self.peak_bytes = 0
 
-    def workers(self) -> list[int]:
-        """Return the ids of the processes that make episodes."""
-        found = []
-        with contextlib.suppress(FileNotFoundError, ProcessLookupError):
-            children = Path(f"/proc/{self.process.pid}/task/{self.process.pid}/children").read_text().split()
-            for pid in children:
-                if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes():
-                    found.append(int(pid))
-        return found
-
     def is_over(self, after_s: float) -> bool:
         """Wait so long at most, watching the workers' memory; tell whether the run has ended."""
         end_s = time.monotonic() + after_s
         while self.process.poll() is None and time.monotonic() < end_s:
-            for pid in self.workers():
+            for pid in workers_of(self.process.pid):
                 with contextlib.suppress(FileNotFoundError, ProcessLookupError):
                     status = Path(f"/proc/{pid}/status").read_text()
                     peak = [line.split()[1] for line in status.splitlines() if line.startswith("VmHWM")]
@@ -129,7 +121,7 @@ def disturb(run: Run, what: str, draws: random.Random, folder: Path) -> int | No
         The exit code that it must lead to; None if the run goes on.
     """
     if what == WORKER:
-        workers = run.workers()
+        workers = workers_of(run.process.pid)
         if workers:
             with contextlib.suppress(ProcessLookupError):
                 os.kill(draws.choice(workers), signal.SIGKILL)

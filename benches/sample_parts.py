@@ -1,25 +1,24 @@
 """Where the time of a written sample goes: `python benches/sample_parts.py [-n 200] [--seed 0] [--write LIST]`.
 
-Makes the samples of `cadet-gen -n N --workers 1` in this process, and prints milliseconds of processor time a sample,
-with all threads' time: the core is told to use one.
+Makes the samples of `cadet-gen -n N --workers 1` in this process, and prints milliseconds of processor time a sample.
 
 * World: drawn, built, and settled; one serves an episode, if it shows labeled objects.
 * Driving: between two views.
-* Views passed over: without a labeled object, or without motion since the view before.
-* Capture: image, scan, labels, and what was asked for besides.
-* Scan: once more by itself, in no other row than this.
+* Capture: image, scan, labels, and what was asked for besides; views that are passed over too.
+* Scan: taken once more by itself, and not in the sum.
 * Writing: encoding, hashes, and files; the image's PNG is encoded here.
 """
 
 from __future__ import annotations
 
 import argparse
+import contextlib
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TypeVar
+from typing import Final
 
 os.environ["RAYON_NUM_THREADS"] = "1"
 
@@ -30,21 +29,22 @@ from cadet.generate.frames import put_sample
 from cadet.sample import Sample
 from cadet.sink import LocalSink
 
-T = TypeVar("T")
+SCAN: Final = "of these the scan"
+PARTS: Final = ("world", "driving", "capture", SCAN, "writing")
 
 
 class Clock:
     """Processor time by part."""
 
     def __init__(self) -> None:
-        self.seconds: dict[str, float] = {}
+        self.seconds = dict.fromkeys(PARTS, 0.0)
 
-    def time(self, part: str, work: Callable[[], T]) -> T:
-        """Do some work for a part."""
+    @contextlib.contextmanager
+    def part(self, name: str) -> Iterator[None]:
+        """Count what is done meanwhile to a part."""
         start = time.process_time()
-        done = work()
-        self.seconds[part] = self.seconds.get(part, 0.0) + time.process_time() - start
-        return done
+        yield
+        self.seconds[name] += time.process_time() - start
 
 
 def make_episode(settings: Settings, episode: int, sink: LocalSink, clock: Clock) -> None:
@@ -54,25 +54,26 @@ def make_episode(settings: Settings, episode: int, sink: LocalSink, clock: Clock
     number, attempt = 0, 0
     while number < len(places):
         spec = policy.draw(settings.seed, episode, attempt)
-        scene = clock.time("world", lambda spec=spec: build_scene(spec))
+        with clock.part("world"):
+            scene = build_scene(spec)
         num_empty, is_first = 0, True
         while number < len(places) and num_empty < policy.empty_views_limit:
             if not is_first:
-                clock.time("driving", lambda scene=scene: scene.drive(policy.distance_m, policy.blocked_s))
+                with clock.part("driving"):
+                    scene.drive(policy.distance_m, policy.blocked_s)
             is_first = False
-            wants = request(spec.mounted_rig, number, wanted)
-            start = time.process_time()
-            captured = scene.capture_labeled(wants)
-            part = "views passed over" if captured is None else "capture"
-            clock.seconds[part] = clock.seconds.get(part, 0.0) + time.process_time() - start
+            with clock.part("capture"):
+                captured = scene.capture_labeled(request(spec.mounted_rig, number, wanted))
             if captured is None:
                 num_empty += 1
                 continue
             num_empty = 0
-            clock.time("scan", lambda scene=scene, number=number: scene.scan(None, False, number))
+            with clock.part(SCAN):
+                scene.scan(None, False, number)
             origin = {"seed": settings.seed, "episode": episode, "sample": number, "attempt": attempt}
             sample = Sample(captured, spec.mounted_rig, {**origin, "policy": policy.name, "district": spec.district})
-            clock.time("writing", lambda sample=sample, place=places[number]: put_sample(sink, settings, place, sample))
+            with clock.part("writing"):
+                put_sample(sink, settings, places[number], sample)
             number += 1
         attempt += 1
 
@@ -93,9 +94,9 @@ def main() -> None:
         sink = LocalSink(Path(folder))
         for episode in range(-(-options.n // settings.policy.samples_per_episode)):
             make_episode(settings, episode, sink, clock)
-    for part, seconds in clock.seconds.items():
+    total = sum(clock.seconds.values()) - clock.seconds[SCAN]
+    for part, seconds in [*clock.seconds.items(), ("sum", total)]:
         print(f"{part:<20}{1000 * seconds / options.n:8.1f}")
-    print(f"{'sum without scan':<20}{1000 * (sum(clock.seconds.values()) - clock.seconds['scan']) / options.n:8.1f}")
 
 
 if __name__ == "__main__":

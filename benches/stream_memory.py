@@ -14,6 +14,8 @@ import os
 import time
 from pathlib import Path
 
+from worker_processes import workers_of
+
 from cadet.simulation import Simulation
 
 
@@ -21,12 +23,6 @@ def resident_mb(pid: int) -> float:
     """Return the resident memory of a process in megabytes."""
     pages = int(Path(f"/proc/{pid}/statm").read_text().split()[1])
     return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
-
-
-def workers_of(pid: int) -> list[int]:
-    """Return the processes that a process has spawned to make frames."""
-    children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
-    return [int(child) for child in children if b"spawn_main" in Path(f"/proc/{child}/cmdline").read_bytes()]
 
 
 def main() -> None:
