@@ -20,7 +20,7 @@ from avod.data.order import Order
 from avod.data.packing import PackedSample, packed
 from avod.data.paste import check_bank, paste_objects
 from avod.data.sample import Sample
-from avod.data.subset import draw_frames
+from avod.data.subset import draw_frames, usable_frames
 from cadet import kitti
 from cadet.errors import CadetError
 from cadet.kitti import Calibration
@@ -167,17 +167,13 @@ class _Set:
     ) -> _Set:
         """Read which frames of a folder hold enough objects of the classes; `drawn`: how many, and a seed."""
         frames = open_dataset(root, split)
-        names, least = config.class_names, config.training.min_objects
         labels = {i: frames.read_labels(i) for i in frames.ids}
-        ids = tuple(i for i, found in labels.items() if sum(label.type in names for label in found) >= least)
-        if not ids:
-            wanted = ("a " if least == 1 else f"{least} of ") + " or ".join(names)
-            raise CadetError(f"{root}: none of the {len(labels)} frames{_in(split)} holds {wanted} to learn from")
+        ids = usable_frames(labels, config, f"{root}: none of the {len(labels)} frames{_in(split)}")
         if drawn is not None:
             if drawn[0] > len(ids):
                 raise CadetError(f"--frames {drawn[0]}: {root}: {len(ids)} frames{_in(split)} hold enough objects")
             ids = draw_frames(ids, *drawn)
-        shifts = size_shifts_m((label for i in ids for label in labels[i]), names, config.augmentation)
+        shifts = size_shifts_m((label for i in ids for label in labels[i]), config.class_names, config.augmentation)
         return cls(frames, ids, shifts, f"{root}/" if has_prefix else "")
 
     def name_of(self, frame_id: str) -> str:

@@ -20,6 +20,7 @@ from avod.data.order import stream_seed
 from avod.data.paste import check_bank
 from avod.data.prefetch import prefetched
 from avod.data.sample import Sample
+from avod.data.subset import usable_frames
 from cadet.errors import CadetError
 from cadet.kitti import Frame
 from cadet.object_bank import ObjectBank
@@ -112,17 +113,11 @@ class SimulatedData:
                 index += 1
 
     def _kept(self, frames: list[Frame], block: int, rank: int, world_size: int) -> list[tuple[str, Frame]]:
-        names, least = self.config.class_names, self.config.training.min_objects
         ids = [self._id(block * BLOCK + place, rank, world_size) for place in range(BLOCK)]
-        kept = [
-            (frame_id, frame)
-            for frame_id, frame in zip(ids, frames, strict=True)
-            if sum(label.type in names for label in frame.labels) >= least
-        ]
-        if not kept:
-            wanted = ("a " if least == 1 else f"{least} of ") + " or ".join(names)
-            raise CadetError(f"{self._name}: none of the frames {ids[0]} to {ids[-1]} holds {wanted} to learn from")
-        return kept
+        by_id = dict(zip(ids, frames, strict=True))
+        labels = {frame_id: frame.labels for frame_id, frame in by_id.items()}
+        place = f"{self._name}: none of the frames {ids[0]} to {ids[-1]}"
+        return [(frame_id, by_id[frame_id]) for frame_id in usable_frames(labels, self.config, place)]
 
     def _id(self, position: int, rank: int, world_size: int) -> str:
         """Return the id that `cadet-gen` gives a frame of this process's share."""

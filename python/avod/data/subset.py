@@ -2,9 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 
+from avod.config import Config
 from avod.data.order import stream_seed
+from cadet.errors import CadetError
+from cadet.kitti import Label
+
+
+def usable_frames(labels: Mapping[str, Sequence[Label]], config: Config, place: str) -> tuple[str, ...]:
+    """Return the ids of the frames that hold enough objects of the classes to learn from, in their order.
+
+    Args:
+        labels: of each frame, by id.
+        config: the detector and its training.
+        place: where the frames are, for the error.
+
+    Raises:
+        CadetError: there is none.
+    """
+    names, least = config.class_names, config.training.min_objects
+    ids = tuple(i for i, found in labels.items() if sum(label.type in names for label in found) >= least)
+    if not ids:
+        wanted = ("a " if least == 1 else f"{least} of ") + " or ".join(names)
+        raise CadetError(f"{place} holds {wanted} to learn from")
+    return ids
 
 
 def draw_frames(ids: tuple[str, ...], count: int, seed: int) -> tuple[str, ...]:
