@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet.checks import as_path, plain_number, shown
-from cadet.errors import CadetError, FileFormatError, MissingFileError
+from cadet.errors import FileFormatError, MissingFileError
 from cadet.kitti import Label
 from cadet.kitti.image_sets import ImageSet
 from cadet.kitti.images import encode_png
@@ -104,13 +104,11 @@ def convert_bdd100k(labels: str | Path, images: str | Path, out: str | Path) -> 
         CadetError: labels as `labels_from_text` refuses them, an image that can't be decoded, or `out` is not empty.
         OSError: the folder can't be written.
     """
-    file, folder, root = as_path("labels", labels), as_path("images", images), as_path("out", out)
-    if root.exists() and (not root.is_dir() or any(root.iterdir())):
-        raise CadetError(f"{root} is not an empty folder: name a new one")
+    file, folder = as_path("labels", labels), as_path("images", images)
+    sink = LocalSink.new(as_path("out", out))
     found = labels_from_text(_read(file), str(file))
     if missing := next((image for image in found if not (folder / image.name).is_file()), None):
         raise MissingFileError(f"{folder / missing.name}: no such image, which {file} lists")
-    sink = LocalSink(root)
     try:
         for number, image in enumerate(found):
             path = folder / image.name

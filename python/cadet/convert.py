@@ -69,11 +69,8 @@ def convert(source: str | Path, out: str | Path, to: str, *, shard_size: int = S
     if not is_one_of(to, FORMATS):
         raise CadetError(f"unknown format {shown(to)}; known: {', '.join(FORMATS)}")
     check_number("convert", "shard_size", shard_size, 1, 10_000, whole=True)
-    root = as_path("out", out)
-    if root.exists() and (not root.is_dir() or any(root.iterdir())):
-        raise CadetError(f"{root} is not an empty folder: name a new one")
+    sink = LocalSink.new(as_path("out", out))
     found = _open(source)
-    sink = LocalSink(root)
     try:
         for split, (files, ids) in found.splits.items():
             if to == "kitti":

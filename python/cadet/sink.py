@@ -102,6 +102,17 @@ class LocalSink:
         self._partial = self.root / _PARTIAL
         self._folders: set[Path] = set()
 
+    @classmethod
+    def new(cls, root: Path) -> LocalSink:
+        """Return a sink whose folder is not there yet, or empty.
+
+        Raises:
+            CadetError: something is there.
+        """
+        if root.exists() and (not root.is_dir() or any(root.iterdir())):
+            raise CadetError(f"{root} is not an empty folder: name a new one")
+        return cls(root)
+
     @property
     def location(self) -> str:
         """The folder."""
