@@ -247,6 +247,14 @@ class ResetPolicy:
         """
         return replace(self, districts=tuple((district, 1.0) for district in districts))
 
+    def with_weathers(self, *names: str) -> ResetPolicy:
+        """Return the policy with these weathers, all equally likely.
+
+        Raises:
+            CadetError: none, or what is no preset.
+        """
+        return replace(self, weathers=tuple((name, 1.0) for name in names))
+
     def with_each_rig(self, change: Callable[[Rig], Rig]) -> ResetPolicy:
         """Return the policy with each of its rigs changed."""
         return replace(self, rigs=tuple((change(rig), weight) for rig, weight in self.rigs))

@@ -193,6 +193,18 @@ class Rig:
         """
         return replace(self, more=self.more + sensors)
 
+    def with_lidar(self, lidar: Lidar) -> Rig:
+        """Return the rig with another LIDAR in the place of its first."""
+        return replace(self, lidar=lidar)
+
+    def with_image_size(self, width: int, height: int) -> Rig:
+        """Return the rig with the image of its first camera scaled, in pixels.
+
+        Raises:
+            CadetError: a size that is out of range.
+        """
+        return replace(self, camera=self.camera.resized(width, height))
+
     def pitched(self, angle_deg: float) -> Rig:
         """Return the rig on a car that stands `angle_deg` deeper in front than behind.
 

@@ -17,20 +17,6 @@ from cadet.policy import ResetPolicy
 from cadet.rig import Rig
 from cadet.road_map import RoadMap
 from cadet.streaming import FrameStream, stream
-from cadet.weather import check_weather
-
-_KEYS: Final = (
-    "seed",
-    "policy",
-    "districts",
-    "rig",
-    "lidar",
-    "image_size",
-    "weathers",
-    "maps",
-    "assets",
-    "samples_per_episode",
-)
 
 
 @dataclass(frozen=True)
@@ -67,10 +53,10 @@ class Simulation:
             if key not in _KEYS:
                 raise FileFormatError(f"unknown key {shown(key)}; known: {', '.join(_KEYS)}", str(file))
         policy = ResetPolicy.kitti()
-        for key in _KEYS:
-            if key in table and key != "seed":
+        for key, change in _CHANGES.items():
+            if key in table:
                 try:
-                    policy = _CHANGES[key](policy, table[key], file.parent)
+                    policy = change(policy, table[key], file.parent)
                 except (CadetError, OSError) as error:
                     raise FileFormatError(f"{key}: {error}", str(file)) from None
         try:
@@ -116,16 +102,16 @@ def _with_rig(policy: ResetPolicy, value: Any, folder: Path) -> ResetPolicy:
 def _with_lidar(policy: ResetPolicy, value: Any, folder: Path) -> ResetPolicy:
     check_text("", "value", value)
     lidar = Lidar.named(folder / value if value.endswith(".toml") else value)
-    return policy.with_each_rig(lambda rig: replace(rig, lidar=lidar))
+    return policy.with_each_rig(lambda rig: rig.with_lidar(lidar))
 
 
 def _with_image_size(policy: ResetPolicy, value: Any, folder: Path) -> ResetPolicy:
     width, height = check_image_size(value, "value")
-    return policy.with_each_rig(lambda rig: replace(rig, camera=rig.camera.resized(width, height)))
+    return policy.with_each_rig(lambda rig: rig.with_image_size(width, height))
 
 
 def _with_weathers(policy: ResetPolicy, value: Any, folder: Path) -> ResetPolicy:
-    return replace(policy, weathers=tuple((check_weather(name), 1.0) for name in _texts(value)))
+    return policy.with_weathers(*_texts(value))
 
 
 def _with_maps(policy: ResetPolicy, value: Any, folder: Path) -> ResetPolicy:
@@ -153,3 +139,4 @@ _CHANGES: Final[dict[str, Callable[[ResetPolicy, Any, Path], ResetPolicy]]] = {
     "assets": _with_assets,
     "samples_per_episode": _with_samples,
 }
+_KEYS: Final = ("seed", *_CHANGES)

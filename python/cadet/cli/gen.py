@@ -26,7 +26,7 @@ from cadet.notices import notice
 from cadet.policy import POLICIES, ResetPolicy
 from cadet.rig import RIG_PRESETS, Rig
 from cadet.road_map import RoadMap
-from cadet.weather import check_weather, weather_names
+from cadet.weather import weather_names
 
 _LEAST_FRACTION = 1e-6
 
@@ -200,7 +200,7 @@ def _policy(
         for road_map in policy.maps:
             _check_drivable(road_map)
     if weathers:
-        policy = replace(policy, weathers=tuple((check_weather(weather), 1.0) for weather in weathers))
+        policy = policy.with_weathers(*weathers)
     if assets is not None:
         policy = replace(policy, assets=assets)
     return policy
@@ -243,14 +243,14 @@ def _with_sensors(policy: ResetPolicy, rig: str | None, image_size: str | None, 
         policy = policy.with_rig(Rig.named(rig))
     if lidar is not None:
         named = Lidar.named(lidar)
-        policy = policy.with_each_rig(lambda rig: replace(rig, lidar=named))
+        policy = policy.with_each_rig(lambda rig: rig.with_lidar(named))
     if image_size is None:
         return policy
     match = re.fullmatch(r"(\d{1,5})x(\d{1,5})", image_size)
     if match is None:
         raise CadetError(f"--image-size: expected WxH such as 1242x375, got {image_size!r}")
     width, height = int(match[1]), int(match[2])
-    return policy.with_each_rig(lambda rig: replace(rig, camera=rig.camera.resized(width, height)))
+    return policy.with_each_rig(lambda rig: rig.with_image_size(width, height))
 
 
 def _how_to_go_on(num_done: int, num_frames: int) -> str:
