@@ -24,7 +24,7 @@ pub(super) use self::lighting::LAMP_RADIANCE;
 use self::lighting::{ambient_of_normals, diffuse, specular, transparent};
 #[cfg(test)]
 pub(super) use self::reflections::{environment, highlight};
-use self::resolve::{resolve, through_air};
+use self::resolve::{resolve, through_air, through_air_and_glass};
 use super::ambient_cache::AmbientTerms;
 use super::face::{Face, Flags, ShaderVariant};
 use super::light::Light;
@@ -106,14 +106,9 @@ impl ShadingPass {
             self.color(light, camera, variant, m);
             self.reflect(light, camera.eye, variant, m);
         }
-        let arriving = if variant.is_transparent {
-            // What is behind has come through the air already.
-            &self.outgoing
-        } else {
-            through_air(&self.geometry, &self.outgoing, m, light, &mut self.arriving);
-            &self.arriving
-        };
-        resolve(&self.inputs, &self.base_color, arriving, m, &mut self.radiance);
+        let from_surface = if variant.is_transparent { through_air_and_glass } else { through_air };
+        from_surface(&self.geometry, &self.outgoing, m, light, &mut self.arriving);
+        resolve(&self.inputs, &self.base_color, &self.arriving, m, &mut self.radiance);
     }
 
     /// Where the left pixels' colors are added; the right ones' follow.

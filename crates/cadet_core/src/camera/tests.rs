@@ -1,5 +1,6 @@
 //! Pictures of small scenes against closed forms and invariances.
 
+mod fog;
 mod lamps;
 mod lattice;
 mod oracle;

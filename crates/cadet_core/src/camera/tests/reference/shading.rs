@@ -191,10 +191,12 @@ impl Reference {
         let mirrored = at.view + normal * (2.0 * cos_view);
         let schlick = |f0: f32, smooth: f32| f0 + (1.0 - f0) * [1.0 - cos_view; 5].iter().product::<f32>() * smooth;
         if m.is_transparent() {
-            // Both faces of a pane reflect. What is behind has come through the air already.
+            // Both faces of a pane reflect. What is behind has come through all of the air already, that in front too.
             let fresnel = schlick(m.specular.max(0.045) * 1.8, 1.0).min(1.0);
             let shine = environment(sky, mirrored, &toward, 0.0) + highlight(sky, mirrored, 0.15) * lit;
-            return [Vec3::new(0.93, 1.0, 0.95) * (m.transmission * (1.0 - fresnel)), shine * fresnel];
+            let through = Vec3::new(0.93, 1.0, 0.95) * (m.transmission * (1.0 - fresnel));
+            let in_front = self.through_air(shine * fresnel, at.view, at.distance_m);
+            return [through, in_front - through * self.through_air(Vec3::ZERO, at.view, at.distance_m)];
         }
         // Leaves turn to all sides, and let three quarters as much light through as they reflect, yellower.
         let through = Vec3::new(0.85, 1.0, 0.50) * (0.75 * (-cos_sun).max(0.0));
