@@ -147,7 +147,9 @@ impl Scene {
             TownSource::OpenDrive { name, text } => Town::from_opendrive(&key, name, text, &config.props)?,
             TownSource::Flat => Town::flat(),
         };
-        let world = World::new(Arc::new(town), key)?.with_user_vehicles(config.user_vehicles.clone());
+        let world = World::new(Arc::new(town), key)?
+            .with_user_vehicles(config.user_vehicles.clone())
+            .with_lamps(weather.needs_lamps());
         Ok(Self {
             key,
             world,

@@ -76,6 +76,8 @@ impl SizeDistribution {
 
 /// Diameter of a flake over that of the drop it melts to: flakes have a tenth of water's density.
 const FLAKE_OVER_DROP: f64 = 2.154_434_690_031_884;
+/// Height of the sun below which lamps are lit: 8 degrees.
+const LAMPS_BELOW_RAD: f64 = 8.0 * PI / 180.0;
 /// Share of the ground that is white once snow falls.
 const SNOW_COVER: f64 = 0.75;
 
@@ -213,6 +215,13 @@ impl Weather {
         if self.snow_mm_per_h > 0.0 { SNOW_COVER } else { 0.0 }
     }
 
+    /// Whether drivers have their lamps lit: near sunset, and in rain, snow, and fog.
+    #[must_use]
+    pub fn needs_lamps(&self) -> bool {
+        let is_dim = self.sun_elevation_rad < LAMPS_BELOW_RAD;
+        is_dim || self.rain_mm_per_h > 0.0 || self.snow_mm_per_h > 0.0 || self.fog_alpha_per_m > 0.0
+    }
+
     /// The same weather with its sun in a random direction, and a high sun between 20 and 45 degrees (KITTI's hours).
     #[must_use]
     pub fn with_sun_turned(mut self, stream: &mut Stream) -> Self {
@@ -236,6 +245,15 @@ impl Weather {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lamps_are_lit_at_dusk_and_in_rain_snow_and_fog() {
+        let lit = Weather::NAMES.into_iter().filter(|name| Weather::preset(name).expect("known").needs_lamps());
+        let wet = ["soft_rain", "mid_rain", "hard_rain"].map(|sky| [format!("{sky}_noon"), format!("{sky}_sunset")]);
+        let other = ["light_fog", "dense_fog", "snow", "dusk"].map(str::to_owned);
+        let expected: std::collections::BTreeSet<String> = wet.into_iter().flatten().chain(other).collect();
+        assert_eq!(lit.map(str::to_owned).collect::<std::collections::BTreeSet<_>>(), expected);
+    }
 
     #[test]
     fn rain_and_snow_dim_as_measured() {

@@ -6,9 +6,13 @@ use super::ride::Ride;
 use crate::actor::AnnotatedBox;
 use crate::assets::cyclist::CyclistModel;
 use crate::assets::person::PersonModel;
-use crate::assets::vehicle::VehicleModel;
+use crate::assets::vehicle::{LitLamps, VehicleModel};
 use crate::instance::Instance;
 use crate::math::{DPose3, DVec3};
+
+/// Engines slow a car without lighting its brake lamps; a pressed pedal is not let go for a moment.
+const BRAKING_MPS2: f64 = -0.8;
+const RELEASED_MPS2: f64 = -0.2;
 
 /// A model and the state of its parts.
 pub(super) enum Appearance {
@@ -16,6 +20,7 @@ pub(super) enum Appearance {
         model: Arc<VehicleModel>,
         /// Whether somebody is seen at the wheel.
         is_driven: bool,
+        is_braking: bool,
     },
     Person {
         model: Arc<PersonModel>,
@@ -55,16 +60,27 @@ impl Appearance {
         }
     }
 
-    /// The posed parts. `box_from_wheels` is where the body has its wheels, if it has any.
+    /// Presses a vehicle's brake pedal, or the other one.
+    pub fn accelerate(&mut self, accel_mps2: f64) {
+        if let Self::Vehicle { is_braking, .. } = self {
+            *is_braking = accel_mps2 < if *is_braking { RELEASED_MPS2 } else { BRAKING_MPS2 };
+        }
+    }
+
+    /// The posed parts. `box_from_wheels` is where the body has its wheels, if it has any; `needs_lamps` lights the lamps of
+    /// what is driven.
     pub fn parts(
         &self,
         world_from_box: DPose3,
         box_from_wheels: Option<[DPose3; 4]>,
         actor_id: i32,
+        needs_lamps: bool,
         parts: &mut Vec<Instance>,
     ) {
         let palette = match self {
-            Self::Vehicle { model, .. } => &model.palette,
+            Self::Vehicle { model, is_driven, is_braking } => {
+                &model.palette_lit(LitLamps { low_beams: *is_driven && needs_lamps, brake: *is_braking })
+            }
             Self::Person { model, .. } => &model.palette,
             Self::Cyclist { model, .. } => &model.palette,
         };
@@ -74,7 +90,7 @@ impl Appearance {
         };
         match self {
             Self::Person { model, phase } => push(Arc::new(model.pose(*phase)), DPose3::IDENTITY),
-            Self::Vehicle { model, is_driven } => {
+            Self::Vehicle { model, is_driven, .. } => {
                 push(Arc::clone(&model.body), DPose3::IDENTITY);
                 if let Some(driver) = model.driver.as_ref().filter(|_| *is_driven) {
                     push(Arc::clone(driver), DPose3::IDENTITY);

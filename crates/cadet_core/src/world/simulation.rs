@@ -40,6 +40,7 @@ pub struct World {
     models: BTreeMap<(ObjectClass, u64), Arc<VehicleModel>>,
     user_vehicles: UserVehicles,
     traffic: Option<TrafficConfig>,
+    needs_lamps: bool,
     steps: u64,
     respawns: u64,
 }
@@ -61,6 +62,7 @@ impl World {
             models: BTreeMap::new(),
             user_vehicles: UserVehicles::default(),
             traffic: None,
+            needs_lamps: false,
             steps: 0,
             respawns: 0,
         })
@@ -70,6 +72,13 @@ impl World {
     #[must_use]
     pub fn with_user_vehicles(mut self, user_vehicles: UserVehicles) -> Self {
         self.user_vehicles = user_vehicles;
+        self
+    }
+
+    /// The same world with the lamps of what is driven lit, or not.
+    #[must_use]
+    pub fn with_lamps(mut self, needs_lamps: bool) -> Self {
+        self.needs_lamps = needs_lamps;
         self
     }
 
@@ -237,7 +246,7 @@ impl World {
     /// The world as it is now: the town's scenery, then the actors within 250 m of the ego by rising id.
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
-        Snapshot::of(&self.arena, &self.town, self.ego(), self.time_s())
+        Snapshot::of(&self.arena, &self.town, self.ego(), self.time_s(), self.needs_lamps)
     }
 
     fn ego_driver(&self) -> &Driver {

@@ -36,7 +36,7 @@ pub struct Snapshot {
 
 impl Snapshot {
     /// The town's scenery, the lights as they are lit, then the agents near the ego by rising id.
-    pub(super) fn of(arena: &Arena, town: &Town, ego: EgoState, time_s: f64) -> Self {
+    pub(super) fn of(arena: &Arena, town: &Town, ego: EgoState, time_s: f64, needs_lamps: bool) -> Self {
         let middle = ego.world_from_ego.translation;
         let mut near: Vec<(&Agent, DPose3)> = arena.agents[1..]
             .iter()
@@ -48,7 +48,8 @@ impl Snapshot {
         town.signals.lit(time_s, middle.truncate(), &mut instances);
         let mut actors = Vec::with_capacity(near.len());
         for (agent, world_from_box) in near {
-            agent.appearance.parts(world_from_box, agent.body.box_from_wheels(), agent.id, &mut instances);
+            let wheels = agent.body.box_from_wheels();
+            agent.appearance.parts(world_from_box, wheels, agent.id, needs_lamps, &mut instances);
             actors.push(ActorState {
                 id: agent.id,
                 class: agent.class,

@@ -129,6 +129,7 @@ impl VehicleModel {
             wheel_centers: wheels.centers,
             wheel_radius_m: f64::from(wheels.radius_m),
             palette: Arc::new(Palette::new(palette)),
+            has_lenses: false,
             livery: Livery::Private,
         };
         Ok((model, assumed))

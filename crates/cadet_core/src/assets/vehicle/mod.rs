@@ -10,6 +10,7 @@ mod glasshouse;
 mod imported;
 mod imported_materials;
 mod interior;
+mod lamps;
 mod library;
 mod outline;
 mod paint;
@@ -33,6 +34,7 @@ use crate::rng::Stream;
 
 pub use imported::{UserVehicles, VehicleAsset};
 pub use imported_materials::{MaterialRules, Role};
+pub use lamps::LitLamps;
 pub(crate) use paint::Livery;
 
 use body::Styling;
@@ -80,6 +82,8 @@ pub struct VehicleModel {
     pub wheel_radius_m: f64,
     /// The materials of body, driver and wheels.
     pub palette: Arc<Palette>,
+    /// Whether head and tail lamps have materials of their own.
+    pub(crate) has_lenses: bool,
     /// What its colors are drawn from.
     pub(crate) livery: Livery,
 }
@@ -239,6 +243,7 @@ impl VehicleModel {
             wheel_centers,
             wheel_radius_m: f64::from(d.wheel_radius),
             palette: Arc::new(palette),
+            has_lenses: true,
             livery: Livery::Private,
         }
     }

@@ -16,6 +16,8 @@ use crate::world::surroundings::Surroundings;
 
 /// A car slower than this stands.
 const STANDS_MPS: f64 = 0.1;
+/// What the brakes of a car that stands are pressed as if for.
+const STANDING_MPS2: f64 = -1.0;
 /// How soon a commanded speed is to be reached, within what the pedals can do.
 const RESPONSE_S: f64 = 0.5;
 /// How fast a car moves across its lane by command, and by how much of its speed: a jump would make it skid.
@@ -125,6 +127,7 @@ impl Controller for Driver {
                 let steer = pursue(rear_axle, heading, wheelbase_m, axle_m, speed, route, &streets.roads);
                 let mut accel = self.pressed_mps2(speed);
                 let stand = accel < 0.05 && speed < 0.4;
+                own.appearance.accelerate(if stand { STANDING_MPS2 } else { accel });
                 // Brakes stop a car, they don't push it backwards.
                 if accel < 0.0 {
                     accel = accel.max(-speed / (2.0 * DT_S)).min(0.0);

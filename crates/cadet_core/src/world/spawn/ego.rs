@@ -40,6 +40,7 @@ fn ego_model() -> VehicleModel {
             .map(|(x, y)| Vec3::new(x, y, wheel_radius_m as f32)),
         wheel_radius_m,
         palette: Arc::new(Palette::new(vec![paint])),
+        has_lenses: false,
         livery: Livery::Private,
     }
 }

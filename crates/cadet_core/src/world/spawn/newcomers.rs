@@ -23,7 +23,7 @@ pub(super) fn driven_vehicle(chassis: Chassis, route: Option<Route>, idm: IdmPar
         class: model.class,
         body: Body::Sprung(Box::new(chassis)),
         controller: Box::new(Driver::new(route, idm)),
-        appearance: Appearance::Vehicle { model, is_driven: true },
+        appearance: Appearance::Vehicle { model, is_driven: true, is_braking: false },
         is_placed: false,
     }
 }
@@ -45,7 +45,7 @@ pub(super) fn parked_vehicle(
         class: model.class,
         body: Body::Fixed(Box::new(Fixed::new(&mut arena.physics, &model, &settled, id))),
         controller: Box::new(Parked),
-        appearance: Appearance::Vehicle { model, is_driven: false },
+        appearance: Appearance::Vehicle { model, is_driven: false, is_braking: false },
         is_placed: false,
     })
 }
@@ -62,7 +62,7 @@ pub(super) fn guided_vehicle(arena: &mut Arena, model: Arc<VehicleModel>, script
         class: model.class,
         body: Body::Guided(Box::new(body)),
         controller: Box::new(script),
-        appearance: Appearance::Vehicle { model, is_driven: true },
+        appearance: Appearance::Vehicle { model, is_driven: true, is_braking: false },
         is_placed: false,
     })
 }
@@ -86,7 +86,7 @@ pub(super) fn tram_car(
         class: model.class,
         body: Body::Guided(Box::new(body)),
         controller: Box::new(controller),
-        appearance: Appearance::Vehicle { model, is_driven: true },
+        appearance: Appearance::Vehicle { model, is_driven: true, is_braking: false },
         is_placed: false,
     })
 }

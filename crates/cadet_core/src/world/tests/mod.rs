@@ -4,6 +4,7 @@ mod census;
 mod country_roads;
 mod cyclists;
 mod flow;
+mod lamps;
 mod main_roads;
 mod placed;
 mod scripted;

@@ -34,7 +34,7 @@ fn a_scripted_car_is_where_its_path_is_and_rolls_along_it() {
     let id = put(&mut world, ObjectClass::Car, 4, &course);
     let slot = world.arena.agents.len() - 1;
     let radius_m = match &world.arena.agents[slot].appearance {
-        Appearance::Vehicle { model, is_driven: true } => model.wheel_radius_m,
+        Appearance::Vehicle { model, is_driven: true, .. } => model.wheel_radius_m,
         _ => unreachable!(),
     };
     let (first, roll_at_start) = (actor(&world, id), roll_rad(&world, slot));

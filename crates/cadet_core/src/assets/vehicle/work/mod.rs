@@ -111,6 +111,7 @@ pub(super) fn truck(model_seed: u64, s: &mut Stream) -> VehicleModel {
         wheel_centers,
         wheel_radius_m: f64::from(p.wheel_radius),
         palette: Arc::new(palette),
+        has_lenses: true,
         livery: p.livery(),
     }
 }
@@ -151,6 +152,7 @@ pub(super) fn towed(model_seed: u64, s: &mut Stream) -> VehicleModel {
         wheel_centers,
         wheel_radius_m: 0.2,
         palette: Arc::new(palette),
+        has_lenses: true,
         livery: p.livery(),
     }
 }
