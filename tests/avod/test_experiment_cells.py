@@ -77,7 +77,7 @@ def test_fewer_steps_shorten_all_in_proportion(name: str, steps: int, stops: tup
 
 
 @pytest.mark.parametrize("name", ["tiny", "full"])
-def test_scratch_and_tuned_differ_in_their_beginning_and_rate_alone(name: str) -> None:
+def test_scratch_has_the_whole_training_and_tuned_the_scales_tuning(name: str) -> None:
     scale = SCALES[name]
     cells = few_frame_cells(scale, ("Car",), ("default",), 2, (10, 40))
     assert [cell.name for cell in cells[:5]] == [
@@ -89,19 +89,17 @@ def test_scratch_and_tuned_differ_in_their_beginning_and_rate_alone(name: str) -
     ]
     assert len(cells) == 10
     (pretrained, *rest) = cells[:5]
+    whole = scale.config("Car", "default")
     assert pretrained == matrix_cells(scale, ("Car",), ("default",), 1)[0]
     for scratch, tuned in zip(rest[::2], rest[1::2], strict=True):
-        assert scratch.stops == tuned.stops == (scale.few_steps,)
+        assert (scratch.stops, tuned.stops) == ((whole.training.steps,), (scale.few_steps,))
         assert (scratch.seed, scratch.frames, scratch.last) == (tuned.seed, tuned.frames, 1)
         assert (scratch.source, tuned.source) == (None, pretrained.name)
-        assert scratch.config.training.steps == tuned.config.training.steps == scale.few_steps
-        own = scale.config("Car", "default").training
-        # As often as in the whole training, the rate falls.
-        falls = own.steps / own.decay_steps
-        assert scratch.config.training.steps / scratch.config.training.decay_steps == pytest.approx(falls, rel=0.01)
+        assert (scratch.config, tuned.config.training.steps) == (whole, scale.few_steps)
+        # As often as in the scale's tuning, the rate falls.
         falls = scale.tuning.steps / scale.tuning.decay_steps
         assert tuned.config.training.steps / tuned.config.training.decay_steps == pytest.approx(falls, rel=0.01)
-        assert tuned.config.training.learning_rate == scale.tuning.learning_rate < own.learning_rate
+        assert tuned.config.training.learning_rate == scale.tuning.learning_rate < whole.training.learning_rate
 
 
 def test_given_weights_take_the_place_of_the_pretraining() -> None:

@@ -28,9 +28,9 @@ def few_frame_cells(
 ) -> tuple[Cell, ...]:
     """List the cells in the order in which they are run, seed by seed.
 
-    For each number of frames there are two trainings of the same steps, on the same frames, which the seed draws: from
-    scratch with the configuration's schedule, and from pre-trained weights with that of the scale's tuning, both
-    stretched to these steps. No checkpoint is chosen: the last counts.
+    For each number of frames there are two trainings on the same frames, which the seed draws: from scratch as long as
+    the pre-training, with the configuration's schedule, and from pre-trained weights for `few_steps`, with the schedule
+    of the scale's tuning stretched to them. No checkpoint is chosen: the last counts.
 
     Args:
         scale: their size.
@@ -50,7 +50,8 @@ def few_frame_cells(
     for seed, class_name, name in product(range(num_seeds), classes, maps):
         whole = scale.config(class_name, name)
         pretrained = pretraining(scale, class_name, name, seed, steps)
-        length = proportion(scale.few_steps, pretrained.config.training.steps, whole.training.steps)
+        length = pretrained.config.training.steps
+        tuned_length = proportion(scale.few_steps, length, whole.training.steps)
         source: str | None = pretrained.name
         init = None
         if given:
@@ -71,8 +72,9 @@ def few_frame_cells(
                 init=None,
                 last=1,
             )
-            config = with_length(tuned_config(whole, scale.tuning), length)
-            cells += [scratch, replace(scratch, trained=TUNED, config=config, source=source, init=init)]
+            config = with_length(tuned_config(whole, scale.tuning), tuned_length)
+            tuned = replace(scratch, trained=TUNED, config=config, stops=(tuned_length,), source=source, init=init)
+            cells += [scratch, tuned]
     return tuple(cells)
 
 

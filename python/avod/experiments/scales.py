@@ -44,7 +44,7 @@ class Scale:
         name: of the scale.
         configs: name or file of the configuration, by class and maps.
         tuning: on real frames.
-        few_steps: of each training on a few frames.
+        few_steps: of each tuning on a few frames.
         last: how many last checkpoints the best is chosen from; with 1 nothing is chosen.
     """
 
