@@ -36,6 +36,7 @@ fn street() -> PosedScene {
         palette: Arc::new(palette),
         world_from_local: DPose3::IDENTITY,
         actor_id: 0,
+        is_body: false,
     }];
     for k in 0..20_usize {
         let (x, side) = (k as f64 * 6.0 + 6.0, if k % 2 == 0 { 1.0 } else { -1.0 });
@@ -49,6 +50,7 @@ fn street() -> PosedScene {
             palette: Arc::clone(&car.palette),
             world_from_local: upright(DVec3::new(x, side * 2.8, 0.0), 0.0),
             actor_id: k as i32 + 1,
+            is_body: true,
         });
     }
     PosedScene::new(&instances, EYE)

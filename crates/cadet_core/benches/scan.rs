@@ -60,6 +60,7 @@ fn suburb() -> Vec<Instance> {
             palette: Arc::clone(&palette),
             world_from_local,
             actor_id: id,
+            is_body: id > 0,
         });
     };
     add(&ground, 0.0, 0.0, 0.0, 0);

@@ -17,4 +17,7 @@ pub struct Instance {
     pub world_from_local: DPose3,
     /// 0 for the static world, at least 1 for actors. All parts of an actor share its id.
     pub actor_id: i32,
+    /// Whether it is an actor's body, which hides the sky from the ground under and beside it: not its wheels, nor who sits in
+    /// it.
+    pub is_body: bool,
 }

@@ -14,12 +14,6 @@ const CELLS: usize = 72;
 const CELL_M: f32 = 2.0;
 /// How far a body darkens what is about it, in its heights.
 const REACH: f32 = 1.5;
-/// What is narrower, shorter, or lower is a car's wheel or a limb; what is longer no vehicle. Meters.
-const LEAST_SIZE_M: [f32; 3] = [0.25, 0.25, 0.5];
-const MOST_LENGTH_M: f32 = 30.0;
-/// What is no larger, and as long as high but for this share, is a truck's wheel: its axes turn, and a body's don't.
-const MOST_WHEEL_M: f32 = 1.3;
-const OUT_OF_ROUND: f32 = 0.05;
 /// Half of a body's extents, less what is rounded off.
 const HALF_BODY: f32 = 0.47;
 /// Half the diagonal of a cell, in cells.
@@ -158,15 +152,12 @@ impl ContactOcclusion {
 const TOGETHER: usize = 16;
 
 impl Occluder {
-    /// An actor's body; its wheels and limbs are none.
+    /// An actor's body.
     pub(super) fn of(instance: &PosedInstance) -> Option<Self> {
-        let size = instance.mesh.bounds.size();
-        let [x, y, z] = LEAST_SIZE_M;
-        let is_wheel = size.x < MOST_WHEEL_M && (size.x - size.z).abs() < OUT_OF_ROUND * size.z;
-        let is_limb = size.x < x || size.y < y || size.z < z;
-        if instance.actor_id < 1 || is_wheel || is_limb || size.x > MOST_LENGTH_M {
+        if !instance.is_body {
             return None;
         }
+        let size = instance.mesh.bounds.size();
         let center = instance.center_world.as_vec3();
         let axis = |v: DVec3| (instance.placement.rotation * v).as_vec3();
         Some(Self {

@@ -133,6 +133,7 @@ mod tests {
             palette: Arc::new(Palette::new(vec![material])),
             world_from_local: world_from_box,
             actor_id: id,
+            is_body: true,
         };
         let actor = ActorState {
             id,

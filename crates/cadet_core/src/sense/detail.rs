@@ -69,6 +69,7 @@ mod tests {
             palette: Arc::clone(&palette),
             world_from_local: upright(DVec3::new(x, 0.0, 0.0), 0.0),
             actor_id: 0,
+            is_body: false,
         })
         .collect()
     }

@@ -76,6 +76,8 @@ pub struct PosedInstance {
     pub vertices: Range<usize>,
     /// 0 for the static world, at least 1 for actors.
     pub actor_id: i32,
+    /// Whether it is an actor's body.
+    pub is_body: bool,
     /// Middle of the bounding sphere.
     pub center_world: DVec3,
     /// Radius of the bounding sphere.
@@ -149,6 +151,7 @@ impl PosedScene {
                 placement,
                 vertices: start..num_vertices,
                 actor_id: instance.actor_id,
+                is_body: instance.is_body,
                 center_world: placement.rotation * mesh.bounds.center().as_dvec3() + placement.translation,
                 radius_m: f64::from(mesh.bounds.size().length()) / 2.0 + 1e-3,
             });

@@ -46,6 +46,7 @@ pub(super) fn tiles(half_m: f32) -> Vec<Instance> {
         palette: Arc::new(ground_palette::palette(false)),
         world_from_local: DPose3 { rotation: DQuat::IDENTITY, translation: DVec3::ZERO },
         actor_id: 0,
+        is_body: false,
     }]
 }
 

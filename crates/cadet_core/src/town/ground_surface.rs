@@ -141,6 +141,7 @@ impl Surface {
                     palette: Arc::clone(&palette),
                     world_from_local: DPose3 { rotation: DQuat::IDENTITY, translation: origin },
                     actor_id: 0,
+                    is_body: false,
                 });
             }
         }

@@ -84,29 +84,29 @@ impl Appearance {
             Self::Person { model, .. } => &model.palette,
             Self::Cyclist { model, .. } => &model.palette,
         };
-        let mut push = |shape, box_from_local: DPose3| {
-            let palette = Arc::clone(palette);
-            parts.push(Instance { shape, palette, world_from_local: world_from_box * box_from_local, actor_id });
+        let mut push = |shape, box_from_local: DPose3, is_body| {
+            let (palette, world_from_local) = (Arc::clone(palette), world_from_box * box_from_local);
+            parts.push(Instance { shape, palette, world_from_local, actor_id, is_body });
         };
         match self {
-            Self::Person { model, phase } => push(Arc::new(model.pose(*phase)), DPose3::IDENTITY),
+            Self::Person { model, phase } => push(Arc::new(model.pose(*phase)), DPose3::IDENTITY, true),
             Self::Vehicle { model, is_driven, .. } => {
-                push(Arc::clone(&model.body), DPose3::IDENTITY);
+                push(Arc::clone(&model.body), DPose3::IDENTITY, true);
                 if let Some(driver) = model.driver.as_ref().filter(|_| *is_driven) {
-                    push(Arc::clone(driver), DPose3::IDENTITY);
+                    push(Arc::clone(driver), DPose3::IDENTITY, false);
                 }
                 if let (Some(wheel), Some(box_from_wheels)) = (&model.wheel, box_from_wheels) {
                     for box_from_wheel in box_from_wheels {
-                        push(Arc::clone(wheel), box_from_wheel);
+                        push(Arc::clone(wheel), box_from_wheel, false);
                     }
                 }
             }
             Self::Cyclist { model, ride } => {
                 let box_from_leaning = ride.box_from_leaning();
-                push(model.body(ride.stands), box_from_leaning);
-                push(if ride.stands { model.standing() } else { model.pedaling(ride.crank) }, box_from_leaning);
+                push(model.body(ride.stands), box_from_leaning, true);
+                push(if ride.stands { model.standing() } else { model.pedaling(ride.crank) }, box_from_leaning, false);
                 for axle in model.axles() {
-                    push(Arc::clone(&model.wheel), box_from_leaning * ride.leaning_from_wheel(axle));
+                    push(Arc::clone(&model.wheel), box_from_leaning * ride.leaning_from_wheel(axle), false);
                 }
             }
         }

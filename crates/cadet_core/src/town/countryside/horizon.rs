@@ -69,6 +69,7 @@ pub(in crate::town) fn hills(key: &StreamKey, ground: &Ground) -> Instance {
         palette: Arc::new(palette(s)),
         world_from_local: DPose3 { rotation: DQuat::IDENTITY, translation: DVec3::ZERO },
         actor_id: 0,
+        is_body: false,
     }
 }
 

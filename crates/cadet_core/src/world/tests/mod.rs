@@ -282,6 +282,18 @@ fn the_same_calls_give_the_same_bits() {
 }
 
 #[test]
+fn every_actor_has_one_body_and_scenery_has_none() {
+    let mut world = World::new(suburb(2), StreamKey::scene(2)).unwrap();
+    let config = TrafficConfig { num_cars: 8, num_pedestrians: 8, num_cyclists: 4, ..TrafficConfig::default() };
+    world.spawn_traffic(&config).unwrap();
+    world.step(SECOND);
+    let s = world.snapshot();
+    let bodies: Vec<i32> = s.instances.iter().filter(|i| i.is_body).map(|i| i.actor_id).collect();
+    assert_eq!(bodies, s.actors.iter().map(|a| a.id).collect::<Vec<_>>());
+    assert!(s.actors.iter().any(|a| a.class == ObjectClass::Cyclist));
+}
+
+#[test]
 fn lanes_that_cross_or_merge_exclude_each_other_and_forks_do_not() {
     let town = crossing();
     let roads = Roads::new(Arc::clone(&town));
