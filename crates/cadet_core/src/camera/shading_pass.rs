@@ -24,7 +24,7 @@ pub(super) use self::lighting::LAMP_RADIANCE;
 use self::lighting::{ambient_of_normals, diffuse, specular, transparent};
 #[cfg(test)]
 pub(super) use self::reflections::{environment, highlight};
-use self::resolve::{resolve, through_air, through_air_and_glass};
+use self::resolve::{resolve, through_air};
 use super::ambient_cache::AmbientTerms;
 use super::face::{Face, Flags, ShaderVariant};
 use super::light::Light;
@@ -106,8 +106,7 @@ impl ShadingPass {
             self.color(light, camera, variant, m);
             self.reflect(light, camera.eye, variant, m);
         }
-        let from_surface = if variant.is_transparent { through_air_and_glass } else { through_air };
-        from_surface(&self.geometry, &self.outgoing, m, light, &mut self.arriving);
+        through_air(&self.geometry, &self.outgoing, m, (light, variant.is_transparent), &mut self.arriving);
         resolve(&self.inputs, &self.base_color, &self.arriving, m, &mut self.radiance);
     }
 

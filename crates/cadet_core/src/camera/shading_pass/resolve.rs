@@ -10,39 +10,25 @@ use crate::math::Vec3;
 /// From the middle of a pair to its pixels, in pairs.
 const PIXEL_OFFSET: f32 = 0.25;
 
-/// What the air leaves of the light on its way to the camera, and what it adds.
+/// What the air leaves of the light on its way to the camera, and what it adds. What is behind transparent surfaces has come
+/// through the air of the whole way already; but the light that the air adds in front of them is not dimmed by them: they take
+/// their share of it with what is behind.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 pub fn through_air(
     geometry: &SurfaceGeometry,
     outgoing: &OutgoingLight,
     m: usize,
-    light: &Light,
+    (light, is_transparent): (&Light, bool),
     out: &mut OutgoingLight,
 ) {
     for i in 0..m.min(BATCH_SIZE) {
         let clear = transmittance(light.extinction_per_m, geometry.distance_m[i]);
-        put(&mut out.diffuse, i, get(&outgoing.diffuse, i) * clear);
+        let diffuse = get(&outgoing.diffuse, i);
         let air = light.in_scattered(get(&geometry.view, i)) * (1.0 - clear);
+        let (diffuse, air) =
+            if is_transparent { (diffuse, air * (Vec3::ONE - diffuse)) } else { (diffuse * clear, air) };
+        put(&mut out.diffuse, i, diffuse);
         put(&mut out.specular, i, get(&outgoing.specular, i) * clear + air);
-    }
-}
-
-/// The same of transparent surfaces. What is behind them has come through the air of the whole way already; but the light
-/// that the air adds in front of them is not dimmed by them: they take their share of it with what is behind.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-pub fn through_air_and_glass(
-    geometry: &SurfaceGeometry,
-    outgoing: &OutgoingLight,
-    m: usize,
-    light: &Light,
-    out: &mut OutgoingLight,
-) {
-    for i in 0..m.min(BATCH_SIZE) {
-        let clear = transmittance(light.extinction_per_m, geometry.distance_m[i]);
-        let through = get(&outgoing.diffuse, i);
-        put(&mut out.diffuse, i, through);
-        let air = light.in_scattered(get(&geometry.view, i)) * (1.0 - clear);
-        put(&mut out.specular, i, get(&outgoing.specular, i) * clear + air * (Vec3::ONE - through));
     }
 }
 

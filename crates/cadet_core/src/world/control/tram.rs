@@ -41,6 +41,7 @@ pub(crate) struct Train {
     pub front_m: f64,
     pub length_m: f64,
     pub speed_mps: f64,
+    pub accel_mps2: f64,
 }
 
 impl Train {
@@ -132,8 +133,8 @@ impl TramDriver {
     /// Moves the train by a step.
     fn drive(&self, train: &mut Train) {
         let wanted = pedals(self.idm.free_road(train.speed_mps, self.desired_mps), self.interaction_mps2);
-        let accel_mps2 = wanted.clamp(HARDEST_MPS2, MOST_MPS2);
-        train.speed_mps = (train.speed_mps + accel_mps2 * DT_S).max(0.0);
+        train.accel_mps2 = wanted.clamp(HARDEST_MPS2, MOST_MPS2);
+        train.speed_mps = (train.speed_mps + train.accel_mps2 * DT_S).max(0.0);
         let end_m = train.track.length_m() - 0.5;
         train.front_m = (train.front_m + train.speed_mps * DT_S).min(end_m.max(train.front_m));
     }
@@ -171,6 +172,7 @@ impl Controller for TramCar {
         if let Some(driver) = &self.driver {
             driver.drive(&mut train);
         }
+        own.appearance.accelerate(train.accel_mps2);
         let (at, heading) = train.place(&self.car);
         let turn_rad = math::wrap_angle(math::atan2(heading.y, heading.x) - body.yaw_rad());
         let (velocity, moved_m) = (heading * train.speed_mps, train.speed_mps * DT_S);

@@ -118,7 +118,7 @@ impl Spawner<'_> {
         let free_m = roads.lane(lane).length_m() - s_m - length_m / 2.0;
         let speed_mps =
             stream.range(STARTS_MPS.0, STARTS_MPS.1).min((2.0 * STOPS_MPS2 * (free_m - 5.0).max(0.0)).sqrt());
-        let train = Train { track, front_m, length_m, speed_mps };
+        let train = Train { track, front_m, length_m, speed_mps, accel_mps2: 0.0 };
         let cars = coupled(models);
         let footprints: Vec<Footprint> = models
             .iter()

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::trams::{busy, towns_with_tracks, trains};
 use super::*;
 use crate::instance::Instance;
 use crate::material::Pattern;
@@ -68,4 +69,33 @@ fn in_the_dark_what_is_driven_has_low_beams_and_tail_lamps_and_nothing_parked_ha
     let (driven, parked) = (lenses(&driven), lenses(&parked));
     assert!(driven.len() > 5 && driven.iter().all(|lit| *lit == [1, 1]), "{driven:?}");
     assert!(parked.len() > 20 && parked.iter().all(|lit| *lit == [0, 0]), "{parked:?}");
+}
+
+#[test]
+fn all_cars_of_a_tram_show_that_it_brakes() {
+    let (mut slowing, mut gaining) = (0, 0);
+    for (seed, town) in towns_with_tracks(2) {
+        let mut world = busy(seed, &town);
+        let mut before: BTreeMap<i32, f64> = BTreeMap::new();
+        for _ in 0..120 {
+            world.step(SECOND / 2);
+            let shining = shining(&world.snapshot().instances);
+            let mut after = BTreeMap::new();
+            for train in trains(&world) {
+                let (first, speed_mps) = (train[0].0.id, train[0].1.shared().speed_mps);
+                after.insert(first, speed_mps);
+                let lit: Vec<bool> =
+                    train.iter().filter_map(|(a, _)| shining.get(&a.id)).map(|[red, _]| *red > 0).collect();
+                assert!(lit.windows(2).all(|pair| pair[0] == pair[1]));
+                let (Some(last), Some(is_lit)) = (before.get(&first), lit.first()) else { continue };
+                match (speed_mps - last) / 0.5 {
+                    ..-0.9 => slowing += if *is_lit { 1 } else { -9 },
+                    0.3.. => gaining += if *is_lit { -9 } else { 1 },
+                    _ => {}
+                }
+            }
+            before = after;
+        }
+    }
+    assert!(slowing > 5 && gaining > 10, "{slowing} and {gaining}, ten off for each that is wrong");
 }

@@ -11,21 +11,21 @@ fn tram_cars(world: &World) -> Vec<(&Agent, &TramCar)> {
 }
 
 /// The cars of each tram, the first ahead.
-fn trains(world: &World) -> Vec<Vec<(&Agent, &TramCar)>> {
+pub(super) fn trains(world: &World) -> Vec<Vec<(&Agent, &TramCar)>> {
     let cars = tram_cars(world);
     let leaders = cars.iter().filter(|(_, car)| car.leads());
     leaders.map(|(_, leader)| cars.iter().filter(|(_, car)| car.is_of_train_of(leader)).copied().collect()).collect()
 }
 
 /// Towns with tracks: some have their faster streets at the border, where no tram runs.
-fn towns_with_tracks(count: usize) -> Vec<(u64, Arc<Town>)> {
+pub(super) fn towns_with_tracks(count: usize) -> Vec<(u64, Arc<Town>)> {
     let towns = (0..40).map(|seed| (seed, tram_roads(seed)));
     let found: Vec<_> = towns.filter(|(_, town)| town.network.tracks().next().is_some()).take(count).collect();
     assert_eq!(found.len(), count);
     found
 }
 
-fn busy(seed: u64, town: &Arc<Town>) -> World {
+pub(super) fn busy(seed: u64, town: &Arc<Town>) -> World {
     let mut world = World::new(Arc::clone(town), StreamKey::scene(seed)).unwrap();
     let config =
         TrafficConfig { num_cars: 30, num_pedestrians: 20, num_cyclists: 6, num_trams: 3, ..TrafficConfig::default() };
