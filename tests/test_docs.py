@@ -12,6 +12,7 @@ import re
 import shutil
 import subprocess
 import sys
+from collections import Counter
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -121,6 +122,15 @@ def test_the_code_of_a_page_runs(page: str, folder: Path, monkeypatch: pytest.Mo
             _run_shell(block, page, folder)
         elif block.language == "toml":
             tomllib.loads(block.code)
+    if page == "docs/tutorial.md":
+        _check_counts((ROOT / page).read_text(encoding="utf-8"), folder / "first")
+
+
+def _check_counts(page: str, written: Path) -> None:
+    (line,) = re.findall(r"^60 frames in first at [\d.]+/s: (.*)$", page, re.M)
+    stated = {name: int(count) for count, name in (part.split() for part in line.split(", "))}
+    types = [text.split()[0] for path in written.glob("training/label_2/*.txt") for text in path.read_text().splitlines()]
+    assert dict(Counter(types)) == stated
 
 
 def _run_shell(block: Block, page: str, folder: Path) -> None:
@@ -135,3 +145,19 @@ def _run_shell(block: Block, page: str, folder: Path) -> None:
 def test_the_table_of_a_sensor_is_one(core: Any) -> None:
     table = next(block.code for block in blocks_of("docs/lidars.md") if block.language == "toml")
     assert cadet.Lidar.custom(cadet.BeamTable.from_toml(table)).rays()[0].shape == (3 * 1800, 3)
+
+
+def test_the_labels_page_states_the_annotators_habits_as_the_core_has_them() -> None:
+    page = " ".join((ROOT / "docs/labels.md").read_text(encoding="utf-8").split())
+    core = ROOT / "crates/cadet_core/src"
+    annotation = (core / "assets/annotation.rs").read_text(encoding="utf-8")
+    farthest = re.findall(r"const (\w+)_FARTHEST_M: \(f64, f64\) = \(([\d.]+), ([\d.]+)\);", annotation)
+    assert len(farthest) == 8
+    for name, mean, sd in farthest:
+        stated = rf"\b{float(mean):g} m \((standard deviation )?{float(sd):g}\) for"
+        assert re.search(stated, page), name
+    (least,) = re.findall(r"const LEAST_POINTS: \(usize, usize\) = \((\d+), (\d+)\);", annotation)
+    assert "It needs {} to {} returns".format(*least) in page
+    visible = (core / "label/config.rs").read_text(encoding="utf-8")
+    numbers = [re.findall(rf"const {name}: f64 = ([\d.]+);", visible)[0] for name in ("FROM_M", "MORE_PER_M", "MOST")]
+    assert "grows beyond {:g} m by {} a meter, up to {}".format(float(numbers[0]), *numbers[1:]) in page
