@@ -129,7 +129,9 @@ def test_the_code_of_a_page_runs(page: str, folder: Path, monkeypatch: pytest.Mo
 def _check_counts(page: str, written: Path) -> None:
     (line,) = re.findall(r"^60 frames in first at [\d.]+/s: (.*)$", page, re.M)
     stated = {name: int(count) for count, name in (part.split() for part in line.split(", "))}
-    types = [text.split()[0] for path in written.glob("training/label_2/*.txt") for text in path.read_text().splitlines()]
+    types = [
+        text.split()[0] for path in written.glob("training/label_2/*.txt") for text in path.read_text().splitlines()
+    ]
     assert dict(Counter(types)) == stated
 
 
