@@ -64,7 +64,7 @@ def test_rounding_alone_never_fails_the_strict_lint(tmp_path: Path) -> None:
         ("1.50 1.70 4.10", "1.50 -1.70 4.10", 1, "dimensions h w l (1.5, -1.7, 4.1) are not positive"),
         ("14.00 1.50", "14.00 4.50", 1, "rotation_y 4.5, expected -pi..pi"),
         ("14.00 1.50", "14.00 1.50 0.9", 1, "expected 15 fields, got 16: a label has no score"),
-        ("DontCare -1 -1", "DontCare 0 -1", 4, "DontCare: truncated is 0.0, expected -1"),
+        ("DontCare -1 -1", "DontCare 0 -1", 4, "DontCare: truncated is 0.0, expected -1.0"),
         ("DontCare -1 -1 -10 300.00", "DontCare -1 -1 -10 325.00", 4, "bbox (325.0, 80.0, 320.0, 95.0) is empty"),
         (
             "DontCare -1 -1 -10 300.00",
