@@ -190,8 +190,9 @@ impl Arena {
                     let (heading, speed_mps) = (DVec2::X, 0.0);
                     around.people.push(PersonAt { agent: *slot, at: body.at(), heading, speed_mps });
                 }
-                _ => {
-                    around.vehicles.push(VehicleAt { agent: *slot, footprint: agent.footprint(&self.physics) });
+                body => {
+                    let (footprint, is_cycle) = (agent.footprint(&self.physics), matches!(body, Body::Cycle(_)));
+                    around.vehicles.push(VehicleAt { agent: *slot, footprint, is_cycle });
                 }
             }
         }

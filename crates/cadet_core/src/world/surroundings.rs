@@ -17,6 +17,8 @@ const OFF_LANES_M: f64 = 1.7;
 pub(super) struct VehicleAt {
     pub agent: Slot,
     pub footprint: Footprint,
+    /// Whether it is a bicycle with its rider.
+    pub is_cycle: bool,
 }
 
 /// A person.
@@ -88,8 +90,17 @@ impl Surroundings {
 
     /// What a moving vehicle covers.
     pub fn vehicle(&self, agent: Slot) -> Option<&Footprint> {
+        self.vehicle_at(agent).map(|v| &v.footprint)
+    }
+
+    /// The same, if it is a bicycle with its rider.
+    pub fn cyclist(&self, agent: Slot) -> Option<&Footprint> {
+        self.vehicle_at(agent).filter(|v| v.is_cycle).map(|v| &v.footprint)
+    }
+
+    fn vehicle_at(&self, agent: Slot) -> Option<&VehicleAt> {
         let i = self.vehicles.binary_search_by_key(&agent, |v| v.agent).ok()?;
-        Some(&self.vehicles[i].footprint)
+        Some(&self.vehicles[i])
     }
 
     /// A person has set a step.

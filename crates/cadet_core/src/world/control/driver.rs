@@ -3,6 +3,7 @@
 use super::controller::{Controller, Own};
 use super::hazards::{Cause, OnRoute, in_sight, worst_hazard};
 use super::idm::{IdmParameters, pedals};
+use super::overtaking::{HURRY, Overtaking};
 use super::pursuit::pursue;
 use super::stop_line::leave_junctions;
 use crate::math::DVec3;
@@ -34,7 +35,8 @@ pub(crate) struct Driver {
     interaction_mps2: f64,
     desired_mps: f64,
     command: Option<EgoCommand>,
-    /// The offset that the driver keeps unless commanded; `None` before the first command.
+    overtaking: Option<Overtaking>,
+    /// The offset that the driver keeps unless commanded or overtaking; `None` before the first time.
     own_offset_m: Option<f64>,
     #[cfg_attr(not(test), allow(dead_code))]
     cause: Cause,
@@ -50,6 +52,7 @@ impl Driver {
             interaction_mps2: 0.0,
             desired_mps: 0.0,
             command: None,
+            overtaking: None,
             own_offset_m: None,
             cause: Cause::Nothing,
         }
@@ -58,32 +61,45 @@ impl Driver {
     /// Waits at a place of another route.
     pub fn wait_on(&mut self, route: Option<Route>) {
         (self.route, self.drives, self.standing_steps) = (route, false, 0);
-        (self.command, self.own_offset_m) = (None, None);
+        (self.command, self.overtaking, self.own_offset_m) = (None, None, None);
     }
 
     /// Drives as commanded from now on, or on its own again.
     pub fn obey(&mut self, command: Option<EgoCommand>) {
-        self.command = command;
+        (self.command, self.overtaking) = (command, None);
         self.drives = self.route.is_some();
-        if self.own_offset_m.is_none() {
-            self.own_offset_m = self.route.as_ref().map(|r| r.offset_m);
-        }
+        self.remember_offset();
+    }
+
+    /// Before the first time that the line is left.
+    fn remember_offset(&mut self) {
+        self.own_offset_m = self.own_offset_m.or(self.route.as_ref().map(|r| r.offset_m));
     }
 
     /// The acceleration that the pedals are to give.
     fn pressed_mps2(&self, speed_mps: f64) -> f64 {
         match self.command {
             Some(command) => pedals((command.speed_mps - speed_mps) / RESPONSE_S, 0.0),
-            None => pedals(self.idm.free_road(speed_mps, self.desired_mps), self.interaction_mps2),
+            None => {
+                let hurry = if self.overtaking.is_some() { HURRY } else { 1.0 };
+                pedals(self.idm.free_road(speed_mps, hurry * self.desired_mps), self.interaction_mps2)
+            }
         }
     }
 
     /// Moves the line that is followed to where it is wanted.
     fn shift_line(&mut self, speed_mps: f64) {
         let (Some(route), Some(own_m)) = (&mut self.route, self.own_offset_m) else { return };
-        let wanted_m = self.command.map_or(own_m, |c| c.lateral_m);
+        let overtaking_m = self.overtaking.map(|o| o.offset_m);
+        let wanted_m = self.command.map(|c| c.lateral_m).or(overtaking_m).unwrap_or(own_m);
         let most_m = SIDEWAYS_MPS.min(SIDEWAYS_SHARE * speed_mps.abs()) * DT_S;
         route.offset_m += (wanted_m - route.offset_m).clamp(-most_m, most_m);
+    }
+
+    /// Whether the driver is on the way past a cyclist.
+    #[cfg(test)]
+    pub fn overtakes(&self) -> bool {
+        self.overtaking.is_some()
     }
 
     /// What the driver brakes for.
@@ -108,6 +124,16 @@ impl Controller for Driver {
             ahead.extend(in_sight(route, speed, roads));
             let rider = OnRoute { slot: own.slot, footprint: &footprint, route, idm: &self.idm, train_m: None };
             (self.interaction_mps2, self.cause) = worst_hazard(&rider, &ahead, around, roads, step);
+            self.overtaking = match (self.overtaking, self.cause) {
+                (Some(begun), _) => begun.go_on(&rider, self.desired_mps, around, roads),
+                (None, Cause::Vehicle(slot)) if self.command.is_none() => {
+                    Overtaking::begin(&rider, slot, self.desired_mps, around, roads)
+                }
+                _ => None,
+            };
+            if self.overtaking.is_some() {
+                self.remember_offset();
+            }
         }
         *around.way_ahead_mut(own.slot) = ahead;
     }

@@ -96,7 +96,8 @@ mod tests {
 
     fn walk(start: DVec2, step: DVec2, others: &[DVec2], is_parked: bool) -> Vec<DVec2> {
         let parked: &[Footprint] = if is_parked { &[CAR] } else { &[] };
-        let vehicles: &[VehicleAt] = if is_parked { &[] } else { &[VehicleAt { agent: 99, footprint: CAR }] };
+        let vehicles: &[VehicleAt] =
+            if is_parked { &[] } else { &[VehicleAt { agent: 99, footprint: CAR, is_cycle: false }] };
         let mut places = vec![start];
         places.extend(others);
         let mut nearby = Nearby::default();
@@ -130,7 +131,7 @@ mod tests {
             nearby.look(0, from, &people(&places), &[]);
             let to = from + (goal - from).normalize_or_zero() * 0.025;
             places[0] = nearby
-                .step(from, to, &people(&places), &[VehicleAt { agent: 99, footprint: CAR }], |_| true)
+                .step(from, to, &people(&places), &[VehicleAt { agent: 99, footprint: CAR, is_cycle: false }], |_| true)
                 .unwrap_or(from);
             assert!((CAR.closest_point(places[0]) - places[0]).length() >= BODY_M);
         }

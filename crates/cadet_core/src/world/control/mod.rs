@@ -10,6 +10,7 @@ mod hazards;
 mod idm;
 mod motion;
 mod on_road;
+mod overtaking;
 mod parked;
 mod path;
 mod pedestrian;

@@ -98,7 +98,7 @@ pub(super) fn stop_line(
 }
 
 /// The first lane of a route that crosses a junction and `counts`: its place on the route, and how far ahead it begins.
-fn next_junction(route: &Route, roads: &Roads, counts: &dyn Fn(LaneId) -> bool) -> Option<(usize, f64)> {
+pub(super) fn next_junction(route: &Route, roads: &Roads, counts: &dyn Fn(LaneId) -> bool) -> Option<(usize, f64)> {
     let mut start_m = -route.s_m;
     for (i, id) in route.lanes.iter().enumerate() {
         if i > 0 && roads.lane(*id).junction.is_some() && counts(*id) {

@@ -53,7 +53,7 @@ impl Spawner<'_> {
             }
         }
         let places = self.places_on(lanes_to_ride(&self.arena.streets.roads), model.size_lwh.x / 2.0, ring_m, hidden);
-        // Nobody overtakes, so who starts ahead of the ego would be followed for long; who comes toward it is seen.
+        // On narrow streets who starts ahead of the ego would be followed for long; who comes toward it is seen.
         let way: Vec<LaneId> = self.ego_way().map_or_else(Vec::new, |route| route.lanes.into());
         let roads = &self.arena.streets.roads;
         let share = |id: LaneId| match roads.lane(id).road {

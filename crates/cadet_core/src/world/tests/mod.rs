@@ -6,6 +6,7 @@ mod cyclists;
 mod flow;
 mod lamps;
 mod main_roads;
+mod overtaking;
 mod placed;
 mod scripted;
 mod seated;
