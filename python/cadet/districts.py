@@ -73,19 +73,19 @@ KITTI_DISTRICTS = (
     (
         District(
             name="parked_rows",
-            parking_occupancy=(0.45, 0.95),
+            parking_occupancy=(0.5, 1.0),
             num_cars=(13, 21),
             num_pedestrians=(8, 14),
             num_cyclists=(0, 6),
             seat_occupancy=(0.0, 0.2),
         ),
-        0.38,
+        0.41,
     ),
     (
         District(
             name="quiet", parking_occupancy=(0.3, 0.5), num_cars=(12, 19), num_pedestrians=(3, 8), num_cyclists=(0, 3)
         ),
-        0.20,
+        0.13,
     ),
     (
         District(
@@ -94,12 +94,12 @@ KITTI_DISTRICTS = (
             num_cars=(32, 50),
             num_pedestrians=(8, 14),
             num_cyclists=(0, 8),
-            num_trams=(2, 4),
-            seat_occupancy=(0.0, 0.3),
+            num_trams=(3, 5),
+            seat_occupancy=(0.0, 0.2),
             suburb=SuburbConfig(main_share=1.0, signal_share=0.7, tram_share=1.0, blocks=(3, 2), block_m=(85.0, 160.0)),
             props=PropConfig(city_share=0.2),
         ),
-        0.30,
+        0.28,
     ),
     (
         District(
@@ -123,21 +123,23 @@ KITTI_DISTRICTS = (
             suburb=SuburbConfig(sidewalk_m=(2.2, 3.8), signal_share=0.6),
             props=PropConfig(clutter=1.5, city_share=0.95),
         ),
+        0.06,
+    ),
+    # The edge of town and beyond: one lane a direction between fields and woods.
+    (
+        District(
+            name="country_road",
+            parking_occupancy=(0.0, 0.5),
+            num_cars=(16, 28),
+            num_pedestrians=(0, 0),
+            num_cyclists=(0, 2),
+            suburb=SuburbConfig(country_share=1.0, blocks=(2, 2), block_m=(240.0, 350.0)),
+            props=PropConfig(greenery=1.1),
+        ),
         0.07,
     ),
 )
 
-# The edge of town and beyond: one lane a direction between fields and woods. KITTI's policy does not draw it.
-_COUNTRY_ROAD = District(
-    name="country_road",
-    parking_occupancy=(0.0, 0.5),
-    num_cars=(8, 15),
-    num_pedestrians=(0, 0),
-    num_cyclists=(0, 1),
-    suburb=SuburbConfig(country_share=1.0, blocks=(2, 2), block_m=(240.0, 350.0)),
-    props=PropConfig(greenery=1.1),
-)
-
-_BY_NAME: Final = {district.name: district for district in (*(one for one, _ in KITTI_DISTRICTS), _COUNTRY_ROAD)}
+_BY_NAME: Final = {district.name: district for district, _ in KITTI_DISTRICTS}
 DISTRICTS: Final = tuple(_BY_NAME)
 """The names that `District.named` knows."""

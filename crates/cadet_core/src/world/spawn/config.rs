@@ -6,7 +6,7 @@ use crate::rng::Stream;
 use crate::settings::settings;
 
 /// Shares of cars and vans among driven vehicles that are no trucks.
-pub(super) const DRIVEN_MIX: [(ObjectClass, f64); 2] = [(ObjectClass::Car, 0.91), (ObjectClass::Van, 0.09)];
+pub(super) const DRIVEN_MIX: [(ObjectClass, f64); 2] = [(ObjectClass::Car, 0.89), (ObjectClass::Van, 0.11)];
 /// Share of trucks among driven vehicles where the streets have room for them.
 pub(super) const DRIVEN_TRUCKS: f64 = 0.17;
 /// Shares of all classes among a user's own.
@@ -15,7 +15,7 @@ pub(super) const DRIVEN_USER_MIX: [(ObjectClass, f64); 3] =
 /// Shares of trucks and of trailers and motorbikes among what is parked, where they fit.
 pub(super) const PARKED_RARE: [(ObjectClass, f64); 2] = [(ObjectClass::Truck, 0.02), (ObjectClass::Misc, 0.05)];
 /// Shares of cars and vans among the other parked vehicles.
-pub(super) const PARKED_MIX: [(ObjectClass, f64); 2] = [(ObjectClass::Car, 0.92), (ObjectClass::Van, 0.08)];
+pub(super) const PARKED_MIX: [(ObjectClass, f64); 2] = [(ObjectClass::Car, 0.90), (ObjectClass::Van, 0.10)];
 
 settings! {
     /// How much traffic there is.
