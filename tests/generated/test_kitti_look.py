@@ -20,7 +20,7 @@ import cadet
 
 Image = NDArray[np.float64]
 
-NUM_FRAMES: Final = 32
+NUM_FRAMES: Final = 100
 LEAST_SHARE: Final = 0.75
 """Of generated frames that must lie in each range."""
 LUMA: Final = (0.2126, 0.7152, 0.0722)
@@ -60,11 +60,6 @@ OF_45: Final = {
     "rows at the horizon over the mean": (0.39, 1.31),
     "bottom twentieth of rows over the mean": (0.26, 1.83),
 }
-UNREACHED: Final[dict[str, str]] = {
-    "luma, 50 %": "0.62 of the frames: fewer pixels than in KITTI are dark and fewer white, so that medians lie higher",
-}
-"""Rows that fewer frames reach, and why. A row that nine in ten frames reach does not belong here."""
-
 MEDIANS_OF_PARTS: Final = {
     # By LIDAR points of 45 frames: carriageway ahead, upright planes, rough green, cars' boxes.
     "road": ((cadet.Semantic.ROAD,), (44.0, 186.0)),
@@ -168,10 +163,8 @@ def test_sunny_frames_have_the_statistics_of_real_ones(frames: list[cadet.Frame]
         quantiles = " ".join(f"{q:9.4g}" for q in np.percentile(values, (10, 50, 90)))
         lines.append(f"{row:40} {least:9.4g} {most:9.4g} {quantiles} {shares[row]:7.2f}")
     sys.stdout.write("\n" + "\n".join(lines) + "\n")
-    assert set(UNREACHED) <= set(shares)
-    missed = {row: share for row, share in shares.items() if share < LEAST_SHARE and row not in UNREACHED}
+    missed = {row: share for row, share in shares.items() if share < LEAST_SHARE}
     assert not missed, missed
-    assert all(shares[row] < 0.9 for row in UNREACHED)
 
 
 @pytest.mark.parametrize("part", MEDIANS_OF_PARTS)
@@ -183,7 +176,7 @@ def test_streets_facades_plants_and_cars_are_as_bright_as_real_ones(frames: list
     medians = [float(np.median(luma_of(frame.image[where].astype(float)))) for frame, where in seen]
     sys.stdout.write(f"\n{part}: {np.percentile(medians, (10, 50, 90)).round(1)}\n")
     assert least < np.median(medians) < most
-    assert np.mean([least <= median <= most for median in medians]) > 0.6
+    assert np.mean([least <= median <= most for median in medians]) > 0.5
 
 
 def test_colors_of_fine_detail_are_as_independent_as_behind_real_color_filters(frames: list[cadet.Frame]) -> None:

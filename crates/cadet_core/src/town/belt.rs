@@ -39,7 +39,7 @@ pub(super) fn plant(
             if nearest > reach_m {
                 continue;
             }
-            let share = if nearest > PLOTS_M { 0.6 } else { 0.3 };
+            let share = if nearest > PLOTS_M { 0.7 } else { 0.4 };
             let wanted = luck < share * greenery.min(1.5);
             if wanted && placer.site.is_clear(at, MAX_MARGIN_M * 0.95) && taken.is_free_at(at, 2.5) {
                 let _ = placer.plant(kind, s, at);

@@ -93,13 +93,13 @@ impl StreetStyle {
             2 => Boundary::Fence(FenceKind::Wall, s.below(fences)),
             _ => Boundary::Open,
         };
-        let has_trees = s.chance(0.75 * greenery.min(1.3));
+        let has_trees = s.chance((0.9 * greenery).min(1.0));
         Self {
             houses: [HouseKind::Flats, [HouseKind::Block, HouseKind::Flats, HouseKind::Terrace][s.below(3)]],
             setback_m: s.range(5.0, 8.0),
             boundary,
-            trees_per_100_m2: greenery * if is_built { s.range(0.7, 1.8) } else { s.range(1.5, 4.0) },
-            street_trees: has_trees.then(|| (s.range(7.5, 14.0), s.below(trees))),
+            trees_per_100_m2: greenery * if is_built { s.range(0.9, 2.2) } else { s.range(2.0, 4.5) },
+            street_trees: has_trees.then(|| (s.range(7.0, 12.0), s.below(trees))),
             vacant_share: if is_built { s.range(0.15, 0.4) } else { s.range(0.75, 0.97) },
             ..self
         }
@@ -138,8 +138,8 @@ impl StreetStyle {
             main_share: s.range(0.6, 0.95),
             setback_m: s.clipped_normal(4.8, 1.3).clamp(2.2, 8.0),
             boundary: Boundary::draw(s),
-            trees_per_100_m2: config.greenery * s.range(0.5, 1.5),
-            street_trees: s.chance(0.5 * config.greenery.min(1.6)).then(|| (s.range(8.5, 15.0), s.below(trees))),
+            trees_per_100_m2: config.greenery * s.range(0.6, 1.9),
+            street_trees: s.chance((0.6 * config.greenery).min(0.9)).then(|| (s.range(8.0, 13.5), s.below(trees))),
             lamp: (lamp_kind, s.below(poles), s.range(25.0, 35.0)),
             vacant_share: s.range(0.02, 0.16),
             bin_share: if s.chance(0.2) { 0.85 } else { 0.25 },

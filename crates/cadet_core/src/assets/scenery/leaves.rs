@@ -11,6 +11,9 @@ use crate::rng::Stream;
 /// reaches beyond is shrunk. So crowns keep their leaf area.
 const KEPT_WITHIN: f32 = 0.7;
 
+/// Neither deep in a crown nor at its top.
+const MIDDLING: f32 = 0.5;
+
 /// A mesh of wood and leaf cards in the making.
 #[derive(Debug, Default)]
 pub(super) struct Leaves {
@@ -24,10 +27,12 @@ impl Leaves {
     /// Adds a card: a flat kite about `middle`, its area about `size`^2, that faces `facing`; its shading normal is bent to
     /// `outward`.
     pub fn card(&mut self, s: &mut Stream, middle: Vec3, facing: Vec3, outward: Vec3, size: f32) {
-        self.card_within(s, middle, facing, outward, size, (middle, f32::INFINITY));
+        self.card_within(s, middle, facing, outward, size, (middle, f32::INFINITY), MIDDLING);
     }
 
     /// Adds a card that keeps within a ball (center, radius), moved inwards and shrunk: large ones do not widen the crown.
+    /// `openness` from 0, deep in the crown, to 1, at its top: leaves in the shade of others are darker, and so is what
+    /// they let through.
     pub fn card_within(
         &mut self,
         s: &mut Stream,
@@ -36,6 +41,7 @@ impl Leaves {
         outward: Vec3,
         size: f32,
         (center, radius): (Vec3, f32),
+        openness: f32,
     ) {
         let side = direction(s).cross(facing).normalize_or(Vec3::X);
         let up = facing.cross(side);
@@ -55,7 +61,8 @@ impl Leaves {
             .extend(if flip { [[0, 2, 1], [0, 3, 2]] } else { [[0, 1, 2], [0, 2, 3]] }.map(|f| f.map(|i| base + i)));
         self.vertices.extend(corners);
         self.normals.extend([normal; 4]);
-        let slot = match s.weighted(&[0.55, 0.25, 0.20]) {
+        let (light, dark) = (f64::from(0.5 * openness), f64::from(0.8 * (1.0 - openness) * (1.0 - openness)));
+        let slot = match s.weighted(&[1.0 - light - dark, light, dark]) {
             0 => slot::LEAF,
             1 => slot::LIGHT_LEAF,
             _ => slot::DARK_LEAF,

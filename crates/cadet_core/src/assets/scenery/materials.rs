@@ -193,7 +193,7 @@ pub fn plant_palette(stream: &mut Stream, evergreen: bool) -> Arc<Palette> {
     Arc::new(Palette::new(vec![
         leaf(base, reflectance),
         leaf([base[0] * 1.55, base[1] * 1.42, base[2] * 1.25], reflectance + 0.02),
-        leaf(base.map(|c| c * 0.55), reflectance - 0.05),
+        leaf(base.map(|c| c * 0.42), reflectance - 0.05),
         Material::matt(Semantic::Vegetation, bark, Pattern::Wood, 0.30),
     ]))
 }

@@ -14,9 +14,9 @@ use crate::rng::Stream;
 /// What kind of plant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum TreeKind {
-    /// Broad-leaved, 7-14 m, first branch at 2.5 m or more.
+    /// Broad-leaved, 8-15 m, first branch at 2.6 m or more.
     Street,
-    /// Broad-leaved or fruit tree of a garden, 4-9 m.
+    /// Broad-leaved or fruit tree of a garden, 4.5-9.5 m.
     Garden,
     /// A spruce or a cypress, 6-16 m.
     Conifer,
@@ -88,11 +88,11 @@ impl TreeDesign {
         let s = &mut stream;
         let (height, crown_radius, crown_base) = match kind {
             TreeKind::Street => {
-                let h = range(s, 7.5, 12.5);
-                (h, range(s, 0.28, 0.36) * h, range(s, 2.5, 3.2))
+                let h = range(s, 8.0, 15.0);
+                (h, range(s, 0.29, 0.38) * h, range(s, 2.6, 3.6))
             }
             TreeKind::Garden => {
-                let h = range(s, 4.0, 8.5);
+                let h = range(s, 4.5, 9.5);
                 (h, range(s, 0.30, 0.40) * h, range(s, 0.25, 0.36) * h)
             }
             TreeKind::Conifer => {
@@ -100,7 +100,7 @@ impl TreeDesign {
                 (h, range(s, 0.16, 0.24) * h, range(s, 0.2, 0.9))
             }
             TreeKind::Wood => {
-                let h = range(s, 9.0, 15.0);
+                let h = range(s, 10.0, 17.0);
                 (h, range(s, 0.30, 0.38) * h, range(s, 0.6, 1.4))
             }
             TreeKind::Shrub => {
@@ -255,9 +255,18 @@ impl TreeDesign {
                 let outward = ((p - blob.center).normalize_or(Vec3::Z) + (p - middle).normalize_or(Vec3::Z)) * 0.5
                     + Vec3::Z * 0.15;
                 let facing = direction(s);
-                leaves.card_within(s, p, facing, outward, size, (blob.center, blob.radius * 1.08));
+                let within = (blob.center, blob.radius * 1.08);
+                leaves.card_within(s, p, facing, outward, size, within, self.openness(p));
             }
         }
+    }
+
+    /// How open to the sky a place of a broad crown is, 0 to 1: half by its height, half by how far out it is.
+    fn openness(&self, p: Vec3) -> f32 {
+        let half_height = 0.5 * (self.height - self.crown_base);
+        let z = (p.z - self.crown_base - half_height) / half_height;
+        let out = Vec3::new(p.x / self.crown_radius, p.y / self.crown_radius, z).length_squared();
+        (0.5 * out + 0.25 * (1.0 + z)).clamp(0.0, 1.0)
     }
 
     fn conifer(&self, wood: &mut MeshBuilder, leaves: &mut Leaves, s: &mut Stream, level: &Level) {
@@ -278,7 +287,8 @@ impl TreeDesign {
             let z = (self.crown_base + t * span - droop).max(0.05);
             let facing = (direction(s) + Vec3::Z * 0.6 + out * 0.3).normalize_or(Vec3::Z);
             let within = (Vec3::Z * z, self.crown_radius * (1.0 - t) * 1.08 + 0.12);
-            leaves.card_within(s, out * rho + Vec3::Z * z, facing, out + Vec3::Z * 0.45, size, within);
+            let openness = 0.7 * (rho / reach.max(0.05)).min(1.0) + 0.3 * t;
+            leaves.card_within(s, out * rho + Vec3::Z * z, facing, out + Vec3::Z * 0.45, size, within, openness);
         }
     }
 }
