@@ -10,11 +10,13 @@ mod exposure;
 mod face;
 mod face_cache;
 mod fragment_binning;
+mod lens_drops;
 mod light;
 mod model;
 mod mosaic;
 mod noise;
 pub mod png;
+mod precipitation;
 mod radiance_pass;
 mod render;
 mod rolling_shutter;
@@ -31,9 +33,11 @@ mod value_noise;
 mod visibility_pass;
 
 pub use distortion::{Distortion, Warp};
+pub use lens_drops::LensDrops;
 #[cfg(test)]
 pub(crate) use model::tests::kitti_like;
 pub use model::{CameraModel, MAX_ROLLING_SHUTTER_S, Pixel, SIDES_PX};
-pub use render::{Rendered, render, render_through};
+pub use precipitation::Precipitation;
+pub use render::{Foreground, Rendered, render, render_through};
 pub use rolling_shutter::{Moving, render_rolling};
 pub use visibility_pass::{Maps, View, Visibility, visibility_pass};

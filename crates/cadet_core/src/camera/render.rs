@@ -4,8 +4,10 @@ use std::cell::RefCell;
 
 use super::distortion::Warp;
 use super::exposure::{WHITE_BALANCE, gain_for_mean_luma, metered};
+use super::lens_drops::LensDrops;
 use super::light::Light;
 use super::noise::{ROWS_BEFORE, blur, expose};
+use super::precipitation::Precipitation;
 use super::radiance_pass::{radiance_pass, room_for};
 use super::shadow::ShadowMaps;
 use super::sky::Sky;
@@ -51,33 +53,49 @@ thread_local! {
     static SCRATCH: RefCell<Scratch> = RefCell::default();
 }
 
+/// What is between the scene and the sensor.
+#[derive(Debug, Clone, Default)]
+pub struct Foreground<'a> {
+    /// What falls through the view, one by one.
+    pub precipitation: Option<Precipitation>,
+    /// Drops on the lens.
+    pub lens_drops: LensDrops,
+    /// A lens that bends the image: it takes it from the view's, before the sensor's noise.
+    pub warp: Option<&'a Warp>,
+}
+
 /// Shades what is visible, exposes it, and adds the sensor's noise: RGB, 8 bits, row-major.
 ///
 /// # Determinism
 /// A function of its arguments; one thread. `stream` feeds the exposure and the noise alone.
 #[must_use]
 pub fn render(scene: &PosedScene, view: &View, weather: &Weather, seen: &Visibility, stream: &mut Stream) -> Vec<u8> {
-    render_through(scene, view, weather, seen, None, stream)
+    render_through(scene, view, weather, seen, &Foreground::default(), stream)
 }
 
-/// The same through a lens that bends the image: `warp` takes it from the view's, before the sensor's noise.
+/// The same through what is between scene and sensor.
 #[must_use]
 pub fn render_through(
     scene: &PosedScene,
     view: &View,
     weather: &Weather,
     seen: &Visibility,
-    warp: Option<&Warp>,
+    foreground: &Foreground<'_>,
     stream: &mut Stream,
 ) -> Vec<u8> {
     let (width, height) = (view.width, view.height);
     let mut scratch = SCRATCH.take();
     let light = radiance(scene, view, weather, seen, &mut scratch);
+    let rgb = &mut scratch.rgb[ROWS_BEFORE * width * 3..];
+    if let Some(precipitation) = &foreground.precipitation {
+        precipitation.draw(rgb, view, seen, &light);
+    }
+    foreground.lens_drops.draw(rgb, view);
     // Lens and housing scatter a share of the light over the whole image: shadows are never fully black.
     let sums = blur(&mut scratch.rgb, width, height, light.glare_ceiling());
     let blurred = &scratch.rgb[..width * height * 3];
     let (veil, gains) = exposure(blurred, sums, stream);
-    let image = match warp {
+    let image = match foreground.warp {
         None => expose(blurred, width, height, veil, gains, stream),
         Some(warp) => {
             let (width, height) = warp.image_size();

@@ -6,8 +6,10 @@
 use std::ops::Range;
 
 use super::distortion::Warp;
+use super::lens_drops::LensDrops;
 use super::model::CameraModel;
-use super::noise::{blur, expose};
+use super::noise::{ROWS_BEFORE, blur, expose};
+use super::precipitation::Precipitation;
 use super::render::{Rendered, Scratch, exposure, radiance};
 use super::visibility_pass::{Maps, View, visibility_pass};
 use crate::error::Result;
@@ -31,6 +33,10 @@ pub struct Moving<'a, F> {
     pub camera: Motion,
     /// How an actor moves, by its id.
     pub motion_of: F,
+    /// What falls through the view.
+    pub precipitation: Option<Precipitation>,
+    /// Drops on the lens.
+    pub lens_drops: LensDrops,
 }
 
 /// When a row is exposed, in seconds from the middle of the first's and the last's time.
@@ -69,6 +75,9 @@ pub fn render_rolling(
         let scene = moving.scene.moved(|actor_id| (moving.motion_of)(actor_id).displacement(time_s));
         let seen = visibility_pass(&scene, &view)?;
         let light = radiance(&scene, &view, weather, &seen, &mut scratch);
+        if let Some(precipitation) = &moving.precipitation {
+            precipitation.draw(&mut scratch.rgb[ROWS_BEFORE * view.width * 3..], &view, &seen, &light);
+        }
         let ceiling = light.glare_ceiling();
         let _ = blur(&mut scratch.rgb, view.width, view.height, ceiling);
         scratch.reuse(light);
@@ -87,6 +96,7 @@ pub fn render_rolling(
             band.append(&of_band.semantic, &mut maps.semantic);
         }
     }
+    moving.lens_drops.draw(&mut rgb, &View { width: camera.width, height: camera.height, ..at_instant });
     let (veil, gains) = exposure(&rgb, sums, stream);
     Ok(Rendered { image: expose(&rgb, camera.width, camera.height, veil, gains, stream), maps })
 }

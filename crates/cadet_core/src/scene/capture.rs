@@ -4,7 +4,10 @@ use std::sync::Arc;
 
 use super::Scene;
 use crate::actor::ActorState;
-use crate::camera::{CameraModel, Moving, Rendered, View, Visibility, render_rolling, render_through, visibility_pass};
+use crate::camera::{
+    CameraModel, Foreground, LensDrops, Moving, Precipitation, Rendered, View, Visibility, render_rolling,
+    render_through, visibility_pass,
+};
 use crate::error::{Error, Result};
 use crate::label::{Boxes, Sighting, TakenView, add_points, may_label, pixels_of_actors, road_plane_cam, sightings};
 use crate::lidar::{LidarSpec, Scan, Turning, scan, turning_scan};
@@ -193,8 +196,18 @@ impl Scene {
         let CameraModel { width, height, .. } = *sensor;
         let warp = sensor.warp();
         let mut stream = self.key.indexed(&stream_name("camera", index, name), request.sample);
+        let drops_stream = &mut self.key.stream(&stream_name("lens drops", index, name));
+        let lens_drops = LensDrops::at(&self.weather, snapshot.time_s, drops_stream);
+        let precipitation = Precipitation::of(
+            &self.weather,
+            self.rig.cameras()[0].mount.world_from_sensor(&snapshot.ego.world_from_ego).translation,
+            snapshot.ego.velocity_world,
+            &mut self.key.indexed("precipitation", request.sample),
+        );
         let rendered = if sensor.rolling_shutter_s() > 0.0 {
             let moving = Moving {
+                precipitation,
+                lens_drops,
                 scene: &posed,
                 world_from_cam: &mount.world_from_sensor(&snapshot.ego.world_from_ego),
                 camera: motion_of_ego(&snapshot),
@@ -202,7 +215,8 @@ impl Scene {
             };
             render_rolling(&moving, sensor, &self.weather, request.with_maps, &mut stream)?
         } else {
-            let image = render_through(&posed, view, &self.weather, seen, warp, &mut stream);
+            let foreground = Foreground { precipitation, lens_drops, warp };
+            let image = render_through(&posed, view, &self.weather, seen, &foreground, &mut stream);
             Rendered { image, maps: request.with_maps.then(|| seen.maps_through(&posed, warp)) }
         };
         Ok(Image { name: name.clone(), width, height, rendered })
