@@ -2,6 +2,7 @@
 
 mod ambient_cache;
 mod block_sums;
+mod bloom;
 mod contact_occlusion;
 mod coverage;
 mod deferred_shading;
@@ -13,6 +14,7 @@ mod fragment_binning;
 mod light;
 mod model;
 mod mosaic;
+mod night_lights;
 mod noise;
 pub mod png;
 mod radiance_pass;
@@ -29,6 +31,7 @@ mod tests;
 mod textures;
 mod value_noise;
 mod visibility_pass;
+mod windows;
 
 pub use distortion::{Distortion, Warp};
 #[cfg(test)]

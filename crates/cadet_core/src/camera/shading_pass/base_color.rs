@@ -26,6 +26,8 @@ const SNOW_ALBEDO: f32 = 0.8;
 pub enum Side {
     Left,
     Right,
+    /// The middle of both.
+    Middle,
 }
 
 impl Side {
@@ -33,7 +35,11 @@ impl Side {
 
     /// From the pair's middle, in half spacings.
     fn offset(self) -> f32 {
-        if self == Self::Left { -1.0 } else { 1.0 }
+        match self {
+            Self::Left => -1.0,
+            Self::Right => 1.0,
+            Self::Middle => 0.0,
+        }
     }
 }
 
@@ -98,7 +104,7 @@ pub fn texture(
     macro_rules! fill {
         ($($of:ident),*) => {
             match pattern {
-                Pattern::Plain | Pattern::Lamp => (),
+                Pattern::Plain | Pattern::Lamp | Pattern::Reflector => (),
                 $(Pattern::$of => {
                     for i in 0..m.min(BATCH_SIZE) {
                         let at = PatternPoint {
@@ -115,7 +121,7 @@ pub fn texture(
             }
         };
     }
-    fill!(Asphalt, Slabs, Blocks, Bricks, Render, Tiles, Grass, Leaves, Wood, Cloth, Paint);
+    fill!(Asphalt, Slabs, Blocks, Bricks, Render, Tiles, Grass, Leaves, Wood, Cloth, Paint, Window);
 }
 
 /// Lays snow on the left or the right pixels.

@@ -47,10 +47,6 @@ const BOTH_FACES: f32 = 1.8;
 const GLASS_ROUGHNESS: f32 = 0.15;
 const GLASS_TINT: Vec3 = Vec3::new(0.93, 1.0, 0.95);
 
-/// Radiance of what shines of itself, per unit of its color: half that of a white wall in the sun, against which lights have
-/// to be seen.
-pub const LAMP_RADIANCE: f32 = 0.55;
-
 /// Ambient irradiance by shading normals, of faces that are not flat.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 pub fn ambient_of_normals(geometry: &SurfaceGeometry, m: usize, sky: &Sky, incident: &mut IncidentLight) {
@@ -67,12 +63,14 @@ pub fn diffuse(
     geometry: &SurfaceGeometry,
     incident: &IncidentLight,
     m: usize,
-    (sky, wetness): (&Sky, f32),
+    light: &Light,
     variant: ShaderVariant,
     out: &mut BatchVector,
 ) {
-    if variant.pattern == Pattern::Lamp {
-        out.iter_mut().for_each(|channel| channel.fill(LAMP_RADIANCE));
+    let (sky, wetness) = (&light.sky, light.wetness);
+    if matches!(variant.pattern, Pattern::Lamp | Pattern::Window) {
+        let radiance = if variant.pattern == Pattern::Lamp { light.lamp_radiance } else { 1.0 };
+        out.iter_mut().for_each(|channel| channel.fill(radiance));
         return;
     }
     let is_leaf = variant.pattern == Pattern::Leaves;
@@ -88,9 +86,26 @@ pub fn diffuse(
         } else {
             Vec3::splat(facing)
         };
-        let wet = if normal.z > WET_RISE { 1.0 - WET_DARKENING * wetness } else { 1.0 };
+        let wet = wet_share(normal.z, wetness);
         put(out, i, (sky.sun * direct * incident.shadow_factor[i] + ambient) * wet);
     }
+}
+
+/// Reflectance at normal incidence and roughness of a surface of these of its own, or of the film of water on it.
+#[inline(always)]
+pub fn coat(is_ground: bool, rise: f32, (x, y): (f32, f32), wetness: f32, own: (f32, f32)) -> (f32, f32) {
+    let puddle = value_noise(x * PUDDLES_PER_M, y * PUDDLES_PER_M, PUDDLE_SALT);
+    let is_wet = is_ground && rise > WET_RISE;
+    let film = if is_wet { (wetness * FILM_BY_WETNESS - FILM_BY_PUDDLE * puddle).clamp(0.0, 1.0) } else { 0.0 };
+    let f0 = if film > 0.0 { WATER_F0 } else { own.0 };
+    let roughness = if film > 0.0 { WET_ROUGHNESS - SMOOTHER_BY_FILM * film } else { own.1 };
+    (f0, roughness)
+}
+
+/// What wetness leaves of the diffuse light of a surface that rises so much.
+#[inline(always)]
+pub fn wet_share(rise: f32, wetness: f32) -> f32 {
+    if rise > WET_RISE { 1.0 - WET_DARKENING * wetness } else { 1.0 }
 }
 
 /// What a coat or a film of water reflects, and what it leaves of the diffuse light.
@@ -108,11 +123,8 @@ pub fn specular(
     for i in 0..m.min(BATCH_SIZE) {
         let (view, normal) = (get(&geometry.view, i), get(&geometry.normal, i));
         let (x, y) = (geometry.point[0][i] + eye.x, geometry.point[1][i] + eye.y);
-        let puddle = value_noise(x * PUDDLES_PER_M, y * PUDDLES_PER_M, PUDDLE_SALT);
-        let is_wet = inputs.flags[i] & Flags::GROUND > 0 && normal.z > WET_RISE;
-        let film = if is_wet { (wetness * FILM_BY_WETNESS - FILM_BY_PUDDLE * puddle).clamp(0.0, 1.0) } else { 0.0 };
-        let f0 = if film > 0.0 { WATER_F0 } else { inputs.f0[i] };
-        let roughness = if film > 0.0 { WET_ROUGHNESS - SMOOTHER_BY_FILM * film } else { inputs.roughness[i] };
+        let is_ground = inputs.flags[i] & Flags::GROUND > 0;
+        let (f0, roughness) = coat(is_ground, normal.z, (x, y), wetness, (inputs.f0[i], inputs.roughness[i]));
         let cos_view = (-view.dot(normal)).clamp(0.0, 1.0);
         let smooth = (1.0 - roughness) * (1.0 - roughness);
         let fresnel = f0 + (1.0 - f0) * fifth(1.0 - cos_view) * smooth;

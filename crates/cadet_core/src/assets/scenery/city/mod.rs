@@ -14,7 +14,7 @@ pub use colors::city_palette;
 pub use kind::CityKind;
 pub use paving::{flagstones, tree_pit};
 pub(super) use shop::{Shop, gate as fill_gate};
-pub use span::span_lamp;
+pub use span::{SPAN_LENS_M, span_lamp};
 
 use self::plan::{Face, Side};
 use super::draw::{CREASE_RAD, block, range};
