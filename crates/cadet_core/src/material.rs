@@ -240,6 +240,15 @@ impl Palette {
         self.with_night(Self::new(materials))
     }
 
+    /// The same with the light sources that another has at night.
+    #[must_use]
+    pub fn lit_at_night_as(mut self, other: &Self) -> Self {
+        if let (Some(own), Some(other)) = (&self.at_night, &other.at_night) {
+            self.at_night = Some(Arc::new(Self::clone(own).with_lamps(other.lamps.clone())));
+        }
+        self
+    }
+
     /// Light sources, in the instance's frame.
     #[must_use]
     pub fn lamps(&self) -> &[Lamp] {

@@ -165,6 +165,8 @@ pub struct WideSurfaces {
     pub contact: Wide,
     pub f0: Wide,
     pub roughness: Wide,
+    /// Share of the surface that mirrors lamps.
+    pub mirror: Wide,
     pub flags: [u32; WIDE],
     pub is_leaf: bool,
     pub is_glossy: bool,
@@ -177,9 +179,10 @@ pub struct WideLight {
     pub mirrored: [Wide; 3],
 }
 
-/// Of light on leaves: as in `lighting`, what goes by the cosine and what is scattered to all sides.
-const LEAF_DIRECT: f32 = 0.9;
-const LEAF_SCATTERED: f32 = 0.20;
+/// Of light on leaves, what goes by the cosine and what is scattered to all sides: more than of the sun's, since each lamp's
+/// light comes from one side alone and meets leaves of all directions in a pixel.
+pub const LEAF_DIRECT: f32 = 0.6;
+pub const LEAF_SCATTERED: f32 = 0.30;
 const LEAF_THROUGH: f32 = 0.75;
 
 /// Adds the light of a lamp where `share` is 1.
@@ -252,7 +255,7 @@ pub fn add_lamp(lamp: &NightLamp, s: &WideSurfaces, share: &Wide, out: &mut Wide
             let to_lamp = -Vec3::new(to[0][i], to[1][i], to[2][i]) / distance[i];
             let view = Vec3::new(s.view[0][i], s.view[1][i], s.view[2][i]);
             let normal = Vec3::new(s.normal[0][i], s.normal[1][i], s.normal[2][i]);
-            let shine = strength[i] * glint(to_lamp, view, normal, s.f0[i], s.roughness[i]);
+            let shine = strength[i] * s.mirror[i] * glint(to_lamp, view, normal, s.f0[i], s.roughness[i]);
             out.mirrored[0][i] += color.x * shine;
             out.mirrored[1][i] += color.y * shine;
             out.mirrored[2][i] += color.z * shine;
@@ -260,8 +263,8 @@ pub fn add_lamp(lamp: &NightLamp, s: &WideSurfaces, share: &Wide, out: &mut Wide
     }
 }
 
-/// Lamps are no points: no place is nearer than a meter to their light.
-pub const LEAST_SQUARE_M2: f32 = 1.0;
+/// Lamps are no points: no place is nearer than 1.4 m to their light.
+pub const LEAST_SQUARE_M2: f32 = 2.0;
 
 /// Radiance that a coat mirrors, per irradiance square to the light: the microfacet model of Walter et al. (EGSR 2007) with
 /// GGX's distribution, Smith's shadowing (Hammon 2017), and Schlick's Fresnel term.

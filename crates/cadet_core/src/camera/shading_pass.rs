@@ -23,6 +23,8 @@ use self::geometry::place_surfaces;
 use self::lamp_light::add_lamp_light;
 use self::lighting::{ambient_of_normals, diffuse, specular, transparent};
 #[cfg(test)]
+pub(super) use self::lighting::lamp_coat;
+#[cfg(test)]
 pub(super) use self::reflections::{environment, highlight};
 use self::resolve::{resolve, through_air};
 use super::ambient_cache::AmbientTerms;

@@ -11,7 +11,7 @@ const SHOP_FROM_M: f32 = 2.45;
 const SHOP_FLAG: u32 = 1 << 31;
 /// Shops are lit more often, more brightly, and whiter.
 const SHOP_SHARE: f32 = 2.6;
-const SHOP_RADIANCE: f32 = 3.0;
+const SHOP_RADIANCE: f32 = 1.8;
 /// Light of homes and of shops, of luma 1; of screens.
 const WARM: Vec3 = Vec3::new(1.42, 0.93, 0.42);
 const COOL: Vec3 = Vec3::new(1.04, 1.0, 0.86);

@@ -12,6 +12,7 @@ use crate::assets::scenery::{
     tree,
 };
 use crate::frames;
+use crate::material::Palette;
 use crate::math::DVec3;
 use crate::rng::Stream;
 
@@ -93,7 +94,8 @@ fn place_house(plot: &Plot, house: &PlacedHouse, s: &mut Stream, placer: &mut Pl
     let size = house.model.footprint_size();
     let at = plot.at(house.along_m, house.setback_m + size.x / 2.0);
     if house.is_city() {
-        placer.put(&house.model, city_palette(s), at, -plot.out());
+        let palette = Palette::clone(&city_palette(s)).lit_at_night_as(&house.model.palette);
+        placer.put(&house.model, Arc::new(palette), at, -plot.out());
         placer.cover(&plot.house_parts());
         for y in house_doors(&house.model) {
             // The house looks toward the street, so its own y axis runs against the plot's.

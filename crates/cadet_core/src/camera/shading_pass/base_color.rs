@@ -6,6 +6,7 @@ use super::super::face::{Flags, ShaderVariant};
 use super::super::shading_queue::{BATCH_SIZE, BatchScalar};
 use super::super::textures::{self, PatternPoint};
 use super::super::value_noise::value_noise;
+use super::super::windows;
 use super::batch::{BatchVector, ShadingCamera, SurfaceGeometry, SurfaceInputs, get, put};
 use crate::material::Pattern;
 use crate::math::Vec3;
@@ -105,23 +106,27 @@ pub fn texture(
         ($($of:ident),*) => {
             match pattern {
                 Pattern::Plain | Pattern::Lamp | Pattern::Reflector => (),
-                $(Pattern::$of => {
-                    for i in 0..m.min(BATCH_SIZE) {
-                        let at = PatternPoint {
-                            u: u[i],
-                            v: v[i],
-                            footprint_m: geometry.footprint_m[i],
-                            pixel_m: geometry.pixel_m[i],
-                            face_hash: inputs.face_hash[i],
-                            place_hash: inputs.place_hash[i],
-                        };
-                        put(out, i, textures::albedo(Pattern::$of, get(&inputs.albedo, i), &at));
-                    }
-                })*
+                Pattern::Window => fill_with!(windows::radiance),
+                $(Pattern::$of => fill_with!(|base, at| textures::albedo(Pattern::$of, base, at)),)*
             }
         };
     }
-    fill!(Asphalt, Slabs, Blocks, Bricks, Render, Tiles, Grass, Leaves, Wood, Cloth, Paint, Window);
+    macro_rules! fill_with {
+        ($color:expr) => {
+            for i in 0..m.min(BATCH_SIZE) {
+                let at = PatternPoint {
+                    u: u[i],
+                    v: v[i],
+                    footprint_m: geometry.footprint_m[i],
+                    pixel_m: geometry.pixel_m[i],
+                    face_hash: inputs.face_hash[i],
+                    place_hash: inputs.place_hash[i],
+                };
+                put(out, i, $color(get(&inputs.albedo, i), &at));
+            }
+        };
+    }
+    fill!(Asphalt, Slabs, Blocks, Bricks, Render, Tiles, Grass, Leaves, Wood, Cloth, Paint);
 }
 
 /// Lays snow on the left or the right pixels.

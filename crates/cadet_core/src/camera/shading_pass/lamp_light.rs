@@ -5,8 +5,8 @@ use multiversion::multiversion;
 use super::super::face::{Flags, ShaderVariant};
 use super::super::night_lights::{NightLights, WIDE, WideLight, WideSurfaces, add_lamp};
 use super::super::shading_queue::{BATCH_SIZE, BATCH_STRIDE};
-use super::batch::{BatchVector, IncidentLight, SurfaceGeometry, SurfaceInputs, get};
-use super::lighting::{coat, wet_share};
+use super::batch::{BatchVector, IncidentLight, SurfaceGeometry, SurfaceInputs};
+use super::lighting::{lamp_coat, wet_share};
 use crate::material::Pattern;
 use crate::math::Vec3;
 
@@ -37,6 +37,7 @@ pub fn add_lamp_light(
             contact: std::array::from_fn(|i| incident.contact_occlusion[first + i]),
             f0: [0.0; WIDE],
             roughness: [1.0; WIDE],
+            mirror: [0.0; WIDE],
             flags: std::array::from_fn(|i| inputs.flags[first + i]),
             is_leaf: variant.pattern == Pattern::Leaves,
             is_glossy: variant.is_glossy || variant.is_transparent,
@@ -47,7 +48,8 @@ pub fn add_lamp_light(
                 let place = (geometry.point[0][at] + eye.x, geometry.point[1][at] + eye.y);
                 let is_ground = inputs.flags[at] & Flags::GROUND > 0;
                 let own = (inputs.f0[at], inputs.roughness[at]);
-                (s.f0[i], s.roughness[i]) = coat(is_ground, get(&geometry.normal, at).z, place, wetness, own);
+                let rise = geometry.normal[2][at];
+                [s.f0[i], s.roughness[i], s.mirror[i]] = lamp_coat(is_ground, rise, place, wetness, own);
             }
         }
         let cells: [u32; WIDE] = std::array::from_fn(|i| cells[first + i]);

@@ -30,6 +30,9 @@ const WET_DARKENING: f32 = 0.45;
 const WET_ROUGHNESS: f32 = 0.55;
 /// A full film is so much smoother.
 const SMOOTHER_BY_FILM: f32 = 0.2;
+/// Of the parts of a film that mirror lamps: roughness, how much smoother a full film is, and their share of a full one.
+const FILM_ROUGHNESS: (f32, f32) = (0.36, 0.08);
+const FILM_MIRROR: f32 = 0.3;
 /// Puddles: cells of noise per meter, and the film by wetness and by noise.
 const PUDDLES_PER_M: f32 = 0.35;
 const PUDDLE_SALT: u32 = 0xF11;
@@ -94,12 +97,30 @@ pub fn diffuse(
 /// Reflectance at normal incidence and roughness of a surface of these of its own, or of the film of water on it.
 #[inline(always)]
 pub fn coat(is_ground: bool, rise: f32, (x, y): (f32, f32), wetness: f32, own: (f32, f32)) -> (f32, f32) {
-    let puddle = value_noise(x * PUDDLES_PER_M, y * PUDDLES_PER_M, PUDDLE_SALT);
-    let is_wet = is_ground && rise > WET_RISE;
-    let film = if is_wet { (wetness * FILM_BY_WETNESS - FILM_BY_PUDDLE * puddle).clamp(0.0, 1.0) } else { 0.0 };
+    let film = film(is_ground, rise, (x, y), wetness);
     let f0 = if film > 0.0 { WATER_F0 } else { own.0 };
     let roughness = if film > 0.0 { WET_ROUGHNESS - SMOOTHER_BY_FILM * film } else { own.1 };
     (f0, roughness)
+}
+
+/// Share of a surface that is under a film of water.
+#[inline(always)]
+fn film(is_ground: bool, rise: f32, (x, y): (f32, f32), wetness: f32) -> f32 {
+    let puddle = value_noise(x * PUDDLES_PER_M, y * PUDDLES_PER_M, PUDDLE_SALT);
+    let is_wet = is_ground && rise > WET_RISE;
+    if is_wet { (wetness * FILM_BY_WETNESS - FILM_BY_PUDDLE * puddle).clamp(0.0, 1.0) } else { 0.0 }
+}
+
+/// As [`coat`] for the mirror images of lamps: reflectance, roughness, and the share of the surface that is a mirror. What
+/// stands out of the film is left out of it, so that it is smoother than for the sky.
+#[inline(always)]
+pub fn lamp_coat(is_ground: bool, rise: f32, place: (f32, f32), wetness: f32, own: (f32, f32)) -> [f32; 3] {
+    let film = film(is_ground, rise, place, wetness);
+    if film > 0.0 {
+        [WATER_F0, FILM_ROUGHNESS.0 - FILM_ROUGHNESS.1 * film, FILM_MIRROR * film]
+    } else {
+        [own.0, own.1, (1.0 - own.1) * (1.0 - own.1)]
+    }
 }
 
 /// What wetness leaves of the diffuse light of a surface that rises so much.

@@ -9,6 +9,9 @@ use crate::weather::Weather;
 const ZENITH: Vec3 = Vec3::new(2.6e-4, 2.9e-4, 3.7e-4);
 const HORIZON: Vec3 = Vec3::new(2.9e-3, 2.4e-3, 2.0e-3);
 const DOME: Vec3 = Vec3::new(7.0e-3, 5.2e-3, 3.6e-3);
+/// The glow over open country as a share of that over a town, whose ground gets 3 lx of its lamps in the mean.
+const DARKEST: f32 = 0.25;
+const LIT_TOWN: f32 = 0.03;
 /// Clouds throw back so many times the light of a clear sky.
 const CLOUDY_OVER_CLEAR: f32 = 3.0;
 /// Of the mean light of lamps on the ground, what reaches upright surfaces.
@@ -22,7 +25,8 @@ impl Sky {
         let azimuth = weather.sun_azimuth_rad;
         let (open, closed) = OVERCAST_CLOUDINESS;
         let overcast = math::smoothstep(open, closed, weather.cloudiness) as f32;
-        let brightness = 1.0 + (CLOUDY_OVER_CLEAR - 1.0) * overcast;
+        let town = (DARKEST + lamps.y / LIT_TOWN).min(1.0);
+        let brightness = town * (1.0 + (CLOUDY_OVER_CLEAR - 1.0) * overcast);
         let mut sky = Self {
             // Where the town's middle lies; there is no sun.
             sun_world: Vec3::new(math::cos(azimuth) as f32, math::sin(azimuth) as f32, 0.0),

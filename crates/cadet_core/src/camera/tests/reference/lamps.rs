@@ -2,7 +2,10 @@
 
 use super::Reference;
 use super::shading::{Point, Surface};
-use crate::camera::night_lights::{LEAST_ALPHA_SQUARED, RETRO, RETRO_SINE};
+use crate::camera::night_lights::{
+    LEAF_DIRECT, LEAF_SCATTERED, LEAST_ALPHA_SQUARED, LEAST_SQUARE_M2, RETRO, RETRO_SINE,
+};
+use crate::camera::shading_pass::lamp_coat;
 use crate::lamp::{Beam, fade};
 use crate::material::Pattern;
 use crate::math::Vec3;
@@ -15,16 +18,19 @@ impl Reference {
         at: &Point,
         normal: Vec3,
         contact: f32,
-        (f0, roughness): (f32, f32),
+        is_ground: bool,
     ) -> [Vec3; 2] {
         let Some(night) = &self.light.night else { return [Vec3::ZERO; 2] };
+        let own = (s.material.specular, s.material.roughness);
+        let [f0, roughness, mirror] =
+            lamp_coat(is_ground, normal.z, (at.world.x, at.world.y), self.light.wetness, own);
         let point = at.view * at.distance_m;
         let (mut irradiance, mut mirrored) = (Vec3::ZERO, Vec3::ZERO);
         let throws_back = s.material.lidar.retro || s.material.pattern == Pattern::Reflector;
         for known in &night.lamps {
             let lamp = &known.lamp;
             let from_lamp = point - lamp.at;
-            let distance_m = from_lamp.length().max(1.0);
+            let distance_m = from_lamp.length().max(LEAST_SQUARE_M2.sqrt());
             let to_lamp = -from_lamp / distance_m;
             let from_above = if matches!(lamp.beam, Beam::Luminaire { .. }) { contact } else { 1.0 };
             let square = distance_m * distance_m;
@@ -32,13 +38,13 @@ impl Reference {
                 * (lamp.share(from_lamp, distance_m) * from_above * fade(square, lamp.reach_m * lamp.reach_m) / square);
             let cos = normal.dot(to_lamp);
             let facing = cos.max(0.0);
-            irradiance += strength * if s.is_leaf { (facing + 0.75 * (-cos).max(0.0)) * 0.9 + 0.2 } else { facing };
+            irradiance += strength * if s.is_leaf { (facing + 0.75 * (-cos).max(0.0)) * LEAF_DIRECT + LEAF_SCATTERED } else { facing };
             if throws_back && to_lamp.dot(at.view) < 0.0 {
                 let sine = to_lamp.cross(at.view).length() / RETRO_SINE;
                 irradiance += strength * facing * RETRO / (1.0 + sine * sine);
             }
             if f0 > 0.0 && !s.is_leaf && facing > 0.0 {
-                mirrored += strength * ggx(to_lamp, -at.view, normal, f0, roughness);
+                mirrored += strength * mirror * ggx(to_lamp, -at.view, normal, f0, roughness);
             }
         }
         [irradiance, mirrored]

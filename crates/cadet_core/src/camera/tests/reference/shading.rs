@@ -7,7 +7,7 @@ use crate::camera::shading_pass::{environment, highlight};
 use crate::camera::sky_visibility::SkyVisibility;
 use crate::camera::textures::{PatternPoint, albedo};
 use crate::camera::value_noise::{hash2, value_noise};
-use crate::camera::windows::window;
+use crate::camera::windows::{radiance, window};
 use crate::geometry::{LEAST_WEIGHT, Mesh};
 use crate::material::{Material, Pattern, Semantic};
 use crate::math::{DVec3, Vec3, expf};
@@ -31,7 +31,7 @@ pub struct Point {
     pub(super) depth_m: f32,
     /// Unit vector from the eye.
     pub(super) view: Vec3,
-    distance_m: f32,
+    pub(super) distance_m: f32,
 }
 
 /// Of every face of a mesh the one that stands for it: the first of two that are a flat quadrilateral.
@@ -172,7 +172,7 @@ impl Reference {
             } else {
                 1.0
             };
-        let albedo = albedo(m.pattern, base, &place);
+        let albedo = if is_window { radiance(base, &place) } else { albedo(m.pattern, base, &place) };
         let worn = if m.semantic == Semantic::Road { 0.55 } else { 1.0 };
         let lies = if is_vehicle(m.semantic) { 0.0 } else { 1.0 };
         let drift = value_noise(at.world.x * 0.6, at.world.y * 0.6, 0x5E0);
@@ -215,7 +215,7 @@ impl Reference {
             let fresnel = schlick(m.specular.max(0.045) * 1.8, 1.0).min(1.0);
             let shine = environment(sky, mirrored, &toward, 0.0) + highlight(sky, mirrored, 0.15) * lit;
             let through = Vec3::new(0.93, 1.0, 0.95) * (m.transmission * (1.0 - fresnel));
-            let [_, glints] = self.lamp_light(s, at, normal, contact, (m.specular, m.roughness));
+            let [_, glints] = self.lamp_light(s, at, normal, contact, false);
             let room = if m.pattern == Pattern::Window { self.albedo(s, at) } else { Vec3::ZERO };
             let in_front = self.through_air(shine * fresnel + glints + room, at.view, at.distance_m);
             return [through, in_front - through * self.through_air(Vec3::ZERO, at.view, at.distance_m)];
@@ -230,7 +230,7 @@ impl Reference {
         let is_wet = s.is_ground && normal.z > 0.5;
         let film = if is_wet { (wetness * 1.5 - 0.9 * puddle).clamp(0.0, 1.0) } else { 0.0 };
         let (f0, roughness) = if film > 0.0 { (0.02, 0.55 - 0.2 * film) } else { (m.specular, m.roughness) };
-        let [lamps, glints] = self.lamp_light(s, at, normal, contact, (f0, roughness));
+        let [lamps, glints] = self.lamp_light(s, at, normal, contact, s.is_ground);
         let (diffuse, glints) = match m.pattern {
             Pattern::Lamp => (Vec3::splat(self.light.lamp_radiance), Vec3::ZERO),
             Pattern::Window => (Vec3::ONE, Vec3::ZERO),
