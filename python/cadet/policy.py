@@ -175,7 +175,7 @@ class ResetPolicy:
 
     @classmethod
     def paper(cls) -> ResetPolicy:
-        """The 2019 paper's resets and rig: cars and pedestrians alone, exact boxes, every weather of the day equally likely.
+        """The 2019 paper's resets and rig: cars and pedestrians alone, exact boxes, all weathers of the day alike.
 
         As in the paper's 10,000 frames, 1.4 cars and 0.49 pedestrians are labeled in a frame.
         """

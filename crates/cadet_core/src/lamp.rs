@@ -19,7 +19,7 @@ pub enum Beam {
     },
     /// A low beam for traffic that keeps to the right.
     LowBeam,
-    /// A small lens, as of tail lamps and traffic lights: the fourth power of the cosine to its axis.
+    /// A small lens, as of tail lamps and traffic lights: the 16th power of the cosine to its axis.
     Lens,
 }
 
@@ -112,7 +112,9 @@ pub fn low_beam(ahead_m: f32, left_m: f32, up_m: f32) -> f32 {
 #[must_use]
 pub fn lens(cos_axis: f32) -> f32 {
     let square = cos_axis.max(0.0) * cos_axis.max(0.0);
-    square * square
+    let fourth = square * square;
+    let eighth = fourth * fourth;
+    eighth * eighth
 }
 
 /// What is left of a lamp's light at a distance, by its square and that of the reach: it fades out at the end.

@@ -109,8 +109,8 @@ pub enum Pattern {
     Paint,
     /// A lamp that is lit: it shines in its color, whatever light falls on it.
     Lamp,
-    /// Panes at night: its albedo's first number is the share of them that is lit, the second the radiance of those, the
-    /// third 1 for white light and 0 for the light of homes.
+    /// Panes at night: its albedo's first number is the share of homes' windows that is lit, the second the radiance of
+    /// those, the third that of shop windows, which are larger. A share above 1: all alike, as in buses.
     Window,
     /// A dark lens at night that throws light back to where it comes from.
     Reflector,
@@ -136,6 +136,9 @@ impl Pattern {
         Self::Reflector,
     ];
 }
+
+/// Radiance of lit lenses at night per unit of their color: a white surface under 100 lx, 31.8 cd/m², has 1.
+pub const NIGHT_LAMP_RADIANCE: f32 = 55.0;
 
 /// A surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -169,6 +172,12 @@ impl Material {
             semantic,
             lidar: LidarMaterial::diffuse(reflectance),
         }
+    }
+
+    /// Makes it a room at night, that is lit by so much light: its radiance in units of 31.8 cd/m² is that times its albedo.
+    pub fn shine(&mut self, irradiance: f32) {
+        self.albedo = self.albedo.map(|a| a * (irradiance / NIGHT_LAMP_RADIANCE));
+        self.pattern = Pattern::Lamp;
     }
 
     /// True if the camera and the laser look through.
@@ -238,15 +247,6 @@ impl Palette {
             (pane.albedo, pane.pattern) = (*albedo, Pattern::Window);
         }
         self.with_night(Self::new(materials))
-    }
-
-    /// The same with the light sources that another has at night.
-    #[must_use]
-    pub fn lit_at_night_as(mut self, other: &Self) -> Self {
-        if let (Some(own), Some(other)) = (&self.at_night, &other.at_night) {
-            self.at_night = Some(Arc::new(Self::clone(own).with_lamps(other.lamps.clone())));
-        }
-        self
     }
 
     /// Light sources, in the instance's frame.

@@ -269,7 +269,8 @@ mod tests {
     fn lamps_are_lit_at_dusk_and_in_rain_snow_and_fog() {
         let lit = Weather::NAMES.into_iter().filter(|name| Weather::preset(name).expect("known").needs_lamps());
         let wet = ["soft_rain", "mid_rain", "hard_rain"].map(|sky| [format!("{sky}_noon"), format!("{sky}_sunset")]);
-        let other = ["light_fog", "dense_fog", "snow", "dusk", "clear_night", "wet_night", "rain_night"].map(str::to_owned);
+        let other =
+            ["light_fog", "dense_fog", "snow", "dusk", "clear_night", "wet_night", "rain_night"].map(str::to_owned);
         let expected: std::collections::BTreeSet<String> = wet.into_iter().flatten().chain(other).collect();
         assert_eq!(lit.map(str::to_owned).collect::<std::collections::BTreeSet<_>>(), expected);
     }

@@ -56,9 +56,9 @@ fn gain_below(rgb: &[f32], target: f32, step: usize, ceiling: f32) -> f32 {
 }
 
 /// At night the longest exposure gives this gain; what is above amplifies the sensor's signal and its noise.
-const LONGEST_EXPOSURE_GAIN: f32 = 2500.0;
-/// The most that the signal is amplified: 16 dB.
-const MOST_AMPLIFICATION: f32 = 6.3;
+const LONGEST_EXPOSURE_GAIN: f32 = 3000.0;
+/// The most that the signal is amplified: 18 dB.
+const MOST_AMPLIFICATION: f32 = 8.0;
 
 /// How an image is exposed: what the lens scatters, and gains, of R, G, and B; and how much the sensor's noise is amplified.
 #[derive(Debug, Clone, Copy)]
@@ -102,8 +102,8 @@ mod tests {
     #[test]
     fn the_gain_at_night_ends_and_amplifies_noise_above_the_longest_exposure() {
         assert_eq!(night_gain(600.0), (600.0, 1.0));
-        assert_eq!(night_gain(5000.0), (5000.0, 2.0));
-        assert_eq!(night_gain(1e6), (15_750.0, 6.3));
+        assert_eq!(night_gain(6000.0), (6000.0, 2.0));
+        assert_eq!(night_gain(1e6), (24_000.0, 8.0));
     }
 
     #[test]

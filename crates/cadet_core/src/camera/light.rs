@@ -4,6 +4,7 @@ use super::night_lights::NightLights;
 use super::shadow::ShadowMaps;
 use super::sky::Sky;
 use super::sky_visibility::SkyProbes;
+use crate::material::NIGHT_LAMP_RADIANCE;
 use crate::math::{DVec3, Vec3};
 use crate::sense::PosedScene;
 use crate::weather::Weather;
@@ -36,10 +37,8 @@ const AIR_SINE: f32 = 0.02;
 const AIR_BRIGHTNESS: f32 = 0.8;
 /// exp(-x) is taken for (1 + x / n)^-n.
 const EXP_POWER: f32 = 16.0;
-/// By day lenses have half the radiance of a white wall in the sun, against which lights have to be seen; at night, where a white
-/// surface under 100 lx has 1, they have 1750 cd/m².
+/// By day lenses have half the radiance of a white wall in the sun, against which lights have to be seen.
 const DAY_LAMP_RADIANCE: f32 = 0.55;
-const NIGHT_LAMP_RADIANCE: f32 = 55.0;
 /// At night no pixel counts for more in what the lens scatters over all of the image, a white surface under 100 lx; around
 /// lamps there are halos ([`super::bloom`]).
 const NIGHT_GLARE_CEILING: f32 = 1.0;

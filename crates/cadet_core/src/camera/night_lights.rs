@@ -133,9 +133,8 @@ impl NightLights {
 /// Mean irradiance on the ground around the eye, half of it that of a wide circle: the light of luminaires over the area.
 fn mean_on_ground(lamps: &[NightLamp]) -> Vec3 {
     let within = |radius_m: f32| {
-        let near = |l: &&NightLamp| {
-            matches!(l.lamp.beam, Beam::Luminaire { .. }) && l.lamp.at.truncate().length() < radius_m
-        };
+        let near =
+            |l: &&NightLamp| matches!(l.lamp.beam, Beam::Luminaire { .. }) && l.lamp.at.truncate().length() < radius_m;
         let sum: Vec3 = lamps.iter().filter(near).map(|l| Vec3::from(l.lamp.intensity)).sum();
         sum * (LUMINAIRE_SR / (std::f32::consts::PI * radius_m * radius_m))
     };
@@ -179,10 +178,10 @@ pub struct WideLight {
     pub mirrored: [Wide; 3],
 }
 
-/// Of light on leaves, what goes by the cosine and what is scattered to all sides: more than of the sun's, since each lamp's
-/// light comes from one side alone and meets leaves of all directions in a pixel.
-pub const LEAF_DIRECT: f32 = 0.6;
-pub const LEAF_SCATTERED: f32 = 0.30;
+/// Of light on leaves, what goes by the cosine and what is scattered to all sides: less of both than of
+/// the sun's, since a crown hides half of itself from a lamp.
+pub const LEAF_DIRECT: f32 = 0.4;
+pub const LEAF_SCATTERED: f32 = 0.20;
 const LEAF_THROUGH: f32 = 0.75;
 
 /// Adds the light of a lamp where `share` is 1.

@@ -2,8 +2,8 @@
 
 use std::cell::RefCell;
 
-use super::distortion::Warp;
 use super::bloom::add_halos;
+use super::distortion::Warp;
 use super::exposure::{Exposure, WHITE_BALANCE, gain_at_night, gain_for_mean_luma, metered, night_gain};
 use super::light::Light;
 use super::noise::{ROWS_BEFORE, blur, expose};

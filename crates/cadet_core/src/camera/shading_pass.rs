@@ -21,9 +21,9 @@ use self::batch::{BatchVector, GroupValues, IncidentLight, OutgoingLight, Surfac
 use self::gather::{gather_ambient, gather_faces, gather_groups, place_pairs};
 use self::geometry::place_surfaces;
 use self::lamp_light::add_lamp_light;
-use self::lighting::{ambient_of_normals, diffuse, specular, transparent};
 #[cfg(test)]
 pub(super) use self::lighting::lamp_coat;
+use self::lighting::{ambient_of_normals, diffuse, specular, transparent};
 #[cfg(test)]
 pub(super) use self::reflections::{environment, highlight};
 use self::resolve::{resolve, through_air};

@@ -9,9 +9,6 @@ const PLACES_PER_M: f32 = 4.0;
 /// Longer diagonals are those of shop windows.
 const SHOP_FROM_M: f32 = 2.45;
 const SHOP_FLAG: u32 = 1 << 31;
-/// Shops are lit more often, more brightly, and whiter.
-const SHOP_SHARE: f32 = 2.6;
-const SHOP_RADIANCE: f32 = 1.8;
 /// Light of homes and of shops, of luma 1; of screens.
 const WARM: Vec3 = Vec3::new(1.42, 0.93, 0.42);
 const COOL: Vec3 = Vec3::new(1.04, 1.0, 0.86);
@@ -29,6 +26,7 @@ const FOLDS_PER_M: f32 = 7.0;
 /// What stands in rooms and behind shop windows: cells of noise per meter, and how dark it is.
 const THINGS_PER_M: f32 = 2.2;
 const THINGS: f32 = 0.85;
+const SHELVES_PER_M: (f32, f32) = (1.1, 2.7);
 
 /// A window's number and the middle of its pane, in its mesh's frame, by the corners of a half of it.
 #[inline]
@@ -54,18 +52,20 @@ pub(super) fn window([a, b, c]: [Vec3; 3], normal: Vec3, place_hash: u32) -> (u3
 pub(super) fn radiance(window: Vec3, at: &PatternPoint) -> Vec3 {
     let hash = at.face_hash;
     let [lit, kind, level, tint] = [1, 2, 3, 4].map(|salt| unit(hash2(hash as i32, salt, 0x1417)));
-    let is_shop = hash & SHOP_FLAG != 0 || window.z > 0.5;
-    let (share, scale) = if is_shop { (SHOP_SHARE, SHOP_RADIANCE) } else { (1.0, 1.0) };
-    if lit >= window.x * share {
+    if window.x > 1.0 {
+        return COOL * window.y;
+    }
+    if hash & SHOP_FLAG != 0 {
+        // Shelves, darker toward the floor.
+        let shelves = value_noise(at.u * SHELVES_PER_M.0, at.v * SHELVES_PER_M.1, hash);
+        let low = (0.7 - at.v * 0.5).clamp(0.0, 1.0);
+        return COOL * (window.z * (1.3 - THINGS * low * (0.4 + shelves)));
+    }
+    if lit >= window.x {
         return Vec3::ZERO;
     }
-    let brightness = window.y * scale * (LEAST + RANGE * level * level);
-    let color = if is_shop { COOL } else { WARM + (COOL - WARM) * (tint * tint) };
-    if is_shop {
-        let things = value_noise(at.u * THINGS_PER_M, at.v * THINGS_PER_M, hash);
-        let low = (0.5 - at.v * 0.6).clamp(0.0, 1.0);
-        return color * (brightness * (1.0 - THINGS * low * things));
-    }
+    let brightness = window.y * (LEAST + RANGE * level * level);
+    let color = WARM + (COOL - WARM) * (tint * tint);
     if kind < SCREEN_SHARE {
         return SCREEN * (0.3 * brightness);
     }
@@ -78,7 +78,6 @@ pub(super) fn radiance(window: Vec3, at: &PatternPoint) -> Vec3 {
     color * (brightness * (1.0 + RISE_PER_M * at.v).max(0.2) * (1.0 - dark))
 }
 
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -89,7 +88,8 @@ mod tests {
 
     #[test]
     fn both_halves_of_a_pane_and_its_coarser_levels_are_one_window() {
-        let [a, b, c, d] = [(0.0, 0.0), (1.2, 0.0), (1.2, 1.4), (0.0, 1.4)].map(|(y, z)| Vec3::new(4.0, 3.1 + y, 2.2 + z));
+        let [a, b, c, d] =
+            [(0.0, 0.0), (1.2, 0.0), (1.2, 1.4), (0.0, 1.4)].map(|(y, z)| Vec3::new(4.0, 3.1 + y, 2.2 + z));
         let (first, middle) = window([a, b, c], Vec3::X, 7);
         let (second, _) = window([a, c, d], Vec3::X, 7);
         // Farther out and larger about the same middle.
@@ -100,12 +100,16 @@ mod tests {
     }
 
     #[test]
-    fn as_many_windows_are_lit_as_stated() {
-        let lit = |flag: u32| {
+    fn as_many_windows_are_lit_as_stated_and_shops_where_they_are() {
+        let lit = |flag: u32, window: Vec3| {
             let hashes = (0..4000_u32).map(|i| hash2(i as i32, 3, 9) & !SHOP_FLAG | flag);
-            hashes.filter(|h| radiance(Vec3::new(0.24, 0.1, 0.0), &at(*h)).y > 0.0).count() as f32 / 4000.0
+            hashes.filter(|h| radiance(window, &at(*h)).y > 0.0).count() as f32 / 4000.0
         };
-        assert!((lit(0) - 0.24).abs() < 0.02, "{}", lit(0));
-        assert!((lit(SHOP_FLAG) - 0.624).abs() < 0.025, "{}", lit(SHOP_FLAG));
+        let homes = lit(0, Vec3::new(0.24, 0.1, 0.0));
+        assert!((homes - 0.24).abs() < 0.02, "{homes}");
+        assert_eq!(lit(SHOP_FLAG, Vec3::new(0.24, 0.1, 0.0)), 0.0);
+        assert_eq!(lit(SHOP_FLAG, Vec3::new(0.24, 0.1, 0.05)), 1.0);
+        let bus = Vec3::new(2.0, 0.1, 0.0);
+        assert_eq!(radiance(bus, &at(3)), radiance(bus, &at(SHOP_FLAG | 4)));
     }
 }

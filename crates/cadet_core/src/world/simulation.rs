@@ -257,7 +257,14 @@ impl World {
     /// The world as it is now: the town's scenery, then the actors within 250 m of the ego by rising id.
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
-        Snapshot::of(&self.arena, &self.town, self.ego(), self.time_s(), self.needs_lamps, self.night_scenery.as_deref())
+        Snapshot::of(
+            &self.arena,
+            &self.town,
+            self.ego(),
+            self.time_s(),
+            self.needs_lamps,
+            self.night_scenery.as_deref(),
+        )
     }
 
     fn ego_driver(&self) -> &Driver {

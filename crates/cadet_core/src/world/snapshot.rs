@@ -75,7 +75,8 @@ impl Snapshot {
             });
         }
         let beams = || low_beams(arena.ego().appearance.size_lwh(), HALOGEN);
-        let ego_lamps = night_scenery.map_or_else(Vec::new, |_| beams().map(|l| l.placed(&ego.world_from_ego)).to_vec());
+        let ego_lamps =
+            night_scenery.map_or_else(Vec::new, |_| beams().map(|l| l.placed(&ego.world_from_ego)).to_vec());
         Self { time_s, ego, instances, actors, ego_lamps }
     }
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::VehicleModel;
-use super::paint::slot;
+use super::paint::{slot, work_slot};
 use crate::actor::ObjectClass;
 use crate::lamp::{Beam, CANDELA, Lamp};
 use crate::material::{Material, Palette, Pattern};
@@ -30,11 +30,12 @@ const HEIGHTS_M: (f32, f32) = (0.6, 0.95);
 const BEFORE_LENS_M: f32 = 0.05;
 /// Tail lamps and brake lamps of both sides together.
 const TAIL_CD: f32 = 12.0;
-const BRAKE_CD: f32 = 110.0;
+const BRAKE_CD: f32 = 80.0;
 const RED: [f32; 3] = [3.2, 0.03, 0.02];
 const TAIL_REACH_M: f32 = 45.0;
-/// Windows of buses and trams with people in them: their radiance.
-const BUS_PANES: [f32; 3] = [1.0, 0.16, 1.0];
+/// Windows of buses and trams with people in them ([`Pattern::Window`]), and the light inside.
+const BUS_PANES: [f32; 3] = [2.0, 0.012, 0.0];
+const BUS_INSIDE: f32 = 0.25;
 
 /// Which lamps of a vehicle are lit.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -98,6 +99,9 @@ impl VehicleModel {
             for number in [slot::SIDE_GLASS, slot::REAR_SIDE_GLASS] {
                 let pane = &mut materials[usize::from(number)];
                 (pane.albedo, pane.pattern) = (BUS_PANES, Pattern::Window);
+            }
+            if let Some(lining) = materials.get_mut(usize::from(work_slot::LINING)) {
+                lining.shine(BUS_INSIDE);
             }
         }
     }

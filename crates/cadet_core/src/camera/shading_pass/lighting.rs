@@ -32,7 +32,7 @@ const WET_ROUGHNESS: f32 = 0.55;
 const SMOOTHER_BY_FILM: f32 = 0.2;
 /// Of the parts of a film that mirror lamps: roughness, how much smoother a full film is, and their share of a full one.
 const FILM_ROUGHNESS: (f32, f32) = (0.36, 0.08);
-const FILM_MIRROR: f32 = 0.3;
+const FILM_MIRROR: f32 = 0.2;
 /// Puddles: cells of noise per meter, and the film by wetness and by noise.
 const PUDDLES_PER_M: f32 = 0.35;
 const PUDDLE_SALT: u32 = 0xF11;

@@ -73,9 +73,12 @@ mod tests {
     fn lit_streets_light_what_is_under_no_sky() {
         let weather = Weather::preset("clear_night").unwrap();
         let [dark, lit] = [0.0, 0.05].map(|lamps| Sky::at_night(&weather, Vec3::splat(lamps)));
-        let between_walls = |sky: &Sky| sky.ambient(Vec3::X, &[0.0; 6]).y;
-        // One bounce by hand: half wall, half ground.
-        let bounce = 0.05 * 0.5 * (0.240 * 0.4 + 0.165 * 0.8);
-        assert!((between_walls(&lit) - between_walls(&dark) - bounce).abs() < 1e-6);
+        // One bounce by hand, green: half of it wall, half ground.
+        for (sky, lamps) in [(&dark, 0.0), (&lit, 0.05)] {
+            let above = sky.sky_on_level.y;
+            let bounce = 0.5 * (0.240 * (0.5 * above + 0.4 * lamps) + 0.8 * 0.165 * (0.8 * above + lamps));
+            assert!((sky.ambient(Vec3::X, &[0.0; 6]).y / bounce - 1.0).abs() < 1e-4);
+        }
+        assert!(lit.ambient(Vec3::X, &[0.0; 6]).y > 10.0 * dark.ambient(Vec3::X, &[0.0; 6]).y);
     }
 }

@@ -87,7 +87,11 @@ impl Shot {
         let [fast_gain, gain] = [&self.fast[..], plain].map(|pixels| {
             let values: Vec<f32> = pixels.iter().flat_map(|p| p.to_array()).collect();
             let metered = metered(&values, veil.to_array(), 1);
-            if is_night { night_gain(gain_at_night(&metered, 27.0)).0 } else { gain_for_mean_luma(&metered, MEAN_LUMA, 1) }
+            if is_night {
+                night_gain(gain_at_night(&metered, 27.0)).0
+            } else {
+                gain_for_mean_luma(&metered, MEAN_LUMA, 1)
+            }
         });
         assert!((fast_gain / gain - 1.0).abs() < 2e-3, "{fast_gain} {gain}");
         let gains = Vec3::from(WHITE_BALANCE) * gain;

@@ -7,7 +7,8 @@ use super::super::plot::Plot;
 use super::super::street_style::CityStyle;
 use super::{Furnisher, Obstacle, OrientedRect, footprint, grown, sidewalk};
 use crate::assets::scenery::{
-    SPAN_LENS_M, StreetLight, THING_VARIANTS, ThingKind, TreeKind, num_variants, span_lamp, thing, thing_palette, tree, tree_pit,
+    SPAN_LENS_M, StreetLight, THING_VARIANTS, ThingKind, TreeKind, num_variants, span_lamp, thing, thing_palette, tree,
+    tree_pit,
 };
 use crate::frames;
 use crate::math::{DVec2, atan2};

@@ -22,8 +22,7 @@ impl Reference {
     ) -> [Vec3; 2] {
         let Some(night) = &self.light.night else { return [Vec3::ZERO; 2] };
         let own = (s.material.specular, s.material.roughness);
-        let [f0, roughness, mirror] =
-            lamp_coat(is_ground, normal.z, (at.world.x, at.world.y), self.light.wetness, own);
+        let [f0, roughness, mirror] = lamp_coat(is_ground, normal.z, (at.world.x, at.world.y), self.light.wetness, own);
         let point = at.view * at.distance_m;
         let (mut irradiance, mut mirrored) = (Vec3::ZERO, Vec3::ZERO);
         let throws_back = s.material.lidar.retro || s.material.pattern == Pattern::Reflector;
@@ -38,7 +37,8 @@ impl Reference {
                 * (lamp.share(from_lamp, distance_m) * from_above * fade(square, lamp.reach_m * lamp.reach_m) / square);
             let cos = normal.dot(to_lamp);
             let facing = cos.max(0.0);
-            irradiance += strength * if s.is_leaf { (facing + 0.75 * (-cos).max(0.0)) * LEAF_DIRECT + LEAF_SCATTERED } else { facing };
+            irradiance += strength
+                * if s.is_leaf { (facing + 0.75 * (-cos).max(0.0)) * LEAF_DIRECT + LEAF_SCATTERED } else { facing };
             if throws_back && to_lamp.dot(at.view) < 0.0 {
                 let sine = to_lamp.cross(at.view).length() / RETRO_SINE;
                 irradiance += strength * facing * RETRO / (1.0 + sine * sine);
