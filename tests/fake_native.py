@@ -33,6 +33,7 @@ __version__ = _VERSION.group(1)
 WEATHERS = ["clear_noon", "cloudy_noon", "wet_noon", "wet_cloudy_noon", "soft_rain_noon", "mid_rain_noon"]
 WEATHERS += ["hard_rain_noon", "clear_sunset", "cloudy_sunset", "wet_sunset", "wet_cloudy_sunset"]
 WEATHERS += ["soft_rain_sunset", "mid_rain_sunset", "hard_rain_sunset", "light_fog", "dense_fog", "snow", "dusk"]
+WEATHERS += ["clear_night", "wet_night", "rain_night"]
 
 
 def _error(message: str) -> Exception:

@@ -1,6 +1,7 @@
 //! What an image of a suburb costs at least: on a shared machine means follow the neighbors, the least of many runs hardly.
 //!
-//! `cargo bench -p cadet_core --bench image_least -- 40` takes each image 40 times; the number may be left out.
+//! `cargo bench -p cadet_core --bench image_least -- 40` takes each image 40 times; the number may be left out. A weather's name
+//! after it is that of all images.
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]
 
 mod suburbs;
@@ -10,6 +11,7 @@ use std::time::Instant;
 
 use cadet_core::camera::{render, visibility_pass};
 use cadet_core::rng::StreamKey;
+use cadet_core::weather::Weather;
 
 use suburbs::{VIEWS, place, suburb};
 
@@ -23,7 +25,9 @@ fn main() {
     println!("1242 x 375, one thread, milliseconds: the least of {runs} runs, and the median of the whole");
     println!("suburb  weather          pass  shade  whole  median");
     let mut sums = [0.0; 2];
+    let everywhere = std::env::args().find(|arg| Weather::preset(arg).is_ok());
     for (seed, weather) in VIEWS {
+        let weather = everywhere.as_deref().unwrap_or(weather);
         let mut scene = suburb(seed, weather);
         scene.step(0.1).expect("drives");
         let (posed, view) = place(&mut scene);

@@ -21,3 +21,12 @@ pub struct Instance {
     /// it.
     pub is_body: bool,
 }
+
+impl Instance {
+    /// The same in what it wears at night.
+    #[must_use]
+    pub fn at_night(&self) -> Self {
+        let palette = self.palette.at_night().unwrap_or(&self.palette);
+        Self { palette: Arc::clone(palette), ..self.clone() }
+    }
+}

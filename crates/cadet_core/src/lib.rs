@@ -24,6 +24,7 @@ pub mod geometry;
 pub mod ground_plane;
 pub mod instance;
 pub mod label;
+pub mod lamp;
 pub mod lidar;
 pub mod material;
 pub mod math;

@@ -1,5 +1,9 @@
 //! What surfaces are made of, for the eye and for a 905 nm laser.
 
+use std::sync::Arc;
+
+use crate::lamp::Lamp;
+
 /// What a pixel shows: the values of the semantic image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
@@ -105,11 +109,16 @@ pub enum Pattern {
     Paint,
     /// A lamp that is lit: it shines in its color, whatever light falls on it.
     Lamp,
+    /// Panes at night: its albedo's first number is the share of homes' windows that is lit, the second the radiance of
+    /// those, the third that of shop windows, which are larger. A share above 1: all alike, as in buses.
+    Window,
+    /// A dark lens at night that throws light back to where it comes from.
+    Reflector,
 }
 
 impl Pattern {
     /// All of them, in their order.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 15] = [
         Self::Plain,
         Self::Asphalt,
         Self::Slabs,
@@ -123,8 +132,13 @@ impl Pattern {
         Self::Cloth,
         Self::Paint,
         Self::Lamp,
+        Self::Window,
+        Self::Reflector,
     ];
 }
+
+/// Radiance of lit lenses at night per unit of their color: a white surface under 100 lx, 31.8 cd/m², has 1.
+pub const NIGHT_LAMP_RADIANCE: f32 = 55.0;
 
 /// A surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -160,6 +174,12 @@ impl Material {
         }
     }
 
+    /// Makes it a room at night, that is lit by so much light: its radiance in units of 31.8 cd/m² is that times its albedo.
+    pub fn shine(&mut self, irradiance: f32) {
+        self.albedo = self.albedo.map(|a| a * (irradiance / NIGHT_LAMP_RADIANCE));
+        self.pattern = Pattern::Lamp;
+    }
+
     /// True if the camera and the laser look through.
     #[must_use]
     pub fn is_transparent(&self) -> bool {
@@ -183,6 +203,9 @@ pub struct Palette {
     leaf_slots: u64,
     is_plant: bool,
     has_vegetation: bool,
+    /// What shines at night, in the instance's frame.
+    lamps: Vec<Lamp>,
+    at_night: Option<Arc<Palette>>,
 }
 
 impl Palette {
@@ -198,7 +221,44 @@ impl Palette {
         let is_vegetation = |m: &Material| m.semantic == Semantic::Vegetation;
         let (is_plant, has_vegetation) =
             (leaf_slots != 0 && materials.iter().all(is_vegetation), materials.iter().any(is_vegetation));
-        Self { materials, opaque_slots, transparent_slots, leaf_slots, is_plant, has_vegetation }
+        let (lamps, at_night) = (Vec::new(), None);
+        Self { materials, opaque_slots, transparent_slots, leaf_slots, is_plant, has_vegetation, lamps, at_night }
+    }
+
+    /// The same with light sources, in the instance's frame.
+    #[must_use]
+    pub fn with_lamps(self, lamps: Vec<Lamp>) -> Self {
+        Self { lamps, ..self }
+    }
+
+    /// The same with another that is worn at night, with the same slots.
+    #[must_use]
+    pub fn with_night(self, at_night: Self) -> Self {
+        debug_assert_eq!(self.materials.len(), at_night.materials.len());
+        Self { at_night: Some(Arc::new(at_night)), ..self }
+    }
+
+    /// The same with panes that are lit at night: `panes` are slots, each with a window's albedo ([`Pattern::Window`]).
+    #[must_use]
+    pub fn with_lit_panes(self, panes: &[(u8, [f32; 3])]) -> Self {
+        let mut materials = self.materials.clone();
+        for (slot, albedo) in panes {
+            let pane = &mut materials[usize::from(*slot)];
+            (pane.albedo, pane.pattern) = (*albedo, Pattern::Window);
+        }
+        self.with_night(Self::new(materials))
+    }
+
+    /// Light sources, in the instance's frame.
+    #[must_use]
+    pub fn lamps(&self) -> &[Lamp] {
+        &self.lamps
+    }
+
+    /// What is worn at night, where that is another.
+    #[must_use]
+    pub fn at_night(&self) -> Option<&Arc<Self>> {
+        self.at_night.as_ref()
     }
 
     /// Slot by slot.

@@ -149,7 +149,8 @@ impl Scene {
         };
         let world = World::new(Arc::new(town), key)?
             .with_user_vehicles(config.user_vehicles.clone())
-            .with_lamps(weather.needs_lamps());
+            .with_lamps(weather.needs_lamps())
+            .with_night(weather.is_night());
         Ok(Self {
             key,
             world,
@@ -247,7 +248,8 @@ impl Scene {
         self.sensed.get_or_insert_with(|| {
             let snapshot = Arc::new(world.snapshot());
             let viewer = snapshot.ego.world_from_ego.translation;
-            let posed = Arc::new(PosedScene::for_resolution(&snapshot.instances, viewer, resolution));
+            let posed = PosedScene::for_resolution(&snapshot.instances, viewer, resolution);
+            let posed = Arc::new(posed.with_lamps(&snapshot.ego_lamps));
             Sensed { snapshot, posed, caster: None }
         })
     }

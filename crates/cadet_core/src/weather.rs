@@ -7,12 +7,12 @@ use crate::settings::Setting;
 
 /// The state of the air, the sky and the ground.
 ///
-/// Presets by name are CARLA 0.8's fourteen (two suns, seven skies) and four more ([`Weather::NAMES`]).
+/// Presets by name are CARLA 0.8's fourteen (two suns, seven skies) and seven more ([`Weather::NAMES`]).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Weather {
     /// The preset's name, `"custom"` for others.
     pub name: String,
-    /// Height of the sun over the horizon.
+    /// Height of the sun over the horizon; below it, it is night.
     pub sun_elevation_rad: f64,
     /// Direction of the sun, counter-clockwise from east.
     pub sun_azimuth_rad: f64,
@@ -78,6 +78,8 @@ impl SizeDistribution {
 const FLAKE_OVER_DROP: f64 = 2.154_434_690_031_884;
 /// Height of the sun below which lamps are lit: 8 degrees.
 const LAMPS_BELOW_RAD: f64 = 8.0 * PI / 180.0;
+/// Height of the sun at night: 20 degrees below the horizon, where its light is gone.
+const NIGHT_SUN_RAD: f64 = -20.0 * PI / 180.0;
 /// Share of the ground that is white once snow falls.
 const SNOW_COVER: f64 = 0.75;
 
@@ -94,7 +96,7 @@ const SKIES: [(&str, f64, f64, f64); 7] = [
 
 impl Weather {
     /// The presets' names.
-    pub const NAMES: [&str; 18] = [
+    pub const NAMES: [&str; 21] = [
         "clear_noon",
         "cloudy_noon",
         "wet_noon",
@@ -113,6 +115,9 @@ impl Weather {
         "dense_fog",
         "snow",
         "dusk",
+        "clear_night",
+        "wet_night",
+        "rain_night",
     ];
 
     /// The preset of that name, its sun in the south; the scene turns the sun by its seed.
@@ -144,6 +149,14 @@ impl Weather {
             (None, "dense_fog") => (weather.cloudiness, weather.fog_alpha_per_m) = (1.0, 0.06),
             (None, "snow") => (weather.cloudiness, weather.snow_mm_per_h) = (1.0, 1.5),
             (None, "dusk") => (weather.cloudiness, weather.sun_elevation_rad) = (0.4, 3_f64.to_radians()),
+            (None, "clear_night") => weather.sun_elevation_rad = NIGHT_SUN_RAD,
+            (None, "wet_night") => {
+                (weather.cloudiness, weather.wetness, weather.sun_elevation_rad) = (0.75, 0.6, NIGHT_SUN_RAD);
+            }
+            (None, "rain_night") => {
+                (weather.cloudiness, weather.wetness, weather.sun_elevation_rad) = (0.9, 0.75, NIGHT_SUN_RAD);
+                weather.rain_mm_per_h = 8.0;
+            }
             _ => {
                 return Err(Error::Unknown { what: "weather", name: name.to_owned(), known: Self::NAMES.join(", ") });
             }
@@ -215,6 +228,12 @@ impl Weather {
         if self.snow_mm_per_h > 0.0 { SNOW_COVER } else { 0.0 }
     }
 
+    /// Whether lamps are all the light there is: the sun is below the horizon.
+    #[must_use]
+    pub fn is_night(&self) -> bool {
+        self.sun_elevation_rad < 0.0
+    }
+
     /// Whether drivers have their lamps lit: near sunset, and in rain, snow, and fog.
     #[must_use]
     pub fn needs_lamps(&self) -> bool {
@@ -250,7 +269,8 @@ mod tests {
     fn lamps_are_lit_at_dusk_and_in_rain_snow_and_fog() {
         let lit = Weather::NAMES.into_iter().filter(|name| Weather::preset(name).expect("known").needs_lamps());
         let wet = ["soft_rain", "mid_rain", "hard_rain"].map(|sky| [format!("{sky}_noon"), format!("{sky}_sunset")]);
-        let other = ["light_fog", "dense_fog", "snow", "dusk"].map(str::to_owned);
+        let other =
+            ["light_fog", "dense_fog", "snow", "dusk", "clear_night", "wet_night", "rain_night"].map(str::to_owned);
         let expected: std::collections::BTreeSet<String> = wet.into_iter().flatten().chain(other).collect();
         assert_eq!(lit.map(str::to_owned).collect::<std::collections::BTreeSet<_>>(), expected);
     }

@@ -27,7 +27,7 @@ _PER_FAMILY: Final = 24
 # Rare families would need thousands of seeds: their pages hold what these many seeds give.
 _VEHICLES: Final = {"car": 480, "van": 160, "truck": 240, "misc": 160}
 _PEOPLE: Final = {"pedestrian": 1.3, "cyclist": 4.5, "person_sitting": None}
-_WEATHERS: Final = ("clear_noon", "cloudy_noon", "clear_sunset", "hard_rain_noon", "dusk")
+_WEATHERS: Final = ("clear_noon", "cloudy_noon", "clear_sunset", "hard_rain_noon", "dusk", "clear_night", "wet_night")
 _VIEWS_PER_WEATHER: Final = 2
 _PORTRAIT_PX: Final = (300, 200)
 _PERSON_PX: Final = (150, 240)
@@ -64,7 +64,7 @@ def _people() -> Iterator[Page]:
 
 
 def _streets() -> Iterator[Page]:
-    """Each district in five weathers, dusk among them."""
+    """Each district in seven weathers, dusk and nights among them."""
     for name in DISTRICTS:
         tiles = []
         for weather in _WEATHERS:

@@ -4,6 +4,7 @@
 pub const LUMA: [f32; 3] = [0.2126, 0.7152, 0.0722];
 /// The largest value of an image.
 const WHITE: f32 = 255.0;
+const NIGHT_METER_CEILING: f32 = 110.0;
 /// A picture whose mean rises less with the gain is black; no gain is larger.
 const LEAST_SLOPE: f64 = 1e-9;
 const MAX_GAIN: f32 = 1e6;
@@ -15,6 +16,17 @@ const MAX_STEPS: usize = 40;
 /// `rgb` is interleaved.
 #[must_use]
 pub fn gain_for_mean_luma(rgb: &[f32], target: f32, step: usize) -> f32 {
+    gain_below(rgb, target, step, WHITE)
+}
+
+/// The same at night: lamps and what stands in their beams count no more than a value of 110, so that they do not darken the
+/// rest.
+#[must_use]
+pub fn gain_at_night(rgb: &[f32], target: f32) -> f32 {
+    gain_below(rgb, target, 1, NIGHT_METER_CEILING)
+}
+
+fn gain_below(rgb: &[f32], target: f32, step: usize, ceiling: f32) -> f32 {
     let pixels: Vec<[f32; 3]> = rgb.chunks_exact(3).step_by(step.max(1)).map(|p| [p[0], p[1], p[2]]).collect();
     // Where nothing clips, the mean is proportional to the gain. Clipping bends it downwards, so that Newton's steps
     // from there come up to the root and never pass it.
@@ -23,9 +35,9 @@ pub fn gain_for_mean_luma(rgb: &[f32], target: f32, step: usize) -> f32 {
         let (mut mean, mut slope) = ([0.0_f64; 3], [0.0_f64; 3]);
         for pixel in &pixels {
             for k in 0..3 {
-                let open = if pixel[k] * gain < WHITE { pixel[k] } else { 0.0 };
+                let open = if pixel[k] * gain < ceiling { pixel[k] } else { 0.0 };
                 slope[k] += f64::from(open);
-                mean[k] += f64::from((pixel[k] * gain).min(WHITE));
+                mean[k] += f64::from((pixel[k] * gain).min(ceiling));
             }
         }
         let luma = |v: [f64; 3]| v.iter().zip(LUMA).map(|(c, w)| c * f64::from(w)).sum::<f64>() / pixels.len() as f64;
@@ -41,6 +53,26 @@ pub fn gain_for_mean_luma(rgb: &[f32], target: f32, step: usize) -> f32 {
         }
     }
     gain
+}
+
+/// At night the longest exposure gives this gain; what is above amplifies the sensor's signal and its noise.
+const LONGEST_EXPOSURE_GAIN: f32 = 3000.0;
+/// The most that the signal is amplified: 18 dB.
+const MOST_AMPLIFICATION: f32 = 8.0;
+
+/// How an image is exposed: what the lens scatters, and gains, of R, G, and B; and how much the sensor's noise is amplified.
+#[derive(Debug, Clone, Copy)]
+pub struct Exposure {
+    pub veil: [f32; 3],
+    pub gains: [f32; 3],
+    pub amplification: f32,
+}
+
+/// The gain at night, no more than the sensor has, and how much it amplifies the noise.
+#[must_use]
+pub fn night_gain(wanted: f32) -> (f32, f32) {
+    let gain = wanted.min(LONGEST_EXPOSURE_GAIN * MOST_AMPLIFICATION);
+    (gain, (gain / LONGEST_EXPOSURE_GAIN).max(1.0))
 }
 
 /// The camera's gains for R, G, B, beside the exposure: with them lit gray and the mean color are KITTI's.
@@ -65,6 +97,13 @@ mod tests {
             rgb.chunks(3).map(|p| (0..3).map(|c| LUMA[c] * (p[c] * gain).min(255.0)).sum::<f32>()).sum::<f32>()
                 / 1000.0;
         assert!((mean - 91.0).abs() < 0.5, "{mean}");
+    }
+
+    #[test]
+    fn the_gain_at_night_ends_and_amplifies_noise_above_the_longest_exposure() {
+        assert_eq!(night_gain(600.0), (600.0, 1.0));
+        assert_eq!(night_gain(6000.0), (6000.0, 2.0));
+        assert_eq!(night_gain(1e6), (24_000.0, 8.0));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use super::value_noise::{hash2, value_noise};
 use super::visibility_pass::Rays;
+use super::windows::window;
 use crate::geometry::LEAST_WEIGHT;
 use crate::material::{Material, Pattern, Semantic};
 use crate::math::{Mat3, Vec3};
@@ -92,6 +93,9 @@ const CONTACT_RISE: f32 = 0.3;
 const CLUMP_ASKEW: f32 = 0.7;
 const CLUMPS_PER_M: f32 = 1.6;
 const CLUMP_CONTRAST: f32 = 1.7;
+/// See [`luminaire_share`].
+const LENS_PER_RISE: f32 = 3.0;
+const HOUSING: f32 = 0.03;
 /// The least area of a face squared, four times, by which is divided.
 const LEAST_AREA: f32 = 1e-20;
 /// Variants of one pattern, and the bits that tell them apart.
@@ -112,6 +116,8 @@ impl Flags {
     pub const VEHICLE: u32 = 4;
     /// Snow is worn by traffic.
     pub const ROAD: u32 = 8;
+    /// Throws the light of lamps back to where it comes from.
+    pub const RETRO: u32 = 16;
 }
 
 /// What is read from memory to make a face ready.
@@ -174,6 +180,13 @@ impl Face {
             (axes, [along.dot(a) - axes[0].dot(origin), up.dot(a) - axes[1].dot(origin)])
         };
 
+        let (mut at_eye, mut face_hash) = (at_eye, hash2(raw.face as i32, 0, transform.place_hash));
+        if material.pattern == Pattern::Window {
+            let (hash, middle) = window(raw.vertices, normal_local, transform.place_hash);
+            // From the middle of the pane.
+            let middle = turn(middle) + transform.origin;
+            (at_eye, face_hash) = (axes.map(|axis| -axis.dot(middle)), hash);
+        }
         let (nab, nac) = (nb - na, nc - na);
         let is_bent = !is_leaf && na.dot(normal_local) < UNBENT_COS;
         let is_smooth = is_bent || nab.length_squared().max(nac.length_squared()) > SMOOTH_CHANGE;
@@ -208,18 +221,21 @@ impl Face {
             least_weight: if raw.is_quad { LEAST_WEIGHT } else { 0.0 },
             albedo: if is_leaf {
                 clump(a, ab, transform.place_hash) * Vec3::from(material.albedo)
+            } else if material.pattern == Pattern::Lamp && material.semantic == Semantic::Pole {
+                Vec3::from(material.albedo) * luminaire_share(face_normal.z)
             } else {
                 material.albedo.into()
             },
             f0: material.specular,
             roughness: material.roughness,
             transmission: material.transmission,
-            face_hash: hash2(raw.face as i32, 0, transform.place_hash),
+            face_hash,
             place_hash: transform.place_hash,
             flags: flag(Flags::GROUND, is_ground)
                 | flag(Flags::CONTACT, face_normal.z > CONTACT_RISE && !is_vehicle && !is_leaf)
                 | flag(Flags::VEHICLE, is_vehicle)
-                | flag(Flags::ROAD, material.semantic == Semantic::Road),
+                | flag(Flags::ROAD, material.semantic == Semantic::Road)
+                | flag(Flags::RETRO, material.lidar.retro || material.pattern == Pattern::Reflector),
         };
         (face, variant)
     }
@@ -233,6 +249,13 @@ pub(super) fn clump(at: Vec3, edge: Vec3, place_hash: u32) -> f32 {
     // What is longer than a clump, as the inside of hedges, has the mean of many.
     let size = edge.dot(edge);
     1.0 + (value_noise(u * CLUMPS_PER_M, v * CLUMPS_PER_M, place_hash) - 0.5) * CLUMP_CONTRAST / (1.0 + size * size)
+}
+
+/// How brightly the head of a street lamp shines where its surface rises by this: below it the lens, at its sides the housing,
+/// above it nothing.
+#[inline(always)]
+pub(super) fn luminaire_share(rise: f32) -> f32 {
+    (LENS_PER_RISE * -rise + HOUSING).clamp(0.0, 1.0)
 }
 
 pub(super) fn is_vehicle(semantic: Semantic) -> bool {

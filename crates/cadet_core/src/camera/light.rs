@@ -1,9 +1,12 @@
 //! The light of a scene, and the air that it goes through.
 
+use super::night_lights::NightLights;
 use super::shadow::ShadowMaps;
 use super::sky::Sky;
 use super::sky_visibility::SkyProbes;
-use crate::math::Vec3;
+use crate::material::NIGHT_LAMP_RADIANCE;
+use crate::math::{DVec3, Vec3};
+use crate::sense::PosedScene;
 use crate::weather::Weather;
 
 /// All the light of a scene.
@@ -21,6 +24,10 @@ pub struct Light {
     pub extinction_per_m: f32,
     /// Cover of snow on level ground, 0..1.
     pub snow: f32,
+    /// The lamps of a night; none by day, where they are lost in the light of the sky.
+    pub night: Option<NightLights>,
+    /// Radiance of what shines of itself, per unit of its color.
+    pub lamp_radiance: f32,
 }
 
 /// Haze of clear air, 1/m.
@@ -30,12 +37,24 @@ const AIR_SINE: f32 = 0.02;
 const AIR_BRIGHTNESS: f32 = 0.8;
 /// exp(-x) is taken for (1 + x / n)^-n.
 const EXP_POWER: f32 = 16.0;
+/// By day lenses have half the radiance of a white wall in the sun, against which lights have to be seen.
+const DAY_LAMP_RADIANCE: f32 = 0.55;
+/// At night no pixel counts for more in what the lens scatters over all of the image, a white surface under 100 lx; around
+/// lamps there are halos ([`super::bloom`]).
+const NIGHT_GLARE_CEILING: f32 = 1.0;
 
 impl Light {
     /// Puts the parts together.
     #[must_use]
-    pub fn new(weather: &Weather, sky: Sky, shadows: Option<ShadowMaps>, sky_probes: SkyProbes) -> Self {
+    pub fn new(
+        weather: &Weather,
+        (sky, night): (Sky, Option<NightLights>),
+        shadows: Option<ShadowMaps>,
+        sky_probes: SkyProbes,
+    ) -> Self {
         Self {
+            lamp_radiance: if night.is_some() { NIGHT_LAMP_RADIANCE } else { DAY_LAMP_RADIANCE },
+            night,
             sky,
             shadows,
             sky_probes,
@@ -45,10 +64,20 @@ impl Light {
         }
     }
 
-    /// No pixel counts for more than twice the sky's light on level ground in what the lens scatters.
+    /// Sky and lamps over and around an eye.
+    #[must_use]
+    pub fn sources(scene: &PosedScene, weather: &Weather, eye: DVec3) -> (Sky, Option<NightLights>) {
+        if !weather.is_night() {
+            return (Sky::new(weather), None);
+        }
+        let lights = NightLights::new(scene, eye, weather.wetness > 0.0);
+        (Sky::at_night(weather, lights.mean_on_ground), Some(lights))
+    }
+
+    /// No pixel counts for more in what the lens scatters: by day twice the sky's light on level ground.
     #[must_use]
     pub fn glare_ceiling(&self) -> f32 {
-        2.0 * self.sky.sky_on_level.y
+        if self.night.is_some() { NIGHT_GLARE_CEILING } else { 2.0 * self.sky.sky_on_level.y }
     }
 
     /// The air between: haze, fog, rain.

@@ -2,6 +2,7 @@
 
 mod ambient_cache;
 mod block_sums;
+mod bloom;
 mod contact_occlusion;
 mod coverage;
 mod deferred_shading;
@@ -14,6 +15,7 @@ mod lens_drops;
 mod light;
 mod model;
 mod mosaic;
+mod night_lights;
 mod noise;
 pub mod png;
 mod precipitation;
@@ -31,6 +33,7 @@ mod tests;
 mod textures;
 mod value_noise;
 mod visibility_pass;
+mod windows;
 
 pub use distortion::{Distortion, Warp};
 pub use lens_drops::LensDrops;

@@ -2,6 +2,7 @@
 
 use multiversion::multiversion;
 
+use super::exposure::Exposure;
 use super::mosaic::Demosaic;
 use crate::math;
 use crate::rng::Stream;
@@ -107,23 +108,20 @@ fn blur_across(taps: &[f32; TAPS], padded: &[f32], out: &mut [f32], ceiling: f32
     sums
 }
 
-/// Adds the veil, applies the gains, takes one color a pixel, adds the noise, and rounds to 8 bits. `veil` and `gains` are of R, G, B.
+/// Adds the veil, applies the gains, takes one color a pixel, adds the noise, and rounds to 8 bits.
+///
+/// Where the signal is amplified, the variance of the photons' noise grows with it and that of the read-out with its square
+/// (EMVA 1288).
 #[must_use]
-pub fn expose(
-    rgb: &[f32],
-    width: usize,
-    height: usize,
-    veil: [f32; 3],
-    gains: [f32; 3],
-    stream: &mut Stream,
-) -> Vec<u8> {
+pub fn expose(rgb: &[f32], width: usize, height: usize, exposure: &Exposure, stream: &mut Stream) -> Vec<u8> {
+    let &Exposure { veil, gains, amplification } = exposure;
     let seed = stream.next_u64();
     let stride = width * 3;
     let sensor = Sensor {
         gain: (0..stride).map(|i| gains[i % 3]).collect(),
         offset: (0..stride).map(|i| gains[i % 3] * veil[i % 3]).collect(),
-        variance: (0..stride).map(|i| VARIANCE[i % 3].0).collect(),
-        per_value: (0..stride).map(|i| VARIANCE[i % 3].1).collect(),
+        variance: (0..stride).map(|i| VARIANCE[i % 3].0 * (amplification * amplification)).collect(),
+        per_value: (0..stride).map(|i| VARIANCE[i % 3].1 * amplification).collect(),
     };
     // White noise with a border of one pixel; three rows of it are alive at a time.
     let wide = stride + 2 * NOISE_REACH * RGB;
@@ -229,11 +227,30 @@ fn mix(mut x: u32) -> u32 {
 mod tests {
     use super::*;
 
+    fn gain(gain: f32) -> Exposure {
+        Exposure { veil: [0.0; 3], gains: [gain; 3], amplification: 1.0 }
+    }
+
+    #[test]
+    fn amplified_noise_grows_as_its_parts_do() {
+        let (w, h) = (400, 300);
+        let rgb = vec![60.0_f32; w * h * 3];
+        let amplified = Exposure { amplification: 4.0, ..gain(1.0) };
+        let image = expose(&rgb, w, h, &amplified, &mut Stream::from_seed("amplified", 3));
+        for (channel, (constant, slope)) in VARIANCE.iter().enumerate() {
+            let v: Vec<f64> = image.iter().skip(channel).step_by(3).map(|b| f64::from(*b)).collect();
+            let mean = v.iter().sum::<f64>() / v.len() as f64;
+            let variance = v.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / v.len() as f64;
+            let want = f64::from(16.0 * constant + 4.0 * slope * 60.0);
+            assert!((variance - want).abs() < 0.12 * want, "{channel}: {variance} {want}");
+        }
+    }
+
     #[test]
     fn noise_has_the_measured_variance_and_correlation() {
         let (w, h) = (400, 300);
         let rgb = vec![120.0_f32; w * h * 3];
-        let image = expose(&rgb, w, h, [0.0; 3], [1.0; 3], &mut Stream::from_seed("noise", 3));
+        let image = expose(&rgb, w, h, &gain(1.0), &mut Stream::from_seed("noise", 3));
         for (channel, (constant, slope)) in VARIANCE.iter().enumerate() {
             let v: Vec<f64> = image.iter().skip(channel).step_by(3).map(|b| f64::from(*b)).collect();
             let mean = v.iter().sum::<f64>() / v.len() as f64;
@@ -261,7 +278,7 @@ mod tests {
         let _ = blur(&mut rgb, w, h, 1.0);
         rgb.truncate(w * h * 3);
         // Behind lens and color filters, the mean green of all rows: the filters for it lie alike in all columns.
-        let image = expose(&rgb, w, h, [0.0; 3], [200.0; 3], &mut Stream::from_seed("edge", 1));
+        let image = expose(&rgb, w, h, &gain(200.0), &mut Stream::from_seed("edge", 1));
         let row: Vec<f32> = (0..w)
             .map(|x| (0..h).map(|y| f32::from(image[(y * w + x) * 3 + 1])).sum::<f32>() / (200 * h) as f32)
             .collect();

@@ -2,15 +2,15 @@
 
 use std::cell::RefCell;
 
+use super::bloom::add_halos;
 use super::distortion::Warp;
-use super::exposure::{WHITE_BALANCE, gain_for_mean_luma, metered};
+use super::exposure::{Exposure, WHITE_BALANCE, gain_at_night, gain_for_mean_luma, metered, night_gain};
 use super::lens_drops::LensDrops;
 use super::light::Light;
 use super::noise::{ROWS_BEFORE, blur, expose};
 use super::precipitation::Precipitation;
 use super::radiance_pass::{radiance_pass, room_for};
 use super::shadow::ShadowMaps;
-use super::sky::Sky;
 use super::sky_visibility::SkyProbes;
 use super::visibility_pass::{Maps, Rays, View, Visibility, visible_points};
 use crate::math::{DVec3, Vec3};
@@ -31,6 +31,8 @@ pub struct Rendered {
 const VEILING_GLARE: f32 = 0.016;
 /// Mean luma that the exposure aims at, and its spread from frame to frame.
 const MEAN_LUMA: (f64, f64) = (93.0, 4.5);
+/// The same at night, which is to stay dark.
+const NIGHT_MEAN_LUMA: (f64, f64) = (27.0, 2.0);
 /// Every so many pixels one is metered: a prime number, so that no column is.
 const METERED_STEP: usize = 37;
 
@@ -93,13 +95,17 @@ pub fn render_through(
     foreground.lens_drops.draw(rgb, view);
     // Lens and housing scatter a share of the light over the whole image: shadows are never fully black.
     let sums = blur(&mut scratch.rgb, width, height, light.glare_ceiling());
-    let blurred = &scratch.rgb[..width * height * 3];
-    let (veil, gains) = exposure(blurred, sums, stream);
+    let blurred = &mut scratch.rgb[..width * height * 3];
+    let is_night = light.night.is_some();
+    if is_night {
+        add_halos(blurred, width, height);
+    }
+    let exposed = exposure(blurred, sums, is_night, stream);
     let image = match foreground.warp {
-        None => expose(blurred, width, height, veil, gains, stream),
+        None => expose(blurred, width, height, &exposed, stream),
         Some(warp) => {
             let (width, height) = warp.image_size();
-            expose(&warp.colors(blurred), width, height, veil, gains, stream)
+            expose(&warp.colors(blurred), width, height, &exposed, stream)
         }
     };
     scratch.reuse(light);
@@ -107,13 +113,19 @@ pub fn render_through(
     image
 }
 
-/// The veil and the gains of R, G, B. `sums` are those of [`blur`].
-pub(super) fn exposure(blurred: &[f32], sums: [f64; 3], stream: &mut Stream) -> ([f32; 3], [f32; 3]) {
+/// How an image is exposed. `sums` are those of [`blur`].
+pub(super) fn exposure(blurred: &[f32], sums: [f64; 3], is_night: bool, stream: &mut Stream) -> Exposure {
     let num_pixels = (blurred.len() / 3) as f64;
     let veil = sums.map(|s| (f64::from(VEILING_GLARE) * s / num_pixels) as f32);
-    let target = stream.clipped_normal(MEAN_LUMA.0, MEAN_LUMA.1) as f32;
-    let gain = gain_for_mean_luma(&metered(blurred, veil, METERED_STEP), target, 1);
-    (veil, WHITE_BALANCE.map(|g| g * gain))
+    let (mean, deviation) = if is_night { NIGHT_MEAN_LUMA } else { MEAN_LUMA };
+    let target = stream.clipped_normal(mean, deviation) as f32;
+    let metered = metered(blurred, veil, METERED_STEP);
+    let (gain, amplification) = if is_night {
+        night_gain(gain_at_night(&metered, target))
+    } else {
+        (gain_for_mean_luma(&metered, target, 1), 1.0)
+    };
+    Exposure { veil, gains: WHITE_BALANCE.map(|g| g * gain), amplification }
 }
 
 /// Linear radiance of every pixel, interleaved RGB, into `scratch.rgb` from the row [`ROWS_BEFORE`] on; returns the light.
@@ -141,11 +153,11 @@ fn light_of(
     visible_world: &[Vec3],
     buffers: Vec<Vec<i16>>,
 ) -> Light {
-    let sky = Sky::new(weather);
     let eye = view.world_from_cam.translation;
+    let (sky, night) = Light::sources(scene, weather, eye);
     let forward = view.world_from_cam.rotation * DVec3::Z;
     let shadows =
         sky.has_shadows().then(|| ShadowMaps::new(scene, eye, forward, sky.sun_world, Some(visible_world), buffers));
     let sky_probes = SkyProbes::new(scene, eye, forward, visible_world);
-    Light::new(weather, sky, shadows, sky_probes)
+    Light::new(weather, (sky, night), shadows, sky_probes)
 }

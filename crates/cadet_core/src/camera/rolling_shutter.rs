@@ -5,6 +5,7 @@
 
 use std::ops::Range;
 
+use super::bloom::add_halos;
 use super::distortion::Warp;
 use super::lens_drops::LensDrops;
 use super::model::CameraModel;
@@ -65,7 +66,7 @@ pub fn render_rolling(
     let at_instant = View::new(camera, moving.world_from_cam);
     let mut scratch = Scratch::default();
     let (mut rgb, mut sums) = (Vec::with_capacity(camera.width * camera.height * 3), [0.0; 3]);
-    let mut maps = with_maps.then(Maps::default);
+    let (mut maps, is_night) = (with_maps.then(Maps::default), weather.is_night());
     for rows in bands(camera) {
         let time_s = row_time_s(camera, 0.5 * (rows.start + rows.end - 1) as f64);
         // Of the image before the lens.
@@ -97,8 +98,11 @@ pub fn render_rolling(
         }
     }
     moving.lens_drops.draw(&mut rgb, &View { width: camera.width, height: camera.height, ..at_instant });
-    let (veil, gains) = exposure(&rgb, sums, stream);
-    Ok(Rendered { image: expose(&rgb, camera.width, camera.height, veil, gains, stream), maps })
+    if is_night {
+        add_halos(&mut rgb, camera.width, camera.height);
+    }
+    let exposed = exposure(&rgb, sums, is_night, stream);
+    Ok(Rendered { image: expose(&rgb, camera.width, camera.height, &exposed, stream), maps })
 }
 
 /// Rows of the image, taken from an image before the lens that begins at row `first`.

@@ -8,6 +8,7 @@ mod base_color;
 mod batch;
 mod gather;
 mod geometry;
+mod lamp_light;
 mod lighting;
 mod reflections;
 mod resolve;
@@ -19,8 +20,9 @@ pub use self::batch::ShadingCamera;
 use self::batch::{BatchVector, GroupValues, IncidentLight, OutgoingLight, SurfaceGeometry, SurfaceInputs, put};
 use self::gather::{gather_ambient, gather_faces, gather_groups, place_pairs};
 use self::geometry::place_surfaces;
+use self::lamp_light::add_lamp_light;
 #[cfg(test)]
-pub(super) use self::lighting::LAMP_RADIANCE;
+pub(super) use self::lighting::lamp_coat;
 use self::lighting::{ambient_of_normals, diffuse, specular, transparent};
 #[cfg(test)]
 pub(super) use self::reflections::{environment, highlight};
@@ -49,6 +51,8 @@ pub struct ShadingPass {
     base_color: [BatchVector; 2],
     /// Diffuse irradiance.
     irradiance: BatchVector,
+    /// What is mirrored of the lamps of a night.
+    mirrored_lamps: BatchVector,
     /// As light leaves the surfaces, and as it arrives at the camera.
     outgoing: OutgoingLight,
     arriving: OutgoingLight,
@@ -69,6 +73,7 @@ impl Default for ShadingPass {
             texture: [[NONE; 2]; 2],
             base_color: [[NONE; 3]; 2],
             irradiance: [NONE; 3],
+            mirrored_lamps: [NONE; 3],
             outgoing: OutgoingLight::default(),
             arriving: OutgoingLight::default(),
             radiance: [[NONE; 3]; 2],
@@ -102,6 +107,9 @@ impl ShadingPass {
         if variant.is_transparent {
             self.look_through(n, rgb);
             transparent(&self.inputs, &self.geometry, &self.incident, m, &light.sky, &mut self.outgoing);
+            if light.night.is_some() {
+                self.shine_through(light, camera, variant, m);
+            }
         } else {
             self.color(light, camera, variant, m);
             self.reflect(light, camera.eye, variant, m);
@@ -156,7 +164,7 @@ impl ShadingPass {
     fn color(&mut self, light: &Light, camera: &ShadingCamera, variant: ShaderVariant, m: usize) {
         let (inputs, geometry) = (&self.inputs, &self.geometry);
         for ((side, color), at) in Side::BOTH.into_iter().zip(&mut self.base_color).zip(&mut self.texture) {
-            if matches!(variant.pattern, Pattern::Plain | Pattern::Lamp) {
+            if matches!(variant.pattern, Pattern::Plain | Pattern::Lamp | Pattern::Reflector) {
                 *color = inputs.albedo;
             } else {
                 place_texture(inputs, m, camera, variant, side, at);
@@ -175,12 +183,46 @@ impl ShadingPass {
         }
         let (inputs, geometry, incident) = (&self.inputs, &self.geometry, &self.incident);
         let irradiance = &mut self.irradiance;
-        diffuse(geometry, incident, m, (&light.sky, light.wetness), variant, irradiance);
+        diffuse(geometry, incident, m, light, variant, irradiance);
+        let night = light.night.as_ref().filter(|_| !matches!(variant.pattern, Pattern::Lamp | Pattern::Window));
+        if let Some(night) = night {
+            let lights = (night, light.wetness, eye);
+            add_lamp_light(inputs, geometry, incident, (m, variant), lights, irradiance, &mut self.mirrored_lamps);
+        }
         if variant.is_glossy {
             specular(inputs, geometry, incident, irradiance, m, (light, eye), &mut self.outgoing);
         } else {
             self.outgoing.diffuse = *irradiance;
             self.outgoing.specular = [[0.0; BATCH_STRIDE]; 3];
+        }
+        if night.is_some() && variant.is_glossy {
+            add(&self.mirrored_lamps, m, &mut self.outgoing.specular);
+        }
+    }
+
+    /// Adds what transparent surfaces mirror of lamps, and the light of rooms behind lit panes.
+    fn shine_through(&mut self, light: &Light, camera: &ShadingCamera, variant: ShaderVariant, m: usize) {
+        let (inputs, geometry, incident) = (&self.inputs, &self.geometry, &self.incident);
+        if let Some(night) = &light.night {
+            let lights = (night, light.wetness, camera.eye);
+            let (lost, mirrored) = (&mut self.irradiance, &mut self.mirrored_lamps);
+            add_lamp_light(inputs, geometry, incident, (m, variant), lights, lost, mirrored);
+            add(mirrored, m, &mut self.outgoing.specular);
+        }
+        if variant.pattern == Pattern::Window {
+            let room = &mut self.irradiance;
+            place_texture(inputs, m, camera, variant, Side::Middle, &mut self.texture[0]);
+            texture(inputs, geometry, &self.texture[0], m, variant.pattern, room);
+            add(room, m, &mut self.outgoing.specular);
+        }
+    }
+}
+
+/// Adds light to other light.
+fn add(light: &BatchVector, m: usize, to: &mut BatchVector) {
+    for (to, from) in to.iter_mut().zip(light) {
+        for (sum, value) in to[..m].iter_mut().zip(&from[..m]) {
+            *sum += value;
         }
     }
 }

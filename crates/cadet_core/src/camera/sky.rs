@@ -1,6 +1,8 @@
 //! The sun, the sky and the light that falls from them: linear RGB, in units in which a white diffuse surface square to
 //! the clear sun shines with about 1.
 
+mod night;
+
 use super::value_noise::fbm;
 use crate::math::{self, Vec3};
 use crate::weather::Weather;

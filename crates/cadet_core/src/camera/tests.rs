@@ -3,6 +3,7 @@
 mod fog;
 mod lamps;
 mod lattice;
+mod night;
 mod oracle;
 mod pairs;
 mod reference;

@@ -115,7 +115,7 @@ impl Courses {
 #[must_use]
 pub fn albedo(pattern: Pattern, base: Vec3, at: &PatternPoint) -> Vec3 {
     match pattern {
-        Pattern::Plain | Pattern::Lamp => base,
+        Pattern::Plain | Pattern::Lamp | Pattern::Reflector | Pattern::Window => base,
         Pattern::Asphalt => asphalt(base, at),
         Pattern::Slabs => paving(&SLABS, base, at),
         Pattern::Blocks => paving(&BLOCKS, base, at),

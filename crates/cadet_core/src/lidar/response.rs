@@ -92,7 +92,7 @@ const COMMON_READING: f64 = 0.5;
 pub(super) fn reading_noise(pattern: Pattern) -> f64 {
     match pattern {
         Pattern::Asphalt | Pattern::Slabs | Pattern::Blocks => 0.043,
-        Pattern::Plain | Pattern::Paint | Pattern::Lamp => 0.07,
+        Pattern::Plain | Pattern::Paint | Pattern::Lamp | Pattern::Window | Pattern::Reflector => 0.07,
         Pattern::Bricks | Pattern::Render | Pattern::Tiles | Pattern::Wood => 0.095,
         Pattern::Grass => 0.085,
         Pattern::Leaves | Pattern::Cloth => 0.135,

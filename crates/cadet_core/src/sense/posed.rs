@@ -9,6 +9,7 @@ use std::sync::Arc;
 use super::detail::{Resolution, distance_m};
 use crate::geometry::{Cluster, LANES, Lanes, Mesh};
 use crate::instance::Instance;
+use crate::lamp::Lamp;
 use crate::material::{Material, Palette};
 use crate::math::{DMat3, DPose3, DVec3, Vec3};
 
@@ -120,6 +121,8 @@ impl PosedInstance {
 pub struct PosedScene {
     /// The instances, in the snapshot's order, without those that are too far to matter.
     pub instances: Vec<PosedInstance>,
+    /// What shines at night, in the world, with the actor that carries it.
+    pub lamps: Vec<(Lamp, i32)>,
 }
 
 impl PosedScene {
@@ -133,11 +136,16 @@ impl PosedScene {
     /// too small at its distance.
     #[must_use]
     pub fn for_resolution(instances: &[Instance], viewer_world: DVec3, resolution: Resolution) -> Self {
-        let mut scene = Self { instances: Vec::with_capacity(instances.len()) };
+        let mut scene = Self { instances: Vec::with_capacity(instances.len()), lamps: Vec::new() };
         let mut num_vertices = 0;
         let detail = resolution.detail();
         for instance in instances {
             let distance_m = distance_m(instance, viewer_world);
+            // Wheels and drivers wear the palette of their vehicle.
+            if instance.is_body || instance.actor_id == 0 {
+                let placed = |lamp: &Lamp| (lamp.placed(&instance.world_from_local), instance.actor_id);
+                scene.lamps.extend(instance.palette.lamps().iter().map(placed));
+            }
             let Some((mesh, shadow_proxy)) = instance.shape.select_with_shadow_proxy(distance_m, detail) else {
                 continue;
             };
@@ -170,7 +178,17 @@ impl PosedScene {
             *translation = displacement.transform_point(*translation);
             instance.center_world = displacement.transform_point(instance.center_world);
         }
+        for (lamp, actor_id) in scene.lamps.iter_mut().filter(|(_, actor_id)| *actor_id > 0) {
+            *lamp = lamp.placed(&displacement_of(*actor_id));
+        }
         scene
+    }
+
+    /// The same scene with more that shines, as the lamps of the car that carries the sensors.
+    #[must_use]
+    pub fn with_lamps(mut self, lamps_world: &[Lamp]) -> Self {
+        self.lamps.extend(lamps_world.iter().map(|lamp| (*lamp, 0)));
+        self
     }
 
     /// Every vertex, instance after instance.

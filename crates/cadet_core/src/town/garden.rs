@@ -8,8 +8,8 @@ use super::street_style::{Boundary, StreetStyle};
 use super::{ParkingSpot, SpotKind};
 use crate::assets::scenery::materials::house_palette;
 use crate::assets::scenery::{
-    FenceKind, FurnitureKind, HouseKind, TreeKind, city_palette, furniture, garage, house_doors, num_variants, paving,
-    tree,
+    FenceKind, FurnitureKind, HouseKind, TreeKind, city_palette, furniture, garage, house_doors, light_shops,
+    num_variants, paving, tree,
 };
 use crate::frames;
 use crate::math::DVec3;
@@ -93,7 +93,8 @@ fn place_house(plot: &Plot, house: &PlacedHouse, s: &mut Stream, placer: &mut Pl
     let size = house.model.footprint_size();
     let at = plot.at(house.along_m, house.setback_m + size.x / 2.0);
     if house.is_city() {
-        placer.put(&house.model, city_palette(s), at, -plot.out());
+        let shop_lamps = house.model.palette.at_night().map_or(&[][..], |night| night.lamps());
+        placer.put(&house.model, light_shops(city_palette(s), shop_lamps), at, -plot.out());
         placer.cover(&plot.house_parts());
         for y in house_doors(&house.model) {
             // The house looks toward the street, so its own y axis runs against the plot's.

@@ -1,11 +1,9 @@
 //! What stands on the green between the two directions of a main road: trees, hedges, lamps, or nothing.
 
-use std::sync::Arc;
-
 use super::network::{Lane, LaneKind, RoadNetwork};
 use super::placer::{Placer, boundary_palette};
 use super::street_style::Boundary;
-use crate::assets::scenery::{PoleKind, TreeKind, num_variants, pole, tree};
+use crate::assets::scenery::{PoleKind, StreetLight, TreeKind, num_variants, pole, tree};
 use crate::math::{DVec2, DVec3};
 use crate::rng::StreamKey;
 
@@ -69,7 +67,7 @@ fn furnish_one(key: &StreamKey, lane: &Lane, other: Option<&Lane>, greenery: f64
         while at_m < end_m {
             let (model, (at, along)) = (pole(PoleKind::ArmLamp, variant), middle(at_m));
             let facing = along.perp() * if s.chance(0.5) { 1.0 } else { -1.0 };
-            placer.put(&model, Arc::clone(&model.palette), at, facing);
+            placer.put(&model, StreetLight::Neutral.on_pole(PoleKind::ArmLamp, variant, &model.palette), at, facing);
             at_m += s.range(28.0, 38.0);
         }
     }

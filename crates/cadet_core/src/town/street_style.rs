@@ -2,7 +2,7 @@
 
 use super::frontage::Frontage;
 use super::prop_config::PropConfig;
-use crate::assets::scenery::{FenceKind, HouseKind, PoleKind, num_variants};
+use crate::assets::scenery::{FenceKind, HouseKind, PoleKind, StreetLight, num_variants};
 use crate::rng::{Stream, StreamKey};
 
 /// What stands between a garden and the sidewalk.
@@ -62,6 +62,8 @@ pub(super) struct StreetStyle {
     pub street_trees: Option<(f64, usize)>,
     /// Lamps: kind, variant, spacing.
     pub lamp: (PoleKind, usize, f64),
+    /// The light of its lamps.
+    pub street_light: StreetLight,
     /// Share of plots left open: gardens and meadows.
     pub vacant_share: f64,
     /// Share of plots with bins at the gate.
@@ -143,6 +145,7 @@ impl StreetStyle {
             lamp: (lamp_kind, s.below(poles), s.range(25.0, 35.0)),
             vacant_share: s.range(0.02, 0.16),
             bin_share: if s.chance(0.2) { 0.85 } else { 0.25 },
+            street_light: StreetLight::draw(&mut key.indexed("street light", u64::from(road))),
             city: None,
         }
     }

@@ -31,7 +31,7 @@ pub(super) fn furnish(frontage: &Frontage, style: &StreetStyle, s: &mut Stream, 
         }
         let model = pole(kind, variant);
         let facing = if against_traffic { -along } else { -right_of(along) };
-        placer.put(&model, Arc::clone(&model.palette), place, facing);
+        placer.put(&model, style.street_light.on_pole(kind, variant, &model.palette), place, facing);
     };
     // Lamps on one side of the street: on the side whose stream says so.
     let (kind, variant, spacing) = style.lamp;

@@ -14,6 +14,14 @@ use crate::math::{DPose3, DVec3};
 const BRAKING_MPS2: f64 = -0.8;
 const RELEASED_MPS2: f64 = -0.2;
 
+/// What light there is.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Lighting {
+    /// What is driven has its lamps lit.
+    pub needs_lamps: bool,
+    pub is_night: bool,
+}
+
 /// A model and the state of its parts.
 pub(super) enum Appearance {
     Vehicle {
@@ -67,19 +75,20 @@ impl Appearance {
         }
     }
 
-    /// The posed parts. `box_from_wheels` is where the body has its wheels, if it has any; `needs_lamps` lights the lamps of
+    /// The posed parts. `box_from_wheels` is where the body has its wheels, if it has any; `lighting` lights the lamps of
     /// what is driven.
     pub fn parts(
         &self,
         world_from_box: DPose3,
         box_from_wheels: Option<[DPose3; 4]>,
         actor_id: i32,
-        needs_lamps: bool,
+        lighting: Lighting,
         parts: &mut Vec<Instance>,
     ) {
         let palette = match self {
             Self::Vehicle { model, is_driven, is_braking } => {
-                &model.palette_lit(LitLamps { low_beams: *is_driven && needs_lamps, brake: *is_braking })
+                let low_beams = *is_driven && lighting.needs_lamps;
+                &model.palette_lit(LitLamps { low_beams, brake: *is_braking, at_night: lighting.is_night })
             }
             Self::Person { model, .. } => &model.palette,
             Self::Cyclist { model, .. } => &model.palette,

@@ -19,6 +19,7 @@ use super::spawn::{
 use crate::actor::ObjectClass;
 use crate::assets::vehicle::{UserVehicles, VehicleModel};
 use crate::error::{Error, Result};
+use crate::instance::Instance;
 use crate::math::DVec2;
 use crate::rng::StreamKey;
 use crate::town::{LaneId, Town};
@@ -41,6 +42,8 @@ pub struct World {
     user_vehicles: UserVehicles,
     traffic: Option<TrafficConfig>,
     needs_lamps: bool,
+    /// The scenery as it is at night, if it is.
+    night_scenery: Option<Vec<Instance>>,
     steps: u64,
     respawns: u64,
 }
@@ -63,6 +66,7 @@ impl World {
             user_vehicles: UserVehicles::default(),
             traffic: None,
             needs_lamps: false,
+            night_scenery: None,
             steps: 0,
             respawns: 0,
         })
@@ -79,6 +83,13 @@ impl World {
     #[must_use]
     pub fn with_lamps(mut self, needs_lamps: bool) -> Self {
         self.needs_lamps = needs_lamps;
+        self
+    }
+
+    /// The same world at night, or not: street lamps and windows are lit, and low beams shine.
+    #[must_use]
+    pub fn with_night(mut self, is_night: bool) -> Self {
+        self.night_scenery = is_night.then(|| self.town.scenery.iter().map(Instance::at_night).collect());
         self
     }
 
@@ -246,7 +257,14 @@ impl World {
     /// The world as it is now: the town's scenery, then the actors within 250 m of the ego by rising id.
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
-        Snapshot::of(&self.arena, &self.town, self.ego(), self.time_s(), self.needs_lamps)
+        Snapshot::of(
+            &self.arena,
+            &self.town,
+            self.ego(),
+            self.time_s(),
+            self.needs_lamps,
+            self.night_scenery.as_deref(),
+        )
     }
 
     fn ego_driver(&self) -> &Driver {

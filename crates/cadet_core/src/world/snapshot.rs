@@ -1,9 +1,12 @@
 //! The world at one instant, as the sensors see it.
 
 use super::agent::Agent;
+use super::appearance::Lighting;
 use super::arena::Arena;
 use crate::actor::ActorState;
+use crate::assets::vehicle::{HALOGEN, low_beams};
 use crate::instance::Instance;
+use crate::lamp::Lamp;
 use crate::math::{DPose3, DVec3};
 use crate::town::Town;
 
@@ -32,11 +35,20 @@ pub struct Snapshot {
     pub instances: Vec<Instance>,
     /// Every actor but the ego, by rising id.
     pub actors: Vec<ActorState>,
+    /// The ego's low beams in the world, at night.
+    pub ego_lamps: Vec<Lamp>,
 }
 
 impl Snapshot {
-    /// The town's scenery, the lights as they are lit, then the agents near the ego by rising id.
-    pub(super) fn of(arena: &Arena, town: &Town, ego: EgoState, time_s: f64, needs_lamps: bool) -> Self {
+    /// The town's scenery, by day or at night, the lights as they are lit, then the agents near the ego by rising id.
+    pub(super) fn of(
+        arena: &Arena,
+        town: &Town,
+        ego: EgoState,
+        time_s: f64,
+        needs_lamps: bool,
+        night_scenery: Option<&[Instance]>,
+    ) -> Self {
         let middle = ego.world_from_ego.translation;
         let mut near: Vec<(&Agent, DPose3)> = arena.agents[1..]
             .iter()
@@ -44,12 +56,13 @@ impl Snapshot {
             .filter(|(_, pose)| (pose.translation - middle).length() <= SNAPSHOT_RADIUS_M)
             .collect();
         near.sort_by_key(|(agent, _)| agent.id);
-        let mut instances = town.scenery.clone();
+        let mut instances = night_scenery.map_or_else(|| town.scenery.clone(), <[Instance]>::to_vec);
         town.signals.lit(time_s, middle.truncate(), &mut instances);
         let mut actors = Vec::with_capacity(near.len());
         for (agent, world_from_box) in near {
             let wheels = agent.body.box_from_wheels();
-            agent.appearance.parts(world_from_box, wheels, agent.id, needs_lamps, &mut instances);
+            let lighting = Lighting { needs_lamps, is_night: night_scenery.is_some() };
+            agent.appearance.parts(world_from_box, wheels, agent.id, lighting, &mut instances);
             actors.push(ActorState {
                 id: agent.id,
                 class: agent.class,
@@ -61,6 +74,9 @@ impl Snapshot {
                 angular_velocity_world: agent.body.angular_velocity_world(&arena.physics),
             });
         }
-        Self { time_s, ego, instances, actors }
+        let beams = || low_beams(arena.ego().appearance.size_lwh(), HALOGEN);
+        let ego_lamps =
+            night_scenery.map_or_else(Vec::new, |_| beams().map(|l| l.placed(&ego.world_from_ego)).to_vec());
+        Self { time_s, ego, instances, actors, ego_lamps }
     }
 }

@@ -75,7 +75,7 @@ pub fn city_house(kind: CityKind, variant: usize) -> (SceneryModel, Option<CityC
     let model = CELLS[kind as usize * MOST + variant]
         .get_or_init(|| {
             let name = format!("{}/{variant}", kind.name());
-            let palette = city_palette(&mut Stream::from_seed(&name, 0));
+            let palette = design.lit_shops(city_palette(&mut Stream::from_seed(&name, 0)));
             let half = DVec2::new(f64::from(design.depth), f64::from(design.width)) / 2.0;
             let height_m = f64::from(design.height());
             let shape = Detail::levels([42.0, 88.0, f32::INFINITY], move |d| design.mesh(d));

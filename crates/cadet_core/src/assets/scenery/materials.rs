@@ -100,6 +100,9 @@ pub(super) fn pane() -> Material {
     }
 }
 
+/// Panes of homes at night: share that is lit, radiance, whiteness; see [`Pattern::Window`].
+pub(super) const LIT_AT_HOME: [f32; 3] = [0.24, 0.10, 0.0];
+
 /// The colors of one house: walls and roofs by the shares of a South German suburb.
 #[must_use]
 pub fn house_palette(stream: &mut Stream, flat_roof: bool) -> Arc<Palette> {
@@ -145,7 +148,7 @@ pub fn house_palette(stream: &mut Stream, flat_roof: bool) -> Arc<Palette> {
     let mut dark_glass = pane();
     dark_glass.transmission = 0.0;
     dark_glass.lidar = LidarMaterial { lobe_exponent: 2.0, ..LidarMaterial::diffuse(0.05) };
-    Arc::new(Palette::new(vec![
+    let house = Palette::new(vec![
         building(wall, wall_pattern, wall_905),
         building(plinth, Pattern::Render, 0.35),
         gloss(building(roof, if flat_roof { Pattern::Plain } else { Pattern::Tiles }, 0.30), 0.7),
@@ -160,7 +163,8 @@ pub fn house_palette(stream: &mut Stream, flat_roof: bool) -> Arc<Palette> {
         plain([0.30, 0.29, 0.27], 0.36),
         building([0.15, 0.085, 0.05], Pattern::Wood, 0.45),
         dark_glass,
-    ]))
+    ]);
+    Arc::new(house.with_lit_panes(&[house_slot::GLASS, house_slot::DARK_GLASS].map(|slot| (slot, LIT_AT_HOME))))
 }
 
 /// What a leaf's skin reflects of all colors alike; leaves turn to all sides, so that it counts as diffuse.

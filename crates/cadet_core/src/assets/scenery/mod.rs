@@ -19,6 +19,7 @@ pub mod materials;
 mod overhead;
 mod pole;
 mod roof;
+mod street_light;
 mod things;
 mod traffic_light;
 mod tree;
@@ -27,7 +28,9 @@ mod wall_plane;
 
 use std::sync::Arc;
 
-pub use city::{CityCorner, CityKind, NUM_CITY_HOUSES, city_palette, flagstones, span_lamp, tree_pit};
+pub use city::{
+    CityCorner, CityKind, NUM_CITY_HOUSES, SPAN_LENS_M, city_palette, flagstones, light_shops, span_lamp, tree_pit,
+};
 pub use crops::{CROP_VARIANTS, HERBS_M, MAIZE_M, herbs, maize};
 pub use fence::FenceKind;
 pub use furniture::FurnitureKind;
@@ -38,6 +41,7 @@ pub use library::{
 };
 pub use overhead::{WIRE_HEIGHT_M, contact_wire, span_wire, tram_mast};
 pub use pole::PoleKind;
+pub use street_light::StreetLight;
 pub use things::{BENCH_SEAT_M, CHAIR_SEAT_M, SHELTER_SEAT_M, THING_VARIANTS, ThingKind, thing_palette};
 pub use traffic_light::{
     HEAD_OFF_POST_M, HeadKind, MAST_ARMS_M, MAST_HEAD_M, POST_HEAD_M, SignalPost, WALK_HEAD_M, signal_head, signal_post,

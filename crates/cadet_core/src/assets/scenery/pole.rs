@@ -111,18 +111,39 @@ fn thirty(b: &mut MeshBuilder, z: f32, height: f32) {
     }
 }
 
+/// Height of a lamp's post.
+fn lamp_top_m(kind: PoleKind, variant: usize) -> f32 {
+    let third = variant as f32 % 3.0;
+    if kind == PoleKind::ArmLamp { 7.0 + 0.5 * third } else { 4.2 + 0.6 * third }
+}
+
+/// Whether a residential lamp's head is a mushroom.
+fn is_mushroom(variant: usize) -> bool {
+    variant.is_multiple_of(2)
+}
+
+/// Where a lamp's light comes from, and whether it shines to all sides; `None` for what is no lamp.
+pub(super) fn lamp_head(kind: PoleKind, variant: usize) -> Option<(Vec3, bool)> {
+    let top = lamp_top_m(kind, variant);
+    match kind {
+        PoleKind::Lamp if is_mushroom(variant) => Some((v(0.0, 0.0, top + 0.2), true)),
+        PoleKind::Lamp => Some((v(0.2, 0.0, top - 0.02), false)),
+        PoleKind::ArmLamp => Some((v(1.75, 0.0, top + 0.18), false)),
+        _ => None,
+    }
+}
+
 /// Draws one; variants differ in height.
 pub(super) fn mesh(kind: PoleKind, variant: usize, detail: Detail) -> Mesh {
     let mut b = MeshBuilder::new();
     let b_ = &mut b;
-    let third = variant as f32 % 3.0;
     let right_angle = (PI / 2.0) as f32;
     match kind {
         PoleKind::Lamp => {
-            let top = 4.2 + 0.6 * third;
+            let top = lamp_top_m(kind, variant);
             tube(b_, (v(0.0, 0.0, -0.4), 0.075), (v(0.0, 0.0, 1.0), 0.07), detail.pick(12, 7, 6), slot::BODY);
             post(b_, (0.055, 0.035), top, detail);
-            if variant.is_multiple_of(2) {
+            if is_mushroom(variant) {
                 // A mushroom: a shallow cap over a glass body.
                 let stations = [(top - 0.05, 0.09), (top + 0.3, 0.16), (top + 0.32, 0.3), (top + 0.45, 0.1)];
                 let stations = stations.map(|(z, r)| (v(0.0, 0.0, z), r));
@@ -132,7 +153,7 @@ pub(super) fn mesh(kind: PoleKind, variant: usize, detail: Detail) -> Mesh {
             }
         }
         PoleKind::ArmLamp => {
-            let top = 7.0 + 0.5 * third;
+            let top = lamp_top_m(kind, variant);
             let sides = detail.pick(12, 7, 6);
             tube(b_, (v(0.0, 0.0, -0.4), 0.11), (v(0.0, 0.0, 1.2), 0.1), sides, slot::BODY);
             post(b_, (0.08, 0.045), top, detail);

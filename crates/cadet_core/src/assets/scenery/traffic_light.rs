@@ -5,6 +5,7 @@ use std::sync::{Arc, LazyLock, OnceLock};
 use super::draw::{CREASE_RAD, block, disc, path_tube, tube};
 use super::{Detail, SceneryModel};
 use crate::geometry::{LodSet, Mesh, MeshBuilder};
+use crate::lamp::{Beam, CANDELA, Lamp};
 use crate::material::{LidarMaterial, Material, Palette, Pattern, Semantic};
 use crate::math::{DVec2, PI, Vec3, cosf, sinf};
 
@@ -57,6 +58,10 @@ const FRONT: f32 = 0.14;
 /// Colors of lit lenses, and of the same in the dark.
 const LIT: [[f32; 3]; 3] = [[1.0, 0.03, 0.015], [1.0, 0.42, 0.02], [0.03, 0.95, 0.34]];
 const DARK: [[f32; 3]; 3] = [[0.10, 0.012, 0.010], [0.12, 0.06, 0.010], [0.008, 0.07, 0.04]];
+
+/// What a lit lens sends along its axis, and how far that matters.
+const LENS_CD: f32 = 200.0;
+const REACH_M: f32 = 45.0;
 
 fn v(x: f32, y: f32, z: f32) -> Vec3 {
     Vec3::new(x, y, z)
@@ -150,7 +155,16 @@ fn head_palette(lit: [bool; 3]) -> Palette {
     let rim = sign([0.62, 0.62, 0.60], 0.75);
     let visor = sign([0.016, 0.017, 0.017], 0.08);
     let board = sign([0.018, 0.018, 0.019], 0.09);
+    let lamps = (0..3).filter(|k| lit[*k]).map(|k| Lamp {
+        beam: Beam::Lens,
+        at: v(FRONT + 0.02, 0.0, CHAMBER * (2.5 - k as f32)),
+        ahead: Vec3::X,
+        left: Vec3::Y,
+        intensity: LIT[k].map(|c| c * (LENS_CD / CANDELA)),
+        reach_m: REACH_M,
+    });
     Palette::new(vec![housing, visor, lens(0), lens(1), lens(2), board, rim, sign([0.012; 3], 0.12)])
+        .with_lamps(lamps.collect())
 }
 
 /// The back of a head is at x = 0, its bottom at z = 0; it faces +x.

@@ -34,7 +34,7 @@ use crate::rng::Stream;
 
 pub use imported::{UserVehicles, VehicleAsset};
 pub use imported_materials::{MaterialRules, Role};
-pub use lamps::LitLamps;
+pub use lamps::{HALOGEN, LitLamps, low_beams};
 pub(crate) use paint::Livery;
 
 use body::Styling;

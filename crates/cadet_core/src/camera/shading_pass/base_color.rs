@@ -6,6 +6,7 @@ use super::super::face::{Flags, ShaderVariant};
 use super::super::shading_queue::{BATCH_SIZE, BatchScalar};
 use super::super::textures::{self, PatternPoint};
 use super::super::value_noise::value_noise;
+use super::super::windows;
 use super::batch::{BatchVector, ShadingCamera, SurfaceGeometry, SurfaceInputs, get, put};
 use crate::material::Pattern;
 use crate::math::Vec3;
@@ -26,6 +27,8 @@ const SNOW_ALBEDO: f32 = 0.8;
 pub enum Side {
     Left,
     Right,
+    /// The middle of both.
+    Middle,
 }
 
 impl Side {
@@ -33,7 +36,11 @@ impl Side {
 
     /// From the pair's middle, in half spacings.
     fn offset(self) -> f32 {
-        if self == Self::Left { -1.0 } else { 1.0 }
+        match self {
+            Self::Left => -1.0,
+            Self::Right => 1.0,
+            Self::Middle => 0.0,
+        }
     }
 }
 
@@ -98,20 +105,24 @@ pub fn texture(
     macro_rules! fill {
         ($($of:ident),*) => {
             match pattern {
-                Pattern::Plain | Pattern::Lamp => (),
-                $(Pattern::$of => {
-                    for i in 0..m.min(BATCH_SIZE) {
-                        let at = PatternPoint {
-                            u: u[i],
-                            v: v[i],
-                            footprint_m: geometry.footprint_m[i],
-                            pixel_m: geometry.pixel_m[i],
-                            face_hash: inputs.face_hash[i],
-                            place_hash: inputs.place_hash[i],
-                        };
-                        put(out, i, textures::albedo(Pattern::$of, get(&inputs.albedo, i), &at));
-                    }
-                })*
+                Pattern::Plain | Pattern::Lamp | Pattern::Reflector => (),
+                Pattern::Window => fill_with!(windows::radiance),
+                $(Pattern::$of => fill_with!(|base, at| textures::albedo(Pattern::$of, base, at)),)*
+            }
+        };
+    }
+    macro_rules! fill_with {
+        ($color:expr) => {
+            for i in 0..m.min(BATCH_SIZE) {
+                let at = PatternPoint {
+                    u: u[i],
+                    v: v[i],
+                    footprint_m: geometry.footprint_m[i],
+                    pixel_m: geometry.pixel_m[i],
+                    face_hash: inputs.face_hash[i],
+                    place_hash: inputs.place_hash[i],
+                };
+                put(out, i, $color(get(&inputs.albedo, i), &at));
             }
         };
     }

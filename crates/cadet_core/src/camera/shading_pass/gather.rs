@@ -120,7 +120,7 @@ pub fn gather_faces(variant: ShaderVariant, queue: &ShadingQueue, n: usize, face
                 run(&mut out.at_eye[0], i, face.at_eye[0]);
                 run(&mut out.at_eye[1], i, face.at_eye[1]);
             }
-            if is_leaf {
+            if is_leaf || variant.pattern == Pattern::Window {
                 run(&mut out.face_hash, i, face.face_hash);
                 run(&mut out.place_hash, i, face.place_hash);
             }

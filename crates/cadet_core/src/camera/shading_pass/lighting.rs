@@ -30,6 +30,9 @@ const WET_DARKENING: f32 = 0.45;
 const WET_ROUGHNESS: f32 = 0.55;
 /// A full film is so much smoother.
 const SMOOTHER_BY_FILM: f32 = 0.2;
+/// Of the parts of a film that mirror lamps: roughness, how much smoother a full film is, and their share of a full one.
+const FILM_ROUGHNESS: (f32, f32) = (0.36, 0.08);
+const FILM_MIRROR: f32 = 0.2;
 /// Puddles: cells of noise per meter, and the film by wetness and by noise.
 const PUDDLES_PER_M: f32 = 0.35;
 const PUDDLE_SALT: u32 = 0xF11;
@@ -47,10 +50,6 @@ const BOTH_FACES: f32 = 1.8;
 const GLASS_ROUGHNESS: f32 = 0.15;
 const GLASS_TINT: Vec3 = Vec3::new(0.93, 1.0, 0.95);
 
-/// Radiance of what shines of itself, per unit of its color: half that of a white wall in the sun, against which lights have
-/// to be seen.
-pub const LAMP_RADIANCE: f32 = 0.55;
-
 /// Ambient irradiance by shading normals, of faces that are not flat.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 pub fn ambient_of_normals(geometry: &SurfaceGeometry, m: usize, sky: &Sky, incident: &mut IncidentLight) {
@@ -67,12 +66,14 @@ pub fn diffuse(
     geometry: &SurfaceGeometry,
     incident: &IncidentLight,
     m: usize,
-    (sky, wetness): (&Sky, f32),
+    light: &Light,
     variant: ShaderVariant,
     out: &mut BatchVector,
 ) {
-    if variant.pattern == Pattern::Lamp {
-        out.iter_mut().for_each(|channel| channel.fill(LAMP_RADIANCE));
+    let (sky, wetness) = (&light.sky, light.wetness);
+    if matches!(variant.pattern, Pattern::Lamp | Pattern::Window) {
+        let radiance = if variant.pattern == Pattern::Lamp { light.lamp_radiance } else { 1.0 };
+        out.iter_mut().for_each(|channel| channel.fill(radiance));
         return;
     }
     let is_leaf = variant.pattern == Pattern::Leaves;
@@ -88,9 +89,44 @@ pub fn diffuse(
         } else {
             Vec3::splat(facing)
         };
-        let wet = if normal.z > WET_RISE { 1.0 - WET_DARKENING * wetness } else { 1.0 };
+        let wet = wet_share(normal.z, wetness);
         put(out, i, (sky.sun * direct * incident.shadow_factor[i] + ambient) * wet);
     }
+}
+
+/// Reflectance at normal incidence and roughness of a surface of these of its own, or of the film of water on it.
+#[inline(always)]
+pub fn coat(is_ground: bool, rise: f32, (x, y): (f32, f32), wetness: f32, own: (f32, f32)) -> (f32, f32) {
+    let film = film(is_ground, rise, (x, y), wetness);
+    let f0 = if film > 0.0 { WATER_F0 } else { own.0 };
+    let roughness = if film > 0.0 { WET_ROUGHNESS - SMOOTHER_BY_FILM * film } else { own.1 };
+    (f0, roughness)
+}
+
+/// Share of a surface that is under a film of water.
+#[inline(always)]
+fn film(is_ground: bool, rise: f32, (x, y): (f32, f32), wetness: f32) -> f32 {
+    let puddle = value_noise(x * PUDDLES_PER_M, y * PUDDLES_PER_M, PUDDLE_SALT);
+    let is_wet = is_ground && rise > WET_RISE;
+    if is_wet { (wetness * FILM_BY_WETNESS - FILM_BY_PUDDLE * puddle).clamp(0.0, 1.0) } else { 0.0 }
+}
+
+/// As [`coat`] for the mirror images of lamps: reflectance, roughness, and the share of the surface that is a mirror. What
+/// stands out of the film is left out of it, so that it is smoother than for the sky.
+#[inline(always)]
+pub fn lamp_coat(is_ground: bool, rise: f32, place: (f32, f32), wetness: f32, own: (f32, f32)) -> [f32; 3] {
+    let film = film(is_ground, rise, place, wetness);
+    if film > 0.0 {
+        [WATER_F0, FILM_ROUGHNESS.0 - FILM_ROUGHNESS.1 * film, FILM_MIRROR * film]
+    } else {
+        [own.0, own.1, (1.0 - own.1) * (1.0 - own.1)]
+    }
+}
+
+/// What wetness leaves of the diffuse light of a surface that rises so much.
+#[inline(always)]
+pub fn wet_share(rise: f32, wetness: f32) -> f32 {
+    if rise > WET_RISE { 1.0 - WET_DARKENING * wetness } else { 1.0 }
 }
 
 /// What a coat or a film of water reflects, and what it leaves of the diffuse light.
@@ -108,11 +144,8 @@ pub fn specular(
     for i in 0..m.min(BATCH_SIZE) {
         let (view, normal) = (get(&geometry.view, i), get(&geometry.normal, i));
         let (x, y) = (geometry.point[0][i] + eye.x, geometry.point[1][i] + eye.y);
-        let puddle = value_noise(x * PUDDLES_PER_M, y * PUDDLES_PER_M, PUDDLE_SALT);
-        let is_wet = inputs.flags[i] & Flags::GROUND > 0 && normal.z > WET_RISE;
-        let film = if is_wet { (wetness * FILM_BY_WETNESS - FILM_BY_PUDDLE * puddle).clamp(0.0, 1.0) } else { 0.0 };
-        let f0 = if film > 0.0 { WATER_F0 } else { inputs.f0[i] };
-        let roughness = if film > 0.0 { WET_ROUGHNESS - SMOOTHER_BY_FILM * film } else { inputs.roughness[i] };
+        let is_ground = inputs.flags[i] & Flags::GROUND > 0;
+        let (f0, roughness) = coat(is_ground, normal.z, (x, y), wetness, (inputs.f0[i], inputs.roughness[i]));
         let cos_view = (-view.dot(normal)).clamp(0.0, 1.0);
         let smooth = (1.0 - roughness) * (1.0 - roughness);
         let fresnel = f0 + (1.0 - f0) * fifth(1.0 - cos_view) * smooth;

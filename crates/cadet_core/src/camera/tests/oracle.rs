@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::reference::{COLUMNS, ROWS, Rate, Reference};
-use crate::camera::exposure::{WHITE_BALANCE, gain_for_mean_luma, metered};
+use crate::camera::exposure::{WHITE_BALANCE, gain_at_night, gain_for_mean_luma, metered, night_gain};
 use crate::camera::kitti_like;
 use crate::camera::noise::ROWS_BEFORE;
 use crate::camera::render::{Scratch, radiance};
@@ -81,11 +81,17 @@ impl Shot {
 
     /// Shares of the pixels whose channels are all within two levels; and what those show that are not, by class.
     fn agreement(&self, plain: &[Vec3]) -> (f64, BTreeMap<u8, usize>) {
-        let ceiling = Vec3::splat(2.0 * Sky::new(&self.weather).sky_on_level.y);
+        let is_night = self.weather.is_night();
+        let ceiling = Vec3::splat(if is_night { 1.0 } else { 2.0 * Sky::new(&self.weather).sky_on_level.y });
         let veil = plain.iter().map(|p| p.min(ceiling)).sum::<Vec3>() * (0.05 / plain.len() as f32);
         let [fast_gain, gain] = [&self.fast[..], plain].map(|pixels| {
             let values: Vec<f32> = pixels.iter().flat_map(|p| p.to_array()).collect();
-            gain_for_mean_luma(&metered(&values, veil.to_array(), 1), MEAN_LUMA, 1)
+            let metered = metered(&values, veil.to_array(), 1);
+            if is_night {
+                night_gain(gain_at_night(&metered, 27.0)).0
+            } else {
+                gain_for_mean_luma(&metered, MEAN_LUMA, 1)
+            }
         });
         assert!((fast_gain / gain - 1.0).abs() < 2e-3, "{fast_gain} {gain}");
         let gains = Vec3::from(WHITE_BALANCE) * gain;
@@ -104,7 +110,7 @@ impl Shot {
 /// Seed, weather, and what is unlike in the suburb.
 type Setting = (u64, &'static str, fn(&mut SceneConfig));
 
-const SHOTS: [Setting; 8] = [
+const SHOTS: [Setting; 11] = [
     (0, "clear_noon", |_| ()),
     (1, "clear_sunset", |config| config.props.house_shares = [0.0, 0.0, 0.0, 0.5, 0.2, 0.3]),
     (2, "soft_rain_noon", |_| ()),
@@ -113,6 +119,9 @@ const SHOTS: [Setting; 8] = [
     (5, "dusk", |config| config.traffic.num_cars = 30),
     (6, "wet_noon", |config| config.props.greenery = 0.2),
     (7, "hard_rain_sunset", |_| ()),
+    (8, "clear_night", |config| config.traffic.num_cars = 30),
+    (9, "wet_night", |config| config.props.city_share = 1.0),
+    (10, "rain_night", |_| ()),
 ];
 
 #[test]

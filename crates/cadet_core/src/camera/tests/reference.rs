@@ -5,6 +5,7 @@
 //!
 //! Light is found as coarsely as the fast one promises: [`rate`] says how, and [`Rate::Pixel`] does without.
 
+mod lamps;
 mod rate;
 mod shading;
 mod shadow;
@@ -16,7 +17,6 @@ use self::shadow::ShadowMap;
 use crate::camera::View;
 use crate::camera::contact_occlusion::Occluder;
 use crate::camera::light::Light;
-use crate::camera::sky::Sky;
 use crate::camera::sky_visibility::SkyProbes;
 use crate::math::{DVec3, Vec3};
 use crate::sense::{FaceHit, FaceTrees, Motion, MovingCaster, PosedScene};
@@ -75,7 +75,7 @@ fn pixels() -> impl Iterator<Item = (usize, usize)> {
 impl Reference {
     pub fn new(scene: &Arc<PosedScene>, view: &View, weather: &Weather) -> Self {
         let (eye, forward) = (view.world_from_cam.translation, view.world_from_cam.rotation * DVec3::Z);
-        let sky = Sky::new(weather);
+        let (sky, night) = Light::sources(scene, weather, eye);
         let shadows = if sky.has_shadows() { ShadowMap::both(scene, eye, forward, sky.sun_world) } else { Vec::new() };
         // The fast renderer places probes about what it sees: here they stand everywhere.
         let everywhere = (-150..150).flat_map(|x| (-150..150).map(move |y| DVec3::new(x.into(), y.into(), 0.0)));
@@ -85,7 +85,7 @@ impl Reference {
             view: view.clone(),
             caster: MovingCaster::new(Arc::clone(scene), &mut FaceTrees::default(), rest, 0.0, |_| true),
             scene: Arc::clone(scene),
-            light: Light::new(weather, sky, None, SkyProbes::new(scene, eye, forward, &everywhere)),
+            light: Light::new(weather, (sky, night), None, SkyProbes::new(scene, eye, forward, &everywhere)),
             shadows,
             occluders: scene.instances.iter().filter_map(Occluder::of).collect(),
             firsts: scene.instances.iter().map(|i| shading::firsts_of(&i.mesh)).collect(),

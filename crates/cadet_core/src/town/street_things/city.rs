@@ -7,7 +7,8 @@ use super::super::plot::Plot;
 use super::super::street_style::CityStyle;
 use super::{Furnisher, Obstacle, OrientedRect, footprint, grown, sidewalk};
 use crate::assets::scenery::{
-    THING_VARIANTS, ThingKind, TreeKind, num_variants, span_lamp, thing, thing_palette, tree, tree_pit,
+    SPAN_LENS_M, StreetLight, THING_VARIANTS, ThingKind, TreeKind, num_variants, span_lamp, thing, thing_palette, tree,
+    tree_pit,
 };
 use crate::frames;
 use crate::math::{DVec2, atan2};
@@ -27,20 +28,20 @@ const SIDEWALK_FOR_CYCLES_M: f64 = 3.1;
 /// Share of the houses with tables before them.
 const CAFE_SHARE: f64 = 0.16;
 
-/// Furnishes one frontage; lamps hang once over a street, which `has_lamps` says.
+/// Furnishes one frontage; lamps hang once over a street, where there is a `light` for them.
 pub(super) fn furnish(
     f: &mut Furnisher,
     frontage: &Frontage,
     style: &CityStyle,
     plots: &[&Plot],
-    has_lamps: bool,
+    light: Option<StreetLight>,
     s: &mut Stream,
 ) {
     let length_m = frontage.length_m();
-    if let (Some(spacing_m), true) = (style.lamp_every_m, has_lamps) {
+    if let (Some(spacing_m), Some(light)) = (style.lamp_every_m, light) {
         let mut at_m = s.range(6.0, 14.0);
         while at_m < length_m - 4.0 {
-            hang_lamp(f, frontage, at_m);
+            hang_lamp(f, frontage, at_m, light);
             at_m += spacing_m;
         }
     }
@@ -68,7 +69,7 @@ pub(super) fn furnish(
 }
 
 /// A lamp on a wire to the opposite wall, if both walls are there.
-fn hang_lamp(f: &mut Furnisher, frontage: &Frontage, at_m: f64) {
+fn hang_lamp(f: &mut Furnisher, frontage: &Frontage, at_m: f64, light: StreetLight) {
     let (edge, out) = (frontage.at(at_m), right_of(frontage.along(at_m)));
     let is_wall = |p: DVec2| f.placer.standing.iter().any(|s| s.name.starts_with("city-") && s.rect.contains(p, 0.0));
     let here = edge + out * 0.5;
@@ -89,7 +90,7 @@ fn hang_lamp(f: &mut Furnisher, frontage: &Frontage, at_m: f64) {
     let position = f.placer.site.on_ground(middle);
     let along = out.perp();
     let pose = frames::upright(position, atan2(along.y, along.x));
-    f.placer.instances.push(model.at(pose));
+    f.placer.instances.push(model.wearing(light.on_wire(SPAN_LENS_M, &model.palette), pose));
 }
 
 /// A tree at the curb, if people and doors of cars have room beside it.

@@ -147,7 +147,8 @@ pub(super) fn place(
         if let Some(style) = &streets.styles[i].city {
             let has_lamps = streets.frontages[..i].iter().all(|f| f.road != frontage.road);
             let mut s = key.indexed("things/city", i as u64);
-            city::furnish(&mut furnisher, frontage, style, &plots, has_lamps, &mut s);
+            let light = has_lamps.then_some(streets.styles[i].street_light);
+            city::furnish(&mut furnisher, frontage, style, &plots, light, &mut s);
         }
         sidewalk::furnish(&mut furnisher, frontage, &streets.styles[i], &plots, clutter, &mut s);
     }

@@ -2,13 +2,35 @@
 
 use std::sync::Arc;
 
-use super::super::materials::{house_palette, jitter};
+use super::super::materials::{LIT_AT_HOME, house_palette, jitter};
 use super::city_slot;
+use crate::lamp::Lamp;
 use crate::material::{Material, Palette, Pattern, Semantic};
 use crate::rng::Stream;
 
 fn paint(albedo: [f32; 3], pattern: Pattern, reflectance: f32) -> Material {
     Material::matt(Semantic::Building, albedo, pattern, reflectance)
+}
+
+/// Radiances of lit shops: of panes that are looked through, of those of coarser levels of detail, and of white things inside.
+const CLEAR_PANE: f32 = 0.008;
+const FAR_PANE: f32 = 0.075;
+const INSIDE: f32 = 0.32;
+
+/// The palette of a house with the lamps of its shops, which are lit at night if there are any.
+#[must_use]
+pub fn light_shops(palette: Arc<Palette>, lamps: &[Lamp]) -> Arc<Palette> {
+    use super::super::materials::house_slot as slot;
+    let Some(at_night) = palette.at_night().filter(|_| !lamps.is_empty()) else { return palette };
+    let mut materials = at_night.materials().to_vec();
+    for (number, radiance) in [(slot::GLASS, CLEAR_PANE), (slot::DARK_GLASS, FAR_PANE)] {
+        materials[usize::from(number)].albedo[2] = radiance;
+    }
+    for number in [city_slot::INSIDE, city_slot::GOODS, city_slot::LIGHT_GOODS] {
+        materials[usize::from(number)].shine(INSIDE);
+    }
+    let at_night = Palette::new(materials).with_lamps(lamps.to_vec());
+    Arc::new(Palette::clone(&palette).with_night(at_night))
 }
 
 /// The colors of one house of a closed row. Many in Karlsruhe are built of red sandstone, or trimmed with it.
@@ -59,5 +81,6 @@ pub fn city_palette(stream: &mut Stream) -> Arc<Palette> {
     set(city_slot::INSIDE, paint(jitter(stream, [0.16, 0.15, 0.13], 0.3, 0.03), Pattern::Plain, 0.4));
     set(city_slot::GOODS, paint(jitter(stream, goods, 0.3, 0.1), Pattern::Plain, 0.4));
     set(city_slot::LIGHT_GOODS, paint([0.55, 0.54, 0.50], Pattern::Plain, 0.5));
-    Arc::new(Palette::new(materials))
+    let panes = [slot::GLASS, slot::DARK_GLASS].map(|pane| (pane, LIT_AT_HOME));
+    Arc::new(Palette::new(materials).with_lit_panes(&panes))
 }

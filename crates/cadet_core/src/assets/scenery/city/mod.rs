@@ -10,11 +10,13 @@ mod plan;
 mod shop;
 mod span;
 
-pub use colors::city_palette;
+pub use colors::{city_palette, light_shops};
 pub use kind::CityKind;
 pub use paving::{flagstones, tree_pit};
 pub(super) use shop::{Shop, gate as fill_gate};
-pub use span::span_lamp;
+pub use span::{SPAN_LENS_M, span_lamp};
+
+use std::sync::Arc;
 
 use self::plan::{Face, Side};
 use super::draw::{CREASE_RAD, block, range};
@@ -22,6 +24,8 @@ use super::materials::house_slot as slot;
 use super::wall_plane::WallPlane;
 use super::{Detail, Mesh};
 use crate::geometry::MeshBuilder;
+use crate::lamp::{Beam, CANDELA, Lamp};
+use crate::material::Palette;
 use crate::math::Vec3;
 use crate::rng::Stream;
 
@@ -29,6 +33,15 @@ use crate::rng::Stream;
 pub const NUM_CITY_HOUSES: [usize; 3] = [12, 4, 4];
 /// Widths of those between two others: enough of them that most rows close.
 const ROW_WIDTHS_M: [f32; 12] = [6.5, 7.8, 9.0, 10.5, 12.0, 12.8, 13.6, 14.4, 15.2, 16.2, 17.6, 19.6];
+
+/// Width of a shop, the share of the houses whose shops are lit at night, and the light of one: how far before the wall and how high it
+/// comes from, meters, and how much falls straight down.
+const SHOP_M: f32 = 5.0;
+const LIT_SHOPS: f64 = 0.75;
+const SHOP_LIGHT_M: (f32, f32) = (0.7, 2.7);
+const SHOP_CD: f32 = 90.0;
+const SHOP_COLOR: [f32; 3] = [1.08, 0.99, 0.83];
+const SHOP_REACH_M: f32 = 16.0;
 
 /// The cut corner of a corner house.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -139,6 +152,22 @@ impl CityDesign {
     /// The highest point of the roof.
     pub fn height(&self) -> f32 {
         self.roof_line().last().map_or(0.0, |(_, z)| *z)
+    }
+
+    /// The palette with the light of its shops, which falls on the sidewalk at night.
+    pub fn lit_shops(&self, palette: Arc<Palette>) -> Arc<Palette> {
+        let are_lit = self.has_shops && Stream::from_seed("lit shops", self.seed).chance(LIT_SHOPS);
+        let count = if are_lit { (self.width / SHOP_M).floor().max(1.0) as usize } else { 0 };
+        let y = |k: usize| self.width * ((k as f32 + 0.5) / count as f32 - 0.5);
+        let lamps = (0..count).map(|k| Lamp {
+            beam: Beam::Luminaire { ends: -0.2, full: 0.6 },
+            at: Vec3::new(0.5 * self.depth + SHOP_LIGHT_M.0, y(k), SHOP_LIGHT_M.1),
+            ahead: -Vec3::Z,
+            left: Vec3::Y,
+            intensity: SHOP_COLOR.map(|c| c * (SHOP_CD / CANDELA)),
+            reach_m: SHOP_REACH_M,
+        });
+        light_shops(palette, &lamps.collect::<Vec<_>>())
     }
 
     /// Draws the house.

@@ -17,6 +17,8 @@ const SHORTEST_M: usize = 8;
 const WIRE_M: f32 = 7.6;
 const LAMP_M: f32 = 6.6;
 const SAG_M: f32 = 0.55;
+/// Height of the underside of its lens.
+pub const SPAN_LENS_M: f32 = LAMP_M - 0.06;
 
 /// A lamp on a wire along y; its ends are at least `span_m` apart, and less than a meter more. `None` for a street too
 /// wide or too narrow for one.

@@ -2,11 +2,12 @@
 
 use super::{Key, Reference};
 use crate::camera::contact_occlusion::Occluder;
-use crate::camera::face::{clump, is_vehicle};
-use crate::camera::shading_pass::{LAMP_RADIANCE, environment, highlight};
+use crate::camera::face::{clump, is_vehicle, luminaire_share};
+use crate::camera::shading_pass::{environment, highlight};
 use crate::camera::sky_visibility::SkyVisibility;
 use crate::camera::textures::{PatternPoint, albedo};
 use crate::camera::value_noise::{hash2, value_noise};
+use crate::camera::windows::{radiance, window};
 use crate::geometry::{LEAST_WEIGHT, Mesh};
 use crate::material::{Material, Pattern, Semantic};
 use crate::math::{DVec3, Vec3, expf};
@@ -17,7 +18,7 @@ pub struct Surface<'a> {
     key: Key,
     posed: &'a PosedInstance,
     corners: [DVec3; 3],
-    normal: Vec3,
+    pub(super) normal: Vec3,
     pub(super) material: &'a Material,
     pub(super) is_leaf: bool,
     is_ground: bool,
@@ -26,11 +27,11 @@ pub struct Surface<'a> {
 
 /// A point of a surface that the camera sees.
 pub struct Point {
-    world: Vec3,
+    pub(super) world: Vec3,
     pub(super) depth_m: f32,
     /// Unit vector from the eye.
-    view: Vec3,
-    distance_m: f32,
+    pub(super) view: Vec3,
+    pub(super) distance_m: f32,
 }
 
 /// Of every face of a mesh the one that stands for it: the first of two that are a flat quadrilateral.
@@ -142,17 +143,36 @@ impl Reference {
             let along = if is_level { Vec3::X } else { flat.normalize() };
             [along, if is_level { Vec3::Y } else { normal.cross(along) }].map(|axis| axis.dot(local))
         };
+        let is_window = m.pattern == Pattern::Window;
+        let (pane, middle) = window([a, b, c], (b - a).cross(c - a).normalize_or_zero(), s.place_hash);
+        let [u, v] = if is_window {
+            // From the middle of the pane.
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            let along = Vec3::new(-normal.y, normal.x, 0.0).normalize_or_zero();
+            let local = (placement.rotation.transpose() * (at.world.as_dvec3() - placement.translation)).as_vec3();
+            [along, normal.cross(along)].map(|axis| axis.dot(local - middle))
+        } else {
+            [u, v]
+        };
         let pixel_m = at.depth_m / self.view.intrinsics[0] as f32;
         let place = PatternPoint {
             u,
             v,
             pixel_m,
             footprint_m: pixel_m / at.view.dot(s.normal).abs().max(0.02).sqrt(),
-            face_hash: hash2(s.key.1 as i32, 0, s.place_hash),
+            face_hash: if is_window { pane } else { hash2(s.key.1 as i32, 0, s.place_hash) },
             place_hash: s.place_hash,
         };
-        let base = Vec3::from(m.albedo) * if s.is_leaf { clump(a, b - a, s.place_hash) } else { 1.0 };
-        let albedo = albedo(m.pattern, base, &place);
+        let is_street_lamp = m.pattern == Pattern::Lamp && m.semantic == Semantic::Pole;
+        let base = Vec3::from(m.albedo)
+            * if s.is_leaf {
+                clump(a, b - a, s.place_hash)
+            } else if is_street_lamp {
+                luminaire_share(s.normal.z)
+            } else {
+                1.0
+            };
+        let albedo = if is_window { radiance(base, &place) } else { albedo(m.pattern, base, &place) };
         let worn = if m.semantic == Semantic::Road { 0.55 } else { 1.0 };
         let lies = if is_vehicle(m.semantic) { 0.0 } else { 1.0 };
         let drift = value_noise(at.world.x * 0.6, at.world.y * 0.6, 0x5E0);
@@ -195,7 +215,9 @@ impl Reference {
             let fresnel = schlick(m.specular.max(0.045) * 1.8, 1.0).min(1.0);
             let shine = environment(sky, mirrored, &toward, 0.0) + highlight(sky, mirrored, 0.15) * lit;
             let through = Vec3::new(0.93, 1.0, 0.95) * (m.transmission * (1.0 - fresnel));
-            let in_front = self.through_air(shine * fresnel, at.view, at.distance_m);
+            let [_, glints] = self.lamp_light(s, at, normal, contact, false);
+            let room = if m.pattern == Pattern::Window { self.albedo(s, at) } else { Vec3::ZERO };
+            let in_front = self.through_air(shine * fresnel + glints + room, at.view, at.distance_m);
             return [through, in_front - through * self.through_air(Vec3::ZERO, at.view, at.distance_m)];
         }
         // Leaves turn to all sides, and let three quarters as much light through as they reflect, yellower.
@@ -204,12 +226,16 @@ impl Reference {
         let direct = if s.is_leaf { (facing + through) * 0.9 + Vec3::splat(0.20) } else { facing };
         let around = sky.ambient(normal, open) * contact * if s.is_leaf { 1.75 } else { 1.0 };
         let wet = if normal.z > 0.5 { 1.0 - 0.45 * wetness } else { 1.0 };
-        let shines = m.pattern == Pattern::Lamp;
-        let diffuse = if shines { Vec3::splat(LAMP_RADIANCE) } else { (sky.sun * direct * lit + around) * wet };
         let puddle = value_noise(at.world.x * 0.35, at.world.y * 0.35, 0xF11);
         let is_wet = s.is_ground && normal.z > 0.5;
         let film = if is_wet { (wetness * 1.5 - 0.9 * puddle).clamp(0.0, 1.0) } else { 0.0 };
         let (f0, roughness) = if film > 0.0 { (0.02, 0.55 - 0.2 * film) } else { (m.specular, m.roughness) };
+        let [lamps, glints] = self.lamp_light(s, at, normal, contact, s.is_ground);
+        let (diffuse, glints) = match m.pattern {
+            Pattern::Lamp => (Vec3::splat(self.light.lamp_radiance), Vec3::ZERO),
+            Pattern::Window => (Vec3::ONE, Vec3::ZERO),
+            _ => ((sky.sun * direct * lit + around + lamps) * wet, glints),
+        };
         let is_matt = s.is_leaf || f0 == 0.0;
         let fresnel = if is_matt { 0.0 } else { schlick(f0, (1.0 - roughness) * (1.0 - roughness)) };
         let shine = environment(sky, mirrored, &toward, roughness) * contact.max(0.3)
@@ -217,7 +243,7 @@ impl Reference {
         // Metals color what they reflect.
         let tint = if f0 > 0.5 { Vec3::from(m.albedo) } else { Vec3::ONE };
         let clear = expf(-self.light.extinction_per_m * at.distance_m);
-        [diffuse * (1.0 - fresnel) * clear, self.through_air(shine * tint * fresnel, at.view, at.distance_m)]
+        [diffuse * (1.0 - fresnel) * clear, self.through_air(shine * tint * fresnel + glints, at.view, at.distance_m)]
     }
 
     /// The visibility of the sky. Leaves near each other see the same: cells of at least 0.5 m and 1/16 to 1/32 of the

@@ -1,0 +1,65 @@
+//! The light of all lamps of a night on one point, one after the other, without a grid.
+
+use super::Reference;
+use super::shading::{Point, Surface};
+use crate::camera::night_lights::{
+    LEAF_DIRECT, LEAF_SCATTERED, LEAST_ALPHA_SQUARED, LEAST_SQUARE_M2, RETRO, RETRO_SINE,
+};
+use crate::camera::shading_pass::lamp_coat;
+use crate::lamp::{Beam, fade};
+use crate::material::Pattern;
+use crate::math::Vec3;
+
+impl Reference {
+    /// Irradiance, and what a coat of this reflectance and roughness mirrors.
+    pub(super) fn lamp_light(
+        &self,
+        s: &Surface<'_>,
+        at: &Point,
+        normal: Vec3,
+        contact: f32,
+        is_ground: bool,
+    ) -> [Vec3; 2] {
+        let Some(night) = &self.light.night else { return [Vec3::ZERO; 2] };
+        let own = (s.material.specular, s.material.roughness);
+        let [f0, roughness, mirror] = lamp_coat(is_ground, normal.z, (at.world.x, at.world.y), self.light.wetness, own);
+        let point = at.view * at.distance_m;
+        let (mut irradiance, mut mirrored) = (Vec3::ZERO, Vec3::ZERO);
+        let throws_back = s.material.lidar.retro || s.material.pattern == Pattern::Reflector;
+        for known in &night.lamps {
+            let lamp = &known.lamp;
+            let from_lamp = point - lamp.at;
+            let distance_m = from_lamp.length().max(LEAST_SQUARE_M2.sqrt());
+            let to_lamp = -from_lamp / distance_m;
+            let from_above = if matches!(lamp.beam, Beam::Luminaire { .. }) { contact } else { 1.0 };
+            let square = distance_m * distance_m;
+            let strength = Vec3::from(lamp.intensity)
+                * (lamp.share(from_lamp, distance_m) * from_above * fade(square, lamp.reach_m * lamp.reach_m) / square);
+            let cos = normal.dot(to_lamp);
+            let facing = cos.max(0.0);
+            irradiance += strength
+                * if s.is_leaf { (facing + 0.75 * (-cos).max(0.0)) * LEAF_DIRECT + LEAF_SCATTERED } else { facing };
+            if throws_back && to_lamp.dot(at.view) < 0.0 {
+                let sine = to_lamp.cross(at.view).length() / RETRO_SINE;
+                irradiance += strength * facing * RETRO / (1.0 + sine * sine);
+            }
+            if f0 > 0.0 && !s.is_leaf && facing > 0.0 {
+                mirrored += strength * mirror * ggx(to_lamp, -at.view, normal, f0, roughness);
+            }
+        }
+        [irradiance, mirrored]
+    }
+}
+
+/// pi times F D G / (4 cos cos) times the cosine to the light.
+fn ggx(to_lamp: Vec3, to_eye: Vec3, normal: Vec3, f0: f32, roughness: f32) -> f32 {
+    let alpha2 = f64::from(roughness).powi(4).max(LEAST_ALPHA_SQUARED.into());
+    let alpha = alpha2.sqrt();
+    let half = (to_lamp + to_eye).normalize_or_zero();
+    let [nl, nv, nh, lh] =
+        [normal.dot(to_lamp), normal.dot(to_eye).max(1e-3), normal.dot(half), to_lamp.dot(half)].map(f64::from);
+    let distribution = alpha2 / (nh * nh * (alpha2 - 1.0) + 1.0).powi(2);
+    let fresnel = f64::from(f0) + (1.0 - f64::from(f0)) * (1.0 - lh).powi(5);
+    let smith = 2.0 * nl * nv / (2.0 * nl * nv * (1.0 - alpha) + (nl + nv) * alpha);
+    (distribution * fresnel * smith / (4.0 * nl * nv) * nl) as f32
+}
