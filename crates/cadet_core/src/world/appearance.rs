@@ -3,16 +3,27 @@
 use std::sync::Arc;
 
 use super::ride::Ride;
+use super::turn_signal::TurnSignal;
 use crate::actor::AnnotatedBox;
 use crate::assets::cyclist::CyclistModel;
 use crate::assets::person::PersonModel;
 use crate::assets::vehicle::{LitLamps, VehicleModel};
 use crate::instance::Instance;
 use crate::math::{DPose3, DVec3};
+use crate::rng::StreamKey;
 
 /// Engines slow a car without lighting its brake lamps; a pressed pedal is not let go for a moment.
 const BRAKING_MPS2: f64 = -0.8;
 const RELEASED_MPS2: f64 = -0.2;
+
+/// What lamps depend on besides who drives.
+pub(super) struct LampLight {
+    pub time_s: f64,
+    /// Of the scene: every agent blinks at a phase of its own.
+    pub key: StreamKey,
+    /// Whether it is dim enough for low beams.
+    pub needs_lamps: bool,
+}
 
 /// A model and the state of its parts.
 pub(super) enum Appearance {
@@ -21,6 +32,7 @@ pub(super) enum Appearance {
         /// Whether somebody is seen at the wheel.
         is_driven: bool,
         is_braking: bool,
+        signal: TurnSignal,
     },
     Person {
         model: Arc<PersonModel>,
@@ -67,20 +79,28 @@ impl Appearance {
         }
     }
 
-    /// The posed parts. `box_from_wheels` is where the body has its wheels, if it has any; `needs_lamps` lights the lamps of
-    /// what is driven.
+    /// Says where a vehicle is about to go.
+    pub fn indicate(&mut self, intent: TurnSignal) {
+        if let Self::Vehicle { signal, .. } = self {
+            *signal = intent;
+        }
+    }
+
+    /// The posed parts. `box_from_wheels` is where the body has its wheels, if it has any.
     pub fn parts(
         &self,
         world_from_box: DPose3,
         box_from_wheels: Option<[DPose3; 4]>,
         actor_id: i32,
-        needs_lamps: bool,
+        light: &LampLight,
         parts: &mut Vec<Instance>,
     ) {
         let palette = match self {
-            Self::Vehicle { model, is_driven, is_braking } => {
-                &model.palette_lit(LitLamps { low_beams: *is_driven && needs_lamps, brake: *is_braking })
-            }
+            Self::Vehicle { model, is_driven, is_braking, signal } => &model.palette_lit(LitLamps {
+                low_beams: *is_driven && light.needs_lamps,
+                brake: *is_braking,
+                signals: signal.lit_sides(actor_id, light),
+            }),
             Self::Person { model, .. } => &model.palette,
             Self::Cyclist { model, .. } => &model.palette,
         };
@@ -103,7 +123,8 @@ impl Appearance {
             }
             Self::Cyclist { model, ride } => {
                 let box_from_leaning = ride.box_from_leaning();
-                push(model.body(ride.stands), box_from_leaning, true);
+                let body = if ride.stands { model.body(true) } else { model.pointing(ride.arm) };
+                push(body, box_from_leaning, true);
                 push(if ride.stands { model.standing() } else { model.pedaling(ride.crank) }, box_from_leaning, false);
                 for axle in model.axles() {
                     push(Arc::clone(&model.wheel), box_from_leaning * ride.leaning_from_wheel(axle), false);

@@ -246,7 +246,7 @@ impl World {
     /// The world as it is now: the town's scenery, then the actors within 250 m of the ego by rising id.
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
-        Snapshot::of(&self.arena, &self.town, self.ego(), self.time_s(), self.needs_lamps)
+        Snapshot::of(&self.arena, &self.town, self.key, self.ego(), self.time_s(), self.needs_lamps)
     }
 
     fn ego_driver(&self) -> &Driver {

@@ -1,10 +1,12 @@
 //! The world at one instant, as the sensors see it.
 
 use super::agent::Agent;
+use super::appearance::LampLight;
 use super::arena::Arena;
 use crate::actor::ActorState;
 use crate::instance::Instance;
 use crate::math::{DPose3, DVec3};
+use crate::rng::StreamKey;
 use crate::town::Town;
 
 /// Actors farther than this from the ego are left out of snapshots.
@@ -36,7 +38,14 @@ pub struct Snapshot {
 
 impl Snapshot {
     /// The town's scenery, the lights as they are lit, then the agents near the ego by rising id.
-    pub(super) fn of(arena: &Arena, town: &Town, ego: EgoState, time_s: f64, needs_lamps: bool) -> Self {
+    pub(super) fn of(
+        arena: &Arena,
+        town: &Town,
+        key: StreamKey,
+        ego: EgoState,
+        time_s: f64,
+        needs_lamps: bool,
+    ) -> Self {
         let middle = ego.world_from_ego.translation;
         let mut near: Vec<(&Agent, DPose3)> = arena.agents[1..]
             .iter()
@@ -49,7 +58,8 @@ impl Snapshot {
         let mut actors = Vec::with_capacity(near.len());
         for (agent, world_from_box) in near {
             let wheels = agent.body.box_from_wheels();
-            agent.appearance.parts(world_from_box, wheels, agent.id, needs_lamps, &mut instances);
+            let light = LampLight { time_s, key, needs_lamps };
+            agent.appearance.parts(world_from_box, wheels, agent.id, &light, &mut instances);
             actors.push(ActorState {
                 id: agent.id,
                 class: agent.class,

@@ -27,6 +27,9 @@ const FOOT_Y_M: f32 = 0.19;
 /// Phase of the crank of who stands with the right foot on the ground: the left pedal is up and forward.
 const START_PHASE: f32 = 0.14;
 
+/// From the shoulder to the hand of an arm that is stretched out to the left, as a share of the arm's length.
+const POINTING: Vec3 = Vec3::new(0.10, 0.97, -0.06);
+
 /// Where hips and trunk are.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Seat {
@@ -72,8 +75,8 @@ impl Seat {
         Self { hip, lean: bisect(LEAN_RAD[0], LEAN_RAD[1], is_too_far) }
     }
 
-    /// Trunk, head, arms, and what is on the back.
-    pub fn upper_body(&self, p: &Proportions, bicycle: &Bicycle, level: usize) -> Tubes {
+    /// Trunk, head, arms, and what is on the back. `pointing` stretches the arm of a side out by a share of the way.
+    pub fn upper_body(&self, p: &Proportions, bicycle: &Bicycle, pointing: Option<(f32, f32)>, level: usize) -> Tubes {
         let mut tubes = Tubes::default();
         let posture = posture(self.lean);
         let frame = Frame::new(p, &posture);
@@ -82,6 +85,9 @@ impl Seat {
         for (hand, side) in hands.iter_mut().zip([1.0, -1.0]) {
             let grip = bicycle.grip * Vec3::new(1.0, side, 1.0) - self.hip;
             let from = shoulder(p, &frame, side);
+            let share = pointing.filter(|(of, _)| *of == side).map_or(0.0, |(_, share)| share);
+            let out = from + POINTING * Vec3::new(1.0, side, 1.0) * arm_length(p);
+            let grip = grip.lerp(out, share);
             // Elbows point down and a little outward.
             let elbow_to = Vec3::new(-0.35, 0.45 * side, -1.0);
             let (upper, fore) = two_links(from, grip, p.upper_arm, p.forearm + 0.5 * p.hand, elbow_to);

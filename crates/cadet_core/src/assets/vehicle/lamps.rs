@@ -10,6 +10,7 @@ use crate::material::{Palette, Pattern};
 const LOW_BEAM: [f32; 3] = [1.0, 0.96, 0.86];
 const TAIL: [f32; 3] = [0.20, 0.002, 0.001];
 const BRAKE: [f32; 3] = [0.80, 0.008, 0.006];
+const SIGNAL: [f32; 3] = [1.0, 0.33, 0.010];
 
 /// Which lamps of a vehicle are lit.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -18,6 +19,8 @@ pub struct LitLamps {
     pub low_beams: bool,
     /// Brake lamps, which share the tail lamps' lenses.
     pub brake: bool,
+    /// Turn signals of the left side, and of the right.
+    pub signals: [bool; 2],
 }
 
 impl VehicleModel {
@@ -38,6 +41,11 @@ impl VehicleModel {
         }
         if lit.brake {
             light(slot::TAIL_LAMP, BRAKE);
+        }
+        for (slot, is_lit) in [slot::LEFT_SIGNAL, slot::RIGHT_SIGNAL].into_iter().zip(lit.signals) {
+            if is_lit {
+                light(slot, SIGNAL);
+            }
         }
         Arc::new(Palette::new(materials))
     }

@@ -14,6 +14,9 @@ mod lamps;
 mod library;
 mod outline;
 mod paint;
+#[cfg(test)]
+mod signal_tests;
+mod signals;
 mod surface;
 #[cfg(test)]
 mod tests;
@@ -261,6 +264,10 @@ impl VehicleModel {
         body::add_lower_body(&mut surface, o, styling, level);
         house.add(&mut surface, level, has_sunroof);
         details::add_fittings(&mut surface, o, house, fittings, level);
+        signals::add_signals(&mut surface, o, styling, &signals::ends_of(o, level), Outline::fractions(level));
+        if level < 2 {
+            signals::add_repeaters(&mut surface, o);
+        }
         surface
     }
 }

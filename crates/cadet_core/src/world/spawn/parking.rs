@@ -12,6 +12,7 @@ use crate::math::{self, DVec2, DVec3};
 use crate::rng::Stream;
 use crate::town::{ParkingSpot, SpotKind, Town};
 use crate::world::footprint::Footprint;
+use crate::world::turn_signal::TurnSignal;
 
 /// Share of the cars along a curb that stand against the traffic, and of those at an angle that were backed in.
 const WRONG_WAY_SHARE: f64 = 0.05;
@@ -24,7 +25,8 @@ const LEAST_GAP_M: f64 = 0.3;
 const MOST_OVER_SPOT_M: f64 = 2.2;
 const MOST_OVER_WIDTH_M: f64 = 0.45;
 const RARE_OVER_WIDTH_M: f64 = 0.3;
-
+/// Share of the vans at a curb that stand there to deliver, with their hazard lights on.
+const DELIVERING_SHARE: f64 = 0.06;
 /// Room between a parked vehicle and the middle of every lane.
 const OFF_LANES_M: f64 = 1.25;
 
@@ -91,7 +93,11 @@ impl Spawner<'_> {
                 clear.then_some(place)
             };
             let Some(place) = free(shift_m).or_else(|| free(-shift_m)) else { continue };
-            if let Ok(parked) = parked_vehicle(self.arena, model, place.x, place.y, yaw) {
+            let delivers = model.class == ObjectClass::Van
+                && spot.kind == SpotKind::Parallel
+                && Stream::from_seed("hazard lights", seed).chance(DELIVERING_SHARE);
+            if let Ok(mut parked) = parked_vehicle(self.arena, model, place.x, place.y, yaw) {
+                parked.appearance.indicate(if delivers { TurnSignal::Hazard } else { TurnSignal::Off });
                 self.arena.put(parked);
             }
         }

@@ -14,6 +14,7 @@ mod signals;
 mod towns;
 mod trams;
 mod trucks;
+mod turn_signals;
 
 use std::sync::Arc;
 
