@@ -149,7 +149,8 @@ impl Scene {
         };
         let world = World::new(Arc::new(town), key)?
             .with_user_vehicles(config.user_vehicles.clone())
-            .with_lamps(weather.needs_lamps());
+            .with_lamps(weather.needs_lamps())
+            .with_rain(weather.rain_mm_per_h > 0.0);
         Ok(Self {
             key,
             world,

@@ -109,7 +109,18 @@ impl Appearance {
             parts.push(Instance { shape, palette, world_from_local, actor_id, is_body });
         };
         match self {
-            Self::Person { model, phase } => push(Arc::new(model.pose(*phase)), DPose3::IDENTITY, true),
+            Self::Person { model, phase } => {
+                push(Arc::new(model.pose(*phase)), DPose3::IDENTITY, true);
+                if let Some(belonging) = &model.belonging {
+                    parts.push(Instance {
+                        shape: belonging.pose(*phase),
+                        palette: Arc::clone(&belonging.palette),
+                        world_from_local: world_from_box,
+                        actor_id,
+                        is_body: belonging.is_solid(),
+                    });
+                }
+            }
             Self::Vehicle { model, is_driven, .. } => {
                 push(Arc::clone(&model.body), DPose3::IDENTITY, true);
                 if let Some(driver) = model.driver.as_ref().filter(|_| *is_driven) {

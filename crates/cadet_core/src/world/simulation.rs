@@ -41,6 +41,7 @@ pub struct World {
     user_vehicles: UserVehicles,
     traffic: Option<TrafficConfig>,
     needs_lamps: bool,
+    rains: bool,
     steps: u64,
     respawns: u64,
 }
@@ -63,6 +64,7 @@ impl World {
             user_vehicles: UserVehicles::default(),
             traffic: None,
             needs_lamps: false,
+            rains: false,
             steps: 0,
             respawns: 0,
         })
@@ -79,6 +81,13 @@ impl World {
     #[must_use]
     pub fn with_lamps(mut self, needs_lamps: bool) -> Self {
         self.needs_lamps = needs_lamps;
+        self
+    }
+
+    /// The same world in rain, or not: people have umbrellas.
+    #[must_use]
+    pub fn with_rain(mut self, rains: bool) -> Self {
+        self.rains = rains;
         self
     }
 
@@ -148,8 +157,8 @@ impl World {
     /// # Errors
     /// [`Error::OutOfRange`] for a configuration that makes no sense.
     pub fn spawn_traffic(&mut self, config: &TrafficConfig) -> Result<()> {
-        let Self { arena, key, user_vehicles, .. } = self;
-        fill(&mut Spawner { arena, key: *key, config, user_vehicles }, &self.town)?;
+        let Self { arena, key, user_vehicles, rains, .. } = self;
+        fill(&mut Spawner { arena, key: *key, config, user_vehicles, rains: *rains }, &self.town)?;
         self.traffic = Some(config.clone());
         self.set_ego_driving(true);
         Ok(())
@@ -266,9 +275,9 @@ impl World {
         self.arena.step();
         self.steps += 1;
         if self.steps.is_multiple_of(RENEW_EVERY)
-            && let Self { arena, key, user_vehicles, traffic: Some(config), .. } = self
+            && let Self { arena, key, user_vehicles, traffic: Some(config), rains, .. } = self
         {
-            renew(&mut Spawner { arena, key: *key, config, user_vehicles }, &mut self.respawns);
+            renew(&mut Spawner { arena, key: *key, config, user_vehicles, rains: *rains }, &mut self.respawns);
         }
     }
 

@@ -1,5 +1,6 @@
 //! The world as a whole: slopes, bends, queues, junctions, people, repeatability.
 
+mod belongings;
 mod census;
 mod country_roads;
 mod cyclists;
