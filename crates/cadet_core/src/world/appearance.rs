@@ -7,7 +7,8 @@ use super::turn_signal::TurnSignal;
 use crate::actor::AnnotatedBox;
 use crate::assets::cyclist::CyclistModel;
 use crate::assets::person::PersonModel;
-use crate::assets::vehicle::{LitLamps, VehicleModel};
+use crate::assets::vehicle::{LitLamps, Opening, VehicleModel};
+use crate::geometry::LodSet;
 use crate::instance::Instance;
 use crate::math::{DPose3, DVec3};
 use crate::rng::StreamKey;
@@ -33,6 +34,8 @@ pub(super) enum Appearance {
         is_driven: bool,
         is_braking: bool,
         signal: TurnSignal,
+        /// A door or a tailgate that stands open.
+        opened: Option<Arc<LodSet>>,
     },
     Person {
         model: Arc<PersonModel>,
@@ -86,6 +89,13 @@ impl Appearance {
         }
     }
 
+    /// Opens a door or the tailgate, if the vehicle has such.
+    pub fn open(&mut self, opening: Opening) {
+        if let Self::Vehicle { model, opened, .. } = self {
+            *opened = model.openings.as_ref().and_then(|openings| openings.opened(opening, model.size_lwh));
+        }
+    }
+
     /// The posed parts. `box_from_wheels` is where the body has its wheels, if it has any.
     pub fn parts(
         &self,
@@ -96,7 +106,7 @@ impl Appearance {
         parts: &mut Vec<Instance>,
     ) {
         let palette = match self {
-            Self::Vehicle { model, is_driven, is_braking, signal } => &model.palette_lit(LitLamps {
+            Self::Vehicle { model, is_driven, is_braking, signal, .. } => &model.palette_lit(LitLamps {
                 low_beams: *is_driven && light.needs_lamps,
                 brake: *is_braking,
                 signals: signal.lit_sides(actor_id, light),
@@ -121,8 +131,11 @@ impl Appearance {
                     });
                 }
             }
-            Self::Vehicle { model, is_driven, .. } => {
+            Self::Vehicle { model, is_driven, opened, .. } => {
                 push(Arc::clone(&model.body), DPose3::IDENTITY, true);
+                if let Some(opened) = opened {
+                    push(Arc::clone(opened), DPose3::IDENTITY, false);
+                }
                 if let Some(driver) = model.driver.as_ref().filter(|_| *is_driven) {
                     push(Arc::clone(driver), DPose3::IDENTITY, false);
                 }

@@ -12,6 +12,9 @@ mod imported_materials;
 mod interior;
 mod lamps;
 mod library;
+#[cfg(test)]
+mod opening_tests;
+mod openings;
 mod outline;
 mod paint;
 #[cfg(test)]
@@ -38,6 +41,7 @@ use crate::rng::Stream;
 pub use imported::{UserVehicles, VehicleAsset};
 pub use imported_materials::{MaterialRules, Role};
 pub use lamps::LitLamps;
+pub(crate) use openings::{Opening, Openings};
 pub(crate) use paint::Livery;
 
 use body::Styling;
@@ -87,6 +91,8 @@ pub struct VehicleModel {
     pub palette: Arc<Palette>,
     /// Whether head and tail lamps have materials of their own.
     pub(crate) has_lenses: bool,
+    /// What of it can stand open.
+    pub(crate) openings: Option<Arc<Openings>>,
     /// What its colors are drawn from.
     pub(crate) livery: Livery,
 }
@@ -247,6 +253,7 @@ impl VehicleModel {
             wheel_radius_m: f64::from(d.wheel_radius),
             palette: Arc::new(palette),
             has_lenses: true,
+            openings: Some(Arc::new(Openings::of(&outline, &house, size_lwh.as_vec3(), |p| fits[0].point(p)))),
             livery: Livery::Private,
         }
     }

@@ -29,6 +29,7 @@ pub(super) fn driven_vehicle(chassis: Chassis, route: Option<Route>, idm: IdmPar
             is_driven: true,
             is_braking: false,
             signal: TurnSignal::Off,
+            opened: None,
         },
         is_placed: false,
     }
@@ -56,6 +57,7 @@ pub(super) fn parked_vehicle(
             is_driven: false,
             is_braking: false,
             signal: TurnSignal::Off,
+            opened: None,
         },
         is_placed: false,
     })
@@ -78,6 +80,7 @@ pub(super) fn guided_vehicle(arena: &mut Arena, model: Arc<VehicleModel>, script
             is_driven: true,
             is_braking: false,
             signal: TurnSignal::Off,
+            opened: None,
         },
         is_placed: false,
     })
@@ -107,6 +110,7 @@ pub(super) fn tram_car(
             is_driven: true,
             is_braking: false,
             signal: TurnSignal::Off,
+            opened: None,
         },
         is_placed: false,
     })
