@@ -75,7 +75,7 @@ pub(super) fn palette(thing: Thing, s: &mut Stream) -> Palette {
     let fur = s.range(0.35, 0.65);
     let smooth = |m: Material, roughness: f32| Material { specular: 0.04, roughness, ..m };
     Palette::new(vec![
-        smooth(cloth(color, bright), 0.75),
+        cloth(color, bright),
         cloth(color.map(|c| 0.7 * c), bright),
         Material { specular: 0.25, roughness: 0.35, ..plain(metal, 0.45) },
         smooth(plain([0.03; 3], 0.08), 0.5),
