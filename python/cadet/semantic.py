@@ -29,7 +29,7 @@ class Semantic(IntEnum):
     TRAFFIC_SIGN = 9
     """Traffic signs and lights."""
     FURNITURE = 10
-    """Other street furniture: bins, cabinets, benches."""
+    """Other things: bins, cabinets, benches, prams, dogs."""
     CAR = 11
     """Passenger cars."""
     VAN = 12

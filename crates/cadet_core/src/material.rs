@@ -28,7 +28,7 @@ pub enum Semantic {
     Pole = 8,
     /// Traffic signs and lights.
     TrafficSign = 9,
-    /// Other street furniture: bins, cabinets, benches.
+    /// Other things: bins, cabinets, benches, and what people push, pull, or lead.
     Furniture = 10,
     /// Passenger cars.
     Car = 11,

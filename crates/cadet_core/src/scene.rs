@@ -150,7 +150,8 @@ impl Scene {
         let world = World::new(Arc::new(town), key)?
             .with_user_vehicles(config.user_vehicles.clone())
             .with_lamps(weather.needs_lamps())
-            .with_night(weather.is_night());
+            .with_night(weather.is_night())
+            .with_rain(weather.rain_mm_per_h > 0.0);
         Ok(Self {
             key,
             world,

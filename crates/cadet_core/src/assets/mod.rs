@@ -2,6 +2,7 @@
 
 mod annotated_sizes;
 pub mod annotation;
+pub(crate) mod belongings;
 pub mod cyclist;
 pub mod import;
 mod mesh_limits;

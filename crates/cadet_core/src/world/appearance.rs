@@ -3,21 +3,26 @@
 use std::sync::Arc;
 
 use super::ride::Ride;
+use super::turn_signal::TurnSignal;
 use crate::actor::AnnotatedBox;
 use crate::assets::cyclist::CyclistModel;
 use crate::assets::person::PersonModel;
-use crate::assets::vehicle::{LitLamps, VehicleModel};
+use crate::assets::vehicle::{LitLamps, Opening, VehicleModel};
+use crate::geometry::LodSet;
 use crate::instance::Instance;
 use crate::math::{DPose3, DVec3};
+use crate::rng::StreamKey;
 
 /// Engines slow a car without lighting its brake lamps; a pressed pedal is not let go for a moment.
 const BRAKING_MPS2: f64 = -0.8;
 const RELEASED_MPS2: f64 = -0.2;
 
-/// What light there is.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Lighting {
-    /// What is driven has its lamps lit.
+/// What lamps depend on besides who drives.
+pub(super) struct LampLight {
+    pub time_s: f64,
+    /// Of the scene: every agent blinks at a phase of its own.
+    pub key: StreamKey,
+    /// Whether it is dim enough for low beams.
     pub needs_lamps: bool,
     pub is_night: bool,
 }
@@ -29,6 +34,9 @@ pub(super) enum Appearance {
         /// Whether somebody is seen at the wheel.
         is_driven: bool,
         is_braking: bool,
+        signal: TurnSignal,
+        /// A door or a tailgate that stands open.
+        opened: Option<Arc<LodSet>>,
     },
     Person {
         model: Arc<PersonModel>,
@@ -75,21 +83,37 @@ impl Appearance {
         }
     }
 
-    /// The posed parts. `box_from_wheels` is where the body has its wheels, if it has any; `lighting` lights the lamps of
-    /// what is driven.
+    /// Says where a vehicle is about to go.
+    pub fn indicate(&mut self, intent: TurnSignal) {
+        if let Self::Vehicle { signal, .. } = self {
+            *signal = intent;
+        }
+    }
+
+    /// Opens a door or the tailgate, if the vehicle has such.
+    pub fn open(&mut self, opening: Opening) {
+        if let Self::Vehicle { model, opened, .. } = self {
+            *opened = model.openings.as_ref().and_then(|openings| openings.opened(opening, model.size_lwh));
+        }
+    }
+
+    /// The posed parts. `box_from_wheels` is where the body has its wheels, if it has any; `light` lights the lamps of what
+    /// is driven.
     pub fn parts(
         &self,
         world_from_box: DPose3,
         box_from_wheels: Option<[DPose3; 4]>,
         actor_id: i32,
-        lighting: Lighting,
+        light: &LampLight,
         parts: &mut Vec<Instance>,
     ) {
         let palette = match self {
-            Self::Vehicle { model, is_driven, is_braking } => {
-                let low_beams = *is_driven && lighting.needs_lamps;
-                &model.palette_lit(LitLamps { low_beams, brake: *is_braking, at_night: lighting.is_night })
-            }
+            Self::Vehicle { model, is_driven, is_braking, signal, .. } => &model.palette_lit(LitLamps {
+                low_beams: *is_driven && light.needs_lamps,
+                brake: *is_braking,
+                signals: signal.lit_sides(actor_id, light),
+                at_night: light.is_night,
+            }),
             Self::Person { model, .. } => &model.palette,
             Self::Cyclist { model, .. } => &model.palette,
         };
@@ -98,9 +122,23 @@ impl Appearance {
             parts.push(Instance { shape, palette, world_from_local, actor_id, is_body });
         };
         match self {
-            Self::Person { model, phase } => push(Arc::new(model.pose(*phase)), DPose3::IDENTITY, true),
-            Self::Vehicle { model, is_driven, .. } => {
+            Self::Person { model, phase } => {
+                push(Arc::new(model.pose(*phase)), DPose3::IDENTITY, true);
+                if let Some(belonging) = &model.belonging {
+                    parts.push(Instance {
+                        shape: belonging.pose(*phase),
+                        palette: Arc::clone(&belonging.palette),
+                        world_from_local: world_from_box,
+                        actor_id,
+                        is_body: belonging.is_solid(),
+                    });
+                }
+            }
+            Self::Vehicle { model, is_driven, opened, .. } => {
                 push(Arc::clone(&model.body), DPose3::IDENTITY, true);
+                if let Some(opened) = opened {
+                    push(Arc::clone(opened), DPose3::IDENTITY, false);
+                }
                 if let Some(driver) = model.driver.as_ref().filter(|_| *is_driven) {
                     push(Arc::clone(driver), DPose3::IDENTITY, false);
                 }
@@ -112,7 +150,8 @@ impl Appearance {
             }
             Self::Cyclist { model, ride } => {
                 let box_from_leaning = ride.box_from_leaning();
-                push(model.body(ride.stands), box_from_leaning, true);
+                let body = if ride.stands { model.body(true) } else { model.pointing(ride.arm) };
+                push(body, box_from_leaning, true);
                 push(if ride.stands { model.standing() } else { model.pedaling(ride.crank) }, box_from_leaning, false);
                 for axle in model.axles() {
                     push(Arc::clone(&model.wheel), box_from_leaning * ride.leaning_from_wheel(axle), false);

@@ -26,6 +26,7 @@ mod surroundings;
 #[cfg(test)]
 mod tests;
 mod track;
+mod turn_signal;
 
 pub use course::{Course, FASTEST_VEHICLE_MPS, ModelChoice, Overlap, Waypoint};
 pub use ego_command::{EgoCommand, MAX_LATERAL_M};

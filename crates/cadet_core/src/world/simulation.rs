@@ -44,6 +44,7 @@ pub struct World {
     needs_lamps: bool,
     /// The scenery as it is at night, if it is.
     night_scenery: Option<Vec<Instance>>,
+    rains: bool,
     steps: u64,
     respawns: u64,
 }
@@ -67,6 +68,7 @@ impl World {
             traffic: None,
             needs_lamps: false,
             night_scenery: None,
+            rains: false,
             steps: 0,
             respawns: 0,
         })
@@ -90,6 +92,13 @@ impl World {
     #[must_use]
     pub fn with_night(mut self, is_night: bool) -> Self {
         self.night_scenery = is_night.then(|| self.town.scenery.iter().map(Instance::at_night).collect());
+        self
+    }
+
+    /// The same world in rain, or not: people have umbrellas.
+    #[must_use]
+    pub fn with_rain(mut self, rains: bool) -> Self {
+        self.rains = rains;
         self
     }
 
@@ -159,8 +168,8 @@ impl World {
     /// # Errors
     /// [`Error::OutOfRange`] for a configuration that makes no sense.
     pub fn spawn_traffic(&mut self, config: &TrafficConfig) -> Result<()> {
-        let Self { arena, key, user_vehicles, .. } = self;
-        fill(&mut Spawner { arena, key: *key, config, user_vehicles }, &self.town)?;
+        let Self { arena, key, user_vehicles, rains, .. } = self;
+        fill(&mut Spawner { arena, key: *key, config, user_vehicles, rains: *rains }, &self.town)?;
         self.traffic = Some(config.clone());
         self.set_ego_driving(true);
         Ok(())
@@ -260,6 +269,7 @@ impl World {
         Snapshot::of(
             &self.arena,
             &self.town,
+            self.key,
             self.ego(),
             self.time_s(),
             self.needs_lamps,
@@ -284,9 +294,9 @@ impl World {
         self.arena.step();
         self.steps += 1;
         if self.steps.is_multiple_of(RENEW_EVERY)
-            && let Self { arena, key, user_vehicles, traffic: Some(config), .. } = self
+            && let Self { arena, key, user_vehicles, traffic: Some(config), rains, .. } = self
         {
-            renew(&mut Spawner { arena, key: *key, config, user_vehicles }, &mut self.respawns);
+            renew(&mut Spawner { arena, key: *key, config, user_vehicles, rains: *rains }, &mut self.respawns);
         }
     }
 

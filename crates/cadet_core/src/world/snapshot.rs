@@ -1,13 +1,14 @@
 //! The world at one instant, as the sensors see it.
 
 use super::agent::Agent;
-use super::appearance::Lighting;
+use super::appearance::LampLight;
 use super::arena::Arena;
 use crate::actor::ActorState;
 use crate::assets::vehicle::{HALOGEN, low_beams};
 use crate::instance::Instance;
 use crate::lamp::Lamp;
 use crate::math::{DPose3, DVec3};
+use crate::rng::StreamKey;
 use crate::town::Town;
 
 /// Actors farther than this from the ego are left out of snapshots.
@@ -44,6 +45,7 @@ impl Snapshot {
     pub(super) fn of(
         arena: &Arena,
         town: &Town,
+        key: StreamKey,
         ego: EgoState,
         time_s: f64,
         needs_lamps: bool,
@@ -61,8 +63,8 @@ impl Snapshot {
         let mut actors = Vec::with_capacity(near.len());
         for (agent, world_from_box) in near {
             let wheels = agent.body.box_from_wheels();
-            let lighting = Lighting { needs_lamps, is_night: night_scenery.is_some() };
-            agent.appearance.parts(world_from_box, wheels, agent.id, lighting, &mut instances);
+            let light = LampLight { time_s, key, needs_lamps, is_night: night_scenery.is_some() };
+            agent.appearance.parts(world_from_box, wheels, agent.id, &light, &mut instances);
             actors.push(ActorState {
                 id: agent.id,
                 class: agent.class,

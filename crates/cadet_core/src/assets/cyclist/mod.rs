@@ -25,6 +25,8 @@ use rider::{Legs, Seat};
 const NUM_PHASES: usize = 24;
 /// Where the levels of detail end, meters from the ego, as of people.
 const LEVEL_LIMITS_M: [f32; 3] = [9.0, 22.0, f32::INFINITY];
+/// Steps in which an arm is stretched out.
+const ARM_STEPS: usize = 4;
 /// Who wears a helmet.
 const HELMET_SHARE: f64 = 0.2;
 const CHILD_HELMET_SHARE: f64 = 0.6;
@@ -63,6 +65,8 @@ pub struct CyclistModel {
     /// Bicycle, trunk, arms, and head: riding, and with a foot on the ground.
     bodies: [Arc<LodSet>; 2],
     legs: Arc<[OnceLock<Arc<LodSet>>; NUM_PHASES + 1]>,
+    /// Bodies that point to the left and to the right, an arm stretched out farther and farther.
+    pointing: Arc<[[OnceLock<Arc<LodSet>>; ARM_STEPS]; 2]>,
 }
 
 impl CyclistModel {
@@ -102,6 +106,7 @@ impl CyclistModel {
             design,
             bodies,
             legs: Arc::new([const { OnceLock::new() }; NUM_PHASES + 1]),
+            pointing: Arc::new([const { [const { OnceLock::new() }; ARM_STEPS] }; 2]),
             name,
         }
     }
@@ -110,6 +115,19 @@ impl CyclistModel {
     #[must_use]
     pub fn body(&self, stands: bool) -> Arc<LodSet> {
         Arc::clone(&self.bodies[usize::from(stands)])
+    }
+
+    /// The riding body with an arm stretched out: wholly the left one at 1 and the right one at -1, none at 0.
+    #[must_use]
+    pub fn pointing(&self, arm: f64) -> Arc<LodSet> {
+        let step = (arm.abs() * ARM_STEPS as f64).round() as usize;
+        let Some(index) = step.min(ARM_STEPS).checked_sub(1) else { return self.body(false) };
+        let shape = self.pointing[usize::from(arm < 0.0)][index].get_or_init(|| {
+            let (design, share) = (Arc::clone(&self.design), step as f32 / ARM_STEPS as f32);
+            let side = if arm < 0.0 { -1.0 } else { 1.0 };
+            Arc::new(levels(&self.name, move |level| design.body_with(false, Some((side, share)), level)))
+        });
+        Arc::clone(shape)
     }
 
     /// Legs and cranks of who rides, the crank at a phase in [0, 1), one of 24 that are made once.
@@ -196,12 +214,17 @@ impl Design {
     }
 
     fn body_top(&self) -> f32 {
-        let tubes = self.riding.upper_body(&self.rider, &self.bicycle, 2);
+        let tubes = self.riding.upper_body(&self.rider, &self.bicycle, None, 2);
         tubes.vertices.iter().fold(0.0, |top: f32, v| top.max(v.z))
     }
 
     fn body(&self, stands: bool, level: usize) -> Tubes {
-        let mut tubes = self.seat(stands).upper_body(&self.rider, &self.bicycle, level);
+        self.body_with(stands, None, level)
+    }
+
+    /// The body with an arm stretched out to a side, by a share of the way.
+    fn body_with(&self, stands: bool, pointing: Option<(f32, f32)>, level: usize) -> Tubes {
+        let mut tubes = self.seat(stands).upper_body(&self.rider, &self.bicycle, pointing, level);
         shape::add_bicycle(&mut tubes, &self.bicycle, &self.riding, level);
         tubes
     }

@@ -1,14 +1,14 @@
 //! How a rider sits: hips over the saddle, hands on the grips, feet on the pedals or one of them on the ground.
 
 use super::bicycle::Bicycle;
-use crate::assets::person::arms::{ArmLine, add_arm, add_load, shoulder};
+use crate::assets::person::arms::{add_arm, add_load, arm_to, shoulder, two_links};
 use crate::assets::person::body::{LegLine, add_leg, add_trunk, foot_axes};
 use crate::assets::person::frame::Frame;
 use crate::assets::person::gait::{Arm, Leg, Posture};
 use crate::assets::person::head::add_head;
 use crate::assets::person::proportions::Proportions;
 use crate::assets::person::tube::Tubes;
-use crate::math::{Vec3, acosf, cosf, sinf};
+use crate::math::{Vec3, cosf};
 
 /// Share of the leg's length at the lowest pedal.
 const LEG_EXTENSION: f32 = 0.955;
@@ -26,6 +26,9 @@ const SLIDE_M: f32 = 0.20;
 const FOOT_Y_M: f32 = 0.19;
 /// Phase of the crank of who stands with the right foot on the ground: the left pedal is up and forward.
 const START_PHASE: f32 = 0.14;
+
+/// From the shoulder to the hand of an arm that is stretched out to the left, as a share of the arm's length.
+const POINTING: Vec3 = Vec3::new(0.10, 0.97, -0.06);
 
 /// Where hips and trunk are.
 #[derive(Debug, Clone, Copy)]
@@ -72,8 +75,8 @@ impl Seat {
         Self { hip, lean: bisect(LEAN_RAD[0], LEAN_RAD[1], is_too_far) }
     }
 
-    /// Trunk, head, arms, and what is on the back.
-    pub fn upper_body(&self, p: &Proportions, bicycle: &Bicycle, level: usize) -> Tubes {
+    /// Trunk, head, arms, and what is on the back. `pointing` stretches the arm of a side out by a share of the way.
+    pub fn upper_body(&self, p: &Proportions, bicycle: &Bicycle, pointing: Option<(f32, f32)>, level: usize) -> Tubes {
         let mut tubes = Tubes::default();
         let posture = posture(self.lean);
         let frame = Frame::new(p, &posture);
@@ -82,11 +85,10 @@ impl Seat {
         for (hand, side) in hands.iter_mut().zip([1.0, -1.0]) {
             let grip = bicycle.grip * Vec3::new(1.0, side, 1.0) - self.hip;
             let from = shoulder(p, &frame, side);
-            // Elbows point down and a little outward.
-            let elbow_to = Vec3::new(-0.35, 0.45 * side, -1.0);
-            let (upper, fore) = two_links(from, grip, p.upper_arm, p.forearm + 0.5 * p.hand, elbow_to);
-            let fold = (fore - upper * fore.dot(upper)).normalize_or(Vec3::X);
-            *hand = add_arm(&mut tubes, p, &frame, &ArmLine { shoulder: from, upper, fore, fold, side }, level);
+            let share = pointing.filter(|(of, _)| *of == side).map_or(0.0, |(_, share)| share);
+            let out = from + POINTING * Vec3::new(1.0, side, 1.0) * arm_length(p);
+            let grip = grip.lerp(out, share);
+            *hand = add_arm(&mut tubes, p, &frame, &arm_to(p, &frame, side, grip), level);
         }
         add_head(&mut tubes, p, &frame, level);
         add_load(&mut tubes, p, &frame, hands, level);
@@ -147,19 +149,6 @@ fn sole_pitch(phase: f32) -> f32 {
 fn ankle_on(p: &Proportions, pedal: Vec3, side: f32, sole: f32) -> Vec3 {
     let (along, up) = foot_axes(sole, side);
     pedal + Vec3::Z * PEDAL_HALF_M - along * p.ball_before_ankle + up * p.ankle_height
-}
-
-/// The directions of two links from a joint to an end: the joint between them is on the side of `pole`. Out of reach
-/// they are straight.
-fn two_links(from: Vec3, to: Vec3, a: f32, b: f32, pole: Vec3) -> (Vec3, Vec3) {
-    let d = to - from;
-    let reach = d.length().clamp((a - b).abs() + 1e-3, 0.9995 * (a + b));
-    let along = d.normalize_or(Vec3::NEG_Z);
-    let aside = (pole - along * pole.dot(along)).normalize();
-    let angle = acosf(((a * a + reach * reach - b * b) / (2.0 * a * reach)).clamp(-1.0, 1.0));
-    let first = along * cosf(angle) + aside * sinf(angle);
-    let second = (along * reach - first * a).normalize();
-    (first, second)
 }
 
 fn posture(lean: f32) -> Posture {

@@ -5,7 +5,7 @@ use super::frame::{Frame, SIDES};
 use super::gait::Arm;
 use super::proportions::{ArmPose, Kind, Load, Proportions, Top};
 use super::tube::{Ring, Tubes};
-use crate::math::{Vec3, cosf, sinf};
+use crate::math::{Vec3, acosf, cosf, sinf};
 
 /// An arm: the shoulder, which way upper arm and forearm go, and which way the elbow folds.
 #[derive(Debug, Clone, Copy)]
@@ -35,6 +35,29 @@ pub(in crate::assets) fn arm_line(p: &Proportions, frame: &Frame, side: f32, arm
     let fold = (fold - upper * fold.dot(upper)).normalize();
     let fore = upper * cosf(arm.elbow) + fold * sinf(arm.elbow);
     ArmLine { shoulder: shoulder(p, frame, side), upper, fore, fold, side }
+}
+
+/// The directions of two links from a joint to an end: the joint between them is on the side of `pole`. Out of reach
+/// they are straight.
+pub(in crate::assets) fn two_links(from: Vec3, to: Vec3, a: f32, b: f32, pole: Vec3) -> (Vec3, Vec3) {
+    let d = to - from;
+    let reach = d.length().clamp((a - b).abs() + 1e-3, 0.9995 * (a + b));
+    let along = d.normalize_or(Vec3::NEG_Z);
+    let aside = (pole - along * pole.dot(along)).normalize();
+    let angle = acosf(((a * a + reach * reach - b * b) / (2.0 * a * reach)).clamp(-1.0, 1.0));
+    let first = along * cosf(angle) + aside * sinf(angle);
+    let second = (along * reach - first * a).normalize();
+    (first, second)
+}
+
+/// The arm whose hand is at a place.
+pub(in crate::assets) fn arm_to(p: &Proportions, frame: &Frame, side: f32, hand: Vec3) -> ArmLine {
+    let from = shoulder(p, frame, side);
+    // Elbows point down and a little outward.
+    let elbow_to = Vec3::new(-0.35, 0.45 * side, -1.0);
+    let (upper, fore) = two_links(from, hand, p.upper_arm, p.forearm + 0.5 * p.hand, elbow_to);
+    let fold = (fore - upper * fore.dot(upper)).normalize_or(Vec3::X);
+    ArmLine { shoulder: from, upper, fore, fold, side }
 }
 
 /// Adds an arm and its hand; returns the middle of the hand.
@@ -162,7 +185,7 @@ pub(in crate::assets) fn add_load(tubes: &mut Tubes, p: &Proportions, frame: &Fr
             }
         }
         Load::Shopping => {
-            let hand = usize::from(p.arms[0] != ArmPose::Carry);
+            let hand = usize::from(p.arms[0] != ArmPose::Carry || p.held[0].is_some());
             let room = (wrists[hand].z + p.thigh + p.shank + p.ankle_height - 0.10).clamp(0.15, 0.42);
             let center = wrists[hand] - Vec3::Z * (0.5 * room + 0.06);
             sack(tubes, center, Vec3::X, Vec3::new(0.16, 0.075, 0.5 * room), level);

@@ -1,6 +1,6 @@
 //! The body at a posture: tubes around a skeleton.
 
-use super::arms::{add_arm, add_load, arm_line};
+use super::arms::{add_arm, add_load, arm_line, arm_to};
 use super::clothes::slot;
 use super::frame::{Frame, SIDES, down};
 use super::gait::{Leg, Posture};
@@ -17,11 +17,16 @@ pub(in crate::assets) fn body(p: &Proportions, posture: &Posture, level: usize) 
     for (i, side) in [1.0_f32, -1.0].into_iter().enumerate() {
         knees[i] = add_leg(&mut tubes, p, &leg_line(p, posture, side, posture.legs[i]), level);
     }
+    let sole = tubes.vertices.iter().fold(0.0, |low: f32, v| low.min(v.z));
     add_trunk(&mut tubes, p, &frame, level);
     add_skirts(&mut tubes, p, &frame, knees, level);
     let mut wrists = [Vec3::ZERO; 2];
     for (i, side) in [1.0_f32, -1.0].into_iter().enumerate() {
-        wrists[i] = add_arm(&mut tubes, p, &frame, &arm_line(p, &frame, side, posture.arms[i]), level);
+        let line = match p.held[i] {
+            Some(hand) => arm_to(p, &frame, side, hand + Vec3::Z * sole),
+            None => arm_line(p, &frame, side, posture.arms[i]),
+        };
+        wrists[i] = add_arm(&mut tubes, p, &frame, &line, level);
     }
     add_head(&mut tubes, p, &frame, level);
     add_load(&mut tubes, p, &frame, wrists, level);

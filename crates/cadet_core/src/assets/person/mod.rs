@@ -16,12 +16,13 @@ use std::sync::{Arc, OnceLock};
 
 use crate::actor::AnnotatedBox;
 use crate::assets::annotation;
+use crate::assets::belongings::{Belonging, Thing};
 use crate::geometry::{Bounds, LazyMesh, LodSet};
 use crate::material::Palette;
 use crate::math::{DVec3, Vec3};
 use crate::rng::Stream;
 
-use proportions::{Legwear, Load, Proportions, Top};
+use proportions::{ArmPose, Kind, Legwear, Load, Proportions, Top};
 use sitting::{HIP_BEFORE_MIDDLE_M, Sitting};
 use tube::Tubes;
 
@@ -48,6 +49,9 @@ pub struct PersonModel {
     proportions: Arc<Proportions>,
     /// How the person sits, if they do.
     sitting: Option<Sitting>,
+    /// What the person has along, if anything.
+    pub(crate) belonging: Option<Belonging>,
+    seed: u64,
     /// From the pelvis' vertical to the middle of the cycle's bounds.
     offset: Vec3,
     shapes: Arc<[OnceLock<LodSet>; NUM_PHASES]>,
@@ -101,9 +105,55 @@ impl PersonModel {
             cycle_length_m: f64::from(p.cycle_length),
             palette: Arc::new(palette),
             sitting,
+            belonging: None,
+            seed: model_seed,
             offset: Vec3::new(-center.x, -center.y, 0.0),
             proportions: Arc::new(p),
             shapes: Arc::new([const { OnceLock::new() }; NUM_PHASES]),
+        }
+    }
+
+    /// What the person's own draws begin with.
+    pub(crate) fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// Whether somebody is a child, and whether they are old.
+    pub(crate) fn is_child(&self) -> bool {
+        self.proportions.kind == Kind::Child
+    }
+
+    pub(crate) fn is_elderly(&self) -> bool {
+        self.proportions.is_elderly
+    }
+
+    /// The same person with a thing along, in the hand of a side if it takes one: +1 is the left. Sizes and boxes stay those
+    /// of the body.
+    #[must_use]
+    pub(crate) fn carrying(&self, thing: Thing, side: f32) -> Self {
+        let mut p = Proportions::clone(&self.proportions);
+        let belonging = Belonging::draw(thing, &p, self.offset, side, self.seed);
+        p.held = belonging.hands;
+        for (arm, held) in p.arms.iter_mut().zip(p.held) {
+            // The other arm leaves what takes both, and a bag goes to the other hand.
+            if held.is_none() && *arm == ArmPose::Crossed {
+                *arm = ArmPose::Hang;
+            }
+        }
+        if p.load == Load::Shopping {
+            match p.held {
+                [Some(_), None] => p.arms[1] = ArmPose::Carry,
+                [None, Some(_)] => p.arms[0] = ArmPose::Carry,
+                _ => p.load = Load::None,
+            }
+        }
+        let (kind, what) = (p.kind.name(), thing.name());
+        Self {
+            name: format!("{kind} with {what}/{}", self.seed),
+            proportions: Arc::new(p),
+            belonging: Some(belonging),
+            shapes: Arc::new([const { OnceLock::new() }; NUM_PHASES]),
+            ..self.clone()
         }
     }
 

@@ -1,6 +1,6 @@
 //! One person's measures and gait.
 
-use crate::math;
+use crate::math::{self, Vec3};
 use crate::rng::Stream;
 
 /// What an arm does.
@@ -120,6 +120,9 @@ pub(in crate::assets) struct Proportions {
     pub top: Top,
     pub load: Load,
     pub headwear: Headwear,
+    pub is_elderly: bool,
+    /// Where hands hold something, left and right: from the pelvis' vertical and the ground.
+    pub held: [Option<Vec3>; 2],
 }
 
 /// Who is smaller is a child.
@@ -226,6 +229,8 @@ impl Proportions {
             top,
             load,
             headwear,
+            is_elderly,
+            held: [None; 2],
         }
     }
 

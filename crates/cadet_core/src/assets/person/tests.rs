@@ -106,8 +106,7 @@ fn heights_and_speeds_follow_the_specification() {
 
 #[test]
 fn a_walker_swings_its_arms_against_its_legs() {
-    let person =
-        people(50).find(|p| p.walking_speed_mps > 1.2 && p.proportions.arms == [proportions::ArmPose::Swing; 2]);
+    let person = people(50).find(|p| p.walking_speed_mps > 1.2 && p.proportions.arms == [ArmPose::Swing; 2]);
     let p = person.expect("somebody walks with free arms").proportions;
     let posture = gait::walking(&p, 0.0);
     assert!(posture.legs[0].thigh > 0.2 && posture.legs[1].thigh < 0.0, "the left heel strikes");

@@ -87,7 +87,7 @@ pub(super) fn add_mirrors_and_aerial(
 }
 
 /// A strip of constant width along (x, z) points of the left flank, mirrored too.
-fn flank_strip(surface: &mut Surface, o: &Outline, path: &[(f32, f32)], width: f32, proud: f32, slot: u8) {
+pub(super) fn flank_strip(surface: &mut Surface, o: &Outline, path: &[(f32, f32)], width: f32, proud: f32, slot: u8) {
     let n = path.len();
     let grid: Vec<Vec<Vec3>> = (0..n)
         .map(|k| {

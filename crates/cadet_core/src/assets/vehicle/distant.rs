@@ -7,6 +7,7 @@ use super::details::{Fittings, add_plates};
 use super::glasshouse::{Cell, Glasshouse, SCREEN_TO_M, SIDE_PANES_TO_M};
 use super::outline::{Column, Face, Outline};
 use super::paint::slot;
+use super::signals::add_signals;
 use super::surface::{Outward, Surface};
 use crate::math::Vec3;
 
@@ -23,6 +24,7 @@ pub(super) fn body(o: &Outline, house: &Glasshouse, styling: &Styling, fittings:
     add_lower_body(&mut surface, o, styling);
     add_house(&mut surface, o, house);
     add_plates(&mut surface, o, fittings, false);
+    add_signals(&mut surface, o, styling, &ENDS, &HEIGHTS);
     surface
 }
 

@@ -127,6 +127,11 @@ impl<'a> Glasshouse<'a> {
         self.posts = posts;
     }
 
+    /// The pane of the front door: x at foot and top, before and behind.
+    pub fn front_pane(&self) -> [(f32, f32); 2] {
+        [1, 2].map(|k| (self.posts[k].0, self.posts[k].1))
+    }
+
     /// Height of the roof in the middle.
     pub fn roof_z(&self, x: f32) -> f32 {
         let d = &self.o.d;

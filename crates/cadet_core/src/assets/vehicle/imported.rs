@@ -130,6 +130,7 @@ impl VehicleModel {
             wheel_radius_m: f64::from(wheels.radius_m),
             palette: Arc::new(Palette::new(palette)),
             has_lenses: false,
+            openings: None,
             livery: Livery::Private,
         };
         Ok((model, assumed))

@@ -14,6 +14,7 @@ use crate::rng::Stream;
 const LOW_BEAM: [f32; 3] = [1.0, 0.96, 0.86];
 const TAIL: [f32; 3] = [0.20, 0.002, 0.001];
 const BRAKE: [f32; 3] = [0.80, 0.008, 0.006];
+const SIGNAL: [f32; 3] = [1.0, 0.33, 0.010];
 
 /// Colors of low beams, of luma 1: halogen bulbs, and gas discharge or LED.
 pub const HALOGEN: [f32; 3] = [1.16, 0.98, 0.73];
@@ -46,6 +47,8 @@ pub struct LitLamps {
     pub brake: bool,
     /// They light what is around, the windows of buses and trams are lit, and dark tail lamps reflect the beams of others.
     pub at_night: bool,
+    /// Turn signals of the left side, and of the right.
+    pub signals: [bool; 2],
 }
 
 /// The two low beams of a vehicle of a size, in its box frame.
@@ -81,6 +84,11 @@ impl VehicleModel {
         }
         if lit.brake {
             light(slot::TAIL_LAMP, BRAKE);
+        }
+        for (slot, is_lit) in [slot::LEFT_SIGNAL, slot::RIGHT_SIGNAL].into_iter().zip(lit.signals) {
+            if is_lit {
+                light(slot, SIGNAL);
+            }
         }
         if !lit.at_night {
             return Arc::new(Palette::new(materials));

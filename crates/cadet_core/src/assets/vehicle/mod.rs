@@ -12,8 +12,14 @@ mod imported_materials;
 mod interior;
 mod lamps;
 mod library;
+#[cfg(test)]
+mod opening_tests;
+mod openings;
 mod outline;
 mod paint;
+#[cfg(test)]
+mod signal_tests;
+mod signals;
 mod surface;
 #[cfg(test)]
 mod tests;
@@ -35,6 +41,7 @@ use crate::rng::Stream;
 pub use imported::{UserVehicles, VehicleAsset};
 pub use imported_materials::{MaterialRules, Role};
 pub use lamps::{HALOGEN, LitLamps, low_beams};
+pub(crate) use openings::{Opening, Openings};
 pub(crate) use paint::Livery;
 
 use body::Styling;
@@ -84,6 +91,8 @@ pub struct VehicleModel {
     pub palette: Arc<Palette>,
     /// Whether head and tail lamps have materials of their own.
     pub(crate) has_lenses: bool,
+    /// What of it can stand open.
+    pub(crate) openings: Option<Arc<Openings>>,
     /// What its colors are drawn from.
     pub(crate) livery: Livery,
 }
@@ -244,6 +253,7 @@ impl VehicleModel {
             wheel_radius_m: f64::from(d.wheel_radius),
             palette: Arc::new(palette),
             has_lenses: true,
+            openings: Some(Arc::new(Openings::of(&outline, &house, size_lwh.as_vec3(), |p| fits[0].point(p)))),
             livery: Livery::Private,
         }
     }
@@ -261,6 +271,10 @@ impl VehicleModel {
         body::add_lower_body(&mut surface, o, styling, level);
         house.add(&mut surface, level, has_sunroof);
         details::add_fittings(&mut surface, o, house, fittings, level);
+        signals::add_signals(&mut surface, o, styling, &signals::ends_of(o, level), Outline::fractions(level));
+        if level < 2 {
+            signals::add_repeaters(&mut surface, o);
+        }
         surface
     }
 }

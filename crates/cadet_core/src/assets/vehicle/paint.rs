@@ -34,6 +34,9 @@ pub(super) mod slot {
     pub const CHROME: u8 = 19;
     /// Plates' letters.
     pub const LETTERS: u8 = 20;
+    /// Turn signals of the left side and of the right.
+    pub const LEFT_SIGNAL: u8 = 21;
+    pub const RIGHT_SIGNAL: u8 = 22;
 }
 
 /// A color of the stock: share, albedo, spread, LIDAR reflectance below the coat, and what is on top.
@@ -78,24 +81,29 @@ const COLOURS: [Color; 14] = [
     (0.5, [0.62, 0.20, 0.02], 0.05, (0.40, 0.60), Coat::Clear),
 ];
 
+/// Lenses of turn signals: of most they are amber, of others clear over an amber bulb.
+const CLEAR_SIGNALS: f64 = 0.35;
+const CLEAR_SIGNAL: [f32; 3] = [0.50, 0.44, 0.36];
+pub(super) const AMBER: [f32; 3] = [0.60, 0.24, 0.02];
+
 /// Further slots of what works: trucks, buses, trailers.
 pub(super) mod work_slot {
     /// Panels of the body behind the cab.
-    pub const LOAD: u8 = 21;
+    pub const LOAD: u8 = 23;
     /// Rails, axles, racks.
-    pub const FRAME: u8 = 22;
-    pub const ALU: u8 = 23;
-    pub const CANVAS: u8 = 24;
+    pub const FRAME: u8 = 24;
+    pub const ALU: u8 = 25;
+    pub const CANVAS: u8 = 26;
     /// Wood.
-    pub const BOARD: u8 = 25;
-    pub const AMBER: u8 = 26;
+    pub const BOARD: u8 = 27;
+    pub const AMBER: u8 = 28;
     /// Bands and letters.
-    pub const STRIPE: u8 = 27;
+    pub const STRIPE: u8 = 29;
     /// Earth, gravel, goods.
-    pub const CARGO: u8 = 28;
-    pub const BEACON: u8 = 29;
+    pub const CARGO: u8 = 30;
+    pub const BEACON: u8 = 31;
     /// Ceilings and linings of buses.
-    pub const LINING: u8 = 30;
+    pub const LINING: u8 = 32;
 }
 
 /// What the colors of a vehicle are drawn from.
@@ -122,7 +130,7 @@ pub(super) fn of_every_vehicle(class: ObjectClass, s: &mut Stream) -> Vec<Materi
         ObjectClass::Tram => Semantic::Tram,
         _ => Semantic::OtherVehicle,
     };
-    let mut materials = vec![Material::matt(semantic, [0.03; 3], Pattern::Plain, 0.05); 21];
+    let mut materials = vec![Material::matt(semantic, [0.03; 3], Pattern::Plain, 0.05); 23];
     let mut set = |slot: u8, m: Material| materials[usize::from(slot)] = m;
     set(slot::PAINT, paint(class, semantic, s));
 
@@ -163,6 +171,11 @@ pub(super) fn of_every_vehicle(class: ObjectClass, s: &mut Stream) -> Vec<Materi
     let shirt = [s.range(0.03, 0.55) as f32, s.range(0.03, 0.5) as f32, s.range(0.03, 0.55) as f32];
     set(slot::SHIRT, Material::matt(semantic, shirt, Pattern::Cloth, s.range(0.3, 0.7) as f32));
     set(slot::CHROME, coated(semantic, [0.55; 3], 0.1, 0.5, 0.04));
+    // Later draws from the stream give shapes: this one looks ahead and takes nothing.
+    let is_clear = Stream::from_seed("signal lenses", s.clone().next_u64()).chance(CLEAR_SIGNALS);
+    let signal = coated(semantic, if is_clear { CLEAR_SIGNAL } else { AMBER }, 0.12, 0.05, 0.5);
+    set(slot::LEFT_SIGNAL, signal);
+    set(slot::RIGHT_SIGNAL, signal);
     materials
 }
 

@@ -1,5 +1,6 @@
 //! Sheets of quadrilaterals that face the right way, and their mirror images.
 
+use super::paint::slot;
 use crate::geometry::MeshBuilder;
 use crate::math::{Mat3, Vec3, cosf, sinf};
 
@@ -25,6 +26,11 @@ pub(super) fn mirrored(p: Vec3) -> Vec3 {
     Vec3::new(p.x, -p.y, p.z)
 }
 
+/// The material of the mirror image: turn signals are of one side.
+fn mirrored_slot(of_left: u8) -> u8 {
+    if of_left == slot::LEFT_SIGNAL { slot::RIGHT_SIGNAL } else { of_left }
+}
+
 impl Surface {
     /// Adds a sheet of rows of points; `slot` names the material of the cell behind row i, column j, or leaves it open.
     pub fn sheet(&mut self, grid: &[Vec<Vec3>], outward: Outward, slot: impl Fn(usize, usize) -> Option<u8>) {
@@ -36,7 +42,7 @@ impl Surface {
         let flipped = is_flipped(grid, outward);
         self.cells(grid, flipped, &slot);
         let right: Vec<Vec<Vec3>> = grid.iter().map(|row| row.iter().map(|p| mirrored(*p)).collect()).collect();
-        self.cells(&right, !flipped, &slot);
+        self.cells(&right, !flipped, &|i, j| slot(i, j).map(mirrored_slot));
     }
 
     fn cells(&mut self, grid: &[Vec<Vec3>], flipped: bool, slot: &impl Fn(usize, usize) -> Option<u8>) {
@@ -81,13 +87,13 @@ impl Surface {
     pub fn block_pair(&mut self, center: Vec3, half: Vec3, axes: Mat3, sides: usize, slot: u8) {
         self.block(center, half, axes, sides, slot);
         let mirror = Mat3::from_diagonal(Vec3::new(1.0, -1.0, 1.0));
-        self.block(mirrored(center), half, mirror * axes * mirror, sides, slot);
+        self.block(mirrored(center), half, mirror * axes * mirror, sides, mirrored_slot(slot));
     }
 
     /// Adds a plain box and its mirror image.
     pub fn cuboid_pair(&mut self, min: Vec3, max: Vec3, slot: u8) {
         self.builder.cuboid(min, max, slot);
-        self.builder.cuboid(Vec3::new(min.x, -max.y, min.z), Vec3::new(max.x, -min.y, max.z), slot);
+        self.builder.cuboid(Vec3::new(min.x, -max.y, min.z), Vec3::new(max.x, -min.y, max.z), mirrored_slot(slot));
     }
 }
 

@@ -1,6 +1,6 @@
 //! The colors of what works: hauliers' boxes and tarpaulins, refuse and fire engines, buses, trailers, motorbikes.
 
-use super::paint::{Livery, coated, of_every_vehicle, slot, work_slot};
+use super::paint::{AMBER, Livery, coated, of_every_vehicle, slot, work_slot};
 use crate::actor::ObjectClass;
 use crate::material::{LidarMaterial, Material, Palette, Pattern};
 use crate::rng::Stream;
@@ -146,7 +146,7 @@ fn add(materials: &mut Vec<Material>, livery: Livery, s: &mut Stream) {
         (work_slot::ALU, alu),
         (work_slot::CANVAS, canvas),
         (work_slot::BOARD, matt([0.26 * wood, 0.17 * wood, 0.09 * wood], 0.45)),
-        (work_slot::AMBER, coated(semantic, [0.60, 0.24, 0.02], 0.15, 0.05, 0.5)),
+        (work_slot::AMBER, coated(semantic, AMBER, 0.15, 0.05, 0.5)),
         (work_slot::STRIPE, stripe),
         (work_slot::CARGO, matt([0.16 * earth, 0.12 * earth, 0.08 * earth], 0.25)),
         (work_slot::BEACON, coated(semantic, [0.02, 0.06, 0.5], 0.1, 0.06, 0.3)),

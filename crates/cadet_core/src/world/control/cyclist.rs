@@ -4,6 +4,7 @@ use super::controller::{Controller, Own};
 use super::hazards::{Cause, OnRoute, in_sight, worst_hazard};
 use super::idm::{IdmParameters, pedals};
 use super::stop_line::leave_junctions;
+use super::turning::turn_ahead;
 use crate::math::{self, DVec2};
 use crate::rng::Stream;
 use crate::town::{LaneId, LaneKind};
@@ -15,6 +16,7 @@ use crate::world::roads::Roads;
 use crate::world::route::Route;
 use crate::world::streets::Streets;
 use crate::world::surroundings::Surroundings;
+use crate::world::turn_signal::TurnSignal;
 
 /// Speed on a free road: mean and spread, least and greatest.
 const CRUISE_MPS: (f64, f64) = (5.0, 0.6);
@@ -35,6 +37,10 @@ const TIGHTEST_PER_M: f64 = 0.55;
 /// Who slows down by more than this does not pedal.
 const COASTS_MPS2: f64 = -0.3;
 const STANDS_MPS: f64 = 0.1;
+/// Share of cyclists who point where they turn, between which distances of a junction, and from which speed on.
+const POINTS_SHARE: f64 = 0.8;
+const POINTS_M: (f64, f64) = (5.0, 25.0);
+const POINTS_MPS: f64 = 1.5;
 
 /// Rides a [`Body::Cycle`].
 pub(crate) struct Cyclist {
@@ -47,6 +53,9 @@ pub(crate) struct Cyclist {
     speed_mps: f64,
     desired_mps: f64,
     interaction_mps2: f64,
+    /// Whether this one points where they turn, and what is pointed to.
+    points: bool,
+    pointing: TurnSignal,
     #[cfg_attr(not(test), allow(dead_code))]
     cause: Cause,
 }
@@ -55,6 +64,8 @@ impl Cyclist {
     /// Somebody who stands at the start of a route.
     pub fn new(route: Route, habits: &mut Stream) -> Self {
         let cruise_mps = habits.clipped_normal(CRUISE_MPS.0, CRUISE_MPS.1);
+        // A look ahead that takes nothing: who is made later keeps their draws.
+        let points = Stream::from_seed("pointing", habits.clone().next_u64()).chance(POINTS_SHARE);
         let idm = IdmParameters { desired_speed_factor: 1.0, time_gap_s: habits.range(0.8, 1.3), minimum_gap_m: 1.3 };
         Self {
             route,
@@ -65,6 +76,8 @@ impl Cyclist {
             speed_mps: 0.0,
             desired_mps: 0.0,
             interaction_mps2: 0.0,
+            points,
+            pointing: TurnSignal::Off,
             cause: Cause::Nothing,
         }
     }
@@ -124,6 +137,10 @@ impl Controller for Cyclist {
             OnRoute { slot: own.slot, footprint: &footprint, route: &self.route, idm: &self.idm, train_m: None };
         (self.interaction_mps2, self.cause) = worst_hazard(&rider, &ahead, around, roads, step);
         *around.way_ahead_mut(own.slot) = ahead;
+        // In the bend both hands are needed.
+        let turn = turn_ahead(&self.route, roads).filter(|(m, _)| (POINTS_M.0..POINTS_M.1).contains(m));
+        let is_shown = self.points && self.speed_mps > POINTS_MPS;
+        self.pointing = turn.filter(|_| is_shown).map_or(TurnSignal::Off, |(_, side)| side);
     }
 
     fn act(&mut self, own: Own<'_>, physics: &mut Physics, streets: &Streets) {
@@ -145,6 +162,7 @@ impl Controller for Cyclist {
         let at = body.at() + turned(turn_rad / 2.0) * moved_m;
         body.guide(physics, &Step { at, velocity: turned(turn_rad) * self.speed_mps, moved_m, turn_rad });
         ride.advance(model, moved_m, turn_rad, accel_mps2 > COASTS_MPS2);
+        ride.point(self.pointing);
     }
 
     fn track(&mut self, own: Own<'_>, _physics: &Physics, around: &mut Surroundings, streets: &Streets) {

@@ -6,14 +6,17 @@ use super::idm::{IdmParameters, pedals};
 use super::overtaking::{HURRY, Overtaking};
 use super::pursuit::pursue;
 use super::stop_line::leave_junctions;
+use super::turning::signal_for;
 use crate::math::DVec3;
 use crate::town::LaneId;
 use crate::world::body::Body;
 use crate::world::ego_command::EgoCommand;
 use crate::world::physics::{DT_S, Physics};
+use crate::world::roads::Roads;
 use crate::world::route::Route;
 use crate::world::streets::Streets;
 use crate::world::surroundings::Surroundings;
+use crate::world::turn_signal::TurnSignal;
 
 /// A car slower than this stands.
 const STANDS_MPS: f64 = 0.1;
@@ -24,6 +27,8 @@ const RESPONSE_S: f64 = 0.5;
 /// How fast a car moves across its lane by command, and by how much of its speed: a jump would make it skid.
 const SIDEWAYS_MPS: f64 = 1.0;
 const SIDEWAYS_SHARE: f64 = 0.2;
+/// Who is so far from the line that is wanted is changing lines, and shows it.
+const SHIFTING_M: f64 = 0.3;
 
 /// Drives a [`Body::Sprung`].
 pub(crate) struct Driver {
@@ -38,6 +43,7 @@ pub(crate) struct Driver {
     overtaking: Option<Overtaking>,
     /// The offset that the driver keeps unless commanded or overtaking; `None` before the first time.
     own_offset_m: Option<f64>,
+    signal: TurnSignal,
     #[cfg_attr(not(test), allow(dead_code))]
     cause: Cause,
 }
@@ -54,6 +60,7 @@ impl Driver {
             command: None,
             overtaking: None,
             own_offset_m: None,
+            signal: TurnSignal::Off,
             cause: Cause::Nothing,
         }
     }
@@ -96,6 +103,19 @@ impl Driver {
         route.offset_m += (wanted_m - route.offset_m).clamp(-most_m, most_m);
     }
 
+    /// Pulling out to overtake, turning in again, or turning off at the next junction.
+    fn intent(&self, speed_mps: f64, roads: &Roads) -> TurnSignal {
+        let Some(route) = self.route.as_ref().filter(|_| self.drives) else { return TurnSignal::Off };
+        if let Some(overtaking) = self.overtaking {
+            let is_out = overtaking.offset_m - route.offset_m < SHIFTING_M;
+            return if is_out { TurnSignal::Off } else { TurnSignal::Left };
+        }
+        if self.command.is_none() && self.own_offset_m.is_some_and(|own_m| route.offset_m - own_m > SHIFTING_M) {
+            return TurnSignal::Right;
+        }
+        signal_for(route, speed_mps, self.signal, roads)
+    }
+
     /// Whether the driver is on the way past a cyclist.
     #[cfg(test)]
     pub fn overtakes(&self) -> bool {
@@ -136,6 +156,9 @@ impl Controller for Driver {
             }
         }
         *around.way_ahead_mut(own.slot) = ahead;
+        let speed_mps = around.vehicle(own.slot).map_or(0.0, |f| f.velocity.dot(f.heading));
+        self.signal = self.intent(speed_mps, roads);
+        own.appearance.indicate(self.signal);
     }
 
     fn act(&mut self, own: Own<'_>, physics: &mut Physics, streets: &Streets) {

@@ -18,6 +18,7 @@ mod pursuit;
 mod scripted;
 mod stop_line;
 mod tram;
+mod turning;
 
 pub(super) use controller::{Controller, Own};
 pub(super) use cyclist::Cyclist;

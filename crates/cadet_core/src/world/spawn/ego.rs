@@ -41,6 +41,7 @@ fn ego_model() -> VehicleModel {
         wheel_radius_m,
         palette: Arc::new(Palette::new(vec![paint])),
         has_lenses: false,
+        openings: None,
         livery: Livery::Private,
     }
 }

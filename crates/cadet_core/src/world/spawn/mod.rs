@@ -1,5 +1,6 @@
 //! Who is where at the start, and who comes when others have gone: a file for each kind of placement.
 
+mod belongings;
 mod config;
 mod cyclists;
 mod driven;

@@ -6,12 +6,13 @@ use super::config::{PARKED_MIX, PARKED_RARE, TrafficConfig};
 use super::newcomers::parked_vehicle;
 use super::spawner::Spawner;
 use crate::actor::ObjectClass;
-use crate::assets::vehicle::VehicleModel;
+use crate::assets::vehicle::{Opening, VehicleModel};
 use crate::error::Result;
 use crate::math::{self, DVec2, DVec3};
 use crate::rng::Stream;
 use crate::town::{ParkingSpot, SpotKind, Town};
 use crate::world::footprint::Footprint;
+use crate::world::turn_signal::TurnSignal;
 
 /// Share of the cars along a curb that stand against the traffic, and of those at an angle that were backed in.
 const WRONG_WAY_SHARE: f64 = 0.05;
@@ -24,6 +25,10 @@ const LEAST_GAP_M: f64 = 0.3;
 const MOST_OVER_SPOT_M: f64 = 2.2;
 const MOST_OVER_WIDTH_M: f64 = 0.45;
 const RARE_OVER_WIDTH_M: f64 = 0.3;
+/// Share of the vans at a curb that stand there to deliver, with their hazard lights on.
+const DELIVERING_SHARE: f64 = 0.06;
+/// Share of the parked cars of which something stands open: the tailgate, or on drives, where nobody passes, a door.
+const OPEN_SHARE: f64 = 0.02;
 
 /// Room between a parked vehicle and the middle of every lane.
 const OFF_LANES_M: f64 = 1.25;
@@ -91,7 +96,14 @@ impl Spawner<'_> {
                 clear.then_some(place)
             };
             let Some(place) = free(shift_m).or_else(|| free(-shift_m)) else { continue };
-            if let Ok(parked) = parked_vehicle(self.arena, model, place.x, place.y, yaw) {
+            let delivers = model.class == ObjectClass::Van
+                && spot.kind == SpotKind::Parallel
+                && Stream::from_seed("hazard lights", seed).chance(DELIVERING_SHARE);
+            if let Ok(mut parked) = parked_vehicle(self.arena, model, place.x, place.y, yaw) {
+                parked.appearance.indicate(if delivers { TurnSignal::Hazard } else { TurnSignal::Off });
+                if let Some(opening) = opening(spot, seed) {
+                    parked.appearance.open(opening);
+                }
                 self.arena.put(parked);
             }
         }
@@ -120,6 +132,17 @@ impl Spawner<'_> {
         let share = used + spread * street.range(-1.0, 1.0);
         draw.chance(share.clamp(0.0, 1.0)) && !is_empty
     }
+}
+
+/// What of the car in a parking place stands open, if anything.
+fn opening(spot: &ParkingSpot, seed: u64) -> Option<Opening> {
+    let mut stream = Stream::from_seed("open door", seed);
+    if !stream.chance(OPEN_SHARE) {
+        return None;
+    }
+    let is_door = spot.kind == SpotKind::Drive && stream.chance(0.6);
+    let side = if stream.chance(0.7) { Opening::LeftDoor } else { Opening::RightDoor };
+    Some(if is_door { side } else { Opening::Tailgate })
 }
 
 /// A truck, a trailer or a motorbike for some of the parking places, where it fits.

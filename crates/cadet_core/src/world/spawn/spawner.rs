@@ -17,6 +17,8 @@ pub(crate) struct Spawner<'a> {
     pub key: StreamKey,
     pub config: &'a TrafficConfig,
     pub user_vehicles: &'a UserVehicles,
+    /// Whether it rains.
+    pub rains: bool,
 }
 
 impl Spawner<'_> {

@@ -43,6 +43,8 @@ pub(crate) fn fill(spawner: &mut Spawner<'_>, town: &Town) -> Result<()> {
     add(spawner, "driven cars", config.num_cars, (CAR_STARTS_M, car_m), Spawner::new_car);
     add(spawner, "people", config.num_pedestrians, (WALKER_STARTS_M, walker_m), Spawner::new_walker);
     add(spawner, "cyclists", config.num_cyclists, (CYCLIST_STARTS_M, cyclist_m), Spawner::new_cyclist);
+    let people: Vec<Slot> = spawner.arena.controlled_by::<Pedestrian>().map(|(slot, ..)| slot).collect();
+    spawner.hand_out(&people);
     spawner.seat_people(town);
     spawner.fill_tracks();
     Ok(())
@@ -54,6 +56,7 @@ pub(crate) fn renew(spawner: &mut Spawner<'_>, respawns: &mut u64) {
     replace(spawner, "newcomers", respawns, &gone, CAR_APPEARS_M, Spawner::new_car);
     let gone = gone_walkers(spawner);
     replace(spawner, "new people", respawns, &gone, WALKER_APPEARS_M, Spawner::new_walker);
+    spawner.hand_out(&gone);
     let gone = gone_cyclists(spawner);
     replace(spawner, "new cyclists", respawns, &gone, CYCLIST_APPEARS_M, Spawner::new_cyclist);
     spawner.renew_trams(respawns);

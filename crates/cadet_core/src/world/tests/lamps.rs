@@ -5,17 +5,22 @@ use std::collections::BTreeMap;
 use super::trams::{busy, towns_with_tracks, trains};
 use super::*;
 use crate::instance::Instance;
-use crate::material::Pattern;
+use crate::material::{Material, Pattern};
 
-/// How many lenses' materials of each actor's body shine red and white, by its id.
+/// How many lenses' materials of each actor's body shine red and white, by its id; turn signals do not count.
 fn shining(instances: &[Instance]) -> BTreeMap<i32, [usize; 2]> {
     let mut by_actor = BTreeMap::new();
     for instance in instances.iter().filter(|i| i.actor_id > 0) {
-        let lamps = || instance.palette.materials().iter().filter(|m| m.pattern == Pattern::Lamp);
+        let lamps = || instance.palette.materials().iter().filter(|m| m.pattern == Pattern::Lamp && !is_amber(m));
         let white = lamps().filter(|m| m.albedo[1] > 0.5).count();
         by_actor.insert(instance.actor_id, [lamps().count() - white, white]);
     }
     by_actor
+}
+
+/// Of a turn signal that is lit.
+pub(super) fn is_amber(lens: &Material) -> bool {
+    lens.pattern == Pattern::Lamp && (0.2..0.5).contains(&lens.albedo[1]) && lens.albedo[2] < 0.1
 }
 
 fn traffic(needs_lamps: bool) -> World {

@@ -1,11 +1,13 @@
 //! The world as a whole: slopes, bends, queues, junctions, people, repeatability.
 
+mod belongings;
 mod census;
 mod country_roads;
 mod cyclists;
 mod flow;
 mod lamps;
 mod main_roads;
+mod openings;
 mod overtaking;
 mod placed;
 mod scripted;
@@ -14,6 +16,7 @@ mod signals;
 mod towns;
 mod trams;
 mod trucks;
+mod turn_signals;
 
 use std::sync::Arc;
 

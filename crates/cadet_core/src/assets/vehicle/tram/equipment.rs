@@ -100,7 +100,7 @@ pub(super) fn add_ends(surface: &mut Surface, p: &CarPlan, level: usize) {
         let (lamp, amber) = if sign > 0.0 { (0.07, 0.115) } else { (0.012, 0.035) };
         let front_lamp = if sign > 0.0 { slot::LAMP } else { slot::TAIL_LAMP };
         both(span(half - 0.40, half - lamp), (0.48 * w, 0.64 * w), (0.74, 0.88), front_lamp);
-        both(span(half - 0.46, half - amber), (0.66 * w, 0.74 * w), (0.74, 0.88), work_slot::AMBER);
+        both(span(half - 0.46, half - amber), (0.66 * w, 0.74 * w), (0.74, 0.88), slot::LEFT_SIGNAL);
         if level < 3 {
             both(span(half - 0.12, half - 0.002), (0.0, 0.34 * w), (0.40, 0.62), slot::PLASTIC);
         }

@@ -128,6 +128,7 @@ fn model(p: &CarPlan, number: u64, s: &mut Stream) -> VehicleModel {
         wheel_radius_m: f64::from(WHEEL_RADIUS_M),
         palette: Arc::new(palette),
         has_lenses: true,
+        openings: None,
         livery: Livery::Tram,
     }
 }

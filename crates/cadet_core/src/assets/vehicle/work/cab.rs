@@ -205,6 +205,21 @@ impl Cab {
     fn add_trim(&self, surface: &mut Surface, p: &Plan, level: usize) {
         let h = &self.hull;
         let front = h.front_x;
+        // Turn signals in the corners beside the lamps, and their repeaters behind the doors' hinges.
+        let edge = h.half_w - h.front_radius;
+        surface.cuboid_pair(
+            Vec3::new(front - 0.20, edge - 0.05, self.bumper_top - 0.15),
+            Vec3::new(front - h.bow + 0.004, edge + 0.08, self.bumper_top - 0.03),
+            slot::LEFT_SIGNAL,
+        );
+        if level < 2 {
+            let x = self.window_x.0 + 0.12;
+            surface.cuboid_pair(
+                Vec3::new(x - 0.05, h.half_w - 0.02, self.floor - 0.04),
+                Vec3::new(x + 0.05, h.half_w + 0.004, self.floor),
+                slot::LEFT_SIGNAL,
+            );
+        }
         if level < 3 {
             // Bars of the grille, the maker's badge, the plate.
             let n = if level == 0 { 4 } else { 2 };

@@ -266,9 +266,22 @@ impl Coach {
             Vec3::new(front - 0.075, 0.80 * w, 0.86),
             slot::LAMP,
         );
+        surface.cuboid_pair(
+            Vec3::new(front - 0.40, 0.815 * w, 0.68),
+            Vec3::new(front - 0.11, 0.90 * w, 0.84),
+            slot::LEFT_SIGNAL,
+        );
+        if level < 2 {
+            let (from, _) = h.flank();
+            surface.cuboid_pair(
+                Vec3::new(from - 0.30, w - 0.02, 0.92),
+                Vec3::new(from - 0.20, w + 0.004, 0.97),
+                slot::LEFT_SIGNAL,
+            );
+        }
         for (z0, z1, s) in [
             (0.95, 1.30, slot::TAIL_LAMP),
-            (1.32, 1.44, work_slot::AMBER),
+            (1.32, 1.44, slot::LEFT_SIGNAL),
             (h.rows[5].0 - 0.12, h.rows[5].0 - 0.04, slot::TAIL_LAMP),
         ] {
             surface.cuboid_pair(

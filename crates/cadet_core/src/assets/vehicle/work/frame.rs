@@ -144,7 +144,7 @@ fn add_rear(surface: &mut Surface, p: &Plan, level: usize) {
         surface.cuboid_pair(
             Vec3::new(rear + 0.028, side - 0.16, lamp_z - 0.06),
             Vec3::new(rear + 0.10, side - 0.08, lamp_z + 0.06),
-            work_slot::AMBER,
+            slot::LEFT_SIGNAL,
         );
         plate(surface, rear + 0.029, lamp_z, 0.26, -1.0);
     }

@@ -112,6 +112,7 @@ pub(super) fn truck(model_seed: u64, s: &mut Stream) -> VehicleModel {
         wheel_radius_m: f64::from(p.wheel_radius),
         palette: Arc::new(palette),
         has_lenses: true,
+        openings: None,
         livery: p.livery(),
     }
 }
@@ -153,6 +154,7 @@ pub(super) fn towed(model_seed: u64, s: &mut Stream) -> VehicleModel {
         wheel_radius_m: 0.2,
         palette: Arc::new(palette),
         has_lenses: true,
+        openings: None,
         livery: p.livery(),
     }
 }

@@ -93,6 +93,12 @@ impl TowedPlan {
             2 * n,
             slot::LAMP,
         );
+        for (center, half) in [
+            (head + Vec3::new(0.08, 0.15, -0.06), Vec3::new(0.025, 0.035, 0.02)),
+            (Vec3::new(-half + 0.05, 0.13, seat_z - 0.07), Vec3::new(0.025, 0.035, 0.02)),
+        ] {
+            surface.cuboid_pair(center - half, center + half, slot::LEFT_SIGNAL);
+        }
         for side in [1.0, -1.0] {
             let a = Vec3::new(head.x - 0.05, side * 0.7 * w, bar);
             limb(surface, a, a + Vec3::new(-0.02, side * 0.05, high - bar - 0.05), 0.008, 0.008, 3, slot::PLASTIC);

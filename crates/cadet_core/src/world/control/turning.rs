@@ -1,0 +1,48 @@
+//! Where a route turns off, and what who follows it shows of that beforehand.
+
+use crate::math::{self, DVec2};
+use crate::town::Lane;
+use crate::world::roads::Roads;
+use crate::world::route::Route;
+use crate::world::turn_signal::TurnSignal;
+
+/// A way through a junction that changes direction by less goes straight on.
+const TURNS_RAD: f64 = 0.5;
+/// Drivers signal so long before a junction, from within these distances of it.
+const AHEAD_S: f64 = 3.5;
+const AHEAD_M: (f64, f64) = (30.0, 50.0);
+
+/// The next junction of a route, if it is turned off there: how far away it begins, below 0 inside it, and to which side.
+pub(super) fn turn_ahead(route: &Route, roads: &Roads) -> Option<(f64, TurnSignal)> {
+    let mut start_m = -route.s_m;
+    let mut through: Option<(f64, DVec2, DVec2)> = None;
+    for id in &route.lanes {
+        let lane = roads.lane(*id);
+        match (&mut through, lane.junction) {
+            (None, Some(_)) => through = Some((start_m, end_tangent(lane, false), end_tangent(lane, true))),
+            (Some((.., out)), Some(_)) => *out = end_tangent(lane, true),
+            (None, None) if start_m + lane.length_m() > AHEAD_M.1 => return None,
+            (None, None) => {}
+            (Some(_), None) => break,
+        }
+        start_m += lane.length_m();
+    }
+    let (distance_m, entering, leaving) = through?;
+    let turn_rad = math::atan2(entering.perp_dot(leaving), entering.dot(leaving));
+    let side = if turn_rad > 0.0 { TurnSignal::Left } else { TurnSignal::Right };
+    (turn_rad.abs() > TURNS_RAD).then_some((distance_m, side))
+}
+
+/// What a driver at a speed shows of the next junction; who has begun goes on.
+pub(super) fn signal_for(route: &Route, speed_mps: f64, shown: TurnSignal, roads: &Roads) -> TurnSignal {
+    let Some((distance_m, side)) = turn_ahead(route, roads) else { return TurnSignal::Off };
+    let from_m = if shown == side { AHEAD_M.1 } else { (AHEAD_S * speed_mps).clamp(AHEAD_M.0, AHEAD_M.1) };
+    if distance_m < from_m { side } else { TurnSignal::Off }
+}
+
+/// The direction of a lane at its start or its end.
+fn end_tangent(lane: &Lane, is_end: bool) -> DVec2 {
+    let n = lane.center.len();
+    let (a, b) = if is_end { (n - 2, n - 1) } else { (0, 1) };
+    (lane.center[b] - lane.center[a]).truncate().normalize_or(DVec2::X)
+}

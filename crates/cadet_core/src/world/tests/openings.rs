@@ -1,0 +1,21 @@
+//! Some parked cars stand open, and their boxes stay those of closed ones.
+
+use super::*;
+
+#[test]
+fn two_in_a_hundred_parked_cars_stand_open_with_the_boxes_of_closed_ones() {
+    let (mut all, mut open) = (0, 0);
+    for seed in 0..12 {
+        let mut world = World::new(suburb(seed), StreamKey::scene(seed)).unwrap();
+        world.spawn_traffic(&TrafficConfig { num_cars: 0, num_pedestrians: 0, ..TrafficConfig::default() }).unwrap();
+        for agent in parked(&world) {
+            let Appearance::Vehicle { model, opened, .. } = &agent.appearance else { continue };
+            all += 1;
+            open += usize::from(opened.is_some());
+            assert_eq!(agent.appearance.size_lwh(), model.size_lwh);
+            assert_eq!(agent.appearance.annotated(), model.annotated);
+        }
+    }
+    let share = f64::from(open as u32) / f64::from(all);
+    assert!(all > 800 && (0.007..0.03).contains(&share), "{open} of {all}");
+}
