@@ -43,7 +43,8 @@ pub(super) fn furnish(frontage: &Frontage, style: &StreetStyle, s: &mut Stream, 
     }
     if length > 25.0 {
         let fast = frontage.speed_limit_mps > 10.0;
-        if s.chance(0.6) {
+        // Aisles and campuses are no zones of 30 km/h.
+        if s.chance(0.6) && frontage.speed_limit_mps > 6.0 {
             let kind = if fast { PoleKind::RoundSign } else { PoleKind::ZoneSign };
             put_pole(placer, kind, s.below(3), 3.0, true);
         }

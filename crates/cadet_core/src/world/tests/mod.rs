@@ -8,6 +8,7 @@ mod lamps;
 mod main_roads;
 mod overtaking;
 mod placed;
+mod places;
 mod scripted;
 mod seated;
 mod signals;
