@@ -145,7 +145,7 @@ _CAR_PARK = District(
     num_cars=(8, 16),
     num_pedestrians=(14, 30),
     num_cyclists=(0, 3),
-    suburb=SuburbConfig(aisle_share=0.75, blocks=(3, 3), block_m=(95.0, 145.0), hilly_share=0.0),
+    suburb=SuburbConfig(aisle_share=0.75, blocks=(3, 2), block_m=(95.0, 135.0), hilly_share=0.0),
     props=PropConfig(car_park_share=0.9, greenery=0.9, clutter=0.8),
 )
 
@@ -158,8 +158,8 @@ _INDUSTRIAL = District(
     num_cyclists=(0, 3),
     suburb=SuburbConfig(
         industrial_share=1.0,
-        blocks=(3, 2),
-        block_m=(110.0, 170.0),
+        blocks=(2, 2),
+        block_m=(110.0, 160.0),
         parking_share=0.3,
         hilly_share=0.0,
         signal_share=0.3,

@@ -34,7 +34,9 @@ impl Lot {
         for bay in &self.layout.bays {
             let axis = self.direction(bay.heading);
             let half = DVec2::new(bay.length_m, bay.width_m) / 2.0;
-            taken.take(OrientedRect { center: self.at(bay.at), axis, half });
+            let rect = OrientedRect { center: self.at(bay.at), axis, half };
+            taken.take(rect);
+            placer.bays.push(rect);
         }
         for item in &self.layout.items {
             let (at, facing) = (self.at(item.at), self.direction(item.facing));
