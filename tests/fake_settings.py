@@ -30,6 +30,9 @@ _SUBURB = {
     "signal_share": (0.0, 0, 1),
     "tram_share": (0.0, 0, 1),
     "country_share": (0.0, 0, 1),
+    "aisle_share": (0.0, 0, 1),
+    "industrial_share": (0.0, 0, 1),
+    "campus_share": (0.0, 0, 1),
     "hilly_share": (0.2, 0, 1),
     "max_slope": (0.065, 0, 0.1),
 }
@@ -39,6 +42,9 @@ _PROPS = {
     "belt_m": (40.0, 0, 120),
     "clutter": (1.0, 0, 3),
     "city_share": (0.0, 0, 1),
+    "car_park_share": (0.0, 0, 1),
+    "industrial_share": (0.0, 0, 1),
+    "campus_share": (0.0, 0, 1),
 }
 _SCENE = {
     "num_cars": (14, 0, 500),

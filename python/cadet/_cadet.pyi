@@ -215,6 +215,9 @@ class SuburbConfig:
         signal_share: float,
         tram_share: float,
         country_share: float,
+        aisle_share: float,
+        industrial_share: float,
+        campus_share: float,
         hilly_share: float,
         max_slope: float,
     ) -> SuburbConfig: ...
@@ -226,7 +229,16 @@ class PropConfig:
     """Houses, gardens, and trees along the streets (see `cadet.PropConfig`)."""
 
     def __new__(
-        cls, *, house_shares: Sequence[float], greenery: float, belt_m: float, clutter: float, city_share: float
+        cls,
+        *,
+        house_shares: Sequence[float],
+        greenery: float,
+        belt_m: float,
+        clutter: float,
+        city_share: float,
+        car_park_share: float,
+        industrial_share: float,
+        campus_share: float,
     ) -> PropConfig: ...
     @staticmethod
     def settings() -> _Settings: ...

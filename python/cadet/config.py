@@ -158,6 +158,12 @@ class SuburbConfig:
     """Share of the main roads across a suburb with the two tracks of a tram in the middle, instead of any median."""
     country_share: float = _SUBURB.default("country_share")
     """Share of suburbs that are open country: winding roads between fields and woods, without curbs or sidewalks."""
+    aisle_share: float = _SUBURB.default("aisle_share")
+    """Share of the streets of 30 km/h that are aisles of car parks: bays across on both sides, 20 km/h."""
+    industrial_share: float = _SUBURB.default("industrial_share")
+    """Share of the streets that are those of commercial areas: carriageways of 6.5 to 7.5 m, 50 km/h."""
+    campus_share: float = _SUBURB.default("campus_share")
+    """Share of suburbs that are campuses: lanes of 4.5 to 5 m, paved with setts, without curbs, 10 or 20 km/h."""
     hilly_share: float = _SUBURB.default("hilly_share")
     """Share of suburbs with hill streets."""
     max_slope: float = _SUBURB.default("max_slope")
@@ -194,6 +200,12 @@ class PropConfig:
     """What stands about: bins, containers, bicycles, benches, covered cars. 1 is a common suburb, 0 has none."""
     city_share: float = _PROPS.default("city_share")
     """Share of the streets lined by closed rows of tall houses at the sidewalk, with shops."""
+    car_park_share: float = _PROPS.default("car_park_share")
+    """Share of the streets beside which there are car parks, some with a market."""
+    industrial_share: float = _PROPS.default("industrial_share")
+    """Share of the other streets lined by works and offices with their yards."""
+    campus_share: float = _PROPS.default("campus_share")
+    """Share of the other streets lined by institutes behind lawns."""
 
     def __post_init__(self) -> None:
         _PROPS.check(self)

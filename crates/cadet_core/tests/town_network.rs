@@ -213,6 +213,47 @@ fn the_tracks_of_a_map_are_read_whatever_they_are_called() {
 }
 
 #[test]
+fn aisles_commercial_streets_and_campuses_can_be_driven_for_ever() {
+    let base = SuburbConfig { blocks: (3, 3), block_m: (90.0, 140.0), ..SuburbConfig::default() };
+    let places = [
+        SuburbConfig { aisle_share: 0.8, ..base.clone() },
+        SuburbConfig { industrial_share: 1.0, ..base.clone() },
+        SuburbConfig { campus_share: 1.0, ..base },
+    ];
+    let mut deep_bays = 0;
+    for (place, seed) in (0..3).flat_map(|place| (0..14).map(move |seed| (place, seed))) {
+        let network = generate_suburb(&StreamKey::scene(seed), &places[place]).unwrap().network;
+        let name = format!("place {place}, seed {seed}");
+        assert_drivable(&name, &network);
+        assert_eq!(network.driving().filter(|l| l.successors.is_empty()).count(), 0, "{name}");
+        for lane in network.driving().filter(|l| l.junction.is_none()) {
+            let (width_m, kmh) = (2.0 * lane.width_at(lane.length_m() / 2.0), lane.speed_limit_mps * 3.6);
+            match place {
+                0 if kmh < 25.0 => assert!((width_m - 6.0).abs() < 0.01, "{name}: an aisle of {width_m} m"),
+                0 => {}
+                1 => assert!((6.5..=7.5).contains(&width_m) && kmh > 49.0, "{name}: {width_m} m, {kmh} km/h"),
+                _ => assert!((4.5..=5.0).contains(&width_m) && kmh < 21.0, "{name}: {width_m} m, {kmh} km/h"),
+            }
+        }
+        assert_eq!(network.is_curbless(), place == 2, "{name}");
+        let is_deep = |l: &&Lane| l.kind == LaneKind::Parking && l.width_m.iter().any(|w| (w - 5.0).abs() < 0.01);
+        deep_bays += if place == 0 { network.lanes.iter().filter(is_deep).count() } else { 0 };
+        // Without curbs the ground is as high beside a lane as on it.
+        if place == 2 {
+            let ground = Ground::new(&network).unwrap();
+            let lane = network.driving().find(|l| l.junction.is_none() && l.length_m() > 20.0).unwrap();
+            let at = |right_m: f64| {
+                let p = lane.pose_at(10.0).transform_point(DVec3::new(0.0, -right_m, 0.0));
+                ground.height_at(p.x, p.y).unwrap()
+            };
+            let half_m = lane.width_at(10.0) / 2.0;
+            assert!((at(half_m - 0.2) - at(half_m + 0.4)).abs() < 0.04, "{name}: a curb");
+        }
+    }
+    assert!(deep_bays > 60, "{deep_bays}");
+}
+
+#[test]
 fn without_main_roads_a_suburb_has_none() {
     let network = generate_suburb(&StreamKey::scene(1), &SuburbConfig::default()).unwrap().network;
     assert!(network.lanes.iter().all(|l| l.kind != LaneKind::Median));

@@ -109,7 +109,7 @@ impl SuburbConfig {
     #[new]
     #[pyo3(signature = (
         *, blocks, block_m, parking_share, angled_share, main_share, sidewalk_m, signal_share, tram_share,
-        country_share, hilly_share, max_slope,
+        country_share, aisle_share, industrial_share, campus_share, hilly_share, max_slope,
     ))]
     fn new(
         blocks: (usize, usize),
@@ -121,6 +121,9 @@ impl SuburbConfig {
         signal_share: f64,
         tram_share: f64,
         country_share: f64,
+        aisle_share: f64,
+        industrial_share: f64,
+        campus_share: f64,
         hilly_share: f64,
         max_slope: f64,
     ) -> Result<Self, BorderError> {
@@ -134,6 +137,9 @@ impl SuburbConfig {
             signal_share,
             tram_share,
             country_share,
+            aisle_share,
+            industrial_share,
+            campus_share,
             hilly_share,
             max_slope,
         };
@@ -158,15 +164,29 @@ pub(crate) struct PropConfig {
 #[pymethods]
 impl PropConfig {
     #[new]
-    #[pyo3(signature = (*, house_shares, greenery, belt_m, clutter, city_share))]
+    #[pyo3(signature = (
+        *, house_shares, greenery, belt_m, clutter, city_share, car_park_share, industrial_share, campus_share,
+    ))]
     fn new(
         house_shares: [f64; 6],
         greenery: f64,
         belt_m: f64,
         clutter: f64,
         city_share: f64,
+        car_park_share: f64,
+        industrial_share: f64,
+        campus_share: f64,
     ) -> Result<Self, BorderError> {
-        let config = CorePropConfig { house_shares, greenery, belt_m, clutter, city_share };
+        let config = CorePropConfig {
+            house_shares,
+            greenery,
+            belt_m,
+            clutter,
+            city_share,
+            car_park_share,
+            industrial_share,
+            campus_share,
+        };
         config.check()?;
         Ok(Self { config })
     }

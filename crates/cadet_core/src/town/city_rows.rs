@@ -257,8 +257,7 @@ mod tests {
             &key,
             (&network, &mut Signals::of(&network, &key)),
             &ground,
-            &parking,
-            &walkways(&ground),
+            (&parking, &walkways(&ground), &Default::default()),
             &config,
         );
         (network, ground, props)

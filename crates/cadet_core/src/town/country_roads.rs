@@ -1,7 +1,7 @@
 //! Roads in open country: their lanes, lines and verges, and how they wind.
 
 use super::plan_curve::{PlanCurve, PlanPose};
-use super::street_grid::{CountryRoad, LineStyle};
+use super::street_grid::{CountryRoad, LineStyle, StreetKind};
 use crate::rng::Stream;
 
 /// Share of the roads that are major: wider, faster, with edge lines.
@@ -44,6 +44,7 @@ pub(super) fn draw(stream: &mut Stream, share: f64, styles: &mut [LineStyle]) {
                 tracks: None,
                 sidewalk_width_m: verge_m,
                 speed_kmh: speeds_kmh[usize::from(is_faster)],
+                kind: StreetKind::Usual,
                 country: Some(CountryRoad { has_edge_lines }),
             };
         }

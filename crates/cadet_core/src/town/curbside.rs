@@ -3,7 +3,8 @@
 
 use super::ground::Ground;
 use super::ground_kind::GroundKind;
-use super::network::{Lane, LaneKind, RoadNetwork};
+use super::network::{Lane, LaneKind, PaintColor, PaintedQuad, RoadNetwork};
+use super::place_streets::AISLE_KMH;
 use super::{ParkingSpot, SpotKind};
 use crate::frames;
 use crate::math::{self, DPose3, DVec2, DVec3};
@@ -33,6 +34,14 @@ const ANGLES_DEG: [(f64, f64); 3] = [(45.0, 0.35), (60.0, 0.25), (90.0, 0.4)];
 /// A place in a deep bay, and how far the car's foremost corner stays from the curb.
 const ANGLED_SPOT_M: (f64, f64) = (4.75, 1.9);
 const ANGLED_PITCH_M: f64 = 2.45;
+/// The same at the aisles of car parks, with the lines between the bays (EAR 05: bays of 2.5 m).
+const AISLE_ANGLES_DEG: [(f64, f64); 3] = [(90.0, 0.75), (60.0, 0.15), (75.0, 0.1)];
+const AISLE_SPOT_M: (f64, f64) = (5.0, 1.9);
+const AISLE_PITCH_M: f64 = 2.5;
+const LINE_WIDTH_M: f64 = 0.12;
+const LINE_INSET_M: f64 = 0.2;
+/// Their numbers are beyond those of the map's lines.
+const LINES: u32 = 1 << 28;
 const NOSE_TO_CURB_M: f64 = 0.25;
 /// Curbside rows need curbs this straight over a car's length, bays this straight.
 const MAX_TURN_RAD: f64 = 0.06;
@@ -104,12 +113,54 @@ fn bays(lane: &Lane, ground: &Ground, pitch: f64, spots: &mut Vec<ParkingSpot>) 
     }
 }
 
+/// Whether a lane's bays are those of a car park's aisle.
+fn is_at_aisle(lane: &Lane) -> bool {
+    let is_deep = lane.kind == LaneKind::Parking && lane.width_m.iter().any(|w| *w >= MIN_DEEP_BAY_M);
+    is_deep && lane.speed_limit_mps * 3.6 < f64::from(AISLE_KMH) + 1.0
+}
+
+/// The angle of cars to the curb, and the distance from one to the next along it.
+fn angle_and_pitch(lane: &Lane, stream: &mut Stream) -> (f64, f64) {
+    let is_at_aisle = is_at_aisle(lane);
+    let angles = if is_at_aisle { AISLE_ANGLES_DEG } else { ANGLES_DEG };
+    let angle_rad = angles[stream.weighted(&angles.map(|(_, weight)| weight))].0.to_radians();
+    let pitch_m = if is_at_aisle { AISLE_PITCH_M } else { ANGLED_PITCH_M };
+    (angle_rad, pitch_m / math::sin(angle_rad))
+}
+
+/// The lines between the bays of aisles; their heights do not count.
+pub(super) fn bay_lines(network: &RoadNetwork, key: &StreamKey) -> Vec<PaintedQuad> {
+    let mut lines = Vec::new();
+    for lane in network.lanes.iter().filter(|l| is_at_aisle(l)) {
+        let mut stream = key.indexed("town/parking", lane.id.0 as u64);
+        // As for the places themselves, whose first draw this is.
+        let _ = stream.range(PITCH_M.0, PITCH_M.1);
+        let (angle_rad, pitch_m) = angle_and_pitch(lane, &mut stream);
+        let middles = row(lane, MIN_DEEP_BAY_M, pitch_m);
+        let starts = middles.iter().map(|s| s - pitch_m / 2.0);
+        let is_last = |s: &f64| middles.iter().all(|o| (o - s - pitch_m).abs() > 0.1);
+        let ends = middles.iter().filter(|s| is_last(s)).map(|s| s + pitch_m / 2.0);
+        for s in starts.chain(ends) {
+            let pose = lane.pose_at(s);
+            let forward = (pose.rotation * DVec3::X).truncate().normalize_or_zero();
+            let width_m = lane.width_at(s) - LINE_INSET_M;
+            let heading = forward * math::cos(angle_rad) - forward.perp() * math::sin(angle_rad);
+            let (middle, half) = (pose.translation.truncate(), heading * (width_m / 2.0 / math::sin(angle_rad)));
+            let aside = heading.perp() * (LINE_WIDTH_M / 2.0);
+            let corners = [middle - half - aside, middle + half - aside, middle + half + aside, middle - half + aside];
+            let line = LINES + lane.id.0 as u32;
+            lines.push(PaintedQuad { corners: corners.map(|p| p.extend(0.0)), color: PaintColor::White, line });
+        }
+    }
+    lines
+}
+
 /// Cars side by side, turned toward the curb by one angle a row.
 fn angled_bays(lane: &Lane, ground: &Ground, stream: &mut Stream, spots: &mut Vec<ParkingSpot>) {
-    let angle_rad = ANGLES_DEG[stream.weighted(&ANGLES_DEG.map(|(_, weight)| weight))].0.to_radians();
+    let (angle_rad, pitch_m) = angle_and_pitch(lane, stream);
     let (sin, cos) = (math::sin(angle_rad), math::cos(angle_rad));
-    let (length_m, width_m) = ANGLED_SPOT_M;
-    let pitch_m = ANGLED_PITCH_M / sin;
+    let (kind, (length_m, width_m)) =
+        if is_at_aisle(lane) { (SpotKind::Lot, AISLE_SPOT_M) } else { (SpotKind::Angled, ANGLED_SPOT_M) };
     for s in row(lane, MIN_DEEP_BAY_M, pitch_m) {
         let pose = lane.pose_at(s);
         let forward = (pose.rotation * DVec3::X).truncate().normalize_or_zero();
@@ -122,7 +173,7 @@ fn angled_bays(lane: &Lane, ground: &Ground, stream: &mut Stream, spots: &mut Ve
         let place = pose.translation + (right * aside_m).extend(0.0);
         let turned = frames::upright(place, math::atan2(heading.y, heading.x));
         if let Some(world_from_spot) = stand(ground, &turned, 0.0, length_m, width_m) {
-            spots.push(ParkingSpot { kind: SpotKind::Angled, world_from_spot, length_m, width_m });
+            spots.push(ParkingSpot { kind, world_from_spot, length_m, width_m });
         }
     }
 }

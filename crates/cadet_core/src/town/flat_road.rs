@@ -43,7 +43,7 @@ pub(super) fn tiles(half_m: f32) -> Vec<Instance> {
     }
     vec![Instance {
         shape: Arc::new(LodSet::single(builder.build("flat road", 0.0))),
-        palette: Arc::new(ground_palette::palette(false)),
+        palette: Arc::new(ground_palette::palette(false, false)),
         world_from_local: DPose3 { rotation: DQuat::IDENTITY, translation: DVec3::ZERO },
         actor_id: 0,
         is_body: false,

@@ -14,7 +14,8 @@ use super::roadside::DistanceFrom;
 use super::roughness::Roughness;
 use super::signals::Signals;
 use super::wear::Wear;
-use super::{rails, road_marking};
+use super::yards::Yards;
+use super::{rails, road_marking, yard_region};
 use crate::error::Result;
 
 use crate::instance::Instance;
@@ -55,7 +56,7 @@ impl Ground {
     /// # Errors
     /// [`crate::Error::Map`] where the network has no carriageway or is larger than 40 km.
     pub fn new(network: &RoadNetwork) -> Result<Self> {
-        Self::laid(network, None, &Wear::default(), &Signals::default(), None)
+        Self::laid(network, None, &Wear::default(), &Signals::default(), (None, &Yards::default()))
     }
 
     /// The same with the bumps and dips that real streets have.
@@ -63,7 +64,7 @@ impl Ground {
     /// # Errors
     /// As [`Ground::new`].
     pub fn rough(network: &RoadNetwork, roughness: &Roughness) -> Result<Self> {
-        Self::laid(network, Some(roughness), &Wear::default(), &Signals::default(), None)
+        Self::laid(network, Some(roughness), &Wear::default(), &Signals::default(), (None, &Yards::default()))
     }
 
     /// The same with the paint of a town: worn, and with stop lines and fords where there are traffic lights; and with the
@@ -76,9 +77,9 @@ impl Ground {
         roughness: &Roughness,
         wear: &Wear,
         signals: &Signals,
-        land: Option<&Land>,
+        (land, yards): (Option<&Land>, &Yards),
     ) -> Result<Self> {
-        Self::laid(network, Some(roughness), wear, signals, land)
+        Self::laid(network, Some(roughness), wear, signals, (land, yards))
     }
 
     fn laid(
@@ -86,9 +87,10 @@ impl Ground {
         roughness: Option<&Roughness>,
         wear: &Wear,
         signals: &Signals,
-        land: Option<&Land>,
+        (land, yards): (Option<&Land>, &Yards),
     ) -> Result<Self> {
-        let regions = Regions::of(network, land)?;
+        let mut regions = Regions::of(network, land)?;
+        regions.yards = yard_region::regions(yards, &regions.sidewalk);
         let paved =
             |k: LaneKind| matches!(k, LaneKind::Driving | LaneKind::Parking | LaneKind::Biking | LaneKind::Tram);
         let samples: Vec<DVec3> = network.lanes.iter().filter(|l| paved(l.kind)).flat_map(spaced_points).collect();
@@ -96,9 +98,13 @@ impl Ground {
         let height = HeightField::fit(&samples, min, max);
         let is_level = height.is_flat() && roughness.is_none();
         let fineness = if is_level { Fineness::FLAT } else { Fineness::HILLY };
-        let plan = ground_mesh::triangulate(&regions, &samples, (min, max), fineness)?;
+        let plan = ground_mesh::triangulate((&regions, network.is_curbless()), &samples, (min, max), fineness)?;
         let surface = |p: DVec2| height.height(p) + roughness.map_or(0.0, |r| r.height_m(p));
-        let painted = Painted { network, wear, signals };
+        let painted = Painted { network, wear, signals, yards };
+        if network.is_curbless() {
+            let heights = Heights { road: &surface, beside: &|_| 0.0, has_curbs: false };
+            return Ok(Self::assemble(&plan, regions, &heights, (min, max), Some(&painted)));
+        }
         if !network.is_rural() {
             return Ok(Self::assemble(&plan, regions, &Heights::town(&surface), (min, max), Some(&painted)));
         }
@@ -131,6 +137,7 @@ impl Ground {
             shoulder: Vec::new(),
             roadside: Vec::new(),
             fields: Vec::new(),
+            yards: Vec::new(),
         };
         Self::assemble(&plan, regions, &Heights::town(&|_| 0.0), (DVec2::splat(-half), DVec2::splat(half)), None)
     }
@@ -169,6 +176,7 @@ impl Ground {
         // Markings are no part of the surface that wheels touch.
         let markings = painted.map(|of| {
             let mut quads = road_marking::draw(of.network, of.signals, &|x, y| ground.surface_at(x, y));
+            of.yards.paint(&|x, y| ground.surface_at(x, y), &mut quads);
             rails::draw(of.network, &|x, y| ground.height_at(x, y), &mut quads);
             quads
         });
@@ -262,6 +270,7 @@ struct Painted<'a> {
     network: &'a RoadNetwork,
     wear: &'a Wear,
     signals: &'a Signals,
+    yards: &'a Yards,
 }
 
 /// The lane's points, without those that follow closer than [`SAMPLE_STEP_M`].

@@ -8,6 +8,7 @@ use super::fields::Crop;
 use super::ground_kind::GroundKind;
 use super::ground_region::{Inside, Regions, Ring, with_steps};
 use super::network::LaneSurface;
+use super::yards::YardSurface;
 use crate::error::{Error, Result};
 use crate::math::{DVec2, DVec3};
 
@@ -55,6 +56,10 @@ pub(super) enum Cover {
     Field(Crop),
     /// Gravel and dry grass along the asphalt of country roads.
     Shoulder,
+    /// A carriageway of setts without curbs.
+    Setts,
+    /// Paved ground beside streets.
+    Yard(YardSurface),
 }
 
 impl Cover {
@@ -65,9 +70,9 @@ impl Cover {
 
     pub(super) fn kind(self) -> GroundKind {
         match self {
-            Self::Carriageway | Self::Bed(_) | Self::BedEdge => GroundKind::Road,
+            Self::Carriageway | Self::Setts | Self::Bed(_) | Self::BedEdge => GroundKind::Road,
             Self::CurbStone | Self::Sidewalk => GroundKind::Sidewalk,
-            Self::Terrain | Self::Field(_) | Self::Shoulder => GroundKind::Terrain,
+            Self::Terrain | Self::Field(_) | Self::Shoulder | Self::Yard(_) => GroundKind::Terrain,
         }
     }
 }
@@ -77,7 +82,7 @@ impl Cover {
 /// # Errors
 /// [`Error::Map`] where the outlines can't be triangulated.
 pub(super) fn triangulate(
-    regions: &Regions,
+    (regions, is_curbless): (&Regions, bool),
     lanes: &[DVec3],
     (min, max): (DVec2, DVec2),
     fineness: Fineness,
@@ -87,6 +92,7 @@ pub(super) fn triangulate(
     let mut near_outline = Raster::new(min, max, CLEAR_M);
     let beds = regions.beds.iter().flat_map(|(_, rings)| rings).chain(&regions.bed_edges);
     let fields = regions.fields.iter().flat_map(|(_, rings)| rings).chain(&regions.roadside).chain(&regions.shoulder);
+    let fields = fields.chain(regions.yards.iter().flat_map(|(_, rings)| rings));
     for ring in regions.carriageway.iter().chain(&regions.curb).chain(&regions.sidewalk).chain(beds).chain(fields) {
         let ring = with_steps(ring, fineness.outline_m);
         with_steps(&ring, CLEAR_M / 2.0).iter().for_each(|p| near_outline.mark(*p));
@@ -114,6 +120,8 @@ pub(super) fn triangulate(
     let inside_beds: Vec<(LaneSurface, Inside)> =
         regions.beds.iter().map(|(surface, rings)| (*surface, Inside::new(rings))).collect();
     let inside_shoulder = Inside::new(&regions.shoulder);
+    let inside_yards: Vec<(YardSurface, Inside)> =
+        regions.yards.iter().map(|(surface, rings)| (*surface, Inside::new(rings))).collect();
     let inside_fields: Vec<(Crop, Inside)> = Crop::ALL.into_iter().map(|c| (c, inside_crop(regions, c))).collect();
     let points: Vec<DVec2> = mesh.vertices().map(|v| DVec2::new(v.position().x, v.position().y)).collect();
     let (mut faces, mut kinds) = (Vec::new(), Vec::new());
@@ -130,12 +138,16 @@ pub(super) fn triangulate(
             match field {
                 Some((crop, _)) => Cover::Field(*crop),
                 None if inside_shoulder.contains(middle) => Cover::Shoulder,
-                None => Cover::Terrain,
+                None => match inside_yards.iter().find(|(_, yard)| yard.contains(middle)) {
+                    Some((surface, _)) => Cover::Yard(*surface),
+                    None => Cover::Terrain,
+                },
             }
         } else if inside_carriageway.contains(middle) {
             match inside_beds.iter().find(|(_, bed)| bed.contains(middle)) {
                 Some((surface, _)) => Cover::Bed(*surface),
                 None if inside_edges.contains(middle) => Cover::BedEdge,
+                None if is_curbless => Cover::Setts,
                 None => Cover::Carriageway,
             }
         } else if inside_curb.contains(middle) {

@@ -4,6 +4,7 @@ use super::fields::Crop;
 use super::ground_mesh::Cover;
 use super::network::{LaneSurface, PaintColor};
 use super::wear::LEFT;
+use super::yards::YardSurface;
 use crate::material::{LidarMaterial, Material, Palette, Pattern, Semantic};
 
 pub(super) const ASPHALT: u8 = 0;
@@ -21,6 +22,8 @@ const RAIL: u8 = BALLAST + 4;
 const RAIL_SIDE: u8 = BALLAST + 5;
 /// One slot a crop, in the order of [`Crop::ALL`].
 const FIELD: u8 = BALLAST + 6;
+/// A carriageway of setts, then one slot a surface of yards, in the order of [`YardSurface::ALL`].
+const SETTS: u8 = FIELD + Crop::ALL.len() as u8 + 1;
 /// Asphalt that shows where paint is gone.
 const ASPHALT_ALBEDO: f32 = 0.148;
 const ASPHALT_REFLECTANCE: f32 = 0.23;
@@ -35,7 +38,9 @@ pub(super) fn slot(cover: Cover) -> u8 {
         Cover::Bed(LaneSurface::Grass) => TRACK_GRASS,
         Cover::Bed(LaneSurface::Ballast) => BALLAST,
         Cover::Bed(LaneSurface::Slabs) => TRACK_SLABS,
-        Cover::Bed(LaneSurface::Usual) => ASPHALT,
+        Cover::Bed(LaneSurface::Usual | LaneSurface::Setts) => ASPHALT,
+        Cover::Setts => SETTS,
+        Cover::Yard(surface) => SETTS + 1 + surface as u8,
         Cover::BedEdge => BED_EDGE,
         Cover::Field(crop) => FIELD + crop as u8,
         Cover::Shoulder => FIELD + Crop::ALL.len() as u8,
@@ -77,8 +82,22 @@ fn fields() -> impl Iterator<Item = Material> {
     crops.into_iter().chain([shoulder])
 }
 
+/// Setts of a street, and what covers yards.
+fn yards() -> impl Iterator<Item = Material> {
+    let setts = Material::matt(Semantic::Road, [0.205, 0.195, 0.18], Pattern::Blocks, 0.28);
+    let surfaces = YardSurface::ALL.map(|surface| {
+        let (albedo, pattern, reflectance) = match surface {
+            YardSurface::Asphalt => ([0.158, 0.155, 0.15], Pattern::Asphalt, 0.24),
+            YardSurface::Pavers => ([0.23, 0.215, 0.20], Pattern::Blocks, 0.30),
+            YardSurface::Slabs => ([0.25, 0.24, 0.225], Pattern::Slabs, 0.33),
+        };
+        Material::matt(Semantic::Road, albedo, pattern, reflectance)
+    });
+    std::iter::once(setts).chain(surfaces)
+}
+
 /// Old dry asphalt, concrete slabs and curb stones, grass, worn paint; reflectances at 905 nm.
-pub(super) fn palette(has_fields: bool) -> Palette {
+pub(super) fn palette(has_fields: bool, has_yards: bool) -> Palette {
     let mut materials = vec![
         Material::matt(Semantic::Road, [0.150, 0.148, 0.145], Pattern::Asphalt, 0.23),
         Material::matt(Semantic::Sidewalk, [0.235, 0.228, 0.213], Pattern::Slabs, 0.33),
@@ -97,8 +116,11 @@ pub(super) fn palette(has_fields: bool) -> Palette {
         rail(),
         Material::matt(Semantic::Road, [0.045, 0.036, 0.030], Pattern::Plain, 0.10),
     ]);
-    if has_fields {
+    if has_fields || has_yards {
         materials.extend(fields());
+    }
+    if has_yards {
+        materials.extend(yards());
     }
     Palette::new(materials)
 }

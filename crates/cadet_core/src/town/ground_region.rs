@@ -15,14 +15,15 @@ use i_overlay::mesh::int::style::{IntLineJoin, IntOutlineStyle};
 
 use super::fields::{Crop, Land};
 use super::network::{Lane, LaneKind, LaneSurface, RoadNetwork};
+use super::yards::YardSurface;
 use crate::error::{Error, Result};
 use crate::math::DVec2;
 
 /// A closed line: outer boundaries run counter-clockwise, holes clockwise; the first point is not repeated.
 pub(super) type Ring = Vec<DVec2>;
 
-type Contour = Vec<IntPoint<i32>>;
-type Shapes = Vec<Vec<Contour>>;
+pub(super) type Contour = Vec<IntPoint<i32>>;
+pub(super) type Shapes = Vec<Vec<Contour>>;
 
 const UNITS_PER_M: f64 = 1e3;
 /// Largest extent of a map: what 1 mm in 32 bits can hold, with room for the offsets' arithmetic.
@@ -73,6 +74,8 @@ pub(super) struct Regions {
     pub(super) roadside: Vec<Ring>,
     /// What grows where in open country.
     pub(super) fields: Vec<(Crop, Vec<Ring>)>,
+    /// Paved ground beside streets.
+    pub(super) yards: Vec<(YardSurface, Vec<Ring>)>,
 }
 
 fn is_paved(kind: LaneKind) -> bool {
@@ -103,7 +106,7 @@ impl Regions {
         if network.is_rural() {
             return Ok(Self::in_open_country(&frame, &carriageway, land));
         }
-        let sidewalk_width_m = sidewalk_width(network);
+        let sidewalk_width_m = network.usual_sidewalk_m();
         let mut sidewalk = strips(&|k| k == LaneKind::Sidewalk);
         sidewalk.extend(grow(&carriageway, sidewalk_width_m + WIDEN_M).into_iter().flatten());
         let sidewalk = clean(union(&sidewalk), CRACK_M.1, SMALL_HOLE_M2.1);
@@ -135,6 +138,7 @@ impl Regions {
             shoulder: Vec::new(),
             roadside: Vec::new(),
             fields: Vec::new(),
+            yards: Vec::new(),
         })
     }
 
@@ -154,25 +158,18 @@ impl Regions {
             roadside: bends_m.iter().flat_map(|m| frame.rings(&grow(carriageway, *m))).collect(),
             fields: land.map_or_else(Vec::new, |l| frame.fields(carriageway, l)),
             carriageway: edge,
+            yards: Vec::new(),
         }
     }
 }
 
-/// The width that three quarters of the map's sidewalks have; 2 m where it has none.
-fn sidewalk_width(network: &RoadNetwork) -> f64 {
-    let sidewalks = network.lanes.iter().filter(|l| l.kind == LaneKind::Sidewalk && l.junction.is_none());
-    let mut widths: Vec<f64> = sidewalks.map(|l| l.width_m[l.width_m.len() / 2]).filter(|w| *w > 0.5).collect();
-    widths.sort_by(f64::total_cmp);
-    widths.get(widths.len() / 4).copied().unwrap_or(2.0).clamp(1.2, 4.5)
-}
-
 /// Meters to integers and back.
-struct Frame {
-    origin: DVec2,
+pub(super) struct Frame {
+    pub(super) origin: DVec2,
 }
 
 impl Frame {
-    fn point(&self, p: DVec2) -> IntPoint<i32> {
+    pub(super) fn point(&self, p: DVec2) -> IntPoint<i32> {
         let q = ((p - self.origin) * UNITS_PER_M).round();
         IntPoint::new(q.x as i32, q.y as i32)
     }
@@ -210,7 +207,7 @@ impl Frame {
         fields
     }
 
-    fn rings(&self, shapes: &Shapes) -> Vec<Ring> {
+    pub(super) fn rings(&self, shapes: &Shapes) -> Vec<Ring> {
         shapes.iter().flatten().map(|c| self.ring(c)).filter(|r| r.len() >= 3).collect()
     }
 
@@ -222,7 +219,7 @@ impl Frame {
     }
 }
 
-fn union(contours: &[Contour]) -> Shapes {
+pub(super) fn union(contours: &[Contour]) -> Shapes {
     let num_points = contours.iter().map(Vec::len).sum();
     let mut overlay = Overlay::new_custom(num_points, IntOverlayOptions::default(), Solver::FRAG);
     overlay.add_source(contours, ShapeType::Subject);
@@ -230,7 +227,7 @@ fn union(contours: &[Contour]) -> Shapes {
 }
 
 /// Moves outlines out by `distance_m` (in where negative), round at the corners.
-fn grow(shapes: &Shapes, distance_m: f64) -> Shapes {
+pub(super) fn grow(shapes: &Shapes, distance_m: f64) -> Shapes {
     // 20 degrees round small corners, 12 round others: polygons within 1 cm of their arcs.
     let max_step = Angle::from_bits((1_u32 << 31) / if distance_m.abs() < 0.6 { 9 } else { 15 });
     let join = IntLineJoin::Round(ArcOptions { max_step, ..ArcOptions::default() });

@@ -97,7 +97,9 @@ impl Surface {
                 .or_default()
                 .push(quad);
         }
-        let palette = Arc::new(ground_palette::palette(plan.kinds.iter().any(|c| matches!(c, Cover::Field(_)))));
+        let has_fields = plan.kinds.iter().any(|c| matches!(c, Cover::Field(_)));
+        let has_yards = plan.kinds.iter().any(|c| matches!(c, Cover::Yard(_) | Cover::Setts));
+        let palette = Arc::new(ground_palette::palette(has_fields, has_yards));
         let mut local = vec![u32::MAX; self.corners.len()];
         let mut tiles = Vec::with_capacity(members.len());
         for ((i, j), members) in members {

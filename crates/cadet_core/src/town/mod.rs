@@ -21,6 +21,8 @@ mod ground_surface;
 mod height_field;
 mod junction_paint;
 mod junction_turns;
+mod lot_use;
+mod lots;
 mod map_lights;
 mod map_warnings;
 mod median;
@@ -29,6 +31,7 @@ mod occupancy;
 mod opendrive;
 mod overhead_line;
 mod paint;
+mod place_streets;
 mod placer;
 mod plan_curve;
 mod plot;
@@ -55,6 +58,8 @@ mod xodr_numbers;
 mod xodr_signals;
 mod xodr_text;
 mod xodr_writer;
+mod yard_region;
+mod yards;
 
 pub use curbside::parking_spots;
 pub use ground::Ground;
@@ -84,6 +89,10 @@ pub enum SpotKind {
     Angled,
     /// In the drive of a house.
     Drive,
+    /// In a row of a lot beside the street.
+    Lot,
+    /// In the yard of works: for trucks, vans, and trailers.
+    Yard,
 }
 
 /// A place where a vehicle may be parked.
@@ -179,16 +188,28 @@ impl Town {
         let mut signals = Signals::of(&network, key);
         let wear = Wear::new(&mut key.stream("ground/paint"));
         let land = fields::Land::of(&network, key, ground::extent(&network));
-        let ground = Ground::of_town(&network, &roughness, &wear, &signals, land.as_ref())?;
+        let mut lots = lots::Lots::default();
+        let has_lots = [config.car_park_share, config.industrial_share, config.campus_share].iter().any(|s| *s > 0.0);
+        let mut yards = yards::Yards { lines: curbside::bay_lines(&network, key), ..Default::default() };
+        let lay = |yards: &yards::Yards| Ground::of_town(&network, &roughness, &wear, &signals, (land.as_ref(), yards));
+        let mut ground = lay(&yards)?;
+        if has_lots && land.is_none() {
+            lots = lots::Lots::plan(key, &network, &ground, config);
+            let mut of_lots = lots.yards();
+            of_lots.lines.append(&mut yards.lines);
+            ground = lay(&of_lots)?;
+        }
         let mut parking = parking_spots(&network, &ground, key);
-        let walkways = walkways(&ground);
+        parking.append(&mut lots.parking(&ground));
+        let mut walkways = walkways(&ground);
+        walkways.append(&mut lots.walkways(&ground));
         let mut scenery = ground.tiles.clone();
         let mut props = match &land {
             Some(land) => {
                 scenery.push(countryside::hills(key, &ground));
                 props::place_in_country(key, &network, land, &ground, config)
             }
-            None => props::place_props(key, (&network, &mut signals), &ground, &parking, &walkways, config),
+            None => props::place_props(key, (&network, &mut signals), &ground, (&parking, &walkways, &lots), config),
         };
         scenery.append(&mut props.instances);
         parking.append(&mut props.drives);

@@ -42,6 +42,8 @@ pub enum LaneSurface {
     Ballast,
     /// Slabs of concrete.
     Slabs,
+    /// Setts or blocks, without a curb beside them.
+    Setts,
 }
 
 impl LaneSurface {
@@ -53,13 +55,14 @@ impl LaneSurface {
             Self::Grass => Some("grass"),
             Self::Ballast => Some("ballast"),
             Self::Slabs => Some("concrete"),
+            Self::Setts => Some("cobble"),
         }
     }
 
     /// The surface of a lane material's name; [`LaneSurface::Usual`] for any other.
     #[must_use]
     pub fn from_name(name: &str) -> Self {
-        let others = [Self::Grass, Self::Ballast, Self::Slabs];
+        let others = [Self::Grass, Self::Ballast, Self::Slabs, Self::Setts];
         others.into_iter().find(|s| s.name() == Some(name)).unwrap_or(Self::Usual)
     }
 }
@@ -214,6 +217,21 @@ impl RoadNetwork {
     pub fn is_rural(&self) -> bool {
         let has = |kind: LaneKind| self.lanes.iter().any(|l| l.kind == kind);
         has(LaneKind::Verge) && !has(LaneKind::Sidewalk)
+    }
+
+    /// The width that three quarters of the map's sidewalks have; 2 m where it has none.
+    pub(super) fn usual_sidewalk_m(&self) -> f64 {
+        let sidewalks = self.lanes.iter().filter(|l| l.kind == LaneKind::Sidewalk && l.junction.is_none());
+        let mut widths: Vec<f64> = sidewalks.map(|l| l.width_m[l.width_m.len() / 2]).filter(|w| *w > 0.5).collect();
+        widths.sort_by(f64::total_cmp);
+        widths.get(widths.len() / 4).copied().unwrap_or(2.0).clamp(1.2, 4.5)
+    }
+
+    /// Whether all streets are paved with setts from wall to wall, without curbs.
+    #[must_use]
+    pub fn is_curbless(&self) -> bool {
+        let mut streets = self.driving().filter(|l| l.junction.is_none()).peekable();
+        streets.peek().is_some() && streets.all(|l| l.surface == LaneSurface::Setts)
     }
 
     /// Whether the traffic of a lane gives way at its end: out of town to every faster road of the junction.

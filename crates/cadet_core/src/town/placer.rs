@@ -30,6 +30,8 @@ pub(super) struct Placer<'a> {
     pub standing: Vec<Standing>,
     /// Ways to doors and garages.
     pub ways: Vec<OrientedRect>,
+    /// Places for vehicles on lots.
+    pub bays: Vec<OrientedRect>,
     /// Trunks and shrubs so far: place and radius.
     plants: Vec<(DVec2, f64)>,
 }
@@ -37,7 +39,14 @@ pub(super) struct Placer<'a> {
 impl<'a> Placer<'a> {
     /// Nothing yet.
     pub fn new(site: &'a Site<'a>) -> Self {
-        Self { site, instances: Vec::new(), standing: Vec::new(), ways: Vec::new(), plants: Vec::new() }
+        Self {
+            site,
+            instances: Vec::new(),
+            standing: Vec::new(),
+            ways: Vec::new(),
+            bays: Vec::new(),
+            plants: Vec::new(),
+        }
     }
 
     /// How much stands so far.
@@ -99,6 +108,11 @@ impl<'a> Placer<'a> {
         let rect = OrientedRect { center: at, axis: DVec2::X, half: DVec2::splat(half) };
         self.standing.push(Standing { rect, name: model.name.clone() });
         true
+    }
+
+    /// True where a vehicle may stand on a lot within `margin_m` of a place.
+    pub fn is_bay(&self, at: DVec2, margin_m: f64) -> bool {
+        self.bays.iter().any(|bay| bay.contains(at, margin_m))
     }
 
     /// True where a house stands within `margin_m` of a place.

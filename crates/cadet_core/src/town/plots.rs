@@ -72,7 +72,7 @@ const GARAGE_BAY_M: f64 = 3.0;
 const MOST_BENT_M: f64 = 0.6;
 
 /// A plot over [s, s + length] of a frontage, its front moved back until the sidewalk is clear of it.
-fn plot_at(frontage: &Frontage, site: &Site, s: f64, length_m: f64, depth_m: f64) -> Option<Plot> {
+pub(super) fn plot_at(frontage: &Frontage, site: &Site, s: f64, length_m: f64, depth_m: f64) -> Option<Plot> {
     let (p, q) = (frontage.at(s), frontage.at(s + length_m));
     let along = (q - p).normalize_or_zero();
     if along == DVec2::ZERO {
@@ -177,7 +177,7 @@ pub(super) fn lay_out(
     plots
 }
 
-fn fits(plot: &Plot, site: &Site, taken: &Occupancy) -> bool {
+pub(super) fn fits(plot: &Plot, site: &Site, taken: &Occupancy) -> bool {
     let whole = plot.whole();
     taken.is_free(&whole) && site.is_rect_clear(&whole, 0.03)
 }

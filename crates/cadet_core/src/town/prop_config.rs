@@ -19,6 +19,12 @@ settings! {
         clutter: f64 = 1.0, 0 to 3;
         /// Share of the streets lined by closed rows of tall houses at the sidewalk, with shops.
         city_share: f64 = 0.0, 0 to 1;
+        /// Share of the streets beside which there are car parks, some with a market.
+        car_park_share: f64 = 0.0, 0 to 1;
+        /// Share of the other streets lined by works and offices with their yards.
+        industrial_share: f64 = 0.0, 0 to 1;
+        /// Share of the other streets lined by institutes behind lawns.
+        campus_share: f64 = 0.0, 0 to 1;
     }
 }
 

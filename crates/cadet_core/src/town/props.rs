@@ -3,7 +3,8 @@
 use super::city_paving::Paving;
 use super::fields::Land;
 use super::frontage::frontages;
-use super::occupancy::{Occupancy, Site};
+use super::lots::Lots;
+use super::occupancy::Site;
 use super::placer::{Placer, Standing};
 use super::prop_config::PropConfig;
 use super::street_style::StreetStyle;
@@ -34,14 +35,14 @@ pub(super) fn place_props(
     key: &StreamKey,
     (network, signals): (&RoadNetwork, &mut Signals),
     ground: &Ground,
-    parking: &[ParkingSpot],
-    walkways: &[Walkway],
+    (parking, walkways, lots): (&[ParkingSpot], &[Walkway], &Lots),
     config: &PropConfig,
 ) -> Props {
     let site = Site::new(ground);
-    let mut taken = Occupancy::default();
+    let mut taken = lots.taken();
     let mut placer = Placer::new(&site);
     let mut drives = Vec::new();
+    let mut on_lots = lots.place(key, config.greenery, &mut placer);
     let frontages = frontages(network, &site);
     let styles: Vec<StreetStyle> = frontages.iter().map(|f| StreetStyle::of(key, f, config)).collect();
     let stream = |name: &str, index: usize| key.indexed(name, index as u64);
@@ -74,6 +75,8 @@ pub(super) fn place_props(
     let streets = street_things::Streets { frontages: &frontages, styles: &styles, lined: &lined };
     let mut things = street_things::place(key, &streets, (parking, &drives), walkways, config.clutter, &mut placer);
     things.obstacles.append(&mut posts);
+    things.obstacles.append(&mut on_lots.obstacles);
+    things.seats.append(&mut on_lots.seats);
     Props { instances: placer.instances, drives, things, standing: placer.standing }
 }
 
@@ -103,7 +106,8 @@ mod tests {
 
     fn place(key: &StreamKey, network: &RoadNetwork, ground: &Ground, config: &PropConfig) -> Props {
         let parking = parking_spots(network, ground, key);
-        place_props(key, (network, &mut Signals::default()), ground, &parking, &walkways(ground), config)
+        let lots = Lots::default();
+        place_props(key, (network, &mut Signals::default()), ground, (&parking, &walkways(ground), &lots), config)
     }
 
     fn suburb(seed: u64) -> (RoadNetwork, Ground, Props) {

@@ -31,8 +31,19 @@ pub(super) struct LineStyle {
     /// Of the verge on country roads.
     pub sidewalk_width_m: f64,
     pub speed_kmh: u32,
+    pub kind: StreetKind,
     /// What it has in open country.
     pub country: Option<CountryRoad>,
+}
+
+/// What kind of street it is in town.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum StreetKind {
+    Usual,
+    /// Between rows of bays on both sides.
+    Aisle,
+    /// Paved from wall to wall, without curbs.
+    Campus,
 }
 
 /// What a road in open country has in place of curb and sidewalk.
@@ -200,6 +211,7 @@ pub(super) fn draw_styles(stream: &mut Stream, grid: &Grid, sidewalk_m: (f64, f6
                 tracks: None,
                 sidewalk_width_m: (stream.range(sidewalk_m.0, sidewalk_m.1) * 10.0).round() / 10.0,
                 speed_kmh: if collector { 50 } else { 30 },
+                kind: StreetKind::Usual,
                 country: None,
             }
         })

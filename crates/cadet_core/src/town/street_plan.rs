@@ -2,8 +2,9 @@
 
 use super::country_roads;
 use super::junction_turns::{Arm, End, Turn, turns};
+use super::place_streets::{self, AISLE_BAY_M};
 use super::plan_curve::{PlanCurve, PlanPose, heading_of, unit};
-use super::street_grid::{LineStyle, draw_grid, draw_styles, lay_tracks, thin, trace, widen_main_roads};
+use super::street_grid::{LineStyle, StreetKind, draw_grid, draw_styles, lay_tracks, thin, trace, widen_main_roads};
 use super::suburb_config::SuburbConfig;
 use crate::math::{self, DVec2, PI, TAU, wrap_angle};
 use crate::rng::{Stream, StreamKey};
@@ -64,6 +65,7 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
     let mut styles = draw_styles(&mut stream, &grid, config.sidewalk_m);
     widen_main_roads(&mut key.stream("suburb/main roads"), config.main_share, &mut styles);
     country_roads::draw(&mut key.stream("suburb/country"), config.country_share, &mut styles);
+    place_streets::draw(key, config, &mut styles);
     lay_tracks(&mut key.stream("suburb/tracks"), config.tram_share, &mut styles, &mut grid);
     let (chains, headings) = trace(&grid, &mut stream);
     let mut junction_of = vec![usize::MAX; grid.at.len()];
@@ -136,8 +138,14 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
                 }
                 margin = (margin.0 + DEEP_BAY_MARGIN_M, margin.1 + DEEP_BAY_MARGIN_M);
             }
+            if style.kind == StreetKind::Aisle && (right || left || !is_deep) {
+                (right, left) = (true, true);
+                bay_widths_m = [AISLE_BAY_M; 2];
+                margin = (margin.0.max(2.0 * DEEP_BAY_MARGIN_M), margin.1.max(2.0 * DEEP_BAY_MARGIN_M));
+            }
             let length = curve.length_m();
-            let fits = length - margin.0 - margin.1 > 20.0 && style.country.is_none();
+            let fits =
+                length - margin.0 - margin.1 > 20.0 && style.country.is_none() && style.kind != StreetKind::Campus;
             Street {
                 curve,
                 style,

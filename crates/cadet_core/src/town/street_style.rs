@@ -1,6 +1,7 @@
 //! What one street has in common: its houses, boundaries, trees and lamps, drawn once a street.
 
 use super::frontage::Frontage;
+use super::lot_use::LotUse;
 use super::prop_config::PropConfig;
 use crate::assets::scenery::{FenceKind, HouseKind, PoleKind, StreetLight, num_variants};
 use crate::rng::{Stream, StreamKey};
@@ -70,13 +71,24 @@ pub(super) struct StreetStyle {
     pub bin_share: f64,
     /// Closed rows of tall houses at the sidewalk, and what goes with them.
     pub city: Option<CityStyle>,
+    /// What the lots are for, where they take the place of houses.
+    pub lots: Option<LotUse>,
 }
 
 impl StreetStyle {
     /// The style of the road behind a frontage.
     pub fn of(key: &StreamKey, frontage: &Frontage, config: &PropConfig) -> Self {
         let style = Self::draw(key, frontage.road, frontage.speed_limit_mps, config);
-        if key.indexed("city street", u64::from(frontage.road)).chance(config.city_share) {
+        let lots = [
+            ("car park street", config.car_park_share, LotUse::CarPark),
+            ("industrial street", config.industrial_share, LotUse::Industry),
+            ("campus street", config.campus_share, LotUse::Campus),
+        ];
+        let drawn =
+            |(name, share, _): &&(&str, f64, LotUse)| key.indexed(name, u64::from(frontage.road)).chance(*share);
+        if let Some((_, _, usage)) = lots.iter().find(drawn) {
+            style.with_lots(*usage, &mut key.indexed("lot street", u64::from(frontage.road)), config.greenery)
+        } else if key.indexed("city street", u64::from(frontage.road)).chance(config.city_share) {
             style.in_the_city(&mut key.indexed("city style", u64::from(frontage.road)), config.greenery)
         } else if frontage.is_main_road {
             style.beside_main_road(&mut key.indexed("main road", u64::from(frontage.road)), config.greenery)
@@ -103,6 +115,33 @@ impl StreetStyle {
             trees_per_100_m2: greenery * if is_built { s.range(0.9, 2.2) } else { s.range(2.0, 4.5) },
             street_trees: has_trees.then(|| (s.range(7.0, 12.0), s.below(trees))),
             vacant_share: if is_built { s.range(0.15, 0.4) } else { s.range(0.75, 0.97) },
+            ..self
+        }
+    }
+
+    /// Lots in place of houses; what they leave is green.
+    fn with_lots(self, usage: LotUse, s: &mut Stream, greenery: f64) -> Self {
+        let [_, _, fences, hedges, poles, _] = num_variants();
+        let lamp = match usage {
+            LotUse::Industry => (PoleKind::ArmLamp, s.below(poles), s.range(30.0, 40.0)),
+            // Of 4 m.
+            LotUse::Campus => (PoleKind::Lamp, 0, s.range(18.0, 26.0)),
+            LotUse::CarPark => self.lamp,
+        };
+        let boundary = match s.weighted(&[0.4, 0.3, 0.3]) {
+            0 => Boundary::Hedge(s.below(hedges)),
+            1 => Boundary::Fence(FenceKind::Wire, s.below(fences)),
+            _ => Boundary::Open,
+        };
+        Self {
+            setback_m: 6.0,
+            boundary,
+            trees_per_100_m2: greenery * s.range(0.6, 1.6),
+            street_trees: None,
+            lamp,
+            vacant_share: 1.0,
+            bin_share: 0.0,
+            lots: Some(usage),
             ..self
         }
     }
@@ -147,6 +186,7 @@ impl StreetStyle {
             bin_share: if s.chance(0.2) { 0.85 } else { 0.25 },
             street_light: StreetLight::draw(&mut key.indexed("street light", u64::from(road))),
             city: None,
+            lots: None,
         }
     }
 }

@@ -12,9 +12,10 @@ use crate::rng::Stream;
 /// Lamps and signs stand this far inside the sidewalk's outer edge.
 const POLE_INSET_M: f64 = 0.22;
 
-/// Whether a place is before a door of a closed row; elsewhere doors lie behind gardens.
+/// Whether a place is on a lot's bay or before a door of a closed row; elsewhere doors lie behind gardens.
 fn is_before_door(placer: &Placer, style: &StreetStyle, place: DVec2, margin_m: f64) -> bool {
-    style.city.is_some() && placer.ways.iter().rev().take(400).any(|way| way.contains(place, margin_m))
+    let is_way = style.city.is_some() && placer.ways.iter().rev().take(400).any(|way| way.contains(place, margin_m));
+    is_way || placer.is_bay(place, margin_m)
 }
 
 /// Furnishes one frontage.
@@ -43,7 +44,8 @@ pub(super) fn furnish(frontage: &Frontage, style: &StreetStyle, s: &mut Stream, 
     }
     if length > 25.0 {
         let fast = frontage.speed_limit_mps > 10.0;
-        if s.chance(0.6) {
+        // Aisles and campuses are no zones of 30 km/h.
+        if s.chance(0.6) && frontage.speed_limit_mps > 6.0 {
             let kind = if fast { PoleKind::RoundSign } else { PoleKind::ZoneSign };
             put_pole(placer, kind, s.below(3), 3.0, true);
         }
@@ -77,7 +79,7 @@ pub(super) fn furnish(frontage: &Frontage, style: &StreetStyle, s: &mut Stream, 
         while at < length - 6.0 {
             let place = frontage.at(at) + right_of(frontage.along(at)) * s.range(0.5, 0.9);
             let model = tree(TreeKind::Street, variant + s.below(2));
-            if placer.site.is_clear(place, 0.3) && !placer.is_built(place, 2.2) {
+            if placer.site.is_clear(place, 0.3) && !placer.is_built(place, 2.2) && !placer.is_bay(place, 0.5) {
                 let _ = placer.plant_model(TreeKind::Street, &model, s, place);
             }
             at += spacing * s.range(0.85, 1.2);

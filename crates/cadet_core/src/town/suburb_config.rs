@@ -26,6 +26,12 @@ settings! {
         tram_share: f64 = 0.0, 0 to 1;
         /// Share of suburbs that are open country: winding roads between fields and woods, without curbs or sidewalks.
         country_share: f64 = 0.0, 0 to 1;
+        /// Share of the streets of 30 km/h that are aisles of car parks: bays across on both sides, 20 km/h.
+        aisle_share: f64 = 0.0, 0 to 1;
+        /// Share of the streets that are those of commercial areas: carriageways of 6.5 to 7.5 m, 50 km/h.
+        industrial_share: f64 = 0.0, 0 to 1;
+        /// Share of suburbs that are campuses: lanes of 4.5 to 5 m, paved with setts, without curbs, 10 or 20 km/h.
+        campus_share: f64 = 0.0, 0 to 1;
         /// Share of suburbs with hill streets.
         hilly_share: f64 = 0.2, 0 to 1;
         /// Steepest slope of a hilly suburb.

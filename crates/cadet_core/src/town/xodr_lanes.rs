@@ -2,7 +2,7 @@
 
 use super::country_roads::{self, EDGE_LINE_INSET_M};
 use super::network::LaneSurface;
-use super::street_grid::LineStyle;
+use super::street_grid::{LineStyle, StreetKind};
 use super::street_plan::Street;
 use super::xodr_text::{Cubic, put};
 
@@ -56,7 +56,16 @@ fn center_line_m(style: &LineStyle) -> Option<(f64, f64)> {
 
 /// What the outermost lane of a road is, and what covers it.
 pub(super) fn outermost_lane(style: &LineStyle) -> (&'static str, LaneSurface) {
-    if style.country.is_some() { ("shoulder", LaneSurface::Grass) } else { ("sidewalk", LaneSurface::Usual) }
+    match style.kind {
+        _ if style.country.is_some() => ("shoulder", LaneSurface::Grass),
+        StreetKind::Campus => ("sidewalk", LaneSurface::Setts),
+        StreetKind::Usual | StreetKind::Aisle => ("sidewalk", LaneSurface::Usual),
+    }
+}
+
+/// What covers driving lanes.
+pub(super) fn driven_surface(style: &LineStyle) -> LaneSurface {
+    if style.kind == StreetKind::Campus { LaneSurface::Setts } else { LaneSurface::Usual }
 }
 
 /// Id of a driving lane: 0 is beside the middle of the road; `sign` is that of its side's ids.
@@ -90,6 +99,7 @@ pub(super) fn street_sections(street: &Street) -> Vec<Section> {
         }
         for lane in 0..style.lanes_per_side {
             let mut record = through(driving_id(style, sign, lane), "driving", style.lane_width_m);
+            record.surface = driven_surface(style);
             if lane + 1 < style.lanes_per_side {
                 record.outer_line = OuterLine::Broken;
             } else if style.country.is_some_and(|c| c.has_edge_lines) {
@@ -223,7 +233,7 @@ fn write_lane(out: &mut String, s: f64, lane: &LaneRecord) {
     if let Some(surface) = lane.surface.name() {
         put(out, format_args!("<material sOffset=\"0.0\" surface=\"{surface}\" friction=\"0.7\"/>\n"));
     }
-    if matches!(lane.kind, "median" | "sidewalk") {
+    if matches!(lane.kind, "median" | "sidewalk") && lane.surface != LaneSurface::Setts {
         put(out, format_args!("<height sOffset=\"0.0\" inner=\"{CURB_HEIGHT_M}\" outer=\"{CURB_HEIGHT_M}\"/>\n"));
     }
     out.push_str("</lane>\n");

@@ -4,10 +4,11 @@ use super::junction_turns::{End, Turn};
 use super::network::LaneSurface;
 use super::plan_curve::PlanCurve;
 use super::relief::Relief;
-use super::street_grid::LineStyle;
+use super::street_grid::{LineStyle, StreetKind};
 use super::street_plan::{Street, StreetPlan};
 use super::xodr_lanes::{
-    LaneRecord, OuterLine, Section, driving_id, outermost_lane, sidewalk_id, street_sections, write_lanes,
+    LaneRecord, OuterLine, Section, driven_surface, driving_id, outermost_lane, sidewalk_id, street_sections,
+    write_lanes,
 };
 use super::xodr_signals::{write_controllers, write_junction_controllers, write_signals};
 use super::xodr_text::{Cubic, put};
@@ -93,6 +94,10 @@ fn write_street(
 fn write_type(out: &mut String, style: &LineStyle, speed_kmh: u32) {
     let kind = if style.country.is_some() {
         "rural"
+    } else if style.kind == StreetKind::Aisle {
+        "townPrivate"
+    } else if style.kind == StreetKind::Campus {
+        "pedestrian"
     } else if speed_kmh > 30 {
         "townCollector"
     } else {
@@ -141,7 +146,8 @@ fn write_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &Turn, re
         lanes.push(lane(-1, "tram", tracks_m, Some([arrives, leaves])));
     } else {
         let driven = [driving_id(a, arrives, turn.lanes[0]), driving_id(b, leaves, turn.lanes[1])];
-        lanes.push(lane(-1, "driving", [a.lane_width_m, b.lane_width_m], Some(driven)));
+        let widths_m = [a.lane_width_m, b.lane_width_m];
+        lanes.push(LaneRecord { surface: driven_surface(a), ..lane(-1, "driving", widths_m, Some(driven)) });
     }
     if turn.along_curb {
         let walked = [sidewalk_id(a, arrives), sidewalk_id(b, leaves)];

@@ -7,6 +7,8 @@ use crate::town::{Lane, LaneId};
 /// How much wider than a truck its lane is, and what it keeps beside what stands.
 const ROOM_IN_LANE_M: f64 = 0.22;
 const ROOM_BESIDE_M: f64 = 0.25;
+/// Aisles of car parks and lanes of a campus, which are no faster, are closed to what needs room.
+const CLOSED_TO_TRUCKS_MPS: f64 = 6.0;
 /// Nothing farther from a lane than this matters.
 const FARTHEST_M: f64 = 3.0;
 
@@ -70,6 +72,7 @@ impl Room {
         let swing_m = needs.length_m * needs.length_m / (8.0 * tightest_m.max(needs.length_m));
         let width_m = needs.width_m + swing_m;
         let is_wide = lane.junction.is_some() || lane.width_m.iter().all(|w| *w >= width_m + ROOM_IN_LANE_M);
-        is_wide && tightest_m >= needs.radius_m && self.clear_m[number] >= width_m / 2.0 + ROOM_BESIDE_M
+        let is_open = lane.speed_limit_mps > CLOSED_TO_TRUCKS_MPS;
+        is_open && is_wide && tightest_m >= needs.radius_m && self.clear_m[number] >= width_m / 2.0 + ROOM_BESIDE_M
     }
 }

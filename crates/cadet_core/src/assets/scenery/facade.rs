@@ -15,6 +15,8 @@ pub(super) enum Filling {
     Door,
     /// An up-and-over garage door.
     GarageDoor,
+    /// A gate of slats that rolls up.
+    RollerGate,
     /// A shop's glass front with its door.
     Shop(Shop),
     /// The gateway to a court.
@@ -106,7 +108,7 @@ fn fill(b: &mut MeshBuilder, plane: &WallPlane, opening: &Opening, face: u8, det
         Filling::Gate => return fill_gate(b, plane, opening.rect, detail),
         _ => {}
     }
-    let sides = if matches!(opening.filling, Filling::GarageDoor) { 0.22 } else { REVEAL_M };
+    let sides = if matches!(opening.filling, Filling::GarageDoor | Filling::RollerGate) { 0.22 } else { REVEAL_M };
     plane.reveal(b, opening.rect, 0.0, sides, face);
     match opening.filling {
         Filling::Shop(_) | Filling::Gate => {}
@@ -128,6 +130,14 @@ fn fill(b: &mut MeshBuilder, plane: &WallPlane, opening: &Opening, face: u8, det
             if detail == Detail::Near {
                 let (u, v) = ((u0 + u1) / 2.0, v0 + 1.0);
                 plane.block(b, [u - 0.08, u + 0.08, v, v + 0.04], sides - 0.04, sides, slot::METAL);
+            }
+        }
+        Filling::RollerGate => {
+            plane.rect(b, opening.rect, sides, slot::DOOR);
+            let slats = if detail == Detail::Near { ((v1 - v0) / 0.5) as usize } else { 0 };
+            for k in 1..slats {
+                let v = v0 + (v1 - v0) * k as f32 / slats as f32;
+                plane.rect(b, [u0, u1, v - 0.02, v + 0.02], sides - 0.004, slot::METAL);
             }
         }
         Filling::Door => {

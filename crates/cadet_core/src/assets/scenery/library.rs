@@ -3,13 +3,15 @@
 use std::sync::{Arc, OnceLock};
 
 use super::city::CityDesign;
+use super::hall::HallDesign;
 use super::house::HouseDesign;
 use super::materials::{fence_palette, furniture_palette, house_palette, house_slot, plant_palette};
 use super::tree::TreeDesign;
 use super::{
-    CityCorner, CityKind, Detail, FenceKind, FurnitureKind, HouseKind, NUM_CITY_HOUSES, PoleKind, SceneryModel,
-    THING_VARIANTS, ThingKind, TreeKind, city_palette, fence as fences, furniture as bins, garage as garages,
-    hedge as hedges, pole as poles, thing_palette, things,
+    CityCorner, CityKind, Detail, FenceKind, FurnitureKind, HALL_VARIANTS, HallKind, HouseKind, LotFurniture,
+    NUM_CITY_HOUSES, PoleKind, SceneryModel, THING_VARIANTS, ThingKind, TreeKind, city_palette, fence as fences,
+    furniture as bins, garage as garages, hall_palette, hedge as hedges, lot_furniture_palette, pole as poles,
+    thing_palette, things,
 };
 use crate::geometry::{Bounds, LodSet, Mesh, MeshBuilder};
 use crate::material::{Material, Palette, Pattern, Semantic};
@@ -83,6 +85,45 @@ pub fn city_house(kind: CityKind, variant: usize) -> (SceneryModel, Option<CityC
         })
         .clone();
     (model, corner)
+}
+
+/// A large building; x is its depth (the front at +x), y its width along the street.
+#[must_use]
+pub fn hall(kind: HallKind, variant: usize) -> SceneryModel {
+    static CELLS: [Cell; HALL_VARIANTS * HallKind::ALL.len()] = cells!(HALL_VARIANTS * HallKind::ALL.len());
+    let variant = variant % HALL_VARIANTS;
+    CELLS[kind as usize * HALL_VARIANTS + variant]
+        .get_or_init(|| {
+            let design = HallDesign::new(kind, variant);
+            let name = format!("{}/{variant}", kind.name());
+            let palette = hall_palette(kind, &mut Stream::from_seed(&name, 0));
+            let half = DVec2::new(f64::from(design.depth), f64::from(design.width)) / 2.0;
+            let height_m = f64::from(design.height());
+            let shape = Detail::levels([50.0, 100.0, f32::INFINITY], move |d| design.mesh(d));
+            model(name, shape, palette, half, height_m)
+        })
+        .clone()
+}
+
+/// A piece of what stands on lots: it looks along +x.
+#[must_use]
+pub fn lot_furniture(kind: LotFurniture) -> SceneryModel {
+    static CELLS: [Cell; LotFurniture::ALL.len()] = cells!(LotFurniture::ALL.len());
+    CELLS[kind as usize]
+        .get_or_init(|| {
+            let palette = lot_furniture_palette(kind, &mut Stream::from_seed(kind.name(), 0));
+            let shape = Detail::levels(kind.limits_m(), move |d| kind.mesh(d));
+            let below = Bounds::of(shape.levels[0].1.vertices.iter().copied().filter(|p| f64::from(p.z) < OVERHEAD_M));
+            SceneryModel {
+                name: kind.name().to_owned(),
+                palette,
+                footprint_min: below.min.truncate().as_dvec2(),
+                footprint_max: below.max.truncate().as_dvec2(),
+                height_m: f64::from(shape.bounds.max.z),
+                shape,
+            }
+        })
+        .clone()
 }
 
 /// Where the doors of a house's front are: the y of their middles.

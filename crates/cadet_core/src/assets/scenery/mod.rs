@@ -11,10 +11,12 @@ mod facade;
 mod fence;
 mod furniture;
 mod garage;
+mod hall;
 mod hedge;
 mod house;
 mod leaves;
 mod library;
+mod lot_furniture;
 pub mod materials;
 mod overhead;
 mod pole;
@@ -34,11 +36,13 @@ pub use city::{
 pub use crops::{CROP_VARIANTS, HERBS_M, MAIZE_M, herbs, maize};
 pub use fence::FenceKind;
 pub use furniture::FurnitureKind;
+pub use hall::{HALL_VARIANTS, HallKind, hall_palette};
 pub use house::HouseKind;
 pub use library::{
-    OVERHEAD_M, PIECE_LENGTHS_M, city_house, fence, furniture, garage, hedge, house, house_doors, num_variants, paving,
-    pole, thing, tree,
+    OVERHEAD_M, PIECE_LENGTHS_M, city_house, fence, furniture, garage, hall, hedge, house, house_doors, lot_furniture,
+    num_variants, paving, pole, thing, tree,
 };
+pub use lot_furniture::{LotFurniture, lot_furniture_palette};
 pub use overhead::{WIRE_HEIGHT_M, contact_wire, span_wire, tram_mast};
 pub use pole::PoleKind;
 pub use street_light::StreetLight;

@@ -28,7 +28,8 @@ impl Country {
         let land = Land::of(&network, &key, ground::extent(&network)).unwrap();
         let roughness = Roughness::new(&mut key.stream("ground/roughness"));
         let (wear, signals) = (Wear::default(), Signals::default());
-        let ground = Ground::of_town(&network, &roughness, &wear, &signals, Some(&land)).unwrap();
+        let ground =
+            Ground::of_town(&network, &roughness, &wear, &signals, (Some(&land), &Default::default())).unwrap();
         Self { key, network, land, roughness, ground }
     }
 

@@ -13,7 +13,9 @@ const OVER_WIDTH_M: f64 = 0.05;
 
 /// Fills a parking place, now and then.
 pub(super) fn fill(f: &mut Furnisher, spot: &ParkingSpot, clutter: f64, s: &mut Stream) {
-    if spot.kind == SpotKind::Drive || !s.chance((FILLED_SHARE * clutter).min(0.3)) {
+    if matches!(spot.kind, SpotKind::Drive | SpotKind::Lot | SpotKind::Yard)
+        || !s.chance((FILLED_SHARE * clutter).min(0.3))
+    {
         return;
     }
     match s.weighted(&[0.24, 0.12, 0.16, 0.16, 0.12, 0.12, 0.08]) {

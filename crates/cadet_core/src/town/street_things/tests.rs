@@ -30,8 +30,7 @@ fn placed(seed: u64, clutter: f64) -> Placed {
         &key,
         (&network, &mut Signals::default()),
         &ground,
-        &parking,
-        &walks,
+        (&parking, &walks, &Default::default()),
         &PropConfig { clutter, ..Default::default() },
     );
     Placed { network, ground, parking, props }

@@ -14,6 +14,9 @@ pub(super) const DRIVEN_USER_MIX: [(ObjectClass, f64); 3] =
     [(ObjectClass::Car, 0.87), (ObjectClass::Van, 0.09), (ObjectClass::Truck, 0.04)];
 /// Shares of trucks and of trailers and motorbikes among what is parked, where they fit.
 pub(super) const PARKED_RARE: [(ObjectClass, f64); 2] = [(ObjectClass::Truck, 0.02), (ObjectClass::Misc, 0.05)];
+/// The same in the yards of works, and the share of vans among the others there.
+pub(super) const YARD_RARE: [(ObjectClass, f64); 2] = [(ObjectClass::Truck, 0.5), (ObjectClass::Misc, 0.15)];
+pub(super) const YARD_VANS: f64 = 0.7;
 /// Shares of cars and vans among the other parked vehicles.
 pub(super) const PARKED_MIX: [(ObjectClass, f64); 2] = [(ObjectClass::Car, 0.90), (ObjectClass::Van, 0.10)];
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::config::{PARKED_MIX, PARKED_RARE, TrafficConfig};
+use super::config::{PARKED_MIX, PARKED_RARE, TrafficConfig, YARD_RARE, YARD_VANS};
 use super::newcomers::parked_vehicle;
 use super::spawner::Spawner;
 use crate::actor::ObjectClass;
@@ -17,6 +17,8 @@ use crate::world::turn_signal::TurnSignal;
 /// Share of the cars along a curb that stand against the traffic, and of those at an angle that were backed in.
 const WRONG_WAY_SHARE: f64 = 0.05;
 const BACKED_IN_SHARE: f64 = 0.2;
+const BACKED_IN_LOTS_SHARE: f64 = 0.25;
+const BACKED_IN_YARDS_SHARE: f64 = 0.5;
 /// Share of the curbs where nobody parks.
 const EMPTY_ROWS_SHARE: f64 = 0.5;
 /// Room that a parked vehicle needs along its spot beyond its length.
@@ -59,12 +61,14 @@ impl Spawner<'_> {
             {
                 continue;
             }
+            let has_vans = spot.kind == SpotKind::Yard && parked_mix[1].1 > 0.0;
+            let van_share = if has_vans { YARD_VANS } else { parked_mix[1].1 };
             let over_m = if spot.kind == SpotKind::Parallel { MOST_OVER_SPOT_M } else { 0.0 };
             let model = match self.user_vehicles.draw(&mut draw, &parked_mix, |m| fits(spot, over_m, m)) {
                 Some(model) => model,
                 None => match rare_model(spot, over_m, config, seed)? {
                     Some(model) => model,
-                    None => parked_model(spot, over_m, parked_mix[1].1, &mut draw)?,
+                    None => parked_model(spot, over_m, van_share, &mut draw)?,
                 },
             };
             if !fits(spot, over_m, &model) {
@@ -72,7 +76,12 @@ impl Spawner<'_> {
             }
             let outlier = draw.chance(0.05);
             let yaw_sd_deg: f64 = if outlier { 7.0 } else { 1.6 };
-            let turned_share = if spot.kind == SpotKind::Angled { BACKED_IN_SHARE } else { WRONG_WAY_SHARE };
+            let turned_share = match spot.kind {
+                SpotKind::Angled => BACKED_IN_SHARE,
+                SpotKind::Lot => BACKED_IN_LOTS_SHARE,
+                SpotKind::Yard => BACKED_IN_YARDS_SHARE,
+                SpotKind::Parallel | SpotKind::Drive => WRONG_WAY_SHARE,
+            };
             let wrong_way = if draw.chance(turned_share) { math::PI } else { 0.0 };
             let slack_m = (spot.length_m - model.size_lwh.x).max(0.0) / 2.0;
             let mut along_m = draw.clipped_normal(0.0, 0.35).clamp(-slack_m, slack_m);
@@ -111,6 +120,9 @@ impl Spawner<'_> {
     }
 
     fn is_taken(&self, spot: &ParkingSpot, config: &TrafficConfig, on_way: &[u32], draw: &mut Stream) -> bool {
+        if matches!(spot.kind, SpotKind::Lot | SpotKind::Yard) {
+            return draw.chance(config.parking_occupancy);
+        }
         let at = spot.world_from_spot.translation;
         let roads = &self.arena.streets.roads;
         let lane = roads.nearest(at, None, 12.0).map(|(lane, s_m, _)| (roads.lane(lane), s_m));
@@ -147,7 +159,8 @@ fn opening(spot: &ParkingSpot, seed: u64) -> Option<Opening> {
 
 /// A truck, a trailer or a motorbike for some of the parking places, where it fits.
 fn rare_model(spot: &ParkingSpot, over_m: f64, config: &TrafficConfig, seed: u64) -> Result<Option<Arc<VehicleModel>>> {
-    let Some(class) = config.rare(&PARKED_RARE, seed) else { return Ok(None) };
+    let shares: &[(ObjectClass, f64)] = if spot.kind == SpotKind::Yard { &YARD_RARE } else { &PARKED_RARE };
+    let Some(class) = config.rare(shares, seed) else { return Ok(None) };
     let model = VehicleModel::of_traffic(class, seed)?;
     // On a sidewalk it would leave no room to walk.
     let is_narrow = model.size_lwh.y <= spot.width_m + RARE_OVER_WIDTH_M;

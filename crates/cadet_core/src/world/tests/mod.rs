@@ -10,6 +10,7 @@ mod main_roads;
 mod openings;
 mod overtaking;
 mod placed;
+mod places;
 mod scripted;
 mod seated;
 mod signals;

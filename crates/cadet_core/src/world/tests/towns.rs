@@ -193,6 +193,19 @@ pub(crate) fn country_roads(seed: u64) -> Arc<Town> {
     )
 }
 
+/// Car parks (0), a commercial area (1), or a campus (2), with all that stands there but plants.
+pub(crate) fn place(kind: usize, seed: u64) -> Arc<Town> {
+    use crate::town::{PropConfig, SuburbConfig};
+    let suburb = SuburbConfig { blocks: (2, 2), block_m: (100.0, 140.0), ..Default::default() };
+    let bare = PropConfig { greenery: 0.0, belt_m: 0.0, ..Default::default() };
+    let (suburb, props) = match kind {
+        0 => (SuburbConfig { aisle_share: 0.75, ..suburb }, PropConfig { car_park_share: 0.9, ..bare }),
+        1 => (SuburbConfig { industrial_share: 1.0, ..suburb }, PropConfig { industrial_share: 0.95, ..bare }),
+        _ => (SuburbConfig { campus_share: 1.0, ..suburb }, PropConfig { campus_share: 0.95, ..bare }),
+    };
+    Arc::new(Town::suburb(&StreamKey::scene(seed), &suburb, &props).expect("a town"))
+}
+
 /// The same, with the tracks of a tram wherever they may be.
 pub(crate) fn tram_roads(seed: u64) -> Arc<Town> {
     let key = StreamKey::scene(seed);

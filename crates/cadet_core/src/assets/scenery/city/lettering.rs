@@ -39,7 +39,14 @@ fn rows(letter: char) -> ([u8; 5], usize) {
 
 /// Writes a name in the middle of [u0, u1], as high as `height` and no wider than there is room; `depth` is that of the
 /// board's face.
-pub(super) fn write(b: &mut MeshBuilder, plane: &WallPlane, name: &str, [u0, u1]: [f32; 2], v: [f32; 2], depth: f32) {
+pub(in super::super) fn write(
+    b: &mut MeshBuilder,
+    plane: &WallPlane,
+    name: &str,
+    [u0, u1]: [f32; 2],
+    v: [f32; 2],
+    depth: f32,
+) {
     let letters: Vec<([u8; 5], usize)> = name.chars().map(rows).collect();
     let columns = letters.iter().map(|(_, n)| n + 1).sum::<usize>() - 1;
     let (dv, room) = ((v[1] - v[0]) / 5.0, u1 - u0);
