@@ -30,6 +30,7 @@ _SUBURB = {
     "signal_share": (0.0, 0, 1),
     "tram_share": (0.0, 0, 1),
     "country_share": (0.0, 0, 1),
+    "motorway_share": (0.0, 0, 1),
     "hilly_share": (0.2, 0, 1),
     "max_slope": (0.065, 0, 0.1),
 }

@@ -215,6 +215,7 @@ class SuburbConfig:
         signal_share: float,
         tram_share: float,
         country_share: float,
+        motorway_share: float,
         hilly_share: float,
         max_slope: float,
     ) -> SuburbConfig: ...

@@ -158,6 +158,8 @@ class SuburbConfig:
     """Share of the main roads across a suburb with the two tracks of a tram in the middle, instead of any median."""
     country_share: float = _SUBURB.default("country_share")
     """Share of suburbs that are open country: winding roads between fields and woods, without curbs or sidewalks."""
+    motorway_share: float = _SUBURB.default("motorway_share")
+    """Share of suburbs that are a motorway or a bypass instead: two carriageways that close on themselves."""
     hilly_share: float = _SUBURB.default("hilly_share")
     """Share of suburbs with hill streets."""
     max_slope: float = _SUBURB.default("max_slope")

@@ -127,7 +127,7 @@ KITTI_DISTRICTS = (
     ),
 )
 
-# The edge of town and beyond: one lane a direction between fields and woods. KITTI's policy does not draw it.
+# Beyond the towns; KITTI's policy draws neither. One lane a direction between fields and woods:
 _COUNTRY_ROAD = District(
     name="country_road",
     parking_occupancy=(0.0, 0.5),
@@ -137,7 +137,17 @@ _COUNTRY_ROAD = District(
     suburb=SuburbConfig(country_share=1.0, blocks=(2, 2), block_m=(240.0, 350.0)),
     props=PropConfig(greenery=1.1),
 )
+# Two carriageways with two or three lanes each, and nobody on foot:
+_MOTORWAY = District(
+    name="motorway",
+    parking_occupancy=(0.0, 0.0),
+    num_cars=(24, 44),
+    num_pedestrians=(0, 0),
+    suburb=SuburbConfig(motorway_share=1.0),
+    props=PropConfig(greenery=1.1),
+)
+_OTHERS = (_COUNTRY_ROAD, _MOTORWAY)
 
-_BY_NAME: Final = {district.name: district for district in (*(one for one, _ in KITTI_DISTRICTS), _COUNTRY_ROAD)}
+_BY_NAME: Final = {district.name: district for district in (*(one for one, _ in KITTI_DISTRICTS), *_OTHERS)}
 DISTRICTS: Final = tuple(_BY_NAME)
 """The names that `District.named` knows."""

@@ -109,7 +109,7 @@ impl SuburbConfig {
     #[new]
     #[pyo3(signature = (
         *, blocks, block_m, parking_share, angled_share, main_share, sidewalk_m, signal_share, tram_share,
-        country_share, hilly_share, max_slope,
+        country_share, motorway_share, hilly_share, max_slope,
     ))]
     fn new(
         blocks: (usize, usize),
@@ -121,6 +121,7 @@ impl SuburbConfig {
         signal_share: f64,
         tram_share: f64,
         country_share: f64,
+        motorway_share: f64,
         hilly_share: f64,
         max_slope: f64,
     ) -> Result<Self, BorderError> {
@@ -134,6 +135,7 @@ impl SuburbConfig {
             signal_share,
             tram_share,
             country_share,
+            motorway_share,
             hilly_share,
             max_slope,
         };

@@ -26,6 +26,9 @@ settings! {
         tram_share: f64 = 0.0, 0 to 1;
         /// Share of suburbs that are open country: winding roads between fields and woods, without curbs or sidewalks.
         country_share: f64 = 0.0, 0 to 1;
+        /// Share of suburbs that are a motorway or a bypass instead: two carriageways that close on themselves, in open
+        /// country.
+        motorway_share: f64 = 0.0, 0 to 1;
         /// Share of suburbs with hill streets.
         hilly_share: f64 = 0.2, 0 to 1;
         /// Steepest slope of a hilly suburb.

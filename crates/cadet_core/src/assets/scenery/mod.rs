@@ -16,6 +16,7 @@ mod house;
 mod leaves;
 mod library;
 pub mod materials;
+mod motorway;
 mod overhead;
 mod pole;
 mod roof;
@@ -35,6 +36,9 @@ pub use house::HouseKind;
 pub use library::{
     OVERHEAD_M, PIECE_LENGTHS_M, city_house, fence, furniture, garage, hedge, house, house_doors, num_variants, paving,
     pole, thing, tree,
+};
+pub use motorway::{
+    BRIDGE_DECK_M, MOTORWAY_PIECE_M, MOTORWAY_VARIANTS, MotorwayKind, RAMP_M, gantry, motorway_thing, overpass, speed_sign,
 };
 pub use overhead::{WIRE_HEIGHT_M, contact_wire, span_wire, tram_mast};
 pub use pole::PoleKind;

@@ -12,6 +12,7 @@ mod span;
 
 pub use colors::city_palette;
 pub use kind::CityKind;
+pub(super) use lettering::rows as letter_rows;
 pub use paving::{flagstones, tree_pit};
 pub(super) use shop::{Shop, gate as fill_gate};
 pub use span::span_lamp;
