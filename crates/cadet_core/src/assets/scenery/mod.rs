@@ -38,7 +38,8 @@ pub use library::{
     pole, thing, tree,
 };
 pub use motorway::{
-    BRIDGE_DECK_M, MOTORWAY_PIECE_M, MOTORWAY_VARIANTS, MotorwayKind, RAMP_M, gantry, motorway_thing, overpass, speed_sign,
+    BRIDGE_DECK_M, MOTORWAY_PIECE_M, MOTORWAY_VARIANTS, MotorwayKind, RAMP_M, gantry, motorway_thing, overpass,
+    speed_sign,
 };
 pub use overhead::{WIRE_HEIGHT_M, contact_wire, span_wire, tram_mast};
 pub use pole::PoleKind;

@@ -55,7 +55,8 @@ impl Cyclist {
     /// Somebody who stands at the start of a route.
     pub fn new(route: Route, habits: &mut Stream) -> Self {
         let cruise_mps = habits.clipped_normal(CRUISE_MPS.0, CRUISE_MPS.1);
-        let idm = IdmParameters { desired_speed_factor: 1.0, time_gap_s: habits.range(0.8, 1.3), minimum_gap_m: 1.3 };
+        let (time_gap_s, top_speed_mps) = (habits.range(0.8, 1.3), f64::INFINITY);
+        let idm = IdmParameters { desired_speed_factor: 1.0, time_gap_s, minimum_gap_m: 1.3, top_speed_mps };
         Self {
             route,
             standing_steps: 0,

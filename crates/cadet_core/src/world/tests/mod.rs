@@ -6,6 +6,7 @@ mod cyclists;
 mod flow;
 mod lamps;
 mod main_roads;
+mod motorway;
 mod overtaking;
 mod placed;
 mod scripted;

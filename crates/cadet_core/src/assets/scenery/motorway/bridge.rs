@@ -41,7 +41,13 @@ fn mesh(variant: usize, half_span: f32, detail: Detail) -> Mesh {
     // Beams below, the deck's overhang with its edge over them.
     b.cuboid(v(-HALF + 1.1, -reach, low), v(HALF - 1.1, reach, top - 0.25), slot::CONCRETE);
     b.cuboid(v(-HALF, -reach, top - 0.4), v(HALF, reach, top), slot::CONCRETE);
-    b.quad(v(-3.2, -reach, top + 0.01), v(3.2, -reach, top + 0.01), v(3.2, reach, top + 0.01), v(-3.2, reach, top + 0.01), slot::ASPHALT);
+    b.quad(
+        v(-3.2, -reach, top + 0.01),
+        v(3.2, -reach, top + 0.01),
+        v(3.2, reach, top + 0.01),
+        v(-3.2, reach, top + 0.01),
+        slot::ASPHALT,
+    );
     for side in [-1.0, 1.0] {
         let x = side * (HALF - 0.12);
         block(&mut b, v(x, 0.0, top + 0.05), v(0.3, 2.0 * reach, 0.3), slot::CONCRETE);
@@ -51,10 +57,20 @@ fn mesh(variant: usize, half_span: f32, detail: Detail) -> Mesh {
     for side in [-1.0, 1.0] {
         let y = side * half_span;
         // The wall, and wing walls that go back along the ramp.
-        block(&mut b, v(0.0, y + side * 0.7, (top + DEPTH) / 2.0 - 0.1), v(2.0 * HALF, 1.4, top - DEPTH - 0.2), slot::CONCRETE);
+        block(
+            &mut b,
+            v(0.0, y + side * 0.7, (top + DEPTH) / 2.0 - 0.1),
+            v(2.0 * HALF, 1.4, top - DEPTH - 0.2),
+            slot::CONCRETE,
+        );
         for wing in [-1.0, 1.0] {
             let x = wing * (HALF - 0.2);
-            block(&mut b, v(x, y + side * WINGS / 2.0, (top + DEPTH) / 2.0), v(0.4, WINGS, top - DEPTH), slot::CONCRETE);
+            block(
+                &mut b,
+                v(x, y + side * WINGS / 2.0, (top + DEPTH) / 2.0),
+                v(0.4, WINGS, top - DEPTH),
+                slot::CONCRETE,
+            );
         }
         ramp(&mut b, side, half_span, top);
     }
@@ -88,7 +104,8 @@ fn pier(b: &mut MeshBuilder, variant: usize, low: f32, detail: Detail) {
 /// Earth behind an abutment, falling to the land.
 fn ramp(b: &mut MeshBuilder, side: f32, half_span: f32, top: f32) {
     // Distance behind the abutment, height of the road there, share of the slopes that is there.
-    let stations = [(0.3, 0.0, 0.0), (WINGS * 0.5, 0.0, 0.5), (WINGS, 0.0, 1.0), (30.0, -0.6, 1.0), (RAMP_M as f32, -6.5, 1.0)];
+    let stations =
+        [(0.3, 0.0, 0.0), (WINGS * 0.5, 0.0, 0.5), (WINGS, 0.0, 1.0), (30.0, -0.6, 1.0), (RAMP_M as f32, -6.5, 1.0)];
     let rings: Vec<Vec<Vec3>> = stations
         .iter()
         .map(|(behind, fall, share)| {

@@ -48,7 +48,13 @@ pub(super) fn board(variant: usize, detail: Detail) -> Mesh {
     let middle = 1.7 + high / 2.0;
     for side in [-1.0, 1.0] {
         let y = side * wide * 0.3;
-        tube(&mut b, (v(-0.14, y, -0.6), 0.09), (v(-0.14, y, middle + high * 0.4), 0.09), detail.pick(10, 6, 4), slot::STEEL);
+        tube(
+            &mut b,
+            (v(-0.14, y, -0.6), 0.09),
+            (v(-0.14, y, middle + high * 0.4), 0.09),
+            detail.pick(10, 6, 4),
+            slot::STEEL,
+        );
     }
     blank(&mut b, (0.0, 0.0, middle), (wide, high), slot::BLUE);
     for line in 0..lines {

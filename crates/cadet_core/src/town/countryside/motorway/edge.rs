@@ -6,9 +6,7 @@ use std::sync::Arc;
 use super::super::super::occupancy::{Occupancy, OrientedRect};
 use super::super::super::placer::Placer;
 use super::Side;
-use crate::assets::scenery::{
-    MOTORWAY_PIECE_M, MOTORWAY_VARIANTS, MotorwayKind, PoleKind, motorway_thing, pole,
-};
+use crate::assets::scenery::{MOTORWAY_PIECE_M, MOTORWAY_VARIANTS, MotorwayKind, PoleKind, motorway_thing, pole};
 use crate::math::DVec2;
 use crate::rng::Stream;
 
@@ -24,13 +22,7 @@ const WALL_SHARE: f64 = 0.2;
 const WALL_OF_SIDE: (f64, f64) = (0.3, 0.9);
 const WALL_OFF_M: f64 = 3.0;
 
-pub(super) fn furnish(
-    s: &mut Stream,
-    side: &Side,
-    shields: &[Range<f64>],
-    taken: &mut Occupancy,
-    placer: &mut Placer,
-) {
+pub(super) fn furnish(s: &mut Stream, side: &Side, shields: &[Range<f64>], taken: &mut Occupancy, placer: &mut Placer) {
     let length_m = side.frontage.length_m();
     let count = (length_m / MOTORWAY_PIECE_M).round().max(1.0) as usize;
     let step_m = length_m / count as f64;
@@ -83,11 +75,6 @@ fn delineators(s: &mut Stream, side: &Side, placer: &mut Placer) {
     let step_m = side.frontage.length_m() / count;
     for k in 0..count as usize {
         let at_m = step_m * (k as f64 + 0.5);
-        placer.put(
-            &model,
-            Arc::clone(&model.palette),
-            side.beside(at_m, DELINEATOR_OFF_M),
-            -side.frontage.along(at_m),
-        );
+        placer.put(&model, Arc::clone(&model.palette), side.beside(at_m, DELINEATOR_OFF_M), -side.frontage.along(at_m));
     }
 }

@@ -55,8 +55,12 @@ fn stretch(
         while at_m < to_m {
             let share = (f64::from(row) + s.unit()) / f64::from(rows);
             let kind = match growth {
-                Growth::Wooded if row > 0 => [TreeKind::Wood, TreeKind::Garden, TreeKind::Conifer][s.weighted(&[0.6, 0.3, 0.1])],
-                Growth::Scattered => [TreeKind::Shrub, TreeKind::Garden, TreeKind::Street][s.weighted(&[0.6, 0.2, 0.2])],
+                Growth::Wooded if row > 0 => {
+                    [TreeKind::Wood, TreeKind::Garden, TreeKind::Conifer][s.weighted(&[0.6, 0.3, 0.1])]
+                }
+                Growth::Scattered => {
+                    [TreeKind::Shrub, TreeKind::Garden, TreeKind::Street][s.weighted(&[0.6, 0.2, 0.2])]
+                }
                 _ => [TreeKind::Shrub, TreeKind::Garden][s.weighted(&[0.86, 0.14])],
             };
             let model = tree(kind, s.below(variants));

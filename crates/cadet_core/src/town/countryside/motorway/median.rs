@@ -20,7 +20,8 @@ const CLEAR_OF_PIER_M: f64 = 5.0;
 pub(super) fn furnish(key: &StreamKey, road: &RoadPlan, greenery: f64, placer: &mut Placer) {
     let s = &mut key.indexed("motorway/median", road.number as u64);
     // The same all along a motorway.
-    let has_shrubs = key.stream("motorway/shrubs").chance(SHRUBS_SHARE) && !road.is_concrete && road.half_median_m > 1.6;
+    let has_shrubs =
+        key.stream("motorway/shrubs").chance(SHRUBS_SHARE) && !road.is_concrete && road.half_median_m > 1.6;
     let count = (road.length_m() / MOTORWAY_PIECE_M).round().max(1.0) as usize;
     let step_m = road.length_m() / count as f64;
     let (kind, offsets): (_, &[f64]) = match (road.is_concrete, has_shrubs) {

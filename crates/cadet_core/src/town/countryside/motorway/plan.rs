@@ -77,11 +77,8 @@ pub(super) fn draw(key: &StreamKey, network: &RoadNetwork) -> Vec<RoadPlan> {
         for pair in points.windows(2) {
             s_m.push(s_m[s_m.len() - 1] + (pair[1] - pair[0]).length());
         }
-        let paved_m: f64 = [LaneKind::Driving, LaneKind::Shoulder]
-            .into_iter()
-            .flat_map(of)
-            .map(|l| l.width_at(0.0))
-            .sum();
+        let paved_m: f64 =
+            [LaneKind::Driving, LaneKind::Shoulder].into_iter().flat_map(of).map(|l| l.width_at(0.0)).sum();
         let widest_m = of(LaneKind::Shoulder).map(|l| l.width_at(0.0)).fold(0.0, f64::max);
         let mut s = key.indexed("motorway/road", number as u64);
         let (has_bridge, at, variant) = (s.chance(BRIDGE_SHARE), s.range(BRIDGE_AT.0, BRIDGE_AT.1), s.below(2));

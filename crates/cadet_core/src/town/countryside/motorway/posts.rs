@@ -48,8 +48,7 @@ pub(super) fn place(s: &mut Stream, side: &Side, placer: &mut Placer) -> Vec<Ran
         let model = motorway_thing(kind, variant);
         placer.put(&model, Arc::clone(&model.palette), side.beside(at_m, off_m), -frontage.along(at_m));
     };
-    let (has_gantry, gantry_m, gantry_variant) =
-        (s.chance(GANTRY_SHARE), s.range(0.15, 0.85) * length_m, s.below(4));
+    let (has_gantry, gantry_m, gantry_variant) = (s.chance(GANTRY_SHARE), s.range(0.15, 0.85) * length_m, s.below(4));
     if has_gantry && is_open(gantry_m, 60.0) {
         // From behind the rail to the middle of the median.
         let reach_m = plan.half_paved_m + LEG_OFF_M;
