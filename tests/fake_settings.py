@@ -33,6 +33,7 @@ _SUBURB = {
     "aisle_share": (0.0, 0, 1),
     "industrial_share": (0.0, 0, 1),
     "campus_share": (0.0, 0, 1),
+    "motorway_share": (0.0, 0, 1),
     "hilly_share": (0.2, 0, 1),
     "max_slope": (0.065, 0, 0.1),
 }

@@ -125,7 +125,7 @@ def test_a_district_refuses_a_range_the_wrong_way_round() -> None:
 
 def test_districts_are_known_by_name_and_take_the_place_of_the_policys() -> None:
     drawn = {district.name for district, _ in ResetPolicy.kitti().districts}
-    assert set(DISTRICTS) == drawn | {"car_park", "industrial", "campus"}
+    assert set(DISTRICTS) == drawn | {"car_park", "industrial", "campus", "motorway"}
     assert len(DISTRICTS) == len(set(DISTRICTS))
     assert all(District.named(name).name == name for name in DISTRICTS)
     country = District.named("country_road")
@@ -135,6 +135,8 @@ def test_districts_are_known_by_name_and_take_the_place_of_the_policys() -> None
     assert set(found) == {"country_road", "street"} and abs(found["street"] - 200) < 40
     assert policy.draw(1, 0).config.suburb.country_share in (0.0, 1.0)
     assert country.suburb.country_share == 1.0 and country.num_pedestrians == (0, 0)
+    motorway = District.named("motorway")
+    assert motorway.suburb.motorway_share == 1.0 and motorway.num_pedestrians == motorway.num_cyclists == (0, 0)
     # Nothing else of the policy changes.
     assert replace(policy, districts=ResetPolicy.kitti().districts) == ResetPolicy.kitti()
 

@@ -218,6 +218,7 @@ class SuburbConfig:
         aisle_share: float,
         industrial_share: float,
         campus_share: float,
+        motorway_share: float,
         hilly_share: float,
         max_slope: float,
     ) -> SuburbConfig: ...

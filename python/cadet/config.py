@@ -164,6 +164,8 @@ class SuburbConfig:
     """Share of the streets that are those of commercial areas: carriageways of 6.5 to 7.5 m, 50 km/h."""
     campus_share: float = _SUBURB.default("campus_share")
     """Share of suburbs that are campuses: lanes of 4.5 to 5 m, paved with setts, without curbs, 10 or 20 km/h."""
+    motorway_share: float = _SUBURB.default("motorway_share")
+    """Share of suburbs that are a motorway or a bypass instead: two carriageways that close on themselves."""
     hilly_share: float = _SUBURB.default("hilly_share")
     """Share of suburbs with hill streets."""
     max_slope: float = _SUBURB.default("max_slope")

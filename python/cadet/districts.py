@@ -181,8 +181,18 @@ _CAMPUS = District(
     props=PropConfig(campus_share=0.95, greenery=1.2),
 )
 
+# Two carriageways in open country.
+_MOTORWAY = District(
+    name="motorway",
+    parking_occupancy=(0.0, 0.0),
+    num_cars=(24, 44),
+    num_pedestrians=(0, 0),
+    suburb=SuburbConfig(motorway_share=1.0),
+    props=PropConfig(greenery=1.1),
+)
+
 # Known by name alone: KITTI's policy draws none of them.
-NAMED_DISTRICTS: Final = (_CAR_PARK, _INDUSTRIAL, _CAMPUS)
+NAMED_DISTRICTS: Final = (_CAR_PARK, _INDUSTRIAL, _CAMPUS, _MOTORWAY)
 
 _BY_NAME: Final = {district.name: district for district in (*(one for one, _ in KITTI_DISTRICTS), *NAMED_DISTRICTS)}
 DISTRICTS: Final = tuple(_BY_NAME)

@@ -96,6 +96,22 @@ def test_a_policys_districts_and_sun_reach_the_scene() -> None:
     assert "sun_elevation_deg" not in usual and "suburb" not in usual["districts"][0]
 
 
+def test_the_motorway_district_has_fast_vehicles_and_nobody_on_foot() -> None:
+    policy = replace(
+        cadet.ResetPolicy.kitti().with_districts(cadet.District.named("motorway")), weathers=(("clear_noon", 1.0),)
+    )
+    for seed in range(3):
+        scene = Scene.random(seed=seed, policy=policy, rig=SMALL)
+        frame = scene.capture()
+        assert frame.semantic is not None
+        shown = {Semantic(value) for value in np.unique(frame.semantic)}
+        wanted = {Semantic.ROAD, Semantic.ROAD_MARKING, Semantic.TERRAIN, Semantic.VEGETATION, Semantic.FENCE}
+        assert wanted <= shown and Semantic.SIDEWALK not in shown, shown
+        assert {label.type for label in frame.labels} <= {"Car", "Van", "Truck", "DontCare"}
+        speeds = [float(np.linalg.norm(agent.velocity_world)) for agent in scene.agents]
+        assert len(speeds) > 20 and min(speeds) > 15.0 and max(speeds) < 50.0, speeds
+
+
 def test_the_country_road_district_has_vegetation_and_fields_and_no_sidewalk() -> None:
     policy = replace(
         cadet.ResetPolicy.kitti().with_districts(cadet.District.named("country_road")), weathers=(("clear_noon", 1.0),)

@@ -169,6 +169,37 @@ fn country_roads_can_be_driven_for_ever_between_their_verges() {
 }
 
 #[test]
+fn motorways_can_be_driven_for_ever_on_every_lane() {
+    let (mut with_three, mut bypasses) = (0, 0);
+    for seed in 0..20 {
+        let config = SuburbConfig { motorway_share: 1.0, main_share: 1.0, ..SuburbConfig::default() };
+        let network = generate_suburb(&StreamKey::scene(seed), &config).unwrap().network;
+        let name = format!("motorway {seed}");
+        assert_drivable(&name, &network);
+        assert!(network.is_motorway() && network.lanes.iter().all(|l| l.junction.is_none()), "{name}");
+        for lane in network.driving() {
+            // A lane leads to one other, of the same width, and round to itself.
+            assert_eq!((lane.successors.len(), lane.predecessors.len()), (1, 1), "{name}");
+            let (mut at, mut roads) = (network.lane(lane.successors[0]), 1);
+            while at.id != lane.id {
+                (at, roads) = (network.lane(at.successors[0]), roads + 1);
+                assert!(roads < 100 && (at.width_at(1.0) - lane.width_at(1.0)).abs() < 1e-3, "{name}");
+            }
+            let (width_m, kmh) = (lane.width_at(5.0), lane.speed_limit_mps * 3.6);
+            assert!((3.49..3.76).contains(&width_m) && (99.0..131.0).contains(&kmh), "{name}: {width_m} m, {kmh} km/h");
+            let steepest = lane.center.windows(2).map(|w| ((w[1].z - w[0].z) / (w[1] - w[0]).length()).abs());
+            assert!(steepest.fold(0.0, f64::max) < 0.045, "{name}");
+        }
+        let of_road = |kind: LaneKind| network.lanes.iter().filter(|l| l.road == 0 && l.kind == kind).count();
+        assert_eq!((of_road(LaneKind::Median), of_road(LaneKind::Verge)), (2, 2), "{name}");
+        with_three += usize::from(of_road(LaneKind::Driving) == 6);
+        let shoulder = network.lanes.iter().filter(|l| l.kind == LaneKind::Shoulder).map(|l| l.width_at(5.0));
+        bypasses += usize::from(shoulder.fold(0.0, f64::max) < 1.0);
+    }
+    assert!(with_three >= 3 && bypasses >= 3, "{with_three} {bypasses}");
+}
+
+#[test]
 fn roads_with_tracks_can_be_driven_for_ever_and_tracks_go_on_to_the_last_junction() {
     let mut with_tracks = 0;
     for seed in 0..30 {

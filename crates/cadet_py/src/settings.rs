@@ -109,7 +109,7 @@ impl SuburbConfig {
     #[new]
     #[pyo3(signature = (
         *, blocks, block_m, parking_share, angled_share, main_share, sidewalk_m, signal_share, tram_share,
-        country_share, aisle_share, industrial_share, campus_share, hilly_share, max_slope,
+        country_share, aisle_share, industrial_share, campus_share, motorway_share, hilly_share, max_slope,
     ))]
     fn new(
         blocks: (usize, usize),
@@ -124,6 +124,7 @@ impl SuburbConfig {
         aisle_share: f64,
         industrial_share: f64,
         campus_share: f64,
+        motorway_share: f64,
         hilly_share: f64,
         max_slope: f64,
     ) -> Result<Self, BorderError> {
@@ -140,6 +141,7 @@ impl SuburbConfig {
             aisle_share,
             industrial_share,
             campus_share,
+            motorway_share,
             hilly_share,
             max_slope,
         };

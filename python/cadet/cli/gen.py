@@ -113,7 +113,7 @@ def cadet_gen(
     cadet-gen drives -n 200 --format kitti_raw --sequence --hz 10 --length 20s
     cadet-gen s3://bucket/set -n 100000 --engine ray --address auto   # docs/scale.md
     cadet-gen shards -n 100000 --format webdataset --shard-size 1000
-    cadet-gen fields -n 500 --district country_road
+    cadet-gen fields -n 500 --district country_road   # or motorway
     cadet-gen rain -n 500 --weather hard_rain_noon --write depth,instance
 
     Weathers: {weathers}

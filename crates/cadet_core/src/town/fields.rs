@@ -34,6 +34,8 @@ const FAR_WOODS_SHARE: f64 = 0.75;
 const FAR_M: f64 = 85.0;
 /// Parcels are cut in two until they are no larger than this, drawn for each.
 const PARCEL_M2: (f64, f64) = (5_000.0, 22_000.0);
+/// The same beside motorways.
+const MOTORWAY_PARCEL_M2: (f64, f64) = (12_000.0, 55_000.0);
 /// Where a parcel is cut, and how far the cut is from a right angle.
 const CUT_AT: (f64, f64) = (0.36, 0.64);
 const CUT_SKEW: f64 = 0.14;
@@ -64,11 +66,13 @@ impl Land {
         }
         let verges = network.lanes.iter().filter(|l| l.kind == super::LaneKind::Verge && l.junction.is_none());
         let verge_m = verges.map(|l| l.width_at(l.length_m() / 2.0)).fold(f64::INFINITY, f64::min).clamp(0.5, 4.0);
-        let roadside = Roadside::new(&mut key.stream("land/roadside"), verge_m);
+        let s = &mut key.stream("land/roadside");
+        let is_motorway = network.is_motorway();
+        let roadside = if is_motorway { Roadside::beside_motorway(s, verge_m) } else { Roadside::new(s, verge_m) };
         let s = &mut key.stream("land/parcels");
         let whole = vec![min, DVec2::new(max.x, min.y), max, DVec2::new(min.x, max.y)];
         let mut outlines = Vec::new();
-        split(whole, s, &mut outlines);
+        split(whole, if is_motorway { MOTORWAY_PARCEL_M2 } else { PARCEL_M2 }, s, &mut outlines);
         let near: Vec<DVec2> =
             network.driving().flat_map(|l| l.center.iter().step_by(5).map(|p| p.truncate())).collect();
         let parcels = outlines
@@ -93,8 +97,8 @@ fn area_m2(outline: &[DVec2]) -> f64 {
 }
 
 /// Cuts a convex outline across its longest edge until the pieces are small enough.
-fn split(outline: Vec<DVec2>, s: &mut Stream, out: &mut Vec<Vec<DVec2>>) {
-    let enough_m2 = s.range(PARCEL_M2.0, PARCEL_M2.1);
+fn split(outline: Vec<DVec2>, parcel_m2: (f64, f64), s: &mut Stream, out: &mut Vec<Vec<DVec2>>) {
+    let enough_m2 = s.range(parcel_m2.0, parcel_m2.1);
     let (at, skew) = (s.range(CUT_AT.0, CUT_AT.1), s.range(-CUT_SKEW, CUT_SKEW));
     if area_m2(&outline) <= enough_m2 {
         out.push(outline);
@@ -113,7 +117,7 @@ fn split(outline: Vec<DVec2>, s: &mut Stream, out: &mut Vec<Vec<DVec2>>) {
     for side in [1.0, -1.0] {
         let piece = half_of(&outline, normal * side, cut * side);
         if piece.len() >= 3 {
-            split(piece, s, out);
+            split(piece, parcel_m2, s, out);
         }
     }
 }
@@ -143,7 +147,7 @@ mod tests {
         for seed in 0..10 {
             let whole = [(-300.0, -200.0), (420.0, -200.0), (420.0, 310.0), (-300.0, 310.0)].map(DVec2::from).to_vec();
             let mut parcels = Vec::new();
-            split(whole, &mut Stream::from_seed("parcels", seed), &mut parcels);
+            split(whole, PARCEL_M2, &mut Stream::from_seed("parcels", seed), &mut parcels);
             let sum: f64 = parcels.iter().map(|p| area_m2(p)).sum();
             assert!((sum - 720.0 * 510.0).abs() < 1.0, "seed {seed}: {sum}");
             assert!(parcels.iter().all(|p| area_m2(p) > 1000.0 && area_m2(p) <= PARCEL_M2.1), "seed {seed}");

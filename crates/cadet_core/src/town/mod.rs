@@ -26,6 +26,8 @@ mod lots;
 mod map_lights;
 mod map_warnings;
 mod median;
+mod motorway;
+mod motorway_writer;
 mod network;
 mod occupancy;
 mod opendrive;
@@ -79,6 +81,9 @@ use crate::error::Result;
 use crate::instance::Instance;
 use crate::math::{DPose3, DVec3};
 use crate::rng::StreamKey;
+
+/// Motorways are smoother than streets.
+const MOTORWAY_ROUGHNESS: f64 = 0.3;
 
 /// How cars stand in a parking place, and who fills it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -185,6 +190,7 @@ impl Town {
     fn with_props(key: &StreamKey, name: &str, network: RoadNetwork, config: &PropConfig) -> Result<Self> {
         config.check()?;
         let roughness = Roughness::new(&mut key.stream("ground/roughness"));
+        let roughness = if network.is_motorway() { roughness.scaled(MOTORWAY_ROUGHNESS) } else { roughness };
         let mut signals = Signals::of(&network, key);
         let wear = Wear::new(&mut key.stream("ground/paint"));
         let land = fields::Land::of(&network, key, ground::extent(&network));

@@ -234,6 +234,12 @@ impl RoadNetwork {
         streets.peek().is_some() && streets.all(|l| l.surface == LaneSurface::Setts)
     }
 
+    /// Whether the roads are a motorway's or a bypass's: two carriageways in open country.
+    #[must_use]
+    pub fn is_motorway(&self) -> bool {
+        self.is_rural() && self.lanes.iter().any(|l| l.kind == LaneKind::Median)
+    }
+
     /// Whether the traffic of a lane gives way at its end: out of town to every faster road of the junction.
     #[must_use]
     pub fn gives_way(&self, lane: &Lane) -> bool {

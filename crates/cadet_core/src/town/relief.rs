@@ -49,6 +49,14 @@ impl Relief {
         relief
     }
 
+    /// The same land, flattened until nothing bends over crests and dips with a smaller radius than this.
+    pub(super) fn flattened(mut self, radius_m: f64) -> Self {
+        let tightest: f64 = self.waves.iter().map(|w| w.amplitude_m * w.k.length_squared()).sum();
+        let scale = (1.0 / (radius_m * tightest)).min(1.0);
+        self.waves.iter_mut().for_each(|w| w.amplitude_m *= scale);
+        self
+    }
+
     fn steepest_within(&self, reach_m: f64) -> f64 {
         let steps = || (-20..=20).map(|i| f64::from(i) * reach_m / 20.0);
         let places = steps().flat_map(|x| steps().map(move |y| DVec2::new(x, y)));

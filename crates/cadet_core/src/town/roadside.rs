@@ -15,6 +15,11 @@ const DITCH_BOTTOM: f64 = 0.24;
 const FIELD_M: (f64, f64) = (-0.25, 0.45);
 /// Ditches come and go over such lengths, and fields lie higher or lower.
 const WAVE_M: (f64, f64) = (90.0, 210.0);
+/// The same beside motorways: embankments and cuttings, as wide wherever they are, with a shallow gutter.
+const SLOPE_M: f64 = 9.0;
+const GUTTER_DEPTH_M: f64 = 0.2;
+const MOTORWAY_FIELD_M: (f64, f64) = (-4.0, 4.8);
+const MOTORWAY_WAVE_M: (f64, f64) = (300.0, 700.0);
 /// Side of the squares that edges are sorted into; no distance beyond is told.
 const SQUARE_M: f64 = 12.0;
 
@@ -26,6 +31,7 @@ pub(super) struct Roadside {
     /// Width of the ditches.
     pub ditch_m: f64,
     depth_m: f64,
+    field_m: (f64, f64),
     waves: [(DVec2, f64); 4],
 }
 
@@ -33,11 +39,13 @@ impl Roadside {
     /// Draws it for verges of a width.
     pub fn new(stream: &mut Stream, verge_m: f64) -> Self {
         let (ditch_m, depth_m) = (stream.range(DITCH_M.0, DITCH_M.1), stream.range(DITCH_DEPTH_M.0, DITCH_DEPTH_M.1));
-        let waves = std::array::from_fn(|_| {
-            let (length_m, heading) = (stream.range(WAVE_M.0, WAVE_M.1), stream.range(0.0, TAU));
-            (DVec2::new(math::cos(heading), math::sin(heading)) * (TAU / length_m), stream.range(0.0, TAU))
-        });
-        Self { verge_m, ditch_m, depth_m, waves }
+        Self { verge_m, ditch_m, depth_m, field_m: FIELD_M, waves: draw_waves(stream, WAVE_M) }
+    }
+
+    /// Draws it for a motorway.
+    pub fn beside_motorway(stream: &mut Stream, verge_m: f64) -> Self {
+        let waves = draw_waves(stream, MOTORWAY_WAVE_M);
+        Self { verge_m, ditch_m: SLOPE_M, depth_m: GUTTER_DEPTH_M, field_m: MOTORWAY_FIELD_M, waves }
     }
 
     /// Distances from the carriageway at which the section bends.
@@ -65,7 +73,7 @@ impl Roadside {
 
     /// How far a field lies over the road.
     pub fn field_m(&self, p: DVec2) -> f64 {
-        math::lerp(FIELD_M.0, FIELD_M.1, self.wave(p, 2))
+        math::lerp(self.field_m.0, self.field_m.1, self.wave(p, 2))
     }
 
     /// Height over the road at a place `from_road_m` away from the carriageway.
@@ -78,6 +86,13 @@ impl Roadside {
         let dip = math::sin(PI * across);
         bank_m - self.depth_m(p) * dip * dip
     }
+}
+
+fn draw_waves(stream: &mut Stream, length_m: (f64, f64)) -> [(DVec2, f64); 4] {
+    std::array::from_fn(|_| {
+        let (length_m, heading) = (stream.range(length_m.0, length_m.1), stream.range(0.0, TAU));
+        (DVec2::new(math::cos(heading), math::sin(heading)) * (TAU / length_m), stream.range(0.0, TAU))
+    })
 }
 
 /// Distances from a set of rings, up to [`SQUARE_M`].

@@ -54,6 +54,13 @@ impl Roughness {
         Self { waves, patches }
     }
 
+    /// The same with all heights scaled.
+    #[must_use]
+    pub fn scaled(mut self, by: f64) -> Self {
+        self.waves.iter_mut().for_each(|w| w.amplitude_m *= by);
+        self
+    }
+
     /// Height over the smooth ground at a place.
     #[must_use]
     pub fn height_m(&self, p: DVec2) -> f64 {

@@ -1,11 +1,15 @@
 //! Makes a suburb: its streets as OpenDRIVE, read back by the same door as any other map.
 
+use super::motorway::Motorway;
 use super::network::RoadNetwork;
 use super::relief::Relief;
 use super::suburb_config::SuburbConfig;
-use super::{opendrive, street_plan, xodr_writer};
+use super::{motorway_writer, opendrive, street_plan, xodr_writer};
 use crate::error::Result;
 use crate::rng::{Stream, StreamKey};
+
+/// Smallest radius of crests and dips on motorways: they are driven fast.
+const MOTORWAY_VERTICAL_RADIUS_M: f64 = 5000.0;
 
 /// A generated suburb.
 #[derive(Debug, Clone)]
@@ -29,6 +33,12 @@ fn draw_crossfall(stream: &mut Stream) -> f64 {
 pub fn generate(key: &StreamKey, config: &SuburbConfig) -> Result<Suburb> {
     config.check()?;
     let relief = Relief::new(&mut key.stream("suburb/relief"), config.hilly_share, config.max_slope);
+    if key.stream("suburb/motorway share").chance(config.motorway_share) {
+        let motorway = Motorway::draw(&mut key.stream("suburb/motorway"));
+        let xodr = motorway_writer::write("motorway", &motorway, &relief.flattened(MOTORWAY_VERTICAL_RADIUS_M));
+        let network = opendrive::load("motorway", &xodr)?;
+        return Ok(Suburb { xodr, network });
+    }
     let plan = street_plan::draw(key, config);
     let mut stream = key.stream("suburb/crossfall");
     let crossfall: Vec<f64> = plan.streets.iter().map(|_| draw_crossfall(&mut stream)).collect();

@@ -32,6 +32,9 @@ settings! {
         industrial_share: f64 = 0.0, 0 to 1;
         /// Share of suburbs that are campuses: lanes of 4.5 to 5 m, paved with setts, without curbs, 10 or 20 km/h.
         campus_share: f64 = 0.0, 0 to 1;
+        /// Share of suburbs that are a motorway or a bypass instead: two carriageways that close on themselves, in open
+        /// country.
+        motorway_share: f64 = 0.0, 0 to 1;
         /// Share of suburbs with hill streets.
         hilly_share: f64 = 0.2, 0 to 1;
         /// Steepest slope of a hilly suburb.

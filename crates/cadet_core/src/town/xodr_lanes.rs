@@ -16,6 +16,10 @@ const CENTER_LINE_FROM_M: f64 = 5.5;
 const DASH_M: (f64, f64) = (3.0, 6.0);
 const LINE_WIDTH_M: f64 = 0.12;
 const FIRST_DASH_M: f64 = 1.0;
+/// The same on motorways, and the width of the line along a hard shoulder.
+const MOTORWAY_DASH_M: (f64, f64) = (6.0, 12.0);
+const MOTORWAY_LINE_M: f64 = 0.15;
+const WIDE_LINE_M: f64 = 0.3;
 
 /// What is painted along the outer border of a lane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,6 +28,10 @@ pub(super) enum OuterLine {
     Broken,
     /// The line along the edge of a carriageway, a little inside of it.
     Edge,
+    /// Between the lanes of a motorway, beside its median, and beside its hard shoulder.
+    Motorway,
+    Narrow,
+    Wide,
 }
 
 /// A lane of a section.
@@ -171,7 +179,7 @@ pub(super) fn write_lanes(out: &mut String, sections: &[Section]) {
         side(out, "left", &|id| id > 0);
         out.push_str("<center><lane id=\"0\" type=\"none\" level=\"false\">");
         if let Some(dash_m) = section.center_line_m {
-            write_broken_line(out, section.s, dash_m);
+            write_broken_line(out, section.s, dash_m, LINE_WIDTH_M);
         } else {
             put(
                 out,
@@ -186,30 +194,30 @@ pub(super) fn write_lanes(out: &mut String, sections: &[Section]) {
 }
 
 /// Dashes from `s` on, as they follow each other from the street's beginning.
-fn write_broken_line(out: &mut String, s: f64, dash_m: (f64, f64)) {
+fn write_broken_line(out: &mut String, s: f64, dash_m: (f64, f64), width_m: f64) {
     let period_m = dash_m.0 + dash_m.1;
     let passed = ((s - FIRST_DASH_M) / period_m).ceil().max(0.0);
     let first_m = FIRST_DASH_M + passed * period_m - s;
     put(
         out,
         format_args!(
-            "<roadMark sOffset=\"0.0\" type=\"broken\" color=\"white\" width=\"{LINE_WIDTH_M}\">\
-             <type name=\"broken\" width=\"{LINE_WIDTH_M}\"><line length=\"{}\" space=\"{}\" tOffset=\"0.0\" \
-             sOffset=\"{first_m:.6}\" rule=\"caution\" width=\"{LINE_WIDTH_M}\"/></type></roadMark>",
+            "<roadMark sOffset=\"0.0\" type=\"broken\" color=\"white\" width=\"{width_m}\">\
+             <type name=\"broken\" width=\"{width_m}\"><line length=\"{}\" space=\"{}\" tOffset=\"0.0\" \
+             sOffset=\"{first_m:.6}\" rule=\"caution\" width=\"{width_m}\"/></type></roadMark>",
             dash_m.0, dash_m.1
         ),
     );
 }
 
-/// A solid line inside of the lane's outer border; `id` is the lane's.
-fn write_edge_line(out: &mut String, id: i32) {
-    let inside_m = if id > 0 { -EDGE_LINE_INSET_M } else { EDGE_LINE_INSET_M };
+/// A solid line so far inside of the lane's outer border; `id` is the lane's.
+fn write_solid_line(out: &mut String, id: i32, inset_m: f64, width_m: f64) {
+    let inside_m = if id > 0 { -inset_m } else { inset_m };
     put(
         out,
         format_args!(
-            "<roadMark sOffset=\"0.0\" type=\"solid\" color=\"white\" width=\"{LINE_WIDTH_M}\">\
-             <type name=\"solid\" width=\"{LINE_WIDTH_M}\"><line length=\"0.0\" space=\"0.0\" tOffset=\"{inside_m}\" \
-             sOffset=\"0.0\" rule=\"no passing\" width=\"{LINE_WIDTH_M}\"/></type></roadMark>\n"
+            "<roadMark sOffset=\"0.0\" type=\"solid\" color=\"white\" width=\"{width_m}\">\
+             <type name=\"solid\" width=\"{width_m}\"><line length=\"0.0\" space=\"0.0\" tOffset=\"{inside_m}\" \
+             sOffset=\"0.0\" rule=\"no passing\" width=\"{width_m}\"/></type></roadMark>\n"
         ),
     );
 }
@@ -227,13 +235,16 @@ fn write_lane(out: &mut String, s: f64, lane: &LaneRecord) {
     }
     match lane.outer_line {
         OuterLine::None => {}
-        OuterLine::Broken => write_broken_line(out, s, DASH_M),
-        OuterLine::Edge => write_edge_line(out, lane.id),
+        OuterLine::Broken => write_broken_line(out, s, DASH_M, LINE_WIDTH_M),
+        OuterLine::Motorway => write_broken_line(out, s, MOTORWAY_DASH_M, MOTORWAY_LINE_M),
+        OuterLine::Edge => write_solid_line(out, lane.id, EDGE_LINE_INSET_M, LINE_WIDTH_M),
+        OuterLine::Narrow => write_solid_line(out, lane.id, 0.0, MOTORWAY_LINE_M),
+        OuterLine::Wide => write_solid_line(out, lane.id, 0.0, WIDE_LINE_M),
     }
     if let Some(surface) = lane.surface.name() {
         put(out, format_args!("<material sOffset=\"0.0\" surface=\"{surface}\" friction=\"0.7\"/>\n"));
     }
-    if matches!(lane.kind, "median" | "sidewalk") && lane.surface != LaneSurface::Setts {
+    if matches!(lane.kind, "median" | "sidewalk") && lane.surface == LaneSurface::Usual {
         put(out, format_args!("<height sOffset=\"0.0\" inner=\"{CURB_HEIGHT_M}\" outer=\"{CURB_HEIGHT_M}\"/>\n"));
     }
     out.push_str("</lane>\n");

@@ -14,6 +14,9 @@ use super::xodr_signals::{write_controllers, write_junction_controllers, write_s
 use super::xodr_text::{Cubic, put};
 use crate::math;
 
+/// How a document begins.
+pub(super) const HEADER: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<OpenDRIVE>\n";
+
 /// A street's slope across grows from its ends to the full over this length.
 const CROSSFALL_RAMP_M: f64 = 20.0;
 
@@ -22,7 +25,7 @@ const CROSSFALL_RAMP_M: f64 = 20.0;
 /// `crossfall` holds each street's slope across, up to the left.
 pub(super) fn write(name: &str, plan: &StreetPlan, relief: &Relief, crossfall: &[f64]) -> String {
     let mut out = String::with_capacity(1 << 20);
-    out.push_str("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<OpenDRIVE>\n");
+    out.push_str(HEADER);
     put(
         &mut out,
         format_args!("<header revMajor=\"1\" revMinor=\"7\" name=\"{name}\" version=\"1.00\" vendor=\"cadet\"/>\n"),
@@ -85,7 +88,7 @@ fn write_street(
         ),
     );
     write_type(out, &street.style, street.style.speed_kmh);
-    write_shape(out, &street.curve, relief, crossfall);
+    write_shape(out, &street.curve, relief, &|s| crossfall * crossfall_share(s, length));
     write_lanes(out, &street_sections(street));
     write_signals(out, plan, index);
     out.push_str("</road>\n");
@@ -126,7 +129,7 @@ fn write_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &Turn, re
     );
     write_type(out, a, a.speed_kmh.min(b.speed_kmh));
     // Crossings lie level: a street's crossfall begins and ends with its own piece.
-    write_shape(out, &turn.curve, relief, 0.0);
+    write_shape(out, &turn.curve, relief, &|_| 0.0);
     let (arrives, leaves) = (signs_at(from_end).0, signs_at(to_end).1);
     let lane = |id: i32, kind: &'static str, [at_start_m, at_end_m]: [f64; 2], links: Option<[i32; 2]>| LaneRecord {
         id,
@@ -185,8 +188,8 @@ fn write_junction(out: &mut String, plan: &StreetPlan, junction: usize) {
 }
 
 /// Plan view, elevation along the reference line, and superelevation, which lays the lanes on the relief and adds the
-/// street's crossfall.
-fn write_shape(out: &mut String, curve: &PlanCurve, relief: &Relief, crossfall: f64) {
+/// street's crossfall, given at distances along it.
+pub(super) fn write_shape(out: &mut String, curve: &PlanCurve, relief: &Relief, crossfall: &dyn Fn(f64) -> f64) {
     out.push_str("<planView>\n");
     let mut s = 0.0;
     for g in &curve.segments {
@@ -211,7 +214,7 @@ fn write_shape(out: &mut String, curve: &PlanCurve, relief: &Relief, crossfall: 
     let knots: Vec<f64> = (0..=count).map(|i| length * i as f64 / count as f64).collect();
     let tilt = |s: f64| {
         let pose = curve.pose_at(s);
-        math::atan(relief.gradient(pose.at).dot(pose.direction().perp()) + crossfall * crossfall_share(s, length))
+        math::atan(relief.gradient(pose.at).dot(pose.direction().perp()) + crossfall(s))
     };
     let along = |s: f64| {
         let pose = curve.pose_at(s);

@@ -179,7 +179,7 @@ impl Arena {
     }
 
     /// Writes down what vehicles cover and where people are.
-    fn survey_places(&mut self) {
+    pub fn survey_places(&mut self) {
         let around = &mut self.around;
         around.vehicles.clear();
         around.people.clear();

@@ -1,5 +1,6 @@
 //! What moves: agents with bodies and controllers, and the immutable picture of an instant that the sensors read.
 
+mod abreast;
 mod agent;
 mod appearance;
 mod arena;

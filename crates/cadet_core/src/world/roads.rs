@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::abreast;
 use super::footprint::Footprint;
 use super::room::{Needs, Room};
 use crate::math::{self, DVec2, DVec3};
@@ -11,6 +12,9 @@ use crate::town::{GroundKind, Lane, LaneId, LaneKind, RoadNetwork, Signals, Town
 const LATERAL_MPS2: f64 = 2.0;
 /// Routes no longer than this count as equally long.
 const REACH_CAP_M: f64 = 600.0;
+
+/// Lanes with a higher limit (90 km/h) are fast: drivers look farther there.
+const FAST_MPS: f64 = 25.0;
 
 /// What does not change about the roads, computed once.
 pub(super) struct Roads {
@@ -22,6 +26,8 @@ pub(super) struct Roads {
     /// Bounds of each lane in the plane.
     bounds: Vec<(DVec2, DVec2)>,
     room: Room,
+    /// The lanes abreast of each, on the left and on the right.
+    beside: Vec<[Option<LaneId>; 2]>,
 }
 
 impl Roads {
@@ -44,7 +50,29 @@ impl Roads {
             })
             .collect();
         let reach_m = reaches(&town.network);
-        Self { town, allowed_mps, reach_m, bounds, room }
+        let beside = abreast::neighbors(lanes);
+        Self { town, allowed_mps, reach_m, bounds, room, beside }
+    }
+
+    /// Whether a lane is a motorway's, or as fast.
+    pub fn is_fast(&self, id: LaneId) -> bool {
+        self.lane(id).speed_limit_mps > FAST_MPS
+    }
+
+    /// Whether drivers may leave a lane for the one beside it: the one switch of it. Main roads in towns are left out: of 28
+    /// vehicles there one a minute finds way enough between two junctions.
+    pub fn allows_changes(&self, id: LaneId) -> bool {
+        self.is_fast(id) && self.beside[id.0].iter().any(Option::is_some)
+    }
+
+    /// The lane on the left in the same direction, if there is one.
+    pub fn left_of(&self, id: LaneId) -> Option<LaneId> {
+        self.beside[id.0][0]
+    }
+
+    /// The lane on the right in the same direction, if there is one.
+    pub fn right_of(&self, id: LaneId) -> Option<LaneId> {
+        self.beside[id.0][1]
     }
 
     /// Takes note of what stands for good, for those who are wider than cars.

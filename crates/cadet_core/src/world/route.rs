@@ -17,6 +17,7 @@ pub(super) const LONG_STRAIGHT: f64 = 500.0;
 const TOO_NARROW: f64 = 1e-5;
 /// How far ahead a route is always known.
 const ROUTE_AHEAD_M: f64 = 110.0;
+const FAST_AHEAD_M: f64 = 450.0;
 
 /// A place ahead on a route.
 #[derive(Debug, Clone, Copy)]
@@ -85,6 +86,25 @@ impl Route {
         })
     }
 
+    /// Whether the vehicle fits on a lane.
+    pub fn may_use(&self, lane: LaneId, roads: &Roads) -> bool {
+        !self.needs.is_some() || roads.fits(lane, self.needs)
+    }
+
+    /// Goes on along a lane beside the current one, where it is now; returns the offset to the left of the new lane's
+    /// middle, which it keeps.
+    pub fn change_to(&mut self, lane: LaneId, roads: &Roads) -> f64 {
+        let (here, odometer_m) = (self.ahead(0.0, roads), self.odometer_m());
+        let target = roads.lane(lane);
+        let (s_m, _) = target.project(DVec3::new(here.at.x, here.at.y, target.center[0].z));
+        self.lanes = VecDeque::from([lane]);
+        (self.s_m, self.base_m, self.offset_m) = (s_m, odometer_m - s_m, 0.0);
+        let middle = self.ahead(0.0, roads);
+        self.offset_m = middle.tangent.perp_dot(here.at - middle.at);
+        self.extend(roads);
+        self.offset_m
+    }
+
     /// Distance driven along the route.
     pub fn odometer_m(&self) -> f64 {
         self.base_m + self.s_m
@@ -108,7 +128,8 @@ impl Route {
     }
 
     fn extend(&mut self, roads: &Roads) {
-        self.extend_to(ROUTE_AHEAD_M, roads);
+        let is_fast = roads.is_fast(self.lanes[0]);
+        self.extend_to(if is_fast { FAST_AHEAD_M } else { ROUTE_AHEAD_M }, roads);
     }
 
     /// The way that will be driven, known farther ahead than drivers know it themselves.

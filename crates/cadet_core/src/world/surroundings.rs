@@ -21,6 +21,13 @@ pub(super) struct VehicleAt {
     pub is_cycle: bool,
 }
 
+/// The place in a lane that a vehicle is changing to.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Claim {
+    pub footprint: Footprint,
+    pub to_left: bool,
+}
+
 /// A person.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PersonAt {
@@ -50,6 +57,8 @@ pub(super) struct Surroundings {
     ways_ahead: Vec<Vec<Ahead>>,
     /// By slot: what a pedestrian is about.
     walks: Vec<Option<Walk>>,
+    /// By slot: where somebody is changing to.
+    claims: Vec<Option<Claim>>,
 }
 
 impl Surroundings {
@@ -64,6 +73,7 @@ impl Surroundings {
             junctions: Junctions::new(roads),
             ways_ahead: Vec::new(),
             walks: Vec::new(),
+            claims: Vec::new(),
         }
     }
 
@@ -79,6 +89,7 @@ impl Surroundings {
     pub fn add_slot(&mut self) {
         self.ways_ahead.push(Vec::new());
         self.walks.push(None);
+        self.claims.push(None);
     }
 
     /// Forgets whoever was in a slot.
@@ -86,6 +97,7 @@ impl Surroundings {
         self.junctions.forget(agent);
         self.ways_ahead[agent].clear();
         self.walks[agent] = None;
+        self.claims[agent] = None;
     }
 
     /// What a moving vehicle covers.
@@ -118,6 +130,28 @@ impl Surroundings {
     /// A driver's new way, to be filled in.
     pub fn way_ahead_mut(&mut self, agent: Slot) -> &mut Vec<Ahead> {
         &mut self.ways_ahead[agent]
+    }
+
+    /// Lets others know of a lane change, or that it is over.
+    pub fn set_claim(&mut self, agent: Slot, claim: Option<Claim>) {
+        self.claims[agent] = claim;
+    }
+
+    /// The places that somebody is changing to, by rising slot.
+    pub fn claims(&self) -> impl Iterator<Item = (Slot, &Claim)> {
+        self.claims.iter().enumerate().filter_map(|(slot, claim)| Some((slot, claim.as_ref()?)))
+    }
+
+    /// Whether a driver is on the way into the lane on the left.
+    #[cfg_attr(not(test), allow(dead_code))]
+    pub fn is_changing_to_left(&self, agent: Slot) -> bool {
+        self.claims[agent].is_some_and(|c| c.to_left)
+    }
+
+    /// Whether a driver is on the way into the lane on the right.
+    #[cfg_attr(not(test), allow(dead_code))]
+    pub fn is_changing_to_right(&self, agent: Slot) -> bool {
+        self.claims[agent].is_some_and(|c| !c.to_left)
     }
 
     /// What a pedestrian was about at the last look.

@@ -18,6 +18,7 @@ mod leaves;
 mod library;
 mod lot_furniture;
 pub mod materials;
+mod motorway;
 mod overhead;
 mod pole;
 mod roof;
@@ -43,6 +44,10 @@ pub use library::{
     num_variants, paving, pole, thing, tree,
 };
 pub use lot_furniture::{LotFurniture, lot_furniture_palette};
+pub use motorway::{
+    BRIDGE_DECK_M, MOTORWAY_PIECE_M, MOTORWAY_VARIANTS, MotorwayKind, RAMP_M, gantry, motorway_thing, overpass,
+    speed_sign,
+};
 pub use overhead::{WIRE_HEIGHT_M, contact_wire, span_wire, tram_mast};
 pub use pole::PoleKind;
 pub use street_light::StreetLight;

@@ -3,6 +3,7 @@
 mod farms;
 mod growth;
 mod horizon;
+mod motorway;
 mod roadsides;
 #[cfg(test)]
 mod tests;
@@ -32,6 +33,11 @@ pub(super) fn furnish(
     let streets = Streets::new(frontages.iter().flat_map(|f| f.points.iter().step_by(4).copied()), SEEN_M);
     let mut taken = Occupancy::default();
     let mut drives = Vec::new();
+    if network.is_motorway() {
+        motorway::furnish(key, network, land, frontages, config.greenery, &mut taken, placer);
+        growth::grow(key, &streets, config.greenery, &taken, placer);
+        return drives;
+    }
     for (i, frontage) in frontages.iter().enumerate() {
         let s = &mut key.indexed("country/farms", i as u64);
         farms::build(key, s, frontage, land, config, &mut taken, placer, &mut drives);

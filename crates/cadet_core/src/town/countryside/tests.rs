@@ -21,9 +21,16 @@ struct Country {
 
 impl Country {
     fn new(seed: u64) -> Self {
+        let usual = SuburbConfig::default();
+        Self::of(seed, SuburbConfig { country_share: 1.0, blocks: (2, 2), block_m: (150.0, 240.0), ..usual })
+    }
+
+    fn motorway(seed: u64) -> Self {
+        Self::of(seed, SuburbConfig { motorway_share: 1.0, ..SuburbConfig::default() })
+    }
+
+    fn of(seed: u64, config: SuburbConfig) -> Self {
         let key = StreamKey::scene(seed);
-        let config =
-            SuburbConfig { country_share: 1.0, blocks: (2, 2), block_m: (150.0, 240.0), ..SuburbConfig::default() };
         let network = generate_suburb(&key, &config).unwrap().network;
         let land = Land::of(&network, &key, ground::extent(&network)).unwrap();
         let roughness = Roughness::new(&mut key.stream("ground/roughness"));
@@ -45,8 +52,8 @@ impl Country {
 /// Of paved ways to farms, which lie on the verge, nothing is told here: they have no footprint.
 #[test]
 fn nothing_stands_on_a_road_and_no_branch_hangs_over_one_lower_than_a_van() {
-    for seed in 0..4 {
-        let country = Country::new(seed);
+    for seed in 0..8 {
+        let country = if seed < 4 { Country::new(seed) } else { Country::motorway(seed) };
         let props = country.props();
         assert!(props.standing.len() > 800, "seed {seed}: {} things", props.standing.len());
         for standing in &props.standing {
@@ -195,4 +202,41 @@ fn the_same_key_gives_the_same_country() {
     assert_eq!(first.ground.vertices, again.ground.vertices);
     assert_eq!(poses(&first), poses(&again));
     assert_ne!(poses(&first), poses(&other));
+}
+
+#[test]
+fn barriers_part_a_motorway_without_a_gap_and_nothing_hangs_low_over_its_lanes() {
+    for seed in 0..4 {
+        let motorway = Country::motorway(seed);
+        let props = motorway.props();
+        let kinds = ["concrete-barrier", "double-rail", "motorway-rail"];
+        let barriers: Vec<DVec2> = props
+            .standing
+            .iter()
+            .filter(|s| kinds.iter().any(|k| s.name.starts_with(k)))
+            .map(|s| s.rect.center)
+            .collect();
+        for lane in motorway.network.lanes.iter().filter(|l| l.kind == LaneKind::Median) {
+            for p in lane.center.iter().step_by(4) {
+                let near = barriers.iter().map(|b| (*b - p.truncate()).length()).fold(f64::INFINITY, f64::min);
+                assert!(near < 7.0, "seed {seed}: {near} m from {p}");
+            }
+        }
+        // Bridges and gantries: over every lane what hangs is 4.5 m up (RAA).
+        for instance in props.instances.iter().filter(|i| !i.palette.has_vegetation()) {
+            let mesh = &instance.shape.levels[0].1;
+            for corner in mesh.vertices.iter() {
+                let p = instance.world_from_local.transform_point(corner.as_dvec3());
+                let Some(z) = motorway.ground.height_at(p.x, p.y) else { continue };
+                if p.z - z < 0.3 || p.z - z > 4.5 || motorway.ground.kind_at(p.x, p.y) != Some(GroundKind::Road) {
+                    continue;
+                }
+                let over = motorway.network.driving().find(|l| {
+                    let (s_m, off_m) = l.project(p);
+                    off_m < l.width_at(s_m) / 2.0
+                });
+                assert!(over.is_none(), "seed {seed}: something {} m over a lane at {p}", p.z - z);
+            }
+        }
+    }
 }

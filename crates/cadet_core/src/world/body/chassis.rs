@@ -128,6 +128,13 @@ impl Chassis {
         }
     }
 
+    /// Lets the car roll forwards at a speed.
+    pub fn roll(&self, speed_mps: f64, physics: &mut Physics) {
+        let body = &mut physics.world.bodies[self.body];
+        let forward = body.position().rotation * Vector::X;
+        body.set_linvel(forward * speed_mps as f32, true);
+    }
+
     /// Moves the car to a settled pose, standing still.
     pub fn place(&mut self, physics: &mut Physics, world_from_box: &DPose3) {
         let body = &mut physics.world.bodies[self.body];

@@ -66,7 +66,8 @@ impl Cyclist {
         let cruise_mps = habits.clipped_normal(CRUISE_MPS.0, CRUISE_MPS.1);
         // A look ahead that takes nothing: who is made later keeps their draws.
         let points = Stream::from_seed("pointing", habits.clone().next_u64()).chance(POINTS_SHARE);
-        let idm = IdmParameters { desired_speed_factor: 1.0, time_gap_s: habits.range(0.8, 1.3), minimum_gap_m: 1.3 };
+        let (time_gap_s, top_speed_mps) = (habits.range(0.8, 1.3), f64::INFINITY);
+        let idm = IdmParameters { desired_speed_factor: 1.0, time_gap_s, minimum_gap_m: 1.3, top_speed_mps };
         Self {
             route,
             standing_steps: 0,

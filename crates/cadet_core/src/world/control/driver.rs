@@ -1,8 +1,9 @@
 //! Who drives a car along a route: bends, traffic, junctions.
 
 use super::controller::{Controller, Own};
-use super::hazards::{Cause, OnRoute, in_sight, worst_hazard};
+use super::hazards::{Cause, OnRoute, in_sight, traffic_aside, worst_hazard};
 use super::idm::{IdmParameters, pedals};
+use super::lane_change::{Decider, LaneChoice};
 use super::overtaking::{HURRY, Overtaking};
 use super::pursuit::pursue;
 use super::stop_line::leave_junctions;
@@ -11,11 +12,13 @@ use crate::math::DVec3;
 use crate::town::LaneId;
 use crate::world::body::Body;
 use crate::world::ego_command::EgoCommand;
+use crate::world::footprint::Footprint;
 use crate::world::physics::{DT_S, Physics};
 use crate::world::roads::Roads;
 use crate::world::route::Route;
+use crate::world::slot::Slot;
 use crate::world::streets::Streets;
-use crate::world::surroundings::Surroundings;
+use crate::world::surroundings::{Claim, Surroundings};
 use crate::world::turn_signal::TurnSignal;
 
 /// A car slower than this stands.
@@ -41,6 +44,7 @@ pub(crate) struct Driver {
     desired_mps: f64,
     command: Option<EgoCommand>,
     overtaking: Option<Overtaking>,
+    lanes: LaneChoice,
     /// The offset that the driver keeps unless commanded or overtaking; `None` before the first time.
     own_offset_m: Option<f64>,
     signal: TurnSignal,
@@ -59,21 +63,29 @@ impl Driver {
             desired_mps: 0.0,
             command: None,
             overtaking: None,
+            lanes: LaneChoice::default(),
             own_offset_m: None,
             signal: TurnSignal::Off,
             cause: Cause::Nothing,
         }
     }
 
+    /// The speed that the driver goes for where the road is free.
+    pub fn wanted_mps(&self, roads: &Roads) -> f64 {
+        let allowed_mps = self.route.as_ref().map_or(0.0, |r| r.speed_for_bends(30.0, 1.5, roads));
+        (self.idm.desired_speed_factor * allowed_mps).min(self.idm.top_speed_mps)
+    }
+
     /// Waits at a place of another route.
     pub fn wait_on(&mut self, route: Option<Route>) {
         (self.route, self.drives, self.standing_steps) = (route, false, 0);
         (self.command, self.overtaking, self.own_offset_m) = (None, None, None);
+        self.lanes = LaneChoice::default();
     }
 
     /// Drives as commanded from now on, or on its own again.
     pub fn obey(&mut self, command: Option<EgoCommand>) {
-        (self.command, self.overtaking) = (command, None);
+        (self.command, self.overtaking, self.lanes) = (command, None, LaneChoice::default());
         self.drives = self.route.is_some();
         self.remember_offset();
     }
@@ -97,6 +109,12 @@ impl Driver {
     /// Moves the line that is followed to where it is wanted.
     fn shift_line(&mut self, speed_mps: f64) {
         let (Some(route), Some(own_m)) = (&mut self.route, self.own_offset_m) else { return };
+        if let Some(change) = &mut self.lanes.change {
+            let (offset_m, is_over) = change.step();
+            route.offset_m = offset_m;
+            self.lanes.change = self.lanes.change.filter(|_| !is_over);
+            return;
+        }
         let overtaking_m = self.overtaking.map(|o| o.offset_m);
         let wanted_m = self.command.map(|c| c.lateral_m).or(overtaking_m).unwrap_or(own_m);
         let most_m = SIDEWAYS_MPS.min(SIDEWAYS_SHARE * speed_mps.abs()) * DT_S;
@@ -116,10 +134,30 @@ impl Driver {
         signal_for(route, speed_mps, self.signal, roads)
     }
 
+    /// Stays in the lane or begins to leave it.
+    fn choose_lane(&mut self, slot: Slot, own: &Footprint, around: &Surroundings, roads: &Roads, step: u64) {
+        self.remember_offset();
+        let (Some(route), Some(offset_m)) = (&mut self.route, self.own_offset_m) else { return };
+        let decider = Decider { slot, own, idm: &self.idm, offset_m };
+        self.lanes.decide(&decider, route, around, roads, step);
+    }
+
+    /// What others have to know of a lane change.
+    fn claim(&self, own: Option<&Footprint>, roads: &Roads) -> Option<Claim> {
+        let (change, route) = (self.lanes.change.as_ref()?, self.route.as_ref()?);
+        Some(change.claim(own?, route, roads))
+    }
+
     /// Whether the driver is on the way past a cyclist.
     #[cfg(test)]
     pub fn overtakes(&self) -> bool {
         self.overtaking.is_some()
+    }
+
+    /// Whether the driver is on the way into another lane.
+    #[cfg(test)]
+    pub fn changes_lane(&self) -> bool {
+        self.lanes.change.is_some()
     }
 
     /// What the driver brakes for.
@@ -140,7 +178,8 @@ impl Controller for Driver {
             && let Some(footprint) = around.vehicle(own.slot).copied()
         {
             let speed = footprint.velocity.dot(footprint.heading);
-            self.desired_mps = self.idm.desired_speed_factor * route.speed_for_bends(speed, 1.5, roads);
+            self.desired_mps =
+                (self.idm.desired_speed_factor * route.speed_for_bends(speed, 1.5, roads)).min(self.idm.top_speed_mps);
             ahead.extend(in_sight(route, speed, roads));
             let rider = OnRoute { slot: own.slot, footprint: &footprint, route, idm: &self.idm, train_m: None };
             (self.interaction_mps2, self.cause) = worst_hazard(&rider, &ahead, around, roads, step);
@@ -151,10 +190,21 @@ impl Controller for Driver {
                 }
                 _ => None,
             };
+            if let Some(change) = &self.lanes.change {
+                // Until one is there, both lanes are one's own.
+                let aside_m = change.left_m(route.offset_m);
+                self.interaction_mps2 = self.interaction_mps2.min(traffic_aside(&rider, aside_m, &ahead, around));
+            }
+            let may_change = self.command.is_none() && roads.allows_changes(route.lanes[0]);
             if self.overtaking.is_some() {
                 self.remember_offset();
+            } else if may_change {
+                self.choose_lane(own.slot, &footprint, around, roads, step);
+                self.interaction_mps2 = self.interaction_mps2.min(self.lanes.stays_behind_mps2);
             }
         }
+        let claim = self.claim(around.vehicle(own.slot), roads);
+        around.set_claim(own.slot, claim);
         *around.way_ahead_mut(own.slot) = ahead;
         let speed_mps = around.vehicle(own.slot).map_or(0.0, |f| f.velocity.dot(f.heading));
         self.signal = self.intent(speed_mps, roads);

@@ -13,6 +13,8 @@ use crate::world::surroundings::Surroundings;
 /// How far a driver looks.
 const SIGHT_M: f64 = 60.0;
 const SAMPLE_M: f64 = 1.25;
+/// How far one looks on a motorway.
+const FAST_SIGHT_M: f64 = 260.0;
 /// Room kept beside what stands, and beside what moves.
 const SIDE_STANDING_M: f64 = 0.12;
 const SIDE_MOVING_M: f64 = 0.25;
@@ -47,9 +49,25 @@ pub(super) struct OnRoute<'a> {
 
 /// The places ahead on a route that matter at a speed.
 pub(super) fn in_sight(route: &Route, speed_mps: f64, roads: &Roads) -> impl Iterator<Item = Ahead> {
-    let sight_m = (speed_mps * speed_mps / (2.0 * COMFORTABLE_MPS2) + 2.0 * speed_mps + 12.0).min(SIGHT_M);
+    let most_m = if roads.is_fast(route.lanes[0]) { FAST_SIGHT_M } else { SIGHT_M };
+    let sight_m = (speed_mps * speed_mps / (2.0 * COMFORTABLE_MPS2) + 2.0 * speed_mps + 12.0).min(most_m);
     let count = (sight_m / SAMPLE_M) as usize;
     (0..count).map(|k| route.ahead(k as f64 * SAMPLE_M, roads))
+}
+
+/// What of the traffic on the line so far to the left of the route's takes off the acceleration: in the lane that one is
+/// changing to.
+pub(super) fn traffic_aside(on_route: &OnRoute<'_>, aside_m: f64, ahead: &[Ahead], around: &Surroundings) -> f64 {
+    let OnRoute { slot, footprint: own, idm, .. } = *on_route;
+    let speed = own.velocity.dot(own.heading);
+    let aside: Vec<Ahead> = ahead.iter().map(|a| Ahead { at: a.at + a.tangent.perp() * aside_m, ..*a }).collect();
+    let others = around.vehicles.iter().filter(|v| v.agent != slot).map(|v| &v.footprint);
+    let claimed = around.claims().filter(|(other, _)| *other != slot).map(|(_, claim)| &claim.footprint);
+    others
+        .chain(claimed)
+        .filter_map(|o| gap_along(&aside, SAMPLE_M, own.half_length_m, own.half_width_m + SIDE_MOVING_M, o))
+        .map(|(gap_m, leader_mps)| idm.interaction(speed, gap_m, leader_mps))
+        .fold(0.0, f64::min)
 }
 
 /// What asks for the hardest braking, given the places ahead on the route: the acceleration that it takes off the free
@@ -75,7 +93,9 @@ pub(super) fn worst_hazard(
     let others = || around.vehicles.iter().filter(|v| v.agent != slot);
     let moving = || others().map(|v| (Cause::Vehicle(v.agent), SIDE_MOVING_M, &v.footprint));
     let people = around.people_on_road.iter().map(|o| (Cause::Person, SIDE_MOVING_M, o));
-    standing().chain(moving()).chain(people).for_each(|(cause, side_m, o)| {
+    let claims = around.claims().filter(|(other, _)| *other != slot);
+    let claimed = claims.map(|(other, claim)| (Cause::Vehicle(other), SIDE_MOVING_M, &claim.footprint));
+    standing().chain(moving()).chain(claimed).chain(people).for_each(|(cause, side_m, o)| {
         let reach_m = o.half_length_m + o.half_width_m + own.half_width_m + side_m;
         if (o.center - o.center.clamp(low, high)).length() < reach_m
             && let Some((gap_m, leader_mps)) =

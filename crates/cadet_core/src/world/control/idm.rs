@@ -22,6 +22,8 @@ pub(crate) struct IdmParameters {
     pub time_gap_s: f64,
     /// Bumper to bumper at a standstill.
     pub minimum_gap_m: f64,
+    /// Faster than this the vehicle does not go.
+    pub top_speed_mps: f64,
 }
 
 impl IdmParameters {
@@ -39,6 +41,7 @@ impl IdmParameters {
             desired_speed_factor: stream.clipped_normal(1.0, 0.09),
             time_gap_s: stream.clipped_normal(time_gap_s, 0.25),
             minimum_gap_m,
+            top_speed_mps: f64::INFINITY,
         }
     }
 

@@ -8,6 +8,8 @@ mod driver;
 mod footing;
 mod hazards;
 mod idm;
+mod lane_change;
+mod lane_view;
 mod motion;
 mod on_road;
 mod overtaking;
@@ -27,6 +29,7 @@ pub(super) use footing::BODY_M;
 #[cfg(test)]
 pub(super) use hazards::Cause;
 pub(super) use idm::IdmParameters;
+pub(super) use lane_view::LaneView;
 pub(super) use motion::{Company, Motion, Walk};
 pub(super) use parked::Parked;
 pub(super) use path::TimedPath;

@@ -6,6 +6,8 @@ use crate::world::route::Route;
 
 /// Longer than any car's or van's.
 const LONG_WHEELBASE_M: f64 = 4.4;
+/// The farthest that one aims on a motorway.
+const FAST_REACH_M: f64 = 28.0;
 
 /// Steering angle of pure pursuit: the arc from the rear axle through a point of the route ahead.
 pub(super) fn pursue(
@@ -20,6 +22,7 @@ pub(super) fn pursue(
     // A long vehicle looks past its front axle.
     let (least_m, most_m) =
         if wheelbase_m > LONG_WHEELBASE_M { (0.85 * wheelbase_m, 1.9 * wheelbase_m) } else { (3.0, 9.0) };
+    let most_m = if roads.is_fast(route.lanes[0]) { FAST_REACH_M } else { most_m };
     let reach_m = (0.55 * speed_mps.abs() + 1.6).clamp(least_m, most_m);
     // The route measures from the box's middle, pursuit from the axle behind it.
     let place = route.ahead(reach_m - rear_axle_m, roads);

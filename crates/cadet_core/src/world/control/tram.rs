@@ -89,6 +89,7 @@ impl TramCar {
             desired_speed_factor: habits.range(0.75, 0.95),
             time_gap_s: habits.range(1.8, 2.6),
             minimum_gap_m: 3.0,
+            top_speed_mps: f64::INFINITY,
         };
         let mut driver = Some(TramDriver {
             route,

@@ -142,7 +142,7 @@ fn lanes_to_ride(roads: &Roads) -> impl Iterator<Item = &Lane> {
         lane.junction.is_none()
             && match lane.kind {
                 LaneKind::Biking => true,
-                LaneKind::Driving => is_outermost(lane),
+                LaneKind::Driving => !roads.is_fast(lane.id) && is_outermost(lane),
                 _ => false,
             }
     })

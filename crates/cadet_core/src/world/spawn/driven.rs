@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::config::{DRIVEN_MIX, DRIVEN_TRUCKS, DRIVEN_USER_MIX};
+use super::fast;
 use super::newcomers::driven_vehicle;
 use super::spawner::Spawner;
 use crate::actor::ObjectClass;
@@ -91,7 +92,8 @@ impl Spawner<'_> {
                 let (class, _) = mix[stream.weighted(&mix.map(|(_, weight)| weight))];
                 let seed = stream.next_u64();
                 let of = |class| Arc::new(VehicleModel::of_traffic(class, seed).expect("the class has shapes"));
-                if let Some(truck) = self.config.rare(&[(ObjectClass::Truck, DRIVEN_TRUCKS)], seed)
+                let trucks = if self.is_fast() { fast::TRUCKS } else { DRIVEN_TRUCKS };
+                if let Some(truck) = self.config.rare(&[(ObjectClass::Truck, trucks)], seed)
                     && let Some(newcomer) = self.place_truck(slot, stream, of(truck), ring_m, hidden)
                 {
                     return Some(newcomer);
@@ -125,6 +127,9 @@ impl Spawner<'_> {
         ring_m: (f64, f64),
         hidden: bool,
     ) -> Option<Newcomer> {
+        if self.is_fast() {
+            return self.place_fast(slot, stream, model, needs, ring_m, hidden);
+        }
         let roads = &self.arena.streets.roads;
         let half_m = model.size_lwh.x / 2.0;
         let straight = if half_m > 2.7 { LONG_STRAIGHT } else { CAR_STRAIGHT };

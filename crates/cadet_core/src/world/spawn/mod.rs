@@ -5,6 +5,7 @@ mod config;
 mod cyclists;
 mod driven;
 mod ego;
+mod fast;
 mod groups;
 mod newcomers;
 mod overlap;

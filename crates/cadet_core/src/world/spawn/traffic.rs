@@ -1,5 +1,6 @@
 //! Traffic round the ego: all of it at the start, and newcomers for who has gone.
 
+use super::fast;
 use super::spawner::Spawner;
 use crate::error::Result;
 use crate::rng::Stream;
@@ -40,6 +41,9 @@ pub(crate) fn fill(spawner: &mut Spawner<'_>, town: &Town) -> Result<()> {
     let Arena { streets, around, .. } = &mut *spawner.arena;
     streets.roads.note_standing(&around.standing);
     let (car_m, walker_m, cyclist_m) = (config.car_radius_m, config.pedestrian_radius_m, config.cyclist_radius_m);
+    spawner.roll_ego();
+    let car_m = car_m * if spawner.is_fast() { fast::FARTHER } else { 1.0 };
+    spawner.survey();
     add(spawner, "driven cars", config.num_cars, (CAR_STARTS_M, car_m), Spawner::new_car);
     add(spawner, "people", config.num_pedestrians, (WALKER_STARTS_M, walker_m), Spawner::new_walker);
     add(spawner, "cyclists", config.num_cyclists, (CYCLIST_STARTS_M, cyclist_m), Spawner::new_cyclist);
@@ -53,7 +57,8 @@ pub(crate) fn fill(spawner: &mut Spawner<'_>, town: &Town) -> Result<()> {
 /// Replaces who has gone too far from the ego by newcomers out of its sight; counts the attempts in `respawns`.
 pub(crate) fn renew(spawner: &mut Spawner<'_>, respawns: &mut u64) {
     let gone = gone_cars(spawner);
-    replace(spawner, "newcomers", respawns, &gone, CAR_APPEARS_M, Spawner::new_car);
+    let appears_m = if spawner.is_fast() { fast::APPEARS_M } else { CAR_APPEARS_M };
+    replace(spawner, "newcomers", respawns, &gone, appears_m, Spawner::new_car);
     let gone = gone_walkers(spawner);
     replace(spawner, "new people", respawns, &gone, WALKER_APPEARS_M, Spawner::new_walker);
     spawner.hand_out(&gone);
@@ -71,6 +76,7 @@ fn add<'s>(spawner: &mut Spawner<'s>, name: &'static str, count: usize, ring_m: 
         let slot = spawner.arena.agents.len();
         if let Some(newcomer) = make(spawner, slot, &mut stream, ring_m, false) {
             spawner.arena.put(newcomer);
+            spawner.survey();
         }
     }
 }
@@ -88,12 +94,14 @@ fn replace<'s>(
         *respawns += 1;
         if let Some(newcomer) = make(spawner, *slot, &mut stream, ring_m, true) {
             spawner.arena.replace(*slot, newcomer);
+            spawner.survey();
         }
     }
 }
 
 fn gone_cars(spawner: &Spawner<'_>) -> Vec<Slot> {
     let (ego, view) = spawner.arena.ego_place();
+    let gone_m = if spawner.is_fast() { fast::GONE_M } else { CAR_GONE_M };
     let is_gone = |(slot, agent, driver): &(Slot, &Agent, &Driver)| {
         let to = agent.body.world_from_box(&spawner.arena.physics).translation.truncate() - ego;
         let is_hidden = to.length() > 100.0 || (to.length() > 90.0 && to.dot(view) < 0.0);
@@ -102,7 +110,7 @@ fn gone_cars(spawner: &Spawner<'_>) -> Vec<Slot> {
         let is_unseen = to.length() > 100.0 || (to.length() > 35.0 && to.dot(view) < 0.6 * to.length());
         let is_cornered = is_unseen
             && driver.route.as_ref().is_some_and(|route| !route.fits(CORNER_AHEAD_M, &spawner.arena.streets.roads));
-        *slot != EGO && !agent.is_placed && (to.length() >= CAR_GONE_M || is_stuck || is_cornered)
+        *slot != EGO && !agent.is_placed && (to.length() >= gone_m || is_stuck || is_cornered)
     };
     spawner.arena.controlled_by::<Driver>().filter(is_gone).map(|(slot, ..)| slot).collect()
 }

@@ -7,6 +7,7 @@ mod cyclists;
 mod flow;
 mod lamps;
 mod main_roads;
+mod motorway;
 mod openings;
 mod overtaking;
 mod placed;

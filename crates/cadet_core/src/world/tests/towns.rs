@@ -206,6 +206,13 @@ pub(crate) fn place(kind: usize, seed: u64) -> Arc<Town> {
     Arc::new(Town::suburb(&StreamKey::scene(seed), &suburb, &props).expect("a town"))
 }
 
+/// A motorway or a bypass, without what grows beside it.
+pub(crate) fn motorway(seed: u64) -> Arc<Town> {
+    let config = crate::town::SuburbConfig { motorway_share: 1.0, ..Default::default() };
+    let bare = crate::town::PropConfig { greenery: 0.0, ..Default::default() };
+    Arc::new(Town::suburb(&StreamKey::scene(seed), &config, &bare).expect("a town"))
+}
+
 /// The same, with the tracks of a tram wherever they may be.
 pub(crate) fn tram_roads(seed: u64) -> Arc<Town> {
     let key = StreamKey::scene(seed);

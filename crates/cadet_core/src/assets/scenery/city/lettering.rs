@@ -11,7 +11,7 @@ pub(super) const NAMES: [&str; 14] = [
 ];
 
 /// Rows of a letter from the top, the leftmost of three to five columns in the highest used bit.
-fn rows(letter: char) -> ([u8; 5], usize) {
+pub(in crate::assets::scenery) fn rows(letter: char) -> ([u8; 5], usize) {
     match letter {
         'A' => ([0b0110, 0b1001, 0b1111, 0b1001, 0b1001], 4),
         'B' => ([0b1110, 0b1001, 0b1110, 0b1001, 0b1110], 4),

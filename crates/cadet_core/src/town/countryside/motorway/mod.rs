@@ -1,0 +1,89 @@
+//! Along motorways: barriers on the median and at the edges, delineators, boards, gantries, noise walls, bridges, and what
+//! grows on the slopes.
+
+mod edge;
+mod green;
+mod median;
+mod plan;
+mod posts;
+
+use std::sync::Arc;
+
+use self::plan::RoadPlan;
+use super::super::RoadNetwork;
+use super::super::fields::Land;
+use super::super::frontage::{Frontage, right_of};
+use super::super::occupancy::{Occupancy, OrientedRect};
+use super::super::placer::{Placer, Standing};
+use crate::assets::scenery::{BRIDGE_DECK_M, RAMP_M, SceneryModel, overpass};
+use crate::frames;
+use crate::math::{self, DVec2, DVec3};
+use crate::rng::StreamKey;
+
+/// An abutment stands so far from the asphalt; plants keep so far from the middle of a bridge.
+const ABUTMENT_OFF_M: f64 = 7.5;
+const CLEAR_OF_BRIDGE_M: f64 = 21.0;
+
+/// One side of a road: its edge, and what the land is beside it.
+struct Side<'a> {
+    frontage: &'a Frontage,
+    land: &'a Land,
+    plan: &'a RoadPlan,
+}
+
+impl Side<'_> {
+    /// The place so far from the asphalt at a distance along the edge.
+    fn beside(&self, at_m: f64, off_m: f64) -> DVec2 {
+        let f = self.frontage;
+        f.at(at_m) + right_of(f.along(at_m)) * (off_m - self.land.roadside.verge_m)
+    }
+}
+
+/// Furnishes all of a motorway.
+pub(super) fn furnish(
+    key: &StreamKey,
+    network: &RoadNetwork,
+    land: &Land,
+    frontages: &[Frontage],
+    greenery: f64,
+    taken: &mut Occupancy,
+    placer: &mut Placer,
+) {
+    let plans = plan::draw(key, network);
+    for road in &plans {
+        if let Some(at_m) = road.bridge_m {
+            build_bridge(road, at_m, land, taken, placer);
+        }
+        median::furnish(key, road, greenery, placer);
+    }
+    for (i, frontage) in frontages.iter().enumerate() {
+        let Some(plan) = plans.iter().find(|p| p.road == frontage.road) else { continue };
+        let side = Side { frontage, land, plan };
+        let s = &mut key.indexed("motorway/side", i as u64);
+        let posts = posts::place(s, &side, placer);
+        edge::furnish(s, &side, &posts, taken, placer);
+        green::grow(&mut key.indexed("motorway/green", i as u64), &side, greenery, taken, placer);
+    }
+}
+
+/// Stands a model at a place and height of its own.
+fn stand(model: &SceneryModel, at: DVec3, facing: DVec2, placer: &mut Placer) {
+    let pose = frames::upright(at, math::atan2(facing.y, facing.x));
+    placer.instances.push(model.wearing(Arc::clone(&model.palette), pose));
+}
+
+fn build_bridge(road: &RoadPlan, at_m: f64, land: &Land, taken: &mut Occupancy, placer: &mut Placer) {
+    let (middle, along) = road.middle(at_m);
+    let half_span_m = road.half_paved_m + ABUTMENT_OFF_M;
+    let model = overpass(road.variant, half_span_m);
+    stand(&model, placer.site.on_ground(middle), along, placer);
+    let reach_m = RAMP_M + 10.0;
+    for side in [1.0, -1.0] {
+        let center = middle + along.perp() * (side * (half_span_m + reach_m / 2.0));
+        taken.take(OrientedRect { center, axis: along, half: DVec2::new(CLEAR_OF_BRIDGE_M, reach_m / 2.0) });
+        let center = middle + along.perp() * (side * (half_span_m + 0.7));
+        let rect = OrientedRect { center, axis: along, half: DVec2::new(4.6, 0.7) };
+        placer.standing.push(Standing { rect, name: model.name.clone() });
+    }
+    debug_assert!(BRIDGE_DECK_M.0 > 4.7 && land.roadside.verge_m < ABUTMENT_OFF_M);
+}

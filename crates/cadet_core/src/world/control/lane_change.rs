@@ -1,0 +1,321 @@
+//! Changing lanes: whether it is worth it and safe (MOBIL: Kesting, Treiber, Helbing 2007, with the European rules of
+//! passing), and the way across.
+
+use super::idm::IdmParameters;
+use super::lane_view::{LaneView, Neighbor};
+use super::stop_line::next_junction;
+use crate::math::DVec3;
+use crate::town::LaneId;
+use crate::world::footprint::Footprint;
+use crate::world::physics::DT_S;
+use crate::world::roads::Roads;
+use crate::world::route::Route;
+use crate::world::slot::Slot;
+use crate::world::surroundings::{Claim, Surroundings};
+
+/// How much others' gains and losses count.
+const POLITENESS: f64 = 0.25;
+/// A change is worth this at least.
+const THRESHOLD_MPS2: f64 = 0.1;
+/// Nobody is made to brake harder, neither who follows nor who changes.
+const SAFE_MPS2: f64 = 2.0;
+/// Kept free at least: ahead and behind, at a standstill and by seconds of the one behind.
+const LEAST_GAP_M: f64 = 3.0;
+const LEAST_GAP_S: f64 = 0.55;
+/// Faster than this nobody passes on the right (StVO § 7 (2a)), braking so hard for it at most.
+const CRITICAL_MPS: f64 = 60.0 / 3.6;
+const STAYS_BEHIND_MPS2: f64 = 2.5;
+/// How long one stays in a lane before the next change.
+const STAY_S: f64 = 4.0;
+/// Slower vehicles don't change.
+const LEAST_MPS: f64 = 4.0;
+/// What is longer keeps to the two lanes on the right.
+const LONG_M: f64 = 6.5;
+/// Looks between two decisions, and steps between two looks.
+const LOOKS: u64 = 6;
+const STEPS_A_LOOK: u64 = 3;
+
+/// How lanes are changed on a kind of road.
+#[derive(Debug, Clone, Copy)]
+struct Manners {
+    /// Time of the way across.
+    across_s: f64,
+    /// What keeping right is worth. In towns any lane may be chosen (StVO § 7 (3)).
+    right_bias_mps2: f64,
+    /// A change is over so far before a junction or the lane's end.
+    before_junction_m: f64,
+}
+
+const MOTORWAY: Manners = Manners { across_s: 4.6, right_bias_mps2: 0.3, before_junction_m: 45.0 };
+const STREET: Manners = Manners { across_s: 3.6, right_bias_mps2: 0.0, before_junction_m: 22.0 };
+
+/// What a gap takes off a driver's acceleration; nothing where the lane is free.
+fn interaction(idm: &IdmParameters, speed_mps: f64, leader: Option<Neighbor>) -> f64 {
+    leader.map_or(0.0, |l| idm.interaction(speed_mps, l.gap_m, l.speed_mps))
+}
+
+/// The interaction on a lane whose left neighbor has `left` ahead: nobody passes it on the right at speed.
+fn on_the_right(own_mps2: f64, left_mps2: f64, speed_mps: f64, left: Option<Neighbor>) -> f64 {
+    let must_stay = left.is_some_and(|l| speed_mps > l.speed_mps && l.speed_mps > CRITICAL_MPS);
+    if must_stay { own_mps2.min(left_mps2) } else { own_mps2 }
+}
+
+/// What a change is worth to who changes, in m/s², with what it costs others: MOBIL's incentive over its threshold.
+/// `stays` and `changed` are the own interactions before and after it, `follower` those of who is let go or cut in on.
+/// `bias_mps2` is against it.
+fn worth(stays_mps2: f64, changed_mps2: f64, follower_mps2: (f64, f64), bias_mps2: f64) -> f64 {
+    changed_mps2 - stays_mps2 + POLITENESS * (follower_mps2.1 - follower_mps2.0) - THRESHOLD_MPS2 - bias_mps2
+}
+
+/// Whether a gap is safe for both: MOBIL's criterion of safety, and room to spare.
+fn is_safe(idm: &IdmParameters, speed_mps: f64, leader: Option<Neighbor>, follower: Option<Neighbor>) -> bool {
+    let has_room = |gap_m: f64, behind_mps: f64| gap_m > LEAST_GAP_M + LEAST_GAP_S * behind_mps;
+    let ahead = leader.is_none_or(|l| {
+        has_room(l.gap_m, 0.5 * speed_mps) && idm.interaction(speed_mps, l.gap_m, l.speed_mps) > -SAFE_MPS2
+    });
+    let behind = follower.is_none_or(|f| {
+        has_room(f.gap_m, 0.5 * f.speed_mps) && idm.interaction(f.speed_mps, f.gap_m, speed_mps) > -SAFE_MPS2
+    });
+    ahead && behind
+}
+
+/// The share of the way across at a share of its time: a quintic, at rest sideways at both ends.
+fn share_across(t: f64) -> f64 {
+    let t = t.clamp(0.0, 1.0);
+    t * t * t * (10.0 - 15.0 * t + 6.0 * t * t)
+}
+
+/// On the way into another lane, which the route follows already.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LaneChange {
+    pub to_left: bool,
+    from_m: f64,
+    to_m: f64,
+    across_s: f64,
+    steps: u64,
+}
+
+impl LaneChange {
+    /// The offset from the new lane's middle after one more step, and whether that was the last.
+    pub fn step(&mut self) -> (f64, bool) {
+        self.steps += 1;
+        let t = self.steps as f64 * DT_S / self.across_s;
+        (self.from_m + (self.to_m - self.from_m) * share_across(t), t >= 1.0)
+    }
+
+    /// How far to the left of the line at an offset the new lane's line is.
+    pub fn left_m(&self, offset_m: f64) -> f64 {
+        self.to_m - offset_m
+    }
+
+    /// What the changer claims: its place in the new lane, whatever it still covers of the old one.
+    pub fn claim(&self, own: &Footprint, route: &Route, roads: &Roads) -> Claim {
+        let place = route.ahead(0.0, roads);
+        let center = place.at + place.tangent.perp() * self.left_m(route.offset_m);
+        Claim { footprint: Footprint { center, heading: place.tangent, ..*own }, to_left: self.to_left }
+    }
+}
+
+/// What a driver thinks of lanes from one decision to the next.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct LaneChoice {
+    pub change: Option<LaneChange>,
+    /// What staying behind who is ahead on the left takes off the acceleration.
+    pub stays_behind_mps2: f64,
+    rests_until: u64,
+}
+
+/// Who decides.
+pub(super) struct Decider<'a> {
+    pub slot: Slot,
+    pub own: &'a Footprint,
+    pub idm: &'a IdmParameters,
+    /// The offset from the middle that the driver keeps in any lane.
+    pub offset_m: f64,
+}
+
+impl LaneChoice {
+    /// Looks at both neighbors of a lane now and then, and begins a change where it is worth it and safe: then the route
+    /// leads along the new lane.
+    pub fn decide(&mut self, by: &Decider<'_>, route: &mut Route, around: &Surroundings, roads: &Roads, step: u64) {
+        if !(step / STEPS_A_LOOK + by.slot as u64).is_multiple_of(LOOKS) {
+            return;
+        }
+        let lane = route.lanes[0];
+        let (left, right) = (roads.left_of(lane), roads.right_of(lane));
+        self.stays_behind_mps2 = 0.0;
+        if !roads.allows_changes(lane) || (left.is_none() && right.is_none()) {
+            return;
+        }
+        let Decider { slot, own, idm, .. } = *by;
+        let speed_mps = own.velocity.dot(own.heading).max(0.0);
+        let manners = if roads.is_fast(lane) { MOTORWAY } else { STREET };
+        let view = |lane: LaneId| {
+            let here = route.ahead(0.0, roads).at;
+            let (s_m, _) = roads.lane(lane).project(DVec3::new(here.x, here.y, 0.0));
+            LaneView::of(lane, s_m, own.half_length_m, Some(slot), around, roads)
+        };
+        let here = LaneView::of(lane, route.s_m, own.half_length_m, Some(slot), around, roads);
+        let own_mps2 = interaction(idm, speed_mps, here.leader);
+        let left_view = left.map(view);
+        let left_leader = left_view.and_then(|v| v.leader);
+        let left_mps2 = interaction(idm, speed_mps, left_leader);
+        let stays_mps2 = on_the_right(own_mps2, left_mps2, speed_mps, left_leader);
+        // Who is alongside already is not waited for.
+        if !left_view.is_some_and(|v| v.is_taken) && stays_mps2 < own_mps2 {
+            self.stays_behind_mps2 = left_mps2.max(-STAYS_BEHIND_MPS2);
+        }
+        if self.change.is_some()
+            || step < self.rests_until
+            || speed_mps < LEAST_MPS
+            || !has_way(route, speed_mps, manners, roads)
+        {
+            return;
+        }
+        let is_long = 2.0 * own.half_length_m > LONG_M;
+        let leads_left = |id: &LaneId| !is_long || roads.right_of(lane).is_none() || roads.left_of(*id).is_some();
+        let targets = [
+            left.filter(leads_left).zip(left_view).map(|(id, v)| (id, v, true)),
+            right.map(|id| (id, view(id), false)),
+        ];
+        let mut best: Option<(LaneId, bool, f64)> = None;
+        for (id, v, to_left) in targets.into_iter().flatten() {
+            if v.is_taken || !route.may_use(id, roads) || !is_safe(idm, speed_mps, v.leader, v.follower) {
+                continue;
+            }
+            let changed_mps2 = interaction(idm, speed_mps, v.leader);
+            // Only who follows on the left counts: nobody owes the right lane anything.
+            let gain = if to_left {
+                worth(stays_mps2, changed_mps2, between(&v, own, speed_mps, idm), manners.right_bias_mps2)
+            } else {
+                let changed_mps2 = on_the_right(changed_mps2, own_mps2, speed_mps, here.leader);
+                let (without, with) = between(&here, own, speed_mps, idm);
+                worth(own_mps2, changed_mps2, (with, without), -manners.right_bias_mps2)
+            };
+            if gain > 0.0 && best.is_none_or(|(.., most)| gain > most) {
+                best = Some((id, to_left, gain));
+            }
+        }
+        if let Some((id, to_left, _)) = best {
+            let from_m = route.change_to(id, roads);
+            let across_s = manners.across_s;
+            self.change = Some(LaneChange { to_left, from_m, to_m: by.offset_m, across_s, steps: 0 });
+            self.rests_until = step + ((across_s + STAY_S) / DT_S) as u64;
+        }
+    }
+}
+
+/// What who follows in a lane has to brake without somebody between, and with.
+fn between(view: &LaneView, own: &Footprint, speed_mps: f64, idm: &IdmParameters) -> (f64, f64) {
+    let Some(f) = view.follower else { return (0.0, 0.0) };
+    let over_m = f.gap_m + 2.0 * own.half_length_m;
+    let without = view.leader.map_or(0.0, |l| idm.interaction(f.speed_mps, over_m + l.gap_m, l.speed_mps));
+    (without, idm.interaction(f.speed_mps, f.gap_m, speed_mps))
+}
+
+/// Whether there is way enough before the next junction, or where the lanes end.
+fn has_way(route: &Route, speed_mps: f64, manners: Manners, roads: &Roads) -> bool {
+    let free_m = next_junction(route, roads, &|_| true).map_or(route.remaining_m(roads), |(_, m)| m);
+    roads.lane(route.lanes[0]).junction.is_none()
+        && free_m > (manners.across_s + 1.0) * speed_mps + manners.before_junction_m
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const IDM: IdmParameters =
+        IdmParameters { desired_speed_factor: 1.0, time_gap_s: 1.2, minimum_gap_m: 2.0, top_speed_mps: f64::INFINITY };
+
+    fn neighbor(gap_m: f64, speed_mps: f64) -> Option<Neighbor> {
+        Some(Neighbor { gap_m, speed_mps })
+    }
+
+    /// -a (s*/s)², s* = s0 + vT + v dv / (2 sqrt(ab)), with a = 1.2 and b = 2.0.
+    fn idm_by_hand(speed_mps: f64, gap_m: f64, leader_mps: f64) -> f64 {
+        let wanted_m = 2.0 + 1.2 * speed_mps + speed_mps * (speed_mps - leader_mps) / (2.0 * 2.4_f64.sqrt());
+        -1.2 * (wanted_m / gap_m).powi(2)
+    }
+
+    #[test]
+    fn incentives_are_those_of_mobil() {
+        let truck = neighbor(90.0, 23.0);
+        let own = interaction(&IDM, 33.0, truck);
+        assert!((own - idm_by_hand(33.0, 90.0, 23.0)).abs() < 1e-12 && interaction(&IDM, 33.0, None) == 0.0);
+        // To the left: a' - a + p (n' - n) > threshold + bias. To the right the bias helps.
+        let follower = (-0.2, -0.9);
+        let expected = -own + 0.25 * (-0.9 + 0.2) - 0.1;
+        assert!((worth(own, 0.0, follower, 0.3) - (expected - 0.3)).abs() < 1e-12);
+        assert!((worth(own, 0.0, follower, -0.3) - (expected + 0.3)).abs() < 1e-12);
+        // On a free road one keeps right, and does not leave the right lane.
+        let bias_mps2 = MOTORWAY.right_bias_mps2;
+        assert!(worth(0.0, 0.0, (0.0, 0.0), -bias_mps2) > 0.0 && worth(0.0, 0.0, (0.0, 0.0), bias_mps2) < 0.0);
+    }
+
+    #[test]
+    fn gaps_are_safe_where_idm_brakes_no_harder_than_allowed() {
+        for speed_mps in [15.0, 25.0, 35.0] {
+            for other_mps in [15.0, 25.0, 35.0, 42.0] {
+                for gap_m in [5.0, 15.0, 30.0, 60.0, 120.0, 240.0] {
+                    let ahead = is_safe(&IDM, speed_mps, neighbor(gap_m, other_mps), None);
+                    let behind = is_safe(&IDM, speed_mps, None, neighbor(gap_m, other_mps));
+                    // Who is faster ahead asks for no more than the usual gap.
+                    let by_hand = |v: f64, leader_mps: f64| idm_by_hand(v, gap_m, leader_mps) > -2.0;
+                    let room = |v: f64| gap_m > 3.0 + 0.55 * 0.5 * v;
+                    if other_mps <= speed_mps {
+                        assert_eq!(
+                            ahead,
+                            by_hand(speed_mps, other_mps) && room(speed_mps),
+                            "{speed_mps} {other_mps} {gap_m}"
+                        );
+                    }
+                    if other_mps >= speed_mps {
+                        assert_eq!(
+                            behind,
+                            by_hand(other_mps, speed_mps) && room(other_mps),
+                            "{speed_mps} {other_mps} {gap_m}"
+                        );
+                    }
+                }
+            }
+        }
+        assert!(is_safe(&IDM, 30.0, None, None));
+    }
+
+    #[test]
+    fn nobody_gains_by_passing_on_the_right_at_speed() {
+        let left = neighbor(40.0, 25.0);
+        assert_eq!(on_the_right(0.0, -1.4, 33.0, left), -1.4);
+        // Slower traffic than 60 km/h may be passed, and who is slower than the left lane does not care.
+        assert_eq!(on_the_right(0.0, -1.4, 33.0, neighbor(40.0, 15.0)), 0.0);
+        assert_eq!(on_the_right(0.0, -1.4, 24.0, left), 0.0);
+    }
+
+    #[test]
+    fn the_way_across_begins_and_ends_at_rest_with_bounded_jerk() {
+        let across_s = MOTORWAY.across_s;
+        let mut change = LaneChange { to_left: true, from_m: -3.75, to_m: 0.1, across_s, steps: 0 };
+        let mut offsets = vec![-3.75];
+        loop {
+            let (offset_m, is_over) = change.step();
+            offsets.push(offset_m);
+            if is_over {
+                break;
+            }
+        }
+        let differences = |v: &[f64]| v.windows(2).map(|w| (w[1] - w[0]) / DT_S).collect::<Vec<f64>>();
+        let speeds = differences(&offsets);
+        let accelerations = differences(&speeds);
+        let jerks = differences(&accelerations);
+        let most = |v: &[f64]| v.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        // Of the quintic over T: 15/8 d/T, 5.774 d/T², 60 d/T³.
+        let (d, t) = (3.85, across_s);
+        assert!((most(&speeds) - 1.875 * d / t).abs() < 0.01, "{}", most(&speeds));
+        assert!((most(&accelerations) - 5.7735 * d / (t * t)).abs() < 0.02, "{}", most(&accelerations));
+        assert!(most(&jerks) < 60.5 * d / (t * t * t), "{}", most(&jerks));
+        assert!(
+            (3.0..5.0).contains(&(offsets.len() as f64 * DT_S)) && (offsets[offsets.len() - 1] - 0.1).abs() < 1e-12
+        );
+        assert!(speeds[0].abs() < 0.01 && speeds[speeds.len() - 1].abs() < 0.01);
+    }
+}

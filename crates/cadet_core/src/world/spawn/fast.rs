@@ -1,0 +1,150 @@
+//! Vehicles on motorways: on lanes that suit their speed, at that speed, with gaps that nobody has to brake for.
+
+use std::sync::Arc;
+
+use super::driven::chassis_on;
+use super::newcomers::driven_vehicle;
+use super::spawner::Spawner;
+use crate::assets::vehicle::VehicleModel;
+use crate::math::DVec3;
+use crate::rng::Stream;
+use crate::town::LaneId;
+use crate::world::arena::Newcomer;
+use crate::world::body::Body;
+use crate::world::control::{Driver, IdmParameters, LaneView};
+use crate::world::room::Needs;
+use crate::world::route::{CAR_STRAIGHT, LONG_STRAIGHT, Route};
+use crate::world::slot::{EGO, Slot};
+
+/// Vehicles start so much farther from the ego than on streets, are gone beyond this distance, and newcomers appear before
+/// it: farther away than anything is shown.
+pub(super) const FARTHER: f64 = 2.5;
+pub(super) const GONE_M: f64 = 310.0;
+pub(super) const APPEARS_M: (f64, f64) = (252.0, 296.0);
+/// Share of trucks among driven vehicles.
+pub(super) const TRUCKS: f64 = 0.24;
+/// Speed limiters of trucks, and what cars go of the limit.
+const TRUCKS_MPS: (f64, f64) = (82.0 / 3.6, 89.0 / 3.6);
+const CARS_SHARE: f64 = 1.04;
+/// Shares of cars in the lanes from the right.
+const LANES: [f64; 3] = [0.4, 0.45, 0.15];
+/// Kept at the start: meters and seconds, and how softly whoever is faster could brake.
+const GAP_M: f64 = 8.0;
+const GAP_S: f64 = 0.9;
+const SOFTLY_MPS2: f64 = 1.2;
+const PLACES_EVERY_M: f64 = 7.0;
+const TRIES: usize = 40;
+
+impl Spawner<'_> {
+    /// Whether the ego drives on a motorway.
+    pub(super) fn is_fast(&self) -> bool {
+        self.ego_lane().is_some_and(|lane| self.arena.streets.roads.is_fast(lane))
+    }
+
+    /// Writes down anew who is where, for those who are placed next.
+    pub(super) fn survey(&mut self) {
+        if self.is_fast() {
+            self.arena.survey_places();
+        }
+    }
+
+    fn ego_lane(&self) -> Option<LaneId> {
+        let driver = self.arena.ego().controlled_by::<Driver>()?;
+        driver.route.as_ref().map(|r| r.lanes[0])
+    }
+
+    /// Lets the ego roll as fast as it wants to drive, where standing would be dangerous.
+    pub(super) fn roll_ego(&mut self) {
+        if !self.is_fast() {
+            return;
+        }
+        let wanted_mps =
+            self.arena.ego().controlled_by::<Driver>().map_or(0.0, |d| d.wanted_mps(&self.arena.streets.roads));
+        if let Body::Sprung(chassis) = &self.arena.agents[EGO].body {
+            chassis.roll(wanted_mps, &mut self.arena.physics);
+        }
+    }
+
+    /// A vehicle at a free place of a lane. Newcomers appear where they come nearer to the ego.
+    pub(super) fn place_fast(
+        &mut self,
+        slot: Slot,
+        stream: &mut Stream,
+        model: Arc<VehicleModel>,
+        needs: Needs,
+        ring_m: (f64, f64),
+        is_newcomer: bool,
+    ) -> Option<Newcomer> {
+        let is_truck = needs.is_some();
+        let half_m = model.size_lwh.x / 2.0;
+        let mut idm = IdmParameters::draw(stream);
+        idm.desired_speed_factor *= CARS_SHARE;
+        let limiter_mps = stream.range(TRUCKS_MPS.0, TRUCKS_MPS.1);
+        if is_truck {
+            idm.top_speed_mps = limiter_mps;
+        }
+        let (ego, view) = self.arena.ego_place();
+        let ego_mps = self.arena.ego().body.forward_mps(&self.arena.physics);
+        let roads = &self.arena.streets.roads;
+        let mut places: Vec<(LaneId, f64, f64)> = Vec::new();
+        for lane in roads.open_lanes().filter(|l| roads.is_fast(l.id) && (!is_truck || roads.fits(l.id, needs))) {
+            let from_right = std::iter::successors(roads.right_of(lane.id), |id| roads.right_of(*id)).count();
+            if is_truck && from_right > 0 {
+                continue;
+            }
+            let wanted_mps = (idm.desired_speed_factor * lane.speed_limit_mps).min(idm.top_speed_mps);
+            let mut s_m = 2.0;
+            while s_m < lane.length_m() {
+                let pose = lane.pose_at(s_m);
+                let to = pose.translation.truncate() - ego;
+                let distance_m = to.length();
+                let is_with_ego = (pose.rotation * DVec3::X).truncate().dot(view) > 0.0;
+                let is_ahead = to.dot(view) > 0.0;
+                let comes_nearer = if is_with_ego { is_ahead == (wanted_mps < ego_mps) } else { is_ahead };
+                if (ring_m.0..ring_m.1).contains(&distance_m) && (comes_nearer || !is_newcomer) {
+                    let near = if is_newcomer { 1.0 } else { 60.0 / (distance_m + 60.0) };
+                    let own_way = if is_with_ego { 1.3 } else { 1.0 };
+                    places.push((lane.id, s_m, near * own_way * LANES[from_right.min(2)]));
+                }
+                s_m += PLACES_EVERY_M;
+            }
+        }
+        let weights: Vec<f64> = places.iter().map(|p| p.2).collect();
+        for _ in 0..TRIES {
+            let (lane, s_m, _) = *places.get(stream.weighted(&weights))?;
+            let s_m = (s_m + stream.range(0.0, PLACES_EVERY_M)).min(roads.lane(lane).length_m() - 0.5);
+            let offset_m = stream.clipped_normal(0.0, 0.12);
+            let seed = self.key.indexed("car route", stream.next_u64());
+            let straight = if half_m > 2.7 { LONG_STRAIGHT } else { CAR_STRAIGHT };
+            let route = Route::with_needs(lane, s_m, offset_m, straight, needs, seed, roads);
+            let wanted_mps =
+                (idm.desired_speed_factor * route.speed_for_bends(30.0, 1.5, roads)).min(idm.top_speed_mps);
+            let seen = LaneView::of(lane, s_m, half_m, Some(slot), &self.arena.around, roads);
+            let speed_mps =
+                seen.leader.filter(|l| l.gap_m < 90.0).map_or(wanted_mps, |l| wanted_mps.min(l.speed_mps + 1.0));
+            let is_free = |gap_m: f64, behind_mps: f64, ahead_mps: f64| {
+                let closing_mps = (behind_mps - ahead_mps).max(0.0);
+                gap_m > GAP_M + GAP_S * behind_mps + closing_mps * closing_mps / (2.0 * SOFTLY_MPS2)
+            };
+            // Nor is anybody about to be passed on the right.
+            let beside = |id: Option<LaneId>| {
+                id.map(|id| LaneView::of(id, s_m, half_m, Some(slot), &self.arena.around, roads)).unwrap_or_default()
+            };
+            let (left, right) = (beside(roads.left_of(lane)), beside(roads.right_of(lane)));
+            let passes_nobody = left
+                .leader
+                .is_none_or(|l| l.speed_mps > speed_mps || is_free(l.gap_m, speed_mps, l.speed_mps))
+                && right.follower.is_none_or(|f| f.speed_mps < speed_mps || is_free(f.gap_m, f.speed_mps, speed_mps));
+            let has_gaps = passes_nobody
+                && seen.leader.is_none_or(|l| is_free(l.gap_m, speed_mps, l.speed_mps))
+                && seen.follower.is_none_or(|f| is_free(f.gap_m, f.speed_mps, speed_mps));
+            if seen.is_taken || !has_gaps || speed_mps < 0.5 * wanted_mps {
+                continue;
+            }
+            let physics = &mut self.arena.physics;
+            let Some(chassis) = chassis_on(&route, &model, speed_mps, physics, roads) else { continue };
+            return Some(driven_vehicle(chassis, Some(route), idm));
+        }
+        None
+    }
+}
