@@ -121,12 +121,15 @@ impl Driver {
         route.offset_m += (wanted_m - route.offset_m).clamp(-most_m, most_m);
     }
 
-    /// Pulling out to overtake, turning in again, or turning off at the next junction.
+    /// Pulling out to overtake, turning in again, changing lanes, or turning off at the next junction.
     fn intent(&self, speed_mps: f64, roads: &Roads) -> TurnSignal {
         let Some(route) = self.route.as_ref().filter(|_| self.drives) else { return TurnSignal::Off };
         if let Some(overtaking) = self.overtaking {
             let is_out = overtaking.offset_m - route.offset_m < SHIFTING_M;
             return if is_out { TurnSignal::Off } else { TurnSignal::Left };
+        }
+        if let Some(change) = &self.lanes.change {
+            return if change.to_left { TurnSignal::Left } else { TurnSignal::Right };
         }
         if self.command.is_none() && self.own_offset_m.is_some_and(|own_m| route.offset_m - own_m > SHIFTING_M) {
             return TurnSignal::Right;
