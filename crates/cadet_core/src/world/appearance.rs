@@ -84,6 +84,13 @@ impl Appearance {
     pub fn open(&mut self, opening: Opening) {
         if let Self::Vehicle { model, opened, .. } = self {
             *opened = model.openings.as_ref().and_then(|openings| openings.opened(opening, model.size_lwh));
+            if opened.is_some()
+                && let Some((family, seed)) = model.name.split_once('/')
+            {
+                // Said in the name, as it reaches out of the box.
+                let name = format!("{family} with {}/{seed}", opening.name());
+                *model = Arc::new(VehicleModel { name, ..VehicleModel::clone(model) });
+            }
         }
     }
 
