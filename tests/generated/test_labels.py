@@ -25,7 +25,7 @@ def labeled(sensed: Sensed) -> list[tuple[cadet.Label, dict[str, Any]]]:
 
 
 def is_alone(meta: dict[str, Any]) -> bool:
-    """Whether nothing is carried, pushed, or led beyond the box."""
+    """Whether nothing reaches beyond the box that is carried, pushed, led, or stands open."""
     return " with " not in meta["model"]
 
 

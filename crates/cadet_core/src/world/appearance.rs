@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::lamp_light::LampLight;
 use super::ride::Ride;
 use super::turn_signal::TurnSignal;
 use crate::actor::AnnotatedBox;
@@ -11,21 +12,10 @@ use crate::assets::vehicle::{LitLamps, Opening, VehicleModel};
 use crate::geometry::LodSet;
 use crate::instance::Instance;
 use crate::math::{DPose3, DVec3};
-use crate::rng::StreamKey;
 
 /// Engines slow a car without lighting its brake lamps; a pressed pedal is not let go for a moment.
 const BRAKING_MPS2: f64 = -0.8;
 const RELEASED_MPS2: f64 = -0.2;
-
-/// What lamps depend on besides who drives.
-pub(super) struct LampLight {
-    pub time_s: f64,
-    /// Of the scene: every agent blinks at a phase of its own.
-    pub key: StreamKey,
-    /// Whether it is dim enough for low beams.
-    pub needs_lamps: bool,
-    pub is_night: bool,
-}
 
 /// A model and the state of its parts.
 pub(super) enum Appearance {
@@ -94,6 +84,13 @@ impl Appearance {
     pub fn open(&mut self, opening: Opening) {
         if let Self::Vehicle { model, opened, .. } = self {
             *opened = model.openings.as_ref().and_then(|openings| openings.opened(opening, model.size_lwh));
+            if opened.is_some()
+                && let Some((family, seed)) = model.name.split_once('/')
+            {
+                // Said in the name, as it reaches out of the box.
+                let name = format!("{family} with {}/{seed}", opening.name());
+                *model = Arc::new(VehicleModel { name, ..VehicleModel::clone(model) });
+            }
         }
     }
 

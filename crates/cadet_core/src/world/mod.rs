@@ -11,6 +11,7 @@ mod ego_command;
 mod footprint;
 mod ground_shape;
 mod junctions;
+mod lamp_light;
 mod lane_use;
 mod physics;
 mod ride;

@@ -1,8 +1,8 @@
 //! The world at one instant, as the sensors see it.
 
 use super::agent::Agent;
-use super::appearance::LampLight;
 use super::arena::Arena;
+use super::lamp_light::LampLight;
 use crate::actor::ActorState;
 use crate::assets::vehicle::{HALOGEN, low_beams};
 use crate::instance::Instance;

@@ -7,6 +7,7 @@ mod rolling;
 mod shapes;
 #[cfg(test)]
 mod tests;
+mod thing;
 mod umbrella;
 
 use std::sync::{Arc, OnceLock};
@@ -18,6 +19,8 @@ use crate::material::Palette;
 use crate::math::Vec3;
 use crate::rng::Stream;
 
+pub(crate) use thing::Thing;
+
 use dog::Dog;
 use pram::Pram;
 use rolling::{Case, Rollator};
@@ -27,34 +30,6 @@ use umbrella::Umbrella;
 const NUM_PHASES: usize = 24;
 /// Where the levels of detail end, meters from the ego, as of people; leads and dogs are not seen beyond the last.
 const LEVEL_LIMITS_M: [f32; 3] = [9.0, 22.0, 120.0];
-
-/// A kind of thing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Thing {
-    /// Open, over the head.
-    Umbrella,
-    /// Pushed with both hands, a child in it.
-    Pram,
-    /// On a lead.
-    Dog,
-    /// On wheels, pulled behind.
-    Case,
-    /// A frame on wheels that old people push.
-    Rollator,
-}
-
-impl Thing {
-    /// As in the names of models.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Umbrella => "umbrella",
-            Self::Pram => "pram",
-            Self::Dog => "dog",
-            Self::Case => "case",
-            Self::Rollator => "rollator",
-        }
-    }
-}
 
 #[derive(Debug)]
 enum Design {

@@ -1,6 +1,6 @@
 //! The materials of belongings: a palette with fixed slots.
 
-use super::Thing;
+use super::thing::Thing;
 use crate::material::{Material, Palette, Pattern, Semantic};
 use crate::rng::Stream;
 

@@ -31,6 +31,16 @@ pub(crate) enum Opening {
     Tailgate,
 }
 
+impl Opening {
+    /// As in the names of models.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::LeftDoor | Self::RightDoor => "open door",
+            Self::Tailgate => "open tailgate",
+        }
+    }
+}
+
 /// A leaf when it is closed, in the box frame: rows from below to above of points from the hinge's side, and from the left.
 #[derive(Debug, Clone)]
 struct Leaf {

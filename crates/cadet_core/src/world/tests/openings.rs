@@ -12,6 +12,7 @@ fn two_in_a_hundred_parked_cars_stand_open_with_the_boxes_of_closed_ones() {
             let Appearance::Vehicle { model, opened, .. } = &agent.appearance else { continue };
             all += 1;
             open += usize::from(opened.is_some());
+            assert_eq!(opened.is_some(), model.name.contains(" with open "), "{}", model.name);
             assert_eq!(agent.appearance.size_lwh(), model.size_lwh);
             assert_eq!(agent.appearance.annotated(), model.annotated);
         }

@@ -1,0 +1,29 @@
+//! The kinds of belongings.
+
+/// A kind of thing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Thing {
+    /// Open, over the head.
+    Umbrella,
+    /// Pushed with both hands, a child in it.
+    Pram,
+    /// On a lead.
+    Dog,
+    /// On wheels, pulled behind.
+    Case,
+    /// A frame on wheels that old people push.
+    Rollator,
+}
+
+impl Thing {
+    /// As in the names of models.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Umbrella => "umbrella",
+            Self::Pram => "pram",
+            Self::Dog => "dog",
+            Self::Case => "case",
+            Self::Rollator => "rollator",
+        }
+    }
+}
