@@ -53,13 +53,14 @@ impl Reference {
 
 /// pi times F D G / (4 cos cos) times the cosine to the light.
 fn ggx(to_lamp: Vec3, to_eye: Vec3, normal: Vec3, f0: f32, roughness: f32) -> f32 {
-    let alpha2 = f64::from(roughness).powi(4).max(LEAST_ALPHA_SQUARED.into());
+    let power = |x: f64, n: usize| std::iter::repeat_n(x, n).product::<f64>();
+    let alpha2 = power(roughness.into(), 4).max(LEAST_ALPHA_SQUARED.into());
     let alpha = alpha2.sqrt();
     let half = (to_lamp + to_eye).normalize_or_zero();
     let [nl, nv, nh, lh] =
         [normal.dot(to_lamp), normal.dot(to_eye).max(1e-3), normal.dot(half), to_lamp.dot(half)].map(f64::from);
-    let distribution = alpha2 / (nh * nh * (alpha2 - 1.0) + 1.0).powi(2);
-    let fresnel = f64::from(f0) + (1.0 - f64::from(f0)) * (1.0 - lh).powi(5);
+    let distribution = alpha2 / power(nh * nh * (alpha2 - 1.0) + 1.0, 2);
+    let fresnel = f64::from(f0) + (1.0 - f64::from(f0)) * power(1.0 - lh, 5);
     let smith = 2.0 * nl * nv / (2.0 * nl * nv * (1.0 - alpha) + (nl + nv) * alpha);
     (distribution * fresnel * smith / (4.0 * nl * nv) * nl) as f32
 }
