@@ -234,7 +234,7 @@ mod tests {
     /// -a (s*/s)², s* = s0 + vT + v dv / (2 sqrt(ab)), with a = 1.2 and b = 2.0.
     fn idm_by_hand(speed_mps: f64, gap_m: f64, leader_mps: f64) -> f64 {
         let wanted_m = 2.0 + 1.2 * speed_mps + speed_mps * (speed_mps - leader_mps) / (2.0 * 2.4_f64.sqrt());
-        -1.2 * (wanted_m / gap_m).powi(2)
+        -1.2 * wanted_m * wanted_m / (gap_m * gap_m)
     }
 
     #[test]

@@ -9,6 +9,8 @@ use crate::settings::settings;
 pub(super) const DRIVEN_MIX: [(ObjectClass, f64); 2] = [(ObjectClass::Car, 0.89), (ObjectClass::Van, 0.11)];
 /// Share of trucks among driven vehicles where the streets have room for them.
 pub(super) const DRIVEN_TRUCKS: f64 = 0.17;
+/// The same on motorways.
+pub(super) const MOTORWAY_TRUCKS: f64 = 0.24;
 /// Shares of all classes among a user's own.
 pub(super) const DRIVEN_USER_MIX: [(ObjectClass, f64); 3] =
     [(ObjectClass::Car, 0.87), (ObjectClass::Van, 0.09), (ObjectClass::Truck, 0.04)];

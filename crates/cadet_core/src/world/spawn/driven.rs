@@ -3,8 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::config::{DRIVEN_MIX, DRIVEN_TRUCKS, DRIVEN_USER_MIX};
-use super::fast;
+use super::config::{DRIVEN_MIX, DRIVEN_TRUCKS, DRIVEN_USER_MIX, MOTORWAY_TRUCKS};
 use super::newcomers::driven_vehicle;
 use super::spawner::Spawner;
 use crate::actor::ObjectClass;
@@ -92,7 +91,7 @@ impl Spawner<'_> {
                 let (class, _) = mix[stream.weighted(&mix.map(|(_, weight)| weight))];
                 let seed = stream.next_u64();
                 let of = |class| Arc::new(VehicleModel::of_traffic(class, seed).expect("the class has shapes"));
-                let trucks = if self.is_fast() { fast::TRUCKS } else { DRIVEN_TRUCKS };
+                let trucks = if self.is_fast() { MOTORWAY_TRUCKS } else { DRIVEN_TRUCKS };
                 if let Some(truck) = self.config.rare(&[(ObjectClass::Truck, trucks)], seed)
                     && let Some(newcomer) = self.place_truck(slot, stream, of(truck), ring_m, hidden)
                 {

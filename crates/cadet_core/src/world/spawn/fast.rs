@@ -21,8 +21,6 @@ use crate::world::slot::{EGO, Slot};
 pub(super) const FARTHER: f64 = 2.5;
 pub(super) const GONE_M: f64 = 310.0;
 pub(super) const APPEARS_M: (f64, f64) = (252.0, 296.0);
-/// Share of trucks among driven vehicles.
-pub(super) const TRUCKS: f64 = 0.24;
 /// Speed limiters of trucks, and what cars go of the limit.
 const TRUCKS_MPS: (f64, f64) = (82.0 / 3.6, 89.0 / 3.6);
 const CARS_SHARE: f64 = 1.04;

@@ -16,7 +16,7 @@ const DEPTH: f32 = -7.0;
 /// Slopes of earth: meters out a meter down.
 const SLOPE: f32 = 1.5;
 /// The slopes beside an abutment begin at its wing walls and are whole so far behind it.
-const WINGS: f32 = 10.0;
+const WINGS: f32 = 16.0;
 
 fn v(x: f32, y: f32, z: f32) -> Vec3 {
     Vec3::new(x, y, z)
