@@ -79,13 +79,13 @@ KITTI_DISTRICTS = (
             num_cyclists=(0, 6),
             seat_occupancy=(0.0, 0.2),
         ),
-        0.37,
+        0.41,
     ),
     (
         District(
             name="quiet", parking_occupancy=(0.3, 0.5), num_cars=(12, 19), num_pedestrians=(3, 8), num_cyclists=(0, 3)
         ),
-        0.10,
+        0.13,
     ),
     (
         District(
@@ -99,7 +99,7 @@ KITTI_DISTRICTS = (
             suburb=SuburbConfig(main_share=1.0, signal_share=0.7, tram_share=1.0, blocks=(3, 2), block_m=(85.0, 160.0)),
             props=PropConfig(city_share=0.2),
         ),
-        0.27,
+        0.28,
     ),
     (
         District(
@@ -138,53 +138,47 @@ KITTI_DISTRICTS = (
         ),
         0.07,
     ),
-    # Rows of bays along aisles, seen from within, and beside the streets that lead there.
-    (
-        District(
-            name="car_park",
-            parking_occupancy=(0.3, 0.85),
-            num_cars=(8, 16),
-            num_pedestrians=(14, 30),
-            num_cyclists=(0, 3),
-            suburb=SuburbConfig(aisle_share=0.75, blocks=(3, 2), block_m=(95.0, 135.0), hilly_share=0.0),
-            props=PropConfig(car_park_share=0.9, greenery=0.9, clutter=0.8),
-        ),
-        0.04,
+)
+
+# Rows of bays along aisles, seen from within, and beside the streets that lead there.
+_CAR_PARK = District(
+    name="car_park",
+    parking_occupancy=(0.3, 0.85),
+    num_cars=(8, 16),
+    num_pedestrians=(14, 30),
+    num_cyclists=(0, 3),
+    suburb=SuburbConfig(aisle_share=0.75, blocks=(3, 2), block_m=(95.0, 135.0), hilly_share=0.0),
+    props=PropConfig(car_park_share=0.9, greenery=0.9, clutter=0.8),
+)
+
+# Works, offices, and their yards.
+_INDUSTRIAL = District(
+    name="industrial",
+    parking_occupancy=(0.3, 0.7),
+    num_cars=(14, 24),
+    num_pedestrians=(2, 7),
+    num_cyclists=(0, 3),
+    suburb=SuburbConfig(
+        industrial_share=1.0,
+        blocks=(2, 2),
+        block_m=(110.0, 160.0),
+        parking_share=0.3,
+        hilly_share=0.0,
+        signal_share=0.3,
     ),
-    # Works, offices, and their yards.
-    (
-        District(
-            name="industrial",
-            parking_occupancy=(0.3, 0.7),
-            num_cars=(14, 24),
-            num_pedestrians=(2, 7),
-            num_cyclists=(0, 3),
-            suburb=SuburbConfig(
-                industrial_share=1.0,
-                blocks=(2, 2),
-                block_m=(110.0, 160.0),
-                parking_share=0.3,
-                hilly_share=0.0,
-                signal_share=0.3,
-            ),
-            props=PropConfig(industrial_share=0.95, greenery=0.8),
-        ),
-        0.02,
-    ),
-    # Paved lanes without curbs between institutes.
-    (
-        District(
-            name="campus",
-            parking_occupancy=(0.3, 0.6),
-            num_cars=(3, 7),
-            num_pedestrians=(60, 110),
-            num_cyclists=(6, 14),
-            seat_occupancy=(0.3, 0.7),
-            suburb=SuburbConfig(campus_share=1.0, blocks=(3, 3), block_m=(80.0, 130.0), hilly_share=0.0),
-            props=PropConfig(campus_share=0.95, greenery=1.2),
-        ),
-        0.02,
-    ),
+    props=PropConfig(industrial_share=0.95, greenery=0.8),
+)
+
+# Paved lanes without curbs between institutes.
+_CAMPUS = District(
+    name="campus",
+    parking_occupancy=(0.3, 0.6),
+    num_cars=(3, 7),
+    num_pedestrians=(60, 110),
+    num_cyclists=(6, 14),
+    seat_occupancy=(0.3, 0.7),
+    suburb=SuburbConfig(campus_share=1.0, blocks=(3, 3), block_m=(80.0, 130.0), hilly_share=0.0),
+    props=PropConfig(campus_share=0.95, greenery=1.2),
 )
 
 # Two carriageways in open country.
@@ -197,8 +191,8 @@ _MOTORWAY = District(
     props=PropConfig(greenery=1.1),
 )
 
-# Known by name alone: KITTI's policy does not draw it.
-NAMED_DISTRICTS: Final = (_MOTORWAY,)
+# Known by name alone: KITTI's policy draws none of them.
+NAMED_DISTRICTS: Final = (_CAR_PARK, _INDUSTRIAL, _CAMPUS, _MOTORWAY)
 
 _BY_NAME: Final = {district.name: district for district in (*(one for one, _ in KITTI_DISTRICTS), *NAMED_DISTRICTS)}
 DISTRICTS: Final = tuple(_BY_NAME)

@@ -24,7 +24,7 @@ pub const PIECE_LENGTHS_M: [f64; 5] = [9.6, 4.8, 2.4, 1.2, 0.6];
 /// People pass below what is higher.
 pub const OVERHEAD_M: f64 = 1.9;
 const HOUSES: usize = 5;
-const TREES: usize = 8;
+const TREES: usize = 6;
 const FENCES: usize = 2;
 const POLES: usize = 6;
 const FURNITURE: usize = 3;

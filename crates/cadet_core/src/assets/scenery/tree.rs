@@ -77,7 +77,7 @@ pub(super) struct TreeDesign {
 /// A crown's extent is measured with so many triangles of leaves, at most.
 const MEASURED_LEAVES: f32 = 2600.0;
 /// Beside the ego larger cards look like plates, not like leaves.
-const LARGEST_M: f32 = 0.3;
+const LARGEST_M: f32 = 0.36;
 /// Leaf area in a crown's cubic meter: with cards turned every way a beam meets half of it, exp(-0.5 x 1.8) = 0.41.
 const LEAF_AREA_PER_M3: f32 = 1.8;
 
