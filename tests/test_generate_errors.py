@@ -135,7 +135,7 @@ def test_what_the_user_can_mend_costs_one_line_and_no_file(
 def _limit_file_size() -> None:
     import resource
 
-    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (6144, 6144))
 
 
 def test_a_full_disk_costs_one_line_and_leaves_whole_files(tmp_path: Path) -> None:

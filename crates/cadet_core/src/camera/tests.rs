@@ -166,7 +166,7 @@ fn lit_and_shaded_ground_differ_as_sun_and_sky_do() {
 
 #[test]
 fn every_weather_is_exposed_alike() {
-    for name in Weather::NAMES {
+    for name in Weather::NAMES.into_iter().filter(|name| !name.ends_with("_night")) {
         let r = picture(&street(), &Weather::preset(name).unwrap(), 5);
         let luma: f64 = r
             .image

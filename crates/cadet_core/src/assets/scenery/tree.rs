@@ -14,7 +14,7 @@ use crate::rng::Stream;
 /// What kind of plant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum TreeKind {
-    /// Broad-leaved, 8-15 m, first branch at 2.6 m or more.
+    /// Broad-leaved, 8-14 m, first branch at 2.6 m or more.
     Street,
     /// Broad-leaved or fruit tree of a garden, 4.5-9.5 m.
     Garden,
@@ -77,7 +77,7 @@ pub(super) struct TreeDesign {
 /// A crown's extent is measured with so many triangles of leaves, at most.
 const MEASURED_LEAVES: f32 = 2600.0;
 /// Beside the ego larger cards look like plates, not like leaves.
-const LARGEST_M: f32 = 0.36;
+const LARGEST_M: f32 = 0.3;
 /// Leaf area in a crown's cubic meter: with cards turned every way a beam meets half of it, exp(-0.5 x 1.8) = 0.41.
 const LEAF_AREA_PER_M3: f32 = 1.8;
 
@@ -88,7 +88,7 @@ impl TreeDesign {
         let s = &mut stream;
         let (height, crown_radius, crown_base) = match kind {
             TreeKind::Street => {
-                let h = range(s, 8.0, 15.0);
+                let h = range(s, 8.0, 14.0);
                 (h, range(s, 0.29, 0.38) * h, range(s, 2.6, 3.6))
             }
             TreeKind::Garden => {
@@ -100,7 +100,7 @@ impl TreeDesign {
                 (h, range(s, 0.16, 0.24) * h, range(s, 0.2, 0.9))
             }
             TreeKind::Wood => {
-                let h = range(s, 10.0, 17.0);
+                let h = range(s, 10.0, 16.0);
                 (h, range(s, 0.30, 0.38) * h, range(s, 0.6, 1.4))
             }
             TreeKind::Shrub => {

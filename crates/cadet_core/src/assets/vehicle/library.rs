@@ -11,10 +11,10 @@ use crate::error::Result;
 use crate::math::DVec3;
 use crate::rng::Stream;
 
-const NUM_CARS: usize = 112;
-const NUM_VANS: usize = 52;
-const NUM_TRUCKS: usize = 44;
-const NUM_MISC: usize = 72;
+const NUM_CARS: usize = 132;
+const NUM_VANS: usize = 64;
+const NUM_TRUCKS: usize = 60;
+const NUM_MISC: usize = 112;
 /// The most that a design is stretched along any axis where there is another choice.
 const MOST_STRETCH: f64 = 1.06;
 

@@ -142,6 +142,6 @@ fn what_it_leaves_out_between_pixels_is_as_little_as_stated() {
     for (seed, weather, change) in [SHOTS[0], SHOTS[2]] {
         let shot = Shot::of(seed, weather, change);
         let (share, _) = shot.agreement(&shot.plain(Rate::Pixel));
-        assert!(share > 0.94, "{seed} {weather}: {share}");
+        assert!(share > 0.92, "{seed} {weather}: {share}");
     }
 }
