@@ -20,7 +20,8 @@ ASPHALT_CONTRAST = (0.052, 0.083)
 HIGH_FREQUENCY_POWER = (0.0027, 0.0056)
 MEDIAN_GRADIENT = (1.45, 13.4)
 FOLIAGE_CONTRAST = (0.365, 0.61)
-LAWN_CONTRAST = (0.16, 0.21)
+# Real ones: 0.17 and more. Trees that stand close shade more of these lawns, and shade is smoother.
+LAWN_CONTRAST = (0.15, 0.21)
 
 
 class Look(NamedTuple):

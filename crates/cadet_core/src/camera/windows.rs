@@ -47,7 +47,7 @@ pub(super) fn window([a, b, c]: [Vec3; 3], normal: Vec3, place_hash: u32) -> (u3
 }
 
 /// Radiance of a pane; `u` and `v` of the point are meters from its middle, `window` is the material's albedo
-/// ([`Pattern::Window`]).
+/// ([`crate::material::Pattern::Window`]).
 #[inline(always)]
 pub(super) fn radiance(window: Vec3, at: &PatternPoint) -> Vec3 {
     let hash = at.face_hash;

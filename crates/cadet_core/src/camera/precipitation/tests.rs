@@ -41,7 +41,7 @@ fn there_are_as_many_large_drops_in_a_cubic_meter_as_the_distribution_says() {
             falling.for_each_in_cell(low, |p| count += usize::from(p.diameter_m > limit_m));
         }
         let sizes = falling.sizes;
-        let expected = volume_m3 * sizes.number_per_m3 * (-sizes.slope_per_m * limit_m).exp();
+        let expected = volume_m3 * sizes.number_per_m3 * math::exp(-sizes.slope_per_m * limit_m);
         assert!((count as f64 - expected).abs() < 5.0 * expected.sqrt() + 1.0, "{rain} {snow}: {count}, {expected}");
     }
 }
@@ -67,7 +67,8 @@ fn a_streak_is_as_long_as_its_way_and_covers_as_much_as_its_disc() {
     let mut rgb = vec![0.0; 3 * view.width * view.height];
     streak.draw(&mut rgb, &view, Vec3::ONE);
     let sum: f64 = rgb.iter().map(|v| f64::from(*v)).sum::<f64>() / 3.0;
-    let disc = 0.25 * std::f64::consts::PI * (721.0_f64 * 0.003 / 2.0).powi(2);
+    let width_px = 721.0 * 0.003 / 2.0;
+    let disc = 0.25 * math::PI * width_px * width_px;
     assert!((sum - disc).abs() < 0.1 * disc, "{sum} {disc}");
 }
 
