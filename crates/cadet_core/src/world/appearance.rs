@@ -40,6 +40,11 @@ pub(super) enum Appearance {
 }
 
 impl Appearance {
+    /// A closed vehicle that neither brakes nor signals.
+    pub fn vehicle(model: Arc<VehicleModel>, is_driven: bool) -> Self {
+        Self::Vehicle { model, is_driven, is_braking: false, signal: TurnSignal::Off, opened: None }
+    }
+
     /// Length, width, height.
     pub fn size_lwh(&self) -> DVec3 {
         match self {

@@ -15,7 +15,6 @@ use crate::world::body::{Body, Chassis, Cycle, Fixed, Guided, Upright, settle};
 use crate::world::control::{Controller, Driver, IdmParameters, Parked, Pedestrian, Scripted, TramCar};
 use crate::world::ride::Ride;
 use crate::world::route::Route;
-use crate::world::turn_signal::TurnSignal;
 
 /// A vehicle with somebody at the wheel.
 pub(super) fn driven_vehicle(chassis: Chassis, route: Option<Route>, idm: IdmParameters) -> Newcomer {
@@ -24,13 +23,7 @@ pub(super) fn driven_vehicle(chassis: Chassis, route: Option<Route>, idm: IdmPar
         class: model.class,
         body: Body::Sprung(Box::new(chassis)),
         controller: Box::new(Driver::new(route, idm)),
-        appearance: Appearance::Vehicle {
-            model,
-            is_driven: true,
-            is_braking: false,
-            signal: TurnSignal::Off,
-            opened: None,
-        },
+        appearance: Appearance::vehicle(model, true),
         is_placed: false,
     }
 }
@@ -52,13 +45,7 @@ pub(super) fn parked_vehicle(
         class: model.class,
         body: Body::Fixed(Box::new(Fixed::new(&mut arena.physics, &model, &settled, id))),
         controller: Box::new(Parked),
-        appearance: Appearance::Vehicle {
-            model,
-            is_driven: false,
-            is_braking: false,
-            signal: TurnSignal::Off,
-            opened: None,
-        },
+        appearance: Appearance::vehicle(model, false),
         is_placed: false,
     })
 }
@@ -75,13 +62,7 @@ pub(super) fn guided_vehicle(arena: &mut Arena, model: Arc<VehicleModel>, script
         class: model.class,
         body: Body::Guided(Box::new(body)),
         controller: Box::new(script),
-        appearance: Appearance::Vehicle {
-            model,
-            is_driven: true,
-            is_braking: false,
-            signal: TurnSignal::Off,
-            opened: None,
-        },
+        appearance: Appearance::vehicle(model, true),
         is_placed: false,
     })
 }
@@ -105,13 +86,7 @@ pub(super) fn tram_car(
         class: model.class,
         body: Body::Guided(Box::new(body)),
         controller: Box::new(controller),
-        appearance: Appearance::Vehicle {
-            model,
-            is_driven: true,
-            is_braking: false,
-            signal: TurnSignal::Off,
-            opened: None,
-        },
+        appearance: Appearance::vehicle(model, true),
         is_placed: false,
     })
 }
