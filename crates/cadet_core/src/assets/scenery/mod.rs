@@ -15,6 +15,7 @@ mod hall;
 mod hedge;
 mod house;
 mod leaves;
+mod letters;
 mod library;
 mod lot_furniture;
 pub mod materials;

@@ -12,7 +12,6 @@ mod span;
 
 pub use colors::{city_palette, light_shops};
 pub use kind::CityKind;
-pub(super) use lettering::rows as letter_rows;
 pub(super) use lettering::write as write_name;
 pub use paving::{flagstones, tree_pit};
 pub(super) use shop::{Shop, gate as fill_gate};
