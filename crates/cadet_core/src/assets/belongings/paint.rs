@@ -1,6 +1,7 @@
 //! The materials of belongings: a palette with fixed slots.
 
 use super::thing::Thing;
+use crate::assets::person::clothes::pick;
 use crate::material::{Material, Palette, Pattern, Semantic};
 use crate::rng::Stream;
 
@@ -48,12 +49,6 @@ const COATS: [(f64, [f32; 3]); 7] = [
     (8.0, [0.16, 0.15, 0.145]),
     (8.0, [0.06, 0.032, 0.018]),
 ];
-
-fn pick(stock: &[(f64, [f32; 3])], s: &mut Stream) -> [f32; 3] {
-    let weights: Vec<f64> = stock.iter().map(|c| c.0).collect();
-    let light = s.range(0.75, 1.3) as f32;
-    stock[s.weighted(&weights)].1.map(|c| (c * light).min(0.8))
-}
 
 /// The materials of a thing. What is carried is of the person's class in the semantic image, as in Cityscapes; what stands on
 /// the ground of its own is a thing.

@@ -44,7 +44,8 @@ const HAIR: [(f64, [f32; 3]); 5] = [
     (12.0, [0.34, 0.34, 0.33]),
 ];
 
-fn pick(stock: &[(f64, [f32; 3])], s: &mut Stream) -> [f32; 3] {
+/// A color of a stock of them, each with its weight, a little darker or lighter.
+pub(in crate::assets) fn pick(stock: &[(f64, [f32; 3])], s: &mut Stream) -> [f32; 3] {
     let weights: Vec<f64> = stock.iter().map(|c| c.0).collect();
     let light = s.range(0.75, 1.3) as f32;
     stock[s.weighted(&weights)].1.map(|c| (c * light).min(0.8))
