@@ -104,11 +104,22 @@ impl Lane {
     /// The place at distance `s_m` (clamped to the lane), x along the lane, z up from the road.
     #[must_use]
     pub fn pose_at(&self, s_m: f64) -> DPose3 {
+        let (at, along) = self.point_and_way_at(s_m);
+        frames::facing(at, along, DVec3::Z)
+    }
+
+    /// The point at distance `s_m` (clamped to the lane).
+    #[must_use]
+    pub fn point_at(&self, s_m: f64) -> DVec3 {
+        self.point_and_way_at(s_m).0
+    }
+
+    fn point_and_way_at(&self, s_m: f64) -> (DVec3, DVec3) {
         let s = s_m.clamp(0.0, self.length_m());
         let i = self.s_m.partition_point(|v| *v <= s).clamp(1, self.center.len() - 1);
         let (a, b) = (self.center[i - 1], self.center[i]);
         let t = (s - self.s_m[i - 1]) / (self.s_m[i] - self.s_m[i - 1]);
-        frames::facing(a + (b - a) * t, b - a, DVec3::Z)
+        (a + (b - a) * t, b - a)
     }
 
     /// Width at distance `s_m` (clamped to the lane).

@@ -35,19 +35,12 @@ const LONG_M: f64 = 6.5;
 const LOOKS: u64 = 6;
 const STEPS_A_LOOK: u64 = 3;
 
-/// How lanes are changed on a kind of road.
-#[derive(Debug, Clone, Copy)]
-struct Manners {
-    /// Time of the way across.
-    across_s: f64,
-    /// What keeping right is worth. In towns any lane may be chosen (StVO § 7 (3)).
-    right_bias_mps2: f64,
-    /// A change is over so far before a junction or the lane's end.
-    before_junction_m: f64,
-}
-
-const MOTORWAY: Manners = Manners { across_s: 4.6, right_bias_mps2: 0.3, before_junction_m: 45.0 };
-const STREET: Manners = Manners { across_s: 3.6, right_bias_mps2: 0.0, before_junction_m: 22.0 };
+/// Time of the way across.
+const ACROSS_S: f64 = 4.6;
+/// What keeping right is worth on a motorway. In towns any lane may be chosen (StVO § 7 (3)).
+const RIGHT_BIAS_MPS2: f64 = 0.3;
+/// A change is over so far before a junction or the lane's end.
+const BEFORE_END_M: f64 = 45.0;
 
 /// What a gap takes off a driver's acceleration; nothing where the lane is free.
 fn interaction(idm: &IdmParameters, speed_mps: f64, leader: Option<Neighbor>) -> f64 {
@@ -91,7 +84,6 @@ pub(super) struct LaneChange {
     pub to_left: bool,
     from_m: f64,
     to_m: f64,
-    across_s: f64,
     steps: u64,
 }
 
@@ -99,7 +91,7 @@ impl LaneChange {
     /// The offset from the new lane's middle after one more step, and whether that was the last.
     pub fn step(&mut self) -> (f64, bool) {
         self.steps += 1;
-        let t = self.steps as f64 * DT_S / self.across_s;
+        let t = self.steps as f64 * DT_S / ACROSS_S;
         (self.from_m + (self.to_m - self.from_m) * share_across(t), t >= 1.0)
     }
 
@@ -135,7 +127,7 @@ pub(super) struct Decider<'a> {
 }
 
 impl LaneChoice {
-    /// Looks at both neighbors of a lane now and then, and begins a change where it is worth it and safe: then the route
+    /// Looks at both neighbors of a lane that allows changes now and then, and begins a change where it is worth it and safe: then the route
     /// leads along the new lane.
     pub fn decide(&mut self, by: &Decider<'_>, route: &mut Route, around: &Surroundings, roads: &Roads, step: u64) {
         if !(step / STEPS_A_LOOK + by.slot as u64).is_multiple_of(LOOKS) {
@@ -144,12 +136,8 @@ impl LaneChoice {
         let lane = route.lanes[0];
         let (left, right) = (roads.left_of(lane), roads.right_of(lane));
         self.stays_behind_mps2 = 0.0;
-        if !roads.allows_changes(lane) || (left.is_none() && right.is_none()) {
-            return;
-        }
         let Decider { slot, own, idm, .. } = *by;
         let speed_mps = own.velocity.dot(own.heading).max(0.0);
-        let manners = if roads.is_fast(lane) { MOTORWAY } else { STREET };
         let view = |lane: LaneId| {
             let here = route.ahead(0.0, roads).at;
             let (s_m, _) = roads.lane(lane).project(DVec3::new(here.x, here.y, 0.0));
@@ -168,7 +156,7 @@ impl LaneChoice {
         if self.change.is_some()
             || step < self.rests_until
             || speed_mps < LEAST_MPS
-            || !has_way(route, speed_mps, manners, roads)
+            || !has_way(route, speed_mps, roads)
         {
             return;
         }
@@ -186,11 +174,11 @@ impl LaneChoice {
             let changed_mps2 = interaction(idm, speed_mps, v.leader);
             // Only who follows on the left counts: nobody owes the right lane anything.
             let gain = if to_left {
-                worth(stays_mps2, changed_mps2, between(&v, own, speed_mps, idm), manners.right_bias_mps2)
+                worth(stays_mps2, changed_mps2, between(&v, own, speed_mps, idm), RIGHT_BIAS_MPS2)
             } else {
                 let changed_mps2 = on_the_right(changed_mps2, own_mps2, speed_mps, here.leader);
                 let (without, with) = between(&here, own, speed_mps, idm);
-                worth(own_mps2, changed_mps2, (with, without), -manners.right_bias_mps2)
+                worth(own_mps2, changed_mps2, (with, without), -RIGHT_BIAS_MPS2)
             };
             if gain > 0.0 && best.is_none_or(|(.., most)| gain > most) {
                 best = Some((id, to_left, gain));
@@ -198,9 +186,8 @@ impl LaneChoice {
         }
         if let Some((id, to_left, _)) = best {
             let from_m = route.change_to(id, roads);
-            let across_s = manners.across_s;
-            self.change = Some(LaneChange { to_left, from_m, to_m: by.offset_m, across_s, steps: 0 });
-            self.rests_until = step + ((across_s + STAY_S) / DT_S) as u64;
+            self.change = Some(LaneChange { to_left, from_m, to_m: by.offset_m, steps: 0 });
+            self.rests_until = step + ((ACROSS_S + STAY_S) / DT_S) as u64;
         }
     }
 }
@@ -214,10 +201,9 @@ fn between(view: &LaneView, own: &Footprint, speed_mps: f64, idm: &IdmParameters
 }
 
 /// Whether there is way enough before the next junction, or where the lanes end.
-fn has_way(route: &Route, speed_mps: f64, manners: Manners, roads: &Roads) -> bool {
+fn has_way(route: &Route, speed_mps: f64, roads: &Roads) -> bool {
     let free_m = next_junction(route, roads, &|_| true).map_or(route.remaining_m(roads), |(_, m)| m);
-    roads.lane(route.lanes[0]).junction.is_none()
-        && free_m > (manners.across_s + 1.0) * speed_mps + manners.before_junction_m
+    roads.lane(route.lanes[0]).junction.is_none() && free_m > (ACROSS_S + 1.0) * speed_mps + BEFORE_END_M
 }
 
 #[cfg(test)]
@@ -248,7 +234,7 @@ mod tests {
         assert!((worth(own, 0.0, follower, 0.3) - (expected - 0.3)).abs() < 1e-12);
         assert!((worth(own, 0.0, follower, -0.3) - (expected + 0.3)).abs() < 1e-12);
         // On a free road one keeps right, and does not leave the right lane.
-        let bias_mps2 = MOTORWAY.right_bias_mps2;
+        let bias_mps2 = RIGHT_BIAS_MPS2;
         assert!(worth(0.0, 0.0, (0.0, 0.0), -bias_mps2) > 0.0 && worth(0.0, 0.0, (0.0, 0.0), bias_mps2) < 0.0);
     }
 
@@ -293,8 +279,7 @@ mod tests {
 
     #[test]
     fn the_way_across_begins_and_ends_at_rest_with_bounded_jerk() {
-        let across_s = MOTORWAY.across_s;
-        let mut change = LaneChange { to_left: true, from_m: -3.75, to_m: 0.1, across_s, steps: 0 };
+        let mut change = LaneChange { to_left: true, from_m: -3.75, to_m: 0.1, steps: 0 };
         let mut offsets = vec![-3.75];
         loop {
             let (offset_m, is_over) = change.step();
@@ -309,7 +294,7 @@ mod tests {
         let jerks = differences(&accelerations);
         let most = |v: &[f64]| v.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         // Of the quintic over T: 15/8 d/T, 5.774 d/T², 60 d/T³.
-        let (d, t) = (3.85, across_s);
+        let (d, t) = (3.85, ACROSS_S);
         assert!((most(&speeds) - 1.875 * d / t).abs() < 0.01, "{}", most(&speeds));
         assert!((most(&accelerations) - 5.7735 * d / (t * t)).abs() < 0.02, "{}", most(&accelerations));
         assert!(most(&jerks) < 60.5 * d / (t * t * t), "{}", most(&jerks));

@@ -1,6 +1,6 @@
 //! A lane as a driver sees it: who is ahead in it, who follows, and who is beside.
 
-use crate::math::{DVec2, DVec3};
+use crate::math::DVec2;
 use crate::town::{Lane, LaneId};
 use crate::world::roads::Roads;
 use crate::world::slot::Slot;
@@ -95,7 +95,7 @@ impl Path {
                 at_m -= on.length_m();
                 on = next;
             }
-            points.push(point(on, at_m));
+            points.push(on.point_at(at_m).truncate());
             at_m += SAMPLE_M;
         }
         Self { points, behind_m }
@@ -115,11 +115,4 @@ impl Path {
         let is_near = along_m.abs() < 1.5 * SAMPLE_M;
         is_near.then(|| (nearest as f64 * SAMPLE_M - self.behind_m + along_m, tangent.perp_dot(to), tangent))
     }
-}
-
-fn point(lane: &Lane, s_m: f64) -> DVec2 {
-    let i = lane.s_m.partition_point(|v| *v <= s_m).clamp(1, lane.center.len() - 1);
-    let (a, b): (DVec3, DVec3) = (lane.center[i - 1], lane.center[i]);
-    let t = (s_m - lane.s_m[i - 1]) / (lane.s_m[i] - lane.s_m[i - 1]);
-    a.truncate().lerp(b.truncate(), t)
 }
