@@ -103,13 +103,7 @@ impl Stream {
 
     /// Poisson with the given mean (Knuth's product; meant for means below 50).
     pub fn poisson(&mut self, mean: f64) -> usize {
-        let limit = math::exp(-mean);
-        let (mut k, mut product) = (0, self.unit());
-        while product > limit {
-            k += 1;
-            product *= self.unit();
-        }
-        k
+        poisson_by(mean, || self.unit())
     }
 
     /// An index drawn with the given weights; 0 where they are empty or all 0.
@@ -167,6 +161,25 @@ impl CounterRng {
     pub fn unit(&mut self) -> f64 {
         (self.next_u64() >> 11) as f64 * (1.0 / (1_u64 << 53) as f64)
     }
+
+    /// Poisson with the given mean; rounded from a nearly normal number above 30.
+    pub fn poisson(&mut self, mean: f64) -> usize {
+        if mean > 30.0 {
+            return (mean + mean.sqrt() * nearly_normal(self.next_u64())).round().max(0.0) as usize;
+        }
+        poisson_by(mean, || self.unit())
+    }
+}
+
+/// Knuth's product of uniform numbers.
+fn poisson_by(mean: f64, mut unit: impl FnMut() -> f64) -> usize {
+    let limit = math::exp(-mean);
+    let (mut k, mut product) = (0, unit());
+    while product > limit {
+        k += 1;
+        product *= unit();
+    }
+    k
 }
 
 #[inline]

@@ -1,5 +1,7 @@
 //! Light of lamps that the lens scatters around them at night.
 
+use super::compositing::between_cells;
+
 /// Side of the cells on which the halo is found, pixels.
 const CELL: usize = 4;
 /// A pixel counts with what it has above the first radiance and up to the second.
@@ -71,11 +73,7 @@ fn mean_along(from: &[[f32; 3]], across: usize, down: usize, radius: usize) -> V
 
 /// Adds cells to pixels, bilinearly between their middles.
 fn add(rgb: &mut [f32], (width, height): (usize, usize), halo: &[[f32; 3]], (across, down): (usize, usize)) {
-    let place = |pixel: usize, cells: usize| {
-        let at = ((pixel as f32 + 0.5) / CELL as f32 - 0.5).clamp(0.0, (cells - 1) as f32);
-        let first = (at as usize).min(cells.saturating_sub(2));
-        (first, (first + 1).min(cells - 1), at - first as f32)
-    };
+    let place = |pixel: usize, cells: usize| between_cells((pixel as f64 + 0.5) / CELL as f64 - 0.5, cells);
     let columns: Vec<_> = (0..width).map(|column| place(column, across)).collect();
     let mut line = vec![[0.0_f32; 3]; across];
     for (row, pixels) in rgb.chunks_exact_mut(width * 3).take(height).enumerate() {

@@ -3,6 +3,7 @@
 //! A drop lies before the front element, far nearer than the lens is focused: its disc is blurred by the aperture, and where
 //! it is smaller than the aperture, light passes beside it. It acts as a ball lens, whose image is inverted and wide.
 
+use super::compositing::{between_cells, blend};
 use super::visibility_pass::View;
 use crate::math::{self, Vec3};
 use crate::rng::{CounterRng, Stream};
@@ -78,9 +79,7 @@ impl LensDrops {
                     if cover > 0.0 {
                         let shown = picture.at([0, 1].map(|k| 0.5 - 0.5 * WIDE * (off[k] / reach_px).clamp(-1.0, 1.0)));
                         let at = 3 * (row * view.width + column);
-                        for (value, of_it) in rgb[at..at + 3].iter_mut().zip(shown.to_array()) {
-                            *value += (of_it - *value) * cover;
-                        }
+                        blend(&mut rgb[at..at + 3], shown, cover);
                     }
                 }
             }
@@ -114,11 +113,7 @@ impl Small {
 
     /// The color at shares of width and height, bilinear between cells' middles.
     fn at(&self, [x, y]: [f64; 2]) -> Vec3 {
-        let place = |share: f64, count: usize| {
-            let at = (share * count as f64 - 0.5).clamp(0.0, (count - 1) as f64);
-            let first = (at as usize).min(count.saturating_sub(2));
-            (first, (first + 1).min(count - 1), (at - first as f64) as f32)
-        };
+        let place = |share: f64, count: usize| between_cells(share * count as f64 - 0.5, count);
         let ((x0, x1, tx), (y0, y1, ty)) = (place(x, self.columns), place(y, self.rows));
         let row = |y: usize| self.cells[y * self.columns + x0].lerp(self.cells[y * self.columns + x1], tx);
         row(y0).lerp(row(y1), ty)

@@ -3,6 +3,7 @@
 mod ambient_cache;
 mod block_sums;
 mod bloom;
+mod compositing;
 mod contact_occlusion;
 mod coverage;
 mod deferred_shading;

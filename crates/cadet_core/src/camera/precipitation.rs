@@ -4,6 +4,7 @@
 //! follows Garg and Nayar, "Vision and Rain" (IJCV 2007): a streak as long as its way across the image, over which the
 //! area of its disc is spread.
 
+use super::compositing::blend;
 use super::light::Light;
 use super::visibility_pass::{View, Visibility};
 use crate::math::{self, DPose3, DVec3, Vec3};
@@ -138,7 +139,7 @@ impl Precipitation {
         let mean = self.sizes.number_per_m3 * CELL_M * CELL_M * CELL_M * math::exp(-self.sizes.slope_per_m * from_m);
         let names = [low.x, low.y, low.z].map(|at| (at / CELL_M) as i64 as u64);
         let mut rng = CounterRng::new(CounterRng::key(self.seed, names));
-        for _ in 0..poisson(mean, &mut rng) {
+        for _ in 0..rng.poisson(mean) {
             let at_world = low + DVec3::new(rng.unit(), rng.unit(), rng.unit()) * CELL_M;
             let diameter_m = from_m - math::quick_ln((1.0 - rng.unit()).max(1e-12)) / self.sizes.slope_per_m;
             let velocity_world = if self.is_snow {
@@ -196,26 +197,11 @@ impl Streak {
                 let cover = (self.cover * (reach_px - off_px).clamp(0.0, 1.0)) as f32;
                 if cover > 0.0 {
                     let at = 3 * (row * view.width + column);
-                    for (value, of_it) in rgb[at..at + 3].iter_mut().zip(radiance.to_array()) {
-                        *value += (of_it - *value) * cover;
-                    }
+                    blend(&mut rgb[at..at + 3], radiance, cover);
                 }
             }
         }
     }
-}
-
-/// A Poisson number: by multiplying uniform ones below 30, rounded from a nearly normal one above.
-fn poisson(mean: f64, rng: &mut CounterRng) -> usize {
-    if mean > 30.0 {
-        return (mean + mean.sqrt() * nearly_normal(rng.next_u64())).round().max(0.0) as usize;
-    }
-    let (limit, mut product, mut count) = (math::exp(-mean), rng.unit(), 0);
-    while product > limit {
-        product *= rng.unit();
-        count += 1;
-    }
-    count
 }
 
 #[cfg(test)]

@@ -7,11 +7,9 @@ use std::ops::Range;
 
 use super::bloom::add_halos;
 use super::distortion::Warp;
-use super::lens_drops::LensDrops;
 use super::model::CameraModel;
 use super::noise::{ROWS_BEFORE, blur, expose};
-use super::precipitation::Precipitation;
-use super::render::{Rendered, Scratch, exposure, radiance};
+use super::render::{Foreground, Rendered, Scratch, exposure, radiance};
 use super::visibility_pass::{Maps, View, visibility_pass};
 use crate::error::Result;
 use crate::math::DPose3;
@@ -34,10 +32,8 @@ pub struct Moving<'a, F> {
     pub camera: Motion,
     /// How an actor moves, by its id.
     pub motion_of: F,
-    /// What falls through the view.
-    pub precipitation: Option<Precipitation>,
-    /// Drops on the lens.
-    pub lens_drops: LensDrops,
+    /// What is between it and the sensor.
+    pub foreground: Foreground<'a>,
 }
 
 /// When a row is exposed, in seconds from the middle of the first's and the last's time.
@@ -70,19 +66,19 @@ pub fn render_rolling(
     for rows in bands(camera) {
         let time_s = row_time_s(camera, 0.5 * (rows.start + rows.end - 1) as f64);
         // Of the image before the lens.
-        let needed = camera.warp().map_or(rows.clone(), |warp| warp.rows_needed(rows.clone()));
+        let needed = moving.foreground.warp.map_or(rows.clone(), |warp| warp.rows_needed(rows.clone()));
         let drawn = needed.start.saturating_sub(MARGIN)..(needed.end + MARGIN).min(at_instant.height);
         let view = at_instant.rows(drawn.clone(), &moving.camera.displacement(time_s));
         let scene = moving.scene.moved(|actor_id| (moving.motion_of)(actor_id).displacement(time_s));
         let seen = visibility_pass(&scene, &view)?;
         let light = radiance(&scene, &view, weather, &seen, &mut scratch);
-        if let Some(precipitation) = &moving.precipitation {
+        if let Some(precipitation) = &moving.foreground.precipitation {
             precipitation.draw(&mut scratch.rgb[ROWS_BEFORE * view.width * 3..], &view, &seen, &light);
         }
         let ceiling = light.glare_ceiling();
         let _ = blur(&mut scratch.rgb, view.width, view.height, ceiling);
         scratch.reuse(light);
-        let band = Band { rows, first: drawn.start, width: view.width, warp: camera.warp() };
+        let band = Band { rows, first: drawn.start, width: view.width, warp: moving.foreground.warp };
         let start = rgb.len();
         band.append_colors(&scratch.rgb, &mut rgb);
         for pixel in rgb[start..].chunks_exact(3) {
@@ -97,7 +93,7 @@ pub fn render_rolling(
             band.append(&of_band.semantic, &mut maps.semantic);
         }
     }
-    moving.lens_drops.draw(&mut rgb, &View { width: camera.width, height: camera.height, ..at_instant });
+    moving.foreground.lens_drops.draw(&mut rgb, &View { width: camera.width, height: camera.height, ..at_instant });
     if is_night {
         add_halos(&mut rgb, camera.width, camera.height);
     }

@@ -197,25 +197,26 @@ impl Scene {
         let warp = sensor.warp();
         let mut stream = self.key.indexed(&stream_name("camera", index, name), request.sample);
         let drops_stream = &mut self.key.stream(&stream_name("lens drops", index, name));
-        let lens_drops = LensDrops::at(&self.weather, snapshot.time_s, drops_stream);
-        let precipitation = Precipitation::of(
-            &self.weather,
-            self.rig.cameras()[0].mount.world_from_sensor(&snapshot.ego.world_from_ego).translation,
-            snapshot.ego.velocity_world,
-            &mut self.key.indexed("precipitation", request.sample),
-        );
+        let foreground = Foreground {
+            precipitation: Precipitation::of(
+                &self.weather,
+                self.rig.cameras()[0].mount.world_from_sensor(&snapshot.ego.world_from_ego).translation,
+                snapshot.ego.velocity_world,
+                &mut self.key.indexed("precipitation", request.sample),
+            ),
+            lens_drops: LensDrops::at(&self.weather, snapshot.time_s, drops_stream),
+            warp,
+        };
         let rendered = if sensor.rolling_shutter_s() > 0.0 {
             let moving = Moving {
-                precipitation,
-                lens_drops,
                 scene: &posed,
                 world_from_cam: &mount.world_from_sensor(&snapshot.ego.world_from_ego),
                 camera: motion_of_ego(&snapshot),
                 motion_of: |id| motion_of_actor(&snapshot, id),
+                foreground,
             };
             render_rolling(&moving, sensor, &self.weather, request.with_maps, &mut stream)?
         } else {
-            let foreground = Foreground { precipitation, lens_drops, warp };
             let image = render_through(&posed, view, &self.weather, seen, &foreground, &mut stream);
             Rendered { image, maps: request.with_maps.then(|| seen.maps_through(&posed, warp)) }
         };

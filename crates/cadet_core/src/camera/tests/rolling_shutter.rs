@@ -4,7 +4,7 @@ use nalgebra::Matrix3x4;
 
 use super::{cuboid, gray, ground};
 use crate::camera::{
-    CameraModel, Distortion, LensDrops, Maps, Moving, Rendered, View, render, render_rolling, visibility_pass,
+    CameraModel, Distortion, Foreground, Maps, Moving, Rendered, View, render, render_rolling, visibility_pass,
 };
 use crate::frames::upright;
 use crate::instance::Instance;
@@ -41,8 +41,8 @@ fn scene() -> PosedScene {
 fn rolled(camera: &CameraModel, ego: Motion, of_post: Motion) -> Rendered {
     let (scene, pose) = (scene(), world_from_cam());
     let motion_of = |id| if id == POST_ID { of_post } else { Motion::default() };
-    let (precipitation, lens_drops) = (None, LensDrops::default());
-    let moving = Moving { scene: &scene, world_from_cam: &pose, camera: ego, motion_of, precipitation, lens_drops };
+    let foreground = Foreground { warp: camera.warp(), ..Default::default() };
+    let moving = Moving { scene: &scene, world_from_cam: &pose, camera: ego, motion_of, foreground };
     let weather = Weather::preset("clear_noon").expect("a preset");
     render_rolling(&moving, camera, &weather, true, &mut Stream::from_seed("camera", 1)).expect("an image")
 }
