@@ -1,8 +1,8 @@
 """What is wrong with traffic: bodies in each other, off the ground, or standing for no end.
 
-    python benches/traffic.py -n 200 --seconds 60
+    python benches/traffic.py -n 200 --seconds 90
 
-lets so many episodes of the default policy run for a minute, looks once a second, and prints the worst of each kind.
+lets so many episodes of the default policy run for a while, looks once a second, and prints the worst of each kind.
 
 * Overlap: how far one would have to be moved out of the other, boxes seen from above, agents whose heights overlap.
   Arms and legs that swing are in people's boxes, so pairs with people have a row of their own, as have the coupled cars
@@ -123,7 +123,7 @@ def main() -> None:
     """Watch the episodes and print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("-n", dest="count", type=int, default=200, help="episodes")
-    parser.add_argument("--seconds", type=int, default=60)
+    parser.add_argument("--seconds", type=int, default=90)
     parser.add_argument("--seed", type=int, default=0, help="of the first episode")
     options = parser.parse_args()
     worst = Worst()

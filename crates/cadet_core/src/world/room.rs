@@ -9,6 +9,9 @@ const ROOM_IN_LANE_M: f64 = 0.22;
 const ROOM_BESIDE_M: f64 = 0.25;
 /// Aisles of car parks and lanes of a campus, which are no faster, are closed to what needs room.
 const CLOSED_TO_TRUCKS_MPS: f64 = 6.0;
+/// Vans shorter than this take every bend of a street; longer ones only bends of so much of their length.
+const LONG_VAN_M: f64 = 5.6;
+const VAN_RADIUS_OF_LENGTH: f64 = 1.2;
 /// Nothing farther from a lane than this matters.
 const FARTHEST_M: f64 = 3.0;
 
@@ -25,6 +28,12 @@ impl Needs {
     pub fn of_truck(size_lwh: DVec3) -> Self {
         let radius_m = 13.0 + 1.2 * (size_lwh.x - 7.2).max(0.0);
         Self { width_m: size_lwh.y, length_m: size_lwh.x, radius_m }
+    }
+
+    /// Of what is no truck: a long van swings into the oncoming lane in tight bends.
+    pub fn of_van(size_lwh: DVec3) -> Self {
+        let radius_m = if size_lwh.x > LONG_VAN_M { VAN_RADIUS_OF_LENGTH * size_lwh.x } else { 0.0 };
+        Self { radius_m, ..Self::default() }
     }
 
     pub fn is_some(&self) -> bool {

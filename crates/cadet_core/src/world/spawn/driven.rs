@@ -100,7 +100,8 @@ impl Spawner<'_> {
                 of(class)
             }
         };
-        self.place_car(slot, stream, model, Needs::default(), ring_m, hidden)
+        let needs = Needs::of_van(model.size_lwh);
+        self.place_car(slot, stream, model, needs, ring_m, hidden)
     }
 
     /// A truck where the streets have room for it, and for all its way to the next corners.
@@ -178,7 +179,7 @@ impl Spawner<'_> {
             let stop = (2.0 * 1.5 * (free_m - half_m - before_m).max(0.0)).sqrt();
             let speed = (0.9 * route.speed_for_bends(8.0, 1.5, roads)).min(stop);
             let mut idm = IdmParameters::draw(stream);
-            if needs.is_some() {
+            if model.class == ObjectClass::Truck {
                 idm.desired_speed_factor *= TRUCKS_SLOWER;
             }
             let physics = &mut self.arena.physics;

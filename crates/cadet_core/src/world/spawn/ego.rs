@@ -48,7 +48,7 @@ fn ego_model() -> VehicleModel {
 
 /// How much likelier the ego starts on a street with tracks than on another: KITTI was recorded along the tram lines of
 /// Karlsruhe more often than across them.
-const BESIDE_TRACKS: f64 = 6.0;
+const BESIDE_TRACKS: f64 = 20.0;
 
 /// The ego on a lane from which it can drive far, or in the middle of the ground where there is no lane.
 ///

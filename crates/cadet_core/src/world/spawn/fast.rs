@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::driven::chassis_on;
 use super::newcomers::driven_vehicle;
 use super::spawner::Spawner;
+use crate::actor::ObjectClass;
 use crate::assets::vehicle::VehicleModel;
 use crate::math::DVec3;
 use crate::rng::Stream;
@@ -73,7 +74,7 @@ impl Spawner<'_> {
         ring_m: (f64, f64),
         is_newcomer: bool,
     ) -> Option<Newcomer> {
-        let is_truck = needs.is_some();
+        let is_truck = model.class == ObjectClass::Truck;
         let half_m = model.size_lwh.x / 2.0;
         let mut idm = IdmParameters::draw(stream);
         idm.desired_speed_factor *= CARS_SHARE;
@@ -85,7 +86,8 @@ impl Spawner<'_> {
         let ego_mps = self.arena.ego().body.forward_mps(&self.arena.physics);
         let roads = &self.arena.streets.roads;
         let mut places: Vec<(LaneId, f64, f64)> = Vec::new();
-        for lane in roads.open_lanes().filter(|l| roads.is_fast(l.id) && (!is_truck || roads.fits(l.id, needs))) {
+        for lane in roads.open_lanes().filter(|l| roads.is_fast(l.id) && (!needs.is_some() || roads.fits(l.id, needs)))
+        {
             let from_right = std::iter::successors(roads.right_of(lane.id), |id| roads.right_of(*id)).count();
             if is_truck && from_right > 0 {
                 continue;

@@ -74,6 +74,29 @@ fn what_is_long_does_not_turn_in_tight_corners() {
 }
 
 #[test]
+fn a_long_van_does_not_turn_where_it_would_swing_into_the_oncoming_lane() {
+    let (long, short) = (Needs::of_van(DVec3::new(6.7, 2.4, 2.6)), Needs::of_van(DVec3::new(5.0, 2.0, 2.0)));
+    assert!(!short.is_some());
+    let (mut num_tight, mut num_long, mut num_looks) = (0, 0, 0);
+    for (seed, town) in trams::towns_with_tracks(4) {
+        let mut world = trams::busy(seed, &town);
+        let roads = &world.arena.streets.roads;
+        num_tight += roads.lanes().iter().filter(|l| l.junction.is_some() && !roads.fits(l.id, long)).count();
+        for _ in 0..60 {
+            world.step(SECOND);
+            for (agent, driver) in cars(&world).into_iter().filter(|(a, _)| a.class == ObjectClass::Van) {
+                let (size_lwh, lane) = (agent.appearance.size_lwh(), driver.route.as_ref().unwrap().lanes[0]);
+                num_looks += 1;
+                num_long += usize::from(size_lwh.x > 5.6);
+                assert!(world.arena.streets.roads.fits(lane, Needs::of_van(size_lwh)), "{} on {lane:?}", agent.id);
+            }
+        }
+    }
+    // There are such bends, and such vans.
+    assert!(num_tight > 20 && num_long > 100, "{num_tight} tight bends, {num_long} of {num_looks} vans are long");
+}
+
+#[test]
 fn a_place_without_a_trailer_or_a_truck_holds_the_same_car() {
     let fill = |seed: u64, vehicle_classes: &[ObjectClass]| {
         let mut world = World::new(suburb(seed), StreamKey::scene(seed)).unwrap();
