@@ -24,17 +24,12 @@ pub struct Column {
     pub high: f32,
 }
 
-/// The columns of a mesh, cluster by cluster.
-#[derive(Debug, Clone)]
-struct Columns {
-    /// Where those of each cluster begin, and where the last end.
-    starts: Vec<u32>,
-    columns: Vec<Column>,
-}
+/// Those of one cluster, found when they are first needed: of open country few clusters are ever near a camera.
+type OfCluster = OnceLock<Box<[Column]>>;
 
-/// Columns that are found when they are first needed. They follow from the mesh, so that all are equal.
+/// The columns of a mesh, cluster by cluster. They follow from the mesh, so that all are equal.
 #[derive(Debug, Clone, Default)]
-pub(super) struct LazyColumns(OnceLock<Columns>);
+pub(super) struct LazyColumns(OnceLock<Box<[OfCluster]>>);
 
 impl PartialEq for LazyColumns {
     fn eq(&self, _: &Self) -> bool {
@@ -45,36 +40,31 @@ impl PartialEq for LazyColumns {
 impl LazyColumns {
     /// The columns of a cluster.
     pub fn of(&self, clusters: &[Cluster], cluster: usize) -> &[Column] {
-        let all = self.0.get_or_init(|| Columns::new(clusters));
-        &all.columns[all.starts[cluster] as usize..all.starts[cluster + 1] as usize]
+        let all = self.0.get_or_init(|| vec![OfCluster::new(); clusters.len()].into());
+        all[cluster].get_or_init(|| columns_of(&clusters[cluster]))
+    }
+
+    /// How many clusters have theirs.
+    #[cfg(test)]
+    fn num_found(&self) -> usize {
+        self.0.get().map_or(0, |all| all.iter().filter(|columns| columns.get().is_some()).count())
     }
 }
 
-impl Columns {
-    fn new(clusters: &[Cluster]) -> Self {
-        let mut all = Self { starts: Vec::with_capacity(clusters.len() + 1), columns: Vec::new() };
-        all.starts.push(0);
-        let mut grid = Grid::default();
-        for cluster in clusters {
-            grid.reset(cluster);
-            let corner = |i: u8| {
-                let [x, y, z] = &cluster.lanes[usize::from(i) / LANES];
-                let k = usize::from(i) % LANES;
-                Vec3::new(x[k], y[k], z[k])
-            };
-            for corners in &cluster.corners {
-                grid.mark_face(corners.map(corner));
-            }
-            grid.append_to(&mut all.columns);
-            all.starts.push(all.columns.len() as u32);
-        }
-        all.columns.shrink_to_fit();
-        all
+fn columns_of(cluster: &Cluster) -> Box<[Column]> {
+    let mut grid = Grid::about(cluster);
+    let corner = |i: u8| {
+        let [x, y, z] = &cluster.lanes[usize::from(i) / LANES];
+        let k = usize::from(i) % LANES;
+        Vec3::new(x[k], y[k], z[k])
+    };
+    for corners in &cluster.corners {
+        grid.mark_face(corners.map(corner));
     }
+    grid.columns.into_iter().filter(|c| c.low <= c.high).collect()
 }
 
 /// A grid about a cluster, seen from above.
-#[derive(Default)]
 struct Grid {
     min: [f32; 2],
     pitch_m: f32,
@@ -83,15 +73,13 @@ struct Grid {
 }
 
 impl Grid {
-    fn reset(&mut self, cluster: &Cluster) {
+    fn about(cluster: &Cluster) -> Self {
         let (c, r) = (cluster.center, cluster.radius_m);
-        self.pitch_m = PITCH_M.max(2.0 * r / MAX_CELLS);
-        self.cells = (2.0 * r / self.pitch_m) as usize + 1;
-        let half = self.cells as f32 * self.pitch_m * 0.5;
-        self.min = [c.x - half, c.y - half];
-        self.columns.clear();
+        let pitch_m = PITCH_M.max(2.0 * r / MAX_CELLS);
+        let cells = (2.0 * r / pitch_m) as usize + 1;
+        let half = cells as f32 * pitch_m * 0.5;
         let none = Column { x: 0.0, y: 0.0, low: f32::INFINITY, high: f32::NEG_INFINITY };
-        self.columns.resize(self.cells * self.cells, none);
+        Self { min: [c.x - half, c.y - half], pitch_m, cells, columns: vec![none; cells * cells] }
     }
 
     /// Something at a place in a cell; its first place stays, but for the middle, which goes before all others.
@@ -112,10 +100,6 @@ impl Grid {
     /// The cell of a coordinate.
     fn cell(&self, v: f32, axis: usize) -> usize {
         (((v - self.min[axis]) / self.pitch_m).max(0.0) as usize).min(self.cells - 1)
-    }
-
-    fn append_to(&self, columns: &mut Vec<Column>) {
-        columns.extend(self.columns.iter().filter(|c| c.low <= c.high));
     }
 
     /// Marks the cells that a face covers.
@@ -172,7 +156,27 @@ fn span_at(corners: &[Vec3; 3], y: f32) -> Option<[f32; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::MeshBuilder;
+    use crate::geometry::{Mesh, MeshBuilder};
+
+    #[test]
+    fn only_clusters_that_somebody_asks_for_have_columns() {
+        let mut b = MeshBuilder::new();
+        for (x, y) in (0..40).flat_map(|x| (0..40).map(move |y| (x as f32 * 30.0, y as f32 * 30.0))) {
+            b.quad(
+                Vec3::new(x, y, 0.0),
+                Vec3::new(x + 30.0, y, 0.0),
+                Vec3::new(x + 30.0, y + 30.0, 0.0),
+                Vec3::new(x, y + 30.0, 0.0),
+                0,
+            );
+        }
+        let mesh = b.build("a plain of 1.4 square kilometers", 0.5);
+        let columns = mesh.columns_of(7).len();
+        let made = |mesh: &Mesh| mesh.columns.num_found();
+        assert!(columns > 1000 && mesh.clusters.len() > 20 && made(&mesh) == 1, "{columns}, {}", made(&mesh));
+        let again = mesh.columns_of(7).len();
+        assert!(again == columns && made(&mesh) == 1);
+    }
 
     #[test]
     fn a_slope_has_columns_at_its_height_over_all_of_its_area() {
