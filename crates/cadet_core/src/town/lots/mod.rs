@@ -31,6 +31,8 @@ const LINE_M: f64 = 0.12;
 const GAP_M: f64 = 0.5;
 /// What is laid out on a street's own ground is cut off: yards begin this far before the front of their lot.
 const BEFORE_M: f64 = 4.0;
+/// Around a corner the chord of a front is much shorter than the front, and no lot lies there.
+const LEAST_CHORD: f64 = 0.85;
 /// Points of walkways are at most so far apart.
 const STEP_M: f64 = 1.8;
 
@@ -159,7 +161,7 @@ fn along(frontage: &Frontage, usage: LotUse, site: &Site, taken: &mut Occupancy,
         let found = usage.depths_m().iter().find_map(|depth_m| {
             lengths.into_iter().filter(|l| *l >= least_m).find_map(|length_m| {
                 let plot = plot_at(frontage, site, from, length_m, *depth_m)?;
-                fits(&plot, site, taken).then_some(plot)
+                (plot.length_m > LEAST_CHORD * length_m && fits(&plot, site, taken)).then_some(plot)
             })
         });
         let Some(plot) = found else {
