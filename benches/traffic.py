@@ -1,14 +1,15 @@
 """What is wrong with traffic: bodies in each other, off the ground, or standing for no end.
 
     python benches/traffic.py -n 200 --seconds 90
+    python benches/traffic.py -n 20 --district motorway --district campus
 
 lets so many episodes of the default policy run for a while, looks once a second, and prints the worst of each kind.
 
 * Overlap: how far one would have to be moved out of the other, boxes seen from above, agents whose heights overlap.
   Arms and legs that swing are in people's boxes, so pairs with people have a row of their own, as have the coupled cars
   of trams.
-* Height: of the bottom over the ground beside the four corners, where that is even to 1 cm: away from curbs. Who sits
-  on a chair is left out.
+* Height: of the bottom over the ground beside the four corners and the middles of the sides, where that is even to 1
+  cm: away from curbs, and from dips that a long vehicle stands across. Who sits on a chair is left out.
 * Standing: vehicles that have been seen to move, and stood since.
 """
 
@@ -17,19 +18,21 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
 
 import cadet
+from cadet.districts import District
 
 PEOPLE = ("Pedestrian", "Person_sitting")
 ABOVE_M = 1.0
 BESIDE_M = 0.3
 EVEN_M = 0.01
 MOVING_MPS = 0.3
+AROUND = [[1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1], [1, 0]]
 
 
 @dataclass
@@ -49,8 +52,13 @@ class Worst:
 
 def corners_world(agent: cadet.Agent, grown_m: float = 0.0) -> NDArray[np.float64]:
     """Return the corners of a box's bottom: (4, 3)."""
-    length, width = agent.size_lwh[0] / 2 + grown_m, agent.size_lwh[1] / 2 + grown_m
-    local = np.array([[length, width, 0, 1], [-length, width, 0, 1], [-length, -width, 0, 1], [length, -width, 0, 1]])
+    return around_world(agent, grown_m, [[1, 1], [-1, 1], [-1, -1], [1, -1]])
+
+
+def around_world(agent: cadet.Agent, grown_m: float, places: list[list[int]]) -> NDArray[np.float64]:
+    """Return places about a box's bottom, in half lengths and widths of the grown box: (places, 3)."""
+    halves = np.asarray(agent.size_lwh[:2]) / 2 + grown_m
+    local = np.concatenate([np.asarray(places) * halves, np.tile([0.0, 1.0], (len(places), 1))], axis=1)
     return (local @ agent.world_from_agent.T)[:, :3]
 
 
@@ -82,10 +90,10 @@ def heights_m(scene: cadet.Scene, agents: list[cadet.Agent]) -> Iterator[tuple[c
     """Yield agents that stand on even ground, and how far their bottoms are above it."""
     if not agents:
         return
-    corners = np.concatenate([corners_world(agent, BESIDE_M) for agent in agents])
-    origins = corners + [0.0, 0.0, ABOVE_M]
+    beside = np.concatenate([around_world(agent, BESIDE_M, AROUND) for agent in agents])
+    origins = beside + [0.0, 0.0, ABOVE_M]
     hits = scene.cast_rays(origins, np.tile([0.0, 0.0, -1.0], (len(origins), 1)))
-    above_m = np.where(hits.actor_id == 0, hits.range_m - ABOVE_M, np.nan).reshape(-1, 4)
+    above_m = np.where(hits.actor_id == 0, hits.range_m - ABOVE_M, np.nan).reshape(-1, len(AROUND))
     for agent, heights in zip(agents, above_m, strict=True):
         if np.ptp(heights) < 2 * EVEN_M:
             yield agent, float(heights.mean())
@@ -98,9 +106,9 @@ def kind_of(a: cadet.Agent, b: cadet.Agent) -> str:
     return "overlap with people, m" if a.type in PEOPLE or b.type in PEOPLE else "overlap of vehicles, m"
 
 
-def watch(seed: int, seconds: int, worst: Worst) -> None:
+def watch(seed: int, seconds: int, policy: cadet.ResetPolicy, worst: Worst) -> None:
     """Let an episode run and look once a second."""
-    scene = cadet.Scene.random(seed=seed)
+    scene = cadet.Scene.random(seed=seed, policy=policy)
     last_moved_s: dict[int, float] = {}
     for second in range(seconds):
         place = f"seed {seed}, second {second}: "
@@ -125,10 +133,14 @@ def main() -> None:
     parser.add_argument("-n", dest="count", type=int, default=200, help="episodes")
     parser.add_argument("--seconds", type=int, default=90)
     parser.add_argument("--seed", type=int, default=0, help="of the first episode")
+    parser.add_argument("--district", action="append", help="instead of the policy's; several times for several")
     options = parser.parse_args()
+    policy = cadet.ResetPolicy.kitti()
+    if options.district:
+        policy = replace(policy, districts=tuple((District.named(name), 1.0) for name in options.district))
     worst = Worst()
     for seed in range(options.seed, options.seed + options.count):
-        watch(seed, options.seconds, worst)
+        watch(seed, options.seconds, policy, worst)
     for kind in sorted(worst.values):
         print(f"{kind:28} {worst.values[kind]:8.3f}   {worst.counts[kind]:5} beyond its limit   {worst.places[kind]}")
 

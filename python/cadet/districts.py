@@ -94,7 +94,7 @@ KITTI_DISTRICTS = (
             num_cars=(32, 50),
             num_pedestrians=(8, 14),
             num_cyclists=(0, 8),
-            num_trams=(4, 6),
+            num_trams=(2, 4),
             seat_occupancy=(0.0, 0.2),
             suburb=SuburbConfig(main_share=1.0, signal_share=0.7, tram_share=1.0, blocks=(3, 2), block_m=(85.0, 160.0)),
             props=PropConfig(city_share=0.2),

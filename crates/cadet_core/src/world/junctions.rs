@@ -16,6 +16,7 @@ const CLEARANCE_IN_BENDS_M: f64 = 3.3;
 struct Reservation {
     car: Slot,
     lane: LaneId,
+    has_priority: bool,
     /// The lane on which it leaves the junction, and the room that it takes there.
     exit: LaneId,
     room_m: f64,
@@ -35,6 +36,8 @@ struct Waiting {
     has_priority: bool,
     since_step: u64,
     seen_step: u64,
+    /// Whether it waits for a tram: whose way does not cross the tram's need not wait with it.
+    waits_for_tram: bool,
 }
 
 /// What a car asks for.
@@ -140,7 +143,16 @@ impl Junctions {
             }
             None => {
                 let (since_step, seen_step) = (step, step);
-                self.waiting.push(Waiting { car, lane: first, lets_pass, has_priority, since_step, seen_step });
+                let waits_for_tram = false;
+                self.waiting.push(Waiting {
+                    car,
+                    lane: first,
+                    lets_pass,
+                    has_priority,
+                    since_step,
+                    seen_step,
+                    waits_for_tram,
+                });
                 step
             }
         };
@@ -153,22 +165,29 @@ impl Junctions {
         let earlier = self.waiting.iter().find(|w| {
             w.car != car
                 && w.seen_step + 30 > step
+                && !w.waits_for_tram
                 && rank(w.has_priority, w.car, w.lets_pass, w.since_step) < own_rank
                 && self.conflicts[first.0].iter().any(|c| c.0 == w.lane)
         });
+        let earlier = earlier.map(|w| w.car);
         let taken = self.held.iter().find(|r| {
             r.car != car && self.conflicts[r.lane.0].iter().any(|(l, until_m)| r.tail_m < *until_m && lanes.contains(l))
         });
+        let waits_for_tram = taken.is_some_and(|r| r.has_priority) && !has_priority;
+        if let Some(waiting) = self.waiting.iter_mut().find(|w| w.car == car) {
+            waiting.waits_for_tram = waits_for_tram;
+        }
         if let Some(by) = taken {
             return Err(Refusal::Taken(by.car));
         }
         if let Some(by) = earlier {
-            return Err(Refusal::Earlier(by.car));
+            return Err(Refusal::Earlier(by));
         }
         self.waiting.retain(|w| w.car != car);
         self.held.extend(lanes.iter().map(|lane| Reservation {
             car,
             lane: *lane,
+            has_priority,
             exit,
             room_m,
             tail_m: f64::NEG_INFINITY,

@@ -13,8 +13,8 @@ use super::route::{EGO_STRAIGHT, Route};
 use super::slot::EGO;
 use super::snapshot::{EgoState, Snapshot};
 use super::spawn::{
-    RENEW_EVERY, Spawner, TrafficConfig, add_cyclist, add_person, add_seated, add_vehicle, box_at, check_free, fill,
-    place_ego, renew,
+    RENEW_EVERY, Respawns, Spawner, TrafficConfig, add_cyclist, add_person, add_seated, add_vehicle, box_at,
+    check_free, fill, place_ego, renew,
 };
 use crate::actor::ObjectClass;
 use crate::assets::vehicle::{UserVehicles, VehicleModel};
@@ -46,7 +46,7 @@ pub struct World {
     night_scenery: Option<Vec<Instance>>,
     rains: bool,
     steps: u64,
-    respawns: u64,
+    respawns: Respawns,
 }
 
 impl World {
@@ -70,7 +70,7 @@ impl World {
             night_scenery: None,
             rains: false,
             steps: 0,
-            respawns: 0,
+            respawns: Respawns::default(),
         })
     }
 
@@ -296,7 +296,11 @@ impl World {
         if self.steps.is_multiple_of(RENEW_EVERY)
             && let Self { arena, key, user_vehicles, traffic: Some(config), rains, .. } = self
         {
-            renew(&mut Spawner { arena, key: *key, config, user_vehicles, rains: *rains }, &mut self.respawns);
+            renew(
+                &mut Spawner { arena, key: *key, config, user_vehicles, rains: *rains },
+                &mut self.respawns,
+                self.steps,
+            );
         }
     }
 

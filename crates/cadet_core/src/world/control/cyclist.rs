@@ -133,7 +133,7 @@ impl Controller for Cyclist {
         self.desired_mps = self.cruise_mps.min(self.route.speed_for_bends(self.speed_mps, 1.5, roads));
         let mut ahead = std::mem::take(around.way_ahead_mut(own.slot));
         ahead.clear();
-        ahead.extend(in_sight(&self.route, self.speed_mps, roads));
+        ahead.extend(in_sight(&self.route, self.speed_mps, footprint.half_length_m, roads));
         let rider =
             OnRoute { slot: own.slot, footprint: &footprint, route: &self.route, idm: &self.idm, train_m: None };
         (self.interaction_mps2, self.cause) = worst_hazard(&rider, &ahead, around, roads, step);

@@ -183,7 +183,7 @@ impl Controller for Driver {
             let speed = footprint.velocity.dot(footprint.heading);
             self.desired_mps =
                 (self.idm.desired_speed_factor * route.speed_for_bends(speed, 1.5, roads)).min(self.idm.top_speed_mps);
-            ahead.extend(in_sight(route, speed, roads));
+            ahead.extend(in_sight(route, speed, footprint.half_length_m, roads));
             let rider = OnRoute { slot: own.slot, footprint: &footprint, route, idm: &self.idm, train_m: None };
             (self.interaction_mps2, self.cause) = worst_hazard(&rider, &ahead, around, roads, step);
             self.overtaking = match (self.overtaking, self.cause) {

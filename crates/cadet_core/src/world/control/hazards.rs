@@ -13,6 +13,9 @@ use crate::world::surroundings::Surroundings;
 /// How far a driver looks.
 const SIGHT_M: f64 = 60.0;
 const SAMPLE_M: f64 = 1.25;
+/// How far one looks when standing, and at least before the front bumper.
+const NEAR_M: f64 = 12.0;
+const BEFORE_FRONT_M: f64 = 8.0;
 /// How far one looks on a motorway.
 const FAST_SIGHT_M: f64 = 260.0;
 /// Room kept beside what stands, and beside what moves.
@@ -47,10 +50,16 @@ pub(super) struct OnRoute<'a> {
     pub train_m: Option<f64>,
 }
 
-/// The places ahead on a route that matter at a speed.
-pub(super) fn in_sight(route: &Route, speed_mps: f64, roads: &Roads) -> impl Iterator<Item = Ahead> {
+/// The places ahead on a route, from the vehicle's middle on, that matter at a speed.
+pub(super) fn in_sight(
+    route: &Route,
+    speed_mps: f64,
+    half_length_m: f64,
+    roads: &Roads,
+) -> impl Iterator<Item = Ahead> {
     let most_m = if roads.is_fast(route.lanes[0]) { FAST_SIGHT_M } else { SIGHT_M };
-    let sight_m = (speed_mps * speed_mps / (2.0 * COMFORTABLE_MPS2) + 2.0 * speed_mps + 12.0).min(most_m);
+    let near_m = NEAR_M.max(half_length_m + BEFORE_FRONT_M);
+    let sight_m = (speed_mps * speed_mps / (2.0 * COMFORTABLE_MPS2) + 2.0 * speed_mps + near_m).min(most_m);
     let count = (sight_m / SAMPLE_M) as usize;
     (0..count).map(|k| route.ahead(k as f64 * SAMPLE_M, roads))
 }

@@ -154,7 +154,7 @@ impl Controller for TramCar {
         .min(for_end_mps);
         let mut ahead = std::mem::take(around.way_ahead_mut(own.slot));
         ahead.clear();
-        ahead.extend(in_sight(&driver.route, train.speed_mps, roads));
+        ahead.extend(in_sight(&driver.route, train.speed_mps, footprint.half_length_m, roads));
         let train_m = Some(train.length_m);
         let rider = OnRoute { slot: own.slot, footprint: &footprint, route: &driver.route, idm: &driver.idm, train_m };
         (driver.interaction_mps2, driver.cause) = worst_hazard(&rider, &ahead, around, roads, step);

@@ -24,4 +24,4 @@ pub(super) use overlap::check_free;
 pub(super) use placed::{add_cyclist, add_person, add_vehicle, box_at};
 pub(super) use seated::add_seated;
 pub(super) use spawner::Spawner;
-pub(super) use traffic::{RENEW_EVERY, fill, renew};
+pub(super) use traffic::{RENEW_EVERY, Respawns, fill, renew};

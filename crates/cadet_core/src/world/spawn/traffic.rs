@@ -54,8 +54,18 @@ pub(crate) fn fill(spawner: &mut Spawner<'_>, town: &Town) -> Result<()> {
     Ok(())
 }
 
-/// Replaces who has gone too far from the ego by newcomers out of its sight; counts the attempts in `respawns`.
-pub(crate) fn renew(spawner: &mut Spawner<'_>, respawns: &mut u64) {
+/// How many have been replaced, and when.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Respawns {
+    /// All attempts so far: they number the draws.
+    count: u64,
+    /// No tram comes before this step.
+    next_tram_step: u64,
+}
+
+/// Replaces who has gone too far from the ego by newcomers out of its sight.
+pub(crate) fn renew(spawner: &mut Spawner<'_>, respawns: &mut Respawns, step: u64) {
+    let Respawns { count: respawns, next_tram_step } = respawns;
     let gone = gone_cars(spawner);
     let appears_m = if spawner.is_fast() { fast::APPEARS_M } else { CAR_APPEARS_M };
     replace(spawner, "newcomers", respawns, &gone, appears_m, Spawner::new_car);
@@ -64,7 +74,11 @@ pub(crate) fn renew(spawner: &mut Spawner<'_>, respawns: &mut u64) {
     spawner.hand_out(&gone);
     let gone = gone_cyclists(spawner);
     replace(spawner, "new cyclists", respawns, &gone, CYCLIST_APPEARS_M, Spawner::new_cyclist);
-    spawner.renew_trams(respawns);
+    if step >= *next_tram_step
+        && let Some(pause_steps) = spawner.renew_tram(respawns)
+    {
+        *next_tram_step = step + pause_steps;
+    }
 }
 
 /// Makes somebody for a slot, between two distances from the ego, hidden from it or not; `None` where there is no place.

@@ -12,6 +12,7 @@ use crate::town::{LaneId, LaneKind};
 use crate::world::arena::Newcomer;
 use crate::world::control::{Coupled, Train, TramCar};
 use crate::world::footprint::Footprint;
+use crate::world::physics::DT_S;
 use crate::world::slot::Slot;
 use crate::world::track::Track;
 
@@ -22,6 +23,10 @@ const APPEARS_M: (f64, f64) = (95.0, 190.0);
 const STARTS_M: (f64, f64) = (12.0, 130.0);
 /// What has reached the end of its line is taken away where nobody sees it.
 const UNSEEN_M: f64 = 100.0;
+/// Between a tram and the next that appears, whichever way it goes.
+const PAUSE_S: (f64, f64) = (25.0, 60.0);
+/// Nearer to each other along a track no two trams appear.
+const SPACING_M: f64 = 110.0;
 /// Room before and behind at the start, and beside.
 const HEADWAY_M: f64 = 12.0;
 const BESIDE_M: f64 = 0.3;
@@ -45,8 +50,9 @@ impl Spawner<'_> {
         }
     }
 
-    /// Replaces trams that have gone too far away, or have reached the end of their line, unseen.
-    pub(super) fn renew_trams(&mut self, respawns: &mut u64) {
+    /// Replaces a tram that has gone too far away, or has reached the end of its line, unseen; returns how many steps pass
+    /// before the next one.
+    pub(super) fn renew_tram(&mut self, respawns: &mut u64) -> Option<u64> {
         for slots in self.gone_trams() {
             let mut stream = self.key.indexed("new trams", *respawns);
             *respawns += 1;
@@ -56,7 +62,9 @@ impl Spawner<'_> {
             for (slot, newcomer) in slots.iter().zip(newcomers) {
                 self.arena.replace(*slot, newcomer);
             }
+            return Some((stream.range(PAUSE_S.0, PAUSE_S.1) / DT_S) as u64);
         }
+        None
     }
 
     /// The slots of trams that may go, the first car's first.
@@ -118,6 +126,14 @@ impl Spawner<'_> {
         let free_m = roads.lane(lane).length_m() - s_m - length_m / 2.0;
         let speed_mps =
             stream.range(STARTS_MPS.0, STARTS_MPS.1).min((2.0 * STOPS_MPS2 * (free_m - 5.0).max(0.0)).sqrt());
+        let is_spaced = self.arena.controlled_by::<TramCar>().all(|(slot, _, car)| {
+            let other = car.shared();
+            let ahead_m = other.track.start_of(lane).map(|m| other.front_m - m - s_m - length_m / 2.0);
+            but.contains(&slot) || ahead_m.is_none_or(|m| m.abs() > SPACING_M)
+        });
+        if !is_spaced {
+            return None;
+        }
         let train = Train { track, front_m, length_m, speed_mps, accel_mps2: 0.0 };
         let cars = coupled(models);
         let footprints: Vec<Footprint> = models

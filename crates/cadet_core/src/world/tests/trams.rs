@@ -4,7 +4,7 @@ use super::towns::{slope, tram_roads};
 use super::*;
 use crate::town::{LaneId, LaneKind, Town};
 use crate::world::DT_S;
-use crate::world::control::TramCar;
+use crate::world::control::{Train, TramCar};
 
 fn tram_cars(world: &World) -> Vec<(&Agent, &TramCar)> {
     world.arena.controlled_by::<TramCar>().map(|(_, agent, car)| (agent, car)).collect()
@@ -28,7 +28,7 @@ pub(super) fn towns_with_tracks(count: usize) -> Vec<(u64, Arc<Town>)> {
 pub(super) fn busy(seed: u64, town: &Arc<Town>) -> World {
     let mut world = World::new(Arc::clone(town), StreamKey::scene(seed)).unwrap();
     let config =
-        TrafficConfig { num_cars: 30, num_pedestrians: 20, num_cyclists: 6, num_trams: 3, ..TrafficConfig::default() };
+        TrafficConfig { num_cars: 30, num_pedestrians: 20, num_cyclists: 6, num_trams: 4, ..TrafficConfig::default() };
     world.spawn_traffic(&config).unwrap();
     world
 }
@@ -36,7 +36,7 @@ pub(super) fn busy(seed: u64, town: &Arc<Town>) -> World {
 #[test]
 fn trams_keep_to_their_tracks_stay_coupled_and_touch_nobody_for_minutes() {
     let (mut num_trains, mut gone_m, mut longest_s, mut crossed) = (0, 0.0, 0.0_f64, 0);
-    for (seed, town) in towns_with_tracks(4) {
+    for (seed, town) in towns_with_tracks(6) {
         let mut world = busy(seed, &town);
         num_trains += trains(&world).len();
         for tick in 0..300 {
@@ -135,6 +135,72 @@ fn a_car_that_waits_longer_than_a_tram_still_lets_it_go() {
     junctions.forget(9);
     // The car came first, but the tram asks now.
     assert_eq!(junctions.request(&asked(3, true, &[track.id], track.id), 2), Ok(()));
+}
+
+#[test]
+fn who_waits_for_a_tram_holds_up_nobody_whose_way_is_free() {
+    let (_, town) = towns_with_tracks(1).remove(0);
+    let roads = Roads::new(Arc::clone(&town));
+    let mut junctions = Junctions::new(&roads);
+    let is_road = |l: &LaneId| town.network.lane(*l).kind == LaneKind::Driving;
+    let of = |junctions: &Junctions, lane: LaneId| -> Vec<LaneId> { junctions.conflicts_of(lane) };
+    // A track, a way that crosses it, and one that crosses that way but not the track.
+    let (track, blocked, free) = roads
+        .lanes()
+        .iter()
+        .filter(|l| l.kind == LaneKind::Tram && l.junction.is_some())
+        .find_map(|track| {
+            let across = of(&junctions, track.id);
+            let (blocked, free) = across.iter().filter(|l| is_road(l)).find_map(|blocked| {
+                let free = of(&junctions, *blocked).into_iter().find(|l| is_road(l) && !across.contains(l))?;
+                Some((*blocked, free))
+            })?;
+            Some((track.id, blocked, free))
+        })
+        .expect("a junction with such ways");
+    let (tram, waiting, third) = (1, 2, 3);
+    junctions.request(&asked(tram, true, &[track], track), 0).unwrap();
+    assert_eq!(junctions.request(&asked(waiting, false, &[blocked], track), 1), Err(Refusal::Taken(tram)));
+    assert_eq!(junctions.request(&asked(third, false, &[free], track), 2), Ok(()));
+    // Once the tram is over, who came first goes first.
+    junctions.forget(third);
+    junctions.forget(tram);
+    junctions.request(&asked(9, false, &[free], track), 3).unwrap();
+    assert_eq!(junctions.request(&asked(waiting, false, &[blocked], track), 4), Err(Refusal::Taken(9)));
+    junctions.forget(9);
+    assert_eq!(junctions.request(&asked(third, false, &[free], track), 5), Err(Refusal::Earlier(waiting)));
+}
+
+#[test]
+fn trams_come_one_after_the_other() {
+    for (seed, town) in towns_with_tracks(3) {
+        let mut world = busy(seed, &town);
+        let leaders = |world: &World| -> Vec<(i32, f64, LaneId)> {
+            let cars = tram_cars(world);
+            let leaders = cars.iter().filter(|(_, car)| car.leads());
+            let place = |train: &Train| (train.front_m, train.track.lane_at(0.0).0);
+            leaders.map(|(a, car)| (a.id, place(&car.shared()))).map(|(id, (m, lane))| (id, m, lane)).collect()
+        };
+        let start = leaders(&world);
+        for (k, a) in start.iter().enumerate() {
+            for b in &start[..k] {
+                assert!(a.2 != b.2 || (a.1 - b.1).abs() > 100.0, "seed {seed}: {a:?} and {b:?}");
+            }
+        }
+        let mut known: Vec<i32> = start.iter().map(|a| a.0).collect();
+        let mut last_s = f64::NEG_INFINITY;
+        for second in 0..180 {
+            world.step(SECOND);
+            for (id, ..) in leaders(&world) {
+                if !known.contains(&id) {
+                    known.push(id);
+                    let pause_s = f64::from(second) - last_s;
+                    assert!(pause_s >= 24.0, "seed {seed}: a tram comes after {pause_s} s");
+                    last_s = f64::from(second);
+                }
+            }
+        }
+    }
 }
 
 #[test]
