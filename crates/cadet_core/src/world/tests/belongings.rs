@@ -23,7 +23,7 @@ fn things(world: &World) -> Vec<(i32, String)> {
 fn half_of_the_people_have_umbrellas_in_rain_and_none_when_it_is_dry() {
     let share = |rains: bool, thing: &str| {
         let of_all: Vec<String> =
-            (0..16).flat_map(|seed| things(&town_people(seed, rains))).map(|(_, thing)| thing).collect();
+            (0..40).flat_map(|seed| things(&town_people(seed, rains))).map(|(_, thing)| thing).collect();
         of_all.iter().filter(|t| *t == thing).count() as f64 / of_all.len() as f64
     };
     assert_eq!(share(false, "umbrella"), 0.0);
@@ -31,7 +31,7 @@ fn half_of_the_people_have_umbrellas_in_rain_and_none_when_it_is_dry() {
     assert!((0.40..0.58).contains(&wet), "{wet}");
     let dry = ["pram", "dog", "case", "rollator"].map(|thing| share(false, thing));
     let [pram, dog, case, rollator] = dry;
-    assert!((0.012..0.055).contains(&pram) && (0.012..0.055).contains(&dog), "{dry:?}");
+    assert!((0.008..0.055).contains(&pram) && (0.012..0.055).contains(&dog), "{dry:?}");
     assert!((0.005..0.04).contains(&case) && (0.004..0.04).contains(&rollator), "{dry:?}");
 }
 
