@@ -76,7 +76,7 @@ pub fn night_gain(wanted: f32) -> (f32, f32) {
 }
 
 /// The camera's gains for R, G, B, beside the exposure: with them lit gray and the mean color are KITTI's.
-pub const WHITE_BALANCE: [f32; 3] = [0.97, 1.0, 1.05];
+pub const WHITE_BALANCE: [f32; 3] = [0.93, 1.0, 1.14];
 
 /// Every `step`-th pixel as the sensor will see it, but for the gain: with the veil, white-balanced.
 #[must_use]

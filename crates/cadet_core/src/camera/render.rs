@@ -30,7 +30,7 @@ pub struct Rendered {
 /// Share of the mean radiance that lens and housing scatter over the image; see [`Light::glare_ceiling`].
 const VEILING_GLARE: f32 = 0.016;
 /// Mean luma that the exposure aims at, and its spread from frame to frame.
-const MEAN_LUMA: (f64, f64) = (93.0, 4.5);
+const MEAN_LUMA: (f64, f64) = (92.0, 4.5);
 /// The same at night, which is to stay dark.
 const NIGHT_MEAN_LUMA: (f64, f64) = (27.0, 2.0);
 /// Every so many pixels one is metered: a prime number, so that no column is.
