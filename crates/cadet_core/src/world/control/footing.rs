@@ -7,8 +7,6 @@ use crate::world::surroundings::{PersonAt, VehicleAt};
 
 /// Radius of the circle in the plane that a person's trunk stays inside of; arms and legs swing beyond it.
 pub(crate) const BODY_M: f64 = 0.24;
-/// From middle to middle of two people: their shoulders and arms have room.
-pub(crate) const PEOPLE_APART_M: f64 = 0.58;
 /// Vehicles and people farther away than this are not met before the next look.
 const REACH_M: f64 = 1.5;
 /// The turns that are tried to get round what is in the way, first to the side on which one goes round already.
@@ -60,7 +58,7 @@ impl Nearby {
             };
             let touches = |other: &DVec2| {
                 let (before, after) = ((*other - from).length(), (*other - p).length());
-                after < PEOPLE_APART_M && after < before
+                after < 2.0 * BODY_M && after < before
             };
             !self.parked.iter().any(enters)
                 && !near_vehicles.iter().any(|v| enters(v))
@@ -144,7 +142,7 @@ mod tests {
     fn nobody_steps_into_a_person() {
         let other = DVec2::new(1.0, 0.05);
         let way = walk(DVec2::ZERO, DVec2::new(0.01, 0.0), &[other], true);
-        assert!(way.iter().all(|p| (other - *p).length() >= PEOPLE_APART_M));
+        assert!(way.iter().all(|p| (other - *p).length() >= 2.0 * BODY_M));
         assert!(way[399].length() > 0.4);
     }
 
@@ -152,7 +150,7 @@ mod tests {
     fn who_stands_in_something_may_leave_it() {
         let other = DVec2::new(0.1, 0.0);
         let way = walk(DVec2::ZERO, DVec2::new(-0.01, 0.0), &[other], true);
-        assert!((way[399] - other).length() > PEOPLE_APART_M);
+        assert!((way[399] - other).length() > 2.0 * BODY_M);
     }
 
     #[test]

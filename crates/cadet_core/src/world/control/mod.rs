@@ -25,7 +25,7 @@ mod turning;
 pub(super) use controller::{Controller, Own};
 pub(super) use cyclist::Cyclist;
 pub(super) use driver::Driver;
-pub(super) use footing::{BODY_M, PEOPLE_APART_M};
+pub(super) use footing::BODY_M;
 #[cfg(test)]
 pub(super) use hazards::Cause;
 pub(super) use idm::IdmParameters;

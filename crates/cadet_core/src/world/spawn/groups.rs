@@ -8,7 +8,7 @@ use crate::assets::person::PersonModel;
 use crate::math::{self, DVec2};
 use crate::rng::Stream;
 use crate::world::body::Body;
-use crate::world::control::{Company, Motion, PEOPLE_APART_M, Pedestrian};
+use crate::world::control::{BODY_M, Company, Motion, Pedestrian};
 use crate::world::slot::Slot;
 
 /// How likely somebody joins another of the last few who came, and how likely a group of two and more grows.
@@ -18,7 +18,7 @@ const MOST_TOGETHER: usize = 7;
 /// A group is joined by who comes at most so many later.
 const JOINS_WITHIN: usize = 4;
 /// Between shoulders in a row, between rows, and between people who stand and talk.
-const ASIDE_M: (f64, f64) = (0.62, 0.9);
+const ASIDE_M: (f64, f64) = (0.56, 0.86);
 const BEHIND_M: (f64, f64) = (0.85, 1.5);
 const TALK_M: (f64, f64) = (0.65, 1.1);
 
@@ -85,7 +85,7 @@ impl Spawner<'_> {
         let aside_m = if is_aside { side * apart_m } else { 0.0 };
         let lateral_m = (lead_m + aside_m).clamp(-room, room);
         let s_m = self.arena.streets.sidewalks.wrapped(walkway, s_m - direction * behind_m)?;
-        if !self.has_room_for_person(self.on_sidewalk(walkway, s_m, lateral_m), slot, PEOPLE_APART_M) {
+        if !self.has_room_for_person(self.on_sidewalk(walkway, s_m, lateral_m), slot, 2.0 * BODY_M) {
             return None;
         }
         if aside.is_none() && is_aside {
@@ -112,7 +112,7 @@ impl Spawner<'_> {
         let (distance_m, bearing) = (stream.range(TALK_M.0, TALK_M.1), stream.range(-math::PI, math::PI));
         let away = DVec2::new(math::cos(bearing), math::sin(bearing));
         let at = middle + away * distance_m;
-        if !self.arena.streets.roads.is_sidewalk(at) || !self.has_room_for_person(at, slot, PEOPLE_APART_M) {
+        if !self.arena.streets.roads.is_sidewalk(at) || !self.has_room_for_person(at, slot, 2.0 * BODY_M) {
             return None;
         }
         if !hidden

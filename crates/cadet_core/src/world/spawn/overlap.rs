@@ -6,7 +6,7 @@ use crate::math::DVec2;
 use crate::world::agent::Agent;
 use crate::world::arena::Arena;
 use crate::world::body::Body;
-use crate::world::control::{BODY_M, PEOPLE_APART_M};
+use crate::world::control::BODY_M;
 use crate::world::course::Overlap;
 use crate::world::footprint::Footprint;
 use crate::world::slot::{EGO, Slot};
@@ -31,7 +31,7 @@ impl Cover {
     fn overlaps(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Box(a), Self::Box(b)) => a.overlaps(b),
-            (Self::Trunk(a), Self::Trunk(b)) => (*a - *b).length() < PEOPLE_APART_M,
+            (Self::Trunk(a), Self::Trunk(b)) => (*a - *b).length() < 2.0 * BODY_M,
             (Self::Box(a), Self::Trunk(p)) | (Self::Trunk(p), Self::Box(a)) => {
                 (a.closest_point(*p) - *p).length() < BODY_M
             }

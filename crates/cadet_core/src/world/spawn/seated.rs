@@ -15,7 +15,7 @@ use crate::town::Town;
 use crate::world::appearance::Appearance;
 use crate::world::arena::{Arena, Newcomer};
 use crate::world::body::{Body, Upright};
-use crate::world::control::{PEOPLE_APART_M, Parked};
+use crate::world::control::{BODY_M, Parked};
 use crate::world::course::{Course, Overlap};
 
 /// Seats this near to each other are used or left alone together.
@@ -39,7 +39,7 @@ impl Spawner<'_> {
             let model = PersonModel::sitting(stream.next_u64(), seat.height_m);
             let sitter = seated(model, &seat.world_from_seat, &mut stream);
             let here = sitter.at();
-            if self.arena.people().all(|(_, other)| (other - here).length() > PEOPLE_APART_M) {
+            if self.arena.people().all(|(_, other)| (other - here).length() > 2.0 * BODY_M) {
                 self.arena.put(sitter.into_newcomer());
             }
         }

@@ -7,7 +7,6 @@ use crate::world::control::Cyclist;
 
 /// A person's body in the plane: a circle round the trunk. Arms and legs swing beyond it.
 const BODY_M: f64 = 0.22;
-const PEOPLE_APART_M: f64 = 0.56;
 
 /// Occupancy, cars, people, and cyclists: the middles of the default policy's districts.
 const DISTRICTS: [(f64, usize, usize, usize); 5] =
@@ -69,7 +68,7 @@ fn nobody_walks_into_a_car_or_a_person() {
                 }
                 for (other, _) in &walkers[i + 1..] {
                     let apart_m = (place(&world, other) - p).length();
-                    assert!(apart_m >= PEOPLE_APART_M, "seed {seed}, tick {tick}: {} in {}", walker.id, other.id);
+                    assert!(apart_m >= 2.0 * BODY_M, "seed {seed}, tick {tick}: {} in {}", walker.id, other.id);
                 }
             }
         }
