@@ -134,8 +134,14 @@ impl Controller for Cyclist {
         let mut ahead = std::mem::take(around.way_ahead_mut(own.slot));
         ahead.clear();
         ahead.extend(in_sight(&self.route, self.speed_mps, footprint.half_length_m, roads));
-        let rider =
-            OnRoute { slot: own.slot, footprint: &footprint, route: &self.route, idm: &self.idm, train_m: None };
+        let rider = OnRoute {
+            slot: own.slot,
+            footprint: &footprint,
+            route: &self.route,
+            idm: &self.idm,
+            train_m: None,
+            squeezes: false,
+        };
         (self.interaction_mps2, self.cause) = worst_hazard(&rider, &ahead, around, roads, step);
         *around.way_ahead_mut(own.slot) = ahead;
         // In the bend both hands are needed.

@@ -30,6 +30,9 @@ const RESPONSE_S: f64 = 0.5;
 /// How fast a car moves across its lane by command, and by how much of its speed: a jump would make it skid.
 const SIDEWAYS_MPS: f64 = 1.0;
 const SIDEWAYS_SHARE: f64 = 0.2;
+/// Who has stood for so long makes do with less room for a while.
+const WAITED_STEPS: u64 = 10 * 60;
+const SQUEEZES_STEPS: u64 = 8 * 60;
 /// Who is so far from the line that is wanted is changing lines, and shows it.
 const SHIFTING_M: f64 = 0.3;
 
@@ -39,6 +42,8 @@ pub(crate) struct Driver {
     /// Whether the driver drives; otherwise the brakes hold.
     pub drives: bool,
     pub standing_steps: u64,
+    /// Until then less room beside others will do.
+    squeezes_until: u64,
     idm: IdmParameters,
     interaction_mps2: f64,
     desired_mps: f64,
@@ -58,6 +63,7 @@ impl Driver {
             drives: route.is_some(),
             route,
             standing_steps: 0,
+            squeezes_until: 0,
             idm,
             interaction_mps2: 0.0,
             desired_mps: 0.0,
@@ -184,7 +190,12 @@ impl Controller for Driver {
             self.desired_mps =
                 (self.idm.desired_speed_factor * route.speed_for_bends(speed, 1.5, roads)).min(self.idm.top_speed_mps);
             ahead.extend(in_sight(route, speed, footprint.half_length_m, roads));
-            let rider = OnRoute { slot: own.slot, footprint: &footprint, route, idm: &self.idm, train_m: None };
+            if self.standing_steps >= WAITED_STEPS {
+                self.squeezes_until = step + SQUEEZES_STEPS;
+            }
+            let squeezes = step < self.squeezes_until;
+            let rider =
+                OnRoute { slot: own.slot, footprint: &footprint, route, idm: &self.idm, train_m: None, squeezes };
             (self.interaction_mps2, self.cause) = worst_hazard(&rider, &ahead, around, roads, step);
             self.overtaking = match (self.overtaking, self.cause) {
                 (Some(begun), _) => begun.go_on(&rider, self.desired_mps, around, roads),

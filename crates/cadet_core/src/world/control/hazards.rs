@@ -21,6 +21,10 @@ const FAST_SIGHT_M: f64 = 260.0;
 /// Room kept beside what stands, and beside what moves.
 const SIDE_STANDING_M: f64 = 0.12;
 const SIDE_MOVING_M: f64 = 0.25;
+/// The same beside what moves, of who has waited long: two buses pass each other in narrow lanes with less than usual.
+const SIDE_SQUEEZING_M: f64 = 0.08;
+/// What is kept in front of all of a vehicle that turns, usually and then.
+const SWEPT_M: (f64, f64) = (0.1, 0.03);
 
 /// What a driver brakes for most: named for the tests.
 #[cfg_attr(not(test), allow(dead_code))]
@@ -48,6 +52,8 @@ pub(super) struct OnRoute<'a> {
     pub idm: &'a IdmParameters,
     /// All of a train whose first car this is.
     pub train_m: Option<f64>,
+    /// Whether it makes do with little room beside others, having waited.
+    pub squeezes: bool,
 }
 
 /// The places ahead on a route, from the vehicle's middle on, that matter at a speed.
@@ -88,7 +94,8 @@ pub(super) fn worst_hazard(
     roads: &Roads,
     step: u64,
 ) -> (f64, Cause) {
-    let OnRoute { slot, footprint: own, route, idm, train_m } = *on_route;
+    let OnRoute { slot, footprint: own, route, idm, train_m, squeezes } = *on_route;
+    let (side_moving_m, swept_m) = if squeezes { (SIDE_SQUEEZING_M, SWEPT_M.1) } else { (SIDE_MOVING_M, SWEPT_M.0) };
     let speed = own.velocity.dot(own.heading);
     let (low, high) =
         ahead.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), a| (lo.min(a.at), hi.max(a.at)));
@@ -100,7 +107,7 @@ pub(super) fn worst_hazard(
     };
     let standing = || around.standing_in_lanes.iter().map(|o| (Cause::Parked, SIDE_STANDING_M, o));
     let others = || around.vehicles.iter().filter(|v| v.agent != slot);
-    let moving = || others().map(|v| (Cause::Vehicle(v.agent), SIDE_MOVING_M, &v.footprint));
+    let moving = || others().map(|v| (Cause::Vehicle(v.agent), side_moving_m, &v.footprint));
     let people = around.people_on_road.iter().map(|o| (Cause::Person, SIDE_MOVING_M, o));
     let claims = around.claims().filter(|(other, _)| *other != slot);
     let claimed = claims.map(|(other, claim)| (Cause::Vehicle(other), SIDE_MOVING_M, &claim.footprint));
@@ -116,7 +123,7 @@ pub(super) fn worst_hazard(
     // In a bend a car sweeps more than its corridor: would its rectangle meet another's a little farther on?
     for reach_m in [0.8, 1.6, 2.6] {
         let there = route.ahead(reach_m, roads);
-        let swept = Footprint { center: there.at, heading: there.tangent, ..*own }.grown(0.1);
+        let swept = Footprint { center: there.at, heading: there.tangent, ..*own }.grown(swept_m);
         let meets = |o: &Footprint| {
             (o.center - own.center).length() < 14.0
                 && (o.center - own.center).dot(own.heading) > 0.0

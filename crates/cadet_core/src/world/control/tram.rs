@@ -156,7 +156,8 @@ impl Controller for TramCar {
         ahead.clear();
         ahead.extend(in_sight(&driver.route, train.speed_mps, footprint.half_length_m, roads));
         let train_m = Some(train.length_m);
-        let rider = OnRoute { slot: own.slot, footprint: &footprint, route: &driver.route, idm: &driver.idm, train_m };
+        let (route, idm) = (&driver.route, &driver.idm);
+        let rider = OnRoute { slot: own.slot, footprint: &footprint, route, idm, train_m, squeezes: false };
         (driver.interaction_mps2, driver.cause) = worst_hazard(&rider, &ahead, around, roads, step);
         if end_m < 1.0 {
             // The end of the line: nothing but the brakes.
