@@ -33,4 +33,6 @@ def test_the_empty_scene_shows_a_road_with_lines_between_lawns() -> None:
     assert 0.2 < (kind[middle < 0.03] == cadet.Semantic.ROAD_MARKING).mean() < 0.5, "dashes of 3 m, gaps of 6 m"
     asphalt, grass, paint = (color[at].mean(axis=0) for at in (lanes, lawn, edge < 0.03))
     assert grass[1] > 1.2 * grass[0] and grass[1] > 1.2 * grass[2], "lawns are green"
-    assert paint.mean() > 2 * asphalt.mean() and np.ptp(asphalt) < 0.2 * asphalt.mean()
+    # An overcast sky is bluer than the sun, to which the camera is balanced.
+    assert paint.mean() > 2 * asphalt.mean() and np.ptp(asphalt) < 0.3 * asphalt.mean()
+    assert asphalt[0] < asphalt[1] < asphalt[2]
