@@ -306,7 +306,8 @@ def test_planes_lie_on_the_road(street_frames: list[Sensed]) -> None:
         ahead = (points[:, 2] > 2) & (points[:, 2] < 20) & (np.abs(points[:, 0]) < 3)
         if ahead.sum() > 500:
             distance = points[ahead] @ frame.plane[:3] + frame.plane[3]
-            assert np.quantile(np.abs(distance), 0.98) < 0.06, np.quantile(np.abs(distance), 0.98)
+            # A road falls to both sides by up to 2.5 %.
+            assert np.quantile(np.abs(distance), 0.98) < 0.07, np.quantile(np.abs(distance), 0.98)
             checked += 1
     assert checked > 20
 
