@@ -32,7 +32,8 @@ ABOVE_M = 1.0
 BESIDE_M = 0.3
 EVEN_M = 0.01
 MOVING_MPS = 0.3
-AROUND = [[1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1], [1, 0]]
+CORNERS = [[1, 1], [-1, 1], [-1, -1], [1, -1]]
+AROUND = [*CORNERS, [0, 1], [-1, 0], [0, -1], [1, 0]]
 
 
 @dataclass
@@ -50,11 +51,6 @@ class Worst:
             self.values[kind], self.places[kind] = value, place
 
 
-def corners_world(agent: cadet.Agent, grown_m: float = 0.0) -> NDArray[np.float64]:
-    """Return the corners of a box's bottom: (4, 3)."""
-    return around_world(agent, grown_m, [[1, 1], [-1, 1], [-1, -1], [1, -1]])
-
-
 def around_world(agent: cadet.Agent, grown_m: float, places: list[list[int]]) -> NDArray[np.float64]:
     """Return places about a box's bottom, in half lengths and widths of the grown box: (places, 3)."""
     halves = np.asarray(agent.size_lwh[:2]) / 2 + grown_m
@@ -64,7 +60,7 @@ def around_world(agent: cadet.Agent, grown_m: float, places: list[list[int]]) ->
 
 def overlap_m(a: cadet.Agent, b: cadet.Agent) -> float:
     """Return how far two rectangles reach into each other along the axis where it is least; below 0 apart."""
-    rectangles = [corners_world(agent)[:, :2] for agent in (a, b)]
+    rectangles = [around_world(agent, 0.0, CORNERS)[:, :2] for agent in (a, b)]
     least = math.inf
     for agent in (a, b):
         for axis in (agent.world_from_agent[:2, 0], agent.world_from_agent[:2, 1]):

@@ -156,7 +156,7 @@ fn span_at(corners: &[Vec3; 3], y: f32) -> Option<[f32; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Mesh, MeshBuilder};
+    use crate::geometry::MeshBuilder;
 
     #[test]
     fn only_clusters_that_somebody_asks_for_have_columns() {
@@ -171,11 +171,12 @@ mod tests {
             );
         }
         let mesh = b.build("a plain of 1.4 square kilometers", 0.5);
-        let columns = mesh.columns_of(7).len();
-        let made = |mesh: &Mesh| mesh.columns.num_found();
-        assert!(columns > 1000 && mesh.clusters.len() > 20 && made(&mesh) == 1, "{columns}, {}", made(&mesh));
-        let again = mesh.columns_of(7).len();
-        assert!(again == columns && made(&mesh) == 1);
+        let lazy = LazyColumns::default();
+        let columns = lazy.of(&mesh.clusters, 7).len();
+        let made = || lazy.num_found();
+        assert!(columns > 1000 && mesh.clusters.len() > 20 && made() == 1, "{columns}, {}", made());
+        let again = lazy.of(&mesh.clusters, 7).len();
+        assert!(again == columns && made() == 1);
     }
 
     #[test]

@@ -23,7 +23,7 @@ pub struct Mesh {
     pub bounds: Bounds,
     /// The same faces in small groups.
     pub clusters: Vec<Cluster>,
-    pub(super) columns: LazyColumns,
+    columns: LazyColumns,
 }
 
 impl Mesh {

@@ -136,23 +136,19 @@ impl Junctions {
             self.waiting.retain(|w| w.car != car);
             return Err(Refusal::ExitFull);
         }
+        let taken = self.held.iter().find(|r| {
+            r.car != car && self.conflicts[r.lane.0].iter().any(|(l, until_m)| r.tail_m < *until_m && lanes.contains(l))
+        });
+        let waits_for_tram = taken.is_some_and(|r| r.has_priority) && !has_priority;
+        let (since_step, seen_step) = (step, step);
+        let asks = Waiting { car, lane: first, lets_pass, has_priority, since_step, seen_step, waits_for_tram };
         let since_step = match self.waiting.iter_mut().find(|w| w.car == car) {
             Some(w) => {
-                (w.lane, w.seen_step, w.lets_pass) = (first, step, lets_pass);
+                *w = Waiting { since_step: w.since_step, ..asks };
                 w.since_step
             }
             None => {
-                let (since_step, seen_step) = (step, step);
-                let waits_for_tram = false;
-                self.waiting.push(Waiting {
-                    car,
-                    lane: first,
-                    lets_pass,
-                    has_priority,
-                    since_step,
-                    seen_step,
-                    waits_for_tram,
-                });
+                self.waiting.push(asks);
                 step
             }
         };
@@ -169,19 +165,11 @@ impl Junctions {
                 && rank(w.has_priority, w.car, w.lets_pass, w.since_step) < own_rank
                 && self.conflicts[first.0].iter().any(|c| c.0 == w.lane)
         });
-        let earlier = earlier.map(|w| w.car);
-        let taken = self.held.iter().find(|r| {
-            r.car != car && self.conflicts[r.lane.0].iter().any(|(l, until_m)| r.tail_m < *until_m && lanes.contains(l))
-        });
-        let waits_for_tram = taken.is_some_and(|r| r.has_priority) && !has_priority;
-        if let Some(waiting) = self.waiting.iter_mut().find(|w| w.car == car) {
-            waiting.waits_for_tram = waits_for_tram;
-        }
         if let Some(by) = taken {
             return Err(Refusal::Taken(by.car));
         }
         if let Some(by) = earlier {
-            return Err(Refusal::Earlier(by));
+            return Err(Refusal::Earlier(by.car));
         }
         self.waiting.retain(|w| w.car != car);
         self.held.extend(lanes.iter().map(|lane| Reservation {
