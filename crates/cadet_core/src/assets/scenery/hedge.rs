@@ -8,8 +8,11 @@ use crate::geometry::MeshBuilder;
 use crate::math::Vec3;
 use crate::rng::Stream;
 
-/// (height, depth) of each variant.
-pub(super) const SECTIONS_M: [(f32, f32); 5] = [(0.9, 0.6), (1.2, 0.7), (1.5, 0.8), (1.75, 0.9), (2.1, 1.0)];
+/// The first variants are at most a meter deep.
+pub const NARROW_HEDGES: usize = 5;
+/// (height, depth) of each variant. Those that are not narrow are as wide as a car: low, and much like one to a LIDAR.
+pub(super) const SECTIONS_M: [(f32, f32); 7] =
+    [(0.9, 0.6), (1.2, 0.7), (1.5, 0.8), (1.75, 0.9), (2.1, 1.0), (0.75, 1.3), (1.05, 1.7)];
 
 /// Draws a piece of hedge from x = 0 to `length`, its depth to both sides of y = 0.
 pub(super) fn mesh(variant: usize, length: f32, detail: Detail) -> Mesh {

@@ -39,6 +39,7 @@ pub use crops::{CROP_VARIANTS, HERBS_M, MAIZE_M, herbs, maize};
 pub use fence::FenceKind;
 pub use furniture::FurnitureKind;
 pub use hall::{HALL_VARIANTS, HallKind, hall_palette};
+pub use hedge::NARROW_HEDGES;
 pub use house::HouseKind;
 pub use library::{
     OVERHEAD_M, PIECE_LENGTHS_M, city_house, fence, furniture, garage, hall, hedge, house, house_doors, lot_furniture,

@@ -4,7 +4,7 @@ use super::super::street_style::Boundary;
 use super::super::yards::YardSurface;
 use super::BEFORE_M;
 use super::layout::{Item, Layout, fitting};
-use crate::assets::scenery::{BENCH_SEAT_M, FurnitureKind, HallKind, ThingKind, TreeKind, furniture, num_variants};
+use crate::assets::scenery::{BENCH_SEAT_M, FurnitureKind, HallKind, NARROW_HEDGES, ThingKind, TreeKind, furniture};
 use crate::math::DVec2;
 use crate::rng::Stream;
 
@@ -37,9 +37,8 @@ pub(super) fn lay_out(length_m: f64, depth_m: f64, s: &mut Stream) -> Layout {
     if !is_plaza || s.chance(0.5) {
         trees(&mut lot, (half, setback_m), &taken, s);
     }
-    let [.., hedges, _, _] = num_variants();
     if s.chance(0.3) {
-        let hedge = Boundary::Hedge(s.below(hedges));
+        let hedge = Boundary::Hedge(s.below(NARROW_HEDGES));
         lot.border_along(hedge, [-half + 1.0, half - 1.0], 4.3, &[[paved[0] - 0.5, paved[1] + 0.5]]);
     }
     lot

@@ -5,7 +5,7 @@ use super::super::street_style::Boundary;
 use super::super::yards::YardSurface;
 use super::BEFORE_M;
 use super::layout::{Bay, Layout, fitting};
-use crate::assets::scenery::{FenceKind, HallKind, LotFurniture, TreeKind, num_variants};
+use crate::assets::scenery::{FenceKind, HallKind, LotFurniture, NARROW_HEDGES, TreeKind, num_variants};
 use crate::math::DVec2;
 use crate::rng::Stream;
 
@@ -165,9 +165,9 @@ fn edges(
     (is_aisle, entries): (bool, &[[f64; 2]]),
     s: &mut Stream,
 ) {
-    let [_, _, fences, hedges, ..] = num_variants();
+    let [_, _, fences, ..] = num_variants();
     let mut border = || match s.weighted(&[0.6, 0.15, 0.1, 0.15]) {
-        0 => Boundary::Hedge(s.below(hedges)),
+        0 => Boundary::Hedge(s.below(NARROW_HEDGES)),
         1 => Boundary::Fence(FenceKind::Wire, s.below(fences)),
         2 => Boundary::Fence(FenceKind::Wall, s.below(fences)),
         _ => Boundary::Open,

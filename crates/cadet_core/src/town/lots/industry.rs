@@ -5,7 +5,7 @@ use super::super::street_style::Boundary;
 use super::super::yards::YardSurface;
 use super::BEFORE_M;
 use super::layout::{Bay, Layout, fitting};
-use crate::assets::scenery::{FenceKind, HallKind, LotFurniture, ThingKind, TreeKind, num_variants};
+use crate::assets::scenery::{FenceKind, HallKind, LotFurniture, NARROW_HEDGES, ThingKind, TreeKind, num_variants};
 use crate::math::DVec2;
 use crate::rng::Stream;
 
@@ -51,9 +51,9 @@ pub(super) fn lay_out(length_m: f64, depth_m: f64, s: &mut Stream) -> Layout {
     lot.paved.push((YardSurface::Asphalt, [gate, gate + GATE_M, -BEFORE_M, lawn_m + 1.0]));
     goods(&mut lot, yard, (front, depth_m), is_left, s);
     lawn(&mut lot, half, lawn_m, [gate, gate + GATE_M], s);
-    let [_, _, fences, hedges, ..] = num_variants();
+    let [_, _, fences, ..] = num_variants();
     let wire = Boundary::Fence(FenceKind::Wire, s.below(fences));
-    let around = if s.chance(0.75) { wire } else { Boundary::Hedge(s.below(hedges)) };
+    let around = if s.chance(0.75) { wire } else { Boundary::Hedge(s.below(NARROW_HEDGES)) };
     for a in [-half + 0.35, half - 0.35] {
         lot.borders.push((around, DVec2::new(a, lawn_m + 0.2), DVec2::new(a, depth_m - 0.3)));
     }

@@ -1,11 +1,11 @@
-//! What closed rows have on and over their sidewalks: lamps on wires, trees in pits, rows of bicycles, tables.
+//! What closed rows have on and over their sidewalks: lamps on wires, trees in pits, rows of bicycles, cafes and shops.
 
 use std::sync::Arc;
 
 use super::super::frontage::{Frontage, right_of};
 use super::super::plot::Plot;
 use super::super::street_style::CityStyle;
-use super::{Furnisher, Obstacle, OrientedRect, footprint, grown, sidewalk};
+use super::{Furnisher, Obstacle, OrientedRect, cafes, footprint, grown};
 use crate::assets::scenery::{
     SPAN_LENS_M, StreetLight, THING_VARIANTS, ThingKind, TreeKind, num_variants, span_lamp, thing, thing_palette, tree,
     tree_pit,
@@ -25,8 +25,9 @@ const PRUNED_M: f64 = 1.2;
 /// From the curb to the front wheels of bicycles in a row, and the narrowest sidewalk for them.
 const CYCLES_M: f64 = 0.35;
 const SIDEWALK_FOR_CYCLES_M: f64 = 3.1;
-/// Share of the houses with tables before them.
+/// Share of the houses with tables before them, and of those with a shop's boards and plants.
 const CAFE_SHARE: f64 = 0.16;
+const SHOP_FRONT_SHARE: f64 = 0.3;
 
 /// Furnishes one frontage; lamps hang once over a street, where there is a `light` for them.
 pub(super) fn furnish(
@@ -54,13 +55,15 @@ pub(super) fn furnish(
         }
     }
     for plot in plots.iter().filter(|p| p.house.is_some()) {
-        let (has_cafe, has_cycles) = (s.chance(CAFE_SHARE), s.chance(0.25));
+        let (has_cafe, has_cycles, has_shop_front) = (s.chance(CAFE_SHARE), s.chance(0.25), s.chance(SHOP_FRONT_SHARE));
         let nearest = |p: &DVec2| (*p - plot.front).length();
         let near = (0..frontage.points.len())
             .min_by(|a, b| nearest(&frontage.points[*a]).total_cmp(&nearest(&frontage.points[*b])));
         let Some(middle_m) = near.map(|i| frontage.s_m[i]) else { continue };
         if has_cafe && (CORNER_M..length_m - CORNER_M).contains(&middle_m) {
-            sidewalk::cafe(f, frontage, (middle_m - 0.35 * plot.length_m).max(CORNER_M), s);
+            cafes::terrace(f, frontage, (middle_m - 0.35 * plot.length_m).max(CORNER_M), s);
+        } else if has_shop_front {
+            cafes::shop_front(f, frontage, middle_m + s.range(-0.35, 0.35) * plot.length_m, s);
         }
         if has_cycles {
             cycles(f, frontage, middle_m + s.range(-4.0, 2.0), s);

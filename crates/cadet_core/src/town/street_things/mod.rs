@@ -1,6 +1,7 @@
 //! Things that stand about: on sidewalks' edges, in parking places, on vacant plots, in front gardens.
 
 mod bays;
+mod cafes;
 mod city;
 mod gardens;
 mod lots;

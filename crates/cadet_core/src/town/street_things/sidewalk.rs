@@ -5,11 +5,11 @@ use std::sync::Arc;
 use super::super::frontage::{Frontage, right_of};
 use super::super::plot::Plot;
 use super::super::street_style::{Boundary, StreetStyle};
-use super::{EdgePlace, Furnisher};
+use super::{EdgePlace, Furnisher, cafes};
 use crate::assets::scenery::materials::guard_rail_palette;
 use crate::assets::scenery::{
-    BENCH_SEAT_M, CHAIR_SEAT_M, FenceKind, FurnitureKind, HouseKind, PoleKind, SceneryModel, THING_VARIANTS, ThingKind,
-    furniture, pole, thing, thing_palette,
+    BENCH_SEAT_M, FenceKind, FurnitureKind, HouseKind, PoleKind, SceneryModel, THING_VARIANTS, ThingKind, furniture,
+    pole, thing, thing_palette,
 };
 use crate::math::DVec2;
 use crate::rng::Stream;
@@ -18,9 +18,9 @@ use crate::rng::Stream;
 const COLLECTION_SHARE: f64 = 0.16;
 const BINS_OUT_SHARE: f64 = 0.7;
 /// Things keep this far from the ends of a frontage, where people turn the corner.
-const CORNER_M: f64 = 4.0;
+pub(super) const CORNER_M: f64 = 4.0;
 /// Between a thing's back and the sidewalk's outer edge.
-const INSET_M: f64 = 0.06;
+pub(super) const INSET_M: f64 = 0.06;
 
 /// Furnishes one frontage; `plots` lie along it.
 pub(super) fn furnish(
@@ -63,7 +63,7 @@ pub(super) fn furnish(
         every(f, s, 400.0, &|f, s, at_m| edge(f, s, ThingKind::AdvertColumn, at_m));
     }
     if style.houses[0] == HouseKind::Block || style.houses[0] == HouseKind::Village {
-        every(f, s, 160.0, &|f, s, at_m| cafe(f, frontage, at_m, s));
+        every(f, s, 160.0, &|f, s, at_m| cafes::terrace(f, frontage, at_m, s));
     }
     every(f, s, 250.0, &|f, s, at_m| bollards(f, frontage, at_m, s));
     if frontage.is_main_road {
@@ -72,7 +72,7 @@ pub(super) fn furnish(
 }
 
 /// A model with its back to the outer edge, looking at the street.
-fn at_edge(frontage: &Frontage, model: &SceneryModel, at_m: f64) -> EdgePlace {
+pub(super) fn at_edge(frontage: &Frontage, model: &SceneryModel, at_m: f64) -> EdgePlace {
     let out = right_of(frontage.along(at_m));
     let edge = frontage.at(at_m);
     let at = edge - out * (INSET_M - model.footprint_min.x);
@@ -80,7 +80,7 @@ fn at_edge(frontage: &Frontage, model: &SceneryModel, at_m: f64) -> EdgePlace {
 }
 
 /// A model whose x axis runs along the edge.
-fn along_edge(frontage: &Frontage, model: &SceneryModel, at_m: f64, is_forth: bool) -> EdgePlace {
+pub(super) fn along_edge(frontage: &Frontage, model: &SceneryModel, at_m: f64, is_forth: bool) -> EdgePlace {
     let along = frontage.along(at_m);
     let (out, edge) = (right_of(along), frontage.at(at_m));
     let half = model.footprint_size().y / 2.0;
@@ -130,37 +130,6 @@ fn bench(f: &mut Furnisher, frontage: &Frontage, at_m: f64, s: &mut Stream) {
     if f.put_at_edge(&model, palette, &at_edge(frontage, &model, at_m)) {
         for aside_m in [-0.45, 0.4] {
             f.add_seat((0.0, aside_m), BENCH_SEAT_M);
-        }
-    }
-}
-
-/// Tables with two chairs each, along the wall.
-pub(super) fn cafe(f: &mut Furnisher, frontage: &Frontage, at_m: f64, s: &mut Stream) {
-    let (variant, chair_colors) = (s.below(THING_VARIANTS), thing_palette(ThingKind::CafeChair, s));
-    let has_parasols = s.chance(0.5);
-    for k in 0..2 + s.below(4) {
-        let table_m = at_m + 2.6 * k as f64;
-        if table_m > frontage.length_m() - CORNER_M {
-            break;
-        }
-        let table = thing(ThingKind::CafeTable, variant);
-        if !f.put_at_edge(&table, thing_palette(ThingKind::CafeTable, s), &at_edge(frontage, &table, table_m)) {
-            continue;
-        }
-        let depth_m = INSET_M + table.footprint_size().x / 2.0;
-        for side in [-1.0, 1.0] {
-            let chair = thing(ThingKind::CafeChair, variant);
-            let seat_m = table_m + side * (table.footprint_size().y / 2.0 + 0.36);
-            let mut place = along_edge(frontage, &chair, seat_m, side < 0.0);
-            place.at = place.edge - place.out * depth_m;
-            if f.put_at_edge(&chair, Arc::clone(&chair_colors), &place) {
-                f.add_seat((0.02, 0.0), CHAIR_SEAT_M);
-            }
-        }
-        if has_parasols && k % 2 == 0 {
-            let parasol = thing(ThingKind::Parasol, variant);
-            let place = at_edge(frontage, &parasol, table_m + 1.3);
-            f.put_at_edge(&parasol, thing_palette(ThingKind::Parasol, s), &place);
         }
     }
 }

@@ -108,7 +108,7 @@ fn paints(kind: ThingKind, s: &mut Stream) -> [[f32; 3]; 2] {
 /// The colors of one thing.
 #[must_use]
 pub fn thing_palette(kind: ThingKind, s: &mut Stream) -> Arc<Palette> {
-    if matches!(kind, ThingKind::ClippedBush | ThingKind::ShrubBed | ThingKind::Tub) {
+    if matches!(kind, ThingKind::ClippedBush | ThingKind::ShrubBed | ThingKind::Tub | ThingKind::TallPlant) {
         let is_evergreen = s.chance(0.55);
         return plant_palette(s, is_evergreen);
     }

@@ -1,7 +1,7 @@
-//! Clipped bushes, beds of shrubs, planted tubs: a core with leaf cards all over it.
+//! Clipped bushes, beds of shrubs, planted tubs: a core with leaf cards all over it; and tall plants in pots.
 
 use super::shapes::{ring, sizes, v, within};
-use crate::assets::scenery::draw::{direction, range};
+use crate::assets::scenery::draw::{direction, range, tube};
 use crate::assets::scenery::leaves::Leaves;
 use crate::assets::scenery::materials::plant_slot as slot;
 use crate::assets::scenery::{Detail, Mesh};
@@ -106,4 +106,43 @@ pub(super) fn tub(variant: usize, detail: Detail) -> Mesh {
         detail,
     );
     leaves.build("tub", &core)
+}
+
+/// A pot with bamboo, oleander, or the like: stems, and leaves about them that are thin enough to look through.
+pub(super) fn tall_plant(variant: usize, detail: Detail) -> Mesh {
+    let s = &mut sizes("tall plant", variant);
+    let (pot, high) = (within(s, (0.2, 0.34)), within(s, (0.32, 0.5)));
+    let (spread, top) = (within(s, (0.3, 0.6)), within(s, (1.25, 2.2)));
+    let mut core = MeshBuilder::new();
+    let sides = detail.pick(14, 9, 6);
+    let wall = [ring((pot * 0.75, pot * 0.75), 0.0, sides, 2.0), ring((pot, pot), high, sides, 2.0)];
+    core.loft(&wall, slot::BARK, true);
+    let stems = detail.pick(7, 5, 3);
+    let stem_m: f32 = detail.pick(0.012, 0.014, 0.02);
+    let bent: Vec<(Vec3, Vec3)> = (0..stems)
+        .map(|k| {
+            let a = std::f32::consts::TAU * (k as f32 + within(s, (-0.3, 0.3))) / stems as f32;
+            let (out, tip) = (v(cosf(a), sinf(a), 0.0), within(s, (0.75, 0.95)) * top);
+            (out * (0.5 * pot) + Vec3::Z * (high - 0.03), out * (0.7 * spread) + Vec3::Z * tip)
+        })
+        .collect();
+    for (foot, tip) in &bent {
+        tube(&mut core, (*foot, stem_m), (*tip, 0.7 * stem_m), detail.pick(5, 4, 3), slot::BARK);
+    }
+    let mut leaves = Leaves::default();
+    let (low, size) = (high + 0.15, detail.pick(0.10, 0.16, 0.3));
+    let coverage: f32 = detail.pick(0.9, 0.8, 0.5);
+    let area = std::f32::consts::TAU * spread * (top - low);
+    for _ in 0..(coverage * area / (size * size)) as usize {
+        let (foot, tip) = bent[s.below(bent.len())];
+        let around = direction(s) * (spread * within(s, (0.05, 0.5)));
+        let at = foot.lerp(tip, within(s, (0.15, 1.0))) + around;
+        // A card reaches up to 0.95 of its size from its middle.
+        let room = spread - 0.95 * size;
+        let at = v(at.x.clamp(-room, room), at.y.clamp(-room, room), at.z.clamp(low, top - 0.95 * size));
+        let out = v(at.x, at.y, 0.3 * (at.z - low)).normalize_or(Vec3::Z);
+        let facing = (direction(s) + out * 0.4).normalize_or(out);
+        leaves.card(s, at, facing, out + Vec3::Z * 0.3, size);
+    }
+    leaves.build("tall plant", &core)
 }

@@ -71,6 +71,8 @@ pub enum ThingKind {
     ShrubBed,
     /// A planted tub.
     Tub,
+    /// A pot with a plant of a man's height.
+    TallPlant,
     /// A garden's shed.
     Shed,
     /// A roof on posts for a car, which heads along +x.
@@ -85,7 +87,7 @@ pub enum ThingKind {
 
 impl ThingKind {
     /// Every kind.
-    pub const ALL: [Self; 28] = [
+    pub const ALL: [Self; 29] = [
         Self::LargeContainer,
         Self::GlassBank,
         Self::ClothesBank,
@@ -109,6 +111,7 @@ impl ThingKind {
         Self::ClippedBush,
         Self::ShrubBed,
         Self::Tub,
+        Self::TallPlant,
         Self::Shed,
         Self::Carport,
         Self::CafeTable,
@@ -143,6 +146,7 @@ impl ThingKind {
             Self::ClippedBush => "clipped-bush",
             Self::ShrubBed => "shrub-bed",
             Self::Tub => "tub",
+            Self::TallPlant => "tall-plant",
             Self::Shed => "shed",
             Self::Carport => "carport",
             Self::CafeTable => "cafe-table",
@@ -155,7 +159,7 @@ impl ThingKind {
     pub(super) fn limits_m(self) -> [f32; 3] {
         match self {
             Self::Bicycle | Self::CafeChair | Self::CafeTable | Self::CycleHoop => [14.0, 32.0, 90.0],
-            Self::ClippedBush | Self::ShrubBed | Self::Tub => [14.0, 35.0, 140.0],
+            Self::ClippedBush | Self::ShrubBed | Self::Tub | Self::TallPlant => [14.0, 35.0, 140.0],
             Self::AdvertStand | Self::Barrier | Self::Cabinet | Self::CoveredCycle => [20.0, 45.0, 110.0],
             Self::Transformer | Self::BusShelter | Self::Billboard | Self::SiteContainer | Self::Shed => {
                 [25.0, 60.0, 250.0]
@@ -191,6 +195,7 @@ pub(super) fn mesh(kind: ThingKind, variant: usize, detail: Detail) -> Mesh {
         ThingKind::ClippedBush => greens::clipped_bush(variant, detail),
         ThingKind::ShrubBed => greens::shrub_bed(variant, detail),
         ThingKind::Tub => greens::tub(variant, detail),
+        ThingKind::TallPlant => greens::tall_plant(variant, detail),
         ThingKind::Shed => huts::shed(variant, detail),
         ThingKind::Carport => huts::carport(variant, detail),
         ThingKind::CafeTable => seats::table(variant, detail),
