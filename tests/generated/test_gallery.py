@@ -40,6 +40,12 @@ def test_portraits_show_all_of_an_actor(kind: str, monkeypatch: pytest.MonkeyPat
             assert picture.shape[0] > np.ptp(rows) and picture.shape[1] > np.ptp(columns)
 
 
+def test_portraits_are_exposed_for_the_actor_not_for_the_sky() -> None:
+    for kind in ("pedestrian", "cyclist", "car"):
+        lumas = [float(portrait(sitter, number).mean()) for number, sitter in enumerate(survey(kind, range(4)))]
+        assert min(lumas) > 45.0, lumas
+
+
 def test_a_family_is_the_part_of_the_name_that_seeds_share() -> None:
     sitters = list(survey("car", range(12)))
     assert [sitter.model_seed for sitter in sitters] == list(range(12))

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cadet.camera import Camera
 from cadet.errors import CadetError
@@ -31,6 +32,9 @@ _SPAN: Final = 0.5 * _CAMERA.width / _CAMERA.fx
 _LEAST_DISTANCE_M: Final = 7.8
 _SURVEY_STEP_M: Final = 40.0
 _MARGIN: Final = 0.08
+# The camera meters the whole image, the sky too; a portrait is exposed for its actor: its mean, and the most gain.
+_ACTOR_LUMA: Final = 85.0
+_MOST_GAIN: Final = 3.0
 # From ahead and the left, from behind and the right, from the side, and from ahead and the right.
 _YAWS_DEG: Final = (145.0, -35.0, 90.0, -145.0)
 
@@ -87,4 +91,10 @@ def portrait(sitter: Sitter, number: int = 0, *, speed_mps: float | None = None)
     room = round(_MARGIN * max(np.ptp(rows), np.ptp(columns))) + 1
     top, bottom = max(rows.min() - room, 0), rows.max() + room + 1
     left, right = max(columns.min() - room, 0), columns.max() + room + 1
-    return frame.image[top:bottom, left:right]
+    return _exposed_for(frame.image[top:bottom, left:right], is_sitter[top:bottom, left:right])
+
+
+def _exposed_for(image: style.Image, is_actor: NDArray[np.bool_]) -> style.Image:
+    """Lift an image until the actor's pixels have the mean wanted; values are proportional to light."""
+    gain = min(max(_ACTOR_LUMA / max(float(image[is_actor].mean()), 1.0), 1.0), _MOST_GAIN)
+    return np.minimum(image * gain, 255.0).astype(np.uint8)
