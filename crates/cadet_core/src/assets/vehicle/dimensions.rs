@@ -43,9 +43,15 @@ pub(super) struct Dimensions {
     pub roof_sag: [f32; 2],
     /// Exponents of the nose's and the tail's plan: larger is squarer.
     pub corner_exponent: [f32; 2],
+    /// Depth of the ledge over the rear bumper.
+    pub tail_ledge: f32,
     pub windows: Windows,
     pub is_van: bool,
 }
+
+/// The bumper stands out from the tailgate by so much: of 20 cars that 39 real scans see from behind, the returns of bumpers lie
+/// 7 to 9 cm nearer than those of the body above, of which 2 to 3 cm are the tailgate's lean.
+const TAIL_LEDGE_M: (f64, f64) = (0.02, 0.09);
 
 impl Dimensions {
     /// Draws a vehicle of a class.
@@ -127,8 +133,9 @@ impl Dimensions {
             ],
             corner_exponent: [
                 s.range(2.2, 3.0) as f32,
-                if is_van { s.range(5.0, 7.0) } else { s.range(2.8, 4.2) } as f32,
+                if is_van { s.range(5.0, 7.0) } else { s.range(2.3, 3.3) } as f32,
             ],
+            tail_ledge: s.range(TAIL_LEDGE_M.0, TAIL_LEDGE_M.1) as f32,
             windows,
             is_van,
         }

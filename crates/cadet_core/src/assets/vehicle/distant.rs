@@ -13,8 +13,9 @@ use crate::math::Vec3;
 
 /// Lateral fractions of nose and tail.
 const ENDS: [f32; 3] = [0.0, 0.58, 0.90];
-/// Height fractions of the flanks: the middle one is about the arches' upper edge.
-const HEIGHTS: [f32; 3] = [0.0, 0.58, 1.0];
+/// Height fractions: the bumpers' upper edge, and about that of the arches.
+const ARCH_TO: f32 = 0.58;
+const HEIGHTS: [f32; 4] = [0.0, 0.43, ARCH_TO, 1.0];
 /// Lateral fractions of the screens: the last cell is the pillar.
 const ACROSS: [f32; 3] = [0.0, 0.93, 1.0];
 
@@ -37,7 +38,11 @@ fn add_lower_body(surface: &mut Surface, o: &Outline, styling: &Styling) {
         let is_arch = o.d.axles_x.iter().any(|axle| (0.5 * (a.x + b.x) - axle).abs() < o.d.arch_radius);
         let is_flank = a.face == Face::Side && b.face == Face::Side;
         let v = 0.5 * (HEIGHTS[j] + HEIGHTS[j + 1]);
-        Some(if j == 0 && is_arch && is_flank { slot::LINER } else { shell_slot(a, b, v, styling, o.d.length / 2.0) })
+        Some(if HEIGHTS[j + 1] <= ARCH_TO && is_arch && is_flank {
+            slot::LINER
+        } else {
+            shell_slot(a, b, v, styling, o.d.length / 2.0)
+        })
     });
     add_decks(surface, o, &columns, &[0.0, 1.0], |_| true);
 }

@@ -4,11 +4,12 @@ use super::dimensions::Dimensions;
 use crate::math::{Vec3, powf};
 
 /// Height fractions at which the section bends, and how far the flank lies inside the widest line there, meters.
-const SECTION: [(f32, f32); 10] = [
+const SECTION: [(f32, f32); 11] = [
     (0.0, 0.075),
     (0.08, 0.042),
     (0.22, 0.022),
     (0.36, 0.014),
+    (0.43, 0.010),
     (0.50, 0.007),
     (0.64, 0.0),
     (0.78, 0.004),
@@ -16,9 +17,13 @@ const SECTION: [(f32, f32); 10] = [
     (0.97, 0.032),
     (1.0, 0.050),
 ];
-/// How far nose and tail lie behind their foremost line at the same height fractions, meters.
-const NOSE_SETBACK: [f32; 10] = [0.07, 0.03, 0.005, 0.0, 0.015, 0.035, 0.055, 0.085, 0.12, 0.16];
-const TAIL_SETBACK: [f32; 10] = [0.07, 0.03, 0.004, 0.0, 0.010, 0.022, 0.032, 0.044, 0.060, 0.085];
+/// How far nose and tail lie behind their foremost line at the same height fractions, meters: the tail without the ledge of
+/// its bumper, which is as deep at each height as its share says.
+const NOSE_SETBACK: [f32; 11] = [0.07, 0.03, 0.005, 0.0, 0.008, 0.015, 0.035, 0.055, 0.085, 0.12, 0.16];
+const TAIL_SETBACK: [f32; 11] = [0.07, 0.03, 0.004, 0.0, 0.0, 0.006, 0.018, 0.030, 0.042, 0.058, 0.083];
+const TAIL_LEDGE: [f32; 11] = [0.0, 0.0, 0.0, 0.0, 0.05, 0.9, 1.0, 1.0, 1.0, 1.0, 1.0];
+/// Share of their tails' setback, above the ledge, that vans have: they end upright.
+const VAN_TAIL: f32 = 0.4;
 
 /// A place on the half ring around the body, from the middle of the nose over the left flank to the tail's.
 #[derive(Debug, Clone, Copy)]
@@ -76,6 +81,11 @@ fn interpolate(table: impl Fn(usize) -> (f32, f32), n: usize, v: f32) -> f32 {
     a + (b - a) * ((v - v0) / (v1 - v0)).clamp(0.0, 1.0)
 }
 
+/// How far the tail lies behind the bumper's foremost line at a row of [`SECTION`].
+fn tail_setback(d: &Dimensions, row: usize) -> f32 {
+    (if d.is_van { VAN_TAIL } else { 1.0 }) * TAIL_SETBACK[row] + d.tail_ledge * TAIL_LEDGE[row]
+}
+
 impl Outline {
     /// The outline of a vehicle.
     pub fn new(d: Dimensions) -> Self {
@@ -84,8 +94,7 @@ impl Outline {
         let tail_x = (d.axles_x[1] - d.arch_radius - 0.02).max(-half + 0.12);
         let screen_bow = if d.is_van { 0.10 } else { 0.15 };
         let backlight_bow = if d.is_van { 0.03 } else { 0.08 };
-        let tail_top = if d.is_van { 0.4 * TAIL_SETBACK[9] } else { TAIL_SETBACK[9] };
-        let backlight_x = -half + tail_top + 0.02 + d.boot;
+        let backlight_x = -half + tail_setback(&d, TAIL_SETBACK.len() - 1) + 0.02 + d.boot;
         Self {
             nose_x,
             tail_x,
@@ -166,14 +175,14 @@ impl Outline {
             }
             Face::Nose(f) | Face::Tail(f) => {
                 let is_nose = matches!(column.face, Face::Nose(_));
-                let (root, tip, table, n) = if is_nose {
-                    (self.nose_x, d.length / 2.0, &NOSE_SETBACK, d.corner_exponent[0])
+                let (root, tip, n) = if is_nose {
+                    (self.nose_x, d.length / 2.0, d.corner_exponent[0])
                 } else {
-                    (self.tail_x, -d.length / 2.0, &TAIL_SETBACK, d.corner_exponent[1])
+                    (self.tail_x, -d.length / 2.0, d.corner_exponent[1])
                 };
                 let reach = (tip - root).abs();
-                let back = interpolate(|k| (SECTION[k].0, table[k]), SECTION.len(), v).min(0.6 * reach);
-                let back = if self.d.is_van && !is_nose { 0.4 * back } else { back };
+                let setback = |k: usize| if is_nose { NOSE_SETBACK[k] } else { tail_setback(d, k) };
+                let back = interpolate(|k| (SECTION[k].0, setback(k)), SECTION.len(), v).min(0.6 * reach);
                 let scale = (tip - root).signum() * (reach - back);
                 let x = root + scale * powf((1.0 - powf(f, n)).max(0.0), 1.0 / n);
                 Vec3::new(x, f * self.half_width(column.x, v), z)
@@ -197,9 +206,14 @@ impl Outline {
             powf((1.0 - powf(along, n)).max(0.0), 1.0 / n)
         };
         let f = if x > self.nose_x {
-            lateral(self.nose_x, half, NOSE_SETBACK[9].min(0.6 * (half - self.nose_x)), self.d.corner_exponent[0])
+            lateral(
+                self.nose_x,
+                half,
+                NOSE_SETBACK[NOSE_SETBACK.len() - 1].min(0.6 * (half - self.nose_x)),
+                self.d.corner_exponent[0],
+            )
         } else if x < self.tail_x {
-            let back = if self.d.is_van { 0.4 * TAIL_SETBACK[9] } else { TAIL_SETBACK[9] };
+            let back = tail_setback(&self.d, TAIL_SETBACK.len() - 1);
             lateral(self.tail_x, -half, back.min(0.6 * (half + self.tail_x)), self.d.corner_exponent[1])
         } else {
             1.0
@@ -299,9 +313,9 @@ impl Outline {
     /// The height fractions of the section for a level of detail.
     pub fn fractions(level: usize) -> &'static [f32] {
         match level {
-            0 => &[0.0, 0.08, 0.22, 0.36, 0.50, 0.64, 0.78, 0.90, 0.97, 1.0],
-            1 => &[0.0, 0.08, 0.36, 0.64, 0.90, 1.0],
-            _ => &[0.0, 0.36, 0.64, 1.0],
+            0 => &[0.0, 0.08, 0.22, 0.36, 0.43, 0.50, 0.64, 0.78, 0.90, 0.97, 1.0],
+            1 => &[0.0, 0.08, 0.43, 0.50, 0.64, 0.90, 1.0],
+            _ => &[0.0, 0.43, 0.52, 1.0],
         }
     }
 }

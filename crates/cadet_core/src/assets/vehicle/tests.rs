@@ -259,9 +259,9 @@ fn three_hundred_seeds_give_sound_meshes() {
             let wheel = model.wheel.as_ref().unwrap();
             let total = |level: usize| model.body.levels[level].1.faces.len() + 4 * wheel.levels[level].1.faces.len();
             assert!((5000..9000).contains(&total(0)), "{} {}", model.name, total(0));
-            assert!((1500..3200).contains(&total(1)), "{} {}", model.name, total(1));
+            assert!((1500..3400).contains(&total(1)), "{} {}", model.name, total(1));
             assert!((400..950).contains(&total(2)), "{} {}", model.name, total(2));
-            assert!((150..340).contains(&total(3)), "{} {}", model.name, total(3));
+            assert!((150..400).contains(&total(3)), "{} {}", model.name, total(3));
         }
     }
 }
@@ -388,4 +388,29 @@ fn no_shape_is_made_for_classes_that_have_none() {
     }
     // Trams come as trains.
     assert!(VehicleModel::of_traffic(ObjectClass::Tram, 1).unwrap_err().to_string().contains("Tram"));
+}
+
+/// Real bumpers stand out of the tailgate: of 20 cars seen from behind, by 7 to 9 cm.
+#[test]
+fn rear_bumpers_stand_out_of_the_tail() {
+    let mut depths = Vec::new();
+    for seed in 0..200 {
+        let model = VehicleModel::generate(ObjectClass::Car, seed).unwrap();
+        // At the finest level and at that for middle distances.
+        for level in [0, 1] {
+            let mesh = &model.body.levels[level].1;
+            let is_body = |slot: u8| slot == paint::slot::PAINT || slot == paint::slot::PLASTIC;
+            let painted = mesh.faces.iter().zip(&mesh.slots).filter(|(_, slot)| is_body(**slot));
+            let places: Vec<Vec3> = painted.flat_map(|(f, _)| f.map(|i| mesh.vertices[i as usize])).collect();
+            let rear = |from: f32, to: f32| {
+                let near = places.iter().filter(|p| p.y.abs() < 0.25 && (from..to).contains(&p.z));
+                near.map(|p| p.x).fold(f32::INFINITY, f32::min)
+            };
+            let (bumper, tailgate) = (rear(0.25, 0.60), rear(0.64, 0.90));
+            depths.push(tailgate - bumper);
+        }
+    }
+    depths.sort_by(f32::total_cmp);
+    assert!(depths[depths.len() / 20] > 0.03, "{:?}", depths[depths.len() / 20]);
+    assert!((0.06..0.10).contains(&depths[depths.len() / 2]), "{:?}", depths[depths.len() / 2]);
 }

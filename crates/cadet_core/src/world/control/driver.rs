@@ -25,6 +25,8 @@ use crate::world::turn_signal::TurnSignal;
 const STANDS_MPS: f64 = 0.1;
 /// What the brakes of a car that stands are pressed as if for.
 const STANDING_MPS2: f64 = -1.0;
+/// Speed and acceleration below which brake lamps stay lit.
+const HOLDS_BELOW: (f64, f64) = (0.05, 0.3);
 /// How soon a commanded speed is to be reached, within what the pedals can do.
 const RESPONSE_S: f64 = 0.5;
 /// How fast a car moves across its lane by command, and by how much of its speed: a jump would make it skid.
@@ -240,7 +242,9 @@ impl Controller for Driver {
                 let steer = pursue(rear_axle, heading, wheelbase_m, axle_m, speed, route, &streets.roads);
                 let mut accel = self.pressed_mps2(speed);
                 let stand = accel < 0.05 && speed < 0.4;
-                own.appearance.accelerate(if stand { STANDING_MPS2 } else { accel });
+                // Who has closed up keeps a foot on the brake, though centimeters are left to go.
+                let holds = stand || speed < HOLDS_BELOW.0 && accel < HOLDS_BELOW.1;
+                own.appearance.accelerate(if holds { STANDING_MPS2 } else { accel });
                 // Brakes stop a car, they don't push it backwards.
                 if accel < 0.0 {
                     accel = accel.max(-speed / (2.0 * DT_S)).min(0.0);
