@@ -58,7 +58,7 @@ def test_a_turn_of_a_driving_car_is_the_ideal_scan_of_each_firings_pose(street: 
     medians_m = []
     for center, low, high in ((0.0, 0.0, 0.06), (np.pi, 0.1 * 0.05 * speed, 0.05 * speed + 1.0)):
         # Upright walls along the road don't show the motion; the median over a sector of far points does.
-        near = np.abs(np.angle(np.exp(1j * (azimuth[j] - center)))) < 0.06
+        near = np.abs(np.angle(np.exp(1j * (azimuth[j] - center)))) < 0.1
         chosen = same & near & (turned.points_velo[j, 2] > -1.2)
         assert chosen.sum() > 20
         medians_m.append(np.median(shift[chosen]))

@@ -37,6 +37,7 @@ fn street() -> PosedScene {
         world_from_local: DPose3::IDENTITY,
         actor_id: 0,
         is_body: false,
+        sheds_snow: false,
     }];
     for k in 0..20_usize {
         let (x, side) = (k as f64 * 6.0 + 6.0, if k % 2 == 0 { 1.0 } else { -1.0 });
@@ -51,6 +52,7 @@ fn street() -> PosedScene {
             world_from_local: upright(DVec3::new(x, side * 2.8, 0.0), 0.0),
             actor_id: k as i32 + 1,
             is_body: true,
+            sheds_snow: false,
         });
     }
     PosedScene::new(&instances, EYE)

@@ -61,6 +61,7 @@ fn suburb() -> Vec<Instance> {
             world_from_local,
             actor_id: id,
             is_body: id > 0,
+            sheds_snow: false,
         });
     };
     add(&ground, 0.0, 0.0, 0.0, 0);

@@ -20,6 +20,8 @@ pub struct Instance {
     /// Whether it is an actor's body, which hides the sky from the ground under and beside it: not its wheels, nor who sits in
     /// it.
     pub is_body: bool,
+    /// Whether snow does not stay on it, as on what drives; it lies on what stands.
+    pub sheds_snow: bool,
 }
 
 impl Instance {

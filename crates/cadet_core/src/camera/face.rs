@@ -112,8 +112,8 @@ impl Flags {
     pub const GROUND: u32 = 1;
     /// Vehicles near by hide the sky: not of leaves, which are above them or few.
     pub const CONTACT: u32 = 2;
-    /// Snow does not lie on vehicles.
-    pub const VEHICLE: u32 = 4;
+    /// Snow does not lie on it.
+    pub const SHEDS_SNOW: u32 = 4;
     /// Snow is worn by traffic.
     pub const ROAD: u32 = 8;
     /// Throws the light of lamps back to where it comes from.
@@ -138,6 +138,8 @@ pub struct InstanceTransform {
     /// The origin of the mesh's frame, relative to the eye.
     pub origin: Vec3,
     pub place_hash: u32,
+    /// As the instance's.
+    pub sheds_snow: bool,
 }
 
 impl Face {
@@ -233,7 +235,7 @@ impl Face {
             place_hash: transform.place_hash,
             flags: flag(Flags::GROUND, is_ground)
                 | flag(Flags::CONTACT, face_normal.z > CONTACT_RISE && !is_vehicle && !is_leaf)
-                | flag(Flags::VEHICLE, is_vehicle)
+                | flag(Flags::SHEDS_SNOW, transform.sheds_snow && is_vehicle)
                 | flag(Flags::ROAD, material.semantic == Semantic::Road)
                 | flag(Flags::RETRO, material.lidar.retro || material.pattern == Pattern::Reflector),
         };

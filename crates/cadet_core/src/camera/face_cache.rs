@@ -104,6 +104,7 @@ impl<'a> FaceCache<'a> {
                     (i.center_world.y * PLACES_PER_M) as i32,
                     PLACE_SALT,
                 ),
+                sheds_snow: i.sheds_snow,
             },
         });
         let plants: Vec<u32> =

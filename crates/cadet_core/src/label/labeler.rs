@@ -134,6 +134,7 @@ mod tests {
             world_from_local: world_from_box,
             actor_id: id,
             is_body: true,
+            sheds_snow: false,
         };
         let actor = ActorState {
             id,

@@ -70,6 +70,7 @@ mod tests {
             world_from_local: upright(DVec3::new(x, 0.0, 0.0), 0.0),
             actor_id: 0,
             is_body: false,
+            sheds_snow: false,
         })
         .collect()
     }

@@ -79,6 +79,8 @@ pub struct PosedInstance {
     pub actor_id: i32,
     /// Whether it is an actor's body.
     pub is_body: bool,
+    /// Whether snow does not stay on it.
+    pub sheds_snow: bool,
     /// Middle of the bounding sphere.
     pub center_world: DVec3,
     /// Radius of the bounding sphere.
@@ -160,6 +162,7 @@ impl PosedScene {
                 vertices: start..num_vertices,
                 actor_id: instance.actor_id,
                 is_body: instance.is_body,
+                sheds_snow: instance.sheds_snow,
                 center_world: placement.rotation * mesh.bounds.center().as_dvec3() + placement.translation,
                 radius_m: f64::from(mesh.bounds.size().length()) / 2.0 + 1e-3,
             });

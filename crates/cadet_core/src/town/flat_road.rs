@@ -47,6 +47,7 @@ pub(super) fn tiles(half_m: f32) -> Vec<Instance> {
         world_from_local: DPose3 { rotation: DQuat::IDENTITY, translation: DVec3::ZERO },
         actor_id: 0,
         is_body: false,
+        sheds_snow: false,
     }]
 }
 

@@ -144,6 +144,7 @@ impl Surface {
                     world_from_local: DPose3 { rotation: DQuat::IDENTITY, translation: origin },
                     actor_id: 0,
                     is_body: false,
+                    sheds_snow: false,
                 });
             }
         }

@@ -119,9 +119,14 @@ impl Appearance {
             Self::Person { model, .. } => &model.palette,
             Self::Cyclist { model, .. } => &model.palette,
         };
+        let sheds_snow = match self {
+            Self::Vehicle { is_driven, .. } => *is_driven,
+            Self::Person { .. } => false,
+            Self::Cyclist { .. } => true,
+        };
         let mut push = |shape, box_from_local: DPose3, is_body| {
             let (palette, world_from_local) = (Arc::clone(palette), world_from_box * box_from_local);
-            parts.push(Instance { shape, palette, world_from_local, actor_id, is_body });
+            parts.push(Instance { shape, palette, world_from_local, actor_id, is_body, sheds_snow });
         };
         match self {
             Self::Person { model, phase } => {
@@ -133,6 +138,7 @@ impl Appearance {
                         world_from_local: world_from_box,
                         actor_id,
                         is_body: belonging.is_solid(),
+                        sheds_snow,
                     });
                 }
             }

@@ -21,6 +21,7 @@ pub fn place(mesh: Mesh, world_from_local: DPose3, actor_id: i32) -> Instance {
         world_from_local,
         actor_id,
         is_body: actor_id > 0,
+        sheds_snow: false,
     }
 }
 

@@ -22,6 +22,8 @@ mod signal_tests;
 mod signals;
 mod surface;
 #[cfg(test)]
+mod tail_tests;
+#[cfg(test)]
 mod tests;
 pub(crate) mod tram;
 mod wheels;

@@ -146,7 +146,7 @@ pub fn snow(
         let Vec3 { x, y, .. } = point_in_pixel(inputs, camera, side, i) + camera.eye;
         let drift = value_noise(x * DRIFTS_PER_M, y * DRIFTS_PER_M, DRIFT_SALT);
         let worn = if inputs.flags[i] & Flags::ROAD > 0 { WORN_SNOW } else { 1.0 };
-        let lies = if inputs.flags[i] & Flags::VEHICLE > 0 { 0.0 } else { 1.0 };
+        let lies = if inputs.flags[i] & Flags::SHEDS_SNOW > 0 { 0.0 } else { 1.0 };
         let level = ((geometry.normal[2][i] - SNOW_RISE.0) * SNOW_RISE.1).clamp(0.0, 1.0);
         let cover = level * (snow * worn * (0.5 + drift)).min(1.0) * lies;
         let albedo = get(out, i);

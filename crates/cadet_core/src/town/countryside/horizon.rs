@@ -70,6 +70,7 @@ pub(in crate::town) fn hills(key: &StreamKey, ground: &Ground) -> Instance {
         world_from_local: DPose3 { rotation: DQuat::IDENTITY, translation: DVec3::ZERO },
         actor_id: 0,
         is_body: false,
+        sheds_snow: false,
     }
 }
 

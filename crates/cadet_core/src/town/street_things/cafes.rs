@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::super::frontage::Frontage;
 use super::Furnisher;
-use super::sidewalk::{CORNER_M, INSET_M, along_edge, at_edge};
+use super::edge::{CORNER_M, INSET_M, along_edge, at_edge};
 use crate::assets::scenery::{CHAIR_SEAT_M, THING_VARIANTS, ThingKind, thing, thing_palette};
 use crate::material::Palette;
 use crate::rng::Stream;

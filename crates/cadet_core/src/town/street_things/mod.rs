@@ -3,6 +3,7 @@
 mod bays;
 mod cafes;
 mod city;
+mod edge;
 mod gardens;
 mod lots;
 mod sidewalk;
@@ -22,6 +23,7 @@ use crate::frames;
 use crate::material::Palette;
 use crate::math::{DPose3, DVec2, DVec3};
 use crate::rng::{Stream, StreamKey};
+use edge::EdgePlace;
 
 /// What people and parked cars keep off: a rectangle on the ground.
 #[derive(Debug, Clone, Copy)]
@@ -268,17 +270,6 @@ impl Furnisher<'_, '_> {
         let world_from_seat = frames::upright(place, frames::yaw_of(&instance.world_from_local));
         self.out.seats.push(Seat { world_from_seat, height_m });
     }
-}
-
-/// A place at a sidewalk's outer edge.
-struct EdgePlace {
-    /// Where the model's origin goes.
-    at: DVec2,
-    facing: DVec2,
-    /// The nearest point of the edge, and the way out of the street there.
-    edge: DVec2,
-    out: DVec2,
-    sidewalk_m: f64,
 }
 
 #[cfg(test)]

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use super::super::frontage::{Frontage, right_of};
 use super::super::plot::Plot;
 use super::super::street_style::{Boundary, StreetStyle};
-use super::{EdgePlace, Furnisher, cafes};
+use super::edge::{CORNER_M, along_edge, at_edge};
+use super::{Furnisher, cafes};
 use crate::assets::scenery::materials::guard_rail_palette;
 use crate::assets::scenery::{
     BENCH_SEAT_M, FenceKind, FurnitureKind, HouseKind, PoleKind, SceneryModel, THING_VARIANTS, ThingKind, furniture,
@@ -17,10 +18,6 @@ use crate::rng::Stream;
 /// Share of the streets where the bins are out for collection, and of their houses that have put some out.
 const COLLECTION_SHARE: f64 = 0.16;
 const BINS_OUT_SHARE: f64 = 0.7;
-/// Things keep this far from the ends of a frontage, where people turn the corner.
-pub(super) const CORNER_M: f64 = 4.0;
-/// Between a thing's back and the sidewalk's outer edge.
-pub(super) const INSET_M: f64 = 0.06;
 
 /// Furnishes one frontage; `plots` lie along it.
 pub(super) fn furnish(
@@ -69,23 +66,6 @@ pub(super) fn furnish(
     if frontage.is_main_road {
         main_road(f, frontage, plots, s);
     }
-}
-
-/// A model with its back to the outer edge, looking at the street.
-pub(super) fn at_edge(frontage: &Frontage, model: &SceneryModel, at_m: f64) -> EdgePlace {
-    let out = right_of(frontage.along(at_m));
-    let edge = frontage.at(at_m);
-    let at = edge - out * (INSET_M - model.footprint_min.x);
-    EdgePlace { at, facing: -out, edge, out, sidewalk_m: frontage.sidewalk_at(at_m) }
-}
-
-/// A model whose x axis runs along the edge.
-pub(super) fn along_edge(frontage: &Frontage, model: &SceneryModel, at_m: f64, is_forth: bool) -> EdgePlace {
-    let along = frontage.along(at_m);
-    let (out, edge) = (right_of(along), frontage.at(at_m));
-    let half = model.footprint_size().y / 2.0;
-    let facing = if is_forth { along } else { -along };
-    EdgePlace { at: edge - out * (INSET_M + half), facing, edge, out, sidewalk_m: frontage.sidewalk_at(at_m) }
 }
 
 /// Two to four bins before a plot.

@@ -195,6 +195,25 @@ fn watch(world: &mut World, seconds: u32, name: &str) -> f64 {
 }
 
 #[test]
+fn snow_lies_on_what_is_parked_and_on_nothing_that_drives() {
+    let mut world = World::new(suburb(3), StreamKey::scene(3)).unwrap();
+    world.spawn_traffic(&TrafficConfig { num_cars: 10, num_cyclists: 4, ..TrafficConfig::default() }).unwrap();
+    let parked: Vec<i32> = parked(&world).iter().map(|agent| agent.id).collect();
+    let driven: Vec<i32> = cars(&world).iter().map(|(agent, _)| agent.id).collect();
+    let (mut covered, mut bare) = (0, 0);
+    for instance in world.snapshot().instances {
+        if parked.contains(&instance.actor_id) {
+            assert!(!instance.sheds_snow, "{}", instance.actor_id);
+            covered += 1;
+        } else if driven.contains(&instance.actor_id) {
+            assert!(instance.sheds_snow, "{}", instance.actor_id);
+            bare += 1;
+        }
+    }
+    assert!(covered > 20 && bare > 10, "{covered} {bare}");
+}
+
+#[test]
 fn cars_share_a_crossing_for_minutes_without_touching() {
     for seed in 0..5 {
         let mut world = World::new(crossing(), StreamKey::scene(seed)).unwrap();

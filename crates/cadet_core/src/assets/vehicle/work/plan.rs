@@ -1,6 +1,7 @@
 //! What kind of commercial vehicle a seed draws, and its measures.
 
 use super::super::paint::Livery;
+use crate::actor::ObjectClass;
 use crate::assets::annotated_sizes::{MISC, TRUCKS};
 use crate::assets::annotation::Margins;
 use crate::math::DVec3;
@@ -61,7 +62,7 @@ pub(super) struct Plan {
 impl Plan {
     /// Draws a truck.
     pub fn draw(s: &mut Stream) -> Self {
-        let size = TRUCKS.draw(s) + DVec3::from_array(Margins::mean_of_vehicles());
+        let size = TRUCKS.draw(s) + DVec3::from_array(Margins::mean_of_vehicles(ObjectClass::Truck));
         Self::of_size(size, s)
     }
 
@@ -217,7 +218,7 @@ pub(super) struct TowedPlan {
 
 impl TowedPlan {
     pub fn draw(s: &mut Stream) -> Self {
-        let size = MISC.draw(s) + DVec3::from_array(Margins::mean_of_vehicles());
+        let size = MISC.draw(s) + DVec3::from_array(Margins::mean_of_vehicles(ObjectClass::Misc));
         let (l, w, h) = (size.x, size.y, size.z);
         let kind = if w < 0.95 && l < 2.6 {
             Towed::Motorbike

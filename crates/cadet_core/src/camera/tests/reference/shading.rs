@@ -174,7 +174,7 @@ impl Reference {
             };
         let albedo = if is_window { radiance(base, &place) } else { albedo(m.pattern, base, &place) };
         let worn = if m.semantic == Semantic::Road { 0.55 } else { 1.0 };
-        let lies = if is_vehicle(m.semantic) { 0.0 } else { 1.0 };
+        let lies = if s.posed.sheds_snow && is_vehicle(m.semantic) { 0.0 } else { 1.0 };
         let drift = value_noise(at.world.x * 0.6, at.world.y * 0.6, 0x5E0);
         let level = ((self.normal_at(s, at).z - 0.4) * 2.0).clamp(0.0, 1.0);
         albedo + (Vec3::splat(0.8) - albedo) * level * (self.light.snow * worn * (0.5 + drift)).min(1.0) * lies
