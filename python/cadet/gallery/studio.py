@@ -97,4 +97,5 @@ def portrait(sitter: Sitter, number: int = 0, *, speed_mps: float | None = None)
 def _exposed_for(image: style.Image, is_actor: NDArray[np.bool_]) -> style.Image:
     """Lift an image until the actor's pixels have the mean wanted; values are proportional to light."""
     gain = min(max(_ACTOR_LUMA / max(float(image[is_actor].mean()), 1.0), 1.0), _MOST_GAIN)
-    return np.minimum(image * gain, 255.0).astype(np.uint8)
+    exposed: style.Image = np.minimum(image * gain, 255.0).astype(np.uint8)
+    return exposed
