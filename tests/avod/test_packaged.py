@@ -55,7 +55,7 @@ def test_it_finds_the_cars_that_are_plain_to_see(frames: list[cadet.Frame]) -> N
     assert num_plain >= 8
     assert num_found >= 0.7 * num_plain
     # Cars that are hidden too well for a label count as wrong, too.
-    assert num_wrong <= 0.3 * len(frames)
+    assert num_wrong <= 0.25 * len(frames)
 
 
 def test_it_works_by_name_from_the_command_line(frames: list[cadet.Frame], tmp_path: Path) -> None:
