@@ -33,7 +33,7 @@ pub(super) fn terrace(f: &mut Furnisher, frontage: &Frontage, from_m: f64, s: &m
         }
         for row in 0..rows {
             let off_m = ROW_EVERY_M * f64::from(row);
-            if seat_two(f, frontage, (table_m, off_m), variant, &chair_colors, s) && has_parasols && (k + 1) % 2 == 1 {
+            if seat_two(f, frontage, (table_m, off_m), variant, &chair_colors, s) && has_parasols && k % 2 == 0 {
                 put(f, frontage, ThingKind::Parasol, variant, (table_m + TABLE_EVERY_M / 2.0, off_m), s);
             }
         }

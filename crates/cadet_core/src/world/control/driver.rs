@@ -26,7 +26,8 @@ const STANDS_MPS: f64 = 0.1;
 /// What the brakes of a car that stands are pressed as if for.
 const STANDING_MPS2: f64 = -1.0;
 /// Speed and acceleration below which brake lamps stay lit.
-const HOLDS_BELOW: (f64, f64) = (0.05, 0.3);
+const HOLDS_BELOW_MPS: f64 = 0.05;
+const HOLDS_BELOW_MPS2: f64 = 0.3;
 /// How soon a commanded speed is to be reached, within what the pedals can do.
 const RESPONSE_S: f64 = 0.5;
 /// How fast a car moves across its lane by command, and by how much of its speed: a jump would make it skid.
@@ -243,7 +244,7 @@ impl Controller for Driver {
                 let mut accel = self.pressed_mps2(speed);
                 let stand = accel < 0.05 && speed < 0.4;
                 // Who has closed up keeps a foot on the brake, though centimeters are left to go.
-                let holds = stand || speed < HOLDS_BELOW.0 && accel < HOLDS_BELOW.1;
+                let holds = stand || speed < HOLDS_BELOW_MPS && accel < HOLDS_BELOW_MPS2;
                 own.appearance.accelerate(if holds { STANDING_MPS2 } else { accel });
                 // Brakes stop a car, they don't push it backwards.
                 if accel < 0.0 {
