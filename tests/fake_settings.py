@@ -28,6 +28,7 @@ _SUBURB = {
     "main_share": (0.0, 0, 1),
     "sidewalk_m": ([1.5, 2.5], 1.2, 4.5),
     "signal_share": (0.0, 0, 1),
+    "roundabout_share": (0.0, 0, 1),
     "tram_share": (0.0, 0, 1),
     "country_share": (0.0, 0, 1),
     "aisle_share": (0.0, 0, 1),

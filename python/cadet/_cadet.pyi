@@ -213,6 +213,7 @@ class SuburbConfig:
         main_share: float,
         sidewalk_m: tuple[float, float],
         signal_share: float,
+        roundabout_share: float,
         tram_share: float,
         country_share: float,
         aisle_share: float,

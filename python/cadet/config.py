@@ -154,6 +154,8 @@ class SuburbConfig:
     """Narrowest and widest sidewalk of streets other than main roads, meters."""
     signal_share: float = _SUBURB.default("signal_share")
     """Share of the junctions of streets faster than 30 km/h that have traffic lights."""
+    roundabout_share: float = _SUBURB.default("roundabout_share")
+    """Share of the junctions of streets with one lane a direction that are roundabouts, in town."""
     tram_share: float = _SUBURB.default("tram_share")
     """Share of the main roads across a suburb with the two tracks of a tram in the middle, instead of any median."""
     country_share: float = _SUBURB.default("country_share")

@@ -108,7 +108,8 @@ pub(crate) struct SuburbConfig {
 impl SuburbConfig {
     #[new]
     #[pyo3(signature = (
-        *, blocks, block_m, parking_share, angled_share, main_share, sidewalk_m, signal_share, tram_share,
+        *, blocks, block_m, parking_share, angled_share, main_share, sidewalk_m, signal_share,
+        roundabout_share, tram_share,
         country_share, aisle_share, industrial_share, campus_share, motorway_share, hilly_share, max_slope,
     ))]
     fn new(
@@ -119,6 +120,7 @@ impl SuburbConfig {
         main_share: f64,
         sidewalk_m: (f64, f64),
         signal_share: f64,
+        roundabout_share: f64,
         tram_share: f64,
         country_share: f64,
         aisle_share: f64,
@@ -136,6 +138,7 @@ impl SuburbConfig {
             main_share,
             sidewalk_m,
             signal_share,
+            roundabout_share,
             tram_share,
             country_share,
             aisle_share,

@@ -20,10 +20,12 @@ pub(super) struct Frontage {
     pub speed_limit_mps: f64,
     /// Whether the road has a median or two lanes a direction.
     pub is_main_road: bool,
+    /// Whether the traffic beside it comes to a roundabout at its end.
+    pub ends_at_roundabout: bool,
 }
 
 impl Frontage {
-    fn new(lane: &Lane, is_main_road: bool, mut edge: Vec<(DVec2, f64)>) -> Self {
+    fn new(network: &RoadNetwork, lane: &Lane, is_main_road: bool, mut edge: Vec<(DVec2, f64)>) -> Self {
         edge.dedup_by(|b, a| (b.0 - a.0).length() < 0.3);
         let mut s_m = Vec::with_capacity(edge.len());
         let mut s = 0.0;
@@ -34,7 +36,15 @@ impl Frontage {
             s_m.push(s);
         }
         let (points, sidewalk_m) = edge.into_iter().unzip();
-        Self { road: lane.road, points, sidewalk_m, s_m, speed_limit_mps: lane.speed_limit_mps, is_main_road }
+        Self {
+            road: lane.road,
+            points,
+            sidewalk_m,
+            s_m,
+            speed_limit_mps: lane.speed_limit_mps,
+            is_main_road,
+            ends_at_roundabout: network.ends_at_roundabout(lane),
+        }
     }
 
     /// Length along the edge.
@@ -147,7 +157,7 @@ pub(super) fn frontages(network: &RoadNetwork, site: &Site) -> Vec<Frontage> {
         sides[1].reverse();
         for (side, edge) in sides.into_iter().enumerate() {
             if inner[side] * 2 <= count {
-                let frontage = Frontage::new(lane, is_main_road, edge);
+                let frontage = Frontage::new(network, lane, is_main_road, edge);
                 if frontage.points.len() > 3 {
                     frontages.push(frontage);
                 }

@@ -45,6 +45,8 @@ const SHOULDER_M: f64 = 0.45;
 /// Fields end so far from a ditch and from each other's middle line; smaller ones are left to grass.
 const BALK_M: f64 = 0.5;
 const LEAST_FIELD_M2: f64 = 250.0;
+/// A line whose ends are nearer to each other closes on itself.
+const CLOSED_M: f64 = 0.05;
 /// Corners that stand out less are straightened: in outlines, and between the steps that lead to them.
 const STRAIGHT_M: f64 = 0.015;
 const STRAIGHT_BETWEEN_M: f64 = 0.008;
@@ -177,8 +179,12 @@ impl Frame {
     fn strip(&self, lane: &Lane) -> Option<Contour> {
         let n = lane.center.len();
         let at = |i: usize| lane.center[i].truncate();
+        // Where a lane closes on itself its ends have one direction.
+        let is_closed = n > 3 && (at(0) - at(n - 1)).length() < CLOSED_M;
         let side = |i: usize| {
-            let along = (at((i + 1).min(n - 1)) - at(i.saturating_sub(1))).normalize_or_zero();
+            let is_seam = is_closed && (i == 0 || i == n - 1);
+            let (before, after) = if is_seam { (n - 2, 1) } else { (i.saturating_sub(1), (i + 1).min(n - 1)) };
+            let along = (at(after) - at(before)).normalize_or_zero();
             along.perp() * (lane.width_m[i] / 2.0 + WIDEN_M)
         };
         let right = (0..n).map(|i| self.point(at(i) - side(i)));

@@ -1,6 +1,7 @@
 //! The ways through a junction: which lane leads to which.
 
 use super::plan_curve::{PlanCurve, PlanPose};
+use super::roundabout::{OnRing, Roundabout};
 use super::street_grid::LineStyle;
 use crate::math::{PI, wrap_angle};
 
@@ -38,13 +39,20 @@ pub(super) struct Turn {
     pub(super) along_curb: bool,
     /// True for a track, which leads from the one street's to the other's; its curve is the middle of both roads.
     pub(super) is_track: bool,
+    /// Where it is on the ring of a roundabout, if it is.
+    pub(super) on_ring: Option<OnRing>,
     /// Width of the paved strip to its left, where medians stop at the junction: at its beginning and its end.
     pub(super) paved_left_m: [f64; 2],
 }
 
-/// The ways from each arm of a junction to each other one; arms go round counter-clockwise, `pose` looks out of the
-/// junction from the middle of an arm's end.
-pub(super) fn turns(junction: usize, arms: &[Arm], pose: &dyn Fn(&Arm) -> PlanPose) -> Vec<Turn> {
+/// The ways from each arm of a junction to each other one, across it or round a roundabout; arms go round
+/// counter-clockwise, `pose` looks out of the junction from the middle of an arm's end.
+pub(super) fn turns(
+    junction: usize,
+    arms: &[Arm],
+    roundabout: Option<&Roundabout>,
+    pose: &dyn Fn(&Arm) -> PlanPose,
+) -> Vec<Turn> {
     let mut turns = Vec::new();
     for (i, from) in arms.iter().enumerate() {
         let bend = |to: &Arm| wrap_angle(to.heading_rad - from.heading_rad - PI);
@@ -77,6 +85,7 @@ pub(super) fn turns(junction: usize, arms: &[Arm], pose: &dyn Fn(&Arm) -> PlanPo
                     curve,
                     along_curb: false,
                     is_track: true,
+                    on_ring: None,
                     paved_left_m: [0.0; 2],
                 });
             }
@@ -88,8 +97,13 @@ pub(super) fn turns(junction: usize, arms: &[Arm], pose: &dyn Fn(&Arm) -> PlanPo
                     let right_m = arm.style.median_width_m / 2.0 + lane as f64 * arm.style.lane_width_m;
                     PlanPose { at: pose.at - pose.direction().perp() * right_m, ..pose }
                 };
-                let mut curve = PlanCurve::default();
-                curve.extend_to(edge(from, pose(from).reversed(), lanes[0]), edge(to, pose(to), lanes[1]));
+                let ends = (edge(from, pose(from).reversed(), lanes[0]), edge(to, pose(to), lanes[1]));
+                let across = || {
+                    let mut curve = PlanCurve::default();
+                    curve.extend_to(ends.0, ends.1);
+                    (curve, None)
+                };
+                let (curve, on_ring) = roundabout.map_or_else(across, |ring| ring.way(ends.0, ends.1));
                 let is_inner_and_straight = *lanes == [0, 0] && bend(to).abs() < STRAIGHT_RAD;
                 turns.push(Turn {
                     junction,
@@ -98,6 +112,7 @@ pub(super) fn turns(junction: usize, arms: &[Arm], pose: &dyn Fn(&Arm) -> PlanPo
                     lanes: *lanes,
                     curve,
                     is_track: false,
+                    on_ring,
                     along_curb: j == (i + 1) % arms.len() && *lanes == outermost,
                     paved_left_m: [from, to]
                         .map(|arm| if is_inner_and_straight { arm.style.median_width_m / 2.0 } else { 0.0 }),

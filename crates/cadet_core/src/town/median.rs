@@ -2,6 +2,7 @@
 
 use super::network::{Lane, LaneKind, RoadNetwork};
 use super::placer::{Placer, boundary_palette};
+use super::roundabout_island::is_island;
 use super::street_style::Boundary;
 use crate::assets::scenery::{PoleKind, StreetLight, TreeKind, num_variants, pole, tree};
 use crate::math::{DVec2, DVec3};
@@ -17,8 +18,8 @@ const HEDGE_PIECE_M: f64 = 6.0;
 
 /// Furnishes the medians of a network; an imported map's as well.
 pub(super) fn furnish(key: &StreamKey, network: &RoadNetwork, greenery: f64, placer: &mut Placer) {
-    let medians: Vec<&Lane> =
-        network.lanes.iter().filter(|l| l.kind == LaneKind::Median && l.junction.is_none()).collect();
+    let is_median = |l: &&Lane| l.kind == LaneKind::Median && l.junction.is_none() && !is_island(l);
+    let medians: Vec<&Lane> = network.lanes.iter().filter(is_median).collect();
     let is_first = |lane: &&&Lane| medians.iter().find(|o| o.road == lane.road).is_some_and(|o| o.id == lane.id);
     for lane in medians.iter().filter(is_first) {
         let other = medians.iter().find(|o| o.road == lane.road && o.id != lane.id).copied();

@@ -45,6 +45,8 @@ mod relief;
 mod road_marking;
 mod roadside;
 mod roughness;
+mod roundabout;
+mod roundabout_island;
 mod signals;
 mod street_grid;
 mod street_plan;

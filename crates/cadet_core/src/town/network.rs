@@ -188,6 +188,8 @@ pub struct RoadNetwork {
     pub lane_marks: Vec<PaintedQuad>,
     /// The traffic lights that the map has.
     pub lights: Vec<MapLight>,
+    /// The junctions that are roundabouts, in ascending order.
+    pub roundabouts: Vec<u32>,
 }
 
 impl RoadNetwork {
@@ -214,7 +216,7 @@ impl RoadNetwork {
                 speed_limit_mps: 50.0 / 3.6,
             }
         };
-        Self { lanes: vec![lane(0, -1.0), lane(1, 1.0)], lane_marks: Vec::new(), lights: Vec::new() }
+        Self { lanes: vec![lane(0, -1.0), lane(1, 1.0)], ..Self::default() }
     }
 
     /// The lane of an id.
@@ -258,6 +260,18 @@ impl RoadNetwork {
         let arrives = |o: &&Lane| o.successors.iter().any(|n| self.lane(*n).junction == Some(junction));
         let faster_mps = lane.speed_limit_mps + 0.1;
         self.driving().filter(|o| o.junction.is_none()).filter(arrives).any(|o| o.speed_limit_mps > faster_mps)
+    }
+
+    /// Whether a lane leads through a roundabout.
+    #[must_use]
+    pub fn is_in_roundabout(&self, lane: &Lane) -> bool {
+        lane.junction.is_some_and(|junction| self.roundabouts.binary_search(&junction).is_ok())
+    }
+
+    /// Whether the traffic of a lane comes to a roundabout at its end.
+    #[must_use]
+    pub fn ends_at_roundabout(&self, lane: &Lane) -> bool {
+        lane.successors.iter().any(|next| self.is_in_roundabout(self.lane(*next)))
     }
 
     /// The lanes that trams run on.

@@ -99,7 +99,8 @@ pub fn load_with_warnings(map_name: &str, xodr_text: &str) -> Result<(RoadNetwor
     }
     let lane_marks = lane_marks(&map);
     let lights = map_lights::read(&map, &ids, &lanes);
-    Ok((RoadNetwork { lanes, lane_marks, lights }, map_warnings::lines(map_name, &provenance.warnings)))
+    let roundabouts = roundabouts(&map);
+    Ok((RoadNetwork { lanes, lane_marks, lights, roundabouts }, map_warnings::lines(map_name, &provenance.warnings)))
 }
 
 /// The painted lines of a map, without those of roadworks and those whose place is no number.
@@ -124,6 +125,15 @@ fn lane_marks(map: &xodr::RoadNetwork) -> Vec<PaintedQuad> {
         })
         .filter(|quad| quad.corners.iter().all(|p| p.is_finite()))
         .collect()
+}
+
+/// The numbers of the junctions that the map calls roundabouts, ascending.
+fn roundabouts(map: &xodr::RoadNetwork) -> Vec<u32> {
+    let groups = map.junction_groups().iter().filter(|g| g.kind == xodr::JunctionGroupKind::Roundabout);
+    let mut numbers: Vec<u32> = groups.flat_map(|g| &g.junctions).map(|id| number_of(id)).collect();
+    numbers.sort_unstable();
+    numbers.dedup();
+    numbers
 }
 
 /// Whether the reader left out what cars drive on. Smaller losses, such as a sign's or a road mark's, pass.

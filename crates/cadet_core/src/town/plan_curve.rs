@@ -2,6 +2,9 @@
 
 use crate::math::{self, DVec2, wrap_angle};
 
+/// A shorter line is none.
+const LEAST_LINE_M: f64 = 1e-9;
+
 /// A place and a direction in the plane.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PlanPose {
@@ -80,6 +83,14 @@ impl PlanCurve {
             left -= segment.length_m;
         }
         PlanPose::new(DVec2::ZERO, 0.0)
+    }
+
+    /// Goes straight on from `start` to a place ahead of it; to one that is there already it adds nothing.
+    pub(super) fn straight_to(&mut self, start: PlanPose, end: DVec2) {
+        let length_m = (end - start.at).length();
+        if length_m > LEAST_LINE_M {
+            self.segments.push(Segment { start, length_m, curvature: 0.0 });
+        }
     }
 
     /// Goes on to `end` with two arcs that meet tangentially (a biarc of equal tangent lengths).

@@ -11,7 +11,7 @@ use super::street_style::StreetStyle;
 use super::street_things::{self, Lined, StreetThings};
 use super::{
     Ground, ParkingSpot, RoadNetwork, Signals, Walkway, belt, countryside, garden, median, overhead_line, plots,
-    signals, streetside,
+    roundabout_island, signals, streetside,
 };
 use crate::instance::Instance;
 use crate::rng::StreamKey;
@@ -69,6 +69,7 @@ pub(super) fn place_props(
         paving.pave(frontage, &mut placer);
     }
     median::furnish(key, network, config.greenery, &mut placer);
+    roundabout_island::furnish(key, network, config.greenery, &mut placer);
     overhead_line::string(key, network, &mut placer);
     belt::plant(&mut key.stream("belt"), config.greenery, config.belt_m, &frontages, &taken, &mut placer);
     let mut posts = signals::place(signals, key, &mut placer);

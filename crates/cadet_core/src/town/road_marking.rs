@@ -45,8 +45,9 @@ pub(super) fn draw(
             continue;
         }
         // A fast street goes through; where one only ends, nobody has to give way to it.
-        let gives_way = if is_rural { network.gives_way(lane) } else { fast > 1 && !is_fast(lane) };
-        if fast == arriving.len() && !is_rural {
+        let gives_way = network.ends_at_roundabout(lane)
+            || if is_rural { network.gives_way(lane) } else { fast > 1 && !is_fast(lane) };
+        if fast == arriving.len() && !is_rural && !network.ends_at_roundabout(lane) {
             paint.across(at, side, (-half + 0.1, half - 0.1), STOP_LINE_DEPTH_M, line);
         } else if gives_way {
             let mut t = -half + 0.1;

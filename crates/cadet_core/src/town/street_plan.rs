@@ -4,6 +4,7 @@ use super::country_roads;
 use super::junction_turns::{Arm, End, Turn, turns};
 use super::place_streets::{self, AISLE_BAY_M};
 use super::plan_curve::{PlanCurve, PlanPose, heading_of, unit};
+use super::roundabout::Roundabout;
 use super::street_grid::{LineStyle, StreetKind, draw_grid, draw_styles, lay_tracks, thin, trace, widen_main_roads};
 use super::suburb_config::SuburbConfig;
 use crate::math::{self, DVec2, PI, TAU, wrap_angle};
@@ -53,6 +54,8 @@ pub(super) struct StreetPlan {
     pub(super) streets: Vec<Street>,
     pub(super) turns: Vec<Turn>,
     pub(super) num_junctions: usize,
+    /// By junction, the roundabout that it is.
+    pub(super) roundabouts: Vec<Option<Roundabout>>,
     /// By junction, whether it has traffic lights.
     pub(super) has_signals: Vec<bool>,
 }
@@ -92,18 +95,29 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
             });
         }
     }
+    let mut rings = key.stream("suburb/roundabouts");
+    let mut roundabouts = vec![None; num_junctions];
     let mut cuts = vec![[PlanPose::new(DVec2::ZERO, 0.0); 2]; chains.len()];
     for node in (0..grid.at.len()).filter(|n| junction_of[*n] != usize::MAX) {
         let arms = &mut arms[junction_of[node]];
         arms.sort_by(|a, b| wrap_angle(a.heading_rad).total_cmp(&wrap_angle(b.heading_rad)));
         cut_back(arms, stream.range(CORNER_RADIUS_M.0, CORNER_RADIUS_M.1));
+        let roundabout = Roundabout::draw(grid.at[node], arms, config.roundabout_share, &mut rings);
+        if let Some(ring) = &roundabout {
+            arms.iter_mut().for_each(|arm| arm.cut_m = arm.cut_m.max(ring.approach_m()));
+        }
+        roundabouts[junction_of[node]] = roundabout;
         for arm in arms.iter() {
             let at = grid.at[node] + unit(arm.heading_rad) * arm.cut_m;
             cuts[arm.street][usize::from(arm.end == End::Finish)] = PlanPose::new(at, arm.heading_rad);
         }
     }
     let mut lights = key.stream("suburb/signals");
-    let has_signals = arms.iter().map(|arms| has_signals(arms, config.signal_share, &mut lights)).collect();
+    let has_signals = arms
+        .iter()
+        .zip(&roundabouts)
+        .map(|(arms, ring)| has_signals(arms, config.signal_share, &mut lights) && ring.is_none())
+        .collect();
     let mut winding = key.stream("suburb/winding");
     let streets: Vec<Street> = chains
         .iter()
@@ -156,8 +170,13 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
         })
         .collect();
     let pose = |arm: &Arm| cuts[arm.street][usize::from(arm.end == End::Finish)];
-    let turns = arms.iter().enumerate().flat_map(|(junction, arms)| turns(junction, arms, &pose)).collect();
-    StreetPlan { streets, turns, num_junctions, has_signals }
+    let turns = arms
+        .iter()
+        .zip(&roundabouts)
+        .enumerate()
+        .flat_map(|(junction, (arms, ring))| turns(junction, arms, ring.as_ref(), &pose))
+        .collect();
+    StreetPlan { streets, turns, num_junctions, roundabouts, has_signals }
 }
 
 /// Whether a junction has traffic lights: of fast streets that meet more often than of those that side streets join.

@@ -49,7 +49,8 @@ pub(super) fn furnish(frontage: &Frontage, style: &StreetStyle, s: &mut Stream, 
             let kind = if fast { PoleKind::RoundSign } else { PoleKind::ZoneSign };
             put_pole(placer, kind, s.below(3), 3.0, true);
         }
-        if s.chance(0.55) {
+        // Roundabouts have signs of their own.
+        if s.chance(0.55) && !frontage.ends_at_roundabout {
             let end = if fast { PoleKind::DiamondSign } else { PoleKind::TriangleSign };
             put_pole(placer, end, s.below(3), length - 2.5, true);
         }

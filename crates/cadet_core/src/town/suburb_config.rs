@@ -22,6 +22,8 @@ settings! {
         sidewalk_m: (f64, f64) = (1.5, 2.5), 1.2 to 4.5;
         /// Share of the junctions of streets faster than 30 km/h that have traffic lights.
         signal_share: f64 = 0.0, 0 to 1;
+        /// Share of the junctions of streets with one lane a direction that are roundabouts, in town.
+        roundabout_share: f64 = 0.0, 0 to 1;
         /// Share of the main roads across a suburb with the two tracks of a tram in the middle, instead of any median.
         tram_share: f64 = 0.0, 0 to 1;
         /// Share of suburbs that are open country: winding roads between fields and woods, without curbs or sidewalks.

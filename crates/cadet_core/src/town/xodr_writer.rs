@@ -4,6 +4,7 @@ use super::junction_turns::{End, Turn};
 use super::network::LaneSurface;
 use super::plan_curve::PlanCurve;
 use super::relief::Relief;
+use super::roundabout::Roundabout;
 use super::street_grid::{LineStyle, StreetKind};
 use super::street_plan::{Street, StreetPlan};
 use super::xodr_lanes::{
@@ -16,6 +17,9 @@ use crate::math;
 
 /// How a document begins.
 pub(super) const HEADER: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<OpenDRIVE>\n";
+
+/// A lane has to have an inner edge: an island's is a circle of this radius.
+const ISLAND_MIDDLE_M: f64 = 0.5;
 
 /// A street's slope across grows from its ends to the full over this length.
 const CROSSFALL_RAMP_M: f64 = 20.0;
@@ -36,9 +40,22 @@ pub(super) fn write(name: &str, plan: &StreetPlan, relief: &Relief, crossfall: &
     for (i, turn) in plan.turns.iter().enumerate() {
         write_turn(&mut out, plan, i, turn, relief);
     }
+    for (junction, ring) in plan.roundabouts.iter().enumerate().filter_map(|(j, ring)| Some((j, ring.as_ref()?))) {
+        write_island(&mut out, turn_id(plan, plan.turns.len() + junction), ring, relief);
+    }
     write_controllers(&mut out, plan);
     for junction in 0..plan.num_junctions {
         write_junction(&mut out, plan, junction);
+    }
+    for junction in (0..plan.num_junctions).filter(|j| plan.roundabouts[*j].is_some()) {
+        put(
+            &mut out,
+            format_args!(
+                "<junctionGroup name=\"\" id=\"{0}\" type=\"roundabout\"><junctionReference junction=\"{0}\"/>\
+                 </junctionGroup>\n",
+                junction + 1
+            ),
+        );
     }
     out.push_str("</OpenDRIVE>\n");
     out
@@ -150,7 +167,15 @@ fn write_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &Turn, re
     } else {
         let driven = [driving_id(a, arrives, turn.lanes[0]), driving_id(b, leaves, turn.lanes[1])];
         let widths_m = [a.lane_width_m, b.lane_width_m];
-        lanes.push(LaneRecord { surface: driven_surface(a), ..lane(-1, "driving", widths_m, Some(driven)) });
+        let mut record = LaneRecord { surface: driven_surface(a), ..lane(-1, "driving", widths_m, Some(driven)) };
+        if let Some(ring) = turn.on_ring {
+            record.widths = vec![
+                Cubic::hermite(0.0, ring.from_m, (widths_m[0], 0.0), (ring.lane_m, 0.0)),
+                Cubic { s: ring.from_m, ..Cubic::constant(ring.lane_m) },
+                Cubic::hermite(ring.to_m, length - ring.to_m, (ring.lane_m, 0.0), (widths_m[1], 0.0)),
+            ];
+        }
+        lanes.push(record);
     }
     if turn.along_curb {
         let walked = [sidewalk_id(a, arrives), sidewalk_id(b, leaves)];
@@ -158,6 +183,28 @@ fn write_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &Turn, re
         let widths_m = [a.sidewalk_width_m, b.sidewalk_width_m];
         lanes.push(LaneRecord { surface, ..lane(-2, kind, widths_m, Some(walked)) });
     }
+    write_lanes(out, &[Section { s: 0.0, center_line_m: None, lanes }]);
+    out.push_str("</road>\n");
+}
+
+/// The island of a roundabout: a road that closes on itself, of which there is a median alone.
+fn write_island(out: &mut String, id: usize, ring: &Roundabout, relief: &Relief) {
+    let curve = ring.island();
+    let length = curve.length_m();
+    put(
+        out,
+        format_args!("<road name=\"\" length=\"{length:.6}\" id=\"{id}\" junction=\"-1\" rule=\"RHT\">\n<link/>\n"),
+    );
+    write_shape(out, &curve, relief, &|_| 0.0);
+    let lanes = vec![LaneRecord {
+        id: 1,
+        kind: "median",
+        widths: vec![Cubic::constant(ring.island_m - ISLAND_MIDDLE_M)],
+        surface: LaneSurface::Usual,
+        outer_line: OuterLine::None,
+        predecessor: None,
+        successor: None,
+    }];
     write_lanes(out, &[Section { s: 0.0, center_line_m: None, lanes }]);
     out.push_str("</road>\n");
 }

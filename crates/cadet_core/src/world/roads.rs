@@ -93,6 +93,11 @@ impl Roads {
         self.town.network.lane(id)
     }
 
+    /// Whether a lane leads through a roundabout.
+    pub fn is_in_roundabout(&self, id: LaneId) -> bool {
+        self.town.network.is_in_roundabout(self.lane(id))
+    }
+
     /// The traffic lights.
     pub fn signals(&self) -> &Signals {
         &self.town.signals

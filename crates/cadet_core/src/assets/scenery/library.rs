@@ -238,7 +238,7 @@ pub fn pole(kind: PoleKind, variant: usize) -> SceneryModel {
                 _ => ([0.32, 0.33, 0.34], [0.46, 0.46, 0.45]),
             };
             let mut palette = furniture_palette(&mut s, Semantic::Pole, body, accent);
-            if matches!(kind, PoleKind::ParkingSign | PoleKind::NameSign) {
+            if matches!(kind, PoleKind::ParkingSign | PoleKind::NameSign | PoleKind::RoundaboutSign) {
                 let mut blue = palette.materials().to_vec();
                 blue[usize::from(super::materials::furniture_slot::INK)].albedo = [0.015, 0.05, 0.28];
                 palette = Arc::new(Palette::new(blue));

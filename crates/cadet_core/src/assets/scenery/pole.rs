@@ -29,11 +29,15 @@ pub enum PoleKind {
     Bollard,
     /// A white post with a black band at the edge of a main road.
     Delineator,
+    /// Give way, and the blue disc of a roundabout below it.
+    RoundaboutSign,
+    /// A low board of red and white arrowheads that point to the driver's right.
+    ArrowBoard,
 }
 
 impl PoleKind {
     /// Every kind.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 12] = [
         Self::Lamp,
         Self::ArmLamp,
         Self::RoundSign,
@@ -44,6 +48,8 @@ impl PoleKind {
         Self::NameSign,
         Self::Bollard,
         Self::Delineator,
+        Self::RoundaboutSign,
+        Self::ArrowBoard,
     ];
 
     /// A short name.
@@ -60,6 +66,8 @@ impl PoleKind {
             Self::NameSign => "name-sign",
             Self::Bollard => "bollard",
             Self::Delineator => "delineator",
+            Self::RoundaboutSign => "roundabout-sign",
+            Self::ArrowBoard => "arrow-board",
         }
     }
 }
@@ -108,6 +116,58 @@ fn thirty(b: &mut MeshBuilder, z: f32, height: f32) {
         // Seen from +x, y runs to the right.
         let middle = v(0.056, (y - 0.11) * height, z + up * height * 0.9);
         block(b, middle, v(0.002, w * height, h * height), slot::INK);
+    }
+}
+
+/// Three white arrows that follow each other round a disc, counter-clockwise as the driver sees them.
+fn circling_arrows(b: &mut MeshBuilder, z: f32) {
+    let third = std::f32::consts::TAU / 3.0;
+    let at = |x: f32, angle: f32, radius: f32| {
+        v(x, radius * crate::math::cosf(angle), z + radius * crate::math::sinf(angle))
+    };
+    for k in 0..3 {
+        let from = third * k as f32;
+        // Seen from +x, y runs to the right, so growing angles go round counter-clockwise.
+        for piece in 0..3 {
+            let [a, c] = [piece, piece + 1].map(|i| from + 0.2 * third * i as f32);
+            b.quad(at(0.052, a, 0.14), at(0.052, a, 0.21), at(0.052, c, 0.21), at(0.052, c, 0.14), slot::WHITE);
+        }
+        let (base, tip) = (from + 0.6 * third, from + 0.9 * third);
+        b.triangle(at(0.052, base, 0.1), at(0.052, base, 0.25), at(0.052, tip, 0.175), slot::WHITE);
+    }
+}
+
+/// Length and height of the board, height of its lower edge, and how many arrowheads it has.
+const BOARD_M: [f32; 3] = [1.6, 0.5, 0.45];
+const ARROWHEADS: usize = 3;
+
+fn arrow_board(b: &mut MeshBuilder, detail: Detail) {
+    let [length, height, low] = BOARD_M;
+    for y in [-0.5, 0.5] {
+        tube(b, (v(0.0, y, -0.3), 0.03), (v(0.0, y, low + height), 0.03), detail.pick(10, 6, 4), slot::BODY);
+    }
+    block(b, v(0.04, 0.0, low + height / 2.0), v(0.02, length, height), slot::BACK);
+    // The front is red, with white bands that come to a point toward +y, the driver's right.
+    let x = 0.052;
+    b.quad(
+        v(x, -length / 2.0, low),
+        v(x, length / 2.0, low),
+        v(x, length / 2.0, low + height),
+        v(x, -length / 2.0, low + height),
+        slot::RED,
+    );
+    let step = length / ARROWHEADS as f32;
+    let (x, middle) = (0.054, low + height / 2.0);
+    for k in 0..ARROWHEADS {
+        let y = -length / 2.0 + step * k as f32;
+        let (tail, tip) = (0.08, step / 2.0);
+        for end in [low, low + height] {
+            let corners =
+                [v(x, y + tail, end), v(x, y + tail + tip, end), v(x, y + step, middle), v(x, y + step - tip, middle)];
+            // Both halves face the driver.
+            let [p, q, r, s] = corners;
+            if end < middle { b.quad(p, q, r, s, slot::WHITE) } else { b.quad(s, r, q, p, slot::WHITE) }
+        }
     }
 }
 
@@ -209,6 +269,15 @@ pub(super) fn mesh(kind: PoleKind, variant: usize, detail: Detail) -> Mesh {
             b.loft(&[ring(0.97), ring(1.05)], slot::ACCENT, true);
             block(&mut b, v(0.051, 0.0, 0.85), v(0.006, 0.04, 0.18), slot::WHITE);
         }
+        PoleKind::RoundaboutSign => {
+            post(b_, (0.03, 0.03), 3.15, detail);
+            plate(b_, 2.85, 3, -right_angle, &[(0.46, slot::RED), (0.3, slot::WHITE)]);
+            plate(b_, 2.2, detail.pick(24, 14, 8), 0.0, &[(0.3, slot::INK)]);
+            if detail != Detail::Far {
+                circling_arrows(b_, 2.2);
+            }
+        }
+        PoleKind::ArrowBoard => arrow_board(b_, detail),
         PoleKind::Bollard => {
             post(b_, (0.055, 0.055), 0.88, detail);
             tube(b_, (v(0.0, 0.0, 0.7), 0.058), (v(0.0, 0.0, 0.8), 0.058), detail.pick(12, 7, 4), slot::WHITE);

@@ -172,6 +172,12 @@ impl Driver {
         self.lanes.change.is_some()
     }
 
+    /// What the driver shows of where it goes.
+    #[cfg(test)]
+    pub fn signal(&self) -> TurnSignal {
+        self.signal
+    }
+
     /// What the driver brakes for.
     #[cfg(test)]
     pub fn cause(&self) -> Cause {

@@ -8,16 +8,23 @@ use crate::world::turn_signal::TurnSignal;
 
 /// A way through a junction that changes direction by less goes straight on.
 const TURNS_RAD: f64 = 0.5;
+/// Leaving a roundabout begins so far before its lane's end.
+const LEAVING_M: f64 = 14.0;
 /// Drivers signal so long before a junction, from within these distances of it.
 const AHEAD_S: f64 = 3.5;
 const AHEAD_M: (f64, f64) = (30.0, 50.0);
 
 /// The next junction of a route, if it is turned off there: how far away it begins, below 0 inside it, and to which side.
+/// A roundabout is turned off from at its end, to the right; entering it is no turning (StVO 8 (1a)).
 pub(super) fn turn_ahead(route: &Route, roads: &Roads) -> Option<(f64, TurnSignal)> {
     let mut start_m = -route.s_m;
     let mut through: Option<(f64, DVec2, DVec2)> = None;
     for id in &route.lanes {
         let lane = roads.lane(*id);
+        if through.is_none() && roads.is_in_roundabout(*id) {
+            let leaves_in_m = start_m + lane.length_m() - LEAVING_M;
+            return (leaves_in_m <= 0.0).then_some((leaves_in_m, TurnSignal::Right));
+        }
         match (&mut through, lane.junction) {
             (None, Some(_)) => through = Some((start_m, end_tangent(lane, false), end_tangent(lane, true))),
             (Some((.., out)), Some(_)) => *out = end_tangent(lane, true),

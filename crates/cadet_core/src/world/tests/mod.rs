@@ -12,6 +12,7 @@ mod openings;
 mod overtaking;
 mod placed;
 mod places;
+mod roundabouts;
 mod scripted;
 mod seated;
 mod signals;
