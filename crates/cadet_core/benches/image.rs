@@ -31,14 +31,12 @@ fn street() -> PosedScene {
         Material::matt(Semantic::Road, [0.115; 3], Pattern::Asphalt, 0.2),
         Material::matt(Semantic::Terrain, [0.07, 0.10, 0.04], Pattern::Grass, 0.2),
     ]);
-    let mut instances = vec![Instance {
-        shape: Arc::new(LodSet::single(ground.build("ground", 0.5))),
-        palette: Arc::new(palette),
-        world_from_local: DPose3::IDENTITY,
-        actor_id: 0,
-        is_body: false,
-        sheds_snow: false,
-    }];
+    let mut instances = vec![Instance::new(
+        Arc::new(LodSet::single(ground.build("ground", 0.5))),
+        Arc::new(palette),
+        DPose3::IDENTITY,
+        0,
+    )];
     for k in 0..20_usize {
         let (x, side) = (k as f64 * 6.0 + 6.0, if k % 2 == 0 { 1.0 } else { -1.0 });
         let yaw = -side * PI / 2.0;
@@ -46,14 +44,12 @@ fn street() -> PosedScene {
             .push(house(HouseKind::ALL[k % HouseKind::ALL.len()], 0).at(upright(DVec3::new(x, side * 16.0, 0.0), yaw)));
         instances.push(tree(TreeKind::Street, k % 2).at(upright(DVec3::new(x + 3.0, side * 5.5, 0.0), k as f64)));
         let car = VehicleModel::generate(ObjectClass::Car, k as u64).expect("a car has a shape");
-        instances.push(Instance {
-            shape: Arc::clone(&car.body),
-            palette: Arc::clone(&car.palette),
-            world_from_local: upright(DVec3::new(x, side * 2.8, 0.0), 0.0),
-            actor_id: k as i32 + 1,
-            is_body: true,
-            sheds_snow: false,
-        });
+        instances.push(Instance::new(
+            Arc::clone(&car.body),
+            Arc::clone(&car.palette),
+            upright(DVec3::new(x, side * 2.8, 0.0), 0.0),
+            k as i32 + 1,
+        ));
     }
     PosedScene::new(&instances, EYE)
 }

@@ -55,14 +55,7 @@ fn suburb() -> Vec<Instance> {
     let mut add = |shape: &Arc<LodSet>, x: f64, y: f64, z: f64, id: i32| {
         let world_from_local =
             DPose3 { rotation: DQuat::from_rotation_z(s.normal() * 0.1), translation: DVec3::new(x, y, z) };
-        instances.push(Instance {
-            shape: Arc::clone(shape),
-            palette: Arc::clone(&palette),
-            world_from_local,
-            actor_id: id,
-            is_body: id > 0,
-            sheds_snow: false,
-        });
+        instances.push(Instance::new(Arc::clone(shape), Arc::clone(&palette), world_from_local, id));
     };
     add(&ground, 0.0, 0.0, 0.0, 0);
     for i in 0..60 {

@@ -25,6 +25,12 @@ pub struct Instance {
 }
 
 impl Instance {
+    /// What stands in the static world (`actor_id` 0), or an actor's body on which snow stays.
+    #[must_use]
+    pub fn new(shape: Arc<LodSet>, palette: Arc<Palette>, world_from_local: DPose3, actor_id: i32) -> Self {
+        Self { shape, palette, world_from_local, actor_id, is_body: actor_id > 0, sheds_snow: false }
+    }
+
     /// The same in what it wears at night.
     #[must_use]
     pub fn at_night(&self) -> Self {

@@ -34,14 +34,7 @@ const SIZE: (usize, usize) = (320, 100);
 
 fn instance(mesh: Mesh, material: Material, world_from_local: DPose3, actor_id: i32) -> Instance {
     let palette = Arc::new(Palette::new(vec![material]));
-    Instance {
-        shape: Arc::new(LodSet::single(mesh)),
-        palette,
-        world_from_local,
-        actor_id,
-        is_body: actor_id > 0,
-        sheds_snow: false,
-    }
+    Instance::new(Arc::new(LodSet::single(mesh)), palette, world_from_local, actor_id)
 }
 
 fn gray(semantic: Semantic, albedo: f32) -> Material {

@@ -128,14 +128,12 @@ mod tests {
         let mut b = MeshBuilder::new();
         b.cuboid(Vec3::new(-2.0, -0.8, 0.0), Vec3::new(2.0, 0.8, 1.5), 0);
         let material = Material::matt(Semantic::Car, [0.3; 3], Pattern::Plain, 0.2);
-        let instance = Instance {
-            shape: Arc::new(LodSet::single(b.build("car", 0.5))),
-            palette: Arc::new(Palette::new(vec![material])),
-            world_from_local: world_from_box,
-            actor_id: id,
-            is_body: true,
-            sheds_snow: false,
-        };
+        let instance = Instance::new(
+            Arc::new(LodSet::single(b.build("car", 0.5))),
+            Arc::new(Palette::new(vec![material])),
+            world_from_box,
+            id,
+        );
         let actor = ActorState {
             id,
             class: ObjectClass::Car,

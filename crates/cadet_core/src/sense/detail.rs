@@ -64,15 +64,8 @@ mod tests {
         let coarser = [(40.0, 100), (90.0, 10)].map(|(to_m, n)| (to_m, LazyMesh::new(move || cubes(n))));
         let shape = Arc::new(LodSet::new((20.0, cubes(200)), coarser));
         let palette = Arc::new(Palette::default());
-        at_m.map(|x| Instance {
-            shape: Arc::clone(&shape),
-            palette: Arc::clone(&palette),
-            world_from_local: upright(DVec3::new(x, 0.0, 0.0), 0.0),
-            actor_id: 0,
-            is_body: false,
-            sheds_snow: false,
-        })
-        .collect()
+        at_m.map(|x| Instance::new(Arc::clone(&shape), Arc::clone(&palette), upright(DVec3::new(x, 0.0, 0.0), 0.0), 0))
+            .collect()
     }
 
     fn faces(instances: &[Instance], resolution: Resolution) -> Vec<usize> {

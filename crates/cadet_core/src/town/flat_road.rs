@@ -41,14 +41,12 @@ pub(super) fn tiles(half_m: f32) -> Vec<Instance> {
             builder.triangle(a, c, d, slot(row, column));
         }
     }
-    vec![Instance {
-        shape: Arc::new(LodSet::single(builder.build("flat road", 0.0))),
-        palette: Arc::new(ground_palette::palette(false, false)),
-        world_from_local: DPose3 { rotation: DQuat::IDENTITY, translation: DVec3::ZERO },
-        actor_id: 0,
-        is_body: false,
-        sheds_snow: false,
-    }]
+    vec![Instance::new(
+        Arc::new(LodSet::single(builder.build("flat road", 0.0))),
+        Arc::new(ground_palette::palette(false, false)),
+        DPose3 { rotation: DQuat::IDENTITY, translation: DVec3::ZERO },
+        0,
+    )]
 }
 
 #[cfg(test)]

@@ -138,14 +138,12 @@ impl Surface {
                 parts.quad(corners.map(|p| p - origin), normal, slot);
             }
             if let Some(mesh) = parts.mesh() {
-                tiles.push(Instance {
-                    shape: Arc::new(LodSet::single(mesh)),
-                    palette: Arc::clone(&palette),
-                    world_from_local: DPose3 { rotation: DQuat::IDENTITY, translation: origin },
-                    actor_id: 0,
-                    is_body: false,
-                    sheds_snow: false,
-                });
+                tiles.push(Instance::new(
+                    Arc::new(LodSet::single(mesh)),
+                    Arc::clone(&palette),
+                    DPose3 { rotation: DQuat::IDENTITY, translation: origin },
+                    0,
+                ));
             }
         }
         tiles

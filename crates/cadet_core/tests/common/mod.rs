@@ -15,14 +15,7 @@ pub fn matt() -> Arc<Palette> {
 }
 
 pub fn place(mesh: Mesh, world_from_local: DPose3, actor_id: i32) -> Instance {
-    Instance {
-        shape: Arc::new(LodSet::single(mesh)),
-        palette: matt(),
-        world_from_local,
-        actor_id,
-        is_body: actor_id > 0,
-        sheds_snow: false,
-    }
+    Instance::new(Arc::new(LodSet::single(mesh)), matt(), world_from_local, actor_id)
 }
 
 pub fn at(x: f64, y: f64, z: f64) -> DPose3 {

@@ -92,14 +92,7 @@ impl SceneryModel {
     #[must_use]
     pub fn wearing(&self, palette: Arc<Palette>, world_from_local: DPose3) -> Instance {
         debug_assert_eq!(palette.materials().len(), self.palette.materials().len());
-        Instance {
-            shape: Arc::clone(&self.shape),
-            palette,
-            world_from_local,
-            actor_id: 0,
-            is_body: false,
-            sheds_snow: false,
-        }
+        Instance::new(Arc::clone(&self.shape), palette, world_from_local, 0)
     }
 
     /// Extent of the footprint along x and y.

@@ -127,5 +127,5 @@ fn wire(
         b.build("wire", CREASE_RAD)
     });
     let world_from_local = DPose3 { rotation: DQuat::IDENTITY, translation: origin };
-    Instance { shape, palette, world_from_local, actor_id: 0, is_body: false, sheds_snow: false }
+    Instance::new(shape, palette, world_from_local, 0)
 }

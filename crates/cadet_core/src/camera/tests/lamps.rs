@@ -22,12 +22,7 @@ fn light(lit: [bool; 3]) -> Vec<Instance> {
     let world_from_local = upright(DVec3::new(AT_M, 0.0, HEAD_M), std::f64::consts::PI);
     let wall = super::cuboid(Vec3::new(12.0, -9.0, 0.0), Vec3::new(13.0, 9.0, 5.0), gray(Semantic::Building, 0.4), 0);
     let post = signal_post(SignalPost::Post).at(upright(DVec3::new(AT_M + 0.1, 0.0, 0.0), std::f64::consts::PI));
-    vec![
-        ground(),
-        wall,
-        post,
-        Instance { shape, palette, world_from_local, actor_id: 0, is_body: false, sheds_snow: false },
-    ]
+    vec![ground(), wall, post, Instance::new(shape, palette, world_from_local, 0)]
 }
 
 /// Red, green, and blue at the middle of a lens.

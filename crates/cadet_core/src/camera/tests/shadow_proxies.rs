@@ -54,14 +54,7 @@ fn a_coarse_shadow_lies_where_the_fine_one_does() {
             for x in [7.0, 40.0] {
                 let (palette, shape_of) = (Arc::clone(palette), Arc::new(shape.clone()));
                 let world_from_local = upright(DVec3::new(x, 0.0, 0.0), 0.7);
-                let instance = Instance {
-                    shape: shape_of,
-                    palette,
-                    world_from_local,
-                    actor_id: 1,
-                    is_body: true,
-                    sheds_snow: false,
-                };
+                let instance = Instance::new(shape_of, palette, world_from_local, 1);
                 let lit = lit_both_ways(instance, &ground_about(x as f32, half_m));
                 let shaded = lit.iter().filter(|[fine, _]| *fine < 0.5).count();
                 let moved = lit.iter().filter(|[fine, coarse]| (*fine < 0.5) != (*coarse < 0.5)).count();
@@ -79,7 +72,7 @@ fn a_vehicle_does_not_shade_itself_where_its_shadow_proxy_stands_out() {
         for x in [7.0, 28.0] {
             let world_from_local = upright(DVec3::new(x, 0.0, 0.0), 0.7);
             let (shape, palette) = (Arc::clone(&car.body), Arc::clone(&car.palette));
-            let instance = Instance { shape, palette, world_from_local, actor_id: 1, is_body: true, sheds_snow: false };
+            let instance = Instance::new(shape, palette, world_from_local, 1);
             let mesh = car.body.select(x as f32 - 3.0, 1.0).expect("near enough");
             let s = Sky::new(&clear_sun_from(120.0)).sun_world;
             // Painted faces that look to the sun, where the finest level is lit.

@@ -64,14 +64,12 @@ pub(in crate::town) fn hills(key: &StreamKey, ground: &Ground) -> Instance {
         }
     }
     let mesh: Mesh = b.build("hills", 0.4);
-    Instance {
-        shape: Arc::new(LodSet::single(mesh)),
-        palette: Arc::new(palette(s)),
-        world_from_local: DPose3 { rotation: DQuat::IDENTITY, translation: DVec3::ZERO },
-        actor_id: 0,
-        is_body: false,
-        sheds_snow: false,
-    }
+    Instance::new(
+        Arc::new(LodSet::single(mesh)),
+        Arc::new(palette(s)),
+        DPose3 { rotation: DQuat::IDENTITY, translation: DVec3::ZERO },
+        0,
+    )
 }
 
 /// 1 and -1 on the sides of a square of that half size, and less between.

@@ -56,14 +56,7 @@ impl Head {
 
     pub(super) fn lit(&self, signals: &Signals, time_s: f64) -> Instance {
         let (shape, palette) = signal_head(self.kind, self.lenses(signals, time_s));
-        Instance {
-            shape,
-            palette,
-            world_from_local: self.world_from_head,
-            actor_id: 0,
-            is_body: false,
-            sheds_snow: false,
-        }
+        Instance::new(shape, palette, self.world_from_head, 0)
     }
 }
 
