@@ -10,7 +10,8 @@ lets so many episodes of the default policy run for a while, looks once a second
   of trams.
 * Height: of the bottom over the ground beside the four corners and the middles of the sides, where that is even to 1
   cm: away from curbs, and from dips that a long vehicle stands across. Who sits on a chair is left out.
-* Standing: vehicles that have been seen to move, and stood since.
+* Standing: vehicles that have been seen to move, and stood since, by the reason at the head of the queue: who waits for
+  another waits for what that one waits for. A light and the end of a tram's line are reasons to stand for long.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ import cadet
 from cadet.districts import District
 
 PEOPLE = ("Pedestrian", "Person_sitting")
+LONG_REASONS = ("light", "road end")
 ABOVE_M = 1.0
 BESIDE_M = 0.3
 EVEN_M = 0.01
@@ -102,6 +104,17 @@ def kind_of(a: cadet.Agent, b: cadet.Agent) -> str:
     return "overlap with people, m" if a.type in PEOPLE or b.type in PEOPLE else "overlap of vehicles, m"
 
 
+def reason(agent: cadet.Agent, agents: dict[int, cadet.Agent]) -> str:
+    """Return what the head of an agent's queue waits for; "each other" where the queue bites its tail."""
+    seen: list[int] = []
+    while agent.brakes_for_id in agents and agent.id not in seen:
+        seen.append(agent.id)
+        agent = agents[agent.brakes_for_id]
+    if agent.id in seen:
+        return "each other"
+    return agent.brakes_for or "nothing"
+
+
 def watch(seed: int, seconds: int, policy: cadet.ResetPolicy, worst: Worst) -> None:
     """Let an episode run and look once a second."""
     scene = cadet.Scene.random(seed=seed, policy=policy)
@@ -119,7 +132,9 @@ def watch(seed: int, seconds: int, policy: cadet.ResetPolicy, worst: Worst) -> N
                 last_moved_s[agent.id] = second
             elif agent.id in last_moved_s and agent.type not in PEOPLE:
                 stood_s = second - last_moved_s[agent.id]
-                worst.meet("standing after it moved, s", stood_s, 60.0, f"{place}{agent.id} ({agent.model})")
+                why = reason(agent, {other.id: other for other in agents})
+                limit_s = math.inf if why in LONG_REASONS else 60.0
+                worst.meet(f"standing for {why}, s", stood_s, limit_s, f"{place}{agent.id} ({agent.model})")
         scene.step(1.0)
 
 

@@ -189,7 +189,7 @@ class Agent:
         self.id, self.class_name, self.model = 1, "Car", "saloon/1"
         self.size_lwh, self.velocity_world = [3.9, 1.6, 1.5], [0.0, 0.0, 0.0]
         self.world_from_agent = np.eye(4).tolist()
-        self.pixels = pixels
+        self.pixels, self.brakes_for = pixels, None
 
 
 class Request:

@@ -319,6 +319,7 @@ class Agent:
     size_lwh: Final[list[float]]
     world_from_agent: Final[list[list[float]]]
     velocity_world: Final[list[float]]
+    brakes_for: Final[tuple[str, int | None] | None]
     pixels: Final[list[float] | None]
 
 @final

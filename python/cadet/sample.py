@@ -89,6 +89,10 @@ class Agent:
         velocity_world: m/s.
         visible_share: of its outline in all images of the sample, the share that is seen; None unless asked for, and
             where no image shows a part of the outline.
+        brakes_for: what its driver brakes or waits for most: "vehicle", "obstacle" (it stands for good), "person",
+            "light", "junction" (others go first), "road end"; None where the way is free, and if nobody drives it.
+        brakes_for_id: the `id` of that vehicle, or of who goes first at the junction, 0 for the ego;
+            None if there is none.
     """
 
     id: int
@@ -98,6 +102,8 @@ class Agent:
     world_from_agent: NDArray[np.float64]
     velocity_world: tuple[float, float, float]
     visible_share: float | None
+    brakes_for: str | None = None
+    brakes_for_id: int | None = None
 
     def __repr__(self) -> str:
         place = tuple(round(x, 2) for x in self.world_from_agent[:3, 3].tolist())
@@ -239,6 +245,7 @@ def agent_from_native(native: _cadet.Agent) -> Agent:
     if native.pixels is not None and native.pixels[0] > 0.0:
         share = native.pixels[1] / native.pixels[0]
     length, width, height = native.size_lwh
+    cause, cause_id = native.brakes_for or (None, None)
     vx, vy, vz = native.velocity_world
     return Agent(
         id=native.id,
@@ -248,4 +255,6 @@ def agent_from_native(native: _cadet.Agent) -> Agent:
         world_from_agent=np.array(native.world_from_agent),
         velocity_world=(vx, vy, vz),
         visible_share=share,
+        brakes_for=cause,
+        brakes_for_id=cause_id,
     )

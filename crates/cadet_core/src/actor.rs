@@ -86,6 +86,38 @@ impl AnnotatedBox {
     }
 }
 
+/// What a driver brakes for, or waits for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BrakesFor {
+    /// A vehicle that moves or waits, by its actor's id.
+    Vehicle(i32),
+    /// Something that stands in the lane for good.
+    Obstacle,
+    /// A person on the road.
+    Person,
+    /// A traffic light.
+    Light,
+    /// Others who cross a junction first, the nearest of them by its actor's id where there is one.
+    Junction(Option<i32>),
+    /// The end of the road or of the line.
+    RoadEnd,
+}
+
+impl BrakesFor {
+    /// A word for it, and the id of the actor that it is.
+    #[must_use]
+    pub fn name_and_id(self) -> (&'static str, Option<i32>) {
+        match self {
+            Self::Vehicle(id) => ("vehicle", Some(id)),
+            Self::Obstacle => ("obstacle", None),
+            Self::Person => ("person", None),
+            Self::Light => ("light", None),
+            Self::Junction(id) => ("junction", id),
+            Self::RoadEnd => ("road end", None),
+        }
+    }
+}
+
 /// An actor at one instant: what labels are made of.
 #[derive(Debug, Clone)]
 pub struct ActorState {
@@ -105,6 +137,8 @@ pub struct ActorState {
     pub velocity_world: DVec3,
     /// Angular velocity of the box, rad/s; 0 for people, whose turns take longer than a scan.
     pub angular_velocity_world: DVec3,
+    /// What its driver brakes for most; `None` where the way is free, and of what nobody drives.
+    pub brakes_for: Option<BrakesFor>,
 }
 
 impl ActorState {

@@ -1,6 +1,6 @@
 //! What a rig captured: neutral facts, which exporters turn into a format's files.
 
-use cadet_core::actor::ActorState;
+use cadet_core::actor::{ActorState, BrakesFor};
 use cadet_core::camera::png::encode_rgb8;
 use cadet_core::label::{Rect, Sighting as CoreSighting};
 use cadet_core::lidar::Scan;
@@ -50,6 +50,7 @@ pub(crate) struct Agent {
     size_lwh: [f64; 3],
     world_from_agent: [[f64; 4]; 4],
     velocity_world: [f64; 3],
+    brakes_for: Option<(&'static str, Option<i32>)>,
     /// Of its outline in all images, and seen; `None` unless asked for.
     pixels: Option<[f64; 2]>,
 }
@@ -63,6 +64,7 @@ impl Agent {
             size_lwh: actor.size_lwh.to_array(),
             world_from_agent: arrays::pose_rows(&actor.world_from_box),
             velocity_world: actor.velocity_world.to_array(),
+            brakes_for: actor.brakes_for.map(BrakesFor::name_and_id),
             pixels,
         }
     }

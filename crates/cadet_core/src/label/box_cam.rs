@@ -193,6 +193,7 @@ mod tests {
             world_from_box: frames::upright(position, yaw),
             velocity_world: DVec3::ZERO,
             angular_velocity_world: DVec3::ZERO,
+            brakes_for: None,
         }
     }
 

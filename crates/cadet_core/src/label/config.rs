@@ -118,6 +118,7 @@ mod tests {
             world_from_box: DPose3::IDENTITY,
             velocity_world: DVec3::ZERO,
             angular_velocity_world: DVec3::ZERO,
+            brakes_for: None,
         }
     }
 

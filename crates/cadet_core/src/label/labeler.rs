@@ -143,6 +143,7 @@ mod tests {
             world_from_box,
             velocity_world: DVec3::ZERO,
             angular_velocity_world: DVec3::ZERO,
+            brakes_for: None,
         };
         (actor, instance)
     }

@@ -59,7 +59,6 @@ pub(super) struct Request<'a> {
 const PATIENCE_STEPS: u64 = 18 * 60;
 
 /// Why a junction may not be entered yet.
-#[cfg_attr(not(test), allow(dead_code))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Refusal {
     /// Others are ahead of us in the queue.

@@ -2,8 +2,11 @@
 
 use super::agent::Agent;
 use super::arena::Arena;
+use super::control::Cause;
+use super::junctions::Refusal;
 use super::lamp_light::LampLight;
-use crate::actor::ActorState;
+use super::slot::Slot;
+use crate::actor::{ActorState, BrakesFor};
 use crate::assets::vehicle::{HALOGEN, low_beams};
 use crate::instance::Instance;
 use crate::lamp::Lamp;
@@ -74,11 +77,27 @@ impl Snapshot {
                 world_from_box,
                 velocity_world: agent.body.velocity_world(&arena.physics),
                 angular_velocity_world: agent.body.angular_velocity_world(&arena.physics),
+                brakes_for: brakes_for(arena, agent),
             });
         }
         let beams = || low_beams(arena.ego().appearance.size_lwh(), HALOGEN);
         let ego_lamps =
             night_scenery.map_or_else(Vec::new, |_| beams().map(|l| l.placed(&ego.world_from_ego)).to_vec());
         Self { time_s, ego, instances, actors, ego_lamps }
+    }
+}
+
+/// What an agent's driver brakes for, by the ids of actors.
+fn brakes_for(arena: &Arena, agent: &Agent) -> Option<BrakesFor> {
+    let id = |slot: Slot| arena.agents[slot].id;
+    match agent.controller.cause() {
+        Cause::Nothing => None,
+        Cause::Parked => Some(BrakesFor::Obstacle),
+        Cause::Vehicle(slot) => Some(BrakesFor::Vehicle(id(slot))),
+        Cause::Person => Some(BrakesFor::Person),
+        Cause::RoadEnd => Some(BrakesFor::RoadEnd),
+        Cause::Junction(Refusal::Light) => Some(BrakesFor::Light),
+        Cause::Junction(Refusal::Earlier(slot) | Refusal::Taken(slot)) => Some(BrakesFor::Junction(Some(id(slot)))),
+        Cause::Junction(Refusal::NotFirst | Refusal::ExitFull) => Some(BrakesFor::Junction(None)),
     }
 }

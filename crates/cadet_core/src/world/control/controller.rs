@@ -2,6 +2,7 @@
 
 use std::any::Any;
 
+use super::hazards::Cause;
 use crate::town::LaneId;
 use crate::world::appearance::Appearance;
 use crate::world::body::Body;
@@ -33,6 +34,11 @@ pub(crate) trait Controller: Any + Send + Sync {
     /// The lane that it drives on, and how far along it the middle of the body is.
     fn on_lane(&self) -> Option<(LaneId, f64)> {
         None
+    }
+
+    /// What it brakes for most.
+    fn cause(&self) -> Cause {
+        Cause::Nothing
     }
 
     /// What drivers have to keep off because of a person on the road.

@@ -56,7 +56,6 @@ pub(crate) struct Cyclist {
     /// Whether this one points where they turn, and what is pointed to.
     points: bool,
     pointing: TurnSignal,
-    #[cfg_attr(not(test), allow(dead_code))]
     cause: Cause,
 }
 
@@ -86,12 +85,6 @@ impl Cyclist {
     /// Starts at a speed.
     pub fn start(&mut self, speed_mps: f64) {
         (self.speed_mps, self.desired_mps) = (speed_mps, speed_mps);
-    }
-
-    /// What the cyclist brakes for.
-    #[cfg(test)]
-    pub fn cause(&self) -> Cause {
-        self.cause
     }
 
     /// The offset to the left of the lane's middle at which one rides before anything is in the way.
@@ -178,6 +171,10 @@ impl Controller for Cyclist {
         let position = body.world_from_box.translation;
         leave_junctions(own.slot, &mut self.route, position, tail_m, &mut around.junctions, &streets.roads);
         self.standing_steps = if self.speed_mps < STANDS_MPS { self.standing_steps + 1 } else { 0 };
+    }
+
+    fn cause(&self) -> Cause {
+        self.cause
     }
 
     fn on_lane(&self) -> Option<(LaneId, f64)> {

@@ -56,7 +56,6 @@ pub(crate) struct Driver {
     /// The offset that the driver keeps unless commanded or overtaking; `None` before the first time.
     own_offset_m: Option<f64>,
     signal: TurnSignal,
-    #[cfg_attr(not(test), allow(dead_code))]
     cause: Cause,
 }
 
@@ -177,12 +176,6 @@ impl Driver {
     pub fn signal(&self) -> TurnSignal {
         self.signal
     }
-
-    /// What the driver brakes for.
-    #[cfg(test)]
-    pub fn cause(&self) -> Cause {
-        self.cause
-    }
 }
 
 impl Controller for Driver {
@@ -271,6 +264,10 @@ impl Controller for Driver {
         }
         let stands = chassis.speed_mps(physics).abs() < STANDS_MPS;
         self.standing_steps = if stands { self.standing_steps + 1 } else { 0 };
+    }
+
+    fn cause(&self) -> Cause {
+        self.cause
     }
 
     fn on_lane(&self) -> Option<(LaneId, f64)> {

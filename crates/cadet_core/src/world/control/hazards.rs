@@ -26,8 +26,7 @@ const SIDE_SQUEEZING_M: f64 = 0.08;
 /// What is kept in front of all of a vehicle that turns, usually and then.
 const SWEPT_M: (f64, f64) = (0.1, 0.03);
 
-/// What a driver brakes for most: named for the tests.
-#[cfg_attr(not(test), allow(dead_code))]
+/// What a driver brakes for most.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Cause {
     /// Nothing: the road is free, or nobody drives.

@@ -26,7 +26,6 @@ pub(super) use controller::{Controller, Own};
 pub(super) use cyclist::Cyclist;
 pub(super) use driver::Driver;
 pub(super) use footing::BODY_M;
-#[cfg(test)]
 pub(super) use hazards::Cause;
 pub(super) use idm::IdmParameters;
 pub(super) use lane_view::LaneView;

@@ -75,7 +75,6 @@ pub(crate) struct TramDriver {
     desired_mps: f64,
     interaction_mps2: f64,
     standing_steps: u64,
-    #[cfg_attr(not(test), allow(dead_code))]
     cause: Cause,
 }
 
@@ -121,12 +120,6 @@ impl TramCar {
     #[cfg(test)]
     pub fn standing_steps(&self) -> u64 {
         self.driver.as_ref().map_or(0, |d| d.standing_steps)
-    }
-
-    /// What the driver brakes for.
-    #[cfg(test)]
-    pub fn cause(&self) -> Option<Cause> {
-        self.driver.as_ref().map(|d| d.cause)
     }
 }
 
@@ -190,6 +183,10 @@ impl Controller for TramCar {
         let position = body.world_from_box().translation;
         leave_junctions(own.slot, &mut driver.route, position, tail_m, &mut around.junctions, &streets.roads);
         driver.standing_steps = if train.speed_mps < STANDS_MPS { driver.standing_steps + 1 } else { 0 };
+    }
+
+    fn cause(&self) -> Cause {
+        self.driver.as_ref().map_or(Cause::Nothing, |d| d.cause)
     }
 
     fn on_lane(&self) -> Option<(LaneId, f64)> {

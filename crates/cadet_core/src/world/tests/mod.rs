@@ -26,7 +26,7 @@ use std::sync::Arc;
 use super::agent::Agent;
 use super::appearance::Appearance;
 use super::body::Body;
-use super::control::{Driver, Motion, Pedestrian};
+use super::control::{Controller, Driver, Motion, Pedestrian};
 use super::footprint::Footprint;
 use super::junctions::{Junctions, Refusal, Request};
 use super::roads::Roads;

@@ -69,7 +69,8 @@ fn trams_keep_to_their_tracks_stay_coupled_and_touch_nobody_for_minutes() {
                         assert!(off_m < 0.35, "seed {seed}, tick {tick}: {} is {off_m} m off at {p}", agent.id);
                     }
                     gone_m += own.velocity.length() / 4.0;
-                    if let Some(cause) = car.cause() {
+                    if car.leads() {
+                        let cause = car.cause();
                         let is_at_end = car.shared().is_at_end();
                         let stood_s = car.standing_steps() as f64 * DT_S;
                         longest_s = longest_s.max(if is_at_end { 0.0 } else { stood_s });
