@@ -238,6 +238,7 @@ CORE_ROOMS: dict[str, set[str]] = {
     "instance": {"geometry", "material", "math"},
     "actor": {"error", "math"},
     "weather": {"error", "math", "rng", "settings"},
+    "spray": {"actor", "math", "rng", "weather"},
     "assets": {"actor", "error", "frames", "geometry", "instance", "lamp", "material", "math", "rng"},
     "town": {"assets", "error", "frames", "geometry", "instance", "material", "math", "rng", "settings"},
     "world": {
@@ -255,8 +256,8 @@ CORE_ROOMS: dict[str, set[str]] = {
         "town",
     },
     "sense": {"error", "frames", "geometry", "instance", "lamp", "material", "math"},
-    "lidar": {"error", "frames", "geometry", "material", "math", "rng", "sense", "weather"},
-    "camera": {"error", "frames", "geometry", "lamp", "material", "math", "rng", "sense", "weather"},
+    "lidar": {"error", "frames", "geometry", "material", "math", "rng", "sense", "spray", "weather"},
+    "camera": {"error", "frames", "geometry", "lamp", "material", "math", "rng", "sense", "spray", "weather"},
     "label": {"actor", "camera", "error", "frames", "geometry", "math", "sense", "settings"},
     "rig": {"camera", "error", "frames", "lidar", "math"},
 }

@@ -34,6 +34,7 @@ pub mod rng;
 pub mod scene;
 pub mod sense;
 pub mod settings;
+pub mod spray;
 pub mod town;
 pub mod weather;
 pub mod world;

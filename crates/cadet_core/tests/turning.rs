@@ -9,6 +9,7 @@ use cadet_core::lidar::{LidarSpec, Receiver, Scan, TURN_S, Turning, firing_time_
 use cadet_core::math::{self, DPose3, DVec3, PI, Vec3};
 use cadet_core::rng::Stream;
 use cadet_core::sense::{FaceTrees, Motion, PosedScene};
+use cadet_core::spray::Spray;
 use cadet_core::weather::Weather;
 use common::{at, cuboid, place, posed, random_scene};
 
@@ -27,7 +28,7 @@ fn clear() -> Weather {
 fn turn(scene: &Arc<PosedScene>, spec: &LidarSpec, sensor: Motion, motion_of: impl Fn(i32) -> Motion) -> Scan {
     let mut trees = FaceTrees::default();
     let turning = Turning::new(Arc::clone(scene), &mut trees, spec, DPose3::IDENTITY, sensor, motion_of);
-    turning_scan(&turning, spec, &clear(), &mut Stream::from_seed("scan", 0)).expect("valid")
+    turning_scan(&turning, spec, (&clear(), &Spray::default()), &mut Stream::from_seed("scan", 0)).expect("valid")
 }
 
 fn moving(velocity_world: DVec3) -> Motion {

@@ -88,6 +88,12 @@ impl Light {
         radiance * t + self.in_scattered(view_world) * (1.0 - t)
     }
 
+    /// What drops in the air show: half of it is above them, half below.
+    #[must_use]
+    pub fn around(&self) -> Vec3 {
+        0.5 * (self.sky.sky_on_level + self.sky.ground)
+    }
+
     /// In-scattered radiance of the air along a view, were it endless.
     #[inline(always)]
     #[must_use]

@@ -29,6 +29,7 @@ mod shadow;
 mod sky;
 mod sky_rows;
 mod sky_visibility;
+mod spray;
 #[cfg(test)]
 mod tests;
 mod textures;

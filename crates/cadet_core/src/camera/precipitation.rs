@@ -92,7 +92,7 @@ impl Precipitation {
 
     fn radiance(&self, light: &Light) -> Vec3 {
         let (above, below) = (light.sky.sky_on_level, light.sky.ground);
-        if self.is_snow { FLAKE_ALBEDO * (0.5 * above + 0.5 * above.min(3.0 * below)) } else { 0.5 * (above + below) }
+        if self.is_snow { FLAKE_ALBEDO * (0.5 * above + 0.5 * above.min(3.0 * below)) } else { light.around() }
     }
 
     fn for_each_streak(&self, view: &View, mut use_it: impl FnMut(&Streak)) {

@@ -12,10 +12,12 @@ use super::precipitation::Precipitation;
 use super::radiance_pass::{radiance_pass, room_for};
 use super::shadow::ShadowMaps;
 use super::sky_visibility::SkyProbes;
+use super::spray;
 use super::visibility_pass::{Maps, Rays, View, Visibility, visible_points};
 use crate::math::{DVec3, Vec3};
 use crate::rng::Stream;
 use crate::sense::PosedScene;
+use crate::spray::Spray;
 use crate::weather::Weather;
 
 /// What the camera writes.
@@ -58,6 +60,8 @@ thread_local! {
 /// What is between the scene and the sensor.
 #[derive(Debug, Clone, Default)]
 pub struct Foreground<'a> {
+    /// What vehicles throw up behind them.
+    pub spray: Spray,
     /// What falls through the view, one by one.
     pub precipitation: Option<Precipitation>,
     /// Drops on the lens.
@@ -89,6 +93,7 @@ pub fn render_through(
     let mut scratch = SCRATCH.take();
     let light = radiance(scene, view, weather, seen, &mut scratch);
     let rgb = &mut scratch.rgb[ROWS_BEFORE * width * 3..];
+    spray::draw(&foreground.spray, rgb, view, seen, &light);
     if let Some(precipitation) = &foreground.precipitation {
         precipitation.draw(rgb, view, seen, &light);
     }

@@ -10,6 +10,7 @@ use super::distortion::Warp;
 use super::model::CameraModel;
 use super::noise::{ROWS_BEFORE, blur, expose};
 use super::render::{Foreground, Rendered, Scratch, exposure, radiance};
+use super::spray;
 use super::visibility_pass::{Maps, View, visibility_pass};
 use crate::error::Result;
 use crate::math::DPose3;
@@ -72,8 +73,10 @@ pub fn render_rolling(
         let scene = moving.scene.moved(|actor_id| (moving.motion_of)(actor_id).displacement(time_s));
         let seen = visibility_pass(&scene, &view)?;
         let light = radiance(&scene, &view, weather, &seen, &mut scratch);
+        let below = &mut scratch.rgb[ROWS_BEFORE * view.width * 3..];
+        spray::draw(&moving.foreground.spray, below, &view, &seen, &light);
         if let Some(precipitation) = &moving.foreground.precipitation {
-            precipitation.draw(&mut scratch.rgb[ROWS_BEFORE * view.width * 3..], &view, &seen, &light);
+            precipitation.draw(below, &view, &seen, &light);
         }
         let ceiling = light.glare_ceiling();
         let _ = blur(&mut scratch.rgb, view.width, view.height, ceiling);

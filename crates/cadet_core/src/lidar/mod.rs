@@ -25,6 +25,6 @@ pub use presets::PRESETS;
 pub use response::{MAX_DIVERGENCE_RAD, Receiver};
 pub use return_mode::ReturnMode;
 pub use returned_points::Scan;
-pub use scan::{IdealScan, ideal_scan, scan, turning_scan};
+pub use scan::{IdealScan, ideal_scan, scan, scan_through, turning_scan};
 pub use spec::{BlindSector, LidarSpec, Rays};
 pub use turning::{TURN_S, Turning, firing_time_s};

@@ -1,6 +1,6 @@
 //! From what a beam meets to what reaches the receiver: which surface returns it, and what glass and air leave of it.
 
-use super::air::{Air, Scatterer};
+use super::air::{Air, Scatterer, Sprayed};
 use super::reflection::{fresnel, reflectance};
 use super::response::{Receiver, reading_noise};
 use super::return_mode::ReturnMode;
@@ -44,7 +44,7 @@ pub(super) struct Draws {
     pub(super) detection: f64,
     pub(super) saturation: f64,
     /// Names the beam to the air.
-    air_key: u64,
+    pub(super) air_key: u64,
     pub(super) range_normal: f64,
     pub(super) gain_normal: f64,
 }
@@ -73,11 +73,11 @@ const AIR_NOISE: f64 = 0.05;
 /// Within 2.5 degrees of the normal a glass surface's mirror image hits the receiver.
 const GLINT_COS: f64 = 0.999;
 
-/// What reaches the receiver of an echo and of the air before it; None for nothing.
+/// What reaches the receiver of an echo, of the air, and of the spray before it; None for nothing.
 #[inline]
 pub(super) fn arrival(
     echo: Option<Echo>,
-    air: &Air,
+    (air, spray): (&Air, &Sprayed),
     mode: ReturnMode,
     receiver: &Receiver,
     draws: &Draws,
@@ -85,13 +85,15 @@ pub(super) fn arrival(
     if air.is_clear() {
         return echo.map(|e| of_target(&e, clear_power(&e, air)));
     }
-    let (range_m, clear_power) = echo.map_or((f64::INFINITY, 0.0), |e| (e.range_m, clear_power(&e, air)));
+    let (range_m, clear_power) =
+        echo.map_or((f64::INFINITY, 0.0), |e| (e.range_m, clear_power(&e, air) * spray.transmittance));
     let bright = echo.map_or(1.0, |e| brightness(&e));
     let meeting = air.meet(range_m, clear_power * bright, draws.air_key);
     let power = clear_power * meeting.transmittance;
     let detected = |power: f64| receiver.detects(power * bright, draws.detection);
     // The last echo that is detected is the target's, whatever stands before it.
-    if let Some(air_return) = meeting.air_return.filter(|_| mode == ReturnMode::Strongest || !detected(power)) {
+    let air_return = spray.or_stronger(meeting.air_return, power * bright, air);
+    if let Some(air_return) = air_return.filter(|_| mode == ReturnMode::Strongest || !detected(power)) {
         let power = air_return.reflectance / (air_return.range_m * air_return.range_m);
         return Some(Arrival {
             range_m: air_return.range_m,
@@ -242,7 +244,11 @@ mod tests {
         draws: &Draws,
     ) -> Option<Return> {
         let echo = first_echo(transparent, opaque, draws);
-        written(arrival(echo, air, ReturnMode::Strongest, &Receiver::default(), draws), laser_gain, draws)
+        written(
+            arrival(echo, (air, &Sprayed::NOT), ReturnMode::Strongest, &Receiver::default(), draws),
+            laser_gain,
+            draws,
+        )
     }
 
     fn clear() -> Air {
@@ -369,8 +375,13 @@ mod tests {
         let (mut hidden, n) = (0, 20_000);
         for _ in 0..n {
             let draws = Draws::new(&mut stream);
-            let by =
-                |mode| written(arrival(first_echo(None, target, &draws), &snow, mode, &receiver, &draws), 1.0, &draws);
+            let by = |mode| {
+                written(
+                    arrival(first_echo(None, target, &draws), (&snow, &Sprayed::NOT), mode, &receiver, &draws),
+                    1.0,
+                    &draws,
+                )
+            };
             let (strongest, last) = (by(ReturnMode::Strongest), by(ReturnMode::Last));
             if strongest.is_some_and(|r| r.actor_id == 0) {
                 hidden += 1;

@@ -4,7 +4,7 @@
 //! beams at depth edges are split (`divergence`), what arrives is found (`returns`, `air`), and the receiver writes points
 //! (`receiver`).
 
-use super::air::Air;
+use super::air::{Air, Plumes, Sprayed};
 use super::casting::{Casting, Standing};
 use super::divergence::chosen_echo;
 use super::receiver::EchoBatch;
@@ -18,6 +18,7 @@ use crate::material::Semantic;
 use crate::math::{self, DPose3, DVec3};
 use crate::rng::Stream;
 use crate::sense::{Hits, Layer, PosedScene, cast};
+use crate::spray::Spray;
 use crate::weather::Weather;
 
 /// What every beam meets first, in the order of [`LidarSpec::rays`]: every triangle opaque, no limits, no noise.
@@ -107,20 +108,40 @@ pub fn scan(
     weather: &Weather,
     stream: &mut Stream,
 ) -> Result<Scan> {
-    spec.check()?;
-    Ok(scan_by(&Standing::new(scene, world_from_velo), spec, weather, stream))
+    scan_through(scene, world_from_velo, spec, (weather, &Spray::default()), stream)
 }
 
-/// One turn as the sensor reports it while it and the world move. Every beam draws the same numbers as in [`scan`].
+/// The same through the spray behind vehicles.
 ///
 /// # Errors
 /// What [`LidarSpec::check`] finds.
-pub fn turning_scan(turning: &Turning, spec: &LidarSpec, weather: &Weather, stream: &mut Stream) -> Result<Scan> {
+pub fn scan_through(
+    scene: &PosedScene,
+    world_from_velo: &DPose3,
+    spec: &LidarSpec,
+    air: (&Weather, &Spray),
+    stream: &mut Stream,
+) -> Result<Scan> {
     spec.check()?;
-    Ok(scan_by(&turning.firings(spec), spec, weather, stream))
+    Ok(scan_by(&Standing::new(scene, world_from_velo), spec, air, stream))
 }
 
-fn scan_by<C: Casting>(casting: &C, spec: &LidarSpec, weather: &Weather, stream: &mut Stream) -> Scan {
+/// One turn as the sensor reports it while it and the world move; spray hangs in the air meanwhile. Every beam draws the same
+/// numbers as in [`scan`].
+///
+/// # Errors
+/// What [`LidarSpec::check`] finds.
+pub fn turning_scan(turning: &Turning, spec: &LidarSpec, air: (&Weather, &Spray), stream: &mut Stream) -> Result<Scan> {
+    spec.check()?;
+    Ok(scan_by(&turning.firings(spec), spec, air, stream))
+}
+
+fn scan_by<C: Casting>(
+    casting: &C,
+    spec: &LidarSpec,
+    (weather, spray): (&Weather, &Spray),
+    stream: &mut Stream,
+) -> Scan {
     let met = casting.cast(spec);
     let (edges, split) = match spec.divergent() {
         None => Default::default(),
@@ -133,6 +154,7 @@ fn scan_by<C: Casting>(casting: &C, spec: &LidarSpec, weather: &Weather, stream:
     let mut split_beams = edges.iter().map(|beam| *beam as usize).zip(&split).peekable();
     let receiver = spec.receiver();
     let air = Air::new(weather, receiver);
+    let plumes = Plumes::about(spray, casting.place_world(0, DVec3::ZERO), receiver);
     let (mut behind, mut in_front) = (Surfaces::new(casting), Surfaces::new(casting));
     let mut out = Scan::with_capacity(spec.num_beams());
     let mut batch = EchoBatch::new();
@@ -158,7 +180,14 @@ fn scan_by<C: Casting>(casting: &C, spec: &LidarSpec, weather: &Weather, stream:
             } else {
                 first_echo(transparent, behind.at(met.opaque(beam), column, origin_velo, direction_velo), &draws)
             };
-            let Some(arrived) = arrival(echo, &air, spec.returns, receiver, &draws) else { continue };
+            let sprayed = if plumes.is_empty() {
+                Sprayed::NOT
+            } else {
+                let [origin, ahead] =
+                    [origin_velo, origin_velo + direction_velo].map(|place| casting.place_world(column, place));
+                plumes.meet(origin, ahead - origin, echo.map_or(f64::INFINITY, |e| e.range_m), draws.air_key)
+            };
+            let Some(arrived) = arrival(echo, (&air, &sprayed), spec.returns, receiver, &draws) else { continue };
             batch.push(&arrived, &draws, column, [origin_velo.to_array(), direction_velo.to_array()]);
             if batch.is_full() {
                 batch.receive(spec, ring, &mut out);

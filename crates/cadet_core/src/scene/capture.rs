@@ -10,10 +10,11 @@ use crate::camera::{
 };
 use crate::error::{Error, Result};
 use crate::label::{Boxes, Sighting, TakenView, add_points, may_label, pixels_of_actors, road_plane_cam, sightings};
-use crate::lidar::{LidarSpec, Scan, Turning, scan, turning_scan};
+use crate::lidar::{LidarSpec, Scan, Turning, scan_through, turning_scan};
 use crate::math::{DPose3, DVec3};
 use crate::rig::Mounted;
 use crate::sense::Motion;
+use crate::spray::Spray;
 use crate::town::GroundKind;
 use crate::world::{EgoState, Snapshot};
 
@@ -198,6 +199,7 @@ impl Scene {
         let mut stream = self.key.indexed(&stream_name("camera", index, name), request.sample);
         let drops_stream = &mut self.key.stream(&stream_name("lens drops", index, name));
         let foreground = Foreground {
+            spray: self.spray(&snapshot, request.sample),
             precipitation: Precipitation::of(
                 &self.weather,
                 self.rig.cameras()[0].mount.world_from_sensor(&snapshot.ego.world_from_ego).translation,
@@ -221,6 +223,11 @@ impl Scene {
             Rendered { image, maps: request.with_maps.then(|| seen.maps_through(&posed, warp)) }
         };
         Ok(Image { name: name.clone(), width, height, rendered })
+    }
+
+    /// What vehicles throw up, the same for all sensors.
+    fn spray(&self, snapshot: &Snapshot, sample: u64) -> Spray {
+        Spray::behind(&self.weather, &snapshot.actors, &mut self.key.indexed("spray", sample))
     }
 
     fn pixels(&mut self, index: usize, seen: &Visibility) -> Vec<[f64; 2]> {
@@ -256,12 +263,13 @@ impl Scene {
         let world_from_velo = mount.world_from_sensor(&snapshot.ego.world_from_ego);
         let spec = in_its_place.unwrap_or(sensor);
         let mut stream = self.key.indexed(&stream_name("lidar", index, name), sample);
+        let spray = self.spray(&snapshot, sample);
         if !spec.rolling {
-            return scan(&posed, &world_from_velo, spec, &self.weather, &mut stream);
+            return scan_through(&posed, &world_from_velo, spec, (&self.weather, &spray), &mut stream);
         }
         let (ego, motion_of) = (motion_of_ego(&snapshot), |id| motion_of_actor(&snapshot, id));
         let turning = Turning::new(posed, &mut self.trees, spec, world_from_velo, ego, motion_of);
-        let scan = turning_scan(&turning, spec, &self.weather, &mut stream);
+        let scan = turning_scan(&turning, spec, (&self.weather, &spray), &mut stream);
         self.trees.forget_unused();
         scan
     }

@@ -5,8 +5,10 @@ mod fog;
 mod ground;
 mod particles;
 mod recorded;
+mod spray;
 
 pub use recorded::{Fate, Weathered, weather_recorded};
+pub(super) use spray::{Plumes, Sprayed};
 
 use self::fog::Fog;
 use self::particles::Particles;
