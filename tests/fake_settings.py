@@ -26,6 +26,7 @@ _SUBURB = {
     "parking_share": (0.55, 0, 1),
     "angled_share": (0.3, 0, 1),
     "main_share": (0.0, 0, 1),
+    "cycle_lane_share": (0.0, 0, 1),
     "sidewalk_m": ([1.5, 2.5], 1.2, 4.5),
     "signal_share": (0.0, 0, 1),
     "roundabout_share": (0.0, 0, 1),

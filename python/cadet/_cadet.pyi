@@ -211,6 +211,7 @@ class SuburbConfig:
         parking_share: float,
         angled_share: float,
         main_share: float,
+        cycle_lane_share: float,
         sidewalk_m: tuple[float, float],
         signal_share: float,
         roundabout_share: float,

@@ -150,6 +150,8 @@ class SuburbConfig:
     """Share of the streets with bays where cars stand at an angle in some of them."""
     main_share: float = _SUBURB.default("main_share")
     """Share of the streets faster than 30 km/h that are main roads: two lanes a direction, a green median, or both."""
+    cycle_lane_share: float = _SUBURB.default("cycle_lane_share")
+    """Share of the streets faster than 30 km/h with a lane for bicycles on both sides of the carriageway."""
     sidewalk_m: tuple[float, float] = _SUBURB.default("sidewalk_m")
     """Narrowest and widest sidewalk of streets other than main roads, meters."""
     signal_share: float = _SUBURB.default("signal_share")

@@ -108,9 +108,9 @@ pub(crate) struct SuburbConfig {
 impl SuburbConfig {
     #[new]
     #[pyo3(signature = (
-        *, blocks, block_m, parking_share, angled_share, main_share, sidewalk_m, signal_share,
-        roundabout_share, tram_share,
-        country_share, aisle_share, industrial_share, campus_share, motorway_share, hilly_share, max_slope,
+        *, blocks, block_m, parking_share, angled_share, main_share, cycle_lane_share, sidewalk_m, signal_share,
+        roundabout_share, tram_share, country_share, aisle_share, industrial_share, campus_share, motorway_share,
+        hilly_share, max_slope,
     ))]
     fn new(
         blocks: (usize, usize),
@@ -118,6 +118,7 @@ impl SuburbConfig {
         parking_share: f64,
         angled_share: f64,
         main_share: f64,
+        cycle_lane_share: f64,
         sidewalk_m: (f64, f64),
         signal_share: f64,
         roundabout_share: f64,
@@ -136,6 +137,7 @@ impl SuburbConfig {
             parking_share,
             angled_share,
             main_share,
+            cycle_lane_share,
             sidewalk_m,
             signal_share,
             roundabout_share,

@@ -14,6 +14,7 @@ pub fn vehicle(class: ObjectClass, size_lwh: DVec3, speed_mps: f64) -> ActorStat
         world_from_box: DPose3::from_translation(DVec3::new(0.5 * size_lwh.x, 0.0, 0.0)),
         velocity_world: DVec3::X * speed_mps,
         angular_velocity_world: DVec3::ZERO,
+        brakes_for: None,
     }
 }
 

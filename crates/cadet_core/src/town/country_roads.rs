@@ -46,6 +46,7 @@ pub(super) fn draw(stream: &mut Stream, share: f64, styles: &mut [LineStyle]) {
                 speed_kmh: speeds_kmh[usize::from(is_faster)],
                 kind: StreetKind::Usual,
                 country: Some(CountryRoad { has_edge_lines }),
+                cycle_lane: None,
             };
         }
     }

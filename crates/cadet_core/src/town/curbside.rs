@@ -62,11 +62,23 @@ pub fn parking_spots(network: &RoadNetwork, ground: &Ground, key: &StreamKey) ->
                 angled_bays(lane, ground, &mut stream, &mut spots);
             }
             LaneKind::Parking => bays(lane, ground, pitch, &mut spots),
-            LaneKind::Driving if lane.junction.is_none() => curbside(lane, ground, pitch, &mut spots),
+            LaneKind::Driving if lane.junction.is_none() && !has_cycle_lane(network, lane) => {
+                curbside(lane, ground, pitch, &mut spots)
+            }
             _ => {}
         }
     }
     spots
+}
+
+/// Whether a lane for bicycles lies beside a lane.
+fn has_cycle_lane(network: &RoadNetwork, lane: &Lane) -> bool {
+    let middle = lane.pose_at(lane.length_m() / 2.0);
+    let is_beside = |o: &&Lane| {
+        let (s_m, off_m) = o.project(middle.translation);
+        off_m < (o.width_at(s_m) + lane.width_at(lane.length_m() / 2.0)) / 2.0 + 0.1
+    };
+    network.lanes.iter().filter(|o| o.kind == LaneKind::Biking && o.road == lane.road).any(|o| is_beside(&o))
 }
 
 /// Where along a lane spots have their middles: as many as find room where it is at least so wide.

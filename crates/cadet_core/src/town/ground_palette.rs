@@ -24,6 +24,8 @@ const RAIL_SIDE: u8 = BALLAST + 5;
 const FIELD: u8 = BALLAST + 6;
 /// A carriageway of setts, then one slot a surface of yards, in the order of [`YardSurface::ALL`].
 const SETTS: u8 = FIELD + Crop::ALL.len() as u8 + 1;
+/// The red coat of cycle lanes.
+const RED: u8 = SETTS + 1 + YardSurface::ALL.len() as u8;
 /// Asphalt that shows where paint is gone.
 const ASPHALT_ALBEDO: f32 = 0.148;
 const ASPHALT_REFLECTANCE: f32 = 0.23;
@@ -38,7 +40,7 @@ pub(super) fn slot(cover: Cover) -> u8 {
         Cover::Bed(LaneSurface::Grass) => TRACK_GRASS,
         Cover::Bed(LaneSurface::Ballast) => BALLAST,
         Cover::Bed(LaneSurface::Slabs) => TRACK_SLABS,
-        Cover::Bed(LaneSurface::Usual | LaneSurface::Setts) => ASPHALT,
+        Cover::Bed(LaneSurface::Usual | LaneSurface::Setts | LaneSurface::Red) => ASPHALT,
         Cover::Setts => SETTS,
         Cover::Yard(surface) => SETTS + 1 + surface as u8,
         Cover::BedEdge => BED_EDGE,
@@ -54,6 +56,7 @@ pub(super) fn paint(color: PaintColor, wear: usize) -> u8 {
         PaintColor::Yellow => YELLOW_MARKING,
         PaintColor::Steel => return RAIL,
         PaintColor::Dark => return RAIL_SIDE,
+        PaintColor::Red => return RED,
     };
     first + wear.min(LEFT.len() - 1) as u8
 }
@@ -97,7 +100,7 @@ fn yards() -> impl Iterator<Item = Material> {
 }
 
 /// Old dry asphalt, concrete slabs and curb stones, grass, worn paint; reflectances at 905 nm.
-pub(super) fn palette(has_fields: bool, has_yards: bool) -> Palette {
+pub(super) fn palette(has_fields: bool, has_yards: bool, has_red: bool) -> Palette {
     let mut materials = vec![
         Material::matt(Semantic::Road, [0.150, 0.148, 0.145], Pattern::Asphalt, 0.23),
         Material::matt(Semantic::Sidewalk, [0.235, 0.228, 0.213], Pattern::Slabs, 0.33),
@@ -116,11 +119,14 @@ pub(super) fn palette(has_fields: bool, has_yards: bool) -> Palette {
         rail(),
         Material::matt(Semantic::Road, [0.045, 0.036, 0.030], Pattern::Plain, 0.10),
     ]);
-    if has_fields || has_yards {
+    if has_fields || has_yards || has_red {
         materials.extend(fields());
     }
-    if has_yards {
+    if has_yards || has_red {
         materials.extend(yards());
+    }
+    if has_red {
+        materials.push(Material::matt(Semantic::Road, [0.215, 0.085, 0.065], Pattern::Asphalt, 0.30));
     }
     Palette::new(materials)
 }

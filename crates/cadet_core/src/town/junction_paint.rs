@@ -29,7 +29,7 @@ const ACROSS: u32 = 1 << 30;
 pub(super) fn draw(network: &RoadNetwork, signals: &Signals, paint: &mut Paint) {
     for arm in signals.junctions.iter().flat_map(|j| &j.arms) {
         let line = ACROSS + arm.lanes[0].0 as u32 * 4;
-        for id in &arm.lanes {
+        for id in arm.lanes.iter().chain(&arm.cycle_lanes) {
             stop_line(arm, network.lane(*id), line, paint);
         }
         if arm.has_ford() {
@@ -85,8 +85,9 @@ fn zebra(arm: &Arm, line: u32, paint: &mut Paint) {
 /// Which ways a lane leads: left, straight on, right.
 pub(super) fn ways(network: &RoadNetwork, id: LaneId) -> [bool; 3] {
     let mut ways = [false; 3];
-    for next in &network.lane(id).successors {
-        let bend = bend_rad(network.lane(*next));
+    let from = network.lane(id);
+    for next in from.successors.iter().map(|next| network.lane(*next)).filter(|next| next.kind == from.kind) {
+        let bend = bend_rad(next);
         ways[if bend > STRAIGHT_RAD {
             0
         } else if bend < -STRAIGHT_RAD {

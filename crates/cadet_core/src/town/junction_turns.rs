@@ -6,7 +6,7 @@ use super::street_grid::LineStyle;
 use crate::math::{PI, wrap_angle};
 
 /// Ways that bend less than this go straight on.
-const STRAIGHT_RAD: f64 = 0.6;
+pub(super) const STRAIGHT_RAD: f64 = 0.6;
 
 /// Which end of a street.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -44,6 +44,8 @@ pub enum LaneSurface {
     Slabs,
     /// Setts or blocks, without a curb beside them.
     Setts,
+    /// Asphalt with a red coat, as on cycle lanes in junctions.
+    Red,
 }
 
 impl LaneSurface {
@@ -56,13 +58,14 @@ impl LaneSurface {
             Self::Ballast => Some("ballast"),
             Self::Slabs => Some("concrete"),
             Self::Setts => Some("cobble"),
+            Self::Red => Some("red"),
         }
     }
 
     /// The surface of a lane material's name; [`LaneSurface::Usual`] for any other.
     #[must_use]
     pub fn from_name(name: &str) -> Self {
-        let others = [Self::Grass, Self::Ballast, Self::Slabs, Self::Setts];
+        let others = [Self::Grass, Self::Ballast, Self::Slabs, Self::Setts, Self::Red];
         others.into_iter().find(|s| s.name() == Some(name)).unwrap_or(Self::Usual)
     }
 }
@@ -157,6 +160,8 @@ pub enum PaintColor {
     Steel,
     /// The groove beside it, a rail's foot, or a sleeper.
     Dark,
+    /// The coat of a cycle lane.
+    Red,
 }
 
 /// A piece of a painted line.

@@ -192,13 +192,21 @@ fn follow(
     }
 }
 
-/// Keeps only links from a kind to the same kind, sorts them, and adds the way back.
+/// Keeps only links from a kind to the same kind, and those between a driving lane and a way of bicycles through a
+/// junction; sorts them, and adds the way back.
 fn drop_links_between_kinds(lanes: &mut [Lane]) {
     let kinds: Vec<LaneKind> = lanes.iter().map(|l| l.kind).collect();
+    let is_in_junction: Vec<bool> = lanes.iter().map(|l| l.junction.is_some()).collect();
+    let begins_or_ends_ride = |a: usize, b: usize| {
+        kinds[a] == LaneKind::Biking && kinds[b] == LaneKind::Driving && is_in_junction[a] && !is_in_junction[b]
+    };
     let mut links = Vec::new();
     for lane in lanes.iter_mut() {
         let (id, kind) = (lane.id, lane.kind);
-        lane.successors.retain(|n| kinds[n.0] == kind && *n != id);
+        lane.successors.retain(|n| {
+            let joins = begins_or_ends_ride(n.0, id.0) || begins_or_ends_ride(id.0, n.0);
+            (kinds[n.0] == kind || joins) && *n != id
+        });
         lane.successors.sort_unstable();
         links.extend(lane.successors.iter().map(|n| (*n, id)));
     }

@@ -56,6 +56,7 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig, styles: &mut [LineSty
                 speed_kmh: kmh,
                 kind: StreetKind::Campus,
                 country: None,
+                cycle_lane: None,
             };
         }
     }

@@ -3,10 +3,10 @@
 
 use std::collections::BTreeMap;
 
-use super::junction_paint;
 use super::network::{Lane, PaintedQuad, RoadNetwork};
 use super::paint::{Paint, STOP_LINE_DEPTH_M};
 use super::signals::Signals;
+use super::{cycle_paint, junction_paint};
 use crate::math::{DVec2, DVec3};
 
 /// Streets at most this fast have no priority at junctions.
@@ -58,6 +58,7 @@ pub(super) fn draw(
         }
     }
     paint.is_on_roads = true;
+    cycle_paint::draw(network, &mut paint);
     junction_paint::draw(network, signals, &mut paint);
     paint.quads
 }

@@ -34,12 +34,17 @@ pub(super) struct OnRing {
 }
 
 impl Roundabout {
-    /// Draws whether a junction is one: of streets in town with one lane a direction. Its arms go round counter-clockwise.
+    /// Draws whether a junction is one: of streets in town with one lane a direction and none for
+    /// bicycles. Its arms go round counter-clockwise.
     pub(super) fn draw(center: DVec2, arms: &[Arm], share: f64, stream: &mut Stream) -> Option<Self> {
         let (is_drawn, island_m, lane_m) =
             (stream.chance(share), stream.range(ISLAND_M.0, ISLAND_M.1), stream.range(LANE_M.0, LANE_M.1));
-        let is_plain =
-            |a: &Arm| !a.style.is_main_road() && a.style.country.is_none() && a.style.kind == StreetKind::Usual;
+        let is_plain = |a: &Arm| {
+            !a.style.is_main_road()
+                && a.style.cycle_lane.is_none()
+                && a.style.country.is_none()
+                && a.style.kind == StreetKind::Usual
+        };
         let between = |i: usize| {
             let next = &arms[(i + 1) % arms.len()];
             (next.heading_rad - arms[i].heading_rad).rem_euclid(TAU)

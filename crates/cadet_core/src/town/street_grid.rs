@@ -34,6 +34,8 @@ pub(super) struct LineStyle {
     pub kind: StreetKind,
     /// What it has in open country.
     pub country: Option<CountryRoad>,
+    /// The lane for bicycles to the right of the others, on both sides, if there is one.
+    pub cycle_lane: Option<CycleLane>,
 }
 
 /// What kind of street it is in town.
@@ -53,9 +55,24 @@ pub(super) struct CountryRoad {
     pub has_edge_lines: bool,
 }
 
+/// A lane for bicycles on the carriageway.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct CycleLane {
+    pub width_m: f64,
+    /// Whether cars may use it (a Schutzstreifen): its line is narrow and broken; it is wide and solid otherwise.
+    pub is_advisory: bool,
+    /// Whether it is red where it leads over a junction.
+    pub is_red: bool,
+}
+
 impl LineStyle {
     /// From the middle to the curb, parking bays left out.
     pub fn half_width_m(&self) -> f64 {
+        self.driven_half_width_m() + self.cycle_lane.map_or(0.0, |c| c.width_m)
+    }
+
+    /// From the middle to the right edge of the outermost lane for cars.
+    pub fn driven_half_width_m(&self) -> f64 {
         self.median_width_m / 2.0 + self.lanes_per_side as f64 * self.lane_width_m
     }
 
@@ -213,6 +230,7 @@ pub(super) fn draw_styles(stream: &mut Stream, grid: &Grid, sidewalk_m: (f64, f6
                 speed_kmh: if collector { 50 } else { 30 },
                 kind: StreetKind::Usual,
                 country: None,
+                cycle_lane: None,
             }
         })
         .collect()

@@ -1,12 +1,13 @@
 //! Lays out a suburb: streets, junctions, and parking bays along a grid.
 
-use super::country_roads;
+use super::cycle_turns::{CycleTurn, cycle_turns};
 use super::junction_turns::{Arm, End, Turn, turns};
 use super::place_streets::{self, AISLE_BAY_M};
 use super::plan_curve::{PlanCurve, PlanPose, heading_of, unit};
 use super::roundabout::Roundabout;
 use super::street_grid::{LineStyle, StreetKind, draw_grid, draw_styles, lay_tracks, thin, trace, widen_main_roads};
 use super::suburb_config::SuburbConfig;
+use super::{country_roads, cycle_lanes};
 use crate::math::{self, DVec2, PI, TAU, wrap_angle};
 use crate::rng::{Stream, StreamKey};
 
@@ -14,6 +15,8 @@ use crate::rng::{Stream, StreamKey};
 const CORNER_RADIUS_M: (f64, f64) = (4.5, 7.0);
 /// Width of a parallel parking bay, gutter included.
 const BAY_WIDTH_M: f64 = 2.25;
+/// How much wider bays are beside a cycle lane: doors open there.
+const DOORS_M: f64 = 0.5;
 /// Depth of bays in which cars stand at an angle or across, and share of the streets with bays at both curbs that have
 /// them at both.
 pub(super) const DEEP_BAY_M: f64 = 5.5;
@@ -53,6 +56,8 @@ pub(super) struct Street {
 pub(super) struct StreetPlan {
     pub(super) streets: Vec<Street>,
     pub(super) turns: Vec<Turn>,
+    /// The ways of bicycles through junctions with cycle lanes.
+    pub(super) cycle_turns: Vec<CycleTurn>,
     pub(super) num_junctions: usize,
     /// By junction, the roundabout that it is.
     pub(super) roundabouts: Vec<Option<Roundabout>>,
@@ -69,6 +74,7 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
     widen_main_roads(&mut key.stream("suburb/main roads"), config.main_share, &mut styles);
     country_roads::draw(&mut key.stream("suburb/country"), config.country_share, &mut styles);
     place_streets::draw(key, config, &mut styles);
+    cycle_lanes::draw(&mut key.stream("suburb/cycle lanes"), config.cycle_lane_share, &mut styles);
     lay_tracks(&mut key.stream("suburb/tracks"), config.tram_share, &mut styles, &mut grid);
     let (chains, headings) = trace(&grid, &mut stream);
     let mut junction_of = vec![usize::MAX; grid.at.len()];
@@ -135,7 +141,9 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
             let mut bay_width_m = BAY_WIDTH_M;
             let on_sidewalk_m = stream.range(ON_SIDEWALK_M.0, ON_SIDEWALK_M.1);
             let (half_all_the_same, is_right) = (stream.chance(HALF_BAYS_SHARE), stream.chance(0.5));
-            if style.lane_width_m < MIN_LANE_BESIDE_BAYS_M || (half_all_the_same && !style.is_main_road()) {
+            if style.lane_width_m < MIN_LANE_BESIDE_BAYS_M
+                || (half_all_the_same && !style.is_main_road() && style.cycle_lane.is_none())
+            {
                 // On one side alone: the other sidewalk stays free.
                 let on_sidewalk_m = on_sidewalk_m.min(style.sidewalk_width_m - LEFT_FOR_WALKERS_M);
                 bay_width_m = HALF_BAY_FLANK_M + CAR_WIDTH_M - on_sidewalk_m - style.lane_width_m / 2.0;
@@ -144,7 +152,10 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
             }
             let mut bay_widths_m = [right, left].map(|has_bays| if has_bays { bay_width_m } else { 0.0 });
             let (is_deep, both_deep) = (stream.chance(config.angled_share), stream.chance(BOTH_DEEP_SHARE));
-            if is_deep && (right || left) {
+            if style.cycle_lane.is_some() {
+                // Nobody backs out over a cycle lane.
+                bay_widths_m = bay_widths_m.map(|m| if m > 0.0 { m + DOORS_M } else { 0.0 });
+            } else if is_deep && (right || left) {
                 for (width_m, is_on_this_side) in bay_widths_m.iter_mut().zip([is_right, !is_right]) {
                     if is_on_this_side || (both_deep && *width_m > 0.0) {
                         *width_m = DEEP_BAY_M;
@@ -176,7 +187,8 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
         .enumerate()
         .flat_map(|(junction, (arms, ring))| turns(junction, arms, ring.as_ref(), &pose))
         .collect();
-    StreetPlan { streets, turns, num_junctions, roundabouts, has_signals }
+    let cycle_turns = arms.iter().enumerate().flat_map(|(junction, arms)| cycle_turns(junction, arms, &pose)).collect();
+    StreetPlan { streets, turns, cycle_turns, num_junctions, roundabouts, has_signals }
 }
 
 /// Whether a junction has traffic lights: of fast streets that meet more often than of those that side streets join.

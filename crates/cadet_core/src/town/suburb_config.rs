@@ -18,6 +18,8 @@ settings! {
         angled_share: f64 = 0.3, 0 to 1;
         /// Share of the streets faster than 30 km/h that are main roads: two lanes a direction, a green median, or both.
         main_share: f64 = 0.0, 0 to 1;
+        /// Share of the streets faster than 30 km/h with a lane for bicycles on both sides of the carriageway.
+        cycle_lane_share: f64 = 0.0, 0 to 1;
         /// Narrowest and widest sidewalk of streets other than main roads, meters.
         sidewalk_m: (f64, f64) = (1.5, 2.5), 1.2 to 4.5;
         /// Share of the junctions of streets faster than 30 km/h that have traffic lights.

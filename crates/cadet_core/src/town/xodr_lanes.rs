@@ -20,6 +20,11 @@ const FIRST_DASH_M: f64 = 1.0;
 const MOTORWAY_DASH_M: (f64, f64) = (6.0, 12.0);
 const MOTORWAY_LINE_M: f64 = 0.15;
 const WIDE_LINE_M: f64 = 0.3;
+/// The line beside a cycle lane: wide where cars keep off it; line, gap, and width where they may use it; and line, gap, and
+/// width of those along it over a junction.
+const CYCLE_LINE_M: f64 = 0.25;
+const ADVISORY_DASH_M: (f64, f64) = (1.0, 1.0);
+const CYCLE_FORD_M: (f64, f64, f64) = (0.5, 0.25, 0.25);
 
 /// What is painted along the outer border of a lane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,6 +37,11 @@ pub(super) enum OuterLine {
     Motorway,
     Narrow,
     Wide,
+    /// Beside a cycle lane: of one for bicycles alone, of one that cars may use, over a junction, and beside bays.
+    CycleLane,
+    Advisory,
+    CycleFord,
+    Bays,
 }
 
 /// A lane of a section.
@@ -50,16 +60,26 @@ pub(super) struct LaneRecord {
 /// The lanes from a place on, up to the next section.
 pub(super) struct Section {
     pub s: f64,
-    /// Line and gap of the broken line in the middle, if there is one.
-    pub center_line_m: Option<(f64, f64)>,
+    /// Line, gap, and width of the broken line in the middle, if there is one.
+    pub center_line_m: Option<(f64, f64, f64)>,
     pub lanes: Vec<LaneRecord>,
 }
 
-/// Streets of a zone of 30 km/h and narrow ones have none, nor have those with a median.
-fn center_line_m(style: &LineStyle) -> Option<(f64, f64)> {
-    let has_one =
-        style.speed_kmh > 30 && style.median_width_m == 0.0 && 2.0 * style.half_width_m() > CENTER_LINE_FROM_M;
-    has_one.then_some(if style.country.is_some() { country_roads::DASH_M } else { DASH_M })
+/// Streets of a zone of 30 km/h and narrow ones have none, nor have those with a median, or with one lane a direction and
+/// cycle lanes that cars may use.
+fn center_line_m(style: &LineStyle) -> Option<(f64, f64, f64)> {
+    let is_between_advisory = style.lanes_per_side == 1 && style.cycle_lane.is_some_and(|c| c.is_advisory);
+    let has_one = style.speed_kmh > 30
+        && style.median_width_m == 0.0
+        && 2.0 * style.driven_half_width_m() > CENTER_LINE_FROM_M
+        && !is_between_advisory;
+    let (line_m, gap_m) = if style.country.is_some() { country_roads::DASH_M } else { DASH_M };
+    has_one.then_some((line_m, gap_m, LINE_WIDTH_M))
+}
+
+/// The lines along a bicycle's way over a junction.
+pub(super) fn cycle_ford_m() -> (f64, f64, f64) {
+    CYCLE_FORD_M
 }
 
 /// What the outermost lane of a road is, and what covers it.
@@ -81,9 +101,14 @@ pub(super) fn driving_id(style: &LineStyle, sign: i32, lane: usize) -> i32 {
     sign * (i32::from(style.median_width_m > 0.0) + 1 + lane as i32)
 }
 
+/// Id of the lane that bicycles use: the cycle lane, or the outermost one for cars.
+pub(super) fn ridden_id(style: &LineStyle, sign: i32) -> i32 {
+    driving_id(style, sign, style.lanes_per_side - usize::from(style.cycle_lane.is_none()))
+}
+
 /// Id of the sidewalk's lane where there are no bays.
 pub(super) fn sidewalk_id(style: &LineStyle, sign: i32) -> i32 {
-    driving_id(style, sign, style.lanes_per_side)
+    driving_id(style, sign, style.lanes_per_side + usize::from(style.cycle_lane.is_some()))
 }
 
 /// The lane sections of a street: one, or three where it has bays.
@@ -112,8 +137,14 @@ pub(super) fn street_sections(street: &Street) -> Vec<Section> {
                 record.outer_line = OuterLine::Broken;
             } else if style.country.is_some_and(|c| c.has_edge_lines) {
                 record.outer_line = OuterLine::Edge;
+            } else if let Some(cycle_lane) = style.cycle_lane {
+                record.outer_line = if cycle_lane.is_advisory { OuterLine::Advisory } else { OuterLine::CycleLane };
             }
             lanes.push(record);
+        }
+        if let Some(cycle_lane) = style.cycle_lane {
+            let outer_line = if bay.is_some() { OuterLine::Bays } else { OuterLine::None };
+            lanes.push(LaneRecord { outer_line, ..through(ridden_id(style, sign), "biking", cycle_lane.width_m) });
         }
         let bay_id = sidewalk_id(style, sign);
         if let Some(length) = bay {
@@ -178,8 +209,8 @@ pub(super) fn write_lanes(out: &mut String, sections: &[Section]) {
         };
         side(out, "left", &|id| id > 0);
         out.push_str("<center><lane id=\"0\" type=\"none\" level=\"false\">");
-        if let Some(dash_m) = section.center_line_m {
-            write_broken_line(out, section.s, dash_m, LINE_WIDTH_M);
+        if let Some((line_m, gap_m, width_m)) = section.center_line_m {
+            write_broken_line(out, section.s, (line_m, gap_m), width_m);
         } else {
             put(
                 out,
@@ -240,6 +271,10 @@ fn write_lane(out: &mut String, s: f64, lane: &LaneRecord) {
         OuterLine::Edge => write_solid_line(out, lane.id, EDGE_LINE_INSET_M, LINE_WIDTH_M),
         OuterLine::Narrow => write_solid_line(out, lane.id, 0.0, MOTORWAY_LINE_M),
         OuterLine::Wide => write_solid_line(out, lane.id, 0.0, WIDE_LINE_M),
+        OuterLine::CycleLane => write_solid_line(out, lane.id, 0.0, CYCLE_LINE_M),
+        OuterLine::Advisory => write_broken_line(out, s, ADVISORY_DASH_M, LINE_WIDTH_M),
+        OuterLine::CycleFord => write_broken_line(out, s, (CYCLE_FORD_M.0, CYCLE_FORD_M.1), CYCLE_FORD_M.2),
+        OuterLine::Bays => write_solid_line(out, lane.id, 0.0, LINE_WIDTH_M),
     }
     if let Some(surface) = lane.surface.name() {
         put(out, format_args!("<material sOffset=\"0.0\" surface=\"{surface}\" friction=\"0.7\"/>\n"));

@@ -1,5 +1,6 @@
 //! Writes a street plan and its relief as OpenDRIVE 1.7.
 
+use super::cycle_turns::CycleTurn;
 use super::junction_turns::{End, Turn};
 use super::network::LaneSurface;
 use super::plan_curve::PlanCurve;
@@ -8,8 +9,8 @@ use super::roundabout::Roundabout;
 use super::street_grid::{LineStyle, StreetKind};
 use super::street_plan::{Street, StreetPlan};
 use super::xodr_lanes::{
-    LaneRecord, OuterLine, Section, driven_surface, driving_id, outermost_lane, sidewalk_id, street_sections,
-    write_lanes,
+    LaneRecord, OuterLine, Section, cycle_ford_m, driven_surface, driving_id, outermost_lane, ridden_id, sidewalk_id,
+    street_sections, write_lanes,
 };
 use super::xodr_signals::{write_controllers, write_junction_controllers, write_signals};
 use super::xodr_text::{Cubic, put};
@@ -24,7 +25,7 @@ const ISLAND_MIDDLE_M: f64 = 0.5;
 /// A street's slope across grows from its ends to the full over this length.
 const CROSSFALL_RAMP_M: f64 = 20.0;
 
-/// The whole document. Streets have ids from 1 on, turns follow; junctions have ids from 1 on.
+/// The whole document. Streets have ids from 1 on, turns follow, those of bicycles last; junctions have ids from 1 on.
 ///
 /// `crossfall` holds each street's slope across, up to the left.
 pub(super) fn write(name: &str, plan: &StreetPlan, relief: &Relief, crossfall: &[f64]) -> String {
@@ -40,8 +41,11 @@ pub(super) fn write(name: &str, plan: &StreetPlan, relief: &Relief, crossfall: &
     for (i, turn) in plan.turns.iter().enumerate() {
         write_turn(&mut out, plan, i, turn, relief);
     }
+    for (i, turn) in plan.cycle_turns.iter().enumerate() {
+        write_cycle_turn(&mut out, plan, i, turn, relief);
+    }
     for (junction, ring) in plan.roundabouts.iter().enumerate().filter_map(|(j, ring)| Some((j, ring.as_ref()?))) {
-        write_island(&mut out, turn_id(plan, plan.turns.len() + junction), ring, relief);
+        write_island(&mut out, cycle_turn_id(plan, plan.cycle_turns.len() + junction), ring, relief);
     }
     write_controllers(&mut out, plan);
     for junction in 0..plan.num_junctions {
@@ -67,6 +71,10 @@ fn street_id(street: usize) -> usize {
 
 fn turn_id(plan: &StreetPlan, turn: usize) -> usize {
     plan.streets.len() + turn + 1
+}
+
+fn cycle_turn_id(plan: &StreetPlan, turn: usize) -> usize {
+    turn_id(plan, plan.turns.len() + turn)
 }
 
 /// Signs of the ids of the lanes that traffic arrives on at a street's end, and of those that it leaves on.
@@ -127,27 +135,10 @@ fn write_type(out: &mut String, style: &LineStyle, speed_kmh: u32) {
 }
 
 fn write_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &Turn, relief: &Relief) {
-    let ((from, from_end), (to, to_end)) = (turn.from, turn.to);
-    let (a, b) = (&plan.streets[from].style, &plan.streets[to].style);
+    let (a, b) = (&plan.streets[turn.from.0].style, &plan.streets[turn.to.0].style);
     let length = turn.curve.length_m();
-    put(
-        out,
-        format_args!(
-            "<road name=\"\" length=\"{length:.6}\" id=\"{}\" junction=\"{}\" rule=\"RHT\">\n<link>\
-             <predecessor elementType=\"road\" elementId=\"{}\" contactPoint=\"{}\"/>\
-             <successor elementType=\"road\" elementId=\"{}\" contactPoint=\"{}\"/></link>\n",
-            turn_id(plan, index),
-            turn.junction + 1,
-            street_id(from),
-            contact(from_end),
-            street_id(to),
-            contact(to_end)
-        ),
-    );
-    write_type(out, a, a.speed_kmh.min(b.speed_kmh));
-    // Crossings lie level: a street's crossfall begins and ends with its own piece.
-    write_shape(out, &turn.curve, relief, &|_| 0.0);
-    let (arrives, leaves) = (signs_at(from_end).0, signs_at(to_end).1);
+    write_way(out, plan, (turn_id(plan, index), turn.junction), [turn.from, turn.to], (&turn.curve, relief));
+    let (arrives, leaves) = (signs_at(turn.from.1).0, signs_at(turn.to.1).1);
     let lane = |id: i32, kind: &'static str, [at_start_m, at_end_m]: [f64; 2], links: Option<[i32; 2]>| LaneRecord {
         id,
         kind,
@@ -181,7 +172,11 @@ fn write_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &Turn, re
         let walked = [sidewalk_id(a, arrives), sidewalk_id(b, leaves)];
         let (kind, surface) = outermost_lane(a);
         let widths_m = [a.sidewalk_width_m, b.sidewalk_width_m];
-        lanes.push(LaneRecord { surface, ..lane(-2, kind, widths_m, Some(walked)) });
+        let cycle_m = [a, b].map(|style| style.cycle_lane.map_or(0.0, |c| c.width_m));
+        if turn_walk_id(plan, turn) < -2 {
+            lanes.push(lane(-2, "restricted", cycle_m, None));
+        }
+        lanes.push(LaneRecord { surface, ..lane(turn_walk_id(plan, turn), kind, widths_m, Some(walked)) });
     }
     write_lanes(out, &[Section { s: 0.0, center_line_m: None, lanes }]);
     out.push_str("</road>\n");
@@ -209,6 +204,59 @@ fn write_island(out: &mut String, id: usize, ring: &Roundabout, relief: &Relief)
     out.push_str("</road>\n");
 }
 
+/// Id of the sidewalk's lane of a turn along a curb: beyond the strip of road that cycle lanes go on as.
+fn turn_walk_id(plan: &StreetPlan, turn: &Turn) -> i32 {
+    let has_cycle_lane = |(street, _): (usize, End)| plan.streets[street].style.cycle_lane.is_some();
+    if has_cycle_lane(turn.from) || has_cycle_lane(turn.to) { -3 } else { -2 }
+}
+
+/// A way of bicycles through a junction, a road of its own.
+fn write_cycle_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &CycleTurn, relief: &Relief) {
+    write_way(out, plan, (cycle_turn_id(plan, index), turn.junction), [turn.from, turn.to], (&turn.curve, relief));
+    let [a, b] = [turn.from, turn.to].map(|(street, _)| &plan.streets[street].style);
+    let (length, [at_start_m, at_end_m]) = (turn.curve.length_m(), turn.widths_m);
+    let lane = LaneRecord {
+        id: -1,
+        kind: "biking",
+        widths: vec![Cubic::hermite(0.0, length, (at_start_m, 0.0), (at_end_m, 0.0))],
+        surface: if turn.is_red { LaneSurface::Red } else { LaneSurface::Usual },
+        outer_line: if turn.has_lines { OuterLine::CycleFord } else { OuterLine::None },
+        predecessor: Some(ridden_id(a, signs_at(turn.from.1).0)),
+        successor: Some(ridden_id(b, signs_at(turn.to.1).1)),
+    };
+    let center_line_m = turn.has_lines.then(cycle_ford_m);
+    write_lanes(out, &[Section { s: 0.0, center_line_m, lanes: vec![lane] }]);
+    out.push_str("</road>\n");
+}
+
+/// The head of a road through a junction: its number, the streets that it joins, its speed, and its shape.
+fn write_way(
+    out: &mut String,
+    plan: &StreetPlan,
+    (id, junction): (usize, usize),
+    [(from, from_end), (to, to_end)]: [(usize, End); 2],
+    (curve, relief): (&PlanCurve, &Relief),
+) {
+    let (a, b) = (&plan.streets[from].style, &plan.streets[to].style);
+    let length = curve.length_m();
+    put(
+        out,
+        format_args!(
+            "<road name=\"\" length=\"{length:.6}\" id=\"{id}\" junction=\"{}\" rule=\"RHT\">\n<link>\
+             <predecessor elementType=\"road\" elementId=\"{}\" contactPoint=\"{}\"/>\
+             <successor elementType=\"road\" elementId=\"{}\" contactPoint=\"{}\"/></link>\n",
+            junction + 1,
+            street_id(from),
+            contact(from_end),
+            street_id(to),
+            contact(to_end)
+        ),
+    );
+    write_type(out, a, a.speed_kmh.min(b.speed_kmh));
+    // Crossings lie level: a street's crossfall begins and ends with its own piece.
+    write_shape(out, curve, relief, &|_| 0.0);
+}
+
 fn write_junction(out: &mut String, plan: &StreetPlan, junction: usize) {
     put(out, format_args!("<junction name=\"\" id=\"{}\">\n", junction + 1));
     let here = plan.turns.iter().enumerate().filter(|(_, t)| t.junction == junction);
@@ -226,9 +274,25 @@ fn write_junction(out: &mut String, plan: &StreetPlan, junction: usize) {
             ),
         );
         if turn.along_curb {
-            put(out, format_args!("<laneLink from=\"{}\" to=\"-2\"/>", sidewalk_id(style, sign)));
+            let to = turn_walk_id(plan, turn);
+            put(out, format_args!("<laneLink from=\"{}\" to=\"{to}\"/>", sidewalk_id(style, sign)));
         }
         out.push_str("</connection>\n");
+    }
+    let first = plan.turns.iter().filter(|t| t.junction == junction).count();
+    let here = plan.cycle_turns.iter().enumerate().filter(|(_, t)| t.junction == junction);
+    for (number, (index, turn)) in here.enumerate() {
+        put(
+            out,
+            format_args!(
+                "<connection id=\"{}\" incomingRoad=\"{}\" connectingRoad=\"{}\" contactPoint=\"start\">\
+                 <laneLink from=\"{}\" to=\"-1\"/></connection>\n",
+                first + number,
+                street_id(turn.from.0),
+                cycle_turn_id(plan, index),
+                ridden_id(&plan.streets[turn.from.0].style, signs_at(turn.from.1).0)
+            ),
+        );
     }
     write_junction_controllers(out, plan, junction);
     out.push_str("</junction>\n");

@@ -10,6 +10,9 @@ use crate::town::{Lane, LaneId, LaneKind};
 const CLEARANCE_M: f64 = 2.6;
 /// The same where one of them bends: a car sweeps more than its width there.
 const CLEARANCE_IN_BENDS_M: f64 = 3.3;
+/// The same of a bicycle's way and a car's, straight and in bends, and of two bicycles' ways.
+const BESIDE_CYCLES_M: (f64, f64) = (1.8, 2.6);
+const BETWEEN_CYCLES_M: f64 = 1.3;
 
 /// One car's right to cross.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -216,7 +219,7 @@ impl Junctions {
 }
 
 fn is_crossed(lane: &Lane) -> bool {
-    matches!(lane.kind, LaneKind::Driving | LaneKind::Tram) && lane.junction.is_some()
+    matches!(lane.kind, LaneKind::Driving | LaneKind::Tram | LaneKind::Biking) && lane.junction.is_some()
 }
 
 fn bends(lane: &Lane) -> bool {
@@ -227,7 +230,14 @@ fn bends(lane: &Lane) -> bool {
 
 /// How far along lane `a` a car has to be before another may use lane `b`; `None` if they never come too near.
 fn conflict_until_m(a: &Lane, b: &Lane) -> Option<f64> {
-    let limit_m = if bends(a) || bends(b) { CLEARANCE_IN_BENDS_M } else { CLEARANCE_M };
+    let has_bend = bends(a) || bends(b);
+    let limit_m = match (a.kind, b.kind) {
+        (LaneKind::Biking, LaneKind::Biking) => BETWEEN_CYCLES_M,
+        (LaneKind::Biking, LaneKind::Driving) | (LaneKind::Driving, LaneKind::Biking) if has_bend => BESIDE_CYCLES_M.1,
+        (LaneKind::Biking, LaneKind::Driving) | (LaneKind::Driving, LaneKind::Biking) => BESIDE_CYCLES_M.0,
+        _ if has_bend => CLEARANCE_IN_BENDS_M,
+        _ => CLEARANCE_M,
+    };
     let near = |p: &DVec3| {
         let p = p.truncate();
         b.center.windows(2).any(|w| {

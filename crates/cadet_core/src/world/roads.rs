@@ -15,6 +15,8 @@ const REACH_CAP_M: f64 = 600.0;
 
 /// Lanes with a higher limit (90 km/h) are fast: drivers look farther there.
 const FAST_MPS: f64 = 25.0;
+/// Half the width of the widest lanes for bicycles.
+const WIDE_M: f64 = 3.0;
 
 /// What does not change about the roads, computed once.
 pub(super) struct Roads {
@@ -118,10 +120,20 @@ impl Roads {
 
     /// Driving lanes whose bounds come within `within_m` of a place.
     pub fn driving_near(&self, at: DVec2, within_m: f64) -> impl Iterator<Item = &Lane> {
+        self.near(at, within_m, LaneKind::Driving)
+    }
+
+    fn near(&self, at: DVec2, within_m: f64, kind: LaneKind) -> impl Iterator<Item = &Lane> {
         self.lanes().iter().filter(move |l| {
             let (lo, hi) = self.bounds[l.id.0];
-            l.kind == LaneKind::Driving && (at - at.clamp(lo, hi)).length() <= within_m
+            l.kind == kind && (at - at.clamp(lo, hi)).length() <= within_m
         })
+    }
+
+    /// Whether a place is on a lane for bicycles, or nearer to it than that.
+    pub fn is_on_cycle_lane(&self, at: DVec2, within_m: f64) -> bool {
+        let reaches = |lane: &Lane| lane.width_at(lane.length_m() / 2.0) / 2.0 + within_m;
+        self.near(at, WIDE_M + within_m, LaneKind::Biking).any(|l| l.project(at.extend(0.0)).1 < reaches(l))
     }
 
     /// The lanes on which a car may be put: for driving, outside junctions.
@@ -131,8 +143,17 @@ impl Roads {
 
     /// Whether a rectangle is at least `room_m` away from the middle of every driving lane.
     pub fn keeps_off_lanes(&self, rectangle: &Footprint, room_m: f64) -> bool {
+        self.keeps_off(rectangle, room_m, LaneKind::Driving)
+    }
+
+    /// The same of every lane for bicycles.
+    pub fn keeps_off_cycle_lanes(&self, rectangle: &Footprint, room_m: f64) -> bool {
+        self.keeps_off(rectangle, room_m, LaneKind::Biking)
+    }
+
+    fn keeps_off(&self, rectangle: &Footprint, room_m: f64, kind: LaneKind) -> bool {
         let reach_m = rectangle.half_length_m + rectangle.half_width_m + room_m;
-        self.driving_near(rectangle.center, reach_m).all(|lane| {
+        self.near(rectangle.center, reach_m, kind).all(|lane| {
             lane.center
                 .iter()
                 .map(|p| p.truncate())
@@ -204,7 +225,9 @@ fn reaches(network: &RoadNetwork) -> Vec<f64> {
     // Sweeps until nothing grows; on a ring everything reaches the cap.
     for _ in 0..200 {
         let mut grew = false;
-        for lane in network.lanes.iter().filter(|l| matches!(l.kind, LaneKind::Driving | LaneKind::Tram)) {
+        for lane in
+            network.lanes.iter().filter(|l| matches!(l.kind, LaneKind::Driving | LaneKind::Tram | LaneKind::Biking))
+        {
             let onward = lane.successors.iter().map(|s| reach[s.0]).fold(0.0, f64::max);
             let now = (lane.length_m() + onward).min(REACH_CAP_M.max(lane.length_m()));
             grew |= now > reach[lane.id.0] + 1e-9;

@@ -42,6 +42,8 @@ pub(super) struct Route {
     /// Weight of going straight on against turning off.
     straight: f64,
     needs: Needs,
+    /// Of a cyclist: the distance kept from the right border of a lane for cars.
+    keeps_m: Option<f64>,
     choices: Stream,
 }
 
@@ -60,16 +62,46 @@ impl Route {
         choices: Stream,
         roads: &Roads,
     ) -> Self {
-        let mut route = Self { lanes: VecDeque::from([lane]), s_m, base_m: 0.0, offset_m, straight, needs, choices };
+        let lanes = VecDeque::from([lane]);
+        let mut route = Self { lanes, s_m, base_m: 0.0, offset_m, straight, needs, keeps_m: None, choices };
         route.extend(roads);
         route
+    }
+
+    /// The route of a cyclist, in the middle of lanes for bicycles where there are any, and so far from the right border of
+    /// others.
+    pub fn by_bicycle(lane: LaneId, s_m: f64, straight: f64, keeps_m: f64, choices: Stream, roads: &Roads) -> Self {
+        let (lanes, needs) = (VecDeque::from([lane]), Needs::default());
+        let keeps_m = Some(keeps_m);
+        let mut route = Self { lanes, s_m, base_m: 0.0, offset_m: 0.0, straight, needs, keeps_m, choices };
+        route.offset_m = route.usual_m(roads.lane(lane), s_m);
+        route.extend(roads);
+        route
+    }
+
+    /// The offset to the left of a lane's middle at which a cyclist rides before anything is in the way; 0 for drivers.
+    pub fn usual_m(&self, lane: &Lane, s_m: f64) -> f64 {
+        match self.keeps_m {
+            Some(keeps_m) if lane.kind != LaneKind::Biking => -(lane.width_at(s_m) / 2.0 - keeps_m).max(0.0),
+            _ => 0.0,
+        }
+    }
+
+    /// The offset to the left of a lane's middle where the route leads over it. Between lanes for cars and lanes for bicycles
+    /// what a cyclist keeps off the usual line stays the same.
+    fn offset_on(&self, lane: &Lane, s_m: f64, roads: &Roads) -> f64 {
+        let here = roads.lane(self.lanes[0]);
+        if self.keeps_m.is_none() || lane.kind == here.kind {
+            return self.offset_m;
+        }
+        self.offset_m - self.usual_m(here, self.s_m) + self.usual_m(lane, s_m)
     }
 
     /// The route of a tram: along lanes that are known to the end of the line.
     pub fn along(lanes: VecDeque<LaneId>, s_m: f64) -> Self {
         let choices = Stream::from_seed("track", 0);
         let (base_m, offset_m, straight, needs) = (0.0, 0.0, LONG_STRAIGHT, Needs::default());
-        Self { lanes, s_m, base_m, offset_m, straight, needs, choices }
+        Self { lanes, s_m, base_m, offset_m, straight, needs, keeps_m: None, choices }
     }
 
     /// Whether the vehicle fits wherever it goes in the next `ahead_m`.
@@ -121,8 +153,10 @@ impl Route {
             }
             self.base_m += lane.length_m();
             left(lane.id, self.base_m);
+            self.s_m = lane.length_m();
+            let offset_m = self.offset_on(roads.lane(self.lanes[1]), 0.0, roads);
             self.lanes.pop_front();
-            self.s_m = 0.0;
+            (self.s_m, self.offset_m) = (0.0, offset_m);
         }
         self.extend(roads);
     }
@@ -151,12 +185,12 @@ impl Route {
 
     /// One of the lanes that follow: at random, but no dead end where another way leads on.
     fn choose(&mut self, from: &Lane, roads: &Roads) -> Option<LaneId> {
-        // Lanes for bicycles lead on to others where there are any.
-        let leads_on =
-            from.kind == LaneKind::Biking && from.successors.iter().any(|s| roads.lane(*s).kind == from.kind);
+        // Cyclists take lanes for bicycles where there are any.
+        let may_ride =
+            self.keeps_m.is_some() && from.successors.iter().any(|s| roads.lane(*s).kind == LaneKind::Biking);
         let kind = match from.kind {
             LaneKind::Tram => LaneKind::Tram,
-            _ if leads_on => LaneKind::Biking,
+            _ if may_ride => LaneKind::Biking,
             _ => LaneKind::Driving,
         };
         let usable = || from.successors.iter().copied().filter(|s| roads.lane(*s).kind == kind);
@@ -203,7 +237,7 @@ impl Route {
         let i = lane.s_m.partition_point(|v| *v <= s).clamp(1, lane.center.len() - 1);
         let (a, b) = (lane.center[i - 1].truncate(), lane.center[i].truncate());
         let tangent = (b - a).normalize();
-        let at = a + tangent * (s - lane.s_m[i - 1]) + tangent.perp() * self.offset_m;
+        let at = a + tangent * (s - lane.s_m[i - 1]) + tangent.perp() * self.offset_on(lane, s, roads);
         Ahead { distance_m, at, tangent }
     }
 

@@ -11,6 +11,8 @@ use crate::math::DVec2;
 
 /// Room between a vehicle that stands and the middle of a lane at which drivers need not reckon with it.
 const OFF_LANES_M: f64 = 1.7;
+/// The same of a lane for bicycles.
+const OFF_CYCLE_LANES_M: f64 = 0.7;
 
 /// A vehicle that moves, or may.
 #[derive(Debug, Clone, Copy)]
@@ -80,7 +82,9 @@ impl Surroundings {
     /// Something stands there for good.
     pub fn stand(&mut self, footprint: Footprint, roads: &Roads) {
         self.standing.push(footprint);
-        if !roads.keeps_off_lanes(&footprint, OFF_LANES_M) {
+        if !roads.keeps_off_lanes(&footprint, OFF_LANES_M)
+            || !roads.keeps_off_cycle_lanes(&footprint, OFF_CYCLE_LANES_M)
+        {
             self.standing_in_lanes.push(footprint);
         }
     }

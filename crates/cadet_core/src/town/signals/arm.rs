@@ -38,6 +38,8 @@ pub enum Over {
 pub struct Arm {
     /// The lanes that lead into the junction, the rightmost first.
     pub lanes: Vec<LaneId>,
+    /// The lanes for bicycles beside them.
+    pub cycle_lanes: Vec<LaneId>,
     /// The stage of the plan in which they go.
     pub stage: usize,
     /// Where the first of the lanes ends.
@@ -143,6 +145,7 @@ pub(in crate::town) fn arms_of(network: &RoadNetwork, junction: u32) -> Vec<Arm>
         }
         let arm = Arm {
             lanes: vec![lane.id],
+            cycle_lanes: Vec::new(),
             stage: 0,
             at,
             along,
@@ -156,6 +159,10 @@ pub(in crate::town) fn arms_of(network: &RoadNetwork, junction: u32) -> Vec<Arm>
     arms.into_iter()
         .map(|(road, mut arm)| {
             (arm.right_m, arm.left_m) = extent(network, road, &arm);
+            let is_beside =
+                |l: &&Lane| l.kind == LaneKind::Biking && l.road == road && (end_of(l).0 - arm.at).length() < ONE_END_M;
+            let cycle_lanes = network.lanes.iter().filter(leads_in).filter(is_beside);
+            arm.cycle_lanes = cycle_lanes.map(|l| l.id).collect();
             arm
         })
         .collect()

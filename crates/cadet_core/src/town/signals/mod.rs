@@ -80,7 +80,10 @@ impl Signals {
             .enumerate()
             .flat_map(|(j, junction)| {
                 let arms = junction.arms.iter().enumerate();
-                arms.flat_map(move |(a, arm)| arm.lanes.iter().map(move |lane| (*lane, (j, a))))
+                arms.flat_map(move |(a, arm)| {
+                    let lanes = arm.lanes.iter().chain(&arm.cycle_lanes);
+                    lanes.map(move |lane| (*lane, (j, a)))
+                })
             })
             .collect();
         let zebras = draw_zebras(network, &junctions, key);
@@ -90,7 +93,7 @@ impl Signals {
     /// Whether a zebra crossing lies before the end of a lane.
     #[must_use]
     pub fn has_zebra(&self, lane: LaneId) -> bool {
-        self.zebras.iter().any(|arm| arm.lanes.contains(&lane))
+        self.zebras.iter().any(|arm| arm.lanes.contains(&lane) || arm.cycle_lanes.contains(&lane))
     }
 
     /// The junction and the arm whose lights hold a lane's traffic.

@@ -7,7 +7,7 @@ use super::stop_line::leave_junctions;
 use super::turning::turn_ahead;
 use crate::math::{self, DVec2};
 use crate::rng::Stream;
-use crate::town::{LaneId, LaneKind};
+use crate::town::LaneId;
 use crate::world::appearance::Appearance;
 use crate::world::body::{Body, Step};
 use crate::world::footprint::Footprint;
@@ -48,8 +48,6 @@ pub(crate) struct Cyclist {
     pub standing_steps: u64,
     idm: IdmParameters,
     cruise_mps: f64,
-    /// Distance kept from the lane's right border.
-    keeps_m: f64,
     speed_mps: f64,
     desired_mps: f64,
     interaction_mps2: f64,
@@ -60,19 +58,18 @@ pub(crate) struct Cyclist {
 }
 
 impl Cyclist {
-    /// Somebody who stands at the start of a route.
-    pub fn new(route: Route, habits: &mut Stream) -> Self {
+    /// Somebody who stands at the start of a route: one that keeps so far from the right border of lanes for cars.
+    pub fn new(habits: &mut Stream, route: impl FnOnce(f64) -> Route) -> Self {
         let cruise_mps = habits.clipped_normal(CRUISE_MPS.0, CRUISE_MPS.1);
         // A look ahead that takes nothing: who is made later keeps their draws.
         let points = Stream::from_seed("pointing", habits.clone().next_u64()).chance(POINTS_SHARE);
         let (time_gap_s, top_speed_mps) = (habits.range(0.8, 1.3), f64::INFINITY);
         let idm = IdmParameters { desired_speed_factor: 1.0, time_gap_s, minimum_gap_m: 1.3, top_speed_mps };
         Self {
-            route,
+            route: route(habits.range(KEEPS_M.0, KEEPS_M.1)),
             standing_steps: 0,
             idm,
             cruise_mps: cruise_mps.clamp(CRUISE_LIMITS_MPS.0, CRUISE_LIMITS_MPS.1),
-            keeps_m: habits.range(KEEPS_M.0, KEEPS_M.1),
             speed_mps: 0.0,
             desired_mps: 0.0,
             interaction_mps2: 0.0,
@@ -88,12 +85,8 @@ impl Cyclist {
     }
 
     /// The offset to the left of the lane's middle at which one rides before anything is in the way.
-    pub fn usual_offset_m(&self, roads: &Roads) -> f64 {
-        let lane = roads.lane(self.route.lanes[0]);
-        if lane.kind == LaneKind::Biking {
-            return 0.0;
-        }
-        -(lane.width_at(self.route.s_m) / 2.0 - self.keeps_m).max(0.0)
+    fn usual_offset_m(&self, roads: &Roads) -> f64 {
+        self.route.usual_m(roads.lane(self.route.lanes[0]), self.route.s_m)
     }
 
     /// The same, farther to the left where something stands in the lane.

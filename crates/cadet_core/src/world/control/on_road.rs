@@ -12,7 +12,9 @@ const NEAR_LANE_M: f64 = 2.6;
 
 /// Whether a place is where cars drive: `at`, at the height of somebody on foot.
 pub(super) fn is_on_road(body: &Upright, at: DVec2, roads: &Roads) -> bool {
-    roads.nearest(at.extend(body.position.z), None, NEAR_LANE_M).is_some() && !roads.is_sidewalk(at)
+    let is_near =
+        || roads.nearest(at.extend(body.position.z), None, NEAR_LANE_M).is_some() || roads.is_on_cycle_lane(at, 0.0);
+    is_near() && !roads.is_sidewalk(at)
 }
 
 /// A person, and the way of `lead_m` that the person will have gone soon.

@@ -91,10 +91,9 @@ impl Spawner<'_> {
     ) -> Option<Newcomer> {
         let roads = &self.arena.streets.roads;
         let seed = self.key.indexed("cyclist route", stream.next_u64());
-        let route = Route::new(lane, s_m, 0.0, STRAIGHT, seed, roads);
         let mut habits = Stream::from_seed("cyclist habits", stream.next_u64());
-        let mut cyclist = Cyclist::new(route, &mut habits);
-        cyclist.route.offset_m = cyclist.usual_offset_m(roads);
+        let mut cyclist =
+            Cyclist::new(&mut habits, |keeps_m| Route::by_bicycle(lane, s_m, STRAIGHT, keeps_m, seed, roads));
         let here = cyclist.route.ahead(0.0, roads);
         let rectangle = Footprint {
             center: here.at,
@@ -136,7 +135,9 @@ fn lanes_to_ride(roads: &Roads) -> impl Iterator<Item = &Lane> {
         let right = middle.rotation * DVec3::NEG_Y;
         let heading_rad = crate::frames::yaw_of(&middle);
         let beside = middle.translation + right * lane.width_at(s_m);
-        roads.nearest(beside, Some(heading_rad), 1.0).is_none_or(|(other, ..)| other == lane.id)
+        let is_beside_cycle_lane = roads.is_on_cycle_lane(beside.truncate(), 0.3);
+        !is_beside_cycle_lane
+            && roads.nearest(beside, Some(heading_rad), 1.0).is_none_or(|(other, ..)| other == lane.id)
     };
     roads.lanes().iter().filter(move |lane| {
         lane.junction.is_none()

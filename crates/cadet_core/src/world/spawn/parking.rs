@@ -34,6 +34,8 @@ const OPEN_SHARE: f64 = 0.02;
 
 /// Room between a parked vehicle and the middle of every lane.
 const OFF_LANES_M: f64 = 1.25;
+/// The same of every lane for bicycles.
+const OFF_CYCLE_LANES_M: f64 = 0.75;
 
 /// Occupancy of drives and side streets: fuller than the streets that the ego drives along.
 fn beside_ego_way(occupancy: f64) -> f64 {
@@ -101,7 +103,8 @@ impl Spawner<'_> {
                 let rectangle = Footprint::of_box(&crate::frames::upright(place, yaw), model.size_lwh, DVec2::ZERO);
                 let clear = !rectangle.overlaps(&own)
                     && self.arena.around.standing.iter().all(|o| !o.overlaps(&rectangle.grown(0.25)))
-                    && self.arena.streets.roads.keeps_off_lanes(&rectangle, OFF_LANES_M);
+                    && self.arena.streets.roads.keeps_off_lanes(&rectangle, OFF_LANES_M)
+                    && self.arena.streets.roads.keeps_off_cycle_lanes(&rectangle, OFF_CYCLE_LANES_M);
                 clear.then_some(place)
             };
             let Some(place) = free(shift_m).or_else(|| free(-shift_m)) else { continue };

@@ -3,6 +3,7 @@
 mod belongings;
 mod census;
 mod country_roads;
+mod cycle_lanes;
 mod cyclists;
 mod flow;
 mod lamps;

@@ -183,6 +183,20 @@ pub(crate) fn main_roads(seed: u64) -> Arc<Town> {
     furnished(&key, crate::town::generate_suburb(&key, &config).expect("a suburb").network)
 }
 
+/// The same, with cycle lanes on all faster streets, every second of which are main roads, and lights at some junctions.
+pub(crate) fn cycle_lanes(seed: u64) -> Arc<Town> {
+    let key = StreamKey::scene(seed);
+    let config = crate::town::SuburbConfig {
+        blocks: (2, 2),
+        main_share: 0.5,
+        signal_share: 0.5,
+        cycle_lane_share: 1.0,
+        ..Default::default()
+    };
+    let bare = crate::town::PropConfig { greenery: 0.0, belt_m: 0.0, ..Default::default() };
+    Arc::new(Town::suburb(&key, &config, &bare).expect("a town"))
+}
+
 /// The same, in open country, with its ditches and fields.
 pub(crate) fn country_roads(seed: u64) -> Arc<Town> {
     let key = StreamKey::scene(seed);

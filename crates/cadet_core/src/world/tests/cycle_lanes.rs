@@ -1,0 +1,153 @@
+//! Cyclists on lanes of their own: in their middle, across junctions, and passed by cars that stay in theirs.
+
+use std::collections::BTreeSet;
+
+use super::towns::cycle_lanes;
+use super::*;
+use crate::town::LaneKind;
+use crate::world::DT_S;
+use crate::world::control::Cyclist;
+
+fn cyclists(world: &World) -> Vec<(&Agent, &Cyclist)> {
+    world.arena.controlled_by::<Cyclist>().map(|(_, agent, cyclist)| (agent, cyclist)).collect()
+}
+
+/// What minutes of traffic have shown.
+#[derive(Debug, Default)]
+struct Seen {
+    /// Distances from the middle of a cycle lane, and heights over it, of who rides there.
+    off_m: Vec<f64>,
+    /// Cyclists who came out of a junction: from a cycle lane onto one, and in another way.
+    crossed: usize,
+    changed: usize,
+    /// Cars beside somebody on a cycle lane, and those of them that pulled out.
+    passed: BTreeSet<(i32, i32)>,
+    pulled_out: usize,
+    gone_m: f64,
+    longest_stand_s: f64,
+    /// Who touched whom.
+    touched: Vec<String>,
+}
+
+/// Who somebody is, where, and what they are about.
+fn tell(world: &World, agent: &Agent) -> String {
+    let own = footprint(world, agent);
+    let rides = world.arena.controlled_by::<Cyclist>().find(|r| r.1.id == agent.id);
+    let drives = world.arena.controlled_by::<Driver>().find(|d| d.1.id == agent.id);
+    let (route, cause) = match (rides, drives) {
+        (Some((.., c)), _) => (Some(&c.route), Some(c.cause())),
+        (_, Some((.., d))) => (d.route.as_ref(), Some(d.cause())),
+        _ => (None, None),
+    };
+    let lanes: Vec<_> = route.map_or(Vec::new(), |r| {
+        let lane = |id| world.arena.streets.roads.lane(id);
+        r.lanes.iter().take(3).map(|id| (lane(*id).kind, id.0, lane(*id).junction)).collect()
+    });
+    format!(
+        "{} {} at {:.1} heading {:.2} at {:.1} m/s on {lanes:?} at {:.1} m, {:.2} m aside, {cause:?}",
+        agent.id,
+        agent.appearance.name(),
+        own.center,
+        own.heading,
+        own.velocity.length(),
+        route.map_or(0.0, |r| r.s_m),
+        route.map_or(0.0, |r| r.offset_m)
+    )
+}
+
+fn ride(world: &mut World, seconds: u32, name: &str, seen: &mut Seen) {
+    let mut before: std::collections::BTreeMap<i32, (DVec2, LaneKind, Option<LaneKind>)> = Default::default();
+    for tick in 0..seconds * 4 {
+        world.step(SECOND / 4);
+        let roads = &world.arena.streets.roads;
+        let riders = cyclists(world);
+        let driven = cars(world);
+        let all: Vec<&Agent> =
+            riders.iter().map(|r| r.0).chain(driven.iter().map(|d| d.0)).chain(parked(world)).collect();
+        let boxes: Vec<(i32, Footprint)> = all.iter().map(|a| (a.id, footprint(world, a))).collect();
+        for (i, (_, a)) in boxes.iter().enumerate().take(riders.len() + driven.len()) {
+            for (k, (_, b)) in boxes[i + 1..].iter().enumerate() {
+                if a.overlaps(b) {
+                    seen.touched.push(format!(
+                        "{name}, tick {tick}: {} and {}",
+                        tell(world, all[i]),
+                        tell(world, all[i + 1 + k])
+                    ));
+                }
+            }
+        }
+        for (agent, cyclist) in &riders {
+            let stands_s = cyclist.standing_steps as f64 * DT_S;
+            seen.longest_stand_s = seen.longest_stand_s.max(stands_s);
+            assert!(stands_s < 60.0, "{name}, tick {tick}: {} stands, {:?}", agent.id, cyclist.cause());
+            let (here, lane) = (place(world, agent), roads.lane(cyclist.route.lanes[0]));
+            let came = before.get(&agent.id).copied();
+            let from = match came {
+                Some((was, kind, entered_from)) => {
+                    let step_m = (here - was).length();
+                    // Who has gone far was replaced by a newcomer of the same number.
+                    assert!(step_m < 2.5 || step_m > 20.0, "{name}, tick {tick}: {} jumps {step_m} m", agent.id);
+                    seen.gone_m += if step_m < 2.5 { step_m } else { 0.0 };
+                    let entered_from = if lane.junction.is_some() { entered_from.or(Some(kind)) } else { None };
+                    if lane.junction.is_none()
+                        && let Some(came_from) = came.and_then(|c| c.2)
+                    {
+                        match (came_from, lane.kind) {
+                            (LaneKind::Biking, LaneKind::Biking) => seen.crossed += 1,
+                            _ => seen.changed += 1,
+                        }
+                    }
+                    entered_from
+                }
+                None => None,
+            };
+            before.insert(agent.id, (here, lane.kind, from));
+            let (s_m, off_m) = lane.project(position(world, agent));
+            if lane.kind == LaneKind::Biking && lane.junction.is_none() && s_m > 2.0 {
+                seen.off_m.push(off_m);
+            }
+            let rider = footprint(world, agent);
+            for (car, driver) in driven.iter().filter(|_| lane.kind == LaneKind::Biking && lane.junction.is_none()) {
+                let own = footprint(world, car);
+                let beside = (own.center - rider.center).dot(rider.heading).abs() < 1.0;
+                let is_faster = own.velocity.dot(rider.heading) > rider.velocity.length() + 1.0;
+                if beside && is_faster && (own.center - rider.center).length() < 5.0 {
+                    seen.passed.insert((car.id, agent.id));
+                    seen.pulled_out += usize::from(driver.overtakes());
+                }
+            }
+        }
+        for (agent, driver) in &driven {
+            let stands_s = driver.standing_steps as f64 * DT_S;
+            assert!(stands_s < 60.0, "{name}, tick {tick}: car {} stands, {:?}", agent.id, driver.cause());
+        }
+    }
+}
+
+#[test]
+fn cyclists_keep_to_the_middle_of_their_lanes_cross_junctions_and_are_passed() {
+    let mut seen = Seen::default();
+    for seed in 0..6 {
+        let mut world = World::new(cycle_lanes(seed), StreamKey::scene(seed)).unwrap();
+        let config = TrafficConfig { num_cars: 18, num_pedestrians: 16, num_cyclists: 12, ..TrafficConfig::default() };
+        world.spawn_traffic(&config).unwrap();
+        ride(&mut world, 120, &format!("seed {seed}"), &mut seen);
+    }
+    let worst_m = seen.off_m.iter().copied().fold(0.0, f64::max);
+    let near = seen.off_m.iter().filter(|m| **m < 0.15).count() as f64 / seen.off_m.len() as f64;
+    let counts = format!(
+        "{} looks, worst {worst_m} m, {near} near, {} crossed, {} changed, {} passed, {} pulled out, {} m, {} s",
+        seen.off_m.len(),
+        seen.crossed,
+        seen.changed,
+        seen.passed.len(),
+        seen.pulled_out,
+        seen.gone_m,
+        seen.longest_stand_s
+    );
+    println!("{counts}");
+    assert!(seen.touched.is_empty(), "{} touched: {:#?}", seen.touched.len(), seen.touched);
+    assert!(worst_m < 0.4 && near > 0.95, "{counts}");
+    assert!(seen.crossed > 20 && seen.changed > 20 && seen.passed.len() > 20, "{counts}");
+    assert_eq!(seen.pulled_out, 0, "{counts}");
+}
