@@ -92,7 +92,8 @@ impl Junctions {
         let mut conflicts = vec![Vec::new(); lanes.len()];
         for (i, a) in crossing.iter().enumerate() {
             for b in &crossing[i + 1..] {
-                let siblings = a.predecessors.iter().any(|p| b.predecessors.contains(p));
+                // Who follows on one lane goes one after the other, but a bicycle's way crosses those of the cars beside it.
+                let siblings = a.kind == b.kind && a.predecessors.iter().any(|p| b.predecessors.contains(p));
                 if a.junction == b.junction
                     && !siblings
                     && let (Some(until_a_m), Some(until_b_m)) = (conflict_until_m(a, b), conflict_until_m(b, a))

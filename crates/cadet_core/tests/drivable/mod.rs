@@ -31,7 +31,8 @@ fn worst_joint(network: &RoadNetwork) -> (f64, f64) {
     for lane in network.driving() {
         let n = lane.center.len();
         let end = heading(lane.center[n - 2], lane.center[n - 1]);
-        for next in lane.successors.iter().map(|n| network.lane(*n)) {
+        let next = lane.successors.iter().map(|n| network.lane(*n));
+        for next in next.filter(|n| n.kind == lane.kind) {
             let start = heading(next.center[0], next.center[1]);
             worst.0 = worst.0.max((lane.center[n - 1] - next.center[0]).length());
             worst.1 = worst.1.max(wrap_angle(end - start).abs().to_degrees());
