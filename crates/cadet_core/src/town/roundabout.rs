@@ -1,8 +1,7 @@
 //! Roundabouts: one lane about an island, in place of the ways across a junction.
 
-use super::junction_turns::Arm;
 use super::plan_curve::{PlanCurve, PlanPose, Segment, unit};
-use super::street_grid::StreetKind;
+use super::street_grid::{LineStyle, StreetKind};
 use crate::math::{self, DVec2, PI, TAU};
 use crate::rng::Stream;
 
@@ -35,19 +34,20 @@ pub(super) struct OnRing {
 
 impl Roundabout {
     /// Draws whether a junction is one: of streets in town with one lane a direction and none for
-    /// bicycles. Its arms go round counter-clockwise.
-    pub(super) fn draw(center: DVec2, arms: &[Arm], share: f64, stream: &mut Stream) -> Option<Self> {
+    /// bicycles. The headings and styles of its arms go round
+    /// counter-clockwise.
+    pub(super) fn draw(center: DVec2, arms: &[(f64, LineStyle)], share: f64, stream: &mut Stream) -> Option<Self> {
         let (is_drawn, island_m, lane_m) =
             (stream.chance(share), stream.range(ISLAND_M.0, ISLAND_M.1), stream.range(LANE_M.0, LANE_M.1));
-        let is_plain = |a: &Arm| {
-            !a.style.is_main_road()
-                && a.style.cycle_lane.is_none()
-                && a.style.country.is_none()
-                && a.style.kind == StreetKind::Usual
+        let is_plain = |(_, style): &(f64, LineStyle)| {
+            !style.is_main_road()
+                && style.cycle_lane.is_none()
+                && style.country.is_none()
+                && style.kind == StreetKind::Usual
         };
         let between = |i: usize| {
-            let next = &arms[(i + 1) % arms.len()];
-            (next.heading_rad - arms[i].heading_rad).rem_euclid(TAU)
+            let (next_rad, _) = arms[(i + 1) % arms.len()];
+            (next_rad - arms[i].0).rem_euclid(TAU)
         };
         let fits = arms.iter().all(is_plain) && (0..arms.len()).all(|i| between(i) > LEAST_BETWEEN_RAD);
         (is_drawn && fits).then_some(Self { center, island_m, lane_m })

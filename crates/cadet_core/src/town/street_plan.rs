@@ -108,7 +108,8 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
         let arms = &mut arms[junction_of[node]];
         arms.sort_by(|a, b| wrap_angle(a.heading_rad).total_cmp(&wrap_angle(b.heading_rad)));
         cut_back(arms, stream.range(CORNER_RADIUS_M.0, CORNER_RADIUS_M.1));
-        let roundabout = Roundabout::draw(grid.at[node], arms, config.roundabout_share, &mut rings);
+        let of_arms: Vec<_> = arms.iter().map(|arm| (arm.heading_rad, arm.style)).collect();
+        let roundabout = Roundabout::draw(grid.at[node], &of_arms, config.roundabout_share, &mut rings);
         if let Some(ring) = &roundabout {
             arms.iter_mut().for_each(|arm| arm.cut_m = arm.cut_m.max(ring.approach_m()));
         }
