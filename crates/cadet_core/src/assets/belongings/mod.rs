@@ -1,10 +1,12 @@
-//! What people have with them beside what they wear: umbrellas, prams, dogs, wheeled cases, rollators.
+//! What people have with them beside what they wear: umbrellas, prams, dogs, wheeled cases, rollators, sticks,
+//! crutches.
 
 mod dog;
 mod paint;
 mod pram;
 mod rolling;
 mod shapes;
+mod stick;
 #[cfg(test)]
 mod tests;
 mod thing;
@@ -12,6 +14,7 @@ mod umbrella;
 
 use std::sync::{Arc, OnceLock};
 
+use super::person::hold::Hold;
 use super::person::proportions::Proportions;
 use super::person::tube::Tubes;
 use crate::geometry::{Bounds, LazyMesh, LodSet};
@@ -24,10 +27,12 @@ pub(crate) use thing::Thing;
 use dog::Dog;
 use pram::Pram;
 use rolling::{Case, Rollator};
+use stick::Sticks;
 use umbrella::Umbrella;
 
-/// Phases of the owner's gait at which what moves has a shape.
+/// Phases of the owner's gait at which dogs have a shape, and sticks, as their owners do.
 const NUM_PHASES: usize = 24;
+const NUM_STICK_PHASES: usize = 48;
 /// Where the levels of detail end, meters from the ego, as of people; leads and dogs are not seen beyond the last.
 const LEVEL_LIMITS_M: [f32; 3] = [9.0, 22.0, 120.0];
 
@@ -38,17 +43,18 @@ enum Design {
     Dog(Dog),
     Case(Case),
     Rollator(Rollator),
+    Sticks(Sticks),
 }
 
 /// A thing of somebody's, in the person's box frame.
 #[derive(Debug, Clone)]
 pub(crate) struct Belonging {
     pub palette: Arc<Palette>,
-    /// Where the hands that hold it are, from the pelvis' vertical and the ground: left, right.
-    pub hands: [Option<Vec3>; 2],
+    /// Where the hands that hold it are: left, right.
+    pub(in crate::assets) hands: [Option<Hold>; 2],
     design: Arc<Design>,
     offset: Vec3,
-    shapes: Arc<[OnceLock<Arc<LodSet>>; NUM_PHASES]>,
+    shapes: Arc<[OnceLock<Arc<LodSet>>; NUM_STICK_PHASES]>,
 }
 
 impl Belonging {
@@ -56,7 +62,11 @@ impl Belonging {
     pub(super) fn draw(thing: Thing, p: &Proportions, offset: Vec3, side: f32, seed: u64) -> Self {
         let mut s = Stream::from_seed("belonging", seed);
         let palette = Arc::new(paint::palette(thing, &mut s));
-        let one = |hand: Vec3| if side > 0.0 { [Some(hand), None] } else { [None, Some(hand)] };
+        let one = |hand: Vec3| {
+            let hold = Some(Hold::Still(hand));
+            if side > 0.0 { [hold, None] } else { [None, hold] }
+        };
+        let both = |hands: [Vec3; 2]| hands.map(|hand| Some(Hold::Still(hand)));
         let (stature, cycle_m) = (p.stature, if p.speed > 0.0 { p.cycle_length } else { 0.0 });
         let (design, hands) = match thing {
             Thing::Umbrella => {
@@ -66,7 +76,7 @@ impl Belonging {
             }
             Thing::Pram => {
                 let pram = Pram::draw(stature, &mut s);
-                let hands = pram.hands().map(Some);
+                let hands = both(pram.hands());
                 (Design::Pram(pram), hands)
             }
             Thing::Dog => {
@@ -81,11 +91,17 @@ impl Belonging {
             }
             Thing::Rollator => {
                 let rollator = Rollator::draw(stature, &mut s);
-                let hands = rollator.hands().map(Some);
+                let hands = both(rollator.hands());
                 (Design::Rollator(rollator), hands)
             }
+            Thing::Stick | Thing::Crutch | Thing::Crutches => {
+                let sides: &[f32] = if thing == Thing::Crutches { &[1.0, -1.0] } else { &[side.signum()] };
+                let sticks = Sticks::draw(p, sides, thing != Thing::Stick, &mut s);
+                let hands = sticks.hands();
+                (Design::Sticks(sticks), hands)
+            }
         };
-        let shapes = Arc::new([const { OnceLock::new() }; NUM_PHASES]);
+        let shapes = Arc::new([const { OnceLock::new() }; NUM_STICK_PHASES]);
         Self { palette, hands, design: Arc::new(design), offset, shapes }
     }
 
@@ -94,12 +110,20 @@ impl Belonging {
         matches!(*self.design, Design::Pram(_) | Design::Case(_) | Design::Rollator(_))
     }
 
+    fn num_phases(&self) -> usize {
+        match *self.design {
+            Design::Dog(_) => NUM_PHASES,
+            Design::Sticks(_) => NUM_STICK_PHASES,
+            _ => 1,
+        }
+    }
+
     /// The shape at a phase of the owner's gait in [0, 1), made when it is first used.
     pub fn pose(&self, phase: f64) -> Arc<LodSet> {
-        let moves = matches!(*self.design, Design::Dog(_));
-        let k = if moves { ((phase - phase.floor()) * NUM_PHASES as f64) as usize % NUM_PHASES } else { 0 };
+        let phases = self.num_phases();
+        let k = ((phase - phase.floor()) * phases as f64) as usize % phases;
         let shape = self.shapes[k].get_or_init(|| {
-            let (design, offset, at) = (Arc::clone(&self.design), self.offset, k as f32 / NUM_PHASES as f32);
+            let (design, offset, at) = (Arc::clone(&self.design), self.offset, k as f32 / phases as f32);
             let bounds = Bounds::of(design.tubes(at, 0).vertices.iter().map(|v| *v + offset));
             let level = |i: usize| {
                 let design = Arc::clone(&design);
@@ -120,6 +144,7 @@ impl Design {
             Self::Dog(dog) => dog.add(&mut tubes, phase, level),
             Self::Case(case) => case.add(&mut tubes, level),
             Self::Rollator(rollator) => rollator.add(&mut tubes, level),
+            Self::Sticks(sticks) => sticks.add(&mut tubes, phase, level),
         }
         tubes
     }

@@ -53,7 +53,7 @@ const COATS: [(f64, [f32; 3]); 7] = [
 /// The materials of a thing. What is carried is of the person's class in the semantic image, as in Cityscapes; what stands on
 /// the ground of its own is a thing.
 pub(super) fn palette(thing: Thing, s: &mut Stream) -> Palette {
-    let semantic = if thing == Thing::Umbrella { Semantic::Person } else { Semantic::Furniture };
+    let semantic = if thing.is_carried() { Semantic::Person } else { Semantic::Furniture };
     let cloth =
         |albedo: [f32; 3], reflectance: f64| Material::matt(semantic, albedo, Pattern::Cloth, reflectance as f32);
     let plain =

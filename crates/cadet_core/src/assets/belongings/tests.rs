@@ -4,7 +4,17 @@ use super::*;
 use crate::assets::person::PersonModel;
 use crate::geometry::Mesh;
 
-const THINGS: [Thing; 5] = [Thing::Umbrella, Thing::Pram, Thing::Dog, Thing::Case, Thing::Rollator];
+const STICKS: [Thing; 3] = [Thing::Stick, Thing::Crutch, Thing::Crutches];
+const THINGS: [Thing; 8] = [
+    Thing::Umbrella,
+    Thing::Pram,
+    Thing::Dog,
+    Thing::Case,
+    Thing::Rollator,
+    Thing::Stick,
+    Thing::Crutch,
+    Thing::Crutches,
+];
 
 /// Adults with a thing, half of them walking and more.
 fn owners(thing: Thing, n: u64) -> impl Iterator<Item = PersonModel> {
@@ -41,7 +51,8 @@ fn meshes_are_closed_outward_and_of_few_faces() {
                     }
                     assert!(edges.values().all(|sum| *sum == 0), "{} is open", person.name);
                     let volume: f32 = corners(mesh).map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum();
-                    assert!((0.0005..0.2).contains(&volume), "{}: {volume}", person.name);
+                    let least = if STICKS.contains(&thing) { 0.000_15 } else { 0.0005 };
+                    assert!((least..0.2).contains(&volume), "{}: {volume}", person.name);
                 }
             }
         }
@@ -72,7 +83,9 @@ fn hands_are_where_they_hold_at_every_phase() {
                 let (body, held) = (person.pose(phase), of(&person).pose(phase));
                 let (skin, held) = (&body.levels[0].1, &held.levels[0].1);
                 for hand in of(&person).hands.into_iter().flatten() {
-                    let hand = hand + of(&person).offset;
+                    let walks = person.walking_speed_mps > 0.0;
+                    let shown = if walks { (phase * 48.0).floor() / 48.0 } else { 0.0 };
+                    let hand = hand.at(shown as f32) + of(&person).offset;
                     let gap = |mesh: &Mesh| {
                         let middles = corners(mesh).map(|[a, b, c]| (a + b + c) / 3.0);
                         middles
@@ -102,6 +115,9 @@ fn what_stands_on_the_ground_does_and_umbrellas_are_over_their_heads() {
                     // Under the canopy's middle part is the head.
                     let middle = mesh.bounds.center().truncate();
                     assert!(middle.length() < 0.35, "{}: {middle}", person.name);
+                } else if STICKS.contains(&thing) {
+                    // In the hand of a side it may just be lifted.
+                    assert!((-0.012..0.06).contains(&low) && high < 1.4, "{}: {low} to {high}", person.name);
                 } else {
                     let slack = [0.012, 0.02, 0.035][level];
                     assert!(low.abs() < slack, "{} at level {level}: {low} over the ground", person.name);
@@ -130,4 +146,55 @@ fn paws_on_the_ground_stay_where_they_are() {
         }
     }
     assert!(seen > 1000, "{seen}");
+}
+
+/// The lowest vertices of a shape on one side of its owner's middle.
+fn foot(person: &PersonModel, phase: f64, is_left: bool) -> Vec3 {
+    let shape = of(person).pose(phase);
+    let offset = of(person).offset;
+    let vertices = shape.levels[0].1.vertices.iter().map(|v| *v - offset).filter(|v| (v.y > 0.0) == is_left);
+    vertices.min_by(|a, b| a.z.total_cmp(&b.z)).expect("a stick")
+}
+
+#[test]
+fn tips_of_sticks_are_put_down_with_the_other_foot_and_stay_where_they_are() {
+    let (mut walking, mut standing) = (0, 0);
+    for thing in STICKS {
+        for person in owners(thing, 60) {
+            for (is_left, strikes_at) in [(true, 0.5), (false, 0.0)] {
+                if of(&person).hands[usize::from(!is_left)].is_none() {
+                    continue;
+                }
+                let at = |k: usize| foot(&person, strikes_at + (k as f64 + 0.5) / NUM_STICK_PHASES as f64, is_left);
+                if person.walking_speed_mps == 0.0 {
+                    assert!(at(0).z.abs() < 0.005 && at(0) == at(20), "{}: {}", person.name, at(0));
+                    standing += 1;
+                    continue;
+                }
+                // 0.6 of the cycle on the ground, over which the body walks on; then through the air.
+                let (first, last) = (at(1), at(27));
+                assert!((0..28).all(|k| at(k).z.abs() < 0.01), "{} floats", person.name);
+                let walked = person.cycle_length_m as f32 * 26.0 / NUM_STICK_PHASES as f32;
+                assert!((first.x - last.x - walked).abs() < 0.04, "{}: {} of {walked}", person.name, first.x - last.x);
+                assert!((0.03..0.08).contains(&at(38).z), "{}: {} high", person.name, at(38).z);
+                walking += 1;
+            }
+        }
+    }
+    assert!(walking > 60 && standing > 15, "{walking} {standing}");
+}
+
+#[test]
+fn grips_are_where_arms_reach_them() {
+    for thing in STICKS {
+        for person in owners(thing, 60) {
+            for hold in of(&person).hands.iter().flatten() {
+                for k in 0..NUM_STICK_PHASES {
+                    let hand = hold.at(k as f32 / NUM_STICK_PHASES as f32);
+                    let height = hand.z / person.size_lwh.z as f32;
+                    assert!((0.40..0.52).contains(&height), "{} at {k}: {height}", person.name);
+                }
+            }
+        }
+    }
 }

@@ -13,9 +13,19 @@ pub(crate) enum Thing {
     Case,
     /// A frame on wheels that old people push.
     Rollator,
+    /// A walking stick.
+    Stick,
+    /// A forearm crutch, and one for each arm.
+    Crutch,
+    Crutches,
 }
 
 impl Thing {
+    /// Whether it is carried; what is not stands or runs on the ground by itself.
+    pub(super) fn is_carried(self) -> bool {
+        matches!(self, Self::Umbrella | Self::Stick | Self::Crutch | Self::Crutches)
+    }
+
     /// As in the names of models.
     pub(crate) fn name(self) -> &'static str {
         match self {
@@ -24,6 +34,9 @@ impl Thing {
             Self::Dog => "dog",
             Self::Case => "case",
             Self::Rollator => "rollator",
+            Self::Stick => "stick",
+            Self::Crutch => "crutch",
+            Self::Crutches => "crutches",
         }
     }
 }

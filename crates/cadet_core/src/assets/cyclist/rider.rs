@@ -6,6 +6,7 @@ use crate::assets::person::body::{LegLine, add_leg, add_trunk, foot_axes};
 use crate::assets::person::frame::Frame;
 use crate::assets::person::gait::{Arm, Leg, Posture};
 use crate::assets::person::head::add_head;
+use crate::assets::person::hold::Hold;
 use crate::assets::person::proportions::Proportions;
 use crate::assets::person::tube::Tubes;
 use crate::math::{Vec3, cosf};
@@ -88,7 +89,8 @@ impl Seat {
             let share = pointing.filter(|(of, _)| *of == side).map_or(0.0, |(_, share)| share);
             let out = from + POINTING * Vec3::new(1.0, side, 1.0) * arm_length(p);
             let grip = grip.lerp(out, share);
-            *hand = add_arm(&mut tubes, p, &frame, &arm_to(p, &frame, side, grip), level);
+            *hand =
+                add_arm(&mut tubes, p, &frame, &arm_to(p, &frame, side, grip, Hold::Still(grip).elbow_to(side)), level);
         }
         add_head(&mut tubes, p, &frame, level);
         add_load(&mut tubes, p, &frame, hands, level);
@@ -154,7 +156,7 @@ fn ankle_on(p: &Proportions, pedal: Vec3, side: f32, sole: f32) -> Vec3 {
 fn posture(lean: f32) -> Posture {
     let leg = Leg { thigh: 0.0, shank: 0.0, sole: 0.0 };
     let arm = Arm { swing: 0.0, lift: 0.0, elbow: 0.0, inward: 0.0 };
-    Posture { legs: [leg; 2], arms: [arm; 2], pelvis_yaw: 0.0, shoulder_yaw: 0.0, sway: 0.0, lean }
+    Posture { legs: [leg; 2], arms: [arm; 2], phase: 0.0, pelvis_yaw: 0.0, shoulder_yaw: 0.0, sway: 0.0, lean }
 }
 
 /// The greatest value for which `holds` is true, if it is for all smaller ones.

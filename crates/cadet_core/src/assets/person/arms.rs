@@ -50,11 +50,9 @@ pub(in crate::assets) fn two_links(from: Vec3, to: Vec3, a: f32, b: f32, pole: V
     (first, second)
 }
 
-/// The arm whose hand is at a place.
-pub(in crate::assets) fn arm_to(p: &Proportions, frame: &Frame, side: f32, hand: Vec3) -> ArmLine {
+/// The arm whose hand is at a place, and whose elbow points another way.
+pub(in crate::assets) fn arm_to(p: &Proportions, frame: &Frame, side: f32, hand: Vec3, elbow_to: Vec3) -> ArmLine {
     let from = shoulder(p, frame, side);
-    // Elbows point down and a little outward.
-    let elbow_to = Vec3::new(-0.35, 0.45 * side, -1.0);
     let (upper, fore) = two_links(from, hand, p.upper_arm, p.forearm + 0.5 * p.hand, elbow_to);
     let fold = (fore - upper * fore.dot(upper)).normalize_or(Vec3::X);
     ArmLine { shoulder: from, upper, fore, fold, side }

@@ -22,8 +22,8 @@ pub(in crate::assets) fn body(p: &Proportions, posture: &Posture, level: usize) 
     add_skirts(&mut tubes, p, &frame, knees, level);
     let mut wrists = [Vec3::ZERO; 2];
     for (i, side) in [1.0_f32, -1.0].into_iter().enumerate() {
-        let line = match p.held[i] {
-            Some(hand) => arm_to(p, &frame, side, hand + Vec3::Z * sole),
+        let line = match &p.held[i] {
+            Some(hold) => arm_to(p, &frame, side, hold.at(posture.phase) + Vec3::Z * sole, hold.elbow_to(side)),
             None => arm_line(p, &frame, side, posture.arms[i]),
         };
         wrists[i] = add_arm(&mut tubes, p, &frame, &line, level);

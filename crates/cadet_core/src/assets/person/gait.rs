@@ -42,6 +42,8 @@ pub(in crate::assets) struct Arm {
 pub(in crate::assets) struct Posture {
     pub legs: [Leg; 2],
     pub arms: [Arm; 2],
+    /// Of the walking cycle, in which what is held may move.
+    pub phase: f32,
     /// Rotation of pelvis and of shoulders about z, radians.
     pub pelvis_yaw: f32,
     pub shoulder_yaw: f32,
@@ -131,6 +133,7 @@ pub(in crate::assets) fn walking(p: &Proportions, phase: f32) -> Posture {
     Posture {
         legs,
         arms: [arm(1.0, p.arms[0]), arm(-1.0, p.arms[1])],
+        phase,
         pelvis_yaw: -4.0_f32.to_radians() * turn * scale,
         shoulder_yaw: 5.0_f32.to_radians() * turn * scale,
         sway: 0.018 * sinf(phase * TAU - 0.3),
@@ -159,6 +162,7 @@ pub(in crate::assets) fn standing(p: &Proportions) -> Posture {
     Posture {
         legs: if is_left { [straight, bent] } else { [bent, straight] },
         arms: p.arms.map(|a| held_arm(p, a, 0.0)),
+        phase: 0.0,
         pelvis_yaw: 0.0,
         shoulder_yaw: if is_left { 0.06 } else { -0.06 },
         sway: if is_left { 0.035 } else { -0.035 },

@@ -6,6 +6,7 @@ pub(super) mod clothes;
 pub(super) mod frame;
 pub(super) mod gait;
 pub(super) mod head;
+pub(super) mod hold;
 pub(super) mod proportions;
 mod sitting;
 #[cfg(test)]
@@ -134,7 +135,7 @@ impl PersonModel {
         let mut p = Proportions::clone(&self.proportions);
         let belonging = Belonging::draw(thing, &p, self.offset, side, self.seed);
         p.held = belonging.hands;
-        for (arm, held) in p.arms.iter_mut().zip(p.held) {
+        for (arm, held) in p.arms.iter_mut().zip(&p.held) {
             // The other arm leaves what takes both, and a bag goes to the other hand.
             if held.is_none() && *arm == ArmPose::Crossed {
                 *arm = ArmPose::Hang;

@@ -1,6 +1,7 @@
 //! One person's measures and gait.
 
-use crate::math::{self, Vec3};
+use super::hold::Hold;
+use crate::math;
 use crate::rng::Stream;
 
 /// What an arm does.
@@ -121,8 +122,8 @@ pub(in crate::assets) struct Proportions {
     pub load: Load,
     pub headwear: Headwear,
     pub is_elderly: bool,
-    /// Where hands hold something, left and right: from the pelvis' vertical and the ground.
-    pub held: [Option<Vec3>; 2],
+    /// Where hands hold something, left and right.
+    pub held: [Option<Hold>; 2],
 }
 
 /// Who is smaller is a child.

@@ -62,6 +62,7 @@ impl Sitting {
         Posture {
             legs: self.slopes.map(leg),
             arms: self.arms,
+            phase: 0.0,
             pelvis_yaw: 0.0,
             shoulder_yaw: 0.0,
             sway: 0.0,

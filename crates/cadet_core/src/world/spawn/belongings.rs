@@ -1,4 +1,4 @@
-//! Who has what along: umbrellas in rain, prams, dogs, wheeled cases, rollators.
+//! Who has what along: umbrellas in rain, prams, dogs, wheeled cases, rollators, sticks, crutches.
 
 use std::sync::Arc;
 
@@ -18,6 +18,10 @@ const DOGS: f64 = 0.03;
 const CASES: f64 = 0.02;
 /// About 2 % of all people: one in seven of the old ones.
 const ROLLATORS_OF_OLD: f64 = 0.14;
+/// Walking sticks of all old people, and crutches of all adults, two in so many of those.
+const STICKS_OF_OLD: f64 = 0.10;
+const CRUTCHES: f64 = 0.01;
+const BOTH_CRUTCHES: f64 = 0.6;
 /// Share of walkers who have nobody before them or beside them where the thing would be.
 const PLACES_AHEAD: f64 = 0.48;
 const PLACES_BEHIND: f64 = 0.55;
@@ -46,7 +50,8 @@ impl Spawner<'_> {
             }
             let place = self.place_in_group(*slot, pedestrian);
             let mut stream = Stream::from_seed("what one has along", model.seed());
-            if let Some(thing) = thing_of(model, pedestrian, place, self.rains, &mut stream) {
+            let thing = thing_of(model, pedestrian, place, self.rains, &mut stream);
+            if let Some(thing) = leaning_on(model, thing).or(thing) {
                 let drawn = if stream.chance(0.35) { 1.0 } else { -1.0 };
                 let side = if thing == Thing::Dog && place.free_side != 0.0 { place.free_side } else { drawn };
                 let carrying = Arc::new(model.carrying(thing, side as f32));
@@ -107,5 +112,18 @@ fn thing_of(
         Some(Thing::Umbrella)
     } else {
         None
+    }
+}
+
+/// What somebody leans on, in place of what they would have; a rollator is enough. By a draw of its own.
+fn leaning_on(model: &PersonModel, other: Option<Thing>) -> Option<Thing> {
+    let mut stream = Stream::from_seed("what one leans on", model.seed());
+    let [crutch, both, stick] = [(); 3].map(|()| stream.unit());
+    if model.is_child() || other == Some(Thing::Rollator) {
+        None
+    } else if crutch < CRUTCHES {
+        Some(if both < BOTH_CRUTCHES { Thing::Crutches } else { Thing::Crutch })
+    } else {
+        (model.is_elderly() && stick < STICKS_OF_OLD).then_some(Thing::Stick)
     }
 }

@@ -33,6 +33,9 @@ fn half_of_the_people_have_umbrellas_in_rain_and_none_when_it_is_dry() {
     let [pram, dog, case, rollator] = dry;
     assert!((0.008..0.055).contains(&pram) && (0.012..0.055).contains(&dog), "{dry:?}");
     assert!((0.005..0.04).contains(&case) && (0.004..0.04).contains(&rollator), "{dry:?}");
+    // 1 % of the adults have crutches, and a tenth of the old ones, who are 15 %, sticks.
+    let [crutches, sticks] = [share(false, "crutches") + share(false, "crutch"), share(false, "stick")];
+    assert!((0.003..0.02).contains(&crutches) && (0.005..0.028).contains(&sticks), "{crutches} {sticks}");
 }
 
 #[test]
