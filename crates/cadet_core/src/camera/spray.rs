@@ -21,7 +21,7 @@ const STEPS_PX: (usize, usize) = (2, 16);
 /// What is nearer than this is on the lens, m.
 const NEAREST_M: f64 = 0.3;
 /// Optical depths below this are none.
-const LEAST_DEPTH: f32 = 1e-3;
+const LEAST_DEPTH: f32 = 4e-3;
 
 /// Draws spray into linear radiance, interleaved RGB.
 pub(super) fn draw(spray: &Spray, rgb: &mut [f32], view: &View, seen: &Visibility, light: &Light) {
@@ -44,9 +44,13 @@ struct Lattice {
     columns: Range<usize>,
     step: usize,
     points_across: usize,
+    /// The point to the left of each column, and the share of the one to its right.
+    across: Vec<(u32, f32)>,
     /// Depth at which the first slice begins, and one over the slices' thickness.
     first_m: f32,
     per_m: f32,
+    /// One over the depth at which the last slice ends.
+    last_per_m: f32,
     /// Point by point, row by row: depths before each slice, and of all.
     depths: Vec<[f32; SLICES + 1]>,
 }
@@ -113,7 +117,9 @@ impl Lattice {
                 depths.push(before);
             }
         }
-        Some(Self { rows, columns, step, points_across, first_m: near_m as f32, per_m: 1.0 / slice_m, depths })
+        let across = (0..columns.len()).map(|at| ((at / step) as u32, (at % step) as f32 / step as f32)).collect();
+        let (first_m, per_m, last_per_m) = (near_m as f32, 1.0 / slice_m, 1.0 / far_m as f32);
+        Some(Self { rows, columns, step, points_across, across, first_m, per_m, last_per_m, depths })
     }
 
     fn draw(&self, rgb: &mut [f32], width: usize, seen: &Visibility, radiance: Vec3) {
@@ -128,19 +134,24 @@ impl Lattice {
                 let end = (column / BLOCK * BLOCK + BLOCK).min(self.columns.end);
                 let (opaque, transparent) = (buffer.opaque(number), buffer.transparent(number));
                 for column in column..end {
-                    let at = column - self.columns.start;
-                    let (point, share) = (at / self.step, (at % self.step) as f32 / self.step as f32);
-                    let pair = [&line[point], &line[point + 1]];
-                    if pair[0][SLICES].max(pair[1][SLICES]) < LEAST_DEPTH {
+                    let (point, share) = self.across[column - self.columns.start];
+                    let pair = [&line[point as usize], &line[point as usize + 1]];
+                    let [left, right] = pair.map(|depths| depths[SLICES]);
+                    if left.max(right) < LEAST_DEPTH {
                         continue;
                     }
-                    // The two samples of a pixel.
-                    let clear = [i, i + 1].map(|i| {
-                        let inverse = transparent.map_or(0.0, |glass| glass.inverse_depth[i][column % BLOCK]);
-                        let inverse = inverse.max(opaque.inverse_depth[i][column % BLOCK]);
-                        transmittance(self.depth_before(pair, share, 1.0 / inverse), 1.0)
+                    // The two samples of a pixel; mostly all of the plume is before both.
+                    let inverse = [i, i + 1].map(|i| {
+                        let glass = transparent.map_or(0.0, |glass| glass.inverse_depth[i][column % BLOCK]);
+                        glass.max(opaque.inverse_depth[i][column % BLOCK])
                     });
-                    let cover = 1.0 - 0.5 * (clear[0] + clear[1]);
+                    let clear = if inverse[0].max(inverse[1]) <= self.last_per_m {
+                        transmittance(left + (right - left) * share, 1.0)
+                    } else {
+                        let [a, b] = inverse.map(|v| transmittance(self.depth_before(pair, share, 1.0 / v), 1.0));
+                        0.5 * (a + b)
+                    };
+                    let cover = 1.0 - clear;
                     if cover > 0.0 {
                         let at = 3 * (row * width + column);
                         blend(&mut rgb[at..at + 3], radiance, cover);

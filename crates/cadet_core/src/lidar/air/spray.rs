@@ -14,10 +14,15 @@ use crate::spray::{Plume, Spray};
 
 /// Extinction over backscatter of water drops, sr.
 const LIDAR_RATIO_SR: f64 = 18.0;
-/// Steps along a beam's way through a plume.
-const STEPS: usize = 10;
+/// Steps along a beam's way through a plume: their length, and how many at least and at most.
+const STEP_M: f64 = 1.0;
+const STEPS: (f64, f64) = (2.0, 10.0);
+/// Spray as thin as this returns nothing, 1/m.
+const THIN_PER_M: f64 = 0.003;
 /// Plumes that are farther from the sensor are left out: they return nothing, and hardly anything that they hide returns.
 const REACH_M: f64 = 70.0;
+/// What has less than this share of the power that is detected half of the time is left out.
+const FAINTEST: f64 = 0.5;
 /// Makes a key of a beam's own.
 const SALT: u64 = 0x5f3a_91c4_d20b_7e65;
 
@@ -27,6 +32,8 @@ pub(in crate::lidar) struct Plumes<'a> {
     plumes: Vec<(&'a Plume, DVec3, f64)>,
     /// Reflectance of a diffuse surface that returns as much as spray of an extinction of 1/m.
     reflectance_m: f64,
+    /// What is weaker than this is not detected.
+    least_power: f64,
 }
 
 /// What becomes of a beam in spray.
@@ -68,7 +75,11 @@ impl<'a> Plumes<'a> {
         let distance_m = |of: &(&Plume, DVec3, f64)| (of.1 - sensor_world).length();
         let mut plumes: Vec<_> = spray.plumes().iter().map(ball).filter(|p| distance_m(p) < REACH_M).collect();
         plumes.sort_by(|a, b| distance_m(a).total_cmp(&distance_m(b)));
-        Self { plumes, reflectance_m: PI * receiver.pulse_m() / LIDAR_RATIO_SR }
+        Self {
+            plumes,
+            reflectance_m: PI * receiver.pulse_m() / LIDAR_RATIO_SR,
+            least_power: FAINTEST * receiver.threshold,
+        }
     }
 
     #[inline]
@@ -96,21 +107,24 @@ impl<'a> Plumes<'a> {
             let from = (*plume.plume_from_world() * origin_world).as_vec3();
             let direction = (plume.plume_from_world().rotation * direction_world).as_vec3();
             let Some([enters, leaves]) = plume.crossing(from, direction, range_m as f32) else { continue };
-            let step_m = f64::from(leaves - enters) / STEPS as f64;
+            let way_m = f64::from(leaves - enters);
+            let steps = (way_m / STEP_M).ceil().clamp(STEPS.0, STEPS.1);
+            let step_m = way_m / steps;
             let mut rng = CounterRng::new(key ^ SALT);
-            for k in 0..STEPS {
+            for k in 0..steps as usize {
                 let at_m = f64::from(enters) + (k as f64 + rng.unit()) * step_m;
                 let extinction = f64::from(plume.extinction_per_m(from + direction * at_m as f32));
-                if extinction > 0.0 {
+                if extinction > THIN_PER_M {
                     let clump = -math::quick_ln((1.0 - rng.unit()).max(1e-12));
-                    depth += 0.5 * extinction * step_m;
-                    let reflectance = self.reflectance_m * extinction * clump * math::exp(-2.0 * depth);
-                    depth += 0.5 * extinction * step_m;
-                    let power = reflectance * crossover(at_m) / (at_m * at_m);
-                    if met.echo.is_none_or(|(_, strongest)| power > strongest) {
-                        met.echo = Some((at_m, power));
+                    let open = self.reflectance_m * extinction * clump * crossover(at_m) / (at_m * at_m);
+                    if open > met.echo.map_or(self.least_power, |(_, strongest)| strongest) {
+                        let power = open * math::exp(-2.0 * depth - extinction * step_m);
+                        if met.echo.is_none_or(|(_, strongest)| power > strongest) {
+                            met.echo = Some((at_m, power));
+                        }
                     }
                 }
+                depth += extinction * step_m;
             }
         }
         if depth > 0.0 {
@@ -155,7 +169,7 @@ mod tests {
         let direction = (DVec3::new(-1.5, 0.0, 0.4) - sensor).normalize();
         let (mut near, mut far, mut most) = (0, 0, 0.0_f64);
         for key in 0..2000 {
-            let (at_m, power) = plumes.meet(sensor, direction, f64::INFINITY, key).echo.expect("spray");
+            let Some((at_m, power)) = plumes.meet(sensor, direction, f64::INFINITY, key).echo else { continue };
             let behind_m = -(sensor + direction * at_m).x;
             if receiver.detects(power, 0.5) {
                 near += usize::from(behind_m < 10.0);
