@@ -187,6 +187,22 @@ impl Junctions {
         Ok(())
     }
 
+    /// Waits for a lane across a junction, which may not be asked for yet.
+    pub fn queue(&mut self, car: Slot, lane: LaneId, lets_pass: bool, step: u64) {
+        match self.waiting.iter_mut().find(|w| w.car == car) {
+            Some(w) => w.seen_step = step,
+            None => self.waiting.push(Waiting {
+                car,
+                lane,
+                lets_pass,
+                has_priority: false,
+                since_step: step,
+                seen_step: step,
+                waits_for_tram: false,
+            }),
+        }
+    }
+
     /// The car's tail has come this far along the lane that its middle is on.
     pub fn advance(&mut self, car: Slot, lane: LaneId, tail_m: f64) {
         for r in self.held.iter_mut().filter(|r| r.car == car && r.lane == lane) {

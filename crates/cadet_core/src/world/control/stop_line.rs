@@ -2,7 +2,7 @@
 
 use super::idm::COMFORTABLE_MPS2;
 use crate::math::{self, DVec3};
-use crate::town::{Aspect, Lane, LaneId, STOP_LINE_M as PAINTED_M};
+use crate::town::{Aspect, Lane, LaneId, LaneKind, STOP_LINE_M as PAINTED_M};
 use crate::world::junctions::{Junctions, Refusal, Request};
 use crate::world::lane_use::LaneUse;
 use crate::world::physics::DT_S;
@@ -21,6 +21,8 @@ const SEES_LIGHT_M: f64 = 12.0;
 /// How hard drivers brake at most when a light turns yellow, and when it is red.
 const YELLOW_MPS2: f64 = 3.0;
 const RED_MPS2: f64 = 6.5;
+/// Who is slower than this at a light on a cycle lane has come to stand there.
+const QUEUES_MPS: f64 = 0.5;
 /// The ego, and a tram, ask for their way across a junction this much earlier than others do.
 const EGO_ASKS_EARLIER_M: f64 = 20.0;
 const TRAM_ASKS_EARLIER_M: f64 = 25.0;
@@ -61,6 +63,7 @@ pub(super) fn stop_line(
 ) -> Option<(f64, Refusal)> {
     let Crossing { slot, route, speed_mps, half_length_m, length_m, is_tram } = *own;
     if let Some(gap_m) = stop_at_light(own, junctions, roads, step) {
+        queue_at_light(own, junctions, roads, step);
         return Some((gap_m, Refusal::Light));
     }
     let (k, start_m) = next_junction(route, roads, &|id| !junctions.holds(slot, id))?;
@@ -135,6 +138,14 @@ fn stop_at_light(own: &Crossing<'_>, junctions: &mut Junctions, roads: &Roads, s
         junctions.renounce(slot, &chain(route, k, roads));
     }
     Some(front_m + 1.5)
+}
+
+/// Who stops at a light on a cycle lane has its turn as soon as it is green: bicycles stand in front of cars.
+fn queue_at_light(own: &Crossing<'_>, junctions: &mut Junctions, roads: &Roads, step: u64) {
+    let next = next_junction(own.route, roads, &|_| true).map(|(k, _)| roads.lane(own.route.lanes[k]));
+    if let Some(lane) = next.filter(|l| l.kind == LaneKind::Biking && own.speed_mps < QUEUES_MPS) {
+        junctions.queue(own.slot, lane.id, turns_left(lane), step);
+    }
 }
 
 /// Whether a lane across a junction turns left.

@@ -183,14 +183,16 @@ pub(crate) fn main_roads(seed: u64) -> Arc<Town> {
     furnished(&key, crate::town::generate_suburb(&key, &config).expect("a suburb").network)
 }
 
-/// The same, with cycle lanes on all faster streets, every second of which are main roads, and lights at some junctions.
+/// A commercial area, all of whose streets, or most by odd seeds, have cycle lanes, with main roads and lights at some
+/// junctions.
 pub(crate) fn cycle_lanes(seed: u64) -> Arc<Town> {
     let key = StreamKey::scene(seed);
     let config = crate::town::SuburbConfig {
         blocks: (2, 2),
         main_share: 0.5,
         signal_share: 0.5,
-        cycle_lane_share: 1.0,
+        industrial_share: 1.0,
+        cycle_lane_share: if seed.is_multiple_of(2) { 1.0 } else { 0.6 },
         ..Default::default()
     };
     let bare = crate::town::PropConfig { greenery: 0.0, belt_m: 0.0, ..Default::default() };
