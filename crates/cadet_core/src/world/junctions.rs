@@ -187,17 +187,18 @@ impl Junctions {
         Ok(())
     }
 
-    /// Waits for a lane across a junction, which may not be asked for yet.
-    pub fn queue(&mut self, car: Slot, lane: LaneId, lets_pass: bool, step: u64) {
+    /// Waits for a lane across a junction that may not be asked for yet; others reckon with it once it soon may.
+    pub fn queue(&mut self, car: Slot, lane: LaneId, lets_pass: bool, (step, is_soon): (u64, bool)) {
+        let seen_step = if is_soon { step } else { 0 };
         match self.waiting.iter_mut().find(|w| w.car == car) {
-            Some(w) => w.seen_step = step,
+            Some(w) => w.seen_step = seen_step,
             None => self.waiting.push(Waiting {
                 car,
                 lane,
                 lets_pass,
                 has_priority: false,
                 since_step: step,
-                seen_step: step,
+                seen_step,
                 waits_for_tram: false,
             }),
         }

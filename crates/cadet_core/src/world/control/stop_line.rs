@@ -140,11 +140,14 @@ fn stop_at_light(own: &Crossing<'_>, junctions: &mut Junctions, roads: &Roads, s
     Some(front_m + 1.5)
 }
 
-/// Who stops at a light on a cycle lane has its turn as soon as it is green: bicycles stand in front of cars.
+/// Who stands at a light on a cycle lane has its turn as soon as it is green: bicycles stand in front of cars.
 fn queue_at_light(own: &Crossing<'_>, junctions: &mut Junctions, roads: &Roads, step: u64) {
-    let next = next_junction(own.route, roads, &|_| true).map(|(k, _)| roads.lane(own.route.lanes[k]));
-    if let Some(lane) = next.filter(|l| l.kind == LaneKind::Biking && own.speed_mps < QUEUES_MPS) {
-        junctions.queue(own.slot, lane.id, turns_left(lane), step);
+    let Some((k, _)) = next_junction(own.route, roads, &|_| true) else { return };
+    let lane = roads.lane(own.route.lanes[k]);
+    if lane.kind == LaneKind::Biking && own.speed_mps < QUEUES_MPS {
+        // Before that, those who have green need not wait for it.
+        let aspect = roads.signals().aspect(own.route.lanes[k - 1], step as f64 * DT_S);
+        junctions.queue(own.slot, lane.id, turns_left(lane), (step, aspect == Some(Aspect::RedYellow)));
     }
 }
 
