@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::actor::AnnotatedBox;
+use crate::math;
 
 /// A vehicle that drives along the world's x axis with its rear bumper at the origin.
 pub fn vehicle(class: ObjectClass, size_lwh: DVec3, speed_mps: f64) -> ActorState {
@@ -74,7 +75,7 @@ fn a_ray_across_meets_what_the_profile_holds() {
 fn cars_at_town_speeds_hide_less_than_half_and_trucks_more() {
     let opacity = |class, size, speed_mps| {
         let spray = smooth(class, size, speed_mps);
-        1.0 - (-depth(&spray.plumes[0], Vec3::new(-40.0, 0.0, 0.3), Vec3::X, 1e3)).exp()
+        1.0 - math::exp(-depth(&spray.plumes[0], Vec3::new(-40.0, 0.0, 0.3), Vec3::X, 1e3))
     };
     let (slow, town) = (opacity(ObjectClass::Car, CAR_M, 10.0), opacity(ObjectClass::Car, CAR_M, 16.7));
     let truck = opacity(ObjectClass::Truck, TRUCK_M, 16.7);

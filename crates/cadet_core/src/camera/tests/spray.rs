@@ -46,7 +46,7 @@ impl Sight {
             let direction = (plume_from_cam.rotation * in_cam).as_vec3();
             let shown_m = self.seen.depth_at(row, column);
             let depth = depth(plume, plume_from_cam.translation.as_vec3(), direction, shown_m);
-            (-depth * in_cam.length()).exp()
+            math::exp(-depth * in_cam.length())
         };
         0.5 * (of(0.0) + of(0.5))
     }
