@@ -101,7 +101,7 @@ fn ride(world: &mut World, seconds: u32, name: &str, seen: &mut Seen) {
                 Some((was, kind, entered_from)) => {
                     let step_m = (here - was).length();
                     // Who has gone far was replaced by a newcomer of the same number.
-                    assert!(step_m < 2.5 || step_m > 20.0, "{name}, tick {tick}: {} jumps {step_m} m", agent.id);
+                    assert!(!(2.5..=20.0).contains(&step_m), "{name}, tick {tick}: {} jumps {step_m} m", agent.id);
                     seen.gone_m += if step_m < 2.5 { step_m } else { 0.0 };
                     let entered_from = if lane.junction.is_some() { entered_from.or(Some(kind)) } else { None };
                     if lane.junction.is_none()
