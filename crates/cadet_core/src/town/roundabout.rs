@@ -14,7 +14,7 @@ const BEND_M: f64 = 14.0;
 /// Streets that meet at a smaller angle leave no room between their ways.
 const LEAST_BETWEEN_RAD: f64 = 1.1;
 /// A shorter stretch on the ring is none.
-const LEAST_ARC_RAD: f64 = 0.05;
+const LEAST_ARC_RAD: f64 = 0.005;
 
 /// One in the place of a junction; traffic goes round counter-clockwise.
 #[derive(Debug, Clone, Copy)]
@@ -33,9 +33,8 @@ pub(super) struct OnRing {
 }
 
 impl Roundabout {
-    /// Draws whether a junction is one: of streets in town with one lane a direction and none for
-    /// bicycles. The headings and styles of its arms go round
-    /// counter-clockwise.
+    /// Draws whether a junction is one: of streets in town with one lane a direction and none for bicycles. The headings and
+    /// styles of its arms go round counter-clockwise.
     pub(super) fn draw(center: DVec2, arms: &[(f64, LineStyle)], share: f64, stream: &mut Stream) -> Option<Self> {
         let (is_drawn, island_m, lane_m) =
             (stream.chance(share), stream.range(ISLAND_M.0, ISLAND_M.1), stream.range(LANE_M.0, LANE_M.1));
@@ -129,8 +128,8 @@ mod tests {
             for k in 0..200 {
                 let s = |k: usize| curve.length_m() * k as f64 / 200.0;
                 let (a, b) = (curve.pose_at(s(k)).at - ring.center, curve.pose_at(s(k + 1)).at - ring.center);
-                // The first way out of streets at a sharp angle touches no ring, and may cut it by a hand's breadth.
-                let cut_m = if on_ring.is_some() { 1e-6 } else { 0.15 };
+                // The first way out of streets at a sharp angle touches no ring, and may cut it by some centimeters.
+                let cut_m = if on_ring.is_some() { 1e-6 } else { 0.05 };
                 assert!(a.length() > island_m - cut_m, "{} m of {island_m}", a.length());
                 turned_rad += math::atan2(a.perp_dot(b), a.dot(b));
             }
