@@ -17,6 +17,7 @@ from cadet.errors import MissingFileError
 from cadet.evaluation import box_iou_3d
 from cadet.kitti import labels_from_text, write_frame
 
+_NAMES = ("small_car", "tiny_car")
 _SEEDS = (100_001, 100_002, 100_003, 100_004, 100_005)
 
 
@@ -31,17 +32,19 @@ def frames() -> list[cadet.Frame]:
     return driven
 
 
-def test_every_packaged_checkpoint_loads_and_is_small() -> None:
-    assert packaged_checkpoints() == ("tiny_car",)
-    detector = avod.Detector.load("tiny_car")
-    assert detector.config == load_config("tiny_car")
-    folder = Path(avod.__file__).parent / "checkpoints" / "tiny_car"
+@pytest.mark.parametrize("name", _NAMES)
+def test_every_packaged_checkpoint_loads_and_is_small(name: str) -> None:
+    assert packaged_checkpoints() == _NAMES
+    detector = avod.Detector.load(name)
+    assert detector.config == load_config(name)
+    folder = Path(avod.__file__).parent / "checkpoints" / name
     assert sorted(path.name for path in folder.iterdir()) == ["checkpoint.json", "model.safetensors"]
     assert sum(path.stat().st_size for path in folder.iterdir()) < 5_000_000
 
 
-def test_it_finds_the_cars_that_are_plain_to_see(frames: list[cadet.Frame]) -> None:
-    detector = avod.Detector.load("tiny_car")
+@pytest.mark.parametrize("name", _NAMES)
+def test_it_finds_the_cars_that_are_plain_to_see(frames: list[cadet.Frame], name: str) -> None:
+    detector = avod.Detector.load(name)
     num_plain = num_found = num_wrong = 0
     for frame in frames:
         found = detector.detect(frame.points_velo, frame.image, frame.calib, frame.plane)
@@ -70,7 +73,7 @@ def test_it_works_by_name_from_the_command_line(frames: list[cadet.Frame], tmp_p
 
 
 def test_an_unknown_name_lists_what_there_is() -> None:
-    with pytest.raises(MissingFileError, match=r"^tiny_cra: no checkpoint: expected a folder .*, or one of tiny_car$"):
+    with pytest.raises(MissingFileError, match=r"^tiny_cra: no checkpoint: expected a folder .*, or one of small_car, tiny_car$"):
         avod.Detector.load("tiny_cra")
 
 
