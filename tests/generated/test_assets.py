@@ -242,7 +242,7 @@ def test_boxes_of_real_meshes_contain_their_points(real: cadet.Assets) -> None:
     inside = total = 0
     met: set[str] = set()
     policy = replace(cadet.ResetPolicy.kitti(), label=cadet.LabelConfig(boxes="exact"))
-    for seed in range(5):
+    for seed in range(8):
         scene = cadet.Scene.random(seed=seed, weather="clear_noon", policy=policy, assets=real)
         for _ in range(2):
             sensed = sense(scene)
