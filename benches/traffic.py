@@ -127,12 +127,13 @@ def watch(seed: int, seconds: int, policy: cadet.ResetPolicy, worst: Worst) -> N
         for agent, height_m in heights_m(scene, [agent for agent in agents if agent.type != "Person_sitting"]):
             kind = "above the ground, m" if height_m > 0 else "below the ground, m"
             worst.meet(kind, abs(height_m), 0.03, f"{place}{agent.id} ({agent.model})")
+        by_id = {agent.id: agent for agent in agents}
         for agent in agents:
             if agent.speed_mps > MOVING_MPS:
                 last_moved_s[agent.id] = second
             elif agent.id in last_moved_s and agent.type not in PEOPLE:
                 stood_s = second - last_moved_s[agent.id]
-                why = reason(agent, {other.id: other for other in agents})
+                why = reason(agent, by_id)
                 limit_s = math.inf if why in LONG_REASONS else 60.0
                 worst.meet(f"standing for {why}, s", stood_s, limit_s, f"{place}{agent.id} ({agent.model})")
         scene.step(1.0)

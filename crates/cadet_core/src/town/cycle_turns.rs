@@ -36,10 +36,7 @@ pub(super) fn cycle_turns(junction: usize, arms: &[Arm], pose: &dyn Fn(&Arm) -> 
     for (i, from) in arms.iter().enumerate() {
         for (_, to) in arms.iter().enumerate().filter(|(j, _)| *j != i) {
             let (a, b) = (strip(&from.style), strip(&to.style));
-            let edge =
-                |pose: PlanPose, right_m: f64| PlanPose { at: pose.at - pose.direction().perp() * right_m, ..pose };
-            let mut curve = PlanCurve::default();
-            curve.extend_to(edge(pose(from).reversed(), a.0), edge(pose(to), b.0));
+            let curve = PlanCurve::between(pose(from).reversed().shifted_right(a.0), pose(to).shifted_right(b.0));
             let is_straight = wrap_angle(to.heading_rad - from.heading_rad - PI).abs() < STRAIGHT_RAD;
             let [leaves, reaches] = [from, to].map(|arm| arm.style.cycle_lane);
             turns.push(CycleTurn {

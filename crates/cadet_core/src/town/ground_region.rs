@@ -45,8 +45,6 @@ const SHOULDER_M: f64 = 0.45;
 /// Fields end so far from a ditch and from each other's middle line; smaller ones are left to grass.
 const BALK_M: f64 = 0.5;
 const LEAST_FIELD_M2: f64 = 250.0;
-/// A line whose ends are nearer to each other closes on itself.
-const CLOSED_M: f64 = 0.05;
 /// Corners that stand out less are straightened: in outlines, and between the steps that lead to them.
 const STRAIGHT_M: f64 = 0.015;
 const STRAIGHT_BETWEEN_M: f64 = 0.008;
@@ -180,7 +178,7 @@ impl Frame {
         let n = lane.center.len();
         let at = |i: usize| lane.center[i].truncate();
         // Where a lane closes on itself its ends have one direction.
-        let is_closed = n > 3 && (at(0) - at(n - 1)).length() < CLOSED_M;
+        let is_closed = lane.is_closed();
         let side = |i: usize| {
             let is_seam = is_closed && (i == 0 || i == n - 1);
             let (before, after) = if is_seam { (n - 2, 1) } else { (i.saturating_sub(1), (i + 1).min(n - 1)) };

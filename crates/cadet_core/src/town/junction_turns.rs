@@ -75,8 +75,7 @@ pub(super) fn turns(
         }
         for (_, to) in others() {
             if from.style.tracks.is_some() && to.style.tracks.is_some() && bend(to).abs() < STRAIGHT_RAD {
-                let mut curve = PlanCurve::default();
-                curve.extend_to(pose(from).reversed(), pose(to));
+                let curve = PlanCurve::between(pose(from).reversed(), pose(to));
                 turns.push(Turn {
                     junction,
                     from: (from.street, from.end),
@@ -95,15 +94,13 @@ pub(super) fn turns(
             for lanes in pairs {
                 let edge = |arm: &Arm, pose: PlanPose, lane: usize| {
                     let right_m = arm.style.median_width_m / 2.0 + lane as f64 * arm.style.lane_width_m;
-                    PlanPose { at: pose.at - pose.direction().perp() * right_m, ..pose }
+                    pose.shifted_right(right_m)
                 };
                 let ends = (edge(from, pose(from).reversed(), lanes[0]), edge(to, pose(to), lanes[1]));
-                let across = || {
-                    let mut curve = PlanCurve::default();
-                    curve.extend_to(ends.0, ends.1);
-                    (curve, None)
+                let (curve, on_ring) = match roundabout {
+                    Some(ring) => ring.way(ends.0, ends.1),
+                    None => (PlanCurve::between(ends.0, ends.1), None),
                 };
-                let (curve, on_ring) = roundabout.map_or_else(across, |ring| ring.way(ends.0, ends.1));
                 let is_inner_and_straight = *lanes == [0, 0] && bend(to).abs() < STRAIGHT_RAD;
                 turns.push(Turn {
                     junction,

@@ -97,7 +97,17 @@ pub struct Lane {
     pub speed_limit_mps: f64,
 }
 
+/// A lane whose ends are nearer to each other closes on itself.
+const CLOSED_M: f64 = 0.05;
+
 impl Lane {
+    /// Whether it closes on itself, as about the middle of a roundabout.
+    #[must_use]
+    pub fn is_closed(&self) -> bool {
+        let ends = [self.center[0], self.center[self.center.len() - 1]];
+        self.center.len() > 3 && (ends[1] - ends[0]).truncate().length() < CLOSED_M
+    }
+
     /// Length along the middle.
     #[must_use]
     pub fn length_m(&self) -> f64 {

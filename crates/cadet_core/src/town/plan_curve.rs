@@ -21,6 +21,11 @@ impl PlanPose {
         unit(self.heading_rad)
     }
 
+    /// So far to the right, looking the same way.
+    pub(super) fn shifted_right(&self, right_m: f64) -> Self {
+        Self { at: self.at - self.direction().perp() * right_m, ..*self }
+    }
+
     /// The same place, looking back.
     pub(super) fn reversed(&self) -> Self {
         Self::new(self.at, self.heading_rad + math::PI)
@@ -64,6 +69,13 @@ pub(super) struct PlanCurve {
 }
 
 impl PlanCurve {
+    /// From one pose to another, by [`extend_to`](Self::extend_to).
+    pub(super) fn between(start: PlanPose, end: PlanPose) -> Self {
+        let mut curve = Self::default();
+        curve.extend_to(start, end);
+        curve
+    }
+
     pub(super) fn length_m(&self) -> f64 {
         self.segments.iter().map(|s| s.length_m).sum()
     }

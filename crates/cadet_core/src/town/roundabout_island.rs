@@ -7,8 +7,6 @@ use crate::assets::scenery::{PoleKind, TreeKind, pole};
 use crate::math::{self, DVec2, DVec3, TAU};
 use crate::rng::{Stream, StreamKey};
 
-/// A line whose ends are nearer than this closes on itself.
-const CLOSED_M: f64 = 0.05;
 /// Boards stand so far inside of the curb, signs so far beside the lane and before its end.
 const BOARD_INSET_M: f64 = 1.2;
 const SIGN_BESIDE_M: f64 = 0.6;
@@ -27,8 +25,7 @@ struct Island {
 
 /// Whether a median closes on itself, as around the middle of a roundabout.
 pub(super) fn is_island(lane: &Lane) -> bool {
-    let ends = [lane.center[0], lane.center[lane.center.len() - 1]];
-    lane.kind == LaneKind::Median && lane.junction.is_none() && (ends[1] - ends[0]).length() < CLOSED_M
+    lane.kind == LaneKind::Median && lane.junction.is_none() && lane.is_closed()
 }
 
 impl Island {

@@ -24,7 +24,7 @@ const WIDE_LINE_M: f64 = 0.3;
 /// width of those along it over a junction.
 const CYCLE_LINE_M: f64 = 0.25;
 const ADVISORY_DASH_M: (f64, f64) = (1.0, 1.0);
-const CYCLE_FORD_M: (f64, f64, f64) = (0.5, 0.25, 0.25);
+pub(super) const CYCLE_FORD_M: (f64, f64, f64) = (0.5, 0.25, 0.25);
 
 /// What is painted along the outer border of a lane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -75,11 +75,6 @@ fn center_line_m(style: &LineStyle) -> Option<(f64, f64, f64)> {
         && !is_between_advisory;
     let (line_m, gap_m) = if style.country.is_some() { country_roads::DASH_M } else { DASH_M };
     has_one.then_some((line_m, gap_m, LINE_WIDTH_M))
-}
-
-/// The lines along a bicycle's way over a junction.
-pub(super) fn cycle_ford_m() -> (f64, f64, f64) {
-    CYCLE_FORD_M
 }
 
 /// What the outermost lane of a road is, and what covers it.

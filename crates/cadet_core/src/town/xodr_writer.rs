@@ -9,7 +9,7 @@ use super::roundabout::Roundabout;
 use super::street_grid::{LineStyle, StreetKind};
 use super::street_plan::{Street, StreetPlan};
 use super::xodr_lanes::{
-    LaneRecord, OuterLine, Section, cycle_ford_m, driven_surface, driving_id, outermost_lane, ridden_id, sidewalk_id,
+    CYCLE_FORD_M, LaneRecord, OuterLine, Section, driven_surface, driving_id, outermost_lane, ridden_id, sidewalk_id,
     street_sections, write_lanes,
 };
 use super::xodr_signals::{write_controllers, write_junction_controllers, write_signals};
@@ -224,7 +224,7 @@ fn write_cycle_turn(out: &mut String, plan: &StreetPlan, index: usize, turn: &Cy
         predecessor: Some(ridden_id(a, signs_at(turn.from.1).0)),
         successor: Some(ridden_id(b, signs_at(turn.to.1).1)),
     };
-    let center_line_m = turn.has_lines.then(cycle_ford_m);
+    let center_line_m = turn.has_lines.then_some(CYCLE_FORD_M);
     write_lanes(out, &[Section { s: 0.0, center_line_m, lanes: vec![lane] }]);
     out.push_str("</road>\n");
 }

@@ -3,6 +3,7 @@
 use super::*;
 use crate::assets::scenery::{PoleKind, pole};
 use crate::town::{Lane, LaneKind, PropConfig, SuburbConfig, Town};
+use crate::world::DT_S;
 use crate::world::control::Cyclist;
 use crate::world::turn_signal::TurnSignal;
 
@@ -49,7 +50,7 @@ fn traffic_goes_round_without_touching_or_jamming_and_signals_to_leave() {
                 }
             }
             for (agent, driver) in cars(&world) {
-                let stood_s = f64::from(u32::try_from(driver.standing_steps).unwrap()) / f64::from(SECOND);
+                let stood_s = driver.standing_steps as f64 * DT_S;
                 assert!(stood_s < 45.0, "{name}: {} stands for {stood_s} s, {:?}", agent.id, driver.cause());
             }
         }
