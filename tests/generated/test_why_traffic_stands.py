@@ -27,8 +27,8 @@ def test_who_has_driven_and_stands_names_a_reason_and_whom_it_waits_for() -> Non
                 if agent.speed_mps > 0.3:
                     stood_s[agent.id] = 0
                     continue
-                # Parked, or on foot; the cars of a tram behind the first have no driver.
-                if agent.id not in stood_s or agent.type in ("Pedestrian", "Person_sitting", "Tram"):
+                # Parked, or on foot.
+                if agent.id not in stood_s or agent.type in ("Pedestrian", "Person_sitting"):
                     continue
                 stood_s[agent.id] += 1
                 # Who begins to move has no reason any more.
@@ -36,7 +36,8 @@ def test_who_has_driven_and_stands_names_a_reason_and_whom_it_waits_for() -> Non
                     continue
                 assert agent.brakes_for in REASONS, f"seed {seed}: {agent} stands for {agent.brakes_for}"
                 found[agent.brakes_for] = found.get(agent.brakes_for, 0) + 1
-                if agent.brakes_for == "vehicle":
+                # The last car of a tram is farther from what its driver waits for.
+                if agent.brakes_for == "vehicle" and agent.type != "Tram":
                     met += 1
                     assert agent.brakes_for_id in {0, *agents}, f"seed {seed}: {agent} waits for {agent.brakes_for_id}"
                     if agent.brakes_for_id:

@@ -42,6 +42,8 @@ pub(crate) struct Train {
     pub length_m: f64,
     pub speed_mps: f64,
     pub accel_mps2: f64,
+    /// What its driver brakes for.
+    pub cause: Cause,
 }
 
 impl Train {
@@ -75,7 +77,6 @@ pub(crate) struct TramDriver {
     desired_mps: f64,
     interaction_mps2: f64,
     standing_steps: u64,
-    cause: Cause,
 }
 
 impl TramCar {
@@ -90,14 +91,8 @@ impl TramCar {
             minimum_gap_m: 3.0,
             top_speed_mps: f64::INFINITY,
         };
-        let mut driver = Some(TramDriver {
-            route,
-            idm,
-            desired_mps: train.speed_mps,
-            interaction_mps2: 0.0,
-            standing_steps: 0,
-            cause: Cause::Nothing,
-        });
+        let mut driver =
+            Some(TramDriver { route, idm, desired_mps: train.speed_mps, interaction_mps2: 0.0, standing_steps: 0 });
         let train = Arc::new(Mutex::new(train));
         cars.iter().map(|car| Self { train: Arc::clone(&train), car: *car, driver: driver.take() }).collect()
     }
@@ -136,7 +131,7 @@ impl TramDriver {
 
 impl Controller for TramCar {
     fn look(&mut self, own: Own<'_>, around: &mut Surroundings, streets: &Streets, step: u64) {
-        let train = self.train.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut train = self.train.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(driver) = &mut self.driver else { return };
         let Some(footprint) = around.vehicle(own.slot).copied() else { return };
         let roads = &streets.roads;
@@ -151,11 +146,11 @@ impl Controller for TramCar {
         let train_m = Some(train.length_m);
         let (route, idm) = (&driver.route, &driver.idm);
         let rider = OnRoute { slot: own.slot, footprint: &footprint, route, idm, train_m, squeezes: false };
-        (driver.interaction_mps2, driver.cause) = worst_hazard(&rider, &ahead, around, roads, step);
+        (driver.interaction_mps2, train.cause) = worst_hazard(&rider, &ahead, around, roads, step);
         if end_m < 1.0 {
             // The end of the line: nothing but the brakes.
             driver.interaction_mps2 = HARDEST_MPS2;
-            driver.cause = Cause::RoadEnd;
+            train.cause = Cause::RoadEnd;
         }
         *around.way_ahead_mut(own.slot) = ahead;
     }
@@ -186,7 +181,7 @@ impl Controller for TramCar {
     }
 
     fn cause(&self) -> Cause {
-        self.driver.as_ref().map_or(Cause::Nothing, |d| d.cause)
+        self.shared().cause
     }
 
     fn on_lane(&self) -> Option<(LaneId, f64)> {

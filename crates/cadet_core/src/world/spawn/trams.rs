@@ -10,7 +10,7 @@ use crate::math::DVec2;
 use crate::rng::Stream;
 use crate::town::{LaneId, LaneKind};
 use crate::world::arena::Newcomer;
-use crate::world::control::{Coupled, Train, TramCar};
+use crate::world::control::{Cause, Coupled, Train, TramCar};
 use crate::world::footprint::Footprint;
 use crate::world::physics::DT_S;
 use crate::world::slot::Slot;
@@ -134,7 +134,7 @@ impl Spawner<'_> {
         if !is_spaced {
             return None;
         }
-        let train = Train { track, front_m, length_m, speed_mps, accel_mps2: 0.0 };
+        let train = Train { track, front_m, length_m, speed_mps, accel_mps2: 0.0, cause: Cause::Nothing };
         let cars = coupled(models);
         let footprints: Vec<Footprint> = models
             .iter()
