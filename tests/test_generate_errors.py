@@ -135,16 +135,18 @@ def test_what_the_user_can_mend_costs_one_line_and_no_file(
 def _limit_file_size() -> None:
     import resource
 
-    resource.setrlimit(resource.RLIMIT_FSIZE, (6144, 6144))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (16384, 16384))
 
 
 def test_a_full_disk_costs_one_line_and_leaves_whole_files(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    done = run(out, "-n", 4, *SIZE, preexec=_limit_file_size)
+    # An image of noise takes 24 KB, run.json less than the limit.
+    arguments = (out, "-n", 4, "--image-size", "128x64")
+    done = run(*arguments, preexec=_limit_file_size)
     assert done.returncode == FAILED
     assert done.stderr == f"cadet-gen: {out}/training/image_2/000000.png: File too large\n"
     assert sorted(tree(out)) == ["run.json"]
-    assert run(out, "-n", 4, *SIZE, "--resume").returncode == FINE
+    assert run(*arguments, "--resume").returncode == FINE
 
 
 def test_a_log_gets_plain_lines(tmp_path: Path) -> None:
