@@ -311,7 +311,7 @@ pub fn paving(for_cars: bool) -> (SceneryModel, f64) {
     let model = CELLS[usize::from(for_cars)].get_or_init(|| {
         let mut b = MeshBuilder::new();
         let (length, half) = (length_m as f32, width_m as f32 / 2.0);
-        b.cuboid(Vec3::new(0.0, -half, -0.25), Vec3::new(length, half, 0.025), 0);
+        b.cuboid(Vec3::new(0.0, -half, -0.25), Vec3::new(length, half, 0.015), 0);
         let blocks = Material::matt(Semantic::Terrain, [0.21, 0.195, 0.18], Pattern::Blocks, 0.28);
         SceneryModel {
             name: format!("paving/{length_m}"),
@@ -319,7 +319,7 @@ pub fn paving(for_cars: bool) -> (SceneryModel, f64) {
             palette: Arc::new(Palette::new(vec![blocks])),
             footprint_min: DVec2::new(0.0, -width_m / 2.0),
             footprint_max: DVec2::new(length_m, width_m / 2.0),
-            height_m: 0.025,
+            height_m: 0.015,
         }
     });
     (model.clone(), length_m)

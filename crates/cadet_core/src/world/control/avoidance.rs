@@ -1,5 +1,6 @@
-//! Which line along a sidewalk is free of things and people.
+//! Which line along a sidewalk is free of things and people, and how fast one may walk behind others.
 
+use super::footing::{BODY_M, STRIDE_M};
 use crate::math::DVec2;
 use crate::world::footprint::Footprint;
 use crate::world::sidewalk::Sidewalks;
@@ -8,6 +9,12 @@ use crate::world::surroundings::{PersonAt, Surroundings};
 
 /// Half a person's width, and the room they leave to things.
 pub(super) const SHOULDER_M: f64 = 0.3;
+
+/// Who walks nearer than this behind somebody goes at their pace, and the seconds in which a gap is closed.
+const FOLLOWS_M: f64 = 2.0;
+const CLOSES_S: f64 = 0.8;
+/// Slower people are walked round.
+const WALKS_MPS: f64 = 0.2;
 
 /// Somebody who walks along a walkway.
 pub(super) struct OnWalkway {
@@ -54,4 +61,17 @@ pub(super) fn free_line(
         .map(|d| line_m + right * d)
         .filter(|l| l.abs() <= room_m)
         .find(|l| is_free(*l))
+}
+
+/// The share of the own speed that keeps a stride from those who walk the same way ahead.
+pub(super) fn pace_behind(own: &OnWalkway, around: &Surroundings, sidewalks: &Sidewalks) -> f64 {
+    let ahead = sidewalks.spot(own.walkway, own.s_m).tangent * own.direction;
+    let paces = around.people.iter().filter(|p| p.agent != own.slot).filter_map(|other| {
+        let offset = other.at - own.at;
+        let (along_m, aside_m) = (offset.dot(ahead), offset.perp_dot(ahead).abs());
+        let speed_mps = other.speed_mps * other.heading.dot(ahead);
+        let is_followed = (0.0..FOLLOWS_M).contains(&along_m) && aside_m < 2.0 * BODY_M && speed_mps > WALKS_MPS;
+        is_followed.then(|| (speed_mps + (along_m - STRIDE_M) / CLOSES_S) / own.walking_speed_mps.max(0.5))
+    });
+    paces.fold(f64::INFINITY, f64::min).max(0.0)
 }

@@ -7,6 +7,8 @@ use crate::world::surroundings::{PersonAt, VehicleAt};
 
 /// Radius of the circle in the plane that a person's trunk stays inside of; arms and legs swing beyond it.
 pub(crate) const BODY_M: f64 = 0.24;
+/// From the middle of one person to that of the next ahead: a stride, which legs and arms take up.
+pub(crate) const STRIDE_M: f64 = 0.9;
 /// Vehicles and people farther away than this are not met before the next look.
 const REACH_M: f64 = 1.5;
 /// The turns that are tried to get round what is in the way, first to the side on which one goes round already.
@@ -51,14 +53,16 @@ impl Nearby {
         let near_vehicles: Vec<&Footprint> = vehicles.iter().map(|v| &v.footprint).filter(is_near).collect();
         let place_of = |agent: &Slot| people.binary_search_by_key(agent, |p| p.agent).ok().map(|i| people[i].at);
         let near_people: Vec<DVec2> = self.people.iter().filter_map(place_of).collect();
+        let ahead = (to - from).normalize_or(DVec2::X);
         let is_free = |p: DVec2| {
             let enters = |o: &Footprint| {
                 let (before, after) = ((o.closest_point(from) - from).length(), (o.closest_point(p) - p).length());
                 after < BODY_M && after < before
             };
             let touches = |other: &DVec2| {
-                let (before, after) = ((*other - from).length(), (*other - p).length());
-                after < 2.0 * BODY_M && after < before
+                let (before, after) = (nearness(*other - from, ahead), nearness(*other - p, ahead));
+                let (before_m, after_m) = ((*other - from).length(), (*other - p).length());
+                after < 1.0 && after < before || after_m < 2.0 * BODY_M && after_m < before_m
             };
             !self.parked.iter().any(enters)
                 && !near_vehicles.iter().any(|v| enters(v))
@@ -75,6 +79,11 @@ impl Nearby {
         self.side = side;
         Some(p)
     }
+}
+
+/// How near somebody is who walks `ahead`: below 1 inside an ellipse of a stride by two bodies.
+pub(crate) fn nearness(offset: DVec2, ahead: DVec2) -> f64 {
+    (offset.dot(ahead) / STRIDE_M).hypot(offset.perp_dot(ahead) / (2.0 * BODY_M))
 }
 
 #[cfg(test)]

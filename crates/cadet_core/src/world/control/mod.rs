@@ -25,7 +25,7 @@ mod turning;
 pub(super) use controller::{Controller, Own};
 pub(super) use cyclist::Cyclist;
 pub(super) use driver::Driver;
-pub(super) use footing::BODY_M;
+pub(super) use footing::{BODY_M, nearness};
 pub(super) use hazards::Cause;
 pub(super) use idm::IdmParameters;
 pub(super) use lane_view::LaneView;

@@ -1,6 +1,6 @@
 //! People on foot: they walk along sidewalks, keep out of each other's way, and cross the road when it is free.
 
-use super::avoidance::{OnWalkway, free_line};
+use super::avoidance::{OnWalkway, free_line, pace_behind};
 use super::controller::{Controller, Own};
 use super::crossing::{CROSSING_MPS, may_start, way_across};
 use super::footing::Nearby;
@@ -158,10 +158,12 @@ impl Pedestrian {
                 let line_m = (walk.wanted_m + company.aside_m).clamp(-room, room);
                 self.avoid(&OnWalkway { direction, ..own }, line_m, around, &streets.sidewalks);
                 self.pace = self.pace.min(1.0) * (walk.pace + 0.4 * behind_m).clamp(0.0, 1.4);
+                self.pace = self.pace.min(pace_behind(&own, around, &streets.sidewalks));
                 return;
             }
         }
         self.avoid(&own, self.preferred_m, around, &streets.sidewalks);
+        self.pace = self.pace.min(pace_behind(&own, around, &streets.sidewalks));
         if self.crosser && self.pace > 0.5 && self.choices.chance(LOOKS_ACROSS) {
             let position = own.at.extend(position_z);
             if let Some(wait) = way_across(position, walkway, s_m, around, streets) {

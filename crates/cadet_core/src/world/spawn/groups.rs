@@ -8,7 +8,7 @@ use crate::assets::person::PersonModel;
 use crate::math::{self, DVec2};
 use crate::rng::Stream;
 use crate::world::body::Body;
-use crate::world::control::{BODY_M, Company, Motion, Pedestrian};
+use crate::world::control::{Company, Motion, Pedestrian, nearness};
 use crate::world::slot::Slot;
 
 /// How likely somebody joins another of the last few who came, and how likely a group of two and more grows.
@@ -18,9 +18,11 @@ const MOST_TOGETHER: usize = 7;
 /// A group is joined by who comes at most so many later.
 const JOINS_WITHIN: usize = 4;
 /// Between shoulders in a row, between rows, and between people who stand and talk.
-const ASIDE_M: (f64, f64) = (0.56, 0.86);
-const BEHIND_M: (f64, f64) = (0.85, 1.5);
+const ASIDE_M: (f64, f64) = (0.62, 0.9);
+const BEHIND_M: (f64, f64) = (1.1, 1.6);
 const TALK_M: (f64, f64) = (0.65, 1.1);
+/// Between others of those who stand together.
+const CIRCLE_M: f64 = 0.6;
 
 impl Spawner<'_> {
     /// The one who leads a group of people who walk, or who stand, that a newcomer joins; farther from a place than a
@@ -77,15 +79,22 @@ impl Spawner<'_> {
         let (size, room) = (self.group_size(leader), self.arena.streets.sidewalks.room_m(walkway));
         let lead_m = self.pedestrian(leader).lateral_m;
         let has_room_for_two = room > apart_m / 2.0;
-        let (row, is_aside) = if has_room_for_two { (size / 2, size % 2 == 1) } else { (size, false) };
-        let behind_m = row as f64 * row_m;
-        let aside = self.members(leader).filter_map(|p| p.company).map(|c| c.aside_m).find(|m| *m != 0.0);
+        let is_aside = has_room_for_two && size % 2 == 1;
+        let companies: Vec<Company> = self.members(leader).filter_map(|p| p.company).collect();
+        // The first of a column is beside the one who leads.
+        let column = companies.iter().filter(|c| (c.aside_m != 0.0) == is_aside).map(|c| c.behind_m + row_m);
+        let behind_m = column.fold(if is_aside { 0.0 } else { row_m }, f64::max);
+        let aside = companies.iter().map(|c| c.aside_m).find(|m| *m != 0.0);
         // They share the sidewalk: the one who leads makes way.
         let side = aside.map_or(if lead_m > 0.0 { -1.0 } else { 1.0 }, f64::signum);
         let aside_m = if is_aside { side * apart_m } else { 0.0 };
         let lateral_m = (lead_m + aside_m).clamp(-room, room);
         let s_m = self.arena.streets.sidewalks.wrapped(walkway, s_m - direction * behind_m)?;
-        if !self.has_room_for_person(self.on_sidewalk(walkway, s_m, lateral_m), slot, 2.0 * BODY_M) {
+        let at = self.on_sidewalk(walkway, s_m, lateral_m);
+        let ahead = self.arena.streets.sidewalks.spot(walkway, s_m).tangent;
+        let is_near_somebody =
+            self.arena.people().any(|(other, place)| other != slot && nearness(place - at, ahead) < 1.0);
+        if is_near_somebody || !self.has_room_for_person(at, slot, 0.0) {
             return None;
         }
         if aside.is_none() && is_aside {
@@ -112,7 +121,7 @@ impl Spawner<'_> {
         let (distance_m, bearing) = (stream.range(TALK_M.0, TALK_M.1), stream.range(-math::PI, math::PI));
         let away = DVec2::new(math::cos(bearing), math::sin(bearing));
         let at = middle + away * distance_m;
-        if !self.arena.streets.roads.is_sidewalk(at) || !self.has_room_for_person(at, slot, 2.0 * BODY_M) {
+        if !self.arena.streets.roads.is_sidewalk(at) || !self.has_room_for_person(at, slot, CIRCLE_M) {
             return None;
         }
         if !hidden

@@ -75,6 +75,31 @@ fn nobody_walks_into_a_car_or_a_person() {
     }
 }
 
+/// Of KITTI's 4,487 labeled pedestrians 0.5 % are in pairs whose boxes reach more than 0.3 m into each other.
+#[test]
+fn people_keep_a_stride_from_each_other() {
+    let (mut num_people, mut num_pairs) = (0, 0);
+    for seed in 0..8 {
+        let mut world = policy_world(seed);
+        for _ in 0..20 {
+            let people: Vec<Footprint> = walkers(&world)
+                .iter()
+                .map(|(agent, _)| footprint(&world, agent).grown(-0.15))
+                .filter(|box_in_plane| box_in_plane.half_length_m > 0.0)
+                .collect();
+            num_people += people.len();
+            num_pairs += people
+                .iter()
+                .enumerate()
+                .map(|(i, a)| people[..i].iter().filter(|b| a.overlaps(b)).count())
+                .sum::<usize>();
+            world.step(2 * 60);
+        }
+    }
+    assert!(num_people > 1000, "{num_people} people");
+    assert!(100 * num_pairs < num_people, "{num_pairs} pairs of {num_people} people");
+}
+
 #[test]
 fn people_walk_in_groups_and_stay_together() {
     let (mut num_walkers, mut in_company, mut behind, mut together, mut parted) = (0, 0, 0, 0, 0);
