@@ -11,7 +11,8 @@ lets so many episodes of the default policy run for a while, looks once a second
 * Height: of the bottom over the ground beside the four corners and the middles of the sides, where that is even to 1
   cm: away from curbs, and from dips that a long vehicle stands across. Who sits on a chair is left out.
 * Standing: vehicles that have been seen to move, and stood since, by the reason at the head of the queue: who waits for
-  another waits for what that one waits for. A light and the end of a tram's line are reasons to stand for long.
+  another that stands waits for what that one waits for. A light and the end of a tram's line are reasons to stand for
+  long; for other reasons it counts from when such a one was over.
 """
 
 from __future__ import annotations
@@ -106,12 +107,12 @@ def kind_of(a: cadet.Agent, b: cadet.Agent) -> str:
 
 def reason(agent: cadet.Agent, agents: dict[int, cadet.Agent]) -> str:
     """Return what the head of an agent's queue waits for; "each other" where the queue bites its tail."""
-    seen: list[int] = []
-    while agent.brakes_for_id in agents and agent.id not in seen:
-        seen.append(agent.id)
-        agent = agents[agent.brakes_for_id]
-    if agent.id in seen:
-        return "each other"
+    seen = [agent.id]
+    while (ahead := agents.get(agent.brakes_for_id or 0)) is not None and ahead.speed_mps <= MOVING_MPS:
+        if ahead.id in seen:
+            return "each other"
+        seen.append(ahead.id)
+        agent = ahead
     return agent.brakes_for or "nothing"
 
 
@@ -119,6 +120,7 @@ def watch(seed: int, seconds: int, policy: cadet.ResetPolicy, worst: Worst) -> N
     """Let an episode run and look once a second."""
     scene = cadet.Scene.random(seed=seed, policy=policy)
     last_moved_s: dict[int, float] = {}
+    since_s: dict[int, float] = {}
     for second in range(seconds):
         place = f"seed {seed}, second {second}: "
         agents = scene.agents
@@ -130,11 +132,14 @@ def watch(seed: int, seconds: int, policy: cadet.ResetPolicy, worst: Worst) -> N
         by_id = {agent.id: agent for agent in agents}
         for agent in agents:
             if agent.speed_mps > MOVING_MPS:
-                last_moved_s[agent.id] = second
+                last_moved_s[agent.id] = since_s[agent.id] = second
             elif agent.id in last_moved_s and agent.type not in PEOPLE:
-                stood_s = second - last_moved_s[agent.id]
                 why = reason(agent, by_id)
-                limit_s = math.inf if why in LONG_REASONS else 60.0
+                is_long = why in LONG_REASONS
+                stood_s = second - (last_moved_s if is_long else since_s)[agent.id]
+                if is_long:
+                    since_s[agent.id] = second
+                limit_s = math.inf if is_long else 60.0
                 worst.meet(f"standing for {why}, s", stood_s, limit_s, f"{place}{agent.id} ({agent.model})")
         scene.step(1.0)
 
