@@ -43,7 +43,7 @@ pub(super) fn tiles(half_m: f32) -> Vec<Instance> {
     }
     vec![Instance::new(
         Arc::new(LodSet::single(builder.build("flat road", 0.0))),
-        Arc::new(ground_palette::palette(false, false, false)),
+        Arc::new(ground_palette::palette()),
         DPose3 { rotation: DQuat::IDENTITY, translation: DVec3::ZERO },
         0,
     )]

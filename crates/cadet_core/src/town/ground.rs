@@ -15,7 +15,7 @@ use super::roughness::Roughness;
 use super::signals::Signals;
 use super::wear::Wear;
 use super::yards::Yards;
-use super::{rails, road_marking, yard_region};
+use super::{rails, repairs, road_marking, yard_region};
 use crate::error::Result;
 
 use crate::instance::Instance;
@@ -177,6 +177,7 @@ impl Ground {
         let markings = painted.map(|of| {
             let mut quads = road_marking::draw(of.network, of.signals, &|x, y| ground.surface_at(x, y));
             of.yards.paint(&|x, y| ground.surface_at(x, y), &mut quads);
+            repairs::draw(of.network, of.wear, &|x, y| ground.surface_at(x, y), &mut quads);
             rails::draw(of.network, &|x, y| ground.height_at(x, y), &mut quads);
             quads
         });

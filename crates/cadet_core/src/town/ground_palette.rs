@@ -24,8 +24,12 @@ const RAIL_SIDE: u8 = BALLAST + 5;
 const FIELD: u8 = BALLAST + 6;
 /// A carriageway of setts, then one slot a surface of yards, in the order of [`YardSurface::ALL`].
 const SETTS: u8 = FIELD + Crop::ALL.len() as u8 + 1;
-/// The red coat of cycle lanes.
+/// The red coat of cycle lanes, then what repairs are made of.
 const RED: u8 = SETTS + 1 + YardSurface::ALL.len() as u8;
+const NEW_ASPHALT: u8 = RED + 1;
+const OLD_ASPHALT: u8 = RED + 2;
+const BITUMEN: u8 = RED + 3;
+const IRON: u8 = RED + 4;
 /// Asphalt that shows where paint is gone.
 const ASPHALT_ALBEDO: f32 = 0.148;
 const ASPHALT_REFLECTANCE: f32 = 0.23;
@@ -57,6 +61,10 @@ pub(super) fn paint(color: PaintColor, wear: usize) -> u8 {
         PaintColor::Steel => return RAIL,
         PaintColor::Dark => return RAIL_SIDE,
         PaintColor::Red => return RED,
+        PaintColor::NewAsphalt => return NEW_ASPHALT,
+        PaintColor::OldAsphalt => return OLD_ASPHALT,
+        PaintColor::Bitumen => return BITUMEN,
+        PaintColor::Iron => return IRON,
     };
     first + wear.min(LEFT.len() - 1) as u8
 }
@@ -99,8 +107,18 @@ fn yards() -> impl Iterator<Item = Material> {
     std::iter::once(setts).chain(surfaces)
 }
 
+/// New asphalt, bleached asphalt, bitumen, cast iron that tires have polished a little.
+fn repairs() -> [Material; 4] {
+    [
+        Material::matt(Semantic::Road, [0.104, 0.103, 0.102], Pattern::Asphalt, 0.17),
+        Material::matt(Semantic::Road, [0.186, 0.182, 0.174], Pattern::Asphalt, 0.27),
+        Material::matt(Semantic::Road, [0.052, 0.051, 0.050], Pattern::Plain, 0.09),
+        Material::matt(Semantic::Road, [0.088, 0.080, 0.073], Pattern::Plain, 0.14),
+    ]
+}
+
 /// Old dry asphalt, concrete slabs and curb stones, grass, worn paint; reflectances at 905 nm.
-pub(super) fn palette(has_fields: bool, has_yards: bool, has_red: bool) -> Palette {
+pub(super) fn palette() -> Palette {
     let mut materials = vec![
         Material::matt(Semantic::Road, [0.150, 0.148, 0.145], Pattern::Asphalt, 0.23),
         Material::matt(Semantic::Sidewalk, [0.235, 0.228, 0.213], Pattern::Slabs, 0.33),
@@ -119,15 +137,10 @@ pub(super) fn palette(has_fields: bool, has_yards: bool, has_red: bool) -> Palet
         rail(),
         Material::matt(Semantic::Road, [0.045, 0.036, 0.030], Pattern::Plain, 0.10),
     ]);
-    if has_fields || has_yards || has_red {
-        materials.extend(fields());
-    }
-    if has_yards || has_red {
-        materials.extend(yards());
-    }
-    if has_red {
-        materials.push(Material::matt(Semantic::Road, [0.215, 0.085, 0.065], Pattern::Asphalt, 0.30));
-    }
+    materials.extend(fields());
+    materials.extend(yards());
+    materials.push(Material::matt(Semantic::Road, [0.215, 0.085, 0.065], Pattern::Asphalt, 0.30));
+    materials.extend(repairs());
     Palette::new(materials)
 }
 

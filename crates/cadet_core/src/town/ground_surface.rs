@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::curb_edges::curb_edges;
-use super::ground_mesh::{Cover, PlanMesh};
+use super::ground_mesh::PlanMesh;
 use super::ground_palette;
-use super::network::{PaintColor, PaintedQuad};
+use super::network::PaintedQuad;
 use super::wear::Wear;
 use super::xodr_lanes::CURB_HEIGHT_M;
 use crate::geometry::{LodSet, Mesh};
@@ -97,10 +97,7 @@ impl Surface {
                 .or_default()
                 .push(quad);
         }
-        let has_fields = plan.kinds.iter().any(|c| matches!(c, Cover::Field(_)));
-        let has_yards = plan.kinds.iter().any(|c| matches!(c, Cover::Yard(_) | Cover::Setts));
-        let has_red = markings.iter().any(|quad| quad.color == PaintColor::Red);
-        let palette = Arc::new(ground_palette::palette(has_fields, has_yards, has_red));
+        let palette = Arc::new(ground_palette::palette());
         let mut local = vec![u32::MAX; self.corners.len()];
         let mut tiles = Vec::with_capacity(members.len());
         for ((i, j), members) in members {

@@ -45,6 +45,7 @@ mod prop_config;
 mod props;
 mod rails;
 mod relief;
+mod repairs;
 mod road_marking;
 mod roadside;
 mod roughness;

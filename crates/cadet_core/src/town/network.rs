@@ -172,6 +172,14 @@ pub enum PaintColor {
     Dark,
     /// The coat of a cycle lane.
     Red,
+    /// Asphalt of a repair, darker or lighter than the street's.
+    NewAsphalt,
+    /// See `NewAsphalt`.
+    OldAsphalt,
+    /// What seals cracks, and their shade where nothing does.
+    Bitumen,
+    /// The cover of a manhole.
+    Iron,
 }
 
 /// A piece of a painted line.

@@ -3,7 +3,7 @@
 use super::network::{PaintColor, PaintedQuad};
 use crate::math::DVec2;
 
-const LIFT_M: f64 = 0.0045;
+pub(super) const PAINT_LIFT_M: f64 = 0.0055;
 /// Paint is laid in pieces at most this long, so that it hugs the triangles below.
 const PIECE_M: f64 = 0.75;
 /// What is shorter is no paint.
@@ -18,6 +18,8 @@ pub(super) struct Paint<'a> {
     pub ground_height: &'a dyn Fn(f64, f64) -> Option<(f64, bool)>,
     /// Whether what lies beside roads, as on medians, is left out.
     pub is_on_roads: bool,
+    /// Height over the ground.
+    pub lift_m: f64,
     pub quads: Vec<PaintedQuad>,
 }
 
@@ -39,6 +41,25 @@ impl Paint<'_> {
         }
     }
 
+    /// An area, cut into pieces both ways; its corners are counter-clockwise from above.
+    pub fn area(&mut self, mark: &PaintedQuad) {
+        let [a, b, c, d] = mark.corners.map(|p| p.truncate());
+        let count = |a: DVec2, b: DVec2, c: DVec2, d: DVec2| {
+            let pieces = ((b - a).length().max((c - d).length()) / PIECE_M).ceil().max(1.0);
+            (pieces as usize, pieces)
+        };
+        let ((columns, across), (rows, along)) = (count(a, b, c, d), count(b, c, d, a));
+        let at = |i: usize, k: usize| {
+            let (u, v) = (i as f64 / across, k as f64 / along);
+            a.lerp(b, u).lerp(d.lerp(c, u), v)
+        };
+        for i in 0..columns {
+            for k in 0..rows {
+                self.quad([at(i, k), at(i + 1, k), at(i + 1, k + 1), at(i, k + 1)], mark);
+            }
+        }
+    }
+
     /// A bar across a lane from `from` to `to` left of its middle, `depth_m` long.
     pub fn across(&mut self, at: DVec2, left: DVec2, (from, to): (f64, f64), depth_m: f64, line: u32) {
         let (a, b, back) = (at + left * from, at + left * to, left.perp() * depth_m);
@@ -49,7 +70,7 @@ impl Paint<'_> {
     fn quad(&mut self, corners: [DVec2; 4], mark: &PaintedQuad) {
         let lifted = corners.map(|p| {
             let (z, is_road) = (self.ground_height)(p.x, p.y)?;
-            (is_road || !self.is_on_roads).then_some(p.extend(z + LIFT_M))
+            (is_road || !self.is_on_roads).then_some(p.extend(z + self.lift_m))
         });
         if let [Some(a), Some(b), Some(c), Some(d)] = lifted {
             // A corner on a sidewalk would tilt the paint up the curb.

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use super::network::{Lane, PaintedQuad, RoadNetwork};
-use super::paint::{Paint, STOP_LINE_DEPTH_M};
+use super::paint::{PAINT_LIFT_M, Paint, STOP_LINE_DEPTH_M};
 use super::signals::Signals;
 use super::{cycle_paint, junction_paint};
 use crate::math::{DVec2, DVec3};
@@ -24,7 +24,7 @@ pub(super) fn draw(
     signals: &Signals,
     ground_height: &dyn Fn(f64, f64) -> Option<(f64, bool)>,
 ) -> Vec<PaintedQuad> {
-    let mut paint = Paint { ground_height, is_on_roads: false, quads: Vec::new() };
+    let mut paint = Paint { ground_height, is_on_roads: false, lift_m: PAINT_LIFT_M, quads: Vec::new() };
     network.lane_marks.iter().for_each(|mark| paint.along(mark));
     let streets: Vec<&Lane> = network.driving().filter(|l| l.junction.is_none()).collect();
     let is_rural = network.is_rural();

@@ -1,6 +1,6 @@
-//! How worn the paint of a town's lines is.
+//! How worn a town's lines and streets are.
 
-use crate::rng::{CounterRng, Stream};
+use crate::rng::{CounterRng, Stream, StreamKey};
 
 /// Share of fresh paint that is left, from new lines to old ones; tires and snow plows take up to 60 %.
 pub(super) const LEFT: [f32; 5] = [1.0, 0.88, 0.74, 0.58, 0.42];
@@ -16,6 +16,11 @@ pub(super) struct Wear {
 impl Wear {
     pub fn new(stream: &mut Stream) -> Self {
         Self { seed: Some(stream.next_u64()) }
+    }
+
+    /// What else years leave is drawn from: a stream of a name and a number; none where nothing was drawn.
+    pub fn stream(&self, name: &str, number: u64) -> Option<Stream> {
+        self.seed.map(|seed| StreamKey::scene(seed).indexed(name, number))
     }
 
     /// An index of [`LEFT`]; all lines are new where nothing was drawn.
