@@ -39,8 +39,8 @@ impl Nearby {
         self.people.extend(people.iter().filter(is_near).map(|p| p.agent));
     }
 
-    /// The step from `from` to `to`, or one of its length beside it that `allowed` agrees to; `None` where something is
-    /// in the way on all sides. Who is too near to something already may step away from it, not toward it.
+    /// The step from `from` to `to`, or one of its length beside it; `allowed` has to agree. `None` where something is in
+    /// the way on all sides. Who is too near to something already may step away from it, not toward it.
     pub fn step(
         &mut self,
         from: DVec2,
@@ -68,7 +68,7 @@ impl Nearby {
                 && !near_vehicles.iter().any(|v| enters(v))
                 && !near_people.iter().any(touches)
         };
-        if is_free(to) {
+        if is_free(to) && allowed(to) {
             return Some(to);
         }
         let turned = |turn: f64| from + DVec2::new(math::cos(turn), math::sin(turn)).rotate(to - from);

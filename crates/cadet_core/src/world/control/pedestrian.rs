@@ -242,8 +242,11 @@ impl Controller for Pedestrian {
             Motion::Walks { walkway, s_m, .. } => Some(self.target(sidewalks, walkway, s_m)),
             _ => None,
         };
+        let (roads, stray_m) = (&streets.roads, line.map_or(0.0, |line| ROUND_OTHERS_M.max((from - line).length())));
+        let leaves_sidewalk =
+            |p: DVec2, line: DVec2| !roads.is_sidewalk(p) && roads.is_sidewalk(from) && roads.is_sidewalk(line);
         let keeps_to_line =
-            |p: DVec2| line.is_none_or(|line| (p - line).length() < ROUND_OTHERS_M.max((from - line).length()));
+            |p: DVec2| line.is_none_or(|line| (p - line).length() <= stray_m && !leaves_sidewalk(p, line));
         let step = if wanted == from {
             Some(from)
         } else {
@@ -261,8 +264,10 @@ impl Controller for Pedestrian {
         }
         let to = step.unwrap_or(from);
         if let Motion::Crosses { to: goal, walkway, s_m } = self.motion {
-            let over_m = if self.held_s > 0.5 { OVER_M } else { 0.05 };
-            if (goal - to).length() < over_m {
+            let left_m = (goal - to).length();
+            // Where others stand at the goal, any place beside the road will do.
+            let is_beside_goal = self.held_s > 0.5 && left_m < OVER_M && streets.roads.is_sidewalk(to);
+            if left_m < 0.05 || is_beside_goal {
                 let direction = if self.choices.chance(0.5) { 1.0 } else { -1.0 };
                 self.start(walkway, s_m, direction, 0.0);
             }

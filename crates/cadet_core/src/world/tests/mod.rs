@@ -17,7 +17,7 @@ mod roundabouts;
 mod scripted;
 mod seated;
 mod signals;
-mod towns;
+pub(super) mod towns;
 mod trams;
 mod trucks;
 mod turn_signals;
@@ -165,10 +165,11 @@ fn watch(world: &mut World, seconds: u32, name: &str) -> f64 {
             if matches!(pedestrian.motion, Motion::Crosses { .. }) {
                 crossings += 1;
             } else {
-                // Narrow lanes end nearer to their middles.
+                // Narrow lanes end nearer to their middles, and at corners curb stones reach into lanes.
                 let roads = &world.arena.streets.roads;
                 let is_within = |(id, s_m, d): &(_, f64, f64)| *d < roads.lane(*id).width_at(*s_m) / 2.0;
-                let lane = roads.nearest(p, None, 1.4).filter(is_within);
+                let is_on_curb = roads.is_sidewalk(p.truncate());
+                let lane = roads.nearest(p, None, 1.4).filter(is_within).filter(|_| !is_on_curb);
                 let near = || {
                     let all = world.arena.agents.iter().filter(|a| !matches!(a.body, Body::Upright(_)));
                     let apart = |a: &Agent| (footprint(world, a).closest_point(p.truncate()) - p.truncate()).length();
