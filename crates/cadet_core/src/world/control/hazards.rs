@@ -140,8 +140,8 @@ pub(super) fn worst_hazard(
     }
     let (half_length_m, is_tram) = (own.half_length_m, train_m.is_some());
     let length_m = train_m.unwrap_or(2.0 * half_length_m);
-    let crossing = Crossing { slot, route, speed_mps: speed, half_length_m, length_m, is_tram };
-    if let Some((gap_m, refusal)) = stop_line(&crossing, &mut around.junctions, &around.lane_use, roads, step) {
+    let crossing = Crossing { slot, route, footprint: own, speed_mps: speed, half_length_m, length_m, is_tram };
+    if let Some((gap_m, refusal)) = stop_line(&crossing, around, roads, step) {
         brake_for(idm.interaction(speed, gap_m, 0.0), Cause::Junction(refusal));
     }
     worst

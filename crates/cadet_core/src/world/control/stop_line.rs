@@ -3,12 +3,13 @@
 use super::idm::COMFORTABLE_MPS2;
 use crate::math::{self, DVec3};
 use crate::town::{Aspect, Lane, LaneId, LaneKind, STOP_LINE_M as PAINTED_M};
+use crate::world::footprint::Footprint;
 use crate::world::junctions::{Junctions, Refusal, Request};
-use crate::world::lane_use::LaneUse;
 use crate::world::physics::DT_S;
 use crate::world::roads::Roads;
 use crate::world::route::Route;
 use crate::world::slot::{EGO, Slot};
+use crate::world::surroundings::{Surroundings, VehicleAt};
 
 /// Where the front bumper stops before a junction's first point: out of the sweep of those who turn in.
 const STOP_LINE_M: f64 = 3.3;
@@ -23,6 +24,9 @@ const YELLOW_MPS2: f64 = 3.0;
 const RED_MPS2: f64 = 6.5;
 /// Who is slower than this at a light on a cycle lane has come to stand there.
 const QUEUES_MPS: f64 = 0.5;
+/// Who is slower than this stands in the way of those who turn, and the room they need beside it.
+const STANDS_MPS: f64 = 0.5;
+const SWEEP_ROOM_M: f64 = 0.3;
 /// The ego, and a tram, ask for their way across a junction this much earlier than others do.
 const EGO_ASKS_EARLIER_M: f64 = 20.0;
 const TRAM_ASKS_EARLIER_M: f64 = 25.0;
@@ -31,6 +35,7 @@ const TRAM_ASKS_EARLIER_M: f64 = 25.0;
 pub(super) struct Crossing<'a> {
     pub slot: Slot,
     pub route: &'a Route,
+    pub footprint: &'a Footprint,
     pub speed_mps: f64,
     pub half_length_m: f64,
     /// All of a train; as long as the vehicle otherwise.
@@ -56,12 +61,12 @@ pub(super) fn leave_junctions(
 /// The gap to a stop line where the next junction is not ours to cross, and why it is not.
 pub(super) fn stop_line(
     own: &Crossing<'_>,
-    junctions: &mut Junctions,
-    lane_use: &LaneUse,
+    around: &mut Surroundings,
     roads: &Roads,
     step: u64,
 ) -> Option<(f64, Refusal)> {
-    let Crossing { slot, route, speed_mps, half_length_m, length_m, is_tram } = *own;
+    let Crossing { slot, route, speed_mps, half_length_m, length_m, is_tram, .. } = *own;
+    let Surroundings { junctions, lane_use, vehicles, .. } = around;
     if let Some(gap_m) = stop_at_light(own, junctions, roads, step) {
         queue_at_light(own, junctions, roads, step);
         return Some((gap_m, Refusal::Light));
@@ -92,6 +97,10 @@ pub(super) fn stop_line(
         return Some((front_m + 1.5, Refusal::NotFirst));
     }
     let chain = chain(route, k, roads);
+    if let Some(other) = swept_vehicle(own, &chain, start_m, vehicles, roads) {
+        junctions.renounce(slot, &[]);
+        return Some((front_m + 1.5, Refusal::Taken(other)));
+    }
     let exit = route.lanes.get(k + chain.len()).copied().unwrap_or(chain[chain.len() - 1]);
     let room_m = length_m + 2.5;
     let exit_free = lane_use.room_m(exit, slot) - junctions.promised_m(slot, exit) >= room_m;
@@ -115,6 +124,29 @@ pub(super) fn next_junction(route: &Route, roads: &Roads, counts: &dyn Fn(LaneId
 /// The lanes across the junction that begins at the `k`-th of a route.
 fn chain(route: &Route, k: usize, roads: &Roads) -> Vec<LaneId> {
     route.lanes.iter().skip(k).copied().take_while(|l| roads.lane(*l).junction.is_some()).collect()
+}
+
+/// Who stands where a long vehicle would swing into the oncoming lane: at the line of an arm that it turns into, or on the
+/// way there. Nose to nose, neither would get past the other.
+fn swept_vehicle(
+    own: &Crossing<'_>,
+    chain: &[LaneId],
+    start_m: f64,
+    vehicles: &[VehicleAt],
+    roads: &Roads,
+) -> Option<Slot> {
+    if chain.iter().all(|lane| own.route.may_use(*lane, roads)) {
+        return None;
+    }
+    let across_m: f64 = chain.iter().map(|lane| roads.lane(*lane).length_m()).sum();
+    let steps = (across_m + 2.0 * own.half_length_m) as u32;
+    let standing = || vehicles.iter().filter(|v| v.agent != own.slot && v.footprint.velocity.length() < STANDS_MPS);
+    (0..steps).find_map(|k| {
+        let there = own.route.ahead(start_m + f64::from(k), roads);
+        let swept = Footprint { center: there.at, heading: there.tangent, ..*own.footprint }.grown(SWEEP_ROOM_M);
+        let meets = |o: &Footprint| o.heading.dot(there.tangent) < 0.0 && swept.overlaps(o);
+        standing().find(|v| meets(&v.footprint)).map(|v| v.agent)
+    })
 }
 
 /// The gap to the line of a light at which we stop. What was ours of the junction is given back.
@@ -156,4 +188,67 @@ fn turns_left(lane: &Lane) -> bool {
     let c = &lane.center;
     let (a, b) = ((c[1] - c[0]).truncate(), (c[c.len() - 1] - c[c.len() - 2]).truncate());
     math::atan2(a.perp_dot(b), a.dot(b)) > 0.6
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::DVec2;
+    use crate::rng::Stream;
+    use crate::world::room::Needs;
+    use crate::world::tests::towns::crossing;
+
+    const BUS_LWH: DVec3 = DVec3::new(12.0, 2.6, 3.0);
+
+    /// Asks for the way across a crossing that turns by about a right angle to the right, 12 m before it, while a car is on
+    /// the lane that comes toward it out of the arm that it turns into, so far before the junction.
+    fn ask(size_lwh: DVec3, needs: Needs, oncoming_m: f64, oncoming_mps: f64) -> Option<Refusal> {
+        let roads = Roads::new(crossing());
+        let into = roads.lanes().iter().find(|l| l.junction.is_none() && l.successors.len() == 3).unwrap();
+        let turns_right = |route: &Route| {
+            let c = &roads.lane(route.lanes[1]).center;
+            (c[1] - c[0]).truncate().perp_dot((c[c.len() - 1] - c[0]).truncate()) < -1.0
+        };
+        let routes = (0..99).map(|seed| {
+            let s_m = into.length_m() - 12.0;
+            Route::with_needs(into.id, s_m, 0.0, 1e-9, needs, Stream::from_seed("ways", seed), &roads)
+        });
+        let route = routes.into_iter().find(turns_right).unwrap();
+        let rectangle = |at: DVec2, heading: DVec2, size_lwh: DVec3, speed_mps: f64| Footprint {
+            center: at,
+            heading,
+            half_length_m: size_lwh.x / 2.0,
+            half_width_m: size_lwh.y / 2.0,
+            velocity: heading * speed_mps,
+        };
+        let here = route.ahead(0.0, &roads);
+        let footprint = rectangle(here.at, here.tangent, size_lwh, 2.0);
+        // The lane that leads into the junction beside the one that is left on.
+        let exit = route.ahead(12.0 + roads.lane(route.lanes[1]).length_m() + oncoming_m, &roads);
+        let oncoming =
+            rectangle(exit.at + exit.tangent.perp() * 3.0, -exit.tangent, DVec3::new(4.4, 1.8, 1.5), oncoming_mps);
+        let mut around = Surroundings::new(&roads);
+        let vehicle = |agent, footprint| VehicleAt { agent, footprint, is_cycle: false };
+        around.vehicles = vec![vehicle(1, footprint), vehicle(2, oncoming)];
+        let crossing = Crossing {
+            slot: 1,
+            route: &route,
+            footprint: &footprint,
+            speed_mps: 2.0,
+            half_length_m: size_lwh.x / 2.0,
+            length_m: size_lwh.x,
+            is_tram: false,
+        };
+        stop_line(&crossing, &mut around, &roads, 0).map(|(_, refusal)| refusal)
+    }
+
+    #[test]
+    fn a_bus_turns_into_a_narrow_arm_when_nobody_stands_where_it_swings_out() {
+        let needs = Needs::of_truck(BUS_LWH);
+        let at_line_m = STOP_LINE_M + 2.2;
+        assert_eq!(ask(BUS_LWH, needs, at_line_m, 0.0), Some(Refusal::Taken(2)));
+        assert_eq!(ask(BUS_LWH, needs, at_line_m, 3.0), None, "who moves makes way");
+        assert_eq!(ask(BUS_LWH, needs, 20.0, 0.0), None, "far from the junction");
+        assert_eq!(ask(DVec3::new(4.4, 1.8, 1.5), Needs::default(), at_line_m, 0.0), None, "a car stays in its lane");
+    }
 }
