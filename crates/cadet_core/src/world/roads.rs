@@ -61,10 +61,9 @@ impl Roads {
         self.lane(id).speed_limit_mps > FAST_MPS
     }
 
-    /// Whether drivers may leave a lane for the one beside it: the one switch of it. Main roads in towns are left out: of 28
-    /// vehicles there one a minute finds way enough between two junctions.
+    /// Whether drivers may leave a lane for the one beside it.
     pub fn allows_changes(&self, id: LaneId) -> bool {
-        self.is_fast(id) && self.beside[id.0].iter().any(Option::is_some)
+        self.beside[id.0].iter().any(Option::is_some)
     }
 
     /// The lane on the left in the same direction, if there is one.

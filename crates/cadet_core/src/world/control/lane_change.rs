@@ -29,7 +29,7 @@ const STAYS_BEHIND_MPS2: f64 = 2.5;
 const STAY_S: f64 = 4.0;
 /// Slower vehicles don't change.
 const LEAST_MPS: f64 = 4.0;
-/// What is longer keeps to the two lanes on the right.
+/// What is longer keeps to the two lanes on the right, and in towns, where it would stand across two, to its lane.
 const LONG_M: f64 = 6.5;
 /// Looks between two decisions, and steps between two looks.
 const LOOKS: u64 = 6;
@@ -39,8 +39,9 @@ const STEPS_A_LOOK: u64 = 3;
 const ACROSS_S: f64 = 4.6;
 /// What keeping right is worth on a motorway. In towns any lane may be chosen (StVO § 7 (3)).
 const RIGHT_BIAS_MPS2: f64 = 0.3;
-/// A change is over so far before a junction or the lane's end.
+/// A change is over so far before a junction or the lane's end, on a motorway and in a town.
 const BEFORE_END_M: f64 = 45.0;
+const BEFORE_JUNCTION_M: f64 = 15.0;
 
 /// What a gap takes off a driver's acceleration; nothing where the lane is free.
 fn interaction(idm: &IdmParameters, speed_mps: f64, leader: Option<Neighbor>) -> f64 {
@@ -153,15 +154,17 @@ impl LaneChoice {
         if !left_view.is_some_and(|v| v.is_taken) && stays_mps2 < own_mps2 {
             self.stays_behind_mps2 = left_mps2.max(-STAYS_BEHIND_MPS2);
         }
+        let is_long = 2.0 * own.half_length_m > LONG_M;
         if self.change.is_some()
+            || (is_long && !roads.is_fast(lane))
             || step < self.rests_until
             || speed_mps < LEAST_MPS
             || !has_way(route, speed_mps, roads)
         {
             return;
         }
-        let is_long = 2.0 * own.half_length_m > LONG_M;
         let leads_left = |id: &LaneId| !is_long || roads.right_of(lane).is_none() || roads.left_of(*id).is_some();
+        let bias_mps2 = if roads.is_fast(lane) { RIGHT_BIAS_MPS2 } else { 0.0 };
         let targets = [
             left.filter(leads_left).zip(left_view).map(|(id, v)| (id, v, true)),
             right.map(|id| (id, view(id), false)),
@@ -174,11 +177,11 @@ impl LaneChoice {
             let changed_mps2 = interaction(idm, speed_mps, v.leader);
             // Only who follows on the left counts: nobody owes the right lane anything.
             let gain = if to_left {
-                worth(stays_mps2, changed_mps2, between(&v, own, speed_mps, idm), RIGHT_BIAS_MPS2)
+                worth(stays_mps2, changed_mps2, between(&v, own, speed_mps, idm), bias_mps2)
             } else {
                 let changed_mps2 = on_the_right(changed_mps2, own_mps2, speed_mps, here.leader);
                 let (without, with) = between(&here, own, speed_mps, idm);
-                worth(own_mps2, changed_mps2, (with, without), -RIGHT_BIAS_MPS2)
+                worth(own_mps2, changed_mps2, (with, without), -bias_mps2)
             };
             if gain > 0.0 && best.is_none_or(|(.., most)| gain > most) {
                 best = Some((id, to_left, gain));
@@ -203,7 +206,8 @@ fn between(view: &LaneView, own: &Footprint, speed_mps: f64, idm: &IdmParameters
 /// Whether there is way enough before the next junction, or where the lanes end.
 fn has_way(route: &Route, speed_mps: f64, roads: &Roads) -> bool {
     let free_m = next_junction(route, roads, &|_| true).map_or(route.remaining_m(roads), |(_, m)| m);
-    roads.lane(route.lanes[0]).junction.is_none() && free_m > (ACROSS_S + 1.0) * speed_mps + BEFORE_END_M
+    let rest_m = if roads.is_fast(route.lanes[0]) { BEFORE_END_M } else { BEFORE_JUNCTION_M };
+    roads.lane(route.lanes[0]).junction.is_none() && free_m > (ACROSS_S + 1.0) * speed_mps + rest_m
 }
 
 #[cfg(test)]

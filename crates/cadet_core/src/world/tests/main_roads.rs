@@ -1,6 +1,8 @@
 //! Traffic on main roads: two lanes a direction, medians, large junctions.
 
-use super::towns::main_roads;
+use std::collections::BTreeSet;
+
+use super::towns::{long_main_roads, main_roads};
 use super::*;
 use crate::town::LaneKind;
 use crate::world::DT_S;
@@ -43,4 +45,31 @@ fn nobody_parks_beside_an_inner_lane_or_walks_along_a_median() {
         }
     }
     assert!(num_spots > 100 && num_walks > 20, "{num_spots} {num_walks}");
+}
+
+#[test]
+fn drivers_change_lanes_between_junctions_without_touching() {
+    let (mut num_changes, mut num_lanes) = (0, BTreeSet::new());
+    for seed in 0..6 {
+        let name = format!("lane changes on main roads {seed}");
+        let mut world = World::new(long_main_roads(seed), StreamKey::scene(seed)).unwrap();
+        let config = TrafficConfig { num_cars: 36, num_pedestrians: 0, ..TrafficConfig::default() };
+        world.spawn_traffic(&config).unwrap();
+        let mut changing = BTreeSet::new();
+        for _ in 0..90 {
+            watch(&mut world, 1, &name);
+            for (agent, driver) in cars(&world) {
+                let lane = driver.route.as_ref().unwrap().lanes[0];
+                if !driver.changes_lane() {
+                    changing.remove(&agent.id);
+                } else if changing.insert(agent.id) {
+                    num_changes += 1;
+                    num_lanes.insert((seed, lane));
+                    let roads = &world.arena.streets.roads;
+                    assert!(roads.left_of(lane).or(roads.right_of(lane)).is_some(), "{name}: {} to {lane:?}", agent.id);
+                }
+            }
+        }
+    }
+    assert!(num_changes >= 6 && num_lanes.len() >= 4, "{num_changes} changes to {} lanes", num_lanes.len());
 }

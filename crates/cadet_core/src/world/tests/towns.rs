@@ -183,6 +183,14 @@ pub(crate) fn main_roads(seed: u64) -> Arc<Town> {
     furnished(&key, crate::town::generate_suburb(&key, &config).expect("a suburb").network)
 }
 
+/// Main roads whose junctions are far apart.
+pub(crate) fn long_main_roads(seed: u64) -> Arc<Town> {
+    let key = StreamKey::scene(seed);
+    let block_m = (130.0, 160.0);
+    let config = crate::town::SuburbConfig { blocks: (2, 2), main_share: 1.0, block_m, ..Default::default() };
+    furnished(&key, crate::town::generate_suburb(&key, &config).expect("a suburb").network)
+}
+
 /// A commercial area, all of whose streets, or most by odd seeds, have cycle lanes, with main roads and lights at some
 /// junctions.
 pub(crate) fn cycle_lanes(seed: u64) -> Arc<Town> {
