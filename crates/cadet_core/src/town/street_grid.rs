@@ -210,10 +210,14 @@ pub(super) fn thin(grid: &mut Grid, stream: &mut Stream) {
     }
 }
 
-/// One style a row, then one a column: a street keeps its width across junctions.
-pub(super) fn draw_styles(stream: &mut Stream, grid: &Grid, sidewalk_m: (f64, f64)) -> Vec<LineStyle> {
+/// One style a row, then one a column: a street keeps its width across junctions. The faster ones, of which main roads are
+/// made, may run along the border unless `are_inner`, as trams need it.
+pub(super) fn draw_styles(stream: &mut Stream, grid: &Grid, sidewalk_m: (f64, f64), are_inner: bool) -> Vec<LineStyle> {
     let lines = grid.rows + grid.columns;
-    let collectors = [stream.below(grid.rows), grid.rows + stream.below(grid.columns)];
+    let mut collector = |count: usize| {
+        if are_inner && count > 2 { 1 + stream.below(count - 2) } else { stream.below(count) }
+    };
+    let collectors = [collector(grid.rows), grid.rows + collector(grid.columns)];
     let second = stream.chance(0.5);
     (0..lines)
         .map(|line| {

@@ -70,7 +70,7 @@ pub(super) fn draw(key: &StreamKey, config: &SuburbConfig) -> StreetPlan {
     let mut stream = key.stream("suburb/plan");
     let mut grid = draw_grid(&mut stream, config);
     thin(&mut grid, &mut stream);
-    let mut styles = draw_styles(&mut stream, &grid, config.sidewalk_m);
+    let mut styles = draw_styles(&mut stream, &grid, config.sidewalk_m, config.tram_share > 0.0);
     widen_main_roads(&mut key.stream("suburb/main roads"), config.main_share, &mut styles);
     country_roads::draw(&mut key.stream("suburb/country"), config.country_share, &mut styles);
     place_streets::draw(key, config, &mut styles);
