@@ -83,7 +83,7 @@ impl Nearby {
 
 /// How near somebody is who walks `ahead`: below 1 inside an ellipse of a stride by two bodies.
 pub(crate) fn nearness(offset: DVec2, ahead: DVec2) -> f64 {
-    (offset.dot(ahead) / STRIDE_M).hypot(offset.perp_dot(ahead) / (2.0 * BODY_M))
+    math::hypot(offset.dot(ahead) / STRIDE_M, offset.perp_dot(ahead) / (2.0 * BODY_M))
 }
 
 #[cfg(test)]
