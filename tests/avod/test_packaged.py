@@ -18,12 +18,12 @@ from cadet.evaluation import box_iou_3d
 from cadet.kitti import labels_from_text, write_frame
 
 _NAMES = ("small_car", "tiny_car")
-_SEEDS = (100_001, 100_002, 100_003, 100_004, 100_005)
+_SEEDS = range(100_001, 100_011)
 
 
 @pytest.fixture(scope="module")
 def frames() -> list[cadet.Frame]:
-    """Drive for eight frames through each of five worlds."""
+    """Drive for eight frames through each of ten worlds."""
     driven = []
     for seed in _SEEDS:
         environment = cadet.Environment()
@@ -55,8 +55,8 @@ def test_it_finds_the_cars_that_are_plain_to_see(frames: list[cadet.Frame], name
         num_plain += len(plain)
         num_found += sum(bool((overlap[:, k] > 0.5).any()) for k in plain)
         num_wrong += sum(not bool((row > 0.1).any()) for row in overlap)
-    assert num_plain >= 8
-    assert num_found >= 0.7 * num_plain
+    assert num_plain >= 20
+    assert num_found >= 0.6 * num_plain
     # Cars that are hidden too well for a label count as wrong, too.
     assert num_wrong <= 0.25 * len(frames)
 
