@@ -62,11 +62,11 @@ fn trams_keep_to_their_tracks_stay_coupled_and_touch_nobody_for_minutes() {
                         let apart_m = (own.closest_point(place(&world, walker)) - place(&world, walker)).length();
                         assert!(apart_m > 0.15, "seed {seed}, tick {tick}: tram {} in {}", agent.id, walker.id);
                     }
-                    // Both ends, and the middle, are over a track.
+                    // Both ends, and the middle, are over a track, but for the chord of 10.5 m in a bend of 20 m.
                     for t in [-1.0, 0.0, 1.0] {
                         let p = own.center + own.heading * (t * (own.half_length_m - 2.4).max(0.5));
                         let off_m = town.network.tracks().map(|l| l.project(p.extend(0.0)).1).fold(9.0, f64::min);
-                        assert!(off_m < 0.45, "seed {seed}, tick {tick}: {} is {off_m} m off at {p}", agent.id);
+                        assert!(off_m < 0.7, "seed {seed}, tick {tick}: {} is {off_m} m off at {p}", agent.id);
                     }
                     gone_m += own.velocity.length() / 4.0;
                     if car.leads() {
