@@ -37,10 +37,7 @@ mod tests {
     use crate::town::network::{Lane, LaneKind, PaintColor, RoadNetwork};
     use crate::town::suburb::generate;
     use crate::town::suburb_config::SuburbConfig;
-    use crate::town::{
-        curbside, cycle_paint,
-        paint::{PAINT_LIFT_M, Paint},
-    };
+    use crate::town::{curbside, cycle_paint, paint::Paint};
 
     fn network(seed: u64) -> RoadNetwork {
         let config = SuburbConfig { blocks: (3, 3), main_share: 0.5, cycle_lane_share: 1.0, ..SuburbConfig::default() };
@@ -144,8 +141,7 @@ mod tests {
         let (mut white, mut red) = (0, 0);
         for seed in 0..12 {
             let network = network(seed);
-            let ground_height = &|_: f64, _: f64| Some((0.0, true));
-            let mut paint = Paint { ground_height, is_on_roads: true, lift_m: PAINT_LIFT_M, quads: Vec::new() };
+            let mut paint = Paint::new(&|_, _| Some((0.0, true)), true);
             cycle_paint::draw(&network, &mut paint);
             for quad in &paint.quads {
                 let middle = quad.corners.iter().sum::<DVec3>() / 4.0;

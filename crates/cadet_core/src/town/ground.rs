@@ -177,7 +177,7 @@ impl Ground {
         let markings = painted.map(|of| {
             let mut quads = road_marking::draw(of.network, of.signals, &|x, y| ground.surface_at(x, y));
             of.yards.paint(&|x, y| ground.surface_at(x, y), &mut quads);
-            repairs::draw(of.network, of.wear, &|x, y| ground.surface_at(x, y), &mut quads);
+            quads.append(&mut repairs::draw(of.network, of.wear, &|x, y| ground.surface_at(x, y)));
             rails::draw(of.network, &|x, y| ground.height_at(x, y), &mut quads);
             quads
         });

@@ -3,7 +3,7 @@
 use super::network::{Lane, LaneId, PaintColor, PaintedQuad, RoadNetwork};
 use super::paint::{Paint, STOP_LINE_DEPTH_M};
 use super::signals::{Arm, FORD_M, STOP_LINE_M, Signals};
-use crate::math::{self, DVec2, DVec3};
+use crate::math::{self, DVec2};
 
 /// Line, gap, and width of the lines along a ford (RMS-1).
 const FORD_DASH_M: (f64, f64, f64) = (0.5, 0.2, 0.12);
@@ -128,9 +128,8 @@ fn place(network: &RoadNetwork, id: LaneId, before_m: f64, left_m: f64) -> Optio
             return None;
         }
     }
-    let pose = lane.pose_at(lane.length_m() - before_m);
-    let left = (pose.rotation * DVec3::Y).truncate().normalize_or_zero();
-    Some(pose.translation.truncate() + left * left_m)
+    let (middle, left) = lane.middle_and_left(lane.length_m() - before_m);
+    Some(middle + left * left_m)
 }
 
 /// One arrow; `place` is so far ahead of the beginning of its shaft and to its left.

@@ -1,7 +1,7 @@
 //! Lanes as polylines, and how they follow each other.
 
 use crate::frames;
-use crate::math::{DPose3, DVec3};
+use crate::math::{DPose3, DVec2, DVec3};
 
 /// Index of a lane in its network.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -125,6 +125,12 @@ impl Lane {
     #[must_use]
     pub fn point_at(&self, s_m: f64) -> DVec3 {
         self.point_and_way_at(s_m).0
+    }
+
+    /// The middle of the lane at distance `s_m` (clamped to the lane), and the unit vector to its left, in the plane.
+    pub(super) fn middle_and_left(&self, s_m: f64) -> (DVec2, DVec2) {
+        let pose = self.pose_at(s_m);
+        (pose.translation.truncate(), (pose.rotation * DVec3::Y).truncate().normalize_or_zero())
     }
 
     fn point_and_way_at(&self, s_m: f64) -> (DVec3, DVec3) {

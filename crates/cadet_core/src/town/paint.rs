@@ -23,7 +23,12 @@ pub(super) struct Paint<'a> {
     pub quads: Vec<PaintedQuad>,
 }
 
-impl Paint<'_> {
+impl<'a> Paint<'a> {
+    /// Nothing yet, at the height of paint.
+    pub fn new(ground_height: &'a dyn Fn(f64, f64) -> Option<(f64, bool)>, is_on_roads: bool) -> Self {
+        Self { ground_height, is_on_roads, lift_m: PAINT_LIFT_M, quads: Vec::new() }
+    }
+
     /// A line's piece, cut into shorter ones; only its place in the plane counts.
     pub fn along(&mut self, mark: &PaintedQuad) {
         let [a, b, c, d] = mark.corners.map(|p| p.truncate());

@@ -1,7 +1,7 @@
 //! The rails of tracks: grooved rails in streets and grass, others on sleepers, as thin quadrilaterals.
 
 use super::network::{Lane, LaneSurface, PaintColor, PaintedQuad, RoadNetwork};
-use crate::math::{DVec2, DVec3};
+use crate::math::DVec2;
 
 /// Between the inner edges of the heads of both rails.
 pub(super) const GAUGE_M: f64 = 1.435;
@@ -26,7 +26,8 @@ pub(super) fn draw(network: &RoadNetwork, height: Height<'_>, quads: &mut Vec<Pa
     for lane in network.tracks() {
         let is_raised = lane.surface == LaneSurface::Ballast;
         let pieces = (lane.length_m() / PIECE_M).ceil().max(1.0) as usize;
-        let ends: Vec<Spot> = (0..=pieces).map(|k| spot(lane, lane.length_m() * k as f64 / pieces as f64)).collect();
+        let ends: Vec<Spot> =
+            (0..=pieces).map(|k| lane.middle_and_left(lane.length_m() * k as f64 / pieces as f64)).collect();
         for pair in ends.windows(2) {
             for side in [-1.0, 1.0] {
                 if is_raised {
@@ -44,11 +45,6 @@ pub(super) fn draw(network: &RoadNetwork, height: Height<'_>, quads: &mut Vec<Pa
 
 /// A place of a track, and the unit vector to its left.
 type Spot = (DVec2, DVec2);
-
-fn spot(lane: &Lane, s_m: f64) -> Spot {
-    let pose = lane.pose_at(s_m);
-    (pose.translation.truncate(), (pose.rotation * DVec3::Y).truncate().normalize_or_zero())
-}
 
 /// A strip between two lines beside the track's middle, each so far to the left and so high over the ground below it.
 fn strip(
@@ -97,7 +93,7 @@ fn sleepers(lane: &Lane, height: Height<'_>, quads: &mut Vec<PaintedQuad>) {
     let count = (lane.length_m() / SLEEPER_EVERY_M) as usize;
     for k in 0..count {
         let middle_m = (k as f64 + 0.5) * SLEEPER_EVERY_M;
-        let ends = [-0.5, 0.5].map(|t| spot(lane, middle_m + t * SLEEPER_M.1));
+        let ends = [-0.5, 0.5].map(|t| lane.middle_and_left(middle_m + t * SLEEPER_M.1));
         strip(ends, [(-half_m, SLEEPER_LIFT_M), (half_m, SLEEPER_LIFT_M)], PaintColor::Dark, height, quads);
     }
 }

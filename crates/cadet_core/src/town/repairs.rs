@@ -6,7 +6,7 @@
 use super::network::{Lane, LaneKind, LaneSurface, PaintColor, PaintedQuad, RoadNetwork};
 use super::paint::Paint;
 use super::wear::Wear;
-use crate::math::{self, DVec2, DVec3, TAU};
+use crate::math::{self, DVec2, TAU};
 use crate::rng::Stream;
 
 /// So much of the width of a lane's half stays free at its border: the next lane draws its own.
@@ -45,24 +45,24 @@ pub(super) fn draw(
     network: &RoadNetwork,
     wear: &Wear,
     ground_height: &dyn Fn(f64, f64) -> Option<(f64, bool)>,
-    quads: &mut Vec<PaintedQuad>,
-) {
+) -> Vec<PaintedQuad> {
+    let mut paint = Paint::new(ground_height, true);
     let is_asphalt = |l: &&Lane| l.kind == LaneKind::Driving && l.surface == LaneSurface::Usual;
     for lane in network.lanes.iter().filter(is_asphalt) {
-        let Some(mut stream) = wear.stream("repairs", lane.id.0 as u64) else { return };
+        let Some(mut stream) = wear.stream("repairs", lane.id.0 as u64) else { break };
         let age = wear.stream("street age", u64::from(lane.road)).map_or(0.0, |mut s| s.unit());
         let lanes = if lane.junction.is_some() { IN_JUNCTIONS } else { 1.0 };
-        let paint = Paint { ground_height, is_on_roads: true, lift_m: REPAIR_LIFT_M, quads: std::mem::take(quads) };
-        let mut works = Works { lane, share: lanes * lane.length_m() / 100.0, age, taken: Vec::new(), paint };
+        let share = lanes * lane.length_m() / 100.0;
+        let mut works = Works { lane, share, age, taken: Vec::new(), paint: &mut paint };
         works.covers(&mut stream);
         works.repairs(&mut stream);
         works.cracks(&mut stream);
-        *quads = works.paint.quads;
     }
+    paint.quads
 }
 
 /// What is laid on one lane. Places are (along the lane, to the left of its middle).
-struct Works<'a> {
+struct Works<'a, 'b> {
     lane: &'a Lane,
     /// The lane's share of the numbers above.
     share: f64,
@@ -70,10 +70,10 @@ struct Works<'a> {
     age: f64,
     /// Middles and halves of what repairs keep off.
     taken: Vec<(DVec2, DVec2)>,
-    paint: Paint<'a>,
+    paint: &'a mut Paint<'b>,
 }
 
-impl Works<'_> {
+impl Works<'_, '_> {
     fn half_width_m(&self, s_m: f64) -> f64 {
         (self.lane.width_at(s_m) / 2.0 - MARGIN_M).max(0.0)
     }
@@ -125,7 +125,7 @@ impl Works<'_> {
             for k in 1..COVER_CORNERS / 2 {
                 let last = COVER_CORNERS - k;
                 let around = [k - 1, k, last, last + 1].map(|k| corner(k, inner_m));
-                self.lay([around[0], around[1], around[2], around[3]], fill);
+                self.lay(around, fill);
             }
         }
     }
@@ -212,17 +212,10 @@ impl Works<'_> {
     }
 }
 
-impl Lane {
-    /// The middle of the lane at a distance along it, and the unit vector to its left, in the plane.
-    fn middle_and_left(&self, s_m: f64) -> (DVec2, DVec2) {
-        let pose = self.pose_at(s_m);
-        (pose.translation.truncate(), (pose.rotation * DVec3::Y).truncate().normalize_or_zero())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::DVec3;
     use crate::rng::StreamKey;
     use crate::town::LaneId;
 
@@ -245,9 +238,7 @@ mod tests {
     }
 
     fn drawn(network: &RoadNetwork, wear: &Wear) -> Vec<PaintedQuad> {
-        let mut quads = Vec::new();
-        draw(network, wear, &|_, _| Some((0.0, true)), &mut quads);
-        quads
+        draw(network, wear, &|_, _| Some((0.0, true)))
     }
 
     fn area_m2(quad: &PaintedQuad) -> f64 {
@@ -264,7 +255,7 @@ mod tests {
             for p in quad.corners {
                 let off_m = (p.y - 10.0 * (p.y / 10.0).round()).abs();
                 assert!(off_m < 1.75 + 0.06 && (-0.1..100.1).contains(&p.x), "{quad:?}");
-                assert!((0.0015..super::super::paint::PAINT_LIFT_M - 0.001).contains(&p.z), "{quad:?}");
+                assert!((0.0015..crate::town::paint::PAINT_LIFT_M - 0.001).contains(&p.z), "{quad:?}");
             }
         }
     }

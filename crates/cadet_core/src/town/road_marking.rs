@@ -4,10 +4,9 @@
 use std::collections::BTreeMap;
 
 use super::network::{Lane, PaintedQuad, RoadNetwork};
-use super::paint::{PAINT_LIFT_M, Paint, STOP_LINE_DEPTH_M};
+use super::paint::{Paint, STOP_LINE_DEPTH_M};
 use super::signals::Signals;
 use super::{cycle_paint, junction_paint};
-use crate::math::{DVec2, DVec3};
 
 /// Streets at most this fast have no priority at junctions.
 const ZONE_30_MPS: f64 = 8.5;
@@ -24,7 +23,7 @@ pub(super) fn draw(
     signals: &Signals,
     ground_height: &dyn Fn(f64, f64) -> Option<(f64, bool)>,
 ) -> Vec<PaintedQuad> {
-    let mut paint = Paint { ground_height, is_on_roads: false, lift_m: PAINT_LIFT_M, quads: Vec::new() };
+    let mut paint = Paint::new(ground_height, false);
     network.lane_marks.iter().for_each(|mark| paint.along(mark));
     let streets: Vec<&Lane> = network.driving().filter(|l| l.junction.is_none()).collect();
     let is_rural = network.is_rural();
@@ -38,7 +37,7 @@ pub(super) fn draw(
             .map(|o| (o.road, is_fast(o)))
             .collect();
         let fast = arriving.values().filter(|fast| **fast).count();
-        let (at, side) = edge(lane, lane.length_m() - BEFORE_JUNCTION_M);
+        let (at, side) = lane.middle_and_left(lane.length_m() - BEFORE_JUNCTION_M);
         let half = lane.width_at(lane.length_m()) / 2.0;
         let line = lane.id.0 as u32 + ACROSS;
         if signals.arm_of(lane.id).is_some() || signals.has_zebra(lane.id) {
@@ -63,16 +62,10 @@ pub(super) fn draw(
     paint.quads
 }
 
-/// The middle of a lane at distance `s_m`, and the unit vector to its left.
-fn edge(lane: &Lane, s_m: f64) -> (DVec2, DVec2) {
-    let pose = lane.pose_at(s_m);
-    ((pose.translation).truncate(), (pose.rotation * DVec3::Y).truncate().normalize_or_zero())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math;
+    use crate::math::{self, DVec3};
     use crate::town::{LaneId, LaneKind, LaneSurface};
 
     /// Lanes that end at the origin, one beside the other if they are of one road, and a lane that leads on.

@@ -1,7 +1,7 @@
 //! Paved ground beside streets: what covers it, where it lies in plan, and what is painted on it.
 
 use super::network::PaintedQuad;
-use super::paint::{PAINT_LIFT_M, Paint};
+use super::paint::Paint;
 use crate::math::DVec2;
 
 /// What covers a yard.
@@ -32,7 +32,7 @@ pub(super) struct Yards {
 impl Yards {
     /// Lays the lines on a ground.
     pub fn paint(&self, height: &dyn Fn(f64, f64) -> Option<(f64, bool)>, quads: &mut Vec<PaintedQuad>) {
-        let mut paint = Paint { ground_height: height, is_on_roads: false, lift_m: PAINT_LIFT_M, quads: Vec::new() };
+        let mut paint = Paint::new(height, false);
         self.lines.iter().for_each(|line| paint.along(line));
         quads.append(&mut paint.quads);
     }

@@ -138,9 +138,8 @@ pub(super) fn worst_hazard(
     if end_m < SIGHT_M {
         brake_for(idm.interaction(speed, end_m + 1.0, 0.0), Cause::RoadEnd);
     }
-    let (half_length_m, is_tram) = (own.half_length_m, train_m.is_some());
-    let length_m = train_m.unwrap_or(2.0 * half_length_m);
-    let crossing = Crossing { slot, route, footprint: own, speed_mps: speed, half_length_m, length_m, is_tram };
+    let length_m = train_m.unwrap_or(2.0 * own.half_length_m);
+    let crossing = Crossing { slot, route, footprint: own, length_m, is_tram: train_m.is_some() };
     if let Some((gap_m, refusal)) = stop_line(&crossing, around, roads, step) {
         brake_for(idm.interaction(speed, gap_m, 0.0), Cause::Junction(refusal));
     }

@@ -36,12 +36,16 @@ pub(super) struct Crossing<'a> {
     pub slot: Slot,
     pub route: &'a Route,
     pub footprint: &'a Footprint,
-    pub speed_mps: f64,
-    pub half_length_m: f64,
     /// All of a train; as long as the vehicle otherwise.
     pub length_m: f64,
     /// Whether it is a tram, which all others let go first.
     pub is_tram: bool,
+}
+
+impl Crossing<'_> {
+    fn speed_mps(&self) -> f64 {
+        self.footprint.velocity.dot(self.footprint.heading)
+    }
 }
 
 /// Follows a body along its route, and gives back what its tail has cleared of junctions.
@@ -65,7 +69,8 @@ pub(super) fn stop_line(
     roads: &Roads,
     step: u64,
 ) -> Option<(f64, Refusal)> {
-    let Crossing { slot, route, speed_mps, half_length_m, length_m, is_tram, .. } = *own;
+    let Crossing { slot, route, footprint, length_m, is_tram } = *own;
+    let (speed_mps, half_length_m) = (own.speed_mps(), footprint.half_length_m);
     let Surroundings { junctions, lane_use, vehicles, .. } = around;
     if let Some(gap_m) = stop_at_light(own, junctions, roads, step) {
         queue_at_light(own, junctions, roads, step);
@@ -139,7 +144,7 @@ fn swept_vehicle(
         return None;
     }
     let across_m: f64 = chain.iter().map(|lane| roads.lane(*lane).length_m()).sum();
-    let steps = (across_m + 2.0 * own.half_length_m) as u32;
+    let steps = (across_m + 2.0 * own.footprint.half_length_m) as u32;
     let standing = || vehicles.iter().filter(|v| v.agent != own.slot && v.footprint.velocity.length() < STANDS_MPS);
     (0..steps).find_map(|k| {
         let there = own.route.ahead(start_m + f64::from(k), roads);
@@ -151,7 +156,8 @@ fn swept_vehicle(
 
 /// The gap to the line of a light at which we stop. What was ours of the junction is given back.
 fn stop_at_light(own: &Crossing<'_>, junctions: &mut Junctions, roads: &Roads, step: u64) -> Option<f64> {
-    let Crossing { slot, route, speed_mps, half_length_m, .. } = *own;
+    let Crossing { slot, route, footprint, .. } = *own;
+    let (speed_mps, half_length_m) = (own.speed_mps(), footprint.half_length_m);
     let (k, start_m) = next_junction(route, roads, &|_| true)?;
     let aspect = roads.signals().aspect(route.lanes[k - 1], step as f64 * DT_S)?;
     let front_m = start_m - half_length_m - LIGHT_LINE_M;
@@ -176,7 +182,7 @@ fn stop_at_light(own: &Crossing<'_>, junctions: &mut Junctions, roads: &Roads, s
 fn queue_at_light(own: &Crossing<'_>, junctions: &mut Junctions, roads: &Roads, step: u64) {
     let Some((k, _)) = next_junction(own.route, roads, &|_| true) else { return };
     let lane = roads.lane(own.route.lanes[k]);
-    if lane.kind == LaneKind::Biking && own.speed_mps < QUEUES_MPS {
+    if lane.kind == LaneKind::Biking && own.speed_mps() < QUEUES_MPS {
         // Before that, those who have green need not wait for it.
         let aspect = roads.signals().aspect(own.route.lanes[k - 1], step as f64 * DT_S);
         junctions.queue(own.slot, lane.id, turns_left(lane), (step, aspect == Some(Aspect::RedYellow)));
@@ -230,15 +236,7 @@ mod tests {
         let mut around = Surroundings::new(&roads);
         let vehicle = |agent, footprint| VehicleAt { agent, footprint, is_cycle: false };
         around.vehicles = vec![vehicle(1, footprint), vehicle(2, oncoming)];
-        let crossing = Crossing {
-            slot: 1,
-            route: &route,
-            footprint: &footprint,
-            speed_mps: 2.0,
-            half_length_m: size_lwh.x / 2.0,
-            length_m: size_lwh.x,
-            is_tram: false,
-        };
+        let crossing = Crossing { slot: 1, route: &route, footprint: &footprint, length_m: size_lwh.x, is_tram: false };
         stop_line(&crossing, &mut around, &roads, 0).map(|(_, refusal)| refusal)
     }
 
