@@ -1,15 +1,17 @@
 """What is wrong with traffic: bodies in each other, off the ground, or standing for no end.
 
-    python benches/traffic.py -n 200 --seconds 90
+    python benches/traffic.py -n 200 --seconds 90 --workers 2
     python benches/traffic.py -n 20 --district motorway --district campus
 
 lets so many episodes of the default policy run for a while, looks once a second, and prints the worst of each kind.
+What is beyond its limit in an episode is printed at once.
 
 * Overlap: how far one would have to be moved out of the other, boxes seen from above, agents whose heights overlap.
   Arms and legs that swing are in people's boxes, so pairs with people have a row of their own, as have the coupled cars
   of trams.
 * Height: of the bottom over the ground beside the four corners and the middles of the sides, where that is even to 1
-  cm: away from curbs, and from dips that a long vehicle stands across. Who sits on a chair is left out.
+  cm: away from curbs, and from dips that a long vehicle stands across. Who sits on a chair is left out. Every five
+  seconds.
 * Standing: vehicles that have been seen to move, and stood since, by the reason at the head of the queue: who waits for
   another that stands waits for what that one waits for. A light and the end of a tram's line are reasons to stand for
   long; for other reasons it counts from when such a one was over.
@@ -19,8 +21,11 @@ from __future__ import annotations
 
 import argparse
 import math
+import sys
 from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import combinations
 
 import numpy as np
@@ -34,6 +39,7 @@ LONG_REASONS = ("light", "road end")
 ABOVE_M = 1.0
 BESIDE_M = 0.3
 EVEN_M = 0.01
+HEIGHTS_EVERY_S = 5
 MOVING_MPS = 0.3
 CORNERS = [[1, 1], [-1, 1], [-1, -1], [1, -1]]
 AROUND = [*CORNERS, [0, 1], [-1, 0], [0, -1], [1, 0]]
@@ -52,6 +58,18 @@ class Worst:
         self.counts[kind] = self.counts.get(kind, 0) + (value > limit)
         if value > self.values.get(kind, -math.inf):
             self.values[kind], self.places[kind] = value, place
+
+    def add(self, other: Worst) -> None:
+        """Take over what another has met."""
+        for kind, value in other.values.items():
+            self.meet(kind, value, math.inf, other.places[kind])
+            self.counts[kind] += other.counts[kind]
+
+    def rows(self) -> Iterator[tuple[bool, str]]:
+        """Yield a row of each kind, and whether something was beyond its limit."""
+        for kind in sorted(self.values):
+            count = self.counts[kind]
+            yield count > 0, f"{kind:28} {self.values[kind]:8.3f}   {count:5} beyond its limit   {self.places[kind]}"
 
 
 def around_world(agent: cadet.Agent, grown_m: float, places: list[list[int]]) -> NDArray[np.float64]:
@@ -116,8 +134,9 @@ def reason(agent: cadet.Agent, agents: dict[int, cadet.Agent]) -> str:
     return agent.brakes_for or "nothing"
 
 
-def watch(seed: int, seconds: int, policy: cadet.ResetPolicy, worst: Worst) -> None:
+def watch(seed: int, seconds: int, policy: cadet.ResetPolicy) -> Worst:
     """Let an episode run and look once a second."""
+    worst = Worst()
     scene = cadet.Scene.random(seed=seed, policy=policy)
     last_moved_s: dict[int, float] = {}
     since_s: dict[int, float] = {}
@@ -126,7 +145,8 @@ def watch(seed: int, seconds: int, policy: cadet.ResetPolicy, worst: Worst) -> N
         agents = scene.agents
         for a, b in near_pairs(agents):
             worst.meet(kind_of(a, b), overlap_m(a, b), 0.02, f"{place}{a.id} ({a.model}) and {b.id} ({b.model})")
-        for agent, height_m in heights_m(scene, [agent for agent in agents if agent.type != "Person_sitting"]):
+        standing = [agent for agent in agents if agent.type != "Person_sitting"]
+        for agent, height_m in heights_m(scene, standing) if second % HEIGHTS_EVERY_S == 0 else ():
             kind = "above the ground, m" if height_m > 0 else "below the ground, m"
             worst.meet(kind, abs(height_m), 0.03, f"{place}{agent.id} ({agent.model})")
         by_id = {agent.id: agent for agent in agents}
@@ -142,6 +162,7 @@ def watch(seed: int, seconds: int, policy: cadet.ResetPolicy, worst: Worst) -> N
                 limit_s = math.inf if is_long else 60.0
                 worst.meet(f"standing for {why}, s", stood_s, limit_s, f"{place}{agent.id} ({agent.model})")
         scene.step(1.0)
+    return worst
 
 
 def main() -> None:
@@ -150,16 +171,22 @@ def main() -> None:
     parser.add_argument("-n", dest="count", type=int, default=200, help="episodes")
     parser.add_argument("--seconds", type=int, default=90)
     parser.add_argument("--seed", type=int, default=0, help="of the first episode")
+    parser.add_argument("--workers", type=int, default=1, help="processes")
     parser.add_argument("--district", action="append", help="instead of the policy's; several times for several")
     options = parser.parse_args()
     policy = cadet.ResetPolicy.kitti()
     if options.district:
         policy = replace(policy, districts=tuple((District.named(name), 1.0) for name in options.district))
+    seeds = range(options.seed, options.seed + options.count)
     worst = Worst()
-    for seed in range(options.seed, options.seed + options.count):
-        watch(seed, options.seconds, policy, worst)
-    for kind in sorted(worst.values):
-        print(f"{kind:28} {worst.values[kind]:8.3f}   {worst.counts[kind]:5} beyond its limit   {worst.places[kind]}")
+    with ProcessPoolExecutor(options.workers) as pool:
+        episodes = pool.map(partial(watch, seconds=options.seconds, policy=policy), seeds)
+        for seed, episode in zip(seeds, episodes, strict=True):
+            worst.add(episode)
+            beyond = [row for is_beyond, row in episode.rows() if is_beyond and "people" not in row]
+            print("\n".join([f"seed {seed}", *beyond]), file=sys.stderr, flush=True)
+    for _, row in worst.rows():
+        print(row)
 
 
 if __name__ == "__main__":

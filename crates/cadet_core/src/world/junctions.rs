@@ -49,9 +49,9 @@ pub(super) struct Request<'a> {
     /// The lanes across the junction, and the one after it.
     pub lanes: &'a [LaneId],
     pub exit: LaneId,
-    /// What the car takes of the exit, and whether there is so much.
+    /// What the car takes of the exit, and who leaves less.
     pub room_m: f64,
-    pub exit_free: bool,
+    pub exit_taken_by: Option<Slot>,
     /// Whether it turns left at a light.
     pub lets_pass: bool,
     /// Whether all others let it go first: a tram.
@@ -66,8 +66,8 @@ const PATIENCE_STEPS: u64 = 18 * 60;
 pub(super) enum Refusal {
     /// Others are ahead of us in the queue.
     NotFirst,
-    /// There is no room to leave it again.
-    ExitFull,
+    /// Somebody leaves no room to leave it again.
+    ExitFull(Slot),
     /// Somebody whose way crosses ours came earlier.
     Earlier(Slot),
     /// Somebody whose way crosses ours is in it or about to enter.
@@ -121,11 +121,11 @@ impl Junctions {
     }
 
     /// Room on an exit lane that is promised to others than `car`, once to each, however many lanes it holds.
-    pub fn promised_m(&self, car: Slot, exit: LaneId) -> f64 {
-        let promised = |r: &Reservation| r.car != car && r.exit == exit;
+    pub fn promised(&self, car: Slot, exit: LaneId) -> impl Iterator<Item = (Slot, f64)> {
+        let promised = move |r: &Reservation| r.car != car && r.exit == exit;
         let is_first =
-            |(i, r): &(usize, &Reservation)| !self.held[..*i].iter().any(|q| q.car == r.car && q.exit == exit);
-        self.held.iter().enumerate().filter(|(_, r)| promised(r)).filter(is_first).map(|(_, r)| r.room_m).sum()
+            move |(i, r): &(usize, &Reservation)| !self.held[..*i].iter().any(|q| q.car == r.car && q.exit == exit);
+        self.held.iter().enumerate().filter(move |(_, r)| promised(r)).filter(is_first).map(|(_, r)| (r.car, r.room_m))
     }
 
     /// Asks for a chain of lanes across a junction.
@@ -133,11 +133,11 @@ impl Junctions {
     /// # Errors
     /// Why it may not enter.
     pub fn request(&mut self, asked: &Request<'_>, step: u64) -> Result<(), Refusal> {
-        let Request { car, lanes, exit, room_m, exit_free, lets_pass, has_priority } = *asked;
+        let Request { car, lanes, exit, room_m, exit_taken_by, lets_pass, has_priority } = *asked;
         let Some(&first) = lanes.first() else { return Ok(()) };
-        if !exit_free {
+        if let Some(other) = exit_taken_by {
             self.waiting.retain(|w| w.car != car);
-            return Err(Refusal::ExitFull);
+            return Err(Refusal::ExitFull(other));
         }
         let taken = self.held.iter().find(|r| {
             r.car != car && self.conflicts[r.lane.0].iter().any(|(l, until_m)| r.tail_m < *until_m && lanes.contains(l))

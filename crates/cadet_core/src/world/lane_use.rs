@@ -17,6 +17,13 @@ pub(super) struct OnLane {
     pub speed_mps: f64,
 }
 
+impl OnLane {
+    /// Distance of its tail along the lane.
+    pub fn tail_m(&self) -> f64 {
+        self.s_m - self.half_length_m
+    }
+}
+
 /// Everybody who drives, by slot.
 #[derive(Debug, Default)]
 pub(super) struct LaneUse(Vec<OnLane>);
@@ -30,10 +37,16 @@ impl LaneUse {
         self.0.push(agent);
     }
 
-    /// Room at the start of a lane before the tail of whoever stands or crawls there, leaving one agent out.
-    pub fn room_m(&self, lane: LaneId, but: Slot) -> f64 {
-        let slow = |a: &&OnLane| a.lane == lane && a.agent != but && a.speed_mps < SLOW_MPS;
-        self.0.iter().filter(slow).map(|a| a.s_m - a.half_length_m).fold(f64::INFINITY, f64::min)
+    /// Who stands or crawls nearest to the start of a lane, leaving one agent out; where everybody comes to a stand
+    /// (`is_end`), who moves counts too.
+    pub fn last_on(&self, lane: LaneId, but: Slot, is_end: bool) -> Option<&OnLane> {
+        let others = self.on(lane).filter(|a| a.agent != but && (is_end || a.speed_mps < SLOW_MPS));
+        others.min_by(|a, b| a.tail_m().total_cmp(&b.tail_m()))
+    }
+
+    /// Where an agent is.
+    pub fn of(&self, agent: Slot) -> Option<&OnLane> {
+        self.0.iter().find(|a| a.agent == agent)
     }
 
     /// Who is on a lane.

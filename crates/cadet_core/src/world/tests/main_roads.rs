@@ -25,6 +25,14 @@ fn traffic_flows_on_main_roads_without_touching_or_jamming() {
 }
 
 #[test]
+fn vans_that_turn_into_narrow_arms_touch_nobody_who_waits_there() {
+    let mut world = World::new(main_roads(3), StreamKey::scene(3)).unwrap();
+    let config = TrafficConfig { num_cars: 36, num_pedestrians: 0, ..TrafficConfig::default() };
+    world.spawn_traffic(&config).unwrap();
+    watch(&mut world, 90, "main roads 3, 36 cars");
+}
+
+#[test]
 fn nobody_parks_beside_an_inner_lane_or_walks_along_a_median() {
     let (mut num_spots, mut num_walks) = (0, 0);
     for seed in 0..6 {

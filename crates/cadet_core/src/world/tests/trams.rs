@@ -18,7 +18,7 @@ pub(super) fn trains(world: &World) -> Vec<Vec<(&Agent, &TramCar)>> {
 }
 
 /// Towns with tracks: some have their faster streets at the border, where no tram runs.
-pub(super) fn towns_with_tracks(count: usize) -> Vec<(u64, Arc<Town>)> {
+pub(crate) fn towns_with_tracks(count: usize) -> Vec<(u64, Arc<Town>)> {
     let towns = (0..40).map(|seed| (seed, tram_roads(seed)));
     let found: Vec<_> = towns.filter(|(_, town)| town.network.tracks().next().is_some()).take(count).collect();
     assert_eq!(found.len(), count);
@@ -98,7 +98,7 @@ fn trams_keep_to_their_tracks_stay_coupled_and_touch_nobody_for_minutes() {
 }
 
 fn asked(car: crate::world::slot::Slot, has_priority: bool, lanes: &[LaneId], exit: LaneId) -> Request<'_> {
-    Request { car, lanes, exit, room_m: 1.0, exit_free: true, lets_pass: false, has_priority }
+    Request { car, lanes, exit, room_m: 1.0, exit_taken_by: None, lets_pass: false, has_priority }
 }
 
 #[test]
