@@ -1,7 +1,8 @@
 //! What who drives or rides along a route has to brake for: traffic, people, junctions, the end of the road.
 
+use super::approach::Crossing;
 use super::idm::{COMFORTABLE_MPS2, IdmParameters, gap_along};
-use super::stop_line::{Crossing, stop_line};
+use super::stop_line::stop_line;
 use crate::math::DVec2;
 use crate::world::footprint::Footprint;
 use crate::world::junctions::Refusal;

@@ -1,10 +1,12 @@
 //! Who decides what an agent does: drivers, pedestrians, scripts, nobody.
 
+mod approach;
 mod avoidance;
 mod controller;
 mod crossing;
 mod cyclist;
 mod driver;
+mod exit_room;
 mod footing;
 mod hazards;
 mod idm;
@@ -19,6 +21,7 @@ mod pedestrian;
 mod pursuit;
 mod scripted;
 mod stop_line;
+mod swing_out;
 mod tram;
 mod turning;
 

@@ -1,21 +1,18 @@
 //! Where a driver stops before a junction, and asks for the way across it.
 
-use std::collections::VecDeque;
-
+use super::approach::{Crossing, STOP_LINE_M};
+use super::exit_room::exit_taken_by;
 use super::idm::COMFORTABLE_MPS2;
+use super::swing_out::swept_vehicle;
 use crate::math::{self, DVec3};
 use crate::town::{Aspect, Lane, LaneId, LaneKind, STOP_LINE_M as PAINTED_M};
-use crate::world::footprint::Footprint;
 use crate::world::junctions::{Junctions, Refusal, Request};
-use crate::world::lane_use::{LaneUse, OnLane};
 use crate::world::physics::DT_S;
 use crate::world::roads::Roads;
 use crate::world::route::Route;
 use crate::world::slot::{EGO, Slot};
-use crate::world::surroundings::{Surroundings, VehicleAt};
+use crate::world::surroundings::Surroundings;
 
-/// Where the front bumper stops before a junction's first point: out of the sweep of those who turn in.
-const STOP_LINE_M: f64 = 3.3;
 /// The same before the line of a light.
 const LIGHT_LINE_M: f64 = PAINTED_M.1 + 0.9;
 /// Whose front is so far over that, a light does not hold any more: the painted line is farther yet.
@@ -27,37 +24,9 @@ const YELLOW_MPS2: f64 = 3.0;
 const RED_MPS2: f64 = 6.5;
 /// Who is slower than this at a light on a cycle lane has come to stand there.
 const QUEUES_MPS: f64 = 0.5;
-/// Who is slower than this stands in the way of those who turn, and the room they need beside it.
-const STANDS_MPS: f64 = 0.5;
-const SWEEP_ROOM_M: f64 = 0.3;
-/// Vehicles from this length on swing out in tight turns that they may take.
-const SWINGS_OUT_M: f64 = 4.9;
-/// How far behind the middle the point is that follows the line in a bend, of the length: the rear axle, and more, as
-/// drivers steer late.
-const FOLLOWS_BEHIND: f64 = 0.4;
-/// Who is nearer to the junction than this is reckoned with as if it stood at its line.
-const STOPS_SOON_M: f64 = 65.0;
 /// The ego, and a tram, ask for their way across a junction this much earlier than others do.
 const EGO_ASKS_EARLIER_M: f64 = 20.0;
 const TRAM_ASKS_EARLIER_M: f64 = 25.0;
-
-/// Who wants to cross.
-#[derive(Clone, Copy)]
-pub(super) struct Crossing<'a> {
-    pub slot: Slot,
-    pub route: &'a Route,
-    pub footprint: &'a Footprint,
-    /// All of a train; as long as the vehicle otherwise.
-    pub length_m: f64,
-    /// Whether it is a tram, which all others let go first.
-    pub is_tram: bool,
-}
-
-impl Crossing<'_> {
-    fn speed_mps(&self) -> f64 {
-        self.footprint.velocity.dot(self.footprint.heading)
-    }
-}
 
 /// Follows a body along its route, and gives back what its tail has cleared of junctions.
 pub(super) fn leave_junctions(
@@ -117,9 +86,10 @@ pub(super) fn stop_line(
         junctions.renounce(slot, &[]);
         return Some((front_m + 1.5, Refusal::Taken(other)));
     }
-    let exit = route.lanes.get(k + chain.len()).copied().unwrap_or(chain[chain.len() - 1]);
+    let exits: Vec<LaneId> = route.lanes.iter().skip(k + chain.len()).copied().collect();
+    let exit = exits.first().copied().unwrap_or(chain[chain.len() - 1]);
     let room_m = length_m + 2.5;
-    let exit_taken_by = exit_taken_by(own, exit, room_m, lane_use, junctions, roads);
+    let exit_taken_by = exit_taken_by(own, &exits, room_m, lane_use, junctions, roads);
     let lets_pass = is_held_by_light && turns_left(roads.lane(chain[0]));
     let asked = Request { car: slot, lanes: &chain, exit, room_m, exit_taken_by, lets_pass, has_priority: is_tram };
     junctions.request(&asked, step).err().map(|refusal| (front_m + 1.5, refusal))
@@ -140,90 +110,6 @@ pub(super) fn next_junction(route: &Route, roads: &Roads, counts: &dyn Fn(LaneId
 /// The lanes across the junction that begins at the `k`-th of a route.
 fn chain(route: &Route, k: usize, roads: &Roads) -> Vec<LaneId> {
     route.lanes.iter().skip(k).copied().take_while(|l| roads.lane(*l).junction.is_some()).collect()
-}
-
-/// Who leaves too little room on the lane after a junction. At the end of its line a tram stands for long: the next finds
-/// room behind it, or stops before the junction.
-fn exit_taken_by(
-    own: &Crossing<'_>,
-    exit: LaneId,
-    room_m: f64,
-    lane_use: &LaneUse,
-    junctions: &Junctions,
-    roads: &Roads,
-) -> Option<Slot> {
-    let lane = roads.lane(exit);
-    let is_end = own.is_tram && lane.successors.is_empty();
-    let last = lane_use.last_on(exit, own.slot, is_end);
-    let free_m = last.map_or(if is_end { lane.length_m() } else { f64::INFINITY }, OnLane::tail_m);
-    let promised_m: f64 = junctions.promised(own.slot, exit).map(|(_, m)| m).sum();
-    let blocker = last.map(|a| a.agent).or_else(|| junctions.promised(own.slot, exit).next().map(|(car, _)| car));
-    blocker.filter(|_| free_m - promised_m < room_m)
-}
-
-/// Who stands, or is about to stop, where a long vehicle would swing into the oncoming lane: at the line of an arm that it
-/// turns into, or on the way there. Nose to nose, neither would get past the other.
-fn swept_vehicle(
-    own: &Crossing<'_>,
-    chain: &[LaneId],
-    start_m: f64,
-    (vehicles, lane_use): (&[VehicleAt], &LaneUse),
-    junctions: &Junctions,
-    roads: &Roads,
-) -> Option<Slot> {
-    let length_m = 2.0 * own.footprint.half_length_m;
-    if length_m < SWINGS_OUT_M && chain.iter().all(|lane| own.route.may_use(*lane, roads)) {
-        return None;
-    }
-    let across_m: f64 = chain.iter().map(|lane| roads.lane(*lane).length_m()).sum();
-    let others: Vec<(Slot, Footprint)> = vehicles
-        .iter()
-        .filter(|v| v.agent != own.slot)
-        .filter_map(|v| {
-            let stands = v.footprint.velocity.length() < STANDS_MPS;
-            let at = if stands { v.footprint } else { at_its_line(v, chain[0], lane_use, junctions, roads)? };
-            Some((v.agent, at))
-        })
-        .collect();
-    (0..(across_m + length_m) as u32).find_map(|k| {
-        let at_m = start_m + f64::from(k);
-        let there = own.route.ahead(at_m, roads);
-        // The rear axle follows on a tighter bend, so that the heading lags behind the lane's.
-        let behind = own.route.ahead((at_m - FOLLOWS_BEHIND * 2.0 * length_m).max(0.0), roads);
-        let heading = (there.at - behind.at).normalize_or(there.tangent);
-        let swept = Footprint { center: there.at, heading, ..*own.footprint }.grown(SWEEP_ROOM_M);
-        let meets = |o: &Footprint| o.heading.dot(there.tangent) < 0.0 && swept.overlaps(o);
-        others.iter().find(|(_, o)| meets(o)).map(|(agent, _)| *agent)
-    })
-}
-
-/// Where who comes toward the junction of a lane will stand, if it has no right to enter it.
-fn at_its_line(
-    other: &VehicleAt,
-    lane: LaneId,
-    lane_use: &LaneUse,
-    junctions: &Junctions,
-    roads: &Roads,
-) -> Option<Footprint> {
-    let on = lane_use.of(other.agent)?;
-    let mut to_junction_m = roads.lane(on.lane).length_m() - on.s_m;
-    let mut lanes = VecDeque::from([on.lane]);
-    let mut next = roads.lane(on.lane).successors.first()?;
-    while roads.lane(*next).junction.is_none() {
-        to_junction_m += roads.lane(*next).length_m();
-        lanes.push_back(*next);
-        next = roads.lane(*next).successors.first()?;
-        if to_junction_m > STOPS_SOON_M {
-            return None;
-        }
-    }
-    let goes_m = to_junction_m - STOP_LINE_M - on.half_length_m;
-    let is_ours = roads.lane(on.lane).junction.is_none() && roads.lane(*next).junction == roads.lane(lane).junction;
-    if !is_ours || goes_m < 0.0 || to_junction_m > STOPS_SOON_M || junctions.holds_any(other.agent) {
-        return None;
-    }
-    let line = Route::along(lanes, on.s_m).ahead(goes_m, roads);
-    Some(Footprint { center: line.at, heading: line.tangent, ..other.footprint })
 }
 
 /// The gap to the line of a light at which we stop. What was ours of the junction is given back.
@@ -266,114 +152,4 @@ fn turns_left(lane: &Lane) -> bool {
     let c = &lane.center;
     let (a, b) = ((c[1] - c[0]).truncate(), (c[c.len() - 1] - c[c.len() - 2]).truncate());
     math::atan2(a.perp_dot(b), a.dot(b)) > 0.6
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::math::DVec2;
-    use crate::rng::Stream;
-    use crate::world::room::Needs;
-    use crate::world::tests::towns::crossing;
-    use crate::world::tests::trams::towns_with_tracks;
-    use crate::world::track::Track;
-
-    const BUS_LWH: DVec3 = DVec3::new(12.0, 2.6, 3.0);
-
-    /// Asks for the way across a crossing that turns by about a right angle to the right, 12 m before it, while a car is on
-    /// the lane that comes toward it out of the arm that it turns into, so far before the junction. The car may cross if
-    /// it `holds` the junction.
-    fn ask(size_lwh: DVec3, needs: Needs, oncoming_m: f64, oncoming_mps: f64, holds: bool) -> Option<Refusal> {
-        let roads = Roads::new(crossing());
-        let into = roads.lanes().iter().find(|l| l.junction.is_none() && l.successors.len() == 3).unwrap();
-        let turns_right = |route: &Route| {
-            let c = &roads.lane(route.lanes[1]).center;
-            (c[1] - c[0]).truncate().perp_dot((c[c.len() - 1] - c[0]).truncate()) < -1.0
-        };
-        let routes = (0..99).map(|seed| {
-            let s_m = into.length_m() - 12.0;
-            Route::with_needs(into.id, s_m, 0.0, 1e-9, needs, Stream::from_seed("ways", seed), &roads)
-        });
-        let route = routes.into_iter().find(turns_right).unwrap();
-        let rectangle = |at: DVec2, heading: DVec2, size_lwh: DVec3, speed_mps: f64| Footprint {
-            center: at,
-            heading,
-            half_length_m: size_lwh.x / 2.0,
-            half_width_m: size_lwh.y / 2.0,
-            velocity: heading * speed_mps,
-        };
-        let here = route.ahead(0.0, &roads);
-        let footprint = rectangle(here.at, here.tangent, size_lwh, 2.0);
-        // The lane that leads into the junction beside the one that is left on.
-        let exit = route.ahead(12.0 + roads.lane(route.lanes[1]).length_m() + oncoming_m, &roads);
-        let oncoming =
-            rectangle(exit.at + exit.tangent.perp() * 3.0, -exit.tangent, DVec3::new(4.4, 1.8, 1.5), oncoming_mps);
-        let mut around = Surroundings::new(&roads);
-        let vehicle = |agent, footprint| VehicleAt { agent, footprint, is_cycle: false };
-        around.vehicles = vec![vehicle(1, footprint), vehicle(2, oncoming)];
-        let heading_rad = math::atan2(oncoming.heading.y, oncoming.heading.x);
-        let (lane, s_m, _) = roads.nearest(oncoming.center.extend(0.0), Some(heading_rad), 1.0).unwrap();
-        around.lane_use.push(OnLane { lane, agent: 2, s_m, half_length_m: 2.2, speed_mps: oncoming_mps });
-        if holds {
-            let lanes = &[route.lanes[1]];
-            let request = Request {
-                car: 2,
-                lanes,
-                exit: lanes[0],
-                room_m: 0.0,
-                exit_taken_by: None,
-                lets_pass: false,
-                has_priority: false,
-            };
-            around.junctions.request(&request, 0).unwrap();
-        }
-        let crossing = Crossing { slot: 1, route: &route, footprint: &footprint, length_m: size_lwh.x, is_tram: false };
-        stop_line(&crossing, &mut around, &roads, 0).map(|(_, refusal)| refusal)
-    }
-
-    #[test]
-    fn a_tram_that_follows_one_to_the_end_of_its_line_keeps_the_junction_free() {
-        let (_, town) = towns_with_tracks(1).remove(0);
-        let roads = Roads::new(town);
-        let is_end = |l: &&Lane| l.kind == LaneKind::Tram && l.junction.is_none() && l.successors.is_empty();
-        let exit = roads.lanes().iter().find(is_end).expect("the end of a line");
-        let track = Track::through(exit.id, &roads);
-        let front_m = track.start_of(exit.id).unwrap() - roads.lane(exit.predecessors[0]).length_m() - 12.0;
-        let (lane, _) = track.lane_at(front_m);
-        let route = Route::along(track.lanes_from(front_m), front_m - track.start_of(lane).unwrap() - 5.0);
-        let here = route.ahead(0.0, &roads);
-        let footprint = Footprint {
-            center: here.at,
-            heading: here.tangent,
-            half_length_m: 5.0,
-            half_width_m: 1.2,
-            velocity: here.tangent * 3.0,
-        };
-        let crossing = Crossing { slot: 1, route: &route, footprint: &footprint, length_m: 30.0, is_tram: true };
-        let ask = |behind_m: f64, is_tram: bool| {
-            let mut around = Surroundings::new(&roads);
-            let s_m = behind_m + 15.0;
-            around.lane_use.push(OnLane { lane: exit.id, agent: 2, s_m, half_length_m: 15.0, speed_mps: 5.0 });
-            stop_line(&Crossing { is_tram, ..crossing }, &mut around, &roads, 0).map(|(_, refusal)| refusal)
-        };
-        assert_eq!(ask(20.0, true), Some(Refusal::ExitFull(2)));
-        assert_eq!(ask(33.0, true), None, "there is room for all of it");
-        assert_eq!(ask(20.0, false), None, "others move on");
-    }
-
-    #[test]
-    fn a_bus_turns_into_a_narrow_arm_when_nobody_stands_where_it_swings_out() {
-        let needs = Needs::of_truck(BUS_LWH);
-        let at_line_m = STOP_LINE_M + 2.2;
-        assert_eq!(ask(BUS_LWH, needs, at_line_m, 0.0, false), Some(Refusal::Taken(2)));
-        assert_eq!(ask(BUS_LWH, needs, at_line_m, 3.0, true), None, "who may cross makes way");
-        assert_eq!(
-            ask(BUS_LWH, needs, at_line_m + 12.0, 5.0, false),
-            Some(Refusal::Taken(2)),
-            "it will stop at its line"
-        );
-        assert_eq!(ask(BUS_LWH, needs, 20.0, 0.0, false), None, "far from the junction");
-        let car = DVec3::new(4.4, 1.8, 1.5);
-        assert_eq!(ask(car, Needs::default(), at_line_m, 0.0, false), None, "a car stays in its lane");
-    }
 }

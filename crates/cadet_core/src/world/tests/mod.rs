@@ -18,7 +18,7 @@ mod scripted;
 mod seated;
 mod signals;
 pub(super) mod towns;
-pub(crate) mod trams;
+mod trams;
 mod trucks;
 mod turn_signals;
 

@@ -245,6 +245,13 @@ pub(crate) fn tram_roads(seed: u64) -> Arc<Town> {
     furnished(&key, crate::town::generate_suburb(&key, &config).expect("a suburb").network)
 }
 
+/// Main roads with tracks between their carriageways.
+pub(crate) fn tram_main_roads(seed: u64) -> Arc<Town> {
+    let key = StreamKey::scene(seed);
+    let config = crate::town::SuburbConfig { main_share: 1.0, tram_share: 1.0, blocks: (3, 2), ..Default::default() };
+    furnished(&key, crate::town::generate_suburb(&key, &config).expect("a suburb").network)
+}
+
 /// One of the shared maps, where they are at hand.
 pub(crate) fn map(name: &str) -> Option<Arc<Town>> {
     let path = format!("{}/../../../shared/maps/{name}", env!("CARGO_MANIFEST_DIR"));

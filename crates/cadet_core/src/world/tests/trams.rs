@@ -18,7 +18,7 @@ pub(super) fn trains(world: &World) -> Vec<Vec<(&Agent, &TramCar)>> {
 }
 
 /// Towns with tracks: some have their faster streets at the border, where no tram runs.
-pub(crate) fn towns_with_tracks(count: usize) -> Vec<(u64, Arc<Town>)> {
+pub(super) fn towns_with_tracks(count: usize) -> Vec<(u64, Arc<Town>)> {
     let towns = (0..40).map(|seed| (seed, tram_roads(seed)));
     let found: Vec<_> = towns.filter(|(_, town)| town.network.tracks().next().is_some()).take(count).collect();
     assert_eq!(found.len(), count);

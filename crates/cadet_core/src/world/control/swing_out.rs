@@ -1,0 +1,168 @@
+//! Long vehicles swing out in tight turns: who is in their way.
+
+use std::collections::VecDeque;
+
+use super::approach::{Crossing, STOP_LINE_M};
+use crate::town::LaneId;
+use crate::world::footprint::Footprint;
+use crate::world::junctions::Junctions;
+use crate::world::lane_use::LaneUse;
+use crate::world::roads::Roads;
+use crate::world::route::Route;
+use crate::world::slot::Slot;
+use crate::world::surroundings::VehicleAt;
+
+/// Who is slower than this stands in the way of those who turn, and the room they need beside it.
+const STANDS_MPS: f64 = 0.5;
+const SWEEP_ROOM_M: f64 = 0.3;
+/// Vehicles from this length on swing out in tight turns that they may take.
+const SWINGS_OUT_M: f64 = 4.9;
+/// How far behind the middle the point is that follows the line in a bend, of the length: the rear axle, and more, as
+/// drivers steer late.
+const FOLLOWS_BEHIND: f64 = 0.4;
+/// Who is nearer to the junction than this is reckoned with as if it stood at its line.
+const STOPS_SOON_M: f64 = 65.0;
+
+/// Who stands, or is about to stop, where a long vehicle would swing into the oncoming lane: at the line of an arm that it
+/// turns into, or on the way there. Nose to nose, neither would get past the other.
+pub(super) fn swept_vehicle(
+    own: &Crossing<'_>,
+    chain: &[LaneId],
+    start_m: f64,
+    (vehicles, lane_use): (&[VehicleAt], &LaneUse),
+    junctions: &Junctions,
+    roads: &Roads,
+) -> Option<Slot> {
+    let length_m = 2.0 * own.footprint.half_length_m;
+    if length_m < SWINGS_OUT_M && chain.iter().all(|lane| own.route.may_use(*lane, roads)) {
+        return None;
+    }
+    let across_m: f64 = chain.iter().map(|lane| roads.lane(*lane).length_m()).sum();
+    let others: Vec<(Slot, Footprint)> = vehicles
+        .iter()
+        .filter(|v| v.agent != own.slot)
+        .filter_map(|v| {
+            let stands = v.footprint.velocity.length() < STANDS_MPS;
+            let at = if stands { v.footprint } else { at_its_line(v, chain[0], lane_use, junctions, roads)? };
+            Some((v.agent, at))
+        })
+        .collect();
+    (0..(across_m + length_m) as u32).find_map(|k| {
+        let at_m = start_m + f64::from(k);
+        let there = own.route.ahead(at_m, roads);
+        // The rear axle follows on a tighter bend, so that the heading lags behind the lane's.
+        let behind = own.route.ahead((at_m - FOLLOWS_BEHIND * 2.0 * length_m).max(0.0), roads);
+        let heading = (there.at - behind.at).normalize_or(there.tangent);
+        let swept = Footprint { center: there.at, heading, ..*own.footprint }.grown(SWEEP_ROOM_M);
+        let meets = |o: &Footprint| o.heading.dot(there.tangent) < 0.0 && swept.overlaps(o);
+        others.iter().find(|(_, o)| meets(o)).map(|(agent, _)| *agent)
+    })
+}
+
+/// Where who comes toward the junction of a lane will stand, if it has no right to enter it.
+fn at_its_line(
+    other: &VehicleAt,
+    lane: LaneId,
+    lane_use: &LaneUse,
+    junctions: &Junctions,
+    roads: &Roads,
+) -> Option<Footprint> {
+    let on = lane_use.of(other.agent)?;
+    let mut to_junction_m = roads.lane(on.lane).length_m() - on.s_m;
+    let mut lanes = VecDeque::from([on.lane]);
+    let mut next = roads.lane(on.lane).successors.first()?;
+    while roads.lane(*next).junction.is_none() {
+        to_junction_m += roads.lane(*next).length_m();
+        lanes.push_back(*next);
+        next = roads.lane(*next).successors.first()?;
+        if to_junction_m > STOPS_SOON_M {
+            return None;
+        }
+    }
+    let goes_m = to_junction_m - STOP_LINE_M - on.half_length_m;
+    let is_ours = roads.lane(on.lane).junction.is_none() && roads.lane(*next).junction == roads.lane(lane).junction;
+    if !is_ours || goes_m < 0.0 || to_junction_m > STOPS_SOON_M || junctions.holds_any(other.agent) {
+        return None;
+    }
+    let line = Route::along(lanes, on.s_m).ahead(goes_m, roads);
+    Some(Footprint { center: line.at, heading: line.tangent, ..other.footprint })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{self, DVec2, DVec3};
+    use crate::rng::Stream;
+    use crate::world::junctions::Request;
+    use crate::world::lane_use::OnLane;
+    use crate::world::room::Needs;
+    use crate::world::tests::towns::crossing;
+
+    const BUS_LWH: DVec3 = DVec3::new(12.0, 2.6, 3.0);
+
+    /// Who is in the way of a turn by about a right angle to the right, 12 m before a crossing, while a car is on the
+    /// lane that comes toward it out of the arm that it turns into, so far before the junction. The car may cross if it
+    /// `holds` the junction.
+    fn in_the_way(size_lwh: DVec3, needs: Needs, oncoming_m: f64, oncoming_mps: f64, holds: bool) -> Option<Slot> {
+        let roads = Roads::new(crossing());
+        let into = roads.lanes().iter().find(|l| l.junction.is_none() && l.successors.len() == 3).unwrap();
+        let turns_right = |route: &Route| {
+            let c = &roads.lane(route.lanes[1]).center;
+            (c[1] - c[0]).truncate().perp_dot((c[c.len() - 1] - c[0]).truncate()) < -1.0
+        };
+        let routes = (0..99).map(|seed| {
+            let s_m = into.length_m() - 12.0;
+            Route::with_needs(into.id, s_m, 0.0, 1e-9, needs, Stream::from_seed("ways", seed), &roads)
+        });
+        let route = routes.into_iter().find(turns_right).unwrap();
+        let chain = [route.lanes[1]];
+        let rectangle = |at: DVec2, heading: DVec2, size_lwh: DVec3, speed_mps: f64| Footprint {
+            center: at,
+            heading,
+            half_length_m: size_lwh.x / 2.0,
+            half_width_m: size_lwh.y / 2.0,
+            velocity: heading * speed_mps,
+        };
+        let here = route.ahead(0.0, &roads);
+        let footprint = rectangle(here.at, here.tangent, size_lwh, 2.0);
+        // The lane that leads into the junction beside the one that is left on.
+        let exit = route.ahead(12.0 + roads.lane(chain[0]).length_m() + oncoming_m, &roads);
+        let oncoming =
+            rectangle(exit.at + exit.tangent.perp() * 3.0, -exit.tangent, DVec3::new(4.4, 1.8, 1.5), oncoming_mps);
+        let vehicle = |agent, footprint| VehicleAt { agent, footprint, is_cycle: false };
+        let vehicles = [vehicle(1, footprint), vehicle(2, oncoming)];
+        let heading_rad = math::atan2(oncoming.heading.y, oncoming.heading.x);
+        let (lane, s_m, _) = roads.nearest(oncoming.center.extend(0.0), Some(heading_rad), 1.0).unwrap();
+        let mut lane_use = LaneUse::default();
+        lane_use.push(OnLane { lane, agent: 2, s_m, half_length_m: 2.2, speed_mps: oncoming_mps });
+        let mut junctions = Junctions::new(&roads);
+        if holds {
+            let (exit, exit_taken_by) = (lane, None);
+            let asked = Request {
+                car: 2,
+                lanes: &chain,
+                exit,
+                room_m: 0.0,
+                exit_taken_by,
+                lets_pass: false,
+                has_priority: false,
+            };
+            junctions.request(&asked, 0).unwrap();
+        }
+        let own = Crossing { slot: 1, route: &route, footprint: &footprint, length_m: size_lwh.x, is_tram: false };
+        swept_vehicle(&own, &chain, 12.0, (&vehicles, &lane_use), &junctions, &roads)
+    }
+
+    #[test]
+    fn a_bus_turns_into_a_narrow_arm_when_nobody_stands_where_it_swings_out() {
+        let needs = Needs::of_truck(BUS_LWH);
+        let at_line_m = STOP_LINE_M + 2.2;
+        let [line, on_its_way] = [at_line_m, at_line_m + 12.0];
+        assert_eq!(in_the_way(BUS_LWH, needs, line, 0.0, false), Some(2));
+        assert_eq!(in_the_way(BUS_LWH, needs, line, 3.0, true), None, "who may cross makes way");
+        assert_eq!(in_the_way(BUS_LWH, needs, on_its_way, 5.0, false), Some(2), "it will stop at its line");
+        assert_eq!(in_the_way(BUS_LWH, needs, 20.0, 0.0, false), None, "far from the junction");
+        let car = DVec3::new(4.4, 1.8, 1.5);
+        assert_eq!(in_the_way(car, Needs::default(), line, 0.0, false), None, "a car stays in its lane");
+    }
+}
