@@ -5,12 +5,13 @@ use super::city::{Shop, fill_gate};
 use super::materials::house_slot as slot;
 use super::wall_plane::WallPlane;
 use crate::geometry::MeshBuilder;
+use crate::rng::Stream;
 
 /// What fills an opening.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Filling {
-    /// A window of one or two sashes; `shutter` of its height is closed, curtains hang behind where `curtain`.
-    Window { sashes: u8, shutter: f32, curtain: bool },
+    /// A window of one or two sashes; `shutter` of its height is closed.
+    Window { sashes: u8, shutter: f32, curtain: Curtain },
     /// A door leaf with a small pane.
     Door,
     /// An up-and-over garage door.
@@ -21,6 +22,32 @@ pub(super) enum Filling {
     Shop(Shop),
     /// The gateway to a court.
     Gate,
+}
+
+/// What hangs behind a pane.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Curtain {
+    None,
+    /// At both sides.
+    Sides,
+    /// A net before the whole window.
+    Net,
+}
+
+impl Curtain {
+    /// Draws one; `share` of the windows have some.
+    pub fn draw(s: &mut Stream, share: f64) -> Self {
+        match (s.chance(share), s.chance(NET_SHARE)) {
+            (false, _) => Self::None,
+            (true, false) => Self::Sides,
+            (true, true) => Self::Net,
+        }
+    }
+
+    /// The pane before it, in levels of detail without rooms.
+    fn pane(self) -> u8 {
+        if self == Self::Net { slot::NET_GLASS } else { slot::DARK_GLASS }
+    }
 }
 
 /// A hole in a wall: [u0, u1, v0, v1] in the wall's plane.
@@ -44,7 +71,11 @@ pub(super) struct WallShape {
 /// How deep window frames lie behind the wall's face.
 pub(super) const REVEAL_M: f32 = 0.16;
 const FRAME_M: f32 = 0.08;
+const SASH_BAR_M: f32 = 0.1;
 const ROOM_M: f32 = 1.2;
+/// Of the windows with curtains, those with nets.
+const NET_SHARE: f64 = 0.45;
+const CURTAIN_DEPTH_M: f32 = 0.1;
 
 fn breaks(mut values: Vec<f32>) -> Vec<f32> {
     values.sort_by(f32::total_cmp);
@@ -98,10 +129,7 @@ pub(super) fn wall(b: &mut MeshBuilder, plane: &WallPlane, shape: &WallShape, op
 fn fill(b: &mut MeshBuilder, plane: &WallPlane, opening: &Opening, face: u8, detail: Detail) {
     let [u0, u1, v0, v1] = opening.rect;
     if detail == Detail::Far {
-        // No hole: a dark panel just proud of the wall.
-        let is_glass = matches!(opening.filling, Filling::Window { .. } | Filling::Shop(_));
-        let slot = if is_glass { slot::DARK_GLASS } else { slot::DOOR };
-        return plane.rect(b, opening.rect, -0.02, slot);
+        return fill_far(b, plane, opening);
     }
     match &opening.filling {
         Filling::Shop(shop) => return shop.fill(b, plane, opening.rect, detail),
@@ -155,11 +183,11 @@ fn fill(b: &mut MeshBuilder, plane: &WallPlane, opening: &Opening, face: u8, det
         Filling::Window { sashes, shutter, curtain } => {
             frame(b, plane, opening.rect, sides, detail);
             let inner = [u0 + FRAME_M, u1 - FRAME_M, v0 + FRAME_M, v1 - FRAME_M];
-            let glass = if detail == Detail::Near { slot::GLASS } else { slot::DARK_GLASS };
+            let glass = if detail == Detail::Near { slot::GLASS } else { curtain.pane() };
             plane.rect(b, inner, sides + 0.03, glass);
             if sashes > 1 {
-                let u = (u0 + u1) / 2.0;
-                plane.rect(b, [u - 0.05, u + 0.05, inner[2], inner[3]], sides, slot::FRAME);
+                let (u, bar) = ((u0 + u1) / 2.0, SASH_BAR_M / 2.0);
+                plane.rect(b, [u - bar, u + bar, inner[2], inner[3]], sides, slot::FRAME);
             }
             let closed = v1 - (v1 - v0) * shutter;
             if shutter > 0.0 {
@@ -170,6 +198,27 @@ fn fill(b: &mut MeshBuilder, plane: &WallPlane, opening: &Opening, face: u8, det
                 plane.block(b, [u0 - 0.04, u1 + 0.04, v0 - 0.04, v0], -0.06, sides, slot::STONE);
             }
         }
+    }
+}
+
+/// Without a hole: what fills it lies just proud of the wall, panes before their frame.
+fn fill_far(b: &mut MeshBuilder, plane: &WallPlane, opening: &Opening) {
+    let [u0, u1, v0, v1] = opening.rect;
+    match opening.filling {
+        Filling::Window { sashes, shutter, curtain } => {
+            plane.rect(b, opening.rect, -0.02, slot::FRAME);
+            let (low, high) = (v0 + FRAME_M, v1 - FRAME_M);
+            plane.rect(b, [u0 + FRAME_M, u1 - FRAME_M, low, high], -0.03, curtain.pane());
+            if sashes > 1 {
+                let (u, bar) = ((u0 + u1) / 2.0, SASH_BAR_M / 2.0);
+                plane.rect(b, [u - bar, u + bar, low, high], -0.035, slot::FRAME);
+            }
+            if shutter > 0.0 {
+                plane.rect(b, [u0, u1, v1 - (v1 - v0) * shutter, v1], -0.04, slot::SHUTTER);
+            }
+        }
+        Filling::Shop(_) => plane.rect(b, opening.rect, -0.02, slot::DARK_GLASS),
+        _ => plane.rect(b, opening.rect, -0.02, slot::DOOR),
     }
 }
 
@@ -185,13 +234,16 @@ fn frame(b: &mut MeshBuilder, plane: &WallPlane, [u0, u1, v0, v1]: [f32; 4], dep
     }
 }
 
-/// A shallow dark room behind a pane, with curtains at both sides or none.
-fn room(b: &mut MeshBuilder, plane: &WallPlane, [u0, u1, v0, v1]: [f32; 4], front: f32, curtain: bool) {
+/// A shallow dark room behind a pane, and what hangs before it.
+fn room(b: &mut MeshBuilder, plane: &WallPlane, [u0, u1, v0, v1]: [f32; 4], front: f32, curtain: Curtain) {
+    if curtain == Curtain::Net {
+        return plane.rect(b, [u0, u1, v0, v1], front + CURTAIN_DEPTH_M, slot::CURTAIN);
+    }
     plane.reveal(b, [u0, u1, v0, v1], front, front + ROOM_M, slot::ROOM);
     plane.rect(b, [u0, u1, v0, v1], front + ROOM_M, slot::ROOM);
-    if curtain {
+    if curtain == Curtain::Sides {
         let w = (u1 - u0) * 0.3;
-        plane.rect(b, [u0, u0 + w, v0, v1], front + 0.1, slot::CURTAIN);
-        plane.rect(b, [u1 - w, u1, v0, v1], front + 0.1, slot::CURTAIN);
+        plane.rect(b, [u0, u0 + w, v0, v1], front + CURTAIN_DEPTH_M, slot::CURTAIN);
+        plane.rect(b, [u1 - w, u1, v0, v1], front + CURTAIN_DEPTH_M, slot::CURTAIN);
     }
 }

@@ -1,7 +1,7 @@
 //! Houses of a South German suburb, from the terrace to the block of flats.
 
 use super::draw::{CREASE_RAD, block, range, tube};
-use super::facade::{Filling, Opening, WallShape, wall};
+use super::facade::{Curtain, Filling, Opening, WallShape, wall};
 use super::materials::house_slot as slot;
 use super::roof::{Pitched, flat};
 use super::wall_plane::WallPlane;
@@ -163,7 +163,7 @@ impl HouseDesign {
 
     fn window_filling(&self, s: &mut Stream) -> Filling {
         let shutter = if s.chance(0.25) { [0.3, 0.5, 1.0][s.below(3)] } else { 0.0 };
-        Filling::Window { sashes: self.sashes, shutter, curtain: s.chance(0.55) }
+        Filling::Window { sashes: self.sashes, shutter, curtain: Curtain::draw(s, 0.55) }
     }
 
     /// The openings of one side; doors only where `doors` units have theirs.
@@ -312,7 +312,7 @@ impl HouseDesign {
             let plane = WallPlane { origin: Vec3::new(x, y - half, 0.0), u: Vec3::Y };
             let shape = WallShape { width: 2.0 * half, bottom: foot - 0.4, eaves: top, apex: top, face: slot::WALL };
             let rect = [half - 0.6, half + 0.6, foot + 0.15, top - 0.12];
-            let filling = Filling::Window { sashes: 2, shutter: 0.0, curtain: false };
+            let filling = Filling::Window { sashes: 2, shutter: 0.0, curtain: Curtain::None };
             wall(
                 b,
                 &plane,

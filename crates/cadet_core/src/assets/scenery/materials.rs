@@ -35,8 +35,10 @@ pub mod house_slot {
     pub const WOOD: u8 = 12;
     /// Far panes: opaque, dark and shiny.
     pub const DARK_GLASS: u8 = 13;
+    /// Far panes before net curtains.
+    pub const NET_GLASS: u8 = 14;
     /// Number of slots.
-    pub const COUNT: usize = 14;
+    pub const COUNT: usize = 15;
 }
 
 /// Slots of a tree's, shrub's or hedge's palette.
@@ -88,11 +90,17 @@ fn building(albedo: [f32; 3], pattern: Pattern, reflectance: f32) -> Material {
     Material::matt(Semantic::Building, albedo, pattern, reflectance)
 }
 
+/// What double glazing mirrors at normal incidence, four faces of 4 %: of panes that are opaque, and of those that are
+/// looked through, whose back is counted when they are drawn.
+const DOUBLE_GLAZING: (f32, f32) = (0.14, 0.078);
+/// What is left of a net curtain's color and of its return behind a pane.
+const BEHIND_PANE: (f32, f32) = (0.4, 0.28);
+
 pub(super) fn pane() -> Material {
     Material {
         albedo: [0.03, 0.035, 0.035],
         roughness: 0.03,
-        specular: 0.04,
+        specular: DOUBLE_GLAZING.1,
         transmission: 0.55,
         pattern: Pattern::Plain,
         semantic: Semantic::Building,
@@ -101,7 +109,9 @@ pub(super) fn pane() -> Material {
 }
 
 /// Panes of homes at night: share that is lit, radiance, whiteness; see [`Pattern::Window`].
-pub(super) const LIT_AT_HOME: [f32; 3] = [0.24, 0.10, 0.0];
+const LIT_AT_HOME: [f32; 3] = [0.24, 0.10, 0.0];
+pub(super) const LIT_PANES: [(u8, [f32; 3]); 3] =
+    [(house_slot::GLASS, LIT_AT_HOME), (house_slot::DARK_GLASS, LIT_AT_HOME), (house_slot::NET_GLASS, LIT_AT_HOME)];
 
 /// The colors of one house: walls and roofs by the shares of a South German suburb.
 #[must_use]
@@ -146,8 +156,11 @@ pub fn house_palette(stream: &mut Stream, flat_roof: bool) -> Arc<Palette> {
     let plain = |c: [f32; 3], r: f32| building(c, Pattern::Plain, r);
     let plinth = wall.map(|c| c * 0.5 + 0.03);
     let mut dark_glass = pane();
-    dark_glass.transmission = 0.0;
+    (dark_glass.transmission, dark_glass.specular) = (0.0, DOUBLE_GLAZING.0);
     dark_glass.lidar = LidarMaterial { lobe_exponent: 2.0, ..LidarMaterial::diffuse(0.05) };
+    let mut net_glass = dark_glass;
+    net_glass.albedo = curtain.map(|c| c * BEHIND_PANE.0);
+    net_glass.lidar = LidarMaterial::diffuse(BEHIND_PANE.1);
     let house = Palette::new(vec![
         building(wall, wall_pattern, wall_905),
         building(plinth, Pattern::Render, 0.35),
@@ -163,8 +176,9 @@ pub fn house_palette(stream: &mut Stream, flat_roof: bool) -> Arc<Palette> {
         plain([0.30, 0.29, 0.27], 0.36),
         building([0.15, 0.085, 0.05], Pattern::Wood, 0.45),
         dark_glass,
+        net_glass,
     ]);
-    Arc::new(house.with_lit_panes(&[house_slot::GLASS, house_slot::DARK_GLASS].map(|slot| (slot, LIT_AT_HOME))))
+    Arc::new(house.with_lit_panes(&LIT_PANES))
 }
 
 /// What a leaf's skin reflects of all colors alike; leaves turn to all sides, so that it counts as diffuse.

@@ -118,6 +118,32 @@ fn windows_are_openings_with_rooms_behind() {
 }
 
 #[test]
+fn windows_keep_their_panes_nets_and_frames_at_every_level() {
+    let area_m2 = |mesh: &Mesh, wanted: &[u8]| -> f32 {
+        let faces = mesh.faces.iter().zip(&mesh.slots).filter(|(_, slot)| wanted.contains(*slot));
+        let corners = faces.map(|(face, _)| face.map(|i| mesh.vertices[i as usize]));
+        corners.map(|[a, b, c]| (b - a).cross(c - a).length() / 2.0).sum()
+    };
+    let mut nets_m2 = 0.0;
+    let variants = num_variants()[0];
+    for (kind, variant) in HouseKind::ALL.iter().flat_map(|k| (0..variants).map(|v| (*k, v))) {
+        let model = house(kind, variant);
+        let [near, mid, far] = [0, 1, 2].map(|k| &model.shape.levels[k].1);
+        let panes_m2 = |mesh| area_m2(mesh, &[house_slot::GLASS, house_slot::DARK_GLASS, house_slot::NET_GLASS]);
+        for (level, mesh) in [("middle", mid), ("far", far)] {
+            let ratio = panes_m2(mesh) / panes_m2(near);
+            assert!((0.88..1.02).contains(&ratio), "{}, {level}: {ratio} of the panes", model.name);
+        }
+        let [mid_m2, far_m2] = [mid, far].map(|mesh| area_m2(mesh, &[house_slot::NET_GLASS]));
+        assert!((mid_m2 - far_m2).abs() < 0.01, "{}: nets of {mid_m2} and {far_m2} m²", model.name);
+        assert!(mid_m2 <= area_m2(near, &[house_slot::CURTAIN]) + 0.01, "{}: nets before nothing", model.name);
+        assert!(area_m2(far, &[house_slot::FRAME]) > panes_m2(far), "{}: frames behind all far panes", model.name);
+        nets_m2 += far_m2;
+    }
+    assert!(nets_m2 > 10.0, "{nets_m2} m² of nets");
+}
+
+#[test]
 fn house_walls_have_no_holes_but_windows() {
     let mut s = Stream::from_seed("walls", 0);
     for kind in HouseKind::ALL {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::super::materials::{LIT_AT_HOME, house_palette, jitter};
+use super::super::materials::{LIT_PANES, house_palette, jitter};
 use super::city_slot;
 use crate::lamp::Lamp;
 use crate::material::{Material, Palette, Pattern, Semantic};
@@ -81,6 +81,5 @@ pub fn city_palette(stream: &mut Stream) -> Arc<Palette> {
     set(city_slot::INSIDE, paint(jitter(stream, [0.16, 0.15, 0.13], 0.3, 0.03), Pattern::Plain, 0.4));
     set(city_slot::GOODS, paint(jitter(stream, goods, 0.3, 0.1), Pattern::Plain, 0.4));
     set(city_slot::LIGHT_GOODS, paint([0.55, 0.54, 0.50], Pattern::Plain, 0.5));
-    let panes = [slot::GLASS, slot::DARK_GLASS].map(|pane| (pane, LIT_AT_HOME));
-    Arc::new(Palette::new(materials).with_lit_panes(&panes))
+    Arc::new(Palette::new(materials).with_lit_panes(&LIT_PANES))
 }

@@ -2,7 +2,7 @@
 
 use super::super::Detail;
 use super::super::draw::{range, tube};
-use super::super::facade::{Filling, Opening, WallShape, wall};
+use super::super::facade::{Curtain, Filling, Opening, WallShape, wall};
 use super::super::materials::house_slot as slot;
 use super::super::wall_plane::WallPlane;
 use super::shop::Shop;
@@ -83,7 +83,7 @@ pub(super) fn draw_plain(
         for k in 0..count {
             let (u, v) = (width * (k as f32 + 0.5) / count as f32, d.floor(story) + 0.95);
             if s.chance(0.85) {
-                let filling = Filling::Window { sashes: 1, shutter: 0.0, curtain: false };
+                let filling = Filling::Window { sashes: 1, shutter: 0.0, curtain: Curtain::draw(&mut s, 0.5) };
                 openings.push(Opening { rect: [u - 0.5, u + 0.5, v, v + 1.4], filling });
             }
         }
@@ -120,8 +120,8 @@ fn lay_out(d: &CityDesign, width: f32, s: &mut Stream) -> Layout {
 }
 
 fn window(d: &CityDesign, s: &mut Stream) -> Filling {
-    let shutter = if s.chance(0.12) { [0.3, 0.5, 1.0][s.below(3)] } else { 0.0 };
-    Filling::Window { sashes: d.sashes, shutter, curtain: s.chance(0.55) }
+    let shutter = if s.chance(0.25) { [0.3, 0.5, 1.0][s.below(3)] } else { 0.0 };
+    Filling::Window { sashes: d.sashes, shutter, curtain: Curtain::draw(s, 0.55) }
 }
 
 /// A ground floor of shops, with the house's door and perhaps a gateway between them.
@@ -220,7 +220,7 @@ fn draw_bay(b: &mut MeshBuilder, d: &CityDesign, plane: &WallPlane, u: f32, deta
     let mut story = 1;
     while d.floor(story) + 0.8 + d.window.1 + 0.1 < high && story < d.stories {
         let v = d.floor(story) + 0.8;
-        let filling = Filling::Window { sashes: 2, shutter: 0.0, curtain: s.chance(0.5) };
+        let filling = Filling::Window { sashes: 2, shutter: 0.0, curtain: Curtain::draw(s, 0.5) };
         openings.push(Opening { rect: [width / 2.0 - half, width / 2.0 + half, v, v + d.window.1], filling });
         story += 1;
     }

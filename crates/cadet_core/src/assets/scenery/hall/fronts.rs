@@ -3,7 +3,7 @@
 use super::super::Detail;
 use super::super::city::{Shop, city_slot, write_name};
 use super::super::draw::{range, tube};
-use super::super::facade::{Filling, Opening, WallShape, wall};
+use super::super::facade::{Curtain, Filling, Opening, WallShape, wall};
 use super::super::materials::house_slot as slot;
 use super::super::wall_plane::WallPlane;
 use super::{Cladding, FOOT_M, HallDesign, HallKind, parts};
@@ -149,7 +149,7 @@ fn floors(d: &HallDesign, width: f32, side: usize, s: &mut Stream) -> Vec<Openin
                 openings.push(Opening { rect: [u + 0.2, u + 1.4, low, high], filling: Filling::Door });
                 continue;
             }
-            let curtain = s.chance(0.3);
+            let curtain = Curtain::draw(s, 0.3);
             let shutter = if s.chance(0.15) { [0.3, 0.6, 1.0][s.below(3)] } else { 0.0 };
             let filling = Filling::Window { sashes: 1, shutter, curtain };
             openings.push(Opening { rect: [u + pier / 2.0, u + pitch - pier / 2.0, z + sill, z + head], filling });
@@ -175,7 +175,7 @@ fn door(u: f32) -> Opening {
 }
 
 fn window(rect: [f32; 4], sashes: u8) -> Opening {
-    Opening { rect, filling: Filling::Window { sashes, shutter: 0.0, curtain: false } }
+    Opening { rect, filling: Filling::Window { sashes, shutter: 0.0, curtain: Curtain::None } }
 }
 
 /// Ribs or seams where nothing opens.
