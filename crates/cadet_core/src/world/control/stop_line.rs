@@ -1,11 +1,11 @@
 //! Where a driver stops before a junction, and asks for the way across it.
 
-use super::approach::{Crossing, STOP_LINE_M};
+use super::approach::{Crossing, LIGHT_LINE_M, STOP_LINE_M, line_m};
 use super::exit_room::exit_taken_by;
 use super::idm::COMFORTABLE_MPS2;
 use super::swing_out::swept_vehicle;
 use crate::math::{self, DVec3};
-use crate::town::{Aspect, Lane, LaneId, LaneKind, STOP_LINE_M as PAINTED_M};
+use crate::town::{Aspect, Lane, LaneId, LaneKind};
 use crate::world::junctions::{Junctions, Refusal, Request};
 use crate::world::physics::DT_S;
 use crate::world::roads::Roads;
@@ -13,8 +13,6 @@ use crate::world::route::Route;
 use crate::world::slot::{EGO, Slot};
 use crate::world::surroundings::Surroundings;
 
-/// The same before the line of a light.
-const LIGHT_LINE_M: f64 = PAINTED_M.1 + 0.9;
 /// Whose front is so far over that, a light does not hold any more: the painted line is farther yet.
 const OVER_LINE_M: f64 = -0.7;
 /// Lights are heeded from so much before one has to brake.
@@ -58,12 +56,9 @@ pub(super) fn stop_line(
     }
     let (k, start_m) = next_junction(route, roads, &|id| !junctions.holds(slot, id))?;
     let before = route.lanes[k - 1];
-    let is_held_by_light = roads.signals().arm_of(before).is_some();
-    let has_ford = is_held_by_light || roads.signals().has_zebra(before);
-    // Fords are kept free. Who is over the line before one waits at the junction itself.
-    let at_light_m = start_m - half_length_m - LIGHT_LINE_M;
-    let line_m = if has_ford && at_light_m > OVER_LINE_M { LIGHT_LINE_M } else { STOP_LINE_M };
-    let front_m = start_m - half_length_m - line_m;
+    // Who is over the line before a ford waits at the junction itself.
+    let at_line_m = start_m - half_length_m - line_m(before, roads);
+    let front_m = if at_line_m > OVER_LINE_M { at_line_m } else { start_m - half_length_m - STOP_LINE_M };
     let early_m = match (slot, is_tram) {
         (EGO, _) => EGO_ASKS_EARLIER_M,
         (_, true) => TRAM_ASKS_EARLIER_M,
@@ -90,7 +85,7 @@ pub(super) fn stop_line(
     let exit = exits.first().copied().unwrap_or(chain[chain.len() - 1]);
     let room_m = length_m + 2.5;
     let exit_taken_by = exit_taken_by(own, &exits, room_m, lane_use, junctions, roads);
-    let lets_pass = is_held_by_light && turns_left(roads.lane(chain[0]));
+    let lets_pass = roads.signals().arm_of(before).is_some() && turns_left(roads.lane(chain[0]));
     let asked = Request { car: slot, lanes: &chain, exit, room_m, exit_taken_by, lets_pass, has_priority: is_tram };
     junctions.request(&asked, step).err().map(|refusal| (front_m + 1.5, refusal))
 }

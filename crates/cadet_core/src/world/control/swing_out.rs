@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::approach::{Crossing, STOP_LINE_M};
+use super::approach::{Crossing, line_m};
 use crate::town::LaneId;
 use crate::world::footprint::Footprint;
 use crate::world::junctions::Junctions;
@@ -67,7 +67,7 @@ fn at_its_line(
     junctions: &Junctions,
     roads: &Roads,
 ) -> Option<Footprint> {
-    let on = lane_use.of(other.agent)?;
+    let on = lane_use.of(other.agent).filter(|on| roads.lane(on.lane).junction.is_none())?;
     let mut to_junction_m = roads.lane(on.lane).length_m() - on.s_m;
     let mut lanes = VecDeque::from([on.lane]);
     let mut next = roads.lane(on.lane).successors.first()?;
@@ -79,8 +79,8 @@ fn at_its_line(
             return None;
         }
     }
-    let goes_m = to_junction_m - STOP_LINE_M - on.half_length_m;
-    let is_ours = roads.lane(on.lane).junction.is_none() && roads.lane(*next).junction == roads.lane(lane).junction;
+    let goes_m = to_junction_m - line_m(lanes[lanes.len() - 1], roads) - on.half_length_m;
+    let is_ours = roads.lane(*next).junction == roads.lane(lane).junction;
     if !is_ours || goes_m < 0.0 || to_junction_m > STOPS_SOON_M || junctions.holds_any(other.agent) {
         return None;
     }
@@ -90,6 +90,7 @@ fn at_its_line(
 
 #[cfg(test)]
 mod tests {
+    use super::super::approach::STOP_LINE_M;
     use super::*;
     use crate::math::{self, DVec2, DVec3};
     use crate::rng::Stream;
