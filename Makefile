@@ -22,7 +22,7 @@ unexport PYTHONPATH
 unexport PYTHONHOME
 
 .PHONY: help check-rust check-python setup build build-dev demo test test-core lint test-rust test-python emulator golden \
-	fuzz bench bench-peers gallery docs fmt clean
+	fuzz bench bench-peers bench-traffic gallery docs fmt clean
 .NOTPARALLEL:
 
 help: ## List the targets
@@ -114,6 +114,10 @@ bench: check-rust ## Measure the core with criterion
 bench-peers: WITHOUT_AVOD := yes
 bench-peers: build-dev ## Time the ideal scan against Embree and parry on the same triangles
 	$(BIN)/python benches/peers.py
+
+bench-traffic: WITHOUT_AVOD := yes
+bench-traffic: build-dev ## Let 200 episodes run: who overlaps, floats, sinks, or stands (half an hour)
+	$(BIN)/python benches/traffic.py -n 200 --workers 2
 
 gallery: build ## Draw every family of actors, every district in several weathers, and scans to gallery/ (minutes)
 	$(BIN)/cadet gallery gallery $(if $(REAL),--real $(REAL))
