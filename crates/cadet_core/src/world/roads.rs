@@ -42,7 +42,7 @@ impl Roads {
         let lanes = &town.network.lanes;
         let curvatures: Vec<Vec<f64>> = lanes.iter().map(curvatures).collect();
         let allowed_mps = lanes.iter().zip(&curvatures).map(|(l, c)| allowed_speeds(l, c)).collect();
-        let room = Room::beside(&curvatures);
+        let room = Room::beside(curvatures);
         let bounds = lanes
             .iter()
             .map(|l| {
@@ -191,13 +191,13 @@ impl Roads {
 /// What bends and limit allow at each point.
 fn allowed_speeds(lane: &Lane, curvatures: &[f64]) -> Vec<f64> {
     let allowed = |curvature: &f64| {
-        let bend = if *curvature > 1e-4 { (LATERAL_MPS2 / curvature).sqrt() } else { f64::INFINITY };
+        let bend = if curvature.abs() > 1e-4 { (LATERAL_MPS2 / curvature.abs()).sqrt() } else { f64::INFINITY };
         bend.max(2.0).min(lane.speed_limit_mps.max(2.0))
     };
     curvatures.iter().map(allowed).collect()
 }
 
-/// Curvature of the polyline at each point from the turn over about 3 m to either side.
+/// Curvature of the polyline at each point, to the left above 0, from the turn over about 3 m to either side.
 fn curvatures(lane: &Lane) -> Vec<f64> {
     let at = |s: f64| {
         let s = s.clamp(0.0, lane.length_m());
@@ -213,7 +213,7 @@ fn curvatures(lane: &Lane) -> Vec<f64> {
             let (a, b, c) = (at(s - half), at(s), at(s + half));
             let (ab, bc) = (b - a, c - b);
             let span = (ab.length() + bc.length()) / 2.0;
-            let turn = math::atan2(ab.perp_dot(bc), ab.dot(bc)).abs();
+            let turn = math::atan2(ab.perp_dot(bc), ab.dot(bc));
             if span > 0.5 { turn / span } else { 0.0 }
         })
         .collect()

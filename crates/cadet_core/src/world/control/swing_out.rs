@@ -1,4 +1,4 @@
-//! Long vehicles swing out in tight turns: who is in their way.
+//! Vehicles swing out in tight turns, long ones most: who is in their way.
 
 use std::collections::VecDeque;
 
@@ -15,7 +15,9 @@ use crate::world::surroundings::VehicleAt;
 /// Who is slower than this stands in the way of those who turn, and the room they need beside it.
 const STANDS_MPS: f64 = 0.5;
 const SWEEP_ROOM_M: f64 = 0.3;
-/// Vehicles from this length on swing out in tight turns that they may take.
+/// The same of cars, which come out of tight turns up to 25 cm wide of their line and not straight yet.
+const CAR_SWEEP_ROOM_M: f64 = 0.4;
+/// Vehicles from this length on swing out for their length.
 const SWINGS_OUT_M: f64 = 4.9;
 /// How far behind the middle the point is that follows the line in a bend, of the length: the rear axle, and more, as
 /// drivers steer late.
@@ -23,7 +25,7 @@ const FOLLOWS_BEHIND: f64 = 0.4;
 /// Who is nearer to the junction than this is reckoned with as if it stood at its line.
 const STOPS_SOON_M: f64 = 65.0;
 
-/// Who stands, or is about to stop, where a long vehicle would swing into the oncoming lane: at the line of an arm that it
+/// Who stands, or is about to stop, where a vehicle would swing into the oncoming lane: at the line of an arm that it
 /// turns into, or on the way there. Nose to nose, neither would get past the other.
 pub(super) fn swept_vehicle(
     own: &Crossing<'_>,
@@ -34,9 +36,7 @@ pub(super) fn swept_vehicle(
     roads: &Roads,
 ) -> Option<Slot> {
     let length_m = 2.0 * own.footprint.half_length_m;
-    if length_m < SWINGS_OUT_M && chain.iter().all(|lane| own.route.may_use(*lane, roads)) {
-        return None;
-    }
+    let room_m = if length_m < SWINGS_OUT_M { CAR_SWEEP_ROOM_M } else { SWEEP_ROOM_M };
     let across_m: f64 = chain.iter().map(|lane| roads.lane(*lane).length_m()).sum();
     let others: Vec<(Slot, Footprint)> = vehicles
         .iter()
@@ -53,7 +53,7 @@ pub(super) fn swept_vehicle(
         // The rear axle follows on a tighter bend, so that the heading lags behind the lane's.
         let behind = own.route.ahead((at_m - FOLLOWS_BEHIND * 2.0 * length_m).max(0.0), roads);
         let heading = (there.at - behind.at).normalize_or(there.tangent);
-        let swept = Footprint { center: there.at, heading, ..*own.footprint }.grown(SWEEP_ROOM_M);
+        let swept = Footprint { center: there.at, heading, ..*own.footprint }.grown(room_m);
         let meets = |o: &Footprint| o.heading.dot(there.tangent) < 0.0 && swept.overlaps(o);
         others.iter().find(|(_, o)| meets(o)).map(|(agent, _)| *agent)
     })
@@ -105,6 +105,20 @@ mod tests {
     /// lane that comes toward it out of the arm that it turns into, so far before the junction. The car may cross if it
     /// `holds` the junction.
     fn in_the_way(size_lwh: DVec3, needs: Needs, oncoming_m: f64, oncoming_mps: f64, holds: bool) -> Option<Slot> {
+        let comes = Oncoming { size_lwh: DVec3::new(4.4, 1.8, 1.5), apart_m: 3.0, mps: oncoming_mps, holds };
+        in_the_way_of(size_lwh, needs, oncoming_m, comes)
+    }
+
+    /// Who comes toward it on a line so far beside the one that it follows.
+    struct Oncoming {
+        size_lwh: DVec3,
+        apart_m: f64,
+        mps: f64,
+        holds: bool,
+    }
+
+    fn in_the_way_of(size_lwh: DVec3, needs: Needs, oncoming_m: f64, comes: Oncoming) -> Option<Slot> {
+        let oncoming_mps = comes.mps;
         let roads = Roads::new(crossing());
         let into = roads.lanes().iter().find(|l| l.junction.is_none() && l.successors.len() == 3).unwrap();
         let turns_right = |route: &Route| {
@@ -128,8 +142,8 @@ mod tests {
         let footprint = rectangle(here.at, here.tangent, size_lwh, 2.0);
         // The lane that leads into the junction beside the one that is left on.
         let exit = route.ahead(12.0 + roads.lane(chain[0]).length_m() + oncoming_m, &roads);
-        let oncoming =
-            rectangle(exit.at + exit.tangent.perp() * 3.0, -exit.tangent, DVec3::new(4.4, 1.8, 1.5), oncoming_mps);
+        let beside = exit.at + exit.tangent.perp() * comes.apart_m;
+        let oncoming = rectangle(beside, -exit.tangent, comes.size_lwh, oncoming_mps);
         let vehicle = |agent, footprint| VehicleAt { agent, footprint, is_cycle: false };
         let vehicles = [vehicle(1, footprint), vehicle(2, oncoming)];
         let heading_rad = math::atan2(oncoming.heading.y, oncoming.heading.x);
@@ -137,7 +151,7 @@ mod tests {
         let mut lane_use = LaneUse::default();
         lane_use.push(OnLane { lane, agent: 2, s_m, half_length_m: 2.2, speed_mps: oncoming_mps });
         let mut junctions = Junctions::new(&roads);
-        if holds {
+        if comes.holds {
             let (exit, exit_taken_by) = (lane, None);
             let asked = Request {
                 car: 2,
@@ -165,5 +179,16 @@ mod tests {
         assert_eq!(in_the_way(BUS_LWH, needs, 20.0, 0.0, false), None, "far from the junction");
         let car = DVec3::new(4.4, 1.8, 1.5);
         assert_eq!(in_the_way(car, Needs::default(), line, 0.0, false), None, "a car stays in its lane");
+    }
+
+    #[test]
+    fn a_car_waits_for_a_wide_van_at_the_line_of_a_narrow_arm() {
+        let car = DVec3::new(4.4, 1.67, 1.6);
+        let at_line = |size_lwh: DVec3| {
+            let comes = Oncoming { size_lwh, apart_m: 2.4, mps: 0.0, holds: false };
+            in_the_way_of(car, Needs::default(), STOP_LINE_M + size_lwh.x / 2.0, comes)
+        };
+        assert_eq!(at_line(DVec3::new(5.3, 2.27, 2.5)), Some(2), "a van that fills its lane");
+        assert_eq!(at_line(DVec3::new(4.4, 1.75, 1.5)), None, "cars pass each other");
     }
 }
