@@ -15,6 +15,8 @@ pub(super) const CAR_STRAIGHT: f64 = 1.2;
 pub(super) const LONG_STRAIGHT: f64 = 500.0;
 /// How much less likely a way is that has no room for a vehicle.
 const TOO_NARROW: f64 = 1e-5;
+/// Draws of another way at a junction.
+const OTHER_WAYS: u32 = 16;
 /// How far ahead a route is always known.
 const ROUTE_AHEAD_M: f64 = 110.0;
 const FAST_AHEAD_M: f64 = 450.0;
@@ -164,6 +166,20 @@ impl Route {
     fn extend(&mut self, roads: &Roads) {
         let is_fast = roads.is_fast(self.lanes[0]);
         self.extend_to(if is_fast { FAST_AHEAD_M } else { ROUTE_AHEAD_M }, roads);
+    }
+
+    /// Takes another way at the next junction, if another leads on; whether it does.
+    pub fn turn_elsewhere(&mut self, roads: &Roads) -> bool {
+        let is_across = |id: &LaneId| roads.lane(*id).junction.is_some();
+        let Some(k) = self.lanes.iter().position(is_across).filter(|k| *k > 0) else { return false };
+        let (before, refused) = (roads.lane(self.lanes[k - 1]), self.lanes[k]);
+        let draws = (0..OTHER_WAYS).filter_map(|_| self.choose(before, roads)).collect::<Vec<_>>();
+        let leads_on = |id: &LaneId| *id != refused && (!self.needs.is_some() || self.leads_on(*id, roads));
+        let Some(other) = draws.into_iter().find(leads_on) else { return false };
+        self.lanes.truncate(k);
+        self.lanes.push_back(other);
+        self.extend(roads);
+        true
     }
 
     /// The way that will be driven, known farther ahead than drivers know it themselves.

@@ -29,8 +29,21 @@ pub(crate) struct Chassis {
     mass_kg: f64,
     steer_rad: f64,
     accel_mps2: f64,
-    /// Where the brakes hold the car, once it stands.
-    held_at: Option<DVec3>,
+    /// How the brakes hold the car, once it stands.
+    held: Option<Held>,
+}
+
+/// Where a car stands, and the way that it faces.
+#[derive(Debug, Clone, Copy)]
+struct Held {
+    at: DVec3,
+    forward: DVec3,
+}
+
+impl Held {
+    fn of(world_from_box: &DPose3) -> Self {
+        Self { at: world_from_box.translation, forward: world_from_box.rotation * DVec3::X }
+    }
 }
 
 impl Chassis {
@@ -81,7 +94,7 @@ impl Chassis {
                 &tuning,
             );
         }
-        Self { body, model, controller, mass_kg, steer_rad: 0.0, accel_mps2: 0.0, held_at: None }
+        Self { body, model, controller, mass_kg, steer_rad: 0.0, accel_mps2: 0.0, held: None }
     }
 
     /// Sets what the driver wants from now on. `stand` asks for a stop that holds.
@@ -92,9 +105,9 @@ impl Chassis {
         // A driver's foot takes about a fifth of a second.
         self.accel_mps2 += (accel_mps2 - self.accel_mps2) * (DT_S / 0.2).min(1.0);
         if !stand {
-            self.held_at = None;
-        } else if self.held_at.is_none() && self.speed_mps(physics).abs() < HOLD_SPEED_MPS {
-            self.held_at = Some(self.world_from_box(physics).translation);
+            self.held = None;
+        } else if self.held.is_none() && self.speed_mps(physics).abs() < HOLD_SPEED_MPS {
+            self.held = Some(Held::of(&self.world_from_box(physics)));
         }
     }
 
@@ -105,9 +118,9 @@ impl Chassis {
         let (forward, left) = (pose.rotation * DVec3::X, pose.rotation * DVec3::Y);
         let on_ground = self.controller.wheels().iter().filter(|w| w.raycast_info().is_in_contact).count();
         let mut accel = self.accel_mps2;
-        if let Some(held) = self.held_at {
+        if let Some(held) = self.held {
             let velocity = body.linvel().as_dvec3();
-            accel = (-25.0 * (pose.translation - held).dot(forward) - 10.0 * velocity.dot(forward)).clamp(-6.0, 6.0);
+            accel = (-25.0 * (pose.translation - held.at).dot(forward) - 10.0 * velocity.dot(forward)).clamp(-6.0, 6.0);
         }
         let force = self.mass_kg * (accel + GRAVITY_MPS2 * forward.z) / 4.0;
         for (i, wheel) in self.controller.wheels_mut().iter_mut().enumerate() {
@@ -120,9 +133,15 @@ impl Chassis {
         let body = &mut physics.world.bodies[self.body];
         if on_ground >= 3 {
             let mut sideways = left * (GRAVITY_MPS2 * left.z);
-            if let Some(held) = self.held_at {
+            if let Some(held) = self.held {
                 let velocity = body.linvel().as_dvec3();
-                sideways -= left * (25.0 * (pose.translation - held).dot(left) + 4.0 * velocity.dot(left));
+                sideways -= left * (25.0 * (pose.translation - held.at).dot(left) + 4.0 * velocity.dot(left));
+                // Turned wheels would let the car turn where it stands.
+                let turned_rad = math::asin(held.forward.cross(forward).z.clamp(-1.0, 1.0));
+                let inertia = self.mass_kg / 12.0 * (self.model.size_lwh.x.powi(2) + self.model.size_lwh.y.powi(2));
+                let turning_radps = f64::from(body.angvel().z);
+                let torque = -inertia * (25.0 * turned_rad + 4.0 * turning_radps);
+                body.apply_torque_impulse((DVec3::Z * (torque * DT_S)).as_vec3(), false);
             }
             body.apply_impulse((sideways * self.mass_kg * DT_S).as_vec3(), false);
         }
@@ -143,7 +162,7 @@ impl Chassis {
         body.set_angvel(Vector::ZERO, true);
         self.steer_rad = 0.0;
         self.accel_mps2 = 0.0;
-        self.held_at = Some(world_from_box.translation);
+        self.held = Some(Held::of(world_from_box));
     }
 
     pub fn world_from_box(&self, physics: &Physics) -> DPose3 {

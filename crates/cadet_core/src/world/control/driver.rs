@@ -13,6 +13,7 @@ use crate::town::LaneId;
 use crate::world::body::Body;
 use crate::world::ego_command::EgoCommand;
 use crate::world::footprint::Footprint;
+use crate::world::junctions::Refusal;
 use crate::world::physics::{DT_S, Physics};
 use crate::world::roads::Roads;
 use crate::world::route::Route;
@@ -36,6 +37,8 @@ const SIDEWAYS_SHARE: f64 = 0.2;
 /// Who has stood for so long makes do with less room for a while.
 const WAITED_STEPS: u64 = 10 * 60;
 const SQUEEZES_STEPS: u64 = 8 * 60;
+/// Who has stood for so long before a junction takes another way across it, if that is free.
+const GIVES_UP_STEPS: u64 = 25 * 60;
 /// Who is so far from the line that is wanted is changing lines, and shows it.
 const SHIFTING_M: f64 = 0.3;
 
@@ -47,6 +50,8 @@ pub(crate) struct Driver {
     pub standing_steps: u64,
     /// Until then less room beside others will do.
     squeezes_until: u64,
+    /// Until then it waits to go the way that it goes.
+    patient_until: u64,
     idm: IdmParameters,
     interaction_mps2: f64,
     desired_mps: f64,
@@ -66,6 +71,7 @@ impl Driver {
             route,
             standing_steps: 0,
             squeezes_until: 0,
+            patient_until: 0,
             idm,
             interaction_mps2: 0.0,
             desired_mps: 0.0,
@@ -118,7 +124,7 @@ impl Driver {
     fn shift_line(&mut self, speed_mps: f64) {
         let (Some(route), Some(own_m)) = (&mut self.route, self.own_offset_m) else { return };
         if let Some(change) = &mut self.lanes.change {
-            let (offset_m, is_over) = change.step();
+            let (offset_m, is_over) = change.step(speed_mps);
             route.offset_m = offset_m;
             self.lanes.change = self.lanes.change.filter(|_| !is_over);
             return;
@@ -151,6 +157,19 @@ impl Driver {
         let (Some(route), Some(offset_m)) = (&mut self.route, self.own_offset_m) else { return };
         let decider = Decider { slot, own, idm: &self.idm, offset_m };
         self.lanes.decide(&decider, route, around, roads, step);
+    }
+
+    /// Takes another way where somebody has stood in the wanted one for long: of two who wait for each other to get out
+    /// of an arm that is too narrow for both, neither would ever move.
+    fn give_up(&mut self, slot: Slot, around: &mut Surroundings, roads: &Roads, step: u64) {
+        let is_barred = matches!(self.cause, Cause::Junction(Refusal::Taken(_))) && self.command.is_none();
+        if !is_barred || self.standing_steps < GIVES_UP_STEPS || step < self.patient_until {
+            return;
+        }
+        self.patient_until = step + GIVES_UP_STEPS;
+        if self.route.as_mut().is_some_and(|route| route.turn_elsewhere(roads)) {
+            around.junctions.renounce(slot, &[]);
+        }
     }
 
     /// What others have to know of a lane change.
@@ -219,6 +238,7 @@ impl Controller for Driver {
                 self.interaction_mps2 = self.interaction_mps2.min(self.lanes.stays_behind_mps2);
             }
         }
+        self.give_up(own.slot, around, roads, step);
         let claim = self.claim(around.vehicle(own.slot), roads);
         around.set_claim(own.slot, claim);
         *around.way_ahead_mut(own.slot) = ahead;

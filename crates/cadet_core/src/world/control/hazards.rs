@@ -20,7 +20,7 @@ const BEFORE_FRONT_M: f64 = 8.0;
 /// How far one looks on a motorway.
 const FAST_SIGHT_M: f64 = 260.0;
 /// Room kept beside what stands, and beside what moves.
-const SIDE_STANDING_M: f64 = 0.12;
+pub(crate) const SIDE_STANDING_M: f64 = 0.12;
 const SIDE_MOVING_M: f64 = 0.25;
 /// The same beside what moves, of who has waited long: two buses pass each other in narrow lanes with less than usual.
 const SIDE_SQUEEZING_M: f64 = 0.08;

@@ -85,14 +85,16 @@ pub(super) struct LaneChange {
     pub to_left: bool,
     from_m: f64,
     to_m: f64,
-    steps: u64,
+    /// The share of its time that is over.
+    share: f64,
 }
 
 impl LaneChange {
-    /// The offset from the new lane's middle after one more step, and whether that was the last.
-    pub fn step(&mut self) -> (f64, bool) {
-        self.steps += 1;
-        let t = self.steps as f64 * DT_S / ACROSS_S;
+    /// The offset from the new lane's middle after one more step, and whether that was the last. Who slows down or stops
+    /// on the way takes longer: nobody moves sideways without going ahead.
+    pub fn step(&mut self, speed_mps: f64) -> (f64, bool) {
+        self.share += (speed_mps / LEAST_MPS).clamp(0.0, 1.0) * DT_S / ACROSS_S;
+        let t = self.share;
         (self.from_m + (self.to_m - self.from_m) * share_across(t), t >= 1.0)
     }
 
@@ -189,7 +191,7 @@ impl LaneChoice {
         }
         if let Some((id, to_left, _)) = best {
             let from_m = route.change_to(id, roads);
-            self.change = Some(LaneChange { to_left, from_m, to_m: by.offset_m, steps: 0 });
+            self.change = Some(LaneChange { to_left, from_m, to_m: by.offset_m, share: 0.0 });
             self.rests_until = step + ((ACROSS_S + STAY_S) / DT_S) as u64;
         }
     }
@@ -283,10 +285,10 @@ mod tests {
 
     #[test]
     fn the_way_across_begins_and_ends_at_rest_with_bounded_jerk() {
-        let mut change = LaneChange { to_left: true, from_m: -3.75, to_m: 0.1, steps: 0 };
+        let mut change = LaneChange { to_left: true, from_m: -3.75, to_m: 0.1, share: 0.0 };
         let mut offsets = vec![-3.75];
         loop {
-            let (offset_m, is_over) = change.step();
+            let (offset_m, is_over) = change.step(9.0);
             offsets.push(offset_m);
             if is_over {
                 break;
@@ -306,5 +308,19 @@ mod tests {
             (3.0..5.0).contains(&(offsets.len() as f64 * DT_S)) && (offsets[offsets.len() - 1] - 0.1).abs() < 1e-12
         );
         assert!(speeds[0].abs() < 0.01 && speeds[speeds.len() - 1].abs() < 0.01);
+    }
+
+    #[test]
+    fn who_stops_on_the_way_across_goes_no_farther_sideways() {
+        let mut change = LaneChange { to_left: false, from_m: 3.1, to_m: 0.0, share: 0.0 };
+        let mut go = |speed_mps: f64, steps: u32| (0..steps).map(|_| change.step(speed_mps).0).last().unwrap();
+        let begun_m = go(5.0, 60);
+        assert!(begun_m > 2.5 && begun_m < 3.1, "{begun_m}");
+        assert_eq!(go(0.0, 600), begun_m, "stands");
+        assert_eq!(go(-0.1, 60), begun_m, "rocks on its springs");
+        let (slow_m, steps) = (go(1.0, 60), 60.0);
+        // No more than a third of the way that is gone ahead.
+        assert!((begun_m - slow_m) < 1.0 * steps * DT_S / 3.0, "{begun_m} {slow_m}");
+        assert_eq!(go(5.0, 600), 0.0);
     }
 }

@@ -29,7 +29,7 @@ pub(super) use controller::{Controller, Own};
 pub(super) use cyclist::Cyclist;
 pub(super) use driver::Driver;
 pub(super) use footing::{BODY_M, nearness};
-pub(super) use hazards::Cause;
+pub(super) use hazards::{Cause, SIDE_STANDING_M};
 pub(super) use idm::IdmParameters;
 pub(super) use lane_view::LaneView;
 pub(super) use motion::{Company, Motion, Walk};

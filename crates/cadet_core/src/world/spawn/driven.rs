@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::config::{DRIVEN_MIX, DRIVEN_TRUCKS, DRIVEN_USER_MIX, MOTORWAY_TRUCKS};
 use super::newcomers::driven_vehicle;
+use super::parking::OFF_LANES_M;
 use super::spawner::Spawner;
 use crate::actor::ObjectClass;
 use crate::assets::vehicle::VehicleModel;
@@ -13,7 +14,7 @@ use crate::rng::Stream;
 use crate::town::{Lane, LaneId};
 use crate::world::arena::Newcomer;
 use crate::world::body::{Chassis, settle};
-use crate::world::control::IdmParameters;
+use crate::world::control::{IdmParameters, SIDE_STANDING_M};
 use crate::world::footprint::Footprint;
 use crate::world::physics::Physics;
 use crate::world::roads::Roads;
@@ -132,6 +133,9 @@ impl Spawner<'_> {
         }
         let roads = &self.arena.streets.roads;
         let half_m = model.size_lwh.x / 2.0;
+        // Who kept farther off the middle would not get past what stands beside it.
+        let beside_m = needs.clear_m().unwrap_or(OFF_LANES_M);
+        let most_m = (beside_m - model.size_lwh.y / 2.0 - SIDE_STANDING_M).max(0.0);
         let straight = if half_m > 2.7 { LONG_STRAIGHT } else { CAR_STRAIGHT };
         let lanes = roads.open_lanes().filter(|l| !needs.is_some() || roads.fits(l.id, needs));
         let places = self.places_on(lanes, half_m, ring_m, hidden);
@@ -142,7 +146,7 @@ impl Spawner<'_> {
             let (lane_id, s_m, _) = *places.get(stream.weighted(&weights))?;
             let lane = roads.lane(lane_id);
             let s_m = s_m + stream.range(0.0, 3.5);
-            let offset_m = stream.clipped_normal(0.0, 0.1);
+            let offset_m = stream.clipped_normal(0.0, 0.1).clamp(-most_m, most_m);
             let is_lit = roads.signals().arm_of(lane_id).is_some();
             if is_lit && ON_LINE_M.contains(&(lane.length_m() - s_m - half_m)) {
                 continue;

@@ -33,7 +33,7 @@ const DELIVERING_SHARE: f64 = 0.06;
 const OPEN_SHARE: f64 = 0.02;
 
 /// Room between a parked vehicle and the middle of every lane.
-const OFF_LANES_M: f64 = 1.25;
+pub(super) const OFF_LANES_M: f64 = 1.25;
 /// The same of every lane for bicycles.
 const OFF_CYCLE_LANES_M: f64 = 0.75;
 

@@ -2,6 +2,7 @@
 
 use super::towns::suburb;
 use super::*;
+use crate::town::LaneId;
 use crate::world::control::{Cause, Controller as _};
 
 /// What the ego brakes for, and where the people on the road near it are and want to go.
@@ -78,4 +79,48 @@ fn the_ego_seldom_stands_where_views_are_taken() {
     assert!(share <= 0.12, "the ego stands at {share:.3} of the views");
     // Twelve seconds: in dense traffic one may wait for a queue as long as at a red light.
     assert!(longest.len() <= 6, "the ego stands for {} views in a row: {longest:?}", longest.len());
+}
+
+#[test]
+fn who_waits_in_vain_before_a_junction_takes_another_way() {
+    let mut turned = 0;
+    for seed in 0..6 {
+        let town = crossing();
+        let mut world = World::new(Arc::clone(&town), StreamKey::scene(seed)).unwrap();
+        let roads = &Roads::new(town);
+        let route = cars(&world)[0].1.route.clone().unwrap();
+        let Some(k) = route.lanes.iter().position(|l| roads.lane(*l).junction.is_some()) else { continue };
+        let (before, wanted) = (roads.lane(route.lanes[k - 1]), route.lanes[k]);
+        let across = |id: LaneId, car: usize, junctions: &mut Junctions| {
+            let exit = roads.lane(id).successors[0];
+            let asked = Request {
+                car,
+                lanes: &[id],
+                exit,
+                room_m: 1.0,
+                exit_taken_by: None,
+                lets_pass: false,
+                has_priority: false,
+            };
+            junctions.request(&asked, 0).is_ok()
+        };
+        // A way whose user bars the one that is wanted, but not another.
+        let bars = |id: &LaneId| {
+            let may = |own: LaneId| {
+                let mut junctions = Junctions::new(roads);
+                across(*id, 99, &mut junctions) && across(own, 0, &mut junctions)
+            };
+            !may(wanted) && before.successors.iter().any(|own| may(*own))
+        };
+        let others = roads.lanes().iter().filter(|l| l.junction.is_some() && !before.successors.contains(&l.id));
+        let barring = others.map(|l| l.id).find(bars).expect("a way that bars it");
+        assert!(across(barring, 99, &mut world.arena.around.junctions), "seed {seed}");
+        let from_m = position(&world, world.arena.ego());
+        world.step(80 * SECOND);
+        let taken = &cars(&world)[0].1.route.as_ref().unwrap().lanes;
+        let gone_m = (position(&world, world.arena.ego()) - from_m).length();
+        assert!(!taken.contains(&before.id), "seed {seed}: stands after {gone_m} m, {:?}", cars(&world)[0].1.cause());
+        turned += 1;
+    }
+    assert!(turned >= 4, "{turned}");
 }
