@@ -111,6 +111,11 @@ impl Chassis {
         }
     }
 
+    /// Whether the brakes hold it where it stands.
+    pub fn is_held(&self) -> bool {
+        self.held.is_some()
+    }
+
     /// Casts the wheels' rays and pushes the body; to be followed by the physics step.
     pub fn apply(&mut self, physics: &mut Physics) {
         let body = &physics.world.bodies[self.body];
@@ -140,7 +145,7 @@ impl Chassis {
                 let turned_rad = math::asin(held.forward.cross(forward).z.clamp(-1.0, 1.0));
                 let inertia = self.mass_kg / 12.0 * (self.model.size_lwh.x.powi(2) + self.model.size_lwh.y.powi(2));
                 let turning_radps = f64::from(body.angvel().z);
-                let torque = -inertia * (25.0 * turned_rad + 4.0 * turning_radps);
+                let torque = -inertia * (100.0 * turned_rad + 15.0 * turning_radps);
                 body.apply_torque_impulse((DVec3::Z * (torque * DT_S)).as_vec3(), false);
             }
             body.apply_impulse((sideways * self.mass_kg * DT_S).as_vec3(), false);

@@ -24,6 +24,10 @@ use crate::world::turn_signal::TurnSignal;
 
 /// A car slower than this stands.
 const STANDS_MPS: f64 = 0.1;
+/// A car that hardly moves is held below this acceleration, and then until it is worth starting: at one limit for both
+/// it would start and stop by turns, a millimeter at a time.
+const STOPS_MPS2: f64 = 0.05;
+const STARTS_MPS2: f64 = 0.15;
 /// What the brakes of a car that stands are pressed as if for.
 const STANDING_MPS2: f64 = -1.0;
 /// Speed and acceleration below which brake lamps stay lit.
@@ -261,7 +265,8 @@ impl Controller for Driver {
                 let wheelbase_m = chassis.wheelbase_m();
                 let steer = pursue(rear_axle, heading, wheelbase_m, axle_m, speed, route, &streets.roads);
                 let mut accel = self.pressed_mps2(speed);
-                let stand = accel < 0.05 && speed < 0.4;
+                let starts_mps2 = if chassis.is_held() { STARTS_MPS2 } else { STOPS_MPS2 };
+                let stand = accel < starts_mps2 && speed < 0.4;
                 // Who has closed up keeps a foot on the brake, though centimeters are left to go.
                 let holds = stand || speed < HOLDS_BELOW_MPS && accel < HOLDS_BELOW_MPS2;
                 own.appearance.accelerate(if holds { STANDING_MPS2 } else { accel });

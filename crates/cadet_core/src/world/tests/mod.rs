@@ -97,6 +97,31 @@ fn a_car_on_a_slope_settles_along_it_and_does_not_creep() {
 }
 
 #[test]
+fn a_car_that_stands_with_turned_wheels_does_not_turn() {
+    for (rise_per_m, steer_rad) in [(0.0, 0.5), (0.0, -0.5), (0.05, 0.5), (0.05, -0.3)] {
+        for yaw in [0.0, 1.0, 2.5] {
+            let mut world = World::new(slope(rise_per_m), StreamKey::scene(1)).unwrap();
+            world.move_ego(3.0, 2.0, yaw, Overlap::Refuse).unwrap();
+            world.step(2 * SECOND);
+            let heading = |world: &World| footprint(world, world.arena.ego()).heading;
+            let (before, at) = (heading(&world), position(&world, world.arena.ego()));
+            for _ in 0..60 * SECOND {
+                let Body::Sprung(chassis) = &mut world.arena.agents[0].body else { unreachable!("the ego has wheels") };
+                chassis.command(-1.0, steer_rad, true, &world.arena.physics);
+                chassis.apply(&mut world.arena.physics);
+                world.arena.physics.step();
+            }
+            let turned_deg = math::asin(before.perp_dot(heading(&world))).to_degrees();
+            let gone_m = (position(&world, world.arena.ego()) - at).length();
+            assert!(
+                turned_deg.abs() < 0.05 && gone_m < 0.02,
+                "{rise_per_m}, {steer_rad}, {yaw}: {turned_deg} degrees, {gone_m} m"
+            );
+        }
+    }
+}
+
+#[test]
 fn a_car_follows_a_hilly_bend_at_its_speed_heading_forwards() {
     let town = hilly_ring();
     let mut world = World::new(Arc::clone(&town), StreamKey::scene(2)).unwrap();
