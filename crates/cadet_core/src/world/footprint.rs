@@ -52,6 +52,17 @@ impl Footprint {
         ![self.heading, self.heading.perp(), other.heading, other.heading.perp()].into_iter().any(separated)
     }
 
+    /// What it covers until so much time is over, if it goes straight on.
+    pub fn swept(&self, time_s: f64) -> Self {
+        let way = self.velocity * time_s;
+        Self {
+            center: self.center + way / 2.0,
+            heading: way.normalize_or(self.heading),
+            half_length_m: self.half_length_m + way.length() / 2.0,
+            ..*self
+        }
+    }
+
     /// The rectangle grown on all sides.
     pub fn grown(&self, by_m: f64) -> Self {
         Self { half_length_m: self.half_length_m + by_m, half_width_m: self.half_width_m + by_m, ..*self }

@@ -16,8 +16,8 @@ const SUSPENSION_HZ: f64 = 1.35;
 const DAMPING_RATIO: f64 = 0.65;
 /// Unloaded length of a spring.
 const SPRING_LENGTH_M: f64 = 0.30;
-const MAX_STEER_RAD: f64 = 0.62;
-const STEER_RATE_RADPS: f64 = 0.9;
+pub(crate) const MAX_STEER_RAD: f64 = 0.62;
+pub(crate) const STEER_RATE_RADPS: f64 = 0.9;
 /// Below this speed a car that means to stop is held where it is, as by its brakes.
 const HOLD_SPEED_MPS: f64 = 0.12;
 

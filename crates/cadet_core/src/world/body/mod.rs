@@ -8,7 +8,7 @@ mod settle;
 mod upright;
 mod wheels;
 
-pub(super) use chassis::Chassis;
+pub(super) use chassis::{Chassis, MAX_STEER_RAD, STEER_RATE_RADPS};
 pub(super) use cycle::{Cycle, stand_up};
 pub(super) use fixed::Fixed;
 pub(super) use guided::{Guided, Step};

@@ -1,5 +1,6 @@
 //! Who comes to a junction, and where it stops before one.
 
+use super::pursuit::Axles;
 use crate::town::{LaneId, STOP_LINE_M as PAINTED_M};
 use crate::world::footprint::Footprint;
 use crate::world::roads::Roads;
@@ -24,6 +25,8 @@ pub(super) struct Crossing<'a> {
     pub slot: Slot,
     pub route: &'a Route,
     pub footprint: &'a Footprint,
+    /// Of who steers.
+    pub axles: Option<Axles>,
     /// All of a train; as long as the vehicle otherwise.
     pub length_m: f64,
     /// Whether it is a tram, which all others let go first.

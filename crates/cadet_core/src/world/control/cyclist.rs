@@ -125,6 +125,7 @@ impl Controller for Cyclist {
             footprint: &footprint,
             route: &self.route,
             idm: &self.idm,
+            axles: None,
             train_m: None,
             squeezes: false,
         };

@@ -5,12 +5,12 @@ use super::hazards::{Cause, OnRoute, in_sight, traffic_aside, worst_hazard};
 use super::idm::{IdmParameters, pedals};
 use super::lane_change::{Decider, LaneChoice};
 use super::overtaking::{HURRY, Overtaking};
-use super::pursuit::pursue;
+use super::pursuit::{Axles, pursue};
 use super::stop_line::leave_junctions;
 use super::turning::signal_for;
 use crate::math::DVec3;
 use crate::town::LaneId;
-use crate::world::body::Body;
+use crate::world::body::{Body, Chassis};
 use crate::world::ego_command::EgoCommand;
 use crate::world::footprint::Footprint;
 use crate::world::junctions::Refusal;
@@ -201,6 +201,10 @@ impl Driver {
     }
 }
 
+pub(super) fn axles_of(chassis: &Chassis) -> Axles {
+    Axles { wheelbase_m: chassis.wheelbase_m(), rear_m: chassis.rear_axle_m() }
+}
+
 impl Controller for Driver {
     fn look(&mut self, own: Own<'_>, around: &mut Surroundings, streets: &Streets, step: u64) {
         let roads = &streets.roads;
@@ -219,8 +223,16 @@ impl Controller for Driver {
                 self.squeezes_until = step + SQUEEZES_STEPS;
             }
             let squeezes = step < self.squeezes_until;
-            let rider =
-                OnRoute { slot: own.slot, footprint: &footprint, route, idm: &self.idm, train_m: None, squeezes };
+            let axles = if let Body::Sprung(chassis) = &*own.body { Some(axles_of(chassis)) } else { None };
+            let rider = OnRoute {
+                slot: own.slot,
+                footprint: &footprint,
+                route,
+                idm: &self.idm,
+                axles,
+                train_m: None,
+                squeezes,
+            };
             (self.interaction_mps2, self.cause) = worst_hazard(&rider, &ahead, around, roads, step);
             self.overtaking = match (self.overtaking, self.cause) {
                 (Some(begun), _) => begun.go_on(&rider, self.desired_mps, around, roads),
@@ -260,10 +272,9 @@ impl Controller for Driver {
             Some(route) => {
                 let pose = chassis.world_from_box(physics);
                 let heading = (pose.rotation * DVec3::X).truncate().normalize();
-                let axle_m = chassis.rear_axle_m();
-                let rear_axle = pose.translation.truncate() - heading * axle_m;
-                let wheelbase_m = chassis.wheelbase_m();
-                let steer = pursue(rear_axle, heading, wheelbase_m, axle_m, speed, route, &streets.roads);
+                let axles = axles_of(chassis);
+                let rear_axle = pose.translation.truncate() - heading * axles.rear_m;
+                let steer = pursue(rear_axle, heading, axles, speed, (route, 0.0), &streets.roads);
                 let mut accel = self.pressed_mps2(speed);
                 let starts_mps2 = if chassis.is_held() { STARTS_MPS2 } else { STOPS_MPS2 };
                 let stand = accel < starts_mps2 && speed < 0.4;

@@ -62,7 +62,7 @@ mod tests {
             half_width_m: 1.2,
             velocity: DVec2::ZERO,
         };
-        let own = Crossing { slot: 1, route, footprint: &footprint, length_m: 20.0, is_tram };
+        let own = Crossing { slot: 1, route, footprint: &footprint, axles: None, length_m: 20.0, is_tram };
         let mut s_m = tail_m + 5.0;
         let mut lanes = exits.iter();
         let mut lane = *lanes.next().unwrap();

@@ -2,6 +2,7 @@
 
 use super::approach::Crossing;
 use super::idm::{COMFORTABLE_MPS2, IdmParameters, gap_along};
+use super::pursuit::Axles;
 use super::stop_line::stop_line;
 use crate::math::DVec2;
 use crate::world::footprint::Footprint;
@@ -50,6 +51,8 @@ pub(super) struct OnRoute<'a> {
     pub footprint: &'a Footprint,
     pub route: &'a Route,
     pub idm: &'a IdmParameters,
+    /// Of who steers.
+    pub axles: Option<Axles>,
     /// All of a train whose first car this is.
     pub train_m: Option<f64>,
     /// Whether it makes do with little room beside others, having waited.
@@ -94,7 +97,7 @@ pub(super) fn worst_hazard(
     roads: &Roads,
     step: u64,
 ) -> (f64, Cause) {
-    let OnRoute { slot, footprint: own, route, idm, train_m, squeezes } = *on_route;
+    let OnRoute { slot, footprint: own, route, idm, axles, train_m, squeezes } = *on_route;
     let (side_moving_m, swept_m) = if squeezes { (SIDE_SQUEEZING_M, SWEPT_M.1) } else { (SIDE_MOVING_M, SWEPT_M.0) };
     let speed = own.velocity.dot(own.heading);
     let (low, high) =
@@ -140,7 +143,7 @@ pub(super) fn worst_hazard(
         brake_for(idm.interaction(speed, end_m + 1.0, 0.0), Cause::RoadEnd);
     }
     let length_m = train_m.unwrap_or(2.0 * own.half_length_m);
-    let crossing = Crossing { slot, route, footprint: own, length_m, is_tram: train_m.is_some() };
+    let crossing = Crossing { slot, route, footprint: own, axles, length_m, is_tram: train_m.is_some() };
     if let Some((gap_m, refusal)) = stop_line(&crossing, around, roads, step) {
         brake_for(idm.interaction(speed, gap_m, 0.0), Cause::Junction(refusal));
     }

@@ -18,6 +18,7 @@ mod overtaking;
 mod parked;
 mod path;
 mod pedestrian;
+mod predicted_way;
 mod pursuit;
 mod scripted;
 mod stop_line;

@@ -47,7 +47,7 @@ pub(super) fn stop_line(
     roads: &Roads,
     step: u64,
 ) -> Option<(f64, Refusal)> {
-    let Crossing { slot, route, footprint, length_m, is_tram } = *own;
+    let Crossing { slot, route, footprint, length_m, is_tram, .. } = *own;
     let (speed_mps, half_length_m) = (own.speed_mps(), footprint.half_length_m);
     let Surroundings { junctions, lane_use, vehicles, .. } = around;
     if let Some(gap_m) = stop_at_light(own, junctions, roads, step) {

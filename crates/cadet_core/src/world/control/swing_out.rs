@@ -3,30 +3,33 @@
 use std::collections::VecDeque;
 
 use super::approach::{Crossing, line_m};
+use super::predicted_way::PredictedWay;
+use crate::math::DVec2;
 use crate::town::LaneId;
 use crate::world::footprint::Footprint;
 use crate::world::junctions::Junctions;
 use crate::world::lane_use::LaneUse;
 use crate::world::roads::Roads;
-use crate::world::route::Route;
+use crate::world::route::{Ahead, Route};
 use crate::world::slot::Slot;
 use crate::world::surroundings::VehicleAt;
 
 /// Who is slower than this stands in the way of those who turn, and the room they need beside it.
 const STANDS_MPS: f64 = 0.5;
-const SWEEP_ROOM_M: f64 = 0.3;
-/// The same of cars, which come out of tight turns up to 25 cm wide of their line and not straight yet.
-const CAR_SWEEP_ROOM_M: f64 = 0.4;
-/// Vehicles from this length on swing out for their length.
-const SWINGS_OUT_M: f64 = 4.9;
-/// How far behind the middle the point is that follows the line in a bend, of the length: the rear axle, and more, as
-/// drivers steer late.
-const FOLLOWS_BEHIND: f64 = 0.4;
+const SWEEP_ROOM_M: f64 = 0.12;
+/// The same of trams, whose heading is that of a chord so much longer than they are.
+const TRAM_SWEEP_ROOM_M: f64 = 0.3;
+const CHORD_OF_LENGTH: f64 = 0.8;
+/// Steering is run ahead from so far before the junction, at this speed at least.
+const BEFORE_M: f64 = 8.0;
+const LEAST_MPS: f64 = 2.0;
 /// Who is nearer to the junction than this is reckoned with as if it stood at its line.
 const STOPS_SOON_M: f64 = 65.0;
+/// Nobody farther than this beside the line is met.
+const BESIDE_M: f64 = 4.0;
 
 /// Who stands, or is about to stop, where a vehicle would swing into the oncoming lane: at the line of an arm that it
-/// turns into, or on the way there. Nose to nose, neither would get past the other.
+/// turns into, or on the way there. Nose to nose, neither would get past the other. Cyclists swing nowhere.
 pub(super) fn swept_vehicle(
     own: &Crossing<'_>,
     chain: &[LaneId],
@@ -35,28 +38,45 @@ pub(super) fn swept_vehicle(
     junctions: &Junctions,
     roads: &Roads,
 ) -> Option<Slot> {
+    if own.axles.is_none() && !own.is_tram {
+        return None;
+    }
     let length_m = 2.0 * own.footprint.half_length_m;
-    let room_m = if length_m < SWINGS_OUT_M { CAR_SWEEP_ROOM_M } else { SWEEP_ROOM_M };
     let across_m: f64 = chain.iter().map(|lane| roads.lane(*lane).length_m()).sum();
+    let line: Vec<Ahead> =
+        (0..(across_m + length_m) as u32).map(|k| own.route.ahead(start_m + f64::from(k), roads)).collect();
+    let reach_m = STOPS_SOON_M + across_m + length_m;
+    let stands_or_stops = |v: &VehicleAt| {
+        let stands = v.footprint.velocity.length() < STANDS_MPS;
+        if stands { Some(v.footprint) } else { at_its_line(v, chain[0], lane_use, junctions, roads) }
+    };
+    let is_beside = |o: &Footprint| {
+        let near_m = o.half_length_m + own.footprint.half_length_m + BESIDE_M;
+        line.iter().any(|a| o.heading.dot(a.tangent) < 0.0 && (o.center - a.at).length() < near_m)
+    };
     let others: Vec<(Slot, Footprint)> = vehicles
         .iter()
-        .filter(|v| v.agent != own.slot)
-        .filter_map(|v| {
-            let stands = v.footprint.velocity.length() < STANDS_MPS;
-            let at = if stands { v.footprint } else { at_its_line(v, chain[0], lane_use, junctions, roads)? };
-            Some((v.agent, at))
-        })
+        .filter(|v| v.agent != own.slot && (v.footprint.center - line[0].at).length() < reach_m)
+        .filter_map(|v| Some((v.agent, stands_or_stops(v).filter(is_beside)?)))
         .collect();
-    (0..(across_m + length_m) as u32).find_map(|k| {
-        let at_m = start_m + f64::from(k);
-        let there = own.route.ahead(at_m, roads);
-        // The rear axle follows on a tighter bend, so that the heading lags behind the lane's.
-        let behind = own.route.ahead((at_m - FOLLOWS_BEHIND * 2.0 * length_m).max(0.0), roads);
-        let heading = (there.at - behind.at).normalize_or(there.tangent);
-        let swept = Footprint { center: there.at, heading, ..*own.footprint }.grown(room_m);
-        let meets = |o: &Footprint| o.heading.dot(there.tangent) < 0.0 && swept.overlaps(o);
-        others.iter().find(|(_, o)| meets(o)).map(|(agent, _)| *agent)
-    })
+    let met = |center: DVec2, heading: DVec2, room_m: f64| {
+        let swept = Footprint { center, heading, ..*own.footprint }.grown(room_m);
+        others.iter().find(|(_, o)| o.heading.dot(heading) < 0.0 && swept.overlaps(o)).map(|(agent, _)| *agent)
+    };
+    if others.is_empty() {
+        return None;
+    }
+    let Some(axles) = own.axles else {
+        return line.iter().find_map(|there| {
+            let behind = own.route.ahead((there.distance_m - CHORD_OF_LENGTH * length_m).max(0.0), roads);
+            met(there.at, (there.at - behind.at).normalize_or(there.tangent), TRAM_SWEEP_ROOM_M)
+        });
+    };
+    let allowed_mps = chain.iter().flat_map(|lane| roads.allowed_mps(*lane)).copied().fold(f64::INFINITY, f64::min);
+    let from_m = (start_m - BEFORE_M).max(0.0);
+    let way = PredictedWay::from(own.route, from_m, axles, allowed_mps.max(LEAST_MPS), roads);
+    let steps = (start_m - from_m + across_m + length_m) / PredictedWay::STEP_M;
+    way.take(steps as usize).find_map(|(center, heading)| met(center, heading, SWEEP_ROOM_M))
 }
 
 /// Where who comes toward the junction of a lane will stand, if it has no right to enter it.
@@ -91,8 +111,9 @@ fn at_its_line(
 #[cfg(test)]
 mod tests {
     use super::super::approach::STOP_LINE_M;
+    use super::super::pursuit::Axles;
     use super::*;
-    use crate::math::{self, DVec2, DVec3};
+    use crate::math::{self, DVec3};
     use crate::rng::Stream;
     use crate::world::junctions::Request;
     use crate::world::lane_use::OnLane;
@@ -164,7 +185,9 @@ mod tests {
             };
             junctions.request(&asked, 0).unwrap();
         }
-        let own = Crossing { slot: 1, route: &route, footprint: &footprint, length_m: size_lwh.x, is_tram: false };
+        let axles = Some(Axles { wheelbase_m: 0.62 * size_lwh.x, rear_m: 0.3 * size_lwh.x });
+        let own =
+            Crossing { slot: 1, route: &route, footprint: &footprint, axles, length_m: size_lwh.x, is_tram: false };
         swept_vehicle(&own, &chain, 12.0, (&vehicles, &lane_use), &junctions, &roads)
     }
 

@@ -145,7 +145,8 @@ impl Controller for TramCar {
         ahead.extend(in_sight(&driver.route, train.speed_mps, footprint.half_length_m, roads));
         let train_m = Some(train.length_m);
         let (route, idm) = (&driver.route, &driver.idm);
-        let rider = OnRoute { slot: own.slot, footprint: &footprint, route, idm, train_m, squeezes: false };
+        let rider =
+            OnRoute { slot: own.slot, footprint: &footprint, route, idm, axles: None, train_m, squeezes: false };
         (driver.interaction_mps2, train.cause) = worst_hazard(&rider, &ahead, around, roads, step);
         if end_m < 1.0 {
             // The end of the line: nothing but the brakes.

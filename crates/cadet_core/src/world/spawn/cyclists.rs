@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::newcomers::ridden_bicycle;
+use super::overlap::comes_toward;
 use super::spawner::Spawner;
 use crate::assets::cyclist::CyclistModel;
 use crate::math::{self, DVec2, DVec3};
@@ -108,7 +109,8 @@ impl Spawner<'_> {
             let is_behind = (f.center - here.at).dot(here.tangent) < 0.0;
             let braking_m = if is_behind { f.velocity.length() } else { 0.0 };
             let long = Footprint { half_length_m: long.half_length_m + braking_m, ..long };
-            other != slot && (long.overlaps(&f) || rectangle.grown(0.5).overlaps(&f))
+            let is_near = long.overlaps(&f) || rectangle.grown(0.5).overlaps(&f);
+            other != slot && (is_near || comes_toward(&f, &rectangle))
         }) || self.arena.around.standing.iter().any(|o| rectangle.grown(0.2).overlaps(o))
             || self.arena.on_road().any(|o| long.overlaps(&o));
         if is_taken || cyclist.route.remaining_m(roads) < SHORTEST_WAY_M {

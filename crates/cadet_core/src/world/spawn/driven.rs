@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::config::{DRIVEN_MIX, DRIVEN_TRUCKS, DRIVEN_USER_MIX, MOTORWAY_TRUCKS};
 use super::newcomers::driven_vehicle;
+use super::overlap::comes_toward;
 use super::parking::OFF_LANES_M;
 use super::spawner::Spawner;
 use crate::actor::ObjectClass;
@@ -167,7 +168,8 @@ impl Spawner<'_> {
             let taken = vehicles.iter().any(|(other, f)| {
                 // Who comes from behind needs room to brake.
                 let half_length_m = long.half_length_m + 1.8 * f.velocity.length();
-                *other != slot && (Footprint { half_length_m, ..long }.overlaps(f) || rectangle.grown(0.5).overlaps(f))
+                let is_near = Footprint { half_length_m, ..long }.overlaps(f) || rectangle.grown(0.5).overlaps(f);
+                *other != slot && (is_near || comes_toward(f, &rectangle))
             }) || self.arena.around.standing.iter().any(|o| rectangle.grown(0.1).overlaps(o))
                 || on_road.iter().any(|o| long.overlaps(o));
             if taken || route.remaining_m(roads) < 30.0 || !route.fits(ROOM_AHEAD_M, roads) {

@@ -11,6 +11,10 @@ use crate::world::course::Overlap;
 use crate::world::footprint::Footprint;
 use crate::world::slot::{EGO, Slot};
 
+/// Nobody appears where somebody who comes the other way will be by then, and the room kept beside that.
+const TOWARD_S: f64 = 6.0;
+const BESIDE_ONCOMING_M: f64 = 0.2;
+
 /// What an agent covers in the plane.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Cover {
@@ -46,6 +50,11 @@ impl Cover {
     }
 }
 
+/// Whether a vehicle goes the other way and would be at a newcomer's place soon: who is overtaking has looked already.
+pub(super) fn comes_toward(vehicle: &Footprint, newcomer: &Footprint) -> bool {
+    vehicle.heading.dot(newcomer.heading) < 0.0 && vehicle.swept(TOWARD_S).overlaps(&newcomer.grown(BESIDE_ONCOMING_M))
+}
+
 /// Refuses a place where somebody else than `own` stands, unless that is allowed.
 ///
 /// # Errors
@@ -69,4 +78,27 @@ pub(crate) fn check_free(
     };
     let DVec2 { x, y } = cover.at();
     Err(Error::Scene { reason: format!("{who} at ({x}, {y}) would overlap {whom}; overlap=\"allow\" puts it there") })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nobody_appears_before_who_comes_toward_the_place() {
+        let at = |x: f64, y: f64, heading: DVec2, mps: f64| Footprint {
+            center: DVec2::new(x, y),
+            heading,
+            half_length_m: 2.2,
+            half_width_m: 0.9,
+            velocity: heading * mps,
+        };
+        let newcomer = at(0.0, 0.0, DVec2::X, 0.0);
+        assert!(comes_toward(&at(60.0, 0.5, -DVec2::X, 13.0), &newcomer), "overtakes");
+        assert!(!comes_toward(&at(60.0, 3.0, -DVec2::X, 13.0), &newcomer), "in its own lane");
+        assert!(!comes_toward(&at(90.0, 0.5, -DVec2::X, 13.0), &newcomer), "far away");
+        assert!(!comes_toward(&at(-10.0, 0.5, -DVec2::X, 13.0), &newcomer), "is past");
+        assert!(!comes_toward(&at(-60.0, 0.0, DVec2::X, 13.0), &newcomer), "follows");
+        assert!(comes_toward(&at(2.0, 0.0, -DVec2::X, 0.0), &newcomer), "stands there");
+    }
 }
