@@ -72,6 +72,8 @@ pub(super) enum Refusal {
     Earlier(Slot),
     /// Somebody whose way crosses ours is in it or about to enter.
     Taken(Slot),
+    /// Somebody stands where we would swing out.
+    InSweep(Slot),
     /// The light is not green.
     Light,
 }

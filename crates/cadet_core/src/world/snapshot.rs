@@ -97,9 +97,9 @@ fn brakes_for(arena: &Arena, agent: &Agent) -> Option<BrakesFor> {
         Cause::Person => Some(BrakesFor::Person),
         Cause::RoadEnd => Some(BrakesFor::RoadEnd),
         Cause::Junction(Refusal::Light) => Some(BrakesFor::Light),
-        Cause::Junction(Refusal::Earlier(slot) | Refusal::Taken(slot) | Refusal::ExitFull(slot)) => {
-            Some(BrakesFor::Junction(Some(id(slot))))
-        }
+        Cause::Junction(
+            Refusal::Earlier(slot) | Refusal::Taken(slot) | Refusal::InSweep(slot) | Refusal::ExitFull(slot),
+        ) => Some(BrakesFor::Junction(Some(id(slot)))),
         Cause::Junction(Refusal::NotFirst) => Some(BrakesFor::Junction(None)),
     }
 }

@@ -163,10 +163,10 @@ impl Driver {
         self.lanes.decide(&decider, route, around, roads, step);
     }
 
-    /// Takes another way where somebody has stood in the wanted one for long: of two who wait for each other to get out
-    /// of an arm that is too narrow for both, neither would ever move.
+    /// Takes another way where somebody has long stood in the one that it would swing into: of two who wait for each
+    /// other to get out of an arm that is too narrow for both, neither would ever move.
     fn give_up(&mut self, slot: Slot, around: &mut Surroundings, roads: &Roads, step: u64) {
-        let is_barred = matches!(self.cause, Cause::Junction(Refusal::Taken(_))) && self.command.is_none();
+        let is_barred = matches!(self.cause, Cause::Junction(Refusal::InSweep(_))) && self.command.is_none();
         if !is_barred || self.standing_steps < GIVES_UP_STEPS || step < self.patient_until {
             return;
         }
@@ -244,7 +244,10 @@ impl Controller for Driver {
             if let Some(change) = &self.lanes.change {
                 // Until one is there, both lanes are one's own.
                 let aside_m = change.left_m(route.offset_m);
-                self.interaction_mps2 = self.interaction_mps2.min(traffic_aside(&rider, aside_m, &ahead, around));
+                let aside = traffic_aside(&rider, aside_m, &ahead, around);
+                if aside.0 < self.interaction_mps2 {
+                    (self.interaction_mps2, self.cause) = aside;
+                }
             }
             let may_change = self.command.is_none() && roads.allows_changes(route.lanes[0]);
             if self.overtaking.is_some() {

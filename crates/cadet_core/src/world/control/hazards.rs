@@ -25,6 +25,8 @@ pub(crate) const SIDE_STANDING_M: f64 = 0.12;
 const SIDE_MOVING_M: f64 = 0.25;
 /// The same beside what moves, of who has waited long: two buses pass each other in narrow lanes with less than usual.
 const SIDE_SQUEEZING_M: f64 = 0.08;
+/// And beside a post or what else stands.
+const STANDING_SQUEEZING_M: f64 = 0.04;
 /// What is kept in front of all of a vehicle that turns, usually and then.
 const SWEPT_M: (f64, f64) = (0.1, 0.03);
 
@@ -73,19 +75,28 @@ pub(super) fn in_sight(
     (0..count).map(|k| route.ahead(k as f64 * SAMPLE_M, roads))
 }
 
-/// What of the traffic on the line so far to the left of the route's takes off the acceleration: in the lane that one is
-/// changing to.
-pub(super) fn traffic_aside(on_route: &OnRoute<'_>, aside_m: f64, ahead: &[Ahead], around: &Surroundings) -> f64 {
+/// What of the traffic on the line so far to the left of the route's takes off the acceleration, and what it is: in the
+/// lane that one is changing to.
+pub(super) fn traffic_aside(
+    on_route: &OnRoute<'_>,
+    aside_m: f64,
+    ahead: &[Ahead],
+    around: &Surroundings,
+) -> (f64, Cause) {
     let OnRoute { slot, footprint: own, idm, .. } = *on_route;
     let speed = own.velocity.dot(own.heading);
     let aside: Vec<Ahead> = ahead.iter().map(|a| Ahead { at: a.at + a.tangent.perp() * aside_m, ..*a }).collect();
-    let others = around.vehicles.iter().filter(|v| v.agent != slot).map(|v| &v.footprint);
-    let claimed = around.claims().filter(|(other, _)| *other != slot).map(|(_, claim)| &claim.footprint);
+    let others = around.vehicles.iter().map(|v| (v.agent, &v.footprint));
+    let claimed = around.claims().map(|(other, claim)| (other, &claim.footprint));
     others
         .chain(claimed)
-        .filter_map(|o| gap_along(&aside, SAMPLE_M, own.half_length_m, own.half_width_m + SIDE_MOVING_M, o))
-        .map(|(gap_m, leader_mps)| idm.interaction(speed, gap_m, leader_mps))
-        .fold(0.0, f64::min)
+        .filter(|(other, _)| *other != slot)
+        .filter_map(|(other, o)| {
+            let (gap_m, leader_mps) =
+                gap_along(&aside, SAMPLE_M, own.half_length_m, own.half_width_m + SIDE_MOVING_M, o)?;
+            Some((idm.interaction(speed, gap_m, leader_mps), Cause::Vehicle(other)))
+        })
+        .fold((0.0, Cause::Nothing), |worst, one| if one.0 < worst.0 { one } else { worst })
 }
 
 /// What asks for the hardest braking, given the places ahead on the route: the acceleration that it takes off the free
@@ -98,7 +109,9 @@ pub(super) fn worst_hazard(
     step: u64,
 ) -> (f64, Cause) {
     let OnRoute { slot, footprint: own, route, idm, axles, train_m, squeezes } = *on_route;
-    let (side_moving_m, swept_m) = if squeezes { (SIDE_SQUEEZING_M, SWEPT_M.1) } else { (SIDE_MOVING_M, SWEPT_M.0) };
+    let usual_m = (SIDE_STANDING_M, SIDE_MOVING_M, SWEPT_M.0);
+    let (side_standing_m, side_moving_m, swept_m) =
+        if squeezes { (STANDING_SQUEEZING_M, SIDE_SQUEEZING_M, SWEPT_M.1) } else { usual_m };
     let speed = own.velocity.dot(own.heading);
     let (low, high) =
         ahead.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), a| (lo.min(a.at), hi.max(a.at)));
@@ -108,7 +121,7 @@ pub(super) fn worst_hazard(
             worst = (interaction, cause);
         }
     };
-    let standing = || around.standing_in_lanes.iter().map(|o| (Cause::Parked, SIDE_STANDING_M, o));
+    let standing = || around.standing_in_lanes.iter().map(|o| (Cause::Parked, side_standing_m, o));
     let others = || around.vehicles.iter().filter(|v| v.agent != slot);
     let moving = || others().map(|v| (Cause::Vehicle(v.agent), side_moving_m, &v.footprint));
     let people = around.people_on_road.iter().map(|o| (Cause::Person, SIDE_MOVING_M, o));

@@ -29,6 +29,11 @@ const STAYS_BEHIND_MPS2: f64 = 2.5;
 const STAY_S: f64 = 4.0;
 /// Slower vehicles don't change.
 const LEAST_MPS: f64 = 4.0;
+/// Who has come to stand in the first half of a change stays in the old lane after all: of two side by side, one who would
+/// cut in and one who brakes for it, neither would move.
+const STUCK_MPS: f64 = 0.3;
+/// Who is no farther off needs no change to return.
+const HARDLY_LEFT_M: f64 = 0.4;
 /// What is longer keeps to the two lanes on the right, and in towns, where it would stand across two, to its lane.
 const LONG_M: f64 = 6.5;
 /// Looks between two decisions, and steps between two looks.
@@ -87,6 +92,8 @@ pub(super) struct LaneChange {
     to_m: f64,
     /// The share of its time that is over.
     share: f64,
+    /// Whether it leads back to the lane that was to be left.
+    returns: bool,
 }
 
 impl LaneChange {
@@ -141,6 +148,18 @@ impl LaneChoice {
         self.stays_behind_mps2 = 0.0;
         let Decider { slot, own, idm, .. } = *by;
         let speed_mps = own.velocity.dot(own.heading).max(0.0);
+        if let Some(change) = self.change
+            && speed_mps < STUCK_MPS
+            && change.share < 0.5
+            && !change.returns
+            && let Some(back) = if change.to_left { right } else { left }
+        {
+            let from_m = route.change_to(back, roads);
+            let returning =
+                LaneChange { to_left: !change.to_left, from_m, to_m: by.offset_m, share: 0.0, returns: true };
+            self.change = Some(returning).filter(|c| (c.to_m - c.from_m).abs() > HARDLY_LEFT_M);
+            return;
+        }
         let view = |lane: LaneId| {
             let here = route.ahead(0.0, roads).at;
             let (s_m, _) = roads.lane(lane).project(DVec3::new(here.x, here.y, 0.0));
@@ -191,7 +210,7 @@ impl LaneChoice {
         }
         if let Some((id, to_left, _)) = best {
             let from_m = route.change_to(id, roads);
-            self.change = Some(LaneChange { to_left, from_m, to_m: by.offset_m, share: 0.0 });
+            self.change = Some(LaneChange { to_left, from_m, to_m: by.offset_m, share: 0.0, returns: false });
             self.rests_until = step + ((ACROSS_S + STAY_S) / DT_S) as u64;
         }
     }
@@ -215,6 +234,9 @@ fn has_way(route: &Route, speed_mps: f64, roads: &Roads) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rng::Stream;
+    use crate::town::Lane;
+    use crate::world::tests::towns::main_roads;
 
     const IDM: IdmParameters =
         IdmParameters { desired_speed_factor: 1.0, time_gap_s: 1.2, minimum_gap_m: 2.0, top_speed_mps: f64::INFINITY };
@@ -285,7 +307,7 @@ mod tests {
 
     #[test]
     fn the_way_across_begins_and_ends_at_rest_with_bounded_jerk() {
-        let mut change = LaneChange { to_left: true, from_m: -3.75, to_m: 0.1, share: 0.0 };
+        let mut change = LaneChange { to_left: true, from_m: -3.75, to_m: 0.1, share: 0.0, returns: false };
         let mut offsets = vec![-3.75];
         loop {
             let (offset_m, is_over) = change.step(9.0);
@@ -312,7 +334,7 @@ mod tests {
 
     #[test]
     fn who_stops_on_the_way_across_goes_no_farther_sideways() {
-        let mut change = LaneChange { to_left: false, from_m: 3.1, to_m: 0.0, share: 0.0 };
+        let mut change = LaneChange { to_left: false, from_m: 3.1, to_m: 0.0, share: 0.0, returns: false };
         let mut go = |speed_mps: f64, steps: u32| (0..steps).map(|_| change.step(speed_mps).0).last().unwrap();
         let begun_m = go(5.0, 60);
         assert!(begun_m > 2.5 && begun_m < 3.1, "{begun_m}");
@@ -322,5 +344,38 @@ mod tests {
         // No more than a third of the way that is gone ahead.
         assert!((begun_m - slow_m) < 1.0 * steps * DT_S / 3.0, "{begun_m} {slow_m}");
         assert_eq!(go(5.0, 600), 0.0);
+    }
+
+    #[test]
+    fn who_has_come_to_stand_early_in_a_change_stays_in_the_old_lane() {
+        let roads = Roads::new(main_roads(3));
+        let is_right = |l: &&Lane| l.junction.is_none() && roads.left_of(l.id).is_some() && l.length_m() > 60.0;
+        let old = roads.lanes().iter().find(is_right).expect("a lane beside another");
+        let stands_after = |share: f64, speed_mps: f64| {
+            let mut route = Route::new(old.id, 20.0, 0.0, 1.0, Stream::from_seed("change", 1), &roads);
+            let begun = route.ahead(0.0, &roads);
+            let from_m = route.change_to(roads.left_of(old.id).unwrap(), &roads);
+            route.offset_m = from_m * (1.0 - share_across(share));
+            let own = Footprint {
+                center: begun.at,
+                heading: begun.tangent,
+                half_length_m: 2.2,
+                half_width_m: 0.9,
+                velocity: begun.tangent * speed_mps,
+            };
+            let change = Some(LaneChange { to_left: true, from_m, to_m: 0.0, share, returns: false });
+            let mut choice = LaneChoice { change, ..LaneChoice::default() };
+            let decider = Decider { slot: 0, own: &own, idm: &IDM, offset_m: 0.0 };
+            choice.decide(&decider, &mut route, &Surroundings::new(&roads), &roads, 0);
+            let is_back = route.lanes[0] == old.id;
+            assert!(choice.change.is_none_or(|change| change.to_left != is_back && change.returns == is_back));
+            // The line does not jump.
+            let line = route.ahead(0.0, &roads).at;
+            assert!((line - begun.at).length() < (from_m * share_across(share)).abs() + 0.05, "{line}");
+            is_back
+        };
+        assert!(stands_after(0.2, 0.0) && stands_after(0.45, 0.0));
+        assert!(!stands_after(0.2, 3.0), "goes on");
+        assert!(!stands_after(0.7, 0.0), "is nearly there");
     }
 }

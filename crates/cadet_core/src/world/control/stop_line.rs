@@ -79,7 +79,7 @@ pub(super) fn stop_line(
     let chain = chain(route, k, roads);
     if let Some(other) = swept_vehicle(own, &chain, start_m, (vehicles, lane_use), junctions, roads) {
         junctions.renounce(slot, &[]);
-        return Some((front_m + 1.5, Refusal::Taken(other)));
+        return Some((front_m + 1.5, Refusal::InSweep(other)));
     }
     let exits: Vec<LaneId> = route.lanes.iter().skip(k + chain.len()).copied().collect();
     let exit = exits.first().copied().unwrap_or(chain[chain.len() - 1]);

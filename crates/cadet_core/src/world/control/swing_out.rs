@@ -16,7 +16,7 @@ use crate::world::surroundings::VehicleAt;
 
 /// Who is slower than this stands in the way of those who turn, and the room they need beside it.
 const STANDS_MPS: f64 = 0.5;
-const SWEEP_ROOM_M: f64 = 0.12;
+const SWEEP_ROOM_M: f64 = 0.06;
 /// The same of trams, whose heading is that of a chord so much longer than they are.
 const TRAM_SWEEP_ROOM_M: f64 = 0.3;
 const CHORD_OF_LENGTH: f64 = 0.8;
