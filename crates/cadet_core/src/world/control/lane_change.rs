@@ -236,7 +236,7 @@ mod tests {
     use super::*;
     use crate::rng::Stream;
     use crate::town::Lane;
-    use crate::world::tests::towns::main_roads;
+    use crate::world::tests::towns::long_main_roads;
 
     const IDM: IdmParameters =
         IdmParameters { desired_speed_factor: 1.0, time_gap_s: 1.2, minimum_gap_m: 2.0, top_speed_mps: f64::INFINITY };
@@ -348,7 +348,7 @@ mod tests {
 
     #[test]
     fn who_has_come_to_stand_early_in_a_change_stays_in_the_old_lane() {
-        let roads = Roads::new(main_roads(3));
+        let roads = Roads::new(long_main_roads(1));
         let is_right = |l: &&Lane| l.junction.is_none() && roads.left_of(l.id).is_some() && l.length_m() > 60.0;
         let old = roads.lanes().iter().find(is_right).expect("a lane beside another");
         let stands_after = |share: f64, speed_mps: f64| {
