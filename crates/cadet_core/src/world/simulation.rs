@@ -288,12 +288,9 @@ impl World {
     }
 
     fn step_once(&mut self) {
-        if self.steps.is_multiple_of(LOOK_EVERY) {
-            self.arena.look(self.steps);
-        }
-        self.arena.step();
-        self.steps += 1;
-        if self.steps.is_multiple_of(RENEW_EVERY)
+        // Newcomers come before a look around, so that nobody is said to wait for who has another's slot.
+        if self.steps > 0
+            && self.steps.is_multiple_of(RENEW_EVERY)
             && let Self { arena, key, user_vehicles, traffic: Some(config), rains, .. } = self
         {
             renew(
@@ -302,6 +299,11 @@ impl World {
                 self.steps,
             );
         }
+        if self.steps.is_multiple_of(LOOK_EVERY) {
+            self.arena.look(self.steps);
+        }
+        self.arena.step();
+        self.steps += 1;
     }
 
     fn vehicle_model(&mut self, class: ObjectClass, model_seed: u64) -> Result<Arc<VehicleModel>> {

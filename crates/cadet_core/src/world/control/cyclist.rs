@@ -25,8 +25,9 @@ const CRUISE_LIMITS_MPS: (f64, f64) = (4.0, 6.0);
 const KEEPS_M: (f64, f64) = (0.8, 1.2);
 /// Room beside what stands in the lane.
 const ASIDE_M: f64 = 0.30;
-/// How far ahead that is looked for, and in which steps.
+/// How far ahead that is looked for, and in which steps; and behind the rear wheel, which is past it last.
 const LOOKS_M: f64 = 14.0;
+const LOOKS_BACK_M: f64 = 0.6;
 const STEP_M: f64 = 1.25;
 /// How fast one changes sides, meters a look.
 const SHIFT_M: f64 = 0.03;
@@ -97,8 +98,9 @@ impl Cyclist {
         if near.is_empty() {
             return usual_m;
         }
-        let places: Vec<(DVec2, DVec2)> = (0..(LOOKS_M / STEP_M) as usize)
-            .map(|k| self.route.ahead(k as f64 * STEP_M, roads))
+        let behind_m = own.half_length_m + LOOKS_BACK_M;
+        let places: Vec<(DVec2, DVec2)> = (0..((LOOKS_M + behind_m) / STEP_M) as usize)
+            .map(|k| self.route.ahead(k as f64 * STEP_M - behind_m, roads))
             .map(|a| (a.at - a.tangent.perp() * self.route.offset_m, a.tangent.perp()))
             .collect();
         let is_free = |offset_m: f64| {
@@ -173,5 +175,42 @@ impl Controller for Cyclist {
 
     fn on_lane(&self) -> Option<(LaneId, f64)> {
         Some((self.route.lanes[0], self.route.s_m))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::Stream;
+    use crate::world::tests::towns::slope;
+
+    #[test]
+    fn a_cyclist_keeps_aside_until_the_rear_wheel_is_past_a_car() {
+        let roads = Roads::new(slope(0.0));
+        let car = Footprint {
+            center: DVec2::new(10.0, -1.35),
+            heading: DVec2::X,
+            half_length_m: 2.2,
+            half_width_m: 0.9,
+            velocity: DVec2::ZERO,
+        };
+        let mut around = Surroundings::new(&roads);
+        around.stand(car, &roads);
+        // By how much it rides farther to the left than usual, its middle so far beyond the car's front.
+        let aside_m = |beyond_m: f64| {
+            let s_m = 90.0 + 12.2 + beyond_m;
+            let seed = Stream::from_seed("way", 1);
+            let mut habits = Stream::from_seed("habits", 1);
+            let cyclist =
+                Cyclist::new(&mut habits, |keeps_m| Route::by_bicycle(LaneId(0), s_m, 1.0, keeps_m, seed, &roads));
+            let at = cyclist.route.ahead(0.0, &roads);
+            let own = Footprint { center: at.at, heading: at.tangent, half_length_m: 0.95, half_width_m: 0.33, ..car };
+            cyclist.free_offset_m(&own, &around, &roads) - cyclist.usual_offset_m(&roads)
+        };
+        assert!(aside_m(-8.0) > 0.4, "before it: {}", aside_m(-8.0));
+        for beyond_m in [-2.0, 0.0, 0.5, 0.9] {
+            assert_eq!(aside_m(beyond_m), aside_m(-8.0), "{beyond_m} m beyond");
+        }
+        assert_eq!(aside_m(4.0), 0.0, "well past it");
     }
 }
