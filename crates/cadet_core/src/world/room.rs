@@ -1,7 +1,7 @@
 //! Where there is room for what is wider or longer than a van.
 
 use super::footprint::Footprint;
-use crate::math::{DVec2, DVec3};
+use crate::math::{self, DVec2, DVec3};
 use crate::town::{Lane, LaneId};
 
 /// How much wider than a truck its lane is, and what it keeps beside what stands.
@@ -62,7 +62,7 @@ impl Needs {
     fn outside_m(&self, radius_m: f64) -> f64 {
         let axle_m = AXLE_OF_LENGTH * self.length_m;
         let axle_radius_m = (radius_m * radius_m - axle_m * axle_m).max(0.0).sqrt();
-        (axle_radius_m + self.width_m / 2.0).hypot(axle_m + self.length_m / 2.0) - radius_m
+        math::hypot(axle_radius_m + self.width_m / 2.0, axle_m + self.length_m / 2.0) - radius_m
     }
 }
 
@@ -145,7 +145,6 @@ impl Room {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math;
     use crate::town::RoadNetwork;
     use crate::world::roads::Roads;
     use crate::world::tests::towns;
@@ -173,8 +172,8 @@ mod tests {
     /// How far outside of a circle, on which its middle goes, a vehicle reaches whose rear axle goes along itself.
     fn reach_m(needs: Needs) -> f64 {
         let (axle_m, half_m) = (AXLE_OF_LENGTH * needs.length_m, needs.length_m / 2.0);
-        let lag_rad = (axle_m / BEND_M).asin();
-        let heading = DVec2::new(lag_rad.sin(), lag_rad.cos());
+        let lag_rad = math::asin(axle_m / BEND_M);
+        let heading = DVec2::new(math::sin(lag_rad), math::cos(lag_rad));
         let corner = DVec2::new(BEND_M, 0.0) + heading * half_m - heading.perp() * needs.width_m / 2.0;
         corner.length() - BEND_M
     }

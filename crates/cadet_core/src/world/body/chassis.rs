@@ -143,7 +143,8 @@ impl Chassis {
                 sideways -= left * (25.0 * (pose.translation - held.at).dot(left) + 4.0 * velocity.dot(left));
                 // Turned wheels would let the car turn where it stands.
                 let turned_rad = math::asin(held.forward.cross(forward).z.clamp(-1.0, 1.0));
-                let inertia = self.mass_kg / 12.0 * (self.model.size_lwh.x.powi(2) + self.model.size_lwh.y.powi(2));
+                let size = self.model.size_lwh;
+                let inertia = self.mass_kg / 12.0 * (size.x * size.x + size.y * size.y);
                 let turning_radps = f64::from(body.angvel().z);
                 let torque = -inertia * (100.0 * turned_rad + 15.0 * turning_radps);
                 body.apply_torque_impulse((DVec3::Z * (torque * DT_S)).as_vec3(), false);

@@ -116,6 +116,5 @@ mod tests {
         let (near, along) = (share_within(&off_m, 0.12), share_within(&off_rad, 2.5_f64.to_radians()));
         assert!(turns > 40 && off_m.len() > 400, "{turns} turns, {} looks", off_m.len());
         assert!(near > 0.9 && along > 0.9, "{near} of {turns} turns' looks are near, {along} along");
-        println!("{near} near, {along} along, {turns} turns, {} looks", off_m.len());
     }
 }
