@@ -54,6 +54,9 @@ fn trucks_keep_to_lanes_that_have_room() {
             let apart = |p: DVec2| move |o: &Footprint| (o.closest_point(p) - p).length();
             let least = lane.center.iter().flat_map(|p| standing.clone().map(apart(p.truncate()))).fold(9.0, f64::min);
             assert!(least > width_m / 2.0 + 0.1, "something stands {least} m from the lane's middle");
+            // Or what stands at the edge of that room would stop them.
+            let off_m = driver.route.as_ref().unwrap().offset_m.abs();
+            assert!(off_m < 0.131, "{off_m} m off the lane's middle");
             num_trucks += 1;
         }
     }
