@@ -29,21 +29,14 @@ pub(crate) struct Chassis {
     mass_kg: f64,
     steer_rad: f64,
     accel_mps2: f64,
-    /// How the brakes hold the car, once it stands.
-    held: Option<Held>,
+    /// The pose of its box at which the brakes hold the car, once it stands.
+    held: Option<DPose3>,
 }
 
-/// Where a car stands, and the way that it faces.
-#[derive(Debug, Clone, Copy)]
-struct Held {
-    at: DVec3,
-    forward: DVec3,
-}
-
-impl Held {
-    fn of(world_from_box: &DPose3) -> Self {
-        Self { at: world_from_box.translation, forward: world_from_box.rotation * DVec3::X }
-    }
+/// Moments of inertia of a box about its middle.
+fn box_inertia(mass_kg: f64, size: DVec3) -> DVec3 {
+    DVec3::new(size.y * size.y + size.z * size.z, size.x * size.x + size.z * size.z, size.x * size.x + size.y * size.y)
+        * (mass_kg / 12.0)
 }
 
 impl Chassis {
@@ -53,11 +46,7 @@ impl Chassis {
         let mass_kg = 130.0 * size.x * size.y * size.z;
         let axle = |i: usize| f64::from(model.wheel_centers[i].x);
         let com = DVec3::new((axle(0) + axle(2)) / 2.0, 0.0, 0.37 * size.z);
-        let inertia = DVec3::new(
-            size.y * size.y + size.z * size.z,
-            size.x * size.x + size.z * size.z,
-            size.x * size.x + size.y * size.y,
-        ) * (mass_kg / 12.0);
+        let inertia = box_inertia(mass_kg, size);
         let velocity = world_from_box.rotation * DVec3::new(speed_mps, 0.0, 0.0);
         let body = RigidBodyBuilder::dynamic()
             .pose(pose_f32(world_from_box))
@@ -107,7 +96,7 @@ impl Chassis {
         if !stand {
             self.held = None;
         } else if self.held.is_none() && self.speed_mps(physics).abs() < HOLD_SPEED_MPS {
-            self.held = Some(Held::of(&self.world_from_box(physics)));
+            self.held = Some(self.world_from_box(physics));
         }
     }
 
@@ -125,7 +114,8 @@ impl Chassis {
         let mut accel = self.accel_mps2;
         if let Some(held) = self.held {
             let velocity = body.linvel().as_dvec3();
-            accel = (-25.0 * (pose.translation - held.at).dot(forward) - 10.0 * velocity.dot(forward)).clamp(-6.0, 6.0);
+            let off_m = (pose.translation - held.translation).dot(forward);
+            accel = (-25.0 * off_m - 10.0 * velocity.dot(forward)).clamp(-6.0, 6.0);
         }
         let force = self.mass_kg * (accel + GRAVITY_MPS2 * forward.z) / 4.0;
         for (i, wheel) in self.controller.wheels_mut().iter_mut().enumerate() {
@@ -140,12 +130,11 @@ impl Chassis {
             let mut sideways = left * (GRAVITY_MPS2 * left.z);
             if let Some(held) = self.held {
                 let velocity = body.linvel().as_dvec3();
-                sideways -= left * (25.0 * (pose.translation - held.at).dot(left) + 4.0 * velocity.dot(left));
+                sideways -= left * (25.0 * (pose.translation - held.translation).dot(left) + 4.0 * velocity.dot(left));
                 // Turned wheels would let the car turn where it stands.
-                let turned_rad = math::asin(held.forward.cross(forward).z.clamp(-1.0, 1.0));
-                let size = self.model.size_lwh;
-                let inertia = self.mass_kg / 12.0 * (size.x * size.x + size.y * size.y);
+                let turned_rad = math::asin((held.rotation * DVec3::X).cross(forward).z.clamp(-1.0, 1.0));
                 let turning_radps = f64::from(body.angvel().z);
+                let inertia = box_inertia(self.mass_kg, self.model.size_lwh).z;
                 let torque = -inertia * (100.0 * turned_rad + 15.0 * turning_radps);
                 body.apply_torque_impulse((DVec3::Z * (torque * DT_S)).as_vec3(), false);
             }
@@ -168,7 +157,7 @@ impl Chassis {
         body.set_angvel(Vector::ZERO, true);
         self.steer_rad = 0.0;
         self.accel_mps2 = 0.0;
-        self.held = Some(Held::of(world_from_box));
+        self.held = Some(*world_from_box);
     }
 
     pub fn world_from_box(&self, physics: &Physics) -> DPose3 {
