@@ -31,6 +31,7 @@ pub mod math;
 pub mod parallel;
 pub mod rig;
 pub mod rng;
+pub mod road_paint;
 pub mod scene;
 pub mod sense;
 pub mod settings;

@@ -8,7 +8,7 @@ use crate::math::{self, Vec3};
 use crate::weather::Weather;
 
 /// Mean albedo of asphalt, paving, and lawns: for the light that comes from below.
-const GROUND_ALBEDO: Vec3 = Vec3::new(0.165, 0.165, 0.148);
+const GROUND_ALBEDO: Vec3 = Vec3::new(0.182, 0.181, 0.163);
 /// Of the light of the sky and of the sun on open ground, the shares that lit ground shows in reflections: things cast shadows.
 const GROUND_SKY_SHARE: f32 = 0.8;
 const GROUND_SUN_SHARE: f32 = 0.65;

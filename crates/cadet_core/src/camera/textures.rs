@@ -6,6 +6,7 @@
 use super::value_noise::{centered, grain, hash2, split, unit, value_noise};
 use crate::material::Pattern;
 use crate::math::Vec3;
+use crate::road_paint::WornPaint;
 
 /// Where a pattern is evaluated.
 #[derive(Debug, Clone, Copy)]
@@ -155,11 +156,6 @@ fn asphalt(base: Vec3, at: &PatternPoint) -> Vec3 {
     base * tint * (1.0 + grain + patches)
 }
 
-/// Red albedo of asphalt and of fresh paint, white or yellow: where between them a line's mean lies says how much of its
-/// paint is left.
-const UNDER_PAINT: f32 = 0.148;
-const FRESH_PAINT: f32 = 0.43;
-const LEAST_PAINT: f32 = 0.05;
 /// Where paint has gone: noise in two sizes, cells per meter and share of the finer one; how soft the edges are.
 const GONE_PER_M: (f32, f32) = (7.0, 26.0);
 const GONE_FINE: f32 = 0.45;
@@ -178,13 +174,13 @@ fn gone_below(left: f32) -> f32 {
 #[inline(always)]
 fn paint(base: Vec3, at: &PatternPoint) -> Vec3 {
     let (u, v) = (at.u, at.v);
-    let left = ((base.x - UNDER_PAINT) * (1.0 / (FRESH_PAINT - UNDER_PAINT))).clamp(LEAST_PAINT, 1.0);
+    let WornPaint { left, asphalt } = WornPaint::of_albedo(base);
     let coarse = value_noise(u * GONE_PER_M.0, v * GONE_PER_M.0, GONE_SALT);
     let fine = value_noise(u * GONE_PER_M.1, v * GONE_PER_M.1, GONE_SALT + 1);
     let noise = coarse + (fine - coarse) * GONE_FINE;
     let here = ((noise - gone_below(left)) * (1.0 / GONE_SOFT) + 0.5).clamp(0.0, 1.0);
     let here = left + (here - left) * keep(GONE_PATCH_M, at.footprint_m);
-    let under = Vec3::splat(UNDER_PAINT);
+    let under = Vec3::splat(asphalt);
     let fresh = under + (base - under) * (1.0 / left);
     (under + (fresh - under) * here) * (1.0 + PAINT_DIRT.at(u, v))
 }

@@ -6,6 +6,7 @@ use super::network::{LaneSurface, PaintColor};
 use super::wear::LEFT;
 use super::yards::YardSurface;
 use crate::material::{LidarMaterial, Material, Palette, Pattern, Semantic};
+use crate::road_paint::{self, WornPaint};
 
 pub(super) const ASPHALT: u8 = 0;
 pub(super) const SIDEWALK: u8 = 1;
@@ -30,10 +31,42 @@ const NEW_ASPHALT: u8 = RED + 1;
 const OLD_ASPHALT: u8 = RED + 2;
 const BITUMEN: u8 = RED + 3;
 const IRON: u8 = RED + 4;
-/// Asphalt that shows where paint is gone.
-const ASPHALT_ALBEDO: f32 = 0.148;
-const ASPHALT_REFLECTANCE: f32 = 0.23;
+/// From new, dark asphalt to asphalt that has bleached for decades. In KITTI's pictures sunlit asphalt has values from 80 to
+/// 200, most of it about 140.
+const ASPHALT_ALBEDO: (f32, f32) = (0.135, 0.275);
+/// At 905 nm, where asphalts differ less.
+const ASPHALT_REFLECTANCE: (f32, f32) = (0.215, 0.245);
+const ASPHALT_TINT: [f32; 3] = [1.01, 1.0, 0.98];
+/// Repairs, by the albedo of the asphalt about them.
+const NEW_BY_ASPHALT: f32 = 0.69;
+const OLD_BY_ASPHALT: f32 = 1.23;
 const PAINT_REFLECTANCE: f32 = 0.50;
+
+/// What a town's streets are made of.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Asphalt {
+    albedo: f32,
+    reflectance: f32,
+}
+
+impl Asphalt {
+    /// 0 for the darkest, 1 for the lightest.
+    pub(super) fn bleached(share: f32) -> Self {
+        let between = |(least, most): (f32, f32)| least + (most - least) * share;
+        Self { albedo: between(ASPHALT_ALBEDO), reflectance: between(ASPHALT_REFLECTANCE) }
+    }
+
+    fn material(self, by_albedo: f32, by_reflectance: f32) -> Material {
+        let albedo = ASPHALT_TINT.map(|c| self.albedo * by_albedo * c);
+        Material::matt(Semantic::Road, albedo, Pattern::Asphalt, self.reflectance * by_reflectance)
+    }
+
+    fn with_paint(self, fresh: [f32; 3], left: f32) -> Material {
+        let albedo = WornPaint { left, asphalt: self.albedo }.albedo(fresh);
+        let reflectance = self.reflectance + (PAINT_REFLECTANCE - self.reflectance) * left;
+        Material::matt(Semantic::RoadMarking, albedo, Pattern::Paint, reflectance)
+    }
+}
 
 pub(super) fn slot(cover: Cover) -> u8 {
     match cover {
@@ -69,16 +102,9 @@ pub(super) fn paint(color: PaintColor, wear: usize) -> u8 {
     first + wear.min(LEFT.len() - 1) as u8
 }
 
-/// Paint of which a share is left: its albedo and reflectance are the mean over what is left and the asphalt between.
-fn worn_paint(fresh: [f32; 3], left: f32) -> Material {
-    let albedo = fresh.map(|c| ASPHALT_ALBEDO + (c - ASPHALT_ALBEDO) * left);
-    let reflectance = ASPHALT_REFLECTANCE + (PAINT_REFLECTANCE - ASPHALT_REFLECTANCE) * left;
-    Material::matt(Semantic::RoadMarking, albedo, Pattern::Paint, reflectance)
-}
-
 /// What grows on fields, and the soil under it; then the shoulder: gravel, dry grass between.
 fn fields() -> impl Iterator<Item = Material> {
-    let shoulder = Material::matt(Semantic::Terrain, [0.152, 0.146, 0.122], Pattern::Asphalt, 0.32);
+    let shoulder = Material::matt(Semantic::Terrain, [0.170, 0.163, 0.137], Pattern::Asphalt, 0.32);
     let crops = Crop::ALL.map(|crop| {
         let (albedo, reflectance) = match crop {
             Crop::Meadow => ([0.090, 0.128, 0.044], 0.47),
@@ -98,7 +124,7 @@ fn yards() -> impl Iterator<Item = Material> {
     let setts = Material::matt(Semantic::Road, [0.205, 0.195, 0.18], Pattern::Blocks, 0.28);
     let surfaces = YardSurface::ALL.map(|surface| {
         let (albedo, pattern, reflectance) = match surface {
-            YardSurface::Asphalt => ([0.158, 0.155, 0.15], Pattern::Asphalt, 0.24),
+            YardSurface::Asphalt => ([0.187, 0.184, 0.178], Pattern::Asphalt, 0.24),
             YardSurface::Pavers => ([0.23, 0.215, 0.20], Pattern::Blocks, 0.30),
             YardSurface::Slabs => ([0.25, 0.24, 0.225], Pattern::Slabs, 0.33),
         };
@@ -108,25 +134,25 @@ fn yards() -> impl Iterator<Item = Material> {
 }
 
 /// New asphalt, bleached asphalt, bitumen, cast iron that tires have polished a little.
-fn repairs() -> [Material; 4] {
+fn repairs(asphalt: Asphalt) -> [Material; 4] {
     [
-        Material::matt(Semantic::Road, [0.104, 0.103, 0.102], Pattern::Asphalt, 0.17),
-        Material::matt(Semantic::Road, [0.186, 0.182, 0.174], Pattern::Asphalt, 0.27),
+        asphalt.material(NEW_BY_ASPHALT, 0.74),
+        asphalt.material(OLD_BY_ASPHALT, 1.17),
         Material::matt(Semantic::Road, [0.052, 0.051, 0.050], Pattern::Plain, 0.09),
         Material::matt(Semantic::Road, [0.088, 0.080, 0.073], Pattern::Plain, 0.14),
     ]
 }
 
-/// Old dry asphalt, concrete slabs and curb stones, grass, worn paint; reflectances at 905 nm.
-pub(super) fn palette() -> Palette {
+/// Dry asphalt, concrete slabs and curb stones, grass, worn paint; reflectances at 905 nm.
+pub(super) fn palette(asphalt: Asphalt) -> Palette {
     let mut materials = vec![
-        Material::matt(Semantic::Road, [0.150, 0.148, 0.145], Pattern::Asphalt, 0.23),
+        asphalt.material(1.0, 1.0),
         Material::matt(Semantic::Sidewalk, [0.235, 0.228, 0.213], Pattern::Slabs, 0.33),
         Material::matt(Semantic::Sidewalk, [0.275, 0.268, 0.253], Pattern::Plain, 0.36),
         Material::matt(Semantic::Terrain, [0.075, 0.115, 0.040], Pattern::Grass, 0.45),
     ];
-    for fresh in [[0.43, 0.43, 0.415], [0.43, 0.31, 0.08]] {
-        materials.extend(LEFT.map(|left| worn_paint(fresh, left)));
+    for fresh in [road_paint::WHITE, road_paint::YELLOW] {
+        materials.extend(LEFT.map(|left| asphalt.with_paint(fresh, left)));
     }
     materials.extend([
         // Broken stone browned by rust, concrete, mown grass, edges of concrete.
@@ -140,7 +166,7 @@ pub(super) fn palette() -> Palette {
     materials.extend(fields());
     materials.extend(yards());
     materials.push(Material::matt(Semantic::Road, [0.215, 0.085, 0.065], Pattern::Asphalt, 0.30));
-    materials.extend(repairs());
+    materials.extend(repairs(asphalt));
     Palette::new(materials)
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::curb_edges::curb_edges;
 use super::ground_mesh::PlanMesh;
-use super::ground_palette;
+use super::ground_palette::{self, Asphalt};
 use super::network::PaintedQuad;
 use super::wear::Wear;
 use super::xodr_lanes::CURB_HEIGHT_M;
@@ -97,7 +97,8 @@ impl Surface {
                 .or_default()
                 .push(quad);
         }
-        let palette = Arc::new(ground_palette::palette());
+        let bleached = wear.stream("asphalt", 0).map_or(0.5, |mut s| s.unit() as f32);
+        let palette = Arc::new(ground_palette::palette(Asphalt::bleached(bleached)));
         let mut local = vec![u32::MAX; self.corners.len()];
         let mut tiles = Vec::with_capacity(members.len());
         for ((i, j), members) in members {

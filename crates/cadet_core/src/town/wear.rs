@@ -3,7 +3,7 @@
 use crate::rng::{CounterRng, Stream, StreamKey};
 
 /// Share of fresh paint that is left, from new lines to old ones; tires and snow plows take up to 60 %.
-pub(super) const LEFT: [f32; 5] = [1.0, 0.88, 0.74, 0.58, 0.42];
+pub(super) const LEFT: [f32; 5] = [0.97, 0.88, 0.74, 0.58, 0.42];
 /// How many lines are as worn.
 const SHARES: [f64; 5] = [0.25, 0.3, 0.22, 0.15, 0.08];
 

@@ -122,7 +122,7 @@ fn palette(s: &mut Stream, panel: ([f32; 3], Pattern)) -> Arc<Palette> {
         Material::matt(Semantic::TrafficSign, [0.36, 0.37, 0.38], Pattern::Plain, 0.35),
         Material::matt(Semantic::Fence, tint(panel.0, 0.1), panel.1, 0.38),
         Material::matt(Semantic::Terrain, [0.082, 0.122, 0.043], Pattern::Grass, 0.45),
-        Material::matt(Semantic::Road, [0.150, 0.148, 0.145], Pattern::Asphalt, 0.23),
+        Material::matt(Semantic::Road, [0.197, 0.195, 0.191], Pattern::Asphalt, 0.23),
     ]))
 }
 

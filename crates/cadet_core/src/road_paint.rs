@@ -1,0 +1,59 @@
+//! Worn paint on roads: who lays it knows the paint, how much of it is left, and the asphalt below; who looks at it needs all
+//! three, and a material has one albedo.
+
+use crate::math::Vec3;
+
+/// Albedos of fresh paint.
+pub const WHITE: [f32; 3] = [0.47, 0.47, 0.455];
+/// As [`WHITE`], of yellow paint.
+pub const YELLOW: [f32; 3] = [0.47, 0.34, 0.09];
+/// Red less blue: what is left of white paint has less than this, of yellow paint more.
+const YELLOW_FROM: f32 = 0.05;
+/// Shares that are left lie between these.
+const LEFT: (f32, f32) = (0.05, 0.98);
+
+/// Paint of which a share is left, and between it the asphalt's gray.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WornPaint {
+    /// The share of the paint that is left.
+    pub left: f32,
+    /// Albedo of the asphalt.
+    pub asphalt: f32,
+}
+
+impl WornPaint {
+    /// The mean albedo over what is left of the paint and the asphalt between.
+    #[must_use]
+    pub fn albedo(self, fresh: [f32; 3]) -> [f32; 3] {
+        fresh.map(|c| self.asphalt + (c - self.asphalt) * self.left)
+    }
+
+    /// Takes the mean albedo apart: gray asphalt adds nothing to the difference of red and blue, which tells what is left.
+    #[inline(always)]
+    #[must_use]
+    pub fn of_albedo(albedo: Vec3) -> Self {
+        let warmth = albedo.x - albedo.z;
+        let fresh = if warmth > YELLOW_FROM { YELLOW[0] - YELLOW[2] } else { WHITE[0] - WHITE[2] };
+        let left = (warmth / fresh).max(LEFT.0).min(LEFT.1);
+        Self { left, asphalt: (albedo.x - WHITE[0] * left) / (1.0 - left) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_left_and_the_asphalt_below_are_read_from_the_mean() {
+        assert!((WHITE[0] - YELLOW[0]).abs() < f32::EPSILON, "of_albedo() takes both for equally red");
+        for fresh in [WHITE, YELLOW] {
+            for left in [0.42, 0.58, 0.74, 0.88, 0.97] {
+                for asphalt in [0.1, 0.2, 0.3] {
+                    let found = WornPaint::of_albedo(Vec3::from(WornPaint { left, asphalt }.albedo(fresh)));
+                    assert!((found.left - left).abs() < 1e-4, "{found:?} of {left}");
+                    assert!((found.asphalt - asphalt).abs() < 1e-3, "{found:?} on {asphalt}");
+                }
+            }
+        }
+    }
+}
