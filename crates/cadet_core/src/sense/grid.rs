@@ -78,18 +78,19 @@ pub trait BeamGrid {
     /// Where points fall on the grid.
     fn footprints(&self, points_grid: &Lanes, out: &mut [Self::Footprint; LANES]);
 
-    /// False if no beam can meet a triangle with these footprints: the quick question before [`BeamGrid::windows`].
+    /// False if no beam can meet a piece with these footprints: the quick question before [`BeamGrid::windows`].
     #[inline(always)]
-    fn may_meet(&self, _footprints: &[Self::Footprint; 3]) -> bool {
+    fn may_meet(&self, _footprints: &[Self::Footprint; 4]) -> bool {
         true
     }
 
-    /// The beams that may meet a triangle: two windows, as a triangle may lie across the seam of a turn.
-    fn windows(&self, corners_grid: &[DVec3; 3], footprints: &[Self::Footprint; 3]) -> [Window; 2];
+    /// The beams that may meet a piece, a convex quadrilateral or a triangle whose last corner stands twice: two windows, as a
+    /// piece may lie across the seam of a turn.
+    fn windows(&self, corners_grid: &[DVec3; 4], footprints: &[Self::Footprint; 4]) -> [Window; 2];
 
-    /// A depth that no point of a triangle falls below.
+    /// A depth that no point of a piece falls below.
     #[inline(always)]
-    fn near_depth(&self, _corners_grid: &[DVec3; 3]) -> f32 {
+    fn near_depth(&self, _corners_grid: &[DVec3; 4]) -> f32 {
         f32::NEG_INFINITY
     }
 

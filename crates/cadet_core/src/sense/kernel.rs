@@ -80,7 +80,7 @@ struct Caster<'a, G: BeamGrid> {
 /// More than the vertices of a cluster: any `u8` is an index.
 const MAX_POINTS: usize = 256;
 
-/// The vertices of one cluster, in the grid's frame and on the grid, and the faces that may meet a beam.
+/// The vertices of one cluster, in the grid's frame and on the grid, and the pieces that may meet a beam.
 struct Scratch<F> {
     x: [f64; MAX_POINTS],
     y: [f64; MAX_POINTS],
@@ -129,26 +129,34 @@ impl<G: BeamGrid> Caster<'_, G> {
         let uniform = cluster.slots & !slots == 0 && cluster.slots >> 63 == 0;
         let one_sided = if item.is_solid { cluster.closed_faces } else { 0 };
         for candidate in 0..num_candidates {
-            let number = usize::from(self.scratch.candidates[candidate]);
-            let (corners, face) = (cluster.corners[number], cluster.faces[number]);
-            if !uniform && !in_layer(instance, face, self.layer) {
+            let piece = &cluster.pieces[usize::from(self.scratch.candidates[candidate])];
+            let first = usize::from(piece.first);
+            if !uniform && !in_layer(instance, cluster.faces[first], self.layer) {
                 continue;
             }
-            let points = corners.map(|i| self.scratch.point(i));
-            if one_sided >> number & 1 == 1 && self.grid.is_turned_away(&points) {
+            let corners = piece.corners.map(|i| self.scratch.point(i));
+            let has_one_side = one_sided >> first & 1 == 1;
+            let first_points = cluster.corners[first].map(|i| self.scratch.point(i));
+            if has_one_side && !piece.is_quad() && self.grid.is_turned_away(&first_points) {
                 continue;
             }
-            let footprints = corners.map(|i| self.scratch.footprints[usize::from(i)]);
-            let windows = self.grid.windows(&points, &footprints);
+            let footprints = piece.corners.map(|i| self.scratch.footprints[usize::from(i)]);
+            let windows = self.grid.windows(&corners, &footprints);
             if windows.iter().all(Window::is_empty) {
                 continue;
             }
-            if self.is_hidden(&windows, self.grid.near_depth(&points).max(item.near_depth)) {
+            if self.is_hidden(&windows, self.grid.near_depth(&corners).max(item.near_depth)) {
                 continue;
             }
-            let planes = EdgePlanes::new(points);
-            for window in windows.iter().filter(|w| !w.is_empty()) {
-                self.grid.cast(&planes, window, self.hits, [item.instance, face]);
+            for number in first..=first + usize::from(piece.is_quad()) {
+                let points = cluster.corners[number].map(|i| self.scratch.point(i));
+                if has_one_side && self.grid.is_turned_away(&points) {
+                    continue;
+                }
+                let planes = EdgePlanes::new(points);
+                for window in windows.iter().filter(|w| !w.is_empty()) {
+                    self.grid.cast(&planes, window, self.hits, [item.instance, cluster.faces[number]]);
+                }
             }
         }
     }
@@ -168,13 +176,13 @@ impl<G: BeamGrid> Caster<'_, G> {
         }
     }
 
-    /// Lists the faces between whose corners there is a beam; most of them meet none.
+    /// Lists the pieces between whose corners there is a beam; most of them meet none.
     #[inline(always)]
     fn find_candidates(&mut self, cluster: &Cluster) -> usize {
         let Scratch { footprints, candidates, .. } = &mut *self.scratch;
         let mut n = 0;
-        for (number, corners) in cluster.corners.iter().enumerate() {
-            let footprints = corners.map(|i| footprints[usize::from(i)]);
+        for (number, piece) in cluster.pieces.iter().enumerate() {
+            let footprints = piece.corners.map(|i| footprints[usize::from(i)]);
             // Written whether it is wanted or not: a branch would be guessed wrong too often.
             candidates[n] = number as u8;
             n += usize::from(self.grid.may_meet(&footprints));

@@ -174,7 +174,7 @@ impl BeamGrid for PinholeGrid {
     }
 
     #[inline]
-    fn windows(&self, corners_grid: &[DVec3; 3], footprints: &[Self::Footprint; 3]) -> [Window; 2] {
+    fn windows(&self, corners_grid: &[DVec3; 4], footprints: &[Self::Footprint; 4]) -> [Window; 2] {
         let [columns, rows] = [0, 1].map(|k| footprints.map(|f| [f[k]; LANES]));
         [self.window_lanes(columns.each_ref(), rows.each_ref()).of_lane(0, self, corners_grid), Window::default()]
     }

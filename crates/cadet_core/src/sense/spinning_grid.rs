@@ -207,13 +207,13 @@ impl BeamGrid for SpinningGrid {
     }
 
     #[inline(always)]
-    fn may_meet(&self, footprints: &[Self::Footprint; 3]) -> bool {
+    fn may_meet(&self, footprints: &[Self::Footprint; 4]) -> bool {
         let [first, end, first_tick, end_tick] = bounds_of(footprints);
         (end_tick - first_tick > i32::from(self.table.ticks.narrow)) | ((first < end) & (first_tick < end_tick))
     }
 
     #[inline(always)]
-    fn windows(&self, corners_grid: &[DVec3; 3], footprints: &[Self::Footprint; 3]) -> [Window; 2] {
+    fn windows(&self, corners_grid: &[DVec3; 4], footprints: &[Self::Footprint; 4]) -> [Window; 2] {
         let table = &*self.table;
         let [first, end, first_tick, end_tick] = bounds_of(footprints);
         if end_tick - first_tick > i32::from(table.ticks.narrow) {
@@ -224,14 +224,16 @@ impl BeamGrid for SpinningGrid {
     }
 
     #[inline(always)]
-    fn near_depth(&self, corners_grid: &[DVec3; 3]) -> f32 {
+    fn near_depth(&self, corners_grid: &[DVec3; 4]) -> f32 {
         let [lowest, highest] = self.table.height_span.map(f64::from);
         let middle = DVec3::new(0.0, 0.0, 0.5 * (lowest + highest));
-        let [a, b, c] = corners_grid.map(|p| p - middle);
-        let least = |x: f64, y: f64, z: f64| x.min(y).min(z);
-        let corner = least(a.length_squared(), b.length_squared(), c.length_squared());
-        let edge = -least(-(b - a).length_squared(), -(c - b).length_squared(), -(a - c).length_squared());
-        // No point of a triangle is farther from all corners than its longest edge / sqrt 3, the nearest point to the
+        let [a, b, c, d] = corners_grid.map(|p| p - middle);
+        let less = |x: f64, y: f64| if x < y { x } else { y };
+        let more = |x: f64, y: f64| if x > y { x } else { y };
+        let corner = less(less(a.length_squared(), b.length_squared()), less(c.length_squared(), d.length_squared()));
+        let sides = more((b - a).length_squared(), (c - b).length_squared());
+        let edge = more(more(sides, (a - c).length_squared()), more((d - c).length_squared(), (a - d).length_squared()));
+        // Of both triangles: no point is farther from all corners than the longest edge / sqrt 3, the nearest point to the
         // origin included; and seen from there the corners lie beyond it or at a right angle.
         let nearest = (corner - edge * 0.333_334).max(0.0).sqrt();
         (nearest * 0.999_999 - 0.5 * (highest - lowest) - f64::from(self.table.most_left) - 1e-5) as f32
@@ -334,10 +336,10 @@ impl SpinningGrid {
     }
 }
 
-/// The bounds of a triangle's corners: first row, end of rows, first tick, end of ticks.
+/// The bounds of a piece's corners: first row, end of rows, first tick, end of ticks.
 #[inline(always)]
-fn bounds_of([a, b, c]: &[SpinningFootprint; 3]) -> [i32; 4] {
-    let least: SpinningFootprint = std::array::from_fn(|i| a[i].min(b[i]).min(c[i]));
+fn bounds_of([a, b, c, d]: &[SpinningFootprint; 4]) -> [i32; 4] {
+    let least: SpinningFootprint = std::array::from_fn(|i| a[i].min(b[i]).min(c[i].min(d[i])));
     let [first, end, first_tick, end_tick] = least.map(i32::from);
     let most = i32::from(u16::MAX);
     [first, most - end, first_tick, most - end_tick]

@@ -212,14 +212,14 @@ impl Table {
         }
     }
 
-    /// Bounds of a triangle that is wide, near the axis or across the seam.
-    pub(super) fn wide_windows(&self, corners: [Vec3; 3]) -> [Window; 2] {
+    /// Bounds of a piece that is wide, near the axis or across the seam.
+    pub(super) fn wide_windows(&self, corners: [Vec3; 4]) -> [Window; 2] {
         let n_columns = self.azimuths.len();
         let rho = corners.map(|p| (p.x * p.x + p.y * p.y).sqrt());
-        let polar = (0..3).any(|i| rho[i] <= POLAR * (corners[i].z.abs() + rho[i]) || rho[i] < 1e-3);
-        let nearest_corner = rho[0].min(rho[1]).min(rho[2]);
+        let polar = (0..4).any(|i| rho[i] <= POLAR * (corners[i].z.abs() + rho[i]) || rho[i] < 1e-3);
+        let nearest_corner = least(&rho);
         let mut azimuth = corners.map(|p| azimuth_of(p.x, p.y));
-        let span = |a: &[f32; 3]| (a[0].min(a[1]).min(a[2]), a[0].max(a[1]).max(a[2]));
+        let span = |a: &[f32; 4]| (least(a), most(a));
         let (mut lo, mut hi) = span(&azimuth);
         if hi - lo > HALF_TURN - 1e-3 {
             azimuth = azimuth.map(|a| if a < HALF_TURN { a + TURN } else { a });
@@ -238,7 +238,7 @@ impl Table {
         if shrink <= 0.1 {
             rows = (0, self.rows.len());
         } else {
-            for i in 0..3 {
+            for i in 0..4 {
                 for r in [rho[i], rho[i] * shrink] {
                     let (first, end) = self.rows_at(r, corners[i].z);
                     rows = (rows.0.min(first), rows.1.max(end));
@@ -249,11 +249,11 @@ impl Table {
         self.columns_between(lo - aside, hi + aside).map(|columns| Window { rows: rows.0..rows.1, columns })
     }
 
-    /// Rows of a triangle around or near the axis: all of it may be above or below the sensor.
-    pub(super) fn rows_of_polar(&self, corners: [Vec3; 3], rho: [f32; 3]) -> std::ops::Range<usize> {
-        let farthest = rho[0].max(rho[1]).max(rho[2]) * 1.0001 + 1e-6;
-        let (low, high) =
-            (corners[0].z.min(corners[1].z).min(corners[2].z), corners[0].z.max(corners[1].z).max(corners[2].z));
+    /// Rows of a piece around or near the axis: all of it may be above or below the sensor.
+    pub(super) fn rows_of_polar(&self, corners: [Vec3; 4], rho: [f32; 4]) -> std::ops::Range<usize> {
+        let farthest = most(&rho) * 1.0001 + 1e-6;
+        let heights = corners.map(|p| p.z);
+        let (low, high) = (least(&heights), most(&heights));
         if low > self.height_span[1] {
             0..self.rows_at(farthest, low).1
         } else if high < self.height_span[0] {
@@ -262,4 +262,12 @@ impl Table {
             0..self.rows.len()
         }
     }
+}
+
+fn least(of: &[f32; 4]) -> f32 {
+    of[0].min(of[1]).min(of[2].min(of[3]))
+}
+
+fn most(of: &[f32; 4]) -> f32 {
+    of[0].max(of[1]).max(of[2].max(of[3]))
 }
