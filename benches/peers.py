@@ -10,6 +10,8 @@ What counts:
     Embree: `EmbreeScene.run(..., query="DISTANCE")`, trace alone. Its tree was built before (also printed). `embreex`
         offers single rays alone, no packets; a compiled loop copies each ray from numpy into Embree's structure, calls
         `rtcIntersect1` and copies the distance back.
+    Embree, same arrays: with the triangle of each hit, and numpy's work for what Python gets of cadet: points, ring,
+        column, actor, range. Its tree is still the one that was built before.
     parry: `scene.cast_rays`, its trees built before; with actor and normal of each hit.
 """
 
@@ -22,10 +24,11 @@ from collections.abc import Callable
 import numpy as np
 from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
+from numpy.typing import NDArray
 
 import cadet
 
-PEERS = ("cadet", "embree", "parry")
+PEERS = ("cadet", "embree", "same arrays", "parry")
 NEAR_M = 80.0
 
 
@@ -51,17 +54,27 @@ def compare(seed: int, rounds: int) -> dict[str, float]:
     """Time one scene's scan with each of the peers, by turns; medians in milliseconds, with counts and the build."""
     scene = cadet.Scene.random(seed=seed)
     lidar = cadet.Lidar.hdl64e_uniform()
-    origins, directions, _, _ = lidar.rays()
+    origins, directions, ring, column = lidar.rays()
     world_from_velo = scene.sensor_poses()["world_from_velo"]
     origins_world = origins @ world_from_velo[:3, :3].T + world_from_velo[:3, 3]
     directions_world = directions @ world_from_velo[:3, :3].T
-    vertices, faces, _ = scene.triangles()
+    vertices, faces, actor_ids = scene.triangles()
+    actor_of = np.append(actor_ids, -1)  # by the number of a triangle, -1 for a miss
     embree = EmbreeScene()
     origins_f32, directions_f32 = origins_world.astype(np.float32), directions_world.astype(np.float32)
 
     def build() -> None:
         TriangleMesh(embree, vertices, faces.astype(np.int32))
         embree.run(origins_f32[:1], directions_f32[:1], query="DISTANCE")  # the tree is built at the first ray
+
+    def same_arrays() -> tuple[NDArray[np.generic], ...]:
+        hits = embree.run(origins_f32, directions_f32, query="INTERSECT", output=1)
+        is_hit = hits["primID"] >= 0
+        range_m = np.where(is_hit, hits["tfar"], np.inf).astype(np.float64)
+        points = np.zeros((len(range_m), 4), np.float32)
+        points[:, :3] = origins + directions * np.where(is_hit, range_m, np.nan)[:, None]
+        points[~is_hit] = np.nan
+        return points, ring.copy(), column.copy(), actor_of[hits["primID"]], range_m
 
     near_triangles, near_actors = count_near(scene)
     row = {"triangles": float(len(faces)), "near": float(near_triangles), "actors": float(near_actors)}
@@ -71,6 +84,7 @@ def compare(seed: int, rounds: int) -> dict[str, float]:
         scene.step(0.0)  # no time passes, but what was posed is forgotten
         times["cadet"].append(time_ms(lambda: scene.scan(lidar, ideal=True)))
         times["embree"].append(time_ms(lambda: embree.run(origins_f32, directions_f32, query="DISTANCE")))
+        times["same arrays"].append(time_ms(same_arrays))
         scene.cast_rays(origins_world[:1], directions_world[:1])  # builds parry's trees
         times["parry"].append(time_ms(lambda: scene.cast_rays(origins_world, directions_world)))
     return row | {peer: float(np.median(times[peer])) for peer in PEERS}
@@ -82,19 +96,23 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, nargs="+", default=list(range(10)))
     parser.add_argument("--rounds", type=int, default=7)
     args = parser.parse_args()
-    print("  seed triangles  in 80 m actors   cadet  embree   parry  embree/cadet  parry/cadet  (embree's build)")
+    print(
+        "  seed triangles  in 80 m actors   cadet  embree  same arrays   parry"
+        "  embree/cadet  same arrays/cadet  parry/cadet  (embree's build)"
+    )
     rows = []
     for name in [*args.seeds, "median"]:
         if name != "median":
             row = compare(name, args.rounds)
-            row |= {"to embree": row["embree"] / row["cadet"], "to parry": row["parry"] / row["cadet"]}
+            row |= {f"to {peer}": row[peer] / row["cadet"] for peer in PEERS}
             rows.append(row)
         else:
             row = {key: float(np.median([r[key] for r in rows])) for key in rows[0]}
         print(
             f"{name:>6} {row['triangles']:9.0f} {row['near']:8.0f} {row['actors']:6.0f}"
-            f" {row['cadet']:7.2f} {row['embree']:7.2f} {row['parry']:7.2f}"
-            f" {row['to embree']:12.2f}x {row['to parry']:11.2f}x  {row['embree build']:12.0f}",
+            f" {row['cadet']:7.2f} {row['embree']:7.2f} {row['same arrays']:12.2f} {row['parry']:7.2f}"
+            f" {row['to embree']:12.2f}x {row['to same arrays']:17.2f}x {row['to parry']:11.2f}x"
+            f"  {row['embree build']:12.0f}",
             flush=True,
         )
 
