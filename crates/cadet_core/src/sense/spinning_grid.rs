@@ -232,7 +232,8 @@ impl BeamGrid for SpinningGrid {
         let more = |x: f64, y: f64| if x > y { x } else { y };
         let corner = less(less(a.length_squared(), b.length_squared()), less(c.length_squared(), d.length_squared()));
         let sides = more((b - a).length_squared(), (c - b).length_squared());
-        let edge = more(more(sides, (a - c).length_squared()), more((d - c).length_squared(), (a - d).length_squared()));
+        let edge =
+            more(more(sides, (a - c).length_squared()), more((d - c).length_squared(), (a - d).length_squared()));
         // Of both triangles: no point is farther from all corners than the longest edge / sqrt 3, the nearest point to the
         // origin included; and seen from there the corners lie beyond it or at a right angle.
         let nearest = (corner - edge * 0.333_334).max(0.0).sqrt();

@@ -76,7 +76,7 @@ mod tests {
         // One bounce by hand, green: half of it wall, half ground.
         for (sky, lamps) in [(&dark, 0.0), (&lit, 0.05)] {
             let above = sky.sky_on_level.y;
-            let bounce = 0.5 * (0.240 * (0.5 * above + 0.4 * lamps) + 0.8 * 0.165 * (0.8 * above + lamps));
+            let bounce = 0.5 * (0.240 * (0.5 * above + 0.4 * lamps) + 0.8 * 0.181 * (0.8 * above + lamps));
             assert!((sky.ambient(Vec3::X, &[0.0; 6]).y / bounce - 1.0).abs() < 1e-4);
         }
         assert!(lit.ambient(Vec3::X, &[0.0; 6]).y > 10.0 * dark.ambient(Vec3::X, &[0.0; 6]).y);
