@@ -107,6 +107,11 @@ impl<F> Scratch<F> {
         let i = usize::from(i);
         DVec3::new(self.x[i], self.y[i], self.z[i])
     }
+
+    #[inline(always)]
+    fn triangle(&self, cluster: &Cluster, face: usize) -> [DVec3; 3] {
+        cluster.corners[face].map(|i| self.point(i))
+    }
 }
 
 impl<G: BeamGrid> Caster<'_, G> {
@@ -116,6 +121,12 @@ impl<G: BeamGrid> Caster<'_, G> {
         let [a, b] = windows;
         (a.is_empty() || self.farthest.hides(self.grid, &self.hits.depth, a, near_depth))
             && (b.is_empty() || self.farthest.hides(self.grid, &self.hits.depth, b, near_depth))
+    }
+
+    /// True if every beam starts behind one of a cluster's faces.
+    #[inline(always)]
+    fn is_turned_away(&self, cluster: &Cluster, face: usize) -> bool {
+        self.grid.is_turned_away(&self.scratch.triangle(cluster, face))
     }
 
     #[inline(always)]
@@ -134,12 +145,12 @@ impl<G: BeamGrid> Caster<'_, G> {
             if !uniform && !in_layer(instance, cluster.faces[first], self.layer) {
                 continue;
             }
-            let corners = piece.corners.map(|i| self.scratch.point(i));
+            let faces = first..=first + usize::from(piece.is_quad());
             let has_one_side = one_sided >> first & 1 == 1;
-            let first_points = cluster.corners[first].map(|i| self.scratch.point(i));
-            if has_one_side && !piece.is_quad() && self.grid.is_turned_away(&first_points) {
+            if has_one_side && faces.clone().all(|face| self.is_turned_away(cluster, face)) {
                 continue;
             }
+            let corners = piece.corners.map(|i| self.scratch.point(i));
             let footprints = piece.corners.map(|i| self.scratch.footprints[usize::from(i)]);
             let windows = self.grid.windows(&corners, &footprints);
             if windows.iter().all(Window::is_empty) {
@@ -148,14 +159,13 @@ impl<G: BeamGrid> Caster<'_, G> {
             if self.is_hidden(&windows, self.grid.near_depth(&corners).max(item.near_depth)) {
                 continue;
             }
-            for number in first..=first + usize::from(piece.is_quad()) {
-                let points = cluster.corners[number].map(|i| self.scratch.point(i));
-                if has_one_side && self.grid.is_turned_away(&points) {
+            for face in faces {
+                if has_one_side && self.is_turned_away(cluster, face) {
                     continue;
                 }
-                let planes = EdgePlanes::new(points);
+                let planes = EdgePlanes::new(self.scratch.triangle(cluster, face));
                 for window in windows.iter().filter(|w| !w.is_empty()) {
-                    self.grid.cast(&planes, window, self.hits, [item.instance, cluster.faces[number]]);
+                    self.grid.cast(&planes, window, self.hits, [item.instance, cluster.faces[face]]);
                 }
             }
         }
