@@ -15,7 +15,7 @@ mod resolve;
 
 use multiversion::multiversion;
 
-use self::base_color::{Side, place_texture, snow, texture};
+use self::base_color::{Side, place_texture, snow, snow_over, texture};
 pub use self::batch::ShadingCamera;
 use self::batch::{BatchVector, GroupValues, IncidentLight, OutgoingLight, SurfaceGeometry, SurfaceInputs, put};
 use self::gather::{gather_ambient, gather_faces, gather_groups, place_pairs};
@@ -51,6 +51,8 @@ pub struct ShadingPass {
     base_color: [BatchVector; 2],
     /// Diffuse irradiance.
     irradiance: BatchVector,
+    /// The snow that lies on transparent surfaces.
+    snow: BatchVector,
     /// What is mirrored of the lamps of a night.
     mirrored_lamps: BatchVector,
     /// As light leaves the surfaces, and as it arrives at the camera.
@@ -73,6 +75,7 @@ impl Default for ShadingPass {
             texture: [[NONE; 2]; 2],
             base_color: [[NONE; 3]; 2],
             irradiance: [NONE; 3],
+            snow: [NONE; 3],
             mirrored_lamps: [NONE; 3],
             outgoing: OutgoingLight::default(),
             arriving: OutgoingLight::default(),
@@ -109,6 +112,9 @@ impl ShadingPass {
             transparent(&self.inputs, &self.geometry, &self.incident, m, &light.sky, &mut self.outgoing);
             if light.night.is_some() {
                 self.shine_through(light, camera, variant, m);
+            }
+            if light.snow > 0.0 && variant.pattern != Pattern::Window {
+                self.snow_on_panes(light, camera, variant, m);
             }
         } else {
             self.color(light, camera, variant, m);
@@ -198,6 +204,18 @@ impl ShadingPass {
         if night.is_some() && variant.is_glossy {
             add(&self.mirrored_lamps, m, &mut self.outgoing.specular);
         }
+    }
+
+    /// Lays snow on transparent surfaces: what is under it neither shows what is behind nor mirrors.
+    fn snow_on_panes(&mut self, light: &Light, camera: &ShadingCamera, variant: ShaderVariant, m: usize) {
+        if !variant.is_flat() {
+            ambient_of_normals(&self.geometry, m, &light.sky, &mut self.incident);
+        }
+        let (inputs, geometry) = (&self.inputs, &self.geometry);
+        diffuse(geometry, &self.incident, m, light, variant, &mut self.irradiance);
+        self.snow = [[0.0; BATCH_STRIDE]; 3];
+        snow(inputs, geometry, m, camera, light.snow, Side::Middle, &mut self.snow);
+        snow_over(&self.snow, &self.irradiance, m, &mut self.outgoing);
     }
 
     /// Adds what transparent surfaces mirror of lamps, and the light of rooms behind lit panes.

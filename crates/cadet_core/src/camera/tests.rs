@@ -11,6 +11,7 @@ mod rolling_shutter;
 mod shadow_maps;
 mod shadow_proxies;
 mod sky_visibility;
+mod snow;
 mod spray;
 mod thin_things;
 mod wet_ground;

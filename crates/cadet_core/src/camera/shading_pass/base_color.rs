@@ -7,7 +7,7 @@ use super::super::shading_queue::{BATCH_SIZE, BatchScalar};
 use super::super::textures::{self, PatternPoint};
 use super::super::value_noise::value_noise;
 use super::super::windows;
-use super::batch::{BatchVector, ShadingCamera, SurfaceGeometry, SurfaceInputs, get, put};
+use super::batch::{BatchVector, OutgoingLight, ShadingCamera, SurfaceGeometry, SurfaceInputs, get, put};
 use crate::material::Pattern;
 use crate::math::Vec3;
 
@@ -151,5 +151,17 @@ pub fn snow(
         let cover = level * (snow * worn * (0.5 + drift)).min(1.0) * lies;
         let albedo = get(out, i);
         put(out, i, albedo + (Vec3::splat(SNOW_ALBEDO) - albedo) * cover);
+    }
+}
+
+/// Puts snow over what leaves transparent surfaces; `color` is what [`snow`] has made of black.
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+pub fn snow_over(color: &BatchVector, irradiance: &BatchVector, m: usize, out: &mut OutgoingLight) {
+    for i in 0..m.min(BATCH_SIZE) {
+        let color = get(color, i);
+        let bare = 1.0 - color.x * (1.0 / SNOW_ALBEDO);
+        let (seen_through, mirrored) = (get(&out.diffuse, i), get(&out.specular, i));
+        put(&mut out.diffuse, i, seen_through * bare);
+        put(&mut out.specular, i, mirrored * bare + color * get(irradiance, i));
     }
 }

@@ -173,11 +173,17 @@ impl Reference {
                 1.0
             };
         let albedo = if is_window { radiance(base, &place) } else { albedo(m.pattern, base, &place) };
+        albedo + (Vec3::splat(0.8) - albedo) * self.under_snow(s, at)
+    }
+
+    /// The share of a surface that snow covers.
+    fn under_snow(&self, s: &Surface<'_>, at: &Point) -> f32 {
+        let m = s.material;
         let worn = if m.semantic == Semantic::Road { 0.55 } else { 1.0 };
         let lies = if s.posed.sheds_snow && is_vehicle(m.semantic) { 0.0 } else { 1.0 };
         let drift = value_noise(at.world.x * 0.6, at.world.y * 0.6, 0x5E0);
         let level = ((self.normal_at(s, at).z - 0.4) * 2.0).clamp(0.0, 1.0);
-        albedo + (Vec3::splat(0.8) - albedo) * level * (self.light.snow * worn * (0.5 + drift)).min(1.0) * lies
+        level * (self.light.snow * worn * (0.5 + drift)).min(1.0) * lies
     }
 
     /// The shading normal: between those of the corners, but not far beyond the face.
@@ -214,10 +220,14 @@ impl Reference {
             // Both faces of a pane reflect. What is behind has come through all of the air already, that in front too.
             let fresnel = schlick(m.specular.max(0.045) * 1.8, 1.0).min(1.0);
             let shine = environment(sky, mirrored, &toward, 0.0) + highlight(sky, mirrored, 0.15) * lit;
-            let through = Vec3::new(0.93, 1.0, 0.95) * (m.transmission * (1.0 - fresnel));
+            let is_window = m.pattern == Pattern::Window;
+            let snow = if is_window { 0.0 } else { self.under_snow(s, at) };
+            let through = Vec3::new(0.93, 1.0, 0.95) * (m.transmission * (1.0 - fresnel) * (1.0 - snow));
             let [_, glints] = self.lamp_light(s, at, normal, contact, false);
-            let room = if m.pattern == Pattern::Window { self.albedo(s, at) } else { Vec3::ZERO };
-            let in_front = self.through_air(shine * fresnel + glints + room, at.view, at.distance_m);
+            let room = if is_window { self.albedo(s, at) } else { Vec3::ZERO };
+            let white = sky.sun * (cos_sun.max(0.0) * lit) + sky.ambient(normal, open) * contact;
+            let bare = (shine * fresnel + glints + room) * (1.0 - snow);
+            let in_front = self.through_air(bare + white * (0.8 * snow), at.view, at.distance_m);
             return [through, in_front - through * self.through_air(Vec3::ZERO, at.view, at.distance_m)];
         }
         // Leaves turn to all sides, and let three quarters as much light through as they reflect, yellower.
