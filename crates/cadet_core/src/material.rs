@@ -52,6 +52,12 @@ impl Semantic {
     pub fn is_ground(self) -> bool {
         matches!(self, Self::Road | Self::RoadMarking | Self::Sidewalk | Self::Terrain)
     }
+
+    /// True for vehicles, but for bicycles with their riders.
+    #[must_use]
+    pub fn is_vehicle(self) -> bool {
+        matches!(self, Self::Car | Self::Van | Self::Truck | Self::Tram | Self::OtherVehicle)
+    }
 }
 
 /// How a surface returns a laser at 905 nm.

@@ -192,7 +192,7 @@ impl Face {
         let (nab, nac) = (nb - na, nc - na);
         let is_bent = !is_leaf && na.dot(normal_local) < UNBENT_COS;
         let is_smooth = is_bent || nab.length_squared().max(nac.length_squared()) > SMOOTH_CHANGE;
-        let is_vehicle = is_vehicle(material.semantic);
+        let is_vehicle = material.semantic.is_vehicle();
         let is_wet = is_ground && is_raining;
         let variant = ShaderVariant {
             pattern: material.pattern,
@@ -258,8 +258,4 @@ pub(super) fn clump(at: Vec3, edge: Vec3, place_hash: u32) -> f32 {
 #[inline(always)]
 pub(super) fn luminaire_share(rise: f32) -> f32 {
     (LENS_PER_RISE * -rise + HOUSING).clamp(0.0, 1.0)
-}
-
-pub(super) fn is_vehicle(semantic: Semantic) -> bool {
-    matches!(semantic, Semantic::Car | Semantic::Van | Semantic::Truck | Semantic::Tram | Semantic::OtherVehicle)
 }

@@ -8,9 +8,10 @@
 //! Beams away from edges are left alone: there the middle stands for the whole spot.
 
 use super::air::Air;
+use super::echo::Echo;
 use super::response::Receiver;
 use super::return_mode::ReturnMode;
-use super::returns::{Echo, echo_power, is_echo_detected};
+use super::returns::{echo_power, is_echo_detected};
 use crate::error::Result;
 use crate::math::{self, DPose3, DQuat, DVec3};
 use crate::sense::{BeamGrid, Hits, LaserRing, NO_HIT, SpinningGrid};

@@ -3,6 +3,7 @@
 mod air;
 mod casting;
 mod divergence;
+mod echo;
 mod firing;
 mod ground_texture;
 mod hdl64e;

@@ -1,23 +1,11 @@
-//! From what a beam meets to what reaches the receiver: which surface returns it, and what glass and air leave of it.
+//! From the surface that returns a beam to what reaches the receiver: what the air leaves of it, and returns itself.
 
 use super::air::{Air, Scatterer, Sprayed};
-use super::reflection::{fresnel, reflectance};
-use super::response::{Receiver, reading_noise};
+use super::echo::Echo;
+use super::response::Receiver;
 use super::return_mode::ReturnMode;
-use crate::material::{LidarMaterial, Material, Semantic};
+use crate::material::Semantic;
 use crate::rng::{Stream, nearly_normal};
-
-/// A surface in a beam's way.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Surface<'a> {
-    pub range_m: f64,
-    /// Cosine of the incidence angle, 0..1.
-    pub cos_incidence: f64,
-    pub material: &'a Material,
-    /// What the place on the surface makes of the material's reflectance: 1 for what is alike everywhere.
-    pub texture: f64,
-    pub actor_id: i32,
-}
 
 /// What reaches the receiver of one beam: a target's echo, or that of fog, a drop or a flake.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,7 +28,8 @@ pub(super) struct Arrival {
 /// The random numbers of one beam: always the same count, so that no beam's fate moves another's.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Draws {
-    dirt: f64,
+    /// Whether a pane is met where it is dirty, or snowed over.
+    pub(super) pane: f64,
     pub(super) detection: f64,
     pub(super) saturation: f64,
     /// Names the beam to the air.
@@ -54,7 +43,7 @@ impl Draws {
         let [a, b, c, d, e] = std::array::from_fn(|_| stream.next_u64());
         let unit = |bits: u64| (bits & 0xffff_ffff) as f64 * (1.0 / 4_294_967_296.0);
         Self {
-            dirt: unit(a >> 32),
+            pane: unit(a >> 32),
             detection: unit(a),
             saturation: unit(b >> 32),
             air_key: b << 32 | c >> 32,
@@ -64,15 +53,8 @@ impl Draws {
     }
 }
 
-/// Share of a glass surface's area that is dirty or printed enough to return light itself.
-const DIRTY_SHARE: f64 = 0.08;
-/// Reflectance of that dirt.
-const DIRT: LidarMaterial = LidarMaterial::diffuse(0.08);
 /// Standard deviation of the reading of a drop, a flake or fog.
 const AIR_NOISE: f64 = 0.05;
-/// Within 2.5 degrees of the normal a glass surface's mirror image hits the receiver.
-const GLINT_COS: f64 = 0.999;
-
 /// What reaches the receiver of an echo, of the air, and of the spray before it; None for nothing.
 #[inline]
 pub(super) fn arrival(
@@ -148,70 +130,18 @@ pub(super) fn is_echo_detected(echo: &Echo, air: &Air, receiver: &Receiver, dete
     receiver.detects(echo_power(echo, air) * brightness(echo), detection)
 }
 
-/// The surface that returns it, with the reflectance that is left after lobe and glass.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Echo {
-    pub range_m: f64,
-    pub reflectance: f64,
-    pub cos_incidence: f64,
-    /// Standard deviation of its reading.
-    pub reading_noise: f64,
-    pub retro: bool,
-    pub actor_id: i32,
-    pub semantic: Semantic,
-}
-
-/// What returns the light of a beam that meets `transparent` (a pane of glass) and then `opaque`.
-pub(super) fn first_echo(transparent: Option<Surface<'_>>, opaque: Option<Surface<'_>>, draws: &Draws) -> Option<Echo> {
-    let transparent = transparent.filter(|p| opaque.is_none_or(|s| p.range_m < s.range_m));
-    let mut transmittance = 1.0;
-    if let Some(transparent) = transparent {
-        let own = |reflectance, retro| Echo {
-            range_m: transparent.range_m,
-            reflectance,
-            cos_incidence: transparent.cos_incidence,
-            reading_noise: reading_noise(transparent.material.pattern),
-            retro,
-            actor_id: transparent.actor_id,
-            semantic: transparent.material.semantic,
-        };
-        if transparent.cos_incidence > GLINT_COS {
-            return Some(own(1.0, false));
-        }
-        if draws.dirt < DIRTY_SHARE {
-            return Some(own(reflectance(&DIRT, transparent.cos_incidence), false));
-        }
-        let once = f64::from(transparent.material.lidar.transmission) * (1.0 - fresnel(transparent.cos_incidence));
-        transmittance = once * once;
-        if opaque.is_some_and(|s| s.actor_id != transparent.actor_id) {
-            // Out again on the far side.
-            transmittance *= transmittance;
-        }
-    }
-    let opaque = opaque?;
-    let lidar = &opaque.material.lidar;
-    Some(Echo {
-        range_m: opaque.range_m,
-        reflectance: reflectance(lidar, opaque.cos_incidence) * opaque.texture * transmittance,
-        cos_incidence: opaque.cos_incidence,
-        reading_noise: reading_noise(opaque.material.pattern),
-        retro: lidar.retro && transmittance > 0.05,
-        actor_id: opaque.actor_id,
-        semantic: opaque.material.semantic,
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lidar::echo::{Surface, first_echo};
     use crate::lidar::receiver::EchoBatch;
     use crate::lidar::{LidarSpec, Scan};
-    use crate::material::Pattern;
+    use crate::material::{Material, Pattern};
     use crate::sense::LaserRing;
     use crate::weather::Weather;
 
     fn surface(material: &Material, range_m: f64, cos_incidence: f64, actor_id: i32) -> Surface<'_> {
-        Surface { range_m, cos_incidence, material, texture: 1.0, actor_id }
+        Surface { range_m, cos_incidence, material, texture: 1.0, snow: 0.0, actor_id }
     }
 
     /// What is written of one beam.
@@ -278,7 +208,7 @@ mod tests {
         let n = 50_000;
         let draws: Vec<Draws> = (0..n).map(|_| Draws::new(&mut stream)).collect();
         for (pick, mean, var) in [
-            ((|d: &Draws| d.dirt) as fn(&Draws) -> f64, 0.5, 1.0 / 12.0),
+            ((|d: &Draws| d.pane) as fn(&Draws) -> f64, 0.5, 1.0 / 12.0),
             (|d| d.detection, 0.5, 1.0 / 12.0),
             (|d| d.saturation, 0.5, 1.0 / 12.0),
             (|d| (d.air_key >> 32) as f64 / 4_294_967_296.0, 0.5, 1.0 / 12.0),
@@ -350,6 +280,26 @@ mod tests {
         assert!((0.05..0.15).contains(&own) && inside > 0.8, "{own} {inside}");
         let sky_behind = statistics(Some(surface(&glass, 8.0, 0.7, 3)), None, &clear());
         assert!((0.05..0.15).contains(&sky_behind.0), "{sky_behind:?}");
+    }
+
+    #[test]
+    fn snow_on_a_pane_returns_itself_and_snow_on_black_paint_is_bright() {
+        let mut glass = Material::matt(Semantic::Car, [0.1; 3], Pattern::Plain, 0.04);
+        (glass.transmission, glass.lidar.transmission) = (0.8, 0.8);
+        let paint = Material::matt(Semantic::Car, [0.02; 3], Pattern::Plain, 0.01);
+        let of_snow = |material, range_m, snow| Surface { snow, ..surface(material, range_m, 0.3, 3) };
+        let seat = Some(surface(&paint, 9.0, 0.9, 3));
+        let mut stream = Stream::from_seed("snow", 0);
+        let n = 5000;
+        let from_pane = (0..n).filter(|_| {
+            let returned = receive(Some(of_snow(&glass, 8.0, 0.6)), seat, &clear(), 1.0, &Draws::new(&mut stream));
+            returned.is_some_and(|r| r.range_m < 8.5)
+        });
+        // Beside the snow, dirt.
+        assert!((0.65..0.71).contains(&(from_pane.count() as f64 / f64::from(n))));
+        let roof = |snow| statistics(None, Some(of_snow(&paint, 20.0, snow)), &clear());
+        let (bare, white) = (roof(0.0), roof(0.9));
+        assert!(bare.0 < 0.2 && white.0 > 0.99 && white.2 > 0.2, "{bare:?} {white:?}");
     }
 
     #[test]

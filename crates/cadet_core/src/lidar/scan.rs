@@ -7,9 +7,10 @@
 use super::air::{Air, Plumes, Sprayed};
 use super::casting::{Casting, Standing};
 use super::divergence::chosen_echo;
+use super::echo::first_echo;
 use super::receiver::EchoBatch;
 use super::returned_points::Scan;
-use super::returns::{Draws, arrival, first_echo};
+use super::returns::{Draws, arrival};
 use super::spec::LidarSpec;
 use super::surfaces::Surfaces;
 use super::turning::Turning;
@@ -155,7 +156,8 @@ fn scan_by<C: Casting>(
     let receiver = spec.receiver();
     let air = Air::new(weather, receiver);
     let plumes = Plumes::about(spray, casting.place_world(0, DVec3::ZERO), receiver);
-    let (mut behind, mut in_front) = (Surfaces::new(casting), Surfaces::new(casting));
+    let snow_cover = weather.snow_cover();
+    let (mut behind, mut in_front) = (Surfaces::new(casting, snow_cover), Surfaces::new(casting, snow_cover));
     let mut out = Scan::with_capacity(spec.num_beams());
     let mut batch = EchoBatch::new();
     let mut beams = 0..;

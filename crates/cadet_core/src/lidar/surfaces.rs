@@ -2,21 +2,24 @@
 
 use super::casting::Casting;
 use super::divergence::SubBeam;
+use super::echo::Surface;
 use super::ground_texture;
-use super::returns::Surface;
 use crate::math::DVec3;
 use crate::sense::NO_HIT;
+use crate::weather::snow_share;
 
 /// Looks surfaces up. Neighbors often meet the same face, so the last one is remembered.
 pub(super) struct Surfaces<'a, C> {
     casting: &'a C,
+    /// Share of level surfaces under snow.
+    snow_cover: f64,
     last: (u32, u32),
     normal_world: DVec3,
 }
 
 impl<'a, C: Casting> Surfaces<'a, C> {
-    pub(super) fn new(casting: &'a C) -> Self {
-        Self { casting, last: (NO_HIT, NO_HIT), normal_world: DVec3::ZERO }
+    pub(super) fn new(casting: &'a C, snow_cover: f64) -> Self {
+        Self { casting, snow_cover, last: (NO_HIT, NO_HIT), normal_world: DVec3::ZERO }
     }
 
     /// The surface that a beam of a column met in a direction.
@@ -50,12 +53,92 @@ impl<'a, C: Casting> Surfaces<'a, C> {
         } else {
             1.0
         };
+        let cosine = self.normal_world.dot(direction_world);
+        let snow = if self.snow_cover == 0.0 || material.semantic.is_ground() || posed.is_without_snow(material) {
+            0.0
+        } else {
+            // Of the side that is seen.
+            let rise = if cosine > 0.0 { -self.normal_world.z } else { self.normal_world.z };
+            self.snow_cover * snow_share(rise)
+        };
         Some(Surface {
             range_m,
-            cos_incidence: self.normal_world.dot(direction_world).abs().min(1.0),
+            cos_incidence: cosine.abs().min(1.0),
             material,
             texture,
+            snow,
             actor_id: posed.actor_id,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use crate::frames::mounted;
+    use crate::geometry::{LodSet, MeshBuilder};
+    use crate::instance::Instance;
+    use crate::lidar::{LidarSpec, scan};
+    use crate::material::{Material, Palette, Pattern, Semantic};
+    use crate::math::{DPose3, DVec3, Vec3};
+    use crate::rng::Stream;
+    use crate::sense::PosedScene;
+    use crate::weather::Weather;
+
+    /// Of the beams that meet a pane before a wall, the share that the pane returns; it rises by `rise_m` over 3 m ahead.
+    fn share_of_pane(rise_m: f32, sheds_snow: bool) -> f64 {
+        let mut glass = Material::matt(Semantic::Car, [0.1; 3], Pattern::Plain, 0.04);
+        (glass.transmission, glass.lidar.transmission) = (0.8, 0.8);
+        let wall = Material::matt(Semantic::Building, [0.5; 3], Pattern::Plain, 0.5);
+        let instance = |corners: [Vec3; 4], material, actor_id| {
+            let mut b = MeshBuilder::new();
+            let [p, q, r, s] = corners;
+            b.quad(p, q, r, s, 0);
+            let shape = Arc::new(LodSet::single(b.build("quad", 0.5)));
+            Instance::new(shape, Arc::new(Palette::new(vec![material])), DPose3::IDENTITY, actor_id)
+        };
+        let (near, far, low) = (8.0, 11.0, -2.0);
+        let pane = [
+            Vec3::new(near, -2.0, low),
+            Vec3::new(near, 2.0, low),
+            Vec3::new(far, 2.0, low + rise_m),
+            Vec3::new(far, -2.0, low + rise_m),
+        ];
+        let behind = [(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)].map(|(y, z)| Vec3::new(11.1, y, z));
+        let pane = Instance { sheds_snow, ..instance(pane, glass, 1) };
+        let posed = PosedScene::new(&[pane, instance(behind, wall, 2)], DVec3::ZERO);
+        // Snow has fallen; hardly a flake is in the air.
+        let weather = Weather { snow_mm_per_h: 1e-3, ..Weather::preset("snow").unwrap() };
+        let spec = LidarSpec::hdl64e_kitti();
+        let pose = mounted(DVec3::ZERO, 0.0, 0.0, 0.0);
+        let returned = scan(&posed, &pose, &spec, &weather, &mut Stream::from_seed("scan", 1)).unwrap();
+        // Beams to the pane: between its sides, and below its far rim.
+        let slope = (low + rise_m) / far;
+        let ahead = returned.points_velo.iter().zip(&returned.actor_id);
+        let (mut of_pane, mut count) = (0, 0);
+        for ([x, y, z, _], actor_id) in ahead {
+            if *x > 0.0 && (y / x).abs() < 0.15 && z / x < slope - 0.01 && z / x > low / near + 0.01 {
+                count += 1;
+                of_pane += usize::from(*actor_id == 1);
+            }
+        }
+        assert!(count > 200, "{count}");
+        of_pane as f64 / count as f64
+    }
+
+    #[test]
+    fn panes_return_the_snow_that_lies_on_what_stands() {
+        // A slope of 18 degrees, whose normal rises by 0.95: 0.75 of it is white, 0.08 of it dirty.
+        let [standing, driving] = [false, true].map(|sheds_snow| share_of_pane(1.0, sheds_snow));
+        assert!((0.75..0.9).contains(&standing), "{standing}");
+        assert!((0.04..0.14).contains(&driving), "{driving}");
+    }
+
+    #[test]
+    fn steep_panes_hold_no_snow() {
+        // 70 degrees over so short a way that the normal rises by 0.34.
+        let [standing, driving] = [false, true].map(|sheds_snow| share_of_pane(8.2, sheds_snow));
+        assert!((standing - driving).abs() < 1e-9, "{standing} {driving}");
     }
 }

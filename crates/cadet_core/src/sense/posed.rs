@@ -94,6 +94,13 @@ impl PosedInstance {
         &self.palette.materials()[usize::from(self.mesh.slots[face as usize])]
     }
 
+    /// Whether snow does not stay on what is made of one of its materials: on what drives, but on who drives it.
+    #[inline]
+    #[must_use]
+    pub fn is_without_snow(&self, material: &Material) -> bool {
+        self.sheds_snow && material.semantic.is_vehicle()
+    }
+
     /// The corners of a face in the world.
     #[inline]
     #[must_use]

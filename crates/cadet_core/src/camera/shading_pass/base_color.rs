@@ -10,6 +10,7 @@ use super::super::windows;
 use super::batch::{BatchVector, OutgoingLight, ShadingCamera, SurfaceGeometry, SurfaceInputs, get, put};
 use crate::material::Pattern;
 use crate::math::Vec3;
+use crate::weather::SNOW_RISE;
 
 /// Leaves that are seen nearly edge-on are stretched no further, by the squared sine of their angle to the view.
 const LEAST_SINE_SQUARED: f32 = 0.02;
@@ -18,8 +19,6 @@ const DRIFTS_PER_M: f32 = 0.6;
 const DRIFT_SALT: u32 = 0x5E0;
 /// What traffic leaves of the snow on roads.
 const WORN_SNOW: f32 = 0.55;
-/// Snow begins to lie where a normal rises by the first number, and covers faster than its rise by the second.
-const SNOW_RISE: (f32, f32) = (0.4, 2.0);
 const SNOW_ALBEDO: f32 = 0.8;
 
 /// Which of a pair's pixels.

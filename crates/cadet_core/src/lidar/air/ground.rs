@@ -5,7 +5,7 @@ use crate::math;
 /// Refractive index of water at 905 nm.
 const WATER: f64 = 1.328;
 /// Reflectance of fallen snow at 905 nm.
-pub(super) const FALLEN_SNOW: f32 = 0.8;
+pub(in crate::lidar) const FALLEN_SNOW: f32 = 0.8;
 
 /// Share of the light that comes back from a diffuse surface under a film of water, against the same surface dry.
 ///

@@ -7,6 +7,7 @@ mod particles;
 mod recorded;
 mod spray;
 
+pub(super) use ground::FALLEN_SNOW;
 pub use recorded::{Fate, Weathered, weather_recorded};
 pub(super) use spray::{Plumes, Sprayed};
 
@@ -153,7 +154,7 @@ impl Air {
             left *= self.wet_share(reflectance, cos_incidence);
         }
         if self.snow_cover > 0.0 {
-            let white = reflection::reflectance(&LidarMaterial::diffuse(ground::FALLEN_SNOW), cos_incidence);
+            let white = reflection::reflectance(&LidarMaterial::diffuse(FALLEN_SNOW), cos_incidence);
             left = math::lerp(left, white, self.snow_cover);
         }
         left

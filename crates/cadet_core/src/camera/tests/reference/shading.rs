@@ -2,7 +2,7 @@
 
 use super::{Key, Reference};
 use crate::camera::contact_occlusion::Occluder;
-use crate::camera::face::{clump, is_vehicle, luminaire_share};
+use crate::camera::face::{clump, luminaire_share};
 use crate::camera::shading_pass::{environment, highlight};
 use crate::camera::sky_visibility::SkyVisibility;
 use crate::camera::textures::{PatternPoint, albedo};
@@ -180,7 +180,7 @@ impl Reference {
     fn under_snow(&self, s: &Surface<'_>, at: &Point) -> f32 {
         let m = s.material;
         let worn = if m.semantic == Semantic::Road { 0.55 } else { 1.0 };
-        let lies = if s.posed.sheds_snow && is_vehicle(m.semantic) { 0.0 } else { 1.0 };
+        let lies = if s.posed.is_without_snow(m) { 0.0 } else { 1.0 };
         let drift = value_noise(at.world.x * 0.6, at.world.y * 0.6, 0x5E0);
         let level = ((self.normal_at(s, at).z - 0.4) * 2.0).clamp(0.0, 1.0);
         level * (self.light.snow * worn * (0.5 + drift)).min(1.0) * lies
@@ -209,7 +209,7 @@ impl Reference {
             _ if !sees_sun || self.shadows.is_empty() => 0.0,
             lit => lit.unwrap_or(1.0),
         };
-        let is_above_cars = s.normal.z <= 0.3 || is_vehicle(m.semantic) || s.is_leaf;
+        let is_above_cars = s.normal.z <= 0.3 || m.semantic.is_vehicle() || s.is_leaf;
         let left_of_sky = |body: &Occluder| body.leaves(at.world - body.center);
         let contact: f32 = if is_above_cars { 1.0 } else { self.occluders.iter().map(left_of_sky).product() };
         let toward = [open[0], open[1], open[2], open[3]];
