@@ -1,9 +1,9 @@
 //! Which surface returns a beam, and how much: panes, what is behind them, and the snow on both.
 
 use super::air::FALLEN_SNOW;
+use super::draws::Draws;
 use super::reflection::{fresnel, reflectance};
 use super::response::reading_noise;
-use super::returns::Draws;
 use crate::material::{LidarMaterial, Material, Semantic};
 use crate::math;
 

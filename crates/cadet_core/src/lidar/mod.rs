@@ -3,6 +3,7 @@
 mod air;
 mod casting;
 mod divergence;
+mod draws;
 mod echo;
 mod firing;
 mod ground_texture;

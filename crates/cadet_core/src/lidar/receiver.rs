@@ -2,10 +2,11 @@
 
 use multiversion::multiversion;
 
+use super::draws::Draws;
 use super::reflection::{peak_share, spot_per_pulse};
 use super::response::{Receiver, intensity, saturated};
 use super::returned_points::Scan;
-use super::returns::{Arrival, Draws};
+use super::returns::Arrival;
 use super::spec::LidarSpec;
 use crate::material::Semantic;
 

@@ -7,10 +7,11 @@
 use super::air::{Air, Plumes, Sprayed};
 use super::casting::{Casting, Standing};
 use super::divergence::chosen_echo;
+use super::draws::Draws;
 use super::echo::first_echo;
 use super::receiver::EchoBatch;
 use super::returned_points::Scan;
-use super::returns::{Draws, arrival};
+use super::returns::arrival;
 use super::spec::LidarSpec;
 use super::surfaces::Surfaces;
 use super::turning::Turning;
