@@ -111,7 +111,7 @@ pub enum Pattern {
     Wood,
     /// Cloth.
     Cloth,
-    /// Paint on a road, worn to the share that its albedo is of fresh paint.
+    /// Paint on a road, worn: its albedo is that of a [`crate::road_paint::WornPaint`].
     Paint,
     /// A lamp that is lit: it shines in its color, whatever light falls on it.
     Lamp,

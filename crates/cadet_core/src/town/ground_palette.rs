@@ -3,7 +3,7 @@
 use super::fields::Crop;
 use super::ground_mesh::Cover;
 use super::network::{LaneSurface, PaintColor};
-use super::wear::LEFT;
+use super::wear::{LEFT, Wear};
 use super::yards::YardSurface;
 use crate::material::{LidarMaterial, Material, Palette, Pattern, Semantic};
 use crate::road_paint::{self, WornPaint};
@@ -50,6 +50,11 @@ pub(super) struct Asphalt {
 }
 
 impl Asphalt {
+    /// Of a town with this wear.
+    pub(super) fn of_town(wear: &Wear) -> Self {
+        Self::bleached(wear.stream("asphalt", 0).map_or(0.5, |mut s| s.unit() as f32))
+    }
+
     /// 0 for the darkest, 1 for the lightest.
     pub(super) fn bleached(share: f32) -> Self {
         let between = |(least, most): (f32, f32)| least + (most - least) * share;
@@ -178,5 +183,40 @@ fn rail() -> Material {
         specular: 0.35,
         lidar: LidarMaterial { gloss: 0.5, roughness: 0.25, ..LidarMaterial::diffuse(0.12) },
         ..Material::matt(Semantic::Road, [0.0; 3], Pattern::Plain, 0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vec3;
+    use crate::rng::Stream;
+
+    #[test]
+    fn towns_have_asphalt_of_their_own_and_the_darkest_is_half_as_light_as_the_lightest() {
+        let of_seed = |seed| Asphalt::of_town(&Wear::new(&mut Stream::from_seed("wear", seed))).albedo;
+        let mut albedos: Vec<f32> = (0..400).map(of_seed).collect();
+        assert_eq!(albedos[7], of_seed(7));
+        albedos.sort_unstable_by(f32::total_cmp);
+        assert!(albedos[20] < 0.15 && albedos[380] > 0.26, "{} {}", albedos[20], albedos[380]);
+        assert!((albedos[200] - 0.205).abs() < 0.015, "{}", albedos[200]);
+    }
+
+    #[test]
+    fn worn_paint_and_repairs_lie_in_the_asphalt_about_them() {
+        for share in [0.0, 0.4, 1.0] {
+            let palette = palette(Asphalt::bleached(share));
+            let materials = palette.materials();
+            let green = |slot: u8| materials[usize::from(slot)].albedo[1];
+            for wear in 0..LEFT.len() {
+                for color in [PaintColor::White, PaintColor::Yellow] {
+                    let paint = materials[usize::from(paint(color, wear))].albedo;
+                    let found = WornPaint::of_albedo(Vec3::from(paint));
+                    assert!((found.asphalt - green(ASPHALT)).abs() < 1e-3, "{found:?}");
+                    assert!((found.left - LEFT[wear]).abs() < 1e-3, "{found:?}");
+                }
+            }
+            assert!(green(NEW_ASPHALT) < green(ASPHALT) && green(ASPHALT) < green(OLD_ASPHALT));
+        }
     }
 }

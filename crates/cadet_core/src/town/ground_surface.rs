@@ -97,8 +97,7 @@ impl Surface {
                 .or_default()
                 .push(quad);
         }
-        let bleached = wear.stream("asphalt", 0).map_or(0.5, |mut s| s.unit() as f32);
-        let palette = Arc::new(ground_palette::palette(Asphalt::bleached(bleached)));
+        let palette = Arc::new(ground_palette::palette(Asphalt::of_town(wear)));
         let mut local = vec![u32::MAX; self.corners.len()];
         let mut tiles = Vec::with_capacity(members.len());
         for ((i, j), members) in members {
