@@ -94,7 +94,7 @@ impl PosedInstance {
         &self.palette.materials()[usize::from(self.mesh.slots[face as usize])]
     }
 
-    /// Whether snow does not stay on what is made of one of its materials: on what drives, but on who drives it.
+    /// Whether snow does not stay where it has this material: on vehicles that drive. It does stay on their riders.
     #[inline]
     #[must_use]
     pub fn is_without_snow(&self, material: &Material) -> bool {
