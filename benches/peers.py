@@ -72,7 +72,7 @@ def compare(seed: int, rounds: int) -> dict[str, float]:
         is_hit = hits["primID"] >= 0
         range_m = np.where(is_hit, hits["tfar"], np.inf).astype(np.float64)
         points = np.zeros((len(range_m), 4), np.float32)
-        points[:, :3] = origins + directions * np.where(is_hit, range_m, np.nan)[:, None]
+        points[:, :3] = origins + directions * hits["tfar"][:, None]
         points[~is_hit] = np.nan
         return points, ring.copy(), column.copy(), actor_of[hits["primID"]], range_m
 

@@ -84,13 +84,13 @@ const NIGHT_SUN_RAD: f64 = -20.0 * PI / 180.0;
 const SNOW_COVER: f64 = 0.75;
 
 /// Snow begins to lie where a normal rises by the first number, and covers faster than its rise by the second.
-pub const SNOW_RISE: (f32, f32) = (0.4, 2.0);
+const SNOW_RISE: (f32, f32) = (0.4, 2.0);
 
 /// What snow covers of a surface whose normal rises so steeply, by what it covers of level ones.
 #[inline(always)]
 #[must_use]
-pub fn snow_share(rise: f64) -> f64 {
-    ((rise - f64::from(SNOW_RISE.0)) * f64::from(SNOW_RISE.1)).clamp(0.0, 1.0)
+pub fn snow_share(rise: f32) -> f32 {
+    ((rise - SNOW_RISE.0) * SNOW_RISE.1).clamp(0.0, 1.0)
 }
 
 /// (name, cloudiness, wetness, rain mm/h) of the seven skies of CARLA 0.8.

@@ -51,8 +51,6 @@ pub struct ShadingPass {
     base_color: [BatchVector; 2],
     /// Diffuse irradiance.
     irradiance: BatchVector,
-    /// The snow that lies on transparent surfaces.
-    snow: BatchVector,
     /// What is mirrored of the lamps of a night.
     mirrored_lamps: BatchVector,
     /// As light leaves the surfaces, and as it arrives at the camera.
@@ -75,7 +73,6 @@ impl Default for ShadingPass {
             texture: [[NONE; 2]; 2],
             base_color: [[NONE; 3]; 2],
             irradiance: [NONE; 3],
-            snow: [NONE; 3],
             mirrored_lamps: [NONE; 3],
             outgoing: OutgoingLight::default(),
             arriving: OutgoingLight::default(),
@@ -213,9 +210,7 @@ impl ShadingPass {
         }
         let (inputs, geometry) = (&self.inputs, &self.geometry);
         diffuse(geometry, &self.incident, m, light, variant, &mut self.irradiance);
-        self.snow = [[0.0; BATCH_STRIDE]; 3];
-        snow(inputs, geometry, m, camera, light.snow, Side::Middle, &mut self.snow);
-        snow_over(&self.snow, &self.irradiance, m, &mut self.outgoing);
+        snow_over(inputs, geometry, m, camera, light.snow, &self.irradiance, &mut self.outgoing);
     }
 
     /// Adds what transparent surfaces mirror of lamps, and the light of rooms behind lit panes.

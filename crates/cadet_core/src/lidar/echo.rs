@@ -1,17 +1,15 @@
 //! Which surface returns a beam, and how much: panes, what is behind them, and the snow on both.
 
-use super::air::FALLEN_SNOW;
+use super::air::{FALLEN_SNOW, under_snow};
 use super::draws::Draws;
 use super::reflection::{fresnel, reflectance};
 use super::response::reading_noise;
 use crate::material::{LidarMaterial, Material, Semantic};
-use crate::math;
 
 /// Share of a glass surface's area that is dirty or printed enough to return light itself.
 const DIRTY_SHARE: f64 = 0.08;
 /// Reflectance of that dirt.
 const DIRT: LidarMaterial = LidarMaterial::diffuse(0.08);
-const SNOW: LidarMaterial = LidarMaterial::diffuse(FALLEN_SNOW);
 /// Within 2.5 degrees of the normal a glass surface's mirror image hits the receiver.
 const GLINT_COS: f64 = 0.999;
 
@@ -58,7 +56,7 @@ pub(super) fn first_echo(transparent: Option<Surface<'_>>, opaque: Option<Surfac
         };
         // The other end of the draw is dirt's.
         if draws.pane > 1.0 - transparent.snow {
-            return Some(own(reflectance(&SNOW, transparent.cos_incidence)));
+            return Some(own(reflectance(&FALLEN_SNOW, transparent.cos_incidence)));
         }
         if transparent.cos_incidence > GLINT_COS {
             return Some(own(1.0));
@@ -76,11 +74,9 @@ pub(super) fn first_echo(transparent: Option<Surface<'_>>, opaque: Option<Surfac
     let opaque = opaque?;
     let lidar = &opaque.material.lidar;
     let bare = reflectance(lidar, opaque.cos_incidence) * opaque.texture;
-    let reflectance =
-        if opaque.snow > 0.0 { math::lerp(bare, reflectance(&SNOW, opaque.cos_incidence), opaque.snow) } else { bare };
     Some(Echo {
         range_m: opaque.range_m,
-        reflectance: reflectance * transmittance,
+        reflectance: under_snow(bare, opaque.cos_incidence, opaque.snow) * transmittance,
         cos_incidence: opaque.cos_incidence,
         reading_noise: reading_noise(opaque.material.pattern),
         retro: lidar.retro && transmittance > 0.05,

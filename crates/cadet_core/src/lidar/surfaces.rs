@@ -59,7 +59,7 @@ impl<'a, C: Casting> Surfaces<'a, C> {
         } else {
             // Of the side that is seen.
             let rise = if cosine > 0.0 { -self.normal_world.z } else { self.normal_world.z };
-            self.snow_cover * snow_share(rise)
+            self.snow_cover * f64::from(snow_share(rise as f32))
         };
         Some(Surface {
             range_m,

@@ -145,9 +145,10 @@ impl<G: BeamGrid> Caster<'_, G> {
             if !uniform && !in_layer(instance, cluster.faces[first], self.layer) {
                 continue;
             }
-            let faces = first..=first + usize::from(piece.is_quad());
             let has_one_side = one_sided >> first & 1 == 1;
-            if has_one_side && faces.clone().all(|face| self.is_turned_away(cluster, face)) {
+            let may_be_seen = |face: usize| !(has_one_side && self.is_turned_away(cluster, face));
+            let may_be_seen = [may_be_seen(first), piece.is_quad() && may_be_seen(first + 1)];
+            if may_be_seen == [false; 2] {
                 continue;
             }
             let corners = piece.corners.map(|i| self.scratch.point(i));
@@ -159,10 +160,7 @@ impl<G: BeamGrid> Caster<'_, G> {
             if self.is_hidden(&windows, self.grid.near_depth(&corners).max(item.near_depth)) {
                 continue;
             }
-            for face in faces {
-                if has_one_side && self.is_turned_away(cluster, face) {
-                    continue;
-                }
+            for (face, _) in (first..).zip(may_be_seen).filter(|(_, may_be_seen)| *may_be_seen) {
                 let planes = EdgePlanes::new(self.scratch.triangle(cluster, face));
                 for window in windows.iter().filter(|w| !w.is_empty()) {
                     self.grid.cast(&planes, window, self.hits, [item.instance, cluster.faces[face]]);

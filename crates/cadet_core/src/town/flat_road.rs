@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::ground_palette::{self, ASPHALT, Asphalt, MARKING, TERRAIN};
+use super::wear::Wear;
 use crate::geometry::{LodSet, MeshBuilder};
 use crate::instance::Instance;
 use crate::math::{DPose3, DQuat, DVec3, Vec3};
@@ -43,7 +44,7 @@ pub(super) fn tiles(half_m: f32) -> Vec<Instance> {
     }
     vec![Instance::new(
         Arc::new(LodSet::single(builder.build("flat road", 0.0))),
-        Arc::new(ground_palette::palette(Asphalt::bleached(0.5))),
+        Arc::new(ground_palette::palette(Asphalt::of_town(&Wear::default()))),
         DPose3 { rotation: DQuat::IDENTITY, translation: DVec3::ZERO },
         0,
     )]

@@ -50,13 +50,13 @@ pub(super) struct Asphalt {
 }
 
 impl Asphalt {
-    /// Of a town with this wear.
+    /// Of a town with this wear; in between where nothing was drawn.
     pub(super) fn of_town(wear: &Wear) -> Self {
         Self::bleached(wear.stream("asphalt", 0).map_or(0.5, |mut s| s.unit() as f32))
     }
 
     /// 0 for the darkest, 1 for the lightest.
-    pub(super) fn bleached(share: f32) -> Self {
+    fn bleached(share: f32) -> Self {
         let between = |(least, most): (f32, f32)| least + (most - least) * share;
         Self { albedo: between(ASPHALT_ALBEDO), reflectance: between(ASPHALT_REFLECTANCE) }
     }

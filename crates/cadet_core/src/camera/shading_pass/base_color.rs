@@ -10,7 +10,7 @@ use super::super::windows;
 use super::batch::{BatchVector, OutgoingLight, ShadingCamera, SurfaceGeometry, SurfaceInputs, get, put};
 use crate::material::Pattern;
 use crate::math::Vec3;
-use crate::weather::SNOW_RISE;
+use crate::weather::snow_share;
 
 /// Leaves that are seen nearly edge-on are stretched no further, by the squared sine of their angle to the view.
 const LEAST_SINE_SQUARED: f32 = 0.02;
@@ -128,6 +128,24 @@ pub fn texture(
     fill!(Asphalt, Slabs, Blocks, Bricks, Render, Tiles, Grass, Leaves, Wood, Cloth, Paint);
 }
 
+/// What snow covers of the surface in the left or the right pixel of a pair, or in its middle.
+#[inline(always)]
+fn snow_cover(
+    inputs: &SurfaceInputs,
+    geometry: &SurfaceGeometry,
+    camera: &ShadingCamera,
+    snow: f32,
+    side: Side,
+    i: usize,
+) -> f32 {
+    // In the pixel itself: in the pair's middle, each pair would have its own drift.
+    let Vec3 { x, y, .. } = point_in_pixel(inputs, camera, side.offset(), i) + camera.eye;
+    let drift = value_noise(x * DRIFTS_PER_M, y * DRIFTS_PER_M, DRIFT_SALT);
+    let worn = if inputs.flags[i] & Flags::ROAD > 0 { WORN_SNOW } else { 1.0 };
+    let lies = if inputs.flags[i] & Flags::SHEDS_SNOW > 0 { 0.0 } else { 1.0 };
+    snow_share(geometry.normal[2][i]) * (snow * worn * (0.5 + drift)).min(1.0) * lies
+}
+
 /// Lays snow on the left or the right pixels.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 pub fn snow(
@@ -139,28 +157,28 @@ pub fn snow(
     side: Side,
     out: &mut BatchVector,
 ) {
-    let side = side.offset();
     for i in 0..m.min(BATCH_SIZE) {
-        // In the pixel itself: in the pair's middle, each pair would have its own drift.
-        let Vec3 { x, y, .. } = point_in_pixel(inputs, camera, side, i) + camera.eye;
-        let drift = value_noise(x * DRIFTS_PER_M, y * DRIFTS_PER_M, DRIFT_SALT);
-        let worn = if inputs.flags[i] & Flags::ROAD > 0 { WORN_SNOW } else { 1.0 };
-        let lies = if inputs.flags[i] & Flags::SHEDS_SNOW > 0 { 0.0 } else { 1.0 };
-        let level = ((geometry.normal[2][i] - SNOW_RISE.0) * SNOW_RISE.1).clamp(0.0, 1.0);
-        let cover = level * (snow * worn * (0.5 + drift)).min(1.0) * lies;
+        let cover = snow_cover(inputs, geometry, camera, snow, side, i);
         let albedo = get(out, i);
         put(out, i, albedo + (Vec3::splat(SNOW_ALBEDO) - albedo) * cover);
     }
 }
 
-/// Puts snow over what leaves transparent surfaces; `color` is what [`snow`] has made of black.
+/// Puts snow over what leaves transparent surfaces.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-pub fn snow_over(color: &BatchVector, irradiance: &BatchVector, m: usize, out: &mut OutgoingLight) {
+pub fn snow_over(
+    inputs: &SurfaceInputs,
+    geometry: &SurfaceGeometry,
+    m: usize,
+    camera: &ShadingCamera,
+    snow: f32,
+    irradiance: &BatchVector,
+    out: &mut OutgoingLight,
+) {
     for i in 0..m.min(BATCH_SIZE) {
-        let color = get(color, i);
-        let bare = 1.0 - color.x * (1.0 / SNOW_ALBEDO);
+        let cover = snow_cover(inputs, geometry, camera, snow, Side::Middle, i);
         let (seen_through, mirrored) = (get(&out.diffuse, i), get(&out.specular, i));
-        put(&mut out.diffuse, i, seen_through * bare);
-        put(&mut out.specular, i, mirrored * bare + color * get(irradiance, i));
+        put(&mut out.diffuse, i, seen_through * (1.0 - cover));
+        put(&mut out.specular, i, mirrored * (1.0 - cover) + get(irradiance, i) * (SNOW_ALBEDO * cover));
     }
 }

@@ -1,11 +1,18 @@
-//! What rain and snow leave on the ground, for a laser.
+//! What rain and snow leave on the ground, for a laser; snow on other surfaces, too.
 
+use crate::lidar::reflection::reflectance;
+use crate::material::LidarMaterial;
 use crate::math;
 
 /// Refractive index of water at 905 nm.
 const WATER: f64 = 1.328;
-/// Reflectance of fallen snow at 905 nm.
-pub(in crate::lidar) const FALLEN_SNOW: f32 = 0.8;
+/// Fallen snow at 905 nm.
+pub(in crate::lidar) const FALLEN_SNOW: LidarMaterial = LidarMaterial::diffuse(0.8);
+
+/// Reflectance of a surface of which snow covers a share, by its own.
+pub(in crate::lidar) fn under_snow(bare: f64, cos_incidence: f64, cover: f64) -> f64 {
+    if cover > 0.0 { math::lerp(bare, reflectance(&FALLEN_SNOW, cos_incidence), cover) } else { bare }
+}
 
 /// Share of the light that comes back from a diffuse surface under a film of water, against the same surface dry.
 ///

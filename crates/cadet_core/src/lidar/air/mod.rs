@@ -7,15 +7,14 @@ mod particles;
 mod recorded;
 mod spray;
 
-pub(super) use ground::FALLEN_SNOW;
+pub(super) use ground::{FALLEN_SNOW, under_snow};
 pub use recorded::{Fate, Weathered, weather_recorded};
 pub(super) use spray::{Plumes, Sprayed};
 
 use self::fog::Fog;
 use self::particles::Particles;
-use super::reflection;
 use super::response::Receiver;
-use crate::material::{LidarMaterial, Semantic};
+use crate::material::Semantic;
 use crate::math;
 use crate::rng::CounterRng;
 use crate::weather::Weather;
@@ -153,11 +152,7 @@ impl Air {
         if semantic != Semantic::Terrain {
             left *= self.wet_share(reflectance, cos_incidence);
         }
-        if self.snow_cover > 0.0 {
-            let white = reflection::reflectance(&LidarMaterial::diffuse(FALLEN_SNOW), cos_incidence);
-            left = math::lerp(left, white, self.snow_cover);
-        }
-        left
+        under_snow(left, cos_incidence, self.snow_cover)
     }
 
     /// Share of a paved ground's echo that is left where a film of water covers the share `wetness` of it.
