@@ -27,6 +27,7 @@ PYTHON_ROOMS: dict[str, set[str]] = {
         "checks",
         "errors",
         "exporter",
+        "notices",
         "plain_text",
         "process_map",
         "rig",

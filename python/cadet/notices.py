@@ -12,11 +12,18 @@ _PACKAGE = __name__.split(".")[0]
 _said: set[tuple[str, Hashable]] = set()
 
 
-def notice(lines: Iterable[str], about: Hashable) -> None:
-    """Warn with each line, at the place outside of cadet that led here, unless it was said of the same thing before."""
+def notice(lines: Iterable[str], about: Hashable, *, key: str | None = None) -> None:
+    """Warn with each line, at the place outside of cadet that led here, unless it was said of the same thing before.
+
+    Args:
+        lines: the warnings.
+        about: what they speak of.
+        key: what makes two lines the same; the line itself where it is None.
+    """
     for line in lines:
-        if (line, about) not in _said:
-            _said.add((line, about))
+        said = (line if key is None else key, about)
+        if said not in _said:
+            _said.add(said)
             warnings.warn(line, CadetWarning, stacklevel=_level_outside())
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from pathlib import Path
 from typing import Final
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from cadet.errors import CadetError, KittiFormatError, MissingFileError
 from cadet.kitti import dataset, images
 from cadet.kitti.calib import Calibration
+from cadet.kitti.dialects import collected
 from cadet.kitti.files import SUFFIXES, display_name, file_path
 from cadet.kitti.frame import Frame
 from cadet.kitti.lint.duplicates import Signature, signature_of
@@ -76,7 +77,12 @@ class Report:
 
 def examine(task: Task) -> Report:
     """Check one frame. Whatever the files hold, and whether or not they can be read, there is a report."""
-    return _FrameLint(task).run()
+    with collected() as dialects:
+        report = _FrameLint(task).run()
+    soft: Severity = "error" if task.strict else "warning"
+    # Files are read more than once.
+    found = [Finding(one.file, one.line, "dialect", one.message, soft) for one in dict.fromkeys(dialects)]
+    return replace(report, findings=found + report.findings)
 
 
 def display(path: Path) -> str:
