@@ -19,7 +19,7 @@ MINUTES=${MINUTES:-7}              # the longest that training may take
 STEPS=${STEPS:-}                   # of training; by default what fits into the minutes, by the time of ...
 TRIAL_STEPS=${TRIAL_STEPS:-60}     # ... so many
 CONFIG=${CONFIG:-car_default}
-BATCH=${BATCH:-4}                  # frames a step
+BATCH=${BATCH:-2}                  # frames a step
 RATE=${RATE:-4e-4}                 # the first learning rate
 DEVICE=${DEVICE:-cuda}
 AMP=${AMP-bf16}                    # empty: float32
@@ -57,7 +57,7 @@ frames() { # NAME COUNT SEED
     if [ -e "$WORK/$1/run.json" ]; then resume=(--resume); fi
     timeout -k 30 "$GEN_SECONDS" cadet-gen "$WORK/$1" -n "$2" --seed "$3" "${resume[@]}" || [ $? -eq 124 ]
     local made=("$WORK/$1"/training/velodyne/*.bin)
-    report "- $1: ${#made[@]} frames after $(seconds) s of cadet-gen"
+    report "- $1: ${#made[@]} frames in $(seconds) s"
 }
 
 write_config() { # STEPS FILE
@@ -108,8 +108,9 @@ training() {
     # 75: the minutes are over.
     train run --max-minutes "$MINUTES" "${resume[@]}" || [ $? -eq 75 ]
     cp "$WORK/run/log.csv" "$OUT/"
-    report "- training: $(tail -n 1 "$OUT/log.csv" | cut -d, -f1) steps, $(seconds) s, $(awk -F , 'NR > 1 { print $NF }' \
-        "$OUT/log.csv" | sort -n | awk '{ s[NR] = $1 } END { printf "%.1f", 1e3 * s[int((NR + 1) / 2)] }') ms a step (median)"
+    local steps=("$WORK"/run/checkpoints/*)
+    report "- training: $((10#${steps[-1]##*/})) steps in $(seconds) s, $(awk -F , 'NR > 1 { print 1e3 * $NF }' "$OUT/log.csv" |
+        sort -n | awk '{ row[NR] = $1 } END { print row[int((NR + 1) / 2)] }') ms a step (median)"
 }
 
 weights() {
