@@ -22,7 +22,7 @@ unexport PYTHONPATH
 unexport PYTHONHOME
 
 .PHONY: help check-rust check-python setup build build-dev demo test test-core lint test-rust test-python emulator golden \
-	fuzz bench bench-peers bench-traffic gallery docs fmt clean
+	fuzz bench bench-peers bench-traffic bench-gpu gallery docs fmt clean
 .NOTPARALLEL:
 
 help: ## List the targets
@@ -118,6 +118,11 @@ bench-peers: build-dev ## Time the ideal scan against Embree and parry on the sa
 bench-traffic: WITHOUT_AVOD := yes
 bench-traffic: build-dev ## Let 200 episodes run: who overlaps, floats, sinks, or stands (half an hour)
 	$(BIN)/python benches/traffic.py -n 200 --workers 2
+
+bench-gpu: build-dev ## Try benches/gpu/run.sh on the CPU with eight frames and a small network (a minute)
+	@rm -rf $(DEMO)/gpu
+	PATH=$(CURDIR)/$(BIN):$$PATH OUT=$(DEMO)/gpu WORK=$(DEMO)/gpu/work FRAMES=8 HELD_OUT=4 MINUTES=0.3 TRIAL_STEPS=2 \
+		CONFIG=tiny_car DEVICE=cpu AMP= COMPILE= benches/gpu/run.sh
 
 gallery: build ## Draw every family of actors, every district in several weathers, and scans to gallery/ (minutes)
 	$(BIN)/cadet gallery gallery $(if $(REAL),--real $(REAL))
