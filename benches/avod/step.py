@@ -1,7 +1,7 @@
 """A full-size training step and detection in float32 and in bfloat16: `python benches/avod/step.py DATA [--threads 2]`.
 
-DATA is a KITTI folder, for example 20 frames of `cadet-gen`. The variants take turns on the same frames, in the device's
-memory already, so that what else the machine does weighs on all alike; medians of wall time. Compiling is not counted.
+DATA is a KITTI folder, for example 20 frames of `cadet-gen`. The variants take turns on the same frames, from the
+device's memory, so that what else the machine does weighs on all alike; medians of wall time. Compiling is not counted.
 """
 
 from __future__ import annotations
