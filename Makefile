@@ -119,10 +119,10 @@ bench-traffic: WITHOUT_AVOD := yes
 bench-traffic: build-dev ## Let 200 episodes run: who overlaps, floats, sinks, or stands (half an hour)
 	$(BIN)/python benches/traffic.py -n 200 --workers 2
 
-bench-gpu: build-dev ## Try benches/gpu/run.sh on the CPU with eight frames and a small network (a minute)
+bench-gpu: build-dev ## Try benches/gpu/run.sh on the CPU with eight frames and a small network (a minute or two)
 	@rm -rf $(DEMO)/gpu
-	PATH=$(CURDIR)/$(BIN):$$PATH OUT=$(DEMO)/gpu WORK=$(DEMO)/gpu/work FRAMES=8 HELD_OUT=4 MINUTES=0.3 TRIAL_STEPS=2 \
-		CONFIG=tiny_car DEVICE=cpu AMP= COMPILE= benches/gpu/run.sh
+	PATH=$(CURDIR)/$(BIN):$$PATH PYTHON=$(BIN)/python OUT=$(DEMO)/gpu WORK=$(DEMO)/gpu/work FRAMES=8 HELD_OUT=4 \
+		MINUTES=0.3 TRIAL_STEPS=2 CONFIG=tiny_car DEVICE=cpu AMP= COMPILE= benches/gpu/run.sh
 
 gallery: build ## Draw every family of actors, every district in several weathers, and scans to gallery/ (minutes)
 	$(BIN)/cadet gallery gallery $(if $(REAL),--real $(REAL))
