@@ -1,13 +1,27 @@
 from __future__ import annotations
 
-from dataclasses import replace
+import pickle
+from dataclasses import asdict, replace
 from typing import Any, cast
 
 import numpy as np
 import pytest
 
-from cadet import CadetError, Camera, Environment, Frame, ResetPolicy, Rig, Scene, SceneConfig, episode, weather_names
-from cadet.policy import EpisodeSpec
+from cadet import (
+    CadetError,
+    Camera,
+    Environment,
+    Frame,
+    LabelConfig,
+    PropConfig,
+    ResetPolicy,
+    Rig,
+    Scene,
+    SceneConfig,
+    episode,
+    weather_names,
+)
+from cadet.policy import EpisodeSpec, draw_with
 
 pytestmark = pytest.mark.usefixtures("fake_core")
 
@@ -35,23 +49,72 @@ def test_samples_and_episodes_are_numbered_and_frames_carry_them() -> None:
     assert seen == [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (1, 2), (2, 0)]
 
 
-def test_a_configuration_of_ones_own_takes_the_place_of_the_drawn_one(monkeypatch: pytest.MonkeyPatch) -> None:
-    built: list[SceneConfig] = []
+@pytest.mark.parametrize("policy", ["kitti", "paper"])
+@pytest.mark.parametrize(
+    "config",
+    [
+        SceneConfig(num_cars=5),
+        # As given as any other number, though it is the default.
+        SceneConfig(num_cars=SceneConfig().num_cars),
+        SceneConfig(props=PropConfig(clutter=0.25), label=LabelConfig(min_points=7)),
+        pickle.loads(pickle.dumps(SceneConfig(num_cars=5))),
+        SceneConfig(),
+    ],
+    ids=str,
+)
+def test_of_a_configuration_only_what_was_given_takes_the_place_of_the_draw(policy: str, config: SceneConfig) -> None:
+    chosen = ResetPolicy.named(policy)
+    draw = draw_with(chosen, config)
+    for seed in range(50):
+        plain, drawn = asdict(chosen.draw(seed, 0).config), asdict(draw(seed, 0, 0).config)
+        expected = {**plain, **({"num_cars": config.num_cars} if "num_cars" in config.given else {})}
+        if "props" in config.given:
+            expected["props"] = {**plain["props"], "clutter": 0.25}
+            expected["label"] = {**plain["label"], "min_points": 7}
+        assert drawn == expected, seed
+
+
+def test_a_configuration_of_ones_own_reaches_the_scenes(monkeypatch: pytest.MonkeyPatch) -> None:
+    built: list[EpisodeSpec] = []
     original = episode.build_scene
 
     def build(spec: EpisodeSpec) -> Any:
-        built.append(spec.config)
+        built.append(spec)
         return original(spec)
 
     monkeypatch.setattr(episode, "build_scene", build)
-    config = SceneConfig(num_cars=3, num_pedestrians=0, parking_occupancy=0.1)
-    env = Environment(policy=replace(ResetPolicy.kitti(), samples_per_episode=1), rig=RIG, config=config)
+    policy = replace(ResetPolicy.paper(), samples_per_episode=1)
+    env = Environment(policy=policy, rig=RIG, config=SceneConfig(num_cars=3))
     env.reset(seed=np.int64(1))  # type: ignore[arg-type]
     frames = [env.step() for _ in range(3)]
-    assert built == [config] * 3 and env.episode == 2
-    assert frames[0].meta is not None and frames[0].meta["seed"] == 1
+    assert [(spec.config.num_cars, spec.config.vehicle_classes) for spec in built] == [(3, ("Car",))] * 3
+    assert env.episode == 2 and frames[0].meta is not None
+    assert (frames[0].meta["seed"], frames[0].meta["district"]) == (1, built[0].district)
     with pytest.raises(CadetError, match=r"^config: expected a SceneConfig, got 'full'$"):
         Environment(config=cast(Any, "full"))
+
+
+def test_without_a_seed_one_is_drawn_kept_and_gone_on_with() -> None:
+    env = make(samples_per_episode=2)
+    assert env.seed is None
+    env.reset()
+    seed = env.seed
+    assert seed is not None and 0 <= seed < 2**32 and f"seed={seed}" in repr(env)
+    frames = [env.step() for _ in range(3)]
+    assert [frame.meta and (frame.meta["seed"], frame.meta["episode"]) for frame in frames] == [
+        (seed, 0),
+        (seed, 0),
+        (seed, 1),
+    ]
+    env.reset()
+    assert (env.seed, env.episode) == (seed, 2)
+    env.reset(episode=7)
+    assert (env.seed, env.episode) == (seed, 7)
+    env.reset(seed=seed)
+    assert env.episode == 0 and same(env.step(), frames[0])
+    other = make()
+    other.reset()
+    assert other.seed != seed
 
 
 def test_the_same_seed_gives_the_same_frames_and_another_does_not() -> None:
@@ -122,9 +185,9 @@ def test_a_random_scene_is_the_first_sample() -> None:
 @pytest.mark.parametrize(
     ("use", "message"),
     [
-        (lambda: make().step(), "step: call reset(seed=...) first"),
+        (lambda: make().step(), "step: call reset() first"),
         (lambda: make().reset(seed=-1), "seed: expected a whole number from 0 to 2**63 - 1, got -1"),
-        (lambda: make().reset(seed=cast(int, None)), "seed: expected a whole number from 0 to 2**63 - 1, got None"),
+        (lambda: make().reset(seed=cast(int, "1")), "seed: expected a whole number from 0 to 2**63 - 1, got '1'"),
         (
             lambda: make().reset(seed=0, episode=cast(int, 1.5)),
             "reset.episode: expected a whole number from 0 to 1000000000, got 1.5",

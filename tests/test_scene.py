@@ -9,13 +9,16 @@ import pytest
 from cadet import (
     CadetError,
     Camera,
+    Environment,
     Lidar,
     MissingFileError,
     NonFiniteError,
     Rig,
+    RoadMap,
     Scene,
     SceneConfig,
     ShapeError,
+    stream,
 )
 
 pytestmark = pytest.mark.usefixtures("fake_core")
@@ -36,6 +39,27 @@ def test_what_is_asked_for_reaches_the_frame(tmp_path: Path) -> None:
     assert (frame.meta["map"], frame.meta["weather"]) == ("village.xodr", "snow")
     assert frame.image.shape == (32, 64, 3)
     assert frame.calib.P2[0, 0] == pytest.approx(721.5377 * 64 / 1242)
+
+
+def test_without_a_seed_one_is_drawn_and_told() -> None:
+    scene = Scene.random(rig=RIG)
+    seed, meta = scene.seed, scene.capture().meta
+    assert seed is not None and meta is not None and meta["seed"] == seed
+    assert Scene.random(seed=seed, rig=RIG).capture().meta == meta
+    assert Scene.random(rig=RIG).seed != seed
+    scene.step(1.0)
+    assert scene.seed == seed and empty().seed is None
+
+
+def test_a_map_is_a_file_or_one_that_was_read(tmp_path: Path) -> None:
+    path = tmp_path / "village.xodr"
+    path.write_text("<OpenDRIVE/>")
+    read = RoadMap.read(path)
+    one, two = (Scene.random(seed=1, map=given, rig=RIG).capture().meta for given in (read, path))
+    assert one == two and one is not None and one["map"] == "village.xodr"
+    Scene.empty(map=read, rig=RIG)
+    for environment in (Environment(map=read), stream(map=read, workers=0)._shares[0].environment):
+        assert environment.policy.maps == (read,)
 
 
 def test_the_same_instant_gives_the_same_frame_and_a_later_one_fresh_noise() -> None:

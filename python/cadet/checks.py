@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import secrets
 import sys
 from collections.abc import Collection
 from dataclasses import fields
@@ -174,6 +175,11 @@ def as_seed(seed: object, name: str = "seed") -> int:
     if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or not 0 <= seed <= MAX_SEED:
         raise CadetError(f"{name}: expected a whole number from 0 to 2**63 - 1, got {shown(seed)}")
     return int(seed)
+
+
+def fresh_seed() -> int:
+    """Return a seed that nobody chose, drawn by the operating system: ten digits at most, to be written down."""
+    return secrets.randbits(32)
 
 
 def as_path(name: str, path: object) -> Path:

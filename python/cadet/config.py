@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field, fields, replace
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 from cadet import _cadet
 from cadet.checks import check_kind, check_number, is_one_of, make_plain, shown
@@ -54,8 +54,30 @@ _SUBURB = _Numbers("SuburbConfig", _cadet.SuburbConfig.settings())
 scene_limits = _SCENE.limits
 
 
+_Config = TypeVar("_Config", bound="_Overrides")
+
+
+class _Overrides:
+    """A configuration that remembers which of its fields were given, so that the others can be drawn."""
+
+    given: frozenset[str]
+
+    def __new__(cls, **given: object) -> Any:
+        self = super().__new__(cls)
+        object.__setattr__(self, "given", frozenset(given))
+        return self
+
+    def over(self: _Config, drawn: _Config) -> _Config:
+        """Return `drawn` with what was given here in its place; configurations in it are merged alike."""
+        changes = {}
+        for name in self.given:
+            own, other = getattr(self, name), getattr(drawn, name)
+            changes[name] = own.over(other) if isinstance(own, _Overrides) else own
+        return replace(drawn, **changes)  # type: ignore[type-var]
+
+
 @dataclass(frozen=True, kw_only=True)
-class LabelConfig:
+class LabelConfig(_Overrides):
     """Every number of the labels' definitions; the core states their defaults and limits.
 
     Raises:
@@ -133,7 +155,7 @@ def check_vehicle_classes(owner: str, classes: object) -> None:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SuburbConfig:
+class SuburbConfig(_Overrides):
     """What kind of suburb is generated where there is no map.
 
     Raises:
@@ -189,7 +211,7 @@ class SuburbConfig:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PropConfig:
+class PropConfig(_Overrides):
     """Houses, gardens, and trees along the streets, of generated suburbs and of maps.
 
     Raises:
@@ -225,10 +247,11 @@ class PropConfig:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SceneConfig:
+class SceneConfig(_Overrides):
     """How full a scene is, what stands in it, where its sun is, and what gets a label.
 
-    The core states the defaults and limits of all numbers.
+    The core states the defaults and limits of all numbers. Where worlds are drawn (`Scene.random`, `Environment`,
+    `stream`), only fields that were given count, those of `suburb`, `props`, and `label` one by one; all else is drawn.
 
     Raises:
         CadetError: a number outside its range.

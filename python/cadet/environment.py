@@ -6,13 +6,14 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from cadet.assets import Assets
-from cadet.checks import as_seed, check_number
+from cadet.checks import as_seed, check_number, fresh_seed
 from cadet.config import SceneConfig
 from cadet.episode import Episode, as_command
 from cadet.errors import CadetError
 from cadet.kitti import Frame, frame_from_sample
 from cadet.policy import ResetPolicy, choose_policy, draw_with
 from cadet.rig import Rig
+from cadet.road_map import RoadMap
 from cadet.sample import Wanted
 from cadet.summary import summary
 
@@ -25,9 +26,9 @@ class Environment:
     Args:
         policy: how worlds are drawn, or the name of a preset, "kitti" or "paper"; `ResetPolicy.kitti()` if None.
         rig: the sensors; the policy's if None.
-        map: an OpenDRIVE file; the policy's maps, or suburbs that are generated, if None.
+        map: an OpenDRIVE file, or one that was read; the policy's maps, or suburbs that are generated, if None.
         weather: a preset of `weather_names()`; drawn if None.
-        config: how full every scene is, and what gets a label; drawn if None.
+        config: how full every scene is, and what gets a label; what it was not given is drawn.
         assets: the user's own vehicles, or their folder; the policy's if None.
         sensors: names of sensors besides the first camera and LIDAR; None for all that the rig has in `more`.
 
@@ -41,7 +42,7 @@ class Environment:
         *,
         policy: ResetPolicy | str | None = None,
         rig: Rig | None = None,
-        map: str | Path | None = None,
+        map: RoadMap | str | Path | None = None,
         weather: str | None = None,
         config: SceneConfig | None = None,
         assets: Assets | str | Path | None = None,
@@ -56,21 +57,28 @@ class Environment:
         self._next_sample = 0
 
     def __repr__(self) -> str:
-        seed = None if self._current is None else self._current.seed
-        return summary(self, policy=self.policy.name, seed=seed, episode=self.episode, sample=self.sample)
+        return summary(self, policy=self.policy.name, seed=self.seed, episode=self.episode, sample=self.sample)
 
-    def reset(self, *, seed: int, episode: int = 0) -> None:
-        """Start a stream of episodes over.
+    def reset(self, *, seed: int | None = None, episode: int | None = None) -> None:
+        """Start an episode, as Gymnasium's environments do: give a seed at first, and none from then on.
 
         Args:
-            seed: names every random draw that follows.
-            episode: the episode to begin with.
+            seed: names every random draw that follows. None keeps the seed of before; the first time it draws a fresh
+                one, which `seed` then tells.
+            episode: the episode to begin with; if None, the first one of a seed that is given or drawn, and the next
+                one of a seed that is kept.
 
         Raises:
             CadetError: a seed or an episode that is no whole number of at least 0.
         """
+        before = self._current
+        if seed is None and before is not None:
+            seed, next_episode = before.seed, before.number + 1
+        else:
+            seed, next_episode = fresh_seed() if seed is None else as_seed(seed), 0
+        episode = next_episode if episode is None else episode
         check_number("reset", "episode", episode, 0, 10**9, whole=True)
-        self._current = Episode(self.policy, as_seed(seed), int(episode), self._draw, wanted=self._wanted)
+        self._current = Episode(self.policy, seed, int(episode), self._draw, wanted=self._wanted)
         self._next_sample = 0
 
     def step(self, *, speed_mps: float | None = None, lateral_m: float = 0.0) -> Frame:
@@ -89,13 +97,18 @@ class Environment:
         """
         command = None if speed_mps is None else as_command("step", speed_mps, lateral_m)
         if self._current is None:
-            raise CadetError("step: call reset(seed=...) first")
+            raise CadetError("step: call reset() first")
         if self._next_sample == self.policy.samples_per_episode:
-            self.reset(seed=self._current.seed, episode=self._current.number + 1)
+            self.reset()
         self._current.command = command
         sample = self._current.next_sample(self._next_sample)
         self._next_sample += 1
         return frame_from_sample(sample)
+
+    @property
+    def seed(self) -> int | None:
+        """The seed of the frames, given or drawn; None before the first reset."""
+        return None if self._current is None else self._current.seed
 
     @property
     def episode(self) -> int:

@@ -21,6 +21,7 @@ from cadet.errors import CadetError
 from cadet.kitti import Frame
 from cadet.policy import ResetPolicy, choose_policy
 from cadet.rig import Rig
+from cadet.road_map import RoadMap
 from cadet.sample import Sample
 
 try:
@@ -55,16 +56,16 @@ class DrivingEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     Observations: "image" (H, W, 3) uint8 RGB; "points_velo" (N, 4) float32 [x, y, z, intensity] in the velo frame, one
     row for each ray of the LIDAR, those without a return 0 and last; "speed_mps" (1,) float32. `info` has "time_s",
-    "episode", "sample", "map", "weather", "num_points", and "labels", the frame's `cadet.Label`s.
+    "seed", "episode_number", "sample", "map", "weather", "num_points", and "labels", the frame's `cadet.Label`s.
 
     Args:
         hz: steps a second; it divides the 60 steps of physics.
         length_s: length of an episode in seconds.
         policy: how worlds are drawn, as in `cadet.Environment`.
         rig: the sensors of all episodes; the policy's first if None.
-        map: an OpenDRIVE file; the policy's maps, or generated suburbs, if None.
+        map: an OpenDRIVE file, or one that was read; the policy's maps, or generated suburbs, if None.
         weather: a preset; drawn if None.
-        config: how full every scene is; drawn if None.
+        config: how full every scene is; what it was not given is drawn.
         assets: the user's own vehicles.
         max_speed_mps: the action space's greatest speed.
         max_lateral_m: the action space's greatest offset to either side.
@@ -84,7 +85,7 @@ class DrivingEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         length_s: float = 20.0,
         policy: ResetPolicy | str | None = None,
         rig: Rig | None = None,
-        map: str | Path | None = None,
+        map: RoadMap | str | Path | None = None,
         weather: str | None = None,
         config: SceneConfig | None = None,
         assets: Assets | str | Path | None = None,
@@ -106,7 +107,6 @@ class DrivingEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self._environment = Environment(policy=self._policy, config=config, sensors=())
         self._reward = reward
         self._num_rays = len(self.rig.lidar.rays()[0])
-        self._seed: int | None = None
         self._frame: Frame | None = None
         self.render_mode = render_mode
         self.metadata = {**self.metadata, "render_fps": hz}
@@ -139,15 +139,12 @@ class DrivingEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             CadetError: a bad seed or an unknown option.
         """
         super().reset(seed=seed)
-        episode = self._environment.episode + 1
-        if seed is not None or self._seed is None:
-            self._seed = int(self.np_random.integers(2**31)) if seed is None else seed
-            episode = 0
+        episode = None
         for name, value in (options or {}).items():
             if name != "episode":
                 raise CadetError(f"reset.options: unknown option {shown(name)}; known: episode")
             episode = value
-        self._environment.reset(seed=self._seed, episode=episode)
+        self._environment.reset(seed=seed, episode=episode)
         self._frame = self._environment.step()
         return self._observe(), self._info()
 
@@ -205,7 +202,8 @@ class DrivingEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         frame, sample = self._now(), self.sample
         return {
             "time_s": sample.time_s,
-            "episode": self._environment.episode,
+            "seed": self._environment.seed,
+            "episode_number": self._environment.episode,
             "sample": self._environment.sample,
             "map": sample.map,
             "weather": sample.weather,

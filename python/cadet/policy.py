@@ -25,7 +25,7 @@ from cadet.districts import KITTI_DISTRICTS, District
 from cadet.draws import Draws
 from cadet.errors import CadetError
 from cadet.rig import Rig
-from cadet.road_map import RoadMap
+from cadet.road_map import RoadMap, as_road_map
 from cadet.summary import summary
 from cadet.weather import check_weather, weather_names
 
@@ -336,7 +336,7 @@ def _check_sun(elevation_deg: tuple[float, float] | None) -> None:
 def choose_policy(
     policy: ResetPolicy | str | None,
     *,
-    map: str | Path | None = None,
+    map: RoadMap | str | Path | None = None,
     weather: str | None = None,
     rig: Rig | None = None,
     assets: Assets | str | Path | None = None,
@@ -354,7 +354,7 @@ def choose_policy(
     if not isinstance(policy, ResetPolicy):
         raise CadetError(f"policy: expected a ResetPolicy or one of {', '.join(POLICIES)}, got {shown(policy)}")
     if map is not None:
-        policy = replace(policy, maps=(RoadMap.read(map),))
+        policy = replace(policy, maps=(as_road_map(map),))
     if weather is not None:
         policy = replace(policy, weathers=((check_weather(weather), 1.0),))
     if rig is not None:
@@ -363,7 +363,7 @@ def choose_policy(
 
 
 def draw_with(policy: ResetPolicy, config: SceneConfig | None) -> Callable[[int, int, int], EpisodeSpec]:
-    """Return how episodes are drawn if `config` is not to be; the policy's own draw if None.
+    """Return how episodes are drawn if what `config` was given is not to be; the policy's own draw if None.
 
     Raises:
         CadetError: it is no configuration.
@@ -371,7 +371,12 @@ def draw_with(policy: ResetPolicy, config: SceneConfig | None) -> Callable[[int,
     if config is None:
         return policy.draw
     check_kind("", "config", config, SceneConfig)
-    return lambda seed, episode, attempt: replace(policy.draw(seed, episode, attempt), config=config)
+
+    def draw(seed: int, episode: int, attempt: int) -> EpisodeSpec:
+        spec = policy.draw(seed, episode, attempt)
+        return replace(spec, config=config.over(spec.config))
+
+    return draw
 
 
 # The mean pitch of KITTI's camera, by the bottoms of the labeled boxes, differs by this much between the drives of

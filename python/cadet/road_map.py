@@ -51,3 +51,13 @@ class RoadMap:
     def sha256(self) -> str:
         """The hash of the text."""
         return hashlib.sha256(self.xodr.encode()).hexdigest()
+
+
+def as_road_map(road_map: RoadMap | str | Path) -> RoadMap:
+    """Read a file; return what has been read already as it is.
+
+    Raises:
+        MissingFileError: there is no such file.
+        CadetError: neither a map nor a path, or no text.
+    """
+    return road_map if isinstance(road_map, RoadMap) else RoadMap.read(road_map)

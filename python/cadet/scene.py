@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cadet import _cadet
 from cadet.arrays import as_array
 from cadet.assets import Assets, as_assets
-from cadet.checks import as_seed, check_flag, check_kind, check_number, check_text, is_one_of, shown
+from cadet.checks import as_seed, check_flag, check_kind, check_number, check_text, fresh_seed, is_one_of, shown
 from cadet.config import SceneConfig
 from cadet.episode import Episode, as_command, request
 from cadet.errors import CadetError
@@ -21,7 +21,7 @@ from cadet.lidar import Lidar
 from cadet.notices import notice
 from cadet.policy import ResetPolicy, choose_policy, draw_with
 from cadet.rig import Rig
-from cadet.road_map import RoadMap
+from cadet.road_map import RoadMap, as_road_map
 from cadet.sample import Agent, Sample, Scan, Wanted, agent_from_native
 from cadet.summary import summary
 from cadet.weather import check_weather
@@ -62,13 +62,14 @@ class Scene:
         # What a capture of the very first instant says of itself beyond what the core knows.
         self._origin = {} if first is None else first.origin
         self._num_moves = 0
+        self._seed: int | None = self._origin.get("seed")
 
     @classmethod
     def random(
         cls,
         *,
-        seed: int,
-        map: str | Path | None = None,
+        seed: int | None = None,
+        map: RoadMap | str | Path | None = None,
         weather: str | None = None,
         rig: Rig | None = None,
         config: SceneConfig | None = None,
@@ -80,11 +81,11 @@ class Scene:
         `Scene.random(seed=s)` is episode 0, sample 0 of `cadet-gen --seed s`.
 
         Args:
-            seed: names every random draw.
-            map: an OpenDRIVE file; a suburb is generated if None and the policy has no maps.
+            seed: names every random draw; None draws a fresh one, which `seed` and the metadata then tell.
+            map: an OpenDRIVE file, or one that was read; a suburb is generated if None and the policy has no maps.
             weather: a preset of `weather_names()`; drawn if None.
             rig: the sensors; the policy's if None.
-            config: how full the scene is; drawn if None.
+            config: how full the scene is; what it was not given is drawn.
             policy: draws what is not given, or the name of a preset, "kitti" or "paper"; `ResetPolicy.kitti()` if None.
             assets: the user's own vehicles, or their folder; the policy's if None.
 
@@ -94,7 +95,7 @@ class Scene:
             MissingFileError: there is no such map, or no such assets.
         """
         chosen = choose_policy(policy, map=map, weather=weather, rig=rig, assets=assets)
-        episode = Episode(chosen, as_seed(seed), 0, draw_with(chosen, config))
+        episode = Episode(chosen, fresh_seed() if seed is None else as_seed(seed), 0, draw_with(chosen, config))
         first = episode.next_sample(0)
         assert episode.scene is not None
         return cls(episode.scene, first.rig, first)
@@ -103,7 +104,7 @@ class Scene:
     def empty(
         cls,
         *,
-        map: str | Path | None = None,
+        map: RoadMap | str | Path | None = None,
         weather: str = "clear_noon",
         rig: Rig | None = None,
         config: SceneConfig | None = None,
@@ -112,8 +113,8 @@ class Scene:
         """Make a scene without traffic, the ego at the start of a lane, to script.
 
         Args:
-            map: an OpenDRIVE file; None is a level square of 400 m with a road of two lanes along x between lawns. The
-                ego stands at the origin, in the right lane.
+            map: an OpenDRIVE file, or one that was read; None is a level square of 400 m with a road of two lanes along
+                x between lawns. The ego stands at the origin, in the right lane.
             weather: a preset of `weather_names()`.
             rig: the sensors; `Rig.kitti()` if None.
             config: its `label` says what gets a label.
@@ -128,7 +129,7 @@ class Scene:
         config = SceneConfig() if config is None else config
         check_kind("", "config", config, SceneConfig)
         own = as_assets(assets)
-        road_map = None if map is None else RoadMap.read(map)
+        road_map = None if map is None else as_road_map(map)
         native = _cadet.Scene.empty(
             map_name=None if road_map is None else road_map.name,
             map_xodr=None if road_map is None else road_map.xodr,
@@ -142,7 +143,14 @@ class Scene:
         return cls(native, rig)
 
     def __repr__(self) -> str:
-        return summary(self, time_s=self.time_s, num_actors=self.num_actors, num_triangles=self.num_triangles)
+        return summary(
+            self, seed=self.seed, time_s=self.time_s, num_actors=self.num_actors, num_triangles=self.num_triangles
+        )
+
+    @property
+    def seed(self) -> int | None:
+        """What `random` was given or has drawn; None for an empty scene."""
+        return self._seed
 
     @property
     def time_s(self) -> float:

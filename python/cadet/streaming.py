@@ -27,6 +27,7 @@ from cadet.kitti import Frame
 from cadet.operating_system import num_processors
 from cadet.policy import ResetPolicy
 from cadet.rig import Rig
+from cadet.road_map import RoadMap
 
 _MOST_EPISODES: Final = 10**9
 
@@ -150,7 +151,7 @@ def stream(
     first: int = 0,
     shard: tuple[int, int] = (0, 1),
     rig: Rig | None = None,
-    map: str | Path | None = None,
+    map: RoadMap | str | Path | None = None,
     weather: str | None = None,
     config: SceneConfig | None = None,
     assets: Assets | str | Path | None = None,
@@ -166,9 +167,9 @@ def stream(
         first: frames to leave out at the start, as `FrameStream.position` counts them: a run goes on where it stopped.
         shard: (i, n): of every n episodes the i-th alone, for several readers that share a stream without overlap.
         rig: as for `Environment`, like all that follow.
-        map: an OpenDRIVE file.
+        map: an OpenDRIVE file, or one that was read.
         weather: a preset of `weather_names()`.
-        config: how full every scene is, and what gets a label.
+        config: how full every scene is, and what gets a label; what it was not given is drawn.
         assets: the user's own vehicles, or their folder.
         sensors: names of sensors besides the first camera and LIDAR.
 

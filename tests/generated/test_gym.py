@@ -36,6 +36,39 @@ def test_gymnasiums_own_checks_pass() -> None:
     env.close()
 
 
+def test_stable_baselines3_own_checks_pass() -> None:
+    checker = pytest.importorskip("stable_baselines3.common.env_checker", reason="needs stable-baselines3")
+    with warnings.catch_warnings():
+        # Its advice: actions between -1 and 1, and one image alone for its own networks.
+        warnings.simplefilter("ignore")
+        checker.check_env(make(render_mode="rgb_array"), skip_render_check=False)
+
+
+@pytest.mark.parametrize("is_vector", [False, True])
+def test_gymnasiums_statistics_count_each_episode(is_vector: bool) -> None:
+    make()
+    import gymnasium
+    from gymnasium.wrappers import RecordEpisodeStatistics, vector
+
+    if is_vector:
+        envs = gymnasium.make_vec("cadet/Driving-v0", num_envs=2, vectorization_mode="sync", **SHORT)
+        env: Any = vector.RecordEpisodeStatistics(envs)
+    else:
+        env = RecordEpisodeStatistics(gymnasium.make("cadet/Driving-v0", **SHORT))
+    _, info = env.reset(seed=4)
+    reserved = {"episode", "final_info", "final_obs"}
+    assert not {name.removeprefix("_") for name in info} & reserved
+    reward = 0.0
+    for _ in range(4):
+        _, one, _, truncated, info = env.step(np.broadcast_to(np.array([3.0, 0.0], np.float32), env.action_space.shape))
+        reward += one
+    assert np.all(truncated) and np.all(info["episode"]["l"] == 4)
+    np.testing.assert_allclose(info["episode"]["r"], reward, rtol=1e-5)
+    # Steps go on through the next episode's reset.
+    env.reset() if not is_vector else env.step(env.action_space.sample())
+    env.close()
+
+
 def test_the_drivers_episode_is_the_environments() -> None:
     env = make()
     policy = cadet.ResetPolicy.kitti().with_rig(SMALL).as_sequence(hz=5, length_s=1.0)
@@ -82,11 +115,11 @@ def test_seeds_name_episodes_and_resets_go_on_to_the_next() -> None:
     env = make()
     first, _ = env.reset(seed=4)
     _, info = env.reset()
-    assert info["episode"] == 1
+    assert info["episode_number"] == 1
     _, info = env.reset(options={"episode": 7})
-    assert info["episode"] == 7
+    assert info["episode_number"] == 7
     again, info = env.reset(seed=4)
-    assert info["episode"] == 0
+    assert info["episode_number"] == 0
     np.testing.assert_array_equal(first["image"], again["image"])
     mine = make(reward=lambda before, after: after.time_s - before.time_s)
     mine.reset(seed=4)
