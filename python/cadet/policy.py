@@ -323,8 +323,8 @@ def _check_time_step(time_step_s: float | None) -> None:
     if time_step_s is None:
         return
     check_number("ResetPolicy", "time_step_s", time_step_s, 1 / STEPS_PER_S, 600)
-    time_step_s = float(time_step_s)
-    if abs(time_step_s * STEPS_PER_S - round(time_step_s * STEPS_PER_S)) > 1e-6:
+    steps = float(time_step_s) * STEPS_PER_S
+    if abs(steps - round(steps)) > 1e-6:
         raise CadetError(f"ResetPolicy.time_step_s: expected whole steps of 1/60 s, got {time_step_s:g}")
 
 
@@ -363,18 +363,17 @@ def choose_policy(
 
 
 def draw_with(policy: ResetPolicy, config: SceneConfig | None) -> Callable[[int, int, int], EpisodeSpec]:
-    """Return how episodes are drawn if what `config` was given is not to be; the policy's own draw if None.
+    """Return how episodes are drawn if what `config` was given, none of it if None, is not to be.
 
     Raises:
         CadetError: it is no configuration.
     """
-    if config is None:
-        return policy.draw
-    check_kind("", "config", config, SceneConfig)
+    given = SceneConfig() if config is None else config
+    check_kind("", "config", given, SceneConfig)
 
     def draw(seed: int, episode: int, attempt: int) -> EpisodeSpec:
         spec = policy.draw(seed, episode, attempt)
-        return replace(spec, config=config.over(spec.config))
+        return replace(spec, config=given.over(spec.config))
 
     return draw
 
