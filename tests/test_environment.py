@@ -21,7 +21,8 @@ from cadet import (
     episode,
     weather_names,
 )
-from cadet.policy import EpisodeSpec, draw_with
+from cadet.policy import EpisodeSpec
+from cadet.policy_choice import draw_with
 
 pytestmark = pytest.mark.usefixtures("fake_core")
 

@@ -11,7 +11,8 @@ from cadet.config import SceneConfig
 from cadet.episode import Episode, as_command
 from cadet.errors import CadetError
 from cadet.kitti import Frame, frame_from_sample
-from cadet.policy import ResetPolicy, choose_policy, draw_with
+from cadet.policy import ResetPolicy
+from cadet.policy_choice import choose_policy, draw_with
 from cadet.rig import Rig
 from cadet.road_map import RoadMap
 from cadet.sample import Wanted

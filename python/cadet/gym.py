@@ -19,7 +19,8 @@ from cadet.config import SceneConfig
 from cadet.environment import Environment
 from cadet.errors import CadetError
 from cadet.kitti import Frame
-from cadet.policy import ResetPolicy, choose_policy
+from cadet.policy import ResetPolicy
+from cadet.policy_choice import choose_policy
 from cadet.rig import Rig
 from cadet.road_map import RoadMap
 from cadet.sample import Sample

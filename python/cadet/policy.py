@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
-from pathlib import Path
 from typing import Any
 
-from cadet.assets import Assets, as_assets
+from cadet.assets import Assets
 from cadet.checks import (
     as_pairs,
     as_seed,
@@ -25,7 +24,7 @@ from cadet.districts import KITTI_DISTRICTS, District
 from cadet.draws import Draws
 from cadet.errors import CadetError
 from cadet.rig import Rig
-from cadet.road_map import RoadMap, as_road_map
+from cadet.road_map import RoadMap
 from cadet.summary import summary
 from cadet.weather import check_weather, weather_names
 
@@ -331,51 +330,6 @@ def _check_time_step(time_step_s: float | None) -> None:
 def _check_sun(elevation_deg: tuple[float, float] | None) -> None:
     if elevation_deg is not None:
         check_range("ResetPolicy", "sun_elevation_deg", elevation_deg, *scene_limits("sun_elevation_deg"))
-
-
-def choose_policy(
-    policy: ResetPolicy | str | None,
-    *,
-    map: RoadMap | str | Path | None = None,
-    weather: str | None = None,
-    rig: Rig | None = None,
-    assets: Assets | str | Path | None = None,
-) -> ResetPolicy:
-    """Return a policy, `ResetPolicy.kitti()` if None, in which what is given is no longer drawn.
-
-    Raises:
-        CadetError: an unknown policy or weather, no rig, a map that can't be read, or bad assets.
-        MissingFileError: there is no such map, or no such assets.
-    """
-    if isinstance(policy, str):
-        policy = ResetPolicy.named(policy)
-    elif policy is None:
-        policy = ResetPolicy.kitti()
-    if not isinstance(policy, ResetPolicy):
-        raise CadetError(f"policy: expected a ResetPolicy or one of {', '.join(POLICIES)}, got {shown(policy)}")
-    if map is not None:
-        policy = replace(policy, maps=(as_road_map(map),))
-    if weather is not None:
-        policy = replace(policy, weathers=((check_weather(weather), 1.0),))
-    if rig is not None:
-        policy = policy.with_rig(rig)
-    return policy if assets is None else replace(policy, assets=as_assets(assets))
-
-
-def draw_with(policy: ResetPolicy, config: SceneConfig | None) -> Callable[[int, int, int], EpisodeSpec]:
-    """Return how episodes are drawn if what `config` was given, none of it if None, is not to be.
-
-    Raises:
-        CadetError: it is no configuration.
-    """
-    given = SceneConfig() if config is None else config
-    check_kind("", "config", given, SceneConfig)
-
-    def draw(seed: int, episode: int, attempt: int) -> EpisodeSpec:
-        spec = policy.draw(seed, episode, attempt)
-        return replace(spec, config=given.over(spec.config))
-
-    return draw
 
 
 # The mean pitch of KITTI's camera, by the bottoms of the labeled boxes, differs by this much between the drives of

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import signal
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -11,6 +10,7 @@ from typing import Final, TypeVar
 
 from cadet.checks import check_number
 from cadet.errors import CadetError
+from cadet.worker_processes import WorkerContext
 
 _Item = TypeVar("_Item")
 _Result = TypeVar("_Result")
@@ -35,8 +35,7 @@ def process_map(function: Callable[[_Item], _Result], items: Sequence[_Item], *,
     if workers == 1 or len(items) < _FEWEST_ITEMS:
         yield from map(function, items)
         return
-    context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(int(workers), mp_context=context, initializer=_leave_interrupts_to_the_parent)
+    pool = ProcessPoolExecutor(int(workers), mp_context=WorkerContext(), initializer=_leave_interrupts_to_the_parent)
     try:
         yield from pool.map(function, items, chunksize=_ITEMS_AT_ONCE)
     except BrokenProcessPool:

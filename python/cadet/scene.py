@@ -19,7 +19,8 @@ from cadet.errors import CadetError
 from cadet.kitti import Frame, frame_from_sample
 from cadet.lidar import Lidar
 from cadet.notices import notice
-from cadet.policy import ResetPolicy, choose_policy, draw_with
+from cadet.policy import ResetPolicy
+from cadet.policy_choice import choose_policy, draw_with
 from cadet.rig import Rig
 from cadet.road_map import RoadMap, as_road_map
 from cadet.sample import Agent, Sample, Scan, Wanted, agent_from_native

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import queue
 import signal
@@ -11,7 +10,6 @@ import warnings
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection
-from multiprocessing.context import SpawnProcess
 from pathlib import Path
 from types import TracebackType
 from typing import Final
@@ -28,6 +26,7 @@ from cadet.operating_system import num_processors
 from cadet.policy import ResetPolicy
 from cadet.rig import Rig
 from cadet.road_map import RoadMap
+from cadet.worker_processes import WorkerContext, WorkerProcess
 
 _MOST_EPISODES: Final = 10**9
 
@@ -72,12 +71,12 @@ class FrameStream:
         ]
         self._first_number = number
         self._own = self._shares[0].frames() if workers == 0 else None
-        self._processes: list[tuple[Connection, SpawnProcess]] = []
+        self._processes: list[tuple[Connection, WorkerProcess]] = []
         if workers > 0:
             self._start(max(1, num_processors() // workers))
 
     def _start(self, num_threads: int) -> None:
-        context = multiprocessing.get_context("spawn")
+        context = WorkerContext()
         with interrupts_held():
             for share in self._shares:
                 ours, theirs = context.Pipe(duplex=False)

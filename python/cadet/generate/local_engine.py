@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
-from multiprocessing.context import SpawnProcess
 from typing import Final
 
 from cadet.generate.engine import SILENCE_S, Failed, Made, WorkerError
@@ -15,6 +13,7 @@ from cadet.generate.interrupts import interrupts_held
 from cadet.generate.settings import Settings
 from cadet.generate.worker import EpisodeDone, work
 from cadet.operating_system import ENDING_SIGNALS
+from cadet.worker_processes import WorkerContext, WorkerProcess
 
 _MOST_DEATHS: Final = 2
 _POLL_S: Final = 1.0
@@ -56,7 +55,7 @@ class LocalEngine:
         self._on_warning = on_warning
         self._last_heard_s: dict[Connection, float] = {}
         self._episodes = iter(range(settings.num_episodes))
-        self._processes: dict[Connection, SpawnProcess] = {}
+        self._processes: dict[Connection, WorkerProcess] = {}
         self._working_on: dict[Connection, _Task] = {}
         self._num_workers = min(num_workers, settings.num_episodes)
 
@@ -85,7 +84,7 @@ class LocalEngine:
         self._processes.clear()
 
     def _start(self) -> Connection:
-        context = multiprocessing.get_context("spawn")
+        context = WorkerContext()
         with interrupts_held():
             ours, theirs = context.Pipe()
             process = context.Process(target=work, args=(theirs, *self._arguments), daemon=True)

@@ -1,0 +1,48 @@
+"""Worker processes that do not import the caller's script: from a script without a guard, `python -`, or a notebook."""
+
+from __future__ import annotations
+
+import contextlib
+import pickle
+import sys
+from collections.abc import Iterator
+from multiprocessing.context import SpawnContext, SpawnProcess
+from types import ModuleType
+
+from cadet.errors import CadetError
+
+
+class WorkerProcess(SpawnProcess):
+    """A spawned process that knows modules, but not the script that was started."""
+
+    def start(self) -> None:
+        """Start it.
+
+        Raises:
+            CadetError: it was to be handed what only the script defines.
+        """
+        with _script_hidden():
+            try:
+                super().start()
+            except pickle.PicklingError as error:
+                text = " ".join(str(error).split())
+                raise CadetError(
+                    f"workers do not import the script that was started: define what they need in a module ({text})"
+                ) from None
+
+
+class WorkerContext(SpawnContext):
+    """What `multiprocessing.get_context` returns, for `WorkerProcess`."""
+
+    Process = WorkerProcess
+
+
+@contextlib.contextmanager
+def _script_hidden() -> Iterator[None]:
+    """Let `multiprocessing` find no script that a new process would run again: it would begin the same work."""
+    script = sys.modules["__main__"]
+    sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = script
