@@ -19,8 +19,12 @@ FINE, FAILED, INTERRUPTED = 0, 2, 130
 
 
 def start(*arguments: object, fault: str = "", preexec: Callable[[], None] | None = None) -> subprocess.Popen[str]:
-    environment = {**os.environ, "PYTHONPATH": f"{HERE.parent / 'python'}:{HERE}", "CADET_FAKE": fault}
-    command = [sys.executable, str(HERE / "fake_cadet_gen.py"), *map(str, arguments)]
+    environment = {
+        **os.environ,
+        "PYTHONPATH": f"{HERE.parent / 'python'}:{HERE}:{HERE / 'fake_core'}",
+        "CADET_FAKE": fault,
+    }
+    command = [sys.executable, "-c", "from cadet.cli import run_cadet_gen; run_cadet_gen()", *map(str, arguments)]
     return subprocess.Popen(
         command,
         env=environment,
