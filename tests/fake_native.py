@@ -2,7 +2,8 @@
 
 Its scenes depend on (seed, episode, attempt) and on how far was driven, so a test can tell a frame that was reached by
 another way. `CADET_FAKE` makes it misbehave: "die=E", "panic=E" and "object=E" in episode E, "slow=S" seconds a view,
-"empty" for worlds that never show an object, "blank=A" for no object before attempt A.
+"empty" for worlds that never show an object, "blank=A" for no object before attempt A, "stand=E" for an ego that stands
+in the episodes before E.
 """
 
 from __future__ import annotations
@@ -207,7 +208,8 @@ class Capture:
         lidars: list[str],
         maps: bool,
     ) -> None:
-        self.time_s, self.ego_speed_mps = scene.time_s, 0.0
+        self.time_s = scene.time_s
+        self.ego_speed_mps = 0.0 if scene.key[1] < int(scene.faults.get("stand", 0)) else 5.0
         self.ego_velocity_world = [0.0, 0.0, 0.0]
         self.world_from_ego = np.eye(4).tolist()
         self.world_from_ego[0][3] = scene.driven_m

@@ -181,6 +181,48 @@ def test_resuming_makes_a_frame_anew_whose_meta_holds_no_hashes(tmp_path: Path, 
     assert tree(out) == whole
 
 
+CHANGES = {
+    "a value": ('"weather": "', '"weather": "x'),
+    "a number": ('"time_s": ', '"time_s": 1'),
+    "a blank": ("\n}", "\n }"),
+    "the seal": ('"record": "', '"record": "0'),
+    "the kind of seal": ('"record": "', '"record": 5, "old": "'),
+    "another file's hash": ('"velodyne": "', '"velodyne": "0'),
+}
+
+
+@pytest.mark.parametrize("has_manifest", [True, False])
+@pytest.mark.parametrize("change", CHANGES)
+def test_a_damaged_record_is_named_and_made_anew(tmp_path: Path, change: str, has_manifest: bool) -> None:
+    out = tmp_path / "out"
+    assert run(out, "-n", 2, *SIZE).returncode == FINE
+    whole = tree(out)
+    meta = out / "training" / "meta" / "000000.json"
+    damaged = meta.read_text().replace(*CHANGES[change])
+    assert damaged != meta.read_text()
+    meta.write_text(damaged)
+    if not has_manifest:
+        (out / "manifest.json").unlink()
+    found = [finding for finding in kitti.lint(out) if finding.rule == "wrong-hash"]
+    assert {finding.file for finding in found} <= {"meta/000000.json", "velodyne/000000.bin"}
+    assert [finding.file for finding in found].count("meta/000000.json") == 1
+    done = run(out, "-n", 2, *SIZE, "--resume")
+    assert done.returncode == FINE and "(1 were there)" in done.stderr
+    assert tree(out) == whole
+
+
+def test_frames_at_a_standstill_are_counted_and_said(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    done = run(out, "-n", 60, *SIZE, "--workers", 1, fault="stand=2")
+    said = "40 of 60 frames were taken at a standstill, among them more than half of these episodes': 0, 1; "
+    assert done.returncode == FINE and said in done.stderr
+    whole = tree(out)
+    assert json.loads((out / "manifest.json").read_text())["counts"]["standing"] == 40
+    (out / "training" / "meta" / "000003.json").unlink()
+    done = run(out, "-n", 60, *SIZE, "--workers", 1, "--resume", fault="stand=2")
+    assert said in done.stderr and tree(out) == whole
+
+
 def test_a_rig_of_the_settings_replaces_those_of_the_policy() -> None:
     given = Settings(policy=ResetPolicy.kitti(), rig=Rig.paper())
     asked = Settings(policy=ResetPolicy.kitti().with_rig(Rig.paper()))

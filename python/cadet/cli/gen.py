@@ -171,6 +171,8 @@ def cadet_gen(
     except WorkerError as error:
         raise CadetError(f"{error}; {_how_to_go_on(num_done, num_frames)}") from None
     console.print(_closing(out, summary, time.monotonic() - start_s), markup=False)
+    if summary.standing_episodes:
+        console.print(_at_a_standstill(summary), markup=False)
     if settings.val_period > 0 and settings.num_episodes == 1:
         num_first = settings.policy.samples_per_episode
         console.print(f"val.txt is empty: frames from {num_first} on, the second episode, are its first", markup=False)
@@ -265,3 +267,13 @@ def _closing(out: str | Path, summary: Summary, seconds: float) -> str:
     kept = f" ({summary.num_kept} were there{all_kept})" if summary.num_kept else ""
     rate = f" at {summary.num_new / seconds:.1f}/s" if summary.num_new else ""
     return f"{summary.num_new + summary.num_kept} frames{kept} in {out}{rate}: {labels or 'no labels'}"
+
+
+def _at_a_standstill(summary: Summary) -> str:
+    first, rest = summary.standing_episodes[:5], len(summary.standing_episodes[5:])
+    episodes = ", ".join(map(str, first)) + (f", and {rest} more" if rest else "")
+    return (
+        f"{summary.num_standing} of {summary.num_new + summary.num_kept} frames were taken at a standstill, among them "
+        f"more than half of these episodes': {episodes}; a longer --length, a larger --map, or another --seed shows more "
+        "motion"
+    )

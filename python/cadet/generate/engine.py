@@ -24,6 +24,8 @@ class Made:
     """The frame's."""
     is_new: bool
     """Whether it was written."""
+    is_standing: bool
+    """Whether the ego stood."""
 
 
 @dataclass(frozen=True)

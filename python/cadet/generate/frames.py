@@ -1,44 +1,48 @@
 """One sample's files in a dataset: written so that a kill at any moment leaves it whole or recognizably incomplete.
 
-The record is written last and carries the hashes of the others, so a sample is whole if its record is there and every
-hash fits.
+The record is written last and carries the hashes of the others and of itself, so a sample is whole if its record is
+there and every hash fits.
 """
 
 from __future__ import annotations
 
 from hashlib import sha256
+from typing import Any
 
 from cadet.errors import CadetError
 from cadet.exporter import Place
 from cadet.generate.settings import Settings
 from cadet.plain_text import json_from_text
+from cadet.record_seal import BLANK, SEAL, is_intact, sealed
 from cadet.sample import Sample
 from cadet.sink import Sink
 
 _HASHES = "sha256"
 
 
-def put_sample(sink: Sink, settings: Settings, place: Place, sample: Sample) -> None:
-    """Write a sample's files, the record last."""
+def put_sample(sink: Sink, settings: Settings, place: Place, sample: Sample) -> dict[str, Any]:
+    """Write a sample's files, the record last, and return the record."""
     exporter = settings.exporter
     files = exporter.encode(sample, settings.extras)
     hashes = {kind: sha256(data).hexdigest() for kind, data in files.items()}
     sink.put_all({exporter.path(place, kind): data for kind, data in files.items()})
-    record = {**exporter.record(sample), _HASHES: hashes}
-    sink.put(exporter.path(place, "record"), exporter.record_bytes(record))
+    record = {**exporter.record(sample), _HASHES: {**hashes, SEAL: BLANK}}
+    sink.put(exporter.path(place, "record"), sealed(exporter.record_bytes(record)))
+    return record
 
 
-def is_whole(sink: Sink, settings: Settings, place: Place) -> bool:
-    """Tell whether every file of a sample is there, to the last byte."""
+def whole_record(sink: Sink, settings: Settings, place: Place) -> dict[str, Any] | None:
+    """Return a sample's record if every file of it, the record too, is there to the last byte; else None."""
     path = settings.exporter.path
     try:
-        recorded = _recorded(sink.read(path(place, "record")), settings)
-        if set(recorded) != set(settings.kinds):
-            return False
-        found = sink.read_all([path(place, kind) for kind in recorded])
-        return all(sha256(data).hexdigest() == digest for data, digest in zip(found, recorded.values(), strict=True))
+        record, hashes = _parsed(sink.read(path(place, "record")), settings)
+        if set(hashes) != set(settings.kinds):
+            return None
+        found = sink.read_all([path(place, kind) for kind in hashes])
     except (FileNotFoundError, ValueError):
-        return False
+        return None
+    is_whole = all(sha256(data).hexdigest() == digest for data, digest in zip(found, hashes.values(), strict=True))
+    return record if is_whole else None
 
 
 def recorded_hashes(settings: Settings, place: Place, data: bytes) -> dict[str, str]:
@@ -55,24 +59,22 @@ def recorded_hashes(settings: Settings, place: Place, data: bytes) -> dict[str, 
     path = settings.exporter.path
     name = path(place, "record")
     try:
-        hashes = {path(place, kind): digest for kind, digest in _recorded(data, settings).items()}
+        hashes = {path(place, kind): digest for kind, digest in _parsed(data, settings)[1].items()}
     except ValueError:
         raise CadetError(f"{name} was changed by another program during the run") from None
     return {**hashes, name: sha256(data).hexdigest()}
 
 
-def _recorded(record: bytes, settings: Settings) -> dict[str, str]:
-    """Return the hashes that a record carries, by the kind of file.
+def _parsed(data: bytes, settings: Settings) -> tuple[dict[str, Any], dict[str, str]]:
+    """Return a record, and the hashes that it carries of other files, by their kind.
 
     Raises:
-        ValueError: it carries none, or something else in their place.
+        ValueError: it is not as it was written, or no record.
     """
-    try:
-        recorded = json_from_text(record, "record")[_HASHES]
-    except (KeyError, TypeError):
-        raise ValueError(f"no {_HASHES}") from None
-    if not isinstance(recorded, dict) or not all(isinstance(digest, str) for digest in recorded.values()):
-        raise ValueError(f"{_HASHES}: expected text by kind of file")
-    if not set(recorded) <= {*settings.kinds, *settings.exporter.extras}:
+    record = json_from_text(data, "record")
+    hashes = dict(record[_HASHES]) if isinstance(record, dict) and isinstance(record.get(_HASHES), dict) else {}
+    if not is_intact(data, hashes.pop(SEAL, None)):
+        raise ValueError("not as it was written")
+    if not set(hashes) <= {*settings.kinds, *settings.exporter.extras}:
         raise ValueError(f"{_HASHES}: unknown kind of file")
-    return recorded
+    return record, hashes

@@ -18,10 +18,15 @@ MANIFEST = "manifest.json"
 _NOT_ALLOWED = (errno.EROFS, errno.EACCES, errno.EPERM)
 
 
-def put_manifest(sink: Sink, settings: Settings) -> Counter[str]:
+def put_manifest(sink: Sink, settings: Settings, num_standing: int) -> Counter[str]:
     """Write the lists or tables and the manifest of a dataset whose frames are all there.
 
     The manifest holds no time, host, path or worker count: the same settings give the same bytes.
+
+    Args:
+        sink: where the frames are.
+        settings: what they were made from.
+        num_standing: how many of them were taken while the ego stood.
 
     Returns:
         How many labels of each type there are.
@@ -31,12 +36,12 @@ def put_manifest(sink: Sink, settings: Settings) -> Counter[str]:
         OSError: one can't be read or written.
     """
     try:
-        return _put_ending(sink, settings)
+        return _put_ending(sink, settings, num_standing)
     except FileNotFoundError as error:
         raise CadetError(f"{error.filename} was removed by another program during the run") from None
 
 
-def _put_ending(sink: Sink, settings: Settings) -> Counter[str]:
+def _put_ending(sink: Sink, settings: Settings, num_standing: int) -> Counter[str]:
     ending = settings.exporter.finish(sink, settings.places())
     hashes: dict[str, str] = {}
     for name, data in ending.files.items():
@@ -49,6 +54,7 @@ def _put_ending(sink: Sink, settings: Settings) -> Counter[str]:
         "counts": {
             "frames": settings.num_frames,
             "episodes": settings.num_episodes,
+            "standing": num_standing,
             "labels": dict(sorted(ending.labels.items())),
         },
     }

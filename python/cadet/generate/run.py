@@ -33,6 +33,10 @@ class Summary:
     """Frames that were there already, whole."""
     labels: Counter[str]
     """Labels by type in the whole dataset."""
+    num_standing: int = 0
+    """Frames of it that were taken while the ego stood."""
+    standing_episodes: tuple[int, ...] = ()
+    """Episodes of several frames in more than half of which it stood."""
 
 
 def generate(
@@ -71,6 +75,7 @@ def generate(
     if workers is not None:
         check_number("generate", "workers", workers, 1, 1024, whole=True)
     num_new = num_kept = 0
+    num_standing: Counter[int] = Counter()
     location = open_sink(root).location
     if not is_url(location):
         # Workers of a cluster are at home in folders of their own.
@@ -81,10 +86,16 @@ def generate(
             for made in made_by.frames():
                 num_new += made.is_new
                 num_kept += not made.is_new
+                num_standing[settings.place(made.number).episode] += made.is_standing
                 on_frame(made.is_new)
         finally:
             made_by.close()
-        return Summary(num_new, num_kept, put_manifest(sink, settings))
+        labels = put_manifest(sink, settings, num_standing.total())
+        return Summary(num_new, num_kept, labels, num_standing.total(), _standing_episodes(settings, num_standing))
+
+
+def _standing_episodes(settings: Settings, num_standing: Counter[int]) -> tuple[int, ...]:
+    return tuple(sorted(one for one, number in num_standing.items() if 2 * number > settings.num_samples(one) > 1))
 
 
 def _engine(

@@ -9,13 +9,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from multiprocessing.connection import Connection
+from typing import Any, Final
 
 from cadet.episode import Episode
 from cadet.errors import CadetError, CadetWarning, InternalError
 from cadet.generate.engine import Failed, Made
-from cadet.generate.frames import is_whole, put_sample
+from cadet.generate.frames import put_sample, whole_record
 from cadet.generate.settings import Settings
 from cadet.sink import Sink
+
+_STANDING_MPS: Final = 0.1
 
 
 @dataclass(frozen=True)
@@ -34,10 +37,13 @@ def prepare(num_threads: int) -> None:
 def make_episode(sink: Sink, settings: Settings, episode: int, report: Callable[[Made], None]) -> None:
     """Write the frames of an episode that are not whole yet, reporting each of its frames."""
     places = settings.places_of(episode)
-    missing = [place.sample for place in places if not is_whole(sink, settings, place)]
+    missing = []
     for place in places:
-        if place.sample not in missing:
-            report(Made(place.number, is_new=False))
+        record = whole_record(sink, settings, place)
+        if record is None:
+            missing.append(place.sample)
+        else:
+            report(Made(place.number, is_new=False, is_standing=_is_standing(record)))
     if missing:
         _make_samples(sink, settings, episode, missing, report)
     settings.exporter.end_episode(sink, places)
@@ -52,8 +58,13 @@ def _make_samples(
     for number in range(missing[-1] + 1):
         sample = views.next_sample(number)
         if number in missing:
-            put_sample(sink, settings, places[number], sample)
-            report(Made(places[number].number, is_new=True))
+            record = put_sample(sink, settings, places[number], sample)
+            report(Made(places[number].number, is_new=True, is_standing=_is_standing(record)))
+
+
+def _is_standing(record: dict[str, Any]) -> bool:
+    """Tell whether the ego stood: every format's record has its speed."""
+    return bool(record["ego_speed_mps"] < _STANDING_MPS)
 
 
 def outcome(episode: int, make: Callable[[], None]) -> EpisodeDone | Failed:

@@ -49,6 +49,7 @@ def record_of(sample: Sample) -> dict[str, Any]:
         "calib": {key: getattr(calib, key).tolist() for key in KEYS},
         "world_from_ego": sample.world_from_ego.tolist(),
         "ego_from_velo": sample.ego_from_velo,
+        "ego_speed_mps": sample.ego_speed_mps,
         "ego_velocity_world": sample.ego_velocity_world,
         "ego_angular_velocity_world": sample.ego_angular_velocity_world,
         "objects": [_object(seen, calib) for seen in sample.sightings],

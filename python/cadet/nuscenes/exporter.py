@@ -109,6 +109,7 @@ class NuscenesExporter(FilesInPlace):
             "time_s": sample.time_s,
             "map": sample.map,
             "weather": sample.weather,
+            "ego_speed_mps": sample.ego_speed_mps,
             "ego": _place(product(sample.world_from_ego, shift)),
             "sensors": sensors,
             "objects": list(_objects(sample)),

@@ -23,7 +23,7 @@ from cadet.kitti.lint.evidence import lint_evidence
 from cadet.kitti.lint.finding import Finding, Problem, Severity
 from cadet.kitti.lint.labels import lint_labels
 from cadet.kitti.lint.lists import printable
-from cadet.kitti.lint.meta import episode_of, lint_meta, recorded_hashes
+from cadet.kitti.lint.meta import episode_of, lint_meta, lint_seal, recorded_hashes
 from cadet.kitti.lint.readers import lint_calib_lines, lint_depths, lint_label_lines
 from cadet.kitti.point_labels import point_labels_from_bytes
 
@@ -121,6 +121,8 @@ class _FrameLint:
                 self._lint_frame(frame, texts)
         self._lint_presence()
         self._lint_hashes(None if frame is None else recorded_hashes(frame.meta))
+        if frame is not None and frame.meta is not None and "meta" not in self.is_damaged:
+            self._extend("meta", lint_seal(self._optional("meta") or b"", frame.meta))
         if frame is None:
             return Report(self.findings, Counter(), None, None)
         types = Counter(label.type for label in frame.labels)

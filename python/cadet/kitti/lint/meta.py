@@ -10,6 +10,7 @@ from cadet.kitti.label import Label
 from cadet.kitti.lint.finding import Problem
 from cadet.kitti.lint.labels import ROUNDING
 from cadet.kitti.lint.lists import is_number
+from cadet.record_seal import SEAL, is_intact
 
 _XYZ = 3
 
@@ -32,6 +33,13 @@ def episode_of(meta: dict[str, Any] | None) -> tuple[object, object] | None:
         return None
     seed = meta.get("seed")
     return seed if isinstance(seed, int) else None, episode
+
+
+def lint_seal(record: bytes, meta: dict[str, Any]) -> Iterator[Problem]:
+    """Compare the bytes of a `meta` with the hash that it carries of itself, if it does."""
+    hashes = meta.get("sha256")
+    if isinstance(hashes, dict) and SEAL in hashes and not is_intact(record, hashes[SEAL]):
+        yield Problem(None, "wrong-hash", "not as it was written, by its own hash: cadet-gen --resume makes it anew")
 
 
 def recorded_hashes(meta: dict[str, Any] | None) -> dict[str, str]:
