@@ -50,6 +50,9 @@ class Ending:
 class FilesInPlace:
     """What exporters do whose files lie in the dataset's folder as they are."""
 
+    def check_size(self, num_episodes: Mapping[Split, int]) -> None:
+        """Refuse nothing."""
+
     def store(self, sink: Sink, place_of: Callable[[int], Place]) -> Sink:
         """Return the folder as it is."""
         return sink
@@ -72,6 +75,13 @@ class Exporter(Protocol):
 
     def check(self, rig: Rig, extras: tuple[str, ...]) -> None:
         """Refuse a rig that the format, or what was asked for, has no use for.
+
+        Raises:
+            CadetError: in one line.
+        """
+
+    def check_size(self, num_episodes: Mapping[Split, int]) -> None:
+        """Refuse more episodes of a split than the format has room for.
 
         Raises:
             CadetError: in one line.

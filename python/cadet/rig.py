@@ -28,6 +28,7 @@ _FILES = {path.stem: path for path in sorted((Path(__file__).parent / "presets" 
 RIG_PRESETS = ("kitti", "paper", "cadet", *_FILES)
 """The rigs with class methods of their own, then those that are data: a file is all that one more takes."""
 RIGHT_CAMERA = "image_3"
+GRAY_CAMERAS = ("image_0", "image_1")
 """The right color camera of a rig whose calibration has one: rendered where it is asked for by name."""
 
 _DEFAULT = kitti_calibration(MOST_FREQUENT)
@@ -226,10 +227,17 @@ class Rig:
         return not is_named and self.camera.cam3_from_cam0_m != self.camera.cam2_from_cam0_m
 
     @property
+    def gray_cameras(self) -> tuple[str, ...]:
+        """The gray cameras beside KITTI's color cameras, rectified with them; a `Sample` has what they see in color."""
+        taken = {mounted.name for mounted in self.more}
+        return GRAY_CAMERAS if self.has_right_camera and taken.isdisjoint(GRAY_CAMERAS) else ()
+
+    @property
     def camera_names(self) -> tuple[str, ...]:
         """The cameras that can take an image, the first one first."""
         right = (RIGHT_CAMERA,) if self.has_right_camera else ()
-        return (self.camera_name, *right, *(m.name for m in self.more if isinstance(m, MountedCamera)))
+        more = (mounted.name for mounted in self.more if isinstance(mounted, MountedCamera))
+        return (self.camera_name, *right, *more, *self.gray_cameras)
 
     @property
     def lidar_names(self) -> tuple[str, ...]:
@@ -260,7 +268,7 @@ class Rig:
         return sorted(found[0] - {0}), sorted(found[1] - {0})
 
     def ego_from_sensor(self, name: str) -> NDArray[np.float64]:
-        """Return the (4, 4) pose of a sensor's frame on the ego; image_3's frame is that of the first camera.
+        """Return the (4, 4) pose of a sensor's frame on the ego; that of image_0, _1, and _3 is the first camera's.
 
         Raises:
             CadetError: the rig has no sensor of that name.
@@ -275,7 +283,7 @@ class Rig:
         return product(self._ego_from_velo(), inverse(cam_from_velo))
 
     def sensor(self, name: str) -> Camera | Lidar:
-        """Return the sensor of a name; image_3 is the rig's camera seen from its right lens.
+        """Return the sensor of a name; image_0, _1, and _3 are the rig's camera at other places.
 
         Raises:
             CadetError: the rig has none.
@@ -301,6 +309,8 @@ class Rig:
                 cameras.append(mounted.camera.to_native(mounted.name, mounted.camera.projections()["P2"], at))
             else:
                 lidars.append((mounted.name, mounted.lidar.to_native(), at))
+        for name, key in zip(self.gray_cameras, ("P0", "P1"), strict=False):
+            cameras.append(self.camera.to_native(name, projections[key], beside))
         return _cadet.Rig(self.name, cameras=cameras, lidars=lidars)
 
     def to_dict(self) -> dict[str, Any]:

@@ -6,7 +6,7 @@ import json
 import warnings
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import cv2
 import numpy as np
@@ -15,9 +15,23 @@ import pytest
 import cadet
 from cadet.generate import Settings, generate
 from cadet.nuscenes import VERSION
-from cadet.nuscenes.classes import attribute, visibility
+from cadet.nuscenes.classes import ATTRIBUTES, CATEGORIES, attribute, category, visibility
+from cadet.nuscenes.scene_names import scene_names
+from cadet.sink import Sink
 
 SCENES, SAMPLES = 2, 5
+
+
+class Memory:
+    """Files that are read back."""
+
+    def __init__(self, files: dict[str, bytes]) -> None:
+        self.files = files
+
+    def read_all(self, names: list[str]) -> list[bytes]:
+        return [self.files[name] for name in names]
+
+
 CHANNELS = 7
 
 
@@ -196,10 +210,89 @@ def test_instances_move_as_their_attributes_say(tables: dict[str, list[dict[str,
 
 def test_levels_and_attributes_have_nuscenes_limits() -> None:
     assert [visibility(share) for share in (None, 0.0, 0.39, 0.4, 0.6, 0.79, 0.8, 1.0)] == list("11123344")
-    assert attribute("Car", 0.0, 0.1) == "vehicle.parked" and attribute("Van", 0.0, 5.0) == "vehicle.stopped"
-    assert attribute("Truck", 3.0, 5.0) == "vehicle.moving"
-    assert attribute("Pedestrian", 1.2, 1.2) == "pedestrian.moving"
-    assert attribute("Pedestrian", 0.0, 1.2) == "pedestrian.standing"
+    for (kind, model, speed_mps, fastest_mps), expected in {
+        ("Car", "suv/1", 0.0, 0.1): "vehicle.parked",
+        ("Van", "small_van/1", 0.0, 5.0): "vehicle.stopped",
+        ("Truck", "bus/1", 3.0, 5.0): "vehicle.moving",
+        ("Cyclist", "man on bicycle/1", 0.0, 0.0): "cycle.with_rider",
+        ("Misc", "motorbike/1", 0.0, 0.0): "cycle.without_rider",
+        ("Misc", "caravan/1", 0.0, 0.0): "vehicle.parked",
+        ("Pedestrian", "child/1", 1.2, 1.2): "pedestrian.moving",
+        ("Pedestrian", "man with pram/1", 0.0, 1.2): "pedestrian.standing",
+        ("Person_sitting", "woman/1", 0.0, 0.0): "pedestrian.sitting_lying_down",
+    }.items():
+        assert attribute(kind, model, speed_mps, fastest_mps) == expected and expected in ATTRIBUTES
+
+
+def test_categories_follow_the_models_of_the_core() -> None:
+    """Every family of models that the core draws, and what nuScenes' annotators would call it."""
+    scene = cadet.Scene.empty(rig=cadet.Rig(camera=cadet.Camera.kitti().resized(124, 38)))
+    kinds = ("car", "van", "truck", "tram", "misc", "pedestrian", "person_sitting", "cyclist")
+    for number, kind in enumerate(kinds):
+        for seed in range(120):
+            x, y = seed % 12 * 14.0 - 80.0, seed // 12 * 14.0 - 70.0 + number
+            scene.add(kind, x=x, y=y, yaw=0.0, model_seed=seed, overlap="allow")
+    found: dict[str, set[str]] = {}
+    for agent in scene.agents:
+        found.setdefault(category(agent.type, agent.model), set()).add(agent.model.rpartition("/")[0])
+    assert set(found) == set(CATEGORIES) - {"human.pedestrian.stroller"}
+    assert found["vehicle.bus.rigid"] == {"bus", "light-rail"}
+    assert found["vehicle.motorcycle"] == {"motorbike"}
+    assert found["vehicle.trailer"] <= {"caravan"} | {f"{it}_trailer" for it in ("box", "open", "covered", "platform")}
+    assert found["human.pedestrian.child"] == {"child"} and found["human.pedestrian.adult"] == {"man", "woman"}
+    assert {name.split(" on ")[1] for name in found["vehicle.bicycle"]} == {"bicycle"}
+    assert not found["vehicle.truck"] & {"bus"} and len(found["vehicle.truck"]) > 5
+    # What people carry is drawn where they walk; a user's own vehicle may have any name.
+    assert category("Pedestrian", "woman with pram/5") == "human.pedestrian.stroller"
+    assert category("Pedestrian", "child with dog/5") == "human.pedestrian.child"
+    assert category("Truck", "bus") == category("Truck", "school bus") == "vehicle.truck"
+
+
+def test_scenes_have_official_names_split_by_split(root: Path) -> None:
+    train, val, test = (scene_names(split) for split in ("train", "val", "test"))
+    assert [len(names) for names in (train, val, test)] == [700, 150, 150]
+    assert len({*train, *val, *test}) == 1000 and all(list(names) == sorted(names) for names in (train, val, test))
+    # As the papers and the devkit have them.
+    assert train[:4] == ("scene-0001", "scene-0002", "scene-0004", "scene-0005") and train[-1] == "scene-1110"
+    assert val[:3] == ("scene-0003", "scene-0012", "scene-0013") and val[-1] == "scene-1073"
+    assert test[0] == "scene-0077" and {"scene-0061", "scene-1100"} <= set(train) and {"scene-0103"} <= set(val)
+    splits = json.loads((root / VERSION / "splits.json").read_text())
+    assert splits == {"train": ["scene-0001"], "val": ["scene-0003"]}
+    assert not (root / "v1.0-test").exists()
+
+
+def test_the_devkits_splits_are_ours() -> None:
+    devkit = pytest.importorskip("nuscenes.utils.splits", reason="needs nuscenes-devkit")
+    official = devkit.create_splits_scenes()
+    assert {split: list(scene_names(split)) for split in ("train", "val", "test")} == {
+        split: official[split] for split in ("train", "val", "test")
+    }
+
+
+def test_test_scenes_have_tables_of_their_own() -> None:
+    of_version = {"v1.0-trainval": ["scene-0001", "scene-0003", "scene-0002"], "v1.0-test": ["scene-0077"]}
+    policy = cadet.ResetPolicy.kitti().as_sequence(hz=2, length_s=0.5)
+    settings = Settings(num_frames=4, policy=policy, format="nuscenes", test_period=3)
+    record = {"time_s": 0.0, "map": "m", "weather": "w", "sensors": {}, "objects": []}
+    sink = Memory({settings.exporter.path(place, "record"): json.dumps(record).encode() for place in settings.places()})
+    files = settings.exporter.finish(cast(Sink, sink), settings.places()).files
+    found = {version: [scene["name"] for scene in json.loads(files[f"{version}/scene.json"])] for version in of_version}
+    assert found == of_version
+    assert json.loads(files["v1.0-test/splits.json"]) == {"test": ["scene-0077"]}
+
+
+@pytest.mark.parametrize(("num_frames", "periods", "split"), [(701, (0, 0), "train"), (302, (2, 0), "val")])
+def test_more_scenes_than_names_are_refused(num_frames: int, periods: tuple[int, int], split: str) -> None:
+    policy = cadet.ResetPolicy.kitti().as_sequence(hz=2, length_s=0.5)
+    given: dict[str, Any] = {
+        "policy": policy,
+        "val_period": periods[0],
+        "test_period": periods[1],
+        "format": "nuscenes",
+    }
+    Settings(num_frames=num_frames - 1, **given)
+    with pytest.raises(cadet.CadetError, match=rf"^nuscenes: \d+ {split} scenes, but nuScenes' own splits name \d+: "):
+        Settings(num_frames=num_frames, **given)
 
 
 def test_a_set_that_was_cut_short_goes_on_to_the_same_bytes(root: Path, tmp_path: Path) -> None:
@@ -207,7 +300,8 @@ def test_a_set_that_was_cut_short_goes_on_to_the_same_bytes(root: Path, tmp_path
     policy = cadet.ResetPolicy.kitti().with_rig(small_rig()).as_sequence(hz=2, length_s=SAMPLES / 2)
     settings = Settings(seed=1, num_frames=2, policy=policy, format="nuscenes")
     generate(out, settings, workers=1)
-    (out / "records" / "000000.json").unlink()
+    record = out / "records" / "000000.json"
+    record.write_text(record.read_text().replace('"ego_speed_mps":', '"ego_speed_mps":1'))
     generate(out, replace(settings, num_frames=3), workers=1, resume=True)
     for name in ("samples/CAM_BACK/000002.jpg", "samples/LIDAR_TOP/000000.pcd.bin", "records/000000.json"):
         assert (out / name).read_bytes() == (root / name).read_bytes()
@@ -216,19 +310,20 @@ def test_a_set_that_was_cut_short_goes_on_to_the_same_bytes(root: Path, tmp_path
 
 
 def test_what_does_not_fit_is_refused() -> None:
+    policy = cadet.ResetPolicy.kitti().as_sequence(hz=2, length_s=2)
     bent = replace(cadet.Camera.kitti(), distortion=(0.1, 0.0, 0.0, 0.0, 0.0))
     for rig, message in (
         (cadet.Rig(camera=bent), "nuScenes has no distortion"),
         (cadet.Rig(camera_name="a.b"), "it names a folder"),
     ):
         with pytest.raises(cadet.CadetError, match=message):
-            Settings(policy=cadet.ResetPolicy.kitti().with_rig(rig), format="nuscenes")
+            Settings(policy=policy.with_rig(rig), format="nuscenes")
     with pytest.raises(
         cadet.CadetError, match="unknown format 'coco'; known: kitti, kitti_tracking, kitti_raw, nuscenes"
     ):
         Settings(policy=cadet.ResetPolicy.kitti(), format="coco")
     with pytest.raises(cadet.CadetError, match="cannot write 'depth'; known: none"):
-        Settings(policy=cadet.ResetPolicy.kitti(), format="nuscenes", extras=("depth",))
+        Settings(policy=policy, format="nuscenes", extras=("depth",))
     with pytest.raises(cadet.CadetError, match="a rate that divides the 60 steps of a second, got 7"):
         cadet.ResetPolicy.kitti().as_sequence(hz=7, length_s=1)
 

@@ -289,6 +289,7 @@ def test_rigs_without_a_right_camera_have_no_right_image() -> None:
     with pytest.raises(cadet.CadetError, match="cannot write image_3: the rig paper has no right color camera"):
         cadet.generate.Settings(policy=cadet.ResetPolicy.paper(), extras=("image_3",))
     with pytest.raises(
-        cadet.CadetError, match="the rig kitti has no sensor 'image_4'; it has image_2, image_3, velodyne"
+        cadet.CadetError,
+        match="the rig kitti has no sensor 'image_4'; it has image_2, image_3, image_0, image_1, velodyne",
     ):
         Scene.random(seed=1, rig=Rig.kitti()).capture(sensors=["image_4"])

@@ -53,7 +53,11 @@ _LEAST_FRACTION = 1e-6
 @click.option("--skip-bad-assets", is_flag=True, help="Leave out vehicles whose meshes are missing or broken.")
 @click.option("--format", "dataset_format", type=click.Choice(list(EXPORTERS)), default="kitti", show_default=True)
 @click.option("--shard-size", type=click.IntRange(1, 10_000), help="Samples of a shard of webdataset.  [default: 1000]")
-@click.option("--sequence", is_flag=True, help="Episodes of some seconds, a sample each time step, not each 10 m.")
+@click.option(
+    "--sequence",
+    is_flag=True,
+    help="Episodes of some seconds, a sample each time step, not each 10 m; implied by formats of sequences.",
+)
 @click.option("--hz", type=float, help="Samples a second of a sequence.  [default: 2]")
 @click.option("--length", metavar="SECONDS", help="Length of a sequence, such as 20s.  [default: 20s]")
 @click.option(
@@ -109,8 +113,8 @@ def cadet_gen(
     \b
     cadet-gen out -n 10000 --seed 0
     cadet-gen out -n 20000 --seed 0 --resume          # the first 10000 stay as they are
-    cadet-gen scenes -n 160 --format nuscenes --sequence --hz 2 --length 20s
-    cadet-gen drives -n 200 --format kitti_raw --sequence --hz 10 --length 20s
+    cadet-gen scenes -n 160 --format nuscenes --hz 2 --length 20s
+    cadet-gen drives -n 200 --format kitti_raw --hz 10 --length 20s
     cadet-gen s3://bucket/set -n 100000 --engine ray --address auto   # docs/scale.md
     cadet-gen shards -n 100000 --format webdataset --shard-size 1000
     cadet-gen fields -n 500 --district country_road   # or motorway
@@ -130,7 +134,7 @@ def cadet_gen(
             _with_sensors(
                 _policy(policy, districts, maps, weathers, own), _rig_for(dataset_format, rig), image_size, lidar
             ),
-            sequence,
+            sequence or EXPORTERS[dataset_format].needs_sequence,
             hz,
             length,
         ),
@@ -274,6 +278,5 @@ def _at_a_standstill(summary: Summary) -> str:
     episodes = ", ".join(map(str, first)) + (f", and {rest} more" if rest else "")
     return (
         f"{summary.num_standing} of {summary.num_new + summary.num_kept} frames were taken at a standstill, among them "
-        f"more than half of these episodes': {episodes}; a longer --length, a larger --map, or another --seed shows more "
-        "motion"
+        f"more than half of these episodes': {episodes}; a longer --length or a larger --map shows more motion"
     )

@@ -95,6 +95,7 @@ class Settings:
                 raise CadetError(f"cannot write {shown(extra)}; known: {known}")
         for rig, _ in self.policy.rigs:
             self.exporter.check(rig, self.extras)
+        self.exporter.check_size(Counter(map(self.split, range(self.num_episodes))))
         make_plain(self)
 
     @property

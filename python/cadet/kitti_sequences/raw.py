@@ -13,12 +13,17 @@ from cadet.kitti_sequences.raw_calibration import calibration_files
 from cadet.kitti_sequences.record import Record, calibration_of_record, drives, path_of_record
 from cadet.kitti_sequences.sequence_exporter import IMAGE, SCAN, SequenceExporter, lists_of_drives
 from cadet.kitti_sequences.tracklets import text_of_tracklets, tracklets_of
-from cadet.rig import RIGHT_CAMERA
+from cadet.rig import GRAY_CAMERAS, RIGHT_CAMERA
 from cadet.sink import Sink
 
 _FIRST_DAY: Final = date(2020, 1, 1)
 _MONTHS: Final = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec")
-_FILES: Final = {IMAGE: ("image_02", "png"), RIGHT_CAMERA: ("image_03", "png"), SCAN: ("velodyne_points", "bin")}
+_IMAGES: Final = {
+    IMAGE: "image_02",
+    RIGHT_CAMERA: "image_03",
+    **dict(zip(GRAY_CAMERAS, ("image_00", "image_01"), strict=True)),
+}
+_FILES: Final = {kind: (folder, "png") for kind, folder in _IMAGES.items()} | {SCAN: ("velodyne_points", "bin")}
 _NS_PER_S: Final = 1_000_000_000
 _SECONDS_OF_NOON: Final = 43_200
 
@@ -27,6 +32,7 @@ class KittiRawExporter(SequenceExporter):
     """KITTI's raw data, synchronized and rectified. Each episode is a day with a calibration and a drive of its own."""
 
     name = "kitti_raw"
+    extras: tuple[str, ...] = (RIGHT_CAMERA, *GRAY_CAMERAS)
 
     def path(self, place: Place, kind: str) -> str:
         """Return a file's name, such as `DAY/DAY_drive_0003_sync/image_02/data/0000000012.png`, or the record's."""
@@ -47,7 +53,12 @@ class KittiRawExporter(SequenceExporter):
             written = f"{day.day:02d}-{_MONTHS[day.month - 1]}-{day.year}"
             calib = calibration_files(calibration_of_record(records[0]), (width_height[0], width_height[1]), written)
             texts = {f"{_folder(day)}/{name}": text for name, text in calib.items()}
-            texts |= {f"{_drive(first)}/{name}": text for name, text in _drive_texts(records, day).items()}
+            texts_of_drive = _drive_texts(records, day)
+            for kind, folder in _IMAGES.items():
+                # kitti2bag looks for it beside the images of each camera.
+                if kind in records[0]["sha256"]:
+                    texts_of_drive[f"{folder}/timestamps.txt"] = texts_of_drive["image_02/timestamps.txt"]
+            texts |= {f"{_drive(first)}/{name}": text for name, text in texts_of_drive.items()}
             files |= {name: text.encode("ascii") for name, text in texts.items()}
             types.update(seen["type"] for record in records for seen in record["objects"] if seen["is_labeled"])
         return Ending(files | lists_of_drives(splits), types)

@@ -6,12 +6,16 @@ import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from cadet.errors import CadetError
 from cadet.exporter import Ending, FilesInPlace, Place
 from cadet.kitti.from_sample import calibration_of, move_off_zero_depth
+from cadet.kitti.images import encode_png
 from cadet.kitti.velodyne import bytes_from_points
 from cadet.kitti_sequences.record import RECORDS, record_bytes, record_of
-from cadet.rig import RIGHT_CAMERA, Rig
+from cadet.rig import GRAY_CAMERAS, RIGHT_CAMERA, Rig
 from cadet.sample import Sample, Wanted
 from cadet.sink import Sink
 
@@ -29,14 +33,16 @@ class SequenceExporter(FilesInPlace):
     needs_sequence = True
 
     def check(self, rig: Rig, extras: tuple[str, ...]) -> None:
-        """Refuse lenses for which rectified images have no room, and right images of a rig without a right camera."""
+        """Refuse lenses for which rectified images have no room, and images of cameras that a rig does not have."""
         if any(rig.camera.distortion):
             raise CadetError(f"cannot write images of the rig {rig.name}: {self.name} has no distortion")
-        if RIGHT_CAMERA in extras and not rig.has_right_camera:
-            raise CadetError(f"cannot write {RIGHT_CAMERA}: the rig {rig.name} has no right color camera")
+        for extra in extras:
+            if extra not in rig.camera_names:
+                kind = "right color" if extra == RIGHT_CAMERA else "gray"
+                raise CadetError(f"cannot write {extra}: the rig {rig.name} has no {kind} camera")
 
     def wanted(self, extras: tuple[str, ...]) -> Wanted:
-        """Return the right camera, if its images are to be written."""
+        """Return the cameras whose images are to be written besides the left color camera's."""
         return Wanted(sensors=tuple(extra for extra in self.extras if extra in extras), maps=False)
 
     def kinds(self, rigs: Iterable[Rig], extras: tuple[str, ...]) -> tuple[str, ...]:
@@ -51,7 +57,9 @@ class SequenceExporter(FilesInPlace):
         """Return the images and the scan."""
         points_velo = move_off_zero_depth(sample.scan().points_velo, calibration_of(sample.rig))
         files = {IMAGE: sample.png(), SCAN: bytes_from_points(points_velo)}
-        return files | {extra: sample.png(extra) for extra in self.extras if extra in extras}
+        for extra in self.kinds((), extras)[len(self.base) :]:
+            files[extra] = _gray_png(sample.image(extra)) if extra in GRAY_CAMERAS else sample.png(extra)
+        return files
 
     def record(self, sample: Sample) -> dict[str, Any]:
         """Return what the text files of the drive are made of."""
@@ -68,6 +76,13 @@ class SequenceExporter(FilesInPlace):
     def finish(self, sink: Sink, places: Iterable[Place]) -> Ending:
         """Return the text files of all drives."""
         raise NotImplementedError
+
+
+def _gray_png(image: NDArray[np.uint8]) -> bytes:
+    """Encode the luma of an (H, W, 3) RGB image."""
+    red, green, blue = (image[..., channel].astype(np.uint32) for channel in range(3))
+    # BT.601 in whole numbers: the same on every processor.
+    return encode_png(((299 * red + 587 * green + 114 * blue + 500) // 1000).astype(np.uint8))
 
 
 def lists_of_drives(drives: Mapping[str, list[str]]) -> dict[str, bytes]:

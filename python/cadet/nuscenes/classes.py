@@ -6,15 +6,18 @@ from typing import Final
 
 CATEGORIES: Final = {
     "vehicle.car": "Passenger cars and vans.",
-    "vehicle.truck": "Trucks.",
-    "vehicle.bus.rigid": "Buses and trams.",
+    "vehicle.truck": "Trucks, semi-trailers with their tractors among them.",
+    "vehicle.bus.rigid": "Buses, and each car of a tram.",
     "vehicle.bicycle": "Bicycles with their riders.",
-    "vehicle.trailer": "Trailers and any other vehicle.",
-    "human.pedestrian.adult": "People.",
+    "vehicle.motorcycle": "Motorcycles.",
+    "vehicle.trailer": "Trailers and caravans.",
+    "human.pedestrian.adult": "Adults.",
+    "human.pedestrian.child": "Children.",
+    "human.pedestrian.stroller": "Prams, each with who pushes it.",
 }
-"""Categories that are written, with descriptions."""
+"""Categories that are written, by nuScenes' own names, with descriptions."""
 
-CATEGORY_OF: Final = {
+_OF_TYPE: Final = {
     "Car": "vehicle.car",
     "Van": "vehicle.car",
     "Truck": "vehicle.truck",
@@ -24,13 +27,21 @@ CATEGORY_OF: Final = {
     "Pedestrian": "human.pedestrian.adult",
     "Person_sitting": "human.pedestrian.adult",
 }
-"""The category of each of our classes."""
+_OF_MODEL: Final = (
+    ("Truck", "bus", "vehicle.bus.rigid"),
+    ("Misc", "motorbike", "vehicle.motorcycle"),
+    ("Pedestrian", "pram", "human.pedestrian.stroller"),
+    ("Pedestrian", "child", "human.pedestrian.child"),
+    ("Person_sitting", "child", "human.pedestrian.child"),
+)
+"""Types, words in their models' names, and the categories of both together: what KITTI's eight types don't tell."""
 
 ATTRIBUTES: Final = {
     "vehicle.moving": "Vehicle is moving.",
     "vehicle.stopped": "Vehicle is stationary, but moves at another time of the scene.",
     "vehicle.parked": "Vehicle is stationary throughout the scene.",
-    "cycle.with_rider": "There is a rider on the bicycle.",
+    "cycle.with_rider": "There is a rider on the bicycle or motorcycle.",
+    "cycle.without_rider": "There is no rider on the bicycle or motorcycle.",
     "pedestrian.moving": "The person is moving.",
     "pedestrian.standing": "The person is standing.",
     "pedestrian.sitting_lying_down": "The person is sitting.",
@@ -44,20 +55,33 @@ MOVING_MPS: Final = 0.2
 """Objects that are at least this fast move."""
 
 
-def attribute(kind: str, speed_mps: float, fastest_mps: float) -> str:
+def category(kind: str, model: str) -> str:
+    """Return the category of an object.
+
+    Args:
+        kind: its type, one of KITTI's.
+        model: its model's name, such as "child with dog/17"; a user's own vehicle has no slash and tells nothing.
+    """
+    words = model.rpartition("/")[0].split(" ")
+    return next((found for its, word, found in _OF_MODEL if its == kind and word in words), _OF_TYPE[kind])
+
+
+def attribute(kind: str, model: str, speed_mps: float, fastest_mps: float) -> str:
     """Return the attribute of an object.
 
     Args:
-        kind: its class.
+        kind: its type.
+        model: its model's name.
         speed_mps: its speed.
         fastest_mps: its highest speed in the scene.
     """
     is_moving = speed_mps >= MOVING_MPS
-    if kind == "Cyclist":
-        return "cycle.with_rider"
+    what = category(kind, model)
+    if what in ("vehicle.bicycle", "vehicle.motorcycle"):
+        return "cycle.with_rider" if kind == "Cyclist" else "cycle.without_rider"
     if kind == "Person_sitting":
         return "pedestrian.sitting_lying_down"
-    if kind == "Pedestrian":
+    if what.startswith("human."):
         return "pedestrian.moving" if is_moving else "pedestrian.standing"
     if is_moving:
         return "vehicle.moving"

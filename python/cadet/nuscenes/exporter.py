@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from cadet.camera import Camera
 from cadet.errors import CadetError, FileFormatError
-from cadet.exporter import Ending, FilesInPlace, Place
+from cadet.exporter import Ending, FilesInPlace, Place, Split
+from cadet.nuscenes.scene_names import scene_names
 from cadet.nuscenes.tables import Tables
 from cadet.plain_text import json_from_text
 from cadet.pose import inverse, product, quaternion_of
@@ -26,6 +27,8 @@ from cadet.sink import Sink, read_each
 
 VERSION: Final = "v1.0-trainval"
 """The folder of the tables: the version that the devkit is told."""
+TEST_VERSION: Final = "v1.0-test"
+"""The folder of test scenes' tables: what tools find in the other one and not in nuScenes' train, they take for val."""
 
 _RECORDS: Final = "records"
 _RECORD_NAME: Final = re.compile(r"[0-9]{6}\.json")
@@ -43,7 +46,7 @@ class NuscenesExporter(FilesInPlace):
     name = "nuscenes"
     extras: tuple[str, ...] = ()
     base: tuple[str, ...] = ()
-    needs_sequence = False
+    needs_sequence = True
 
     def check(self, rig: Rig, extras: tuple[str, ...]) -> None:
         """Refuse names of sensors that are no names of folders, and lenses that nuScenes' tables have no room for."""
@@ -71,6 +74,16 @@ class NuscenesExporter(FilesInPlace):
         if len(found) != 1:
             raise CadetError("nuscenes: expected the same sensors on all rigs of the policy")
         return found.pop()
+
+    def check_size(self, num_episodes: Mapping[Split, int]) -> None:
+        """Refuse more scenes than nuScenes has names for."""
+        for split, number in num_episodes.items():
+            most = len(scene_names(split))
+            if number > most:
+                raise CadetError(
+                    f"nuscenes: {number} {split} scenes, but nuScenes' own splits name {most}: make scenes longer "
+                    "(--length), change the share of the split, or write several folders, each with a --seed of its own"
+                )
 
     def path(self, place: Place, kind: str) -> str:
         """Return a file's name: `samples/CHANNEL/ID` with its suffix, or that of the record."""
@@ -125,7 +138,7 @@ class NuscenesExporter(FilesInPlace):
 
     def finish(self, sink: Sink, places: Iterable[Place]) -> Ending:
         """Return the tables, made of all records."""
-        tables = Tables()
+        of_version = {VERSION: Tables(), TEST_VERSION: Tables()}
         places, same = tee(places)
         records = read_each(sink, (self.path(place, "record") for place in same))
         for place, data in zip(places, records, strict=True):
@@ -134,12 +147,20 @@ class NuscenesExporter(FilesInPlace):
                 record = json_from_text(data, name)
             except FileFormatError:
                 raise CadetError(f"{name} was changed by another program during the run") from None
+            tables = of_version[TEST_VERSION if place.split == "test" else VERSION]
             tables.add(place, record, {channel: self.path(place, kind) for channel, kind in _channels(record)})
-        rows = tables.finished()
-        files = {f"maps/{tables.map_token}.png": _blank_map()}
-        for table, content in rows.items():
-            files[f"{VERSION}/{table}.json"] = (json.dumps(content, indent=0, allow_nan=False) + "\n").encode("ascii")
-        return Ending(files, Counter(tables.num_of_type))
+        files = {}
+        types: Counter[str] = Counter()
+        for version, tables in of_version.items():
+            if tables.is_empty:
+                continue
+            files[f"maps/{tables.map_token}.png"] = _blank_map()
+            for table, content in tables.finished().items():
+                files[f"{version}/{table}.json"] = (json.dumps(content, indent=0, allow_nan=False) + "\n").encode(
+                    "ascii"
+                )
+            types += tables.num_of_type
+        return Ending(files, types)
 
     @staticmethod
     def _cameras(rig: Rig) -> list[str]:

@@ -8,7 +8,8 @@ from hashlib import sha256
 from typing import Any, Final
 
 from cadet.exporter import Place
-from cadet.nuscenes.classes import ATTRIBUTES, CATEGORIES, CATEGORY_OF, VISIBILITY, attribute, visibility
+from cadet.nuscenes.classes import ATTRIBUTES, CATEGORIES, VISIBILITY, attribute, category, visibility
+from cadet.nuscenes.scene_names import scene_names
 
 _EPOCH_US: Final = 1_577_836_800_000_000
 """1 January 2020: when the first scene begins."""
@@ -24,7 +25,7 @@ def token(*parts: object) -> str:
 
 
 class Tables:
-    """Rows by table. Samples come in the order of their numbers."""
+    """Rows by table of scenes that lie in one folder of tables. Samples come in the order of their numbers."""
 
     def __init__(self) -> None:
         self.num_of_type: Counter[str] = Counter()
@@ -37,7 +38,12 @@ class Tables:
         self._last_seen: dict[tuple[int, int], Row] = {}
         self._instances: dict[tuple[int, int], Row] = {}
         self._speeds: dict[tuple[int, int], float] = {}
-        self._pending: list[tuple[Row, tuple[int, int], str, float]] = []
+        self._pending: list[tuple[Row, tuple[int, int], Mapping[str, Any]]] = []
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether no sample was added."""
+        return not self._rows
 
     @property
     def map_token(self) -> str:
@@ -68,8 +74,9 @@ class Tables:
 
     def finished(self) -> dict[str, Any]:
         """Return the content of every table."""
-        for annotation, key, kind, speed_mps in self._pending:
-            annotation["attribute_tokens"] = [token("attribute", attribute(kind, speed_mps, self._speeds[key]))]
+        for annotation, key, seen in self._pending:
+            name = attribute(seen["type"], seen["model"], seen["speed_mps"], self._speeds[key])
+            annotation["attribute_tokens"] = [token("attribute", name)]
         self._pending.clear()
         categories = [
             {"token": token("category", name), "name": name, "description": text} for name, text in CATEGORIES.items()
@@ -117,7 +124,7 @@ class Tables:
             scenes[-1]["last_sample_token"] = sample["token"]
             scenes[-1]["nbr_samples"] += 1
             return
-        name = f"scene-{place.episode:04d}"
+        name = scene_names(place.split)[len(self._splits[place.split])]
         log = {
             "token": token("log", place.episode),
             "logfile": f"cadet-{place.episode:04d}",
@@ -194,12 +201,12 @@ class Tables:
         self._rows["sample_annotation"].append(annotation)
         self.num_of_type[seen["type"]] += 1
         self._speeds[key] = max(self._speeds.get(key, 0.0), seen["speed_mps"])
-        self._pending.append((annotation, key, seen["type"], seen["speed_mps"]))
+        self._pending.append((annotation, key, seen))
         instance = self._instances.setdefault(
             key,
             {
                 "token": annotation["instance_token"],
-                "category_token": token("category", CATEGORY_OF[seen["type"]]),
+                "category_token": token("category", category(seen["type"], seen["model"])),
                 "nbr_annotations": 0,
                 "first_annotation_token": annotation["token"],
                 "last_annotation_token": "",

@@ -8,7 +8,7 @@ from itertools import tee
 from typing import Any
 
 from cadet.errors import CadetError
-from cadet.exporter import Ending, Place
+from cadet.exporter import Ending, Place, Split
 from cadet.kitti.exporter import KittiExporter, ending
 from cadet.rig import Rig
 from cadet.sample import Sample, Wanted
@@ -35,6 +35,10 @@ class WebdatasetExporter:
     def check(self, rig: Rig, extras: tuple[str, ...]) -> None:
         """Refuse what KITTI's exporter refuses."""
         _KITTI.check(rig, extras)
+
+    def check_size(self, num_episodes: Mapping[Split, int]) -> None:
+        """Refuse what KITTI's exporter refuses."""
+        _KITTI.check_size(num_episodes)
 
     def wanted(self, extras: tuple[str, ...]) -> Wanted:
         """Return what the files need."""
