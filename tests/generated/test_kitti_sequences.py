@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 import cadet
 from cadet.generate import Settings, generate
+from cadet.kitti_sequences import KittiRawExporter
 from cadet.kitti_sequences.oxts import FIELDS
 from cadet.kitti_sequences.record import calibration_of_record
 
@@ -26,6 +27,9 @@ Array = NDArray[np.float64]
 HZ, SAMPLES, EPISODES = 10, 12, 2
 NAMES = [name for name, _ in FIELDS]
 RAW_DRIVE = "2020_01_01/2020_01_01_drive_0000_sync"
+
+
+CAMERAS = ("image_3", "image_0", "image_1")
 
 
 def settings(dataset_format: str, num_frames: int = EPISODES * SAMPLES, **changes: Any) -> Settings:
@@ -45,7 +49,7 @@ def tracking(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def raw(tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = tmp_path_factory.mktemp("raw") / "out"
-    generate(root, settings("kitti_raw", extras=("image_3",)), workers=1)
+    generate(root, settings("kitti_raw", extras=CAMERAS), workers=1)
     return root
 
 
@@ -285,13 +289,48 @@ def test_pykitti_opens_the_raw_data(raw: Path) -> None:
             moved = pose.copy()
             moved[:3, 3] -= expected[0][:3, 3]
             np.testing.assert_allclose(data.T_w_imu, moved, atol=1e-4)
-            assert drive.get_cam2(index).size == (310, 94)
+            assert drive.get_cam2(index).size == drive.get_cam0(index).size == drive.get_cam1(index).size == (310, 94)
+            assert [drive.get_cam0(index).mode, drive.get_cam3(index).mode] == ["L", "RGB"]
         calib = calibration_of_record(records[0])
         np.testing.assert_allclose(drive.calib.P_rect_20, calib.P2, rtol=1e-12)
         np.testing.assert_allclose(drive.calib.T_cam0_velo, calib.cam_from_velo, atol=1e-12)
         np.testing.assert_allclose(drive.calib.T_velo_imu[:3], calib.Tr_imu_to_velo, atol=1e-12)
         points = drive.get_velo(3)
         assert points.shape[1] == 4 and len(points) > 3000
+
+
+def test_every_camera_of_a_drive_has_its_times(raw: Path) -> None:
+    """kitti2bag opens `image_0N/timestamps.txt` of each of the four."""
+    for drive in raw.glob("2020_*/*_sync"):
+        times = {path.parent.name: path.read_text() for path in drive.glob("image_*/timestamps.txt")}
+        assert set(times) == {"image_00", "image_01", "image_02", "image_03"} and len(set(times.values())) == 1
+
+
+@pytest.mark.parametrize(("name", "offset"), [("image_0", "cam0"), ("image_1", "cam1")])
+def test_gray_images_are_seen_from_where_the_gray_cameras_stand(name: str, offset: str) -> None:
+    """A camera of its own, mounted there, has the same depth in every pixel, and the same light but for the noise."""
+    rig = cadet.Rig(camera=cadet.Camera.kitti().resized(310, 94), lidar=cadet.Lidar.vlp16())
+    ego_from_cam = rig.ego_from_sensor(name)
+    if offset == "cam1":
+        ego_from_cam[:3, 3] -= ego_from_cam[:3, :3] @ rig.camera.cam1_from_cam0_m
+    kept = {key: getattr(rig.camera, key) for key in ("fx", "fy", "cx", "cy")}
+    mine = cadet.MountedCamera(
+        name="mine", camera=cadet.Camera.single(310, 94, **kept), pose=cadet.Pose.from_matrix(ego_from_cam)
+    )
+    scene = cadet.Scene.empty(rig=replace(rig, more=(mine,)))
+    scene.add("car", x=9.0, y=-1.0, yaw=0.4)
+    sample = scene.capture(sensors=(name, "mine")).sample
+    assert sample is not None
+    seen, expected, left = (sample.maps(camera) for camera in (name, "mine", None))
+    assert seen is not None and expected is not None and left is not None
+    np.testing.assert_allclose(seen.depth, expected.depth, rtol=1e-4)
+    assert not np.allclose(seen.depth, left.depth, rtol=1e-2)
+    difference = cv2.blur(sample.image(name).astype(np.float32) - sample.image("mine").astype(np.float32), (15, 15))
+    assert np.abs(difference).mean() < 1.0
+    gray = cv2.imdecode(np.frombuffer(KittiRawExporter().encode(sample, (name,))[name], np.uint8), cv2.IMREAD_UNCHANGED)
+    assert gray is not None and gray.shape == (94, 310)
+    wanted = cv2.cvtColor(sample.image(name), cv2.COLOR_RGB2GRAY)
+    assert np.abs(gray.astype(int) - wanted.astype(int)).max() <= 1
 
 
 def test_the_cameras_of_the_raw_calibration_see_what_the_projections_do(raw: Path) -> None:
@@ -316,7 +355,7 @@ def test_workers_and_interruptions_change_no_byte(
     dataset_format: str, tracking: Path, raw: Path, tmp_path: Path
 ) -> None:
     whole = tracking if dataset_format == "kitti_tracking" else raw
-    chosen = settings(dataset_format, extras=("image_3",) if dataset_format == "kitti_raw" else ())
+    chosen = settings(dataset_format, extras=CAMERAS if dataset_format == "kitti_raw" else ())
     out = tmp_path / "out"
     # As a run that was killed leaves it: the last record and the files of the end are missing.
     shutil.copytree(whole, out)
@@ -343,3 +382,5 @@ def test_what_does_not_fit_is_refused() -> None:
             settings(dataset_format, rig=cadet.Rig(camera=bent))
         with pytest.raises(cadet.CadetError, match="no right color camera"):
             settings(dataset_format, rig=cadet.Rig.paper(), extras=("image_3",))
+    with pytest.raises(cadet.CadetError, match="cannot write image_0: the rig paper has no gray camera"):
+        settings("kitti_raw", rig=cadet.Rig.paper(), extras=("image_0",))
