@@ -308,7 +308,7 @@ def test_every_camera_of_a_drive_has_its_times(raw: Path) -> None:
 
 @pytest.mark.parametrize(("name", "offset"), [("image_0", "cam0"), ("image_1", "cam1")])
 def test_gray_images_are_seen_from_where_the_gray_cameras_stand(name: str, offset: str) -> None:
-    """A camera of its own, mounted there, has the same depth in every pixel, and the same light but for exposure and noise."""
+    """A camera mounted there has the same depth in every pixel, and the same light but for exposure and noise."""
     rig = cadet.Rig(camera=cadet.Camera.kitti().resized(310, 94), lidar=cadet.Lidar.vlp16())
     ego_from_cam = rig.ego_from_sensor(name)
     if offset == "cam1":
