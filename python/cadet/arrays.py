@@ -85,6 +85,8 @@ def as_array(
         wanted = tuple(0 if isinstance(size, str) else size for size in shape)
         try:
             array = np.array(values, dtype=np.float64) if values else np.empty((0, *wanted[1:]))
+        except OverflowError:
+            raise NonFiniteError(f"{name}: a number is too large for float64") from None
         except (TypeError, ValueError):
             raise ShapeError(f"{name}: expected numbers in rows of one length, got a list that is none") from None
         return check_array(array, name, shape, finite=finite)

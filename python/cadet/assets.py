@@ -145,7 +145,7 @@ class Assets:
 
     def __repr__(self) -> str:
         types = counts(vehicle.type for vehicle in self.vehicles)
-        return summary(self, vehicles=types, first=self.vehicles[0].name, share=self.share)
+        return summary(self, vehicles=types, share=self.share)
 
     def __post_init__(self) -> None:
         check_number("assets", "share", self.share, 0, 1)

@@ -117,7 +117,7 @@ class ListedFiring:
     """Rising, from 0 to below 360, counter-clockwise from forward."""
 
     def __repr__(self) -> str:
-        return summary(self, num_azimuths=len(self.azimuths_deg))
+        return summary(self, f"{len(self.azimuths_deg)} azimuths")
 
     def __post_init__(self) -> None:
         azimuths = self.azimuths_deg
@@ -159,8 +159,8 @@ class BeamTable:
     def __repr__(self) -> str:
         return summary(
             self,
+            f"{len(self.rings)} rings",
             name=self.name,
-            num_rings=len(self.rings),
             firing=self.firing,
             min_range_m=self.min_range_m,
             max_range_m=self.max_range_m,

@@ -26,7 +26,11 @@ MAX_NAME_BYTES: Final = 255
 
 def shown(value: object) -> str:
     """Return the value for a message: its repr on one line, cut where it gets long."""
-    text = " ".join(repr(value).split())
+    try:
+        text = " ".join(repr(value).split())
+    except ValueError:
+        # Python prints no whole number of more than 4300 digits.
+        text = f"{type(value).__name__} with thousands of digits"
     return text if len(text) <= _LONGEST_SHOWN else f"{text[: _LONGEST_SHOWN - 3]}..."
 
 
@@ -122,13 +126,20 @@ def check_kind(owner: str, name: str, value: object, kind: type[Any]) -> None:
 
 
 def check_text(owner: str, name: str, value: object) -> None:
-    """Refuse anything but text.
+    """Refuse anything but text that can be written: half of a surrogate pair can't.
 
     Raises:
         CadetError: naming the field and the value.
     """
     if not isinstance(value, str):
         raise CadetError(f"{_place(owner, name)}: expected a text, got {shown(value)}")
+    try:
+        value.encode("utf-8")
+    except UnicodeEncodeError as error:
+        half = shown(value[error.start : error.end])
+        raise CadetError(
+            f"{_place(owner, name)}: expected a text, got half of a surrogate pair in it: {half}"
+        ) from None
 
 
 def is_one_of(value: object, names: Collection[str]) -> bool:

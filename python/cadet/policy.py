@@ -110,11 +110,11 @@ class ResetPolicy:
     def __repr__(self) -> str:
         return summary(
             self,
+            f"{len(self.maps)} maps",
+            f"{len(self.weathers)} weathers",
             name=self.name,
             samples_per_episode=self.samples_per_episode,
             distance_m=self.distance_m,
-            num_maps=len(self.maps),
-            num_weathers=len(self.weathers),
             districts=[district.name for district, _ in self.districts],
             rigs=[rig.name for rig, _ in self.rigs],
             vehicle_classes=self.vehicle_classes,

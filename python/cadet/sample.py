@@ -39,10 +39,8 @@ class Scan:
     range_m: NDArray[np.float64]
 
     def __repr__(self) -> str:
-        num_rings = len(np.unique(self.ring))
-        return summary(
-            self, points_velo=self.points_velo, num_rings=num_rings, num_hits=int((self.actor_id >= 0).sum())
-        )
+        rings, hits = len(np.unique(self.ring)), int((self.actor_id >= 0).sum())
+        return summary(self, f"{rings} rings", f"{hits} hits", points_velo=self.points_velo)
 
 
 @dataclass(frozen=True)
@@ -106,8 +104,14 @@ class Agent:
     brakes_for_id: int | None = None
 
     def __repr__(self) -> str:
-        place = tuple(round(x, 2) for x in self.world_from_agent[:3, 3].tolist())
-        return summary(self, id=self.id, type=self.type, model=self.model, position_m=place)
+        x, y, z = (round(value, 2) for value in self.position_world)
+        return summary(self, id=self.id, type=self.type, model=self.model, position_world=(x, y, z))
+
+    @property
+    def position_world(self) -> tuple[float, float, float]:
+        """The middle of its bottom, meters."""
+        x, y, z = self.world_from_agent[:3, 3].tolist()
+        return x, y, z
 
     @property
     def speed_mps(self) -> float:
@@ -135,8 +139,8 @@ class Sample:
         return summary(
             self,
             time_s=self.time_s,
-            images=list(self.image_names),
-            scans=list(self.scan_names),
+            image_names=self.image_names,
+            scan_names=self.scan_names,
             agents=counts(agent.type for agent in self.agents),
         )
 

@@ -44,8 +44,8 @@ class RayHits(NamedTuple):
     normal_world: NDArray[np.float64]
 
     def __repr__(self) -> str:
-        num_hits = int((self.actor_id >= 0).sum())
-        return summary(self, range_m=self.range_m, normal_world=self.normal_world, num_hits=num_hits)
+        hits = int((self.actor_id >= 0).sum())
+        return summary(self, f"{hits} hits", range_m=self.range_m, normal_world=self.normal_world)
 
 
 class Scene:

@@ -9,15 +9,16 @@ from typing import Final
 _LONGEST: Final = 120
 
 
-def summary(owner: object, **parts: object) -> str:
+def summary(owner: object, *notes: str, **parts: object) -> str:
     """Return an object's `repr`: the name of its class and some of its parts; those that are None are left out.
 
     Args:
         owner: the object.
-        parts: numbers, texts, or arrays, of which shape and dtype are shown.
+        notes: what else is to be said, such as "64 rings".
+        parts: attributes of it by name: numbers, texts, or arrays, of which shape and dtype are shown.
     """
-    shown = ", ".join(f"{name}={_text(value)}" for name, value in parts.items() if value is not None)
-    return f"{type(owner).__name__}({shown})"
+    shown = [f"{name}={_text(value)}" for name, value in parts.items() if value is not None]
+    return f"{type(owner).__name__}({', '.join([*shown, *notes])})"
 
 
 def counts(names: Iterable[str]) -> str:

@@ -66,7 +66,7 @@ class Analysis:
     notes: tuple[str, ...]
 
     def __repr__(self) -> str:
-        return summary(self, classes=list(self.report.ap), num_frames=self.report.num_frames, parts=self.parts())
+        return summary(self, ", ".join(self.report.ap), f"{self.report.num_frames} frames", parts=self.parts())
 
     def __str__(self) -> str:
         """Return the report and all tables as text."""

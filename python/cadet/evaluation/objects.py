@@ -115,10 +115,8 @@ class Detections:
         return cls(scores=np.array(scores, np.float64), **_from_labels(labels))
 
     def __repr__(self) -> str:
-        best = float(self.scores.max()) if len(self.scores) else None
-        return summary(
-            self, types=counts(self.types), boxes_img=self.boxes_img, boxes_cam=self.boxes_cam, best_score=best
-        )
+        best = [f"best score {self.scores.max():g}"] if len(self.scores) else []
+        return summary(self, *best, types=counts(self.types), boxes_img=self.boxes_img, boxes_cam=self.boxes_cam)
 
     def rows(self) -> NDArray[np.float64]:
         """Return (n, 14) as the core takes them."""

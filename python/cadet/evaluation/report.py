@@ -56,7 +56,7 @@ class Curve:
     r40: float
 
     def __repr__(self) -> str:
-        return summary(self, n_gt=self.n_gt, num_thresholds=len(self.scores), r11=self.r11, r40=self.r40)
+        return summary(self, f"{len(self.scores)} thresholds", n_gt=self.n_gt, r11=self.r11, r40=self.r40)
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ class Report:
     warnings: tuple[str, ...]
 
     def __repr__(self) -> str:
-        return summary(self, recall=self.recall, classes=list(self.ap), num_frames=self.num_frames, num_gt=self.num_gt)
+        return summary(self, ", ".join(self.ap), recall=self.recall, num_frames=self.num_frames, num_gt=self.num_gt)
 
     def __str__(self) -> str:
         """Return the title, the table of AP and how many warnings there are."""

@@ -77,8 +77,8 @@ class Calibration:
         (fx, _, cx, _), (_, fy, cy, _), _ = self.P2.tolist()
         return summary(
             self,
-            focal_px=f"{fx:.1f}, {fy:.1f}",
-            center_px=f"{cx:.1f}, {cy:.1f}",
+            f"focal lengths {fx:.1f}, {fy:.1f} px",
+            f"center {cx:.1f}, {cy:.1f} px",
             **{name: getattr(self, name) for name in _SHAPES},
         )
 

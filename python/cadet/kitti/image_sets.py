@@ -36,8 +36,8 @@ class ImageSet:
         _check_ids(self.ids, "image set")
 
     def __repr__(self) -> str:
-        first, last = (self.ids[0], self.ids[-1]) if self.ids else (None, None)
-        return summary(self, num_ids=len(self.ids), first=first, last=last)
+        ends = f" from {self.ids[0]} to {self.ids[-1]}" if self.ids else ""
+        return summary(self, f"{len(self.ids)} ids{ends}")
 
     def __len__(self) -> int:
         return len(self.ids)

@@ -64,8 +64,8 @@ class LidarFit:
     def __repr__(self) -> str:
         return summary(
             self,
-            name=self.table.name,
-            num_rings=len(self.rings),
+            self.table.name,
+            f"{len(self.rings)} rings",
             num_scans=self.num_scans,
             num_points=self.num_points,
             median_residual_m=self.median_residual_m,
