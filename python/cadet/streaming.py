@@ -26,7 +26,7 @@ from cadet.operating_system import num_processors
 from cadet.policy import ResetPolicy
 from cadet.rig import Rig
 from cadet.road_map import RoadMap
-from cadet.worker_processes import WorkerContext, WorkerProcess
+from cadet.worker_processes import WorkerContext, WorkerProcess, may_start_workers
 
 _MOST_EPISODES: Final = 10**9
 
@@ -162,7 +162,8 @@ def stream(
         policy: how worlds are drawn, or the name of a preset; `ResetPolicy.kitti()` if None.
         seed: names every random draw.
         workers: processes that make them, each an episode ahead of what is read at most (20 frames of KITTI's rig take
-            some 70 MB); 0 for none but this one, one for each processor if None.
+            some 70 MB); 0 for none but this one. If None, one for each processor, or 0 in a process that can start
+            none, such as a data loader's worker.
         first: frames to leave out at the start, as `FrameStream.position` counts them: a run goes on where it stopped.
         shard: (i, n): of every n episodes the i-th alone, for several readers that share a stream without overlap.
         rig: as for `Environment`, like all that follow.
@@ -179,7 +180,8 @@ def stream(
     environment = Environment(
         policy=policy, rig=rig, map=map, weather=weather, config=config, assets=assets, sensors=sensors
     )
-    workers = num_processors() if workers is None else workers
+    if workers is None:
+        workers = num_processors() if may_start_workers() else 0
     check_number("stream", "workers", workers, 0, 1024, whole=True)
     check_number("stream", "first", first, 0, 10**12, whole=True)
     is_pair = isinstance(shard, tuple) and len(shard) == 2

@@ -6,10 +6,16 @@ import contextlib
 import pickle
 import sys
 from collections.abc import Iterator
+from multiprocessing import current_process
 from multiprocessing.context import SpawnContext, SpawnProcess
 from types import ModuleType
 
 from cadet.errors import CadetError
+
+
+def may_start_workers() -> bool:
+    """Tell whether this process can have children: the daemons among `multiprocessing`'s can't."""
+    return not current_process().daemon
 
 
 class WorkerProcess(SpawnProcess):
@@ -19,8 +25,13 @@ class WorkerProcess(SpawnProcess):
         """Start it.
 
         Raises:
-            CadetError: it was to be handed what only the script defines.
+            CadetError: it was to be handed what only the script defines, or this process may start none.
         """
+        if not may_start_workers():
+            raise CadetError(
+                "a process that is itself a worker, such as a data loader's, can start none: "
+                "pass workers=0 to a stream, and run all else in the main process"
+            )
         with _script_hidden():
             try:
                 super().start()

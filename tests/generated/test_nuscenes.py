@@ -107,6 +107,10 @@ def test_every_token_is_unique_and_every_reference_leads_somewhere(tables: dict[
                     target = key.removesuffix("_tokens")
                     assert value and set(value) <= tokens[target], (name, key)
     assert num_references > 500
+    # By nuScenes-lidarseg's table; converters of VAD and Senna take the index for granted.
+    indices = {row["name"]: row["index"] for row in tables["category"]}
+    assert indices["human.pedestrian.adult"] == 2 and indices["vehicle.car"] == 17 and indices["vehicle.truck"] == 23
+    assert sorted(indices, key=lambda name: indices[name]) == sorted(indices)
 
 
 def test_chains_run_through_each_scene_by_half_seconds(tables: dict[str, list[dict[str, Any]]]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,7 +12,7 @@ import pytest
 
 import cadet
 from cadet.cli import run_cadet_gen
-from cadet.generate import Settings, generate
+from cadet.generate import EXPORTERS, Settings, Summary, generate
 
 SMALL = cadet.Rig(camera=cadet.Camera.kitti().resized(310, 94), lidar=cadet.Lidar.vlp16())
 
@@ -36,6 +37,26 @@ def test_samples_are_a_time_step_apart_and_agents_drive_on_between_them() -> Non
                 np.testing.assert_allclose(step, np.array(agent.velocity_world[:2]) * 0.1, atol=0.08)
                 moved += 1
     assert moved > 10
+
+
+@pytest.mark.parametrize("dataset_format", EXPORTERS)
+def test_formats_of_sequences_imply_one(dataset_format: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    given: list[Settings] = []
+
+    def note(root: Path, settings: Settings, **_: object) -> Summary:
+        given.append(settings)
+        return Summary(1, 0, Counter())
+
+    monkeypatch.setattr("cadet.cli.gen.generate", note)
+    is_sequence = dataset_format in ("nuscenes", "kitti_tracking", "kitti_raw")
+    options = ["--hz", "10", "--length", "3s"] if is_sequence else []
+    monkeypatch.setattr("sys.argv", ["cadet-gen", str(tmp_path / "out"), "--format", dataset_format, *options])
+    with pytest.raises(SystemExit) as ended:
+        run_cadet_gen()
+    assert ended.value.code == 0
+    assert (given[0].policy.time_step_s, given[0].policy.samples_per_episode) == (
+        (0.1, 30) if is_sequence else (None, 20)
+    )
 
 
 def test_kitti_folders_hold_sequences_too(tmp_path: Path) -> None:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import hashlib
 import itertools
+import multiprocessing
 import os
 import signal
 import time
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -53,6 +55,27 @@ def test_a_stream_goes_on_where_another_stopped(workers: int, first: int, expect
     with open_stream(workers=workers, first=first) as frames:
         assert frames.position == first
         assert digests(frames, 12 - first) == expected[first:]
+
+
+def _first_of_a_daemon(results: Any, workers: int | None) -> None:
+    try:
+        with cadet.stream(_POLICY, seed=3, workers=workers, rig=_RIG) as frames:
+            results.put(digests(frames, 1)[0])
+    except cadet.CadetError as error:
+        results.put(str(error))
+
+
+@pytest.mark.parametrize("workers", [None, 1])
+def test_a_data_loaders_worker_makes_its_frames_itself(workers: int | None, expected: list[str]) -> None:
+    """Processes of `torch.utils.data.DataLoader` are daemons, which can start none."""
+    context = multiprocessing.get_context("spawn")
+    results = context.Queue()
+    process = context.Process(target=_first_of_a_daemon, args=(results, workers), daemon=True)
+    process.start()
+    found = results.get(timeout=100)
+    process.join()
+    refused = "a process that is itself a worker, such as a data loader's, can start none: pass workers=0 to a stream"
+    assert found == expected[0] if workers is None else found.startswith(refused)
 
 
 def test_shards_share_the_episodes_without_overlap(expected: list[str]) -> None:

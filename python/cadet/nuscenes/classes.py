@@ -5,17 +5,17 @@ from __future__ import annotations
 from typing import Final
 
 CATEGORIES: Final = {
-    "vehicle.car": "Passenger cars and vans.",
-    "vehicle.truck": "Trucks, semi-trailers with their tractors among them.",
-    "vehicle.bus.rigid": "Buses, and each car of a tram.",
-    "vehicle.bicycle": "Bicycles with their riders.",
-    "vehicle.motorcycle": "Motorcycles.",
-    "vehicle.trailer": "Trailers and caravans.",
-    "human.pedestrian.adult": "Adults.",
-    "human.pedestrian.child": "Children.",
-    "human.pedestrian.stroller": "Prams, each with who pushes it.",
+    "vehicle.car": (17, "Passenger cars and vans."),
+    "vehicle.truck": (23, "Trucks, semi-trailers with their tractors among them."),
+    "vehicle.bus.rigid": (16, "Buses, and each car of a tram."),
+    "vehicle.bicycle": (14, "Bicycles with their riders."),
+    "vehicle.motorcycle": (21, "Motorcycles."),
+    "vehicle.trailer": (22, "Trailers and caravans."),
+    "human.pedestrian.adult": (2, "Adults."),
+    "human.pedestrian.child": (3, "Children."),
+    "human.pedestrian.stroller": (7, "Prams, each with who pushes it."),
 }
-"""Categories that are written, by nuScenes' own names, with descriptions."""
+"""Categories that are written, by nuScenes' own names: their indices in nuScenes-lidarseg, and descriptions."""
 
 _OF_TYPE: Final = {
     "Car": "vehicle.car",

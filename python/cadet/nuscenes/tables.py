@@ -79,7 +79,8 @@ class Tables:
             annotation["attribute_tokens"] = [token("attribute", name)]
         self._pending.clear()
         categories = [
-            {"token": token("category", name), "name": name, "description": text} for name, text in CATEGORIES.items()
+            {"token": token("category", name), "name": name, "description": text, "index": index}
+            for name, (index, text) in CATEGORIES.items()
         ]
         attributes = [
             {"token": token("attribute", name), "name": name, "description": text} for name, text in ATTRIBUTES.items()
