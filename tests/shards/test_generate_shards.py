@@ -21,6 +21,7 @@ from cadet import ResetPolicy
 from cadet.convert import convert
 from cadet.errors import CadetError
 from cadet.generate import Settings
+from cadet.generate.engine import Made
 from cadet.generate.folder import open_folder
 from cadet.generate.manifest import put_manifest
 from cadet.generate.worker import make_episode
@@ -131,10 +132,11 @@ def test_the_webdataset_library_reads_them(shards: Path) -> None:
 def write(root: Path, num_frames: int = 45, order: Sequence[int] | None = None) -> None:
     """Do what `cadet-gen` does, in this process, with the episodes in some order; also go on with what is there."""
     settings = replace(Settings(**_SETTINGS), num_frames=num_frames)
+    made: list[Made] = []
     with open_folder(root, settings, resume=root.exists()) as sink:
         for episode in order or range(settings.num_episodes):
-            make_episode(sink, settings, episode, lambda made: None)
-        put_manifest(sink, settings)
+            make_episode(sink, settings, episode, made.append)
+        put_manifest(sink, settings, sum(frame.is_standing for frame in made))
 
 
 _SMALL = ResetPolicy.kitti().with_each_rig(lambda rig: replace(rig, camera=rig.camera.resized(64, 32)))
