@@ -5,7 +5,7 @@ from __future__ import annotations
 # A room of the package and the rooms that it may use; all may use their own files.
 PYTHON_ROOMS: dict[str, set[str]] = {
     "errors": set(),
-    "plain_text": {"errors"},
+    "plain_text": {"checks", "errors"},
     "operating_system": set(),
     "semantic": set(),
     "extras": {"errors"},

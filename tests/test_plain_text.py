@@ -30,6 +30,14 @@ def lists(deep: int) -> str:
         (toml_from_text, f"x = {'7' * 5000}", "f.x: no TOML: a whole number has too many digits"),
         (toml_from_text, b"x = '\xff'", "f.x: no TOML: "),
         (toml_from_text, "x = ", "f.x: no TOML: "),
+        (toml_from_text, ".".join("a" * 20_000) + " = 1", "f.x: nested deeper than 64"),
+        (toml_from_text, "[t]\n" + " . ".join(['"a b"', "'c.d'", "e"] * 30) + " = 1", "f.x: nested deeper than 64"),
+        (toml_from_text, f"[[a]]\nb = 1\n[[a]]\nb = [1, {10**400}]", "f.x: a[1].b[1]: a whole number of 401 digits"),
+        (toml_from_text, "a.b = inf", "f.x: a.b: expected a finite number, got inf"),
+        (json_from_text, f'{{"a": [{-(2**64)}]}}', "f.x: a[0]: a whole number of 20 digits"),
+        (json_from_text, '[{"a": -1e309}]', "f.x: [0].a: expected a finite number, got -inf"),
+        (json_from_text, '{"a": "\\ud800"}', "f.x: a: '\\ud800' is no text: half of a surrogate pair"),
+        (json_from_text, '{"\\udc00x": 1}', "f.x: "),
     ],
 )
 def test_what_cannot_be_read_is_refused_with_its_name(
@@ -40,6 +48,22 @@ def test_what_cannot_be_read_is_refused_with_its_name(
     assert str(refused.value).startswith(message)
     assert "\n" not in str(refused.value)
     assert isinstance(refused.value, CadetError)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "x = [" + ", ".join(["0.5"] * 1000) + "]",
+        "# " + "A sentence. " * 200,
+        "x = '" + "1.2, " * 500 + "'",
+        "\ufeffx = 1",
+        "x = 1\r\n",
+        f"x = {2**64 - 1}",
+        "x = 'gr\u00fcn \U0001f600'",
+    ],
+)
+def test_plain_values_are_read(text: str) -> None:
+    toml_from_text(text.encode(), "f.toml")
 
 
 def test_depth_up_to_the_limit_is_read() -> None:
