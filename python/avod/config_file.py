@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import os
 from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
@@ -11,8 +10,9 @@ from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 from avod.config import Config
 from cadet.checks import shown, shown_key
-from cadet.errors import CadetError, MissingFileError
+from cadet.errors import CadetError
 from cadet.plain_text import toml_from_text
+from cadet.user_files import read_settings
 
 T = TypeVar("T")
 
@@ -62,9 +62,7 @@ def _read(name: str, seen: tuple[str, ...]) -> dict[str, Any]:
     if name in seen:
         raise CadetError(f"{name}: base: configurations build on each other in a circle: {' -> '.join((*seen, name))}")
     if name.endswith(".toml"):
-        if not os.path.isfile(name):  # noqa: PTH113 - Path.is_file raises for names that are too long
-            raise MissingFileError(f"{name}: no such file")
-        data = Path(name).read_bytes()
+        data = read_settings(Path(name))
     elif name in config_names():
         data = (resources.files("avod") / "configs" / f"{name}.toml").read_bytes()
     else:

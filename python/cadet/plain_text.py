@@ -22,9 +22,8 @@ MAX_WHOLE: Final = 2**64
 """Whole numbers are smaller, negative ones greater than minus this: what the core and NumPy can hold."""
 
 # TOML's parser takes minutes for some ten thousand dotted keys; each part of the pattern ends at the next dot.
-_DOTTED_KEYS: Final = re.compile(
-    r"""(?:\.[ \t]{0,20}(?:[^\s.,=#\[\]{}"']{1,200}|"[^"\n]{0,200}"|'[^'\n]{0,200}')[ \t]{0,20}){%d}""" % MAX_DEPTH
-)
+_KEY: Final = r"""[^\s.,=#\[\]{}"']{1,200}|"[^"\n]{0,200}"|'[^'\n]{0,200}'"""
+_DOTTED_KEYS: Final = re.compile(rf"(?:\.[ \t]{{0,20}}(?:{_KEY})[ \t]{{0,20}}){{{MAX_DEPTH}}}")
 
 
 def toml_from_text(text: str | bytes, file: str) -> dict[str, Any]:

@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 
 from cadet.camera import Camera
 from cadet.checks import as_path, check_three, shown, shown_key
-from cadet.errors import CadetError, MissingFileError
+from cadet.errors import CadetError
 from cadet.extrinsics import Extrinsics
 from cadet.lidar import Lidar
 from cadet.mounted import MountedCamera, MountedLidar
 from cadet.plain_text import toml_from_text
 from cadet.pose import Pose, Row3, inverse, product, rotation_of_angles
+from cadet.user_files import read_settings
 
 _POSE = {"position_m", "quaternion_wxyz"}
 _CAMERA = {"name", "size", "focal_px", "center_px", "distortion", "rolling_shutter_s"} | _POSE
@@ -32,10 +33,7 @@ def rig_fields(path: str | Path) -> dict[str, Any]:
         CadetError: anything that is wrong with it, in one line with the file's name.
     """
     path = as_path("rig", path)
-    try:
-        values = toml_from_text(path.read_bytes(), path.name)
-    except (FileNotFoundError, NotADirectoryError):
-        raise MissingFileError(f"{str(path)!r}: no such file") from None
+    values = toml_from_text(read_settings(path), path.name)
     try:
         return _fields(values)
     except CadetError as error:

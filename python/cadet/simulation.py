@@ -10,13 +10,14 @@ from typing import Any, Final
 from cadet.assets import Assets
 from cadet.checks import as_path, as_seed, check_image_size, check_text, shown
 from cadet.districts import District
-from cadet.errors import CadetError, FileFormatError, MissingFileError
+from cadet.errors import CadetError, FileFormatError
 from cadet.lidar import Lidar
 from cadet.plain_text import toml_from_text
 from cadet.policy import ResetPolicy
 from cadet.rig import Rig
 from cadet.road_map import RoadMap
 from cadet.streaming import FrameStream, stream
+from cadet.user_files import read_settings
 
 
 @dataclass(frozen=True)
@@ -44,11 +45,7 @@ class Simulation:
             CadetError: an unknown key, or a value that is refused; file and key are named.
         """
         file = as_path("path", path)
-        try:
-            text = file.read_bytes()
-        except FileNotFoundError:
-            raise MissingFileError(f"{file}: no such file") from None
-        table = toml_from_text(text, str(file))
+        table = toml_from_text(read_settings(file), str(file))
         for key in table:
             if key not in _KEYS:
                 raise FileFormatError(f"unknown key {shown(key)}; known: {', '.join(_KEYS)}", str(file))

@@ -156,7 +156,7 @@ class LocalSink:
         except OSError as error:
             with contextlib.suppress(OSError):
                 aside.unlink(missing_ok=True)
-            # Writing names no file in its errors; the user wants to know which.
+            # The user wants to know which object, not which file aside.
             raise OSError(error.errno, error.strerror, str(path)) from None
 
     def put_new(self, name: str, data: bytes) -> None:

@@ -225,9 +225,27 @@ impl Scene {
     /// # Errors
     /// A time that is negative, not finite or longer than an hour.
     pub fn step(&mut self, seconds: f64) -> Result<()> {
+        self.step_until(seconds, || Ok(()))
+    }
+
+    /// Lets physics run as [`Self::step`] does; `pause` is called after each simulated second and may end it there.
+    ///
+    /// # Errors
+    /// As [`Self::step`], and what `pause` returns.
+    pub fn step_until<E: From<Error>>(
+        &mut self,
+        seconds: f64,
+        mut pause: impl FnMut() -> std::result::Result<(), E>,
+    ) -> std::result::Result<(), E> {
         let seconds = in_range("seconds", seconds, 0.0, MAX_STEP_S)?;
         self.sensed = None;
-        self.world.step((seconds * STEPS_PER_S).round() as u32);
+        let mut steps = (seconds * STEPS_PER_S).round() as u32;
+        while steps > 0 {
+            let now = steps.min(STEPS_PER_S as u32);
+            self.world.step(now);
+            steps -= now;
+            pause()?;
+        }
         Ok(())
     }
 

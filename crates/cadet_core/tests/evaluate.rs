@@ -13,6 +13,11 @@ use cadet_core::evaluate::{
 use cadet_core::rng::Stream;
 use proptest::prelude::*;
 
+/// A pause that never ends the work.
+fn go_on() -> cadet_core::Result<()> {
+    Ok(())
+}
+
 /// Limits and levels beside KITTI's: low overlaps make several detections fight for an object.
 fn crowded() -> Settings {
     let limits = |class, limit: f64| ClassLimits::of(class, [limit, 0.0, limit * 0.5]);
@@ -103,7 +108,7 @@ fn a_draw_has_the_ap_of_its_frames_written_one_after_the_other() {
     let mut draws: Vec<Vec<u32>> =
         (0..6).map(|_| (0..60).map(|_| u32::try_from(rng.below(60)).unwrap()).collect()).collect();
     draws.push((0..60).rev().collect());
-    let drawn = evaluate_draws(&frames, &settings, &draws).unwrap();
+    let drawn = evaluate_draws(&frames, &settings, &draws, go_on).unwrap();
     for (number, draw) in draws.iter().enumerate() {
         let repeated: Vec<FramePair> = draw.iter().map(|&index| frames[index as usize].clone()).collect();
         let curves = evaluate(&repeated, &settings).unwrap();
@@ -126,9 +131,9 @@ fn a_draw_has_the_ap_of_its_frames_written_one_after_the_other() {
 fn a_draw_without_objects_has_no_ap_and_frames_that_are_not_there_are_refused() {
     let mut frames = frames::draw(6, 30);
     frames[0] = FramePair::default();
-    let drawn = evaluate_draws(&frames, &frames::kitti(), &[vec![0; 30]]).unwrap();
+    let drawn = evaluate_draws(&frames, &frames::kitti(), &[vec![0; 30]], go_on).unwrap();
     assert!(drawn.iter().all(|curve| curve.ap[0].iter().all(|ap| ap.is_nan())));
-    assert!(evaluate_draws(&frames, &frames::kitti(), &[vec![30]]).is_err());
+    assert!(evaluate_draws(&frames, &frames::kitti(), &[vec![30]], go_on).is_err());
 }
 
 #[test]

@@ -18,6 +18,8 @@ pub(crate) enum BorderError {
     Panic(String),
     /// An object that can't be used now: why.
     Unusable(&'static str),
+    /// What a signal handler of Python's raised.
+    Raised(PyErr),
 }
 
 impl From<cadet_core::Error> for BorderError {
@@ -32,6 +34,7 @@ impl From<BorderError> for PyErr {
             BorderError::Core(error) => error,
             BorderError::Panic(text) => return InternalError::new_err(text),
             BorderError::Unusable(reason) => return CadetError::new_err(reason),
+            BorderError::Raised(error) => return error,
         };
         let text = error.to_string();
         match error {

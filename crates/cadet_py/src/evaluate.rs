@@ -121,7 +121,7 @@ pub(crate) fn evaluate_draws<'py>(
     };
     let frames: Vec<core::FramePair> = truths.into_iter().zip(detections).map(pair).collect();
     let draws = split_draws(&draws)?;
-    let drawn = guard::detached(py, || core::evaluate_draws(&frames, &settings, &draws))?;
+    let drawn = guard::detached(py, || core::evaluate_draws(&frames, &settings, &draws, guard::handle_signals))?;
     let means = |ap: &[[f64; 2]]| arrays::plane(py, ap.as_flattened().to_vec(), ap.len(), 2);
     let dict = |ap: &core::DrawnAp| {
         let dict = PyDict::new(py);
@@ -322,7 +322,7 @@ pub(crate) fn box_iou<'py>(
 ) -> std::result::Result<Bound<'py, PyArray2<f64>>, BorderError> {
     let (a, b) = (boxes_cam("a", &a)?, boxes_cam("b", &b)?);
     let iou = if is_3d { core::iou_3d } else { core::iou_bev };
-    let matrix = guard::detached(py, || core::iou_matrix(&a, &b, iou))?;
+    let matrix = guard::detached(py, || core::iou_matrix(&a, &b, iou, guard::handle_signals))?;
     Ok(arrays::plane(py, matrix, a.len(), b.len()))
 }
 

@@ -24,6 +24,11 @@ pub(crate) fn note_panics() {
     }));
 }
 
+/// Lets Python's signal handlers run in the midst of detached work, so that Ctrl-C ends it.
+pub(crate) fn handle_signals() -> Result<(), BorderError> {
+    Python::attach(|py| py.check_signals()).map_err(BorderError::Raised)
+}
+
 /// Runs the core's work without the interpreter's lock. A panic in it is a bug of ours: it comes back as an error.
 ///
 /// What `work` changes and others can see must refuse to be used after a panic, as a poisoned lock does.

@@ -25,6 +25,9 @@ type RayHits<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<i32>>, Bound
 type Poses<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
 type Triangles<'py> = (Bound<'py, PyArray2<f32>>, Bound<'py, PyArray2<u32>>, Bound<'py, PyArray1<i32>>);
 
+/// About as many as a tenth of a second takes.
+const RAYS_BETWEEN_PAUSES: usize = 1 << 16;
+
 /// A town, its traffic and a rig.
 #[pyclass(module = "cadet._cadet", frozen)]
 pub(crate) struct Scene {
@@ -155,7 +158,7 @@ impl Scene {
     }
 
     fn step(&self, py: Python<'_>, seconds: f64) -> Result<(), BorderError> {
-        self.with(py, |scene| scene.step(seconds))
+        self.with_pauses(py, |scene| scene.step_until(seconds, guard::handle_signals))
     }
 
     fn drive(&self, py: Python<'_>, distance_m: f64, blocked_s: f64) -> Result<(), BorderError> {
@@ -216,7 +219,14 @@ impl Scene {
             .into());
         }
         let rays: Vec<_> = origins.into_iter().zip(directions).collect();
-        let hits = self.with(py, |scene| scene.cast_rays(&rays))?;
+        let hits = self.with_pauses(py, |scene| {
+            let mut hits = Vec::with_capacity(rays.len());
+            for part in rays.chunks(RAYS_BETWEEN_PAUSES) {
+                hits.extend(scene.cast_rays(part)?);
+                guard::handle_signals()?;
+            }
+            Ok(hits)
+        })?;
         let range = hits.iter().map(|h| h.as_ref().map_or(f64::INFINITY, |h| h.range_m)).collect();
         let actor = hits.iter().map(|h| h.as_ref().map_or(-1, |h| h.actor_id)).collect();
         let normals: Vec<_> =
@@ -252,6 +262,15 @@ impl Scene {
         py: Python<'_>,
         work: impl FnOnce(&mut core::Scene) -> cadet_core::Result<T> + Send,
     ) -> Result<T, BorderError> {
+        self.with_pauses(py, |scene| Ok(work(scene)?))
+    }
+
+    /// Does the same for work that lets signals end it now and then.
+    fn with_pauses<T: Send>(
+        &self,
+        py: Python<'_>,
+        work: impl FnOnce(&mut core::Scene) -> Result<T, BorderError> + Send,
+    ) -> Result<T, BorderError> {
         guard::detached(py, || {
             let mut scene = self.inner.try_lock().map_err(|error| {
                 BorderError::Unusable(match error {
@@ -261,7 +280,7 @@ impl Scene {
                     TryLockError::Poisoned(_) => "scene: it can't be used after an internal error; make a new one",
                 })
             })?;
-            Ok::<_, BorderError>(work(&mut scene)?)
+            work(&mut scene)
         })
     }
 }

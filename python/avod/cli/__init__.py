@@ -17,7 +17,13 @@ def run_avod() -> None:
         sys.exit(2)
     # Read when OpenMP is loaded, with torch: threads that wait for others must not take processor time.
     os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
-    from avod.cli.commands import avod
-    from cadet.cli.errors import run
+    try:
+        from avod.cli.commands import avod
+        from cadet.cli.errors import run
+    except ImportError as error:
+        # The loader of shared libraries says no more where the memory doesn't suffice to map PyTorch's.
+        reason = " ".join(str(error).split())
+        sys.stderr.write(f"avod: a library can't be loaded: {reason}; is memory limited (ulimit -v)?\n")
+        sys.exit(2)
 
     run(avod, "avod")

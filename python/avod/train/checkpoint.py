@@ -29,6 +29,7 @@ from avod.train.made_with import made_with
 from cadet.errors import CadetError, MissingFileError
 from cadet.plain_text import json_from_text
 from cadet.summary import summary
+from cadet.user_files import names_file
 
 _FORMAT: Final = "avod-checkpoint"
 _FORMAT_VERSION: Final = 1
@@ -318,7 +319,7 @@ def _resolve(path: Path) -> Path:
 
 
 def _write(path: Path, data: bytes) -> None:
-    with path.open("wb") as file:
+    with names_file(path), path.open("wb") as file:
         file.write(data)
         file.flush()
         # On the disk before it is renamed: else a loss of power leaves an empty file under the final name.

@@ -13,6 +13,7 @@ from torch import Tensor
 
 from cadet.errors import CadetError, MissingFileError
 from cadet.kitti.files import write_whole
+from cadet.user_files import names_file
 
 TERMS: Final = ("objectness", "anchor", "classification", "box", "orientation", "total")
 COLUMNS: Final = ("step", "learning_rate", *TERMS, "seconds_per_step")
@@ -88,7 +89,7 @@ class TrainingLog:
         values |= {name: total / self._count for name, total in self._sums.items()}
         # Of the steps of this process: those before a stop were timed by another.
         values["seconds_per_step"] = (now_s - self._start_s) / max(self._num_timed, 1)
-        with self.path.open("a", encoding="ascii") as file:
+        with names_file(self.path), self.path.open("a", encoding="ascii") as file:
             file.write(table_line(_texts(values)))
         self.add_scalars(step, {name: values[name] for name in COLUMNS[1:]})
         self._sums, self._count, self._num_timed, self._start_s = {}, 0, 0, now_s

@@ -10,6 +10,7 @@ from typing import Final
 from avod.train.log import TERMS, read_table, table_line, text_of
 from cadet.errors import CadetError
 from cadet.kitti.files import write_whole
+from cadet.user_files import names_file
 
 _FIRST: Final = ("step", *TERMS, "ap")
 
@@ -61,7 +62,7 @@ class ValidationLog:
         row |= {f"ap_{name}": value for name, value in found.ap_by_class.items()}
         is_best = all(float(f"{found.ap:.6g}") >= other["ap"] for other in self._rows)
         self._rows.append({name: float(row[name]) for name in self._columns})
-        with self.path.open("a", encoding="ascii") as file:
+        with names_file(self.path), self.path.open("a", encoding="ascii") as file:
             file.write(table_line(self._texts(self._rows[-1])))
         return is_best
 

@@ -6,6 +6,7 @@ error came from.
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 import traceback
@@ -23,11 +24,20 @@ UNFORESEEN = 70
 """The exit code of sysexits.h for an error of the program's own."""
 TRACEBACK = "CADET_TRACEBACK"
 _MAX_MESSAGE = 2000
+_REMEDIES = {
+    errno.EMFILE: "; raise the limit with ulimit -n",
+    errno.ENFILE: "; end programs that hold many files open",
+    errno.ENOSPC: "; make room, then run it again",
+    errno.ELOOP: "; a link leads back to itself",
+}
 
 
 def run(command: click.Command, name: str) -> NoReturn:
     """Run a command: 0 if it went well, 2 with one line on stderr if not, 70 after a bug, 130 after Ctrl-C."""
     _show_warnings(name)
+    # Terminals without a size set it, and rich prints nothing at that width.
+    if os.environ.get("COLUMNS", "").strip("0") == "":
+        os.environ.pop("COLUMNS", None)
     try:
         code = command.main(prog_name=name, standalone_mode=False)
     except click.exceptions.NoArgsIsHelpError as error:
@@ -40,7 +50,9 @@ def run(command: click.Command, name: str) -> NoReturn:
     except CadetError as error:
         _fail(name, str(error))
     except OSError as error:
-        _fail(name, f"{error.filename}: {error.strerror}" if error.filename else str(error))
+        reason = error.strerror or str(error)
+        what = f"{error.filename}: {reason}" if error.filename else reason
+        _fail(name, what + _REMEDIES.get(error.errno or 0, ""))
     except MemoryError:
         _fail(name, "out of memory")
     except KeyboardInterrupt as error:

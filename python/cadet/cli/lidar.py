@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.table import Table
 
 from cadet.errors import CadetError, MissingFileError
+from cadet.kitti.files import write_whole
 from cadet.lidar import LIDAR_PRESETS, Lidar
 from cadet.lidar_fit import LidarFit, fit_lidar
 
@@ -53,7 +54,7 @@ def fit_lidar_command(scans: tuple[Path, ...], out: Path, name: str | None) -> N
     # Nothing is written that the generator would refuse.
     Lidar.custom(fit.table)
     _print(fit)
-    out.write_text(text, encoding="utf-8")
+    write_whole({out: text.encode("utf-8")})
     click.echo(f"wrote {out}")
 
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from cadet.checks import as_path, shown
 from cadet.errors import CadetError, MissingFileError
+from cadet.user_files import names_file
 
 SUFFIXES: Final = {
     "image_2": ".png",
@@ -115,8 +116,9 @@ def write_whole(contents: Mapping[Path, bytes]) -> None:
     aside = {path: path.with_name(f".{path.name}.{os.getpid()}.tmp") for path in contents}
     try:
         for path, data in contents.items():
-            path.parent.mkdir(parents=True, exist_ok=True)
-            aside[path].write_bytes(data)
+            with names_file(path):
+                path.parent.mkdir(parents=True, exist_ok=True)
+                aside[path].write_bytes(data)
         for path in contents:
             aside[path].replace(path)
     finally:

@@ -8,7 +8,7 @@ use super::matching::FirstPass;
 use super::metric::{Metric, Settings};
 use super::objects::FramePair;
 use super::prepared::Prepared;
-use crate::error::{Error, Result};
+use crate::error::Error;
 use crate::parallel;
 
 /// AP of one class, metric and level in each draw.
@@ -26,22 +26,28 @@ pub struct DrawnAp {
     pub heading: Option<Vec<[f64; 2]>>,
 }
 
-/// Compares detections with ground truth in draws of frames; a frame counts as often as it is drawn.
+/// Compares detections with ground truth in draws of frames; a frame counts as often as it is drawn. `pause` is called
+/// before each class, metric and level and may end it there.
 ///
 /// A draw that holds each frame once has the AP of [`super::evaluate`], in any order.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] for a draw of a frame that is not there, and as [`super::evaluate`].
+/// [`Error::OutOfRange`] for a draw of a frame that is not there, as [`super::evaluate`], and what `pause` returns.
 ///
 /// # Determinism
 /// The answer for a draw depends on nothing but the frames in it.
-pub fn evaluate_draws(frames: &[FramePair], settings: &Settings, draws: &[Vec<u32>]) -> Result<Vec<DrawnAp>> {
+pub fn evaluate_draws<E: From<Error> + Send>(
+    frames: &[FramePair],
+    settings: &Settings,
+    draws: &[Vec<u32>],
+    mut pause: impl FnMut() -> std::result::Result<(), E> + Send,
+) -> std::result::Result<Vec<DrawnAp>, E> {
     settings.check()?;
     if let Some(index) = draws.iter().flatten().find(|&&index| index as usize >= frames.len()) {
         let expected = format!("an index below the number of frames, {}", frames.len());
-        return Err(Error::OutOfRange { what: "drawn frame", value: index.to_string(), expected });
+        return Err(Error::OutOfRange { what: "drawn frame", value: index.to_string(), expected }.into());
     }
-    Ok(parallel::run(|| {
+    parallel::run(|| {
         let prepared = Prepared::new(frames, settings);
         let drawn = |&(class, metric, level): &(usize, Metric, usize)| {
             let contest = prepared.contest(class, metric, level);
@@ -67,6 +73,6 @@ pub fn evaluate_draws(frames: &[FramePair], settings: &Settings, draws: &[Vec<u3
             let (ap, heading): (Vec<_>, Vec<_>) = values.into_iter().unzip();
             DrawnAp { class, metric, level, ap, heading: has_heading.then_some(heading) }
         };
-        prepared.tasks().iter().map(drawn).collect()
-    }))
+        prepared.tasks().iter().map(|task| pause().map(|()| drawn(task))).collect()
+    })
 }

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::rotated_iou::{BoxCam, iou_bev};
-use crate::error::{Error, Result};
+use crate::error::Error;
 use crate::parallel;
 
 /// Fewer pairs than this are not worth a thread.
@@ -12,11 +12,19 @@ const PAIRS_A_TASK: usize = 2048;
 /// The most pairs that [`iou_matrix`] takes: 2 GiB of numbers.
 pub const MAX_PAIRS: usize = 1 << 28;
 
-/// The IoU of every box of `a` with every box of `b`, row by row.
+/// About as many pairs as a tenth of a second takes.
+const PAIRS_BETWEEN_PAUSES: usize = 1 << 19;
+
+/// The IoU of every box of `a` with every box of `b`, row by row; `pause` is called now and then and may end it.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] for more than [`MAX_PAIRS`], or where the system has no room for fewer.
-pub fn iou_matrix(a: &[BoxCam], b: &[BoxCam], iou: fn(&BoxCam, &BoxCam) -> f64) -> Result<Vec<f64>> {
+/// [`Error::OutOfRange`] for more than [`MAX_PAIRS`], or where the system has no room for fewer; what `pause` returns.
+pub fn iou_matrix<E: From<Error>>(
+    a: &[BoxCam],
+    b: &[BoxCam],
+    iou: fn(&BoxCam, &BoxCam) -> f64,
+    mut pause: impl FnMut() -> std::result::Result<(), E>,
+) -> std::result::Result<Vec<f64>, E> {
     if b.is_empty() {
         return Ok(Vec::new());
     }
@@ -28,7 +36,6 @@ pub fn iou_matrix(a: &[BoxCam], b: &[BoxCam], iou: fn(&BoxCam, &BoxCam) -> f64) 
     let num_pairs = num_pairs.ok_or_else(|| too_many(format!("at most {MAX_PAIRS}: give the boxes part by part")))?;
     let mut matrix: Vec<f64> = Vec::new();
     matrix.try_reserve_exact(num_pairs).map_err(|_| too_many("fewer: there is no memory for them".to_owned()))?;
-    matrix.resize(num_pairs, 0.0);
     let rows_a_task = PAIRS_A_TASK.div_ceil(b.len());
     let fill = |(rows, a): (&mut [f64], &[BoxCam])| {
         for (row, a) in rows.chunks_exact_mut(b.len()).zip(a) {
@@ -37,7 +44,14 @@ pub fn iou_matrix(a: &[BoxCam], b: &[BoxCam], iou: fn(&BoxCam, &BoxCam) -> f64) 
             }
         }
     };
-    parallel::run(|| matrix.par_chunks_mut(rows_a_task * b.len()).zip(a.par_chunks(rows_a_task)).for_each(fill));
+    let rows_a_part = PAIRS_BETWEEN_PAUSES.div_ceil(b.len());
+    for a in a.chunks(rows_a_part) {
+        let start = matrix.len();
+        matrix.resize(start + a.len() * b.len(), 0.0);
+        let rows = &mut matrix[start..];
+        parallel::run(|| rows.par_chunks_mut(rows_a_task * b.len()).zip(a.par_chunks(rows_a_task)).for_each(fill));
+        pause()?;
+    }
     Ok(matrix)
 }
 
@@ -80,7 +94,7 @@ mod tests {
     #[test]
     fn a_matrix_beyond_the_limit_is_refused_before_it_is_made() {
         let (many, few) = (vec![at(0.0); 1 << 20], vec![at(0.0); 257]);
-        let error = iou_matrix(&many, &few, iou_bev).unwrap_err().to_string();
+        let error = iou_matrix(&many, &few, iou_bev, || Ok::<_, Error>(())).unwrap_err().to_string();
         let expected =
             "number of pairs of boxes is 1048576 x 257, expected at most 268435456: give the boxes part by part";
         assert_eq!(error, expected);
@@ -89,7 +103,7 @@ mod tests {
     #[test]
     fn the_matrix_has_a_row_for_each_box_of_the_first() {
         let many: Vec<BoxCam> = (0..100).map(|i| at(f64::from(i) * 0.1)).collect();
-        let matrix = iou_matrix(&many, &many[..70], iou_bev).unwrap();
+        let matrix = iou_matrix(&many, &many[..70], iou_bev, || Ok::<_, Error>(())).unwrap();
         assert_eq!(matrix.len(), 7000);
         for i in 0..100 {
             for j in 0..70 {

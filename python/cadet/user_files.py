@@ -1,0 +1,66 @@
+"""Files that users hand in and get: read without waiting for a pipe, and named in every error."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import stat
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Final
+
+from cadet.errors import FileFormatError, MissingFileError
+
+MAX_SETTINGS_BYTES: Final = 1 << 24
+"""Of a file of settings: 16 MiB. What is larger was meant for something else."""
+
+
+def read_file(path: Path, *, name: str | None = None, max_bytes: int | None = None) -> bytes:
+    """Return a file's bytes.
+
+    Args:
+        path: the file.
+        name: its name for messages; None for the path.
+        max_bytes: refuse a larger one before it is read; None for any size.
+
+    Raises:
+        MissingFileError: there is no such file.
+        FileFormatError: a folder, pipe or device, or a file larger than `max_bytes`.
+        OSError: it can't be read.
+    """
+    name = str(path) if name is None else name
+    try:
+        found = path.stat()
+        # Opening a pipe would wait for its writer.
+        if not stat.S_ISREG(found.st_mode):
+            raise FileFormatError(f"expected a regular file, got {_kind(found.st_mode)}", name)
+        if max_bytes is not None and found.st_size > max_bytes:
+            raise FileFormatError(f"{found.st_size} bytes, at most {max_bytes} are read", name)
+        with names_file(path):
+            return path.read_bytes()
+    except OSError as error:
+        # No file has a name that is too long.
+        if error.errno not in (errno.ENOENT, errno.ENOTDIR, errno.ENAMETOOLONG):
+            raise
+        raise MissingFileError(f"{name}: no such file") from None
+
+
+def read_settings(path: Path, *, name: str | None = None) -> bytes:
+    """Return the bytes of a file of settings, such as TOML: `read_file` of at most `MAX_SETTINGS_BYTES`."""
+    return read_file(path, name=name, max_bytes=MAX_SETTINGS_BYTES)
+
+
+@contextlib.contextmanager
+def names_file(path: Path) -> Iterator[None]:
+    """Name a file in the system's errors meanwhile: those of reading and writing name none."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno is None or error.filename is not None:
+            raise
+        raise OSError(error.errno, error.strerror, str(path)) from None
+
+
+def _kind(mode: int) -> str:
+    kinds = ((stat.S_ISDIR, "a folder"), (stat.S_ISFIFO, "a pipe"), (stat.S_ISSOCK, "a socket"))
+    return next((kind for is_kind, kind in kinds if is_kind(mode)), "a device")
