@@ -22,7 +22,7 @@ unexport PYTHONPATH
 unexport PYTHONHOME
 
 .PHONY: help check-rust check-python setup build build-dev demo test test-core lint test-rust test-python emulator golden \
-	fuzz bench bench-peers bench-traffic bench-gpu gallery docs fmt clean
+	fuzz faults bench bench-peers bench-traffic bench-gpu gallery docs fmt clean
 .NOTPARALLEL:
 
 help: ## List the targets
@@ -104,6 +104,9 @@ emulator:
 
 fuzz: build-dev ## Feed every reader with 100,000 damaged files, half an hour on one core (COUNT=1000 for fewer)
 	PYTHONPATH=tests $(BIN)/python -m fuzz $(or $(COUNT),100000)
+
+faults: build-dev ## Generate under 1,000 schedules of faults, a quarter of an hour (COUNT=100 for fewer)
+	PYTHONPATH=tests $(BIN)/python tests/faults.py --count $(or $(COUNT),1000)
 
 golden: build ## Renew the digests that tests/generated/test_golden_bytes.py holds
 	$(BIN)/python tests/golden_frames.py --write
