@@ -6,7 +6,7 @@ use std::hint::black_box;
 use std::path::{Path, PathBuf};
 
 use cadet_core::Result;
-use cadet_core::evaluate::{FramePair, evaluate, parse_detections, parse_truths, read_files};
+use cadet_core::evaluate::{FramePair, Parsed, evaluate, parse_detections, parse_truths, read_files};
 use criterion::{Criterion, criterion_group, criterion_main};
 
 #[path = "../tests/evaluation/frames.rs"]
@@ -38,9 +38,9 @@ fn written(frames: &[FramePair]) -> std::io::Result<Folder> {
 fn read(folder: &Path, ids: &[Option<String>]) -> Result<Vec<FramePair>> {
     let truths = read_files(&folder.join("label_2"), ids, parse_truths)?;
     let parsed = read_files(&folder.join("det"), ids, parse_detections)?;
-    let pair = |(truths, parsed): (_, cadet_core::evaluate::ParsedDetections)| FramePair {
-        truths,
-        detections: parsed.detections,
+    let pair = |(truths, detections): (Parsed<_>, Parsed<_>)| FramePair {
+        truths: truths.objects,
+        detections: detections.objects,
     };
     Ok(truths.into_iter().zip(parsed).map(pair).collect())
 }

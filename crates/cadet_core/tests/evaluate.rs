@@ -186,10 +186,10 @@ fn perfect_detections_get_all_that_few_objects_allow() {
 #[test]
 fn text_brings_the_frames_back() {
     for frame in frames::draw(3, 50) {
-        let truths = parse_truths(frames::label_text(&frame).as_bytes(), "label").unwrap();
+        let truths = parse_truths(frames::label_text(&frame).as_bytes(), "label").unwrap().objects;
         let parsed = parse_detections(frames::result_text(&frame).as_bytes(), "result").unwrap();
         assert_eq!(truths.len(), frame.truths.len());
-        for (read, written) in parsed.detections.iter().zip(&frame.detections) {
+        for (read, written) in parsed.objects.iter().zip(&frame.detections) {
             assert_eq!((read.kind, read.score, read.box_cam), (written.kind, written.score, written.box_cam));
         }
     }

@@ -66,20 +66,23 @@ pub(crate) fn evaluate<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let settings = settings(classes, levels);
     settings.check().map_err(BorderError::from)?;
-    let (truths, detections) = read(py, truths, detections)?;
-    let mut unknown: Vec<String> = Vec::new();
-    let pair = |(truths, parsed): (Vec<core::Truth>, core::ParsedDetections)| {
-        unknown.extend(parsed.unknown_names);
-        core::FramePair { truths, detections: parsed.detections }
-    };
-    let frames: Vec<core::FramePair> = truths.into_iter().zip(detections).map(pair).collect();
+    let sides = read(py, truths, detections)?;
+    let frames = sides.frames;
     let curves = guard::detached(py, || core::evaluate(&frames, &settings))?;
-    unknown.sort_unstable();
-    unknown.dedup();
     let result = PyDict::new(py);
     result.set_item("num_truths", frames.iter().map(|frame| frame.truths.len()).sum::<usize>())?;
     result.set_item("num_detections", frames.iter().map(|frame| frame.detections.len()).sum::<usize>())?;
-    result.set_item("unknown_names", unknown)?;
+    let is_left = |kind: core::Kind| !settings.classes.iter().any(|class| class.kinds.contains(kind));
+    for (name, others) in [("other_truths", &sides.other_truths), ("other_detections", &sides.other_detections)] {
+        let left = others.iter().filter(|&(kind, ..)| is_left(kind)).map(|(_, name, count)| (name, count));
+        result.set_item(name, left.collect::<Vec<_>>())?;
+    }
+    let sight = core::sight(&frames, &settings);
+    result.set_item("num_own_truths", sight.num_truths)?;
+    result.set_item("num_own_detections", sight.num_detections)?;
+    result.set_item("num_low_detections", sight.num_low_detections)?;
+    result.set_item("num_truths_without_box", sight.num_truths_without_box)?;
+    result.set_item("num_detections_without_box", sight.num_detections_without_box)?;
     let list = PyList::empty(py);
     for curve in &curves {
         list.append(curve_dict(py, curve)?)?;
@@ -114,12 +117,7 @@ pub(crate) fn evaluate_draws<'py>(
 ) -> PyResult<Vec<Bound<'py, PyDict>>> {
     let settings = settings(classes, levels);
     settings.check().map_err(BorderError::from)?;
-    let (truths, detections) = read(py, truths, detections)?;
-    let pair = |(truths, parsed): (Vec<core::Truth>, core::ParsedDetections)| core::FramePair {
-        truths,
-        detections: parsed.detections,
-    };
-    let frames: Vec<core::FramePair> = truths.into_iter().zip(detections).map(pair).collect();
+    let frames = read(py, truths, detections)?.frames;
     let draws = split_draws(&draws)?;
     let drawn = guard::detached(py, || core::evaluate_draws(&frames, &settings, &draws, guard::handle_signals))?;
     let means = |ap: &[[f64; 2]]| arrays::plane(py, ap.as_flattened().to_vec(), ap.len(), 2);
@@ -136,7 +134,7 @@ pub(crate) fn evaluate_draws<'py>(
 }
 
 /// Objects read from files: where each frame begins and the end, types, numbers.
-type PackedFiles<'py> = (Vec<usize>, Vec<&'static str>, Bound<'py, PyArray2<f64>>);
+type PackedFiles<'py> = (Vec<usize>, Vec<String>, Bound<'py, PyArray2<f64>>);
 
 /// Reads label files as `evaluate` takes them from memory.
 #[pyfunction]
@@ -156,22 +154,21 @@ pub(crate) fn read_detections(
     folder: PathBuf,
     ids: Vec<Option<String>>,
 ) -> std::result::Result<PackedFiles<'_>, BorderError> {
-    let parsed = guard::detached(py, || core::read_files(&folder, &ids, core::parse_detections))?;
-    let frames: Vec<Vec<core::Detection>> = parsed.into_iter().map(|parsed| parsed.detections).collect();
+    let frames = guard::detached(py, || core::read_files(&folder, &ids, core::parse_detections))?;
     Ok(pack(py, &frames, |d: &core::Detection| (d.kind, detection_row(d))))
 }
 
 fn pack<'py, T, const N: usize>(
     py: Python<'py>,
-    frames: &[Vec<T>],
+    frames: &[core::Parsed<T>],
     row: impl Fn(&T) -> (core::Kind, [f64; N]),
 ) -> PackedFiles<'py> {
     let mut starts = vec![0];
     let (mut names, mut numbers) = (Vec::new(), Vec::new());
     for frame in frames {
-        for object in frame {
+        for object in &frame.objects {
             let (kind, values) = row(object);
-            names.push(kind.name());
+            names.push(frame.other_names.name(kind).to_owned());
             numbers.extend_from_slice(&values);
         }
         starts.push(names.len());
@@ -180,38 +177,45 @@ fn pack<'py, T, const N: usize>(
     (starts, names, numbers)
 }
 
-type Sides = (Vec<Vec<core::Truth>>, Vec<core::ParsedDetections>);
-
-fn read(py: Python<'_>, truths: Source<'_>, detections: Source<'_>) -> std::result::Result<Sides, BorderError> {
-    let truths = match truths {
-        Source::Files((folder, ids)) => guard::detached(py, || core::read_files(&folder, &ids, core::parse_truths))?,
-        Source::Packed(packed) => unpack("truths", &packed, truth)?,
-    };
-    let detections = match detections {
-        Source::Files((folder, ids)) => {
-            guard::detached(py, || core::read_files(&folder, &ids, core::parse_detections))?
-        }
-        Source::Packed(packed) => {
-            let names = unknown_names(&packed);
-            let mut parsed: Vec<_> = unpack("detections", &packed, detection)?
-                .into_iter()
-                .map(|detections| core::ParsedDetections { detections, unknown_names: Vec::new() })
-                .collect();
-            if let Some(first) = parsed.first_mut() {
-                first.unknown_names = names;
-            }
-            parsed
-        }
-    };
-    if truths.len() == detections.len() {
-        return Ok((truths, detections));
-    }
-    let (got, expected) = (detections.len().to_string(), format!("{} as truths", truths.len()));
-    Err(Error::Shape { what: "frames of detections", got, expected }.into())
+/// Both sides, and the types that KITTI does not have.
+struct Sides {
+    frames: Vec<core::FramePair>,
+    other_truths: core::OtherNames,
+    other_detections: core::OtherNames,
 }
 
-fn unknown_names((_, names, _): &Packed<'_>) -> Vec<String> {
-    names.iter().filter(|name| core::Kind::from_name(name) == core::Kind::Unknown).cloned().collect()
+fn read(py: Python<'_>, truths: Source<'_>, detections: Source<'_>) -> std::result::Result<Sides, BorderError> {
+    let (truths, other_truths) = match truths {
+        Source::Files((folder, ids)) => {
+            joined(guard::detached(py, || core::read_files(&folder, &ids, core::parse_truths))?)
+        }
+        Source::Packed(packed) => unpack("truths", &packed, truth)?,
+    };
+    let (detections, other_detections) = match detections {
+        Source::Files((folder, ids)) => {
+            joined(guard::detached(py, || core::read_files(&folder, &ids, core::parse_detections))?)
+        }
+        Source::Packed(packed) => unpack("detections", &packed, detection)?,
+    };
+    if truths.len() != detections.len() {
+        let (got, expected) = (detections.len().to_string(), format!("{} as truths", truths.len()));
+        return Err(Error::Shape { what: "frames of detections", got, expected }.into());
+    }
+    let pair = |(truths, detections)| core::FramePair { truths, detections };
+    Ok(Sides { frames: truths.into_iter().zip(detections).map(pair).collect(), other_truths, other_detections })
+}
+
+/// The objects of frames, and the names among them that KITTI does not have.
+type Objects<T> = (Vec<Vec<T>>, core::OtherNames);
+
+fn joined<T>(frames: Vec<core::Parsed<T>>) -> Objects<T> {
+    let mut names = core::OtherNames::default();
+    let mut objects = Vec::with_capacity(frames.len());
+    for frame in frames {
+        names.merge(frame.other_names);
+        objects.push(frame.objects);
+    }
+    (objects, names)
 }
 
 fn curve_dict<'py>(py: Python<'py>, curve: &core::Curve) -> PyResult<Bound<'py, PyDict>> {
@@ -243,7 +247,7 @@ fn unpack<T, const N: usize>(
     what: &'static str,
     (starts, names, numbers): &Packed<'_>,
     object: fn(core::Kind, [f64; N]) -> T,
-) -> Result<Vec<Vec<T>>> {
+) -> Result<Objects<T>> {
     let rows = numbers.as_array();
     let is_whole = starts.first() == Some(&0) && starts.last() == Some(&names.len()) && starts.is_sorted();
     if rows.ncols() != N || rows.nrows() != names.len() || !is_whole {
@@ -254,10 +258,14 @@ fn unpack<T, const N: usize>(
             expected: format!("a row of {N} for each name, split by rising starts"),
         });
     }
-    let row = |index: usize| {
-        object(core::Kind::from_name(&names[index]), std::array::from_fn(|column| rows[[index, column]]))
+    let mut others = core::OtherNames::default();
+    let mut row = |index: usize| {
+        let kind = core::Kind::from_name(&names[index]);
+        others.count(kind, &names[index]);
+        object(kind, std::array::from_fn(|column| rows[[index, column]]))
     };
-    Ok(starts.windows(2).map(|pair| (pair[0]..pair[1]).map(row).collect()).collect())
+    let frames = starts.windows(2).map(|pair| (pair[0]..pair[1]).map(&mut row).collect()).collect();
+    Ok((frames, others))
 }
 
 fn box_img(n: &[f64]) -> core::BoxImg {

@@ -15,7 +15,7 @@ use crate::math;
 /// A class at a level in a metric.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Contest<'a> {
-    pub kinds: Kinds,
+    pub kinds: &'a Kinds,
     pub level: &'a Level,
     pub metric: Metric,
     pub min_overlap: f64,

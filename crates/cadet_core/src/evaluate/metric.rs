@@ -67,19 +67,17 @@ impl Settings {
     /// [`Error::OutOfRange`] and [`Error::Unknown`], naming what is wrong.
     pub fn check(&self) -> Result<()> {
         for limits in &self.classes {
-            for kind in [Kind::DontCare, Kind::Unknown] {
-                if limits.kinds.contains(kind) || limits.neighbors.contains(kind) {
-                    return Err(Error::Unknown {
-                        what: "class",
-                        name: kind.name().to_owned(),
-                        known: "Car, Van, Truck, Pedestrian, Person_sitting, Cyclist, Tram, Misc".to_owned(),
-                    });
-                }
+            if limits.kinds.contains(Kind::DontCare) || limits.neighbors.contains(Kind::DontCare) {
+                return Err(Error::Unknown {
+                    what: "class",
+                    name: "DontCare".to_owned(),
+                    known: "Car, Van, Truck, Pedestrian, Person_sitting, Cyclist, Tram, Misc, others".to_owned(),
+                });
             }
             if limits.kinds.is_empty() {
                 return Err(out_of_range("types of a class", "none", "at least one"));
             }
-            if limits.kinds.intersects(limits.neighbors) {
+            if limits.kinds.intersects(&limits.neighbors) {
                 return Err(out_of_range("neighbors of a class", "one of its own types", "other types"));
             }
             if let Some(limit) = limits.min_overlap.iter().find(|limit| !(0.0..1.0).contains(*limit)) {

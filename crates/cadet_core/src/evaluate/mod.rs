@@ -20,6 +20,8 @@ mod parse;
 mod prepared;
 mod roster;
 mod rotated_iou;
+mod sight;
+mod text;
 
 use rayon::prelude::*;
 
@@ -28,9 +30,10 @@ pub use draws::{DrawnAp, evaluate_draws};
 pub use files::read_files;
 pub use metric::{ClassLimits, Level, Metric, Settings};
 pub use nms::{MAX_PAIRS, iou_matrix, nms_bev};
-pub use objects::{BoxImg, Detection, FramePair, Kind, Kinds, MIN_SCORE, Truth};
-pub use parse::{ParsedDetections, parse_detections, parse_truths};
+pub use objects::{BoxImg, Detection, FramePair, Kind, Kinds, MIN_SCORE, OtherNames, Truth};
+pub use parse::{Parsed, parse_detections, parse_truths};
 pub use rotated_iou::{BoxCam, intersection_bev, iou_3d, iou_bev};
+pub use sight::{Sight, sight};
 
 use crate::error::Result;
 use crate::parallel;
@@ -72,7 +75,7 @@ pub struct Curve {
 /// let car = "Car 0.00 0 0.10 100.00 150.00 200.00 220.00 1.50 1.60 3.90 1.00 1.60 20.00 0.15";
 /// let truths = parse_truths(car.as_bytes(), "000000.txt")?;
 /// let found = parse_detections(format!("{car} 0.9").as_bytes(), "000000.txt")?;
-/// let frames = [FramePair { truths, detections: found.detections }];
+/// let frames = [FramePair { truths: truths.objects, detections: found.objects }];
 ///
 /// let class = ClassLimits::of(Kind::Car, [0.7; 3]);
 /// let easy = Level { min_height_px: 40.0, is_inclusive: false, max_occlusion: 0.0, max_truncation: 0.15 };

@@ -1,10 +1,11 @@
 //! What is compared: the labeled objects and the detections of a frame.
 
+use std::collections::BTreeMap;
+
 use super::rotated_iou::BoxCam;
 
 /// The type of an object as the evaluation tells them apart. Names are compared without letter case, as KITTI does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-#[repr(u8)]
 pub enum Kind {
     /// A car.
     Car,
@@ -24,8 +25,8 @@ pub enum Kind {
     Misc,
     /// A region that nobody labeled.
     DontCare,
-    /// A name that KITTI does not have.
-    Unknown,
+    /// A name that KITTI does not have, by its hash.
+    Other(u64),
 }
 
 /// The names that KITTI writes, in the order of [`Kind`].
@@ -42,16 +43,17 @@ const NAMES: [(&str, Kind); 9] = [
 ];
 
 impl Kind {
-    /// The type of a name in any letter case; [`Kind::Unknown`] for what KITTI does not have.
+    /// The type of a name in any letter case; [`Kind::Other`] for what KITTI does not have.
     #[must_use]
     pub fn from_name(name: &str) -> Self {
-        NAMES.iter().find(|(known, _)| known.eq_ignore_ascii_case(name)).map_or(Self::Unknown, |&(_, kind)| kind)
+        let known = NAMES.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
+        known.map_or_else(|| Self::Other(hash(name)), |&(_, kind)| kind)
     }
 
-    /// The name as KITTI writes it, `"unknown"` for [`Kind::Unknown`].
+    /// The name as KITTI writes it; None for [`Kind::Other`].
     #[must_use]
-    pub fn name(self) -> &'static str {
-        NAMES.iter().find(|(_, kind)| *kind == self).map_or("unknown", |&(name, _)| name)
+    pub fn name(self) -> Option<&'static str> {
+        NAMES.iter().find(|(_, kind)| *kind == self).map(|&(name, _)| name)
     }
 
     /// The type whose objects are so alike that taking them for this class is neither right nor wrong.
@@ -65,33 +67,70 @@ impl Kind {
     }
 }
 
-/// A set of types.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Kinds(u16);
+/// FNV-1a of a name in small letters.
+fn hash(name: &str) -> u64 {
+    let step = |hash: u64, byte: u8| (hash ^ u64::from(byte.to_ascii_lowercase())).wrapping_mul(0x0100_0000_01b3);
+    name.bytes().fold(0xcbf2_9ce4_8422_2325, step)
+}
+
+/// A set of types, of few.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Kinds(Vec<Kind>);
 
 impl Kinds {
     /// Whether a type is one of these.
     #[must_use]
-    pub fn contains(self, kind: Kind) -> bool {
-        self.0 & (1 << kind as u8) != 0
+    pub fn contains(&self, kind: Kind) -> bool {
+        self.0.contains(&kind)
     }
 
     /// Whether there is none.
     #[must_use]
-    pub fn is_empty(self) -> bool {
-        self.0 == 0
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
     }
 
     /// Whether a type is in both.
     #[must_use]
-    pub fn intersects(self, other: Self) -> bool {
-        self.0 & other.0 != 0
+    pub fn intersects(&self, other: &Self) -> bool {
+        self.0.iter().any(|&kind| other.contains(kind))
     }
 }
 
 impl FromIterator<Kind> for Kinds {
     fn from_iter<I: IntoIterator<Item = Kind>>(kinds: I) -> Self {
-        Self(kinds.into_iter().fold(0, |bits, kind| bits | 1 << kind as u8))
+        Self(kinds.into_iter().collect())
+    }
+}
+
+/// The names of types that KITTI does not have: as each is first spelled, and how many objects have it.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct OtherNames(BTreeMap<Kind, (String, usize)>);
+
+impl OtherNames {
+    /// Counts an object; one of KITTI's types is none of these.
+    pub fn count(&mut self, kind: Kind, name: &str) {
+        if let Kind::Other(_) = kind {
+            self.0.entry(kind).or_insert_with(|| (name.to_owned(), 0)).1 += 1;
+        }
+    }
+
+    /// Adds the counts of other objects.
+    pub fn merge(&mut self, other: Self) {
+        for (kind, (name, count)) in other.0 {
+            self.0.entry(kind).or_insert((name, 0)).1 += count;
+        }
+    }
+
+    /// The name of a type: KITTI's or one of these; empty for one that was never counted.
+    #[must_use]
+    pub fn name(&self, kind: Kind) -> &str {
+        kind.name().or_else(|| self.0.get(&kind).map(|(name, _)| name.as_str())).unwrap_or_default()
+    }
+
+    /// The names and how many objects have each.
+    pub fn iter(&self) -> impl Iterator<Item = (Kind, &str, usize)> {
+        self.0.iter().map(|(&kind, (name, count))| (kind, name.as_str(), *count))
     }
 }
 
@@ -113,6 +152,12 @@ impl BoxImg {
     #[must_use]
     pub fn area(&self) -> f64 {
         (self.x2 - self.x1) * (self.y2 - self.y1)
+    }
+
+    /// Whether nothing lies inside, as in what is written where no rectangle is known: `0 0 0 0`, `-1 -1 -1 -1`.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.x1 == self.x2 || self.y1 == self.y2
     }
 
     /// The area shared with another rectangle, 0 where they only touch.

@@ -1,8 +1,10 @@
-//! Label and result files: one object a line, columns separated by white space. Blank lines, tabs, CRLF and a missing
-//! last newline are fine; anything else that KITTI's readers would misread in silence is an error.
+//! Label and result files: one object a line, columns separated by white space. Blank lines, tabs, CRLF, a byte order
+//! mark and a missing last newline are fine, as is what follows the columns of a label; anything else that KITTI's
+//! readers would misread in silence is an error.
 
-use super::objects::{BoxImg, Detection, Kind, MIN_SCORE, Truth};
+use super::objects::{BoxImg, Detection, Kind, MIN_SCORE, OtherNames, Truth};
 use super::rotated_iou::BoxCam;
+use super::text;
 use crate::error::{Error, Result};
 
 /// The columns of a result file; a label file has all but the last.
@@ -27,56 +29,61 @@ const COLUMNS: [&str; 16] = [
 const OCCLUDED: usize = 2;
 const SCORE: usize = 15;
 
-/// Reads the text of a label file; `file` names it in errors.
-///
-/// # Errors
-/// [`Error::Format`] with file, line and column: no text, a column too few or too many, a type that is a number, a
-/// number that is none or not finite, an occlusion that is not a whole number.
-pub fn parse_truths(text: &[u8], file: &str) -> Result<Vec<Truth>> {
-    let mut truths = Vec::new();
-    for line in lines(text, file)? {
-        let (kind, n) = line.columns::<15>()?;
-        let (box_img, box_cam) = boxes(&n);
-        let occluded = line.whole(OCCLUDED)?;
-        truths.push(Truth {
-            kind: Kind::from_name(kind),
-            truncated: n[1],
-            occluded,
-            alpha: n[3],
-            box_img,
-            box_cam,
-            is_optional: false,
-        });
-    }
-    Ok(truths)
+/// What a file holds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parsed<T> {
+    /// The objects, in file order.
+    pub objects: Vec<T>,
+    /// The names of their types that KITTI does not have.
+    pub other_names: OtherNames,
 }
 
-/// What a result file holds.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct ParsedDetections {
-    /// The detections, in file order.
-    pub detections: Vec<Detection>,
-    /// Type names that KITTI does not have, each once; usually none.
-    pub unknown_names: Vec<String>,
+impl<T> Default for Parsed<T> {
+    fn default() -> Self {
+        Self { objects: Vec::new(), other_names: OtherNames::default() }
+    }
+}
+
+/// Reads the text of a label file; `file` names it in errors.
+///
+/// What follows the 15 columns is passed over: a score, or what other programs note there.
+///
+/// # Errors
+/// [`Error::Format`] with file, line and column: no text, a column too few, a type that is no name, a number that is
+/// none or not finite, an occlusion that is not whole.
+pub fn parse_truths(text: &[u8], file: &str) -> Result<Parsed<Truth>> {
+    let mut parsed = Parsed::default();
+    for line in lines(text, file)? {
+        let (name, n) = line.columns::<15>(true)?;
+        let (box_img, box_cam) = boxes(&n);
+        let occluded = n[OCCLUDED];
+        if occluded.fract() != 0.0 {
+            return Err(line.error(OCCLUDED, format!("expected a whole number, got {occluded}")));
+        }
+        let kind = Kind::from_name(name);
+        parsed.other_names.count(kind, name);
+        let (truncated, alpha) = (n[1], n[3]);
+        parsed.objects.push(Truth { kind, truncated, occluded, alpha, box_img, box_cam, is_optional: false });
+    }
+    Ok(parsed)
 }
 
 /// Reads the text of a result file; `file` names it in errors.
 ///
 /// # Errors
-/// [`Error::Format`] as for labels, and for a score of -1e7 or less, which KITTI's program would not match.
-pub fn parse_detections(text: &[u8], file: &str) -> Result<ParsedDetections> {
-    let mut parsed = ParsedDetections::default();
+/// [`Error::Format`] as for labels, for a column too many, and for a score of -1e7 or less, which KITTI's program would
+/// not match.
+pub fn parse_detections(text: &[u8], file: &str) -> Result<Parsed<Detection>> {
+    let mut parsed = Parsed::default();
     for line in lines(text, file)? {
-        let (name, n) = line.columns::<16>()?;
+        let (name, n) = line.columns::<16>(false)?;
         let kind = Kind::from_name(name);
-        if kind == Kind::Unknown && !parsed.unknown_names.iter().any(|known| known == name) {
-            parsed.unknown_names.push(name.to_owned());
-        }
+        parsed.other_names.count(kind, name);
         let (box_img, box_cam) = boxes(&n);
         if n[SCORE] <= MIN_SCORE {
             return Err(line.error(SCORE, format!("expected a score above {MIN_SCORE:e}, got {}", n[SCORE])));
         }
-        parsed.detections.push(Detection { kind, alpha: n[3], box_img, box_cam, score: n[SCORE], is_optional: false });
+        parsed.objects.push(Detection { kind, alpha: n[3], box_img, box_cam, score: n[SCORE], is_optional: false });
     }
     Ok(parsed)
 }
@@ -93,47 +100,40 @@ struct Line<'a> {
 }
 
 /// The lines that are not blank.
-fn lines<'a>(text: &'a [u8], file: &'a str) -> Result<impl Iterator<Item = Line<'a>>> {
-    let text = std::str::from_utf8(text).map_err(|error| {
-        let before = &text[..error.valid_up_to()];
-        let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
-        let start = before.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
-        let ends_in_column = before[start..].last().is_some_and(|byte| !byte.is_ascii_whitespace());
-        let begun = before[start..].split(u8::is_ascii_whitespace).filter(|part| !part.is_empty()).count();
-        Error::Format {
-            file: file.to_owned(),
-            line,
-            column: if ends_in_column { begun } else { begun + 1 },
-            reason: format!("byte 0x{:02x} is not text", text[error.valid_up_to()]),
-        }
-    })?;
-    let numbered = text.split('\n').enumerate().map(move |(index, text)| Line { file, number: index + 1, text });
-    Ok(numbered.filter(|line| !line.text.bytes().all(|byte| byte.is_ascii_whitespace())))
+fn lines<'a>(bytes: &'a [u8], file: &'a str) -> Result<impl Iterator<Item = Line<'a>>> {
+    Ok(text::lines(text::decode(bytes, file)?).map(move |(number, text)| Line { file, number, text }))
 }
 
 impl<'a> Line<'a> {
     /// The type, and the other columns at their own places.
-    fn columns<const N: usize>(&self) -> Result<(&'a str, [f64; N])> {
+    fn columns<const N: usize>(&self, has_more: bool) -> Result<(&'a str, [f64; N])> {
         let mut numbers = [0.0; N];
-        let mut kind = "";
-        let mut count = 0;
-        for part in self.text.split_ascii_whitespace() {
-            if count == N {
-                return Err(self.error(N, format!("expected {N} columns, got {}", self.count())));
-            } else if count == 0 {
-                kind = part;
-            } else {
-                numbers[count] = self.number(count, part)?;
-            }
-            count += 1;
+        let mut parts = self.text.split_ascii_whitespace();
+        let kind = parts.next().unwrap_or_default();
+        if !text::is_name(kind) {
+            return Err(self.error(0, format!("expected a name such as Car, got {kind:?}{}", self.hint())));
         }
-        if kind.parse::<f64>().is_ok() {
-            return Err(self.error(0, format!("expected a name, got {kind:?}")));
+        for (column, number) in numbers.iter_mut().enumerate().skip(1) {
+            let count = || format!("expected {N} columns, got {column}");
+            *number = self.number(column, parts.next().ok_or_else(|| self.error(column, count()))?)?;
         }
-        if count < N {
-            return Err(self.error(count, format!("expected {N} columns, got {count}")));
+        let num_more = if has_more { 0 } else { parts.count() };
+        if num_more > 0 {
+            return Err(self.error(N, format!("expected {N} columns, got {}", N + num_more)));
         }
         Ok((kind, numbers))
+    }
+
+    /// The remedy for a line of KITTI's tracking benchmark, whose third column is the type.
+    fn hint(&self) -> &'static str {
+        let mut parts = self.text.split_ascii_whitespace();
+        let has_ids =
+            [parts.next(), parts.next()].iter().all(|part| part.is_some_and(|part| part.parse::<i64>().is_ok()));
+        if has_ids && parts.next().is_some_and(text::is_name) {
+            "; a line of KITTI's tracking labels? Leave out its first two columns, and give each frame a file"
+        } else {
+            ""
+        }
     }
 
     fn number(&self, column: usize, part: &str) -> Result<f64> {
@@ -141,20 +141,6 @@ impl<'a> Line<'a> {
             Ok(number) if number.is_finite() => Ok(number),
             _ => Err(self.error(column, format!("expected a finite number, got {part:?}"))),
         }
-    }
-
-    /// A column that must be written as a whole number: KITTI's program reads "0.0" as 0 and takes ".0" for the next
-    /// column.
-    fn whole(&self, column: usize) -> Result<f64> {
-        let part = self.text.split_ascii_whitespace().nth(column).unwrap_or_default();
-        match part.parse::<i32>() {
-            Ok(number) => Ok(f64::from(number)),
-            Err(_) => Err(self.error(column, format!("expected a whole number, got {part:?}"))),
-        }
-    }
-
-    fn count(&self) -> usize {
-        self.text.split_ascii_whitespace().count()
     }
 
     /// `column` counts from 0 here and from 1 in the error.
@@ -179,23 +165,30 @@ mod tests {
 
     #[test]
     fn columns_land_where_kitti_documents_them() {
-        let truth = parse_truths(CAR.as_bytes(), "").unwrap()[0];
+        let truth = parse_truths(CAR.as_bytes(), "").unwrap().objects[0];
         assert_eq!((truth.kind, truth.truncated, truth.occluded, truth.alpha), (Kind::Car, 0.10, 1.0, 1.85));
         assert_eq!(truth.box_img, BoxImg { x1: 387.63, y1: 181.54, x2: 423.81, y2: 203.12 });
         assert_eq!(truth.box_cam.to_array(), [-16.53, 2.39, 58.49, 3.69, 1.87, 1.67, 1.57]);
-        let text = format!("{CAR} -3.5e0\n{} 1", CAR.replace("Car", "Bus"));
+        let text = format!("{CAR} -3.5e0\n{0} 1\n{1} 1", CAR.replace("Car", "Bus"), CAR.replace("Car", "bus"));
         let found = parse_detections(text.as_bytes(), "").unwrap();
-        assert_eq!((found.detections[0].score, found.detections[1].kind), (-3.5, Kind::Unknown));
-        assert_eq!(found.unknown_names, ["Bus"]);
+        assert_eq!((found.objects[0].score, found.objects[1].kind), (-3.5, Kind::from_name("BUS")));
+        assert_eq!(found.other_names.iter().collect::<Vec<_>>(), [(Kind::from_name("bus"), "Bus", 2)]);
+        assert_eq!(found.other_names.name(found.objects[2].kind), "Bus");
+        assert_ne!(Kind::from_name("bus"), Kind::from_name("sub"));
     }
 
     #[test]
     fn any_white_space_separates() {
         let tabs = CAR.replace(' ', "\t ");
         let text = format!("\r\n{tabs}\r\n\n  {CAR}  \n\t\n{CAR}");
-        assert_eq!(parse_truths(text.as_bytes(), "").unwrap().len(), 3);
-        assert!(parse_truths(b"", "").unwrap().is_empty());
-        assert_eq!(parse_truths(CAR.to_lowercase().as_bytes(), "").unwrap()[0].kind, Kind::Car);
+        let read = |text: &str| parse_truths(text.as_bytes(), "").unwrap().objects;
+        assert_eq!(read(&text).len(), 3);
+        assert!(read("").is_empty());
+        assert_eq!(read(&CAR.to_lowercase())[0].kind, Kind::Car);
+        for same in [format!("\u{feff}{CAR}"), format!("{CAR}\r"), CAR.replace(" 1 ", " 1.0 ")] {
+            assert_eq!(read(&same), read(CAR));
+        }
+        assert_eq!(read(&format!("{CAR} 0.9\r{CAR} 436 2018_03_07 0002\r")), [read(CAR), read(CAR)].concat());
     }
 
     #[test]
@@ -204,10 +197,13 @@ mod tests {
         assert_eq!(second("387.63", "abc"), (2, 5, "bbox_left: expected a finite number, got \"abc\"".to_owned()));
         assert_eq!(second("3.69", "nan").1, 11);
         assert_eq!(second("58.49", "1e999").1, 14);
-        assert_eq!(second("0.10 1 ", "0.10 1.0 "), (2, 3, "occluded: expected a whole number, got \"1.0\"".to_owned()));
+        assert_eq!(second("0.10 1 ", "0.10 1.5 "), (2, 3, "occluded: expected a whole number, got 1.5".to_owned()));
         assert_eq!(second(" 1.57", ""), (2, 15, "rotation_y: expected 15 columns, got 14".to_owned()));
-        assert_eq!(second("1.57", "1.57 0.9"), (2, 16, "score: expected 15 columns, got 16".to_owned()));
-        assert_eq!(second("Car ", ""), (2, 1, "type: expected a name, got \"0.10\"".to_owned()));
+        assert_eq!(second("Car ", ""), (2, 1, "type: expected a name such as Car, got \"0.10\"".to_owned()));
+        assert!(second("Car ", "0 17 Car ").2.contains("KITTI's tracking labels? Leave out its first two columns"));
+        for name in ["nan", "#Car", "b'Car'", "-inf", "Car,"] {
+            assert_eq!(second("Car ", &format!("{name} ")).1, 1);
+        }
         let detection = |text: String| parse_detections(text.as_bytes(), "").unwrap_err().to_string();
         assert_eq!(detection(format!("\n{CAR}")), ":2: column 16: score: expected 16 columns, got 15");
         assert_eq!(detection(format!("{CAR} 1 2")), ":1: column 17: expected 16 columns, got 17");
@@ -220,6 +216,11 @@ mod tests {
         let at = bytes.len() - 3;
         bytes[at] = 0xff;
         let error = parse_truths(&bytes, "a.txt").unwrap_err().to_string();
-        assert_eq!(error, "a.txt:2: column 15: byte 0xff is not text");
+        let reason = "is not ASCII: write plain numbers, and names in ASCII letters";
+        assert_eq!(error, format!("a.txt:2: column 15: byte 0xff {reason}"));
+        let wide: Vec<u8> = CAR.encode_utf16().flat_map(u16::to_le_bytes).collect();
+        for bytes in [[b"\xff\xfe", wide.as_slice()].concat(), wide] {
+            assert!(parse_truths(&bytes, "a.txt").unwrap_err().to_string().contains("save it as UTF-8"));
+        }
     }
 }

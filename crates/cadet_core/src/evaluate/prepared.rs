@@ -54,7 +54,7 @@ impl<'a> Prepared<'a> {
     pub(super) fn contest(&self, class: usize, metric: Metric, level: usize) -> Contest<'a> {
         let limits = &self.settings.classes[class];
         Contest {
-            kinds: limits.kinds,
+            kinds: &limits.kinds,
             level: &self.settings.levels[level],
             metric,
             min_overlap: limits.min_overlap[metric as usize],

@@ -176,7 +176,7 @@ fn hundredths(value: f64) -> f64 {
 pub fn label_text(frame: &FramePair) -> String {
     let mut text = String::new();
     for t in &frame.truths {
-        let name = t.kind.name();
+        let name = t.kind.name().expect("KITTI's types alone are drawn");
         write!(text, "{name} {:.2} {} {:.2} ", t.truncated, t.occluded, t.alpha).expect("writing to memory");
         write_boxes(&mut text, &t.box_img, &t.box_cam);
         text.push('\n');
@@ -188,7 +188,8 @@ pub fn label_text(frame: &FramePair) -> String {
 pub fn result_text(frame: &FramePair) -> String {
     let mut text = String::new();
     for d in &frame.detections {
-        write!(text, "{} -1 -1 {:.2} ", d.kind.name(), d.alpha).expect("writing to memory");
+        write!(text, "{} -1 -1 {:.2} ", d.kind.name().expect("KITTI's types alone are drawn"), d.alpha)
+            .expect("writing to memory");
         write_boxes(&mut text, &d.box_img, &d.box_cam);
         writeln!(text, " {:.2}", d.score).expect("writing to memory");
     }

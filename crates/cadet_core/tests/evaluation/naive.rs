@@ -24,8 +24,8 @@ enum Mark {
 
 pub fn answer(frames: &[FramePair], settings: &Settings, class: usize, metric: Metric, level: usize) -> Answer {
     let rules = Rules {
-        kinds: settings.classes[class].kinds,
-        neighbors: settings.classes[class].neighbors,
+        kinds: &settings.classes[class].kinds,
+        neighbors: &settings.classes[class].neighbors,
         limit: settings.classes[class].min_overlap[metric as usize],
         level: &settings.levels[level],
         metric,
@@ -60,8 +60,8 @@ pub fn answer(frames: &[FramePair], settings: &Settings, class: usize, metric: M
 }
 
 struct Rules<'a> {
-    kinds: Kinds,
-    neighbors: Kinds,
+    kinds: &'a Kinds,
+    neighbors: &'a Kinds,
     limit: f64,
     level: &'a Level,
     metric: Metric,
