@@ -48,7 +48,7 @@ PYTHON_ROOMS: dict[str, set[str]] = {
     "convert": {"checks", "errors", "kitti", "sink", "webdataset"},
     "bdd100k": {"checks", "errors", "kitti", "plain_text", "sink"},
     "view": {"arrays", "bev", "boxes", "checks", "errors", "kitti"},
-    "evaluation": {"arrays", "checks", "errors", "kitti", "plain_text", "summary", "view", "_cadet"},
+    "evaluation": {"arrays", "boxes", "checks", "errors", "kitti", "plain_text", "summary", "view", "_cadet"},
     "analysis": {"boxes", "checks", "errors", "evaluation", "kitti", "plain_text", "summary", "_cadet"},
     "object_bank": {"arrays", "boxes", "checks", "errors", "kitti", "plain_text", "sink", "summary"},
     "draws": set(),

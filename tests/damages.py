@@ -220,7 +220,7 @@ KINDS: dict[str, tuple[Damage, bool, str, str, str]] = {
         "damaged-file",
         "point 0 is not finite",
     ),
-    "a matrix missing": (text("calib", "P2:", "P9:"), True, f"{CALIB}:3", "damaged-file", "P9"),
+    "a matrix missing": (text("calib", "P2:", "P9:"), True, CALIB, "damaged-file", "missing key 'P2'"),
     "half a label": (line(lambda fields: fields[:9]), True, f"{LABELS}:3", "damaged-file", "15"),
     "a depth map of another size": (
         lambda root: edit_bytes(root, "depth", lambda data: images.encode_png(np.ones((4, 4), np.uint16))),

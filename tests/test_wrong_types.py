@@ -16,6 +16,7 @@ import cadet
 from cadet import CadetError, boxes, kitti
 from cadet.generate import Settings
 from cadet.kitti import images
+from cadet.kitti.planes import plane_from_text
 from cadet.view.bev import bev_figure
 from synthetic import make_frame
 
@@ -204,6 +205,25 @@ CALLS: dict[str, tuple[Callable[..., Any], list[str]]] = {
         lambda **k: boxes.truncation(**{"boxes_cam": BOXES, "calib": frame().calib, "image_size": (1242, 375), **k}),
         ["boxes_cam", "calib", "image_size"],
     ),
+    "clip_segments": (
+        lambda **k: boxes.clip_segments(**{"starts_cam": np.ones((2, 3)), "ends_cam": np.ones((2, 3)), **k}),
+        ["starts_cam", "ends_cam"],
+    ),
+    "clip_boxes_img": (
+        lambda **k: boxes.clip_boxes_img(**{"boxes_img": np.ones((2, 4)), "image_size": (9, 9), **k}),
+        ["boxes_img", "image_size"],
+    ),
+    "areas_img": (boxes.areas_img, ["boxes_img"]),
+    "iou_img": (
+        lambda **k: boxes.iou_img(**{"boxes_img": np.ones((2, 4)), "others_img": np.ones((2, 4)), **k}),
+        ["boxes_img", "others_img"],
+    ),
+    "labels_from_text": (kitti.labels_from_text, ["text"]),
+    "Label.from_line": (kitti.Label.from_line, ["line"]),
+    "Calibration.from_text": (kitti.Calibration.from_text, ["text"]),
+    "plane_from_text": (plane_from_text, ["text"]),
+    "text_from_labels": (kitti.text_from_labels, ["labels"]),
+    "boxes_2d": (lambda **k: cadet.evaluate([[]], [[]], **k), ["boxes_2d"]),
     "points_in_boxes": (lambda **k: boxes.points_in_boxes(BOXES, BOXES, **k), ["margin_m"]),
     "boxes_velo_from_cam": (lambda **k: boxes.boxes_velo_from_cam(BOXES, **k), ["calib"]),
     "pixels_from_depth": (images.pixels_from_depth, ["depth"]),

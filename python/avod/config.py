@@ -12,9 +12,9 @@ from typing import Final, Literal
 from avod.augmentation_config import AugmentationConfig
 from avod.training_config import TrainingConfig
 from cadet.bev import BevConfig
-from cadet.checks import check_number, check_range
+from cadet.checks import check_number, check_range, shown
 from cadet.errors import CadetError
-from cadet.kitti import TYPES
+from cadet.kitti.label import is_object_type, kitti_spelling
 
 __all__ = [
     "CAR_SIZES",
@@ -53,7 +53,7 @@ class ObjectClass:
     """A class to detect, and the sizes that its anchors take.
 
     Raises:
-        CadetError: a name that KITTI's labels lack, no size, or one that is not positive.
+        CadetError: what can be no object's type, no size, or one that is not positive.
     """
 
     name: str = "Car"
@@ -62,8 +62,8 @@ class ObjectClass:
     """Length, width and height of each cluster."""
 
     def __post_init__(self) -> None:
-        if self.name not in TYPES or self.name == "DontCare":
-            raise CadetError(f"ObjectClass.name: expected a type of KITTI's labels, got {self.name!r}")
+        if not is_object_type(self.name) or self.name != kitti_spelling(self.name):
+            raise CadetError(f"ObjectClass.name: expected a type of labels such as Car, got {shown(self.name)}")
         if not self.anchor_sizes_lwh_m:
             raise CadetError("ObjectClass.anchor_sizes_lwh_m: expected at least one size, got none")
         for size in self.anchor_sizes_lwh_m:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet.arrays import check_array
-from cadet.checks import check_image_size, check_kind, check_number
+from cadet.checks import check_image_size, check_kind, check_number, shown
 from cadet.errors import ShapeError
 
 if TYPE_CHECKING:
@@ -128,7 +128,19 @@ def clip_segments(
 
     Returns:
         The ends of what remains, same shapes; NaN for segments wholly behind.
+
+    Raises:
+        ShapeError: no arrays of one such shape.
     """
+    for name, points_cam in (("starts_cam", starts_cam), ("ends_cam", ends_cam)):
+        if (
+            not isinstance(points_cam, np.ndarray)
+            or points_cam.dtype.kind not in "fiu"
+            or points_cam.shape[-1:] != (3,)
+        ):
+            raise ShapeError(f"{name}: expected an array (..., 3) of numbers, got {shown(points_cam)}")
+    if starts_cam.shape != ends_cam.shape:
+        raise ShapeError(f"ends_cam: expected {starts_cam.shape} as starts_cam, got {ends_cam.shape}")
     z0, z1 = starts_cam[..., 2:], ends_cam[..., 2:]
     span = np.where(z1 == z0, 1.0, z1 - z0)
     cut = starts_cam + (NEAR_M - z0) / span * (ends_cam - starts_cam)
@@ -146,21 +158,34 @@ def clip_boxes_img(boxes_img: NDArray[np.float64], image_size: tuple[int, int]) 
         image_size: width and height in pixels.
 
     Raises:
+        ShapeError: not (M, 4).
         CadetError: no image size.
     """
+    check_array(boxes_img, "boxes_img", ("M", 4))
     width, height = check_image_size(image_size)
     right, bottom = width - 1.0, height - 1.0
     return np.clip(boxes_img, 0.0, np.array([right, bottom, right, bottom]))
 
 
 def areas_img(boxes_img: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Compute the areas of rectangles in square pixels: (M, 4) to (M,)."""
+    """Compute the areas of rectangles in square pixels: (M, 4) to (M,).
+
+    Raises:
+        ShapeError: not (M, 4).
+    """
+    check_array(boxes_img, "boxes_img", ("M", 4))
     area: NDArray[np.float64] = (boxes_img[:, 2] - boxes_img[:, 0]) * (boxes_img[:, 3] - boxes_img[:, 1])
     return area
 
 
 def iou_img(boxes_img: NDArray[np.float64], others_img: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Compute intersection over union, pair by pair: (M, 4) and (M, 4) to (M,)."""
+    """Compute intersection over union, pair by pair: (M, 4) and (M, 4) to (M,).
+
+    Raises:
+        ShapeError: not (M, 4) twice.
+    """
+    check_array(boxes_img, "boxes_img", ("M", 4))
+    check_array(others_img, "others_img", (len(boxes_img), 4))
     low = np.maximum(boxes_img[:, :2], others_img[:, :2])
     high = np.minimum(boxes_img[:, 2:], others_img[:, 2:])
     overlap = np.clip(high - low, 0.0, None).prod(axis=1)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +14,9 @@ import pytest
 
 import cadet
 from cadet import CadetError, Detections, GroundTruth, KittiFormatError, MissingFileError, NonFiniteError, ShapeError
-from cadet.kitti import Label
+from cadet.kitti import Label, labels_from_text
+from cadet.kitti.dialects import collected
+from cadet.kitti.text import text_from_bytes
 from evaluation_helpers import detected, make_object, write
 
 pytestmark = pytest.mark.usefixtures("core")
@@ -101,8 +105,25 @@ def test_a_result_without_labels_is_refused(folders: tuple[Path, Path]) -> None:
     gt, det = folders
     (gt / "000007.txt").unlink()
     for rule in ("results", "all"):
-        with pytest.raises(MissingFileError, match="frame 000007 has no ground truth"):
+        with pytest.raises(MissingFileError, match=r"frame 000007 has no ground truth: 1 frames .* \(000007\); the"):
             cadet.evaluate(gt, det, frames=rule)
+
+
+def test_ids_are_any_stem_and_three_of_each_side_are_named(folders: tuple[Path, Path]) -> None:
+    gt, det = folders
+    report = cadet.evaluate(gt, det)
+    for folder in folders:
+        for path in folder.iterdir():
+            path.rename(folder / f"frame.{int(path.stem)}-a.txt")
+        (folder / ".hidden.txt").write_text("")
+    assert cadet.evaluate(gt, det) == report
+    for path in det.iterdir():
+        path.rename(det / path.name.replace("frame", "other"))
+    with pytest.raises(MissingFileError) as refused:
+        cadet.evaluate(gt, det)
+    found = "50 frames that count have none (other.0-a, other.1-a, other.10-a, ...)"
+    assert found in str(refused.value)
+    assert str(refused.value).endswith("the ground truth's are frame.0-a, frame.1-a, frame.10-a, ...")
 
 
 def test_no_frames_are_refused(folders: tuple[Path, Path], tmp_path: Path) -> None:
@@ -117,7 +138,12 @@ def test_no_frames_are_refused(folders: tuple[Path, Path], tmp_path: Path) -> No
     ("line", "column", "reason"),
     [
         ("Car -1 -1 0 1 2 3 4 1 1 1 1 1 1", 15, "rotation_y: expected 16 columns, got 14"),
-        ("Car -1 -1 0 1 2 3 4 1 1 1 1 1 1 0", 16, "score: expected 16 columns, got 15"),
+        ("Car -1 -1 0 1 2 3 4 1 1 1 1 1 1 0", 16, "score: expected 16 columns, got 15: a result ends with its score"),
+        (
+            "0 4 Car -1 -1 0 1 2 3 4 1 1 1 1 1 1 0 0.5",
+            1,
+            'type: expected a name such as Car, got "0"; a line of KITTI\'s',
+        ),
         ("Car -1 -1 0 1 2 3 4 1 1 1 1 1 1 0 0.5 0.5", 17, "expected 16 columns, got 17"),
         ("Car -1 -1 0 1 two 3 4 1 1 1 1 1 1 0 0.5", 6, 'bbox_top: expected a finite number, got "two"'),
         ("Car -1 -1 0 1 2 3 4 1 1 1 1 1 1 0 nan", 16, 'score: expected a finite number, got "nan"'),
@@ -138,22 +164,71 @@ def test_malformed_lines_are_named_by_file_line_and_column(
     assert str(error) == f"data/000011.txt:{number}: column {column}: {error.reason}"
 
 
-def test_labels_need_whole_occlusion_and_no_score(folders: tuple[Path, Path]) -> None:
+def test_labels_need_whole_occlusion(folders: tuple[Path, Path]) -> None:
     path = folders[0] / "000003.txt"
-    good = path.read_text()
-    path.write_text(good.replace("Car 0.00 0 ", "Car 0.00 0.0 "))
+    path.write_text(path.read_text().replace("Car 0.00 0 ", "Car 0.00 0.5 "))
     with pytest.raises(KittiFormatError, match=r"label_2/000003.txt:1: column 3: occluded: expected a whole number"):
         cadet.evaluate(*folders)
-    path.write_text(good.replace("\n", " 0.9\n", 1))
-    with pytest.raises(KittiFormatError, match=r"column 16: score: expected 15 columns"):
-        cadet.evaluate(*folders)
 
 
-def test_white_space_of_any_kind_separates(folders: tuple[Path, Path]) -> None:
+Edit = Callable[[bytes], bytes]
+# What both sides' files, and labels alone, may be written like.
+EITHER: dict[str, Edit] = {
+    "mark": lambda text: b"\xef\xbb\xbf" + text,
+    "crlf": lambda text: text.replace(b"\n", b"\r\n"),
+    "cr": lambda text: text.replace(b"\n", b"\r"),
+    "no last newline": lambda text: text.rstrip(),
+    "blanks": lambda text: b"\r\n \t\r\n" + text.replace(b" ", b" \t ").replace(b"\n", b" \t\n\n"),
+    "letter case": lambda text: text.replace(b"Car", b"car").replace(b"Cyclist", b"CYCLIST"),
+}
+LABELS_ALONE: dict[str, Edit] = {
+    "score": lambda text: text.replace(b"\n", b" 0.00\n"),
+    "more columns": lambda text: text.replace(b"\n", b" 436 2018_03_07 0002\n"),
+    "occluded": lambda text: text.replace(b"0.00 0 ", b"0.00 0.0 "),
+}
+
+
+@pytest.mark.parametrize("name", [*EITHER, *LABELS_ALONE])
+def test_dialects_give_what_plain_files_give_to_both_readers(folders: tuple[Path, Path], name: str) -> None:
     report = cadet.evaluate(*folders)
-    for path in [*folders[0].iterdir(), *folders[1].iterdir()]:
-        path.write_bytes(b"\r\n \t\r\n" + path.read_bytes().replace(b" ", b" \t ").replace(b"\n", b"\r\n").rstrip())
+    edit = (EITHER | LABELS_ALONE)[name]
+    for folder in folders if name in EITHER else folders[:1]:
+        for path in folder.iterdir():
+            path.write_bytes(edit(path.read_bytes()))
     assert cadet.evaluate(*folders) == report
+    with collected():
+        sides = [
+            {path.stem: labels_from_text(text_from_bytes(path.read_bytes(), path.name)) for path in folder.iterdir()}
+            for folder in folders
+        ]
+    assert cadet.evaluate(*sides) == report  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("data", "reason"),
+    [
+        ("Car".encode("utf-16"), "UTF-16, or no text: save it as UTF-8, as iconv -f UTF-16 -t UTF-8 does"),
+        ("Car".encode("utf-16-be"), "UTF-16, or no text: save it as UTF-8"),
+        ("\nAuto\u00e4 0".encode(), "byte 0xc3 is not ASCII: write plain numbers, and names in ASCII letters"),
+        ("\ufeff\nCar \u22121".encode(), "byte 0xe2 is not ASCII"),
+        (b"nan 0 0 0 1 2 3 4 1 1 1 1 1 1 0 1", "type: expected a name such as Car"),
+        (b"#Car 0 0 0 1 2 3 4 1 1 1 1 1 1 0 1", "type: expected a name such as Car"),
+        (b"<b> 0 0 0 1 2 3 4 1 1 1 1 1 1 0 1", "type: expected a name such as Car"),
+    ],
+)
+def test_both_readers_refuse_alike(folders: tuple[Path, Path], data: bytes, reason: str) -> None:
+    lines = set()
+    for folder in folders:
+        path = folder / "000000.txt"
+        kept = path.read_bytes()
+        path.write_bytes(data)
+        with pytest.raises(KittiFormatError, match=re.escape(reason)) as refused:
+            cadet.evaluate(*folders)
+        path.write_bytes(kept)
+        lines.add(refused.value.line)
+    with pytest.raises(KittiFormatError, match=re.escape(reason)) as refused, collected():
+        labels_from_text(text_from_bytes(data, "000000.txt"), "000000.txt")
+    assert lines == {refused.value.line}
 
 
 def test_arrays_are_checked() -> None:
@@ -187,6 +262,10 @@ def test_arrays_are_checked() -> None:
         {"min_overlap": {"Car": (0.5, 0.5)}},
         {"min_overlap": {"Car": {"4d": 0.5}}},
         {"min_overlap": {"Cars": 0.5}},
+        {"classes": ["1.5"], "min_overlap": {"1.5": 0.5}},
+        {"classes": ["dontcare"], "min_overlap": {"Car": 0.5}},
+        {"boxes_2d": "projected"},
+        {"boxes_2d": "project"},
         {"levels": "nuscenes"},
         {"levels": []},
         {"frames": "some"},

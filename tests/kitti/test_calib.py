@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from cadet.boxes import project_boxes
-from cadet.errors import KittiFormatError, NonFiniteError, ShapeError
+from cadet.errors import CadetError, KittiFormatError, NonFiniteError, ShapeError
 from cadet.kitti import Calibration, points_in_image
+from cadet.kitti.dialects import collected
 from synthetic import make_calib
 
 SHAPES = {"P0": (3, 4), "P1": (3, 4), "P2": (3, 4), "P3": (3, 4), "R0_rect": (3, 3)} | {
@@ -28,7 +29,8 @@ SHAPES = {"P0": (3, 4), "P1": (3, 4), "P2": (3, 4), "P3": (3, 4), "R0_rect": (3,
 def test_matrices_come_back_from_text_to_the_last_bit(matrices: dict[str, np.ndarray], has_blank_line: bool) -> None:
     calib = Calibration(**matrices, has_blank_line=has_blank_line)
     text = calib.to_text()
-    back = Calibration.from_text(text)
+    with collected():
+        back = Calibration.from_text(text)
     assert back == calib
     assert back.to_text() == text
     assert hash(back) == hash(calib)
@@ -45,33 +47,109 @@ def test_the_order_of_keys_does_not_matter() -> None:
     assert Calibration.from_text("\n".join(reversed(text.split("\n")))) == make_calib()
 
 
-@pytest.mark.parametrize("key", SHAPES)
-def test_a_missing_key_is_named(key: str) -> None:
-    text = "".join(f"{line}\n" for line in make_calib().to_text().split("\n") if not line.startswith(f"{key}:"))
-    with pytest.raises(KittiFormatError) as caught:
-        Calibration.from_text(text, "calib/000007.txt")
-    assert str(caught.value) == f"calib/000007.txt: missing key '{key}'"
+def edited(**lines: str | None) -> str:
+    """Put other lines in place of some of a calibration's, by key; None leaves one out."""
+    kept = {line.split(":")[0]: line for line in make_calib().to_text().splitlines()} | lines
+    return "".join(f"{line}\n" for line in kept.values() if line is not None)
+
+
+def numbers(key: str) -> str:
+    return edited().split(f"{key}: ")[1].split("\n")[0]
+
+
+def square(key: str) -> str:
+    rows = np.eye(4)
+    matrix = getattr(make_calib(), key)
+    rows[: matrix.shape[0], : matrix.shape[1]] = matrix
+    return " ".join(map(repr, rows.ravel().tolist()))
+
+
+P2, TR, IMU, R0 = (numbers(key) for key in ("P2", "Tr_velo_to_cam", "Tr_imu_to_velo", "R0_rect"))
+ODOMETRY = edited(R0_rect=None, Tr_imu_to_velo=None, Tr_velo_to_cam=f"Tr: {TR}")
+BY_PLACE = edited(P0=f"P2: {P2}", P1=f"P2: {P2}", P3=f"P2: {P2}", Tr_imu_to_velo=f"Tr_velo_to_cam: {TR}")
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "message"),
+    ("text", "unknown", "kinds"),
     [
-        ("R0_rect: ", "R0_rect: 1 ", "c.txt:5: R0_rect: expected 9 numbers, got 10"),
-        ("P1: 3.6", "P1: x3.6", "c.txt:2: P1: could not convert string to float: 'x3.600000000000e+02'"),
-        ("P1: 3.600000000000e+02", "P1: nan", "c.txt:2: P1: expected finite numbers"),
-        ("P1: ", "P0: ", "c.txt:2: key 'P0' appears twice"),
+        (edited(Tr_imu_to_velo=f"TR_imu_to_velo: {IMU}"), (), ["calib-key-Tr_imu_to_velo"]),
+        (edited(Tr_imu_to_velo=None), ("Tr_imu_to_velo",), ["calib-missing-keys"]),
+        (edited(Tr_imu_to_velo=f"Tr_imu_to_velo: {'0 ' * 12}"), ("Tr_imu_to_velo",), ["calib-zeros"]),
+        (edited(P0=None, P1=None, P3=None), ("P0", "P1", "P3"), ["calib-missing-keys"]),
         (
-            "P1: ",
-            "Q1: ",
-            "c.txt:2: unknown key 'Q1', expected P0, P1, P2, P3, R0_rect, Tr_velo_to_cam, Tr_imu_to_velo",
+            edited(R0_rect=f"R_rect {R0}", Tr_velo_to_cam=f"Tr_velo_cam {TR}", Tr_imu_to_velo=f"Tr_imu_velo {IMU}"),
+            (),
+            ["calib-key-R0_rect", "calib-key-Tr_velo_to_cam", "calib-key-Tr_imu_to_velo"],
         ),
-        ("P1: ", "P1 ", "c.txt:2: unknown key 'P1', expected P0, P1, P2, P3, R0_rect, Tr_velo_to_cam, Tr_imu_to_velo"),
+        (edited(P2=f"p2 : {P2}", R0_rect=f"r0_rect={R0}"), (), ["calib-key-P2", "calib-key-R0_rect"]),
+        (edited(Tr_velo_to_cam=f"tr_velodyne_to_cam:{TR}"), (), ["calib-key-Tr_velo_to_cam"]),
+        (edited(P2=f"P2 {P2}"), (), []),
+        (BY_PLACE, ("P0", "P1", "P3", "Tr_imu_to_velo"), ["calib-repeated-key"] * 2 + ["calib-missing-keys"]),
+        (edited() + "calib_time: 09-Jan-2012 13:57:47\nP4: 1 2\n", (), ["calib-other-key"] * 2),
+        (edited(P2=f"P2: {square('P2')}", R0_rect=f"R0_rect: {square('R0_rect')}"), (), ["calib-shape"] * 2),
+        (edited(R0_rect=f"R0_rect: {' '.join(square('R0_rect').split()[:12])}"), (), ["calib-shape"]),
+        ("\ufeff\n" + edited().replace(" ", "\t  ").replace("\n", " \r\n\r\n"), (), []),
+        (edited().replace("\n", "\r"), (), []),
     ],
 )
-def test_a_malformed_line_is_named_with_file_line_and_reason(old: str, new: str, message: str) -> None:
+def test_dialects_are_read_and_said(text: str, unknown: tuple[str, ...], kinds: list[str]) -> None:
+    with collected() as found:
+        calib = Calibration.from_text(text, "c.txt")
+    assert [one.kind for one in found] == kinds
+    for key in SHAPES:
+        expected = np.zeros(SHAPES[key]) if key in unknown else getattr(make_calib(), key)
+        np.testing.assert_array_equal(getattr(calib, key), expected)
+    with collected() as again:
+        assert Calibration.from_text(calib.to_text()) == calib
+    assert [one.kind for one in again] == ["calib-zeros"] * len(unknown)
+
+
+def test_odometrys_tr_rectifies() -> None:
+    with collected() as found:
+        calib = Calibration.from_text(ODOMETRY)
+    assert [one.kind for one in found] == ["calib-key-Tr_velo_to_cam", "calib-odometry", "calib-missing-keys"]
+    np.testing.assert_array_equal(calib.cam_from_velo[:3], make_calib().Tr_velo_to_cam)
+    with collected() as found:
+        whole = Calibration.from_text(edited(Tr_velo_to_cam=f"Tr: {TR}"))
+    assert (whole, [one.kind for one in found]) == (make_calib(), ["calib-key-Tr_velo_to_cam"])
+
+
+@pytest.mark.parametrize("key", ["P2", "R0_rect", "Tr_velo_to_cam"])
+def test_a_missing_matrix_that_is_used_is_named_with_a_remedy(key: str) -> None:
     with pytest.raises(KittiFormatError) as caught:
-        Calibration.from_text(make_calib().to_text().replace(old, new, 1), "c.txt")
-    assert str(caught.value) == message
+        Calibration.from_text(edited(**{key: None}), "calib/000007.txt")
+    assert str(caught.value).startswith(f"calib/000007.txt: missing key '{key}': ")
+    assert "it has P0, P1, " in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (edited(R0_rect="R0_rect: 1 " + R0), "c.txt:5: R0_rect: expected 9 numbers, got 10"),
+        (edited(P1=f"P1: x{P2}"), f"c.txt:2: P1: expected a number, got 'x{P2.split()[0]}'"),
+        (edited(P1="P1: nan" + " 0" * 11), "c.txt:2: P1: expected a finite number, got 'nan'"),
+        (edited(P1=f"P2: 1{P2}"), "c.txt:3: P2 comes twice, with other numbers than in line 2: name lines 1 to 7"),
+        (edited(P2=f"P2: {square('P2')[:-3]}7"), "c.txt:3: P2: expected 12 numbers, got 16"),
+        (edited(P1=P2), f"c.txt:2: expected a key such as P2 and numbers, got '{P2[:37]}"),
+        (
+            "calib_time: 09-Jan-2012 13:57:47\nK_02: 1 2 3\nP_rect_02: 1 2 3\n",
+            "c.txt: missing key 'P2': a calibration of KITTI's raw data? Write a file with P_rect_02 of",
+        ),
+        ("R: 1 0 0 0 1 0 0 0 1\nT: 0 0 0\n", "c.txt: missing key 'P2': a calibration of KITTI's raw data?"),
+        (edited(Tr_velo_to_cam=f"Tr_cam_to_velo: {TR}"), "c.txt: missing key 'Tr_velo_to_cam': it brings the LIDAR's"),
+        ("", "c.txt: missing key 'P2': it projects into image_2"),
+    ],
+)
+def test_what_cannot_be_read_is_named_with_file_line_and_reason(text: str, message: str) -> None:
+    with pytest.raises(KittiFormatError) as caught, collected():
+        Calibration.from_text(text, "c.txt")
+    assert str(caught.value).startswith(message)
+
+
+@pytest.mark.parametrize("text", [b"P2: 1", None, 5, ["P2: 1"]])
+def test_only_text_is_parsed(text: Any) -> None:
+    with pytest.raises(CadetError, match=r"^text: expected a text, got "):
+        Calibration.from_text(text)
 
 
 def test_matrices_of_the_wrong_kind_are_refused() -> None:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from cadet.errors import CadetError, KittiFormatError, NonFiniteError, ShapeError
 from cadet.kitti import ImageSet, images
+from cadet.kitti.dialects import collected
 from cadet.kitti.planes import plane_from_text, text_from_plane
 from cadet.kitti.velodyne import bytes_from_points, points_from_bytes
 
@@ -49,15 +50,18 @@ def test_planes_come_back_to_the_last_bit(plane: NDArray[np.float64]) -> None:
 def test_planes_of_either_header_are_read() -> None:
     for header in ("# Matrix\nWIDTH 4\nHEIGHT 1", "# Plane\nWidth 4\nHeight 1"):
         assert plane_from_text(f"{header}\n0.0 -1.0 1e-2 1.65\n").tolist() == [0.0, -1.0, 0.01, 1.65]
+    with collected() as found:
+        assert plane_from_text("\ufeff\r\n0.0\t-1.0 1e-2 1.65 \r\n\r\n").tolist() == [0.0, -1.0, 0.01, 1.65]
+    assert [one.kind for one in found] == ["plane-header"]
 
 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("0 -1 0 1.65\n", "p.txt: expected 4 lines, got 1"),
+        ("a\n0 -1 0 1.65\n", "p.txt: expected 4 lines, the last a b c d of the plane, got 2"),
         ("a\nb\nc\n0 -1 0\n", "p.txt:4: expected 4 numbers, got 3"),
-        ("a\nb\nc\n0 -1 0 up\n", "p.txt:4: could not convert string to float: 'up'"),
-        ("a\nb\nc\n0 -1 0 inf\n", "p.txt:4: expected finite numbers"),
+        ("a\nb\nc\n0 -1 0 up\n", "p.txt:4: expected a number, got 'up'"),
+        ("a\nb\nc\n0 -1 0 inf\n", "p.txt:4: expected a finite number, got 'inf'"),
     ],
 )
 def test_a_malformed_plane_is_named(text: str, message: str) -> None:

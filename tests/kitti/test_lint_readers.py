@@ -36,7 +36,7 @@ def test_regions_alone_pass(tmp_path: Path) -> None:
     [
         ("Car 0.00 0 ", "Car  0.00 0 ", "1: error: expected one blank between fields, as MMDetection3D does"),
         ("Car 0.00 0 ", "Car\t0.00 0 ", "1: error: expected one blank between fields, as MMDetection3D does"),
-        ("Car 0.00 0 ", "Car 0.00 0.0 ", "1: error: occluded 0.0: MMDetection3D expects a whole number without"),
+        ("Car 0.00 0 ", "Car 0.00 0.0 ", "1: error: occluded 0.0 is read as 0: MMDetection3D expects"),
     ],
 )
 def test_lines_that_others_cannot_split_are_found(tmp_path: Path, old: str, new: str, message: str) -> None:

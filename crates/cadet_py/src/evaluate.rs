@@ -78,6 +78,7 @@ pub(crate) fn evaluate<'py>(
         result.set_item(name, left.collect::<Vec<_>>())?;
     }
     let sight = core::sight(&frames, &settings);
+    result.set_item("absent_classes", sight.absent_classes)?;
     result.set_item("num_own_truths", sight.num_truths)?;
     result.set_item("num_own_detections", sight.num_detections)?;
     result.set_item("num_low_detections", sight.num_low_detections)?;

@@ -9,7 +9,7 @@ import click
 from avod.cli.options import check_split, resolve_split, split_option
 from avod.clusters import anchor_sizes, toml_of
 from cadet.errors import CadetError
-from cadet.kitti import TYPES
+from cadet.kitti.label import is_object_type
 
 _MOST = 64
 
@@ -39,8 +39,8 @@ def clusters_command(data: Path, split: str | None, classes: tuple[str, ...]) ->
 
 def _count(text: str) -> tuple[str, int]:
     name, _, count = text.partition("=")
-    if name not in TYPES or name == "DontCare" or not count.isascii() or not count.isdecimal():
-        raise CadetError(f"--class: expected a type of KITTI's labels and a count, such as Car=2, got {text!r}")
+    if not is_object_type(name) or not count.isascii() or not count.isdecimal():
+        raise CadetError(f"--class: expected a type of labels and a count, such as Car=2, got {text!r}")
     if not 1 <= int(count[:9]) <= _MOST:
         raise CadetError(f"--class: expected 1 to {_MOST} sizes, got {text!r}")
     return name, int(count)

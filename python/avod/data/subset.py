@@ -27,7 +27,8 @@ def usable_frames(labels: Mapping[str, Sequence[Label]], config: Config, place: 
     ids = tuple(i for i, found in labels.items() if sum(label.type in names for label in found) >= least)
     if not ids:
         wanted = ("a " if least == 1 else f"{least} of ") + " or ".join(names)
-        raise CadetError(f"{place} holds {wanted} to learn from")
+        there = sorted({label.type for found in labels.values() for label in found})
+        raise CadetError(f"{place} holds {wanted} to learn from; their labels have {', '.join(there) or 'no type'}")
     return ids
 
 

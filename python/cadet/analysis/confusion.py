@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cadet.analysis.matching import REACH_M, in_unlabeled_regions, match_centers, of_types
+from cadet.analysis.matching import REACH_M, are_objects, in_unlabeled_regions, match_centers, of_types
 from cadet.evaluation.classes import EvalClass
-from cadet.evaluation.limits import KNOWN_CLASSES
 from cadet.evaluation.objects import Detections, GroundTruth, is_optional
 from cadet.evaluation.packed import Packed
+from cadet.kitti.label import TYPES, kitti_spelling
 
 BACKGROUND = "background"
 MISSED = "missed"
@@ -57,14 +57,16 @@ def confusion(
     is_sure = np.ones(len(detections.objects.types), np.bool_)
     for name, least in by_type.items():
         is_sure &= ~of_types(detections, (name,)) | (detections.objects.scores >= least)
-    is_known = of_types(detections, KNOWN_CLASSES) & is_sure
-    is_object = of_types(truths, KNOWN_CLASSES)
+    is_known = are_objects(detections) & is_sure
+    is_object = are_objects(truths)
     matches = match_centers(truths, detections, REACH_M, is_truth=is_object, is_detection=is_known)
     optional = is_optional(truths.objects)
     in_region = in_unlabeled_regions(truths, detections)
-    spelled = {name.casefold(): name for name in KNOWN_CLASSES}
-    there = [spelled.get(name.casefold(), name) for name in truths.objects.types]
-    found = [spelled.get(name.casefold(), name) for name in detections.objects.types]
+    names = dict.fromkeys(map(kitti_spelling, (*TYPES, *sorted({*truths.objects.types, *detections.objects.types}))))
+    # Letter case tells no types apart.
+    spelled = {name.casefold(): name for name in reversed(names)}
+    there = [spelled[name.casefold()] for name in truths.objects.types]
+    found = [spelled[name.casefold()] for name in detections.objects.types]
     counts: dict[tuple[str, str], int] = {}
     is_missed = is_object & ~optional
     for index in np.flatnonzero(is_known):
@@ -77,7 +79,7 @@ def confusion(
         counts[pair] = counts.get(pair, 0) + 1
     for truth in np.flatnonzero(is_missed).tolist():
         counts[there[truth], MISSED] = counts.get((there[truth], MISSED), 0) + 1
-    rows = [name for name in (*KNOWN_CLASSES, BACKGROUND) if any(row == name for row, _ in counts)]
-    columns = [name for name in (*KNOWN_CLASSES, MISSED) if any(column == name for _, column in counts)]
+    rows = [name for name in (*names, BACKGROUND) if any(row == name for row, _ in counts)]
+    columns = [name for name in (*names, MISSED) if any(column == name for _, column in counts)]
     table = {row: {column: counts.get((row, column), 0) for column in columns} for row in rows}
     return Confusion(table, by_type)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from cadet.checks import as_path, shown
 from cadet.errors import CadetError, FileFormatError, MissingFileError
+from cadet.kitti.text import content_lines, text_from_bytes
 from cadet.plain_text import json_from_text
 
 GroupSource: TypeAlias = str | Path | Mapping[str, str] | None
@@ -87,13 +88,18 @@ def _episodes(ids: Sequence[str], labels: Path | None) -> dict[str, str]:
     count = policy.get("samples_per_episode") if isinstance(policy, dict) else None
     if not isinstance(count, int) or isinstance(count, bool) or count < 1:
         raise FileFormatError("policy.samples_per_episode: expected a whole number of at least 1", str(path))
+    odd = next((frame_id for frame_id in ids if not (frame_id.isascii() and frame_id.isdecimal())), None)
+    if odd is not None:
+        raise CadetError(
+            f"groups: episodes are known of numbered frames alone, got {shown(odd)}; name a file of groups"
+        )
     return {frame_id: str(int(frame_id) // count) for frame_id in ids}
 
 
 def _read(path: Path) -> dict[str, str]:
     if not path.is_file():
         raise MissingFileError(f"{path}: no such file of groups; expected frames, episodes, or a file")
-    return groups_from_text(path.read_text(encoding="utf-8", errors="replace"), str(path))
+    return groups_from_text(text_from_bytes(path.read_bytes(), str(path), "utf-8"), str(path))
 
 
 def groups_from_text(text: str, file: str) -> dict[str, str]:
@@ -103,7 +109,7 @@ def groups_from_text(text: str, file: str) -> dict[str, str]:
         FileFormatError: another line, or a frame that comes twice.
     """
     names: dict[str, str] = {}
-    for number, line in enumerate(text.splitlines(), start=1):
+    for number, line in content_lines(text):
         fields = line.split()
         if len(fields) != 2:
             raise FileFormatError(f"expected a frame's id and a group's name, got {shown(line)}", file, number)

@@ -87,6 +87,11 @@ def of_types(objects: Packed[GroundTruth] | Packed[Detections], types: tuple[str
     return np.array([name.casefold() in wanted for name in objects.objects.types], np.bool_)
 
 
+def are_objects(objects: Packed[GroundTruth] | Packed[Detections]) -> NDArray[np.bool_]:
+    """Return which are of any type but DontCare."""
+    return ~of_types(objects, ("DontCare",))
+
+
 def must_be_found(truths: Packed[GroundTruth], entry: EvalClass) -> NDArray[np.bool_]:
     """Return which objects of a class must be found at all."""
     return of_types(truths, entry.types) & ~is_optional(truths.objects)

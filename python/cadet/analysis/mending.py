@@ -23,12 +23,12 @@ from cadet.analysis.matching import (
     X,
     Y,
     Z,
+    are_objects,
     in_unlabeled_regions,
     match_centers,
     of_types,
 )
 from cadet.evaluation.classes import EvalClass
-from cadet.evaluation.limits import KNOWN_CLASSES
 from cadet.evaluation.objects import Detections, GroundTruth, is_optional
 from cadet.evaluation.packed import Packed
 from cadet.evaluation.run import EvalSettings, report_of
@@ -146,8 +146,7 @@ def _whole_boxes(case: _Case) -> _Sides:
 
 
 def _class(case: _Case) -> _Sides:
-    everything = of_types(case.truths, KNOWN_CLASSES)
-    known = of_types(case.detections, KNOWN_CLASSES)
+    everything, known = are_objects(case.truths), are_objects(case.detections)
     found = match_centers(case.truths, case.detections, REACH_M, is_truth=everything, is_detection=known)
     types = case.detections.types.astype(object)
     types[found.is_found] = case.truths.types[found.truth[found.is_found]]

@@ -22,10 +22,9 @@ from cadet.errors import CadetError
 from cadet.evaluation.classes import EvalClass
 from cadet.evaluation.levels import Level
 from cadet.evaluation.limits import CLASSES, MinOverlap
-from cadet.evaluation.packed import Packed
 from cadet.evaluation.report import ByLevel, Report
 from cadet.evaluation.run import EvalSettings, make_settings, report_of
-from cadet.evaluation.sources import Chosen, DetectionSource, GroundTruthSource, Split, choose
+from cadet.evaluation.sources import BOXES_2D, Chosen, DetectionSource, GroundTruthSource, Split, choose
 
 DRAWS: Final = 1000
 """Of a bootstrap that was not given a number."""
@@ -48,6 +47,7 @@ def analyze(
     levels: str | Sequence[Level] = "kitti",
     split: Split | None = None,
     frames: str = "results",
+    boxes_2d: str = BOXES_2D[0],
 ) -> Analysis:
     """Evaluate detections and find out where AP is lost, how sure it is, and whether another detector does better.
 
@@ -69,6 +69,7 @@ def analyze(
         levels: as for `evaluate`.
         split: as for `evaluate`.
         frames: as for `evaluate`.
+        boxes_2d: as for `evaluate`.
 
     Returns:
         The result.
@@ -86,13 +87,13 @@ def analyze(
     edges = _edges(by)
     check_number("", "bootstrap", bootstrap, 0, MAX_DRAWS, whole=True)
     seed = as_seed(seed)
-    chosen = choose(gt, det, split, frames)
-    labels = None if isinstance(chosen.truths, Packed) else chosen.truths[0]
-    report = report_of(chosen, settings)
+    chosen = choose(gt, det, split, frames, boxes_2d)
+    labels = chosen.labels
+    report = report_of(chosen, settings, refuses_absent=True)
     if wanted or edges or bootstrap or det_b is not None:
         # From here on everything is computed from the same arrays.
         chosen = _in_memory(chosen)
-    other = None if det_b is None else _other(gt, det_b, split, frames, chosen)
+    other = None if det_b is None else _other(choose(gt, det_b, split, frames, boxes_2d), chosen)
     intervals_of, comparison = _drawn(chosen, other, settings, report, int(bootstrap), groups, seed, labels)
     return Analysis(
         report=report,
@@ -119,8 +120,7 @@ def _in_memory(chosen: Chosen) -> Chosen:
     return replace(chosen, truths=truths, detections=detections)
 
 
-def _other(gt: GroundTruthSource, det_b: DetectionSource, split: Split | None, frames: str, chosen: Chosen) -> Chosen:
-    other = choose(gt, det_b, split, frames)
+def _other(other: Chosen, chosen: Chosen) -> Chosen:
     if other.ids != chosen.ids:
         alone = sorted(set(chosen.ids) ^ set(other.ids))
         raise CadetError(

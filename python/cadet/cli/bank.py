@@ -9,13 +9,20 @@ import click
 from rich.console import Console
 
 from cadet import kitti
+from cadet.checks import shown
 from cadet.cli.progress import reporter
-from cadet.kitti import TYPES
+from cadet.errors import CadetError
 from cadet.kitti.image_sets import check_not_empty
+from cadet.kitti.label import is_object_type, kitti_spelling
 from cadet.object_bank import BankObject, cut_objects, write_bank
 from cadet.object_bank.cut import MIN_POINTS
 
-_TYPES = tuple(name for name in TYPES if name != "DontCare")
+
+def _types(context: click.Context, option: click.Parameter, names: tuple[str, ...]) -> tuple[str, ...]:
+    for name in names:
+        if not is_object_type(name):
+            raise CadetError(f"--class: expected a type of labels such as Car, got {shown(name)}")
+    return tuple(map(kitti_spelling, names))
 
 
 @click.command(name="bank")
@@ -26,7 +33,8 @@ _TYPES = tuple(name for name in TYPES if name != "DontCare")
     "--class",
     "types",
     multiple=True,
-    type=click.Choice(_TYPES),
+    metavar="TYPE",
+    callback=_types,
     default=("Car", "Pedestrian", "Cyclist"),
     show_default=True,
     help="Several times for several classes.",
@@ -43,6 +51,7 @@ def bank_command(data: Path, out: Path, split: str | None, types: tuple[str, ...
     \b
     cadet bank kitti -o bank --split train
     """  # noqa: D301 - click reads the backspace
+    seen: set[str] = set()
     dataset = kitti.Dataset(data, split)
     check_not_empty(dataset.ids, data, split)
     with reporter(Console(stderr=True, highlight=False), len(dataset.ids), text="cutting", unit="frames") as report:
@@ -50,9 +59,14 @@ def bank_command(data: Path, out: Path, split: str | None, types: tuple[str, ...
         def objects() -> Iterator[BankObject]:
             for frame_id in dataset.ids:
                 frame = kitti.read_frame(dataset.folder, frame_id)
+                seen.update(label.type for label in frame.labels)
                 yield from cut_objects(frame, types, f"{data}/{frame_id}", min_points=min_points)
                 report.advance()
 
+            if not seen & set(types):
+                there = f"; they have {', '.join(sorted(seen))}" if seen else ""
+                raise CadetError(f"{data}: no label has the type {' or '.join(types)}{there}")
+
         found = write_bank(out, objects())
-    listed = ", ".join(f"{found[name]} {name}" for name in _TYPES if found[name])
+    listed = ", ".join(f"{found[name]} {name}" for name in types)
     click.echo(f"wrote {out}: {listed} from {len(dataset.ids)} frames")

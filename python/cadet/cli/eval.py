@@ -18,8 +18,10 @@ from cadet.analysis.tables import sections
 from cadet.checks import MAX_SEED
 from cadet.errors import CadetError
 from cadet.evaluation import LEVELS, EvalClass, Report, read_rules
-from cadet.evaluation.limits import CLASSES, KNOWN_CLASSES, METRICS, MIN_OVERLAP
+from cadet.evaluation.limits import CLASSES, METRICS, MIN_OVERLAP
 from cadet.evaluation.report import RECALLS
+from cadet.evaluation.sources import BOXES_2D
+from cadet.kitti.label import is_object_type
 from cadet.view.picture import check_picture_path
 
 
@@ -45,6 +47,13 @@ from cadet.view.picture import check_picture_path
 )
 @click.option("--split", metavar="NAME|FILE", help="Evaluate the frames of a list of ImageSets, or of a file alone.")
 @click.option("--all-frames", is_flag=True, help="Count a missing result file as no detections.")
+@click.option(
+    "--boxes-2d",
+    type=click.Choice(BOXES_2D),
+    default=BOXES_2D[0],
+    show_default=True,
+    help="Where detections' 2D boxes come from: their files, or 3D boxes and calib.",
+)
 @click.option("--operating", is_flag=True, help="Show the thresholds of the best F1.")
 @click.option("--errors", is_flag=True, help="Show AP as it would be without one kind of error, and the boxes' errors.")
 @click.option("--confusion", is_flag=True, help="Show which class is taken for which.")
@@ -80,6 +89,7 @@ def evaluate_command(
     levels: str,
     split: str | None,
     all_frames: bool,
+    boxes_2d: str,
     by: tuple[str, ...],
     details: bool,
     bootstrap: int,
@@ -118,6 +128,7 @@ def evaluate_command(
         min_overlap=min_overlap if min_overlap in MIN_OVERLAP else _limits(min_overlap),
         split=split,
         frames="all" if all_frames else "results",
+        boxes_2d=boxes_2d,
         **_rules(levels, classes),
     )
     if plot is not None:
@@ -153,7 +164,7 @@ def _limits(text: str) -> dict[str, float | list[float]]:
             values = [float(number) for number in numbers.split("/")]
         except ValueError:
             values = []
-        if name not in KNOWN_CLASSES or not values:
+        if not is_object_type(name) or not values:
             known = " or ".join(MIN_OVERLAP)
             raise CadetError(
                 f"--min-overlap: expected {known}, or limits such as Car=0.5 or Car=0.7/0.5/0.5, got {part!r}"

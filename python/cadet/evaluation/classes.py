@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from cadet.checks import as_tuple, check_text, is_one_of, shown
+from cadet.checks import as_tuple, check_text, shown
 from cadet.errors import CadetError
-from cadet.evaluation.limits import KNOWN_CLASSES, METRICS, MinOverlap, class_limits, resolve_limits
+from cadet.evaluation.limits import METRICS, MinOverlap, class_limits, resolve_limits
+from cadet.kitti.label import is_object_type, kitti_spelling
 
 NEIGHBORS: Final = {"Car": ("Van",), "Pedestrian": ("Person_sitting",)}
 """KITTI's neighbors: finding one as the class is neither right nor wrong."""
@@ -26,7 +27,8 @@ class EvalClass:
         neighbors: types of objects that may be taken for this class: neither right nor wrong.
 
     Raises:
-        CadetError: an empty name, an unknown type, a type among its own neighbors, a limit outside 0 <= limit < 1.
+        CadetError: an empty name, what is no type's name, a type among its own neighbors, a limit outside
+            0 <= limit < 1.
     """
 
     name: str
@@ -42,11 +44,9 @@ class EvalClass:
         for field in ("types", "neighbors"):
             names = as_tuple(owner, field, getattr(self, field), "names")
             for name in names:
-                if not is_one_of(name, KNOWN_CLASSES):
-                    raise CadetError(
-                        f"{owner}.{field}: unknown type {shown(name)}, expected some of {', '.join(KNOWN_CLASSES)}"
-                    )
-            object.__setattr__(self, field, tuple(dict.fromkeys(names)))
+                if not is_object_type(name):
+                    raise CadetError(f"{owner}.{field}: expected types of labels such as Car, got {shown(name)}")
+            object.__setattr__(self, field, tuple(dict.fromkeys(map(kitti_spelling, names))))
         if not self.types:
             raise CadetError(f"{owner}.types: expected at least one")
         both = [name for name in self.types if name in self.neighbors]
@@ -65,12 +65,13 @@ class EvalClass:
 
 
 def resolve_classes(classes: str | Sequence[str | EvalClass], min_overlap: MinOverlap) -> tuple[EvalClass, ...]:
-    """Return the classes: those given as such, and KITTI's own by name, to which `min_overlap` applies.
+    """Return the classes: those given as such, and types by name, to which `min_overlap` applies.
 
     Raises:
-        CadetError: an unknown class, a name twice, no class, or limits as in `resolve_limits`.
+        CadetError: what is no class's name, a name twice, no class, or limits as in `resolve_limits`.
     """
     given = (classes,) if isinstance(classes, str) else as_tuple("", "classes", classes, "names")
+    given = tuple(kitti_spelling(item) if isinstance(item, str) else item for item in given)
     named = [name for name in given if not isinstance(name, EvalClass)]
     if not given or len({getattr(item, "name", str(item)) for item in given}) < len(given):
         shown_names = [getattr(item, "name", item) for item in given]

@@ -7,8 +7,9 @@ from typing import Any, Final, TypeAlias
 
 import numpy as np
 
-from cadet.checks import is_one_of, shown
+from cadet.checks import shown
 from cadet.errors import CadetError
+from cadet.kitti.label import TYPES, is_object_type, kitti_spelling
 
 METRICS: Final = ("2d", "bev", "3d")
 """How overlap is measured: boxes in the image, seen from above, volumes."""
@@ -18,8 +19,6 @@ HEADING: Final[Mapping[str, str]] = {"2d": "aos", "bev": "ahs_bev", "3d": "ahs_3
 
 CLASSES: Final = ("Car", "Pedestrian", "Cyclist")
 """The classes that KITTI evaluates."""
-
-KNOWN_CLASSES: Final = ("Car", "Van", "Truck", "Pedestrian", "Person_sitting", "Cyclist", "Tram", "Misc")
 
 MIN_OVERLAP: Final[Mapping[str, Mapping[str, tuple[float, float, float]]]] = {
     "strict": {"Car": (0.7, 0.7, 0.7), "Pedestrian": (0.5, 0.5, 0.5), "Cyclist": (0.5, 0.5, 0.5)},
@@ -35,7 +34,7 @@ def resolve_limits(classes: Sequence[str], min_overlap: MinOverlap) -> dict[str,
     """Find the limits of each class.
 
     Args:
-        classes: names as in KITTI's labels.
+        classes: types of labels.
         min_overlap: "strict", "loose", or a dictionary that gives a class one limit, three (2D, BEV, 3D), or a
             dictionary by metric; classes and metrics that it leaves out take the strict limits.
 
@@ -43,11 +42,12 @@ def resolve_limits(classes: Sequence[str], min_overlap: MinOverlap) -> dict[str,
         2D, BEV and 3D limit of each class.
 
     Raises:
-        CadetError: an unknown class or set, a class for which KITTI sets no limit, a limit outside 0 <= limit < 1.
+        CadetError: no name of a class, an unknown set, a class for which KITTI sets no limit, a limit outside
+            0 <= limit < 1.
     """
     for name in classes:
-        if not is_one_of(name, KNOWN_CLASSES):
-            raise CadetError(f"classes: unknown class {shown(name)}, expected some of {', '.join(KNOWN_CLASSES)}")
+        if not is_object_type(name):
+            raise CadetError(f"classes: expected types of labels such as Car, got {shown(name)}")
     if isinstance(min_overlap, str):
         if min_overlap not in MIN_OVERLAP:
             names = ", ".join(MIN_OVERLAP)
@@ -57,10 +57,10 @@ def resolve_limits(classes: Sequence[str], min_overlap: MinOverlap) -> dict[str,
         if not isinstance(min_overlap, Mapping):
             names = ", ".join(MIN_OVERLAP)
             raise CadetError(f"min_overlap: expected one of {names}, or a dictionary, got {shown(min_overlap)}")
-        given = min_overlap
+        given = {kitti_spelling(name) if isinstance(name, str) else name: limit for name, limit in min_overlap.items()}
         for name in given:
-            if name not in KNOWN_CLASSES:
-                raise CadetError(f"min_overlap: unknown class {name!r}, expected one of {', '.join(KNOWN_CLASSES)}")
+            if name not in TYPES and name not in classes:
+                raise CadetError(f"min_overlap: {shown(name)} is none of the classes {', '.join(classes)}")
     strict = MIN_OVERLAP["strict"]
     return {name: class_limits(f"min_overlap[{name!r}]", given.get(name, {}), strict.get(name)) for name in classes}
 

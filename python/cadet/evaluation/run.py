@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any
 
 from cadet import _cadet
 from cadet.checks import is_one_of, shown
@@ -12,12 +12,10 @@ from cadet.errors import CadetError
 from cadet.evaluation.classes import EvalClass, resolve_classes
 from cadet.evaluation.levels import Level, resolve_levels
 from cadet.evaluation.limits import CLASSES, HEADING, METRICS, MinOverlap
+from cadet.evaluation.notes import notes_of
 from cadet.evaluation.report import METRIC_TITLES, RECALLS, ByLevel, Curve, Report, by_level
-from cadet.evaluation.sources import Chosen, DetectionSource, GroundTruthSource, Split, choose
-
-_NAMES_SHOWN: Final = 5
-# A full curve's mean may round below 100.
-_FULL: Final = 100.0 - 1e-9
+from cadet.evaluation.sources import BOXES_2D, Chosen, DetectionSource, GroundTruthSource, Split, choose
+from cadet.kitti.label import TYPES
 
 
 def evaluate(
@@ -30,6 +28,7 @@ def evaluate(
     levels: str | Sequence[Level] = "kitti",
     split: Split | None = None,
     frames: str = "results",
+    boxes_2d: str = BOXES_2D[0],
 ) -> Report:
     """Compute KITTI's average precision as the official program does, decision by decision.
 
@@ -37,7 +36,7 @@ def evaluate(
         gt: a folder of label files, or one that holds `label_2` or `training/label_2` (`testing/label_2` for the split
             "test"); or, in memory, a dictionary from frame ids to `GroundTruth` or labels, or a sequence of them.
         det: a folder of result files, or one that holds `data`; or `Detections` or labels with scores alike.
-        classes: names as in KITTI's labels, or `EvalClass` objects.
+        classes: types of labels, KITTI's or others, or `EvalClass` objects.
         recall: "r40", the mean over recall 1/40, ..., 1 (KITTI's since October 2019), or "r11" over 0, 0.1, ..., 1.
         min_overlap: "strict" (KITTI's), "loose", or a dictionary that gives a class one limit, three (2D, BEV, 3D), or
             a dictionary by metric. An overlap must exceed it. `EvalClass` objects bring their own.
@@ -45,6 +44,8 @@ def evaluate(
         split: a list of `ImageSets` beside the labels, a file that holds one, or ids; None for every frame.
         frames: "results" evaluates the frames that have a result file, be it empty, as KITTI's offline program does;
             "all" counts a missing result file as a frame without detections.
+        boxes_2d: "given", or "project": what a 3D box makes of itself in the image, by the calibrations beside the
+            labels, takes the place of each detection's 2D box and alpha, and of an object's 2D box where it has none.
 
     Returns:
         The report. What KITTI leaves out, it lacks: a class without a detection that is usable in a metric has no such
@@ -53,10 +54,10 @@ def evaluate(
     Raises:
         KittiFormatError: a malformed line, named with file, line and column.
         MissingFileError: a folder, split or label file that is not there; no frame at all.
-        CadetError: an unknown class, set or rule.
+        CadetError: an unknown set or rule, or a class that is not KITTI's and that nothing there has.
     """
     settings = make_settings(classes, recall, min_overlap, levels)
-    return report_of(choose(gt, det, split, frames), settings)
+    return report_of(choose(gt, det, split, frames, boxes_2d), settings, refuses_absent=True)
 
 
 @dataclass(frozen=True)
@@ -94,9 +95,18 @@ def make_settings(
     return EvalSettings(resolve_classes(classes, min_overlap), recall, resolve_levels(levels))
 
 
-def report_of(chosen: Chosen, settings: EvalSettings) -> Report:
-    """Evaluate frames that were chosen."""
+def report_of(chosen: Chosen, settings: EvalSettings, *, refuses_absent: bool = False) -> Report:
+    """Evaluate frames that were chosen.
+
+    Args:
+        chosen: the frames.
+        settings: what to evaluate.
+        refuses_absent: raise an error where neither an object nor a detection has a class that is not KITTI's.
+    """
     result = _cadet.evaluate(*chosen.sources(), **settings.core())
+    if refuses_absent:
+        _refuse_absent(settings.classes, result)
+    least_px = min(level.min_height_px for level in settings.levels)
     names, recall, levels = tuple(entry.name for entry in settings.classes), settings.recall, settings.levels
     curves = _curves(result["curves"], names, levels)
     best: dict[str, dict[str, float]] = {}
@@ -117,7 +127,7 @@ def report_of(chosen: Chosen, settings: EvalSettings) -> Report:
         n_gt=by_level(curves, lambda curve: curve.n_gt),
         n_thresholds=by_level(curves, lambda curve: len(curve.scores)),
         best_ap=best,
-        warnings=_warnings(names, curves, best, recall, result["unknown_names"], len(chosen.ids)),
+        warnings=notes_of(names, curves, best, recall, result, num_frames=len(chosen.ids), least_height_px=least_px),
     )
 
 
@@ -144,41 +154,10 @@ def _curves(raw_curves: list[dict[str, Any]], classes: tuple[str, ...], levels: 
     }
 
 
-def _warnings(
-    classes: tuple[str, ...],
-    curves: ByLevel[Curve],
-    best: dict[str, dict[str, float]],
-    recall: str,
-    unknown_names: list[str],
-    num_frames: int,
-) -> tuple[str, ...]:
-    warnings = []
-    for name in classes:
-        if name in curves:
-            warnings += _class_warnings(name, curves[name], best[name], recall)
-        else:
-            warnings.append(f"{name}: no usable detection in {num_frames} frames, so it is left out.")
-    measured = [metrics for metrics in curves.values() if "2d" in metrics]
-    if measured and not any("aos" in metrics for metrics in measured):
-        warnings.append("AOS is left out: a detection has alpha -10, unknown.")
-    if unknown_names:
-        names = ", ".join(unknown_names[:_NAMES_SHOWN]) + (", ..." if len(unknown_names) > _NAMES_SHOWN else "")
-        warnings.append(f"Detections of types that KITTI does not have: {names}.")
-    return tuple(warnings)
-
-
-def _class_warnings(
-    name: str, metrics: Mapping[str, Mapping[str, Curve]], best: dict[str, float], recall: str
-) -> list[str]:
-    counts = {level: curve.n_gt for level, curve in next(iter(metrics.values())).items()}
-    few = [
-        f"{name} {level}: only {counts[level]} objects; a perfect result has AP|{recall.upper()} {most:.2f}."
-        for level, most in best.items()
-        if most < _FULL
-    ]
-    unmeasured = [
-        f"{name}: no detection has what {METRIC_TITLES[metric]} needs, so that is left out."
-        for metric in METRICS
-        if metric not in metrics
-    ]
-    return few + unmeasured
+def _refuse_absent(classes: Sequence[EvalClass], result: Mapping[str, Any]) -> None:
+    for entry in (classes[index] for index in result["absent_classes"]):
+        if not set(entry.types) & set(TYPES):
+            others = dict.fromkeys(name for name, _ in (*result["other_truths"], *result["other_detections"]))
+            found = f"; they have {', '.join(others)}, and KITTI's" if others else "; all that they have is KITTI's"
+            wanted = ", ".join(entry.types)
+            raise CadetError(f"class {entry.name}: neither labels nor results have the type {wanted}{found}")

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, TypeAlias, TypeVar
 
@@ -13,8 +12,10 @@ from cadet.checks import as_tuple, is_one_of, shown
 from cadet.errors import CadetError, MissingFileError
 from cadet.evaluation.objects import Detections, GroundTruth
 from cadet.evaluation.packed import Packed, pack, read_packed
+from cadet.evaluation.projected import project_sides
 from cadet.kitti import ImageSet, Label, read_image_set
 from cadet.kitti.image_sets import check_not_empty
+from cadet.kitti.text import text_from_bytes
 
 Objects = TypeVar("Objects", GroundTruth, Detections)
 Frames: TypeAlias = "Mapping[str, Objects | Sequence[Label]] | Sequence[Objects | Sequence[Label]]"
@@ -24,7 +25,9 @@ Split: TypeAlias = str | Path | Sequence[str]
 
 FRAME_RULES: Final = ("results", "all")
 
-_FILE: Final = re.compile(r"(\d{6})\.txt")
+BOXES_2D: Final = ("given", "project")
+
+_SHOWN: Final = 3
 
 
 @dataclass(frozen=True)
@@ -35,6 +38,7 @@ class Chosen:
         ids: of the frames.
         truths: a folder and the frames' ids, or objects in memory.
         detections: likewise; a frame without results has the id None.
+        labels: the folder of the labels; None for ground truth in memory.
         num_missing: how many of the split, or of all, have no results.
         frames: the frame rule.
     """
@@ -42,6 +46,7 @@ class Chosen:
     ids: tuple[str, ...]
     truths: tuple[Path, list[str | None]] | Packed[GroundTruth]
     detections: tuple[Path, list[str | None]] | Packed[Detections]
+    labels: Path | None
     num_missing: int
     frames: str
 
@@ -66,13 +71,17 @@ class Chosen:
         )
 
 
-def choose(gt: GroundTruthSource, det: DetectionSource, split: Split | None, frames: str) -> Chosen:
-    """Apply the frame rule.
+def choose(
+    gt: GroundTruthSource, det: DetectionSource, split: Split | None, frames: str, boxes_2d: str = BOXES_2D[0]
+) -> Chosen:
+    """Apply the frame rule, and make 2D boxes if `boxes_2d` is "project".
 
     Raises:
         CadetError: an unknown rule, no frame, a frame with results but no ground truth, sequences of unequal length.
         MissingFileError: a folder or split that is not there.
     """
+    if not is_one_of(boxes_2d, BOXES_2D):
+        raise CadetError(f"boxes_2d: unknown {shown(boxes_2d)}, expected one of {', '.join(BOXES_2D)}")
     if not is_one_of(frames, FRAME_RULES):
         raise CadetError(f"frames: unknown rule {shown(frames)}, expected one of {', '.join(FRAME_RULES)}")
     holder = "testing" if isinstance(split, str) and split == "test" else "training"
@@ -88,15 +97,24 @@ def choose(gt: GroundTruthSource, det: DetectionSource, split: Split | None, fra
     ids = known if frames == "all" else tuple(frame_id for frame_id in known if frame_id in found)
     if not ids:
         raise MissingFileError(f"{_name(det if known else gt)}: no frames: expected files such as 000000.txt")
-    _check_labeled(ids, set(labeled), gt)
+    _check_labeled(ids, labeled, gt)
     results = [frame_id if frame_id in found else None for frame_id in ids]
-    return Chosen(
+    chosen = Chosen(
         ids=tuple(ids),
         truths=_side(truths, ids, GroundTruth),
         detections=_side(detections, results, Detections),
+        labels=truths if isinstance(truths, Path) else None,
         num_missing=len(known) - sum(frame_id in found for frame_id in known),
         frames=frames,
     )
+    return chosen if boxes_2d == BOXES_2D[0] else _projected(chosen)
+
+
+def _projected(chosen: Chosen) -> Chosen:
+    if chosen.labels is None:
+        raise CadetError("boxes_2d: the ground truth is no KITTI folder, so there are no calibrations to project with")
+    truths, detections = project_sides(*chosen.loaded(), chosen.ids, chosen.labels.parent)
+    return replace(chosen, truths=truths, detections=detections)
 
 
 def _folder(path: str | Path, inner: str, holder: str = "training") -> Path:
@@ -128,7 +146,8 @@ def _check_pairing(gt: object, det: object) -> None:
 
 def _ids(side: Path | Mapping[str, Any]) -> tuple[str, ...]:
     if isinstance(side, Path):
-        return tuple(sorted(match[1] for name in os.listdir(side) if (match := _FILE.fullmatch(name))))  # noqa: PTH208
+        names = os.listdir(side)  # noqa: PTH208 - names alone
+        return tuple(sorted(name.removesuffix(".txt") for name in names if name.endswith(".txt") and name[0] != "."))
     return tuple(sorted(side))
 
 
@@ -137,7 +156,7 @@ def _split_ids(split: Split, truths: Path | None) -> tuple[str, ...]:
         path = Path(split)
         if not path.is_file():
             raise MissingFileError(f"{path}: no such split")
-        listed = ImageSet.from_text(path.read_text(encoding="ascii", errors="replace"), path.name).ids
+        listed = ImageSet.from_text(text_from_bytes(path.read_bytes(), path.name, "utf-8"), path.name).ids
         if not listed:
             raise MissingFileError(f"{path} names no frames")
         return listed
@@ -153,14 +172,22 @@ def _split_ids(split: Split, truths: Path | None) -> tuple[str, ...]:
         return named
     ids = as_tuple("", "split", split, "ids")
     if not all(isinstance(frame_id, str) for frame_id in ids):
-        raise CadetError(f"split: expected six-digit ids, got {shown(ids)}")
+        raise CadetError(f"split: expected frames' ids, got {shown(ids)}")
     return tuple(dict.fromkeys(ids))
 
 
-def _check_labeled(ids: Iterable[str], labeled: set[str], gt: object) -> None:
-    for frame_id in ids:
-        if frame_id not in labeled:
-            raise MissingFileError(f"{_name(gt)}: frame {frame_id} has no ground truth")
+def _check_labeled(ids: Iterable[str], labeled: Sequence[str], gt: object) -> None:
+    known = set(labeled)
+    without = [frame_id for frame_id in ids if frame_id not in known]
+    if without:
+        raise MissingFileError(
+            f"{_name(gt)}: frame {without[0]} has no ground truth: {len(without)} frames that count have none "
+            f"({_few(without)}); the ground truth's are {_few(labeled) or 'none'}"
+        )
+
+
+def _few(ids: Sequence[str]) -> str:
+    return ", ".join([*ids[:_SHOWN], *["..."] * (len(ids) > _SHOWN)])
 
 
 def _name(source: object) -> str:

@@ -11,21 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet.arrays import check_array
-from cadet.checks import check_image_size, check_kind
-from cadet.errors import CadetError, KittiFormatError, ShapeError
-from cadet.kitti.numbers import number_from_text, scientific_text
+from cadet.checks import check_image_size, check_kind, check_text
+from cadet.errors import CadetError, ShapeError
+from cadet.kitti.calib_text import SHAPES, matrices_from_text
+from cadet.kitti.numbers import scientific_text
 from cadet.summary import summary
 
-_SHAPES: Final = {
-    "P0": (3, 4),
-    "P1": (3, 4),
-    "P2": (3, 4),
-    "P3": (3, 4),
-    "R0_rect": (3, 3),
-    "Tr_velo_to_cam": (3, 4),
-    "Tr_imu_to_velo": (3, 4),
-}
-KEYS: Final = tuple(_SHAPES)
+KEYS: Final = tuple(SHAPES)
 """The keys of a calibration file in the order of KITTI's lines."""
 
 ZERO_DEPTH_M: Final = 2.5e-7
@@ -40,7 +32,8 @@ _XYZ: Final = 3
 class Calibration:
     """The calibration of one frame. All arrays are float64 and read-only.
 
-    The cam frame is the rectified camera 0; the image is camera 2's, so projecting needs the whole of P2.
+    The cam frame is the rectified camera 0; the image is camera 2's, so projecting needs the whole of P2. P0, P1, P3
+    and Tr_imu_to_velo are all zero where they are unknown.
 
     Attributes:
         P0: (3, 4) projection of the cam frame into the left gray camera, pixels.
@@ -68,7 +61,7 @@ class Calibration:
     has_blank_line: bool = field(default=False, repr=False)
 
     def __post_init__(self) -> None:
-        for name, shape in _SHAPES.items():
+        for name, shape in SHAPES.items():
             matrix = check_array(getattr(self, name), name, shape, np.float64, finite=True).copy()
             matrix.setflags(write=False)
             object.__setattr__(self, name, matrix)
@@ -79,18 +72,18 @@ class Calibration:
             self,
             f"focal lengths {fx:.1f}, {fy:.1f} px",
             f"center {cx:.1f}, {cy:.1f} px",
-            **{name: getattr(self, name) for name in _SHAPES},
+            **{name: getattr(self, name) for name in SHAPES},
         )
 
     def __eq__(self, other: object) -> bool:
         """Tell whether all seven matrices are equal."""
         if not isinstance(other, Calibration):
             return NotImplemented
-        return all(np.array_equal(getattr(self, name), getattr(other, name)) for name in _SHAPES)
+        return all(np.array_equal(getattr(self, name), getattr(other, name)) for name in SHAPES)
 
     def __hash__(self) -> int:
         """Hash the matrices."""
-        return hash(tuple(np.add(getattr(self, name), 0.0).tobytes() for name in _SHAPES))
+        return hash(tuple(np.add(getattr(self, name), 0.0).tobytes() for name in SHAPES))
 
     @classmethod
     def from_text(cls, text: str, file: str = "calib") -> Calibration:
@@ -101,28 +94,16 @@ class Calibration:
             file: its name for messages.
 
         Raises:
-            KittiFormatError: a key is missing, unknown or doubled, or has too few, too many or malformed numbers.
+            KittiFormatError: `P2`, `R0_rect` or `Tr_velo_to_cam` is missing, a key comes twice with different numbers,
+                or a line has too few, too many or malformed numbers.
+            CadetError: `text` is no text.
         """
-        lines = text.split("\n")
-        matrices: dict[str, NDArray[np.float64]] = {}
-        for number, line in enumerate(lines, start=1):
-            if not line.strip():
-                continue
-            where = (file, number)
-            key, colon, values = line.partition(":")
-            if not colon or key not in _SHAPES:
-                raise KittiFormatError(f"unknown key {key.split(' ')[0]!r}, expected {', '.join(_SHAPES)}", *where)
-            if key in matrices:
-                raise KittiFormatError(f"key {key!r} appears twice", *where)
-            matrices[key] = _parse_matrix(values.split(), key, where)
-        for key in _SHAPES:
-            if key not in matrices:
-                raise KittiFormatError(f"missing key {key!r}", file)
-        return cls(**matrices, has_blank_line=lines[-2:] == ["", ""])
+        check_text("", "text", text)
+        return cls(**matrices_from_text(text, file), has_blank_line=text.endswith("\n\n"))
 
     def to_text(self) -> str:
         """Write the calibration as KITTI does: 12 decimals, more only where a number needs them to come back."""
-        lines = (f"{name}: {' '.join(scientific_text(x) for x in getattr(self, name).flat)}\n" for name in _SHAPES)
+        lines = (f"{name}: {' '.join(scientific_text(x) for x in getattr(self, name).flat)}\n" for name in SHAPES)
         return "".join(lines) + ("\n" if self.has_blank_line else "")
 
     @cached_property
@@ -273,19 +254,6 @@ def _transform(matrix: NDArray[np.float64], points: NDArray[Any], name: str) -> 
         raise ShapeError(f"{name}: expected (N, 3) or wider, got {points.shape}")
     moved: NDArray[np.float64] = points[:, :3].astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
     return moved
-
-
-def _parse_matrix(values: list[str], key: str, where: tuple[str, int]) -> NDArray[np.float64]:
-    rows, columns = _SHAPES[key]
-    if len(values) != rows * columns:
-        raise KittiFormatError(f"{key}: expected {rows * columns} numbers, got {len(values)}", *where)
-    try:
-        matrix = np.array([number_from_text(value) for value in values])
-    except ValueError as error:
-        raise KittiFormatError(f"{key}: {error}", *where) from None
-    if not np.isfinite(matrix).all():
-        raise KittiFormatError(f"{key}: expected finite numbers", *where)
-    return matrix.reshape(rows, columns)
 
 
 def _warn_of_old_name(old: str, new: str, matrix: str) -> None:

@@ -38,6 +38,7 @@ from cadet.kitti.frame_files import (
 from cadet.kitti.image_sets import list_frame, other_split, read_image_set
 from cadet.kitti.label import Label, text_from_labels
 from cadet.kitti.planes import plane_from_text, text_from_plane
+from cadet.kitti.text import content_lines
 from cadet.kitti.velodyne import bytes_from_points, points_from_bytes
 
 
@@ -297,6 +298,5 @@ def _label_errors(files: FolderFiles, frame_id: str) -> list[tuple[str, CadetErr
         text, name = read_text(files, "label_2", frame_id)
     except (CadetError, OSError) as error:
         return [("label_2", error)]
-    lines = enumerate(text.removesuffix("\n").split("\n") if text else (), start=1)
-    errors = [_error_of(partial(Label.from_line, line, name, number)) for number, line in lines]
+    errors = [_error_of(partial(Label.from_line, line, name, number)) for number, line in content_lines(text)]
     return [("label_2", error) for error in errors if error is not None]

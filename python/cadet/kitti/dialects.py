@@ -40,12 +40,15 @@ _collected: Final[ContextVar[list[Dialect] | None]] = ContextVar("_collected", d
 
 
 def accept(kind: str, message: str, file: str, line: int | None = None) -> None:
-    """Record that a dialect was read: in the list of `collected`, or as a warning, the first of its kind alone."""
+    """Record that a dialect was read: in the list of `collected`, or as a warning, the first of its kind alone.
+
+    A message that comes again in the same file, such as on each of its lines, is recorded once.
+    """
     found = Dialect(kind, message, file, line)
     collecting = _collected.get()
     if collecting is None:
         notice([str(found)], about="dialect", key=kind)
-    else:
+    elif not any((one.kind, one.message, one.file) == (kind, message, file) for one in collecting):
         collecting.append(found)
 
 

@@ -18,6 +18,7 @@ from cadet.kitti.files import display_name, file_path
 from cadet.kitti.frame import Frame
 from cadet.kitti.label import Label, labels_from_text
 from cadet.kitti.planes import plane_from_text
+from cadet.kitti.text import text_from_bytes
 from cadet.kitti.velodyne import points_from_bytes
 from cadet.plain_text import json_from_text
 
@@ -118,11 +119,7 @@ def read_text(files: FrameFiles, kind: str, frame_id: str) -> tuple[str, str]:
         KittiFormatError: it is not ASCII.
     """
     data, name = files.read(kind, frame_id)
-    try:
-        return data.decode("ascii"), name
-    except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        raise KittiFormatError(f"byte 0x{data[error.start]:02x} is not ASCII", name, line) from None
+    return text_from_bytes(data, name), name
 
 
 def read_map(

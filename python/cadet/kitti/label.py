@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+import re
 import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -11,13 +11,19 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from cadet.checks import check_kind, is_one_of, plain_number, shown
+from cadet.checks import check_kind, check_text, plain_number, shown
 from cadet.errors import KittiFormatError, NonFiniteError, ShapeError
+from cadet.kitti.dialects import accept
+from cadet.kitti.numbers import is_number, number_from_text
+from cadet.kitti.text import content_lines
 
 TYPES: Final = ("Car", "Van", "Truck", "Pedestrian", "Person_sitting", "Cyclist", "Tram", "Misc", "DontCare")
-"""The object types of KITTI's labels, spelled as in its files."""
+"""The object types of KITTI's labels, spelled as in its files. Others may have others: see `is_type`."""
 
+_BY_SMALL_LETTERS: Final = {name.casefold(): name for name in TYPES}
+_NAME: Final = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.:/+()-]{0,63}")
 _NUM_FIELDS: Final = 15
+_LAYOUT: Final = "type truncated occluded alpha, left top right bottom, height width length, x y z, rotation_y"
 _FIELDS: Final = (
     "truncated occluded alpha bbox_left bbox_top bbox_right bbox_bottom height width length x y z rotation_y score"
 ).split()
@@ -36,7 +42,7 @@ class Label:
     location -1000. A DontCare region carries all of them.
 
     Attributes:
-        type: one of `TYPES`.
+        type: one of `TYPES`, or another name that `is_type` lets pass. KITTI's are spelled as KITTI does.
         truncated: 0 (whole) .. 1 (outside the image), -1 unknown.
         occluded: 0 visible, 1 partly, 2 largely occluded, 3 unknown, -1 for DontCare.
         alpha: observation angle in radians, rotation_y - atan2(x, z), -10 unknown.
@@ -47,7 +53,7 @@ class Label:
         score: a detection's confidence; None for a label.
 
     Raises:
-        KittiFormatError: an unknown type, `occluded` no whole number or outside -1..3, or what is no number.
+        KittiFormatError: a type that is no name, `occluded` no whole number or outside -1..3, or what is no number.
         ShapeError: a tuple has the wrong length.
         NonFiniteError: a number is NaN or infinite.
     """
@@ -63,8 +69,11 @@ class Label:
     score: float | None = None
 
     def __post_init__(self) -> None:
-        if not is_one_of(self.type, TYPES):
-            raise KittiFormatError(f"unknown type {shown(self.type)}, expected one of {', '.join(TYPES)}")
+        if not is_type(self.type):
+            raise KittiFormatError(
+                f"type: expected a name such as Car, of letters, digits and _.:/+()-, got {shown(self.type)}"
+            )
+        object.__setattr__(self, "type", kitti_spelling(self.type))
         is_whole = isinstance(self.occluded, (int, np.integer)) and not isinstance(self.occluded, bool)
         if not is_whole or not -1 <= self.occluded <= _MAX_OCCLUDED:
             raise KittiFormatError(f"occluded: expected a whole number -1..{_MAX_OCCLUDED}, got {shown(self.occluded)}")
@@ -95,7 +104,7 @@ class Label:
         """Return a label of which nothing is known in 3D, such as a DontCare region.
 
         Args:
-            type: one of `TYPES`.
+            type: as in a label.
             bbox: (left, top, right, bottom) in pixels.
             truncated: as in a label; unknown by default.
             occluded: likewise.
@@ -108,24 +117,44 @@ class Label:
         """Parse one line of a label or result file.
 
         Args:
-            line: 15 fields, or 16 with a score, separated by blanks.
+            line: 15 fields, or 16 with a score, separated by blanks. What other programs note past them is passed over.
             file: the file's name for messages.
             line_number: the line's number for messages, from 1.
 
         Raises:
-            KittiFormatError: wrong number of fields, a field that is no finite number, an unknown type.
+            KittiFormatError: too few fields, a field that is no finite number, a type that is no name.
         """
+        check_text("", "line", line)
         where = (file, line_number)
         fields = line.split()
-        if len(fields) not in (_NUM_FIELDS, _NUM_FIELDS + 1):
-            raise KittiFormatError(f"expected {_NUM_FIELDS} fields, got {len(fields)}", *where)
-        numbers = [_parse_number(text, name, where) for name, text in zip(_FIELDS, fields[1:], strict=False)]
+        if len(fields) < _NUM_FIELDS:
+            raise KittiFormatError(f"expected {_NUM_FIELDS} fields, got {len(fields)}: {_LAYOUT}", *where)
+        if not is_type(fields[0]) and all(map(str.isdigit, (fields[0], fields[1].removeprefix("-")))):
+            raise KittiFormatError(
+                f"type: expected a name, got {shown(fields[0])}; a line of KITTI's tracking labels? Leave out its "
+                "first two fields, and give each frame a file",
+                *where,
+            )
+        numbers = [_parse_number(text, name, where) for name, text in zip(_FIELDS, fields[1:_NUM_FIELDS], strict=False)]
+        more, score = fields[_NUM_FIELDS:], None
+        if len(more) == 1 and is_number(more[0]):
+            score = _parse_number(more[0], _FIELDS[-1], where)
+        elif more:
+            accept("label-more-fields", f"fields past the {_NUM_FIELDS}th are passed over", *where)
         occluded = numbers[1]
         if occluded != int(occluded):
             raise KittiFormatError(f"occluded: expected a whole number, got {fields[2]!r}", *where)
+        if not fields[2].lstrip("+-").isdigit():
+            message = f"occluded {fields[2]} is read as {int(occluded)}: MMDetection3D expects it without a point"
+            accept("label-occluded", message, *where)
+        name = kitti_spelling(fields[0])
+        if name != fields[0]:
+            accept("label-letter-case", f"type {fields[0]} is read as {name}", *where)
+        elif is_type(name) and name not in TYPES:
+            accept("label-other-type", f"type {name} is none of KITTI's: its labels are kept, as {name}", *where)
         try:
             return cls(
-                type=fields[0],
+                type=name,
                 truncated=numbers[0],
                 occluded=int(occluded),
                 alpha=numbers[2],
@@ -133,7 +162,7 @@ class Label:
                 dimensions_hwl=(numbers[7], numbers[8], numbers[9]),
                 location_cam=(numbers[10], numbers[11], numbers[12]),
                 rotation_y=numbers[13],
-                score=numbers[14] if len(numbers) == _NUM_FIELDS else None,
+                score=score,
             )
         except KittiFormatError as error:
             raise KittiFormatError(error.reason, *where) from None
@@ -183,31 +212,44 @@ def boxes_cam_from_labels(labels: Iterable[Label]) -> NDArray[np.float64]:
     return np.stack(boxes) if boxes else np.zeros((0, 7))
 
 
+def is_type(name: object) -> bool:
+    """Tell whether a label's type may have this name: letters, digits and `_.:/+()-`, up to 64, and no number."""
+    return isinstance(name, str) and _NAME.fullmatch(name) is not None and not is_number(name)
+
+
+def is_object_type(name: object) -> bool:
+    """Tell whether an object may have this type: `is_type`, and not that of regions."""
+    return isinstance(name, str) and is_type(name) and kitti_spelling(name) != "DontCare"
+
+
+def kitti_spelling(name: str) -> str:
+    """Return one of KITTI's types, given in any letter case, as KITTI spells it; another name as it is."""
+    return _BY_SMALL_LETTERS.get(name.casefold(), name)
+
+
 def labels_from_text(text: str, file: str = "label") -> tuple[Label, ...]:
-    """Parse a whole label or result file; an empty one has no objects.
+    """Parse a whole label or result file; an empty one has no objects. Blank lines are passed over.
 
     Raises:
-        KittiFormatError: a malformed line, named with the file and its number; blank lines count as malformed.
+        KittiFormatError: a malformed line, named with the file and its number.
+        CadetError: `text` is no text.
     """
-    lines = text.split("\n")
-    if lines[-1] == "":
-        lines.pop()
-    return tuple(Label.from_line(line, file, number) for number, line in enumerate(lines, start=1))
+    return tuple(Label.from_line(line, file, number) for number, line in content_lines(text))
 
 
 def text_from_labels(labels: Iterable[Label]) -> str:
     """Write labels as a file's text, one line each."""
+    labels = tuple(labels)
+    for label in labels:
+        check_kind("", "labels", label, Label)
     return "".join(f"{label.to_line()}\n" for label in labels)
 
 
 def _parse_number(text: str, name: str, where: tuple[str, int]) -> float:
     try:
-        value = float(text if "_" not in text else "")
-    except ValueError:
-        raise KittiFormatError(f"{name}: expected a number, got {text!r}", *where) from None
-    if not math.isfinite(value):
-        raise KittiFormatError(f"{name}: expected a finite number, got {text!r}", *where)
-    return value
+        return number_from_text(text)
+    except ValueError as error:
+        raise KittiFormatError(f"{name}: {error}", *where) from None
 
 
 def _decimal(value: float, unknown: float | None = None) -> str:

@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 
 from cadet.arrays import check_array
 from cadet.errors import KittiFormatError
+from cadet.kitti.dialects import accept
 from cadet.kitti.numbers import number_from_text
+from cadet.kitti.text import content_lines
 
 _HEADER: Final = "# Matrix\nWIDTH 4\nHEIGHT 1\n"
 _NUM_LINES: Final = 4
@@ -26,19 +28,19 @@ def plane_from_text(text: str, file: str = "plane") -> NDArray[np.float64]:
     Raises:
         KittiFormatError: not four lines, or the last is not four finite numbers.
     """
-    lines = text.rstrip().split("\n")
-    if len(lines) != _NUM_LINES:
-        raise KittiFormatError(f"expected {_NUM_LINES} lines, got {len(lines)}", file)
-    fields = lines[-1].split()
+    lines = content_lines(text)
+    if len(lines) == 1:
+        accept("plane-header", f"the plane without its {_NUM_LINES - 1} header lines: AVOD reads line 4", file, 1)
+    elif len(lines) != _NUM_LINES:
+        raise KittiFormatError(f"expected {_NUM_LINES} lines, the last a b c d of the plane, got {len(lines)}", file)
+    number, line = lines[-1]
+    fields = line.split()
     if len(fields) != _NUM_LINES:
-        raise KittiFormatError(f"expected 4 numbers, got {len(fields)}", file, _NUM_LINES)
+        raise KittiFormatError(f"expected 4 numbers, got {len(fields)}", file, number)
     try:
-        plane = np.array([number_from_text(field) for field in fields])
+        return np.array([number_from_text(field) for field in fields])
     except ValueError as error:
-        raise KittiFormatError(str(error), file, _NUM_LINES) from None
-    if not np.isfinite(plane).all():
-        raise KittiFormatError("expected finite numbers", file, _NUM_LINES)
-    return plane
+        raise KittiFormatError(str(error), file, number) from None
 
 
 def text_from_plane(plane: NDArray[np.float64]) -> str:

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet.arrays import check_array
-from cadet.checks import is_one_of, shown
+from cadet.checks import shown
 from cadet.errors import CadetError
-from cadet.kitti import TYPES
+from cadet.kitti.label import is_object_type
 from cadet.summary import summary
 
 
@@ -44,8 +44,8 @@ class BankObject:
     source: str
 
     def __post_init__(self) -> None:
-        if not is_one_of(self.type, TYPES) or self.type == "DontCare":
-            raise CadetError(f"type: expected a type of KITTI's objects, got {shown(self.type)}")
+        if not is_object_type(self.type):
+            raise CadetError(f"type: expected a type of objects such as Car, got {shown(self.type)}")
         check_array(self.box_scan, "box_scan", (7,), np.float64, finite=True)
         check_array(self.points_scan, "points_scan", ("N", 4), np.float32, finite=True)
         check_array(self.crop, "crop", ("H", "W", 4), np.uint8)

@@ -17,7 +17,7 @@ from cadet import boxes
 from cadet.errors import CadetError
 from cadet.kitti import Calibration, Frame, Label, read_frame
 from cadet.kitti.files import file_path, frame_ids, sample_folder
-from cadet.view.style import CLASS_COLORS
+from cadet.view import style
 
 _IMAGE_WIDTH_PX: Final = 960
 _MOST_JPEG_BYTES: Final = 150_000
@@ -64,7 +64,7 @@ def pictures(root: str | Path, number: int) -> list[Picture]:
 
 def class_color(name: str) -> str:
     """Return a class's color as CSS has it."""
-    red, green, blue = CLASS_COLORS[name]
+    red, green, blue = style.class_color(name)
     return f"#{red:02x}{green:02x}{blue:02x}"
 
 

@@ -100,7 +100,8 @@ def _counts(own: Statistics, kitti: Statistics) -> str:
         "<th>KITTI per 10,000</th><th>2019 paper in 10,000</th></tr></thead>"
     )
     rows = []
-    for name in (*CLASSES, "DontCare"):
+    others = sorted(set(own.labels) - {*CLASSES, "DontCare"})
+    for name in (*CLASSES, *others, "DontCare"):
         paper = f"{PAPER_COUNTS[name]:,}" if name in PAPER_COUNTS else "-"
         with_any = f"{own.num_frames_with[name]:,}" if name in CLASSES else "-"
         cells = (_per_10000(own, name), _per_10000(kitti, name), paper)

@@ -145,7 +145,7 @@ def height_colors(share: NDArray[np.float64]) -> NDArray[np.float64]:
 def _draw_box(canvas: style.Image, label: Label, calib: Calibration, scale: float) -> None:
     corners = calib.points_velo_from_cam(boxes.corners_cam(label.box_cam[None])[0, :4])
     outline = _pixels(corners, scale)
-    color = style.CLASS_COLORS[label.type]
+    color = style.class_color(label.type)
     style.polygon(canvas, outline, color, 0.25)
     thickness = 2 if scale > _THICK_PX_PER_M else 1
     style.polyline(canvas, outline, color, thickness)

@@ -53,7 +53,7 @@ def boxes_figure(frame: Frame) -> style.Image:
             _draw_dashed(canvas, label.bbox, style.DONT_CARE)
     objects = far_to_near(frame.labels)
     for label in objects:
-        color = style.CLASS_COLORS[label.type]
+        color = style.class_color(label.type)
         left, top, right, bottom = label.bbox
         corners_img = np.array([[left, top], [right, top], [right, bottom], [left, bottom]])
         style.polyline(canvas, corners_img, _mix(color, style.TEXT, 0.5), 1)
@@ -153,7 +153,7 @@ def _draw_tags(canvas: style.Image, objects: list[Label]) -> None:
         if any(_overlap(bounds, other) for other in taken):
             continue
         taken.append(bounds)
-        style.write_on_tag(canvas, text, label.bbox[0], label.bbox[1] - 2.0, style.CLASS_COLORS[label.type])
+        style.write_on_tag(canvas, text, label.bbox[0], label.bbox[1] - 2.0, style.class_color(label.type))
 
 
 def _overlap(first: tuple[float, float, float, float], second: tuple[float, float, float, float]) -> bool:

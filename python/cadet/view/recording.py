@@ -123,7 +123,7 @@ class _Recorder:
         for label, box_velo, agent in zip(labels, boxes_velo, _agents_of(frame), strict=True):
             if agent is not None:
                 place = (world_from_ego @ ego_from_velo @ [*box_velo[:3], 1.0])[:3]
-                self._log_way(f"world/tracks/{agent}", place, style.CLASS_COLORS[label.type])
+                self._log_way(f"world/tracks/{agent}", place, style.class_color(label.type))
 
     def _log_pose(self, entity: str, pose: NDArray[np.float64]) -> None:
         self._stream.log(entity, rerun.Transform3D(translation=pose[:3, 3], mat3x3=pose[:3, :3]))
@@ -155,7 +155,7 @@ class _Recorder:
         boxes = rerun.Boxes2D(
             mins=rectangles[:, :2] + 0.5,
             sizes=rectangles[:, 2:] - rectangles[:, :2],
-            colors=[style.CLASS_COLORS[label.type] for label in frame.labels],
+            colors=[style.class_color(label.type) for label in frame.labels],
             labels=[label.type for label in frame.labels],
         )
         self._stream.log("world/ego/velo/camera/boxes", boxes)
@@ -167,7 +167,7 @@ class _Recorder:
             centers=boxes_velo[:, :3],
             sizes=boxes_velo[:, 3:6],
             quaternions=np.column_stack([np.zeros((len(labels), 2)), np.sin(half_yaw), np.cos(half_yaw)]),
-            colors=[style.CLASS_COLORS[label.type] for label in labels],
+            colors=[style.class_color(label.type) for label in labels],
             labels=[label.type if agent is None else f"{label.type} {agent}" for label, agent in names],
         )
         self._stream.log("world/ego/velo/boxes", cuboids)

@@ -165,13 +165,14 @@ def _legend(frame: Frame, width: int, height: int, title: str) -> style.Image:
     line += 8
     counts = Counter(label.type for label in frame.labels)
     column_width = (width - 2 * left) // _LEGEND_COLUMNS
-    for index, (name, color) in enumerate(style.CLASS_COLORS.items()):
+    names = [*style.CLASS_COLORS, *sorted(set(counts) - set(style.CLASS_COLORS))]
+    for index, name in enumerate(names):
         x, y = left + index % _LEGEND_COLUMNS * column_width, line + index // _LEGEND_COLUMNS * 26
         swatch = np.array([[x, y - 10], [x + 12, y - 10], [x + 12, y + 2], [x, y + 2]])
-        style.polygon(panel, swatch, color, 1.0 if counts[name] else 0.35)
+        style.polygon(panel, swatch, style.class_color(name), 1.0 if counts[name] else 0.35)
         text_color = style.TEXT if counts[name] else style.FAINT_TEXT
         style.write(panel, f"{name} {counts[name] or ''}", x + 20, y, 0.45, text_color)
-    bottom = line + 2 * 26
+    bottom = line + -(-len(names) // _LEGEND_COLUMNS) * 26
     if bottom + 30 <= height:
         _draw_height_scale(panel, left, bottom, min(260, width - 2 * left))
     return panel

@@ -32,7 +32,15 @@ CLASS_COLORS: Final[dict[str, Color]] = {
     "Misc": (240, 230, 120),
     "DontCare": DONT_CARE,
 }
-"""One color a type of label."""
+"""One color a type of KITTI's labels."""
+
+_OTHER: Final[Color] = (255, 255, 255)
+
+
+def class_color(name: str) -> Color:
+    """Return the color of a type; that of types that KITTI does not have is white."""
+    return CLASS_COLORS.get(name, _OTHER)
+
 
 _SHIFT: Final = 4
 _SUBPIXELS: Final = 1 << _SHIFT

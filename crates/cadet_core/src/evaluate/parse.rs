@@ -114,7 +114,8 @@ impl<'a> Line<'a> {
             return Err(self.error(0, format!("expected a name such as Car, got {kind:?}{}", self.hint())));
         }
         for (column, number) in numbers.iter_mut().enumerate().skip(1) {
-            let count = || format!("expected {N} columns, got {column}");
+            let remedy = if column == SCORE { ": a result ends with its score" } else { "" };
+            let count = || format!("expected {N} columns, got {column}{remedy}");
             *number = self.number(column, parts.next().ok_or_else(|| self.error(column, count()))?)?;
         }
         let num_more = if has_more { 0 } else { parts.count() };
@@ -205,7 +206,7 @@ mod tests {
             assert_eq!(second("Car ", &format!("{name} ")).1, 1);
         }
         let detection = |text: String| parse_detections(text.as_bytes(), "").unwrap_err().to_string();
-        assert_eq!(detection(format!("\n{CAR}")), ":2: column 16: score: expected 16 columns, got 15");
+        assert_eq!(detection(format!("\n{CAR}")), ":2: column 16: score: expected 16 columns, got 15: a result ends with its score");
         assert_eq!(detection(format!("{CAR} 1 2")), ":1: column 17: expected 16 columns, got 17");
         assert!(detection(format!("{CAR} -1e7")).contains("above -1e7"));
     }

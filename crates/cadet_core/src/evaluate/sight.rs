@@ -1,11 +1,13 @@
 //! How many objects and detections have no height in the image, by which KITTI's rules choose what counts.
 
-use super::metric::Settings;
+use super::metric::{ClassLimits, Settings};
 use super::objects::FramePair;
 
 /// Counts among the types of the classes that are evaluated.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Sight {
+    /// The classes of whose types there is neither an object nor a detection.
+    pub absent_classes: Vec<usize>,
     /// Objects.
     pub num_truths: usize,
     /// Objects without a rectangle: no level with a least height asks for them.
@@ -23,7 +25,15 @@ pub struct Sight {
 pub fn sight(frames: &[FramePair], settings: &Settings) -> Sight {
     let least_px = settings.levels.iter().map(|level| level.min_height_px).fold(f64::INFINITY, f64::min);
     let is_own = |kind| settings.classes.iter().any(|class| class.kinds.contains(kind));
-    let mut sight = Sight::default();
+    let is_there = |class: &ClassLimits| {
+        let has = |frame: &FramePair| {
+            frame.truths.iter().any(|truth| class.kinds.contains(truth.kind))
+                || frame.detections.iter().any(|detection| class.kinds.contains(detection.kind))
+        };
+        frames.iter().any(has)
+    };
+    let absent = settings.classes.iter().enumerate().filter(|(_, class)| !is_there(class)).map(|(index, _)| index);
+    let mut sight = Sight { absent_classes: absent.collect(), ..Sight::default() };
     for frame in frames {
         for truth in frame.truths.iter().filter(|truth| is_own(truth.kind)) {
             sight.num_truths += 1;

@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet.kitti.frame import Frame
-from cadet.kitti.label import TYPES
 from cadet.kitti.lint.finding import Problem
 
 _SMALL_SIZE: Final = (48, 16)
@@ -43,14 +42,16 @@ class Signature:
         scan_hash: of the scan's points; empty for a scan without points.
         small_image: (48 * 16,) float32, gray, of mean 0 and length 1.
         log_ranges: (64,) float32: the logarithm of a meter plus the median range of each sector ahead.
-        objects: (M, 5) float32: type and 2D box of each object, in pixels of an image 1242 pixels wide.
+        types: of the M objects.
+        boxes_img: (M, 4) float32: the 2D box of each, in pixels of an image 1242 pixels wide.
     """
 
     image_hash: bytes
     scan_hash: bytes
     small_image: NDArray[np.float32]
     log_ranges: NDArray[np.float32]
-    objects: NDArray[np.float32]
+    types: NDArray[np.str_]
+    boxes_img: NDArray[np.float32]
 
 
 def signature_of(frame: Frame) -> Signature:
@@ -59,12 +60,15 @@ def signature_of(frame: Frame) -> Signature:
     small = cv2.resize(gray, _SMALL_SIZE, interpolation=cv2.INTER_AREA).astype(np.float32).ravel()
     small -= small.mean()
     points = frame.points_velo
+    objects = [label for label in frame.labels if not label.is_dont_care]
+    scale = _WIDTH_PX / frame.image_size[0]
     return Signature(
         image_hash=sha256(frame.image.tobytes()).digest(),
         scan_hash=sha256(points.tobytes()).digest() if len(points) else b"",
         small_image=small / np.float32(max(float(np.linalg.norm(small)), 1e-6)),
         log_ranges=_log_ranges(points),
-        objects=_objects(frame),
+        types=np.array([label.type for label in objects], np.str_),
+        boxes_img=scale * np.array([label.bbox for label in objects], np.float32).reshape(-1, 4),
     )
 
 
@@ -104,29 +108,19 @@ def _alike_pairs(signatures: Sequence[Signature]) -> Iterator[tuple[int, int]]:
             later = start + int(row)
             if later in found or np.median(np.abs(ranges[later] - ranges[column])) > _ALIKE_SCANS:
                 continue
-            if _have_same_objects(signatures[later].objects, signatures[int(column)].objects):
+            if _have_same_objects(signatures[later], signatures[int(column)]):
                 found.add(later)
                 yield later, int(column)
 
 
-def _objects(frame: Frame) -> NDArray[np.float32]:
-    scale = _WIDTH_PX / frame.image_size[0]
-    rows = [
-        (TYPES.index(label.type), *(scale * side for side in label.bbox))
-        for label in frame.labels
-        if not label.is_dont_care
-    ]
-    return np.array(rows, np.float32).reshape(-1, 5)
-
-
-def _have_same_objects(one: NDArray[np.float32], other: NDArray[np.float32]) -> bool:
+def _have_same_objects(one: Signature, other: Signature) -> bool:
     """Tell whether each object of either has one of its type, with nearly its box, in the other."""
-    if len(one) != len(other):
+    if len(one.types) != len(other.types):
         return False
-    if not len(one):
+    if not len(one.types):
         return True
-    is_type = one[:, None, 0] == other[None, :, 0]
-    moved_px = np.abs(one[:, None, 1:] - other[None, :, 1:]).max(axis=2)
+    is_type = one.types[:, None] == other.types[None, :]
+    moved_px = np.abs(one.boxes_img[:, None] - other.boxes_img[None, :]).max(axis=2)
     is_same = is_type & (moved_px < _MOVED_PX)
     return bool(is_same.any(axis=0).all() and is_same.any(axis=1).all())
 

@@ -18,6 +18,7 @@ from cadet.kitti.calib import Calibration
 from cadet.kitti.dialects import collected
 from cadet.kitti.files import SUFFIXES, display_name, file_path
 from cadet.kitti.frame import Frame
+from cadet.kitti.frame_files import FolderFiles, read_text
 from cadet.kitti.lint.duplicates import Signature, signature_of
 from cadet.kitti.lint.evidence import lint_evidence
 from cadet.kitti.lint.finding import Finding, Problem, Severity
@@ -130,10 +131,11 @@ class _FrameLint:
 
     def _lint_frame(self, frame: Frame, texts: dict[str, str]) -> None:
         self._lint_calib(frame.calib)
-        self._extend("calib", lint_calib_lines(texts["calib"]))
+        self._extend("calib", lint_calib_lines(texts["calib"], self.soft))
         if (self.folder / "label_2").is_dir():
             self._extend("label_2", lint_label_lines(texts["label_2"], frame.labels, self.soft))
-        self._extend("label_2", lint_labels(frame.labels, frame.calib, frame.image_size, strict=self.task.strict))
+        problems = lint_labels(texts["label_2"], frame.labels, frame.calib, frame.image_size, strict=self.task.strict)
+        self._extend("label_2", problems)
         self._lint_points(frame.points_velo)
         self._extend("velodyne", lint_depths(frame.points_velo, frame.calib, self.soft))
         self._lint_right_image(frame)
@@ -149,8 +151,8 @@ class _FrameLint:
                 self._add(kind, problem)
 
     def _text(self, kind: str) -> str:
-        path = file_path(self.folder, kind, self.frame_id)
-        return path.read_text(encoding="ascii") if path.is_file() else ""
+        files = FolderFiles(self.folder)
+        return read_text(files, kind, self.frame_id)[0] if files.has(kind, self.frame_id) else ""
 
     def _add(self, kind: str, problem: Problem) -> None:
         if problem.severity == "error":
@@ -241,6 +243,8 @@ class _FrameLint:
             ("Tr_velo_to_cam", calib.Tr_velo_to_cam[:, :3]),
             ("Tr_imu_to_velo", calib.Tr_imu_to_velo[:, :3]),
         ):
+            if name == "Tr_imu_to_velo" and not calib.Tr_imu_to_velo.any():
+                continue
             deviation = float(np.abs(rotation @ rotation.T - np.eye(3)).max())
             if not (deviation <= _UNIT_TOLERANCE and np.linalg.det(rotation) > 0.0):
                 self._add("calib", Problem(None, "calibration", f"{name}: no rotation (off by {deviation:.2g})"))

@@ -21,6 +21,7 @@ from cadet import boxes
 from cadet.kitti.calib import Calibration
 from cadet.kitti.label import Label
 from cadet.kitti.lint.finding import Problem, Severity
+from cadet.kitti.text import content_lines
 
 ROUNDING: Final = 0.0051
 """How far two decimals may be from the number."""
@@ -36,20 +37,24 @@ _DONT_CARE: Final = Label.in_image("DontCare", (0, 0, 0, 0))
 
 
 def lint_labels(
-    labels: tuple[Label, ...], calib: Calibration, image_size: tuple[int, int], *, strict: bool
+    text: str, labels: tuple[Label, ...], calib: Calibration, image_size: tuple[int, int], *, strict: bool
 ) -> Iterator[Problem]:
     """Yield what is wrong with the lines of a label file.
 
     Args:
-        labels: the file's lines, read.
+        text: the file's text.
+        labels: its lines, read.
         calib: the frame's calibration.
         image_size: width and height of its image in pixels.
         strict: tight tolerances, and errors instead of warnings.
     """
     soft: Severity = "error" if strict else "warning"
-    for line, label in enumerate(labels, start=1):
-        if label.score is not None:
-            yield Problem(line, "label-field", "expected 15 fields, got 16: a label has no score")
+    lines = [line for line, _ in content_lines(text)]
+    scored = [line for line, label in zip(lines, labels, strict=True) if label.score is not None]
+    if scored:
+        message = f"{len(scored)} of {len(lines)} lines have a 16th field, a score: expected 15"
+        yield Problem(scored[0], "dialect", message, soft)
+    for line, label in zip(lines, labels, strict=True):
         bbox_problems = list(_lint_bbox(line, label, image_size, soft))
         yield from bbox_problems
         if label.is_dont_care:
