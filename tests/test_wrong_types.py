@@ -222,7 +222,6 @@ CALLS: dict[str, tuple[Callable[..., Any], list[str]]] = {
     "Label.from_line": (kitti.Label.from_line, ["line"]),
     "Calibration.from_text": (kitti.Calibration.from_text, ["text"]),
     "plane_from_text": (plane_from_text, ["text"]),
-    "text_from_labels": (kitti.text_from_labels, ["labels"]),
     "boxes_2d": (lambda **k: cadet.evaluate([[]], [[]], **k), ["boxes_2d"]),
     "points_in_boxes": (lambda **k: boxes.points_in_boxes(BOXES, BOXES, **k), ["margin_m"]),
     "boxes_velo_from_cam": (lambda **k: boxes.boxes_velo_from_cam(BOXES, **k), ["calib"]),

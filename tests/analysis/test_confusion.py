@@ -149,7 +149,7 @@ def test_a_class_of_several_types_is_that_of_the_same_types_renamed() -> None:
         ('name = "Seen"', 'name = "Any"', "each name once"),
         ("inclusive", "inclusiv", "level 1: unknown key 'inclusiv', expected some of name, min_height_px"),
         ("[[level]]", "[[levels]]", "unknown key 'levels', expected some of level, class"),
-        ('"Truck"]', '"Lorry"]', r"class Vehicle\.types: unknown type 'Lorry'"),
+        ('"Truck"]', '"DontCare"]', r"class Vehicle\.types: expected types of labels such as Car, got 'D"),
         ('["Misc"]', '["Van"]', r"class Vehicle\.neighbors: Van is one of its own types"),
         (", 3d = 0.25", "", r"class Vehicle\.min_overlap: no limit for 3d"),
         ("3d = 0.25", "3d = 1.0", "1.0 is no limit"),

@@ -30,6 +30,7 @@ SHAPES: Final = {
 """The keys of a calibration file in the order of KITTI's lines, and the shapes of their matrices."""
 
 _USED: Final = ("P2", "R0_rect", "Tr_velo_to_cam")
+_NAMES_SHOWN: Final = 12
 _ODOMETRY: Final = "tr"
 _ALIASES: Final = {re.sub("_|to", "", key.lower()): key for key in SHAPES} | {
     "r0": "R0_rect",
@@ -48,7 +49,7 @@ _REMEDIES: Final = {
     "R0_rect": "if the images are rectified, add 'R0_rect: 1 0 0 0 1 0 0 0 1'",
     "Tr_velo_to_cam": "it brings the LIDAR's points into the camera's frame",
 }
-_LINE: Final = re.compile(r"([A-Za-z]\w*)(?:\s*[:=]\s*|\s+|$)(.*)")
+_LINE: Final = re.compile(r"([A-Za-z]\w{0,63})(?:\s*[:=]\s*|\s+|$)(.*)")
 
 
 def key_of_line(line: str) -> str:
@@ -125,7 +126,7 @@ def _check_used(matrices: dict[str, NDArray[np.float64]], unknown: tuple[str, ..
             "(3 x 4), as Tr_velo_to_cam",
             file,
         )
-    found = f"; it has {', '.join((*matrices, *unknown))}" if matrices or unknown else ""
+    found = f"; it has {', '.join((*matrices, *unknown)[:_NAMES_SHOWN])}" if matrices or unknown else ""
     raise KittiFormatError(f"missing key {missing[0]!r}: {_REMEDIES[missing[0]]}{found}", file)
 
 

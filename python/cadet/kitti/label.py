@@ -205,10 +205,7 @@ class Label:
 
 def boxes_cam_from_labels(labels: Iterable[Label]) -> NDArray[np.float64]:
     """Gather the boxes of labels, DontCare regions too: (M, 7) float64 [x, y, z, l, w, h, rotation_y], cam frame."""
-    labels = tuple(labels)
-    for label in labels:
-        check_kind("", "labels", label, Label)
-    boxes = [label.box_cam for label in labels]
+    boxes = [label.box_cam for label in _checked(labels)]
     return np.stack(boxes) if boxes else np.zeros((0, 7))
 
 
@@ -239,10 +236,15 @@ def labels_from_text(text: str, file: str = "label") -> tuple[Label, ...]:
 
 def text_from_labels(labels: Iterable[Label]) -> str:
     """Write labels as a file's text, one line each."""
+    return "".join(f"{label.to_line()}\n" for label in _checked(labels))
+
+
+def _checked(labels: Iterable[Label]) -> tuple[Label, ...]:
+    check_kind("", "labels", labels, Iterable)
     labels = tuple(labels)
     for label in labels:
         check_kind("", "labels", label, Label)
-    return "".join(f"{label.to_line()}\n" for label in labels)
+    return labels
 
 
 def _parse_number(text: str, name: str, where: tuple[str, int]) -> float:

@@ -29,18 +29,19 @@ def plane_from_text(text: str, file: str = "plane") -> NDArray[np.float64]:
         KittiFormatError: not four lines, or the last is not four finite numbers.
     """
     lines = content_lines(text)
-    if len(lines) == 1:
-        accept("plane-header", f"the plane without its {_NUM_LINES - 1} header lines: AVOD reads line 4", file, 1)
-    elif len(lines) != _NUM_LINES:
+    if len(lines) not in (1, _NUM_LINES):
         raise KittiFormatError(f"expected {_NUM_LINES} lines, the last a b c d of the plane, got {len(lines)}", file)
     number, line = lines[-1]
     fields = line.split()
     if len(fields) != _NUM_LINES:
         raise KittiFormatError(f"expected 4 numbers, got {len(fields)}", file, number)
     try:
-        return np.array([number_from_text(field) for field in fields])
+        plane = np.array([number_from_text(field) for field in fields])
     except ValueError as error:
         raise KittiFormatError(str(error), file, number) from None
+    if len(lines) == 1:
+        accept("plane-header", f"the plane without its {_NUM_LINES - 1} header lines: AVOD reads line 4", file, number)
+    return plane
 
 
 def text_from_plane(plane: NDArray[np.float64]) -> str:
