@@ -62,8 +62,9 @@ class ObjectClass:
     """Length, width and height of each cluster."""
 
     def __post_init__(self) -> None:
-        if not is_object_type(self.name) or self.name != kitti_spelling(self.name):
+        if not is_object_type(self.name):
             raise CadetError(f"ObjectClass.name: expected a type of labels such as Car, got {shown(self.name)}")
+        object.__setattr__(self, "name", kitti_spelling(self.name))
         if not self.anchor_sizes_lwh_m:
             raise CadetError("ObjectClass.anchor_sizes_lwh_m: expected at least one size, got none")
         for size in self.anchor_sizes_lwh_m:

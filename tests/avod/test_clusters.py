@@ -70,8 +70,9 @@ def test_the_command_prints_a_configuration(data: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--class", "Car"], "--class: expected a type of KITTI's labels and a count, such as Car=2, got 'Car'"),
-        (["--class", "Bus=1"], "got 'Bus=1'"),
+        (["--class", "Car"], "--class: expected a type of labels and a count, such as Car=2, got 'Car'"),
+        (["--class", "1.5=1"], "got '1.5=1'"),
+        (["--class", "Bus=1"], "expected labels of Bus in at least 1 sizes, got 0 among 0 labels of 3 frames"),
         (["--class", "Car=0"], "--class: expected 1 to 64 sizes, got 'Car=0'"),
         (["--class", "Car=4"], "expected labels of Car in at least 4 sizes, got 3 among 3 labels of 3 frames"),
         (["--class", "Van=1"], "expected labels of Van in at least 1 sizes, got 0 among 0 labels of 3 frames"),

@@ -62,8 +62,8 @@ def test_class_groups() -> None:
             "{file}: bev.slice_maps[0]: expected one of 'max_height', 'min_height', 'dens",
         ),
         (
-            "[[classes]]\nname = 'Cat'",
-            "{file}: classes[0]: ObjectClass.name: expected a type of KITTI's labels, got 'C",
+            "[[classes]]\nname = 'DontCare'",
+            "{file}: classes[0]: ObjectClass.name: expected a type of labels such as Car, got 'D",
         ),
         ("ground = 'flat'", "{file}: ground: expected one of 'file', 'estimated', got 'flat'"),
         ("rpn = ", "{file}: no TOML: "),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -56,6 +57,12 @@ def test_more_frames_than_there_are_are_refused(config: Config, data: Path) -> N
         TrainingData(data, "train", config, 0, frames=7)
     with pytest.raises(CadetError, match="--frames 2: several folders have shares instead"):
         TrainingData(((data, 0.5), (data, 0.5)), "train", config, 0, frames=2)
+
+
+def test_a_class_that_no_label_has_is_refused_by_name(config: Config, data: Path) -> None:
+    buses = replace(config, classes=(replace(config.classes[0], name="Bus"),))
+    with pytest.raises(CadetError, match=r"none of the 6 frames .* holds a Bus to learn from; their labels have Car"):
+        TrainingData(data, "train", buses, 0)
 
 
 def test_a_training_on_few_frames_goes_on_with_the_same_ones(config: Config, data: Path, tmp_path: Path) -> None:

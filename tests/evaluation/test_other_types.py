@@ -65,7 +65,7 @@ def test_an_analysis_tells_them_apart(folders: tuple[Path, Path]) -> None:
     wrong = [[*labels[:1], replace(labels[1], type="Bus", score=0.8)] for labels in DET]
     for sides in ((GT, wrong), (folders[0], {f"{index:06d}": labels for index, labels in enumerate(wrong)})):
         found = cadet.analyze(
-            *sides,  # type: ignore[arg-type]
+            *sides,
             parts=("confusion", "errors"),
             classes=["Bus", "Trafficcone"],
             min_overlap={"Bus": 0.5, "Trafficcone": 0.5},

@@ -201,7 +201,7 @@ def test_dialects_give_what_plain_files_give_to_both_readers(folders: tuple[Path
             {path.stem: labels_from_text(text_from_bytes(path.read_bytes(), path.name)) for path in folder.iterdir()}
             for folder in folders
         ]
-    assert cadet.evaluate(*sides) == report  # type: ignore[arg-type]
+    assert cadet.evaluate(*sides) == report
 
 
 @pytest.mark.parametrize(

@@ -55,6 +55,37 @@ def test_line_ends_of_another_system_pass(tmp_path: Path) -> None:
     assert findings(tmp_path) == []
 
 
+@pytest.mark.parametrize(
+    ("kind", "old", "new", "found"),
+    [
+        ("label_2", "Car", "car", ["1: warning: type car is read as Car"]),
+        ("label_2", "Car 0.00 0 ", "Car 0.00 0.0 ", ["1: warning: occluded 0.0 is read as 0: MMDetection3D expects"]),
+        ("label_2", "Car", "Cone", ["1: warning: type Cone is none of KITTI's"]),
+        ("label_2", "Pedestrian", "\nPedestrian", ["3: warning: a blank line: OpenPCDet and MMDetection3D stop at it"]),
+        ("label_2", "Car", "\ufeffCar", ["1: warning: the byte order mark before the text is passed over"]),
+        ("calib", "Tr_imu", "TR_imu", ["7: warning: TR_imu_to_velo is read as Tr_imu_to_velo"]),
+        ("calib", "P4", "P4", []),
+    ],
+)
+def test_dialects_are_warnings_once_a_file(tmp_path: Path, kind: str, old: str, new: str, found: list[str]) -> None:
+    car, other, pedestrian, region = make_frame().labels
+    write_frame(tmp_path, 0, make_frame(labels=(car, other, pedestrian, region)), split=None)
+    path = tmp_path / "training" / kind / "000000.txt"
+    text = path.read_text()
+    path.write_bytes((text.replace(old, new) if len(new) < 8 else text.replace(old, new, 1)).encode("utf-8"))
+    messages = findings(tmp_path, strict=False)
+    places = [message.removeprefix(f"{kind}/000000.txt:") for message in messages]
+    assert len(places) == len(found), messages
+    assert all(place.startswith(start) for place, start in zip(places, found, strict=True)), messages
+
+
+def test_line_numbers_are_the_files_own(tmp_path: Path) -> None:
+    write_frame(tmp_path, 0, make_frame(), split=None)
+    path = tmp_path / "training" / "label_2" / "000000.txt"
+    path.write_text("\n\n" + path.read_text().replace("Pedestrian 0.00", "Pedestrian 1.40"))
+    assert "label_2/000000.txt:5: error: truncated 1.4, expected 0..1" in findings(tmp_path)
+
+
 def test_matrices_in_another_order_are_found(tmp_path: Path) -> None:
     write_frame(tmp_path, 0, make_frame(), split=None)
     path = tmp_path / "training" / "calib" / "000000.txt"

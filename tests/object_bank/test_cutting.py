@@ -166,7 +166,7 @@ def test_a_bank_gives_back_what_was_put_in(tmp_path: Path) -> None:
         ({"corners_scan": [[1, 2, 3]]}, r"objects\[0\]: expected box_scan of 7 numbers and corners_scan of 4 rows"),
         ({"num_points": None}, r"objects\[0\]: num_points: expected a whole number"),
         ({"num_points": 5}, r"000000.bin: \d+ points, expected 5"),
-        ({"type": "Cat"}, r"objects\[0\]: type: expected a type of KITTI's objects, got 'Cat'"),
+        ({"type": "1.5"}, r"objects\[0\]: type: expected a type of objects such as Car, got '1.5'"),
         ({"box_scan": [0, 0, 9, 0, 1, 1, 0]}, r"objects\[0\]: expected an object with a size"),
     ],
 )

@@ -9,7 +9,7 @@ import click
 from avod.cli.options import check_split, resolve_split, split_option
 from avod.clusters import anchor_sizes, toml_of
 from cadet.errors import CadetError
-from cadet.kitti.label import is_object_type
+from cadet.kitti.label import is_object_type, kitti_spelling
 
 _MOST = 64
 
@@ -43,4 +43,4 @@ def _count(text: str) -> tuple[str, int]:
         raise CadetError(f"--class: expected a type of labels and a count, such as Car=2, got {text!r}")
     if not 1 <= int(count[:9]) <= _MOST:
         raise CadetError(f"--class: expected 1 to {_MOST} sizes, got {text!r}")
-    return name, int(count)
+    return kitti_spelling(name), int(count)

@@ -45,12 +45,13 @@ def project_sides(
     alphas = detections.objects.alphas.astype(np.float64)
     is_empty = (seen_truths[:, 0] == seen_truths[:, 2]) | (seen_truths[:, 1] == seen_truths[:, 3])
     wanted = (_has_box(truths) & is_empty, _has_box(detections))
+    sides: tuple[Packed[Any], Packed[Any]] = (truths, detections)
     for frame, frame_id in enumerate(ids):
-        parts = [_rows(side, frame, rows) for side, rows in zip((truths, detections), wanted, strict=True)]
+        parts = [_rows(side, frame, rows) for side, rows in zip(sides, wanted, strict=True)]
         if not any(map(len, parts)):
             continue
         calib, size = kitti.read_calib(folder, frame_id), _image_size(folder, frame_id)
-        for side, seen, rows in zip((truths, detections), (seen_truths, seen_detections), parts, strict=True):
+        for side, seen, rows in zip(sides, (seen_truths, seen_detections), parts, strict=True):
             whole = boxes.project_boxes(side.objects.boxes_cam[rows], calib)
             is_ahead = np.isfinite(whole).all(axis=1)
             seen[rows[is_ahead]] = boxes.clip_boxes_img(whole[is_ahead], size)

@@ -206,7 +206,10 @@ mod tests {
             assert_eq!(second("Car ", &format!("{name} ")).1, 1);
         }
         let detection = |text: String| parse_detections(text.as_bytes(), "").unwrap_err().to_string();
-        assert_eq!(detection(format!("\n{CAR}")), ":2: column 16: score: expected 16 columns, got 15: a result ends with its score");
+        assert_eq!(
+            detection(format!("\n{CAR}")),
+            ":2: column 16: score: expected 16 columns, got 15: a result ends with its score"
+        );
         assert_eq!(detection(format!("{CAR} 1 2")), ":1: column 17: expected 16 columns, got 17");
         assert!(detection(format!("{CAR} -1e7")).contains("above -1e7"));
     }
