@@ -7,9 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 import cadet
 from cadet import CadetError, MissingFileError, boxes
+from cadet.cli.tools import cadet as command
 from cadet.evaluation.packed import read_packed
 from cadet.evaluation.projected import project_sides
 from cadet.kitti import Label, images
@@ -58,6 +60,9 @@ def test_detections_that_count_nothing_are_told_and_projected(tmp_path: Path, bb
     )
     assert [row["Easy"] for row in mended.ap["Car"].values()] == pytest.approx([100.0] * 6, abs=1e-3)
     assert mended.ap["Car"].keys() == {"2d", "bev", "3d", "aos", "ahs_bev", "ahs_3d"}
+    options = ["--classes", "Car", "--boxes-2d", "project", "--json"]
+    printed = CliRunner().invoke(command, ["eval", str(gt), str(det), *options], catch_exceptions=False)
+    assert printed.output == mended.to_json()
     assert mended.ap["Car"]["3d"] == perfect.ap["Car"]["3d"]
     assert mended.warnings == perfect.warnings == ()
 

@@ -36,7 +36,8 @@ class Dialect:
         return f"{where}: {self.message}"
 
 
-_collected: Final[ContextVar[list[Dialect] | None]] = ContextVar("_collected", default=None)
+_Key = tuple[str, str, str]
+_collected: Final[ContextVar[tuple[list[Dialect], set[_Key]] | None]] = ContextVar("_collected", default=None)
 
 
 def accept(kind: str, message: str, file: str, line: int | None = None) -> None:
@@ -48,15 +49,18 @@ def accept(kind: str, message: str, file: str, line: int | None = None) -> None:
     collecting = _collected.get()
     if collecting is None:
         notice([str(found)], about="dialect", key=kind)
-    elif not any((one.kind, one.message, one.file) == (kind, message, file) for one in collecting):
-        collecting.append(found)
+        return
+    dialects, seen = collecting
+    if (kind, message, file) not in seen:
+        seen.add((kind, message, file))
+        dialects.append(found)
 
 
 @contextmanager
 def collected() -> Iterator[list[Dialect]]:
     """Gather the dialects that are read meanwhile in place of warning of them."""
     found: list[Dialect] = []
-    token = _collected.set(found)
+    token = _collected.set((found, set()))
     try:
         yield found
     finally:
