@@ -127,7 +127,8 @@ def _check_used(matrices: dict[str, NDArray[np.float64]], unknown: tuple[str, ..
             file,
         )
     found = f"; it has {', '.join((*matrices, *unknown)[:_NAMES_SHOWN])}" if matrices or unknown else ""
-    raise KittiFormatError(f"missing key {missing[0]!r}: {_REMEDIES[missing[0]]}{found}", file)
+    remedies = "; ".join(f"missing key {key!r}: {_REMEDIES[key]}" for key in missing)
+    raise KittiFormatError(f"{remedies}{found}", file)
 
 
 def _matrix(values: list[str], key: str, where: tuple[str, int]) -> NDArray[np.float64]:
