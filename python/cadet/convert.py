@@ -10,7 +10,7 @@ from typing import Final
 
 from cadet.checks import as_path, check_number, is_one_of, shown
 from cadet.errors import CadetError, MissingFileError
-from cadet.kitti.files import REQUIRED, SUFFIXES, file_path, frame_ids, sample_folder, testing_folder
+from cadet.kitti.files import REQUIRED, SUFFIXES, file_path, found_path, frame_ids, sample_folder, testing_folder
 from cadet.kitti.frame_files import FolderFiles, FrameFiles
 from cadet.kitti.image_sets import ImageSet, read_image_set
 from cadet.sink import LocalSink
@@ -122,7 +122,7 @@ def _open_folder(root: Path) -> _Source:
             if split_ids:
                 splits[split] = (files, split_ids)
         ids_of_part = {frame_id for split_ids in of_splits.values() for frame_id in split_ids}
-        taken |= {file_path(part, kind, frame_id).relative_to(root) for kind in SUFFIXES for frame_id in ids_of_part}
+        taken |= {found_path(part, kind, frame_id).relative_to(root) for kind in SUFFIXES for frame_id in ids_of_part}
     if not splits:
         raise MissingFileError(f"{root}: no frames")
     lists = _lists_of(root)
@@ -169,8 +169,8 @@ def _left_out(root: Path, taken: set[Path]) -> tuple[str, ...]:
 def _put_folder(sink: LocalSink, split: str, files: FrameFiles, ids: Sequence[str]) -> None:
     part = Path("testing" if split == "test" else "training")
     for frame_id in ids:
-        for kind, data in _files_of(files, frame_id):
-            sink.put(str(file_path(part, kind, frame_id)), data)
+        for kind, suffix, data in _files_of(files, frame_id):
+            sink.put(str(file_path(part, kind, frame_id, suffix)), data)
 
 
 def _put_shards(sink: LocalSink, split: str, files: FrameFiles, ids: Sequence[str], shard_size: int) -> None:
@@ -178,15 +178,17 @@ def _put_shards(sink: LocalSink, split: str, files: FrameFiles, ids: Sequence[st
     for number in range(-(-len(ids) // shard_size)):
         members: dict[str, Member] = {}
         named = (
-            (member_name(frame_id, kind), data)
+            (member_name(frame_id, kind, suffix), data)
             for frame_id in islice(left, shard_size)
-            for kind, data in _files_of(files, frame_id)
+            for kind, suffix, data in _files_of(files, frame_id)
         )
         sink.put(f"{split}/{number:06d}.tar", archive_chunks(named, members))
         sink.put(f"{split}/{number:06d}{SUFFIX}", text_from_index(members).encode("ascii"))
 
 
-def _files_of(files: FrameFiles, frame_id: str) -> Iterator[tuple[str, bytes]]:
+def _files_of(files: FrameFiles, frame_id: str) -> Iterator[tuple[str, str, bytes]]:
+    """Yield kind, suffix and bytes of each file of a frame."""
     for kind in SUFFIXES:
         if files.has(kind, frame_id):
-            yield kind, files.read(kind, frame_id)[0]
+            data, name = files.read(kind, frame_id)
+            yield kind, Path(name).suffix, data

@@ -20,6 +20,7 @@ from cadet.kitti.files import (
     check_id,
     file_path,
     frame_ids,
+    read_suffixes,
     sample_folder,
     split_folder,
     write_whole,
@@ -28,6 +29,7 @@ from cadet.kitti.frame import Frame
 from cadet.kitti.frame_files import (
     FolderFiles,
     frame_from_files,
+    image_from_files,
     labels_from_files,
     meta_from_files,
     read_depth,
@@ -102,7 +104,7 @@ def check_files(root: str | Path, frame_id: str | int) -> list[tuple[str, CadetE
     files = FolderFiles(sample_folder(root))
     frame_id = check_id(frame_id)
     readers: dict[str, Callable[[], object]] = {
-        "image_2": lambda: images.decode_image(*files.read("image_2", frame_id)),
+        "image_2": lambda: image_from_files(files, frame_id),
         "velodyne": lambda: points_from_bytes(*files.read("velodyne", frame_id)),
         "calib": lambda: read_calib(files.folder, frame_id),
     }
@@ -114,7 +116,7 @@ def check_files(root: str | Path, frame_id: str | int) -> list[tuple[str, CadetE
     wrong = [(kind, error) for kind, reader in readers.items() if (error := _error_of(reader)) is not None]
     is_image_read = all(kind != "image_2" for kind, _ in wrong)
     if is_image_read:
-        shape = images.decode_image(*files.read("image_2", frame_id)).shape
+        shape = image_from_files(files, frame_id).shape
         maps: dict[str, Callable[[], object]] = {
             "depth": lambda: read_depth(files, frame_id, shape),
             "instance": lambda: read_instance(files, frame_id, shape),
@@ -219,7 +221,12 @@ def write_frame(
     check_flag("", "overwrite", overwrite)
     if split is not None:
         other_split(root, frame_id, split)
-    present = [path for kind in SUFFIXES if (path := file_path(folder, kind, frame_id)).exists()]
+    present = [
+        path
+        for kind in SUFFIXES
+        for suffix in read_suffixes(kind)
+        if (path := file_path(folder, kind, frame_id, suffix)).exists()
+    ]
     if present and not overwrite:
         raise FrameExistsError(f"{present[0]}: frame {frame_id} exists; pass overwrite=True to replace it")
     contents = encode_frame(frame)

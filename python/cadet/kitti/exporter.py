@@ -77,7 +77,7 @@ class KittiExporter(FilesInPlace):
         found = set()
         for part in ("training", "testing"):
             for kind in REQUIRED:
-                found |= {int(frame_id) for frame_id in ids_among(sink.names(f"{part}/{kind}"), kind)}
+                found |= {int(frame_id) for frame_id in ids_among(sink.names(f"{part}/{kind}"), (SUFFIXES[kind],))}
         return found
 
     def finish(self, sink: Sink, places: Iterable[Place]) -> Ending:

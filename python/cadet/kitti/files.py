@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Final
 
@@ -28,6 +28,9 @@ SUFFIXES: Final = {
     "point_labels": ".label",
 }
 """Every folder of a training set and the suffix of its files."""
+
+_IMAGE_SUFFIXES: Final = (".png", ".jpg", ".jpeg", ".PNG", ".JPG", ".JPEG")
+_READ_SUFFIXES: Final = {"image_2": _IMAGE_SUFFIXES, "image_3": _IMAGE_SUFFIXES}
 
 REQUIRED: Final = ("image_2", "velodyne", "calib")
 """The folders that every frame must have a file in."""
@@ -83,9 +86,21 @@ def split_folder(root: str | Path, split: str | None) -> Path:
     return folder
 
 
-def file_path(folder: Path, kind: str, frame_id: str) -> Path:
-    """Name the file of one kind (a key of `SUFFIXES`) of a frame."""
-    return folder / kind / f"{frame_id}{SUFFIXES[kind]}"
+def file_path(folder: Path, kind: str, frame_id: str, suffix: str | None = None) -> Path:
+    """Name the file of one kind (a key of `SUFFIXES`) of a frame, as it is written unless another suffix is given."""
+    return folder / kind / f"{frame_id}{suffix or SUFFIXES[kind]}"
+
+
+def read_suffixes(kind: str) -> tuple[str, ...]:
+    """Return the suffixes that files of one kind are read with; the first that is there is read."""
+    return _READ_SUFFIXES.get(kind, (SUFFIXES[kind],))
+
+
+def found_path(folder: Path, kind: str, frame_id: str) -> Path:
+    """Find the file of one kind of a frame by each suffix that is read; where there is none, name what is written."""
+    paths = [file_path(folder, kind, frame_id, suffix) for suffix in read_suffixes(kind)]
+    # Not exists: a broken link in a file's place is to be found.
+    return next((path for path in paths if os.path.lexists(path)), paths[0])
 
 
 def display_name(path: Path) -> str:
@@ -97,15 +112,14 @@ def frame_ids(folder: Path) -> tuple[str, ...]:
     """List the ids that any required folder has, sorted."""
     ids: set[str] = set()
     for kind in REQUIRED:
-        ids |= ids_among((path.name for path in (folder / kind).glob(f"*{SUFFIXES[kind]}")), kind)
+        ids |= ids_among((path.name for path in (folder / kind).glob("*")), read_suffixes(kind))
     return tuple(sorted(ids))
 
 
-def ids_among(names: Iterable[str], kind: str) -> set[str]:
-    """Return the ids of those names that are a file's of one kind (a key of `SUFFIXES`)."""
-    suffix = SUFFIXES[kind]
-    stems = (name.removesuffix(suffix) for name in names if name.endswith(suffix))
-    return {stem for stem in stems if _ID.fullmatch(stem)}
+def ids_among(names: Iterable[str], suffixes: Collection[str]) -> set[str]:
+    """Return the ids of those names that end in one of the suffixes."""
+    paths = map(Path, names)
+    return {path.stem for path in paths if path.suffix in suffixes and _ID.fullmatch(path.stem)}
 
 
 def write_whole(contents: Mapping[Path, bytes]) -> None:

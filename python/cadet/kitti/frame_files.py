@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import glob
 import os
 import stat
 from dataclasses import dataclass
@@ -14,7 +15,8 @@ from numpy.typing import NDArray
 from cadet.errors import FileFormatError, KittiFormatError, MissingFileError
 from cadet.kitti import images
 from cadet.kitti.calib import Calibration
-from cadet.kitti.files import display_name, file_path
+from cadet.kitti.dialects import accept
+from cadet.kitti.files import SUFFIXES, display_name, found_path
 from cadet.kitti.frame import Frame
 from cadet.kitti.label import Label, labels_from_text
 from cadet.kitti.planes import plane_from_text
@@ -50,7 +52,7 @@ class FolderFiles:
     def has(self, kind: str, frame_id: str) -> bool:
         """Tell whether anything stands in a file's place."""
         # Not is_file: a folder or a broken link in a file's place is to be found, not passed over.
-        return os.path.lexists(file_path(self.folder, kind, frame_id))
+        return os.path.lexists(found_path(self.folder, kind, frame_id))
 
     def has_kind(self, kind: str) -> bool:
         """Tell whether there is such a folder."""
@@ -63,14 +65,16 @@ class FolderFiles:
             MissingFileError: there is none.
             KittiFormatError: something else stands in its place.
         """
-        path = file_path(self.folder, kind, frame_id)
+        path = found_path(self.folder, kind, frame_id)
         try:
             # Opening a pipe would wait for its writer.
             if not stat.S_ISREG(path.stat().st_mode):
                 raise KittiFormatError("no regular file", display_name(path))
             return path.read_bytes(), display_name(path)
         except FileNotFoundError:
-            raise MissingFileError(f"{path}: no such file") from None
+            others = sorted(other.name for other in path.parent.glob(f"{glob.escape(frame_id)}.*"))
+            beside = f"; {others[0]} lies there: save it as {path.name}" if others else ""
+            raise MissingFileError(f"{path}: no such file{beside}") from None
 
 
 def frame_from_files(files: FrameFiles, frame_id: str, *, has_extras: bool = True) -> Frame:
@@ -80,7 +84,7 @@ def frame_from_files(files: FrameFiles, frame_id: str, *, has_extras: bool = Tru
         MissingFileError: a file that its fellows have is missing.
         KittiFormatError: a damaged file, named with line and reason.
     """
-    image = images.decode_image(*files.read("image_2", frame_id))
+    image = image_from_files(files, frame_id)
     points_velo = points_from_bytes(*files.read("velodyne", frame_id))
     calib = Calibration.from_text(*read_text(files, "calib", frame_id))
     extras: dict[str, Any] = {}
@@ -99,6 +103,19 @@ def frame_from_files(files: FrameFiles, frame_id: str, *, has_extras: bool = Tru
         plane=plane_from_text(*read_text(files, "planes", frame_id)) if files.has("planes", frame_id) else None,
         **extras,
     )
+
+
+def image_from_files(files: FrameFiles, frame_id: str, kind: str = "image_2") -> NDArray[np.uint8]:
+    """Read a camera's image: (H, W, 3) RGB.
+
+    Raises:
+        MissingFileError: there is none.
+        KittiFormatError: as `images.decode_image` refuses it.
+    """
+    data, name = files.read(kind, frame_id)
+    if not name.endswith(SUFFIXES[kind]):
+        accept("image-suffix", f"{Path(name).suffix} is read where KITTI has {SUFFIXES[kind]}", name)
+    return images.decode_image(data, name)
 
 
 def labels_from_files(files: FrameFiles, frame_id: str) -> tuple[Label, ...]:

@@ -15,7 +15,7 @@ from cadet.kitti import Frame, Label
 from cadet.kitti.files import REQUIRED
 from cadet.kitti.frame_files import frame_from_files, labels_from_files
 from cadet.webdataset.member import ArchiveError
-from cadet.webdataset.member_names import member_name, parse_member_name
+from cadet.webdataset.member_names import found_member, member_name, parse_member_name
 from cadet.webdataset.shard import Shard
 
 _RANGE: Final = re.compile(r"\{([0-9]{1,9})\.\.([0-9]{1,9})\}")
@@ -62,7 +62,7 @@ class ShardDataset:
     def has(self, kind: str, frame_id: str) -> bool:
         """Tell whether a frame has such a file."""
         shard = self._shards.get(frame_id)
-        return shard is not None and member_name(frame_id, kind) in shard.members
+        return shard is not None and found_member(shard.members, frame_id, kind) is not None
 
     def has_kind(self, kind: str) -> bool:
         """Tell whether any frame has such a file."""
@@ -75,11 +75,11 @@ class ShardDataset:
             MissingFileError: no such frame, or it has no such file.
             ArchiveError: the archive is cut, or its index belongs to another.
         """
-        name = member_name(frame_id, kind)
         shard = self._shards.get(frame_id)
-        if shard is None or name not in shard.members:
+        name = None if shard is None else found_member(shard.members, frame_id, kind)
+        if shard is None or name is None:
             where = self.paths[0].parent if shard is None else shard.path
-            raise MissingFileError(f"{where}: no member {name}")
+            raise MissingFileError(f"{where}: no member {member_name(frame_id, kind)}")
         return shard.read(name), f"{shard.path.name}/{name}"
 
     def read_frame(self, frame_id: str, *, has_extras: bool = True) -> Frame:

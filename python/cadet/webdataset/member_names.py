@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Container
 from typing import Final
 
-from cadet.kitti.files import SUFFIXES
+from cadet.kitti.files import SUFFIXES, read_suffixes
 
-_KINDS: Final = {f"{kind}{suffix}": kind for kind, suffix in SUFFIXES.items()}
+_KINDS: Final = {f"{kind}{suffix}": kind for kind in SUFFIXES for suffix in read_suffixes(kind)}
 _RANKS: Final = {kind: rank for rank, kind in enumerate(SUFFIXES)}
 _NAME: Final = re.compile(r"([0-9]{6})\.(.+)")
 
 
-def member_name(frame_id: str, kind: str) -> str:
-    """Name a frame's file of one kind (a key of `cadet.kitti.files.SUFFIXES`)."""
-    return f"{frame_id}.{kind}{SUFFIXES[kind]}"
+def member_name(frame_id: str, kind: str, suffix: str | None = None) -> str:
+    """Name a frame's file of one kind (a key of `cadet.kitti.files.SUFFIXES`), as `file_path` does in a folder."""
+    return f"{frame_id}.{kind}{suffix or SUFFIXES[kind]}"
+
+
+def found_member(members: Container[str], frame_id: str, kind: str) -> str | None:
+    """Find a frame's file of one kind by each suffix that is read; None where there is none."""
+    names = (member_name(frame_id, kind, suffix) for suffix in read_suffixes(kind))
+    return next((name for name in names if name in members), None)
 
 
 def parse_member_name(name: str) -> tuple[str, str] | None:

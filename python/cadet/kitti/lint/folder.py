@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from cadet.kitti.files import REQUIRED, SUFFIXES, check_id, file_path, frame_ids, sample_folder, testing_folder
+from cadet.kitti.files import REQUIRED, SUFFIXES, check_id, found_path, frame_ids, sample_folder, testing_folder
 from cadet.kitti.lint.duplicates import lint_duplicates
 from cadet.kitti.lint.finding import Finding
 from cadet.kitti.lint.frame import SCAN_RANGE_M, Report, Task, display, examine
@@ -103,7 +103,7 @@ def _usual_kinds(folder: Path, ids: Collection[str]) -> tuple[str, ...]:
     """Return the optional folders in which more than half of the frames have a file."""
     kinds = [kind for kind in SUFFIXES if kind not in (*REQUIRED, _BY_FRAME) and (folder / kind).is_dir()]
     return tuple(
-        kind for kind in kinds if 2 * sum(os.path.lexists(file_path(folder, kind, one)) for one in ids) > len(ids)
+        kind for kind in kinds if 2 * sum(os.path.lexists(found_path(folder, kind, one)) for one in ids) > len(ids)
     )
 
 
@@ -113,6 +113,6 @@ def _lint_duplicates(tasks: list[Task], reports: list[Report]) -> list[Finding]:
     ]
     names = [task.frame_id for task, _ in there]
     return [
-        Finding(display(file_path(there[index][0].folder, kind, there[index][0].frame_id)), *problem)
+        Finding(display(found_path(there[index][0].folder, kind, there[index][0].frame_id)), *problem)
         for index, kind, problem in lint_duplicates([signature for _, signature in there], names)
     ]

@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet.errors import CadetError, KittiFormatError, MissingFileError
-from cadet.kitti import dataset, images
+from cadet.kitti import dataset
 from cadet.kitti.calib import Calibration
 from cadet.kitti.dialects import collected
-from cadet.kitti.files import SUFFIXES, display_name, file_path
+from cadet.kitti.files import SUFFIXES, display_name, found_path
 from cadet.kitti.frame import Frame
-from cadet.kitti.frame_files import FolderFiles, read_text
+from cadet.kitti.frame_files import FolderFiles, image_from_files, read_text
 from cadet.kitti.lint.duplicates import Signature, signature_of
 from cadet.kitti.lint.evidence import lint_evidence
 from cadet.kitti.lint.finding import Finding, Problem, Severity
@@ -157,7 +157,7 @@ class _FrameLint:
     def _add(self, kind: str, problem: Problem) -> None:
         if problem.severity == "error":
             self.is_damaged.add(kind)
-        self.findings.append(Finding(display(file_path(self.folder, kind, self.frame_id)), *problem))
+        self.findings.append(Finding(display(found_path(self.folder, kind, self.frame_id)), *problem))
 
     def _extend(self, kind: str, problems: Iterable[Problem]) -> None:
         for problem in problems:
@@ -178,7 +178,7 @@ class _FrameLint:
     def _lint_presence(self) -> None:
         """Find files that the manifest or the other frames' example calls for."""
         for kind in dict.fromkeys((*self.task.hashes, *self.task.usual)):
-            if kind in self.is_damaged or file_path(self.folder, kind, self.frame_id).exists():
+            if kind in self.is_damaged or found_path(self.folder, kind, self.frame_id).exists():
                 continue
             if kind in self.task.hashes:
                 self._add(kind, Problem(None, "missing-file", "missing, but manifest.json names it"))
@@ -194,7 +194,7 @@ class _FrameLint:
             if kind in self.is_damaged or kind not in SUFFIXES:
                 continue
             try:
-                found = sha256(file_path(self.folder, kind, self.frame_id).read_bytes()).hexdigest()
+                found = sha256(found_path(self.folder, kind, self.frame_id).read_bytes()).hexdigest()
             except FileNotFoundError:
                 self._add(kind, Problem(None, "missing-file", f"missing, but {source} names it"))
             except OSError as error:
@@ -204,13 +204,16 @@ class _FrameLint:
                     self._add(kind, Problem(None, "wrong-hash", f"not the file that {source} names"))
 
     def _lint_right_image(self, frame: Frame) -> None:
-        data = self._optional(_RIGHT_IMAGE)
-        if data is None:
+        files = FolderFiles(self.folder)
+        if not files.has(_RIGHT_IMAGE, self.frame_id):
             return
         try:
-            image = images.decode_image(data)
+            image = image_from_files(files, self.frame_id, _RIGHT_IMAGE)
         except KittiFormatError as error:
             self._add(_RIGHT_IMAGE, Problem(None, "damaged-file", error.reason))
+            return
+        except OSError as error:
+            self._add(_RIGHT_IMAGE, Problem(None, "unreadable-file", f"cannot be read: {error.strerror or error}"))
             return
         if image.shape != frame.image.shape:
             sizes = f"{image.shape[1]} x {image.shape[0]} pixels, image_2 has {frame.image_size[0]} x"
@@ -230,7 +233,7 @@ class _FrameLint:
             self._add(_POINT_LABELS, Problem(None, "damaged-file", message))
 
     def _optional(self, kind: str) -> bytes | None:
-        path = file_path(self.folder, kind, self.frame_id)
+        path = found_path(self.folder, kind, self.frame_id)
         try:
             return path.read_bytes() if path.is_file() else None
         except OSError as error:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Final
 
 from cadet.errors import KittiFormatError
-from cadet.kitti.files import REQUIRED, SUFFIXES
+from cadet.kitti.files import REQUIRED, SUFFIXES, found_path, read_suffixes
 from cadet.kitti.image_sets import ImageSet
 from cadet.kitti.lint.finding import Finding, Severity
 
@@ -24,7 +24,7 @@ def lint_folders(folder: Path, ids: Collection[str], display: Callable[[Path], s
         ids: the frames that are there.
         display: names a file in messages.
     """
-    for kind, suffix in SUFFIXES.items():
+    for kind in SUFFIXES:
         try:
             names = sorted(os.listdir(folder / kind))  # noqa: PTH208 - listing alone, no entry is opened
         except FileNotFoundError:
@@ -32,11 +32,13 @@ def lint_folders(folder: Path, ids: Collection[str], display: Callable[[Path], s
         except OSError as error:
             yield unreadable(display(folder / kind), error)
             continue
-        if kind in REQUIRED:
-            continue
         for name in names:
-            if Path(name).stem not in ids or Path(name).suffix != suffix:
-                yield Finding(display(folder / kind / name), None, "stray-file", "belongs to no frame", "warning")
+            path = folder / kind / name
+            is_known = path.stem in ids and path.suffix in read_suffixes(kind)
+            if is_known and (read := found_path(folder, kind, path.stem)) != path:
+                yield Finding(display(path), None, "stray-file", f"not read, since {read.name} is there", "warning")
+            elif not is_known and kind not in REQUIRED:
+                yield Finding(display(path), None, "stray-file", "belongs to no frame", "warning")
 
 
 def lint_lists(
