@@ -53,10 +53,19 @@ def weather_names() -> list[str]:
 
 
 def encode_png(image: NDArray[Any]) -> bytes:
-    stored = image[..., ::-1] if image.ndim == 3 else image
+    stored = image[..., [2, 1, 0, 3][: image.shape[2]]] if image.ndim == 3 else image
     done, data = cv2.imencode(".png", stored)
     assert done
     return data.tobytes()
+
+
+def decode_image(data: bytes, max_pixels: int) -> tuple[NDArray[Any], str, bool, bool]:
+    pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED) if data.startswith(b"\x89PNG") else None
+    if pixels is None:
+        from cadet.errors import FileFormatError
+
+        raise FileFormatError(f"no PNG, JPEG or WebP image ({len(data)} bytes); save it as PNG")
+    return (pixels[..., None] if pixels.ndim == 2 else pixels[..., ::-1]), "PNG", False, False
 
 
 class UniformFiring(SimpleNamespace):

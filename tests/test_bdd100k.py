@@ -17,6 +17,7 @@ from cadet.cli.tools import cadet as command
 from cadet.errors import CadetError, FileFormatError, MissingFileError
 from cadet.kitti import Label
 from cadet.kitti.images import decode_image
+from image_bytes import PNG_START, header
 
 
 def entry(category: str, *box: float, **attributes: object) -> dict[str, Any]:
@@ -137,9 +138,16 @@ def test_the_command_writes_a_folder_that_reads_back(source: Path) -> None:
         convert_bdd100k(source / "det.json", source / "images", source / "out")
 
 
-def test_an_image_that_is_none_is_named(source: Path) -> None:
-    (source / "images" / "a.jpg").write_bytes(b"\xff\xd8 no image")
-    with pytest.raises(FileFormatError, match=r"a\.jpg: no image, or a damaged one"):
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        (b"\xff\xd8 no image", r"a\.jpg: no PNG, JPEG or WebP image"),
+        (PNG_START + header(32_768, 32_768), r"a\.jpg: 32768 x 32768 pixels, at most 33554432 are read"),
+    ],
+)
+def test_an_image_that_is_none_is_named(source: Path, data: bytes, message: str) -> None:
+    (source / "images" / "a.jpg").write_bytes(data)
+    with pytest.raises(FileFormatError, match=message):
         convert_bdd100k(source / "det.json", source / "images", source / "out")
 
 

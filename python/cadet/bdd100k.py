@@ -7,15 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-import cv2
-import numpy as np
-from numpy.typing import NDArray
-
 from cadet.checks import as_path, plain_number, shown
 from cadet.errors import FileFormatError, MissingFileError
 from cadet.kitti import Label
 from cadet.kitti.image_sets import ImageSet
-from cadet.kitti.images import encode_png
+from cadet.kitti.images import decode_image, encode_png
 from cadet.plain_text import json_from_text
 from cadet.sink import LocalSink
 
@@ -112,7 +108,7 @@ def convert_bdd100k(labels: str | Path, images: str | Path, out: str | Path) -> 
     try:
         for number, image in enumerate(found):
             path = folder / image.name
-            sink.put(f"training/image_2/{number:06d}.png", encode_png(_decoded(path)))
+            sink.put(f"training/image_2/{number:06d}.png", encode_png(decode_image(path.read_bytes(), str(path))))
             lines = "".join(f"{label.to_line()}\n" for label in image.labels)
             sink.put(f"training/label_2/{number:06d}.txt", lines.encode("ascii"))
         ids = ImageSet(tuple(f"{number:06d}" for number in range(len(found))))
@@ -130,13 +126,6 @@ def _read(file: Path) -> bytes:
         return file.read_bytes()
     except FileNotFoundError:
         raise MissingFileError(f"{file}: no such file") from None
-
-
-def _decoded(path: Path) -> NDArray[np.uint8]:
-    image = cv2.imdecode(np.frombuffer(path.read_bytes(), np.uint8), cv2.IMREAD_COLOR)
-    if image is None:
-        raise FileFormatError("no image, or a damaged one", str(path))
-    return np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2RGB), np.uint8)
 
 
 def _image(frame: dict[str, Any], number: int, file: str) -> BddImage:

@@ -14,11 +14,11 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 from urllib.parse import unquote
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from cadet.errors import FileFormatError
+from cadet.image_file import decode_file
 from cadet.plain_text import json_from_text
 
 _MAGIC: Final = b"glTF"
@@ -155,18 +155,13 @@ class _Reader:
 
 def _mean_color(data: bytes, owner: str, file: str) -> Color:
     """Average a picture's linear light; what is transparent counts less."""
-    pixels = None
-    if data:
-        try:
-            pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
-        except cv2.error:
-            pixels = None
-    if pixels is None:
-        raise FileFormatError(f"{owner}: no picture that can be decoded", file)
-    most = {np.dtype(np.uint8): 255.0, np.dtype(np.uint16): 65_535.0}.get(pixels.dtype, 1.0)
-    values: NDArray[np.float64] = pixels.reshape(*pixels.shape[:2], -1).astype(np.float64) / most
-    alpha = values[..., 3:4] if values.shape[2] == 4 else np.ones_like(values[..., :1])
-    colors = np.repeat(values, 3, axis=2) if values.shape[2] == 1 else values[..., 2::-1]
+    try:
+        pixels = decode_file(data, owner).pixels
+    except FileFormatError as error:
+        raise FileFormatError(str(error), file) from None
+    values: NDArray[np.float64] = pixels.astype(np.float64) / np.iinfo(pixels.dtype).max
+    alpha = values[..., -1:] if values.shape[2] in (2, 4) else np.ones_like(values[..., :1])
+    colors = values[..., :3] if values.shape[2] >= 3 else values[..., :1].repeat(3, axis=2)
     linear = np.where(colors <= _SRGB_LINEAR_TO, colors / 12.92, ((colors + 0.055) / 1.055) ** 2.4)
     weight = max(float(alpha.sum()), 1e-9)
     # To 8 bits, so that the last bit of a sum is nobody's paint.

@@ -18,7 +18,6 @@ from cadet.assets import Assets, VehicleMesh
 from cadet.beam_table import BeamTable
 from cadet.evaluation import Rules
 from cadet.gltf_file import gltf_from_bytes
-from cadet.kitti import images
 from cadet.kitti.planes import plane_from_text
 from cadet.kitti.velodyne import points_from_bytes
 from cadet.plain_text import json_from_text, toml_from_text
@@ -27,6 +26,7 @@ from cadet.webdataset.index import index_from_text, text_from_index
 from fuzz.archives import damage_archive, tar_archive
 from fuzz.checkpoints import checkpoint_targets
 from fuzz.mutations import damage_bytes, damage_text, nested
+from fuzz.pictures import picture_targets
 from fuzz.road_text import ROADS
 from fuzz.target import Input, Target
 from gltf_meshes import glb, gltf_of
@@ -137,7 +137,6 @@ TARGETS = (
     _texts("planes", "# Matrix\nWIDTH 4\nHEIGHT 1\n0.0 -1.0 0.0 1.65 \n", plane_from_text),
     _texts("image sets", "000001\n000002\n000017\n", kitti.ImageSet.from_text),
     _files("scans", _FRAME.points_velo[:50].tobytes(), points_from_bytes),
-    _files("images", images.encode_png(_FRAME.image[:20, :30]), images.decode_image),
     _texts("JSON", _META, lambda text: json_from_text(text, "meta.json"), nests=True),
     _texts("TOML", cadet.Lidar.vlp16().to_toml(), lambda text: toml_from_text(text, "file.toml"), nests=True),
     _texts("LIDARs", cadet.Lidar.vlp16().to_toml(), _read_lidar, nests=True),
@@ -150,4 +149,5 @@ TARGETS = (
     Target("archives", lambda rng: damage_archive(rng, _ARCHIVE), _read_archive),
     _texts("indexes of archives", text_from_index(_MEMBERS), lambda text: index_from_text(text, "000000.idx")),
     *checkpoint_targets(),
+    *picture_targets(),
 )

@@ -19,8 +19,10 @@ from cadet.cli.tools import cadet
 from cadet.errors import CadetError, MissingFileError
 from cadet.kitti import write_frame
 from cadet.kitti.frame import Frame
+from cadet.kitti.images import encode_png
 from cadet.object_bank import BankObject, ObjectBank, cut_objects, write_bank
 from cadet.object_bank.silhouette import is_solid, refined_silhouette, silhouette_from_points
+from image_bytes import PNG_START, header
 from synthetic import make_frame
 
 TYPES = ("Car", "Pedestrian", "Cyclist")
@@ -186,8 +188,10 @@ def test_damaged_files_are_named(tmp_path: Path) -> None:
         ObjectBank(tmp_path)
     write_bank(tmp_path, cut(make_frame(has_maps=True)))
     for end, data, message in (
-        ("png", b"", "000000.png: "),
-        ("png", b"no picture", "000000.png: expected a PNG image of four channels"),
+        ("png", b"", r"000000\.png: the file is empty"),
+        ("png", b"no picture", r"000000\.png: no PNG, JPEG or WebP image"),
+        ("png", encode_png(np.zeros((4, 5, 3), np.uint8)), r"000000\.png: expected a PNG image of four channels"),
+        ("png", PNG_START + header(32_768, 32_768), r"000000\.png: 32768 x 32768 pixels, at most"),
         ("bin", b"12345", "000000.bin: truncated"),
     ):
         path = tmp_path / "objects" / f"000000.{end}"

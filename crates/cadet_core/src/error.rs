@@ -79,6 +79,12 @@ pub enum Error {
         /// What is wrong.
         reason: String,
     },
+    /// An image file that can't be decoded.
+    #[error("{reason}")]
+    ImageFile {
+        /// What is wrong, and what helps.
+        reason: String,
+    },
     /// A line of a KITTI file that breaks its format.
     #[error("{file}:{line}: column {column}: {reason}")]
     Format {

@@ -22,6 +22,7 @@ pub mod evaluate;
 pub mod frames;
 pub mod geometry;
 pub mod ground_plane;
+pub mod image_file;
 pub mod instance;
 pub mod label;
 pub mod lamp;

@@ -4,6 +4,7 @@ use pyo3::import_exception;
 use pyo3::prelude::*;
 
 import_exception!(cadet.errors, CadetError);
+import_exception!(cadet.errors, FileFormatError);
 import_exception!(cadet.errors, InternalError);
 import_exception!(cadet.errors, KittiFormatError);
 import_exception!(cadet.errors, MissingFileError);
@@ -43,6 +44,7 @@ impl From<BorderError> for PyErr {
             cadet_core::Error::Format { file, line, column, reason } => {
                 KittiFormatError::new_err((reason, file, line, column))
             }
+            cadet_core::Error::ImageFile { .. } => FileFormatError::new_err(text),
             cadet_core::Error::Missing { .. } => MissingFileError::new_err(text),
             _ => CadetError::new_err(text),
         }

@@ -59,6 +59,7 @@ fn _cadet(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(evaluate::box_iou, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::nms_bev, module)?)?;
     module.add_function(wrap_pyfunction!(ground_plane::estimate_ground_plane, module)?)?;
+    module.add_function(wrap_pyfunction!(image::decode_image, module)?)?;
     module.add_function(wrap_pyfunction!(image::encode_png, module)?)?;
     module.add_function(wrap_pyfunction!(settings::limits, module)?)?;
     module.add_function(wrap_pyfunction!(weather::weather_names, module)?)?;

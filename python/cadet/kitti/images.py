@@ -1,4 +1,4 @@
-"""The PNG files of a KITTI folder: camera images, and depth, instances and classes in the encodings of this module.
+"""The image files of a KITTI folder: camera images, and depth, instances and classes in the encodings of this module.
 
 depth: 16 bit, meters times 256 as in KITTI's depth benchmark, rounded; 0 is sky. Steps of 3.9 mm; what is farther than
 255.996 m is written as that.
@@ -10,64 +10,91 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from cadet import _cadet
 from cadet.arrays import check_array
-from cadet.errors import CadetError, KittiFormatError, ShapeError
-from cadet.kitti.png_header import check_png
+from cadet.errors import CadetError, FileFormatError, KittiFormatError, ShapeError
+from cadet.image_file import MAX_PIXELS, Picture, decode_file
+from cadet.kitti.dialects import accept
 
 DEPTH_STEPS_PER_M: Final = 256.0
 """16-bit depth values a meter."""
 
 _MAX_UINT16: Final = 65535
 _NUM_COLORS: Final = 3
+_NUM_RGBA: Final = 4
+_OPAQUE: Final = 255
+_FORMATS: Final = {"png": "PNG", "jpg": "JPEG", "jpeg": "JPEG", "webp": "WebP"}
 
 
 def encode_png(image: NDArray[Any]) -> bytes:
     """Encode an image as a PNG file.
 
     Args:
-        image: (H, W, 3) uint8 RGB, (H, W) uint8 or (H, W) uint16.
+        image: (H, W, 3) uint8 RGB, (H, W, 4) uint8 RGB and opacity, (H, W) uint8 or (H, W) uint16.
 
     Raises:
-        ShapeError: another shape or dtype, or no pixels.
+        ShapeError: another shape or dtype, no pixels, or more than are read.
     """
     is_color = isinstance(image, np.ndarray) and image.ndim == _NUM_COLORS
     if is_color:
-        check_array(image, "image", ("H", "W", 3), np.uint8)
+        check_array(image, "image", ("H", "W", 4 if image.shape[2] == _NUM_RGBA else 3), np.uint8)
     else:
         check_array(image, "image", ("H", "W"), np.uint16 if getattr(image, "dtype", None) == np.uint16 else np.uint8)
     if image.size == 0:
         raise ShapeError(f"image: no pixels: {image.shape}")
+    if image.shape[0] * image.shape[1] > MAX_PIXELS:
+        raise ShapeError(f"image: {image.shape[1]} x {image.shape[0]} pixels, at most {MAX_PIXELS} are read again")
     return _cadet.encode_png(np.ascontiguousarray(image))
 
 
 def decode_image(data: bytes, file: str = "image") -> NDArray[np.uint8]:
     """Decode a camera image: (H, W, 3) uint8 RGB.
 
+    Read as dialects: gray, palettes, an opacity that is full everywhere, animations (the image that a program shows
+    that knows none), and a format that the file's name does not say.
+
     Raises:
-        KittiFormatError: no image, a damaged one, or not three channels of 8 bit.
+        KittiFormatError: no image, a damaged one, one that is transparent anywhere, or one of 16 bit.
     """
-    image = _decode(data, file)
-    if image.ndim != _NUM_COLORS or image.shape[2] != _NUM_COLORS or image.dtype != np.uint8:
-        raise KittiFormatError(f"expected three channels of uint8, got {image.shape} {image.dtype.name}", file)
-    return np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2RGB), np.uint8)
+    picture = _decode(data, file)
+    pixels = picture.pixels
+    if pixels.dtype != np.uint8:
+        raise KittiFormatError("16 bit a channel, expected 8: save it as RGB of 8 bit", file)
+    if pixels.shape[2] in (2, _NUM_RGBA):
+        if (pixels[..., -1] != _OPAQUE).any():
+            raise KittiFormatError("some pixels are transparent: save it as RGB without opacity", file)
+        accept("image-opacity", "RGBA whose opacity is 255 everywhere is read as RGB", file)
+        pixels = pixels[..., :-1]
+    if pixels.shape[2] == 1:
+        accept("image-gray", "a gray image is read as RGB of three equal channels", file)
+        pixels = pixels.repeat(_NUM_COLORS, axis=2)
+    if picture.is_palette:
+        accept("image-palette", "the colors of a palette are read as RGB", file)
+    if picture.is_animation:
+        accept("image-animation", f"of an animated {picture.format}, the first image is read", file)
+    if picture.format != _FORMATS.get(file.rpartition(".")[2].lower(), picture.format):
+        accept("image-format", f"is {picture.format}, whatever its name says", file)
+    return np.ascontiguousarray(pixels)
 
 
 def decode_map(data: bytes, file: str, dtype: type[np.generic]) -> NDArray[Any]:
-    """Decode a one-channel PNG of exactly this dtype: (H, W).
+    """Decode a one-channel PNG of exactly this dtype: (H, W). Channels that are all equal are read as one.
 
     Raises:
-        KittiFormatError: no image, more than one channel, or another bit depth.
+        KittiFormatError: no image, channels that differ, or another bit depth.
     """
-    image = _decode(data, file)
-    if image.ndim != _NUM_COLORS - 1 or image.dtype != dtype:
+    pixels = _decode(data, file).pixels
+    first = np.ascontiguousarray(pixels[..., 0])
+    if pixels.dtype != dtype or not (pixels == first[..., None]).all():
+        shape = pixels.shape if pixels.shape[2] > 1 else first.shape
         wanted = np.dtype(dtype).name
-        raise KittiFormatError(f"expected one channel of {wanted}, got {image.shape} {image.dtype.name}", file)
-    return image
+        raise KittiFormatError(f"expected one channel of {wanted}, got {shape} {pixels.dtype.name}", file)
+    if pixels.shape[2] > 1:
+        accept("map-channels", "a map of equal channels is read as one of them", file)
+    return first
 
 
 def pixels_from_depth(depth: NDArray[np.float32]) -> NDArray[np.uint16]:
@@ -108,12 +135,8 @@ def instance_from_pixels(pixels: NDArray[np.uint16]) -> NDArray[np.int32]:
     return pixels.astype(np.int32) - np.int32(1)
 
 
-def _decode(data: bytes, file: str) -> NDArray[Any]:
-    check_png(data, file)
+def _decode(data: bytes, file: str) -> Picture:
     try:
-        image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
-    except cv2.error as error:
-        raise KittiFormatError(f"damaged PNG image: {error.err}", file) from None
-    if image is None:
-        raise KittiFormatError(f"damaged PNG image ({len(data)} bytes)", file)
-    return np.asarray(image)
+        return decode_file(data, file)
+    except FileFormatError as error:
+        raise KittiFormatError(error.reason, file) from None

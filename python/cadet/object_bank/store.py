@@ -16,12 +16,13 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, Final
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from cadet.checks import as_path
 from cadet.errors import CadetError, MissingFileError
+from cadet.image_file import decode_file
+from cadet.kitti.images import encode_png
 from cadet.kitti.velodyne import bytes_from_points, points_from_bytes
 from cadet.object_bank.object import BankObject
 from cadet.plain_text import json_from_text
@@ -55,10 +56,7 @@ def write_bank(root: str | Path, objects: Iterable[BankObject]) -> Counter[str]:
     entries: list[dict[str, Any]] = []
     for item in objects:
         name = _name(len(entries))
-        is_done, png = cv2.imencode(".png", cv2.cvtColor(item.crop, cv2.COLOR_RGBA2BGRA))
-        if not is_done:
-            raise CadetError(f"{item.source}: a crop of {item.crop.shape} that no PNG file holds")
-        sink.put(f"{name}.png", png.tobytes())
+        sink.put(f"{name}.png", encode_png(item.crop))
         sink.put(f"{name}.bin", bytes_from_points(item.points_scan))
         entries.append(
             {
@@ -163,13 +161,10 @@ def _read(path: Path) -> bytes:
 
 
 def _decoded(data: bytes, path: Path) -> NDArray[np.uint8]:
-    try:
-        crop = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
-    except cv2.error as error:
-        raise CadetError(f"{path}: damaged PNG image: {error.err}") from None
-    if crop is None or crop.dtype != np.uint8 or crop.ndim != 3 or crop.shape[2] != 4:
+    crop = decode_file(data, str(path)).pixels
+    if crop.dtype != np.uint8 or crop.shape[2] != 4:
         raise CadetError(f"{path}: expected a PNG image of four channels of 8 bit")
-    return np.asarray(cv2.cvtColor(crop, cv2.COLOR_BGRA2RGBA), np.uint8)
+    return crop
 
 
 def _checked(entry: Any, where: str) -> dict[str, Any]:

@@ -17,6 +17,7 @@ from cadet import boxes
 from cadet.errors import CadetError
 from cadet.kitti import Calibration, Frame, Label, read_frame
 from cadet.kitti.files import file_path, frame_ids, sample_folder
+from cadet.notices import notice
 from cadet.view import style
 
 _IMAGE_WIDTH_PX: Final = 960
@@ -49,17 +50,22 @@ class Picture:
 
 
 def pictures(root: str | Path, number: int) -> list[Picture]:
-    """Return frames spread over a dataset, so that several episodes show.
+    """Return frames spread over a dataset, so that several episodes show; those that can't be read are left out.
 
     Raises:
-        MissingFileError: no KITTI folder, or a file of a frame is missing.
-        KittiFormatError: a damaged file.
+        MissingFileError: no KITTI folder.
     """
     folder = sample_folder(root)
     ids = [one for one in frame_ids(folder) if file_path(folder, "label_2", one).is_file()]
     number = min(number, len(ids))
     chosen = [ids[index * len(ids) // number] for index in range(number)]
-    return [_picture(frame_id, read_frame(folder, frame_id)) for frame_id in chosen]
+    found = []
+    for frame_id in chosen:
+        try:
+            found.append(_picture(frame_id, read_frame(folder, frame_id)))
+        except CadetError as error:
+            notice([f"a frame is left out of the page: {error}"], about=folder)
+    return found
 
 
 def class_color(name: str) -> str:

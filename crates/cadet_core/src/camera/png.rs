@@ -15,6 +15,14 @@ pub fn encode_rgb8(width: u32, height: u32, pixels: &[u8]) -> Result<Vec<u8>> {
     encode(width, height, ColorType::Rgb, BitDepth::Eight, 3, pixels)
 }
 
+/// Encodes 8-bit RGB and opacity, row-major: the objects of banks.
+///
+/// # Errors
+/// [`Error::Image`] where the size does not fit the pixels.
+pub fn encode_rgba8(width: u32, height: u32, pixels: &[u8]) -> Result<Vec<u8>> {
+    encode(width, height, ColorType::Rgba, BitDepth::Eight, 4, pixels)
+}
+
 /// Encodes 8-bit gray, row-major: the semantic image.
 ///
 /// # Errors
@@ -59,26 +67,23 @@ fn encode(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn decode(bytes: &[u8]) -> (u32, u32, ColorType, BitDepth, Vec<u8>) {
-        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
-        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
-        let info = reader.next_frame(&mut pixels).unwrap();
-        (info.width, info.height, info.color_type, info.bit_depth, pixels)
-    }
+    use crate::image_file::{Samples, decode};
 
     #[test]
     fn images_come_back_as_they_were() {
-        let pixels: Vec<u8> = (0..7 * 5 * 3_u32).map(|i| (i * 37 % 256) as u8).collect();
-        let back = decode(&encode_rgb8(7, 5, &pixels).unwrap());
-        assert_eq!(back, (7, 5, ColorType::Rgb, BitDepth::Eight, pixels.clone()));
-        let back = decode(&encode_gray8(15, 7, &pixels).unwrap());
-        assert_eq!(back, (15, 7, ColorType::Grayscale, BitDepth::Eight, pixels));
+        let pixels: Vec<u8> = (0..7 * 5 * 4_u32).map(|i| (i * 37 % 256) as u8).collect();
+        for (file, width, channels) in [
+            (encode_rgba8(7, 5, &pixels).unwrap(), 7, 4),
+            (encode_rgb8(7, 5, &pixels[..105]).unwrap(), 7, 3),
+            (encode_gray8(15, 5, &pixels[..75]).unwrap(), 15, 1),
+        ] {
+            let back = decode(&file, 75).unwrap();
+            assert_eq!((back.width, back.height, back.channels), (width, 5, channels));
+            assert_eq!(back.samples, Samples::Eight(pixels[..width as usize * 5 * channels].to_vec()));
+        }
         let deep: Vec<u16> = (0..35).map(|i| i * 1871).collect();
-        let (.., depth, bytes) = decode(&encode_gray16(7, 5, &deep).unwrap());
-        assert_eq!(depth, BitDepth::Sixteen);
-        let values: Vec<u16> = bytes.chunks(2).map(|b| u16::from_be_bytes([b[0], b[1]])).collect();
-        assert_eq!(values, deep);
+        let back = decode(&encode_gray16(7, 5, &deep).unwrap(), 35).unwrap();
+        assert_eq!((back.channels, back.samples), (1, Samples::Sixteen(deep)));
     }
 
     #[test]
