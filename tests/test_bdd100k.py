@@ -142,7 +142,7 @@ def test_the_command_writes_a_folder_that_reads_back(source: Path) -> None:
     ("data", "message"),
     [
         (b"\xff\xd8 no image", r"a\.jpg: no PNG, JPEG or WebP image"),
-        (PNG_START + header(32_768, 32_768), r"a\.jpg: 32768 x 32768 pixels, at most 33554432 are read"),
+        (PNG_START + header(32_768, 32_768), r"a\.jpg: 32768 x 32768 pixels, at most 67108864 are read"),
     ],
 )
 def test_an_image_that_is_none_is_named(source: Path, data: bytes, message: str) -> None:

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from cadet import _cadet
 from cadet.errors import FileFormatError
 
-MAX_PIXELS: Final = 1 << 25
-"""The most pixels of an image that is read: 8192 x 4096."""
+MAX_PIXELS: Final = 1 << 26
+"""The most pixels of an image that is read: 8192 x 8192."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -173,24 +173,32 @@ REFUSED: dict[str, tuple[bytes, str]] = {
     "gray of 16 bit": (made.png(DEEP[..., :1], made.GRAY), "16 bit a channel, expected 8: save it as RGB of 8 bit"),
     "too many pixels": (
         made.PNG_START + made.header(20_000, 20_000) + made.chunk(b"IDAT", b"") + made.chunk(b"IEND", b""),
-        "20000 x 20000 pixels, at most 33554432 are read; scale it down",
+        "20000 x 20000 pixels, at most 67108864 are read; scale it down",
     ),
     "too many pixels of JPEG": (
         JPEG[: (at := JPEG.index(b"\xff\xc0")) + 5] + b"\xff\xff\xff\xff" + JPEG[at + 9 :],
-        "65535 x 65535 pixels, at most 33554432 are read; scale it down",
+        "65535 x 65535 pixels, at most 67108864 are read; scale it down",
     ),
     "too many pixels of WebP": (
-        b"RIFF" + struct.pack("<I", 22) + b"WEBPVP8X" + struct.pack("<I", 10) + bytes(4) + b"\xff\xff\0\xff\xff\0",
-        "65536 x 65536 pixels, at most 33554432 are read; scale it down",
+        b"RIFF" + struct.pack("<I", 18) + b"WEBPVP8L" + struct.pack("<IBI", 5, 0x2F, 0x3FFE << 14 | 0x3FFE) + b"\0",
+        "16383 x 16383 pixels, at most 67108864 are read; scale it down",
+    ),
+    "more pixels than a WebP may have": (
+        b"RIFF" + struct.pack("<I", 22) + b"WEBPVP8X" + struct.pack("<I", 10) + bytes(4) + b"\xff" * 6,
+        "too many pixels, at most 67108864 are read; scale it down",
     ),
     "a chunk that is cut": (
         made.PNG_START + made.header(4, 4) + made.chunk(b"IDAT", b"", 2**31 - 1) + made.chunk(b"IEND", b""),
-        "truncated PNG image (57 bytes); copy or save it again",
+        "damaged PNG image: ",
+    ),
+    "a palette of less than whole colors": (
+        made.png(LEVELS, made.PALETTE, before=[made.chunk(b"PLTE", bytes(4)), made.chunk(b"tRNS", bytes(2))]),
+        "damaged PNG image: ",
     ),
     "no end": (made.png(COLORS, made.RGB)[:-12], "truncated PNG image ("),
     "cut JPEG": (JPEG[:-60], "truncated JPEG image ("),
     "cut progressive JPEG": (PROGRESSIVE[: len(PROGRESSIVE) // 2], "truncated JPEG image ("),
-    "cut WebP": (WEBP[:-40], "truncated WebP image ("),
+    "cut WebP": (WEBP[:-9], "damaged WebP image: "),
     "too few pixels": (
         made.PNG_START + made.header(8, 7) + made.chunk(b"IDAT", made.packed(COLORS)) + made.chunk(b"IEND", b""),
         "damaged PNG image: ",

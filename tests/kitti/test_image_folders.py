@@ -13,7 +13,7 @@ from click.testing import CliRunner
 from numpy.typing import NDArray
 
 import image_bytes as made
-from cadet import kitti
+from cadet import kitti, notices
 from cadet.cli.tools import cadet as command
 from cadet.convert import convert
 from cadet.errors import CadetError, CadetWarning, MissingFileError
@@ -76,7 +76,7 @@ def test_every_command_reads_the_images_and_check_says_what_they_are(name: str, 
     assert all(one.rule == "dialect" and one.file.endswith(suffix) for one in found)
     image, expected = kitti.read_frame(root, 0).image, make_frame(seed=0).image
     expected = expected[..., 1:2].repeat(3, axis=2) if name == "gray" else expected
-    assert np.abs(image.astype(int) - expected).mean() < 3.0
+    assert np.abs(image.astype(int) - expected).mean() < 5.0
     assert kitti.Dataset(root)[1].image.shape == (188, 612, 3)
     run("view", root / "000001", "-o", tmp_path / "a.png")
     run("bank", root, "-o", tmp_path / "bank", "--split", "train")
@@ -88,13 +88,14 @@ def test_every_command_reads_the_images_and_check_says_what_they_are(name: str, 
     assert tree(tmp_path / "back" / "training") == tree(root / "training")
 
 
-def test_a_set_of_others_warns_once_of_each_kind_outside_of_check(tmp_path: Path) -> None:
+def test_a_set_of_others_warns_once_of_each_kind_outside_of_check(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(notices, "_said", set())
     root = folder_of(tmp_path, ".jpg", jpeg)
     with pytest.warns(CadetWarning) as warned:
         assert len(list(kitti.Dataset(root))) == 2
-    said = [str(one.message) for one in warned]
-    # Of the process: another test may have been warned.
-    assert len(said) <= 1 and all(text.startswith("image_2/000000.jpg: .jpg is read") for text in said)
+    assert [str(one.message) for one in warned] == ["image_2/000000.jpg: .jpg is read where KITTI has .png"]
 
 
 @pytest.mark.parametrize("data", [b"", jpeg(make_frame().image)[:-3000], made.PNG_START + made.header(2**15, 2**15)])

@@ -2,6 +2,7 @@
 
 use std::fmt::Display;
 use std::io::Cursor;
+use std::panic::{UnwindSafe, catch_unwind};
 
 use image_webp::WebPDecoder;
 use png::{BitDepth, ColorType, Transformations};
@@ -54,9 +55,11 @@ pub struct Picture {
 /// [`Error::ImageFile`] for another format, a damaged or cut file, and more pixels.
 pub fn decode(data: &[u8], max_pixels: u64) -> Result<Picture> {
     let decoded = match data {
-        [0x89, b'P', b'N', b'G', ..] => decode_png(data, max_pixels),
-        [0xff, 0xd8, 0xff, ..] => decode_jpeg(data, max_pixels),
-        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => decode_webp(data, max_pixels),
+        [0x89, b'P', b'N', b'G', ..] => caught("PNG", || decode_png(data, max_pixels)),
+        [0xff, 0xd8, 0xff, ..] => caught("JPEG", || decode_jpeg(data, max_pixels)),
+        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => {
+            caught("WebP", || decode_webp(data, max_pixels))
+        }
         [] => Err("the file is empty; copy or save it again".to_owned()),
         _ if data.starts_with(LFS_POINTER) => {
             Err("a pointer of Git LFS in place of the image; run `git lfs pull`".to_owned())
@@ -64,6 +67,14 @@ pub fn decode(data: &[u8], max_pixels: u64) -> Result<Picture> {
         _ => Err(format!("no PNG, JPEG or WebP image ({} bytes); save it as PNG", data.len())),
     };
     decoded.map_err(|reason| Error::ImageFile { reason })
+}
+
+/// Takes a panic for what it is in a decoder that others wrote: a file that breaks its format where nobody looked.
+fn caught(
+    format: &str,
+    decode: impl FnOnce() -> std::result::Result<Picture, String> + UnwindSafe,
+) -> std::result::Result<Picture, String> {
+    catch_unwind(decode).unwrap_or_else(|_| Err(damaged(format, "its decoder stopped")))
 }
 
 fn decode_png(data: &[u8], max_pixels: u64) -> std::result::Result<Picture, String> {
@@ -136,6 +147,9 @@ fn decode_jpeg(data: &[u8], max_pixels: u64) -> std::result::Result<Picture, Str
 fn decode_webp(data: &[u8], max_pixels: u64) -> std::result::Result<Picture, String> {
     let refused = |error: image_webp::DecodingError| match error {
         image_webp::DecodingError::IoError(_) => truncated("WebP", data),
+        image_webp::DecodingError::ImageTooLarge => {
+            format!("too many pixels, at most {max_pixels} are read; scale it down")
+        }
         error => damaged("WebP", error),
     };
     let mut decoder = WebPDecoder::new(Cursor::new(data)).map_err(refused)?;
@@ -168,7 +182,7 @@ fn truncated(format: &str, data: &[u8]) -> String {
 
 fn damaged(format: &str, error: impl Display) -> String {
     let reason = error.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
-    format!("damaged {format} image: {}; copy or save it again", reason.trim_end_matches('.'))
+    format!("damaged {format} image: {}; copy or save it again", reason.trim_matches(['"', '.']))
 }
 
 #[cfg(test)]
