@@ -1,0 +1,169 @@
+"""How many numbers a point has in a scan without a header: told from the numbers themselves.
+
+Of the right count, each column holds numbers of one kind; of a wrong one, every column holds all kinds. So the count is
+the one whose columns tell most about the values (the mutual information of both).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cadet.errors import KittiFormatError
+
+COUNTS: Final = (3, 4, 5, 6, 7, 8)
+_NAMES: Final = ("three", "four", "five", "six", "seven", "eight")
+_HEADERS: Final = {b"# .PCD": "PCD", b"VERSION": "PCD", b"ply": "PLY", b"\x93NUMPY": "NumPy", b"LASF": "LAS"}
+_BLOCK: Final = 840
+"""Numbers: a whole number of points for each count."""
+_BLOCKS: Final = 20
+_BINS: Final = 8
+_AS_GOOD: Final = 0.95
+_CLEAR: Final = 60.0
+"""By so much the statistic of likelihoods exceeds what columns of one kind give."""
+_LEAST: Final = 1e-6
+_MOST: Final = 1e5
+"""Sizes of numbers other than 0 that meters and intensities have."""
+_SENSIBLE: Final = 0.9
+_MOST_RINGS: Final = 512
+_FEW_VALUES: Final = 64
+
+
+@dataclass(frozen=True)
+class Layout:
+    """What the numbers of a scan's file are.
+
+    Attributes:
+        dtype: of each number, "<f4" or "<f8".
+        count: numbers a point: x, y, z, intensity, and others.
+        ring: the column of the lasers' numbers; None where none is known.
+    """
+
+    dtype: str
+    count: int
+    ring: int | None = None
+
+    def __str__(self) -> str:
+        kind = " of 8 bytes" if self.dtype == "<f8" else ""
+        return f"{_NAMES[self.count - COUNTS[0]]} numbers{kind} a point"
+
+
+def layout_of(data: bytes, file: str) -> Layout:
+    """Tell the layout of a scan.
+
+    Args:
+        data: the file's bytes.
+        file: its name for messages.
+
+    Raises:
+        KittiFormatError: the file is cut off inside a point, is of another format, or its points are not known to be
+            x, y, z, intensity and what lasers' numbers and times are.
+    """
+    header = next((name for start, name in _HEADERS.items() if data.startswith(start)), None)
+    if header is not None:
+        remedy = "`cadet.scan_files.read_scan` reads PCD, PLY and .npy" if header != "LAS" else "convert it"
+        raise KittiFormatError(f"a {header} file, expected float32 x y z intensity with no header: {remedy}", file)
+    single, double = _sample(data, "<f4"), _sample(data, "<f8")
+    dtype, values = ("<f4", single) if _share(single) >= min(_share(double), _SENSIBLE) else ("<f8", double)
+    layout = Layout(dtype, _count(values) or _small_count(data, dtype))
+    size = layout.count * np.dtype(dtype).itemsize
+    if len(data) % size:
+        kind = "" if layout == Layout("<f4", 4) else f" of {str(layout).removesuffix(' a point')}"
+        rest = f"{len(data)} bytes are {len(data) // size} points{kind} and {len(data) % size} bytes"
+        raise KittiFormatError(f"truncated: {rest}: copy the file again", file)
+    rows = np.frombuffer(data, dtype).reshape(-1, layout.count)
+    if not _is_scan(rows) or (layout.count > 4 and not _is_known(rows)):
+        first = f'np.fromfile(file, "{dtype}").reshape(-1, {layout.count})[:, :4]'
+        raise KittiFormatError(f"{layout}? expected x y z intensity in float32: keep these four, as in {first}", file)
+    return Layout(dtype, layout.count, 4 if layout.count > 4 and _is_ring(rows[:, 4]) else None)
+
+
+def _sample(data: bytes, dtype: str) -> NDArray[Any]:
+    """Return the file's numbers, or those of blocks of it, each from the start of a point on."""
+    whole = len(data) // np.dtype(dtype).itemsize
+    values = np.frombuffer(data, dtype, whole)
+    blocks = whole // _BLOCK
+    if blocks <= _BLOCKS:
+        return values
+    starts = np.linspace(0, blocks - 1, _BLOCKS).astype(np.intp) * _BLOCK
+    return np.concatenate([values[start : start + _BLOCK] for start in starts])
+
+
+def _is_sensible(values: NDArray[Any]) -> NDArray[np.bool_]:
+    """Tell which numbers may be meters or intensities; what is not finite is a missing one."""
+    size = np.abs(values)
+    return (size == 0.0) | ((size >= _LEAST) & (size <= _MOST)) | ~np.isfinite(values)
+
+
+def _share(values: NDArray[Any]) -> float:
+    return float(_is_sensible(values).mean()) if len(values) else 0.0
+
+
+def _count(values: NDArray[Any]) -> int | None:
+    """Return the count of numbers a point that shows best; None where none shows."""
+    finite = values[np.isfinite(values)]
+    if len(finite) == 0:
+        return None
+    edges = np.unique(np.quantile(finite, np.arange(1, _BINS) / _BINS))
+    kinds = np.searchsorted(edges, values)
+    excess = np.array([_excess(kinds, count, len(edges) + 1) for count in COUNTS])
+    if excess.max() < _CLEAR:
+        return None
+    return int(COUNTS[int(np.argmax(excess >= _AS_GOOD * excess.max()))])
+
+
+def _small_count(data: bytes, dtype: str) -> int:
+    """Return four, or five or six if they alone fit the size of a file of few points, and its columns."""
+    size = np.dtype(dtype).itemsize
+    if len(data) % (4 * size):
+        for count in (5, 6):
+            if len(data) % (count * size) == 0 and _is_known(np.frombuffer(data, dtype).reshape(-1, count)):
+                return count
+    return 4
+
+
+def _excess(kinds: NDArray[np.intp], count: int, num_kinds: int) -> float:
+    """Return by how much columns' kinds differ: the likelihoods' ratio, less what chance gives."""
+    column = np.arange(len(kinds)) % count
+    table = np.bincount(column * num_kinds + kinds, minlength=count * num_kinds).reshape(count, num_kinds)
+    expected = table.sum(axis=1, keepdims=True) * table.sum(axis=0) / len(kinds)
+    filled = table > 0
+    ratio = 2.0 * float((table[filled] * np.log(table[filled] / expected[filled])).sum())
+    return ratio - (count - 1) * (num_kinds - 1)
+
+
+def _is_scan(rows: NDArray[Any]) -> bool:
+    """Tell whether the first four columns may be x, y, z and intensity."""
+    if len(rows) == 0:
+        return True
+    return rows.shape[1] >= 4 and float(_is_sensible(rows[:, :3]).mean()) >= _SENSIBLE
+
+
+def _is_known(rows: NDArray[Any]) -> bool:
+    """Tell whether columns after an intensity that is not negative hold rings, times or classes, not colors."""
+    some = rows[np.isfinite(rows).all(axis=1)]
+    if len(some) == 0 or some[:, 3].min() < 0.0:
+        return False
+    rest = some[:, 4:]
+    if rest.shape[1] >= 2 and all(_is_color(some[:, column]) for column in (3, 4, 5)):
+        return False
+    return any(_is_ring(column) or _is_time(column) for column in rest.T)
+
+
+def _is_ring(column: NDArray[Any]) -> bool:
+    values = np.unique(column[np.isfinite(column)])
+    return 1 < len(values) <= _MOST_RINGS and bool(
+        (values == np.floor(values)).all() and values[0] >= 0.0 and values[-1] < _MOST_RINGS
+    )
+
+
+def _is_time(column: NDArray[Any]) -> bool:
+    """Tell whether values only rise, or are few."""
+    return bool((np.diff(column) >= 0.0).all()) or len(np.unique(column)) <= min(_FEW_VALUES, len(column) // 8)
+
+
+def _is_color(column: NDArray[Any]) -> bool:
+    return bool((column == np.floor(column)).all() and column.min() >= 0.0 and 127.0 < column.max() <= 255.0)
