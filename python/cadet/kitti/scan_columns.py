@@ -46,6 +46,10 @@ class Layout:
     count: int
     ring: int | None = None
 
+    def rows(self, data: bytes) -> NDArray[Any]:
+        """Return the numbers (N, count) of a file of this layout."""
+        return np.frombuffer(data, self.dtype).reshape(-1, self.count)
+
     def __str__(self) -> str:
         kind = " of 8 bytes" if self.dtype == "<f8" else ""
         return f"{_NAMES[self.count - COUNTS[0]]} numbers{kind} a point"
@@ -74,11 +78,16 @@ def layout_of(data: bytes, file: str) -> Layout:
         kind = "" if layout == Layout("<f4", 4) else f" of {str(layout).removesuffix(' a point')}"
         rest = f"{len(data)} bytes are {len(data) // size} points{kind} and {len(data) % size} bytes"
         raise KittiFormatError(f"truncated: {rest}: copy the file again", file)
-    rows = np.frombuffer(data, dtype).reshape(-1, layout.count)
+    rows = layout.rows(data)
     if not _is_scan(rows) or (layout.count > 4 and not _is_known(rows)):
         first = f'np.fromfile(file, "{dtype}").reshape(-1, {layout.count})[:, :4]'
         raise KittiFormatError(f"{layout}? expected x y z intensity in float32: keep these four, as in {first}", file)
-    return Layout(dtype, layout.count, 4 if layout.count > 4 and _is_ring(rows[:, 4]) else None)
+    return Layout(dtype, layout.count, ring_column(rows))
+
+
+def ring_column(rows: NDArray[Any]) -> int | None:
+    """Return which column of x, y, z, intensity and others holds the lasers' numbers; None where none does."""
+    return 4 if rows.shape[1] > 4 and _is_ring(rows[:, 4]) else None
 
 
 def _sample(data: bytes, dtype: str) -> NDArray[Any]:
@@ -120,7 +129,7 @@ def _small_count(data: bytes, dtype: str) -> int:
     size = np.dtype(dtype).itemsize
     if len(data) % (4 * size):
         for count in (5, 6):
-            if len(data) % (count * size) == 0 and _is_known(np.frombuffer(data, dtype).reshape(-1, count)):
+            if len(data) % (count * size) == 0 and _is_known(Layout(dtype, count).rows(data)):
                 return count
     return 4
 
