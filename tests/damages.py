@@ -213,13 +213,6 @@ KINDS: dict[str, tuple[Damage, bool, str, str, str]] = {
     "no frame": (without_frame, False, IMAGE, "missing-file", "as is all of a frame"),
     "half an image": (cut("image_2", 2000), True, IMAGE, "damaged-file", "PNG"),
     "half a point": (cut("velodyne", 16 * 900 + 7), True, SCAN, "damaged-file", "truncated"),
-    "a point at infinity": (
-        lambda root: edit_bytes(root, "velodyne", lambda data: np.float32(np.inf).tobytes() + data[4:]),
-        True,
-        SCAN,
-        "damaged-file",
-        "point 0 is not finite",
-    ),
     "a matrix missing": (text("calib", "P2:", "P9:"), True, CALIB, "damaged-file", "missing key 'P2'"),
     "half a label": (line(lambda fields: fields[:9]), True, f"{LABELS}:3", "damaged-file", "15"),
     "a depth map of another size": (

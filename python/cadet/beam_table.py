@@ -17,6 +17,9 @@ from cadet.summary import summary
 T = TypeVar("T")
 
 _MAX_BEAMS = 1 << 23
+_MAX_RINGS = 4096
+_MAX_SECTORS = 360
+_MAX_LETTERS = 1 << 22
 
 
 def _check_columns(name: str, columns: object) -> None:
@@ -56,6 +59,8 @@ class Laser:
             raise CadetError(
                 f"laser.blind_deg: expected pairs of azimuths such as [[170.0, 190.0]], got {shown(sectors)}"
             )
+        if len(sectors) > _MAX_SECTORS:
+            raise CadetError(f"laser.blind_deg: expected at most {_MAX_SECTORS} sectors, got {len(sectors)}")
         for sector in sectors:
             for azimuth in sector:
                 check_number("laser", "blind_deg", azimuth, 0, 360)
@@ -171,8 +176,8 @@ class BeamTable:
             raise CadetError(f"name: expected 1 to 64 letters, digits, '_', '.' or '-', got {shown(self.name)}")
         if not isinstance(self.rings, tuple) or not all(isinstance(laser, Laser) for laser in self.rings):
             raise CadetError("rings: expected lasers")
-        if not 1 <= len(self.rings) <= 4096:
-            raise CadetError(f"rings: expected 1 to 4096 lasers, got {len(self.rings)}")
+        if not 1 <= len(self.rings) <= _MAX_RINGS:
+            raise CadetError(f"rings: expected 1 to {_MAX_RINGS} lasers, got {len(self.rings)}")
         if not isinstance(self.firing, (UniformFiring, EncoderFiring, ListedFiring)):
             raise CadetError(f"firing: expected a firing pattern, got {shown(self.firing)}")
         for number, (upper, lower) in enumerate(zip(self.rings, self.rings[1:], strict=False), start=1):
@@ -225,6 +230,10 @@ class BeamTable:
         Raises:
             CadetError: as `read`.
         """
+        # Reading endless rings takes minutes.
+        if len(text) > _MAX_LETTERS:
+            most = f"a sensor of {_MAX_RINGS} rings takes less than {_MAX_LETTERS}"
+            raise CadetError(f"{file}: {len(text)} letters, {most}: is this a LIDAR's file?")
         values = toml_from_text(text, file)
         try:
             return _table(values)
@@ -323,6 +332,8 @@ def _table(values: Mapping[str, Any]) -> BeamTable:
     rings = values["rings"]
     if not isinstance(rings, list) or not all(isinstance(ring, Mapping) for ring in rings):
         raise CadetError("rings: expected a list of tables such as { elevation_deg = 2.0, height_m = 0.0 }")
+    if len(rings) > _MAX_RINGS:
+        raise CadetError(f"rings: expected 1 to {_MAX_RINGS} lasers, got {len(rings)}")
     lasers = []
     for number, ring in enumerate(rings):
         owner = f"rings[{number}]"
@@ -333,12 +344,12 @@ def _table(values: Mapping[str, Any]) -> BeamTable:
             raise CadetError(str(error).replace("laser.", f"{owner}.", 1)) from None
     firing = values["firing"]
     if not isinstance(firing, Mapping):
-        raise CadetError(f"firing: expected a table, got {firing!r}")
+        raise CadetError(f"firing: expected a table, got {shown(firing)}")
     if "pattern" not in firing:
         raise CadetError("firing: missing key 'pattern'")
     cls = _PATTERNS.get(firing["pattern"]) if isinstance(firing["pattern"], str) else None
     if cls is None:
-        raise CadetError(f"firing.pattern: expected one of {', '.join(_PATTERNS)}, got {firing['pattern']!r}")
+        raise CadetError(f"firing.pattern: expected one of {', '.join(_PATTERNS)}, got {shown(firing['pattern'])}")
     rest = _plain_firing(firing)
     del rest["pattern"]
     _check_keys("firing.", rest, cls)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet.camera import Camera
-from cadet.checks import as_path, check_three, shown, shown_key
+from cadet.checks import as_path, check_number, check_three, shown, shown_key
 from cadet.errors import CadetError
 from cadet.extrinsics import Extrinsics
 from cadet.lidar import Lidar
@@ -20,6 +20,7 @@ from cadet.plain_text import toml_from_text
 from cadet.pose import Pose, Row3, inverse, product, rotation_of_angles
 from cadet.user_files import read_settings
 
+_MOST = 1e9
 _POSE = {"position_m", "quaternion_wxyz"}
 _CAMERA = {"name", "size", "focal_px", "center_px", "distortion", "rolling_shutter_s"} | _POSE
 _LIDAR = {"name", "model", "rolling", "returns", "divergence_mrad"} | _POSE
@@ -124,4 +125,6 @@ def _numbers(name: str, values: object, count: int) -> Any:
     is_list = isinstance(values, list) and len(values) == count
     if not is_list or not all(isinstance(v, (int, float)) and not isinstance(v, bool) for v in values):  # type: ignore[attr-defined]
         raise CadetError(f"{name}: expected {count} numbers, got {shown(values)}")
+    for value in values:  # type: ignore[attr-defined]
+        check_number("", name, value, -_MOST, _MOST)
     return tuple(float(value) for value in values)  # type: ignore[attr-defined]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from cadet import _cadet
 from cadet.arrays import check_array
 from cadet.checks import is_one_of, plain_number, shown
-from cadet.errors import CadetError, NonFiniteError
+from cadet.errors import CadetError, NonFiniteError, ShapeError
 
 
 class Fate(IntEnum):
@@ -118,6 +118,7 @@ def apply(
 
     Args:
         points_velo: (N, 4) float32: x, y, z in meters from the sensor, intensity in 0..1. Not changed. May be empty.
+            Other sensors' scans: the first four columns, rows that are not finite left out, intensities scaled to 1.
         fog: attenuation alpha, 1/m, 0 to 10; 0.06 is seen through for 50 m.
         rain: mm/h, 0 to 1000.
         snow: mm/h of water, 0 to 100.
@@ -135,7 +136,7 @@ def apply(
         NonFiniteError: NaN or infinity.
         CadetError: a rate, an intensity or a seed outside its range.
     """
-    check_array(points_velo, "points_velo", ("N", 4), np.float32, finite=True)
+    _check_scan(points_velo)
     numbers = {"fog": fog, "rain": rain, "snow": snow, "wetness": wetness, "sensor_height_m": sensor_height_m}
     if not isinstance(seed, Integral) or isinstance(seed, bool) or not 0 <= seed < 2**64:
         raise CadetError(f"seed: expected a whole number from 0 to 2**64 - 1, got {shown(seed)}")
@@ -143,6 +144,23 @@ def apply(
         points_velo, **{name: _number(name, value) for name, value in numbers.items()}, seed=int(seed)
     )
     return (left, fate) if return_fate else left
+
+
+def _check_scan(points_velo: NDArray[np.float32]) -> None:
+    """Refuse what other sensors' scans have otherwise, with what to do."""
+    if np.ndim(points_velo) == 2 and np.shape(points_velo)[1] > 4:
+        raise ShapeError(
+            f"points_velo: expected (N, 4) float32, got {points_velo.shape} {points_velo.dtype}: give x, y, z, intensity "
+            "alone, as in points[:, :4]"
+        )
+    try:
+        check_array(points_velo, "points_velo", ("N", 4), np.float32, finite=True)
+    except NonFiniteError as error:
+        remedy = "leave such points out, as in points[np.isfinite(points).all(axis=1)]"
+        raise NonFiniteError(f"{error}: {remedy}") from None
+    most = float(points_velo[:, 3].max(initial=0.0))
+    if most > 1.0:
+        raise CadetError(f"intensity of points_velo is {most:g}, expected 0 to 1: scale them, as in points[:, 3] /= 255")
 
 
 def _number(name: str, value: object) -> float:

@@ -177,7 +177,11 @@ def test_what_is_no_id_is_refused(tmp_path: Path, frame_id: str | int) -> None:
     ("name", "data", "message"),
     [
         ("image_2/000000.png", b"no", "image_2/000000.png: no PNG, JPEG or WebP image (2 bytes); save it as PNG"),
-        ("velodyne/000000.bin", bytes(17), "velodyne/000000.bin: truncated: 17 bytes are 1 points and 1 bytes"),
+        (
+            "velodyne/000000.bin",
+            bytes(17),
+            "velodyne/000000.bin: truncated: 17 bytes are 1 points and 1 bytes: copy the file again",
+        ),
         ("label_2/000000.txt", b"Car 0\n", "label_2/000000.txt:1: expected 15 fields, got 2"),
         ("label_2/000000.txt", b"Car 0\xff\n", "label_2/000000.txt:1: byte 0xff is not ASCII"),
         ("calib/000000.txt", b"", "calib/000000.txt: missing key 'P2'"),

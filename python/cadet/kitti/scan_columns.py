@@ -16,7 +16,15 @@ from cadet.errors import KittiFormatError
 
 COUNTS: Final = (3, 4, 5, 6, 7, 8)
 _NAMES: Final = ("three", "four", "five", "six", "seven", "eight")
-_HEADERS: Final = {b"# .PCD": "PCD", b"VERSION": "PCD", b"ply": "PLY", b"\x93NUMPY": "NumPy", b"LASF": "LAS"}
+_HEADERS: Final = {
+    **{b"# .PCD": "PCD", b"VERSION": "PCD", b"ply\n": "PLY", b"ply\r": "PLY", b"\x93NUMPY": ".npy"},
+    **{b"LASF": "LAS", b"PK\x03\x04": "ZIP or .npz", b"#ROSBAG": "ROS bag"},
+    **{b"\xd4\xc3\xb2\xa1": "pcap", b"\x0a\x0d\x0d\x0a": "pcapng"},
+}
+_READABLE: Final = ("PCD", "PLY", ".npy")
+_TEXT: Final = bytes(range(32, 127)) + b"\t\r\n"
+_NUSCENES: Final = ".pcd.bin"
+"""Files of five numbers a point, of which too few points do not tell."""
 _BLOCK: Final = 840
 """Numbers: a whole number of points for each count."""
 _BLOCKS: Final = 20
@@ -28,6 +36,8 @@ _LEAST: Final = 1e-6
 _MOST: Final = 1e5
 """Sizes of numbers other than 0 that meters and intensities have."""
 _SENSIBLE: Final = 0.9
+_FEWEST: Final = 64
+"""Numbers: fewer may look like double precision by chance."""
 _MOST_RINGS: Final = 512
 _FEW_VALUES: Final = 64
 
@@ -66,23 +76,34 @@ def layout_of(data: bytes, file: str) -> Layout:
         KittiFormatError: the file is cut off inside a point, is of another format, or its points are not known to be
             x, y, z, intensity and what lasers' numbers and times are.
     """
-    header = next((name for start, name in _HEADERS.items() if data.startswith(start)), None)
+    header = _header_of(data)
     if header is not None:
-        remedy = "`cadet.scan_files.read_scan` reads PCD, PLY and .npy" if header != "LAS" else "convert it"
-        raise KittiFormatError(f"a {header} file, expected float32 x y z intensity with no header: {remedy}", file)
+        remedy = "`cadet.scan_files.read_scan` reads it" if header in _READABLE else "convert it"
+        raise KittiFormatError(f"a {header} file, expected float32 x y z intensity without a header: {remedy}", file)
     single, double = _sample(data, "<f4"), _sample(data, "<f8")
-    dtype, values = ("<f4", single) if _share(single) >= min(_share(double), _SENSIBLE) else ("<f8", double)
-    layout = Layout(dtype, _count(values) or _small_count(data, dtype))
+    is_double = _share(single) < _SENSIBLE <= _share(double) and len(double) >= _FEWEST
+    dtype, values = ("<f8", double) if is_double else ("<f4", single)
+    count = _count(values)
+    layout = Layout(dtype, count or (5 if file.endswith(_NUSCENES) else 4))
     size = layout.count * np.dtype(dtype).itemsize
     if len(data) % size:
         kind = "" if layout == Layout("<f4", 4) else f" of {str(layout).removesuffix(' a point')}"
         rest = f"{len(data)} bytes are {len(data) // size} points{kind} and {len(data) % size} bytes"
         raise KittiFormatError(f"truncated: {rest}: copy the file again", file)
     rows = layout.rows(data)
-    if not _is_scan(rows) or (layout.count > 4 and not _is_known(rows)):
+    # Too few points tell nothing, not even that they are none.
+    if count is not None and not (_is_scan(rows) and (count == 4 or _is_known(rows))):
+        if layout.count == 4:
+            raise KittiFormatError("numbers that are no meters: expected x y z intensity in float32", file)
         first = f'np.fromfile(file, "{dtype}").reshape(-1, {layout.count})[:, :4]'
         raise KittiFormatError(f"{layout}? expected x y z intensity in float32: keep these four, as in {first}", file)
     return Layout(dtype, layout.count, ring_column(rows))
+
+
+def _header_of(data: bytes) -> str | None:
+    """Return the name of the format whose header a file has; None for none."""
+    known = next((name for start, name in _HEADERS.items() if data.startswith(start)), None)
+    return "text" if known is None and data and not data[:256].translate(None, _TEXT) else known
 
 
 def ring_column(rows: NDArray[Any]) -> int | None:
@@ -104,7 +125,8 @@ def _sample(data: bytes, dtype: str) -> NDArray[Any]:
 def _is_sensible(values: NDArray[Any]) -> NDArray[np.bool_]:
     """Tell which numbers may be meters or intensities; what is not finite is a missing one."""
     size = np.abs(values)
-    return (size == 0.0) | ((size >= _LEAST) & (size <= _MOST)) | ~np.isfinite(values)
+    sensible: NDArray[np.bool_] = (size == 0.0) | ((size >= _LEAST) & (size <= _MOST)) | ~np.isfinite(values)
+    return sensible
 
 
 def _share(values: NDArray[Any]) -> float:
@@ -122,16 +144,6 @@ def _count(values: NDArray[Any]) -> int | None:
     if excess.max() < _CLEAR:
         return None
     return int(COUNTS[int(np.argmax(excess >= _AS_GOOD * excess.max()))])
-
-
-def _small_count(data: bytes, dtype: str) -> int:
-    """Return four, or five or six if they alone fit the size of a file of few points, and its columns."""
-    size = np.dtype(dtype).itemsize
-    if len(data) % (4 * size):
-        for count in (5, 6):
-            if len(data) % (count * size) == 0 and _is_known(Layout(dtype, count).rows(data)):
-                return count
-    return 4
 
 
 def _excess(kinds: NDArray[np.intp], count: int, num_kinds: int) -> float:

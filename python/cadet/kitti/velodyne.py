@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet.arrays import check_array
+from cadet.errors import KittiFormatError
 from cadet.kitti.dialects import accept
 from cadet.kitti.scan_columns import Layout, layout_of
 
@@ -44,6 +45,8 @@ def points_from_bytes(data: bytes, file: str = "velodyne") -> NDArray[np.float32
     is_finite = is_whole_point(rows)
     if not is_finite.all():
         found = int((~is_finite).sum())
+        if found == len(rows):
+            raise KittiFormatError(f"none of {found} points is finite", file)
         accept("scan-not-finite", f"{found} of {len(rows)} points are not finite and left out", file)
     return np.ascontiguousarray(rows[is_finite], np.float32)
 
@@ -61,7 +64,7 @@ def _is_plain(points_velo: NDArray[np.float32]) -> bool:
     low, high = float(points_velo.min()), float(points_velo.max())
     intensity = points_velo[:, 3]
     # Comparisons with NaN are false.
-    return -_FARTHEST_M <= low and high <= _FARTHEST_M and float(intensity.min()) >= 0.0 and intensity.max() <= 1.0
+    return low >= -_FARTHEST_M and high <= _FARTHEST_M and float(intensity.min()) >= 0.0 and intensity.max() <= 1.0
 
 
 def bytes_from_points(points_velo: NDArray[np.float32]) -> bytes:

@@ -10,7 +10,7 @@ from typing import Final
 from cadet.exporter import Ending, Place
 from cadet.kitti_sequences.oxts import DATA_FORMAT, oxts_lines
 from cadet.kitti_sequences.raw_calibration import calibration_files
-from cadet.kitti_sequences.record import Record, calibration_of_record, drives, path_of_record
+from cadet.kitti_sequences.record import TURN_S, Record, calibration_of_record, drives, path_of_record
 from cadet.kitti_sequences.sequence_exporter import IMAGE, SCAN, SequenceExporter, lists_of_drives
 from cadet.kitti_sequences.tracklets import text_of_tracklets, tracklets_of
 from cadet.rig import GRAY_CAMERAS, RIGHT_CAMERA
@@ -65,16 +65,16 @@ class KittiRawExporter(SequenceExporter):
 
 
 def _drive_texts(records: Sequence[Record], day: date) -> dict[str, str]:
-    times = "".join(f"{_time(record['time_s'], day)}\n" for record in records)
+    def times(late_s: float = 0.0) -> str:
+        return "".join(f"{_time(record['time_s'] + late_s * record.get(TURN_S, 0.0), day)}\n" for record in records)
+
     texts = {f"oxts/data/{index:010d}.txt": f"{line}\n" for index, line in enumerate(oxts_lines(records))}
     texts["oxts/dataformat.txt"] = DATA_FORMAT
-    # All sensors see the same instant.
-    for name in (
-        "image_02/timestamps",
-        "oxts/timestamps",
-        *(f"velodyne_points/timestamps{s}" for s in ("", "_start", "_end")),
-    ):
-        texts[f"{name}.txt"] = times
+    # All sensors see the same instant; a turning scan is halfway through it.
+    for name in ("image_02", "oxts", "velodyne_points"):
+        texts[f"{name}/timestamps.txt"] = times()
+    texts["velodyne_points/timestamps_start.txt"] = times(-0.5)
+    texts["velodyne_points/timestamps_end.txt"] = times(0.5)
     texts["tracklet_labels.xml"] = text_of_tracklets(tracklets_of(records))
     return texts
 

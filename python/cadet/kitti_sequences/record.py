@@ -24,6 +24,9 @@ from cadet.sink import Sink
 Record = Mapping[str, Any]
 
 RECORDS: Final = "records"
+TURN_S: Final = "turn_s"
+"""How long the LIDAR's turn takes, half of it before the sample's instant; absent of a scan that is taken at once."""
+_TURN_S: Final = 0.1
 _AGENTS_WITHIN_M: Final = 120.0
 """How far from the LIDAR agents without a label are recorded: a track goes on through frames that hide its object."""
 
@@ -54,6 +57,7 @@ def record_of(sample: Sample) -> dict[str, Any]:
         "ego_angular_velocity_world": sample.ego_angular_velocity_world,
         "objects": [_object(seen, calib) for seen in sample.sightings],
         "agents": dict(_agents(sample, inverse(world_from_velo))),
+        **({TURN_S: _TURN_S} if sample.rig.lidar.rolling else {}),
     }
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
@@ -16,8 +16,9 @@ from cadet.errors import CadetError
 from cadet.lidar_fit.azimuths import FiringFit, fit_firing
 from cadet.lidar_fit.blind import blind_sectors
 from cadet.lidar_fit.lines import OUTLIER_M
-from cadet.lidar_fit.rings import Rings, find_rings
-from cadet.lidar_fit.scans import Points, find_scans, join, read_scan
+from cadet.lidar_fit.motion import undone
+from cadet.lidar_fit.rings import Rings, find_rings, rings_of_numbers
+from cadet.lidar_fit.scans import Points, Turn, find_scans, join, read_turn
 from cadet.summary import summary
 
 _NEIGHBOURS: Final = 8
@@ -60,6 +61,10 @@ class LidarFit:
     median_residual_m: float
     in_ring_order: bool
     firing: FiringFit
+    num_left_out: int = 0
+    """Rows of the files that stand for no return: not finite, or at the origin."""
+    moved_m: float = 0.0
+    """How far drivers had moved points for the vehicle's motion, which was undone; 0 for not."""
 
     def __repr__(self) -> str:
         return summary(
@@ -96,6 +101,10 @@ class LidarFit:
             )
         elif isinstance(firing, UniformFiring):
             lines.append(f"Azimuths show no grid; {firing.columns} columns are counted where no return is missing.")
+        if self.num_left_out:
+            lines.append(f"{self.num_left_out} more rows stand for no return (not finite, or at the origin).")
+        if self.moved_m > 0.0:
+            lines.append(f"Points were moved by up to {self.moved_m:.2f} m for the vehicle's motion, which is undone.")
         if self.unassigned_points:
             lines.append(f"{self.unassigned_points} points lie on no laser's cone.")
         if not self.in_ring_order:
@@ -111,15 +120,16 @@ def fit_lidar(paths: Sequence[str | Path], name: str = "fitted") -> LidarFit:
     """Fit lasers, firing pattern, ranges, noise and gains to scans of one sensor.
 
     Args:
-        paths: KITTI-like `.bin` files or folders of them, in the sensor's own frame, z up, one turn each.
+        paths: scans of any format that `cadet.scan_files.read_scan` reads, or folders of them, in the sensor's own
+            frame, z up, one turn each.
         name: the fitted table's.
 
     Raises:
         CadetError: a file that cannot be read, too few points, or points that lie on no lasers' cones.
     """
     files = find_scans(paths)
-    scans = [read_scan(file) for file in files]
-    rings = find_rings(scans, [file.name for file in files])
+    turns = [read_turn(file) for file in files]
+    scans, rings, moved_m = _scans_and_rings(turns)
     firing = fit_firing(scans, rings)
     parts = [
         join([scan[ring_of_point == ring] for scan, ring_of_point in zip(scans, rings.ring_of_point, strict=True)])
@@ -174,7 +184,30 @@ def fit_lidar(paths: Sequence[str | Path], name: str = "fitted") -> LidarFit:
         median_residual_m=float(np.median(residuals)),
         in_ring_order=rings.ordered,
         firing=firing,
+        num_left_out=sum(turn.num_rows for turn in turns) - len(every_range),
+        moved_m=moved_m,
     )
+
+
+def _scans_and_rings(turns: Sequence[Turn]) -> tuple[list[Points], Rings, float]:
+    """Return the points, the lasers by their numbers where all scans have them, and how far points had been moved."""
+    names = [turn.name for turn in turns]
+    scans = [turn.points() for turn in turns]
+    if any(turn.ring is None for turn in turns):
+        return [points for points, _ in scans], find_rings([points for points, _ in scans], names), 0.0
+    numbers = [turn.ring[is_return] for turn, (_, is_return) in zip(turns, scans, strict=True) if turn.ring is not None]
+    try:
+        points = [points for points, _ in scans]
+        return points, rings_of_numbers(points, numbers, names), 0.0
+    except CadetError:
+        back = [undone(turn.xyz, turn.ring, turn.time) for turn in turns if turn.ring is not None]
+        if any(found is None for found in back):
+            raise
+    still = [replace(turn, xyz=found[0]) for turn, found in zip(turns, back, strict=True) if found is not None]
+    scans = [turn.points() for turn in still]
+    points = [points for points, _ in scans]
+    numbers = [turn.ring[is_return] for turn, (_, is_return) in zip(still, scans, strict=True) if turn.ring is not None]
+    return points, rings_of_numbers(points, numbers, names), max(found[1] for found in back if found is not None)
 
 
 def _gains(zero_shares: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -33,7 +33,8 @@ def phases(xyz: Array, ring: NDArray[np.int64], time: Array | None) -> Array | N
         (N,); None where nothing tells.
     """
     if time is not None:
-        return (time - time.min()) / (time.max() - time.min())
+        since: Array = time - time.min()
+        return since / float(since.max())
     if np.mean(np.diff(ring) != 0) < 0.5:
         return None
     order = np.arange(len(xyz)) / len(xyz)
@@ -50,8 +51,11 @@ def phases(xyz: Array, ring: NDArray[np.int64], time: Array | None) -> Array | N
     if sharp < 0.8:
         return None
     phase = sign * turn - offset / (2.0 * np.pi)
-    whole: Array = phase + np.round(order - phase)
-    return whole
+    phase += np.round(order - phase)
+    # What did not return was moved from the origin: its azimuth tells nothing.
+    is_near = np.hypot(xyz[:, 0], xyz[:, 1]) < _NEAREST_M
+    phase[is_near] = np.interp(order[is_near], order[is_far], phase[is_far])
+    return phase
 
 
 def undone(xyz: Array, ring: NDArray[np.int64], time: Array | None) -> tuple[Array, float] | None:
@@ -106,7 +110,7 @@ def _lines(values: Array, rho: Array, ring: NDArray[np.intp], weight: Array) -> 
     count = int(ring.max()) + 1
 
     def total(numbers: Array) -> Array:
-        return np.bincount(ring, numbers * weight, count)
+        return np.bincount(ring, numbers * weight, count).astype(np.float64)
 
     prior = (_LEAST_SCALE_M / _HEIGHT_SD_M) ** 2
     ones, firsts, seconds = total(np.ones(len(rho))) + prior, total(rho), total(rho * rho)

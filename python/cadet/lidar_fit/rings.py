@@ -31,7 +31,7 @@ class Rings:
     ring_of_point: list[NDArray[np.intp]]
     """Of each scan: the ring of each point, -1 for none."""
     ordered: bool
-    """The files are in the order of the rings."""
+    """The files are in the order of the rings, or have their numbers."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class _Piece:
 
 
 def find_rings(scans: Sequence[Points], names: Sequence[str]) -> Rings:
-    """Find the lasers of scans.
+    """Find the lasers of scans without their numbers.
 
     Raises:
         CadetError: the points lie on no such lines.
@@ -56,6 +56,26 @@ def find_rings(scans: Sequence[Points], names: Sequence[str]) -> Rings:
     if rings is None or _fitting(rings) < _MIN_FITTING:
         lines = sorted(find_lines(join(scans)), key=lambda line: -line.tangent)
         rings = Rings(lines, [_nearest(lines, scan) for scan in scans], ordered=False)
+    _check(rings, names)
+    return rings
+
+
+def rings_of_numbers(scans: Sequence[Points], numbers: Sequence[NDArray[np.int64]], names: Sequence[str]) -> Rings:
+    """Fit the lasers of scans whose points have their numbers, in whatever order these are.
+
+    Raises:
+        CadetError: the points lie on no such lines.
+    """
+    every, whose = join(scans), np.concatenate(numbers)
+    laser, counts = np.unique(whose, return_counts=True)
+    found = [(fit_line(every[whose == number]), number) for number in laser[counts >= _MIN_RING_POINTS]]
+    found.sort(key=lambda pair: -pair[0].tangent)
+    ring_of_point = np.full(len(every), -1, np.intp)
+    for ring, (line, number) in enumerate(found):
+        its = whose == number
+        ring_of_point[its] = np.where(np.abs(line.residual_m(every[its])) < OUTLIER_M, ring, -1)
+    ends = np.cumsum([len(scan) for scan in scans])[:-1]
+    rings = Rings([line for line, _ in found], np.split(ring_of_point, ends), ordered=True)
     _check(rings, names)
     return rings
 
@@ -134,7 +154,8 @@ def _check(rings: Rings, names: Sequence[str]) -> None:
     if vague_all or fitting < _MIN_FITTING:
         raise CadetError(
             f"{name}: only {100.0 * fitting:.0f} % of the points lie on the cones of lasers on the z axis: expected "
-            "scans of one turn in the sensor's own frame, not moved for the vehicle's motion, z up"
+            "scans of one turn in the sensor's own frame, z up; if moved for the vehicle's motion, then with the "
+            "lasers' numbers (a fifth column, or a field ring) and in the order of firing or with times"
         )
     if rings.ordered:
         return

@@ -12,9 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet.errors import CadetError, MissingFileError
-from cadet.kitti.velodyne import points_from_bytes
+from cadet.scan_files import SUFFIXES, read_scan
 
 _MIN_POINTS: Final = 1000
+_NO_RETURN_M: Final = 0.1
+"""Rows at the origin, or that were moved from there, are what some drivers write for no return."""
 _BACKWARD_DEG: Final = 1.0
 """Azimuths of one ring fall back by less, whatever rounding and the lasers' own corrections do."""
 _MAX_RINGS: Final = 300
@@ -47,11 +49,40 @@ def join(parts: Sequence[Points]) -> Points:
     return Points(*(np.concatenate([getattr(part, key) for part in parts]) for key in keys))
 
 
+@dataclass(frozen=True)
+class Turn:
+    """A scan as its file has it.
+
+    Attributes:
+        name: the file's.
+        xyz: (N, 3), meters.
+        intensity: (N,), as the file has it: only how many are 0 matters.
+        ring: (N,) the lasers' numbers; None where the file has none.
+        time: (N,) in any unit; None where the file has none.
+        num_rows: points in the file, with those that stand for no return.
+    """
+
+    name: str
+    xyz: NDArray[np.float64]
+    intensity: NDArray[np.float64]
+    ring: NDArray[np.int64] | None
+    time: NDArray[np.float64] | None
+    num_rows: int
+
+    def points(self) -> tuple[Points, NDArray[np.bool_]]:
+        """Return the points that returned, and which those are."""
+        range_m = np.linalg.norm(self.xyz, axis=1)
+        is_return = range_m > _NO_RETURN_M
+        (x, y, z), range_m = self.xyz[is_return].T, range_m[is_return]
+        azimuth_deg = np.degrees(np.arctan2(y, x)) % 360.0
+        return Points(np.hypot(x, y), z, range_m, azimuth_deg, self.intensity[is_return]), is_return
+
+
 def find_scans(paths: Sequence[str | Path]) -> list[Path]:
-    """List the `.bin` files that files and folders name; of a KITTI folder those of `training/velodyne`.
+    """List the scans that files and folders name; of a KITTI folder those of `training/velodyne`.
 
     Raises:
-        MissingFileError: a path is missing, or a folder holds no `.bin` file.
+        MissingFileError: a path is missing, or a folder holds no scan.
     """
     found: list[Path] = []
     for path in map(Path, paths):
@@ -61,36 +92,45 @@ def find_scans(paths: Sequence[str | Path]) -> list[Path]:
         if not path.is_dir():
             raise MissingFileError(f"{str(path)!r}: no such file or folder")
         folders = (path, path / "velodyne", path / "training" / "velodyne")
-        files = next((files for folder in folders if (files := sorted(folder.glob("*.bin")))), [])
+        files = next((files for folder in folders if (files := _scans_in(folder))), [])
         if not files:
-            raise MissingFileError(f"{str(path)!r}: no .bin files in it, nor in velodyne or training/velodyne")
+            kinds = ", ".join(SUFFIXES[:-1]) + f" or {SUFFIXES[-1]}"
+            raise MissingFileError(f"{str(path)!r}: no {kinds} files in it, nor in velodyne or training/velodyne")
         found += files
     if not found:
         raise CadetError("no scans given")
     return found
 
 
-def read_scan(path: Path) -> Points:
-    """Read a scan of float32 x, y, z, intensity.
+def _scans_in(folder: Path) -> list[Path]:
+    if not folder.is_dir():
+        return []
+    return sorted(path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES and path.is_file())
+
+
+def read_turn(path: Path) -> Turn:
+    """Read a scan of one turn.
 
     Raises:
-        CadetError: the file is cut off, holds NaN, infinity or places beyond 10 km, or too few points to tell anything.
+        CadetError: a file that cannot be read, with places beyond 10 km, or too few points to tell anything.
     """
-    points = points_from_bytes(path.read_bytes(), path.name).astype(np.float64)
-    is_near = np.abs(points[:, :3]).max(axis=1, initial=0.0) <= _MAX_PLACE_M
+    scan = read_scan(path)
+    xyz = scan.points_velo[:, :3].astype(np.float64)
+    is_near = np.abs(xyz).max(axis=1, initial=0.0) <= _MAX_PLACE_M
     if not is_near.all():
         raise CadetError(f"{path.name}: point {int(np.argmin(is_near))} is farther away than {_MAX_PLACE_M:g} m")
-    points = points[np.linalg.norm(points[:, :3], axis=1) > 0.0]
-    if len(points) < _MIN_POINTS:
-        raise CadetError(f"{path.name}: {len(points)} points, at least {_MIN_POINTS} are needed")
-    x, y, z, intensity = points.T
-    return Points(
-        rho_m=np.hypot(x, y),
-        z_m=z,
-        range_m=np.linalg.norm(points[:, :3], axis=1),
-        azimuth_deg=np.degrees(np.arctan2(y, x)) % 360.0,
-        intensity=intensity,
+    turn = Turn(
+        path.name,
+        xyz,
+        scan.points_velo[:, 3].astype(np.float64),
+        scan.ring,
+        scan.time,
+        len(xyz) + scan.num_left_out,
     )
+    num_points = len(turn.points()[0])
+    if num_points < _MIN_POINTS:
+        raise CadetError(f"{path.name}: {num_points} points, at least {_MIN_POINTS} are needed")
+    return turn
 
 
 def ring_segments(points: Points) -> list[slice] | None:

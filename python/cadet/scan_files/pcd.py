@@ -66,8 +66,10 @@ def _fields(header: dict[str, list[str]], file: str) -> list[Field]:
         if kind not in _KINDS or not size.isdecimal() or int(size[:4]) not in _SIZES[kind]:
             known = "F of 4 or 8 bytes, I or U of 1 to 8"
             raise FileFormatError(f"field {name[:40]!r}: expected {known}, got {kind[:10]} of {size[:10]}", file)
-        if not count.isdecimal() or not 0 < int(count[:9]) <= _MOST_COUNT:
-            raise FileFormatError(f"field {name[:40]!r}: expected a COUNT from 1, got {count[:10]!r}", file)
+        # Padding may count 0.
+        if not count.isdecimal() or int(count[:9]) > _MOST_COUNT:
+            reason = f"expected a COUNT of at most {_MOST_COUNT}, got {count[:10]!r}"
+            raise FileFormatError(f"field {name[:40]!r}: {reason}", file)
         fields.append((name, f"<{_KINDS[kind]}{int(size)}", int(count)))
     return fields
 
@@ -90,6 +92,9 @@ def _unpacked(data: bytes, file: str) -> bytes:
     check_size(len(data), _SIZES_BYTES + packed_size, 0, file)
     if size > _BEST_RATIO * packed_size:
         raise FileFormatError("its compressed data are damaged: copy the file again", file)
+    if packed_size == size:
+        # Writers whose compression would gain nothing.
+        return data[_SIZES_BYTES : _SIZES_BYTES + size]
     packed, out, at = data[_SIZES_BYTES : _SIZES_BYTES + packed_size], bytearray(), 0
     try:
         while at < packed_size:

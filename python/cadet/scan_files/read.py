@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadet.errors import FileFormatError, MissingFileError
+from cadet.kitti.dialects import accept
 from cadet.kitti.scan_columns import layout_of, ring_column
 from cadet.kitti.velodyne import is_whole_point
 from cadet.scan_files.pcd import columns_from_pcd
@@ -57,6 +58,12 @@ def read_scan(path: str | Path) -> RecordedScan:
 
 def scan_from_data(data: bytes, file: str) -> RecordedScan:
     """Read a scan's bytes; `file` names it in messages: as `read_scan`."""
+    # What is too large to be converted is not finite then, and left out.
+    with np.errstate(all="ignore"):
+        return _read(data, file)
+
+
+def _read(data: bytes, file: str) -> RecordedScan:
     readers: Mapping[bytes, Callable[[bytes, str], Columns]] = {
         b"# .PCD": columns_from_pcd,
         b"VERSION": columns_from_pcd,
@@ -99,6 +106,8 @@ def _of_columns(columns: Columns, file: str) -> RecordedScan:
         for kind, names in _NAMES.items()
     }
     intensity = found["intensity"]
+    if intensity is None:
+        accept("scan-no-intensity", "no intensity, read as 0", file)
     xyz = [columns[name].astype(np.float64) for name in "xyz"]
     if len({len(column) for column in xyz}) != 1:
         raise FileFormatError("its columns differ in length", file)

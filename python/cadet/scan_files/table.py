@@ -28,8 +28,12 @@ def columns_of_records(data: bytes, fields: Sequence[tuple[str, str, int]], num_
     """
     # The names may be equal or empty, as those of padding are.
     record = np.dtype([(f"f{index}", kind, (count,)) for index, (_, kind, count) in enumerate(fields)])
-    check_size(len(data), num_points * record.itemsize, num_points, file)
-    rows = np.frombuffer(data, record, num_points)
+    needed = num_points * record.itemsize
+    check_size(len(data), needed, num_points, file)
+    # Some writers fill a header up with blanks.
+    excess = len(data) - needed
+    start = excess if data[:excess].isspace() else 0
+    rows = np.frombuffer(data, record, num_points, start)
     return _named({index: rows[f"f{index}"] for index in range(len(fields))}, fields)
 
 

@@ -276,8 +276,13 @@ class _FrameLint:
         intensity = points_velo[:, 3]
         if intensity.min() < 0.0 or intensity.max() > 1.0:
             low, high = float(intensity.min()), float(intensity.max())
-            self._add("velodyne", Problem(None, "scan", f"intensity {low:.3f}..{high:.3f}, expected 0..1"))
+            message = f"intensity {low:.3f}..{high:.3f}, expected 0..1: divide by the sensor's greatest, such as 255"
+            self._add("velodyne", Problem(None, "scan", message, self.soft))
         range_m = np.linalg.norm(points_velo[:, :3].astype(np.float64), axis=1)
+        num_zero = int((range_m == 0.0).sum())
+        if num_zero and not self.task.strict:
+            message = f"{num_zero} points at the origin: no returns? Leave them out"
+            self._add("velodyne", Problem(None, "scan", message, self.soft))
         low, high = (
             self.task.scan_range_m if self.task.strict else (0.0, max(_LOOSE_RANGE_M, self.task.scan_range_m[1]))
         )
