@@ -7,7 +7,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from cadet import BeamTable, EncoderFiring, UniformFiring
+from cadet import BeamTable, EncoderFiring, Laser, UniformFiring
+
+VLP16 = BeamTable(
+    name="vlp16",
+    rings=tuple(Laser(elevation_deg=float(elevation)) for elevation in range(15, -16, -2)),
+    firing=UniformFiring(columns=1808),
+)
 
 
 def azimuths_deg(table: BeamTable) -> NDArray[np.float64]:

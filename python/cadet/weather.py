@@ -149,10 +149,8 @@ def apply(
 def _check_scan(points_velo: NDArray[np.float32]) -> None:
     """Refuse what other sensors' scans have otherwise, with what to do."""
     if np.ndim(points_velo) == 2 and np.shape(points_velo)[1] > 4:
-        raise ShapeError(
-            f"points_velo: expected (N, 4) float32, got {points_velo.shape} {points_velo.dtype}: give x, y, z, intensity "
-            "alone, as in points[:, :4]"
-        )
+        given = f"{points_velo.shape} {points_velo.dtype}"
+        raise ShapeError(f"points_velo: expected (N, 4) float32, got {given}: give the first four, as points[:, :4]")
     try:
         check_array(points_velo, "points_velo", ("N", 4), np.float32, finite=True)
     except NonFiniteError as error:
@@ -160,7 +158,9 @@ def _check_scan(points_velo: NDArray[np.float32]) -> None:
         raise NonFiniteError(f"{error}: {remedy}") from None
     most = float(points_velo[:, 3].max(initial=0.0))
     if most > 1.0:
-        raise CadetError(f"intensity of points_velo is {most:g}, expected 0 to 1: scale them, as in points[:, 3] /= 255")
+        raise CadetError(
+            f"intensity of points_velo is {most:g}, expected 0 to 1: scale them, as in points[:, 3] /= 255"
+        )
 
 
 def _number(name: str, value: object) -> float:

@@ -151,7 +151,7 @@ def test_scans_are_checked(tmp_path: Path) -> None:
     points_velo = np.array([[10, 0, 0, 0.5], [0.5, 0, 0, 0.5], [0, 90, 0, 1.5]], np.float32)
     write_frame(tmp_path, 0, make_frame(points_velo=points_velo, labels=(DONT_CARE,)))
     assert [str(finding) for finding in lint(tmp_path, strict=True)] == [
-        "velodyne/000000.bin: error: intensity 0.500..1.500, expected 0..1: divide by the sensor's greatest, such as 255",
+        "velodyne/000000.bin: error: intensity 0.500..1.500, expected 0..1: divide by the greatest, such as 255",
         "velodyne/000000.bin: error: 2 points with range outside 1.45..80.0 m (smallest 0.500, largest 90.000)",
     ]
 

@@ -17,9 +17,16 @@ from cadet.errors import KittiFormatError
 COUNTS: Final = (3, 4, 5, 6, 7, 8)
 _NAMES: Final = ("three", "four", "five", "six", "seven", "eight")
 _HEADERS: Final = {
-    **{b"# .PCD": "PCD", b"VERSION": "PCD", b"ply\n": "PLY", b"ply\r": "PLY", b"\x93NUMPY": ".npy"},
-    **{b"LASF": "LAS", b"PK\x03\x04": "ZIP or .npz", b"#ROSBAG": "ROS bag"},
-    **{b"\xd4\xc3\xb2\xa1": "pcap", b"\x0a\x0d\x0d\x0a": "pcapng"},
+    b"# .PCD": "PCD",
+    b"VERSION": "PCD",
+    b"ply\n": "PLY",
+    b"ply\r": "PLY",
+    b"\x93NUMPY": ".npy",
+    b"LASF": "LAS",
+    b"PK\x03\x04": "ZIP or .npz",
+    b"#ROSBAG": "ROS bag",
+    b"\xd4\xc3\xb2\xa1": "pcap",
+    b"\x0a\x0d\x0d\x0a": "pcapng",
 }
 _READABLE: Final = ("PCD", "PLY", ".npy")
 _TEXT: Final = bytes(range(32, 127)) + b"\t\r\n"
@@ -36,8 +43,11 @@ _LEAST: Final = 1e-6
 _MOST: Final = 1e5
 """Sizes of numbers other than 0 that meters and intensities have."""
 _SENSIBLE: Final = 0.9
+_HALF: Final = 0.6
+"""Times since 1970, in a column of their own, are no meters."""
 _FEWEST: Final = 64
 """Numbers: fewer may look like double precision by chance."""
+_ENOUGH: Final = 1000
 _MOST_RINGS: Final = 512
 _FEW_VALUES: Final = 64
 
@@ -81,7 +91,8 @@ def layout_of(data: bytes, file: str) -> Layout:
         remedy = "`cadet.scan_files.read_scan` reads it" if header in _READABLE else "convert it"
         raise KittiFormatError(f"a {header} file, expected float32 x y z intensity without a header: {remedy}", file)
     single, double = _sample(data, "<f4"), _sample(data, "<f8")
-    is_double = _share(single) < _SENSIBLE <= _share(double) and len(double) >= _FEWEST
+    shares = _share(single), _share(double)
+    is_double = shares[0] < min(_SENSIBLE, shares[1]) and shares[1] >= _HALF and len(double) >= _FEWEST
     dtype, values = ("<f8", double) if is_double else ("<f4", single)
     count = _count(values)
     layout = Layout(dtype, count or (5 if file.endswith(_NUSCENES) else 4))
@@ -91,8 +102,9 @@ def layout_of(data: bytes, file: str) -> Layout:
         rest = f"{len(data)} bytes are {len(data) // size} points{kind} and {len(data) % size} bytes"
         raise KittiFormatError(f"truncated: {rest}: copy the file again", file)
     rows = layout.rows(data)
-    # Too few points tell nothing, not even that they are none.
-    if count is not None and not (_is_scan(rows) and (count == 4 or _is_known(rows))):
+    # Too few numbers tell nothing, not even that they are no points.
+    is_told = count is not None or len(values) >= _ENOUGH
+    if is_told and not (_is_scan(rows) and (layout.count == 4 or _is_known(rows))):
         if layout.count == 4:
             raise KittiFormatError("numbers that are no meters: expected x y z intensity in float32", file)
         first = f'np.fromfile(file, "{dtype}").reshape(-1, {layout.count})[:, :4]'
@@ -139,7 +151,8 @@ def _count(values: NDArray[Any]) -> int | None:
     if len(finite) == 0:
         return None
     edges = np.unique(np.quantile(finite, np.arange(1, _BINS) / _BINS))
-    kinds = np.searchsorted(edges, values)
+    with np.errstate(invalid="ignore"):
+        kinds = np.searchsorted(edges, values)
     excess = np.array([_excess(kinds, count, len(edges) + 1) for count in COUNTS])
     if excess.max() < _CLEAR:
         return None

@@ -13,6 +13,7 @@ from cadet.kitti.dialects import accept
 from cadet.kitti.scan_columns import Layout, layout_of
 
 _BYTES_PER_POINT: Final = 16
+_LEAST_M: Final = 1e-3
 _FARTHEST_M: Final = 1000.0
 _MOST: Final = float(np.finfo(np.float32).max)
 
@@ -62,6 +63,9 @@ def _is_plain(points_velo: NDArray[np.float32]) -> bool:
     if len(points_velo) == 0:
         return True
     low, high = float(points_velo.min()), float(points_velo.max())
+    # Text and whole numbers, taken for floats, are tiny.
+    if 0.0 < max(high, -low) < _LEAST_M:
+        return False
     intensity = points_velo[:, 3]
     # Comparisons with NaN are false.
     return low >= -_FARTHEST_M and high <= _FARTHEST_M and float(intensity.min()) >= 0.0 and intensity.max() <= 1.0

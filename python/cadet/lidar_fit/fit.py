@@ -190,24 +190,25 @@ def fit_lidar(paths: Sequence[str | Path], name: str = "fitted") -> LidarFit:
 
 
 def _scans_and_rings(turns: Sequence[Turn]) -> tuple[list[Points], Rings, float]:
-    """Return the points, the lasers by their numbers where all scans have them, and how far points had been moved."""
+    """Return the points, the lasers, and how far points had been moved for the vehicle's motion.
+
+    The lasers' numbers are used where all scans have them and they are right; only then can a motion be undone.
+    """
     names = [turn.name for turn in turns]
-    scans = [turn.points() for turn in turns]
-    if any(turn.ring is None for turn in turns):
-        return [points for points, _ in scans], find_rings([points for points, _ in scans], names), 0.0
-    numbers = [turn.ring[is_return] for turn, (_, is_return) in zip(turns, scans, strict=True) if turn.ring is not None]
-    try:
+    for moved in (False, True):
+        found = [undone(turn.xyz, turn.ring, turn.time) if moved else turn.xyz for turn in turns]
+        stills = [replace(turn, xyz=xyz) for turn, xyz in zip(turns, found, strict=True) if xyz is not None]
+        scans = [still.points() for still in stills]
+        numbers = [t.ring[is_return] for t, (_, is_return) in zip(stills, scans, strict=True) if t.ring is not None]
+        if len(numbers) < len(turns):
+            break
         points = [points for points, _ in scans]
-        return points, rings_of_numbers(points, numbers, names), 0.0
-    except CadetError:
-        back = [undone(turn.xyz, turn.ring, turn.time) for turn in turns if turn.ring is not None]
-        if any(found is None for found in back):
-            raise
-    still = [replace(turn, xyz=found[0]) for turn, found in zip(turns, back, strict=True) if found is not None]
-    scans = [turn.points() for turn in still]
-    points = [points for points, _ in scans]
-    numbers = [turn.ring[is_return] for turn, (_, is_return) in zip(still, scans, strict=True) if turn.ring is not None]
-    return points, rings_of_numbers(points, numbers, names), max(found[1] for found in back if found is not None)
+        rings = rings_of_numbers(points, numbers)
+        if rings is not None:
+            far = (np.linalg.norm(s.xyz - t.xyz, axis=1).max() for s, t in zip(stills, turns, strict=True))
+            return points, rings, float(max(far))
+    points = [turn.points()[0] for turn in turns]
+    return points, find_rings(points, names), 0.0
 
 
 def _gains(zero_shares: NDArray[np.float64]) -> NDArray[np.float64]:

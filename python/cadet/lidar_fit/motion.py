@@ -58,10 +58,12 @@ def phases(xyz: Array, ring: NDArray[np.int64], time: Array | None) -> Array | N
     return phase
 
 
-def undone(xyz: Array, ring: NDArray[np.int64], time: Array | None) -> tuple[Array, float] | None:
-    """Return the points (N, 3) as the sensor saw them, and how far the farthest was moved; None where nothing tells."""
+def undone(xyz: Array, ring: NDArray[np.int64] | None, time: Array | None) -> Array | None:
+    """Return the points (N, 3) as the sensor saw them; None where lasers or times are not known."""
+    if ring is None:
+        return None
     every = np.unique(ring, return_inverse=True)[1]
-    straight, turn, turning = np.zeros(3), np.zeros(2), np.zeros(2)
+    motion = np.zeros(9)
     is_used = np.zeros(len(xyz), np.bool_)
     is_used[:: max(1, len(xyz) // _MOST_POINTS)] = True
     is_used &= np.hypot(xyz[:, 0], xyz[:, 1]) > _NEAREST_M
@@ -72,28 +74,30 @@ def undone(xyz: Array, ring: NDArray[np.int64], time: Array | None) -> tuple[Arr
         if phase is None:
             return None
         late = phase - 1.0
-        seen = _moved(xyz, late, straight, turn, turning)
+        seen = _moved(xyz, late, motion)
         step, weight = _step(seen[is_used], every[is_used], late[is_used], weight)
-        straight, turn, turning = straight + step[:3], turn + step[3:5], turning + step[5:]
-    return seen, float(np.linalg.norm(seen - xyz, axis=1).max())
+        motion = motion + step
+    return seen
 
 
-def _moved(xyz: Array, late: Array, straight: Array, turn: Array, turning: Array) -> Array:
-    back = xyz - late[:, None] * straight
+def _moved(xyz: Array, late: Array, motion: Array) -> Array:
+    """Take a motion back: how far in a turn, by which angles in a turn, and place and angles at its end."""
+    straight, turning, aside, turn = motion[:3], motion[3:5], motion[5:7], motion[7:]
+    x, y, z = (xyz - late[:, None] * straight - np.append(aside, 0.0)).T
     about_x, about_y = turn[0] + late * turning[0], turn[1] + late * turning[1]
-    x, y, z = back.T
     return np.column_stack([x - about_y * z, y + about_x * z, z - about_x * y + about_y * x])
 
 
 def _step(seen: Array, ring: NDArray[np.intp], late: Array, weight: Array) -> tuple[Array, Array]:
-    """Return by how much to change the motion's seven numbers, and the points' weights for the next time."""
+    """Return by how much to change the motion's numbers, and the points' weights for the next time."""
     x, y, z = seen.T
     rho = np.hypot(x, y)
     tangent = _lines(np.column_stack([z]), rho, ring, weight)[0][ring, 0]
     across = np.column_stack([-tangent * x / rho, -tangent * y / rho, np.ones(len(x))])
     # By how much a unit of each changes a point's height over its cone.
     about = np.column_stack([across[:, 1] * z - across[:, 2] * y, -across[:, 0] * z + across[:, 2] * x])
-    effects = np.column_stack([-late[:, None] * across, about, late[:, None] * about])
+    lately = late[:, None]
+    effects = np.column_stack([-lately * across, lately * about, -across[:, :2], about])
     _, rest = _lines(np.column_stack([z, effects]), rho, ring, weight)
     left, columns = rest[:, 0], rest[:, 1:]
     weighted = columns * weight[:, None]

@@ -60,12 +60,8 @@ def find_rings(scans: Sequence[Points], names: Sequence[str]) -> Rings:
     return rings
 
 
-def rings_of_numbers(scans: Sequence[Points], numbers: Sequence[NDArray[np.int64]], names: Sequence[str]) -> Rings:
-    """Fit the lasers of scans whose points have their numbers, in whatever order these are.
-
-    Raises:
-        CadetError: the points lie on no such lines.
-    """
+def rings_of_numbers(scans: Sequence[Points], numbers: Sequence[NDArray[np.int64]]) -> Rings | None:
+    """Fit the lasers of scans whose points have their numbers, in whatever order; None where they lie on no cones."""
     every, whose = join(scans), np.concatenate(numbers)
     laser, counts = np.unique(whose, return_counts=True)
     found = [(fit_line(every[whose == number]), number) for number in laser[counts >= _MIN_RING_POINTS]]
@@ -76,8 +72,7 @@ def rings_of_numbers(scans: Sequence[Points], numbers: Sequence[NDArray[np.int64
         ring_of_point[its] = np.where(np.abs(line.residual_m(every[its])) < OUTLIER_M, ring, -1)
     ends = np.cumsum([len(scan) for scan in scans])[:-1]
     rings = Rings([line for line, _ in found], np.split(ring_of_point, ends), ordered=True)
-    _check(rings, names)
-    return rings
+    return None if _is_vague(rings) else rings
 
 
 def _of_ordered(scans: Sequence[Points], cuts: Sequence[list[slice]]) -> Rings:
@@ -147,15 +142,20 @@ def _fitting(rings: Rings) -> float:
     return float((np.concatenate(rings.ring_of_point) >= 0).mean())
 
 
+def _is_vague(rings: Rings) -> bool:
+    """Tell whether too few points lie on cones, or no cone is known well."""
+    unknown = all(np.degrees(line.tangent_sd) > _MAX_SD_DEG for line in rings.lines)
+    return unknown or _fitting(rings) < _MIN_FITTING
+
+
 def _check(rings: Rings, names: Sequence[str]) -> None:
     fitting = _fitting(rings)
-    vague_all = all(np.degrees(line.tangent_sd) > _MAX_SD_DEG for line in rings.lines)
     name = names[0] if len(names) == 1 else f"{len(names)} scans"
-    if vague_all or fitting < _MIN_FITTING:
+    if _is_vague(rings):
         raise CadetError(
             f"{name}: only {100.0 * fitting:.0f} % of the points lie on the cones of lasers on the z axis: expected "
-            "scans of one turn in the sensor's own frame, z up; if moved for the vehicle's motion, then with the "
-            "lasers' numbers (a fifth column, or a field ring) and in the order of firing or with times"
+            "scans of one turn in the sensor's own frame, z up; points that a driver moved for the vehicle's motion "
+            "need their lasers' numbers (a fifth column, or a field ring) and the order of firing or times"
         )
     if rings.ordered:
         return

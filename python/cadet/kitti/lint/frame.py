@@ -276,7 +276,7 @@ class _FrameLint:
         intensity = points_velo[:, 3]
         if intensity.min() < 0.0 or intensity.max() > 1.0:
             low, high = float(intensity.min()), float(intensity.max())
-            message = f"intensity {low:.3f}..{high:.3f}, expected 0..1: divide by the sensor's greatest, such as 255"
+            message = f"intensity {low:.3f}..{high:.3f}, expected 0..1: divide by the greatest, such as 255"
             self._add("velodyne", Problem(None, "scan", message, self.soft))
         range_m = np.linalg.norm(points_velo[:, :3].astype(np.float64), axis=1)
         num_zero = int((range_m == 0.0).sum())
