@@ -194,8 +194,18 @@ def test_wet_ground_mirrors_and_walls_do_not() -> None:
         (np.zeros((3, 3), np.float32), ShapeError, r"\(3, 3\)"),
         (np.zeros(4, np.float32), ShapeError, r"\(4,\)"),
         (np.zeros((3, 4)), ShapeError, "astype"),
-        (np.full((2, 4), np.nan, np.float32), NonFiniteError, r"not finite at \[0, 0\]"),
-        (np.array([[1, 1, 1, 37]], np.float32), CadetError, "intensity of points_velo is 37, expected 0 to 1"),
+        (np.zeros((3, 5), np.float32), ShapeError, r"\(3, 5\) float32: give the first four, as points\[:, :4\]$"),
+        (np.zeros((3, 6)), ShapeError, r"\(3, 6\) float64: give the first four, as points\[:, :4\]$"),
+        (
+            np.full((2, 4), np.nan, np.float32),
+            NonFiniteError,
+            r"not finite at \[0, 0\]: leave such points out, as in points\[np.isfinite\(points\).all\(axis=1\)\]$",
+        ),
+        (
+            np.array([[1, 1, 1, 37]], np.float32),
+            CadetError,
+            r"intensity of points_velo is 37, expected 0 to 1: scale it, as in points\[:, 3\] /= 255$",
+        ),
         (np.array([[1, 1, 1, -0.5]], np.float32), CadetError, "intensity of points_velo is -0.5"),
     ],
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ from lidar_scans import VLP16, yard_scan
 from synthetic import make_frame
 
 Array = NDArray[np.float64]
+RNG = np.random.default_rng(1)
 
 
 def read(rows: NDArray[np.generic], name: str = "a.bin") -> tuple[NDArray[np.float32], list[str]]:
@@ -39,27 +41,38 @@ def in_order(rows: Array, order: str) -> Array:
 
 
 def ring_of(rows: Array) -> Array:
-    return np.argsort(np.argsort(np.arctan2(rows[:, 2], np.hypot(rows[:, 0], rows[:, 1])))) // (len(rows) // 15)
+    rank = np.argsort(np.argsort(np.arctan2(rows[:, 2], np.hypot(rows[:, 0], rows[:, 1]))))
+    return np.asarray(rank // (len(rows) // 15), np.float64)
+
+
+def with_whole_intensities() -> NDArray[np.float32]:
+    rows = yard().astype("<f4")
+    rows[:, 3] = np.arange(len(rows), dtype="<u4").view("<f4")
+    return rows
 
 
 # What stands behind x, y, z and intensity, of rows (N, 4).
-KNOWN = {
+KNOWN: dict[str, Callable[[Array], list[NDArray[np.floating]]]] = {
     "ring": lambda rows: [ring_of(rows)],
     "a constant": lambda rows: [np.ones(len(rows))],
     "no time": lambda rows: [np.zeros(len(rows))],
     "time": lambda rows: [np.linspace(0.0, 0.1, len(rows))],
     "classes": lambda rows: [np.arange(len(rows)) % 7 * 10.0],
-    "ring and time": lambda rows: [ring_of(rows), np.random.default_rng(1).random(len(rows)) * 0.1],
-    "time and ring": lambda rows: [np.random.default_rng(1).random(len(rows)) * 0.1, ring_of(rows)],
-    "elongation and microseconds": lambda rows: [np.random.default_rng(2).random(len(rows)), np.full(len(rows), 1.5e15)],
+    "ring and time": lambda rows: [ring_of(rows), RNG.random(len(rows)) * 0.1],
+    "time and ring": lambda rows: [RNG.random(len(rows)) * 0.1, ring_of(rows)],
+    "elongation and microseconds": lambda rows: [
+        RNG.random(len(rows)),
+        np.full(len(rows), 1.5e15),
+    ],
 }
-UNKNOWN = {
+UNKNOWN: dict[str, Callable[[Array], Array]] = {
     "x y z": lambda rows: rows[:, :3],
-    "one unknown": lambda rows: np.column_stack([rows, np.random.default_rng(3).random(len(rows))]),
-    "two unknown": lambda rows: np.column_stack([rows, np.random.default_rng(3).random((len(rows), 2))]),
-    "colors": lambda rows: np.column_stack([rows[:, :3], np.random.default_rng(3).integers(0, 256, (len(rows), 3))]),
-    "normals": lambda rows: np.column_stack([rows[:, :3], np.random.default_rng(3).uniform(-1, 1, (len(rows), 3))]),
-    "eight": lambda rows: np.column_stack([rows, np.random.default_rng(3).random((len(rows), 4)) * [1, 0.1, 9, 50]]),
+    "one unknown": lambda rows: np.column_stack([rows, RNG.random(len(rows))]),
+    "two unknown": lambda rows: np.column_stack([rows, RNG.random((len(rows), 2))]),
+    "colors": lambda rows: np.column_stack([rows[:, :3], RNG.integers(0, 256, (len(rows), 3))]),
+    "normals": lambda rows: np.column_stack([rows[:, :3], RNG.uniform(-1, 1, (len(rows), 3))]),
+    "classes' shares": lambda rows: np.column_stack([rows, RNG.dirichlet([1.0] * 4, len(rows))]),
+    "filled structures": lambda rows: np.insert(rows, [3, 4, 4, 4], [0.0, 3.0, 1e-42, 1e-3], axis=1),
 }
 
 
@@ -76,7 +89,9 @@ def test_known_columns_are_left_out(kind: str, intensity: float, order: str) -> 
         assert kinds == ["scan-columns"]
     # Cut off by one number: its own count is named, not four.
     count = "five" if wide.shape[1] == 5 else "six"
-    with pytest.raises(KittiFormatError, match=rf"^a\.bin: truncated: .* points of {count} numbers and .*copy the file"):
+    with pytest.raises(
+        KittiFormatError, match=rf"^a\.bin: truncated: .* points of {count} numbers and .*copy the file"
+    ):
         points_from_bytes(wide.astype("<f4").tobytes()[:-4], "a.bin")
 
 
@@ -84,7 +99,7 @@ def test_known_columns_are_left_out(kind: str, intensity: float, order: str) -> 
 def test_unknown_columns_are_refused_by_name(kind: str) -> None:
     wide = UNKNOWN[kind](yard())
     name = {3: "three", 5: "five", 6: "six", 8: "eight"}[wide.shape[1]]
-    with pytest.raises(KittiFormatError, match=rf"^a\.bin: {name} numbers a point\? expected x y z intensity .*:4\]$"):
+    with pytest.raises(KittiFormatError, match=rf"^a\.bin: {name} numbers a point\? expected x y z intensity"):
         points_from_bytes(wide.astype("<f4").tobytes(), "a.bin")
 
 
@@ -96,7 +111,13 @@ def test_unknown_columns_are_refused_by_name(kind: str) -> None:
         (b"\x93NUMPY\x01\x00v\x00", r"a \.npy file"),
         (b"1.0 2.0 3.0 0.5\n1.0 2.0 3.0 0.5\n", "a text file, .*convert it"),
         (b"PK\x03\x04" + bytes(28), r"a ZIP or \.npz file"),
-        (np.arange(4000, dtype="<i4").tobytes(), "numbers that are no meters"),
+        (np.arange(4000, dtype="<i4").tobytes(), "its numbers are no meters"),
+        ((1000 * yard()).astype("<i2").tobytes(), "its numbers are no meters"),
+        (yard().astype(">f4").tobytes(), "its numbers are no meters"),
+        (yard().astype("<f2").tobytes(), "its numbers are no meters"),
+        ((yard() + [691_000, 5_336_000, 0, 0]).astype("<f4").tobytes(), "its numbers are no meters from the sensor"),
+        (with_whole_intensities().tobytes(), "its intensities are no float32"),
+        (yard().T.astype("<f4").tobytes(), "all columns are alike: is it written column by column"),
         (np.full((60, 4), np.nan, "<f4").tobytes(), "none of 60 points is finite"),
     ],
 )

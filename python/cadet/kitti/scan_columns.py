@@ -14,13 +14,12 @@ from numpy.typing import NDArray
 
 from cadet.errors import KittiFormatError
 
-COUNTS: Final = (3, 4, 5, 6, 7, 8)
-_NAMES: Final = ("three", "four", "five", "six", "seven", "eight")
+_COUNTS: Final = {3: "three", 4: "four", 5: "five", 6: "six", 7: "seven", 8: "eight", 12: "twelve", 16: "sixteen"}
 _HEADERS: Final = {
     b"# .PCD": "PCD",
     b"VERSION": "PCD",
     b"ply\n": "PLY",
-    b"ply\r": "PLY",
+    b"ply\r\n": "PLY",
     b"\x93NUMPY": ".npy",
     b"LASF": "LAS",
     b"PK\x03\x04": "ZIP or .npz",
@@ -32,9 +31,9 @@ _READABLE: Final = ("PCD", "PLY", ".npy")
 _TEXT: Final = bytes(range(32, 127)) + b"\t\r\n"
 _NUSCENES: Final = ".pcd.bin"
 """Files of five numbers a point, of which too few points do not tell."""
-_BLOCK: Final = 840
+_BLOCK: Final = 1680
 """Numbers: a whole number of points for each count."""
-_BLOCKS: Final = 20
+_BLOCKS: Final = 10
 _BINS: Final = 8
 _AS_GOOD: Final = 0.95
 _CLEAR: Final = 60.0
@@ -45,9 +44,11 @@ _MOST: Final = 1e5
 _SENSIBLE: Final = 0.9
 _HALF: Final = 0.6
 """Times since 1970, in a column of their own, are no meters."""
+_MOST_KNOWN: Final = 6
+"""Numbers a point: with more, the fourth is often the filling of a program's own structure."""
 _FEWEST: Final = 64
 """Numbers: fewer may look like double precision by chance."""
-_ENOUGH: Final = 1000
+_ENOUGH: Final = 4000
 _MOST_RINGS: Final = 512
 _FEW_VALUES: Final = 64
 
@@ -72,7 +73,7 @@ class Layout:
 
     def __str__(self) -> str:
         kind = " of 8 bytes" if self.dtype == "<f8" else ""
-        return f"{_NAMES[self.count - COUNTS[0]]} numbers{kind} a point"
+        return f"{_COUNTS[self.count]} numbers{kind} a point"
 
 
 def layout_of(data: bytes, file: str) -> Layout:
@@ -94,7 +95,7 @@ def layout_of(data: bytes, file: str) -> Layout:
     shares = _share(single), _share(double)
     is_double = shares[0] < min(_SENSIBLE, shares[1]) and shares[1] >= _HALF and len(double) >= _FEWEST
     dtype, values = ("<f8", double) if is_double else ("<f4", single)
-    count = _count(values)
+    count = count_of(values)
     layout = Layout(dtype, count or (5 if file.endswith(_NUSCENES) else 4))
     size = layout.count * np.dtype(dtype).itemsize
     if len(data) % size:
@@ -102,14 +103,28 @@ def layout_of(data: bytes, file: str) -> Layout:
         rest = f"{len(data)} bytes are {len(data) // size} points{kind} and {len(data) % size} bytes"
         raise KittiFormatError(f"truncated: {rest}: copy the file again", file)
     rows = layout.rows(data)
-    # Too few numbers tell nothing, not even that they are no points.
-    is_told = count is not None or len(values) >= _ENOUGH
-    if is_told and not (_is_scan(rows) and (layout.count == 4 or _is_known(rows))):
-        if layout.count == 4:
-            raise KittiFormatError("numbers that are no meters: expected x y z intensity in float32", file)
-        first = f'np.fromfile(file, "{dtype}").reshape(-1, {layout.count})[:, :4]'
-        raise KittiFormatError(f"{layout}? expected x y z intensity in float32: keep these four, as in {first}", file)
+    reason = _objection(layout, rows) if count is not None or len(values) >= _ENOUGH else None
+    if count is None and len(values) >= _ENOUGH and np.count_nonzero(values) > 0.5 * len(values):
+        reason = reason or "all columns are alike: is it written column by column? Expected x y z intensity, row by row"
+    if reason is not None:
+        raise KittiFormatError(reason, file)
     return Layout(dtype, layout.count, ring_column(rows))
+
+
+def _objection(layout: Layout, rows: NDArray[Any]) -> str | None:
+    """Return why rows are not x, y, z, intensity and what is known; None where they are."""
+    if len(rows) == 0:
+        return None
+    if float(_is_sensible(rows[:, :3]).mean()) < _SENSIBLE:
+        return "its numbers are no meters from the sensor: expected x y z intensity in float32"
+    if layout.count == 3:
+        return f"{layout}? expected x y z intensity: add an intensity of 0"
+    if 0.0 < float(np.nanmax(np.abs(rows[:, 3]))) < _LEAST:
+        return "its intensities are no float32: expected x y z intensity in float32"
+    if layout.count > _MOST_KNOWN or (layout.count > 4 and not _is_known(rows)):
+        first = f'np.fromfile(file, "{layout.dtype}").reshape(-1, {layout.count})[:, :4]'
+        return f"{layout}? expected x y z intensity in float32: keep these four, as in {first}"
+    return None
 
 
 def _header_of(data: bytes) -> str | None:
@@ -145,18 +160,18 @@ def _share(values: NDArray[Any]) -> float:
     return float(_is_sensible(values).mean()) if len(values) else 0.0
 
 
-def _count(values: NDArray[Any]) -> int | None:
-    """Return the count of numbers a point that shows best; None where none shows."""
+def count_of(values: NDArray[Any]) -> int | None:
+    """Return the count of numbers a point that shows best in a scan's numbers (N,); None where none shows."""
     finite = values[np.isfinite(values)]
     if len(finite) == 0:
         return None
     edges = np.unique(np.quantile(finite, np.arange(1, _BINS) / _BINS))
     with np.errstate(invalid="ignore"):
         kinds = np.searchsorted(edges, values)
-    excess = np.array([_excess(kinds, count, len(edges) + 1) for count in COUNTS])
+    excess = np.array([_excess(kinds, count, len(edges) + 1) for count in _COUNTS])
     if excess.max() < _CLEAR:
         return None
-    return int(COUNTS[int(np.argmax(excess >= _AS_GOOD * excess.max()))])
+    return list(_COUNTS)[int(np.argmax(excess >= _AS_GOOD * excess.max()))]
 
 
 def _excess(kinds: NDArray[np.intp], count: int, num_kinds: int) -> float:
@@ -167,13 +182,6 @@ def _excess(kinds: NDArray[np.intp], count: int, num_kinds: int) -> float:
     filled = table > 0
     ratio = 2.0 * float((table[filled] * np.log(table[filled] / expected[filled])).sum())
     return ratio - (count - 1) * (num_kinds - 1)
-
-
-def _is_scan(rows: NDArray[Any]) -> bool:
-    """Tell whether the first four columns may be x, y, z and intensity."""
-    if len(rows) == 0:
-        return True
-    return rows.shape[1] >= 4 and float(_is_sensible(rows[:, :3]).mean()) >= _SENSIBLE
 
 
 def _is_known(rows: NDArray[Any]) -> bool:

@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 from cadet.arrays import check_array
 from cadet.errors import KittiFormatError
 from cadet.kitti.dialects import accept
-from cadet.kitti.scan_columns import Layout, layout_of
+from cadet.kitti.scan_columns import Layout, count_of, layout_of
 
 _BYTES_PER_POINT: Final = 16
-_LEAST_M: Final = 1e-3
+_LEAST: Final = 1e-6
+_FEW_ROWS: Final = 600
 _FARTHEST_M: Final = 1000.0
 _MOST: Final = float(np.finfo(np.float32).max)
 
@@ -63,12 +64,15 @@ def _is_plain(points_velo: NDArray[np.float32]) -> bool:
     if len(points_velo) == 0:
         return True
     low, high = float(points_velo.min()), float(points_velo.max())
-    # Text and whole numbers, taken for floats, are tiny.
-    if 0.0 < max(high, -low) < _LEAST_M:
-        return False
     intensity = points_velo[:, 3]
-    # Comparisons with NaN are false.
-    return low >= -_FARTHEST_M and high <= _FARTHEST_M and float(intensity.min()) >= 0.0 and intensity.max() <= 1.0
+    brightest = float(intensity.max())
+    # Text and whole numbers, taken for floats, are tiny; comparisons with NaN are false.
+    if 0.0 < max(high, -low) < _LEAST or 0.0 < brightest < _LEAST or not (low >= -_FARTHEST_M and high <= _FARTHEST_M):
+        return False
+    if float(intensity.min()) < 0.0 or brightest > 1.0:
+        return False
+    # Of eight or more numbers a point, rows would hold places and other things in turn.
+    return count_of(points_velo[:_FEW_ROWS].reshape(-1)) in (None, 4)
 
 
 def bytes_from_points(points_velo: NDArray[np.float32]) -> bytes:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from cadet.errors import CadetError, MissingFileError
 from cadet.scan_files import SUFFIXES, read_scan
 
+_FOLDERS: Final = ("velodyne", "training/velodyne", "samples/LIDAR_TOP")
 _MIN_POINTS: Final = 1000
 _NO_RETURN_M: Final = 0.1
 """Rows at the origin, or that were moved from there, are what some drivers write for no return."""
@@ -79,7 +80,7 @@ class Turn:
 
 
 def find_scans(paths: Sequence[str | Path]) -> list[Path]:
-    """List the scans that files and folders name; of a KITTI folder those of `training/velodyne`.
+    """List the scans that files and folders name; of KITTI's and nuScenes' folders those of `_FOLDERS`.
 
     Raises:
         MissingFileError: a path is missing, or a folder holds no scan.
@@ -91,11 +92,11 @@ def find_scans(paths: Sequence[str | Path]) -> list[Path]:
             continue
         if not path.is_dir():
             raise MissingFileError(f"{str(path)!r}: no such file or folder")
-        folders = (path, path / "velodyne", path / "training" / "velodyne")
+        folders = (path, *(path / name for name in _FOLDERS))
         files = next((files for folder in folders if (files := _scans_in(folder))), [])
         if not files:
             kinds = ", ".join(SUFFIXES[:-1]) + f" or {SUFFIXES[-1]}"
-            raise MissingFileError(f"{str(path)!r}: no {kinds} files in it, nor in velodyne or training/velodyne")
+            raise MissingFileError(f"{str(path)!r}: no {kinds} files in it, nor in {', '.join(_FOLDERS)}")
         found += files
     if not found:
         raise CadetError("no scans given")

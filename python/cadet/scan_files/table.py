@@ -74,7 +74,8 @@ def columns_of_text(
         if len(texts) != width:
             raise FileFormatError(f"expected {width} numbers, got {len(texts)}", file, number)
         try:
-            rows[found] = [float(text) for text in texts]
+            # Old C libraries on Windows write 1.#QNAN and 1.#INF.
+            rows[found] = [np.nan if b"#" in text else float(text) for text in texts]
         except ValueError:
             raise FileFormatError("expected numbers alone", file, number) from None
         found += 1
