@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
@@ -134,6 +135,36 @@ def test_a_missing_or_binary_file_is_named(tmp_path: Path) -> None:
     path.write_bytes(b"\xff\xfe\x00")
     with pytest.raises(CadetError, match=r"^binary\.toml: 'utf-8'"):
         Lidar.from_toml(path)
+
+
+ENDLESS = "1" + "0" * 400
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("max_range_m = 60.0", f"max_range_m = {ENDLESS}", r"mine\.toml:3: lidar\.max_range_m: expected a number from"),
+        (
+            "gain = 0.5",
+            f"gain = {ENDLESS}",
+            r"mine\.toml:8: rings\[1\]\.gain: expected a number from 0 to 100, got 1000",
+        ),
+        ("= 1.5", f"= {ENDLESS}", r"mine\.toml:15: firing\.ticks_per_firing: expected a number from 1 to 1e\+09, got"),
+        ("[[0.0, 20.5], [340, 360]]", f"[{'[1, 2], ' * 400}]", r"mine\.toml:9: .*at most 360 sectors, got 400"),
+        ("rings = [", "rings = [" + "{ elevation_deg = 9 },\n" * 5000, "rings: expected 1 to 4096 lasers, got 500"),
+        (
+            "rings = [",
+            "rings = [" + "{ elevation_deg = 9 },\n" * 1_000_000,
+            r"mine\.toml: \d+ letters, .*a LIDAR's file\?",
+        ),
+    ],
+    ids=["range", "gain", "ticks", "sectors", "rings", "a million rings"],
+)
+def test_endless_numbers_and_lists_are_refused_at_once(old: str, new: str, message: str) -> None:
+    started = time.monotonic()
+    with pytest.raises(CadetError, match=message) as caught:
+        BeamTable.from_toml(TEXT.replace(old, new, 1), "mine.toml")
+    assert time.monotonic() - started < 5.0 and len(str(caught.value)) < 300
 
 
 @pytest.mark.parametrize(

@@ -204,6 +204,21 @@ def test_impossible_scans_are_refused(settings: dict[str, Any], message: str) ->
         Lidar(**settings)
 
 
+@pytest.mark.parametrize(
+    "old",
+    ["origin_in_ego_m = [-1.385", "position_m = [0.943713", "quaternion_wxyz = [0.7077955119163518"]
+    + ["size = [1600", "focal_px = [1266.417203046554", "center_px = [816.2670197447984"],
+)
+def test_endless_numbers_in_a_rigs_file_are_refused(old: str, tmp_path: Path) -> None:
+    text = (Path(cadet.__file__).parent / "presets" / "rigs" / "nuscenes.toml").read_text()
+    name, number = old.split(" = [")
+    assert old in text
+    for digits, start in ((400, ""), (4000, "-")):
+        (tmp_path / "mine.toml").write_text(text.replace(old, f"{name} = [{start}1{'0' * digits}", 1))
+        with pytest.raises(CadetError, match=rf"^mine\.toml: .*{name}: expected a number from .*, got {start}1000"):
+            Rig.from_toml(tmp_path / "mine.toml")
+
+
 @pytest.mark.parametrize("path", sorted((Path(cadet.__file__).parent / "presets" / "rigs").glob("*.toml")), ids=str)
 def test_a_file_is_a_preset(path: Path) -> None:
     assert path.stem in RIG_PRESETS

@@ -158,9 +158,7 @@ def _check_scan(points_velo: NDArray[np.float32]) -> None:
         raise NonFiniteError(f"{error}: {remedy}") from None
     most = float(points_velo[:, 3].max(initial=0.0))
     if most > 1.0:
-        raise CadetError(
-            f"intensity of points_velo is {most:g}, expected 0 to 1: scale it, as in points[:, 3] /= 255"
-        )
+        raise CadetError(f"intensity of points_velo is {most:g}, expected 0 to 1: scale it, as in points[:, 3] /= 255")
 
 
 def _number(name: str, value: object) -> float:

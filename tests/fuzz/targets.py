@@ -18,9 +18,11 @@ from cadet.assets import Assets, VehicleMesh
 from cadet.beam_table import BeamTable
 from cadet.evaluation import Rules
 from cadet.gltf_file import gltf_from_bytes
+from cadet.kitti import dialects
 from cadet.kitti.planes import plane_from_text
 from cadet.kitti.velodyne import points_from_bytes
 from cadet.plain_text import json_from_text, toml_from_text
+from cadet.scan_files.read import scan_from_data
 from cadet.webdataset import Member, read_members
 from cadet.webdataset.index import index_from_text, text_from_index
 from fuzz.archives import damage_archive, tar_archive
@@ -31,6 +33,7 @@ from fuzz.road_text import ROADS
 from fuzz.target import Input, Target
 from gltf_meshes import glb, gltf_of
 from obj_meshes import MTL, car_obj
+from scan_writers import Columns, npy, pcd, ply
 from synthetic import make_calib, make_frame
 
 
@@ -67,6 +70,16 @@ def _read_calib(text: str) -> object:
 
 def _read_lidar(text: str) -> object:
     return cadet.Lidar.custom(BeamTable.from_toml(text)).to_native().num_rings
+
+
+def _read_points(data: bytes) -> object:
+    with dialects.collected():
+        return points_from_bytes(data)
+
+
+def _read_scan(data: bytes) -> object:
+    with dialects.collected():
+        return scan_from_data(data, "scan")
 
 
 _LIBRARY = car_obj().split("\n", 1)[0].removeprefix("mtllib ")
@@ -121,6 +134,13 @@ min_overlap = { 2d = 0.7, bev = 0.5, 3d = 0.5 }
 """
 _FRAME = make_frame()
 _GLTF, _GLTF_BUFFER = gltf_of(car_obj())
+_FIVE = np.column_stack([_FRAME.points_velo[:300], np.arange(300) % 32]).astype("<f4")
+_COLUMNS: Columns = dict(zip(("x", "y", "z", "intensity", "ring"), _FIVE[:90].T, strict=True))
+_SCANS = {
+    **{f"PCD, {kind}": pcd(_COLUMNS, kind) for kind in ("ascii", "binary", "binary_compressed")},
+    **{f"PLY, {kind}": ply(_COLUMNS, kind) for kind in ("ascii", "binary_big_endian")},
+    "npy": npy(_FIVE[:90]),
+}
 _META = json.dumps({"image_size": [1242, 375], "objects": [{"actor_id": 1}], "sha256": {"image_2": "0" * 64}})
 
 _ARCHIVE = tar_archive()
@@ -136,7 +156,9 @@ TARGETS = (
     _texts("calib", make_calib().to_text(), _read_calib),
     _texts("planes", "# Matrix\nWIDTH 4\nHEIGHT 1\n0.0 -1.0 0.0 1.65 \n", plane_from_text),
     _texts("image sets", "000001\n000002\n000017\n", kitti.ImageSet.from_text),
-    _files("scans", _FRAME.points_velo[:50].tobytes(), points_from_bytes),
+    _files("scans", _FRAME.points_velo[:50].tobytes(), _read_points),
+    _files("scans of five columns", _FIVE.tobytes(), _read_points),
+    *(_files(f"scans as {name}", data, _read_scan) for name, data in _SCANS.items()),
     _texts("JSON", _META, lambda text: json_from_text(text, "meta.json"), nests=True),
     _texts("TOML", cadet.Lidar.vlp16().to_toml(), lambda text: toml_from_text(text, "file.toml"), nests=True),
     _texts("LIDARs", cadet.Lidar.vlp16().to_toml(), _read_lidar, nests=True),

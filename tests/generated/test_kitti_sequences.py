@@ -8,6 +8,7 @@ import shutil
 import xml.etree.ElementTree as ElementTree
 from collections import defaultdict
 from dataclasses import dataclass, replace
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -332,6 +333,33 @@ def test_gray_images_are_seen_from_where_the_gray_cameras_stand(name: str, offse
     assert gray is not None and gray.shape == (94, 310)
     wanted = cv2.cvtColor(sample.image(name), cv2.COLOR_RGB2GRAY)
     assert np.abs(gray.astype(int) - wanted.astype(int)).max() <= 1
+
+
+@pytest.mark.parametrize("rolling", [False, True])
+def test_a_turning_scan_starts_before_its_instant_and_ends_after_it(rolling: bool, tmp_path: Path) -> None:
+    chosen = settings("kitti_raw", num_frames=3)
+    ((rig, _),) = chosen.policy.rigs
+    rig = replace(rig, name="turning", lidar=cadet.Lidar.vlp16(rolling=rolling))
+    generate(tmp_path / "out", replace(chosen, policy=chosen.policy.with_rig(rig)), workers=1)
+    half_turn_s = 0.05 if rolling else 0.0
+    times = {}
+    for name in ("velodyne_points/timestamps", "image_02/timestamps", "oxts/timestamps"):
+        times[name] = seconds_of(tmp_path / "out" / RAW_DRIVE / f"{name}.txt")
+        np.testing.assert_allclose(times[name], [2.0, 2.1, 2.2], atol=1e-9)
+    for part, late_s in (("start", -half_turn_s), ("end", half_turn_s)):
+        found = seconds_of(tmp_path / "out" / RAW_DRIVE / f"velodyne_points/timestamps_{part}.txt")
+        np.testing.assert_allclose(found - times["velodyne_points/timestamps"], late_s, atol=1e-9)
+
+
+def seconds_of(path: Path) -> Array:
+    """Return the seconds since noon: a scene has lasted two at its first sample."""
+    noon = datetime(2020, 1, 1, 12)
+    return np.array(
+        [
+            (datetime.fromisoformat(line[:26]) - noon).total_seconds() + float(line[26:]) * 1e-9
+            for line in path.read_text().splitlines()
+        ]
+    )
 
 
 def test_the_cameras_of_the_raw_calibration_see_what_the_projections_do(raw: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from tokenize import TokenError
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -25,6 +26,11 @@ _NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     "time": ("t", "time", "timestamp", "time_stamp", "offset_time", "ts"),
 }
 """What drivers call the columns; the first that a file has is meant."""
+_NO_ARRAY: Final = (
+    *(ValueError, EOFError, TypeError, SyntaxError, OverflowError, MemoryError, RecursionError, KeyError),
+    *(AttributeError, TokenError),
+)
+"""What NumPy raises, which reads a header as Python's text."""
 _MOST_RING: Final = 1 << 16
 
 
@@ -87,7 +93,7 @@ def _read(data: bytes, file: str) -> RecordedScan:
 def _array(data: bytes, file: str) -> NDArray[Any]:
     try:
         array: NDArray[Any] = np.load(io.BytesIO(data), allow_pickle=False)
-    except (ValueError, EOFError, TypeError, SyntaxError, OverflowError, MemoryError) as error:
+    except _NO_ARRAY as error:
         raise FileFormatError(f"no array that can be read: {' '.join(str(error).split())[:200]}", file) from None
     return array
 
