@@ -119,6 +119,7 @@ def test_unknown_columns_are_refused_by_name(kind: str) -> None:
         (with_whole_intensities().tobytes(), "its intensities are no float32"),
         (yard().T.astype("<f4").tobytes(), "all columns are alike: is it written column by column"),
         (np.full((60, 4), np.nan, "<f4").tobytes(), "none of 60 points is finite"),
+        (np.full((6000, 4), np.nan, "<f4").tobytes(), "none of 6000 points is finite"),
     ],
 )
 def test_files_of_other_formats_are_named(data: bytes, message: str) -> None:

@@ -192,7 +192,7 @@ def test_damaged_files_are_named(tmp_path: Path) -> None:
         ("png", b"no picture", r"000000\.png: no PNG, JPEG or WebP image"),
         ("png", encode_png(np.zeros((4, 5, 3), np.uint8)), r"000000\.png: expected a PNG image of four channels"),
         ("png", PNG_START + header(32_768, 32_768), r"000000\.png: 32768 x 32768 pixels, at most"),
-        ("bin", b"12345", "000000.bin: truncated"),
+        ("bin", bytes(5), "000000.bin: truncated"),
     ):
         path = tmp_path / "objects" / f"000000.{end}"
         before = path.read_bytes()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from tokenize import TokenError
@@ -92,7 +93,10 @@ def _read(data: bytes, file: str) -> RecordedScan:
 
 def _array(data: bytes, file: str) -> NDArray[Any]:
     try:
-        array: NDArray[Any] = np.load(io.BytesIO(data), allow_pickle=False)
+        # Files of Python 2 are read all the same.
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)
+            array: NDArray[Any] = np.load(io.BytesIO(data), allow_pickle=False)
     except _NO_ARRAY as error:
         raise FileFormatError(f"no array that can be read: {' '.join(str(error).split())[:200]}", file) from None
     return array
