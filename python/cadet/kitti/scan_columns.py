@@ -104,7 +104,7 @@ def layout_of(data: bytes, file: str) -> Layout:
         raise KittiFormatError(f"truncated: {rest}: copy the file again", file)
     rows = layout.rows(data)
     reason = _objection(layout, rows) if count is not None or len(values) >= _ENOUGH else None
-    if count is None and len(values) >= _ENOUGH and np.count_nonzero(values) > 0.5 * len(values):
+    if count is None and len(values) >= _ENOUGH and (np.isfinite(values) & (values != 0.0)).mean() > 0.5:
         reason = reason or "all columns are alike: is it written column by column? Expected x y z intensity, row by row"
     if reason is not None:
         raise KittiFormatError(reason, file)
