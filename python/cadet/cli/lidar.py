@@ -39,7 +39,7 @@ lidar_command.help = (lidar_command.help or "").replace("{presets}", ", ".join(L
 )
 @click.option("--name", help="The sensor's name.  [default: the file's]")
 def fit_lidar_command(scans: tuple[Path, ...], out: Path, name: str | None) -> None:
-    """Fit a LIDAR to scans: files of float32 x, y, z, intensity, folders of them, or KITTI folders.
+    """Fit a LIDAR to scans (.bin, .pcd, .ply, .npy), folders of them, or KITTI's or nuScenes' folders.
 
     \b
     cadet fit-lidar kitti/training/velodyne -o mine.toml
