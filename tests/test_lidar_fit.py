@@ -187,6 +187,22 @@ def test_other_sensors_come_back_as_their_drivers_write_them(sensor: str, kind: 
     assert fit.table.num_columns == pytest.approx(table.num_columns, rel=0.005)
 
 
+def test_whole_columns_tell_the_lasers(tmp_path: Path) -> None:
+    """Without numbers, where the rows for no return are kept: 32 lasers in turn, 1,085 times."""
+    table = replace(SENSORS["HDL-32E"], firing=UniformFiring(columns=1085))
+    rows = driver_scan(table, 0)
+    returned = rows[np.abs(rows[:, :3]).max(axis=1) > 0.0]
+    column = np.round(np.degrees(np.arctan2(returned[:, 1], returned[:, 0])) % 360.0 / 360.0 * 1085).astype(int) % 1085
+    grid = np.zeros((1085, 32, 4))
+    grid[column, returned[:, 4].astype(int)] = returned[:, :4]
+    late = (np.arange(1085) / 1085 - 1.0)[:, None, None]
+    grid[..., :3] += late * np.array([0.3, 0.1, 0.01])
+    (tmp_path / "whole.bin").write_bytes(grid.astype("<f4").tobytes())
+    fit = fit_lidar([tmp_path / "whole.bin"])
+    check(fit, table, 0.1, 0.01)
+    assert fit.moved_m == pytest.approx(0.316, abs=0.03)
+
+
 def test_what_cannot_be_undone_is_said(tmp_path: Path) -> None:
     """Moved points without lasers' numbers, or in no order, and numbers that are none."""
     rows = driver_scan(SENSORS["VLP-16"], 0, moved_m=0.45)

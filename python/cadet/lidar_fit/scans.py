@@ -20,6 +20,10 @@ _NO_RETURN_M: Final = 0.1
 """Rows at the origin, or that were moved from there, are what some drivers write for no return."""
 _BACKWARD_DEG: Final = 1.0
 """Azimuths of one ring fall back by less, whatever rounding and the lasers' own corrections do."""
+_COLUMN_STEP_DEG: Final = 0.3
+_SAME_LASER_DEG: Final = 0.1
+_FEWEST_LASERS: Final = 8
+_MOST_LASERS: Final = 128
 _MAX_RINGS: Final = 300
 _MAX_PLACE_M: Final = 10_000.0
 """No LIDAR sees farther; sums of squares of much larger numbers overflow."""
@@ -58,7 +62,7 @@ class Turn:
         name: the file's.
         xyz: (N, 3), meters.
         intensity: (N,), as the file has it: only how many are 0 matters.
-        ring: (N,) the lasers' numbers; None where the file has none.
+        ring: (N,) the lasers' numbers; None where neither the file nor the order of its rows tells them.
         time: (N,) in any unit; None where the file has none.
         num_rows: points in the file, with those that stand for no return.
     """
@@ -124,7 +128,7 @@ def read_turn(path: Path) -> Turn:
         path.name,
         xyz,
         scan.points_velo[:, 3].astype(np.float64),
-        scan.ring,
+        rings_in_turn(xyz) if scan.ring is None else scan.ring,
         scan.time,
         len(xyz) + scan.num_left_out,
     )
@@ -132,6 +136,24 @@ def read_turn(path: Path) -> Turn:
     if num_points < _MIN_POINTS:
         raise CadetError(f"{path.name}: {num_points} points, at least {_MIN_POINTS} are needed")
     return turn
+
+
+def rings_in_turn(xyz: NDArray[np.float64]) -> NDArray[np.int64] | None:
+    """Number the lasers of points (N, 3) that fire in turn, where rows for no return are kept; None where none do.
+
+    Elevations change from row to row, and come again with every column of as many rows as there are lasers.
+    """
+    if len(xyz) < _MIN_POINTS:
+        return None
+    elevation_deg = np.degrees(np.arctan2(xyz[:, 2], np.hypot(xyz[:, 0], xyz[:, 1])))
+    if np.median(np.abs(np.diff(elevation_deg))) < _COLUMN_STEP_DEG:
+        return None
+    for lasers in range(_FEWEST_LASERS, _MOST_LASERS + 1):
+        if len(xyz) % lasers == 0:
+            change_deg = np.abs(elevation_deg[lasers:] - elevation_deg[:-lasers])
+            if len(change_deg) > lasers and np.median(change_deg) < _SAME_LASER_DEG:
+                return np.arange(len(xyz)) % lasers
+    return None
 
 
 def ring_segments(points: Points) -> list[slice] | None:
