@@ -157,6 +157,8 @@ def driver_scan(table: BeamTable, seed: int, *, moved_m: float = 0.0) -> NDArray
     when = -np.arctan2(points[:, 1], points[:, 0]) / (2.0 * np.pi) % 1.0
     when = np.concatenate([when, np.random.default_rng(seed).random(len(rows) - len(points))])
     order = np.lexsort((rows[:, 4], np.round(360.0 * when, 1)))
+    # To one side most rows are lost altogether: rows in order are not even in time.
+    order = order[(when[order] < 0.6) | (np.arange(len(order)) % 4 == 0)]
     rows, late = rows[order], (when[order] - 1.0)[:, None]
     if moved_m:
         xyz = rows[:, :3]
@@ -179,8 +181,8 @@ def test_other_sensors_come_back_as_their_drivers_write_them(sensor: str, kind: 
             data = np.column_stack(list(columns.values())[: 4 if kind == "four columns" else 5]).astype("<f4").tobytes()
         (tmp_path / f"{seed}.{kind.lower() if kind in ('PCD', 'PLY') else 'bin'}").write_bytes(data)
     fit = fit_lidar([tmp_path])
-    check(fit, table, 0.1, 0.01)
-    assert fit.num_left_out == pytest.approx(2 * len(rows) // 4, rel=0.05)
+    check(fit, table, 0.03, 0.003)
+    assert fit.num_left_out == pytest.approx(2 * len(rows) / 4, rel=0.05)
     assert f"{fit.num_left_out} more rows stand for no return (not finite, or at the origin)." in fit.remarks()
     assert fit.moved_m == pytest.approx(0.45 if kind == "moved" else 0.0, abs=0.03)
     assert any("motion, which is undone" in line for line in fit.remarks()) == (kind == "moved")
