@@ -93,6 +93,38 @@ def test_rows_that_stand_for_no_return_are_left_out_of_all_columns() -> None:
         np.testing.assert_array_equal(scan.time, given["t"][left])
 
 
+HESAI = (  # name, type, count in the header, offset in the driver's structure
+    *(("x", "<f4", 1, 0), ("y", "<f4", 1, 4), ("z", "<f4", 1, 8), ("_", "<u1", 4, 12), ("intensity", "<f4", 1, 16)),
+    *(("_", "<u1", 0, 0), ("timestamp", "<f8", 1, 24), ("_", "<u1", 6, 0), ("ring", "<u2", 1, 32), ("_", "<u1", 12, 0)),
+)
+OUSTER = (
+    *(("x", "<f4", 1, 0), ("y", "<f4", 1, 4), ("z", "<f4", 1, 8), ("_", "<u1", 4, 12), ("intensity", "<f4", 1, 16)),
+    *(("t", "<u4", 1, 20), ("reflectivity", "<u2", 1, 24), ("ring", "<u1", 1, 26), ("_", "<u1", 0, 0)),
+    *(("noise", "<u2", 1, 28), ("_", "<u1", 0, 0), ("range", "<u4", 1, 32), ("_", "<u1", 15, 0)),
+)
+
+
+@pytest.mark.parametrize("fields", [HESAI, OUSTER], ids=["Hesai", "Ouster"])
+def test_headers_whose_fillings_count_0_are_read_as_the_driver_aligns_fields(
+    fields: tuple[tuple[str, str, int, int], ...],
+) -> None:
+    """Headers of public files (SUSTechPOINTS' Pandar40, PDAL's issue 3254): their gaps are not where they say."""
+    given = {**columns(), "timestamp": columns()["t"], "noise": columns()["range"]}
+    real = [(name, kind, offset) for name, kind, _, offset in fields if name != "_"]
+    names, kinds, offsets = (list(part) for part in zip(*real, strict=True))
+    record = np.zeros(N, np.dtype({"names": names, "formats": kinds, "offsets": offsets, "itemsize": 48}))
+    for name in names:
+        record[name] = given[name]
+    words = [(name, kind[2], {"f": "F", "u": "U"}[kind[1]], str(count)) for name, kind, count, _ in fields]
+    lines = zip(("FIELDS", "SIZE", "TYPE", "COUNT"), zip(*words, strict=True), strict=True)
+    head = "VERSION 0.7\n" + "".join(f"{key} {' '.join(line)}\n" for key, line in lines) + f"POINTS {N}\nDATA binary\n"
+    scan = scan_from_data(head.encode() + record.tobytes(), "a.pcd")
+    assert scan.ring is not None and scan.time is not None
+    np.testing.assert_array_equal(scan.points_velo[:, 3], given["intensity"])
+    np.testing.assert_array_equal(scan.ring, given["ring"])
+    np.testing.assert_array_equal(scan.time, given["t"])
+
+
 def test_arrays_and_bare_files_have_a_ring_in_their_fifth_column() -> None:
     given = columns()
     rows = np.column_stack([given[name] for name in ("x", "y", "z", "intensity", "ring")]).astype("<f4")

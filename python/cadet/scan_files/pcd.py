@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
+import numpy as np
+
 from cadet.errors import FileFormatError
 from cadet.scan_files.table import Columns, check_size, columns_of_arrays, columns_of_records, columns_of_text
 
@@ -13,6 +15,7 @@ _MOST_COUNT: Final = 1 << 16
 _MOST_POINTS: Final = 1 << 31
 _KINDS: Final = {"F": "f", "I": "i", "U": "u"}
 _SIZES: Final = {"F": (4, 8), "I": (1, 2, 4, 8), "U": (1, 2, 4, 8)}
+_FILLING: Final = "_"
 _SIZES_BYTES: Final = 8
 _BEST_RATIO: Final = 100
 """LZF makes at most 264 bytes of three."""
@@ -33,7 +36,7 @@ def columns_from_pcd(data: bytes, file: str) -> Columns:
     if kind == "ascii":
         return columns_of_text(body, fields, num_points, file, line)
     if kind == "binary":
-        return columns_of_records(body, fields, num_points, file)
+        return columns_of_records(body, _aligned(fields), num_points, file)
     if kind == "binary_compressed":
         return columns_of_arrays(_unpacked(body, file), fields, num_points, file)
     raise FileFormatError(f"DATA: expected ascii, binary or binary_compressed, got {kind[:40]!r}", file, line - 1)
@@ -72,6 +75,26 @@ def _fields(header: dict[str, list[str]], file: str) -> list[Field]:
             raise FileFormatError(f"field {name[:40]!r}: {reason}", file)
         fields.append((name, f"<{_KINDS[kind]}{int(size)}", int(count)))
     return fields
+
+
+def _aligned(fields: list[Field]) -> list[Field]:
+    """Return the fields where they are: a filling that counts 0 stands for a gap of which the header is wrong.
+
+    So drivers of Hesai and Ouster write them by way of ROS: gaps behind it are where C aligns fields, and as long
+    together as the header says.
+    """
+    first = next((index for index, (name, _, count) in enumerate(fields) if name == _FILLING and count == 0), None)
+    if first is None:
+        return fields
+    sizes = [np.dtype(kind).itemsize for _, kind, _ in fields]
+    whole = sum(size * count for size, (_, _, count) in zip(sizes, fields, strict=True))
+    start = sum(size * count for size, (_, _, count) in zip(sizes[:first], fields[:first], strict=True))
+    found = fields[:first]
+    for size, (name, kind, count) in zip(sizes[first:], fields[first:], strict=True):
+        if name != _FILLING:
+            found += [(_FILLING, "<u1", -start % size), (name, kind, count)]
+            start += -start % size + size * count
+    return [*found, (_FILLING, "<u1", whole - start)] if start <= whole else fields
 
 
 def _num_points(header: dict[str, list[str]], file: str) -> int:
