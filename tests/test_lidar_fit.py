@@ -159,7 +159,7 @@ def driver_scan(table: BeamTable, seed: int, *, moved_m: float = 0.0) -> NDArray
     order = np.lexsort((rows[:, 4], np.round(360.0 * when, 1)))
     # To one side most rows are lost altogether: rows in order are not even in time.
     order = order[(when[order] < 0.6) | (np.arange(len(order)) % 4 == 0)]
-    rows, late = rows[order], (when[order] - 1.0)[:, None]
+    rows, late = np.asarray(rows[order], np.float64), (when[order] - 1.0)[:, None]
     if moved_m:
         xyz = rows[:, :3]
         rows[:, :3] += late * (np.array([0.02, moved_m, 0.01]) + np.cross([0.0015, -0.0007, 0.002], xyz))
