@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Final
 
 from cadet.errors import KittiFormatError
-from cadet.kitti.files import REQUIRED, SUFFIXES
-from cadet.kitti.image_sets import ImageSet
+from cadet.kitti.dialects import Dialect, collected
+from cadet.kitti.files import REQUIRED, SUFFIXES, ids_among
+from cadet.kitti.image_sets import LISTS, ImageSet, list_paths, read_list
 from cadet.kitti.lint.finding import Finding, Severity
 
 _NEEDED_LISTS: Final = ("train", "val", "test")
@@ -24,7 +25,7 @@ def lint_folders(folder: Path, ids: Collection[str], display: Callable[[Path], s
         ids: the frames that are there.
         display: names a file in messages.
     """
-    for kind, suffix in SUFFIXES.items():
+    for kind in SUFFIXES:
         try:
             names = sorted(os.listdir(folder / kind))  # noqa: PTH208 - listing alone, no entry is opened
         except FileNotFoundError:
@@ -32,10 +33,10 @@ def lint_folders(folder: Path, ids: Collection[str], display: Callable[[Path], s
         except OSError as error:
             yield unreadable(display(folder / kind), error)
             continue
-        if kind in REQUIRED:
-            continue
         for name in names:
-            if Path(name).stem not in ids or Path(name).suffix != suffix:
+            frame_id = next(iter(ids_among([name], kind)), None)
+            # Tools leave notes of their own among images and scans; what looks like a frame's file is one too few.
+            if frame_id not in ids and not (frame_id is None and kind in REQUIRED):
                 yield Finding(display(folder / kind / name), None, "stray-file", "belongs to no frame", "warning")
 
 
@@ -102,28 +103,29 @@ def lint_episodes(sets: Mapping[str, ImageSet], episodes: Mapping[str, tuple[obj
     return findings
 
 
-def read_lists(root: Path) -> tuple[dict[str, ImageSet], list[Finding]]:
-    """Read every list of `root/ImageSets` by its split, and say which cannot be read."""
+def read_lists(root: Path, soft: Severity) -> tuple[dict[str, ImageSet], list[Finding]]:
+    """Read every list of a dataset by its split, and say which cannot be read and which are written otherwise."""
     sets: dict[str, ImageSet] = {}
     findings: list[Finding] = []
     try:
-        names = sorted(os.listdir(root / "ImageSets"))  # noqa: PTH208 - listing alone, no entry is opened
-    except FileNotFoundError:
-        return sets, findings
+        paths = list_paths(root)
     except OSError as error:
-        return sets, [unreadable("ImageSets", error)]
-    for name in names:
-        path = root / "ImageSets" / name
-        if path.suffix != ".txt":
-            continue
-        shown = printable(f"ImageSets/{name}")
-        try:
-            sets[path.stem] = ImageSet.from_text(path.read_text(encoding="ascii", errors="replace"), shown)
-        except KittiFormatError as error:
-            findings.append(Finding(shown, error.line, "image-set", error.reason))
-        except OSError as error:
-            findings.append(unreadable(shown, error))
-    return sets, findings
+        return sets, [unreadable(LISTS, error)]
+    with collected() as dialects:
+        for split, path in paths.items():
+            shown = printable(f"{LISTS}/{path.name}" if path.parent.name == LISTS else path.name)
+            try:
+                sets[split] = read_list(path)
+            except KittiFormatError as error:
+                findings.append(Finding(shown, error.line, "image-set", error.reason))
+            except OSError as error:
+                findings.append(unreadable(shown, error))
+    return sets, findings + findings_of(dialects, soft)
+
+
+def findings_of(dialects: Iterable[Dialect], soft: Severity) -> list[Finding]:
+    """Return what was read though KITTI writes it otherwise, each once: files are read more than once."""
+    return [Finding(one.file, one.line, "dialect", one.message, soft) for one in dict.fromkeys(dialects)]
 
 
 def _lint_overlaps(sets: Mapping[str, ImageSet], soft: Severity, *, generated: bool) -> list[Finding]:

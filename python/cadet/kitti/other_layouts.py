@@ -1,0 +1,106 @@
+"""Folders that are no KITTI folder: what they are, by `manifest.json` or by how they are laid out, and what to do."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any, Final
+
+from cadet.errors import FileFormatError
+from cadet.plain_text import json_from_text
+
+MANIFEST: Final = "manifest.json"
+
+_MOST_NAMED: Final = 5
+_EXPECTED: Final = "training/image_2, training/velodyne and training/calib"
+_ANEW: Final = "write the set anew with cadet-gen --format kitti"
+_OURS: Final = {
+    "webdataset": "cadet convert {root} NEW_FOLDER --to kitti makes a KITTI folder of it",
+    "kitti_tracking": _ANEW,
+    "kitti_raw": _ANEW,
+    "nuscenes": _ANEW,
+}
+"""What to do about a set of each of our formats where a KITTI folder is needed."""
+
+_SIGNS: Final = (
+    ("*/*.tar", "shards of WebDataset", _OURS["webdataset"]),
+    ("v1.0-*", "a nuScenes folder", "nuscenes-devkit's export_kitti.py writes a KITTI folder"),
+    ("training/image_02/[0-9][0-9][0-9][0-9]", "KITTI's tracking set, a folder for each sequence", "its object set has image_2"),
+    ("image_02/[0-9][0-9][0-9][0-9]", "KITTI's tracking set, a folder for each sequence", "its object set has image_2"),
+    ("20??_??_??/*_sync", "KITTI's raw drives", "its object set has training/image_2"),
+    ("20??_??_??_drive_*", "KITTI's raw drives", "its object set has training/image_2"),
+    ("velodyne_points", "a drive of KITTI's raw data", "its object set has training/image_2"),
+    ("sequences/[0-9]*", "KITTI's odometry set, or SemanticKITTI", "its object set has training/image_2"),
+    ("dataset/sequences", "KITTI's odometry set, or SemanticKITTI", "its object set has training/image_2"),
+    ("data_3d_raw", "KITTI-360", "KITTI's object set has training/image_2"),
+    ("*.tfrecord", "Waymo's records", "MMDetection3D's create_data.py waymo writes kitti_format"),
+    ("*/*.tfrecord", "Waymo's records", "MMDetection3D's create_data.py waymo writes kitti_format"),
+    ("kitti_format/training", "Waymo as MMDetection3D writes it", "name {root}/kitti_format"),
+    ("*/training/image_2", "KITTI's archives, each unpacked apart", f"bring their folders together as {_EXPECTED}"),
+    ("*/training/velodyne", "KITTI's archives, each unpacked apart", f"bring their folders together as {_EXPECTED}"),
+    ("points/*.npy", "an OpenPCDet custom set", f"expected {_EXPECTED}, scans as float32 x, y, z, intensity in .bin"),
+)
+"""Patterns of what lies in a folder, what it then is, and what to do; the first that fits counts."""
+
+_OTHER_NAMES: Final = {
+    "image_2": ("image_02", "images", "image", "image_0", "image_3"),
+    "velodyne": ("velodyne_points", "lidar", "points", "pointcloud", "velodyne_reduced"),
+    "calib": ("calib.txt", "calibs", "calibration", "../calib.txt"),
+    "label_2": ("label_02", "labels", "label", "label_0", "label_all"),
+}
+"""What converters call a folder, or put in its place, by its name in KITTI."""
+
+
+def no_kitti_folder(root: Path) -> str:
+    """Say that a folder is no KITTI folder: what it is instead and what to do, or what lies there."""
+    if not root.is_dir():
+        return f"{root}: {'no folder' if root.exists() else 'no such folder'}"
+    name = format_of(root)
+    if name in _OURS:
+        remedy = _OURS[name].format(root=root)
+        return f"{root}: a set of format {name} ({MANIFEST}), and a KITTI folder is needed: {remedy}"
+    for pattern, what, remedy in _SIGNS:
+        if (found := next(iter(root.glob(pattern)), None)) is not None:
+            place, remedy = found.relative_to(root), remedy.format(root=root)
+            return f"{root}: {what} ({place}), and a KITTI folder is needed: {remedy}"
+    return f"{root}: no KITTI folder: {_holds(root)}; expected {_EXPECTED}"
+
+
+def no_frames(root: Path, folder: Path, kinds: tuple[str, ...]) -> str:
+    """Say that a KITTI folder has no frames: what lies in its folders, and what was expected."""
+    found = [f"{kind} {_holds(folder / kind)}" for kind in kinds if (folder / kind).is_dir()]
+    expected = ", ".join(f"{kind}/000000" for kind in kinds)
+    return f"{root}: no frames: {'; '.join(found)}; expected files of one name, as {expected} with their suffixes"
+
+
+def format_of(root: Path) -> str | None:
+    """Return the format of a set that cadet wrote; None where no manifest says it."""
+    path = root / MANIFEST
+    try:
+        content: Any = json_from_text(path.read_bytes(), MANIFEST) if path.is_file() else None
+    except (FileFormatError, OSError):
+        return None
+    # A KITTI folder's manifest names none.
+    name = content.get("dataset_format", "kitti") if isinstance(content, dict) and "cadet" in content else None
+    return name if isinstance(name, str) else None
+
+
+def has_sequences(folder: Path) -> bool:
+    """Tell whether a folder holds KITTI's tracking set, whose `calib` and `velodyne` are named as the object set's."""
+    has_names = (folder / "image_02").is_dir() and not (folder / "image_2").is_dir()
+    return has_names and next(iter(folder.glob("image_02/[0-9][0-9][0-9][0-9]")), None) is not None
+
+
+def other_name(folder: Path, kind: str) -> str | None:
+    """Return what lies in a folder in place of one of KITTI's kinds; None where nothing does."""
+    return next((name for name in _OTHER_NAMES.get(kind, ()) if (folder / name).exists()), None)
+
+
+def _holds(folder: Path) -> str:
+    try:
+        names = sorted(os.listdir(folder))  # noqa: PTH208 - names alone
+    except OSError as error:
+        return f"cannot be listed ({error.strerror or error})"
+    named = ", ".join(name if name.isprintable() else ascii(name)[1:-1] for name in names[:_MOST_NAMED])
+    more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
+    return f"holds {named}{more}" if names else "is empty"
