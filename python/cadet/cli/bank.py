@@ -8,12 +8,13 @@ from pathlib import Path
 import click
 from rich.console import Console
 
-from cadet import kitti
 from cadet.cli.progress import reporter
 from cadet.kitti import TYPES
 from cadet.kitti.image_sets import check_not_empty
+from cadet.kitti.unreadable import READING_ERRORS, Unreadable, frames_with_files
 from cadet.object_bank import BankObject, cut_objects, write_bank
 from cadet.object_bank.cut import MIN_POINTS
+from cadet.webdataset import open_dataset
 
 _TYPES = tuple(name for name in TYPES if name != "DontCare")
 
@@ -43,16 +44,23 @@ def bank_command(data: Path, out: Path, split: str | None, types: tuple[str, ...
     \b
     cadet bank kitti -o bank --split train
     """  # noqa: D301 - click reads the backspace
-    dataset = kitti.Dataset(data, split)
+    dataset = open_dataset(data, split)
     check_not_empty(dataset.ids, data, split)
-    with reporter(Console(stderr=True, highlight=False), len(dataset.ids), text="cutting", unit="frames") as report:
+    unreadable = Unreadable(data)
+    ids = frames_with_files(dataset, unreadable, data)
+    with reporter(Console(stderr=True, highlight=False), len(ids), text="cutting", unit="frames") as report:
 
         def objects() -> Iterator[BankObject]:
-            for frame_id in dataset.ids:
-                frame = kitti.read_frame(dataset.folder, frame_id)
-                yield from cut_objects(frame, types, f"{data}/{frame_id}", min_points=min_points)
+            for frame_id in ids:
+                try:
+                    frame = dataset.read_frame(frame_id)
+                except READING_ERRORS as error:
+                    unreadable.add(frame_id, error)
+                else:
+                    yield from cut_objects(frame, types, f"{data}/{frame_id}", min_points=min_points)
                 report.advance()
+            unreadable.say(len(dataset.ids))
 
         found = write_bank(out, objects())
     listed = ", ".join(f"{found[name]} {name}" for name in _TYPES if found[name])
-    click.echo(f"wrote {out}: {listed} from {len(dataset.ids)} frames")
+    click.echo(f"wrote {out}: {listed} from {len(dataset.ids) - len(unreadable)} frames")

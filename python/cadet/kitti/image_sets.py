@@ -11,7 +11,8 @@ from typing import Final
 from cadet.checks import as_path, check_text, is_one_of, shown
 from cadet.errors import CadetError, KittiFormatError, MissingFileError
 from cadet.kitti.dialects import accept
-from cadet.kitti.files import is_id, set_root, write_whole
+from cadet.kitti.files import REQUIRED, is_id, sample_folder, set_root, write_whole
+from cadet.kitti.other_layouts import no_frames
 from cadet.summary import summary
 
 LISTS: Final = "ImageSets"
@@ -84,7 +85,7 @@ class ImageSet:
 def list_paths(root: str | Path) -> dict[str, Path]:
     """Return the lists of a dataset by split: those of `ImageSets`, or those beside `training` where it has none."""
     place = set_root(root)
-    paths = {path.stem: path for path in sorted((place / LISTS).glob("*.txt"))}
+    paths = {path.stem: path for path in sorted((place / LISTS).glob("*.txt")) if path.is_file()}
     return paths or {split: path for split in _BESIDE if (path := place / f"{split}.txt").is_file()}
 
 
@@ -187,7 +188,7 @@ def check_not_empty(ids: Collection[str], root: str | Path, split: str | None) -
     if ids:
         return
     if split is None:
-        raise MissingFileError(f"{root}: no frames")
+        raise MissingFileError(no_frames(Path(root), sample_folder(root), REQUIRED))
     sizes = {name: len(path.read_bytes().split()) for name, path in list_paths(root).items()}
     others = ", ".join(f"{name} ({size})" for name, size in sizes.items() if size)
     instead = f"choose another list: {others}" if others else "no other list there names any"

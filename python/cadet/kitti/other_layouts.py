@@ -91,9 +91,14 @@ def has_sequences(folder: Path) -> bool:
     return has_names and next(iter(folder.glob("image_02/[0-9][0-9][0-9][0-9]")), None) is not None
 
 
-def other_name(folder: Path, kind: str) -> str | None:
-    """Return what lies in a folder in place of one of KITTI's kinds; None where nothing does."""
-    return next((name for name in _OTHER_NAMES.get(kind, ()) if (folder / name).exists()), None)
+def instead(folder: Path, kind: str) -> str:
+    """Say, as the end of a line, what lies in a folder in place of one of KITTI's kinds; empty where nothing does."""
+    name = next((name for name in _OTHER_NAMES.get(kind, ()) if (folder / name).exists()), None)
+    if name is None:
+        return ""
+    if name.endswith(".txt"):
+        return f"; {name} is there: copy it to {kind}/ID.txt for every frame, with KITTI's keys"
+    return f"; {name} is there: rename it to {kind} if it holds the same"
 
 
 def _holds(folder: Path) -> str:

@@ -17,6 +17,7 @@ from cadet import boxes
 from cadet.errors import CadetError
 from cadet.kitti import Calibration, Frame, Label, read_frame
 from cadet.kitti.files import file_path, frame_ids, sample_folder
+from cadet.kitti.unreadable import READING_ERRORS, Unreadable
 from cadet.view.style import CLASS_COLORS
 
 _IMAGE_WIDTH_PX: Final = 960
@@ -35,7 +36,7 @@ class Picture:
     """A frame of the gallery.
 
     Attributes:
-        frame_id: six digits.
+        frame_id: of the frame.
         caption: weather and the like; empty where nothing is known.
         svg: image and boxes.
         cloud: what the viewer draws: `points` in base64 (little-endian int16 x, y, z in steps, then uint8 intensity,
@@ -49,17 +50,23 @@ class Picture:
 
 
 def pictures(root: str | Path, number: int) -> list[Picture]:
-    """Return frames spread over a dataset, so that several episodes show.
+    """Return frames spread over a dataset, so that several episodes show; those that cannot be read are left out.
 
     Raises:
-        MissingFileError: no KITTI folder, or a file of a frame is missing.
-        KittiFormatError: a damaged file.
+        MissingFileError: no KITTI folder.
     """
     folder = sample_folder(root)
     ids = [one for one in frame_ids(folder) if file_path(folder, "label_2", one).is_file()]
     number = min(number, len(ids))
     chosen = [ids[index * len(ids) // number] for index in range(number)]
-    return [_picture(frame_id, read_frame(folder, frame_id)) for frame_id in chosen]
+    unreadable, found = Unreadable(root), []
+    for frame_id in chosen:
+        try:
+            found.append(_picture(frame_id, read_frame(folder, frame_id)))
+        except READING_ERRORS as error:
+            unreadable.add(frame_id, error)
+    unreadable.warn(number, "have no picture")
+    return found
 
 
 def class_color(name: str) -> str:

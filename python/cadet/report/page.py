@@ -43,7 +43,7 @@ def write_report(root: str | Path, path: str | Path, *, num_frames: int = 10, wo
     Raises:
         CadetError: another name, no folder for it, or numbers out of range.
         MissingFileError: no KITTI folder, or one without labels.
-        KittiFormatError: a damaged file; `cadet check` finds all of them.
+        CadetError: more than half of the frames cannot be read; `cadet check` finds all of them.
     """
     path = Path(path)
     if path.suffix.lower() not in (".html", ".htm"):
@@ -86,6 +86,8 @@ def _facts_line(facts: Facts) -> str:
     parts = [_many(facts.statistics.num_frames, "labeled frame")]
     if facts.num_unlabeled:
         parts.append(f"{facts.num_unlabeled:,} without labels")
+    if facts.num_unreadable:
+        parts.append(f"{facts.num_unreadable:,} that cannot be read")
     if facts.num_episodes:
         parts.append(_many(facts.num_episodes, "episode"))
     parts += [f"{split} {number:,}" for split, number in facts.splits.items()]

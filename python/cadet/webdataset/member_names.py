@@ -5,15 +5,24 @@ from __future__ import annotations
 import re
 from typing import Final
 
+from cadet.checks import shown
+from cadet.errors import CadetError
 from cadet.kitti.files import SUFFIXES
 
 _KINDS: Final = {f"{kind}{suffix}": kind for kind, suffix in SUFFIXES.items()}
 _RANKS: Final = {kind: rank for rank, kind in enumerate(SUFFIXES)}
-_NAME: Final = re.compile(r"([0-9]{6})\.(.+)")
+_ID: Final = re.compile(r"[!-~]+")
+_NAME: Final = re.compile(r"([^./]+)\.(.+)")
 
 
 def member_name(frame_id: str, kind: str) -> str:
-    """Name a frame's file of one kind (a key of `cadet.kitti.files.SUFFIXES`)."""
+    """Name a frame's file of one kind (a key of `cadet.kitti.files.SUFFIXES`).
+
+    Raises:
+        CadetError: an id with a dot, at which WebDataset cuts a name, or with what an index cannot hold.
+    """
+    if _ID.fullmatch(frame_id) is None or "." in frame_id or "\\" in frame_id:
+        raise CadetError(f"frame {shown(frame_id)}: in shards an id has neither dots, blanks nor accents: rename its files")
     return f"{frame_id}.{kind}{SUFFIXES[kind]}"
 
 

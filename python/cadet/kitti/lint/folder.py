@@ -25,7 +25,7 @@ from cadet.kitti.lint.finding import Finding, Problem
 from cadet.kitti.lint.frame import SCAN_RANGE_M, Report, Task, display, examine
 from cadet.kitti.lint.lists import lint_episodes, lint_folders, lint_lists, read_lists
 from cadet.kitti.lint.manifest import MANIFEST, Manifest, lint_counts, lint_frames, lint_other_files, read_manifest
-from cadet.kitti.other_layouts import no_frames, other_name
+from cadet.kitti.other_layouts import instead, no_frames
 from cadet.process_map import process_map
 
 _BY_FRAME: Final = "label_2"
@@ -125,21 +125,12 @@ def _lint_absent(part: _Part) -> list[Finding]:
     """Say once which folders a whole part lacks, and what lies there under another name."""
     absent = {kind: Problem(None, "missing-file", _absence(part, kind)) for kind in _absent_kinds(part)}
     if part.name == "training" and part.ids and not (part.folder / _BY_FRAME).is_dir():
-        absent[_BY_FRAME] = Problem(None, "missing-file", f"no labels at all{_instead(part, _BY_FRAME)}", "warning")
+        absent[_BY_FRAME] = Problem(None, "missing-file", f"no labels at all{instead(part.folder, _BY_FRAME)}", "warning")
     return [Finding(display(part.folder / kind), *problem) for kind, problem in absent.items()]
 
 
 def _absence(part: _Part, kind: str) -> str:
-    return f"none of {len(part.ids)} frames has a file there, and most commands need one{_instead(part, kind)}"
-
-
-def _instead(part: _Part, kind: str) -> str:
-    name = other_name(part.folder, kind)
-    if name is None:
-        return ""
-    if name.endswith(".txt"):
-        return f"; {name} is there: copy it to {kind}/ID.txt for every frame, with KITTI's keys"
-    return f"; {name} is there: rename it to {kind} if it holds the same"
+    return f"none of {len(part.ids)} frames has a file there, and most commands need one{instead(part.folder, kind)}"
 
 
 def _usual_kinds(folder: Path, ids: Collection[str]) -> tuple[str, ...]:
