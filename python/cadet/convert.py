@@ -126,7 +126,9 @@ def _open_folder(root: Path) -> _Source:
     if not splits:
         raise MissingFileError(no_frames(root, folder, REQUIRED))
     lists = list_paths(root)
-    return _Source(splits, _contents(lists), _left_out(root, taken | {path.relative_to(root) for path in lists.values()}))
+    return _Source(
+        splits, _contents(lists), _left_out(root, taken | {path.relative_to(root) for path in lists.values()})
+    )
 
 
 def _training_splits(root: Path, ids: Sequence[str]) -> dict[str, Sequence[str]]:

@@ -70,7 +70,9 @@ def _alike(findings: Sequence[Finding]) -> list[list[Finding]]:
         key = (one.severity, one.rule, one.file.rpartition("/")[0], _VALUE.sub("0", message))
         groups.setdefault(key, []).append(one)
     return [
-        part for group in groups.values() for part in ([group] if len(group) > _ALIKE_SHOWN else [[one] for one in group])
+        part
+        for group in groups.values()
+        for part in ([group] if len(group) > _ALIKE_SHOWN else [[one] for one in group])
     ]
 
 

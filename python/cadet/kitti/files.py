@@ -112,7 +112,9 @@ def split_folder(root: str | Path, split: str | None) -> Path:
         return sample_folder(root)
     folder = testing_folder(root)
     if folder is None:
-        raise MissingFileError(f"{root}: no test frames: there is no testing/image_2, testing/velodyne or testing/calib")
+        raise MissingFileError(
+            f"{root}: no test frames: there is no testing/image_2, testing/velodyne or testing/calib"
+        )
     return folder
 
 

@@ -71,7 +71,9 @@ class ImageSet:
                 ids.append(frame_id)
                 places.append(number)
             if frame_id != line or not line:
-                odd.setdefault("a file's name is read as its frame's id" if line else "a blank line is passed over", number)
+                odd.setdefault(
+                    "a file's name is read as its frame's id" if line else "a blank line is passed over", number
+                )
         for message, number in odd.items():
             accept("list-line", f"{message}: other programs expect an id on every line", file, number)
         _check_ids(ids, file, places)

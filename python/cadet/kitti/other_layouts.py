@@ -25,7 +25,11 @@ _OURS: Final = {
 _SIGNS: Final = (
     ("*/*.tar", "shards of WebDataset", _OURS["webdataset"]),
     ("v1.0-*", "a nuScenes folder", "nuscenes-devkit's export_kitti.py writes a KITTI folder"),
-    ("training/image_02/[0-9][0-9][0-9][0-9]", "KITTI's tracking set, a folder for each sequence", "its object set has image_2"),
+    (
+        "training/image_02/[0-9][0-9][0-9][0-9]",
+        "KITTI's tracking set, a folder for each sequence",
+        "its object set has image_2",
+    ),
     ("image_02/[0-9][0-9][0-9][0-9]", "KITTI's tracking set, a folder for each sequence", "its object set has image_2"),
     ("20??_??_??/*_sync", "KITTI's raw drives", "its object set has training/image_2"),
     ("20??_??_??_drive_*", "KITTI's raw drives", "its object set has training/image_2"),

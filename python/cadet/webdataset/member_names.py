@@ -22,7 +22,9 @@ def member_name(frame_id: str, kind: str) -> str:
         CadetError: an id with a dot, at which WebDataset cuts a name, or with what an index cannot hold.
     """
     if _ID.fullmatch(frame_id) is None or "." in frame_id or "\\" in frame_id:
-        raise CadetError(f"frame {shown(frame_id)}: in shards an id has neither dots, blanks nor accents: rename its files")
+        raise CadetError(
+            f"frame {shown(frame_id)}: in shards an id has neither dots, blanks nor accents: rename its files"
+        )
     return f"{frame_id}.{kind}{SUFFIXES[kind]}"
 
 

@@ -125,7 +125,9 @@ def _lint_absent(part: _Part) -> list[Finding]:
     """Say once which folders a whole part lacks, and what lies there under another name."""
     absent = {kind: Problem(None, "missing-file", _absence(part, kind)) for kind in _absent_kinds(part)}
     if part.name == "training" and part.ids and not (part.folder / _BY_FRAME).is_dir():
-        absent[_BY_FRAME] = Problem(None, "missing-file", f"no labels at all{instead(part.folder, _BY_FRAME)}", "warning")
+        absent[_BY_FRAME] = Problem(
+            None, "missing-file", f"no labels at all{instead(part.folder, _BY_FRAME)}", "warning"
+        )
     return [Finding(display(part.folder / kind), *problem) for kind, problem in absent.items()]
 
 
