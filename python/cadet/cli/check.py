@@ -6,6 +6,7 @@ import json
 import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Final
 
@@ -69,11 +70,8 @@ def _alike(findings: Sequence[Finding]) -> list[list[Finding]]:
         message = one.message if one.frame_id is None else one.message.replace(one.frame_id, "0")
         key = (one.severity, one.rule, one.file.rpartition("/")[0], _VALUE.sub("0", message))
         groups.setdefault(key, []).append(one)
-    return [
-        part
-        for group in groups.values()
-        for part in ([group] if len(group) > _ALIKE_SHOWN else [[one] for one in group])
-    ]
+    rows = ([[one] for one in group] if len(group) <= _ALIKE_SHOWN else [group] for group in groups.values())
+    return list(chain.from_iterable(rows))
 
 
 def _row(group: Sequence[Finding]) -> tuple[str, ...]:
