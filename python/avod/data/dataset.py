@@ -197,8 +197,9 @@ class _Set:
 
     def tried(self, index: int, first: int) -> Iterator[str]:
         """Yield the frame whose turn it is, and those that take its turn where none before can be read."""
-        others = np.random.default_rng([index, first]).integers(len(self.ids), size=_MOST_TRIED)
-        for place in (first, *others.tolist()):
+        if self.ids[first] not in self.unreadable:
+            yield self.ids[first]
+        for place in np.random.default_rng([index, first]).integers(len(self.ids), size=_MOST_TRIED):
             if self.ids[place] not in self.unreadable:
                 yield self.ids[place]
 

@@ -113,7 +113,7 @@ def split_folder(root: str | Path, split: str | None) -> Path:
     folder = testing_folder(root)
     if folder is None:
         raise MissingFileError(
-            f"{root}: no test frames: there is no testing/image_2, testing/velodyne or testing/calib"
+            f"{root}: no test frames: no testing/image_2, testing/velodyne or testing/calib is there"
         )
     return folder
 

@@ -21,16 +21,18 @@ _OURS: Final = {
     "nuscenes": _ANEW,
 }
 """What to do about a set of each of our formats where a KITTI folder is needed."""
+_SEQUENCE: Final = "image_02/[0-9][0-9][0-9][0-9]"
+"""Images of KITTI's tracking set."""
 
 _SIGNS: Final = (
     ("*/*.tar", "shards of WebDataset", _OURS["webdataset"]),
     ("v1.0-*", "a nuScenes folder", "nuscenes-devkit's export_kitti.py writes a KITTI folder"),
     (
-        "training/image_02/[0-9][0-9][0-9][0-9]",
+        f"training/{_SEQUENCE}",
         "KITTI's tracking set, a folder for each sequence",
         "its object set has image_2",
     ),
-    ("image_02/[0-9][0-9][0-9][0-9]", "KITTI's tracking set, a folder for each sequence", "its object set has image_2"),
+    (_SEQUENCE, "KITTI's tracking set, a folder for each sequence", "its object set has image_2"),
     ("20??_??_??/*_sync", "KITTI's raw drives", "its object set has training/image_2"),
     ("20??_??_??_drive_*", "KITTI's raw drives", "its object set has training/image_2"),
     ("velodyne_points", "a drive of KITTI's raw data", "its object set has training/image_2"),
@@ -92,7 +94,7 @@ def format_of(root: Path) -> str | None:
 def has_sequences(folder: Path) -> bool:
     """Tell whether a folder holds KITTI's tracking set, whose `calib` and `velodyne` are named as the object set's."""
     has_names = (folder / "image_02").is_dir() and not (folder / "image_2").is_dir()
-    return has_names and next(iter(folder.glob("image_02/[0-9][0-9][0-9][0-9]")), None) is not None
+    return has_names and next(iter(folder.glob(_SEQUENCE)), None) is not None
 
 
 def instead(folder: Path, kind: str) -> str:

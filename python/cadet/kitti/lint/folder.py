@@ -24,8 +24,8 @@ from cadet.kitti.lint.duplicates import lint_duplicates
 from cadet.kitti.lint.finding import Finding, Problem
 from cadet.kitti.lint.frame import SCAN_RANGE_M, Report, Task, display, examine
 from cadet.kitti.lint.lists import lint_episodes, lint_folders, lint_lists, read_lists
-from cadet.kitti.lint.manifest import MANIFEST, Manifest, lint_counts, lint_frames, lint_other_files, read_manifest
-from cadet.kitti.other_layouts import instead, no_frames
+from cadet.kitti.lint.manifest import Manifest, lint_counts, lint_frames, lint_other_files, read_manifest
+from cadet.kitti.other_layouts import MANIFEST, instead, no_frames
 from cadet.process_map import process_map
 
 _BY_FRAME: Final = "label_2"
