@@ -23,30 +23,24 @@ _OURS: Final = {
 """What to do about a set of each of our formats where a KITTI folder is needed."""
 _SEQUENCE: Final = "image_02/[0-9][0-9][0-9][0-9]"
 """Images of KITTI's tracking set."""
+_OBJECT: Final = f"copy its frames to the layout of KITTI's object set, {_EXPECTED}, by one name a frame"
 
 _SIGNS: Final = (
-    ("*/*.tar", "shards of WebDataset", _OURS["webdataset"]),
-    ("v1.0-*", "a nuScenes folder", "nuscenes-devkit's export_kitti.py writes a KITTI folder"),
+    (("*/*.tar",), "shards of WebDataset", _OURS["webdataset"]),
+    (("v1.0-*", "samples/LIDAR_TOP"), "a nuScenes folder", "nuscenes-devkit's export_kitti.py writes a KITTI folder"),
+    ((f"training/{_SEQUENCE}", _SEQUENCE), "KITTI's tracking set, which has a folder for each sequence", _OBJECT),
+    (("20??_??_??/*_sync", "20??_??_??_drive_*", "velodyne_points"), "KITTI's raw data", _OBJECT),
+    (("sequences/[0-9]*", "dataset/sequences"), "KITTI's odometry set, or SemanticKITTI", _OBJECT),
+    (("data_3d_raw", "data_2d_raw"), "KITTI-360", _OBJECT),
+    (("*.tfrecord", "*/*.tfrecord"), "Waymo's records", "MMDetection3D's create_data.py waymo writes kitti_format"),
     (
-        f"training/{_SEQUENCE}",
-        "KITTI's tracking set, a folder for each sequence",
-        "its object set has image_2",
+        ("*/training/image_2", "*/training/velodyne", "*/training/calib", "*/image_2", "*/calib"),
+        "a folder that holds a KITTI folder, or one of its archives",
+        "name {root}/{first}, once image_2, velodyne, calib and label_2 lie side by side there",
     ),
-    (_SEQUENCE, "KITTI's tracking set, a folder for each sequence", "its object set has image_2"),
-    ("20??_??_??/*_sync", "KITTI's raw drives", "its object set has training/image_2"),
-    ("20??_??_??_drive_*", "KITTI's raw drives", "its object set has training/image_2"),
-    ("velodyne_points", "a drive of KITTI's raw data", "its object set has training/image_2"),
-    ("sequences/[0-9]*", "KITTI's odometry set, or SemanticKITTI", "its object set has training/image_2"),
-    ("dataset/sequences", "KITTI's odometry set, or SemanticKITTI", "its object set has training/image_2"),
-    ("data_3d_raw", "KITTI-360", "KITTI's object set has training/image_2"),
-    ("*.tfrecord", "Waymo's records", "MMDetection3D's create_data.py waymo writes kitti_format"),
-    ("*/*.tfrecord", "Waymo's records", "MMDetection3D's create_data.py waymo writes kitti_format"),
-    ("kitti_format/training", "Waymo as MMDetection3D writes it", "name {root}/kitti_format"),
-    ("*/training/image_2", "KITTI's archives, each unpacked apart", f"bring their folders together as {_EXPECTED}"),
-    ("*/training/velodyne", "KITTI's archives, each unpacked apart", f"bring their folders together as {_EXPECTED}"),
-    ("points/*.npy", "an OpenPCDet custom set", f"expected {_EXPECTED}, scans as float32 x, y, z, intensity in .bin"),
+    (("points/*.npy",), "an OpenPCDet custom set", _OBJECT + ", scans as float32 x, y, z, intensity in .bin"),
 )
-"""Patterns of what lies in a folder, what it then is, and what to do; the first that fits counts."""
+"""Patterns of what lies in a folder, what it then is, and what to do; the first row that fits counts."""
 
 _OTHER_NAMES: Final = {
     "image_2": ("image_02", "images", "image", "image_0", "image_3"),
@@ -65,11 +59,12 @@ def no_kitti_folder(root: Path) -> str:
     if name in _OURS:
         remedy = _OURS[name].format(root=root)
         return f"{root}: a set of format {name} ({MANIFEST}), and a KITTI folder is needed: {remedy}"
-    for pattern, what, remedy in _SIGNS:
-        if (found := next(iter(root.glob(pattern)), None)) is not None:
-            place, remedy = found.relative_to(root), remedy.format(root=root)
+    for patterns, what, remedy in _SIGNS:
+        for found in (path for pattern in patterns for path in root.glob(pattern)):
+            place = found.relative_to(root)
+            remedy = remedy.format(root=root, first=place.parts[0])
             return f"{root}: {what} ({place}), and a KITTI folder is needed: {remedy}"
-    return f"{root}: no KITTI folder: {_holds(root)}; expected {_EXPECTED}"
+    return f"{root}: no KITTI folder: it {_holds(root)}; expected {_EXPECTED}"
 
 
 def no_frames(root: Path, folder: Path, kinds: tuple[str, ...]) -> str:

@@ -18,6 +18,17 @@ _MIN_POINTS: Final = 1000
 _BACKWARD_DEG: Final = 1.0
 """Azimuths of one ring fall back by less, whatever rounding and the lasers' own corrections do."""
 _MAX_RINGS: Final = 300
+_SCAN_FOLDERS: Final = (
+    "velodyne",
+    "training/velodyne",
+    "object/training/velodyne",
+    "training/velodyne/[0-9]*",
+    "samples/LIDAR_TOP",
+    "velodyne_points/data",
+    "*/velodyne_points/data",
+    "*/*/velodyne_points/data",
+)
+"""Where scans lie in KITTI's object, tracking and raw sets, in nuScenes', and in cadet's of these formats."""
 _MAX_PLACE_M: Final = 10_000.0
 """No LIDAR sees farther; sums of squares of much larger numbers overflow."""
 
@@ -48,7 +59,7 @@ def join(parts: Sequence[Points]) -> Points:
 
 
 def find_scans(paths: Sequence[str | Path]) -> list[Path]:
-    """List the `.bin` files that files and folders name; of a KITTI folder those of `training/velodyne`.
+    """List the `.bin` files that files and folders name; of a dataset's folder those of its scans.
 
     Raises:
         MissingFileError: a path is missing, or a folder holds no `.bin` file.
@@ -60,14 +71,18 @@ def find_scans(paths: Sequence[str | Path]) -> list[Path]:
             continue
         if not path.is_dir():
             raise MissingFileError(f"{str(path)!r}: no such file or folder")
-        folders = (path, path / "velodyne", path / "training" / "velodyne")
-        files = next((files for folder in folders if (files := sorted(folder.glob("*.bin")))), [])
+        groups = [[path], *(sorted(path.glob(folder)) for folder in _SCAN_FOLDERS)]
+        files = next((files for group in groups if (files := [file for one in group for file in _scans_in(one)])), [])
         if not files:
-            raise MissingFileError(f"{str(path)!r}: no .bin files in it, nor in velodyne or training/velodyne")
+            raise MissingFileError(f"{str(path)!r}: no .bin files in it, nor in {', '.join(_SCAN_FOLDERS)}")
         found += files
     if not found:
         raise CadetError("no scans given")
     return found
+
+
+def _scans_in(folder: Path) -> list[Path]:
+    return sorted(folder.glob("*.bin"))
 
 
 def read_scan(path: Path) -> Points:

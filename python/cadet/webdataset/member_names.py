@@ -11,7 +11,8 @@ from cadet.kitti.files import SUFFIXES
 
 _KINDS: Final = {f"{kind}{suffix}": kind for kind, suffix in SUFFIXES.items()}
 _RANKS: Final = {kind: rank for rank, kind in enumerate(SUFFIXES)}
-_ID: Final = re.compile(r"[!-~]+")
+_MOST_LETTERS: Final = 80
+_ID: Final = re.compile(rf"[0-9A-Za-z_+=@,()#~-]{{1,{_MOST_LETTERS}}}")
 _NAME: Final = re.compile(r"([^./]+)\.(.+)")
 
 
@@ -19,11 +20,12 @@ def member_name(frame_id: str, kind: str) -> str:
     """Name a frame's file of one kind (a key of `cadet.kitti.files.SUFFIXES`).
 
     Raises:
-        CadetError: an id with a dot, at which WebDataset cuts a name, or with what an index cannot hold.
+        CadetError: an id with a dot, at which WebDataset cuts names, or with what an index or archive cannot hold.
     """
-    if _ID.fullmatch(frame_id) is None or "." in frame_id or "\\" in frame_id:
+    if _ID.fullmatch(frame_id) is None:
         raise CadetError(
-            f"frame {shown(frame_id)}: in shards an id has neither dots, blanks nor accents: rename its files"
+            f"frame {shown(frame_id)}: in shards ids are ASCII without dots and blanks, at most {_MOST_LETTERS} letters: "
+            "rename its files"
         )
     return f"{frame_id}.{kind}{SUFFIXES[kind]}"
 
