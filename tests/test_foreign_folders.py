@@ -33,11 +33,6 @@ NAMES = [
 ]
 
 
-@pytest.fixture(autouse=True)
-def forgets_what_was_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("cadet.notices._said", set())
-
-
 def write_set(root: Path, ids: tuple[str, ...] = ("000000", "000001"), **changes: object) -> Path:
     for number, frame_id in enumerate(ids):
         write_frame(root, frame_id, make_frame(seed=number, **changes), split=None)
@@ -45,6 +40,8 @@ def write_set(root: Path, ids: tuple[str, ...] = ("000000", "000001"), **changes
 
 
 def cadet(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int | str | None:
+    """Run a command as a process of its own does, which has warned of nothing yet."""
+    monkeypatch.setattr("cadet.notices._said", set())
     monkeypatch.setattr(sys, "argv", ["cadet", *map(str, arguments)])
     with pytest.raises(SystemExit) as ended:
         run_cadet()
@@ -76,7 +73,7 @@ def test_ids_go_through_shards_and_back_where_webdataset_has_room_for_them(
     if not re.fullmatch("[0-9a-zA-Z_-]{1,80}", ids[0]):
         with pytest.raises(
             CadetError,
-            match=r"^frame '.*': in shards ids are ASCII without dots and blanks, at most 80 letters: rename",
+            match=r"^frame '.*: in shards ids are ASCII without dots and blanks, at most 80 letters: rename",
         ):
             convert(root, tmp_path / "shards", "webdataset")
         return

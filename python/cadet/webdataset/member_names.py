@@ -12,8 +12,8 @@ from cadet.kitti.files import SUFFIXES
 _KINDS: Final = {f"{kind}{suffix}": kind for kind, suffix in SUFFIXES.items()}
 _RANKS: Final = {kind: rank for rank, kind in enumerate(SUFFIXES)}
 _MOST_LETTERS: Final = 80
-_ID: Final = re.compile(rf"[0-9A-Za-z_+=@,()#~-]{{1,{_MOST_LETTERS}}}")
-_NAME: Final = re.compile(r"([^./]+)\.(.+)")
+_ID: Final = rf"[0-9A-Za-z_+=@,()#~-]{{1,{_MOST_LETTERS}}}"
+_NAME: Final = re.compile(rf"({_ID})\.(.+)")
 
 
 def member_name(frame_id: str, kind: str) -> str:
@@ -22,11 +22,9 @@ def member_name(frame_id: str, kind: str) -> str:
     Raises:
         CadetError: an id with a dot, at which WebDataset cuts names, or with what an index or archive cannot hold.
     """
-    if _ID.fullmatch(frame_id) is None:
-        raise CadetError(
-            f"frame {shown(frame_id)}: in shards ids are ASCII without dots and blanks, at most {_MOST_LETTERS} letters: "
-            "rename its files"
-        )
+    if re.fullmatch(_ID, frame_id) is None:
+        remedy = f"ASCII without dots and blanks, at most {_MOST_LETTERS} letters: rename its files"
+        raise CadetError(f"frame {shown(frame_id)}: in shards ids are {remedy}")
     return f"{frame_id}.{kind}{SUFFIXES[kind]}"
 
 
