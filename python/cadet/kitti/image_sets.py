@@ -87,7 +87,7 @@ class ImageSet:
 def list_paths(root: str | Path) -> dict[str, Path]:
     """Return the lists of a dataset by split: those of `ImageSets`, or those beside `training` where it has none."""
     place = set_root(root)
-    paths = {path.stem: path for path in sorted((place / LISTS).glob("*.txt")) if path.is_file()}
+    paths = {path.stem: path for path in sorted((place / LISTS).glob("*.txt"))}
     return paths or {split: path for split in _BESIDE if (path := place / f"{split}.txt").is_file()}
 
 
