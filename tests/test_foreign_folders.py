@@ -7,6 +7,7 @@ import re
 import shutil
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -23,7 +24,9 @@ from synthetic import make_frame
 NAMES = [
     ("0000000", "0000001"),
     ("0000000000", "0000000001"),
+    ("001", "002"),
     ("1", "2"),
+    ("805729458ae49dd0d72e7e428cdea67db775ceb2aa46e26ca9c5c0eb84823cae", "9"),
     ("a1b2", "c3d4"),
     ("n015-2018-07-24__CAM_FRONT__1532402927612460", "n015-2018-07-24__CAM_FRONT__1532402928112460"),
     ("scene.one", "scene.two"),
@@ -33,7 +36,7 @@ NAMES = [
 ]
 
 
-def write_set(root: Path, ids: tuple[str, ...] = ("000000", "000001"), **changes: object) -> Path:
+def write_set(root: Path, ids: tuple[str, ...] = ("000000", "000001"), **changes: Any) -> Path:
     for number, frame_id in enumerate(ids):
         write_frame(root, frame_id, make_frame(seed=number, **changes), split=None)
     return root
@@ -120,6 +123,8 @@ def test_notes_and_copies_among_the_files_are_no_frames(tmp_path: Path) -> None:
 TOUCHED = [
     (("training/image_02/0000/000000.png", "training/calib/0000.txt"), r"KITTI's tracking set"),
     (("image_02/0000/000000.png", "velodyne/0000/000000.bin"), r"KITTI's tracking set"),
+    (("calib/0000.txt", "label_02/0000.txt", "velodyne/0000/000000.bin"), r"KITTI's tracking set"),
+    (("00/velodyne/000000.bin", "00/calib.txt"), r"KITTI's odometry set, or SemanticKITTI"),
     (("2011_09_26/2011_09_26_drive_0001_sync/oxts/data/0.txt",), r"KITTI's raw data"),
     (("2011_09_26_drive_0001_sync/velodyne_points/data/0.bin",), r"KITTI's raw data"),
     (("v1.0-mini/sample.json", "samples/LIDAR_TOP/a.pcd.bin"), r"a nuScenes folder .*export_kitti\.py"),
@@ -207,6 +212,8 @@ def test_folders_without_a_frame_are_no_whole_set(
         ("calib", "calib.txt", r"calib.txt is there: copy it to calib/ID.txt for every frame"),
         ("calib", "../calib.txt", r"calib.txt is there: copy it to calib/ID.txt for every frame"),
         ("velodyne", "velodyne_points", "velodyne_points is there: rename it to velodyne"),
+        ("velodyne", "velodyne/part1", "; velodyne holds part1"),
+        ("image_2", "colored_0", "colored_0 is there: rename it to image_2"),
         ("label_2", "labels", "labels is there: rename it to label_2"),
     ],
 )
@@ -222,7 +229,7 @@ def test_a_folder_that_all_frames_lack_is_said_once(
     shutil.rmtree(root / "training" / kind)
     if instead is not None:
         path = root / "training" / instead
-        path.mkdir() if path.suffix == "" else path.write_text("")
+        path.mkdir(parents=True) if path.suffix == "" else path.write_text("")
     missing = [one for one in kitti.lint(root) if one.rule == "missing-file"]
     assert len(missing) == 1 and missing[0].file.split("/")[-1] == kind and said in missing[0].message
     if kind == "label_2":

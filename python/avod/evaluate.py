@@ -77,7 +77,7 @@ def analyze_detectors(
     """
     found: list[dict[str, tuple[Label, ...]]] = [{} for _ in detectors]
     frames = opened(data)
-    unreadable = Unreadable(frames.root)
+    unreadable = Unreadable(frames.folder)
     for frame_id, by_detector in predict_all(detectors, frames, ids, workers=workers, unreadable=unreadable):
         for results, labels in zip(found, by_detector, strict=True):
             # Through text, so that the numbers are those of the files.

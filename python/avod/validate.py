@@ -89,7 +89,7 @@ class Validator:
             collate_fn=as_it_is,
             worker_init_fn=outlive_signals,
         )
-        unreadable = Unreadable(self._frames.root)
+        unreadable = Unreadable(self._frames.folder)
         texts: dict[str, str] = {}
         losses: dict[str, dict[str, float]] = {}
         is_stopped = False

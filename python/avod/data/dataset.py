@@ -154,7 +154,7 @@ class TrainingData(Dataset[Any]):
                 item.unreadable.add(frame_id, caught)
                 notice(
                     [f"frame {item.name_of(frame_id)} is left out, others take its turn: {caught}"],
-                    about=str(item.frames.root),
+                    about=str(item.frames.folder),
                     key=frame_id,
                 )
         return error or CadetError(f"{item.unreadable.text(len(item.ids))}: too many to train without them")

@@ -21,16 +21,24 @@ _OURS: Final = {
     "nuscenes": _ANEW,
 }
 """What to do about a set of each of our formats where a KITTI folder is needed."""
-_SEQUENCE: Final = "image_02/[0-9][0-9][0-9][0-9]"
-"""Images of KITTI's tracking set."""
+_SEQUENCES: Final = ("image_02/[0-9][0-9][0-9][0-9]", "velodyne/0000")
+"""Folders of KITTI's tracking set, one for each drive."""
 _OBJECT: Final = f"copy its frames to the layout of KITTI's object set, {_EXPECTED}, by one name a frame"
 
 _SIGNS: Final = (
     (("*/*.tar",), "shards of WebDataset", _OURS["webdataset"]),
     (("v1.0-*", "samples/LIDAR_TOP"), "a nuScenes folder", "nuscenes-devkit's export_kitti.py writes a KITTI folder"),
-    ((f"training/{_SEQUENCE}", _SEQUENCE), "KITTI's tracking set, which has a folder for each sequence", _OBJECT),
+    (
+        (*_SEQUENCES, *(f"training/{pattern}" for pattern in _SEQUENCES)),
+        "KITTI's tracking set, which has a folder for each sequence",
+        _OBJECT,
+    ),
     (("20??_??_??/*_sync", "20??_??_??_drive_*", "velodyne_points"), "KITTI's raw data", _OBJECT),
-    (("sequences/[0-9]*", "dataset/sequences"), "KITTI's odometry set, or SemanticKITTI", _OBJECT),
+    (
+        ("sequences/[0-9]*", "dataset/sequences", "[0-9][0-9]/velodyne"),
+        "KITTI's odometry set, or SemanticKITTI",
+        _OBJECT,
+    ),
     (("data_3d_raw", "data_2d_raw"), "KITTI-360", _OBJECT),
     (("*.tfrecord", "*/*.tfrecord"), "Waymo's records", "MMDetection3D's create_data.py waymo writes kitti_format"),
     (
@@ -43,9 +51,9 @@ _SIGNS: Final = (
 """Patterns of what lies in a folder, what it then is, and what to do; the first row that fits counts."""
 
 _OTHER_NAMES: Final = {
-    "image_2": ("image_02", "images", "image", "image_0", "image_3"),
+    "image_2": ("image_02", "images", "image", "image_0", "colored_0", "image_3"),
     "velodyne": ("velodyne_points", "lidar", "points", "pointcloud", "velodyne_reduced"),
-    "calib": ("calib.txt", "calibs", "calibration", "../calib.txt"),
+    "calib": ("calib.txt", "calib/calib.txt", "calibs", "calibration", "../calib.txt"),
     "label_2": ("label_02", "labels", "label", "label_0", "label_all"),
 }
 """What converters call a folder, or put in its place, by its name in KITTI."""
@@ -88,15 +96,16 @@ def format_of(root: Path) -> str | None:
 
 def has_sequences(folder: Path) -> bool:
     """Tell whether a folder holds KITTI's tracking set, whose `calib` and `velodyne` are named as the object set's."""
-    has_names = (folder / "image_02").is_dir() and not (folder / "image_2").is_dir()
-    return has_names and next(iter(folder.glob(_SEQUENCE)), None) is not None
+    if (folder / "image_2").is_dir():
+        return False
+    return any(path.is_dir() for pattern in _SEQUENCES for path in folder.glob(pattern))
 
 
 def instead(folder: Path, kind: str) -> str:
-    """Say, as the end of a line, what lies in a folder in place of one of KITTI's kinds; empty where nothing does."""
+    """Say, as the end of a line, what lies in place of one of KITTI's kinds of files; empty where nothing does."""
     name = next((name for name in _OTHER_NAMES.get(kind, ()) if (folder / name).exists()), None)
     if name is None:
-        return ""
+        return f"; {kind} {_holds(folder / kind)}" if (folder / kind).is_dir() else ""
     if name.endswith(".txt"):
         return f"; {name} is there: copy it to {kind}/ID.txt for every frame, with KITTI's keys"
     return f"; {name} is there: rename it to {kind} if it holds the same"

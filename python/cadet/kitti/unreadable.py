@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Final, Protocol
 
 from cadet.errors import CadetError, MissingFileError
-from cadet.kitti.files import REQUIRED, SUFFIXES, set_root
+from cadet.kitti.files import REQUIRED, SUFFIXES
 from cadet.kitti.other_layouts import instead
 from cadet.notices import notice
 
@@ -63,6 +63,10 @@ class Frames(Protocol):
 
     ids: tuple[str, ...]
 
+    @property
+    def folder(self) -> Path:
+        """The folder that holds the frames' folders, or archives."""
+
     def has(self, kind: str, frame_id: str) -> bool:
         """Tell whether a frame has a file of one kind."""
 
@@ -81,7 +85,7 @@ def frames_with_files(frames: Frames, unreadable: Unreadable, root: str | Path) 
     missing = {kind: [one for one in frames.ids if not frames.has(kind, one)] for kind in REQUIRED}
     for kind, ids in missing.items():
         if ids and len(ids) == len(frames.ids):
-            remedy = instead(set_root(root) / "training", kind)
+            remedy = instead(frames.folder, kind)
             raise MissingFileError(f"{root}: none of {len(ids)} frames has a file in {kind}, which is needed{remedy}")
         for frame_id in ids:
             unreadable.add(frame_id, MissingFileError(f"{kind}/{frame_id}{SUFFIXES[kind]} is missing"))

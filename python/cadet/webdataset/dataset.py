@@ -113,7 +113,7 @@ class ShardDataset:
         return f"ShardDataset({self.num_shards} shards): {len(self)} frames"
 
     @property
-    def root(self) -> Path:
+    def folder(self) -> Path:
         """The folder of the first archive."""
         return self.paths[0].parent
 
