@@ -25,6 +25,7 @@ from avod.data.subset import draw_frames, usable_frames
 from cadet import kitti
 from cadet.errors import CadetError
 from cadet.kitti import Calibration, Label
+from cadet.kitti.files import REQUIRED
 from cadet.kitti.frame import Frame
 from cadet.kitti.unreadable import READING_ERRORS, Unreadable, frames_with_files
 from cadet.notices import notice
@@ -212,11 +213,11 @@ def readable_labels(frames: kitti.Dataset | ShardDataset, root: str | Path) -> d
     """Read the labels of all frames that have their files, in order; those that cannot be read are left out.
 
     Raises:
-        MissingFileError: no frame has an image, a scan, or a calibration.
+        MissingFileError: no frame has an image, a scan, a calibration, or labels.
         CadetError: more than half of the frames lack a file, or have labels that cannot be read.
     """
     unreadable, labels = Unreadable(root), {}
-    for frame_id in frames_with_files(frames, unreadable, root):
+    for frame_id in frames_with_files(frames, unreadable, root, (*REQUIRED, "label_2")):
         try:
             labels[frame_id] = frames.read_labels(frame_id)
         except READING_ERRORS as error:

@@ -10,6 +10,7 @@ from rich.console import Console
 
 from cadet.cli.progress import reporter
 from cadet.kitti import TYPES
+from cadet.kitti.files import REQUIRED
 from cadet.kitti.image_sets import check_not_empty
 from cadet.kitti.unreadable import READING_ERRORS, Unreadable, frames_with_files
 from cadet.object_bank import BankObject, cut_objects, write_bank
@@ -47,7 +48,7 @@ def bank_command(data: Path, out: Path, split: str | None, types: tuple[str, ...
     dataset = open_dataset(data, split)
     check_not_empty(dataset.ids, data, split)
     unreadable = Unreadable(data)
-    ids = frames_with_files(dataset, unreadable, data)
+    ids = frames_with_files(dataset, unreadable, data, (*REQUIRED, "label_2"))
     with reporter(Console(stderr=True, highlight=False), len(ids), text="cutting", unit="frames") as report:
 
         def objects() -> Iterator[BankObject]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Final, Protocol
 
@@ -71,18 +72,21 @@ class Frames(Protocol):
         """Tell whether a frame has a file of one kind."""
 
 
-def frames_with_files(frames: Frames, unreadable: Unreadable, root: str | Path) -> tuple[str, ...]:
-    """Return the ids of the frames that have image, scan and calibration; the others become unreadable.
+def frames_with_files(
+    frames: Frames, unreadable: Unreadable, root: str | Path, kinds: Sequence[str] = REQUIRED
+) -> tuple[str, ...]:
+    """Return the ids of the frames that have their files; the others become unreadable.
 
     Args:
         frames: of a folder or of shards.
         unreadable: gets the frames that lack a file.
         root: the dataset, for messages.
+        kinds: of the files that are needed.
 
     Raises:
         MissingFileError: no frame at all has one of these files.
     """
-    missing = {kind: [one for one in frames.ids if not frames.has(kind, one)] for kind in REQUIRED}
+    missing = {kind: [one for one in frames.ids if not frames.has(kind, one)] for kind in kinds}
     for kind, ids in missing.items():
         if ids and len(ids) == len(frames.ids):
             remedy = instead(frames.folder, kind)
