@@ -50,6 +50,8 @@ def view(what: Path, out: Path | None, is_rerun: bool, is_bev: bool) -> None:
     cadet view out -o overview.png          # some frames of the dataset
     cadet view out --rerun -o episode.rrd   # the first episode over time; "rerun episode.rrd" shows it
     """  # noqa: D301 - click reads the backspace
+    if out is not None and not is_rerun:
+        check_picture_path(out)
     root, frame_id = _named(what)
     if is_rerun:
         if is_bev:
@@ -61,8 +63,6 @@ def view(what: Path, out: Path | None, is_rerun: bool, is_bev: bool) -> None:
         return
     if is_bev and frame_id is None:
         raise CadetError(f"{what}: --bev draws one frame; name it, as in {what}/000012")
-    if out is not None:
-        check_picture_path(out)
     dataset = open_dataset(root)
     if frame_id is None:
         path = _view_some(dataset, root, out or Path("overview.png"))
