@@ -89,7 +89,7 @@ def _svg(frame_id: str, frame: Frame) -> str:
     rectangles = "".join(_rectangle(label) for label in objects)
     wires = "".join(_wire(label, frame.calib) for label in objects)
     return (
-        f'<svg class="frame" viewBox="0 0 {width} {height}" role="img" aria-label="Frame {frame_id} with its boxes">'
+        f'<svg class="frame" viewBox="0 0 {width} {height}" role="img" aria-label="Frame {escape(frame_id)} with its boxes">'
         f'<image width="{width}" height="{height}" href="data:image/jpeg;base64,{_jpeg(frame.image)}"/>'
         f'<g class="dontcare">{"".join(_rectangle(label) for label in regions)}</g>'
         f'<g class="box2d">{rectangles}</g><g class="box3d">{wires}</g></svg>'

@@ -176,7 +176,7 @@ def _gallery(gallery: list[Picture]) -> str:
             ("dontcare", "DontCare", " checked"),
         )
     )
-    options = "".join(f'<option value="{one.frame_id}">{one.frame_id}</option>' for one in gallery)
+    options = "".join(f'<option value="{escape(one.frame_id)}">{escape(one.frame_id)}</option>' for one in gallery)
     views = "".join(f'<button data-view="{name}">From {name}</button>' for name in ("behind", "above", "side"))
     viewer = (
         '<div class="viewer"><div class="row"><label>Scan of frame '
@@ -186,8 +186,8 @@ def _gallery(gallery: list[Picture]) -> str:
         "return, up to 60 m; color is height, brightness is intensity.</p></div>"
     )
     figures = "".join(
-        f"<figure>{one.svg}<figcaption><span>{one.frame_id}{escape(f' · {one.caption}' if one.caption else '')}</span>"
-        f'<button data-cloud="{one.frame_id}">Show its scan</button></figcaption></figure>'
+        f"<figure>{one.svg}<figcaption><span>{escape(one.frame_id + (f' · {one.caption}' if one.caption else ''))}</span>"
+        f'<button data-cloud="{escape(one.frame_id)}">Show its scan</button></figcaption></figure>'
         for one in gallery
     )
     return f'{viewer}<div class="switches">{switches}</div><div class="frames">{figures}</div>'
@@ -195,7 +195,7 @@ def _gallery(gallery: list[Picture]) -> str:
 
 def _cloud(picture: Picture) -> str:
     content = json.dumps(picture.cloud, separators=(",", ":"))
-    return f'<script type="application/json" id="cloud-{picture.frame_id}">{content}</script>\n'
+    return f'<script type="application/json" id="cloud-{escape(picture.frame_id)}">{content}</script>\n'
 
 
 def _distributions(own: Statistics, kitti: Statistics) -> Iterable[str]:
