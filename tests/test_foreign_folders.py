@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import shutil
 import sys
@@ -298,3 +299,21 @@ def test_frames_without_points_pass_through_every_command(
     assert cadet(monkeypatch, "report", root, "-o", tmp_path / "r.html", "--workers", 1) == 0
     assert cadet(monkeypatch, "bank", root, "-o", tmp_path / "bank") == 2
     assert "no object to put into a bank" in capsys.readouterr().err
+
+
+def test_folders_that_no_program_should_meet_are_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "loop").symlink_to("loop")
+    for command in (["check"], ["report"], ["bank", "-o", tmp_path / "bank"], ["view"]):
+        assert cadet(monkeypatch, command[0], tmp_path / "loop", *command[1:]) == 2
+        assert "loop: no such folder" in capsys.readouterr().err
+    root = write_set(tmp_path / os.fsdecode(b"bad\xff"))
+    (root / "training" / "image_2" / os.fsdecode(b"\xff\xfe.png")).write_bytes(b"")
+    (root / "ImageSets").mkdir()
+    os.mkfifo(root / "ImageSets" / "odd.txt")
+    lists = [one for one in kitti.lint(root) if one.rule == "image-set"]
+    assert [(one.file, one.message) for one in lists] == [("ImageSets/odd.txt", "no regular file")]
+    assert cadet(monkeypatch, "report", root, "-o", tmp_path / "page.html", "--workers", 1) == 0
+    with pytest.raises(CadetError, match="no regular file"):
+        convert(root, tmp_path / "shards", "webdataset")

@@ -12,7 +12,7 @@ from cadet.checks import as_path, check_number, is_one_of, shown
 from cadet.errors import CadetError, MissingFileError
 from cadet.kitti.files import REQUIRED, SUFFIXES, file_path, frame_ids, sample_folder, set_root, testing_folder
 from cadet.kitti.frame_files import FolderFiles, FrameFiles
-from cadet.kitti.image_sets import LISTS, ImageSet, list_paths, read_image_set
+from cadet.kitti.image_sets import LISTS, ImageSet, list_bytes, list_paths, read_image_set
 from cadet.kitti.other_layouts import no_frames
 from cadet.sink import LocalSink
 from cadet.webdataset import ShardDataset
@@ -148,7 +148,7 @@ def _listed(root: Path, name: str) -> tuple[str, ...]:
 
 
 def _contents(lists: Mapping[str, Path]) -> dict[str, bytes]:
-    return {path.name: path.read_bytes() for path in lists.values()}
+    return {path.name: list_bytes(path) for path in lists.values()}
 
 
 def _made_lists(source: _Source) -> dict[str, bytes]:

@@ -111,15 +111,30 @@ def read_list(path: Path) -> ImageSet:
     Raises:
         KittiFormatError: not UTF-8, or a line holds what no id can be, or repeats one.
     """
-    is_beside = path.parent.name != LISTS
-    name = path.name if is_beside else f"{LISTS}/{path.name}"
+    name = list_name(path)
     try:
-        text = path.read_bytes().decode("utf-8-sig")
+        text = list_bytes(path).decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise KittiFormatError(f"not UTF-8 ({error.reason}): save the list as UTF-8 or ASCII", name) from None
-    if is_beside:
+    if path.parent.name != LISTS:
         accept("list-place", f"a list beside the frames' folder is read: others look for it in {LISTS}", name)
     return ImageSet.from_text(text, name)
+
+
+def list_name(path: Path) -> str:
+    """Name a list in messages."""
+    return f"{LISTS}/{path.name}" if path.parent.name == LISTS else path.name
+
+
+def list_bytes(path: Path) -> bytes:
+    """Return the bytes of a list.
+
+    Raises:
+        KittiFormatError: a pipe or a device, whose reading may never end.
+    """
+    if path.exists() and not (path.is_file() or path.is_dir()):
+        raise KittiFormatError("no regular file", list_name(path))
+    return path.read_bytes()
 
 
 def write_image_set(root: str | Path, split: str, image_set: ImageSet) -> None:
@@ -191,7 +206,7 @@ def check_not_empty(ids: Collection[str], root: str | Path, split: str | None) -
         return
     if split is None:
         raise MissingFileError(no_frames(Path(root), sample_folder(root), REQUIRED))
-    sizes = {name: len(path.read_bytes().split()) for name, path in list_paths(root).items()}
+    sizes = {name: len(list_bytes(path).split()) for name, path in list_paths(root).items()}
     others = ", ".join(f"{name} ({size})" for name, size in sizes.items() if size)
     instead = f"choose another list: {others}" if others else "no other list there names any"
     if split == "val":

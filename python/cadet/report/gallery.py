@@ -88,8 +88,9 @@ def _svg(frame_id: str, frame: Frame) -> str:
     regions = [one for one in frame.labels if one.is_dont_care]
     rectangles = "".join(_rectangle(label) for label in objects)
     wires = "".join(_wire(label, frame.calib) for label in objects)
+    named = f'role="img" aria-label="Frame {escape(frame_id)} with its boxes"'
     return (
-        f'<svg class="frame" viewBox="0 0 {width} {height}" role="img" aria-label="Frame {escape(frame_id)} with its boxes">'
+        f'<svg class="frame" viewBox="0 0 {width} {height}" {named}>'
         f'<image width="{width}" height="{height}" href="data:image/jpeg;base64,{_jpeg(frame.image)}"/>'
         f'<g class="dontcare">{"".join(_rectangle(label) for label in regions)}</g>'
         f'<g class="box2d">{rectangles}</g><g class="box3d">{wires}</g></svg>'

@@ -74,27 +74,27 @@ def gather(root: str | Path, *, workers: int = 1) -> Facts:
         MissingFileError: no KITTI folder, or one without a label file.
         CadetError: more than half of the frames cannot be read.
     """
-    root = set_root(root)
+    folder, root = sample_folder(root), set_root(root)
     facts = Facts(root.resolve().name)
     tasks: list[tuple[Path, str]] = []
-    for folder in (sample_folder(root), testing_folder(root)):
-        if folder is not None:
-            ids = frame_ids(folder)
-            labeled = [one for one in ids if file_path(folder, "label_2", one).is_file()]
+    for part in (folder, testing_folder(root)):
+        if part is not None:
+            ids = frame_ids(part)
+            labeled = [one for one in ids if file_path(part, "label_2", one).is_file()]
             facts.num_unlabeled += len(ids) - len(labeled)
-            tasks += [(folder, one) for one in labeled]
+            tasks += [(part, one) for one in labeled]
     if not tasks:
         raise MissingFileError(f"{root}: no label files, and so nothing to report")
     episodes: set[object] = set()
     unreadable = Unreadable(root)
-    for (_, frame_id), part in zip(tasks, process_map(_read_frame, tasks, workers=workers), strict=True):
-        if not isinstance(part, _FrameFacts):
-            unreadable.add(frame_id, part)
+    for (_, frame_id), found in zip(tasks, process_map(_read_frame, tasks, workers=workers), strict=True):
+        if not isinstance(found, _FrameFacts):
+            unreadable.add(frame_id, found)
             continue
-        facts.statistics.merge(part.statistics)
-        facts.num_points += part.num_points
-        episodes |= {part.episode} - {None}
-        for name, value in part.recorded.items():
+        facts.statistics.merge(found.statistics)
+        facts.num_points += found.num_points
+        episodes |= {found.episode} - {None}
+        for name, value in found.recorded.items():
             facts.recorded.setdefault(name, Counter())[value] += 1
     unreadable.say(len(tasks))
     facts.num_unreadable = len(unreadable)

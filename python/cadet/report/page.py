@@ -54,7 +54,7 @@ def write_report(root: str | Path, path: str | Path, *, num_frames: int = 10, wo
         raise MissingFileError(f"{path}: no such folder: {path.parent}")
     check_number("", "num_frames", num_frames, 0, _MOST_PICTURES, whole=True)
     facts = gather(root, workers=workers)
-    write_whole({path: _page(facts, pictures(root, int(num_frames))).encode("utf-8")})
+    write_whole({path: _page(facts, pictures(root, int(num_frames))).encode("utf-8", "backslashreplace")})
     return path
 
 
@@ -186,7 +186,7 @@ def _gallery(gallery: list[Picture]) -> str:
         "return, up to 60 m; color is height, brightness is intensity.</p></div>"
     )
     figures = "".join(
-        f"<figure>{one.svg}<figcaption><span>{escape(one.frame_id + (f' · {one.caption}' if one.caption else ''))}</span>"
+        f"<figure>{one.svg}<figcaption><span>{escape(' · '.join(filter(None, (one.frame_id, one.caption))))}</span>"
         f'<button data-cloud="{escape(one.frame_id)}">Show its scan</button></figcaption></figure>'
         for one in gallery
     )

@@ -11,7 +11,7 @@ from typing import Final
 from cadet.errors import KittiFormatError
 from cadet.kitti.dialects import Dialect, collected
 from cadet.kitti.files import REQUIRED, SUFFIXES, ids_among
-from cadet.kitti.image_sets import LISTS, ImageSet, list_paths, read_list
+from cadet.kitti.image_sets import LISTS, ImageSet, list_name, list_paths, read_list
 from cadet.kitti.lint.finding import Finding, Severity
 
 _NEEDED_LISTS: Final = ("train", "val", "test")
@@ -113,7 +113,7 @@ def read_lists(root: Path, soft: Severity) -> tuple[dict[str, ImageSet], list[Fi
         return sets, [unreadable(LISTS, error)]
     with collected() as dialects:
         for split, path in paths.items():
-            shown = printable(f"{LISTS}/{path.name}" if path.parent.name == LISTS else path.name)
+            shown = printable(list_name(path))
             try:
                 sets[split] = read_list(path)
             except KittiFormatError as error:
