@@ -246,6 +246,17 @@ def test_a_folder_that_all_frames_lack_is_said_once(
     assert instead is None or said in err
 
 
+@pytest.mark.parametrize("kinds", [("velodyne",), ("image_2",), ("image_2", "label_2"), ("velodyne", "label_2")])
+def test_frames_are_found_by_whatever_folders_there_are(kinds: tuple[str, ...], tmp_path: Path) -> None:
+    root = write_set(tmp_path, ("a1", "b2", "c3"))
+    for folder in (root / "training").iterdir():
+        if folder.name not in kinds:
+            shutil.rmtree(folder)
+    assert Dataset(root).ids == ("a1", "b2", "c3")
+    missing = {one.file.split("/")[-1] for one in kitti.lint(root) if one.rule == "missing-file"}
+    assert missing == {"image_2", "velodyne", "calib", "label_2"} - set(kinds)
+
+
 def test_scans_are_found_in_every_layout(tmp_path: Path) -> None:
     for number, folder in enumerate(
         (

@@ -251,27 +251,27 @@ def test_prediction_writes_the_frames_that_can_be_read_and_ends_by_naming_the_ot
 def test_evaluation_and_validation_leave_out_what_cannot_be_read(
     trained: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    ids = ("0000000", "0000001", "0000002")
+    ids = ("a1", "b2", "c3")
     for number, frame_id in enumerate(ids):
         write_frame(tmp_path, frame_id, make_frame(seed=number))
     kitti.write_image_set(tmp_path, "val", kitti.ImageSet(ids))
-    file = tmp_path / "training" / "image_2" / "0000001.png"
+    file = tmp_path / "training" / "image_2" / "b2.png"
     file.write_bytes(file.read_bytes()[:2000])
     whole = tmp_path / "whole"
-    shutil.copytree(tmp_path / "training", whole / "training", ignore=shutil.ignore_patterns("0000001.*"))
+    shutil.copytree(tmp_path / "training", whole / "training", ignore=shutil.ignore_patterns("b2.*"))
     common = ["--checkpoint", trained, "--workers", 0, "--json", "--split", "all"]
-    with pytest.warns(CadetWarning, match="1 of 3 frames cannot be read .*0000001: image_2/0000001.png"):
+    with pytest.warns(CadetWarning, match="1 of 3 frames cannot be read .*b2: image_2/b2.png"):
         found = call("eval", "--data", tmp_path, *common)
     assert json.loads(found.stdout) == json.loads(call("eval", "--data", whole, *common).stdout)
     monkeypatch.setattr("cadet.notices._said", set())
     run = ["train", "--config", CONFIG, "--workers", 0, "--steps", 2, "--val-every", 1, "--split", "all"]
-    with pytest.warns(CadetWarning, match="0000001"):
+    with pytest.warns(CadetWarning, match="b2"):
         call(*run, "--data", tmp_path, "--out", tmp_path / "run")
     assert len((tmp_path / "run" / "val.csv").read_text().splitlines()) == 3
     file.unlink()
-    (tmp_path / "training" / "image_2" / "0000002.png").unlink()
+    (tmp_path / "training" / "image_2" / "c3.png").unlink()
     for arguments in (["eval", "--data", tmp_path, *common], [*run, "--data", tmp_path, "--out", tmp_path / "no"]):
-        with pytest.raises(CadetError, match=r"2 of 3 frames cannot be read \(0000001: .*more than half"):
+        with pytest.raises(CadetError, match=r"2 of 3 frames cannot be read \(b2: .*more than half"):
             CliRunner().invoke(avod, [str(one) for one in arguments], catch_exceptions=False)
 
 
