@@ -75,14 +75,18 @@ def test_the_manifest_names_test_frames(split_set: Path) -> None:
     assert manifest["counts"]["frames"] == 130
 
 
-def test_a_dataset_reads_its_test_frames(split_set: Path) -> None:
+def test_a_dataset_reads_its_test_frames(split_set: Path, tmp_path: Path) -> None:
     dataset = kitti.Dataset(split_set, "test")
     assert dataset.ids == tuple(ids(split_set, "test"))
     meta = [frame.meta for frame in (dataset[0], dataset["000119"])]
     assert [(one["episode"], one["sample"]) for one in meta if one is not None] == [(2, 0), (5, 19)]
     assert len(kitti.Dataset(split_set)) == 90
-    with pytest.raises(MissingFileError, match=r"no test frames: there is no testing/calib"):
-        kitti.Dataset(split_set / "training", "test")
+    assert kitti.Dataset(split_set / "training", "test").ids == dataset.ids
+    shutil.copytree(split_set / "training", tmp_path / "training")
+    with pytest.raises(
+        MissingFileError, match=r"no test frames: no testing/image_2, testing/velodyne or testing/calib"
+    ):
+        kitti.Dataset(tmp_path, "test")
 
 
 def test_labels_of_test_frames_can_be_evaluated(split_set: Path) -> None:

@@ -20,7 +20,7 @@ import pytest
 
 from cadet import boxes, kitti
 from cadet.cli import run_cadet
-from cadet.errors import CadetError, FileFormatError, KittiFormatError, MissingFileError
+from cadet.errors import CadetError, FileFormatError, MissingFileError
 from cadet.report import write_report
 from cadet.report.charts import distance, histogram
 from cadet.report.gather import gather
@@ -298,8 +298,11 @@ def test_what_cannot_be_reported_is_one_line(dataset: Path, tmp_path: Path) -> N
     with pytest.raises(MissingFileError, match="no label files"):
         write_report(tmp_path, tmp_path / "report.html")
     shutil.copytree(dataset, tmp_path / "damaged")
-    (tmp_path / "damaged" / "training" / "label_2" / "000005.txt").write_text("Car 0.0\n")
-    with pytest.raises(KittiFormatError, match=r"^label_2/000005\.txt:1: "):
+    for number in range(7):
+        (tmp_path / "damaged" / "training" / "label_2" / f"{number:06d}.txt").write_text("Car 0.0\n")
+    with pytest.raises(
+        CadetError, match=r"7 of 12 frames cannot be read \(000000: label_2/000000\.txt:1: .*more than half"
+    ):
         write_report(tmp_path / "damaged", tmp_path / "report.html")
     assert not (tmp_path / "report.html").exists()
 

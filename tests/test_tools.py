@@ -98,19 +98,38 @@ def test_check_prints_the_first_findings_or_all(
 ) -> None:
     for number in range(100, 160):
         (whole / "training" / "planes" / f"{number:06d}.txt").write_text("")
+    rows = [f"Car 0.00 0 0.10 {'x' * number}" for number in range(60)]
+    (whole / "training" / "label_2" / "000001.txt").write_text("\n".join(rows))
     cadet(monkeypatch, "check", whole)
-    assert "more: --all prints them" in capsys.readouterr().out
+    out = capsys.readouterr().out
+    assert "--all prints every finding" in out and "60 errors, 60 warnings" in out
+    stray = [line for line in out.splitlines() if "planes/" in line]
+    assert len(stray) == 1 and stray[0].startswith("000100  planes/000100.txt"), "one row for all of a kind"
+    assert stray[0].endswith("belongs to no frame (60 times: also planes/000101.txt, planes/000102.txt, ...)")
     cadet(monkeypatch, "check", whole, "--all")
     assert capsys.readouterr().out.count("stray-file") == 61
+
+
+def test_findings_of_different_kinds_are_rows_of_their_own(
+    whole: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    lines = (whole / "training" / "label_2" / "000000.txt").read_text().splitlines()
+    odd = [lines[0].replace(" 0 ", f" {number} ", 1) for number in (7, 8, 9, 10, 11)]
+    (whole / "training" / "label_2" / "000000.txt").write_text("\n".join([*odd, "Car 1"]))
+    cadet(monkeypatch, "check", whole, "--json")
+    found = json.loads(capsys.readouterr().out)["findings"]
+    cadet(monkeypatch, "check", whole)
+    rows = capsys.readouterr().out.split("\n\n")[0].splitlines()[1:]
+    assert len(rows) < len(found)
+    assert sum("expected 15 fields" in row for row in rows) == 1
 
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["view", "nothing/000012"], "nothing: no KITTI folder: neither training/calib nor calib lies there"),
-        (["view", "nothing/12"], "nothing/12: no such folder; a frame's id has six digits: nothing/000012"),
-        (["view", "nothing", "-o", "x.png"], "nothing: no KITTI folder: neither training/calib nor calib lies there"),
-        (["check", "nothing"], "nothing: no KITTI folder: neither training/calib nor calib lies there"),
+        (["view", "nothing/000012"], "nothing/000012: no such folder, and no frame: nothing: no such folder"),
+        (["view", "nothing/12", "-o", "x.png"], "nothing/12: no such folder, and no frame: nothing: no such folder"),
+        (["check", "nothing"], "nothing: no such folder"),
         (["draw"], "No such command 'draw'."),
     ],
 )

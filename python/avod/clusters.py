@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cadet import kitti
 from cadet.errors import CadetError
+from cadet.webdataset import open_dataset
 
 _RESTARTS: Final = 40
 _MOST_ROUNDS: Final = 200
@@ -20,7 +21,7 @@ def anchor_sizes(root: str | Path, split: str | None, counts: Mapping[str, int])
     """Fit anchor sizes to the labels of a folder by k-means on length, width and height in meters.
 
     Args:
-        root: a KITTI folder with labels.
+        root: a KITTI folder with labels, or a folder of shards.
         split: a list of its `ImageSets`; None for every frame.
         counts: how many sizes each class gets.
 
@@ -30,10 +31,10 @@ def anchor_sizes(root: str | Path, split: str | None, counts: Mapping[str, int])
     Raises:
         CadetError: a class with fewer different sizes than it is to get.
     """
-    dataset = kitti.Dataset(root, split)
+    dataset = open_dataset(root, split)
     sizes: dict[str, list[tuple[float, float, float]]] = {name: [] for name in counts}
     for frame_id in dataset.ids:
-        for label in kitti.read_labels(dataset.folder, frame_id):
+        for label in dataset.read_labels(frame_id):
             if label.type in sizes:
                 height, width, length = label.dimensions_hwl
                 sizes[label.type].append((length, width, height))
@@ -66,8 +67,8 @@ def mean_sizes_of(root: str | Path, names: Sequence[str]) -> tuple[tuple[float, 
     Raises:
         CadetError: a class without a label there.
     """
-    dataset = kitti.Dataset(root)
-    labels = (label for frame_id in dataset.ids for label in kitti.read_labels(dataset.folder, frame_id))
+    dataset = open_dataset(root)
+    labels = (label for frame_id in dataset.ids for label in dataset.read_labels(frame_id))
     found = mean_sizes(labels, names)
     for name in names:
         if name not in found:

@@ -10,13 +10,13 @@ from typing import Any, Final
 
 from avod.config import PathDropConfig
 from avod.detector import Detector
-from avod.predict import predict_all
-from cadet import kitti
+from avod.predict import Data, opened, predict_all
 from cadet.analysis import Analysis, analyze
 from cadet.errors import CadetError
 from cadet.evaluation import Report
 from cadet.evaluation.limits import MinOverlap
 from cadet.kitti import Label, labels_from_text, text_from_labels
+from cadet.kitti.unreadable import Unreadable
 
 
 @dataclass(frozen=True)
@@ -35,20 +35,20 @@ class Scored:
     value: float
 
 
-def evaluate_detector(detector: Detector, root: str | Path, ids: tuple[str, ...], **settings: Any) -> Report:
+def evaluate_detector(detector: Detector, data: Data, ids: tuple[str, ...], **settings: Any) -> Report:
     """Run a detector over frames and compute KITTI's AP of what it would write; settings as for `analyze_detectors`."""
-    return analyze_detector(detector, root, ids, **settings).report
+    return analyze_detector(detector, data, ids, **settings).report
 
 
-def analyze_detector(detector: Detector, root: str | Path, ids: tuple[str, ...], **settings: Any) -> Analysis:
+def analyze_detector(detector: Detector, data: Data, ids: tuple[str, ...], **settings: Any) -> Analysis:
     """Run a detector over frames and analyze what it would write; settings as for `analyze_detectors`."""
-    (analysis,) = analyze_detectors([detector], root, ids, **settings)
+    (analysis,) = analyze_detectors([detector], data, ids, **settings)
     return analysis
 
 
 def analyze_detectors(
     detectors: Sequence[Detector],
-    root: str | Path,
+    data: Data,
     ids: tuple[str, ...],
     *,
     parts: tuple[str, ...] = (),
@@ -60,11 +60,13 @@ def analyze_detectors(
 ) -> list[Analysis]:
     """Run detectors over frames, each of which is read once, and analyze what they would write.
 
+    Frames that cannot be read are left out with a warning, unless they are more than half.
+
     All frames count, those without an object too; AVOD's own evaluation leaves those out for cars.
 
     Args:
         detectors: one or more, whose inputs are the same.
-        root: a KITTI folder with labels.
+        data: a KITTI folder with labels, or shards, open or not.
         ids: of the frames.
         parts: as for `cadet.analyze`.
         by: as for `cadet.analyze`, without points.
@@ -74,12 +76,15 @@ def analyze_detectors(
         on_frame: hears of each frame that is done.
     """
     found: list[dict[str, tuple[Label, ...]]] = [{} for _ in detectors]
-    for frame_id, by_detector in predict_all(detectors, root, ids, workers=workers):
+    frames = opened(data)
+    unreadable = Unreadable(frames.folder)
+    for frame_id, by_detector in predict_all(detectors, frames, ids, workers=workers, unreadable=unreadable):
         for results, labels in zip(found, by_detector, strict=True):
             # Through text, so that the numbers are those of the files.
             results[frame_id] = labels_from_text(text_from_labels(labels))
         on_frame()
-    truths = {frame_id: kitti.read_labels(root, frame_id) for frame_id in ids}
+    unreadable.say(len(ids))
+    truths = {frame_id: frames.read_labels(frame_id) for frame_id in found[0]}
     names = detectors[0].config.class_names
     return [
         analyze(truths, results, parts=parts, by=by, classes=names, levels=levels, min_overlap=min_overlap)
@@ -110,12 +115,12 @@ def without(detector: Detector, *, has_image: bool, has_lidar: bool) -> Detector
     return Detector(network, device=detector.device, precision=detector.network.precision)
 
 
-def ablation(detector: Detector, root: str | Path, ids: tuple[str, ...], **settings: Any) -> dict[str, Analysis]:
+def ablation(detector: Detector, data: Data, ids: tuple[str, ...], **settings: Any) -> dict[str, Analysis]:
     """Evaluate a detector again without each sensor.
 
     Args:
         detector: the detector.
-        root: a KITTI folder with labels.
+        data: a KITTI folder with labels, or shards, open or not.
         ids: of the frames.
         settings: as for `analyze_detector`.
 
@@ -125,7 +130,7 @@ def ablation(detector: Detector, root: str | Path, ids: tuple[str, ...], **setti
     analyses = {}
     for name, (has_image, has_lidar) in ABLATIONS.items():
         masked = without(detector, has_image=has_image, has_lidar=has_lidar)
-        analyses[name] = analyze_detector(masked, root, ids, **{**settings, "parts": ("centers",), "by": ()})
+        analyses[name] = analyze_detector(masked, data, ids, **{**settings, "parts": ("centers",), "by": ()})
     return analyses
 
 

@@ -6,7 +6,7 @@ import time
 from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import torch
 from torch.utils.data import DataLoader
@@ -19,18 +19,28 @@ from avod.results import detections
 from cadet import kitti
 from cadet.errors import CadetError
 from cadet.kitti import Label
+from cadet.kitti.unreadable import READING_ERRORS, Unreadable
+from cadet.webdataset import ShardDataset, open_dataset
+
+Data: TypeAlias = "str | Path | kitti.Dataset | ShardDataset"
 
 
 def predict(
-    detector: Detector, root: str | Path, ids: tuple[str, ...], *, workers: int = 0
+    detector: Detector,
+    data: Data,
+    ids: tuple[str, ...],
+    *,
+    workers: int = 0,
+    unreadable: Unreadable | None = None,
 ) -> Iterator[tuple[str, tuple[Label, ...]]]:
     """Detect objects in frames of a folder.
 
     Args:
         detector: the detector.
-        root: a KITTI folder.
+        data: a KITTI folder or shards, open or not.
         ids: of the frames.
         workers: processes that read and prepare frames; 0 does so in between.
+        unreadable: gets the frames that cannot be read, which are left out; None for an error at the first.
 
     Yields:
         Each id in turn, and labels with scores, best first.
@@ -38,20 +48,26 @@ def predict(
     Raises:
         CadetError: a frame that cannot be read.
     """
-    for frame_id, (labels,) in predict_all([detector], root, ids, workers=workers):
+    for frame_id, (labels,) in predict_all([detector], data, ids, workers=workers, unreadable=unreadable):
         yield frame_id, labels
 
 
 def predict_all(
-    detectors: Sequence[Detector], root: str | Path, ids: tuple[str, ...], *, workers: int = 0
+    detectors: Sequence[Detector],
+    data: Data,
+    ids: tuple[str, ...],
+    *,
+    workers: int = 0,
+    unreadable: Unreadable | None = None,
 ) -> Generator[tuple[str, list[tuple[Label, ...]]], None, None]:
     """Detect objects with several detectors, such as the checkpoints of a training; each frame is read once.
 
     Args:
         detectors: one or more, whose inputs are the same.
-        root: a KITTI folder.
+        data: a KITTI folder or shards, open or not.
         ids: of the frames.
         workers: processes that read and prepare frames; 0 does so in between.
+        unreadable: gets the frames that cannot be read, which are left out; None for an error at the first.
 
     Yields:
         Each id in turn, and every detector's labels with scores, best first.
@@ -63,9 +79,8 @@ def predict_all(
     for name in ("classes", "ground", "bev", "image", "anchors"):
         if any(getattr(detector.config, name) != getattr(config, name) for detector in detectors):
             raise CadetError(f"these detectors need different inputs, their {name!r} differ: run them one by one")
-    data = DetectionData(kitti.Dataset(root), ids, config)
     loader: DataLoader[Any] = DataLoader(
-        data,
+        DetectionData(opened(data), ids, config),
         batch_size=None,
         num_workers=min(workers, len(ids)),
         collate_fn=as_it_is,
@@ -73,8 +88,11 @@ def predict_all(
     )
     with running(loader) as items:
         for frame_id, item in zip(ids, items, strict=True):
-            if isinstance(item, CadetError):
-                raise item
+            if isinstance(item, READING_ERRORS):
+                if unreadable is None:
+                    raise item
+                unreadable.add(frame_id, item)
+                continue
             sample, calib = item
             sample = on_device(sample, detectors[0].device)
             yield frame_id, [detector.detect_sample(sample, calib) for detector in detectors]
@@ -104,18 +122,18 @@ class Timing:
         return self.prepare_ms + self.network_ms + self.decode_ms
 
 
-def measure(detector: Detector, root: str | Path, ids: tuple[str, ...]) -> Timing:
+def measure(detector: Detector, data: Data, ids: tuple[str, ...]) -> Timing:
     """Time detection frame by frame, in this process alone, after one frame that is not counted.
 
     Args:
         detector: the detector.
-        root: a KITTI folder.
+        data: a KITTI folder or shards, open or not.
         ids: of the frames; the first is run once more beforehand.
     """
-    sums = [0.0] * 4
+    sums, frames = [0.0] * 4, opened(data)
     for number, frame_id in enumerate((ids[0], *ids)):
         marks = [time.perf_counter()]
-        frame = kitti.read_frame(root, frame_id)
+        frame = frames.read_frame(frame_id)
         marks.append(time.perf_counter())
         sample = sample_from_frame(frame, frame_id, detector.config)
         marks.append(time.perf_counter())
@@ -128,6 +146,11 @@ def measure(detector: Detector, root: str | Path, ids: tuple[str, ...]) -> Timin
         if number > 0:
             sums = [total + end - start for total, start, end in zip(sums, marks, marks[1:], strict=False)]
     return Timing(len(ids), *(1e3 * total / len(ids) for total in sums))
+
+
+def opened(data: Data) -> kitti.Dataset | ShardDataset:
+    """Return the frames of a folder or of shards; what is open already as it is."""
+    return open_dataset(data) if isinstance(data, (str, Path)) else data
 
 
 def _wait(device: torch.device) -> None:

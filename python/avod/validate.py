@@ -10,8 +10,8 @@ import torch
 from torch.utils.data import DataLoader
 
 from avod.config import Config
-from avod.data.dataset import DetectionData
-from avod.data.order import torch_generator
+from avod.data.dataset import DetectionData, readable_labels
+from avod.data.order import frame_number, torch_generator
 from avod.data.packing import on_device
 from avod.data.workers import as_it_is, outlive_signals, running
 from avod.evaluate import score
@@ -26,6 +26,7 @@ from cadet.errors import CadetError
 from cadet.evaluation import evaluate
 from cadet.kitti import labels_from_text, text_from_labels
 from cadet.kitti.image_sets import check_not_empty
+from cadet.kitti.unreadable import READING_ERRORS, Unreadable
 from cadet.webdataset import open_dataset
 
 
@@ -58,9 +59,9 @@ class Validator:
         on_frame: Callable[[int, int], None] = lambda done, total: None,
     ) -> None:
         self._frames = open_dataset(root, split)
-        self.ids = self._frames.ids
-        check_not_empty(self.ids, root, split)
-        self._truths = {frame_id: self._frames.read_labels(frame_id) for frame_id in self.ids}
+        check_not_empty(self._frames.ids, root, split)
+        self._truths = readable_labels(self._frames, root)
+        self.ids = tuple(self._truths)
         self._config, self._workers, self._should_stop = config, workers, should_stop
         self._on_frame = on_frame
 
@@ -76,7 +77,7 @@ class Validator:
             What was found; None if the validation was told to stop.
 
         Raises:
-            CadetError: a frame that cannot be read, or outputs that are no numbers.
+            CadetError: more than half of the frames cannot be read, or outputs that are no numbers.
         """
         network.eval()
         ids = self.ids[processes.rank :: processes.world_size]
@@ -88,28 +89,33 @@ class Validator:
             collate_fn=as_it_is,
             worker_init_fn=outlive_signals,
         )
+        unreadable = Unreadable(self._frames.folder)
         texts: dict[str, str] = {}
         losses: dict[str, dict[str, float]] = {}
         is_stopped = False
         with running(loader) as items:
-            for frame_id, item in zip(ids, items, strict=True):
-                if isinstance(item, CadetError):
-                    raise item
+            for done, (frame_id, item) in enumerate(zip(ids, items, strict=True), start=1):
+                if isinstance(item, READING_ERRORS):
+                    unreadable.add(frame_id, item)
+                    continue
                 texts[frame_id], losses[frame_id] = self._judge(network, *item, step=step, device=processes.device)
-                self._on_frame(len(texts), len(ids))
+                self._on_frame(done, len(ids))
                 if self._should_stop():
                     is_stopped = True
                     break
         if processes.any(is_stopped):
             return None
+        unreadable.say(len(ids))
         shares = processes.gathered((texts, losses))
         found = {frame_id: labels_from_text(text) for share in shares for frame_id, text in share[0].items()}
         by_frame = {frame_id: terms for share in shares for frame_id, terms in share[1].items()}
         names = self._config.class_names
-        report = evaluate(self._truths, {frame_id: found[frame_id] for frame_id in self.ids}, classes=names)
-        # Summed in the split's order, whoever computed what.
+        # In the split's order, whoever computed what.
+        judged = [frame_id for frame_id in self.ids if frame_id in found]
+        truths = {frame_id: self._truths[frame_id] for frame_id in judged}
+        report = evaluate(truths, {frame_id: found[frame_id] for frame_id in judged}, classes=names)
         means = {
-            term: sum(by_frame[frame_id][term] for frame_id in self.ids) / len(self.ids) for term in by_frame[ids[0]]
+            term: sum(by_frame[frame_id][term] for frame_id in judged) / len(judged) for term in by_frame[judged[0]]
         }
         return Validated(means, score(report, names), {name: score(report, (name,)) for name in names})
 
@@ -120,7 +126,7 @@ class Validator:
         with torch.inference_mode():
             (features,) = network.extract([sample])
             outputs = network.judge(sample, features)
-            generator = torch_generator(0, "validation", int(sample.frame_id))
+            generator = torch_generator(0, "validation", frame_number(sample.frame_id))
             judged = network.judge(sample, features, generator)
             targets = anchor_targets(sample, self._config.rpn, generator)
             losses = frame_losses(judged, targets, sample, self._config).by_name()

@@ -10,9 +10,19 @@ from typing import Final
 
 from cadet.checks import as_path, check_number, is_one_of, shown
 from cadet.errors import CadetError, MissingFileError
-from cadet.kitti.files import REQUIRED, SUFFIXES, file_path, found_path, frame_ids, sample_folder, testing_folder
+from cadet.kitti.files import (
+    REQUIRED,
+    SUFFIXES,
+    file_path,
+    found_path,
+    frame_ids,
+    sample_folder,
+    set_root,
+    testing_folder,
+)
 from cadet.kitti.frame_files import FolderFiles, FrameFiles
-from cadet.kitti.image_sets import ImageSet, read_image_set
+from cadet.kitti.image_sets import LISTS, ImageSet, list_bytes, list_paths, read_image_set
+from cadet.kitti.other_layouts import no_frames
 from cadet.sink import LocalSink
 from cadet.webdataset import ShardDataset
 from cadet.webdataset.dataset import expand_pattern, is_pattern, is_shard_folder
@@ -26,7 +36,6 @@ FORMATS: Final = ("kitti", "webdataset")
 """What can be converted to."""
 UNLISTED: Final = "unlisted"
 """The split of frames that neither `train.txt` nor `val.txt` names, where there are such lists."""
-_LISTS: Final = "ImageSets"
 
 
 @dataclass(frozen=True)
@@ -81,7 +90,7 @@ def convert(source: str | Path, out: str | Path, to: str, *, shard_size: int = S
             for kind in REQUIRED:
                 sink.make_folder(f"testing/{kind}")
         for name, data in (found.lists or _made_lists(found)).items():
-            sink.put(f"{_LISTS}/{name}", data)
+            sink.put(f"{LISTS}/{name}", data)
     finally:
         sink.remove_partial()
     return Converted(sum(len(ids) for _, ids in found.splits.values()), found.left_out)
@@ -102,13 +111,13 @@ def _open_shards(root: Path) -> _Source:
     ShardDataset([path for split, paths in by_split.items() if split != "test" for path in paths])
     taken = {path.relative_to(root) for paths in by_split.values() for path in paths}
     taken |= {path.with_suffix(SUFFIX) for path in taken}
-    lists = _lists_of(root)
-    left_out = _left_out(root, taken | {Path(_LISTS, name) for name in lists})
-    return _Source({split: (dataset, dataset.ids) for split, dataset in datasets.items()}, lists, left_out)
+    lists = list_paths(root)
+    left_out = _left_out(root, taken | {path.relative_to(root) for path in lists.values()})
+    return _Source({split: (dataset, dataset.ids) for split, dataset in datasets.items()}, _contents(lists), left_out)
 
 
 def _open_folder(root: Path) -> _Source:
-    folder, testing = sample_folder(root), testing_folder(root)
+    folder, testing, root = sample_folder(root), testing_folder(root), set_root(root)
     splits: dict[str, tuple[FrameFiles, Sequence[str]]] = {}
     taken: set[Path] = set()
     parts = [(folder, _training_splits(root, frame_ids(folder)))]
@@ -124,9 +133,11 @@ def _open_folder(root: Path) -> _Source:
         ids_of_part = {frame_id for split_ids in of_splits.values() for frame_id in split_ids}
         taken |= {found_path(part, kind, frame_id).relative_to(root) for kind in SUFFIXES for frame_id in ids_of_part}
     if not splits:
-        raise MissingFileError(f"{root}: no frames")
-    lists = _lists_of(root)
-    return _Source(splits, lists, _left_out(root, taken | {Path(_LISTS, name) for name in lists}))
+        raise MissingFileError(no_frames(root, folder, REQUIRED))
+    lists = list_paths(root)
+    return _Source(
+        splits, _contents(lists), _left_out(root, taken | {path.relative_to(root) for path in lists.values()})
+    )
 
 
 def _training_splits(root: Path, ids: Sequence[str]) -> dict[str, Sequence[str]]:
@@ -135,18 +146,18 @@ def _training_splits(root: Path, ids: Sequence[str]) -> dict[str, Sequence[str]]
         return {"train": ids}
     for name, listed in (("train", train), ("val", val)):
         if missing := set(listed) - set(ids):
-            raise MissingFileError(f"{root / _LISTS / name}.txt: there is no frame {min(missing)}")
+            raise MissingFileError(f"{list_paths(root)[name]}: there is no frame {min(missing)}")
     if both := set(train) & set(val):
-        raise CadetError(f"{root / _LISTS}: train.txt and val.txt both list frame {min(both)}")
+        raise CadetError(f"{list_paths(root)['train'].parent}: train.txt and val.txt both list frame {min(both)}")
     return {"train": train, "val": val, UNLISTED: sorted(set(ids) - set(train) - set(val))}
 
 
 def _listed(root: Path, name: str) -> tuple[str, ...]:
-    return read_image_set(root, name).ids if (root / _LISTS / f"{name}.txt").is_file() else ()
+    return read_image_set(root, name).ids if name in list_paths(root) else ()
 
 
-def _lists_of(root: Path) -> dict[str, bytes]:
-    return {path.name: path.read_bytes() for path in sorted((root / _LISTS).glob("*.txt")) if path.is_file()}
+def _contents(lists: Mapping[str, Path]) -> dict[str, bytes]:
+    return {path.name: list_bytes(path) for path in lists.values()}
 
 
 def _made_lists(source: _Source) -> dict[str, bytes]:
@@ -156,7 +167,7 @@ def _made_lists(source: _Source) -> dict[str, bytes]:
         return {}
     lists = {split: ids.get(split, ()) for split in ("train", "val", "test")}
     lists["trainval"] = tuple(sorted((*lists["train"], *lists["val"])))
-    return {f"{split}.txt": ImageSet(listed).to_text().encode("ascii") for split, listed in lists.items()}
+    return {f"{split}.txt": ImageSet(listed).to_text().encode("utf-8") for split, listed in lists.items()}
 
 
 def _left_out(root: Path, taken: set[Path]) -> tuple[str, ...]:

@@ -6,6 +6,7 @@ import dataclasses
 import json
 import re
 import shutil
+import warnings
 from pathlib import Path
 
 import cv2
@@ -22,7 +23,7 @@ from avod.evaluate import analyze_detectors, evaluate_detector, score
 from avod.figures import _running_mean
 from avod.train.step import new_network
 from cadet import kitti
-from cadet.errors import CadetError, KittiFormatError
+from cadet.errors import CadetError, CadetWarning
 from cadet.kitti import Calibration, Label, labels_from_text, write_frame
 from cadet.kitti.frame import Frame
 from synthetic import make_frame
@@ -213,7 +214,7 @@ def test_curves_are_running_means() -> None:
 def test_mistakes_are_named(dataset: Path, trained: Path, tmp_path: Path) -> None:
     cases = [
         (("train", "--config", "none", "--data", dataset, "--out", tmp_path), "unknown configuration 'none'"),
-        (("train", "--config", CONFIG, "--data", tmp_path / "no", "--out", tmp_path), "no KITTI folder"),
+        (("train", "--config", CONFIG, "--data", tmp_path / "no", "--out", tmp_path), "no: no such folder"),
         (("train", "--config", CONFIG, "--data", dataset, "--split", "no", "--out", tmp_path), "no such split"),
         (("predict", "--checkpoint", tmp_path, "--data", dataset, "--out", tmp_path), "no checkpoint"),
         (
@@ -231,17 +232,47 @@ def test_mistakes_are_named(dataset: Path, trained: Path, tmp_path: Path) -> Non
         assert message in str(error.value)
 
 
-def test_a_damaged_frame_ends_prediction_by_its_name(trained: Path, tmp_path: Path) -> None:
-    frame = make_frame()
-    write_frame(tmp_path, 0, dataclasses.replace(frame, labels=()))
-    file = tmp_path / "training" / "velodyne" / "000000.bin"
+@pytest.mark.parametrize("workers", [0, 2])
+def test_prediction_writes_the_frames_that_can_be_read_and_ends_by_naming_the_others(
+    trained: Path, tmp_path: Path, workers: int
+) -> None:
+    for frame_id in ("a1", "b2", "c3"):
+        write_frame(tmp_path, frame_id, make_frame(labels=()))
+    file = tmp_path / "training" / "velodyne" / "b2.bin"
     file.write_bytes(file.read_bytes()[:-1])
-    with pytest.raises(KittiFormatError, match=r"velodyne/000000\.bin: truncated"):
-        CliRunner().invoke(
-            avod,
-            ["predict", "--checkpoint", str(trained), "--data", str(tmp_path), "--out", str(tmp_path / "out")],
-            catch_exceptions=False,
-        )
+    arguments = ["predict", "--checkpoint", trained, "--data", tmp_path, "--out", tmp_path / "out"]
+    with pytest.raises(
+        CadetError, match=r"1 of 3 frames cannot be read \(b2: velodyne/b2\.bin: truncated: .*no files in"
+    ):
+        CliRunner().invoke(avod, [*map(str, arguments), "--workers", str(workers)], catch_exceptions=False)
+    assert sorted(path.name for path in (tmp_path / "out").glob("*.txt")) == ["a1.txt", "c3.txt"]
+
+
+def test_evaluation_and_validation_leave_out_what_cannot_be_read(
+    trained: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ids = ("a1", "b2", "c3")
+    for number, frame_id in enumerate(ids):
+        write_frame(tmp_path, frame_id, make_frame(seed=number))
+    kitti.write_image_set(tmp_path, "val", kitti.ImageSet(ids))
+    file = tmp_path / "training" / "image_2" / "b2.png"
+    file.write_bytes(file.read_bytes()[:2000])
+    whole = tmp_path / "whole"
+    shutil.copytree(tmp_path / "training", whole / "training", ignore=shutil.ignore_patterns("b2.*"))
+    common = ["--checkpoint", trained, "--workers", 0, "--json", "--split", "all"]
+    with pytest.warns(CadetWarning, match="1 of 3 frames cannot be read .*b2: image_2/b2.png"):
+        found = call("eval", "--data", tmp_path, *common)
+    assert json.loads(found.stdout) == json.loads(call("eval", "--data", whole, *common).stdout)
+    monkeypatch.setattr("cadet.notices._said", set())
+    run = ["train", "--config", CONFIG, "--workers", 0, "--steps", 2, "--val-every", 1, "--split", "all"]
+    with pytest.warns(CadetWarning, match="b2"):
+        call(*run, "--data", tmp_path, "--out", tmp_path / "run")
+    assert len((tmp_path / "run" / "val.csv").read_text().splitlines()) == 3
+    file.unlink()
+    (tmp_path / "training" / "image_2" / "c3.png").unlink()
+    for arguments in (["eval", "--data", tmp_path, *common], [*run, "--data", tmp_path, "--out", tmp_path / "no"]):
+        with pytest.raises(CadetError, match=r"2 of 3 frames cannot be read \(b2: .*more than half"):
+            CliRunner().invoke(avod, [str(one) for one in arguments], catch_exceptions=False)
 
 
 def odd_frame(kind: str) -> Frame:
@@ -270,22 +301,40 @@ def test_odd_frames_are_predicted_and_evaluated(trained: Path, tmp_path: Path, k
     assert rows >= {(name, recalls) for name in ("Car", "Pedestrian") for recalls in ("R11", "R40")}
 
 
-@pytest.mark.parametrize(
-    ("kind", "message"),
-    [
-        ("NaN", r"^velodyne/000000\.bin: none of \d+ points is finite$"),
-        ("no ground", "^frame 000000: no ground plane is given, and none is found: ground plane: expected at least"),
-    ],
-)
-def test_frames_that_cannot_be_used_are_one_clear_error(trained: Path, tmp_path: Path, kind: str, message: str) -> None:
-    write_frame(tmp_path, 0, odd_frame(kind))
-    if kind == "NaN":
-        file = tmp_path / "training" / "velodyne" / "000000.bin"
-        file.write_bytes(np.full_like(odd_frame(kind).points_velo, np.nan).tobytes())
-    common = ["--data", str(tmp_path), "--split", "all", "--out", str(tmp_path / "out")]
+def test_frames_that_cannot_be_used_are_one_clear_error(trained: Path, tmp_path: Path) -> None:
+    write_frame(tmp_path, 0, make_frame())
+    (tmp_path / "training" / "velodyne" / "000000.bin").write_bytes(bytes(33))
+    common = ["--data", str(tmp_path), "--split", "all", "--out", str(tmp_path / "out"), "--workers", "0"]
     for arguments in (["predict", "--checkpoint", str(trained)], ["train", "--config", str(CONFIG), "--steps", "1"]):
-        with pytest.raises(CadetError, match=message):
+        with (
+            pytest.raises(CadetError, match=r"velodyne/000000\.bin: truncated"),
+            warnings.catch_warnings(action="ignore"),
+        ):
             CliRunner().invoke(avod, [*arguments, *common], catch_exceptions=False)
+
+
+def test_frames_without_ground_are_trained_on_and_predicted_with_one_warning_each(
+    trained: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_frame(tmp_path, 0, make_frame(plane=None))
+    write_frame(tmp_path, 1, odd_frame("no ground"))
+    common = ["--data", tmp_path, "--split", "all", "--workers", 0]
+    for number, arguments in enumerate(
+        (
+            ["predict", "--checkpoint", trained, "--out", tmp_path / "found"],
+            ["train", "--config", CONFIG, "--steps", 8, "--out", tmp_path / "run"],
+            ["eval", "--checkpoint", trained],
+        )
+    ):
+        shutil.rmtree(tmp_path / "training" / "planes", ignore_errors=True)
+        monkeypatch.setattr("cadet.notices._said", set())
+        with pytest.warns(CadetWarning) as caught:
+            call(*arguments, *common)
+        lines = [str(one.message) for one in caught]
+        assert len(lines) == 1, (number, lines)
+        assert lines[0].startswith("frame 000001: no ground is found in the scan (ground plane: expected at least ")
+        assert "a file in planes/ gives another" in lines[0]
+    assert (tmp_path / "found" / "000001.txt").is_file()
 
 
 def test_without_labels_there_are_predictions_but_no_evaluation_and_no_training(trained: Path, tmp_path: Path) -> None:
@@ -297,7 +346,7 @@ def test_without_labels_there_are_predictions_but_no_evaluation_and_no_training(
         ["eval", "--checkpoint", str(trained)],
         ["train", "--config", str(CONFIG), "--steps", "1", "--out", str(tmp_path / "out")],
     ):
-        with pytest.raises(CadetError, match=r"label_2/000000\.txt"):
+        with pytest.raises(CadetError, match=r"label_2(/000000\.txt|, which is needed)"):
             CliRunner().invoke(avod, [*arguments, *common], catch_exceptions=False)
 
 

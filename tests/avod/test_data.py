@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import pickle
-from collections.abc import Callable
+import shutil
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -28,7 +29,7 @@ from avod.geometry.anchors import anchor_grid
 from avod.geometry.encoding import anchors_from_boxes, offsets_from_anchors
 from avod.model.network import AvodNetwork
 from cadet.boxes import project_boxes
-from cadet.errors import CadetError, NonFiniteError, ShapeError
+from cadet.errors import CadetError, CadetWarning, NonFiniteError, ShapeError
 from cadet.kitti import Calibration, estimate_plane, points_in_image, write_frame
 from synthetic import IMAGE_SIZE, make_calib, make_frame, make_labels
 
@@ -252,8 +253,9 @@ def test_a_missing_plane_is_estimated() -> None:
     sample = build_sample(flat_ground_points(), frame.image, frame.calib, None, CONFIG)
     expected = estimate_plane(flat_ground_points(), frame.calib)
     np.testing.assert_allclose(sample.plane.numpy(), expected, atol=1e-6)
-    with pytest.raises(CadetError, match=r"^no ground plane is given, and none is found: ground plane: "):
-        build_sample(flat_ground_points(9), frame.image, frame.calib, None, CONFIG)
+    with pytest.warns(CadetWarning, match=r"^frame nine points: no ground is found in the scan .* level 1\.65 m below"):
+        sample = build_sample(flat_ground_points(9), frame.image, frame.calib, None, CONFIG, frame_id="nine points")
+    assert sample.plane.tolist() == pytest.approx([0.0, -1.0, 0.0, 1.65])
     assert not len(build_sample(flat_ground_points(0), frame.image, frame.calib, None, CONFIG).anchors)
 
 
@@ -315,13 +317,50 @@ def test_training_data_leaves_frames_without_enough_objects_out(tmp_path: Path) 
             TrainingData(tmp_path, None, config, 0)
 
 
-def test_a_broken_frame_comes_back_as_its_error(tmp_path: Path) -> None:
+def test_other_frames_take_the_turn_of_one_that_cannot_be_read(tmp_path: Path) -> None:
+    for frame_id in ("a1", "b2", "c3", "d4"):
+        write_frame(tmp_path, frame_id, make_frame())
+    whole = [sample.frame_id for sample in _samples(TrainingData(tmp_path, None, CONFIG, 0), range(16))]
+    (tmp_path / "training" / "velodyne" / "b2.bin").write_bytes(b"12345")
+    with pytest.warns(
+        CadetWarning, match=r"^frame b2 is left out, others take its turn: velodyne/b2\.bin: truncated"
+    ) as said:
+        damaged = [sample.frame_id for sample in _samples(TrainingData(tmp_path, None, CONFIG, 0), range(16))]
+    assert len(said) == 1 and "b2" in whole
+    assert all(new == old if old != "b2" else new != "b2" for old, new in zip(whole, damaged, strict=True))
+    again = TrainingData(tmp_path, None, CONFIG, 0)
+    assert [sample.frame_id for sample in _samples(again, reversed(range(16)))] == damaged[::-1], "whoever reads it"
+
+
+def test_frames_whose_files_or_labels_are_missing_are_left_out_before_the_first_step(tmp_path: Path) -> None:
+    for number in range(6):
+        write_frame(tmp_path, number, make_frame())
+    folder = tmp_path / "training"
+    (folder / "image_2" / "000001.png").unlink()
+    (folder / "label_2" / "000004.txt").write_text("Car 0\n")
+    with pytest.warns(CadetWarning, match=r"2 of 6 frames cannot be read \(000001: image_2/.* 000004: label_2/"):
+        data = TrainingData(tmp_path, None, CONFIG, 0)
+    assert data.ids == ("000000", "000002", "000003", "000005")
+    for number in (0, 2):
+        (folder / "calib" / f"{number:06d}.txt").unlink()
+    with pytest.raises(CadetError, match=r"4 of 6 frames cannot be read .*; and 1 more\): more than half"):
+        TrainingData(tmp_path, None, CONFIG, 0)
+    shutil.rmtree(folder / "velodyne")
+    with pytest.raises(CadetError, match=r"none of 6 frames has a file in velodyne, which is needed$"):
+        TrainingData(tmp_path, None, CONFIG, 0)
+
+
+def test_a_set_of_frames_that_cannot_be_read_ends_in_their_error(tmp_path: Path) -> None:
     write_frame(tmp_path, 1, make_frame())
     data = TrainingData(tmp_path, None, CONFIG, 0)
     (tmp_path / "training" / "velodyne" / "000001.bin").write_bytes(b"12345")
-    item = data[0]
+    with pytest.warns(CadetWarning, match="000001"):
+        item = data[0]
     assert isinstance(item, CadetError) and "velodyne/000001.bin: truncated" in str(item)
-    (tmp_path / "training" / "planes" / "000001.txt").unlink()
-    write_frame(tmp_path, 1, make_frame(plane=None), overwrite=True)
-    item = data[0]
-    assert isinstance(item, Sample) and item.plane[3] == pytest.approx(1.65, abs=0.05)
+    assert isinstance(data[1], CadetError) and "1 of 1 frames cannot be read" in str(data[1])
+
+
+def _samples(data: TrainingData, indices: Iterable[int]) -> list[Sample]:
+    items = [data[index] for index in indices]
+    assert all(isinstance(item, Sample) for item in items)
+    return [item for item in items if isinstance(item, Sample)]

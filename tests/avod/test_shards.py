@@ -109,5 +109,6 @@ def test_a_damaged_shard_is_named(folder: Path, config: Config, tmp_path: Path) 
     convert(folder / "set", tmp_path / "shards", "webdataset", shard_size=2)
     path = tmp_path / "shards" / "train" / "000001.tar"
     path.write_bytes(path.read_bytes()[:5000])
+    path.with_suffix(".idx").unlink()
     with pytest.raises(CadetError, match=r"000001\.tar: "):
         TrainingData(tmp_path / "shards", "train", config, 0)

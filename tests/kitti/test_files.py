@@ -78,8 +78,8 @@ def test_lists_come_back(numbers: list[int], ends_with_newline: bool) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("000001\n12\n", "train.txt:2: expected a six-digit id, got '12'"),
-        ("000001\n\n000002\n", "train.txt:2: expected a six-digit id, got ''"),
+        ("000001\n.hidden\n", "train.txt:2: expected a frame's id such as 000012, got '.hidden'"),
+        ("000001\na\x07\n", "train.txt:2: expected a frame's id such as 000012, got 'a\\x07'"),
         ("000001\n000002\n000001", "train.txt:3: id 000001 appears twice"),
     ],
 )

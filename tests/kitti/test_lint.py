@@ -189,9 +189,9 @@ def test_lists_are_checked(root: Path) -> None:
     write_image_set(root, "train", ImageSet(("000000", "000007", "000008")))
     write_image_set(root, "val", ImageSet(("000001", "000000")))
     write_image_set(root, "test", ImageSet(("000055",)))
-    (root / "ImageSets" / "odd.txt").write_text("000000\nx\n")
+    (root / "ImageSets" / "odd.txt").write_text("000000\n.x\n")
     assert [str(finding) for finding in lint(root)] == [
-        "ImageSets/odd.txt:2: error: expected a six-digit id, got 'x'",
+        "ImageSets/odd.txt:2: error: expected a frame's id such as 000012, got '.x'",
         "ImageSets/test.txt:1: error: 1 of 1 ids have no frame in testing, the first is 000055",
         "ImageSets/train.txt:2: error: 2 of 3 ids have no frame in training, the first is 000007",
         "ImageSets/val.txt:2: error: 000000 is in train, too",

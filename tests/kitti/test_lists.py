@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 from cadet import CadetError, kitti
+from cadet.errors import KittiFormatError
 from cadet.kitti import Dataset, ImageSet, read_image_set, write_frame, write_image_set
+from cadet.kitti.dialects import collected
 from synthetic import make_frame
 
 
@@ -34,12 +36,58 @@ def test_a_set_written_frame_by_frame_is_read_by_split(tmp_path: Path) -> None:
     assert not [finding for finding in kitti.lint(tmp_path, strict=False) if finding.file.startswith("ImageSets")]
 
 
-def test_a_list_is_written_as_it_was_read_and_blank_lines_are_none() -> None:
-    for text in ("", "000001", "000001\n", "000003\n000001"):
-        assert ImageSet.from_text(text).to_text() == text
-    for text in ("\n", "\n\n", "000001\n\n", "\n000001\n"):
-        with pytest.raises(CadetError, match=r"train\.txt:\d: expected a six-digit id, got ''"):
-            ImageSet.from_text(text, "train.txt")
+@pytest.mark.parametrize("text", ["", "000001", "000001\n", "000003\n000001", "a1b2\n0000001\nscene 1.left\n"])
+def test_a_list_is_written_as_it_was_read(text: str) -> None:
+    assert ImageSet.from_text(text).to_text() == text
+
+
+@pytest.mark.parametrize(
+    ("data", "ids", "lines"),
+    [
+        (b"\n", (), [1]),
+        (b"\n000001\n\n", ("000001",), [1]),
+        (b"000001\r\n000002\r\n", ("000001", "000002"), []),
+        (b"\xef\xbb\xbf000001\n", ("000001",), []),
+        (b"000001 \n\t000002\n", ("000001", "000002"), []),
+        (b"000001\n000000.png\n000002.png\n", ("000001", "000000", "000002"), [2]),
+        (b"training/image_2/000000.png\n", ("000000",), [1]),
+        (b"C:\\set\\velodyne\\000000.bin\n", ("000000",), [1]),
+        (b"/data/kitti/training/image_2/a.b.jpg\n\n", ("a.b",), [1, 2]),
+        ("stra\u00dfe_1\n".encode(), ("stra\u00dfe_1",), []),
+    ],
+)
+def test_lists_as_others_write_them_are_read(
+    tmp_path: Path, data: bytes, ids: tuple[str, ...], lines: list[int]
+) -> None:
+    write_frame(tmp_path, 0, make_frame(), split=None)
+    (tmp_path / "ImageSets").mkdir()
+    (tmp_path / "ImageSets" / "train.txt").write_bytes(data)
+    with collected() as dialects:
+        assert read_image_set(tmp_path, "train").ids == ids
+    assert [(one.file, one.line) for one in dialects] == [("ImageSets/train.txt", line) for line in lines]
+    found = [one for one in kitti.lint(tmp_path, strict=False) if one.rule == "dialect"]
+    assert [one.line for one in found] == lines
+
+
+def test_a_list_in_another_encoding_is_named(tmp_path: Path) -> None:
+    (tmp_path / "ImageSets").mkdir()
+    (tmp_path / "ImageSets" / "train.txt").write_bytes("000001\n".encode("utf-16"))
+    with pytest.raises(KittiFormatError, match=r"^ImageSets/train\.txt: not UTF-8 .*: save the list as UTF-8"):
+        read_image_set(tmp_path, "train")
+
+
+def test_lists_beside_the_frames_are_read_where_there_are_no_others(tmp_path: Path) -> None:
+    for number in range(2):
+        write_frame(tmp_path, number, make_frame(seed=number), split=None)
+    (tmp_path / "train.txt").write_text("000001\n")
+    (tmp_path / "readme.txt").write_text("no list\n")
+    with collected() as dialects:
+        assert Dataset(tmp_path, "train").ids == Dataset(tmp_path / "training", "train").ids == ("000001",)
+    assert {(one.kind, one.file) for one in dialects} == {("list-place", "train.txt")}
+    findings = [one for one in kitti.lint(tmp_path) if not one.file.startswith("label_2")]
+    assert [(one.place, one.rule, one.severity) for one in findings] == [("train.txt", "dialect", "warning")]
+    write_image_set(tmp_path, "train", ImageSet(("000000",)))
+    assert Dataset(tmp_path, "train").ids == ("000000",)
 
 
 def test_a_frame_written_again_stays_where_it_is(tmp_path: Path) -> None:

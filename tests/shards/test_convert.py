@@ -131,10 +131,10 @@ def test_a_frame_of_two_splits_is_refused(folder: Path, tmp_path: Path) -> None:
         convert(tmp_path / "shards", tmp_path / "out", "kitti")
 
 
-@pytest.mark.parametrize("name", ["nothing", "empty"])
-def test_what_is_no_dataset_is_refused(tmp_path: Path, name: str) -> None:
+@pytest.mark.parametrize(("name", "what"), [("nothing", "no such folder"), ("empty", "no KITTI folder: it is empty")])
+def test_what_is_no_dataset_is_refused(tmp_path: Path, name: str, what: str) -> None:
     (tmp_path / "empty").mkdir()
-    with pytest.raises(MissingFileError, match=f"{name}: no KITTI folder"):
+    with pytest.raises(MissingFileError, match=f"{name}: {what}"):
         convert(tmp_path / name, tmp_path / "out", "webdataset")
 
 

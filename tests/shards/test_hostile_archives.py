@@ -228,7 +228,7 @@ def test_a_shard_that_is_cut_after_it_was_opened_is_refused(tmp_path: Path) -> N
 
 
 def test_a_member_that_is_no_frames_file_is_refused(tmp_path: Path) -> None:
-    for name in ("000002.caption.txt", "12.calib.txt", "train/000002.calib.txt"):
+    for name in ("000002.caption.txt", ".calib.txt", "train/000002.calib.txt"):
         (tmp_path / "a.tar").write_bytes(archive(info(name)))
         with pytest.raises(ArchiveError, match=f"{tmp_path}/a.tar: the member '{name}' is no frame's file"):
             ShardDataset([tmp_path / "a.tar"])

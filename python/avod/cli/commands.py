@@ -32,15 +32,18 @@ from avod.predict import measure, predict
 from avod.train.checkpoint import checkpoints, keep_checkpoint
 from avod.train.log import read_log
 from avod.train.validation_log import read_validations
-from cadet import __version__, kitti
+from cadet import __version__
 from cadet.analysis import Analysis
 from cadet.analysis.result import PARTS
 from cadet.analysis.tables import sections
 from cadet.errors import CadetError, MissingFileError
 from cadet.evaluation.limits import MIN_OVERLAP
 from cadet.kitti import text_from_labels
+from cadet.kitti.files import check_id
+from cadet.kitti.unreadable import Unreadable
 from cadet.sink import LocalSink
 from cadet.view.picture import check_picture_path, write_picture
+from cadet.webdataset import open_dataset
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -75,20 +78,22 @@ def predict_command(
     amp: str | None,
     workers: int | None,
 ) -> None:
-    """Write KITTI's result files; a frame where nothing is found has an empty one."""
+    """Write KITTI's result files; a frame where nothing is found has an empty one, and one that cannot be read none."""
     detector = _detector(checkpoint, device, amp)
     detector.configure(proposals=proposals, min_score=min_score, nms_iou=nms_iou)
     samples, ids = frames_of(data, split, frames)
-    sink = LocalSink(out)
+    sink, unreadable = LocalSink(out), Unreadable(data)
     count = 0
-    results = predict(detector, samples, ids, workers=resolve_workers(workers))
+    results = predict(detector, samples, ids, workers=resolve_workers(workers), unreadable=unreadable)
     with progress(len(ids), "detecting") as advance:
         for done, (frame_id, labels) in enumerate(results, start=1):
             sink.put(f"{frame_id}.txt", text_from_labels(labels).encode("ascii"))
             count += len(labels)
             advance(done, "")
     sink.remove_partial()
-    click.echo(f"{count} detections in {len(ids)} frames in {out}", err=True)
+    click.echo(f"{count} detections in {len(ids) - len(unreadable)} frames in {out}", err=True)
+    if unreadable:
+        raise CadetError(f"{unreadable.text(len(ids))}: they have no files in {out}; `cadet check {data}` lists them")
 
 
 @avod.command(name="eval")
@@ -242,7 +247,7 @@ def view_command(
     if checkpoint is None or data is None or frame_id is None:
         raise CadetError("view needs --checkpoint, --data and --frame, or --log")
     detector = _detector(checkpoint, device, amp)
-    frame = kitti.read_frame(data, frame_id)
+    frame = open_dataset(data).read_frame(check_id(frame_id))
     found = detector.detect(frame.points_velo, frame.image, frame.calib, frame.plane)
     click.echo(f"wrote {write_picture(output, detection_figure(frame, found))}")
 

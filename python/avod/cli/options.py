@@ -12,12 +12,16 @@ import torch
 from rich.console import Console
 
 from avod import device
+from avod.data.simulated import is_simulation
 from cadet import kitti
 from cadet.cli.progress import reporter
 from cadet.errors import CadetError, MissingFileError
-from cadet.kitti.image_sets import check_not_empty
+from cadet.kitti.files import sample_folder, set_root
+from cadet.kitti.image_sets import LISTS, check_not_empty, list_paths
+from cadet.kitti.unreadable import Unreadable, frames_with_files
 from cadet.operating_system import num_processors
-from cadet.webdataset.dataset import is_shard_folder
+from cadet.webdataset import ShardDataset, open_dataset
+from cadet.webdataset.dataset import is_pattern, is_shard_folder
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -116,31 +120,33 @@ def resolve_precision(name: str | None) -> torch.dtype | None:
     return None if name is None else _PRECISIONS[name]
 
 
-def frames_of(root: Path, split: str | None, limit: int | None) -> tuple[Path, tuple[str, ...]]:
-    """Find the folder of a split's frames, `root/testing` for "test", and their ids.
+def frames_of(root: Path, split: str | None, limit: int | None) -> tuple[kitti.Dataset | ShardDataset, tuple[str, ...]]:
+    """Open the frames of a split, those of `root/testing` for "test", and return their ids, the first `limit` of them.
 
     Raises:
-        MissingFileError: no folder or split, or no frame in it.
+        MissingFileError: no folder or split, no frame in it, or none with image, scan, or calibration.
     """
     name = resolve_split(split)
     check_split(root, name)
-    dataset = kitti.Dataset(root, name)
-    ids = dataset.ids[:limit]
-    check_not_empty(ids, root, name)
-    return dataset.folder, ids
+    dataset = open_dataset(root, name)
+    check_not_empty(dataset.ids, root, name)
+    frames_with_files(dataset, Unreadable(root), root)
+    return dataset, dataset.ids[:limit]
 
 
 def check_split(root: Path, name: str | None) -> None:
     """Say what to do where a folder lacks a list that is asked for, as KITTI's own archives do.
 
     Raises:
-        MissingFileError: there is no such list.
+        MissingFileError: there is no such list, or no KITTI folder.
     """
-    folder = root / "ImageSets"
-    is_listed = (folder / f"{name}.txt").is_file()
-    if name in (None, "test") or not root.is_dir() or is_listed or is_shard_folder(root):
+    if is_pattern(root) or is_simulation(root) or is_shard_folder(root):
         return
-    present = ", ".join(sorted(path.stem for path in folder.glob("*.txt")))
+    sample_folder(root)
+    folder, lists = set_root(root) / LISTS, list_paths(root)
+    if name in (None, "test") or name in lists:
+        return
+    present = ", ".join(sorted(lists))
     hint = f"choose another list ({present}) or --split all" if present else "--split all takes every frame"
     if name in _USUAL:
         hint += (

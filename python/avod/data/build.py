@@ -21,12 +21,15 @@ from cadet import bev
 from cadet.arrays import check_array
 from cadet.errors import CadetError
 from cadet.kitti import Calibration, Label, boxes_cam_from_labels, estimate_plane, points_in_image
+from cadet.notices import notice
 
 _MIN_UPRIGHT: Final = 0.5
 _ROUGH_ERROR: Final = 1e-5
 """Of sums of four products in single precision, as a share of the greatest product."""
 _MAX_ROUGH: Final = 1e30
-_FLAT_GROUND: Final = np.array([0.0, -1.0, 0.0, 1.65])
+_HEIGHT_M: Final = 1.65
+"""Of KITTI's camera over the road."""
+_FLAT_GROUND: Final = np.array([0.0, -1.0, 0.0, _HEIGHT_M])
 
 
 def build_sample(
@@ -62,14 +65,14 @@ def build_sample(
 
     Raises:
         ShapeError, NonFiniteError: an array of another shape, dtype, or with NaN.
-        CadetError: a plane that is no ground, none to be found in the points, or an image without pixels.
+        CadetError: a plane that is no ground, or an image without pixels.
     """
     check_array(points_velo, "points_velo", ("N", 4), np.float32, finite=True)
     check_array(image, "image", ("H", "W", 3), np.uint8)
     height, width = image.shape[:2]
     if min(height, width) < 2:
         raise CadetError(f"image: expected at least 2 x 2 pixels, got {width} x {height}")
-    plane = ground_plane(points_velo, calib, plane, config) if ground is None else ground
+    plane = ground_plane(points_velo, calib, plane, config, frame_id) if ground is None else ground
     points_cam = _points_cam_in_image(points_velo, calib, (width, height))
     projection, boxes_cam, classes = calib.P2, *_objects(labels, config)
     points_cam = shift_ranges(points_cam, calib.cam_from_velo[:3, 3], augmentation)
@@ -115,12 +118,18 @@ def normal_plane(plane: NDArray[Any]) -> NDArray[np.float64]:
 
 
 def ground_plane(
-    points_velo: NDArray[np.float32], calib: Calibration, plane: NDArray[np.float64] | None, config: Config
+    points_velo: NDArray[np.float32],
+    calib: Calibration,
+    plane: NDArray[np.float64] | None,
+    config: Config,
+    frame_id: str = "in memory",
 ) -> NDArray[np.float64]:
     """Return the ground (4,) that a sample stands on: the frame's plane, or one estimated from the points.
 
+    Where no points show ground it is level, 1.65 m below the camera, with one warning that names the frame.
+
     Raises:
-        CadetError: a plane that is no ground, or none to be found in the points.
+        CadetError: a plane that is no ground.
     """
     given = None if plane is None else normal_plane(plane)
     if given is not None and config.ground == "file":
@@ -130,9 +139,12 @@ def ground_plane(
     try:
         return estimate_plane(points_velo, calib)
     except CadetError as error:
-        if given is not None:
-            return given
-        raise CadetError(f"no ground plane is given, and none is found: {error}") from None
+        if given is None:
+            level = f"taken as level {_HEIGHT_M} m below the camera; a file in planes/ gives another"
+            notice(
+                [f"frame {frame_id}: no ground is found in the scan ({error}): {level}"], about="ground", key=frame_id
+            )
+        return _FLAT_GROUND if given is None else given
 
 
 def _points_cam_in_image(

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import zlib
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,10 +24,16 @@ from avod.data.sample import Sample
 from avod.data.subset import draw_frames, usable_frames
 from cadet import kitti
 from cadet.errors import CadetError
-from cadet.kitti import Calibration
+from cadet.kitti import Calibration, Label
+from cadet.kitti.files import REQUIRED
 from cadet.kitti.frame import Frame
+from cadet.kitti.unreadable import READING_ERRORS, Unreadable, frames_with_files
+from cadet.notices import notice
 from cadet.object_bank import ObjectBank
 from cadet.webdataset import ShardDataset, open_dataset
+
+_MOST_TRIED: Final = 20
+"""So many frames in a row are never unreadable by chance where most can be read."""
 
 
 def sample_from_frame(
@@ -49,7 +56,7 @@ def sample_from_frame(
     try:
         ground = (grounds or {}).get(frame_id)
         if ground is None:
-            ground = ground_plane(frame.points_velo, frame.calib, frame.plane, config)
+            ground = ground_plane(frame.points_velo, frame.calib, frame.plane, config, frame_id)
         if grounds is not None:
             grounds[frame_id] = ground
         if bank is not None:
@@ -73,7 +80,9 @@ def sample_from_frame(
 class TrainingData(Dataset[Any]):
     """The frames of folders that hold enough objects of the classes, shuffled and changed, without end.
 
-    An item is a sample, or the error that reading it raised, so that the error comes whole out of a worker.
+    A frame that cannot be read is left out with a warning, and frames that its index draws take its turn, so that
+    training stays a function of seed and data. An item is a sample, or the error that reading the last of them raised,
+    so that the error comes whole out of a worker.
 
     Args:
         data: a KITTI folder, a folder of shards, or a pattern that names shards, as `open_dataset` takes them; or
@@ -87,7 +96,8 @@ class TrainingData(Dataset[Any]):
 
     Raises:
         MissingFileError: no folder, split or label file.
-        CadetError: a bank that is missing, or that holds nothing of the classes; no frame of a folder holds enough
+        CadetError: more than half of a folder's frames lack a file, or have labels that cannot be read; a bank that is
+            missing, or that holds nothing of the classes; no frame of a folder holds enough
             objects of the classes, or fewer do than `frames`, or shares that are none.
     """
 
@@ -131,16 +141,24 @@ class TrainingData(Dataset[Any]):
         """Tell lists of frames apart: their ids in their order."""
         return zlib.crc32("\n".join(self.ids).encode())
 
-    def __getitem__(self, index: int) -> Sample | PackedSample | CadetError:
+    def __getitem__(self, index: int) -> Sample | PackedSample | CadetError | OSError:
         number, entry = self._mixture.entry(index)
         item = self._sets[number]
-        frame_id = item.ids[entry.frame]
         augmentation = replace(entry.augmentation, settings=self.config.augmentation, size_shifts_m=item.size_shifts_m)
-        try:
-            frame = item.frames.read_frame(frame_id, has_extras=False)
-            return self._maker.make(frame, item.name_of(frame_id), augmentation, item.grounds)
-        except CadetError as error:
-            return error
+        error: CadetError | OSError | None = None
+        for frame_id in item.tried(index, entry.frame):
+            try:
+                frame = item.frames.read_frame(frame_id, has_extras=False)
+                return self._maker.make(frame, item.name_of(frame_id), augmentation, item.grounds)
+            except READING_ERRORS as caught:
+                error = caught
+                item.unreadable.add(frame_id, caught)
+                notice(
+                    [f"frame {item.name_of(frame_id)} is left out, others take its turn: {caught}"],
+                    about=str(item.frames.folder),
+                    key=frame_id,
+                )
+        return error or CadetError(f"{item.unreadable.text(len(item.ids))}: too many to train without them")
 
 
 @dataclass(frozen=True)
@@ -152,6 +170,7 @@ class _Set:
         ids: of the frames that are learned from.
         size_shifts_m: by which its objects' sizes differ from those that are wanted, class by class; empty for none.
         prefix: of its frames' names in messages.
+        unreadable: frames that were found not to be.
         grounds: the ground of frames that were seen before.
     """
 
@@ -159,6 +178,7 @@ class _Set:
     ids: tuple[str, ...]
     size_shifts_m: tuple[Size, ...]
     prefix: str
+    unreadable: Unreadable
     grounds: dict[str, NDArray[np.float64]] = field(default_factory=dict)
 
     @classmethod
@@ -167,18 +187,43 @@ class _Set:
     ) -> _Set:
         """Read which frames of a folder hold enough objects of the classes; `drawn`: how many, and a seed."""
         frames = open_dataset(root, split)
-        labels = {i: frames.read_labels(i) for i in frames.ids}
+        labels = readable_labels(frames, root)
         ids = usable_frames(labels, config, f"{root}: none of the {len(labels)} frames{_in(split)}")
         if drawn is not None:
             if drawn[0] > len(ids):
                 raise CadetError(f"--frames {drawn[0]}: {root}: {len(ids)} frames{_in(split)} hold enough objects")
             ids = draw_frames(ids, *drawn)
         shifts = size_shifts_m((label for i in ids for label in labels[i]), config.class_names, config.augmentation)
-        return cls(frames, ids, shifts, f"{root}/" if has_prefix else "")
+        return cls(frames, ids, shifts, f"{root}/" if has_prefix else "", Unreadable(root))
+
+    def tried(self, index: int, first: int) -> Iterator[str]:
+        """Yield the frame whose turn it is, and those that take its turn where none before can be read."""
+        if self.ids[first] not in self.unreadable:
+            yield self.ids[first]
+        for place in np.random.default_rng([index, first]).integers(len(self.ids), size=_MOST_TRIED):
+            if self.ids[place] not in self.unreadable:
+                yield self.ids[place]
 
     def name_of(self, frame_id: str) -> str:
         """Name a frame in messages."""
         return self.prefix + frame_id
+
+
+def readable_labels(frames: kitti.Dataset | ShardDataset, root: str | Path) -> dict[str, tuple[Label, ...]]:
+    """Read the labels of all frames that have their files, in order; those that cannot be read are left out.
+
+    Raises:
+        MissingFileError: no frame has an image, a scan, a calibration, or labels.
+        CadetError: more than half of the frames lack a file, or have labels that cannot be read.
+    """
+    unreadable, labels = Unreadable(root), {}
+    for frame_id in frames_with_files(frames, unreadable, root, (*REQUIRED, "label_2")):
+        try:
+            labels[frame_id] = frames.read_labels(frame_id)
+        except READING_ERRORS as error:
+            unreadable.add(frame_id, error)
+    unreadable.say(len(frames.ids))
+    return labels
 
 
 class DetectionData(Dataset[Any]):
@@ -198,11 +243,11 @@ class DetectionData(Dataset[Any]):
     def __len__(self) -> int:
         return len(self.ids)
 
-    def __getitem__(self, index: int) -> tuple[Sample | PackedSample, Calibration] | CadetError:
+    def __getitem__(self, index: int) -> tuple[Sample | PackedSample, Calibration] | CadetError | OSError:
         try:
             frame = self._frames.read_frame(self.ids[index], has_extras=False)
             return self._maker.make(frame, self.ids[index]), frame.calib
-        except CadetError as error:
+        except READING_ERRORS as error:
             return error
 
 

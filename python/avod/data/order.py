@@ -14,6 +14,7 @@ from torch.utils.data import Sampler
 
 from avod.config import TrainingConfig
 from avod.data.augmentation import Augmentation
+from cadet.kitti.files import is_numbered
 
 
 def stream_seed(seed: int, name: str, *numbers: int) -> int:
@@ -25,6 +26,11 @@ def stream_seed(seed: int, name: str, *numbers: int) -> int:
 def torch_generator(seed: int, name: str, *numbers: int) -> torch.Generator:
     """Make a generator on the CPU for a named stream."""
     return torch.Generator().manual_seed(stream_seed(seed, name, *numbers))
+
+
+def frame_number(frame_id: str) -> int:
+    """Return a number for a frame's streams: that of six digits themselves, of another id a checksum."""
+    return int(frame_id) if is_numbered(frame_id) else zlib.crc32(frame_id.encode())
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ class Sample:
     """One frame as tensors, float32 unless said otherwise.
 
     Attributes:
-        frame_id: six digits, or what names a frame that comes from no folder.
+        frame_id: of a folder's frame, or what names a frame that comes from no folder.
         bev: (C, H, W) maps of the bird's-eye view, row 0 far.
         image: (3, h, w) uint8 RGB, resized.
         anchors: (N, 6) over occupied ground, cam frame.

@@ -19,11 +19,12 @@ from avod.data.simulated import SimulatedData
 from avod.data.workers import as_it_is, outlive_signals, running
 from avod.train.processes import Processes
 from cadet.errors import CadetError
+from cadet.kitti.unreadable import READING_ERRORS
 
 
 def batches(
     data: TrainingData | SimulatedData, training: TrainingConfig, first_step: int, processes: Processes, workers: int
-) -> AbstractContextManager[Iterator[list[Sample | PackedSample | CadetError]]]:
+) -> AbstractContextManager[Iterator[list[Sample | PackedSample | CadetError | OSError]]]:
     """Return what iterates, meanwhile, over the samples of each step, or the errors that reading them raised.
 
     Args:
@@ -51,21 +52,21 @@ def batches(
 @contextmanager
 def _simulated(
     data: SimulatedData, training: TrainingConfig, first_step: int, processes: Processes, workers: int
-) -> Iterator[Iterator[list[Sample | PackedSample | CadetError]]]:
+) -> Iterator[Iterator[list[Sample | PackedSample | CadetError | OSError]]]:
     count = training.frames_per_step
     with data.samples(first_step * count, processes.rank, processes.world_size, workers) as samples:
         yield (list(islice(samples, count)) for _ in range(first_step, training.steps))
 
 
-def whole(samples: list[Sample | PackedSample | CadetError], device: torch.device) -> list[Sample]:
+def whole(samples: list[Sample | PackedSample | CadetError | OSError], device: torch.device) -> list[Sample]:
     """Bring samples to a device.
 
     Raises:
-        CadetError: what reading one of them raised.
+        CadetError, OSError: what reading one of them raised.
     """
     moved = []
     for sample in samples:
-        if isinstance(sample, CadetError):
+        if isinstance(sample, READING_ERRORS):
             raise sample
         moved.append(on_device(sample, device))
     return moved

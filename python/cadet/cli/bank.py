@@ -8,14 +8,16 @@ from pathlib import Path
 import click
 from rich.console import Console
 
-from cadet import kitti
 from cadet.checks import shown
 from cadet.cli.progress import reporter
 from cadet.errors import CadetError
+from cadet.kitti.files import REQUIRED
 from cadet.kitti.image_sets import check_not_empty
 from cadet.kitti.label import is_object_type, kitti_spelling
+from cadet.kitti.unreadable import READING_ERRORS, Unreadable, frames_with_files
 from cadet.object_bank import BankObject, cut_objects, write_bank
 from cadet.object_bank.cut import MIN_POINTS
+from cadet.webdataset import open_dataset
 
 
 def _types(context: click.Context, option: click.Parameter, names: tuple[str, ...]) -> tuple[str, ...]:
@@ -52,16 +54,23 @@ def bank_command(data: Path, out: Path, split: str | None, types: tuple[str, ...
     cadet bank kitti -o bank --split train
     """  # noqa: D301 - click reads the backspace
     seen: set[str] = set()
-    dataset = kitti.Dataset(data, split)
+    dataset = open_dataset(data, split)
     check_not_empty(dataset.ids, data, split)
-    with reporter(Console(stderr=True, highlight=False), len(dataset.ids), text="cutting", unit="frames") as report:
+    unreadable = Unreadable(data)
+    ids = frames_with_files(dataset, unreadable, data, (*REQUIRED, "label_2"))
+    with reporter(Console(stderr=True, highlight=False), len(ids), text="cutting", unit="frames") as report:
 
         def objects() -> Iterator[BankObject]:
-            for frame_id in dataset.ids:
-                frame = kitti.read_frame(dataset.folder, frame_id)
-                seen.update(label.type for label in frame.labels)
-                yield from cut_objects(frame, types, f"{data}/{frame_id}", min_points=min_points)
+            for frame_id in ids:
+                try:
+                    frame = dataset.read_frame(frame_id)
+                except READING_ERRORS as error:
+                    unreadable.add(frame_id, error)
+                else:
+                    seen.update(label.type for label in frame.labels)
+                    yield from cut_objects(frame, types, f"{data}/{frame_id}", min_points=min_points)
                 report.advance()
+            unreadable.say(len(dataset.ids))
 
             if not seen & set(types):
                 there = f"; they have {', '.join(sorted(seen))}" if seen else ""
@@ -69,4 +78,4 @@ def bank_command(data: Path, out: Path, split: str | None, types: tuple[str, ...
 
         found = write_bank(out, objects())
     listed = ", ".join(f"{found[name]} {name}" for name in types)
-    click.echo(f"wrote {out}: {listed} from {len(dataset.ids)} frames")
+    click.echo(f"wrote {out}: {listed} from {len(dataset.ids) - len(unreadable)} frames")

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
+import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
+from itertools import chain
 from pathlib import Path
+from typing import Final
 
 import click
 
@@ -13,14 +16,17 @@ from cadet.kitti.files import frame_ids, sample_folder, testing_folder
 from cadet.kitti.lint import Finding, lint
 from cadet.operating_system import num_processors
 
-_FINDINGS_SHOWN = 50
+_ROWS_SHOWN: Final = 50
+_ALIKE_SHOWN: Final = 3
+"""Findings of one kind that are printed one by one; of more there is one row with their number."""
+_VALUE: Final = re.compile(r"[-+]?\d[-+.\de]*|\binf\b|\bnan\b")
 
 
 @click.command(name="check")
 @click.argument("root", type=click.Path(path_type=Path))
 @click.option("--strict/--loose", default=None, help="Tolerances.  [default: strict for what cadet-gen wrote]")
 @click.option("--workers", type=click.IntRange(1, 1024), help="Processes.  [default: one for each processor]")
-@click.option("--all", "is_all", is_flag=True, help=f"Print every finding, not the first {_FINDINGS_SHOWN}.")
+@click.option("--all", "is_all", is_flag=True, help="Print every finding, not kinds of them.")
 @click.option("--json", "is_json", is_flag=True, help="Print all findings and counts as a JSON object.")
 def check_command(root: Path, strict: bool | None, workers: int | None, is_all: bool, is_json: bool) -> int:
     """Check that a dataset is whole, keeps to KITTI's definitions, and holds together; exit 1 on any error.
@@ -37,22 +43,44 @@ def check_command(root: Path, strict: bool | None, workers: int | None, is_all: 
     if is_json:
         click.echo(_json(root, num_frames, findings, errors, warnings))
     else:
-        shown = findings if is_all else findings[:_FINDINGS_SHOWN]
-        _echo_findings(shown, len(findings) - len(shown))
+        _echo_findings(findings, is_all=is_all)
         _echo_counts(errors, warnings)
         click.echo(f"{num_frames} frames, {errors.total()} errors, {warnings.total()} warnings")
     return 1 if errors else 0
 
 
-def _echo_findings(findings: Sequence[Finding], num_left_out: int) -> None:
+def _echo_findings(findings: Sequence[Finding], *, is_all: bool) -> None:
     if not findings:
         return
-    head = ("FRAME", "PLACE", "SEVERITY", "RULE", "WHAT")
-    rows = [(one.frame_id or "-", one.place, one.severity, one.rule, one.message) for one in findings]
-    _echo_table([head, *rows])
-    if num_left_out:
-        click.echo(f"... and {num_left_out} more: --all prints them")
+    groups = [[one] for one in findings] if is_all else _alike(findings)
+    rows = [_row(group) for group in groups]
+    shown = rows if is_all else rows[:_ROWS_SHOWN]
+    _echo_table([("FRAME", "PLACE", "SEVERITY", "RULE", "WHAT"), *shown])
+    if len(shown) < len(rows):
+        click.echo(f"... and {len(rows) - len(shown)} more rows: --all prints every finding")
+    elif len(rows) < len(findings):
+        click.echo("--all prints every finding")
     click.echo()
+
+
+def _alike(findings: Sequence[Finding]) -> list[list[Finding]]:
+    """Gather findings whose rule, folder and message are the same but for numbers, where there are many of them."""
+    groups: dict[tuple[str, ...], list[Finding]] = {}
+    for one in findings:
+        message = one.message if one.frame_id is None else one.message.replace(one.frame_id, "0")
+        key = (one.severity, one.rule, one.file.rpartition("/")[0], _VALUE.sub("0", message))
+        groups.setdefault(key, []).append(one)
+    rows = ([[one] for one in group] if len(group) <= _ALIKE_SHOWN else [group] for group in groups.values())
+    return list(chain.from_iterable(rows))
+
+
+def _row(group: Sequence[Finding]) -> tuple[str, ...]:
+    first = group[0]
+    message = first.message
+    if len(group) > 1:
+        others = ", ".join(one.place for one in group[1:_ALIKE_SHOWN])
+        message += f" ({len(group)} times: also {others}, ...)"
+    return first.frame_id or "-", first.place, first.severity, first.rule, message
 
 
 def _echo_counts(errors: Counter[str], warnings: Counter[str]) -> None:

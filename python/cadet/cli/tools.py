@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-import re
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Final
 
 import click
 
 from cadet import _cadet, kitti
+from cadet.checks import shown_key
 from cadet.cli.bank import bank_command
 from cadet.cli.check import check_command
 from cadet.cli.convert import convert_command
@@ -16,10 +18,14 @@ from cadet.cli.gallery import gallery_command
 from cadet.cli.lidar import fit_lidar_command, lidar_command
 from cadet.cli.report import report_command
 from cadet.errors import CadetError, MissingFileError
-from cadet.view import overview, view_bev_maps, view_frame
-from cadet.view.picture import check_picture_path
+from cadet.kitti.image_sets import check_not_empty
+from cadet.kitti.unreadable import READING_ERRORS, Unreadable
+from cadet.view import overview, sheet, view_bev_maps
+from cadet.view.picture import check_picture_path, write_picture
+from cadet.webdataset import ShardDataset, open_dataset
 
-_OVERVIEW_ROWS = 4
+_OVERVIEW_ROWS: Final = 4
+_NAMED: Final = 4
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -44,39 +50,72 @@ def view(what: Path, out: Path | None, is_rerun: bool, is_bev: bool) -> None:
     cadet view out -o overview.png          # some frames of the dataset
     cadet view out --rerun -o episode.rrd   # the first episode over time; "rerun episode.rrd" shows it
     """  # noqa: D301 - click reads the backspace
-    is_frame = not what.is_dir() and re.fullmatch(r"\d{6}", what.name) is not None
-    if not is_frame and not what.exists() and re.fullmatch(r"\d{1,5}", what.name):
-        raise MissingFileError(
-            f"{what}: no such folder; a frame's id has six digits: {what.with_name(what.name.zfill(6))}"
-        )
+    if out is not None and not is_rerun:
+        check_picture_path(out)
+    root, frame_id = _named(what)
     if is_rerun:
         if is_bev:
             raise CadetError("--rerun: shows scan, image and boxes; leave out --bev")
         from cadet.view.recording import view_episode
 
-        root, name = (what.parent, what.name) if is_frame else (what, None)
-        click.echo(f"wrote {view_episode(root, name, out or Path(f'{name or what.resolve().name}.rrd'))}")
+        name = frame_id or what.resolve().name
+        click.echo(f"wrote {view_episode(root, frame_id, out or Path(f'{name}.rrd'))}")
         return
-    if is_bev and not is_frame:
+    if is_bev and frame_id is None:
         raise CadetError(f"{what}: --bev draws one frame; name it, as in {what}/000012")
-    if out is not None:
-        check_picture_path(out)
-    if is_bev:
-        path = view_bev_maps(kitti.read_frame(what.parent, what.name), out or Path(f"{what.name}_bev.png"))
-    elif not is_frame:
-        path = _view_some(what, out or Path("overview.png"))
+    dataset = open_dataset(root)
+    if frame_id is None:
+        path = _view_some(dataset, root, out or Path("overview.png"))
+    elif is_bev:
+        path = view_bev_maps(dataset.read_frame(frame_id), out or Path(f"{frame_id}_bev.png"))
     else:
-        path = view_frame(what.parent, what.name, out or Path(f"{what.name}.png"))
+        page = sheet(dataset.read_frame(frame_id), title=f"{root.resolve().name} / {frame_id}")
+        path = write_picture(out or Path(f"{frame_id}.png"), page)
     click.echo(f"wrote {path}")
 
 
-def _view_some(root: Path, out: Path) -> Path:
-    dataset = kitti.Dataset(root)
-    if len(dataset) == 0:
-        raise CadetError(f"{root}: no frames")
+def _named(what: Path) -> tuple[Path, str | None]:
+    """Tell a dataset's folder from ROOT/ID, which names a frame.
+
+    Raises:
+        MissingFileError: neither is there; the line says which frames there are.
+    """
+    if what.is_dir():
+        return what, None
+    if what.exists():
+        raise MissingFileError(f"{what}: is no folder: expected a dataset's, or ROOT/ID")
+    root, name = what.parent, what.name
+    try:
+        ids = open_dataset(root).ids
+    except MissingFileError as error:
+        raise MissingFileError(f"{what}: no such folder, and no frame: {error}") from None
+    if name in ids:
+        return root, name
+    matching = [one for one in ids if name.isdecimal() and one.isdecimal() and int(one) == int(name)]
+    hint = f"did you mean {root / matching[0]}" if matching else f"its frames are {_some(ids)}"
+    raise MissingFileError(f"{root}: no frame {shown_key(name)}: {hint}")
+
+
+def _some(ids: Sequence[str]) -> str:
+    return ", ".join(ids) if len(ids) <= _NAMED else f"{', '.join(ids[: _NAMED - 1])} ... {ids[-1]} ({len(ids)} in all)"
+
+
+def _view_some(dataset: kitti.Dataset | ShardDataset, root: Path, out: Path) -> Path:
+    check_not_empty(dataset.ids, root, None)
     rows = min(_OVERVIEW_ROWS, len(dataset))
-    # Spread over the set, so that several episodes show.
-    return overview((dataset[index * len(dataset) // rows] for index in range(rows)), out)
+    unreadable = Unreadable(root)
+
+    def frames() -> Iterator[kitti.Frame]:
+        for index in range(rows):
+            # Spread over the set, so that several episodes show.
+            frame_id = dataset.ids[index * len(dataset) // rows]
+            try:
+                yield dataset.read_frame(frame_id)
+            except READING_ERRORS as error:
+                unreadable.add(frame_id, error)
+        unreadable.say(rows)
+
+    return overview(frames(), out)
 
 
 cadet.add_command(bank_command)

@@ -49,7 +49,7 @@ def read_frame(root: str | Path, frame_id: str | int, *, has_extras: bool = True
 
     Args:
         root: the folder that holds `training`, or one that holds `calib` and its fellows itself.
-        frame_id: six digits, or the number they make.
+        frame_id: the name of its files without suffix; a number means six digits.
         has_extras: read what KITTI's own frames lack too: depth, instance, semantic and meta; else they are None.
 
     Returns:
@@ -205,7 +205,7 @@ def write_frame(
 
     Args:
         root: the dataset's folder; missing folders are made.
-        frame_id: six digits, or the number they make.
+        frame_id: the name of its files without suffix; a number means six digits.
         frame: the frame.
         split: "train" or "val": the list that names the frame, besides `trainval`; lists that are missing are made.
             None leaves the lists alone.
@@ -243,7 +243,7 @@ class Dataset:
     """The frames of a KITTI folder, read when asked for.
 
     Args:
-        root: the folder that holds `training` and `ImageSets`.
+        root: the folder that holds `training` and `ImageSets`, or `training` itself.
         split: a list of `ImageSets` such as "train"; None for every frame of `training`. The frames of "test" lie under
             `testing`, and KITTI's have no labels.
 
@@ -277,6 +277,10 @@ class Dataset:
                 raise KeyError(key)
             return read_frame(self.folder, key)
         return read_frame(self.folder, self.ids[key])
+
+    def has(self, kind: str, frame_id: str) -> bool:
+        """Tell whether a frame has a file of one kind (a key of `cadet.kitti.files.SUFFIXES`)."""
+        return FolderFiles(self.folder).has(kind, frame_id)
 
     def read_frame(self, frame_id: str, *, has_extras: bool = True) -> Frame:
         """Read a frame of the folder: see `read_frame`."""

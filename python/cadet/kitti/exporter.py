@@ -11,7 +11,7 @@ from typing import Any, Final
 from cadet.errors import CadetError
 from cadet.exporter import Ending, FilesInPlace, Place
 from cadet.kitti.dataset import encode_facts, encode_maps, encode_meta
-from cadet.kitti.files import REQUIRED, SUFFIXES, ids_among
+from cadet.kitti.files import REQUIRED, SUFFIXES, ids_among, is_numbered
 from cadet.kitti.from_sample import calibration_of, labels_of, meta_of, move_off_zero_depth
 from cadet.kitti.image_sets import ImageSet
 from cadet.kitti.point_labels import bytes_from_point_labels, point_labels
@@ -77,7 +77,8 @@ class KittiExporter(FilesInPlace):
         found = set()
         for part in ("training", "testing"):
             for kind in REQUIRED:
-                found |= {int(frame_id) for frame_id in ids_among(sink.names(f"{part}/{kind}"), (SUFFIXES[kind],))}
+                ids = ids_among(sink.names(f"{part}/{kind}"), kind)
+                found |= {int(frame_id) for frame_id in ids if is_numbered(frame_id)}
         return found
 
     def finish(self, sink: Sink, places: Iterable[Place]) -> Ending:

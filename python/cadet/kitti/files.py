@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections import Counter
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Final
 
@@ -12,6 +13,7 @@ import numpy as np
 
 from cadet.checks import as_path, shown
 from cadet.errors import CadetError, MissingFileError
+from cadet.kitti.other_layouts import has_sequences, no_kitti_folder
 from cadet.user_files import names_file
 
 SUFFIXES: Final = {
@@ -35,41 +37,73 @@ _READ_SUFFIXES: Final = {"image_2": _IMAGE_SUFFIXES, "image_3": _IMAGE_SUFFIXES}
 REQUIRED: Final = ("image_2", "velodyne", "calib")
 """The folders that every frame must have a file in."""
 
-_ID: Final = re.compile(r"[0-9]{6}")
-_MAX_ID: Final = 999_999
+_NUMBERED: Final = re.compile(r"[0-9]{6}")
+_MAX_NUMBER: Final = 999_999
+_MAX_ID_BYTES: Final = 200
+"""Leaves room for suffixes and for the names that files have while they are written."""
+
+
+def is_id(text: str) -> bool:
+    """Tell whether a text can be a frame's id: the stem of a file that is not hidden, and that a list can hold."""
+    is_plain = text.isprintable() and text == text.strip() and not text.startswith(".")
+    return bool(text) and is_plain and "/" not in text and len(text.encode()) <= _MAX_ID_BYTES
+
+
+def is_numbered(frame_id: str) -> bool:
+    """Tell whether an id is of KITTI's own kind, six digits, as all ids are that cadet writes."""
+    return _NUMBERED.fullmatch(frame_id) is not None
 
 
 def check_id(frame_id: str | int) -> str:
-    """Return a frame's id as six digits.
+    """Return a frame's id; a number means six digits.
 
     Raises:
-        CadetError: it is neither six digits nor a number that has them.
+        CadetError: no stem of a file, or a number of more digits.
     """
     is_number = isinstance(frame_id, (int, np.integer)) and not isinstance(frame_id, bool)
-    if is_number and 0 <= int(frame_id) <= _MAX_ID:
+    if is_number and 0 <= int(frame_id) <= _MAX_NUMBER:
         return f"{int(frame_id):06d}"
-    if not isinstance(frame_id, str) or not _ID.fullmatch(frame_id):
-        raise CadetError(f"frame id: expected six digits such as '000012', got {shown(frame_id)}")
+    if not isinstance(frame_id, str) or not is_id(frame_id):
+        raise CadetError(
+            f"frame id: expected the name of a frame's files without suffix, such as '000012', got {shown(frame_id)}"
+        )
     return frame_id
 
 
-def sample_folder(root: str | Path) -> Path:
-    """Find the folder that holds `calib` and the other folders: `root/training`, or `root` itself.
+def set_root(root: str | Path) -> Path:
+    """Find the folder that holds `training` and `ImageSets`.
 
-    Raises:
-        MissingFileError: neither is a KITTI folder.
+    It is `root` itself, `root/object` as KITTI's users keep its archives, or the parent if `root` is `training`.
     """
     root = as_path("root", root)
-    for folder in (root / "training", root):
-        if any((folder / name).is_dir() for name in REQUIRED):
+    if _holds_frames(root / "training"):
+        return root
+    if _holds_frames(root / "object" / "training"):
+        return root / "object"
+    return root.parent if root.name == "training" and _holds_frames(root) else root
+
+
+def sample_folder(root: str | Path) -> Path:
+    """Find the folder that holds `calib` and the other folders: `training` in `set_root`, or `root` itself.
+
+    Raises:
+        MissingFileError: neither is a KITTI folder; the line says what it is.
+    """
+    place = set_root(root)
+    for folder in (place / "training", place):
+        if _holds_frames(folder):
             return folder
-    raise MissingFileError(f"{root}: no KITTI folder: neither training/calib nor calib lies there")
+    raise MissingFileError(no_kitti_folder(place))
+
+
+def _holds_frames(folder: Path) -> bool:
+    return any((folder / kind).is_dir() for kind in REQUIRED) and not has_sequences(folder)
 
 
 def testing_folder(root: str | Path) -> Path | None:
     """Find the folder of the test frames beside `root/training`; None where there is none."""
-    folder = Path(root) / "testing"
-    return folder if any((folder / name).is_dir() for name in REQUIRED) else None
+    folder = set_root(root) / "testing"
+    return folder if _holds_frames(folder) else None
 
 
 def split_folder(root: str | Path, split: str | None) -> Path:
@@ -82,7 +116,9 @@ def split_folder(root: str | Path, split: str | None) -> Path:
         return sample_folder(root)
     folder = testing_folder(root)
     if folder is None:
-        raise MissingFileError(f"{root}: no test frames: there is no testing/calib")
+        raise MissingFileError(
+            f"{root}: no test frames: no testing/image_2, testing/velodyne or testing/calib is there"
+        )
     return folder
 
 
@@ -109,17 +145,29 @@ def display_name(path: Path) -> str:
 
 
 def frame_ids(folder: Path) -> tuple[str, ...]:
-    """List the ids that any required folder has, sorted."""
-    ids: set[str] = set()
-    for kind in REQUIRED:
-        ids |= ids_among((path.name for path in (folder / kind).glob("*")), read_suffixes(kind))
-    return tuple(sorted(ids))
+    """List the ids of a folder's frames, sorted.
+
+    Six digits are a frame's wherever they stand among `REQUIRED`. Other names are where two folders have them, or the
+    only one that there is: a readme or a copy among the files is no frame.
+    """
+    by_kind = {kind: ids_among(_names(folder / kind), kind) for kind in (*REQUIRED, "label_2")}
+    counts = Counter(frame_id for ids in by_kind.values() for frame_id in ids)
+    needed = min(2, sum(map(bool, by_kind.values())))
+    ids = set().union(*(by_kind[kind] for kind in REQUIRED))
+    return tuple(sorted(one for one in ids if is_numbered(one) or counts[one] >= needed))
 
 
-def ids_among(names: Iterable[str], suffixes: Collection[str]) -> set[str]:
-    """Return the ids of those names that end in one of the suffixes."""
-    paths = map(Path, names)
-    return {path.stem for path in paths if path.suffix in suffixes and _ID.fullmatch(path.stem)}
+def ids_among(names: Iterable[str], kind: str) -> set[str]:
+    """Return the ids of those names that are read as a file of one kind (a key of `SUFFIXES`)."""
+    suffixes = read_suffixes(kind)
+    return {path.stem for path in map(Path, names) if path.suffix in suffixes and is_id(path.stem)}
+
+
+def _names(folder: Path) -> list[str]:
+    try:
+        return os.listdir(folder)  # noqa: PTH208 - names alone
+    except OSError:
+        return []
 
 
 def write_whole(contents: Mapping[Path, bytes]) -> None:

@@ -26,7 +26,7 @@ from cadet.plain_text import json_from_text
 
 
 class FrameFiles(Protocol):
-    """A store of frames' files. Kinds are the keys of `cadet.kitti.files.SUFFIXES`, ids six digits."""
+    """A store of frames' files. Kinds are the keys of `cadet.kitti.files.SUFFIXES`."""
 
     def has(self, kind: str, frame_id: str) -> bool:
         """Tell whether anything stands in a file's place, readable or not."""

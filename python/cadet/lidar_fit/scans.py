@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from cadet.errors import CadetError, MissingFileError
 from cadet.scan_files import SUFFIXES, read_scan
 
-_FOLDERS: Final = ("velodyne", "training/velodyne", "samples/LIDAR_TOP")
 _MIN_POINTS: Final = 1000
 _NO_RETURN_M: Final = 0.1
 """Rows at the origin, or that were moved from there, are what some drivers write for no return."""
@@ -25,6 +24,17 @@ _SAME_LASER_DEG: Final = 0.1
 _FEWEST_LASERS: Final = 8
 _MOST_LASERS: Final = 128
 _MAX_RINGS: Final = 300
+_SCAN_FOLDERS: Final = (
+    "velodyne",
+    "training/velodyne",
+    "object/training/velodyne",
+    "training/velodyne/[0-9]*",
+    "samples/LIDAR_TOP",
+    "velodyne_points/data",
+    "*/velodyne_points/data",
+    "*/*/velodyne_points/data",
+)
+"""Where scans lie in KITTI's object, tracking and raw sets, in nuScenes', and in cadet's of these formats."""
 _MAX_PLACE_M: Final = 10_000.0
 """No LIDAR sees farther; sums of squares of much larger numbers overflow."""
 
@@ -84,7 +94,7 @@ class Turn:
 
 
 def find_scans(paths: Sequence[str | Path]) -> list[Path]:
-    """List the scans that files and folders name; of KITTI's and nuScenes' folders those of `_FOLDERS`.
+    """List the scans that files and folders name; of a dataset's folder those of `_SCAN_FOLDERS`.
 
     Raises:
         MissingFileError: a path is missing, or a folder holds no scan.
@@ -96,11 +106,11 @@ def find_scans(paths: Sequence[str | Path]) -> list[Path]:
             continue
         if not path.is_dir():
             raise MissingFileError(f"{str(path)!r}: no such file or folder")
-        folders = (path, *(path / name for name in _FOLDERS))
-        files = next((files for folder in folders if (files := _scans_in(folder))), [])
+        groups = [[path], *(sorted(path.glob(folder)) for folder in _SCAN_FOLDERS)]
+        files = next((files for group in groups if (files := [file for one in group for file in _scans_in(one)])), [])
         if not files:
             kinds = ", ".join(SUFFIXES[:-1]) + f" or {SUFFIXES[-1]}"
-            raise MissingFileError(f"{str(path)!r}: no {kinds} files in it, nor in {', '.join(_FOLDERS)}")
+            raise MissingFileError(f"{str(path)!r}: no {kinds} files in it, nor in {', '.join(_SCAN_FOLDERS)}")
         found += files
     if not found:
         raise CadetError("no scans given")

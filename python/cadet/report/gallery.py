@@ -17,7 +17,7 @@ from cadet import boxes
 from cadet.errors import CadetError
 from cadet.kitti import Calibration, Frame, Label, read_frame
 from cadet.kitti.files import file_path, frame_ids, sample_folder
-from cadet.notices import notice
+from cadet.kitti.unreadable import READING_ERRORS, Unreadable
 from cadet.view import style
 
 _IMAGE_WIDTH_PX: Final = 960
@@ -36,7 +36,7 @@ class Picture:
     """A frame of the gallery.
 
     Attributes:
-        frame_id: six digits.
+        frame_id: of the frame.
         caption: weather and the like; empty where nothing is known.
         svg: image and boxes.
         cloud: what the viewer draws: `points` in base64 (little-endian int16 x, y, z in steps, then uint8 intensity,
@@ -50,7 +50,7 @@ class Picture:
 
 
 def pictures(root: str | Path, number: int) -> list[Picture]:
-    """Return frames spread over a dataset, so that several episodes show; those that can't be read are left out.
+    """Return frames spread over a dataset, so that several episodes show; those that cannot be read are left out.
 
     Raises:
         MissingFileError: no KITTI folder.
@@ -59,12 +59,13 @@ def pictures(root: str | Path, number: int) -> list[Picture]:
     ids = [one for one in frame_ids(folder) if file_path(folder, "label_2", one).is_file()]
     number = min(number, len(ids))
     chosen = [ids[index * len(ids) // number] for index in range(number)]
-    found = []
+    unreadable, found = Unreadable(root), []
     for frame_id in chosen:
         try:
             found.append(_picture(frame_id, read_frame(folder, frame_id)))
-        except CadetError as error:
-            notice([f"a frame is left out of the page: {error}"], about=folder)
+        except READING_ERRORS as error:
+            unreadable.add(frame_id, error)
+    unreadable.warn(number, "have no picture")
     return found
 
 
@@ -87,8 +88,9 @@ def _svg(frame_id: str, frame: Frame) -> str:
     regions = [one for one in frame.labels if one.is_dont_care]
     rectangles = "".join(_rectangle(label) for label in objects)
     wires = "".join(_wire(label, frame.calib) for label in objects)
+    named = f'role="img" aria-label="Frame {escape(frame_id)} with its boxes"'
     return (
-        f'<svg class="frame" viewBox="0 0 {width} {height}" role="img" aria-label="Frame {frame_id} with its boxes">'
+        f'<svg class="frame" viewBox="0 0 {width} {height}" {named}>'
         f'<image width="{width}" height="{height}" href="data:image/jpeg;base64,{_jpeg(frame.image)}"/>'
         f'<g class="dontcare">{"".join(_rectangle(label) for label in regions)}</g>'
         f'<g class="box2d">{rectangles}</g><g class="box3d">{wires}</g></svg>'

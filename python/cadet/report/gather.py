@@ -10,9 +10,11 @@ from typing import Any, Final
 import numpy as np
 
 from cadet.boxes import points_in_boxes
-from cadet.errors import FileFormatError, MissingFileError
+from cadet.errors import CadetError, FileFormatError, MissingFileError
 from cadet.kitti import boxes_cam_from_labels, read_calib, read_image_set, read_labels, read_meta
-from cadet.kitti.files import display_name, file_path, frame_ids, sample_folder, testing_folder
+from cadet.kitti.files import display_name, file_path, frame_ids, sample_folder, set_root, testing_folder
+from cadet.kitti.image_sets import list_paths
+from cadet.kitti.unreadable import READING_ERRORS, Unreadable
 from cadet.kitti.velodyne import points_from_bytes
 from cadet.plain_text import json_from_text
 from cadet.process_map import process_map
@@ -36,6 +38,7 @@ class Facts:
         num_episodes: episodes that the records name.
         splits: number of frames by list of `ImageSets`.
         num_unlabeled: frames without a label file, as KITTI's test frames are.
+        num_unreadable: labeled frames that cannot be read, which count nothing.
         num_points: returns of all scans of labeled frames.
         made_with: seed, policy, and version out of the manifest, as text by name.
     """
@@ -47,6 +50,7 @@ class Facts:
     num_episodes: int = 0
     splits: dict[str, int] = field(default_factory=dict)
     num_unlabeled: int = 0
+    num_unreadable: int = 0
     num_points: int = 0
     made_with: dict[str, str] = field(default_factory=dict)
 
@@ -68,36 +72,46 @@ def gather(root: str | Path, *, workers: int = 1) -> Facts:
 
     Raises:
         MissingFileError: no KITTI folder, or one without a label file.
-        KittiFormatError: a damaged file; `cadet check` finds all of them.
+        CadetError: more than half of the frames cannot be read.
     """
-    root = Path(root)
+    folder, root = sample_folder(root), set_root(root)
     facts = Facts(root.resolve().name)
     tasks: list[tuple[Path, str]] = []
-    for folder in (sample_folder(root), testing_folder(root)):
-        if folder is not None:
-            ids = frame_ids(folder)
-            labeled = [one for one in ids if file_path(folder, "label_2", one).is_file()]
+    for part in (folder, testing_folder(root)):
+        if part is not None:
+            ids = frame_ids(part)
+            labeled = [one for one in ids if file_path(part, "label_2", one).is_file()]
             facts.num_unlabeled += len(ids) - len(labeled)
-            tasks += [(folder, one) for one in labeled]
+            tasks += [(part, one) for one in labeled]
     if not tasks:
         raise MissingFileError(f"{root}: no label files, and so nothing to report")
     episodes: set[object] = set()
-    for part in process_map(_read_frame, tasks, workers=workers):
-        facts.statistics.merge(part.statistics)
-        facts.num_points += part.num_points
-        episodes |= {part.episode} - {None}
-        for name, value in part.recorded.items():
+    unreadable = Unreadable(root)
+    for (_, frame_id), found in zip(tasks, process_map(_read_frame, tasks, workers=workers), strict=True):
+        if not isinstance(found, _FrameFacts):
+            unreadable.add(frame_id, found)
+            continue
+        facts.statistics.merge(found.statistics)
+        facts.num_points += found.num_points
+        episodes |= {found.episode} - {None}
+        for name, value in found.recorded.items():
             facts.recorded.setdefault(name, Counter())[value] += 1
+    unreadable.say(len(tasks))
+    facts.num_unreadable = len(unreadable)
     facts.num_episodes = len(episodes)
-    facts.splits = {
-        split: len(read_image_set(root, split)) for split in _SPLITS if (root / "ImageSets" / f"{split}.txt").is_file()
-    }
+    facts.splits = {split: len(read_image_set(root, split)) for split in _SPLITS if split in list_paths(root)}
     _read_manifest(root, facts)
     return facts
 
 
-def _read_frame(task: tuple[Path, str]) -> _FrameFacts:
-    folder, frame_id = task
+def _read_frame(task: tuple[Path, str]) -> _FrameFacts | CadetError | OSError:
+    try:
+        return _facts_of(*task)
+    except READING_ERRORS as error:
+        return error
+
+
+def _facts_of(folder: Path, frame_id: str) -> _FrameFacts:
     labels = read_labels(folder, frame_id)
     objects = [label for label in labels if not label.is_dont_care]
     path = file_path(folder, "velodyne", frame_id)

@@ -43,7 +43,7 @@ def write_report(root: str | Path, path: str | Path, *, num_frames: int = 10, wo
     Raises:
         CadetError: another name, no folder for it, or numbers out of range.
         MissingFileError: no KITTI folder, or one without labels.
-        KittiFormatError: a damaged file; `cadet check` finds all of them.
+        CadetError: more than half of the frames cannot be read; `cadet check` finds all of them.
     """
     path = Path(path)
     if path.suffix.lower() not in (".html", ".htm"):
@@ -54,7 +54,7 @@ def write_report(root: str | Path, path: str | Path, *, num_frames: int = 10, wo
         raise MissingFileError(f"{path}: no such folder: {path.parent}")
     check_number("", "num_frames", num_frames, 0, _MOST_PICTURES, whole=True)
     facts = gather(root, workers=workers)
-    write_whole({path: _page(facts, pictures(root, int(num_frames))).encode("utf-8")})
+    write_whole({path: _page(facts, pictures(root, int(num_frames))).encode("utf-8", "backslashreplace")})
     return path
 
 
@@ -86,6 +86,8 @@ def _facts_line(facts: Facts) -> str:
     parts = [_many(facts.statistics.num_frames, "labeled frame")]
     if facts.num_unlabeled:
         parts.append(f"{facts.num_unlabeled:,} without labels")
+    if facts.num_unreadable:
+        parts.append(f"{facts.num_unreadable:,} that cannot be read")
     if facts.num_episodes:
         parts.append(_many(facts.num_episodes, "episode"))
     parts += [f"{split} {number:,}" for split, number in facts.splits.items()]
@@ -175,7 +177,7 @@ def _gallery(gallery: list[Picture]) -> str:
             ("dontcare", "DontCare", " checked"),
         )
     )
-    options = "".join(f'<option value="{one.frame_id}">{one.frame_id}</option>' for one in gallery)
+    options = "".join(f'<option value="{escape(one.frame_id)}">{escape(one.frame_id)}</option>' for one in gallery)
     views = "".join(f'<button data-view="{name}">From {name}</button>' for name in ("behind", "above", "side"))
     viewer = (
         '<div class="viewer"><div class="row"><label>Scan of frame '
@@ -185,8 +187,8 @@ def _gallery(gallery: list[Picture]) -> str:
         "return, up to 60 m; color is height, brightness is intensity.</p></div>"
     )
     figures = "".join(
-        f"<figure>{one.svg}<figcaption><span>{one.frame_id}{escape(f' · {one.caption}' if one.caption else '')}</span>"
-        f'<button data-cloud="{one.frame_id}">Show its scan</button></figcaption></figure>'
+        f"<figure>{one.svg}<figcaption><span>{escape(' · '.join(filter(None, (one.frame_id, one.caption))))}</span>"
+        f'<button data-cloud="{escape(one.frame_id)}">Show its scan</button></figcaption></figure>'
         for one in gallery
     )
     return f'{viewer}<div class="switches">{switches}</div><div class="frames">{figures}</div>'
@@ -194,7 +196,7 @@ def _gallery(gallery: list[Picture]) -> str:
 
 def _cloud(picture: Picture) -> str:
     content = json.dumps(picture.cloud, separators=(",", ":"))
-    return f'<script type="application/json" id="cloud-{picture.frame_id}">{content}</script>\n'
+    return f'<script type="application/json" id="cloud-{escape(picture.frame_id)}">{content}</script>\n'
 
 
 def _distributions(own: Statistics, kitti: Statistics) -> Iterable[str]:

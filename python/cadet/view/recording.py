@@ -17,6 +17,7 @@ from cadet.boxes import boxes_velo_from_cam
 from cadet.errors import CadetError, MissingFileError
 from cadet.kitti import Frame, Label, boxes_cam_from_labels, read_frame, read_meta
 from cadet.kitti.files import check_id, frame_ids, sample_folder
+from cadet.kitti.image_sets import check_not_empty
 from cadet.view import style
 
 try:
@@ -51,8 +52,7 @@ def view_episode(root: str | Path, frame_id: str | int | None, out_path: str | P
         MissingFileError: no such folder or frame.
     """
     ids = frame_ids(sample_folder(root))
-    if not ids:
-        raise CadetError(f"{root}: no frames")
+    check_not_empty(ids, root, None)
     frame_id = ids[0] if frame_id is None else check_id(frame_id)
     if frame_id not in ids:
         raise MissingFileError(f"{root}: no frame {frame_id}")

@@ -125,7 +125,7 @@ def view_frame(root: str | Path, frame_id: str | int, out_path: str | Path) -> P
 
     Args:
         root: the folder that holds `training`.
-        frame_id: six digits, or the number they make.
+        frame_id: the name of its files without suffix; a number means six digits.
         out_path: the PNG or JPEG file to write, in a folder that is there.
 
     Returns:

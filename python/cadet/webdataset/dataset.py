@@ -112,6 +112,11 @@ class ShardDataset:
     def __repr__(self) -> str:
         return f"ShardDataset({self.num_shards} shards): {len(self)} frames"
 
+    @property
+    def folder(self) -> Path:
+        """The folder of the first archive."""
+        return self.paths[0].parent
+
     @cached_property
     def num_shards(self) -> int:
         """How many archives there are."""

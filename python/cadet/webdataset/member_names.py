@@ -6,15 +6,26 @@ import re
 from collections.abc import Container
 from typing import Final
 
+from cadet.checks import shown
+from cadet.errors import CadetError
 from cadet.kitti.files import SUFFIXES, read_suffixes
 
 _KINDS: Final = {f"{kind}{suffix}": kind for kind in SUFFIXES for suffix in read_suffixes(kind)}
 _RANKS: Final = {kind: rank for rank, kind in enumerate(SUFFIXES)}
-_NAME: Final = re.compile(r"([0-9]{6})\.(.+)")
+_MOST_LETTERS: Final = 80
+_ID: Final = rf"[0-9A-Za-z_+=@,()#~-]{{1,{_MOST_LETTERS}}}"
+_NAME: Final = re.compile(rf"({_ID})\.(.+)")
 
 
 def member_name(frame_id: str, kind: str, suffix: str | None = None) -> str:
-    """Name a frame's file of one kind (a key of `cadet.kitti.files.SUFFIXES`), as `file_path` does in a folder."""
+    """Name a frame's file of one kind (a key of `cadet.kitti.files.SUFFIXES`), as `file_path` does in a folder.
+
+    Raises:
+        CadetError: an id with a dot, at which WebDataset cuts names, or with what an index or archive cannot hold.
+    """
+    if re.fullmatch(_ID, frame_id) is None:
+        remedy = f"ASCII without dots and blanks, at most {_MOST_LETTERS} letters: rename its files"
+        raise CadetError(f"frame {shown(frame_id)}: in shards ids are {remedy}")
     return f"{frame_id}.{kind}{suffix or SUFFIXES[kind]}"
 
 

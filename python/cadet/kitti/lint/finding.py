@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
+from pathlib import PurePosixPath
 from typing import Final, Literal, NamedTuple
+
+from cadet.kitti.files import SUFFIXES
 
 Severity = Literal["error", "warning"]
 
@@ -63,8 +65,8 @@ class Finding:
     @property
     def frame_id(self) -> str | None:
         """The frame's id; None for what is no frame's file."""
-        stem = self.file.rpartition("/")[2].partition(".")[0]
-        return stem if re.fullmatch(r"[0-9]{6}", stem) else None
+        path = PurePosixPath(self.file)
+        return path.stem if path.parent.name in SUFFIXES else None
 
     @property
     def place(self) -> str:

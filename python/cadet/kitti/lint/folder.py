@@ -2,19 +2,30 @@
 
 from __future__ import annotations
 
-import os
 from collections import Counter
 from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from cadet.kitti.files import REQUIRED, SUFFIXES, check_id, found_path, frame_ids, sample_folder, testing_folder
+from cadet.errors import MissingFileError
+from cadet.kitti.files import (
+    REQUIRED,
+    SUFFIXES,
+    check_id,
+    found_path,
+    frame_ids,
+    sample_folder,
+    set_root,
+    testing_folder,
+)
+from cadet.kitti.frame_files import FolderFiles
 from cadet.kitti.lint.duplicates import lint_duplicates
-from cadet.kitti.lint.finding import Finding
+from cadet.kitti.lint.finding import Finding, Problem
 from cadet.kitti.lint.frame import SCAN_RANGE_M, Report, Task, display, examine
 from cadet.kitti.lint.lists import lint_episodes, lint_folders, lint_lists, read_lists
-from cadet.kitti.lint.manifest import MANIFEST, Manifest, lint_counts, lint_frames, lint_other_files, read_manifest
+from cadet.kitti.lint.manifest import Manifest, lint_counts, lint_frames, lint_other_files, read_manifest
+from cadet.kitti.other_layouts import MANIFEST, instead, no_frames
 from cadet.process_map import process_map
 
 _BY_FRAME: Final = "label_2"
@@ -45,18 +56,19 @@ def lint(root: str | Path, *, strict: bool | None = None, workers: int = 1) -> l
         What is wrong, in the order of manifest, lists, and frames, then what is there twice; empty if nothing is.
 
     Raises:
-        MissingFileError: there is no KITTI folder.
+        MissingFileError: there is no KITTI folder, or no frame in it.
         CadetError: `workers` is no number of processes, or one of them died.
     """
-    root = Path(root)
-    folder, testing = sample_folder(root), testing_folder(root)
+    folder, testing, root = sample_folder(root), testing_folder(root), set_root(root)
     parts = [_Part("training", folder, frame_ids(folder))]
     parts += [] if testing is None else [_Part("testing", testing, frame_ids(testing))]
+    if not any(part.ids for part in parts):
+        raise MissingFileError(no_frames(root, folder, REQUIRED))
     is_generated = (root / MANIFEST).is_file()
     is_strict = is_generated if strict is None else strict
     manifest, findings = read_manifest(root)
     findings += lint_other_files(root, manifest)
-    sets, list_findings = read_lists(root)
+    sets, list_findings = read_lists(root, "error" if is_strict else "warning")
     findings += list_findings
     train_ids, test_ids = set(parts[0].ids), set(parts[1].ids if testing is not None else ())
     findings += lint_lists(sets, root, train_ids, test_ids, strict=is_strict, generated=is_generated)
@@ -69,6 +81,7 @@ def lint(root: str | Path, *, strict: bool | None = None, workers: int = 1) -> l
     start = 0
     for part in parts:
         findings += lint_folders(part.folder, set(part.ids), display)
+        findings += _lint_absent(part)
         findings += [finding for report in reports[start : start + len(part.ids)] for finding in report.findings]
         start += len(part.ids)
     if not findings:
@@ -79,13 +92,13 @@ def lint(root: str | Path, *, strict: bool | None = None, workers: int = 1) -> l
 def lint_frame(root: str | Path, frame_id: str | int, *, strict: bool) -> list[Finding]:
     """Check one frame: see `lint`."""
     folder = sample_folder(root)
-    manifest, _ = read_manifest(Path(root))
+    manifest, _ = read_manifest(set_root(root))
     (task,) = _tasks(_Part("training", folder, (check_id(frame_id),)), manifest, strict)
     return examine(task).findings
 
 
 def _tasks(part: _Part, manifest: Manifest, strict: bool) -> list[Task]:
-    usual = _usual_kinds(part.folder, part.ids)
+    usual, absent = _usual_kinds(part.folder, part.ids), _absent_kinds(part)
     return [
         Task(
             part.folder,
@@ -94,17 +107,39 @@ def _tasks(part: _Part, manifest: Manifest, strict: bool) -> list[Task]:
             manifest.range_m or SCAN_RANGE_M,
             manifest.frame_hashes.get((part.name, frame_id), {}),
             usual,
+            absent,
         )
         for frame_id in part.ids
     ]
 
 
+def _absent_kinds(part: _Part) -> tuple[str, ...]:
+    """Return the required folders in which none of several frames has a file."""
+    has_several = len(part.ids) > 1
+    kinds = [kind for kind in REQUIRED if has_several or not (part.folder / kind).is_dir()]
+    files = FolderFiles(part.folder)
+    return tuple(kind for kind in kinds if part.ids and not any(files.has(kind, one) for one in part.ids))
+
+
+def _lint_absent(part: _Part) -> list[Finding]:
+    """Say once which folders a whole part lacks, and what lies there under another name."""
+    absent = {kind: Problem(None, "missing-file", _absence(part, kind)) for kind in _absent_kinds(part)}
+    if part.name == "training" and part.ids and not (part.folder / _BY_FRAME).is_dir():
+        absent[_BY_FRAME] = Problem(
+            None, "missing-file", f"no labels at all{instead(part.folder, _BY_FRAME)}", "warning"
+        )
+    return [Finding(display(part.folder / kind), *problem) for kind, problem in absent.items()]
+
+
+def _absence(part: _Part, kind: str) -> str:
+    return f"none of {len(part.ids)} frames has a file there, and most commands need one{instead(part.folder, kind)}"
+
+
 def _usual_kinds(folder: Path, ids: Collection[str]) -> tuple[str, ...]:
     """Return the optional folders in which more than half of the frames have a file."""
     kinds = [kind for kind in SUFFIXES if kind not in (*REQUIRED, _BY_FRAME) and (folder / kind).is_dir()]
-    return tuple(
-        kind for kind in kinds if 2 * sum(os.path.lexists(found_path(folder, kind, one)) for one in ids) > len(ids)
-    )
+    files = FolderFiles(folder)
+    return tuple(kind for kind in kinds if 2 * sum(files.has(kind, one) for one in ids) > len(ids))
 
 
 def _lint_duplicates(tasks: list[Task], reports: list[Report]) -> list[Finding]:

@@ -23,7 +23,7 @@ from cadet.kitti.lint.duplicates import Signature, signature_of
 from cadet.kitti.lint.evidence import lint_evidence
 from cadet.kitti.lint.finding import Finding, Problem, Severity
 from cadet.kitti.lint.labels import lint_labels
-from cadet.kitti.lint.lists import printable
+from cadet.kitti.lint.lists import findings_of, printable
 from cadet.kitti.lint.meta import episode_of, lint_meta, lint_seal, recorded_hashes
 from cadet.kitti.lint.readers import lint_calib_lines, lint_depths, lint_label_lines
 from cadet.kitti.point_labels import point_labels_from_bytes
@@ -44,11 +44,12 @@ class Task:
 
     Attributes:
         folder: the folder that holds `calib` and its fellows.
-        frame_id: six digits.
+        frame_id: of the frame.
         strict: tight tolerances, and errors instead of warnings.
         scan_range_m: least and greatest range of a strict set's returns.
         hashes: SHA-256 of its files by folder, as the manifest has them.
         usual: optional folders in which most other frames have a file.
+        absent: folders in which no frame has a file, which is said once for all.
     """
 
     folder: Path
@@ -57,6 +58,7 @@ class Task:
     scan_range_m: tuple[float, float] = SCAN_RANGE_M
     hashes: Mapping[str, str] = field(default_factory=dict)
     usual: tuple[str, ...] = ()
+    absent: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -80,10 +82,7 @@ def examine(task: Task) -> Report:
     """Check one frame. Whatever the files hold, and whether or not they can be read, there is a report."""
     with collected() as dialects:
         report = _FrameLint(task).run()
-    soft: Severity = "error" if task.strict else "warning"
-    # Files are read more than once.
-    found = [Finding(one.file, one.line, "dialect", one.message, soft) for one in dict.fromkeys(dialects)]
-    return replace(report, findings=found + report.findings)
+    return replace(report, findings=findings_of(dialects, "error" if task.strict else "warning") + report.findings)
 
 
 def display(path: Path) -> str:
@@ -113,7 +112,7 @@ class _FrameLint:
             texts = {kind: self._text(kind) for kind in ("calib", "label_2")}
         except (CadetError, OSError) as error:
             self._lint_readable_files()
-            if not self.findings:
+            if not self.findings and not self.task.absent:
                 self._add("image_2", Problem(None, "damaged-file", f"the frame cannot be read: {error}"))
             frame = None
         else:
@@ -166,7 +165,8 @@ class _FrameLint:
     def _lint_readable_files(self) -> None:
         for kind, error in dataset.check_files(self.folder, self.frame_id):
             if isinstance(error, MissingFileError):
-                self._add(kind, Problem(None, "missing-file", "missing"))
+                if kind not in self.task.absent:
+                    self._add(kind, Problem(None, "missing-file", "missing"))
             elif isinstance(error, KittiFormatError):
                 rule = "meta" if kind == "meta" else "damaged-file"
                 self._add(kind, Problem(error.line, rule, error.reason))

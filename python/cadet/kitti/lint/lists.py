@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Final
 
 from cadet.errors import KittiFormatError
-from cadet.kitti.files import REQUIRED, SUFFIXES, found_path, read_suffixes
-from cadet.kitti.image_sets import ImageSet
+from cadet.kitti.dialects import Dialect, collected
+from cadet.kitti.files import REQUIRED, SUFFIXES, found_path, ids_among
+from cadet.kitti.image_sets import LISTS, ImageSet, list_name, list_paths, read_list
 from cadet.kitti.lint.finding import Finding, Severity
 
 _NEEDED_LISTS: Final = ("train", "val", "test")
@@ -34,10 +35,11 @@ def lint_folders(folder: Path, ids: Collection[str], display: Callable[[Path], s
             continue
         for name in names:
             path = folder / kind / name
-            is_known = path.stem in ids and path.suffix in read_suffixes(kind)
-            if is_known and (read := found_path(folder, kind, path.stem)) != path:
+            frame_id = next(iter(ids_among([name], kind)), None)
+            # Tools leave notes of their own among images and scans; what looks like a frame's file is one too few.
+            if frame_id in ids and (read := found_path(folder, kind, path.stem)) != path:
                 yield Finding(display(path), None, "stray-file", f"not read, since {read.name} is there", "warning")
-            elif not is_known and kind not in REQUIRED:
+            elif frame_id not in ids and not (frame_id is None and kind in REQUIRED):
                 yield Finding(display(path), None, "stray-file", "belongs to no frame", "warning")
 
 
@@ -104,28 +106,29 @@ def lint_episodes(sets: Mapping[str, ImageSet], episodes: Mapping[str, tuple[obj
     return findings
 
 
-def read_lists(root: Path) -> tuple[dict[str, ImageSet], list[Finding]]:
-    """Read every list of `root/ImageSets` by its split, and say which cannot be read."""
+def read_lists(root: Path, soft: Severity) -> tuple[dict[str, ImageSet], list[Finding]]:
+    """Read every list of a dataset by its split, and say which cannot be read and which are written otherwise."""
     sets: dict[str, ImageSet] = {}
     findings: list[Finding] = []
     try:
-        names = sorted(os.listdir(root / "ImageSets"))  # noqa: PTH208 - listing alone, no entry is opened
-    except FileNotFoundError:
-        return sets, findings
+        paths = list_paths(root)
     except OSError as error:
-        return sets, [unreadable("ImageSets", error)]
-    for name in names:
-        path = root / "ImageSets" / name
-        if path.suffix != ".txt":
-            continue
-        shown = printable(f"ImageSets/{name}")
-        try:
-            sets[path.stem] = ImageSet.from_text(path.read_text(encoding="ascii", errors="replace"), shown)
-        except KittiFormatError as error:
-            findings.append(Finding(shown, error.line, "image-set", error.reason))
-        except OSError as error:
-            findings.append(unreadable(shown, error))
-    return sets, findings
+        return sets, [unreadable(LISTS, error)]
+    with collected() as dialects:
+        for split, path in paths.items():
+            shown = printable(list_name(path))
+            try:
+                sets[split] = read_list(path)
+            except KittiFormatError as error:
+                findings.append(Finding(shown, error.line, "image-set", error.reason))
+            except OSError as error:
+                findings.append(unreadable(shown, error))
+    return sets, findings + findings_of(dialects, soft)
+
+
+def findings_of(dialects: Iterable[Dialect], soft: Severity) -> list[Finding]:
+    """Return what was read though KITTI writes it otherwise, each once: files are read more than once."""
+    return [Finding(one.file, one.line, "dialect", one.message, soft) for one in dict.fromkeys(dialects)]
 
 
 def _lint_overlaps(sets: Mapping[str, ImageSet], soft: Severity, *, generated: bool) -> list[Finding]:

@@ -8,15 +8,14 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from hashlib import sha256
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 from cadet.errors import FileFormatError
 from cadet.kitti.files import SUFFIXES
 from cadet.kitti.lint.finding import Finding
 from cadet.kitti.lint.lists import is_number, printable, unreadable
+from cadet.kitti.other_layouts import MANIFEST
 from cadet.plain_text import json_from_text
-
-MANIFEST: Final = "manifest.json"
 
 
 @dataclass(frozen=True)
