@@ -1,0 +1,213 @@
+"""The lines of a Wavefront OBJ file: corners, faces, and what they belong to.
+
+Wavefront Technologies, "Object files (.obj)" (Advanced Visualizer manual, appendix B1), as other programs write it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cadet.checks import shown
+from cadet.errors import FileFormatError
+from cadet.meshes.polygons import MAX_CORNERS
+from cadet.meshes.text import lines_of
+from cadet.meshes.triangles import MAX_TRIANGLES
+
+# Names may end in a backslash, and comments: only numbers go on in the next line.
+_CONTINUED: Final = ("v", "vt", "vn", "f", "fo", "l", "p")
+
+
+@dataclass
+class ObjLines:
+    """What the lines of an OBJ file say, one entry a corner or a face."""
+
+    vertices: list[tuple[float, ...]] = field(default_factory=list)
+    """x, y, z, and then red, green, blue if the line has them."""
+    vertex_lines: list[int] = field(default_factory=list)
+    places: list[tuple[float, float]] = field(default_factory=list)
+    """u, v of texture coordinates."""
+    libraries: list[str] = field(default_factory=list)
+    """The rest of each line that names material libraries."""
+    materials: list[str] = field(default_factory=lambda: [""])
+    """The names of materials in use; the first is none."""
+    parts: list[tuple[str, ...]] = field(default_factory=lambda: [("", "")])
+    """Object and group."""
+    corners: list[int] = field(default_factory=list)
+    """Of all faces: indices into `vertices`, one face after the other."""
+    corner_places: list[int] = field(default_factory=list)
+    """Of all faces: indices into `places`, -1 where a corner has none."""
+    counts: list[int] = field(default_factory=list)
+    """Of each face: how many corners."""
+    face_lines: list[int] = field(default_factory=list)
+    face_materials: list[int] = field(default_factory=list)
+    face_parts: list[int] = field(default_factory=list)
+    has_surfaces: bool = False
+    """True where there are free-form surfaces, which are not read."""
+
+    def index_array(self, name: str) -> NDArray[np.int64]:
+        """Return one of the lists of whole numbers as an array."""
+        return np.array(getattr(self, name), np.int64)
+
+
+def lines_from_text(text: str, file: str) -> ObjLines:
+    """Read the lines of an OBJ file.
+
+    Raises:
+        FileFormatError: a line that makes no sense, by its number.
+    """
+    read = _Reader(file)
+    keys: dict[str, Callable[[list[str], int], None]] = {
+        "v": read.vertex,
+        "vt": read.place,
+        "f": read.face,
+        "fo": read.face,
+    }
+    names: dict[str, Callable[[str], None]] = {
+        "usemtl": read.use_material,
+        "o": read.name_object,
+        "g": read.name_group,
+        "mtllib": read.lines.libraries.append,
+    }
+    for number, line in _logical_lines(text):
+        words = line.split()
+        if not words:
+            continue
+        key = words[0]
+        act = keys.get(key)
+        if act is not None:
+            act(words, number)
+            continue
+        key = key.lower()
+        if key in names:
+            names[key](line.strip()[len(key) :].strip())
+        elif key in ("surf", "curv2"):
+            read.lines.has_surfaces = True
+        elif key in keys:
+            keys[key](words, number)
+    read.check_indices()
+    return read.lines
+
+
+def _logical_lines(text: str) -> Iterator[tuple[int, str]]:
+    """Yield lines and their numbers from 1, those of numbers joined after a backslash and without comments."""
+    begun, first = "", 0
+    for number, line in enumerate(lines_of(text), 1):
+        if begun:
+            line = f"{begun} {line}"
+        start = first if begun else number
+        begun = ""
+        if "\\" in line or "#" in line:
+            words = line.split(None, 1)
+            if not words or words[0].startswith("#"):
+                continue
+            if words[0].lower() in _CONTINUED:
+                line = line.split("#")[0].rstrip()
+                if line.endswith("\\"):
+                    begun, first = line.rstrip("\\"), start
+                    continue
+        yield start, line
+    if begun:
+        yield first, begun
+
+
+class _Reader:
+    def __init__(self, file: str) -> None:
+        self.lines = ObjLines()
+        self._file = file
+        self._material = self._part = self._num_triangles = 0
+        self._materials = {"": 0}
+        self._parts = {("", ""): 0}
+        # The last face whose indices reach so far, for the message.
+        self._greatest = [(-1, 0), (-1, 0)]
+
+    def vertex(self, words: list[str], number: int) -> None:
+        try:
+            values = tuple(map(float, words[1:]))
+        except ValueError:
+            values = ()
+        if len(values) < 3:
+            hint = "; decimal points, not commas" if any("," in word for word in words) else ""
+            raise self._bad(f"{words[0]}: expected three numbers, got {shown(' '.join(words[1:]))}{hint}", number)
+        self.lines.vertices.append(values[:3] + values[3:6] if len(values) >= 6 else values[:3])
+        self.lines.vertex_lines.append(number)
+
+    def place(self, words: list[str], number: int) -> None:
+        try:
+            u = float(words[1])
+            v = float(words[2]) if len(words) > 2 else 0.0
+        except (ValueError, IndexError):
+            u = v = math.nan
+        # Programs write these where a modeler left none.
+        self.lines.places.append((u, v) if math.isfinite(u) and math.isfinite(v) else (0.0, 0.0))
+
+    def face(self, words: list[str], number: int) -> None:
+        lines = self.lines
+        num_vertices, num_places = len(lines.vertices), len(lines.places)
+        count = len(words) - 1
+        if count > MAX_CORNERS:
+            raise self._bad(f"a face of {count} corners, at most {MAX_CORNERS}: cut it into triangles", number)
+        greatest, greatest_place = self._greatest
+        for word in words[1:]:
+            corner, _, rest = word.partition("/")
+            try:
+                index = int(corner)
+                place = rest.partition("/")[0]
+                place_index = int(place) if place else 0
+            except ValueError:
+                raise self._bad(f"f: expected corners such as 1, 1/2, or 1//3, got {shown(word)}", number) from None
+            index = index - 1 if index > 0 else num_vertices + index if index else -1
+            if index < 0:
+                raise self._bad(
+                    f"f: no corner {corner} before this line: corners are counted from 1, or back from -1", number
+                )
+            place_index = place_index - 1 if place_index >= 0 else num_places + place_index
+            lines.corners.append(index)
+            lines.corner_places.append(max(place_index, -1))
+            if index > greatest[0]:
+                greatest = (index, number)
+            if place_index > greatest_place[0]:
+                greatest_place = (place_index, number)
+        self._greatest = [greatest, greatest_place]
+        lines.counts.append(count)
+        lines.face_lines.append(number)
+        lines.face_materials.append(self._material)
+        lines.face_parts.append(self._part)
+        self._num_triangles += max(count - 2, 0)
+        if self._num_triangles > MAX_TRIANGLES:
+            raise self._bad(f"more than {MAX_TRIANGLES} triangles: simplify the mesh", number)
+
+    def use_material(self, name: str) -> None:
+        self._material = self._materials.setdefault(name, len(self._materials))
+        if self._material == len(self.lines.materials):
+            self.lines.materials.append(name)
+
+    def name_object(self, name: str) -> None:
+        self._use_part((name, ""))
+
+    def name_group(self, name: str) -> None:
+        self._use_part((self.lines.parts[self._part][0], name))
+
+    def _use_part(self, part: tuple[str, str]) -> None:
+        self._part = self._parts.setdefault(part, len(self._parts))
+        if self._part == len(self.lines.parts):
+            self.lines.parts.append(part)
+
+    def check_indices(self) -> None:
+        """Refuse corners that the whole file does not have; of texture coordinates, if it has any at all."""
+        for what, found, (index, number) in (
+            ("corner", len(self.lines.vertices), self._greatest[0]),
+            ("texture coordinate", len(self.lines.places), self._greatest[1]),
+        ):
+            if index >= found and (found or what == "corner"):
+                raise self._bad(
+                    f"f: {what} {index + 1} of {found}: the file is cut or damaged; export it again", number
+                )
+
+    def _bad(self, reason: str, number: int) -> FileFormatError:
+        return FileFormatError(reason, self._file, number)
