@@ -1,4 +1,4 @@
-"""The color of each triangle, from its material, a picture, and its corners' colors; and few enough materials for all."""
+"""The color of each triangle, from its material, a picture, and its corners' colors; and few materials for all."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ def _cells(
     # Steps of a square root look alike to the eye; opacities have 16.
     levels = np.rint(np.sqrt(np.clip(values[:, :3], 0.0, 1.0)) * 255.0).astype(np.int64)
     opacity = np.rint(values[:, 3] * 16.0).astype(np.int64)
-    for step in (1, 2, 4, 8, 16, 32, 64, 128, 256):
+    for step in (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 128, 256):
         red, green, blue = (levels // step).T
         keys = (((owners * 256 + red) * 256 + green) * 256 + blue) * 32 + opacity
         distinct, first, cells = np.unique(keys, return_index=True, return_inverse=True)

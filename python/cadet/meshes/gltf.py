@@ -120,13 +120,7 @@ class _Scene:
         self._check_draco(primitive, attributes)
         if "POSITION" not in attributes:
             return
-        positions = self._accessors.floats(attributes, "POSITION", _POSITIONS)
-        for weight, target in zip(weights, primitive.tables("targets"), strict=False):
-            if weight and "POSITION" in target:
-                moved = self._accessors.floats(target, "POSITION", _POSITIONS)
-                if len(moved) != len(positions):
-                    raise FileFormatError(f"{target.where}: {len(moved)} corners of {len(positions)}", target.file)
-                positions = positions + weight * moved
+        positions = self._positions(primitive, attributes, weights)
         faces = self._faces(primitive, len(positions))
         self._num_triangles += len(faces)
         if self._num_triangles > MAX_TRIANGLES:
@@ -151,6 +145,17 @@ class _Scene:
                 colors = np.concatenate([colors, np.ones((*colors.shape[:2], 1))], axis=2)
         part_ids = np.full(len(faces), part, np.uint32)
         self.batches.append(Batch(look, placed[faces], part_ids, uv, colors))
+
+    def _positions(self, primitive: Table, attributes: Table, weights: list[float]) -> Array:
+        """Return (n, 3) the corners, morphed as they rest."""
+        positions = self._accessors.floats(attributes, "POSITION", _POSITIONS)
+        for weight, target in zip(weights, primitive.tables("targets"), strict=False):
+            if weight and "POSITION" in target:
+                moved = self._accessors.floats(target, "POSITION", _POSITIONS)
+                if len(moved) != len(positions):
+                    raise FileFormatError(f"{target.where}: {len(moved)} corners of {len(positions)}", target.file)
+                positions = positions + weight * moved
+        return positions
 
     def _check_draco(self, primitive: Table, attributes: Table) -> None:
         if primitive.extension(DRACO) is not None and "POSITION" in attributes:

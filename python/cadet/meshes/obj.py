@@ -33,8 +33,8 @@ def obj_from_bytes(data: bytes, file: str, beside: Beside) -> MeshTriangles:
         CadetError: a path out of the folder.
     """
     lines = lines_from_text(text_from_bytes(data), file)
-    vertices = np.array([vertex[:3] for vertex in lines.vertices], np.float64).reshape(-1, 3)
-    corners = lines.index_array("corners")
+    vertices = np.array(lines.coordinates, np.float64).reshape(-1, 3)
+    corners = lines.index_array("corners") - 1
     _check_finite(vertices, corners, lines, file)
     with np.errstate(over="ignore", invalid="ignore"):
         cut, owners = triangles_of(vertices, corners, lines.index_array("counts"))
@@ -86,7 +86,7 @@ def _batches(
 ) -> tuple[list[Batch], list[NDArray[np.int64]]]:
     """Gather the triangles of each material, and which ones these are."""
     places = np.array(lines.places, np.float64).reshape(-1, 2) * [1.0, -1.0] + [0.0, 1.0]
-    corner_places = lines.index_array("corner_places")
+    corner_places = lines.index_array("corner_places") - 1
     colors = _vertex_colors(lines)
     material_of = lines.index_array("face_materials")[owners]
     part_of = lines.index_array("face_parts")[owners].astype(np.uint32)
@@ -117,10 +117,11 @@ def _with_places(
 
 def _vertex_colors(lines: ObjLines) -> NDArray[np.float64] | None:
     """Return (n, 4) linear colors of the corners; white where a line has none, None where no line has one."""
-    if not any(len(vertex) == 6 for vertex in lines.vertices):
+    if not lines.vertex_colors:
         return None
-    stated = np.array([vertex[3:] if len(vertex) == 6 else (1.0, 1.0, 1.0) for vertex in lines.vertices])
-    stated = np.clip(np.nan_to_num(stated, nan=1.0), 0.0, None)
+    stated = np.ones((len(lines.vertex_lines), 3))
+    stated[list(lines.vertex_colors)] = list(lines.vertex_colors.values())
+    stated = np.clip(np.nan_to_num(stated, nan=1.0), 0.0, 255.0)
     # Programs write sRGB, from 0 to 1 or as bytes.
     stated = np.clip(stated if stated.max() > 1.5 else stated * 255.0, 0.0, 255.0)
     linear = LINEAR_FROM_BYTE[np.rint(stated).astype(np.int64)]
@@ -141,7 +142,7 @@ def _looks(lines: ObjLines, file: str, beside: Beside, notes: list[str]) -> list
         found = _of_name(stated, name)
         if name and found is None:
             lost.append(name)
-        looks.append(Look(name) if found is None else _look(name, found, pictures, file, beside, notes))
+        looks.append(Look(name) if found is None else _look(found.name, found, pictures, file, beside, notes))
     if lost and stated:
         notes.append(f"{file}: no material {', '.join(map(shown, lost[:5]))} in its libraries: gray paint")
     elif lost and not lines.libraries:

@@ -27,11 +27,13 @@ _CONTINUED: Final = ("v", "vt", "vn", "f", "fo", "l", "p")
 class ObjLines:
     """What the lines of an OBJ file say, one entry a corner or a face."""
 
-    vertices: list[tuple[float, ...]] = field(default_factory=list)
-    """x, y, z, and then red, green, blue if the line has them."""
+    coordinates: list[float] = field(default_factory=list)
+    """x, y, z of each vertex."""
     vertex_lines: list[int] = field(default_factory=list)
-    places: list[tuple[float, float]] = field(default_factory=list)
-    """u, v of texture coordinates."""
+    vertex_colors: dict[int, tuple[float, float, float]] = field(default_factory=dict)
+    """Red, green, blue of the vertices that have them, by their index."""
+    places: list[float] = field(default_factory=list)
+    """u, v of each texture coordinate."""
     libraries: list[str] = field(default_factory=list)
     """The rest of each line that names material libraries."""
     materials: list[str] = field(default_factory=lambda: [""])
@@ -39,9 +41,9 @@ class ObjLines:
     parts: list[tuple[str, ...]] = field(default_factory=lambda: [("", "")])
     """Object and group."""
     corners: list[int] = field(default_factory=list)
-    """Of all faces: indices into `vertices`, one face after the other."""
+    """Of all faces: numbers of vertices from 1, one face after the other."""
     corner_places: list[int] = field(default_factory=list)
-    """Of all faces: indices into `places`, -1 where a corner has none."""
+    """Of all faces: numbers of texture coordinates from 1, 0 where a corner has none."""
     counts: list[int] = field(default_factory=list)
     """Of each face: how many corners."""
     face_lines: list[int] = field(default_factory=list)
@@ -79,6 +81,8 @@ def lines_from_text(text: str, file: str) -> ObjLines:
         if not words:
             continue
         key = words[0]
+        if key == "vn":  # found anew from the faces
+            continue
         act = keys.get(key)
         if act is not None:
             act(words, number)
@@ -123,18 +127,18 @@ class _Reader:
         self._material = self._part = self._num_triangles = 0
         self._materials = {"": 0}
         self._parts = {("", ""): 0}
-        # The last face whose indices reach so far, for the message.
-        self._greatest = [(-1, 0), (-1, 0)]
 
     def vertex(self, words: list[str], number: int) -> None:
         try:
-            values = tuple(map(float, words[1:]))
+            values = list(map(float, words[1:]))
         except ValueError:
-            values = ()
+            values = []
         if len(values) < 3:
             hint = "; decimal points, not commas" if any("," in word for word in words) else ""
             raise self._bad(f"{words[0]}: expected three numbers, got {shown(' '.join(words[1:]))}{hint}", number)
-        self.lines.vertices.append(values[:3] + values[3:6] if len(values) >= 6 else values[:3])
+        if len(values) >= 6:
+            self.lines.vertex_colors[len(self.lines.vertex_lines)] = (values[3], values[4], values[5])
+        self.lines.coordinates += values[:3]
         self.lines.vertex_lines.append(number)
 
     def place(self, words: list[str], number: int) -> None:
@@ -144,36 +148,28 @@ class _Reader:
         except (ValueError, IndexError):
             u = v = math.nan
         # Programs write these where a modeler left none.
-        self.lines.places.append((u, v) if math.isfinite(u) and math.isfinite(v) else (0.0, 0.0))
+        self.lines.places += (u, v) if math.isfinite(u) and math.isfinite(v) else (0.0, 0.0)
 
     def face(self, words: list[str], number: int) -> None:
         lines = self.lines
-        num_vertices, num_places = len(lines.vertices), len(lines.places)
         count = len(words) - 1
         if count > MAX_CORNERS:
             raise self._bad(f"a face of {count} corners, at most {MAX_CORNERS}: cut it into triangles", number)
-        greatest, greatest_place = self._greatest
-        for word in words[1:]:
-            corner, _, rest = word.partition("/")
-            try:
-                index = int(corner)
-                place = rest.partition("/")[0]
-                place_index = int(place) if place else 0
-            except ValueError:
-                raise self._bad(f"f: expected corners such as 1, 1/2, or 1//3, got {shown(word)}", number) from None
-            index = index - 1 if index > 0 else num_vertices + index if index else -1
-            if index < 0:
-                raise self._bad(
-                    f"f: no corner {corner} before this line: corners are counted from 1, or back from -1", number
-                )
-            place_index = place_index - 1 if place_index >= 0 else num_places + place_index
-            lines.corners.append(index)
-            lines.corner_places.append(max(place_index, -1))
-            if index > greatest[0]:
-                greatest = (index, number)
-            if place_index > greatest_place[0]:
-                greatest_place = (place_index, number)
-        self._greatest = [greatest, greatest_place]
+        num_slashes = words[-1].count("/")
+        try:
+            numbers = list(map(int, " ".join(words[1:]).replace("/", " ").split()))
+            step = len(numbers) // count
+            is_plain = (
+                min(numbers) > 0 and words[-1][-1] != "/" and all(word.count("/") == num_slashes for word in words[1:])
+            )
+        except (ValueError, ZeroDivisionError):
+            is_plain = False
+        if is_plain and step * count == len(numbers) and step in (num_slashes, num_slashes + 1):
+            lines.corners += numbers[::step]
+            lines.corner_places += numbers[1::step] if step == num_slashes + 1 and step > 1 else [0] * count
+        else:
+            for word in words[1:]:
+                self._corner(word, number)
         lines.counts.append(count)
         lines.face_lines.append(number)
         lines.face_materials.append(self._material)
@@ -181,6 +177,21 @@ class _Reader:
         self._num_triangles += max(count - 2, 0)
         if self._num_triangles > MAX_TRIANGLES:
             raise self._bad(f"more than {MAX_TRIANGLES} triangles: simplify the mesh", number)
+
+    def _corner(self, word: str, number: int) -> None:
+        """Read a corner as the format allows it: counted back from here, or without what others have."""
+        corner, _, rest = word.partition("/")
+        place = rest.partition("/")[0]
+        try:
+            vertex, texture = int(corner), int(place) if place else 0
+        except ValueError:
+            raise self._bad(f"f: expected corners such as 1, 1/2, or 1//3, got {shown(word)}", number) from None
+        vertex += len(self.lines.vertex_lines) + 1 if vertex < 0 else 0
+        texture += len(self.lines.places) // 2 + 1 if texture < 0 else 0
+        if vertex < 1:
+            raise self._bad(f"f: no corner {corner}: they are counted from 1, or back from -1", number)
+        self.lines.corners.append(vertex)
+        self.lines.corner_places.append(max(texture, 0))
 
     def use_material(self, name: str) -> None:
         self._material = self._materials.setdefault(name, len(self._materials))
@@ -200,14 +211,16 @@ class _Reader:
 
     def check_indices(self) -> None:
         """Refuse corners that the whole file does not have; of texture coordinates, if it has any at all."""
-        for what, found, (index, number) in (
-            ("corner", len(self.lines.vertices), self._greatest[0]),
-            ("texture coordinate", len(self.lines.places), self._greatest[1]),
+        for what, found, name in (
+            ("corner", len(self.lines.vertex_lines), "corners"),
+            ("texture coordinate", len(self.lines.places) // 2, "corner_places"),
         ):
-            if index >= found and (found or what == "corner"):
-                raise self._bad(
-                    f"f: {what} {index + 1} of {found}: the file is cut or damaged; export it again", number
-                )
+            numbers = getattr(self.lines, name)
+            most = max(numbers, default=0)
+            if most > found and (found or what == "corner"):
+                face = int(np.searchsorted(np.cumsum(self.lines.counts), numbers.index(most), side="right"))
+                reason = f"f: {what} {most} of {found}: the file is cut or damaged; export it again"
+                raise self._bad(reason, self.lines.face_lines[face])
 
     def _bad(self, reason: str, number: int) -> FileFormatError:
         return FileFormatError(reason, self._file, number)
