@@ -68,11 +68,14 @@ class Writer:
         )
         return len(self.document["accessors"]) - 1
 
-    def read(self, folder: Path) -> MeshTriangles:
+    def finished(self) -> dict[str, Any]:
+        """Return the JSON with its buffer inside, if nothing else is in its place."""
         uri = "data:application/octet-stream;base64," + base64.b64encode(self.data).decode()
-        if not self.document["buffers"]:
-            self.document["buffers"] = [{"byteLength": len(self.data), "uri": uri}]
-        text = json.dumps(self.document).encode()
+        self.document["buffers"] = self.document["buffers"] or [{"byteLength": len(self.data), "uri": uri}]
+        return self.document
+
+    def read(self, folder: Path) -> MeshTriangles:
+        text = json.dumps(self.finished()).encode()
         return gltf_from_bytes(text, "m.gltf", Beside(folder, folder / "m.gltf"))
 
 

@@ -1,4 +1,4 @@
-"""Colors of glTF files: textures at each face's coordinates, factors, alphas, corners, and pictures that are not read."""
+"""Colors of glTF files: textures at each face's coordinates, factors, alphas, corners, and pictures not read."""
 
 from __future__ import annotations
 

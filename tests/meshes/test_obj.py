@@ -164,7 +164,7 @@ def test_corners_have_colors_in_srgb(tmp_path: Path) -> None:
     for red in ("0.5", "127.5"):
         lines = [f"{line} {red} 0 0" if line.startswith("v ") else line for line in f"{CORNERS}{FACES}".splitlines()]
         mesh = read(tmp_path, "\n".join(lines))
-        assert colors(mesh) == {"": (pytest.approx(0.214, abs=0.005), 0.0, 0.0)}
+        assert colors(mesh)[""] == pytest.approx((0.214, 0.0, 0.0), abs=0.005)
 
 
 @pytest.mark.parametrize(
