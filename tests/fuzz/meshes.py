@@ -120,7 +120,7 @@ _TOML = CAR.replace("meshes/", "") + (
     'scale = 1.5\nyaw_deg = 10\nup = "z"\nsize_lwh = [4, 1.7, 1.5]\n'
     'materials.glass = ["Gl*"]\nmaterials.leave_out = []\n'
 )
-_VALUES = '0 1 -1 1.5 1e-9 1e300 nan inf true "" "z" "y" "*" "car.mtl" "Van" [] [[]] [4,1.7,1.4] ["*"] ["Body"] {} {a=1}'.split()
+_VALUES = '0 -1 1.5 1e300 nan true "" "z" "y" "*" "car.mtl" "Van" [] [[]] [4,1.7,1.4] ["*"] ["Body"] {} {a=1}'.split()
 
 
 def _damage_toml(rng: random.Random) -> str:

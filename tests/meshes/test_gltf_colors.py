@@ -103,11 +103,11 @@ KTX = {"uri": "data:image/ktx2;base64," + base64.b64encode(b"\xabKTX 20\xbb\r\n\
             [KTX],
             {"source": None, "extensions": {"KHR_texture_basisu": {"source": 0}}},
             None,
-            "is KTX, which is not read",
+            "not read: 'image 0' (KTX): their materials are gray",
         ),
-        ([], {"source": None}, None, r"textures[0] names no picture: gray paint"),
-        ([{"uri": "gone.png"}], {}, None, "no picture 'gone.png' beside the mesh: gray paint"),
-        ([{"uri": "data:,text"}], {}, None, "is no PNG, JPEG, or WebP that can be decoded: gray paint"),
+        ([], {"source": None}, None, "'textures[0]' (names no picture): their materials are gray paint; put"),
+        ([{"uri": "gone.png"}], {}, None, "pictures that are not read: 'gone.png' (not there): their"),
+        ([{"uri": "data:,text"}], {}, None, "'image 0' (no PNG, JPEG, or WebP, or damaged)"),
     ],
 )
 def test_textures_take_the_picture_that_can_be_read(

@@ -41,7 +41,7 @@ def gltf_from_bytes(document: bytes, file: str, beside: Beside) -> MeshTriangles
     """
     container = Container(document, file, beside)
     notes = check_extensions(container.root)
-    scene = _Scene(container, notes)
+    scene = _Scene(container)
     with np.errstate(over="ignore", invalid="ignore"):
         for root in scene.roots():
             scene.place(root, np.eye(4), (), 0)
@@ -49,6 +49,7 @@ def gltf_from_bytes(document: bytes, file: str, beside: Beside) -> MeshTriangles
             scene.read_mesh(container.items("nodes")[node], scene.worlds[node], names)
     if not scene.batches:
         raise FileFormatError("no triangles in its scene", file)
+    notes += scene.notes()
     ids, materials = materials_of(scene.batches)
     corners = np.concatenate([batch.corners for batch in scene.batches])
     # glTF: y up, z forward, x to the left.
@@ -64,15 +65,19 @@ def gltf_from_bytes(document: bytes, file: str, beside: Beside) -> MeshTriangles
 
 
 class _Scene:
-    def __init__(self, container: Container, notes: list[str]) -> None:
+    def __init__(self, container: Container) -> None:
         self._container = container
         self._accessors = Accessors(container)
-        self._materials = Materials(container, notes)
+        self._materials = Materials(container)
         self._num_nodes = self._num_triangles = 0
         self.worlds: dict[int, Array] = {}
         self.meshes: list[tuple[int, tuple[str, ...]]] = []
         self.parts: dict[tuple[str, ...], int] = {}
         self.batches: list[Batch] = []
+
+    def notes(self) -> list[str]:
+        """Return what was not read of the materials met so far."""
+        return self._materials.notes()
 
     def roots(self) -> list[int]:
         """Return the nodes at the top of the scene; of a file without scenes those that are no other's child."""

@@ -6,12 +6,11 @@ from typing import Final
 
 import numpy as np
 
-from cadet.checks import shown
 from cadet.meshes.coloring import BLEND, MASK, OPAQUE, Look
 from cadet.meshes.gltf_container import Container
 from cadet.meshes.gltf_extensions import PICTURES, SPECULAR_GLOSSINESS, TEXTURE_TRANSFORM, TRANSMISSION
 from cadet.meshes.gltf_tables import Table
-from cadet.meshes.pictures import CLAMP, MIRROR, REPEAT, Picture, picture_from_bytes
+from cadet.meshes.pictures import CLAMP, MIRROR, REPEAT, Picture, kind_unread, note_of_unread, picture_from_bytes
 from cadet.meshes.triangles import Color
 
 _WHITE: Final = (1.0, 1.0, 1.0, 1.0)
@@ -24,14 +23,18 @@ class Materials:
 
     Args:
         container: the file.
-        notes: gets a line for each picture that is not read.
     """
 
-    def __init__(self, container: Container, notes: list[str]) -> None:
+    def __init__(self, container: Container) -> None:
         self._container = container
-        self._notes = notes
         self._looks: dict[int, Look] = {}
-        self._pictures: dict[int, Picture | str] = {}
+        self._pictures: dict[int, Picture | None] = {}
+        self._lost: dict[int, tuple[str, str]] = {}
+        self._unread: dict[str, str] = {}
+
+    def notes(self) -> list[str]:
+        """Return a line about the pictures that were not read, if there are any."""
+        return note_of_unread(self._container.root.file, self._unread, "their materials are gray paint")
 
     def look(self, number: int) -> Look:
         """Return the look of a material."""
@@ -54,16 +57,14 @@ class Materials:
         name = material.text("name") or f"material {number}"
         texture = surface.table(keys[1]) if keys[1] in surface else None
         picture, wraps = (None, (REPEAT, REPEAT)) if texture is None else self._texture(texture)
-        # The factor alone says nothing of a surface whose picture can't be seen.
-        if isinstance(picture, str):
-            self._notes.append(f"{material.file}: material {shown(name)}: {picture}: gray paint")
         moved = (None if texture is None else texture.extension(TEXTURE_TRANSFORM)) or Table({}, "", material.file)
         uv_set = 0 if texture is None else texture.whole("texCoord", 0)
         return Look(
             name=name,
-            albedo=None if isinstance(picture, str) else (red, green, blue),
+            # The factor alone says nothing of a surface whose picture can't be seen.
+            albedo=None if picture is None and texture is not None else (red, green, blue),
             opacity=opacity,
-            picture=picture if isinstance(picture, Picture) else None,
+            picture=picture,
             wraps=wraps,
             uv_from_uv=_moved(moved),
             uv_set=moved.whole("texCoord", uv_set),
@@ -72,8 +73,8 @@ class Materials:
             cutoff=material.number("alphaCutoff", 0.5),
         )
 
-    def _texture(self, info: Table) -> tuple[Picture | str | None, tuple[str, str]]:
-        """Return a texture's picture, or why there is none, and how it is repeated."""
+    def _texture(self, info: Table) -> tuple[Picture | None, tuple[str, str]]:
+        """Return a texture's picture, if one can be read, and how it is repeated."""
         texture = self._container.item(info, "index", "textures")
         wraps = (REPEAT, REPEAT)
         if "sampler" in texture:
@@ -86,29 +87,23 @@ class Materials:
             for source in sources
             if source is not None and "source" in source
         ]
-        found: Picture | str = f"{texture.where} names no picture"
-        for number in numbers:
-            found = self._picture(number)
-            if isinstance(found, Picture):
-                break
-        return found, wraps
+        if not numbers:
+            self._unread[texture.where] = "names no picture"
+        found = {number: self._picture(number) for number in numbers}
+        picture = next((picture for picture in found.values() if picture is not None), None)
+        if picture is None:
+            self._unread |= dict(self._lost[number] for number in found)
+        return picture, wraps
 
-    def _picture(self, number: int) -> Picture | str:
+    def _picture(self, number: int) -> Picture | None:
         if number not in self._pictures:
             image = self._container.items("images")[number]
             uri = image.text("uri")
-            name = shown(image.text("name") if uri.startswith("data:") or not uri else uri)
             data = self._container.picture(number)
-            picture = None if data is None else picture_from_bytes(data)
-            if picture is not None:
-                self._pictures[number] = picture
-            elif data is None:
-                self._pictures[number] = f"no picture {name} beside the mesh"
-            elif data.startswith((b"\xabKTX", b"DDS ")):
-                kind = "KTX" if data.startswith(b"\xabKTX") else "DDS"
-                self._pictures[number] = f"the picture {name} is {kind}, which is not read: convert it to PNG or JPEG"
-            else:
-                self._pictures[number] = f"the picture {name} is no PNG, JPEG, or WebP that can be decoded"
+            self._pictures[number] = None if data is None else picture_from_bytes(data)
+            if self._pictures[number] is None:
+                name = image.text("name") if uri.startswith("data:") or not uri else uri
+                self._lost[number] = (name or f"image {number}", kind_unread(data))
         return self._pictures[number]
 
 

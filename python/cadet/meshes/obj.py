@@ -14,7 +14,15 @@ from cadet.meshes.beside import Beside
 from cadet.meshes.coloring import BLEND, Batch, Look, materials_of
 from cadet.meshes.mtl import LibraryMaterial, materials_from_text
 from cadet.meshes.obj_lines import ObjLines, lines_from_text
-from cadet.meshes.pictures import CLAMP, LINEAR_FROM_BYTE, REPEAT, Picture, picture_from_bytes
+from cadet.meshes.pictures import (
+    CLAMP,
+    LINEAR_FROM_BYTE,
+    REPEAT,
+    Picture,
+    kind_unread,
+    note_of_unread,
+    picture_from_bytes,
+)
 from cadet.meshes.polygons import triangles_of
 from cadet.meshes.text import text_from_bytes
 from cadet.meshes.triangles import MeshTriangles
@@ -135,7 +143,7 @@ def _looks(lines: ObjLines, file: str, beside: Beside, notes: list[str]) -> list
         for name, data in _libraries(names, file, beside, notes):
             last = name.replace("\\", "/").split("/")[-1]
             stated |= {m.name: m for m in materials_from_text(text_from_bytes(data), last, notes)}
-    pictures: dict[str, Picture | None] = {}
+    pictures: dict[str, Picture | str] = {}
     looks = []
     lost = []
     for name in lines.materials:
@@ -143,6 +151,8 @@ def _looks(lines: ObjLines, file: str, beside: Beside, notes: list[str]) -> list
         if name and found is None:
             lost.append(name)
         looks.append(Look(name) if found is None else _look(found.name, found, pictures, file, beside, notes))
+    unread = {name: why for name, why in pictures.items() if isinstance(why, str)}
+    notes += note_of_unread(file, unread, "their materials have Kd alone, gray paint where it is black")
     if lost and stated:
         notes.append(f"{file}: no material {', '.join(map(shown, lost[:5]))} in its libraries: gray paint")
     elif lost and not lines.libraries:
@@ -186,7 +196,7 @@ def _of_name(stated: Mapping[str, LibraryMaterial], name: str) -> LibraryMateria
 def _look(
     name: str,
     stated: LibraryMaterial,
-    pictures: dict[str, Picture | None],
+    pictures: dict[str, Picture | str],
     file: str,
     beside: Beside,
     notes: list[str],
@@ -200,17 +210,13 @@ def _look(
         return look
     if map_.file not in pictures:
         data = beside.find(map_.file, map_.file.split(" #")[0].strip())
-        pictures[map_.file] = None if data is None else picture_from_bytes(data)
-        if pictures[map_.file] is None:
-            what = "no picture" if data is None else "no PNG, JPEG, WebP, BMP, or TIFF"
-            other = "its Kd" if stated.diffuse and max(stated.diffuse) > 0.0 else "gray paint"
-            notes.append(f"{file}: material {shown(name)}: {what} {shown(map_.file)} beside the mesh: {other} is taken")
+        pictures[map_.file] = (None if data is None else picture_from_bytes(data)) or kind_unread(data)
     picture = pictures[map_.file]
     # Many programs write black beside a picture, which is to be seen all the same.
     is_black = stated.diffuse is None or max(stated.diffuse) <= 0.0
     if is_black:
         look = replace(look, albedo=None)
-    if picture is None:
+    if isinstance(picture, str):
         return look
     (su, sv), (ou, ov) = map_.scale, map_.offset
     return replace(

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+
+from cadet.checks import shown
 
 _BYTES: Final = np.arange(256) / 255.0
 # IEC 61966-2-1.
@@ -98,3 +101,21 @@ def picture_from_bytes(data: bytes) -> Picture | None:
         texels[..., :3] = pixels[..., 2::-1]
         texels[..., 3:] = pixels[..., 3:4] if pixels.shape[2] == 4 else 255
     return Picture(texels)
+
+
+def kind_unread(data: bytes | None) -> str:
+    """Say in a few words why there is no picture: its file is not there, or of what format it is."""
+    if data is None:
+        return "not there"
+    kinds = {b"\xabKTX": "KTX", b"DDS ": "DDS", b"8BPS": "PSD", b"gimp": "XCF"}
+    return kinds.get(data[:4], "no PNG, JPEG, or WebP, or damaged")
+
+
+def note_of_unread(file: str, unread: Mapping[str, str], instead: str) -> list[str]:
+    """Say in one line which pictures of a mesh are not read, and what its materials have instead."""
+    if not unread:
+        return []
+    shown_ones = [f"{shown(name)} ({why})" for name, why in list(unread.items())[:4]]
+    more = f", and {len(unread) - 4} more" if len(unread) > 4 else ""
+    remedy = "put them beside the mesh as PNG or JPEG"
+    return [f"{file}: pictures that are not read: {', '.join(shown_ones)}{more}: {instead}; {remedy}"]
