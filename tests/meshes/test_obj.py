@@ -62,6 +62,9 @@ BOX = f"mtllib m.mtl\n{CORNERS}usemtl Paint\n{FACES}"
         BOX.replace("v 0 0 0\n", "v 0 0 0 1.0\n"),
         BOX.replace("usemtl Paint", "g\nusemtl Paint # the first"),
         BOX.replace("usemtl Paint", "usemtl paint"),
+        # Each face after its own corners (trimesh 2364), and groups that are named like faces (trimesh 1829).
+        "mtllib m.mtl\nusemtl Paint\ng f 1 2 3\n"
+        + "".join("".join(f"{CORNERS.splitlines()[c - 1]}\n" for c in side) + "f -4 -3 -2 -1\n" for side in SIDES),
         BOX.replace("mtllib m.mtl", "mtllib M.MTL"),
         BOX.replace("mtllib m.mtl", "mtllib C:\\work\\cars\\m.mtl"),
         BOX.replace("mtllib m.mtl", "mtllib /home/me/m.mtl # written by me"),
@@ -93,6 +96,7 @@ def test_what_programs_write_is_the_same_red_box(obj: str | bytes, tmp_path: Pat
         ("Kd 0.6 0 0\nTr 0.7", RED, 0.3, None),
         ("Kd 0.6 0 0\nTr 0.7\nd 0.4", RED, 0.4, None),
         ("Kd 0.6 0 0\nd 0.4\nTr 0.7", RED, 0.4, None),
+        ("Kd 0.6 0 0\nD 0.3\nTr 0.3", RED, 0.3, None),  # IfcOpenShell 140, LeoCAD 20
         ("Kd 0.6 0 0\nTr 1.0", RED, 1.0, "m.mtl:3: Tr 1 alone would be nothing at all: read as opaque"),
         ("Kd 0.6 0 0\nmap_Kd", RED, 1.0, None),
         (

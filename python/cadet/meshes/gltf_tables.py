@@ -23,7 +23,7 @@ class Table:
 
     def __init__(self, values: object, where: str, file: str) -> None:
         if not isinstance(values, Mapping):
-            raise FileFormatError(f"{where or 'the file'}: expected an object, got {shown(values)}", file)
+            raise FileFormatError(f"{where or 'no glTF'}: expected an object, got {shown(values)}", file)
         self._values: Mapping[str, Any] = values
         self.where = where
         self.file = file
