@@ -87,6 +87,7 @@ def test_what_programs_write_is_the_same_red_box(obj: str | bytes, tmp_path: Pat
         ("Kd 0.5", (0.5, 0.5, 0.5), 1.0, None),
         ("Kd 0.6 0 0 1.0", RED, 1.0, None),
         ("KD\t0.6  0\t0 # red", RED, 1.0, None),
+        ("Kd 0.6 \\\n 0 0", RED, 1.0, None),  # three.js 4984
         ("Kd 153 0 0", RED, 1.0, "m.mtl:2: Kd '153 0 0' is read as bytes"),
         ("Kd spectral x.rfl 1", None, 1.0, "m.mtl:2: Kd 'spectral x.rfl 1' is not read: the material is gray"),
         ("Kd xyz 0.2 0.2 0.2", None, 1.0, "is not read"),

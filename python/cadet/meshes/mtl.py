@@ -31,6 +31,7 @@ _OPTIONS: Final = {
     "-texres": 1,
     "-type": 1,
 }
+_OF_NUMBERS: Final = ("kd", "d", "tr")
 _VECTORS: Final = ("-o", "-s", "-t")
 
 
@@ -67,7 +68,7 @@ def materials_from_text(text: str, file: str, notes: list[str]) -> list[LibraryM
         FileFormatError: a number of a color or an opacity that is none.
     """
     materials: list[LibraryMaterial] = []
-    for number, line in enumerate(lines_of(text), 1):
+    for number, line in lines_of(text, _OF_NUMBERS):
         words = line.split(None, 1)
         if not words or words[0].startswith("#"):
             continue
@@ -87,7 +88,7 @@ class _Place:
     notes: list[str]
 
     def numbers(self, text: str) -> list[float]:
-        words = text.split("#")[0].split()
+        words = text.split()
         try:
             values = [float(word) for word in words]
         except ValueError:

@@ -6,7 +6,7 @@ Wavefront Technologies, "Object files (.obj)" (Advanced Visualizer manual, appen
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -76,7 +76,7 @@ def lines_from_text(text: str, file: str) -> ObjLines:
         "g": read.name_group,
         "mtllib": read.lines.libraries.append,
     }
-    for number, line in _logical_lines(text):
+    for number, line in lines_of(text, _CONTINUED):
         words = line.split()
         if not words:
             continue
@@ -96,28 +96,6 @@ def lines_from_text(text: str, file: str) -> ObjLines:
             keys[key](words, number)
     read.check_indices()
     return read.lines
-
-
-def _logical_lines(text: str) -> Iterator[tuple[int, str]]:
-    """Yield lines and their numbers from 1, those of numbers joined after a backslash and without comments."""
-    begun, first = "", 0
-    for number, line in enumerate(lines_of(text), 1):
-        if begun:
-            line = f"{begun} {line}"
-        start = first if begun else number
-        begun = ""
-        if "\\" in line or "#" in line:
-            words = line.split(None, 1)
-            if not words or words[0].startswith("#"):
-                continue
-            if words[0].lower() in _CONTINUED:
-                line = line.split("#")[0].rstrip()
-                if line.endswith("\\"):
-                    begun, first = line.rstrip("\\"), start
-                    continue
-        yield start, line
-    if begun:
-        yield first, begun
 
 
 class _Reader:

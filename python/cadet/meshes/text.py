@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import codecs
+from collections.abc import Collection, Iterator
 
 
 def text_from_bytes(data: bytes) -> str:
@@ -15,6 +16,29 @@ def text_from_bytes(data: bytes) -> str:
         return data.decode("latin-1")
 
 
-def lines_of(text: str) -> list[str]:
-    """Split a text at the ends of lines of any system, and nowhere else."""
-    return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+def lines_of(text: str, of_numbers: Collection[str]) -> Iterator[tuple[int, str]]:
+    """Yield the lines of a text, whatever system has ended them, with their numbers from 1.
+
+    Args:
+        text: the text.
+        of_numbers: in lower case, the first words of lines that go on after a backslash and end before a comment; names
+            and paths may hold both.
+    """
+    begun, first = "", 0
+    for number, line in enumerate(text.replace("\r\n", "\n").replace("\r", "\n").split("\n"), 1):
+        if begun:
+            line = f"{begun} {line}"
+        start = first if begun else number
+        begun = ""
+        if "\\" in line or "#" in line:
+            words = line.split(None, 1)
+            if not words or words[0].startswith("#"):
+                continue
+            if words[0].lower() in of_numbers:
+                line = line.split("#")[0].rstrip()
+                if line.endswith("\\"):
+                    begun, first = line.rstrip("\\"), start
+                    continue
+        yield start, line
+    if begun:
+        yield first, begun
