@@ -90,10 +90,14 @@ def volume(mesh: MeshTriangles) -> float:
 
 def png(*pixels: tuple[int, ...], rows: int = 1) -> dict[str, str]:
     """Return an image of RGB or RGBA pixels."""
+    return {"uri": "data:image/png;base64," + base64.b64encode(png_bytes(*pixels, rows=rows)).decode()}
+
+
+def png_bytes(*pixels: tuple[int, ...], rows: int = 1) -> bytes:
+    """Return a PNG file of RGB or RGBA pixels."""
     texels = np.array(pixels, np.uint8).reshape(rows, -1, len(pixels[0]))
     order = [2, 1, 0, 3][: texels.shape[2]]
-    data = cv2.imencode(".png", texels[..., order])[1].tobytes()
-    return {"uri": "data:image/png;base64," + base64.b64encode(data).decode()}
+    return bytes(cv2.imencode(".png", texels[..., order])[1].tobytes())
 
 
 def textured(*images: dict[str, str], uv: Any = None, **texture: Any) -> Writer:

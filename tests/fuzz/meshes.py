@@ -14,7 +14,7 @@ import numpy as np
 from cadet import Assets
 from fuzz.mutations import damage_bytes, damage_text
 from fuzz.target import Input, Target
-from gltf_boxes import CORNERS, png, textured
+from gltf_boxes import CORNERS, png, png_bytes, textured
 from gltf_meshes import glb, gltf_of
 from obj_meshes import CAR, MTL, car_obj
 
@@ -104,7 +104,7 @@ def _read_folder(name: str, files: dict[str, Input]) -> object:
 def _read_obj(value: Input) -> object:
     assert isinstance(value, str)
     obj, _, mtl = value.partition(_SEPARATOR)
-    return _read_folder("car.obj", {"car.obj": obj, "car.mtl": mtl, "a.ppm": b"P6 2 1 255\n" + bytes(6)})
+    return _read_folder("car.obj", {"car.obj": obj, "car.mtl": mtl, "a.png": png_bytes((0, 255, 0), (0, 0, 0))})
 
 
 def _read_assets(value: Input) -> object:
@@ -115,7 +115,7 @@ _OBJ = (
     car_obj().replace("usemtl Body", "vt 0.1 0.9\nvt 0.9 0.2\no Car\ng body\nusemtl Body", 1)
     + "f 1/1 2/2 3/1 4/-1 5 \\\n6//1\nl 1 2\nv 1 2 3 0.5 0.5 0.5\n"
 )
-_LIBRARY = MTL + "newmtl More\nKd 0.5\nTr 0.5\nd -halo 0.5\nmap_Kd -s 1 1 1 -clamp on a.ppm\n"
+_LIBRARY = MTL + "newmtl More\nKd 0.5\nTr 0.5\nd -halo 0.5\nmap_Kd -s 1 1 1 -clamp on a.png\n"
 _TOML = CAR.replace("meshes/", "") + (
     'scale = 1.5\nyaw_deg = 10\nup = "z"\nsize_lwh = [4, 1.7, 1.5]\n'
     'materials.glass = ["Gl*"]\nmaterials.leave_out = []\n'

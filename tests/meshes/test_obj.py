@@ -9,6 +9,7 @@ import pytest
 
 from cadet import CadetError
 from cadet.meshes import Beside, MeshTriangles, obj_from_bytes
+from gltf_boxes import png_bytes
 
 CORNERS = "".join(f"v {x} {y} {z}\n" for x in (0, 4) for y in (0, 1.8) for z in (0, 1.5))
 PLACES = "vt 0.25 0.5\nvt 0.75 0.5\n"
@@ -16,7 +17,6 @@ SIDES = ((1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (
 FACES = "".join(f"f {a} {b} {c} {d}\n" for a, b, c, d in SIDES)
 RED = (0.6, 0.0, 0.0)
 LIBRARY = "newmtl Paint\nKd 0.6 0 0\n"
-GREEN_AND_BLACK = b"P6 2 1 255\n" + bytes([0, 255, 0, 0, 0, 0])
 
 
 def read(folder: Path, obj: str | bytes, **files: str | bytes) -> MeshTriangles:
@@ -166,10 +166,10 @@ def test_what_has_no_color_is_gray_and_said_once(obj: str, names: set[str], note
 def test_a_picture_colors_each_face_where_it_lies_in_it(
     kd: str, options: str, first: tuple[float, ...], second: tuple[float, ...], tmp_path: Path
 ) -> None:
-    (tmp_path / "two colors.ppm").write_bytes(GREEN_AND_BLACK)
+    (tmp_path / "two colors.png").write_bytes(png_bytes((0, 255, 0), (0, 0, 0)))
     obj = f"mtllib m.mtl\n{CORNERS}{PLACES}usemtl Paint\n"
     obj += "".join("f " + " ".join(f"{c}/{1 if n < 3 else 2}" for c in side) + "\n" for n, side in enumerate(SIDES))
-    mesh = read(tmp_path, obj, m_mtl=f"newmtl Paint\nKd {kd}\nmap_Kd {options}two colors.ppm\n")
+    mesh = read(tmp_path, obj, m_mtl=f"newmtl Paint\nKd {kd}\nmap_Kd {options}two colors.png\n")
     found = [mesh.materials[number].albedo for number in mesh.material_ids]
     np.testing.assert_allclose(found[:6], [first] * 6, atol=0.003)
     np.testing.assert_allclose(found[6:], [second] * 6, atol=0.003)

@@ -10,7 +10,7 @@ from cadet.meshes.coloring import BLEND, MASK, OPAQUE, Look
 from cadet.meshes.gltf_container import Container
 from cadet.meshes.gltf_extensions import PICTURES, SPECULAR_GLOSSINESS, TEXTURE_TRANSFORM, TRANSMISSION
 from cadet.meshes.gltf_tables import Table
-from cadet.meshes.pictures import CLAMP, MIRROR, REPEAT, Picture, kind_unread, note_of_unread, picture_from_bytes
+from cadet.meshes.pictures import CLAMP, MIRROR, REPEAT, Picture, note_of_unread, picture_from_bytes
 from cadet.meshes.triangles import Color
 
 _WHITE: Final = (1.0, 1.0, 1.0, 1.0)
@@ -28,8 +28,7 @@ class Materials:
     def __init__(self, container: Container) -> None:
         self._container = container
         self._looks: dict[int, Look] = {}
-        self._pictures: dict[int, Picture | None] = {}
-        self._lost: dict[int, tuple[str, str]] = {}
+        self._pictures: dict[int, Picture | str] = {}
         self._unread: dict[str, str] = {}
 
     def notes(self) -> list[str]:
@@ -90,21 +89,20 @@ class Materials:
         if not numbers:
             self._unread[texture.where] = "names no picture"
         found = {number: self._picture(number) for number in numbers}
-        picture = next((picture for picture in found.values() if picture is not None), None)
+        picture = next((picture for picture in found.values() if isinstance(picture, Picture)), None)
         if picture is None:
-            self._unread |= dict(self._lost[number] for number in found)
+            self._unread |= {self._name(number): str(why) for number, why in found.items()}
         return picture, wraps
 
-    def _picture(self, number: int) -> Picture | None:
+    def _picture(self, number: int) -> Picture | str:
         if number not in self._pictures:
-            image = self._container.items("images")[number]
-            uri = image.text("uri")
-            data = self._container.picture(number)
-            self._pictures[number] = None if data is None else picture_from_bytes(data)
-            if self._pictures[number] is None:
-                name = image.text("name") if uri.startswith("data:") or not uri else uri
-                self._lost[number] = (name or f"image {number}", kind_unread(data))
+            self._pictures[number] = picture_from_bytes(self._container.picture(number))
         return self._pictures[number]
+
+    def _name(self, number: int) -> str:
+        image = self._container.items("images")[number]
+        uri = image.text("uri")
+        return (image.text("name") if uri.startswith("data:") else uri) or f"image {number}"
 
 
 def _moved(transform: Table) -> tuple[Color, Color]:

@@ -19,7 +19,6 @@ from cadet.meshes.pictures import (
     LINEAR_FROM_BYTE,
     REPEAT,
     Picture,
-    kind_unread,
     note_of_unread,
     picture_from_bytes,
 )
@@ -209,8 +208,7 @@ def _look(
     if map_ is None:
         return look
     if map_.file not in pictures:
-        data = beside.find(map_.file, map_.file.split(" #")[0].strip())
-        pictures[map_.file] = (None if data is None else picture_from_bytes(data)) or kind_unread(data)
+        pictures[map_.file] = picture_from_bytes(beside.find(map_.file, map_.file.split(" #")[0].strip()))
     picture = pictures[map_.file]
     # Many programs write black beside a picture, which is to be seen all the same.
     is_black = stated.diffuse is None or max(stated.diffuse) <= 0.0

@@ -16,6 +16,7 @@ _BYTES: Final = np.arange(256) / 255.0
 # IEC 61966-2-1.
 LINEAR_FROM_BYTE: Final = np.where(_BYTES <= 0.04045, _BYTES / 12.92, ((_BYTES + 0.055) / 1.055) ** 2.4)
 """(256,) the linear value of each byte of an sRGB picture."""
+_OTHER_KINDS: Final = {b"\xabKTX": "KTX", b"DDS ": "DDS", b"8BPS": "PSD", b"gimp": "XCF"}
 REPEAT, CLAMP, MIRROR = "repeat", "clamp", "mirror"
 # The middles of the 16 small triangles that a triangle falls into, as weights of its corners.
 _UP: Final = [(i + 1 / 3, j + 1 / 3) for i in range(4) for j in range(4 - i)]
@@ -78,16 +79,18 @@ def _wrapped(place: NDArray[np.float64], wrap: str, size: int) -> NDArray[np.int
     return np.minimum((inside * size).astype(np.int64), size - 1)
 
 
-def picture_from_bytes(data: bytes) -> Picture | None:
-    """Decode a picture; None where it is of no format that can be."""
-    pixels = None
-    if data:
-        try:
-            pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
-        except cv2.error:
-            pixels = None
+def picture_from_bytes(data: bytes | None) -> Picture | str:
+    """Decode a picture; where it can't be, say why in a few words. None is a file that is not there."""
+    if data is None:
+        return "not there"
+    if data[:4] in _OTHER_KINDS:
+        return _OTHER_KINDS[data[:4]]
+    try:
+        pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED) if data else None
+    except cv2.error:
+        pixels = None
     if pixels is None or not pixels.size:
-        return None
+        return "no PNG, JPEG, or WebP, or damaged"
     if pixels.dtype == np.uint16:
         pixels = (pixels // 256).astype(np.uint8)
     elif pixels.dtype != np.uint8:
@@ -101,14 +104,6 @@ def picture_from_bytes(data: bytes) -> Picture | None:
         texels[..., :3] = pixels[..., 2::-1]
         texels[..., 3:] = pixels[..., 3:4] if pixels.shape[2] == 4 else 255
     return Picture(texels)
-
-
-def kind_unread(data: bytes | None) -> str:
-    """Say in a few words why there is no picture: its file is not there, or of what format it is."""
-    if data is None:
-        return "not there"
-    kinds = {b"\xabKTX": "KTX", b"DDS ": "DDS", b"8BPS": "PSD", b"gimp": "XCF"}
-    return kinds.get(data[:4], "no PNG, JPEG, or WebP, or damaged")
 
 
 def note_of_unread(file: str, unread: Mapping[str, str], instead: str) -> list[str]:
