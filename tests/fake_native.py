@@ -127,14 +127,12 @@ class Lidar:
 
 
 class VehicleMesh(SimpleNamespace):
-    pass
+    MAX_TRIANGLES = 2_000_000
+    MAX_MATERIALS = 256
 
 
 class Assets:
     def __init__(self, share: float, vehicles: Sequence[VehicleMesh]) -> None:
-        for vehicle in vehicles:
-            if vehicle.gltf is None and "\nf " not in vehicle.obj:
-                raise _error(f"{vehicle.file}: no faces: is it a Wavefront OBJ file?")
         self.names = [vehicle.name for vehicle in vehicles]
 
     def assumptions(self) -> list[str]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from cadet.meshes import Beside, MeshTriangles, obj_from_bytes
+
 Vector = tuple[float, float, float]
 
 MTL = "newmtl Body\nKd 0.1 0.2 0.5\nnewmtl Glass\nKd 0.2 0.2 0.2\nd 0.2\nnewmtl Tyre\nKd 0 0 0\n"
@@ -33,6 +35,11 @@ def car_obj() -> str:
     ]
     blocks += [("Tyre", (x - 0.3, y - 0.1, 0.0), (x + 0.3, y + 0.1, 0.6)) for x in (-1.2, 1.3) for y in (-0.7, 0.7)]
     return obj_of(blocks)
+
+
+def car_mesh() -> MeshTriangles:
+    """Return the car, read without its library."""
+    return obj_from_bytes(car_obj().encode(), "car.obj", Beside(Path(__file__).parent, Path(__file__)))
 
 
 def wall_obj() -> str:

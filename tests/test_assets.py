@@ -14,7 +14,7 @@ import pytest
 
 from cadet import Assets, CadetError, Environment, MissingFileError, ResetPolicy, Scene, VehicleMesh
 from gen_process import FAILED, FINE, SIZE, run
-from obj_meshes import CAR, MTL, assets_folder, car_obj
+from obj_meshes import CAR, MTL, assets_folder, car_mesh, car_obj
 
 pytestmark = pytest.mark.usefixtures("fake_core")
 
@@ -25,8 +25,12 @@ def test_a_folder_is_read_with_all_its_texts(tmp_path: Path) -> None:
     assert assets.share == 0.25
     (mine,) = assets.vehicles
     assert (mine.name, mine.type, mine.file) == ("mine", "Car", "meshes/car.obj")
-    assert mine.obj == car_obj()
-    assert mine.libraries == (("C:\\work\\car.mtl", MTL),), "a library lies beside its mesh, wherever it was written"
+    assert len(mine.mesh.corners) == 2 * car_obj().count("\nf ")
+    assert {m.name: m.albedo for m in mine.mesh.materials} == {
+        "Body": (0.1, 0.2, 0.5),
+        "Glass": (0.2, 0.2, 0.2),
+        "Tyre": (0.0, 0.0, 0.0),
+    }, "a library lies beside its mesh, wherever it was written"
     assert (mine.scale, mine.yaw_deg, mine.up, mine.size_lwh) == (2, -90.0, "y", (4, 1.7, 1.4))
     assert mine.materials == (("lamp", ("B*",)),)
 
@@ -38,10 +42,16 @@ def test_the_hash_is_of_the_contents_and_not_of_the_place(tmp_path: Path) -> Non
     assert one.to_dict() == two.to_dict()
     assert pickle.loads(pickle.dumps(one)) == one
     (mesh,) = one.vehicles
+
+    def changed(name: str) -> Path:
+        root = assets_folder(tmp_path / name)
+        with (root / "meshes" / name).open("a") as file:
+            file.write("# changed\n")
+        return root
+
     assert replace(mesh, file="elsewhere.obj").sha256 == mesh.sha256
     others = [
-        replace(mesh, obj=mesh.obj + "\n"),
-        replace(mesh, libraries=(("car.mtl", "newmtl Body"),)),
+        *(Assets.read(changed(name)).vehicles[0] for name in ("car.obj", "car.mtl")),
         replace(mesh, scale=1.5),
         replace(mesh, yaw_deg=1.0),
         replace(mesh, type="Van"),
@@ -117,7 +127,6 @@ BAD: list[tuple[Callable[[Path], None], str]] = [
     (_toml("meshes", "../meshes"), "assets.toml: vehicle 1.mesh: '../meshes/car.obj' leads out of the folder"),
     (_toml("meshes/car.obj", "/etc/passwd"), "assets.toml: vehicle 1.mesh: '/etc/passwd' leads out of the folder"),
     (_remove("meshes/car.obj"), "assets.toml: vehicle 1: no mesh 'meshes/car.obj'"),
-    (_remove("meshes/car.mtl"), "assets.toml: vehicle 1: no material library 'car.mtl' beside 'car.obj'"),
     (_write("meshes/car.obj", "\x89PNG\n"), "meshes/car.obj: no faces: is it a Wavefront OBJ file?"),
     (_write("assets.toml", f"{CAR}scale = nan\n"), "assets.toml: vehicle 'mine'.scale: expected a number from 1e-09"),
     (_write("assets.toml", f"{CAR}up = 'x'\n"), "assets.toml: vehicle 'mine'.up: expected 'z' or 'y', got 'x'"),
@@ -125,7 +134,7 @@ BAD: list[tuple[Callable[[Path], None], str]] = [
     (_write("assets.toml", f"{CAR}materials = 4\n"), "assets.toml: vehicle 1.materials: expected a table, got 4"),
     (
         _write("assets.toml", f"{CAR}materials.gold = []\n"),
-        "assets.toml: vehicle 'mine'.materials: unknown key 'gold'; known: glass, tyre, plate, lamp, interior",
+        "assets.toml: vehicle 'mine'.materials: unknown key 'gold'; known: glass, tyre, plate, lamp, interior, leave_",
     ),
     (
         _write("assets.toml", f"{CAR}materials.glass = 'x'\n"),
@@ -142,7 +151,7 @@ def test_a_bad_folder_is_refused_in_one_line(spoil: Callable[[Path], None], mess
         Assets.read(root)
     assert str(caught.value).startswith(message.replace("ROOT", str(root)))
     assert "\n" not in str(caught.value)
-    is_missing = re.search("no (assets|mesh|material library)", message) is not None
+    is_missing = re.search("no (assets|mesh)", message) is not None
     assert isinstance(caught.value, MissingFileError) == is_missing
 
 
@@ -156,7 +165,7 @@ def test_a_link_out_of_the_folder_is_refused(tmp_path: Path) -> None:
 
 def test_a_mesh_needs_a_sensible_name_and_type() -> None:
     with pytest.raises(CadetError, match=r"^vehicle 'a/b'.name: expected 1 to 64 letters"):
-        VehicleMesh(name="a/b", type="Car", obj="")
+        VehicleMesh(name="a/b", type="Car", mesh=car_mesh())
 
 
 def test_a_dataset_records_its_assets_and_goes_on_with_no_others(tmp_path: Path) -> None:

@@ -18,6 +18,7 @@ from cadet.generate import Settings
 from cadet.kitti import images
 from cadet.kitti.planes import plane_from_text
 from cadet.view.bev import bev_figure
+from obj_meshes import car_mesh
 from synthetic import make_frame
 
 ODD: list[Any] = [
@@ -157,7 +158,7 @@ CALLS: dict[str, tuple[Callable[..., Any], list[str]]] = {
     "Assets": (lambda **k: cadet.Assets(**{"vehicles": (), **k}), ["vehicles", "share"]),
     "Assets.read": (cadet.Assets.read, ["folder"]),
     "VehicleMesh": (
-        lambda **k: cadet.VehicleMesh(**{"name": "a", "type": "Car", "obj": "v 0 0 0", **k}).sha256,
+        lambda **k: cadet.VehicleMesh(**{"name": "a", "type": "Car", "mesh": car_mesh(), **k}).sha256,
         fields(cadet.VehicleMesh),
     ),
     "Environment": (cadet.Environment, ["policy", "rig", "map", "weather", "config", "assets"]),

@@ -62,22 +62,25 @@ _Settings: TypeAlias = list[tuple[str, tuple[list[float], float, float, bool]]]
 class VehicleMesh:
     """A vehicle's mesh, not yet built (see `cadet.VehicleMesh`)."""
 
+    MAX_TRIANGLES: int
+    MAX_MATERIALS: int
     def __new__(
         cls,
         *,
         name: str,
         class_name: str,
         file: str,
-        obj: str,
-        libraries: Sequence[tuple[str, str]],
-        gltf: bytes | None,
-        buffers: Sequence[bytes],
-        image_colors: Sequence[tuple[float, float, float] | None],
+        corners: NDArray[np.float32],
+        material_ids: NDArray[np.uint32],
+        part_ids: NDArray[np.uint32],
+        source_materials: Sequence[tuple[str, tuple[float, float, float] | None, float]],
+        parts: Sequence[Sequence[str]],
         scale: float,
         yaw_rad: float,
         y_up: bool,
         size_lwh: tuple[float, float, float] | None,
         materials: Sequence[tuple[str, Sequence[str]]],
+        leave_out: Sequence[str] | None,
     ) -> VehicleMesh: ...
 
 @final

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import errno
 import hashlib
 import json
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,7 @@ from typing import Any
 from cadet import _cadet
 from cadet.checks import as_pairs, as_path, as_tuple, check_kind, check_number, check_text, is_one_of, make_plain, shown
 from cadet.errors import CadetError, MissingFileError
-from cadet.gltf_file import GltfFile, gltf_from_bytes
+from cadet.meshes import Beside, MeshTriangles, gltf_from_bytes, obj_from_bytes, read_file
 from cadet.notices import notice
 from cadet.plain_text import toml_from_text
 from cadet.summary import counts, summary
@@ -25,6 +24,8 @@ CONFIG = "assets.toml"
 """The file of a folder of assets that lists them."""
 CLASSES = ("Car", "Van", "Truck")
 ROLES = ("glass", "tyre", "plate", "lamp", "interior")
+LEAVE_OUT = "leave_out"
+"""Beside the roles: what is no part of the vehicle."""
 UPS = ("z", "y")
 GLTF_SUFFIXES = (".gltf", ".glb")
 """What ends in these is read as glTF 2.0, all else as Wavefront OBJ."""
@@ -45,12 +46,8 @@ class VehicleMesh:
     """The model's name in metadata: letters, digits, `_`, `.` and `-`."""
     type: str
     """KITTI's type: one of `CLASSES`."""
-    obj: str = field(default="", repr=False)
-    """The text of the Wavefront OBJ file; empty for a glTF file."""
-    libraries: tuple[tuple[str, str], ...] = field(default=(), repr=False)
-    """Material libraries: the name that the OBJ file uses, and the text."""
-    gltf: GltfFile | None = field(default=None, repr=False)
-    """The glTF file, in place of an OBJ file."""
+    mesh: MeshTriangles = field(repr=False)
+    """Its triangles, as read from a file."""
     file: str = "mesh"
     """The file's name, for messages."""
     scale: float = 1.0
@@ -62,7 +59,8 @@ class VehicleMesh:
     size_lwh: tuple[float, float, float] | None = None
     """Stretches the mesh to this length, width and height, meters."""
     materials: tuple[tuple[str, tuple[str, ...]], ...] = ()
-    """For some of `ROLES`: patterns of the names of their materials, in place of the usual ones."""
+    """For some of `ROLES`: patterns of the names of their materials, in place of the usual ones. For `LEAVE_OUT`: of
+    materials, nodes, objects, or groups."""
 
     def __post_init__(self) -> None:
         owner = f"vehicle {shown(self.name)}"
@@ -72,7 +70,8 @@ class VehicleMesh:
             raise CadetError(f"{owner}.class: expected one of {', '.join(CLASSES)}, got {shown(self.type)}")
         if not is_one_of(self.up, UPS):
             raise CadetError(f"{owner}.up: expected 'z' or 'y', got {shown(self.up)}")
-        self._check_files(owner)
+        check_text(owner, "file", self.file)
+        check_kind(owner, "mesh", self.mesh, MeshTriangles)
         check_number(owner, "scale", self.scale, 1e-9, 1e9)
         check_number(owner, "yaw_deg", self.yaw_deg, -360, 360)
         if self.size_lwh is not None:
@@ -82,32 +81,27 @@ class VehicleMesh:
                 check_number(owner, "size_lwh", side, 0, 1e3)
         object.__setattr__(self, "materials", as_pairs(owner, "materials", self.materials, "of a role and its names"))
         for role, patterns in self.materials:
-            if not is_one_of(role, ROLES):
-                raise CadetError(f"{owner}.materials: unknown key {shown(role)}; known: {', '.join(ROLES)}")
+            if not is_one_of(role, (*ROLES, LEAVE_OUT)):
+                known = ", ".join((*ROLES, LEAVE_OUT))
+                raise CadetError(f"{owner}.materials: unknown key {shown(role)}; known: {known}")
             if not isinstance(patterns, tuple) or not all(isinstance(pattern, str) for pattern in patterns):
                 raise CadetError(f"{owner}.materials.{role}: expected a list of names, got {shown(patterns)}")
         make_plain(self)
 
-    def _check_files(self, owner: str) -> None:
-        check_text(owner, "obj", self.obj)
-        check_text(owner, "file", self.file)
-        object.__setattr__(self, "libraries", as_pairs(owner, "libraries", self.libraries, "of a name and a text"))
-        for name, text in self.libraries:
-            check_text(owner, "libraries", name)
-            check_text(owner, "libraries", text)
-        if self.gltf is not None:
-            check_kind(owner, "gltf", self.gltf, GltfFile)
-            if self.obj or self.libraries:
-                raise CadetError(f"{owner}: expected an OBJ file or a glTF file, got both")
-
     @property
     def sha256(self) -> str:
         """The hash of all that decides its looks: files and numbers, but not their folder."""
-        values = asdict(self)
-        del values["file"], values["gltf"]
-        if self.gltf is not None:
-            values["gltf"] = self.gltf.sha256
-        return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()
+        values = [
+            self.name,
+            self.type,
+            self.mesh.sha256,
+            self.scale,
+            self.yaw_deg,
+            self.up,
+            self.size_lwh,
+            self.materials,
+        ]
+        return hashlib.sha256(json.dumps(values).encode()).hexdigest()
 
     def to_native(self) -> _cadet.VehicleMesh:
         """Return the fields as the core takes them."""
@@ -115,16 +109,17 @@ class VehicleMesh:
             name=self.name,
             class_name=self.type,
             file=self.file,
-            obj=self.obj,
-            libraries=self.libraries,
-            gltf=None if self.gltf is None else self.gltf.document,
-            buffers=() if self.gltf is None else self.gltf.buffers,
-            image_colors=() if self.gltf is None else self.gltf.image_colors,
+            corners=self.mesh.corners,
+            material_ids=self.mesh.material_ids,
+            part_ids=self.mesh.part_ids,
+            source_materials=[(m.name, m.albedo, m.opacity) for m in self.mesh.materials],
+            parts=self.mesh.parts,
             scale=self.scale,
             yaw_rad=math.radians(self.yaw_deg),
             y_up=self.up == "y",
             size_lwh=self.size_lwh,
-            materials=self.materials,
+            materials=[(role, patterns) for role, patterns in self.materials if role != LEAVE_OUT],
+            leave_out=dict(self.materials).get(LEAVE_OUT),
         )
 
 
@@ -160,7 +155,9 @@ class Assets:
             if names.count(name) > 1:
                 raise CadetError(f"assets: two vehicles are named {name!r}")
         # Bad meshes are refused here rather than in the middle of a run.
-        notice(self.to_native().assumptions(), about=tuple(vehicle.sha256 for vehicle in self.vehicles))
+        assumed = self.to_native().assumptions()
+        notes = [note for vehicle in self.vehicles for note in vehicle.mesh.notes]
+        notice([*notes, *assumed], about=tuple(vehicle.sha256 for vehicle in self.vehicles))
 
     @classmethod
     def read(cls, folder: str | Path, *, skip_bad: bool = False) -> Assets:
@@ -250,22 +247,16 @@ def _vehicle(root: Path, number: int, table: Mapping[str, Any]) -> VehicleMesh:
     if not isinstance(materials, Mapping):
         raise CadetError(f"{owner}.materials: expected a table, got {materials!r}")
     path = _inside(root, table["mesh"], owner)
-    obj, gltf = "", None
-    libraries: tuple[tuple[str, str], ...] = ()
-    if path.suffix.lower() in GLTF_SUFFIXES:
-        if "up" in table:
-            raise CadetError(f"{owner}.up: glTF files say themselves that y points up")
-        gltf = _read_gltf(root, path, table["mesh"], owner)
-    else:
-        obj = _read_text(path, f"{owner}: no mesh {table['mesh']!r}")
-        libraries = tuple((name, _read_library(path, name, owner)) for name in _library_names(obj))
+    is_gltf = path.suffix.lower() in GLTF_SUFFIXES
+    if is_gltf and "up" in table:
+        raise CadetError(f"{owner}.up: glTF files say themselves that y points up")
+    data = read_file(path, f"{owner}: no mesh {table['mesh']!r}")
+    mesh = (gltf_from_bytes if is_gltf else obj_from_bytes)(data, table["mesh"], Beside(root, path))
     try:
         return VehicleMesh(
             name=table["name"],
             type=table["class"],
-            obj=obj,
-            libraries=libraries,
-            gltf=gltf,
+            mesh=mesh,
             file=table["mesh"],
             scale=table.get("scale", 1.0),
             yaw_deg=table.get("yaw_deg", 0.0),
@@ -285,46 +276,10 @@ def _inside(root: Path, name: object, owner: str) -> Path:
     if not isinstance(name, str) or "\0" in name:
         raise CadetError(f"{owner}.mesh: expected the path of an OBJ or glTF file, got {name!r}")
     path = root / name
-    if not path.resolve().is_relative_to(root.resolve()):
+    try:
+        is_inside = path.resolve().is_relative_to(root.resolve())
+    except (OSError, RuntimeError):  # links that lead to each other
+        is_inside = False
+    if not is_inside:
         raise CadetError(f"{owner}.mesh: {name!r} leads out of the folder")
     return path
-
-
-def _read_gltf(root: Path, path: Path, mesh: str, owner: str) -> GltfFile:
-    def read_beside(name: str) -> bytes:
-        beside = path.parent / name
-        if "\0" in name or not beside.resolve().is_relative_to(root.resolve()):
-            raise CadetError(f"{owner}: {mesh!r} refers to {name!r}, which lies outside of the folder")
-        return _read_bytes(beside, f"{owner}: no file {name!r} beside {mesh!r}")
-
-    return gltf_from_bytes(_read_bytes(path, f"{owner}: no mesh {mesh!r}"), mesh, read_beside)
-
-
-def _read_text(path: Path, missing: str) -> str:
-    # Comments in any encoding do no harm; numbers and keywords are ASCII.
-    return _read_bytes(path, missing).decode("utf-8", errors="replace")
-
-
-def _read_bytes(path: Path, missing: str) -> bytes:
-    try:
-        return path.read_bytes()
-    except (FileNotFoundError, IsADirectoryError, NotADirectoryError):
-        raise MissingFileError(missing) from None
-    except OSError as error:
-        if error.errno != errno.ENAMETOOLONG:
-            raise
-        raise MissingFileError(missing) from None
-
-
-def _library_names(obj: str) -> list[str]:
-    names = [line.strip().partition(" ")[2].strip() for line in obj.splitlines() if line.strip().startswith("mtllib ")]
-    return list(dict.fromkeys(names))
-
-
-def _read_library(mesh: Path, name: str, owner: str) -> str:
-    # Exporters write the paths of their own machine: the library lies beside the mesh.
-    last = re.split(r"[/\\]", name)[-1]
-    if last in ("", ".", "..") or "\0" in last:
-        raise CadetError(f"{owner}: {mesh.name!r} names a material library {name!r}: expected a file's name")
-    beside = mesh.with_name(last)
-    return _read_text(beside, f"{owner}: no material library {beside.name!r} beside {mesh.name!r}")

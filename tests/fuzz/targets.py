@@ -14,10 +14,8 @@ import numpy as np
 import cadet
 from cadet import _cadet, kitti
 from cadet.analysis.groups import groups_from_text
-from cadet.assets import Assets, VehicleMesh
 from cadet.beam_table import BeamTable
 from cadet.evaluation import Rules
-from cadet.gltf_file import gltf_from_bytes
 from cadet.kitti import dialects
 from cadet.kitti.planes import plane_from_text
 from cadet.kitti.velodyne import points_from_bytes
@@ -27,12 +25,11 @@ from cadet.webdataset import Member, read_members
 from cadet.webdataset.index import index_from_text, text_from_index
 from fuzz.archives import damage_archive, tar_archive
 from fuzz.checkpoints import checkpoint_targets
+from fuzz.meshes import MESH_TARGETS
 from fuzz.mutations import damage_bytes, damage_text, nested
 from fuzz.pictures import picture_targets
 from fuzz.road_text import ROADS
 from fuzz.target import Input, Target
-from gltf_meshes import glb, gltf_of
-from obj_meshes import MTL, car_obj
 from scan_writers import Columns, npy, pcd, ply
 from synthetic import make_calib, make_frame
 
@@ -82,19 +79,6 @@ def _read_scan(data: bytes) -> object:
         return scan_from_data(data, "scan")
 
 
-_LIBRARY = car_obj().split("\n", 1)[0].removeprefix("mtllib ")
-
-
-def _read_mesh(text: str) -> object:
-    obj, _, mtl = text.partition("\f")
-    return Assets((VehicleMesh(name="car", type="Car", obj=obj, libraries=((_LIBRARY, mtl),), file="car.obj"),))
-
-
-def _read_gltf(data: bytes) -> object:
-    gltf = gltf_from_bytes(data, "car.glb", lambda name: b"\0" * 64)
-    return Assets((VehicleMesh(name="car", type="Car", gltf=gltf, file="car.glb"),))
-
-
 def _read_simulation(text: str) -> object:
     with tempfile.NamedTemporaryFile("w", suffix=".toml", encoding="utf-8", newline="") as file:
         file.write(text)
@@ -133,7 +117,6 @@ neighbors = ["Truck"]
 min_overlap = { 2d = 0.7, bev = 0.5, 3d = 0.5 }
 """
 _FRAME = make_frame()
-_GLTF, _GLTF_BUFFER = gltf_of(car_obj())
 _FIVE = np.column_stack([_FRAME.points_velo[:300], np.arange(300) % 32]).astype("<f4")
 _COLUMNS: Columns = dict(zip(("x", "y", "z", "intensity", "ring"), _FIVE[:90].T, strict=True))
 _SCANS = {
@@ -164,8 +147,7 @@ TARGETS = (
     _texts("LIDARs", cadet.Lidar.vlp16().to_toml(), _read_lidar, nests=True),
     _texts("rules of evaluation", RULES, lambda text: Rules.from_toml(text, "rules.toml"), nests=True),
     _texts("groups", "000001 a\n000002 a\n000017 b\n", lambda text: groups_from_text(text, "groups.txt")),
-    _texts("meshes", car_obj() + "\f" + MTL, _read_mesh),
-    _files("glTF", glb(json.dumps(_GLTF).encode(), _GLTF_BUFFER), _read_gltf),
+    *MESH_TARGETS,
     _texts("roads", ROADS, _read_roads),
     _texts("simulations", SIMULATION, _read_simulation, nests=True),
     Target("archives", lambda rng: damage_archive(rng, _ARCHIVE), _read_archive),

@@ -182,14 +182,6 @@ def test_a_mesh_that_makes_no_vehicle_is_refused_when_read(toml: str, message: s
     assert str(caught.value).startswith(message)
 
 
-def test_a_mesh_with_nan_is_refused(tmp_path: Path) -> None:
-    own = assets_folder(tmp_path / "own")
-    path = own / "meshes" / "car.obj"
-    path.write_text(path.read_text().replace("v -2.000", "v nan", 1))
-    with pytest.raises(cadet.CadetError, match=r"^meshes/car.obj: .*not finite"):
-        cadet.Assets.read(own)
-
-
 @needs_meshes
 def test_real_meshes_have_the_size_of_vehicles(real: cadet.Assets) -> None:
     sizes = {name: size for name, _, size in real.to_native().models()}

@@ -3,16 +3,19 @@
 #![allow(clippy::unwrap_used)]
 #![allow(clippy::print_stderr)]
 
+#[path = "common/source.rs"]
+mod source;
+
 use cadet_core::actor::ObjectClass;
-use cadet_core::assets::import::MeshSource;
 use cadet_core::assets::vehicle::{MaterialRules, Role, VehicleAsset, VehicleModel};
 use cadet_core::geometry::Bounds;
 use cadet_core::material::Material;
 use cadet_core::math::{DVec3, Vec3};
+use source::mesh_of;
 
 /// A closed shell of 4.2 x 1.8 x 1.5 m that looks along +x: a body up to 0.9 m, over it a cabin whose walls lean in, and
 /// mirrors beside it. No face names a material.
-fn shell() -> VehicleAsset {
+fn shell_text() -> String {
     let mut obj = String::new();
     let mut n = 0;
     let mut frustum = |low: ([f32; 2], [f32; 2], f32), high: ([f32; 2], [f32; 2], f32)| {
@@ -32,16 +35,21 @@ fn shell() -> VehicleAsset {
     for side in [-1.0, 1.0] {
         frustum(([0.5, 0.7], [side - 0.06, side + 0.06], 1.0), ([0.5, 0.7], [side - 0.06, side + 0.06], 1.2));
     }
+    obj
+}
+
+fn shell() -> VehicleAsset {
     VehicleAsset {
         name: "shell".to_owned(),
         class: ObjectClass::Car,
         file: "shell.obj".to_owned(),
-        source: MeshSource::Obj { text: obj, libraries: Vec::new() },
+        source: mesh_of(&shell_text(), &[]),
         scale: 1.0,
         yaw_rad: 0.0,
         y_up: false,
         size_lwh: None,
         rules: MaterialRules::default(),
+        leave_out: None,
     }
 }
 
@@ -54,17 +62,11 @@ fn faces_of(model: &VehicleModel, keep: impl Fn(&Material) -> bool) -> (Vec<[Vec
     (faces, area_m2)
 }
 
-/// The text of an asset's OBJ file.
-fn text(asset: &mut VehicleAsset) -> &mut String {
-    let MeshSource::Obj { text, .. } = &mut asset.source else { panic!("no OBJ file") };
-    text
-}
-
 #[test]
 fn a_shell_without_materials_gets_windows_on_all_sides_and_keeps_its_pillars() {
     let (model, assumed) = VehicleModel::with_assumptions(&shell()).unwrap();
     assert_eq!(
-        assumed.unwrap(),
+        assumed.concat(),
         "shell.obj: no materials: gray paint is assumed; glass is assumed where windows usually are, with seats behind it \
          (materials.glass in assets.toml names windows, [] says that there are none)"
     );
@@ -95,7 +97,7 @@ fn a_shell_without_materials_gets_windows_on_all_sides_and_keeps_its_pillars() {
 fn the_shell_outside_of_its_windows_is_what_it_was() {
     let closed = VehicleAsset { rules: MaterialRules(vec![(Role::Glass, Vec::new())]), ..shell() };
     let (closed, nothing) = VehicleModel::with_assumptions(&closed).unwrap();
-    assert_eq!(nothing, None, "who says that there are no windows is asked no more");
+    assert_eq!(nothing, Vec::<String>::new(), "who says that there are no windows is asked no more");
     let (glazed, _) = VehicleModel::with_assumptions(&shell()).unwrap();
     let (_, whole_m2) = faces_of(&closed, |_| true);
     assert_eq!(faces_of(&closed, Material::is_transparent).0, Vec::<[Vec3; 3]>::new());
@@ -107,14 +109,13 @@ fn the_shell_outside_of_its_windows_is_what_it_was() {
 
 #[test]
 fn windows_of_their_own_material_are_left_alone() {
-    let mut asset = shell();
-    let named = format!("mtllib a.mtl\nusemtl Lack\n{}", text(&mut asset).replacen("f ", "usemtl Window\nf ", 2));
-    let library = "newmtl Lack\nKd 1 0 0\nnewmtl Window\nKd 0 0 0\n".to_owned();
-    asset.source = MeshSource::Obj { text: named, libraries: vec![("a.mtl".to_owned(), library)] };
-    assert_eq!(VehicleModel::with_assumptions(&asset).unwrap().1, None);
-    *text(&mut asset) = text(&mut asset).replace("usemtl Window", "usemtl Lack");
-    let (_, assumed) = VehicleModel::with_assumptions(&asset).unwrap();
-    assert!(assumed.unwrap().starts_with("shell.obj: no material for windows among Lack; glass is assumed"));
+    let named = format!("usemtl Lack\n{}", shell_text().replacen("f ", "usemtl Window\nf ", 2));
+    let library = [("Lack", [1.0, 0.0, 0.0], 1.0), ("Window", [0.0; 3], 1.0)];
+    let asset = VehicleAsset { source: mesh_of(&named, &library), ..shell() };
+    assert_eq!(VehicleModel::with_assumptions(&asset).unwrap().1, Vec::<String>::new());
+    let unnamed = mesh_of(&named.replace("usemtl Window", "usemtl Lack"), &library);
+    let (_, assumed) = VehicleModel::with_assumptions(&VehicleAsset { source: unnamed, ..shell() }).unwrap();
+    assert!(assumed.concat().starts_with("shell.obj: no material for windows among Lack; glass is assumed"));
 }
 
 #[test]
@@ -126,14 +127,10 @@ fn trucks_have_windows_at_the_cab_alone_and_walls_none() {
     assert!(bounds.min.x > 4.0 - 2.0, "{bounds:?}");
     let wall = "v -3 -.2 0\nv 3 -.2 0\nv 3 .2 0\nv -3 .2 0\nv -3 -.2 4\nv 3 -.2 4\nv 3 .2 4\nv -3 .2 4\n\
                 f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
-    let wall = VehicleAsset {
-        class: ObjectClass::Truck,
-        source: MeshSource::Obj { text: wall.to_owned(), libraries: Vec::new() },
-        ..shell()
-    };
+    let wall = VehicleAsset { class: ObjectClass::Truck, source: mesh_of(wall, &[]), ..shell() };
     let (model, assumed) = VehicleModel::with_assumptions(&wall).unwrap();
     assert_eq!(faces_of(&model, Material::is_transparent).0.len(), 0);
-    assert!(assumed.unwrap().contains("; no glass is assumed, since nothing stands where windows usually are"));
+    assert!(assumed.concat().contains("; no glass is assumed, since nothing stands where windows usually are"));
 }
 
 #[test]
@@ -147,19 +144,19 @@ fn other_peoples_meshes_get_windows_of_a_cars_size() {
         [("hatchback", 0.0254, 90.0_f64, 1.5..4.5), ("suv", 0.06, -90.0, 2.0..6.0), ("bus", 0.01, 90.0, 2.0..9.0)]
     {
         let path = std::path::Path::new(folder).join(name).join(format!("{name}.obj"));
-        let library = std::fs::read_to_string(path.with_extension("mtl")).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let materials: Vec<&str> =
+            text.lines().filter_map(|line| line.strip_prefix("usemtl ")).map(str::trim).collect();
+        let library: Vec<_> = materials.into_iter().map(|name| (name, [0.4; 3], 1.0)).collect();
         let asset = VehicleAsset {
             class: if name == "bus" { ObjectClass::Truck } else { ObjectClass::Car },
-            source: MeshSource::Obj {
-                text: std::fs::read_to_string(&path).unwrap(),
-                libraries: vec![(format!("{name}.mtl"), library)],
-            },
+            source: mesh_of(&text, &library),
             scale,
             yaw_rad: yaw_deg.to_radians(),
             ..shell()
         };
         let (model, assumed) = VehicleModel::with_assumptions(&asset).unwrap();
-        assert!(assumed.unwrap().contains("; glass is assumed"), "{name}");
+        assert!(assumed.concat().contains("; glass is assumed"), "{name}");
         let (_, area_m2) = faces_of(&model, Material::is_transparent);
         assert!(glazed_m2.contains(&area_m2), "{name}: {area_m2} square meters of glass");
     }

@@ -2,10 +2,12 @@
 
 #![allow(clippy::unwrap_used)]
 
+#[path = "common/source.rs"]
+mod source;
+
 use std::sync::Arc;
 
 use cadet_core::actor::ObjectClass;
-use cadet_core::assets::import::MeshSource;
 use cadet_core::assets::vehicle::{MaterialRules, Role, UserVehicles, VehicleAsset, VehicleModel};
 use cadet_core::geometry::Bounds;
 use cadet_core::material::{Material, Semantic};
@@ -13,7 +15,7 @@ use cadet_core::math::{DVec3, Vec3};
 use cadet_core::rng::{Stream, StreamKey};
 use cadet_core::town::{PropConfig, SuburbConfig, Town};
 use cadet_core::world::{TrafficConfig, World};
-use proptest::prelude::*;
+use source::mesh_of;
 
 /// A block of an OBJ file from `min` to `max`, its faces counter-clockwise from outside.
 fn block(obj: &mut String, num_blocks: &mut usize, material: &str, min: [f32; 3], max: [f32; 3]) {
@@ -30,10 +32,17 @@ fn block(obj: &mut String, num_blocks: &mut usize, material: &str, min: [f32; 3]
     }
 }
 
+const LIBRARY: [(&str, [f32; 3], f32); 4] = [
+    ("Lack", [0.6, 0.05, 0.04], 1.0),
+    ("Window_All", [0.2; 3], 0.2),
+    ("Seats", [0.1; 3], 1.0),
+    ("Wheel", [0.6; 3], 1.0),
+];
+
 /// A car in centimeters that looks along -y: 4.2 x 1.8 x 1.5 m, its axles 1.3 m before and 1.2 m behind the middle, a
 /// cabin of panes with a seat inside. It floats 7 cm above the file's zero, beside its origin.
-fn car() -> VehicleAsset {
-    let (mut obj, mut n) = ("mtllib car.mtl\n".to_owned(), 0);
+fn car_text() -> String {
+    let (mut obj, mut n) = (String::new(), 0);
     let (x, y, z) = (300.0, 1000.0, 7.0);
     let mut part = |material: &str, min: [f32; 3], max: [f32; 3]| {
         block(&mut obj, &mut n, material, [min[0] + x, min[1] + y, min[2] + z], [max[0] + x, max[1] + y, max[2] + z]);
@@ -44,18 +53,25 @@ fn car() -> VehicleAsset {
     for (side, axle) in [(-75.0, -130.0), (75.0, -130.0), (-75.0, 120.0), (75.0, 120.0)] {
         part("Wheel", [side - 10.0, axle - 30.0, 0.0], [side + 10.0, axle + 30.0, 60.0]);
     }
-    let mtl = "newmtl Lack\nKd 0.6 0.05 0.04\nnewmtl Window_All\nKd 0.2 0.2 0.2\nd 0.2\n\
-               newmtl Seats\nKd 0.1 0.1 0.1\nnewmtl Wheel\nKd 0.6 0.6 0.6\n";
+    obj
+}
+
+fn car() -> VehicleAsset {
+    car_of(&car_text())
+}
+
+fn car_of(text: &str) -> VehicleAsset {
     VehicleAsset {
         name: "mine".to_owned(),
         class: ObjectClass::Car,
         file: "car.obj".to_owned(),
-        source: MeshSource::Obj { text: obj, libraries: vec![("car.mtl".to_owned(), mtl.to_owned())] },
+        source: mesh_of(text, &LIBRARY),
         scale: 0.01,
         yaw_rad: std::f64::consts::FRAC_PI_2,
         y_up: false,
         size_lwh: None,
         rules: MaterialRules::default(),
+        leave_out: None,
     }
 }
 
@@ -70,18 +86,6 @@ fn bounds_of(model: &VehicleModel, keep: impl Fn(&Material) -> bool) -> Bounds {
 #[track_caller]
 fn assert_near(a: Vec3, b: Vec3) {
     assert!((a - b).abs().max_element() < 1e-4, "{a} is not {b}");
-}
-
-/// The text of an asset's OBJ file.
-fn text(asset: &mut VehicleAsset) -> &mut String {
-    let MeshSource::Obj { text, .. } = &mut asset.source else { panic!("no OBJ file") };
-    text
-}
-
-/// The material libraries of an asset's OBJ file.
-fn libraries(asset: &mut VehicleAsset) -> &mut Vec<(String, String)> {
-    let MeshSource::Obj { libraries, .. } = &mut asset.source else { panic!("no OBJ file") };
-    libraries
 }
 
 #[test]
@@ -108,8 +112,7 @@ fn wheels_are_found_by_their_tyres_and_touch_the_ground() {
         assert_near(*center, Vec3::new(x, side * 0.75, 0.3));
     }
     // Without materials that tell, the lowest faces do.
-    let mut unnamed = car();
-    *text(&mut unnamed) = text(&mut unnamed).replace("usemtl Wheel", "usemtl Lack");
+    let unnamed = car_of(&car_text().replace("usemtl Wheel", "usemtl Lack"));
     let found = VehicleModel::from_asset(&unnamed).unwrap();
     for (a, b) in found.wheel_centers.iter().zip(&model.wheel_centers) {
         assert!((a.truncate() - b.truncate()).length() < 1e-3, "{a} {b}");
@@ -128,17 +131,15 @@ fn a_size_that_is_asked_for_is_met() {
 
 #[test]
 fn a_file_with_y_up_is_stood_upright() {
-    let mut asset = car();
     // (x, y, z) as the file of a modeller with y up has it: (x, z, -y).
     let turn = |line: &str| {
         let v: Vec<f32> = line.split_whitespace().skip(1).map(|t| t.parse().unwrap()).collect();
         format!("v {} {} {}", v[0], v[2], -v[1])
     };
-    let lines = text(&mut asset).lines().map(|l| if l.starts_with("v ") { turn(l) } else { l.to_owned() });
-    let obj = lines.collect::<Vec<_>>().join("\n");
-    let upright = VehicleModel::from_asset(&asset).unwrap();
-    *text(&mut asset) = obj;
-    asset.y_up = true;
+    let text = car_text();
+    let lines = text.lines().map(|l| if l.starts_with("v ") { turn(l) } else { l.to_owned() });
+    let upright = VehicleModel::from_asset(&car()).unwrap();
+    let asset = VehicleAsset { y_up: true, ..car_of(&lines.collect::<Vec<_>>().join("\n")) };
     let turned = VehicleModel::from_asset(&asset).unwrap();
     let panes = [&upright, &turned].map(|m| bounds_of(m, Material::is_transparent));
     assert_near(panes[0].min, panes[1].min);
@@ -177,18 +178,20 @@ fn what_makes_no_vehicle_is_refused_by_name() {
         refuse(&|a| a.yaw_rad = 0.0),
         "car.obj: wider (4.20 m) than long (1.80 m): turn its front to +x with yaw_deg"
     );
-    assert_eq!(refuse(&|a| text(a).clear()), "car.obj: no faces: is it a Wavefront OBJ file?");
+    assert_eq!(refuse(&|a| a.source = Default::default()), "car.obj: no triangle with an area");
     assert_eq!(
-        refuse(&|a| *text(a) = "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3".into()),
+        refuse(&|a| a.source = mesh_of("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3", &[])),
         "car.obj: no triangle with an area"
     );
-    assert_eq!(
-        refuse(&|a| *text(a) = "\u{89}PNG\r\n\u{1a}".to_owned()),
-        "car.obj: no faces: is it a Wavefront OBJ file?"
+    let nan = car_text().replacen("v ", "v nan ", 1);
+    assert!(refuse(&|a| a.source = mesh_of(&nan, &LIBRARY)).starts_with("car.obj: a coordinate is not finite"));
+    assert_eq!(refuse(&|a| a.source.materials.clear()), "car.obj: a face of material 0 of 0 and part 0 of 1");
+    let fan: String = (0..1200).map(|i| format!("v {} {i} 1\n", i % 2)).collect();
+    let corners: String = (1..1200).map(|i| format!(" {i}")).collect();
+    let fan = mesh_of(&format!("{fan}f{corners}"), &[]);
+    assert!(
+        refuse(&|a| (a.source, a.scale) = (fan.clone(), 1.0)).contains("more than 1000 triangles meet in one place")
     );
-    assert_eq!(refuse(&|a| libraries(a).clear()), "car.obj: material library car.mtl: no such file");
-    assert!(refuse(&|a| *text(a) = text(a).replacen("v ", "v nan ", 1)).starts_with("car.obj: "));
-    assert!(refuse(&|a| *text(a) = text(a).replace("f ", "f 99999 ")).starts_with("car.obj: "));
     assert!(refuse(&|a| a.yaw_rad = f64::NAN).contains("not finite"));
     assert!(refuse(&|a| a.size_lwh = Some(DVec3::NAN)).contains("check size_lwh"));
     assert_eq!(refuse(&|a| a.scale = -1.0), "mesh scale is -1, expected above 0 and finite");
@@ -199,7 +202,7 @@ fn what_makes_no_vehicle_is_refused_by_name() {
     assert_eq!(refuse(&|a| a.class = ObjectClass::Tram), "scene: no vehicle is of class Tram: Car, Van or Truck");
     let flat = "v 0 0 0\nv 4 0 0\nv 4 2 0\nf 1 2 3\n";
     assert_eq!(
-        refuse(&|a| (*text(a), a.scale) = (flat.to_owned(), 1.0)),
+        refuse(&|a| (a.source, a.scale) = (mesh_of(flat, &[]), 1.0)),
         "car.obj: no body: its bounds are 2.000 x 4.000 x 0.000"
     );
 }
@@ -274,21 +277,32 @@ fn they_drive_and_park_among_the_others_and_none_changes_nothing() {
     }
 }
 
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(400))]
-
-    #[test]
-    fn no_text_makes_it_panic(
-        lines in prop::collection::vec("(v|f|vn|vt|usemtl|mtllib|o|g|s|#)? ?[-0-9eE./ naif]{0,24}", 0..30),
-        mtl in "(newmtl|Kd|d|Tr|map_Kd|Ns)? ?[-0-9e. a]{0,12}",
-        size in prop::option::of(1.0..10.0f64),
-    ) {
-        let size_lwh = size.map(|s| DVec3::new(s, 1.0, 1.0));
-        let libraries = vec![("a".to_owned(), mtl)];
-        let _ = VehicleModel::from_asset(&VehicleAsset {
-                source: MeshSource::Obj { text: lines.join("\n"), libraries },
-                size_lwh,
-                ..car()
-            });
+#[test]
+fn what_lies_around_a_vehicle_is_named_and_left_out() {
+    let mut text = format!("g car\n{}g shadow_plane\n", car_text());
+    block(&mut text, &mut 7, "Lack", [-500.0, 300.0, 0.0], [1100.0, 1800.0, 1.0]);
+    let wide = car_of(&text);
+    let error = VehicleModel::from_asset(&wide).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "car.obj: 16.000 m wide, expected 0.3 to 5 m: check scale; without \"shadow_plane\" it would do: \
+         materials.leave_out = [\"shadow_plane\"] in assets.toml leaves that out"
+    );
+    let plain = VehicleModel::from_asset(&car()).unwrap();
+    for pattern in ["shadow*", "*PLANE"] {
+        let asset = VehicleAsset { leave_out: Some(vec![pattern.to_owned()]), ..wide.clone() };
+        let model = VehicleModel::from_asset(&asset).unwrap();
+        assert_eq!((model.size_lwh, model.body.finest().bounds), (plain.size_lwh, plain.body.finest().bounds));
     }
+    let lost = VehicleAsset { leave_out: Some(vec!["Floor".to_owned()]), ..wide.clone() };
+    assert!(VehicleModel::from_asset(&lost).unwrap_err().to_string().starts_with(
+        "car.obj: materials.leave_out: no material, node, object or group is named \"Floor\"; known: Lack, Window_All"
+    ));
+    // A shadow as large as the car refuses nothing, but nobody wants it: who has not thought of it hears of it.
+    let mut text = format!("g car\n{}g Shadow\n", car_text());
+    block(&mut text, &mut 7, "Lack", [205.0, 780.0, 0.0], [395.0, 1220.0, 0.1]);
+    let (_, said) = VehicleModel::with_assumptions(&car_of(&text)).unwrap();
+    assert!(said[0].starts_with("car.obj: \"Shadow\" is taken as a part of the vehicle"), "{said:?}");
+    let kept = VehicleAsset { leave_out: Some(Vec::new()), ..car_of(&text) };
+    assert_eq!(VehicleModel::with_assumptions(&kept).unwrap().1, Vec::<String>::new());
 }

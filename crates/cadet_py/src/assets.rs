@@ -1,9 +1,10 @@
 //! A user's own vehicles: `cadet.Assets.to_native()`.
 
 use cadet_core::actor::ObjectClass;
-use cadet_core::assets::import::MeshSource;
+use cadet_core::assets::source_mesh::{MAX_MATERIALS, MAX_TRIANGLES, SourceMaterial, SourceMesh, SourceTriangle};
 use cadet_core::assets::vehicle::{MaterialRules, Role, UserVehicles, VehicleAsset};
-use cadet_core::math::DVec3;
+use cadet_core::math::{DVec3, Vec3};
+use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 use crate::error::BorderError;
@@ -18,37 +19,54 @@ pub(crate) struct VehicleMesh {
 
 #[pymethods]
 impl VehicleMesh {
+    #[classattr]
+    const MAX_TRIANGLES: usize = MAX_TRIANGLES;
+    #[classattr]
+    const MAX_MATERIALS: usize = MAX_MATERIALS;
+
     #[new]
-    #[pyo3(signature = (*, name, class_name, file, obj, libraries, gltf, buffers, image_colors, scale, yaw_rad, y_up, size_lwh, materials))]
+    #[pyo3(signature = (*, name, class_name, file, corners, material_ids, part_ids, source_materials, parts, scale, yaw_rad, y_up, size_lwh, materials, leave_out))]
     fn new(
         name: String,
         class_name: &str,
         file: String,
-        obj: String,
-        libraries: Vec<(String, String)>,
-        gltf: Option<Vec<u8>>,
-        buffers: Vec<Vec<u8>>,
-        image_colors: Vec<Option<[f32; 3]>>,
+        corners: PyReadonlyArray2<'_, f32>,
+        material_ids: PyReadonlyArray1<'_, u32>,
+        part_ids: PyReadonlyArray1<'_, u32>,
+        source_materials: Vec<(String, Option<[f32; 3]>, f32)>,
+        parts: Vec<Vec<String>>,
         scale: f64,
         yaw_rad: f64,
         y_up: bool,
         size_lwh: Option<[f64; 3]>,
         materials: Vec<(String, Vec<String>)>,
+        leave_out: Option<Vec<String>>,
     ) -> Result<Self, BorderError> {
+        let rows = corners.as_array();
+        let rows = rows.rows().into_iter().zip(material_ids.as_array()).zip(part_ids.as_array());
+        let triangles = rows.map(|((row, material), part)| {
+            let at = |i: usize| row.get(i).copied().unwrap_or(f32::NAN);
+            let corners = [0, 3, 6].map(|i| Vec3::new(at(i), at(i + 1), at(i + 2)));
+            SourceTriangle { corners, material: *material, part: *part }
+        });
+        let stated = source_materials.into_iter();
+        let source = SourceMesh {
+            triangles: triangles.collect(),
+            materials: stated.map(|(name, albedo, opacity)| SourceMaterial { name, albedo, opacity }).collect(),
+            parts,
+        };
         let rules = materials.into_iter().map(|(role, patterns)| Ok((Role::from_name(&role)?, patterns)));
         let asset = VehicleAsset {
             name,
             class: ObjectClass::from_name(class_name)?,
             file,
-            source: match gltf {
-                Some(document) => MeshSource::Gltf { document, buffers, image_colors },
-                None => MeshSource::Obj { text: obj, libraries },
-            },
+            source,
             scale,
             yaw_rad,
             y_up,
             size_lwh: size_lwh.map(DVec3::from_array),
             rules: MaterialRules(rules.collect::<cadet_core::Result<_>>()?),
+            leave_out,
         };
         Ok(Self { asset })
     }

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from cadet import _cadet
 from cadet.arrays import check_array
 from cadet.errors import CadetError, FileFormatError, KittiFormatError, ShapeError
-from cadet.image_file import MAX_PIXELS, Picture, decode_file
+from cadet.image_file import MAX_PIXELS, DecodedImage, decode_file
 from cadet.kitti.dialects import accept
 
 DEPTH_STEPS_PER_M: Final = 256.0
@@ -135,7 +135,7 @@ def instance_from_pixels(pixels: NDArray[np.uint16]) -> NDArray[np.int32]:
     return pixels.astype(np.int32) - np.int32(1)
 
 
-def _decode(data: bytes, file: str) -> Picture:
+def _decode(data: bytes, file: str) -> DecodedImage:
     try:
         return decode_file(data, file)
     except FileFormatError as error:

@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use super::VehicleModel;
 use super::assumed_windows::{Face, Windows};
-use super::imported_materials::{MaterialRules, Role, material};
+use super::imported_fit::{Fit, or_what_to_leave_out};
+use super::imported_materials::{MaterialRules, Role, listed, matches, material};
 use super::paint::Livery;
 use crate::actor::{AnnotatedBox, ObjectClass};
-use crate::assets::import::{ImportOptions, MeshSource, SourceMaterial, check_num_materials, triangles};
+use crate::assets::source_mesh::{Placing, SourceMesh, SourceTriangle, check_num_materials, has_area};
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, LodSet, MeshBuilder};
 use crate::material::{Material, Palette, Pattern, Semantic};
@@ -16,8 +17,6 @@ use crate::rng::Stream;
 
 /// Faces that meet at more than this angle show an edge.
 const CREASE_RAD: f32 = 0.6;
-/// What can pass for a vehicle: length, width, height in meters.
-const LIMITS_M: [(&str, f64, f64); 3] = [("long", 1.0, 30.0), ("wide", 0.3, 5.0), ("high", 0.3, 6.0)];
 /// What is lower than this belongs to a tire rather than to the body, meters.
 const TYRE_FOOT_M: f32 = 0.15;
 
@@ -31,7 +30,7 @@ pub struct VehicleAsset {
     /// The mesh's file, for messages.
     pub file: String,
     /// What the file holds.
-    pub source: MeshSource,
+    pub source: SourceMesh,
     /// Meters per unit of the file, above 0.
     pub scale: f64,
     /// Turns the mesh about the vertical, counter-clockwise seen from above, so that its front looks along +x.
@@ -42,6 +41,8 @@ pub struct VehicleAsset {
     pub size_lwh: Option<DVec3>,
     /// Which materials are glass, tires, ...
     pub rules: MaterialRules,
+    /// Patterns of the names of materials and parts that are none of the vehicle; `None` where nobody has thought of it.
+    pub leave_out: Option<Vec<String>>,
 }
 
 impl VehicleModel {
@@ -49,18 +50,17 @@ impl VehicleModel {
     /// what annotators leave out is drawn for each actor ([`VehicleModel::annotated_by`]).
     ///
     /// # Errors
-    /// [`Error::Mesh`], naming the file: not of its format, no face with an area, a coordinate that is not finite, a missing
-    /// material library, a rule that fits no material, or a size that no vehicle has. [`Error::Scene`] for a class that
-    /// no vehicle has.
+    /// [`Error::Mesh`], naming the file: no face with an area, a coordinate that is not finite, a rule that fits nothing,
+    /// or a size that no vehicle has. [`Error::Scene`] for a class that no vehicle has.
     pub fn from_asset(asset: &VehicleAsset) -> Result<Self> {
         Self::with_assumptions(asset).map(|(model, _)| model)
     }
 
-    /// The vehicle, and in one line what was assumed where the mesh says too little of its materials.
+    /// The vehicle, and a line each of what was assumed where the mesh says too little.
     ///
     /// # Errors
     /// As [`VehicleModel::from_asset`].
-    pub fn with_assumptions(asset: &VehicleAsset) -> Result<(Self, Option<String>)> {
+    pub fn with_assumptions(asset: &VehicleAsset) -> Result<(Self, Vec<String>)> {
         let fail = |reason: String| Error::Mesh { name: asset.file.clone(), reason };
         let semantic = match asset.class {
             ObjectClass::Car => Semantic::Car,
@@ -71,23 +71,23 @@ impl VehicleModel {
                 return Err(Error::Scene { reason });
             }
         };
-        let options =
-            ImportOptions { scale: asset.scale, y_up: asset.y_up, yaw_rad: asset.yaw_rad, on_ground: false, semantic };
-        let read = triangles(&asset.file, &asset.source, &options)?;
-        // One for faces that name none, assumed glass and assumed seats.
-        check_num_materials(&asset.file, read.materials.len() + 3)?;
-        asset.rules.check(&asset.file, &read.materials)?;
-        let roles: Vec<Option<Role>> =
-            read.materials.iter().map(|m| asset.rules.role(&m.name, m.opacity)).chain([None]).collect();
-        let sources = read.materials.iter().map(Some).chain([None]);
-        let mut palette: Vec<_> = sources.zip(&roles).map(|(m, role)| material(m, *role, semantic)).collect();
+        let materials = &asset.source.materials;
+        // Assumed glass and assumed seats.
+        check_num_materials(&asset.file, materials.len() + 2)?;
+        asset.rules.check(&asset.file, materials)?;
+        let placing = Placing::new(asset.scale, asset.yaw_rad, asset.y_up)?;
+        let is_left_out = asset.left_out().map_err(fail)?;
+        let triangles = asset.source.placed(&asset.file, &placing, |triangle| !is_left_out(triangle))?;
+        let roles = asset.rules.roles(materials);
+        let mut palette: Vec<_> =
+            materials.iter().zip(&roles).map(|(m, role)| material(Some(m), *role, semantic)).collect();
 
-        let bounds = Bounds::of(read.triangles.iter().flat_map(|(corners, _)| *corners));
-        let fit = Fit::new(&bounds, asset.size_lwh).map_err(fail)?;
-        let placed = read.triangles.iter().map(|(corners, slot)| (corners.map(|p| fit.point(p)), *slot));
+        let bounds = Bounds::of(triangles.iter().flat_map(|triangle| triangle.corners));
+        let fit = Fit::new(&bounds, asset.size_lwh)
+            .map_err(|reason| fail(or_what_to_leave_out(reason, &asset.source, &triangles)))?;
+        let placed = triangles.iter().map(|t| (t.corners.map(|p| fit.point(p)), t.material as usize));
         // What a size that was asked for has pressed flat.
-        let has_area = |([a, b, c], _): &Face| (*b - *a).cross(*c - *a).length_squared() > 1e-15;
-        let mut faces: Vec<Face> = placed.filter(has_area).collect();
+        let mut faces: Vec<Face> = placed.filter(|(corners, _)| has_area(corners)).collect();
         if faces.is_empty() {
             return Err(fail("no triangle with an area".to_owned()));
         }
@@ -97,14 +97,14 @@ impl VehicleModel {
             .flat_map(|(corners, _)| *corners)
             .collect();
         let mut builder = MeshBuilder::new();
-        let mut assumed = None;
+        let mut assumed = asset.shadow_kept(&triangles);
         let has = |role: Role| faces.iter().any(|(_, slot)| roles[*slot] == Some(role));
         if !has(Role::Glass) && !asset.rules.names(Role::Glass) {
             let has_seats = has(Role::Interior);
             let is_body = |slot: usize| roles[slot].is_none();
             let windows = Windows::find(&faces, asset.class, fit.size.as_vec3());
             let glazed = windows.and_then(|p| p.glaze(&faces, is_body, palette.len()).map(|cut| (p, cut)));
-            assumed = Some(assumption(asset, &read.materials, &faces, glazed.is_some()));
+            assumed.push(assumption(asset, &faces, glazed.is_some()));
             if let Some((windows, cut)) = glazed {
                 faces = cut;
                 let cloth = Material::matt(semantic, [0.05; 3], Pattern::Cloth, 0.25);
@@ -137,18 +137,54 @@ impl VehicleModel {
     }
 }
 
+impl VehicleAsset {
+    /// Tells of a triangle whether its material or part is to be left out.
+    ///
+    /// # Errors
+    /// A pattern that fits nothing.
+    fn left_out(&self) -> std::result::Result<impl Fn(&SourceTriangle) -> bool, String> {
+        let patterns = self.leave_out.as_deref().unwrap_or_default();
+        let SourceMesh { materials, parts, .. } = &self.source;
+        let fits = |name: &String| patterns.iter().any(|pattern| matches(pattern, name));
+        let names = || materials.iter().map(|m| &m.name).chain(parts.iter().flatten());
+        if let Some(lost) = patterns.iter().find(|pattern| !names().any(|name| matches(pattern, name))) {
+            let known = listed(names());
+            return Err(format!(
+                "materials.leave_out: no material, node, object or group is named {lost:?}; known: {known}"
+            ));
+        }
+        let of_material: Vec<bool> = materials.iter().map(|m| fits(&m.name)).collect();
+        let of_part: Vec<bool> = parts.iter().map(|names| names.iter().any(fits)).collect();
+        let is_set = |flags: &[bool], index: u32| flags.get(index as usize).copied().unwrap_or_default();
+        Ok(move |t: &SourceTriangle| is_set(&of_material, t.material) || is_set(&of_part, t.part))
+    }
+
+    /// Says what is named like the shadow under a car, and belongs to its box since nobody has said otherwise.
+    fn shadow_kept(&self, kept: &[SourceTriangle]) -> Vec<String> {
+        let named = |t: &SourceTriangle| {
+            let names = std::iter::once(&self.source.materials[t.material as usize].name);
+            names.chain(&self.source.parts[t.part as usize]).find(|name| matches("*shadow*", name))
+        };
+        let shadow = if self.leave_out.is_none() { kept.iter().find_map(named) } else { None };
+        let line = |name| {
+            format!(
+                "{}: {name:?} is taken as a part of the vehicle (materials.leave_out = [{name:?}] in assets.toml leaves it \
+                 out, [] says that it is one)",
+                self.file
+            )
+        };
+        shadow.map(line).into_iter().collect()
+    }
+}
+
 /// Says what a mesh does not, and what is assumed instead.
-fn assumption(asset: &VehicleAsset, materials: &[SourceMaterial], faces: &[Face], is_glazed: bool) -> String {
-    let names: Vec<&str> = materials
-        .iter()
-        .enumerate()
-        .filter(|(i, _)| faces.iter().any(|(_, s)| s == i))
-        .map(|(_, m)| m.name.as_str())
-        .collect();
+fn assumption(asset: &VehicleAsset, faces: &[Face], is_glazed: bool) -> String {
+    let materials = asset.source.materials.iter().enumerate();
+    let names = listed(materials.filter(|(i, _)| faces.iter().any(|(_, s)| s == i)).map(|(_, m)| &m.name));
     let lacks = if names.is_empty() {
         "no materials: gray paint is assumed".to_owned()
     } else {
-        format!("no material for windows among {}", names.join(", "))
+        format!("no material for windows among {names}")
     };
     let windows = if is_glazed {
         "glass is assumed where windows usually are, with seats behind it"
@@ -159,41 +195,6 @@ fn assumption(asset: &VehicleAsset, materials: &[SourceMaterial], faces: &[Face]
         "{}: {lacks}; {windows} (materials.glass in assets.toml names windows, [] says that there are none)",
         asset.file
     )
-}
-
-/// Moves a mesh into its box frame.
-struct Fit {
-    foot: Vec3,
-    scale: Vec3,
-    size: DVec3,
-}
-
-impl Fit {
-    /// Checks the size; the reason where it is none of a vehicle.
-    fn new(bounds: &Bounds, wanted: Option<DVec3>) -> std::result::Result<Self, String> {
-        let found = bounds.size();
-        let is_flat = found.min_element() < 1e-4 * found.max_element();
-        if !found.is_finite() || is_flat {
-            return Err(format!("no body: its bounds are {:.3} x {:.3} x {:.3}", found.x, found.y, found.z));
-        }
-        let size = wanted.unwrap_or(found.as_dvec3());
-        for ((side, lo, hi), value) in LIMITS_M.iter().zip(size.to_array()) {
-            if !(*lo..=*hi).contains(&value) {
-                let which = if wanted.is_some() { "size_lwh" } else { "scale" };
-                return Err(format!("{value:.3} m {side}, expected {lo} to {hi} m: check {which}"));
-            }
-        }
-        if found.y > found.x {
-            let (x, y) = (found.x, found.y);
-            return Err(format!("wider ({y:.2} m) than long ({x:.2} m): turn its front to +x with yaw_deg"));
-        }
-        let foot = Vec3::new(bounds.center().x, bounds.center().y, bounds.min.z);
-        Ok(Self { foot, scale: wanted.map_or(Vec3::ONE, |w| w.as_vec3() / found), size })
-    }
-
-    fn point(&self, p: Vec3) -> Vec3 {
-        (p - self.foot) * self.scale
-    }
 }
 
 /// Where a mesh's wheels stand, by the box frame: what the vehicle is sprung on.

@@ -1,9 +1,12 @@
 //! What a user's materials are made of: the part of a vehicle that their names tell, and the color that they state.
 
 use super::paint::{coated, glass};
-use crate::assets::import::SourceMaterial;
+use crate::assets::source_mesh::SourceMaterial;
 use crate::error::{Error, Result};
 use crate::material::{Material, Pattern, Semantic};
+
+/// What frames a pane.
+const TRIM: &[&str] = &["*trim*", "*frame*", "*seal*", "*rubber*"];
 
 /// The part of a vehicle that a material covers; what is none of these is painted metal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -51,7 +54,7 @@ impl Role {
     /// The patterns that hold where a user gives none.
     fn default_patterns(self) -> &'static [&'static str] {
         match self {
-            Self::Glass => &["*glass*", "*window*", "*windscreen*", "*windshield*"],
+            Self::Glass => &["*glass*", "*windscreen*", "*windshield*"],
             Self::Tyre => &["*tire*", "*tyre*", "*wheel*", "*rubber*"],
             Self::Plate => &["*licen?e*", "*plate*"],
             Self::Lamp => &["*lamp*", "*light*"],
@@ -66,14 +69,38 @@ impl Role {
 pub struct MaterialRules(pub Vec<(Role, Vec<String>)>);
 
 impl MaterialRules {
-    /// The role of a material: what is dissolved is glass unless a pattern says otherwise.
+    /// The role of each of a mesh's materials. The user's patterns come first; then what is dissolved is glass; then the
+    /// default patterns say. An opaque window is a pane only in a mesh that has no other.
     #[must_use]
-    pub fn role(&self, name: &str, opacity: f32) -> Option<Role> {
+    pub fn roles(&self, materials: &[SourceMaterial]) -> Vec<Option<Role>> {
+        let roles: Vec<Option<Role>> = materials.iter().map(|m| self.role(m)).collect();
+        let is_pane = |(m, role): (&SourceMaterial, &Option<Role>)| {
+            *role == Some(Role::Glass) && !fits_any(Role::Lamp.default_patterns(), &m.name)
+        };
+        if self.names(Role::Glass) || materials.iter().zip(&roles).any(is_pane) {
+            return roles;
+        }
+        let is_window = |m: &SourceMaterial| fits_any(&["*window*"], &m.name) && !fits_any(TRIM, &m.name);
+        let or_glass = |(m, role): (&SourceMaterial, Option<Role>)| {
+            if role.is_none() && is_window(m) { Some(Role::Glass) } else { role }
+        };
+        materials.iter().zip(roles).map(or_glass).collect()
+    }
+
+    fn role(&self, material: &SourceMaterial) -> Option<Role> {
+        let name = &material.name;
         let own = |role: &Role| self.0.iter().find(|(r, _)| r == role).map(|(_, patterns)| patterns);
-        let is_own = |role: &Role| own(role).is_some_and(|patterns| patterns.iter().any(|p| matches(p, name)));
-        let is_default = |role: &Role| own(role).is_none() && role.default_patterns().iter().any(|p| matches(p, name));
-        let by_name = || Role::ALL.into_iter().find(is_default);
-        Role::ALL.into_iter().find(is_own).or_else(|| if opacity < 0.99 { Some(Role::Glass) } else { by_name() })
+        if let Some(role) = Role::ALL.into_iter().find(|role| own(role).is_some_and(|p| fits_any(p, name))) {
+            return Some(role);
+        }
+        if material.opacity < 0.99 {
+            return Some(Role::Glass);
+        }
+        // The rubber around a pane is neither the pane nor a tire.
+        if fits_any(TRIM, name) && (fits_any(Role::Glass.default_patterns(), name) || fits_any(&["*window*"], name)) {
+            return None;
+        }
+        Role::ALL.into_iter().find(|role| own(role).is_none() && fits_any(role.default_patterns(), name))
     }
 
     /// True where the user says what is of a role, even if it is nothing.
@@ -90,8 +117,7 @@ impl MaterialRules {
         let lost = self.0.iter().flat_map(|(role, patterns)| patterns.iter().map(move |p| (role, p)));
         for (role, pattern) in lost {
             if !materials.iter().any(|m| matches(pattern, &m.name)) {
-                let known: Vec<&str> = materials.iter().map(|m| m.name.as_str()).collect();
-                let (role, known) = (role.name(), known.join(", "));
+                let (role, known) = (role.name(), listed(materials.iter().map(|m| &m.name)));
                 let reason = format!("materials.{role}: no material is named {pattern:?}; known: {known}");
                 return Err(Error::Mesh { name: file.to_owned(), reason });
             }
@@ -100,8 +126,12 @@ impl MaterialRules {
     }
 }
 
+fn fits_any(patterns: &[impl AsRef<str>], name: &str) -> bool {
+    patterns.iter().any(|pattern| matches(pattern.as_ref(), name))
+}
+
 /// Whether a name fits a pattern of letters, `*` (any text) and `?` (any letter).
-fn matches(pattern: &str, name: &str) -> bool {
+pub(super) fn matches(pattern: &str, name: &str) -> bool {
     let lower = |text: &str| -> Vec<char> { text.chars().flat_map(char::to_lowercase).collect() };
     let (pattern, name) = (lower(pattern), lower(name));
     // Where the pattern's last star is, and the text from which it is tried next.
@@ -120,6 +150,22 @@ fn matches(pattern: &str, name: &str) -> bool {
         }
     }
     pattern[p..].iter().all(|c| *c == '*')
+}
+
+/// Names, each once, as many as one line can take.
+pub(super) fn listed<'a>(names: impl Iterator<Item = &'a String>) -> String {
+    const MOST: usize = 30;
+    let mut known: Vec<&str> = Vec::new();
+    for name in names.filter(|name| !name.is_empty()) {
+        if !known.contains(&name.as_str()) {
+            known.push(name);
+            if known.len() > MOST {
+                known[MOST] = "...";
+                break;
+            }
+        }
+    }
+    known.join(", ")
 }
 
 /// A material for eye and laser: the color is the file's, the rest follows from the role.
@@ -169,15 +215,39 @@ mod tests {
 
     #[test]
     fn names_and_opacity_tell_the_role_and_own_patterns_win() {
+        let role = |rules: &MaterialRules, name: &str, opacity| {
+            rules.roles(&[SourceMaterial { name: name.to_owned(), albedo: None, opacity }])[0]
+        };
         let none = MaterialRules::default();
-        assert_eq!(none.role("SUV_Wheels", 1.0), Some(Role::Tyre));
-        assert_eq!(none.role("Hybrid_Interior", 1.0), Some(Role::Interior));
-        assert_eq!(none.role("Body", 0.1), Some(Role::Glass));
-        assert_eq!(none.role("Body", 1.0), None);
-        assert_eq!(none.role("LicensePlate", 1.0), Some(Role::Plate));
+        assert_eq!(role(&none, "SUV_Wheels", 1.0), Some(Role::Tyre));
+        assert_eq!(role(&none, "Hybrid_Interior", 1.0), Some(Role::Interior));
+        assert_eq!(role(&none, "Body", 0.1), Some(Role::Glass));
+        assert_eq!(role(&none, "Body", 1.0), None);
+        assert_eq!(role(&none, "LicensePlate", 1.0), Some(Role::Plate));
         let own = MaterialRules(vec![(Role::Lamp, vec!["Body".into()]), (Role::Tyre, vec!["Gummi".into()])]);
-        assert_eq!(own.role("body", 0.1), Some(Role::Lamp));
-        assert_eq!(own.role("SUV_Wheels", 1.0), None, "a role's own patterns replace its default ones");
-        assert_eq!(own.role("Windows", 1.0), Some(Role::Glass));
+        assert_eq!(role(&own, "body", 0.1), Some(Role::Lamp));
+        assert_eq!(role(&own, "SUV_Wheels", 1.0), None, "a role's own patterns replace its default ones");
+        assert_eq!(role(&own, "Windows", 1.0), Some(Role::Glass));
+    }
+
+    #[test]
+    fn a_window_that_is_opaque_is_a_pane_only_where_there_is_no_other() {
+        let glass = Some(Role::Glass);
+        for (materials, expected) in [
+            (vec![("Window", 1.0)], vec![glass]),
+            (vec![("window_trim", 1.0), ("glass", 0.3)], vec![None, glass]),
+            (vec![("Window", 1.0), ("Pane", 0.3)], vec![None, glass]),
+            (vec![("Window", 1.0), ("Headlight_Glass", 0.3)], vec![glass, glass]),
+            (vec![("WindowSeal", 1.0), ("Window", 1.0)], vec![None, glass]),
+            (vec![("Glass_Frame", 1.0), ("Windshield", 1.0)], vec![None, glass]),
+            (vec![("window rubber", 1.0), ("Rubber", 1.0)], vec![None, Some(Role::Tyre)]),
+            (vec![("window_frame", 0.5)], vec![glass]),
+        ] {
+            let sources: Vec<SourceMaterial> = materials
+                .iter()
+                .map(|(name, opacity)| SourceMaterial { name: (*name).to_owned(), albedo: None, opacity: *opacity })
+                .collect();
+            assert_eq!(MaterialRules::default().roles(&sources), expected, "{materials:?}");
+        }
     }
 }

@@ -8,6 +8,7 @@ mod dimensions;
 mod distant;
 mod glasshouse;
 mod imported;
+mod imported_fit;
 mod imported_materials;
 mod interior;
 mod lamps;
