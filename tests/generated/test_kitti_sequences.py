@@ -8,7 +8,6 @@ import shutil
 import xml.etree.ElementTree as ElementTree
 from collections import defaultdict
 from dataclasses import dataclass, replace
-from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +18,6 @@ from numpy.typing import NDArray
 
 import cadet
 from cadet.generate import Settings, generate
-from cadet.kitti_sequences import KittiRawExporter
 from cadet.kitti_sequences.oxts import FIELDS
 from cadet.kitti_sequences.record import calibration_of_record
 
@@ -305,61 +303,6 @@ def test_every_camera_of_a_drive_has_its_times(raw: Path) -> None:
     for drive in raw.glob("2020_*/*_sync"):
         times = {path.parent.name: path.read_text() for path in drive.glob("image_*/timestamps.txt")}
         assert set(times) == {"image_00", "image_01", "image_02", "image_03"} and len(set(times.values())) == 1
-
-
-@pytest.mark.parametrize(("name", "offset"), [("image_0", "cam0"), ("image_1", "cam1")])
-def test_gray_images_are_seen_from_where_the_gray_cameras_stand(name: str, offset: str) -> None:
-    """A camera mounted there has the same depth in every pixel, and the same light but for exposure and noise."""
-    rig = cadet.Rig(camera=cadet.Camera.kitti().resized(310, 94), lidar=cadet.Lidar.vlp16())
-    ego_from_cam = rig.ego_from_sensor(name)
-    if offset == "cam1":
-        ego_from_cam[:3, 3] -= ego_from_cam[:3, :3] @ rig.camera.cam1_from_cam0_m
-    kept = {key: getattr(rig.camera, key) for key in ("fx", "fy", "cx", "cy")}
-    mine = cadet.MountedCamera(
-        name="mine", camera=cadet.Camera.single(310, 94, **kept), pose=cadet.Pose.from_matrix(ego_from_cam)
-    )
-    scene = cadet.Scene.empty(rig=replace(rig, more=(mine,)))
-    scene.add("car", x=9.0, y=-1.0, yaw=0.4)
-    sample = scene.capture(sensors=(name, "mine")).sample
-    assert sample is not None
-    seen, expected, left = (sample.maps(camera) for camera in (name, "mine", None))
-    assert seen is not None and expected is not None and left is not None
-    np.testing.assert_allclose(seen.depth, expected.depth, rtol=1e-4)
-    assert not np.allclose(seen.depth, left.depth, rtol=1e-2)
-    mine_image, its_image = (cv2.blur(sample.image(camera).astype(np.float32), (9, 9)) for camera in ("mine", name))
-    # Each camera exposes for itself.
-    assert np.abs(its_image * (mine_image.mean() / its_image.mean()) - mine_image).mean() < 1.5
-    gray = cv2.imdecode(np.frombuffer(KittiRawExporter().encode(sample, (name,))[name], np.uint8), cv2.IMREAD_UNCHANGED)
-    assert gray is not None and gray.shape == (94, 310)
-    wanted = cv2.cvtColor(sample.image(name), cv2.COLOR_RGB2GRAY)
-    assert np.abs(gray.astype(int) - wanted.astype(int)).max() <= 1
-
-
-@pytest.mark.parametrize("rolling", [False, True])
-def test_a_turning_scan_starts_before_its_instant_and_ends_after_it(rolling: bool, tmp_path: Path) -> None:
-    chosen = settings("kitti_raw", num_frames=3)
-    ((rig, _),) = chosen.policy.rigs
-    rig = replace(rig, name="turning", lidar=cadet.Lidar.vlp16(rolling=rolling))
-    generate(tmp_path / "out", replace(chosen, policy=chosen.policy.with_rig(rig)), workers=1)
-    half_turn_s = 0.05 if rolling else 0.0
-    times = {}
-    for name in ("velodyne_points/timestamps", "image_02/timestamps", "oxts/timestamps"):
-        times[name] = seconds_of(tmp_path / "out" / RAW_DRIVE / f"{name}.txt")
-        np.testing.assert_allclose(times[name], [2.0, 2.1, 2.2], atol=1e-9)
-    for part, late_s in (("start", -half_turn_s), ("end", half_turn_s)):
-        found = seconds_of(tmp_path / "out" / RAW_DRIVE / f"velodyne_points/timestamps_{part}.txt")
-        np.testing.assert_allclose(found - times["velodyne_points/timestamps"], late_s, atol=1e-9)
-
-
-def seconds_of(path: Path) -> Array:
-    """Return the seconds since noon: a scene has lasted two at its first sample."""
-    noon = datetime(2020, 1, 1, 12)
-    return np.array(
-        [
-            (datetime.fromisoformat(line[:26]) - noon).total_seconds() + float(line[26:]) * 1e-9
-            for line in path.read_text().splitlines()
-        ]
-    )
 
 
 def test_the_cameras_of_the_raw_calibration_see_what_the_projections_do(raw: Path) -> None:
