@@ -40,8 +40,8 @@ pub fn evaluate_draws<E: From<Error> + Send>(
     frames: &[FramePair],
     settings: &Settings,
     draws: &[Vec<u32>],
-    mut pause: impl FnMut() -> std::result::Result<(), E> + Send,
-) -> std::result::Result<Vec<DrawnAp>, E> {
+    mut pause: impl FnMut() -> Result<(), E> + Send,
+) -> Result<Vec<DrawnAp>, E> {
     settings.check()?;
     if let Some(index) = draws.iter().flatten().find(|&&index| index as usize >= frames.len()) {
         let expected = format!("an index below the number of frames, {}", frames.len());

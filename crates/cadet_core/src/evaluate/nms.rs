@@ -23,8 +23,8 @@ pub fn iou_matrix<E: From<Error>>(
     a: &[BoxCam],
     b: &[BoxCam],
     iou: fn(&BoxCam, &BoxCam) -> f64,
-    mut pause: impl FnMut() -> std::result::Result<(), E>,
-) -> std::result::Result<Vec<f64>, E> {
+    mut pause: impl FnMut() -> Result<(), E>,
+) -> Result<Vec<f64>, E> {
     if b.is_empty() {
         return Ok(Vec::new());
     }
