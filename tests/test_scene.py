@@ -194,4 +194,4 @@ def test_a_file_that_is_no_map_is_named(tmp_path: Path) -> None:
     (tmp_path / "photo.xodr").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(CadetError) as caught:
         Scene.empty(map=tmp_path / "photo.xodr")
-    assert str(caught.value) == "photo.xodr: no OpenDRIVE text: not UTF-8"
+    assert str(caught.value) == "photo.xodr:1: not UTF-16: convert it with iconv -f utf-16 -t UTF-8, and declare that"
