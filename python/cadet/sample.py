@@ -126,7 +126,8 @@ class Sample:
 
     Attributes:
         rig: the sensors, on the car as it was loaded.
-        origin: what the episode knows of it: seed, episode, sample and so on.
+        origin: what the episode knows of it: seed, episode, sample and so on; and `map_offset_m` of a map that lies far
+            from 0, for every format's records.
     """
 
     def __init__(self, native: _cadet.Capture, rig: Rig, origin: Mapping[str, Any]) -> None:
@@ -134,6 +135,8 @@ class Sample:
         self._native = native
         self.rig = rig
         self.origin = dict(origin)
+        if any(self.map_offset_m):
+            self.origin["map_offset_m"] = self.map_offset_m
 
     def __repr__(self) -> str:
         return summary(
@@ -175,6 +178,12 @@ class Sample:
     def map(self) -> str:
         """The map's name."""
         return self._native.map
+
+    @property
+    def map_offset_m(self) -> tuple[float, float]:
+        """What places in the world frame lack of the map's own x and y; (0, 0) unless those are far from 0."""
+        x, y = self._native.map_offset_m
+        return x, y
 
     @property
     def weather(self) -> str:

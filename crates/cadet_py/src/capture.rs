@@ -36,6 +36,7 @@ impl Request {
 pub(crate) struct Capture {
     frame: core::Frame,
     map: String,
+    map_offset_m: [f64; 2],
     weather: String,
     sun_rad: (f64, f64),
     ego_from_velo: DPose3,
@@ -128,6 +129,7 @@ impl Capture {
         Self {
             frame,
             map: scene.town().name.clone(),
+            map_offset_m: scene.town().network.offset_m.to_array(),
             weather: weather.name.to_string(),
             sun_rad: (weather.sun_elevation_rad, weather.sun_azimuth_rad),
             ego_from_velo: scene.rig().lidars()[0].mount.ego_from_sensor(),
@@ -175,6 +177,11 @@ impl Capture {
     #[getter]
     fn map(&self) -> &str {
         &self.map
+    }
+
+    #[getter]
+    fn map_offset_m(&self) -> [f64; 2] {
+        self.map_offset_m
     }
 
     #[getter]

@@ -93,17 +93,18 @@ fn row(lane: &Lane, min_width_m: f64, pitch: f64) -> Vec<f64> {
 }
 
 fn half_bays(lane: &Lane, network: &RoadNetwork, ground: &Ground, pitch: f64, spots: &mut Vec<ParkingSpot>) {
+    let side = lane.curb_side();
     let widest = lane.width_m.iter().copied().fold(MIN_HALF_BAY_M, f64::max);
     for s in row(lane, widest - 0.02, pitch) {
         let pose = lane.pose_at(s);
         let beside = network.driving().filter(|l| l.road == lane.road).map(|l| l.project(pose.translation).1);
-        let right = HALF_BAY_FLANK_M + HALF_BAY_SPOT_WIDTH_M / 2.0 - beside.fold(f64::INFINITY, f64::min);
-        let edge = pose.transform_point(DVec3::new(0.0, -right - HALF_BAY_SPOT_WIDTH_M / 2.0, 0.0));
+        let out = HALF_BAY_FLANK_M + HALF_BAY_SPOT_WIDTH_M / 2.0 - beside.fold(f64::INFINITY, f64::min);
+        let edge = pose.transform_point(DVec3::new(0.0, side * (out + HALF_BAY_SPOT_WIDTH_M / 2.0), 0.0));
         // Where there is no sidewalk to climb, nobody parks.
-        if right.abs() > 2.0 || ground.kind_at(edge.x, edge.y) != Some(GroundKind::Sidewalk) {
+        if out.abs() > 2.0 || ground.kind_at(edge.x, edge.y) != Some(GroundKind::Sidewalk) {
             continue;
         }
-        if let Some(world_from_spot) = stand(ground, &pose, -right, pitch, HALF_BAY_SPOT_WIDTH_M) {
+        if let Some(world_from_spot) = stand(ground, &pose, side * out, pitch, HALF_BAY_SPOT_WIDTH_M) {
             spots.push(ParkingSpot {
                 kind: SpotKind::Parallel,
                 world_from_spot,
@@ -118,8 +119,8 @@ fn bays(lane: &Lane, ground: &Ground, pitch: f64, spots: &mut Vec<ParkingSpot>) 
     for s in row(lane, MIN_BAY_M, pitch) {
         let pose = lane.pose_at(s);
         let width_m = SPOT_WIDTH_M.min(lane.width_at(s));
-        let right = ((lane.width_at(s) - width_m) / 2.0 - TYRE_TO_CURB_M).max(0.0);
-        if let Some(world_from_spot) = stand(ground, &pose, -right, pitch, width_m) {
+        let out = ((lane.width_at(s) - width_m) / 2.0 - TYRE_TO_CURB_M).max(0.0);
+        if let Some(world_from_spot) = stand(ground, &pose, lane.curb_side() * out, pitch, width_m) {
             spots.push(ParkingSpot { kind: SpotKind::Parallel, world_from_spot, length_m: pitch, width_m });
         }
     }
@@ -156,7 +157,7 @@ pub(super) fn bay_lines(network: &RoadNetwork, key: &StreamKey) -> Vec<PaintedQu
             let pose = lane.pose_at(s);
             let forward = (pose.rotation * DVec3::X).truncate().normalize_or_zero();
             let width_m = lane.width_at(s) - LINE_INSET_M;
-            let heading = forward * math::cos(angle_rad) - forward.perp() * math::sin(angle_rad);
+            let heading = forward * math::cos(angle_rad) + forward.perp() * (lane.curb_side() * math::sin(angle_rad));
             let (middle, half) = (pose.translation.truncate(), heading * (width_m / 2.0 / math::sin(angle_rad)));
             let aside = heading.perp() * (LINE_WIDTH_M / 2.0);
             let corners = [middle - half - aside, middle + half - aside, middle + half + aside, middle - half + aside];
@@ -176,13 +177,13 @@ fn angled_bays(lane: &Lane, ground: &Ground, stream: &mut Stream, spots: &mut Ve
     for s in row(lane, MIN_DEEP_BAY_M, pitch_m) {
         let pose = lane.pose_at(s);
         let forward = (pose.rotation * DVec3::X).truncate().normalize_or_zero();
-        let right = -forward.perp();
+        let out = forward.perp() * lane.curb_side();
         // Longer cars than most reach over the bay's inner edge rather than over the curb.
         let usual_length_m = length_m - 0.3;
         let to_curb_m = (usual_length_m * sin + width_m * cos) / 2.0 + NOSE_TO_CURB_M;
         let aside_m = (lane.width_at(s) / 2.0 - to_curb_m).max(0.0);
-        let heading = forward * cos + right * sin;
-        let place = pose.translation + (right * aside_m).extend(0.0);
+        let heading = forward * cos + out * sin;
+        let place = pose.translation + (out * aside_m).extend(0.0);
         let turned = frames::upright(place, math::atan2(heading.y, heading.x));
         if let Some(world_from_spot) = stand(ground, &turned, 0.0, length_m, width_m) {
             spots.push(ParkingSpot { kind, world_from_spot, length_m, width_m });
@@ -194,8 +195,8 @@ fn curbside(lane: &Lane, ground: &Ground, pitch: f64, spots: &mut Vec<ParkingSpo
     let (mut s, end) = (CLEAR_OF_JUNCTION_M + pitch / 2.0, lane.length_m() - CLEAR_OF_JUNCTION_M - pitch / 2.0);
     while s <= end {
         let pose = lane.pose_at(s);
-        let right = curbside_offset(lane, ground, s, pitch);
-        if let Some(world_from_spot) = right.and_then(|r| stand(ground, &pose, -r, pitch, SPOT_WIDTH_M)) {
+        let out = curbside_offset(lane, ground, s, pitch).map(|m| lane.curb_side() * m);
+        if let Some(world_from_spot) = out.and_then(|left_m| stand(ground, &pose, left_m, pitch, SPOT_WIDTH_M)) {
             spots.push(ParkingSpot {
                 kind: SpotKind::Parallel,
                 world_from_spot,
@@ -212,7 +213,7 @@ fn turn_at(lane: &Lane, s: f64, pitch: f64) -> f64 {
     lane.pose_at(s - pitch / 2.0).rotation.angle_between(lane.pose_at(s + pitch / 2.0).rotation)
 }
 
-/// How far right of the lane's middle a car may stand, if it may: the curb must be where half a car fits.
+/// How far off the lane's middle toward the curb a car may stand, if it may: the curb must be where half a car fits.
 fn curbside_offset(lane: &Lane, ground: &Ground, s: f64, pitch: f64) -> Option<f64> {
     let (before, after) = (lane.pose_at(s - pitch / 2.0), lane.pose_at(s + pitch / 2.0));
     if turn_at(lane, s, pitch) > MAX_TURN_RAD {
@@ -220,8 +221,8 @@ fn curbside_offset(lane: &Lane, ground: &Ground, s: f64, pitch: f64) -> Option<f
     }
     let flank = CLEAR_OF_LANE_M + SPOT_WIDTH_M;
     for pose in [before, lane.pose_at(s), after] {
-        let kind = |right: f64| {
-            let p = pose.transform_point(DVec3::new(0.0, -right, 0.0));
+        let kind = |out_m: f64| {
+            let p = pose.transform_point(DVec3::new(0.0, lane.curb_side() * out_m, 0.0));
             ground.kind_at(p.x, p.y)
         };
         let curb_is_far = kind(flank - MAX_ON_SIDEWALK_M) == Some(GroundKind::Road);

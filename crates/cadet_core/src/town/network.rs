@@ -95,6 +95,8 @@ pub struct Lane {
     pub road: u32,
     /// Speed limit.
     pub speed_limit_mps: f64,
+    /// Whether traffic keeps left on its road.
+    pub keeps_left: bool,
 }
 
 /// A lane whose ends are nearer to each other closes on itself.
@@ -106,6 +108,12 @@ impl Lane {
     pub fn is_closed(&self) -> bool {
         let ends = [self.center[0], self.center[self.center.len() - 1]];
         self.center.len() > 3 && (ends[1] - ends[0]).truncate().length() < CLOSED_M
+    }
+
+    /// The sign of offsets to the left that lead away from oncoming traffic, to the curb: -1 where traffic keeps right.
+    #[must_use]
+    pub fn curb_side(&self) -> f64 {
+        if self.keeps_left { 1.0 } else { -1.0 }
     }
 
     /// Length along the middle.
@@ -219,6 +227,8 @@ pub struct RoadNetwork {
     pub lights: Vec<MapLight>,
     /// The junctions that are roundabouts, in ascending order.
     pub roundabouts: Vec<u32>,
+    /// What places of the network lack of the map's own coordinates, in whole kilometers; 0 for maps near their origin.
+    pub offset_m: DVec2,
 }
 
 impl RoadNetwork {
@@ -243,6 +253,7 @@ impl RoadNetwork {
                 junction: None,
                 road: 0,
                 speed_limit_mps: 50.0 / 3.6,
+                keeps_left: false,
             }
         };
         Self { lanes: vec![lane(0, -1.0), lane(1, 1.0)], ..Self::default() }
@@ -252,6 +263,13 @@ impl RoadNetwork {
     #[must_use]
     pub fn lane(&self, id: LaneId) -> &Lane {
         &self.lanes[id.0]
+    }
+
+    /// Whether most of the map's traffic keeps left.
+    #[must_use]
+    pub fn is_left_hand(&self) -> bool {
+        let left = self.driving().filter(|l| l.keeps_left).count();
+        2 * left > self.driving().count()
     }
 
     /// Whether the roads lie in open country: with verges, and without a sidewalk anywhere.

@@ -5,10 +5,13 @@
 
 use std::collections::BTreeMap;
 
+use super::map_warnings::{Said, in_one_line};
 use super::network::{Lane, LaneId, LaneKind, LaneSurface, PaintColor, PaintedQuad, RoadNetwork};
-use super::{map_lights, map_warnings, xodr_numbers};
+use super::xodr_numbers::PassedOver;
+use super::xodr_tags::Tags;
+use super::{map_levels, map_lights, map_offset, map_warnings, xodr_numbers};
 use crate::error::{Error, Result};
-use crate::math::{DVec3, hypot, lerp};
+use crate::math::{DVec2, DVec3, hypot, lerp};
 
 /// Lanes without a speed limit get the one of German towns: 50 km/h.
 const DEFAULT_SPEED_MPS: f64 = 50.0 / 3.6;
@@ -40,10 +43,16 @@ pub fn load(map_name: &str, xodr_text: &str) -> Result<RoadNetwork> {
 /// As [`load`].
 pub fn load_with_warnings(map_name: &str, xodr_text: &str) -> Result<(RoadNetwork, Vec<String>)> {
     let fail = |reason: String| Error::Map { map: map_name.to_owned(), reason: in_one_line(&reason) };
-    let empty_pieces = xodr_numbers::check(xodr_text)
+    let root = Tags::of(xodr_text).next().map_or("no XML", |tag| tag.name);
+    if root != "OpenDRIVE" {
+        return Err(fail(format!("no OpenDRIVE: expected the element <OpenDRIVE> first, got {root}")));
+    }
+    let passed_over = xodr_numbers::check(xodr_text)
         .map_err(|(line, reason)| Error::Map { map: format!("{map_name}:{line}"), reason })?;
-    let (map, provenance) = xodr::load_str_with_provenance(xodr_text).map_err(|e| fail(e.to_string()))?;
-    if let Some(warning) = provenance.warnings.iter().find(|warning| loses_a_lane(warning, &empty_pieces)) {
+    let offset_m = map_offset::offset_m(xodr_text);
+    let near_text = map_offset::moved_back(xodr_text, offset_m);
+    let (map, provenance) = xodr::load_str_with_provenance(&near_text).map_err(|e| fail(e.to_string()))?;
+    if let Some(warning) = provenance.warnings.iter().find(|warning| loses_a_lane(warning, &passed_over)) {
         return Err(fail(warning.to_string()));
     }
     let baked: Vec<(&xodr::Lane, Option<Polyline>)> = map
@@ -52,7 +61,7 @@ pub fn load_with_warnings(map_name: &str, xodr_text: &str) -> Result<(RoadNetwor
         .filter(|l| l.layer == xodr::Layer::Permanent)
         .map(|lane| {
             let road = || map.road_lane(lane.id).and_then(|place| map.road(place.road)).map_or("", xodr::Road::od_id);
-            Ok((lane, polyline(lane).map_err(|reason| fail(format!("road {:?}: {reason}", road())))?))
+            Ok((lane, polyline(lane).map_err(|reason| fail(format!("road {}: {reason}", road())))?))
         })
         .collect::<Result<_>>()?;
     // Lanes too short to have two points are stepped over: their followers become their predecessors' followers.
@@ -88,6 +97,7 @@ pub fn load_with_warnings(map_name: &str, xodr_text: &str) -> Result<(RoadNetwor
             junction: road.and_then(|r| r.junction()).map(number_of),
             road: place.map_or(u32::MAX, |p| p.road.0 as u32),
             speed_limit_mps,
+            keeps_left: place.is_some_and(|p| (p.od_id > 0) == (lane.direction != xodr::Direction::Backward)),
         });
     }
     drop_links_between_kinds(&mut lanes);
@@ -100,16 +110,18 @@ pub fn load_with_warnings(map_name: &str, xodr_text: &str) -> Result<(RoadNetwor
     let lane_marks = lane_marks(&map);
     let lights = map_lights::read(&map, &ids, &lanes);
     let roundabouts = roundabouts(&map);
-    Ok((RoadNetwork { lanes, lane_marks, lights, roundabouts }, map_warnings::lines(map_name, &provenance.warnings)))
+    let road_name = |road: u32| map.roads().get(road as usize).map_or("", xodr::Road::od_id);
+    let mut said: Vec<Said> = passed_over.into_iter().map(PassedOver::said).collect();
+    said.extend(map_levels::warnings(&lanes, road_name));
+    said.extend(provenance.warnings.iter().filter(|w| !is_of_passed_over(w)).map(Said::by_reader));
+    let network = RoadNetwork { lanes, lane_marks, lights, roundabouts, offset_m };
+    said.extend(map_warnings::of_travel_direction(xodr_text).filter(|_| !network.is_left_hand()));
+    said.extend(network.is_left_hand().then(map_warnings::of_left_hand_traffic));
+    said.extend((offset_m != DVec2::ZERO).then(|| map_warnings::of_offset(offset_m)));
+    Ok((network, map_warnings::lines(map_name, said)))
 }
 
 /// The painted lines of a map, without those of roadworks and those whose place is no number.
-/// The same text where readers quote characters of the file as they are.
-fn in_one_line(text: &str) -> String {
-    let shown = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
-    text.chars().map(shown).collect()
-}
-
 fn lane_marks(map: &xodr::RoadNetwork) -> Vec<PaintedQuad> {
     let is_permanent =
         |id: &Option<xodr::LaneId>| id.and_then(|id| map.lane(id)).is_none_or(|l| l.layer == xodr::Layer::Permanent);
@@ -136,20 +148,23 @@ fn roundabouts(map: &xodr::RoadNetwork) -> Vec<u32> {
     numbers
 }
 
+/// Whether the reader speaks of what was passed over, of which more is known.
+fn is_of_passed_over(warning: &xodr::Warning) -> bool {
+    matches!(warning, xodr::Warning::GeometryDropped { .. } | xodr::Warning::RoadSkipped { .. })
+}
+
 /// Whether the reader left out what cars drive on. Smaller losses, such as a sign's or a road mark's, pass.
-fn loses_a_lane(warning: &xodr::Warning, empty_pieces: &[(String, f64)]) -> bool {
+fn loses_a_lane(warning: &xodr::Warning, passed_over: &[PassedOver]) -> bool {
     use xodr::Warning as W;
-    if let W::GeometryDropped { road_id, s: Some(s) } = warning {
-        return !empty_pieces.iter().any(|(road, place)| road == road_id && place == s);
+    let is_passed_over = |road: &str, s_m: Option<f64>| passed_over.iter().any(|p| p.road == road && p.s_m == s_m);
+    match warning {
+        W::GeometryDropped { road_id, s } => return !is_passed_over(road_id, *s),
+        W::RoadSkipped { road_id, .. } => return !is_passed_over(road_id, None),
+        _ => {}
     }
     matches!(
         warning,
-        W::RoadSkipped { .. }
-            | W::GeometryDropped { .. }
-            | W::LaneIdUnreadable { .. }
-            | W::LaneOnWrongSide { .. }
-            | W::LaneIdRepeated { .. }
-            | W::IncludeDropped { .. }
+        W::LaneIdUnreadable { .. } | W::LaneOnWrongSide { .. } | W::LaneIdRepeated { .. } | W::IncludeDropped { .. }
     )
 }
 
@@ -239,7 +254,7 @@ fn polyline(lane: &xodr::Lane) -> std::result::Result<Option<Polyline>, String> 
         lane.center.tangents().iter().map(|t| DVec3::new(t.x.into(), t.y.into(), t.z.into())).collect();
     let width = |i: usize| f64::from(lane.widths.get(i).or(lane.widths.last()).copied().unwrap_or(lane.width));
     if points.iter().any(|p| !p.is_finite() || p.abs().max_element() > 1e6) {
-        return Err("a lane's coordinates are not finite or beyond 1000 km".to_owned());
+        return Err("a lane's coordinates are not finite or beyond 1000 km from the map's middle".to_owned());
     }
     if let Some(p) = points.iter().find(|p| p.z.abs() > MAX_HEIGHT_M) {
         return Err(format!(

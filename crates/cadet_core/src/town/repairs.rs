@@ -233,6 +233,7 @@ mod tests {
             junction: None,
             road: i as u32,
             speed_limit_mps: 13.9,
+            keeps_left: false,
         });
         RoadNetwork { lanes: lanes.collect(), ..RoadNetwork::default() }
     }

@@ -82,6 +82,7 @@ mod tests {
             junction: None,
             road,
             speed_limit_mps,
+            keeps_left: false,
         };
         let beyond = arriving.len();
         let mut lanes: Vec<Lane> = arriving

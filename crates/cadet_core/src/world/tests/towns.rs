@@ -54,6 +54,7 @@ pub(crate) fn lane(
         junction,
         road: id.0 as u32,
         speed_limit_mps: 30.0 / 3.6,
+        keeps_left: false,
     });
     id
 }
