@@ -28,7 +28,7 @@ pub(super) struct Roads {
     /// Bounds of each lane in the plane.
     bounds: Vec<(DVec2, DVec2)>,
     room: Room,
-    /// The lanes abreast of each, on the left and on the right.
+    /// The lanes abreast of each, toward the middle of the road and toward the curb.
     beside: Vec<[Option<LaneId>; 2]>,
 }
 
@@ -66,14 +66,29 @@ impl Roads {
         self.beside[id.0].iter().any(Option::is_some)
     }
 
-    /// The lane on the left in the same direction, if there is one.
-    pub fn left_of(&self, id: LaneId) -> Option<LaneId> {
+    /// The lane toward the middle of the road in the same direction, if there is one: on the left where traffic keeps right.
+    pub fn inner_of(&self, id: LaneId) -> Option<LaneId> {
         self.beside[id.0][0]
     }
 
-    /// The lane on the right in the same direction, if there is one.
-    pub fn right_of(&self, id: LaneId) -> Option<LaneId> {
+    /// The lane toward the curb in the same direction, if there is one.
+    pub fn outer_of(&self, id: LaneId) -> Option<LaneId> {
         self.beside[id.0][1]
+    }
+
+    /// Whether a lane begins, or ends, where the map does: nothing leads to it, or on from it, or from one beside it.
+    pub fn begins_with_map(&self, lane: &Lane) -> bool {
+        self.is_at_map_edge(lane, |lane| &lane.predecessors)
+    }
+
+    /// See [`Self::begins_with_map`].
+    pub fn ends_with_map(&self, lane: &Lane) -> bool {
+        self.is_at_map_edge(lane, |lane| &lane.successors)
+    }
+
+    fn is_at_map_edge(&self, lane: &Lane, next: impl Fn(&Lane) -> &Vec<LaneId>) -> bool {
+        let beside = self.beside[lane.id.0].iter().flatten();
+        next(lane).is_empty() && beside.into_iter().all(|id| next(self.lane(*id)).is_empty())
     }
 
     /// Takes note of what stands for good, for those who are wider than cars.

@@ -44,7 +44,7 @@ pub(super) struct Route {
     /// Weight of going straight on against turning off.
     straight: f64,
     needs: Needs,
-    /// Of a cyclist: the distance kept from the right border of a lane for cars.
+    /// Of a cyclist: the distance kept from the border of a lane for cars that is at the curb.
     keeps_m: Option<f64>,
     choices: Stream,
 }
@@ -70,8 +70,8 @@ impl Route {
         route
     }
 
-    /// The route of a cyclist, in the middle of lanes for bicycles where there are any, and so far from the right border of
-    /// others.
+    /// The route of a cyclist, in the middle of lanes for bicycles where there are any, and so far from the border at
+    /// the curb of others.
     pub fn by_bicycle(lane: LaneId, s_m: f64, straight: f64, keeps_m: f64, choices: Stream, roads: &Roads) -> Self {
         let (lanes, needs) = (VecDeque::from([lane]), Needs::default());
         let keeps_m = Some(keeps_m);
@@ -84,7 +84,9 @@ impl Route {
     /// The offset to the left of a lane's middle at which a cyclist rides before anything is in the way; 0 for drivers.
     pub fn usual_m(&self, lane: &Lane, s_m: f64) -> f64 {
         match self.keeps_m {
-            Some(keeps_m) if lane.kind != LaneKind::Biking => -(lane.width_at(s_m) / 2.0 - keeps_m).max(0.0),
+            Some(keeps_m) if lane.kind != LaneKind::Biking => {
+                lane.curb_side() * (lane.width_at(s_m) / 2.0 - keeps_m).max(0.0)
+            }
             _ => 0.0,
         }
     }
@@ -255,6 +257,20 @@ impl Route {
         let tangent = (b - a).normalize();
         let at = a + tangent * (s - lane.s_m[i - 1]) + tangent.perp() * self.offset_on(lane, s, roads);
         Ahead { distance_m, at, tangent }
+    }
+
+    /// Distance from the car's middle to where its road ends; `None` while nobody knows of an end.
+    pub fn ends_in_m(&self, roads: &Roads) -> Option<f64> {
+        let last = roads.lane(*self.lanes.back()?);
+        last.successors.is_empty().then(|| self.remaining_m(roads))
+    }
+
+    /// Whether the road ends with the map within a distance from the car's middle.
+    pub fn leads_off_map(&self, within_m: f64, roads: &Roads) -> bool {
+        let last = self.lanes.back().map(|id| roads.lane(*id));
+        last.is_some_and(|lane| {
+            lane.successors.is_empty() && self.remaining_m(roads) < within_m && roads.ends_with_map(lane)
+        })
     }
 
     /// Distance from the car's middle to the end of the known route.

@@ -27,7 +27,7 @@ pub(super) struct VehicleAt {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Claim {
     pub footprint: Footprint,
-    pub to_left: bool,
+    pub is_inward: bool,
 }
 
 /// A person.
@@ -146,16 +146,16 @@ impl Surroundings {
         self.claims.iter().enumerate().filter_map(|(slot, claim)| Some((slot, claim.as_ref()?)))
     }
 
-    /// Whether a driver is on the way into the lane on the left.
+    /// Whether a driver is on the way into the next lane toward the middle of the road.
     #[cfg_attr(not(test), allow(dead_code))]
-    pub fn is_changing_to_left(&self, agent: Slot) -> bool {
-        self.claims[agent].is_some_and(|c| c.to_left)
+    pub fn is_changing_inward(&self, agent: Slot) -> bool {
+        self.claims[agent].is_some_and(|c| c.is_inward)
     }
 
-    /// Whether a driver is on the way into the lane on the right.
+    /// Whether a driver is on the way into the next lane toward the curb.
     #[cfg_attr(not(test), allow(dead_code))]
-    pub fn is_changing_to_right(&self, agent: Slot) -> bool {
-        self.claims[agent].is_some_and(|c| !c.to_left)
+    pub fn is_changing_outward(&self, agent: Slot) -> bool {
+        self.claims[agent].is_some_and(|c| !c.is_inward)
     }
 
     /// What a pedestrian was about at the last look.

@@ -19,6 +19,11 @@ pub(super) enum TurnSignal {
 }
 
 impl TurnSignal {
+    /// The side of a number that is positive to the left.
+    pub fn toward(left: f64) -> Self {
+        if left > 0.0 { Self::Left } else { Self::Right }
+    }
+
     /// Whether the lamps of the left side and of the right are lit: a function of the time and of the agent's own phase.
     pub fn lit_sides(self, agent_id: i32, light: &LampLight) -> [bool; 2] {
         let sides = match self {

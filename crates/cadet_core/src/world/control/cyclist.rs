@@ -1,4 +1,4 @@
-//! Who rides a bicycle on the road: on its right, slower than cars, and under the same rules.
+//! Who rides a bicycle on the road: beside the curb, slower than cars, and under the same rules.
 
 use super::controller::{Controller, Own};
 use super::hazards::{Cause, OnRoute, in_sight, worst_hazard};
@@ -21,7 +21,7 @@ use crate::world::turn_signal::TurnSignal;
 /// Speed on a free road: mean and spread, least and greatest.
 const CRUISE_MPS: (f64, f64) = (5.0, 0.6);
 const CRUISE_LIMITS_MPS: (f64, f64) = (4.0, 6.0);
-/// From the right border of the lane, which is the curb or the row of parked cars.
+/// From the border of the lane that is the curb or the row of parked cars.
 const KEEPS_M: (f64, f64) = (0.8, 1.2);
 /// Room beside what stands in the lane.
 const ASIDE_M: f64 = 0.30;
@@ -59,7 +59,7 @@ pub(crate) struct Cyclist {
 }
 
 impl Cyclist {
-    /// Somebody who stands at the start of a route: one that keeps so far from the right border of lanes for cars.
+    /// Somebody who stands at the start of a route: one that keeps so far from the curb in lanes for cars.
     pub fn new(habits: &mut Stream, route: impl FnOnce(f64) -> Route) -> Self {
         let cruise_mps = habits.clipped_normal(CRUISE_MPS.0, CRUISE_MPS.1);
         // A look ahead that takes nothing: who is made later keeps their draws.
@@ -90,7 +90,7 @@ impl Cyclist {
         self.route.usual_m(roads.lane(self.route.lanes[0]), self.route.s_m)
     }
 
-    /// The same, farther to the left where something stands in the lane.
+    /// The same, farther off the curb where something stands in the lane.
     fn free_offset_m(&self, own: &Footprint, around: &Surroundings, roads: &Roads) -> f64 {
         let usual_m = self.usual_offset_m(roads);
         let is_near = |o: &&Footprint| (o.center - own.center).length() < LOOKS_M + o.half_length_m;
@@ -108,7 +108,9 @@ impl Cyclist {
             line.into_iter()
                 .all(|p| near.iter().all(|o| (o.closest_point(p) - p).length() > own.half_width_m + ASIDE_M))
         };
-        (0..12).map(|k| usual_m + 0.12 * f64::from(k)).take_while(|m| *m < 0.3).find(|m| is_free(*m)).unwrap_or(0.0)
+        let off_curb = -roads.lane(self.route.lanes[0]).curb_side();
+        let lines_m = (0..12).map(|k| usual_m + off_curb * 0.12 * f64::from(k));
+        lines_m.take_while(|m| off_curb * *m < 0.3).find(|m| is_free(*m)).unwrap_or(0.0)
     }
 }
 

@@ -43,6 +43,8 @@ const WAITED_STEPS: u64 = 10 * 60;
 const SQUEEZES_STEPS: u64 = 8 * 60;
 /// Who has stood for so long before a junction takes another way across it, if that is free.
 const GIVES_UP_STEPS: u64 = 25 * 60;
+/// Who stands for so long has stopped for good where nothing follows.
+const STOPPED_STEPS: u64 = 3 * 60;
 /// Who is so far from the line that is wanted is changing lines, and shows it.
 const SHIFTING_M: f64 = 0.3;
 
@@ -94,6 +96,11 @@ impl Driver {
         (self.idm.desired_speed_factor * allowed_mps).min(self.idm.top_speed_mps)
     }
 
+    /// Whether it drives on its own and has stood for some seconds.
+    pub fn has_stopped(&self) -> bool {
+        self.drives && self.command.is_none() && self.standing_steps > STOPPED_STEPS
+    }
+
     /// Waits at a place of another route.
     pub fn wait_on(&mut self, route: Option<Route>) {
         (self.route, self.drives, self.standing_steps) = (route, false, 0);
@@ -133,7 +140,7 @@ impl Driver {
             self.lanes.change = self.lanes.change.filter(|_| !is_over);
             return;
         }
-        let overtaking_m = self.overtaking.map(|o| o.offset_m);
+        let overtaking_m = self.overtaking.map(|o| o.offset_m());
         let wanted_m = self.command.map(|c| c.lateral_m).or(overtaking_m).unwrap_or(own_m);
         let most_m = SIDEWAYS_MPS.min(SIDEWAYS_SHARE * speed_mps.abs()) * DT_S;
         route.offset_m += (wanted_m - route.offset_m).clamp(-most_m, most_m);
@@ -142,15 +149,17 @@ impl Driver {
     /// Pulling out to overtake, turning in again, changing lanes, or turning off at the next junction.
     fn intent(&self, speed_mps: f64, roads: &Roads) -> TurnSignal {
         let Some(route) = self.route.as_ref().filter(|_| self.drives) else { return TurnSignal::Off };
+        let outward = roads.lane(route.lanes[0]).curb_side();
         if let Some(overtaking) = self.overtaking {
-            let is_out = overtaking.offset_m - route.offset_m < SHIFTING_M;
-            return if is_out { TurnSignal::Off } else { TurnSignal::Left };
+            let is_out = overtaking.is_out_by_m(route.offset_m) < SHIFTING_M;
+            return if is_out { TurnSignal::Off } else { TurnSignal::toward(-outward) };
         }
         if let Some(change) = &self.lanes.change {
-            return if change.to_left { TurnSignal::Left } else { TurnSignal::Right };
+            return TurnSignal::toward(if change.is_inward { -outward } else { outward });
         }
-        if self.command.is_none() && self.own_offset_m.is_some_and(|own_m| route.offset_m - own_m > SHIFTING_M) {
-            return TurnSignal::Right;
+        let is_off = |own_m: f64| outward * (own_m - route.offset_m) > SHIFTING_M;
+        if self.command.is_none() && self.own_offset_m.is_some_and(is_off) {
+            return TurnSignal::toward(outward);
         }
         signal_for(route, speed_mps, self.signal, roads)
     }

@@ -22,7 +22,7 @@ const SAFE_MPS2: f64 = 2.0;
 /// Kept free at least: ahead and behind, at a standstill and by seconds of the one behind.
 const LEAST_GAP_M: f64 = 3.0;
 const LEAST_GAP_S: f64 = 0.55;
-/// Faster than this nobody passes on the right (StVO § 7 (2a)), braking so hard for it at most.
+/// Faster than this nobody passes on the curb's side (StVO § 7 (2a)), braking so hard for it at most.
 const CRITICAL_MPS: f64 = 60.0 / 3.6;
 const STAYS_BEHIND_MPS2: f64 = 2.5;
 /// How long one stays in a lane before the next change.
@@ -34,7 +34,7 @@ const LEAST_MPS: f64 = 4.0;
 const STUCK_MPS: f64 = 0.3;
 /// Who is no farther off needs no change to return.
 const HARDLY_LEFT_M: f64 = 0.4;
-/// What is longer keeps to the two lanes on the right, and in towns, where it would stand across two, to its lane.
+/// What is longer keeps to the two lanes at the curb, and in towns, where it would stand across two, to its lane.
 const LONG_M: f64 = 6.5;
 /// Looks between two decisions, and steps between two looks.
 const LOOKS: u64 = 6;
@@ -42,8 +42,8 @@ const STEPS_A_LOOK: u64 = 3;
 
 /// Time of the way across.
 const ACROSS_S: f64 = 4.6;
-/// What keeping right is worth on a motorway. In towns any lane may be chosen (StVO § 7 (3)).
-const RIGHT_BIAS_MPS2: f64 = 0.3;
+/// What keeping to the curb's side is worth on a motorway. In towns any lane may be chosen (StVO § 7 (3)).
+const OUTER_BIAS_MPS2: f64 = 0.3;
 /// A change is over so far before a junction or the lane's end, on a motorway and in a town.
 const BEFORE_END_M: f64 = 45.0;
 const BEFORE_JUNCTION_M: f64 = 15.0;
@@ -53,10 +53,10 @@ fn interaction(idm: &IdmParameters, speed_mps: f64, leader: Option<Neighbor>) ->
     leader.map_or(0.0, |l| idm.interaction(speed_mps, l.gap_m, l.speed_mps))
 }
 
-/// The interaction on a lane whose left neighbor has `left` ahead: nobody passes it on the right at speed.
-fn on_the_right(own_mps2: f64, left_mps2: f64, speed_mps: f64, left: Option<Neighbor>) -> f64 {
-    let must_stay = left.is_some_and(|l| speed_mps > l.speed_mps && l.speed_mps > CRITICAL_MPS);
-    if must_stay { own_mps2.min(left_mps2) } else { own_mps2 }
+/// The interaction on a lane whose inner neighbor has `inner` ahead: nobody passes it on the outside at speed.
+fn on_the_outside(own_mps2: f64, inner_mps2: f64, speed_mps: f64, inner: Option<Neighbor>) -> f64 {
+    let must_stay = inner.is_some_and(|l| speed_mps > l.speed_mps && l.speed_mps > CRITICAL_MPS);
+    if must_stay { own_mps2.min(inner_mps2) } else { own_mps2 }
 }
 
 /// What a change is worth to who changes, in m/s², with what it costs others: MOBIL's incentive over its threshold.
@@ -87,7 +87,8 @@ fn share_across(t: f64) -> f64 {
 /// On the way into another lane, which the route follows already.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LaneChange {
-    pub to_left: bool,
+    /// Whether it leads toward the middle of the road.
+    pub is_inward: bool,
     from_m: f64,
     to_m: f64,
     /// The share of its time that is over.
@@ -114,7 +115,7 @@ impl LaneChange {
     pub fn claim(&self, own: &Footprint, route: &Route, roads: &Roads) -> Claim {
         let place = route.ahead(0.0, roads);
         let center = place.at + place.tangent.perp() * self.left_m(route.offset_m);
-        Claim { footprint: Footprint { center, heading: place.tangent, ..*own }, to_left: self.to_left }
+        Claim { footprint: Footprint { center, heading: place.tangent, ..*own }, is_inward: self.is_inward }
     }
 }
 
@@ -122,7 +123,7 @@ impl LaneChange {
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct LaneChoice {
     pub change: Option<LaneChange>,
-    /// What staying behind who is ahead on the left takes off the acceleration.
+    /// What staying behind who is ahead on the inner lane takes off the acceleration.
     pub stays_behind_mps2: f64,
     rests_until: u64,
 }
@@ -144,7 +145,7 @@ impl LaneChoice {
             return;
         }
         let lane = route.lanes[0];
-        let (left, right) = (roads.left_of(lane), roads.right_of(lane));
+        let (inner, outer) = (roads.inner_of(lane), roads.outer_of(lane));
         self.stays_behind_mps2 = 0.0;
         let Decider { slot, own, idm, .. } = *by;
         let speed_mps = own.velocity.dot(own.heading).max(0.0);
@@ -152,11 +153,11 @@ impl LaneChoice {
             && speed_mps < STUCK_MPS
             && change.share < 0.5
             && !change.returns
-            && let Some(back) = if change.to_left { right } else { left }
+            && let Some(back) = if change.is_inward { outer } else { inner }
         {
             let from_m = route.change_to(back, roads);
             let returning =
-                LaneChange { to_left: !change.to_left, from_m, to_m: by.offset_m, share: 0.0, returns: true };
+                LaneChange { is_inward: !change.is_inward, from_m, to_m: by.offset_m, share: 0.0, returns: true };
             self.change = Some(returning).filter(|c| (c.to_m - c.from_m).abs() > HARDLY_LEFT_M);
             return;
         }
@@ -167,13 +168,13 @@ impl LaneChoice {
         };
         let here = LaneView::of(lane, route.s_m, own.half_length_m, Some(slot), around, roads);
         let own_mps2 = interaction(idm, speed_mps, here.leader);
-        let left_view = left.map(view);
-        let left_leader = left_view.and_then(|v| v.leader);
-        let left_mps2 = interaction(idm, speed_mps, left_leader);
-        let stays_mps2 = on_the_right(own_mps2, left_mps2, speed_mps, left_leader);
+        let inner_view = inner.map(view);
+        let inner_leader = inner_view.and_then(|v| v.leader);
+        let inner_mps2 = interaction(idm, speed_mps, inner_leader);
+        let stays_mps2 = on_the_outside(own_mps2, inner_mps2, speed_mps, inner_leader);
         // Who is alongside already is not waited for.
-        if !left_view.is_some_and(|v| v.is_taken) && stays_mps2 < own_mps2 {
-            self.stays_behind_mps2 = left_mps2.max(-STAYS_BEHIND_MPS2);
+        if !inner_view.is_some_and(|v| v.is_taken) && stays_mps2 < own_mps2 {
+            self.stays_behind_mps2 = inner_mps2.max(-STAYS_BEHIND_MPS2);
         }
         let is_long = 2.0 * own.half_length_m > LONG_M;
         if self.change.is_some()
@@ -184,33 +185,33 @@ impl LaneChoice {
         {
             return;
         }
-        let leads_left = |id: &LaneId| !is_long || roads.right_of(lane).is_none() || roads.left_of(*id).is_some();
-        let bias_mps2 = if roads.is_fast(lane) { RIGHT_BIAS_MPS2 } else { 0.0 };
+        let leads_inward = |id: &LaneId| !is_long || roads.outer_of(lane).is_none() || roads.inner_of(*id).is_some();
+        let bias_mps2 = if roads.is_fast(lane) { OUTER_BIAS_MPS2 } else { 0.0 };
         let targets = [
-            left.filter(leads_left).zip(left_view).map(|(id, v)| (id, v, true)),
-            right.map(|id| (id, view(id), false)),
+            inner.filter(leads_inward).zip(inner_view).map(|(id, v)| (id, v, true)),
+            outer.map(|id| (id, view(id), false)),
         ];
         let mut best: Option<(LaneId, bool, f64)> = None;
-        for (id, v, to_left) in targets.into_iter().flatten() {
+        for (id, v, is_inward) in targets.into_iter().flatten() {
             if v.is_taken || !route.may_use(id, roads) || !is_safe(idm, speed_mps, v.leader, v.follower) {
                 continue;
             }
             let changed_mps2 = interaction(idm, speed_mps, v.leader);
-            // Only who follows on the left counts: nobody owes the right lane anything.
-            let gain = if to_left {
+            // Only who follows on the inner lane counts: nobody owes the outer one anything.
+            let gain = if is_inward {
                 worth(stays_mps2, changed_mps2, between(&v, own, speed_mps, idm), bias_mps2)
             } else {
-                let changed_mps2 = on_the_right(changed_mps2, own_mps2, speed_mps, here.leader);
+                let changed_mps2 = on_the_outside(changed_mps2, own_mps2, speed_mps, here.leader);
                 let (without, with) = between(&here, own, speed_mps, idm);
                 worth(own_mps2, changed_mps2, (with, without), -bias_mps2)
             };
             if gain > 0.0 && best.is_none_or(|(.., most)| gain > most) {
-                best = Some((id, to_left, gain));
+                best = Some((id, is_inward, gain));
             }
         }
-        if let Some((id, to_left, _)) = best {
+        if let Some((id, is_inward, _)) = best {
             let from_m = route.change_to(id, roads);
-            self.change = Some(LaneChange { to_left, from_m, to_m: by.offset_m, share: 0.0, returns: false });
+            self.change = Some(LaneChange { is_inward, from_m, to_m: by.offset_m, share: 0.0, returns: false });
             self.rests_until = step + ((ACROSS_S + STAY_S) / DT_S) as u64;
         }
     }
@@ -262,7 +263,7 @@ mod tests {
         assert!((worth(own, 0.0, follower, 0.3) - (expected - 0.3)).abs() < 1e-12);
         assert!((worth(own, 0.0, follower, -0.3) - (expected + 0.3)).abs() < 1e-12);
         // On a free road one keeps right, and does not leave the right lane.
-        let bias_mps2 = RIGHT_BIAS_MPS2;
+        let bias_mps2 = OUTER_BIAS_MPS2;
         assert!(worth(0.0, 0.0, (0.0, 0.0), -bias_mps2) > 0.0 && worth(0.0, 0.0, (0.0, 0.0), bias_mps2) < 0.0);
     }
 
@@ -299,15 +300,15 @@ mod tests {
     #[test]
     fn nobody_gains_by_passing_on_the_right_at_speed() {
         let left = neighbor(40.0, 25.0);
-        assert_eq!(on_the_right(0.0, -1.4, 33.0, left), -1.4);
+        assert_eq!(on_the_outside(0.0, -1.4, 33.0, left), -1.4);
         // Slower traffic than 60 km/h may be passed, and who is slower than the left lane does not care.
-        assert_eq!(on_the_right(0.0, -1.4, 33.0, neighbor(40.0, 15.0)), 0.0);
-        assert_eq!(on_the_right(0.0, -1.4, 24.0, left), 0.0);
+        assert_eq!(on_the_outside(0.0, -1.4, 33.0, neighbor(40.0, 15.0)), 0.0);
+        assert_eq!(on_the_outside(0.0, -1.4, 24.0, left), 0.0);
     }
 
     #[test]
     fn the_way_across_begins_and_ends_at_rest_with_bounded_jerk() {
-        let mut change = LaneChange { to_left: true, from_m: -3.75, to_m: 0.1, share: 0.0, returns: false };
+        let mut change = LaneChange { is_inward: true, from_m: -3.75, to_m: 0.1, share: 0.0, returns: false };
         let mut offsets = vec![-3.75];
         loop {
             let (offset_m, is_over) = change.step(9.0);
@@ -334,7 +335,7 @@ mod tests {
 
     #[test]
     fn who_stops_on_the_way_across_goes_no_farther_sideways() {
-        let mut change = LaneChange { to_left: false, from_m: 3.1, to_m: 0.0, share: 0.0, returns: false };
+        let mut change = LaneChange { is_inward: false, from_m: 3.1, to_m: 0.0, share: 0.0, returns: false };
         let mut go = |speed_mps: f64, steps: u32| (0..steps).map(|_| change.step(speed_mps).0).last().unwrap();
         let begun_m = go(5.0, 60);
         assert!(begun_m > 2.5 && begun_m < 3.1, "{begun_m}");
@@ -349,12 +350,12 @@ mod tests {
     #[test]
     fn who_has_come_to_stand_early_in_a_change_stays_in_the_old_lane() {
         let roads = Roads::new(long_main_roads(1));
-        let is_right = |l: &&Lane| l.junction.is_none() && roads.left_of(l.id).is_some() && l.length_m() > 60.0;
+        let is_right = |l: &&Lane| l.junction.is_none() && roads.inner_of(l.id).is_some() && l.length_m() > 60.0;
         let old = roads.lanes().iter().find(is_right).expect("a lane beside another");
         let stands_after = |share: f64, speed_mps: f64| {
             let mut route = Route::new(old.id, 20.0, 0.0, 1.0, Stream::from_seed("change", 1), &roads);
             let begun = route.ahead(0.0, &roads);
-            let from_m = route.change_to(roads.left_of(old.id).unwrap(), &roads);
+            let from_m = route.change_to(roads.inner_of(old.id).unwrap(), &roads);
             route.offset_m = from_m * (1.0 - share_across(share));
             let own = Footprint {
                 center: begun.at,
@@ -363,12 +364,12 @@ mod tests {
                 half_width_m: 0.9,
                 velocity: begun.tangent * speed_mps,
             };
-            let change = Some(LaneChange { to_left: true, from_m, to_m: 0.0, share, returns: false });
+            let change = Some(LaneChange { is_inward: true, from_m, to_m: 0.0, share, returns: false });
             let mut choice = LaneChoice { change, ..LaneChoice::default() };
             let decider = Decider { slot: 0, own: &own, idm: &IDM, offset_m: 0.0 };
             choice.decide(&decider, &mut route, &Surroundings::new(&roads), &roads, 0);
             let is_back = route.lanes[0] == old.id;
-            assert!(choice.change.is_none_or(|change| change.to_left != is_back && change.returns == is_back));
+            assert!(choice.change.is_none_or(|change| change.is_inward != is_back && change.returns == is_back));
             // The line does not jump.
             let line = route.ahead(0.0, &roads).at;
             assert!((line - begun.at).length() < (from_m * share_across(share)).abs() + 0.05, "{line}");

@@ -1,4 +1,4 @@
-//! Overtaking a cyclist: whether there is room and time for it, and how far to the left it leads.
+//! Overtaking a cyclist: whether there is room and time for it, and how far off the own line it leads.
 
 use super::hazards::OnRoute;
 use super::stop_line::next_junction;
@@ -19,7 +19,7 @@ const RETURN_S: f64 = 1.5;
 /// So much faster than otherwise one drives meanwhile.
 pub(super) const HURRY: f64 = 1.15;
 /// The farthest that anybody leaves the middle of the lane, and the longest vehicle that does.
-const MOST_LEFT_M: f64 = 3.0;
+const MOST_ASIDE_M: f64 = 3.0;
 const LONGEST_M: f64 = 6.0;
 /// Slower cyclists are about to stop or to turn; others are worth it if one gets so much faster on.
 const LEAST_RIDER_MPS: f64 = 2.0;
@@ -56,11 +56,22 @@ const STRAIGHT: f64 = 0.82;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Overtaking {
     cyclist: Slot,
-    /// Offset to the left of the lane's middle.
-    pub offset_m: f64,
+    /// Offset from the lane's middle to the middle of the road, and the sign that makes it one to the left.
+    inward_m: f64,
+    inward: f64,
 }
 
 impl Overtaking {
+    /// Offset to the left of the lane's middle.
+    pub fn offset_m(&self) -> f64 {
+        self.inward * self.inward_m
+    }
+
+    /// How far toward the middle of the road the line beside the cyclist still is from an offset to the left.
+    pub fn is_out_by_m(&self, offset_m: f64) -> f64 {
+        self.inward_m - self.inward * offset_m
+    }
+
     /// Begins to overtake a cyclist ahead, if it is one and there is room.
     pub fn begin(
         own: &OnRoute<'_>,
@@ -76,10 +87,11 @@ impl Overtaking {
             return None;
         }
         let way = Way::of(own.route, roads);
-        let offset_m = offset_beside(&way, &rider, own.footprint).filter(|m| *m < MOST_LEFT_M)?;
-        let begun = Self { cyclist: ahead, offset_m };
-        (offset_m > own.route.offset_m && begun.is_clear(own, &rider, desired_mps, SPARE_M, &way, around, roads))
-            .then_some(begun)
+        let inward_m = offset_beside(&way, &rider, own.footprint).filter(|m| *m < MOST_ASIDE_M)?;
+        let begun = Self { cyclist: ahead, inward_m, inward: way.inward };
+        (begun.is_out_by_m(own.route.offset_m) > 0.0
+            && begun.is_clear(own, &rider, desired_mps, SPARE_M, &way, around, roads))
+        .then_some(begun)
     }
 
     /// Goes on, until it is done or must be given up.
@@ -87,7 +99,7 @@ impl Overtaking {
         let rider = *around.cyclist(self.cyclist)?;
         let way = Way::of(own.route, roads);
         // Beside the cyclist nobody turns in, wherever the cyclist goes.
-        self.offset_m = self.offset_m.max(offset_beside(&way, &rider, own.footprint)?.min(MOST_LEFT_M));
+        self.inward_m = self.inward_m.max(offset_beside(&way, &rider, own.footprint)?.min(MOST_ASIDE_M));
         let (ahead_m, _) = way.place_of(rider.center)?;
         let lengths_m = rider.half_length_m + own.footprint.half_length_m;
         let [own_mps, rider_mps] = [own.footprint, &rider].map(|o| o.velocity.dot(own.footprint.heading));
@@ -123,15 +135,18 @@ impl Overtaking {
         {
             return false;
         }
-        let passed: Vec<&Ahead> = way.0.iter().filter(|a| (0.0..way_m).contains(&a.distance_m)).collect();
-        let lines = || passed.iter().map(|a| (a.at + a.tangent.perp() * self.offset_m, a.tangent.perp()));
+        let passed: Vec<&Ahead> = way.middle.iter().filter(|a| (0.0..way_m).contains(&a.distance_m)).collect();
+        let lines = || {
+            let inward = |a: &Ahead| a.tangent.perp() * self.inward;
+            passed.iter().map(move |a| (a.at + inward(a) * self.inward_m, inward(a)))
+        };
         let is_straight = passed.iter().all(|a| a.tangent.dot(passed[0].tangent) > STRAIGHT);
-        let is_road = || lines().all(|(at, left)| is_on_lane(at + left * half_width_m, roads));
+        let is_road = || lines().all(|(at, inward)| is_on_lane(at + inward * half_width_m, roads));
         let keeps_off = |o: &Footprint, side_m: f64| !lines().any(|(at, _)| o.is_within(at, half_width_m + side_m));
         let meets = |o: &Footprint| {
-            let Some((distance_m, left_m)) = way.place_of(o.center) else { return false };
+            let Some((distance_m, inward_m)) = way.place_of(o.center) else { return false };
             let beside_m = o.half_width_m + SIDE_MOVING_M;
-            if !(-half_width_m - beside_m..self.offset_m + half_width_m + beside_m).contains(&left_m) {
+            if !(-half_width_m - beside_m..self.inward_m + half_width_m + beside_m).contains(&inward_m) {
                 return false;
             }
             if o.heading.dot(footprint.heading) < STRAIGHT {
@@ -146,7 +161,7 @@ impl Overtaking {
             }
             // Who follows in the own lane is no hindrance; who comes up on another one is.
             let comes_up_m = BEHIND_S * (speed_mps - speeds_mps[0]).max(0.0);
-            left_m > half_width_m && distance_m > -lengths_m - AFTER_M - comes_up_m
+            inward_m > half_width_m && distance_m > -lengths_m - AFTER_M - comes_up_m
         };
         let others = || around.vehicles.iter().filter(|v| v.agent != own.slot && v.agent != self.cyclist);
         is_straight
@@ -157,10 +172,10 @@ impl Overtaking {
     }
 }
 
-/// The offset from the lane's middle that keeps off a cyclist; `None` for one who is nowhere near.
+/// The offset from the lane's middle to the road's that keeps off a cyclist; `None` for one who is nowhere near.
 fn offset_beside(way: &Way, rider: &Footprint, own: &Footprint) -> Option<f64> {
-    let (_, left_m) = way.place_of(rider.center)?;
-    Some(left_m + rider.half_width_m + BESIDE_M + own.half_width_m)
+    let (_, inward_m) = way.place_of(rider.center)?;
+    Some(inward_m + rider.half_width_m + BESIDE_M + own.half_width_m)
 }
 
 /// How long it takes to gain so much on the cyclist and to be back in the lane, and how far one goes meanwhile; `None` if
@@ -180,14 +195,18 @@ fn time_and_way(gain_m: f64, [own_mps, rider_mps]: [f64; 2], desired_mps: f64) -
 
 /// Whether cars drive at a place, and no junction is there.
 fn is_on_lane(at: DVec2, roads: &Roads) -> bool {
-    roads.driving_near(at, MOST_LEFT_M).any(|lane| {
+    roads.driving_near(at, MOST_ASIDE_M).any(|lane| {
         let (s_m, distance_m) = lane.project(DVec3::new(at.x, at.y, 0.0));
         lane.kind == LaneKind::Driving && lane.junction.is_none() && distance_m < lane.width_at(s_m) / 2.0
     })
 }
 
 /// The middle of the lane, from behind oneself to as far as one looks.
-struct Way(Vec<Ahead>);
+struct Way {
+    middle: Vec<Ahead>,
+    /// The sign that makes offsets to the left lead to the middle of the road.
+    inward: f64,
+}
 
 impl Way {
     fn of(route: &Route, roads: &Roads) -> Self {
@@ -196,16 +215,16 @@ impl Way {
             let place = route.ahead(k as f64 * SAMPLE_M - LOOKS_BACK_M, roads);
             Ahead { at: place.at - place.tangent.perp() * route.offset_m, ..place }
         };
-        Self((0..count).map(middle).collect())
+        Self { middle: (0..count).map(middle).collect(), inward: -roads.lane(route.lanes[0]).curb_side() }
     }
 
-    /// How far ahead a place is, and how far to the left of the lane's middle; `None` for what is nowhere near.
+    /// How far ahead a place is, and how far toward the road's middle off the lane's; `None` for what is nowhere near.
     fn place_of(&self, p: DVec2) -> Option<(f64, f64)> {
         let square_m2 = |a: &&Ahead| (a.at - p).length_squared();
-        let nearest = self.0.iter().min_by(|a, b| square_m2(a).total_cmp(&square_m2(b)))?;
+        let nearest = self.middle.iter().min_by(|a, b| square_m2(a).total_cmp(&square_m2(b)))?;
         let to = p - nearest.at;
-        let (along_m, left_m) = (nearest.tangent.dot(to), nearest.tangent.perp_dot(to));
-        (along_m.abs() < 2.0 * SAMPLE_M).then_some((nearest.distance_m + along_m, left_m))
+        let (along_m, inward_m) = (nearest.tangent.dot(to), self.inward * nearest.tangent.perp_dot(to));
+        (along_m.abs() < 2.0 * SAMPLE_M).then_some((nearest.distance_m + along_m, inward_m))
     }
 }
 

@@ -85,7 +85,7 @@ pub(super) fn stop_line(
     let exit = exits.first().copied().unwrap_or(chain[chain.len() - 1]);
     let room_m = length_m + 2.5;
     let exit_taken_by = exit_taken_by(own, &exits, room_m, lane_use, junctions, roads);
-    let lets_pass = roads.signals().arm_of(before).is_some() && turns_left(roads.lane(chain[0]));
+    let lets_pass = roads.signals().arm_of(before).is_some() && turns_across(roads.lane(chain[0]));
     let asked = Request { car: slot, lanes: &chain, exit, room_m, exit_taken_by, lets_pass, has_priority: is_tram };
     junctions.request(&asked, step).err().map(|refusal| (front_m + 1.5, refusal))
 }
@@ -138,13 +138,13 @@ fn queue_at_light(own: &Crossing<'_>, junctions: &mut Junctions, roads: &Roads, 
     if lane.kind == LaneKind::Biking && own.speed_mps() < QUEUES_MPS {
         // Before that, those who have green need not wait for it.
         let aspect = roads.signals().aspect(own.route.lanes[k - 1], step as f64 * DT_S);
-        junctions.queue(own.slot, lane.id, turns_left(lane), (step, aspect == Some(Aspect::RedYellow)));
+        junctions.queue(own.slot, lane.id, turns_across(lane), (step, aspect == Some(Aspect::RedYellow)));
     }
 }
 
-/// Whether a lane across a junction turns left.
-fn turns_left(lane: &Lane) -> bool {
+/// Whether a lane across a junction crosses the way of those who come toward it: turns left where traffic keeps right.
+fn turns_across(lane: &Lane) -> bool {
     let c = &lane.center;
     let (a, b) = ((c[1] - c[0]).truncate(), (c[c.len() - 1] - c[c.len() - 2]).truncate());
-    math::atan2(a.perp_dot(b), a.dot(b)) > 0.6
+    -lane.curb_side() * math::atan2(a.perp_dot(b), a.dot(b)) > 0.6
 }

@@ -15,7 +15,7 @@ const AHEAD_S: f64 = 3.5;
 const AHEAD_M: (f64, f64) = (30.0, 50.0);
 
 /// The next junction of a route, if it is turned off there: how far away it begins, below 0 inside it, and to which side.
-/// A roundabout is turned off from at its end, to the right; entering it is no turning (StVO 8 (1a)).
+/// A roundabout is turned off from at its end, to the curb's side; entering it is no turning (StVO 8 (1a)).
 pub(super) fn turn_ahead(route: &Route, roads: &Roads) -> Option<(f64, TurnSignal)> {
     let mut start_m = -route.s_m;
     let mut through: Option<(f64, DVec2, DVec2)> = None;
@@ -23,7 +23,7 @@ pub(super) fn turn_ahead(route: &Route, roads: &Roads) -> Option<(f64, TurnSigna
         let lane = roads.lane(*id);
         if through.is_none() && roads.is_in_roundabout(*id) {
             let leaves_in_m = start_m + lane.length_m() - LEAVING_M;
-            return (leaves_in_m <= 0.0).then_some((leaves_in_m, TurnSignal::Right));
+            return (leaves_in_m <= 0.0).then_some((leaves_in_m, TurnSignal::toward(lane.curb_side())));
         }
         match (&mut through, lane.junction) {
             (None, Some(_)) => through = Some((start_m, end_tangent(lane, false), end_tangent(lane, true))),
@@ -36,8 +36,7 @@ pub(super) fn turn_ahead(route: &Route, roads: &Roads) -> Option<(f64, TurnSigna
     }
     let (distance_m, entering, leaving) = through?;
     let turn_rad = math::atan2(entering.perp_dot(leaving), entering.dot(leaving));
-    let side = if turn_rad > 0.0 { TurnSignal::Left } else { TurnSignal::Right };
-    (turn_rad.abs() > TURNS_RAD).then_some((distance_m, side))
+    (turn_rad.abs() > TURNS_RAD).then_some((distance_m, TurnSignal::toward(turn_rad)))
 }
 
 /// What a driver at a speed shows of the next junction; who has begun goes on.

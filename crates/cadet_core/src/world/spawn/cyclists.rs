@@ -1,10 +1,10 @@
-//! Cyclists: at random free places on the right of streets, alone or behind another.
+//! Cyclists: at random free places beside the curbs of streets, alone or behind another.
 
 use std::sync::Arc;
 
 use super::newcomers::ridden_bicycle;
 use super::overlap::comes_toward;
-use super::spawner::Spawner;
+use super::spawner::{Entry, Spawner};
 use crate::assets::cyclist::CyclistModel;
 use crate::math::{self, DVec2, DVec3};
 use crate::rng::Stream;
@@ -34,13 +34,13 @@ const HEADWAY_M: f64 = 4.0;
 const SHORTEST_WAY_M: f64 = 30.0;
 
 impl Spawner<'_> {
-    /// A cyclist for a slot, between two distances from the ego; `hidden` keeps them out of its view.
+    /// A cyclist for a slot, between two distances from the ego.
     pub(super) fn new_cyclist(
         &mut self,
         slot: Slot,
         stream: &mut Stream,
         ring_m: (f64, f64),
-        hidden: bool,
+        entry: Entry,
     ) -> Option<Newcomer> {
         let model = Arc::new(CyclistModel::generate(stream.next_u64()));
         if stream.chance(COMPANY_SHARE)
@@ -53,7 +53,7 @@ impl Spawner<'_> {
                 return Some(joined);
             }
         }
-        let places = self.places_on(lanes_to_ride(&self.arena.streets.roads), model.size_lwh.x / 2.0, ring_m, hidden);
+        let places = self.places_on(lanes_to_ride(&self.arena.streets.roads), model.size_lwh.x / 2.0, ring_m, entry);
         // On narrow streets who starts ahead of the ego would be followed for long; who comes toward it is seen.
         let way: Vec<LaneId> = self.ego_way().map_or_else(Vec::new, |route| route.lanes.into());
         let roads = &self.arena.streets.roads;
@@ -129,14 +129,14 @@ impl Spawner<'_> {
     }
 }
 
-/// Lanes for bicycles, and driving lanes that have none on their right.
+/// Lanes for bicycles, and driving lanes that have none at the curb.
 fn lanes_to_ride(roads: &Roads) -> impl Iterator<Item = &Lane> {
     let is_outermost = |lane: &Lane| {
         let s_m = lane.length_m() / 2.0;
         let middle = lane.pose_at(s_m);
-        let right = middle.rotation * DVec3::NEG_Y;
+        let out = middle.rotation * DVec3::Y * lane.curb_side();
         let heading_rad = crate::frames::yaw_of(&middle);
-        let beside = middle.translation + right * lane.width_at(s_m);
+        let beside = middle.translation + out * lane.width_at(s_m);
         let is_beside_cycle_lane = roads.is_on_cycle_lane(beside.truncate(), 0.3);
         !is_beside_cycle_lane
             && roads.nearest(beside, Some(heading_rad), 1.0).is_none_or(|(other, ..)| other == lane.id)

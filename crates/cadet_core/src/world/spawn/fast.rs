@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::driven::chassis_on;
 use super::newcomers::driven_vehicle;
-use super::spawner::Spawner;
+use super::spawner::{Entry, Spawner};
 use crate::actor::ObjectClass;
 use crate::assets::vehicle::VehicleModel;
 use crate::math::DVec3;
@@ -25,7 +25,7 @@ pub(super) const APPEARS_M: (f64, f64) = (252.0, 296.0);
 /// Speed limiters of trucks, and what cars go of the limit.
 const TRUCKS_MPS: (f64, f64) = (82.0 / 3.6, 89.0 / 3.6);
 const CARS_SHARE: f64 = 1.04;
-/// Shares of cars in the lanes from the right.
+/// Shares of cars in the lanes from the curb.
 const LANES: [f64; 3] = [0.4, 0.45, 0.15];
 /// Kept at the start: meters and seconds, and how softly whoever is faster could brake.
 const GAP_M: f64 = 8.0;
@@ -33,6 +33,8 @@ const GAP_S: f64 = 0.9;
 const SOFTLY_MPS2: f64 = 1.2;
 const PLACES_EVERY_M: f64 = 7.0;
 const TRIES: usize = 40;
+/// Who comes in at the map's edge does so within this of a road's beginning.
+const EDGE_M: f64 = 30.0;
 
 impl Spawner<'_> {
     /// Whether the ego drives on a motorway.
@@ -72,7 +74,7 @@ impl Spawner<'_> {
         model: Arc<VehicleModel>,
         needs: Needs,
         ring_m: (f64, f64),
-        is_newcomer: bool,
+        entry: Entry,
     ) -> Option<Newcomer> {
         let is_truck = model.class == ObjectClass::Truck;
         let half_m = model.size_lwh.x / 2.0;
@@ -88,23 +90,26 @@ impl Spawner<'_> {
         let mut places: Vec<(LaneId, f64, f64)> = Vec::new();
         for lane in roads.open_lanes().filter(|l| roads.is_fast(l.id) && (!needs.is_some() || roads.fits(l.id, needs)))
         {
-            let from_right = std::iter::successors(roads.right_of(lane.id), |id| roads.right_of(*id)).count();
-            if is_truck && from_right > 0 {
+            let from_curb = std::iter::successors(roads.outer_of(lane.id), |id| roads.outer_of(*id)).count();
+            if is_truck && from_curb > 0 {
+                continue;
+            }
+            if entry == Entry::MapEdge && !roads.begins_with_map(lane) {
                 continue;
             }
             let wanted_mps = (idm.desired_speed_factor * lane.speed_limit_mps).min(idm.top_speed_mps);
             let mut s_m = 2.0;
-            while s_m < lane.length_m() {
+            while s_m < if entry == Entry::MapEdge { lane.length_m().min(EDGE_M) } else { lane.length_m() } {
                 let pose = lane.pose_at(s_m);
                 let to = pose.translation.truncate() - ego;
                 let distance_m = to.length();
                 let is_with_ego = (pose.rotation * DVec3::X).truncate().dot(view) > 0.0;
                 let is_ahead = to.dot(view) > 0.0;
                 let comes_nearer = if is_with_ego { is_ahead == (wanted_mps < ego_mps) } else { is_ahead };
-                if (ring_m.0..ring_m.1).contains(&distance_m) && (comes_nearer || !is_newcomer) {
-                    let near = if is_newcomer { 1.0 } else { 60.0 / (distance_m + 60.0) };
+                if (ring_m.0..ring_m.1).contains(&distance_m) && (comes_nearer || entry != Entry::Unseen) {
+                    let near = if entry == Entry::Anywhere { 60.0 / (distance_m + 60.0) } else { 1.0 };
                     let own_way = if is_with_ego { 1.3 } else { 1.0 };
-                    places.push((lane.id, s_m, near * own_way * LANES[from_right.min(2)]));
+                    places.push((lane.id, s_m, near * own_way * LANES[from_curb.min(2)]));
                 }
                 s_m += PLACES_EVERY_M;
             }
@@ -126,15 +131,15 @@ impl Spawner<'_> {
                 let closing_mps = (behind_mps - ahead_mps).max(0.0);
                 gap_m > GAP_M + GAP_S * behind_mps + closing_mps * closing_mps / (2.0 * SOFTLY_MPS2)
             };
-            // Nor is anybody about to be passed on the right.
+            // Nor is anybody about to be passed on the curb's side.
             let beside = |id: Option<LaneId>| {
                 id.map(|id| LaneView::of(id, s_m, half_m, Some(slot), &self.arena.around, roads)).unwrap_or_default()
             };
-            let (left, right) = (beside(roads.left_of(lane)), beside(roads.right_of(lane)));
-            let passes_nobody = left
+            let (inner, outer) = (beside(roads.inner_of(lane)), beside(roads.outer_of(lane)));
+            let passes_nobody = inner
                 .leader
                 .is_none_or(|l| l.speed_mps > speed_mps || is_free(l.gap_m, speed_mps, l.speed_mps))
-                && right.follower.is_none_or(|f| f.speed_mps < speed_mps || is_free(f.gap_m, f.speed_mps, speed_mps));
+                && outer.follower.is_none_or(|f| f.speed_mps < speed_mps || is_free(f.gap_m, f.speed_mps, speed_mps));
             let has_gaps = passes_nobody
                 && seen.leader.is_none_or(|l| is_free(l.gap_m, speed_mps, l.speed_mps))
                 && seen.follower.is_none_or(|f| is_free(f.gap_m, f.speed_mps, speed_mps));

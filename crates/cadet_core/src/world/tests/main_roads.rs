@@ -74,7 +74,11 @@ fn drivers_change_lanes_between_junctions_without_touching() {
                     num_changes += 1;
                     num_lanes.insert((seed, lane));
                     let roads = &world.arena.streets.roads;
-                    assert!(roads.left_of(lane).or(roads.right_of(lane)).is_some(), "{name}: {} to {lane:?}", agent.id);
+                    assert!(
+                        roads.inner_of(lane).or(roads.outer_of(lane)).is_some(),
+                        "{name}: {} to {lane:?}",
+                        agent.id
+                    );
                 }
             }
         }

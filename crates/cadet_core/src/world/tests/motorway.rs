@@ -76,7 +76,7 @@ fn drive(world: &mut World, seconds: u32, name: &str) -> Seen {
         let changing: Vec<i32> = cars(world).iter().filter(|(_, d)| d.changes_lane()).map(|(a, _)| a.id).collect();
         for (id, lane, s_m, speed_mps) in &now {
             let Some((_, lane_before, s_before, _)) = before.iter().find(|b| b.0 == *id) else { continue };
-            for (other, other_lane, other_s, other_mps) in now.iter().filter(|o| roads.left_of(*lane) == Some(o.1)) {
+            for (other, other_lane, other_s, other_mps) in now.iter().filter(|o| roads.inner_of(*lane) == Some(o.1)) {
                 let Some((_, _, other_before, _)) = before.iter().find(|b| b.0 == *other && b.1 == *other_lane) else {
                     continue;
                 };
@@ -89,8 +89,8 @@ fn drive(world: &mut World, seconds: u32, name: &str) -> Seen {
         }
         seen.pitch_rad = seen.pitch_rad.max(pitch_rad(world).abs());
         for slot in 0..world.arena.agents.len() {
-            seen.changes[0] += usize::from(world.arena.around.is_changing_to_left(slot));
-            seen.changes[1] += usize::from(world.arena.around.is_changing_to_right(slot));
+            seen.changes[0] += usize::from(world.arena.around.is_changing_inward(slot));
+            seen.changes[1] += usize::from(world.arena.around.is_changing_outward(slot));
         }
         before = now;
     }
@@ -188,7 +188,7 @@ fn a_slow_truck_is_passed_on_the_left_and_the_right_lane_taken_again() {
     for _ in 0..75 * 4 {
         world.step(SECOND / 4);
         let around = &world.arena.around;
-        let way = (around.is_changing_to_left(0), around.is_changing_to_right(0));
+        let way = (around.is_changing_inward(0), around.is_changing_outward(0));
         if ways.last() != Some(&way) {
             ways.push(way);
         }
