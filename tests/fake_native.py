@@ -221,6 +221,7 @@ class Capture:
         self.world_from_ego = np.eye(4).tolist()
         self.world_from_ego[0][3] = scene.driven_m
         self.ego_from_velo = np.eye(4).tolist()
+        self.map_offset_m = [0.0, 0.0]
         self.map, self.weather, self.sun_rad, self.boxes = (
             scene.map_name or "suburb",
             scene.weather,
@@ -268,6 +269,7 @@ class Scene:
         self.key, self.rig, self.weather, self.map_name = key, rig, weather, map_name
         self.driven_m = self.time_s = 0.0
         self.num_views = 0
+        self.ego_is_at_road_end = False
         self.calls: list[str] = []
         self.map_warnings = lambda: [f'{map_name}: road "7": lost'] if map_name == "lossy.xodr" else []
         self.num_triangles, self.num_actors = 1, 1
@@ -319,7 +321,7 @@ class Scene:
     def move_ego(self, x: float, y: float, yaw: float, may_overlap: bool) -> None:
         self.calls.append(f"move_ego {x} {y} {yaw} {may_overlap}")
 
-    def step(self, seconds: float) -> None:
+    def step(self, seconds: float, ego_returns: bool = False) -> None:
         self.time_s += seconds
 
     def drive(self, distance_m: float, blocked_s: float) -> None:

@@ -90,13 +90,15 @@ class Episode:
         self._wanted = wanted or Wanted()
         self._attempt = 0
         self._num_empty = 0
+        self._num_vain = 0
         self._spec: EpisodeSpec | None = None
 
     def next_sample(self, number: int) -> Sample:
         """Drive on and return the next view with a labeled object as sample `number` of the episode.
 
         In a sequence (`ResetPolicy.time_step_s`) this holds for the first sample; the others follow by time.
-        The first view of a world is taken where the ego stands. A view in which nothing has moved since the last one
+        The first view of a world is taken where the ego stands. Where its road ends, another world begins; in a
+        sequence it stands there, and a warning says so. A view in which nothing has moved since the last one
         (docs/labels.md) is passed over like one without a labeled object, and both count toward the world's redraw.
 
         Raises:
@@ -105,6 +107,7 @@ class Episode:
         while True:
             scene, spec = self._advance(number)
             if self._is_in_sequence(number):
+                self._note_road_end(scene, spec)
                 taken = scene.capture(request(spec.mounted_rig, number, self._wanted))
                 return Sample(taken, spec.mounted_rig, self._origin(number, spec))
             captured = scene.capture_labeled(request(spec.mounted_rig, number, self._wanted))
@@ -113,7 +116,7 @@ class Episode:
                 if self._num_empty >= self.policy.empty_views_limit:
                     self._redraw()
                 continue
-            self._num_empty = 0
+            self._num_empty = self._num_vain = 0
             return Sample(captured, spec.mounted_rig, self._origin(number, spec))
 
     def _is_in_sequence(self, number: int) -> bool:
@@ -143,14 +146,28 @@ class Episode:
             self.scene.step(float(self.policy.time_step_s or 0.0))
         else:
             self.scene.drive(float(self.policy.distance_m), float(self.policy.blocked_s))
+            if self.scene.ego_is_at_road_end:
+                self._redraw()
+                return self._advance(number)
         return self.scene, self._spec
+
+    def _note_road_end(self, scene: _cadet.Scene, spec: EpisodeSpec) -> None:
+        """Warn of an ego that stands at its road's end for the rest of a sequence."""
+        if scene.ego_is_at_road_end and spec.road_map is not None:
+            line = (
+                f"{spec.road_map.name}: the ego came to the end of its road and stands there for the rest of episode "
+                f"{self.number} (and of others, which are not said); take shorter sequences, or a map with longer roads"
+            )
+            notice([line], about=spec.road_map, key="road end")
 
     def _redraw(self) -> None:
         self.scene = None
         self._num_empty = 0
         self._attempt += 1
-        if self._attempt >= self.policy.attempts_limit:
+        self._num_vain += 1
+        if self._num_vain >= self.policy.attempts_limit:
+            roads = ", or take a map with longer roads" if self.policy.maps else ""
             raise CadetError(
-                f"episode {self.number}: no labeled object in sight in {self._attempt} worlds of "
-                f"{self.policy.empty_views_limit} views each; allow more traffic or labels"
+                f"episode {self.number}: no labeled object in sight in {self._num_vain} worlds of "
+                f"{self.policy.empty_views_limit} views each; allow more traffic or labels{roads}"
             )

@@ -262,12 +262,14 @@ class Scene:
     def step(self, seconds: float) -> None:
         """Let physics run, rounded to whole steps of 1/60 s.
 
+        Where a road ends with the map, who drives leaves and comes in elsewhere; so does an ego on its own.
+
         Raises:
             CadetError: a time that is negative, not finite or longer than an hour.
         """
         check_number("step", "seconds", seconds, *_cadet.limits()["step_s"])
         self._forget_first()
-        self._native.step(float(seconds))
+        self._native.step(float(seconds), True)
 
     def capture(self, *, sensors: Iterable[str] | None = None) -> Frame:
         """Return what the rig sees now. At the same instant it returns the same frame, noise and `meta` included.

@@ -35,6 +35,15 @@ pub enum TownSource {
     Flat,
 }
 
+/// What an ego does that has driven to the end of its road.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AtRoadEnd {
+    /// It stands there.
+    Stand,
+    /// It comes in at another place, as other traffic does.
+    ComeInElsewhere,
+}
+
 /// Numbers of a scene.
 #[derive(Debug, Clone, Default)]
 pub struct SceneConfig {
@@ -220,21 +229,22 @@ impl Scene {
         self.world.command_ego(command)
     }
 
-    /// Lets physics run, in whole steps of 1/60 s.
+    /// Lets physics run, in whole steps of 1/60 s; an ego at the end of its road stands there.
     ///
     /// # Errors
     /// A time that is negative, not finite or longer than an hour.
     pub fn step(&mut self, seconds: f64) -> Result<()> {
-        self.step_until(seconds, || Ok(()))
+        self.step_until(seconds, AtRoadEnd::Stand, || Ok(()))
     }
 
-    /// Lets physics run as [`Self::step`] does; `pause` is called after each simulated second and may end it there.
+    /// Lets physics run; `pause` is called after each simulated second and may end it there.
     ///
     /// # Errors
     /// As [`Self::step`], and what `pause` returns.
     pub fn step_until<E: From<Error>>(
         &mut self,
         seconds: f64,
+        at_road_end: AtRoadEnd,
         mut pause: impl FnMut() -> std::result::Result<(), E>,
     ) -> std::result::Result<(), E> {
         let seconds = in_range("seconds", seconds, 0.0, MAX_STEP_S)?;
@@ -242,14 +252,18 @@ impl Scene {
         let mut steps = (seconds * STEPS_PER_S).round() as u32;
         while steps > 0 {
             let now = steps.min(STEPS_PER_S as u32);
-            self.world.step(now);
+            match at_road_end {
+                AtRoadEnd::Stand => self.world.step(now),
+                AtRoadEnd::ComeInElsewhere => self.world.step_on(now),
+            }
             steps -= now;
             pause()?;
         }
         Ok(())
     }
 
-    /// Drives until the ego has gone `distance_m` along its lane, or has stood for `blocked_s`.
+    /// Drives until the ego has gone `distance_m` along its lane, has stood for `blocked_s`, or has come to the end of its
+    /// road.
     ///
     /// # Errors
     /// Numbers that are negative, not finite or too large.
@@ -259,6 +273,12 @@ impl Scene {
         self.sensed = None;
         let _ = self.world.drive(distance_m, blocked_s)?;
         Ok(())
+    }
+
+    /// Whether the ego has come to where its road ends, so that it can't go on.
+    #[must_use]
+    pub fn ego_is_at_road_end(&self) -> bool {
+        self.world.ego_is_at_road_end()
     }
 
     fn sensed(&mut self) -> &mut Sensed {

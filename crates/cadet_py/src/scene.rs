@@ -157,12 +157,19 @@ impl Scene {
         self.with(py, |scene| scene.command_ego(command))
     }
 
-    fn step(&self, py: Python<'_>, seconds: f64) -> Result<(), BorderError> {
-        self.with_pauses(py, |scene| scene.step_until(seconds, guard::handle_signals))
+    #[pyo3(signature = (seconds, ego_returns=false))]
+    fn step(&self, py: Python<'_>, seconds: f64, ego_returns: bool) -> Result<(), BorderError> {
+        let at_road_end = if ego_returns { core::AtRoadEnd::ComeInElsewhere } else { core::AtRoadEnd::Stand };
+        self.with_pauses(py, |scene| scene.step_until(seconds, at_road_end, guard::handle_signals))
     }
 
     fn drive(&self, py: Python<'_>, distance_m: f64, blocked_s: f64) -> Result<(), BorderError> {
         self.with(py, |scene| scene.drive(distance_m, blocked_s))
+    }
+
+    #[getter]
+    fn ego_is_at_road_end(&self, py: Python<'_>) -> Result<bool, BorderError> {
+        self.with(py, |scene| Ok(scene.ego_is_at_road_end()))
     }
 
     fn capture(&self, py: Python<'_>, request: &Request) -> Result<Capture, BorderError> {

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::agent::Agent;
 use super::appearance::Appearance;
-use super::body::Body;
-use super::control::Controller;
+use super::body::{Body, Upright};
+use super::control::{Controller, Parked};
 use super::footprint::Footprint;
 use super::lane_use::OnLane;
 use super::physics::Physics;
@@ -33,8 +33,10 @@ pub(super) struct Arena {
     pub physics: Physics,
     pub streets: Streets,
     pub around: Surroundings,
-    /// Slots of those that may move.
+    /// Slots of those that may move, rising.
     active: Vec<Slot>,
+    /// Slots of those who have left the world.
+    vacant: Vec<Slot>,
     next_id: i32,
 }
 
@@ -51,7 +53,7 @@ impl Arena {
                 Footprint { center: o.center, heading: o.axis, half_length_m, half_width_m, velocity: DVec2::ZERO };
             around.stand(footprint, &streets.roads);
         }
-        Ok(Self { agents: Vec::new(), physics, streets, around, active: Vec::new(), next_id: 0 })
+        Ok(Self { agents: Vec::new(), physics, streets, around, active: Vec::new(), vacant: Vec::new(), next_id: 0 })
     }
 
     /// The id that the next newcomer gets; the ego's is 0.
@@ -77,12 +79,40 @@ impl Arena {
     /// Puts an agent that moves in the place of one that has gone.
     pub fn replace(&mut self, gone: Slot, newcomer: Newcomer) {
         let agent = self.named(newcomer);
+        if let Some(i) = self.vacant.iter().position(|slot| *slot == gone) {
+            self.vacant.remove(i);
+            self.active.insert(self.active.partition_point(|slot| *slot < gone), gone);
+        }
+        self.clear(gone);
+        self.agents[gone] = agent;
+    }
+
+    /// Takes an agent that moves out of the world; its slot is free for a newcomer.
+    pub fn remove(&mut self, gone: Slot) {
+        self.clear(gone);
+        self.active.retain(|slot| *slot != gone);
+        self.vacant.push(gone);
+        // What has no body in rapier's world has no place either.
+        self.agents[gone].body = Body::Upright(Upright::standing(DVec3::ZERO, 0.0));
+        self.agents[gone].controller = Box::new(Parked);
+    }
+
+    fn clear(&mut self, gone: Slot) {
         self.around.forget(gone);
         for slot in &self.active {
             self.agents[*slot].controller.forget(gone);
         }
         self.agents[gone].body.remove_from(&mut self.physics);
-        self.agents[gone] = agent;
+    }
+
+    /// Slots of those who have left the world.
+    pub fn vacant(&self) -> &[Slot] {
+        &self.vacant
+    }
+
+    /// All who are in the world, by slot.
+    pub fn present(&self) -> impl Iterator<Item = (Slot, &Agent)> {
+        self.agents.iter().enumerate().filter(|(slot, _)| !self.vacant.contains(slot))
     }
 
     fn named(&mut self, newcomer: Newcomer) -> Agent {

@@ -8,17 +8,19 @@ use super::body::{Body, settle};
 use super::control::Driver;
 use super::course::{Course, ModelChoice, Overlap};
 use super::ego_command::EgoCommand;
+use super::footprint::Footprint;
 use super::physics::DT_S;
 use super::route::{EGO_STRAIGHT, Route};
-use super::slot::EGO;
+use super::slot::{EGO, Slot};
 use super::snapshot::{EgoState, Snapshot};
 use super::spawn::{
-    RENEW_EVERY, Respawns, Spawner, TrafficConfig, add_cyclist, add_person, add_seated, add_vehicle, box_at,
-    check_free, fill, place_ego, renew,
+    EgoStarts, RENEW_EVERY, Respawns, Spawner, TrafficConfig, add_cyclist, add_person, add_seated, add_vehicle, box_at,
+    check_free, fill, leave, place_ego, renew, too_short,
 };
 use crate::actor::ObjectClass;
 use crate::assets::vehicle::{UserVehicles, VehicleModel};
 use crate::error::{Error, Result};
+use crate::frames;
 use crate::instance::Instance;
 use crate::math::DVec2;
 use crate::rng::StreamKey;
@@ -26,6 +28,12 @@ use crate::town::{LaneId, Town};
 
 /// Steps between two looks around: nobody needs more than 20 a second.
 const LOOK_EVERY: u64 = 3;
+/// An ego whose front is nearer to the end of its road can't go on.
+const END_ROOM_M: f64 = 4.0;
+/// Steps between two looks at an ego that may come in anew, tries to find it a place, and the room that it needs there.
+const RETURNS_EVERY: u64 = 60;
+const RETURN_TRIES: usize = 40;
+const RETURN_ROOM_M: f64 = 25.0;
 /// The longest that one call drives.
 const LONGEST_DRIVE_S: f64 = 120.0;
 
@@ -166,8 +174,11 @@ impl World {
     /// Fills the world: parked cars, then driven ones, then people, then cyclists. To be called once, before the first step.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a configuration that makes no sense.
+    /// [`Error::OutOfRange`] for a configuration that makes no sense, [`Error::Map`] for roads that are too short to drive.
     pub fn spawn_traffic(&mut self, config: &TrafficConfig) -> Result<()> {
+        if self.ego_driver().route.is_none() && self.town.network.driving().next().is_some() {
+            return Err(too_short(&self.town, &self.arena.streets.roads));
+        }
         let Self { arena, key, user_vehicles, rains, .. } = self;
         fill(&mut Spawner { arena, key: *key, config, user_vehicles, rains: *rains }, &self.town)?;
         self.traffic = Some(config.clone());
@@ -220,8 +231,39 @@ impl World {
         }
     }
 
-    /// Drives until the ego has gone `distance_m` along its route or has stood for `blocked_s` seconds, at most
-    /// 120 s; returns the distance gone.
+    /// Advances as [`World::step`] does; an ego that has driven to the end of its road comes in at another place, as others do.
+    pub fn step_on(&mut self, num_steps: u32) {
+        for _ in 0..num_steps {
+            self.step_once();
+            if self.steps.is_multiple_of(RETURNS_EVERY) && self.ego_is_at_road_end() && self.ego_driver().has_stopped()
+            {
+                self.bring_ego_in();
+            }
+        }
+    }
+
+    /// Puts the ego on another way, where nobody is near.
+    fn bring_ego_in(&mut self) {
+        let starts = EgoStarts::of(&self.arena.streets.roads);
+        let mut stream = self.key.indexed("ego comes in", self.steps);
+        for _ in 0..RETURN_TRIES {
+            let roads = &self.arena.streets.roads;
+            let Some((lane, s_m)) = starts.draw(&mut stream, roads) else { return };
+            let pose = roads.lane(lane).pose_at(s_m);
+            let at = pose.translation.truncate();
+            let is_near = |(slot, f): (Slot, Footprint)| slot != EGO && (f.center - at).length() < RETURN_ROOM_M;
+            if self.arena.vehicles().any(is_near) {
+                continue;
+            }
+            if self.move_ego(at.x, at.y, frames::yaw_of(&pose), Overlap::Refuse).is_ok() {
+                self.set_ego_driving(true);
+                return;
+            }
+        }
+    }
+
+    /// Drives until the ego has gone `distance_m` along its route, has stood for `blocked_s` seconds, or has come to the end
+    /// of its road, at most 120 s; returns the distance gone.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a distance or a time that is negative or not finite.
@@ -237,7 +279,8 @@ impl World {
         let start_m = odometer(self);
         let mut standing = 0;
         for _ in 0..(LONGEST_DRIVE_S / DT_S) as u32 {
-            if odometer(self) - start_m >= distance_m || f64::from(standing) * DT_S >= blocked_s {
+            let is_blocked = f64::from(standing) * DT_S >= blocked_s || self.ego_is_at_road_end();
+            if odometer(self) - start_m >= distance_m || is_blocked {
                 break;
             }
             self.step_once();
@@ -255,6 +298,14 @@ impl World {
             velocity_world: body.velocity_world(physics),
             angular_velocity_world: body.angular_velocity_world(physics),
         }
+    }
+
+    /// Whether the ego has come to where its road ends, so that it can't go on.
+    #[must_use]
+    pub fn ego_is_at_road_end(&self) -> bool {
+        let half_m = self.arena.ego().appearance.size_lwh().x / 2.0;
+        let end_m = self.ego_driver().route.as_ref().and_then(|route| route.ends_in_m(&self.arena.streets.roads));
+        end_m.is_some_and(|m| m - half_m < END_ROOM_M)
     }
 
     /// The lane that the ego drives on.
@@ -300,6 +351,7 @@ impl World {
             );
         }
         if self.steps.is_multiple_of(LOOK_EVERY) {
+            leave(&mut self.arena);
             self.arena.look(self.steps);
         }
         self.arena.step();

@@ -5,7 +5,7 @@ use super::arena::Arena;
 use super::control::Cause;
 use super::junctions::Refusal;
 use super::lamp_light::LampLight;
-use super::slot::Slot;
+use super::slot::{EGO, Slot};
 use crate::actor::{ActorState, BrakesFor};
 use crate::assets::vehicle::{HALOGEN, low_beams};
 use crate::instance::Instance;
@@ -55,9 +55,10 @@ impl Snapshot {
         night_scenery: Option<&[Instance]>,
     ) -> Self {
         let middle = ego.world_from_ego.translation;
-        let mut near: Vec<(&Agent, DPose3)> = arena.agents[1..]
-            .iter()
-            .map(|agent| (agent, agent.body.world_from_box(&arena.physics)))
+        let mut near: Vec<(&Agent, DPose3)> = arena
+            .present()
+            .filter(|(slot, _)| *slot != EGO)
+            .map(|(_, agent)| (agent, agent.body.world_from_box(&arena.physics)))
             .filter(|(_, pose)| (pose.translation - middle).length() <= SNAPSHOT_RADIUS_M)
             .collect();
         near.sort_by_key(|(agent, _)| agent.id);

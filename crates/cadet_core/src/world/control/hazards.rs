@@ -9,7 +9,7 @@ use crate::world::footprint::Footprint;
 use crate::world::junctions::Refusal;
 use crate::world::roads::Roads;
 use crate::world::route::{Ahead, Route};
-use crate::world::slot::Slot;
+use crate::world::slot::{EGO, Slot};
 use crate::world::surroundings::Surroundings;
 
 /// How far a driver looks.
@@ -150,9 +150,9 @@ pub(super) fn worst_hazard(
             break;
         }
     }
-    // The end of the road.
-    let end_m = route.remaining_m(roads) - own.half_length_m;
-    if end_m < SIGHT_M {
+    // The end of the road. Where it is the map's, all but the ego drive on and leave the world.
+    let stays = slot == EGO || train_m.is_some() || !route.leads_off_map(SIGHT_M, roads);
+    if let Some(end_m) = route.ends_in_m(roads).map(|m| m - own.half_length_m).filter(|m| stays && *m < SIGHT_M) {
         brake_for(idm.interaction(speed, end_m + 1.0, 0.0), Cause::RoadEnd);
     }
     let length_m = train_m.unwrap_or(2.0 * own.half_length_m);

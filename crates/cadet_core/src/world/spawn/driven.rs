@@ -7,7 +7,7 @@ use super::config::{DRIVEN_MIX, DRIVEN_TRUCKS, DRIVEN_USER_MIX, MOTORWAY_TRUCKS}
 use super::newcomers::driven_vehicle;
 use super::overlap::comes_toward;
 use super::parking::OFF_LANES_M;
-use super::spawner::Spawner;
+use super::spawner::{Entry, Spawner};
 use crate::actor::ObjectClass;
 use crate::assets::vehicle::VehicleModel;
 use crate::math::{self, DVec2, DVec3};
@@ -30,6 +30,8 @@ const BEFORE_LIGHT_M: f64 = 15.0;
 const ON_LINE_M: Range<f64> = 4.0..7.5;
 /// Trucks take bends, and streets, at this share of a car's speed.
 const TRUCKS_SLOWER: f64 = 0.85;
+/// Who comes in at the map's edge does so within this of a road's beginning.
+const EDGE_M: f64 = 8.0;
 /// A newcomer that needs room has it for so long a way.
 const ROOM_AHEAD_M: f64 = 110.0;
 
@@ -54,21 +56,31 @@ impl Spawner<'_> {
         lanes: impl Iterator<Item = &'a Lane>,
         half_m: f64,
         ring_m: (f64, f64),
-        hidden: bool,
+        entry: Entry,
     ) -> Vec<(LaneId, f64, f64)> {
         let (ego, view) = self.arena.ego_place();
+        let roads = &self.arena.streets.roads;
         let mut places: Vec<(LaneId, f64, f64)> = Vec::new();
         for lane in lanes {
             let mut s = half_m + 1.0;
-            while s < lane.length_m() - half_m - 6.0 {
+            let most_m = match entry {
+                Entry::MapEdge if !roads.begins_with_map(lane) => continue,
+                Entry::MapEdge => half_m + 1.0 + EDGE_M,
+                Entry::Anywhere | Entry::Unseen => f64::INFINITY,
+            };
+            while s < (lane.length_m() - half_m - 6.0).min(most_m) {
                 let p = lane.pose_at(s);
                 let to = p.translation.truncate() - ego;
                 let distance = to.length();
                 let in_view = to.dot(view) > 0.7 * distance && distance < 140.0;
-                if (ring_m.0..ring_m.1).contains(&distance) && !(hidden && in_view) {
+                if (ring_m.0..ring_m.1).contains(&distance) && !(entry == Entry::Unseen && in_view) {
                     // Nearer is likelier, and newcomers head for the ego.
                     let toward = (p.rotation * DVec3::X).truncate().dot(to) < 0.0;
-                    let weight = if hidden { if toward { 1.0 } else { 0.25 } } else { 40.0 / (distance + 30.0) };
+                    let weight = match entry {
+                        Entry::Anywhere => 40.0 / (distance + 30.0),
+                        _ if toward => 1.0,
+                        _ => 0.25,
+                    };
                     places.push((lane.id, s, weight));
                 }
                 s += 4.0;
@@ -77,14 +89,13 @@ impl Spawner<'_> {
         places
     }
 
-    /// A car for a slot at a random free place of a lane, between two distances from the ego; `hidden` keeps it out of
-    /// its view.
+    /// A car for a slot at a random free place of a lane, between two distances from the ego.
     pub(super) fn new_car(
         &mut self,
         slot: Slot,
         stream: &mut Stream,
         ring_m: (f64, f64),
-        hidden: bool,
+        entry: Entry,
     ) -> Option<Newcomer> {
         let (own_mix, mix) = (self.config.among_classes(&DRIVEN_USER_MIX), self.config.among_classes(&DRIVEN_MIX));
         let model = match self.user_vehicles.draw(stream, &own_mix, |_| true) {
@@ -95,7 +106,7 @@ impl Spawner<'_> {
                 let of = |class| Arc::new(VehicleModel::of_traffic(class, seed).expect("the class has shapes"));
                 let trucks = if self.is_fast() { MOTORWAY_TRUCKS } else { DRIVEN_TRUCKS };
                 if let Some(truck) = self.config.rare(&[(ObjectClass::Truck, trucks)], seed)
-                    && let Some(newcomer) = self.place_truck(slot, stream, of(truck), ring_m, hidden)
+                    && let Some(newcomer) = self.place_truck(slot, stream, of(truck), ring_m, entry)
                 {
                     return Some(newcomer);
                 }
@@ -103,7 +114,7 @@ impl Spawner<'_> {
             }
         };
         let needs = Needs::of_van(model.size_lwh);
-        self.place_car(slot, stream, model, needs, ring_m, hidden)
+        self.place_car(slot, stream, model, needs, ring_m, entry)
     }
 
     /// A truck where the streets have room for it, and for all its way to the next corners.
@@ -113,10 +124,10 @@ impl Spawner<'_> {
         stream: &mut Stream,
         model: Arc<VehicleModel>,
         ring_m: (f64, f64),
-        hidden: bool,
+        entry: Entry,
     ) -> Option<Newcomer> {
         let needs = Needs::of_truck(model.size_lwh);
-        self.place_car(slot, stream, model, needs, ring_m, hidden)
+        self.place_car(slot, stream, model, needs, ring_m, entry)
     }
 
     /// A vehicle of a given shape.
@@ -127,10 +138,10 @@ impl Spawner<'_> {
         model: Arc<VehicleModel>,
         needs: Needs,
         ring_m: (f64, f64),
-        hidden: bool,
+        entry: Entry,
     ) -> Option<Newcomer> {
         if self.is_fast() {
-            return self.place_fast(slot, stream, model, needs, ring_m, hidden);
+            return self.place_fast(slot, stream, model, needs, ring_m, entry);
         }
         let roads = &self.arena.streets.roads;
         let half_m = model.size_lwh.x / 2.0;
@@ -139,7 +150,7 @@ impl Spawner<'_> {
         let most_m = (beside_m - model.size_lwh.y / 2.0 - SIDE_STANDING_M).max(0.0);
         let straight = if half_m > 2.7 { LONG_STRAIGHT } else { CAR_STRAIGHT };
         let lanes = roads.open_lanes().filter(|l| !needs.is_some() || roads.fits(l.id, needs));
-        let places = self.places_on(lanes, half_m, ring_m, hidden);
+        let places = self.places_on(lanes, half_m, ring_m, entry);
         let weights: Vec<f64> = places.iter().map(|p| p.2).collect();
         let vehicles: Vec<(Slot, Footprint)> = self.arena.vehicles().collect();
         let on_road: Vec<Footprint> = self.arena.on_road().collect();

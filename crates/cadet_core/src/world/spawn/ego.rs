@@ -11,11 +11,12 @@ use crate::error::{Error, Result};
 use crate::geometry::{Bounds, LodSet, MeshBuilder};
 use crate::material::{Material, Palette, Pattern, Semantic};
 use crate::math::{DVec3, Vec3};
-use crate::rng::StreamKey;
+use crate::rng::{Stream, StreamKey};
 use crate::town::{LaneId, LaneKind, Town};
 use crate::world::arena::{Arena, Newcomer};
 use crate::world::body::{Chassis, settle};
 use crate::world::control::IdmParameters;
+use crate::world::roads::Roads;
 use crate::world::route::{EGO_STRAIGHT, Route};
 
 /// The ego's own measures: an estate car of 2006, like the one that recorded KITTI. Nobody sees it, so it has no shape
@@ -50,6 +51,49 @@ fn ego_model() -> VehicleModel {
 /// Karlsruhe more often than across them.
 const BESIDE_TRACKS: f64 = 20.0;
 
+/// The ego starts on a lane that is longer than this, if there is one, and where it can drive so far at least.
+const LONG_LANE_M: f64 = 16.0;
+const LEAST_WAY_M: f64 = 8.0;
+
+/// The lanes that the ego may start on: those from which it can drive far.
+pub(crate) struct EgoStarts {
+    lanes: Vec<LaneId>,
+    weights: Vec<f64>,
+}
+
+impl EgoStarts {
+    pub fn of(roads: &Roads) -> Self {
+        let longer_than = |least_m: f64| -> Vec<LaneId> {
+            roads.open_lanes().filter(|l| l.length_m() > least_m).map(|l| l.id).collect()
+        };
+        let mut lanes = longer_than(LONG_LANE_M);
+        if lanes.is_empty() {
+            lanes = longer_than(0.0);
+        }
+        let farthest = lanes.iter().map(|l| roads.reach_m(*l)).fold(0.0, f64::max);
+        lanes.retain(|l| roads.reach_m(*l) >= farthest.clamp(LEAST_WAY_M, 350.0));
+        let with_tracks: BTreeSet<_> =
+            roads.lanes().iter().filter(|l| l.kind == LaneKind::Tram).map(|l| l.road).collect();
+        let weight = |id: &LaneId| {
+            let lane = roads.lane(*id);
+            lane.length_m() * if with_tracks.contains(&lane.road) { BESIDE_TRACKS } else { 1.0 }
+        };
+        let weights = lanes.iter().map(weight).collect();
+        Self { lanes, weights }
+    }
+
+    /// A lane, and how far along it; `None` where there is none.
+    pub fn draw(&self, stream: &mut Stream, roads: &Roads) -> Option<(LaneId, f64)> {
+        if self.lanes.is_empty() {
+            return None;
+        }
+        let id = self.lanes[stream.weighted(&self.weights)];
+        let length_m = roads.lane(id).length_m();
+        let s_m = stream.range(4.0, (length_m - 8.0).max(5.0));
+        Some((id, s_m.min((length_m - 4.0).max(length_m / 2.0))))
+    }
+}
+
 /// The ego on a lane from which it can drive far, or in the middle of the ground where there is no lane.
 ///
 /// # Errors
@@ -59,24 +103,12 @@ pub(crate) fn place_ego(arena: &mut Arena, town: &Town, key: StreamKey) -> Resul
     let mut stream = key.stream("ego place");
     let Arena { physics, streets, .. } = arena;
     let roads = &streets.roads;
-    let mut lanes: Vec<LaneId> = roads.open_lanes().filter(|l| l.length_m() > 16.0).map(|l| l.id).collect();
-    let farthest = lanes.iter().map(|l| roads.reach_m(*l)).fold(0.0, f64::max);
-    lanes.retain(|l| roads.reach_m(*l) >= farthest.min(350.0));
-    let with_tracks: BTreeSet<_> = roads.lanes().iter().filter(|l| l.kind == LaneKind::Tram).map(|l| l.road).collect();
-    let weight = |id: &LaneId| {
-        let lane = roads.lane(*id);
-        lane.length_m() * if with_tracks.contains(&lane.road) { BESIDE_TRACKS } else { 1.0 }
-    };
-    let weights: Vec<f64> = lanes.iter().map(weight).collect();
+    let starts = EgoStarts::of(roads);
     let idm = IdmParameters::draw_of_ego(&mut key.stream("ego habits"));
     for _ in 0..50 {
-        if lanes.is_empty() {
-            break;
-        }
-        let lane = roads.lane(lanes[stream.weighted(&weights)]);
-        let s_m = stream.range(4.0, (lane.length_m() - 8.0).max(5.0));
+        let Some((lane, s_m)) = starts.draw(&mut stream, roads) else { break };
         let offset_m = stream.clipped_normal(0.0, 0.08);
-        let route = Route::new(lane.id, s_m, offset_m, EGO_STRAIGHT, key.stream("ego route"), roads);
+        let route = Route::new(lane, s_m, offset_m, EGO_STRAIGHT, key.stream("ego route"), roads);
         if let Some(chassis) = chassis_on(&route, &model, 0.0, physics, roads) {
             return Ok(driven_vehicle(chassis, Some(route), idm));
         }
@@ -88,4 +120,13 @@ pub(crate) fn place_ego(arena: &mut Arena, town: &Town, key: StreamKey) -> Resul
         )?;
     let chassis = Chassis::new(physics, model, &settled.world_from_box, 0.0);
     Ok(driven_vehicle(chassis, None, idm))
+}
+
+/// The error of a town without a lane to drive along.
+pub(crate) fn too_short(town: &Town, roads: &Roads) -> Error {
+    let longest_m = town.network.driving().map(|l| roads.reach_m(l.id)).fold(0.0, f64::max);
+    let reason = format!(
+        "too short to drive: no way along its driving lanes is longer than {longest_m:.1} m, expected {LEAST_WAY_M} m or more"
+    );
+    Error::Map { map: town.name.clone(), reason }
 }

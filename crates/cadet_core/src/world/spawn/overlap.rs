@@ -66,7 +66,7 @@ pub(crate) fn check_free(
     cover: &Cover,
     overlap: Overlap,
 ) -> Result<()> {
-    let others = arena.agents.iter().enumerate().filter(|(slot, _)| overlap == Overlap::Refuse && Some(*slot) != own);
+    let others = arena.present().filter(|(slot, _)| overlap == Overlap::Refuse && Some(*slot) != own);
     let Some((slot, other)) = others.into_iter().find(|(_, agent)| cover.overlaps(&Cover::of(agent, arena))) else {
         return Ok(());
     };

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::newcomers::Person;
+use super::spawner::Entry;
 use super::spawner::{EGO_WAY_M, Spawner};
 use crate::assets::person::PersonModel;
 use crate::math::{self, DVec2};
@@ -27,17 +28,17 @@ impl Spawner<'_> {
         slot: Slot,
         stream: &mut Stream,
         ring_m: (f64, f64),
-        hidden: bool,
+        entry: Entry,
     ) -> Option<Newcomer> {
-        let (ego, view) = self.arena.ego_place();
+        let ((ego, view), is_newcomer) = (self.arena.ego_place(), entry != Entry::Anywhere);
         let model = Arc::new(PersonModel::generate(stream.next_u64()));
         let walks = model.walking_speed_mps > 0.0;
-        if let Some(leader) = self.group_to_join(slot, walks, hidden.then_some((ego, ring_m.0)), stream) {
+        if let Some(leader) = self.group_to_join(slot, walks, is_newcomer.then_some((ego, ring_m.0)), stream) {
             let joined = match self.pedestrian(leader).motion {
                 Motion::Walks { walkway, s_m, direction } => {
                     self.in_a_row(slot, leader, stream, &model, (walkway, s_m, direction))
                 }
-                _ => self.in_a_circle(slot, leader, stream, &model, hidden),
+                _ => self.in_a_circle(slot, leader, stream, &model, is_newcomer),
             };
             if joined.is_some() {
                 return joined.map(Person::into_newcomer);
@@ -55,7 +56,7 @@ impl Spawner<'_> {
                 let to = at - ego;
                 let distance = to.length();
                 let in_view = to.dot(view) > 0.7 * distance && distance < 110.0;
-                if (ring_m.0..ring_m.1).contains(&distance) && !(hidden && in_view) {
+                if (ring_m.0..ring_m.1).contains(&distance) && !(is_newcomer && in_view) {
                     let on_way = way.iter().any(|p| (*p - at).length() < BESIDE_EGO_WAY_M);
                     places.push((walkway, s, if on_way { PEOPLE_ON_EGO_WAY } else { 1.0 }));
                 }

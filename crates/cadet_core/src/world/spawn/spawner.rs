@@ -11,6 +11,16 @@ use crate::world::route::Route;
 /// and more people walk than along it, as out of sight they belong to a town but not to a picture.
 pub(super) const EGO_WAY_M: f64 = 260.0;
 
+/// Where somebody may come in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Entry {
+    /// In the ego's view too: before the first step.
+    Anywhere,
+    Unseen,
+    /// Where a road begins at the map's edge, in view too: on small maps nothing else is left.
+    MapEdge,
+}
+
 /// Puts agents into an arena.
 pub(crate) struct Spawner<'a> {
     pub arena: &'a mut Arena,

@@ -1,13 +1,15 @@
 //! Traffic round the ego: all of it at the start, and newcomers for who has gone.
 
 use super::fast;
-use super::spawner::Spawner;
+use super::spawner::{Entry, Spawner};
+use crate::actor::ObjectClass;
 use crate::error::Result;
 use crate::rng::Stream;
 use crate::town::Town;
 use crate::world::agent::Agent;
 use crate::world::arena::{Arena, Newcomer};
-use crate::world::control::{Cyclist, Driver, Pedestrian};
+use crate::world::control::{Cause, Cyclist, Driver, Pedestrian};
+use crate::world::route::Route;
 use crate::world::slot::{EGO, Slot};
 
 /// Steps between two looks at who has gone too far away.
@@ -26,6 +28,11 @@ const CYCLIST_APPEARS_M: (f64, f64) = (65.0, 105.0);
 const CYCLIST_STARTS_M: f64 = 8.0;
 /// How far ahead a truck looks for a corner that it can't take.
 const CORNER_AHEAD_M: f64 = 35.0;
+/// Who comes in at the map's edge is at least so far from the ego.
+const EDGE_M: f64 = 30.0;
+/// The ego's middle is so near the road's end when it stands there, and who has stood so long behind it leaves.
+const EGO_ENDS_M: f64 = 8.0;
+const WAITS_STEPS: u64 = 60 * 2;
 /// A car that has stood this long somewhere out of sight is stuck.
 const STUCK_STEPS: u64 = 60 * 45;
 
@@ -68,12 +75,14 @@ pub(crate) fn renew(spawner: &mut Spawner<'_>, respawns: &mut Respawns, step: u6
     let Respawns { count: respawns, next_tram_step } = respawns;
     let gone = gone_cars(spawner);
     let appears_m = if spawner.is_fast() { fast::APPEARS_M } else { CAR_APPEARS_M };
-    replace(spawner, "newcomers", respawns, &gone, appears_m, Spawner::new_car);
+    replace(spawner, "newcomers", respawns, &gone, (appears_m, Entry::Unseen), Spawner::new_car);
     let gone = gone_walkers(spawner);
-    replace(spawner, "new people", respawns, &gone, WALKER_APPEARS_M, Spawner::new_walker);
+    replace(spawner, "new people", respawns, &gone, (WALKER_APPEARS_M, Entry::Unseen), Spawner::new_walker);
     spawner.hand_out(&gone);
     let gone = gone_cyclists(spawner);
-    replace(spawner, "new cyclists", respawns, &gone, CYCLIST_APPEARS_M, Spawner::new_cyclist);
+    let appears_m = CYCLIST_APPEARS_M;
+    replace(spawner, "new cyclists", respawns, &gone, (appears_m, Entry::Unseen), Spawner::new_cyclist);
+    fill_vacant(spawner, respawns);
     if step >= *next_tram_step
         && let Some(pause_steps) = spawner.renew_tram(respawns)
     {
@@ -81,14 +90,14 @@ pub(crate) fn renew(spawner: &mut Spawner<'_>, respawns: &mut Respawns, step: u6
     }
 }
 
-/// Makes somebody for a slot, between two distances from the ego, hidden from it or not; `None` where there is no place.
-type Make<'s> = fn(&mut Spawner<'s>, Slot, &mut Stream, (f64, f64), bool) -> Option<Newcomer>;
+/// Makes somebody for a slot, between two distances from the ego; `None` where there is no place.
+type Make<'s> = fn(&mut Spawner<'s>, Slot, &mut Stream, (f64, f64), Entry) -> Option<Newcomer>;
 
 fn add<'s>(spawner: &mut Spawner<'s>, name: &'static str, count: usize, ring_m: (f64, f64), make: Make<'s>) {
     let mut stream = spawner.key.stream(name);
     for _ in 0..count {
         let slot = spawner.arena.agents.len();
-        if let Some(newcomer) = make(spawner, slot, &mut stream, ring_m, false) {
+        if let Some(newcomer) = make(spawner, slot, &mut stream, ring_m, Entry::Anywhere) {
             spawner.arena.put(newcomer);
             spawner.survey();
         }
@@ -100,17 +109,53 @@ fn replace<'s>(
     name: &'static str,
     respawns: &mut u64,
     gone: &[Slot],
-    ring_m: (f64, f64),
+    (ring_m, entry): ((f64, f64), Entry),
     make: Make<'s>,
 ) {
     for slot in gone {
         let mut stream = spawner.key.indexed(name, *respawns);
         *respawns += 1;
-        if let Some(newcomer) = make(spawner, *slot, &mut stream, ring_m, true) {
+        if let Some(newcomer) = make(spawner, *slot, &mut stream, ring_m, entry) {
             spawner.arena.replace(*slot, newcomer);
             spawner.survey();
         }
     }
+}
+
+/// Newcomers for those who have left the world, out of sight or, where no such place is free, at the map's edge.
+fn fill_vacant(spawner: &mut Spawner<'_>, respawns: &mut u64) {
+    let appears_m = if spawner.is_fast() { fast::APPEARS_M } else { CAR_APPEARS_M };
+    for slot in spawner.arena.vacant().to_vec() {
+        let (make, appears_m): (Make<'_>, _) = match spawner.arena.agents[slot].class {
+            ObjectClass::Cyclist => (Spawner::new_cyclist, CYCLIST_APPEARS_M),
+            _ => (Spawner::new_car, appears_m),
+        };
+        replace(spawner, "replacements", respawns, &[slot], (appears_m, Entry::Unseen), make);
+        if spawner.arena.vacant().contains(&slot) {
+            replace(spawner, "arrivals", respawns, &[slot], ((EDGE_M, appears_m.1), Entry::MapEdge), make);
+        }
+    }
+}
+
+/// Takes those out of the world who have come to where their road ends with the map, and those who wait behind an ego that
+/// stands there.
+pub(crate) fn leave(arena: &mut Arena) {
+    let roads = &arena.streets.roads;
+    let ego = arena.ego().controlled_by::<Driver>().and_then(|driver| driver.route.as_ref());
+    let ego_is_over = ego.is_some_and(|route| route.leads_off_map(EGO_ENDS_M, roads));
+    let is_over = |agent: &Agent, route: &Route, standing_steps: u64| {
+        let half_m = agent.appearance.size_lwh().x / 2.0;
+        let waits = ego_is_over && standing_steps > WAITS_STEPS && agent.controller.cause() == Cause::Vehicle(EGO);
+        !agent.is_placed && (waits || route.leads_off_map(half_m, roads))
+    };
+    let drivers = arena.controlled_by::<Driver>().filter(|(slot, ..)| *slot != EGO);
+    let drivers = drivers.filter_map(|(slot, agent, driver)| {
+        is_over(agent, driver.route.as_ref()?, driver.standing_steps).then_some(slot)
+    });
+    let cyclists = arena.controlled_by::<Cyclist>();
+    let cyclists = cyclists.filter(|(_, agent, cyclist)| is_over(agent, &cyclist.route, cyclist.standing_steps));
+    let gone: Vec<Slot> = drivers.chain(cyclists.map(|(slot, ..)| slot)).collect();
+    gone.into_iter().for_each(|slot| arena.remove(slot));
 }
 
 fn gone_cars(spawner: &Spawner<'_>) -> Vec<Slot> {

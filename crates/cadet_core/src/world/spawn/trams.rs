@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::newcomers::tram_car;
-use super::spawner::Spawner;
+use super::spawner::{Entry, Spawner};
 use crate::assets::vehicle::VehicleModel;
 use crate::assets::vehicle::tram::{num_cars_of, train_of_traffic};
 use crate::math::DVec2;
@@ -44,7 +44,7 @@ impl Spawner<'_> {
         let mut stream = self.key.stream("trams");
         for _ in 0..self.config.num_trams {
             let seed = stream.next_u64();
-            for newcomer in self.new_tram(seed, &mut stream, STARTS_M, false, &[]).unwrap_or_default() {
+            for newcomer in self.new_tram(seed, &mut stream, STARTS_M, Entry::Anywhere, &[]).unwrap_or_default() {
                 self.arena.put(newcomer);
             }
         }
@@ -58,7 +58,7 @@ impl Spawner<'_> {
             *respawns += 1;
             let seeds = (0..DRAWS).map(|_| stream.next_u64()).collect::<Vec<_>>();
             let Some(seed) = seeds.into_iter().find(|seed| num_cars_of(*seed) == slots.len()) else { continue };
-            let Some(newcomers) = self.new_tram(seed, &mut stream, APPEARS_M, true, &slots) else { continue };
+            let Some(newcomers) = self.new_tram(seed, &mut stream, APPEARS_M, Entry::Unseen, &slots) else { continue };
             for (slot, newcomer) in slots.iter().zip(newcomers) {
                 self.arena.replace(*slot, newcomer);
             }
@@ -86,21 +86,21 @@ impl Spawner<'_> {
             .collect()
     }
 
-    /// The cars of a tram at a random free place of the tracks between two distances from the ego; `hidden` keeps it out
-    /// of its view. It takes the place of those in the slots `but`.
+    /// The cars of a tram at a random free place of the tracks between two distances from the ego.
+    /// It takes the place of those in the slots `but`.
     fn new_tram(
         &mut self,
         seed: u64,
         stream: &mut Stream,
         ring_m: (f64, f64),
-        hidden: bool,
+        entry: Entry,
         but: &[Slot],
     ) -> Option<Vec<Newcomer>> {
         let models = train_of_traffic(seed);
         let length_m: f64 = models.iter().map(|m| m.size_lwh.x).sum();
         let tracks = self.arena.streets.roads.lanes().iter();
         let tracks = tracks.filter(|l| l.kind == LaneKind::Tram && l.junction.is_none());
-        let places = self.places_on(tracks, length_m / 2.0, ring_m, hidden);
+        let places = self.places_on(tracks, length_m / 2.0, ring_m, entry);
         let weights: Vec<f64> = places.iter().map(|(.., weight)| *weight).collect();
         for _ in 0..12 {
             let (lane, s_m, _) = *places.get(stream.weighted(&weights))?;
