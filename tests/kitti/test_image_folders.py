@@ -106,7 +106,7 @@ def test_an_image_that_cannot_be_read_is_one_finding_and_stops_no_report(data: b
     path.write_bytes(data)
     found = [one for one in lint(tmp_path / "set") if one.severity == "error"]
     assert [(one.file, one.rule) for one in found] == [("image_2/000001.png", "damaged-file")]
-    with pytest.warns(CadetWarning, match=r"a frame is left out of the page: image_2/000001\.png: "):
+    with pytest.warns(CadetWarning, match=r"1 of 3 frames cannot be read \(000001: image_2/000001\.png: "):
         run("report", tmp_path / "set", "-o", tmp_path / "r.html", "--workers", "1")
     page = (tmp_path / "r.html").read_text()
     assert page.count('aria-label="Frame ') == 2

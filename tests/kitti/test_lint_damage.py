@@ -72,7 +72,7 @@ def test_any_number_in_a_calibration_is_answered(root: Path, key: str, value: st
     assert findings and (key == "P2" or findings[0].startswith(place))
 
 
-@pytest.mark.parametrize("value", [5, 2.5, True, "1242", [1242], [1242, 375, 3], [None, 1], [10**400, 1], {"a": 1}])
+@pytest.mark.parametrize("value", [5, 2.5, True, "1242", [1242], [1242, 375, 3], [None, 1], [10**19, 1], {"a": 1}])
 def test_an_image_size_of_any_type_is_answered(root: Path, value: object) -> None:
     (root / "training" / "meta" / "000001.json").write_text(json.dumps({"image_size": value}))
     (finding,) = found(root)
@@ -94,7 +94,7 @@ def test_an_image_size_of_any_type_is_answered(root: Path, value: object) -> Non
             "object 2 lies elsewhere than line 2 of label_2: (5.6, 1.65, 7.5)",
         ),
         (
-            [{"location_cam": [10**400, 0, "x"]}, {}, {}, {}],
+            [{"location_cam": [10**19, 0, "x"]}, {}, {}, {}],
             "object 1 lies elsewhere than line 1 of label_2: (-2.0, 1.65, 14.0)",
         ),
     ],

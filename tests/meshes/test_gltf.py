@@ -47,7 +47,6 @@ def test_extensions_that_change_nothing_are_accepted(extension: str, tmp_path: P
         ("EXT_meshopt_compression", "`gltfpack` without -c"),
         ("KHR_meshopt_compression", "`gltfpack` without -c"),
         ("KHR_techniques_webgl", "export it without, or as plain glTF 2.0"),
-        ("\ud800", "export it without"),
     ],
 )
 def test_other_extensions_are_refused_by_name_or_warned_of(extension: str, remedy: str, tmp_path: Path) -> None:
@@ -186,7 +185,7 @@ WIDE = [{"children": [number + 1] * 20} for number in range(8)] + [{"mesh": 0}]
         (_spoil(nodes__0__mesh=1), "nodes[0].mesh: expected a whole number below 1, got 1"),
         (_spoil(nodes__0__mesh=[0]), "nodes[0].mesh: expected a whole number below 1, got [0]"),
         (_spoil(nodes__0__scale=[1, 2]), "nodes[0].scale: expected 3 numbers, got [1, 2]"),
-        (_spoil(nodes__0__scale=[1, 2, 10**400]), "nodes[0].scale: expected 3 numbers"),
+        (_spoil(nodes__0__scale=[1, 2, 10**400]), "nodes[0].scale[2]: a whole number of 401 digits"),
         (_spoil(nodes__0__matrix=[True] * 16), "nodes[0].matrix: expected 16 numbers"),
         (_spoil(scenes__0__nodes=[3]), "scenes[0].nodes: expected whole numbers below 1, got [3]"),
         (_spoil(scene=-1), "scene: expected a whole number below 1, got -1"),

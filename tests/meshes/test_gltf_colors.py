@@ -107,7 +107,7 @@ KTX = {"uri": "data:image/ktx2;base64," + base64.b64encode(b"\xabKTX 20\xbb\r\n\
         ),
         ([], {"source": None}, None, "'textures[0]' (names no picture): their materials are gray paint; put"),
         ([{"uri": "gone.png"}], {}, None, "pictures that are not read: 'gone.png' (not there): their"),
-        ([{"uri": "data:,text"}], {}, None, "'image 0' (no PNG, JPEG, or WebP, or damaged)"),
+        ([{"uri": "data:,text"}], {}, None, "'image 0' (no PNG, JPEG or WebP image"),
     ],
 )
 def test_textures_take_the_picture_that_can_be_read(

@@ -112,7 +112,7 @@ def test_what_programs_write_is_the_same_red_box(obj: str | bytes, tmp_path: Pat
             1.0,
             "'gone.png' (not there): their materials have Kd alone, gray paint where it is black; put them",
         ),
-        ("map_Kd m.mtl", None, 1.0, "'m.mtl' (no PNG, JPEG, or WebP, or damaged)"),
+        ("map_Kd m.mtl", None, 1.0, "'m.mtl' (no PNG, JPEG or WebP image"),
         ("Kd 0.6 0 0\nmap_d mask.png", RED, 1.0, "its map_d is not read: give its opacity as d"),
         ("", None, 1.0, None),
     ],

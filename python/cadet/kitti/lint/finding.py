@@ -14,7 +14,7 @@ RULES: Final[dict[str, str]] = {
     "missing-file": "a file that its frame, another frame's example, or the manifest calls for is not there",
     "unreadable-file": "a file or folder that the system does not let read",
     "damaged-file": "a file that cannot be decoded or parsed, or whose size is not its frame's",
-    "dialect": "what KITTI writes otherwise and is read all the same",
+    "dialect": "what KITTI writes otherwise and is read all the same, such as scans of five columns",
     "stray-file": "a file that belongs to no frame",
     "wrong-hash": "a file that is not the one that was written, by the hashes of manifest and `meta`",
     "manifest": "a manifest that is malformed, or that counts other frames and labels than are there",
