@@ -213,7 +213,8 @@ def test_endless_numbers_in_a_rigs_file_are_refused(old: str, tmp_path: Path) ->
     text = (Path(cadet.__file__).parent / "presets" / "rigs" / "nuscenes.toml").read_text()
     name, number = old.split(" = [")
     assert old in text
-    for given, reason in ((f"1{'0' * 400}", r"\[0\]: a whole number of 401 digits"), ("-1e300", ": expected a number from")):
+    endless = (f"1{'0' * 400}", r"\[0\]: a whole number of 401 digits")
+    for given, reason in (endless, ("-1e300", ": expected a number from")):
         (tmp_path / "mine.toml").write_text(text.replace(old, f"{name} = [{given}", 1))
         with pytest.raises(CadetError, match=rf"^mine\.toml: .*{name}{reason}"):
             Rig.from_toml(tmp_path / "mine.toml")
