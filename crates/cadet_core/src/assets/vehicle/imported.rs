@@ -83,8 +83,10 @@ impl VehicleModel {
             materials.iter().zip(&roles).map(|(m, role)| material(Some(m), *role, semantic)).collect();
 
         let bounds = Bounds::of(triangles.iter().flat_map(|triangle| triangle.corners));
-        let fit = Fit::new(&bounds, asset.size_lwh)
-            .map_err(|reason| fail(or_what_to_leave_out(reason, &asset.source, &triangles)))?;
+        let fit = Fit::new(&bounds, asset.size_lwh).map_err(|reason| match asset.size_lwh {
+            None => fail(or_what_to_leave_out(reason, &asset.source, &triangles)),
+            Some(_) => fail(reason),
+        })?;
         let placed = triangles.iter().map(|t| (t.corners.map(|p| fit.point(p)), t.material as usize));
         // What a size that was asked for has pressed flat.
         let mut faces: Vec<Face> = placed.filter(|(corners, _)| has_area(corners)).collect();

@@ -59,22 +59,28 @@ pub(super) fn or_what_to_leave_out(reason: String, source: &SourceMesh, triangle
     }
 }
 
-/// The one name without whose triangles the rest has a vehicle's size.
+/// The one name without whose triangles the rest, at least half of all, has a vehicle's size.
 fn outlier<'a>(
     triangles: &[SourceTriangle],
     name_of: impl Fn(&SourceTriangle) -> Option<&'a String>,
 ) -> Option<&'a String> {
-    let mut groups: BTreeMap<Option<&String>, Bounds> = BTreeMap::new();
+    let mut groups: BTreeMap<Option<&String>, (Bounds, usize)> = BTreeMap::new();
     for triangle in triangles {
-        let bounds = groups.entry(name_of(triangle)).or_insert(Bounds::EMPTY);
+        let (bounds, count) = groups.entry(name_of(triangle)).or_insert((Bounds::EMPTY, 0));
         *bounds = union(bounds, &Bounds::of(triangle.corners));
+        *count += 1;
     }
     if groups.len() > MOST_GROUPS {
         return None;
     }
-    let without =
-        |name| groups.iter().filter(|(other, _)| **other != name).fold(Bounds::EMPTY, |b, (_, o)| union(&b, o));
-    groups.keys().copied().find(|name| name.is_some() && Fit::new(&without(*name), None).is_ok()).flatten()
+    let without = |name| {
+        let others = groups.iter().filter(|(other, _)| **other != name);
+        others.fold(Bounds::EMPTY, |bounds, (_, (other, _))| union(&bounds, other))
+    };
+    let is_outlier = |name: Option<&'a String>, count: usize| {
+        name.is_some() && 2 * count <= triangles.len() && Fit::new(&without(name), None).is_ok()
+    };
+    groups.iter().find(|(name, (_, count))| is_outlier(**name, *count)).and_then(|(name, _)| *name)
 }
 
 fn union(a: &Bounds, b: &Bounds) -> Bounds {
