@@ -321,7 +321,7 @@ def test_other_frames_take_the_turn_of_one_that_cannot_be_read(tmp_path: Path) -
     for frame_id in ("a1", "b2", "c3", "d4"):
         write_frame(tmp_path, frame_id, make_frame())
     whole = [sample.frame_id for sample in _samples(TrainingData(tmp_path, None, CONFIG, 0), range(16))]
-    (tmp_path / "training" / "velodyne" / "b2.bin").write_bytes(b"12345")
+    (tmp_path / "training" / "velodyne" / "b2.bin").write_bytes(bytes(5))
     with pytest.warns(
         CadetWarning, match=r"^frame b2 is left out, others take its turn: velodyne/b2\.bin: truncated"
     ) as said:
@@ -353,7 +353,7 @@ def test_frames_whose_files_or_labels_are_missing_are_left_out_before_the_first_
 def test_a_set_of_frames_that_cannot_be_read_ends_in_their_error(tmp_path: Path) -> None:
     write_frame(tmp_path, 1, make_frame())
     data = TrainingData(tmp_path, None, CONFIG, 0)
-    (tmp_path / "training" / "velodyne" / "000001.bin").write_bytes(b"12345")
+    (tmp_path / "training" / "velodyne" / "000001.bin").write_bytes(bytes(5))
     with pytest.warns(CadetWarning, match="000001"):
         item = data[0]
     assert isinstance(item, CadetError) and "velodyne/000001.bin: truncated" in str(item)

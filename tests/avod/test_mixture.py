@@ -99,7 +99,7 @@ def test_frames_of_several_folders_are_told_apart(tmp_path: Path) -> None:
     one, two = write_set(tmp_path / "one", 2), write_set(tmp_path / "two", 1)
     data = TrainingData(((one, 0.5), (two, 0.5)), "train", config, 0)
     assert data.ids == ("0/000000", "0/000001", "1/000000")
-    (two / "training" / "velodyne" / "000000.bin").write_bytes(b"12345")
+    (two / "training" / "velodyne" / "000000.bin").write_bytes(bytes(5))
     with pytest.warns(CadetWarning, match=rf"^frame {two}/000000 is left out, .*velodyne/000000\.bin: truncated"):
         errors = {str(item) for index in range(40) if isinstance(item := data[index], CadetError)}
     assert any("velodyne/000000.bin: truncated" in error for error in errors)

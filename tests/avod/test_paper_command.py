@@ -108,7 +108,7 @@ def test_what_cannot_be_run_is_one_clear_line(folder: Path, tmp_path: Path) -> N
         ((*arguments(folder, tmp_path), "--frames", "0"), "--frames: expected numbers of frames such as"),
         ((*arguments(folder, tmp_path), "--classes", "Van"), "--classes: expected some of Car,Pedestrian, got 'Van'"),
         ((*arguments(folder, tmp_path), "--maps", "max"), "--maps: expected some of default,max3_density3,max_min"),
-        ((*arguments(folder, tmp_path), "--data-sim", tmp_path / "no"), "no: no KITTI folder"),
+        ((*arguments(folder, tmp_path), "--data-sim", tmp_path / "no"), "no: no such folder"),
         ((*arguments(folder, tmp_path), "--cells", "ped*"), "--cells ped*: names none of"),
     ):
         result = CliRunner().invoke(avod, ["paper", *map(str, given)], standalone_mode=False)

@@ -338,11 +338,12 @@ def test_a_checkpoint_from_before_ground_could_be_estimated_takes_planes_from_fi
     assert read_checkpoint(last).config.ground == Detector.load(last).config.ground == "file"
 
 
-def test_a_broken_frame_stops_training_by_name(dataset: Path, tmp_path: Path) -> None:
+@pytest.mark.filterwarnings("ignore:frame .* is left out")
+def test_frames_that_are_all_broken_stop_training_by_name(dataset: Path, tmp_path: Path) -> None:
     root = tmp_path / "broken"
     shutil.copytree(dataset, root)
-    for path in sorted((root / "training" / "velodyne").iterdir())[1:]:
+    for path in (root / "training" / "velodyne").iterdir():
         path.write_bytes(path.read_bytes()[:-3])
     for workers in (0, 1):
-        with pytest.raises(CadetError, match=r"^velodyne/00000[12]\.bin: truncated"):
+        with pytest.raises(CadetError, match=r"velodyne/00000[012]\.bin: truncated"):
             run(root, tmp_path / "out", 8, workers=workers)

@@ -19,7 +19,7 @@ from avod.data.mixture import Folders, Mixture, set_seed, shares_of
 from avod.data.object_sizes import size_shifts_m
 from avod.data.order import Order
 from avod.data.packing import PackedSample, packed
-from avod.data.paste import check_bank, paste_objects
+from avod.data.paste import DamagedBankError, check_bank, paste_objects
 from avod.data.sample import Sample
 from avod.data.subset import draw_frames, usable_frames
 from cadet import kitti
@@ -73,6 +73,8 @@ def sample_from_frame(
             maps=maps,
             frame_id=frame_id,
         )
+    except DamagedBankError:
+        raise
     except CadetError as error:
         raise CadetError(f"frame {frame_id}: {error}") from None
 
@@ -150,6 +152,8 @@ class TrainingData(Dataset[Any]):
             try:
                 frame = item.frames.read_frame(frame_id, has_extras=False)
                 return self._maker.make(frame, item.name_of(frame_id), augmentation, item.grounds)
+            except DamagedBankError as caught:
+                return caught
             except READING_ERRORS as caught:
                 error = caught
                 item.unreadable.add(frame_id, caught)

@@ -44,6 +44,10 @@ def check_bank(bank: ObjectBank | None, config: Config) -> None:
         raise CadetError(f"{bank.root}: none of its {len(bank)} objects is a {' or '.join(config.class_names)}")
 
 
+class DamagedBankError(CadetError):
+    """An object of a bank that cannot be read, whatever frame it was meant for."""
+
+
 def paste_objects(
     frame: Frame,
     plane: NDArray[np.float64],
@@ -76,7 +80,7 @@ def paste_objects(
     pasted = _Pasted(frame, plane)
     for _ in range(count):
         numbers = by_class[int(rng.integers(len(by_class)))]
-        item = bank[numbers[int(rng.integers(len(numbers)))]]
+        item = _object(bank, numbers[int(rng.integers(len(numbers)))])
         for azimuth in rng.uniform(*pasted.azimuths, _TRIES):
             now = float(np.arctan2(item.box_scan[0], item.box_scan[2]))
             placement = place(item, azimuth - now, pasted.scene)
@@ -84,6 +88,13 @@ def paste_objects(
                 pasted.add(item, placement)
                 break
     return pasted.frame()
+
+
+def _object(bank: ObjectBank, number: int) -> BankObject:
+    try:
+        return bank[number]
+    except (CadetError, OSError) as error:
+        raise DamagedBankError(str(error)) from None
 
 
 class _Pasted:
