@@ -123,7 +123,7 @@ BAD: list[tuple[Callable[[Path], None], str]] = [
     (_toml('"meshes/car.obj"', "7"), "assets.toml: vehicle 1.mesh: expected the path of an OBJ or glTF file, got 7"),
     (_toml("meshes/car", "c" * 300), f"assets.toml: vehicle 1: no mesh '{'c' * 300}.obj'"),
     (_toml("meshes/car", "car"), "assets.toml: vehicle 1: no mesh 'car.obj'"),
-    (_toml("meshes/car.obj", "meshes"), "assets.toml: vehicle 1: no mesh 'meshes'"),
+    (_toml("meshes/car.obj", "meshes"), "assets.toml: vehicle 1: no mesh 'meshes', got a folder"),
     (_toml("meshes", "../meshes"), "assets.toml: vehicle 1.mesh: '../meshes/car.obj' leads out of the folder"),
     (_toml("meshes/car.obj", "/etc/passwd"), "assets.toml: vehicle 1.mesh: '/etc/passwd' leads out of the folder"),
     (_remove("meshes/car.obj"), "assets.toml: vehicle 1: no mesh 'meshes/car.obj'"),

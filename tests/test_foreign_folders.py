@@ -324,7 +324,7 @@ def test_folders_that_no_program_should_meet_are_one_line(
     (root / "ImageSets").mkdir()
     os.mkfifo(root / "ImageSets" / "odd.txt")
     lists = [one for one in kitti.lint(root) if one.rule == "image-set"]
-    assert [(one.file, one.message) for one in lists] == [("ImageSets/odd.txt", "no regular file")]
+    assert [(one.file, one.message) for one in lists] == [("ImageSets/odd.txt", "expected a regular file, got a pipe")]
     assert cadet(monkeypatch, "report", root, "-o", tmp_path / "page.html", "--workers", 1) == 0
-    with pytest.raises(CadetError, match="no regular file"):
+    with pytest.raises(CadetError, match="expected a regular file, got a pipe"):
         convert(root, tmp_path / "shards", "webdataset")

@@ -208,5 +208,5 @@ def test_damaged_compression_is_refused() -> None:
 
 
 def test_a_missing_file_is_named(tmp_path: Path) -> None:
-    with pytest.raises(MissingFileError, match=r"no\.pcd': no such file"):
+    with pytest.raises(MissingFileError, match=r"no\.pcd: no such file"):
         read_scan(tmp_path / "no.pcd")

@@ -14,11 +14,12 @@ from typing import Any
 
 from cadet import _cadet
 from cadet.checks import as_pairs, as_path, as_tuple, check_kind, check_number, check_text, is_one_of, make_plain, shown
-from cadet.errors import CadetError, MissingFileError
-from cadet.meshes import Beside, MeshTriangles, gltf_from_bytes, obj_from_bytes, read_file
+from cadet.errors import CadetError
+from cadet.meshes import Beside, MeshTriangles, gltf_from_bytes, obj_from_bytes
 from cadet.notices import notice
 from cadet.plain_text import toml_from_text
 from cadet.summary import counts, summary
+from cadet.user_files import read_file, read_settings
 
 CONFIG = "assets.toml"
 """The file of a folder of assets that lists them."""
@@ -225,10 +226,7 @@ def as_assets(assets: Assets | str | Path | None) -> Assets | None:
 
 
 def _read_config(root: Path) -> dict[str, Any]:
-    try:
-        return toml_from_text((root / CONFIG).read_bytes(), CONFIG)
-    except (FileNotFoundError, NotADirectoryError):
-        raise MissingFileError(f"{str(root)!r}: no {CONFIG} in it") from None
+    return toml_from_text(read_settings(root / CONFIG, missing=f"{str(root)!r}: no {CONFIG} in it"), CONFIG)
 
 
 def _check_keys(owner: str, values: Mapping[str, Any], *, required: tuple[str, ...], optional: tuple[str, ...]) -> None:
@@ -250,7 +248,7 @@ def _vehicle(root: Path, number: int, table: Mapping[str, Any]) -> VehicleMesh:
     is_gltf = path.suffix.lower() in GLTF_SUFFIXES
     if is_gltf and "up" in table:
         raise CadetError(f"{owner}.up: glTF files say themselves that y points up")
-    data = read_file(path, f"{owner}: no mesh {table['mesh']!r}")
+    data = read_file(path, missing=f"{owner}: no mesh {table['mesh']!r}")
     mesh = (gltf_from_bytes if is_gltf else obj_from_bytes)(data, table["mesh"], Beside(root, path))
     try:
         return VehicleMesh(

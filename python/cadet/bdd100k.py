@@ -14,6 +14,7 @@ from cadet.kitti.image_sets import ImageSet
 from cadet.kitti.images import decode_image, encode_png
 from cadet.plain_text import json_from_text
 from cadet.sink import LocalSink
+from cadet.user_files import read_file
 
 _Box = tuple[float, float, float, float]
 
@@ -102,13 +103,13 @@ def convert_bdd100k(labels: str | Path, images: str | Path, out: str | Path) -> 
     """
     file, folder = as_path("labels", labels), as_path("images", images)
     sink = LocalSink.new(as_path("out", out))
-    found = labels_from_text(_read(file), str(file))
+    found = labels_from_text(read_file(file), str(file))
     if missing := next((image for image in found if not (folder / image.name).is_file()), None):
         raise MissingFileError(f"{folder / missing.name}: no such image, which {file} lists")
     try:
         for number, image in enumerate(found):
             path = folder / image.name
-            sink.put(f"training/image_2/{number:06d}.png", encode_png(decode_image(path.read_bytes(), str(path))))
+            sink.put(f"training/image_2/{number:06d}.png", encode_png(decode_image(read_file(path), str(path))))
             lines = "".join(f"{label.to_line()}\n" for label in image.labels)
             sink.put(f"training/label_2/{number:06d}.txt", lines.encode("ascii"))
         ids = ImageSet(tuple(f"{number:06d}" for number in range(len(found))))
@@ -119,13 +120,6 @@ def convert_bdd100k(labels: str | Path, images: str | Path, out: str | Path) -> 
     finally:
         sink.remove_partial()
     return len(found)
-
-
-def _read(file: Path) -> bytes:
-    try:
-        return file.read_bytes()
-    except FileNotFoundError:
-        raise MissingFileError(f"{file}: no such file") from None
 
 
 def _image(frame: dict[str, Any], number: int, file: str) -> BddImage:

@@ -10,9 +10,10 @@ from typing import Any, TypeVar
 
 from cadet import _cadet
 from cadet.checks import as_path, check_number, make_plain, shown, shown_key
-from cadet.errors import CadetError, MissingFileError
+from cadet.errors import CadetError
 from cadet.plain_text import toml_from_text
 from cadet.summary import summary
+from cadet.user_files import read_settings
 
 T = TypeVar("T")
 
@@ -214,10 +215,7 @@ class BeamTable:
             CadetError: anything that is wrong with it: one line with the file, its line where known, key and reason.
         """
         path = as_path("path", path)
-        try:
-            data = path.read_bytes()
-        except (FileNotFoundError, NotADirectoryError):
-            raise MissingFileError(f"{str(path)!r}: no such file") from None
+        data = read_settings(path)
         try:
             return cls.from_toml(data.decode("utf-8"), file=path.name)
         except UnicodeDecodeError as error:

@@ -47,7 +47,8 @@ def toml_from_text(text: str | bytes, file: str) -> dict[str, Any]:
         values = tomllib.loads(decoded)
     except (ValueError, RecursionError) as error:
         raise FileFormatError(f"no TOML: {_reason(error)}", file) from None
-    _check_values(values, file)
+    # TOML has infinity, which its readers refuse by the line.
+    _check_values(values, file, is_infinity_refused=False)
     return values
 
 
@@ -65,7 +66,7 @@ def json_from_text(text: str | bytes, file: str) -> Any:
         values = json.loads(text.removeprefix("\ufeff") if isinstance(text, str) else text, parse_constant=_refuse)
     except (ValueError, RecursionError) as error:
         raise FileFormatError(f"no JSON: {_reason(error)}", file, getattr(error, "lineno", None)) from None
-    _check_values(values, file)
+    _check_values(values, file, is_infinity_refused=True)
     return values
 
 
@@ -81,7 +82,7 @@ def _reason(error: Exception) -> str:
     return str(error)
 
 
-def _check_values(values: Any, file: str) -> None:
+def _check_values(values: Any, file: str, *, is_infinity_refused: bool) -> None:
     """Refuse what readers can't handle, and name its place.
 
     Raises:
@@ -98,6 +99,9 @@ def _check_values(values: Any, file: str) -> None:
                     children.append((f"{place}.{key}" if place else key, child))
             elif isinstance(value, list):
                 children += [(f"{place}[{index}]", child) for index, child in enumerate(value)]
+            elif isinstance(value, float):
+                if is_infinity_refused and math.isinf(value):
+                    raise FileFormatError(f"{shown_key(place)}: expected a finite number, got {value}", file)
             else:
                 _check_leaf(value, place, file)
         if not children:
@@ -118,5 +122,3 @@ def _check_leaf(value: object, place: str, file: str) -> None:
     elif isinstance(value, int) and not -MAX_WHOLE < value < MAX_WHOLE:
         digits = int(abs(value).bit_length() * math.log10(2.0)) + 1
         raise FileFormatError(f"{shown_key(place)}: a whole number of {digits} digits, expected one below 2**64", file)
-    elif isinstance(value, float) and math.isinf(value):
-        raise FileFormatError(f"{shown_key(place)}: expected a finite number, got {value}", file)

@@ -5,13 +5,13 @@ from __future__ import annotations
 import codecs
 import hashlib
 import re
-import stat
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
 from cadet.checks import as_path, check_text
-from cadet.errors import CadetError, MissingFileError
+from cadet.errors import CadetError
+from cadet.user_files import read_file
 
 MAX_BYTES: Final = 1 << 28
 """Maps are smaller: the largest public ones have some 50 MB."""
@@ -71,16 +71,8 @@ class RoadMap:
                 scene is built from it.
         """
         path = as_path("map", path)
-        expected = f"unknown map {str(path)!r}: expected an OpenDRIVE file (.xodr)"
-        try:
-            status = path.stat()
-        except (FileNotFoundError, NotADirectoryError):
-            raise MissingFileError(expected) from None
-        if not stat.S_ISREG(status.st_mode):
-            raise MissingFileError(f"{expected}, got {'a folder' if path.is_dir() else 'a pipe or a device'}")
-        if status.st_size > MAX_BYTES:
-            raise CadetError(f"{path.name}: {status.st_size} bytes, expected at most {MAX_BYTES}")
-        return cls(path.name, _text(path.read_bytes(), path.name))
+        missing = f"unknown map {str(path)!r}: expected an OpenDRIVE file (.xodr)"
+        return cls(path.name, _text(read_file(path, name=path.name, missing=missing, max_bytes=MAX_BYTES), path.name))
 
     @property
     def sha256(self) -> str:

@@ -14,18 +14,23 @@ from cadet.errors import FileFormatError, MissingFileError
 MAX_SETTINGS_BYTES: Final = 1 << 24
 """Of a file of settings: 16 MiB. What is larger was meant for something else."""
 
+_NO_FILE: Final = (errno.ENOENT, errno.ENOTDIR, errno.ENAMETOOLONG, errno.ELOOP)
 
-def read_file(path: Path, *, name: str | None = None, max_bytes: int | None = None) -> bytes:
+
+def read_file(
+    path: Path, *, name: str | None = None, missing: str | None = None, max_bytes: int | None = None
+) -> bytes:
     """Return a file's bytes.
 
     Args:
         path: the file.
         name: its name for messages; None for the path.
+        missing: what to say where there is no such file, or a folder or pipe; None for just that.
         max_bytes: refuse a larger one before it is read; None for any size.
 
     Raises:
         MissingFileError: there is no such file.
-        FileFormatError: a folder, pipe or device, or a file larger than `max_bytes`.
+        FileFormatError: a folder, pipe or device, where `missing` is None, or a file larger than `max_bytes`.
         OSError: it can't be read.
     """
     name = str(path) if name is None else name
@@ -33,21 +38,23 @@ def read_file(path: Path, *, name: str | None = None, max_bytes: int | None = No
         found = path.stat()
         # Opening a pipe would wait for its writer.
         if not stat.S_ISREG(found.st_mode):
+            if missing is not None:
+                raise MissingFileError(f"{missing}, got {_kind(found.st_mode)}")
             raise FileFormatError(f"expected a regular file, got {_kind(found.st_mode)}", name)
         if max_bytes is not None and found.st_size > max_bytes:
             raise FileFormatError(f"{found.st_size} bytes, at most {max_bytes} are read", name)
         with names_file(path):
             return path.read_bytes()
-    except OSError as error:
-        # No file has a name that is too long.
-        if error.errno not in (errno.ENOENT, errno.ENOTDIR, errno.ENAMETOOLONG):
+    except (OSError, UnicodeEncodeError) as error:
+        # No file has a name that is too long, or that the system can't spell.
+        if isinstance(error, OSError) and error.errno not in _NO_FILE:
             raise
-        raise MissingFileError(f"{name}: no such file") from None
+        raise MissingFileError(f"{name}: no such file" if missing is None else missing) from None
 
 
-def read_settings(path: Path, *, name: str | None = None) -> bytes:
+def read_settings(path: Path, *, name: str | None = None, missing: str | None = None) -> bytes:
     """Return the bytes of a file of settings, such as TOML: `read_file` of at most `MAX_SETTINGS_BYTES`."""
-    return read_file(path, name=name, max_bytes=MAX_SETTINGS_BYTES)
+    return read_file(path, name=name, missing=missing, max_bytes=MAX_SETTINGS_BYTES)
 
 
 @contextlib.contextmanager

@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from cadet.checks import as_path
-from cadet.errors import CadetError, FileFormatError, MissingFileError
+from cadet.errors import CadetError, FileFormatError
 from cadet.evaluation.classes import EvalClass
 from cadet.evaluation.levels import Level, resolve_levels
 from cadet.plain_text import toml_from_text
+from cadet.user_files import read_settings
 
 T = TypeVar("T")
 _SECTIONS = ("level", "class")
@@ -66,9 +67,7 @@ def read_rules(path: str | Path) -> Rules:
         FileFormatError: a file that says anything else, named with what is wrong.
     """
     path = as_path("rules", path)
-    if not path.is_file():
-        raise MissingFileError(f"{path}: no such file of levels")
-    return Rules.from_toml(path.read_bytes(), str(path))
+    return Rules.from_toml(read_settings(path, missing=f"{path}: no such file of levels"), str(path))
 
 
 def _class(**values: Any) -> EvalClass:

@@ -9,11 +9,12 @@ from pathlib import Path, PurePosixPath
 from typing import Final
 
 from cadet.checks import as_path, check_text, is_one_of, shown
-from cadet.errors import CadetError, KittiFormatError, MissingFileError
+from cadet.errors import CadetError, FileFormatError, KittiFormatError, MissingFileError
 from cadet.kitti.dialects import accept
 from cadet.kitti.files import REQUIRED, is_id, sample_folder, set_root, write_whole
 from cadet.kitti.other_layouts import no_frames
 from cadet.summary import summary
+from cadet.user_files import read_file
 
 LISTS: Final = "ImageSets"
 _SPLITS: Final = ("train", "val")
@@ -130,11 +131,12 @@ def list_bytes(path: Path) -> bytes:
     """Return the bytes of a list.
 
     Raises:
-        KittiFormatError: a pipe or a device, whose reading may never end.
+        KittiFormatError: no regular file.
     """
-    if path.exists() and not (path.is_file() or path.is_dir()):
-        raise KittiFormatError("no regular file", list_name(path))
-    return path.read_bytes()
+    try:
+        return read_file(path, name=list_name(path))
+    except FileFormatError as error:
+        raise KittiFormatError(error.reason, error.file) from None
 
 
 def write_image_set(root: str | Path, split: str, image_set: ImageSet) -> None:

@@ -2,32 +2,13 @@
 
 from __future__ import annotations
 
-import errno
 import hashlib
 import re
 from pathlib import Path
 
 from cadet.checks import shown
-from cadet.errors import CadetError, MissingFileError
-
-
-def read_file(path: Path, missing: str) -> bytes:
-    """Read a file.
-
-    Raises:
-        MissingFileError: with `missing`, where there is no such file.
-        CadetError: it is no file that can be read to its end, such as a pipe.
-    """
-    try:
-        if path.exists() and not path.is_file() and not path.is_dir():
-            raise CadetError(f"{str(path)!r}: expected a file, got a pipe or a device")
-        return path.read_bytes()
-    except (FileNotFoundError, IsADirectoryError, NotADirectoryError, UnicodeEncodeError):
-        raise MissingFileError(missing) from None
-    except OSError as error:
-        if error.errno not in (errno.ENAMETOOLONG, errno.ELOOP):
-            raise
-        raise MissingFileError(missing) from None
+from cadet.errors import CadetError
+from cadet.user_files import read_file
 
 
 class Beside:
@@ -61,7 +42,7 @@ class Beside:
                 if not found.resolve().is_relative_to(self._root.resolve()):
                     outside = name
                     continue
-                data = read_file(found, f"no file {shown(name)}")
+                data = read_file(found, missing=f"no file {shown(name)}")
                 self._read.append(f"{name}\0{hashlib.sha256(data).hexdigest()}\0")
                 return data
         if outside is not None:

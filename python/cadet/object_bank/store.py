@@ -28,6 +28,7 @@ from cadet.object_bank.object import BankObject
 from cadet.plain_text import json_from_text
 from cadet.sink import LocalSink
 from cadet.summary import counts, summary
+from cadet.user_files import read_file
 
 _LIST: Final = "bank.json"
 _FORMAT: Final = "cadet-object-bank"
@@ -132,10 +133,10 @@ class ObjectBank:
     def _read_object(self, number: int) -> BankObject:
         entry = self._entries[number]
         png, binary = (self.root / f"{_name(number)}.{end}" for end in ("png", "bin"))
-        points = points_from_bytes(_read(binary), str(binary))
+        points = points_from_bytes(read_file(binary), str(binary))
         if len(points) != entry["num_points"]:
             raise CadetError(f"{binary}: {len(points)} points, expected {entry['num_points']}")
-        crop = _decoded(_read(png), png)
+        crop = _decoded(read_file(png), png)
         try:
             return BankObject(
                 entry["type"],
@@ -151,13 +152,6 @@ class ObjectBank:
 
 def _name(number: int) -> str:
     return f"objects/{number:06d}"
-
-
-def _read(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except FileNotFoundError:
-        raise MissingFileError(f"{path}: no such file") from None
 
 
 def _decoded(data: bytes, path: Path) -> NDArray[np.uint8]:

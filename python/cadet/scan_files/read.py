@@ -12,13 +12,14 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cadet.errors import FileFormatError, MissingFileError
+from cadet.errors import FileFormatError
 from cadet.kitti.dialects import accept
 from cadet.kitti.scan_columns import layout_of, ring_column
 from cadet.kitti.velodyne import is_whole_point
 from cadet.scan_files.pcd import columns_from_pcd
 from cadet.scan_files.ply import columns_from_ply
 from cadet.scan_files.table import Columns
+from cadet.user_files import read_file
 
 SUFFIXES: Final = (".bin", ".pcd", ".ply", ".npy")
 _NAMES: Final[Mapping[str, tuple[str, ...]]] = {
@@ -56,11 +57,7 @@ def read_scan(path: str | Path) -> RecordedScan:
         CadetError: a file that is damaged or of another format, in one line with its name.
     """
     path = Path(path)
-    try:
-        data = path.read_bytes()
-    except FileNotFoundError:
-        raise MissingFileError(f"{str(path)!r}: no such file") from None
-    return scan_from_data(data, path.name)
+    return scan_from_data(read_file(path), path.name)
 
 
 def scan_from_data(data: bytes, file: str) -> RecordedScan:
