@@ -78,15 +78,13 @@ def test_time_grows_with_the_number_of_roads_and_not_its_square(core: Any) -> No
 @pytest.mark.parametrize(
     ("mtl", "obj", "message"),
     [
-        (MTL.replace("0.1 0.2 0.5", "0.5"), "", r"material library \S*car\.mtl: line 2: Kd: expected three numbers"),
+        (MTL.replace("0.1 0.2 0.5", "a b c"), "", r"car\.mtl:2: Kd: "),
         (MTL, "f 1 2 4\nf 1 2 3\n" * 500_000, r"more than 1000 triangles meet in one place"),
         (
             MTL,
             f"f {' '.join(str(1 + i % 48) for i in range(200_000))}\n",
-            r"more than 1000 triangles meet in one place",
+            r"car\.obj:\d+: a face of 200000 corners, at most 1000: cut it into triangles",
         ),
-        (MTL, "mtllib .\n", r"'car\.obj' names a material library '\.': expected a file's name"),
-        (MTL, "mtllib a\0b\n", r"'car\.obj' names a material library 'a\\x00b': expected a file's name"),
     ],
 )
 def test_meshes_that_the_reader_stops_on_are_refused(

@@ -55,7 +55,12 @@ def test_the_manifest_holds_every_files_hash_and_nothing_of_the_machine(whole: P
     files = tree(whole)
     del files["manifest.json"], files["run.json"]
     assert manifest["sha256"] == files
-    assert manifest["counts"] == {"frames": 45, "episodes": 3, "labels": {"Car": 45, "DontCare": 45}}
+    assert manifest["counts"] == {
+        "frames": 45,
+        "episodes": 3,
+        "standing": 0,
+        "labels": {"Car": 45, "DontCare": 45},
+    }
     assert manifest["seed"] == 3
     assert manifest["policy"]["name"] == manifest["rig"]["name"] == "kitti"
     # The rig that most episodes have stands there in full, the others by their hash.

@@ -159,6 +159,7 @@ CALLS: dict[str, Callable[[World], Any]] = {
     "Settings.split": lambda w: w.settings.split(0),
     "Simulation.read": lambda w: cadet.Simulation.read(w.root / "frames.toml"),
     "SuburbConfig.over": lambda w: cadet.SuburbConfig().over(cadet.SuburbConfig()),
+    "Dataset.has": lambda w: kitti.Dataset(w.root).has("calib", "000000"),
     "Dataset.read_frame": lambda w: kitti.Dataset(w.root).read_frame("000000"),
     "Dataset.read_labels": lambda w: kitti.Dataset(w.root).read_labels("000000"),
     "analyze": lambda w: cadet.analyze([w.truth], [w.found]),

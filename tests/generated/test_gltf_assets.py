@@ -72,7 +72,7 @@ def _spoil(change: Callable[[dict[str, Any]], object]) -> Callable[[Path], None]
         (_spoil(lambda d: d["buffers"][0].update(uri="../../x.bin")), "'../../x.bin' lies outside of the folder"),
         (_spoil(lambda d: d["buffers"][0].update(uri="data:,abc")), r"buffers\[0\]: 3 bytes of 1440"),
         (_spoil(lambda d: d["buffers"][0].update(uri="data:;base64,\u00e9")), "data that are not base64"),
-        (_spoil(lambda d: d["buffers"][0].update(uri="\ud800.bin")), "no file '[?].bin' beside it"),
+        (_spoil(lambda d: d["buffers"][0].update(uri="\ud800.bin")), "half of a surrogate pair"),
         (_spoil(lambda d: d["buffers"][0].update(uri="https://a.b/c.bin")), "not fetched: save it beside the mesh"),
         (_spoil(lambda d: d["buffers"][0].update(uri=7)), r"buffers\[0\].uri: expected a text, got 7"),
         (_spoil(lambda d: d["buffers"][0].update(byteLength=10**9)), r"buffers\[0\]: \d+ bytes of 1000000000"),

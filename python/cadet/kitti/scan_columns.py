@@ -6,6 +6,7 @@ the one whose columns tell most about the values (the mutual information of both
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -29,6 +30,8 @@ _HEADERS: Final = {
 }
 _READABLE: Final = ("PCD", "PLY", ".npy")
 _TEXT: Final = bytes(range(32, 127)) + b"\t\r\n"
+_TEXT_SAMPLE: Final = 512
+_NUMBERS_IN_TEXT: Final = re.compile(rb"\s*[+-]?\d[\d.eE+-]*(?:[\s,;]+[+-]?\d[\d.eE+-]*){2}")
 _NUSCENES: Final = ".pcd.bin"
 """Files of five numbers a point, of which too few points do not tell."""
 _BLOCK: Final = 1680
@@ -131,7 +134,14 @@ def _objection(layout: Layout, rows: NDArray[Any]) -> str | None:
 def _header_of(data: bytes) -> str | None:
     """Return the name of the format whose header a file has; None for none."""
     known = next((name for start, name in _HEADERS.items() if data.startswith(start)), None)
-    return "text" if known is None and data and not data[:256].translate(None, _TEXT) else known
+    return "text" if known is None and _is_text(data[:_TEXT_SAMPLE]) else known
+
+
+def _is_text(data: bytes) -> bool:
+    """Tell whether bytes are lines of numbers: letters alone may be four bytes of a number, too."""
+    if data.translate(None, _TEXT):
+        return False
+    return any(_NUMBERS_IN_TEXT.match(line) for line in data.splitlines())
 
 
 def ring_column(rows: NDArray[Any]) -> int | None:
