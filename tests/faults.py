@@ -5,9 +5,9 @@
 
 A schedule draws a format and one to three faults. A fault strikes a process (the command, or a worker) at its k-th
 operation on the dataset's folder or its k-th start of a worker: the system refuses it (no room, no descriptors, a
-read error), a file is cut where it is being written, or a signal comes there: to that process, or Ctrl-C to all. After
-each run that a fault has ended, what stands under a final name must be the undisturbed set's, byte by byte; resuming
-must end with all of it.
+read error), a file is cut while it is written and its writer lives on or dies of it, or a signal comes to that process
+or, as Ctrl-C, to all. After each run that a fault has ended, what stands under a final name must be the undisturbed
+set's, byte by byte; resuming must end with all of it.
 
 Operations are seen through Python's audit events, so that nothing in the package knows of this. Worlds are driven once
 a format; each run is a forked process that writes their samples again.
@@ -16,6 +16,7 @@ a format; each run is a forked process that writes their samples again.
 from __future__ import annotations
 
 import argparse
+import contextlib
 import errno
 import multiprocessing
 import os
@@ -50,7 +51,7 @@ _SPAWN: Final = "cadet.spawn"
 _EVENTS: Final = {"open", "os.rename", "os.remove", "os.mkdir", "os.listdir", "os.scandir", _SPAWN}
 """Python's audit events of what touches a folder, and ours of a worker's start."""
 _ERRORS: Final = {"no room": errno.ENOSPC, "read error": errno.EIO, "no descriptors": errno.EMFILE}
-_KINDS: Final = (*_ERRORS, "cut", "SIGKILL", "SIGTERM", "SIGINT")
+_KINDS: Final = (*_ERRORS, "cut", "torn", "SIGKILL", "SIGTERM", "SIGINT")
 _CUT_BYTES: Final = 100
 _MAX_OPERATION: Final = 150
 """About as many as a process of these sets has."""
@@ -171,7 +172,7 @@ def play(schedule: Schedule, undisturbed: Undisturbed, folder: Path, tell: Calla
         tell(f"{fault}: exit code {code}, {len(found)} of {len(undisturbed.hashes)} files")
         wrong = sorted(name for name, digest in found.items() if undisturbed.hashes.get(name) != digest)
         assert not wrong, f"after {fault}: {len(wrong)} files differ, such as {wrong[0]}"
-        allowed = {OK} if fault is None else {OK, REFUSED, INTERRUPTED, -signal.SIGKILL}
+        allowed = {OK} if fault is None else {OK, REFUSED, INTERRUPTED, -signal.SIGKILL, -signal.SIGXFSZ}
         assert code in allowed, f"after {fault}: exit code {code}"
     missing = sorted(set(undisturbed.hashes) - set(found))
     assert not missing, f"{len(missing)} files are missing, such as {missing[0]}"
@@ -190,19 +191,29 @@ def _generate(undisturbed: Undisturbed, folder: Path, num_workers: int, fault: F
             _happen(fault.kind)
 
     fork = multiprocessing.get_context("fork")
+    ends: list[Any] = []
     usual = worker.work
 
     def work(number: int, *arguments: Any) -> None:
         nonlocal here
         here = number
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        # A fork holds the command's ends of all pipes, too, so that no worker would see one close.
+        for end in ends:
+            end.close()
         usual(*arguments)
+
+    def pipe() -> tuple[Any, Any]:
+        ours, theirs = fork.Pipe()
+        ends.append(ours)
+        return ours, theirs
 
     def process(target: object, args: tuple[Any, ...], daemon: bool) -> Any:
         sys.audit(_SPAWN, str(folder))
         return fork.Process(target=work, args=(next(processes), *args), daemon=daemon)
 
     # Forked workers have the samples and this process's audit hook; those of the package start anew.
-    vars(local_engine)["WorkerContext"] = lambda: SimpleNamespace(Pipe=fork.Pipe, Process=process)
+    vars(local_engine)["WorkerContext"] = lambda: SimpleNamespace(Pipe=pipe, Process=process)
     vars(worker)["Episode"] = undisturbed.episode
     resume = (folder / "run.json").exists()
     if not resume:
@@ -232,9 +243,10 @@ def _is_ours(event: str, arguments: tuple[Any, ...], folder: Path) -> bool:
 def _happen(kind: str) -> None:
     if kind in _ERRORS:
         raise OSError(_ERRORS[kind], os.strerror(_ERRORS[kind]))
-    if kind == "cut":
-        # The system cuts what is written next, and every file from here on.
-        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    if kind in ("cut", "torn"):
+        # The system cuts what is written next, and every file from here on; a torn file's writer dies of it.
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN if kind == "cut" else signal.SIG_DFL)
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         resource.setrlimit(resource.RLIMIT_FSIZE, (_CUT_BYTES, resource.RLIM_INFINITY))
         return
     if kind == "SIGINT":
@@ -245,11 +257,13 @@ def _happen(kind: str) -> None:
 
 
 def _is_group_alive(group: int) -> bool:
-    try:
-        os.killpg(group, 0)
-    except ProcessLookupError:
-        return False
-    return True
+    """Tell whether a process of a group runs; one that only waits for its end to be noticed does not."""
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):
+            state, _, found = path.read_text().rpartition(")")[2].split()[:3]
+            if int(found) == group and state != "Z":
+                return True
+    return False
 
 
 def failures(numbers: Iterator[int], formats: tuple[str, ...], tell: Callable[[str], object]) -> list[str]:
