@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import json
 import random
 import tempfile
@@ -12,14 +11,13 @@ from typing import Any
 import numpy as np
 
 from cadet import Assets
-from fuzz.mutations import damage_bytes, damage_text
+from fuzz.mutations import damage_bytes, damage_text, damage_values
 from fuzz.target import Input, Target
 from gltf_boxes import CORNERS, png, png_bytes, textured
 from gltf_meshes import glb, gltf_of
 from obj_meshes import CAR, MTL, car_obj
 
 _SEPARATOR = "\f"
-_NUMBERS = (0, 1, 2, 3, 4, 5, 6, 7, 8, 255, 5121, 5126, 33071, 2**31, 2**40, 10**400, -1, 0.5, -2.5, 1e-30, 1e30, 1e308)
 
 
 def _all_of_it() -> dict[str, Any]:
@@ -58,36 +56,8 @@ def _all_of_it() -> dict[str, Any]:
 _DOCUMENT = _all_of_it()
 
 
-def _places(value: Any) -> list[tuple[Any, Any]]:
-    """Return every list and object within a value with each of its keys."""
-    items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
-    return [place for key, inner in items for place in ((value, key), *_places(inner))]
-
-
 def _damage_json(rng: random.Random) -> str:
-    """Return the JSON with one to four values in place of others, most of their own kind."""
-    document = copy.deepcopy(_DOCUMENT)
-    for _ in range(rng.choice((1, 1, 2, 4))):
-        places = _places(document)
-        owner, key = rng.choice(places)
-        value = owner[key]
-        match rng.randrange(8):
-            case 0 if isinstance(owner, dict):
-                del owner[key]
-            case 1:
-                other, other_key = rng.choice(places)
-                if other_key in (other if isinstance(other, dict) else range(len(other))):
-                    owner[key] = copy.deepcopy(other[other_key])
-            case 2 if isinstance(value, list):
-                value += value * rng.choice((1, 3, 400))
-            case 3:
-                owner[key] = rng.choice(([], {}, None, True, "", "\ud800", [[0]], {"a": 1}))
-            case _ if isinstance(value, str):
-                owner[key] = damage_text(rng, value)
-            case _:
-                numbers = [owner[k] for owner, k in places if isinstance(owner, dict) and type(owner.get(k)) is int]
-                owner[key] = rng.choice((*_NUMBERS, *numbers))
-    return json.dumps(document)
+    return json.dumps(damage_values(rng, _DOCUMENT))
 
 
 def _read_folder(name: str, files: dict[str, Input]) -> object:

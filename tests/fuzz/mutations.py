@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import copy
 import random
+from typing import Any
 
 _WORDS = (
     "nan -inf 1e308 -1e308 1e-320 -0 -1 0 3 255 65536 2147483648 18446744073709551616 1_0 0x1f .5 1e --2 true null []"
 ).split() + ["{}", "", " ", "٣", "7" * 5000, "0." + "3" * 3000]
 _SIGNS = ("\0", "\n", "\r\n", "\t", "\x1c", "\ufeff", "é", '"', "'", "[", "]", "{", "}", "<", ">", "=", ":", "#", "\\")
+_NUMBERS = (0, 1, 2, 3, 4, 5, 6, 7, 8, 255, 5121, 5126, 33071, 2**31, 2**40, 10**400, -1, 0.5, -2.5, 1e-30, 1e30, 1e308)
 _MOST_LETTERS = 1 << 20
 
 
@@ -75,3 +78,35 @@ def _with_lines_moved(rng: random.Random, text: str) -> str:
         a, b = rng.randrange(len(lines)), rng.randrange(len(lines))
         lines[a], lines[b] = lines[b], rng.choice((lines[a], lines[b]))
     return "\n".join(lines)
+
+
+def _places(value: Any) -> list[tuple[Any, Any]]:
+    """Return every list and object within a value with each of its keys."""
+    items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    return [place for key, inner in items for place in ((value, key), *_places(inner))]
+
+
+def damage_values(rng: random.Random, document: Any) -> Any:
+    """Return a document of lists and objects with one to four values in place of others, most of their own kind."""
+    document = copy.deepcopy(document)
+    for _ in range(rng.choice((1, 1, 2, 4))):
+        places = _places(document)
+        owner, key = rng.choice(places)
+        value = owner[key]
+        match rng.randrange(8):
+            case 0 if isinstance(owner, dict):
+                del owner[key]
+            case 1:
+                other, other_key = rng.choice(places)
+                if other_key in (other if isinstance(other, dict) else range(len(other))):
+                    owner[key] = copy.deepcopy(other[other_key])
+            case 2 if isinstance(value, list):
+                value += value * rng.choice((1, 3, 400))
+            case 3:
+                owner[key] = rng.choice(([], {}, None, True, "", "\ud800", [[0]], {"a": 1}))
+            case _ if isinstance(value, str):
+                owner[key] = damage_text(rng, value)
+            case _:
+                numbers = [owner[k] for owner, k in places if isinstance(owner, dict) and type(owner.get(k)) is int]
+                owner[key] = rng.choice((*_NUMBERS, *numbers))
+    return document

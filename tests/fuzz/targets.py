@@ -29,6 +29,7 @@ from fuzz.meshes import MESH_TARGETS
 from fuzz.mutations import damage_bytes, damage_text, nested
 from fuzz.pictures import picture_targets
 from fuzz.road_text import ROADS
+from fuzz.settings import SETTINGS_TARGETS
 from fuzz.target import Input, Target
 from scan_writers import Columns, npy, pcd, ply
 from synthetic import make_calib, make_frame
@@ -152,6 +153,7 @@ TARGETS = (
     _texts("simulations", SIMULATION, _read_simulation, nests=True),
     Target("archives", lambda rng: damage_archive(rng, _ARCHIVE), _read_archive),
     _texts("indexes of archives", text_from_index(_MEMBERS), lambda text: index_from_text(text, "000000.idx")),
+    *SETTINGS_TARGETS,
     *checkpoint_targets(),
     *picture_targets(),
 )

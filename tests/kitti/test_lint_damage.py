@@ -179,7 +179,7 @@ def test_a_broken_link_is_missing(root: Path) -> None:
 def test_a_list_that_cannot_be_read_is_a_finding(root: Path) -> None:
     write_image_set(root, "val", ImageSet(("000001",)))
     (root / "ImageSets" / "train.txt").mkdir()
-    assert found(root) == ["ImageSets/train.txt: error: cannot be read: Is a directory"]
+    assert found(root) == ["ImageSets/train.txt: error: expected a regular file, got a folder"]
 
 
 def test_names_that_cannot_be_printed_are_escaped(root: Path) -> None:

@@ -100,6 +100,7 @@ def test_what_programs_write_is_the_same_red_box(obj: str | bytes, tmp_path: Pat
         ("Kd 0.6 0 0\nD 0.3\nTr 0.3", RED, 0.3, None),  # IfcOpenShell 140, LeoCAD 20
         ("Kd 0.6 0 0\nTr 1.0", RED, 1.0, "m.mtl:3: Tr 1 alone would be nothing at all: read as opaque"),
         ("Kd 0.6 0 0\nmap_Kd", RED, 1.0, None),
+        ("Kd 0.6 -1e308 0", RED, 1.0, None),
         (
             "Kd 0.6 0 0\nmap_Kd gone.png",
             RED,

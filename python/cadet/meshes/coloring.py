@@ -70,7 +70,7 @@ def _shades(batch: Batch) -> tuple[NDArray[np.float64] | None, NDArray[np.float6
             factors.append(look.picture.over(np.stack(rows, axis=-1), look.wraps))
     if batch.colors is not None:
         factors.append(np.clip(batch.colors, 0.0, 1.0).sum(axis=1) / 3.0)
-    product = np.array([[*(look.albedo or (1.0, 1.0, 1.0)), 1.0]])
+    product = np.clip(np.array([[*(look.albedo or (1.0, 1.0, 1.0)), 1.0]]), 0.0, 1.0)
     for factor in factors:
         # To 8 bits, so that the last bit of a sum is nobody's paint.
         product = product * np.rint(factor * 255.0) / 255.0
