@@ -13,7 +13,8 @@ import pytest
 from numpy.typing import NDArray
 
 import image_bytes as made
-from cadet.errors import KittiFormatError
+from cadet.errors import FileFormatError, KittiFormatError
+from cadet.image_file import decode_file
 from cadet.kitti import images
 from cadet.kitti.dialects import collected
 
@@ -257,3 +258,16 @@ def test_maps_are_read_exactly_or_refused(data: bytes, dtype: Any, expected: Any
         found = images.decode_map(data, "m.png", dtype)
     np.testing.assert_array_equal(found, expected[..., 0], strict=True)
     assert [one.kind for one in dialects] == kinds
+
+
+@pytest.mark.parametrize("suffix", [".bmp", ".ppm"])
+def test_simple_formats_of_textures_pass_the_same_gate(suffix: str) -> None:
+    rgb = np.arange(5 * 7 * 3, dtype=np.uint8).reshape(5, 7, 3)
+    data = cv2.imencode(suffix, rgb[..., ::-1])[1].tobytes()
+    np.testing.assert_array_equal(decode_file(data, "a").pixels, rgb)
+    sizes = struct.pack("<ii", 32_768, -32_768)
+    bomb = data[:18] + sizes + data[26:] if suffix == ".bmp" else b"P6\n# a\n32768 32768\n255\n"
+    with pytest.raises(FileFormatError, match=r"^a: 32768 x 32768 pixels, at most"):
+        decode_file(bomb, "a")
+    with pytest.raises(FileFormatError, match=r"^a: damaged (BMP|PNM) image.*save it as PNG"):
+        decode_file(data[:30] if suffix == ".bmp" else data[:8] + b"\n", "a")
