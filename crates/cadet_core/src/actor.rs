@@ -78,6 +78,24 @@ pub struct AnnotatedBox {
     pub least_points: usize,
 }
 
+/// An end of a body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    /// Where it heads.
+    Front,
+    /// The other one.
+    Rear,
+}
+
+impl End {
+    /// The end that is nearer to an eye.
+    #[must_use]
+    pub fn nearer(world_from_box: &DPose3, eye_world: DVec3) -> Self {
+        let forward_world = world_from_box.rotation * DVec3::X;
+        if forward_world.dot(eye_world - world_from_box.translation) > 0.0 { Self::Front } else { Self::Rear }
+    }
+}
+
 impl AnnotatedBox {
     /// The box of the true extents.
     #[must_use]
@@ -129,7 +147,7 @@ pub struct ActorState {
     pub model: String,
     /// Length, width, height of the actor's box, fixed for its life.
     pub size_lwh: DVec3,
-    /// What an annotator would draw instead.
+    /// What an annotator would draw instead, who sees the end that faced the ego when the actor was first labeled.
     pub annotated: AnnotatedBox,
     /// The box frame: x forward, y left, z up, origin at the box's **bottom center**.
     pub world_from_box: DPose3,

@@ -176,6 +176,8 @@ impl Scene {
             scans.push((self.rig.lidars()[index].name.clone(), self.turn(index, None, request.sample)?));
         }
         add_points(&self.label, &mut sightings, &scans[0].1.actor_id);
+        let labeled: Vec<i32> = sightings.iter().filter(|s| s.is_labeled).map(|s| s.actor_id).collect();
+        self.world.note_labeled(&labeled);
         Ok(Frame {
             time_s: snapshot.time_s,
             world_from_ego: snapshot.ego.world_from_ego,

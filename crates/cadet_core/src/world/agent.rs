@@ -8,7 +8,9 @@ use super::control::{Controller, Own};
 use super::footprint::Footprint;
 use super::physics::Physics;
 use super::slot::Slot;
-use crate::actor::ObjectClass;
+use crate::actor::{AnnotatedBox, End, ObjectClass};
+use crate::assets::annotation;
+use crate::math::DVec3;
 
 /// The ego, a car in traffic, a parked one, a person.
 pub(super) struct Agent {
@@ -20,6 +22,8 @@ pub(super) struct Agent {
     pub appearance: Appearance,
     /// Put there by the user: never replaced.
     pub is_placed: bool,
+    /// The end that was near when it was first labeled: its annotated box stays as it was drawn then.
+    pub near_end: Option<End>,
 }
 
 impl Agent {
@@ -39,6 +43,16 @@ impl Agent {
     pub fn controlled_by_mut<T: Controller>(&mut self) -> Option<&mut T> {
         let controller: &mut dyn Any = self.controller.as_mut();
         controller.downcast_mut()
+    }
+
+    /// The end that annotators see, who look from an eye unless they have labeled it before.
+    pub fn near_end(&self, physics: &Physics, eye_world: DVec3) -> End {
+        self.near_end.unwrap_or_else(|| End::nearer(&self.body.world_from_box(physics), eye_world))
+    }
+
+    /// The box that these annotators draw.
+    pub fn annotated(&self, physics: &Physics, eye_world: DVec3) -> AnnotatedBox {
+        annotation::displaced(self.appearance.annotated(), self.class, self.near_end(physics, eye_world))
     }
 
     /// What the agent's box covers.

@@ -328,6 +328,15 @@ impl World {
         )
     }
 
+    /// Takes note that actors were labeled: from now on their annotated boxes stay as they are.
+    pub fn note_labeled(&mut self, actor_ids: &[i32]) {
+        let eye_world = self.ego().world_from_ego.translation;
+        let Arena { agents, physics, .. } = &mut self.arena;
+        for agent in agents.iter_mut().filter(|a| actor_ids.contains(&a.id)) {
+            agent.near_end = Some(agent.near_end(physics, eye_world));
+        }
+    }
+
     fn ego_driver(&self) -> &Driver {
         self.arena.ego().controlled_by().expect("the ego has a driver")
     }

@@ -74,7 +74,7 @@ impl Snapshot {
                 class: agent.class,
                 model: agent.appearance.name().to_owned(),
                 size_lwh: agent.appearance.size_lwh(),
-                annotated: agent.appearance.annotated(),
+                annotated: agent.annotated(&arena.physics, middle),
                 world_from_box,
                 velocity_world: agent.body.velocity_world(&arena.physics),
                 angular_velocity_world: agent.body.angular_velocity_world(&arena.physics),

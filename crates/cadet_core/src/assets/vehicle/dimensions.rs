@@ -88,8 +88,7 @@ impl Dimensions {
         let z_width = 0.25 * z_length + (1.0_f64 - 0.0625).sqrt() * s.clipped_normal(0.0, 1.0);
         let z_height =
             if is_van { 0.8 * z_length + 0.6 * s.clipped_normal(0.0, 1.0) } else { s.clipped_normal(0.0, 1.0) };
-        let [over_l, over_w, over_h] =
-            Margins::mean_of_vehicles(if is_van { ObjectClass::Van } else { ObjectClass::Car });
+        let [over_l, over_w, over_h] = Margins::mean_of_vehicles();
         let l = kind.length.0 + kind.length.1 * z_length + over_l;
         let w = kind.width.0 + kind.width.1 * z_width + over_w;
         let h = kind.height.0 + kind.height.1 * z_height + over_h;

@@ -79,7 +79,7 @@ fn the_body_fills_its_box_at_every_level() {
 fn sizes_follow_the_labels_of_kitti() {
     let n = 4000;
     let draws: Vec<Dimensions> = (0..n).map(|seed| Dimensions::of_seed(ObjectClass::Car, seed).unwrap()).collect();
-    let over = Margins::mean_of_vehicles(ObjectClass::Car).map(|m| m as f32);
+    let over = Margins::mean_of_vehicles().map(|m| m as f32);
     assert!(draws.iter().all(|d| d.length > d.width && d.height > 1.1));
     let check = |name: &str, value: &dyn Fn(&Dimensions) -> f32, expected: [f32; 3], tolerance: f32| {
         let mut values: Vec<f32> = draws.iter().map(value).collect();

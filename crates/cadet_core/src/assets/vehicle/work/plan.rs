@@ -1,7 +1,6 @@
 //! What kind of commercial vehicle a seed draws, and its measures.
 
 use super::super::paint::Livery;
-use crate::actor::ObjectClass;
 use crate::assets::annotated_sizes::{MISC, TRUCKS};
 use crate::assets::annotation::Margins;
 use crate::math::DVec3;
@@ -62,7 +61,7 @@ pub(super) struct Plan {
 impl Plan {
     /// Draws a truck.
     pub fn draw(s: &mut Stream) -> Self {
-        let size = TRUCKS.draw(s) + DVec3::from_array(Margins::mean_of_vehicles(ObjectClass::Truck));
+        let size = TRUCKS.draw(s) + DVec3::from_array(Margins::mean_of_vehicles());
         Self::of_size(size, s)
     }
 
@@ -218,7 +217,7 @@ pub(super) struct TowedPlan {
 
 impl TowedPlan {
     pub fn draw(s: &mut Stream) -> Self {
-        let size = MISC.draw(s) + DVec3::from_array(Margins::mean_of_vehicles(ObjectClass::Misc));
+        let size = MISC.draw(s) + DVec3::from_array(Margins::mean_of_vehicles());
         let (l, w, h) = (size.x, size.y, size.z);
         let kind = if w < 0.95 && l < 2.6 {
             Towed::Motorbike
