@@ -65,10 +65,10 @@ impl Semantic {
 pub struct LidarMaterial {
     /// Diffuse reflectance at normal incidence, 0..1.
     pub reflectance: f32,
-    /// The diffuse part falls as cos^exponent of the incidence angle: 1 is Lambert's; under clear coat it is 2-3.
-    pub lobe_exponent: f32,
-    /// Fresnel reflectance at normal incidence of a coat or of metal flakes, 0..1: 0 for what is matt, 0.04 for clear
-    /// coat.
+    /// Refractive index of the clear coat over the diffuse part: 1 where there is none.
+    pub coat_index: f32,
+    /// Fresnel reflectance at normal incidence of a coat's face or of metal flakes, 0..1: 0 for what is matt, 0.04 for
+    /// clear coat.
     pub gloss: f32,
     /// Beckmann roughness of the gloss: 0.05 is a polished sheet, 0.4 metallic paint.
     pub roughness: f32,
@@ -79,10 +79,13 @@ pub struct LidarMaterial {
 }
 
 impl LidarMaterial {
+    /// Refractive index of lacquer, enamel and glass at 905 nm.
+    pub const LACQUER: f32 = 1.5;
+
     /// A Lambertian surface of the given reflectance.
     #[must_use]
     pub const fn diffuse(reflectance: f32) -> Self {
-        Self { reflectance, lobe_exponent: 1.0, gloss: 0.0, roughness: 1.0, transmission: 0.0, retro: false }
+        Self { reflectance, coat_index: 1.0, gloss: 0.0, roughness: 1.0, transmission: 0.0, retro: false }
     }
 }
 

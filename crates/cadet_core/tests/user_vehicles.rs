@@ -154,7 +154,7 @@ fn materials_are_glass_rubber_cloth_and_paint() {
     assert!(pane.is_transparent() && pane.transmission > 0.6 && pane.lidar.transmission > 0.6);
     assert!([paint, seat, tyre, unnamed].iter().all(|m| !m.is_transparent() && m.lidar.transmission == 0.0));
     assert_eq!(paint.albedo, [0.6, 0.05, 0.04]);
-    assert!(paint.lidar.reflectance > 0.4 && paint.lidar.lobe_exponent > 1.0, "red paint is bright at 905 nm");
+    assert!(paint.lidar.reflectance > 0.4 && paint.lidar.coat_index > 1.0, "red paint is bright at 905 nm");
     assert!(tyre.lidar.reflectance < 0.1 && tyre.albedo[0] < 0.1, "tyres are black whatever the file says");
     assert_eq!(seat.specular, 0.0);
     let rules = MaterialRules(vec![(Role::Plate, vec!["lack".to_owned()])]);

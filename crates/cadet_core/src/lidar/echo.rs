@@ -2,14 +2,14 @@
 
 use super::air::{FALLEN_SNOW, under_snow};
 use super::draws::Draws;
-use super::reflection::{fresnel, reflectance};
+use super::reflection::{pane, reflectance};
 use super::response::reading_noise;
 use crate::material::{LidarMaterial, Material, Semantic};
 
-/// Share of a glass surface's area that is dirty or printed enough to return light itself.
-const DIRTY_SHARE: f64 = 0.08;
-/// Reflectance of that dirt.
-const DIRT: LidarMaterial = LidarMaterial::diffuse(0.08);
+/// Share of a glass surface's area that is dusty or printed enough to return light itself, and the reflectance there: fitted
+/// to what comes back from the windows of KITTI's cars.
+const DIRTY_SHARE: f64 = 0.55;
+const DIRT: LidarMaterial = LidarMaterial::diffuse(0.012);
 /// Within 2.5 degrees of the normal a glass surface's mirror image hits the receiver.
 const GLINT_COS: f64 = 0.999;
 
@@ -64,7 +64,7 @@ pub(super) fn first_echo(transparent: Option<Surface<'_>>, opaque: Option<Surfac
         if draws.pane < DIRTY_SHARE {
             return Some(own(reflectance(&DIRT, transparent.cos_incidence)));
         }
-        let once = f64::from(transparent.material.lidar.transmission) * (1.0 - fresnel(transparent.cos_incidence));
+        let once = f64::from(transparent.material.lidar.transmission) * (1.0 - pane(transparent.cos_incidence));
         transmittance = once * once;
         if opaque.is_some_and(|s| s.actor_id != transparent.actor_id) {
             // Out again on the far side.

@@ -2,21 +2,32 @@
 
 use super::response::Receiver;
 use crate::material::LidarMaterial;
+use crate::math::lerp;
 
 /// Reflectance back to the sensor at an incidence angle, as a multiple of what a white Lambertian surface that faces
 /// the sensor returns.
 ///
 /// A diffuse surface keeps its brightness towards grazing angles (Lommel and Seeliger's law: asphalt looks the same from
-/// 4 m to 25 m); the material's exponent makes what lies under a coat fall faster than Lambert's cosine. A coat or metal
-/// flakes add a lobe about the normal, F exp(-tan^2 / a^2) / (4 a^2) for Fresnel reflectance F and roughness a: Cook and
-/// Torrance's model (1982) with Beckmann's distribution, seen from where the light comes from, near the normal.
+/// 4 m to 25 m), and so do pigments under a clear coat, of which Fresnel's share of the light gets in, and out again. A
+/// coat's face or metal flakes add a lobe about the normal, F exp(-tan^2 / a^2) / (4 a^2) for Fresnel reflectance F and
+/// roughness a: Cook and Torrance's model (1982) with Beckmann's distribution, seen from where the light comes from, near
+/// the normal.
 pub(super) fn reflectance(lidar: &LidarMaterial, cos_incidence: f64) -> f64 {
     let rough = (1.0 + ROUGH) * cos_incidence / (cos_incidence + ROUGH);
-    let diffuse = f64::from(lidar.reflectance) * rough * power(cos_incidence, f64::from(lidar.lobe_exponent) - 1.0);
+    let diffuse = f64::from(lidar.reflectance) * rough * through_coat(f64::from(lidar.coat_index), cos_incidence);
     if lidar.gloss <= 0.0 {
         return diffuse;
     }
     diffuse + f64::from(lidar.gloss) * lobe(f64::from(lidar.roughness).max(SMOOTHEST), cos_incidence)
+}
+
+/// What of the light comes back through a coat, against what does at normal incidence.
+fn through_coat(index: f64, cos_incidence: f64) -> f64 {
+    if index <= 1.0 {
+        return 1.0;
+    }
+    let share = (1.0 - fresnel(index, cos_incidence)) / (1.0 - fresnel(index, 1.0));
+    share * share
 }
 
 /// Lommel and Seeliger's term: the cosine at which a diffuse surface has lost half of its brightness. Road that is seen at
@@ -49,21 +60,19 @@ pub(super) fn spot_per_pulse(receiver: &Receiver) -> f64 {
     receiver.divergence_rad / 4.0 / receiver.pulse_m()
 }
 
-/// Both faces of a pane of glass of n = 1.5: 8 % up to 40 degrees, 17 % at 60, 56 % at 80.
-pub(super) fn fresnel(cos_incidence: f64) -> f64 {
-    let grazing = (1.0 - cos_incidence) * (1.0 - cos_incidence);
-    0.08 + 0.92 * grazing * grazing
+/// Fresnel's reflectance for light without polarization of a face to what has a refractive index, from the air.
+pub(super) fn fresnel(index: f64, cos_incidence: f64) -> f64 {
+    let cos = cos_incidence.clamp(0.0, 1.0);
+    let inside = (1.0 - (1.0 - cos * cos) / (index * index)).sqrt();
+    let s = (cos - index * inside) / (cos + index * inside);
+    let p = (inside - index * cos) / (inside + index * cos);
+    lerp(s * s, p * p, 0.5)
 }
 
-/// `base^exponent` for base in 0..1, linear between whole exponents: cheap, and the same bits everywhere.
-fn power(base: f64, exponent: f64) -> f64 {
-    let exponent = exponent.clamp(0.0, 16.0);
-    let whole = exponent.floor();
-    let mut product = 1.0;
-    for _ in 0..whole as usize {
-        product *= base;
-    }
-    product * (1.0 - (exponent - whole) * (1.0 - base))
+/// The reflectance of a pane of glass: both faces, and what goes to and fro between them.
+pub(super) fn pane(cos_incidence: f64) -> f64 {
+    let face = fresnel(f64::from(LidarMaterial::LACQUER), cos_incidence);
+    2.0 * face / (1.0 + face)
 }
 
 #[cfg(test)]
@@ -72,7 +81,7 @@ mod tests {
 
     #[test]
     fn a_coat_shines_about_its_normal_alone_and_grazing_paint_is_dark() {
-        let silver = LidarMaterial { lobe_exponent: 2.5, gloss: 0.3, roughness: 0.35, ..LidarMaterial::diffuse(0.2) };
+        let silver = LidarMaterial { coat_index: 1.5, gloss: 0.3, roughness: 0.35, ..LidarMaterial::diffuse(0.2) };
         let at = |degrees: f64| reflectance(&silver, crate::math::cos(degrees.to_radians()));
         assert!((at(0.0) - (0.2 + 0.3 / (4.0 * 0.35 * 0.35))).abs() < 1e-6, "{}", at(0.0));
         assert!(at(0.0) > 3.0 * at(30.0) && at(30.0) > 2.0 * at(60.0) && at(85.0) < 0.01, "{} {}", at(30.0), at(85.0));

@@ -37,14 +37,15 @@ pub(super) fn arrival(
     draws: &Draws,
 ) -> Option<Arrival> {
     if air.is_clear() {
-        return echo.map(|e| of_target(&e, clear_power(&e, air)));
+        return echo.map(|e| of_target(&e, clear_power(&e, air), receiver));
     }
     let (range_m, clear_power) =
         echo.map_or((f64::INFINITY, 0.0), |e| (e.range_m, clear_power(&e, air) * spray.transmittance));
     let bright = echo.map_or(1.0, |e| brightness(&e));
     let meeting = air.meet(range_m, clear_power * bright, draws.air_key);
     let power = clear_power * meeting.transmittance;
-    let detected = |power: f64| receiver.detects(power * bright, draws.detection);
+    let focused = receiver.focused(range_m);
+    let detected = |power: f64| receiver.detects(power * bright * focused, draws.detection);
     // The last echo that is detected is the target's, whatever stands before it.
     let air_return = spray.or_stronger(meeting.air_return, power * bright, air);
     if let Some(air_return) = air_return.filter(|_| mode == ReturnMode::Strongest || !detected(power)) {
@@ -53,7 +54,7 @@ pub(super) fn arrival(
             range_m: air_return.range_m,
             power,
             // Fog returns in the place of a target, which must have been detected without it; a drop is detected by itself.
-            detected_power: if air_return.from == Scatterer::Fog { clear_power * bright } else { power },
+            detected_power: if air_return.from == Scatterer::Fog { clear_power * bright * focused } else { power },
             saturates: false,
             cos_incidence: 1.0,
             reading_noise: AIR_NOISE,
@@ -61,14 +62,14 @@ pub(super) fn arrival(
             semantic: Semantic::Sky,
         });
     }
-    echo.map(|e| of_target(&e, power))
+    echo.map(|e| of_target(&e, power, receiver))
 }
 
-fn of_target(echo: &Echo, power: f64) -> Arrival {
+fn of_target(echo: &Echo, power: f64, receiver: &Receiver) -> Arrival {
     Arrival {
         range_m: echo.range_m,
         power,
-        detected_power: power * brightness(echo),
+        detected_power: power * brightness(echo) * receiver.focused(echo.range_m),
         saturates: echo.retro,
         cos_incidence: echo.cos_incidence,
         reading_noise: echo.reading_noise,
@@ -99,7 +100,7 @@ pub(super) fn echo_power(echo: &Echo, air: &Air) -> f64 {
 
 /// Whether the receiver detects an echo; `detection` is uniform in [0, 1).
 pub(super) fn is_echo_detected(echo: &Echo, air: &Air, receiver: &Receiver, detection: f64) -> bool {
-    receiver.detects(echo_power(echo, air) * brightness(echo), detection)
+    receiver.detects(echo_power(echo, air) * brightness(echo) * receiver.focused(echo.range_m), detection)
 }
 
 #[cfg(test)]
@@ -203,7 +204,7 @@ mod tests {
     #[test]
     fn black_paint_is_lost_beyond_20_m_and_silver_beyond_60_m() {
         let mut paint = Material::matt(Semantic::Car, [0.1; 3], Pattern::Plain, 0.2);
-        paint.lidar.lobe_exponent = 3.0;
+        paint.lidar.coat_index = 1.5;
         let of = |paint: &Material, range_m| statistics(None, Some(surface(paint, range_m, 0.8, 1)), &clear());
         let at = |range_m| of(&paint, range_m).0;
         assert!(at(30.0) > 0.99 && at(40.0) > 0.9 && at(75.0) < 0.2, "{} {} {}", at(30.0), at(40.0), at(75.0));

@@ -149,7 +149,12 @@ fn head_palette(lit: [bool; 3]) -> Palette {
             (m.specular, m.roughness) = (0.04, 0.25);
         }
         // A smooth lens before a reflector: little comes back unless it is met square.
-        m.lidar = LidarMaterial { lobe_exponent: 2.0, gloss: 0.04, roughness: 0.1, ..LidarMaterial::diffuse(0.30) };
+        m.lidar = LidarMaterial {
+            coat_index: LidarMaterial::LACQUER,
+            gloss: 0.04,
+            roughness: 0.1,
+            ..LidarMaterial::diffuse(0.30)
+        };
         m
     };
     let rim = sign([0.62, 0.62, 0.60], 0.75);

@@ -3,7 +3,7 @@
 use super::paint::{coated, glass};
 use crate::assets::source_mesh::SourceMaterial;
 use crate::error::{Error, Result};
-use crate::material::{Material, Pattern, Semantic};
+use crate::material::{LidarMaterial, Material, Pattern, Semantic};
 
 /// What frames a pane.
 const TRIM: &[&str] = &["*trim*", "*frame*", "*seal*", "*rubber*"];
@@ -193,7 +193,7 @@ pub(super) fn material(source: Option<&SourceMaterial>, role: Option<Role>, sema
             // Clear coat; red paints are as bright to the laser as their red is to the eye.
             let reflectance = (0.03 + 0.85 * luma.max(albedo[0])).min(0.8);
             let mut paint = coated(semantic, albedo, 0.08, 0.05, reflectance);
-            paint.lidar.lobe_exponent = 2.5;
+            paint.lidar.coat_index = LidarMaterial::LACQUER;
             paint
         }
     }

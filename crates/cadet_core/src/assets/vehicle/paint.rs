@@ -56,29 +56,30 @@ impl Coat {
     fn gloss(self) -> (f32, f32) {
         match self {
             Self::Clear => (0.04, 0.18),
-            Self::DarkFlakes => (0.22, 0.38),
-            Self::Flakes => (0.35, 0.32),
+            Self::DarkFlakes => (0.073, 0.38),
+            Self::Flakes => (0.113, 0.32),
         }
     }
 }
 
-/// Reflectances as measured at 905 nm (black 2-5 %, dark metallic 4-10, gray 8-15, silver 25-40 and peaked, white 70-80,
-/// red 40-65, blue 10-40, green 15-35) less what the coat itself mirrors: of black's 2-5 %, 4 are the mirror's.
+/// Shares and colors of the stock. The order of the reflectances is that measured at 905 nm (black least, dark metallic,
+/// gray, blue, silver, red, white); their size, and that of the coats' lobes, is fitted to KITTI's cars: which share of the
+/// beams they return at each range and height, and which share of those reads 0.
 const COLOURS: [Color; 14] = [
-    (18.0, [0.42, 0.43, 0.44], 0.06, (0.10, 0.22), Coat::Flakes),
-    (18.0, [0.16, 0.165, 0.17], 0.06, (0.03, 0.09), Coat::DarkFlakes),
-    (23.0, [0.016, 0.016, 0.018], 0.01, (0.004, 0.02), Coat::Clear),
-    (10.0, [0.020, 0.032, 0.095], 0.015, (0.03, 0.12), Coat::DarkFlakes),
-    (5.0, [0.06, 0.15, 0.36], 0.05, (0.12, 0.35), Coat::DarkFlakes),
-    (6.0, [0.36, 0.025, 0.025], 0.06, (0.35, 0.60), Coat::Clear),
-    (3.0, [0.16, 0.015, 0.022], 0.03, (0.25, 0.45), Coat::DarkFlakes),
-    (7.0, [0.72, 0.72, 0.70], 0.05, (0.65, 0.75), Coat::Clear),
-    (3.5, [0.02, 0.07, 0.045], 0.02, (0.10, 0.22), Coat::DarkFlakes),
-    (1.5, [0.12, 0.20, 0.12], 0.05, (0.15, 0.30), Coat::Flakes),
-    (2.0, [0.34, 0.28, 0.19], 0.05, (0.20, 0.35), Coat::Flakes),
-    (1.0, [0.10, 0.06, 0.035], 0.02, (0.08, 0.22), Coat::DarkFlakes),
-    (1.5, [0.75, 0.50, 0.03], 0.06, (0.45, 0.65), Coat::Clear),
-    (0.5, [0.62, 0.20, 0.02], 0.05, (0.40, 0.60), Coat::Clear),
+    (18.0, [0.42, 0.43, 0.44], 0.06, (0.045, 0.095), Coat::Flakes),
+    (18.0, [0.16, 0.165, 0.17], 0.06, (0.006, 0.016), Coat::DarkFlakes),
+    (23.0, [0.016, 0.016, 0.018], 0.01, (0.0025, 0.012), Coat::Clear),
+    (10.0, [0.020, 0.032, 0.095], 0.015, (0.006, 0.021), Coat::DarkFlakes),
+    (5.0, [0.06, 0.15, 0.36], 0.05, (0.022, 0.063), Coat::DarkFlakes),
+    (6.0, [0.36, 0.025, 0.025], 0.06, (0.21, 0.36), Coat::Clear),
+    (3.0, [0.16, 0.015, 0.022], 0.03, (0.045, 0.08), Coat::DarkFlakes),
+    (7.0, [0.72, 0.72, 0.70], 0.05, (0.39, 0.45), Coat::Clear),
+    (3.5, [0.02, 0.07, 0.045], 0.02, (0.018, 0.04), Coat::DarkFlakes),
+    (1.5, [0.12, 0.20, 0.12], 0.05, (0.065, 0.13), Coat::Flakes),
+    (2.0, [0.34, 0.28, 0.19], 0.05, (0.085, 0.15), Coat::Flakes),
+    (1.0, [0.10, 0.06, 0.035], 0.02, (0.014, 0.04), Coat::DarkFlakes),
+    (1.5, [0.75, 0.50, 0.03], 0.06, (0.27, 0.39), Coat::Clear),
+    (0.5, [0.62, 0.20, 0.02], 0.05, (0.24, 0.36), Coat::Clear),
 ];
 
 /// Lenses of turn signals: of most they are amber, of others clear over an amber bulb.
@@ -130,7 +131,7 @@ pub(super) fn of_every_vehicle(class: ObjectClass, s: &mut Stream) -> Vec<Materi
         ObjectClass::Tram => Semantic::Tram,
         _ => Semantic::OtherVehicle,
     };
-    let mut materials = vec![Material::matt(semantic, [0.03; 3], Pattern::Plain, 0.05); 23];
+    let mut materials = vec![Material::matt(semantic, [0.03; 3], Pattern::Plain, 0.012); 23];
     let mut set = |slot: u8, m: Material| materials[usize::from(slot)] = m;
     set(slot::PAINT, paint(class, semantic, s));
 
@@ -144,13 +145,13 @@ pub(super) fn of_every_vehicle(class: ObjectClass, s: &mut Stream) -> Vec<Materi
     set(slot::SIDE_GLASS, glass(semantic, tint, 0.78, clear));
     set(slot::REAR_SIDE_GLASS, glass(semantic, tint, rear_eye, rear));
     set(slot::REAR_GLASS, glass(semantic, tint, rear_eye * 0.92, rear * 0.9));
-    set(slot::DARK_GLASS, coated(semantic, [0.01; 3], 0.04, 0.03, 0.04));
+    set(slot::DARK_GLASS, coated(semantic, [0.01; 3], 0.04, 0.03, 0.01));
 
-    set(slot::TYRE, coated(semantic, [0.04; 3], 0.8, 0.02, 0.05));
+    set(slot::TYRE, coated(semantic, [0.04; 3], 0.8, 0.02, 0.012));
     let rim = s.range(0.28, 0.5) as f32;
     set(slot::RIM, coated(semantic, [rim; 3], 0.35, 0.10, s.range(0.2, 0.4) as f32));
-    set(slot::PLASTIC, coated(semantic, [0.042; 3], 0.45, 0.04, 0.08));
-    set(slot::GRILLE, coated(semantic, [0.015; 3], 0.5, 0.03, 0.05));
+    set(slot::PLASTIC, coated(semantic, [0.042; 3], 0.45, 0.04, 0.02));
+    set(slot::GRILLE, coated(semantic, [0.015; 3], 0.5, 0.03, 0.012));
     set(slot::LAMP, coated(semantic, [0.55, 0.56, 0.58], 0.08, 0.08, 0.30));
     set(slot::TAIL_LAMP, coated(semantic, [0.38, 0.012, 0.015], 0.10, 0.05, 0.55));
     let mut plate = coated(semantic, [0.72, 0.72, 0.70], 0.5, 0.03, 0.9);
@@ -160,17 +161,17 @@ pub(super) fn of_every_vehicle(class: ObjectClass, s: &mut Stream) -> Vec<Materi
     let cloth = s.range(0.025, 0.14) as f32;
     set(
         slot::CLOTH,
-        Material::matt(semantic, [cloth, cloth, cloth * 1.05], Pattern::Cloth, s.range(0.05, 0.16) as f32),
+        Material::matt(semantic, [cloth, cloth, cloth * 1.05], Pattern::Cloth, s.range(0.012, 0.12) as f32),
     );
-    set(slot::DARK, Material::matt(semantic, [0.025; 3], Pattern::Plain, s.range(0.04, 0.10) as f32));
-    set(slot::LINER, Material::matt(semantic, [0.008; 3], Pattern::Plain, 0.04));
+    set(slot::DARK, Material::matt(semantic, [0.025; 3], Pattern::Plain, s.range(0.010, 0.025) as f32));
+    set(slot::LINER, Material::matt(semantic, [0.008; 3], Pattern::Plain, 0.01));
     let skin = s.range(0.75, 1.1) as f32;
     set(slot::SKIN, Material::matt(semantic, [0.45 * skin, 0.28 * skin, 0.20 * skin], Pattern::Plain, 0.55));
     let hair = s.range(0.3, 2.5) as f32;
     set(slot::HAIR, Material::matt(semantic, [0.05 * hair, 0.035 * hair, 0.022 * hair], Pattern::Cloth, 0.4));
     let shirt = [s.range(0.03, 0.55) as f32, s.range(0.03, 0.5) as f32, s.range(0.03, 0.55) as f32];
     set(slot::SHIRT, Material::matt(semantic, shirt, Pattern::Cloth, s.range(0.3, 0.7) as f32));
-    set(slot::CHROME, coated(semantic, [0.55; 3], 0.1, 0.5, 0.04));
+    set(slot::CHROME, coated(semantic, [0.55; 3], 0.1, 0.5, 0.01));
     // Later draws from the stream give shapes: this one looks ahead and takes nothing.
     let is_clear = Stream::from_seed("signal lenses", s.clone().next_u64()).chance(CLEAR_SIGNALS);
     let signal = coated(semantic, if is_clear { CLEAR_SIGNAL } else { AMBER }, 0.12, 0.05, 0.5);
@@ -197,7 +198,7 @@ fn paint(class: ObjectClass, semantic: Semantic, s: &mut Stream) -> Material {
         semantic,
         lidar: LidarMaterial {
             reflectance: s.range(reflectance.0, reflectance.1) as f32,
-            lobe_exponent: 3.0,
+            coat_index: LidarMaterial::LACQUER,
             gloss,
             roughness,
             ..LidarMaterial::diffuse(0.0)

@@ -1,6 +1,6 @@
 //! What rain and snow leave on the ground, for a laser; snow on other surfaces, too.
 
-use crate::lidar::reflection::reflectance;
+use crate::lidar::reflection::{fresnel, reflectance};
 use crate::material::LidarMaterial;
 use crate::math;
 
@@ -20,18 +20,9 @@ pub(in crate::lidar) fn under_snow(bare: f64, cos_incidence: f64, cover: f64) ->
 /// comes up below it is kept inside by total reflection, all but 1 / n^2 of it, and meets the surface again (Angstrom
 /// 1925). Water a few millimetres deep absorbs nothing to speak of at 905 nm.
 pub(super) fn under_water(reflectance: f64, cos_incidence: f64) -> f64 {
-    let enters = 1.0 - fresnel(cos_incidence);
+    let enters = 1.0 - fresnel(WATER, cos_incidence);
     let leaves = 1.0 / (WATER * WATER);
     enters * enters * leaves / (1.0 - reflectance.clamp(0.0, 1.0) * (1.0 - leaves))
-}
-
-/// Fresnel's reflectance of water for light without polarisation.
-fn fresnel(cos_incidence: f64) -> f64 {
-    let cos = cos_incidence.clamp(0.0, 1.0);
-    let inside = (1.0 - (1.0 - cos * cos) / (WATER * WATER)).sqrt();
-    let s = (cos - WATER * inside) / (cos + WATER * inside);
-    let p = (inside - WATER * cos) / (inside + WATER * cos);
-    math::lerp(s * s, p * p, 0.5)
 }
 
 #[cfg(test)]
@@ -40,12 +31,12 @@ mod tests {
 
     #[test]
     fn fresnel_has_its_known_values() {
-        assert!((fresnel(1.0) - (0.328_f64 / 2.328) * (0.328 / 2.328)).abs() < 1e-12);
-        assert!((fresnel(0.0) - 1.0).abs() < 1e-12);
+        assert!((fresnel(WATER, 1.0) - (0.328_f64 / 2.328) * (0.328 / 2.328)).abs() < 1e-12);
+        assert!((fresnel(WATER, 0.0) - 1.0).abs() < 1e-12);
         // At Brewster's angle only half of the s-polarised light is left: ((n^2 - 1) / (n^2 + 1))^2 / 2.
         let brewster = 1.0 / (1.0 + WATER * WATER).sqrt();
         let s = (WATER * WATER - 1.0) / (WATER * WATER + 1.0);
-        assert!((fresnel(brewster) - s * s / 2.0).abs() < 1e-12);
+        assert!((fresnel(WATER, brewster) - s * s / 2.0).abs() < 1e-12);
     }
 
     #[test]
@@ -54,6 +45,6 @@ mod tests {
         assert!((0.5..0.65).contains(&shares[0]), "{shares:?}");
         assert!(shares.windows(2).all(|w| w[1] < w[0]) && shares[3] < 0.15, "{shares:?}");
         // Light that all comes back from below is not lost.
-        assert!((under_water(1.0, 1.0) - (1.0 - fresnel(1.0)) * (1.0 - fresnel(1.0))).abs() < 1e-12);
+        assert!((under_water(1.0, 1.0) - (1.0 - fresnel(WATER, 1.0)) * (1.0 - fresnel(WATER, 1.0))).abs() < 1e-12);
     }
 }
