@@ -319,8 +319,9 @@ impl<'a> Glasshouse<'a> {
         let mut s_rows = rows.to_vec();
         if !is_front {
             let n = s_rows.len();
-            s_rows[1] = 0.11;
-            s_rows[n - 2] = s_rows[n - 2].min(if self.o.d.backlight_slope > 1.0 { 0.84 } else { 0.92 });
+            // Steep backlights end above the belt line, and under a spoiler.
+            let (from, to) = if self.o.d.backlight_slope > 1.0 { (0.18, 0.84) } else { (0.11, 0.92) };
+            (s_rows[1], s_rows[n - 2]) = (from, s_rows[n - 2].min(to));
         }
         let (border, last) = (lateral.len() - 2, rows.len() - 2);
         let grid: Vec<Vec<Vec3>> =
