@@ -132,10 +132,8 @@ impl Dimensions {
             backlight_slope: slope(kind.backlight_deg + s.range(-3.0, 3.0)),
             tumblehome: slope(kind.tumblehome_deg + s.range(-1.5, 1.5)),
             roof_sag: [s.range(0.03, 0.05) as f32, s.range(0.06, 0.10) as f32],
-            corner_exponent: [
-                s.range(1.9, 2.65) as f32,
-                if is_van { s.range(5.0, 7.0) } else { s.range(2.9, 3.9) } as f32,
-            ],
+            corner_exponent: if is_van { [(2.2, 3.0), (5.0, 7.0)] } else { [(1.9, 2.65), (2.9, 3.9)] }
+                .map(|(from, to)| s.range(from, to) as f32),
             tail_ledge: s.range(TAIL_LEDGE_M.0, TAIL_LEDGE_M.1) as f32,
             windows,
             is_van,
