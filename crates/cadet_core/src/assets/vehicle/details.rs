@@ -164,12 +164,9 @@ pub(super) fn add_plates(surface: &mut Surface, o: &Outline, fittings: &Fittings
         let v = (z - d.clearance) / (crown - d.clearance);
         let dv = half_h / (crown - d.clearance);
         let out = if is_front { 1.0 } else { -1.0 };
-        let low = o.point(column, v - dv).x;
-        let high = o.point(column, v + dv).x;
-        let outer = if is_front { low.max(high) } else { low.min(high) };
-        // Flat and upright, no further out than the box.
-        let limit = d.length / 2.0 - 0.001;
-        let x = (outer + 0.008 * out).clamp(-limit, limit);
+        // Flat and upright, before what is behind it.
+        let outermost = [v - dv, v, v + dv].map(|v| o.point(column, v).x * out).into_iter().fold(0.0, f32::max);
+        let x = (outermost + 0.004) * out;
         let sheet = |half_w: f32, half_h: f32, x: f32| {
             vec![
                 vec![Vec3::new(x, -half_w, z - half_h), Vec3::new(x, half_w, z - half_h)],
@@ -236,7 +233,7 @@ fn add_tail_fittings(surface: &mut Surface, o: &Outline, house: &Glasshouse) {
         [0.90, 0.94].iter().map(|s| [0.0, 0.17].iter().map(|t| house.on_backlight(*t, *s) + back).collect()).collect();
     surface.pair(&light, Outward::Along(Vec3::NEG_X), |_, _| Some(slot::TAIL_LAMP));
     if o.d.backlight_slope > 1.0 && o.d.windows != Windows::PanelVan {
-        let (a, b) = (house.on_backlight(0.0, 0.16), house.on_backlight(0.42, 0.22));
+        let (a, b) = (house.on_backlight(0.0, 0.21), house.on_backlight(0.42, 0.27));
         let (b, up) = (Vec3::new(b.x, -b.y, b.z), Vec3::new(0.0, 0.0, 0.014));
         let wiper = [vec![a + back, b + back], vec![a + back + up, b + back + up]];
         surface.sheet(&wiper, Outward::Along(Vec3::NEG_X), |_, _| Some(slot::PLASTIC));

@@ -49,9 +49,10 @@ pub(super) struct Dimensions {
     pub is_van: bool,
 }
 
-/// The bumper stands out from the tailgate by so much: of 20 cars that 39 real scans see from behind, the returns of bumpers lie
-/// 7 to 9 cm nearer than those of the body above, of which 2 to 3 cm are the tailgate's lean.
-const TAIL_LEDGE_M: (f64, f64) = (0.02, 0.09);
+/// The bumper stands out from the tailgate by so much: of 56 cars seen from behind, returns above it lie 2 cm deeper.
+const TAIL_LEDGE_M: (f64, f64) = (0.0, 0.03);
+/// Nose and tail end at least so far beyond the wheel arches.
+const LEAST_BEYOND_ARCH_M: f64 = 0.14;
 
 impl Dimensions {
     /// Draws a vehicle of a class.
@@ -93,9 +94,12 @@ impl Dimensions {
         let w = kind.width.0 + kind.width.1 * z_width + over_w;
         let h = kind.height.0 + kind.height.1 * z_height + over_h;
         let tall = h / kind.height.0;
-        let front_axle = l / 2.0 - (kind.front_overhang_of_l + s.range(-0.008, 0.008)) * l;
-        let rear_axle = front_axle - kind.wheelbase_of_l * l;
+        let front_overhang = (kind.front_overhang_of_l + s.range(-0.008, 0.008)) * l;
         let wheel_radius = (kind.wheel_diameter / 2.0 * s.range(0.97, 1.03)).min(0.225 * h);
+        let arch_radius = 1.10 * wheel_radius;
+        let least_overhang = arch_radius + LEAST_BEYOND_ARCH_M;
+        let front_axle = l / 2.0 - front_overhang.max(least_overhang);
+        let rear_axle = (front_axle - kind.wheelbase_of_l * l).max(least_overhang - l / 2.0);
         let slope = |deg: f64| math::tan(deg.to_radians()) as f32;
         let estate = kind.estate && (kind.name != "high_roof" || s.chance(0.8));
         let windows = if is_van && s.chance(if matches!(kind.name, "medium_van" | "high_van") { 0.75 } else { 0.4 }) {
@@ -107,7 +111,6 @@ impl Dimensions {
         } else {
             Windows::FiveDoor
         };
-        let fast_back = kind.backlight_deg < 40.0;
         Self {
             name: kind.name,
             length: l as f32,
@@ -116,7 +119,7 @@ impl Dimensions {
             axles_x: [front_axle as f32, rear_axle as f32],
             wheel_radius: wheel_radius as f32,
             tyre_width: s.range(0.165, if w > 1.6 { 0.215 } else { 0.185 }) as f32,
-            arch_radius: (wheel_radius * 1.10) as f32,
+            arch_radius: arch_radius as f32,
             clearance: (kind.clearance * s.range(0.93, 1.07)) as f32,
             belt: (kind.belt_of_h * h + s.range(-0.015, 0.015)) as f32,
             belt_rise: s.range(0.015, if kind.estate { 0.04 } else { 0.07 }) as f32,
@@ -127,14 +130,9 @@ impl Dimensions {
             screen_slope: slope(kind.screen_deg + s.range(-1.5, 1.5)),
             backlight_slope: slope(kind.backlight_deg + s.range(-3.0, 3.0)),
             tumblehome: slope(kind.tumblehome_deg + s.range(-1.5, 1.5)),
-            roof_sag: [
-                s.range(0.03, 0.05) as f32,
-                if fast_back { s.range(0.07, 0.11) } else { s.range(0.04, 0.09) } as f32,
-            ],
-            corner_exponent: [
-                s.range(2.2, 3.0) as f32,
-                if is_van { s.range(5.0, 7.0) } else { s.range(2.3, 3.3) } as f32,
-            ],
+            roof_sag: [s.range(0.03, 0.05) as f32, s.range(0.06, 0.10) as f32],
+            corner_exponent: if is_van { [(2.2, 3.0), (5.0, 7.0)] } else { [(1.9, 2.65), (2.9, 3.9)] }
+                .map(|(from, to)| s.range(from, to) as f32),
             tail_ledge: s.range(TAIL_LEDGE_M.0, TAIL_LEDGE_M.1) as f32,
             windows,
             is_van,

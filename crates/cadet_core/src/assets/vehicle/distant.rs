@@ -16,7 +16,7 @@ const ENDS: [f32; 3] = [0.0, 0.58, 0.90];
 /// Height fractions: the bumpers' upper edge, and about that of the arches.
 const ARCH_TO: f32 = 0.58;
 const HEIGHTS: [f32; 4] = [0.0, 0.43, ARCH_TO, 1.0];
-/// Lateral fractions of the screens: the last cell is the pillar.
+/// Lateral fractions of the screens and of the roof between them: a screen's last cell is the pillar.
 const ACROSS: [f32; 3] = [0.0, 0.93, 1.0];
 
 /// The body with all that lies within the label's box.
@@ -71,7 +71,7 @@ fn add_house(surface: &mut Surface, o: &Outline, house: &Glasshouse) {
         Some(if j == 0 && matches!(posts[i].2, Cell::Pane(_)) { slot::DARK_GLASS } else { slot::PAINT })
     });
     let xs = house.roof_stations(&posts);
-    let roof: Vec<Vec<Vec3>> = xs.iter().map(|x| [0.0, 1.0].map(|t| house.roof(*x, t)).to_vec()).collect();
+    let roof: Vec<Vec<Vec3>> = xs.iter().map(|x| ACROSS.map(|t| house.roof(*x, t)).to_vec()).collect();
     surface.pair(&roof, Outward::Along(Vec3::Z), |_, _| Some(slot::PAINT));
     for is_front in [true, false] {
         let up = [0.0, limit(if is_front { SCREEN_TO_M } else { SIDE_PANES_TO_M }), 1.0];

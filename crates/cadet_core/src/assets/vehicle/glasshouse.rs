@@ -90,7 +90,7 @@ impl<'a> Glasshouse<'a> {
                 } else if d.is_van {
                     0.42
                 } else {
-                    0.535
+                    0.56
                 };
         // Behind the header, so that the lines up do not cross.
         let b = b.min(top - a_width - 0.10);
@@ -141,7 +141,8 @@ impl<'a> Glasshouse<'a> {
             (self.rear_header_x, d.roof_sag[1])
         };
         let t = (x - self.apex_x) / (end - self.apex_x);
-        d.height - sag * t * t
+        // Flat in the middle, as real roofs are for a meter.
+        d.height - sag * t * t * t.abs()
     }
 
     fn drop(&self, t: f32) -> f32 {
@@ -195,7 +196,7 @@ impl<'a> Glasshouse<'a> {
         };
         let corner = o.glass_foot(foot_x);
         let (x, y) = (foot_x + bow * (1.0 - t * t), corner.y * t);
-        let foot_z = if t == 1.0 { corner.z } else { o.deck_z(x, y).min(corner.z + 0.08) - 0.004 };
+        let foot_z = if t == 1.0 { corner.z } else { o.deck_z(x, y).min(corner.z + 0.12) - 0.004 };
         let (foot, top) = (Vec3::new(x, y, foot_z), self.roof(top_x, t));
         let arc = 4.0 * s * (1.0 - s);
         let along = (top - foot).normalize();
@@ -318,8 +319,9 @@ impl<'a> Glasshouse<'a> {
         let mut s_rows = rows.to_vec();
         if !is_front {
             let n = s_rows.len();
-            s_rows[1] = 0.11;
-            s_rows[n - 2] = s_rows[n - 2].min(if self.o.d.backlight_slope > 1.0 { 0.84 } else { 0.92 });
+            // Steep backlights end above the belt line, and under a spoiler.
+            let (from, to) = if self.o.d.backlight_slope > 1.0 { (0.18, 0.84) } else { (0.11, 0.92) };
+            (s_rows[1], s_rows[n - 2]) = (from, s_rows[n - 2].min(to));
         }
         let (border, last) = (lateral.len() - 2, rows.len() - 2);
         let grid: Vec<Vec<Vec3>> =

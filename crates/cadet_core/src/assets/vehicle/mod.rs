@@ -6,6 +6,8 @@ mod body;
 mod details;
 mod dimensions;
 mod distant;
+#[cfg(test)]
+mod end_tests;
 mod glasshouse;
 mod imported;
 mod imported_fit;
@@ -22,8 +24,6 @@ mod paint;
 mod signal_tests;
 mod signals;
 mod surface;
-#[cfg(test)]
-mod tail_tests;
 #[cfg(test)]
 mod tests;
 pub(crate) mod tram;

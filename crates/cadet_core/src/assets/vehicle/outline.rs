@@ -7,21 +7,21 @@ use crate::math::{Vec3, powf};
 const SECTION: [(f32, f32); 11] = [
     (0.0, 0.075),
     (0.08, 0.042),
-    (0.22, 0.022),
-    (0.36, 0.014),
-    (0.43, 0.010),
-    (0.50, 0.007),
+    (0.22, 0.024),
+    (0.36, 0.017),
+    (0.43, 0.013),
+    (0.50, 0.009),
     (0.64, 0.0),
-    (0.78, 0.004),
-    (0.90, 0.016),
-    (0.97, 0.032),
+    (0.78, 0.006),
+    (0.90, 0.020),
+    (0.97, 0.035),
     (1.0, 0.050),
 ];
 /// How far nose and tail lie behind their foremost line at the same height fractions, meters: the tail without the ledge of
-/// its bumper, which is as deep at each height as its share says.
-const NOSE_SETBACK: [f32; 11] = [0.07, 0.03, 0.005, 0.0, 0.008, 0.015, 0.035, 0.055, 0.085, 0.12, 0.16];
-const TAIL_SETBACK: [f32; 11] = [0.07, 0.03, 0.004, 0.0, 0.0, 0.006, 0.018, 0.030, 0.042, 0.058, 0.083];
-const TAIL_LEDGE: [f32; 11] = [0.0, 0.0, 0.0, 0.0, 0.05, 0.9, 1.0, 1.0, 1.0, 1.0, 1.0];
+/// its bumper, which is as deep at each height as its share says. `end_tests` compares them with real scans.
+const NOSE_SETBACK: [f32; 11] = [0.07, 0.03, 0.005, 0.0, 0.0, 0.003, 0.015, 0.035, 0.07, 0.11, 0.16];
+const TAIL_SETBACK: [f32; 11] = [0.07, 0.035, 0.012, 0.004, 0.0, 0.0, 0.004, 0.012, 0.024, 0.038, 0.055];
+const TAIL_LEDGE: [f32; 11] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.05, 0.9, 1.0, 1.0, 1.0, 1.0];
 /// Share of their tails' setback, above the ledge, that vans have: they end upright.
 const VAN_TAIL: f32 = 0.4;
 
@@ -90,8 +90,8 @@ impl Outline {
     /// The outline of a vehicle.
     pub fn new(d: Dimensions) -> Self {
         let half = d.length / 2.0;
-        let nose_x = (d.axles_x[0] + d.arch_radius + 0.02).min(half - 0.12);
-        let tail_x = (d.axles_x[1] - d.arch_radius - 0.02).max(-half + 0.12);
+        let nose_x = d.axles_x[0] + d.arch_radius + 0.02;
+        let tail_x = d.axles_x[1] - d.arch_radius - 0.02;
         let screen_bow = if d.is_van { 0.10 } else { 0.15 };
         let backlight_bow = if d.is_van { 0.03 } else { 0.08 };
         let backlight_x = -half + tail_setback(&d, TAIL_SETBACK.len() - 1) + 0.02 + d.boot;
@@ -100,7 +100,7 @@ impl Outline {
             tail_x,
             screen_foot_x: d.cowl_x - screen_bow,
             backlight_foot_x: backlight_x + backlight_bow,
-            lip: 0.010,
+            lip: 0.018,
             d,
         }
     }
