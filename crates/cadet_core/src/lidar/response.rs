@@ -22,7 +22,7 @@ pub struct Receiver {
     /// Power, in units of reflectance / range^2, that is detected half of the time.
     pub threshold: f64,
     /// Where the receiver's optics are focused: of what comes from surfaces nearer than this a part falls beside the detector.
-    /// 0 for optics that lose nothing.
+    /// 0 for optics that lose nothing. What rain, snow and fog return is fitted without such a loss.
     pub focus_m: f64,
     /// Standard deviation of the range of a strong echo.
     pub range_noise_m: f64,
@@ -30,11 +30,10 @@ pub struct Receiver {
 
 impl Default for Receiver {
     /// Velodyne's HDL-64E: by its data sheet pulses of 5 ns and beams of 2 mrad; the noise is that of KITTI's scans of roads
-    /// at 5 to 20 m. Threshold and focus are fitted to the returns of KITTI's cars over range, height, and reading: they lose
-    /// more beams at 5 to 12 m than at 12 to 20, at every height, and at 40 to 70 m fewer than 10 % of reflectance at 50 m, the
-    /// data sheet's figure, would tell.
+    /// at 5 to 20 m. The threshold is fitted to the returns of KITTI's cars over range, height, and reading: at 40 to 70 m
+    /// they lose fewer beams than the data sheet's 10 % of reflectance at 50 m would tell.
     fn default() -> Self {
-        Self { pulse_s: 5e-9, divergence_rad: 2e-3, threshold: 1.6e-5, focus_m: 22.0, range_noise_m: 0.0078 }
+        Self { pulse_s: 5e-9, divergence_rad: 2e-3, threshold: 1.6e-5, focus_m: 0.0, range_noise_m: 0.0078 }
     }
 }
 
