@@ -50,7 +50,7 @@ pub(super) struct Dimensions {
 }
 
 /// The bumper stands out from the tailgate by so much: of 56 cars seen from behind, returns above it lie 2 cm deeper.
-const TAIL_LEDGE_M: (f64, f64) = (0.0, 0.03);
+const TAIL_LEDGE_M: (f64, f64) = (0.0, 0.02);
 /// Nose and tail end at least so far beyond the wheel arches.
 const LEAST_BEYOND_ARCH_M: f64 = 0.14;
 
@@ -131,7 +131,7 @@ impl Dimensions {
             backlight_slope: slope(kind.backlight_deg + s.range(-3.0, 3.0)),
             tumblehome: slope(kind.tumblehome_deg + s.range(-1.5, 1.5)),
             roof_sag: [s.range(0.03, 0.05) as f32, s.range(0.06, 0.10) as f32],
-            corner_exponent: if is_van { [(2.2, 3.0), (5.0, 7.0)] } else { [(1.9, 2.65), (2.9, 3.9)] }
+            corner_exponent: if is_van { [(2.2, 3.0), (5.0, 7.0)] } else { [(1.9, 2.65), (3.4, 4.6)] }
                 .map(|(from, to)| s.range(from, to) as f32),
             tail_ledge: s.range(TAIL_LEDGE_M.0, TAIL_LEDGE_M.1) as f32,
             windows,

@@ -30,15 +30,15 @@ const LOW: [f32; 2] = [0.15, 0.6];
 
 #[rustfmt::skip]
 const ROWS: [Row; 9] = [
-    Row { name: "quartile", heights: LOW, lateral: ALL, share: 0.25, front: [0.05, 0.03], rear: [0.013, 0.02] },
-    Row { name: "median", heights: LOW, lateral: ALL, share: 0.5, front: [0.25, 0.06], rear: [0.058, 0.03] },
-    Row { name: "corner", heights: LOW, lateral: [0.85, 1.0], share: 0.5, front: [0.41, 0.07], rear: [0.275, 0.07] },
-    Row { name: "0.15 to 0.3", heights: [0.15, 0.3], lateral: ALL, share: 0.5, front: [0.107, 0.04], rear: [0.065, 0.04] },
-    Row { name: "0.3 to 0.45", heights: [0.3, 0.45], lateral: ALL, share: 0.5, front: [0.139, 0.05], rear: [0.048, 0.04] },
-    Row { name: "0.45 to 0.6", heights: [0.45, 0.6], lateral: ALL, share: 0.5, front: [0.40, 0.07], rear: [0.071, 0.03] },
-    Row { name: "0.6 to 0.75", heights: [0.6, 0.75], lateral: ALL, share: 0.5, front: [1.08, 0.18], rear: [0.158, 0.04] },
-    Row { name: "0.75 to 0.9", heights: [0.75, 0.9], lateral: ALL, share: 0.5, front: [1.67, 0.15], rear: [0.469, 0.08] },
-    Row { name: "0.9 to 1.1", heights: [0.9, 1.1], lateral: ALL, share: 0.5, front: [1.83, 0.09], rear: [0.73, 0.10] },
+    Row { name: "quartile", heights: LOW, lateral: ALL, share: 0.25, front: [0.05, 0.03], rear: [0.008, 0.02] },
+    Row { name: "median", heights: LOW, lateral: ALL, share: 0.5, front: [0.25, 0.06], rear: [0.053, 0.03] },
+    Row { name: "corner", heights: LOW, lateral: [0.85, 1.0], share: 0.5, front: [0.41, 0.07], rear: [0.27, 0.07] },
+    Row { name: "0.15 to 0.3", heights: [0.15, 0.3], lateral: ALL, share: 0.5, front: [0.107, 0.04], rear: [0.06, 0.04] },
+    Row { name: "0.3 to 0.45", heights: [0.3, 0.45], lateral: ALL, share: 0.5, front: [0.139, 0.05], rear: [0.043, 0.04] },
+    Row { name: "0.45 to 0.6", heights: [0.45, 0.6], lateral: ALL, share: 0.5, front: [0.40, 0.07], rear: [0.066, 0.035] },
+    Row { name: "0.6 to 0.75", heights: [0.6, 0.75], lateral: ALL, share: 0.5, front: [1.08, 0.18], rear: [0.153, 0.04] },
+    Row { name: "0.75 to 0.9", heights: [0.75, 0.9], lateral: ALL, share: 0.5, front: [1.67, 0.15], rear: [0.464, 0.08] },
+    Row { name: "0.9 to 1.1", heights: [0.9, 1.1], lateral: ALL, share: 0.5, front: [1.83, 0.09], rear: [0.725, 0.10] },
 ];
 
 fn quantile(mut values: Vec<f32>, share: f32) -> Option<f32> {

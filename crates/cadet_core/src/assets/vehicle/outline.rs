@@ -20,7 +20,7 @@ const SECTION: [(f32, f32); 11] = [
 /// How far nose and tail lie behind their foremost line at the same height fractions, meters: the tail without the ledge of
 /// its bumper, which is as deep at each height as its share says. `end_tests` compares them with real scans.
 const NOSE_SETBACK: [f32; 11] = [0.07, 0.03, 0.005, 0.0, 0.0, 0.003, 0.015, 0.035, 0.07, 0.11, 0.16];
-const TAIL_SETBACK: [f32; 11] = [0.07, 0.035, 0.012, 0.004, 0.0, 0.0, 0.004, 0.012, 0.024, 0.038, 0.055];
+const TAIL_SETBACK: [f32; 11] = [0.075, 0.042, 0.016, 0.003, 0.0, 0.0, 0.003, 0.010, 0.022, 0.036, 0.052];
 const TAIL_LEDGE: [f32; 11] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.05, 0.9, 1.0, 1.0, 1.0, 1.0];
 /// Share of their tails' setback, above the ledge, that vans have: they end upright.
 const VAN_TAIL: f32 = 0.4;
