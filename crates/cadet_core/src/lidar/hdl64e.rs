@@ -12,6 +12,10 @@ pub(super) const GAINS: [f64; 64] = [
     0.81, 1.20, 1.38, 0.53, 1.02, 0.85, 0.82, 1.03, 1.09, 1.43, 0.73, 0.71, 0.69, 1.08, 1.29, 1.15,
 ];
 
+/// By how much each laser measures too far, in millimeters, from the top ring down.
+#[rustfmt::skip]
+pub(super) const RANGE_OFFSETS_MM: [f64; 64] = [0.0; 64];
+
 /// (ring, from, to in degrees counter-clockwise from forward): where the car's own roof and its rig stand in the way.
 ///
 /// In five KITTI frames of five drives no beam of these sectors returned, while the beams beside them nearly all did; the
