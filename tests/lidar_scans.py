@@ -43,10 +43,10 @@ def yard_scan(table: BeamTable, seed: int) -> NDArray[np.float32]:
             is_in = np.abs((np.degrees(azimuth) - middle + 180.0) % 360.0 - 180.0) < 0.5 * width
             rho = np.where(is_in, np.minimum(rho, distance), rho)
         tangent = np.tan(np.radians(laser.elevation_deg))
-        ground = np.full(len(rho), np.inf) if tangent >= 0.0 else (-1.7 - laser.height_m) / tangent + 0.0 * rho
         # Ground that rises a little to one side, as streets do.
-        rho = np.minimum(rho, ground * (1.0 + 0.04 * cos))
-        range_m = rho / np.cos(np.radians(laser.elevation_deg)) + generator.normal(0.0, 0.01, len(rho))
+        fall = 0.005 * cos - tangent
+        rho = np.where(fall * rho > 1.7 + laser.height_m, (1.7 + laser.height_m) / np.maximum(fall, 1e-9), rho)
+        range_m = rho / np.cos(np.radians(laser.elevation_deg)) + generator.normal(laser.range_offset_m, 0.01, len(rho))
         rho = range_m * np.cos(np.radians(laser.elevation_deg))
         xyz = np.round(np.stack([rho * cos, rho * sin, laser.height_m + tangent * rho], axis=1), 3)
         intensity = np.where(generator.random(len(rho)) < 0.1, 0.0, 0.3)

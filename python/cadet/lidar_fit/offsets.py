@@ -98,7 +98,8 @@ def _patches(scan: Points, ring: NDArray[np.intp], tangents: Array, size_m: floa
     places = np.column_stack([scan.rho_m[:, None] * heading, scan.z_m])
     tangent = tangents[ring]
     beams = np.column_stack([heading, tangent]) / np.sqrt(1.0 + tangent**2)[:, None]
-    cell = np.floor(places / size_m).astype(np.int64) @ [1 << 40, 1 << 20, 1]
+    # Around the origin lies the middle of a cell, so that cells of different sizes end at different places.
+    cell = np.rint(places / size_m).astype(np.int64) @ [1 << 40, 1 << 20, 1]
     order = np.lexsort((ring, cell))
     found = []
     for its in np.split(order, np.flatnonzero(np.diff(cell[order])) + 1):

@@ -12,9 +12,17 @@ pub(super) const GAINS: [f64; 64] = [
     0.81, 1.20, 1.38, 0.53, 1.02, 0.85, 0.82, 1.03, 1.09, 1.43, 0.73, 0.71, 0.69, 1.08, 1.29, 1.15,
 ];
 
-/// By how much each laser measures too far, in millimeters, from the top ring down.
+/// By how much each laser measures too far, in millimeters, from the top ring down, their mean taken for 0.
+///
+/// By `cadet fit-lidar`'s method from 1,502 flat patches in 45 KITTI frames, standard errors 3 to 5 mm. The lowest lasers see
+/// nothing but road, and see it too low.
 #[rustfmt::skip]
-pub(super) const RANGE_OFFSETS_MM: [f64; 64] = [0.0; 64];
+pub(super) const RANGE_OFFSETS_MM: [f64; 64] = [
+    -12.0, -38.0, 5.0, -15.0, -4.0, -37.0, 37.0, -29.0, -43.0, -4.0, 12.0, -19.0, 19.0, 4.0, -24.0, -41.0,
+    28.0, -20.0, 52.0, -18.0, -16.0, -46.0, -47.0, -44.0, 6.0, -31.0, 0.0, -53.0, 24.0, -13.0, 1.0, 4.0,
+    -24.0, -18.0, -11.0, -9.0, -2.0, -48.0, 39.0, 24.0, 4.0, 40.0, -43.0, -37.0, 17.0, -41.0, -34.0, -38.0,
+    5.0, 32.0, -2.0, -9.0, 28.0, 48.0, 4.0, 23.0, 30.0, 38.0, 48.0, 30.0, 19.0, 61.0, 86.0, 101.0,
+];
 
 /// (ring, from, to in degrees counter-clockwise from forward): where the car's own roof and its rig stand in the way.
 ///
