@@ -47,7 +47,7 @@ class Laser:
     gain: float = 1.0
     """Sensitivity of the receiver: below 1 it reports more zero intensities."""
     range_offset_m: float = 0.0
-    """By how much the laser measures too far: its points lie that much farther along their beams. Ideal scans have none."""
+    """By how much the laser measures too far: its points lie farther along their beams. Ideal scans have none."""
     blind_deg: tuple[tuple[float, float], ...] = ()
     """Azimuths (from, to) at which what carries the sensor is in the way: beams there never return."""
 
@@ -91,7 +91,7 @@ class UniformFiring:
 
 @dataclass(frozen=True, kw_only=True)
 class EncoderFiring:
-    """Even firings, column j at ticks_per_firing * j + phase_ticks ticks of an encoder; points lie at the nearest whole tick.
+    """Even firings: column j at ticks_per_firing * j + phase_ticks of an encoder, its points at the nearest whole tick.
 
     Raises:
         CadetError: a number outside its range.

@@ -28,11 +28,11 @@ _THICKEST_M: Final = 0.05
 """Standard deviation of the points of a flat patch, their lasers' errors included."""
 _NARROWEST_M: Final = 0.15
 _ROUGHEST_M: Final = 0.02
-"""Standard deviation of a laser's points on a flat patch about their line, along the beam: hedges and grass have more."""
+"""Standard deviation of a laser's points about their line on a flat patch, along the beam: hedges have more."""
 _UNEVEN_M: Final = 0.004
 """What flat surfaces are uneven by from laser to laser."""
 _LEAN: Final = 0.01
-"""Standard deviation of walls' slopes from upright, with the sensor's own: what tells a trend of errors from top to bottom."""
+"""Standard deviation of walls' slopes from upright, with the sensor's own: it tells a trend of errors downward."""
 _USUAL_M: Final = 0.03
 """Standard deviation of errors before anything is known of them."""
 _KNOWN_M: Final = 0.01
