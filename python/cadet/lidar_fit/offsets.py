@@ -33,6 +33,8 @@ _UNEVEN_M: Final = 0.004
 """What flat surfaces are uneven by from laser to laser."""
 _LEAN: Final = 0.01
 """Standard deviation of walls' slopes from upright, with the sensor's own: it tells a trend of errors downward."""
+_UPRIGHT: Final = 0.05
+"""Walls' normals rise or fall by less: sides of vehicles, which lean inward, by more."""
 _USUAL_M: Final = 0.03
 """Standard deviation of errors before anything is known of them."""
 _KNOWN_M: Final = 0.01
@@ -137,7 +139,7 @@ def _patch(places: Array, beams: Array, ring: NDArray[np.intp]) -> _Patch | None
         basis=np.column_stack([np.ones(len(lasers)), means[:, 1:3]]),
         effect=means[:, 3],
         variance_m2=_UNEVEN_M**2 + rough_m**2 / counts,
-        lean=(float(normal[2]), float(upward[2]) if is_wall else 0.0),
+        lean=(float(normal[2]), float(upward[2]) if abs(normal[2]) < _UPRIGHT else 0.0),
     )
 
 
